@@ -1,0 +1,13 @@
+#include "cde/error.hpp"
+
+namespace cde {
+
+int exit_status(ErrorCode code) noexcept {
+  switch (code) {
+    case ErrorCode::kMismatch: return 3;
+    case ErrorCode::kTimeout: return 4;
+    default: return 2;
+  }
+}
+
+}  // namespace cde
