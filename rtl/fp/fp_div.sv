@@ -1,0 +1,26 @@
+// Quotient a / b.
+// Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
+module fp_div #(
+    parameter  int EXP   = 8,    // 3..11
+    parameter  int MAN   = 23,   // 2..52
+    parameter  int LANES = 1,    // >= 1
+    parameter  int LAT   = 1,    // >= 1
+    parameter      ARITH = "rtl",  // "rtl": gates; "host": the host's FPU, simulation only
+    parameter  bit FLAGS = 0,
+    localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input  logic                     clk_i,
+    input  logic [LANES-1:0][CW-1:0] a_i,
+    input  logic [LANES-1:0][CW-1:0] b_i,
+    output logic [LANES-1:0][CW-1:0] r_o,
+    output logic [LANES-1:0][CW-1:0] flags_o
+);
+  /*verilator inline_module*/
+  if (EXP < 3 || EXP > 11 || MAN < 2 || MAN > 52 || LANES < 1 || LAT < 1) $error("fp_div: parameter out of range");
+  if (ARITH != "rtl") begin : g_host
+    fp_host #(.OP(3), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .FLAGS(FLAGS)) host (
+        .clk_i, .a_i, .b_i, .r_o(r_o), .flags_o);
+  end else begin : g_rtl
+    $error("fp_div: ARITH must be \"rtl\" or \"host\"");
+  end
+endmodule

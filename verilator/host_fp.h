@@ -1,0 +1,188 @@
+// The host back end of rtl/fp (ARITH = "host"): the operation of one lane on the host's FPU, bit-identical to the gates.
+//
+// Everything here is straight-line code, so that clang turns LANES calls into vector instructions. fp32 and fp64 are native.
+// Any other format (up to 11 exponent and 25 significand bits) is computed in double and rounded once more to the format;
+// that second rounding is innocuous because 53 >= 2p + 2. The FPU must be in its default mode (nearest even, no flush to zero).
+#pragma once
+#include <bit>
+#include <cfenv>
+#include <cmath>
+#include <cstdint>
+#include <type_traits>
+
+namespace host_fp {
+
+constexpr uint32_t kInexact = 1, kUnderflow = 2, kOverflow = 4, kDivideByZero = 8, kInvalid = 16;
+
+/// Choice by mask (all ones or all zeros), never a branch.
+template <class U>
+inline U select(bool c, U t, U f) {
+  return f ^ ((f ^ t) & (U{0} - U{c}));
+}
+inline double select(bool c, double t, double f) {
+  return std::bit_cast<double>(select(c, std::bit_cast<uint64_t>(t), std::bit_cast<uint64_t>(f)));
+}
+
+template <unsigned E, unsigned M>
+struct Format {
+  static_assert(E <= 8 ? M <= 24 : M <= 52);
+  static constexpr bool kSingle = E == 8 && M == 23, kDouble = E == 11 && M == 52;
+  using Bits = std::conditional_t<(1 + E + M <= 32), uint32_t, uint64_t>;
+  using Native = std::conditional_t<kSingle, float, double>;
+  static constexpr Bits kSign = Bits{1} << (E + M), kMag = kSign - 1, kFrac = (Bits{1} << M) - 1;
+  static constexpr Bits kInf = kMag & ~kFrac, kQuiet = Bits{1} << (M - 1), kNan = kInf | kQuiet;
+  static constexpr int kBias = (1 << (E - 1)) - 1, kEmin = 1 - kBias;
+  static bool is_nan(Bits a) { return (a & kMag) > kInf; }
+  static bool is_snan(Bits a) { return is_nan(a) & ((a & kQuiet) == 0); }
+  static bool is_inf(Bits a) { return (a & kMag) == kInf; }
+  static bool is_zero(Bits a) { return (a & kMag) == 0; }
+};
+
+constexpr double exp2_const(int e) { return std::bit_cast<double>(uint64_t(e + 1023) << 52); }
+
+/// The exact value of a word, NaN included.
+template <unsigned E, unsigned M>
+inline double decode(typename Format<E, M>::Bits a) {
+  using F = Format<E, M>;
+  if constexpr (F::kSingle) {
+    return double(std::bit_cast<float>(a));
+  } else if constexpr (F::kDouble) {
+    return std::bit_cast<double>(a);
+  } else {
+    // Read as a double with the small format's exponent, then scale: exact, and subnormals normalise themselves.
+    const uint64_t mag = uint64_t(a & F::kMag) << (52 - M);
+    const double scaled = std::bit_cast<double>(mag) * exp2_const(1023 - F::kBias);
+    const double special = std::bit_cast<double>(mag | (uint64_t{2047} << 52));
+    const double v = select((a & F::kMag) >= F::kInf, special, scaled);
+    return std::bit_cast<double>(std::bit_cast<uint64_t>(v) | uint64_t((a & F::kSign) != 0) << 63);
+  }
+}
+
+/// A double rounded to the format, nearest even; NaN becomes the canonical NaN.
+template <unsigned E, unsigned M>
+inline typename Format<E, M>::Bits encode(double x) {
+  using F = Format<E, M>;
+  using Bits = typename F::Bits;
+  if constexpr (F::kSingle) {
+    const Bits r = std::bit_cast<Bits>(float(x));
+    return select<Bits>(x != x, F::kNan, r);
+  } else if constexpr (F::kDouble) {
+    return select<Bits>(x != x, F::kNan, std::bit_cast<Bits>(x));
+  } else {
+    constexpr int kDrop = 52 - int(M);
+    const uint64_t u = std::bit_cast<uint64_t>(x), mag = u & ~(uint64_t{1} << 63);
+    const uint64_t odd = (mag >> kDrop) & 1;
+    const uint64_t normal = ((mag + ((uint64_t{1} << (kDrop - 1)) - 1) + odd) >> kDrop) - (uint64_t(1023 - F::kBias) << M);
+    // Below the normal range the FPU rounds at the subnormal unit when a constant with that unit is added.
+    constexpr double kMagic = exp2_const(F::kEmin - int(M) + 52);
+    const uint64_t sub = std::bit_cast<uint64_t>(std::bit_cast<double>(mag) + kMagic) - std::bit_cast<uint64_t>(kMagic);
+    uint64_t r = select(mag < std::bit_cast<uint64_t>(exp2_const(F::kEmin)), sub, normal);
+    r = select(mag >= std::bit_cast<uint64_t>(exp2_const(F::kBias + 1)), uint64_t{F::kInf}, r);
+    r = select(r > F::kInf, uint64_t{F::kInf}, r);
+    r |= (u >> 63) << (E + M);
+    return Bits(select(mag > uint64_t{2047} << 52, uint64_t{F::kNan}, r));
+  }
+}
+
+struct Add { template <class T> static T of(T a, T b) { return a + b; } };
+struct Sub { template <class T> static T of(T a, T b) { return a - b; } };
+struct Mul { template <class T> static T of(T a, T b) { return a * b; } };
+struct Div { template <class T> static T of(T a, T b) { return a / b; } };
+struct Sqrt { template <class T> static T of(T a, T) { return std::sqrt(a); } };
+
+template <class Op, unsigned E, unsigned M, class Bits = typename Format<E, M>::Bits>
+inline Bits binary(Bits a, Bits b) {
+  using F = Format<E, M>;
+  if constexpr (F::kSingle || F::kDouble) {
+    using T = typename F::Native;
+    const T r = Op::of(std::bit_cast<T>(a), std::bit_cast<T>(b));
+    return select<Bits>(r != r, F::kNan, std::bit_cast<Bits>(r));
+  } else {
+    return encode<E, M>(Op::of(decode<E, M>(a), decode<E, M>(b)));
+  }
+}
+
+/// Rounding flags of a result r whose value before rounding is x (double, not itself rounded across a boundary).
+template <unsigned E, unsigned M, class Bits = typename Format<E, M>::Bits>
+inline uint32_t rounding_flags(Bits r, double x, bool inexact) {
+  using F = Format<E, M>;
+  // Tiny after rounding: below the smallest normal even when rounded to full precision.
+  constexpr double kTiny = exp2_const(F::kEmin) * (1.0 - exp2_const(-int(M) - 2));
+  const uint32_t overflow = F::is_inf(r), tiny = std::fabs(x) < kTiny;
+  const uint32_t nx = uint32_t{inexact} | overflow;
+  return nx * kInexact | (nx & tiny) * kUnderflow | overflow * kOverflow;
+}
+
+/// Flags of fp64 come from the FPU itself (which detects tininess after rounding on x86).
+template <class Op>
+inline uint32_t fpu_flags(double a, double b) {
+  std::feclearexcept(FE_ALL_EXCEPT);
+  volatile double x = a, y = b;
+  volatile double r = Op::of(double(x), double(y));
+  (void)r;
+  const int f = std::fetestexcept(FE_ALL_EXCEPT);
+  return uint32_t((f & FE_INEXACT) != 0) * kInexact | uint32_t((f & FE_UNDERFLOW) != 0) * kUnderflow |
+         uint32_t((f & FE_OVERFLOW) != 0) * kOverflow | uint32_t((f & FE_DIVBYZERO) != 0) * kDivideByZero |
+         uint32_t((f & FE_INVALID) != 0) * kInvalid;
+}
+
+template <class Op, unsigned E, unsigned M, class Bits = typename Format<E, M>::Bits>
+inline uint32_t binary_flags(Bits a, Bits b) {
+  using F = Format<E, M>;
+  if constexpr (F::kDouble) {
+    return fpu_flags<Op>(std::bit_cast<double>(a), std::bit_cast<double>(b));
+  } else {
+    const Bits r = binary<Op, E, M>(a, b);
+    const double x = decode<E, M>(a), y = decode<E, M>(b), z = Op::of(x, y), w = decode<E, M>(r);
+    bool inexact;
+    if constexpr (std::is_same_v<Op, Add> || std::is_same_v<Op, Sub>) {
+      const double t = std::is_same_v<Op, Sub> ? -y : y, v = z - x;
+      inexact = (w != z) | ((x - (z - v)) + (t - v) != 0);  // Knuth's two-sum: the double sum may round too
+    } else if constexpr (std::is_same_v<Op, Mul>) {
+      inexact = w != z;  // the product of two significands fits a double
+    } else if constexpr (std::is_same_v<Op, Div>) {
+      inexact = w * y != x;
+    } else {
+      inexact = w * w != x;
+    }
+    const bool nan_in = F::is_nan(a) | F::is_nan(b), infinite_in = F::is_inf(a) | F::is_inf(b);
+    const bool div = std::is_same_v<Op, Div>;
+    const bool by_zero = div & F::is_zero(b) & !infinite_in & !nan_in & !F::is_zero(a);
+    const bool invalid = F::is_snan(a) | F::is_snan(b) | (!nan_in & F::is_nan(r));
+    const uint32_t rounding = rounding_flags<E, M>(r, z, inexact);
+    const bool finite = !nan_in & !infinite_in & !by_zero & !F::is_nan(r);
+    return rounding * finite | by_zero * kDivideByZero | invalid * kInvalid;
+  }
+}
+
+/// Operation codes; fp_host.sv derives the same numbers from its OP parameter.
+enum Code : unsigned { kAdd, kSub, kMul, kDiv, kSqrt, kLt, kLe, kEq };
+
+/// One lane. Comparisons answer all ones or all zeros, false when either operand is NaN.
+template <unsigned C, unsigned E, unsigned M, class Bits = typename Format<E, M>::Bits>
+inline Bits op(Bits a, Bits b) {
+  using T = typename Format<E, M>::Native;
+  if constexpr (C == kAdd) return binary<Add, E, M>(a, b);
+  else if constexpr (C == kSub) return binary<Sub, E, M>(a, b);
+  else if constexpr (C == kMul) return binary<Mul, E, M>(a, b);
+  else if constexpr (C == kDiv) return binary<Div, E, M>(a, b);
+  else if constexpr (C == kSqrt) return binary<Sqrt, E, M>(a, a);
+  else if constexpr (C == kLt) return Bits{0} - Bits(T(decode<E, M>(a)) < T(decode<E, M>(b)));
+  else if constexpr (C == kLe) return Bits{0} - Bits(T(decode<E, M>(a)) <= T(decode<E, M>(b)));
+  else return Bits{0} - Bits(T(decode<E, M>(a)) == T(decode<E, M>(b)));
+}
+
+/// Its flags. lt and le are signalling comparisons, eq is quiet.
+template <unsigned C, unsigned E, unsigned M, class Bits = typename Format<E, M>::Bits>
+inline Bits flags(Bits a, Bits b) {
+  using F = Format<E, M>;
+  if constexpr (C == kAdd) return binary_flags<Add, E, M>(a, b);
+  else if constexpr (C == kSub) return binary_flags<Sub, E, M>(a, b);
+  else if constexpr (C == kMul) return binary_flags<Mul, E, M>(a, b);
+  else if constexpr (C == kDiv) return binary_flags<Div, E, M>(a, b);
+  else if constexpr (C == kSqrt) return binary_flags<Sqrt, E, M>(a, a);
+  else if constexpr (C == kEq) return Bits(F::is_snan(a) | F::is_snan(b)) * kInvalid;
+  else return Bits(F::is_nan(a) | F::is_nan(b)) * kInvalid;
+}
+
+}  // namespace host_fp
