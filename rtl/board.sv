@@ -1,0 +1,179 @@
+// The card: local bus, primary and secondary register files, collision detection engine, update engine, record memory.
+// DDR and SRAM chips are outside; the ports name what they need. All of it runs on one core clock; the engine's part is gated
+// while no pass runs.
+module board #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 16,       // power of two that divides PRIMARIES
+    parameter int PRIMARIES = 256,  // 64, 128, 192 or 256
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_DIV = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    parameter int DDR_SLOTS = 55555555,     // two 1 GB modules of 36-byte slots
+    parameter int SRAM_RECORDS = 524288,    // seven 2 MB chips, one word of a record each
+    parameter logic [63:0] CONFIG_HASH = 0,
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
+    localparam int SRAM_AW = $clog2(SRAM_RECORDS)
+) (
+    input logic clk_i,
+    input logic rst_i,
+
+    input logic bus_valid_i,
+    input logic bus_write_i,
+    input logic [1:0] bus_space_i,
+    input logic [31:0] bus_addr_i,
+    input logic [63:0] bus_wdata_i,
+    output logic bus_ready_o,
+    output logic bus_rvalid_o,
+    output logic [63:0] bus_rdata_o,
+    output logic irq_o,
+
+    output logic ddr_write_o,  // 64 bits at a byte offset
+    output logic [31:0] ddr_write_addr_o,
+    output logic [63:0] ddr_write_data_o,
+    output logic ddr_read_o,  // one slot; answers come in order
+    output logic [31:0] ddr_read_slot_o,
+    input logic ddr_valid_i,
+    input logic [cde_pkg::SEC_WORDS-1:0][CW-1:0] ddr_data_i,
+
+    output logic sram_write_o,
+    output logic [SRAM_AW-1:0] sram_write_addr_o,
+    output logic [cde_pkg::RECORD_WORDS-1:0][CW-1:0] sram_write_data_o,
+    output logic sram_read_o,
+    output logic [SRAM_AW-1:0] sram_read_addr_o,
+    input logic [cde_pkg::RECORD_WORDS-1:0][CW-1:0] sram_read_data_i  // the clock after sram_read_o
+);
+  localparam int FIFO_DEPTH = 128;
+  localparam int ROWS = PRIMARIES / LANES;
+  localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1;
+  localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1;
+  localparam int PRIM_W = $clog2(PRIMARIES);
+  if (PRIMARIES % 64 != 0 || PRIMARIES > 256) begin : g_illegal
+    $error("board: PRIMARIES must be 64, 128, 192 or 256");
+  end
+
+  // ---- Local bus and registers ----
+  logic prim_write, sram_pop, sram_beat_valid, sram_full, go, abort, busy, done, streaming;
+  logic [63:0] sram_beat;
+  logic [31:0] sram_count, sec_first, sec_count;
+  logic [2:0] mode;
+  logic [PRIM_W:0] prim_count, new_hits;
+  logic [PRIMARIES-1:0] stencil, prim_bad;
+  logic issue, bubble, stall, sec_pop, sec_bad, record_write;
+  logic [15:0] latency;
+  card_registers #(
+      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .DDR_SLOTS(DDR_SLOTS), .SRAM_RECORDS(SRAM_RECORDS),
+      .CONFIG_HASH(CONFIG_HASH)
+  ) registers (
+      .clk_i, .rst_i, .bus_valid_i, .bus_write_i, .bus_space_i, .bus_addr_i, .bus_wdata_i, .bus_ready_o, .bus_rvalid_o,
+      .bus_rdata_o, .irq_o, .prim_write_o(prim_write), .ddr_write_o, .sram_pop_o(sram_pop), .sram_valid_i(sram_beat_valid),
+      .sram_beat_i(sram_beat), .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .mode_o(mode),
+      .prim_count_o(prim_count), .sec_first_o(sec_first), .sec_count_o(sec_count), .stencil_o(stencil), .busy_i(busy),
+      .done_i(done), .prim_bad_i(prim_bad), .issue_i(issue), .bubble_i(bubble), .stall_i(stall), .secondary_i(sec_pop),
+      .secondary_bad_i(sec_bad), .record_i(record_write), .latency_i(latency));
+  assign ddr_write_addr_o = bus_addr_i;
+  assign ddr_write_data_o = bus_wdata_i;
+
+  logic clk_engine;
+  clock_gate gate (.clk_i, .enable_i(busy | go | rst_i), .clk_o(clk_engine));
+
+  // ---- Secondaries ----
+  logic fetch_start, fetch_stop, sec_valid, sec_last, sec_idle;
+  logic [cde_pkg::SEC_WORDS-1:0][CW-1:0] secondary;
+  logic [31:0] sec_index;
+  secondary_regfile #(.EXP(EXP), .MAN(MAN)) secondaries (
+      .clk_i(clk_engine), .rst_i, .start_i(fetch_start), .stop_i(fetch_stop), .first_i(sec_first), .count_i(sec_count),
+      .ddr_read_o, .ddr_slot_o(ddr_read_slot_o), .ddr_valid_i, .ddr_data_i, .valid_o(sec_valid), .slot_o(secondary),
+      .bad_o(sec_bad), .index_o(sec_index), .last_o(sec_last), .pop_i(sec_pop), .idle_o(sec_idle));
+
+  // ---- Sequencer ----
+  logic clear, issue_parity, retire, fifo_empty, writeback, writeback_parity, writeback_ready;
+  logic [ROW_W-1:0] clear_row, issue_row;
+  logic [LANES-1:0] clear_mask;
+  logic [1:0] credit;
+  logic [PRIM_W-1:0] writeback_primary;
+  engine_control #(.LANES(LANES), .PRIMARIES(PRIMARIES), .FIFO_DEPTH(FIFO_DEPTH)) control (
+      .clk_i(clk_engine), .rst_i, .go_i(go), .abort_i(abort), .mode_i(mode), .prim_count_i(prim_count), .stencil_i(stencil),
+      .busy_o(busy), .done_o(done), .streaming_mode_o(streaming), .clear_o(clear), .clear_row_o(clear_row),
+      .clear_mask_o(clear_mask), .fetch_start_o(fetch_start), .fetch_stop_o(fetch_stop), .secondary_valid_i(sec_valid),
+      .secondary_last_i(sec_last), .secondary_idle_i(sec_idle), .secondary_pop_o(sec_pop), .issue_o(issue),
+      .issue_row_o(issue_row), .issue_parity_o(issue_parity), .retire_i(retire), .new_hits_i(new_hits), .credit_i(credit),
+      .fifo_empty_i(fifo_empty), .writeback_o(writeback), .writeback_primary_o(writeback_primary),
+      .writeback_parity_o(writeback_parity), .writeback_ready_i(writeback_ready), .sram_idle_i(!record_write),
+      .bubble_o(bubble), .stall_o(stall));
+
+  // ---- Collision detection engine ----
+  logic [ROW_W-1:0] row;
+  logic parity;
+  logic [31:0] index;
+  logic [LANES-1:0][CW-1:0] f, bad, t;
+  logic [2:0][LANES-1:0][CW-1:0] cp;
+  cde #(
+      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+      .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+  ) engine (
+      .clk_i(clk_engine), .rst_i, .bus_clk_i(clk_i), .prim_write_i(prim_write), .prim_addr_i(bus_addr_i), .prim_data_i(bus_wdata_i),
+      .prim_bad_o(prim_bad), .valid_i(issue), .row_i(issue_row), .parity_i(issue_parity), .index_i(sec_index),
+      .secondary_i(secondary), .secondary_bad_i(sec_bad), .valid_o(retire), .row_o(row), .parity_o(parity), .index_o(index),
+      .f_o(f), .bad_o(bad), .t_o(t), .cp_o(cp), .latency_o(latency));
+
+  // ---- Update engine and output FIFO ----
+  logic result_f;
+  logic [31:0] result_index;
+  logic [CW-1:0] result_t;
+  logic [2:0][CW-1:0] result_cp;
+  update_engine #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES)) update (
+      .clk_i(clk_engine), .mode_i(mode), .clear_i(clear), .clear_row_i(clear_row), .clear_mask_i(clear_mask),
+      .valid_i(retire && !streaming), .row_i(row), .parity_i(parity), .index_i(index), .f_i(f), .t_i(t), .cp_i(cp),
+      .new_hits_o(new_hits), .result_primary_i(writeback_primary), .result_parity_i(writeback_parity), .result_f_o(result_f),
+      .result_index_o(result_index), .result_t_o(result_t), .result_cp_o(result_cp));
+
+  logic [LANES-1:0] active_mem[ROWS];
+  always_ff @(posedge clk_engine) if (clear) active_mem[clear_row] <= ~clear_mask;
+  logic fifo_valid, fifo_ready, fifo_f, fifo_bad;
+  logic [ROW_W-1:0] fifo_row;
+  logic [LANE_W-1:0] fifo_lane;
+  logic [31:0] fifo_index;
+  logic [CW-1:0] fifo_t;
+  logic [2:0][CW-1:0] fifo_cp;
+  record_fifo #(.LANES(LANES), .CW(CW), .ROW_W(ROW_W), .DEPTH(FIFO_DEPTH)) fifo (
+      .clk_i(clk_engine), .rst_i(rst_i | clear), .hits_only_i(mode == cde_pkg::MODE_HITS), .push_i(retire && streaming), .row_i(row),
+      .index_i(index), .unmasked_i(active_mem[row]), .f_i(f), .bad_i(bad), .t_i(t), .cp_i(cp), .credit_o(credit),
+      .empty_o(fifo_empty), .valid_o(fifo_valid), .ready_i(fifo_ready), .row_o(fifo_row), .lane_o(fifo_lane),
+      .index_o(fifo_index), .f_o(fifo_f), .bad_o(fifo_bad), .t_o(fifo_t), .cp_o(fifo_cp));
+
+  // ---- Records: from the update buffers at the end of a pass, from the FIFO during it ----
+  localparam logic [CW-1:0] INF = ((CW'(1) << EXP) - 1) << MAN;
+  localparam logic [CW-1:0] QNAN = INF | (CW'(1) << (MAN - 1));
+  logic [cde_pkg::RECORD_WORDS-1:0][CW-1:0] record_q, record;
+  logic result_bad;
+  assign writeback_ready = !sram_full && !record_write;
+  assign fifo_ready = !sram_full && !(record_write && sram_count + 1 == 32'(SRAM_RECORDS));
+  assign result_bad = prim_bad[writeback_primary];
+  always_comb begin
+    if (streaming) begin
+      record[2:0] = fifo_cp;
+      record[cde_pkg::RECORD_FLAGS] = CW'({fifo_bad, fifo_f});
+      record[cde_pkg::RECORD_INDEX] = fifo_f ? CW'(fifo_index) : CW'(32'hffffffff);
+      record[cde_pkg::RECORD_T] = fifo_t;
+      record[cde_pkg::RECORD_PRIMARY] = CW'(32'(fifo_row) * 32'(LANES) + 32'(fifo_lane));
+    end else begin
+      record[2:0] = result_bad ? {3{QNAN}} : result_cp;
+      record[cde_pkg::RECORD_FLAGS] = CW'({result_bad, result_f});
+      record[cde_pkg::RECORD_INDEX] = CW'(result_index);
+      record[cde_pkg::RECORD_T] = result_bad ? QNAN : result_t;
+      record[cde_pkg::RECORD_PRIMARY] = CW'(writeback_primary);
+    end
+  end
+  always_ff @(posedge clk_engine) begin
+    record_write <= !rst_i && (streaming ? fifo_valid && fifo_ready : writeback && writeback_ready);
+    if (streaming ? fifo_valid : writeback) record_q <= record;
+  end
+
+  sram_ring #(.CW(CW), .RECORDS(SRAM_RECORDS)) ring (
+      .clk_i, .rst_i, .write_i(record_write & busy), .record_i(record_q), .full_o(sram_full), .count_o(sram_count),
+      .beat_valid_o(sram_beat_valid), .beat_o(sram_beat), .beat_pop_i(sram_pop), .sram_write_o, .sram_write_addr_o,
+      .sram_write_data_o, .sram_read_o, .sram_read_addr_o, .sram_read_data_i);
+endmodule

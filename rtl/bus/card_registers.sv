@@ -1,0 +1,197 @@
+// The card's end of the local bus: one 64-bit beat a clock into four spaces (cde_pkg::SPACE_*). Holds the registers, checks every
+// access against its space, and forwards beats to the primary register file, DDR and the SRAM ring. The PCI target and the DMA
+// engine are masters of this port; nothing behind it knows which bus the host is on.
+// Latency: read data 1 clock after the beat is taken. Throughput: one beat a clock. Stall: ready_o is low only for SRAM reads that wait for the ring.
+module card_registers #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 16,
+    parameter int PRIMARIES = 256,
+    parameter int DDR_SLOTS = 55555555,
+    parameter int SRAM_RECORDS = 524288,
+    parameter logic [63:0] CONFIG_HASH = 0,
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
+    localparam int PRIM_W = $clog2(PRIMARIES)
+) (
+    input logic clk_i,
+    input logic rst_i,
+    input logic bus_valid_i,
+    input logic bus_write_i,
+    input logic [1:0] bus_space_i,
+    input logic [31:0] bus_addr_i,
+    input logic [63:0] bus_wdata_i,
+    output logic bus_ready_o,
+    output logic bus_rvalid_o,
+    output logic [63:0] bus_rdata_o,
+    output logic irq_o,
+
+    output logic prim_write_o,
+    output logic ddr_write_o,
+    output logic sram_pop_o,
+    input logic sram_valid_i,
+    input logic [63:0] sram_beat_i,
+    input logic [31:0] sram_count_i,
+    input logic sram_full_i,
+
+    output logic go_o,
+    output logic abort_o,
+    output logic [2:0] mode_o,
+    output logic [PRIM_W:0] prim_count_o,
+    output logic [31:0] sec_first_o,
+    output logic [31:0] sec_count_o,
+    output logic [PRIMARIES-1:0] stencil_o,
+    input logic busy_i,
+    input logic done_i,
+    input logic [PRIMARIES-1:0] prim_bad_i,
+    input logic issue_i,
+    input logic bubble_i,
+    input logic stall_i,
+    input logic secondary_i,
+    input logic secondary_bad_i,
+    input logic record_i,
+    input logic [15:0] latency_i
+);
+  import cde_pkg::*;
+  localparam logic [63:0] DDR_BYTES = 64'(DDR_SLOTS) * 64'(SEC_WORDS * CW / 8);
+  localparam logic [31:0] PRIM_BYTES = 32'(PRIMARIES * PRIM_WORDS * CW / 8);
+  localparam int STENCILS = (PRIMARIES + 63) / 64;
+
+  logic [3:0] pair_q;
+  logic [31:0] prim_count_q, sec_first_q, sec_count_q;
+  logic [2:0] mode_q;
+  logic [STENCILS*64-1:0] stencil_q;
+  logic done_q, command_error_q, bus_error_q;
+  logic [33:0] fault_q;
+  logic [63:0] cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q;
+
+  logic write_reg, read, aligned, allowed, in_stencil, command_ok;
+  logic [11:0] offset;
+  assign aligned = bus_addr_i[2:0] == 0;
+  assign offset = bus_addr_i[11:0];
+  assign in_stencil = bus_addr_i >= 32'(REG_STENCIL) && bus_addr_i < 32'(REG_STENCIL) + 32'(STENCILS * 8);
+
+  // What an access may touch. Memories and settings are not written while a pass runs.
+  always_comb begin
+    allowed = 0;
+    case (bus_space_i)
+      SPACE_REG:
+        if (!bus_write_i) allowed = bus_addr_i < 32'h100;
+        else
+          case (bus_addr_i)
+            32'(REG_CONTROL): allowed = 1;
+            32'(REG_COMMAND), 32'(REG_PRIM_COUNT), 32'(REG_SEC_FIRST), 32'(REG_SEC_COUNT): allowed = !busy_i;
+            default: allowed = in_stencil && !busy_i;
+          endcase
+      SPACE_PRIM: allowed = bus_write_i && !busy_i && bus_addr_i < PRIM_BYTES;
+      SPACE_DDR: allowed = bus_write_i && !busy_i && {32'b0, bus_addr_i} < DDR_BYTES;
+      SPACE_SRAM: allowed = !bus_write_i && (sram_count_i != 0 || sram_valid_i);
+      default: allowed = 0;
+    endcase
+    allowed = allowed && aligned;
+  end
+
+  assign bus_ready_o = !(bus_space_i == SPACE_SRAM && allowed && !sram_valid_i);
+  assign read = bus_valid_i && bus_ready_o && !bus_write_i;
+  assign write_reg = bus_valid_i && bus_write_i && allowed && bus_space_i == SPACE_REG;
+  assign prim_write_o = bus_valid_i && bus_write_i && allowed && bus_space_i == SPACE_PRIM;
+  assign ddr_write_o = bus_valid_i && bus_write_i && allowed && bus_space_i == SPACE_DDR;
+  assign sram_pop_o = read && allowed && bus_space_i == SPACE_SRAM;
+
+  assign command_ok = mode_q <= MODE_HITS && pair_q == PAIR_RAY_TRIANGLE && prim_count_q != 0 && prim_count_q <= 32'(PRIMARIES) &&
+      sec_count_q != 0 && {1'b0, sec_first_q} + {1'b0, sec_count_q} <= 33'(DDR_SLOTS) && !busy_i;
+  assign go_o = write_reg && offset == REG_CONTROL && bus_wdata_i[0] && command_ok;
+  assign abort_o = write_reg && offset == REG_CONTROL && bus_wdata_i[1];
+  assign mode_o = mode_q;
+  assign prim_count_o = prim_count_q[PRIM_W:0];
+  assign sec_first_o = sec_first_q;
+  assign sec_count_o = sec_count_q;
+  assign stencil_o = stencil_q[PRIMARIES-1:0];
+  assign irq_o = done_q || command_error_q || bus_error_q || sram_full_i;
+
+  logic [63:0] rdata;
+  always_comb begin
+    rdata = 0;
+    case (offset)
+      REG_ID: rdata = {ID_MAGIC, INTERFACE_VERSION};
+      REG_CAPS: rdata = {8'b0, ALGORITHM_MOLLER, 8'(MAN), 8'(EXP), 16'(PRIMARIES), 16'(LANES)};
+      REG_CONFIG_HASH: rdata = CONFIG_HASH;
+      REG_CAPS2: rdata = {8'b0, 8'(CW), 32'(SRAM_RECORDS), latency_i};
+      REG_CAPACITY: rdata = 64'(DDR_SLOTS);
+      REG_STATUS: begin
+        rdata[STATUS_BUSY] = busy_i;
+        rdata[STATUS_DONE] = done_q;
+        rdata[STATUS_COMMAND_ERROR] = command_error_q;
+        rdata[STATUS_BUS_ERROR] = bus_error_q;
+        rdata[STATUS_SRAM_WAIT] = sram_full_i;
+        rdata[STATUS_IRQ] = irq_o;
+      end
+      REG_COMMAND: rdata = {52'b0, pair_q, 5'b0, mode_q};
+      REG_PRIM_COUNT: rdata = 64'(prim_count_q);
+      REG_SEC_FIRST: rdata = 64'(sec_first_q);
+      REG_SEC_COUNT: rdata = 64'(sec_count_q);
+      REG_RECORDS: rdata = 64'(sram_count_i);
+      REG_FAULT_ADDR: rdata = 64'(fault_q);
+      REG_CYCLES: rdata = cycles_q;
+      REG_ROWS: rdata = rows_q;
+      REG_STALLS: rdata = stalls_q;
+      REG_BUBBLES: rdata = bubbles_q;
+      REG_BAD_PRIM: rdata = 64'($countones(prim_bad_i & present));
+      REG_BAD_SEC: rdata = bad_sec_q;
+      REG_SECONDARIES: rdata = secondaries_q;
+      REG_WRITTEN: rdata = written_q;
+      default: if (in_stencil) rdata = stencil_q[64*32'(offset[4:3])+:64];
+    endcase
+  end
+
+  logic [PRIMARIES-1:0] present;
+  for (genvar p = 0; p < PRIMARIES; p++) begin : primary
+    assign present[p] = 32'(p) < prim_count_q;
+  end
+
+  always_ff @(posedge clk_i) begin
+    bus_rvalid_o <= read && !rst_i;
+    if (read) bus_rdata_o <= !allowed ? 64'b0 : bus_space_i == SPACE_SRAM ? sram_beat_i : rdata;
+
+    if (write_reg) begin
+      case (offset)
+        REG_COMMAND: {pair_q, mode_q} <= {bus_wdata_i[11:8], bus_wdata_i[2:0]};
+        REG_PRIM_COUNT: prim_count_q <= |bus_wdata_i[63:32] ? '1 : bus_wdata_i[31:0];
+        REG_SEC_FIRST: sec_first_q <= |bus_wdata_i[63:32] ? '1 : bus_wdata_i[31:0];
+        REG_SEC_COUNT: sec_count_q <= |bus_wdata_i[63:32] ? '1 : bus_wdata_i[31:0];
+        REG_CONTROL: begin
+          if (bus_wdata_i[2]) {done_q, command_error_q, bus_error_q} <= '0;
+          if (bus_wdata_i[0]) begin
+            done_q <= 0;
+            command_error_q <= !command_ok;
+          end
+        end
+        default: stencil_q[64*32'(offset[4:3])+:64] <= bus_wdata_i;
+      endcase
+    end
+    if (bus_valid_i && bus_ready_o && !allowed) begin
+      bus_error_q <= 1;
+      if (!bus_error_q) fault_q <= {bus_space_i, bus_addr_i};
+    end
+    if (done_i) done_q <= 1;
+
+    if (go_o) {cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q} <= '0;
+    else begin
+      cycles_q <= cycles_q + 64'(busy_i);
+      rows_q <= rows_q + 64'(issue_i);
+      stalls_q <= stalls_q + 64'(stall_i);
+      bubbles_q <= bubbles_q + 64'(bubble_i);
+      secondaries_q <= secondaries_q + 64'(secondary_i);
+      bad_sec_q <= bad_sec_q + 64'(secondary_i && secondary_bad_i);
+      written_q <= written_q + 64'(record_i);
+    end
+
+    if (rst_i) begin
+      {done_q, command_error_q, bus_error_q} <= '0;
+      {pair_q, mode_q} <= '0;
+      {prim_count_q, sec_first_q, sec_count_q} <= '0;
+      stencil_q <= '0;
+      fault_q <= '0;
+      {cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q} <= '0;
+    end
+  end
+endmodule

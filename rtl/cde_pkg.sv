@@ -1,0 +1,70 @@
+// The one source of truth for what software and hardware share: pair codes, result modes, record and slot layouts,
+// local-bus spaces and the register map. tests/board holds the C++ side (host/include/cde/card.hpp) against this file.
+package cde_pkg;
+
+  // ---- Local bus: one 64-bit beat a clock into one of these spaces ----
+  localparam logic [1:0] SPACE_REG = 2'd0;   // register file, 64-bit registers at 8-byte offsets
+  localparam logic [1:0] SPACE_PRIM = 2'd1;  // primary register file, PRIM_WORDS words a slot, write only
+  localparam logic [1:0] SPACE_DDR = 2'd2;   // secondary memory, packed slots, write only
+  localparam logic [1:0] SPACE_SRAM = 2'd3;  // record stream: every beat read takes the next words of the ring
+
+  // ---- Registers (byte offsets) ----
+  localparam logic [11:0] REG_ID = 12'h000;            // [63:32] "CDE1", [31:0] interface version
+  localparam logic [11:0] REG_CAPS = 12'h008;          // [15:0] lanes, [31:16] primaries, [39:32] EXP, [47:40] MAN, [55:48] algorithm
+  localparam logic [11:0] REG_CONFIG_HASH = 12'h010;   // hash of parameters and RTL sources
+  localparam logic [11:0] REG_CAPS2 = 12'h018;         // [15:0] pipe latency, [47:16] SRAM records, [55:48] container bits
+  localparam logic [11:0] REG_CAPACITY = 12'h020;      // secondary slots in DDR
+  localparam logic [11:0] REG_CONTROL = 12'h028;       // write: [0] go, [1] abort, [2] clear errors and done
+  localparam logic [11:0] REG_STATUS = 12'h030;        // STATUS_* bits
+  localparam logic [11:0] REG_COMMAND = 12'h038;       // [2:0] result mode, [11:8] pair code
+  localparam logic [11:0] REG_PRIM_COUNT = 12'h040;    // counter register: primaries in the register file
+  localparam logic [11:0] REG_SEC_FIRST = 12'h048;     // first secondary slot
+  localparam logic [11:0] REG_SEC_COUNT = 12'h050;     // counter register: number of secondaries
+  localparam logic [11:0] REG_RECORDS = 12'h058;       // records waiting in the SRAM ring
+  localparam logic [11:0] REG_FAULT_ADDR = 12'h060;    // [33:32] space, [31:0] offset of the first refused access
+  localparam logic [11:0] REG_STENCIL = 12'h080;       // primaries/64 registers: 1 masks a primary
+  localparam logic [11:0] REG_CYCLES = 12'h0C0;        // clocks from go to done
+  localparam logic [11:0] REG_ROWS = 12'h0C8;          // rows issued to the pipe (one row = LANES pairs)
+  localparam logic [11:0] REG_STALLS = 12'h0D0;        // clocks the pipe mouth waited for output space
+  localparam logic [11:0] REG_BUBBLES = 12'h0D8;       // clocks the pipe mouth waited for a secondary
+  localparam logic [11:0] REG_BAD_PRIM = 12'h0E0;      // primaries refused as bad input
+  localparam logic [11:0] REG_BAD_SEC = 12'h0E8;       // secondaries refused as bad input
+  localparam logic [11:0] REG_SECONDARIES = 12'h0F0;   // secondaries swept
+  localparam logic [11:0] REG_WRITTEN = 12'h0F8;       // records written to SRAM
+
+  localparam logic [31:0] ID_MAGIC = 32'h43444531;
+  localparam logic [31:0] INTERFACE_VERSION = 32'd1;
+
+  localparam int STATUS_BUSY = 0;
+  localparam int STATUS_DONE = 1;
+  localparam int STATUS_COMMAND_ERROR = 2;  // go refused: mode, pair, count or range out of bounds
+  localparam int STATUS_BUS_ERROR = 3;      // access outside a space, to a read-only register, or while busy
+  localparam int STATUS_SRAM_WAIT = 4;      // the SRAM ring is full and the engine waits for the host
+  localparam int STATUS_IRQ = 5;            // done, an error, or a full ring wants the host
+
+  // ---- Result modes ----
+  localparam logic [2:0] MODE_NEAREST = 3'd0;   // smallest (T, index) a primary
+  localparam logic [2:0] MODE_FARTHEST = 3'd1;  // largest T, then smallest index
+  localparam logic [2:0] MODE_ANY = 3'd2;       // first hit in stream order; stops when every primary has one
+  localparam logic [2:0] MODE_ALL = 3'd3;       // every pair's record
+  localparam logic [2:0] MODE_HITS = 3'd4;      // records with F = 1 only
+
+  // ---- Pair codes ----
+  localparam logic [3:0] PAIR_RAY_TRIANGLE = 4'd0;
+
+  // ---- Ray-triangle algorithms (REG_CAPS) ----
+  localparam logic [7:0] ALGORITHM_MOLLER = 8'd0;
+
+  // ---- Slots and records, in words of the container width ----
+  localparam int PRIM_WORDS = 8;  // ray: ox oy oz dx dy dz tmin tmax
+  localparam int SEC_WORDS = 9;   // triangle: v0 v1 v2
+  localparam int RECORD_WORDS = 7;
+  localparam int RECORD_CP = 0;       // 3 words
+  localparam int RECORD_FLAGS = 3;    // [0] F, [1] bad input
+  localparam int RECORD_INDEX = 4;    // secondary index, all ones when F = 0
+  localparam int RECORD_T = 5;
+  localparam int RECORD_PRIMARY = 6;
+  localparam int FLAG_F = 0;
+  localparam int FLAG_BAD = 1;
+
+endpackage

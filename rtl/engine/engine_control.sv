@@ -1,0 +1,148 @@
+// Sequencer of a pass: clear the update buffers, sweep every secondary over the rows of primaries, let the pipe drain, write the
+// results back, report done. A row enters the pipe when a secondary is there and, in the streaming modes, a credit of the
+// output FIFO is left.
+// Throughput: one row a clock without bubbles while secondaries and credits last.
+module engine_control #(
+    parameter int LANES = 16,
+    parameter int PRIMARIES = 256,
+    parameter int FIFO_DEPTH = 128,
+    localparam int ROWS = PRIMARIES / LANES,
+    localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
+    localparam int PRIM_W = $clog2(PRIMARIES)
+) (
+    input logic clk_i,
+    input logic rst_i,
+    input logic go_i,
+    input logic abort_i,
+    input logic [2:0] mode_i,
+    input logic [PRIM_W:0] prim_count_i,
+    input logic [PRIMARIES-1:0] stencil_i,
+    output logic busy_o,
+    output logic done_o,  // one clock
+    output logic streaming_mode_o,
+
+    output logic clear_o,
+    output logic [ROW_W-1:0] clear_row_o,
+    output logic [LANES-1:0] clear_mask_o,
+
+    output logic fetch_start_o,
+    output logic fetch_stop_o,
+    input logic secondary_valid_i,
+    input logic secondary_last_i,
+    input logic secondary_idle_i,
+    output logic secondary_pop_o,
+
+    output logic issue_o,
+    output logic [ROW_W-1:0] issue_row_o,
+    output logic issue_parity_o,
+    input logic retire_i,             // a row left the pipe
+    input logic [PRIM_W:0] new_hits_i,
+    input logic [1:0] credit_i,
+    input logic fifo_empty_i,
+
+    output logic writeback_o,  // result_primary_o is to be written to SRAM
+    output logic [PRIM_W-1:0] writeback_primary_o,
+    output logic writeback_parity_o,
+    input logic writeback_ready_i,
+    input logic sram_idle_i,
+
+    output logic bubble_o,
+    output logic stall_o
+);
+  typedef enum logic [2:0] {IDLE, CLEAR, SWEEP, DRAIN, WRITEBACK, FLUSH} state_e;
+  state_e state_q;
+  logic [ROW_W-1:0] row_q;
+  logic [ROW_W:0] rows;  // rows in use
+  logic parity_q, stop_q;
+  logic [PRIMARIES-1:0] active, pending_q, lowest;  // active: present and not masked
+  logic [PRIM_W:0] missing_q;                        // active primaries without a hit, for mode any
+  logic [7:0] in_flight_q;
+  logic [$clog2(FIFO_DEPTH):0] credits_q;
+  logic last_row, has_credit, all_hit;
+
+  for (genvar p = 0; p < PRIMARIES; p++) begin : primary
+    assign active[p] = (PRIM_W + 1)'(p) < prim_count_i && !stencil_i[p];
+  end
+  assign rows = (ROW_W + 1)'((32'(prim_count_i) + 32'(LANES - 1)) / 32'(LANES));
+  assign busy_o = state_q != IDLE;
+  assign streaming_mode_o = mode_i == cde_pkg::MODE_ALL || mode_i == cde_pkg::MODE_HITS;
+
+  assign clear_o = state_q == CLEAR;
+  assign clear_row_o = row_q;
+  assign clear_mask_o = ~active[32'(row_q)*LANES+:LANES];
+
+  assign last_row = (ROW_W + 1)'(row_q) + 1'b1 == rows;
+  assign has_credit = !streaming_mode_o || credits_q != 0;
+  assign all_hit = mode_i == cde_pkg::MODE_ANY && missing_q == 0;
+  assign issue_o = state_q == SWEEP && secondary_valid_i && has_credit && !stop_q;
+  assign issue_row_o = row_q;
+  assign issue_parity_o = parity_q;
+  assign secondary_pop_o = issue_o && last_row;
+  assign fetch_start_o = state_q == CLEAR && row_q == 0;
+  assign fetch_stop_o = state_q == SWEEP && stop_q || abort_i;
+  assign bubble_o = state_q == SWEEP && !secondary_valid_i && !stop_q;
+  assign stall_o = state_q == SWEEP && secondary_valid_i && !has_credit;
+
+  first_set #(.N(PRIMARIES)) next_primary (.set_i(pending_q), .first_o(lowest), .index_o(writeback_primary_o));
+  assign writeback_o = state_q == WRITEBACK && pending_q != 0;
+  assign writeback_parity_o = parity_q;
+  assign done_o = state_q == WRITEBACK && pending_q == 0 && fifo_empty_i && sram_idle_i;
+
+  always_ff @(posedge clk_i) begin
+    in_flight_q <= in_flight_q + 8'(issue_o) - 8'(retire_i);
+    credits_q <= credits_q + ($clog2(FIFO_DEPTH) + 1)'(credit_i) - ($clog2(FIFO_DEPTH) + 1)'(issue_o && streaming_mode_o);
+    missing_q <= missing_q - new_hits_i;
+    case (state_q)
+      IDLE: begin
+        row_q <= 0;
+        if (go_i) begin
+          state_q <= CLEAR;
+          credits_q <= ($clog2(FIFO_DEPTH) + 1)'(FIFO_DEPTH);
+          missing_q <= (PRIM_W + 1)'($countones(active));
+        end
+      end
+      CLEAR: begin
+        stop_q <= 0;
+        parity_q <= 0;
+        row_q <= row_q + 1;
+        if (32'(row_q) == ROWS - 1) begin
+          row_q <= 0;
+          state_q <= SWEEP;
+        end
+      end
+      SWEEP: begin
+        if (issue_o) row_q <= last_row ? '0 : row_q + 1;
+        if (secondary_pop_o) begin
+          parity_q <= ~parity_q;
+          // Mode any ends between two secondaries, so that every row has met the same ones.
+          if (all_hit) stop_q <= 1;
+        end
+        if ((secondary_pop_o && secondary_last_i) || stop_q) state_q <= DRAIN;
+      end
+      DRAIN: if (in_flight_q == 0 && secondary_idle_i) begin
+        pending_q <= streaming_mode_o ? '0 : active;
+        state_q <= WRITEBACK;
+      end
+      WRITEBACK: begin
+        if (writeback_o && writeback_ready_i) pending_q <= pending_q & ~lowest;
+        if (done_o) state_q <= IDLE;
+      end
+      FLUSH: if (in_flight_q == 0 && secondary_idle_i) state_q <= IDLE;
+      default: state_q <= IDLE;
+    endcase
+    if (abort_i && state_q != IDLE) state_q <= FLUSH;
+    if (rst_i) begin
+      state_q <= IDLE;
+      in_flight_q <= 0;
+      stop_q <= 0;
+    end
+  end
+
+`ifndef SYNTHESIS
+  always_ff @(posedge clk_i)
+    if (!rst_i) begin
+      assert (!(retire_i && in_flight_q == 0)) else $error("engine_control: a row left the pipe that never entered");
+      assert (!(go_i && busy_o)) else $error("engine_control: go while busy");
+    end
+`endif
+endmodule

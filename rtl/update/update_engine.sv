@@ -1,0 +1,114 @@
+// Update engine: keeps the best record a primary. Per row the old T is read from one stencil-T buffer and the better of old and
+// new is written to the other within one clock (paper section 3.3); `parity_i` says which is which and alternates with every
+// secondary. F, index and CP change only where a new hit is better. Masked primaries are never updated.
+// nearest: smallest (T, index); farthest: largest T, then smallest index; any: the first hit in stream order.
+// Latency: 1 clock. Throughput: one row a clock. Stall: none.
+module update_engine #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 16,
+    parameter int PRIMARIES = 256,
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
+    localparam int ROWS = PRIMARIES / LANES,
+    localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
+    localparam int PRIM_W = $clog2(PRIMARIES)
+) (
+    input logic clk_i,
+    input logic [2:0] mode_i,
+    input logic clear_i,  // reset one row and load its mask
+    input logic [ROW_W-1:0] clear_row_i,
+    input logic [LANES-1:0] clear_mask_i,  // stencil: 1 masks the lane
+
+    input logic valid_i,
+    input logic [ROW_W-1:0] row_i,
+    input logic parity_i,
+    input logic [31:0] index_i,
+    input logic [LANES-1:0][CW-1:0] f_i,
+    input logic [LANES-1:0][CW-1:0] t_i,
+    input logic [2:0][LANES-1:0][CW-1:0] cp_i,
+    output logic [PRIM_W:0] new_hits_o,  // primaries that got their first hit with this row
+
+    input logic [PRIM_W-1:0] result_primary_i,  // combinational read after the stream
+    input logic result_parity_i,
+    output logic result_f_o,
+    output logic [31:0] result_index_o,
+    output logic [CW-1:0] result_t_o,
+    output logic [2:0][CW-1:0] result_cp_o
+);
+  localparam int W = 1 + EXP + MAN;
+  localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1;
+  localparam logic [CW-1:0] INF = ((CW'(1) << EXP) - 1) << MAN;
+  localparam logic [CW-1:0] SIGN = CW'(1) << (W - 1);
+
+  logic [LANES-1:0][CW-1:0] stencil_t0[ROWS], stencil_t1[ROWS];  // the two T buffers
+  logic [LANES-1:0][CW-1:0] unmasked[ROWS];                       // stencil values, as lane masks
+  logic [LANES-1:0][31:0] f_index[ROWS];                          // F-index buffer: all ones is F = 0
+  logic [LANES-1:0][CW-1:0] cp_x[ROWS], cp_y[ROWS], cp_z[ROWS];
+
+  logic [LANES-1:0][CW-1:0] hit, t_old, t_new, better;
+  logic [LANES-1:0][31:0] index_old;
+  logic [LANES-1:0] first_hit;
+  logic any_hit;
+  assign hit = f_i & unmasked[row_i];
+  assign any_hit = valid_i && |hit;
+  assign t_old = parity_i ? stencil_t1[row_i] : stencil_t0[row_i];
+  assign index_old = f_index[row_i];
+
+  // Sign-magnitude to an ordered unsigned key; both zeros map to the same key.
+  function logic [CW-1:0] key(input logic [CW-1:0] t);
+    key = ((t & SIGN) != 0) ? SIGN - (t & ~SIGN) : SIGN + t;
+  endfunction
+
+  // A row without a hit, nearly every row, does none of the comparisons.
+  always_comb begin
+    better = '0;
+    first_hit = '0;
+    t_new = t_old;
+    if (any_hit) begin
+      for (int l = 0; l < LANES; l++) begin
+        first_hit[l] = hit[l][0] && index_old[l] == '1;
+        if (hit[l][0]) begin
+          if (mode_i == cde_pkg::MODE_ANY) better[l] = {CW{first_hit[l]}};
+          else if (first_hit[l]) better[l] = '1;
+          else if (key(t_i[l]) == key(t_old[l])) better[l] = {CW{index_i < index_old[l]}};
+          else better[l] = {CW{(key(t_i[l]) < key(t_old[l])) == (mode_i == cde_pkg::MODE_NEAREST)}};
+        end
+        if (better[l][0]) t_new[l] = t_i[l];
+      end
+    end
+  end
+  assign new_hits_o = any_hit ? (PRIM_W + 1)'($countones(first_hit)) : '0;
+
+  always_ff @(posedge clk_i) begin
+    if (valid_i && parity_i) stencil_t0[row_i] <= t_new;
+    if (valid_i && !parity_i) stencil_t1[row_i] <= t_new;
+    if (any_hit) begin
+      f_index[row_i] <= (index_old & ~lanes32(better)) | ({LANES{index_i}} & lanes32(better));
+      cp_x[row_i] <= (cp_x[row_i] & ~better) | (cp_i[0] & better);
+      cp_y[row_i] <= (cp_y[row_i] & ~better) | (cp_i[1] & better);
+      cp_z[row_i] <= (cp_z[row_i] & ~better) | (cp_i[2] & better);
+    end
+    if (clear_i) begin
+      for (int l = 0; l < LANES; l++) unmasked[clear_row_i][l] <= {CW{~clear_mask_i[l]}};
+      stencil_t0[clear_row_i] <= {LANES{INF}};
+      stencil_t1[clear_row_i] <= {LANES{INF}};
+      f_index[clear_row_i] <= '1;
+      cp_x[clear_row_i] <= '0;
+      cp_y[clear_row_i] <= '0;
+      cp_z[clear_row_i] <= '0;
+    end
+  end
+
+  function logic [LANES-1:0][31:0] lanes32(input logic [LANES-1:0][CW-1:0] m);
+    for (int l = 0; l < LANES; l++) lanes32[l] = m[l][31:0];
+  endfunction
+
+  logic [ROW_W-1:0] result_row;
+  logic [LANE_W-1:0] result_lane;
+  assign result_row = ROW_W'(32'(result_primary_i) / 32'(LANES));
+  assign result_lane = LANE_W'(32'(result_primary_i) % 32'(LANES));
+  assign result_index_o = f_index[result_row][result_lane];
+  assign result_f_o = result_index_o != '1;
+  assign result_t_o = result_parity_i ? stencil_t1[result_row][result_lane] : stencil_t0[result_row][result_lane];
+  assign result_cp_o = {cp_z[result_row][result_lane], cp_y[result_row][result_lane], cp_x[result_row][result_lane]};
+endmodule

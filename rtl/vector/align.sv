@@ -1,0 +1,29 @@
+// Carries a value from stage time FROM to stage time TO: the delay line of a pipe, with its depth derived, not counted.
+// Latency: TO - FROM clocks. Throughput: one value a clock. Stall: none.
+module align #(
+    parameter int W = 1,     // >= 1
+    parameter int FROM = 0,  // stage time of d_i
+    parameter int TO = 0     // stage time of q_o, >= FROM
+) (
+    input logic clk_i,
+    input logic [W-1:0] d_i,
+    output logic [W-1:0] q_o
+);
+  localparam int DEPTH = TO - FROM;
+  if (DEPTH < 0) begin : g_illegal
+    $error("align: TO must not be before FROM");
+  end
+  if (DEPTH <= 0) begin : g_wire
+    assign q_o = d_i;
+  end else begin : g_delay
+    for (genvar s = 0; s < DEPTH; s++) begin : stage
+      logic [W-1:0] d, q;
+      always_ff @(posedge clk_i) q <= d;
+    end
+    assign stage[0].d = d_i;
+    for (genvar s = 1; s < DEPTH; s++) begin : link
+      assign stage[s].d = stage[s-1].q;
+    end
+    assign q_o = stage[DEPTH-1].q;
+  end
+endmodule

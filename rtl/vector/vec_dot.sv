@@ -1,0 +1,28 @@
+// Dot product, (x*u + y*v) + z*w with one rounding an operation (3 multipliers, 2 adders).
+// Latency: LAT_MUL + 2*LAT_ADD clocks. Throughput: one value a lane a clock. Stall: none.
+module vec_dot #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [2:0][LANES-1:0][CW-1:0] a_i,
+    input logic [2:0][LANES-1:0][CW-1:0] b_i,
+    output logic [LANES-1:0][CW-1:0] r_o
+);
+  for (genvar k = 0; k < 3; k++) begin : axis
+    logic [LANES-1:0][CW-1:0] p;
+    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH)) mul (
+        .clk_i, .a_i(a_i[k]), .b_i(b_i[k]), .r_o(p), .flags_o());
+  end
+  logic [LANES-1:0][CW-1:0] xy, z;
+  fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .ARITH(ARITH)) add_xy (
+      .clk_i, .a_i(axis[0].p), .b_i(axis[1].p), .r_o(xy), .flags_o());
+  align #(.W(LANES * CW), .FROM(LAT_MUL), .TO(LAT_MUL + LAT_ADD)) align_z (.clk_i, .d_i(axis[2].p), .q_o(z));
+  fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .ARITH(ARITH)) add_xyz (
+      .clk_i, .a_i(xy), .b_i(z), .r_o(r_o), .flags_o());
+endmodule

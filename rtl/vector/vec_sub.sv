@@ -1,0 +1,20 @@
+// Difference of two 3-vectors, a - b, one rounding a component (3 subtractors).
+// Latency: LAT_ADD clocks. Throughput: one vector a lane a clock. Stall: none.
+module vec_sub #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int LAT_ADD = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [2:0][LANES-1:0][CW-1:0] a_i,
+    input logic [2:0][LANES-1:0][CW-1:0] b_i,
+    output logic [2:0][LANES-1:0][CW-1:0] r_o
+);
+  for (genvar k = 0; k < 3; k++) begin : axis
+    fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .SUB(1), .ARITH(ARITH)) sub (
+        .clk_i, .a_i(a_i[k]), .b_i(b_i[k]), .r_o(r_o[k]), .flags_o());
+  end
+endmodule
