@@ -1,0 +1,188 @@
+#include "cde/camera.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "cde/error.hpp"
+#include "text.hpp"
+
+namespace cde {
+namespace {
+
+constexpr std::uint32_t kMostPixels = 32768;  // along one side
+
+void check(Resolution resolution) {
+  if (resolution.width < 1 || resolution.width > kMostPixels || resolution.height < 1 ||
+      resolution.height > kMostPixels) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("a picture of {} x {} pixels: each side must be 1 to {}",
+                            resolution.width, resolution.height, kMostPixels));
+  }
+}
+
+/// Orthonormal view frame in binary64.
+struct Frame {
+  Eigen::Vector3d right, up, forward;
+};
+
+Frame frame_of(const Camera& camera) {
+  if (!camera.eye.allFinite() || !camera.target.allFinite() || !camera.up.allFinite()) {
+    throw Error(ErrorCode::kUsage, "camera: eye, target and up must be finite");
+  }
+  if (camera.eye == camera.target)
+    throw Error(ErrorCode::kUsage, "camera: eye and target are the same point");
+  Frame f;
+  f.forward = (camera.target.cast<double>() - camera.eye.cast<double>()).normalized();
+  f.right = f.forward.cross(camera.up.cast<double>());
+  if (f.right.norm() <= 1e-6 * camera.up.cast<double>().norm()) {
+    // Straight up or down, or no up at all: north (+y) is up in the picture, or +z if that is the
+    // view.
+    f.right = f.forward.cross(Eigen::Vector3d::UnitY());
+    if (f.right.norm() <= 1e-6) f.right = f.forward.cross(Eigen::Vector3d::UnitZ());
+  }
+  f.right.normalize();
+  f.up = f.right.cross(f.forward);
+  return f;
+}
+
+double half_height(float fov_degrees) {
+  if (!(fov_degrees > 0.0f && fov_degrees < 180.0f)) {
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("camera: field of view of {} degrees, must be between 0 and 180", fov_degrees));
+  }
+  return std::tan(fov_degrees * std::numbers::pi / 360.0);
+}
+
+}  // namespace
+
+std::vector<Ray> Camera::rays(Resolution resolution) const {
+  check(resolution);
+  const Frame f = frame_of(*this);
+  const double half_y = half_height(fov_degrees);
+  const double pixel = 2.0 * half_y / resolution.height;
+  std::vector<Ray> rays;
+  rays.reserve(resolution.pixels());
+  for (std::uint32_t row = 0; row < resolution.height; ++row) {
+    const double y = half_y - (row + 0.5) * pixel;
+    for (std::uint32_t column = 0; column < resolution.width; ++column) {
+      const double x = (column + 0.5 - 0.5 * resolution.width) * pixel;
+      rays.push_back({eye, (f.forward + x * f.right + y * f.up).normalized().cast<float>()});
+    }
+  }
+  return rays;
+}
+
+Camera camera_for(const Eigen::AlignedBox3f& box, Resolution resolution) {
+  check(resolution);
+  if (box.isEmpty() || !box.sizes().allFinite())
+    throw Error(ErrorCode::kUsage, "camera: there is nothing to look at");
+  constexpr double kMargin = 1.03;
+  const Eigen::Vector3d centre = 0.5 * (box.min().cast<double>() + box.max().cast<double>());
+  // The long side of the box runs away from the viewer, a little turned.
+  const bool deep = box.sizes().y() >= box.sizes().x();
+  const Eigen::Vector3d towards =
+      (deep ? Eigen::Vector3d(-0.42, -1.0, 0.72) : Eigen::Vector3d(-1.0, -0.42, 0.72)).normalized();
+  Camera camera;
+  camera.target = centre.cast<float>();
+  camera.eye = (centre + towards * std::max<double>(box.sizes().norm(), 1e-6)).cast<float>();
+  const Frame f = frame_of(camera);
+  const double half_y = half_height(camera.fov_degrees) / kMargin;
+  const double half_x = half_y * resolution.width / resolution.height;
+  // A corner at (x, y, z) of the view frame around point p on the view plane is seen from distance
+  // d if |x - px| <= half_x (d + z), and so in y. Choosing p balances left against right and top
+  // against bottom.
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+  double distance = 0.0;
+  for (int pass = 0; pass < 32; ++pass) {
+    double need[4] = {-1e300, -1e300, -1e300, -1e300};
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3d c =
+          box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).cast<double>() - centre;
+      const double x = c.dot(f.right) - shift.x();
+      const double y = c.dot(f.up) - shift.y();
+      const double z = c.dot(f.forward);
+      need[0] = std::max(need[0], -x / half_x - z);
+      need[1] = std::max(need[1], x / half_x - z);
+      need[2] = std::max(need[2], -y / half_y - z);
+      need[3] = std::max(need[3], y / half_y - z);
+    }
+    shift +=
+        Eigen::Vector2d(0.25 * half_x * (need[1] - need[0]), 0.25 * half_y * (need[3] - need[2]));
+    distance = std::max(std::max(need[0], need[1]), std::max(need[2], need[3]));
+  }
+  if (!(distance > 0.0)) distance = 1.0;  // a single point
+  const Eigen::Vector3d target = centre + shift.x() * f.right + shift.y() * f.up;
+  camera.target = target.cast<float>();
+  camera.eye = (target - distance * f.forward).cast<float>();
+  return camera;
+}
+
+Camera parse_camera(std::string_view text, std::string_view name) {
+  std::array<float, 7> values{};
+  values[6] = Camera{}.fov_degrees;
+  std::size_t count = 0;
+  std::size_t start = 0;
+  for (;;) {
+    const std::size_t comma = text.find(',', start);
+    const std::string_view field =
+        text::trim(text.substr(start, comma == std::string_view::npos ? comma : comma - start));
+    if (count == values.size()) break;
+    if (text::parse_float(field, values[count]) != text::Number::kOk ||
+        !std::isfinite(values[count])) {
+      throw Error(ErrorCode::kUsage, fmt::format("{}:{}: {} is not a finite number", name,
+                                                 start + 1, text::quoted(field)));
+    }
+    ++count;
+    if (comma == std::string_view::npos) {
+      start = std::string_view::npos;
+      break;
+    }
+    start = comma + 1;
+  }
+  if (count < 6 || start != std::string_view::npos) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: expected 6 or 7 numbers: ex,ey,ez, tx,ty,tz[,fov]", name));
+  }
+  Camera camera{{values[0], values[1], values[2]}, {values[3], values[4], values[5]}};
+  camera.fov_degrees = values[6];
+  (void)frame_of(camera);
+  (void)half_height(camera.fov_degrees);
+  return camera;
+}
+
+std::vector<Ray> grid_rays(const Eigen::AlignedBox3f& box, Resolution resolution) {
+  check(resolution);
+  if (box.isEmpty() || !box.sizes().allFinite())
+    throw Error(ErrorCode::kUsage, "grid: there is nothing to look at");
+  const Eigen::Vector3d low = box.min().cast<double>();
+  const Eigen::Vector3d size = box.max().cast<double>() - low;
+  const double z = low.z() + size.z() + size.maxCoeff();
+  std::vector<Ray> rays;
+  rays.reserve(resolution.pixels());
+  for (std::uint32_t row = 0; row < resolution.height; ++row) {
+    const double y = low.y() + size.y() * (resolution.height - row - 0.5) / resolution.height;
+    for (std::uint32_t column = 0; column < resolution.width; ++column) {
+      const double x = low.x() + size.x() * (column + 0.5) / resolution.width;
+      rays.push_back({Eigen::Vector3d(x, y, z).cast<float>(), {0.0f, 0.0f, -1.0f}});
+    }
+  }
+  return rays;
+}
+
+Resolution parse_resolution(std::string_view text, std::string_view name) {
+  const std::size_t x = text.find_first_of("xX");
+  Resolution resolution;
+  if (x == std::string_view::npos || !text::parse_int(text.substr(0, x), resolution.width) ||
+      !text::parse_int(text.substr(x + 1), resolution.height)) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: {} is not WIDTHxHEIGHT", name, text::quoted(text)));
+  }
+  check(resolution);
+  return resolution;
+}
+
+}  // namespace cde

@@ -1,0 +1,201 @@
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <assimp/Importer.hpp>
+
+#include <fcntl.h>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+
+#include "cde/error.hpp"
+#include "mesh_readers.hpp"
+
+// Every format that has no reader of its own. assimp runs in a child process, because it dies,
+// hangs or takes all memory on some damaged files; the mesh comes back through a pipe.
+namespace cde::mesh_readers {
+namespace {
+
+constexpr char kMeshFollows = 'M';
+constexpr char kMessageFollows = 'E';
+
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool kAddressSanitizer = true;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+constexpr bool kAddressSanitizer = true;
+#else
+constexpr bool kAddressSanitizer = false;
+#endif
+#else
+constexpr bool kAddressSanitizer = false;
+#endif
+
+Eigen::Matrix4d to_eigen(const aiMatrix4x4& m) {
+  Eigen::Matrix4d out;
+  for (unsigned row = 0; row < 4; ++row) {
+    for (unsigned column = 0; column < 4; ++column) out(row, column) = m[row][column];
+  }
+  return out;
+}
+
+/// Appends the meshes of a node and its children, in the order of the file.
+void append_node(Mesh& mesh, VertexPool& pool, const aiScene& scene, const aiNode& node,
+                 const Eigen::Matrix4d& parent) {
+  const Eigen::Matrix4d world = parent * to_eigen(node.mTransformation);
+  const bool moved = world != Eigen::Matrix4d::Identity();
+  for (unsigned m = 0; m < node.mNumMeshes; ++m) {
+    const aiMesh& part = *scene.mMeshes[node.mMeshes[m]];
+    std::vector<std::uint32_t> numbers(part.mNumVertices);
+    for (unsigned i = 0; i < part.mNumVertices; ++i) {
+      const aiVector3D& v = part.mVertices[i];
+      Eigen::Vector3f position(v.x, v.y, v.z);
+      if (moved) position = (world * Eigen::Vector4d(v.x, v.y, v.z, 1.0)).head<3>().cast<float>();
+      numbers[i] = pool.add(position);
+    }
+    for (unsigned i = 0; i < part.mNumFaces; ++i) {
+      const aiFace& face = part.mFaces[i];
+      if (face.mNumIndices == 3) {
+        mesh.faces.push_back({numbers.at(face.mIndices[0]), numbers.at(face.mIndices[1]),
+                              numbers.at(face.mIndices[2])});
+      } else {
+        ++mesh.dropped;
+      }
+    }
+  }
+  for (unsigned i = 0; i < node.mNumChildren; ++i)
+    append_node(mesh, pool, scene, *node.mChildren[i], world);
+}
+
+template <typename T>
+void append_array(std::string& out, const std::vector<T>& items) {
+  const std::uint64_t count = items.size();
+  out.append(reinterpret_cast<const char*>(&count), sizeof(count));
+  out.append(reinterpret_cast<const char*>(items.data()), count * sizeof(T));
+}
+
+template <typename T>
+bool take_array(std::string_view& in, std::vector<T>& items) {
+  std::uint64_t count = 0;
+  if (in.size() < sizeof(count)) return false;
+  std::memcpy(&count, in.data(), sizeof(count));
+  in.remove_prefix(sizeof(count));
+  if (count > in.size() / sizeof(T)) return false;
+  items.resize(count);
+  if (count > 0) std::memcpy(static_cast<void*>(items.data()), in.data(), count * sizeof(T));
+  in.remove_prefix(count * sizeof(T));
+  return true;
+}
+
+/// In the child: what to send to the parent.
+std::string import(const std::string& path) {
+  try {
+    Assimp::Importer importer;
+    const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
+    if (scene == nullptr) return kMessageFollows + std::string(importer.GetErrorString());
+    if ((scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0 || scene->mRootNode == nullptr) {
+      return kMessageFollows + std::string("the scene is incomplete");
+    }
+    Mesh mesh;
+    VertexPool pool(mesh.vertices);
+    append_node(mesh, pool, *scene, *scene->mRootNode, Eigen::Matrix4d::Identity());
+    std::string out(1, kMeshFollows);
+    append_array(out, mesh.vertices);
+    append_array(out, mesh.faces);
+    append_array(out, std::vector<std::uint64_t>{mesh.dropped});
+    return out;
+  } catch (const std::bad_alloc&) {
+    return kMessageFollows + std::string("takes more memory than half of this machine's");
+  } catch (const std::exception& e) {
+    return kMessageFollows + std::string(e.what());
+  }
+}
+
+void limit_child(std::chrono::seconds deadline) {
+  const rlimit none{0, 0};
+  ::setrlimit(RLIMIT_CORE, &none);
+  const auto seconds =
+      static_cast<rlim_t>(std::max<std::chrono::seconds::rep>(deadline.count(), 1));
+  const rlimit time{seconds, seconds + 1};
+  ::setrlimit(RLIMIT_CPU, &time);
+  if (kAddressSanitizer) return;  // its shadow alone takes terabytes of address space
+  const auto half = static_cast<rlim_t>(::sysconf(_SC_PHYS_PAGES)) / 2 *
+                    static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
+  const rlimit memory{half, half};
+  ::setrlimit(RLIMIT_DATA, &memory);
+}
+
+[[noreturn]] void run_child(int out, const std::string& path, std::chrono::seconds deadline) {
+  limit_child(deadline);
+  // The C library's last words on a broken heap would only confuse.
+  const int null = ::open("/dev/null", O_WRONLY);
+  ::dup2(null, 2);
+  const std::string bytes = import(path);
+  for (std::size_t sent = 0; sent < bytes.size();) {
+    const ssize_t n = ::write(out, bytes.data() + sent, bytes.size() - sent);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) ::_exit(1);
+    sent += static_cast<std::size_t>(n);
+  }
+  ::_exit(0);
+}
+
+std::string read_all(int in) {
+  std::string bytes;
+  std::vector<char> block(std::size_t{1} << 16);
+  for (;;) {
+    const ssize_t n = ::read(in, block.data(), block.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return bytes;
+    bytes.append(block.data(), static_cast<std::size_t>(n));
+  }
+}
+
+}  // namespace
+
+bool assimp_knows(const std::string& extension) {
+  return extension.size() > 1 && Assimp::Importer().IsExtensionSupported(extension);
+}
+
+Mesh read_by_assimp(const std::filesystem::path& path, std::chrono::seconds deadline) {
+  const std::string name = path.string();
+  const auto fail = [&](const std::string& why) {
+    throw Error(ErrorCode::kFile, fmt::format("{}: {}", name, why));
+  };
+  int ends[2] = {-1, -1};
+  if (::pipe2(ends, O_CLOEXEC) != 0) fail(fmt::format("no pipe: {}", std::strerror(errno)));
+  const pid_t child = ::fork();
+  if (child == 0) run_child(ends[1], name, deadline);
+  ::close(ends[1]);
+  const std::string bytes = child > 0 ? read_all(ends[0]) : std::string();
+  ::close(ends[0]);
+  if (child < 0) fail(fmt::format("no child process: {}", std::strerror(errno)));
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL)) {
+    fail(fmt::format(
+        "not read within {} s of processor time, or out of memory; the file is probably damaged",
+        deadline.count()));
+  }
+  if (WIFSIGNALED(status) || WEXITSTATUS(status) != 0)
+    fail("the importer crashed; the file is probably damaged");
+  std::string_view rest = bytes;
+  if (rest.empty()) fail("the importer ended without an answer");
+  const char kind = rest.front();
+  rest.remove_prefix(1);
+  if (kind == kMessageFollows) fail(std::string(rest));
+  Mesh mesh;
+  std::vector<std::uint64_t> dropped;
+  if (!take_array(rest, mesh.vertices) || !take_array(rest, mesh.faces) ||
+      !take_array(rest, dropped) || dropped.size() != 1) {
+    fail("the importer's answer is cut short");
+  }
+  mesh.dropped = dropped[0];
+  return mesh;
+}
+
+}  // namespace cde::mesh_readers

@@ -1,0 +1,45 @@
+#pragma once
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+/// Text scanning shared by the file readers. Private to the library.
+namespace cde::text {
+
+enum class Number { kOk, kMalformed, kOverflow };
+
+/// The float nearest to the whole of `text`: decimal or 0x hexfloat, optional sign, inf and nan in
+/// any case. Values below the smallest subnormal become a zero of their sign; a finite text beyond
+/// the largest float is kOverflow.
+[[nodiscard]] Number parse_float(std::string_view text, float& value);
+
+/// An unsigned or signed decimal integer that fills `text`.
+template <typename Int>
+[[nodiscard]] bool parse_int(std::string_view text, Int& value);
+
+[[nodiscard]] constexpr bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
+[[nodiscard]] std::string_view trim(std::string_view text);
+
+/// Takes lines off the front of a text; line ends are LF or CRLF, the last may be missing.
+class Lines {
+ public:
+  explicit Lines(std::string_view text) : rest_(text) {}
+  [[nodiscard]] std::optional<std::string_view> next();
+  [[nodiscard]] std::size_t number() const { return number_; }  ///< of the line last taken, from 1
+  [[nodiscard]] std::string_view rest() const { return rest_; }
+
+ private:
+  std::string_view rest_;
+  std::size_t number_ = 0;
+};
+
+/// Takes the next run of non-blank characters off the front of `line`; empty at its end.
+[[nodiscard]] std::string_view next_word(std::string_view& line);
+
+/// Printable and short form of text from a file, for messages.
+[[nodiscard]] std::string quoted(std::string_view text);
+
+}  // namespace cde::text
