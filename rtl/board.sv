@@ -60,7 +60,7 @@ module board #(
   logic [31:0] sram_count, sec_first, sec_count;
   logic [2:0] mode;
   logic [PRIM_W:0] prim_count, new_hits;
-  logic [PRIMARIES-1:0] stencil, prim_bad;
+  logic [PRIMARIES-1:0] active, prim_bad;
   logic issue, bubble, stall, sec_pop, sec_bad, record_write;
   logic [15:0] latency;
   card_registers #(
@@ -70,7 +70,7 @@ module board #(
       .clk_i, .rst_i, .bus_valid_i, .bus_write_i, .bus_space_i, .bus_addr_i, .bus_wdata_i, .bus_ready_o, .bus_rvalid_o,
       .bus_rdata_o, .irq_o, .prim_write_o(prim_write), .ddr_write_o, .sram_pop_o(sram_pop), .sram_valid_i(sram_beat_valid),
       .sram_beat_i(sram_beat), .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .mode_o(mode),
-      .prim_count_o(prim_count), .sec_first_o(sec_first), .sec_count_o(sec_count), .stencil_o(stencil), .busy_i(busy),
+      .prim_count_o(prim_count), .sec_first_o(sec_first), .sec_count_o(sec_count), .active_o(active), .busy_i(busy),
       .done_i(done), .prim_bad_i(prim_bad), .issue_i(issue), .bubble_i(bubble), .stall_i(stall), .secondary_i(sec_pop),
       .secondary_bad_i(sec_bad), .record_i(record_write), .latency_i(latency));
   assign ddr_write_addr_o = bus_addr_i;
@@ -95,7 +95,7 @@ module board #(
   logic [1:0] credit;
   logic [PRIM_W-1:0] writeback_primary;
   engine_control #(.LANES(LANES), .PRIMARIES(PRIMARIES), .FIFO_DEPTH(FIFO_DEPTH)) control (
-      .clk_i(clk_engine), .rst_i, .go_i(go), .abort_i(abort), .mode_i(mode), .prim_count_i(prim_count), .stencil_i(stencil),
+      .clk_i(clk_engine), .rst_i, .go_i(go), .abort_i(abort), .mode_i(mode), .prim_count_i(prim_count), .active_i(active),
       .busy_o(busy), .done_o(done), .streaming_mode_o(streaming), .clear_o(clear), .clear_row_o(clear_row),
       .clear_mask_o(clear_mask), .fetch_start_o(fetch_start), .fetch_stop_o(fetch_stop), .secondary_valid_i(sec_valid),
       .secondary_last_i(sec_last), .secondary_idle_i(sec_idle), .secondary_pop_o(sec_pop), .issue_o(issue),
@@ -149,8 +149,10 @@ module board #(
   localparam logic [CW-1:0] QNAN = INF | (CW'(1) << (MAN - 1));
   logic [cde_pkg::RECORD_WORDS-1:0][CW-1:0] record_q, record;
   logic result_bad;
-  assign writeback_ready = !sram_full && !record_write;
-  assign fifo_ready = !sram_full && !(record_write && sram_count + 1 == 32'(SRAM_RECORDS));
+  logic sram_room;  // counting the record on its way
+  assign sram_room = !sram_full && !(record_write && sram_count + 1 == 32'(SRAM_RECORDS));
+  assign writeback_ready = sram_room;
+  assign fifo_ready = sram_room;
   assign result_bad = prim_bad[writeback_primary];
   always_comb begin
     if (streaming) begin

@@ -39,7 +39,7 @@ module card_registers #(
     output logic [PRIM_W:0] prim_count_o,
     output logic [31:0] sec_first_o,
     output logic [31:0] sec_count_o,
-    output logic [PRIMARIES-1:0] stencil_o,
+    output logic [PRIMARIES-1:0] active_o,  // present and not masked
     input logic busy_i,
     input logic done_i,
     input logic [PRIMARIES-1:0] prim_bad_i,
@@ -105,57 +105,56 @@ module card_registers #(
   assign prim_count_o = prim_count_q[PRIM_W:0];
   assign sec_first_o = sec_first_q;
   assign sec_count_o = sec_count_q;
-  assign stencil_o = stencil_q[PRIMARIES-1:0];
+  assign active_o = present_q & ~stencil_q[PRIMARIES-1:0];
   assign irq_o = done_q || command_error_q || bus_error_q || sram_full_i;
 
-  logic [63:0] rdata;
-  always_comb begin
-    rdata = 0;
-    case (offset)
-      REG_ID: rdata = {ID_MAGIC, INTERFACE_VERSION};
-      REG_CAPS: rdata = {8'b0, ALGORITHM_MOLLER, 8'(MAN), 8'(EXP), 16'(PRIMARIES), 16'(LANES)};
-      REG_CONFIG_HASH: rdata = CONFIG_HASH;
-      REG_CAPS2: rdata = {8'b0, 8'(CW), 32'(SRAM_RECORDS), latency_i};
-      REG_CAPACITY: rdata = 64'(DDR_SLOTS);
-      REG_STATUS: begin
-        rdata[STATUS_BUSY] = busy_i;
-        rdata[STATUS_DONE] = done_q;
-        rdata[STATUS_COMMAND_ERROR] = command_error_q;
-        rdata[STATUS_BUS_ERROR] = bus_error_q;
-        rdata[STATUS_SRAM_WAIT] = sram_full_i;
-        rdata[STATUS_IRQ] = irq_o;
-      end
-      REG_COMMAND: rdata = {52'b0, pair_q, 5'b0, mode_q};
-      REG_PRIM_COUNT: rdata = 64'(prim_count_q);
-      REG_SEC_FIRST: rdata = 64'(sec_first_q);
-      REG_SEC_COUNT: rdata = 64'(sec_count_q);
-      REG_RECORDS: rdata = 64'(sram_count_i);
-      REG_FAULT_ADDR: rdata = 64'(fault_q);
-      REG_CYCLES: rdata = cycles_q;
-      REG_ROWS: rdata = rows_q;
-      REG_STALLS: rdata = stalls_q;
-      REG_BUBBLES: rdata = bubbles_q;
-      REG_BAD_PRIM: rdata = 64'($countones(prim_bad_i & present));
-      REG_BAD_SEC: rdata = bad_sec_q;
-      REG_SECONDARIES: rdata = secondaries_q;
-      REG_WRITTEN: rdata = written_q;
-      default: if (in_stencil) rdata = stencil_q[64*32'(offset[4:3])+:64];
-    endcase
-  end
-
-  logic [PRIMARIES-1:0] present;
-  for (genvar p = 0; p < PRIMARIES; p++) begin : primary
-    assign present[p] = 32'(p) < prim_count_q;
-  end
+  logic [PRIMARIES-1:0] present_q;  // primaries below the counter register
 
   always_ff @(posedge clk_i) begin
     bus_rvalid_o <= read && !rst_i;
-    if (read) bus_rdata_o <= !allowed ? 64'b0 : bus_space_i == SPACE_SRAM ? sram_beat_i : rdata;
+    if (read && bus_space_i == SPACE_SRAM) bus_rdata_o <= allowed ? sram_beat_i : '0;
+    else if (read && !allowed) bus_rdata_o <= '0;
+    else if (read) begin
+      case (offset)
+        REG_ID: bus_rdata_o <= {ID_MAGIC, INTERFACE_VERSION};
+        REG_CAPS: bus_rdata_o <= {8'b0, ALGORITHM_MOLLER, 8'(MAN), 8'(EXP), 16'(PRIMARIES), 16'(LANES)};
+        REG_CONFIG_HASH: bus_rdata_o <= CONFIG_HASH;
+        REG_CAPS2: bus_rdata_o <= {8'b0, 8'(CW), 32'(SRAM_RECORDS), latency_i};
+        REG_CAPACITY: bus_rdata_o <= 64'(DDR_SLOTS);
+        REG_STATUS: begin
+          bus_rdata_o <= '0;
+          bus_rdata_o[STATUS_BUSY] <= busy_i;
+          bus_rdata_o[STATUS_DONE] <= done_q;
+          bus_rdata_o[STATUS_COMMAND_ERROR] <= command_error_q;
+          bus_rdata_o[STATUS_BUS_ERROR] <= bus_error_q;
+          bus_rdata_o[STATUS_SRAM_WAIT] <= sram_full_i;
+          bus_rdata_o[STATUS_IRQ] <= irq_o;
+        end
+        REG_COMMAND: bus_rdata_o <= {52'b0, pair_q, 5'b0, mode_q};
+        REG_PRIM_COUNT: bus_rdata_o <= 64'(prim_count_q);
+        REG_SEC_FIRST: bus_rdata_o <= 64'(sec_first_q);
+        REG_SEC_COUNT: bus_rdata_o <= 64'(sec_count_q);
+        REG_RECORDS: bus_rdata_o <= 64'(sram_count_i);
+        REG_FAULT_ADDR: bus_rdata_o <= 64'(fault_q);
+        REG_CYCLES: bus_rdata_o <= cycles_q;
+        REG_ROWS: bus_rdata_o <= rows_q;
+        REG_STALLS: bus_rdata_o <= stalls_q;
+        REG_BUBBLES: bus_rdata_o <= bubbles_q;
+        REG_BAD_PRIM: bus_rdata_o <= 64'($countones(prim_bad_i & present_q));
+        REG_BAD_SEC: bus_rdata_o <= bad_sec_q;
+        REG_SECONDARIES: bus_rdata_o <= secondaries_q;
+        REG_WRITTEN: bus_rdata_o <= written_q;
+        default: bus_rdata_o <= in_stencil ? stencil_q[64*32'(offset[4:3])+:64] : '0;
+      endcase
+    end
 
     if (write_reg) begin
       case (offset)
         REG_COMMAND: {pair_q, mode_q} <= {bus_wdata_i[11:8], bus_wdata_i[2:0]};
-        REG_PRIM_COUNT: prim_count_q <= |bus_wdata_i[63:32] ? '1 : bus_wdata_i[31:0];
+        REG_PRIM_COUNT: begin
+          prim_count_q <= |bus_wdata_i[63:32] ? '1 : bus_wdata_i[31:0];
+          for (int p = 0; p < PRIMARIES; p++) present_q[p] <= 64'(p) < bus_wdata_i;
+        end
         REG_SEC_FIRST: sec_first_q <= |bus_wdata_i[63:32] ? '1 : bus_wdata_i[31:0];
         REG_SEC_COUNT: sec_count_q <= |bus_wdata_i[63:32] ? '1 : bus_wdata_i[31:0];
         REG_CONTROL: begin
@@ -190,6 +189,7 @@ module card_registers #(
       {pair_q, mode_q} <= '0;
       {prim_count_q, sec_first_q, sec_count_q} <= '0;
       stencil_q <= '0;
+      present_q <= '0;
       fault_q <= '0;
       {cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q} <= '0;
     end

@@ -16,7 +16,7 @@ module engine_control #(
     input logic abort_i,
     input logic [2:0] mode_i,
     input logic [PRIM_W:0] prim_count_i,
-    input logic [PRIMARIES-1:0] stencil_i,
+    input logic [PRIMARIES-1:0] active_i,  // present and not masked
     output logic busy_o,
     output logic done_o,  // one clock
     output logic streaming_mode_o,
@@ -54,22 +54,19 @@ module engine_control #(
   logic [ROW_W-1:0] row_q;
   logic [ROW_W:0] rows;  // rows in use
   logic parity_q, stop_q;
-  logic [PRIMARIES-1:0] active, pending_q, lowest;  // active: present and not masked
+  logic [PRIMARIES-1:0] pending_q, lowest;
   logic [PRIM_W:0] missing_q;                        // active primaries without a hit, for mode any
   logic [7:0] in_flight_q;
   logic [$clog2(FIFO_DEPTH):0] credits_q;
   logic last_row, has_credit, all_hit;
 
-  for (genvar p = 0; p < PRIMARIES; p++) begin : primary
-    assign active[p] = (PRIM_W + 1)'(p) < prim_count_i && !stencil_i[p];
-  end
   assign rows = (ROW_W + 1)'((32'(prim_count_i) + 32'(LANES - 1)) / 32'(LANES));
   assign busy_o = state_q != IDLE;
   assign streaming_mode_o = mode_i == cde_pkg::MODE_ALL || mode_i == cde_pkg::MODE_HITS;
 
   assign clear_o = state_q == CLEAR;
   assign clear_row_o = row_q;
-  assign clear_mask_o = ~active[32'(row_q)*LANES+:LANES];
+  assign clear_mask_o = ~active_i[32'(row_q)*LANES+:LANES];
 
   assign last_row = (ROW_W + 1)'(row_q) + 1'b1 == rows;
   assign has_credit = !streaming_mode_o || credits_q != 0;
@@ -98,7 +95,7 @@ module engine_control #(
         if (go_i) begin
           state_q <= CLEAR;
           credits_q <= ($clog2(FIFO_DEPTH) + 1)'(FIFO_DEPTH);
-          missing_q <= (PRIM_W + 1)'($countones(active));
+          missing_q <= (PRIM_W + 1)'($countones(active_i));
         end
       end
       CLEAR: begin
@@ -120,7 +117,7 @@ module engine_control #(
         if ((secondary_pop_o && secondary_last_i) || stop_q) state_q <= DRAIN;
       end
       DRAIN: if (in_flight_q == 0 && secondary_idle_i) begin
-        pending_q <= streaming_mode_o ? '0 : active;
+        pending_q <= streaming_mode_o ? '0 : active_i;
         state_q <= WRITEBACK;
       end
       WRITEBACK: begin

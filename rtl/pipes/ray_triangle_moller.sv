@@ -85,44 +85,33 @@ module ray_triangle_moller #(
   align #(.W(ROW_W), .FROM(T_SELECT), .TO(LATENCY)) align_row (.clk_i, .d_i(row_bad_o), .q_o(row_o));
 
   // ---- Edges; the two of the triangle are computed once for all lanes when it is broadcast ----
-  logic [2:0][SLANES-1:0][CW-1:0] e1_s, e2_s, e1_dot_s, e2_dot_s;
+  logic [2:0][SLANES-1:0][CW-1:0] e1, e2, e1_dot, e2_dot;
   vec_sub #(.EXP(EXP), .MAN(MAN), .LANES(SLANES), .LAT_ADD(LAT_ADD), .ARITH(ARITH)) sub_e1 (
-      .clk_i, .a_i(tri_i[5:3]), .b_i(tri_i[2:0]), .r_o(e1_s));
+      .clk_i, .a_i(tri_i[5:3]), .b_i(tri_i[2:0]), .r_o(e1));
   vec_sub #(.EXP(EXP), .MAN(MAN), .LANES(SLANES), .LAT_ADD(LAT_ADD), .ARITH(ARITH)) sub_e2 (
-      .clk_i, .a_i(tri_i[8:6]), .b_i(tri_i[2:0]), .r_o(e2_s));
-  align #(.W(3 * SLANES * CW), .FROM(T_EDGE), .TO(T_CROSS)) align_e1 (.clk_i, .d_i(e1_s), .q_o(e1_dot_s));
-  align #(.W(3 * SLANES * CW), .FROM(T_EDGE), .TO(T_CROSS)) align_e2 (.clk_i, .d_i(e2_s), .q_o(e2_dot_s));
-
-  logic [2:0][LANES-1:0][CW-1:0] v0, e1, e2, e1_dot, e2_dot;
-  for (genvar k = 0; k < 3; k++) begin : axis
-    for (genvar l = 0; l < LANES; l++) begin : lane
-      assign v0[k][l] = tri_i[k][l%SLANES];
-      assign e1[k][l] = e1_s[k][l%SLANES];
-      assign e2[k][l] = e2_s[k][l%SLANES];
-      assign e1_dot[k][l] = e1_dot_s[k][l%SLANES];
-      assign e2_dot[k][l] = e2_dot_s[k][l%SLANES];
-    end
-  end
+      .clk_i, .a_i(tri_i[8:6]), .b_i(tri_i[2:0]), .r_o(e2));
+  align #(.W(3 * SLANES * CW), .FROM(T_EDGE), .TO(T_CROSS)) align_e1 (.clk_i, .d_i(e1), .q_o(e1_dot));
+  align #(.W(3 * SLANES * CW), .FROM(T_EDGE), .TO(T_CROSS)) align_e2 (.clk_i, .d_i(e2), .q_o(e2_dot));
 
   logic [2:0][LANES-1:0][CW-1:0] tv, tv_dot, p, q;
-  vec_sub #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .ARITH(ARITH)) sub_t (
-      .clk_i, .a_i(o_edge_i), .b_i(v0), .r_o(tv));
-  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) cross_p (
+  vec_sub #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .ARITH(ARITH)) sub_t (
+      .clk_i, .a_i(o_edge_i), .b_i(tri_i[2:0]), .r_o(tv));
+  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) cross_p (
       .clk_i, .a_i(d_cross_i), .b_i(e2), .r_o(p));
-  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) cross_q (
+  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) cross_q (
       .clk_i, .a_i(tv), .b_i(e1), .r_o(q));
   for (genvar k = 0; k < 3; k++) begin : hold
     align #(.W(LANES * CW), .FROM(T_EDGE), .TO(T_CROSS)) align_tv (.clk_i, .d_i(tv[k]), .q_o(tv_dot[k]));
   end
 
   logic [LANES-1:0][CW-1:0] det, u, v, tn;
-  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) dot_det (
+  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) dot_det (
       .clk_i, .a_i(p), .b_i(e1_dot), .r_o(det));
   vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) dot_u (
       .clk_i, .a_i(p), .b_i(tv_dot), .r_o(u));
   vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) dot_v (
       .clk_i, .a_i(q), .b_i(d_dot_i), .r_o(v));
-  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) dot_t (
+  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) dot_t (
       .clk_i, .a_i(q), .b_i(e2_dot), .r_o(tn));
 
   // ---- Inside test against |det|: the sign of det is moved to u, v and u+v ----
@@ -131,13 +120,15 @@ module ray_triangle_moller #(
       .clk_i, .a_i(u), .b_i(v), .r_o(uv), .flags_o());
   align #(.W(LANES * CW), .FROM(T_DOT), .TO(T_UV)) align_det (.clk_i, .d_i(det), .q_o(det_uv));
   assign zero = '0;
-  for (genvar l = 0; l < LANES; l++) begin : flip
-    assign det_abs[l] = det[l] & ~SIGN;
-    assign u_flip[l] = u[l] ^ (det[l] & SIGN);
-    assign v_flip[l] = v[l] ^ (det[l] & SIGN);
-    assign det_abs_uv[l] = det_uv[l] & ~SIGN;
-    assign uv_flip[l] = uv[l] ^ (det_uv[l] & SIGN);
-  end
+  // Lane by lane in a loop: Verilator would substitute a whole-vector expression into each of its LANES readers.
+  always_comb
+    for (int l = 0; l < LANES; l++) begin
+      det_abs[l] = det[l] & ~SIGN;
+      u_flip[l] = u[l] ^ (det[l] & SIGN);
+      v_flip[l] = v[l] ^ (det[l] & SIGN);
+      det_abs_uv[l] = det_uv[l] & ~SIGN;
+      uv_flip[l] = uv[l] ^ (det_uv[l] & SIGN);
+    end
 
   logic [LANES-1:0][CW-1:0] u_lo, u_hi, v_lo, v_hi, det_nz, uv_hi, t_lo, t_hi;
   `define CDE_CMP(NAME, OPERATION, A, B, M) \
@@ -177,17 +168,24 @@ module ray_triangle_moller #(
   logic [SLANES-1:0][CW-1:0] tri_bad_select;
   align #(.W(SLANES * CW), .FROM(0), .TO(T_SELECT)) align_bad (.clk_i, .d_i(tri_bad_i), .q_o(tri_bad_select));
 
-  for (genvar l = 0; l < LANES; l++) begin : result
-    logic [CW-1:0] bad, f;
-    assign bad = ray_bad_i[l] | tri_bad_select[l%SLANES];
-    assign f = hit_select[l] & ~bad;
-    always_ff @(posedge clk_i) begin
-      f_o[l] <= f;
-      bad_o[l] <= bad;
-      t_o[l] <= (f & t_select[l]) | (~f & INF) | (bad & QNAN);
+  logic [LANES-1:0][CW-1:0] f, bad;
+  always_comb
+    for (int l = 0; l < LANES; l++) begin
+      bad[l] = ray_bad_i[l] | tri_bad_select[l%SLANES];
+      f[l] = hit_select[l] & ~bad[l];
     end
-    for (genvar k = 0; k < 3; k++) begin : axis
-      always_ff @(posedge clk_i) cp_o[k][l] <= (f & cp[k][l]) | (bad & QNAN);
+  for (genvar l = 0; l < LANES; l++) begin : result
+    always_ff @(posedge clk_i) begin
+      f_o[l] <= f[l];
+      bad_o[l] <= bad[l];
+      t_o[l] <= (f[l] & t_select[l]) | (~f[l] & INF) | (bad[l] & QNAN);
+    end
+  end
+  for (genvar k = 0; k < 3; k++) begin : point
+    logic [LANES-1:0][CW-1:0] cp_k;
+    assign cp_k = cp[k];
+    for (genvar l = 0; l < LANES; l++) begin : lane
+      always_ff @(posedge clk_i) cp_o[k][l] <= (f[l] & cp_k[l]) | (bad[l] & QNAN);
     end
   end
   `undef CDE_CMP

@@ -45,33 +45,31 @@ module update_engine #(
   logic [LANES-1:0][31:0] f_index[ROWS];                          // F-index buffer: all ones is F = 0
   logic [LANES-1:0][CW-1:0] cp_x[ROWS], cp_y[ROWS], cp_z[ROWS];
 
-  logic [LANES-1:0][CW-1:0] hit, t_old, t_new, better;
-  logic [LANES-1:0][31:0] index_old;
-  logic [LANES-1:0] first_hit;
-  logic any_hit;
-  assign hit = f_i & unmasked[row_i];
-  assign any_hit = valid_i && |hit;
-  assign t_old = parity_i ? stencil_t1[row_i] : stencil_t0[row_i];
-  assign index_old = f_index[row_i];
-
   // Sign-magnitude to an ordered unsigned key; both zeros map to the same key.
   function logic [CW-1:0] key(input logic [CW-1:0] t);
     key = ((t & SIGN) != 0) ? SIGN - (t & ~SIGN) : SIGN + t;
   endfunction
 
-  // A row without a hit, nearly every row, does none of the comparisons.
+  logic [LANES-1:0][CW-1:0] hit, t_new, better;
+  logic [LANES-1:0] first_hit;
+  logic any_hit;
+  always_comb
+    for (int l = 0; l < LANES; l++) hit[l] = f_i[l] & unmasked[row_i][l];
+  assign any_hit = valid_i && |hit;
+
+  // A row without a hit, nearly every row, costs no comparison.
   always_comb begin
     better = '0;
     first_hit = '0;
-    t_new = t_old;
+    t_new = parity_i ? stencil_t1[row_i] : stencil_t0[row_i];
     if (any_hit) begin
       for (int l = 0; l < LANES; l++) begin
-        first_hit[l] = hit[l][0] && index_old[l] == '1;
+        first_hit[l] = hit[l][0] && f_index[row_i][l] == '1;
         if (hit[l][0]) begin
           if (mode_i == cde_pkg::MODE_ANY) better[l] = {CW{first_hit[l]}};
           else if (first_hit[l]) better[l] = '1;
-          else if (key(t_i[l]) == key(t_old[l])) better[l] = {CW{index_i < index_old[l]}};
-          else better[l] = {CW{(key(t_i[l]) < key(t_old[l])) == (mode_i == cde_pkg::MODE_NEAREST)}};
+          else if (key(t_i[l]) == key(t_new[l])) better[l] = {CW{index_i < f_index[row_i][l]}};
+          else better[l] = {CW{(key(t_i[l]) < key(t_new[l])) == (mode_i == cde_pkg::MODE_NEAREST)}};
         end
         if (better[l][0]) t_new[l] = t_i[l];
       end
@@ -79,17 +77,24 @@ module update_engine #(
   end
   assign new_hits_o = any_hit ? (PRIM_W + 1)'($countones(first_hit)) : '0;
 
+  logic [LANES-1:0][31:0] index_new;
+  always_comb begin
+    index_new = '1;
+    if (any_hit)
+      for (int l = 0; l < LANES; l++) index_new[l] = better[l][0] ? index_i : f_index[row_i][l];
+  end
+
   always_ff @(posedge clk_i) begin
     if (valid_i && parity_i) stencil_t0[row_i] <= t_new;
     if (valid_i && !parity_i) stencil_t1[row_i] <= t_new;
     if (any_hit) begin
-      f_index[row_i] <= (index_old & ~lanes32(better)) | ({LANES{index_i}} & lanes32(better));
+      f_index[row_i] <= index_new;
       cp_x[row_i] <= (cp_x[row_i] & ~better) | (cp_i[0] & better);
       cp_y[row_i] <= (cp_y[row_i] & ~better) | (cp_i[1] & better);
       cp_z[row_i] <= (cp_z[row_i] & ~better) | (cp_i[2] & better);
     end
     if (clear_i) begin
-      for (int l = 0; l < LANES; l++) unmasked[clear_row_i][l] <= {CW{~clear_mask_i[l]}};
+      unmasked[clear_row_i] <= clear_lanes;
       stencil_t0[clear_row_i] <= {LANES{INF}};
       stencil_t1[clear_row_i] <= {LANES{INF}};
       f_index[clear_row_i] <= '1;
@@ -99,9 +104,11 @@ module update_engine #(
     end
   end
 
-  function logic [LANES-1:0][31:0] lanes32(input logic [LANES-1:0][CW-1:0] m);
-    for (int l = 0; l < LANES; l++) lanes32[l] = m[l][31:0];
-  endfunction
+  logic [LANES-1:0][CW-1:0] clear_lanes;
+  always_comb begin
+    clear_lanes = '0;
+    if (clear_i) for (int l = 0; l < LANES; l++) clear_lanes[l] = {CW{~clear_mask_i[l]}};
+  end
 
   logic [ROW_W-1:0] result_row;
   logic [LANE_W-1:0] result_lane;

@@ -4,6 +4,7 @@ module vec_cross #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
+    parameter int B_LANES = LANES,  // 1: b is one vector for all lanes
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter ARITH = "rtl",
@@ -11,15 +12,15 @@ module vec_cross #(
 ) (
     input logic clk_i,
     input logic [2:0][LANES-1:0][CW-1:0] a_i,
-    input logic [2:0][LANES-1:0][CW-1:0] b_i,
+    input logic [2:0][B_LANES-1:0][CW-1:0] b_i,
     output logic [2:0][LANES-1:0][CW-1:0] r_o
 );
   for (genvar k = 0; k < 3; k++) begin : axis
     localparam int Y = (k + 1) % 3, Z = (k + 2) % 3;
     logic [LANES-1:0][CW-1:0] yz, zy;
-    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH)) mul_yz (
+    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL), .ARITH(ARITH)) mul_yz (
         .clk_i, .a_i(a_i[Y]), .b_i(b_i[Z]), .r_o(yz), .flags_o());
-    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH)) mul_zy (
+    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL), .ARITH(ARITH)) mul_zy (
         .clk_i, .a_i(a_i[Z]), .b_i(b_i[Y]), .r_o(zy), .flags_o());
     fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .SUB(1), .ARITH(ARITH)) sub (
         .clk_i, .a_i(yz), .b_i(zy), .r_o(r_o[k]), .flags_o());

@@ -4,6 +4,7 @@ module vec_dot #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
+    parameter int B_LANES = LANES,  // 1: b is one vector for all lanes
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter ARITH = "rtl",
@@ -11,12 +12,12 @@ module vec_dot #(
 ) (
     input logic clk_i,
     input logic [2:0][LANES-1:0][CW-1:0] a_i,
-    input logic [2:0][LANES-1:0][CW-1:0] b_i,
+    input logic [2:0][B_LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] r_o
 );
   for (genvar k = 0; k < 3; k++) begin : axis
     logic [LANES-1:0][CW-1:0] p;
-    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH)) mul (
+    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL), .ARITH(ARITH)) mul (
         .clk_i, .a_i(a_i[k]), .b_i(b_i[k]), .r_o(p), .flags_o());
   end
   logic [LANES-1:0][CW-1:0] xy, z;

@@ -4,17 +4,18 @@ module vec_sub #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
+    parameter int B_LANES = LANES,  // 1: b is one vector for all lanes
     parameter int LAT_ADD = 1,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
     input logic [2:0][LANES-1:0][CW-1:0] a_i,
-    input logic [2:0][LANES-1:0][CW-1:0] b_i,
+    input logic [2:0][B_LANES-1:0][CW-1:0] b_i,
     output logic [2:0][LANES-1:0][CW-1:0] r_o
 );
   for (genvar k = 0; k < 3; k++) begin : axis
-    fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .SUB(1), .ARITH(ARITH)) sub (
+    fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_ADD), .SUB(1), .ARITH(ARITH)) sub (
         .clk_i, .a_i(a_i[k]), .b_i(b_i[k]), .r_o(r_o[k]), .flags_o());
   end
 endmodule
