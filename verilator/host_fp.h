@@ -155,8 +155,19 @@ inline uint32_t binary_flags(Bits a, Bits b) {
   }
 }
 
-/// Operation codes; fp_host.sv derives the same numbers from its OP parameter.
-enum Code : unsigned { kAdd, kSub, kMul, kDiv, kSqrt, kLt, kLe, kEq };
+/// Operation codes, the OP parameter of fp_lanes.sv.
+enum Code : unsigned { kAdd, kSub, kMul, kDiv, kSqrt, kLt, kLe, kEq, kMin, kMax };
+
+/// minimumNumber and maximumNumber: a number beats a NaN, -0 is below +0.
+template <bool Max, unsigned E, unsigned M, class Bits = typename Format<E, M>::Bits>
+inline Bits minmax(Bits a, Bits b) {
+  using F = Format<E, M>;
+  using Signed = std::make_signed_t<Bits>;
+  const Bits a_sign = Bits{0} - ((a >> (E + M)) & 1), b_sign = Bits{0} - ((b >> (E + M)) & 1);
+  const bool less = Signed((a & F::kMag) ^ a_sign) < Signed((b & F::kMag) ^ b_sign);
+  const Bits r = select<Bits>((bool(less ^ Max) | F::is_nan(b)) & !F::is_nan(a), a, b);
+  return select<Bits>(F::is_nan(a) & F::is_nan(b), F::kNan, r);
+}
 
 /// One lane. Comparisons answer all ones or all zeros, false when either operand is NaN.
 template <unsigned C, unsigned E, unsigned M, class Bits = typename Format<E, M>::Bits>
@@ -169,7 +180,8 @@ inline Bits op(Bits a, Bits b) {
   else if constexpr (C == kSqrt) return binary<Sqrt, E, M>(a, a);
   else if constexpr (C == kLt) return Bits{0} - Bits(T(decode<E, M>(a)) < T(decode<E, M>(b)));
   else if constexpr (C == kLe) return Bits{0} - Bits(T(decode<E, M>(a)) <= T(decode<E, M>(b)));
-  else return Bits{0} - Bits(T(decode<E, M>(a)) == T(decode<E, M>(b)));
+  else if constexpr (C == kEq) return Bits{0} - Bits(T(decode<E, M>(a)) == T(decode<E, M>(b)));
+  else return minmax<C == kMax, E, M>(a, b);
 }
 
 /// Its flags. lt and le are signalling comparisons, eq is quiet.
@@ -181,7 +193,7 @@ inline Bits flags(Bits a, Bits b) {
   else if constexpr (C == kMul) return binary_flags<Mul, E, M>(a, b);
   else if constexpr (C == kDiv) return binary_flags<Div, E, M>(a, b);
   else if constexpr (C == kSqrt) return binary_flags<Sqrt, E, M>(a, a);
-  else if constexpr (C == kEq) return Bits(F::is_snan(a) | F::is_snan(b)) * kInvalid;
+  else if constexpr (C >= kEq) return Bits(F::is_snan(a) | F::is_snan(b)) * kInvalid;
   else return Bits(F::is_nan(a) | F::is_nan(b)) * kInvalid;
 }
 

@@ -17,11 +17,6 @@ module fp_cmp #(
     output logic [LANES-1:0][CW-1:0] flags_o
 );
   /*verilator inline_module*/
-  if (EXP < 3 || EXP > 11 || MAN < 2 || MAN > 52 || LANES < 1 || LAT < 1) $error("fp_cmp: parameter out of range");
-  if (ARITH != "rtl") begin : g_host
-    fp_host #(.OP(OP == "lt" ? 5 : OP == "le" ? 6 : 7), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .FLAGS(FLAGS)) host (
-        .clk_i, .a_i, .b_i, .r_o(m_o), .flags_o);
-  end else begin : g_rtl
-    $error("fp_cmp: ARITH must be \"rtl\" or \"host\"");
-  end
+  fp_lanes #(.OP(OP == "lt" ? 5 : OP == "le" ? 6 : 7), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) lanes (
+      .clk_i, .a_i, .b_i, .r_o(m_o), .flags_o);
 endmodule

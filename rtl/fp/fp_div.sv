@@ -16,11 +16,6 @@ module fp_div #(
     output logic [LANES-1:0][CW-1:0] flags_o
 );
   /*verilator inline_module*/
-  if (EXP < 3 || EXP > 11 || MAN < 2 || MAN > 52 || LANES < 1 || LAT < 1) $error("fp_div: parameter out of range");
-  if (ARITH != "rtl") begin : g_host
-    fp_host #(.OP(3), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .FLAGS(FLAGS)) host (
-        .clk_i, .a_i, .b_i, .r_o(r_o), .flags_o);
-  end else begin : g_rtl
-    $error("fp_div: ARITH must be \"rtl\" or \"host\"");
-  end
+  fp_lanes #(.OP(3), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) lanes (
+      .clk_i, .a_i, .b_i, .r_o(r_o), .flags_o);
 endmodule

@@ -6,13 +6,14 @@ module fp_host #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
+    parameter  int B_LANES = LANES,  // 1: b is one value for all lanes
     parameter int LAT = 1,
     parameter bit FLAGS = 0,
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input  logic                     clk_i,
     input  logic [LANES-1:0][CW-1:0] a_i,
-    input  logic [LANES-1:0][CW-1:0] b_i,
+    input  logic [B_LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] r_o,
     output logic [LANES-1:0][CW-1:0] flags_o
 );
@@ -21,9 +22,9 @@ module fp_host #(
   logic [LANES-1:0][CW-1:0] r_q;
   for (genvar l = 0; l < LANES; l++) begin : g_lane
     if (CW == 32) begin : g_32
-      always_ff @(posedge clk_i) r_q[l] <= $c32("host_fp::op<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l], ")");
+      always_ff @(posedge clk_i) r_q[l] <= $c32("host_fp::op<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
     end else begin : g_64
-      always_ff @(posedge clk_i) r_q[l] <= $c64("host_fp::op<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l], ")");
+      always_ff @(posedge clk_i) r_q[l] <= $c64("host_fp::op<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
     end
   end
   fp_delay #(.LANES(LANES), .W(CW), .DEPTH(LAT - 1)) delay_r (.clk_i, .d_i(r_q), .q_o(r_o));
@@ -31,9 +32,9 @@ module fp_host #(
     logic [LANES-1:0][CW-1:0] f_q;
     for (genvar l = 0; l < LANES; l++) begin : g_lane
       if (CW == 32) begin : g_32
-        always_ff @(posedge clk_i) f_q[l] <= $c32("host_fp::flags<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l], ")");
+        always_ff @(posedge clk_i) f_q[l] <= $c32("host_fp::flags<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
       end else begin : g_64
-        always_ff @(posedge clk_i) f_q[l] <= $c64("host_fp::flags<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l], ")");
+        always_ff @(posedge clk_i) f_q[l] <= $c64("host_fp::flags<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
       end
     end
     fp_delay #(.LANES(LANES), .W(CW), .DEPTH(LAT - 1)) delay_f (.clk_i, .d_i(f_q), .q_o(flags_o));

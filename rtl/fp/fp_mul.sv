@@ -4,6 +4,7 @@ module fp_mul #(
     parameter  int EXP   = 8,    // 3..11
     parameter  int MAN   = 23,   // 2..52
     parameter  int LANES = 1,    // >= 1
+    parameter  int B_LANES = LANES,  // 1: b is one value for all lanes
     parameter  int LAT   = 1,    // >= 1
     parameter      ARITH = "rtl",  // "rtl": gates; "host": the host's FPU, simulation only
     parameter  bit FLAGS = 0,
@@ -11,16 +12,11 @@ module fp_mul #(
 ) (
     input  logic                     clk_i,
     input  logic [LANES-1:0][CW-1:0] a_i,
-    input  logic [LANES-1:0][CW-1:0] b_i,
+    input  logic [B_LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] r_o,
     output logic [LANES-1:0][CW-1:0] flags_o
 );
   /*verilator inline_module*/
-  if (EXP < 3 || EXP > 11 || MAN < 2 || MAN > 52 || LANES < 1 || LAT < 1) $error("fp_mul: parameter out of range");
-  if (ARITH != "rtl") begin : g_host
-    fp_host #(.OP(2), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .FLAGS(FLAGS)) host (
-        .clk_i, .a_i, .b_i, .r_o(r_o), .flags_o);
-  end else begin : g_rtl
-    $error("fp_mul: ARITH must be \"rtl\" or \"host\"");
-  end
+  fp_lanes #(.OP(2), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) lanes (
+      .clk_i, .a_i, .b_i, .r_o(r_o), .flags_o);
 endmodule

@@ -1,0 +1,49 @@
+// One lane of fp_cmp and fp_minmax. Combinational.
+// Minimum and maximum are minimumNumber and maximumNumber of IEEE 754-2019: a NaN loses against a number, -0 is below +0,
+// two NaNs give the canonical NaN, a signalling NaN raises NV.
+module fp_cmp_lane #(
+    parameter int OP    = 5,  // 5 lt, 6 le, 7 eq, 8 min, 9 max
+    parameter int EXP   = 8,
+    parameter int MAN   = 23,
+    parameter bit FLAGS = 0,
+    localparam int CW   = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input  logic [CW-1:0] a_i,
+    input  logic [CW-1:0] b_i,
+    output logic [CW-1:0] r_o,
+    output logic [CW-1:0] flags_o
+);
+  /*verilator inline_module*/
+`include "fp_mask.svh"
+  logic [CW-1:0] am, bm, as, bs, below, above, same, less, a_nan, b_nan, nan;
+  always_comb begin
+    am = a_i & MAG;
+    bm = b_i & MAG;
+    as = neg(a_i << (CW - 1 - EXP - MAN));
+    bs = neg(b_i << (CW - 1 - EXP - MAN));
+    below = neg(am - bm);
+    above = neg(bm - am);
+    less = sel(as, ~bs | above, below & ~bs);  // total order, -0 below +0
+    a_nan = neg(INF - am);
+    b_nan = neg(INF - bm);
+    nan = a_nan | b_nan;
+  end
+  if (OP <= 7) begin : g_compare
+    always_comb begin
+      same = ~(below | above | ((as ^ bs) & some(am)));
+      if (OP == 5) r_o = less & ~same & ~nan;
+      else if (OP == 6) r_o = (less | same) & ~nan;
+      else r_o = same & ~nan;
+    end
+  end else begin : g_minmax
+    always_comb begin
+      same = (OP == 9) ? ~less : less;
+      r_o = sel(a_nan & b_nan, QNAN, sel((same | b_nan) & ~a_nan, a_i, b_i));
+    end
+  end
+  if (FLAGS) begin : g_flags
+    assign flags_o = ((OP <= 6) ? nan : snan(a_i) | snan(b_i)) & (ONE << 4);
+  end else begin : g_no_flags
+    assign flags_o = '0;
+  end
+endmodule

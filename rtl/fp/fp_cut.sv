@@ -1,0 +1,20 @@
+// One register cut between two stages of a lane: DEPTH 1 is a register, DEPTH 0 a wire. Latency: DEPTH clocks.
+module fp_cut #(
+    parameter int W     = 32,
+    parameter int DEPTH = 0
+) (
+    input  logic         clk_i,
+    input  logic [W-1:0] d_i,
+    output logic [W-1:0] q_o
+);
+  /*verilator inline_module*/
+  if (DEPTH == 0) begin : g_wire
+    logic unused_clk;
+    assign unused_clk = clk_i;
+    assign q_o = d_i;
+  end else begin : g_register
+    logic [W-1:0] d_q;
+    always_ff @(posedge clk_i) d_q <= d_i;
+    assign q_o = d_q;
+  end
+endmodule

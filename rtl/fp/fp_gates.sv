@@ -1,0 +1,49 @@
+// Gate back end of the binary units: lanes of one operation behind their input registers.
+// Latency: 1 + CUTS clocks. Throughput: one result a lane a clock. Stall: none.
+// Not inlined: all that the lanes touch must lie in one C++ object for the compiler to see that they do not alias.
+module fp_gates #(
+    parameter  int OP    = 0,  // codes as in fp_lanes
+    parameter  int EXP   = 8,
+    parameter  int MAN   = 23,
+    parameter  int LANES = 1,
+    parameter  int B_LANES = LANES,  // LANES, or 1: b is one value for all lanes
+    parameter  int CUTS  = 0,
+    parameter  bit FLAGS = 0,
+    localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input  logic                     clk_i,
+    input  logic [LANES-1:0][CW-1:0] a_i,
+    input  logic [B_LANES-1:0][CW-1:0] b_i,
+    output logic [LANES-1:0][CW-1:0] r_o,
+    output logic [LANES-1:0][CW-1:0] flags_o
+);
+  /*verilator no_inline_module*/
+  logic [LANES-1:0][CW-1:0] a_q;
+  logic [B_LANES-1:0][CW-1:0] b_q;
+  always_ff @(posedge clk_i) begin
+    a_q <= a_i;
+    b_q <= b_i;
+  end
+  for (genvar l = 0; l < LANES; l++) begin : g_lane
+    if (OP <= 1) begin : g_add
+      fp_add_lane #(.EXP(EXP), .MAN(MAN), .SUB(OP == 1), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
+          .clk_i, .a_i(a_q[l]), .b_i(b_q[l%B_LANES]), .r_o(r_o[l]), .flags_o(flags_o[l]));
+    end else if (OP == 2) begin : g_mul
+      fp_mul_lane #(.EXP(EXP), .MAN(MAN), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
+          .clk_i, .a_i(a_q[l]), .b_i(b_q[l%B_LANES]), .r_o(r_o[l]), .flags_o(flags_o[l]));
+    end else if (OP == 3) begin : g_div
+      fp_div_lane #(.EXP(EXP), .MAN(MAN), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
+          .clk_i, .a_i(a_q[l]), .b_i(b_q[l%B_LANES]), .r_o(r_o[l]), .flags_o(flags_o[l]));
+    end else if (OP == 4) begin : g_sqrt
+      fp_sqrt_lane #(.EXP(EXP), .MAN(MAN), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
+          .clk_i, .a_i(a_q[l]), .r_o(r_o[l]), .flags_o(flags_o[l]));
+    end else begin : g_compare
+      fp_cmp_lane #(.OP(OP), .EXP(EXP), .MAN(MAN), .FLAGS(FLAGS)) lane (
+          .a_i(a_q[l]), .b_i(b_q[l%B_LANES]), .r_o(r_o[l]), .flags_o(flags_o[l]));
+    end
+  end
+  if (OP == 4) begin : g_one_operand
+    logic unused_b;
+    assign unused_b = &{1'b0, b_q};
+  end
+endmodule

@@ -1,0 +1,41 @@
+// One operation on LANES lanes with the back end that ARITH names: what fp_add, fp_mul and their like have in common.
+// Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free.
+module fp_lanes #(
+    parameter  int OP    = 0,      // 0 add, 1 sub, 2 mul, 3 div, 4 sqrt, 5 lt, 6 le, 7 eq, 8 min, 9 max (as in host_fp.h)
+    parameter  int EXP   = 8,      // 3..11
+    parameter  int MAN   = 23,     // 2..52
+    parameter  int LANES = 1,      // >= 1
+    parameter  int B_LANES = LANES,  // LANES, or 1: b is one value for all lanes
+    parameter  int LAT   = 1,      // >= 1; register cuts while the operation has stages to cut, then delay at the output
+    parameter      ARITH = "rtl",  // "rtl" or "host"
+    parameter  bit FLAGS = 0,
+    localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input  logic                     clk_i,
+    input  logic [LANES-1:0][CW-1:0] a_i,
+    input  logic [B_LANES-1:0][CW-1:0] b_i,
+    output logic [LANES-1:0][CW-1:0] r_o,
+    output logic [LANES-1:0][CW-1:0] flags_o
+);
+  /*verilator inline_module*/
+  if (EXP < 3 || EXP > 11 || MAN < 2 || MAN > 52) $error("fp: EXP must be 3..11 and MAN 2..52");
+  if (LANES < 1 || LAT < 1 || (B_LANES != LANES && B_LANES != 1)) $error("fp: LANES, LAT >= 1; B_LANES is LANES or 1");
+  if (ARITH == "rtl") begin : g_rtl
+    localparam int MOST = (OP <= 2) ? 5 : (OP == 3) ? MAN + 5 : (OP == 4) ? MAN + 3 : 0;  // comparisons have nothing to cut
+    localparam int CUTS = (LAT - 1 > MOST) ? MOST : LAT - 1;
+    logic [LANES-1:0][CW-1:0] r, flags;
+    fp_gates #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .CUTS(CUTS), .FLAGS(FLAGS)) gates (
+        .clk_i, .a_i, .b_i, .r_o(r), .flags_o(flags));
+    fp_delay #(.LANES(LANES), .W(CW), .DEPTH(LAT - 1 - CUTS)) delay_r (.clk_i, .d_i(r), .q_o(r_o));
+    if (FLAGS) begin : g_flags
+      fp_delay #(.LANES(LANES), .W(CW), .DEPTH(LAT - 1 - CUTS)) delay_f (.clk_i, .d_i(flags), .q_o(flags_o));
+    end else begin : g_no_flags
+      logic unused_flags;
+      assign unused_flags = &{1'b0, flags};
+      assign flags_o = '0;
+    end
+  end else begin : g_host
+    fp_host #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .FLAGS(FLAGS)) host (
+        .clk_i, .a_i, .b_i, .r_o, .flags_o);
+  end
+endmodule

@@ -1,0 +1,20 @@
+// Square root; of a negative number NaN, of -0 the -0.
+// Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
+module fp_sqrt #(
+    parameter  int EXP   = 8,    // 3..11
+    parameter  int MAN   = 23,   // 2..52
+    parameter  int LANES = 1,    // >= 1
+    parameter  int LAT   = 1,    // >= 1
+    parameter      ARITH = "rtl",  // "rtl": gates; "host": the host's FPU, simulation only
+    parameter  bit FLAGS = 0,
+    localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input  logic                     clk_i,
+    input  logic [LANES-1:0][CW-1:0] a_i,
+    output logic [LANES-1:0][CW-1:0] r_o,
+    output logic [LANES-1:0][CW-1:0] flags_o
+);
+  /*verilator inline_module*/
+  fp_lanes #(.OP(4), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) lanes (
+      .clk_i, .a_i, .b_i(a_i), .r_o(r_o), .flags_o);
+endmodule
