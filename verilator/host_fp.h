@@ -90,13 +90,14 @@ struct Mul { template <class T> static T of(T a, T b) { return a * b; } };
 struct Div { template <class T> static T of(T a, T b) { return a / b; } };
 struct Sqrt { template <class T> static T of(T a, T) { return std::sqrt(a); } };
 
-template <class Op, unsigned E, unsigned M, class Bits = typename Format<E, M>::Bits>
+template <class Op, unsigned E, unsigned M, bool Canonical = true, class Bits = typename Format<E, M>::Bits>
 inline Bits binary(Bits a, Bits b) {
   using F = Format<E, M>;
   if constexpr (F::kSingle || F::kDouble) {
     using T = typename F::Native;
     const T r = Op::of(std::bit_cast<T>(a), std::bit_cast<T>(b));
-    return select<Bits>(r != r, F::kNan, std::bit_cast<Bits>(r));
+    if constexpr (!Canonical) return std::bit_cast<Bits>(r);
+    else return select<Bits>(r != r, F::kNan, std::bit_cast<Bits>(r));
   } else {
     return encode<E, M>(Op::of(decode<E, M>(a), decode<E, M>(b)));
   }
@@ -170,14 +171,14 @@ inline Bits minmax(Bits a, Bits b) {
 }
 
 /// One lane. Comparisons answer all ones or all zeros, false when either operand is NaN.
-template <unsigned C, unsigned E, unsigned M, class Bits = typename Format<E, M>::Bits>
+template <unsigned C, unsigned E, unsigned M, bool Canonical = true, class Bits = typename Format<E, M>::Bits>
 inline Bits op(Bits a, Bits b) {
   using T = typename Format<E, M>::Native;
-  if constexpr (C == kAdd) return binary<Add, E, M>(a, b);
-  else if constexpr (C == kSub) return binary<Sub, E, M>(a, b);
-  else if constexpr (C == kMul) return binary<Mul, E, M>(a, b);
-  else if constexpr (C == kDiv) return binary<Div, E, M>(a, b);
-  else if constexpr (C == kSqrt) return binary<Sqrt, E, M>(a, a);
+  if constexpr (C == kAdd) return binary<Add, E, M, Canonical>(a, b);
+  else if constexpr (C == kSub) return binary<Sub, E, M, Canonical>(a, b);
+  else if constexpr (C == kMul) return binary<Mul, E, M, Canonical>(a, b);
+  else if constexpr (C == kDiv) return binary<Div, E, M, Canonical>(a, b);
+  else if constexpr (C == kSqrt) return binary<Sqrt, E, M, Canonical>(a, a);
   else if constexpr (C == kLt) return Bits{0} - Bits(T(decode<E, M>(a)) < T(decode<E, M>(b)));
   else if constexpr (C == kLe) return Bits{0} - Bits(T(decode<E, M>(a)) <= T(decode<E, M>(b)));
   else if constexpr (C == kEq) return Bits{0} - Bits(T(decode<E, M>(a)) == T(decode<E, M>(b)));

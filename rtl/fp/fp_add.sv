@@ -8,6 +8,7 @@ module fp_add #(
     parameter  int LAT   = 1,    // >= 1
     parameter  bit SUB   = 0,    // 1: a - b
     parameter      ARITH = "rtl",  // "rtl": gates; "host": the host's FPU, simulation only
+    parameter  bit CANON = 1,    // 0: the host back end may give any NaN; for results that only arithmetic reads
     parameter  bit FLAGS = 0,
     localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
@@ -18,6 +19,6 @@ module fp_add #(
     output logic [LANES-1:0][CW-1:0] flags_o
 );
   /*verilator inline_module*/
-  fp_lanes #(.OP(SUB ? 1 : 0), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) lanes (
+  fp_lanes #(.OP(SUB ? 1 : 0), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .CANON(CANON), .FLAGS(FLAGS)) lanes (
       .clk_i, .a_i, .b_i, .r_o(r_o), .flags_o);
 endmodule

@@ -8,6 +8,7 @@ module fp_host #(
     parameter int LANES = 1,
     parameter  int B_LANES = LANES,  // 1: b is one value for all lanes
     parameter int LAT = 1,
+    parameter  bit CANON = 1,    // 0: the host back end may give any NaN; for results that only arithmetic reads
     parameter bit FLAGS = 0,
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
@@ -22,9 +23,9 @@ module fp_host #(
   logic [LANES-1:0][CW-1:0] r_q;
   for (genvar l = 0; l < LANES; l++) begin : g_lane
     if (CW == 32) begin : g_32
-      always_ff @(posedge clk_i) r_q[l] <= $c32("host_fp::op<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
+      always_ff @(posedge clk_i) r_q[l] <= $c32("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
     end else begin : g_64
-      always_ff @(posedge clk_i) r_q[l] <= $c64("host_fp::op<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
+      always_ff @(posedge clk_i) r_q[l] <= $c64("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
     end
   end
   fp_delay #(.LANES(LANES), .W(CW), .DEPTH(LAT - 1)) delay_r (.clk_i, .d_i(r_q), .q_o(r_o));

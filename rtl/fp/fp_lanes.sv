@@ -8,6 +8,7 @@ module fp_lanes #(
     parameter  int B_LANES = LANES,  // LANES, or 1: b is one value for all lanes
     parameter  int LAT   = 1,      // >= 1; register cuts while the operation has stages to cut, then delay at the output
     parameter      ARITH = "rtl",  // "rtl" or "host"
+    parameter  bit CANON = 1,    // 0: the host back end may give any NaN; for results that only arithmetic reads
     parameter  bit FLAGS = 0,
     localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
@@ -35,7 +36,7 @@ module fp_lanes #(
       assign flags_o = '0;
     end
   end else begin : g_host
-    fp_host #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .FLAGS(FLAGS)) host (
+    fp_host #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .CANON(CANON), .FLAGS(FLAGS)) host (
         .clk_i, .a_i, .b_i, .r_o, .flags_o);
   end
 endmodule

@@ -7,6 +7,7 @@ module fp_mul #(
     parameter  int B_LANES = LANES,  // 1: b is one value for all lanes
     parameter  int LAT   = 1,    // >= 1
     parameter      ARITH = "rtl",  // "rtl": gates; "host": the host's FPU, simulation only
+    parameter  bit CANON = 1,    // 0: the host back end may give any NaN; for results that only arithmetic reads
     parameter  bit FLAGS = 0,
     localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
@@ -17,6 +18,6 @@ module fp_mul #(
     output logic [LANES-1:0][CW-1:0] flags_o
 );
   /*verilator inline_module*/
-  fp_lanes #(.OP(2), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) lanes (
+  fp_lanes #(.OP(2), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .CANON(CANON), .FLAGS(FLAGS)) lanes (
       .clk_i, .a_i, .b_i, .r_o(r_o), .flags_o);
 endmodule

@@ -86,37 +86,37 @@ module ray_triangle_moller #(
 
   // ---- Edges; the two of the triangle are computed once for all lanes when it is broadcast ----
   logic [2:0][SLANES-1:0][CW-1:0] e1, e2, e1_dot, e2_dot;
-  vec_sub #(.EXP(EXP), .MAN(MAN), .LANES(SLANES), .LAT_ADD(LAT_ADD), .ARITH(ARITH)) sub_e1 (
+  vec_sub #(.EXP(EXP), .MAN(MAN), .LANES(SLANES), .LAT_ADD(LAT_ADD), .ARITH(ARITH), .CANON(0)) sub_e1 (
       .clk_i, .a_i(tri_i[5:3]), .b_i(tri_i[2:0]), .r_o(e1));
-  vec_sub #(.EXP(EXP), .MAN(MAN), .LANES(SLANES), .LAT_ADD(LAT_ADD), .ARITH(ARITH)) sub_e2 (
+  vec_sub #(.EXP(EXP), .MAN(MAN), .LANES(SLANES), .LAT_ADD(LAT_ADD), .ARITH(ARITH), .CANON(0)) sub_e2 (
       .clk_i, .a_i(tri_i[8:6]), .b_i(tri_i[2:0]), .r_o(e2));
   align #(.W(3 * SLANES * CW), .FROM(T_EDGE), .TO(T_CROSS)) align_e1 (.clk_i, .d_i(e1), .q_o(e1_dot));
   align #(.W(3 * SLANES * CW), .FROM(T_EDGE), .TO(T_CROSS)) align_e2 (.clk_i, .d_i(e2), .q_o(e2_dot));
 
   logic [2:0][LANES-1:0][CW-1:0] tv, tv_dot, p, q;
-  vec_sub #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .ARITH(ARITH)) sub_t (
+  vec_sub #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .ARITH(ARITH), .CANON(0)) sub_t (
       .clk_i, .a_i(o_edge_i), .b_i(tri_i[2:0]), .r_o(tv));
-  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) cross_p (
+  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) cross_p (
       .clk_i, .a_i(d_cross_i), .b_i(e2), .r_o(p));
-  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) cross_q (
+  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) cross_q (
       .clk_i, .a_i(tv), .b_i(e1), .r_o(q));
   for (genvar k = 0; k < 3; k++) begin : hold
     align #(.W(LANES * CW), .FROM(T_EDGE), .TO(T_CROSS)) align_tv (.clk_i, .d_i(tv[k]), .q_o(tv_dot[k]));
   end
 
   logic [LANES-1:0][CW-1:0] det, u, v, tn;
-  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) dot_det (
+  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) dot_det (
       .clk_i, .a_i(p), .b_i(e1_dot), .r_o(det));
-  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) dot_u (
+  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) dot_u (
       .clk_i, .a_i(p), .b_i(tv_dot), .r_o(u));
-  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) dot_v (
+  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) dot_v (
       .clk_i, .a_i(q), .b_i(d_dot_i), .r_o(v));
-  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) dot_t (
+  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) dot_t (
       .clk_i, .a_i(q), .b_i(e2_dot), .r_o(tn));
 
   // ---- Inside test against |det|: the sign of det is moved to u, v and u+v ----
   logic [LANES-1:0][CW-1:0] uv, det_uv, det_abs, u_flip, v_flip, zero, det_abs_uv, uv_flip;
-  fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .ARITH(ARITH)) add_uv (
+  fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .ARITH(ARITH), .CANON(0)) add_uv (
       .clk_i, .a_i(u), .b_i(v), .r_o(uv), .flags_o());
   align #(.W(LANES * CW), .FROM(T_DOT), .TO(T_UV)) align_det (.clk_i, .d_i(det), .q_o(det_uv));
   assign zero = '0;
@@ -148,7 +148,7 @@ module ray_triangle_moller #(
       .clk_i, .a_i(tn), .b_i(det), .r_o(t), .flags_o());
   `CDE_CMP(cmp_t_lo, "le", tmin_t_i, t, t_lo)
   `CDE_CMP(cmp_t_hi, "le", t, tmax_t_i, t_hi)
-  vec_scale #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) scale_d (
+  vec_scale #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) scale_d (
       .clk_i, .a_i(d_t_i), .s_i(t), .r_o(td));
   vec_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .ARITH(ARITH)) add_cp (
       .clk_i, .a_i(o_cp_i), .b_i(td), .r_o(cp));

@@ -8,6 +8,7 @@ module vec_cross #(
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter ARITH = "rtl",
+    parameter bit CANON = 1,  // as in fp_lanes, for the result
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
@@ -18,11 +19,11 @@ module vec_cross #(
   for (genvar k = 0; k < 3; k++) begin : axis
     localparam int Y = (k + 1) % 3, Z = (k + 2) % 3;
     logic [LANES-1:0][CW-1:0] yz, zy;
-    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL), .ARITH(ARITH)) mul_yz (
+    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL), .ARITH(ARITH), .CANON(0)) mul_yz (
         .clk_i, .a_i(a_i[Y]), .b_i(b_i[Z]), .r_o(yz), .flags_o());
-    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL), .ARITH(ARITH)) mul_zy (
+    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL), .ARITH(ARITH), .CANON(0)) mul_zy (
         .clk_i, .a_i(a_i[Z]), .b_i(b_i[Y]), .r_o(zy), .flags_o());
-    fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .SUB(1), .ARITH(ARITH)) sub (
+    fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .SUB(1), .ARITH(ARITH), .CANON(CANON)) sub (
         .clk_i, .a_i(yz), .b_i(zy), .r_o(r_o[k]), .flags_o());
   end
 endmodule

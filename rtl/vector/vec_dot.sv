@@ -8,6 +8,7 @@ module vec_dot #(
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter ARITH = "rtl",
+    parameter bit CANON = 1,  // as in fp_lanes, for the result
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
@@ -17,13 +18,13 @@ module vec_dot #(
 );
   for (genvar k = 0; k < 3; k++) begin : axis
     logic [LANES-1:0][CW-1:0] p;
-    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL), .ARITH(ARITH)) mul (
+    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL), .ARITH(ARITH), .CANON(0)) mul (
         .clk_i, .a_i(a_i[k]), .b_i(b_i[k]), .r_o(p), .flags_o());
   end
   logic [LANES-1:0][CW-1:0] xy, z;
-  fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .ARITH(ARITH)) add_xy (
+  fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .ARITH(ARITH), .CANON(0)) add_xy (
       .clk_i, .a_i(axis[0].p), .b_i(axis[1].p), .r_o(xy), .flags_o());
   align #(.W(LANES * CW), .FROM(LAT_MUL), .TO(LAT_MUL + LAT_ADD)) align_z (.clk_i, .d_i(axis[2].p), .q_o(z));
-  fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .ARITH(ARITH)) add_xyz (
+  fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .ARITH(ARITH), .CANON(CANON)) add_xyz (
       .clk_i, .a_i(xy), .b_i(z), .r_o(r_o), .flags_o());
 endmodule

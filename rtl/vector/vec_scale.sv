@@ -6,6 +6,7 @@ module vec_scale #(
     parameter int LANES = 1,
     parameter int LAT_MUL = 1,
     parameter ARITH = "rtl",
+    parameter bit CANON = 1,  // as in fp_lanes, for the result
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
@@ -14,7 +15,7 @@ module vec_scale #(
     output logic [2:0][LANES-1:0][CW-1:0] r_o
 );
   for (genvar k = 0; k < 3; k++) begin : axis
-    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH)) mul (
+    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH), .CANON(CANON)) mul (
         .clk_i, .a_i(a_i[k]), .b_i(s_i), .r_o(r_o[k]), .flags_o());
   end
 endmodule

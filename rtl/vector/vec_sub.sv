@@ -7,6 +7,7 @@ module vec_sub #(
     parameter int B_LANES = LANES,  // 1: b is one vector for all lanes
     parameter int LAT_ADD = 1,
     parameter ARITH = "rtl",
+    parameter bit CANON = 1,  // as in fp_lanes, for the result
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
@@ -15,7 +16,7 @@ module vec_sub #(
     output logic [2:0][LANES-1:0][CW-1:0] r_o
 );
   for (genvar k = 0; k < 3; k++) begin : axis
-    fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_ADD), .SUB(1), .ARITH(ARITH)) sub (
+    fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_ADD), .SUB(1), .ARITH(ARITH), .CANON(CANON)) sub (
         .clk_i, .a_i(a_i[k]), .b_i(b_i[k]), .r_o(r_o[k]), .flags_o());
   end
 endmodule
