@@ -71,7 +71,7 @@ module board #(
       .bus_rdata_o, .irq_o, .prim_write_o(prim_write), .ddr_write_o, .sram_pop_o(sram_pop), .sram_valid_i(sram_beat_valid),
       .sram_beat_i(sram_beat), .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .mode_o(mode),
       .prim_count_o(prim_count), .sec_first_o(sec_first), .sec_count_o(sec_count), .active_o(active), .busy_i(busy),
-      .done_i(done), .prim_bad_i(prim_bad), .issue_i(issue), .bubble_i(bubble), .stall_i(stall), .secondary_i(sec_pop),
+      .done_i(done), .writeback_i(writeback), .prim_bad_i(prim_bad), .issue_i(issue), .bubble_i(bubble), .stall_i(stall), .secondary_i(sec_pop),
       .secondary_bad_i(sec_bad), .record_i(record_write), .latency_i(latency));
   assign ddr_write_addr_o = bus_addr_i;
   assign ddr_write_data_o = bus_wdata_i;
@@ -115,7 +115,7 @@ module board #(
       .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) engine (
       .clk_i(clk_engine), .rst_i, .bus_clk_i(clk_i), .prim_write_i(prim_write), .prim_addr_i(bus_addr_i), .prim_data_i(bus_wdata_i),
-      .prim_bad_o(prim_bad), .valid_i(issue), .row_i(issue_row), .parity_i(issue_parity), .index_i(sec_index),
+      .prim_bad_o(prim_bad), .clear_i(clear), .clear_row_i(clear_row), .valid_i(issue), .row_i(issue_row), .parity_i(issue_parity), .index_i(sec_index),
       .secondary_i(secondary), .secondary_bad_i(sec_bad), .valid_o(retire), .row_o(row), .parity_o(parity), .index_o(index),
       .f_o(f), .bad_o(bad), .t_o(t), .cp_o(cp), .latency_o(latency));
 
@@ -175,7 +175,7 @@ module board #(
   end
 
   sram_ring #(.CW(CW), .RECORDS(SRAM_RECORDS)) ring (
-      .clk_i, .rst_i, .write_i(record_write & busy), .record_i(record_q), .full_o(sram_full), .count_o(sram_count),
+      .clk_i, .rst_i(rst_i | abort), .write_i(record_write & busy), .record_i(record_q), .full_o(sram_full), .count_o(sram_count),
       .beat_valid_o(sram_beat_valid), .beat_o(sram_beat), .beat_pop_i(sram_pop), .sram_write_o, .sram_write_addr_o,
       .sram_write_data_o, .sram_read_o, .sram_read_addr_o, .sram_read_data_i);
 endmodule

@@ -23,7 +23,7 @@ package cde_pkg;
   localparam logic [11:0] REG_RECORDS = 12'h058;       // records waiting in the SRAM ring
   localparam logic [11:0] REG_FAULT_ADDR = 12'h060;    // [33:32] space, [31:0] offset of the first refused access
   localparam logic [11:0] REG_STENCIL = 12'h080;       // primaries/64 registers: 1 masks a primary
-  localparam logic [11:0] REG_CYCLES = 12'h0C0;        // clocks from go to done
+  localparam logic [11:0] REG_CYCLES = 12'h0C0;        // clocks from go to done, without REG_WRITEBACK
   localparam logic [11:0] REG_ROWS = 12'h0C8;          // rows issued to the pipe (one row = LANES pairs)
   localparam logic [11:0] REG_STALLS = 12'h0D0;        // clocks the pipe mouth waited for output space
   localparam logic [11:0] REG_BUBBLES = 12'h0D8;       // clocks the pipe mouth waited for a secondary
@@ -31,6 +31,7 @@ package cde_pkg;
   localparam logic [11:0] REG_BAD_SEC = 12'h0E8;       // secondaries refused as bad input
   localparam logic [11:0] REG_SECONDARIES = 12'h0F0;   // secondaries swept
   localparam logic [11:0] REG_WRITTEN = 12'h0F8;       // records written to SRAM
+  localparam logic [11:0] REG_WRITEBACK = 12'h068;     // clocks that wrote the kept records back to SRAM
 
   localparam logic [31:0] ID_MAGIC = 32'h43444531;
   localparam logic [31:0] INTERFACE_VERSION = 32'd1;

@@ -42,6 +42,7 @@ module card_registers #(
     output logic [PRIMARIES-1:0] active_o,  // present and not masked
     input logic busy_i,
     input logic done_i,
+    input logic writeback_i,
     input logic [PRIMARIES-1:0] prim_bad_i,
     input logic issue_i,
     input logic bubble_i,
@@ -62,7 +63,7 @@ module card_registers #(
   logic [STENCILS*64-1:0] stencil_q;
   logic done_q, command_error_q, bus_error_q;
   logic [33:0] fault_q;
-  logic [63:0] cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q;
+  logic [63:0] cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q, writeback_q;
 
   logic write_reg, read, aligned, allowed, in_stencil, command_ok;
   logic [11:0] offset;
@@ -144,6 +145,7 @@ module card_registers #(
         REG_BAD_SEC: bus_rdata_o <= bad_sec_q;
         REG_SECONDARIES: bus_rdata_o <= secondaries_q;
         REG_WRITTEN: bus_rdata_o <= written_q;
+          REG_WRITEBACK: bus_rdata_o <= writeback_q;
         default: bus_rdata_o <= in_stencil ? stencil_q[64*32'(offset[4:3])+:64] : '0;
       endcase
     end
@@ -173,9 +175,10 @@ module card_registers #(
     end
     if (done_i) done_q <= 1;
 
-    if (go_o) {cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q} <= '0;
+    if (go_o) {cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q, writeback_q} <= '0;
     else begin
-      cycles_q <= cycles_q + 64'(busy_i);
+      cycles_q <= cycles_q + 64'(busy_i && !writeback_i);
+      writeback_q <= writeback_q + 64'(writeback_i);
       rows_q <= rows_q + 64'(issue_i);
       stalls_q <= stalls_q + 64'(stall_i);
       bubbles_q <= bubbles_q + 64'(bubble_i);
@@ -191,7 +194,7 @@ module card_registers #(
       stencil_q <= '0;
       present_q <= '0;
       fault_q <= '0;
-      {cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q} <= '0;
+      {cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q, writeback_q} <= '0;
     end
   end
 endmodule

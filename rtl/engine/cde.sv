@@ -23,6 +23,8 @@ module cde #(
     input logic [31:0] prim_addr_i,
     input logic [63:0] prim_data_i,
     output logic [PRIMARIES-1:0] prim_bad_o,
+    input logic clear_i,  // start of a pass: one row a clock
+    input logic [ROW_W-1:0] clear_row_i,
 
     input logic valid_i,
     input logic [ROW_W-1:0] row_i,
@@ -46,7 +48,7 @@ module cde #(
   logic [LANES-1:0][CW-1:0] tmin_t, tmax_t, ray_bad;
 
   primary_regfile #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES)) primaries (
-      .clk_i(bus_clk_i), .write_i(prim_write_i), .write_addr_i(prim_addr_i), .write_data_i(prim_data_i), .bad_o(prim_bad_o),
+      .clk_i(bus_clk_i), .rst_i, .engine_clk_i(clk_i), .clear_i, .clear_row_i, .write_i(prim_write_i), .write_addr_i(prim_addr_i), .write_data_i(prim_data_i), .bad_o(prim_bad_o),
       .row_o_edge_i(row_o_edge), .o_edge_o(o_edge), .row_d_cross_i(row_d_cross), .d_cross_o(d_cross),
       .row_d_dot_i(row_d_dot), .d_dot_o(d_dot), .row_t_i(row_t), .d_t_o(d_t), .tmin_t_o(tmin_t), .tmax_t_o(tmax_t),
       .row_o_cp_i(row_o_cp), .o_cp_o(o_cp), .row_bad_i(row_bad), .bad_mask_o(ray_bad));

@@ -12,11 +12,16 @@ module primary_regfile #(
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1
 ) (
     input logic clk_i,
+    input logic rst_i,
     input logic write_i,
     input logic [31:0] write_addr_i,  // byte offset, 8-byte aligned
     input logic [63:0] write_data_i,
 
-    output logic [PRIMARIES-1:0] bad_o,  // primaries out of contract
+    output logic [PRIMARIES-1:0] bad_o,  // primaries out of contract, or never written
+
+    input logic engine_clk_i,
+    input logic clear_i,  // at the start of a pass: load a row of lane masks from bad_o
+    input logic [ROW_W-1:0] clear_row_i,
 
     input logic [ROW_W-1:0] row_o_edge_i,
     output logic [2:0][LANES-1:0][CW-1:0] o_edge_o,
@@ -57,6 +62,7 @@ module primary_regfile #(
   always_ff @(posedge clk_i) begin
     if (write_i) stage_q <= stage;
     if (commit) bad_o[$clog2(PRIMARIES)'(slot)] <= bad;
+    if (rst_i) bad_o <= '1;
   end
 
   // o is read at the edge and point stages; d at cross, dot and point; tmin, tmax with the distance.
@@ -81,7 +87,12 @@ module primary_regfile #(
   primary_word #(.LANES(LANES), .ROWS(ROWS), .CW(CW)) tmax_u (
       .clk_i, .write_i(commit), .write_row_i(row), .write_lane_i(lane), .write_data_i(stage[7]),
       .row_i(row_t_i), .data_o(tmax_t_o));
-  primary_word #(.LANES(LANES), .ROWS(ROWS), .CW(CW)) bad_u (
-      .clk_i, .write_i(commit), .write_row_i(row), .write_lane_i(lane), .write_data_i({CW{bad}}),
-      .row_i(row_bad_i), .data_o(bad_mask_o));
+  logic [LANES-1:0][CW-1:0] bad_mem[ROWS];
+  logic [LANES-1:0][CW-1:0] bad_lanes;
+  always_comb begin
+    bad_lanes = '0;
+    if (clear_i) for (int l = 0; l < LANES; l++) bad_lanes[l] = {CW{bad_o[32'(clear_row_i)*LANES+l]}};
+  end
+  always_ff @(posedge engine_clk_i) if (clear_i) bad_mem[clear_row_i] <= bad_lanes;
+  assign bad_mask_o = bad_mem[row_bad_i];
 endmodule
