@@ -8,6 +8,7 @@
 #include <cfenv>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 namespace host_fp {
@@ -196,6 +197,64 @@ inline Bits flags(Bits a, Bits b) {
   else if constexpr (C == kSqrt) return binary_flags<Sqrt, E, M>(a, a);
   else if constexpr (C >= kEq) return Bits(F::is_snan(a) | F::is_snan(b)) * kInvalid;
   else return Bits(F::is_nan(a) | F::is_nan(b)) * kInvalid;
+}
+
+template <unsigned N>
+using Word = std::conditional_t<N == 32, uint32_t, uint64_t>;
+
+/// An integer as a double, rounded to odd if it has more than 53 bits: rounding that to at most 51 bits is innocuous.
+template <unsigned N, bool Unsigned>
+inline double from_integer(Word<N> a) {
+  const bool minus = !Unsigned & ((a >> (N - 1)) != 0);
+  const uint64_t mag = minus ? uint64_t(Word<N>(Word<N>{0} - a)) : uint64_t{a};
+  const uint64_t odd = (mag & ~uint64_t{0x7ff}) | (uint64_t{(mag & 0x7ff) != 0} << 11);
+  const double x = double((mag >> 53) != 0 ? odd : mag);
+  return minus ? -x : x;
+}
+
+/// Conversions: C = 0 format E, M to format P, Q; 1 integer of P bits to E, M; 2 E, M to integer of P bits.
+/// Q of the integer kinds: bit 0 unsigned, bit 1 truncate.
+template <unsigned C, unsigned E, unsigned M, unsigned P, unsigned Q, class B>
+inline auto convert(B a) {
+  if constexpr (C == 0) {
+    return encode<P, Q>(decode<E, M>(a));
+  } else if constexpr (C == 1) {
+    if constexpr (M == 52 && P == 64) {
+      return encode<E, M>((Q & 1) != 0 ? double(uint64_t(a)) : double(int64_t(a)));
+    } else {
+      return encode<E, M>(from_integer<P, (Q & 1) != 0>(a));
+    }
+  } else {
+    using Int = std::conditional_t<(Q & 1) != 0, Word<P>, std::make_signed_t<Word<P>>>;
+    constexpr double kLimit = exp2_const(int(P) - 1 + int(Q & 1));  // first value that is too large
+    constexpr double kLowest = (Q & 1) != 0 ? 0.0 : -kLimit;
+    const double x = decode<E, M>(a), y = (Q & 2) != 0 ? std::trunc(x) : std::nearbyint(x);
+    if (y >= kLowest && y < kLimit) return Word<P>(Int(y));
+    return Word<P>(y < 0 ? std::numeric_limits<Int>::min() : std::numeric_limits<Int>::max());
+  }
+}
+
+template <unsigned C, unsigned E, unsigned M, unsigned P, unsigned Q, class B>
+inline uint32_t convert_flags(B a) {
+  if constexpr (C == 0) {
+    const double x = decode<E, M>(a);
+    const auto r = encode<P, Q>(x);
+    if (Format<E, M>::is_nan(a) | Format<E, M>::is_inf(a)) return Format<E, M>::is_snan(a) * kInvalid;
+    return P == 11 && Q == 52 ? 0 : rounding_flags<P, Q>(r, x, decode<P, Q>(r) != x);
+  } else if constexpr (C == 1) {
+    const double x = from_integer<P, (Q & 1) != 0>(a);
+    const auto r = convert<C, E, M, P, Q>(a);
+    if constexpr (M == 52) {
+      const uint64_t mag = (Q & 1) == 0 && (a >> (P - 1)) != 0 ? uint64_t(B(B{0} - a)) : uint64_t{a};
+      return mag == 0 ? 0 : ((mag << std::countl_zero(mag)) & 0x7ff) != 0;
+    }
+    return rounding_flags<E, M>(r, x, decode<E, M>(r) != x) & ~kUnderflow;
+  } else {
+    const double x = decode<E, M>(a), y = (Q & 2) != 0 ? std::trunc(x) : std::nearbyint(x);
+    constexpr double kLimit = exp2_const(int(P) - 1 + int(Q & 1));
+    const bool fits = y >= ((Q & 1) != 0 ? 0.0 : -kLimit) && y < kLimit;
+    return fits ? uint32_t(x != y) * kInexact : kInvalid;
+  }
 }
 
 }  // namespace host_fp

@@ -17,7 +17,8 @@ module fp_from_int_lane #(
   /*verilator inline_module*/
 `include "fp_mask.svh"
   localparam int D_NORM = (CUTS >= 1) ? 1 : 0;
-  localparam logic [CO-1:0] TOP_EXPONENT = CO'((1 << (EXP - 1)) - 1 + CW - 2);  // biased exponent less one of the top bit
+  localparam int TOP = (1 << (EXP - 1)) + CW - 3;
+  localparam logic [CO-1:0] TOP_EXPONENT = CO'(TOP);  // biased exponent less one of the top bit
   logic [CW-1:0] minus, mag, s, n, zero_n;
   always_comb begin
     minus = UNSIGNED ? ONE - ONE : neg(a_i);

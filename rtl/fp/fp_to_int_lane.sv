@@ -20,11 +20,11 @@ module fp_to_int_lane #(
   localparam int CW = (INT > CI) ? INT : CI;  // the work width
 `include "fp_mask.svh"
   localparam int D_SHIFT = (CUTS >= 1) ? 1 : 0;
-  localparam logic [CI-1:0] MAG_I = {1'b0, {EXP + MAN{1'b1}}} ;
-  localparam logic [CW-1:0] TOP = CW'((1 << (EXP - 1)) - 1 + CW - 2);  // biased exponent less one that needs no shift
+  localparam int TOP_EXPONENT = (1 << (EXP - 1)) + CW - 3;
+  localparam logic [CW-1:0] TOP = CW'(TOP_EXPONENT);  // biased exponent less one that needs no shift
   logic [CI-1:0] s_i, e_i;
   logic [CW-1:0] a, s, e, nan_n, minus_n, n, far_n, whole_n, high_n, q_n, tail_n, over_n;
-  fp_normalise #(.EXP(EXP), .MAN(MAN)) norm (.mag_i(a_i & MAG_I), .s_o(s_i), .e_o(e_i));
+  fp_normalise #(.EXP(EXP), .MAN(MAN)) norm (.mag_i({{CI - EXP - MAN{1'b0}}, a_i[EXP+MAN-1:0]}), .s_o(s_i), .e_o(e_i));
   if (CW == CI) begin : g_same
     assign a = a_i;
     assign s = s_i;
@@ -77,6 +77,10 @@ module fp_to_int_lane #(
     assign flags_o = f[INT-1:0];
   end else begin : g_no_flags
     assign flags_o = '0;
+  end
+  if (CW > INT && FLAGS) begin : g_narrow_flags
+    logic unused_flags;
+    assign unused_flags = &{1'b0, g_flags.f};
   end
   if (CW > INT) begin : g_narrow
     logic unused_high;
