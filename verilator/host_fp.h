@@ -239,7 +239,7 @@ inline uint32_t convert_flags(B a) {
   if constexpr (C == 0) {
     const double x = decode<E, M>(a);
     const auto r = encode<P, Q>(x);
-    if (Format<E, M>::is_nan(a) | Format<E, M>::is_inf(a)) return Format<E, M>::is_snan(a) * kInvalid;
+    if (Format<E, M>::is_nan(a) || Format<E, M>::is_inf(a)) return Format<E, M>::is_snan(a) * kInvalid;
     return P == 11 && Q == 52 ? 0 : rounding_flags<P, Q>(r, x, decode<P, Q>(r) != x);
   } else if constexpr (C == 1) {
     const double x = from_integer<P, (Q & 1) != 0>(a);

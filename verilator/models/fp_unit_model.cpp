@@ -1,0 +1,161 @@
+// Harness of the `fp_unit` top module: clocks the operation that is asked for and no other. Exports the C interface of abi_fp.h.
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <random>
+#include <string_view>
+
+#include "Vmodel.h"
+#include "abi_fp.h"
+#include "verilated.h"
+#if __has_include("coverage.h")
+#include "coverage.h"
+#endif
+
+namespace {
+
+constexpr char kParameters[] =
+#include "params.inc"
+    ;
+
+/// Value of a numeric parameter of this bitstream, or what fp_unit.sv defaults to.
+constexpr long parameter(std::string_view name, long otherwise) {
+  const std::string_view all = kParameters;
+  for (size_t at = 0; at < all.size(); at = all.find('\n', at) + 1) {
+    const std::string_view line = all.substr(at, all.find('\n', at) - at);
+    if (line.size() > name.size() && line.substr(0, name.size()) == name && line[name.size()] == '=') {
+      long v = 0;
+      for (const char c : line.substr(name.size() + 1)) v = v * 10 + (c - '0');
+      return v;
+    }
+  }
+  return otherwise;
+}
+
+constexpr unsigned kExp = parameter("EXP", 8), kMan = parameter("MAN", 23), kLanes = parameter("LANES", 16);
+constexpr uint32_t kOps = uint32_t(parameter("OPS", -1)) & ((1u << CDE_FP_OPS) - 1);
+constexpr unsigned kArithmetic = CDE_FP_MAX + 1;
+using Container = std::conditional_t<(1 + kExp + kMan <= 32), uint32_t, uint64_t>;
+
+constexpr uint32_t latency_of(uint32_t op) {
+  if (op <= CDE_FP_SUB) return parameter("LAT_ADD", 1);
+  if (op == CDE_FP_MUL) return parameter("LAT_MUL", 1);
+  if (op == CDE_FP_DIV) return parameter("LAT_DIV", 1);
+  if (op == CDE_FP_SQRT) return parameter("LAT_SQRT", 1);
+  if (op <= CDE_FP_MAX) return parameter("LAT_CMP", 1);
+  return parameter("LAT_CVT", 1);
+}
+
+bool present(uint32_t op) { return op < CDE_FP_OPS && ((kOps >> op) & 1) != 0; }
+bool integer_operand(uint32_t op) { return op >= CDE_FP_FROM_I32 && op <= CDE_FP_FROM_UI64; }
+bool comparison(uint32_t op) { return op >= CDE_FP_LT && op <= CDE_FP_EQ; }
+
+}  // namespace
+
+struct cde_fp_unit {
+  // Ports are little-endian words whatever C++ type Verilator gives them, so lane l of width W lies at byte l * W / 8.
+  VerilatedContext context;
+  Vmodel model{&context, "fp_unit"};
+  Container* a = reinterpret_cast<Container*>(&model.a_i);
+  Container* b = reinterpret_cast<Container*>(&model.b_i);
+  uint64_t* n = reinterpret_cast<uint64_t*>(&model.n_i);
+  const Container* r = reinterpret_cast<const Container*>(&model.r_o);
+  const Container* f = reinterpret_cast<const Container*>(&model.f_o);
+  const uint64_t* x = reinterpret_cast<const uint64_t*>(&model.x_o);
+  const uint32_t* g = reinterpret_cast<const uint32_t*>(&model.g_o);
+
+  cde_fp_unit() {
+    model.clk_i = 0;
+    model.eval();
+  }
+  ~cde_fp_unit() {
+    model.final();
+#ifdef CDE_COVERAGE_H
+    cde_write_coverage(&context, "fp_unit");
+#endif
+  }
+  cde_fp_unit(const cde_fp_unit&) = delete;
+  cde_fp_unit& operator=(const cde_fp_unit&) = delete;
+
+  void clock(uint32_t op) {
+    model.clk_i = 1u << op;
+    model.eval();
+    model.clk_i = 0;
+    model.eval();
+  }
+  void set(uint32_t op, const uint64_t* pa, const uint64_t* pb, uint64_t count) {
+    for (uint64_t l = 0; l < count; l++) {
+      if (integer_operand(op)) n[l] = pa[l];
+      else a[l] = Container(pa[l]);
+    }
+    if (pb == nullptr) return;
+    for (uint64_t l = 0; l < count; l++) b[l] = Container(pb[l]);
+  }
+  void get(uint32_t op, uint64_t* pr, uint8_t* pf, uint64_t count) const {
+    for (uint64_t l = 0; l < count; l++) {
+      const uint64_t at = (op < kArithmetic ? op : op - kArithmetic) * kLanes + l;
+      pr[l] = op < kArithmetic ? uint64_t{r[at]} : x[at];
+      if (comparison(op)) pr[l] = pr[l] == Container(~Container{0}) ? 1 : pr[l];  // anything but a clean mask stays visible
+      if (pf != nullptr) pf[l] = uint8_t(op < kArithmetic ? f[at] : g[at]);
+    }
+  }
+};
+
+namespace {
+
+cde_fp_unit* create() { return new (std::nothrow) cde_fp_unit; }
+void destroy(cde_fp_unit* u) { delete u; }
+uint32_t latency(const cde_fp_unit*, uint32_t op) { return present(op) ? latency_of(op) : 0; }
+
+int apply(cde_fp_unit* u, uint32_t op, const uint64_t* a, const uint64_t* b, uint64_t* r, uint8_t* flags, uint64_t n) {
+  if (!present(op)) return 1;
+  const bool binary = op < kArithmetic && op != CDE_FP_SQRT;
+  const uint64_t rows = (n + kLanes - 1) / kLanes, lat = latency_of(op);
+  const auto size = [n](uint64_t row) { return std::min<uint64_t>(kLanes, n - row * kLanes); };
+  for (uint64_t t = 0; t + 1 < rows + lat; t++) {
+    if (t < rows) u->set(op, a + t * kLanes, binary ? b + t * kLanes : nullptr, size(t));
+    u->clock(op);
+    if (t + 1 < lat) continue;
+    const uint64_t row = t + 1 - lat;
+    u->get(op, r + row * kLanes, flags == nullptr ? nullptr : flags + row * kLanes, size(row));
+  }
+  return 0;
+}
+
+double measure(cde_fp_unit* u, uint32_t op, uint64_t clocks) {
+  if (!present(op)) return -1.0;
+  constexpr unsigned kRows = 16;
+  struct Row {
+    std::array<Container, kLanes> a, b;
+    std::array<uint64_t, kLanes> n;
+  };
+  const auto rows = std::make_unique<std::array<Row, kRows>>();
+  std::mt19937_64 random(1);
+  constexpr uint64_t kBias = (1u << (kExp - 1)) - 1, kFraction = (uint64_t{1} << kMan) - 1;
+  const auto number = [&] { return Container(((kBias - 1 + random() % 3) << kMan) | (random() & kFraction)); };
+  for (Row& row : *rows) {
+    for (unsigned l = 0; l < kLanes; l++) row.a[l] = number(), row.b[l] = number(), row.n[l] = random() >> (random() % 64);
+  }
+  const auto start = std::chrono::steady_clock::now();
+  for (uint64_t i = 0; i < clocks; i++) {
+    const Row& row = (*rows)[i % kRows];
+    if (integer_operand(op)) {
+      std::memcpy(u->n, row.n.data(), sizeof(row.n));
+    } else {
+      std::memcpy(u->a, row.a.data(), sizeof(row.a));
+      std::memcpy(u->b, row.b.data(), sizeof(row.b));
+    }
+    u->clock(op);
+  }
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+constexpr cde_fp_api kApi{CDE_FP_ABI_VERSION, kExp, kMan, kLanes, parameter("FLAGS", 1) != 0, kOps, kParameters, create, destroy,
+                          latency, apply, measure};
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default"))) const cde_fp_api* cde_fp_entry() { return &kApi; }
