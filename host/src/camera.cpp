@@ -88,31 +88,30 @@ Camera camera_for(const Eigen::AlignedBox3f& box, Resolution resolution) {
       (deep ? Eigen::Vector3d(-0.42, -1.0, 0.72) : Eigen::Vector3d(-1.0, -0.42, 0.72)).normalized();
   Camera camera;
   camera.target = centre.cast<float>();
-  camera.eye = (centre + towards * std::max<double>(box.sizes().norm(), 1e-6)).cast<float>();
+  camera.eye = (centre + towards * std::max(box.sizes().cast<double>().norm(), 1e-6)).cast<float>();
   const Frame f = frame_of(camera);
   const double half_y = half_height(camera.fov_degrees) / kMargin;
   const double half_x = half_y * resolution.width / resolution.height;
-  // A corner at (x, y, z) of the view frame around point p on the view plane is seen from distance
-  // d if |x - px| <= half_x (d + z), and so in y. Choosing p balances left against right and top
-  // against bottom.
+  // A corner at (x, y, z) of the view frame, from a point `shift` of the plane through the centre,
+  // is in the picture from distance d if |x| <= half_x (d + z), and so in y. The shift that centres
+  // the picture depends on d, so both are iterated.
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
   double distance = 0.0;
-  for (int pass = 0; pass < 32; ++pass) {
-    double need[4] = {-1e300, -1e300, -1e300, -1e300};
-    for (int corner = 0; corner < 8; ++corner) {
+  for (int pass = 0; pass < 64; ++pass) {
+    Eigen::Matrix<double, 3, 8> corners;
+    for (int i = 0; i < 8; ++i) {
       const Eigen::Vector3d c =
-          box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).cast<double>() - centre;
-      const double x = c.dot(f.right) - shift.x();
-      const double y = c.dot(f.up) - shift.y();
-      const double z = c.dot(f.forward);
-      need[0] = std::max(need[0], -x / half_x - z);
-      need[1] = std::max(need[1], x / half_x - z);
-      need[2] = std::max(need[2], -y / half_y - z);
-      need[3] = std::max(need[3], y / half_y - z);
+          box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(i)).cast<double>() - centre;
+      corners.col(i) << c.dot(f.right) - shift.x(), c.dot(f.up) - shift.y(), c.dot(f.forward);
     }
-    shift +=
-        Eigen::Vector2d(0.25 * half_x * (need[1] - need[0]), 0.25 * half_y * (need[3] - need[2]));
-    distance = std::max(std::max(need[0], need[1]), std::max(need[2], need[3]));
+    const auto across = corners.row(0).array(), upwards = corners.row(1).array(),
+               depth = corners.row(2).array();
+    distance = std::max((across.abs() / half_x - depth).maxCoeff(),
+                        (upwards.abs() / half_y - depth).maxCoeff());
+    const auto x = across / (distance + depth), y = upwards / (distance + depth);
+    const Eigen::Vector2d middle(x.minCoeff() + x.maxCoeff(), y.minCoeff() + y.maxCoeff());
+    if (!middle.allFinite()) break;  // a single point
+    shift += 0.25 * distance * middle;
   }
   if (!(distance > 0.0)) distance = 1.0;  // a single point
   const Eigen::Vector3d target = centre + shift.x() * f.right + shift.y() * f.up;

@@ -118,8 +118,8 @@ float grain(const Vector3f& p) {
 
 /// Meadows below, forest, rock where it is steep or high, snow on top.
 Vector3f landscape(float height, float flatness, float noise) {
-  static const Vector3f kSand = linear(196, 182, 138), kMeadow = linear(138, 152, 84),
-                        kForest = linear(74, 100, 56);
+  static const Vector3f kSand = linear(172, 156, 112), kMeadow = linear(118, 130, 76),
+                        kForest = linear(62, 86, 52);
   static const Vector3f kHeath = linear(150, 134, 92), kRock = linear(128, 120, 112),
                         kSnow = linear(244, 246, 250);
   const float h = height + 0.10f * (noise - 0.5f);
@@ -127,8 +127,8 @@ Vector3f landscape(float height, float flatness, float noise) {
   c = mix(c, kForest, 0.85f * smoothstep(0.12f, 0.30f, h));
   c = mix(c, kHeath, smoothstep(0.40f, 0.62f, h));
   c = mix(c, kRock, smoothstep(0.62f, 0.80f, h));
-  c = mix(c, kRock, 1.0f - smoothstep(0.66f, 0.86f, flatness + 0.06f * (noise - 0.5f)));
-  c = mix(c, kSnow, smoothstep(0.74f, 0.86f, h) * smoothstep(0.60f, 0.78f, flatness));
+  c = mix(c, kRock, 1.0f - smoothstep(0.62f, 0.82f, flatness + 0.06f * (noise - 0.5f)));
+  c = mix(c, kSnow, smoothstep(0.66f, 0.78f, h) * smoothstep(0.58f, 0.76f, flatness));
   return c * (0.90f + 0.20f * noise);
 }
 
@@ -148,7 +148,7 @@ Vector3f surface(const Scene& scene, const ShadeOptions& options, const Vector3f
   const float height = (point.z() - scene.lowest) / scene.range;
   const float noise =
       0.6f * grain(point * scene.grain_scale) + 0.4f * grain(point * (3.1f * scene.grain_scale));
-  static const Vector3f kClay = linear(206, 194, 180);
+  static const Vector3f kClay = linear(168, 152, 136);
   const Vector3f albedo =
       options.palette == Palette::kLandscape ? landscape(height, normal.z(), noise) : kClay;
   const float direct = shadowed ? 0.0f : std::max(0.0f, normal.dot(scene.sun));
@@ -156,8 +156,8 @@ Vector3f surface(const Scene& scene, const ShadeOptions& options, const Vector3f
   // Light scattered back by the ground opposite the sun keeps shaded slopes readable.
   const float bounce =
       std::max(0.0f, normal.dot(Vector3f(-scene.sun.x(), -scene.sun.y(), 0.25f).normalized()));
-  const Vector3f light = 2.45f * direct * Vector3f(1.0f, 0.93f, 0.80f) +
-                         (0.16f + 0.40f * skyward) * Vector3f(0.62f, 0.78f, 1.0f) +
+  const Vector3f light = 1.95f * direct * Vector3f(1.0f, 0.93f, 0.80f) +
+                         (0.18f + 0.42f * skyward) * Vector3f(0.62f, 0.78f, 1.0f) +
                          0.16f * bounce * Vector3f(1.0f, 0.88f, 0.72f);
   return albedo.cwiseProduct(light);
 }
@@ -188,6 +188,7 @@ void draw_marker(Image& image, std::array<std::uint32_t, 2> centre) {
 }
 
 void check_hits(const PixelHits& hits) {
+  check_span(hits.rays, hits, "rays");
   check_span(hits.hit, hits, "hit");
   check_span(hits.t, hits, "t");
   check_span(hits.index, hits, "index");
@@ -284,7 +285,7 @@ std::vector<Ray> sun_rays(const PixelHits& hits, const Mesh& mesh, const Vector3
     if (hits.hit[i] == 0) continue;
     check_index(hits, i, mesh);
     const Vector3f normal = face_normal(mesh, hits.index[i]);
-    const float side = normal.dot(direction) < 0.0f ? -offset : offset;
+    const float side = normal.dot(hits.rays[i].d) > 0.0f ? -offset : offset;
     rays[i] = {hits.point[i] + side * normal, direction};
   }
   return rays;

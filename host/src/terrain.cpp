@@ -17,7 +17,7 @@ namespace cde {
 namespace {
 
 constexpr double kSpacing = 10.0;  // metres a quad
-constexpr double kTop = 400.0;     // metres, the highest vertex
+constexpr double kTop = 360.0;     // metres, the highest vertex
 constexpr std::uint32_t kMostQuads = 4096;
 
 /// Integer noise: the 64-bit finaliser of SplitMix.
@@ -78,29 +78,35 @@ class Noise {
 class Landscape {
  public:
   explicit Landscape(const TerrainOptions& options)
-      : columns_(options.quads_x + 1),
-        rows_(options.quads_y + 1),
+      : columns_(options.quads_x + 1 + 2 * kApron),
+        rows_(options.quads_y + 1 + 2 * kApron),
         cells_(std::size_t{columns_} * rows_) {
     shape(options.seed);
     for (int step = 0; step < kSteps; ++step) {
       flood();
       drain();
       erode();
-      creep(0.10);
+      creep(0.20);
     }
     flood();
-    for (int pass = 0; pass < 2; ++pass) creep(0.12);
+    for (int pass = 0; pass < 3; ++pass) creep(0.15);
     roughen(options.seed);
+    crop();
     level();
   }
 
   [[nodiscard]] const std::vector<double>& heights() const { return height_; }
 
  private:
-  static constexpr int kSteps = 24;
-  static constexpr double kUplift = 11.0;  // metres a step where the ground rises fastest
+  // The model drains at its edges, so they lie low and straight. An apron keeps them out of the
+  // mesh.
+  static constexpr std::uint32_t kApron = 40;
+  static constexpr int kSteps = 16;
+  static constexpr double kUplift = 30.0;  // metres a step where the ground rises fastest
   static constexpr double kCutting =
       1.35;  // erodibility times step length, per metre of sqrt(drained area)
+
+  static constexpr double kRepose = 0.65;  // steepest slope that stands
 
   [[nodiscard]] bool is_edge(std::size_t cell) const {
     const std::size_t x = cell % columns_;
@@ -120,9 +126,9 @@ class Landscape {
       y += 0.35 * warp.fractal(1.3 * x + 70.0, 1.3 * y, 3);
       const double n = 0.5 + 0.5 * broad.fractal(x, y, 6);
       const double massif =
-          std::clamp(0.5 + 1.1 * broad.fractal(0.8 * x + 31.0, 0.8 * y + 31.0, 3), 0.04, 1.0);
-      height_[cell] = 70.0 * n;
-      uplift_[cell] = massif * massif * (0.6 + 0.4 * n);
+          std::clamp(0.42 + 0.95 * broad.fractal(0.8 * x + 31.0, 0.8 * y + 31.0, 3), 0.06, 1.0);
+      height_[cell] = 120.0 * n;
+      uplift_[cell] = massif * (0.4 + 0.6 * n);
     }
   }
 
@@ -201,6 +207,7 @@ class Landscape {
       const double distance = diagonal ? kSpacing * 1.4142135623730951 : kSpacing;
       const double cut = kCutting * std::sqrt(area_[cell]) / distance;
       height_[cell] = (height_[cell] + kUplift * uplift_[cell] + cut * height_[down]) / (1.0 + cut);
+      height_[cell] = std::min(height_[cell], height_[down] + kRepose * distance);  // scree slides
     }
   }
 
@@ -225,7 +232,16 @@ class Landscape {
     for (std::size_t cell = 0; cell < cells_; ++cell) {
       const double x = static_cast<double>(cell % columns_) * kSpacing / 90.0;
       const double y = static_cast<double>(cell / columns_) * kSpacing / 90.0;
-      height_[cell] += (0.6 + 2.4 * uplift_[cell]) * fine.fractal(x, y, 3);
+      height_[cell] += (0.8 + 4.0 * uplift_[cell]) * fine.fractal(x, y, 3);
+    }
+  }
+
+  void crop() {
+    scratch_.swap(height_);
+    height_.clear();
+    for (std::size_t y = kApron; y + kApron < rows_; ++y) {
+      const auto row = scratch_.begin() + static_cast<std::ptrdiff_t>(y * columns_);
+      height_.insert(height_.end(), row + kApron, row + (columns_ - kApron));
     }
   }
 

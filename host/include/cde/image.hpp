@@ -26,6 +26,8 @@ struct GreyImage {
 /// entries do not count.
 struct PixelHits {
   Resolution size;
+  std::span<const Ray>
+      rays;  ///< what was asked; surfaces are two-sided, lit on the side the ray meets
   std::span<const std::uint8_t> hit;       ///< F: 0 or 1
   std::span<const float> t;                ///< T, along the ray
   std::span<const std::uint32_t> index;    ///< face of the mesh
@@ -47,9 +49,9 @@ struct ShadeOptions {
       {};  ///< pixels (x, y) to circle, e.g. the hits of single rays
 };
 
-/// Picture lit by sun and sky, with normals smoothed over edges flatter than about 40 degrees.
-/// Pixels without a hit show the sky. Error kUsage if a span does not have one entry a pixel,
-/// kBadInput if an index is not a face of the mesh.
+/// Picture lit by sun and sky, with normals smoothed except over creases (a face more than 37
+/// degrees off the mean of its neighbours). Pixels without a hit show the sky. Error kUsage if a
+/// span does not have one entry a pixel, kBadInput if an index is not a face of the mesh.
 [[nodiscard]] Image shade(const PixelHits& hits, const Mesh& mesh,
                           const ShadeOptions& options = {});
 

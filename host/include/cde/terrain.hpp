@@ -13,7 +13,7 @@ struct TerrainOptions {
   std::uint32_t seed = 1;  ///< another seed, another landscape
 };
 
-/// Frame: metres, z up, corner (0, 0) at the origin, 10 m a quad; heights from 0 to 400 m. Faces
+/// Frame: metres, z up, corner (0, 0) at the origin, 10 m a quad; heights from 0 to 360 m. Faces
 /// wind counter-clockwise seen from above, row by row from the south, west to east. Built from an
 /// integer hash and the operations
 /// + - * / sqrt in binary64 only, so that every compiler makes the same bits (not true of libm or

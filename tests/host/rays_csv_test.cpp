@@ -1,0 +1,129 @@
+#include "cde/rays_csv.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "testing.hpp"
+
+namespace cde {
+namespace {
+
+using testing::expect_error;
+using testing::Folder;
+
+std::vector<Ray> read(const std::string& text) {
+  std::istringstream in(text);
+  return read_rays_csv(in, "rays.csv");
+}
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+TEST(RaysCsvTest, FieldsCommentsHeaderLineEnds) {
+  const auto rays = read(
+      "\xef\xbb\xbfox, oy,oz,dx,dy,dz,tmin,tmax\r\n\r\n# comment\n1,2,3,0,0,-1\r\n  4 ,\t5,6 , "
+      "1e2,-0,.5, 0.25\n7,8,9,0x1.8p3,-0X.1p-1,+1,-inf,INF\n0,0,0,1,0,0,5,2");
+  ASSERT_EQ(rays.size(), 4u);
+  EXPECT_EQ(rays[0].o, Eigen::Vector3f(1, 2, 3));
+  EXPECT_EQ(rays[0].d, Eigen::Vector3f(0, 0, -1));
+  EXPECT_EQ(rays[0].tmin, 0.0f);
+  EXPECT_EQ(rays[0].tmax, kInfinity);
+  EXPECT_EQ(rays[1].d, Eigen::Vector3f(100, 0, 0.5f));
+  EXPECT_TRUE(std::signbit(rays[1].d.y()));
+  EXPECT_EQ(rays[1].tmin, 0.25f);
+  EXPECT_EQ(rays[1].tmax, kInfinity);
+  EXPECT_EQ(rays[2].d, Eigen::Vector3f(12, -0x1p-5f, 1));
+  EXPECT_EQ(rays[2].tmin, -kInfinity);
+  EXPECT_GT(rays[3].tmin, rays[3].tmax) << "an empty interval is legal";
+}
+
+TEST(RaysCsvTest, NothingIsAnEmptyList) {
+  EXPECT_TRUE(read("").empty());
+  EXPECT_TRUE(read("\n\n# only this").empty());
+  EXPECT_TRUE(read("ox,oy,oz,dx,dy,dz\n").empty());
+}
+
+TEST(RaysCsvTest, NumbersAreNearestFloats) {
+  const auto ray = read("0.1,16777217,1e-46,1e-45,0x1.000001p0,3.4028235e38")[0];
+  EXPECT_EQ(ray.o, Eigen::Vector3f(0.1f, 16777216.0f, 0.0f));
+  EXPECT_EQ(ray.d.x(), std::numeric_limits<float>::denorm_min());
+  EXPECT_EQ(ray.d.y(), 1.0f) << "a tie goes to even";
+  EXPECT_EQ(ray.d.z(), std::numeric_limits<float>::max());
+}
+
+struct BadRay {
+  const char* name;
+  const char* text;
+  ErrorCode code;
+  const char* message;
+};
+
+class BadRays : public ::testing::TestWithParam<BadRay> {};
+INSTANTIATE_TEST_SUITE_P(
+    Texts, BadRays,
+    ::testing::Values(
+        BadRay{"few", "1,2,3,4,5\n", ErrorCode::kFile, "rays.csv:1:10: too few fields: 5"},
+        BadRay{"one", "#\n\n7", ErrorCode::kFile, "rays.csv:3:2: too few fields: 1"},
+        BadRay{"many", "1,2,3,4,5,6,7,8,9\n", ErrorCode::kFile, "rays.csv:1:17: too many fields"},
+        BadRay{"trailing_comma", "1,2,3,4,5,6,\n", ErrorCode::kFile,
+               "rays.csv:1:13: tmin is empty"},
+        BadRay{"empty_field", "1,2, ,4,5,6\n", ErrorCode::kFile, "rays.csv:1:5: oz is empty"},
+        BadRay{"word", "h,e,a,d,e,r\r\n1,2,3,4,5,6\r\n1, 2,3x,4,5,6\r\n", ErrorCode::kFile,
+               "rays.csv:3:6: oz: '3x' is not a number"},
+        BadRay{"second_header", "ox\nox,oy,oz,dx,dy,dz\n", ErrorCode::kFile,
+               "rays.csv:2:1: ox: 'ox' is not a number"},
+        BadRay{"two_signs", "1,--2,3,4,5,6", ErrorCode::kFile, "rays.csv:1:3: oy: '--2' is not"},
+        BadRay{"sign_sign", "1,+-2,3,4,5,6", ErrorCode::kFile, "rays.csv:1:3: oy: '+-2' is not"},
+        BadRay{"blank_between", "1,2 3,3,4,5,6", ErrorCode::kFile,
+               "rays.csv:1:3: oy: '2 3' is not"},
+        BadRay{"bare_0x", "1,0x,3,4,5,6", ErrorCode::kFile, "rays.csv:1:3: oy: '0x' is not"},
+        BadRay{"overflow", "1,2,3,4,-1e39,6", ErrorCode::kFile,
+               "rays.csv:1:9: dy: '-1e39' overflows a float"},
+        BadRay{"nan", "1,2,nan,4,5,6", ErrorCode::kBadInput, "rays.csv:1:5: oz is nan"},
+        BadRay{"nan_first", "nan,2,3,4,5,6", ErrorCode::kBadInput, "rays.csv:1:1: ox is nan"},
+        BadRay{"nan_tmax", "1,2,3,4,5,6,0,nan", ErrorCode::kBadInput, "rays.csv:1:15: tmax is nan"},
+        BadRay{"infinite_origin", "inf,2,3,4,5,6", ErrorCode::kBadInput,
+               "rays.csv:1:1: ox is infinite"},
+        BadRay{"infinite_direction", "1,2,3,4,-inf,6", ErrorCode::kBadInput,
+               "rays.csv:1:9: dy is infinite"},
+        BadRay{"zero_direction", "1,2,3, 0,-0,0", ErrorCode::kBadInput,
+               "rays.csv:1:8: direction is zero"},
+        BadRay{"underflow_to_zero", "1,2,3,1e-60,0,0", ErrorCode::kBadInput,
+               "rays.csv:1:7: direction is zero"}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+TEST_P(BadRays, NameLineAndColumn) {
+  expect_error(GetParam().code, GetParam().message, [] { (void)read(GetParam().text); });
+}
+
+TEST(RaysCsvTest, ParseRay) {
+  const Ray ray = parse_ray(" 1,2,3, 0,0,1, 0,10 ");
+  EXPECT_EQ(ray.tmax, 10.0f);
+  expect_error(ErrorCode::kFile, "--ray:6: too few fields", [] { (void)parse_ray("1,2,3"); });
+  expect_error(ErrorCode::kFile, "--ray:1: ox is empty", [] { (void)parse_ray(""); });
+  expect_error(ErrorCode::kBadInput, "--ray:7: direction is zero",
+               [] { (void)parse_ray("1,2,3,0,0,0"); });
+}
+
+TEST(RaysCsvTest, FilesAndAMillionLines) {
+  const Folder folder;
+  expect_error(ErrorCode::kFile, "none.csv: cannot be opened",
+               [&] { (void)read_rays_csv(folder / "none.csv"); });
+  expect_error(ErrorCode::kFile, ": is a directory", [&] { (void)read_rays_csv(folder / "."); });
+  std::string text;
+  for (int i = 0; i < 1000000; ++i)
+    text += fmt::format("{},{},{},0.25,-1.5e-3,{}\n", i * 0.37f, -i * 1.25f, 400.0f, i + 1);
+  const auto path = folder.write("rays.csv", text);
+  const auto start = std::chrono::steady_clock::now();
+  const auto rays = read_rays_csv(path);
+  std::printf("a million rays, %zu bytes: %.2f s\n", text.size(),
+              std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  ASSERT_EQ(rays.size(), 1000000u);
+  EXPECT_EQ(rays[999999].o, Eigen::Vector3f(999999 * 0.37f, -999999 * 1.25f, 400.0f));
+}
+
+}  // namespace
+}  // namespace cde
