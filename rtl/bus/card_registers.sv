@@ -145,7 +145,7 @@ module card_registers #(
         REG_BAD_SEC: bus_rdata_o <= bad_sec_q;
         REG_SECONDARIES: bus_rdata_o <= secondaries_q;
         REG_WRITTEN: bus_rdata_o <= written_q;
-          REG_WRITEBACK: bus_rdata_o <= writeback_q;
+        REG_WRITEBACK: bus_rdata_o <= writeback_q;
         default: bus_rdata_o <= in_stencil ? stencil_q[64*32'(offset[4:3])+:64] : '0;
       endcase
     end

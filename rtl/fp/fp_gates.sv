@@ -1,6 +1,7 @@
 // Gate back end of the binary units: lanes of one operation behind their input registers.
 // Latency: 1 + CUTS clocks. Throughput: one result a lane a clock. Stall: none.
 // Not inlined: all that the lanes touch must lie in one C++ object for the compiler to see that they do not alias.
+// The inputs are public so that they stay variables of this object too: then all instances run one function.
 module fp_gates #(
     parameter  int OP    = 0,  // codes as in fp_lanes
     parameter  int EXP   = 8,
@@ -12,8 +13,8 @@ module fp_gates #(
     localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input  logic                     clk_i,
-    input  logic [LANES-1:0][CW-1:0] a_i,
-    input  logic [B_LANES-1:0][CW-1:0] b_i,
+    input  logic [LANES-1:0][CW-1:0] a_i /*verilator public_flat_rd*/,
+    input  logic [B_LANES-1:0][CW-1:0] b_i /*verilator public_flat_rd*/,
     output logic [LANES-1:0][CW-1:0] r_o,
     output logic [LANES-1:0][CW-1:0] flags_o
 );
