@@ -55,8 +55,9 @@ module board #(
   end
 
   // ---- Local bus and registers ----
-  logic prim_write, sram_pop, sram_beat_valid, sram_full, go, abort, busy, done, streaming;
-  logic [63:0] sram_beat;
+  logic clk_bus, clk_engine, prim_write, sram_pop, sram_beat_valid, sram_full, go, abort, busy, done, streaming;
+  logic [63:0] sram_beat, wdata;
+  logic [31:0] addr;
   logic [31:0] sram_count, sec_first, sec_count;
   logic [2:0] mode;
   logic [PRIM_W:0] prim_count, new_hits;
@@ -67,16 +68,15 @@ module board #(
       .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .DDR_SLOTS(DDR_SLOTS), .SRAM_RECORDS(SRAM_RECORDS),
       .CONFIG_HASH(CONFIG_HASH)
   ) registers (
-      .clk_i, .rst_i, .bus_valid_i, .bus_write_i, .bus_space_i, .bus_addr_i, .bus_wdata_i, .bus_ready_o, .bus_rvalid_o,
-      .bus_rdata_o, .irq_o, .prim_write_o(prim_write), .ddr_write_o, .sram_pop_o(sram_pop), .sram_valid_i(sram_beat_valid),
+      .clk_i, .clk_engine_i(clk_engine), .rst_i, .bus_valid_i, .bus_write_i, .bus_space_i, .bus_addr_i, .bus_wdata_i, .bus_ready_o, .bus_rvalid_o,
+      .bus_rdata_o, .irq_o, .clk_bus_o(clk_bus), .addr_o(addr), .wdata_o(wdata), .prim_write_o(prim_write), .ddr_write_o, .sram_pop_o(sram_pop), .sram_valid_i(sram_beat_valid),
       .sram_beat_i(sram_beat), .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .mode_o(mode),
       .prim_count_o(prim_count), .sec_first_o(sec_first), .sec_count_o(sec_count), .active_o(active), .busy_i(busy),
       .done_i(done), .writeback_i(writeback), .prim_bad_i(prim_bad), .issue_i(issue), .bubble_i(bubble), .stall_i(stall), .secondary_i(sec_pop),
       .secondary_bad_i(sec_bad), .record_i(record_write), .latency_i(latency));
-  assign ddr_write_addr_o = bus_addr_i;
-  assign ddr_write_data_o = bus_wdata_i;
+  assign ddr_write_addr_o = addr;
+  assign ddr_write_data_o = wdata;
 
-  logic clk_engine;
   clock_gate gate (.clk_i, .enable_i(busy | go | rst_i), .clk_o(clk_engine));
 
   // ---- Secondaries ----
@@ -114,7 +114,7 @@ module board #(
       .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
       .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) engine (
-      .clk_i(clk_engine), .rst_i, .bus_clk_i(clk_i), .prim_write_i(prim_write), .prim_addr_i(bus_addr_i), .prim_data_i(bus_wdata_i),
+      .clk_i(clk_engine), .rst_i, .clk_bus_i(clk_bus), .prim_write_i(prim_write), .prim_addr_i(addr), .prim_data_i(wdata),
       .prim_bad_o(prim_bad), .clear_i(clear), .clear_row_i(clear_row), .valid_i(issue), .row_i(issue_row), .parity_i(issue_parity), .index_i(sec_index),
       .secondary_i(secondary), .secondary_bad_i(sec_bad), .valid_o(retire), .row_o(row), .parity_o(parity), .index_o(index),
       .f_o(f), .bad_o(bad), .t_o(t), .cp_o(cp), .latency_o(latency));
@@ -127,7 +127,7 @@ module board #(
   update_engine #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES)) update (
       .clk_i(clk_engine), .mode_i(mode), .clear_i(clear), .clear_row_i(clear_row), .clear_mask_i(clear_mask),
       .valid_i(retire && !streaming), .row_i(row), .parity_i(parity), .index_i(index), .f_i(f), .t_i(t), .cp_i(cp),
-      .new_hits_o(new_hits), .result_primary_i(writeback_primary), .result_parity_i(writeback_parity), .result_f_o(result_f),
+      .new_hits_o(new_hits), .result_i(writeback), .result_primary_i(writeback_primary), .result_parity_i(writeback_parity), .result_f_o(result_f),
       .result_index_o(result_index), .result_t_o(result_t), .result_cp_o(result_cp));
 
   logic [LANES-1:0] active_mem[ROWS];
@@ -174,8 +174,10 @@ module board #(
     if (streaming ? fifo_valid : writeback) record_q <= record;
   end
 
+  logic clk_ring, ring_active;
+  clock_gate gate_ring (.clk_i, .enable_i(record_write | sram_pop | ring_active | abort | rst_i), .clk_o(clk_ring));
   sram_ring #(.CW(CW), .RECORDS(SRAM_RECORDS)) ring (
-      .clk_i, .rst_i(rst_i | abort), .write_i(record_write & busy), .record_i(record_q), .full_o(sram_full), .count_o(sram_count),
+      .clk_i(clk_ring), .active_o(ring_active), .rst_i(rst_i | abort), .write_i(record_write & busy), .record_i(record_q), .full_o(sram_full), .count_o(sram_count),
       .beat_valid_o(sram_beat_valid), .beat_o(sram_beat), .beat_pop_i(sram_pop), .sram_write_o, .sram_write_addr_o,
       .sram_write_data_o, .sram_read_o, .sram_read_addr_o, .sram_read_data_i);
 endmodule

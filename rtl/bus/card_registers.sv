@@ -1,7 +1,10 @@
 // The card's end of the local bus: one 64-bit beat a clock into four spaces (cde_pkg::SPACE_*). Holds the registers, checks every
 // access against its space, and forwards beats to the primary register file, DDR and the SRAM ring. The PCI target and the DMA
 // engine are masters of this port; nothing behind it knows which bus the host is on.
-// Latency: read data 1 clock after the beat is taken. Throughput: one beat a clock. Stall: ready_o is low only for SRAM reads that wait for the ring.
+// A beat is registered first and served the clock after; everything here but the counters is clocked only while a beat is on its
+// way, so that an idle bus costs nothing.
+// Latency: read data 2 clocks after the beat is taken. Throughput: one beat a clock. Stall: ready_o is low while an SRAM read waits
+// for the ring.
 module card_registers #(
     parameter int EXP = 8,
     parameter int MAN = 23,
@@ -14,6 +17,7 @@ module card_registers #(
     localparam int PRIM_W = $clog2(PRIMARIES)
 ) (
     input logic clk_i,
+    input logic clk_engine_i,  // runs from go to done
     input logic rst_i,
     input logic bus_valid_i,
     input logic bus_write_i,
@@ -25,6 +29,9 @@ module card_registers #(
     output logic [63:0] bus_rdata_o,
     output logic irq_o,
 
+    output logic clk_bus_o,  // gated: runs while a beat is served
+    output logic [31:0] addr_o,
+    output logic [63:0] wdata_o,
     output logic prim_write_o,
     output logic ddr_write_o,
     output logic sram_pop_o,
@@ -65,43 +72,61 @@ module card_registers #(
   logic [33:0] fault_q;
   logic [63:0] cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q, writeback_q;
 
-  logic write_reg, read, aligned, allowed, in_stencil, command_ok;
+  // ---- The beat being served ----
+  logic valid_q, write_q, write_reg, read, aligned, allowed, in_stencil, command_ok;
+  logic [1:0] space_q;
+  logic [31:0] addr_q;
+  logic [63:0] wdata_q;
+  clock_gate gate (.clk_i, .enable_i(bus_valid_i | valid_q | bus_rvalid_o | done_i | rst_i), .clk_o(clk_bus_o));
+  always_ff @(posedge clk_bus_o) begin
+    if (bus_ready_o) begin
+      valid_q <= bus_valid_i;
+      write_q <= bus_write_i;
+      space_q <= bus_space_i;
+      addr_q <= bus_addr_i;
+      wdata_q <= bus_wdata_i;
+    end
+    if (rst_i) valid_q <= 0;
+  end
+  assign addr_o = addr_q;
+  assign wdata_o = wdata_q;
+
   logic [11:0] offset;
-  assign aligned = bus_addr_i[2:0] == 0;
-  assign offset = bus_addr_i[11:0];
-  assign in_stencil = bus_addr_i >= 32'(REG_STENCIL) && bus_addr_i < 32'(REG_STENCIL) + 32'(STENCILS * 8);
+  assign aligned = addr_q[2:0] == 0;
+  assign offset = addr_q[11:0];
+  assign in_stencil = addr_q >= 32'(REG_STENCIL) && addr_q < 32'(REG_STENCIL) + 32'(STENCILS * 8);
 
   // What an access may touch. Memories and settings are not written while a pass runs.
   always_comb begin
     allowed = 0;
-    case (bus_space_i)
+    case (space_q)
       SPACE_REG:
-        if (!bus_write_i) allowed = bus_addr_i < 32'h100;
+        if (!write_q) allowed = addr_q < 32'h100;
         else
-          case (bus_addr_i)
+          case (addr_q)
             32'(REG_CONTROL): allowed = 1;
             32'(REG_COMMAND), 32'(REG_PRIM_COUNT), 32'(REG_SEC_FIRST), 32'(REG_SEC_COUNT): allowed = !busy_i;
             default: allowed = in_stencil && !busy_i;
           endcase
-      SPACE_PRIM: allowed = bus_write_i && !busy_i && bus_addr_i < PRIM_BYTES;
-      SPACE_DDR: allowed = bus_write_i && !busy_i && {32'b0, bus_addr_i} < DDR_BYTES;
-      SPACE_SRAM: allowed = !bus_write_i && (sram_count_i != 0 || sram_valid_i);
+      SPACE_PRIM: allowed = write_q && !busy_i && addr_q < PRIM_BYTES;
+      SPACE_DDR: allowed = write_q && !busy_i && {32'b0, addr_q} < DDR_BYTES;
+      SPACE_SRAM: allowed = !write_q && (sram_count_i != 0 || sram_valid_i);
       default: allowed = 0;
     endcase
     allowed = allowed && aligned;
   end
 
-  assign bus_ready_o = !(bus_space_i == SPACE_SRAM && allowed && !sram_valid_i);
-  assign read = bus_valid_i && bus_ready_o && !bus_write_i;
-  assign write_reg = bus_valid_i && bus_write_i && allowed && bus_space_i == SPACE_REG;
-  assign prim_write_o = bus_valid_i && bus_write_i && allowed && bus_space_i == SPACE_PRIM;
-  assign ddr_write_o = bus_valid_i && bus_write_i && allowed && bus_space_i == SPACE_DDR;
-  assign sram_pop_o = read && allowed && bus_space_i == SPACE_SRAM;
+  assign bus_ready_o = !(valid_q && space_q == SPACE_SRAM && allowed && !sram_valid_i);
+  assign read = valid_q && bus_ready_o && !write_q;
+  assign write_reg = valid_q && write_q && allowed && space_q == SPACE_REG;
+  assign prim_write_o = valid_q && write_q && allowed && space_q == SPACE_PRIM;
+  assign ddr_write_o = valid_q && write_q && allowed && space_q == SPACE_DDR;
+  assign sram_pop_o = read && allowed && space_q == SPACE_SRAM;
 
   assign command_ok = mode_q <= MODE_HITS && pair_q == PAIR_RAY_TRIANGLE && prim_count_q != 0 && prim_count_q <= 32'(PRIMARIES) &&
       sec_count_q != 0 && {1'b0, sec_first_q} + {1'b0, sec_count_q} <= 33'(DDR_SLOTS) && !busy_i;
-  assign go_o = write_reg && offset == REG_CONTROL && bus_wdata_i[0] && command_ok;
-  assign abort_o = write_reg && offset == REG_CONTROL && bus_wdata_i[1];
+  assign go_o = write_reg && offset == REG_CONTROL && wdata_q[0] && command_ok;
+  assign abort_o = write_reg && offset == REG_CONTROL && wdata_q[1];
   assign mode_o = mode_q;
   assign prim_count_o = prim_count_q[PRIM_W:0];
   assign sec_first_o = sec_first_q;
@@ -111,9 +136,9 @@ module card_registers #(
 
   logic [PRIMARIES-1:0] present_q;  // primaries below the counter register
 
-  always_ff @(posedge clk_i) begin
+  always_ff @(posedge clk_bus_o) begin
     bus_rvalid_o <= read && !rst_i;
-    if (read && bus_space_i == SPACE_SRAM) bus_rdata_o <= allowed ? sram_beat_i : '0;
+    if (read && space_q == SPACE_SRAM) bus_rdata_o <= allowed ? sram_beat_i : '0;
     else if (read && !allowed) bus_rdata_o <= '0;
     else if (read) begin
       case (offset)
@@ -152,30 +177,41 @@ module card_registers #(
 
     if (write_reg) begin
       case (offset)
-        REG_COMMAND: {pair_q, mode_q} <= {bus_wdata_i[11:8], bus_wdata_i[2:0]};
+        REG_COMMAND: {pair_q, mode_q} <= {wdata_q[11:8], wdata_q[2:0]};
         REG_PRIM_COUNT: begin
-          prim_count_q <= |bus_wdata_i[63:32] ? '1 : bus_wdata_i[31:0];
-          for (int p = 0; p < PRIMARIES; p++) present_q[p] <= 64'(p) < bus_wdata_i;
+          prim_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
+          for (int p = 0; p < PRIMARIES; p++) present_q[p] <= 64'(p) < wdata_q;
         end
-        REG_SEC_FIRST: sec_first_q <= |bus_wdata_i[63:32] ? '1 : bus_wdata_i[31:0];
-        REG_SEC_COUNT: sec_count_q <= |bus_wdata_i[63:32] ? '1 : bus_wdata_i[31:0];
+        REG_SEC_FIRST: sec_first_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
+        REG_SEC_COUNT: sec_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
         REG_CONTROL: begin
-          if (bus_wdata_i[2]) {done_q, command_error_q, bus_error_q} <= '0;
-          if (bus_wdata_i[0]) begin
+          if (wdata_q[2]) {done_q, command_error_q, bus_error_q} <= '0;
+          if (wdata_q[0]) begin
             done_q <= 0;
             command_error_q <= !command_ok;
           end
         end
-        default: stencil_q[64*32'(offset[4:3])+:64] <= bus_wdata_i;
+        default: stencil_q[64*32'(offset[4:3])+:64] <= wdata_q;
       endcase
     end
-    if (bus_valid_i && bus_ready_o && !allowed) begin
+    if (valid_q && bus_ready_o && !allowed) begin
       bus_error_q <= 1;
-      if (!bus_error_q) fault_q <= {bus_space_i, bus_addr_i};
+      if (!bus_error_q) fault_q <= {space_q, addr_q};
     end
     if (done_i) done_q <= 1;
 
-    if (go_o) {cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q, writeback_q} <= '0;
+    if (rst_i) begin
+      {done_q, command_error_q, bus_error_q} <= '0;
+      {pair_q, mode_q} <= '0;
+      {prim_count_q, sec_first_q, sec_count_q} <= '0;
+      stencil_q <= '0;
+      present_q <= '0;
+      fault_q <= '0;
+    end
+  end
+
+  always_ff @(posedge clk_engine_i) begin
+    if (go_o || rst_i) {cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q, writeback_q} <= '0;
     else begin
       cycles_q <= cycles_q + 64'(busy_i && !writeback_i);
       writeback_q <= writeback_q + 64'(writeback_i);
@@ -185,16 +221,6 @@ module card_registers #(
       secondaries_q <= secondaries_q + 64'(secondary_i);
       bad_sec_q <= bad_sec_q + 64'(secondary_i && secondary_bad_i);
       written_q <= written_q + 64'(record_i);
-    end
-
-    if (rst_i) begin
-      {done_q, command_error_q, bus_error_q} <= '0;
-      {pair_q, mode_q} <= '0;
-      {prim_count_q, sec_first_q, sec_count_q} <= '0;
-      stencil_q <= '0;
-      present_q <= '0;
-      fault_q <= '0;
-      {cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q, writeback_q} <= '0;
     end
   end
 endmodule

@@ -17,7 +17,7 @@ module cde #(
 ) (
     input logic clk_i,  // may be gated while nothing is in flight
     input logic rst_i,
-    input logic bus_clk_i,
+    input logic clk_bus_i,
 
     input logic prim_write_i,
     input logic [31:0] prim_addr_i,
@@ -48,7 +48,7 @@ module cde #(
   logic [LANES-1:0][CW-1:0] tmin_t, tmax_t, ray_bad;
 
   primary_regfile #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES)) primaries (
-      .clk_i(bus_clk_i), .rst_i, .engine_clk_i(clk_i), .clear_i, .clear_row_i, .write_i(prim_write_i), .write_addr_i(prim_addr_i), .write_data_i(prim_data_i), .bad_o(prim_bad_o),
+      .clk_i(clk_bus_i), .rst_i, .engine_clk_i(clk_i), .clear_i, .clear_row_i, .write_i(prim_write_i), .write_addr_i(prim_addr_i), .write_data_i(prim_data_i), .bad_o(prim_bad_o),
       .row_o_edge_i(row_o_edge), .o_edge_o(o_edge), .row_d_cross_i(row_d_cross), .d_cross_o(d_cross),
       .row_d_dot_i(row_d_dot), .d_dot_o(d_dot), .row_t_i(row_t), .d_t_o(d_t), .tmin_t_o(tmin_t), .tmax_t_o(tmax_t),
       .row_o_cp_i(row_o_cp), .o_cp_o(o_cp), .row_bad_i(row_bad), .bad_mask_o(ray_bad));

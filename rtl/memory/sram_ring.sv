@@ -11,6 +11,7 @@ module sram_ring #(
     input logic rst_i,
     input logic write_i,
     input logic [WORDS-1:0][CW-1:0] record_i,
+    output logic active_o,  // has work of its own: the clock must run
     output logic full_o,
     output logic [31:0] count_o,  // records not yet read to their last beat
 
@@ -35,6 +36,7 @@ module sram_ring #(
   logic [(WORDS+1)*CW-1:0] head_words;
   logic finish;
 
+  assign active_o = sram_read_o || fetching_q;
   assign full_o = count_q == 32'(RECORDS);
   assign count_o = count_q;
   assign sram_write_o = write_i;

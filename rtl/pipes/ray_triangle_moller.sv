@@ -156,7 +156,7 @@ module ray_triangle_moller #(
 
   // ---- Decision ----
   logic [LANES-1:0][CW-1:0] in_edges, in_edges_uv, in_uv, in_uv_all, in_range, in_range_all, hit, hit_select;
-  assign in_edges = u_lo & u_hi & v_lo & v_hi & det_nz;
+  always_comb for (int l = 0; l < LANES; l++) in_edges[l] = u_lo[l] & u_hi[l] & v_lo[l] & v_hi[l] & det_nz[l];
   align #(.W(LANES * CW), .FROM(T_DOT + LAT_CMP), .TO(T_UV_IN)) align_edges (.clk_i, .d_i(in_edges), .q_o(in_edges_uv));
   assign in_uv = in_edges_uv & uv_hi;
   align #(.W(LANES * CW), .FROM(T_UV_IN), .TO(T_IN)) align_uv (.clk_i, .d_i(in_uv), .q_o(in_uv_all));

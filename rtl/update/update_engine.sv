@@ -28,7 +28,8 @@ module update_engine #(
     input logic [2:0][LANES-1:0][CW-1:0] cp_i,
     output logic [PRIM_W:0] new_hits_o,  // primaries that got their first hit with this row
 
-    input logic [PRIM_W-1:0] result_primary_i,  // combinational read after the stream
+    input logic result_i,  // combinational read after the stream
+    input logic [PRIM_W-1:0] result_primary_i,
     input logic result_parity_i,
     output logic result_f_o,
     output logic [31:0] result_index_o,
@@ -114,8 +115,15 @@ module update_engine #(
   logic [LANE_W-1:0] result_lane;
   assign result_row = ROW_W'(32'(result_primary_i) / 32'(LANES));
   assign result_lane = LANE_W'(32'(result_primary_i) % 32'(LANES));
-  assign result_index_o = f_index[result_row][result_lane];
+  always_comb begin
+    result_index_o = '1;
+    result_t_o = '0;
+    result_cp_o = '0;
+    if (result_i) begin
+      result_index_o = f_index[result_row][result_lane];
+      result_t_o = result_parity_i ? stencil_t1[result_row][result_lane] : stencil_t0[result_row][result_lane];
+      result_cp_o = {cp_z[result_row][result_lane], cp_y[result_row][result_lane], cp_x[result_row][result_lane]};
+    end
+  end
   assign result_f_o = result_index_o != '1;
-  assign result_t_o = result_parity_i ? stencil_t1[result_row][result_lane] : stencil_t0[result_row][result_lane];
-  assign result_cp_o = {cp_z[result_row][result_lane], cp_y[result_row][result_lane], cp_x[result_row][result_lane]};
 endmodule
