@@ -15,6 +15,8 @@ module board #(
     parameter int SRAM_RECORDS = 524288,    // seven 2 MB chips, one word of a record each
     parameter logic [63:0] CONFIG_HASH = 0,
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
+    localparam int SEC_WORDS = cde_pkg::SEC_WORDS,
+    localparam int RECORD_WORDS = cde_pkg::RECORD_WORDS,
     localparam int SRAM_AW = $clog2(SRAM_RECORDS)
 ) (
     input logic clk_i,
@@ -36,14 +38,14 @@ module board #(
     output logic ddr_read_o,  // one slot; answers come in order
     output logic [31:0] ddr_read_slot_o,
     input logic ddr_valid_i,
-    input logic [cde_pkg::SEC_WORDS-1:0][CW-1:0] ddr_data_i,
+    input logic [SEC_WORDS-1:0][CW-1:0] ddr_data_i,
 
     output logic sram_write_o,
     output logic [SRAM_AW-1:0] sram_write_addr_o,
-    output logic [cde_pkg::RECORD_WORDS-1:0][CW-1:0] sram_write_data_o,
+    output logic [RECORD_WORDS-1:0][CW-1:0] sram_write_data_o,
     output logic sram_read_o,
     output logic [SRAM_AW-1:0] sram_read_addr_o,
-    input logic [cde_pkg::RECORD_WORDS-1:0][CW-1:0] sram_read_data_i  // the clock after sram_read_o
+    input logic [RECORD_WORDS-1:0][CW-1:0] sram_read_data_i  // the clock after sram_read_o
 );
   localparam int FIFO_DEPTH = 128;
   localparam int ROWS = PRIMARIES / LANES;
@@ -81,7 +83,7 @@ module board #(
 
   // ---- Secondaries ----
   logic fetch_start, fetch_stop, sec_valid, sec_last, sec_idle;
-  logic [cde_pkg::SEC_WORDS-1:0][CW-1:0] secondary;
+  logic [SEC_WORDS-1:0][CW-1:0] secondary;
   logic [31:0] sec_index;
   secondary_regfile #(.EXP(EXP), .MAN(MAN)) secondaries (
       .clk_i(clk_engine), .rst_i, .start_i(fetch_start), .stop_i(fetch_stop), .first_i(sec_first), .count_i(sec_count),
@@ -147,7 +149,7 @@ module board #(
   // ---- Records: from the update buffers at the end of a pass, from the FIFO during it ----
   localparam logic [CW-1:0] INF = ((CW'(1) << EXP) - 1) << MAN;
   localparam logic [CW-1:0] QNAN = INF | (CW'(1) << (MAN - 1));
-  logic [cde_pkg::RECORD_WORDS-1:0][CW-1:0] record_q, record;
+  logic [RECORD_WORDS-1:0][CW-1:0] record_q, record;
   logic result_bad;
   logic sram_room;  // counting the record on its way
   assign sram_room = !sram_full && !(record_write && sram_count + 1 == 32'(SRAM_RECORDS));

@@ -12,6 +12,7 @@ module cde #(
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
+    localparam int SEC_WORDS = cde_pkg::SEC_WORDS,
     localparam int ROWS = PRIMARIES / LANES,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1
 ) (
@@ -30,7 +31,7 @@ module cde #(
     input logic [ROW_W-1:0] row_i,
     input logic parity_i,
     input logic [31:0] index_i,
-    input logic [cde_pkg::SEC_WORDS-1:0][CW-1:0] secondary_i,
+    input logic [SEC_WORDS-1:0][CW-1:0] secondary_i,
     input logic secondary_bad_i,
 
     output logic valid_o,
