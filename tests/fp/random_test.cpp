@@ -1,0 +1,34 @@
+// Random operands on every bitstream against the reference: results and flags of both back ends.
+#include "operands.hpp"
+#include "unit_check.hpp"
+
+namespace cde::testing {
+namespace {
+
+class RandomOperands : public ::testing::TestWithParam<TestUnit> {};
+
+TEST_P(RandomOperands, MatchReference) {
+  const TestUnit& unit = GetParam();
+  UnitCheck check(unit);
+  std::mt19937_64 random(kSeed);
+  const bool plain = unit.label.ends_with("_rtl") || unit.label.ends_with("_host");
+  const int arithmetic = plain ? 100000 : 20000, conversions = plain ? 20000 : 5000;
+  for (uint32_t i = 0; i < kFpOps; i++) {
+    const auto op = static_cast<FpOp>(i);
+    if (!check.has(op)) continue;
+    for (int n = 0; n < (op <= FpOp::kSqrt ? arithmetic : conversions); n++) {
+      if (op >= FpOp::kFromI32 && op <= FpOp::kFromUi64) {
+        check.add(op, random_integer(random));
+      } else {
+        const auto [a, b] = random_pair(unit.format, random);
+        check.add(op, a, b);
+      }
+    }
+  }
+  check.finish();
+}
+
+INSTANTIATE_TEST_SUITE_P(Bitstreams, RandomOperands, ::testing::ValuesIn(test_units()), unit_name);
+
+}  // namespace
+}  // namespace cde::testing
