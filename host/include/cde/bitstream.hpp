@@ -1,0 +1,80 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace cde {
+
+/// Arithmetic of the simulated card; results and clocks are the same bit for bit.
+enum class Arithmetic {
+  kHost,  ///< the host's FPU called from the pipeline: fast to simulate
+  kRtl,   ///< the gates of rtl/fp
+};
+
+/// One elaborated configuration of rtl/board.sv.
+struct BoardConfig {
+  unsigned lanes = 16;  ///< pairs a clock: a power of two, 1 to 256
+  Arithmetic arithmetic = Arithmetic::kHost;
+  unsigned latency_add = 1;  ///< clocks of an operator, at least 1
+  unsigned latency_mul = 1;
+  unsigned latency_div = 1;
+  unsigned latency_compare = 1;
+  unsigned ddr_slots = 55'555'555;  ///< secondaries that fit; the default is two 1 GB modules
+  unsigned sram_records = 524'288;  ///< ring of records, a power of two; seven 2 MB chips
+  bool trace = false;               ///< waves can be written (and everything runs slower)
+
+  /// NAME=VALUE for the builder, without what the RTL has as default. Error kUsage if a value is
+  /// out of range, naming it.
+  [[nodiscard]] std::vector<std::string> parameters() const;
+};
+
+/// A loaded bitstream: one elaborated configuration as a shared library. Copies share the library.
+///
+/// Bitstreams are called <cache key>.so, the key covering parameters, RTL, harness, tools and CPU.
+/// They are searched for in $CDE_BITSTREAMS, in the folder of the build or installation, and in the
+/// user's cache ($CDE_CACHE, else $XDG_CACHE_HOME/cde, else ~/.cache/cde). One that is nowhere, or
+/// whose file is damaged, is built into the cache by the script `verilator/bitstream` (of
+/// $CDE_SHARE, else of the installation or source tree): half a minute and more, with progress on
+/// stderr. Processes that want the same one wait for each other.
+class Bitstream {
+ public:
+  /// `kind` is a top module, e.g. "board". Errors: kBuild with the builder's last lines (or what is
+  /// missing); kUsage if the builder refuses a parameter.
+  [[nodiscard]] static Bitstream open(const std::string& kind,
+                                      const std::vector<std::string>& parameters);
+
+  /// A file, of which nothing is assumed but that it is a shared library; its configuration hash is
+  /// taken as `config_hash`. Error kConfiguration if it cannot be loaded.
+  [[nodiscard]] static Bitstream load(const std::filesystem::path& file, std::uint64_t config_hash);
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+  /// What the configuration asked for hashes to; the card must show the same.
+  [[nodiscard]] std::uint64_t config_hash() const { return config_hash_; }
+
+  /// Address of an exported function. Error kConfiguration if there is none of that name.
+  [[nodiscard]] void* symbol(const char* name) const;
+
+ private:
+  Bitstream() = default;
+  std::shared_ptr<void> library_;
+  std::filesystem::path path_;
+  std::uint64_t config_hash_ = 0;
+};
+
+/// Where the file of a configuration is, building it if need be; Bitstream::open without the
+/// loading.
+[[nodiscard]] std::filesystem::path bitstream_path(const std::string& kind,
+                                                   const std::vector<std::string>& parameters);
+
+/// Hash that the card of a configuration shows. Error kBuild as above.
+[[nodiscard]] std::uint64_t bitstream_hash(const std::string& kind,
+                                           const std::vector<std::string>& parameters);
+
+/// Folders for messages and `cde doctor`.
+[[nodiscard]] std::filesystem::path bitstream_cache();    ///< created if it does not exist; kFile
+[[nodiscard]] std::filesystem::path bitstream_builder();  ///< the script; error kBuild if nowhere
+
+}  // namespace cde

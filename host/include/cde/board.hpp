@@ -1,0 +1,182 @@
+#pragma once
+#include <bitset>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cde/bitstream.hpp"
+#include "cde/card.hpp"
+#include "cde/mesh.hpp"
+#include "cde/primitives.hpp"
+
+namespace cde {
+
+/// Which records a pass keeps.
+enum class Mode : std::uint8_t {
+  kNearest = card::kModeNearest,    ///< one a ray: the smallest (T, index)
+  kFarthest = card::kModeFarthest,  ///< one a ray: the largest T, then the smallest index
+  kAny = card::kModeAny,            ///< one a ray: the first hit in stream order; ends early
+  kAll = card::kModeAll,            ///< one a pair, triangle by triangle, rays ascending
+  kHits = card::kModeHits,          ///< those of kAll that hit
+};
+
+/// "nearest", "farthest", "any", "all", "hits".
+[[nodiscard]] const char* name_of(Mode mode);
+[[nodiscard]] std::optional<Mode> mode_named(std::string_view name);
+
+/// What the card found for a ray, or for a pair of ray and triangle.
+struct Record {
+  Eigen::Vector3f cp = Eigen::Vector3f::Zero();  ///< hit point; 0 without a hit, NaN if bad
+  bool f = false;                                ///< hit
+  bool bad = false;           ///< the ray, or in modes all and hits the triangle, is bad input
+  std::uint32_t index = ~0u;  ///< triangle, in upload order; all ones without a hit
+  float t = std::numeric_limits<float>::infinity();  ///< P(t) is the hit; +inf without, NaN if bad
+  std::uint32_t primary = 0;  ///< ray: its number in the packet, from Board::cast in the whole cast
+};
+
+/// Bits that differ in nothing: NaN payloads and signs of zero count.
+[[nodiscard]] bool same_bits(const Record& a, const Record& b);
+
+/// Triangles in a row, wherever they are; what it looks at must outlive it.
+class TriangleView {
+ public:
+  TriangleView(std::span<const Triangle> triangles)  // NOLINT(google-explicit-constructor)
+      : triangles_(triangles) {}
+  TriangleView(const std::vector<Triangle>& triangles)  // NOLINT(google-explicit-constructor)
+      : triangles_(triangles) {}
+  TriangleView(const Mesh& mesh) : mesh_(&mesh) {}  // NOLINT(google-explicit-constructor)
+  [[nodiscard]] std::size_t size() const {
+    return mesh_ != nullptr ? mesh_->faces.size() : triangles_.size();
+  }
+  [[nodiscard]] Triangle operator[](std::size_t i) const {
+    return mesh_ != nullptr ? mesh_->triangle(i) : triangles_[i];
+  }
+
+ private:
+  std::span<const Triangle> triangles_;
+  const Mesh* mesh_ = nullptr;
+};
+
+/// Primaries left out of a pass (1 = masked): neither tested, updated nor downloaded.
+using Stencil = std::bitset<256>;
+
+/// What the card counted during passes. One clock is one period of the core clock.
+struct Counters {
+  std::uint64_t cycles = 0;           ///< clocks from go to done, without writeback
+  std::uint64_t writeback = 0;        ///< clocks that wrote the kept records to SRAM
+  std::uint64_t rows = 0;             ///< rows of `lanes` pairs that entered the pipe
+  std::uint64_t stalls = 0;           ///< clocks the pipe waited for room for records
+  std::uint64_t bubbles = 0;          ///< clocks the pipe waited for a triangle
+  std::uint64_t bad_primaries = 0;    ///< rays refused as bad input
+  std::uint64_t bad_secondaries = 0;  ///< triangles refused as bad input
+  std::uint64_t secondaries = 0;      ///< triangles swept (mode any may end early)
+  std::uint64_t records = 0;          ///< records written, all of which were downloaded
+  std::uint64_t upload_clocks = 0;    ///< local-bus clocks of loading the rays
+  std::uint64_t total_clocks = 0;     ///< everything: loading, pass, download, register accesses
+
+  Counters& operator+=(const Counters& other);
+  /// Time of the passes (cycles and writeback) at a core clock.
+  [[nodiscard]] double modelled_seconds(double clock_hz) const {
+    return static_cast<double>(cycles + writeback) / clock_hz;
+  }
+};
+
+/// Takes records as they come off the card, in order, in pieces of any size.
+using RecordSink = std::function<void(std::span<const Record>)>;
+
+struct Query {
+  Mode mode = Mode::kNearest;
+  Stencil stencil = {};
+  std::uint64_t deadline_clocks =
+      0;  ///< for one pass; 0: several times what the pass can take at worst
+  std::chrono::duration<double> watchdog = std::chrono::hours(1);  ///< wall clock, for one pass
+  std::uint32_t drain_records = 65536;  ///< records taken off a full ring at a time, at least 1
+  std::function<void(double)> progress =
+      {};  ///< called now and then with the estimated share done, 0 to 1
+};
+
+struct OpenOptions {
+  std::optional<std::filesystem::path> file = {};  ///< this bitstream instead of a search
+  std::optional<std::uint64_t> config_hash =
+      {};  ///< that its card must show; with `file` by default what the search would ask for
+  std::uint32_t ddr_latency = 20;          ///< clocks from request to data, 1 to 10000
+  std::uint32_t clock_period_ps = 10'000;  ///< time axis of waves only
+};
+
+/// Driver of one simulated card: the paper's Algorithm 1. Independent boards may live in different
+/// threads; one board must not be used by two threads at once.
+///
+/// After an exception from run() or cast() the pass has been aborted and the card is ready for
+/// another; triangles and rays stay. kDevice and kTimeout say what the card was doing.
+class Board {
+ public:
+  class Impl;  ///< the driver's own
+  /// initializeDevice: finds or builds the bitstream, loads it, resets the card, and refuses it
+  /// (kConfiguration) unless interface version, configuration hash, lanes, format and algorithm are
+  /// those asked for. Also kBuild (bitstream.hpp) and kDevice (no memory for the card).
+  [[nodiscard]] static Board open(const BoardConfig& config, const OpenOptions& options = {});
+
+  Board(Board&&) noexcept;
+  Board& operator=(Board&&) noexcept;
+  ~Board();
+
+  /// secondaryUpload: these triangles replace those in DDR. Through a small fixed buffer, whatever
+  /// their number. Errors: kUsage if there are none; kCapacity if DDR is smaller; kBadInput naming
+  /// the first triangle that is not finite, before anything is uploaded, unless `validate` is off
+  /// (the card then flags its records).
+  void upload(const TriangleView& triangles, bool validate = true);
+
+  /// primaryRegFileUpload: one packet of rays, 1 to primaries() of them (else kUsage). Bad rays are
+  /// legal: the card flags their records.
+  void load(std::span<const Ray> rays);
+
+  /// invokeCDE and downloadSRAM: one pass of the loaded rays over all triangles. In modes all and
+  /// hits the records are drained while the pass runs, so their number is not limited by SRAM. The
+  /// number of records is checked against what the mode promises. Errors: kUsage (nothing loaded or
+  /// uploaded), kTimeout, kDevice, and whatever `sink` throws.
+  Counters run(const Query& query, const RecordSink& sink);
+  [[nodiscard]] std::vector<Record> run(const Query& query, Counters* counters = nullptr);
+
+  /// load() and run() for any number of rays, in packets of primaries(). The stencil, if any, masks
+  /// places in every packet. `primary` of the records counts through all rays. Counters are sums.
+  Counters cast(std::span<const Ray> rays, const Query& query, const RecordSink& sink);
+  [[nodiscard]] std::vector<Record> cast(std::span<const Ray> rays, const Query& query = {});
+
+  /// Hardware reset: registers and rays are lost, triangles in DDR stay.
+  void reset();
+
+  /// Waves of everything from now on; BoardConfig::trace must be set. Error kUsage without it,
+  /// kFile if the file cannot be written.
+  void trace_open(const std::filesystem::path& file);
+  void trace_close();
+
+  [[nodiscard]] unsigned lanes() const;
+  [[nodiscard]] unsigned primaries() const;      ///< rays in a packet at most
+  [[nodiscard]] std::uint64_t capacity() const;  ///< triangles that DDR holds
+  [[nodiscard]] std::uint64_t sram_records() const;
+  [[nodiscard]] unsigned pipe_latency() const;        ///< clocks
+  [[nodiscard]] std::uint64_t upload_clocks() const;  ///< of the last upload()
+  [[nodiscard]] const std::filesystem::path& bitstream() const;
+  [[nodiscard]] std::uint64_t config_hash() const;
+
+  /// Below the driver, for tests and diagnosis: single accesses on the local bus. A refused access
+  /// sets kStatusBusError and reads 0; kDevice if the bus hangs.
+  [[nodiscard]] std::uint64_t read_register(std::uint32_t offset);
+  void write_register(std::uint32_t offset, std::uint64_t value);
+  void bus_write(card::Space space, std::uint32_t offset, std::span<const std::uint64_t> beats);
+  void bus_read(card::Space space, std::uint32_t offset, std::span<std::uint64_t> beats);
+  std::uint64_t wait(std::uint64_t max_clocks);  ///< until the interrupt; returns clocks spent
+  [[nodiscard]] std::uint64_t clocks() const;    ///< since the card was powered
+  void flip_ddr(std::uint64_t byte, std::uint8_t mask);  ///< as a memory fault would
+
+ private:
+  explicit Board(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cde

@@ -1,0 +1,89 @@
+#pragma once
+#include <cstdint>
+
+/// What software and hardware share: the C++ side of rtl/cde_pkg.sv, under the same names.
+/// tests/board parses that file and holds every constant here against it.
+namespace cde::card {
+
+/// Spaces of the local bus; a beat is 64 bits.
+enum Space : std::uint32_t {
+  kSpaceReg = 0,   ///< registers, 64 bits at 8-byte offsets
+  kSpacePrim = 1,  ///< primary register file, kPrimWords words a slot, write only
+  kSpaceDdr = 2,   ///< secondary memory, packed slots, write only
+  kSpaceSram = 3,  ///< record stream: every beat read takes the next words of the ring
+};
+
+/// Register offsets in bytes.
+enum Register : std::uint32_t {
+  kRegId = 0x000,           ///< [63:32] kIdMagic, [31:0] kInterfaceVersion
+  kRegCaps = 0x008,         ///< [15:0] lanes, [31:16] primaries, [39:32] exponent bits, [47:40]
+                            ///< fraction bits, [55:48] algorithm
+  kRegConfigHash = 0x010,   ///< hash of parameters and RTL sources
+  kRegCaps2 = 0x018,        ///< [15:0] pipe latency, [47:16] SRAM records, [55:48] container bits
+  kRegCapacity = 0x020,     ///< secondary slots in DDR
+  kRegControl = 0x028,      ///< write: kControl* bits
+  kRegStatus = 0x030,       ///< kStatus* bits
+  kRegCommand = 0x038,      ///< [2:0] result mode, [11:8] pair code
+  kRegPrimCount = 0x040,    ///< primaries in the register file
+  kRegSecFirst = 0x048,     ///< first secondary slot
+  kRegSecCount = 0x050,     ///< number of secondaries
+  kRegRecords = 0x058,      ///< records waiting in the SRAM ring
+  kRegFaultAddr = 0x060,    ///< [33:32] space, [31:0] offset of the first refused access
+  kRegWriteback = 0x068,    ///< clocks that wrote the kept records back to SRAM
+  kRegStencil = 0x080,      ///< primaries/64 registers: 1 masks a primary
+  kRegCycles = 0x0C0,       ///< clocks from go to done, without kRegWriteback
+  kRegRows = 0x0C8,         ///< rows issued to the pipe (one row is `lanes` pairs)
+  kRegStalls = 0x0D0,       ///< clocks the pipe mouth waited for output space
+  kRegBubbles = 0x0D8,      ///< clocks the pipe mouth waited for a secondary
+  kRegBadPrim = 0x0E0,      ///< primaries refused as bad input
+  kRegBadSec = 0x0E8,       ///< secondaries refused as bad input
+  kRegSecondaries = 0x0F0,  ///< secondaries swept
+  kRegWritten = 0x0F8,      ///< records written to SRAM
+};
+
+inline constexpr std::uint32_t kIdMagic = 0x43444531;
+inline constexpr std::uint32_t kInterfaceVersion = 1;
+
+/// Bits of kRegControl.
+inline constexpr std::uint64_t kControlGo = 1;
+inline constexpr std::uint64_t kControlAbort = 2;
+inline constexpr std::uint64_t kControlClear = 4;  ///< errors and done
+
+/// Bit numbers of kRegStatus.
+enum Status : unsigned {
+  kStatusBusy = 0,
+  kStatusDone = 1,
+  kStatusCommandError = 2,  ///< go refused: mode, pair, count or range out of bounds
+  kStatusBusError = 3,      ///< access outside a space, to a read-only register, or while busy
+  kStatusSramWait = 4,      ///< the SRAM ring is full and the engine waits for the host
+  kStatusIrq = 5,           ///< done, an error, or a full ring wants the host
+};
+
+/// Result modes, kRegCommand[2:0].
+enum ModeCode : std::uint32_t {
+  kModeNearest = 0,
+  kModeFarthest = 1,
+  kModeAny = 2,
+  kModeAll = 3,
+  kModeHits = 4,
+};
+
+/// Pair codes, kRegCommand[11:8], and ray-triangle algorithms, kRegCaps.
+inline constexpr std::uint32_t kPairRayTriangle = 0;
+inline constexpr std::uint32_t kAlgorithmMoller = 0;
+
+/// Slots and records, in words of the container width. On the bus a record takes one word more.
+inline constexpr unsigned kPrimWords = 8;  ///< ray: ox oy oz dx dy dz tmin tmax
+inline constexpr unsigned kSecWords = 9;   ///< triangle: v0 v1 v2
+inline constexpr unsigned kRecordWords = 7;
+inline constexpr unsigned kRecordCp = 0;  ///< 3 words
+inline constexpr unsigned kRecordFlags = 3;
+inline constexpr unsigned kRecordIndex = 4;  ///< secondary index, all ones when F = 0
+inline constexpr unsigned kRecordT = 5;
+inline constexpr unsigned kRecordPrimary = 6;
+
+/// Bit numbers of the flags word.
+inline constexpr unsigned kFlagF = 0;
+inline constexpr unsigned kFlagBad = 1;
+
+}  // namespace cde::card

@@ -1,0 +1,303 @@
+#include "cde/board.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+
+#include "abi.h"
+#include "board_impl.hpp"
+#include "cde/error.hpp"
+
+namespace cde {
+namespace {
+
+constexpr std::uint64_t kAccessClocks = 1000;  // no single access takes this long
+
+void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t expected_hash,
+                    const std::string& file) {
+  const auto refuse = [&](const std::string& why) {
+    throw Error(ErrorCode::kConfiguration, fmt::format("bitstream {}: {}", file, why));
+  };
+  const std::uint64_t id = card.read_register(card::kRegId);
+  constexpr std::uint64_t kId = std::uint64_t{card::kIdMagic} << 32 | card::kInterfaceVersion;
+  if (id != kId)
+    refuse(fmt::format("the card calls itself {:#018x}, this driver expects {:#018x}", id, kId));
+  const std::uint64_t hash = card.read_register(card::kRegConfigHash);
+  if (hash != expected_hash) {
+    refuse(fmt::format("configuration hash is {:016x}, but what was asked for has {:016x}", hash,
+                       expected_hash));
+  }
+  const std::uint64_t caps = card.read_register(card::kRegCaps);
+  const std::uint64_t caps2 = card.read_register(card::kRegCaps2);
+  card.lanes = caps & 0xffff;
+  card.primaries = caps >> 16 & 0xffff;
+  card.pipe_latency = caps2 & 0xffff;
+  card.sram_records = caps2 >> 16 & 0xffffffff;
+  card.capacity = card.read_register(card::kRegCapacity);
+  const auto field = [&](const char* what, std::uint64_t value, std::uint64_t wanted) {
+    if (value != wanted) refuse(fmt::format("{} is {}, but {} was asked for", what, value, wanted));
+  };
+  field("number of lanes", card.lanes, config.lanes);
+  field("exponent width", caps >> 32 & 0xff, 8);
+  field("fraction width", caps >> 40 & 0xff, 23);
+  field("ray-triangle algorithm", caps >> 48 & 0xff, card::kAlgorithmMoller);
+  field("container width", caps2 >> 48 & 0xff, 32);
+  field("DDR capacity", card.capacity, config.ddr_slots);
+  field("SRAM ring", card.sram_records, config.sram_records);
+  if (card.primaries == 0 || card.primaries > Stencil().size())
+    refuse("number of primaries is out of range");
+}
+
+}  // namespace
+
+// ---- Bus accesses ----
+
+void Board::Impl::transferred(std::uint64_t done, std::uint64_t wanted, const char* what,
+                              card::Space space, std::uint32_t offset) const {
+  if (done == wanted) return;
+  throw Error(ErrorCode::kDevice,
+              fmt::format("local bus hangs: {} of {} beats {} space {} offset {:#x} at clock {}",
+                          done, wanted, what, static_cast<int>(space), offset, clocks()));
+}
+
+void Board::Impl::write(card::Space space, std::uint32_t offset, const void* data,
+                        std::uint64_t beats) {
+  transferred(api->write(card, space, offset, data, beats, beats * 4 + kAccessClocks), beats,
+              "written to", space, offset);
+}
+
+void Board::Impl::read(card::Space space, std::uint32_t offset, void* data, std::uint64_t beats) {
+  transferred(api->read(card, space, offset, data, beats, beats * 4 + kAccessClocks), beats,
+              "read from", space, offset);
+}
+
+std::uint64_t Board::Impl::read_register(std::uint32_t offset) {
+  std::uint64_t value = 0;
+  read(card::kSpaceReg, offset, &value, 1);
+  return value;
+}
+
+void Board::Impl::write_register(std::uint32_t offset, std::uint64_t value) {
+  write(card::kSpaceReg, offset, &value, 1);
+}
+
+void Board::Impl::check_bus(const char* during) {
+  const std::uint64_t status = read_register(card::kRegStatus);
+  if ((status >> card::kStatusBusError & 1) == 0) return;
+  const std::uint64_t fault = read_register(card::kRegFaultAddr);
+  write_register(card::kRegControl, card::kControlClear);
+  throw Error(
+      ErrorCode::kDevice,
+      fmt::format(
+          "bus error during {}: access to space {} offset {:#x} refused, status {:#x}, clock {}",
+          during, fault >> 32, fault & 0xffffffff, status, clocks()));
+}
+
+Board::Impl::~Impl() {
+  if (card != nullptr) api->destroy(card);
+}
+
+// ---- Opening ----
+
+Board::Board(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Board::Board(Board&&) noexcept = default;
+Board& Board::operator=(Board&&) noexcept = default;
+Board::~Board() = default;
+
+Board Board::open(const BoardConfig& config, const OpenOptions& options) {
+  if (options.ddr_latency < 1 || options.ddr_latency > 10000) {
+    throw Error(ErrorCode::kUsage, fmt::format("ddr_latency is {}; it must be 1 to 10000 clocks",
+                                               options.ddr_latency));
+  }
+  const std::vector<std::string> parameters = config.parameters();
+  Bitstream bitstream =
+      options.file ? Bitstream::load(*options.file, options.config_hash
+                                                        ? *options.config_hash
+                                                        : bitstream_hash("board", parameters))
+                   : Bitstream::open("board", parameters);
+  const std::uint64_t expected = options.config_hash.value_or(bitstream.config_hash());
+  const std::string file = bitstream.path().string();
+
+  auto impl = std::make_unique<Impl>(std::move(bitstream));
+  const auto entry =
+      reinterpret_cast<cde_board_entry_fn>(impl->bitstream.symbol("cde_board_entry"));
+  impl->api = entry();
+  if (impl->api->abi != CDE_BOARD_ABI) {
+    throw Error(ErrorCode::kConfiguration,
+                fmt::format("bitstream {}: C interface version {}, this driver speaks {}", file,
+                            impl->api->abi, CDE_BOARD_ABI));
+  }
+  const cde_board_options card_options = {options.ddr_latency, options.clock_period_ps};
+  impl->card = impl->api->create(&card_options);
+  if (impl->card == nullptr) throw Error(ErrorCode::kDevice, "no memory for the card's models");
+  impl->ddr_latency = options.ddr_latency;
+  check_identity(*impl, config, expected, file);
+  return Board(std::move(impl));
+}
+
+// ---- Algorithm 1, before the pass ----
+
+void Board::upload(const TriangleView& triangles, bool validate) {
+  const std::size_t count = triangles.size();
+  if (count == 0) throw Error(ErrorCode::kUsage, "no triangles to upload");
+  if (count > impl_->capacity) {
+    throw Error(ErrorCode::kCapacity,
+                fmt::format("{} triangles do not fit the card's DDR, which holds {}", count,
+                            impl_->capacity));
+  }
+  if (validate) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const Triangle triangle = triangles[i];
+      if (defect(triangle)) check(triangle, fmt::format("triangle {}", i));
+    }
+  }
+  // Two slots of 36 bytes are 9 beats, so a buffer of an even number of slots ends with a beat.
+  constexpr std::size_t kChunk = 1024;
+  static_assert(sizeof(Triangle) == 4 * card::kSecWords);
+  std::vector<Triangle> buffer(kChunk);
+  const std::uint64_t start = clocks();
+  impl_->secondaries = 0;
+  for (std::size_t first = 0; first < count; first += kChunk) {
+    const std::size_t n = std::min(kChunk, count - first);
+    for (std::size_t i = 0; i < n; ++i) buffer[i] = triangles[first + i];
+    if (n % 2 != 0 && n < kChunk)
+      buffer[n] = {Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
+    const std::uint64_t beats = (n * sizeof(Triangle) + 7) / 8;
+    impl_->write(card::kSpaceDdr, static_cast<std::uint32_t>(first * sizeof(Triangle)),
+                 buffer.data(), beats);
+  }
+  impl_->upload_clocks = clocks() - start;
+  impl_->check_bus("the upload of triangles");
+  impl_->secondaries = static_cast<std::uint32_t>(count);
+}
+
+void Board::load(std::span<const Ray> rays) {
+  if (rays.empty() || rays.size() > impl_->primaries) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("a packet has 1 to {} rays, not {}", impl_->primaries, rays.size()));
+  }
+  std::vector<float> words;
+  words.reserve(rays.size() * card::kPrimWords);
+  for (const Ray& ray : rays) {
+    words.insert(words.end(), {ray.o.x(), ray.o.y(), ray.o.z(), ray.d.x(), ray.d.y(), ray.d.z(),
+                               ray.tmin, ray.tmax});
+  }
+  const std::uint64_t start = clocks();
+  impl_->loaded = 0;
+  impl_->write(card::kSpacePrim, 0, words.data(), words.size() / 2);
+  impl_->load_clocks = clocks() - start;
+  impl_->check_bus("the upload of rays");
+  impl_->loaded = static_cast<std::uint32_t>(rays.size());
+}
+
+// ---- The rest of the interface ----
+
+void Board::reset() {
+  impl_->api->reset(impl_->card);
+  impl_->loaded = 0;
+}
+
+void Board::trace_open(const std::filesystem::path& file) {
+  if (std::strstr(impl_->api->parameters, "TRACE=1") == nullptr) {
+    throw Error(ErrorCode::kUsage,
+                "this bitstream has no waves; open the board with BoardConfig::trace");
+  }
+  if (impl_->api->trace_open(impl_->card, file.c_str()) != 0) {
+    throw Error(ErrorCode::kFile, fmt::format("{}: cannot write waves", file.string()));
+  }
+}
+
+void Board::trace_close() {
+  impl_->api->trace_close(impl_->card);
+}
+
+unsigned Board::lanes() const {
+  return impl_->lanes;
+}
+unsigned Board::primaries() const {
+  return impl_->primaries;
+}
+std::uint64_t Board::capacity() const {
+  return impl_->capacity;
+}
+std::uint64_t Board::sram_records() const {
+  return impl_->sram_records;
+}
+unsigned Board::pipe_latency() const {
+  return impl_->pipe_latency;
+}
+std::uint64_t Board::upload_clocks() const {
+  return impl_->upload_clocks;
+}
+const std::filesystem::path& Board::bitstream() const {
+  return impl_->bitstream.path();
+}
+std::uint64_t Board::config_hash() const {
+  return impl_->api->config_hash;
+}
+
+std::uint64_t Board::read_register(std::uint32_t offset) {
+  return impl_->read_register(offset);
+}
+void Board::write_register(std::uint32_t offset, std::uint64_t value) {
+  impl_->write_register(offset, value);
+}
+void Board::bus_write(card::Space space, std::uint32_t offset,
+                      std::span<const std::uint64_t> beats) {
+  impl_->write(space, offset, beats.data(), beats.size());
+}
+void Board::bus_read(card::Space space, std::uint32_t offset, std::span<std::uint64_t> beats) {
+  impl_->read(space, offset, beats.data(), beats.size());
+}
+std::uint64_t Board::wait(std::uint64_t max_clocks) {
+  return impl_->api->run(impl_->card, max_clocks);
+}
+std::uint64_t Board::clocks() const {
+  return impl_->clocks();
+}
+void Board::flip_ddr(std::uint64_t byte, std::uint8_t mask) {
+  impl_->api->ddr_flip(impl_->card, byte, mask);
+}
+
+// ---- Small things of the header ----
+
+namespace {
+constexpr std::array<const char*, 5> kModeNames = {"nearest", "farthest", "any", "all", "hits"};
+}
+
+const char* name_of(Mode mode) {
+  return kModeNames.at(static_cast<std::size_t>(mode));
+}
+
+std::optional<Mode> mode_named(std::string_view name) {
+  const auto* found = std::find(kModeNames.begin(), kModeNames.end(), name);
+  if (found == kModeNames.end()) return std::nullopt;
+  return static_cast<Mode>(found - kModeNames.begin());
+}
+
+bool same_bits(const Record& a, const Record& b) {
+  const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x); };
+  return a.f == b.f && a.bad == b.bad && a.index == b.index && a.primary == b.primary &&
+         bits(a.t) == bits(b.t) && bits(a.cp.x()) == bits(b.cp.x()) &&
+         bits(a.cp.y()) == bits(b.cp.y()) && bits(a.cp.z()) == bits(b.cp.z());
+}
+
+Counters& Counters::operator+=(const Counters& other) {
+  cycles += other.cycles;
+  writeback += other.writeback;
+  rows += other.rows;
+  stalls += other.stalls;
+  bubbles += other.bubbles;
+  bad_primaries += other.bad_primaries;
+  bad_secondaries += other.bad_secondaries;
+  secondaries += other.secondaries;
+  records += other.records;
+  upload_clocks += other.upload_clocks;
+  total_clocks += other.total_clocks;
+  return *this;
+}
+
+}  // namespace cde

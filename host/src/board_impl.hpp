@@ -1,0 +1,38 @@
+#pragma once
+#include "abi.h"
+#include "cde/board.hpp"
+
+namespace cde {
+
+/// State of a Board, and single accesses to its card. Private to the driver.
+class Board::Impl {
+ public:
+  explicit Impl(Bitstream stream) : bitstream(std::move(stream)) {}
+  ~Impl();
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  void write(card::Space space, std::uint32_t offset, const void* data, std::uint64_t beats);
+  void read(card::Space space, std::uint32_t offset, void* data, std::uint64_t beats);
+  [[nodiscard]] std::uint64_t read_register(std::uint32_t offset);
+  void write_register(std::uint32_t offset, std::uint64_t value);
+  [[nodiscard]] std::uint64_t clocks() const { return api->clocks(card); }
+
+  /// Throws kDevice with the fault address if an access was refused, after clearing it.
+  void check_bus(const char* during);
+
+  Bitstream bitstream;
+  const cde_board_api* api = nullptr;
+  void* card = nullptr;
+  unsigned lanes = 0, primaries = 0, pipe_latency = 0, ddr_latency = 0;
+  std::uint64_t capacity = 0, sram_records = 0;
+  std::uint32_t secondaries = 0;  ///< uploaded
+  std::uint32_t loaded = 0;       ///< rays in the register file
+  std::uint64_t upload_clocks = 0, load_clocks = 0;
+
+ private:
+  void transferred(std::uint64_t done, std::uint64_t wanted, const char* what, card::Space space,
+                   std::uint32_t offset) const;
+};
+
+}  // namespace cde

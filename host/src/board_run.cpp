@@ -1,0 +1,241 @@
+// A pass: invokeCDE and downloadSRAM.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "board_impl.hpp"
+#include "cde/error.hpp"
+
+namespace cde {
+namespace {
+
+constexpr std::size_t kBeatsPerRecord = (card::kRecordWords + 1) / 2;
+
+bool bit(std::uint64_t status, unsigned number) {
+  return (status >> number & 1) != 0;
+}
+
+Record decode(const std::uint32_t* word) {
+  Record r;
+  for (int k = 0; k < 3; ++k)
+    r.cp[k] = std::bit_cast<float>(word[card::kRecordCp + static_cast<unsigned>(k)]);
+  r.f = bit(word[card::kRecordFlags], card::kFlagF);
+  r.bad = bit(word[card::kRecordFlags], card::kFlagBad);
+  r.index = word[card::kRecordIndex];
+  r.t = std::bit_cast<float>(word[card::kRecordT]);
+  r.primary = word[card::kRecordPrimary];
+  return r;
+}
+
+/// One pass from go to the last record.
+class Pass {
+ public:
+  Pass(Board::Impl& card, const Query& query, const RecordSink& sink)
+      : card_(card),
+        query_(query),
+        sink_(sink),
+        started_(card.clocks()),
+        wall_start_(std::chrono::steady_clock::now()) {
+    active_ = 0;
+    for (unsigned p = 0; p < card.loaded; ++p) active_ += query.stencil[p] ? 0u : 1u;
+    const std::uint64_t rows = (card.loaded + card.lanes - 1) / card.lanes;
+    const std::uint64_t rows_total = rows * card.secondaries;
+    streaming_ = query.mode == Mode::kAll || query.mode == Mode::kHits;
+    const std::uint64_t records = streaming_ ? std::uint64_t{active_} * card.secondaries : active_;
+    expected_clocks_ = rows_total + (streaming_ && query.mode == Mode::kAll ? records : 0) + 1;
+    // Twice the worst: every row, every record written and read back, the memory's latency a slot.
+    const std::uint64_t worst = rows_total + (2 + kBeatsPerRecord) * records +
+                                std::uint64_t{card.secondaries} * (card.ddr_latency / 32 + 1) +
+                                4096 + card.pipe_latency;
+    deadline_ = query.deadline_clocks != 0 ? query.deadline_clocks : 2 * worst;
+  }
+
+  Counters execute() {
+    configure();
+    try {
+      card_.write_register(card::kRegControl, card::kControlGo);
+      wait_until_done();
+      while (const std::uint64_t waiting = card_.read_register(card::kRegRecords)) drain(waiting);
+      return finish();
+    } catch (...) {
+      abort();
+      throw;
+    }
+  }
+
+ private:
+  void configure() {
+    card_.write_register(card::kRegControl, card::kControlClear);
+    card_.write_register(card::kRegCommand, static_cast<std::uint64_t>(query_.mode) |
+                                                std::uint64_t{card::kPairRayTriangle} << 8);
+    card_.write_register(card::kRegPrimCount, card_.loaded);
+    card_.write_register(card::kRegSecFirst, 0);
+    card_.write_register(card::kRegSecCount, card_.secondaries);
+    for (unsigned base = 0; base < card_.primaries; base += 64) {
+      std::uint64_t mask = 0;
+      for (unsigned p = 0; p < 64; ++p) mask |= std::uint64_t{query_.stencil[base + p]} << p;
+      card_.write_register(card::kRegStencil + base / 8, mask);
+    }
+  }
+
+  void wait_until_done() {
+    // Short enough to notice the watchdog, long enough not to matter.
+    constexpr std::uint64_t kSlice = 16384;
+    for (;;) {
+      const std::uint64_t spent = card_.clocks() - started_;
+      if (spent >= deadline_) timeout(fmt::format("deadline of {} clocks", deadline_));
+      card_.api->run(card_.card, std::min(kSlice, deadline_ - spent));
+      if (card_.api->interrupt(card_.card) != 0) {
+        const std::uint64_t status = card_.read_register(card::kRegStatus);
+        if (bit(status, card::kStatusCommandError)) device_error("command refused", status);
+        if (bit(status, card::kStatusBusError)) card_.check_bus("a pass");
+        if (bit(status, card::kStatusDone)) return;
+        if (bit(status, card::kStatusSramWait)) drain(query_.drain_records);
+      }
+      const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_start_;
+      if (wall > query_.watchdog) timeout(fmt::format("watchdog of {} s", query_.watchdog.count()));
+      if (query_.progress) {
+        query_.progress(std::min(1.0, static_cast<double>(card_.clocks() - started_) /
+                                          static_cast<double>(expected_clocks_)));
+      }
+    }
+  }
+
+  /// Takes at most this many records, fewer if the ring holds fewer.
+  void drain(std::uint64_t wanted) {
+    constexpr std::uint64_t kChunk = 1024;
+    wanted = std::min(std::max<std::uint64_t>(wanted, 1), card_.read_register(card::kRegRecords));
+    std::array<std::uint32_t, 8 * kChunk> words;
+    records_.resize(kChunk);
+    while (wanted != 0) {
+      const std::uint64_t n = std::min(wanted, kChunk);
+      card_.read(card::kSpaceSram, 0, words.data(), n * kBeatsPerRecord);
+      for (std::uint64_t i = 0; i < n; ++i) records_[i] = decode(&words[8 * i]);
+      received_ += n;
+      wanted -= n;
+      sink_(std::span(records_).first(n));
+    }
+  }
+
+  Counters finish() {
+    Counters c;
+    c.cycles = card_.read_register(card::kRegCycles);
+    c.writeback = card_.read_register(card::kRegWriteback);
+    c.rows = card_.read_register(card::kRegRows);
+    c.stalls = card_.read_register(card::kRegStalls);
+    c.bubbles = card_.read_register(card::kRegBubbles);
+    c.bad_primaries = card_.read_register(card::kRegBadPrim);
+    c.bad_secondaries = card_.read_register(card::kRegBadSec);
+    c.secondaries = card_.read_register(card::kRegSecondaries);
+    c.records = card_.read_register(card::kRegWritten);
+    const std::uint64_t status = card_.read_register(card::kRegStatus);
+    if (bit(status, card::kStatusBusError)) card_.check_bus("the download of records");
+    card_.write_register(card::kRegControl, card::kControlClear);
+    const auto promise = [&](const char* what, std::uint64_t value, std::uint64_t wanted) {
+      if (value != wanted)
+        device_error(fmt::format("{} {}, but it must be {}", value, what, wanted), status);
+    };
+    promise("records downloaded", received_, c.records);
+    if (query_.mode != Mode::kAny) promise("triangles swept", c.secondaries, card_.secondaries);
+    if (query_.mode == Mode::kAll) promise("records", received_, c.secondaries * active_);
+    if (!streaming_) promise("records", received_, active_);
+    c.upload_clocks = card_.load_clocks;
+    c.total_clocks = card_.clocks() - started_ + card_.load_clocks;
+    return c;
+  }
+
+  [[nodiscard]] std::string state() {
+    return fmt::format(
+        "status {:#x}, {} of {} triangles swept, {} rows issued, {} records waiting, clock {}",
+        card_.read_register(card::kRegStatus), card_.read_register(card::kRegSecondaries),
+        card_.secondaries, card_.read_register(card::kRegRows),
+        card_.read_register(card::kRegRecords), card_.clocks());
+  }
+  [[noreturn]] void timeout(const std::string& what) {
+    throw Error(ErrorCode::kTimeout,
+                fmt::format("the card did not finish within its {}: {}", what, state()));
+  }
+  [[noreturn]] void device_error(const std::string& what, std::uint64_t status) {
+    throw Error(ErrorCode::kDevice, fmt::format("{} (mode {}, status {:#x}): {}", what,
+                                                name_of(query_.mode), status, state()));
+  }
+
+  /// Leaves the card idle and its ring empty; an abort that does not end is left to reset().
+  void abort() noexcept {
+    try {
+      card_.write_register(card::kRegControl, card::kControlAbort | card::kControlClear);
+      for (int i = 0; i < 1000 && bit(card_.read_register(card::kRegStatus), card::kStatusBusy);
+           ++i) {
+      }
+      card_.write_register(card::kRegControl, card::kControlAbort | card::kControlClear);
+    } catch (const Error&) {
+      card_.api->reset(card_.card);
+      card_.loaded = 0;
+    }
+  }
+
+  Board::Impl& card_;
+  const Query& query_;
+  const RecordSink& sink_;
+  std::uint64_t started_;
+  std::chrono::steady_clock::time_point wall_start_;
+  std::uint64_t deadline_ = 0, expected_clocks_ = 0, received_ = 0;
+  unsigned active_ = 0;
+  bool streaming_ = false;
+  std::vector<Record> records_;
+};
+
+}  // namespace
+
+Counters Board::run(const Query& query, const RecordSink& sink) {
+  if (impl_->secondaries == 0)
+    throw Error(ErrorCode::kUsage, "no triangles were uploaded to the board");
+  if (impl_->loaded == 0) throw Error(ErrorCode::kUsage, "no rays were loaded into the board");
+  return Pass(*impl_, query, sink).execute();
+}
+
+std::vector<Record> Board::run(const Query& query, Counters* counters) {
+  std::vector<Record> records;
+  const Counters c = run(query, [&](std::span<const Record> some) {
+    records.insert(records.end(), some.begin(), some.end());
+  });
+  if (counters != nullptr) *counters = c;
+  return records;
+}
+
+Counters Board::cast(std::span<const Ray> rays, const Query& query, const RecordSink& sink) {
+  if (rays.size() > 0xffffffff)
+    throw Error(ErrorCode::kCapacity, fmt::format("{} rays are more than 2^32 - 1", rays.size()));
+  const std::size_t packet = primaries();
+  Counters total;
+  Query each = query;
+  std::vector<Record> renumbered;
+  for (std::size_t first = 0; first < rays.size(); first += packet) {
+    const std::span<const Ray> some = rays.subspan(first, std::min(packet, rays.size() - first));
+    if (query.progress) {
+      each.progress = [&](double share) {
+        query.progress((static_cast<double>(first) + share * static_cast<double>(some.size())) /
+                       static_cast<double>(rays.size()));
+      };
+    }
+    load(some);
+    total += run(each, [&](std::span<const Record> records) {
+      renumbered.assign(records.begin(), records.end());
+      for (Record& r : renumbered) r.primary += static_cast<std::uint32_t>(first);
+      sink(renumbered);
+    });
+  }
+  return total;
+}
+
+std::vector<Record> Board::cast(std::span<const Ray> rays, const Query& query) {
+  std::vector<Record> records;
+  cast(rays, query, [&](std::span<const Record> some) {
+    records.insert(records.end(), some.begin(), some.end());
+  });
+  return records;
+}
+
+}  // namespace cde

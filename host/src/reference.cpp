@@ -1,0 +1,210 @@
+#include "cde/reference.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "cde/error.hpp"
+#include "reference_sweep.hpp"
+
+namespace cde::reference {
+
+Record record_of(const Ray& ray, const Triangle& triangle, std::uint32_t primary,
+                 std::uint32_t index) {
+  const Outcome<float> outcome = ray_triangle_moller<float>(ray.o, ray.d, ray.tmin, ray.tmax,
+                                                            triangle.v0, triangle.v1, triangle.v2);
+  Record r;
+  r.f = outcome.f;
+  r.bad = outcome.bad;
+  r.t = outcome.t;
+  r.cp = outcome.cp;
+  r.index = outcome.f ? index : ~0u;
+  r.primary = primary;
+  return r;
+}
+
+/// One packet at a time: a reduction gives all records of the packet at once, a stream those of one
+/// triangle.
+class Sweep::Impl {
+ public:
+  Impl(std::span<const Ray> rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
+       unsigned packet)
+      : rays_(rays), triangles_(triangles), mode_(mode), stencil_(stencil), packet_(packet) {
+    if (packet == 0 || packet > RayBlock::kRays)
+      throw Error(ErrorCode::kUsage, fmt::format("a packet of {} rays", packet));
+    begin_packet();
+  }
+
+  std::span<const Record> next() {
+    records_.clear();
+    const bool streaming = mode_ == Mode::kAll || mode_ == Mode::kHits;
+    while (records_.empty() && first_ < rays_.size()) {
+      if (!streaming) {
+        reduce();
+      } else {
+        if (triangle_ < triangles_.size()) stream(static_cast<std::uint32_t>(triangle_));
+        if (++triangle_ < triangles_.size()) continue;
+      }
+      first_ += packet_;
+      begin_packet();
+    }
+    return records_;
+  }
+
+ private:
+  void begin_packet() {
+    triangle_ = 0;
+    block_ = {};
+    if (first_ >= rays_.size()) return;
+    packet_rays_ = rays_.subspan(first_, std::min<std::size_t>(packet_, rays_.size() - first_));
+    for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
+      const Ray& ray = packet_rays_[i];
+      block_.ox[i] = ray.o.x(), block_.oy[i] = ray.o.y(), block_.oz[i] = ray.o.z();
+      block_.dx[i] = ray.d.x(), block_.dy[i] = ray.d.y(), block_.dz[i] = ray.d.z();
+    }
+    block_.count = static_cast<unsigned>(packet_rays_.size());
+  }
+
+  [[nodiscard]] std::uint32_t number(std::size_t place) const {
+    return static_cast<std::uint32_t>(first_ + place);
+  }
+
+  /// Calls visit(place, record) for every unmasked ray of the packet that hits the triangle.
+  template <typename Visit>
+  void for_hits(std::uint32_t index, Visit visit) {
+    const Triangle triangle = triangles_[index];
+    if (!inside(block_, triangle, mask_)) return;
+    for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
+      if (mask_[i] == 0 || stencil_[i]) continue;
+      const Record record = record_of(packet_rays_[i], triangle, number(i), index);
+      if (record.f) visit(i, record);
+    }
+  }
+
+  void stream(std::uint32_t index) {
+    if (mode_ == Mode::kHits) {
+      for_hits(index, [&](std::size_t, const Record& record) { records_.push_back(record); });
+      return;
+    }
+    const Triangle triangle = triangles_[index];
+    for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
+      if (!stencil_[i]) records_.push_back(record_of(packet_rays_[i], triangle, number(i), index));
+    }
+  }
+
+  /// Comparisons of numbers, so that the two zeros tie, as the card's do; T of a hit is no NaN.
+  [[nodiscard]] bool better(const Record& candidate, const Record& best) const {
+    if (!best.f) return true;
+    if (mode_ == Mode::kAny) return false;
+    if (candidate.t == best.t) return candidate.index < best.index;
+    return mode_ == Mode::kNearest ? candidate.t < best.t : candidate.t > best.t;
+  }
+
+  void reduce() {
+    std::vector<Record> best(packet_rays_.size());
+    for (std::size_t i = 0; i < best.size(); ++i) {
+      best[i].primary = number(i);
+      if (defect(packet_rays_[i])) {
+        best[i].bad = true;
+        best[i].t = canonical_nan<float>();
+        best[i].cp.setConstant(best[i].t);
+      }
+    }
+    for (std::size_t index = 0; index < triangles_.size(); ++index) {
+      for_hits(static_cast<std::uint32_t>(index), [&](std::size_t i, const Record& record) {
+        if (better(record, best[i])) best[i] = record;
+      });
+    }
+    for (std::size_t i = 0; i < best.size(); ++i) {
+      if (!stencil_[i]) records_.push_back(best[i]);
+    }
+  }
+
+  std::span<const Ray> rays_, packet_rays_;
+  TriangleView triangles_;
+  Mode mode_;
+  Stencil stencil_;
+  std::size_t packet_, first_ = 0, triangle_ = 0;
+  RayBlock block_;
+  std::array<std::uint8_t, RayBlock::kRays> mask_{};
+  std::vector<Record> records_;
+};
+
+Sweep::Sweep(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
+             const Stencil& stencil, unsigned packet)
+    : impl_(std::make_unique<Impl>(rays, triangles, mode, stencil, packet)) {}
+Sweep::~Sweep() = default;
+std::span<const Record> Sweep::next() {
+  return impl_->next();
+}
+
+std::vector<Record> cast(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
+                         const Stencil& stencil) {
+  Sweep sweep(rays, triangles, mode, stencil);
+  std::vector<Record> records;
+  for (auto some = sweep.next(); !some.empty(); some = sweep.next())
+    records.insert(records.end(), some.begin(), some.end());
+  return records;
+}
+
+// ---- Comparison ----
+
+namespace {
+
+std::string hex(const Eigen::Vector3f& v) {
+  return fmt::format("{:a},{:a},{:a}", v.x(), v.y(), v.z());
+}
+
+std::string text(const Record& r) {
+  return fmt::format("ray {} F={}{} T={:a} ({:08x}) CP={} ({:08x} {:08x} {:08x}) index={}",
+                     r.primary, r.f ? 1 : 0, r.bad ? " bad" : "", r.t,
+                     std::bit_cast<std::uint32_t>(r.t), hex(r.cp),
+                     std::bit_cast<std::uint32_t>(r.cp.x()), std::bit_cast<std::uint32_t>(r.cp.y()),
+                     std::bit_cast<std::uint32_t>(r.cp.z()), static_cast<std::int32_t>(r.index));
+}
+
+}  // namespace
+
+Checker::Checker(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
+                 const Stencil& stencil, unsigned packet, std::string command)
+    : rays_(rays),
+      triangles_(triangles),
+      sweep_(rays, triangles, mode, stencil, packet),
+      command_(std::move(command)) {}
+
+void Checker::mismatch(const Record* card, const Record* expected) const {
+  std::string message = fmt::format("record {} differs from the reference\n", compared_);
+  message += fmt::format("  card:      {}\n", card != nullptr ? text(*card) : "no record");
+  message += fmt::format("  reference: {}\n", expected != nullptr ? text(*expected) : "no record");
+  const std::size_t number = (expected != nullptr ? expected : card)->primary;
+  for (const Record* r : {card, expected}) {
+    if (r == nullptr || r->index >= triangles_.size()) continue;
+    const Triangle t = triangles_[r->index];
+    message += fmt::format("  triangle {}: {} {} {}\n", r->index, hex(t.v0), hex(t.v1), hex(t.v2));
+  }
+  if (number < rays_.size()) {
+    const Ray& ray = rays_[number];
+    const std::string fields =
+        fmt::format("{},{},{:a},{:a}", hex(ray.o), hex(ray.d), ray.tmin, ray.tmax);
+    message +=
+        fmt::format("  ray {}: {}\n  repeat with: {} --ray={}", number, fields, command_, fields);
+  }
+  throw Error(ErrorCode::kMismatch, message);
+}
+
+void Checker::check(std::span<const Record> records) {
+  for (const Record& record : records) {
+    if (pending_.empty()) pending_ = sweep_.next();
+    if (pending_.empty()) mismatch(&record, nullptr);
+    if (!same_bits(record, pending_.front())) mismatch(&record, &pending_.front());
+    pending_ = pending_.subspan(1);
+    ++compared_;
+  }
+}
+
+void Checker::finish() {
+  if (pending_.empty()) pending_ = sweep_.next();
+  if (!pending_.empty()) mismatch(nullptr, &pending_.front());
+}
+
+}  // namespace cde::reference
