@@ -1,8 +1,10 @@
-// The host back end of rtl/fp (ARITH = "host"): the operation of one lane on the host's FPU, bit-identical to the gates.
+// The host back end of rtl/fp (ARITH = "host"): the operation of one lane on the host's FPU,
+// bit-identical to the gates.
 //
-// Everything here is straight-line code, so that clang turns LANES calls into vector instructions. fp32 and fp64 are native.
-// Any other format (up to 11 exponent and 25 significand bits) is computed in double and rounded once more to the format;
-// that second rounding is innocuous because 53 >= 2p + 2. The FPU must be in its default mode (nearest even, no flush to zero).
+// Everything here is straight-line code, so that clang turns LANES calls into vector instructions.
+// fp32 and fp64 are native. Any other format (up to 11 exponent and 25 significand bits) is
+// computed in double and rounded once more to the format; that second rounding is innocuous because
+// 53 >= 2p + 2. The FPU must be in its default mode (nearest even, no flush to zero).
 #pragma once
 #include <bit>
 #include <cfenv>
@@ -26,20 +28,23 @@ inline double select(bool c, double t, double f) {
 
 template <unsigned E, unsigned M>
 struct Format {
-  static_assert(E <= 8 ? M <= 24 : M <= 52);
+  static_assert((E <= 10 && M <= 24) || (E == 11 && M == 52),
+                "no such format in the host back end");
   static constexpr bool kSingle = E == 8 && M == 23, kDouble = E == 11 && M == 52;
   using Bits = std::conditional_t<(1 + E + M <= 32), uint32_t, uint64_t>;
   using Native = std::conditional_t<kSingle, float, double>;
   static constexpr Bits kSign = Bits{1} << (E + M), kMag = kSign - 1, kFrac = (Bits{1} << M) - 1;
   static constexpr Bits kInf = kMag & ~kFrac, kQuiet = Bits{1} << (M - 1), kNan = kInf | kQuiet;
   static constexpr int kBias = (1 << (E - 1)) - 1, kEmin = 1 - kBias;
-  static bool is_nan(Bits a) { return (a & kMag) > kInf; }
-  static bool is_snan(Bits a) { return is_nan(a) & ((a & kQuiet) == 0); }
-  static bool is_inf(Bits a) { return (a & kMag) == kInf; }
-  static bool is_zero(Bits a) { return (a & kMag) == 0; }
+  static unsigned is_nan(Bits a) { return (a & kMag) > kInf; }
+  static unsigned is_snan(Bits a) { return is_nan(a) & unsigned{(a & kQuiet) == 0}; }
+  static unsigned is_inf(Bits a) { return (a & kMag) == kInf; }
+  static unsigned is_zero(Bits a) { return (a & kMag) == 0; }
 };
 
-constexpr double exp2_const(int e) { return std::bit_cast<double>(uint64_t(e + 1023) << 52); }
+constexpr double exp2_const(int e) {
+  return std::bit_cast<double>(uint64_t(e + 1023) << 52);
+}
 
 /// The exact value of a word, NaN included.
 template <unsigned E, unsigned M>
@@ -50,7 +55,8 @@ inline double decode(typename Format<E, M>::Bits a) {
   } else if constexpr (F::kDouble) {
     return std::bit_cast<double>(a);
   } else {
-    // Read as a double with the small format's exponent, then scale: exact, and subnormals normalise themselves.
+    // Read as a double with the small format's exponent, then scale: exact, and subnormals
+    // normalise themselves.
     const uint64_t mag = uint64_t(a & F::kMag) << (52 - M);
     const double scaled = std::bit_cast<double>(mag) * exp2_const(1023 - F::kBias);
     const double special = std::bit_cast<double>(mag | (uint64_t{2047} << 52));
@@ -73,10 +79,13 @@ inline typename Format<E, M>::Bits encode(double x) {
     constexpr int kDrop = 52 - int(M);
     const uint64_t u = std::bit_cast<uint64_t>(x), mag = u & ~(uint64_t{1} << 63);
     const uint64_t odd = (mag >> kDrop) & 1;
-    const uint64_t normal = ((mag + ((uint64_t{1} << (kDrop - 1)) - 1) + odd) >> kDrop) - (uint64_t(1023 - F::kBias) << M);
-    // Below the normal range the FPU rounds at the subnormal unit when a constant with that unit is added.
+    const uint64_t normal = ((mag + ((uint64_t{1} << (kDrop - 1)) - 1) + odd) >> kDrop) -
+                            (uint64_t(1023 - F::kBias) << M);
+    // Below the normal range the FPU rounds at the subnormal unit when a constant with that unit is
+    // added.
     constexpr double kMagic = exp2_const(F::kEmin - int(M) + 52);
-    const uint64_t sub = std::bit_cast<uint64_t>(std::bit_cast<double>(mag) + kMagic) - std::bit_cast<uint64_t>(kMagic);
+    const uint64_t sub = std::bit_cast<uint64_t>(std::bit_cast<double>(mag) + kMagic) -
+                         std::bit_cast<uint64_t>(kMagic);
     uint64_t r = select(mag < std::bit_cast<uint64_t>(exp2_const(F::kEmin)), sub, normal);
     r = select(mag >= std::bit_cast<uint64_t>(exp2_const(F::kBias + 1)), uint64_t{F::kInf}, r);
     r = select(r > F::kInf, uint64_t{F::kInf}, r);
@@ -85,26 +94,55 @@ inline typename Format<E, M>::Bits encode(double x) {
   }
 }
 
-struct Add { template <class T> static T of(T a, T b) { return a + b; } };
-struct Sub { template <class T> static T of(T a, T b) { return a - b; } };
-struct Mul { template <class T> static T of(T a, T b) { return a * b; } };
-struct Div { template <class T> static T of(T a, T b) { return a / b; } };
-struct Sqrt { template <class T> static T of(T a, T) { return std::sqrt(a); } };
+struct Add {
+  template <class T>
+  static T of(T a, T b) {
+    return a + b;
+  }
+};
+struct Sub {
+  template <class T>
+  static T of(T a, T b) {
+    return a - b;
+  }
+};
+struct Mul {
+  template <class T>
+  static T of(T a, T b) {
+    return a * b;
+  }
+};
+struct Div {
+  template <class T>
+  static T of(T a, T b) {
+    return a / b;
+  }
+};
+struct Sqrt {
+  template <class T>
+  static T of(T a, T) {
+    return std::sqrt(a);
+  }
+};
 
-template <class Op, unsigned E, unsigned M, bool Canonical = true, class Bits = typename Format<E, M>::Bits>
+template <class Op, unsigned E, unsigned M, bool Canonical = true,
+          class Bits = typename Format<E, M>::Bits>
 inline Bits binary(Bits a, Bits b) {
   using F = Format<E, M>;
   if constexpr (F::kSingle || F::kDouble) {
     using T = typename F::Native;
     const T r = Op::of(std::bit_cast<T>(a), std::bit_cast<T>(b));
-    if constexpr (!Canonical) return std::bit_cast<Bits>(r);
-    else return select<Bits>(r != r, F::kNan, std::bit_cast<Bits>(r));
+    if constexpr (!Canonical)
+      return std::bit_cast<Bits>(r);
+    else
+      return select<Bits>(r != r, F::kNan, std::bit_cast<Bits>(r));
   } else {
     return encode<E, M>(Op::of(decode<E, M>(a), decode<E, M>(b)));
   }
 }
 
-/// Rounding flags of a result r whose value before rounding is x (double, not itself rounded across a boundary).
+/// Rounding flags of a result r whose value before rounding is x (double, not itself rounded across
+/// a boundary).
 template <unsigned E, unsigned M, class Bits = typename Format<E, M>::Bits>
 inline uint32_t rounding_flags(Bits r, double x, bool inexact) {
   using F = Format<E, M>;
@@ -123,8 +161,10 @@ inline uint32_t fpu_flags(double a, double b) {
   volatile double r = Op::of(double(x), double(y));
   (void)r;
   const int f = std::fetestexcept(FE_ALL_EXCEPT);
-  return uint32_t((f & FE_INEXACT) != 0) * kInexact | uint32_t((f & FE_UNDERFLOW) != 0) * kUnderflow |
-         uint32_t((f & FE_OVERFLOW) != 0) * kOverflow | uint32_t((f & FE_DIVBYZERO) != 0) * kDivideByZero |
+  return uint32_t((f & FE_INEXACT) != 0) * kInexact |
+         uint32_t((f & FE_UNDERFLOW) != 0) * kUnderflow |
+         uint32_t((f & FE_OVERFLOW) != 0) * kOverflow |
+         uint32_t((f & FE_DIVBYZERO) != 0) * kDivideByZero |
          uint32_t((f & FE_INVALID) != 0) * kInvalid;
 }
 
@@ -136,10 +176,11 @@ inline uint32_t binary_flags(Bits a, Bits b) {
   } else {
     const Bits r = binary<Op, E, M>(a, b);
     const double x = decode<E, M>(a), y = decode<E, M>(b), z = Op::of(x, y), w = decode<E, M>(r);
-    bool inexact;
+    unsigned inexact;
     if constexpr (std::is_same_v<Op, Add> || std::is_same_v<Op, Sub>) {
       const double t = std::is_same_v<Op, Sub> ? -y : y, v = z - x;
-      inexact = (w != z) | ((x - (z - v)) + (t - v) != 0);  // Knuth's two-sum: the double sum may round too
+      inexact = unsigned{w != z} | unsigned{(x - (z - v)) + (t - v) !=
+                                            0};  // Knuth's two-sum: the double sum may round too
     } else if constexpr (std::is_same_v<Op, Mul>) {
       inexact = w != z;  // the product of two significands fits a double
     } else if constexpr (std::is_same_v<Op, Div>) {
@@ -147,12 +188,12 @@ inline uint32_t binary_flags(Bits a, Bits b) {
     } else {
       inexact = w * w != x;
     }
-    const bool nan_in = F::is_nan(a) | F::is_nan(b), infinite_in = F::is_inf(a) | F::is_inf(b);
-    const bool div = std::is_same_v<Op, Div>;
-    const bool by_zero = div & F::is_zero(b) & !infinite_in & !nan_in & !F::is_zero(a);
-    const bool invalid = F::is_snan(a) | F::is_snan(b) | (!nan_in & F::is_nan(r));
-    const uint32_t rounding = rounding_flags<E, M>(r, z, inexact);
-    const bool finite = !nan_in & !infinite_in & !by_zero & !F::is_nan(r);
+    const unsigned nan_in = F::is_nan(a) | F::is_nan(b), inf_in = F::is_inf(a) | F::is_inf(b);
+    const unsigned by_zero =
+        unsigned{std::is_same_v<Op, Div>} & F::is_zero(b) & ~F::is_zero(a) & ~(inf_in | nan_in);
+    const unsigned invalid = F::is_snan(a) | F::is_snan(b) | (~nan_in & F::is_nan(r));
+    const uint32_t rounding = rounding_flags<E, M>(r, z, inexact != 0);
+    const unsigned finite = 1 & ~(nan_in | inf_in | by_zero | F::is_nan(r));
     return rounding * finite | by_zero * kDivideByZero | invalid * kInvalid;
   }
 }
@@ -167,53 +208,71 @@ inline Bits minmax(Bits a, Bits b) {
   using Signed = std::make_signed_t<Bits>;
   const Bits a_sign = Bits{0} - ((a >> (E + M)) & 1), b_sign = Bits{0} - ((b >> (E + M)) & 1);
   const bool less = Signed((a & F::kMag) ^ a_sign) < Signed((b & F::kMag) ^ b_sign);
-  const Bits r = select<Bits>((bool(less ^ Max) | F::is_nan(b)) & !F::is_nan(a), a, b);
-  return select<Bits>(F::is_nan(a) & F::is_nan(b), F::kNan, r);
+  const Bits r = select<Bits>(((unsigned{less != Max} | F::is_nan(b)) & ~F::is_nan(a)) != 0, a, b);
+  return select<Bits>((F::is_nan(a) & F::is_nan(b)) != 0, F::kNan, r);
 }
 
 /// One lane. Comparisons answer all ones or all zeros, false when either operand is NaN.
-template <unsigned C, unsigned E, unsigned M, bool Canonical = true, class Bits = typename Format<E, M>::Bits>
+template <unsigned C, unsigned E, unsigned M, bool Canonical = true,
+          class Bits = typename Format<E, M>::Bits>
 inline Bits op(Bits a, Bits b) {
   using T = typename Format<E, M>::Native;
-  if constexpr (C == kAdd) return binary<Add, E, M, Canonical>(a, b);
-  else if constexpr (C == kSub) return binary<Sub, E, M, Canonical>(a, b);
-  else if constexpr (C == kMul) return binary<Mul, E, M, Canonical>(a, b);
-  else if constexpr (C == kDiv) return binary<Div, E, M, Canonical>(a, b);
-  else if constexpr (C == kSqrt) return binary<Sqrt, E, M, Canonical>(a, a);
-  else if constexpr (C == kLt) return Bits{0} - Bits(T(decode<E, M>(a)) < T(decode<E, M>(b)));
-  else if constexpr (C == kLe) return Bits{0} - Bits(T(decode<E, M>(a)) <= T(decode<E, M>(b)));
-  else if constexpr (C == kEq) return Bits{0} - Bits(T(decode<E, M>(a)) == T(decode<E, M>(b)));
-  else return minmax<C == kMax, E, M>(a, b);
+  if constexpr (C == kAdd)
+    return binary<Add, E, M, Canonical>(a, b);
+  else if constexpr (C == kSub)
+    return binary<Sub, E, M, Canonical>(a, b);
+  else if constexpr (C == kMul)
+    return binary<Mul, E, M, Canonical>(a, b);
+  else if constexpr (C == kDiv)
+    return binary<Div, E, M, Canonical>(a, b);
+  else if constexpr (C == kSqrt)
+    return binary<Sqrt, E, M, Canonical>(a, a);
+  else if constexpr (C == kLt)
+    return Bits{0} - Bits(T(decode<E, M>(a)) < T(decode<E, M>(b)));
+  else if constexpr (C == kLe)
+    return Bits{0} - Bits(T(decode<E, M>(a)) <= T(decode<E, M>(b)));
+  else if constexpr (C == kEq)
+    return Bits{0} - Bits(T(decode<E, M>(a)) == T(decode<E, M>(b)));
+  else
+    return minmax<C == kMax, E, M>(a, b);
 }
 
 /// Its flags. lt and le are signalling comparisons, eq is quiet.
 template <unsigned C, unsigned E, unsigned M, class Bits = typename Format<E, M>::Bits>
 inline Bits flags(Bits a, Bits b) {
   using F = Format<E, M>;
-  if constexpr (C == kAdd) return binary_flags<Add, E, M>(a, b);
-  else if constexpr (C == kSub) return binary_flags<Sub, E, M>(a, b);
-  else if constexpr (C == kMul) return binary_flags<Mul, E, M>(a, b);
-  else if constexpr (C == kDiv) return binary_flags<Div, E, M>(a, b);
-  else if constexpr (C == kSqrt) return binary_flags<Sqrt, E, M>(a, a);
-  else if constexpr (C >= kEq) return Bits(F::is_snan(a) | F::is_snan(b)) * kInvalid;
-  else return Bits(F::is_nan(a) | F::is_nan(b)) * kInvalid;
+  if constexpr (C == kAdd)
+    return binary_flags<Add, E, M>(a, b);
+  else if constexpr (C == kSub)
+    return binary_flags<Sub, E, M>(a, b);
+  else if constexpr (C == kMul)
+    return binary_flags<Mul, E, M>(a, b);
+  else if constexpr (C == kDiv)
+    return binary_flags<Div, E, M>(a, b);
+  else if constexpr (C == kSqrt)
+    return binary_flags<Sqrt, E, M>(a, a);
+  else if constexpr (C >= kEq)
+    return Bits(F::is_snan(a) | F::is_snan(b)) * kInvalid;
+  else
+    return Bits(F::is_nan(a) | F::is_nan(b)) * kInvalid;
 }
 
 template <unsigned N>
 using Word = std::conditional_t<N == 32, uint32_t, uint64_t>;
 
-/// An integer as a double, rounded to odd if it has more than 53 bits: rounding that to at most 51 bits is innocuous.
+/// An integer as a double, rounded to odd if it has more than 53 bits: rounding that to at most 51
+/// bits is innocuous.
 template <unsigned N, bool Unsigned>
 inline double from_integer(Word<N> a) {
-  const bool minus = !Unsigned & ((a >> (N - 1)) != 0);
+  const bool minus = !Unsigned && (a >> (N - 1)) != 0;
   const uint64_t mag = minus ? uint64_t(Word<N>(Word<N>{0} - a)) : uint64_t{a};
   const uint64_t odd = (mag & ~uint64_t{0x7ff}) | (uint64_t{(mag & 0x7ff) != 0} << 11);
   const double x = double((mag >> 53) != 0 ? odd : mag);
   return minus ? -x : x;
 }
 
-/// Conversions: C = 0 format E, M to format P, Q; 1 integer of P bits to E, M; 2 E, M to integer of P bits.
-/// Q of the integer kinds: bit 0 unsigned, bit 1 truncate.
+/// Conversions: C = 0 format E, M to format P, Q; 1 integer of P bits to E, M; 2 E, M to integer of
+/// P bits. Q of the integer kinds: bit 0 unsigned, bit 1 truncate.
 template <unsigned C, unsigned E, unsigned M, unsigned P, unsigned Q, class B>
 inline auto convert(B a) {
   if constexpr (C == 0) {
@@ -239,13 +298,15 @@ inline uint32_t convert_flags(B a) {
   if constexpr (C == 0) {
     const double x = decode<E, M>(a);
     const auto r = encode<P, Q>(x);
-    if (Format<E, M>::is_nan(a) || Format<E, M>::is_inf(a)) return Format<E, M>::is_snan(a) * kInvalid;
+    if ((Format<E, M>::is_nan(a) | Format<E, M>::is_inf(a)) != 0)
+      return Format<E, M>::is_snan(a) * kInvalid;
     return P == 11 && Q == 52 ? 0 : rounding_flags<P, Q>(r, x, decode<P, Q>(r) != x);
   } else if constexpr (C == 1) {
     const double x = from_integer<P, (Q & 1) != 0>(a);
     const auto r = convert<C, E, M, P, Q>(a);
     if constexpr (M == 52) {
-      const uint64_t mag = (Q & 1) == 0 && (a >> (P - 1)) != 0 ? uint64_t(B(B{0} - a)) : uint64_t{a};
+      const uint64_t mag =
+          (Q & 1) == 0 && (a >> (P - 1)) != 0 ? uint64_t(B(B{0} - a)) : uint64_t{a};
       return mag == 0 ? 0 : ((mag << std::countl_zero(mag)) & 0x7ff) != 0;
     }
     return rounding_flags<E, M>(r, x, decode<E, M>(r) != x) & ~kUnderflow;

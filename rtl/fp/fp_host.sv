@@ -19,6 +19,7 @@ module fp_host #(
     output logic [LANES-1:0][CW-1:0] flags_o
 );
   /*verilator inline_module*/
+  if (!(EXP <= 10 && MAN <= 24) && !(EXP == 11 && MAN == 52)) $error("fp: the host back end has fp64 and formats up to e10m24");
 `ifdef VERILATOR
   logic [LANES-1:0][CW-1:0] r_q;
   for (genvar l = 0; l < LANES; l++) begin : g_lane

@@ -1,4 +1,5 @@
-// Harness of the `fp_unit` top module: clocks the operation that is asked for and no other. Exports the C interface of abi_fp.h.
+// Harness of the `fp_unit` top module: clocks the operation that is asked for and no other. Exports
+// the C interface of abi_fp.h.
 #include <array>
 #include <chrono>
 #include <cstdlib>
@@ -26,7 +27,8 @@ constexpr long parameter(std::string_view name, long otherwise) {
   const std::string_view all = kParameters;
   for (size_t at = 0; at < all.size(); at = all.find('\n', at) + 1) {
     const std::string_view line = all.substr(at, all.find('\n', at) - at);
-    if (line.size() > name.size() && line.substr(0, name.size()) == name && line[name.size()] == '=') {
+    if (line.size() > name.size() && line.substr(0, name.size()) == name &&
+        line[name.size()] == '=') {
       long v = 0;
       for (const char c : line.substr(name.size() + 1)) v = v * 10 + (c - '0');
       return v;
@@ -35,7 +37,8 @@ constexpr long parameter(std::string_view name, long otherwise) {
   return otherwise;
 }
 
-constexpr unsigned kExp = parameter("EXP", 8), kMan = parameter("MAN", 23), kLanes = parameter("LANES", 16);
+constexpr unsigned kExp = parameter("EXP", 8), kMan = parameter("MAN", 23),
+                   kLanes = parameter("LANES", 16);
 constexpr uint32_t kOps = uint32_t(parameter("OPS", -1)) & ((1u << CDE_FP_OPS) - 1);
 constexpr unsigned kArithmetic = CDE_FP_MAX + 1;
 using Container = std::conditional_t<(1 + kExp + kMan <= 32), uint32_t, uint64_t>;
@@ -49,14 +52,21 @@ constexpr uint32_t latency_of(uint32_t op) {
   return parameter("LAT_CVT", 1);
 }
 
-bool present(uint32_t op) { return op < CDE_FP_OPS && ((kOps >> op) & 1) != 0; }
-bool integer_operand(uint32_t op) { return op >= CDE_FP_FROM_I32 && op <= CDE_FP_FROM_UI64; }
-bool comparison(uint32_t op) { return op >= CDE_FP_LT && op <= CDE_FP_EQ; }
+bool present(uint32_t op) {
+  return op < CDE_FP_OPS && ((kOps >> op) & 1) != 0;
+}
+bool integer_operand(uint32_t op) {
+  return op >= CDE_FP_FROM_I32 && op <= CDE_FP_FROM_UI64;
+}
+bool comparison(uint32_t op) {
+  return op >= CDE_FP_LT && op <= CDE_FP_EQ;
+}
 
 }  // namespace
 
 struct cde_fp_unit {
-  // Ports are little-endian words whatever C++ type Verilator gives them, so lane l of width W lies at byte l * W / 8.
+  // Ports are little-endian words whatever C++ type Verilator gives them, so lane l of width W lies
+  // at byte l * W / 8.
   VerilatedContext context;
   Vmodel model{&context, "fp_unit"};
   Container* a = reinterpret_cast<Container*>(&model.a_i);
@@ -88,8 +98,10 @@ struct cde_fp_unit {
   }
   void set(uint32_t op, const uint64_t* pa, const uint64_t* pb, uint64_t count) {
     for (uint64_t l = 0; l < count; l++) {
-      if (integer_operand(op)) n[l] = pa[l];
-      else a[l] = Container(pa[l]);
+      if (integer_operand(op))
+        n[l] = pa[l];
+      else
+        a[l] = Container(pa[l]);
     }
     if (pb == nullptr) return;
     for (uint64_t l = 0; l < count; l++) b[l] = Container(pb[l]);
@@ -98,7 +110,10 @@ struct cde_fp_unit {
     for (uint64_t l = 0; l < count; l++) {
       const uint64_t at = (op < kArithmetic ? op : op - kArithmetic) * kLanes + l;
       pr[l] = op < kArithmetic ? uint64_t{r[at]} : x[at];
-      if (comparison(op)) pr[l] = pr[l] == Container(~Container{0}) ? 1 : pr[l];  // anything but a clean mask stays visible
+      if (comparison(op))
+        pr[l] = pr[l] == Container(~Container{0})
+                    ? 1
+                    : pr[l];  // anything but a clean mask stays visible
       if (pf != nullptr) pf[l] = uint8_t(op < kArithmetic ? f[at] : g[at]);
     }
   }
@@ -106,11 +121,18 @@ struct cde_fp_unit {
 
 namespace {
 
-cde_fp_unit* create() { return new (std::nothrow) cde_fp_unit; }
-void destroy(cde_fp_unit* u) { delete u; }
-uint32_t latency(const cde_fp_unit*, uint32_t op) { return present(op) ? latency_of(op) : 0; }
+cde_fp_unit* create() {
+  return new (std::nothrow) cde_fp_unit;
+}
+void destroy(cde_fp_unit* u) {
+  delete u;
+}
+uint32_t latency(const cde_fp_unit*, uint32_t op) {
+  return present(op) ? latency_of(op) : 0;
+}
 
-int apply(cde_fp_unit* u, uint32_t op, const uint64_t* a, const uint64_t* b, uint64_t* r, uint8_t* flags, uint64_t n) {
+int apply(cde_fp_unit* u, uint32_t op, const uint64_t* a, const uint64_t* b, uint64_t* r,
+          uint8_t* flags, uint64_t n) {
   if (!present(op)) return 1;
   const bool binary = op < kArithmetic && op != CDE_FP_SQRT;
   const uint64_t rows = (n + kLanes - 1) / kLanes, lat = latency_of(op);
@@ -135,9 +157,12 @@ double measure(cde_fp_unit* u, uint32_t op, uint64_t clocks) {
   const auto rows = std::make_unique<std::array<Row, kRows>>();
   std::mt19937_64 random(1);
   constexpr uint64_t kBias = (1u << (kExp - 1)) - 1, kFraction = (uint64_t{1} << kMan) - 1;
-  const auto number = [&] { return Container(((kBias - 1 + random() % 3) << kMan) | (random() & kFraction)); };
+  const auto number = [&] {
+    return Container(((kBias - 1 + random() % 3) << kMan) | (random() & kFraction));
+  };
   for (Row& row : *rows) {
-    for (unsigned l = 0; l < kLanes; l++) row.a[l] = number(), row.b[l] = number(), row.n[l] = random() >> (random() % 64);
+    for (unsigned l = 0; l < kLanes; l++)
+      row.a[l] = number(), row.b[l] = number(), row.n[l] = random() >> (random() % 64);
   }
   const auto start = std::chrono::steady_clock::now();
   for (uint64_t i = 0; i < clocks; i++) {
@@ -153,9 +178,21 @@ double measure(cde_fp_unit* u, uint32_t op, uint64_t clocks) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-constexpr cde_fp_api kApi{CDE_FP_ABI_VERSION, kExp, kMan, kLanes, parameter("FLAGS", 1) != 0, kOps, kParameters, create, destroy,
-                          latency, apply, measure};
+constexpr cde_fp_api kApi{CDE_FP_ABI_VERSION,
+                          kExp,
+                          kMan,
+                          kLanes,
+                          parameter("FLAGS", 1) != 0,
+                          kOps,
+                          kParameters,
+                          create,
+                          destroy,
+                          latency,
+                          apply,
+                          measure};
 
 }  // namespace
 
-extern "C" __attribute__((visibility("default"))) const cde_fp_api* cde_fp_entry() { return &kApi; }
+extern "C" __attribute__((visibility("default"))) const cde_fp_api* cde_fp_entry() {
+  return &kApi;
+}
