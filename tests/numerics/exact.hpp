@@ -1,0 +1,41 @@
+#pragma once
+#include <boost/multiprecision/cpp_int.hpp>
+
+#include "cde/primitives.hpp"
+
+/// Ray against triangle in exact rational arithmetic: the oracle of meaning, with nothing in common
+/// with the pipe but the geometry. Solves O + t D = V0 + u E1 + v E2 by Cramer's rule on the 3x3
+/// determinants.
+struct ExactHit {
+  using Rational = boost::multiprecision::cpp_rational;
+  Rational det, u, v, t;  ///< det is that of the pipe, (D x E2).E1; u, v, t are not scaled by it
+                          ///< and unset when it is 0
+
+  ExactHit(const cde::Ray& ray, const cde::Triangle& triangle) {
+    Rational e1[3], e2[3], d[3], s[3];
+    for (int k = 0; k < 3; ++k) {
+      const Rational v0(triangle.v0[k]);
+      e1[k] = Rational(triangle.v1[k]) - v0;
+      e2[k] = Rational(triangle.v2[k]) - v0;
+      d[k] = Rational(ray.d[k]);
+      s[k] = Rational(ray.o[k]) - v0;
+    }
+    det = determinant(e1, d, e2);  // E1.(D x E2)
+    if (det == 0) return;
+    u = determinant(s, d, e2) / det;
+    v = determinant(e1, d, s) / det;  // s in the column of e2
+    Rational minus_s[3] = {-s[0], -s[1], -s[2]};
+    t = determinant(e1, minus_s, e2) / det;  // -s in the column of d
+  }
+  [[nodiscard]] bool inside() const { return det != 0 && u >= 0 && v >= 0 && u + v <= 1; }
+  [[nodiscard]] bool hit(const cde::Ray& ray) const {
+    return inside() && t >= Rational(ray.tmin) && (std::isinf(ray.tmax) || t <= Rational(ray.tmax));
+  }
+
+ private:
+  static Rational determinant(const Rational (&a)[3], const Rational (&b)[3],
+                              const Rational (&c)[3]) {
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+           a[2] * (b[0] * c[1] - b[1] * c[0]);
+  }
+};
