@@ -1,4 +1,5 @@
-// One register cut between two stages of a lane: DEPTH 1 is a register, DEPTH 0 a wire. Latency: DEPTH clocks.
+// Register cut between two stages of a lane: DEPTH 1 is a register, DEPTH 0 a wire; more for signals that pass several cuts.
+// Latency: DEPTH clocks.
 module fp_cut #(
     parameter int W     = 32,
     parameter int DEPTH = 0
@@ -12,9 +13,16 @@ module fp_cut #(
     logic unused_clk;
     assign unused_clk = clk_i;
     assign q_o = d_i;
-  end else begin : g_register
+  end else if (DEPTH == 1) begin : g_register
     logic [W-1:0] d_q;
     always_ff @(posedge clk_i) d_q <= d_i;
     assign q_o = d_q;
+  end else begin : g_registers
+    logic [W-1:0] d_q[DEPTH];
+    always_ff @(posedge clk_i) begin
+      d_q[0] <= d_i;
+      for (int i = 1; i < DEPTH; i++) d_q[i] <= d_q[i-1];
+    end
+    assign q_o = d_q[DEPTH-1];
   end
 endmodule

@@ -78,13 +78,13 @@ module fp_div_lane #(
 
   logic [CW-1:0] quotient, e, sign, zero, inf, nan, nv, dz;
   localparam int D = CUTS - D_ROUND;
-  fp_delay #(1, CW, D) delay_e (.clk_i, .d_i(e_n), .q_o(e));
-  fp_delay #(1, CW, D) delay_sign (.clk_i, .d_i(sign_n), .q_o(sign));
-  fp_delay #(1, CW, D) delay_zero (.clk_i, .d_i(zero_n), .q_o(zero));
-  fp_delay #(1, CW, D) delay_inf (.clk_i, .d_i(inf_n), .q_o(inf));
-  fp_delay #(1, CW, D) delay_nan (.clk_i, .d_i(nan_n), .q_o(nan));
-  fp_delay #(1, CW, D) delay_nv (.clk_i, .d_i(nv_n), .q_o(nv));
-  fp_delay #(1, CW, D) delay_dz (.clk_i, .d_i(dz_n), .q_o(dz));
+  fp_cut #(CW, D) delay_e (.clk_i, .d_i(e_n), .q_o(e));
+  fp_cut #(CW, D) delay_sign (.clk_i, .d_i(sign_n), .q_o(sign));
+  fp_cut #(CW, D) delay_zero (.clk_i, .d_i(zero_n), .q_o(zero));
+  fp_cut #(CW, D) delay_inf (.clk_i, .d_i(inf_n), .q_o(inf));
+  fp_cut #(CW, D) delay_nan (.clk_i, .d_i(nan_n), .q_o(nan));
+  fp_cut #(CW, D) delay_nv (.clk_i, .d_i(nv_n), .q_o(nv));
+  fp_cut #(CW, D) delay_dz (.clk_i, .d_i(dz_n), .q_o(dz));
   assign quotient = ((digits + (ONE << STEPS) - ONE) << (CW - STEPS)) | (some(rest) & ONE);
   fp_round #(.EXP(EXP), .MAN(MAN), .CUT(D_ROUND), .FLAGS(FLAGS)) round (
       .clk_i, .m_i(quotient), .e_i(e), .sign_i(sign), .zero_i(zero), .inf_i(inf), .nan_i(nan), .nv_i(nv), .dz_i(dz),

@@ -8,4 +8,6 @@ namespace cde::cli {
 /// Set by a verb that ran but found a difference or nothing (exit 1) instead of throwing.
 inline int exit_code = 0;
 
+void add_fp(CLI::App& app);
+
 }  // namespace cde::cli
