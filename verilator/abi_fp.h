@@ -34,7 +34,8 @@ typedef struct cde_fp_api {
   /* n operations, streamed one row of lanes a clock. b is read by binary operations only; flags (bits NX 1, UF 2, OF 4, DZ 8,
    * NV 16) may be null. 0 on success, 1 for an operation that is not there. */
   int (*apply)(cde_fp_unit*, uint32_t op, const uint64_t* a, const uint64_t* b, uint64_t* r, uint8_t* flags, uint64_t n);
-  /* Wall-clock seconds of that many clocks of the operation, new operands every clock; negative if it is not there. */
+  /* Processor seconds (of the calling thread) of that many clocks of the operation, new operands every clock; negative if it is
+   * not there. */
   double (*measure)(cde_fp_unit*, uint32_t op, uint64_t clocks);
 } cde_fp_api;
 

@@ -38,7 +38,7 @@ class FpUnit {
   void apply(FpOp op, std::span<const uint64_t> a, std::span<const uint64_t> b,
              std::span<uint64_t> r, std::span<uint8_t> flags = {});
 
-  /// Simulated operations a second of wall-clock time, all lanes busy and new operands every clock,
+  /// Simulated operations a second of processor time, all lanes busy and new operands every clock,
   /// measured for about that long.
   [[nodiscard]] double measure(FpOp op, double seconds);
 
