@@ -19,8 +19,8 @@ struct Inventory {
 };
 
 std::ostream& operator<<(std::ostream& out, const Inventory& i) {
-  return out << i.multipliers << " mul, " << i.dividers << " div, " << i.adders << " add, " << i.subtractors << " sub, "
-             << i.comparators << " cmp";
+  return out << i.multipliers << " mul, " << i.dividers << " div, " << i.adders << " add, "
+             << i.subtractors << " sub, " << i.comparators << " cmp";
 }
 
 /// Elaborates `top` with Verilator and returns its XML.
@@ -28,8 +28,9 @@ std::string elaborate(const std::string& top, const std::string& parameters) {
   const fs::path xml = fs::path(::testing::TempDir()) / (top + ".xml");
   const fs::path rtl = fs::path(CDE_SOURCE_DIR) / "rtl";
   std::ostringstream command;
-  command << "verilator --xml-only -Wno-fatal --xml-output " << xml << " -Mdir " << ::testing::TempDir() << " --top-module " << top
-          << ' ' << parameters << ' ' << fs::path(CDE_SOURCE_DIR) / "verilator/waivers.vlt" << ' ' << rtl / "cde_pkg.sv";
+  command << "verilator --xml-only -Wno-fatal --xml-output " << xml << " -Mdir "
+          << ::testing::TempDir() << " --top-module " << top << ' ' << parameters << ' '
+          << fs::path(CDE_SOURCE_DIR) / "verilator/waivers.vlt" << ' ' << rtl / "cde_pkg.sv";
   for (const auto& entry : fs::directory_iterator(rtl))
     if (entry.is_directory()) command << " -y " << entry.path() << " -I" << entry.path().string();
   command << ' ' << rtl / "pipes" / (top + ".sv");
@@ -43,35 +44,44 @@ std::string elaborate(const std::string& top, const std::string& parameters) {
 Inventory count(const std::string& xml) {
   // Specialised module name -> what it is.
   std::map<std::string, std::string> kind;
-  const std::regex module(R"re(<module [^>]*name="(\w+)" origName="(\w+)")re"), sub(R"re(name="SUB"[^>]*>\s*<const [^>]*name="1&apos;h1")re");
+  const std::regex module(R"re(<module [^>]*name="(\w+)" origName="(\w+)")re"),
+      sub(R"re(name="SUB"[^>]*>\s*<const [^>]*name="1&apos;h1")re");
   for (std::sregex_iterator it(xml.begin(), xml.end(), module), end; it != end; ++it) {
     const size_t from = static_cast<size_t>(it->position()), to = xml.find("</module>", from);
     std::string what = (*it)[2];
-    if (what == "fp_add" && std::regex_search(xml.substr(from, std::min<size_t>(to - from, 6000)), sub)) what = "fp_sub";
+    if (what == "fp_add" &&
+        std::regex_search(xml.substr(from, std::min<size_t>(to - from, 6000)), sub))
+      what = "fp_sub";
     kind[(*it)[1]] = what;
   }
   std::map<std::string, int> instances;
   const std::regex cell(R"re(<cell [^>]*submodname="(\w+)")re");
-  for (std::sregex_iterator it(xml.begin(), xml.end(), cell), end; it != end; ++it) ++instances[kind[(*it)[1]]];
-  return {instances["fp_mul"], instances["fp_div"], instances["fp_add"], instances["fp_sub"], instances["fp_cmp"]};
+  for (std::sregex_iterator it(xml.begin(), xml.end(), cell), end; it != end; ++it)
+    ++instances[kind[(*it)[1]]];
+  return {instances["fp_mul"], instances["fp_div"], instances["fp_add"], instances["fp_sub"],
+          instances["fp_cmp"]};
 }
 
 TEST(Inventory, MollerHasThePapersOperators) {
-  const Inventory paper{.multipliers = 27, .dividers = 1, .adders = 12, .subtractors = 15, .comparators = 8};
+  const Inventory paper{
+      .multipliers = 27, .dividers = 1, .adders = 12, .subtractors = 15, .comparators = 8};
   EXPECT_EQ(count(elaborate("ray_triangle_moller", "")), paper);
 }
 
 TEST(Inventory, MoreLanesAreTheSameOperatorsWider) {
-  const Inventory paper{.multipliers = 27, .dividers = 1, .adders = 12, .subtractors = 15, .comparators = 8};
+  const Inventory paper{
+      .multipliers = 27, .dividers = 1, .adders = 12, .subtractors = 15, .comparators = 8};
   EXPECT_EQ(count(elaborate("ray_triangle_moller", "-GLANES=4")), paper);
 }
 
 TEST(Inventory, CountsWhatIsThere) {
   // A cross product alone: a count that always gave the paper's figures would fail here.
   const std::string xml = elaborate("ray_triangle_moller", "");
-  const std::regex cell(R"re(<cell [^>]*name="(\w+)" submodname="(\w+)" hier="ray_triangle_moller\.cross_p\.[\w.]+")re");
+  const std::regex cell(
+      R"re(<cell [^>]*name="(\w+)" submodname="(\w+)" hier="ray_triangle_moller\.cross_p\.[\w.]+")re");
   std::map<std::string, int> names;
-  for (std::sregex_iterator it(xml.begin(), xml.end(), cell), end; it != end; ++it) ++names[(*it)[1]];
+  for (std::sregex_iterator it(xml.begin(), xml.end(), cell), end; it != end; ++it)
+    ++names[(*it)[1]];
   EXPECT_EQ(names["mul_yz"] + names["mul_zy"], 6);
   EXPECT_EQ(names["sub"], 3);
 }
