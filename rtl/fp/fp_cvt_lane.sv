@@ -35,7 +35,9 @@ module fp_cvt_lane #(
 
   logic [CW-1:0] rebias_n;
   logic [CO-1:0] m_n, e_n, m, e_r, sign, zero, inf, nan, nv;
-  assign rebias_n = e + REBIAS;
+  // Far beyond the result's range the exponent stops at the first that overflows, so that it fits its place in fp_round.
+  localparam logic [CW-1:0] LIMIT = ONE << EXP_O;
+  assign rebias_n = sel(neg(LIMIT - e - REBIAS), LIMIT, e + REBIAS);
   if (CW == CO) begin : g_same
     assign m_n = s >> 1;  // what leaves is zero: a container has at least EXP spare bits
     assign e_n = rebias_n;

@@ -39,7 +39,7 @@ module fp_to_int_lane #(
     nan_n = neg(INF - (a & MAG));
     minus_n = neg(a << (CW - 1 - EXP - MAN)) & ~nan_n;
     n = TOP - e;                   // right shift
-    over_n = neg(n);
+    over_n = neg(n) | ~neg((a & MAG) - INF);
     far_n = neg(SHIFT_MAX + ONE - n);  // below one half
     whole_n = neg(n - ONE);        // no fraction
     n = (n - ONE) & ~whole_n;

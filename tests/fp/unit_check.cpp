@@ -57,6 +57,7 @@ void UnitCheck::finish() {
 void UnitCheck::run(FpOp op) {
   auto& a = a_.at(static_cast<std::size_t>(op));
   auto& b = b_.at(static_cast<std::size_t>(op));
+  if (a.empty()) return;
   std::vector<uint64_t> r(a.size());
   std::vector<uint8_t> flags(a.size());
   unit_.apply(op, a, b, r, flags);
