@@ -1,0 +1,110 @@
+// card.hpp is rtl/cde_pkg.sv in C++: every localparam there has its constant here, with the same
+// value.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <regex>
+#include <string>
+
+#include "cde/card.hpp"
+
+namespace cde {
+namespace {
+
+/// 12'h0C0, 3'd4, 7 as SystemVerilog writes them.
+std::uint64_t value_of(const std::string& text) {
+  static const std::regex form(R"((?:\d+'([hd]))?([0-9a-fA-F]+))");
+  std::smatch match;
+  if (!std::regex_match(text, match, form)) throw std::runtime_error("not a number: " + text);
+  return std::stoull(match[2], nullptr, match[1] == "h" ? 16 : 10);
+}
+
+std::map<std::string, std::uint64_t> localparams() {
+  std::ifstream in(CDE_PACKAGE_SV);
+  static const std::regex form(
+      R"(^\s*localparam\s+\S+(?:\s*\[[^\]]*\])?\s+(\w+)\s*=\s*([^;]+);.*)");
+  std::map<std::string, std::uint64_t> found;
+  for (std::string line; std::getline(in, line);) {
+    std::smatch match;
+    if (std::regex_match(line, match, form)) {
+      found[match[1]] = value_of(match[2]);
+    } else if (line.find("localparam") != std::string::npos) {
+      ADD_FAILURE() << "unread line of cde_pkg.sv: " << line;
+    }
+  }
+  return found;
+}
+
+TEST(CardLayout, EqualsThePackage) {
+  using namespace card;
+  const std::map<std::string, std::uint64_t> here = {
+      {"SPACE_REG", kSpaceReg},
+      {"SPACE_PRIM", kSpacePrim},
+      {"SPACE_DDR", kSpaceDdr},
+      {"SPACE_SRAM", kSpaceSram},
+      {"REG_ID", kRegId},
+      {"REG_CAPS", kRegCaps},
+      {"REG_CONFIG_HASH", kRegConfigHash},
+      {"REG_CAPS2", kRegCaps2},
+      {"REG_CAPACITY", kRegCapacity},
+      {"REG_CONTROL", kRegControl},
+      {"REG_STATUS", kRegStatus},
+      {"REG_COMMAND", kRegCommand},
+      {"REG_PRIM_COUNT", kRegPrimCount},
+      {"REG_SEC_FIRST", kRegSecFirst},
+      {"REG_SEC_COUNT", kRegSecCount},
+      {"REG_RECORDS", kRegRecords},
+      {"REG_FAULT_ADDR", kRegFaultAddr},
+      {"REG_WRITEBACK", kRegWriteback},
+      {"REG_STENCIL", kRegStencil},
+      {"REG_CYCLES", kRegCycles},
+      {"REG_ROWS", kRegRows},
+      {"REG_STALLS", kRegStalls},
+      {"REG_BUBBLES", kRegBubbles},
+      {"REG_BAD_PRIM", kRegBadPrim},
+      {"REG_BAD_SEC", kRegBadSec},
+      {"REG_SECONDARIES", kRegSecondaries},
+      {"REG_WRITTEN", kRegWritten},
+      {"ID_MAGIC", kIdMagic},
+      {"INTERFACE_VERSION", kInterfaceVersion},
+      {"STATUS_BUSY", kStatusBusy},
+      {"STATUS_DONE", kStatusDone},
+      {"STATUS_COMMAND_ERROR", kStatusCommandError},
+      {"STATUS_BUS_ERROR", kStatusBusError},
+      {"STATUS_SRAM_WAIT", kStatusSramWait},
+      {"STATUS_IRQ", kStatusIrq},
+      {"MODE_NEAREST", kModeNearest},
+      {"MODE_FARTHEST", kModeFarthest},
+      {"MODE_ANY", kModeAny},
+      {"MODE_ALL", kModeAll},
+      {"MODE_HITS", kModeHits},
+      {"PAIR_RAY_TRIANGLE", kPairRayTriangle},
+      {"ALGORITHM_MOLLER", kAlgorithmMoller},
+      {"PRIM_WORDS", kPrimWords},
+      {"SEC_WORDS", kSecWords},
+      {"RECORD_WORDS", kRecordWords},
+      {"RECORD_CP", kRecordCp},
+      {"RECORD_FLAGS", kRecordFlags},
+      {"RECORD_INDEX", kRecordIndex},
+      {"RECORD_T", kRecordT},
+      {"RECORD_PRIMARY", kRecordPrimary},
+      {"FLAG_F", kFlagF},
+      {"FLAG_BAD", kFlagBad},
+  };
+  const auto package = localparams();
+  for (const auto& [name, value] : package) {
+    const auto found = here.find(name);
+    if (found == here.end()) {
+      ADD_FAILURE() << name << " of cde_pkg.sv has no constant in card.hpp";
+    } else {
+      EXPECT_EQ(found->second, value) << name;
+    }
+  }
+  for (const auto& [name, value] : here) {
+    EXPECT_TRUE(package.contains(name)) << name << " = " << value << " is not in cde_pkg.sv";
+  }
+}
+
+}  // namespace
+}  // namespace cde

@@ -1,0 +1,178 @@
+#include "cases.hpp"
+
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace cde::testing {
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kTiny = std::numeric_limits<float>::denorm_min();
+constexpr float kMax = std::numeric_limits<float>::max();
+
+using Eigen::Vector3f;
+
+float* slot(Ray& ray, unsigned k) {
+  if (k < 3) return &ray.o[k];
+  if (k < 6) return &ray.d[k - 3];
+  return k == 6 ? &ray.tmin : &ray.tmax;
+}
+float* slot(Triangle& t, unsigned k) {
+  Vector3f* corner[] = {&t.v0, &t.v1, &t.v2};
+  return &(*corner[k / 3])[k % 3];
+}
+
+}  // namespace
+
+Random::Random(std::uint32_t seed) : engine_(seed) {
+  std::printf("seed %u\n", seed);
+}
+
+Scene beam(Random& random, std::size_t rays, std::size_t triangles, float scale) {
+  Scene scene;
+  for (std::size_t i = 0; i < rays; ++i) {
+    Ray ray;
+    ray.o = Vector3f(random.in(-1, 1), random.in(-1, 1), random.in(-6, -4)) * scale;
+    ray.d = Vector3f(random.in(-0.2f, 0.2f), random.in(-0.2f, 0.2f), random.in(0.5f, 2)) * scale;
+    if (random.below(8) == 0) ray.d = -ray.d, ray.tmin = -kInf;
+    if (random.below(16) == 0) ray.tmax = random.in(2, 8);
+    scene.rays.push_back(ray);
+  }
+  for (std::size_t i = 0; i < triangles; ++i) {
+    const float turn = random.in(0, 6.2831853f), size = random.in(1, 7);
+    const auto corner = [&](float angle) {
+      angle += turn + random.in(-0.7f, 0.7f);
+      return Vector3f(Vector3f(size * std::cos(angle) + random.in(-1, 1),
+                               size * std::sin(angle) + random.in(-1, 1), random.in(-2, 6)) *
+                      scale);
+    };
+    Triangle t{corner(0), corner(2.0944f), corner(4.18879f)};
+    if (random.below(2) == 0) std::swap(t.v1, t.v2);
+    scene.triangles.push_back(t);
+  }
+  return scene;
+}
+
+Scene cloud(Random& random, std::size_t rays, std::size_t triangles) {
+  Scene scene;
+  for (std::size_t i = 0; i < rays; ++i) {
+    const Vector3f o = random.in_box(10), target = random.in_box(4);
+    scene.rays.push_back({.o = o, .d = target - o});
+  }
+  for (std::size_t i = 0; i < triangles; ++i) {
+    const Vector3f centre = random.in_box(8);
+    scene.triangles.push_back(
+        {centre + random.in_box(1), centre + random.in_box(1), centre + random.in_box(1)});
+  }
+  return scene;
+}
+
+Scene directed() {
+  Scene s;
+  const Triangle plain{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
+  const auto down = [](float x, float y) { return Ray{.o = {x, y, 0}, .d = {0, 0, 1}}; };
+
+  // Interior, corners, edges, just beside them; both directions and orientations; unit and odd
+  // lengths.
+  for (float x : {0.25f, 0.0f, -0.0f, 1.0f, 0.5f, std::nextafter(0.0f, -1.0f),
+                  std::nextafter(1.0f, 2.0f), std::nextafter(0.5f, 1.0f)})
+    for (float y : {0.25f, 0.0f, -0.0f, 1.0f, 0.5f, kTiny, -kTiny}) s.rays.push_back(down(x, y));
+  s.rays.push_back({.o = {0.25f, 0.25f, 2}, .d = {-0.0f, -0.0f, -1}});
+  s.rays.push_back({.o = {0.3f, 0.3f, 3}, .d = {-0.0f, 0.0f, -3.7f}, .tmin = -1});
+  s.rays.push_back({.o = {-0.0f, -0.0f, -0.0f}, .d = {0.1f, 0.2f, 0.9f}});
+  // In the plane, and parallel beside it.
+  for (float z : {1.0f, std::nextafter(1.0f, 2.0f), 0.5f})
+    s.rays.push_back({.o = {-1, 0.25f, z}, .d = {1, 0, 0}});
+  s.rays.push_back({.o = {0.2f, 0.2f, 1}, .d = {0.3f, 0.1f, -0.0f}});
+  s.rays.push_back({.o = {0.2f, 0.2f, 1}, .d = {0, 0, 1}});  // starts on the plane: T = 0
+  s.rays.push_back({.o = {0.2f, 0.2f, 1}, .d = {0, 0, -1}});
+  // Intervals that end on the hit, and one ulp beside it.
+  for (const Ray& ray :
+       {Ray{.o = {0.3f, 0.2f, -0.7f}, .d = {0.01f, 0.02f, 0.3f}}, down(0.25f, 0.25f)}) {
+    const float t = reference::record_of(ray, plain, 0, 0).t;
+    for (float end : {t, std::nextafter(t, -kInf), std::nextafter(t, kInf)}) {
+      s.rays.push_back({.o = ray.o, .d = ray.d, .tmin = end, .tmax = kInf});
+      s.rays.push_back({.o = ray.o, .d = ray.d, .tmin = 0, .tmax = end});
+      s.rays.push_back({.o = ray.o, .d = ray.d, .tmin = end, .tmax = end});
+    }
+  }
+  for (float a : {-kInf, -0.0f, 0.0f, kInf, 2.0f})
+    for (float b : {-kInf, -0.0f, 0.0f, kInf, 0.5f})
+      s.rays.push_back({.o = {0.2f, 0.3f, 0}, .d = {0, 0, 1}, .tmin = a, .tmax = b});
+  // Subnormal and huge rays; T and CP overflow, underflow, or are no number.
+  for (float m : {kTiny, 0x1p-130f, 0x1p-126f, 0x1p-70f, 0x1p70f, 0x1p126f, kMax}) {
+    s.rays.push_back({.o = {0.2f, 0.3f, 0}, .d = {0, 0, m}});
+    s.rays.push_back({.o = {0.2f * m, 0.3f * m, -m}, .d = {m * 0.1f, m * 0.1f, m}});
+    s.rays.push_back({.o = {0.1f, 0.1f, -m}, .d = {0, 0, 1}, .tmin = -kInf});
+    s.rays.push_back({.o = {m, m, m}, .d = {-m, -m, -m}, .tmin = -kInf});
+  }
+  // Bad input in every slot.
+  for (unsigned k = 0; k < 8; ++k)
+    for (float x : {kNan, -kNan, std::bit_cast<float>(0x7f800001u), kInf, -kInf}) {
+      Ray ray = down(0.25f, 0.25f);
+      *slot(ray, k) = x;
+      s.rays.push_back(ray);
+    }
+  for (float zero : {0.0f, -0.0f})
+    s.rays.push_back({.o = {0.2f, 0.2f, 0}, .d = {zero, -zero, zero}});
+
+  s.triangles = {plain, {plain.v0, plain.v2, plain.v1}, {plain.v1, plain.v2, plain.v0}};
+  // Without area: a point, segments, a doubled corner; needles and slivers.
+  s.triangles.push_back({plain.v0, plain.v0, plain.v0});
+  s.triangles.push_back({plain.v0, plain.v1, plain.v1});
+  s.triangles.push_back({plain.v0, plain.v0, plain.v2});
+  s.triangles.push_back({{0, 0, 1}, {1, 1, 1}, {2, 2, 1}});
+  s.triangles.push_back({{0, 0, 1}, {1, 0, 1}, {0.5f, 1e-7f, 1}});
+  s.triangles.push_back({{-1e6f, 0.25f, 1}, {1e6f, 0.25f, 1}, {0, std::nextafter(0.25f, 1.0f), 1}});
+  for (float m :
+       {kTiny, 0x1p-130f, 0x1p-126f, 0x1p-63f, 0x1p-20f, 0x1p20f, 0x1p63f, 0x1p126f, kMax}) {
+    s.triangles.push_back({plain.v0 * m, plain.v1 * m, plain.v2 * m});
+    s.triangles.push_back({{-m, -m, 1}, {m, -m, 1}, {0, m, 1}});
+    s.triangles.push_back({{0.1f, 0.1f, 1}, {0.1f + m, 0.1f, 1}, {0.1f, 0.1f + m, 1}});
+  }
+  for (unsigned k = 0; k < 9; ++k)
+    for (float x : {kNan, std::bit_cast<float>(0xffc00001u), std::bit_cast<float>(0x7f800001u),
+                    kInf, -kInf, -0.0f, kTiny, kMax}) {
+      Triangle t = plain;
+      *slot(t, k) = x;
+      s.triangles.push_back(t);
+    }
+  return s;
+}
+
+BoardConfig host_config() {
+  return {};
+}
+BoardConfig rtl_config() {
+  return {.arithmetic = Arithmetic::kRtl};
+}
+BoardConfig small_config() {
+  return {.lanes = 4,
+          .latency_add = 2,
+          .latency_mul = 3,
+          .latency_div = 9,
+          .latency_compare = 2,
+          .ddr_slots = 1000,
+          .sram_records = 64};
+}
+
+std::vector<Record> cast_and_compare(Board& board, const Scene& scene, const Query& query,
+                                     Counters* counters) {
+  board.upload(scene.triangles, false);
+  reference::Checker checker(scene.rays, scene.triangles, query.mode, query.stencil,
+                             board.primaries(), "cde cast ...");
+  std::vector<Record> records;
+  const Counters c = board.cast(scene.rays, query, [&](std::span<const Record> some) {
+    checker.check(some);
+    records.insert(records.end(), some.begin(), some.end());
+  });
+  checker.finish();
+  EXPECT_EQ(checker.compared(), records.size());
+  if (counters != nullptr) *counters = c;
+  return records;
+}
+
+}  // namespace cde::testing

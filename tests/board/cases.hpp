@@ -1,0 +1,60 @@
+#pragma once
+#include <gtest/gtest.h>
+
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cde/board.hpp"
+#include "cde/error.hpp"
+#include "cde/reference.hpp"
+
+namespace cde::testing {
+
+inline constexpr std::uint32_t kSeed = 20240611;
+
+/// The generator of a test; prints its seed. std::mt19937 is the same everywhere, distributions are
+/// not, so numbers are made by hand.
+class Random {
+ public:
+  explicit Random(std::uint32_t seed = kSeed);
+  std::uint32_t bits() { return engine_(); }
+  std::uint32_t below(std::uint32_t n) {
+    return static_cast<std::uint32_t>(std::uint64_t{bits()} * n >> 32);
+  }
+  float in(float low, float high) {
+    return low + (high - low) * (static_cast<float>(bits() >> 8) * 0x1p-24f);
+  }
+  Eigen::Vector3f in_box(float half) { return {in(-half, half), in(-half, half), in(-half, half)}; }
+
+ private:
+  std::mt19937 engine_;
+};
+
+struct Scene {
+  std::vector<Ray> rays;
+  std::vector<Triangle> triangles;
+};
+
+/// Rays of a beam along +z and triangles across it, such that about half of the pairs hit.
+Scene beam(Random& random, std::size_t rays, std::size_t triangles, float scale = 1.0f);
+
+/// Small triangles scattered around the origin: a ray hits few of them.
+Scene cloud(Random& random, std::size_t rays, std::size_t triangles);
+
+/// Every directed case of the pipe: rays through corners and edges and in the plane, intervals that
+/// end on the hit and one ulp beside it, degenerate triangles, zeros of both signs, subnormal, huge
+/// and special values in every slot.
+Scene directed();
+
+/// Boards that the tests share in kind; each call opens a fresh one.
+BoardConfig host_config();
+BoardConfig rtl_config();
+BoardConfig small_config();  ///< 4 lanes, slow operators, 1,000 triangles, ring of 64 records
+
+/// Runs a cast on the board and compares every record with the reference; returns the records.
+std::vector<Record> cast_and_compare(Board& board, const Scene& scene, const Query& query,
+                                     Counters* counters = nullptr);
+
+}  // namespace cde::testing

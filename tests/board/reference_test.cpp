@@ -1,0 +1,193 @@
+// The reference itself: the vector code against the template, the template against cases worked out
+// by hand.
+#include "cde/reference.hpp"
+
+#include <cmath>
+
+#include "cases.hpp"
+
+namespace cde::testing {
+namespace {
+
+const Triangle kPlain{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
+
+/// What the sweep must give, by the template alone.
+std::vector<Record> slow(const Scene& scene, Mode mode, const Stencil& stencil) {
+  std::vector<Record> out;
+  for (std::size_t first = 0; first < scene.rays.size(); first += 256) {
+    const std::size_t end = std::min(first + 256, scene.rays.size());
+    std::vector<Record> best(end - first);
+    for (std::size_t j = 0; j < scene.triangles.size(); ++j) {
+      for (std::size_t i = first; i < end; ++i) {
+        if (stencil[i - first]) continue;
+        const Record r =
+            reference::record_of(scene.rays[i], scene.triangles[j], static_cast<std::uint32_t>(i),
+                                 static_cast<std::uint32_t>(j));
+        if (mode == Mode::kAll || (mode == Mode::kHits && r.f)) out.push_back(r);
+        Record& b = best[i - first];
+        const bool keep =
+            !b.f || (mode == Mode::kNearest ? r.t < b.t : mode == Mode::kFarthest && r.t > b.t);
+        if (r.f && keep) b = r;
+      }
+    }
+    if (mode == Mode::kAll || mode == Mode::kHits) continue;
+    for (std::size_t i = first; i < end; ++i) {
+      if (stencil[i - first]) continue;
+      Record b = best[i - first];
+      if (defect(scene.rays[i])) b = reference::record_of(scene.rays[i], kPlain, 0, 0);
+      b.primary = static_cast<std::uint32_t>(i);
+      out.push_back(b);
+    }
+  }
+  return out;
+}
+
+void expect_same(const std::vector<Record>& a, const std::vector<Record>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) ASSERT_TRUE(same_bits(a[i], b[i])) << "record " << i;
+}
+
+TEST(Reference, VectorCodeEqualsTheTemplate) {
+  Random random;
+  Stencil some;
+  for (std::size_t i = 0; i < 256; ++i) some[i] = random.below(4) == 0;
+  for (const Scene& scene : {beam(random, 300, 200), cloud(random, 700, 300), directed(),
+                             beam(random, 1, 50, 0x1p-60f)}) {
+    for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll, Mode::kHits}) {
+      for (const Stencil& stencil : {Stencil(), some}) {
+        SCOPED_TRACE(name_of(mode));
+        expect_same(reference::cast(scene.rays, scene.triangles, mode, stencil),
+                    slow(scene, mode, stencil));
+      }
+    }
+  }
+}
+
+struct Known {
+  const char* name;
+  Ray ray;
+  Triangle triangle;
+  bool f;
+  float t;
+  Eigen::Vector3f cp;
+};
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+class ReferenceKnown : public ::testing::TestWithParam<Known> {};
+
+TEST_P(ReferenceKnown, Outcome) {
+  const Known& known = GetParam();
+  const Record r = reference::record_of(known.ray, known.triangle, 7, 3);
+  EXPECT_EQ(r.f, known.f);
+  EXPECT_FALSE(r.bad);
+  EXPECT_EQ(r.t, known.t);
+  EXPECT_EQ(r.cp, known.cp);
+  EXPECT_EQ(r.index, known.f ? 3u : ~0u);
+  EXPECT_EQ(r.primary, 7u);
+}
+
+const Eigen::Vector3f kOrigin(0, 0, 0);
+INSTANTIATE_TEST_SUITE_P(
+    Cases, ReferenceKnown,
+    ::testing::Values(
+        Known{"FrontFace", {{0.25f, 0.25f, 0}, {0, 0, 1}}, kPlain, true, 1, {0.25f, 0.25f, 1}},
+        Known{"BackFace", {{0.25f, 0.25f, 3}, {0, 0, -4}}, kPlain, true, 0.5f, {0.25f, 0.25f, 1}},
+        Known{"Corner", {{0, 0, 0}, {0, 0, 1}}, kPlain, true, 1, {0, 0, 1}},
+        Known{"Hypotenuse", {{0.5f, 0.5f, 0}, {0, 0, 1}}, kPlain, true, 1, {0.5f, 0.5f, 1}},
+        Known{"BesideTheEdge", {{-0.001f, 0.5f, 0}, {0, 0, 1}}, kPlain, false, kInf, kOrigin},
+        Known{"Behind", {{0.25f, 0.25f, 2}, {0, 0, 1}}, kPlain, false, kInf, kOrigin},
+        Known{"BehindButAllowed",
+              {{0.25f, 0.25f, 2}, {0, 0, 1}, -2},
+              kPlain,
+              true,
+              -1,
+              {0.25f, 0.25f, 1}},
+        Known{"EndsOnThePlane",
+              {{0.25f, 0.25f, 0}, {0, 0, 1}, 0, 1},
+              kPlain,
+              true,
+              1,
+              {0.25f, 0.25f, 1}},
+        Known{"EndsBefore",
+              {{0.25f, 0.25f, 0}, {0, 0, 1}, 0, 0x1.fffffep-1f},
+              kPlain,
+              false,
+              kInf,
+              kOrigin},
+        Known{
+            "EmptyInterval", {{0.25f, 0.25f, 0}, {0, 0, 1}, 2, 0.5f}, kPlain, false, kInf, kOrigin},
+        Known{"InThePlane", {{-1, 0.25f, 1}, {1, 0, 0}}, kPlain, false, kInf, kOrigin},
+        Known{"NoArea",
+              {{0, 0, 0}, {0, 0, 1}},
+              {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}},
+              false,
+              kInf,
+              kOrigin}),
+    [](const auto& info) { return info.param.name; });
+
+TEST(Reference, TiesGoToTheLowestIndexAndBothZerosTie) {
+  Scene scene;
+  scene.rays.push_back({.o = {0.25f, 0.25f, 1}, .d = {0, 0, 1}, .tmin = -1});
+  // T is +0 on one orientation and -0 on the other.
+  scene.triangles = {kPlain, {kPlain.v0, kPlain.v2, kPlain.v1}, kPlain};
+  for (int turn = 0; turn < 2; ++turn) {
+    for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny}) {
+      const auto records = reference::cast(scene.rays, scene.triangles, mode);
+      ASSERT_EQ(records.size(), 1u);
+      EXPECT_EQ(records[0].index, 0u) << name_of(mode);
+    }
+    std::swap(scene.triangles[0], scene.triangles[1]);
+  }
+}
+
+TEST(Reference, DoubleAgreesWithFloatOnExactCases) {
+  using V = Eigen::Vector3d;
+  const auto r = reference::ray_triangle_moller<double>(V(0.25, 0.25, 0), V(0, 0, 2), 0.0, 10.0,
+                                                        V(0, 0, 1), V(1, 0, 1), V(0, 1, 1));
+  EXPECT_TRUE(r.f);
+  EXPECT_EQ(r.t, 0.5);
+  EXPECT_EQ(r.cp, V(0.25, 0.25, 1));
+  const auto bad = reference::ray_triangle_moller<double>(V(0, 0, 0), V(0, 0, 0), 0.0, 1.0,
+                                                          V(0, 0, 1), V(1, 0, 1), V(0, 1, 1));
+  EXPECT_TRUE(bad.bad);
+  EXPECT_EQ(std::bit_cast<std::uint64_t>(bad.t), 0x7ff8000000000000u);
+}
+
+TEST(Checker, NamesTheDifferenceAndHowToRepeatIt) {
+  Random random;
+  const Scene scene = beam(random, 10, 20);
+  auto records = reference::cast(scene.rays, scene.triangles);
+  const auto check = [&] {
+    reference::Checker checker(scene.rays, scene.triangles, Mode::kNearest, {}, 256,
+                               "cde cast x.stl");
+    checker.check(records);
+    checker.finish();
+    return checker.compared();
+  };
+  EXPECT_EQ(check(), 10u);
+  const auto expect_mismatch = [&](const std::string& text) {
+    try {
+      check();
+      FAIL() << "no mismatch found: " << text;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::kMismatch);
+      EXPECT_NE(std::string(e.what()).find(text), std::string::npos) << e.what();
+    }
+  };
+  const Record good = records[4];
+  records[4].cp.y() = std::nextafter(good.cp.y(), 100.0f);
+  expect_mismatch("record 4 differs");
+  expect_mismatch("repeat with: cde cast x.stl --ray=");
+  records[4] = good;
+  records.pop_back();
+  expect_mismatch("card:      no record");
+  records.push_back(good);
+  expect_mismatch("record 9 differs");
+  records = reference::cast(scene.rays, scene.triangles);
+  records.push_back(good);
+  expect_mismatch("reference: no record");
+}
+
+}  // namespace
+}  // namespace cde::testing
