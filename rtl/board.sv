@@ -91,14 +91,14 @@ module board #(
       .bad_o(sec_bad), .index_o(sec_index), .last_o(sec_last), .pop_i(sec_pop), .idle_o(sec_idle));
 
   // ---- Sequencer ----
-  logic clear, issue_parity, retire, fifo_empty, writeback, writeback_parity, writeback_ready;
+  logic flush, clear, issue_parity, retire, fifo_empty, writeback, writeback_parity, writeback_ready;
   logic [ROW_W-1:0] clear_row, issue_row;
   logic [LANES-1:0] clear_mask;
   logic [1:0] credit;
   logic [PRIM_W-1:0] writeback_primary;
   engine_control #(.LANES(LANES), .PRIMARIES(PRIMARIES), .FIFO_DEPTH(FIFO_DEPTH)) control (
       .clk_i(clk_engine), .rst_i, .go_i(go), .abort_i(abort), .mode_i(mode), .prim_count_i(prim_count), .active_i(active),
-      .busy_o(busy), .done_o(done), .streaming_mode_o(streaming), .clear_o(clear), .clear_row_o(clear_row),
+      .busy_o(busy), .done_o(done), .flush_o(flush), .streaming_mode_o(streaming), .clear_o(clear), .clear_row_o(clear_row),
       .clear_mask_o(clear_mask), .fetch_start_o(fetch_start), .fetch_stop_o(fetch_stop), .secondary_valid_i(sec_valid),
       .secondary_last_i(sec_last), .secondary_idle_i(sec_idle), .secondary_pop_o(sec_pop), .issue_o(issue),
       .issue_row_o(issue_row), .issue_parity_o(issue_parity), .retire_i(retire), .new_hits_i(new_hits), .credit_i(credit),
@@ -141,7 +141,7 @@ module board #(
   logic [CW-1:0] fifo_t;
   logic [2:0][CW-1:0] fifo_cp;
   record_fifo #(.LANES(LANES), .CW(CW), .ROW_W(ROW_W), .DEPTH(FIFO_DEPTH)) fifo (
-      .clk_i(clk_engine), .rst_i(rst_i | clear), .hits_only_i(mode == cde_pkg::MODE_HITS), .push_i(retire && streaming), .row_i(row),
+      .clk_i(clk_engine), .rst_i(rst_i | clear | flush), .hits_only_i(mode == cde_pkg::MODE_HITS), .push_i(retire && streaming), .row_i(row),
       .index_i(index), .unmasked_i(active_mem[row]), .f_i(f), .bad_i(bad), .t_i(t), .cp_i(cp), .credit_o(credit),
       .empty_o(fifo_empty), .valid_o(fifo_valid), .ready_i(fifo_ready), .row_o(fifo_row), .lane_o(fifo_lane),
       .index_o(fifo_index), .f_o(fifo_f), .bad_o(fifo_bad), .t_o(fifo_t), .cp_o(fifo_cp));
@@ -172,14 +172,14 @@ module board #(
     end
   end
   always_ff @(posedge clk_engine) begin
-    record_write <= !rst_i && (streaming ? fifo_valid && fifo_ready : writeback && writeback_ready);
+    record_write <= !rst_i && !flush && (streaming ? fifo_valid && fifo_ready : writeback && writeback_ready);
     if (streaming ? fifo_valid : writeback) record_q <= record;
   end
 
   logic clk_ring, ring_active;
-  clock_gate gate_ring (.clk_i, .enable_i(record_write | sram_pop | ring_active | abort | rst_i), .clk_o(clk_ring));
+  clock_gate gate_ring (.clk_i, .enable_i(record_write | sram_pop | ring_active | flush | rst_i), .clk_o(clk_ring));
   sram_ring #(.CW(CW), .RECORDS(SRAM_RECORDS)) ring (
-      .clk_i(clk_ring), .active_o(ring_active), .rst_i(rst_i | abort), .write_i(record_write & busy), .record_i(record_q), .full_o(sram_full), .count_o(sram_count),
+      .clk_i(clk_ring), .active_o(ring_active), .rst_i(rst_i | flush), .write_i(record_write & busy), .record_i(record_q), .full_o(sram_full), .count_o(sram_count),
       .beat_valid_o(sram_beat_valid), .beat_o(sram_beat), .beat_pop_i(sram_pop), .sram_write_o, .sram_write_addr_o,
       .sram_write_data_o, .sram_read_o, .sram_read_addr_o, .sram_read_data_i);
 endmodule

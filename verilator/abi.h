@@ -1,6 +1,7 @@
-/* C interface of a board bitstream: a shared library with one Verilated `board` and the models of the chips around it.
-   The only symbol is cde_board_entry(). One handle is one card; handles are independent and may live in different threads,
-   a single handle must not be used by two threads at once. */
+/* C interface of a board bitstream: a shared library with one Verilated `board` and the models of
+   the chips around it. The only symbol is cde_board_entry(). One handle is one card; handles are
+   independent and may live in different threads, a single handle must not be used by two threads at
+   once. */
 #ifndef CDE_ABI_H
 #define CDE_ABI_H
 #include <stdint.h>
@@ -22,21 +23,26 @@ typedef struct cde_board_api {
   uint64_t config_hash;    /* what the register must show */
   const char* parameters;  /* NAME=VALUE lines of the elaborated configuration */
 
-  void* (*create)(const cde_board_options* options); /* NULL when memory is short; the card comes out of reset */
+  void* (*create)(const cde_board_options*
+                      options); /* NULL when memory is short; the card comes out of reset */
   void (*destroy)(void* card);
   void (*reset)(void* card);
 
-  /* `beats` transfers of 64 bits on the local bus, one a clock, at byte offset, offset + 8, ... (SRAM: the offset stays 0).
-     Returns the beats transferred: fewer only if `max_clocks` ran out first. */
-  uint64_t (*write)(void* card, uint32_t space, uint32_t offset, const void* data, uint64_t beats, uint64_t max_clocks);
-  uint64_t (*read)(void* card, uint32_t space, uint32_t offset, void* data, uint64_t beats, uint64_t max_clocks);
+  /* `beats` transfers of 64 bits on the local bus, one a clock, at byte offset, offset + 8, ...
+     (SRAM: the offset stays 0). Returns the beats transferred: fewer only if `max_clocks` ran out
+     first. */
+  uint64_t (*write)(void* card, uint32_t space, uint32_t offset, const void* data, uint64_t beats,
+                    uint64_t max_clocks);
+  uint64_t (*read)(void* card, uint32_t space, uint32_t offset, void* data, uint64_t beats,
+                   uint64_t max_clocks);
 
   /* Clocks until the interrupt line is high, at most max_clocks; returns the clocks spent. */
   uint64_t (*run)(void* card, uint64_t max_clocks);
   int (*interrupt)(void* card);
   uint64_t (*clocks)(void* card); /* since creation */
 
-  /* Waves: 0, or -1 if the bitstream has no tracing or the file cannot be written. Closed by destroy as well. */
+  /* Waves: 0, or -1 if the bitstream has no tracing or the file cannot be written. Closed by
+   * destroy as well. */
   int (*trace_open)(void* card, const char* path);
   void (*trace_close)(void* card);
 

@@ -4,9 +4,12 @@ namespace cde {
 
 int exit_status(ErrorCode code) noexcept {
   switch (code) {
-    case ErrorCode::kMismatch: return 3;
-    case ErrorCode::kTimeout: return 4;
-    default: return 2;
+    case ErrorCode::kMismatch:
+      return 3;
+    case ErrorCode::kTimeout:
+      return 4;
+    default:
+      return 2;
   }
 }
 

@@ -19,6 +19,7 @@ module engine_control #(
     input logic [PRIMARIES-1:0] active_i,  // present and not masked
     output logic busy_o,
     output logic done_o,  // one clock
+    output logic flush_o,  // aborted: what is in flight or waiting is dropped
     output logic streaming_mode_o,
 
     output logic clear_o,
@@ -62,6 +63,7 @@ module engine_control #(
 
   assign rows = (ROW_W + 1)'((32'(prim_count_i) + 32'(LANES - 1)) / 32'(LANES));
   assign busy_o = state_q != IDLE;
+  assign flush_o = abort_i || state_q == FLUSH;
   assign streaming_mode_o = mode_i == cde_pkg::MODE_ALL || mode_i == cde_pkg::MODE_HITS;
 
   assign clear_o = state_q == CLEAR;

@@ -1,4 +1,5 @@
-// Harness of the `board` top module: clock, DDR and SRAM models, local-bus master, waves. Exports the C interface of abi.h.
+// Harness of the `board` top module: clock, DDR and SRAM models, local-bus master, waves. Exports
+// the C interface of abi.h.
 #include <sys/mman.h>
 
 #include <array>
@@ -9,12 +10,10 @@
 
 #include "Vmodel.h"
 #include "abi.h"
+#include "coverage.h"
 #include "verilated.h"
 #ifdef CDE_TRACE
 #include "verilated_fst_c.h"
-#endif
-#if __has_include("coverage.h")
-#include "coverage.h"
 #endif
 
 namespace {
@@ -23,18 +22,22 @@ constexpr unsigned kSpaceSram = 3;
 constexpr uint64_t kDdrBytes = 2'000'000'000;
 constexpr uint64_t kSramBytes = 7 * 2097152;
 
-/// Anonymous memory that the operating system backs page by page as it is written: a 2 GB module costs what it holds.
+/// Anonymous memory that the operating system backs page by page as it is written: a 2 GB module
+/// costs what it holds.
 class SparseMemory {
  public:
   explicit SparseMemory(uint64_t bytes) : bytes_(bytes) {
-    void* p = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    void* p = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
+                   MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (p == MAP_FAILED) throw std::bad_alloc();
     data_ = static_cast<uint8_t*>(p);
   }
   SparseMemory(const SparseMemory&) = delete;
   SparseMemory& operator=(const SparseMemory&) = delete;
   ~SparseMemory() { munmap(data_, bytes_); }
-  uint8_t* at(uint64_t byte, uint64_t size) { return byte + size <= bytes_ ? data_ + byte : nullptr; }
+  uint8_t* at(uint64_t byte, uint64_t size) {
+    return byte + size <= bytes_ ? data_ + byte : nullptr;
+  }
 
  private:
   uint64_t bytes_;
@@ -45,16 +48,18 @@ class SparseMemory {
 class Card {
  public:
   explicit Card(const cde_board_options& o)
-      : options_(o), context_(new VerilatedContext), model_(new Vmodel(context_.get(), "board")),
-        ddr_(kDdrBytes + 64), sram_(kSramBytes * (sizeof(model_->sram_write_data_o) / 28)), pending_(options_.ddr_latency, kNone) {
+      : options_(o),
+        context_(new VerilatedContext),
+        model_(new Vmodel(context_.get(), "board")),
+        ddr_(kDdrBytes + 64),
+        sram_(kSramBytes * (sizeof(model_->sram_write_data_o) / 28)),
+        pending_(options_.ddr_latency, kNone) {
     reset();
   }
   ~Card() {
     trace_close();
     model_->final();
-#ifdef CDE_COVERAGE_H
     cde_write_coverage(context_.get(), "board");
-#endif
   }
 
   void reset() {
@@ -65,7 +70,8 @@ class Card {
     tick();
   }
 
-  uint64_t write(uint32_t space, uint32_t offset, const uint8_t* data, uint64_t beats, uint64_t max_clocks) {
+  uint64_t write(uint32_t space, uint32_t offset, const uint8_t* data, uint64_t beats,
+                 uint64_t max_clocks) {
     uint64_t done = 0;
     model_->bus_valid_i = 1;
     model_->bus_write_i = 1;
@@ -79,7 +85,8 @@ class Card {
     return done;
   }
 
-  uint64_t read(uint32_t space, uint32_t offset, uint8_t* data, uint64_t beats, uint64_t max_clocks) {
+  uint64_t read(uint32_t space, uint32_t offset, uint8_t* data, uint64_t beats,
+                uint64_t max_clocks) {
     uint64_t asked = 0, got = 0;
     model_->bus_write_i = 0;
     model_->bus_space_i = space;
@@ -143,11 +150,14 @@ class Card {
     const bool taken = model_->bus_valid_i && model_->bus_ready_o;
     if (model_->ddr_read_o) slot = model_->ddr_read_slot_o;
     if (model_->ddr_write_o)
-      if (uint8_t* p = ddr_.at(model_->ddr_write_addr_o, 8)) std::memcpy(p, &model_->ddr_write_data_o, 8);
+      if (uint8_t* p = ddr_.at(model_->ddr_write_addr_o, 8))
+        std::memcpy(p, &model_->ddr_write_data_o, 8);
     if (model_->sram_write_o) {
-      if (uint8_t* p = sram_.at(model_->sram_write_addr_o * kRecord, kRecord)) std::memcpy(p, &model_->sram_write_data_o, kRecord);
+      if (uint8_t* p = sram_.at(model_->sram_write_addr_o * kRecord, kRecord))
+        std::memcpy(p, &model_->sram_write_data_o, kRecord);
     }
-    const uint8_t* fetched = model_->sram_read_o ? sram_.at(model_->sram_read_addr_o * kRecord, kRecord) : nullptr;
+    const uint8_t* fetched =
+        model_->sram_read_o ? sram_.at(model_->sram_read_addr_o * kRecord, kRecord) : nullptr;
     model_->clk_i = 1;
     eval();
     if (fetched) std::memcpy(&model_->sram_read_data_i, fetched, kRecord);
@@ -158,7 +168,9 @@ class Card {
   void eval() {
     model_->eval();
 #ifdef CDE_TRACE
-    if (trace_ && trace_->isOpen()) trace_->dump(clocks_ * options_.clock_period_ps + (model_->clk_i ? options_.clock_period_ps / 2 : 0));
+    if (trace_ && trace_->isOpen())
+      trace_->dump(clocks_ * options_.clock_period_ps +
+                   (model_->clk_i ? options_.clock_period_ps / 2 : 0));
 #endif
   }
 
@@ -174,7 +186,9 @@ class Card {
   uint64_t clocks_ = 0;
 };
 
-Card* card(void* p) { return static_cast<Card*>(p); }
+Card* card(void* p) {
+  return static_cast<Card*>(p);
+}
 
 const cde_board_api kApi = {
     CDE_BOARD_ABI,
@@ -191,7 +205,8 @@ const cde_board_api kApi = {
     },
     [](void* p) { delete card(p); },
     [](void* p) { card(p)->reset(); },
-    [](void* p, uint32_t space, uint32_t offset, const void* data, uint64_t beats, uint64_t max_clocks) {
+    [](void* p, uint32_t space, uint32_t offset, const void* data, uint64_t beats,
+       uint64_t max_clocks) {
       return card(p)->write(space, offset, static_cast<const uint8_t*>(data), beats, max_clocks);
     },
     [](void* p, uint32_t space, uint32_t offset, void* data, uint64_t beats, uint64_t max_clocks) {
@@ -207,4 +222,6 @@ const cde_board_api kApi = {
 
 }  // namespace
 
-extern "C" __attribute__((visibility("default"))) const cde_board_api* cde_board_entry() { return &kApi; }
+extern "C" __attribute__((visibility("default"))) const cde_board_api* cde_board_entry() {
+  return &kApi;
+}

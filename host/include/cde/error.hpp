@@ -8,7 +8,8 @@ namespace cde {
 enum class ErrorCode {
   kUsage,          ///< an argument or option makes no sense
   kFile,           ///< a file is missing, unreadable, malformed, or cannot be written
-  kBadInput,       ///< a primitive or mesh breaks its contract (NaN, infinity, zero direction, no triangles)
+  kBadInput,       ///< a primitive or mesh breaks its contract (NaN, infinity, zero direction, no
+                   ///< triangles)
   kCapacity,       ///< more objects than the card's memory holds
   kConfiguration,  ///< the bitstream is not the configuration that was asked for
   kBuild,          ///< a bitstream could not be built
@@ -17,7 +18,8 @@ enum class ErrorCode {
   kTimeout,        ///< the card did not finish within its deadline
 };
 
-/// The one exception type of the library. `what()` names the file, line, field or register concerned.
+/// The one exception type of the library. `what()` names the file, line, field or register
+/// concerned.
 class Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
@@ -27,7 +29,8 @@ class Error : public std::runtime_error {
   ErrorCode code_;
 };
 
-/// Process exit status for an error: 2 usage or file or input, 3 mismatch with the reference, 4 timeout.
+/// Process exit status for an error: 2 usage or file or input, 3 mismatch with the reference, 4
+/// timeout.
 [[nodiscard]] int exit_status(ErrorCode code) noexcept;
 
 }  // namespace cde
