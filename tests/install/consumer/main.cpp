@@ -1,26 +1,33 @@
-// What a user's first program does with the installed library.
+// Casts two rays at a terrain on a simulated card and compares the answers with the reference.
+#include <cde/board.hpp>
 #include <cde/error.hpp>
-#include <cde/image.hpp>
-#include <cde/mesh.hpp>
+#include <cde/reference.hpp>
 #include <cde/terrain.hpp>
 #include <cstdio>
-#include <filesystem>
+#include <vector>
 
 int main() try {
   const cde::Mesh mesh = cde::make_terrain({.quads_x = 40, .quads_y = 30});
-  std::printf("%zu triangles\n", mesh.faces.size());
-  if (mesh.faces.size() != 2400) return 1;
+  cde::Board board = cde::Board::open({.lanes = 16});  // initializeDevice
+  board.upload(mesh);                                  // secondaryUpload
 
-  cde::GreyImage heights{.size = {41, 31}, .pixels = {}};
-  for (const auto& vertex : mesh.vertices) {
-    heights.pixels.push_back(static_cast<std::uint16_t>(vertex.z() * 100));
+  const std::vector<cde::Ray> rays = {{.o = {200, 150, 1000}, .d = {0, 0, -1}},
+                                      {.o = {200, 150, 1000}, .d = {0, 0, 1}}};
+  const std::vector<cde::Record> records = board.cast(rays);  // registers, invokeCDE, downloadSRAM
+  for (const cde::Record& r : records) {
+    if (r.f) {
+      std::printf("ray %u hits triangle %u at t = %g, height %g\n", r.primary, r.index, r.t,
+                  r.cp.z());
+    } else {
+      std::printf("ray %u hits nothing\n", r.primary);
+    }
   }
-  cde::write_png(heights, "heights.png");
-  if (std::filesystem::file_size("heights.png") < 1000) return 1;
-
-  const cde::Mesh missing = cde::load_mesh("no-such-mesh.stl");
-  return 1;
+  const std::vector<cde::Record> expected = cde::reference::cast(rays, mesh);
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    if (!same_bits(records[i], expected[i])) return 1;
+  }
+  return records[0].f && !records[1].f ? 0 : 1;
 } catch (const cde::Error& e) {
-  std::printf("%s\n", e.what());
-  return e.code() == cde::ErrorCode::kFile ? 0 : 1;
+  std::fprintf(stderr, "%s\n", e.what());
+  return 2;
 }
