@@ -294,6 +294,7 @@ Counters& Counters::operator+=(const Counters& other) {
   bad_primaries += other.bad_primaries;
   bad_secondaries += other.bad_secondaries;
   secondaries += other.secondaries;
+  pairs += other.pairs;
   records += other.records;
   upload_clocks += other.upload_clocks;
   total_clocks += other.total_clocks;

@@ -129,6 +129,7 @@ class Pass {
     c.bad_primaries = card_.read_register(card::kRegBadPrim);
     c.bad_secondaries = card_.read_register(card::kRegBadSec);
     c.secondaries = card_.read_register(card::kRegSecondaries);
+    c.pairs = c.secondaries * active_;
     c.records = card_.read_register(card::kRegWritten);
     const std::uint64_t status = card_.read_register(card::kRegStatus);
     if (bit(status, card::kStatusBusError)) card_.check_bus("the download of records");

@@ -10,6 +10,9 @@ int main(int argc, char** argv) {
   CLI::App app{"cde: a collision detection engine in SystemVerilog on a simulated PCI card"};
   app.require_subcommand(1);
   app.set_help_all_flag("--help-all", "Help of every verb");
+  cde::cli::add_cast(app);
+  cde::cli::add_bench(app);
+  cde::cli::add_doctor(app);
   cde::cli::add_fp(app);
   try {
     app.parse(argc, argv);

@@ -1,13 +1,17 @@
 #pragma once
 #include <CLI/CLI.hpp>
 
-/// Each verb of the `cde` command lives in verb_NAME.cpp and registers itself here. A verb's callback throws cde::Error;
-/// main turns it into a message on stderr and an exit status. Data goes to stdout, everything else to stderr.
+/// Each verb of the `cde` command lives in verb_NAME.cpp and registers itself here. A verb's
+/// callback throws cde::Error; main turns it into a message on stderr and an exit status. Data goes
+/// to stdout, everything else to stderr.
 namespace cde::cli {
 
 /// Set by a verb that ran but found a difference or nothing (exit 1) instead of throwing.
 inline int exit_code = 0;
 
+void add_bench(CLI::App& app);
+void add_cast(CLI::App& app);
+void add_doctor(CLI::App& app);
 void add_fp(CLI::App& app);
 
 }  // namespace cde::cli

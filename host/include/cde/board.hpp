@@ -75,6 +75,7 @@ struct Counters {
   std::uint64_t bad_primaries = 0;    ///< rays refused as bad input
   std::uint64_t bad_secondaries = 0;  ///< triangles refused as bad input
   std::uint64_t secondaries = 0;      ///< triangles swept (mode any may end early)
+  std::uint64_t pairs = 0;            ///< ray-triangle tests: triangles swept times unmasked rays
   std::uint64_t records = 0;          ///< records written, all of which were downloaded
   std::uint64_t upload_clocks = 0;    ///< local-bus clocks of loading the rays
   std::uint64_t total_clocks = 0;     ///< everything: loading, pass, download, register accesses

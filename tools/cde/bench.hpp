@@ -1,0 +1,18 @@
+#pragma once
+#include <nlohmann/json.hpp>
+
+/// Sections of `cde bench`: each measures, prints its table to stderr, and returns its figures.
+namespace cde::cli {
+
+struct BenchOptions {
+  bool quick = false;  ///< the bitstreams that every build has, small scenes
+  bool full = false;   ///< up to 10 million triangles
+  double clock_hz = 100e6;
+};
+
+nlohmann::ordered_json bench_rays(const BenchOptions& options);
+
+/// Processor time of this thread and of the process, seconds.
+[[nodiscard]] double thread_seconds();
+
+}  // namespace cde::cli

@@ -1,0 +1,226 @@
+// cde bench rays: the simulated card against software that does the same brute force on one thread.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <thread>
+
+#include "bench.hpp"
+#include "cde/baseline.hpp"
+#include "cde/board.hpp"
+#include "cde/camera.hpp"
+#include "cde/error.hpp"
+#include "cde/terrain.hpp"
+
+namespace cde::cli {
+namespace {
+
+using nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+struct Scene {
+  Mesh mesh;
+  std::vector<Triangle> triangles;
+  std::vector<Ray> rays;
+};
+
+/// 256 rays straight down on a terrain: each meets every triangle and hits one.
+Scene make_scene(std::uint32_t quads_x, std::uint32_t quads_y) {
+  Scene s{make_terrain({.quads_x = quads_x, .quads_y = quads_y}), {}, {}};
+  for (std::size_t i = 0; i < s.mesh.faces.size(); ++i) s.triangles.push_back(s.mesh.triangle(i));
+  s.rays = grid_rays(bounds(s.mesh), {16, 16});
+  return s;
+}
+
+struct Measured {
+  double seconds = 1e300;  // best processor time of this thread
+  Counters counters;
+  std::vector<Record> records;
+};
+
+Measured cast_best(Board& board, const Scene& scene, int times) {
+  Measured best;
+  board.upload(scene.triangles);
+  for (int i = 0; i < times; ++i) {
+    const double start = thread_seconds();
+    best.records.clear();
+    best.counters = board.cast(scene.rays, {}, [&](std::span<const Record> some) {
+      best.records.insert(best.records.end(), some.begin(), some.end());
+    });
+    best.seconds = std::min(best.seconds, thread_seconds() - start);
+  }
+  return best;
+}
+
+/// Software and card find the same triangles at the same distances, but for ties and rounding.
+void require_agreement(const std::vector<Record>& card,
+                       const std::vector<baseline::ClosestHit>& software, const char* name) {
+  std::size_t differ = 0;
+  for (std::size_t i = 0; i < card.size(); ++i) {
+    const bool hit = software[i].index != ~0u;
+    if (hit != card[i].f ||
+        (hit && std::abs(software[i].t - card[i].t) > 1e-4f * std::abs(card[i].t)))
+      ++differ;
+  }
+  // A ray through an edge may fall on either side, or between, in other roundings.
+  if (differ * 50 > card.size()) {
+    throw Error(ErrorCode::kMismatch,
+                fmt::format("{} of {} hits of the {} baseline are not the card's", differ,
+                            card.size(), name));
+  }
+}
+
+struct Rate {
+  std::string name;
+  double tests_per_second;
+};
+
+std::vector<Rate> run_baselines(const Scene& scene, const std::vector<Record>& card, int times) {
+  std::vector<Rate> rates;
+  for (const auto kind :
+       {baseline::Kind::kScalar, baseline::Kind::kAvx2, baseline::Kind::kAvx512}) {
+    if (!baseline::available(kind)) continue;
+    double best = 1e300;
+    for (int i = 0; i < times; ++i) {
+      const double start = thread_seconds();
+      const auto hits = baseline::closest(kind, scene.rays, scene.triangles);
+      best = std::min(best, thread_seconds() - start);
+      require_agreement(card, hits, baseline::name_of(kind));
+    }
+    rates.push_back({baseline::name_of(kind),
+                     static_cast<double>(scene.rays.size() * scene.triangles.size()) / best});
+  }
+  return rates;
+}
+
+ordered_json compare_rates(const BenchOptions& o) {
+  const Scene scene = o.quick ? make_scene(100, 100) : make_scene(291, 446);
+  fmt::print(stderr, "\n256 rays x {} triangles, single thread, best of 3, processor time\n",
+             scene.triangles.size());
+  struct Entry {
+    BoardConfig config;
+    Measured measured;
+  };
+  std::vector<Entry> entries;
+  for (const Arithmetic arithmetic : {Arithmetic::kHost, Arithmetic::kRtl}) {
+    for (const unsigned lanes : {16u, 32u, 64u, 128u}) {
+      if (o.quick && lanes != 16) continue;
+      const BoardConfig config{.lanes = lanes, .arithmetic = arithmetic};
+      Board board = Board::open(config);
+      entries.push_back({config, cast_best(board, scene, arithmetic == Arithmetic::kHost ? 3 : 1)});
+    }
+  }
+  const std::vector<Rate> rates = run_baselines(scene, entries[0].measured.records, 3);
+  const double scalar = rates.front().tests_per_second, vector = rates.back().tests_per_second;
+  ordered_json j = {{"rays", scene.rays.size()},
+                    {"triangles", scene.triangles.size()},
+                    {"software", ordered_json::array()},
+                    {"card", ordered_json::array()}};
+  for (const Rate& r : rates) {
+    fmt::print(stderr, "software {:<10} {:8.1f} M tests/s\n", r.name, r.tests_per_second / 1e6);
+    j["software"].push_back({{"kind", r.name}, {"tests_per_second", r.tests_per_second}});
+  }
+  for (const Entry& e : entries) {
+    const Counters& c = e.measured.counters;
+    const char* arithmetic = e.config.arithmetic == Arithmetic::kHost ? "host" : "rtl";
+    const double rate = static_cast<double>(c.pairs) / e.measured.seconds;
+    const double rows = static_cast<double>(scene.triangles.size()) * 256.0 / e.config.lanes;
+    const double per_row = static_cast<double>(c.cycles) / rows;
+    fmt::print(stderr,
+               "card {:<4} {:>3} lanes  {:8.1f} M tests/s simulated, {:.2f} of scalar, {:.3f} of "
+               "{}; {} cycles, {:.6f} a row, {:.3f} ms at {:g} MHz\n",
+               arithmetic, e.config.lanes, rate / 1e6, rate / scalar, rate / vector,
+               rates.back().name, c.cycles, per_row, 1e3 * c.modelled_seconds(o.clock_hz),
+               o.clock_hz / 1e6);
+    j["card"].push_back({{"arithmetic", arithmetic},
+                         {"lanes", e.config.lanes},
+                         {"tests_per_second_simulated", rate},
+                         {"ratio_to_scalar", rate / scalar},
+                         {"ratio_to_vector", rate / vector},
+                         {"device_cycles", c.cycles},
+                         {"writeback_cycles", c.writeback},
+                         {"cycles_per_row", per_row},
+                         {"modelled_seconds", c.modelled_seconds(o.clock_hz)}});
+  }
+  return j;
+}
+
+std::size_t resident_bytes() {
+  std::size_t total = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> total >> resident;
+  return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+/// Device clocks and simulation time against the number of triangles.
+ordered_json linearity(const BenchOptions& o) {
+  fmt::print(stderr, "\nsize of the scene, host arithmetic, 16 lanes, 256 rays\n");
+  ordered_json list = ordered_json::array();
+  std::vector<std::uint32_t> sides = {22, 71, 224};
+  if (!o.quick) sides.push_back(707);
+  if (o.full) sides.push_back(2236);
+  for (const std::uint32_t side : sides) {
+    const Mesh mesh = make_terrain({.quads_x = side, .quads_y = side});
+    const std::vector<Ray> rays = grid_rays(bounds(mesh), {16, 16});
+    const std::size_t count = mesh.faces.size();
+    Board board = Board::open({});
+    const std::size_t before = resident_bytes();
+    const double upload_start = thread_seconds();
+    board.upload(mesh);
+    const double upload = thread_seconds() - upload_start;
+    const double bytes =
+        static_cast<double>(resident_bytes() - before) / static_cast<double>(count);
+    const double start = thread_seconds();
+    const Counters c = board.cast(rays, {}, [](std::span<const Record>) {});
+    const double seconds = thread_seconds() - start;
+    const double rows = static_cast<double>(count) * 256 / board.lanes();
+    fmt::print(stderr,
+               "{:>9} triangles  {:>10} cycles, {:.6f} a row  cast {:8.3f} s, {:6.1f} M tests/s  "
+               "upload {:6.3f} s, {:5.1f} bytes a triangle\n",
+               count, c.cycles, static_cast<double>(c.cycles) / rows, seconds,
+               static_cast<double>(c.pairs) / seconds / 1e6, upload, bytes);
+    list.push_back({{"triangles", count},
+                    {"device_cycles", c.cycles},
+                    {"cycles_per_row", static_cast<double>(c.cycles) / rows},
+                    {"cast_seconds", seconds},
+                    {"tests_per_second_simulated", static_cast<double>(c.pairs) / seconds},
+                    {"upload_seconds", upload},
+                    {"resident_bytes_per_triangle", bytes}});
+  }
+  return list;
+}
+
+/// The same work on one board, and on two boards in two threads at once.
+ordered_json two_boards(const BenchOptions& o) {
+  const Scene scene = o.quick ? make_scene(100, 100) : make_scene(291, 446);
+  Board first = Board::open({}), second = Board::open({});
+  first.upload(scene.triangles);
+  second.upload(scene.triangles);
+  const auto cast = [&](Board& board) {
+    board.cast(scene.rays, {}, [](std::span<const Record>) {});
+  };
+  const auto wall = [](auto work) {
+    const auto start = Clock::now();
+    work();
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  };
+  cast(first);
+  const double one = wall([&] { cast(first); });
+  const double two = wall([&] {
+    std::thread other([&] { cast(second); });
+    cast(first);
+    other.join();
+  });
+  fmt::print(stderr, "\ntwo boards in two threads: {:.2f} times the tests/s of one (wall clock)\n",
+             2 * one / two);
+  return {
+      {"one_board_seconds", one}, {"two_boards_seconds", two}, {"throughput_ratio", 2 * one / two}};
+}
+
+}  // namespace
+
+ordered_json bench_rays(const BenchOptions& o) {
+  return {{"rates", compare_rates(o)}, {"linearity", linearity(o)}, {"two_boards", two_boards(o)}};
+}
+
+}  // namespace cde::cli

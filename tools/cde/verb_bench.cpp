@@ -1,0 +1,104 @@
+// cde bench: measurements, each beside the rivals it is to be compared with, in the same run.
+#include <fmt/format.h>
+
+#include <time.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bench.hpp"
+#include "cde/error.hpp"
+#include "verbs.hpp"
+
+namespace cde::cli {
+namespace {
+
+struct Section {
+  const char* name;
+  nlohmann::ordered_json (*measure)(const BenchOptions&);
+};
+constexpr Section kSections[] = {{"rays", bench_rays}};
+
+std::string field_of(const char* file, const std::string& field) {
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with(field)) return line.substr(std::min(line.size(), line.find(':') + 2));
+  }
+  return "unknown";
+}
+
+nlohmann::ordered_json machine(const BenchOptions& o) {
+#ifdef __clang__
+  const std::string compiler = "clang " __clang_version__;
+#else
+  const std::string compiler = "g++ " __VERSION__;
+#endif
+  return {{"processor", field_of("/proc/cpuinfo", "model name")},
+          {"processor_mhz_now", field_of("/proc/cpuinfo", "cpu MHz")},
+          {"processors", std::to_string(std::thread::hardware_concurrency())},
+          {"load_average",
+           [] {
+             std::string load;
+             std::ifstream("/proc/loadavg") >> load;
+             return load;
+           }()},
+          {"host_compiler", compiler},
+          {"assumed_core_clock_hz", fmt::format("{:g}", o.clock_hz)}};
+}
+
+void run(const BenchOptions& o, const std::vector<std::string>& wanted, bool json) {
+  std::set<std::string> known;
+  for (const Section& s : kSections) known.insert(s.name);
+  for (const std::string& name : wanted) {
+    if (!known.contains(name))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("no section '{}'; there are: {}", name, fmt::join(known, ", ")));
+  }
+  nlohmann::ordered_json all = {{"machine", machine(o)}};
+  for (const auto& [key, value] : all["machine"].items())
+    fmt::print(stderr, "{:<22} {}\n", key, value.get<std::string>());
+  for (const Section& s : kSections) {
+    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), s.name) == wanted.end())
+      continue;
+    all[s.name] = s.measure(o);
+  }
+  if (json) fmt::print("{}\n", all.dump(2));
+}
+
+}  // namespace
+
+double thread_seconds() {
+  timespec t{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+void add_bench(CLI::App& app) {
+  struct Arguments {
+    BenchOptions options;
+    std::vector<std::string> sections;
+    double clock_mhz = 100;
+    bool json = false;
+  };
+  auto a = std::make_shared<Arguments>();
+  CLI::App* verb = app.add_subcommand(
+      "bench", "Measure simulation speed and device clocks beside software on the same machine");
+  verb->add_option("section", a->sections, "Sections to run (all): rays");
+  verb->add_flag("--json", a->json, "Figures as JSON on stdout");
+  auto* quick = verb->add_flag("--quick", a->options.quick,
+                               "Under a minute: default bitstreams, small scenes");
+  verb->add_flag("--full", a->options.full, "Up to 10 million triangles")->excludes(quick);
+  verb->add_option("--clock", a->clock_mhz, "Core clock assumed for modelled times, MHz")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  verb->callback([a] {
+    a->options.clock_hz = a->clock_mhz * 1e6;
+    run(a->options, a->sections, a->json);
+  });
+}
+
+}  // namespace cde::cli
