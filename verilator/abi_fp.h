@@ -1,4 +1,5 @@
-/* C interface of an fp_unit bitstream. A unit is single-threaded; operands and results are the low bits of 64-bit words. */
+/* C interface of an fp_unit bitstream. A unit is single-threaded; operands and results are the low
+ * bits of 64-bit words. */
 #pragma once
 #include <stdint.h>
 
@@ -10,32 +11,58 @@ extern "C" {
 
 /* Operations, by the number of their clock in fp_unit.sv. */
 enum cde_fp_op {
-  CDE_FP_ADD, CDE_FP_SUB, CDE_FP_MUL, CDE_FP_DIV, CDE_FP_SQRT,
-  CDE_FP_LT, CDE_FP_LE, CDE_FP_EQ, CDE_FP_MIN, CDE_FP_MAX, /* comparisons answer 1 or 0 */
-  CDE_FP_TO_FP16, CDE_FP_TO_BF16, CDE_FP_TO_TF32, CDE_FP_TO_FP24, CDE_FP_TO_FP32, CDE_FP_TO_FP64, CDE_FP_TO_E4M3, CDE_FP_TO_E3M2,
-  CDE_FP_FROM_I32, CDE_FP_FROM_UI32, CDE_FP_FROM_I64, CDE_FP_FROM_UI64,
-  CDE_FP_TO_I32, CDE_FP_TO_UI32, CDE_FP_TO_I64, CDE_FP_TO_UI64, /* to nearest even */
-  CDE_FP_TO_I32_TRUNC, CDE_FP_TO_UI32_TRUNC, CDE_FP_TO_I64_TRUNC, CDE_FP_TO_UI64_TRUNC, /* toward zero */
+  CDE_FP_ADD,
+  CDE_FP_SUB,
+  CDE_FP_MUL,
+  CDE_FP_DIV,
+  CDE_FP_SQRT,
+  CDE_FP_LT,
+  CDE_FP_LE,
+  CDE_FP_EQ,
+  CDE_FP_MIN,
+  CDE_FP_MAX, /* comparisons answer 1 or 0 */
+  CDE_FP_TO_FP16,
+  CDE_FP_TO_BF16,
+  CDE_FP_TO_TF32,
+  CDE_FP_TO_FP24,
+  CDE_FP_TO_FP32,
+  CDE_FP_TO_FP64,
+  CDE_FP_TO_E4M3,
+  CDE_FP_TO_E3M2,
+  CDE_FP_FROM_I32,
+  CDE_FP_FROM_UI32,
+  CDE_FP_FROM_I64,
+  CDE_FP_FROM_UI64,
+  CDE_FP_TO_I32,
+  CDE_FP_TO_UI32,
+  CDE_FP_TO_I64,
+  CDE_FP_TO_UI64, /* to nearest even */
+  CDE_FP_TO_I32_TRUNC,
+  CDE_FP_TO_UI32_TRUNC,
+  CDE_FP_TO_I64_TRUNC,
+  CDE_FP_TO_UI64_TRUNC, /* toward zero */
   CDE_FP_OPS
 };
 
 typedef struct cde_fp_unit cde_fp_unit;
 
 typedef struct cde_fp_api {
-  uint32_t version;         /* CDE_FP_ABI_VERSION */
+  uint32_t version; /* CDE_FP_ABI_VERSION */
   uint32_t exp_bits, man_bits, lanes;
-  uint32_t flags;           /* 1 if the bitstream computes flags */
-  uint32_t operations;      /* bit op: the operation is there */
-  const char* parameters;   /* NAME=VALUE lines */
-  cde_fp_unit* (*create)(void);  /* null when out of memory */
+  uint32_t flags;               /* 1 if the bitstream computes flags */
+  uint32_t operations;          /* bit op: the operation is there */
+  const char* parameters;       /* NAME=VALUE lines */
+  cde_fp_unit* (*create)(void); /* null when out of memory */
   void (*destroy)(cde_fp_unit*);
   /* Latency in clocks; 0 for an operation that is not there. */
   uint32_t (*latency)(const cde_fp_unit*, uint32_t op);
-  /* n operations, streamed one row of lanes a clock. b is read by binary operations only; flags (bits NX 1, UF 2, OF 4, DZ 8,
-   * NV 16) may be null. 0 on success, 1 for an operation that is not there. */
-  int (*apply)(cde_fp_unit*, uint32_t op, const uint64_t* a, const uint64_t* b, uint64_t* r, uint8_t* flags, uint64_t n);
-  /* Processor seconds (of the calling thread) of that many clocks of the operation, new operands every clock; negative if it is
-   * not there. */
+  /* n operations, streamed one row of lanes a clock. b is read by binary operations only; flags
+   * (bits NX 1, UF 2, OF 4, DZ 8, NV 16) may be null. 0 on success, 1 for an operation that is not
+   * there. */
+  int (*apply)(cde_fp_unit*, uint32_t op, const uint64_t* a, const uint64_t* b, uint64_t* r,
+               uint8_t* flags, uint64_t n);
+  /* Processor seconds (of the calling thread) of that many clocks of the operation, new operands
+   * every clock; negative if it is not there. */
   double (*measure)(cde_fp_unit*, uint32_t op, uint64_t clocks);
 } cde_fp_api;
 
