@@ -62,7 +62,9 @@ TEST_F(Registers, ReadOnlyAndUnmapped) {
         kRegSecondaries, kRegWritten, kRegWriteback}) {
     const std::uint64_t before = board_.read_register(r);
     expect_write_refused(kSpaceReg, r);
-    if (r != kRegFaultAddr) EXPECT_EQ(board_.read_register(r), before) << r;
+    if (r != kRegFaultAddr) {
+      EXPECT_EQ(board_.read_register(r), before) << r;
+    }
   }
   expect_write_refused(kSpaceReg, 0xa0);  // beyond the stencils
   for (const std::uint32_t offset : {0x100u, 0x1000u, 0x80000000u, 0xfffffff8u}) {

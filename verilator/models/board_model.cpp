@@ -58,6 +58,8 @@ class Card {
   }
   ~Card() {
     trace_close();
+    // A thread remembers the context it served last, which may be that of a card long gone.
+    Verilated::threadContextp(context_.get());
     model_->final();
     cde_write_coverage(context_.get(), "board");
   }

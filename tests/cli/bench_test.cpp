@@ -1,0 +1,41 @@
+// cde bench: the figures are there and make sense; how large they are is the machine's affair.
+#include <nlohmann/json.hpp>
+
+#include "run_cde.hpp"
+
+namespace cde::testing {
+namespace {
+
+class Bench : public Cli {};
+
+TEST_F(Bench, QuickRays) {
+  const Ran ran = cde({"bench", "rays", "--quick", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto j = nlohmann::json::parse(ran.out);
+  EXPECT_FALSE(j["machine"]["processor"].get<std::string>().empty());
+  const auto& rates = j["rays"]["rates"];
+  EXPECT_EQ(rates["software"][0]["kind"], "scalar");
+  EXPECT_GT(rates["software"][0]["tests_per_second"], 1e6);
+  ASSERT_EQ(rates["card"].size(), 2u);
+  for (const auto& card : rates["card"]) {
+    EXPECT_EQ(card["device_cycles"], rates["card"][0]["device_cycles"])
+        << "both arithmetics take the same clocks";
+    EXPECT_GT(card["tests_per_second_simulated"], 1e4);
+    EXPECT_NEAR(card["cycles_per_row"].get<double>(), 1.0, 0.001);
+  }
+  for (const auto& scene : j["rays"]["linearity"]) {
+    const double rows = scene["triangles"].get<double>() * 16;
+    EXPECT_LE(scene["device_cycles"], rows + 200);
+    EXPECT_LT(scene["resident_bytes_per_triangle"], 60);
+  }
+  EXPECT_GT(j["rays"]["two_boards"]["throughput_ratio"], 0);
+}
+
+TEST_F(Bench, UnknownSection) {
+  const Ran ran = cde({"bench", "cars"});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_NE(ran.err.find("no section 'cars'"), std::string::npos) << ran.err;
+}
+
+}  // namespace
+}  // namespace cde::testing

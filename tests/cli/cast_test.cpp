@@ -1,0 +1,296 @@
+// cde cast and cde doctor.
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
+
+#include "run_cde.hpp"
+
+namespace cde::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+const char* const kTriangle = "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n";
+const char* const kTwo = "v 0 0 1\nv 1 0 1\nv 0 1 1\nv 0 0 2\nv 1 0 2\nv 0 1 2\nf 1 2 3\nf 4 5 6\n";
+
+class Cast : public Cli {
+ protected:
+  /// Ends with this status, says this, prints nothing on stdout and leaves no new file.
+  void refused(const Words& words, const std::string& text, int status = 2) {
+    const auto before = files();
+    const Ran ran = cde(words);
+    SCOPED_TRACE(fmt::format("{}", fmt::join(words, " ")));
+    EXPECT_EQ(ran.status, status) << ran.err;
+    EXPECT_NE(ran.err.find(text), std::string::npos) << "says: " << ran.err << "\nlacks: " << text;
+    EXPECT_EQ(ran.out, "");
+    EXPECT_EQ(files(), before);
+  }
+};
+
+TEST_F(Cast, CsvOnStdoutIsAllThatIsThere) {
+  write("one.obj", kTriangle);
+  const Ran ran =
+      cde({"cast", "one.obj", "--ray", "0.25,0.25,0,0,0,2", "--ray=-5,0,0,0,0,1", "-o", "-"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(ran.out, "ray,F,T,CPx,CPy,CPz,index\n0,1,0.5,0.25,0.25,1,0\n1,0,inf,0,0,0,\n");
+  EXPECT_NE(ran.err.find("2 of 2 records match the reference"), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("at 100 MHz"), std::string::npos) << ran.err;
+  EXPECT_EQ(files(), Words{"one.obj"});
+}
+
+TEST_F(Cast, BitsQuietAndFile) {
+  write("one.obj", kTriangle);
+  const Ran ran =
+      cde({"cast", "one.obj", "--ray", "0.25,0.25,0,0,0,2", "-o", "hits.csv", "--bits", "-q"});
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_EQ(ran.out + ran.err, "");
+  EXPECT_EQ(read("hits.csv"),
+            "ray,F,T,CPx,CPy,CPz,index,T_bits,CPx_bits,CPy_bits,CPz_bits\n"
+            "0,1,0.5,0.25,0.25,1,0,3f000000,3e800000,3e800000,3f800000\n");
+}
+
+TEST_F(Cast, EveryMode) {
+  write("two.obj", kTwo);
+  const std::map<std::string, std::string> expected = {
+      {"nearest", "0,1,1,0.25,0.25,1,0\n1,0,inf,0,0,0,\n"},
+      {"farthest", "0,1,2,0.25,0.25,2,1\n1,0,inf,0,0,0,\n"},
+      {"any", "0,1,1,0.25,0.25,1,0\n1,0,inf,0,0,0,\n"},
+      {"all", "0,1,1,0.25,0.25,1,0\n1,0,inf,0,0,0,\n0,1,2,0.25,0.25,2,1\n1,0,inf,0,0,0,\n"},
+      {"hits", "0,1,1,0.25,0.25,1,0\n0,1,2,0.25,0.25,2,1\n"}};
+  for (const auto& [mode, rows] : expected) {
+    const Ran ran = cde({"cast", "two.obj", "--ray", "0.25,0.25,0,0,0,1", "--ray", "9,9,9,1,0,0",
+                         "--mode", mode, "-o", "-", "-q"});
+    EXPECT_EQ(ran.status, 0) << mode << ran.err;
+    EXPECT_EQ(ran.out, "ray,F,T,CPx,CPy,CPz,index\n" + rows) << mode;
+  }
+}
+
+TEST_F(Cast, RaysFromAFileInSeveralPackets) {
+  write("one.obj", kTriangle);
+  std::string rays = "ox,oy,oz,dx,dy,dz\n";
+  for (int i = 0; i < 600; ++i) rays += fmt::format("{},0.001,0,0,0,1\n", i / 400.0);
+  write("rays.csv", rays);
+  const Ran ran = cde({"cast", "one.obj", "--rays", "rays.csv", "--json", "-o", "hits.csv"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto j = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(j["rays"], 600);
+  EXPECT_EQ(j["packets"], 3);
+  EXPECT_EQ(j["triangles"], 1);
+  EXPECT_EQ(j["hits"], 400);
+  EXPECT_EQ(j["records"], 600);
+  EXPECT_EQ(j["records_compared"], 600);
+  EXPECT_EQ(j["records_matching"], 600);
+  EXPECT_EQ(j["tests"], 600);
+  EXPECT_EQ(j["clock_hz"], 1e8);
+  EXPECT_GT(j["device_cycles"], 3 * 16);
+  EXPECT_DOUBLE_EQ(j["modelled_seconds"],
+                   (j["device_cycles"].get<double>() + j["writeback_cycles"].get<double>()) / 1e8);
+  const std::string csv = read("hits.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 601);
+  EXPECT_NE(csv.find("\n599,0,inf"), std::string::npos);
+}
+
+TEST_F(Cast, BothArithmeticsGiveTheSameFile) {
+  for (const char* arithmetic : {"host", "rtl"}) {
+    const Ran ran = cde({"cast", "terrain:12,9,3", "--grid", "20x17", "--bits", "-o",
+                         fmt::format("{}.csv", arithmetic), "--arith", arithmetic});
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    EXPECT_NE(ran.err.find("340 of 340 records match"), std::string::npos) << ran.err;
+  }
+  EXPECT_EQ(read("host.csv"), read("rtl.csv"));
+}
+
+TEST_F(Cast, ClockChangesTheModelledTimeOnly) {
+  write("one.obj", kTriangle);
+  const auto at = [&](const char* mhz) {
+    return nlohmann::json::parse(
+        cde({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--json", "-q", "--clock", mhz}).out);
+  };
+  const auto slow = at("50"), fast = at("200");
+  EXPECT_EQ(slow["device_cycles"], fast["device_cycles"]);
+  EXPECT_DOUBLE_EQ(slow["modelled_seconds"], 4 * fast["modelled_seconds"].get<double>());
+}
+
+TEST_F(Cast, Pictures) {
+  const Ran ran = cde({"cast", "terrain:20,20,1", "--size", "48x32", "--image", "depth.png",
+                       "--shaded", "sun.png"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  for (const char* name : {"depth.png", "sun.png"}) {
+    const std::string png = read(name);
+    ASSERT_GT(png.size(), 100u);
+    EXPECT_EQ(png.substr(1, 3), "PNG");
+    EXPECT_EQ(png.substr(16, 8), std::string("\0\0\0\x30\0\0\0\x20", 8)) << "width and height";
+  }
+  EXPECT_EQ(cde({"cast", "terrain:20,20,1", "--camera=-50,-50,500,100,100,100,60", "--size",
+                 "16x16", "-q"})
+                .status,
+            0);
+}
+
+TEST_F(Cast, Waves) {
+  write("one.obj", kTriangle);
+  Ran ran =
+      cde({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--lanes", "4", "--trace", "waves.fst"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_GT(read("waves.fst").size(), 10'000u);
+  EXPECT_EQ(files(), (Words{"one.obj", "waves.fst"}));
+  // They are wanted most when the cast fails.
+  fs::remove(folder_ / "waves.fst");
+  ran = cde({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--lanes", "4", "--trace", "waves.fst",
+             "--deadline", "10"});
+  EXPECT_EQ(ran.status, 4);
+  EXPECT_EQ(files(), (Words{"one.obj", "waves.fst"}));
+}
+
+TEST_F(Cast, BadInputIsRefusedAndNamed) {
+  write("one.obj", kTriangle);
+  write("empty.obj", "");
+  write("points.obj", "v 0 0 0\n");
+  write("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  write("none.csv", "# nothing\n");
+  write("bad.csv", "0,0,0,0,0,1\n0,0,zero,0,0,1\n");
+  write("zero.csv", "0,0,0,0,0,0\n");
+  fs::create_directory(folder_ / "folder");
+  const Words out = {"-o", "hits.csv"};
+  const auto with = [&](Words words) {
+    words.insert(words.begin(), "cast");
+    words.insert(words.end(), out.begin(), out.end());
+    return words;
+  };
+  const std::string ray = "0,0,0,0,0,1";
+  refused({"cast"}, "mesh is required");
+  refused({"cats"}, "A subcommand is required");
+  refused(with({"one.obj", "--ray", ray, "--no-such-option"}), "--no-such-option");
+  refused(with({"missing.obj", "--ray", ray}), "missing.obj");
+  refused(with({"folder", "--ray", ray}), "folder");
+  refused(with({"empty.obj", "--ray", ray}), "empty.obj");
+  refused(with({"points.obj", "--ray", ray}), "points.obj");
+  refused(with({"nan.obj", "--ray", ray}), "nan");
+  refused(with({"terrain:0,1,1", "--ray", ray}), "terrain");
+  refused(with({"one.obj", "--ray", "0,0,0"}), "--ray");
+  refused(with({"one.obj", "--ray", "0,0,0,0,0,0"}), "direction is zero");
+  refused(with({"one.obj", "--ray", "0,0,0,0,0,nan"}), "--ray");
+  refused(with({"one.obj", "--rays", "missing.csv"}), "missing.csv");
+  refused(with({"one.obj", "--rays", "none.csv"}), "none.csv: no rays");
+  refused(with({"one.obj", "--rays", "bad.csv"}), "bad.csv:2:5");
+  refused(with({"one.obj", "--rays", "zero.csv"}), "zero.csv:1");
+  refused(with({"one.obj", "--rays", "folder"}), "folder");
+  refused(with({"one.obj", "--ray", ray, "--grid", "4x4"}), "exclude each other");
+  refused(with({"one.obj", "--camera", "0,0,0,1,1,1", "--grid", "4x4"}), "exclude each other");
+  refused(with({"one.obj", "--grid", "4x4", "--size", "4x4"}), "--size");
+  refused(with({"one.obj", "--ray", ray, "--size", "4x4"}), "--size");
+  refused(with({"one.obj", "--grid", "0x4"}), "0 x 4 pixels");
+  refused(with({"one.obj", "--size", "axb"}), "--size");
+  refused(with({"one.obj", "--camera", "0,0"}), "--camera");
+  refused(with({"one.obj", "--ray", ray, "--image", "x.png"}), "needs --camera or --grid");
+  refused(with({"one.obj", "--grid", "4x4", "--mode", "all", "--image", "x.png"}),
+          "needs --mode nearest");
+  refused(with({"one.obj", "--ray", ray, "--mode", "best"}), "--mode is 'best'");
+  refused(with({"one.obj", "--ray", ray, "--arith", "gpu"}), "--arith is 'gpu'");
+  for (const char* lanes : {"0", "3", "512"})
+    refused(with({"one.obj", "--ray", ray, "--lanes", lanes}), fmt::format("lanes is {}", lanes));
+  for (const char* lanes : {"-1", "many", "4.5"})
+    refused(with({"one.obj", "--ray", ray, "--lanes", lanes}), "--lanes");
+  for (const char* clock : {"0", "-5", "nan", "inf"})
+    refused(with({"one.obj", "--ray", ray, "--clock", clock}), "--clock");
+  refused(with({"one.obj", "--ray", ray, "--timeout", "0"}), "--timeout");
+  refused({"cast", "one.obj", "--ray", ray, "--json", "-o", "-"}, "stdout");
+  refused({"cast", "one.obj", "--ray", ray, "-o", "no-folder/hits.csv"}, "no-folder/hits.csv");
+  refused({"cast", "one.obj", "--ray", ray, "-o", "folder"}, "folder");
+  refused({"cast", "one.obj", "--grid", "4x4", "--image", "no-folder/x.png"}, "no-folder/x.png");
+  refused(with({"one.obj", "--ray", ray, "--lanes", "4", "--trace", "no-folder/x.fst"}),
+          "no-folder/x.fst");
+}
+
+TEST_F(Cast, TimeoutIsStatus4AndKeepsTheOldFile) {
+  write("one.obj", kTriangle);
+  write("hits.csv", "old");
+  refused({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--deadline", "10", "-o", "hits.csv"},
+          "deadline of 10 clocks", 4);
+  EXPECT_EQ(read("hits.csv"), "old");
+  refused({"cast", "terrain", "--grid", "16x16", "--timeout", "0.01", "-o", "hits.csv"},
+          "watchdog of 0.01 s", 4);
+  EXPECT_EQ(read("hits.csv"), "old");
+}
+
+TEST_F(Cast, InterruptLeavesNothing) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const pid_t child = start({"cast", "terrain", "--grid", "200x200", "-o", "hits.csv"});
+    for (int i = 0; i < 3000 && files().empty(); ++i) ::usleep(10'000);
+    ASSERT_FALSE(files().empty()) << "never began to write";
+    ::kill(child, signal);
+    const Ran ran = finish(child);
+    EXPECT_EQ(ran.status, 128 + signal);
+    EXPECT_EQ(files(), Words{});
+  }
+}
+
+/// A card with a fault: without the third edge's comparison, hits lie outside triangles. The cast
+/// ends with status 3, keeps no file, and the command that it names finds the same difference.
+TEST_F(Cast, FaultyCardIsFoundOut) {
+  const fs::path share = folder_ / "share";
+  for (const char* part : {"rtl", "verilator"}) {
+    fs::create_directories(share);
+    fs::copy(fs::path(CDE_SOURCE_DIR) / part, share / part, fs::copy_options::recursive);
+  }
+  const fs::path pipe = share / "rtl/pipes/ray_triangle_moller.sv";
+  std::stringstream text;
+  text << std::ifstream(pipe).rdbuf();
+  std::string rtl = text.str();
+  const std::string right = "in_edges_uv & uv_hi", wrong = "in_edges_uv";
+  const auto at = rtl.find(right);
+  ASSERT_NE(at, std::string::npos);
+  std::ofstream(pipe) << rtl.replace(at, right.size(), wrong);
+
+  const Words environment = {"CDE_SHARE=" + share.string(),
+                             "CDE_CACHE=" + (folder_ / "cache").string(), "CDE_WERROR=0"};
+  const Ran ran = cde({"cast", "terrain:3,3,1", "--grid", "9x9", "--lanes", "4", "-o", "hits.csv"},
+                      environment);
+  EXPECT_EQ(ran.status, 3) << ran.err;
+  EXPECT_FALSE(exists("hits.csv"));
+  EXPECT_NE(ran.err.find("differs from the reference"), std::string::npos) << ran.err;
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(ran.err, match, std::regex("repeat with: cde (.*)"))) << ran.err;
+  std::istringstream words(match[1]);
+  const Words again{std::istream_iterator<std::string>(words), {}};
+  EXPECT_EQ(cde(again, environment).status, 3);
+  EXPECT_EQ(cde(again).status, 0) << "the right card";
+  Words unchecked = again;
+  unchecked.push_back("--no-check");
+  EXPECT_EQ(cde(unchecked, environment).status, 0);
+}
+
+class Doctor : public Cli {};
+
+TEST_F(Doctor, AllIsWell) {
+  const Ran ran = cde({"doctor"}, {"CDE_CACHE=" + (folder_ / "cache").string()});
+  EXPECT_EQ(ran.status, 0) << ran.out << ran.err;
+  EXPECT_EQ(ran.out.find("BAD"), std::string::npos) << ran.out;
+  for (const char* text :
+       {"Verilator 5", "clang version", "host arithmetic: 204800 of 204800 records match",
+        "rtl arithmetic: 204800 of 204800 records match"}) {
+    EXPECT_NE(ran.out.find(text), std::string::npos) << ran.out;
+  }
+}
+
+TEST_F(Doctor, SaysWhatIsWrongAndWhatToDo) {
+  Ran ran = cde({"doctor"}, {"CDE_CLANG=no-such-compiler"});
+  EXPECT_EQ(ran.status, 1);
+  EXPECT_NE(ran.out.find("no-such-compiler is missing"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("apt-get install clang"), std::string::npos) << ran.out;
+  ran = cde({"doctor"}, {"CDE_CACHE=/proc/no-folder"});
+  EXPECT_EQ(ran.status, 1);
+  EXPECT_NE(ran.out.find("set CDE_CACHE"), std::string::npos) << ran.out;
+}
+
+}  // namespace
+}  // namespace cde::testing

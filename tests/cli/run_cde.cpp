@@ -1,0 +1,89 @@
+#include "run_cde.hpp"
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+namespace cde::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path new_folder() {
+  std::string name = (fs::temp_directory_path() / "cde-cli-XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("mkdtemp");
+  return name;
+}
+
+std::string bytes_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
+void Cli::SetUp() {
+  folder_ = new_folder();
+  logs_ = new_folder();
+}
+
+void Cli::TearDown() {
+  fs::remove_all(folder_);
+  fs::remove_all(logs_);
+}
+
+pid_t Cli::start(const std::vector<std::string>& words,
+                 const std::vector<std::string>& environment) {
+  const pid_t child = ::fork();
+  if (child != 0) return child;
+  std::vector<char*> argv = {const_cast<char*>(CDE_COMMAND)};
+  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
+  argv.push_back(nullptr);
+  for (const std::string& change : environment) {
+    const auto equals = change.find('=');
+    ::setenv(change.substr(0, equals).c_str(), change.substr(equals + 1).c_str(), 1);
+  }
+  const auto redirect = [&](const char* name, int fd) {
+    ::dup2(::open((logs_ / name).c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), fd);
+  };
+  redirect("out", STDOUT_FILENO);
+  redirect("err", STDERR_FILENO);
+  if (::chdir(folder_.c_str()) != 0) ::_exit(126);
+  ::execv(argv[0], argv.data());
+  ::_exit(127);
+}
+
+Ran Cli::finish(pid_t child) {
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), bytes_of(logs_ / "out"),
+          bytes_of(logs_ / "err")};
+}
+
+Ran Cli::cde(const std::vector<std::string>& words, const std::vector<std::string>& environment) {
+  return finish(start(words, environment));
+}
+
+std::string Cli::write(const std::string& name, const std::string& text) const {
+  std::ofstream(folder_ / name, std::ios::binary) << text;
+  return name;
+}
+
+std::string Cli::read(const std::string& name) const {
+  return bytes_of(folder_ / name);
+}
+
+std::vector<std::string> Cli::files() const {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder_))
+    names.push_back(entry.path().filename());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace cde::testing

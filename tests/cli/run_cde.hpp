@@ -1,0 +1,44 @@
+#pragma once
+#include <gtest/gtest.h>
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace cde::testing {
+
+struct Ran {
+  int status = -1;  ///< exit status, 128 + signal
+  std::string out, err;
+};
+
+/// A folder of the test's own in which the command runs.
+class Cli : public ::testing::Test {
+ protected:
+  void SetUp() override;
+  void TearDown() override;
+
+  /// Runs `cde` with these words, and these NAME=VALUE added to the environment.
+  [[nodiscard]] Ran cde(const std::vector<std::string>& words,
+                        const std::vector<std::string>& environment = {});
+  /// Starts it and does not wait.
+  [[nodiscard]] pid_t start(const std::vector<std::string>& words,
+                            const std::vector<std::string>& environment = {});
+  [[nodiscard]] Ran finish(pid_t child);
+
+  std::string write(const std::string& name, const std::string& text) const;
+  [[nodiscard]] std::string read(const std::string& name) const;
+  [[nodiscard]] bool exists(const std::string& name) const {
+    return std::filesystem::exists(folder_ / name);
+  }
+  /// Names in the folder, sorted.
+  [[nodiscard]] std::vector<std::string> files() const;
+
+  std::filesystem::path folder_;
+
+ private:
+  std::filesystem::path logs_;
+};
+
+}  // namespace cde::testing
