@@ -3,8 +3,10 @@
 
 #include <bit>
 #include <chrono>
+#include <future>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,7 +33,7 @@ struct Options {
   std::string mesh, rays_file, camera, grid, size, csv, depth, shaded, trace;
   std::vector<std::string> rays;
   std::string mode = "nearest", arithmetic = "host";
-  unsigned lanes = BoardConfig{}.lanes;
+  unsigned lanes = BoardConfig{}.lanes, boards = 1;
   double clock_mhz = 100, timeout = 3600;
   std::uint64_t deadline = 0;
   bool json = false, check = true, bits = false, quiet = false;
@@ -49,6 +51,7 @@ struct Job {
 struct Outcome {
   Counters counters;
   std::uint64_t hits = 0, compared = 0, upload_clocks = 0;
+  double modelled_seconds = 0;  // of the passes, on the card that takes longest
   double simulation_seconds = 0;
   std::string bitstream;
   std::uint64_t config_hash = 0;
@@ -79,7 +82,7 @@ void collect_rays(const Options& o, Job& job) {
     job.rays = grid_rays(box, *job.picture);
     return;
   }
-  job.picture = o.size.empty() ? Resolution{160, 120} : parse_resolution(o.size);
+  job.picture = o.size.empty() ? Resolution{128, 96} : parse_resolution(o.size);
   const Camera camera = o.camera.empty() ? camera_for(box, *job.picture) : parse_camera(o.camera);
   job.rays = camera.rays(*job.picture);
 }
@@ -101,6 +104,7 @@ Job prepare(const Options& o) {
   job.config.lanes = o.lanes;
   job.config.arithmetic = o.arithmetic == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost;
   job.config.trace = !o.trace.empty();
+  if (job.config.trace && o.boards > 1) usage("--trace follows one card; leave out --boards");
   (void)job.config.parameters();  // complains about values before anything slow
   if ((!o.depth.empty() || !o.shaded.empty()) && job.mode != Mode::kNearest) {
     usage("a picture needs --mode nearest");
@@ -128,9 +132,8 @@ class Csv {
   void add(std::span<const Record> records) {
     text_.clear();
     for (const Record& r : records) {
-      fmt::format_to(std::back_inserter(text_), "{},{},{},{},{},{},", r.primary, r.f ? 1 : 0, r.t,
-                     r.cp.x(), r.cp.y(), r.cp.z());
-      if (r.f) fmt::format_to(std::back_inserter(text_), "{}", r.index);
+      fmt::format_to(std::back_inserter(text_), "{},{},{},{},{},{},{}", r.primary, r.f ? 1 : 0, r.t,
+                     r.cp.x(), r.cp.y(), r.cp.z(), r.index);
       if (bits_) {
         for (const float x : {r.t, r.cp.x(), r.cp.y(), r.cp.z()}) {
           fmt::format_to(std::back_inserter(text_), ",{:08x}", std::bit_cast<std::uint32_t>(x));
@@ -173,7 +176,9 @@ class Waves {
   std::optional<OutputFile> file_;
 };
 
-Outcome cast(const Options& o, const Job& job, std::optional<Csv>& csv) {
+/// These rays on a card of their own; `take` gets the checked records in order.
+Outcome cast_on_card(const Options& o, const Job& job, std::span<const Ray> rays,
+                     const std::function<void(double)>& progress, const RecordSink& take) {
   Board board = Board::open(
       job.config,
       {.clock_period_ps = static_cast<std::uint32_t>(std::max(1.0, 1e6 / o.clock_mhz))});
@@ -181,24 +186,21 @@ Outcome cast(const Options& o, const Job& job, std::optional<Csv>& csv) {
   const std::string command = fmt::format("cde cast {} --mode {} --lanes {} --arith {}",
                                           shell_word(o.mesh), o.mode, o.lanes, o.arithmetic);
   std::optional<reference::Checker> checker;
-  if (o.check) checker.emplace(job.rays, job.mesh, job.mode, Stencil(), board.primaries(), command);
+  if (o.check) checker.emplace(rays, job.mesh, job.mode, Stencil(), board.primaries(), command);
 
   Outcome result;
   const Waves waves(board, o.trace);
-  Progress progress("casting", o.quiet);
-  Query query{.mode = job.mode,
-              .deadline_clocks = o.deadline,
-              .watchdog = std::chrono::duration<double>(o.timeout)};
-  query.progress = [&](double share) { progress(share); };
+  const Query query{.mode = job.mode,
+                    .deadline_clocks = o.deadline,
+                    .watchdog = std::chrono::duration<double>(o.timeout),
+                    .progress = progress};
   double host_seconds = 0;
   const auto start = Clock::now();
-  result.counters = board.cast(job.rays, query, [&](std::span<const Record> records) {
+  result.counters = board.cast(rays, query, [&](std::span<const Record> records) {
     const auto received = Clock::now();
     if (checker) checker->check(records);
     for (const Record& r : records) result.hits += r.f ? 1 : 0;
-    if (csv) csv->add(records);
-    if (!o.depth.empty() || !o.shaded.empty())
-      result.pixels.insert(result.pixels.end(), records.begin(), records.end());
+    take(records);
     host_seconds += seconds_since(received);
   });
   result.simulation_seconds = seconds_since(start) - host_seconds;
@@ -206,9 +208,69 @@ Outcome cast(const Options& o, const Job& job, std::optional<Csv>& csv) {
     checker->finish();
     result.compared = checker->compared();
   }
+  result.modelled_seconds = result.counters.modelled_seconds(o.clock_mhz * 1e6);
   result.upload_clocks = board.upload_clocks();
   result.bitstream = board.bitstream().string();
   result.config_hash = board.config_hash();
+  return result;
+}
+
+/// Whole packets of the rays shared out over `o.boards` cards, each in a thread; records in the
+/// order of one card.
+Outcome cast_on_cards(const Options& o, const Job& job, const std::function<void(double)>& progress,
+                      const RecordSink& take) {
+  constexpr std::size_t kPacket = 256;
+  const std::size_t packets = (job.rays.size() + kPacket - 1) / kPacket;
+  struct Share {
+    std::size_t first = 0, size = 0;
+    std::vector<Record> records;
+    std::future<Outcome> outcome;
+  };
+  std::vector<Share> shares(std::min<std::size_t>(o.boards, packets));
+  (void)Bitstream::open("board", job.config.parameters());  // built once, before all want it
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    Share& share = shares[i];
+    share.first = std::min(job.rays.size(), packets * i / shares.size() * kPacket);
+    share.size =
+        std::min(job.rays.size(), packets * (i + 1) / shares.size() * kPacket) - share.first;
+    share.outcome = std::async(std::launch::async, [&, i] {
+      return cast_on_card(o, job, std::span(job.rays).subspan(share.first, share.size),
+                          i == 0 ? progress : std::function<void(double)>(),
+                          [&share](std::span<const Record> records) {
+                            share.records.insert(share.records.end(), records.begin(),
+                                                 records.end());
+                          });
+    });
+  }
+  Outcome all;
+  for (Share& share : shares) {
+    const Outcome one = share.outcome.get();
+    for (Record& r : share.records) r.primary += static_cast<std::uint32_t>(share.first);
+    take(share.records);
+    all.counters += one.counters;
+    all.hits += one.hits;
+    all.compared += one.compared;
+    all.upload_clocks += one.upload_clocks;
+    all.modelled_seconds = std::max(all.modelled_seconds, one.modelled_seconds);
+    all.simulation_seconds = std::max(all.simulation_seconds, one.simulation_seconds);
+    all.bitstream = one.bitstream;
+    all.config_hash = one.config_hash;
+  }
+  return all;
+}
+
+Outcome cast(const Options& o, const Job& job, std::optional<Csv>& csv) {
+  Progress bar("casting", o.quiet);
+  const auto progress = [&](double share) { bar(share); };
+  std::vector<Record> pixels;
+  const auto take = [&](std::span<const Record> records) {
+    if (csv) csv->add(records);
+    if (!o.depth.empty() || !o.shaded.empty())
+      pixels.insert(pixels.end(), records.begin(), records.end());
+  };
+  Outcome result = o.boards > 1 ? cast_on_cards(o, job, progress, take)
+                                : cast_on_card(o, job, job.rays, progress, take);
+  result.pixels = std::move(pixels);
   return result;
 }
 
@@ -246,6 +308,7 @@ nlohmann::ordered_json as_json(const Options& o, const Job& job, const Outcome& 
       {"rays", job.rays.size()},
       {"packets", packets_of(job)},
       {"mode", o.mode},
+      {"boards", o.boards},
       {"lanes", o.lanes},
       {"arithmetic", o.arithmetic},
       {"format", "fp32"},
@@ -255,7 +318,7 @@ nlohmann::ordered_json as_json(const Options& o, const Job& job, const Outcome& 
       {"clock_hz", o.clock_mhz * 1e6},
       {"device_cycles", c.cycles},
       {"writeback_cycles", c.writeback},
-      {"modelled_seconds", c.modelled_seconds(o.clock_mhz * 1e6)},
+      {"modelled_seconds", r.modelled_seconds},
       {"triangle_upload_clocks", r.upload_clocks},
       {"ray_upload_clocks", c.upload_clocks},
       {"total_clocks", c.total_clocks},
@@ -282,11 +345,14 @@ void print_summary(const Options& o, const Job& job, const Outcome& r) {
   row("mesh", fmt::format("{}, {} triangles", o.mesh, job.mesh.faces.size()));
   row("rays", fmt::format("{} in {} packet{}", job.rays.size(), packets_of(job),
                           packets_of(job) == 1 ? "" : "s"));
-  row("card", fmt::format("{} lanes, {} arithmetic, fp32, mode {}", o.lanes, o.arithmetic, o.mode));
+  row(o.boards == 1 ? "card" : "cards",
+      fmt::format("{}{} lanes, {} arithmetic, fp32, mode {}",
+                  o.boards == 1 ? "" : fmt::format("{} x ", o.boards), o.lanes, o.arithmetic,
+                  o.mode));
   row("device cycles", fmt::format("{} and {} of write-back, {} stalls, {} bubbles", c.cycles,
                                    c.writeback, c.stalls, c.bubbles));
   row("modelled time", fmt::format("{:.6g} ms at {:g} MHz, without bus transfers",
-                                   1e3 * c.modelled_seconds(o.clock_mhz * 1e6), o.clock_mhz));
+                                   1e3 * r.modelled_seconds, o.clock_mhz));
   row("simulation", fmt::format("{:.3g} s, {:.4g} M tests/s", r.simulation_seconds,
                                 static_cast<double>(c.pairs) / r.simulation_seconds / 1e6));
   row("hits", fmt::format("{} in {} records", r.hits, c.records));
@@ -321,10 +387,10 @@ void add_cast(CLI::App& app) {
       "--camera", o->camera,
       "Picture: ex,ey,ez,tx,ty,tz[,fov]: eye, target, vertical field of view in degrees");
   verb->add_option("--grid", o->grid, "Picture straight down, WxH");
-  verb->add_option("--size", o->size, "Size of a --camera picture, WxH (160x120)");
+  verb->add_option("--size", o->size, "Size of a --camera picture, WxH (128x96)");
   verb->add_option(
       "-o,--output", o->csv,
-      "Records as CSV (- is stdout): ray,F,T,CPx,CPy,CPz,index; index is empty without a hit");
+      "Records as CSV (- is stdout): ray,F,T,CPx,CPy,CPz,index; index is 4294967295 without a hit");
   verb->add_flag("--bits", o->bits, "CSV also shows T and CP as hexadecimal bits");
   verb->add_option("--image", o->depth, "Picture of the depths, PNG, near is bright");
   verb->add_option("--shaded", o->shaded, "Picture in sunlight, PNG");
@@ -332,6 +398,11 @@ void add_cast(CLI::App& app) {
       ->capture_default_str();
   verb->add_option("--lanes", o->lanes, "Pairs a clock: a power of two to 256")
       ->capture_default_str();
+  verb->add_option(
+          "--boards", o->boards,
+          "Cards that share the rays, each simulated in a thread; clocks are summed over cards")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 64));
   verb->add_option("--arith", o->arithmetic,
                    "host (the FPU, fast) or rtl (gates); same bits, same clocks")
       ->capture_default_str();
