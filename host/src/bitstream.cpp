@@ -166,7 +166,7 @@ std::optional<fs::path> find_intact(const Key& key) {
 fs::path find_or_build(const Key& key, const std::string& kind,
                        const std::vector<std::string>& parameters) {
   if (auto found = find_intact(key)) return *found;
-  const fs::path file = bitstream_cache() / key.file;
+  fs::path file = bitstream_cache() / key.file;
   const FileLock lock(fs::path(file).replace_extension(".lock"));
   if (auto found = find_intact(key)) return *found;  // another process was first
   build(file, kind, parameters);

@@ -28,6 +28,7 @@ Result run(const std::vector<std::string>& command, bool with_errors,
   posix_spawn_file_actions_adddup2(&actions, pipe[1], STDOUT_FILENO);
   if (with_errors) posix_spawn_file_actions_adddup2(&actions, pipe[1], STDERR_FILENO);
   std::vector<char*> argv;
+  argv.reserve(command.size() + 1);
   for (const std::string& word : command) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
   pid_t child = 0;
