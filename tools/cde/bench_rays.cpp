@@ -103,9 +103,13 @@ ordered_json compare_rates(const BenchOptions& o) {
     Measured measured;
   };
   std::vector<Entry> entries;
-  for (const Arithmetic arithmetic : {Arithmetic::kHost, Arithmetic::kRtl}) {
-    for (const unsigned lanes : {16u, 32u, 64u, 128u}) {
-      if (o.quick && lanes != 16) continue;
+  // Around the fastest of each; wider ones take minutes to compile and fall out of the first-level
+  // cache.
+  constexpr std::pair<Arithmetic, unsigned> kCards[] = {
+      {Arithmetic::kHost, 16}, {Arithmetic::kHost, 32}, {Arithmetic::kHost, 64},
+      {Arithmetic::kRtl, 8},   {Arithmetic::kRtl, 16},  {Arithmetic::kRtl, 32}};
+  for (const auto& [arithmetic, lanes] : kCards) {
+    if (!o.quick || lanes == 16) {
       const BoardConfig config{.lanes = lanes, .arithmetic = arithmetic};
       Board board = Board::open(config);
       entries.push_back({config, cast_best(board, scene, arithmetic == Arithmetic::kHost ? 3 : 1)});
