@@ -86,15 +86,15 @@ module ray_triangle_moller #(
 
   // ---- Edges; the two of the triangle are computed once for all lanes when it is broadcast ----
   logic [2:0][SLANES-1:0][CW-1:0] e1, e2, e1_dot, e2_dot;
-  vec_sub #(.EXP(EXP), .MAN(MAN), .LANES(SLANES), .LAT_ADD(LAT_ADD), .ARITH(ARITH), .CANON(0)) sub_e1 (
+  vec_add #(.EXP(EXP), .MAN(MAN), .LANES(SLANES), .LAT_ADD(LAT_ADD), .SUB(1), .ARITH(ARITH), .CANON(0)) sub_e1 (
       .clk_i, .a_i(tri_i[5:3]), .b_i(tri_i[2:0]), .r_o(e1));
-  vec_sub #(.EXP(EXP), .MAN(MAN), .LANES(SLANES), .LAT_ADD(LAT_ADD), .ARITH(ARITH), .CANON(0)) sub_e2 (
+  vec_add #(.EXP(EXP), .MAN(MAN), .LANES(SLANES), .LAT_ADD(LAT_ADD), .SUB(1), .ARITH(ARITH), .CANON(0)) sub_e2 (
       .clk_i, .a_i(tri_i[8:6]), .b_i(tri_i[2:0]), .r_o(e2));
   align #(.W(3 * SLANES * CW), .FROM(T_EDGE), .TO(T_CROSS)) align_e1 (.clk_i, .d_i(e1), .q_o(e1_dot));
   align #(.W(3 * SLANES * CW), .FROM(T_EDGE), .TO(T_CROSS)) align_e2 (.clk_i, .d_i(e2), .q_o(e2_dot));
 
   logic [2:0][LANES-1:0][CW-1:0] tv, tv_dot, p, q;
-  vec_sub #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .ARITH(ARITH), .CANON(0)) sub_t (
+  vec_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .SUB(1), .ARITH(ARITH), .CANON(0)) sub_t (
       .clk_i, .a_i(o_edge_i), .b_i(tri_i[2:0]), .r_o(tv));
   vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(SLANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) cross_p (
       .clk_i, .a_i(d_cross_i), .b_i(e2), .r_o(p));

@@ -1,4 +1,4 @@
-// Sum of two 3-vectors, a + b, one rounding a component (3 adders).
+// Sum of two 3-vectors, a + b, or difference, a - b, one rounding a component (3 adders or subtractors).
 // Latency: LAT_ADD clocks. Throughput: one vector a lane a clock. Stall: none.
 module vec_add #(
     parameter int EXP = 8,
@@ -6,6 +6,7 @@ module vec_add #(
     parameter int LANES = 1,
     parameter int B_LANES = LANES,  // 1: b is one vector for all lanes
     parameter int LAT_ADD = 1,
+    parameter bit SUB = 0,  // 1: a - b
     parameter ARITH = "rtl",
     parameter bit CANON = 1,  // as in fp_lanes, for the result
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
@@ -16,7 +17,7 @@ module vec_add #(
     output logic [2:0][LANES-1:0][CW-1:0] r_o
 );
   for (genvar k = 0; k < 3; k++) begin : axis
-    fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_ADD), .SUB(0), .ARITH(ARITH), .CANON(CANON)) add (
+    fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_ADD), .SUB(SUB), .ARITH(ARITH), .CANON(CANON)) add (
         .clk_i, .a_i(a_i[k]), .b_i(b_i[k]), .r_o(r_o[k]), .flags_o());
   end
 endmodule
