@@ -77,7 +77,7 @@ module engine_control #(
   assign issue_row_o = row_q;
   assign issue_parity_o = parity_q;
   assign secondary_pop_o = issue_o && last_row;
-  assign fetch_start_o = state_q == CLEAR && row_q == 0;
+  assign fetch_start_o = state_q == CLEAR && row_q == 0 && !abort_i;
   assign fetch_stop_o = state_q == SWEEP && stop_q || abort_i;
   assign bubble_o = state_q == SWEEP && !secondary_valid_i && !stop_q;
   assign stall_o = state_q == SWEEP && secondary_valid_i && !has_credit;

@@ -15,7 +15,7 @@ module fp_cmp_lane #(
 );
   /*verilator inline_module*/
 `include "fp_mask.svh"
-  logic [CW-1:0] am, bm, as, bs, below, above, same, less, a_nan, b_nan, nan;
+  logic [CW-1:0] am, bm, as, bs, below, above, same, less, a_nan, b_nan;
   always_comb begin
     am = a_i & MAG;
     bm = b_i & MAG;
@@ -26,14 +26,13 @@ module fp_cmp_lane #(
     less = sel(as, ~bs | above, below & ~bs);  // total order, -0 below +0
     a_nan = neg(INF - am);
     b_nan = neg(INF - bm);
-    nan = a_nan | b_nan;
   end
   if (OP <= 7) begin : g_compare
     always_comb begin
       same = ~(below | above | ((as ^ bs) & some(am)));
-      if (OP == 5) r_o = less & ~same & ~nan;
-      else if (OP == 6) r_o = (less | same) & ~nan;
-      else r_o = same & ~nan;
+      if (OP == 5) r_o = less & ~same & ~(a_nan | b_nan);
+      else if (OP == 6) r_o = (less | same) & ~(a_nan | b_nan);
+      else r_o = same & ~(a_nan | b_nan);
     end
   end else begin : g_minmax
     always_comb begin
@@ -42,7 +41,7 @@ module fp_cmp_lane #(
     end
   end
   if (FLAGS) begin : g_flags
-    assign flags_o = ((OP <= 6) ? nan : snan(a_i) | snan(b_i)) & (ONE << 4);
+    assign flags_o = ((OP <= 6) ? (a_nan | b_nan) : snan(a_i) | snan(b_i)) & (ONE << 4);
   end else begin : g_no_flags
     assign flags_o = '0;
   end

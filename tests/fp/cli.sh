@@ -10,6 +10,7 @@ expect() {
   got=$(printf '%b' "$input" | "$cde" fp "$@" 2>/tmp/cde-fp-err.$$) || status=$?
   [[ $status == 0 ]] || got=$(head -1 /tmp/cde-fp-err.$$)
   rm -f /tmp/cde-fp-err.$$
+  # shellcheck disable=SC2053  # what is wanted may be a pattern
   if [[ $status != "$want_status" || $got != $want ]]; then
     printf 'cde fp %s: status %s, wanted %s\n  got    %s\n  wanted %s\n' "$*" "$status" "$want_status" "$got" "$want" >&2
     failures=$((failures + 1))

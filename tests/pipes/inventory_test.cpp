@@ -1,5 +1,6 @@
 // The operators of a pipe, counted in the elaborated design, against the paper's Table 2.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -25,7 +26,7 @@ std::ostream& operator<<(std::ostream& out, const Inventory& i) {
 
 /// Elaborates `top` with Verilator and returns its XML.
 std::string elaborate(const std::string& top, const std::string& parameters) {
-  const fs::path xml = fs::path(::testing::TempDir()) / (top + ".xml");
+  const fs::path xml = fs::path(::testing::TempDir()) / (top + std::to_string(::getpid()) + ".xml");
   const fs::path rtl = fs::path(CDE_SOURCE_DIR) / "rtl";
   std::ostringstream command;
   command << "verilator --xml-only -Wno-fatal --xml-output " << xml << " -Mdir "
@@ -38,6 +39,7 @@ std::string elaborate(const std::string& top, const std::string& parameters) {
   std::ifstream in(xml);
   std::stringstream text;
   text << in.rdbuf();
+  fs::remove(xml);
   return text.str();
 }
 
