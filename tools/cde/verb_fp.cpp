@@ -206,7 +206,7 @@ class Stream {
 
 struct Options {
   std::string op, format, arith = "rtl";
-  int lanes = 16;
+  int lanes = 8;  // streaming text needs no more, and they are built quickly
 };
 
 void run(const Options& options) {
