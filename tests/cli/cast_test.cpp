@@ -41,7 +41,8 @@ TEST_F(Cast, CsvOnStdoutIsAllThatIsThere) {
   const Ran ran =
       cde({"cast", "one.obj", "--ray", "0.25,0.25,0,0,0,2", "--ray=-5,0,0,0,0,1", "-o", "-"});
   EXPECT_EQ(ran.status, 0) << ran.err;
-  EXPECT_EQ(ran.out, "ray,F,T,CPx,CPy,CPz,index\n0,1,0.5,0.25,0.25,1,0\n1,0,inf,0,0,0,4294967295\n");
+  EXPECT_EQ(ran.out,
+            "ray,F,T,CPx,CPy,CPz,index\n0,1,0.5,0.25,0.25,1,0\n1,0,inf,0,0,0,4294967295\n");
   EXPECT_NE(ran.err.find("2 of 2 records match the reference"), std::string::npos) << ran.err;
   EXPECT_NE(ran.err.find("at 100 MHz"), std::string::npos) << ran.err;
   EXPECT_EQ(files(), Words{"one.obj"});
@@ -64,7 +65,9 @@ TEST_F(Cast, EveryMode) {
       {"nearest", "0,1,1,0.25,0.25,1,0\n1,0,inf,0,0,0,4294967295\n"},
       {"farthest", "0,1,2,0.25,0.25,2,1\n1,0,inf,0,0,0,4294967295\n"},
       {"any", "0,1,1,0.25,0.25,1,0\n1,0,inf,0,0,0,4294967295\n"},
-      {"all", "0,1,1,0.25,0.25,1,0\n1,0,inf,0,0,0,4294967295\n0,1,2,0.25,0.25,2,1\n1,0,inf,0,0,0,4294967295\n"},
+      {"all",
+       "0,1,1,0.25,0.25,1,0\n1,0,inf,0,0,0,4294967295\n0,1,2,0.25,0.25,2,1\n1,0,inf,0,0,0,"
+       "4294967295\n"},
       {"hits", "0,1,1,0.25,0.25,1,0\n0,1,2,0.25,0.25,2,1\n"}};
   for (const auto& [mode, rows] : expected) {
     const Ran ran = cde({"cast", "two.obj", "--ray", "0.25,0.25,0,0,0,1", "--ray", "9,9,9,1,0,0",
