@@ -61,7 +61,7 @@ module board #(
   logic [63:0] sram_beat, wdata;
   logic [31:0] addr;
   logic [31:0] sram_count, sec_first, sec_count;
-  logic [2:0] mode;
+  logic [2:0] command_mode, mode;
   logic [PRIM_W:0] prim_count, new_hits;
   logic [PRIMARIES-1:0] active, prim_bad;
   logic issue, bubble, stall, sec_pop, sec_bad, record_write;
@@ -72,7 +72,7 @@ module board #(
   ) registers (
       .clk_i, .clk_engine_i(clk_engine), .rst_i, .bus_valid_i, .bus_write_i, .bus_space_i, .bus_addr_i, .bus_wdata_i, .bus_ready_o, .bus_rvalid_o,
       .bus_rdata_o, .irq_o, .clk_bus_o(clk_bus), .addr_o(addr), .wdata_o(wdata), .prim_write_o(prim_write), .ddr_write_o, .sram_pop_o(sram_pop), .sram_valid_i(sram_beat_valid),
-      .sram_beat_i(sram_beat), .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .mode_o(mode),
+      .sram_beat_i(sram_beat), .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .mode_o(command_mode),
       .prim_count_o(prim_count), .sec_first_o(sec_first), .sec_count_o(sec_count), .active_o(active), .busy_i(busy),
       .done_i(done), .writeback_i(writeback), .prim_bad_i(prim_bad), .issue_i(issue), .bubble_i(bubble), .stall_i(stall), .secondary_i(sec_pop),
       .secondary_bad_i(sec_bad), .record_i(record_write), .latency_i(latency));
@@ -97,7 +97,7 @@ module board #(
   logic [1:0] credit;
   logic [PRIM_W-1:0] writeback_primary;
   engine_control #(.LANES(LANES), .PRIMARIES(PRIMARIES), .FIFO_DEPTH(FIFO_DEPTH)) control (
-      .clk_i(clk_engine), .rst_i, .go_i(go), .abort_i(abort), .mode_i(mode), .prim_count_i(prim_count), .active_i(active),
+      .clk_i(clk_engine), .rst_i, .go_i(go), .abort_i(abort), .mode_i(command_mode), .mode_o(mode), .prim_count_i(prim_count), .active_i(active),
       .busy_o(busy), .done_o(done), .flush_o(flush), .streaming_mode_o(streaming), .clear_o(clear), .clear_row_o(clear_row),
       .clear_mask_o(clear_mask), .fetch_start_o(fetch_start), .fetch_stop_o(fetch_stop), .secondary_valid_i(sec_valid),
       .secondary_last_i(sec_last), .secondary_idle_i(sec_idle), .secondary_pop_o(sec_pop), .issue_o(issue),
@@ -106,45 +106,32 @@ module board #(
       .writeback_parity_o(writeback_parity), .writeback_ready_i(writeback_ready), .sram_idle_i(!record_write),
       .bubble_o(bubble), .stall_o(stall));
 
-  // ---- Collision detection engine ----
-  logic [ROW_W-1:0] row;
-  logic parity;
-  logic [31:0] index;
-  logic [LANES-1:0][CW-1:0] f, bad, t;
-  logic [2:0][LANES-1:0][CW-1:0] cp;
-  cde #(
-      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
-      .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-  ) engine (
-      .clk_i(clk_engine), .rst_i, .clk_bus_i(clk_bus), .prim_write_i(prim_write), .prim_addr_i(addr), .prim_data_i(wdata),
-      .prim_bad_o(prim_bad), .clear_i(clear), .clear_row_i(clear_row), .valid_i(issue), .row_i(issue_row), .parity_i(issue_parity), .index_i(sec_index),
-      .secondary_i(secondary), .secondary_bad_i(sec_bad), .valid_o(retire), .row_o(row), .parity_o(parity), .index_o(index),
-      .f_o(f), .bad_o(bad), .t_o(t), .cp_o(cp), .latency_o(latency));
-
-  // ---- Update engine and output FIFO ----
-  logic result_f;
-  logic [31:0] result_index;
+  // ---- Collision detection engine and output FIFO ----
+  localparam int FIFO_W = $clog2(FIFO_DEPTH);
+  logic [ROW_W-1:0] row, fifo_row;
+  logic [31:0] index, fifo_index, result_index;
+  logic [LANES-1:0] f, bad, unmasked;
+  logic fifo_keep, fifo_valid, fifo_ready, fifo_f, fifo_bad;
+  logic [FIFO_W-1:0] fifo_write, fifo_head;
+  logic [LANE_W-1:0] fifo_lane;
   logic [CW-1:0] result_t;
   logic [2:0][CW-1:0] result_cp;
-  update_engine #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES)) update (
-      .clk_i(clk_engine), .mode_i(mode), .clear_i(clear), .clear_row_i(clear_row), .clear_mask_i(clear_mask),
-      .valid_i(retire && !streaming), .row_i(row), .parity_i(parity), .index_i(index), .f_i(f), .t_i(t), .cp_i(cp),
-      .new_hits_o(new_hits), .result_i(writeback), .result_primary_i(writeback_primary), .result_parity_i(writeback_parity), .result_f_o(result_f),
-      .result_index_o(result_index), .result_t_o(result_t), .result_cp_o(result_cp));
-
-  logic [LANES-1:0] active_mem[ROWS];
-  always_ff @(posedge clk_engine) if (clear) active_mem[clear_row] <= ~clear_mask;
-  logic fifo_valid, fifo_ready, fifo_f, fifo_bad;
-  logic [ROW_W-1:0] fifo_row;
-  logic [LANE_W-1:0] fifo_lane;
-  logic [31:0] fifo_index;
-  logic [CW-1:0] fifo_t;
-  logic [2:0][CW-1:0] fifo_cp;
-  record_fifo #(.LANES(LANES), .CW(CW), .ROW_W(ROW_W), .DEPTH(FIFO_DEPTH)) fifo (
-      .clk_i(clk_engine), .rst_i(rst_i | clear | flush), .hits_only_i(mode == cde_pkg::MODE_HITS), .push_i(retire && streaming), .row_i(row),
-      .index_i(index), .unmasked_i(active_mem[row]), .f_i(f), .bad_i(bad), .t_i(t), .cp_i(cp), .credit_o(credit),
-      .empty_o(fifo_empty), .valid_o(fifo_valid), .ready_i(fifo_ready), .row_o(fifo_row), .lane_o(fifo_lane),
-      .index_o(fifo_index), .f_o(fifo_f), .bad_o(fifo_bad), .t_o(fifo_t), .cp_o(fifo_cp));
+  cde #(
+      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .FIFO_DEPTH(FIFO_DEPTH), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+  ) engine (
+      .clk_i(clk_engine), .rst_i, .clk_bus_i(clk_bus), .clk_core_i(clk_i), .prim_write_i(prim_write), .prim_addr_i(addr), .prim_data_i(wdata),
+      .prim_bad_o(prim_bad), .clear_i(clear), .clear_row_i(clear_row), .clear_mask_i(clear_mask), .valid_i(issue), .row_i(issue_row),
+      .parity_i(issue_parity), .index_i(sec_index), .secondary_i(secondary), .secondary_bad_i(sec_bad), .mode_i(mode),
+      .streaming_i(streaming), .valid_o(retire), .row_o(row), .index_o(index), .new_hits_o(new_hits), .f_o(f), .bad_o(bad),
+      .unmasked_o(unmasked), .latency_o(latency), .push_i(fifo_keep), .write_i(fifo_write), .read_i(streaming && fifo_valid),
+      .head_i(fifo_head), .lane_i(fifo_lane), .result_i(writeback), .result_primary_i(writeback_primary),
+      .result_parity_i(writeback_parity), .result_index_o(result_index), .result_t_o(result_t), .result_cp_o(result_cp));
+  record_fifo #(.LANES(LANES), .ROW_W(ROW_W), .DEPTH(FIFO_DEPTH)) fifo (
+      .clk_i(clk_engine), .rst_i(rst_i | clear | flush), .hits_only_i(mode == cde_pkg::MODE_HITS), .push_i(retire && streaming),
+      .row_i(row), .index_i(index), .unmasked_i(unmasked), .f_i(f), .bad_i(bad), .keep_o(fifo_keep), .write_o(fifo_write),
+      .credit_o(credit), .empty_o(fifo_empty), .valid_o(fifo_valid), .ready_i(fifo_ready), .head_o(fifo_head), .row_o(fifo_row),
+      .lane_o(fifo_lane), .index_o(fifo_index), .f_o(fifo_f), .bad_o(fifo_bad));
 
   // ---- Records: from the update buffers at the end of a pass, from the FIFO during it ----
   localparam logic [CW-1:0] INF = ((CW'(1) << EXP) - 1) << MAN;
@@ -158,14 +145,14 @@ module board #(
   assign result_bad = prim_bad[writeback_primary];
   always_comb begin
     if (streaming) begin
-      record[2:0] = fifo_cp;
+      record[2:0] = result_cp;
       record[cde_pkg::RECORD_FLAGS] = CW'({fifo_bad, fifo_f});
       record[cde_pkg::RECORD_INDEX] = fifo_f ? CW'(fifo_index) : CW'(32'hffffffff);
-      record[cde_pkg::RECORD_T] = fifo_t;
+      record[cde_pkg::RECORD_T] = result_t;
       record[cde_pkg::RECORD_PRIMARY] = CW'(32'(fifo_row) * 32'(LANES) + 32'(fifo_lane));
     end else begin
       record[2:0] = result_bad ? {3{QNAN}} : result_cp;
-      record[cde_pkg::RECORD_FLAGS] = CW'({result_bad, result_f});
+      record[cde_pkg::RECORD_FLAGS] = CW'({result_bad, result_index != '1});
       record[cde_pkg::RECORD_INDEX] = CW'(result_index);
       record[cde_pkg::RECORD_T] = result_bad ? QNAN : result_t;
       record[cde_pkg::RECORD_PRIMARY] = CW'(writeback_primary);

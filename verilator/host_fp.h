@@ -257,6 +257,20 @@ inline Bits flags(Bits a, Bits b) {
     return Bits(F::is_nan(a) | F::is_nan(b)) * kInvalid;
 }
 
+/// rtl/fp/fp_sign.sv: 0 |a|, 1 -a, 2 |a| with the sign of b, 3 a times the sign of b.
+template <unsigned C, unsigned E, unsigned M, class Bits>
+inline Bits sign(Bits a, Bits b = Bits{}) {
+  constexpr auto kSign = Format<E, M>::kSign;
+  if constexpr (C == 0)
+    return a & ~kSign;
+  else if constexpr (C == 1)
+    return a ^ kSign;
+  else if constexpr (C == 2)
+    return (a & ~kSign) | (b & kSign);
+  else
+    return a ^ (b & kSign);
+}
+
 template <unsigned N>
 using Word = std::conditional_t<N == 32, uint32_t, uint64_t>;
 

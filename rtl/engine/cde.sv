@@ -1,11 +1,14 @@
-// Collision detection engine: the function selector and its pipes behind one mouth. Takes a row of LANES primaries against one
-// secondary a clock and gives the row's results in order.
-// Latency: that of the selected pipe. Throughput: one row a clock. Stall: none, the mouth is held by credits outside.
+// Collision detection engine: LANES lanes in groups behind one mouth. Takes a row of LANES primaries against one secondary a clock,
+// and keeps or streams the row's results in order.
+// With ARITH = "host" the datapath is combinational and gets its operands when its results are due, else when they are issued: the
+// same clocks and bits outside.
+// Latency: that of the pipe. Throughput: one row a clock. Stall: none, the mouth is held by credits outside.
 module cde #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 16,
     parameter int PRIMARIES = 256,
+    parameter int FIFO_DEPTH = 128,
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -14,11 +17,15 @@ module cde #(
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
     localparam int SEC_WORDS = cde_pkg::SEC_WORDS,
     localparam int ROWS = PRIMARIES / LANES,
-    localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1
+    localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
+    localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1,
+    localparam int PRIM_W = $clog2(PRIMARIES),
+    localparam int FIFO_W = $clog2(FIFO_DEPTH)
 ) (
     input logic clk_i,  // may be gated while nothing is in flight
     input logic rst_i,
     input logic clk_bus_i,
+    input logic clk_core_i,  // neither gated
 
     input logic prim_write_i,
     input logic [31:0] prim_addr_i,
@@ -26,6 +33,7 @@ module cde #(
     output logic [PRIMARIES-1:0] prim_bad_o,
     input logic clear_i,  // start of a pass: one row a clock
     input logic [ROW_W-1:0] clear_row_i,
+    input logic [LANES-1:0] clear_mask_i,
 
     input logic valid_i,
     input logic [ROW_W-1:0] row_i,
@@ -33,34 +41,106 @@ module cde #(
     input logic [31:0] index_i,
     input logic [SEC_WORDS-1:0][CW-1:0] secondary_i,
     input logic secondary_bad_i,
+    input logic [2:0] mode_i,
+    input logic streaming_i,
 
     output logic valid_o,
     output logic [ROW_W-1:0] row_o,
-    output logic parity_o,
     output logic [31:0] index_o,
-    output logic [LANES-1:0][CW-1:0] f_o,
-    output logic [LANES-1:0][CW-1:0] bad_o,
-    output logic [LANES-1:0][CW-1:0] t_o,
-    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
-    output logic [15:0] latency_o
+    output logic [PRIM_W:0] new_hits_o,
+    output logic [LANES-1:0] f_o,  // in the streaming modes
+    output logic [LANES-1:0] bad_o,
+    output logic [LANES-1:0] unmasked_o,
+    output logic [15:0] latency_o,
+
+    input logic push_i,
+    input logic [FIFO_W-1:0] write_i,
+    input logic read_i,  // T and CP of one lane, out of the FIFO
+    input logic [FIFO_W-1:0] head_i,
+    input logic [LANE_W-1:0] lane_i,
+    input logic result_i,  // T, CP and index of one primary, out of the update buffers
+    input logic [PRIM_W-1:0] result_primary_i,
+    input logic result_parity_i,
+    output logic [31:0] result_index_o,
+    output logic [CW-1:0] result_t_o,
+    output logic [2:0][CW-1:0] result_cp_o
 );
-  logic [ROW_W-1:0] row_o_edge, row_d_cross, row_d_dot, row_t, row_o_cp, row_bad;
-  logic [2:0][LANES-1:0][CW-1:0] o_edge, d_cross, d_dot, d_t, o_cp;
-  logic [LANES-1:0][CW-1:0] tmin_t, tmax_t, ray_bad;
+  // One AVX2 register wide where the host computes; the gates' own objects want all lanes in one.
+  localparam int GROUP = (ARITH == "host" && LANES > 8) ? 8 : LANES;
+  localparam int GROUPS = LANES / GROUP;
+  localparam int GLANE_W = (GROUP > 1) ? $clog2(GROUP) : 1;
+  localparam int HITS_W = $clog2(GROUP + 1);
 
+  // ---- Primaries from the bus ----
+  logic prim_commit, clk_prim;
+  logic [ROW_W-1:0] prim_row;
+  logic [LANE_W-1:0] prim_lane;
+  logic [cde_pkg::PRIM_WORDS-1:0][CW-1:0] prim_slot;
   primary_regfile #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES)) primaries (
-      .clk_i(clk_bus_i), .rst_i, .engine_clk_i(clk_i), .clear_i, .clear_row_i, .write_i(prim_write_i), .write_addr_i(prim_addr_i), .write_data_i(prim_data_i), .bad_o(prim_bad_o),
-      .row_o_edge_i(row_o_edge), .o_edge_o(o_edge), .row_d_cross_i(row_d_cross), .d_cross_o(d_cross),
-      .row_d_dot_i(row_d_dot), .d_dot_o(d_dot), .row_t_i(row_t), .d_t_o(d_t), .tmin_t_o(tmin_t), .tmax_t_o(tmax_t),
-      .row_o_cp_i(row_o_cp), .o_cp_o(o_cp), .row_bad_i(row_bad), .bad_mask_o(ray_bad));
+      .clk_i(clk_bus_i), .rst_i, .write_i(prim_write_i), .write_addr_i(prim_addr_i), .write_data_i(prim_data_i), .bad_o(prim_bad_o),
+      .commit_o(prim_commit), .row_o(prim_row), .lane_o(prim_lane), .slot_o(prim_slot));
 
-  ray_triangle_moller #(
-      .EXP(EXP), .MAN(MAN), .LANES(LANES), .SLANES(1), .ROW_W(ROW_W), .TAG_W(33),
-      .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-  ) ray_triangle (
-      .clk_i, .rst_i, .valid_i, .row_i, .tag_i({parity_i, index_i}), .tri_i(secondary_i), .tri_bad_i({CW{secondary_bad_i}}),
-      .row_o_edge_o(row_o_edge), .o_edge_i(o_edge), .row_d_cross_o(row_d_cross), .d_cross_i(d_cross),
-      .row_d_dot_o(row_d_dot), .d_dot_i(d_dot), .row_t_o(row_t), .d_t_i(d_t), .tmin_t_i(tmin_t), .tmax_t_i(tmax_t),
-      .row_o_cp_o(row_o_cp), .o_cp_i(o_cp), .row_bad_o(row_bad), .ray_bad_i(ray_bad),
-      .valid_o, .row_o, .tag_o({parity_o, index_o}), .f_o, .bad_o, .t_o, .cp_o, .latency_o);
+  clock_gate gate_prim (.clk_i(clk_core_i), .enable_i(prim_commit), .clk_o(clk_prim));
+
+  // ---- What is in flight ----
+  localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_CMP + 3) / 4;
+  localparam int HISTORY = 64 << $clog2(SLOWEST);
+  logic parity, secondary_bad;
+  logic [ROW_W-1:0] row_in;
+  logic [SEC_WORDS-1:0][CW-1:0] secondary;
+  issue_history #(.W(ROW_W + 34), .DEPTH(HISTORY)) history (
+      .clk_i, .rst_i, .latency_i(latency_o), .valid_i, .d_i({row_i, parity_i, index_i, secondary_bad_i}), .valid_o,
+      .q_o({row_o, parity, index_o, secondary_bad}));
+  if (ARITH == "host") begin : g_late
+    logic unused_valid;
+    issue_history #(.W(SEC_WORDS * CW), .DEPTH(HISTORY)) history (
+        .clk_i, .rst_i, .latency_i(latency_o), .valid_i, .d_i(secondary_i), .valid_o(unused_valid), .q_o(secondary));
+    assign row_in = row_o;
+  end else begin : g_early
+    assign row_in = row_i;
+    assign secondary = secondary_i;
+  end
+
+  // ---- Lanes ----
+  logic [LANE_W-1:0] result_lane, lane;
+  logic [ROW_W-1:0] result_row;
+  assign result_row = ROW_W'(32'(result_primary_i) / 32'(LANES));
+  assign result_lane = LANE_W'(32'(result_primary_i) % 32'(LANES));
+  assign lane = result_i ? result_lane : lane_i;
+  logic [GROUPS-1:0][HITS_W-1:0] new_hits;
+  logic [GROUPS-1:0][31:0] result_index;
+  logic [GROUPS-1:0][CW-1:0] result_t;
+  logic [GROUPS-1:0][2:0][CW-1:0] result_cp;
+  for (genvar g = 0; g < GROUPS; g++) begin : group
+    logic asked;
+    logic [15:0] latency;
+    assign asked = 32'(lane) / 32'(GROUP) == 32'(g);
+`ifndef SYNTHESIS
+    always_ff @(posedge clk_i) assert (latency == latency_o) else $error("cde: groups of different latency");
+`endif
+    lane_group #(
+        .EXP(EXP), .MAN(MAN), .LANES(GROUP), .ROWS(ROWS), .FIFO_DEPTH(FIFO_DEPTH), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+        .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+    ) lanes (
+        .clk_i, .clk_prim_i(clk_prim), .prim_write_i(prim_commit && 32'(prim_lane) / 32'(GROUP) == 32'(g)), .prim_row_i(prim_row),
+        .prim_lane_i(GLANE_W'(prim_lane)), .prim_slot_i(prim_slot), .clear_i, .clear_row_i, .clear_mask_i(clear_mask_i[g*GROUP+:GROUP]),
+        .clear_bad_i(prim_bad_o[32'(clear_row_i)*LANES+g*GROUP+:GROUP]), .row_i(row_in), .secondary_i(secondary), .latency_o(latency),
+        .valid_i(valid_o), .row_out_i(row_o), .parity_i(parity), .index_i(index_o), .secondary_bad_i(secondary_bad), .mode_i, .streaming_i,
+        .new_hits_o(new_hits[g]), .f_o(f_o[g*GROUP+:GROUP]), .bad_o(bad_o[g*GROUP+:GROUP]), .unmasked_o(unmasked_o[g*GROUP+:GROUP]),
+        .push_i, .write_i, .read_i(read_i && asked), .head_i, .result_i(result_i && asked), .result_row_i(result_row), .result_parity_i,
+        .lane_i(GLANE_W'(lane)), .result_index_o(result_index[g]), .result_t_o(result_t[g]), .result_cp_o(result_cp[g]));
+  end
+  assign latency_o = group[0].latency;
+  always_comb begin
+    new_hits_o = '0;
+    result_index_o = '0;
+    result_t_o = '0;
+    result_cp_o = '0;
+    for (int g = 0; g < GROUPS; g++) begin
+      new_hits_o = new_hits_o + (PRIM_W + 1)'(new_hits[g]);
+      result_index_o = result_index_o | result_index[g];
+      result_t_o = result_t_o | result_t[g];
+      result_cp_o = result_cp_o | result_cp[g];
+    end
+  end
 endmodule

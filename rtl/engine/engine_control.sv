@@ -15,6 +15,7 @@ module engine_control #(
     input logic go_i,
     input logic abort_i,
     input logic [2:0] mode_i,
+    output logic [2:0] mode_o,  // of the pass, from go on
     input logic [PRIM_W:0] prim_count_i,
     input logic [PRIMARIES-1:0] active_i,  // present and not masked
     output logic busy_o,
@@ -64,7 +65,7 @@ module engine_control #(
   assign rows = (ROW_W + 1)'((32'(prim_count_i) + 32'(LANES - 1)) / 32'(LANES));
   assign busy_o = state_q != IDLE;
   assign flush_o = abort_i || state_q == FLUSH;
-  assign streaming_mode_o = mode_i == cde_pkg::MODE_ALL || mode_i == cde_pkg::MODE_HITS;
+  assign streaming_mode_o = mode_o == cde_pkg::MODE_ALL || mode_o == cde_pkg::MODE_HITS;
 
   assign clear_o = state_q == CLEAR;
   assign clear_row_o = row_q;
@@ -72,7 +73,7 @@ module engine_control #(
 
   assign last_row = (ROW_W + 1)'(row_q) + 1'b1 == rows;
   assign has_credit = !streaming_mode_o || credits_q != 0;
-  assign all_hit = mode_i == cde_pkg::MODE_ANY && missing_q == 0;
+  assign all_hit = mode_o == cde_pkg::MODE_ANY && missing_q == 0;
   assign issue_o = state_q == SWEEP && secondary_valid_i && has_credit && !stop_q;
   assign issue_row_o = row_q;
   assign issue_parity_o = parity_q;
@@ -95,6 +96,7 @@ module engine_control #(
       IDLE: begin
         row_q <= 0;
         if (go_i) begin
+          mode_o <= mode_i;
           state_q <= CLEAR;
           credits_q <= ($clog2(FIFO_DEPTH) + 1)'(FIFO_DEPTH);
           missing_q <= (PRIM_W + 1)'($countones(active_i));

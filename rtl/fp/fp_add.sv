@@ -1,5 +1,5 @@
 // Sum or difference, one rounding.
-// Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
+// Latency: LAT clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
 module fp_add #(
     parameter  int EXP   = 8,    // 3..11
     parameter  int MAN   = 23,   // 2..52
@@ -7,7 +7,7 @@ module fp_add #(
     parameter  int B_LANES = LANES,  // 1: b is one value for all lanes
     parameter  int LAT   = 1,    // >= 1
     parameter  bit SUB   = 0,    // 1: a - b
-    parameter      ARITH = "rtl",  // "rtl": gates; "host": the host's FPU, simulation only
+    parameter      ARITH = "rtl",  // "rtl": gates; "host": the host's FPU, simulation only, combinational
     parameter  bit CANON = 1,    // 0: the host back end may give any NaN; for results that only arithmetic reads
     parameter  bit FLAGS = 0,
     localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64

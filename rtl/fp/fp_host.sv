@@ -1,18 +1,17 @@
-// Host back end of every unit: one call of host_fp.h a lane, for simulation only. The register is at the output, not at the
-// input as in the gates: the same timing from outside, and fewer stores.
-// Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none.
+// Host back end of every unit: one call of host_fp.h a lane, for simulation only. Combinational: with ARITH = "host" a pipe computes
+// in the clock its result leaves, and the engine hands it its operands that much later, so that the timing outside is that of the
+// gates while nothing inside is stored from clock to clock (see docs/architecture.md).
+// Latency: 0. Throughput: one result a lane a clock. Stall: none.
 module fp_host #(
-    parameter int OP = 0,      // code of host_fp.h: 0 add, 1 sub, 2 mul, 3 div, 4 sqrt, 5 lt, 6 le, 7 eq
+    parameter int OP = 0,      // code of host_fp.h: 0 add, 1 sub, 2 mul, 3 div, 4 sqrt, 5 lt, 6 le, 7 eq, 8 min, 9 max
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
     parameter  int B_LANES = LANES,  // 1: b is one value for all lanes
-    parameter int LAT = 1,
-    parameter  bit CANON = 1,    // 0: the host back end may give any NaN; for results that only arithmetic reads
+    parameter  bit CANON = 1,    // 0: may give any NaN; for results that only arithmetic reads
     parameter bit FLAGS = 0,
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
-    input  logic                     clk_i,
     input  logic [LANES-1:0][CW-1:0] a_i,
     input  logic [B_LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] r_o,
@@ -21,28 +20,34 @@ module fp_host #(
   /*verilator inline_module*/
   if (!(EXP <= 10 && MAN <= 24) && !(EXP == 11 && MAN == 52)) $error("fp: the host back end has fp64 and formats up to e10m24");
 `ifdef VERILATOR
-  logic [LANES-1:0][CW-1:0] r_q;
-  for (genvar l = 0; l < LANES; l++) begin : g_lane
-    if (CW == 32) begin : g_32
-      always_ff @(posedge clk_i) r_q[l] <= $c32("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
-    end else begin : g_64
-      always_ff @(posedge clk_i) r_q[l] <= $c64("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
+  // The whole vector is written first: only then does Verilator keep it in a local variable, not in the model.
+  logic [LANES-1:0][CW-1:0] r, f;
+  if (CW == 32) begin : g_32
+    always_comb begin
+      r = '0;
+      for (int l = 0; l < LANES; l++) r[l] = $c32("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
+    end
+  end else begin : g_64
+    always_comb begin
+      r = '0;
+      for (int l = 0; l < LANES; l++) r[l] = $c64("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
     end
   end
-  fp_delay #(.LANES(LANES), .W(CW), .DEPTH(LAT - 1)) delay_r (.clk_i, .d_i(r_q), .q_o(r_o));
-  if (FLAGS) begin : g_flags
-    logic [LANES-1:0][CW-1:0] f_q;
-    for (genvar l = 0; l < LANES; l++) begin : g_lane
-      if (CW == 32) begin : g_32
-        always_ff @(posedge clk_i) f_q[l] <= $c32("host_fp::flags<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
-      end else begin : g_64
-        always_ff @(posedge clk_i) f_q[l] <= $c64("host_fp::flags<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
-      end
+  if (!FLAGS) begin : g_no_flags
+    assign f = '0;
+  end else if (CW == 32) begin : g_f32
+    always_comb begin
+      f = '0;
+      for (int l = 0; l < LANES; l++) f[l] = $c32("host_fp::flags<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
     end
-    fp_delay #(.LANES(LANES), .W(CW), .DEPTH(LAT - 1)) delay_f (.clk_i, .d_i(f_q), .q_o(flags_o));
-  end else begin : g_no_flags
-    assign flags_o = '0;
+  end else begin : g_f64
+    always_comb begin
+      f = '0;
+      for (int l = 0; l < LANES; l++) f[l] = $c64("host_fp::flags<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
+    end
   end
+  assign r_o = r;
+  assign flags_o = f;
 `else
   $error("fp_host: ARITH = \"host\" exists only under Verilator");
 `endif

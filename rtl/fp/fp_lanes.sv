@@ -1,5 +1,5 @@
 // One operation on LANES lanes with the back end that ARITH names: what fp_add, fp_mul and their like have in common.
-// Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free.
+// Latency: LAT clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none, runs free.
 module fp_lanes #(
     parameter  int OP    = 0,      // 0 add, 1 sub, 2 mul, 3 div, 4 sqrt, 5 lt, 6 le, 7 eq, 8 min, 9 max (as in host_fp.h)
     parameter  int EXP   = 8,      // 3..11
@@ -7,7 +7,7 @@ module fp_lanes #(
     parameter  int LANES = 1,      // >= 1
     parameter  int B_LANES = LANES,  // LANES, or 1: b is one value for all lanes
     parameter  int LAT   = 1,      // >= 1; register cuts while the operation has stages to cut, then delay at the output
-    parameter      ARITH = "rtl",  // "rtl" or "host"
+    parameter      ARITH = "rtl",  // "rtl", or "host": combinational, whatever LAT is
     parameter  bit CANON = 1,    // 0: the host back end may give any NaN; for results that only arithmetic reads
     parameter  bit FLAGS = 0,
     localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
@@ -36,7 +36,9 @@ module fp_lanes #(
       assign flags_o = '0;
     end
   end else begin : g_host
-    fp_host #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .CANON(CANON), .FLAGS(FLAGS)) host (
-        .clk_i, .a_i, .b_i, .r_o, .flags_o);
+    fp_host #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .CANON(CANON), .FLAGS(FLAGS)) host (
+        .a_i, .b_i, .r_o, .flags_o);
+    logic unused_clk;
+    assign unused_clk = clk_i;
   end
 endmodule

@@ -1,6 +1,6 @@
 // minimumNumber or maximumNumber of IEEE 754-2019: a NaN loses against a number, -0 is below +0, two NaNs give the canonical
 // NaN, a signalling NaN raises NV.
-// Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
+// Latency: LAT clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
 module fp_minmax #(
     parameter  int EXP   = 8,    // 3..11
     parameter  int MAN   = 23,   // 2..52
@@ -8,7 +8,7 @@ module fp_minmax #(
     parameter  int B_LANES = LANES,  // 1: b is one value for all lanes
     parameter  int LAT   = 1,    // >= 1
     parameter  bit MAX   = 0,    // 1: maximum
-    parameter      ARITH = "rtl",  // "rtl": gates; "host": the host's FPU, simulation only
+    parameter      ARITH = "rtl",  // "rtl": gates; "host": the host's FPU, simulation only, combinational
     parameter  bit FLAGS = 0,
     localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (

@@ -1,11 +1,11 @@
 // Square root; of a negative number NaN, of -0 the -0.
-// Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
+// Latency: LAT clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
 module fp_sqrt #(
     parameter  int EXP   = 8,    // 3..11
     parameter  int MAN   = 23,   // 2..52
     parameter  int LANES = 1,    // >= 1
     parameter  int LAT   = 1,    // >= 1
-    parameter      ARITH = "rtl",  // "rtl": gates; "host": the host's FPU, simulation only
+    parameter      ARITH = "rtl",  // "rtl": gates; "host": the host's FPU, simulation only, combinational
     parameter  bit FLAGS = 0,
     localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (

@@ -33,8 +33,12 @@ module fp_unit #(
   for (genvar k = 0; k < 10; k++) begin : g_op
     localparam int LAT = (k <= 1) ? LAT_ADD : (k == 2) ? LAT_MUL : (k == 3) ? LAT_DIV : (k == 4) ? LAT_SQRT : LAT_CMP;
     if (OPS[k]) begin : g_on
+      logic [LANES-1:0][CW-1:0] r, f;
       fp_lanes #(.OP(k), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS != 0)) lanes (
-          .clk_i(clk_i[k]), .a_i, .b_i, .r_o(r_o[k]), .flags_o(f_o[k]));
+          .clk_i(clk_i[k]), .a_i, .b_i, .r_o(r), .flags_o(f));
+      // The host back end is combinational; here it gets the timing of the gates.
+      fp_delay #(.LANES(LANES), .W(CW), .DEPTH(ARITH == "host" ? LAT : 0)) delay_r (.clk_i(clk_i[k]), .d_i(r), .q_o(r_o[k]));
+      fp_delay #(.LANES(LANES), .W(CW), .DEPTH(ARITH == "host" ? LAT : 0)) delay_f (.clk_i(clk_i[k]), .d_i(f), .q_o(f_o[k]));
     end else begin : g_off
       assign r_o[k] = '0;
       assign f_o[k] = '0;

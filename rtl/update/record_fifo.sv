@@ -1,11 +1,12 @@
 // Output FIFO of the streaming result modes (all, hits): takes a row of results, gives one record a clock, lanes in ascending order.
-// Room is promised ahead by credits: `credit_o` counts the rows that have left, so the pipe mouth never overfills it.
+// Room is promised ahead by credits: `credit_o` counts the rows that have left, so the pipe mouth never overfills it. T and CP lie
+// beside the lanes that made them (record_lanes); this is the control, and the bits of every lane.
 // Latency: 1 clock. Throughput: one row in, one record out a clock. Stall: holds while ready_i is low.
 module record_fifo #(
     parameter int LANES = 16,
-    parameter int CW = 32,
     parameter int ROW_W = 4,
     parameter int DEPTH = 32,  // power of two
+    localparam int AW = $clog2(DEPTH),
     localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1
 ) (
     input logic clk_i,
@@ -15,72 +16,52 @@ module record_fifo #(
     input logic [ROW_W-1:0] row_i,
     input logic [31:0] index_i,
     input logic [LANES-1:0] unmasked_i,
-    input logic [LANES-1:0][CW-1:0] f_i,
-    input logic [LANES-1:0][CW-1:0] bad_i,
-    input logic [LANES-1:0][CW-1:0] t_i,
-    input logic [2:0][LANES-1:0][CW-1:0] cp_i,
+    input logic [LANES-1:0] f_i,
+    input logic [LANES-1:0] bad_i,
+    output logic keep_o,  // the row is kept, at write_o
+    output logic [AW-1:0] write_o,
     output logic [1:0] credit_o,  // rows given back this clock
     output logic empty_o,
 
     output logic valid_o,
     input logic ready_i,
+    output logic [AW-1:0] head_o,
     output logic [ROW_W-1:0] row_o,
     output logic [LANE_W-1:0] lane_o,
     output logic [31:0] index_o,
     output logic f_o,
-    output logic bad_o,
-    output logic [CW-1:0] t_o,
-    output logic [2:0][CW-1:0] cp_o
+    output logic bad_o
 );
-  localparam int AW = $clog2(DEPTH);
   logic [AW:0] write_q, read_q;
   logic [ROW_W-1:0] row_mem[DEPTH];
   logic [31:0] index_mem[DEPTH];
   logic [LANES-1:0] want_mem[DEPTH], f_mem[DEPTH], bad_mem[DEPTH];
-  logic [LANES-1:0][CW-1:0] t_mem[DEPTH], cp_x_mem[DEPTH], cp_y_mem[DEPTH], cp_z_mem[DEPTH];
 
-  logic [LANES-1:0] f, bad, want, done_q, pending, lowest;
-  always_comb begin
-    f = '0;
-    bad = '0;
-    if (push_i) begin
-      for (int l = 0; l < LANES; l++) begin
-        f[l] = f_i[l][0];
-        bad[l] = bad_i[l][0];
-      end
-    end
-    want = hits_only_i ? unmasked_i & f : unmasked_i;
-  end
-
-  logic keep, emit, leave;
-  logic [AW-1:0] head;
-  assign keep = push_i && |want;
-  assign head = read_q[AW-1:0];
+  logic [LANES-1:0] want, done_q, pending, lowest;
+  logic emit, leave;
+  assign want = hits_only_i ? unmasked_i & f_i : unmasked_i;
+  assign keep_o = push_i && |want;
+  assign write_o = write_q[AW-1:0];
+  assign head_o = read_q[AW-1:0];
   assign empty_o = write_q == read_q;
-  assign pending = want_mem[head] & ~done_q;
+  assign pending = want_mem[head_o] & ~done_q;
   first_set #(.N(LANES)) first (.set_i(pending), .first_o(lowest), .index_o(lane_o));
   assign valid_o = !empty_o;
   assign emit = valid_o && ready_i;
   assign leave = emit && (pending & ~lowest) == 0;
-  assign credit_o = 2'(leave) + 2'(push_i && !keep);
-  assign row_o = row_mem[head];
-  assign index_o = index_mem[head];
-  assign f_o = f_mem[head][lane_o];
-  assign bad_o = bad_mem[head][lane_o];
-  assign t_o = t_mem[head][lane_o];
-  assign cp_o = {cp_z_mem[head][lane_o], cp_y_mem[head][lane_o], cp_x_mem[head][lane_o]};
+  assign credit_o = 2'(leave) + 2'(push_i && !keep_o);
+  assign row_o = row_mem[head_o];
+  assign index_o = index_mem[head_o];
+  assign f_o = f_mem[head_o][lane_o];
+  assign bad_o = bad_mem[head_o][lane_o];
 
   always_ff @(posedge clk_i) begin
-    if (keep) begin
-      row_mem[write_q[AW-1:0]] <= row_i;
-      index_mem[write_q[AW-1:0]] <= index_i;
-      want_mem[write_q[AW-1:0]] <= want;
-      f_mem[write_q[AW-1:0]] <= f;
-      bad_mem[write_q[AW-1:0]] <= bad;
-      t_mem[write_q[AW-1:0]] <= t_i;
-      cp_x_mem[write_q[AW-1:0]] <= cp_i[0];
-      cp_y_mem[write_q[AW-1:0]] <= cp_i[1];
-      cp_z_mem[write_q[AW-1:0]] <= cp_i[2];
+    if (keep_o) begin
+      row_mem[write_o] <= row_i;
+      index_mem[write_o] <= index_i;
+      want_mem[write_o] <= want;
+      f_mem[write_o] <= f_i;
+      bad_mem[write_o] <= bad_i;
       write_q <= write_q + 1;
     end
     if (emit) done_q <= leave ? '0 : done_q | lowest;
@@ -93,6 +74,6 @@ module record_fifo #(
 
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i)
-    if (!rst_i) assert (!(keep && write_q - read_q == (AW + 1)'(DEPTH))) else $error("record_fifo: overfilled despite credits");
+    if (!rst_i) assert (!(keep_o && write_q - read_q == (AW + 1)'(DEPTH))) else $error("record_fifo: overfilled despite credits");
 `endif
 endmodule

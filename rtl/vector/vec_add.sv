@@ -1,5 +1,5 @@
 // Sum of two 3-vectors, a + b, or difference, a - b, one rounding a component (3 adders or subtractors).
-// Latency: LAT_ADD clocks. Throughput: one vector a lane a clock. Stall: none.
+// Latency: LAT_ADD clocks; 0 with ARITH = "host". Throughput: one vector a lane a clock. Stall: none.
 module vec_add #(
     parameter int EXP = 8,
     parameter int MAN = 23,
@@ -16,6 +16,7 @@ module vec_add #(
     input logic [2:0][B_LANES-1:0][CW-1:0] b_i,
     output logic [2:0][LANES-1:0][CW-1:0] r_o
 );
+  /*verilator inline_module*/
   for (genvar k = 0; k < 3; k++) begin : axis
     fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_ADD), .SUB(SUB), .ARITH(ARITH), .CANON(CANON)) add (
         .clk_i, .a_i(a_i[k]), .b_i(b_i[k]), .r_o(r_o[k]), .flags_o());

@@ -1,5 +1,5 @@
 // Cross product a x b, each component the difference of two rounded products (6 multipliers, 3 subtractors).
-// Latency: LAT_MUL + LAT_ADD clocks. Throughput: one vector a lane a clock. Stall: none.
+// Latency: LAT_MUL + LAT_ADD clocks; 0 with ARITH = "host". Throughput: one vector a lane a clock. Stall: none.
 module vec_cross #(
     parameter int EXP = 8,
     parameter int MAN = 23,
@@ -16,6 +16,7 @@ module vec_cross #(
     input logic [2:0][B_LANES-1:0][CW-1:0] b_i,
     output logic [2:0][LANES-1:0][CW-1:0] r_o
 );
+  /*verilator inline_module*/
   for (genvar k = 0; k < 3; k++) begin : axis
     localparam int Y = (k + 1) % 3, Z = (k + 2) % 3;
     logic [LANES-1:0][CW-1:0] yz, zy;

@@ -1,5 +1,5 @@
 // Dot product, (x*u + y*v) + z*w with one rounding an operation (3 multipliers, 2 adders).
-// Latency: LAT_MUL + 2*LAT_ADD clocks. Throughput: one value a lane a clock. Stall: none.
+// Latency: LAT_MUL + 2*LAT_ADD clocks; 0 with ARITH = "host". Throughput: one value a lane a clock. Stall: none.
 module vec_dot #(
     parameter int EXP = 8,
     parameter int MAN = 23,
@@ -16,6 +16,7 @@ module vec_dot #(
     input logic [2:0][B_LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] r_o
 );
+  /*verilator inline_module*/
   for (genvar k = 0; k < 3; k++) begin : axis
     logic [LANES-1:0][CW-1:0] p;
     fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL), .ARITH(ARITH), .CANON(0)) mul (
@@ -24,7 +25,7 @@ module vec_dot #(
   logic [LANES-1:0][CW-1:0] xy, z;
   fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .ARITH(ARITH), .CANON(0)) add_xy (
       .clk_i, .a_i(axis[0].p), .b_i(axis[1].p), .r_o(xy), .flags_o());
-  align #(.W(LANES * CW), .FROM(LAT_MUL), .TO(LAT_MUL + LAT_ADD)) align_z (.clk_i, .d_i(axis[2].p), .q_o(z));
+  align #(.W(LANES * CW), .FROM(LAT_MUL), .TO(LAT_MUL + LAT_ADD), .ARITH(ARITH)) align_z (.clk_i, .d_i(axis[2].p), .q_o(z));
   fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .ARITH(ARITH), .CANON(CANON)) add_xyz (
       .clk_i, .a_i(xy), .b_i(z), .r_o(r_o), .flags_o());
 endmodule

@@ -1,5 +1,5 @@
 // A 3-vector times a scalar, s * a (3 multipliers).
-// Latency: LAT_MUL clocks. Throughput: one vector a lane a clock. Stall: none.
+// Latency: LAT_MUL clocks; 0 with ARITH = "host". Throughput: one vector a lane a clock. Stall: none.
 module vec_scale #(
     parameter int EXP = 8,
     parameter int MAN = 23,
@@ -14,6 +14,7 @@ module vec_scale #(
     input logic [LANES-1:0][CW-1:0] s_i,
     output logic [2:0][LANES-1:0][CW-1:0] r_o
 );
+  /*verilator inline_module*/
   for (genvar k = 0; k < 3; k++) begin : axis
     fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH), .CANON(CANON)) mul (
         .clk_i, .a_i(a_i[k]), .b_i(s_i), .r_o(r_o[k]), .flags_o());

@@ -1,17 +1,17 @@
-// Update engine: keeps the best record a primary. Per row the old T is read from one stencil-T buffer and the better of old and
-// new is written to the other within one clock (paper section 3.3); `parity_i` says which is which and alternates with every
-// secondary. F, index and CP change only where a new hit is better. Masked primaries are never updated.
+// Update engine of one lane group: keeps the best record a primary. Per row the old T is read from one stencil-T buffer and the better
+// of old and new is written to the other within one clock (paper section 3.3); `parity_i` says which is which and alternates with
+// every secondary. F, index and CP change only where a new hit is better. Masked primaries are never updated.
 // nearest: smallest (T, index); farthest: largest T, then smallest index; any: the first hit in stream order.
 // Latency: 1 clock. Throughput: one row a clock. Stall: none.
-module update_engine #(
+module update_lanes #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 16,
-    parameter int PRIMARIES = 256,
+    parameter int ROWS = 16,
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int ROWS = PRIMARIES / LANES,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
-    localparam int PRIM_W = $clog2(PRIMARIES)
+    localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1,
+    localparam int HITS_W = $clog2(LANES + 1)
 ) (
     input logic clk_i,
     input logic [2:0] mode_i,
@@ -23,60 +23,63 @@ module update_engine #(
     input logic [ROW_W-1:0] row_i,
     input logic parity_i,
     input logic [31:0] index_i,
-    input logic [LANES-1:0][CW-1:0] f_i,
+    input logic [LANES-1:0][CW-1:0] f_i,  // lane mask
     input logic [LANES-1:0][CW-1:0] t_i,
-    input logic [2:0][LANES-1:0][CW-1:0] cp_i,
-    output logic [PRIM_W:0] new_hits_o,  // primaries that got their first hit with this row
+    input logic [LANES-1:0][CW-1:0] cp_x_i,
+    input logic [LANES-1:0][CW-1:0] cp_y_i,
+    input logic [LANES-1:0][CW-1:0] cp_z_i,
+    output logic [HITS_W-1:0] new_hits_o,  // primaries that got their first hit with this row
 
-    input logic result_i,  // combinational read after the stream
-    input logic [PRIM_W-1:0] result_primary_i,
+    input logic result_i,  // combinational read after the stream; zeros while low
+    input logic [ROW_W-1:0] result_row_i,
+    input logic [LANE_W-1:0] result_lane_i,
     input logic result_parity_i,
-    output logic result_f_o,
     output logic [31:0] result_index_o,
     output logic [CW-1:0] result_t_o,
     output logic [2:0][CW-1:0] result_cp_o
 );
+  /*verilator inline_module*/
   localparam int W = 1 + EXP + MAN;
-  localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1;
   localparam logic [CW-1:0] INF = ((CW'(1) << EXP) - 1) << MAN;
   localparam logic [CW-1:0] SIGN = CW'(1) << (W - 1);
 
   logic [LANES-1:0][CW-1:0] stencil_t0[ROWS], stencil_t1[ROWS];  // the two T buffers
   logic [LANES-1:0][CW-1:0] unmasked[ROWS];                       // stencil values, as lane masks
   logic [LANES-1:0][31:0] f_index[ROWS];                          // F-index buffer: all ones is F = 0
-  logic [LANES-1:0][CW-1:0] cp_x[ROWS], cp_y[ROWS], cp_z[ROWS];
+  logic [2:0][LANES-1:0][CW-1:0] cp[ROWS];                        // of the kept hit; unset while F = 0
 
   // Sign-magnitude to an ordered unsigned key; both zeros map to the same key.
   function logic [CW-1:0] key(input logic [CW-1:0] t);
     key = ((t & SIGN) != 0) ? SIGN - (t & ~SIGN) : SIGN + t;
   endfunction
 
-  logic [LANES-1:0][CW-1:0] hit, t_new, better;
+  logic [LANES-1:0][CW-1:0] hit, t_old, t_new, better, mask;
   logic [LANES-1:0] first_hit;
   logic any_hit;
-  always_comb
-    for (int l = 0; l < LANES; l++) hit[l] = f_i[l] & unmasked[row_i][l];
+  assign mask = unmasked[row_i];
+  assign hit = f_i & mask;
   assign any_hit = valid_i && |hit;
+  assign t_old = parity_i ? stencil_t1[row_i] : stencil_t0[row_i];
 
   // A row without a hit, nearly every row, costs no comparison.
   always_comb begin
     better = '0;
     first_hit = '0;
-    t_new = parity_i ? stencil_t1[row_i] : stencil_t0[row_i];
+    t_new = t_old;
     if (any_hit) begin
       for (int l = 0; l < LANES; l++) begin
         first_hit[l] = hit[l][0] && f_index[row_i][l] == '1;
         if (hit[l][0]) begin
           if (mode_i == cde_pkg::MODE_ANY) better[l] = {CW{first_hit[l]}};
           else if (first_hit[l]) better[l] = '1;
-          else if (key(t_i[l]) == key(t_new[l])) better[l] = {CW{index_i < f_index[row_i][l]}};
-          else better[l] = {CW{(key(t_i[l]) < key(t_new[l])) == (mode_i == cde_pkg::MODE_NEAREST)}};
+          else if (key(t_i[l]) == key(t_old[l])) better[l] = {CW{index_i < f_index[row_i][l]}};
+          else better[l] = {CW{(key(t_i[l]) < key(t_old[l])) == (mode_i == cde_pkg::MODE_NEAREST)}};
         end
         if (better[l][0]) t_new[l] = t_i[l];
       end
     end
   end
-  assign new_hits_o = any_hit ? (PRIM_W + 1)'($countones(first_hit)) : '0;
+  assign new_hits_o = any_hit ? HITS_W'($countones(first_hit)) : '0;
 
   logic [LANES-1:0][31:0] index_new;
   always_comb begin
@@ -85,45 +88,35 @@ module update_engine #(
       for (int l = 0; l < LANES; l++) index_new[l] = better[l][0] ? index_i : f_index[row_i][l];
   end
 
-  always_ff @(posedge clk_i) begin
-    if (valid_i && parity_i) stencil_t0[row_i] <= t_new;
-    if (valid_i && !parity_i) stencil_t1[row_i] <= t_new;
-    if (any_hit) begin
-      f_index[row_i] <= index_new;
-      cp_x[row_i] <= (cp_x[row_i] & ~better) | (cp_i[0] & better);
-      cp_y[row_i] <= (cp_y[row_i] & ~better) | (cp_i[1] & better);
-      cp_z[row_i] <= (cp_z[row_i] & ~better) | (cp_i[2] & better);
-    end
-    if (clear_i) begin
-      unmasked[clear_row_i] <= clear_lanes;
-      stencil_t0[clear_row_i] <= {LANES{INF}};
-      stencil_t1[clear_row_i] <= {LANES{INF}};
-      f_index[clear_row_i] <= '1;
-      cp_x[clear_row_i] <= '0;
-      cp_y[clear_row_i] <= '0;
-      cp_z[clear_row_i] <= '0;
-    end
-  end
-
   logic [LANES-1:0][CW-1:0] clear_lanes;
   always_comb begin
     clear_lanes = '0;
     if (clear_i) for (int l = 0; l < LANES; l++) clear_lanes[l] = {CW{~clear_mask_i[l]}};
   end
 
-  logic [ROW_W-1:0] result_row;
-  logic [LANE_W-1:0] result_lane;
-  assign result_row = ROW_W'(32'(result_primary_i) / 32'(LANES));
-  assign result_lane = LANE_W'(32'(result_primary_i) % 32'(LANES));
+  always_ff @(posedge clk_i) begin
+    if (valid_i && parity_i) stencil_t0[row_i] <= t_new;
+    if (valid_i && !parity_i) stencil_t1[row_i] <= t_new;
+    if (any_hit) begin
+      f_index[row_i] <= index_new;
+      cp[row_i] <= (cp[row_i] & ~{3{better}}) | ({cp_z_i, cp_y_i, cp_x_i} & {3{better}});
+    end
+    if (clear_i) begin
+      unmasked[clear_row_i] <= clear_lanes;
+      stencil_t0[clear_row_i] <= {LANES{INF}};
+      stencil_t1[clear_row_i] <= {LANES{INF}};
+      f_index[clear_row_i] <= '1;
+    end
+  end
+
   always_comb begin
-    result_index_o = '1;
+    result_index_o = '0;
     result_t_o = '0;
     result_cp_o = '0;
     if (result_i) begin
-      result_index_o = f_index[result_row][result_lane];
-      result_t_o = result_parity_i ? stencil_t1[result_row][result_lane] : stencil_t0[result_row][result_lane];
-      result_cp_o = {cp_z[result_row][result_lane], cp_y[result_row][result_lane], cp_x[result_row][result_lane]};
+      result_index_o = f_index[result_row_i][result_lane_i];
+      result_t_o = result_parity_i ? stencil_t1[result_row_i][result_lane_i] : stencil_t0[result_row_i][result_lane_i];
+      if (result_index_o != '1) for (int k = 0; k < 3; k++) result_cp_o[k] = cp[result_row_i][k][result_lane_i];
     end
   end
-  assign result_f_o = result_index_o != '1;
 endmodule

@@ -1,0 +1,36 @@
+// What entered a datapath the last DEPTH clocks, so that the tag of a result is found again when it leaves: the one delay line beside
+// the pipes, whatever their latencies.
+// Latency: latency_i clocks (1..DEPTH-1). Throughput: one entry a clock. Stall: none.
+module issue_history #(
+    parameter int W = 1,
+    parameter int DEPTH = 256  // power of two
+) (
+    input logic clk_i,
+    input logic rst_i,
+    input logic [15:0] latency_i,
+    input logic valid_i,
+    input logic [W-1:0] d_i,
+    output logic valid_o,
+    output logic [W-1:0] q_o
+);
+  localparam int AW = $clog2(DEPTH);
+  logic [AW-1:0] now_q, then_o;
+  logic [DEPTH-1:0] valid_mem;
+  logic [W-1:0] mem[DEPTH];
+  assign then_o = now_q - AW'(latency_i);
+  assign valid_o = valid_mem[then_o];
+  assign q_o = mem[then_o];
+  always_ff @(posedge clk_i) begin
+    valid_mem[now_q] <= valid_i;
+    if (valid_i) mem[now_q] <= d_i;
+    now_q <= now_q + 1;
+    if (rst_i) begin
+      valid_mem <= '0;
+      now_q <= '0;
+    end
+  end
+`ifndef SYNTHESIS
+  always_ff @(posedge clk_i)
+    if (!rst_i) assert (latency_i != 0 && latency_i < 16'(DEPTH)) else $error("issue_history: latency must be 1..%0d", DEPTH - 1);
+`endif
+endmodule

@@ -1,0 +1,72 @@
+// Eight lanes at a time: the vector statements that `reroll` writes. Operations of host_fp.h on vectors of 32-bit words, lane by lane
+// the bits of the scalar ones.
+#pragma once
+#include "host_fp.h"
+#include "verilated.h"
+
+namespace lanes {
+
+constexpr unsigned kLanes = 8;
+typedef uint32_t Words __attribute__((ext_vector_type(8)));
+typedef float Floats __attribute__((ext_vector_type(8)));
+
+template <std::size_t N>
+inline Words get(const VlWide<N>& from, unsigned word) {
+  Words v;
+  __builtin_memcpy(&v, from.m_storage + word, sizeof v);
+  return v;
+}
+template <std::size_t N>
+inline void put(VlWide<N>& to, unsigned word, Words v) {
+  __builtin_memcpy(to.m_storage + word, &v, sizeof v);
+}
+
+}  // namespace lanes
+
+namespace host_fp {
+
+using lanes::Floats;
+using lanes::Words;
+
+template <unsigned C, unsigned E, unsigned M, bool Canonical = true>
+inline Words op(Words a, Words b) {
+  if constexpr (Format<E, M>::kSingle && C <= kEq && C != kSqrt) {
+    const Floats x = (Floats)a, y = (Floats)b;
+    if constexpr (C == kLt) {
+      return (Words)(x < y);
+    } else if constexpr (C == kLe) {
+      return (Words)(x <= y);
+    } else if constexpr (C == kEq) {
+      return (Words)(x == y);
+    } else {
+      const Floats r = C == kAdd ? x + y : C == kSub ? x - y : C == kMul ? x * y : x / y;
+      if constexpr (!Canonical) return (Words)r;
+      const Words nan = (Words)(r != r);
+      return ((Words)r & ~nan) | (Format<E, M>::kNan & nan);
+    }
+  } else {
+    Words r;
+    for (unsigned i = 0; i < lanes::kLanes; ++i)
+      r[i] = op<C, E, M, Canonical, uint32_t>(a[i], b[i]);
+    return r;
+  }
+}
+template <unsigned C, unsigned E, unsigned M, bool Canonical = true>
+inline Words op(Words a, uint32_t b) {
+  return op<C, E, M, Canonical>(a, Words{} + b);
+}
+template <unsigned C, unsigned E, unsigned M, bool Canonical = true>
+inline Words op(uint32_t a, Words b) {
+  return op<C, E, M, Canonical>(Words{} + a, b);
+}
+
+template <unsigned C, unsigned E, unsigned M>
+inline Words sign(Words a, Words b = Words{}) {
+  return sign<C, E, M, Words>(a, b);
+}
+template <unsigned C, unsigned E, unsigned M>
+inline Words sign(Words a, uint32_t b) {
+  return sign<C, E, M, Words>(a, Words{} + b);
+}
+
+}  // namespace host_fp
