@@ -66,7 +66,7 @@ module cde #(
     output logic [2:0][CW-1:0] result_cp_o
 );
   // One AVX2 register wide where the host computes; the gates' own objects want all lanes in one.
-  localparam int GROUP = (ARITH == "host" && LANES > 8) ? 8 : LANES;
+  localparam int GROUP = (ARITH != "rtl" && LANES > 8) ? 8 : LANES;
   localparam int GROUPS = LANES / GROUP;
   localparam int GLANE_W = (GROUP > 1) ? $clog2(GROUP) : 1;
   localparam int HITS_W = $clog2(GROUP + 1);
@@ -91,7 +91,7 @@ module cde #(
   issue_history #(.W(ROW_W + 34), .DEPTH(HISTORY)) history (
       .clk_i, .rst_i, .latency_i(latency_o), .valid_i, .d_i({row_i, parity_i, index_i, secondary_bad_i}), .valid_o,
       .q_o({row_o, parity, index_o, secondary_bad}));
-  if (ARITH == "host") begin : g_late
+  if (ARITH != "rtl") begin : g_late
     logic unused_valid;
     issue_history #(.W(SEC_WORDS * CW), .DEPTH(HISTORY)) history (
         .clk_i, .rst_i, .latency_i(latency_o), .valid_i, .d_i(secondary_i), .valid_o(unused_valid), .q_o(secondary));

@@ -24,7 +24,7 @@ module fp_sign #(
   end
 `ifdef VERILATOR
   // A call a lane, as the arithmetic around it: Verilator would join bit operations of neighbouring lanes, which then vectorise no more.
-  if (ARITH == "host" && CW == 32) begin : g_32
+  if (ARITH != "rtl" && CW == 32) begin : g_32
     always_comb begin
       r = '0;
       for (int l = 0; l < LANES; l++)

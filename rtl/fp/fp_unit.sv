@@ -37,8 +37,8 @@ module fp_unit #(
       fp_lanes #(.OP(k), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS != 0)) lanes (
           .clk_i(clk_i[k]), .a_i, .b_i, .r_o(r), .flags_o(f));
       // The host back end is combinational; here it gets the timing of the gates.
-      fp_delay #(.LANES(LANES), .W(CW), .DEPTH(ARITH == "host" ? LAT : 0)) delay_r (.clk_i(clk_i[k]), .d_i(r), .q_o(r_o[k]));
-      fp_delay #(.LANES(LANES), .W(CW), .DEPTH(ARITH == "host" ? LAT : 0)) delay_f (.clk_i(clk_i[k]), .d_i(f), .q_o(f_o[k]));
+      fp_delay #(.LANES(LANES), .W(CW), .DEPTH(ARITH != "rtl" ? LAT : 0)) delay_r (.clk_i(clk_i[k]), .d_i(r), .q_o(r_o[k]));
+      fp_delay #(.LANES(LANES), .W(CW), .DEPTH(ARITH != "rtl" ? LAT : 0)) delay_f (.clk_i(clk_i[k]), .d_i(f), .q_o(f_o[k]));
     end else begin : g_off
       assign r_o[k] = '0;
       assign f_o[k] = '0;

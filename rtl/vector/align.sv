@@ -12,7 +12,7 @@ module align #(
     output logic [W-1:0] q_o
 );
   /*verilator inline_module*/
-  localparam int DEPTH = (ARITH == "host") ? 0 : TO - FROM;
+  localparam int DEPTH = (ARITH != "rtl") ? 0 : TO - FROM;
   if (TO < FROM) begin : g_illegal
     $error("align: TO must not be before FROM");
   end
