@@ -1,0 +1,216 @@
+#pragma once
+#include <array>
+
+#include "cde/reference/convex/closest_point.hpp"
+
+/// Facet units of the box pairs. Body P is a box, in its own frame: centre 0, half extents a, axes
+/// e_i. Body Q is another box or a triangle. The difference Q - P is a convex polytope; each of its
+/// facets belongs to a face of one body and a vertex of the other, or to an edge of each. A unit
+/// answers, for one facet: the gap of the two projections on its normal (a lower bound of the
+/// signed gap for any normal, so the bodies are apart if and only if some facet's gap is positive),
+/// and the point of the facet nearest the origin, as a point of P and the vector to a point of Q.
+///
+/// Normals point from P to Q. Index i is an axis, k = i+1 and l = i+2 the next two, modulo 3.
+namespace cde::reference::convex {
+
+/// Support features come from shapes turned by kTurn about this axis (x' = x + turn x x): when a
+/// face or edge of one body is parallel to one of the other, every facet then takes the same side,
+/// as if the bodies were in general position. The geometry itself is not turned. Without it aligned
+/// boxes get facets that leave a hole where the closest point is.
+template <typename S>
+[[nodiscard]] Vector<S> turn() {
+  const double angle = 16 * kUnitRoundoff<S>;
+  return {static_cast<S>(angle), static_cast<S>(0.618 * angle), static_cast<S>(-0.755 * angle)};
+}
+
+/// x turned; only the signs of the result may be used. 6 add 6 mul.
+template <typename S>
+[[nodiscard]] Vector<S> turned(const Vector<S>& x) {
+  return add<S>(x, cross<S>(turn<S>(), x));
+}
+
+/// Gaps closer than this are ties: 4 u S, S the size of the scene.
+template <typename S>
+[[nodiscard]] S tie_width(S size) {
+  return static_cast<S>(4 * kUnitRoundoff<S>) * size;
+}
+
+/// One facet of Q - P.
+template <typename S>
+struct Facet {
+  S gap;            ///< of the projections on n; -inf if the facet has no normal
+  Vector<S> n;      ///< unit, P to Q
+  Difference<S> x;  ///< nearest point of the facet
+  S d2;             ///< |x.v|²
+};
+
+/// The box's corner farthest in the direction whose signs are given. Wires.
+template <typename S>
+[[nodiscard]] Vector<S> corner(const Vector<S>& signs, const Vector<S>& a) {
+  return {move_sign(signs.x(), a.x()), move_sign(signs.y(), a.y()), move_sign(signs.z(), a.z())};
+}
+
+/// x limited to the box. 6 min/max.
+template <typename S>
+[[nodiscard]] Vector<S> clamp_to_box(const Vector<S>& x, const Vector<S>& a) {
+  return {clamp(x.x(), -a.x(), a.x()), clamp(x.y(), -a.y(), a.y()), clamp(x.z(), -a.z(), a.z())};
+}
+
+/// a.|n|: half the box's width along n. 2 add 3 mul.
+template <typename S>
+[[nodiscard]] S box_radius(const Vector<S>& n, const Vector<S>& a) {
+  return dot<S>(a, Vector<S>(magnitude(n.x()), magnitude(n.y()), magnitude(n.z())));
+}
+
+/// |x| + |y| + |z|. 2 add.
+template <typename S>
+[[nodiscard]] S norm1(const Vector<S>& x) {
+  return (magnitude(x.x()) + magnitude(x.y())) + magnitude(x.z());
+}
+
+/// Face i of the box, on the side of `side`'s sign, and the vertex q of Q. The gap is the caller's.
+/// 5 add 3 mul, 4 min/max.
+template <typename S>
+[[nodiscard]] Facet<S> face_facet(int i, const Vector<S>& a, S side, const Vector<S>& q, S gap) {
+  const int k = (i + 1) % 3, l = (i + 2) % 3;
+  Facet<S> facet;
+  facet.gap = gap;
+  facet.n = Vector<S>::Zero();
+  facet.n[i] = move_sign(side, S{1});
+  facet.x.p[i] = move_sign(side, a[i]);
+  facet.x.p[k] = clamp(q[k], -a[k], a[k]);
+  facet.x.p[l] = clamp(q[l], -a[l], a[l]);
+  facet.x.v = sub<S>(q, facet.x.p);
+  facet.d2 = dot<S>(facet.x.v, facet.x.v);
+  return facet;
+}
+
+/// e_i x f, of unit length.
+template <typename S>
+struct EdgeNormal {
+  S k, l;      ///< components; component i is 0
+  S inverse2;  ///< 1 / |e_i x f|², 0 if there is no normal
+  Mask<S> valid;
+};
+
+/// 1 add 5 mul 1 div 1 sqrt.
+template <typename S>
+[[nodiscard]] EdgeNormal<S> edge_normal(int i, const Vector<S>& f) {
+  const int k = (i + 1) % 3, l = (i + 2) % 3;
+  const S squared = f[k] * f[k] + f[l] * f[l];
+  const auto valid = usable(squared);
+  const S inverse = reciprocal_or_zero<S>(valid, square_root(squared));
+  return {-(f[l] * inverse), f[k] * inverse, inverse * inverse, valid};
+}
+
+/// n.x for such a normal. 1 add 2 mul.
+template <typename S>
+[[nodiscard]] S project(int i, const EdgeNormal<S>& n, const Vector<S>& x) {
+  return n.k * x[(i + 1) % 3] + n.l * x[(i + 2) % 3];
+}
+
+/// The box's edge along axis i through `at` (component i unused), |s| <= a_i, and the edge q + t f,
+/// |t| <= 1, of Q: solves t in the plane perpendicular to the axis, then s, then t again for that
+/// s. `inverse2` is 1 / (f_k² + f_l²), `inverse_ff` 1 / f.f. 14 add 13 mul, 6 min/max.
+template <typename S>
+[[nodiscard]] Difference<S> segment_segment(int i, S a, const Vector<S>& at, const Vector<S>& q,
+                                            const Vector<S>& f, S inverse2, S inverse_ff) {
+  const int k = (i + 1) % 3, l = (i + 2) % 3;
+  Vector<S> w;
+  w[i] = q[i], w[k] = q[k] - at[k], w[l] = q[l] - at[l];
+  const S across = w[k] * f[k] + w[l] * f[l];
+  const S t1 = clamp(-(across * inverse2), S{-1}, S{1});
+  const S s = clamp(w[i] + t1 * f[i], -a, a);
+  const S rest = w[i] - s;
+  const S t = clamp(-((across + rest * f[i]) * inverse_ff), S{-1}, S{1});
+  Difference<S> x;
+  x.v[i] = rest + t * f[i], x.v[k] = w[k] + t * f[k], x.v[l] = w[l] + t * f[l];
+  x.p[i] = s, x.p[k] = at[k], x.p[l] = at[l];
+  return x;
+}
+
+/// Edge i of the box and the edge q + t f of Q, where n is e_i x f or the opposite of it. `signs`
+/// chooses the box's edge, on the side that n points to. 2 + 14 add, 3 + 13 mul.
+template <typename S>
+[[nodiscard]] Facet<S> edge_facet(int i, const Vector<S>& a, const Vector<S>& signs,
+                                  const Vector<S>& q, const Vector<S>& f, S inverse_ff,
+                                  const EdgeNormal<S>& n, S side, S gap) {
+  Facet<S> facet;
+  facet.gap = select(n.valid, gap, -std::numeric_limits<S>::infinity());
+  facet.n[i] = S{0};
+  facet.n[(i + 1) % 3] = move_sign(side, n.k);
+  facet.n[(i + 2) % 3] = move_sign(side, n.l);
+  facet.x = segment_segment<S>(i, a[i], corner<S>(signs, a), q, f, n.inverse2, inverse_ff);
+  facet.d2 = dot<S>(facet.x.v, facet.x.v);
+  return facet;
+}
+
+/// A facet chosen from several: by key, a tree of comparisons, ties to the lower index.
+template <typename S>
+struct Chosen {
+  S key;
+  Facet<S> facet;
+};
+
+template <typename S>
+[[nodiscard]] Chosen<S> lesser(const Chosen<S>& low, const Chosen<S>& high) {
+  const auto take = high.key < low.key;
+  Chosen<S> r;
+  r.key = select(take, high.key, low.key);
+  r.facet.gap = select(take, high.facet.gap, low.facet.gap);
+  r.facet.n = select<S>(take, high.facet.n, low.facet.n);
+  r.facet.x.v = select<S>(take, high.facet.x.v, low.facet.x.v);
+  r.facet.x.p = select<S>(take, high.facet.x.p, low.facet.x.p);
+  r.facet.d2 = select(take, high.facet.d2, low.facet.d2);
+  return r;
+}
+
+/// Balanced tree over neighbours: (0,1), (2,3), ...; an odd last one goes up unchanged.
+template <typename S, std::size_t N>
+[[nodiscard]] Chosen<S> least(const std::array<Chosen<S>, N>& all) {
+  if constexpr (N == 1) {
+    return all[0];
+  } else {
+    std::array<Chosen<S>, (N + 1) / 2> half;
+    for (std::size_t i = 0; i < N / 2; ++i) half[i] = lesser(all[2 * i], all[2 * i + 1]);
+    if constexpr (N % 2 == 1) half[N / 2] = all[N - 1];
+    return least(half);
+  }
+}
+
+/// Largest gap, the same tree.
+template <typename S, std::size_t N>
+[[nodiscard]] S largest_gap(const std::array<S, N>& gaps) {
+  if constexpr (N == 1) {
+    return gaps[0];
+  } else {
+    std::array<S, (N + 1) / 2> half;
+    for (std::size_t i = 0; i < N / 2; ++i) half[i] = max_num(gaps[2 * i], gaps[2 * i + 1]);
+    if constexpr (N % 2 == 1) half[N / 2] = gaps[N - 1];
+    return largest_gap(half);
+  }
+}
+
+/// The signed gap from all facets of a pair. Penetrating, it is the largest gap; apart, the least
+/// distance to a facet, polished. `support(v)` is the point of Q - P farthest against v and
+/// `gap_along(n)` the gap of the projections on a unit n.
+template <typename S, std::size_t N, typename Support, typename Gap>
+[[nodiscard]] SignedGap<S> answer(const std::array<Facet<S>, N>& facets, S tie,
+                                  const Support& support, const Gap& gap_along) {
+  std::array<S, N> gaps;
+  for (std::size_t i = 0; i < N; ++i) gaps[i] = facets[i].gap;
+  const S largest = largest_gap(gaps);
+  const S tied = largest - tie;
+  std::array<Chosen<S>, N> by_gap, by_distance;
+  for (std::size_t i = 0; i < N; ++i) {
+    by_gap[i] = {select(tied <= facets[i].gap, facets[i].d2, std::numeric_limits<S>::infinity()),
+                 facets[i]};
+    by_distance[i] = {facets[i].d2, facets[i]};
+  }
+  const Facet<S> best = least(by_gap).facet;
+  const Difference<S> nearest = least(by_distance).facet.x;
+  const Difference<S> polished = polish<S>(nearest, support(nearest.v));
+  return decide<S>(best.gap, best.n, best.x.p, polished, S{0} < largest, tie, gap_along);
+}
+
+}  // namespace cde::reference::convex

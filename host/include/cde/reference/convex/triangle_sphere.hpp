@@ -1,0 +1,46 @@
+#pragma once
+#include "cde/reference/check.hpp"
+#include "cde/reference/convex/closest_point.hpp"
+#include "cde/reference/convex/facets.hpp"
+
+namespace cde::reference {
+namespace convex {
+
+/// Triangle against sphere, relative to the sphere's centre: the closest point over all seven
+/// regions, polished; a triangle without area falls out as its segments or points. Flat and
+/// two-sided: the depth is r - distance. When the centre lies in the triangle's plane, the plane's
+/// normal is n.
+template <typename S>
+[[nodiscard]] Outcome<S> triangle_sphere(const BasicTriangle<S>& a, const BasicSphere<S>& b) {
+  // In vectors from the triangle to the centre, so that v = centre - point.
+  const TriangleParts<S> t =
+      triangle_parts<S>(sub<S>(b.c, a.v0), sub<S>(b.c, a.v1), sub<S>(b.c, a.v2));
+  const PointTriangle<S> closest =
+      point_triangle<S>({Vector<S>(-t.q[0]), Vector<S>(-t.q[1]), Vector<S>(-t.q[2])}, t);
+  const Vector<S> start = -closest.v;
+
+  const auto low = least_along<S>(t.p, start);
+  const Vector<S> far = select3<S>(low.first, low.second, t.p[0], t.p[1], t.p[2]);
+  const Difference<S> x = polish<S>({start, -start}, {far, -far});
+
+  // The plane's own normal, towards the centre; h is measured from the plane to the origin.
+  const Vector<S> n(move_sign(-closest.h, t.m.x()), move_sign(-closest.h, t.m.y()),
+                    move_sign(-closest.h, t.m.z()));
+  const S plane_gap = least_along<S>(t.p, n).value;
+  const S size = norm1<S>(t.p[0]) + b.r;
+  const SignedGap<S> centre =
+      decide<S>(plane_gap, n, scale<S>(n, -plane_gap), x, Mask<S>(true), tie_width(size),
+                [&](const Vector<S>& direction) { return least_along<S>(t.p, direction).value; });
+  const SignedGap<S> gap{centre.s - b.r, centre.n, centre.p};
+  return outcome<S>(gap.s, add<S>(b.c, midpoint(gap)), gap.n);
+}
+
+}  // namespace convex
+
+/// Triangle A against sphere B; see convex::triangle_sphere.
+template <typename S>
+[[nodiscard]] Outcome<S> triangle_sphere(const BasicTriangle<S>& a, const BasicSphere<S>& b) {
+  return bad(a) || bad(b) ? bad_outcome<S>() : convex::triangle_sphere(a, b);
+}
+
+}  // namespace cde::reference
