@@ -70,6 +70,8 @@ template <typename S>
       {sub<S>(facet.x.p, t.q[0]), sub<S>(facet.x.p, t.q[1]), sub<S>(facet.x.p, t.q[2])}, t);
   facet.x.v = -closest.v;
   facet.d2 = closest.d2;
+  facet.edge = Vector<S>::Zero();
+  facet.inverse_ff = S{0};
   return facet;
 }
 

@@ -19,17 +19,17 @@ template <typename S>
       point_triangle<S>({Vector<S>(-t.q[0]), Vector<S>(-t.q[1]), Vector<S>(-t.q[2])}, t);
   const Vector<S> start = -closest.v;
 
+  const S tie = tie_width(norm1<S>(t.p[0]) + b.r);
   const auto low = least_along<S>(t.p, start);
   const Vector<S> far = select3<S>(low.first, low.second, t.p[0], t.p[1], t.p[2]);
-  const Difference<S> x = polish<S>({start, -start}, {far, -far});
+  const Difference<S> x = polish<S>({start, -start}, {far, -far}, tie);
 
   // The plane's own normal, towards the centre; h is measured from the plane to the origin.
   const Vector<S> n(move_sign(-closest.h, t.m.x()), move_sign(-closest.h, t.m.y()),
                     move_sign(-closest.h, t.m.z()));
   const S plane_gap = least_along<S>(t.p, n).value;
-  const S size = norm1<S>(t.p[0]) + b.r;
   const SignedGap<S> centre =
-      decide<S>(plane_gap, n, scale<S>(n, -plane_gap), x, Mask<S>(true), tie_width(size),
+      decide<S>(plane_gap, n, scale<S>(n, -plane_gap), x, Mask<S>(true), tie,
                 [&](const Vector<S>& direction) { return least_along<S>(t.p, direction).value; });
   const SignedGap<S> gap{centre.s - b.r, centre.n, centre.p};
   return outcome<S>(gap.s, add<S>(b.c, midpoint(gap)), gap.n);
