@@ -198,32 +198,32 @@ template <typename S>
 /// The signed gap of a pair, in a frame common to both.
 template <typename S>
 struct SignedGap {
-  S s;          ///< distance, or minus the depth
-  Vector<S> n;  ///< unit normal, A to B
-  Vector<S> p;  ///< witness point of A; B's is p + s n
+  S s;              ///< distance, or minus the depth
+  Vector<S> n;      ///< unit normal, A to B
+  Difference<S> x;  ///< witness points: x.p of A and x.p + x.v of B, x.v = s n but for rounding
 };
 
-/// Chooses between two answers of a pair: `facet_gap`, `facet_n`, `facet_p`, the best normal of a
-/// facet with its witness point, and `x`, the polished nearest point of B - A, whose direction is
-/// the normal. The second one stands if its gap, `gap_along` of its unit vector, is not less than
-/// the facet's by more than `tie`, and if the bodies are apart; so when the distance is so small
-/// that x.v has no direction left, the facet decides. 6 add 6 mul 1 div 1 sqrt and gap_along.
+/// Chooses between two answers of a pair: that of its facets, and `x`, the polished nearest point
+/// of B - A, whose direction is the normal. The second one stands if the bodies are apart and its
+/// gap, `gap_along` of its unit vector, is not less than the facets' by more than `tie`; so when
+/// the distance is so small that x.v has no direction left, the facets decide. 3 add 6 mul 1 div 1
+/// sqrt and gap_along.
 template <typename S, typename Gap>
-[[nodiscard]] SignedGap<S> decide(S facet_gap, const Vector<S>& facet_n, const Vector<S>& facet_p,
-                                  const Difference<S>& x, Mask<S> apart, S tie,
-                                  const Gap& gap_along) {
+[[nodiscard]] SignedGap<S> decide(const SignedGap<S>& facets, const Difference<S>& x, Mask<S> apart,
+                                  S tie, const Gap& gap_along) {
   const S dd = dot<S>(x.v, x.v);
   const S d = square_root(dd);
   const Vector<S> n = unit<S>(x.v, d);
-  const auto point = apart && usable(dd) && facet_gap - tie <= gap_along(n);
-  return {select(point, d, facet_gap), select<S>(point, n, facet_n),
-          select<S>(point, x.p, facet_p)};
+  const auto point = apart && usable(dd) && facets.s - tie <= gap_along(n);
+  return {select(point, d, facets.s),
+          select<S>(point, n, facets.n),
+          {select<S>(point, x.v, facets.x.v), select<S>(point, x.p, facets.x.p)}};
 }
 
-/// (pA + pB) / 2 = p + (s / 2) n. 3 add 4 mul.
+/// (pA + pB) / 2 = p + v / 2. 3 add 3 mul.
 template <typename S>
-[[nodiscard]] Vector<S> midpoint(const SignedGap<S>& g) {
-  return add<S>(g.p, scale<S>(g.n, g.s * kHalf<S>));
+[[nodiscard]] Vector<S> midpoint(const Difference<S>& x) {
+  return add<S>(x.p, scale<S>(x.v, kHalf<S>));
 }
 
 /// F, T, CP and n of a signed gap. 1 comparison.

@@ -153,33 +153,37 @@ template <typename S>
   return facet;
 }
 
-/// A facet chosen from several: by key, a tree of comparisons, ties to the lower index.
+/// A facet and the key by which it is chosen.
 template <typename S>
 struct Chosen {
   S key;
   Facet<S> facet;
 };
 
+/// The one with the lesser key, ties to `low`. 1 comparison.
 template <typename S>
 [[nodiscard]] Chosen<S> lesser(const Chosen<S>& low, const Chosen<S>& high) {
   const auto take = high.key < low.key;
+  const Facet<S>&l = low.facet, &h = high.facet;
   Chosen<S> r;
   r.key = select(take, high.key, low.key);
-  r.facet.gap = select(take, high.facet.gap, low.facet.gap);
-  r.facet.n = select<S>(take, high.facet.n, low.facet.n);
-  r.facet.x.v = select<S>(take, high.facet.x.v, low.facet.x.v);
-  r.facet.x.p = select<S>(take, high.facet.x.p, low.facet.x.p);
-  r.facet.d2 = select(take, high.facet.d2, low.facet.d2);
-  r.facet.edge = select<S>(take, high.facet.edge, low.facet.edge);
-  r.facet.inverse_ff = select(take, high.facet.inverse_ff, low.facet.inverse_ff);
+  r.facet.gap = select(take, h.gap, l.gap);
+  r.facet.n = select<S>(take, h.n, l.n);
+  r.facet.x.v = select<S>(take, h.x.v, l.x.v);
+  r.facet.x.p = select<S>(take, h.x.p, l.x.p);
+  r.facet.d2 = select(take, h.d2, l.d2);
+  r.facet.edge = select<S>(take, h.edge, l.edge);
+  r.facet.inverse_ff = select(take, h.inverse_ff, l.inverse_ff);
   return r;
 }
 
-/// Balanced tree over neighbours: (0,1), (2,3), ...; an odd last one goes up unchanged.
+/// The facet with the least key: a balanced tree over neighbours, (0,1), (2,3), ..., where an odd
+/// last one goes up unchanged; ties to the lowest index. N - 1 comparisons. Each tree needs to
+/// carry only what is used of its result.
 template <typename S, std::size_t N>
-[[nodiscard]] Chosen<S> least(const std::array<Chosen<S>, N>& all) {
+[[nodiscard]] Facet<S> least(const std::array<Chosen<S>, N>& all) {
   if constexpr (N == 1) {
-    return all[0];
+    return all[0].facet;
   } else {
     std::array<Chosen<S>, (N + 1) / 2> half;
     for (std::size_t i = 0; i < N / 2; ++i) half[i] = lesser(all[2 * i], all[2 * i + 1]);
@@ -188,40 +192,48 @@ template <typename S, std::size_t N>
   }
 }
 
-/// Largest gap, the same tree.
+/// Largest gap, the same tree. N - 1 min/max.
 template <typename S, std::size_t N>
-[[nodiscard]] S largest_gap(const std::array<S, N>& gaps) {
-  if constexpr (N == 1) {
-    return gaps[0];
-  } else {
-    std::array<S, (N + 1) / 2> half;
-    for (std::size_t i = 0; i < N / 2; ++i) half[i] = max_num(gaps[2 * i], gaps[2 * i + 1]);
-    if constexpr (N % 2 == 1) half[N / 2] = gaps[N - 1];
-    return largest_gap(half);
+[[nodiscard]] S largest_gap(const std::array<Facet<S>, N>& facets) {
+  std::array<S, N> g;
+  for (std::size_t i = 0; i < N; ++i) g[i] = facets[i].gap;
+  for (std::size_t step = 1; step < N; step *= 2) {
+    for (std::size_t i = 0; i + step < N; i += 2 * step) g[i] = max_num(g[i], g[i + step]);
   }
+  return g[0];
 }
 
-/// The signed gap from all facets of a pair. Penetrating, it is the largest gap; apart, the least
-/// distance to a facet, polished. `support(v)` is the point of Q - P farthest against v and
-/// `gap_along(n)` the gap of the projections on a unit n.
+/// The signed gap from all facets of a pair. Where faces are parallel, or the bodies concentric,
+/// several facets share the largest gap or nearly so, and only one of them is where the origin
+/// projects to, so there are three choices:
+/// - of the facets whose gap is the largest but for `tie`, the one with the nearest point: its gap
+///   and normal are s and n if the bodies penetrate;
+/// - the facet whose vector v is nearest to s n, whatever its gap: its points are the witnesses;
+/// - the least distance: the nearest points if the bodies are apart, polished.
+/// `support(v)` is the point of Q - P farthest against v, `gap_along(n)` the gap of the projections
+/// on a unit n.
 template <typename S, std::size_t N, typename Support, typename Gap>
 [[nodiscard]] SignedGap<S> answer(const std::array<Facet<S>, N>& facets, S tie,
                                   const Support& support, const Gap& gap_along) {
-  std::array<S, N> gaps;
-  for (std::size_t i = 0; i < N; ++i) gaps[i] = facets[i].gap;
-  const S largest = largest_gap(gaps);
+  const S largest = largest_gap(facets);
   const S tied = largest - tie;
-  std::array<Chosen<S>, N> by_gap, by_distance;
+  std::array<Chosen<S>, N> by_gap, by_witness, by_distance;
   for (std::size_t i = 0; i < N; ++i) {
-    by_gap[i] = {select(tied <= facets[i].gap, facets[i].d2, std::numeric_limits<S>::infinity()),
-                 facets[i]};
-    by_distance[i] = {facets[i].d2, facets[i]};
+    const Facet<S>& f = facets[i];
+    by_gap[i] = {select(tied <= f.gap, f.d2, std::numeric_limits<S>::infinity()), f};
+    by_distance[i] = {f.d2, f};
   }
-  const Facet<S> best = least(by_gap).facet;
-  const Facet<S> near = least(by_distance).facet;
+  const Facet<S> best = least(by_gap);
+  const Vector<S> to_plane = scale<S>(best.n, best.gap);
+  for (std::size_t i = 0; i < N; ++i) {
+    const Vector<S> off = sub<S>(facets[i].x.v, to_plane);
+    by_witness[i] = {dot<S>(off, off), facets[i]};
+  }
+  const Facet<S> near = least(by_distance);
   const Difference<S> start{perpendicular<S>(near.x.v, near.edge, near.inverse_ff), near.x.p};
   const Difference<S> polished = polish<S>(start, support(start.v), tie);
-  return decide<S>(best.gap, best.n, best.x.p, polished, S{0} < largest, tie, gap_along);
+  return decide<S>({best.gap, best.n, least(by_witness).x}, polished, S{0} < largest, tie,
+                   gap_along);
 }
 
 }  // namespace cde::reference::convex

@@ -157,7 +157,7 @@ template <typename S>
   const SignedGap<S> gap = answer<S>(
       box_facets<S>(pair), pair.tie, [&](const Vector<S>& v) { return box_support<S>(pair, v); },
       [&](const Vector<S>& n) { return box_gap<S>(pair, n); });
-  return outcome<S>(gap.s, add<S>(a.c, to_world<S>(a.rotation, midpoint(gap))),
+  return outcome<S>(gap.s, add<S>(a.c, to_world<S>(a.rotation, midpoint(gap.x))),
                     to_world<S>(a.rotation, gap.n));
 }
 

@@ -33,11 +33,11 @@ template <typename S>
       select3<S>(face.first, face.second, Vector<S>(on_face.x(), p.y(), p.z()),
                  Vector<S>(p.x(), on_face.y(), p.z()), Vector<S>(p.x(), p.y(), on_face.z()));
 
-  // Normal out of the box; the one of the answer is the opposite.
-  const SignedGap<S> gap{select(outside, d, -face.value) - a.r,
-                         select<S>(outside, unit<S>(v, d), face_n), select<S>(outside, q, face_q)};
-  const Vector<S> cp = add<S>(b.c, to_world<S>(b.rotation, midpoint(gap)));
-  return outcome<S>(gap.s, cp, -to_world<S>(b.rotation, gap.n));
+  // The normal out of the box; the answer's is the opposite. CP = pB + (s / 2) n.
+  const S s = select(outside, d, -face.value) - a.r;
+  const Vector<S> n = select<S>(outside, unit<S>(v, d), face_n);
+  const Vector<S> local = add<S>(select<S>(outside, q, face_q), scale<S>(n, s * kHalf<S>));
+  return outcome<S>(s, add<S>(b.c, to_world<S>(b.rotation, local)), -to_world<S>(b.rotation, n));
 }
 
 }  // namespace convex

@@ -129,7 +129,7 @@ template <typename S>
   const SignedGap<S> gap = box_triangle_gap<S>(
       box_triangle<S>(b.half, to_local<S>(u, sub<S>(a.v0, b.c)), to_local<S>(u, sub<S>(a.v1, b.c)),
                       to_local<S>(u, sub<S>(a.v2, b.c))));
-  return outcome<S>(gap.s, add<S>(b.c, to_world<S>(u, midpoint(gap))), -to_world<S>(u, gap.n));
+  return outcome<S>(gap.s, add<S>(b.c, to_world<S>(u, midpoint(gap.x))), -to_world<S>(u, gap.n));
 }
 
 /// Triangle against axis-aligned box: 13 facets. Relative to the box's lower corner first and then
@@ -140,7 +140,7 @@ template <typename S>
   const SignedGap<S> gap = box_triangle_gap<S>(
       box_triangle<S>(half, sub<S>(sub<S>(a.v0, b.min), half), sub<S>(sub<S>(a.v1, b.min), half),
                       sub<S>(sub<S>(a.v2, b.min), half)));
-  return outcome<S>(gap.s, add<S>(b.min, add<S>(half, midpoint(gap))), -gap.n);
+  return outcome<S>(gap.s, add<S>(b.min, add<S>(half, midpoint(gap.x))), -gap.n);
 }
 
 }  // namespace convex

@@ -28,11 +28,14 @@ template <typename S>
   const Vector<S> n(move_sign(-closest.h, t.m.x()), move_sign(-closest.h, t.m.y()),
                     move_sign(-closest.h, t.m.z()));
   const S plane_gap = least_along<S>(t.p, n).value;
+  const Vector<S> to_plane = scale<S>(n, plane_gap);
   const SignedGap<S> centre =
-      decide<S>(plane_gap, n, scale<S>(n, -plane_gap), x, Mask<S>(true), tie,
-                [&](const Vector<S>& direction) { return least_along<S>(t.p, direction).value; });
-  const SignedGap<S> gap{centre.s - b.r, centre.n, centre.p};
-  return outcome<S>(gap.s, add<S>(b.c, midpoint(gap)), gap.n);
+      decide<S>({plane_gap, n, {to_plane, -to_plane}}, x, Mask<S>(true), tie,
+                [&](const Vector<S>& along) { return least_along<S>(t.p, along).value; });
+  const S s = centre.s - b.r;
+  // CP = pA + (s / 2) n, relative to the sphere's centre.
+  const Vector<S> cp = add<S>(b.c, add<S>(centre.x.p, scale<S>(centre.n, s * kHalf<S>)));
+  return outcome<S>(s, cp, centre.n);
 }
 
 }  // namespace convex
