@@ -117,6 +117,25 @@ template <typename S>
   return t;
 }
 
+/// |x| + |y| + |z|. 2 add.
+template <typename S>
+[[nodiscard]] S norm1(const Vector<S>& x) {
+  return (magnitude(x.x()) + magnitude(x.y())) + magnitude(x.z());
+}
+
+/// How far a triangle reaches from the centre that it is relative to: bounds |p| from above and is
+/// at most three times the size that pairs are judged by. 8 add.
+template <typename S>
+[[nodiscard]] S reach(const TriangleParts<S>& t) {
+  return norm1<S>(t.p[0]) + (norm1<S>(t.f[0]) + norm1<S>(t.f[1]));
+}
+
+/// Gaps closer than this are equal: 4 u S, S the size of the scene.
+template <typename S>
+[[nodiscard]] S tie_width(S size) {
+  return static_cast<S>(4 * kUnitRoundoff<S>) * size;
+}
+
 /// The least n.p of three points, and which has it. 6 add 9 mul.
 template <typename S>
 [[nodiscard]] Least3<S> least_along(const std::array<Vector<S>, 3>& p, const Vector<S>& n) {

@@ -29,12 +29,6 @@ template <typename S>
   return add<S>(x, cross<S>(turn<S>(), x));
 }
 
-/// Gaps closer than this are ties: 4 u S, S the size of the scene.
-template <typename S>
-[[nodiscard]] S tie_width(S size) {
-  return static_cast<S>(4 * kUnitRoundoff<S>) * size;
-}
-
 /// One facet of Q - P.
 template <typename S>
 struct Facet {
@@ -62,12 +56,6 @@ template <typename S>
 template <typename S>
 [[nodiscard]] S box_radius(const Vector<S>& n, const Vector<S>& a) {
   return dot<S>(a, Vector<S>(magnitude(n.x()), magnitude(n.y()), magnitude(n.z())));
-}
-
-/// |x| + |y| + |z|. 2 add.
-template <typename S>
-[[nodiscard]] S norm1(const Vector<S>& x) {
-  return (magnitude(x.x()) + magnitude(x.y())) + magnitude(x.z());
 }
 
 /// Face i of the box, on the side of `side`'s sign, and the vertex q of Q. The gap is the caller's.
@@ -192,48 +180,39 @@ template <typename S, std::size_t N>
   }
 }
 
-/// Largest gap, the same tree. N - 1 min/max.
-template <typename S, std::size_t N>
-[[nodiscard]] S largest_gap(const std::array<Facet<S>, N>& facets) {
-  std::array<S, N> g;
-  for (std::size_t i = 0; i < N; ++i) g[i] = facets[i].gap;
-  for (std::size_t step = 1; step < N; step *= 2) {
-    for (std::size_t i = 0; i + step < N; i += 2 * step) g[i] = max_num(g[i], g[i + step]);
-  }
-  return g[0];
-}
-
-/// The signed gap from all facets of a pair. Where faces are parallel, or the bodies concentric,
-/// several facets share the largest gap or nearly so, and only one of them is where the origin
-/// projects to, so there are three choices:
-/// - of the facets whose gap is the largest but for `tie`, the one with the nearest point: its gap
-///   and normal are s and n if the bodies penetrate;
-/// - the facet whose vector v is nearest to s n, whatever its gap: its points are the witnesses;
-/// - the least distance: the nearest points if the bodies are apart, polished.
+/// The signed gap from all facets of a pair.
+///
+/// The largest gap gives s, and its facet the normal if the bodies penetrate. Where faces are
+/// parallel, or the bodies concentric, several facets share it or nearly so, and only one of them
+/// is where the origin projects to. So the witness points are those of the facet whose vector v is
+/// nearest to s n: n its own normal if its gap ties with the largest, else the normal of the
+/// largest gap. If the bodies are apart, the facet with the least distance gives the nearest
+/// points, which are polished.
+///
 /// `support(v)` is the point of Q - P farthest against v, `gap_along(n)` the gap of the projections
 /// on a unit n.
 template <typename S, std::size_t N, typename Support, typename Gap>
 [[nodiscard]] SignedGap<S> answer(const std::array<Facet<S>, N>& facets, S tie,
                                   const Support& support, const Gap& gap_along) {
-  const S largest = largest_gap(facets);
-  const S tied = largest - tie;
   std::array<Chosen<S>, N> by_gap, by_witness, by_distance;
   for (std::size_t i = 0; i < N; ++i) {
-    const Facet<S>& f = facets[i];
-    by_gap[i] = {select(tied <= f.gap, f.d2, std::numeric_limits<S>::infinity()), f};
-    by_distance[i] = {f.d2, f};
+    by_gap[i] = {-facets[i].gap, facets[i]};
+    by_distance[i] = {facets[i].d2, facets[i]};
   }
-  const Facet<S> best = least(by_gap);
-  const Vector<S> to_plane = scale<S>(best.n, best.gap);
+  const Facet<S> largest = least(by_gap);
+  const S s = largest.gap;
+  const S tied = s - tie;
   for (std::size_t i = 0; i < N; ++i) {
-    const Vector<S> off = sub<S>(facets[i].x.v, to_plane);
-    by_witness[i] = {dot<S>(off, off), facets[i]};
+    Facet<S> f = facets[i];
+    f.n = select<S>(tied <= f.gap, f.n, largest.n);
+    const Vector<S> off = sub<S>(f.x.v, scale<S>(f.n, s));
+    by_witness[i] = {dot<S>(off, off), f};
   }
+  const Facet<S> witness = least(by_witness);
   const Facet<S> near = least(by_distance);
   const Difference<S> start{perpendicular<S>(near.x.v, near.edge, near.inverse_ff), near.x.p};
   const Difference<S> polished = polish<S>(start, support(start.v), tie);
-  return decide<S>({best.gap, best.n, least(by_witness).x}, polished, S{0} < largest, tie,
-                   gap_along);
+  return decide<S>({s, witness.n, witness.x}, polished, S{0} < s, tie, gap_along);
 }
 
 }  // namespace cde::reference::convex

@@ -24,9 +24,7 @@ template <typename S>
   pair.t = triangle_parts<S>(p0, p1, p2);
   for (int j = 0; j < 3; ++j) pair.f1[j] = turned<S>(pair.t.f[j]);
   pair.m1 = cross<S>(pair.f1[0], pair.f1[1]);
-  const S extents =
-      ((half.x() + half.y()) + half.z()) + (norm1<S>(pair.t.f[0]) + norm1<S>(pair.t.f[1]));
-  pair.tie = tie_width(norm1<S>(p0) + extents);
+  pair.tie = tie_width(reach<S>(pair.t) + ((half.x() + half.y()) + half.z()));
   return pair;
 }
 

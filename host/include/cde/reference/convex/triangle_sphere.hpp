@@ -19,7 +19,7 @@ template <typename S>
       point_triangle<S>({Vector<S>(-t.q[0]), Vector<S>(-t.q[1]), Vector<S>(-t.q[2])}, t);
   const Vector<S> start = -closest.v;
 
-  const S tie = tie_width(norm1<S>(t.p[0]) + b.r);
+  const S tie = tie_width(reach<S>(t) + b.r);
   const auto low = least_along<S>(t.p, start);
   const Vector<S> far = select3<S>(low.first, low.second, t.p[0], t.p[1], t.p[2]);
   const Difference<S> x = polish<S>({start, -start}, {far, -far}, tie);
