@@ -63,11 +63,11 @@ template <typename S>
 
 /// Wire: a where the mask is set, else b. The other one may be anything, NaN included.
 template <typename S>
-[[nodiscard]] constexpr S select(bool mask, S a, S b) {
+[[nodiscard]] constexpr S select(Mask<S> mask, S a, S b) {
   return mask ? a : b;
 }
-template <typename S, typename M>
-[[nodiscard]] Vector<S> select(M mask, const Vector<S>& a, const Vector<S>& b) {
+template <typename S>
+[[nodiscard]] Vector<S> select(Mask<S> mask, const Vector<S>& a, const Vector<S>& b) {
   return {select(mask, a.x(), b.x()), select(mask, a.y(), b.y()), select(mask, a.z(), b.z())};
 }
 
@@ -76,6 +76,13 @@ template <typename S>
 [[nodiscard]] constexpr S magnitude(S x) {
   using std::abs;
   return abs(x);
+}
+
+/// Wire: the sign bit as a mask, set for -0 too.
+template <typename S>
+[[nodiscard]] constexpr Mask<S> is_negative(S x) {
+  using std::signbit;
+  return signbit(x);
 }
 
 /// Wire: y with the sign bit of x moved onto it by exclusive or; also of zeros and NaN.
