@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 namespace cde::oracle {
@@ -28,15 +29,24 @@ void fail(Verdict& verdict, Failure failure, double excess) {
 
 const char* to_string(Failure failure) {
   switch (failure) {
-    case Failure::kNone: return "none";
-    case Failure::kNotFinite: return "not finite";
-    case Failure::kNegativeT: return "negative T";
-    case Failure::kNotUnit: return "n is not unit";
-    case Failure::kCertificate: return "c1, g(n) is not s";
-    case Failure::kOutside: return "c2, s outside the interval";
-    case Failure::kFlag: return "wrong F";
-    case Failure::kWitness: return "c3, witness point off its shape";
-    case Failure::kOracleTooWide: return "oracle's interval too wide";
+    case Failure::kNone:
+      return "none";
+    case Failure::kNotFinite:
+      return "not finite";
+    case Failure::kNegativeT:
+      return "negative T";
+    case Failure::kNotUnit:
+      return "n is not unit";
+    case Failure::kCertificate:
+      return "c1, g(n) is not s";
+    case Failure::kOutside:
+      return "c2, s outside the interval";
+    case Failure::kFlag:
+      return "wrong F";
+    case Failure::kWitness:
+      return "c3, witness point off its shape";
+    case Failure::kOracleTooWide:
+      return "oracle's interval too wide";
   }
   return "?";
 }

@@ -40,19 +40,19 @@ enum class Failure {
 struct Verdict {
   Failure failure = Failure::kNone;  ///< the first condition that fails, in the order of the enum
   double excess = 0;                 ///< by how much that condition misses its tolerance
-  bool excused = false;     ///< the pair is within tolT of touching and F differs from what the
-                            ///< middle of the interval says: not a failure, to be counted
-  bool in_band = false;     ///< the pair is within tolT of touching
-  bool false_hit = false;   ///< F = 1 although s > tolT: for a lower bound, to be counted
-  double error_c1 = 0;      ///< |g(n) - s|
-  double error_c2 = 0;      ///< distance of s from the interval
-  double witness_a = 0;     ///< distance of CP - s n / 2 from A
-  double witness_b = 0;     ///< distance of CP + s n / 2 from B
-  double shortfall = 0;     ///< max(0, lo - s): how far s is certainly too low
-  double scale = 0;         ///< S
-  double tolerance_t = 0;   ///< 16 u S
-  double tolerance_p = 0;   ///< tolerance_t + 4 u L
-  Gap gap{};                ///< the oracle's answer
+  bool excused = false;    ///< the pair is within tolT of touching and F differs from what the
+                           ///< middle of the interval says: not a failure, to be counted
+  bool in_band = false;    ///< the pair is within tolT of touching
+  bool false_hit = false;  ///< F = 1 although s > tolT: for a lower bound, to be counted
+  double error_c1 = 0;     ///< |g(n) - s|
+  double error_c2 = 0;     ///< distance of s from the interval
+  double witness_a = 0;    ///< distance of CP - s n / 2 from A
+  double witness_b = 0;    ///< distance of CP + s n / 2 from B
+  double shortfall = 0;    ///< max(0, lo - s): how far s is certainly too low
+  double scale = 0;        ///< S
+  double tolerance_t = 0;  ///< 16 u S
+  double tolerance_p = 0;  ///< tolerance_t + 4 u L
+  Gap gap{};               ///< the oracle's answer
 
   [[nodiscard]] bool ok() const { return failure == Failure::kNone; }
   /// One line with every figure, for a test's message.

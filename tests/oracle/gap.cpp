@@ -14,7 +14,9 @@ namespace {
 // A core is a shape about its own centre, without a sphere's radius: its support point, and the
 // directions of its faces and edges, which only serve as first guesses.
 
-double sign(double x) { return x > 0 ? 1.0 : x < 0 ? -1.0 : 0.0; }
+double sign(double x) {
+  return x > 0 ? 1.0 : x < 0 ? -1.0 : 0.0;
+}
 
 struct PointCore {
   [[nodiscard]] Vec support(const Vec&) const { return Vec::Zero(); }
@@ -102,7 +104,9 @@ class Simplex {
         take(subset, p[0] + (u / area) * e1 + (v / area) * e2);
     }
     if (n == 4) {
-      const auto volume = [](const Vec& a, const Vec& b, const Vec& c) { return a.cross(b).dot(c); };
+      const auto volume = [](const Vec& a, const Vec& b, const Vec& c) {
+        return a.cross(b).dot(c);
+      };
       const double w0 = volume(p[1], p[2], p[3]), w1 = -volume(p[0], p[2], p[3]),
                    w2 = volume(p[0], p[1], p[3]), w3 = -volume(p[0], p[1], p[2]);
       if ((w0 > 0 && w1 > 0 && w2 > 0 && w3 > 0) || (w0 < 0 && w1 < 0 && w2 < 0 && w3 < 0))

@@ -80,18 +80,17 @@ double plane_distance(const Vec& p, const Plane& plane) {
 }
 
 double extent(const Shape& shape) {
-  return std::visit(
-      Overloaded{[](const Sphere& s) { return s.r; },
-                 [](const Aabb& s) { return (s.max - s.min).sum() / 2; },
-                 [](const Obb& s) { return s.half.sum(); },
-                 [](const Triangle& s) {
-                   const Vec c = center(s);
-                   return std::max({(s.v0 - c).lpNorm<1>(), (s.v1 - c).lpNorm<1>(),
-                                    (s.v2 - c).lpNorm<1>()});
-                 },
-                 [](const Cylinder& s) { return s.half_height + s.radius; },
-                 [](const Plane& s) { return std::abs(s.d); }},
-      shape);
+  return std::visit(Overloaded{[](const Sphere& s) { return s.r; },
+                               [](const Aabb& s) { return (s.max - s.min).sum() / 2; },
+                               [](const Obb& s) { return s.half.sum(); },
+                               [](const Triangle& s) {
+                                 const Vec c = center(s);
+                                 return std::max({(s.v0 - c).lpNorm<1>(), (s.v1 - c).lpNorm<1>(),
+                                                  (s.v2 - c).lpNorm<1>()});
+                               },
+                               [](const Cylinder& s) { return s.half_height + s.radius; },
+                               [](const Plane& s) { return std::abs(s.d); }},
+                    shape);
 }
 
 double largest(std::initializer_list<Vec> points) {
@@ -101,27 +100,37 @@ double largest(std::initializer_list<Vec> points) {
 }
 
 double largest_coordinate(const Shape& shape) {
-  return std::visit(
-      Overloaded{[](const Sphere& s) { return largest({s.c}); },
-                 [](const Aabb& s) { return largest({s.min, s.max}); },
-                 [](const Obb& s) { return largest({s.c}) + s.half.maxCoeff(); },
-                 [](const Triangle& s) { return largest({s.v0, s.v1, s.v2}); },
-                 [](const Cylinder& s) { return largest({s.c}); },
-                 [](const Plane& s) { return std::abs(s.d); }},
-      shape);
+  return std::visit(Overloaded{[](const Sphere& s) { return largest({s.c}); },
+                               [](const Aabb& s) {
+                                 return largest({s.min, s.max});
+                               },
+                               [](const Obb& s) { return largest({s.c}) + s.half.maxCoeff(); },
+                               [](const Triangle& s) {
+                                 return largest({s.v0, s.v1, s.v2});
+                               },
+                               [](const Cylinder& s) { return largest({s.c}); },
+                               [](const Plane& s) { return std::abs(s.d); }},
+                    shape);
 }
 
 }  // namespace
 
 std::size_t word_count(ShapeKind kind) {
   switch (kind) {
-    case ShapeKind::kRay: return 8;
-    case ShapeKind::kTriangle: return 9;
-    case ShapeKind::kSphere: return 4;
-    case ShapeKind::kAabb: return 6;
-    case ShapeKind::kPlane: return 4;
-    case ShapeKind::kCylinder: return 8;
-    case ShapeKind::kObb: return 15;
+    case ShapeKind::kRay:
+      return 8;
+    case ShapeKind::kTriangle:
+      return 9;
+    case ShapeKind::kSphere:
+      return 4;
+    case ShapeKind::kAabb:
+      return 6;
+    case ShapeKind::kPlane:
+      return 4;
+    case ShapeKind::kCylinder:
+      return 8;
+    case ShapeKind::kObb:
+      return 15;
   }
   throw std::invalid_argument("unknown shape kind");
 }
@@ -135,27 +144,34 @@ Shape shape_from_words(ShapeKind kind, std::span<const float> w) {
   if (w.size() != word_count(kind)) throw std::invalid_argument("wrong number of words");
   const auto vec = [&](std::size_t i) { return Vec(w[i], w[i + 1], w[i + 2]); };
   switch (kind) {
-    case ShapeKind::kTriangle: return Triangle{vec(0), vec(3), vec(6)};
-    case ShapeKind::kSphere: return Sphere{vec(0), w[3]};
-    case ShapeKind::kAabb: return Aabb{vec(0), vec(3)};
-    case ShapeKind::kPlane: return Plane{vec(0), w[3]};
-    case ShapeKind::kCylinder: return Cylinder{vec(0), vec(3), w[6], w[7]};
+    case ShapeKind::kTriangle:
+      return Triangle{vec(0), vec(3), vec(6)};
+    case ShapeKind::kSphere:
+      return Sphere{vec(0), w[3]};
+    case ShapeKind::kAabb:
+      return Aabb{vec(0), vec(3)};
+    case ShapeKind::kPlane:
+      return Plane{vec(0), w[3]};
+    case ShapeKind::kCylinder:
+      return Cylinder{vec(0), vec(3), w[6], w[7]};
     case ShapeKind::kObb: {
       Obb box{vec(0), vec(3), {}};
       for (int row = 0; row < 3; ++row) box.rotation.row(row) = vec(6 + 3 * row).transpose();
       return box;
     }
-    case ShapeKind::kRay: break;
+    case ShapeKind::kRay:
+      break;
   }
   throw std::invalid_argument("a ray has no signed gap");
 }
 
 Vec center(const Shape& shape) {
-  return std::visit(Overloaded{[](const Aabb& s) -> Vec { return (s.min + s.max) / 2; },
-                               [](const Triangle& s) -> Vec { return (s.v0 + s.v1 + s.v2) / 3; },
-                               [](const Plane& s) -> Vec { return s.n * (s.d / s.n.squaredNorm()); },
-                               [](const auto& s) -> Vec { return s.c; }},
-                    shape);
+  return std::visit(
+      Overloaded{[](const Aabb& s) -> Vec { return (s.min + s.max) / 2; },
+                 [](const Triangle& s) -> Vec { return (s.v0 + s.v1 + s.v2) / 3; },
+                 [](const Plane& s) -> Vec { return s.n * (s.d / s.n.squaredNorm()); },
+                 [](const auto& s) -> Vec { return s.c; }},
+      shape);
 }
 
 double support(const Shape& shape, const Vec& n) {

@@ -77,9 +77,9 @@ enum class ShapeKind { kRay, kTriangle, kSphere, kAabb, kPlane, kCylinder, kObb 
 /// Distance from p to the shape, 0 inside; at worst one part in 1e12 above the truth.
 [[nodiscard]] double distance(const Vec& p, const Shape& shape);
 
-/// S: |cB - cA|_1 + the extents of both (sphere r, box sum of half extents, cylinder h + r, triangle
-/// the largest |v - centroid|_1). With a plane |cB - cA|_1 is |c|_1 + |d|, since n.c - d can cancel
-/// no sooner.
+/// S: |cB - cA|_1 + the extents of both (sphere r, box sum of half extents, cylinder h + r,
+/// triangle the largest |v - centroid|_1). With a plane |cB - cA|_1 is |c|_1 + |d|, since n.c - d
+/// can cancel no sooner.
 [[nodiscard]] double scene_size(const Shape& a, const Shape& b);
 
 /// L: the largest |coordinate| of centres, corners and vertices.
