@@ -56,7 +56,7 @@ struct Case {
   [[nodiscard]] std::string describe() const;
 };
 
-/// Case `index` of a pair, the same for the same three arguments on every machine.
+/// Case `index` of a pair, a function of the three arguments.
 ///
 /// Even indices are near the decision. Convex pairs: signed gap of +-1e-7 to +-1e-3 of the scene,
 /// generic shapes, a tenth of the scenes scaled by up to 2^+-10. Rays: aimed past the silhouette,

@@ -1,89 +1,14 @@
 #include <array>
 #include <cmath>
-#include <stdexcept>
 
+#include "build_shape.hpp"
 #include "cases.hpp"
 #include "gap.hpp"
-#include "random.hpp"
 
 // Operands of the ten convex pairs: build both shapes about the origin in frames that the family
 // chooses, round them, then place B, again by the family's rule.
 namespace cde::oracle {
 namespace {
-
-using Frame = Eigen::Matrix3d;
-
-/// How the proportions of a shape are drawn.
-struct Build {
-  double scale = 1;     // of all dimensions
-  double thin = 1;      // of one dimension, or of all but one
-  bool plate = false;   // thin along one dimension rather than along two
-  bool dyadic = false;  // dimensions are multiples of 1/16
-  bool no_area = false;
-};
-
-double dimension(Random& random, const Build& build) {
-  const double x = random.uniform(0.25, 1.5);
-  return build.scale * (build.dyadic ? std::round(16 * x) / 16 : x);
-}
-
-Shape build_triangle(Random& random, const Frame& frame, const Build& build) {
-  const double angle = random.uniform(0, 6.28), turn = random.uniform(1.5, 2.8);
-  std::array<Vec, 3> v;
-  for (int i = 0; i < 3; ++i) {
-    const double r = dimension(random, build), phi = angle + i * turn;
-    v[i] = Vec(r * std::cos(phi), r * std::sin(phi), 0);
-    if (build.dyadic) v[i] = (16 * v[i]).array().round().matrix() / 16;
-    v[i].y() *= build.thin;
-  }
-  if (build.plate) v[2] = v[0] + build.thin * (v[2] - v[0]);  // one short edge, not one low corner
-  if (build.no_area) {
-    // Still a segment, or a point, after rounding.
-    const Vec e = build.scale * Vec(random.below(5) - 2, random.below(5) - 2, random.below(5) - 2);
-    const double t = 0.25 * (random.below(9) - 2);
-    const Vec origin = build.scale / 4 * Vec(random.below(5), random.below(5), random.below(5));
-    return Triangle{origin, origin + e, origin + t * e};
-  }
-  return Triangle{frame * v[0], frame * v[1], frame * v[2]};
-}
-
-Vec build_half_extents(Random& random, const Build& build) {
-  Vec half(dimension(random, build), dimension(random, build), dimension(random, build));
-  const int which = random.below(3);
-  for (int k = 0; k < 3; ++k)
-    if ((k == which) == build.plate) half[k] *= build.thin;
-  return half;
-}
-
-/// About the origin; the frame's last column is a cylinder's axis and a plane's normal.
-Shape build_shape(Random& random, ShapeKind kind, const Frame& frame, const Build& build) {
-  switch (kind) {
-    case ShapeKind::kTriangle:
-      return build_triangle(random, frame, build);
-    case ShapeKind::kSphere:
-      return Sphere{Vec::Zero(), dimension(random, build)};
-    case ShapeKind::kPlane:
-      return Plane{frame.col(2), 0};
-    case ShapeKind::kAabb: {
-      const Vec half = build_half_extents(random, build);
-      return Aabb{-half, half};
-    }
-    case ShapeKind::kCylinder: {
-      const double h = dimension(random, build), r = dimension(random, build);
-      return Cylinder{Vec::Zero(), frame.col(2), h * (build.plate ? build.thin : 1),
-                      r * (build.plate ? 1 : build.thin)};
-    }
-    case ShapeKind::kObb:
-      return Obb{Vec::Zero(), build_half_extents(random, build), frame};
-    case ShapeKind::kRay:
-      break;
-  }
-  throw std::invalid_argument("a ray is not a convex operand");
-}
-
-Shape rounded(ShapeKind kind, const Shape& shape) {
-  return shape_from_words(kind, to_words(shape));
-}
 
 double size_of(const Shape& shape) {
   const Shape origin = Sphere{center(shape), 0};
@@ -106,7 +31,7 @@ Shape against(const Shape& a, const Shape& b, const Vec& n, double gap) {
 }
 
 Vec any_axis(Random& random) {
-  return random.sign() * Vec(Vec::Unit(random.below(3)));
+  return random.flipped(Vec::Unit(random.below(3)));
 }
 
 /// A small rotation, by about `angle`.
@@ -114,6 +39,12 @@ Frame tilt(Random& random, double angle) {
   return Eigen::AngleAxisd(angle, random.direction()).toRotationMatrix();
 }
 
+/// A's frame and B's in A's.
+struct Frames {
+  Frame a, relative;
+};
+
+// Draws are in statements or braces of their own: elsewhere their order is the compiler's.
 struct Draft {
   Random random;
   ShapeKind kind_a, kind_b;
@@ -127,16 +58,23 @@ struct Draft {
   }
   [[nodiscard]] double size() const { return size_of(a) + size_of(b); }
   /// +-1e-7 to +-1e-3 of the scene.
-  double small_gap() { return random.sign() * random.decades(1e-7, 1e-3) * size(); }
-  void near_contact() { b = approach(a, b, random.direction(), small_gap()); }
+  double small_gap() { return random.either_sign(random.decades(1e-7, 1e-3)) * size(); }
+  void near_contact() {
+    const Vec direction = random.direction();
+    b = approach(a, b, direction, small_gap());
+  }
   void beside(double least, double most) {
-    b = moved(b, center(a) - center(b) + random.uniform(least, most) * size() * random.direction());
+    const double length = random.uniform(least, most) * size();
+    b = moved(b, center(a) - center(b) + length * random.direction());
   }
   /// The frame that an AABB does not have is the world's.
-  void frames(const Frame& fa, const Frame& relative) {
-    frame_a = fa;
-    frame_b = fa * relative;
-    if (kind_b == ShapeKind::kAabb) frame_a = relative.transpose(), frame_b = Frame::Identity();
+  void frames(const Frames& chosen) {
+    frame_a = chosen.a;
+    frame_b = chosen.a * chosen.relative;
+    if (kind_b == ShapeKind::kAabb) {
+      frame_a = chosen.relative.transpose();
+      frame_b = Frame::Identity();
+    }
   }
 };
 
@@ -161,16 +99,16 @@ const char* deep(Draft& d) {
 }
 
 const char* aligned(Draft& d) {
-  d.frames(d.random.quarter_turns(), d.random.quarter_turns());
+  d.frames({d.random.quarter_turns(), d.random.quarter_turns()});
   d.build_a.dyadic = d.build_b.dyadic = true;
   d.build();
   static constexpr std::array kGaps = {0.0, 0.0, 0x1p-10, -0x1p-10, 0x1p-20, -0x1p-20};
   const Vec n = any_axis(d.random);
-  Vec beside(d.random.below(17) - 8, d.random.below(17) - 8, d.random.below(17) - 8);
+  Vec beside{d.random.below(17) - 8., d.random.below(17) - 8., d.random.below(17) - 8.};
   if (d.random.chance(0.3)) beside.setZero();
   if (d.random.chance(0.3)) {
     // Centre on the other's side plane, or side on side: sliding by half sizes.
-    beside = 16 * Vec(d.random.below(3) - 1, d.random.below(3) - 1, d.random.below(3) - 1);
+    beside = 16 * Vec{d.random.below(3) - 1., d.random.below(3) - 1., d.random.below(3) - 1.};
   }
   d.b = moved(d.b, (beside - n.dot(beside) * n) / 16);
   d.b = against(d.a, d.b, n, kGaps[d.random.below(static_cast<int>(kGaps.size()))]);
@@ -178,7 +116,7 @@ const char* aligned(Draft& d) {
 }
 
 const char* concentric(Draft& d) {
-  if (d.random.chance(0.5)) d.frames(d.random.quarter_turns(), d.random.quarter_turns());
+  if (d.random.chance(0.5)) d.frames({d.random.quarter_turns(), d.random.quarter_turns()});
   d.build_a.dyadic = d.build_b.dyadic = d.random.chance(0.5);
   d.build();
   d.b = moved(d.b, center(d.a) - center(d.b));
@@ -186,7 +124,8 @@ const char* concentric(Draft& d) {
 }
 
 const char* containment(Draft& d) {
-  (d.random.chance(0.5) ? d.build_a : d.build_b).scale = d.random.uniform(0.05, 0.3);
+  const double scale = d.random.uniform(0.05, 0.3);
+  (d.random.chance(0.5) ? d.build_a : d.build_b).scale = scale;
   d.build();
   d.beside(0, 0.1);
   return "containment";
@@ -214,18 +153,21 @@ const char* no_area(Draft& d) {
 const char* half_turn(Draft& d) {
   Vec flip = -Vec::Ones();
   flip[d.random.below(3)] = 1;
-  d.frames(d.random.rotation(), flip.asDiagonal());
+  d.frames({d.random.rotation(), flip.asDiagonal()});
   d.build();
   d.random.chance(0.5) ? d.near_contact() : d.beside(0, 0.5);
   return "half turn";
 }
 
 const char* tilted(Draft& d) {
-  d.frames(d.random.chance(0.5) ? d.random.rotation() : d.random.quarter_turns(),
-           d.random.quarter_turns() * tilt(d.random, d.random.decades(1e-7, 1e-2)));
+  const double angle = d.random.decades(1e-7, 1e-2);
+  const Frame slightly = tilt(d.random, angle);
+  d.frames({d.random.chance(0.5) ? d.random.rotation() : d.random.quarter_turns(),
+            d.random.quarter_turns() * slightly});
   d.build();
-  const Vec n = d.random.sign() * d.frame_a.col(d.random.below(3));
-  d.b = moved(d.b, d.random.uniform(0, 1) * n.cross(d.random.direction()));
+  const Vec n = d.random.flipped(d.frame_a.col(d.random.below(3)));
+  const double aside = d.random.unit();
+  d.b = moved(d.b, aside * n.cross(d.random.direction()));
   if (d.random.chance(0.5))
     d.b = against(d.a, d.b, n, d.small_gap());
   else
@@ -237,8 +179,9 @@ const char* parallel_axes(Draft& d) {
   const Frame about_axis =
       Eigen::AngleAxisd(d.random.uniform(0, 6.28), Vec::UnitZ()).toRotationMatrix();
   Frame relative = about_axis;
-  if (d.random.chance(0.5)) relative = relative * tilt(d.random, d.random.decades(1e-7, 1e-3));
-  d.frames(d.random.rotation(), relative);
+  const double angle = d.random.decades(1e-7, 1e-3);
+  if (d.random.chance(0.5)) relative = relative * tilt(d.random, angle);
+  d.frames({d.random.rotation(), relative});
   d.build();
   d.random.chance(0.6) ? d.near_contact() : d.beside(0, 0.5);
   return "parallel axes";
@@ -246,8 +189,8 @@ const char* parallel_axes(Draft& d) {
 
 const char* perpendicular_axes(Draft& d) {
   const Frame quarter = Eigen::AngleAxisd(1.5707963267948966, Vec::UnitX()).toRotationMatrix();
-  d.frames(d.random.rotation(),
-           Frame(Eigen::AngleAxisd(d.random.uniform(0, 6.28), Vec::UnitZ())) * quarter);
+  d.frames({d.random.rotation(),
+            Frame(Eigen::AngleAxisd(d.random.uniform(0, 6.28), Vec::UnitZ())) * quarter});
   d.build();
   d.random.chance(0.6) ? d.near_contact() : d.beside(0, 0.5);
   return "perpendicular axes";
@@ -257,15 +200,16 @@ const char* perpendicular_axes(Draft& d) {
 const char* cap_axis(Draft& d) {
   d.build();
   const bool of_b = d.kind_b == ShapeKind::kCylinder && d.random.chance(0.6);
-  const Vec axis = d.random.sign() * (of_b ? d.frame_b : d.frame_a).col(2);
-  const Vec n = tilt(d.random, d.random.decades(1e-5, 0.035)) * axis;
+  const Vec axis = d.random.flipped((of_b ? d.frame_b : d.frame_a).col(2));
+  const double angle = d.random.decades(1e-5, 0.035);
+  const Vec n = tilt(d.random, angle) * axis;
   d.b = approach(d.a, d.b, n, d.small_gap());
   return "cap axis";
 }
 
 const char* mismatch(Draft& d) {
-  (d.random.chance(0.5) ? d.build_a : d.build_b).scale =
-      std::ldexp(1, d.random.sign() > 0 ? 10 : -10);
+  const double scale = std::ldexp(1, d.random.chance(0.5) ? 10 : -10);
+  (d.random.chance(0.5) ? d.build_a : d.build_b).scale = scale;
   d.build();
   d.random.chance(0.7) ? d.near_contact() : d.beside(0, 0.5);
   return "scale mismatch";
@@ -275,7 +219,8 @@ const char* offset(Draft& d) {
   d.build();
   d.random.chance(0.5) ? d.near_contact() : d.beside(0, 0.6);
   static constexpr std::array kOffsets = {10.0, 1e3, 1e5};
-  const Vec by = kOffsets[d.random.below(3)] * d.random.direction();
+  const double far = kOffsets[d.random.below(3)];
+  const Vec by = far * d.random.direction();
   d.a = moved(d.a, by);
   d.b = moved(d.b, by);
   return "offset";
@@ -296,7 +241,7 @@ Case detail::convex_case(Pair pair, std::uint64_t seed, std::uint64_t index) {
           {},
           {},
           {}};
-  d.frames(d.random.rotation(), d.random.rotation());
+  d.frames({d.random.rotation(), d.random.rotation()});
   const char* family =
       index % 2 == 0 ? generic_near_contact(d) : kFamilies[index / 2 % kFamilies.size()](d);
   return {pair, seed, index, family, to_words(d.a), to_words(d.b)};

@@ -1,6 +1,5 @@
 #include "gap.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -30,4 +30,5 @@
 #include "cases.hpp"
 #include "certificate.hpp"
 #include "gap.hpp"
+#include "rays.hpp"
 #include "shapes.hpp"

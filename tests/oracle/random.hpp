@@ -19,6 +19,8 @@ class Random {
   double decades(double lo, double hi) { return lo * std::pow(hi / lo, unit()); }
   int below(int n) { return static_cast<int>(unit() * n); }
   double sign() { return bits() >> 63 ? 1.0 : -1.0; }
+  double either_sign(double x) { return sign() * x; }
+  Eigen::Vector3d flipped(const Eigen::Vector3d& v) { return sign() * v; }
   bool chance(double p) { return unit() < p; }
   Eigen::Vector3d direction() {
     for (;;) {

@@ -1,6 +1,5 @@
 #include "shapes.hpp"
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
