@@ -78,6 +78,12 @@ Verdict check(const Shape& a, const Shape& b, const Result& result, const CheckO
   fail(verdict, Failure::kNegativeT, -result.t);
   fail(verdict, Failure::kNotUnit, std::abs(result.n.norm() - 1) - 16 * options.u);
 
+  verdict.false_hit = result.f && gap.lo > tol_t;
+  const bool false_miss = !result.f && gap.hi < -tol_t;
+  if (false_miss || (verdict.false_hit && !options.lower_bound))
+    fail(verdict, Failure::kFlag, std::max(gap.lo, -gap.hi));
+  verdict.excused = verdict.in_band && result.f != (gap.middle() <= 0);
+
   const double s = result.f ? -result.t : result.t;
   verdict.shortfall = std::max(0.0, gap.lo - s);
   if (result.n.norm() > 0) {
@@ -88,12 +94,6 @@ Verdict check(const Shape& a, const Shape& b, const Result& result, const CheckO
   verdict.error_c2 = std::max({0.0, gap.lo - s, s - gap.hi});
   fail(verdict, Failure::kOutside,
        (options.lower_bound ? std::max(0.0, s - gap.hi) : verdict.error_c2) - tol_t);
-
-  verdict.false_hit = result.f && gap.lo > tol_t;
-  const bool false_miss = !result.f && gap.hi < -tol_t;
-  if (false_miss || (verdict.false_hit && !options.lower_bound))
-    fail(verdict, Failure::kFlag, std::max(gap.lo, -gap.hi));
-  verdict.excused = verdict.in_band && result.f != (gap.middle() <= 0);
 
   verdict.witness_a = distance(result.cp - 0.5 * s * result.n, a);
   verdict.witness_b = distance(result.cp + 0.5 * s * result.n, b);

@@ -14,7 +14,7 @@ struct Result {
 
 struct CheckOptions {
   double u = 0x1p-24;  ///< unit roundoff of the format under test
-  GapOptions gap;
+  GapOptions gap = {};
   /// The result is s_K <= s, the best g of a bounded list of normals: a shortfall, a false hit and
   /// the distances of the witness points are figures to publish, not failures. Everything else is
   /// checked as ever, so F = 0 stays a proof.
@@ -27,10 +27,10 @@ enum class Failure {
   kNotFinite,      ///< T, CP or n is NaN or infinite
   kNegativeT,      ///< T < 0
   kNotUnit,        ///< ||n| - 1| > 16 u
+  kFlag,           ///< F is wrong although |s| > tolT
   kCertificate,    ///< |g(n) - s| > tolT (c1)
   kOutside,        ///< s is farther than tolT from the oracle's interval (c2); for a lower bound:
                    ///< above it
-  kFlag,           ///< F is wrong although |s| > tolT
   kWitness,        ///< a witness point is farther than tolP from its shape (c3)
   kOracleTooWide,  ///< hi - lo > tolT: the oracle cannot judge this pair
 };
