@@ -13,7 +13,7 @@
 namespace cde::reference::convex {
 
 template <typename S>
-inline constexpr S kHalf = static_cast<S>(0.5);
+inline const S kHalf = static_cast<S>(0.5);
 
 /// Is a squared length one that can be divided by? One comparison.
 template <typename S>
@@ -21,7 +21,7 @@ template <typename S>
   return std::numeric_limits<S>::min() <= squared;
 }
 
-/// 1 / x where the mask is set, else 0: the parameter of a segment without length is its midpoint.
+/// 1 / x where the mask is set, else 0: what is divided by no length stays where it began.
 template <typename S>
 [[nodiscard]] S reciprocal_or_zero(Mask<S> mask, S x) {
   return select(mask, S{1} / x, S{0});
@@ -59,8 +59,7 @@ template <typename S>
 template <typename S>
 struct TriangleParts {
   std::array<Vector<S>, 3> p;   ///< vertices, relative to some centre
-  std::array<Vector<S>, 3> f;   ///< half edges (p[j+1] - p[j]) / 2
-  std::array<Vector<S>, 3> q;   ///< edge midpoints
+  std::array<Vector<S>, 3> f;   ///< edges p[j+1] - p[j]
   std::array<S, 3> inverse_ff;  ///< 1 / f.f, or 0 for an edge without length
   Vector<S> m;                  ///< unit normal, orientation of f0 x f1; any unit vector
                                 ///< perpendicular to the longest edge if there is no area
@@ -75,9 +74,9 @@ struct TriangleParts {
 /// 18 add 24 mul 2 div 1 sqrt when `inverse_ff` is at hand.
 template <typename S>
 void triangle_normal(TriangleParts<S>& t, const std::array<S, 3>& ff) {
-  const S smallest_longest = max_num(ff[0], max_num(ff[1], ff[2]));
-  t.longest0 = smallest_longest <= ff[0];
-  t.longest1 = smallest_longest <= ff[1];
+  const S largest = max_num(ff[0], max_num(ff[1], ff[2]));
+  t.longest0 = largest <= ff[0];
+  t.longest1 = largest <= ff[1];
   const Vector<S> e = select3<S>(t.longest0, t.longest1, t.f[0], t.f[1], t.f[2]);
   const Vector<S> g = select3<S>(t.longest0, t.longest1, t.f[1], t.f[2], t.f[0]);
   const S inverse_ee =
@@ -99,7 +98,7 @@ void triangle_normal(TriangleParts<S>& t, const std::array<S, 3>& ff) {
   t.m = unit<S>(m, square_root(mm));
 }
 
-/// From the three vertices. 12 add for edges and midpoints, then 3 dots, 3 div, and the normal.
+/// From the three vertices.
 template <typename S>
 [[nodiscard]] TriangleParts<S> triangle_parts(const Vector<S>& p0, const Vector<S>& p1,
                                               const Vector<S>& p2) {
@@ -107,9 +106,7 @@ template <typename S>
   t.p = {p0, p1, p2};
   std::array<S, 3> ff;
   for (int j = 0; j < 3; ++j) {
-    const Vector<S>&a = t.p[j], &b = t.p[(j + 1) % 3];
-    t.f[j] = scale<S>(sub<S>(b, a), kHalf<S>);
-    t.q[j] = scale<S>(add<S>(a, b), kHalf<S>);
+    t.f[j] = sub<S>(t.p[(j + 1) % 3], t.p[j]);
     ff[j] = dot<S>(t.f[j], t.f[j]);
     t.inverse_ff[j] = reciprocal_or_zero<S>(usable(ff[j]), ff[j]);
   }
@@ -123,11 +120,11 @@ template <typename S>
   return (magnitude(x.x()) + magnitude(x.y())) + magnitude(x.z());
 }
 
-/// How far a triangle reaches from the centre that it is relative to: bounds |p| from above and is
-/// at most three times the size that pairs are judged by. 8 add.
+/// How far a triangle reaches from the centre that it is relative to: the largest |p|_1.
+/// 6 add, 2 min/max.
 template <typename S>
 [[nodiscard]] S reach(const TriangleParts<S>& t) {
-  return norm1<S>(t.p[0]) + (norm1<S>(t.f[0]) + norm1<S>(t.f[1]));
+  return max_num(norm1<S>(t.p[0]), max_num(norm1<S>(t.p[1]), norm1<S>(t.p[2])));
 }
 
 /// Gaps closer than this are equal: 4 u S, S the size of the scene.
@@ -147,7 +144,7 @@ template <typename S>
 struct PointTriangle {
   Vector<S> v;  ///< point - closest point
   S d2;         ///< |v|²
-  S h;          ///< m.(point - q0): signed distance from the triangle's plane
+  S h;          ///< m.(point - p0): signed distance from the triangle's plane
 };
 
 /// v made perpendicular to an edge f that it ends on: v - (v.f / f.f) f, with 0 for 1 / f.f if it
@@ -161,7 +158,7 @@ template <typename S>
 /// The three segments, and the face if the point lies over its inside; the regions are selected at
 /// the end, ties to the lowest edge. Over a needle the signs that say "inside" are noise when the
 /// point is in line with it, so the point must also lie between the ends of the longest edge.
-/// `w` is the point as seen from each edge's midpoint, point - q[j]. No divider.
+/// `w` is the point as seen from each vertex, point - p[j]. No divider.
 template <typename S>
 [[nodiscard]] PointTriangle<S> point_triangle(const std::array<Vector<S>, 3>& w,
                                               const TriangleParts<S>& t) {
@@ -170,9 +167,10 @@ template <typename S>
   std::array<Mask<S>, 3> between{};
   for (int j = 0; j < 3; ++j) {
     const S along = dot<S>(w[j], t.f[j]) * t.inverse_ff[j];
-    between[j] = magnitude(along) <= S{1};
+    const S on_edge = clamp(along, S{0}, S{1});
+    between[j] = along == on_edge;
     inverse[j] = select(between[j], t.inverse_ff[j], S{0});
-    r[j] = sub<S>(w[j], scale<S>(t.f[j], clamp(along, S{-1}, S{1})));
+    r[j] = sub<S>(w[j], scale<S>(t.f[j], on_edge));
     rr[j] = dot<S>(r[j], r[j]);
     side[j] = dot<S>(cross<S>(t.f[j], w[j]), t.m);
   }

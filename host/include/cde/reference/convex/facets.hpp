@@ -36,7 +36,7 @@ struct Facet {
   Vector<S> n;      ///< unit, P to Q
   Difference<S> x;  ///< nearest point of the facet
   S d2;             ///< |x.v|²
-  Vector<S> edge;   ///< half edge of Q
+  Vector<S> edge;   ///< edge of Q
   S inverse_ff;     ///< 1 / edge², or 0 if the nearest point is not between the ends of that edge
 };
 
@@ -102,42 +102,42 @@ template <typename S>
 }
 
 /// The box's edge along axis i through `at` (component i unused), |s| <= a_i, and the edge q + t f,
-/// |t| <= 1, of Q: solves t in the plane perpendicular to the axis, then s, then t again for that
-/// s. `inverse2` is 1 / (f_k² + f_l²), `inverse_ff` 1 / f.f. Fills in what belongs to the nearest
-/// points. If s is not at an end, component i of v is 0. 14 add 16 mul, 6 min/max.
+/// low <= t <= 1, of Q: solves t in the plane perpendicular to the axis, then s, then t again for
+/// that s. `inverse2` is 1 / (f_k² + f_l²), `inverse_ff` 1 / f.f. Fills in what belongs to the
+/// nearest points. If s is not at an end, component i of v is 0. 14 add 16 mul, 6 min/max.
 template <typename S>
 void segment_segment(Facet<S>& facet, int i, S a, const Vector<S>& at, const Vector<S>& q,
-                     const Vector<S>& f, S inverse2, S inverse_ff) {
+                     const Vector<S>& f, S low, S inverse2, S inverse_ff) {
   const int k = (i + 1) % 3, l = (i + 2) % 3;
   const S wk = q[k] - at[k], wl = q[l] - at[l];
   const S across = wk * f[k] + wl * f[l];
-  const S t1 = clamp(-(across * inverse2), S{-1}, S{1});
+  const S t1 = clamp(-(across * inverse2), low, S{1});
   const S s1 = q[i] + t1 * f[i];
   const S s = clamp(s1, -a, a);
   const S rest = q[i] - s;
   const S t2 = -((across + rest * f[i]) * inverse_ff);
-  const S t = clamp(t2, S{-1}, S{1});
+  const S t = clamp(t2, low, S{1});
   Vector<S>& v = facet.x.v;
-  v[i] = select(magnitude(s1) <= a, S{0}, rest + t * f[i]);
+  v[i] = select(s1 == s, S{0}, rest + t * f[i]);
   v[k] = wk + t * f[k], v[l] = wl + t * f[l];
   facet.x.p[i] = s, facet.x.p[k] = at[k], facet.x.p[l] = at[l];
   facet.d2 = dot<S>(v, v);
   facet.edge = f;
-  facet.inverse_ff = select(magnitude(t2) <= S{1}, inverse_ff, S{0});
+  facet.inverse_ff = select(t2 == t, inverse_ff, S{0});
 }
 
 /// Edge i of the box and the edge q + t f of Q, where n is e_i x f or the opposite of it. `signs`
 /// chooses the box's edge, on the side that n points to.
 template <typename S>
 [[nodiscard]] Facet<S> edge_facet(int i, const Vector<S>& a, const Vector<S>& signs,
-                                  const Vector<S>& q, const Vector<S>& f, S inverse_ff,
+                                  const Vector<S>& q, const Vector<S>& f, S low, S inverse_ff,
                                   const EdgeNormal<S>& n, S side, S gap) {
   Facet<S> facet;
   facet.gap = select(n.valid, gap, -std::numeric_limits<S>::infinity());
   facet.n[i] = S{0};
   facet.n[(i + 1) % 3] = move_sign(side, n.k);
   facet.n[(i + 2) % 3] = move_sign(side, n.l);
-  segment_segment<S>(facet, i, a[i], corner<S>(signs, a), q, f, n.inverse2, inverse_ff);
+  segment_segment<S>(facet, i, a[i], corner<S>(signs, a), q, f, low, n.inverse2, inverse_ff);
   return facet;
 }
 

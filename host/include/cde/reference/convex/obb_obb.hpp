@@ -88,8 +88,8 @@ template <typename S>
   sign_b[j] = S{0};
   sign_b[m] = move_sign(side, pair.signs[o][i]);
   sign_b[o] = move_sign(side, -pair.signs[m][i]);
-  return edge_facet<S>(i, pair.a, sign_a, corner_of_b<S>(pair, sign_b, j), pair.f[j], inverse_ff, n,
-                       side, gap);
+  return edge_facet<S>(i, pair.a, sign_a, corner_of_b<S>(pair, sign_b, j), pair.f[j], S{-1},
+                       inverse_ff, n, side, gap);
 }
 
 /// The pair as B sees it: B's frame, roles exchanged. 6 add 18 mul.

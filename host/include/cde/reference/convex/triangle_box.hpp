@@ -11,7 +11,7 @@ template <typename S>
 struct BoxTriangle {
   Vector<S> a;                  ///< half extents
   TriangleParts<S> t;           ///< the triangle
-  std::array<Vector<S>, 3> f1;  ///< its half edges turned, for their signs
+  std::array<Vector<S>, 3> f1;  ///< its edges turned, for their signs
   Vector<S> m1;                 ///< f1[0] x f1[1], likewise
   S tie;                        ///< gaps closer than this are equal
 };
@@ -65,7 +65,7 @@ template <typename S>
                         move_sign(side, pair.m1.z()));
   facet.x.p = corner<S>(signs, pair.a);
   const PointTriangle<S> closest = point_triangle<S>(
-      {sub<S>(facet.x.p, t.q[0]), sub<S>(facet.x.p, t.q[1]), sub<S>(facet.x.p, t.q[2])}, t);
+      {sub<S>(facet.x.p, t.p[0]), sub<S>(facet.x.p, t.p[1]), sub<S>(facet.x.p, t.p[2])}, t);
   facet.x.v = -closest.v;
   facet.d2 = closest.d2;
   facet.edge = Vector<S>::Zero();
@@ -91,7 +91,7 @@ template <typename S>
   signs[i] = S{0};
   signs[k] = move_sign(side, -pair.f1[j][l]);
   signs[l] = move_sign(side, pair.f1[j][k]);
-  return edge_facet<S>(i, pair.a, signs, t.q[j], t.f[j], t.inverse_ff[j], n, side, gap);
+  return edge_facet<S>(i, pair.a, signs, t.p[j], t.f[j], S{0}, t.inverse_ff[j], n, side, gap);
 }
 
 /// All thirteen: faces of the box, the triangle's face, edges (0,0), (0,1), ... (2,2).

@@ -16,7 +16,7 @@ template <typename S>
   const TriangleParts<S> t =
       triangle_parts<S>(sub<S>(b.c, a.v0), sub<S>(b.c, a.v1), sub<S>(b.c, a.v2));
   const PointTriangle<S> closest =
-      point_triangle<S>({Vector<S>(-t.q[0]), Vector<S>(-t.q[1]), Vector<S>(-t.q[2])}, t);
+      point_triangle<S>({Vector<S>(-t.p[0]), Vector<S>(-t.p[1]), Vector<S>(-t.p[2])}, t);
   const Vector<S> start = -closest.v;
 
   const S tie = tie_width(reach<S>(t) + b.r);
@@ -27,7 +27,7 @@ template <typename S>
   // The plane's own normal, towards the centre; h is measured from the plane to the origin.
   const Vector<S> n(move_sign(-closest.h, t.m.x()), move_sign(-closest.h, t.m.y()),
                     move_sign(-closest.h, t.m.z()));
-  const S plane_gap = least_along<S>(t.p, n).value;
+  const S plane_gap = magnitude(closest.h);
   const Vector<S> to_plane = scale<S>(n, plane_gap);
   const SignedGap<S> centre =
       decide<S>({plane_gap, n, {to_plane, -to_plane}}, x, Mask<S>(true), tie,
