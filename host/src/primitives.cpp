@@ -5,15 +5,52 @@
 #include <cmath>
 
 #include "cde/error.hpp"
+#include "cde/reference/check.hpp"
 
 namespace cde {
 namespace {
 
-std::optional<std::string> not_finite(const char* field, const Eigen::Vector3f& v) {
-  for (int i = 0; i < 3; ++i) {
-    if (!std::isfinite(v[i])) return fmt::format("{}.{} is {}", field, "xyz"[i], v[i]);
-  }
-  return std::nullopt;
+using Defect = std::optional<std::string>;
+
+/// "origin.x", "rotation[1][2]", "radius".
+template <typename Field>
+std::string word_name(const char* field, int k, const Field&) {
+  if constexpr (std::is_same_v<Field, float>) return field;
+  if constexpr (std::is_same_v<Field, Eigen::Vector3f>)
+    return fmt::format("{}.{}", field, "xyz"[k]);
+  if constexpr (std::is_same_v<Field, Eigen::Matrix3f>)
+    return fmt::format("{}[{}][{}]", field, k / 3, k % 3);
+}
+
+/// The first word that is not finite; an interval's end may be infinite.
+template <typename P>
+Defect not_finite(const P& primitive) {
+  Defect why;
+  P::visit(primitive, [&](const char* name, const auto& field) {
+    const std::string_view interval[] = {"tmin", "tmax"};
+    const bool may_be_infinite = name == interval[0] || name == interval[1];
+    const auto look = [&](int k, float word) {
+      if (std::isfinite(word) || (may_be_infinite && !std::isnan(word)) || why) return;
+      why = fmt::format("{} is {}", word_name(name, k, field), word);
+    };
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(field)>, float>) {
+      look(0, field);
+    } else {
+      for (int k = 0; k < field.size(); ++k) look(k, field(k / field.cols(), k % field.cols()));
+    }
+  });
+  return why;
+}
+
+Defect not_positive(std::string_view name, float value) {
+  if (value > 0) return std::nullopt;
+  return fmt::format("{} is {}, must be > 0", name, value);
+}
+
+Defect not_unit(std::string_view name, const Eigen::Vector3f& v) {
+  if (reference::dot_is<float>(v, v, 1)) return std::nullopt;
+  return fmt::format("{} has squared length {}, must be 1 within {:.3g}", name,
+                     reference::dot<float>(v, v), reference::kUnitTolerance<float>);
 }
 
 template <typename Primitive>
@@ -25,19 +62,58 @@ void check_any(const Primitive& primitive, std::string_view what) {
 
 }  // namespace
 
-std::optional<std::string> defect(const Ray& ray) {
-  if (auto why = not_finite("origin", ray.o)) return why;
-  if (auto why = not_finite("direction", ray.d)) return why;
-  if (ray.d.x() == 0.0f && ray.d.y() == 0.0f && ray.d.z() == 0.0f) return "direction is zero";
-  if (std::isnan(ray.tmin)) return "tmin is nan";
-  if (std::isnan(ray.tmax)) return "tmax is nan";
+Defect defect(const Ray& ray) {
+  if (auto why = not_finite(ray)) return why;
+  if (reference::bad(ray)) return "direction is zero";
   return std::nullopt;
 }
 
-std::optional<std::string> defect(const Triangle& triangle) {
-  if (auto why = not_finite("v0", triangle.v0)) return why;
-  if (auto why = not_finite("v1", triangle.v1)) return why;
-  return not_finite("v2", triangle.v2);
+Defect defect(const Triangle& triangle) {
+  return not_finite(triangle);
+}
+
+Defect defect(const Sphere& sphere) {
+  if (auto why = not_finite(sphere)) return why;
+  return not_positive("radius", sphere.r);
+}
+
+Defect defect(const Aabb& box) {
+  if (auto why = not_finite(box)) return why;
+  for (int k = 0; k < 3; ++k) {
+    if (!(box.min[k] < box.max[k]))
+      return fmt::format("max.{0} is {1}, must be > min.{0} = {2}", "xyz"[k], box.max[k],
+                         box.min[k]);
+  }
+  return std::nullopt;
+}
+
+Defect defect(const Plane& plane) {
+  if (auto why = not_finite(plane)) return why;
+  return not_unit("normal", plane.n);
+}
+
+Defect defect(const Cylinder& cylinder) {
+  if (auto why = not_finite(cylinder)) return why;
+  if (auto why = not_unit("axis", cylinder.axis)) return why;
+  if (auto why = not_positive("half height", cylinder.half_height)) return why;
+  return not_positive("radius", cylinder.radius);
+}
+
+Defect defect(const Obb& box) {
+  if (auto why = not_finite(box)) return why;
+  for (int k = 0; k < 3; ++k)
+    if (auto why = not_positive(fmt::format("half extent.{}", "xyz"[k]), box.half[k])) return why;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) {
+      const Eigen::Vector3f a = box.rotation.col(i), b = box.rotation.col(j);
+      if (!reference::dot_is<float>(a, b, i == j))
+        return fmt::format(
+            "rotation is not orthonormal: the product of columns {} and {} is {}, must be {} "
+            "within {:.3g}",
+            i, j, reference::dot<float>(a, b), i == j ? 1 : 0, reference::kUnitTolerance<float>);
+    }
+  }
+  return std::nullopt;
 }
 
 void check(const Ray& ray, std::string_view what) {
@@ -45,6 +121,21 @@ void check(const Ray& ray, std::string_view what) {
 }
 void check(const Triangle& triangle, std::string_view what) {
   check_any(triangle, what);
+}
+void check(const Sphere& sphere, std::string_view what) {
+  check_any(sphere, what);
+}
+void check(const Aabb& box, std::string_view what) {
+  check_any(box, what);
+}
+void check(const Plane& plane, std::string_view what) {
+  check_any(plane, what);
+}
+void check(const Cylinder& cylinder, std::string_view what) {
+  check_any(cylinder, what);
+}
+void check(const Obb& box, std::string_view what) {
+  check_any(box, what);
 }
 
 }  // namespace cde

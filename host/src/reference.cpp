@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 
 #include "cde/error.hpp"
 #include "reference_sweep.hpp"
@@ -11,8 +12,7 @@ namespace cde::reference {
 
 Record record_of(const Ray& ray, const Triangle& triangle, std::uint32_t primary,
                  std::uint32_t index) {
-  const Outcome<float> outcome = ray_triangle_moller<float>(ray.o, ray.d, ray.tmin, ray.tmax,
-                                                            triangle.v0, triangle.v1, triangle.v2);
+  const Outcome<float> outcome = ray_triangle_moller(ray, triangle);
   Record r;
   r.f = outcome.f;
   r.bad = outcome.bad;
