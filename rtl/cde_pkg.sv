@@ -52,9 +52,51 @@ package cde_pkg;
 
   // ---- Pair codes ----
   localparam logic [3:0] PAIR_RAY_TRIANGLE = 4'd0;
+  localparam logic [3:0] PAIR_OBB_OBB = 4'd1;
+  localparam logic [3:0] PAIR_TRIANGLE_AABB = 4'd2;
+  localparam logic [3:0] PAIR_TRIANGLE_OBB = 4'd3;
+  localparam logic [3:0] PAIR_SPHERE_SPHERE = 4'd4;
+  localparam logic [3:0] PAIR_TRIANGLE_SPHERE = 4'd5;
+  localparam logic [3:0] PAIR_RAY_CYLINDER = 4'd6;
+  localparam logic [3:0] PAIR_TRIANGLE_CYLINDER = 4'd7;
+  localparam logic [3:0] PAIR_CYLINDER_CYLINDER = 4'd8;
+  localparam logic [3:0] PAIR_OBB_CYLINDER = 4'd9;
+  localparam logic [3:0] PAIR_OBB_PLANE = 4'd10;
+  localparam logic [3:0] PAIR_RAY_SPHERE = 4'd11;
+  localparam logic [3:0] PAIR_SPHERE_OBB = 4'd12;
+  localparam int PAIRS = 13;
+
+  // ---- Shapes ----
+  localparam int SHAPE_RAY = 0;       // o x y z, d x y z, tmin, tmax
+  localparam int SHAPE_TRIANGLE = 1;  // v0 x y z, v1, v2
+  localparam int SHAPE_SPHERE = 2;    // c x y z, r
+  localparam int SHAPE_AABB = 3;      // min x y z, max
+  localparam int SHAPE_PLANE = 4;     // n x y z, d
+  localparam int SHAPE_CYLINDER = 5;  // c x y z, axis x y z, half height, radius
+  localparam int SHAPE_OBB = 6;       // c x y z, half extents, rotation by rows (columns are the axes)
+
+  function int shape_words(input int shape);
+    shape_words = (shape == SHAPE_RAY || shape == SHAPE_CYLINDER) ? 8 : (shape == SHAPE_TRIANGLE) ? 9 :
+        (shape == SHAPE_AABB) ? 6 : (shape == SHAPE_OBB) ? 15 : 4;
+  endfunction
+  function int primary_shape(input int pair);  // A
+    primary_shape = (pair == int'(PAIR_RAY_TRIANGLE) || pair == int'(PAIR_RAY_CYLINDER) || pair == int'(PAIR_RAY_SPHERE)) ? SHAPE_RAY :
+        (pair == int'(PAIR_SPHERE_SPHERE) || pair == int'(PAIR_SPHERE_OBB)) ? SHAPE_SPHERE :
+        (pair == int'(PAIR_CYLINDER_CYLINDER)) ? SHAPE_CYLINDER :
+        (pair == int'(PAIR_OBB_OBB) || pair == int'(PAIR_OBB_CYLINDER) || pair == int'(PAIR_OBB_PLANE)) ? SHAPE_OBB : SHAPE_TRIANGLE;
+  endfunction
+  function int secondary_shape(input int pair);  // B
+    secondary_shape = (pair == int'(PAIR_RAY_TRIANGLE)) ? SHAPE_TRIANGLE : (pair == int'(PAIR_TRIANGLE_AABB)) ? SHAPE_AABB :
+        (pair == int'(PAIR_OBB_PLANE)) ? SHAPE_PLANE :
+        (pair == int'(PAIR_OBB_OBB) || pair == int'(PAIR_TRIANGLE_OBB) || pair == int'(PAIR_SPHERE_OBB)) ? SHAPE_OBB :
+        (pair == int'(PAIR_SPHERE_SPHERE) || pair == int'(PAIR_TRIANGLE_SPHERE) || pair == int'(PAIR_RAY_SPHERE)) ? SHAPE_SPHERE : SHAPE_CYLINDER;
+  endfunction
 
   // ---- Ray-triangle algorithms (REG_CAPS) ----
   localparam logic [7:0] ALGORITHM_MOLLER = 8'd0;
+  localparam logic [7:0] ALGORITHM_BADOUEL = 8'd1;
+  localparam logic [7:0] ALGORITHM_PLUECKER = 8'd2;
+  localparam logic [7:0] ALGORITHM_WATERTIGHT = 8'd3;
 
   // ---- Slots and records, in words of the container width ----
   localparam int PRIM_WORDS = 8;  // ray: ox oy oz dx dy dz tmin tmax

@@ -271,6 +271,36 @@ inline Bits sign(Bits a, Bits b = Bits{}) {
     return a ^ (b & kSign);
 }
 
+/// The sign bit as a mask: all ones or all zeros.
+template <unsigned E, unsigned M, class Bits>
+inline Bits negative(Bits a) {
+  return Bits{} - ((a >> (E + M)) & 1);
+}
+
+/// A condition as a mask: all ones or all zeros, of a word or of each word of a vector.
+template <class Bits, class Condition>
+inline Bits mask(Condition c) {
+  if constexpr (std::is_same_v<Condition, bool>)
+    return Bits{} - Bits(c);
+  else
+    return (Bits)c;
+}
+
+/// rtl/fp/fp_class.sv: 0 finite, 1 NaN, 2 above zero, 3 neither zero nor NaN.
+template <unsigned C, unsigned E, unsigned M, class Bits>
+inline Bits classify(Bits a) {
+  using F = Format<E, M>;
+  const Bits mag = a & F::kMag;
+  if constexpr (C == 0)
+    return mask<Bits>(mag < F::kInf);
+  else if constexpr (C == 1)
+    return mask<Bits>(mag > F::kInf);
+  else if constexpr (C == 2)
+    return mask<Bits>(a != 0) & mask<Bits>(a <= F::kInf);
+  else
+    return mask<Bits>(mag != 0) & mask<Bits>(mag <= F::kInf);
+}
+
 template <unsigned N>
 using Word = std::conditional_t<N == 32, uint32_t, uint64_t>;
 

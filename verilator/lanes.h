@@ -65,6 +65,18 @@ inline Words sign(Words a, Words b = Words{}) {
   return sign<C, E, M, Words>(a, b);
 }
 template <unsigned C, unsigned E, unsigned M>
+inline Words classify(Words a) {
+  return classify<C, E, M, Words>(a);
+}
+template <unsigned E, unsigned M>
+inline Words negative(Words a) {
+  return negative<E, M, Words>(a);
+}
+template <unsigned C, unsigned E, unsigned M>
+inline Words sign(uint32_t a, Words b) {
+  return sign<C, E, M, Words>(Words{} + a, b);
+}
+template <unsigned C, unsigned E, unsigned M>
 inline Words sign(Words a, uint32_t b) {
   return sign<C, E, M, Words>(a, Words{} + b);
 }

@@ -49,8 +49,8 @@ module update_lanes #(
   logic [2:0][LANES-1:0][CW-1:0] cp[ROWS];                        // of the kept hit; unset while F = 0
 
   // Sign-magnitude to an ordered unsigned key; both zeros map to the same key.
-  function logic [CW-1:0] key(input logic [CW-1:0] t);
-    key = ((t & SIGN) != 0) ? SIGN - (t & ~SIGN) : SIGN + t;
+  function logic [CW-1:0] key(input logic [CW-1:0] word);
+    key = ((word & SIGN) != 0) ? SIGN - (word & ~SIGN) : SIGN + word;
   endfunction
 
   logic [LANES-1:0][CW-1:0] hit, t_old, t_new, better, mask;

@@ -12,28 +12,10 @@
 #include "Vmodel.h"
 #include "abi_fp.h"
 #include "coverage.h"
+#include "parameters.h"
 #include "verilated.h"
 
 namespace {
-
-constexpr char kParameters[] =
-#include "params.inc"
-    ;
-
-/// Value of a numeric parameter of this bitstream, or what fp_unit.sv defaults to.
-constexpr long parameter(std::string_view name, long otherwise) {
-  const std::string_view all = kParameters;
-  for (size_t at = 0; at < all.size(); at = all.find('\n', at) + 1) {
-    const std::string_view line = all.substr(at, all.find('\n', at) - at);
-    if (line.size() > name.size() && line.substr(0, name.size()) == name &&
-        line[name.size()] == '=') {
-      long v = 0;
-      for (const char c : line.substr(name.size() + 1)) v = v * 10 + (c - '0');
-      return v;
-    }
-  }
-  return otherwise;
-}
 
 constexpr unsigned kExp = parameter("EXP", 8), kMan = parameter("MAN", 23),
                    kLanes = parameter("LANES", 16);

@@ -1,0 +1,104 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cde/bitstream.hpp"
+#include "cde/fp_format.hpp"
+
+namespace cde {
+
+/// The thirteen pairs, primary first; the numbers are those of rtl/cde_pkg.sv.
+enum class Pair : unsigned {
+  kRayTriangle,
+  kObbObb,
+  kTriangleAabb,
+  kTriangleObb,
+  kSphereSphere,
+  kTriangleSphere,
+  kRayCylinder,
+  kTriangleCylinder,
+  kCylinderCylinder,
+  kObbCylinder,
+  kObbPlane,
+  kRaySphere,
+  kSphereObb,
+};
+inline constexpr unsigned kPairs = 13;
+
+enum class Algorithm : unsigned { kMoller, kBadouel, kPluecker, kWatertight };  ///< of ray-triangle
+
+/// "ray-triangle", "obb-obb" and so on.
+[[nodiscard]] std::string_view name(Pair pair);
+[[nodiscard]] std::string_view name(Algorithm algorithm);
+/// Words of a primary and of a secondary.
+[[nodiscard]] unsigned primary_words(Pair pair);
+[[nodiscard]] unsigned secondary_words(Pair pair);
+
+/// One elaborated configuration of rtl/pair_unit.sv.
+struct PairConfig {
+  Pair pair = Pair::kRayTriangle;
+  Algorithm algorithm = Algorithm::kMoller;  ///< of ray-triangle only
+  FpFormat format = {8, 23};
+  unsigned lanes = 8;  ///< pairs a clock, 1 to 256
+  Arithmetic arithmetic = Arithmetic::kHost;
+  unsigned latency_add = 1;  ///< clocks of an operator, at least 1
+  unsigned latency_mul = 1;
+  unsigned latency_div = 1;
+  unsigned latency_sqrt = 1;
+  unsigned latency_compare = 1;
+  bool trace = false;  ///< waves can be written (and everything runs slower)
+
+  /// NAME=VALUE for the builder. Error kUsage if a value is out of range, naming it.
+  [[nodiscard]] std::vector<std::string> parameters() const;
+};
+
+/// What a pipe answers for one pair, as words of the format (low bits of a uint64_t).
+struct PairResult {
+  bool f = false;    ///< they meet
+  bool bad = false;  ///< an operand is out of contract: F = 0, the rest NaN
+  std::uint64_t t = 0;
+  std::uint64_t cp[3] = {};
+  std::uint64_t n[3] = {};  ///< zero for rays
+  bool operator==(const PairResult&) const = default;
+};
+
+/// One simulated pipe: a pair_unit bitstream. Not for use by two threads at once.
+class PairUnit {
+ public:
+  /// The unit of that configuration, built on first use.
+  explicit PairUnit(const PairConfig& config);
+  /// Of a loaded bitstream; `config` is what it was built from. Error kConfiguration if it is not.
+  PairUnit(const Bitstream& bitstream, const PairConfig& config);
+  ~PairUnit();
+  PairUnit(PairUnit&&) noexcept;
+  PairUnit& operator=(PairUnit&&) noexcept;
+
+  [[nodiscard]] const PairConfig& config() const;
+  /// Clocks from operands to results.
+  [[nodiscard]] unsigned latency() const;
+
+  /// Pairs of operand words in slot order, primary_words and secondary_words a pair; one result a
+  /// pair (Error kUsage if sizes do not fit together). A row of lanes enters a clock, after as many
+  /// idle clocks as `gap` says. Returns the clocks from the first row in to the last result out.
+  std::uint64_t test(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
+                     std::span<PairResult> results, const std::function<unsigned()>& gap = {});
+
+  /// Reset in mid-stream: what is in flight is gone.
+  void reset();
+  /// Error kConfiguration if the bitstream was built without trace, kFile if the file cannot be
+  /// written.
+  void open_trace(const std::string& path);
+  void close_trace();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace cde

@@ -1,0 +1,186 @@
+#include "cde/pair_unit.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstring>
+
+#include "abi_pair.h"
+#include "cde/error.hpp"
+
+namespace cde {
+
+namespace {
+
+struct PairName {
+  std::string_view name;
+  unsigned a_words, b_words;
+};
+constexpr std::array<PairName, kPairs> kNames{{{"ray-triangle", 8, 9},
+                                               {"obb-obb", 15, 15},
+                                               {"triangle-aabb", 9, 6},
+                                               {"triangle-obb", 9, 15},
+                                               {"sphere-sphere", 4, 4},
+                                               {"triangle-sphere", 9, 4},
+                                               {"ray-cylinder", 8, 8},
+                                               {"triangle-cylinder", 9, 8},
+                                               {"cylinder-cylinder", 8, 8},
+                                               {"obb-cylinder", 15, 8},
+                                               {"obb-plane", 15, 4},
+                                               {"ray-sphere", 8, 4},
+                                               {"sphere-obb", 4, 15}}};
+constexpr std::array<std::string_view, 4> kAlgorithms{"moller", "badouel", "pluecker",
+                                                      "watertight"};
+
+}  // namespace
+
+std::string_view name(Pair pair) {
+  return kNames.at(static_cast<unsigned>(pair)).name;
+}
+std::string_view name(Algorithm algorithm) {
+  return kAlgorithms.at(static_cast<unsigned>(algorithm));
+}
+unsigned primary_words(Pair pair) {
+  return kNames.at(static_cast<unsigned>(pair)).a_words;
+}
+unsigned secondary_words(Pair pair) {
+  return kNames.at(static_cast<unsigned>(pair)).b_words;
+}
+
+std::vector<std::string> PairConfig::parameters() const {
+  const auto in_range = [](std::string_view what, unsigned value, unsigned low, unsigned high) {
+    if (value < low || value > high)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} is {}, expected {} to {}", what, value, low, high));
+  };
+  in_range("lanes", lanes, 1, 256);
+  for (const unsigned latency :
+       {latency_add, latency_mul, latency_div, latency_sqrt, latency_compare})
+    in_range("latency of an operator", latency, 1, 64);
+  if (algorithm != Algorithm::kMoller && pair != Pair::kRayTriangle)
+    throw Error(ErrorCode::kUsage, fmt::format("{} has no choice of algorithm", name(pair)));
+  std::vector<std::string> p{fmt::format("PAIR={}", static_cast<unsigned>(pair)),
+                             fmt::format("EXP={}", format.exp_bits),
+                             fmt::format("MAN={}", format.man_bits),
+                             fmt::format("LANES={}", lanes),
+                             fmt::format("ARITH={}", arithmetic == Arithmetic::kRtl ? "rtl" : "host")};
+  if (pair == Pair::kRayTriangle)
+    p.push_back(fmt::format("ALGORITHM={}", static_cast<unsigned>(algorithm)));
+  const auto add = [&p](std::string_view key, unsigned value) {
+    if (value != 1) p.push_back(fmt::format("{}={}", key, value));
+  };
+  add("LAT_ADD", latency_add);
+  add("LAT_MUL", latency_mul);
+  add("LAT_DIV", latency_div);
+  add("LAT_SQRT", latency_sqrt);
+  add("LAT_CMP", latency_compare);
+  if (trace) p.emplace_back("TRACE=1");
+  return p;
+}
+
+struct PairUnit::State {
+  Bitstream bitstream;
+  PairConfig config;
+  const cde_pair_api* api = nullptr;
+  cde_pair_unit* unit = nullptr;
+
+  State(const Bitstream& b, const PairConfig& c) : bitstream(b), config(c) {}
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() {
+    if (unit != nullptr) api->destroy(unit);
+  }
+};
+
+PairUnit::PairUnit(const Bitstream& bitstream, const PairConfig& config)
+    : state_(std::make_unique<State>(bitstream, config)) {
+  State& s = *state_;
+  s.api = reinterpret_cast<cde_pair_entry_function>(s.bitstream.symbol("cde_pair_entry"))();
+  const std::string path = bitstream.path().string();
+  if (s.api->version != CDE_PAIR_ABI_VERSION)
+    throw Error(ErrorCode::kConfiguration,
+                fmt::format("bitstream {} has interface version {}, not {}", path, s.api->version,
+                            CDE_PAIR_ABI_VERSION));
+  if (s.api->lanes != config.lanes || s.api->a_words != primary_words(config.pair) ||
+      s.api->b_words != secondary_words(config.pair) ||
+      s.api->config_hash != s.bitstream.config_hash())
+    throw Error(ErrorCode::kConfiguration,
+                fmt::format("bitstream {} is not the {} unit that was asked for", path,
+                            name(config.pair)));
+  s.unit = s.api->create();
+  if (s.unit == nullptr)
+    throw Error(ErrorCode::kDevice, fmt::format("bitstream {}: out of memory", path));
+}
+
+PairUnit::PairUnit(const PairConfig& config)
+    : PairUnit(Bitstream::open("pair_unit", config.parameters()), config) {}
+
+PairUnit::~PairUnit() = default;
+PairUnit::PairUnit(PairUnit&&) noexcept = default;
+PairUnit& PairUnit::operator=(PairUnit&&) noexcept = default;
+
+const PairConfig& PairUnit::config() const {
+  return state_->config;
+}
+unsigned PairUnit::latency() const {
+  return state_->api->latency(state_->unit);
+}
+void PairUnit::reset() {
+  state_->api->reset(state_->unit);
+}
+
+namespace {
+
+/// Words between the driver's 64 bits and the unit's own width, a block of pairs at a time.
+template <class Word>
+std::uint64_t run(const cde_pair_api& api, cde_pair_unit* unit, std::span<const std::uint64_t> a,
+                  std::span<const std::uint64_t> b, std::span<PairResult> results,
+                  uint32_t (*gap)(void*), void* context) {
+  std::vector<Word> wa(a.begin(), a.end()), wb(b.begin(), b.end());
+  std::vector<Word> out(results.size() * CDE_PAIR_RESULT_WORDS);
+  const std::uint64_t clocks =
+      api.test(unit, wa.data(), wb.data(), out.data(), results.size(), gap, context);
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const Word* w = &out[i * CDE_PAIR_RESULT_WORDS];
+    PairResult& r = results[i];
+    r.f = w[CDE_PAIR_F] != 0;
+    r.bad = w[CDE_PAIR_BAD] != 0;
+    r.t = w[CDE_PAIR_T];
+    for (int k = 0; k < 3; ++k) {
+      r.cp[k] = w[CDE_PAIR_CP + k];
+      r.n[k] = w[CDE_PAIR_N + k];
+    }
+  }
+  return clocks;
+}
+
+}  // namespace
+
+std::uint64_t PairUnit::test(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
+                             std::span<PairResult> results, const std::function<unsigned()>& gap) {
+  const cde_pair_api& api = *state_->api;
+  if (a.size() != results.size() * api.a_words || b.size() != results.size() * api.b_words)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("PairUnit::test: {} pairs need {} and {} operand words, not {} and {}",
+                            results.size(), results.size() * api.a_words,
+                            results.size() * api.b_words, a.size(), b.size()));
+  if (results.empty()) return 0;
+  auto* context = const_cast<std::function<unsigned()>*>(&gap);
+  uint32_t (*call)(void*) = nullptr;
+  if (gap)
+    call = [](void* f) { return uint32_t{(*static_cast<std::function<unsigned()>*>(f))()}; };
+  return api.word_bytes == 4 ? run<std::uint32_t>(api, state_->unit, a, b, results, call, context)
+                             : run<std::uint64_t>(api, state_->unit, a, b, results, call, context);
+}
+
+void PairUnit::open_trace(const std::string& path) {
+  if (!state_->config.trace)
+    throw Error(ErrorCode::kConfiguration, "the pair_unit was built without trace");
+  if (state_->api->trace_open(state_->unit, path.c_str()) != 0)
+    throw Error(ErrorCode::kFile, fmt::format("{}: cannot be written", path));
+}
+void PairUnit::close_trace() {
+  state_->api->trace_close(state_->unit);
+}
+
+}  // namespace cde

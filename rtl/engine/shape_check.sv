@@ -1,0 +1,89 @@
+// Input contract of a shape (cde_pkg::SHAPE_*): every word finite (tmin and tmax only no NaN), sizes above zero, max above min, a
+// direction that is not zero; unit vectors and rotations to |a.b - (0 or 1)| <= 2^-20, or 16 u in formats too coarse for that.
+// Latency: LAT_MUL + 3*LAT_ADD + LAT_CMP clocks whatever the shape; 0 with ARITH = "host". Throughput: LANES shapes a clock. Stall: none.
+`include "dataflow.svh"
+module shape_check #(
+    parameter int SHAPE = 0,
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
+    localparam int WORDS = cde_pkg::shape_words(SHAPE)
+) (
+    input logic clk_i,
+    input logic [WORDS-1:0][LANES-1:0][CW-1:0] words_i,
+    output logic [LANES-1:0][CW-1:0] bad_o  // lane mask
+);
+  /*verilator inline_module*/
+  localparam int LATENCY = LAT_MUL + 3 * LAT_ADD + LAT_CMP;
+
+  // ---- Words by themselves ----
+  for (genvar k = 0; k < WORDS; k++) begin : word
+    localparam bit SIZE = (SHAPE == cde_pkg::SHAPE_SPHERE && k == 3) || (SHAPE == cde_pkg::SHAPE_CYLINDER && k >= 6) ||
+        (SHAPE == cde_pkg::SHAPE_OBB && k >= 3 && k < 6);
+    logic [LANES-1:0][CW-1:0] finite, size, good;  // good: this word and those below
+    if (SHAPE == cde_pkg::SHAPE_RAY && k >= 6) begin : g_interval
+      logic [LANES-1:0][CW-1:0] nan;
+      fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("nan"), .ARITH(ARITH)) is_nan (.a_i(words_i[k]), .m_o(nan));
+      assign finite = ~nan;
+    end else begin : g_finite
+      fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("fin"), .ARITH(ARITH)) is_finite (.a_i(words_i[k]), .m_o(finite));
+    end
+    if (SIZE) begin : g_size
+      fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("pos"), .ARITH(ARITH)) is_positive (.a_i(words_i[k]), .m_o(size));
+    end else begin : g_any_size
+      assign size = '1;
+    end
+    if (k == 0) begin : g_first
+      assign good = finite & size;
+    end else begin : g_next
+      assign good = word[k-1].good & finite & size;
+    end
+  end
+
+  // ---- What takes arithmetic ----
+  logic [LANES-1:0][CW-1:0] shape_good, words_good;
+  `DF_IN(all_words, word[WORDS-1].good, 0)
+  `DF_AT(late_words, all_words, LATENCY)
+  assign words_good = late_words;
+  if (SHAPE == cde_pkg::SHAPE_RAY) begin : g_direction
+    logic [2:0][LANES-1:0][CW-1:0] m;
+    for (genvar k = 0; k < 3; k++) begin : axis
+      fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("nze"), .ARITH(ARITH)) is_nonzero (.a_i(words_i[3+k]), .m_o(m[k]));
+    end
+    `DF_IN(moves, m[0] | m[1] | m[2], 0)
+    `DF_AT(late, moves, LATENCY)
+    assign shape_good = late;
+  end else if (SHAPE == cde_pkg::SHAPE_AABB) begin : g_box
+    `DF_VIN(low, words_i[2:0], 0)
+    `DF_VIN(high, words_i[5:3], 0)
+    `DF_BINARY3(ordered, low, high, "clt", LAT_CMP)
+    `DF_VAT(late, ordered, LATENCY)
+    assign shape_good = late[0] & late[1] & late[2];
+  end else if (SHAPE == cde_pkg::SHAPE_PLANE || SHAPE == cde_pkg::SHAPE_CYLINDER) begin : g_unit
+    localparam int FIRST = (SHAPE == cde_pkg::SHAPE_PLANE) ? 0 : 3;
+    unit_check #(.ONE(1), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unit (
+        .clk_i, .a_i(words_i[FIRST+:3]), .b_i(words_i[FIRST+:3]), .good_o(shape_good));
+  end else if (SHAPE == cde_pkg::SHAPE_OBB) begin : g_rotation
+    logic [8:0][LANES-1:0][CW-1:0] dot_good;
+    for (genvar i = 0; i < 3; i++) begin : row
+      for (genvar j = 0; j < 3; j++) begin : column
+        if (j >= i) begin : g_dot
+          unit_check #(.ONE(i == j), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unit (
+              .clk_i, .a_i({words_i[12+i], words_i[9+i], words_i[6+i]}), .b_i({words_i[12+j], words_i[9+j], words_i[6+j]}),
+              .good_o(dot_good[3*i+j]));
+        end else begin : g_symmetric
+          assign dot_good[3*i+j] = '1;
+        end
+      end
+    end
+    assign shape_good = dot_good[0] & dot_good[1] & dot_good[2] & dot_good[4] & dot_good[5] & dot_good[8];
+  end else begin : g_words
+    assign shape_good = '1;
+  end
+  assign bad_o = ~(words_good & shape_good);
+endmodule

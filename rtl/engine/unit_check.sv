@@ -1,0 +1,33 @@
+// |a.b - ONE| <= tolerance, false for NaN: the test of unit vectors (ONE = 1) and of perpendicular ones. 3 mul, 2 add, 1 sub, 1 compare.
+// Latency: LAT_MUL + 3*LAT_ADD + LAT_CMP clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none.
+`include "dataflow.svh"
+module unit_check #(
+    parameter bit ONE = 1,
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [2:0][LANES-1:0][CW-1:0] a_i,
+    input logic [2:0][LANES-1:0][CW-1:0] b_i,
+    output logic [LANES-1:0][CW-1:0] good_o
+);
+  /*verilator inline_module*/
+  localparam int BIAS = (1 << (EXP - 1)) - 1;
+  localparam int SHIFT = (MAN - 3 < 20) ? MAN - 3 : 20;  // 16 u = 2^-(MAN-3)
+  localparam logic [CW-1:0] TOLERANCE = CW'(BIAS - SHIFT) << MAN;
+  `DF_VIN(a, a_i, 0)
+  `DF_VIN(b, b_i, 0)
+  `DF_CONST(expected, ONE ? BIAS << MAN : 0)
+  `DF_CONST(tolerance, TOLERANCE)
+  `DF_DOT(product, a, b)
+  `DF_SUB(difference, product, expected)
+  `DF_ABS(error, difference)
+  `DF_LE(good, error, tolerance)
+  assign good_o = good;
+endmodule

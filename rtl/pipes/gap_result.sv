@@ -1,0 +1,33 @@
+// Way out of a convex pipe: F = (s <= 0), T = |s|, all outputs registered together. 1 compare.
+// Latency: to stage time LATENCY; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
+module gap_result #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int T_S = 0,  // stage times of the inputs
+    parameter int T_CP = 0,
+    parameter int T_N = 0,
+    parameter int LATENCY = 1,  // of the outputs: at least T_S + LAT_CMP
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [LANES-1:0][CW-1:0] s_i,
+    input logic [2:0][LANES-1:0][CW-1:0] cp_i,
+    input logic [2:0][LANES-1:0][CW-1:0] n_i,
+    output logic [LANES-1:0][CW-1:0] f_o,
+    output logic [LANES-1:0][CW-1:0] t_o,
+    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
+    output logic [2:0][LANES-1:0][CW-1:0] n_o
+);
+  /*verilator inline_module*/
+  logic [LANES-1:0][CW-1:0] f, t, zero;
+  assign zero = '0;
+  fp_cmp #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_CMP), .OP("le"), .ARITH(ARITH)) cmp_s (.clk_i, .a_i(s_i), .b_i(zero), .m_o(f), .flags_o());
+  fp_sign #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("abs"), .ARITH(ARITH)) abs_s (.a_i(s_i), .b_i(s_i), .r_o(t));
+  align #(.W(LANES * CW), .FROM(T_S + LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_f (.clk_i, .d_i(f), .q_o(f_o));
+  align #(.W(LANES * CW), .FROM(T_S), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_o));
+  align #(.W(3 * LANES * CW), .FROM(T_CP), .TO(LATENCY), .ARITH(ARITH)) align_cp (.clk_i, .d_i(cp_i), .q_o(cp_o));
+  align #(.W(3 * LANES * CW), .FROM(T_N), .TO(LATENCY), .ARITH(ARITH)) align_n (.clk_i, .d_i(n_i), .q_o(n_o));
+endmodule

@@ -1,0 +1,53 @@
+// The pipe of a pair (cde_pkg::PAIR_*) behind one kind of mouth.
+// Latency: that of the pipe, latency_o; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+module pair_pipe #(
+    parameter int PAIR = 0,
+    parameter int ALGORITHM = 0,  // of ray-triangle, cde_pkg::ALGORITHM_*
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int B_LANES = LANES,  // secondaries a clock: 1 (broadcast to all lanes) or LANES
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_DIV = 1,
+    parameter int LAT_SQRT = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
+    localparam int A_WORDS = cde_pkg::shape_words(cde_pkg::primary_shape(PAIR)),
+    localparam int B_WORDS = cde_pkg::shape_words(cde_pkg::secondary_shape(PAIR))
+) (
+    input logic clk_i,
+    input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
+    input logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b_i,
+    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
+    output logic [LANES-1:0][CW-1:0] t_o,
+    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
+    output logic [2:0][LANES-1:0][CW-1:0] n_o,  // zero for rays
+    output logic [15:0] latency_o
+);
+  /*verilator inline_module*/
+  `define CDE_FORMAT .EXP(EXP), .MAN(MAN), .LANES(LANES), .ARITH(ARITH)
+  `define CDE_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)
+  logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b;  // a secondary a lane
+  for (genvar k = 0; k < B_WORDS; k++) begin : word
+    if (B_LANES == LANES) begin : g_own
+      assign b[k] = b_i[k];
+    end else begin : g_broadcast
+      assign b[k] = {LANES{b_i[k][0]}};
+    end
+  end
+  if (PAIR == int'(cde_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(cde_pkg::ALGORITHM_MOLLER)) begin : g_pipe
+    logic unused_b;
+    assign unused_b = &{1'b0, b};
+    ray_triangle_moller #(`CDE_FORMAT, .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP)) pipe (
+        .clk_i, .a_i, .b_i, .f_o, .t_o, .cp_o, .latency_o);
+    assign n_o = '0;
+  end else if (PAIR == int'(cde_pkg::PAIR_SPHERE_SPHERE)) begin : g_pipe
+    sphere_sphere #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
+  end else begin : g_illegal
+    $error("pair_pipe: no pipe for this pair and algorithm");
+  end
+  `undef CDE_FORMAT
+  `undef CDE_LATENCIES
+endmodule

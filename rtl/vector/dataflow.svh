@@ -1,0 +1,92 @@
+// Dataflow notation: one line an operator, and no delay is ever counted by hand. A signal `x` of a datapath has a stage time, the
+// localparam `T_x`; an operator line declares its result and the result's time, and delays whichever operand is early. Inputs
+// take part by DF_IN, constants fit any time. What is in scope: clk_i, EXP, MAN, LANES, CW, ARITH and the LAT_* of the operators
+// used. Scalars are `logic [LANES-1:0][CW-1:0]`, vectors have three of them in front, masks are all ones or all zeros in a lane.
+//
+//   `DF_VSUB(w, b_c, a_c)        w = b_c - a_c         T_w = max(T_b_c, T_a_c) + LAT_ADD
+//   `DF_DOT(dd, w, w)            dd = w.w              T_dd = T_w + LAT_MUL + 2 LAT_ADD
+//   `DF_SQRT(d, dd)              d = sqrt(dd)          T_d = T_dd + LAT_SQRT
+//
+// CANON of the cells stays 1: a NaN that leaves a pipe is the canonical one wherever it began.
+`ifndef CDE_DATAFLOW_SVH
+`define CDE_DATAFLOW_SVH
+
+`define DF_MAX2(A, B) ((A) > (B) ? (A) : (B))
+`define DF_MAX3(A, B, C) `DF_MAX2(A, `DF_MAX2(B, C))
+`define DF_CONSTANT (-1)
+`define DF_FORMAT .EXP(EXP), .MAN(MAN), .LANES(LANES), .ARITH(ARITH)
+`define DF_SCALAR logic [LANES-1:0][CW-1:0]
+`define DF_VECTOR logic [2:0][LANES-1:0][CW-1:0]
+
+// ---- Where values come from ----
+`define DF_IN(R, EXPRESSION, TIME) localparam int T_``R = TIME; `DF_SCALAR R; assign R = EXPRESSION;
+`define DF_VIN(R, EXPRESSION, TIME) localparam int T_``R = TIME; `DF_VECTOR R; assign R = EXPRESSION;
+`define DF_CONST(R, WORD) localparam int T_``R = `DF_CONSTANT; `DF_SCALAR R; assign R = {LANES{CW'(WORD)}};
+`define DF_VCONST(R, X, Y, Z) localparam int T_``R = `DF_CONSTANT; `DF_VECTOR R; assign R = {{LANES{CW'(Z)}}, {LANES{CW'(Y)}}, {LANES{CW'(X)}}};
+`define DF_PICK(R, V, K) localparam int T_``R = T_``V; `DF_SCALAR R; assign R = V[K];
+`define DF_AT(R, A, TIME) localparam int T_``R = TIME; `DF_SCALAR R; df_align #(.W(LANES * CW), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) align_``R (.clk_i, .a_i(A), .r_o(R));
+`define DF_VAT(R, A, TIME) localparam int T_``R = TIME; `DF_VECTOR R; df_align #(.W(3 * LANES * CW), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) align_``R (.clk_i, .a_i(A), .r_o(R));
+`define DF_VEC(R, X, Y, Z) localparam int T_``R = `DF_MAX3(T_``X, T_``Y, T_``Z); `DF_VECTOR R; \
+  df_align #(.W(LANES * CW), .T_A(T_``X), .T(T_``R), .ARITH(ARITH)) align_x_``R (.clk_i, .a_i(X), .r_o(R[0])); \
+  df_align #(.W(LANES * CW), .T_A(T_``Y), .T(T_``R), .ARITH(ARITH)) align_y_``R (.clk_i, .a_i(Y), .r_o(R[1])); \
+  df_align #(.W(LANES * CW), .T_A(T_``Z), .T(T_``R), .ARITH(ARITH)) align_z_``R (.clk_i, .a_i(Z), .r_o(R[2]));
+
+// ---- Operators ----
+`define DF_BINARY(R, A, B, OPERATION, LATENCY) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LATENCY; `DF_SCALAR R; \
+  df_operator #(`DF_FORMAT, .OP(OPERATION), .T_A(T_``A), .T_B(T_``B), .LAT(LATENCY)) op_``R (.clk_i, .a_i(A), .b_i(B), .r_o(R));
+`define DF_ADD(R, A, B) `DF_BINARY(R, A, B, "add", LAT_ADD)
+`define DF_SUB(R, A, B) `DF_BINARY(R, A, B, "sub", LAT_ADD)
+`define DF_MUL(R, A, B) `DF_BINARY(R, A, B, "mul", LAT_MUL)
+`define DF_DIV(R, A, B) `DF_BINARY(R, A, B, "div", LAT_DIV)
+`define DF_SQRT(R, A) `DF_BINARY(R, A, A, "sqr", LAT_SQRT)
+`define DF_MIN(R, A, B) `DF_BINARY(R, A, B, "min", LAT_CMP)
+`define DF_MAX(R, A, B) `DF_BINARY(R, A, B, "max", LAT_CMP)
+`define DF_LT(M, A, B) `DF_BINARY(M, A, B, "clt", LAT_CMP)
+`define DF_LE(M, A, B) `DF_BINARY(M, A, B, "cle", LAT_CMP)
+`define DF_EQ(M, A, B) `DF_BINARY(M, A, B, "ceq", LAT_CMP)
+
+// ---- Vector operators: three of the above, vec_dot and vec_cross ----
+`define DF_BINARY3(R, A, B, OPERATION, LATENCY) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LATENCY; `DF_VECTOR R; \
+  for (genvar k = 0; k < 3; k++) begin : op_``R \
+    df_operator #(`DF_FORMAT, .OP(OPERATION), .T_A(T_``A), .T_B(T_``B), .LAT(LATENCY)) op (.clk_i, .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
+  end
+`define DF_VADD(R, A, B) `DF_BINARY3(R, A, B, "add", LAT_ADD)
+`define DF_VSUB(R, A, B) `DF_BINARY3(R, A, B, "sub", LAT_ADD)
+`define DF_VMIN(R, A, B) `DF_BINARY3(R, A, B, "min", LAT_CMP)
+`define DF_VMAX(R, A, B) `DF_BINARY3(R, A, B, "max", LAT_CMP)
+`define DF_VMUL(R, A, B) `DF_BINARY3(R, A, B, "mul", LAT_MUL)
+`define DF_VSCALE(R, V, S) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``V, T_``S), 0) + LAT_MUL; `DF_VECTOR R; \
+  for (genvar k = 0; k < 3; k++) begin : op_``R \
+    df_operator #(`DF_FORMAT, .OP("mul"), .T_A(T_``V), .T_B(T_``S), .LAT(LAT_MUL)) op (.clk_i, .a_i(V[k]), .b_i(S), .r_o(R[k])); \
+  end
+`define DF_DOT(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_MUL + 2 * LAT_ADD; `DF_SCALAR R; \
+  df_dot #(`DF_FORMAT, .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) dot_``R (.clk_i, .a_i(A), .b_i(B), .r_o(R));
+`define DF_CROSS(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_MUL + LAT_ADD; `DF_VECTOR R; \
+  df_cross #(`DF_FORMAT, .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) cross_``R (.clk_i, .a_i(A), .b_i(B), .r_o(R));
+
+// ---- Wires: signs, masks, choices ----
+`define DF_SIGN1(R, A, OPERATION) localparam int T_``R = T_``A; `DF_SCALAR R; fp_sign #(`DF_FORMAT, .OP(OPERATION)) sign_``R (.a_i(A), .b_i(A), .r_o(R));
+`define DF_ABS(R, A) `DF_SIGN1(R, A, "abs")
+`define DF_NEG(R, A) `DF_SIGN1(R, A, "neg")
+`define DF_VSIGN1(R, A, OPERATION) localparam int T_``R = T_``A; `DF_VECTOR R; \
+  for (genvar k = 0; k < 3; k++) begin : sign_``R fp_sign #(`DF_FORMAT, .OP(OPERATION)) sign (.a_i(A[k]), .b_i(A[k]), .r_o(R[k])); end
+`define DF_VABS(R, A) `DF_VSIGN1(R, A, "abs")
+`define DF_VNEG(R, A) `DF_VSIGN1(R, A, "neg")
+// The sign bit of X moved onto Y by exclusive or: move_sign(x, y) of the reference.
+`define DF_MOVE_SIGN(R, X, Y) localparam int T_``R = `DF_MAX2(T_``X, T_``Y); `DF_SCALAR R; \
+  df_wire #(`DF_FORMAT, .OP("xor"), .T_A(T_``Y), .T_B(T_``X)) wire_``R (.clk_i, .a_i(Y), .b_i(X), .r_o(R));
+// The sign bit of A as a mask.
+`define DF_NEGATIVE(M, A) localparam int T_``M = T_``A; `DF_SCALAR M; df_negative #(`DF_FORMAT) negative_``M (.a_i(A), .m_o(M));
+`define DF_LOGIC(M, A, B, OPERATION) localparam int T_``M = `DF_MAX2(T_``A, T_``B); `DF_SCALAR M; \
+  df_wire #(`DF_FORMAT, .OP(OPERATION), .T_A(T_``A), .T_B(T_``B)) wire_``M (.clk_i, .a_i(A), .b_i(B), .r_o(M));
+`define DF_AND(M, A, B) `DF_LOGIC(M, A, B, "and")
+`define DF_OR(M, A, B) `DF_LOGIC(M, A, B, "ior")
+`define DF_NOT(M, A) localparam int T_``M = T_``A; `DF_SCALAR M; assign M = ~A;
+// A where the mask is set, else B.
+`define DF_SELECT(R, M, A, B) localparam int T_``R = `DF_MAX3(T_``M, T_``A, T_``B); `DF_SCALAR R; \
+  df_select #(.CW(CW), .LANES(LANES), .ARITH(ARITH), .T_M(T_``M), .T_A(T_``A), .T_B(T_``B)) select_``R (.clk_i, .m_i(M), .a_i(A), .b_i(B), .r_o(R));
+`define DF_VSELECT(R, M, A, B) localparam int T_``R = `DF_MAX3(T_``M, T_``A, T_``B); `DF_VECTOR R; \
+  for (genvar k = 0; k < 3; k++) begin : select_``R \
+    df_select #(.CW(CW), .LANES(LANES), .ARITH(ARITH), .T_M(T_``M), .T_A(T_``A), .T_B(T_``B)) select (.clk_i, .m_i(M), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
+  end
+`endif

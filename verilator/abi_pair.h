@@ -1,0 +1,41 @@
+/* C interface of a pair_unit bitstream. A unit is single-threaded. Words are 32 bits for formats of
+ * up to 32 bits and 64 for wider ones, little-endian, in the order of the shapes of cde_pkg.sv. */
+#pragma once
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define CDE_PAIR_ABI_VERSION 1u
+
+typedef struct cde_pair_unit cde_pair_unit;
+
+/* Words of a result: F and bad as 0 or 1, T, CP x y z, n x y z. */
+enum { CDE_PAIR_F, CDE_PAIR_BAD, CDE_PAIR_T, CDE_PAIR_CP, CDE_PAIR_N = 6, CDE_PAIR_RESULT_WORDS = 9 };
+
+typedef struct cde_pair_api {
+  uint32_t version; /* CDE_PAIR_ABI_VERSION */
+  uint32_t word_bytes, lanes, a_words, b_words;
+  uint64_t config_hash;
+  const char* parameters;         /* NAME=VALUE lines */
+  cde_pair_unit* (*create)(void); /* null when out of memory */
+  void (*destroy)(cde_pair_unit*);
+  uint32_t (*latency)(const cde_pair_unit*); /* clocks from operands to results */
+  /* n pairs, a row of lanes a clock: operands as a_words (b_words) words a pair, results as
+   * CDE_PAIR_RESULT_WORDS words a pair. Before each row `gap`, called with gap_context, says how
+   * many idle clocks to put in; null is none. Returns the clocks from the first row in to the last
+   * result out. */
+  uint64_t (*test)(cde_pair_unit*, const void* a, const void* b, void* results, uint64_t n,
+                   uint32_t (*gap)(void*), void* gap_context);
+  /* Reset in mid-stream: what is in flight is gone. */
+  void (*reset)(cde_pair_unit*);
+  int (*trace_open)(cde_pair_unit*, const char* path); /* 0 when opened; waves need TRACE=1 */
+  void (*trace_close)(cde_pair_unit*);
+} cde_pair_api;
+
+typedef const cde_pair_api* (*cde_pair_entry_function)(void);
+
+#ifdef __cplusplus
+}
+#endif

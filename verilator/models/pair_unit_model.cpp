@@ -1,0 +1,171 @@
+// Harness of the `pair_unit` top module: clock, operands and results row by row, waves. Exports the
+// C interface of abi_pair.h.
+#include <cstring>
+#include <memory>
+#include <new>
+
+#include "Vmodel.h"
+#include "abi_pair.h"
+#include "coverage.h"
+#include "parameters.h"
+#include "verilated.h"
+#ifdef CDE_TRACE
+#include "verilated_fst_c.h"
+#endif
+
+struct cde_pair_unit {
+  std::unique_ptr<VerilatedContext> context{new VerilatedContext};
+  std::unique_ptr<Vmodel> model{new Vmodel(context.get(), "pair_unit")};
+#ifdef CDE_TRACE
+  std::unique_ptr<VerilatedFstC> trace;
+#endif
+  uint64_t clocks = 0;
+
+  cde_pair_unit() { reset(); }
+  ~cde_pair_unit() {
+    trace_close();
+    Verilated::threadContextp(context.get());
+    model->final();
+    cde_write_coverage(context.get(), "pair_unit");
+  }
+
+  void reset() {
+    model->rst_i = 1;
+    model->valid_i = 0;
+    for (int i = 0; i < 4; ++i) tick();
+    model->rst_i = 0;
+    model->clk_i = 0;
+    eval();
+  }
+
+  void eval() {
+    model->eval();
+#ifdef CDE_TRACE
+    if (trace && trace->isOpen()) trace->dump(2 * clocks + model->clk_i);
+#endif
+  }
+
+  void tick() {
+    model->clk_i = 1;
+    eval();
+    ++clocks;
+    model->clk_i = 0;
+    eval();
+  }
+
+  int trace_open([[maybe_unused]] const char* path) {
+#ifdef CDE_TRACE
+    trace_close();
+    context->traceEverOn(true);
+    if (!trace) {
+      trace = std::make_unique<VerilatedFstC>();
+      model->trace(trace.get(), 99);
+    }
+    trace->open(path);
+    return trace->isOpen() ? 0 : -1;
+#else
+    return -1;
+#endif
+  }
+  void trace_close() {
+#ifdef CDE_TRACE
+    if (trace && trace->isOpen()) trace->close();
+#endif
+  }
+};
+
+namespace {
+
+constexpr unsigned kLanes = parameter("LANES", 8);
+constexpr size_t kWord = sizeof(Vmodel::t_o) / kLanes;
+constexpr size_t kAWords = sizeof(Vmodel::a_i) / (kWord * kLanes);
+constexpr size_t kBWords = sizeof(Vmodel::b_i) / (kWord * kLanes);
+
+/// Operand words of up to a row of pairs into a port of [word][lane]. Lanes without a pair keep
+/// what they had.
+void scatter(void* port, const uint8_t* from, size_t words, uint64_t pairs) {
+  auto* to = static_cast<uint8_t*>(port);
+  for (uint64_t lane = 0; lane < pairs; ++lane)
+    for (size_t w = 0; w < words; ++w)
+      std::memcpy(to + (w * kLanes + lane) * kWord, from + (lane * words + w) * kWord, kWord);
+}
+
+void gather(const Vmodel& m, uint8_t* to, uint64_t pairs) {
+  const auto word = [&](const void* port, size_t index, uint64_t lane) {
+    return static_cast<const uint8_t*>(port) + (index * kLanes + lane) * kWord;
+  };
+  for (uint64_t lane = 0; lane < pairs; ++lane, to += CDE_PAIR_RESULT_WORDS * kWord) {
+    std::memset(to, 0, 2 * kWord);
+    to[CDE_PAIR_F * kWord] = *word(&m.f_o, 0, lane) & 1;
+    to[CDE_PAIR_BAD * kWord] = *word(&m.bad_o, 0, lane) & 1;
+    std::memcpy(to + CDE_PAIR_T * kWord, word(&m.t_o, 0, lane), kWord);
+    for (size_t k = 0; k < 3; ++k) {
+      std::memcpy(to + (CDE_PAIR_CP + k) * kWord, word(&m.cp_o, k, lane), kWord);
+      std::memcpy(to + (CDE_PAIR_N + k) * kWord, word(&m.n_o, k, lane), kWord);
+    }
+  }
+}
+
+uint64_t test(cde_pair_unit* unit, const void* a, const void* b, void* results, uint64_t n,
+              uint32_t (*gap)(void*), void* gap_context) {
+  Vmodel& m = *unit->model;
+  const auto* pa = static_cast<const uint8_t*>(a);
+  const auto* pb = static_cast<const uint8_t*>(b);
+  auto* out = static_cast<uint8_t*>(results);
+  const uint64_t start = unit->clocks, rows = (n + kLanes - 1) / kLanes;
+  const auto size = [&](uint64_t row) {
+    return row + 1 < rows || n % kLanes == 0 ? kLanes : n % kLanes;
+  };
+  uint64_t in = 0, got = 0;
+  uint32_t wait = rows != 0 && gap != nullptr ? gap(gap_context) : 0;
+  while (got < rows) {
+    // Results of the row that entered a latency ago are there before the clock that takes the next.
+    if (m.valid_o) {
+      gather(m, out + got * kLanes * CDE_PAIR_RESULT_WORDS * kWord, size(m.tag_o));
+      ++got;
+      if (got == rows) break;
+    }
+    m.valid_i = in < rows && wait == 0;
+    if (m.valid_i) {
+      scatter(&m.a_i, pa + in * kLanes * kAWords * kWord, kAWords, size(in));
+      scatter(&m.b_i, pb + in * kLanes * kBWords * kWord, kBWords, size(in));
+      m.tag_i = static_cast<uint32_t>(in++);
+      wait = in < rows && gap != nullptr ? gap(gap_context) : 0;
+    } else if (wait != 0) {
+      --wait;
+    }
+    unit->tick();
+  }
+  m.valid_i = 0;
+  unit->tick();
+  return unit->clocks - 1 - start;
+}
+
+const cde_pair_api kApi = {
+    CDE_PAIR_ABI_VERSION,
+    kWord,
+    kLanes,
+    kAWords,
+    kBWords,
+    CDE_CONFIG_HASH,
+    kParameters,
+    []() -> cde_pair_unit* {
+      try {
+        return new cde_pair_unit;
+      } catch (const std::bad_alloc&) {
+        return nullptr;
+      }
+    },
+    [](cde_pair_unit* unit) { delete unit; },
+    [](const cde_pair_unit* unit) { return uint32_t{unit->model->latency_o}; },
+    test,
+    [](cde_pair_unit* unit) { unit->reset(); },
+    [](cde_pair_unit* unit, const char* path) { return unit->trace_open(path); },
+    [](cde_pair_unit* unit) { unit->trace_close(); },
+};
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default"))) const cde_pair_api* cde_pair_entry() {
+  return &kApi;
+}
