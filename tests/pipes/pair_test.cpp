@@ -1,0 +1,151 @@
+// Every pipe against its mirror reference, bit for bit: cases of the oracle's generators (half of them near the decision), random
+// words, and bad input; rows with and without gaps; both back ends.
+//
+// CDE_PAIRS restricts the run to pairs whose name contains it, CDE_CASES sets the number of cases.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstdlib>
+#include <random>
+#include <string>
+
+#include "cde/fp_format.hpp"
+#include "cde/pair_unit.hpp"
+#include "cde/reference/pairs.hpp"
+#include "oracle/cases.hpp"
+
+namespace {
+
+using cde::Algorithm;
+using cde::Pair;
+using cde::PairConfig;
+using cde::PairResult;
+
+constexpr std::uint64_t kSeed = 20261121;
+
+struct Operands {
+  std::vector<std::uint64_t> a, b;
+};
+
+/// Operand words in the format: half from the generators, then words with the format's specials and
+/// full range in every slot.
+Operands operands(const PairConfig& config, std::size_t count) {
+  Operands o;
+  std::mt19937_64 random(kSeed);
+  const cde::FpFormat f = config.format;
+  const auto special = [&]() -> std::uint64_t {
+    const std::uint64_t all[] = {0, f.sign_bit(), 1, f.infinity(), f.infinity() | f.sign_bit(),
+                                 f.canonical_nan(), f.infinity() | 1, f.infinity() - 1,
+                                 f.fraction_mask(), f.fraction_mask() + 1, f.encode(1.0)};
+    return all[random() % std::size(all)];
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    const cde::oracle::Case c =
+        cde::oracle::generate(static_cast<cde::oracle::Pair>(config.pair), kSeed, i);
+    const bool odd = i % 16 == 15;
+    const auto push = [&](std::vector<std::uint64_t>& to, const std::vector<float>& from) {
+      for (const float x : from) {
+        std::uint64_t word = f.encode(static_cast<double>(x));
+        if (odd && random() % 8 == 0) word = random() % 2 == 0 ? special() : random() & f.magnitude_mask();
+        to.push_back(word);
+      }
+    };
+    push(o.a, c.a);
+    push(o.b, c.b);
+  }
+  return o;
+}
+
+std::string describe(const PairConfig& config, const Operands& o, std::size_t i) {
+  std::string text = std::string(name(config.pair)) + " pair " + std::to_string(i) + ":";
+  const auto words = [&](const std::vector<std::uint64_t>& all, unsigned n) {
+    for (unsigned k = 0; k < n; ++k) {
+      char word[40];
+      std::snprintf(word, sizeof word, " 0x%0*llx", config.format.hex_digits(),
+                    static_cast<unsigned long long>(all[i * n + k]));
+      text += word;
+    }
+  };
+  words(o.a, primary_words(config.pair));
+  text += " |";
+  words(o.b, secondary_words(config.pair));
+  return text;
+}
+
+std::string describe(const PairResult& r) {
+  char text[200];
+  std::snprintf(text, sizeof text, "F %d bad %d T %llx CP %llx %llx %llx n %llx %llx %llx", r.f,
+                r.bad, static_cast<unsigned long long>(r.t),
+                static_cast<unsigned long long>(r.cp[0]), static_cast<unsigned long long>(r.cp[1]),
+                static_cast<unsigned long long>(r.cp[2]), static_cast<unsigned long long>(r.n[0]),
+                static_cast<unsigned long long>(r.n[1]), static_cast<unsigned long long>(r.n[2]));
+  return text;
+}
+
+class PairPipe : public ::testing::TestWithParam<PairConfig> {};
+
+TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
+  const PairConfig config = GetParam();
+  const char* only = std::getenv("CDE_PAIRS");
+  if (only != nullptr && std::string(name(config.pair)).find(only) == std::string::npos)
+    GTEST_SKIP() << "CDE_PAIRS asks for others";
+  const char* cases = std::getenv("CDE_CASES");
+  const std::size_t count = cases != nullptr ? std::strtoull(cases, nullptr, 10) : 20000;
+  cde::PairUnit unit(config);
+  const Operands o = operands(config, count);
+  std::vector<PairResult> expected(count), got(count);
+  cde::reference::test_pairs(config.pair, config.algorithm, config.format, o.a, o.b, expected);
+  const std::uint64_t rows = (count + config.lanes - 1) / config.lanes;
+  EXPECT_EQ(unit.test(o.a, o.b, got), rows - 1 + unit.latency()) << "one row a clock";
+
+  std::size_t hits = 0, bad = 0, wrong = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    hits += expected[i].f;
+    bad += expected[i].bad;
+    if (got[i] == expected[i]) continue;
+    if (++wrong <= 3)
+      ADD_FAILURE() << describe(config, o, i) << "\n  pipe      " << describe(got[i])
+                    << "\n  reference " << describe(expected[i]);
+  }
+  EXPECT_EQ(wrong, 0u) << "of " << count;
+  std::printf("%s %s: seed %llu, %zu pairs, %.1f %% hits, %zu bad input, latency %u\n",
+              std::string(name(config.pair)).c_str(), config.format.name().c_str(),
+              static_cast<unsigned long long>(kSeed), count,
+              100.0 * static_cast<double>(hits) / static_cast<double>(count), bad, unit.latency());
+  EXPECT_GE(hits, count * 3 / 10);
+  EXPECT_LE(hits, count * 7 / 10);
+  EXPECT_GT(bad, 0u);
+
+  // The same with gaps between the rows.
+  std::mt19937 random(1);
+  std::vector<PairResult> stalled(count);
+  (void)unit.test(o.a, o.b, stalled, [&random] { return random() % 3 == 0 ? random() % 4 : 0u; });
+  EXPECT_EQ(stalled == got, true) << "gaps between rows change results";
+}
+
+std::string test_name(const ::testing::TestParamInfo<PairConfig>& info) {
+  std::string text(name(info.param.pair));
+  if (info.param.pair == Pair::kRayTriangle) text += "_" + std::string(name(info.param.algorithm));
+  text += "_" + info.param.format.name() +
+          (info.param.arithmetic == cde::Arithmetic::kRtl ? "_rtl" : "_host");
+  for (char& c : text)
+    if (c == '-') c = '_';
+  return text;
+}
+
+std::vector<PairConfig> configurations() {
+  std::vector<PairConfig> all;
+  for (unsigned p = 0; p < cde::kPairs; ++p)
+    for (unsigned a = 0; a < 4; ++a) {
+      const auto pair = static_cast<Pair>(p);
+      const auto algorithm = static_cast<Algorithm>(a);
+      if (!cde::reference::has_pair(pair, algorithm)) continue;
+      for (const cde::Arithmetic arithmetic : {cde::Arithmetic::kHost, cde::Arithmetic::kRtl})
+        all.push_back({.pair = pair, .algorithm = algorithm, .arithmetic = arithmetic});
+    }
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Fp32, PairPipe, ::testing::ValuesIn(configurations()), test_name);
+
+}  // namespace
