@@ -354,7 +354,7 @@ TEST(RaySphere, TenThousandRadiiAwayTheTextbookIsWrong) {
 }
 
 /// A ray that all but runs along the axis, from 10,000 radii away: n = d x a is all rounding error,
-/// and w.n would multiply its part along the axis by 10,000. Found as 1.7 % wrong answers.
+/// and w.n would multiply its part along the axis by 10,000. Found as 1.8 % wrong answers.
 TEST(RayCylinder, RoundingOfTheNormalAlongTheAxisDoesNotCount) {
   Random random;
   int hits = 0;
