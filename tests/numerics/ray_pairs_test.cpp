@@ -161,6 +161,10 @@ const Algorithm kWatertight{
     }};
 #undef CDE_EVERY_FORMAT
 
+std::ostream& operator<<(std::ostream& out, const Algorithm* algorithm) {
+  return out << algorithm->name;
+}
+
 enum class Truth { kHit, kMiss, kOpen };
 
 /// How far inside the edges (in the triangle's plane) and the interval (along the ray) the hit is;

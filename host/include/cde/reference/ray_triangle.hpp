@@ -69,8 +69,10 @@ template <typename S>
 
 /// Badouel and Pluecker work with positions in the world, so that their error grows with the
 /// distance of the scene from the world's origin; Moeller and watertight work from the ray's
-/// origin. Band of Badouel, in u (L + slim) / cos, and bound of T |D| in the same unit; slim is
-/// |E1| |E2| (|E1| + |E2|) / |N|, the length of a needle.
+/// origin.
+///
+/// Band of Badouel, in u (L + slim / 4) / cos, and bound of T |D|, in u (L + slim) / cos; slim is
+/// |E1| |E2| (|E1| + |E2|) / |N|, some edge lengths for a plain triangle and more for a needle.
 inline constexpr double kBadouelBand = 8, kBadouelDepth = 8;
 
 /// After Badouel, "An Efficient Ray-Polygon Intersection", Graphics Gems 1990, in the paper's
@@ -91,9 +93,9 @@ inline constexpr double kBadouelBand = 8, kBadouelDepth = 8;
 ///     16     the outcome is selected
 ///
 /// 22 mul, 1 div, 10 add, 14 sub, 8 cmp and 16 clocks at one an operator. The paper's Table 2 has
-/// 27 mul, 2 div, 13 add, 23 sub, 6 cmp, Table 1 the same 16 clocks. Its second division scales
-/// alpha and beta by 1 / N_k; they are compared with N_k here, which rounds less. 6 subtractors
-/// more it would take to shift all components and edges again after the projection.
+/// 27 mul, 2 div, 13 add, 23 sub, 6 cmp, Table 1 the same 16 clocks. Alpha and beta are compared
+/// with N_k instead of being divided by it, which spares the second divider and rounds less; the
+/// paper does not say what its other operators do. Two comparators more are the interval's.
 template <typename S>
 [[nodiscard]] Outcome<S> ray_triangle_badouel(const BasicRay<S>& ray,
                                               const BasicTriangle<S>& triangle) {
