@@ -12,7 +12,14 @@ extern "C" {
 typedef struct cde_pair_unit cde_pair_unit;
 
 /* Words of a result: F and bad as 0 or 1, T, CP x y z, n x y z. */
-enum { CDE_PAIR_F, CDE_PAIR_BAD, CDE_PAIR_T, CDE_PAIR_CP, CDE_PAIR_N = 6, CDE_PAIR_RESULT_WORDS = 9 };
+enum {
+  CDE_PAIR_F,
+  CDE_PAIR_BAD,
+  CDE_PAIR_T,
+  CDE_PAIR_CP,
+  CDE_PAIR_N = 6,
+  CDE_PAIR_RESULT_WORDS = 9
+};
 
 typedef struct cde_pair_api {
   uint32_t version; /* CDE_PAIR_ABI_VERSION */

@@ -1,5 +1,5 @@
-// Eight lanes at a time: the vector statements that `reroll` writes. Operations of host_fp.h on vectors of 32-bit words, lane by lane
-// the bits of the scalar ones.
+// Eight lanes at a time: the vector statements that `reroll` writes. Operations of host_fp.h on
+// vectors of 32-bit words, lane by lane the bits of the scalar ones.
 #pragma once
 #include "host_fp.h"
 #include "verilated.h"

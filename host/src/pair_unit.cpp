@@ -59,11 +59,10 @@ std::vector<std::string> PairConfig::parameters() const {
     in_range("latency of an operator", latency, 1, 64);
   if (algorithm != Algorithm::kMoller && pair != Pair::kRayTriangle)
     throw Error(ErrorCode::kUsage, fmt::format("{} has no choice of algorithm", name(pair)));
-  std::vector<std::string> p{fmt::format("PAIR={}", static_cast<unsigned>(pair)),
-                             fmt::format("EXP={}", format.exp_bits),
-                             fmt::format("MAN={}", format.man_bits),
-                             fmt::format("LANES={}", lanes),
-                             fmt::format("ARITH={}", arithmetic == Arithmetic::kRtl ? "rtl" : "host")};
+  std::vector<std::string> p{
+      fmt::format("PAIR={}", static_cast<unsigned>(pair)), fmt::format("EXP={}", format.exp_bits),
+      fmt::format("MAN={}", format.man_bits), fmt::format("LANES={}", lanes),
+      fmt::format("ARITH={}", arithmetic == Arithmetic::kRtl ? "rtl" : "host")};
   if (pair == Pair::kRayTriangle)
     p.push_back(fmt::format("ALGORITHM={}", static_cast<unsigned>(algorithm)));
   const auto add = [&p](std::string_view key, unsigned value) {
@@ -104,9 +103,9 @@ PairUnit::PairUnit(const Bitstream& bitstream, const PairConfig& config)
   if (s.api->lanes != config.lanes || s.api->a_words != primary_words(config.pair) ||
       s.api->b_words != secondary_words(config.pair) ||
       s.api->config_hash != s.bitstream.config_hash())
-    throw Error(ErrorCode::kConfiguration,
-                fmt::format("bitstream {} is not the {} unit that was asked for", path,
-                            name(config.pair)));
+    throw Error(
+        ErrorCode::kConfiguration,
+        fmt::format("bitstream {} is not the {} unit that was asked for", path, name(config.pair)));
   s.unit = s.api->create();
   if (s.unit == nullptr)
     throw Error(ErrorCode::kDevice, fmt::format("bitstream {}: out of memory", path));
@@ -167,8 +166,7 @@ std::uint64_t PairUnit::test(std::span<const std::uint64_t> a, std::span<const s
   if (results.empty()) return 0;
   auto* context = const_cast<std::function<unsigned()>*>(&gap);
   uint32_t (*call)(void*) = nullptr;
-  if (gap)
-    call = [](void* f) { return uint32_t{(*static_cast<std::function<unsigned()>*>(f))()}; };
+  if (gap) call = [](void* f) { return uint32_t{(*static_cast<std::function<unsigned()>*>(f))()}; };
   return api.word_bytes == 4 ? run<std::uint32_t>(api, state_->unit, a, b, results, call, context)
                              : run<std::uint64_t>(api, state_->unit, a, b, results, call, context);
 }

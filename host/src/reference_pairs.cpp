@@ -78,24 +78,38 @@ void test_pairs_in(Pair pair, Algorithm algorithm, std::span<const std::uint64_t
   switch (pair) {
     case Pair::kRayTriangle:
       switch (algorithm) {
-        case Algorithm::kMoller: return CDE_SWEEP(R, T, ray_triangle_moller);
-        case Algorithm::kBadouel: return CDE_SWEEP(R, T, ray_triangle_badouel);
-        case Algorithm::kPluecker: return CDE_SWEEP(R, T, ray_triangle_pluecker);
-        case Algorithm::kWatertight: return CDE_SWEEP(R, T, ray_triangle_watertight);
+        case Algorithm::kMoller:
+          return CDE_SWEEP(R, T, ray_triangle_moller);
+        case Algorithm::kBadouel:
+          return CDE_SWEEP(R, T, ray_triangle_badouel);
+        case Algorithm::kPluecker:
+          return CDE_SWEEP(R, T, ray_triangle_pluecker);
+        case Algorithm::kWatertight:
+          return CDE_SWEEP(R, T, ray_triangle_watertight);
       }
       break;
-    case Pair::kObbObb: return CDE_SWEEP(Box, Box, obb_obb);
-    case Pair::kTriangleAabb: return CDE_SWEEP(T, BasicAabb<S>, triangle_aabb);
-    case Pair::kTriangleObb: return CDE_SWEEP(T, Box, triangle_obb);
-    case Pair::kSphereSphere: return CDE_SWEEP(Ball, Ball, sphere_sphere);
-    case Pair::kTriangleSphere: return CDE_SWEEP(T, Ball, triangle_sphere);
-    case Pair::kRayCylinder: return CDE_SWEEP(R, BasicCylinder<S>, ray_cylinder);
-    case Pair::kObbPlane: return CDE_SWEEP(Box, BasicPlane<S>, obb_plane);
-    case Pair::kRaySphere: return CDE_SWEEP(R, Ball, ray_sphere);
-    case Pair::kSphereObb: return CDE_SWEEP(Ball, Box, sphere_obb);
+    case Pair::kObbObb:
+      return CDE_SWEEP(Box, Box, obb_obb);
+    case Pair::kTriangleAabb:
+      return CDE_SWEEP(T, BasicAabb<S>, triangle_aabb);
+    case Pair::kTriangleObb:
+      return CDE_SWEEP(T, Box, triangle_obb);
+    case Pair::kSphereSphere:
+      return CDE_SWEEP(Ball, Ball, sphere_sphere);
+    case Pair::kTriangleSphere:
+      return CDE_SWEEP(T, Ball, triangle_sphere);
+    case Pair::kRayCylinder:
+      return CDE_SWEEP(R, BasicCylinder<S>, ray_cylinder);
+    case Pair::kObbPlane:
+      return CDE_SWEEP(Box, BasicPlane<S>, obb_plane);
+    case Pair::kRaySphere:
+      return CDE_SWEEP(R, Ball, ray_sphere);
+    case Pair::kSphereObb:
+      return CDE_SWEEP(Ball, Box, sphere_obb);
     case Pair::kTriangleCylinder:
     case Pair::kCylinderCylinder:
-    case Pair::kObbCylinder: break;
+    case Pair::kObbCylinder:
+      break;
   }
 #undef CDE_SWEEP
   throw Error(ErrorCode::kUsage, fmt::format("no reference for {}", name(pair)));
@@ -113,11 +127,10 @@ void test_pairs(Pair pair, Algorithm algorithm, FpFormat format, std::span<const
                 std::span<const std::uint64_t> b, std::span<PairResult> results) {
   if (a.size() != results.size() * primary_words(pair) ||
       b.size() != results.size() * secondary_words(pair))
-    throw Error(ErrorCode::kUsage, fmt::format("{} pairs of {} need {} and {} words, not {} and {}",
-                                               results.size(), name(pair),
-                                               results.size() * primary_words(pair),
-                                               results.size() * secondary_words(pair), a.size(),
-                                               b.size()));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} pairs of {} need {} and {} words, not {} and {}", results.size(),
+                            name(pair), results.size() * primary_words(pair),
+                            results.size() * secondary_words(pair), a.size(), b.size()));
   if (format == FpFormat{8, 23}) return test_pairs_in<float>(pair, algorithm, a, b, results);
   if (format == FpFormat{11, 52}) return test_pairs_in<double>(pair, algorithm, a, b, results);
   if (format == FpFormat{5, 10}) return test_pairs_in<Fp<5, 10>>(pair, algorithm, a, b, results);

@@ -1,12 +1,13 @@
-// Every pipe against its mirror reference, bit for bit: cases of the oracle's generators (half of them near the decision), random
-// words, and bad input; rows with and without gaps; both back ends.
+// Every pipe against its mirror reference, bit for bit: cases of the oracle's generators (half of
+// them near the decision), random words, and bad input; rows with and without gaps; both back ends.
 //
 // CDE_PAIRS restricts the run to pairs whose name contains it, CDE_CASES sets the number of cases.
 #include <gtest/gtest.h>
 
-#include <bit>
+#include <algorithm>
 #include <cstdlib>
 #include <random>
+#include <sstream>
 #include <string>
 
 #include "cde/fp_format.hpp"
@@ -34,9 +35,17 @@ Operands operands(const PairConfig& config, std::size_t count) {
   std::mt19937_64 random(kSeed);
   const cde::FpFormat f = config.format;
   const auto special = [&]() -> std::uint64_t {
-    const std::uint64_t all[] = {0, f.sign_bit(), 1, f.infinity(), f.infinity() | f.sign_bit(),
-                                 f.canonical_nan(), f.infinity() | 1, f.infinity() - 1,
-                                 f.fraction_mask(), f.fraction_mask() + 1, f.encode(1.0)};
+    const std::uint64_t all[] = {0,
+                                 f.sign_bit(),
+                                 1,
+                                 f.infinity(),
+                                 f.infinity() | f.sign_bit(),
+                                 f.canonical_nan(),
+                                 f.infinity() | 1,
+                                 f.infinity() - 1,
+                                 f.fraction_mask(),
+                                 f.fraction_mask() + 1,
+                                 f.encode(1.0)};
     return all[random() % std::size(all)];
   };
   for (std::size_t i = 0; i < count; ++i) {
@@ -46,7 +55,8 @@ Operands operands(const PairConfig& config, std::size_t count) {
     const auto push = [&](std::vector<std::uint64_t>& to, const std::vector<float>& from) {
       for (const float x : from) {
         std::uint64_t word = f.encode(static_cast<double>(x));
-        if (odd && random() % 8 == 0) word = random() % 2 == 0 ? special() : random() & f.magnitude_mask();
+        if (odd && random() % 8 == 0)
+          word = random() % 2 == 0 ? special() : random() & f.magnitude_mask();
         to.push_back(word);
       }
     };
@@ -124,13 +134,14 @@ TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
 }
 
 std::string test_name(const ::testing::TestParamInfo<PairConfig>& info) {
-  std::string text(name(info.param.pair));
-  if (info.param.pair == Pair::kRayTriangle) text += "_" + std::string(name(info.param.algorithm));
-  text += "_" + info.param.format.name() +
-          (info.param.arithmetic == cde::Arithmetic::kRtl ? "_rtl" : "_host");
-  for (char& c : text)
-    if (c == '-') c = '_';
-  return text;
+  std::ostringstream text;
+  text << name(info.param.pair);
+  if (info.param.pair == Pair::kRayTriangle) text << '_' << name(info.param.algorithm);
+  text << '_' << info.param.format.name()
+       << (info.param.arithmetic == cde::Arithmetic::kRtl ? "_rtl" : "_host");
+  std::string result = text.str();
+  std::replace(result.begin(), result.end(), '-', '_');
+  return result;
 }
 
 std::vector<PairConfig> configurations() {

@@ -21,7 +21,9 @@ struct cde_pair_unit {
 #endif
   uint64_t clocks = 0;
 
-  cde_pair_unit() { reset(); }
+  cde_pair_unit() {
+    reset();
+  }
   ~cde_pair_unit() {
     trace_close();
     Verilated::threadContextp(context.get());
