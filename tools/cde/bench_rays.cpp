@@ -119,7 +119,7 @@ ordered_json compare_rates(const BenchOptions& o) {
   // Around the fastest of each; wider ones take minutes to compile and fall out of the first-level
   // cache.
   constexpr std::pair<Arithmetic, unsigned> kCards[] = {
-      {Arithmetic::kHost, 16}, {Arithmetic::kHost, 32}, {Arithmetic::kHost, 64},
+      {Arithmetic::kHost, 16}, {Arithmetic::kHost, 64}, {Arithmetic::kHost, 128},
       {Arithmetic::kRtl, 8},   {Arithmetic::kRtl, 16},  {Arithmetic::kRtl, 32}};
   for (const auto& [arithmetic, lanes] : kCards) {
     if (!o.quick || lanes == 16) {
