@@ -6,16 +6,22 @@ module board #(
     parameter int MAN = 23,
     parameter int LANES = 16,       // power of two that divides PRIMARIES
     parameter int PRIMARIES = 256,  // 64, 128, 192 or 256
+    parameter int PAIRS = 1,        // bit p: the card has the pipe of pair p (cde_pkg::PAIR_*)
+    parameter int ALGORITHM = 0,    // of ray-triangle (cde_pkg::ALGORITHM_*)
+    parameter int SWAP = 0,         // a command can exchange the roles of primary and secondary
+    parameter int NORMALS = 0,      // a command can ask for normals
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
+    parameter int LAT_SQRT = 1,
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
-    parameter int DDR_SLOTS = 55555555,     // two 1 GB modules of 36-byte slots
+    parameter int DDR_SLOTS = 55555555,     // two 1 GB modules of 36-byte beats
     parameter int SRAM_RECORDS = 524288,    // seven 2 MB chips, one word of a record each
     parameter logic [63:0] CONFIG_HASH = 0,
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int SEC_WORDS = cde_pkg::SEC_WORDS,
+    localparam int SEC_WORDS = cde_pkg::slot_words(PAIRS, 0, SWAP != 0),
+    localparam int POINTS = (NORMALS != 0) ? 6 : 3,
     localparam int RECORD_WORDS = cde_pkg::RECORD_WORDS,
     localparam int SRAM_AW = $clog2(SRAM_RECORDS)
 ) (
@@ -35,10 +41,10 @@ module board #(
     output logic ddr_write_o,  // 64 bits at a byte offset
     output logic [31:0] ddr_write_addr_o,
     output logic [63:0] ddr_write_data_o,
-    output logic ddr_read_o,  // one slot; answers come in order
-    output logic [31:0] ddr_read_slot_o,
+    output logic ddr_read_o,  // DDR_WORDS words from an address in words; answers come in order
+    output logic [31:0] ddr_read_word_o,
     input logic ddr_valid_i,
-    input logic [SEC_WORDS-1:0][CW-1:0] ddr_data_i,
+    input logic [cde_pkg::DDR_WORDS-1:0][CW-1:0] ddr_data_i,
 
     output logic sram_write_o,
     output logic [SRAM_AW-1:0] sram_write_addr_o,
@@ -55,6 +61,9 @@ module board #(
   if (PRIMARIES % 64 != 0 || PRIMARIES > 256) begin : g_illegal
     $error("board: PRIMARIES must be 64, 128, 192 or 256");
   end
+  if (PAIRS <= 0 || PAIRS >= (1 << cde_pkg::PAIRS)) begin : g_no_pairs
+    $error("board: PAIRS must be a set of pairs, 1 to %0d", (1 << cde_pkg::PAIRS) - 1);
+  end
 
   // ---- Local bus and registers ----
   logic clk_bus, clk_engine, prim_write, sram_pop, sram_beat_valid, sram_full, go, abort, busy, done, streaming;
@@ -62,17 +71,20 @@ module board #(
   logic [31:0] addr;
   logic [31:0] sram_count, sec_first, sec_count;
   logic [2:0] command_mode, mode;
+  logic [3:0] command_pair, pair;
+  logic command_swap, swap, normals, gap, prim_busy;
   logic [PRIM_W:0] prim_count, new_hits;
   logic [PRIMARIES-1:0] active, prim_bad;
   logic issue, bubble, stall, sec_pop, sec_bad, record_write;
   logic [15:0] latency;
   card_registers #(
-      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .DDR_SLOTS(DDR_SLOTS), .SRAM_RECORDS(SRAM_RECORDS),
+      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .SWAP(SWAP),
+      .NORMALS(NORMALS), .DDR_SLOTS(DDR_SLOTS), .SRAM_RECORDS(SRAM_RECORDS),
       .CONFIG_HASH(CONFIG_HASH)
   ) registers (
       .clk_i, .clk_engine_i(clk_engine), .rst_i, .bus_valid_i, .bus_write_i, .bus_space_i, .bus_addr_i, .bus_wdata_i, .bus_ready_o, .bus_rvalid_o,
       .bus_rdata_o, .irq_o, .clk_bus_o(clk_bus), .addr_o(addr), .wdata_o(wdata), .prim_write_o(prim_write), .ddr_write_o, .sram_pop_o(sram_pop), .sram_valid_i(sram_beat_valid),
-      .sram_beat_i(sram_beat), .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .mode_o(command_mode),
+      .sram_beat_i(sram_beat), .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .mode_o(command_mode), .pair_o(command_pair), .swap_o(command_swap), .normals_o(normals),
       .prim_count_o(prim_count), .sec_first_o(sec_first), .sec_count_o(sec_count), .active_o(active), .busy_i(busy),
       .done_i(done), .writeback_i(writeback), .prim_bad_i(prim_bad), .issue_i(issue), .bubble_i(bubble), .stall_i(stall), .secondary_i(sec_pop),
       .secondary_bad_i(sec_bad), .record_i(record_write), .latency_i(latency));
@@ -85,9 +97,11 @@ module board #(
   logic fetch_start, fetch_stop, sec_valid, sec_last, sec_idle;
   logic [SEC_WORDS-1:0][CW-1:0] secondary;
   logic [31:0] sec_index;
-  secondary_regfile #(.EXP(EXP), .MAN(MAN)) secondaries (
-      .clk_i(clk_engine), .rst_i, .start_i(fetch_start), .stop_i(fetch_stop), .first_i(sec_first), .count_i(sec_count),
-      .ddr_read_o, .ddr_slot_o(ddr_read_slot_o), .ddr_valid_i, .ddr_data_i, .valid_o(sec_valid), .slot_o(secondary),
+  secondary_regfile #(
+      .EXP(EXP), .MAN(MAN), .PAIRS(PAIRS), .SWAP(SWAP), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+  ) secondaries (
+      .clk_i(clk_engine), .rst_i, .pair_i(pair), .swap_i(swap), .start_i(fetch_start), .stop_i(fetch_stop), .first_i(sec_first), .count_i(sec_count),
+      .ddr_read_o, .ddr_word_o(ddr_read_word_o), .ddr_valid_i, .ddr_data_i, .valid_o(sec_valid), .slot_o(secondary),
       .bad_o(sec_bad), .index_o(sec_index), .last_o(sec_last), .pop_i(sec_pop), .idle_o(sec_idle));
 
   // ---- Sequencer ----
@@ -97,7 +111,8 @@ module board #(
   logic [1:0] credit;
   logic [PRIM_W-1:0] writeback_primary;
   engine_control #(.LANES(LANES), .PRIMARIES(PRIMARIES), .FIFO_DEPTH(FIFO_DEPTH)) control (
-      .clk_i(clk_engine), .rst_i, .go_i(go), .abort_i(abort), .mode_i(command_mode), .mode_o(mode), .prim_count_i(prim_count), .active_i(active),
+      .clk_i(clk_engine), .rst_i, .go_i(go), .abort_i(abort), .mode_i(command_mode), .pair_i(command_pair),
+      .swap_i(command_swap), .mode_o(mode), .pair_o(pair), .swap_o(swap), .primaries_busy_i(prim_busy), .prim_count_i(prim_count), .active_i(active),
       .busy_o(busy), .done_o(done), .flush_o(flush), .streaming_mode_o(streaming), .clear_o(clear), .clear_row_o(clear_row),
       .clear_mask_o(clear_mask), .fetch_start_o(fetch_start), .fetch_stop_o(fetch_stop), .secondary_valid_i(sec_valid),
       .secondary_last_i(sec_last), .secondary_idle_i(sec_idle), .secondary_pop_o(sec_pop), .issue_o(issue),
@@ -115,52 +130,62 @@ module board #(
   logic [FIFO_W-1:0] fifo_write, fifo_head;
   logic [LANE_W-1:0] fifo_lane;
   logic [CW-1:0] result_t;
-  logic [2:0][CW-1:0] result_cp;
+  logic [POINTS-1:0][CW-1:0] result_point;
   cde #(
-      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .FIFO_DEPTH(FIFO_DEPTH), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-      .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .FIFO_DEPTH(FIFO_DEPTH), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM),
+      .SWAP(SWAP), .NORMALS(NORMALS), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP),
+      .ARITH(ARITH)
   ) engine (
       .clk_i(clk_engine), .rst_i, .clk_bus_i(clk_bus), .clk_core_i(clk_i), .prim_write_i(prim_write), .prim_addr_i(addr), .prim_data_i(wdata),
-      .prim_bad_o(prim_bad), .clear_i(clear), .clear_row_i(clear_row), .clear_mask_i(clear_mask), .valid_i(issue), .row_i(issue_row),
+      .prim_bad_o(prim_bad), .prim_busy_o(prim_busy), .pair_i(pair), .swap_i(swap), .gap_o(gap), .clear_i(clear), .clear_row_i(clear_row), .clear_mask_i(clear_mask), .valid_i(issue), .row_i(issue_row),
       .parity_i(issue_parity), .index_i(sec_index), .secondary_i(secondary), .secondary_bad_i(sec_bad), .mode_i(mode),
       .streaming_i(streaming), .valid_o(retire), .row_o(row), .index_o(index), .new_hits_o(new_hits), .f_o(f), .bad_o(bad),
       .unmasked_o(unmasked), .latency_o(latency), .push_i(fifo_keep), .write_i(fifo_write), .read_i(streaming && fifo_valid),
       .head_i(fifo_head), .lane_i(fifo_lane), .result_i(writeback), .result_primary_i(writeback_primary),
-      .result_parity_i(writeback_parity), .result_index_o(result_index), .result_t_o(result_t), .result_cp_o(result_cp));
+      .result_parity_i(writeback_parity), .result_index_o(result_index), .result_t_o(result_t), .result_point_o(result_point));
   record_fifo #(.LANES(LANES), .ROW_W(ROW_W), .DEPTH(FIFO_DEPTH)) fifo (
       .clk_i(clk_engine), .rst_i(rst_i | clear | flush), .hits_only_i(mode == cde_pkg::MODE_HITS), .push_i(retire && streaming),
       .row_i(row), .index_i(index), .unmasked_i(unmasked), .f_i(f), .bad_i(bad), .keep_o(fifo_keep), .write_o(fifo_write),
       .credit_o(credit), .empty_o(fifo_empty), .valid_o(fifo_valid), .ready_i(fifo_ready), .head_o(fifo_head), .row_o(fifo_row),
       .lane_o(fifo_lane), .index_o(fifo_index), .f_o(fifo_f), .bad_o(fifo_bad));
 
-  // ---- Records: from the update buffers at the end of a pass, from the FIFO during it ----
+  // ---- Records: from the update buffers at the end of a pass, from the FIFO during it; with normals a second one follows ----
+  localparam logic [CW-1:0] SIGN = CW'(1) << (EXP + MAN);
   localparam logic [CW-1:0] INF = ((CW'(1) << EXP) - 1) << MAN;
   localparam logic [CW-1:0] QNAN = INF | (CW'(1) << (MAN - 1));
   logic [RECORD_WORDS-1:0][CW-1:0] record_q, record;
-  logic result_bad;
+  logic record_f, record_bad, record_there, second_q, last_beat;
+  logic [CW-1:0] record_t;
+  logic [31:0] record_index;
+  logic [PRIM_W-1:0] record_primary;
   logic sram_room;  // counting the record on its way
   assign sram_room = !sram_full && !(record_write && sram_count + 1 == 32'(SRAM_RECORDS));
-  assign writeback_ready = sram_room;
-  assign fifo_ready = sram_room;
-  assign result_bad = prim_bad[writeback_primary];
+  assign last_beat = !normals || second_q;
+  assign writeback_ready = sram_room && last_beat;
+  assign fifo_ready = sram_room && last_beat;
+  assign record_there = streaming ? fifo_valid : writeback;
+  // The update buffers hold signed gaps for solids.
+  assign record_bad = streaming ? fifo_bad : prim_bad[writeback_primary];
+  assign record_f = streaming ? fifo_f : result_index != '1 && (!gap || (result_t & SIGN) != 0) && !record_bad;
+  assign record_t = record_bad ? QNAN : gap ? result_t & ~SIGN : result_t;
+  assign record_index = !streaming ? result_index : (fifo_f || (gap && !fifo_bad)) ? fifo_index : '1;
+  assign record_primary = streaming ? PRIM_W'(32'(fifo_row) * 32'(LANES) + 32'(fifo_lane)) : writeback_primary;
   always_comb begin
-    if (streaming) begin
-      record[2:0] = result_cp;
-      record[cde_pkg::RECORD_FLAGS] = CW'({fifo_bad, fifo_f});
-      record[cde_pkg::RECORD_INDEX] = fifo_f ? CW'(fifo_index) : CW'(32'hffffffff);
-      record[cde_pkg::RECORD_T] = result_t;
-      record[cde_pkg::RECORD_PRIMARY] = CW'(32'(fifo_row) * 32'(LANES) + 32'(fifo_lane));
-    end else begin
-      record[2:0] = result_bad ? {3{QNAN}} : result_cp;
-      record[cde_pkg::RECORD_FLAGS] = CW'({result_bad, result_index != '1});
-      record[cde_pkg::RECORD_INDEX] = CW'(result_index);
-      record[cde_pkg::RECORD_T] = result_bad ? QNAN : result_t;
-      record[cde_pkg::RECORD_PRIMARY] = CW'(writeback_primary);
+    record[2:0] = record_bad ? {3{QNAN}} : result_point[2:0];
+    record[cde_pkg::RECORD_FLAGS] = CW'({record_bad, record_f});
+    record[cde_pkg::RECORD_INDEX] = CW'(record_index);
+    record[cde_pkg::RECORD_T] = record_t;
+    record[cde_pkg::RECORD_PRIMARY] = CW'(record_primary);
+    if (normals && second_q) begin
+      record[2:0] = record_bad ? {3{QNAN}} : result_point[POINTS-1:POINTS-3];
+      record[cde_pkg::RECORD_FLAGS] = CW'({1'b1, record_bad, record_f});
+      record[cde_pkg::RECORD_T] = (record_f && gap) ? record_t | SIGN : record_t;
     end
   end
   always_ff @(posedge clk_engine) begin
-    record_write <= !rst_i && !flush && (streaming ? fifo_valid && fifo_ready : writeback && writeback_ready);
-    if (streaming ? fifo_valid : writeback) record_q <= record;
+    record_write <= !rst_i && !flush && record_there && sram_room;
+    if (record_there) record_q <= record;
+    second_q <= !rst_i && !flush && (record_there && sram_room ? normals && !second_q : second_q);
   end
 
   logic clk_ring, ring_active;

@@ -13,10 +13,10 @@ package cde_pkg;
   localparam logic [11:0] REG_CAPS = 12'h008;          // [15:0] lanes, [31:16] primaries, [39:32] EXP, [47:40] MAN, [55:48] algorithm
   localparam logic [11:0] REG_CONFIG_HASH = 12'h010;   // hash of parameters and RTL sources
   localparam logic [11:0] REG_CAPS2 = 12'h018;         // [15:0] pipe latency, [47:16] SRAM records, [55:48] container bits
-  localparam logic [11:0] REG_CAPACITY = 12'h020;      // secondary slots in DDR
+  localparam logic [11:0] REG_CAPACITY = 12'h020;      // bytes of DDR
   localparam logic [11:0] REG_CONTROL = 12'h028;       // write: [0] go, [1] abort, [2] clear errors and done
   localparam logic [11:0] REG_STATUS = 12'h030;        // STATUS_* bits
-  localparam logic [11:0] REG_COMMAND = 12'h038;       // [2:0] result mode, [11:8] pair code
+  localparam logic [11:0] REG_COMMAND = 12'h038;       // [2:0] result mode, [4] swap roles, [5] normals, [11:8] pair code
   localparam logic [11:0] REG_PRIM_COUNT = 12'h040;    // counter register: primaries in the register file
   localparam logic [11:0] REG_SEC_FIRST = 12'h048;     // first secondary slot
   localparam logic [11:0] REG_SEC_COUNT = 12'h050;     // counter register: number of secondaries
@@ -32,6 +32,7 @@ package cde_pkg;
   localparam logic [11:0] REG_SECONDARIES = 12'h0F0;   // secondaries swept
   localparam logic [11:0] REG_WRITTEN = 12'h0F8;       // records written to SRAM
   localparam logic [11:0] REG_WRITEBACK = 12'h068;     // clocks that wrote the kept records back to SRAM
+  localparam logic [11:0] REG_CAPS3 = 12'h070;         // [12:0] pairs in the card, [16] roles can be swapped, [17] normals, [31:24] words of a primary slot
 
   localparam logic [31:0] ID_MAGIC = 32'h43444531;
   localparam logic [31:0] INTERFACE_VERSION = 32'd1;
@@ -92,6 +93,26 @@ package cde_pkg;
         (pair == int'(PAIR_SPHERE_SPHERE) || pair == int'(PAIR_TRIANGLE_SPHERE) || pair == int'(PAIR_RAY_SPHERE)) ? SHAPE_SPHERE : SHAPE_CYLINDER;
   endfunction
 
+  // Words of the largest slot that a set of pairs (bit p: pair p) needs, of primaries or of secondaries; `swap`: either shape may be
+  // either.
+  function int slot_words(input int pairs, input bit primary, input bit swap);
+    slot_words = 0;
+    for (int p = 0; p < PAIRS; p++)
+      if (((pairs >> p) & 1) != 0) begin
+        if ((primary || swap) && shape_words(primary_shape(p)) > slot_words) slot_words = shape_words(primary_shape(p));
+        if ((!primary || swap) && shape_words(secondary_shape(p)) > slot_words) slot_words = shape_words(secondary_shape(p));
+      end
+  endfunction
+  // Whether some pair of the set has the shape in that role.
+  function bit uses_shape(input int pairs, input int shape, input bit primary, input bit swap);
+    uses_shape = 0;
+    for (int p = 0; p < PAIRS; p++)
+      if (((pairs >> p) & 1) != 0) begin
+        if ((primary || swap) && primary_shape(p) == shape) uses_shape = 1;
+        if ((!primary || swap) && secondary_shape(p) == shape) uses_shape = 1;
+      end
+  endfunction
+
   // ---- Ray-triangle algorithms (REG_CAPS) ----
   localparam logic [7:0] ALGORITHM_MOLLER = 8'd0;
   localparam logic [7:0] ALGORITHM_BADOUEL = 8'd1;
@@ -99,15 +120,17 @@ package cde_pkg;
   localparam logic [7:0] ALGORITHM_WATERTIGHT = 8'd3;
 
   // ---- Slots and records, in words of the container width ----
-  localparam int PRIM_WORDS = 8;  // ray: ox oy oz dx dy dz tmin tmax
-  localparam int SEC_WORDS = 9;   // triangle: v0 v1 v2
+  localparam int DDR_WORDS = 9;  // words of a DDR beat, 288 bits in fp32; slots are packed, a word each of the shape
   localparam int RECORD_WORDS = 7;
   localparam int RECORD_CP = 0;       // 3 words
   localparam int RECORD_FLAGS = 3;    // [0] F, [1] bad input
-  localparam int RECORD_INDEX = 4;    // secondary index, all ones when F = 0
+  localparam int RECORD_INDEX = 4;    // secondary index; all ones when nothing was found
   localparam int RECORD_T = 5;
   localparam int RECORD_PRIMARY = 6;
   localparam int FLAG_F = 0;
   localparam int FLAG_BAD = 1;
+  // With normals a second record follows: n x y z in the words of CP, the signed gap in T, flags with FLAG_NORMAL, the same index
+  // and primary.
+  localparam int FLAG_NORMAL = 2;
 
 endpackage

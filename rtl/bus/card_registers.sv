@@ -10,7 +10,11 @@ module card_registers #(
     parameter int MAN = 23,
     parameter int LANES = 16,
     parameter int PRIMARIES = 256,
-    parameter int DDR_SLOTS = 55555555,
+    parameter int PAIRS = 1,
+    parameter int ALGORITHM = 0,
+    parameter int SWAP = 0,
+    parameter int NORMALS = 0,
+    parameter int DDR_SLOTS = 55555555,  // of DDR_WORDS words
     parameter int SRAM_RECORDS = 524288,
     parameter logic [63:0] CONFIG_HASH = 0,
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
@@ -43,6 +47,9 @@ module card_registers #(
     output logic go_o,
     output logic abort_o,
     output logic [2:0] mode_o,
+    output logic [3:0] pair_o,
+    output logic swap_o,
+    output logic normals_o,
     output logic [PRIM_W:0] prim_count_o,
     output logic [31:0] sec_first_o,
     output logic [31:0] sec_count_o,
@@ -60,11 +67,14 @@ module card_registers #(
     input logic [15:0] latency_i
 );
   import cde_pkg::*;
-  localparam logic [63:0] DDR_BYTES = 64'(DDR_SLOTS) * 64'(SEC_WORDS * CW / 8);
-  localparam logic [31:0] PRIM_BYTES = 32'(PRIMARIES * PRIM_WORDS * CW / 8);
+  localparam logic [63:0] DDR_BYTES = 64'(DDR_SLOTS) * 64'(DDR_WORDS * CW / 8);
+  localparam logic [63:0] CW_BYTES = 64'(CW) / 64'd8;
+  localparam int PRIM_WORDS = slot_words(PAIRS, 1, SWAP != 0);
+  localparam logic [31:0] PRIM_BYTES = 32'(PRIMARIES * ((PRIM_WORDS * CW + 63) / 64) * 8);
   localparam int STENCILS = (PRIMARIES + 63) / 64;
 
   logic [3:0] pair_q;
+  logic swap_q, normals_q;
   logic [31:0] prim_count_q, sec_first_q, sec_count_q;
   logic [2:0] mode_q;
   logic [STENCILS*64-1:0] stencil_q;
@@ -123,11 +133,21 @@ module card_registers #(
   assign ddr_write_o = valid_q && write_q && allowed && space_q == SPACE_DDR;
   assign sram_pop_o = read && allowed && space_q == SPACE_SRAM;
 
-  assign command_ok = mode_q <= MODE_HITS && pair_q == PAIR_RAY_TRIANGLE && prim_count_q != 0 && prim_count_q <= 32'(PRIMARIES) &&
-      sec_count_q != 0 && {1'b0, sec_first_q} + {1'b0, sec_count_q} <= 33'(DDR_SLOTS) && !busy_i;
+  // Whether the secondaries lie in DDR; a multiplication, so only while something is written.
+  logic [63:0] sec_end;
+  logic [3:0] sec_words;
+  logic pair_there;
+  assign sec_words = 4'(shape_words(swap_q ? primary_shape(int'(pair_q)) : secondary_shape(int'(pair_q))));
+  assign sec_end = ({31'b0, {1'b0, sec_first_q} + {1'b0, sec_count_q}} * 64'(sec_words)) * CW_BYTES;
+  assign pair_there = ((16'(PAIRS) >> pair_q) & 16'd1) != 0;
+  assign command_ok = mode_q <= MODE_HITS && pair_there && (SWAP != 0 || !swap_q) && (NORMALS != 0 || !normals_q) && prim_count_q != 0 &&
+      prim_count_q <= 32'(PRIMARIES) && sec_count_q != 0 && sec_end <= DDR_BYTES && !busy_i;
   assign go_o = write_reg && offset == REG_CONTROL && wdata_q[0] && command_ok;
   assign abort_o = write_reg && offset == REG_CONTROL && wdata_q[1];
   assign mode_o = mode_q;
+  assign pair_o = pair_q;
+  assign swap_o = SWAP != 0 && swap_q;
+  assign normals_o = NORMALS != 0 && normals_q;
   assign prim_count_o = prim_count_q[PRIM_W:0];
   assign sec_first_o = sec_first_q;
   assign sec_count_o = sec_count_q;
@@ -143,10 +163,11 @@ module card_registers #(
     else if (read) begin
       case (offset)
         REG_ID: bus_rdata_o <= {ID_MAGIC, INTERFACE_VERSION};
-        REG_CAPS: bus_rdata_o <= {8'b0, ALGORITHM_MOLLER, 8'(MAN), 8'(EXP), 16'(PRIMARIES), 16'(LANES)};
+        REG_CAPS: bus_rdata_o <= {8'b0, 8'(ALGORITHM), 8'(MAN), 8'(EXP), 16'(PRIMARIES), 16'(LANES)};
         REG_CONFIG_HASH: bus_rdata_o <= CONFIG_HASH;
         REG_CAPS2: bus_rdata_o <= {8'b0, 8'(CW), 32'(SRAM_RECORDS), latency_i};
-        REG_CAPACITY: bus_rdata_o <= 64'(DDR_SLOTS);
+        REG_CAPACITY: bus_rdata_o <= DDR_BYTES;
+        REG_CAPS3: bus_rdata_o <= {32'b0, 8'(PRIM_WORDS), 6'b0, 1'(NORMALS), 1'(SWAP), 16'(PAIRS)};
         REG_STATUS: begin
           bus_rdata_o <= '0;
           bus_rdata_o[STATUS_BUSY] <= busy_i;
@@ -156,7 +177,7 @@ module card_registers #(
           bus_rdata_o[STATUS_SRAM_WAIT] <= sram_full_i;
           bus_rdata_o[STATUS_IRQ] <= irq_o;
         end
-        REG_COMMAND: bus_rdata_o <= {52'b0, pair_q, 5'b0, mode_q};
+        REG_COMMAND: bus_rdata_o <= {52'b0, pair_q, 2'b0, normals_q, swap_q, 1'b0, mode_q};
         REG_PRIM_COUNT: bus_rdata_o <= 64'(prim_count_q);
         REG_SEC_FIRST: bus_rdata_o <= 64'(sec_first_q);
         REG_SEC_COUNT: bus_rdata_o <= 64'(sec_count_q);
@@ -177,7 +198,7 @@ module card_registers #(
 
     if (write_reg) begin
       case (offset)
-        REG_COMMAND: {pair_q, mode_q} <= {wdata_q[11:8], wdata_q[2:0]};
+        REG_COMMAND: {pair_q, normals_q, swap_q, mode_q} <= {wdata_q[11:8], wdata_q[5:4], wdata_q[2:0]};
         REG_PRIM_COUNT: begin
           prim_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
           for (int p = 0; p < PRIMARIES; p++) present_q[p] <= 64'(p) < wdata_q;
@@ -202,7 +223,7 @@ module card_registers #(
 
     if (rst_i) begin
       {done_q, command_error_q, bus_error_q} <= '0;
-      {pair_q, mode_q} <= '0;
+      {pair_q, normals_q, swap_q, mode_q} <= '0;
       {prim_count_q, sec_first_q, sec_count_q} <= '0;
       stencil_q <= '0;
       present_q <= '0;

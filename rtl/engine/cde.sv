@@ -2,6 +2,7 @@
 // and keeps or streams the row's results in order.
 // With ARITH = "host" the datapath is combinational and gets its operands when its results are due, else when they are issued: the
 // same clocks and bits outside.
+// One pipe is used in a pass; the others' clocks stand still.
 // Latency: that of the pipe. Throughput: one row a clock. Stall: none, the mouth is held by credits outside.
 module cde #(
     parameter int EXP = 8,
@@ -9,13 +10,21 @@ module cde #(
     parameter int LANES = 16,
     parameter int PRIMARIES = 256,
     parameter int FIFO_DEPTH = 128,
+    parameter int PAIRS = 1,      // bit p: the pipe of pair p is there
+    parameter int ALGORITHM = 0,  // of ray-triangle
+    parameter int SWAP = 0,
+    parameter int NORMALS = 0,
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
+    parameter int LAT_SQRT = 1,
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int SEC_WORDS = cde_pkg::SEC_WORDS,
+    localparam int PRIM_WORDS = cde_pkg::slot_words(PAIRS, 1, SWAP != 0),
+    localparam int SEC_WORDS = cde_pkg::slot_words(PAIRS, 0, SWAP != 0),
+    localparam int POINTS = (NORMALS != 0) ? 6 : 3,
+    localparam int N_PAIRS = cde_pkg::PAIRS,
     localparam int ROWS = PRIMARIES / LANES,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
     localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1,
@@ -30,11 +39,15 @@ module cde #(
     input logic prim_write_i,
     input logic [31:0] prim_addr_i,
     input logic [63:0] prim_data_i,
-    output logic [PRIMARIES-1:0] prim_bad_o,
+    output logic [PRIMARIES-1:0] prim_bad_o,  // by the contract of the pair's primary
+    output logic prim_busy_o,  // primaries are being checked
     input logic clear_i,  // start of a pass: one row a clock
     input logic [ROW_W-1:0] clear_row_i,
     input logic [LANES-1:0] clear_mask_i,
 
+    input logic [3:0] pair_i,  // of the pass
+    input logic swap_i,
+    output logic gap_o,  // it is a pair of solids
     input logic valid_i,
     input logic [ROW_W-1:0] row_i,
     input logic parity_i,
@@ -63,7 +76,7 @@ module cde #(
     input logic result_parity_i,
     output logic [31:0] result_index_o,
     output logic [CW-1:0] result_t_o,
-    output logic [2:0][CW-1:0] result_cp_o
+    output logic [POINTS-1:0][CW-1:0] result_point_o
 );
   // One AVX2 register wide where the host computes; the gates' own objects want all lanes in one.
   localparam int GROUP = (ARITH != "rtl" && LANES > 8) ? 8 : LANES;
@@ -75,30 +88,50 @@ module cde #(
   logic prim_commit, clk_prim;
   logic [ROW_W-1:0] prim_row;
   logic [LANE_W-1:0] prim_lane;
-  logic [cde_pkg::PRIM_WORDS-1:0][CW-1:0] prim_slot;
-  primary_regfile #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES)) primaries (
-      .clk_i(clk_bus_i), .rst_i, .write_i(prim_write_i), .write_addr_i(prim_addr_i), .write_data_i(prim_data_i), .bad_o(prim_bad_o),
+  logic [PRIM_WORDS-1:0][CW-1:0] prim_slot;
+  primary_regfile #(
+      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .SWAP(SWAP), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+  ) primaries (
+      .clk_i(clk_bus_i), .clk_core_i, .rst_i, .pair_i, .swap_i, .busy_o(prim_busy_o), .write_i(prim_write_i), .write_addr_i(prim_addr_i), .write_data_i(prim_data_i), .bad_o(prim_bad_o),
       .commit_o(prim_commit), .row_o(prim_row), .lane_o(prim_lane), .slot_o(prim_slot));
 
   clock_gate gate_prim (.clk_i(clk_core_i), .enable_i(prim_commit), .clk_o(clk_prim));
 
   // ---- What is in flight ----
-  localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_CMP + 3) / 4;
-  localparam int HISTORY = 64 << $clog2(SLOWEST);
+  localparam bit MANY = (PAIRS & (PAIRS - 1)) != 0;
+  localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_SQRT + LAT_CMP + 4) / 5;
+  localparam int DEEPEST = ((PAIRS & ~((1 << int'(cde_pkg::PAIR_RAY_TRIANGLE)) | (1 << int'(cde_pkg::PAIR_RAY_SPHERE)) |
+      (1 << int'(cde_pkg::PAIR_RAY_CYLINDER)) | (1 << int'(cde_pkg::PAIR_SPHERE_SPHERE)))) != 0) ? 256 : 64;
+  localparam int HISTORY = DEEPEST << $clog2(SLOWEST);
   logic parity, secondary_bad;
+  logic [15:0] pipe_latency;
+  logic [N_PAIRS-1:0] clk_pipe;
   logic [ROW_W-1:0] row_in;
   logic [SEC_WORDS-1:0][CW-1:0] secondary;
   issue_history #(.W(ROW_W + 34), .DEPTH(HISTORY)) history (
       .clk_i, .rst_i, .latency_i(latency_o), .valid_i, .d_i({row_i, parity_i, index_i, secondary_bad_i}), .valid_o,
       .q_o({row_o, parity, index_o, secondary_bad}));
+  assign latency_o = pipe_latency + 16'(MANY);  // the register in front of each of several pipes
   if (ARITH != "rtl") begin : g_late
     logic unused_valid;
-    issue_history #(.W(SEC_WORDS * CW), .DEPTH(HISTORY)) history (
-        .clk_i, .rst_i, .latency_i(latency_o), .valid_i, .d_i(secondary_i), .valid_o(unused_valid), .q_o(secondary));
-    assign row_in = row_o;
+    issue_history #(.W(ROW_W + SEC_WORDS * CW), .DEPTH(HISTORY)) history (
+        .clk_i, .rst_i, .latency_i(pipe_latency), .valid_i, .d_i({row_i, secondary_i}), .valid_o(unused_valid), .q_o({row_in, secondary}));
   end else begin : g_early
     assign row_in = row_i;
     assign secondary = secondary_i;
+  end
+  for (genvar p = 0; p < N_PAIRS; p++) begin : pipe
+    if (MANY && ((PAIRS >> p) & 1) != 0) begin : g_gate
+      clock_gate gate (.clk_i, .enable_i(pair_i == 4'(p)), .clk_o(clk_pipe[p]));
+    end else begin : g_none
+      assign clk_pipe[p] = 1'b0;
+    end
+  end
+  if (!MANY) begin : g_one
+    assign gap_o = cde_pkg::primary_shape($clog2(PAIRS)) != cde_pkg::SHAPE_RAY;
+  end else begin : g_some
+    assign gap_o = pair_i != cde_pkg::PAIR_RAY_TRIANGLE && pair_i != cde_pkg::PAIR_RAY_CYLINDER && pair_i != cde_pkg::PAIR_RAY_SPHERE;
   end
 
   // ---- Lanes ----
@@ -110,37 +143,39 @@ module cde #(
   logic [GROUPS-1:0][HITS_W-1:0] new_hits;
   logic [GROUPS-1:0][31:0] result_index;
   logic [GROUPS-1:0][CW-1:0] result_t;
-  logic [GROUPS-1:0][2:0][CW-1:0] result_cp;
+  logic [GROUPS-1:0][POINTS-1:0][CW-1:0] result_point;
   for (genvar g = 0; g < GROUPS; g++) begin : group
     logic asked;
-    logic [15:0] latency;
+    logic [N_PAIRS-1:0][15:0] latency;
     assign asked = 32'(lane) / 32'(GROUP) == 32'(g);
 `ifndef SYNTHESIS
-    always_ff @(posedge clk_i) assert (latency == latency_o) else $error("cde: groups of different latency");
+    always_ff @(posedge clk_i) assert (latency == group[0].latency) else $error("cde: groups of different latency");
 `endif
     lane_group #(
-        .EXP(EXP), .MAN(MAN), .LANES(GROUP), .ROWS(ROWS), .FIFO_DEPTH(FIFO_DEPTH), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-        .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+        .EXP(EXP), .MAN(MAN), .LANES(GROUP), .ROWS(ROWS), .FIFO_DEPTH(FIFO_DEPTH), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM),
+        .SWAP(SWAP), .NORMALS(NORMALS), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP),
+        .ARITH(ARITH)
     ) lanes (
         .clk_i, .clk_prim_i(clk_prim), .prim_write_i(prim_commit && 32'(prim_lane) / 32'(GROUP) == 32'(g)), .prim_row_i(prim_row),
         .prim_lane_i(GLANE_W'(prim_lane)), .prim_slot_i(prim_slot), .clear_i, .clear_row_i, .clear_mask_i(clear_mask_i[g*GROUP+:GROUP]),
-        .clear_bad_i(prim_bad_o[32'(clear_row_i)*LANES+g*GROUP+:GROUP]), .row_i(row_in), .secondary_i(secondary), .latency_o(latency),
+        .clear_bad_i(prim_bad_o[32'(clear_row_i)*LANES+g*GROUP+:GROUP]), .pair_i, .gap_i(gap_o), .swap_i, .clk_pipe_i(clk_pipe), .row_i(row_in), .secondary_i(secondary),
+        .latency_o(latency),
         .valid_i(valid_o), .row_out_i(row_o), .parity_i(parity), .index_i(index_o), .secondary_bad_i(secondary_bad), .mode_i, .streaming_i,
         .new_hits_o(new_hits[g]), .f_o(f_o[g*GROUP+:GROUP]), .bad_o(bad_o[g*GROUP+:GROUP]), .unmasked_o(unmasked_o[g*GROUP+:GROUP]),
         .push_i, .write_i, .read_i(read_i && asked), .head_i, .result_i(result_i && asked), .result_row_i(result_row), .result_parity_i,
-        .lane_i(GLANE_W'(lane)), .result_index_o(result_index[g]), .result_t_o(result_t[g]), .result_cp_o(result_cp[g]));
+        .lane_i(GLANE_W'(lane)), .result_index_o(result_index[g]), .result_t_o(result_t[g]), .result_point_o(result_point[g]));
   end
-  assign latency_o = group[0].latency;
+  assign pipe_latency = group[0].latency[MANY ? int'(pair_i) : $clog2(PAIRS)];
   always_comb begin
     new_hits_o = '0;
     result_index_o = '0;
     result_t_o = '0;
-    result_cp_o = '0;
+    result_point_o = '0;
     for (int g = 0; g < GROUPS; g++) begin
       new_hits_o = new_hits_o + (PRIM_W + 1)'(new_hits[g]);
       result_index_o = result_index_o | result_index[g];
       result_t_o = result_t_o | result_t[g];
-      result_cp_o = result_cp_o | result_cp[g];
+      result_point_o = result_point_o | result_point[g];
     end
   end
 endmodule

@@ -15,7 +15,12 @@ module engine_control #(
     input logic go_i,
     input logic abort_i,
     input logic [2:0] mode_i,
+    input logic [3:0] pair_i,
+    input logic swap_i,
     output logic [2:0] mode_o,  // of the pass, from go on
+    output logic [3:0] pair_o,
+    output logic swap_o,
+    input logic primaries_busy_i,  // primaries are being checked
     input logic [PRIM_W:0] prim_count_i,
     input logic [PRIMARIES-1:0] active_i,  // present and not masked
     output logic busy_o,
@@ -42,7 +47,7 @@ module engine_control #(
     input logic [1:0] credit_i,
     input logic fifo_empty_i,
 
-    output logic writeback_o,  // result_primary_o is to be written to SRAM
+    output logic writeback_o,  // writeback_primary_o is to be written to SRAM
     output logic [PRIM_W-1:0] writeback_primary_o,
     output logic writeback_parity_o,
     input logic writeback_ready_i,
@@ -58,7 +63,7 @@ module engine_control #(
   logic parity_q, stop_q;
   logic [PRIMARIES-1:0] pending_q, lowest;
   logic [PRIM_W:0] missing_q;                        // active primaries without a hit, for mode any
-  logic [7:0] in_flight_q;
+  logic [15:0] in_flight_q;
   logic [$clog2(FIFO_DEPTH):0] credits_q;
   logic last_row, has_credit, all_hit;
 
@@ -67,7 +72,7 @@ module engine_control #(
   assign flush_o = abort_i || state_q == FLUSH;
   assign streaming_mode_o = mode_o == cde_pkg::MODE_ALL || mode_o == cde_pkg::MODE_HITS;
 
-  assign clear_o = state_q == CLEAR;
+  assign clear_o = state_q == CLEAR && !primaries_busy_i;
   assign clear_row_o = row_q;
   assign clear_mask_o = ~active_i[32'(row_q)*LANES+:LANES];
 
@@ -78,7 +83,7 @@ module engine_control #(
   assign issue_row_o = row_q;
   assign issue_parity_o = parity_q;
   assign secondary_pop_o = issue_o && last_row;
-  assign fetch_start_o = state_q == CLEAR && row_q == 0 && !abort_i;
+  assign fetch_start_o = clear_o && row_q == 0 && !abort_i;
   assign fetch_stop_o = state_q == SWEEP && stop_q || abort_i;
   assign bubble_o = state_q == SWEEP && !secondary_valid_i && !stop_q;
   assign stall_o = state_q == SWEEP && secondary_valid_i && !has_credit;
@@ -89,7 +94,7 @@ module engine_control #(
   assign done_o = state_q == WRITEBACK && pending_q == 0 && fifo_empty_i && sram_idle_i;
 
   always_ff @(posedge clk_i) begin
-    in_flight_q <= in_flight_q + 8'(issue_o) - 8'(retire_i);
+    in_flight_q <= in_flight_q + 16'(issue_o) - 16'(retire_i);
     credits_q <= credits_q + ($clog2(FIFO_DEPTH) + 1)'(credit_i) - ($clog2(FIFO_DEPTH) + 1)'(issue_o && streaming_mode_o);
     missing_q <= missing_q - new_hits_i;
     case (state_q)
@@ -97,12 +102,14 @@ module engine_control #(
         row_q <= 0;
         if (go_i) begin
           mode_o <= mode_i;
+          pair_o <= pair_i;
+          swap_o <= swap_i;
           state_q <= CLEAR;
           credits_q <= ($clog2(FIFO_DEPTH) + 1)'(FIFO_DEPTH);
           missing_q <= (PRIM_W + 1)'($countones(active_i));
         end
       end
-      CLEAR: begin
+      CLEAR: if (clear_o) begin
         stop_q <= 0;
         parity_q <= 0;
         row_q <= row_q + 1;

@@ -8,14 +8,21 @@ module lane_group #(
     parameter int LANES = 8,
     parameter int ROWS = 32,
     parameter int FIFO_DEPTH = 128,
+    parameter int PAIRS = 1,      // bit p: the pipe of pair p is there
+    parameter int ALGORITHM = 0,  // of ray-triangle
+    parameter int SWAP = 0,       // roles of primary and secondary can be exchanged
+    parameter int NORMALS = 0,    // records have normals
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
+    parameter int LAT_SQRT = 1,
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int PRIM_WORDS = cde_pkg::PRIM_WORDS,
-    localparam int SEC_WORDS = cde_pkg::SEC_WORDS,
+    localparam int PRIM_WORDS = cde_pkg::slot_words(PAIRS, 1, SWAP != 0),
+    localparam int SEC_WORDS = cde_pkg::slot_words(PAIRS, 0, SWAP != 0),
+    localparam int N_PAIRS = cde_pkg::PAIRS,
+    localparam int POINTS = (NORMALS != 0) ? 6 : 3,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
     localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1,
     localparam int FIFO_W = $clog2(FIFO_DEPTH),
@@ -34,9 +41,13 @@ module lane_group #(
     input logic [LANES-1:0] clear_mask_i /*verilator public_flat_rd*/,
     input logic [LANES-1:0] clear_bad_i /*verilator public_flat_rd*/,  // primaries out of contract
 
+    input logic [3:0] pair_i,  // of the pass
+    input logic gap_i,   // a pair of solids: T is the size of a signed gap
+    input logic swap_i,
+    input logic [N_PAIRS-1:0] clk_pipe_i,  // each runs while its pipe is used
     input logic [ROW_W-1:0] row_i,  // row and secondary that enter the datapath
     input logic [SEC_WORDS-1:0][CW-1:0] secondary_i,
-    output logic [15:0] latency_o,
+    output logic [N_PAIRS-1:0][15:0] latency_o,
 
     input logic valid_i,  // the row whose results leave it
     input logic [ROW_W-1:0] row_out_i,
@@ -60,20 +71,101 @@ module lane_group #(
     input logic [LANE_W-1:0] lane_i,
     output logic [31:0] result_index_o,  // the group's part of an OR: zeros when it is not asked
     output logic [CW-1:0] result_t_o,
-    output logic [2:0][CW-1:0] result_cp_o
+    output logic [POINTS-1:0][CW-1:0] result_point_o  // CP and, with normals, n
 );
   /*verilator no_inline_module*/
   localparam logic [CW-1:0] QNAN = (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1));
 
-  logic [PRIM_WORDS-1:0][LANES-1:0][CW-1:0] a;
-  primary_lanes #(.CW(CW), .LANES(LANES), .ROWS(ROWS), .WORDS(PRIM_WORDS)) primaries (
-      .clk_i(clk_prim_i), .write_i(prim_write_i), .write_row_i(prim_row_i), .write_lane_i(prim_lane_i), .slot_i(prim_slot_i), .row_i, .a_o(a));
+  // ---- Primaries: a block RAM a lane and word, read by every pipe ----
+  for (genvar k = 0; k < PRIM_WORDS; k++) begin : word
+    logic [LANES-1:0][CW-1:0] mem[ROWS];
+    always_ff @(posedge clk_prim_i) if (prim_write_i) mem[prim_row_i][prim_lane_i] <= prim_slot_i[k];
+  end
+
+  // ---- Pipes; the one that is used is read. Where there are several, each has a register for its operands, so that an idle one
+  // does nothing ----
+  localparam bit MANY = (PAIRS & (PAIRS - 1)) != 0;
+  for (genvar p = 0; p < N_PAIRS; p++) begin : pair
+    if (((PAIRS >> p) & 1) != 0) begin : g_there
+      logic [LANES-1:0][CW-1:0] f, t;
+      logic [2:0][LANES-1:0][CW-1:0] cp, n;
+      localparam int A_WORDS = cde_pkg::shape_words(cde_pkg::primary_shape(p));
+      localparam int B_WORDS = cde_pkg::shape_words(cde_pkg::secondary_shape(p));
+      localparam int B_LANES = (SWAP != 0) ? LANES : 1;
+      localparam int S_WORDS = (SWAP != 0 && A_WORDS > B_WORDS) ? A_WORDS : B_WORDS;  // of the secondary
+      logic [ROW_W-1:0] row;
+      logic [S_WORDS-1:0][CW-1:0] secondary;
+      logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
+      logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b;
+      if (MANY) begin : g_register
+        always_ff @(posedge clk_pipe_i[p]) begin
+          row <= row_i;
+          secondary <= secondary_i[S_WORDS-1:0];
+        end
+      end else begin : g_direct
+        assign row = row_i;
+        assign secondary = secondary_i[S_WORDS-1:0];
+      end
+      if (SWAP == 0) begin : g_fixed
+        logic unused_swap;
+        assign unused_swap = swap_i;
+      end
+      for (genvar k = 0; k < A_WORDS; k++) begin : word_a
+        if (SWAP != 0) begin : g_either
+          assign a[k] = swap_i ? {LANES{secondary[k]}} : word[k].mem[row];
+        end else begin : g_primary
+          assign a[k] = word[k].mem[row];
+        end
+      end
+      for (genvar k = 0; k < B_WORDS; k++) begin : word_b
+        if (SWAP != 0) begin : g_either
+          assign b[k] = swap_i ? word[k].mem[row] : {LANES{secondary[k]}};
+        end else begin : g_secondary
+          assign b[k] = secondary[k];
+        end
+      end
+      pair_pipe #(
+          .PAIR(p), .ALGORITHM(ALGORITHM), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+          .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+      ) pipe (.clk_i(MANY ? clk_pipe_i[p] : clk_i), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency_o[p]));
+    end else begin : g_absent
+      assign latency_o[p] = '0;
+      logic unused_clk;
+      assign unused_clk = clk_pipe_i[p];
+    end
+  end
 
   logic [LANES-1:0][CW-1:0] f_pipe, t_pipe;
-  logic [2:0][LANES-1:0][CW-1:0] cp_pipe;
-  ray_triangle_moller #(
-      .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-  ) ray_triangle (.clk_i, .a_i(a), .b_i(secondary_i), .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .latency_o);
+  logic [2:0][LANES-1:0][CW-1:0] cp_pipe, n_pipe;
+  if (MANY) begin : g_choose
+    logic [LANES-1:0][CW-1:0] f_all[N_PAIRS], t_all[N_PAIRS];
+    logic [2:0][LANES-1:0][CW-1:0] cp_all[N_PAIRS], n_all[N_PAIRS];
+    for (genvar p = 0; p < N_PAIRS; p++) begin : from
+      if (((PAIRS >> p) & 1) != 0) begin : g_there
+        assign f_all[p] = pair[p].g_there.f;
+        assign t_all[p] = pair[p].g_there.t;
+        assign cp_all[p] = pair[p].g_there.cp;
+        assign n_all[p] = pair[p].g_there.n;
+      end else begin : g_absent
+        assign f_all[p] = '0;
+        assign t_all[p] = '0;
+        assign cp_all[p] = '0;
+        assign n_all[p] = '0;
+      end
+    end
+    assign f_pipe = f_all[pair_i];
+    assign t_pipe = t_all[pair_i];
+    assign cp_pipe = cp_all[pair_i];
+    assign n_pipe = n_all[pair_i];
+  end else begin : g_only
+    localparam int ONLY = $clog2(PAIRS);
+    logic unused_pair;
+    assign unused_pair = &{1'b0, pair_i, clk_pipe_i[ONLY]};
+    assign f_pipe = pair[ONLY].g_there.f;
+    assign t_pipe = pair[ONLY].g_there.t;
+    assign cp_pipe = pair[ONLY].g_there.cp;
+    assign n_pipe = pair[ONLY].g_there.n;
+  end
 
   // ---- Bad input: F = 0, T and CP are NaN ----
   logic [LANES-1:0] unmasked_mem[ROWS];  // for the streaming modes, as bits
@@ -93,24 +185,31 @@ module lane_group #(
   assign bad = bad_row | bad_secondary;
   assign f = f_pipe & ~bad;
   lane_select #(.CW(CW), .LANES(LANES)) select_t (.m_i(bad), .a_i({LANES{QNAN}}), .b_i(t_pipe), .r_o(t));
-  for (genvar k = 0; k < 3; k++) begin : axis
-    logic [LANES-1:0][CW-1:0] cp;
-    lane_select #(.CW(CW), .LANES(LANES)) select_cp (.m_i(bad), .a_i({LANES{QNAN}}), .b_i(cp_pipe[k]), .r_o(cp));
+  logic [POINTS-1:0][LANES-1:0][CW-1:0] point_pipe, point;  // CP and, with normals, n
+  if (NORMALS != 0) begin : g_normals
+    assign point_pipe = {n_pipe, cp_pipe};
+  end else begin : g_no_normals
+    logic unused_n;
+    assign unused_n = &{1'b0, n_pipe};
+    assign point_pipe = cp_pipe;
+  end
+  for (genvar k = 0; k < POINTS; k++) begin : axis
+    logic [LANES-1:0][CW-1:0] masked;
+    lane_select #(.CW(CW), .LANES(LANES)) select_point (.m_i(bad), .a_i({LANES{QNAN}}), .b_i(point_pipe[k]), .r_o(masked));
+    assign point[k] = masked;
   end
 
   // ---- Results ----
-  logic [31:0] kept_index;
   logic [CW-1:0] kept_t, fifo_t;
-  logic [2:0][CW-1:0] kept_cp, fifo_cp;
-  update_lanes #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ROWS(ROWS)) update (
-      .clk_i, .mode_i, .clear_i, .clear_row_i, .clear_mask_i, .valid_i(valid_i && !streaming_i), .row_i(row_out_i), .parity_i, .index_i,
-      .f_i(f), .t_i(t), .cp_x_i(axis[0].cp), .cp_y_i(axis[1].cp), .cp_z_i(axis[2].cp), .new_hits_o, .result_i, .result_row_i, .result_lane_i(lane_i), .result_parity_i,
-      .result_index_o(kept_index), .result_t_o(kept_t), .result_cp_o(kept_cp));
-  record_lanes #(.CW(CW), .LANES(LANES), .DEPTH(FIFO_DEPTH)) records (
-      .clk_i, .push_i, .write_i, .t_i(t), .cp_x_i(axis[0].cp), .cp_y_i(axis[1].cp), .cp_z_i(axis[2].cp), .read_i, .head_i, .lane_i, .t_o(fifo_t), .cp_o(fifo_cp));
-  assign result_index_o = kept_index;
+  logic [POINTS-1:0][CW-1:0] kept_point, fifo_point;
+  update_lanes #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ROWS(ROWS), .POINTS(POINTS)) update (
+      .clk_i, .mode_i, .gap_i, .clear_i, .clear_row_i, .clear_mask_i, .valid_i(valid_i && !streaming_i), .row_i(row_out_i), .parity_i,
+      .index_i, .f_i(f), .bad_i(bad), .t_i(t), .point_i(point), .new_hits_o, .result_i, .result_row_i, .result_lane_i(lane_i),
+      .result_parity_i, .result_index_o, .result_t_o(kept_t), .result_point_o(kept_point));
+  record_lanes #(.CW(CW), .LANES(LANES), .DEPTH(FIFO_DEPTH), .POINTS(POINTS)) records (
+      .clk_i, .push_i, .write_i, .t_i(t), .point_i(point), .read_i, .head_i, .lane_i, .t_o(fifo_t), .point_o(fifo_point));
   assign result_t_o = kept_t | fifo_t;
-  assign result_cp_o = kept_cp | fifo_cp;
+  assign result_point_o = kept_point | fifo_point;
   always_comb begin
     f_o = '0;
     bad_o = '0;

@@ -1,52 +1,102 @@
 // Mouth of the primary register file: PRIMARIES slots written by the local bus 64 bits a beat. The words of a slot gather in a staging
-// register; the beat that brings the last word commits the slot to its lane (primary_lanes) with the verdict on the input contract.
-// Latency: 1 clock. Throughput: one beat a clock. Stall: none.
+// register; the beat that brings the last word commits the slot to its lane group. Beside that it is checked as every shape that the
+// card's pairs have for a primary; which verdict counts is the pair's business.
+// Latency: 1 clock, verdicts shape_check's latency more (busy_o). Throughput: one beat a clock. Stall: none.
 module primary_regfile #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 16,
     parameter int PRIMARIES = 256,
+    parameter int PAIRS = 1,
+    parameter int SWAP = 0,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
     localparam int ROWS = PRIMARIES / LANES,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
     localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1,
-    localparam int WORDS = cde_pkg::PRIM_WORDS
+    localparam int PRIM_W = $clog2(PRIMARIES),
+    localparam int WORDS = cde_pkg::slot_words(PAIRS, 1, SWAP != 0)
 ) (
-    input logic clk_i,
+    input logic clk_i,       // of the bus, gated
+    input logic clk_core_i,
     input logic rst_i,
+    input logic [3:0] pair_i,
+    input logic swap_i,
     input logic write_i,
     input logic [31:0] write_addr_i,  // byte offset, 8-byte aligned
     input logic [63:0] write_data_i,
 
-    output logic [PRIMARIES-1:0] bad_o,  // primaries out of contract, or never written
+    output logic [PRIMARIES-1:0] bad_o,  // primaries out of the pair's contract, or never written
+    output logic busy_o,                 // verdicts are on their way
     output logic commit_o,  // a slot is complete: its lane takes it at the next clock
     output logic [ROW_W-1:0] row_o,
     output logic [LANE_W-1:0] lane_o,
     output logic [WORDS-1:0][CW-1:0] slot_o
 );
-  localparam int BEATS = WORDS * CW / 64;
+  localparam int BEATS = (WORDS * CW + 63) / 64;
+  localparam int PADDED = BEATS * 64 / CW;
+  localparam int SHAPES = 7;
+  localparam int T_CHECK = (ARITH != "rtl") ? 0 : LAT_MUL + 3 * LAT_ADD + LAT_CMP;
   if (PRIMARIES % LANES != 0 || (LANES & (LANES - 1)) != 0) begin : g_illegal
     $error("primary_regfile: LANES must be a power of two that divides PRIMARIES");
   end
 
   logic [31:0] beat, number;
-  logic [WORDS-1:0][CW-1:0] slot;
-  logic commit, bad;
+  logic [PADDED-1:0][CW-1:0] slot, slot_q;
+  logic commit;
+  logic [PRIM_W-1:0] number_q;
   assign beat = write_addr_i >> 3;
   assign number = beat / 32'(BEATS);
   assign commit = write_i && beat % 32'(BEATS) == 32'(BEATS - 1);
   for (genvar b = 0; b < BEATS; b++) begin : gather
-    assign slot[b*64/CW+:64/CW] = (beat % 32'(BEATS) == 32'(b)) ? write_data_i : slot_o[b*64/CW+:64/CW];
+    assign slot[b*64/CW+:64/CW] = (beat % 32'(BEATS) == 32'(b)) ? write_data_i : slot_q[b*64/CW+:64/CW];
   end
-  ray_check #(.EXP(EXP), .MAN(MAN)) check (.word_i(slot), .bad_o(bad));
+  assign slot_o = slot_q[WORDS-1:0];
+  if (PADDED > WORDS) begin : g_padding
+    logic unused_padding;
+    assign unused_padding = &{1'b0, slot_q[PADDED-1:WORDS]};
+  end
   always_ff @(posedge clk_i) begin
     commit_o <= commit && !rst_i;
-    if (write_i) slot_o <= slot;
+    if (write_i) slot_q <= slot;
     if (commit) begin
       row_o <= ROW_W'(number / 32'(LANES));
       lane_o <= LANE_W'(number % 32'(LANES));
-      bad_o[$clog2(PRIMARIES)'(number)] <= bad;
+      number_q <= PRIM_W'(number);
     end
-    if (rst_i) bad_o <= '1;
   end
+
+  // ---- Verdicts: the check runs for a while after a commit ----
+  logic clk_check, judged;
+  logic [PRIM_W-1:0] judged_number;
+  logic [7:0] running_q;
+  assign busy_o = commit_o || running_q != 0;
+  clock_gate gate (.clk_i(clk_core_i), .enable_i(busy_o || rst_i), .clk_o(clk_check));
+  always_ff @(posedge clk_check) running_q <= rst_i ? '0 : commit_o ? 8'(T_CHECK) : running_q - 8'(running_q != 0);
+  align #(.W(PRIM_W + 1), .FROM(0), .TO(T_CHECK)) align_number (.clk_i(clk_check), .d_i({commit_o, number_q}), .q_o({judged, judged_number}));
+  logic [SHAPES-1:0][PRIMARIES-1:0] verdicts;
+  for (genvar shape = 0; shape < SHAPES; shape++) begin : check
+    if (cde_pkg::uses_shape(PAIRS, shape, 1, SWAP != 0)) begin : g_there
+      localparam int N = cde_pkg::shape_words(shape);
+      logic [N-1:0][0:0][CW-1:0] words;
+      logic [0:0][CW-1:0] bad;
+      assign words = slot_q[N-1:0];
+      shape_check #(.SHAPE(shape), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check_u (
+          .clk_i(clk_check), .words_i(words), .bad_o(bad));
+      logic [PRIMARIES-1:0] bad_q;
+      always_ff @(posedge clk_check) begin
+        if (judged) bad_q[judged_number] <= bad[0][0];
+        if (rst_i) bad_q <= '1;
+      end
+      assign verdicts[shape] = bad_q;
+    end else begin : g_absent
+      assign verdicts[shape] = '1;
+    end
+  end
+  logic [2:0] shape_now;
+  assign shape_now = 3'(swap_i ? cde_pkg::secondary_shape(int'(pair_i)) : cde_pkg::primary_shape(int'(pair_i)));
+  assign bad_o = verdicts[shape_now];
 endmodule

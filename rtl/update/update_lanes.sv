@@ -1,13 +1,16 @@
 // Update engine of one lane group: keeps the best record a primary. Per row the old T is read from one stencil-T buffer and the better
 // of old and new is written to the other within one clock (paper section 3.3); `parity_i` says which is which and alternates with
 // every secondary. F, index and CP change only where a new hit is better. Masked primaries are never updated.
-// nearest: smallest (T, index); farthest: largest T, then smallest index; any: the first hit in stream order.
+// nearest: smallest (T, index); farthest: largest T, then smallest index; any: the first hit in stream order. For rays only hits count.
+// For solids (`gap_i`) every pair has a signed gap s, -T when they meet: nearest keeps the smallest s, farthest the largest, and the
+// T buffers hold s.
 // Latency: 1 clock. Throughput: one row a clock. Stall: none.
 module update_lanes #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 16,
     parameter int ROWS = 16,
+    parameter int POINTS = 3,  // words kept beside T: CP and, with normals, n
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
     localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1,
@@ -15,6 +18,7 @@ module update_lanes #(
 ) (
     input logic clk_i,
     input logic [2:0] mode_i,
+    input logic gap_i,
     input logic clear_i,  // reset one row and load its mask
     input logic [ROW_W-1:0] clear_row_i,
     input logic [LANES-1:0] clear_mask_i,  // stencil: 1 masks the lane
@@ -23,11 +27,10 @@ module update_lanes #(
     input logic [ROW_W-1:0] row_i,
     input logic parity_i,
     input logic [31:0] index_i,
-    input logic [LANES-1:0][CW-1:0] f_i,  // lane mask
+    input logic [LANES-1:0][CW-1:0] f_i,  // lane masks
+    input logic [LANES-1:0][CW-1:0] bad_i,
     input logic [LANES-1:0][CW-1:0] t_i,
-    input logic [LANES-1:0][CW-1:0] cp_x_i,
-    input logic [LANES-1:0][CW-1:0] cp_y_i,
-    input logic [LANES-1:0][CW-1:0] cp_z_i,
+    input logic [POINTS-1:0][LANES-1:0][CW-1:0] point_i,
     output logic [HITS_W-1:0] new_hits_o,  // primaries that got their first hit with this row
 
     input logic result_i,  // combinational read after the stream; zeros while low
@@ -35,8 +38,8 @@ module update_lanes #(
     input logic [LANE_W-1:0] result_lane_i,
     input logic result_parity_i,
     output logic [31:0] result_index_o,
-    output logic [CW-1:0] result_t_o,
-    output logic [2:0][CW-1:0] result_cp_o
+    output logic [CW-1:0] result_t_o,  // with gap_i the signed gap
+    output logic [POINTS-1:0][CW-1:0] result_point_o
 );
   /*verilator inline_module*/
   localparam int W = 1 + EXP + MAN;
@@ -46,18 +49,23 @@ module update_lanes #(
   logic [LANES-1:0][CW-1:0] stencil_t0[ROWS], stencil_t1[ROWS];  // the two T buffers
   logic [LANES-1:0][CW-1:0] unmasked[ROWS];                       // stencil values, as lane masks
   logic [LANES-1:0][31:0] f_index[ROWS];                          // F-index buffer: all ones is F = 0
-  logic [2:0][LANES-1:0][CW-1:0] cp[ROWS];                        // of the kept hit; unset while F = 0
 
   // Sign-magnitude to an ordered unsigned key; both zeros map to the same key.
-  function logic [CW-1:0] key(input logic [CW-1:0] word);
-    key = ((word & SIGN) != 0) ? SIGN - (word & ~SIGN) : SIGN + word;
+  function logic [CW-1:0] key(input logic [CW-1:0] bits);
+    key = ((bits & SIGN) != 0) ? SIGN - (bits & ~SIGN) : SIGN + bits;
   endfunction
 
-  logic [LANES-1:0][CW-1:0] hit, t_old, t_new, better, mask;
+  logic [LANES-1:0][CW-1:0] hit, t_value, t_old, t_new, better, mask, candidate;
   logic [LANES-1:0] first_hit;
   logic any_hit;
   assign mask = unmasked[row_i];
-  assign hit = f_i & mask;
+  // What may be kept: hits; of solids, but for mode any, every pair.
+  assign candidate = f_i | ~(bad_i | {(LANES * CW) {!gap_i || mode_i == cde_pkg::MODE_ANY}});
+  assign hit = candidate & mask;
+  always_comb begin
+    t_value = t_i;
+    if (gap_i) for (int l = 0; l < LANES; l++) t_value[l] = t_i[l] | (f_i[l] & SIGN);
+  end
   assign any_hit = valid_i && |hit;
   assign t_old = parity_i ? stencil_t1[row_i] : stencil_t0[row_i];
 
@@ -72,10 +80,10 @@ module update_lanes #(
         if (hit[l][0]) begin
           if (mode_i == cde_pkg::MODE_ANY) better[l] = {CW{first_hit[l]}};
           else if (first_hit[l]) better[l] = '1;
-          else if (key(t_i[l]) == key(t_old[l])) better[l] = {CW{index_i < f_index[row_i][l]}};
-          else better[l] = {CW{(key(t_i[l]) < key(t_old[l])) == (mode_i == cde_pkg::MODE_NEAREST)}};
+          else if (key(t_value[l]) == key(t_old[l])) better[l] = {CW{index_i < f_index[row_i][l]}};
+          else better[l] = {CW{(key(t_value[l]) < key(t_old[l])) == (mode_i == cde_pkg::MODE_NEAREST)}};
         end
-        if (better[l][0]) t_new[l] = t_i[l];
+        if (better[l][0]) t_new[l] = t_value[l];
       end
     end
   end
@@ -99,7 +107,6 @@ module update_lanes #(
     if (valid_i && !parity_i) stencil_t1[row_i] <= t_new;
     if (any_hit) begin
       f_index[row_i] <= index_new;
-      cp[row_i] <= (cp[row_i] & ~{3{better}}) | ({cp_z_i, cp_y_i, cp_x_i} & {3{better}});
     end
     if (clear_i) begin
       unmasked[clear_row_i] <= clear_lanes;
@@ -112,11 +119,14 @@ module update_lanes #(
   always_comb begin
     result_index_o = '0;
     result_t_o = '0;
-    result_cp_o = '0;
     if (result_i) begin
       result_index_o = f_index[result_row_i][result_lane_i];
       result_t_o = result_parity_i ? stencil_t1[result_row_i][result_lane_i] : stencil_t0[result_row_i][result_lane_i];
-      if (result_index_o != '1) for (int k = 0; k < 3; k++) result_cp_o[k] = cp[result_row_i][k][result_lane_i];
     end
+  end
+  for (genvar k = 0; k < POINTS; k++) begin : point
+    logic [LANES-1:0][CW-1:0] kept[ROWS];  // unset while nothing is kept
+    always_ff @(posedge clk_i) if (any_hit) kept[row_i] <= (kept[row_i] & ~better) | (point_i[k] & better);
+    assign result_point_o[k] = (result_i && result_index_o != '1) ? kept[result_row_i][result_lane_i] : '0;
   end
 endmodule

@@ -143,14 +143,14 @@ class Card {
     uint64_t& slot = pending_[clocks_ % pending_.size()];
     model_->ddr_valid_i = slot != kNone;
     if (slot != kNone) {
-      if (const uint8_t* p = ddr_.at(slot * sizeof(model_->ddr_data_i), sizeof(model_->ddr_data_i)))
+      if (const uint8_t* p = ddr_.at(slot * (sizeof(model_->ddr_data_i) / 9), sizeof(model_->ddr_data_i)))
         std::memcpy(&model_->ddr_data_i, p, sizeof(model_->ddr_data_i));
       slot = kNone;
     }
     model_->clk_i = 0;
     eval();
     const bool taken = model_->bus_valid_i && model_->bus_ready_o;
-    if (model_->ddr_read_o) slot = model_->ddr_read_slot_o;
+    if (model_->ddr_read_o) slot = model_->ddr_read_word_o;
     if (model_->ddr_write_o)
       if (uint8_t* p = ddr_.at(model_->ddr_write_addr_o, 8))
         std::memcpy(p, &model_->ddr_write_data_o, 8);
