@@ -35,7 +35,7 @@ package cde_pkg;
   localparam logic [11:0] REG_CAPS3 = 12'h070;         // [12:0] pairs in the card, [16] roles can be swapped, [17] normals, [31:24] words of a primary slot
 
   localparam logic [31:0] ID_MAGIC = 32'h43444531;
-  localparam logic [31:0] INTERFACE_VERSION = 32'd1;
+  localparam logic [31:0] INTERFACE_VERSION = 32'd2;
 
   localparam int STATUS_BUSY = 0;
   localparam int STATUS_DONE = 1;

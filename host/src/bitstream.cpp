@@ -188,7 +188,11 @@ std::vector<std::string> BoardConfig::parameters() const {
   latency(latency_add, "latency_add");
   latency(latency_mul, "latency_mul");
   latency(latency_div, "latency_div");
+  latency(latency_sqrt, "latency_sqrt");
   latency(latency_compare, "latency_compare");
+  if (pairs.empty()) throw Error(ErrorCode::kUsage, "a card has at least one pair");
+  unsigned set = 0;
+  for (const Pair pair : pairs) set |= 1u << static_cast<unsigned>(pair);
   const BoardConfig standard;
   require(ddr_slots >= 1 && ddr_slots <= standard.ddr_slots, "ddr_slots", ddr_slots,
           "1 to 55555555");
@@ -202,9 +206,14 @@ std::vector<std::string> BoardConfig::parameters() const {
     if (value != standard_value) list.push_back(fmt::format("{}={}", name, value));
   };
   add("LANES", lanes, standard.lanes);
+  add("PAIRS", set, 1);
+  add("ALGORITHM", static_cast<unsigned>(algorithm), 0);
+  add("SWAP", swap ? 1 : 0, 0);
+  add("NORMALS", normals ? 1 : 0, 0);
   add("LAT_ADD", latency_add, standard.latency_add);
   add("LAT_MUL", latency_mul, standard.latency_mul);
   add("LAT_DIV", latency_div, standard.latency_div);
+  add("LAT_SQRT", latency_sqrt, standard.latency_sqrt);
   add("LAT_CMP", latency_compare, standard.latency_compare);
   add("DDR_SLOTS", ddr_slots, standard.ddr_slots);
   add("SRAM_RECORDS", sram_records, standard.sram_records);

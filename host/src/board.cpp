@@ -43,10 +43,20 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   field("number of lanes", card.lanes, config.lanes);
   field("exponent width", caps >> 32 & 0xff, 8);
   field("fraction width", caps >> 40 & 0xff, 23);
-  field("ray-triangle algorithm", caps >> 48 & 0xff, card::kAlgorithmMoller);
+  field("ray-triangle algorithm", caps >> 48 & 0xff, static_cast<unsigned>(config.algorithm));
   field("container width", caps2 >> 48 & 0xff, 32);
-  field("DDR capacity", card.capacity, config.ddr_slots);
+  field("DDR capacity", card.capacity, std::uint64_t{config.ddr_slots} * card::kDdrWords * 4);
   field("SRAM ring", card.sram_records, config.sram_records);
+  const std::uint64_t caps3 = card.read_register(card::kRegCaps3);
+  card.slot_words = caps3 >> 24 & 0xff;
+  std::uint64_t pairs = 0;
+  for (const Pair pair : config.pairs) pairs |= std::uint64_t{1} << static_cast<unsigned>(pair);
+  field("set of pairs", caps3 & 0x1fff, pairs);
+  field("role swap", caps3 >> 16 & 1, config.swap);
+  field("normals", caps3 >> 17 & 1, config.normals);
+  card.pairs = config.pairs;
+  card.can_swap = config.swap;
+  card.has_normals = config.normals;
   if (card.primaries == 0 || card.primaries > Stencil().size())
     refuse("number of primaries is out of range");
 }
@@ -141,56 +151,67 @@ Board Board::open(const BoardConfig& config, const OpenOptions& options) {
 // ---- Algorithm 1, before the pass ----
 
 void Board::upload(const TriangleView& triangles, bool validate) {
-  const std::size_t count = triangles.size();
-  if (count == 0) throw Error(ErrorCode::kUsage, "no triangles to upload");
-  if (count > impl_->capacity) {
+  upload_words(
+      Shape::kTriangle, triangles.size(),
+      [&](std::size_t i, float* words) { to_words(triangles[i], slot<Triangle>(words)); },
+      [&](std::size_t i) { return validate ? defect(triangles[i]) : std::nullopt; });
+}
+
+void Board::upload_words(Shape shape, std::size_t count, const Words& words,
+                         const std::function<std::optional<std::string>(std::size_t)>& defect) {
+  if (count == 0) throw Error(ErrorCode::kUsage, fmt::format("no {}s to upload", name(shape)));
+  if (count > capacity(shape)) {
     throw Error(ErrorCode::kCapacity,
-                fmt::format("{} triangles do not fit the card's DDR, which holds {}", count,
-                            impl_->capacity));
+                fmt::format("{} {}s do not fit the card's DDR, which holds {}", count, name(shape),
+                            capacity(shape)));
   }
-  if (validate) {
-    for (std::size_t i = 0; i < count; ++i) {
-      const Triangle triangle = triangles[i];
-      if (defect(triangle)) check(triangle, fmt::format("triangle {}", i));
-    }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (const auto why = defect(i))
+      throw Error(ErrorCode::kBadInput, fmt::format("{} {}: {}", name(shape), i, *why));
   }
-  // Two slots of 36 bytes are 9 beats, so a buffer of an even number of slots ends with a beat.
+  // An even number of slots ends with a beat.
   constexpr std::size_t kChunk = 1024;
-  static_assert(sizeof(Triangle) == 4 * card::kSecWords);
-  std::vector<Triangle> buffer(kChunk);
+  const std::size_t slot_words = cde::words(shape);
+  std::vector<float> buffer(kChunk * slot_words + 1);
   const std::uint64_t start = clocks();
   impl_->secondaries = 0;
   for (std::size_t first = 0; first < count; first += kChunk) {
     const std::size_t n = std::min(kChunk, count - first);
-    for (std::size_t i = 0; i < n; ++i) buffer[i] = triangles[first + i];
-    if (n % 2 != 0 && n < kChunk)
-      buffer[n] = {Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
-    const std::uint64_t beats = (n * sizeof(Triangle) + 7) / 8;
-    impl_->write(card::kSpaceDdr, static_cast<std::uint32_t>(first * sizeof(Triangle)),
-                 buffer.data(), beats);
+    for (std::size_t i = 0; i < n; ++i) words(first + i, &buffer[i * slot_words]);
+    buffer[n * slot_words] = 0;
+    impl_->write(card::kSpaceDdr, static_cast<std::uint32_t>(first * slot_words * 4), buffer.data(),
+                 (n * slot_words + 1) / 2);
   }
   impl_->upload_clocks = clocks() - start;
-  impl_->check_bus("the upload of triangles");
+  impl_->check_bus("the upload of secondaries");
   impl_->secondaries = static_cast<std::uint32_t>(count);
+  impl_->secondary_shape = shape;
 }
 
 void Board::load(std::span<const Ray> rays) {
-  if (rays.empty() || rays.size() > impl_->primaries) {
+  load_shapes(rays);
+}
+
+void Board::load_words(Shape shape, std::size_t count, const Words& words) {
+  if (count == 0 || count > impl_->primaries) {
+    throw Error(ErrorCode::kUsage, fmt::format("a packet has 1 to {} {}s, not {}", impl_->primaries,
+                                               name(shape), count));
+  }
+  if (cde::words(shape) > impl_->slot_words) {
     throw Error(ErrorCode::kUsage,
-                fmt::format("a packet has 1 to {} rays, not {}", impl_->primaries, rays.size()));
+                fmt::format("a {} does not fit a primary slot of this card, which has {} words",
+                            name(shape), impl_->slot_words));
   }
-  std::vector<float> words;
-  words.reserve(rays.size() * card::kPrimWords);
-  for (const Ray& ray : rays) {
-    words.insert(words.end(), {ray.o.x(), ray.o.y(), ray.o.z(), ray.d.x(), ray.d.y(), ray.d.z(),
-                               ray.tmin, ray.tmax});
-  }
+  const std::size_t stride = (impl_->slot_words + 1) / 2 * 2;
+  std::vector<float> slots(count * stride);
+  for (std::size_t i = 0; i < count; ++i) words(i, &slots[i * stride]);
   const std::uint64_t start = clocks();
   impl_->loaded = 0;
-  impl_->write(card::kSpacePrim, 0, words.data(), words.size() / 2);
+  impl_->write(card::kSpacePrim, 0, slots.data(), slots.size() / 2);
   impl_->load_clocks = clocks() - start;
-  impl_->check_bus("the upload of rays");
-  impl_->loaded = static_cast<std::uint32_t>(rays.size());
+  impl_->check_bus("the upload of primaries");
+  impl_->loaded = static_cast<std::uint32_t>(count);
+  impl_->primary_shape = shape;
 }
 
 // ---- The rest of the interface ----
@@ -220,8 +241,8 @@ unsigned Board::lanes() const {
 unsigned Board::primaries() const {
   return impl_->primaries;
 }
-std::uint64_t Board::capacity() const {
-  return impl_->capacity;
+std::uint64_t Board::capacity(Shape shape) const {
+  return impl_->capacity / (4 * words(shape));
 }
 std::uint64_t Board::sram_records() const {
   return impl_->sram_records;
@@ -282,7 +303,9 @@ bool same_bits(const Record& a, const Record& b) {
   const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x); };
   return a.f == b.f && a.bad == b.bad && a.index == b.index && a.primary == b.primary &&
          bits(a.t) == bits(b.t) && bits(a.cp.x()) == bits(b.cp.x()) &&
-         bits(a.cp.y()) == bits(b.cp.y()) && bits(a.cp.z()) == bits(b.cp.z());
+         bits(a.cp.y()) == bits(b.cp.y()) && bits(a.cp.z()) == bits(b.cp.z()) &&
+         bits(a.n.x()) == bits(b.n.x()) && bits(a.n.y()) == bits(b.n.y()) &&
+         bits(a.n.z()) == bits(b.n.z());
 }
 
 Counters& Counters::operator+=(const Counters& other) {

@@ -25,9 +25,13 @@ class Board::Impl {
   const cde_board_api* api = nullptr;
   void* card = nullptr;
   unsigned lanes = 0, primaries = 0, pipe_latency = 0, ddr_latency = 0;
-  std::uint64_t capacity = 0, sram_records = 0;
-  std::uint32_t secondaries = 0;  ///< uploaded
-  std::uint32_t loaded = 0;       ///< rays in the register file
+  std::uint64_t capacity = 0, sram_records = 0;  ///< bytes of DDR
+  std::uint32_t secondaries = 0;                 ///< uploaded
+  std::uint32_t loaded = 0;                      ///< primaries in the register file
+  Shape secondary_shape = Shape::kTriangle, primary_shape = Shape::kRay;
+  std::vector<Pair> pairs;
+  bool can_swap = false, has_normals = false;
+  unsigned slot_words = 0;  ///< of a primary
   std::uint64_t upload_clocks = 0, load_clocks = 0;
 
  private:

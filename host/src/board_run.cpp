@@ -46,9 +46,10 @@ class Pass {
     const std::uint64_t records = streaming_ ? std::uint64_t{active_} * card.secondaries : active_;
     expected_clocks_ = rows_total + (streaming_ && query.mode == Mode::kAll ? records : 0) + 1;
     // Twice the worst: every row, every record written and read back, the memory's latency a slot.
-    const std::uint64_t worst = rows_total + (2 + kBeatsPerRecord) * records +
-                                std::uint64_t{card.secondaries} * (card.ddr_latency / 32 + 1) +
+    const std::uint64_t worst = rows_total + 2 * (2 + kBeatsPerRecord) * records +
+                                std::uint64_t{card.secondaries} * (card.ddr_latency / 32 + 2) +
                                 4096 + card.pipe_latency;
+    ring_entries_ = query.normals ? 2 : 1;
     deadline_ = query.deadline_clocks != 0 ? query.deadline_clocks : 2 * worst;
   }
 
@@ -68,8 +69,11 @@ class Pass {
  private:
   void configure() {
     card_.write_register(card::kRegControl, card::kControlClear);
-    card_.write_register(card::kRegCommand, static_cast<std::uint64_t>(query_.mode) |
-                                                std::uint64_t{card::kPairRayTriangle} << 8);
+    card_.write_register(card::kRegCommand,
+                         static_cast<std::uint64_t>(query_.mode) |
+                             (query_.swap ? card::kCommandSwap : 0) |
+                             (query_.normals ? card::kCommandNormals : 0) |
+                             std::uint64_t{static_cast<unsigned>(*query_.pair)} << 8);
     card_.write_register(card::kRegPrimCount, card_.loaded);
     card_.write_register(card::kRegSecFirst, 0);
     card_.write_register(card::kRegSecCount, card_.secondaries);
@@ -103,19 +107,35 @@ class Pass {
     }
   }
 
-  /// Takes at most this many records, fewer if the ring holds fewer.
+  /// Takes at most this many ring entries, fewer if the ring holds fewer. With normals a record is
+  /// two.
   void drain(std::uint64_t wanted) {
     constexpr std::uint64_t kChunk = 1024;
     wanted = std::min(std::max<std::uint64_t>(wanted, 1), card_.read_register(card::kRegRecords));
     std::array<std::uint32_t, 8 * kChunk> words;
-    records_.resize(kChunk);
     while (wanted != 0) {
       const std::uint64_t n = std::min(wanted, kChunk);
       card_.read(card::kSpaceSram, 0, words.data(), n * kBeatsPerRecord);
-      for (std::uint64_t i = 0; i < n; ++i) records_[i] = decode(&words[8 * i]);
+      records_.clear();
+      for (std::uint64_t i = 0; i < n; ++i) take(&words[8 * i]);
       received_ += n;
       wanted -= n;
-      sink_(std::span(records_).first(n));
+      if (!records_.empty()) sink_(records_);
+    }
+  }
+
+  void take(const std::uint32_t* entry) {
+    const bool normal = bit(entry[card::kRecordFlags], card::kFlagNormal);
+    if (normal != half_.has_value())
+      device_error("a record without its normal", card_.read_register(card::kRegStatus));
+    if (normal) {
+      half_->n = decode(entry).cp;
+      records_.push_back(*half_);
+      half_.reset();
+    } else if (query_.normals) {
+      half_ = decode(entry);
+    } else {
+      records_.push_back(decode(entry));
     }
   }
 
@@ -139,9 +159,11 @@ class Pass {
         device_error(fmt::format("{} {}, but it must be {}", value, what, wanted), status);
     };
     promise("records downloaded", received_, c.records);
-    if (query_.mode != Mode::kAny) promise("triangles swept", c.secondaries, card_.secondaries);
-    if (query_.mode == Mode::kAll) promise("records", received_, c.secondaries * active_);
-    if (!streaming_) promise("records", received_, active_);
+    if (query_.mode != Mode::kAny) promise("secondaries swept", c.secondaries, card_.secondaries);
+    const std::uint64_t each = ring_entries_;
+    if (query_.mode == Mode::kAll) promise("records", received_, c.secondaries * active_ * each);
+    if (!streaming_) promise("records", received_, active_ * each);
+    c.records = received_ / each;
     c.upload_clocks = card_.load_clocks;
     c.total_clocks = card_.clocks() - started_ + card_.load_clocks;
     return c;
@@ -149,7 +171,7 @@ class Pass {
 
   [[nodiscard]] std::string state() {
     return fmt::format(
-        "status {:#x}, {} of {} triangles swept, {} rows issued, {} records waiting, clock {}",
+        "status {:#x}, {} of {} secondaries swept, {} rows issued, {} records waiting, clock {}",
         card_.read_register(card::kRegStatus), card_.read_register(card::kRegSecondaries),
         card_.secondaries, card_.read_register(card::kRegRows),
         card_.read_register(card::kRegRecords), card_.clocks());
@@ -184,17 +206,49 @@ class Pass {
   std::chrono::steady_clock::time_point wall_start_;
   std::uint64_t deadline_ = 0, expected_clocks_ = 0, received_ = 0;
   unsigned active_ = 0;
+  std::uint64_t ring_entries_ = 1;  // of a record
   bool streaming_ = false;
   std::vector<Record> records_;
+  std::optional<Record> half_;  // waits for its normal
 };
 
 }  // namespace
 
+namespace {
+
+/// The query with its pair, which must be one of the card's and fit what was loaded and uploaded.
+Query complete(const Board::Impl& card, const Query& query) {
+  if (card.secondaries == 0)
+    throw Error(ErrorCode::kUsage, "no secondaries were uploaded to the board");
+  if (card.loaded == 0) throw Error(ErrorCode::kUsage, "no primaries were loaded into the board");
+  Query q = query;
+  if (!q.pair) {
+    if (card.pairs.size() != 1)
+      throw Error(ErrorCode::kUsage, "the card has several pipes; the query must name its pair");
+    q.pair = card.pairs.front();
+  }
+  if (std::find(card.pairs.begin(), card.pairs.end(), *q.pair) == card.pairs.end())
+    throw Error(ErrorCode::kUsage, fmt::format("this card has no pipe for {}", name(*q.pair)));
+  if (q.swap && !card.can_swap)
+    throw Error(ErrorCode::kUsage, "this card cannot exchange primaries and secondaries");
+  if (q.normals && (!card.has_normals || !is_solid(*q.pair)))
+    throw Error(ErrorCode::kUsage,
+                is_solid(*q.pair) ? "this card has no normals" : "rays have no normals");
+  Shape primary = primary_shape(*q.pair), secondary = secondary_shape(*q.pair);
+  if (q.swap) std::swap(primary, secondary);
+  if (primary != card.primary_shape || secondary != card.secondary_shape)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} needs {}s loaded and {}s uploaded, but these are {}s and {}s",
+                            name(*q.pair), name(primary), name(secondary), name(card.primary_shape),
+                            name(card.secondary_shape)));
+  return q;
+}
+
+}  // namespace
+
 Counters Board::run(const Query& query, const RecordSink& sink) {
-  if (impl_->secondaries == 0)
-    throw Error(ErrorCode::kUsage, "no triangles were uploaded to the board");
-  if (impl_->loaded == 0) throw Error(ErrorCode::kUsage, "no rays were loaded into the board");
-  return Pass(*impl_, query, sink).execute();
+  const Query whole = complete(*impl_, query);
+  return Pass(*impl_, whole, sink).execute();
 }
 
 std::vector<Record> Board::run(const Query& query, Counters* counters) {

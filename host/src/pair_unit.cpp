@@ -10,43 +10,6 @@
 
 namespace cde {
 
-namespace {
-
-struct PairName {
-  std::string_view name;
-  unsigned a_words, b_words;
-};
-constexpr std::array<PairName, kPairs> kNames{{{"ray-triangle", 8, 9},
-                                               {"obb-obb", 15, 15},
-                                               {"triangle-aabb", 9, 6},
-                                               {"triangle-obb", 9, 15},
-                                               {"sphere-sphere", 4, 4},
-                                               {"triangle-sphere", 9, 4},
-                                               {"ray-cylinder", 8, 8},
-                                               {"triangle-cylinder", 9, 8},
-                                               {"cylinder-cylinder", 8, 8},
-                                               {"obb-cylinder", 15, 8},
-                                               {"obb-plane", 15, 4},
-                                               {"ray-sphere", 8, 4},
-                                               {"sphere-obb", 4, 15}}};
-constexpr std::array<std::string_view, 4> kAlgorithms{"moller", "badouel", "pluecker",
-                                                      "watertight"};
-
-}  // namespace
-
-std::string_view name(Pair pair) {
-  return kNames.at(static_cast<unsigned>(pair)).name;
-}
-std::string_view name(Algorithm algorithm) {
-  return kAlgorithms.at(static_cast<unsigned>(algorithm));
-}
-unsigned primary_words(Pair pair) {
-  return kNames.at(static_cast<unsigned>(pair)).a_words;
-}
-unsigned secondary_words(Pair pair) {
-  return kNames.at(static_cast<unsigned>(pair)).b_words;
-}
-
 std::vector<std::string> PairConfig::parameters() const {
   const auto in_range = [](std::string_view what, unsigned value, unsigned low, unsigned high) {
     if (value < low || value > high)

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "cde/card.hpp"
+#include "cde/pair.hpp"
 
 namespace cde {
 namespace {
@@ -36,9 +37,16 @@ std::map<std::string, std::uint64_t> localparams() {
   return found;
 }
 
+/// "ray-triangle" as the package writes it: RAY_TRIANGLE.
+std::string upper(std::string_view name) {
+  std::string text(name);
+  for (char& c : text) c = c == '-' ? '_' : static_cast<char>(std::toupper(c));
+  return text;
+}
+
 TEST(CardLayout, EqualsThePackage) {
   using namespace card;
-  const std::map<std::string, std::uint64_t> here = {
+  std::map<std::string, std::uint64_t> here = {
       {"SPACE_REG", kSpaceReg},
       {"SPACE_PRIM", kSpacePrim},
       {"SPACE_DDR", kSpaceDdr},
@@ -66,6 +74,7 @@ TEST(CardLayout, EqualsThePackage) {
       {"REG_BAD_SEC", kRegBadSec},
       {"REG_SECONDARIES", kRegSecondaries},
       {"REG_WRITTEN", kRegWritten},
+      {"REG_CAPS3", kRegCaps3},
       {"ID_MAGIC", kIdMagic},
       {"INTERFACE_VERSION", kInterfaceVersion},
       {"STATUS_BUSY", kStatusBusy},
@@ -79,10 +88,8 @@ TEST(CardLayout, EqualsThePackage) {
       {"MODE_ANY", kModeAny},
       {"MODE_ALL", kModeAll},
       {"MODE_HITS", kModeHits},
-      {"PAIR_RAY_TRIANGLE", kPairRayTriangle},
-      {"ALGORITHM_MOLLER", kAlgorithmMoller},
-      {"PRIM_WORDS", kPrimWords},
-      {"SEC_WORDS", kSecWords},
+      {"PAIRS", kPairs},
+      {"DDR_WORDS", kDdrWords},
       {"RECORD_WORDS", kRecordWords},
       {"RECORD_CP", kRecordCp},
       {"RECORD_FLAGS", kRecordFlags},
@@ -92,6 +99,9 @@ TEST(CardLayout, EqualsThePackage) {
       {"FLAG_F", kFlagF},
       {"FLAG_BAD", kFlagBad},
   };
+  for (unsigned p = 0; p < kPairs; ++p) here["PAIR_" + upper(name(static_cast<Pair>(p)))] = p;
+  for (unsigned a = 0; a < 4; ++a) here["ALGORITHM_" + upper(name(static_cast<Algorithm>(a)))] = a;
+  for (unsigned k = 0; k < 7; ++k) here["SHAPE_" + upper(name(static_cast<Shape>(k)))] = k;
   const auto package = localparams();
   for (const auto& [name, value] : package) {
     const auto found = here.find(name);

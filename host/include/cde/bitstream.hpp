@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "cde/pair.hpp"
+
 namespace cde {
 
 /// Arithmetic of the simulated card; results and clocks are the same bit for bit.
@@ -17,11 +19,17 @@ enum class Arithmetic {
 struct BoardConfig {
   unsigned lanes = 16;  ///< pairs a clock: a power of two, 1 to 256
   Arithmetic arithmetic = Arithmetic::kHost;
+  std::vector<Pair> pairs = {Pair::kRayTriangle};  ///< the pipes of the card, at least one
+  Algorithm algorithm = Algorithm::kMoller;        ///< of ray-triangle
+  bool swap = false;         ///< passes can exchange the roles of primary and secondary
+  bool normals = false;      ///< passes can give normals
   unsigned latency_add = 1;  ///< clocks of an operator, at least 1
   unsigned latency_mul = 1;
   unsigned latency_div = 1;
+  unsigned latency_sqrt = 1;
   unsigned latency_compare = 1;
-  unsigned ddr_slots = 55'555'555;  ///< secondaries that fit; the default is two 1 GB modules
+  unsigned ddr_slots =
+      55'555'555;  ///< DDR in triangles (36 bytes); the default is two 1 GB modules
   unsigned sram_records = 524'288;  ///< ring of records, a power of two; seven 2 MB chips
   bool trace = false;               ///< waves can be written (and everything runs slower)
 

@@ -12,16 +12,18 @@
 #include "cde/bitstream.hpp"
 #include "cde/card.hpp"
 #include "cde/mesh.hpp"
+#include "cde/pair.hpp"
 #include "cde/primitives.hpp"
 
 namespace cde {
 
-/// Which records a pass keeps.
+/// Which records a pass keeps. Of rays only hits count; of solids every pair has a signed gap, the
+/// distance apart or minus the penetration depth, and T is its size.
 enum class Mode : std::uint8_t {
-  kNearest = card::kModeNearest,    ///< one a ray: the smallest (T, index)
-  kFarthest = card::kModeFarthest,  ///< one a ray: the largest T, then the smallest index
-  kAny = card::kModeAny,            ///< one a ray: the first hit in stream order; ends early
-  kAll = card::kModeAll,            ///< one a pair, triangle by triangle, rays ascending
+  kNearest = card::kModeNearest,    ///< one a primary: the smallest (T or signed gap, index)
+  kFarthest = card::kModeFarthest,  ///< one a primary: the largest, then the smallest index
+  kAny = card::kModeAny,            ///< one a primary: the first hit in stream order; ends early
+  kAll = card::kModeAll,            ///< one a pair, secondary by secondary, primaries ascending
   kHits = card::kModeHits,          ///< those of kAll that hit
 };
 
@@ -29,14 +31,18 @@ enum class Mode : std::uint8_t {
 [[nodiscard]] const char* name_of(Mode mode);
 [[nodiscard]] std::optional<Mode> mode_named(std::string_view name);
 
-/// What the card found for a ray, or for a pair of ray and triangle.
+/// What the card found for a primary, or for a pair.
 struct Record {
-  Eigen::Vector3f cp = Eigen::Vector3f::Zero();  ///< hit point; 0 without a hit, NaN if bad
+  Eigen::Vector3f cp = Eigen::Vector3f::Zero();  ///< hit or contact point; 0 if none, NaN if bad
   bool f = false;                                ///< hit
-  bool bad = false;           ///< the ray, or in modes all and hits the triangle, is bad input
-  std::uint32_t index = ~0u;  ///< triangle, in upload order; all ones without a hit
-  float t = std::numeric_limits<float>::infinity();  ///< P(t) is the hit; +inf without, NaN if bad
-  std::uint32_t primary = 0;  ///< ray: its number in the packet, from Board::cast in the whole cast
+  bool bad = false;           ///< the primary, or in modes all and hits the secondary, is bad input
+  std::uint32_t index = ~0u;  ///< secondary, in upload order; all ones if none was found
+  float t = std::numeric_limits<float>::infinity();  ///< ray: P(t) is the hit; solids: distance
+                                                     ///< (f = 0) or depth (f = 1); +inf if none,
+                                                     ///< NaN if bad
+  std::uint32_t primary = 0;  ///< its number in the packet, from Board::cast in the whole cast
+  Eigen::Vector3f n = Eigen::Vector3f::Zero();  ///< with Query::normals, of solids: unit, from the
+                                                ///< pair's first shape to its second
 };
 
 /// Bits that differ in nothing: NaN payloads and signs of zero count.
@@ -92,6 +98,9 @@ using RecordSink = std::function<void(std::span<const Record>)>;
 
 struct Query {
   Mode mode = Mode::kNearest;
+  std::optional<Pair> pair = {};  ///< which of the card's pipes; by default its only one
+  bool swap = false;              ///< the pair's first shape is uploaded, its second one loaded
+  bool normals = false;           ///< records have n
   Stencil stencil = {};
   std::uint64_t deadline_clocks =
       0;  ///< for one pass; 0: several times what the pass can take at worst
@@ -131,10 +140,24 @@ class Board {
   /// the first triangle that is not finite, before anything is uploaded, unless `validate` is off
   /// (the card then flags its records).
   void upload(const TriangleView& triangles, bool validate = true);
+  /// The same for other shapes (Sphere, Aabb, Obb, Plane, Cylinder, Ray; Triangle too).
+  template <class P>
+  void upload_shapes(std::span<const P> shapes, bool validate = true) {
+    upload_words(
+        kShapeOf<P>, shapes.size(),
+        [&](std::size_t i, float* words) { to_words(shapes[i], slot<P>(words)); },
+        [&](std::size_t i) { return validate ? defect(shapes[i]) : std::nullopt; });
+  }
 
   /// primaryRegFileUpload: one packet of rays, 1 to primaries() of them (else kUsage). Bad rays are
   /// legal: the card flags their records.
   void load(std::span<const Ray> rays);
+  /// The same for other shapes. Error kUsage if a slot of the card is too small for them.
+  template <class P>
+  void load_shapes(std::span<const P> shapes) {
+    load_words(kShapeOf<P>, shapes.size(),
+               [&](std::size_t i, float* words) { to_words(shapes[i], slot<P>(words)); });
+  }
 
   /// invokeCDE and downloadSRAM: one pass of the loaded rays over all triangles. In modes all and
   /// hits the records are drained while the pass runs, so their number is not limited by SRAM. The
@@ -157,8 +180,8 @@ class Board {
   void trace_close();
 
   [[nodiscard]] unsigned lanes() const;
-  [[nodiscard]] unsigned primaries() const;      ///< rays in a packet at most
-  [[nodiscard]] std::uint64_t capacity() const;  ///< triangles that DDR holds
+  [[nodiscard]] unsigned primaries() const;  ///< rays in a packet at most
+  [[nodiscard]] std::uint64_t capacity(Shape shape = Shape::kTriangle) const;  ///< that DDR holds
   [[nodiscard]] std::uint64_t sram_records() const;
   [[nodiscard]] unsigned pipe_latency() const;        ///< clocks
   [[nodiscard]] std::uint64_t upload_clocks() const;  ///< of the last upload()
@@ -177,6 +200,14 @@ class Board {
 
  private:
   explicit Board(std::unique_ptr<Impl> impl);
+  template <class P>
+  static std::span<float, P::kWords> slot(float* words) {
+    return std::span<float, P::kWords>(words, P::kWords);
+  }
+  using Words = std::function<void(std::size_t, float*)>;  ///< number of a shape, where to put it
+  void upload_words(Shape shape, std::size_t count, const Words& words,
+                    const std::function<std::optional<std::string>(std::size_t)>& defect);
+  void load_words(Shape shape, std::size_t count, const Words& words);
   std::unique_ptr<Impl> impl_;
 };
 

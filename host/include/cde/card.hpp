@@ -20,16 +20,18 @@ enum Register : std::uint32_t {
                             ///< fraction bits, [55:48] algorithm
   kRegConfigHash = 0x010,   ///< hash of parameters and RTL sources
   kRegCaps2 = 0x018,        ///< [15:0] pipe latency, [47:16] SRAM records, [55:48] container bits
-  kRegCapacity = 0x020,     ///< secondary slots in DDR
+  kRegCapacity = 0x020,     ///< bytes of DDR
   kRegControl = 0x028,      ///< write: kControl* bits
   kRegStatus = 0x030,       ///< kStatus* bits
-  kRegCommand = 0x038,      ///< [2:0] result mode, [11:8] pair code
+  kRegCommand = 0x038,      ///< [2:0] result mode, kCommandSwap, kCommandNormals, [11:8] pair code
   kRegPrimCount = 0x040,    ///< primaries in the register file
   kRegSecFirst = 0x048,     ///< first secondary slot
   kRegSecCount = 0x050,     ///< number of secondaries
   kRegRecords = 0x058,      ///< records waiting in the SRAM ring
   kRegFaultAddr = 0x060,    ///< [33:32] space, [31:0] offset of the first refused access
   kRegWriteback = 0x068,    ///< clocks that wrote the kept records back to SRAM
+  kRegCaps3 = 0x070,        ///< [12:0] pairs in the card, [16] roles can be swapped, [17] normals,
+                            ///< [31:24] words of a primary slot
   kRegStencil = 0x080,      ///< primaries/64 registers: 1 masks a primary
   kRegCycles = 0x0C0,       ///< clocks from go to done, without kRegWriteback
   kRegRows = 0x0C8,         ///< rows issued to the pipe (one row is `lanes` pairs)
@@ -42,7 +44,7 @@ enum Register : std::uint32_t {
 };
 
 inline constexpr std::uint32_t kIdMagic = 0x43444531;
-inline constexpr std::uint32_t kInterfaceVersion = 1;
+inline constexpr std::uint32_t kInterfaceVersion = 2;
 
 /// Bits of kRegControl.
 inline constexpr std::uint64_t kControlGo = 1;
@@ -68,22 +70,25 @@ enum ModeCode : std::uint32_t {
   kModeHits = 4,
 };
 
-/// Pair codes, kRegCommand[11:8], and ray-triangle algorithms, kRegCaps.
-inline constexpr std::uint32_t kPairRayTriangle = 0;
-inline constexpr std::uint32_t kAlgorithmMoller = 0;
+/// Bits of kRegCommand beside mode and pair code (pair.hpp has those).
+inline constexpr std::uint64_t kCommandSwap = 1 << 4;
+inline constexpr std::uint64_t kCommandNormals = 1 << 5;
 
-/// Slots and records, in words of the container width. On the bus a record takes one word more.
-inline constexpr unsigned kPrimWords = 8;  ///< ray: ox oy oz dx dy dz tmin tmax
-inline constexpr unsigned kSecWords = 9;   ///< triangle: v0 v1 v2
+/// A slot is the words of its shape, packed in DDR, and padded to whole beats in the primary
+/// register file; a card's primary slot has the words of its largest primary.
+inline constexpr unsigned kDdrWords = 9;  ///< words of a DDR beat
+
+/// Records, in words of the container width. On the bus a record takes one word more.
 inline constexpr unsigned kRecordWords = 7;
 inline constexpr unsigned kRecordCp = 0;  ///< 3 words
 inline constexpr unsigned kRecordFlags = 3;
-inline constexpr unsigned kRecordIndex = 4;  ///< secondary index, all ones when F = 0
+inline constexpr unsigned kRecordIndex = 4;  ///< secondary index, all ones if none
 inline constexpr unsigned kRecordT = 5;
 inline constexpr unsigned kRecordPrimary = 6;
 
 /// Bit numbers of the flags word.
 inline constexpr unsigned kFlagF = 0;
 inline constexpr unsigned kFlagBad = 1;
+inline constexpr unsigned kFlagNormal = 2;  ///< second record: n in CP's words, the signed gap in T
 
 }  // namespace cde::card

@@ -10,35 +10,9 @@
 
 #include "cde/bitstream.hpp"
 #include "cde/fp_format.hpp"
+#include "cde/pair.hpp"
 
 namespace cde {
-
-/// The thirteen pairs, primary first; the numbers are those of rtl/cde_pkg.sv.
-enum class Pair : unsigned {
-  kRayTriangle,
-  kObbObb,
-  kTriangleAabb,
-  kTriangleObb,
-  kSphereSphere,
-  kTriangleSphere,
-  kRayCylinder,
-  kTriangleCylinder,
-  kCylinderCylinder,
-  kObbCylinder,
-  kObbPlane,
-  kRaySphere,
-  kSphereObb,
-};
-inline constexpr unsigned kPairs = 13;
-
-enum class Algorithm : unsigned { kMoller, kBadouel, kPluecker, kWatertight };  ///< of ray-triangle
-
-/// "ray-triangle", "obb-obb" and so on.
-[[nodiscard]] std::string_view name(Pair pair);
-[[nodiscard]] std::string_view name(Algorithm algorithm);
-/// Words of a primary and of a secondary.
-[[nodiscard]] unsigned primary_words(Pair pair);
-[[nodiscard]] unsigned secondary_words(Pair pair);
 
 /// One elaborated configuration of rtl/pair_unit.sv.
 struct PairConfig {

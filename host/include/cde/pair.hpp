@@ -1,0 +1,66 @@
+#pragma once
+#include <optional>
+#include <string_view>
+
+#include "cde/primitives.hpp"
+
+namespace cde {
+
+/// The thirteen pairs, primary first; the numbers are those of rtl/cde_pkg.sv.
+enum class Pair : unsigned {
+  kRayTriangle,
+  kObbObb,
+  kTriangleAabb,
+  kTriangleObb,
+  kSphereSphere,
+  kTriangleSphere,
+  kRayCylinder,
+  kTriangleCylinder,
+  kCylinderCylinder,
+  kObbCylinder,
+  kObbPlane,
+  kRaySphere,
+  kSphereObb,
+};
+inline constexpr unsigned kPairs = 13;
+
+enum class Algorithm : unsigned { kMoller, kBadouel, kPluecker, kWatertight };  ///< of ray-triangle
+
+/// "ray-triangle", "obb-obb" and so on.
+[[nodiscard]] std::string_view name(Pair pair);
+[[nodiscard]] std::string_view name(Algorithm algorithm);
+[[nodiscard]] std::optional<Pair> pair_named(std::string_view text);
+[[nodiscard]] std::optional<Algorithm> algorithm_named(std::string_view text);
+
+/// What a primary or secondary is; the numbers are those of rtl/cde_pkg.sv.
+enum class Shape : unsigned { kRay, kTriangle, kSphere, kAabb, kPlane, kCylinder, kObb };
+[[nodiscard]] std::string_view name(Shape shape);
+/// Words of a slot.
+[[nodiscard]] unsigned words(Shape shape);
+
+[[nodiscard]] Shape primary_shape(Pair pair);
+[[nodiscard]] Shape secondary_shape(Pair pair);
+[[nodiscard]] inline unsigned primary_words(Pair pair) {
+  return words(primary_shape(pair));
+}
+[[nodiscard]] inline unsigned secondary_words(Pair pair) {
+  return words(secondary_shape(pair));
+}
+/// Two solids: T is the size of a signed gap. Otherwise a ray is the primary.
+[[nodiscard]] inline bool is_solid(Pair pair) {
+  return primary_shape(pair) != Shape::kRay;
+}
+
+template <class P>
+inline constexpr Shape kShapeOf = [] {
+  using S = typename P::Scalar;
+  if constexpr (std::is_same_v<P, BasicRay<S>>) return Shape::kRay;
+  if constexpr (std::is_same_v<P, BasicTriangle<S>>) return Shape::kTriangle;
+  if constexpr (std::is_same_v<P, BasicSphere<S>>) return Shape::kSphere;
+  if constexpr (std::is_same_v<P, BasicAabb<S>>) return Shape::kAabb;
+  if constexpr (std::is_same_v<P, BasicPlane<S>>) return Shape::kPlane;
+  if constexpr (std::is_same_v<P, BasicCylinder<S>>) return Shape::kCylinder;
+  if constexpr (std::is_same_v<P, BasicObb<S>>) return Shape::kObb;
+}();
+
+}  // namespace cde

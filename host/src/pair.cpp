@@ -1,0 +1,75 @@
+#include "cde/pair.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace cde {
+namespace {
+
+struct PairFacts {
+  std::string_view name;
+  Shape primary, secondary;
+};
+constexpr std::array<PairFacts, kPairs> kFacts{
+    {{"ray-triangle", Shape::kRay, Shape::kTriangle},
+     {"obb-obb", Shape::kObb, Shape::kObb},
+     {"triangle-aabb", Shape::kTriangle, Shape::kAabb},
+     {"triangle-obb", Shape::kTriangle, Shape::kObb},
+     {"sphere-sphere", Shape::kSphere, Shape::kSphere},
+     {"triangle-sphere", Shape::kTriangle, Shape::kSphere},
+     {"ray-cylinder", Shape::kRay, Shape::kCylinder},
+     {"triangle-cylinder", Shape::kTriangle, Shape::kCylinder},
+     {"cylinder-cylinder", Shape::kCylinder, Shape::kCylinder},
+     {"obb-cylinder", Shape::kObb, Shape::kCylinder},
+     {"obb-plane", Shape::kObb, Shape::kPlane},
+     {"ray-sphere", Shape::kRay, Shape::kSphere},
+     {"sphere-obb", Shape::kSphere, Shape::kObb}}};
+constexpr std::array<std::string_view, 4> kAlgorithms{"moller", "badouel", "pluecker",
+                                                      "watertight"};
+struct ShapeFacts {
+  std::string_view name;
+  unsigned words;
+};
+constexpr std::array<ShapeFacts, 7> kShapes{{{"ray", 8},
+                                             {"triangle", 9},
+                                             {"sphere", 4},
+                                             {"aabb", 6},
+                                             {"plane", 4},
+                                             {"cylinder", 8},
+                                             {"obb", 15}}};
+
+}  // namespace
+
+std::string_view name(Pair pair) {
+  return kFacts.at(static_cast<unsigned>(pair)).name;
+}
+std::string_view name(Algorithm algorithm) {
+  return kAlgorithms.at(static_cast<unsigned>(algorithm));
+}
+std::string_view name(Shape shape) {
+  return kShapes.at(static_cast<unsigned>(shape)).name;
+}
+
+std::optional<Pair> pair_named(std::string_view text) {
+  const auto* found = std::find_if(kFacts.begin(), kFacts.end(),
+                                   [text](const PairFacts& f) { return f.name == text; });
+  if (found == kFacts.end()) return std::nullopt;
+  return static_cast<Pair>(found - kFacts.begin());
+}
+std::optional<Algorithm> algorithm_named(std::string_view text) {
+  const auto* found = std::find(kAlgorithms.begin(), kAlgorithms.end(), text);
+  if (found == kAlgorithms.end()) return std::nullopt;
+  return static_cast<Algorithm>(found - kAlgorithms.begin());
+}
+
+unsigned words(Shape shape) {
+  return kShapes.at(static_cast<unsigned>(shape)).words;
+}
+Shape primary_shape(Pair pair) {
+  return kFacts.at(static_cast<unsigned>(pair)).primary;
+}
+Shape secondary_shape(Pair pair) {
+  return kFacts.at(static_cast<unsigned>(pair)).secondary;
+}
+
+}  // namespace cde
