@@ -158,8 +158,9 @@ const char* to_string(DirectedFamily family) {
 
 oracle::Case directed_case(oracle::Pair pair, DirectedFamily family, std::uint64_t seed,
                            std::uint64_t index) {
-  Random random(seed, 1000 + 16 * static_cast<std::uint64_t>(pair) +
-                          static_cast<std::uint64_t>(family), index);
+  Random random(seed,
+                1000 + 16 * static_cast<std::uint64_t>(pair) + static_cast<std::uint64_t>(family),
+                index);
   const bool thin = family == DirectedFamily::kThin;
   Shape a = random_shape(oracle::primary(pair), random, thin);
   Shape b = random_shape(oracle::secondary(pair), random, thin);

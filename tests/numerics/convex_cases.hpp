@@ -9,10 +9,10 @@
 namespace cde::testing {
 
 enum class DirectedFamily {
-  kCorners,       ///< vertex to vertex, small distance, normal within the cone of either
-  kEdges,         ///< normal perpendicular to an edge of one or both, but for 1e-9 to 1e-2
-  kFaces,         ///< normal that of a face, but for 1e-9 to 1e-2; apart or penetrating
-  kThin,          ///< the triangle's, or box's, smallest width is 1e-8 to 1e-2 of it
+  kCorners,  ///< vertex to vertex, small distance, normal within the cone of either
+  kEdges,    ///< normal perpendicular to an edge of one or both, but for 1e-9 to 1e-2
+  kFaces,    ///< normal that of a face, but for 1e-9 to 1e-2; apart or penetrating
+  kThin,     ///< the triangle's, or box's, smallest width is 1e-8 to 1e-2 of it
 };
 inline constexpr std::array kDirectedFamilies = {DirectedFamily::kCorners, DirectedFamily::kEdges,
                                                  DirectedFamily::kFaces, DirectedFamily::kThin};

@@ -211,7 +211,8 @@ template <typename S, std::size_t N, typename Support, typename Gap>
   const Facet<S> witness = least(by_witness);
   const Facet<S> near = least(by_distance);
   const Difference<S> start{perpendicular<S>(near.x.v, near.edge, near.inverse_ff), near.x.p};
-  const Difference<S> polished = polish<S>(start, support(start.v), tie);
+  const Difference<S> once = polish<S>(start, support(start.v), tie);
+  const Difference<S> polished = polish<S>(once, support(once.v), tie);
   return decide<S>({s, witness.n, witness.x}, polished, S{0} < s, tie, gap_along);
 }
 
