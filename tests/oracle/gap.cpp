@@ -163,7 +163,8 @@ struct Cap {
       n = norm > 0 ? Vec(y / norm) : n0;
       return norm;
     }
-    n = t > 0 ? Vec(cos_rho * n0 + (sin_rho / t) * across) : n0;
+    // Normalised: if y is along n0, rounding has left `across` with no right angle to it.
+    n = t > 0 ? Vec((cos_rho * n0 + (sin_rho / t) * across).normalized()) : n0;
     return p * cos_rho + t * sin_rho;
   }
   /// The point of the segment y..z with (nearly) the least bound: the zero of the derivative of

@@ -22,37 +22,45 @@ class FclAgrees : public testing::TestWithParam<Pair> {};
 
 TEST_P(FclAgrees, OnTheSignedGap) {
   constexpr int kCount = 1500;
-  int compared = 0, apart = 0;
-  double worst_apart = 0, worst_overlap = 0;
+  std::vector<std::pair<Shape, Shape>> pairs;
   for (int i = 0; i < kCount; ++i) {
     Random random(kSeed, static_cast<std::uint64_t>(GetParam()), i);
     const Frame fa = random.rotation(), fb = random.rotation();
     const Shape a = build_shape(random, primary(GetParam()), fa, {});
+    const Shape b = build_shape(random, secondary(GetParam()), fb, {});
     const double away = random.uniform(0, 3);
-    const Shape b =
-        moved(build_shape(random, secondary(GetParam()), fb, {}), away * random.direction());
-    const std::optional<double> fcl = fcl_signed_distance(a, b);
-    if (!fcl) continue;
+    pairs.emplace_back(a, moved(b, away * random.direction()));
+  }
+  const auto answers = fcl_signed_distances(pairs);
+  const bool ball =
+      primary(GetParam()) == ShapeKind::kSphere || secondary(GetParam()) == ShapeKind::kSphere;
+  const bool is_round = ball || has_cylinder(GetParam());
+  int compared = 0, apart = 0;
+  double worst_apart = 0, worst_overlap = 0;
+  for (int i = 0; i < kCount; ++i) {
+    if (!answers[i]) continue;
+    const double fcl = *answers[i];
+    const auto& [a, b] = pairs[i];
     ++compared;
     const Gap gap = signed_gap(a, b, {1e-9});
-    const double error = std::max({0.0, gap.lo - *fcl, *fcl - gap.hi}) / scene_size(a, b);
-    EXPECT_LE(error, 1e-6) << i << ": FCL " << *fcl << ", s in [" << gap.lo << ", " << gap.hi
-                           << ']';
-    apart += *fcl > 0;
-    double& worst = *fcl > 0 ? worst_apart : worst_overlap;
+    // Near round shapes GJK ends early, with a distance of two points, so too large.
+    const double size = scene_size(a, b);
+    const double below = (gap.lo - fcl) / size, above = (fcl - gap.hi) / size;
+    EXPECT_LE(below, 2e-9) << i << ": FCL " << fcl << ", s in [" << gap.lo << ", " << gap.hi << ']';
+    EXPECT_LE(above, is_round ? 1e-5 : 2e-9)
+        << i << ": FCL " << fcl << ", s in [" << gap.lo << ", " << gap.hi << ']';
+    const double error = std::max({0.0, below, above});
+    apart += fcl > 0;
+    double& worst = fcl > 0 ? worst_apart : worst_overlap;
     worst = std::max(worst, error);
   }
   std::printf(
-      "%s: %d compared with FCL, %d apart (worst outside the interval %.1e S), %d overlap "
+      "%s: FCL answers %d of %d; %d apart (at worst %.1e S outside the interval), %d overlap "
       "(%.1e S)\n",
-      to_string(GetParam()), compared, apart, worst_apart, compared - apart, worst_overlap);
-  const bool ball =
-      primary(GetParam()) == ShapeKind::kSphere || secondary(GetParam()) == ShapeKind::kSphere;
+      to_string(GetParam()), compared, kCount, apart, worst_apart, compared - apart, worst_overlap);
+  EXPECT_GT(compared, ball ? kCount / 2 : kCount * 99 / 100);
   EXPECT_GT(apart, kCount / 8);
-  if (!ball) {
-    EXPECT_EQ(compared, kCount);
-    EXPECT_LT(apart, kCount * 7 / 10);
-  }
+  EXPECT_GT(compared - apart, kCount / 8);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, FclAgrees,
@@ -100,9 +108,10 @@ TEST(CgalAgrees, OnTrianglesMeetingBoxes) {
     }
     // Touching counts as meeting on either side; only the interval's width is left undecided.
     const Gap gap = signed_gap(a, b);
-    if (gap.lo > 0) EXPECT_FALSE(meet) << c.describe();
-    if (gap.hi < 0) EXPECT_TRUE(meet) << c.describe();
-    decided += gap.lo > 0 || gap.hi < 0;
+    if (gap.lo > 0 || gap.hi < 0) {
+      EXPECT_EQ(meet, gap.hi < 0) << c.describe();
+      ++decided;
+    }
     met += meet;
   }
   std::printf("triangle-aabb: %d of 3000 decided and like CGAL, %d meet\n", decided, met);

@@ -85,9 +85,14 @@ void RayDraft::rim_point(const Vec& eye, Vec& point, Vec& out) {
       const double z = random.uniform(-1, 1) * cylinder.half_height;
       point = cylinder.c + z * cylinder.axis + cylinder.radius * out;
     } else {
-      const Vec radial = cylinder.axis.cross(random.direction()).normalized();
-      const double cap = random.either_sign(cylinder.half_height);
-      point = cylinder.c + cap * cylinder.axis + cylinder.radius * radial;
+      // A rim is on the silhouette where the eye sees just one of the cap and the side.
+      for (int attempt = 0; attempt < 32; ++attempt) {
+        const Vec radial = cylinder.axis.cross(random.direction()).normalized();
+        const double cap = random.either_sign(cylinder.half_height);
+        point = cylinder.c + cap * cylinder.axis + cylinder.radius * radial;
+        const Vec back = eye - point;
+        if ((cap * back.dot(cylinder.axis) > 0) != (back.dot(radial) > 0)) break;
+      }
       out = random.direction();
     }
   }

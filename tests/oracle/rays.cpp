@@ -39,10 +39,36 @@ double to_double(const Real& x) {
   return x.convert_to<double>();
 }
 
-/// A crossing of the line and the surface.
-struct Crossing {
+/// Where the line crosses one surface.
+struct Root {
   Real t;
   double cosine;  // of the angle between line and normal
+};
+
+/// Where the line enters or leaves the target: its last entry or first exit over all surfaces.
+struct Crossing {
+  bool entry;
+  std::vector<Root> roots;
+
+  [[nodiscard]] const Root& active() const {
+    const auto before = [](const Root& a, const Root& b) { return a.t < b.t; };
+    return entry ? *std::ranges::max_element(roots, before)
+                 : *std::ranges::min_element(roots, before);
+  }
+  /// The displacement, to first order, after which the crossing would be on the other side of the
+  /// bound: one root is enough to pass it one way, the other way all have to.
+  [[nodiscard]] double margin(double bound, double length) const {
+    if (std::isinf(bound)) return kInfinity;
+    const Real b(bound);
+    const bool beyond = entry ? active().t > b : active().t < b;
+    double least = kInfinity, most = 0;
+    for (const Root& root : roots) {
+      const double m = std::abs(to_double(root.t - b)) * length * root.cosine;
+      least = std::min(least, m);
+      if (entry ? root.t > b : root.t < b) most = std::max(most, m);
+    }
+    return beyond ? most : least;
+  }
 };
 
 Vec point_at(const Ray& ray, const Real& t) {
@@ -50,16 +76,17 @@ Vec point_at(const Ray& ray, const Real& t) {
   return {to_double(o[0] + t * d[0]), to_double(o[1] + t * d[1]), to_double(o[2] + t * d[2])};
 }
 
-/// How far t is from the end of the interval where it would change sides, as a length.
-double from_bounds(const Ray& ray, const Real& t, double length) {
-  const auto apart = [&](double bound) {
-    return std::isinf(bound) ? kInfinity : std::abs(to_double(t - Real(bound))) * length;
-  };
-  return std::min(apart(ray.tmin), apart(ray.tmax));
-}
-
 bool in_range(const Ray& ray, const Real& t) {
   return t >= Real(ray.tmin) && t <= Real(ray.tmax);
+}
+
+/// Of the active root; at a rim, where another is within `near` of it, the lesser of the two.
+double cosine_of(const Crossing& crossing, double near) {
+  double cosine = 1;
+  for (const Root& root : crossing.roots)
+    if (std::abs(to_double(root.t - crossing.active().t)) <= near)
+      cosine = std::min(cosine, root.cosine);
+  return cosine;
 }
 
 /// The answer for the crossings of a line, ascending in t. line_margin: the displacement, as a
@@ -75,32 +102,35 @@ RayAnswer decide(const Ray& ray, const std::vector<Crossing>& crossings, double 
     return answer;
   }
   double enters = kInfinity, leaves = 0, others = kInfinity;
-  for (const Crossing& c : crossings) {
-    const double margin = from_bounds(ray, c.t, length) * c.cosine;
-    if (!in_range(ray, c.t)) {
-      enters = std::min(enters, margin);
-      if (!answer.hit) others = std::min(others, margin);
+  for (const Crossing& crossing : crossings) {
+    const Real& t = crossing.active().t;
+    const double from_tmin = crossing.margin(ray.tmin, length);
+    const double from_tmax = crossing.margin(ray.tmax, length);
+    if (!in_range(ray, t)) {
+      enters = std::min(enters, t < Real(ray.tmin) ? from_tmin : from_tmax);
+      if (!answer.hit) others = std::min(others, from_tmin);
       continue;
     }
+    const double margin = std::min(from_tmin, from_tmax);
     leaves = std::max(leaves, margin);
     if (answer.hit) continue;
     answer.hit = true;
     others = std::min(others, margin);
-    answer.t = to_double(c.t);
-    answer.point = point_at(ray, c.t);
-    answer.cosine = c.cosine;
+    answer.t = to_double(t);
+    answer.point = point_at(ray, t);
+    answer.cosine = cosine_of(crossing, 1e-5 * scale / length);
   }
   answer.margin = (answer.hit ? std::min(line_margin, leaves) : enters) / scale;
   answer.margin_t = answer.hit ? std::min(answer.margin, others / scale) : answer.margin;
   return answer;
 }
 
-/// A convex piece of the line, and the cosine of the surface at either end.
+/// What one surface of a solid leaves of the line.
 struct Interval {
   bool all = false;    // the whole line
   bool empty = false;  // nothing of it
   Real in = 0, out = 0;
-  double cosine_in = 1, cosine_out = 1;
+  double cosine = 1;          // of the angle between line and normal, at both ends
   double margin = kInfinity;  // displacement after which all or empty would no longer hold
 };
 
@@ -124,7 +154,7 @@ Interval lateral_interval(const Real3& d, const Real3& f, const Real3& axis, con
   found.in = (-b - root) / a;
   found.out = (-b + root) / a;
   // The outward normal is (m + t n) x axis / r, along which d advances by root / (r |axis|).
-  found.cosine_in = found.cosine_out = to_double(root / (r * length * norm(d)));
+  found.cosine = to_double(root / (r * length * norm(d)));
   return found;
 }
 
@@ -141,25 +171,22 @@ Interval slab_interval(const Real3& d, const Real3& f, const Real3& axis, const 
   const Real t0 = (-h - at) / along, t1 = (h - at) / along;
   found.in = t0 < t1 ? t0 : t1;
   found.out = t0 < t1 ? t1 : t0;
-  found.cosine_in = found.cosine_out = std::abs(to_double(along / (length * norm(d))));
+  found.cosine = std::abs(to_double(along / (length * norm(d))));
   return found;
 }
 
-/// The common part. Where both begin (or end) together, at a rim, the lesser cosine counts.
-Interval intersect(const Interval& a, const Interval& b, double length, double scale) {
-  if (a.all) return b;
-  if (b.all) return a;
-  const auto together = [&](const Real& s, const Real& t) {
-    return std::abs(to_double(s - t)) * length < 1e-5 * scale;
-  };
-  Interval c;
-  c.in = a.in > b.in ? a.in : b.in;
-  c.out = a.out < b.out ? a.out : b.out;
-  c.cosine_in = a.in > b.in ? a.cosine_in : b.cosine_in;
-  c.cosine_out = a.out < b.out ? a.cosine_out : b.cosine_out;
-  if (together(a.in, b.in)) c.cosine_in = std::min(a.cosine_in, b.cosine_in);
-  if (together(a.out, b.out)) c.cosine_out = std::min(a.cosine_out, b.cosine_out);
-  return c;
+/// The displacement after which the line would no longer be inside all surfaces at once, or after
+/// which it would be: moving an end by e needs e times its cosine.
+double overlap_margin(const Crossing& in, const Crossing& out, double length) {
+  const bool apart = in.active().t > out.active().t;
+  double least = kInfinity, most = 0;
+  for (const Root& i : in.roots)
+    for (const Root& o : out.roots) {
+      const double m = std::abs(to_double(o.t - i.t)) * length / (1 / i.cosine + 1 / o.cosine);
+      least = std::min(least, m);
+      if (i.t > o.t) most = std::max(most, m);
+    }
+  return apart ? most : least;
 }
 
 /// Distance of the line o + t d from the segment p..q, in extended precision.
@@ -191,6 +218,26 @@ double to_double(const ExactHit::Rational& x) {
   return x.convert_to<double>();
 }
 
+/// The answer for a ray that is not parallel to the triangle.
+RayAnswer decide(const Ray& ray, const ExactHit& exact, const std::array<Vec, 3>& v,
+                 const Vec& normal, double scale) {
+  const double area = normal.norm();
+  const double cosine = std::abs(normal.dot(ray.d)) / (area * ray.d.norm());
+  // Barycentric coordinate times height: the distance from an edge, negative outside.
+  const double weights[3] = {to_double(ExactHit::Rational(1 - exact.u - exact.v)),
+                             to_double(exact.u), to_double(exact.v)};
+  double inside = kInfinity;
+  for (int k = 0; k < 3; ++k)
+    inside = std::min(inside, weights[k] * area / (v[(k + 2) % 3] - v[(k + 1) % 3]).norm());
+  if (!exact.inside()) return decide(ray, {}, std::abs(inside) * cosine, scale);
+  const Real t = Real(mp::numerator(exact.t)) / Real(mp::denominator(exact.t));
+  return decide(ray, {{true, {{t, cosine}}}}, inside * cosine, scale);
+}
+
+void require_direction(const Ray& ray) {
+  if (ray.d.isZero(0)) throw std::invalid_argument("the direction is zero");
+}
+
 bool exact_in_float(const Vec& v) {
   return v.cast<float>().cast<double>() == v;
 }
@@ -198,6 +245,7 @@ bool exact_in_float(const Vec& v) {
 }  // namespace
 
 RayAnswer cast(const Ray& ray, const Sphere& sphere) {
+  require_direction(ray);
   const Real3 d = real3(ray.d), f = real3(ray.o) - real3(sphere.c);
   const Real r(sphere.r), a = dot(d, d), b = dot(f, d), c = dot(f, f) - r * r;
   const Real discriminant = b * b - a * c;
@@ -207,12 +255,13 @@ RayAnswer cast(const Ray& ray, const Sphere& sphere) {
   if (discriminant >= 0) {
     const Real root = sqrt(discriminant);
     const double cosine = to_double(root / (r * sqrt(a)));
-    crossings = {{(-b - root) / a, cosine}, {(-b + root) / a, cosine}};
+    crossings = {{true, {{(-b - root) / a, cosine}}}, {false, {{(-b + root) / a, cosine}}}};
   }
   return decide(ray, crossings, line_margin, scale);
 }
 
 RayAnswer cast(const Ray& ray, const Cylinder& cylinder) {
+  require_direction(ray);
   const Real3 d = real3(ray.d), f = real3(ray.o) - real3(cylinder.c), axis = real3(cylinder.axis);
   const double length = ray.d.norm();
   const double scale = (ray.o - cylinder.c).norm() + cylinder.radius + cylinder.half_height;
@@ -223,16 +272,19 @@ RayAnswer cast(const Ray& ray, const Cylinder& cylinder) {
         std::max(lateral.empty ? lateral.margin : 0.0, slab.empty ? slab.margin : 0.0);
     return decide(ray, {}, margin, scale);
   }
-  const Interval both = intersect(lateral, slab, length, scale);
-  // Moving either end by e needs a displacement of e cosine.
-  const double overlap =
-      std::abs(to_double(both.out - both.in)) * length / (1 / both.cosine_in + 1 / both.cosine_out);
-  if (both.in > both.out) return decide(ray, {}, overlap, scale);
-  return decide(ray, {{both.in, both.cosine_in}, {both.out, both.cosine_out}},
-                std::min({overlap, lateral.margin, slab.margin}), scale);
+  Crossing in{true, {}}, out{false, {}};
+  for (const Interval* interval : {&lateral, &slab}) {
+    if (interval->all) continue;
+    in.roots.push_back({interval->in, interval->cosine});
+    out.roots.push_back({interval->out, interval->cosine});
+  }
+  const double overlap = overlap_margin(in, out, length);
+  if (in.active().t > out.active().t) return decide(ray, {}, overlap, scale);
+  return decide(ray, {in, out}, std::min({overlap, lateral.margin, slab.margin}), scale);
 }
 
 RayAnswer cast(const Ray& ray, const Triangle& triangle) {
+  require_direction(ray);
   const std::array<Vec, 3> v = {triangle.v0, triangle.v1, triangle.v2};
   for (const Vec* w : {&ray.o, &ray.d, &v[0], &v[1], &v[2]})
     if (!exact_in_float(*w)) throw std::invalid_argument("operand is not exact in binary32");
@@ -245,18 +297,13 @@ RayAnswer cast(const Ray& ray, const Triangle& triangle) {
   if (scale == 0) scale = 1;  // all in one point: a miss whatever the unit
 
   const Vec normal = (v[1] - v[0]).cross(v[2] - v[0]);
+  RayAnswer answer = exact.det == 0 ? decide(ray, {}, from_parallel(ray, v, normal), scale)
+                                    : decide(ray, exact, v, normal, scale);
+  double longest = 0;
+  for (int k = 0; k < 3; ++k) longest = std::max(longest, (v[(k + 1) % 3] - v[k]).norm());
   const double area = normal.norm();
-  if (exact.det == 0) return decide(ray, {}, from_parallel(ray, v, normal), scale);
-  const double cosine = std::abs(normal.dot(ray.d)) / (area * ray.d.norm());
-  // Barycentric coordinate times height: the distance from an edge, negative outside.
-  const double weights[3] = {to_double(ExactHit::Rational(1 - exact.u - exact.v)),
-                             to_double(exact.u), to_double(exact.v)};
-  double inside = kInfinity;
-  for (int k = 0; k < 3; ++k)
-    inside = std::min(inside, weights[k] * area / (v[(k + 2) % 3] - v[(k + 1) % 3]).norm());
-  if (!exact.inside()) return decide(ray, {}, std::abs(inside) * cosine, scale);
-  const Real t = Real(mp::numerator(exact.t)) / Real(mp::denominator(exact.t));
-  return decide(ray, {{t, cosine}}, inside * cosine, scale);
+  answer.aspect = area > 0 ? longest * longest / area : kInfinity;
+  return answer;
 }
 
 RayAnswer cast(const Case& ray_case) {

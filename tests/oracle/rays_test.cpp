@@ -79,9 +79,8 @@ INSTANTIATE_TEST_SUITE_P(
         Known{"can_over_its_cap", from(Vec(-4, 0, 2.5), kX), kCan, kInf, 0.5},
         Known{"can_along_its_cap", from(Vec(-4, 0, 2), kX), kCan, 3, 0},
         Known{"can_beside", from(Vec(-4, 1.25, 0), kX), kCan, kInf, 0.25},
-        Known{"can_rim", from(Vec(-3, 0, 0), Vec(1, 0, 1)), kCan, 2, 1 / std::sqrt(2.0)},
-        Known{"can_past_its_rim", from(Vec(-4, 0, 0), Vec(1, 0, 1)), kCan, kInf,
-              1 / std::sqrt(8.0)},
+        Known{"can_rim", from(Vec(-3, 0, 0), Vec(1, 0, 1)), kCan, 2, 0},
+        Known{"can_past_its_rim", from(Vec(-4, 0, 0), Vec(1, 0, 1)), kCan, kInf, 0.5},
         Known{"triangle_ahead", from(Vec(1, 1, -2), kZ), kFlat, 3, 1},
         Known{"triangle_from_the_back", from(Vec(1, 1, 3), -kZ), kFlat, 2, 1},
         Known{"triangle_edge", from(Vec(1, 0, 0), kZ), kFlat, 1, 0},
@@ -140,6 +139,20 @@ TEST(RayCheck, JudgesFAndTByTheBandsGiven) {
   EXPECT_TRUE(check(past, miss, false, kInf, kO, 0x1p-20, tolerance).ok);
   EXPECT_FALSE(check(past, miss, false, 0, kO, 0x1p-20, tolerance).ok);
   EXPECT_FALSE(check(past, miss, true, 6, Vec(0, 2, 0), 0x1p-20, tolerance).ok);
+}
+
+TEST(RayAnswer, RefusesADirectionOfZero) {
+  for (const Shape& target : {Shape(kBall), Shape(kCan), Shape(kFlat)})
+    EXPECT_THROW((void)cast_at(from(kX, kO), target), std::invalid_argument);
+}
+
+TEST(RayAnswer, KnowsHowSteeplyTheRayMeetsTheSurfaceAndHowThinATriangleIs) {
+  EXPECT_DOUBLE_EQ(cast(from(Vec(-6, 1, 0), kX), kBall).cosine, std::sqrt(0.75));
+  EXPECT_DOUBLE_EQ(cast(from(Vec(0.25, 0, -6), kZ), kCan).cosine, 1);
+  EXPECT_DOUBLE_EQ(cast(from(Vec(-4, 0.5, 0), kX), kCan).cosine, std::sqrt(0.75));
+  EXPECT_DOUBLE_EQ(cast(from(Vec(1, 1, 0), kZ), kFlat).cosine, 1);
+  EXPECT_DOUBLE_EQ(cast(from(Vec(1, 1, 0), kZ), kFlat).aspect, 2);
+  EXPECT_EQ(cast(from(Vec(1, 1, 0), kZ), Triangle{kO, kX, 2 * kX}).aspect, kInf);
 }
 
 TEST(RayTriangle, RefusesWhatIsNotBinary32) {
