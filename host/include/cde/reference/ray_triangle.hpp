@@ -67,10 +67,11 @@ template <typename S>
          zero < magnitude(det);
 }
 
-/// Band of Badouel and of Pluecker, in u (L + |E1| |E2| (|E1| + |E2|) / |N|) / cos. Both work with
-/// positions in the world, so that their error grows with the distance of the scene from the
-/// world's origin; Moeller and watertight work from the ray's origin.
-inline constexpr double kBadouelBand = 8, kPlueckerBand = 8;
+/// Badouel and Pluecker work with positions in the world, so that their error grows with the
+/// distance of the scene from the world's origin; Moeller and watertight work from the ray's
+/// origin. Band of Badouel, in u (L + slim) / cos, and bound of T |D| in the same unit; slim is
+/// |E1| |E2| (|E1| + |E2|) / |N|, the length of a needle.
+inline constexpr double kBadouelBand = 8, kBadouelDepth = 8;
 
 /// After Badouel, "An Efficient Ray-Polygon Intersection", Graphics Gems 1990, in the paper's
 /// equations (1) and (2): the plane first, then two coordinates in the plane's dominant projection.
@@ -113,6 +114,10 @@ template <typename S>
   return ray_outcome<S>(inside && in_interval(ray, t), t, p);
 }
 
+/// Band of Pluecker, in u L / cos, and bound of T |D|, in that times 1 + T |D| (sum of the edge
+/// lengths) / |N|.
+inline constexpr double kPlueckerBand = 8, kPlueckerDepth = 8;
+
 /// By Pluecker coordinates, the paper's equations (4) to (6): a line through x along l is
 /// {l : l x x}, and the inner product of two lines tells on which side they pass each other.
 ///
@@ -150,8 +155,9 @@ template <typename S>
   return ray_outcome<S>(inside && in_interval(ray, t), t, point_at(ray, t));
 }
 
-/// Band of watertight, in u max|v-o| / cos.
-inline constexpr double kWatertightBand = 8;
+/// Band of watertight, in u max|v-o| / cos, and bound of T |D|, in that times 1 + (longest
+/// edge)^2 / |N|: F stays sharp on needles, T does not.
+inline constexpr double kWatertightBand = 2, kWatertightDepth = 8;
 
 /// After Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2013, for fp32: the
 /// space is sheared so that the ray runs along its dominant axis, and the edge functions are

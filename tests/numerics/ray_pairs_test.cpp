@@ -1,0 +1,573 @@
+// What the four ray-triangle mirror references answer, against exact rational arithmetic; leaks of
+// closed meshes; and the operators that each ray pipe is made of. Moeller's bound has a test of its
+// own (moller_test.cpp).
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <random>
+#include <vector>
+
+#include "cde/mesh.hpp"
+#include "cde/reference/ray_cylinder.hpp"
+#include "cde/reference/ray_sphere.hpp"
+#include "cde/reference/ray_triangle.hpp"
+#include "counted.hpp"
+#include "exact.hpp"
+
+namespace cde::testing {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr unsigned kSeed = 20070129;
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+class Random {
+ public:
+  double unit() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
+  double between(double lo, double hi) { return lo + (hi - lo) * unit(); }
+  double sign() { return (bits_() & 1) != 0 ? 1 : -1; }
+  bool chance(double share) { return unit() < share; }
+  double decades(double lo, double hi) { return std::pow(10.0, between(lo, hi)); }
+  Vector3d vector() { return {between(-1, 1), between(-1, 1), between(-1, 1)}; }
+  std::size_t below(std::size_t n) { return bits_() % n; }
+
+ private:
+  std::mt19937_64 bits_{kSeed};
+};
+
+// ---- Against exact arithmetic ----
+
+struct Scene {
+  const char* name;
+  double offset;           ///< of the scene from the world's origin
+  double size;             ///< of the triangles
+  double distance;         ///< of the ray's origin, at most
+  double near_edge = 0.5;  ///< share of rays aimed close to an edge
+  double needle = 1;       ///< height over length of the triangles
+  double least_cos = 0.01;
+  double finest = -7;  ///< decade of the closest misses of an edge, in barycentric coordinates
+};
+
+std::ostream& operator<<(std::ostream& out, const Scene& s) {
+  return out << s.name;
+}
+
+/// A ray, and a triangle that it meets at known, often awkward, barycentric coordinates.
+std::pair<Ray, Triangle> make(Random& random, const Scene& scene) {
+  BasicRay<double> ray;
+  ray.o = random.vector() + Vector3d::Constant(scene.offset);
+  ray.d = random.vector() * random.decades(-1, 1);
+  const double t = random.between(0.1, 1) * scene.distance / ray.d.norm();
+  if (random.chance(0.25)) ray.tmin = t * random.between(0, 1.5), ray.tmax = 2 * t;
+  const Vector3d at = ray.o + t * ray.d;
+  const Vector3d e1 = scene.size * random.vector();
+  const Vector3d e2 = random.between(-1, 2) * e1 + scene.size * scene.needle * random.vector();
+  double u = random.between(-0.15, 1.15), v = random.between(-0.15, 1.15) * (1 - u);
+  if (random.chance(scene.near_edge)) {
+    const double off = random.sign() * random.decades(scene.finest, -2);
+    switch (random.below(3)) {
+      case 0:
+        u = off, v = random.unit();
+        break;
+      case 1:
+        v = off, u = random.unit();
+        break;
+      default:
+        u = random.unit(), v = 1 - u + off;
+    }
+  }
+  const Vector3d v0 = at - u * e1 - v * e2;
+  const BasicTriangle<double> triangle{v0, v0 + e1, v0 + e2};
+  return {primitive_cast<float>(ray), primitive_cast<float>(triangle)};
+}
+
+/// The lengths by which the bands are measured.
+struct Shape {
+  double world = 0;  ///< L: largest |coordinate|
+  double reach = 0;  ///< largest |v - o|
+  double slim;       ///< |E1| |E2| (|E1| + |E2|) / |N|
+  double aspect;     ///< square of the longest edge over |N|
+  double around;     ///< sum of the edge lengths, over |N|
+  double cos;        ///< |N.D| / (|N| |D|)
+  double height[3];  ///< of v1, v2, v0 above the edge across
+  double direction;  ///< |D|
+
+  Shape(const Ray& ray, const Triangle& triangle) {
+    const Vector3d o = ray.o.cast<double>(), d = ray.d.cast<double>();
+    const Vector3d v[3] = {triangle.v0.cast<double>(), triangle.v1.cast<double>(),
+                           triangle.v2.cast<double>()};
+    world = o.cwiseAbs().maxCoeff();
+    for (const Vector3d& p : v) {
+      world = std::max(world, p.cwiseAbs().maxCoeff());
+      reach = std::max(reach, (p - o).norm());
+    }
+    const Vector3d e1 = v[1] - v[0], e2 = v[2] - v[0], normal = e1.cross(e2);
+    const double a = e1.norm(), b = e2.norm(), c = (e2 - e1).norm(), area = normal.norm();
+    direction = d.norm();
+    slim = a * b * (a + b) / area, around = (a + b + c) / area;
+    aspect = std::max({a * a, b * b, c * c}) / area;
+    cos = std::abs(normal.dot(d)) / (area * direction);
+    height[0] = area / b, height[1] = area / a, height[2] = area / c;
+  }
+};
+
+/// One of the algorithms, with the band within which it may decide otherwise than exact arithmetic
+/// (a length in the plane of the triangle) and the bound of T (a length along the ray), over u.
+struct Algorithm {
+  const char* name;
+  template <typename S>
+  using Function = reference::Outcome<S> (*)(const BasicRay<S>&, const BasicTriangle<S>&);
+  Function<float> fp32;
+  Function<Fp16> fp16;
+  Function<Bf16> bf16;
+  Function<Fp24> fp24;
+  Function<double> fp64;
+  double (*band)(const Shape&);
+  double (*depth)(const Shape&, double distance);  ///< distance: t |D|
+};
+
+template <typename S>
+Algorithm::Function<S> pick(const Algorithm& a) {
+  if constexpr (std::is_same_v<S, float>) return a.fp32;
+  if constexpr (std::is_same_v<S, Fp16>) return a.fp16;
+  if constexpr (std::is_same_v<S, Bf16>) return a.bf16;
+  if constexpr (std::is_same_v<S, Fp24>) return a.fp24;
+  if constexpr (std::is_same_v<S, double>) return a.fp64;
+}
+
+#define CDE_EVERY_FORMAT(FUNCTION) \
+  FUNCTION<float>, FUNCTION<Fp16>, FUNCTION<Bf16>, FUNCTION<Fp24>, FUNCTION<double>
+
+const Algorithm kBadouel{
+    "badouel", CDE_EVERY_FORMAT(reference::ray_triangle_badouel),
+    [](const Shape& s) { return reference::kBadouelBand * (s.world + s.slim / 4) / s.cos; },
+    [](const Shape& s, double) { return reference::kBadouelDepth * (s.world + s.slim) / s.cos; }};
+const Algorithm kPluecker{"pluecker", CDE_EVERY_FORMAT(reference::ray_triangle_pluecker),
+                          [](const Shape& s) { return reference::kPlueckerBand * s.world / s.cos; },
+                          [](const Shape& s, double distance) {
+                            return reference::kPlueckerDepth * s.world / s.cos *
+                                   (1 + distance * s.around);
+                          }};
+const Algorithm kWatertight{
+    "watertight", CDE_EVERY_FORMAT(reference::ray_triangle_watertight),
+    [](const Shape& s) { return reference::kWatertightBand * s.reach / s.cos; },
+    [](const Shape& s, double) {
+      return reference::kWatertightDepth * s.reach * (1 + s.aspect) / s.cos;
+    }};
+#undef CDE_EVERY_FORMAT
+
+enum class Truth { kHit, kMiss, kOpen };
+
+/// How far inside the edges (in the triangle's plane) and the interval (along the ray) the hit is;
+/// negative outside.
+struct Margins {
+  double edge, interval;
+  Margins(const Ray& ray, const ExactHit& exact, const Shape& shape) {
+    const double u = static_cast<double>(exact.u), v = static_cast<double>(exact.v),
+                 rest = static_cast<double>(ExactHit::Rational(1 - exact.u - exact.v)),
+                 t = static_cast<double>(exact.t);
+    edge = std::min({u * shape.height[0], v * shape.height[1], rest * shape.height[2]});
+    interval = std::min(t - ray.tmin, ray.tmax - t) * shape.direction;
+  }
+};
+
+Truth decide(const Margins& m, double band, double depth) {
+  if (m.edge < -band || m.interval < -depth) return Truth::kMiss;
+  return m.edge > band && m.interval > depth ? Truth::kHit : Truth::kOpen;
+}
+
+struct Report {
+  int pairs = 0, hits = 0, open = 0, open_wrong = 0, wrong = 0;
+  double worst_edge = 0;   ///< furthest from an edge that F was wrong, over the band
+  double worst_depth = 0;  ///< worst error of T, over its bound
+  double worst_point = 0;  ///< worst error of CP, over the bound of T and u of the terms
+};
+
+template <typename S>
+Report judge(const Algorithm& algorithm, Scene scene, int pairs) {
+  const double u = reference::kUnitRoundoff<S>;
+  scene.finest = std::max(-9.0, std::log10(u));
+  Random random;
+  Report r;
+  while (r.pairs < pairs) {
+    // The words that the format holds, as floats: all formats but fp64 fit in.
+    const auto [made_ray, made_triangle] = make(random, scene);
+    const auto ray_s = primitive_cast<S>(made_ray);
+    const auto triangle_s = primitive_cast<S>(made_triangle);
+    const Ray ray = primitive_cast<float>(ray_s);
+    const Triangle triangle = primitive_cast<float>(triangle_s);
+    if (reference::bad(ray_s) || reference::bad(triangle_s)) continue;
+    const ExactHit exact(ray, triangle);
+    if (exact.det == 0) continue;
+    const Shape shape(ray, triangle);
+    if (shape.cos < scene.least_cos) continue;
+    ++r.pairs;
+    const Margins margins(ray, exact, shape);
+    const double t = static_cast<double>(exact.t), distance = std::abs(t) * shape.direction;
+    const double band = u * algorithm.band(shape), depth = u * algorithm.depth(shape, distance);
+    const Truth truth = decide(margins, band, depth);
+    const auto got = pick<S>(algorithm)(ray_s, triangle_s);
+    r.hits += got.f;
+    if (got.f != exact.hit(ray) && margins.interval > depth)
+      r.worst_edge = std::max(r.worst_edge, std::abs(margins.edge) / band);
+    if (truth == Truth::kOpen) {
+      ++r.open, r.open_wrong += got.f != exact.hit(ray);
+    } else {
+      r.wrong += got.f != (truth == Truth::kHit);
+    }
+    if (!got.f) continue;
+    const double error = std::abs(static_cast<double>(got.t) - t) * shape.direction;
+    r.worst_depth = std::max(r.worst_depth, error / depth);
+    const Vector3d cp = got.cp.template cast<double>(),
+                   at = ray.o.cast<double>() + t * ray.d.cast<double>();
+    const double rounding = 2 * u * (at.cwiseAbs().maxCoeff() + ray.o.cwiseAbs().maxCoeff());
+    r.worst_point = std::max(r.worst_point, (cp - at).cwiseAbs().maxCoeff() / (depth + rounding));
+  }
+  return r;
+}
+
+template <typename S>
+void expect_right(const Algorithm& algorithm, const Scene& scene, int pairs, const char* format,
+                  double most_open = 0.5) {
+  const Report r = judge<S>(algorithm, scene, pairs);
+  std::printf(
+      "%s %s %s: seed %u, %d pairs, %.1f %% hit, wrong outside the band %d, open %d (%.2f %%), of "
+      "them %d decided otherwise than exact arithmetic; furthest wrong F at %.2f of the band, T "
+      "off by %.2f of its bound, CP by %.2f\n",
+      algorithm.name, format, scene.name, kSeed, r.pairs, 100.0 * r.hits / r.pairs, r.wrong, r.open,
+      100.0 * r.open / r.pairs, r.open_wrong, r.worst_edge, r.worst_depth, r.worst_point);
+  EXPECT_EQ(r.wrong, 0);
+  EXPECT_LE(r.worst_depth, 1);
+  EXPECT_LE(r.worst_point, 1);
+  EXPECT_GT(r.hits, 0.3 * r.pairs);
+  EXPECT_LT(r.hits, 0.7 * r.pairs);
+  EXPECT_LT(r.open, most_open * r.pairs) << "the band excuses more than it checks";
+}
+
+using Judged = std::tuple<Scene, const Algorithm*>;
+class RayTriangle : public ::testing::TestWithParam<Judged> {};
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, RayTriangle,
+    ::testing::Combine(::testing::Values(Scene{"AtOrigin", 0, 1, 4}, Scene{"TenAway", 10, 1, 4},
+                                         Scene{"ThousandAway", 1000, 10, 40},
+                                         Scene{"Small", 0, 1e-2, 1}, Scene{"Large", 0, 1e3, 1e3},
+                                         Scene{"Needles", 0, 1, 4, 0.2, 1e-2}),
+                       ::testing::Values(&kBadouel, &kPluecker, &kWatertight)),
+    [](const auto& info) {
+      return std::string(std::get<0>(info.param).name) + "_" + std::get<1>(info.param)->name;
+    });
+
+TEST_P(RayTriangle, IsRightOutsideItsBand) {
+  const auto& [scene, algorithm] = GetParam();
+  expect_right<float>(*algorithm, scene, 4000, "fp32");
+}
+
+class RayTriangleFormats : public ::testing::TestWithParam<const Algorithm*> {};
+INSTANTIATE_TEST_SUITE_P(Algorithms, RayTriangleFormats,
+                         ::testing::Values(&kBadouel, &kPluecker, &kWatertight),
+                         [](const auto& info) { return std::string(info.param->name); });
+
+TEST_P(RayTriangleFormats, TheBandScalesWithTheRoundoff) {
+  const Scene scene{"Unit", 0, 4, 2, 0.1, 1, 0.3};
+  expect_right<Fp16>(*GetParam(), scene, 2000, "fp16");
+  expect_right<Bf16>(*GetParam(), scene, 2000, "bf16", 0.95);
+  expect_right<Fp24>(*GetParam(), scene, 2000, "fp24");
+  expect_right<double>(*GetParam(), scene, 2000, "fp64");
+}
+
+// ---- Leaks ----
+
+using ReferenceF = Algorithm::Function<float>;
+const std::pair<const char*, ReferenceF> kAll[] = {
+    {"moller", reference::ray_triangle_moller<float>},
+    {"badouel", reference::ray_triangle_badouel<float>},
+    {"pluecker", reference::ray_triangle_pluecker<float>},
+    {"watertight", reference::ray_triangle_watertight<float>}};
+
+bool leaks(const std::vector<Triangle>& triangles, const Ray& ray, ReferenceF run) {
+  for (const Triangle& triangle : triangles)
+    if (run(ray, triangle).f) return false;
+  return true;
+}
+
+std::vector<Triangle> triangles_of(const Mesh& mesh) {
+  std::vector<Triangle> all;
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) all.push_back(mesh.triangle(i));
+  return all;
+}
+
+/// Rays from inside a closed mesh, aimed at its edges and vertices, where the rounded point is as
+/// likely to lie on either side.
+TEST(Leaks, IcosphereFromInside) {
+  constexpr int kRays = 20000;
+  const std::vector<Triangle> mesh =
+      triangles_of(load_mesh(std::string(CDE_SOURCE_DIR) + "/meshes/icosphere.ply"));
+  std::map<std::string, int> leaked;
+  Random random;
+  for (int i = 0; i < kRays; ++i) {
+    const Triangle& aim = mesh[random.below(mesh.size())];
+    const double s = random.chance(0.3) ? 0 : random.unit();
+    const Vector3d at = aim.v0.cast<double>() * (1 - s) + aim.v1.cast<double>() * s;
+    Ray ray;
+    ray.o = (0.5 * random.vector()).cast<float>();
+    ray.d = ((at - ray.o.cast<double>()) * random.decades(-1, 1)).cast<float>();
+    for (const auto& [name, run] : kAll) leaked[name] += leaks(mesh, ray, run);
+  }
+  for (const auto& [name, n] : leaked)
+    std::printf("icosphere, seed %u, %d rays at edges and vertices: %s leaks %d (%.2f %%)\n", kSeed,
+                kRays, name.c_str(), n, 100.0 * n / kRays);
+  EXPECT_EQ(leaked["watertight"], 0);
+  EXPECT_GT(leaked["moller"], 0) << "the rays are too easy to tell";
+}
+
+/// Embree's recipe: a sphere of radius 2, 200 by 200 quads, so far from the world's origin that its
+/// vertices stand on a grid of 1/64 (on which differences and products are exact, so that Moeller
+/// does not leak either), and rays from anywhere inside in any direction.
+TEST(Leaks, SphereFarFromTheOrigin) {
+  constexpr int kSteps = 200, kRays = 300;
+  const Vector3d centre(148376, 1234, -223423);
+  std::vector<Vector3f> vertices;
+  for (int i = 0; i <= kSteps; ++i) {
+    for (int j = 0; j < kSteps; ++j) {
+      const double theta = M_PI * i / kSteps, phi = 2 * M_PI * j / kSteps;
+      const double ring = i == 0 || i == kSteps ? 0 : std::sin(theta);  // the poles are one point
+      vertices.push_back(
+          (centre + 2 * Vector3d(ring * std::cos(phi), ring * std::sin(phi), std::cos(theta)))
+              .cast<float>());
+    }
+  }
+  std::vector<Triangle> mesh;
+  for (int i = 0; i < kSteps; ++i) {
+    for (int j = 0; j < kSteps; ++j) {
+      const auto at = [&](int a, int b) { return vertices[a * kSteps + b % kSteps]; };
+      mesh.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      mesh.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  }
+  std::map<std::string, int> leaked;
+  Random random;
+  for (int i = 0; i < kRays; ++i) {
+    Ray ray;
+    ray.o = (centre + random.vector()).cast<float>();
+    ray.d = random.vector().cast<float>();
+    if (i % 2 == 0) ray.d = vertices[random.below(vertices.size())] - ray.o;  // exact
+    for (const auto& [name, run] : kAll) leaked[name] += leaks(mesh, ray, run);
+  }
+  for (const auto& [name, n] : leaked)
+    std::printf("sphere far from the origin, seed %u, %d rays: %s leaks %d\n", kSeed, kRays,
+                name.c_str(), n);
+  EXPECT_EQ(leaked["watertight"], 0);
+  EXPECT_GT(leaked["badouel"], 0) << "it works in world coordinates";
+}
+
+/// The same in the other formats: the edge functions stay antisymmetric in all of them.
+template <typename S>
+int leaks_of_octahedron(int rays) {
+  std::vector<BasicTriangle<S>> mesh;
+  for (int k = 0; k < 8; ++k) {
+    const auto corner = [&](int axis) {
+      return Vector3d(Vector3d::Unit(axis) * ((k >> axis & 1) != 0 ? 1 : -1));
+    };
+    const Vector3d shift(0.1, -0.2, 0.05);
+    mesh.push_back(primitive_cast<S>(
+        BasicTriangle<double>{corner(0) + shift, corner(1) + shift, corner(2) + shift}));
+  }
+  Random random;
+  int leaked = 0;
+  for (int i = 0; i < rays; ++i) {
+    const double s = random.chance(0.2) ? 0 : random.unit();
+    const auto& aim = mesh[random.below(mesh.size())];
+    const Vector3d at =
+        aim.v0.template cast<double>() * (1 - s) + aim.v1.template cast<double>() * s;
+    BasicRay<double> ray{0.15 * random.vector(), {}, 0, std::numeric_limits<double>::infinity()};
+    ray.d = at - ray.o;
+    const auto ray_s = primitive_cast<S>(ray);
+    bool out = true;
+    for (const auto& triangle : mesh)
+      out = out && !reference::ray_triangle_watertight(ray_s, triangle).f;
+    leaked += out;
+  }
+  return leaked;
+}
+
+TEST(Leaks, NoneInAnyFormat) {
+  constexpr int kRays = 20000;
+  EXPECT_EQ(leaks_of_octahedron<Fp16>(kRays), 0);
+  EXPECT_EQ(leaks_of_octahedron<Bf16>(kRays), 0);
+  EXPECT_EQ(leaks_of_octahedron<Fp24>(kRays), 0);
+  EXPECT_EQ(leaks_of_octahedron<float>(kRays), 0);
+  EXPECT_EQ(leaks_of_octahedron<double>(kRays), 0);
+}
+
+// ---- Watertight against its source ----
+
+/// Woop, Benthin and Wald 2013, appendix A, two-sided, with the exchange of kx and ky that the
+/// mirror leaves out and their own test of the signs.
+reference::Outcome<float> woop(const Ray& ray, const Triangle& triangle) {
+  int kz = 0;
+  for (int k = 1; k < 3; ++k)
+    if (std::abs(ray.d[k]) > std::abs(ray.d[kz])) kz = k;
+  int kx = (kz + 1) % 3, ky = (kx + 1) % 3;
+  if (ray.d[kz] < 0) std::swap(kx, ky);
+  const float sz = 1.0f / ray.d[kz], sx = ray.d[kx] * sz, sy = ray.d[ky] * sz;
+  const Vector3f a = triangle.v0 - ray.o, b = triangle.v1 - ray.o, c = triangle.v2 - ray.o;
+  const float ax = a[kx] - sx * a[kz], ay = a[ky] - sy * a[kz];
+  const float bx = b[kx] - sx * b[kz], by = b[ky] - sy * b[kz];
+  const float cx = c[kx] - sx * c[kz], cy = c[ky] - sy * c[kz];
+  const float u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
+  reference::Outcome<float> r;
+  if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return r;
+  const float det = u + v + w;
+  if (det == 0) return r;
+  const float t = (u * (sz * a[kz]) + v * (sz * b[kz]) + w * (sz * c[kz])) / det;
+  if (t < ray.tmin || t > ray.tmax) return r;
+  r.f = true, r.t = t;
+  return r;
+}
+
+TEST(Watertight, IsTheAlgorithmOfItsAuthors) {
+  Random random;
+  int hits = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const auto [ray, triangle] = make(random, {"", 0, 1, 4});
+    const auto expected = woop(ray, triangle),
+               got = reference::ray_triangle_watertight(ray, triangle);
+    ASSERT_EQ(got.f, expected.f);
+    ASSERT_EQ(got.t, expected.t);
+    hits += got.f;
+  }
+  EXPECT_GT(hits, 6000);
+}
+
+// ---- Cases by hand ----
+
+class EveryAlgorithm : public ::testing::TestWithParam<std::pair<const char*, ReferenceF>> {};
+INSTANTIATE_TEST_SUITE_P(Algorithms, EveryAlgorithm, ::testing::ValuesIn(kAll),
+                         [](const auto& info) { return std::string(info.param.first); });
+
+const Triangle kPlain{{0, 0, 2}, {1, 0, 2}, {0, 1, 2}};
+
+TEST_P(EveryAlgorithm, HitsCornersEdgesAndBothFaces) {
+  const ReferenceF run = GetParam().second;
+  const Triangle turned{kPlain.v0, kPlain.v2, kPlain.v1};
+  for (const Triangle& triangle : {kPlain, turned}) {
+    for (const auto& [x, y] : {std::pair{0.0f, 0.0f},
+                               {1, 0},
+                               {0, 1},
+                               {0.5f, 0},
+                               {0, 0.5f},
+                               {0.5f, 0.5f},
+                               {0.25f, 0.25f}}) {
+      for (const float from : {0.0f, 4.0f}) {
+        const auto got = run({{x, y, from}, {-0.0f, 0, 2 - from}}, triangle);
+        EXPECT_TRUE(got.f) << x << " " << y;
+        EXPECT_EQ(got.t, 1);
+        EXPECT_EQ(got.cp, Vector3f(x, y, 2));
+      }
+    }
+    for (const auto& [x, y] : {std::pair{-1e-6f, 0.5f}, {0.5f, -1e-6f}, {0.500001f, 0.500001f}})
+      EXPECT_FALSE(run({{x, y, 0}, {0, 0, 1}}, triangle).f) << x << " " << y;
+  }
+}
+
+TEST_P(EveryAlgorithm, IntervalEndsBelongToIt) {
+  const ReferenceF run = GetParam().second;
+  const auto hit = [&](float tmin, float tmax) {
+    return run({{0.25f, 0.25f, 0}, {0, 0, 1}, tmin, tmax}, kPlain).f;
+  };
+  const float after = std::nextafter(2.0f, 3.0f), before = std::nextafter(2.0f, 1.0f);
+  EXPECT_TRUE(hit(0, 2));
+  EXPECT_TRUE(hit(2, kInf));
+  EXPECT_TRUE(hit(2, 2));
+  EXPECT_FALSE(hit(0, before));
+  EXPECT_FALSE(hit(after, kInf));
+  EXPECT_FALSE(hit(3, 1));
+  EXPECT_FALSE(hit(-kInf, 0));
+}
+
+TEST_P(EveryAlgorithm, MissesWhatHasNoAreaAsItSeesIt) {
+  const ReferenceF run = GetParam().second;
+  const Vector3f a(0, 0, 2), b(1, 0, 2), c(2, 0, 2);
+  const Ray down{{0.5f, 0, 0}, {0, 0, 1}};
+  EXPECT_FALSE(run(down, {a, b, c}).f) << "corners in line";
+  EXPECT_FALSE(run(down, {a, a, b}).f) << "a segment";
+  EXPECT_FALSE(run({{0, 0, 0}, {0, 0, 1}}, {a, a, a}).f) << "a point";
+  EXPECT_FALSE(run({{-1, 0.25f, 2}, {1, 0, 0}}, kPlain).f) << "in its plane";
+  EXPECT_FALSE(run({{-1, 0.25f, 1}, {1, 0, 0}}, kPlain).f) << "parallel to it";
+}
+
+TEST_P(EveryAlgorithm, AMissIsInfinityAndZero) {
+  const auto got = GetParam().second({{5, 5, 0}, {0, 0, 1}}, kPlain);
+  EXPECT_FALSE(got.f);
+  EXPECT_FALSE(got.bad);
+  EXPECT_EQ(got.t, kInf);
+  EXPECT_EQ(got.cp, Vector3f(0, 0, 0));
+}
+
+TEST_P(EveryAlgorithm, FlagsBadInputInEveryWord) {
+  const ReferenceF run = GetParam().second;
+  const Ray ray{{0.25f, 0.25f, 0}, {0, 0, 1}};
+  for (const float poison : {std::numeric_limits<float>::quiet_NaN(), kInf, -kInf}) {
+    for (std::size_t i = 0; i < 17; ++i) {
+      if ((i == 6 || i == 7) && std::isinf(poison)) continue;  // an interval may be infinite
+      auto ray_words = to_words(ray);
+      auto triangle_words = to_words(kPlain);
+      (i < 8 ? ray_words[i] : triangle_words[i - 8]) = poison;
+      const auto got = run(from_words<Ray>(ray_words), from_words<Triangle>(triangle_words));
+      EXPECT_TRUE(got.bad) << i;
+      EXPECT_FALSE(got.f) << i;
+      EXPECT_TRUE(std::isnan(got.t) && got.cp.array().isNaN().all()) << i;
+    }
+  }
+}
+
+// ---- Operators ----
+
+/// The counts that the headers state; depth is the clocks at one an operator, without the selection
+/// of the outcome.
+TEST(Operators, AreThoseOfTheHeaders) {
+  using C = Counted;
+  const BasicRay<C> ray{{C(0.1f), C(0.2f), C(5)}, {C(0.1f), C(0), C(-2)}};
+  const BasicTriangle<C> triangle{{C(0), C(0), C(0)}, {C(1), C(0), C(0)}, {C(0), C(1), C(0)}};
+  const BasicSphere<C> sphere{{C(0), C(0), C(0)}, C(1)};
+  const BasicCylinder<C> cylinder{{C(0), C(0), C(0)}, {C(0), C(0), C(1)}, C(1), C(1)};
+  const std::tuple<const char*, Tally, Tally> pipes[] = {
+      {"ray-triangle moller",
+       count([](const auto& r, const auto& t) { return reference::ray_triangle_moller(r, t); }, ray,
+             triangle),
+       {.add = 12, .sub = 15, .mul = 27, .div = 1, .cmp = 8, .depth = 9}},
+      {"ray-triangle badouel",
+       count(reference::ray_triangle_badouel<C>, ray, triangle),
+       {.add = 10, .sub = 14, .mul = 22, .div = 1, .cmp = 8, .depth = 15}},
+      {"ray-triangle pluecker",
+       count(reference::ray_triangle_pluecker<C>, ray, triangle),
+       {.add = 22, .sub = 27, .mul = 54, .div = 1, .cmp = 6, .depth = 12}},
+      {"ray-triangle watertight",
+       count(reference::ray_triangle_watertight<C>, ray, triangle),
+       {.add = 13, .sub = 18, .mul = 32, .div = 3, .cmp = 8, .depth = 16}},
+      {"ray-sphere",
+       count(reference::ray_sphere<C>, ray, sphere),
+       {.add = 15, .sub = 5, .mul = 22, .div = 2, .sqrt = 1, .cmp = 5, .depth = 18}},
+      {"ray-cylinder",
+       count(reference::ray_cylinder<C>, ray, cylinder),
+       {.add = 16,
+        .sub = 16,
+        .mul = 41,
+        .div = 3,
+        .sqrt = 1,
+        .cmp = 11,
+        .minmax = 2,
+        .depth = 18}}};
+  for (const auto& [name, got, stated] : pipes) {
+    std::printf("%-24s %s\n", name, got.text().c_str());
+    EXPECT_EQ(got, stated) << name << ": " << stated.text();
+  }
+}
+
+}  // namespace
+}  // namespace cde::testing

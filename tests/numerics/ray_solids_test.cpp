@@ -1,0 +1,401 @@
+// What the mirror references of ray-sphere and ray-cylinder answer, against 168-bit arithmetic. An
+// answer must be that of a solid whose sizes are off by at most the band; what the band leaves
+// open is counted.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <random>
+
+#include "cde/reference/ray_cylinder.hpp"
+#include "cde/reference/ray_sphere.hpp"
+#include "exact_solids.hpp"
+
+namespace cde::testing {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr unsigned kSeed = 20070129;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+class Random {
+ public:
+  double unit() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
+  double between(double lo, double hi) { return lo + (hi - lo) * unit(); }
+  double sign() { return (bits_() & 1) != 0 ? 1 : -1; }
+  bool chance(double share) { return unit() < share; }
+  /// Magnitudes spread evenly over the decades.
+  double decades(double lo, double hi) { return std::pow(10.0, between(lo, hi)); }
+  Vector3d direction() {
+    for (;;) {
+      const Vector3d v(between(-1, 1), between(-1, 1), between(-1, 1));
+      if (v.norm() < 1 && v.norm() > 0.1) return v.normalized();
+    }
+  }
+  Vector3d across(const Vector3d& axis) { return axis.cross(direction()).normalized(); }
+
+ private:
+  std::mt19937_64 bits_{kSeed};
+};
+
+struct Scene {
+  const char* name;
+  double size;           ///< of the solid
+  double near, far;      ///< decades of the distance of the ray's origin, in sizes
+  double offset;         ///< of the scene from the world's origin
+  double slim;           ///< decades of radius over half height, either way
+  double ends = 0.25;    ///< share of rays with a finite interval
+  bool special = false;  ///< rays along and across an axis of the world, which is the cylinder's
+  double graze = 0.5;    ///< share of rays aimed next to a sphere's silhouette
+  double finest = -7;    ///< decade of the closest misses of a surface, in sizes
+};
+
+std::ostream& operator<<(std::ostream& out, const Scene& s) {
+  return out << s.name;
+}
+
+/// A ray aimed at `at` from about `distance` away. The direction has any length within two decades.
+BasicRay<double> aimed(Random& random, const Vector3d& from, const Vector3d& at, const Scene& scene,
+                       double distance) {
+  const double back = random.chance(0.15) ? -1 : 1;
+  BasicRay<double> ray{from, back * (at - from) * random.decades(-1, 1), 0, kInfinity};
+  if (random.chance(scene.ends)) {
+    const double t = distance / ray.d.norm();
+    ray.tmin = t * random.between(0, 1.2), ray.tmax = ray.tmin + t * random.between(0, 1);
+  }
+  return ray;
+}
+
+struct SphereCase {
+  using Exact = ExactSphere;
+  static constexpr const char* kName = "ray-sphere";
+  static constexpr double kBand = reference::kRaySphereBand;
+  template <typename S>
+  using Solid = BasicSphere<S>;
+  template <typename S>
+  static reference::Outcome<S> run(const BasicRay<S>& ray, const BasicSphere<S>& sphere) {
+    return reference::ray_sphere(ray, sphere);
+  }
+  static std::pair<BasicRay<double>, BasicSphere<double>> make(Random& random, const Scene& scene) {
+    const BasicSphere<double> sphere{Vector3d::Constant(scene.offset) + random.direction(),
+                                     scene.size};
+    const double distance = scene.size * random.decades(scene.near, scene.far);
+    const Vector3d out = random.direction();
+    // How far the line passes the centre: anywhere, or next to the silhouette.
+    double miss = scene.size * random.between(0, 2);
+    if (random.chance(scene.graze))
+      miss = scene.size * (1 + random.sign() * random.decades(scene.finest, -1));
+    const Vector3d from = sphere.c + distance * out, at = sphere.c + miss * random.across(out);
+    return {aimed(random, from, at, scene, distance), sphere};
+  }
+};
+
+struct CylinderCase {
+  using Exact = ExactCylinder;
+  static constexpr const char* kName = "ray-cylinder";
+  static constexpr double kBand = reference::kRayCylinderBand;
+  template <typename S>
+  using Solid = BasicCylinder<S>;
+  template <typename S>
+  static reference::Outcome<S> run(const BasicRay<S>& ray, const BasicCylinder<S>& cylinder) {
+    return reference::ray_cylinder(ray, cylinder);
+  }
+  static std::pair<BasicRay<double>, BasicCylinder<double>> make(Random& random,
+                                                                 const Scene& scene) {
+    BasicCylinder<double> cylinder{Vector3d::Constant(scene.offset) + random.direction(),
+                                   random.direction(), scene.size, scene.size};
+    if (scene.special) cylinder.axis = Vector3d::Unit(static_cast<int>(3 * random.unit()));
+    const double slim = random.decades(-scene.slim, scene.slim);
+    (slim < 1 ? cylinder.radius : cylinder.half_height) *= slim < 1 ? slim : 1 / slim;
+    const double distance = scene.size * random.decades(scene.near, scene.far);
+    // Aim at a point of the solid or beside it, often next to the lateral surface, a cap or a rim.
+    double h = random.between(-1.3, 1.3), r = 1.3 * std::sqrt(random.unit());
+    if (random.chance(0.3)) r = 1 + random.sign() * random.decades(scene.finest, -1);
+    if (random.chance(0.3)) h = random.sign() + random.sign() * random.decades(scene.finest, -1);
+    const Vector3d side = random.across(cylinder.axis);
+    const Vector3d at =
+        cylinder.c + h * cylinder.half_height * cylinder.axis + r * cylinder.radius * side;
+    Vector3d out = random.direction();
+    if (random.chance(0.2)) out = random.across(side);  // grazes the lateral surface
+    if (random.chance(0.2)) out = (cylinder.axis + random.decades(-6, 0) * out).normalized();
+    if (scene.special) out = random.chance(0.5) ? cylinder.axis : random.across(cylinder.axis);
+    const Vector3d from = at + distance * random.sign() * out;
+    BasicRay<double> ray = aimed(random, from, at, scene, distance);
+    if (scene.special) {
+      // Exactly along or across the axis of the world, also with a zero of either sign.
+      for (int k = 0; k < 3; ++k) {
+        const bool along = cylinder.axis[k] != 0, wanted = std::abs(out.dot(cylinder.axis)) > 0.5;
+        if (along != wanted) ray.d[k] = random.sign() * 0.0;
+      }
+    }
+    return {ray, cylinder};
+  }
+};
+
+struct Report {
+  int underflows = 0;  ///< pairs left out, as |d|^2 or A is subnormal in the format
+  int pairs = 0, hits = 0, open = 0, open_wrong = 0, wrong = 0;
+  double residual = 0;  ///< worst distance of o + T d from the surface, in u (|o-c| + sizes)
+  double point = 0;     ///< worst error of CP against o + T d, in u of the largest term
+};
+
+template <typename S, typename Case>
+Report judge(Scene scene, int pairs) {
+  using reference::kUnitRoundoff;
+  scene.finest = std::log10(kUnitRoundoff<S>);
+  Random random;
+  Report report;
+  while (report.pairs < pairs) {
+    const auto [ray64, solid64] = Case::make(random, scene);
+    const auto ray = primitive_cast<S>(ray64);
+    const auto solid = primitive_cast<S>(solid64);
+    if (reference::bad(ray) || reference::bad(solid)) continue;  // rounded to zero in this format
+    const BasicRay<double> exact_ray = primitive_cast<double>(ray);
+    const typename Case::Exact exact(exact_ray, primitive_cast<double>(solid));
+    const double product = exact.least_product();
+    if (product != 0 && product < static_cast<double>(std::numeric_limits<S>::min())) {
+      ++report.underflows;
+      continue;
+    }
+    ++report.pairs;
+    const double unit = kUnitRoundoff<S> * exact.size();
+    const Judgement truth(exact, exact_ray, Case::kBand * unit);
+    const reference::Outcome<S> got = Case::run(ray, solid);
+    report.hits += got.f;
+    if (truth.truth() == Judgement::Truth::kOpen) {
+      ++report.open;
+      report.open_wrong += got.f != truth.exact();
+    } else if (got.f != (truth.truth() == Judgement::Truth::kHit)) {
+      ++report.wrong;
+      if (report.wrong < 4) {
+        std::printf("wrong F = %d: o", got.f);
+        for (const double x : to_words(exact_ray)) std::printf(" %a", x);
+        std::printf(" solid");
+        for (const double x : to_words(primitive_cast<double>(solid))) std::printf(" %a", x);
+        std::printf("\n");
+      }
+    }
+    if (!got.f) continue;
+    const double t = static_cast<double>(got.t);
+    EXPECT_TRUE(truth.accepts(t)) << "T " << t << ", exact " << truth.exact_t();
+    report.residual = std::max(report.residual, static_cast<double>(exact.residual(t)) / unit);
+    for (int k = 0; k < 3; ++k) {
+      const double step = t * exact_ray.d[k], at = exact_ray.o[k] + step;
+      const double largest = std::max({std::abs(exact_ray.o[k]), std::abs(step), std::abs(at)});
+      const double error = std::abs(static_cast<double>(got.cp[k]) - at);
+      const double tiny = static_cast<double>(std::numeric_limits<S>::denorm_min());
+      report.point = std::max(report.point, (error - tiny) / (kUnitRoundoff<S> * largest));
+    }
+  }
+  return report;
+}
+
+template <typename S, typename Case>
+void expect_right(const Scene& scene, int pairs, const char* format) {
+  const Report r = judge<S, Case>(scene, pairs);
+  std::printf(
+      "%s %s %s: seed %u, %d pairs, %.1f %% hit, wrong outside the band %d, open %d (%.2f %%), of "
+      "them %d decided otherwise than exact arithmetic; %d more underflow; surface missed by %.2f "
+      "u (band %g), CP "
+      "off by %.2f u\n",
+      Case::kName, format, scene.name, kSeed, r.pairs, 100.0 * r.hits / r.pairs, r.wrong, r.open,
+      100.0 * r.open / r.pairs, r.open_wrong, r.underflows, r.residual, Case::kBand, r.point);
+  EXPECT_EQ(r.wrong, 0);
+  EXPECT_LE(r.underflows, (std::numeric_limits<S>::min_exponent > -100 ? 0.2 : 0) * r.pairs);
+  EXPECT_LE(r.residual, Case::kBand);
+  EXPECT_LE(r.point, 2) << "one rounding of the product, one of the sum";
+  EXPECT_GT(r.hits, 0.3 * r.pairs);
+  EXPECT_LT(r.hits, 0.7 * r.pairs);
+  EXPECT_LT(r.open, 0.5 * r.pairs) << "the band excuses more than it checks";
+}
+
+const Scene kScenes[] = {
+    {"Unit", 1, -1, 1, 0, 1},
+    {"TenRadiiAway", 1, 1, 1, 0, 0},
+    {"TenThousandRadiiAway", 1, 4, 4, 0, 0},
+    {"Tiny", 1e-4, -1, 2, 0, 1},
+    {"Huge", 1e4, -1, 2, 0, 1},
+    {"OffsetThousand", 1, -1, 1, 1000, 1},
+    {"Inside", 1, -3, -0.5, 0, 0.3, 0.5},
+    {"Slim", 1, -1, 1, 0, 3},
+    {"AlongAndAcross", 1, -1, 1, 0, 0.5, 0.25, true},
+};
+
+class RaySolids : public ::testing::TestWithParam<Scene> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, RaySolids, ::testing::ValuesIn(kScenes),
+                         [](const auto& info) { return info.param.name; });
+
+TEST_P(RaySolids, Sphere) {
+  expect_right<float, SphereCase>(GetParam(), 10000, "fp32");
+}
+TEST_P(RaySolids, Cylinder) {
+  expect_right<float, CylinderCase>(GetParam(), 10000, "fp32");
+}
+
+const Scene kUnitScene{"Unit", 1, -0.2, 0.5, 0, 0.3};
+
+TEST(RaySolidFormats, Sphere) {
+  expect_right<Fp16, SphereCase>(kUnitScene, 4000, "fp16");
+  expect_right<Bf16, SphereCase>(kUnitScene, 4000, "bf16");
+  expect_right<Fp24, SphereCase>(kUnitScene, 4000, "fp24");
+  expect_right<double, SphereCase>(kUnitScene, 4000, "fp64");
+}
+TEST(RaySolidFormats, Cylinder) {
+  expect_right<Fp16, CylinderCase>(kUnitScene, 4000, "fp16");
+  expect_right<Bf16, CylinderCase>(kUnitScene, 4000, "bf16");
+  expect_right<Fp24, CylinderCase>(kUnitScene, 4000, "fp24");
+  expect_right<double, CylinderCase>(kUnitScene, 4000, "fp64");
+}
+
+// ---- Cases by hand ----
+
+const Sphere kBall{{1, 2, 3}, 2};
+const Cylinder kCan{{0, 0, 0}, {0, 0, 1}, 2, 1};  // axis, half height, radius
+
+struct Known {
+  const char* name;
+  bool cylinder;
+  Ray ray;
+  bool f;
+  float t = 0;
+};
+
+class RaySolidKnown : public ::testing::TestWithParam<Known> {};
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+const float kAfter2 = std::nextafter(2.0f, 3.0f), kBefore2 = std::nextafter(2.0f, 1.0f);
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, RaySolidKnown,
+    ::testing::Values(
+        Known{"SphereThroughTheCentre", false, {{1, 2, -1}, {0, 0, 1}}, true, 2},
+        Known{"SphereFromTheCentre", false, {{1, 2, 3}, {0, 0, 4}}, true, 0.5f},
+        Known{"SphereFromInsideReportsTheExit", false, {{1, 2, 2}, {0, 0, 1}}, true, 3},
+        Known{"SphereBehind", false, {{1, 2, 6}, {0, 0, 1}}, false},
+        Known{"SphereBehindWithNegativeInterval", false, {{1, 2, 6}, {0, 0, 1}, -kInf}, true, -5},
+        Known{"SphereTangent", false, {{3, 2, 0}, {0, 0, 1}}, true, 3},
+        Known{"SphereTangentAtTheOrigin", false, {{3, 2, 3}, {0, 0, 1}}, true, 0},
+        Known{"SphereJustPassed", false, {{3.000001f, 2, 0}, {0, 0, 1}}, false},
+        Known{"SphereOriginOnTheSurface", false, {{1, 2, 1}, {0, 0, 1}}, true, 0},
+        Known{"SphereEndsAtTheSurface", false, {{1, 2, -1}, {0, 0, 1}, 0, 2}, true, 2},
+        Known{"SphereEndsBefore", false, {{1, 2, -1}, {0, 0, 1}, 0, kBefore2}, false},
+        Known{"SphereStartsAtTheSurface", false, {{1, 2, -1}, {0, 0, 1}, 2}, true, 2},
+        Known{"SphereStartsAfter", false, {{1, 2, -1}, {0, 0, 1}, kAfter2}, true, 6},
+        Known{"SphereEmptyInterval", false, {{1, 2, -1}, {0, 0, 1}, 3, 1}, false},
+        Known{"CylinderAlongTheAxis", true, {{0, 0, -4}, {0, 0, 1}}, true, 2},
+        Known{"CylinderAlongBeside", true, {{1.0001f, 0, -4}, {0, 0, 1}}, false},
+        Known{"CylinderAlongTheMantle", true, {{1, 0, -4}, {0, 0, 1}}, true, 2},
+        Known{"CylinderAlongFromInside", true, {{0.5f, 0, 1}, {0, -0.0f, -2}}, true, 1.5f},
+        Known{"CylinderAcross", true, {{-3, 0, 1}, {1, 0, 0}}, true, 2},
+        Known{"CylinderAcrossNegativeZero", true, {{-3, 0, 1}, {1, -0.0f, -0.0f}}, true, 2},
+        Known{"CylinderAcrossInTheCap", true, {{-3, 0, 2}, {1, 0, 0}}, true, 2},
+        Known{"CylinderAcrossAbove", true, {{-3, 0, 2.0001f}, {1, 0, 0}}, false},
+        Known{"CylinderTangentAtTheOrigin", true, {{1, 0, 0}, {0, 1, 0}}, true, 0},
+        Known{"CylinderTangent", true, {{1, -5, 0}, {0, 2, 0}}, true, 2.5f},
+        Known{"CylinderFromInsideReportsTheExit", true, {{0, 0, 1}, {0.5f, 0, 0}}, true, 2},
+        Known{"CylinderThroughTheCapOut", true, {{0, 0, 1}, {0, 0, 0.25f}}, true, 4},
+        Known{"CylinderPastTheRim", true, {{-2, 0, 2.0f}, {1, 0, 1}}, false},
+        Known{"CylinderEndsBefore", true, {{0, 0, -4}, {0, 0, 1}, 0, kBefore2}, false},
+        Known{"CylinderEndsAtTheCap", true, {{0, 0, -4}, {0, 0, 1}, 0, 2}, true, 2},
+        Known{"CylinderStartsAfter", true, {{0, 0, -4}, {0, 0, 1}, kAfter2}, true, 6},
+        Known{"CylinderTinyDirection", true, {{0, 0, 0}, {1e-40f, 0, 1e-40f}}, false}),
+    [](const auto& info) { return info.param.name; });
+
+TEST_P(RaySolidKnown, Answer) {
+  const Known& known = GetParam();
+  const reference::Outcome<float> got = known.cylinder ? reference::ray_cylinder(known.ray, kCan)
+                                                       : reference::ray_sphere(known.ray, kBall);
+  EXPECT_EQ(got.f, known.f);
+  EXPECT_FALSE(got.bad);
+  EXPECT_EQ(got.t, known.f ? known.t : kInf);
+  for (int k = 0; k < 3; ++k)
+    EXPECT_EQ(got.cp[k], known.f ? known.ray.o[k] + known.t * known.ray.d[k] : 0);
+}
+
+/// What the pipe's form is for: with b^2 - ac it would be wrong in a quarter of the cases.
+TEST(RaySphere, TenThousandRadiiAwayTheTextbookIsWrong) {
+  Random random;
+  const Scene far{"", 1, 4, 4, 0, 0, 0, false, 0};
+  constexpr int kPairs = 10000;
+  int textbook = 0, pipe = 0;
+  for (int i = 0; i < kPairs; ++i) {
+    const auto [ray64, sphere64] = SphereCase::make(random, far);
+    const auto ray = primitive_cast<float>(ray64);
+    const auto sphere = primitive_cast<float>(sphere64);
+    const BasicRay<double> exact_ray = primitive_cast<double>(ray);
+    const ExactSphere exact(exact_ray, primitive_cast<double>(sphere));
+    const bool truth = Judgement(exact, exact_ray, 0).exact();
+    const Eigen::Vector3f w = ray.o - sphere.c;
+    const float a = ray.d.dot(ray.d), b = w.dot(ray.d), c = w.dot(w) - sphere.r * sphere.r;
+    const float discriminant = b * b - a * c;
+    textbook += (discriminant >= 0 && -b + std::sqrt(discriminant) >= 0) != truth;
+    pipe += reference::ray_sphere(ray, sphere).f != truth;
+  }
+  std::printf("seed %u, %d pairs: textbook wrong in %.2f %%, pipe in %.2f %%\n", kSeed, kPairs,
+              100.0 * textbook / kPairs, 100.0 * pipe / kPairs);
+  EXPECT_GT(textbook, 4 * pipe);
+}
+
+/// A ray that all but runs along the axis, from 10,000 radii away: n = d x a is all rounding error,
+/// and w.n would multiply its part along the axis by 10,000. Found as 2 % wrong answers.
+TEST(RayCylinder, RoundingOfTheNormalAlongTheAxisDoesNotCount) {
+  Random random;
+  int hits = 0;
+  constexpr int kRays = 2000;
+  for (int i = 0; i < kRays; ++i) {
+    const Vector3d axis = random.direction();
+    const Cylinder cylinder{{0, 0, 0}, axis.cast<float>(), 1, 1};
+    const Vector3d a = cylinder.axis.cast<double>().normalized();
+    Ray ray;
+    ray.d = (a + 1e-6 * random.direction()).cast<float>();
+    ray.o = (-1e4 * ray.d.cast<double>() + 0.9 * random.unit() * random.across(a)).cast<float>();
+    hits += reference::ray_cylinder(ray, cylinder).f;
+  }
+  EXPECT_EQ(hits, kRays);
+}
+
+template <typename P, typename Reference>
+void expect_bad_in_every_word(const Ray& ray, const P& solid, Reference run) {
+  const auto expect_bad = [&](const Ray& r, const P& s, const std::string& what) {
+    const reference::Outcome<float> got = run(r, s);
+    const auto nan = [](float x) { return std::bit_cast<std::uint32_t>(x) == 0x7fc00000; };
+    EXPECT_TRUE(got.bad) << what;
+    EXPECT_FALSE(got.f) << what;
+    EXPECT_TRUE(nan(got.t) && nan(got.cp.x()) && nan(got.cp.y()) && nan(got.cp.z()) &&
+                nan(got.n.x()) && nan(got.n.y()) && nan(got.n.z()))
+        << what;
+  };
+  ASSERT_FALSE(run(ray, solid).bad);
+  for (const float poison : {std::numeric_limits<float>::quiet_NaN(), kInf, -kInf}) {
+    for (std::size_t i = 0; i < 8; ++i) {
+      if (i >= 6 && std::isinf(poison)) continue;  // an interval may be infinite
+      auto words = to_words(ray);
+      words[i] = poison;
+      expect_bad(from_words<Ray>(words), solid, "ray word " + std::to_string(i));
+    }
+    for (std::size_t i = 0; i < P::kWords; ++i) {
+      auto words = to_words(solid);
+      words[i] = poison;
+      expect_bad(ray, from_words<P>(words), "solid word " + std::to_string(i));
+    }
+  }
+  expect_bad(Ray{ray.o, {0, -0.0f, 0}}, solid, "zero direction");
+}
+
+TEST(RaySolids, BadInputIsFlaggedInEveryWord) {
+  const Ray ray{{1, 2, -5}, {0.1f, 0, 1}};
+  expect_bad_in_every_word(ray, kBall, reference::ray_sphere<float>);
+  expect_bad_in_every_word(ray, kCan, reference::ray_cylinder<float>);
+  EXPECT_TRUE(reference::ray_sphere(ray, Sphere{{0, 0, 0}, 0}).bad);
+  EXPECT_TRUE(reference::ray_sphere(ray, Sphere{{0, 0, 0}, -1}).bad);
+  EXPECT_TRUE(reference::ray_cylinder(ray, Cylinder{{0, 0, 0}, {0, 0, 1}, 0, 1}).bad);
+  EXPECT_TRUE(reference::ray_cylinder(ray, Cylinder{{0, 0, 0}, {0, 0, 1}, 1, 0}).bad);
+  EXPECT_TRUE(reference::ray_cylinder(ray, Cylinder{{0, 0, 0}, {0, 0, 2}, 1, 1}).bad);
+}
+
+}  // namespace
+}  // namespace cde::testing
