@@ -367,7 +367,7 @@ TEST(ConvexPairDirected, TouchingIsAHit) {
   const auto apart = hits(above);
   for (std::size_t i = 0; i < apart.size(); ++i) {
     // Relative to its sphere, and to its plane, the move is exact: no daylight for the triangle.
-    if (i != 7) EXPECT_FALSE(apart[i]) << i;
+    EXPECT_EQ(apart[i], i == 7) << i;
   }
 }
 
