@@ -59,13 +59,15 @@ struct CylinderCore {
   [[nodiscard]] std::array<Vec, 1> edges() const { return {axis}; }
 };
 
-/// Up to four points of the Minkowski difference and the point of their hull nearest the origin.
+/// Up to four points of the Minkowski difference and the point of their hull that is nearest to
+/// -shift.
 class Simplex {
  public:
   /// Adds y and drops the points that the nearest one no longer needs.
-  void add(const Vec& y) {
+  void add(const Vec& y, const Vec& shift = Vec::Zero()) {
     points_[count_++] = y;
-    best_norm_ = std::numeric_limits<double>::infinity();
+    shift_ = shift;
+    norm_ = std::numeric_limits<double>::infinity();
     for (unsigned subset = 1; subset < 1U << count_; ++subset) try_subset(subset);
     std::array<Vec, 4> kept;
     std::size_t n = 0;
@@ -74,50 +76,54 @@ class Simplex {
     points_ = kept;
     count_ = n;
   }
-  [[nodiscard]] bool holds_origin() const { return count_ == 4; }
+  [[nodiscard]] bool full() const { return count_ == 4; }  ///< -shift is inside
   [[nodiscard]] const Vec& nearest() const { return nearest_; }
-  [[nodiscard]] double norm() const { return best_norm_; }
+  [[nodiscard]] double norm() const { return norm_; }  ///< of nearest() + shift
 
  private:
-  void take(unsigned subset, const Vec& point) {
-    const double norm = point.norm();
-    if (norm < best_norm_) best_norm_ = norm, best_subset_ = subset, nearest_ = point;
+  /// The weights, positive and of sum 1, make a point of the hull however they were rounded.
+  void take(unsigned subset, const std::array<Vec, 4>& p, std::size_t n,
+            const std::array<double, 4>& weights) {
+    Vec point = p[0];
+    for (std::size_t i = 1; i < n; ++i) point += weights[i] * (p[i] - p[0]);
+    const double norm = n == 4 ? 0 : (point + shift_).norm();
+    if (norm < norm_) norm_ = norm, best_subset_ = subset, nearest_ = point;
   }
   // Considers the interior of the sub-simplex; its sides are subsets of their own.
   void try_subset(unsigned subset) {
-    std::array<Vec, 4> p;
+    std::array<Vec, 4> p, q;
     std::size_t n = 0;
     for (std::size_t i = 0; i < count_; ++i)
-      if (subset >> i & 1U) p[n++] = points_[i];
-    if (n == 1) take(subset, p[0]);
+      if (subset >> i & 1U) p[n] = points_[i], q[n] = p[n] + shift_, ++n;
+    if (n == 1) take(subset, p, n, {});
     if (n == 2) {
       const Vec e = p[1] - p[0];
-      const double length = e.squaredNorm(), t = -p[0].dot(e);
-      if (t > 0 && t < length) take(subset, p[0] + (t / length) * e);
+      const double length = e.squaredNorm(), t = -q[0].dot(e);
+      if (t > 0 && t < length) take(subset, p, n, {0, t / length});
     }
     if (n == 3) {
       const Vec e1 = p[1] - p[0], e2 = p[2] - p[0], normal = e1.cross(e2);
       const double area = normal.squaredNorm();
-      const double u = e2.cross(p[0]).dot(normal), v = p[0].cross(e1).dot(normal);
-      if (area > 0 && u > 0 && v > 0 && u + v < area)
-        take(subset, p[0] + (u / area) * e1 + (v / area) * e2);
+      const double u = e2.cross(q[0]).dot(normal), v = q[0].cross(e1).dot(normal);
+      if (area > 0 && u > 0 && v > 0 && u + v < area) take(subset, p, n, {0, u / area, v / area});
     }
     if (n == 4) {
       const auto volume = [](const Vec& a, const Vec& b, const Vec& c) {
         return a.cross(b).dot(c);
       };
-      const double w0 = volume(p[1], p[2], p[3]), w1 = -volume(p[0], p[2], p[3]),
-                   w2 = volume(p[0], p[1], p[3]), w3 = -volume(p[0], p[1], p[2]);
+      const double w0 = volume(q[1], q[2], q[3]), w1 = -volume(q[0], q[2], q[3]),
+                   w2 = volume(q[0], q[1], q[3]), w3 = -volume(q[0], q[1], q[2]);
+      const double sum = w0 + w1 + w2 + w3;
       if ((w0 > 0 && w1 > 0 && w2 > 0 && w3 > 0) || (w0 < 0 && w1 < 0 && w2 < 0 && w3 < 0))
-        take(subset, Vec::Zero());
+        take(subset, p, n, {0, w1 / sum, w2 / sum, w3 / sum});
     }
   }
 
   std::array<Vec, 4> points_;
   std::size_t count_ = 0;
   unsigned best_subset_ = 1;
-  Vec nearest_ = Vec::Zero();
-  double best_norm_ = std::numeric_limits<double>::infinity();
+  Vec shift_ = Vec::Zero(), nearest_ = Vec::Zero();
+  double norm_ = std::numeric_limits<double>::infinity();
 };
 
 /// A square of a face of the cube [-1, 1]^3, seen from the centre: the directions p with p[axis] =
@@ -167,6 +173,12 @@ struct Cap {
     n = t > 0 ? Vec((cos_rho * n0 + (sin_rho / t) * across).normalized()) : n0;
     return p * cos_rho + t * sin_rho;
   }
+  /// c n0, where -c n0 is the point from which the normal of bound(y) points at y; 0 if that normal
+  /// is y's own direction.
+  [[nodiscard]] Vec back_from(const Vec& y) const {
+    const double p = n0.dot(y), t = (y - p * n0).norm();
+    return std::max(0.0, t * cos_rho / sin_rho - p) * n0;
+  }
   /// The point of the segment y..z with (nearly) the least bound: the zero of the derivative of
   /// cos_rho p + sin_rho t, t the length of the part across n0.
   [[nodiscard]] Vec best_between(const Vec& y, const Vec& z) const {
@@ -197,7 +209,10 @@ class Search {
 
  private:
   static constexpr int kTightenings = 4;
+  static constexpr int kHardTightenings = 20;
   static constexpr int kSeparationSteps = 60;
+  static constexpr long kHard = 300;     // evaluations, after which a pair counts as hard
+  static constexpr double kNear = 0.25;  // of the way down to lo_: not worth another step
 
   /// The point of B - A with the least n.y, which is g(n).
   Vec evaluate(const Vec& n) {
@@ -230,7 +245,7 @@ class Search {
     Simplex simplex;
     simplex.add(evaluate(n_));
     double last = std::numeric_limits<double>::infinity();
-    for (int step = 0; step < kSeparationSteps && !simplex.holds_origin(); ++step) {
+    for (int step = 0; step < kSeparationSteps && !simplex.full(); ++step) {
       const double norm = simplex.norm();
       hi_ = std::min(hi_, norm);
       if (hi_ - lo_ <= tolerance_) return true;
@@ -255,8 +270,28 @@ class Search {
       if (cell.bound <= lo_ + tolerance_) return;
       const Vec z = evaluate(n);
       // n.z = g(n) bounds what any point of the difference could still prove over this cap.
-      if (of_y - n.dot(z) <= 0.25 * (of_y - lo_)) return;
+      if (of_y - n.dot(z) <= kNear * (of_y - lo_)) return;
       y = cap.best_between(y, z);
+    }
+  }
+
+  /// The same with more memory, for pairs that turn out to be hard. Seen from the point -c n0 on
+  /// the cap's axis from which cap.bound's normal points at y, lowering the bound is finding the
+  /// nearest point of the difference, by the simplex of separate().
+  void tighten(Cell& cell, const Cap& cap) {
+    Vec n;
+    double of_y = cap.bound(cell.y, n);
+    Vec y = cell.y;
+    Simplex simplex;
+    simplex.add(y, cap.back_from(y));
+    for (int i = 0; i < kHardTightenings; ++i) {
+      const Vec z = evaluate(n);
+      if (of_y - n.dot(z) <= kNear * (of_y - lo_)) return;
+      simplex.add(z, cap.back_from(y));
+      y = simplex.nearest();
+      of_y = cap.bound(y, n);
+      if (of_y < cell.bound) cell.bound = of_y, cell.y = y;
+      if (cell.bound <= lo_ + tolerance_ || simplex.full()) return;
     }
   }
 
@@ -290,6 +325,7 @@ class Search {
         for (double v : {parent.v - w, parent.v + w}) {
           Cell cell{parent.bound, u, v, w, parent.y, parent.axis, parent.side};
           bound(cell);
+          if (cell.bound > lo_ + tolerance_ && evaluations_ > kHard) tighten(cell, Cap(cell));
           keep_or_prune(cell);
         }
     }

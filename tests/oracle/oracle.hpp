@@ -24,9 +24,9 @@
 /// cgal.hpp         exact predicates and distances of CGAL
 /// cases.hpp        generate(pair, seed, i): operands near the decision and of directed families
 ///
-/// Cost of signed_gap at the default tolerance of 1e-8 S, one thread, mean over generate(): below
-/// 1 us for spheres and planes against spheres, triangles and boxes, 0.1 to 0.2 ms for boxes and
-/// triangles, 0.4 to 0.5 ms for cylinders.
+/// Cost of signed_gap at the default tolerance of 1e-8 S, one thread of an AMD EPYC, mean over
+/// 20,000 cases of generate(): 8 us for sphere-OBB, 20 to 35 us for boxes and triangles, 110 to 125
+/// us for cylinders, below 1 us for the rest. All of these cases converged.
 #include "cases.hpp"
 #include "certificate.hpp"
 #include "gap.hpp"
