@@ -1,0 +1,230 @@
+// Cards with other pipes than ray-triangle, and with several: every record against the mirror
+// references, in every mode, with roles exchanged, with normals, one pipe after the other without
+// loading anything again.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <random>
+
+#include "cde/board.hpp"
+#include "cde/error.hpp"
+#include "cde/reference/pairs.hpp"
+
+namespace cde {
+namespace {
+
+constexpr unsigned kSeed = 7;
+
+std::uint32_t word(float x) {
+  return std::bit_cast<std::uint32_t>(x);
+}
+
+/// All pairs by the reference, secondary by secondary.
+template <class A, class B>
+std::vector<PairResult> all_pairs(Pair pair, const std::vector<A>& a, const std::vector<B>& b,
+                                  bool swap) {
+  std::vector<std::uint64_t> wa, wb;
+  const auto push = [](std::vector<std::uint64_t>& to, const auto& shape) {
+    for (const float x : to_words(shape)) to.push_back(word(x));
+  };
+  const auto one = [&](const A& x, const B& y) {
+    push(wa, x);
+    push(wb, y);
+  };
+  if (swap) {
+    for (const A& x : a)
+      for (const B& y : b) one(x, y);
+  } else {
+    for (const B& y : b)
+      for (const A& x : a) one(x, y);
+  }
+  std::vector<PairResult> r(a.size() * b.size());
+  reference::test_pairs(pair, Algorithm::kMoller, {8, 23}, wa, wb, r);
+  return r;
+}
+
+Record record(Pair pair, const PairResult& r, std::uint32_t primary, std::uint32_t index,
+              bool normals) {
+  const auto number = [](std::uint64_t w) {
+    return std::bit_cast<float>(static_cast<std::uint32_t>(w));
+  };
+  Record out;
+  out.f = r.f;
+  out.bad = r.bad;
+  out.t = number(r.t);
+  out.primary = primary;
+  out.index = r.f || (is_solid(pair) && !r.bad) ? index : ~0u;
+  for (int k = 0; k < 3; ++k) {
+    out.cp[k] = number(r.cp[k]);
+    if (normals) out.n[k] = number(r.n[k]);
+  }
+  return out;
+}
+
+/// What the card must answer: `primaries` and `secondaries` in the roles they have in the pass.
+std::vector<Record> expected(Pair pair, const std::vector<PairResult>& results,
+                             std::size_t primaries, std::size_t secondaries,
+                             const std::vector<bool>& bad_primary, Mode mode, bool normals) {
+  std::vector<Record> all;
+  for (std::uint32_t s = 0; s < secondaries; ++s)
+    for (std::uint32_t p = 0; p < primaries; ++p)
+      all.push_back(record(pair, results[s * primaries + p], p, s, normals));
+  if (mode == Mode::kAll) return all;
+  std::vector<Record> kept;
+  if (mode == Mode::kHits) {
+    std::copy_if(all.begin(), all.end(), std::back_inserter(kept),
+                 [](const Record& r) { return r.f; });
+    return kept;
+  }
+  const bool solid = is_solid(pair);
+  const auto key = [solid](const Record& r) { return solid && r.f ? -r.t : r.t; };
+  for (std::uint32_t p = 0; p < primaries; ++p) {
+    const Record* best = nullptr;
+    for (std::uint32_t s = 0; s < secondaries; ++s) {
+      const Record& r = all[s * primaries + p];
+      if (r.bad || (!r.f && (!solid || mode == Mode::kAny))) continue;
+      if (best == nullptr || (mode == Mode::kNearest && key(r) < key(*best)) ||
+          (mode == Mode::kFarthest && key(r) > key(*best)))
+        best = &r;
+    }
+    Record none;
+    none.primary = p;
+    if (bad_primary[p]) {
+      none.bad = true;
+      none.t = std::bit_cast<float>(0x7fc00000u);
+      none.cp.setConstant(none.t);
+      if (normals) none.n.setConstant(none.t);
+    }
+    kept.push_back(best != nullptr ? *best : none);
+  }
+  return kept;
+}
+
+void compare(const std::vector<Record>& got, const std::vector<Record>& wanted, Mode mode) {
+  ASSERT_EQ(got.size(), wanted.size()) << name_of(mode);
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < got.size(); ++i) {
+    if (same_bits(got[i], wanted[i])) continue;
+    if (++wrong > 3) continue;
+    ADD_FAILURE() << name_of(mode) << " record " << i << ": primary " << got[i].primary << " index "
+                  << got[i].index << " F " << got[i].f << " bad " << got[i].bad << " T " << got[i].t
+                  << ", expected primary " << wanted[i].primary << " index " << wanted[i].index
+                  << " F " << wanted[i].f << " bad " << wanted[i].bad << " T " << wanted[i].t;
+  }
+  EXPECT_EQ(wrong, 0u) << name_of(mode) << ", of " << got.size();
+}
+
+template <class A, class B>
+void check_all_modes(Board& board, Pair pair, const std::vector<A>& a, const std::vector<B>& b,
+                     bool swap, bool normals) {
+  const std::vector<PairResult> results = all_pairs(pair, a, b, swap);
+  const auto is_bad = [](const auto& shape) { return defect(shape).has_value(); };
+  std::vector<bool> bad;
+  if (swap) {
+    board.upload_shapes(std::span<const A>(a), false);
+    board.load_shapes(std::span<const B>(b));
+    std::transform(b.begin(), b.end(), std::back_inserter(bad), is_bad);
+  } else {
+    board.upload_shapes(std::span<const B>(b), false);
+    board.load_shapes(std::span<const A>(a));
+    std::transform(a.begin(), a.end(), std::back_inserter(bad), is_bad);
+  }
+  const std::size_t primaries = swap ? b.size() : a.size(),
+                    secondaries = swap ? a.size() : b.size();
+  for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll, Mode::kHits}) {
+    Query query{.mode = mode, .pair = pair, .swap = swap, .normals = normals};
+    compare(board.run(query), expected(pair, results, primaries, secondaries, bad, mode, normals),
+            mode);
+  }
+}
+
+struct Scene {
+  std::vector<Sphere> few, many;
+  std::vector<Ray> rays;
+  std::vector<Triangle> triangles;
+};
+
+Scene scene() {
+  Scene s;
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<float> at(-4, 4), size(0.1f, 1.5f);
+  const auto point = [&] { return Eigen::Vector3f(at(random), at(random), at(random)); };
+  for (int i = 0; i < 40; ++i) s.few.push_back({point(), size(random)});
+  for (int i = 0; i < 97; ++i) s.many.push_back({point(), size(random)});
+  for (int i = 0; i < 40; ++i) s.rays.push_back({point(), point()});
+  for (int i = 0; i < 61; ++i) s.triangles.push_back({point(), point(), point()});
+  s.few[11].r = -1;
+  s.many[5].r = 0;
+  s.many[60].c.x() = std::numeric_limits<float>::quiet_NaN();
+  s.rays[3].d.setZero();
+  s.triangles[7].v1.y() = std::numeric_limits<float>::infinity();
+  return s;
+}
+
+BoardConfig small(Arithmetic arithmetic) {
+  BoardConfig c;
+  c.lanes = 8;
+  c.arithmetic = arithmetic;
+  c.ddr_slots = 1000;
+  c.sram_records = 64;
+  return c;
+}
+
+class Solids : public ::testing::TestWithParam<Arithmetic> {};
+
+TEST_P(Solids, SpheresWithNormalsAndRolesExchanged) {
+  BoardConfig config = small(GetParam());
+  config.pairs = {Pair::kSphereSphere};
+  config.swap = config.normals = true;
+  Board board = Board::open(config);
+  const Scene s = scene();
+  for (const bool swap : {false, true})
+    for (const bool normals : {false, true})
+      check_all_modes(board, Pair::kSphereSphere, s.few, s.many, swap, normals);
+}
+
+TEST_P(Solids, SeveralPipesOneAfterTheOther) {
+  BoardConfig config = small(GetParam());
+  config.pairs = {Pair::kRayTriangle, Pair::kSphereSphere};
+  Board board = Board::open(config);
+  const Scene s = scene();
+  check_all_modes(board, Pair::kRayTriangle, s.rays, s.triangles, false, false);
+  check_all_modes(board, Pair::kSphereSphere, s.few, s.many, false, false);
+  check_all_modes(board, Pair::kRayTriangle, s.rays, s.triangles, false, false);
+}
+
+INSTANTIATE_TEST_SUITE_P(Arithmetic, Solids, ::testing::Values(Arithmetic::kHost, Arithmetic::kRtl),
+                         [](const auto& info) {
+                           return info.param == Arithmetic::kHost ? "host" : "rtl";
+                         });
+
+TEST(SolidsDriver, RefusesWhatDoesNotFit) {
+  BoardConfig config = small(Arithmetic::kHost);
+  config.pairs = {Pair::kRayTriangle, Pair::kSphereSphere};
+  Board board = Board::open(config);
+  const Scene s = scene();
+  const auto message = [&](const Query& query) -> std::string {
+    try {
+      (void)board.run(query);
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return "no error";
+  };
+  board.upload(s.many.empty() ? std::vector<Triangle>{} : std::vector<Triangle>{s.triangles[0]});
+  board.load(s.rays);
+  EXPECT_NE(message({}).find("must name its pair"), std::string::npos);
+  EXPECT_NE(message({.pair = Pair::kObbObb}).find("no pipe for obb-obb"), std::string::npos);
+  EXPECT_NE(message({.pair = Pair::kSphereSphere}).find("spheres loaded"), std::string::npos);
+  EXPECT_NE(message({.pair = Pair::kRayTriangle, .swap = true}).find("exchange"),
+            std::string::npos);
+  EXPECT_NE(message({.pair = Pair::kRayTriangle, .normals = true}).find("normals"),
+            std::string::npos);
+  EXPECT_EQ(board.run({.pair = Pair::kRayTriangle}).size(), s.rays.size());
+  EXPECT_THROW(board.load_shapes(std::span<const Obb>(std::vector<Obb>(1))), Error);
+  EXPECT_THROW(board.upload_shapes(std::span<const Sphere>(s.many)), Error) << "a bad sphere";
+}
+
+}  // namespace
+}  // namespace cde
