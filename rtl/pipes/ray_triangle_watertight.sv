@@ -33,7 +33,6 @@ module ray_triangle_watertight #(
   `DF_VIN(v0, b_i[2:0], 0)
   `DF_VIN(v1, b_i[5:3], 0)
   `DF_VIN(v2, b_i[8:6], 0)
-  `DF_CONST(zero, 0)
   `DF_CONST(one, ONE)
 
   // ---- Shear, of the ray alone ----
