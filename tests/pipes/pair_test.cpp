@@ -123,8 +123,9 @@ TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
                             : fp32           ? 20000
                                              : 2000;
   cde::PairUnit unit(config);
-  if (const unsigned stated = stated_latency(config); stated != 0)
+  if (const unsigned stated = stated_latency(config); stated != 0) {
     EXPECT_EQ(unit.latency(), stated);
+  }
   const Operands o = operands(config, count);
   std::vector<PairResult> expected(count), got(count);
   cde::reference::test_pairs(config.pair, config.algorithm, config.format, o.a, o.b, expected);
