@@ -29,6 +29,7 @@ module pair_pipe #(
   /*verilator inline_module*/
   `define CDE_FORMAT .EXP(EXP), .MAN(MAN), .LANES(LANES), .ARITH(ARITH)
   `define CDE_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)
+  `define CDE_TRIANGLE_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP)
   logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b;  // a secondary a lane
   for (genvar k = 0; k < B_WORDS; k++) begin : word
     if (B_LANES == LANES) begin : g_own
@@ -40,8 +41,23 @@ module pair_pipe #(
   if (PAIR == int'(cde_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(cde_pkg::ALGORITHM_MOLLER)) begin : g_pipe
     logic unused_b;
     assign unused_b = &{1'b0, b};
-    ray_triangle_moller #(`CDE_FORMAT, .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP)) pipe (
+    ray_triangle_moller #(`CDE_FORMAT, .B_LANES(B_LANES), `CDE_TRIANGLE_LATENCIES) pipe (
         .clk_i, .a_i, .b_i, .f_o, .t_o, .cp_o, .latency_o);
+    assign n_o = '0;
+  end else if (PAIR == int'(cde_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(cde_pkg::ALGORITHM_BADOUEL)) begin : g_pipe
+    ray_triangle_badouel #(`CDE_FORMAT, `CDE_TRIANGLE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
+    assign n_o = '0;
+  end else if (PAIR == int'(cde_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(cde_pkg::ALGORITHM_PLUECKER)) begin : g_pipe
+    ray_triangle_pluecker #(`CDE_FORMAT, `CDE_TRIANGLE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
+    assign n_o = '0;
+  end else if (PAIR == int'(cde_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(cde_pkg::ALGORITHM_WATERTIGHT)) begin : g_pipe
+    ray_triangle_watertight #(`CDE_FORMAT, `CDE_TRIANGLE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
+    assign n_o = '0;
+  end else if (PAIR == int'(cde_pkg::PAIR_RAY_SPHERE)) begin : g_pipe
+    ray_sphere #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
+    assign n_o = '0;
+  end else if (PAIR == int'(cde_pkg::PAIR_RAY_CYLINDER)) begin : g_pipe
+    ray_cylinder #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
   end else if (PAIR == int'(cde_pkg::PAIR_SPHERE_SPHERE)) begin : g_pipe
     sphere_sphere #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
@@ -50,4 +66,5 @@ module pair_pipe #(
   end
   `undef CDE_FORMAT
   `undef CDE_LATENCIES
+  `undef CDE_TRIANGLE_LATENCIES
 endmodule

@@ -44,6 +44,8 @@
 `define DF_LT(M, A, B) `DF_BINARY(M, A, B, "clt", LAT_CMP)
 `define DF_LE(M, A, B) `DF_BINARY(M, A, B, "cle", LAT_CMP)
 `define DF_EQ(M, A, B) `DF_BINARY(M, A, B, "ceq", LAT_CMP)
+// LOW <= A <= HIGH, two comparisons.
+`define DF_BETWEEN(M, LOW, A, HIGH) `DF_LE(M``_low, LOW, A) `DF_LE(M``_high, A, HIGH) `DF_AND(M, M``_low, M``_high)
 
 // ---- Vector operators: three of the above, vec_dot and vec_cross ----
 `define DF_BINARY3(R, A, B, OPERATION, LATENCY) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LATENCY; `DF_VECTOR R; \
@@ -89,4 +91,11 @@
   for (genvar k = 0; k < 3; k++) begin : select_``R \
     df_select #(.CW(CW), .LANES(LANES), .ARITH(ARITH), .T_M(T_``M), .T_A(T_``A), .T_B(T_``B)) select (.clk_i, .m_i(M), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
   end
+
+// ---- The dominant axis of a vector: its largest component by magnitude, ties the lowest index ----
+`define DF_DOMINANT(M, V) localparam int T_``M = `DF_MAX2(T_``V, 0) + 2 * LAT_CMP; logic [1:0][LANES-1:0][CW-1:0] M; \
+  df_dominant #(`DF_FORMAT, .LAT_CMP(LAT_CMP)) dominant_``M (.clk_i, .a_i(V), .m_o(M));
+// The components of V in cyclic order from the dominant axis M: R[0] on it, R[1] the next one, R[2] the one after.
+`define DF_CYCLE(R, M, V) localparam int T_``R = `DF_MAX2(T_``M, T_``V); `DF_VECTOR R; \
+  df_cycle #(.CW(CW), .LANES(LANES), .ARITH(ARITH), .T_M(T_``M), .T_A(T_``V)) cycle_``R (.clk_i, .m_i(M), .a_i(V), .r_o(R));
 `endif

@@ -92,6 +92,24 @@ std::string describe(const PairResult& r) {
   return text;
 }
 
+/// Clocks with operators of one clock, as the references state them; 0 where they do not.
+unsigned stated_latency(const PairConfig& config) {
+  constexpr unsigned kRayTriangle[] = {10, 16, 13, 17};  // by Algorithm
+  const bool one_clock = config.latency_add == 1 && config.latency_mul == 1 &&
+                         config.latency_div == 1 && config.latency_sqrt == 1 &&
+                         config.latency_compare == 1;
+  if (!one_clock) return 0;
+  switch (config.pair) {
+    case Pair::kRayTriangle:
+      return kRayTriangle[static_cast<unsigned>(config.algorithm)];
+    case Pair::kRaySphere:
+    case Pair::kRayCylinder:
+      return 19;
+    default:
+      return 0;
+  }
+}
+
 class PairPipe : public ::testing::TestWithParam<PairConfig> {};
 
 TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
@@ -100,8 +118,14 @@ TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
   if (only != nullptr && std::string(name(config.pair)).find(only) == std::string::npos)
     GTEST_SKIP() << "CDE_PAIRS asks for others";
   const char* cases = std::getenv("CDE_CASES");
-  const std::size_t count = cases != nullptr ? std::strtoull(cases, nullptr, 10) : 20000;
+  const bool fp32 = config.format == cde::FpFormat{8, 23};
+  const std::size_t count = cases != nullptr ? std::strtoull(cases, nullptr, 10)
+                            : fp32           ? 20000
+                                             : 2000;
   cde::PairUnit unit(config);
+  if (const unsigned stated = stated_latency(config); stated != 0) {
+    EXPECT_EQ(unit.latency(), stated);
+  }
   const Operands o = operands(config, count);
   std::vector<PairResult> expected(count), got(count);
   cde::reference::test_pairs(config.pair, config.algorithm, config.format, o.a, o.b, expected);
@@ -158,5 +182,49 @@ std::vector<PairConfig> configurations() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Fp32, PairPipe, ::testing::ValuesIn(configurations()), test_name);
+
+/// The ray pipes in the other formats, on the back end that builds and runs fast.
+std::vector<PairConfig> other_formats() {
+  std::vector<PairConfig> all;
+  for (const PairConfig& config : configurations()) {
+    const bool ray = config.pair == Pair::kRayTriangle || config.pair == Pair::kRaySphere ||
+                     config.pair == Pair::kRayCylinder;
+    if (!ray || config.arithmetic != cde::Arithmetic::kHost) continue;
+    for (const cde::FpFormat format :
+         {cde::FpFormat{5, 10}, cde::FpFormat{8, 7}, cde::FpFormat{7, 16}, cde::FpFormat{11, 52}}) {
+      PairConfig other = config;
+      other.format = format;
+      other.lanes = 2;
+      all.push_back(other);
+    }
+  }
+  return all;
+}
+
+/// Operators of several clocks, all different: every operand must still meet its partner.
+std::vector<PairConfig> slow_operators() {
+  PairConfig slow{.lanes = 2,
+                  .arithmetic = cde::Arithmetic::kRtl,
+                  .latency_add = 2,
+                  .latency_mul = 3,
+                  .latency_div = 7,
+                  .latency_sqrt = 11,
+                  .latency_compare = 4};
+  std::vector<PairConfig> all;
+  for (const Algorithm algorithm :
+       {Algorithm::kBadouel, Algorithm::kPluecker, Algorithm::kWatertight}) {
+    slow.algorithm = algorithm;
+    all.push_back(slow);
+  }
+  slow.algorithm = Algorithm::kMoller;
+  for (const Pair pair : {Pair::kRaySphere, Pair::kRayCylinder}) {
+    slow.pair = pair;
+    all.push_back(slow);
+  }
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(SlowOperators, PairPipe, ::testing::ValuesIn(slow_operators()), test_name);
+INSTANTIATE_TEST_SUITE_P(Formats, PairPipe, ::testing::ValuesIn(other_formats()), test_name);
 
 }  // namespace

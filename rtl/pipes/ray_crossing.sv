@@ -1,0 +1,52 @@
+// Way out of a ray pipe against a solid: where the ray enters it if that is in [tmin, tmax], else where it leaves it; CP = o + t d.
+// 3 mul, 3 add, 4 compare.
+// Latency: T_ENTER_LEAVE + LAT_CMP + LAT_MUL + LAT_ADD + 1, latency_o; 0 with ARITH = "host". Throughput: LANES pairs a clock.
+// Stall: none.
+`include "dataflow.svh"
+module ray_crossing #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int T_RAY = 0,  // stage times of the inputs
+    parameter int T_ENTER_LEAVE = 0,
+    parameter int T_MEETS = 0,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [7:0][LANES-1:0][CW-1:0] ray_i,  // o x y z, d x y z, tmin, tmax
+    input logic [LANES-1:0][CW-1:0] enter_i,     // ray parameters
+    input logic [LANES-1:0][CW-1:0] leave_i,
+    input logic [LANES-1:0][CW-1:0] meets_i,  // lane mask: the ray's line meets the solid
+    output logic [LANES-1:0][CW-1:0] f_o,     // lane mask
+    output logic [LANES-1:0][CW-1:0] t_o,
+    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
+    output logic [15:0] latency_o  // constant, also with ARITH = "host"
+);
+  /*verilator inline_module*/
+  `DF_VIN(o, ray_i[2:0], T_RAY)
+  `DF_VIN(d, ray_i[5:3], T_RAY)
+  `DF_IN(tmin, ray_i[6], T_RAY)
+  `DF_IN(tmax, ray_i[7], T_RAY)
+  `DF_IN(enter, enter_i, T_ENTER_LEAVE)
+  `DF_IN(leave, leave_i, T_ENTER_LEAVE)
+  `DF_IN(meets, meets_i, T_MEETS)
+
+  `DF_AT(tmin_late, tmin, T_ENTER_LEAVE)
+  `DF_AT(tmax_late, tmax, T_ENTER_LEAVE)
+  `DF_BETWEEN(enter_in, tmin_late, enter, tmax_late)
+  `DF_BETWEEN(leave_in, tmin_late, leave, tmax_late)
+  `DF_OR(in, enter_in, leave_in)
+  `DF_AND(hit, meets, in)
+  `DF_SELECT(t, enter_in, enter, leave)
+  `DF_VSCALE(td, d, t)
+  `DF_VADD(cp, o, td)
+
+  localparam int LATENCY = T_cp + 1;
+  assign latency_o = 16'(LATENCY);
+  ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_cp), .LATENCY(LATENCY), .ARITH(ARITH)) result (
+      .clk_i, .hit_i(hit), .t_i(t), .cp_i(cp), .f_o, .t_o, .cp_o);
+endmodule

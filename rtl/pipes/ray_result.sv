@@ -1,0 +1,40 @@
+// Way out of a ray pipe: T and CP of a hit, T = +inf and CP = 0 of a miss, all outputs registered together.
+// Latency: to stage time LATENCY; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
+`include "dataflow.svh"
+module ray_result #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int T_HIT = 0,  // stage times of the inputs
+    parameter int T_T = 0,
+    parameter int T_CP = 0,
+    parameter int LATENCY = 1,  // of the outputs: after all inputs
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [LANES-1:0][CW-1:0] hit_i,  // lane mask
+    input logic [LANES-1:0][CW-1:0] t_i,
+    input logic [2:0][LANES-1:0][CW-1:0] cp_i,
+    output logic [LANES-1:0][CW-1:0] f_o,
+    output logic [LANES-1:0][CW-1:0] t_o,
+    output logic [2:0][LANES-1:0][CW-1:0] cp_o
+);
+  /*verilator inline_module*/
+  localparam logic [CW-1:0] INF = ((CW'(1) << EXP) - 1) << MAN;
+  localparam int T_SELECT = LATENCY - 1;
+
+  `DF_IN(hit, hit_i, T_HIT)
+  `DF_IN(t, t_i, T_T)
+  `DF_VIN(cp, cp_i, T_CP)
+  `DF_CONST(inf, INF)
+  `DF_VCONST(origin, 0, 0, 0)
+
+  `DF_AT(f, hit, T_SELECT)
+  `DF_SELECT(t_hit, f, t, inf)
+  `DF_VSELECT(cp_hit, f, cp, origin)
+  `DF_AT(f_late, f, LATENCY)
+  `DF_AT(t_late, t_hit, LATENCY)
+  `DF_VAT(cp_late, cp_hit, LATENCY)
+  assign {f_o, t_o, cp_o} = {f_late, t_late, cp_late};
+endmodule

@@ -1,0 +1,67 @@
+// Ray against the surface of a sphere, the discriminant from the centre's distance to the line (Haines et al., Ray Tracing Gems 2019):
+// f = o - c, a = d.d, b = -f.d, l = f + (b/a) d, D = r^2 - l.l, q = b + sign(b) sqrt(a D); the roots are (f.f - r^2)/q and q/a, in
+// this order when b > 0. T is the first root in [tmin, tmax]; D < 0 is a miss. 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 compare.
+// Latency: latency_o clocks (19 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+`include "dataflow.svh"
+module ray_sphere #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_DIV = 1,
+    parameter int LAT_SQRT = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [7:0][LANES-1:0][CW-1:0] a_i,  // ray: o x y z, d x y z, tmin, tmax
+    input logic [3:0][LANES-1:0][CW-1:0] b_i,  // sphere: c x y z, r
+    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
+    output logic [LANES-1:0][CW-1:0] t_o,
+    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
+    output logic [15:0] latency_o  // constant: the latency, also with ARITH = "host"
+);
+  /*verilator inline_module*/
+  localparam logic [CW-1:0] ONE = ((CW'(1) << (EXP - 1)) - 1) << MAN;
+
+  `DF_VIN(o, a_i[2:0], 0)
+  `DF_VIN(d, a_i[5:3], 0)
+  `DF_VIN(c, b_i[2:0], 0)
+  `DF_IN(r, b_i[3], 0)
+  `DF_CONST(zero, 0)
+  `DF_CONST(one, ONE)
+
+  `DF_VSUB(f, o, c)
+  `DF_DOT(a, d, d)
+  `DF_DOT(fd, f, d)
+  `DF_NEG(b, fd)
+  `DF_DOT(ff, f, f)
+  `DF_MUL(rr, r, r)
+  `DF_DIV(i, one, a)
+
+  // ---- The point of the line nearest to the centre, as seen from there ----
+  `DF_MUL(foot, b, i)
+  `DF_VSCALE(foot_d, d, foot)
+  `DF_VADD(l, f, foot_d)
+  `DF_DOT(ll, l, l)
+
+  `DF_SUB(discriminant, rr, ll)
+  `DF_LE(meets, zero, discriminant)
+  `DF_MUL(scaled, a, discriminant)
+  `DF_SQRT(root, scaled)
+  `DF_MOVE_SIGN(root_b, b, root)
+  `DF_ADD(q, b, root_b)
+  `DF_SUB(cc, ff, rr)
+  `DF_DIV(ta, cc, q)
+  `DF_MUL(tb, q, i)
+  `DF_NEGATIVE(backwards, b)
+  `DF_SELECT(near, backwards, tb, ta)
+  `DF_SELECT(far, backwards, ta, tb)
+
+  ray_crossing #(
+      .EXP(EXP), .MAN(MAN), .LANES(LANES), .T_RAY(0), .T_ENTER_LEAVE(T_near), .T_MEETS(T_meets), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+  ) crossing (.clk_i, .ray_i(a_i), .enter_i(near), .leave_i(far), .meets_i(meets), .f_o, .t_o, .cp_o, .latency_o);
+endmodule

@@ -1,0 +1,36 @@
+// Inside test of a ray against a triangle, on barycentric coordinates that sum to det: none has the other sign than det, and det is
+// not 0. A NaN is outside. 4 compare.
+// Latency: LAT_CMP clocks from det; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
+`include "dataflow.svh"
+module same_side #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int T_UVW = 0,  // stage times of the inputs
+    parameter int T_DET = 0,  // at least T_UVW
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [2:0][LANES-1:0][CW-1:0] uvw_i,
+    input logic [LANES-1:0][CW-1:0] det_i,
+    output logic [LANES-1:0][CW-1:0] inside_o  // lane mask
+);
+  /*verilator inline_module*/
+  `DF_VIN(uvw, uvw_i, T_UVW)
+  `DF_IN(det, det_i, T_DET)
+  `DF_CONST(zero, 0)
+  `DF_PICK(u, uvw, 0)
+  `DF_PICK(v, uvw, 1)
+  `DF_PICK(w, uvw, 2)
+  `DF_MOVE_SIGN(u_s, det, u)
+  `DF_MOVE_SIGN(v_s, det, v)
+  `DF_MOVE_SIGN(w_s, det, w)
+  `DF_ABS(size, det)
+  `DF_LE(u_in, zero, u_s)
+  `DF_LE(v_in, zero, v_s)
+  `DF_LE(w_in, zero, w_s)
+  `DF_LT(area, zero, size)
+  assign inside_o = u_in & v_in & w_in & area;
+endmodule
