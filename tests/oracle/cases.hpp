@@ -1,0 +1,84 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "shapes.hpp"
+
+namespace cde::oracle {
+
+/// The thirteen pairs; the first named is the primary A.
+enum class Pair {
+  kRayTriangle,
+  kObbObb,
+  kTriangleAabb,
+  kTriangleObb,
+  kSphereSphere,
+  kTriangleSphere,
+  kRayCylinder,
+  kTriangleCylinder,
+  kCylinderCylinder,
+  kObbCylinder,
+  kObbPlane,
+  kRaySphere,
+  kSphereObb
+};
+inline constexpr std::array kPairs = {
+    Pair::kRayTriangle,      Pair::kObbObb,         Pair::kTriangleAabb, Pair::kTriangleObb,
+    Pair::kSphereSphere,     Pair::kTriangleSphere, Pair::kRayCylinder,  Pair::kTriangleCylinder,
+    Pair::kCylinderCylinder, Pair::kObbCylinder,    Pair::kObbPlane,     Pair::kRaySphere,
+    Pair::kSphereObb};
+
+/// "ray-triangle", "obb-obb", ...
+[[nodiscard]] const char* to_string(Pair pair);
+[[nodiscard]] ShapeKind primary(Pair pair);
+[[nodiscard]] ShapeKind secondary(Pair pair);
+[[nodiscard]] inline bool has_ray(Pair pair) {
+  return primary(pair) == ShapeKind::kRay;
+}
+[[nodiscard]] inline bool has_cylinder(Pair pair) {
+  return primary(pair) == ShapeKind::kCylinder || secondary(pair) == ShapeKind::kCylinder;
+}
+
+/// Two valid operands as the words of their slots, so that the hardware, the reference and the
+/// oracle get the very same numbers.
+struct Case {
+  Pair pair;
+  std::uint64_t seed, index;
+  const char* family;  ///< which set of cases it belongs to: "near contact", "aligned", ...
+  std::vector<float> a, b;
+
+  [[nodiscard]] Shape shape_a() const { return shape_from_words(primary(pair), a); }
+  [[nodiscard]] Shape shape_b() const { return shape_from_words(secondary(pair), b); }
+  [[nodiscard]] Ray ray() const { return ray_from_words(a); }
+  /// Pair, seed, index, family and all words in hexfloat: enough to feed the case back in.
+  [[nodiscard]] std::string describe() const;
+};
+
+/// Case `index` of a pair, a function of the three arguments.
+///
+/// Even indices are near the decision. Convex pairs: signed gap of +-1e-7 to +-1e-3 of the scene,
+/// generic shapes, a tenth of the scenes scaled by up to 2^+-10. Rays: aimed past the silhouette,
+/// an edge or a rim by as little.
+///
+/// Odd indices take turns through the directed families. Convex pairs: random, deep, aligned (exact
+/// face-to-face contact and +-2^-10, +-2^-20), concentric, containment, needles and plates, no area
+/// (triangles that are a segment or a point), half turns, tilted by 1e-7 to 1e-2, parallel and
+/// perpendicular axes, normal within 2 degrees of a cap axis or face normal, sizes a thousandfold
+/// apart, far from the world's origin (10, 1e3, 1e5). Rays: see ray_cases.cpp.
+[[nodiscard]] Case generate(Pair pair, std::uint64_t seed, std::uint64_t index);
+
+/// The shape translated.
+[[nodiscard]] Shape moved(const Shape& shape, const Vec& by);
+
+/// The words of a slot, each rounded to binary32.
+[[nodiscard]] std::vector<float> to_words(const Shape& shape);
+[[nodiscard]] std::vector<float> to_words(const Ray& ray);
+
+namespace detail {
+[[nodiscard]] Case convex_case(Pair pair, std::uint64_t seed, std::uint64_t index);
+[[nodiscard]] Case ray_case(Pair pair, std::uint64_t seed, std::uint64_t index);
+}  // namespace detail
+
+}  // namespace cde::oracle

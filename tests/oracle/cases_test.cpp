@@ -1,0 +1,121 @@
+// The generated operands are valid, reproducible, and near where the decisions are.
+#include "oracle/cases.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <string>
+
+#include "oracle/gap.hpp"
+#include "oracle/rays.hpp"
+
+namespace cde::oracle {
+namespace {
+
+constexpr std::uint64_t kSeed = 11;
+constexpr int kCount = 1120;
+
+/// The input contract, with its tolerance of 2^-20.
+struct Valid {
+  bool operator()(const Triangle&) const { return true; }
+  bool operator()(const Sphere& s) const { return s.r > 0; }
+  bool operator()(const Aabb& s) const { return (s.max.array() > s.min.array()).all(); }
+  bool operator()(const Plane& s) const { return std::abs(s.n.squaredNorm() - 1) <= 0x1p-20; }
+  bool operator()(const Cylinder& s) const {
+    return s.half_height > 0 && s.radius > 0 && std::abs(s.axis.squaredNorm() - 1) <= 0x1p-20;
+  }
+  bool operator()(const Obb& s) const {
+    const Eigen::Matrix3d defect = s.rotation.transpose() * s.rotation - Frame::Identity();
+    return s.half.minCoeff() > 0 && defect.cwiseAbs().maxCoeff() <= 0x1p-20;
+  }
+  using Frame = Eigen::Matrix3d;
+};
+
+class EveryPair : public testing::TestWithParam<Pair> {};
+
+TEST_P(EveryPair, GeneratesValidWordsTheSameEveryTime) {
+  std::map<std::string, int> families;
+  for (int i = 0; i < kCount; ++i) {
+    const Case c = generate(GetParam(), kSeed, i), again = generate(GetParam(), kSeed, i);
+    EXPECT_EQ(c.describe(), again.describe());
+    ASSERT_EQ(c.a.size(), word_count(primary(GetParam())));
+    ASSERT_EQ(c.b.size(), word_count(secondary(GetParam())));
+    for (const float word : c.b) EXPECT_TRUE(std::isfinite(word)) << c.describe();
+    EXPECT_TRUE(std::visit(Valid{}, c.shape_b())) << c.describe();
+    if (has_ray(GetParam())) {
+      EXPECT_TRUE(c.ray().o.allFinite() && c.ray().d.allFinite()) << c.describe();
+      EXPECT_FALSE(c.ray().d.isZero(0)) << c.describe();
+      EXPECT_FALSE(std::isnan(c.a[6]) || std::isnan(c.a[7])) << c.describe();
+    } else {
+      EXPECT_TRUE(std::visit(Valid{}, c.shape_a())) << c.describe();
+    }
+    ++families[c.family];
+  }
+  EXPECT_GE(families.size(), 13U);
+  EXPECT_NE(generate(GetParam(), kSeed, 0).describe(),
+            generate(GetParam(), kSeed + 1, 0).describe());
+}
+
+TEST_P(EveryPair, IsDecidedBothWaysAndHalfOfItNearTheDecision) {
+  int near = 0, hits = 0, even_hits = 0, band = 0;
+  for (int i = 0; i < kCount; ++i) {
+    const Case c = generate(GetParam(), kSeed, i);
+    bool hit, close;
+    if (has_ray(GetParam())) {
+      const RayAnswer answer = cast(c);
+      hit = answer.hit;
+      close = answer.margin < 2e-3;
+      band += answer.margin < 0x1p-20;
+    } else {
+      const Shape a = c.shape_a(), b = c.shape_b();
+      const Gap gap = signed_gap(a, b, {1e-6});
+      hit = gap.middle() <= 0;
+      close = std::abs(gap.middle()) < 2e-3 * scene_size(a, b);
+      band += std::abs(gap.middle()) < 0x1p-20 * scene_size(a, b);
+    }
+    hits += hit;
+    if (i % 2 == 0) near += close, even_hits += hit;
+  }
+  std::printf("%s: %d cases, %d hit, %d within 16 u; near the decision %d, %d hit\n",
+              to_string(GetParam()), kCount, hits, band, kCount / 2, even_hits);
+  EXPECT_GT(near, kCount / 2 * 95 / 100);
+  EXPECT_GT(hits, kCount * 3 / 10);
+  EXPECT_LT(hits, kCount * 75 / 100);
+  EXPECT_GT(even_hits, kCount / 2 * 3 / 10);
+  EXPECT_LT(even_hits, kCount / 2 * 7 / 10);
+}
+
+TEST_P(EveryPair, KeepsItsShapeThroughTheWords) {
+  for (int i = 0; i < 100; ++i) {
+    const Case c = generate(GetParam(), kSeed, i);
+    EXPECT_EQ(to_words(c.shape_b()), c.b);
+    EXPECT_EQ(has_ray(GetParam()) ? to_words(c.ray()) : to_words(c.shape_a()), c.a);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EveryPair, testing::ValuesIn(kPairs), [](const auto& info) {
+  std::string name = to_string(info.param);
+  std::ranges::replace(name, '-', '_');
+  return name;
+});
+
+TEST(Words, AreInTheOrderOfTheSlot) {
+  const std::vector<float> words = {1, 2, 3, 4, 5, 6, 0, -1, 0, 1, 0, 0, 0, 0, 1};
+  const auto box = std::get<Obb>(shape_from_words(ShapeKind::kObb, words));
+  EXPECT_EQ(box.c, Vec(1, 2, 3));
+  EXPECT_EQ(box.half, Vec(4, 5, 6));
+  EXPECT_EQ(box.rotation.col(0), Vec::UnitY());  // words 6, 9, 12
+  EXPECT_EQ(support(box, Vec::UnitY()), 2 + 4);
+  const std::vector<float> can = {1, 2, 3, 0, 0, 1, 4, 5};
+  const auto cylinder = std::get<Cylinder>(shape_from_words(ShapeKind::kCylinder, can));
+  EXPECT_EQ(cylinder.half_height, 4);
+  EXPECT_EQ(cylinder.radius, 5);
+  EXPECT_THROW((void)shape_from_words(ShapeKind::kSphere, can), std::invalid_argument);
+  EXPECT_THROW((void)shape_from_words(ShapeKind::kRay, can), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace cde::oracle

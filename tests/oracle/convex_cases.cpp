@@ -1,0 +1,250 @@
+#include <array>
+#include <cmath>
+
+#include "build_shape.hpp"
+#include "cases.hpp"
+#include "gap.hpp"
+
+// Operands of the ten convex pairs: build both shapes about the origin in frames that the family
+// chooses, round them, then place B, again by the family's rule.
+namespace cde::oracle {
+namespace {
+
+double size_of(const Shape& shape) {
+  const Shape origin = Sphere{center(shape), 0};
+  return std::holds_alternative<Plane>(shape) ? 1.0 : scene_size(shape, origin);
+}
+
+/// B moved so that the pair's signed gap is `gap`: approach from far away in the given direction,
+/// then go back along the separating normal.
+Shape approach(const Shape& a, const Shape& b, const Vec& direction, double gap) {
+  const double far = 20 * (size_of(a) + size_of(b));
+  const Shape b_far = moved(b, center(a) - center(b) + far * direction);
+  const Gap found = signed_gap(a, b_far, {1e-12, 2000});
+  return moved(b_far, (gap - found.middle()) * found.n);
+}
+
+/// B moved so that its projection on n leaves `gap` to A's.
+Shape against(const Shape& a, const Shape& b, const Vec& n, double gap) {
+  if (std::holds_alternative<Plane>(b)) return approach(a, b, n, gap);
+  return moved(b, (gap + support(a, n) + support(b, -n)) * n);
+}
+
+Vec any_axis(Random& random) {
+  return random.flipped(Vec::Unit(random.below(3)));
+}
+
+/// A small rotation, by about `angle`.
+Frame tilt(Random& random, double angle) {
+  return Eigen::AngleAxisd(angle, random.direction()).toRotationMatrix();
+}
+
+/// A's frame and B's in A's.
+struct Frames {
+  Frame a, relative;
+};
+
+// Draws are in statements or braces of their own: elsewhere their order is the compiler's.
+struct Draft {
+  Random random;
+  ShapeKind kind_a, kind_b;
+  Frame frame_a, frame_b;
+  Build build_a, build_b;
+  Shape a, b;
+
+  void build() {
+    a = rounded(kind_a, build_shape(random, kind_a, frame_a, build_a));
+    b = rounded(kind_b, build_shape(random, kind_b, frame_b, build_b));
+  }
+  [[nodiscard]] double size() const { return size_of(a) + size_of(b); }
+  /// +-1e-7 to +-1e-3 of the scene.
+  double small_gap() { return random.either_sign(random.decades(1e-7, 1e-3)) * size(); }
+  void near_contact() {
+    const Vec direction = random.direction();
+    b = approach(a, b, direction, small_gap());
+  }
+  void beside(double least, double most) {
+    const double length = random.uniform(least, most) * size();
+    b = moved(b, center(a) - center(b) + length * random.direction());
+  }
+  /// The frame that an AABB does not have is the world's.
+  void frames(const Frames& chosen) {
+    frame_a = chosen.a;
+    frame_b = chosen.a * chosen.relative;
+    if (kind_b == ShapeKind::kAabb) {
+      frame_a = chosen.relative.transpose();
+      frame_b = Frame::Identity();
+    }
+  }
+};
+
+const char* generic_near_contact(Draft& d) {
+  if (d.random.chance(0.1))
+    d.build_a.scale = d.build_b.scale = std::ldexp(1, d.random.below(21) - 10);
+  d.build();
+  d.near_contact();
+  return "near contact";
+}
+
+const char* generic_random(Draft& d) {
+  d.build();
+  d.beside(0, 1);
+  return "random";
+}
+
+const char* deep(Draft& d) {
+  d.build();
+  d.beside(0, 0.1);
+  return "deep";
+}
+
+const char* aligned(Draft& d) {
+  d.frames({d.random.quarter_turns(), d.random.quarter_turns()});
+  d.build_a.dyadic = d.build_b.dyadic = true;
+  d.build();
+  static constexpr std::array kGaps = {0.0, 0.0, 0x1p-10, -0x1p-10, 0x1p-20, -0x1p-20};
+  const Vec n = any_axis(d.random);
+  Vec beside{d.random.below(17) - 8., d.random.below(17) - 8., d.random.below(17) - 8.};
+  if (d.random.chance(0.3)) beside.setZero();
+  if (d.random.chance(0.3)) {
+    // Centre on the other's side plane, or side on side: sliding by half sizes.
+    beside = 16 * Vec{d.random.below(3) - 1., d.random.below(3) - 1., d.random.below(3) - 1.};
+  }
+  d.b = moved(d.b, (beside - n.dot(beside) * n) / 16);
+  d.b = against(d.a, d.b, n, kGaps[d.random.below(static_cast<int>(kGaps.size()))]);
+  return "aligned";
+}
+
+const char* concentric(Draft& d) {
+  if (d.random.chance(0.5)) d.frames({d.random.quarter_turns(), d.random.quarter_turns()});
+  d.build_a.dyadic = d.build_b.dyadic = d.random.chance(0.5);
+  d.build();
+  d.b = moved(d.b, center(d.a) - center(d.b));
+  return "concentric";
+}
+
+const char* containment(Draft& d) {
+  const double scale = d.random.uniform(0.05, 0.3);
+  (d.random.chance(0.5) ? d.build_a : d.build_b).scale = scale;
+  d.build();
+  d.beside(0, 0.1);
+  return "containment";
+}
+
+const char* thin(Draft& d) {
+  for (Build* build : {&d.build_a, &d.build_b})
+    if (d.random.chance(0.7)) {
+      build->thin = d.random.decades(1e-5, 1e-2);
+      build->plate = d.random.chance(0.5);
+    }
+  d.build();
+  d.random.chance(0.5) ? d.near_contact() : d.beside(0, 0.5);
+  return "needles and plates";
+}
+
+const char* no_area(Draft& d) {
+  if (d.kind_a != ShapeKind::kTriangle) return thin(d);
+  d.build_a.no_area = true;
+  d.build();
+  d.random.chance(0.5) ? d.near_contact() : d.beside(0, 0.5);
+  return "no area";
+}
+
+const char* half_turn(Draft& d) {
+  Vec flip = -Vec::Ones();
+  flip[d.random.below(3)] = 1;
+  d.frames({d.random.rotation(), flip.asDiagonal()});
+  d.build();
+  d.random.chance(0.5) ? d.near_contact() : d.beside(0, 0.5);
+  return "half turn";
+}
+
+const char* tilted(Draft& d) {
+  const double angle = d.random.decades(1e-7, 1e-2);
+  const Frame slightly = tilt(d.random, angle);
+  d.frames({d.random.chance(0.5) ? d.random.rotation() : d.random.quarter_turns(),
+            d.random.quarter_turns() * slightly});
+  d.build();
+  const Vec n = d.random.flipped(d.frame_a.col(d.random.below(3)));
+  const double aside = d.random.unit();
+  d.b = moved(d.b, aside * n.cross(d.random.direction()));
+  if (d.random.chance(0.5))
+    d.b = against(d.a, d.b, n, d.small_gap());
+  else
+    d.b = approach(d.a, d.b, n, d.small_gap());
+  return "tilted";
+}
+
+const char* parallel_axes(Draft& d) {
+  const Frame about_axis =
+      Eigen::AngleAxisd(d.random.uniform(0, 6.28), Vec::UnitZ()).toRotationMatrix();
+  Frame relative = about_axis;
+  const double angle = d.random.decades(1e-7, 1e-3);
+  if (d.random.chance(0.5)) relative = relative * tilt(d.random, angle);
+  d.frames({d.random.rotation(), relative});
+  d.build();
+  d.random.chance(0.6) ? d.near_contact() : d.beside(0, 0.5);
+  return "parallel axes";
+}
+
+const char* perpendicular_axes(Draft& d) {
+  const Frame quarter = Eigen::AngleAxisd(1.5707963267948966, Vec::UnitX()).toRotationMatrix();
+  d.frames({d.random.rotation(),
+            Frame(Eigen::AngleAxisd(d.random.uniform(0, 6.28), Vec::UnitZ())) * quarter});
+  d.build();
+  d.random.chance(0.6) ? d.near_contact() : d.beside(0, 0.5);
+  return "perpendicular axes";
+}
+
+/// Normal within two degrees of the cap axis of one of the two, or of a face normal.
+const char* cap_axis(Draft& d) {
+  d.build();
+  const bool of_b = d.kind_b == ShapeKind::kCylinder && d.random.chance(0.6);
+  const Vec axis = d.random.flipped((of_b ? d.frame_b : d.frame_a).col(2));
+  const double angle = d.random.decades(1e-5, 0.035);
+  const Vec n = tilt(d.random, angle) * axis;
+  d.b = approach(d.a, d.b, n, d.small_gap());
+  return "cap axis";
+}
+
+const char* mismatch(Draft& d) {
+  const double scale = std::ldexp(1, d.random.chance(0.5) ? 10 : -10);
+  (d.random.chance(0.5) ? d.build_a : d.build_b).scale = scale;
+  d.build();
+  d.random.chance(0.7) ? d.near_contact() : d.beside(0, 0.5);
+  return "scale mismatch";
+}
+
+const char* offset(Draft& d) {
+  d.build();
+  d.random.chance(0.5) ? d.near_contact() : d.beside(0, 0.6);
+  static constexpr std::array kOffsets = {10.0, 1e3, 1e5};
+  const double far = kOffsets[d.random.below(3)];
+  const Vec by = far * d.random.direction();
+  d.a = moved(d.a, by);
+  d.b = moved(d.b, by);
+  return "offset";
+}
+
+}  // namespace
+
+Case detail::convex_case(Pair pair, std::uint64_t seed, std::uint64_t index) {
+  static constexpr std::array kFamilies = {
+      generic_random, deep,   aligned,       concentric,         containment, thin,     no_area,
+      half_turn,      tilted, parallel_axes, perpendicular_axes, cap_axis,    mismatch, offset};
+  Draft d{Random(seed, static_cast<std::uint64_t>(pair), index),
+          primary(pair),
+          secondary(pair),
+          {},
+          {},
+          {},
+          {},
+          {},
+          {}};
+  d.frames({d.random.rotation(), d.random.rotation()});
+  const char* family =
+      index % 2 == 0 ? generic_near_contact(d) : kFamilies[index / 2 % kFamilies.size()](d);
+  return {pair, seed, index, family, to_words(d.a), to_words(d.b)};
+}
+
+}  // namespace cde::oracle
