@@ -32,7 +32,7 @@ enum class Phase {
 };
 
 /// Steps of alternating projection at the end.
-inline constexpr int kProjections = 4;
+inline constexpr int kProjections = 8;
 
 struct Pass {
   Phase phase;

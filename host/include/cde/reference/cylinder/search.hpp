@@ -109,6 +109,27 @@ inline constexpr double kBeside = [] {
   return x;
 }();
 
+/// e x (1 0 0) or e x (0 1 0), whichever is longer. 2 cmp.
+template <typename S>
+[[nodiscard]] Vector<S> perpendicular(const Vector<S>& e) {
+  const S zero(0);
+  const Mask<S> along_x =
+      magnitude(e.y()) <= magnitude(e.x()) && magnitude(e.z()) <= magnitude(e.x());
+  return select<S>(along_x, Vector<S>(-e.z(), zero, e.x()), Vector<S>(zero, e.z(), -e.y()));
+}
+
+/// The triangle's normal (0) and edges (1, 2, 3). Where the normal drowns in rounding the triangle
+/// is a segment, and any normal of its longer edge at v0 serves.
+template <typename S>
+[[nodiscard]] Vector<S> triangle_frame(const Pair<S>& pair, int i) {
+  const Vector<S> e1 = pair.reach[0], e2 = pair.reach[1], face = cross<S>(e1, e2);
+  const S e11 = dot<S>(e1, e1), e22 = dot<S>(e2, e2), tiny(16 * kUnitRoundoff<S>);
+  const Mask<S> flat = dot<S>(face, face) <= (tiny * tiny) * (e11 * e22);
+  const Vector<S> other = perpendicular<S>(select<S>(e11 < e22, e2, e1));
+  if (i == 0) return select<S>(flat, other, face);
+  return i == 1 ? e1 : i == 2 ? pair.reach[2] : e2;
+}
+
 template <typename S>
 [[nodiscard]] Vector<S> front(const Pair<S>& pair, const Search<S>& s, const Pass& p, int samples) {
   const bool cylinders = pair.body == Body::kCylinder;
@@ -117,11 +138,7 @@ template <typename S>
   const Vector<S> other = cylinders && p.track == 1 ? a : pair.b;
   switch (p.phase) {
     case Phase::kFrame:
-      if (pair.body == Body::kBox) return pair.axis[p.index];
-      return p.index == 0 ? cross<S>(pair.reach[0], pair.reach[1])
-                          : pair.reach[p.index == 2   ? 2
-                                       : p.index == 3 ? 1
-                                                      : 0];
+      return pair.body == Body::kBox ? pair.axis[p.index] : triangle_frame<S>(pair, p.index);
     case Phase::kAxis:
       return pair.b;
     case Phase::kCentre: {
@@ -136,8 +153,8 @@ template <typename S>
       // An axis along the edge: any direction of the circle serves as q.
       const Vector<S> q = cross<S>(e, other);
       const S tiny(16 * kUnitRoundoff<S>);
-      if (cylinders) return q;
-      return select<S>(dot<S>(q, q) <= tiny * tiny, frame_u<S>(pair, p.track), q);
+      return select<S>(dot<S>(q, q) <= tiny * tiny,
+                       cylinders ? perpendicular<S>(e) : frame_u<S>(pair, p.track), q);
     }
     case Phase::kBeside:
       return add<S>(s.q, scale<S>(s.last.n, S(kBeside<S>)));

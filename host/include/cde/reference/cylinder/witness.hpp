@@ -63,20 +63,38 @@ template <typename S>
   }
 }
 
-/// A witness pass: kTouch takes the support point of A and half of what B's is off to the side;
-/// kProject moves it to B, then to A.
+/// Nearest point of B moved by -s n.
+template <typename S>
+[[nodiscard]] Vector<S> project_b(const Vector<S>& x, const Pair<S>& pair, const Vector<S>& shift) {
+  return sub<S>(project_cylinder<S>(add<S>(x, shift), pair.d, pair.b, pair.b_half, pair.b_radius),
+                shift);
+}
+
+template <typename S>
+[[nodiscard]] S squared(const Vector<S>& v) {
+  return dot<S>(v, v);
+}
+
+/// A witness pass. kTouch starts from that body's support point which is nearer to the other body:
+/// a corner or rim that meets a face knows where. kProject goes to B and back to A, and on to where
+/// the two faces would cross if they were flat (Gubin, Polyak and Raik, 1967), which without bounds
+/// is exact in one pass; every second pass stays on A.
 template <typename S>
 void witness(const Pair<S>& pair, Search<S>& s, const Pass& p) {
+  const Vector<S> shift = scale<S>(s.best_n, s.best_g);
   if (p.phase == Phase::kTouch) {
     const Evaluation<S> at = evaluate<S>(pair, s.best_n);
-    const Vector<S> side = sub<S>(at.plus.y, scale<S>(at.plus.n, at.plus.g));
-    s.q = add<S>(at.pa, scale<S>(side, S(0.5)));
+    const Vector<S> of_b = add<S>(at.pa, sub<S>(at.plus.y, shift));
+    const Vector<S> near_b = project_a<S>(of_b, pair), near_a = project_b<S>(at.pa, pair, shift);
+    const Mask<S> b_first = squared<S>(sub<S>(near_b, of_b)) < squared<S>(sub<S>(near_a, at.pa));
+    s.q = select<S>(b_first, near_b, at.pa);
     return;
   }
-  const Vector<S> shift = scale<S>(s.best_n, s.best_g);
-  const Vector<S> on_b =
-      project_cylinder<S>(add<S>(s.q, shift), pair.d, pair.b, pair.b_half, pair.b_radius);
-  s.q = project_a<S>(sub<S>(on_b, shift), pair);
+  const Vector<S> on_b = project_b<S>(s.q, pair, shift), on_a = project_a<S>(on_b, pair);
+  const Vector<S> away = sub<S>(on_b, s.q), move = sub<S>(on_a, s.q);
+  const S gain = squared<S>(away) / dot<S>(away, move);
+  const Mask<S> further = S(1) < gain && gain < S(0x1p10) && p.index % 2 == 0;
+  s.q = select<S>(further, add<S>(s.q, scale<S>(move, gain)), on_a);
 }
 
 }  // namespace cde::reference::cylinder
