@@ -8,7 +8,7 @@ namespace cde::reference::cylinder {
 
 /// How much work a pair gets. One pass through the evaluator is one clock of the pipe.
 struct Budget {
-  int samples = 4;  ///< M: directions sampled on each circle (box, triangle): 4, 8 or 16
+  int samples = 8;  ///< M: directions sampled on each circle (box, triangle): 4, 8 or 16
   int circle = 8;   ///< K1: steps on each circle
   int free = 8;     ///< K2: Newton steps on each free track (cylinder-cylinder)
 };
