@@ -209,7 +209,7 @@ class Search {
 
  private:
   static constexpr int kTightenings = 4;
-  static constexpr int kHardTightenings = 12;
+  static constexpr int kHardTightenings = 20;
   static constexpr int kSeparationSteps = 60;
   static constexpr long kHard = 300;     // evaluations, after which a pair counts as hard
   static constexpr double kNear = 0.25;  // of the way down to lo_: not worth another step

@@ -14,8 +14,8 @@ struct Gap {
 };
 
 struct GapOptions {
-  double tolerance = 1e-8;        ///< wanted hi - lo, relative to scene_size
-  long max_evaluations = 200000;  ///< afterwards the interval is as wide as it is, and still right
+  double tolerance = 1e-8;         ///< wanted hi - lo, relative to scene_size
+  long max_evaluations = 1000000;  ///< afterwards the interval is as wide as it is, and still right
 };
 
 /// g(n) = -h_B(-n) - h_A(n): the gap of the two projections on n, a lower bound of the signed gap
