@@ -56,14 +56,15 @@ fs::path cache_folder() {
   return fs::temp_directory_path() / fmt::format("cde-{}", ::getuid());
 }
 
-/// Folders that may hold ready-made bitstreams, the cache last.
+/// Folders that may hold ready-made bitstreams: an installation's before those of the build the
+/// library comes from, the cache last.
 std::vector<fs::path> bitstream_folders() {
   std::vector<fs::path> folders;
   if (auto path = from_environment("CDE_BITSTREAMS")) folders.push_back(*path);
-  folders.emplace_back(CDE_BITSTREAM_FOLDER);
   // share_folder() is PREFIX/share/cde in an installation.
   folders.push_back(share_folder().parent_path().parent_path() / CDE_INSTALL_LIBDIR /
                     "cde/bitstreams");
+  folders.emplace_back(CDE_BITSTREAM_FOLDER);
   folders.push_back(cache_folder());
   return folders;
 }
