@@ -120,10 +120,10 @@ class Stream {
         bits_(integer_operand_bits(op) != 0 ? integer_operand_bits(op) : format.width()),
         operand_digits_((bits_ + 3) / 4),
         result_digits_(result_digits(op, format)) {
-    for (int c = 0; c < 256; c++) digit_[static_cast<std::size_t>(c)] = -1;
+    digit_.fill(-1);
     for (int d = 0; d < 16; d++) {
-      digit_[static_cast<unsigned char>("0123456789abcdef"[d])] = static_cast<signed char>(d);
-      digit_[static_cast<unsigned char>("0123456789ABCDEF"[d])] = static_cast<signed char>(d);
+      digit_[static_cast<unsigned char>("0123456789abcdef"[d])] = d;
+      digit_[static_cast<unsigned char>("0123456789ABCDEF"[d])] = d;
     }
   }
 
@@ -220,7 +220,7 @@ class Stream {
   FpUnit& unit_;
   uint8_t flags_shown_;
   int operands_, bits_, operand_digits_, result_digits_;
-  std::array<signed char, 256> digit_{};
+  std::array<int, 256> digit_{};
   uint64_t line_ = 0;
   std::vector<uint64_t> a_, b_, r_;
   std::vector<uint8_t> flags_;
