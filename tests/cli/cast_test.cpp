@@ -232,7 +232,7 @@ TEST_F(Cast, InterruptLeavesNothing) {
   for (int i = 0; i < 15; ++i) {
     const int signal = std::array{SIGINT, SIGTERM, SIGHUP}.at(i % 3);
     SCOPED_TRACE(fmt::format("signal {}, round {}", signal, i / 3));
-    const pid_t child = start({"cast", "terrain:9,9,1", "--grid", "1000x1000", "-o", "hits.csv"});
+    const pid_t child = start({"cast", "terrain:60,60,1", "--grid", "300x300", "-o", "hits.csv"});
     const bool began = wait_for_file(child);
     ::kill(child, signal);
     const Ran ran = finish(child);
