@@ -13,6 +13,7 @@
 
 #include "cde/error.hpp"
 #include "mesh_readers.hpp"
+#include "sanitizer.hpp"
 
 #ifdef CDE_COVERAGE
 extern "C" void __gcov_dump();  // NOLINT(bugprone-reserved-identifier): libgcov's
@@ -25,18 +26,6 @@ namespace {
 
 constexpr char kMeshFollows = 'M';
 constexpr char kMessageFollows = 'E';
-
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool kAddressSanitizer = true;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-constexpr bool kAddressSanitizer = true;
-#else
-constexpr bool kAddressSanitizer = false;
-#endif
-#else
-constexpr bool kAddressSanitizer = false;
-#endif
 
 Eigen::Matrix4d to_eigen(const aiMatrix4x4& m) {
   Eigen::Matrix4d out;

@@ -113,6 +113,32 @@ TEST_F(Cast, BothArithmeticsGiveTheSameFile) {
   EXPECT_EQ(read("host.csv"), read("rtl.csv"));
 }
 
+/// Three packets on one card and on three: the same records in the same order, in a third of the
+/// modelled time.
+TEST_F(Cast, MoreCardsGiveTheSameFile) {
+  for (const char* mode : {"nearest", "hits"}) {
+    nlohmann::json summary[2];
+    for (int i = 0; i < 2; ++i) {
+      const Ran ran =
+          cde({"cast", "terrain:12,9,3", "--grid", "32x24", "--mode", mode, "--bits", "--json",
+               "-o", fmt::format("{}.csv", i), "--boards", i == 0 ? "1" : "3"});
+      ASSERT_EQ(ran.status, 0) << ran.err;
+      summary[i] = nlohmann::json::parse(ran.out);
+    }
+    EXPECT_EQ(read("0.csv"), read("1.csv")) << mode;
+    for (const char* sum : {"hits", "records", "records_compared", "tests"})
+      EXPECT_EQ(summary[0][sum], summary[1][sum]) << mode << " " << sum;
+    EXPECT_GT(summary[0]["hits"], 0);
+    EXPECT_NEAR(summary[1]["modelled_seconds"].get<double>() * 3,
+                summary[0]["modelled_seconds"].get<double>(),
+                0.05 * summary[0]["modelled_seconds"].get<double>());
+  }
+  EXPECT_EQ(cde({"cast", "terrain:1,1,1", "--grid", "4x4", "--boards", "65"}).status, 2);
+  EXPECT_EQ(
+      cde({"cast", "terrain:1,1,1", "--grid", "4x4", "--boards", "2", "--trace", "x.fst"}).status,
+      2);
+}
+
 TEST_F(Cast, ClockChangesTheModelledTimeOnly) {
   write("one.obj", kTriangle);
   const auto at = [&](const char* mhz) {

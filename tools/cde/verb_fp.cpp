@@ -191,6 +191,7 @@ class Stream {
   }
 
   void flush(std::FILE* out) {
+    if (a_.empty()) return;
     r_.resize(a_.size());
     flags_.resize(a_.size());
     unit_.apply(op_, a_, b_, r_, flags_);
