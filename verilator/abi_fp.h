@@ -56,9 +56,9 @@ typedef struct cde_fp_api {
   void (*destroy)(cde_fp_unit*);
   /* Latency in clocks; 0 for an operation that is not there. */
   uint32_t (*latency)(const cde_fp_unit*, uint32_t op);
-  /* n operations, streamed one row of lanes a clock. b is read by binary operations only; flags
-   * (bits NX 1, UF 2, OF 4, DZ 8, NV 16) may be null. 0 on success, 1 for an operation that is not
-   * there. */
+  /* n operations, streamed one row of lanes a clock (one operation a clock where B_LANES=1 makes
+   * all lanes share one b). b is read by binary operations only; flags (bits NX 1, UF 2, OF 4, DZ
+   * 8, NV 16) may be null. 0 on success, 1 for an operation that is not there. */
   int (*apply)(cde_fp_unit*, uint32_t op, const uint64_t* a, const uint64_t* b, uint64_t* r,
                uint8_t* flags, uint64_t n);
   /* Processor seconds (of the calling thread) of that many clocks of the operation, new operands

@@ -13,6 +13,11 @@
 
 #include "cde/error.hpp"
 #include "mesh_readers.hpp"
+#include "sanitizer.hpp"
+
+#ifdef CDE_COVERAGE
+extern "C" void __gcov_dump();  // NOLINT(bugprone-reserved-identifier): libgcov's
+#endif
 
 // Every format that has no reader of its own. assimp runs in a child process, because it dies,
 // hangs or takes all memory on some damaged files; the mesh comes back through a pipe.
@@ -21,18 +26,6 @@ namespace {
 
 constexpr char kMeshFollows = 'M';
 constexpr char kMessageFollows = 'E';
-
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool kAddressSanitizer = true;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-constexpr bool kAddressSanitizer = true;
-#else
-constexpr bool kAddressSanitizer = false;
-#endif
-#else
-constexpr bool kAddressSanitizer = false;
-#endif
 
 Eigen::Matrix4d to_eigen(const aiMatrix4x4& m) {
   Eigen::Matrix4d out;
@@ -128,6 +121,14 @@ void limit_child(std::chrono::seconds deadline) {
   ::setrlimit(RLIMIT_DATA, &memory);
 }
 
+/// Ends the child without what the parent has registered for its own end.
+[[noreturn]] void leave(int status) {
+#ifdef CDE_COVERAGE
+  __gcov_dump();
+#endif
+  ::_exit(status);
+}
+
 [[noreturn]] void run_child(int out, const std::string& path, std::chrono::seconds deadline) {
   limit_child(deadline);
   // The C library's last words on a broken heap would only confuse.
@@ -137,10 +138,10 @@ void limit_child(std::chrono::seconds deadline) {
   for (std::size_t sent = 0; sent < bytes.size();) {
     const ssize_t n = ::write(out, bytes.data() + sent, bytes.size() - sent);
     if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) ::_exit(1);
+    if (n <= 0) leave(1);
     sent += static_cast<std::size_t>(n);
   }
-  ::_exit(0);
+  leave(0);
 }
 
 std::string read_all(int in) {

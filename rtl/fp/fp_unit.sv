@@ -5,7 +5,9 @@ module fp_unit #(
     parameter  int EXP      = 8,      // 3..11
     parameter  int MAN      = 23,     // 2..52
     parameter  int LANES    = 16,     // >= 1
+    parameter  int B_LANES  = LANES,  // LANES, or 1: b is one value for all lanes
     parameter      ARITH    = "rtl",  // "rtl" or "host"
+    parameter  int CANON    = 1,      // 0 or 1, of arithmetic as in fp_lanes
     parameter  int FLAGS    = 1,      // 0 or 1
     parameter  int OPS      = -1,     // bit k: clock k's operation is there
     parameter  int LAT_ADD  = 1,      // add, sub
@@ -19,7 +21,7 @@ module fp_unit #(
     // 0 add, 1 sub, 2 mul, 3 div, 4 sqrt, 5 lt, 6 le, 7 eq, 8 min, 9 max, then the conversions as in x_o.
     input  logic [29:0]                    clk_i,
     input  logic [LANES-1:0][CW-1:0]       a_i,
-    input  logic [LANES-1:0][CW-1:0]       b_i,
+    input  logic [B_LANES-1:0][CW-1:0]     b_i,
     input  logic [LANES-1:0][63:0]         n_i,   // integer operands
     output logic [9:0][LANES-1:0][CW-1:0]  r_o,
     output logic [9:0][LANES-1:0][CW-1:0]  f_o,   // their flags
@@ -34,7 +36,8 @@ module fp_unit #(
     localparam int LAT = (k <= 1) ? LAT_ADD : (k == 2) ? LAT_MUL : (k == 3) ? LAT_DIV : (k == 4) ? LAT_SQRT : LAT_CMP;
     if (OPS[k]) begin : g_on
       logic [LANES-1:0][CW-1:0] r, f;
-      fp_lanes #(.OP(k), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS != 0)) lanes (
+      fp_lanes #(.OP(k), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .CANON(CANON != 0),
+          .FLAGS(FLAGS != 0)) lanes (
           .clk_i(clk_i[k]), .a_i, .b_i, .r_o(r), .flags_o(f));
       // The host back end is combinational; here it gets the timing of the gates.
       fp_delay #(.LANES(LANES), .W(CW), .DEPTH(ARITH != "rtl" ? LAT : 0)) delay_r (.clk_i(clk_i[k]), .d_i(r), .q_o(r_o[k]));

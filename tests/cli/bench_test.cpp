@@ -31,6 +31,20 @@ TEST_F(Bench, QuickRays) {
   EXPECT_GT(j["rays"]["two_boards"]["throughput_ratio"], 0);
 }
 
+TEST_F(Bench, QuickUnits) {
+  const Ran ran = cde({"bench", "fp", "--quick", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto units = nlohmann::json::parse(ran.out)["fp"]["units"];
+  ASSERT_EQ(units.size(), 2u);
+  EXPECT_EQ(units[0]["operation"], "add");
+  EXPECT_EQ(units[1]["operation"], "mul");
+  for (const auto& unit : units) {
+    EXPECT_EQ(unit["format"], "fp32");
+    EXPECT_EQ(unit["lanes"], 64);
+    EXPECT_GT(unit["operations_per_second_simulated"], 1e5);
+  }
+}
+
 TEST_F(Bench, UnknownSection) {
   const Ran ran = cde({"bench", "cars"});
   EXPECT_EQ(ran.status, 2);

@@ -65,6 +65,15 @@ Ran Cli::finish(pid_t child) {
           bytes_of(logs_ / "err")};
 }
 
+bool Cli::wait_for_file(pid_t child) const {
+  while (files().empty()) {
+    siginfo_t info{};  // WNOWAIT: finish() still wants the status
+    ::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT);
+    if (info.si_pid == child) return !files().empty();
+  }
+  return true;
+}
+
 Ran Cli::cde(const std::vector<std::string>& words, const std::vector<std::string>& environment) {
   return finish(start(words, environment));
 }

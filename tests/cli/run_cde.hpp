@@ -26,6 +26,9 @@ class Cli : public ::testing::Test {
   [[nodiscard]] pid_t start(const std::vector<std::string>& words,
                             const std::vector<std::string>& environment = {});
   [[nodiscard]] Ran finish(pid_t child);
+  /// Waits until a file is in the folder, without a pause in between; false if the command ends
+  /// first.
+  [[nodiscard]] bool wait_for_file(pid_t child) const;
 
   std::string write(const std::string& name, const std::string& text) const;
   [[nodiscard]] std::string read(const std::string& name) const;

@@ -27,6 +27,39 @@ for arith in rtl host; do
   expect 0 'FFFFFFFF BF800000 00' 'ffffffff\n' i32_to_f32 "${unit[@]}" $arith
   expect 0 '' '' add "${unit[@]}" $arith
 done
+
+# The lines of testfloat_gen and testfloat_ver (Berkeley TestFloat 3, doc/testfloat_ver.html and its writeHex.c): operands,
+# result and flags, one space between, upper case, as many digits as the type has: 4 for f16, 8 for f32, i32 and ui32, 16 for
+# f64, i64 and ui64; comparisons answer 0 or 1; flags are two digits; the line ends with a line feed. Input may be lower case,
+# and end with carriage return and line feed. lt and le signal on a quiet NaN, eq does not.
+# line LANES OPERATION OPERANDS RESULT_AND_FLAGS
+line() {
+  local arith
+  for arith in rtl host; do expect 0 "$3 $4" "$3\n" "$2" --lanes "$1" --arith $arith; done
+}
+line 4 f16_mul '3C01 4000' '4001 00'
+line 8 f32_sqrt '40000000' '3FB504F3 01'
+line 2 f64_add '3FF0000000000000 4000000000000000' '4008000000000000 00'
+line 2 f64_add '7FEFFFFFFFFFFFFF 7FEFFFFFFFFFFFFF' '7FF0000000000000 05'
+line 2 f64_lt '3FF0000000000000 7FF8000000000000' '0 10'
+line 2 f64_le 'BFF0000000000000 3FF0000000000000' '1 00'
+line 2 f64_eq '3FF0000000000000 7FF8000000000000' '0 00'
+line 2 f64_to_f16 '3FF0000000000000' '3C00 00'
+line 8 f32_to_bf16 '3F818000' '3F82 01'
+line 2 i64_to_f64 'FFFFFFFFFFFFFFFF' 'BFF0000000000000 00'
+line 4 ui64_to_f16 'FFFFFFFFFFFFFFFF' '7C00 05'
+line 2 f64_to_ui32 '41F0000000000000' 'FFFFFFFF 10'
+line 2 f64_to_i64 'BFF8000000000000' 'FFFFFFFFFFFFFFFE 01'
+# Rounding in the name: _rx_ raises inexact, _r_ never does.
+line 2 f64_to_i64_rx_near_even 'BFF8000000000000' 'FFFFFFFFFFFFFFFE 01'
+line 2 f64_to_i64_r_near_even 'BFF8000000000000' 'FFFFFFFFFFFFFFFE 00'
+line 2 f64_to_i64_rx_minMag 'BFF8000000000000' 'FFFFFFFFFFFFFFFF 01'
+line 2 f64_to_i64_r_minMag 'BFF8000000000000' 'FFFFFFFFFFFFFFFF 00'
+line 2 f64_to_i64_r_minMag '7FF8000000000000' '7FFFFFFFFFFFFFFF 10'
+expect 0 $'3F80ABCE 40000000 404055E7 00' '3f80abce 40000000\r\n' f32_add "${unit[@]}" rtl
+[[ $(printf '3F800000 40000000\n' | "$cde" fp f32_add "${unit[@]}" rtl | od -An -c | tr -d ' \n') == '3F800000400000004040000000\n' ]] ||
+  { echo "cde fp: a line does not end with a line feed alone" >&2; failures=$((failures + 1)); }
+expect 2 "*operation 'f32_add_rx_minMag'*" '' f32_add_rx_minMag "${unit[@]}" host
 expect 2 "*stdin line 2: operand 1 is not hexadecimal: 'x 1'*" '1 1\nx 1\n' add "${unit[@]}" host
 expect 2 "*stdin line 1: 2 operands wanted, 1 found*" '3F800000\n' add "${unit[@]}" host
 expect 2 "*stdin line 1: operand 2 has more than 32 bits*" '1 123456789\n' add "${unit[@]}" host

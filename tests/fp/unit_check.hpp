@@ -1,7 +1,9 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -15,11 +17,27 @@ struct TestUnit {
   FpFormat format;
   std::string arith;
   std::string path;
+  std::string parameters;  ///< those beyond format, lanes and back end: NAME=VALUE;...
+
+  [[nodiscard]] bool gives(const char* parameter) const {
+    return parameters.find(parameter) != std::string::npos;
+  }
+  /// Arithmetic may give any NaN where the reference gives the canonical one.
+  [[nodiscard]] bool any_nan() const { return gives("CANON=0"); }
 };
 inline void PrintTo(const TestUnit& u, std::ostream* out) {
   *out << u.label;
 }
 const std::vector<TestUnit>& test_units();
+
+/// The units that the predicate holds for. Tests are instantiated with these alone, so that a skip
+/// always means that something was not checked.
+template <class Predicate>
+std::vector<TestUnit> units_where(Predicate holds) {
+  std::vector<TestUnit> units;
+  std::copy_if(test_units().begin(), test_units().end(), std::back_inserter(units), holds);
+  return units;
+}
 inline std::string unit_name(const ::testing::TestParamInfo<TestUnit>& info) {
   return info.param.label;
 }
@@ -28,7 +46,8 @@ FpUnit load(const TestUnit& unit);
 const char* op_name(FpOp op);
 
 /// Runs operations on a unit and compares every result and every flag with the reference. A
-/// mismatch prints the operands and the command that repeats it.
+/// mismatch prints the operands and the command that repeats it. Units that may give any NaN owe a
+/// NaN where the reference has one, and the reference's bits everywhere else.
 class UnitCheck {
  public:
   explicit UnitCheck(const TestUnit& unit) : test_(unit), unit_(load(unit)) {}
@@ -39,13 +58,15 @@ class UnitCheck {
   void add(FpOp op, uint64_t a, uint64_t b = 0);
   /// Compares what was added; called for full batches and by finish().
   void finish();
+  /// NaNs so far that were not the canonical one.
+  [[nodiscard]] uint64_t other_nans() const { return other_nans_; }
 
  private:
   void run(FpOp op);
   TestUnit test_;
   FpUnit unit_;
   std::vector<std::vector<uint64_t>> a_{kFpOps}, b_{kFpOps};
-  uint64_t compared_ = 0, mismatches_ = 0;
+  uint64_t compared_ = 0, mismatches_ = 0, other_nans_ = 0;
 };
 
 }  // namespace cde::testing

@@ -107,6 +107,7 @@ TEST_P(MollerAgainstExact, DecidesRightOutsideTheBandAndKeepsItsBounds) {
     Ray ray = generate.ray();
     if (r % 4 == 0) ray.tmin = 1, ray.tmax = 3;
     std::vector<Triangle> triangles;
+    triangles.reserve(kTriangles);
     for (int i = 0; i < kTriangles; ++i) triangles.push_back(generate.triangle(ray));
     board.upload(triangles);
     board.load({&ray, 1});

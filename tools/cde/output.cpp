@@ -22,6 +22,8 @@ namespace {
 /// handler.
 std::array<std::atomic<const char*>, 8> unfinished{};
 
+constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
+
 extern "C" void remove_unfinished(int signal) {
   for (const auto& name : unfinished) {
     if (const char* path = name.load()) ::unlink(path);
@@ -32,7 +34,7 @@ extern "C" void remove_unfinished(int signal) {
 
 void remember(const char* path) {
   static const bool installed = [] {
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, remove_unfinished);
+    for (const int signal : kSignals) std::signal(signal, remove_unfinished);
     return true;
   }();
   (void)installed;
@@ -41,6 +43,23 @@ void remember(const char* path) {
     if (slot.compare_exchange_strong(none, path)) return;
   }
 }
+
+/// Keeps the signals waiting while it lives.
+class SignalsWait {
+ public:
+  SignalsWait() {
+    sigset_t set;
+    ::sigemptyset(&set);
+    for (const int signal : kSignals) ::sigaddset(&set, signal);
+    ::pthread_sigmask(SIG_BLOCK, &set, &before_);
+  }
+  ~SignalsWait() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  SignalsWait(const SignalsWait&) = delete;
+  SignalsWait& operator=(const SignalsWait&) = delete;
+
+ private:
+  sigset_t before_{};
+};
 
 void forget(const char* path) {
   for (auto& slot : unfinished) {
@@ -57,12 +76,17 @@ OutputFile::OutputFile(const std::filesystem::path& path) : path_(path) {
     return;
   }
   temporary_ = path.string() + ".XXXXXX";
-  const int fd = ::mkstemp(temporary_.data());
+  int fd = -1;
+  {
+    // A signal between the two would find a file that nobody removes.
+    const SignalsWait wait;
+    fd = ::mkstemp(temporary_.data());
+    if (fd >= 0) remember(temporary_.c_str());
+  }
   if (fd < 0) {
     temporary_.clear();
     fail("create");
   }
-  remember(temporary_.c_str());
   const mode_t mask = ::umask(0);
   ::umask(mask);
   ::fchmod(fd, 0666 & ~mask);

@@ -26,6 +26,7 @@ constexpr std::array<const char*, kFpOps> kOpNames{
 struct Request {
   FpOp op = FpOp::kAdd;
   std::optional<FpFormat> format;  // given by a TestFloat name
+  bool exact = true;               // raises inexact; false by a TestFloat name with `_r_`
 };
 
 std::optional<FpOp> op_by_name(const std::string& name) {
@@ -42,26 +43,46 @@ std::optional<FpFormat> format_by_name(const std::string& name) {
   }
 }
 
-/// "f16" and "fp16" alike in the names of conversions; TestFloat's "_r_minMag" is truncation.
+/// "f16" and "fp16" alike in the names of conversions.
 std::string canonical(std::string name) {
-  constexpr std::string_view kMinMag = "_r_minmag";
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  if (name.ends_with(kMinMag)) name.replace(name.size() - kMinMag.size(), kMinMag.size(), "_trunc");
   for (const char* bits : {"16", "32", "64"})
     if (name == fmt::format("to_f{}", bits)) name = fmt::format("to_fp{}", bits);
+  return name;
+}
+
+/// Takes TestFloat's rounding off the name of a conversion to integer; "minMag" is truncation. With
+/// "_rx_" the conversion raises inexact, with "_r_" it never does.
+std::string without_rounding(std::string name, bool& exact) {
+  struct Suffix {
+    std::string_view testfloat, here;
+    bool exact;
+  };
+  if (!name.starts_with("to_i") && !name.starts_with("to_ui")) return name;
+  for (const Suffix& s :
+       {Suffix{"_rx_near_even", "", true}, Suffix{"_r_near_even", "", false},
+        Suffix{"_rx_minmag", "_trunc", true}, Suffix{"_r_minmag", "_trunc", false}}) {
+    if (!name.ends_with(s.testfloat)) continue;
+    exact = s.exact;
+    name.resize(name.size() - s.testfloat.size());
+    return name.append(s.here);
+  }
   return name;
 }
 
 /// An operation by the names of this command, or TestFloat's: f32_add, f32_to_f16, f32_to_i32,
 /// i32_to_f32.
 Request parse_request(const std::string& text) {
-  const std::string name = canonical(text);
+  std::string name = text;
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  name = canonical(name);
   if (const auto op = op_by_name(name)) return {*op, std::nullopt};
   if (const auto bar = name.find('_'); bar != std::string::npos) {
     const std::string head = name.substr(0, bar), tail = name.substr(bar + 1);
     if (const auto format = format_by_name(head)) {
-      if (const auto op = op_by_name(canonical(tail))) return {*op, format};
+      bool exact = true;
+      const auto op = op_by_name(canonical(without_rounding(tail, exact)));
+      if (op) return {*op, format, exact};
     } else if (tail.starts_with("to_")) {
       const auto op = op_by_name("from_" + head);
       const auto format_to = format_by_name(tail.substr(3));
@@ -91,17 +112,18 @@ int result_digits(FpOp op, FpFormat format) {
 /// Reads operand lines, a batch at a time, and prints `operands result flags`.
 class Stream {
  public:
-  Stream(FpOp op, FpFormat format, FpUnit& unit)
+  Stream(FpOp op, bool exact, FpFormat format, FpUnit& unit)
       : op_(op),
         unit_(unit),
+        flags_shown_(exact ? 0xff : static_cast<uint8_t>(~kFpInexact)),
         operands_(fp_operands(op)),
         bits_(integer_operand_bits(op) != 0 ? integer_operand_bits(op) : format.width()),
         operand_digits_((bits_ + 3) / 4),
         result_digits_(result_digits(op, format)) {
-    for (int c = 0; c < 256; c++) digit_[static_cast<std::size_t>(c)] = -1;
+    digit_.fill(-1);
     for (int d = 0; d < 16; d++) {
-      digit_[static_cast<unsigned char>("0123456789abcdef"[d])] = static_cast<signed char>(d);
-      digit_[static_cast<unsigned char>("0123456789ABCDEF"[d])] = static_cast<signed char>(d);
+      digit_[static_cast<unsigned char>("0123456789abcdef"[d])] = d;
+      digit_[static_cast<unsigned char>("0123456789ABCDEF"[d])] = d;
     }
   }
 
@@ -169,6 +191,7 @@ class Stream {
   }
 
   void flush(std::FILE* out) {
+    if (a_.empty()) return;
     r_.resize(a_.size());
     flags_.resize(a_.size());
     unit_.apply(op_, a_, b_, r_, flags_);
@@ -184,7 +207,7 @@ class Stream {
       }
       to = hex(to, r_[i], result_digits_);
       *to++ = ' ';
-      to = hex(to, flags_[i], 2);
+      to = hex(to, flags_[i] & flags_shown_, 2);
       *to++ = '\n';
     }
     const auto size = static_cast<std::size_t>(to - text_.data());
@@ -196,8 +219,9 @@ class Stream {
 
   FpOp op_;
   FpUnit& unit_;
+  uint8_t flags_shown_;
   int operands_, bits_, operand_digits_, result_digits_;
-  std::array<signed char, 256> digit_{};
+  std::array<int, 256> digit_{};
   uint64_t line_ = 0;
   std::vector<uint64_t> a_, b_, r_;
   std::vector<uint8_t> flags_;
@@ -219,7 +243,7 @@ void run(const Options& options) {
                   fmt::format("operation '{}' is not of format {}", options.op, format.name()));
   }
   FpUnit unit(format, options.arith == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost, options.lanes);
-  Stream(request.op, format, unit).run(stdin, stdout);
+  Stream(request.op, request.exact, format, unit).run(stdin, stdout);
 }
 
 }  // namespace
@@ -233,12 +257,15 @@ void add_fp(CLI::App& app) {
                          "`operands result flags` as Berkeley TestFloat does (flags: 01 inexact, "
                          "02 underflow, 04 overflow, 08 divide by zero, 10 invalid). "
                          "Fields after the operands are ignored, so that the output of "
-                         "testfloat_gen with results can be piped in.");
+                         "testfloat_gen with results can be piped in. Conversions to integers "
+                         "raise inexact, as testfloat_gen and testfloat_ver expect with -exact; "
+                         "by their names with _r_near_even or _r_minMag they do not.");
   verb->add_option(
           "op", options->op,
           "add sub mul div sqrt lt le eq min max, to_FORMAT, to_INT[_trunc] and from_INT with INT "
           "one of i32 ui32 i64 ui64, "
-          "or a TestFloat name (f32_add, f32_to_i32, i32_to_f32), which implies the format")
+          "or a TestFloat name (f32_add, f32_to_i32, f32_to_i32_rx_minMag, i32_to_f32), which "
+          "implies the format")
       ->required();
   verb->add_option("-f,--format", options->format,
                    "fp16 bf16 tf32 fp24 fp32 fp64 e4m3 e3m2, or eEmM (default fp32)");

@@ -18,7 +18,10 @@
 namespace {
 
 constexpr unsigned kExp = parameter("EXP", 8), kMan = parameter("MAN", 23),
-                   kLanes = parameter("LANES", 16);
+                   kLanes = parameter("LANES", 16), kBLanes = parameter("B_LANES", kLanes);
+// Operations a clock. Where all lanes share one b it is one operation, in a lane that moves on
+// every clock, while the other lanes keep operands of earlier clocks.
+constexpr unsigned kRow = kBLanes == kLanes ? kLanes : 1;
 constexpr uint32_t kOps = uint32_t(parameter("OPS", -1)) & ((1u << CDE_FP_OPS) - 1);
 constexpr unsigned kArithmetic = CDE_FP_MAX + 1;
 using Container = std::conditional_t<(1 + kExp + kMan <= 32), uint32_t, uint64_t>;
@@ -75,19 +78,22 @@ struct cde_fp_unit {
     model.clk_i = 0;
     model.eval();
   }
-  void set(uint32_t op, const uint64_t* pa, const uint64_t* pb, uint64_t count) {
+  /// Lane of the first operation of a row.
+  static uint64_t first_lane(uint64_t row) { return row * kRow % kLanes; }
+
+  void set(uint32_t op, uint64_t row, const uint64_t* pa, const uint64_t* pb, uint64_t count) {
     for (uint64_t l = 0; l < count; l++) {
       if (integer_operand(op))
-        n[l] = pa[l];
+        n[first_lane(row) + l] = pa[l];
       else
-        a[l] = Container(pa[l]);
+        a[first_lane(row) + l] = Container(pa[l]);
     }
     if (pb == nullptr) return;
     for (uint64_t l = 0; l < count; l++) b[l] = Container(pb[l]);
   }
-  void get(uint32_t op, uint64_t* pr, uint8_t* pf, uint64_t count) const {
+  void get(uint32_t op, uint64_t row, uint64_t* pr, uint8_t* pf, uint64_t count) const {
     for (uint64_t l = 0; l < count; l++) {
-      const uint64_t at = (op < kArithmetic ? op : op - kArithmetic) * kLanes + l;
+      const uint64_t at = (op < kArithmetic ? op : op - kArithmetic) * kLanes + first_lane(row) + l;
       pr[l] = op < kArithmetic ? uint64_t{r[at]} : x[at];
       if (comparison(op))
         pr[l] = pr[l] == Container(~Container{0})
@@ -114,14 +120,14 @@ int apply(cde_fp_unit* u, uint32_t op, const uint64_t* a, const uint64_t* b, uin
           uint8_t* flags, uint64_t n) {
   if (!present(op)) return 1;
   const bool binary = op < kArithmetic && op != CDE_FP_SQRT;
-  const uint64_t rows = (n + kLanes - 1) / kLanes, lat = latency_of(op);
-  const auto size = [n](uint64_t row) { return std::min<uint64_t>(kLanes, n - row * kLanes); };
+  const uint64_t rows = (n + kRow - 1) / kRow, lat = latency_of(op);
+  const auto size = [n](uint64_t row) { return std::min<uint64_t>(kRow, n - row * kRow); };
   for (uint64_t t = 0; t + 1 < rows + lat; t++) {
-    if (t < rows) u->set(op, a + t * kLanes, binary ? b + t * kLanes : nullptr, size(t));
+    if (t < rows) u->set(op, t, a + t * kRow, binary ? b + t * kRow : nullptr, size(t));
     u->clock(op);
     if (t + 1 < lat) continue;
     const uint64_t row = t + 1 - lat;
-    u->get(op, r + row * kLanes, flags == nullptr ? nullptr : flags + row * kLanes, size(row));
+    u->get(op, row, r + row * kRow, flags == nullptr ? nullptr : flags + row * kRow, size(row));
   }
   return 0;
 }
@@ -136,7 +142,8 @@ double measure(cde_fp_unit* u, uint32_t op, uint64_t clocks) {
   if (!present(op)) return -1.0;
   constexpr unsigned kRows = 16;
   struct Row {
-    std::array<Container, kLanes> a, b;
+    std::array<Container, kLanes> a;
+    std::array<Container, kBLanes> b;
     std::array<uint64_t, kLanes> n;
   };
   const auto rows = std::make_unique<std::array<Row, kRows>>();
@@ -146,8 +153,9 @@ double measure(cde_fp_unit* u, uint32_t op, uint64_t clocks) {
     return Container(((kBias - 1 + random() % 3) << kMan) | (random() & kFraction));
   };
   for (Row& row : *rows) {
-    for (unsigned l = 0; l < kLanes; l++)
-      row.a[l] = number(), row.b[l] = number(), row.n[l] = random() >> (random() % 64);
+    for (Container& x : row.a) x = number();
+    for (Container& x : row.b) x = number();
+    for (uint64_t& x : row.n) x = random() >> (random() % 64);
   }
   const double start = processor_seconds();
   for (uint64_t i = 0; i < clocks; i++) {

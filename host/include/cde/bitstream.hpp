@@ -41,11 +41,11 @@ struct BoardConfig {
 /// A loaded bitstream: one elaborated configuration as a shared library. Copies share the library.
 ///
 /// Bitstreams are called <cache key>.so, the key covering parameters, RTL, harness, tools and CPU.
-/// They are searched for in $CDE_BITSTREAMS, in the folder of the build or installation, and in the
-/// user's cache ($CDE_CACHE, else $XDG_CACHE_HOME/cde, else ~/.cache/cde). One that is nowhere, or
-/// whose file is damaged, is built into the cache by the script `verilator/bitstream` (of
-/// $CDE_SHARE, else of the installation or source tree): half a minute and more, with progress on
-/// stderr. Processes that want the same one wait for each other.
+/// They are searched for in $CDE_BITSTREAMS, in the folders of the installation and of the build,
+/// and in the user's cache ($CDE_CACHE, else $XDG_CACHE_HOME/cde, else ~/.cache/cde). One that is
+/// nowhere, or whose file is damaged, is built into the cache by the script `verilator/bitstream`
+/// (of $CDE_SHARE, else of the installation or source tree): half a minute and more, with progress
+/// on stderr. Processes that want the same one wait for each other.
 class Bitstream {
  public:
   /// `kind` is a top module, e.g. "board". Errors: kBuild with the builder's last lines (or what is

@@ -1,4 +1,5 @@
-// Casts two rays at a terrain on a simulated card and compares the answers with the reference.
+// Casts two rays at a terrain on a simulated card and compares the answers with the reference. With
+// an argument, the card's bitstream must lie in that folder.
 #include <cde/board.hpp>
 #include <cde/error.hpp>
 #include <cde/reference.hpp>
@@ -6,10 +7,14 @@
 #include <cstdio>
 #include <vector>
 
-int main() try {
+int main(int argc, char** argv) try {
   const cde::Mesh mesh = cde::make_terrain({.quads_x = 40, .quads_y = 30});
   cde::Board board = cde::Board::open({.lanes = 16});  // initializeDevice
   board.upload(mesh);                                  // secondaryUpload
+  if (argc > 1 && !board.bitstream().string().starts_with(argv[1])) {
+    std::fprintf(stderr, "%s is not in %s\n", board.bitstream().c_str(), argv[1]);
+    return 3;
+  }
 
   const std::vector<cde::Ray> rays = {{.o = {200, 150, 1000}, .d = {0, 0, -1}},
                                       {.o = {200, 150, 1000}, .d = {0, 0, 1}}};
