@@ -218,6 +218,26 @@ double to_double(const ExactHit::Rational& x) {
   return x.convert_to<double>();
 }
 
+/// The answer for a ray that is not parallel to the triangle.
+RayAnswer decide(const Ray& ray, const ExactHit& exact, const std::array<Vec, 3>& v,
+                 const Vec& normal, double scale) {
+  const double area = normal.norm();
+  const double cosine = std::abs(normal.dot(ray.d)) / (area * ray.d.norm());
+  // Barycentric coordinate times height: the distance from an edge, negative outside.
+  const double weights[3] = {to_double(ExactHit::Rational(1 - exact.u - exact.v)),
+                             to_double(exact.u), to_double(exact.v)};
+  double inside = kInfinity;
+  for (int k = 0; k < 3; ++k)
+    inside = std::min(inside, weights[k] * area / (v[(k + 2) % 3] - v[(k + 1) % 3]).norm());
+  if (!exact.inside()) return decide(ray, {}, std::abs(inside) * cosine, scale);
+  const Real t = Real(mp::numerator(exact.t)) / Real(mp::denominator(exact.t));
+  return decide(ray, {{true, {{t, cosine}}}}, inside * cosine, scale);
+}
+
+void require_direction(const Ray& ray) {
+  if (ray.d.isZero(0)) throw std::invalid_argument("the direction is zero");
+}
+
 bool exact_in_float(const Vec& v) {
   return v.cast<float>().cast<double>() == v;
 }
@@ -225,6 +245,7 @@ bool exact_in_float(const Vec& v) {
 }  // namespace
 
 RayAnswer cast(const Ray& ray, const Sphere& sphere) {
+  require_direction(ray);
   const Real3 d = real3(ray.d), f = real3(ray.o) - real3(sphere.c);
   const Real r(sphere.r), a = dot(d, d), b = dot(f, d), c = dot(f, f) - r * r;
   const Real discriminant = b * b - a * c;
@@ -240,6 +261,7 @@ RayAnswer cast(const Ray& ray, const Sphere& sphere) {
 }
 
 RayAnswer cast(const Ray& ray, const Cylinder& cylinder) {
+  require_direction(ray);
   const Real3 d = real3(ray.d), f = real3(ray.o) - real3(cylinder.c), axis = real3(cylinder.axis);
   const double length = ray.d.norm();
   const double scale = (ray.o - cylinder.c).norm() + cylinder.radius + cylinder.half_height;
@@ -262,6 +284,7 @@ RayAnswer cast(const Ray& ray, const Cylinder& cylinder) {
 }
 
 RayAnswer cast(const Ray& ray, const Triangle& triangle) {
+  require_direction(ray);
   const std::array<Vec, 3> v = {triangle.v0, triangle.v1, triangle.v2};
   for (const Vec* w : {&ray.o, &ray.d, &v[0], &v[1], &v[2]})
     if (!exact_in_float(*w)) throw std::invalid_argument("operand is not exact in binary32");
@@ -274,18 +297,13 @@ RayAnswer cast(const Ray& ray, const Triangle& triangle) {
   if (scale == 0) scale = 1;  // all in one point: a miss whatever the unit
 
   const Vec normal = (v[1] - v[0]).cross(v[2] - v[0]);
+  RayAnswer answer = exact.det == 0 ? decide(ray, {}, from_parallel(ray, v, normal), scale)
+                                    : decide(ray, exact, v, normal, scale);
+  double longest = 0;
+  for (int k = 0; k < 3; ++k) longest = std::max(longest, (v[(k + 1) % 3] - v[k]).norm());
   const double area = normal.norm();
-  if (exact.det == 0) return decide(ray, {}, from_parallel(ray, v, normal), scale);
-  const double cosine = std::abs(normal.dot(ray.d)) / (area * ray.d.norm());
-  // Barycentric coordinate times height: the distance from an edge, negative outside.
-  const double weights[3] = {to_double(ExactHit::Rational(1 - exact.u - exact.v)),
-                             to_double(exact.u), to_double(exact.v)};
-  double inside = kInfinity;
-  for (int k = 0; k < 3; ++k)
-    inside = std::min(inside, weights[k] * area / (v[(k + 2) % 3] - v[(k + 1) % 3]).norm());
-  if (!exact.inside()) return decide(ray, {}, std::abs(inside) * cosine, scale);
-  const Real t = Real(mp::numerator(exact.t)) / Real(mp::denominator(exact.t));
-  return decide(ray, {{true, {{t, cosine}}}}, inside * cosine, scale);
+  answer.aspect = area > 0 ? longest * longest / area : kInfinity;
+  return answer;
 }
 
 RayAnswer cast(const Case& ray_case) {

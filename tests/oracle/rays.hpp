@@ -26,8 +26,13 @@ struct RayAnswer {
   /// |n.d| / |d| at the crossing (at a rim: the lesser of the two surfaces): a displacement by e
   /// moves T by e / (cosine |d|). 1 for a miss.
   double cosine = 1;
+  /// Triangle: longest edge over least height, infinite without area; 1 for the solids. Algorithms
+  /// that compute the plane from its edges lose this factor on needles: a test of their T passes
+  /// tolerance * aspect.
+  double aspect = 1;
 };
 
+/// Throws std::invalid_argument for a direction of zero, as do the others.
 [[nodiscard]] RayAnswer cast(const Ray& ray, const Sphere& sphere);
 [[nodiscard]] RayAnswer cast(const Ray& ray, const Cylinder& cylinder);
 /// det = 0, so also a triangle without area, is a miss. The operands must be exact in binary32

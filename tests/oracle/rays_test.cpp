@@ -141,6 +141,20 @@ TEST(RayCheck, JudgesFAndTByTheBandsGiven) {
   EXPECT_FALSE(check(past, miss, true, 6, Vec(0, 2, 0), 0x1p-20, tolerance).ok);
 }
 
+TEST(RayAnswer, RefusesADirectionOfZero) {
+  for (const Shape& target : {Shape(kBall), Shape(kCan), Shape(kFlat)})
+    EXPECT_THROW((void)cast_at(from(kX, kO), target), std::invalid_argument);
+}
+
+TEST(RayAnswer, KnowsHowSteeplyTheRayMeetsTheSurfaceAndHowThinATriangleIs) {
+  EXPECT_DOUBLE_EQ(cast(from(Vec(-6, 1, 0), kX), kBall).cosine, std::sqrt(0.75));
+  EXPECT_DOUBLE_EQ(cast(from(Vec(0.25, 0, -6), kZ), kCan).cosine, 1);
+  EXPECT_DOUBLE_EQ(cast(from(Vec(-4, 0.5, 0), kX), kCan).cosine, std::sqrt(0.75));
+  EXPECT_DOUBLE_EQ(cast(from(Vec(1, 1, 0), kZ), kFlat).cosine, 1);
+  EXPECT_DOUBLE_EQ(cast(from(Vec(1, 1, 0), kZ), kFlat).aspect, 2);
+  EXPECT_EQ(cast(from(Vec(1, 1, 0), kZ), Triangle{kO, kX, 2 * kX}).aspect, kInf);
+}
+
 TEST(RayTriangle, RefusesWhatIsNotBinary32) {
   EXPECT_THROW((void)cast(from(Vec(0.1, 0, 0), kZ), kFlat), std::invalid_argument);
 }

@@ -47,7 +47,7 @@ struct Least3 {
   S value;
 };
 
-/// 4 comparisons, of which two choose the value.
+/// 3 comparisons.
 template <typename S>
 [[nodiscard]] Least3<S> least3(S a, S b, S c) {
   const auto first = a <= b && a <= c;
@@ -71,7 +71,7 @@ struct TriangleParts {
 /// A plain e x g of a needle is perpendicular to its edges no better than u / sin(angle); without
 /// the part of g along e it is to within u, whatever the angle. A triangle without area takes
 /// the coordinate axis nearest to perpendicular in place of g.
-/// 18 add 24 mul 2 div 1 sqrt when `inverse_ff` is at hand.
+/// 12 add 22 mul 1 div 1 sqrt, 5 cmp, 2 min/max.
 template <typename S>
 void triangle_normal(TriangleParts<S>& t, const std::array<S, 3>& ff) {
   const S largest = max_num(ff[0], max_num(ff[1], ff[2]));
@@ -200,7 +200,7 @@ struct Difference {
 /// Why: a distance d is right to u S whichever of two neighbouring features it was measured to, but
 /// then the direction of v may be wrong by sqrt(u S / d), and an edge of the other feature is not
 /// perpendicular to it. The step is along that edge.
-/// 17 add 13 mul 1 div.
+/// 16 add 13 mul 1 div.
 template <typename S>
 [[nodiscard]] Difference<S> polish(const Difference<S>& near, const Difference<S>& far, S tie) {
   const Vector<S> e = sub<S>(far.v, near.v);

@@ -17,7 +17,7 @@ struct BoxPair {
   S tie;                           ///< gaps closer than this are equal
 };
 
-/// 56 add 75 mul.
+/// 58 add 73 mul.
 template <typename S>
 [[nodiscard]] BoxPair<S> box_pair(const BasicObb<S>& a, const BasicObb<S>& b) {
   BoxPair<S> pair;
@@ -106,7 +106,8 @@ template <typename S>
   return back;
 }
 
-/// A facet of the exchanged pair in A's frame: the witness of A is a corner of A. 6 add 9 mul.
+/// A facet of the exchanged pair in A's frame: the witness of A is a corner of A. 24 add 12 mul, 4
+/// min/max.
 template <typename S>
 [[nodiscard]] Facet<S> face_of_b(const BoxPair<S>& pair, const BoxPair<S>& back, int j) {
   Facet<S> facet = face_of_a<S>(back, j);
@@ -148,9 +149,8 @@ template <typename S>
 
 /// OBB against OBB, in A's frame. The difference of two boxes has 15 pairs of facets, whose normals
 /// are the 15 axes of the separating-axis test: the depth is the least overlap on them, the
-/// distance the least distance to the 15 facets that face the origin. Among facets whose gap is the
-/// largest but for `tie`, the one with the nearest point counts: it is the one that the origin
-/// projects into.
+/// distance the least distance to the 15 facets that face the origin. 617 add 565 mul 15 div
+/// 10 sqrt.
 template <typename S>
 [[nodiscard]] Outcome<S> obb_obb(const BasicObb<S>& a, const BasicObb<S>& b) {
   const BoxPair<S> pair = box_pair(a, b);

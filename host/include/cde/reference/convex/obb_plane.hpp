@@ -20,7 +20,7 @@ template <typename S>
 
 /// Oriented box against plane: H = n.c - d, R = sum of e_i |n.u_i|; s = |H| - R for the surface,
 /// H - R for the half-space (a mode bit of the pipe). The box's support point takes sign(0) = 0,
-/// which is the centroid of the touching edge or face. 25 add 28 mul, no divider.
+/// which is the centroid of the touching edge or face. 24 add 28 mul, no divider.
 template <typename S>
 [[nodiscard]] Outcome<S> obb_plane(const BasicObb<S>& a, const BasicPlane<S>& b, PlaneSide mode) {
   const S height = dot<S>(b.n, a.c) - b.d;

@@ -10,7 +10,7 @@ namespace convex {
 /// Sphere against oriented box, in the box's frame: p = U^T (cs - cb), q = p limited to the box.
 /// Outside, the distance is |p - q| and its direction is exact where p is beyond a face, since the
 /// other components are zero. Inside, or so near the surface that |p - q|² is subnormal, the
-/// nearest face counts, ties to the lowest axis. 31 add 36 mul 1 div 1 sqrt.
+/// nearest face counts, ties to the lowest axis. 36 add 37 mul 1 div 1 sqrt.
 template <typename S>
 [[nodiscard]] Outcome<S> sphere_obb(const BasicSphere<S>& a, const BasicObb<S>& b) {
   const Vector<S> p = to_local<S>(b.rotation, sub<S>(a.c, b.c));

@@ -29,7 +29,7 @@ template <typename S>
 }
 
 /// Face i of the box and the vertex of the triangle nearest to it, on the side with the larger gap,
-/// ties the upper one. 9 add 3 mul.
+/// ties the upper one. 7 add 3 mul.
 template <typename S>
 [[nodiscard]] Facet<S> box_face(const BoxTriangle<S>& pair, int i) {
   const auto& p = pair.t.p;
@@ -120,7 +120,7 @@ template <typename S>
       [&](const Vector<S>& n) { return least_along<S>(p, n).value - box_radius<S>(n, pair.a); });
 }
 
-/// Triangle against oriented box, in the box's frame: 13 facets.
+/// Triangle against oriented box, in the box's frame: 13 facets. 471 add 568 mul 16 div 11 sqrt.
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_obb(const BasicTriangle<S>& a, const BasicObb<S>& b) {
   const Matrix3<S>& u = b.rotation;
@@ -132,6 +132,7 @@ template <typename S>
 
 /// Triangle against axis-aligned box: 13 facets. Relative to the box's lower corner first and then
 /// to its centre, so that the centre is never rounded in world coordinates.
+/// 456 add 526 mul 16 div 11 sqrt.
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_aabb(const BasicTriangle<S>& a, const BasicAabb<S>& b) {
   const Vector<S> half = scale<S>(sub<S>(b.max, b.min), kHalf<S>);
