@@ -69,19 +69,15 @@ module shape_check #(
     unit_check #(.ONE(1), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unit (
         .clk_i, .a_i(words_i[FIRST+:3]), .b_i(words_i[FIRST+:3]), .good_o(shape_good));
   end else if (SHAPE == cde_pkg::SHAPE_OBB) begin : g_rotation
-    logic [8:0][LANES-1:0][CW-1:0] dot_good;
+    logic [5:0][LANES-1:0][CW-1:0] dot_good;  // of the upper triangle, row by row
     for (genvar i = 0; i < 3; i++) begin : row
-      for (genvar j = 0; j < 3; j++) begin : column
-        if (j >= i) begin : g_dot
-          unit_check #(.ONE(i == j), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unit (
-              .clk_i, .a_i({words_i[12+i], words_i[9+i], words_i[6+i]}), .b_i({words_i[12+j], words_i[9+j], words_i[6+j]}),
-              .good_o(dot_good[3*i+j]));
-        end else begin : g_symmetric
-          assign dot_good[3*i+j] = '1;
-        end
+      for (genvar j = i; j < 3; j++) begin : column
+        unit_check #(.ONE(i == j), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unit (
+            .clk_i, .a_i({words_i[12+i], words_i[9+i], words_i[6+i]}), .b_i({words_i[12+j], words_i[9+j], words_i[6+j]}),
+            .good_o(dot_good[i*(5-i)/2+j]));
       end
     end
-    assign shape_good = dot_good[0] & dot_good[1] & dot_good[2] & dot_good[4] & dot_good[5] & dot_good[8];
+    assign shape_good = dot_good[0] & dot_good[1] & dot_good[2] & dot_good[3] & dot_good[4] & dot_good[5];
   end else begin : g_words
     assign shape_good = '1;
   end

@@ -23,7 +23,7 @@ module unit_check #(
   localparam logic [CW-1:0] TOLERANCE = CW'(BIAS - SHIFT) << MAN;
   `DF_VIN(a, a_i, 0)
   `DF_VIN(b, b_i, 0)
-  `DF_CONST(expected, ONE ? BIAS << MAN : 0)
+  `DF_CONST(expected, ONE ? CW'(BIAS) << MAN : CW'(0))
   `DF_CONST(tolerance, TOLERANCE)
   `DF_DOT(product, a, b)
   `DF_SUB(difference, product, expected)

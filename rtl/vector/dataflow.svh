@@ -17,6 +17,9 @@
 `define DF_FORMAT .EXP(EXP), .MAN(MAN), .LANES(LANES), .ARITH(ARITH)
 `define DF_SCALAR logic [LANES-1:0][CW-1:0]
 `define DF_VECTOR logic [2:0][LANES-1:0][CW-1:0]
+`define DF_MATRIX logic [2:0][2:0][LANES-1:0][CW-1:0]
+`define DF_LAT_DOT (LAT_MUL + 2 * LAT_ADD)
+`define DF_LAT_CROSS (LAT_MUL + LAT_ADD)
 
 // ---- Where values come from ----
 `define DF_IN(R, EXPRESSION, TIME) localparam int T_``R = TIME; `DF_SCALAR R; assign R = EXPRESSION;
@@ -30,6 +33,11 @@
   df_align #(.W(LANES * CW), .T_A(T_``X), .T(T_``R), .ARITH(ARITH)) align_x_``R (.clk_i, .a_i(X), .r_o(R[0])); \
   df_align #(.W(LANES * CW), .T_A(T_``Y), .T(T_``R), .ARITH(ARITH)) align_y_``R (.clk_i, .a_i(Y), .r_o(R[1])); \
   df_align #(.W(LANES * CW), .T_A(T_``Z), .T(T_``R), .ARITH(ARITH)) align_z_``R (.clk_i, .a_i(Z), .r_o(R[2]));
+
+// Three vectors as a matrix, given row by row; DF_TRANSPOSE has its columns as rows.
+`define DF_MATRIX_IN(R, X, Y, Z, TIME) localparam int T_``R = TIME; `DF_MATRIX R; assign R = {Z, Y, X};
+`define DF_TRANSPOSE(R, M) localparam int T_``R = T_``M; `DF_MATRIX R; \
+  for (genvar k = 0; k < 3; k++) begin : transpose_``R assign R[k] = {M[2][k], M[1][k], M[0][k]}; end
 
 // ---- Operators ----
 `define DF_BINARY(R, A, B, OPERATION, LATENCY) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LATENCY; `DF_SCALAR R; \
@@ -57,6 +65,10 @@
 `define DF_VMIN(R, A, B) `DF_BINARY3(R, A, B, "min", LAT_CMP)
 `define DF_VMAX(R, A, B) `DF_BINARY3(R, A, B, "max", LAT_CMP)
 `define DF_VMUL(R, A, B) `DF_BINARY3(R, A, B, "mul", LAT_MUL)
+`define DF_VEQ(M, A, B) `DF_BINARY3(M, A, B, "ceq", LAT_CMP)
+// A limited to LOW .. HIGH: max, then min; a NaN gives LOW.
+`define DF_CLAMP(R, A, LOW, HIGH) `DF_MAX(R``_not_low, A, LOW) `DF_MIN(R, R``_not_low, HIGH)
+`define DF_VCLAMP(R, A, LOW, HIGH) `DF_VMAX(R``_not_low, A, LOW) `DF_VMIN(R, R``_not_low, HIGH)
 `define DF_VSCALE(R, V, S) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``V, T_``S), 0) + LAT_MUL; `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : op_``R \
     df_operator #(`DF_FORMAT, .OP("mul"), .T_A(T_``V), .T_B(T_``S), .LAT(LAT_MUL)) op (.clk_i, .a_i(V[k]), .b_i(S), .r_o(R[k])); \
@@ -65,6 +77,11 @@
   df_dot #(`DF_FORMAT, .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) dot_``R (.clk_i, .a_i(A), .b_i(B), .r_o(R));
 `define DF_CROSS(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_MUL + LAT_ADD; `DF_VECTOR R; \
   df_cross #(`DF_FORMAT, .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) cross_``R (.clk_i, .a_i(A), .b_i(B), .r_o(R));
+// M x, a dot product a row.
+`define DF_APPLY(R, M, X) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``M, T_``X), 0) + `DF_LAT_DOT; `DF_VECTOR R; \
+  for (genvar k = 0; k < 3; k++) begin : row_``R \
+    df_dot #(`DF_FORMAT, .T_A(T_``M), .T_B(T_``X), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) dot (.clk_i, .a_i(M[k]), .b_i(X), .r_o(R[k])); \
+  end
 
 // ---- Wires: signs, masks, choices ----
 `define DF_SIGN1(R, A, OPERATION) localparam int T_``R = T_``A; `DF_SCALAR R; fp_sign #(`DF_FORMAT, .OP(OPERATION)) sign_``R (.a_i(A), .b_i(A), .r_o(R));
@@ -77,6 +94,15 @@
 // The sign bit of X moved onto Y by exclusive or: move_sign(x, y) of the reference.
 `define DF_MOVE_SIGN(R, X, Y) localparam int T_``R = `DF_MAX2(T_``X, T_``Y); `DF_SCALAR R; \
   df_wire #(`DF_FORMAT, .OP("xor"), .T_A(T_``Y), .T_B(T_``X)) wire_``R (.clk_i, .a_i(Y), .b_i(X), .r_o(R));
+// The same with vectors: component by component, or the sign of one scalar on all.
+`define DF_VMOVE_SIGN(R, X, Y) localparam int T_``R = `DF_MAX2(T_``X, T_``Y); `DF_VECTOR R; \
+  for (genvar k = 0; k < 3; k++) begin : wire_``R \
+    df_wire #(`DF_FORMAT, .OP("xor"), .T_A(T_``Y), .T_B(T_``X)) move (.clk_i, .a_i(Y[k]), .b_i(X[k]), .r_o(R[k])); \
+  end
+`define DF_VFLIP(R, X, Y) localparam int T_``R = `DF_MAX2(T_``X, T_``Y); `DF_VECTOR R; \
+  for (genvar k = 0; k < 3; k++) begin : wire_``R \
+    df_wire #(`DF_FORMAT, .OP("xor"), .T_A(T_``Y), .T_B(T_``X)) move (.clk_i, .a_i(Y[k]), .b_i(X), .r_o(R[k])); \
+  end
 // The sign bit of A as a mask.
 `define DF_NEGATIVE(M, A) localparam int T_``M = T_``A; `DF_SCALAR M; df_negative #(`DF_FORMAT) negative_``M (.a_i(A), .m_o(M));
 `define DF_LOGIC(M, A, B, OPERATION) localparam int T_``M = `DF_MAX2(T_``A, T_``B); `DF_SCALAR M; \
@@ -98,4 +124,15 @@
 // The components of V in cyclic order from the dominant axis M: R[0] on it, R[1] the next one, R[2] the one after.
 `define DF_CYCLE(R, M, V) localparam int T_``R = `DF_MAX2(T_``M, T_``V); `DF_VECTOR R; \
   df_cycle #(.CW(CW), .LANES(LANES), .ARITH(ARITH), .T_M(T_``M), .T_A(T_``V)) cycle_``R (.clk_i, .m_i(M), .a_i(V), .r_o(R));
+// The same with a mask a component.
+`define DF_VSELECT_EACH(R, M, A, B) localparam int T_``R = `DF_MAX3(T_``M, T_``A, T_``B); `DF_VECTOR R; \
+  for (genvar k = 0; k < 3; k++) begin : select_``R \
+    df_select #(.CW(CW), .LANES(LANES), .ARITH(ARITH), .T_M(T_``M), .T_A(T_``A), .T_B(T_``B)) select (.clk_i, .m_i(M[k]), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
+  end
+// Three choices: A if FIRST, else B if SECOND, else C.
+`define DF_SELECT3(R, FIRST, SECOND, A, B, C) `DF_SELECT(R``_rest, SECOND, B, C) `DF_SELECT(R, FIRST, A, R``_rest)
+`define DF_VSELECT3(R, FIRST, SECOND, A, B, C) `DF_VSELECT(R``_rest, SECOND, B, C) `DF_VSELECT(R, FIRST, A, R``_rest)
+// The least of three and which it is, R_first or R_second, ties to the first; 3 compare: least3 of the reference.
+`define DF_LEAST3(R, A, B, C) `DF_LE(R``_ab, A, B) `DF_LE(R``_ac, A, C) `DF_LE(R``_second, B, C) `DF_AND(R``_first, R``_ab, R``_ac) \
+  `DF_SELECT3(R, R``_first, R``_second, A, B, C)
 `endif

@@ -1,0 +1,69 @@
+// Oriented box against plane, which has two sides: H = n.c - d, R = sum of e_i |n.u_i|, s = |H| - R, n from the box to the plane. The
+// box's support point takes sign(0) = 0, which is the centroid of the touching edge or face; CP is s/2 beyond it.
+// F = (s <= 0), T = |s|. 24 add, 28 mul, 4 compare.
+// Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+`include "dataflow.svh"
+module obb_plane #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [14:0][LANES-1:0][CW-1:0] a_i,  // OBB: c x y z, half extents, rotation by rows
+    input logic [3:0][LANES-1:0][CW-1:0] b_i,  // plane: n x y z, d
+    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
+    output logic [LANES-1:0][CW-1:0] t_o,
+    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
+    output logic [2:0][LANES-1:0][CW-1:0] n_o,
+    output logic [15:0] latency_o  // constant: LATENCY, also with ARITH = "host"
+);
+  /*verilator inline_module*/
+  localparam logic [CW-1:0] HALF = ((CW'(1) << (EXP - 1)) - 2) << MAN;
+
+  `DF_VIN(c, a_i[2:0], 0)
+  `DF_VIN(half_extents, a_i[5:3], 0)
+  `DF_MATRIX_IN(rotation, a_i[8:6], a_i[11:9], a_i[14:12], 0)
+  `DF_VIN(plane_n, b_i[2:0], 0)
+  `DF_IN(plane_d, b_i[3], 0)
+  `DF_CONST(half, HALF)
+  `DF_VCONST(zeros, 0, 0, 0)
+
+  `DF_DOT(on_n, plane_n, c)
+  `DF_SUB(height, on_n, plane_d)
+  `DF_TRANSPOSE(axes, rotation)
+  `DF_APPLY(cosine, axes, plane_n)
+  `DF_VABS(cosine_abs, cosine)
+  `DF_VMUL(h, half_extents, cosine_abs)
+  `DF_PICK(h_x, h, 0)
+  `DF_PICK(h_y, h, 1)
+  `DF_PICK(h_z, h, 2)
+  `DF_ADD(h_xy, h_x, h_y)
+  `DF_ADD(radius, h_xy, h_z)
+  `DF_ABS(distance, height)
+  `DF_SUB(s, distance, radius)
+
+  // Away from the box's side of the plane.
+  `DF_VFLIP(n_up, height, plane_n)
+  `DF_VNEG(n, n_up)
+  // The support point along n, in the box's frame.
+  `DF_VFLIP(corner_up, height, half_extents)
+  `DF_VNEG(corner_down, corner_up)
+  `DF_VMOVE_SIGN(corner, cosine, corner_down)
+  `DF_VEQ(level, cosine, zeros)
+  `DF_VSELECT_EACH(local_p, level, zeros, corner)
+  `DF_APPLY(offset, rotation, local_p)
+  `DF_MUL(s_half, s, half)
+  `DF_VSCALE(beyond, n, s_half)
+  `DF_VADD(from_c, offset, beyond)
+  `DF_VADD(cp, c, from_c)
+
+  localparam int LATENCY = `DF_MAX2(T_cp, `DF_MAX2(T_n, T_s + LAT_CMP)) + 1;
+  assign latency_o = 16'(LATENCY);
+  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
+      .clk_i, .s_i(s), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
+endmodule
