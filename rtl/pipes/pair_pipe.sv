@@ -45,6 +45,8 @@ module pair_pipe #(
     assign n_o = '0;
   end else if (PAIR == int'(cde_pkg::PAIR_SPHERE_SPHERE)) begin : g_pipe
     sphere_sphere #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
+  end else if (PAIR == int'(cde_pkg::PAIR_OBB_OBB)) begin : g_pipe
+    obb_obb #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(cde_pkg::PAIR_OBB_PLANE)) begin : g_pipe
     obb_plane #(`CDE_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) pipe (
         .clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);

@@ -1,0 +1,80 @@
+// Parts of the convex pipes as operators of the dataflow notation. A part is a module that takes its inputs at stage time 0 of its
+// own and gives its outputs at one time, the LATENCY_* below; what needs another time says so. Each part refuses to elaborate if its
+// own stage times do not add up to that. The parts beyond these lines are instantiated by hand, because they belong to generate loops.
+`ifndef CDE_CONVEX_SVH
+`define CDE_CONVEX_SVH
+`include "dataflow.svh"
+
+// ---- Stage times of parts ----
+`define LATENCY_TURNED (LAT_MUL + 2 * LAT_ADD)
+`define LATENCY_PERPENDICULAR (`DF_LAT_DOT + 2 * LAT_MUL + LAT_ADD)
+`define LATENCY_FACE_FACET (2 * LAT_CMP + LAT_ADD + `DF_LAT_DOT)
+`define LATENCY_EDGE_NORMAL (LAT_MUL + LAT_ADD + `DF_MAX2(LAT_CMP, LAT_SQRT + LAT_DIV) + LAT_MUL)
+// The critical path: across, t, s, rest, t for that s, the vector of nearest points, its square.
+`define LATENCY_EDGE_FACET ((LAT_ADD + LAT_MUL + LAT_ADD) + (LAT_MUL + 2 * LAT_CMP) + (LAT_MUL + LAT_ADD + 2 * LAT_CMP) + LAT_ADD + \
+  (2 * LAT_MUL + LAT_ADD + 2 * LAT_CMP) + (LAT_MUL + LAT_ADD) + `DF_LAT_DOT)
+`define LATENCY_OBB_FACE (3 * LAT_ADD + `LATENCY_FACE_FACET)
+`define LATENCY_OBB_EDGE (LAT_MUL + 3 * LAT_ADD + `LATENCY_EDGE_FACET)
+`define LATENCY_OBB_SUPPORT (`DF_LAT_DOT + 4 * LAT_ADD)
+`define LATENCY_LEAST(COUNT) ($clog2(COUNT) * LAT_CMP)
+`define LATENCY_NEAREST(COUNT) (`LATENCY_LEAST(COUNT) + `LATENCY_PERPENDICULAR)
+`define LATENCY_WITNESS(COUNT) (2 * `LATENCY_LEAST(COUNT) + LAT_ADD + LAT_CMP + LAT_MUL + LAT_ADD + `DF_LAT_DOT)
+`define LATENCY_POLISH (`DF_MAX2(`DF_MAX2(2 * LAT_CMP + LAT_MUL, LAT_ADD + `DF_LAT_DOT) + LAT_CMP, LAT_ADD + `DF_LAT_DOT + LAT_DIV + LAT_CMP) + \
+  LAT_MUL + LAT_ADD)
+
+// ---- Operators ----
+// AB + CD, the sum of two products.
+`define DF_DOT2(R, A, B, C, D) `DF_MUL(R``_ab, A, B) `DF_MUL(R``_cd, C, D) `DF_ADD(R, R``_ab, R``_cd)
+// |x| + |y| + |z|.
+`define DF_NORM1(R, V) `DF_VABS(R``_abs, V) `DF_PICK(R``_x, R``_abs, 0) `DF_PICK(R``_y, R``_abs, 1) `DF_PICK(R``_z, R``_abs, 2) \
+  `DF_ADD(R``_xy, R``_x, R``_y) `DF_ADD(R, R``_xy, R``_z)
+// a.|n|: half the width along n of a box with half extents a.
+`define DF_BOX_RADIUS(R, N, A) `DF_VABS(R``_n, N) `DF_DOT(R, A, R``_n)
+// Can a squared length be divided by? Not if it is subnormal.
+`define DF_USABLE(M, SQUARED) `DF_CONST(M``_least, CW'(1) << MAN) `DF_LE(M, M``_least, SQUARED)
+// 1 / X where the mask is set, else 0.
+`define DF_RECIPROCAL_OR_ZERO(R, M, X) `DF_CONST(R``_one, ((CW'(1) << (EXP - 1)) - 1) << MAN) `DF_CONST(R``_zero, 0) \
+  `DF_DIV(R``_quotient, R``_one, X) `DF_SELECT(R, M, R``_quotient, R``_zero)
+// Q moved by F against the sign of X.
+`define DF_AGAINST(R, Q, X, F) `DF_VFLIP(R``_f, X, F) `DF_VSUB(R, Q, R``_f)
+// The vector with A on axis I, B and C on the next two.
+`define DF_VAXES(R, I, A, B, C) `DF_VEC(R``_cycle, A, B, C) localparam int T_``R = T_``R``_cycle; `DF_VECTOR R; \
+  for (genvar k = 0; k < 3; k++) begin : axis_``R assign R[(I+k)%3] = R``_cycle[k]; end
+// The length D and the direction N of V, and whether they can be used: V.V is a normal number.
+`define DF_DIRECTION(N, D, M, V) `DF_DOT(N``_squared, V, V) `DF_USABLE(M, N``_squared) `DF_SQRT(D, N``_squared) \
+  `DF_CONST(N``_one, ((CW'(1) << (EXP - 1)) - 1) << MAN) `DF_DIV(N``_inverse, N``_one, D) `DF_VSCALE(N, V, N``_inverse)
+// Three vectors as rows of a matrix.
+`define DF_MAT(R, X, Y, Z) localparam int T_``R = `DF_MAX3(T_``X, T_``Y, T_``Z); `DF_MATRIX R; \
+  df_align #(.W(3 * LANES * CW), .T_A(T_``X), .T(T_``R), .ARITH(ARITH)) align_x_``R (.clk_i, .a_i(X), .r_o(R[0])); \
+  df_align #(.W(3 * LANES * CW), .T_A(T_``Y), .T(T_``R), .ARITH(ARITH)) align_y_``R (.clk_i, .a_i(Y), .r_o(R[1])); \
+  df_align #(.W(3 * LANES * CW), .T_A(T_``Z), .T(T_``R), .ARITH(ARITH)) align_z_``R (.clk_i, .a_i(Z), .r_o(R[2]));
+`define DF_MAT_AT(R, A, TIME) localparam int T_``R = TIME; `DF_MATRIX R; \
+  df_align #(.W(9 * LANES * CW), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) align_``R (.clk_i, .a_i(A), .r_o(R));
+// Row K of a matrix.
+`define DF_ROW(R, M, K) localparam int T_``R = T_``M; `DF_VECTOR R; assign R = M[K];
+
+// ---- Parts ----
+`define DF_TURNED(R, X) localparam int T_``R = T_``X + `LATENCY_TURNED; `DF_VECTOR R; \
+  turned #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) turned_``R (.clk_i, .x_i(X), .r_o(R));
+// V less its part along F; INVERSE is 1 / F.F or 0.
+`define DF_PERPENDICULAR(R, V, F, INVERSE) localparam int T_``R = `DF_MAX3(T_``V, T_``F, T_``INVERSE) + `LATENCY_PERPENDICULAR; \
+  `DF_VECTOR R; \
+  perpendicular #(`DF_FORMAT, .T_V(T_``V), .T_F(T_``F), .T_INVERSE(T_``INVERSE), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) perpendicular_``R ( \
+      .clk_i, .v_i(V), .f_i(F), .inverse_ff_i(INVERSE), .r_o(R));
+// The points x = (v, p): NEAR_V, NEAR_P and FAR_V, FAR_P give R_V, R_P.
+`define DF_POLISH(R_V, R_P, NEAR_V, NEAR_P, FAR_V, FAR_P, TIE) \
+  localparam int T_``R_V = `DF_MAX2(`DF_MAX3(T_``NEAR_V, T_``NEAR_P, T_``TIE), `DF_MAX2(T_``FAR_V, T_``FAR_P)) + `LATENCY_POLISH, T_``R_P = T_``R_V; \
+  `DF_VECTOR R_V, R_P; \
+  polish #(`DF_FORMAT, .T_NEAR_V(T_``NEAR_V), .T_NEAR_P(T_``NEAR_P), .T_FAR_V(T_``FAR_V), .T_FAR_P(T_``FAR_P), .T_TIE(T_``TIE), \
+      .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP)) polish_``R_V ( \
+      .clk_i, .near_v_i(NEAR_V), .near_p_i(NEAR_P), .far_v_i(FAR_V), .far_p_i(FAR_P), .tie_i(TIE), .v_o(R_V), .p_o(R_P));
+
+// ---- Choice between two answers of a pair (S, N, V, P): FACET_* of the facets, and POINT_*, the polished nearest point of B - A with its
+// length D and direction. The point stands if the bodies are apart, D is usable and the gap ALONG its direction is not less than
+// the facets' by more than TIE; so when the distance is so small that the point has no direction left, the facets decide. ----
+`define DF_DECIDE(S, N, V, P, FACET_S, FACET_N, FACET_V, FACET_P, POINT_D, POINT_N, POINT_V, POINT_P, USABLE, ALONG, TIE) \
+  `DF_CONST(S``_zero, 0) `DF_LT(S``_apart, S``_zero, FACET_S) `DF_SUB(S``_tied, FACET_S, TIE) `DF_LE(S``_confirmed, S``_tied, ALONG) \
+  `DF_AND(S``_usable, S``_apart, USABLE) `DF_AND(S``_point, S``_usable, S``_confirmed) \
+  `DF_SELECT(S, S``_point, POINT_D, FACET_S) `DF_VSELECT(N, S``_point, POINT_N, FACET_N) \
+  `DF_VSELECT(V, S``_point, POINT_V, FACET_V) `DF_VSELECT(P, S``_point, POINT_P, FACET_P)
+`endif

@@ -1,0 +1,111 @@
+// Facet of edge I of box A and edge J of box B, in A's frame (see obb_face.sv), from their edge normal n = e_I x f_J / |e_I x f_J|. `sign_JK` is
+// component K of B's turned axis J, and so on: with K, L the axes after I and M, O those after J, the support edges follow from
+// n.e_K = -r_JL, n.e_L = r_JK, n.r_M = r_OI, n.r_O = -r_MI. The gap is |n.t| - (sum of a_k |n_k|) - (sum of |n.f_j|), every term
+// projected, also n.f_J, which should be 0. 28 add, 22 mul, 2 compare, 6 min/max.
+// Latency: LATENCY_OBB_EDGE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
+`include "convex.svh"
+module obb_edge #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int I = 0,  // 0..2
+    parameter int J = 0,  // 0..2
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [2:0][LANES-1:0][CW-1:0] a_i,
+    input logic [2:0][LANES-1:0][CW-1:0] t_i,
+    input logic [2:0][2:0][LANES-1:0][CW-1:0] f_i,
+    input logic [LANES-1:0][CW-1:0] sign_jk_i,
+    input logic [LANES-1:0][CW-1:0] sign_jl_i,
+    input logic [LANES-1:0][CW-1:0] sign_mi_i,
+    input logic [LANES-1:0][CW-1:0] sign_oi_i,
+    input logic [LANES-1:0][CW-1:0] inverse_ff_i,
+    input logic [LANES-1:0][CW-1:0] n_k_i,
+    input logic [LANES-1:0][CW-1:0] n_l_i,
+    input logic [LANES-1:0][CW-1:0] inverse2_i,
+    input logic [LANES-1:0][CW-1:0] valid_i,
+    output logic [LANES-1:0][CW-1:0] gap_o,
+    output logic [2:0][LANES-1:0][CW-1:0] n_o,
+    output logic [2:0][LANES-1:0][CW-1:0] v_o,
+    output logic [2:0][LANES-1:0][CW-1:0] p_o,
+    output logic [LANES-1:0][CW-1:0] d2_o,
+    output logic [2:0][LANES-1:0][CW-1:0] f_o,
+    output logic [LANES-1:0][CW-1:0] inverse_ff_o
+);
+  /*verilator inline_module*/
+  localparam int K = (I + 1) % 3, L = (I + 2) % 3;
+  localparam int FIRST = (J == 0) ? 1 : 0, SECOND = (J == 2) ? 1 : 2;  // the other edges of B, in order
+  `DF_VIN(a, a_i, 0)
+  `DF_PICK(a_k, a, K)
+  `DF_PICK(a_l, a, L)
+  `DF_VIN(t, t_i, 0)
+  `DF_PICK(t_k, t, K)
+  `DF_PICK(t_l, t, L)
+  `DF_IN(f0_k, f_i[0][K], 0)
+  `DF_IN(f0_l, f_i[0][L], 0)
+  `DF_IN(f1_k, f_i[1][K], 0)
+  `DF_IN(f1_l, f_i[1][L], 0)
+  `DF_IN(f2_k, f_i[2][K], 0)
+  `DF_IN(f2_l, f_i[2][L], 0)
+  `DF_VIN(f, f_i[J], 0)
+  `DF_VIN(f_first, f_i[FIRST], 0)
+  `DF_VIN(f_second, f_i[SECOND], 0)
+  `DF_IN(sign_jk, sign_jk_i, 0)
+  `DF_IN(sign_jl, sign_jl_i, 0)
+  `DF_IN(sign_mi, sign_mi_i, 0)
+  `DF_IN(sign_oi, sign_oi_i, 0)
+  `DF_IN(inverse_ff, inverse_ff_i, 0)
+  `DF_IN(n_k, n_k_i, 0)
+  `DF_IN(n_l, n_l_i, 0)
+  `DF_IN(inverse2, inverse2_i, 0)
+  `DF_IN(valid, valid_i, 0)
+
+  // ---- The gap ----
+  `DF_DOT2(side, n_k, t_k, n_l, t_l)
+  `DF_ABS(abs_k, n_k)
+  `DF_ABS(abs_l, n_l)
+  `DF_DOT2(on_a, abs_k, a_k, abs_l, a_l)
+  `DF_DOT2(on_b0, n_k, f0_k, n_l, f0_l)
+  `DF_DOT2(on_b1, n_k, f1_k, n_l, f1_l)
+  `DF_DOT2(on_b2, n_k, f2_k, n_l, f2_l)
+  `DF_VEC(on_b, on_b0, on_b1, on_b2)
+  `DF_NORM1(radius, on_b)
+  `DF_ABS(distance, side)
+  `DF_SUB(beyond, distance, on_a)
+  `DF_SUB(gap, beyond, radius)
+
+  // ---- The support edges ----
+  `DF_NEG(minus_jl, sign_jl)
+  `DF_MOVE_SIGN(sign_k, side, minus_jl)
+  `DF_MOVE_SIGN(sign_l, side, sign_jk)
+  `DF_NEG(minus_mi, sign_mi)
+  `DF_MOVE_SIGN(towards_m, side, sign_oi)
+  `DF_MOVE_SIGN(towards_o, side, minus_mi)
+  localparam int T_towards_first = T_side, T_towards_second = T_side;
+  `DF_SCALAR towards_first, towards_second;
+  assign {towards_first, towards_second} = (J == 1) ? {towards_o, towards_m} : {towards_m, towards_o};
+  `DF_AGAINST(q_first, t, towards_first, f_first)
+  `DF_AGAINST(q, q_first, towards_second, f_second)
+
+  // ---- The facet ----
+  `DF_VAT(a_q, a, T_q)
+  `DF_AT(sign_k_q, sign_k, T_q)
+  `DF_AT(sign_l_q, sign_l, T_q)
+  `DF_VAT(f_q, f, T_q)
+  `DF_AT(inverse_ff_q, inverse_ff, T_q)
+  `DF_AT(n_k_q, n_k, T_q)
+  `DF_AT(n_l_q, n_l, T_q)
+  `DF_AT(inverse2_q, inverse2, T_q)
+  `DF_AT(valid_q, valid, T_q)
+  `DF_AT(side_q, side, T_q)
+  if (T_q + `LATENCY_EDGE_FACET != `LATENCY_OBB_EDGE) $error("obb_edge: latency");
+  edge_facet #(`DF_FORMAT, .I(I), .CENTRED(1), .T_GAP(T_gap - T_q), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) facet (
+      .clk_i, .a_i(a_q), .sign_k_i(sign_k_q), .sign_l_i(sign_l_q), .q_i(q), .f_i(f_q), .inverse_ff_i(inverse_ff_q), .n_k_i(n_k_q),
+      .n_l_i(n_l_q), .inverse2_i(inverse2_q), .valid_i(valid_q), .side_i(side_q), .gap_i(gap), .gap_o, .n_o, .v_o, .p_o, .d2_o, .f_o,
+      .inverse_ff_o);
+endmodule

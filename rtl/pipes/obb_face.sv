@@ -1,0 +1,62 @@
+// Facet of face I of box A and the corner of box B nearest to it, in A's frame: A's centre is 0, its axes are e_i, B has centre t and half
+// edges f_j, and `signs` is component I of B's turned axes. The gap is |t_I| - a_I - sum of |f_jI|. 18 add, 3 mul, 4 min/max.
+// Latency: LATENCY_OBB_FACE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
+`include "convex.svh"
+module obb_face #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int I = 0,  // axis, 0..2
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [2:0][LANES-1:0][CW-1:0] a_i,
+    input logic [2:0][LANES-1:0][CW-1:0] t_i,
+    input logic [2:0][2:0][LANES-1:0][CW-1:0] f_i,
+    input logic [2:0][LANES-1:0][CW-1:0] signs_i,
+    output logic [LANES-1:0][CW-1:0] gap_o,
+    output logic [2:0][LANES-1:0][CW-1:0] n_o,
+    output logic [2:0][LANES-1:0][CW-1:0] v_o,
+    output logic [2:0][LANES-1:0][CW-1:0] p_o,
+    output logic [LANES-1:0][CW-1:0] d2_o
+);
+  /*verilator inline_module*/
+  `DF_VIN(a, a_i, 0)
+  `DF_PICK(a_axis, a, I)
+  `DF_VIN(t, t_i, 0)
+  `DF_PICK(side, t, I)
+  `DF_VIN(f0, f_i[0], 0)
+  `DF_VIN(f1, f_i[1], 0)
+  `DF_VIN(f2, f_i[2], 0)
+  `DF_IN(sign0, signs_i[0], 0)
+  `DF_IN(sign1, signs_i[1], 0)
+  `DF_IN(sign2, signs_i[2], 0)
+
+  `DF_PICK(across0, f0, I)
+  `DF_PICK(across1, f1, I)
+  `DF_PICK(across2, f2, I)
+  `DF_VEC(across, across0, across1, across2)
+  `DF_NORM1(radius, across)
+  `DF_ABS(distance, side)
+  `DF_SUB(beyond, distance, a_axis)
+  `DF_SUB(gap, beyond, radius)
+
+  `DF_MOVE_SIGN(towards0, side, sign0)
+  `DF_MOVE_SIGN(towards1, side, sign1)
+  `DF_MOVE_SIGN(towards2, side, sign2)
+  `DF_AGAINST(q0, t, towards0, f0)
+  `DF_AGAINST(q01, q0, towards1, f1)
+  `DF_AGAINST(q, q01, towards2, f2)
+
+  `DF_VAT(a_q, a, T_q)
+  `DF_AT(side_q, side, T_q)
+  face_facet #(`DF_FORMAT, .I(I), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) facet (
+      .clk_i, .a_i(a_q), .side_i(side_q), .q_i(q), .n_o, .v_o, .p_o, .d2_o);
+  if (T_q + `LATENCY_FACE_FACET != `LATENCY_OBB_FACE) $error("obb_face: latency");
+  `DF_AT(gap_out, gap, `LATENCY_OBB_FACE)
+  assign gap_o = gap_out;
+endmodule

@@ -1,0 +1,242 @@
+// Oriented box against oriented box, in A's frame: A's centre is 0, its axes are e_i, B has centre t, axes r_j and half edges f_j = b_j r_j.
+// The difference B - A has 15 pairs of facets, whose normals are the 15 axes of the separating-axis test: 3 faces of A, 3 faces of B,
+// 9 pairs of edges. The depth is the least overlap on them, the distance the least distance to the 15 facets that face the origin;
+// the nearest point is polished twice. Support features come from axes turned by 16 u, as if no face or edge of one box were
+// parallel to one of the other. F = (s <= 0), T = |s|. 617 add, 565 mul, 15 div, 10 sqrt.
+// Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+`include "convex.svh"
+module obb_obb #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_DIV = 1,
+    parameter int LAT_SQRT = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [14:0][LANES-1:0][CW-1:0] a_i,  // OBB: c x y z, half extents, rotation by rows
+    input logic [14:0][LANES-1:0][CW-1:0] b_i,
+    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
+    output logic [LANES-1:0][CW-1:0] t_o,
+    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
+    output logic [2:0][LANES-1:0][CW-1:0] n_o,
+    output logic [15:0] latency_o  // constant: LATENCY, also with ARITH = "host"
+);
+  /*verilator inline_module*/
+  localparam int FACETS = 15;
+  localparam int BIAS = 2 ** (EXP - 1) - 1;
+  localparam logic [CW-1:0] HALF = CW'(BIAS - 1) << MAN;
+  localparam logic [CW-1:0] TIE = CW'(BIAS + 1 - MAN) << MAN;  // 4 u
+
+  `DF_VIN(a_c, a_i[2:0], 0)
+  `DF_VIN(a, a_i[5:3], 0)
+  `DF_MATRIX_IN(a_rotation, a_i[8:6], a_i[11:9], a_i[14:12], 0)
+  `DF_VIN(b_c, b_i[2:0], 0)
+  `DF_VIN(b, b_i[5:3], 0)
+  `DF_MATRIX_IN(b_rotation, b_i[8:6], b_i[11:9], b_i[14:12], 0)
+  `DF_CONST(half, HALF)
+  `DF_CONST(four_u, TIE)
+
+  // ---- The pair in A's frame ----
+  `DF_VSUB(centres, b_c, a_c)
+  `DF_TRANSPOSE(a_axes, a_rotation)
+  `DF_TRANSPOSE(b_axes, b_rotation)
+  `DF_APPLY(t, a_axes, centres)
+  `DF_ROW(b_axis0, b_axes, 0)
+  `DF_ROW(b_axis1, b_axes, 1)
+  `DF_ROW(b_axis2, b_axes, 2)
+  `DF_APPLY(r0, a_axes, b_axis0)
+  `DF_APPLY(r1, a_axes, b_axis1)
+  `DF_APPLY(r2_given, a_axes, b_axis2)
+  // One box may be given by a reflection. The turned axes need a rotation, and the box is the same.
+  `DF_CROSS(r01, r0, r1)
+  `DF_DOT(handedness, r01, r2_given)
+  `DF_VFLIP(r2, handedness, r2_given)
+  `DF_PICK(b0, b, 0)
+  `DF_PICK(b1, b, 1)
+  `DF_PICK(b2, b, 2)
+  `DF_VSCALE(f0, r0, b0)
+  `DF_VSCALE(f1, r1, b1)
+  `DF_VSCALE(f2, r2, b2)
+  `DF_TURNED(turned0, r0)
+  `DF_TURNED(turned1, r1)
+  `DF_TURNED(turned2, r2)
+  `DF_MAT(r, r0, r1, r2)
+  `DF_MAT(f, f0, f1, f2)
+  `DF_MAT(turned_axes, turned0, turned1, turned2)
+
+  // Gaps closer than `tie` are equal.
+  `DF_PICK(a0, a, 0)
+  `DF_PICK(a1, a, 1)
+  `DF_PICK(a2, a, 2)
+  `DF_ADD(a01, a0, a1)
+  `DF_ADD(a_sum, a01, a2)
+  `DF_ADD(b01, b0, b1)
+  `DF_ADD(b_sum, b01, b2)
+  `DF_ADD(extents, a_sum, b_sum)
+  `DF_NORM1(t_sum, t)
+  `DF_ADD(size, t_sum, extents)
+  `DF_MUL(tie, four_u, size)
+
+  // ---- Stage times of the facets ----
+  localparam int T_EDGES = T_f + `LATENCY_EDGE_NORMAL;
+  localparam int T_FACETS = T_EDGES + `LATENCY_OBB_EDGE;
+  localparam int T_FACES_A = T_FACETS - `LATENCY_OBB_FACE;  // as late as they can, so that inputs wait, not facets
+  localparam int T_FACES_B = T_FACES_A - `DF_LAT_DOT;
+  `DF_VAT(a_edges, a, T_EDGES)
+  `DF_VAT(t_edges, t, T_EDGES)
+  `DF_MAT_AT(f_edges, f, T_EDGES)
+  `DF_MAT_AT(turned_edges, turned_axes, T_EDGES)
+  `DF_VAT(a_faces_a, a_edges, T_FACES_A)
+  `DF_VAT(t_faces_a, t_edges, T_FACES_A)
+  `DF_MAT_AT(f_faces_a, f_edges, T_FACES_A)
+  `DF_MAT_AT(turned_faces_a, turned_edges, T_FACES_A)
+
+  logic [FACETS-1:0][LANES-1:0][CW-1:0] gap, d2, inverse_ff;
+  logic [FACETS-1:0][2:0][LANES-1:0][CW-1:0] n, v, p, along;
+
+  // ---- Faces of A ----
+  for (genvar i = 0; i < 3; i++) begin : g_face_a
+    obb_face #(`DF_FORMAT, .I(i), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) face (
+        .clk_i, .a_i(a_faces_a), .t_i(t_faces_a), .f_i(f_faces_a),
+        .signs_i({turned_faces_a[2][i], turned_faces_a[1][i], turned_faces_a[0][i]}), .gap_o(gap[i]), .n_o(n[i]), .v_o(v[i]),
+        .p_o(p[i]), .d2_o(d2[i]));
+    assign along[i] = '0;
+    assign inverse_ff[i] = '0;
+  end
+
+  // ---- Faces of B: the pair as B sees it, roles exchanged; a facet's vector and normal turned back into A's frame ----
+  `DF_APPLY(t_from_b, r, t)
+  `DF_VNEG(t_back, t_from_b)
+  `DF_TRANSPOSE(columns, r)
+  `DF_ROW(column0, columns, 0)
+  `DF_ROW(column1, columns, 1)
+  `DF_ROW(column2, columns, 2)
+  `DF_VSCALE(f_back0, column0, a0)
+  `DF_VSCALE(f_back1, column1, a1)
+  `DF_VSCALE(f_back2, column2, a2)
+  `DF_MAT(f_back, f_back0, f_back1, f_back2)
+  `DF_VAT(b_faces_b, b, T_FACES_B)
+  `DF_VAT(t_faces_b, t_back, T_FACES_B)
+  `DF_MAT_AT(f_faces_b, f_back, T_FACES_B)
+  `DF_MAT_AT(turned_faces_b, turned_edges, T_FACES_B)
+  `DF_MAT_AT(r_faces_b, r, T_FACES_B)
+  localparam int T_V_B = T_FACES_B + `LATENCY_OBB_FACE;
+  `DF_TRANSPOSE(columns_faces_b, r_faces_b)
+  `DF_MAT_AT(columns_v, columns_faces_b, T_V_B)
+  `DF_MAT_AT(r_facets, r_faces_b, T_FACETS)
+  `DF_VAT(t_facets, t_faces_b, T_FACETS)
+  `DF_MAT_AT(turned_facets, turned_faces_b, T_FACETS)
+  `DF_VAT(a_facets, a_faces_a, T_FACETS)
+  for (genvar j = 0; j < 3; j++) begin : g_face_b
+    logic [LANES-1:0][CW-1:0] gap_b, d2_b;
+    logic [2:0][LANES-1:0][CW-1:0] v_b;
+    obb_face #(`DF_FORMAT, .I(j), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) face (
+        .clk_i, .a_i(b_faces_b), .t_i(t_faces_b), .f_i(f_faces_b), .signs_i(turned_faces_b[j]), .gap_o(gap_b), .n_o(), .v_o(v_b),
+        .p_o(), .d2_o(d2_b));
+    `DF_VIN(v_from_b, v_b, T_V_B)
+    `DF_APPLY(minus_v, columns_v, v_from_b)
+    `DF_VNEG(v_a, minus_v)
+    `DF_PICK(side, t_facets, j)
+    `DF_ROW(turned_axis, turned_facets, j)
+    `DF_VMOVE_SIGN(corner, turned_axis, a_facets)
+    `DF_VFLIP(minus_p, side, corner)
+    `DF_VNEG(p_a, minus_p)
+    `DF_ROW(axis, r_facets, j)
+    `DF_VFLIP(minus_n, side, axis)
+    `DF_VNEG(n_a, minus_n)
+    `DF_IN(gap_early, gap_b, T_V_B)
+    `DF_IN(d2_early, d2_b, T_V_B)
+    `DF_AT(gap_a, gap_early, T_FACETS)
+    `DF_AT(d2_a, d2_early, T_FACETS)
+    assign gap[3+j] = gap_a;
+    assign d2[3+j] = d2_a;
+    assign n[3+j] = n_a;
+    assign v[3+j] = v_a;
+    assign p[3+j] = p_a;
+    assign along[3+j] = '0;
+    assign inverse_ff[3+j] = '0;
+  end
+
+  // ---- Edges of A and edges of B ----
+  for (genvar j = 0; j < 3; j++) begin : g_edge_b
+    localparam int M = (j + 1) % 3, O = (j + 2) % 3;
+    `DF_PICK(b_j, b, j)
+    `DF_MUL(ff, b_j, b_j)
+    `DF_USABLE(long, ff)
+    `DF_RECIPROCAL_OR_ZERO(inverse, long, ff)
+    `DF_AT(inverse_edges, inverse, T_EDGES)
+    for (genvar i = 0; i < 3; i++) begin : g_edge_a
+      localparam int K = (i + 1) % 3, L = (i + 2) % 3, FACET = 6 + 3 * i + j;
+      logic [LANES-1:0][CW-1:0] n_k, n_l, inverse2, valid;
+      edge_normal #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) normal (
+          .clk_i, .f_k_i(f[j][K]), .f_l_i(f[j][L]), .n_k_o(n_k), .n_l_o(n_l), .inverse2_o(inverse2), .valid_o(valid));
+      obb_edge #(`DF_FORMAT, .I(i), .J(j), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) edges (
+          .clk_i, .a_i(a_edges), .t_i(t_edges), .f_i(f_edges), .sign_jk_i(turned_edges[j][K]), .sign_jl_i(turned_edges[j][L]),
+          .sign_mi_i(turned_edges[M][i]), .sign_oi_i(turned_edges[O][i]), .inverse_ff_i(inverse_edges), .n_k_i(n_k), .n_l_i(n_l),
+          .inverse2_i(inverse2), .valid_i(valid), .gap_o(gap[FACET]), .n_o(n[FACET]), .v_o(v[FACET]), .p_o(p[FACET]), .d2_o(d2[FACET]),
+          .f_o(along[FACET]), .inverse_ff_o(inverse_ff[FACET]));
+    end
+  end
+
+  // ---- The answer of the facets ----
+  localparam int T_START = T_FACETS + `LATENCY_NEAREST(FACETS);
+  localparam int T_WITNESS = T_FACETS + `LATENCY_WITNESS(FACETS);
+  `DF_AT(tie_facets, tie, T_FACETS)
+  logic [LANES-1:0][CW-1:0] choice_s;
+  logic [2:0][LANES-1:0][CW-1:0] choice_n, choice_v, choice_p, choice_start_v, choice_start_p;
+  facet_choice #(`DF_FORMAT, .COUNT(FACETS), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) choice (
+      .clk_i, .gap_i(gap), .n_i(n), .v_i(v), .p_i(p), .d2_i(d2), .f_i(along), .inverse_ff_i(inverse_ff), .tie_i(tie_facets), .s_o(choice_s),
+      .witness_n_o(choice_n), .witness_v_o(choice_v), .witness_p_o(choice_p), .start_v_o(choice_start_v), .start_p_o(choice_start_p));
+  `DF_IN(s_facets, choice_s, T_WITNESS)
+  `DF_VIN(n_facets, choice_n, T_WITNESS)
+  `DF_VIN(v_facets, choice_v, T_WITNESS)
+  `DF_VIN(p_facets, choice_p, T_WITNESS)
+  `DF_VIN(v_start, choice_start_v, T_START)
+  `DF_VIN(p_start, choice_start_p, T_START)
+
+  // ---- The nearest point, polished twice ----
+  `DF_VAT(a_start, a_facets, T_START)
+  `DF_VAT(t_start, t_faces_a, T_START)
+  `DF_MAT_AT(f_start, f_faces_a, T_START)
+  logic [2:0][LANES-1:0][CW-1:0] support1_v, support1_p, support2_v, support2_p;
+  obb_support #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) support1 (
+      .clk_i, .v_i(v_start), .a_i(a_start), .t_i(t_start), .f_i(f_start), .v_o(support1_v), .p_o(support1_p));
+  `DF_VIN(v_far1, support1_v, T_START + `LATENCY_OBB_SUPPORT)
+  `DF_VIN(p_far1, support1_p, T_START + `LATENCY_OBB_SUPPORT)
+  `DF_POLISH(v_once, p_once, v_start, p_start, v_far1, p_far1, tie_facets)
+  `DF_VAT(a_once, a_start, T_v_once)
+  `DF_VAT(t_once, t_start, T_v_once)
+  `DF_MAT_AT(f_once, f_start, T_v_once)
+  obb_support #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) support2 (
+      .clk_i, .v_i(v_once), .a_i(a_once), .t_i(t_once), .f_i(f_once), .v_o(support2_v), .p_o(support2_p));
+  `DF_VIN(v_far2, support2_v, T_v_once + `LATENCY_OBB_SUPPORT)
+  `DF_VIN(p_far2, support2_p, T_v_once + `LATENCY_OBB_SUPPORT)
+  `DF_POLISH(v_point, p_point, v_once, p_once, v_far2, p_far2, tie_facets)
+
+  // ---- The gap along its direction, and the choice ----
+  `DF_DIRECTION(n_point, d_point, usable, v_point)
+  `DF_DOT(n_t, n_point, t_once)
+  `DF_BOX_RADIUS(radius_a, n_point, a_once)
+  `DF_APPLY(on_b, f_once, n_point)
+  `DF_NORM1(radius_b, on_b)
+  `DF_SUB(beyond_a, n_t, radius_a)
+  `DF_SUB(gap_along, beyond_a, radius_b)
+  `DF_DECIDE(s, n_local, v_local, p_local, s_facets, n_facets, v_facets, p_facets, d_point, n_point, v_point, p_point, usable, gap_along, tie_facets)
+
+  // ---- Back to the world ----
+  `DF_VSCALE(half_v, v_local, half)
+  `DF_VADD(middle, p_local, half_v)
+  `DF_APPLY(middle_world, a_rotation, middle)
+  `DF_VADD(cp, a_c, middle_world)
+  `DF_APPLY(n_world, a_rotation, n_local)
+
+  localparam int LATENCY = `DF_MAX3(T_cp, T_n_world, T_s + LAT_CMP) + 1;
+  assign latency_o = 16'(LATENCY);
+  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n_world), .LATENCY(LATENCY), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
+      .clk_i, .s_i(s), .cp_i(cp), .n_i(n_world), .f_o, .t_o, .cp_o, .n_o);
+endmodule

@@ -1,0 +1,33 @@
+// A vector made perpendicular to an edge f that it ends on: v - (v.f / f.f) f, with 0 for 1 / f.f where it ends on no edge.
+// 5 add, 7 mul.
+// Latency: LATENCY_PERPENDICULAR clocks from the latest input; 0 with ARITH = "host". Throughput: one vector a lane a clock. Stall: none.
+`include "convex.svh"
+module perpendicular #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int T_V = 0,  // stage times of the inputs
+    parameter int T_F = 0,
+    parameter int T_INVERSE = 0,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [2:0][LANES-1:0][CW-1:0] v_i,
+    input logic [2:0][LANES-1:0][CW-1:0] f_i,
+    input logic [LANES-1:0][CW-1:0] inverse_ff_i,
+    output logic [2:0][LANES-1:0][CW-1:0] r_o
+);
+  /*verilator inline_module*/
+  `DF_VIN(v, v_i, T_V)
+  `DF_VIN(f, f_i, T_F)
+  `DF_IN(inverse_ff, inverse_ff_i, T_INVERSE)
+  `DF_DOT(vf, v, f)
+  `DF_MUL(along, vf, inverse_ff)
+  `DF_VSCALE(part, f, along)
+  `DF_VSUB(r, v, part)
+  `DF_VAT(result, r, `DF_MAX3(T_V, T_F, T_INVERSE) + `LATENCY_PERPENDICULAR)
+  assign r_o = result;
+endmodule
