@@ -62,7 +62,7 @@ module obb_plane #(
   `DF_VADD(from_c, offset, beyond)
   `DF_VADD(cp, c, from_c)
 
-  localparam int LATENCY = `DF_MAX2(T_cp, `DF_MAX2(T_n, T_s + LAT_CMP)) + 1;
+  localparam int LATENCY = `DF_MAX2(T_cp, T_s + LAT_CMP) + 1;
   assign latency_o = 16'(LATENCY);
   gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
       .clk_i, .s_i(s), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);

@@ -65,6 +65,7 @@
 `define DF_VMIN(R, A, B) `DF_BINARY3(R, A, B, "min", LAT_CMP)
 `define DF_VMAX(R, A, B) `DF_BINARY3(R, A, B, "max", LAT_CMP)
 `define DF_VMUL(R, A, B) `DF_BINARY3(R, A, B, "mul", LAT_MUL)
+`define DF_VLT(M, A, B) `DF_BINARY3(M, A, B, "clt", LAT_CMP)
 `define DF_VEQ(M, A, B) `DF_BINARY3(M, A, B, "ceq", LAT_CMP)
 // A limited to LOW .. HIGH: max, then min; a NaN gives LOW.
 `define DF_CLAMP(R, A, LOW, HIGH) `DF_MAX(R``_not_low, A, LOW) `DF_MIN(R, R``_not_low, HIGH)
@@ -82,6 +83,23 @@
   for (genvar k = 0; k < 3; k++) begin : row_``R \
     df_dot #(`DF_FORMAT, .T_A(T_``M), .T_B(T_``X), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) dot (.clk_i, .a_i(M[k]), .b_i(X), .r_o(R[k])); \
   end
+// Row by row: differences, cross and dot products of the rows, rows scaled by the components of a vector.
+`define DF_MSUB(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_ADD; `DF_MATRIX R; \
+  for (genvar k = 0; k < 9; k++) begin : op_``R \
+    df_operator #(`DF_FORMAT, .OP("sub"), .T_A(T_``A), .T_B(T_``B), .LAT(LAT_ADD)) op (.clk_i, .a_i(A[k/3][k%3]), .b_i(B[k/3][k%3]), .r_o(R[k/3][k%3])); \
+  end
+`define DF_MSCALE(R, M, V) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``M, T_``V), 0) + LAT_MUL; `DF_MATRIX R; \
+  for (genvar k = 0; k < 9; k++) begin : op_``R \
+    df_operator #(`DF_FORMAT, .OP("mul"), .T_A(T_``M), .T_B(T_``V), .LAT(LAT_MUL)) op (.clk_i, .a_i(M[k/3][k%3]), .b_i(V[k/3]), .r_o(R[k/3][k%3])); \
+  end
+`define DF_MCROSS(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + `DF_LAT_CROSS; `DF_MATRIX R; \
+  for (genvar k = 0; k < 3; k++) begin : row_``R \
+    df_cross #(`DF_FORMAT, .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) cross_row (.clk_i, .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
+  end
+`define DF_MDOT(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + `DF_LAT_DOT; `DF_VECTOR R; \
+  for (genvar k = 0; k < 3; k++) begin : row_``R \
+    df_dot #(`DF_FORMAT, .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) dot (.clk_i, .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
+  end
 
 // ---- Wires: signs, masks, choices ----
 `define DF_SIGN1(R, A, OPERATION) localparam int T_``R = T_``A; `DF_SCALAR R; fp_sign #(`DF_FORMAT, .OP(OPERATION)) sign_``R (.a_i(A), .b_i(A), .r_o(R));
@@ -91,6 +109,8 @@
   for (genvar k = 0; k < 3; k++) begin : sign_``R fp_sign #(`DF_FORMAT, .OP(OPERATION)) sign (.a_i(A[k]), .b_i(A[k]), .r_o(R[k])); end
 `define DF_VABS(R, A) `DF_VSIGN1(R, A, "abs")
 `define DF_VNEG(R, A) `DF_VSIGN1(R, A, "neg")
+`define DF_MNEG(R, A) localparam int T_``R = T_``A; `DF_MATRIX R; \
+  for (genvar k = 0; k < 9; k++) begin : sign_``R fp_sign #(`DF_FORMAT, .OP("neg")) sign (.a_i(A[k/3][k%3]), .b_i(A[k/3][k%3]), .r_o(R[k/3][k%3])); end
 // The sign bit of X moved onto Y by exclusive or: move_sign(x, y) of the reference.
 `define DF_MOVE_SIGN(R, X, Y) localparam int T_``R = `DF_MAX2(T_``X, T_``Y); `DF_SCALAR R; \
   df_wire #(`DF_FORMAT, .OP("xor"), .T_A(T_``Y), .T_B(T_``X)) wire_``R (.clk_i, .a_i(Y), .b_i(X), .r_o(R));
@@ -132,7 +152,7 @@
 // Three choices: A if FIRST, else B if SECOND, else C.
 `define DF_SELECT3(R, FIRST, SECOND, A, B, C) `DF_SELECT(R``_rest, SECOND, B, C) `DF_SELECT(R, FIRST, A, R``_rest)
 `define DF_VSELECT3(R, FIRST, SECOND, A, B, C) `DF_VSELECT(R``_rest, SECOND, B, C) `DF_VSELECT(R, FIRST, A, R``_rest)
-// The least of three and which it is, R_first or R_second, ties to the first; 3 compare: least3 of the reference.
-`define DF_LEAST3(R, A, B, C) `DF_LE(R``_ab, A, B) `DF_LE(R``_ac, A, C) `DF_LE(R``_second, B, C) `DF_AND(R``_first, R``_ab, R``_ac) \
-  `DF_SELECT3(R, R``_first, R``_second, A, B, C)
+// Which of three is the least, R_first or R_second or the third, ties to the first (least3 of the reference; 3 compare); and the least.
+`define DF_WHICH3(R, A, B, C) `DF_LE(R``_ab, A, B) `DF_LE(R``_ac, A, C) `DF_LE(R``_second, B, C) `DF_AND(R``_first, R``_ab, R``_ac)
+`define DF_LEAST3(R, A, B, C) `DF_WHICH3(R, A, B, C) `DF_SELECT3(R, R``_first, R``_second, A, B, C)
 `endif
