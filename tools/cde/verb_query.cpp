@@ -180,8 +180,6 @@ class Query {
     if (o_.check && !reference::has_pair(config_.pair, config_.algorithm))
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} has no reference to compare with: use --no-check", o_.pair));
-    const FpFormat f = config_.format;
-    infinity_ = f.infinity();
   }
 
   Totals run() {
@@ -221,12 +219,12 @@ class Query {
                                           : fmt::format("{} or {}", a_words - 2, a_words),
                         b_words);
     if (!why.empty()) {
-      fmt::print(stderr, "cde: {}\n", why);
       ++totals_.malformed;
       rows_.push_back({number, false});
+      unread_.push_back(std::move(why));
     } else {
       // A ray without an interval has all of it: tmin = 0, tmax = +inf.
-      if (count < most) values_.insert(values_.begin() + 6, {0, infinity_});
+      if (count < most) values_.insert(values_.begin() + 6, {0, config_.format.infinity()});
       const auto middle = values_.begin() + static_cast<std::ptrdiff_t>(a_words);
       a_.insert(a_.end(), values_.begin(), middle);
       b_.insert(b_.end(), middle, values_.end());
@@ -244,16 +242,18 @@ class Query {
     totals_.simulation_seconds +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (o_.check) compare();
-    std::size_t i = 0;
+    std::size_t pair = 0, unread = 0;
     for (const Row& row : rows_) {
-      if (row.valid)
-        write(row.line, i++);
-      else
+      if (row.valid) {
+        write(row.line, pair++);
+      } else {
+        fmt::print(stderr, "cde: {}\n", unread_[unread++]);
         write({.t = nan(), .cp = {nan(), nan(), nan()}, .n = {nan(), nan(), nan()}}, "malformed");
+      }
     }
     totals_.pairs += pairs;
     flush();
-    rows_.clear(), a_.clear(), b_.clear();
+    rows_.clear(), unread_.clear(), a_.clear(), b_.clear();
   }
 
   void compare() {
@@ -350,9 +350,9 @@ class Query {
   WordText text_;
   PairUnit unit_;
   Totals totals_;
-  std::uint64_t infinity_ = 0;
   std::vector<std::uint64_t> values_, a_, b_;
   std::vector<Row> rows_;
+  std::vector<std::string> unread_;  ///< messages of the lines that could not be read
   std::vector<PairResult> results_, expected_;
   fmt::memory_buffer out_;
 };
