@@ -45,6 +45,26 @@ TEST_F(Bench, QuickUnits) {
   }
 }
 
+TEST_F(Bench, QuickPairs) {
+  const Ran ran = cde({"bench", "pairs", "--quick", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto j = nlohmann::json::parse(ran.out)["pairs"];
+  ASSERT_EQ(j["pairs"].size(), 1u);
+  const auto& spheres = j["pairs"][0];
+  EXPECT_EQ(spheres["pair"], "sphere-sphere");
+  EXPECT_GT(spheres["pairs_per_second_simulated"], 1e4);
+  EXPECT_EQ(spheres["clocks_per_row"], 1.0);
+  EXPECT_EQ(spheres["modelled_pairs_per_second"], 8 * 100e6);
+  EXPECT_GT(spheres["hit_share"], 0.3);
+  EXPECT_LT(spheres["hit_share"], 0.7);
+  if (!j["fcl"].get<bool>()) return;
+  const auto& fcl = spheres["fcl"];
+  EXPECT_GT(fcl["collide_per_second"], 1e4);
+  EXPECT_GT(fcl["distance_per_second"], 1e4);
+  EXPECT_EQ(fcl["hits_compared"], j["cases"]);
+  EXPECT_GE(fcl["hits_agreeing"], j["cases"].get<int>() - 2) << "fp32 against binary64";
+}
+
 TEST_F(Bench, UnknownSection) {
   const Ran ran = cde({"bench", "cars"});
   EXPECT_EQ(ran.status, 2);

@@ -11,7 +11,9 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_help_all_flag("--help-all", "Help of every verb");
   cde::cli::add_cast(app);
+  cde::cli::add_query(app);
   cde::cli::add_bench(app);
+  cde::cli::add_inventory(app);
   cde::cli::add_doctor(app);
   cde::cli::add_fp(app);
   try {

@@ -9,9 +9,14 @@ namespace cde::cli {
 /// Set by a verb that ran but found a difference or nothing (exit 1) instead of throwing.
 inline int exit_code = 0;
 
+/// What rtl/pipes/pair_pipe.sv says when it is elaborated for a pair that it has no pipe for.
+inline constexpr const char* kNoPipe = "no pipe for this pair and algorithm";
+
 void add_bench(CLI::App& app);
 void add_cast(CLI::App& app);
 void add_doctor(CLI::App& app);
 void add_fp(CLI::App& app);
+void add_inventory(CLI::App& app);
+void add_query(CLI::App& app);
 
 }  // namespace cde::cli

@@ -1,0 +1,546 @@
+// cde query and cde inventory.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <regex>
+#include <sstream>
+
+#include "run_cde.hpp"
+
+namespace cde::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+const std::string kHeader = "F,T,CPx,CPy,CPz,nx,ny,nz,flags\n";
+
+class Query : public Cli {
+ protected:
+  /// Runs `cde query` with this text on stdin.
+  [[nodiscard]] Ran query(const Words& words, const std::string& text,
+                          const Words& environment = {}) {
+    Words all = {"query"};
+    all.insert(all.end(), words.begin(), words.end());
+    const int own = ::dup(STDIN_FILENO);
+    const int file = ::open((folder_ / write("stdin", text)).c_str(), O_RDONLY);
+    ::dup2(file, STDIN_FILENO);
+    ::close(file);
+    const Ran ran = cde(all, environment);
+    ::dup2(own, STDIN_FILENO);
+    ::close(own);
+    return ran;
+  }
+
+  /// Refused before anything is answered.
+  void refused(const Words& words, const std::string& text) {
+    const Ran ran = query(words, "0,0,0,1,2,0,0,1\n");
+    SCOPED_TRACE(fmt::format("{}", fmt::join(words, " ")));
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_NE(ran.err.find(text), std::string::npos) << "says: " << ran.err << "\nlacks: " << text;
+    EXPECT_EQ(ran.out, "");
+  }
+};
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+std::vector<std::string> fields_of(const std::string& line) {
+  std::vector<std::string> fields(1);
+  for (const char c : line) {
+    if (c == ',')
+      fields.emplace_back();
+    else
+      fields.back() += c;
+  }
+  return fields;
+}
+
+TEST_F(Query, AnswersInOrderWhateverTheSpelling) {
+  const Ran ran = query({"sphere-sphere"},
+                        "# two spheres\n"
+                        "0,0,0,1,1.5,0,0,1\n"
+                        "\n"
+                        "  0 0 0 1   5 0 0 0x1.8p0\r\n"
+                        "0x00000000, 0X0, +0, 1e0, 0x1p1, -0, 0, 0x3f800000\n"
+                        "   # and one more, without a line end\n"
+                        "0\t0\t0\t1\t0\t-4\t0\t2");
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(ran.out, kHeader +
+                         "1,0.5,0.75,0,0,1,0,0,\n"
+                         "0,2.5,2.25,0,0,1,0,0,\n"
+                         "1,0,1,0,0,1,0,0,\n"
+                         "0,1,0,-1.5,0,0,-1,0,\n");
+  EXPECT_NE(ran.err.find("4 of 4 answers match the reference"), std::string::npos) << ran.err;
+}
+
+TEST_F(Query, EmptyInputIsAnEmptyTable) {
+  const Ran ran = query({"sphere-sphere", "-q"}, "");
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_EQ(ran.out, kHeader);
+  EXPECT_EQ(ran.err, "");
+}
+
+TEST_F(Query, RaysOfSixAndEightWordsWithoutANormal) {
+  const std::string triangle = ",-1,-1,0,1,-1,0,0,1,0\n";
+  const Ran ran = query({"ray-triangle"}, "0,0,2,0,0,-1" + triangle +          // all of the ray
+                                              "0,0,2,0,0,-1,0,1" + triangle +  // ends before it
+                                              "0,0,2,0,0,-1,0,inf" + triangle + "0,0,-2,0,0,-1" +
+                                              triangle +  // behind
+                                              "0,0,-2,0,0,-1,-inf,inf" + triangle);
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(ran.out, kHeader +
+                         "1,2,0,0,0,,,,\n"
+                         "0,inf,0,0,0,,,,\n"
+                         "1,2,0,0,0,,,,\n"
+                         "0,inf,0,0,0,,,,\n"
+                         "1,-2,0,0,0,,,,\n");
+}
+
+TEST_F(Query, MalformedLinesAreNamedAndTheOthersAnswered) {
+  const std::string good = "0,0,0,1,1.5,0,0,1\n";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"0,0,abc,1,1,0,0,1", "line 2, word 3: 'abc' is not a number"},
+      {"0,0,0,1,1,0,0,1x", "line 2, word 8: '1x' is not a number"},
+      {"0,,0,1,1,0,0,1", "line 2, word 2: '' is not a number"},
+      {"0,0,0,1,1,0,0,", "line 2, word 8: '' is not a number"},
+      {"--1,0,0,1,1,0,0,1", "line 2, word 1: '--1' is not a number"},
+      {"0x,0,0,1,1,0,0,1", "line 2, word 1: '0x' is not a number"},
+      {"-0x3f800000,0,0,1,1,0,0,1", "line 2, word 1: '-0x3f800000' is not a number"},
+      {"0x100000000,0,0,1,1,0,0,1", "line 2, word 1: '0x100000000' has more than the 32 bits"},
+      {"0x11111111111111111,0,0,1,1,0,0,1", "has more than the 32 bits of fp32"},
+      {"3.5e38,0,0,1,1,0,0,1", "line 2, word 1: '3.5e38' is beyond the largest fp32 number"},
+      {"1e999,0,0,1,1,0,0,1", "line 2, word 1: '1e999' is beyond the largest fp32 number"},
+      {"0,0,0,1,1,0,0", "line 2: 7 words, must be 8 (4 of A, 4 of B)"},
+      {"0,0,0,1,1,0,0,1,1", "line 2: 9 words, must be 8 (4 of A, 4 of B)"},
+      {",", "line 2: 2 words, must be 8"},
+      {std::string("0\0,0,0,1,1,0,0,1", 16), "line 2, word 1: '0?' is not a number"}};
+  for (const auto& [line, message] : cases) {
+    const Ran ran = query({"sphere-sphere"}, good + line + "\n" + good);
+    SCOPED_TRACE(line);
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_NE(ran.err.find("cde: " + message), std::string::npos)
+        << "says: " << ran.err << "\nlacks: " << message;
+    EXPECT_EQ(ran.out, kHeader +
+                           "1,0.5,0.75,0,0,1,0,0,\n"
+                           "0,nan,nan,nan,nan,nan,nan,nan,malformed\n"
+                           "1,0.5,0.75,0,0,1,0,0,\n");
+    EXPECT_NE(ran.err.find("2, 0 bad, and 1 malformed line\n"), std::string::npos) << ran.err;
+  }
+  const Ran ray = query({"ray-triangle", "--bits", "-q"}, "0,0,2,0,0,-1,0,1,1,1,1,1,1,1,1,1\n");
+  EXPECT_EQ(ray.status, 2);
+  EXPECT_EQ(ray.err, "cde: line 1: 16 words, must be 15 or 17 (6 or 8 of A, 9 of B)\n");
+  EXPECT_EQ(ray.out, kHeader + "0,0x7fc00000,0x7fc00000,0x7fc00000,0x7fc00000,,,,malformed\n");
+}
+
+TEST_F(Query, BadOperandsAreNamedAndFlagged) {
+  struct BadPair {
+    const char *pair, *line, *message;
+  };
+  const std::array cases = {
+      BadPair{"sphere-sphere", "0,0,0,1,0,0,0,-2", "line 1: sphere B: radius is -2, must be > 0"},
+      BadPair{"sphere-sphere", "0,0,0,-0,0,0,0,1", "line 1: sphere A: radius is -0, must be > 0"},
+      BadPair{"sphere-sphere", "0,inf,0,1,0,0,0,1",
+              "line 1: sphere A: center.y is inf, must be finite"},
+      BadPair{"sphere-sphere", "0,0,0,1,0,0,0x7f800001,1",
+              "line 1: sphere B: center.z is nan, must be finite"},
+      BadPair{"ray-triangle", "0,0,0,0,-0,0,1,2,3,4,5,6,7,8,9",
+              "line 1: ray A: direction is zero, must have a length"},
+      BadPair{"ray-triangle", "0,0,0,0,0,1,nan,1,1,2,3,4,5,6,7,8,9",
+              "line 1: ray A: tmin is nan, must be a number or infinite"},
+      BadPair{"ray-triangle", "0,0,0,0,0,1,1,2,3,4,5,6,7,8,-inf",
+              "line 1: triangle B: v2.z is -inf, must be finite"}};
+  for (const BadPair& bad : cases) {
+    SCOPED_TRACE(bad.line);
+    const bool ray = std::string(bad.pair) == "ray-triangle";
+    const Ran ran = query({bad.pair, "-q"}, std::string(bad.line) + "\n# next\n" +
+                                                (ray ? "0,0,2,0,0,-1,-1,-1,0,1,-1,0,0,1,0\n"
+                                                     : "0,0,0,1,1.5,0,0,1\n"));
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_EQ(ran.err, std::string("cde: ") + bad.message + "\n");
+    EXPECT_EQ(ran.out,
+              kHeader + (ray ? "0,nan,nan,nan,nan,,,,bad\n1,2,0,0,0,,,,\n"
+                             : "0,nan,nan,nan,nan,nan,nan,nan,bad\n1,0.5,0.75,0,0,1,0,0,\n"));
+  }
+}
+
+TEST_F(Query, MessagesKeepTheOrderOfLines) {
+  const Ran ran =
+      query({"sphere-sphere", "-q"}, "0,0,0,-1,0,0,0,1\n0,0,0,x,0,0,0,1\n0,0,0,1,0,0,0,-1\n1\n");
+  const auto lines = lines_of(ran.err);
+  ASSERT_EQ(lines.size(), 4u) << ran.err;
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    EXPECT_TRUE(lines[i].starts_with(fmt::format("cde: line {}", i + 1))) << ran.err;
+}
+
+TEST_F(Query, WrongUsageIsRefused) {
+  refused({"sphere-cube"}, "no pair 'sphere-cube'; there are: ray-triangle, obb-obb");
+  refused({"ray-triangle", "--algorithm", "mollar"}, "--algorithm is 'mollar'; it must be moller");
+  refused({"sphere-sphere", "--algorithm", "badouel"}, "sphere-sphere has no choice of algorithm");
+  refused({"sphere-sphere", "--arith", "gates"}, "--arith is 'gates'; it must be rtl or host");
+  refused({"sphere-sphere", "--lanes", "0"}, "lanes is 0, expected 1 to 256");
+  refused({"sphere-sphere", "--lanes", "257"}, "lanes is 257, expected 1 to 256");
+  refused({"sphere-sphere", "--format", "fp7"}, "format 'fp7'");
+  refused({"sphere-sphere", "--format", "tf32"},
+          "--format is tf32; it must be fp16, bf16, fp24, fp32 or fp64");
+  refused({"sphere-sphere", "--budget", "4,8,8"}, "--budget is of cylinder-cylinder");
+  refused({"cylinder-cylinder", "--budget", "4,8"}, "--budget is '4,8'; it must be M,K1,K2");
+  refused({"cylinder-cylinder", "--budget", "0,8,8"}, "--budget is '0,8,8'; it must be");
+  refused({"cylinder-cylinder", "--budget", "4,8,65"}, "--budget is '4,8,65'; it must be");
+  refused({}, "pair is required");
+}
+
+// ---- Formats ----
+
+struct Format {
+  const char* name;
+  int exponent_bits, fraction_bits;
+};
+void PrintTo(const Format& format, std::ostream* out) {
+  *out << format.name;
+}
+
+class QueryFormat : public Query, public ::testing::WithParamInterface<Format> {};
+
+/// The exact value of a word, from its bits alone.
+long double value_of(const Format& f, std::uint64_t word) {
+  const std::uint64_t fraction = word & ((std::uint64_t{1} << f.fraction_bits) - 1);
+  const auto exponent = static_cast<int>((word >> f.fraction_bits) & ((1u << f.exponent_bits) - 1));
+  const int bias = (1 << (f.exponent_bits - 1)) - 1;
+  const long double significand =
+      static_cast<long double>(fraction) + (exponent == 0 ? 0 : std::ldexp(1.0L, f.fraction_bits));
+  return std::ldexp(significand, std::max(exponent, 1) - bias - f.fraction_bits);
+}
+
+/// A number with all its decimal digits.
+std::string exact_decimal(long double value) {
+  std::string text(2000, ' ');
+  text.resize(static_cast<std::size_t>(std::snprintf(text.data(), text.size(), "%.1200Lf", value)));
+  return text;
+}
+
+/// Decimals half-way between two words, 1e-1200 above and 1e-1200 below. Concentric spheres of one
+/// radius have CP at their centre, so that its words can be seen.
+TEST_P(QueryFormat, DecimalsAreRoundedOnceToNearestEven) {
+  const Format f = GetParam();
+  if (f.fraction_bits == 52) GTEST_SKIP() << "a half-way case of fp64 does not fit a long double";
+  std::mt19937_64 random(7);
+  std::string input;
+  std::vector<std::uint64_t> wanted;
+  const auto add = [&](const std::string& x, std::uint64_t word) {
+    input += x + ",0,0,1," + x + ",0,0,1\n";
+    wanted.push_back(word);
+  };
+  const std::uint64_t infinity = ((std::uint64_t{1} << f.exponent_bits) - 1) << f.fraction_bits;
+  const std::uint64_t least_normal = std::uint64_t{1} << f.fraction_bits;
+  for (int i = 0; i < 200; ++i) {
+    const std::uint64_t word = random() % (i % 4 == 0 ? least_normal : infinity - 1);
+    const long double low = value_of(f, word), middle = (low + value_of(f, word + 1)) / 2;
+    std::string above = exact_decimal(middle), below = above;
+    above.back() = '1';
+    // One unit less in the last place: borrow through the zeros behind the last digit.
+    std::size_t at = below.size() - 1;
+    while (below[at] == '0' || below[at] == '.') {
+      if (below[at] == '0') below[at] = '9';
+      --at;
+    }
+    --below[at];
+    add(exact_decimal(middle), word + (word & 1));
+    add(above, word + 1);
+    add(below, word);
+    add(exact_decimal(low), word);
+  }
+  const Ran ran = query({"sphere-sphere", "--format", f.name, "--bits", "-q"}, input);
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto lines = lines_of(ran.out);
+  ASSERT_EQ(lines.size(), wanted.size() + 1);
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    EXPECT_EQ(std::stoull(fields_of(lines[i + 1])[2], nullptr, 16), wanted[i])
+        << lines_of(input)[i] << "\n"
+        << lines[i + 1];
+}
+
+/// What is printed, fed back in, is the same word; decimals, bits and --no-check alike.
+TEST_P(QueryFormat, DecimalsReadBackAsTheSameWord) {
+  const Format f = GetParam();
+  std::mt19937_64 random(11);
+  std::string input;
+  for (int i = 0; i < 500; ++i) {
+    for (int k = 0; k < 8; ++k) {
+      const double x = static_cast<double>(random() >> 11) * 0x1p-53;
+      input += fmt::format("{}{}", k == 0 ? "" : ",", k % 4 == 3 ? x + 0.1 : 4 * x - 2);
+    }
+    input += '\n';
+  }
+  const Words words = {"sphere-sphere", "--format", f.name, "-q"};
+  Words with_bits = words, unchecked = words;
+  with_bits.emplace_back("--bits");
+  unchecked.emplace_back("--no-check");
+  const Ran decimals = query(words, input), bits = query(with_bits, input);
+  ASSERT_EQ(decimals.status, 0) << decimals.err;
+  ASSERT_EQ(bits.status, 0) << bits.err;
+  EXPECT_EQ(query(unchecked, input).out, decimals.out);
+  // As centres of concentric spheres, words come back as CP (the offset along z is 0).
+  const auto concentric = [](const std::string& csv) {
+    std::string text;
+    const auto lines = lines_of(csv);
+    for (std::size_t i = 1; i < lines.size(); ++i) {
+      const auto field = fields_of(lines[i]);
+      for (const std::size_t k : {1u, 2u, 3u, 4u, 5u, 6u, 7u})
+        text += fmt::format("{0},0,0,1,{0},0,0,1\n", field[k]);
+    }
+    return text;
+  };
+  EXPECT_EQ(query(with_bits, concentric(decimals.out)).out,
+            query(with_bits, concentric(bits.out)).out);
+  const auto digits = static_cast<std::size_t>((1 + f.exponent_bits + f.fraction_bits + 3) / 4);
+  EXPECT_EQ(fields_of(lines_of(bits.out)[1])[1].size(), 2 + digits);
+}
+
+TEST_P(QueryFormat, TheLargestNumberAndBeyond) {
+  const Format f = GetParam();
+  const std::uint64_t infinity = ((std::uint64_t{1} << f.exponent_bits) - 1) << f.fraction_bits;
+  const std::uint64_t nan = infinity | (std::uint64_t{1} << (f.fraction_bits - 1));
+  const std::string largest =
+      f.fraction_bits == 52 ? "1.7976931348623157e308" : exact_decimal(value_of(f, infinity - 1));
+  const Ran ran = query({"sphere-sphere", "--format", f.name, "--bits", "-q", "--no-check"},
+                        fmt::format("0,0,0,1,{},0,0,1\n0,0,0,1,0,0,0,{:#x}\n0,0,0,1,9{},0,0,1\n",
+                                    largest, infinity, largest));
+  EXPECT_EQ(ran.status, 2);
+  const auto lines = lines_of(ran.out);
+  ASSERT_EQ(lines.size(), 4u) << ran.err;
+  EXPECT_EQ(fields_of(lines[1])[8], "") << ran.err;
+  EXPECT_EQ(fields_of(lines[2])[8], "bad");
+  EXPECT_EQ(std::stoull(fields_of(lines[2])[1], nullptr, 16), nan);
+  EXPECT_EQ(fields_of(lines[3])[8], "malformed");
+  EXPECT_NE(ran.err.find("line 2: sphere B: radius is inf, must be finite"), std::string::npos);
+  EXPECT_NE(ran.err.find(fmt::format("is beyond the largest {} number", f.name)), std::string::npos)
+      << ran.err;
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, QueryFormat,
+                         ::testing::Values(Format{"fp16", 5, 10}, Format{"bf16", 8, 7},
+                                           Format{"fp24", 7, 16}, Format{"fp32", 8, 23},
+                                           Format{"fp64", 11, 52}),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+// ---- The whole ----
+
+TEST_F(Query, BothArithmeticsGiveTheSame) {
+  std::mt19937_64 random(3);
+  std::string input;
+  for (int i = 0; i < 1000; ++i)
+    for (int k = 0; k < 8; ++k)
+      input += fmt::format("{:#x}{}", random() & 0xffffffff, k == 7 ? '\n' : ' ');
+  const Ran host = query({"sphere-sphere", "--bits", "-q"}, input);
+  const Ran rtl = query({"sphere-sphere", "--bits", "-q", "--arith", "rtl"}, input);
+  EXPECT_EQ(host.status, 2) << "random words have negative radii";
+  EXPECT_EQ(rtl.out, host.out);
+  EXPECT_EQ(rtl.err, host.err);
+}
+
+TEST_F(Query, AMillionPairsInOrder) {
+  constexpr int kPairs = 1'000'000;
+  std::string input;
+  input.reserve(20 * kPairs);
+  for (int i = 0; i < kPairs; ++i)
+    fmt::format_to(std::back_inserter(input), "0,0,0,1,{},0,0,1\n", i + 2);
+  const Ran ran = query({"sphere-sphere", "--json"}, input);
+  ASSERT_EQ(ran.status, 0) << ran.err.substr(0, 1000);
+  std::istringstream lines(ran.out);
+  std::string line;
+  std::getline(lines, line);
+  int i = 0;
+  for (; std::getline(lines, line); ++i)
+    ASSERT_EQ(line, fmt::format("{},{},{},0,0,1,0,0,", i == 0 ? 1 : 0, i, (i + 2) / 2.0f));
+  EXPECT_EQ(i, kPairs);
+  const auto j = nlohmann::json::parse(lines_of(ran.err).back());
+  EXPECT_EQ(j["pair"], "sphere-sphere");
+  EXPECT_EQ(j["format"], "fp32");
+  EXPECT_EQ(j["pairs"], kPairs);
+  EXPECT_EQ(j["pairs_matching"], kPairs);
+  EXPECT_EQ(j["hits"], 1);
+  EXPECT_EQ(j["bad_pairs"], 0);
+  EXPECT_EQ(j["malformed_lines"], 0);
+  EXPECT_GE(j["device_cycles"], kPairs / 8);
+}
+
+/// What a running child has written to its file so far.
+std::string stdout_of(pid_t child) {
+  const fs::path link = fmt::format("/proc/{}/fd/1", child);
+  std::error_code none;
+  if (fs::read_symlink(link, none).filename() != "out") return {};  // not redirected yet
+  std::stringstream text;
+  text << std::ifstream(link).rdbuf();
+  return text.str();
+}
+
+/// A line is answered when it is there, not when the input ends.
+TEST_F(Query, AnswersWhileTheInputIsOpen) {
+  int in[2];
+  ASSERT_EQ(::pipe(in), 0);
+  const int own = ::dup(STDIN_FILENO);
+  ::dup2(in[0], STDIN_FILENO);
+  ::close(in[0]);
+  ::fcntl(in[1], F_SETFD, FD_CLOEXEC);
+  const pid_t child = start({"query", "sphere-sphere", "-q"});
+  ::dup2(own, STDIN_FILENO);
+  ::close(own);
+  const std::string line = "0,0,0,1,2,0,0,1\n0,0,0";  // and part of a line
+  ASSERT_EQ(::write(in[1], line.data(), line.size()), static_cast<ssize_t>(line.size()));
+  std::string seen;
+  for (int tenths = 0; tenths < 1200 && lines_of(seen).size() < 2; ++tenths) {
+    ::usleep(100'000);
+    seen = stdout_of(child);
+  }
+  EXPECT_EQ(seen, kHeader + "1,0,1,0,0,1,0,0,\n");
+  const std::string rest = ",1,4,0,0,1\n";
+  EXPECT_EQ(::write(in[1], rest.data(), rest.size()), static_cast<ssize_t>(rest.size()));
+  ::close(in[1]);
+  const Ran ran = finish(child);
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_EQ(ran.out, kHeader + "1,0,1,0,0,1,0,0,\n0,2,2,0,0,1,0,0,\n");
+}
+
+/// A card whose sphere-sphere pipe puts CP on the wrong side. The query ends with status 3, and
+/// the command that it names finds the same difference.
+TEST_F(Query, FaultyPipeIsFoundOut) {
+  const fs::path share = folder_ / "share";
+  fs::create_directories(share);
+  for (const char* part : {"rtl", "verilator"})
+    fs::copy(fs::path(CDE_SOURCE_DIR) / part, share / part, fs::copy_options::recursive);
+  const fs::path pipe = share / "rtl/pipes/sphere_sphere.sv";
+  std::stringstream text;
+  text << std::ifstream(pipe).rdbuf();
+  std::string rtl = text.str();
+  const std::string right = "`DF_VADD(cp, a_c, offset)", wrong = "`DF_VSUB(cp, a_c, offset)";
+  const auto at = rtl.find(right);
+  ASSERT_NE(at, std::string::npos);
+  std::ofstream(pipe) << rtl.replace(at, right.size(), wrong);
+  const Words environment = {"CDE_SHARE=" + share.string(),
+                             "CDE_CACHE=" + (folder_ / "cache").string()};
+
+  const Words words = {"sphere-sphere", "--lanes", "2"};
+  const std::string input = "# the first has CP = cA\n0,0,0,1,0,0,0,1\n\n0,0,0,1,1.5,0,0,1\n";
+  const Ran ran = query(words, input, environment);
+  EXPECT_EQ(ran.status, 3) << ran.err;
+  EXPECT_EQ(ran.out, kHeader);
+  EXPECT_NE(ran.err.find("line 4: the card's answer differs from the reference"), std::string::npos)
+      << ran.err;
+  EXPECT_NE(ran.err.find("CP -0x1.8p-1,0x0p+0,0x0p+0"), std::string::npos) << ran.err;
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(
+      ran.err, match, std::regex("repeat with: yes (\\S*) \\| head -n (\\d+) \\| cde query (.*)")))
+      << ran.err;
+  EXPECT_EQ(match[2], "2");
+  std::istringstream in(match[3]);
+  const Words again{std::istream_iterator<std::string>(in), {}};
+  const std::string pairs = match[1].str() + "\n" + match[1].str() + "\n";
+  EXPECT_EQ(query(again, pairs, environment).status, 3);
+  EXPECT_EQ(query({"sphere-sphere"}, pairs).status, 0) << "the right pipe";
+  Words unchecked = words;
+  unchecked.emplace_back("--no-check");
+  const Ran wrong_answers = query(unchecked, input, environment);
+  EXPECT_EQ(wrong_answers.status, 0);
+  EXPECT_EQ(wrong_answers.out, kHeader + "1,2,0,0,0,0,0,1,\n1,0.5,-0.75,0,0,1,0,0,\n");
+}
+
+// ---- Inventory ----
+
+class Inventory : public Cli {};
+
+TEST_F(Inventory, JsonHasThePapersFiguresAndOurs) {
+  const Ran ran = cde({"inventory", "ray-triangle", "sphere-sphere", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto j = nlohmann::json::parse(ran.out);
+  ASSERT_EQ(j["pipes"].size(), 5u) << "four algorithms and sphere-sphere";
+  const auto& moller = j["pipes"][1];
+  EXPECT_EQ(moller["algorithm"], "moller");
+  EXPECT_EQ(moller["module"], "ray_triangle_moller");
+  for (const char* same : {"multipliers", "dividers", "adders", "subtractors", "comparators"})
+    EXPECT_EQ(moller["operators"][same], moller["paper"][same]) << same;
+  EXPECT_EQ(moller["operators"]["multipliers"], 27);
+  EXPECT_EQ(moller["latency_levels"], moller["paper"]["latency"]);
+  EXPECT_EQ(moller["latency_levels"], 10);
+  EXPECT_EQ(moller["latency_clocks"], 37) << "add 3, mul 3, div 12, cmp 1";
+  EXPECT_EQ(moller["input_words"]["primary"], 8);
+  EXPECT_EQ(moller["input_words"]["secondary"], 9);
+  EXPECT_EQ(moller["output_words"], 5);
+  const auto& spheres = j["pipes"][4];
+  EXPECT_EQ(spheres["pair"], "sphere-sphere");
+  EXPECT_FALSE(spheres.contains("paper"));
+  EXPECT_EQ(spheres["operators"]["square_roots"], 1);
+  EXPECT_EQ(spheres["output_words"], 8) << "and a normal";
+  EXPECT_EQ(spheres["initiation_interval"], 1);
+}
+
+/// The figures are those of the RTL that is there: one with an operator more, and one without its
+/// pipe.
+TEST_F(Inventory, FollowsTheRtl) {
+  const fs::path share = folder_ / "share";
+  fs::create_directories(share);
+  for (const char* part : {"rtl", "verilator"})
+    fs::copy(fs::path(CDE_SOURCE_DIR) / part, share / part, fs::copy_options::recursive);
+  const auto change = [&](const char* file, const std::string& from, const std::string& to) {
+    std::stringstream text;
+    text << std::ifstream(share / file).rdbuf();
+    std::string rtl = text.str();
+    const auto at = rtl.find(from);
+    ASSERT_NE(at, std::string::npos);
+    std::ofstream(share / file) << rtl.replace(at, from.size(), to);
+  };
+  change("rtl/pipes/sphere_sphere.sv", "`DF_ADD(reach, a_r, b_r)",
+         "`DF_ADD(reach0, a_r, b_r)\n`DF_MUL(reach, reach0, one)");
+  change("rtl/pipes/pair_pipe.sv", "PAIR == int'(cde_pkg::PAIR_RAY_TRIANGLE)", "PAIR == 99");
+  const Words environment = {"CDE_SHARE=" + share.string()};
+  const auto j = nlohmann::json::parse(
+      cde({"inventory", "sphere-sphere", "ray-triangle", "--json"}, environment).out);
+  const auto& spheres = j["pipes"].back();
+  EXPECT_EQ(spheres["operators"]["multipliers"], 11);
+  EXPECT_EQ(spheres["operators"]["subtractors"], 4);
+  EXPECT_EQ(j["pipes"][1]["algorithm"], "moller");
+  EXPECT_EQ(j["pipes"][1]["absent"], true);
+  EXPECT_EQ(j["pipes"][1]["paper"]["multipliers"], 27);
+
+  change("rtl/pipes/sphere_sphere.sv", "`DF_VSUB(w, b_c, a_c)", "`DF_VSUB(w, b_c, no_such)");
+  const Ran broken = cde({"inventory", "sphere-sphere"}, environment);
+  EXPECT_EQ(broken.status, 2);
+  EXPECT_NE(broken.err.find("no_such"), std::string::npos) << broken.err;
+}
+
+TEST_F(Inventory, TextMarkdownAndUsage) {
+  const Ran text = cde({"inventory", "sphere-sphere", "--latencies", "2,4,9,8,1"});
+  EXPECT_EQ(text.status, 0) << text.err;
+  EXPECT_NE(text.out.find("add 2, mul 4, div 9, sqrt 8, cmp 1"), std::string::npos) << text.out;
+  EXPECT_EQ(text.out.find('|'), std::string::npos);
+  const Ran markdown = cde({"inventory", "sphere-sphere", "--markdown"});
+  EXPECT_NE(markdown.out.find("| sphere-sphere |  10 |   1 |    1 |   7 |   4 |   2 |       0 |"),
+            std::string::npos)
+      << markdown.out;
+  const auto refused = [this](const Words& words, const char* message) {
+    const Ran ran = cde(words);
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_NE(ran.err.find(message), std::string::npos) << ran.err;
+  };
+  refused({"inventory", "sphere-cube"}, "no pair 'sphere-cube'");
+  refused({"inventory", "--latencies", "1,2,3"}, "--latencies is '1,2,3'; it must be");
+  refused({"inventory", "--latencies", "0,1,1,1,1"}, "--latencies is '0,1,1,1,1'; it must be");
+  refused({"inventory", "--json", "--markdown"}, "excludes");
+}
+
+}  // namespace
+}  // namespace cde::testing

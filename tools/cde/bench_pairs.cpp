@@ -1,0 +1,258 @@
+// Section pairs of cde bench: every pipe by itself, simulated pairs a second on one core, beside
+// FCL on the same pairs in the same run.
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bench.hpp"
+#include "bench_fcl.hpp"
+#include "cde/error.hpp"
+#include "cde/fp_format.hpp"
+#include "cde/pair_unit.hpp"
+#include "cde/primitives.hpp"
+#include "verbs.hpp"
+
+namespace cde::cli {
+namespace {
+
+constexpr std::uint64_t kSeed = 20261121;
+constexpr std::size_t kCases = 8192;
+constexpr unsigned kLanes = 8;
+
+/// Random shapes of about unit size, B placed at random so that about half of the pairs hit.
+class Generator {
+ public:
+  explicit Generator(std::uint64_t seed) : random_(seed) {}
+
+  /// Appends the words of a pair.
+  void pair(Pair pair, std::vector<float>& a, std::vector<float>& b) {
+    const std::string_view both = name(pair);
+    const std::string_view shape_a = both.substr(0, both.find('-')),
+                           shape_b = both.substr(both.find('-') + 1);
+    const Eigen::Vector3f center = 10 * uniform3();
+    if (shape_a == "ray") {
+      const Eigen::Vector3f from = center + 5 * direction();
+      // Past the middle of B by up to twice its size.
+      const Eigen::Vector3f at = center + uniform(0, 2 * reach(shape_b)) * direction();
+      append(a, Ray{from, at - from});
+      shape(shape_b, center, b);
+      return;
+    }
+    shape(shape_a, center, a);
+    if (shape_b == "plane") {
+      const Eigen::Vector3f n = direction();
+      append(b, Plane{n, n.dot(center) + uniform(-2, 2) * reach(shape_a)});
+      return;
+    }
+    const float distance = uniform(0, 2 * (reach(shape_a) + reach(shape_b)));
+    shape(shape_b, center + distance * direction(), b);
+  }
+
+ private:
+  /// How far a shape of its kind reaches from its middle, in the mean over directions.
+  static float reach(std::string_view shape) {
+    if (shape == "triangle") return 0.5f;
+    if (shape == "sphere") return 1.0f;
+    return 1.3f;
+  }
+
+  void shape(std::string_view kind, const Eigen::Vector3f& c, std::vector<float>& to) {
+    if (kind == "triangle") {
+      const Eigen::Vector3f v0 = c + size() * direction(), v1 = c + size() * direction();
+      append(to, Triangle{v0, v1, c + size() * direction()});
+    } else if (kind == "sphere") {
+      append(to, Sphere{c, size()});
+    } else if (kind == "aabb") {
+      const Eigen::Vector3f half = size3();
+      append(to, Aabb{c - half, c + half});
+    } else if (kind == "cylinder") {
+      const Eigen::Vector3f axis = direction();
+      const float half_height = size();
+      append(to, Cylinder{c, axis, half_height, size()});
+    } else {
+      const Eigen::Vector3f half = size3();
+      append(to, Obb{c, half, rotation()});
+    }
+  }
+
+  template <class P>
+  static void append(std::vector<float>& to, const P& primitive) {
+    const auto words = to_words(primitive);
+    to.insert(to.end(), words.begin(), words.end());
+  }
+
+  float uniform(float low, float high) {
+    return low + (high - low) * static_cast<float>(random_() >> 40) * 0x1p-24f;
+  }
+  Eigen::Vector3f uniform3() {
+    const float x = uniform(-1, 1), y = uniform(-1, 1);
+    return {x, y, uniform(-1, 1)};
+  }
+  float size() { return uniform(0.5f, 1.5f); }
+  Eigen::Vector3f size3() {
+    const float x = size(), y = size();
+    return {x, y, size()};
+  }
+  Eigen::Vector3f direction() {
+    for (;;) {
+      const Eigen::Vector3f v = uniform3();
+      const float length = v.norm();
+      if (length > 0.1f && length <= 1) return v / length;
+    }
+  }
+  Eigen::Matrix3f rotation() {
+    const Eigen::Vector3d z = direction().cast<double>().normalized();
+    Eigen::Vector3d x = direction().cast<double>();
+    while (x.cross(z).norm() < 0.1) x = direction().cast<double>();
+    Eigen::Matrix3d r;
+    r.col(1) = z.cross(x).normalized();
+    r.col(0) = r.col(1).cross(z);
+    r.col(2) = z;
+    return r.cast<float>();
+  }
+
+  std::mt19937_64 random_;
+};
+
+/// One pipe and the pairs that it is measured on.
+struct Measured {
+  double pairs_per_second = 0, clocks_per_row = 0;
+  unsigned latency = 0;
+  std::size_t hits = 0;
+  std::vector<PairResult> results;
+};
+
+Measured measure(const PairConfig& config, std::span<const float> a, std::span<const float> b,
+                 double seconds) {
+  PairUnit unit(config);
+  const auto encoded = [&](std::span<const float> from) {
+    std::vector<std::uint64_t> words;
+    words.reserve(from.size());
+    for (const float x : from) words.push_back(config.format.encode(static_cast<double>(x)));
+    return words;
+  };
+  const std::vector<std::uint64_t> wa = encoded(a), wb = encoded(b);
+  Measured m;
+  m.latency = unit.latency();
+  m.results.resize(kCases);
+  std::uint64_t clocks = unit.test(wa, wb, m.results);  // warm
+  m.clocks_per_row = static_cast<double>(clocks - unit.latency() + 1) / (kCases / kLanes);
+  m.hits = static_cast<std::size_t>(
+      std::count_if(m.results.begin(), m.results.end(), [](const PairResult& r) { return r.f; }));
+  const double start = thread_seconds();
+  double pairs = 0, elapsed = 0;
+  do {
+    (void)unit.test(wa, wb, m.results);
+    pairs += kCases;
+    elapsed = thread_seconds() - start;
+  } while (elapsed < seconds);
+  m.pairs_per_second = pairs / elapsed;
+  return m;
+}
+
+nlohmann::ordered_json optional_number(const std::optional<double>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+}
+
+nlohmann::ordered_json fcl_json(const FclRates& fcl, const Measured& card) {
+  std::size_t compared = 0, agreeing = 0;
+  for (std::size_t i = 0; i < fcl.hits.size(); ++i) {
+    if (fcl.hits[i] < 0) continue;
+    ++compared;
+    agreeing += (fcl.hits[i] == 1) == card.results[i].f ? 1 : 0;
+  }
+  const auto ratio = [&](const std::optional<double>& rate) {
+    return rate ? nlohmann::ordered_json(card.pairs_per_second / *rate) : nlohmann::ordered_json();
+  };
+  return {{"collide_per_second", optional_number(fcl.collide)},
+          {"distance_per_second", optional_number(fcl.distance)},
+          {"distance_signed", fcl.distance_signed},
+          {"collide_stops", fcl.collide_stops},
+          {"distance_stops", fcl.distance_stops},
+          {"hits_compared", compared},
+          {"hits_agreeing", agreeing},
+          {"simulated_to_collide", ratio(fcl.collide)},
+          {"simulated_to_distance", ratio(fcl.distance)}};
+}
+
+/// A rate in millions and how many times as fast the simulation is; "-" if there is none.
+std::string beside(const std::optional<double>& rate, const Measured& card, bool depth) {
+  if (!rate) return "-";
+  return fmt::format("{:.3f}{} ({:.2f}x)", *rate / 1e6, depth ? "*" : "",
+                     card.pairs_per_second / *rate);
+}
+
+nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm algorithm) {
+  const PairConfig config{.pair = pair, .algorithm = algorithm, .lanes = kLanes};
+  const std::string label = pair == Pair::kRayTriangle
+                                ? fmt::format("ray-triangle, {}", name(algorithm))
+                                : std::string(name(pair));
+  nlohmann::ordered_json row = {{"pair", name(pair)}};
+  if (pair == Pair::kRayTriangle) row["algorithm"] = name(algorithm);
+  std::vector<float> a, b;
+  Generator generator(kSeed + static_cast<unsigned>(pair));
+  for (std::size_t i = 0; i < kCases; ++i) generator.pair(pair, a, b);
+  const double seconds = o.quick ? 0.2 : 1.0;
+  Measured card;
+  try {
+    card = measure(config, a, b, seconds);
+  } catch (const Error& e) {
+    if (std::string_view(e.what()).find(kNoPipe) == std::string_view::npos) throw;
+    fmt::print(stderr, "{:<26}{:>12}  {}\n", label, "absent", kNoPipe);
+    row["absent"] = true;
+    return row;
+  }
+  const FclRates fcl = measure_fcl(pair, a, b, seconds);
+  fmt::print(stderr, "{:<26}{:>12.3f}{:>9}{:>8.1f}{:>20}{:>20}\n", label,
+             card.pairs_per_second / 1e6, card.latency,
+             100.0 * static_cast<double>(card.hits) / kCases, beside(fcl.collide, card, false),
+             beside(fcl.distance, card, fcl.distance_signed));
+  row["absent"] = false;
+  row["pairs_per_second_simulated"] = card.pairs_per_second;
+  row["latency_clocks"] = card.latency;
+  row["clocks_per_row"] = card.clocks_per_row;
+  row["modelled_pairs_per_second"] = kLanes * o.clock_hz / card.clocks_per_row;
+  row["hit_share"] = static_cast<double>(card.hits) / kCases;
+  row["fcl"] = has_fcl() ? fcl_json(fcl, card) : nlohmann::ordered_json();
+  return row;
+}
+
+}  // namespace
+
+nlohmann::ordered_json bench_pairs(const BenchOptions& o) {
+  fmt::print(stderr,
+             "\npipes alone, host arithmetic, fp32, {} lanes, {} random pairs, one core, processor "
+             "time\n{:<26}{:>12}{:>9}{:>8}{:>20}{:>20}\n",
+             kLanes, kCases, "pair", "M pairs/s", "latency", "hits %", "FCL collide M/s",
+             "FCL distance M/s");
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (unsigned p = 0; p < kPairs; ++p) {
+    const auto pair = static_cast<Pair>(p);
+    if (o.quick && pair != Pair::kSphereSphere) continue;
+    const unsigned algorithms = pair == Pair::kRayTriangle ? 4 : 1;
+    for (unsigned k = 0; k < algorithms; ++k)
+      rows.push_back(bench_pair(o, pair, static_cast<Algorithm>(k)));
+  }
+  fmt::print(stderr, "{}\n",
+             has_fcl() ? "in brackets: the simulation's rate in FCL's; *: with the depth of "
+                         "overlapping pairs"
+                       : "this program was built without FCL (Debian: libfcl-dev)");
+  return {{"what",
+           "simulated pairs a second of processor time, pipe by itself, new operands every "
+           "clock; FCL in binary64 on the same pairs"},
+          {"seed", kSeed},
+          {"cases", kCases},
+          {"lanes", kLanes},
+          {"format", "fp32"},
+          {"arithmetic", "host"},
+          {"fcl", has_fcl()},
+          {"pairs", rows}};
+}
+
+}  // namespace cde::cli

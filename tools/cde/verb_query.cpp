@@ -1,0 +1,436 @@
+// cde query: pairs of primitives from stdin through one simulated pipe, every answer checked
+// against the reference.
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cde/error.hpp"
+#include "cde/pair_unit.hpp"
+#include "cde/reference/pairs.hpp"
+#include "operand_defect.hpp"
+#include "output.hpp"
+#include "verbs.hpp"
+#include "words.hpp"
+
+namespace cde::cli {
+namespace {
+
+constexpr std::size_t kBatch = 65536;  // pairs, at most, between two runs of the unit
+
+struct Options {
+  std::string pair, algorithm = "moller", format = "fp32", arithmetic = "host", budget;
+  unsigned lanes = PairConfig{}.lanes;
+  bool bits = false, check = true, json = false, quiet = false;
+};
+
+struct Totals {
+  std::uint64_t pairs = 0, hits = 0, bad = 0, malformed = 0, clocks = 0, compared = 0;
+  double simulation_seconds = 0;
+};
+
+bool has_ray(Pair pair) {
+  return name(pair).starts_with("ray-");
+}
+
+Pair pair_named(const std::string& text) {
+  std::vector<std::string_view> known;
+  for (unsigned p = 0; p < kPairs; ++p) {
+    known.push_back(name(static_cast<Pair>(p)));
+    if (known.back() == text) return static_cast<Pair>(p);
+  }
+  throw Error(ErrorCode::kUsage,
+              fmt::format("no pair '{}'; there are: {}", text, fmt::join(known, ", ")));
+}
+
+Algorithm algorithm_named(const std::string& text) {
+  std::vector<std::string_view> known;
+  for (const Algorithm a :
+       {Algorithm::kMoller, Algorithm::kBadouel, Algorithm::kPluecker, Algorithm::kWatertight}) {
+    known.push_back(name(a));
+    if (known.back() == text) return a;
+  }
+  throw Error(ErrorCode::kUsage,
+              fmt::format("--algorithm is '{}'; it must be {}", text, fmt::join(known, ", ")));
+}
+
+/// M,K1,K2: directions sampled on a circle, steps on each circle, steps on each free track.
+void check_budget(const std::string& text, Pair pair) {
+  if (pair != Pair::kCylinderCylinder && pair != Pair::kObbCylinder &&
+      pair != Pair::kTriangleCylinder)
+    throw Error(ErrorCode::kUsage, fmt::format("--budget is of cylinder-cylinder, obb-cylinder and "
+                                               "triangle-cylinder; {} always takes the same work",
+                                               name(pair)));
+  unsigned samples = 0, circle = 0, free = 0;
+  int end = 0;
+  const bool whole =
+      text.find_first_not_of("0123456789,") == std::string::npos &&
+      std::sscanf(text.c_str(), "%3u,%3u,%3u%n", &samples, &circle, &free, &end) == 3;
+  if (!whole || static_cast<std::size_t>(end) != text.size() || samples < 1 || samples > 64 ||
+      circle > 64 || free > 64)
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("--budget is '{}'; it must be M,K1,K2 with M 1 to 64, K1 and K2 0 to 64",
+                    text));
+  throw Error(ErrorCode::kUsage,
+              fmt::format("--budget: no pipe of this version for {} takes one", name(pair)));
+}
+
+PairConfig configuration(const Options& o) {
+  PairConfig config{.pair = pair_named(o.pair),
+                    .algorithm = algorithm_named(o.algorithm),
+                    .format = FpFormat::parse(o.format),
+                    .lanes = o.lanes};
+  if (o.arithmetic != "host" && o.arithmetic != "rtl")
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--arith is '{}'; it must be rtl or host", o.arithmetic));
+  config.arithmetic = o.arithmetic == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost;
+  if (!o.budget.empty()) check_budget(o.budget, config.pair);
+  (void)config.parameters();  // complains about values before anything slow
+  return config;
+}
+
+/// stdin, as many lines as a read gives: whoever types gets answers at once.
+class Input {
+ public:
+  explicit Input(bool quiet) : progress_("query", quiet), buffer_(kBuffer) {
+    struct stat file {};
+    if (::fstat(STDIN_FILENO, &file) == 0 && S_ISREG(file.st_mode))
+      size_ = static_cast<double>(file.st_size);
+  }
+
+  /// Calls line(number, text) for every whole line of the next read, then `pause`. False at the
+  /// end. Error kBadInput if a line does not fit the buffer.
+  template <class Line, class Pause>
+  bool next(Line line, Pause pause) {
+    if (held_ == buffer_.size())
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("line {}: longer than {} bytes", number_ + 1, buffer_.size()));
+    const ssize_t got = ::read(STDIN_FILENO, buffer_.data() + held_, buffer_.size() - held_);
+    if (got < 0) {
+      if (errno == EINTR) return true;
+      throw Error(ErrorCode::kFile, fmt::format("stdin: cannot read: {}", std::strerror(errno)));
+    }
+    std::string_view text(buffer_.data(), held_ + static_cast<std::size_t>(got));
+    while (!text.empty()) {
+      const std::size_t stop = text.find('\n');
+      if (stop == std::string_view::npos && got != 0) break;  // the rest is still to come
+      line(++number_, text.substr(0, stop));
+      text.remove_prefix(stop == std::string_view::npos ? text.size() : stop + 1);
+    }
+    held_ = text.size();
+    std::memmove(buffer_.data(), text.data(), held_);
+    pause();
+    read_ += static_cast<double>(got);
+    if (size_ > 0) progress_(read_ / size_);
+    return got != 0;
+  }
+
+ private:
+  static constexpr std::size_t kBuffer = std::size_t{4} << 20;
+  Progress progress_;
+  std::vector<char> buffer_;
+  std::size_t held_ = 0;
+  std::uint64_t number_ = 0;
+  double size_ = 0, read_ = 0;
+};
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
+
+/// Takes a word off the front of a line: up to a comma or blank, with the blanks and the one comma
+/// behind it. False at the end. Between two commas, and behind a last one, is an empty word.
+class Words {
+ public:
+  explicit Words(std::string_view line) : rest_(line) { skip_blanks(); }
+  bool next(std::string_view& word) {
+    if (rest_.empty() && !comma_) return false;
+    std::size_t length = 0;
+    while (length < rest_.size() && rest_[length] != ',' && !is_blank(rest_[length])) ++length;
+    word = rest_.substr(0, length);
+    rest_.remove_prefix(length);
+    skip_blanks();
+    comma_ = !rest_.empty() && rest_.front() == ',';
+    if (comma_) rest_.remove_prefix(1), skip_blanks();
+    return true;
+  }
+
+ private:
+  void skip_blanks() {
+    while (!rest_.empty() && is_blank(rest_.front())) rest_.remove_prefix(1);
+  }
+  std::string_view rest_;
+  bool comma_ = false;
+};
+
+class Query {
+ public:
+  Query(const Options& o, PairConfig config)
+      : o_(o), config_(std::move(config)), text_(config_.format), unit_(config_) {
+    if (o_.check && !reference::has_pair(config_.pair, config_.algorithm))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} has no reference to compare with: use --no-check", o_.pair));
+  }
+
+  Totals run() {
+    out_.append(std::string_view("F,T,CPx,CPy,CPz,nx,ny,nz,flags\n"));
+    flush();
+    Input input(o_.quiet);
+    while (input.next([this](std::uint64_t number, std::string_view line) { read(number, line); },
+                      [this] { answer(); })) {
+    }
+    return totals_;
+  }
+
+ private:
+  void read(std::uint64_t number, std::string_view line) {
+    Words words(line);
+    const std::size_t a_words = primary_words(config_.pair),
+                      b_words = secondary_words(config_.pair);
+    const std::size_t most = a_words + b_words, short_ray = has_ray(config_.pair) ? most - 2 : most;
+    values_.clear();
+    std::string why;
+    std::size_t count = 0;
+    for (std::string_view word; words.next(word);) {
+      if (count == 0 && word.starts_with('#')) return;
+      ++count;
+      if (count > most || !why.empty()) continue;
+      std::string problem;
+      if (const auto value = text_.parse(word, problem))
+        values_.push_back(*value);
+      else
+        why = fmt::format("line {}, word {}: {}", number, count, problem);
+    }
+    if (count == 0) return;
+    if (count != most && count != short_ray)
+      why = fmt::format("line {}: {} words, must be {}{} ({} of A, {} of B)", number, count,
+                        short_ray == most ? "" : fmt::format("{} or ", short_ray), most,
+                        short_ray == most ? fmt::to_string(a_words)
+                                          : fmt::format("{} or {}", a_words - 2, a_words),
+                        b_words);
+    if (!why.empty()) {
+      ++totals_.malformed;
+      rows_.push_back({number, false});
+      unread_.push_back(std::move(why));
+    } else {
+      // A ray without an interval has all of it: tmin = 0, tmax = +inf.
+      if (count < most) values_.insert(values_.begin() + 6, {0, config_.format.infinity()});
+      const auto middle = values_.begin() + static_cast<std::ptrdiff_t>(a_words);
+      a_.insert(a_.end(), values_.begin(), middle);
+      b_.insert(b_.end(), middle, values_.end());
+      rows_.push_back({number, true});
+    }
+    if (rows_.size() == kBatch) answer();
+  }
+
+  void answer() {
+    if (rows_.empty()) return;
+    const std::size_t pairs = a_.size() / primary_words(config_.pair);
+    results_.resize(pairs);
+    const auto start = std::chrono::steady_clock::now();
+    totals_.clocks += unit_.test(a_, b_, results_);
+    totals_.simulation_seconds +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (o_.check) compare();
+    std::size_t pair = 0, unread = 0;
+    for (const Row& row : rows_) {
+      if (row.valid) {
+        write(row.line, pair++);
+      } else {
+        fmt::print(stderr, "cde: {}\n", unread_[unread++]);
+        write({.t = nan(), .cp = {nan(), nan(), nan()}, .n = {nan(), nan(), nan()}}, "malformed");
+      }
+    }
+    totals_.pairs += pairs;
+    flush();
+    rows_.clear(), unread_.clear(), a_.clear(), b_.clear();
+  }
+
+  void compare() {
+    expected_.resize(results_.size());
+    reference::test_pairs(config_.pair, config_.algorithm, config_.format, a_, b_, expected_);
+    totals_.compared += results_.size();
+    const auto [got, wanted] = std::mismatch(results_.begin(), results_.end(), expected_.begin());
+    if (got != results_.end()) report(static_cast<std::size_t>(got - results_.begin()));
+  }
+
+  [[noreturn]] void report(std::size_t i) const {
+    std::uint64_t line = 0;
+    for (std::size_t k = 0, valid = 0; valid <= i; ++k) {
+      valid += rows_[k].valid ? 1 : 0;
+      line = rows_[k].line;
+    }
+    const auto listed = [this](std::span<const std::uint64_t> words) {
+      std::string list;
+      for (const std::uint64_t word : words)
+        list += (list.empty() ? "" : ",") + text_.hexfloat(word);
+      return list;
+    };
+    const auto shown = [&](const PairResult& r) {
+      return fmt::format("F {}, T {}, CP {}, n {}{}", r.f ? 1 : 0, text_.hexfloat(r.t),
+                         listed(r.cp), listed(r.n), r.bad ? ", bad" : "");
+    };
+    const std::string a = listed(operand(a_, i, primary_words(config_.pair))),
+                      b = listed(operand(b_, i, secondary_words(config_.pair)));
+    // All lanes get the pair, whichever it was in.
+    throw Error(ErrorCode::kMismatch,
+                fmt::format("line {}: the card's answer differs from the reference\n"
+                            "  A         {}\n  B         {}\n  card      {}\n  reference {}\n"
+                            "repeat with: yes {},{} | head -n {} | cde query {} --algorithm {} "
+                            "--format {} --arith {} --lanes {}",
+                            line, a, b, shown(results_[i]), shown(expected_[i]), a, b, o_.lanes,
+                            o_.pair, o_.algorithm, o_.format, o_.arithmetic, o_.lanes));
+  }
+
+  static std::span<const std::uint64_t> operand(std::span<const std::uint64_t> all, std::size_t i,
+                                                std::size_t words) {
+    return all.subspan(i * words, words);
+  }
+
+  void write(std::uint64_t line, std::size_t i) {
+    const PairResult& r = results_[i];
+    totals_.hits += r.f ? 1 : 0;
+    if (r.bad) {
+      ++totals_.bad;
+      const std::string why =
+          operand_defect(config_.pair, config_.format, operand(a_, i, primary_words(config_.pair)),
+                         operand(b_, i, secondary_words(config_.pair)));
+      fmt::print(stderr, "cde: line {}: {}\n", line,
+                 why.empty() ? "the card refuses the pair, and the reference sees no reason" : why);
+    }
+    write(r, r.bad ? "bad" : "");
+  }
+
+  void write(const PairResult& r, std::string_view flags) {
+    out_.push_back(r.f ? '1' : '0');
+    const auto put = [this](std::uint64_t word) {
+      out_.push_back(',');
+      if (o_.bits)
+        text_.append_bits(out_, word);
+      else
+        text_.append_decimal(out_, word);
+    };
+    put(r.t);
+    for (const std::uint64_t word : r.cp) put(word);
+    if (has_ray(config_.pair)) {
+      out_.append(std::string_view(",,,"));
+    } else {
+      for (const std::uint64_t word : r.n) put(word);
+    }
+    out_.push_back(',');
+    out_.append(flags);
+    out_.push_back('\n');
+  }
+
+  void flush() {
+    if (std::fwrite(out_.data(), 1, out_.size(), stdout) != out_.size() || std::fflush(stdout) != 0)
+      throw Error(ErrorCode::kFile, fmt::format("stdout: cannot write: {}", std::strerror(errno)));
+    out_.clear();
+  }
+
+  [[nodiscard]] std::uint64_t nan() const { return config_.format.canonical_nan(); }
+
+  struct Row {
+    std::uint64_t line;
+    bool valid;  ///< the next pair of the batch; else a line that could not be read
+  };
+
+  const Options& o_;
+  PairConfig config_;
+  WordText text_;
+  PairUnit unit_;
+  Totals totals_;
+  std::vector<std::uint64_t> values_, a_, b_;
+  std::vector<Row> rows_;
+  std::vector<std::string> unread_;  ///< messages of the lines that could not be read
+  std::vector<PairResult> results_, expected_;
+  fmt::memory_buffer out_;
+};
+
+nlohmann::ordered_json as_json(const Options& o, const Totals& t) {
+  return {{"pair", o.pair},
+          {"algorithm", o.pair == "ray-triangle" ? nlohmann::ordered_json(o.algorithm)
+                                                 : nlohmann::ordered_json()},
+          {"format", o.format},
+          {"arithmetic", o.arithmetic},
+          {"lanes", o.lanes},
+          {"pairs", t.pairs},
+          {"hits", t.hits},
+          {"bad_pairs", t.bad},
+          {"malformed_lines", t.malformed},
+          {"device_cycles", t.clocks},
+          {"simulation_seconds", t.simulation_seconds},
+          {"checked", o.check},
+          {"pairs_compared", t.compared},
+          {"pairs_matching", t.compared}};
+}
+
+void print_summary(const Options& o, const Totals& t) {
+  const auto row = [](const char* name, const std::string& value) {
+    fmt::print(stderr, "{:<16} {}\n", name, value);
+  };
+  row("pair", fmt::format("{}{}, {}, {} arithmetic, {} lanes", o.pair,
+                          o.pair == "ray-triangle" ? " by " + o.algorithm : "", o.format,
+                          o.arithmetic, o.lanes));
+  row("pairs", fmt::format("{}, {} bad, and {} malformed line{}", t.pairs, t.bad, t.malformed,
+                           t.malformed == 1 ? "" : "s"));
+  row("hits", fmt::to_string(t.hits));
+  row("device cycles", fmt::to_string(t.clocks));
+  row("simulation", fmt::format("{:.3g} s, {:.4g} M pairs/s", t.simulation_seconds,
+                                static_cast<double>(t.pairs) / t.simulation_seconds / 1e6));
+  row("check",
+      o.check ? fmt::format("{} of {} answers match the reference", t.compared, t.pairs) : "off");
+}
+
+void run(const Options& o) {
+  Query query(o, configuration(o));
+  const Totals totals = query.run();
+  if (o.json)
+    fmt::print(stderr, "{}\n", as_json(o, totals).dump());
+  else if (!o.quiet)
+    print_summary(o, totals);
+  if (totals.bad + totals.malformed != 0) exit_code = exit_status(ErrorCode::kBadInput);
+}
+
+}  // namespace
+
+void add_query(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand(
+      "query",
+      "Test pairs of primitives in one simulated pipe. Reads a pair a line from stdin, the words "
+      "of "
+      "A and then of B, separated by commas or blanks: ray o d [tmin tmax] 6 or 8, triangle 9, "
+      "sphere c r 4, aabb min max 6, plane n d 4, cylinder c axis half-height radius 8, obb c "
+      "half-extents rotation by rows 15. A word is decimal, hexfloat, or 0x and the bits. Prints "
+      "F,T,CP,n,flags as CSV; flags: empty, bad (the card refuses an operand) or malformed (the "
+      "line cannot be read). Blank lines and lines that start with # are skipped");
+  verb->add_option("pair", o->pair, "ray-triangle, sphere-sphere, obb-obb, ...")->required();
+  verb->add_option("--algorithm", o->algorithm,
+                   "Of ray-triangle: moller, badouel, pluecker or watertight")
+      ->capture_default_str();
+  verb->add_option("--format", o->format, "fp16, bf16, fp24, fp32 or fp64")->capture_default_str();
+  verb->add_option("--arith", o->arithmetic, "host (the FPU, fast) or rtl (gates); same bits")
+      ->capture_default_str();
+  verb->add_option("--lanes", o->lanes, "Pairs a clock, 1 to 256")->capture_default_str();
+  verb->add_option("--budget", o->budget,
+                   "Work for a pair of obb-, triangle- or cylinder-cylinder: M,K1,K2");
+  verb->add_flag("--bits", o->bits, "Print words as 0x and their bits instead of decimals");
+  verb->add_flag("--check,!--no-check", o->check,
+                 "Compare every answer with the reference, bit for bit (on)");
+  verb->add_flag("--json", o->json, "Summary as a line of JSON, the last on stderr");
+  verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
+  verb->callback([o] { run(*o); });
+}
+
+}  // namespace cde::cli
