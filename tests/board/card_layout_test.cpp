@@ -98,6 +98,7 @@ TEST(CardLayout, EqualsThePackage) {
       {"RECORD_PRIMARY", kRecordPrimary},
       {"FLAG_F", kFlagF},
       {"FLAG_BAD", kFlagBad},
+      {"FLAG_NORMAL", kFlagNormal},
   };
   for (unsigned p = 0; p < kPairs; ++p) here["PAIR_" + upper(name(static_cast<Pair>(p)))] = p;
   for (unsigned a = 0; a < 4; ++a) here["ALGORITHM_" + upper(name(static_cast<Algorithm>(a)))] = a;

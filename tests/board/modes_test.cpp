@@ -138,7 +138,7 @@ TEST(Driver, RefusesWhatMakesNoSense) {
       EXPECT_NE(std::string(e.what()).find(text), std::string::npos) << e.what();
     }
   };
-  expect(ErrorCode::kUsage, "no triangles", [&] { (void)board.run({}); });
+  expect(ErrorCode::kUsage, "no secondaries", [&] { (void)board.run({}); });
   expect(ErrorCode::kUsage, "no triangles", [&] { board.upload(std::span<const Triangle>()); });
   expect(ErrorCode::kCapacity, "1001 triangles do not fit the card's DDR, which holds 1000",
          [&] { board.upload(scene.triangles); });
@@ -146,7 +146,7 @@ TEST(Driver, RefusesWhatMakesNoSense) {
   some[77].v1.y() = std::numeric_limits<float>::quiet_NaN();
   expect(ErrorCode::kBadInput, "triangle 77: v1.y", [&] { board.upload(some); });
   board.upload(std::span(scene.triangles).first(1000));
-  expect(ErrorCode::kUsage, "no rays", [&] { (void)board.run({}); });
+  expect(ErrorCode::kUsage, "no primaries", [&] { (void)board.run({}); });
   expect(ErrorCode::kUsage, "1 to 256 rays, not 0", [&] { board.load({}); });
   expect(ErrorCode::kUsage, "1 to 256 rays, not 257",
          [&] { board.load(std::vector<Ray>(257, scene.rays[0])); });
@@ -161,7 +161,7 @@ TEST(Driver, RefusesWhatMakesNoSense) {
   Scene good{scene.rays, {scene.triangles.begin(), scene.triangles.begin() + 1000}};
   EXPECT_EQ(cast_and_compare(board, good, {}).size(), 4u);
   board.reset();
-  expect(ErrorCode::kUsage, "no rays", [&] { (void)board.run({}); });
+  expect(ErrorCode::kUsage, "no primaries", [&] { (void)board.run({}); });
   board.load(good.rays);
   EXPECT_EQ(board.run(Query{}).size(), 4u) << "triangles stay over a reset";
 }

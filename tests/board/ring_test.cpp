@@ -109,7 +109,7 @@ TEST(Ring, DeadlineAndWatchdog) {
       FAIL() << "no timeout";
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ErrorCode::kTimeout);
-      EXPECT_NE(std::string(e.what()).find("triangles swept"), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find("secondaries swept"), std::string::npos) << e.what();
       EXPECT_NE(std::string(e.what()).find(watchdog ? "watchdog" : "deadline of 5000 clocks"),
                 std::string::npos)
           << e.what();

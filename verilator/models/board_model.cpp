@@ -143,7 +143,8 @@ class Card {
     uint64_t& slot = pending_[clocks_ % pending_.size()];
     model_->ddr_valid_i = slot != kNone;
     if (slot != kNone) {
-      if (const uint8_t* p = ddr_.at(slot * (sizeof(model_->ddr_data_i) / 9), sizeof(model_->ddr_data_i)))
+      if (const uint8_t* p =
+              ddr_.at(slot * (sizeof(model_->ddr_data_i) / 9), sizeof(model_->ddr_data_i)))
         std::memcpy(&model_->ddr_data_i, p, sizeof(model_->ddr_data_i));
       slot = kNone;
     }
