@@ -215,7 +215,7 @@ inline Bits minmax(Bits a, Bits b) {
 /// One lane. Comparisons answer all ones or all zeros, false when either operand is NaN.
 template <unsigned C, unsigned E, unsigned M, bool Canonical = true,
           class Bits = typename Format<E, M>::Bits>
-inline Bits op(Bits a, Bits b) {
+inline Bits op(std::type_identity_t<Bits> a, std::type_identity_t<Bits> b) {
   using T = typename Format<E, M>::Native;
   if constexpr (C == kAdd)
     return binary<Add, E, M, Canonical>(a, b);
@@ -239,7 +239,7 @@ inline Bits op(Bits a, Bits b) {
 
 /// Its flags. lt and le are signalling comparisons, eq is quiet.
 template <unsigned C, unsigned E, unsigned M, class Bits = typename Format<E, M>::Bits>
-inline Bits flags(Bits a, Bits b) {
+inline Bits flags(std::type_identity_t<Bits> a, std::type_identity_t<Bits> b) {
   using F = Format<E, M>;
   if constexpr (C == kAdd)
     return binary_flags<Add, E, M>(a, b);

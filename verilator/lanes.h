@@ -29,7 +29,8 @@ using lanes::Floats;
 using lanes::Words;
 
 template <unsigned C, unsigned E, unsigned M, bool Canonical = true>
-inline Words op(Words a, Words b) {
+requires(1 + E + M <= 32)  // wider words are scalars
+    inline Words op(Words a, Words b) {
   if constexpr (Format<E, M>::kSingle && C <= kEq && C != kSqrt) {
     const Floats x = (Floats)a, y = (Floats)b;
     if constexpr (C == kLt) {
@@ -52,32 +53,39 @@ inline Words op(Words a, Words b) {
   }
 }
 template <unsigned C, unsigned E, unsigned M, bool Canonical = true>
-inline Words op(Words a, uint32_t b) {
+requires(1 + E + M <= 32)  // wider words are scalars
+    inline Words op(Words a, uint32_t b) {
   return op<C, E, M, Canonical>(a, Words{} + b);
 }
 template <unsigned C, unsigned E, unsigned M, bool Canonical = true>
-inline Words op(uint32_t a, Words b) {
+requires(1 + E + M <= 32)  // wider words are scalars
+    inline Words op(uint32_t a, Words b) {
   return op<C, E, M, Canonical>(Words{} + a, b);
 }
 
 template <unsigned C, unsigned E, unsigned M>
-inline Words sign(Words a, Words b = Words{}) {
+requires(1 + E + M <= 32)  // wider words are scalars
+    inline Words sign(Words a, Words b = Words{}) {
   return sign<C, E, M, Words>(a, b);
 }
 template <unsigned C, unsigned E, unsigned M>
-inline Words classify(Words a) {
+requires(1 + E + M <= 32)  // wider words are scalars
+    inline Words classify(Words a) {
   return classify<C, E, M, Words>(a);
 }
 template <unsigned E, unsigned M>
-inline Words negative(Words a) {
+requires(1 + E + M <= 32)  // wider words are scalars
+    inline Words negative(Words a) {
   return negative<E, M, Words>(a);
 }
 template <unsigned C, unsigned E, unsigned M>
-inline Words sign(uint32_t a, Words b) {
+requires(1 + E + M <= 32)  // wider words are scalars
+    inline Words sign(uint32_t a, Words b) {
   return sign<C, E, M, Words>(Words{} + a, b);
 }
 template <unsigned C, unsigned E, unsigned M>
-inline Words sign(Words a, uint32_t b) {
+requires(1 + E + M <= 32)  // wider words are scalars
+    inline Words sign(Words a, uint32_t b) {
   return sign<C, E, M, Words>(a, Words{} + b);
 }
 
