@@ -87,19 +87,19 @@ class Pairs {
   [[nodiscard]] bool has(Call call) const { return call == Call::kCollide || !plane_; }
   [[nodiscard]] bool has_signed_distance() const { return request_.enable_signed_distance; }
 
-  /// Whether they touch.
-  [[nodiscard]] bool ask(Call call, std::size_t i) const {
+  /// Whether they touch, 1 or 0; -1 if FCL's solver gives up.
+  [[nodiscard]] signed char ask(Call call, std::size_t i) const {
     try {
-      if (!triangles_.empty()) return ask_triangle(call, i);
+      if (!triangles_.empty()) return ask_triangle(call, i) ? 1 : 0;
       if (call == Call::kCollide) {
         fcl::CollisionResultd result;
         const fcl::CollisionRequestd request(1, true);
-        return fcl::collide(&a_[i], &b_[i], request, result) > 0;
+        return fcl::collide(&a_[i], &b_[i], request, result) > 0 ? 1 : 0;
       }
       fcl::DistanceResultd result;
-      return fcl::distance(&a_[i], &b_[i], request_, result) <= 0;
+      return fcl::distance(&a_[i], &b_[i], request_, result) <= 0 ? 1 : 0;
     } catch (const std::exception&) {
-      return false;  // its solver gave up
+      return -1;
     }
   }
 
@@ -162,13 +162,14 @@ std::vector<Value> in_child(const Work& work) {
   return values;
 }
 
-/// FCL's answer to each pair, -1 for those that it stops at; nothing if they are too many.
+/// FCL's answer to each pair, -1 for those that it gives up or stops the program at; nothing if
+/// the latter are too many.
 std::vector<signed char> answers(const Pairs& pairs, Call call) {
   std::vector<signed char> all;
   std::size_t stops = 0;
   while (all.size() < pairs.size()) {
     const auto some = in_child<signed char>([&](const auto& put) {
-      for (std::size_t i = all.size(); i < pairs.size(); ++i) put(pairs.ask(call, i) ? 1 : 0);
+      for (std::size_t i = all.size(); i < pairs.size(); ++i) put(pairs.ask(call, i));
     });
     all.insert(all.end(), some.begin(), some.end());
     if (all.size() == pairs.size()) break;
@@ -187,7 +188,7 @@ std::optional<double> rate(const Pairs& pairs, Call call, const std::vector<sign
   const auto measured = in_child<double>([&](const auto& put) {
     const double start = thread_seconds();
     double asked = 0, elapsed = 0;
-    volatile bool answer = false;
+    volatile signed char answer = 0;
     do {
       for (const std::size_t i : sound) answer = pairs.ask(call, i);
       asked += static_cast<double>(sound.size());

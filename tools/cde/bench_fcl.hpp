@@ -14,7 +14,7 @@ struct FclRates {
   std::optional<double> collide;   ///< with one contact: point, normal, depth
   std::optional<double> distance;  ///< with nearest points
   bool distance_signed = false;    ///< it gives a depth too, not only "they overlap"
-  /// Pairs on which FCL stops the program with an assertion; they are left out of the rate.
+  /// Pairs on which FCL gives up, or stops the program with an assertion: not part of the rate.
   std::size_t collide_stops = 0, distance_stops = 0;
   std::vector<signed char> hits;  ///< collide's answer to each pair: 1, 0, or -1 if it has none
 };

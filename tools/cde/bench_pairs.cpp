@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
+#include <optional>
 #include <random>
 #include <span>
 #include <string>
@@ -37,11 +37,13 @@ class Generator {
                            shape_b = both.substr(both.find('-') + 1);
     const Eigen::Vector3f center = 10 * uniform3();
     if (shape_a == "ray") {
-      const Eigen::Vector3f from = center + 5 * direction();
-      // Past the middle of B by up to twice its size.
-      const Eigen::Vector3f at = center + uniform(0, 2 * reach(shape_b)) * direction();
+      const Eigen::Vector3f middle = shape(shape_b, center, b);
+      const Eigen::Vector3f from = middle + 5 * direction();
+      // Past the middle of B by up to about twice its size; 4/pi is for what points along the ray.
+      const float size = shape_b == "triangle" ? 0.25f : reach(shape_b);
+      const float aside = uniform(0, 2.5f * size);
+      const Eigen::Vector3f at = middle + aside * direction();
       append(a, Ray{from, at - from});
-      shape(shape_b, center, b);
       return;
     }
     shape(shape_a, center, a);
@@ -62,11 +64,14 @@ class Generator {
     return 1.3f;
   }
 
-  void shape(std::string_view kind, const Eigen::Vector3f& c, std::vector<float>& to) {
+  /// Appends a shape about c and returns its middle.
+  Eigen::Vector3f shape(std::string_view kind, const Eigen::Vector3f& c, std::vector<float>& to) {
     if (kind == "triangle") {
-      const Eigen::Vector3f v0 = c + size() * direction(), v1 = c + size() * direction();
-      append(to, Triangle{v0, v1, c + size() * direction()});
-    } else if (kind == "sphere") {
+      const Eigen::Vector3f v0 = corner(c), v1 = corner(c), v2 = corner(c);
+      append(to, Triangle{v0, v1, v2});
+      return (v0 + v1 + v2) / 3;
+    }
+    if (kind == "sphere") {
       append(to, Sphere{c, size()});
     } else if (kind == "aabb") {
       const Eigen::Vector3f half = size3();
@@ -79,6 +84,7 @@ class Generator {
       const Eigen::Vector3f half = size3();
       append(to, Obb{c, half, rotation()});
     }
+    return c;
   }
 
   template <class P>
@@ -87,6 +93,7 @@ class Generator {
     to.insert(to.end(), words.begin(), words.end());
   }
 
+  // Draws are in statements or braces of their own: elsewhere their order is the compiler's.
   float uniform(float low, float high) {
     return low + (high - low) * static_cast<float>(random_() >> 40) * 0x1p-24f;
   }
@@ -95,6 +102,10 @@ class Generator {
     return {x, y, uniform(-1, 1)};
   }
   float size() { return uniform(0.5f, 1.5f); }
+  Eigen::Vector3f corner(const Eigen::Vector3f& c) {
+    const float distance = size();
+    return c + distance * direction();
+  }
   Eigen::Vector3f size3() {
     const float x = size(), y = size();
     return {x, y, size()};
@@ -160,65 +171,73 @@ nlohmann::ordered_json optional_number(const std::optional<double>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
 }
 
-nlohmann::ordered_json fcl_json(const FclRates& fcl, const Measured& card) {
+/// `card` is absent if there is no pipe.
+nlohmann::ordered_json fcl_json(const FclRates& fcl, const std::optional<Measured>& card) {
+  nlohmann::ordered_json j = {{"collide_per_second", optional_number(fcl.collide)},
+                              {"distance_per_second", optional_number(fcl.distance)},
+                              {"distance_signed", fcl.distance_signed},
+                              {"collide_stops", fcl.collide_stops},
+                              {"distance_stops", fcl.distance_stops}};
+  if (!card) return j;
   std::size_t compared = 0, agreeing = 0;
   for (std::size_t i = 0; i < fcl.hits.size(); ++i) {
     if (fcl.hits[i] < 0) continue;
     ++compared;
-    agreeing += (fcl.hits[i] == 1) == card.results[i].f ? 1 : 0;
+    agreeing += (fcl.hits[i] == 1) == card->results[i].f ? 1 : 0;
   }
   const auto ratio = [&](const std::optional<double>& rate) {
-    return rate ? nlohmann::ordered_json(card.pairs_per_second / *rate) : nlohmann::ordered_json();
+    return optional_number(rate ? std::optional(card->pairs_per_second / *rate) : std::nullopt);
   };
-  return {{"collide_per_second", optional_number(fcl.collide)},
-          {"distance_per_second", optional_number(fcl.distance)},
-          {"distance_signed", fcl.distance_signed},
-          {"collide_stops", fcl.collide_stops},
-          {"distance_stops", fcl.distance_stops},
-          {"hits_compared", compared},
-          {"hits_agreeing", agreeing},
-          {"simulated_to_collide", ratio(fcl.collide)},
-          {"simulated_to_distance", ratio(fcl.distance)}};
+  j["hits_compared"] = compared;
+  j["hits_agreeing"] = agreeing;
+  j["simulated_to_collide"] = ratio(fcl.collide);
+  j["simulated_to_distance"] = ratio(fcl.distance);
+  return j;
 }
 
 /// A rate in millions and how many times as fast the simulation is; "-" if there is none.
-std::string beside(const std::optional<double>& rate, const Measured& card, bool depth) {
+std::string beside(const std::optional<double>& rate, const std::optional<Measured>& card,
+                   bool depth) {
   if (!rate) return "-";
-  return fmt::format("{:.3f}{} ({:.2f}x)", *rate / 1e6, depth ? "*" : "",
-                     card.pairs_per_second / *rate);
+  const std::string text = fmt::format("{:.3f}{}", *rate / 1e6, depth ? "*" : "");
+  return card ? fmt::format("{} ({:.2f}x)", text, card->pairs_per_second / *rate) : text;
 }
 
 nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm algorithm) {
-  const PairConfig config{.pair = pair, .algorithm = algorithm, .lanes = kLanes};
-  const std::string label = pair == Pair::kRayTriangle
-                                ? fmt::format("ray-triangle, {}", name(algorithm))
-                                : std::string(name(pair));
-  nlohmann::ordered_json row = {{"pair", name(pair)}};
-  if (pair == Pair::kRayTriangle) row["algorithm"] = name(algorithm);
+  const bool ray_triangle = pair == Pair::kRayTriangle;
   std::vector<float> a, b;
   Generator generator(kSeed + static_cast<unsigned>(pair));
   for (std::size_t i = 0; i < kCases; ++i) generator.pair(pair, a, b);
   const double seconds = o.quick ? 0.2 : 1.0;
-  Measured card;
+  std::optional<Measured> card;
   try {
-    card = measure(config, a, b, seconds);
+    card = measure({.pair = pair, .algorithm = algorithm, .lanes = kLanes}, a, b, seconds);
   } catch (const Error& e) {
     if (std::string_view(e.what()).find(kNoPipe) == std::string_view::npos) throw;
-    fmt::print(stderr, "{:<26}{:>12}  {}\n", label, "absent", kNoPipe);
-    row["absent"] = true;
-    return row;
   }
   const FclRates fcl = measure_fcl(pair, a, b, seconds);
-  fmt::print(stderr, "{:<26}{:>12.3f}{:>9}{:>8.1f}{:>20}{:>20}\n", label,
-             card.pairs_per_second / 1e6, card.latency,
-             100.0 * static_cast<double>(card.hits) / kCases, beside(fcl.collide, card, false),
-             beside(fcl.distance, card, fcl.distance_signed));
-  row["absent"] = false;
-  row["pairs_per_second_simulated"] = card.pairs_per_second;
-  row["latency_clocks"] = card.latency;
-  row["clocks_per_row"] = card.clocks_per_row;
-  row["modelled_pairs_per_second"] = kLanes * o.clock_hz / card.clocks_per_row;
-  row["hit_share"] = static_cast<double>(card.hits) / kCases;
+  const auto figure = [&](const char* form, auto of) {
+    return card ? fmt::format(fmt::runtime(form), of(*card)) : std::string();
+  };
+  fmt::print(
+      stderr, "{:<26}{:>12}{:>9}{:>8}{:>20}{:>20}\n",
+      ray_triangle ? fmt::format("ray-triangle, {}", name(algorithm)) : std::string(name(pair)),
+      card ? fmt::format("{:.3f}", card->pairs_per_second / 1e6) : "no pipe",
+      figure("{}", [](const Measured& m) { return m.latency; }),
+      figure("{:.1f}",
+             [](const Measured& m) { return 100.0 * static_cast<double>(m.hits) / kCases; }),
+      beside(fcl.collide, card, false), beside(fcl.distance, card, fcl.distance_signed));
+
+  nlohmann::ordered_json row = {{"pair", name(pair)}};
+  if (ray_triangle) row["algorithm"] = name(algorithm);
+  row["absent"] = !card;
+  if (card) {
+    row["pairs_per_second_simulated"] = card->pairs_per_second;
+    row["latency_clocks"] = card->latency;
+    row["clocks_per_row"] = card->clocks_per_row;
+    row["modelled_pairs_per_second"] = kLanes * o.clock_hz / card->clocks_per_row;
+    row["hit_share"] = static_cast<double>(card->hits) / kCases;
+  }
   row["fcl"] = has_fcl() ? fcl_json(fcl, card) : nlohmann::ordered_json();
   return row;
 }
