@@ -39,7 +39,7 @@ module primary_regfile #(
   localparam int BEATS = (WORDS * CW + 63) / 64;
   localparam int PADDED = BEATS * 64 / CW;
   localparam int SHAPES = 7;
-  localparam int T_CHECK = (ARITH != "rtl") ? 0 : LAT_MUL + 3 * LAT_ADD + LAT_CMP;
+  localparam int T_CHECK = LAT_MUL + 3 * LAT_ADD + LAT_CMP;
   if (PRIMARIES % LANES != 0 || (LANES & (LANES - 1)) != 0) begin : g_illegal
     $error("primary_regfile: LANES must be a power of two that divides PRIMARIES");
   end
@@ -83,12 +83,15 @@ module primary_regfile #(
       localparam int N = cde_pkg::shape_words(shape);
       logic [N-1:0][0:0][CW-1:0] words;
       logic [0:0][CW-1:0] bad;
+      logic bad_judged;
       assign words = slot_q[N-1:0];
       shape_check #(.SHAPE(shape), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check_u (
           .clk_i(clk_check), .words_i(words), .bad_o(bad));
+      // The host back end answers at once; the clocks are those of the gates.
+      align #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i(clk_check), .d_i(bad[0][0]), .q_o(bad_judged));
       logic [PRIMARIES-1:0] bad_q;
       always_ff @(posedge clk_check) begin
-        if (judged) bad_q[judged_number] <= bad[0][0];
+        if (judged) bad_q[judged_number] <= bad_judged;
         if (rst_i) bad_q <= '1;
       end
       assign verdicts[shape] = bad_q;

@@ -25,6 +25,7 @@ module df_operator #(
       (OP == "clt") ? 5 : (OP == "cle") ? 6 : (OP == "ceq") ? 7 : (OP == "min") ? 8 : (OP == "max") ? 9 : -1;
   if (CODE < 0) $error("df_operator: unknown OP");
   // What fp_add, fp_mul and their like are made of. One cell here and not one a branch: Verilator links the whole tree below an
-  // operator, all branches, before it knows which of them it needs (measured on a pipe of 80 operator lines: 4.1 s against 0.5 s).
+  // operator, all branches, before it knows which of them it needs
+  // (measured on one edge facet: lint takes 53 MB instead of 300 MB).
   fp_lanes #(.OP(CODE), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)) cell_u (.clk_i, .a_i(a), .b_i(b), .r_o, .flags_o());
 endmodule

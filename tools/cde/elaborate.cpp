@@ -213,17 +213,35 @@ Operators Elaboration::operators(const std::string& instance) const {
     if (!is_within(path, instance) || found == modules_.end()) continue;
     const Module& module = found->second;
     const std::string& what = module.source_name;
-    const auto is_set = [&module](const char* parameter) {
-      const auto at = module.constants.find(parameter);
-      return at != module.constants.end() && at->second != 0;
-    };
-    count.multipliers += what == "fp_mul" ? 1 : 0;
-    count.dividers += what == "fp_div" ? 1 : 0;
-    count.square_roots += what == "fp_sqrt" ? 1 : 0;
-    count.adders += what == "fp_add" && !is_set("SUB") ? 1 : 0;
-    count.subtractors += what == "fp_add" && is_set("SUB") ? 1 : 0;
-    count.comparators += what == "fp_cmp" ? 1 : 0;
-    count.min_max += what == "fp_minmax" ? 1 : 0;
+    // Every operator is an fp_lanes of some OP, alone or inside fp_add, fp_mul and their like.
+    if (what == "fp_lanes") {
+      const auto at = module.constants.find("OP");
+      switch (at == module.constants.end() ? 0 : at->second) {
+        case 0:
+          ++count.adders;
+          break;
+        case 1:
+          ++count.subtractors;
+          break;
+        case 2:
+          ++count.multipliers;
+          break;
+        case 3:
+          ++count.dividers;
+          break;
+        case 4:
+          ++count.square_roots;
+          break;
+        case 5:
+        case 6:
+        case 7:
+          ++count.comparators;
+          break;
+        default:
+          ++count.min_max;
+          break;
+      }
+    }
     if (path == instance || what == "df_wire") count.mask_ands += module.ands;
   }
   return count;
