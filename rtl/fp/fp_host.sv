@@ -27,10 +27,10 @@ module fp_host #(
       r = '0;
       for (int l = 0; l < LANES; l++) r[l] = $c32("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
     end
-  end else begin : g_64
+  end else begin : g_64  // uint64_t is named, as Verilator writes constants as unsigned long long
     always_comb begin
       r = '0;
-      for (int l = 0; l < LANES; l++) r[l] = $c64("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
+      for (int l = 0; l < LANES; l++) r[l] = $c64("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ",uint64_t>(", a_i[l], ",", b_i[l%B_LANES], ")");
     end
   end
   if (!FLAGS) begin : g_no_flags
@@ -43,7 +43,7 @@ module fp_host #(
   end else begin : g_f64
     always_comb begin
       f = '0;
-      for (int l = 0; l < LANES; l++) f[l] = $c64("host_fp::flags<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
+      for (int l = 0; l < LANES; l++) f[l] = $c64("host_fp::flags<", OP, ",", EXP, ",", MAN, ",uint64_t>(", a_i[l], ",", b_i[l%B_LANES], ")");
     end
   end
   assign r_o = r;
