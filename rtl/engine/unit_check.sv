@@ -20,7 +20,7 @@ module unit_check #(
   /*verilator inline_module*/
   localparam int BIAS = (1 << (EXP - 1)) - 1;
   localparam int SHIFT = (MAN - 3 < 20) ? MAN - 3 : 20;  // 16 u = 2^-(MAN-3)
-  localparam logic [CW-1:0] TOLERANCE = CW'(BIAS - SHIFT) << MAN;
+  localparam logic [CW-1:0] TOLERANCE = (CW'(BIAS) - CW'(SHIFT)) << MAN;
   `DF_VIN(a, a_i, 0)
   `DF_VIN(b, b_i, 0)
   `DF_CONST(expected, ONE ? CW'(BIAS) << MAN : CW'(0))
