@@ -76,6 +76,9 @@ package cde_pkg;
   localparam int SHAPE_CYLINDER = 5;  // c x y z, axis x y z, half height, radius
   localparam int SHAPE_OBB = 6;       // c x y z, half extents, rotation by rows (columns are the axes)
 
+  function int larger(input int a, input int b);  // of two stage times
+    larger = (a > b) ? a : b;
+  endfunction
   function int shape_words(input int shape);
     shape_words = (shape == SHAPE_RAY || shape == SHAPE_CYLINDER) ? 8 : (shape == SHAPE_TRIANGLE) ? 9 :
         (shape == SHAPE_AABB) ? 6 : (shape == SHAPE_OBB) ? 15 : 4;

@@ -1,4 +1,5 @@
-// Way out of a convex pipe: F = (s <= 0), T = |s|, all outputs registered together. 1 compare.
+// Way out of a convex pipe: F = (s <= 0), T = |s|, a NaN in n made the canonical one (a wire may have flipped its sign), all outputs
+// registered together. 1 compare.
 // Latency: to stage time LATENCY; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
 module gap_result #(
     parameter int EXP = 8,
@@ -22,12 +23,18 @@ module gap_result #(
     output logic [2:0][LANES-1:0][CW-1:0] n_o
 );
   /*verilator inline_module*/
+  localparam logic [CW-1:0] QNAN = (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1));
   logic [LANES-1:0][CW-1:0] f, t, zero;
+  logic [2:0][LANES-1:0][CW-1:0] n, nan;
   assign zero = '0;
   fp_cmp #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_CMP), .OP("le"), .ARITH(ARITH)) cmp_s (.clk_i, .a_i(s_i), .b_i(zero), .m_o(f), .flags_o());
   fp_sign #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("abs"), .ARITH(ARITH)) abs_s (.a_i(s_i), .b_i(s_i), .r_o(t));
+  for (genvar k = 0; k < 3; k++) begin : g_canonical
+    fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("nan"), .ARITH(ARITH)) class_n (.a_i(n_i[k]), .m_o(nan[k]));
+    lane_select #(.CW(CW), .LANES(LANES)) select_n (.m_i(nan[k]), .a_i({LANES{QNAN}}), .b_i(n_i[k]), .r_o(n[k]));
+  end
   align #(.W(LANES * CW), .FROM(T_S + LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_f (.clk_i, .d_i(f), .q_o(f_o));
   align #(.W(LANES * CW), .FROM(T_S), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_o));
   align #(.W(3 * LANES * CW), .FROM(T_CP), .TO(LATENCY), .ARITH(ARITH)) align_cp (.clk_i, .d_i(cp_i), .q_o(cp_o));
-  align #(.W(3 * LANES * CW), .FROM(T_N), .TO(LATENCY), .ARITH(ARITH)) align_n (.clk_i, .d_i(n_i), .q_o(n_o));
+  align #(.W(3 * LANES * CW), .FROM(T_N), .TO(LATENCY), .ARITH(ARITH)) align_n (.clk_i, .d_i(n), .q_o(n_o));
 endmodule

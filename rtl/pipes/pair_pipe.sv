@@ -70,6 +70,10 @@ module pair_pipe #(
     sphere_obb #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(cde_pkg::PAIR_TRIANGLE_SPHERE)) begin : g_pipe
     triangle_sphere #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
+  end else if (PAIR == int'(cde_pkg::PAIR_TRIANGLE_OBB)) begin : g_pipe
+    triangle_obb #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
+  end else if (PAIR == int'(cde_pkg::PAIR_TRIANGLE_AABB)) begin : g_pipe
+    triangle_aabb #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else begin : g_illegal
     $error("pair_pipe: no pipe for this pair and algorithm");
   end

@@ -85,11 +85,12 @@ template <typename S>
   return signbit(x);
 }
 
-/// Wire: y with the sign bit of x moved onto it by exclusive or; also of zeros and NaN.
+/// Wire: y with the sign bit of x moved onto it by exclusive or; also of zeros. x is what an
+/// operator gives, so a NaN is positive, whatever the host's own arithmetic makes of its sign.
 template <typename S>
 [[nodiscard]] constexpr S move_sign(S x, S y) {
   using std::signbit;
-  return signbit(x) ? -y : y;
+  return signbit(x) && x == x ? -y : y;
 }
 
 /// fp_sqrt.sv

@@ -29,8 +29,8 @@ template <typename S>
   const Difference<S> x = polish<S>(once, support(once.v), tie);
 
   // The plane's own normal, towards the centre; h is measured from the plane to the origin.
-  const Vector<S> n(move_sign(-closest.h, t.m.x()), move_sign(-closest.h, t.m.y()),
-                    move_sign(-closest.h, t.m.z()));
+  const Vector<S> n(-move_sign(closest.h, t.m.x()), -move_sign(closest.h, t.m.y()),
+                    -move_sign(closest.h, t.m.z()));
   const S plane_gap = magnitude(closest.h);
   const Vector<S> to_plane = scale<S>(n, plane_gap);
   const SignedGap<S> centre =

@@ -1,0 +1,152 @@
+// The signed gap s from a box, half extents a about 0, to a triangle in the box's frame, the unit normal n from box to triangle and the
+// midpoint of the witness points. The difference of the two has 13 pairs of facets: 3 faces of the box, the triangle's face,
+// 9 pairs of edges. The depth is the least overlap on them, the distance the least distance to the facets that face the origin; the
+// nearest point is polished twice. Support features come from edges turned by 16 u (turned.sv).
+// 441 add, 529 mul, 16 div, 11 sqrt.
+// Latency: LATENCY_TRIANGLE_BOX clocks; 0 with ARITH = "host". Throughput: one pair a lane a clock. Stall: none.
+`include "triangle.svh"
+module triangle_box #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_DIV = 1,
+    parameter int LAT_SQRT = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [2:0][LANES-1:0][CW-1:0] a_i,
+    input logic [2:0][2:0][LANES-1:0][CW-1:0] p_i,  // vertices
+    output logic [LANES-1:0][CW-1:0] s_o,
+    output logic [2:0][LANES-1:0][CW-1:0] n_o,
+    output logic [2:0][LANES-1:0][CW-1:0] middle_o
+);
+  /*verilator inline_module*/
+  localparam int FACETS = 13;
+  localparam int BIAS = 2 ** (EXP - 1) - 1;
+  `DF_VIN(a, a_i, 0)
+  `DF_MATRIX_IN(p, p_i[0], p_i[1], p_i[2], 0)
+  `DF_CONST(half, CW'(BIAS - 1) << MAN)
+  `DF_CONST(four_u, CW'(BIAS + 1 - MAN) << MAN)
+
+  // ---- What the facets share ----
+  `DF_TRIANGLE(t, p)
+  `DF_ROW(f0, t_f, 0)
+  `DF_ROW(f1, t_f, 1)
+  `DF_ROW(f2, t_f, 2)
+  `DF_TURNED(turned0, f0)
+  `DF_TURNED(turned1, f1)
+  `DF_TURNED(turned2, f2)
+  `DF_CROSS(m1, turned0, turned1)
+  `DF_MAT(turned_edges, turned0, turned1, turned2)
+  `DF_REACH(reach, p)
+  `DF_PICK(a_x, a, 0)
+  `DF_PICK(a_y, a, 1)
+  `DF_PICK(a_z, a, 2)
+  `DF_ADD(a_xy, a_x, a_y)
+  `DF_ADD(a_sum, a_xy, a_z)
+  `DF_ADD(size, reach, a_sum)
+  `DF_MUL(tie, four_u, size)
+
+  // ---- The facets, each as late as it can, so that inputs wait, not facets ----
+  localparam int T_FACETS = `TRIANGLE_BOX_T_FACETS;
+  localparam int T_EDGES = T_FACETS - `LATENCY_TRIANGLE_BOX_EDGE;
+  localparam int T_FACES = T_FACETS - `LATENCY_TRIANGLE_BOX_FACE;
+  logic [FACETS-1:0][LANES-1:0][CW-1:0] gap, d2, inverse_ff;
+  logic [FACETS-1:0][2:0][LANES-1:0][CW-1:0] n, v, p_box, along;
+  `DF_VAT(a_edges, a, T_EDGES)
+  `DF_MAT_AT(p_edges, p, T_EDGES)
+  `DF_MAT_AT(f_edges, t_f, T_EDGES)
+  `DF_VAT(inverse_edges, t_inverse_ff, T_EDGES)
+  `DF_MAT_AT(turned_at_edges, turned_edges, T_EDGES)
+  `DF_VAT(m1_edges, m1, T_EDGES)
+  `DF_VAT(a_faces, a_edges, T_FACES)
+  `DF_MAT_AT(p_faces, p_edges, T_FACES)
+  `DF_MAT_AT(turned_faces, turned_at_edges, T_FACES)
+  for (genvar i = 0; i < 3; i++) begin : g_axis
+    triangle_box_face #(`DF_FORMAT, .I(i), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) face (
+        .clk_i, .a_i(a_faces), .p_i(p_faces), .turned_i({turned_faces[2][i], turned_faces[1][i], turned_faces[0][i]}), .gap_o(gap[i]),
+        .n_o(n[i]), .v_o(v[i]), .p_o(p_box[i]), .d2_o(d2[i]));
+    assign along[i] = '0;
+    assign inverse_ff[i] = '0;
+    for (genvar j = 0; j < 3; j++) begin : g_edge
+      localparam int FACET = 4 + 3 * i + j;
+      triangle_box_edge #(`DF_FORMAT, .I(i), .J(j), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) edges (
+          .clk_i, .a_i(a_edges), .p_i(p_edges), .f_i(f_edges[j]), .inverse_ff_i(inverse_edges[j]), .turned_i(turned_at_edges[j]),
+          .side_i(m1_edges[i]), .gap_o(gap[FACET]), .n_o(n[FACET]), .v_o(v[FACET]), .p_o(p_box[FACET]), .d2_o(d2[FACET]),
+          .f_o(along[FACET]), .inverse_ff_o(inverse_ff[FACET]));
+    end
+  end
+  logic [2:0][LANES-1:0][CW-1:0] face_n, face_v, face_p;
+  logic [LANES-1:0][CW-1:0] face_gap, face_d2;
+  triangle_face #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) face (
+      .clk_i, .a_i(a), .p_i(p), .m1_i(m1), .f_i(t_f), .inverse_ff_i(t_inverse_ff), .longest0_i(t_longest0), .longest1_i(t_longest1),
+      .m_i(t_m), .flat_i(t_flat), .gap_o(face_gap), .n_o(face_n), .v_o(face_v), .p_o(face_p), .d2_o(face_d2));
+  `DF_IN(gap_face, face_gap, `TRIANGLE_FACE_T)
+  `DF_IN(d2_face, face_d2, `TRIANGLE_FACE_T)
+  `DF_VIN(n_face, face_n, `TRIANGLE_FACE_T)
+  `DF_VIN(v_face, face_v, `TRIANGLE_FACE_T)
+  `DF_VIN(p_face, face_p, `TRIANGLE_FACE_T)
+  `DF_AT(gap_late, gap_face, T_FACETS)
+  `DF_AT(d2_late, d2_face, T_FACETS)
+  `DF_VAT(n_late, n_face, T_FACETS)
+  `DF_VAT(v_late, v_face, T_FACETS)
+  `DF_VAT(p_late, p_face, T_FACETS)
+  assign gap[3] = gap_late;
+  assign d2[3] = d2_late;
+  assign n[3] = n_late;
+  assign v[3] = v_late;
+  assign p_box[3] = p_late;
+  assign along[3] = '0;
+  assign inverse_ff[3] = '0;
+
+  // ---- The answer of the facets ----
+  localparam int T_START = T_FACETS + `LATENCY_NEAREST(FACETS);
+  localparam int T_WITNESS = T_FACETS + `LATENCY_WITNESS(FACETS);
+  `DF_AT(tie_facets, tie, T_FACETS)
+  logic [LANES-1:0][CW-1:0] choice_s;
+  logic [2:0][LANES-1:0][CW-1:0] choice_n, choice_v, choice_p, choice_start_v, choice_start_p;
+  facet_choice #(`DF_FORMAT, .COUNT(FACETS), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) choice (
+      .clk_i, .gap_i(gap), .n_i(n), .v_i(v), .p_i(p_box), .d2_i(d2), .f_i(along), .inverse_ff_i(inverse_ff), .tie_i(tie_facets), .s_o(choice_s),
+      .witness_n_o(choice_n), .witness_v_o(choice_v), .witness_p_o(choice_p), .start_v_o(choice_start_v), .start_p_o(choice_start_p));
+  `DF_IN(s_facets, choice_s, T_WITNESS)
+  `DF_VIN(n_facets, choice_n, T_WITNESS)
+  `DF_VIN(v_facets, choice_v, T_WITNESS)
+  `DF_VIN(p_facets, choice_p, T_WITNESS)
+  `DF_VIN(v_start, choice_start_v, T_START)
+  `DF_VIN(p_start, choice_start_p, T_START)
+
+  // ---- The nearest point, polished twice, each time towards the points of both bodies farthest against its direction ----
+  `DF_VAT(a_start, a_faces, T_START)
+  `DF_MAT_AT(q_start, p_faces, T_START)
+  `DF_LOWEST(vertex1, q_start, v_start)
+  `DF_VMOVE_SIGN(p_far1, v_start, a_start)
+  `DF_VSUB(v_far1, vertex1, p_far1)
+  `DF_POLISH(v_once, p_once, v_start, p_start, v_far1, p_far1, tie_facets)
+  `DF_VAT(a_once, a_start, T_v_once)
+  `DF_MAT_AT(q_once, q_start, T_v_once)
+  `DF_LOWEST(vertex2, q_once, v_once)
+  `DF_VMOVE_SIGN(p_far2, v_once, a_once)
+  `DF_VSUB(v_far2, vertex2, p_far2)
+  `DF_POLISH(v_point, p_point, v_once, p_once, v_far2, p_far2, tie_facets)
+
+  // ---- The gap along its direction, and the choice ----
+  `DF_DIRECTION(n_point, d_point, usable, v_point)
+  `DF_LEAST_ALONG(low, q_once, n_point)
+  `DF_BOX_RADIUS(radius, n_point, a_once)
+  `DF_SUB(gap_along, low, radius)
+  if (T_gap_along != `TRIANGLE_BOX_T_ALONG) $error("triangle_box: stage time");
+  `DF_DECIDE(s, n_box, v_box, p_witness, s_facets, n_facets, v_facets, p_facets, d_point, n_point, v_point, p_point, usable, gap_along, tie_facets)
+  `DF_VSCALE(half_v, v_box, half)
+  `DF_VADD(middle, p_witness, half_v)
+
+  if (T_middle != `LATENCY_TRIANGLE_BOX) $error("triangle_box: latency");
+  `DF_AT(s_out, s, T_middle)
+  `DF_VAT(n_out, n_box, T_middle)
+  assign s_o = s_out;
+  assign n_o = n_out;
+  assign middle_o = middle;
+endmodule

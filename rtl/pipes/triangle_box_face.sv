@@ -1,0 +1,56 @@
+// Facet of face I of a box, half extents a about 0, and the vertex of a triangle nearest to it, on the side with the larger gap, ties the
+// upper one. The vertex is the lowest one along the normal by the turned edges, of which component I is given.
+// 7 add, 3 mul, 4 compare, 8 min/max.
+// Latency: LATENCY_TRIANGLE_BOX_FACE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
+`include "triangle.svh"
+module triangle_box_face #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int I = 0,  // axis, 0..2
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [2:0][LANES-1:0][CW-1:0] a_i,
+    input logic [2:0][2:0][LANES-1:0][CW-1:0] p_i,  // vertices
+    input logic [2:0][LANES-1:0][CW-1:0] turned_i,  // component I of the turned edges
+    output logic [LANES-1:0][CW-1:0] gap_o,
+    output logic [2:0][LANES-1:0][CW-1:0] n_o,
+    output logic [2:0][LANES-1:0][CW-1:0] v_o,
+    output logic [2:0][LANES-1:0][CW-1:0] p_o,
+    output logic [LANES-1:0][CW-1:0] d2_o
+);
+  /*verilator inline_module*/
+  `DF_VIN(a, a_i, 0)
+  `DF_PICK(a_axis, a, I)
+  `DF_MATRIX_IN(p, p_i[0], p_i[1], p_i[2], 0)
+  `DF_IN(turned0, turned_i[0], 0)
+  `DF_IN(turned1, turned_i[1], 0)
+  `DF_IN(turned2, turned_i[2], 0)
+  `DF_CONST(zero, 0)
+
+  `DF_TRANSPOSE(columns, p)
+  `DF_ROW(heights, columns, I)
+  `DF_SPAN(low, high, heights)
+  `DF_SIDE(side, gap, low, high, a_axis)
+  `DF_MOVE_SIGN(rise0, side, turned0)
+  `DF_MOVE_SIGN(rise1, side, turned1)
+  `DF_MOVE_SIGN(rise2, side, turned2)
+  `DF_LE(below1, zero, rise0)
+  `DF_LE(below2, rise2, zero)
+  `DF_AND(lowest_first, below1, below2)
+  `DF_LE(lowest_second, zero, rise1)
+  `DF_LEAST_ROW(q, lowest, p)
+
+  `DF_VAT(a_q, a, T_q)
+  `DF_AT(side_q, side, T_q)
+  face_facet #(`DF_FORMAT, .I(I), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) facet (
+      .clk_i, .a_i(a_q), .side_i(side_q), .q_i(q), .n_o, .v_o, .p_o, .d2_o);
+  if (T_q + `LATENCY_FACE_FACET != `LATENCY_TRIANGLE_BOX_FACE) $error("triangle_box_face: latency");
+  `DF_AT(gap_out, gap, `LATENCY_TRIANGLE_BOX_FACE)
+  assign gap_o = gap_out;
+endmodule

@@ -1,0 +1,71 @@
+// Facet of a triangle's face and the corner of a box, half extents a about 0, that is nearest to it, on the side with the larger gap, ties
+// the side that the normal m points to. m1 is the face's normal by turned edges: the corner is chosen by its signs.
+// 66 add, 78 mul, 10 compare, 10 min/max.
+// Latency: inputs at the stage times that triangle.svh gives, the facet at TRIANGLE_FACE_T; 0 with ARITH = "host".
+// Throughput: one facet a lane a clock. Stall: none.
+`include "triangle.svh"
+module triangle_face #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_DIV = 1,
+    parameter int LAT_SQRT = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [2:0][LANES-1:0][CW-1:0] a_i,  // stage time 0
+    input logic [2:0][2:0][LANES-1:0][CW-1:0] p_i,  // vertices, 0
+    input logic [2:0][LANES-1:0][CW-1:0] m1_i,  // TRIANGLE_BOX_T_M1
+    input logic [2:0][2:0][LANES-1:0][CW-1:0] f_i,  // these as triangle_parts.sv gives them
+    input logic [2:0][LANES-1:0][CW-1:0] inverse_ff_i,
+    input logic [LANES-1:0][CW-1:0] longest0_i,
+    input logic [LANES-1:0][CW-1:0] longest1_i,
+    input logic [2:0][LANES-1:0][CW-1:0] m_i,
+    input logic [LANES-1:0][CW-1:0] flat_i,
+    output logic [LANES-1:0][CW-1:0] gap_o,
+    output logic [2:0][LANES-1:0][CW-1:0] n_o,
+    output logic [2:0][LANES-1:0][CW-1:0] v_o,
+    output logic [2:0][LANES-1:0][CW-1:0] p_o,
+    output logic [LANES-1:0][CW-1:0] d2_o
+);
+  /*verilator inline_module*/
+  `DF_VIN(a_early, a_i, 0)
+  `DF_MATRIX_IN(p_early, p_i[0], p_i[1], p_i[2], 0)
+  `DF_VIN(m1, m1_i, `TRIANGLE_BOX_T_M1)
+  `DF_MATRIX_IN(t_f, f_i[0], f_i[1], f_i[2], `TRIANGLE_T_F)
+  `DF_VIN(t_inverse_ff, inverse_ff_i, `TRIANGLE_T_INVERSE)
+  `DF_IN(t_longest0, longest0_i, `TRIANGLE_T_LONGEST)
+  `DF_IN(t_longest1, longest1_i, `TRIANGLE_T_LONGEST)
+  `DF_VIN(t_m, m_i, `TRIANGLE_T_M)
+  `DF_IN(t_flat, flat_i, `TRIANGLE_T_M)
+
+  `DF_VAT(a, a_early, T_t_m)
+  `DF_MAT_AT(p, p_early, T_t_m)
+  `DF_APPLY(heights, p, t_m)
+  `DF_SPAN(low, high, heights)
+  `DF_BOX_RADIUS(radius, t_m, a)
+  `DF_SIDE(side, gap, low, high, radius)
+  `DF_VFLIP(n, side, t_m)
+  `DF_VFLIP(signs, side, m1)
+  `DF_VMOVE_SIGN(corner, signs, a)
+  `DF_MAT(corners, corner, corner, corner)
+  `DF_MSUB(w, corners, p)
+  `DF_POINT_TRIANGLE(closest, w, t)
+  logic unused_h;
+  assign unused_h = &{1'b0, closest_h};
+  `DF_VNEG(v, closest_v)
+
+  if (T_w != `TRIANGLE_FACE_T_W || T_v != `TRIANGLE_FACE_T) $error("triangle_face: latency");
+  `DF_AT(gap_out, gap, T_v)
+  `DF_VAT(n_out, n, T_v)
+  `DF_VAT(p_out, corner, T_v)
+  assign gap_o = gap_out;
+  assign n_o = n_out;
+  assign v_o = v;
+  assign p_o = p_out;
+  assign d2_o = closest_d2;
+endmodule

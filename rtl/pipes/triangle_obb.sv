@@ -1,0 +1,60 @@
+// Triangle against oriented box, in the box's frame (triangle_box.sv). s = signed gap, n from the triangle to the box, CP the midpoint of the
+// witness points. F = (s <= 0), T = |s|. 471 add, 568 mul, 16 div, 11 sqrt.
+// Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+`include "triangle.svh"
+module triangle_obb #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_DIV = 1,
+    parameter int LAT_SQRT = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [8:0][LANES-1:0][CW-1:0] a_i,  // triangle: v0 x y z, v1, v2
+    input logic [14:0][LANES-1:0][CW-1:0] b_i,  // OBB: c x y z, half extents, rotation by rows
+    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
+    output logic [LANES-1:0][CW-1:0] t_o,
+    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
+    output logic [2:0][LANES-1:0][CW-1:0] n_o,
+    output logic [15:0] latency_o  // constant: LATENCY, also with ARITH = "host"
+);
+  /*verilator inline_module*/
+  `DF_MATRIX_IN(vertices, a_i[2:0], a_i[5:3], a_i[8:6], 0)
+  `DF_MATRIX_IN(centres, b_i[2:0], b_i[2:0], b_i[2:0], 0)
+  `DF_VIN(c, b_i[2:0], 0)
+  `DF_VIN(extents, b_i[5:3], 0)
+  `DF_MATRIX_IN(rotation, b_i[8:6], b_i[11:9], b_i[14:12], 0)
+
+  `DF_MSUB(from_c, vertices, centres)
+  `DF_TRANSPOSE(axes, rotation)
+  `DF_ROW(w0, from_c, 0)
+  `DF_ROW(w1, from_c, 1)
+  `DF_ROW(w2, from_c, 2)
+  `DF_APPLY(p0, axes, w0)
+  `DF_APPLY(p1, axes, w1)
+  `DF_APPLY(p2, axes, w2)
+  `DF_MAT(p, p0, p1, p2)
+  logic [LANES-1:0][CW-1:0] s_gap;
+  logic [2:0][LANES-1:0][CW-1:0] n_gap, middle_gap;
+  `DF_VAT(half_p, extents, T_p)
+  triangle_box #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) signed_gap (
+      .clk_i, .a_i(half_p), .p_i(p), .s_o(s_gap), .n_o(n_gap), .middle_o(middle_gap));
+  `DF_IN(s, s_gap, T_p + `LATENCY_TRIANGLE_BOX)
+  `DF_VIN(n_box, n_gap, T_p + `LATENCY_TRIANGLE_BOX)
+  `DF_VIN(middle, middle_gap, T_p + `LATENCY_TRIANGLE_BOX)
+  `DF_MAT_AT(rotation_out, rotation, T_middle)
+  `DF_APPLY(middle_world, rotation_out, middle)
+  `DF_VADD(cp, c, middle_world)
+  `DF_APPLY(n_world, rotation_out, n_box)
+  `DF_VNEG(n, n_world)
+
+  localparam int LATENCY = `DF_MAX3(T_cp, T_n, T_s + LAT_CMP) + 1;
+  assign latency_o = 16'(LATENCY);
+  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
+      .clk_i, .s_i(s), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
+endmodule
