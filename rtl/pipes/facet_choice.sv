@@ -2,7 +2,7 @@
 // nearest to s n, n its own normal if its gap ties with the largest, else the normal of the largest gap: its n, v, p belong to s where the
 // bodies penetrate. `start` is the facet nearest the origin, v made perpendicular to the edge that it ends on: where the bodies
 // are apart, the point of B - A to polish. A tree over facets carries only what is used of its result.
-// Per facet 8 add, 6 mul, 4 compare; 3 fewer compare and 6 add, 7 mul more in all.
+// 5 COUNT + 6 add, 6 COUNT + 7 mul, 4 COUNT - 3 compare.
 // Latency: s and witness LATENCY_WITNESS(COUNT) clocks, start LATENCY_NEAREST(COUNT); 0 with ARITH = "host". Throughput: one pair a lane a
 // clock. Stall: none.
 `include "convex.svh"

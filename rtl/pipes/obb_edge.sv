@@ -1,7 +1,7 @@
 // Facet of edge I of box A and edge J of box B, in A's frame (see obb_face.sv), from their edge normal n = e_I x f_J / |e_I x f_J|. `sign_JK` is
 // component K of B's turned axis J, and so on: with K, L the axes after I and M, O those after J, the support edges follow from
 // n.e_K = -r_JL, n.e_L = r_JK, n.r_M = r_OI, n.r_O = -r_MI. The gap is |n.t| - (sum of a_k |n_k|) - (sum of |n.f_j|), every term
-// projected, also n.f_J, which should be 0. 28 add, 22 mul, 2 compare, 6 min/max.
+// projected, also n.f_J, which should be 0. 26 add, 22 mul, 2 compare, 6 min/max.
 // Latency: LATENCY_OBB_EDGE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
 `include "convex.svh"
 module obb_edge #(
