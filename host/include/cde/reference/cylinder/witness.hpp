@@ -130,7 +130,7 @@ void witness(const Pair<S>& pair, Search<S>& s, const Pass& p) {
   const Vector<S> on_b = project_cylinder<S>(s.q, c.b), on_a = project_a<S>(on_b, pair, c);
   const Vector<S> away = sub<S>(on_b, s.q), move = sub<S>(on_a, s.q);
   const S gain = squared<S>(away) / dot<S>(away, move);
-  const Mask<S> further = S(1) < gain && gain < S(0x1p10) && Mask<S>(p.index % 2 == 0);
+  const Mask<S> further = S(1) < gain && gain < S(1 / kAlongside<S>) && Mask<S>(p.index % 2 == 0);
   s.q = select<S>(further, add<S>(s.q, scale<S>(move, gain)), on_a);
 }
 
