@@ -13,7 +13,7 @@ namespace cde::reference::cylinder {
 /// What the primary is.
 enum class Body { kCylinder, kBox, kTriangle };
 
-/// The operands of a pair as the evaluator reads them: 38 words. The triangle's `axis` and `face`
+/// The operands of a pair as the evaluator reads them: 39 words. The triangle's `axis` and `face`
 /// are written by its first passes, everything else once when the pair enters.
 template <typename S>
 struct Pair {
@@ -132,10 +132,13 @@ template <typename S>
   return e;
 }
 
-/// n of unit length; NaN from zero, which then loses every comparison. 6 mul, 2 add, 1 div, 1 sqrt.
+/// n of unit length. NaN, which then loses every comparison, from a vector whose square drowns
+/// among the subnormal numbers: that could come out longer than 1, and g too large. 6 mul, 2 add, 1
+/// div, 1 sqrt, 1 cmp.
 template <typename S>
 [[nodiscard]] Vector<S> normalise(const Vector<S>& raw) {
-  return scale<S>(raw, S(1) / square_root(dot<S>(raw, raw)));
+  const S square = dot<S>(raw, raw), least(4 * static_cast<double>(std::numeric_limits<S>::min()));
+  return scale<S>(raw, select<S>(least <= square, S(1) / square_root(square), canonical_nan<S>()));
 }
 
 }  // namespace cde::reference::cylinder

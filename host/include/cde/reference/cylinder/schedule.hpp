@@ -6,7 +6,7 @@
 /// Which pass of a pair does what: counters, no arithmetic.
 namespace cde::reference::cylinder {
 
-/// How much work a pair gets. One pass through the evaluator is one clock of the pipe.
+/// How much work a pair gets. One pass is one evaluation of g and one clock of the pipe.
 struct Budget {
   int samples = 8;  ///< M: directions sampled on each circle (box, triangle): 4, 8 or 16
   int circle = 8;   ///< K1: steps on each circle
@@ -79,7 +79,7 @@ class Countdown {
   return witness_pass(k);
 }
 
-/// Box or triangle: 12 (box) or 8 (triangle) + 3 (2 + M + K1) evaluations.
+/// 12 (box) or 8 (triangle) + 3 (2 + M + K1) evaluations.
 [[nodiscard]] inline Pass polyhedron_pass(bool box, const Budget& budget, Countdown k) {
   if (k.take(box ? 3 : 4)) return {Phase::kFrame, 0, k.left()};
   if (k.take(1)) return {Phase::kAxis, 0, 0};

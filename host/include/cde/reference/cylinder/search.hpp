@@ -12,7 +12,7 @@
 /// tracks: Newton on the sphere with the support functions' own curvatures.
 namespace cde::reference::cylinder {
 
-/// What travels with a pair beside its operands: 32 words, and the pass number.
+/// What travels with a pair beside its operands: 30 words, and the pass number.
 template <typename S>
 struct Search {
   S best_g = -std::numeric_limits<S>::infinity();
@@ -27,7 +27,7 @@ struct Search {
   Touch<S> last = {S(0), Vector<S>::Zero(), Vector<S>::Zero()};  ///< the sample before
 };
 
-/// The tangent of a circle at n: e x n.
+/// The gap's derivative along the circle perpendicular to e, in the direction e x n.
 template <typename S>
 [[nodiscard]] S slope(const Vector<S>& e, const Touch<S>& at) {
   return dot<S>(at.y, cross<S>(e, at.n));

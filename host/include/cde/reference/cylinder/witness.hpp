@@ -83,10 +83,15 @@ template <typename S>
   Contact<S> c;
   c.at = evaluate<S>(pair, n);
   c.shift = scale<S>(n, s.best_g);
-  c.a = {Vector<S>::Zero(), pair.axis[0], pair.half[0],
-         pair.radius,       c.at.a.side,  lines && magnitude(dot<S>(pair.axis[0], n)) <= flat};
-  c.b = {sub<S>(pair.d, c.shift), pair.b,       pair.b_half,
-         pair.b_radius,           -c.at.b.side, lines && magnitude(dot<S>(pair.b, n)) <= flat};
+  c.a = {Vector<S>::Zero(), pair.axis[0],
+         pair.half[0],      pair.radius,
+         c.at.a.side,       Mask<S>(lines) && magnitude(dot<S>(pair.axis[0], n)) <= flat};
+  c.b = {sub<S>(pair.d, c.shift),
+         pair.b,
+         pair.b_half,
+         pair.b_radius,
+         -c.at.b.side,
+         Mask<S>(lines) && magnitude(dot<S>(pair.b, n)) <= flat};
   return c;
 }
 
@@ -125,7 +130,7 @@ void witness(const Pair<S>& pair, Search<S>& s, const Pass& p) {
   const Vector<S> on_b = project_cylinder<S>(s.q, c.b), on_a = project_a<S>(on_b, pair, c);
   const Vector<S> away = sub<S>(on_b, s.q), move = sub<S>(on_a, s.q);
   const S gain = squared<S>(away) / dot<S>(away, move);
-  const Mask<S> further = S(1) < gain && gain < S(0x1p10) && p.index % 2 == 0;
+  const Mask<S> further = S(1) < gain && gain < S(1 / kAlongside<S>) && Mask<S>(p.index % 2 == 0);
   s.q = select<S>(further, add<S>(s.q, scale<S>(move, gain)), on_a);
 }
 
