@@ -92,7 +92,9 @@ TYPED_TEST(Scalar, BitsMoveOnWires) {
     const TypeParam x = of<TypeParam>(word);
     EXPECT_EQ((-x).bits(), word ^ f.sign_bit());
     EXPECT_EQ(abs(x).bits(), word & ~f.sign_bit());
-    EXPECT_EQ(reference::move_sign(x, TypeParam(-1)).bits(), f.encode(-1) ^ (word & f.sign_bit()));
+    // Operators give positive NaN only.
+    EXPECT_EQ(reference::move_sign(x, TypeParam(-1)).bits(),
+              f.encode(-1) ^ (f.is_nan(word) ? 0 : word & f.sign_bit()));
     EXPECT_EQ(isnan(x), f.is_nan(word));
     EXPECT_EQ(isfinite(x), (word & f.magnitude_mask()) < f.infinity());
     EXPECT_EQ(signbit(x), (word & f.sign_bit()) != 0);
