@@ -75,6 +75,7 @@ enum ModeCode : std::uint32_t {
 /// Bits of kRegCommand beside mode and pair code (pair.hpp has those).
 inline constexpr std::uint64_t kCommandSwap = 1 << 4;
 inline constexpr std::uint64_t kCommandNormals = 1 << 5;
+inline constexpr unsigned kNoPair = 15;  ///< no pair's code
 inline constexpr std::uint64_t kCommandSecond = 1 << 12;
 inline constexpr std::uint64_t kCommandSecondSwap = 1 << 13;
 
