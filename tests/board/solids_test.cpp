@@ -230,9 +230,10 @@ TEST_P(Solids, TwoPipesAtATime) {
       EXPECT_EQ(together.bad_primaries, of_rays.bad_primaries + of_spheres.bad_primaries);
       if (mode == Mode::kAny) continue;  // a pass ends when the last primary has its hit
       EXPECT_EQ(together.rows, of_rays.rows + of_spheres.rows);
-      // Rows side by side, then the deeper pipe drains.
+      // Rows side by side; the deeper pipe drains last, or not if its last row came earlier.
       const auto rest = [](const Counters& c) { return c.cycles - c.rows; };
-      EXPECT_EQ(together.cycles, std::max(of_rays.rows, of_spheres.rows) +
+      EXPECT_GE(together.cycles, std::max(of_rays.cycles, of_spheres.cycles));
+      EXPECT_LE(together.cycles, std::max(of_rays.rows, of_spheres.rows) +
                                      std::max(rest(of_rays), rest(of_spheres)));
     }
     // The first pair alone still answers.
