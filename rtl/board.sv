@@ -10,6 +10,7 @@ module board #(
     parameter int ALGORITHM = 0,    // of ray-triangle (cde_pkg::ALGORITHM_*)
     parameter int SWAP = 0,         // a command can exchange the roles of primary and secondary
     parameter int NORMALS = 0,      // a command can ask for normals
+    parameter int PARALLEL = 0,     // two pipes can work on the same secondaries at a time
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -71,20 +72,23 @@ module board #(
   logic [31:0] addr;
   logic [31:0] sram_count, sec_first, sec_count;
   logic [2:0] command_mode, mode;
-  logic [3:0] command_pair, pair;
-  logic command_swap, swap, normals, gap, prim_busy;
+  logic [1:0][3:0] command_pair, pair;
+  logic [1:0] command_swap, swap, gap;
+  logic normals, prim_busy;
+  logic [PRIM_W-1:0] split;
   logic [PRIM_W:0] prim_count, new_hits;
   logic [PRIMARIES-1:0] active, prim_bad;
-  logic issue, bubble, stall, sec_pop, sec_bad, record_write;
+  logic [1:0] issue, retire;
+  logic bubble, stall, sec_pop, sec_bad, record_write;
   logic [15:0] latency;
   card_registers #(
       .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .SWAP(SWAP),
-      .NORMALS(NORMALS), .DDR_SLOTS(DDR_SLOTS), .SRAM_RECORDS(SRAM_RECORDS),
+      .NORMALS(NORMALS), .PARALLEL(PARALLEL), .DDR_SLOTS(DDR_SLOTS), .SRAM_RECORDS(SRAM_RECORDS),
       .CONFIG_HASH(CONFIG_HASH)
   ) registers (
       .clk_i, .clk_engine_i(clk_engine), .rst_i, .bus_valid_i, .bus_write_i, .bus_space_i, .bus_addr_i, .bus_wdata_i, .bus_ready_o, .bus_rvalid_o,
       .bus_rdata_o, .irq_o, .clk_bus_o(clk_bus), .addr_o(addr), .wdata_o(wdata), .prim_write_o(prim_write), .ddr_write_o, .sram_pop_o(sram_pop), .sram_valid_i(sram_beat_valid),
-      .sram_beat_i(sram_beat), .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .mode_o(command_mode), .pair_o(command_pair), .swap_o(command_swap), .normals_o(normals),
+      .sram_beat_i(sram_beat), .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .mode_o(command_mode), .pair_o(command_pair), .swap_o(command_swap), .split_o(split), .normals_o(normals),
       .prim_count_o(prim_count), .sec_first_o(sec_first), .sec_count_o(sec_count), .active_o(active), .busy_i(busy),
       .done_i(done), .writeback_i(writeback), .prim_bad_i(prim_bad), .issue_i(issue), .bubble_i(bubble), .stall_i(stall), .secondary_i(sec_pop),
       .secondary_bad_i(sec_bad), .record_i(record_write), .latency_i(latency));
@@ -100,19 +104,20 @@ module board #(
   secondary_regfile #(
       .EXP(EXP), .MAN(MAN), .PAIRS(PAIRS), .SWAP(SWAP), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) secondaries (
-      .clk_i(clk_engine), .rst_i, .pair_i(pair), .swap_i(swap), .start_i(fetch_start), .stop_i(fetch_stop), .first_i(sec_first), .count_i(sec_count),
+      .clk_i(clk_engine), .rst_i, .pair_i(pair[0]), .swap_i(swap[0]), .start_i(fetch_start), .stop_i(fetch_stop), .first_i(sec_first), .count_i(sec_count),
       .ddr_read_o, .ddr_word_o(ddr_read_word_o), .ddr_valid_i, .ddr_data_i, .valid_o(sec_valid), .slot_o(secondary),
       .bad_o(sec_bad), .index_o(sec_index), .last_o(sec_last), .pop_i(sec_pop), .idle_o(sec_idle));
 
   // ---- Sequencer ----
-  logic flush, clear, issue_parity, retire, fifo_empty, writeback, writeback_parity, writeback_ready;
-  logic [ROW_W-1:0] clear_row, issue_row;
+  logic flush, clear, issue_parity, fifo_empty, writeback, writeback_parity, writeback_ready;
+  logic [ROW_W-1:0] clear_row;
+  logic [1:0][ROW_W-1:0] issue_row;
   logic [LANES-1:0] clear_mask;
   logic [1:0] credit;
   logic [PRIM_W-1:0] writeback_primary;
   engine_control #(.LANES(LANES), .PRIMARIES(PRIMARIES), .FIFO_DEPTH(FIFO_DEPTH)) control (
       .clk_i(clk_engine), .rst_i, .go_i(go), .abort_i(abort), .mode_i(command_mode), .pair_i(command_pair),
-      .swap_i(command_swap), .mode_o(mode), .pair_o(pair), .swap_o(swap), .primaries_busy_i(prim_busy), .prim_count_i(prim_count), .active_i(active),
+      .swap_i(command_swap), .split_i(split), .mode_o(mode), .pair_o(pair), .swap_o(swap), .primaries_busy_i(prim_busy), .prim_count_i(prim_count), .active_i(active),
       .busy_o(busy), .done_o(done), .flush_o(flush), .streaming_mode_o(streaming), .clear_o(clear), .clear_row_o(clear_row),
       .clear_mask_o(clear_mask), .fetch_start_o(fetch_start), .fetch_stop_o(fetch_stop), .secondary_valid_i(sec_valid),
       .secondary_last_i(sec_last), .secondary_idle_i(sec_idle), .secondary_pop_o(sec_pop), .issue_o(issue),
@@ -133,18 +138,18 @@ module board #(
   logic [POINTS-1:0][CW-1:0] result_point;
   cde #(
       .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .FIFO_DEPTH(FIFO_DEPTH), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM),
-      .SWAP(SWAP), .NORMALS(NORMALS), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP),
-      .ARITH(ARITH)
+      .SWAP(SWAP), .NORMALS(NORMALS), .PARALLEL(PARALLEL), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
+      .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) engine (
       .clk_i(clk_engine), .rst_i, .clk_bus_i(clk_bus), .clk_core_i(clk_i), .prim_write_i(prim_write), .prim_addr_i(addr), .prim_data_i(wdata),
-      .prim_bad_o(prim_bad), .prim_busy_o(prim_busy), .pair_i(pair), .swap_i(swap), .gap_o(gap), .clear_i(clear), .clear_row_i(clear_row), .clear_mask_i(clear_mask), .valid_i(issue), .row_i(issue_row),
+      .prim_bad_o(prim_bad), .prim_busy_o(prim_busy), .pair_i(pair), .swap_i(swap), .split_i(split), .gap_o(gap), .clear_i(clear), .clear_row_i(clear_row), .clear_mask_i(clear_mask), .valid_i(issue), .row_i(issue_row),
       .parity_i(issue_parity), .index_i(sec_index), .secondary_i(secondary), .secondary_bad_i(sec_bad), .mode_i(mode),
       .streaming_i(streaming), .valid_o(retire), .row_o(row), .index_o(index), .new_hits_o(new_hits), .f_o(f), .bad_o(bad),
       .unmasked_o(unmasked), .latency_o(latency), .push_i(fifo_keep), .write_i(fifo_write), .read_i(streaming && fifo_valid),
       .head_i(fifo_head), .lane_i(fifo_lane), .result_i(writeback), .result_primary_i(writeback_primary),
       .result_parity_i(writeback_parity), .result_index_o(result_index), .result_t_o(result_t), .result_point_o(result_point));
   record_fifo #(.LANES(LANES), .ROW_W(ROW_W), .DEPTH(FIFO_DEPTH)) fifo (
-      .clk_i(clk_engine), .rst_i(rst_i | clear | flush), .hits_only_i(mode == cde_pkg::MODE_HITS), .push_i(retire && streaming),
+      .clk_i(clk_engine), .rst_i(rst_i | clear | flush), .hits_only_i(mode == cde_pkg::MODE_HITS), .push_i(retire[0] && streaming),
       .row_i(row), .index_i(index), .unmasked_i(unmasked), .f_i(f), .bad_i(bad), .keep_o(fifo_keep), .write_o(fifo_write),
       .credit_o(credit), .empty_o(fifo_empty), .valid_o(fifo_valid), .ready_i(fifo_ready), .head_o(fifo_head), .row_o(fifo_row),
       .lane_o(fifo_lane), .index_o(fifo_index), .f_o(fifo_f), .bad_o(fifo_bad));
@@ -165,10 +170,12 @@ module board #(
   assign fifo_ready = sram_room && last_beat;
   assign record_there = streaming ? fifo_valid : writeback;
   // The update buffers hold signed gaps for solids.
+  logic record_gap;
+  assign record_gap = (PARALLEL != 0 && pair[1] != cde_pkg::NO_PAIR && writeback_primary >= split) ? gap[1] : gap[0];
   assign record_bad = streaming ? fifo_bad : prim_bad[writeback_primary];
-  assign record_f = streaming ? fifo_f : result_index != '1 && (!gap || (result_t & SIGN) != 0) && !record_bad;
-  assign record_t = record_bad ? QNAN : gap ? result_t & ~SIGN : result_t;
-  assign record_index = !streaming ? result_index : (fifo_f || (gap && !fifo_bad)) ? fifo_index : '1;
+  assign record_f = streaming ? fifo_f : result_index != '1 && (!record_gap || (result_t & SIGN) != 0) && !record_bad;
+  assign record_t = record_bad ? QNAN : record_gap ? result_t & ~SIGN : result_t;
+  assign record_index = !streaming ? result_index : (fifo_f || (record_gap && !fifo_bad)) ? fifo_index : '1;
   assign record_primary = streaming ? PRIM_W'(32'(fifo_row) * 32'(LANES) + 32'(fifo_lane)) : writeback_primary;
   always_comb begin
     record[2:0] = record_bad ? {3{QNAN}} : result_point[2:0];
@@ -179,7 +186,7 @@ module board #(
     if (normals && second_q) begin
       record[2:0] = record_bad ? {3{QNAN}} : result_point[POINTS-1:POINTS-3];
       record[cde_pkg::RECORD_FLAGS] = CW'({1'b1, record_bad, record_f});
-      record[cde_pkg::RECORD_T] = (record_f && gap) ? record_t | SIGN : record_t;
+      record[cde_pkg::RECORD_T] = (record_f && record_gap) ? record_t | SIGN : record_t;
     end
   end
   always_ff @(posedge clk_engine) begin

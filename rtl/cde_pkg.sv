@@ -16,7 +16,7 @@ package cde_pkg;
   localparam logic [11:0] REG_CAPACITY = 12'h020;      // bytes of DDR
   localparam logic [11:0] REG_CONTROL = 12'h028;       // write: [0] go, [1] abort, [2] clear errors and done
   localparam logic [11:0] REG_STATUS = 12'h030;        // STATUS_* bits
-  localparam logic [11:0] REG_COMMAND = 12'h038;       // [2:0] result mode, [4] swap roles, [5] normals, [11:8] pair code
+  localparam logic [11:0] REG_COMMAND = 12'h038;       // [2:0] result mode, [4] swap roles, [5] normals, [11:8] pair code; [12] a second pair, [13] its swap, [19:16] its code
   localparam logic [11:0] REG_PRIM_COUNT = 12'h040;    // counter register: primaries in the register file
   localparam logic [11:0] REG_SEC_FIRST = 12'h048;     // first secondary slot
   localparam logic [11:0] REG_SEC_COUNT = 12'h050;     // counter register: number of secondaries
@@ -32,10 +32,11 @@ package cde_pkg;
   localparam logic [11:0] REG_SECONDARIES = 12'h0F0;   // secondaries swept
   localparam logic [11:0] REG_WRITTEN = 12'h0F8;       // records written to SRAM
   localparam logic [11:0] REG_WRITEBACK = 12'h068;     // clocks that wrote the kept records back to SRAM
-  localparam logic [11:0] REG_CAPS3 = 12'h070;         // [12:0] pairs in the card, [16] roles can be swapped, [17] normals, [31:24] words of a primary slot
+  localparam logic [11:0] REG_CAPS3 = 12'h070;         // [12:0] pairs in the card, [16] roles can be swapped, [17] normals, [18] two pairs at a time, [31:24] words of a primary slot
+  localparam logic [11:0] REG_PRIM_SPLIT = 12'h078;    // with a second pair: the first of its primaries, a multiple of the lanes
 
   localparam logic [31:0] ID_MAGIC = 32'h43444531;
-  localparam logic [31:0] INTERFACE_VERSION = 32'd2;
+  localparam logic [31:0] INTERFACE_VERSION = 32'd3;
 
   localparam int STATUS_BUSY = 0;
   localparam int STATUS_DONE = 1;
@@ -66,6 +67,7 @@ package cde_pkg;
   localparam logic [3:0] PAIR_RAY_SPHERE = 4'd11;
   localparam logic [3:0] PAIR_SPHERE_OBB = 4'd12;
   localparam int PAIRS = 13;
+  localparam logic [3:0] NO_PAIR = 4'd15;
 
   // ---- Shapes ----
   localparam int SHAPE_RAY = 0;       // o x y z, d x y z, tmin, tmax

@@ -2,7 +2,7 @@
 // vectors of 32-bit words, lane by lane the bits of the scalar ones.
 #pragma once
 #include "host_fp.h"
-#include "verilated.h"
+#include "triggers.h"
 
 namespace lanes {
 

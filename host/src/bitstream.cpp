@@ -192,6 +192,8 @@ std::vector<std::string> BoardConfig::parameters() const {
   latency(latency_div, "latency_div");
   latency(latency_sqrt, "latency_sqrt");
   latency(latency_compare, "latency_compare");
+  if (parallel && pairs.size() < 2)
+    throw Error(ErrorCode::kUsage, "two pipes at a time need a card with several pairs");
   if (pairs.empty()) throw Error(ErrorCode::kUsage, "a card has at least one pair");
   unsigned set = 0;
   for (const Pair pair : pairs) set |= 1u << static_cast<unsigned>(pair);
@@ -212,6 +214,7 @@ std::vector<std::string> BoardConfig::parameters() const {
   add("ALGORITHM", static_cast<unsigned>(algorithm), 0);
   add("SWAP", swap ? 1 : 0, 0);
   add("NORMALS", normals ? 1 : 0, 0);
+  add("PARALLEL", parallel ? 1 : 0, 0);
   add("LAT_ADD", latency_add, standard.latency_add);
   add("LAT_MUL", latency_mul, standard.latency_mul);
   add("LAT_DIV", latency_div, standard.latency_div);

@@ -54,9 +54,11 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   field("set of pairs", caps3 & 0x1fff, pairs);
   field("role swap", caps3 >> 16 & 1, config.swap);
   field("normals", caps3 >> 17 & 1, config.normals);
+  field("two pairs at a time", caps3 >> 18 & 1, config.parallel);
   card.pairs = config.pairs;
   card.can_swap = config.swap;
   card.has_normals = config.normals;
+  card.parallel = config.parallel;
   if (card.primaries == 0 || card.primaries > Stencil().size())
     refuse("number of primaries is out of range");
 }
@@ -192,26 +194,44 @@ void Board::load(std::span<const Ray> rays) {
   load_shapes(rays);
 }
 
-void Board::load_words(Shape shape, std::size_t count, const Words& words) {
-  if (count == 0 || count > impl_->primaries) {
-    throw Error(ErrorCode::kUsage, fmt::format("a packet has 1 to {} {}s, not {}", impl_->primaries,
-                                               name(shape), count));
+void Board::Impl::load(std::uint32_t first, Shape shape, std::size_t count,
+                       const std::function<void(std::size_t, float*)>& words) {
+  if (count == 0 || first + count > primaries) {
+    throw Error(ErrorCode::kUsage, fmt::format("a packet has 1 to {} {}s, not {}",
+                                               primaries - first, name(shape), count));
   }
-  if (cde::words(shape) > impl_->slot_words) {
+  if (cde::words(shape) > slot_words) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("a {} does not fit a primary slot of this card, which has {} words",
-                            name(shape), impl_->slot_words));
+                            name(shape), slot_words));
   }
-  const std::size_t stride = (impl_->slot_words + 1) / 2 * 2;
+  if (first == 0) loaded = 0;
+  second_loaded = 0;
+  const std::size_t stride = (slot_words + 1) / 2 * 2;
   std::vector<float> slots(count * stride);
   for (std::size_t i = 0; i < count; ++i) words(i, &slots[i * stride]);
+  write(card::kSpacePrim, static_cast<std::uint32_t>(first * stride * 4), slots.data(),
+        slots.size() / 2);
+  check_bus("the upload of primaries");
+}
+
+void Board::load_words(Shape shape, std::size_t count, const Words& words) {
   const std::uint64_t start = clocks();
-  impl_->loaded = 0;
-  impl_->write(card::kSpacePrim, 0, slots.data(), slots.size() / 2);
+  impl_->load(0, shape, count, words);
   impl_->load_clocks = clocks() - start;
-  impl_->check_bus("the upload of primaries");
   impl_->loaded = static_cast<std::uint32_t>(count);
   impl_->primary_shape = shape;
+}
+
+void Board::load_second_words(Shape shape, std::size_t count, const Words& words) {
+  if (!impl_->parallel) throw Error(ErrorCode::kUsage, "this card works on one pair at a time");
+  if (impl_->loaded == 0)
+    throw Error(ErrorCode::kUsage, "the first pair's primaries are loaded before the second's");
+  const std::uint64_t start = clocks();
+  impl_->load(impl_->split(), shape, count, words);
+  impl_->load_clocks += clocks() - start;
+  impl_->second_loaded = static_cast<std::uint32_t>(count);
+  impl_->second_shape = shape;
 }
 
 // ---- The rest of the interface ----

@@ -21,6 +21,12 @@ class Board::Impl {
   /// Throws kDevice with the fault address if an access was refused, after clearing it.
   void check_bus(const char* during);
 
+  /// Primaries into the register file from slot `first` on. Error kUsage if they do not fit.
+  void load(std::uint32_t first, Shape shape, std::size_t count,
+            const std::function<void(std::size_t, float*)>& words);
+  /// Slot of the second pair's first primary: rows are not shared.
+  [[nodiscard]] std::uint32_t split() const { return (loaded + lanes - 1) / lanes * lanes; }
+
   Bitstream bitstream;
   const cde_board_api* api = nullptr;
   void* card = nullptr;
@@ -28,9 +34,10 @@ class Board::Impl {
   std::uint64_t capacity = 0, sram_records = 0;  ///< bytes of DDR
   std::uint32_t secondaries = 0;                 ///< uploaded
   std::uint32_t loaded = 0;                      ///< primaries in the register file
-  Shape secondary_shape = Shape::kTriangle, primary_shape = Shape::kRay;
+  std::uint32_t second_loaded = 0;  ///< those of the second pair, behind them on the next full row
+  Shape secondary_shape = Shape::kTriangle, primary_shape = Shape::kRay, second_shape = Shape::kRay;
   std::vector<Pair> pairs;
-  bool can_swap = false, has_normals = false;
+  bool can_swap = false, has_normals = false, parallel = false;
   unsigned slot_words = 0;  ///< of a primary
   std::uint64_t upload_clocks = 0, load_clocks = 0;
 

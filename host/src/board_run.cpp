@@ -38,9 +38,17 @@ class Pass {
         sink_(sink),
         started_(card.clocks()),
         wall_start_(std::chrono::steady_clock::now()) {
-    active_ = 0;
-    for (unsigned p = 0; p < card.loaded; ++p) active_ += query.stencil[p] ? 0u : 1u;
-    const std::uint64_t rows = (card.loaded + card.lanes - 1) / card.lanes;
+    split_ = card.split();
+    const unsigned second = query.second ? card.second_loaded : 0;
+    slots_ = second != 0 ? split_ + second : card.loaded;
+    stencil_ = query.stencil;
+    for (unsigned p = card.loaded; p < card.primaries; ++p) {
+      // Slots between the two pairs' primaries are empty; the query's bits count without them.
+      const unsigned number = p - split_ + card.loaded;
+      stencil_[p] = p < split_ || number >= card.primaries || query.stencil[number];
+    }
+    for (unsigned p = 0; p < slots_; ++p) active_ += stencil_[p] ? 0u : 1u;
+    const std::uint64_t rows = (std::max(card.loaded, second) + card.lanes - 1) / card.lanes;
     const std::uint64_t rows_total = rows * card.secondaries;
     streaming_ = query.mode == Mode::kAll || query.mode == Mode::kHits;
     const std::uint64_t records = streaming_ ? std::uint64_t{active_} * card.secondaries : active_;
@@ -73,15 +81,23 @@ class Pass {
                          static_cast<std::uint64_t>(query_.mode) |
                              (query_.swap ? card::kCommandSwap : 0) |
                              (query_.normals ? card::kCommandNormals : 0) |
-                             std::uint64_t{static_cast<unsigned>(*query_.pair)} << 8);
-    card_.write_register(card::kRegPrimCount, card_.loaded);
+                             std::uint64_t{static_cast<unsigned>(*query_.pair)} << 8 | second());
+    card_.write_register(card::kRegPrimCount, slots_);
+    card_.write_register(card::kRegPrimSplit, split_);
     card_.write_register(card::kRegSecFirst, 0);
     card_.write_register(card::kRegSecCount, card_.secondaries);
     for (unsigned base = 0; base < card_.primaries; base += 64) {
       std::uint64_t mask = 0;
-      for (unsigned p = 0; p < 64; ++p) mask |= std::uint64_t{query_.stencil[base + p]} << p;
+      for (unsigned p = 0; p < 64; ++p) mask |= std::uint64_t{stencil_[base + p]} << p;
       card_.write_register(card::kRegStencil + base / 8, mask);
     }
+  }
+
+  /// Its part of the command.
+  [[nodiscard]] std::uint64_t second() const {
+    if (!query_.second) return 0;
+    return card::kCommandSecond | (query_.second->swap ? card::kCommandSecondSwap : 0) |
+           std::uint64_t{static_cast<unsigned>(query_.second->pair)} << 16;
   }
 
   void wait_until_done() {
@@ -132,10 +148,14 @@ class Pass {
       half_->n = decode(entry).cp;
       records_.push_back(*half_);
       half_.reset();
-    } else if (query_.normals) {
-      half_ = decode(entry);
+      return;
+    }
+    Record r = decode(entry);
+    if (query_.second && r.primary >= split_) r.primary -= split_ - card_.loaded;
+    if (query_.normals) {
+      half_ = r;
     } else {
-      records_.push_back(decode(entry));
+      records_.push_back(r);
     }
   }
 
@@ -205,7 +225,8 @@ class Pass {
   std::uint64_t started_;
   std::chrono::steady_clock::time_point wall_start_;
   std::uint64_t deadline_ = 0, expected_clocks_ = 0, received_ = 0;
-  unsigned active_ = 0;
+  unsigned active_ = 0, slots_ = 0, split_ = 0;  // of primaries
+  Stencil stencil_;
   std::uint64_t ring_entries_ = 1;  // of a record
   bool streaming_ = false;
   std::vector<Record> records_;
@@ -215,6 +236,33 @@ class Pass {
 }  // namespace
 
 namespace {
+
+void check_shapes(const Board::Impl& card, Pair pair, bool swap, Shape loaded) {
+  Shape primary = primary_shape(pair), secondary = secondary_shape(pair);
+  if (swap) std::swap(primary, secondary);
+  if (primary != loaded || secondary != card.secondary_shape)
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("{} needs {}s loaded and {}s uploaded, but these are {}s and {}s", name(pair),
+                    name(primary), name(secondary), name(loaded), name(card.secondary_shape)));
+}
+
+void check_second(const Board::Impl& card, const Query& q) {
+  const auto require = [](bool ok, const std::string& why) {
+    if (!ok) throw Error(ErrorCode::kUsage, why);
+  };
+  const Pair pair = q.second->pair;
+  require(card.parallel, "this card works on one pair at a time");
+  require(pair != *q.pair, fmt::format("the card has one pipe for {}, not two", name(pair)));
+  require(std::find(card.pairs.begin(), card.pairs.end(), pair) != card.pairs.end(),
+          fmt::format("this card has no pipe for {}", name(pair)));
+  require(!q.second->swap || card.can_swap, "this card cannot exchange primaries and secondaries");
+  require(q.mode != Mode::kAll && q.mode != Mode::kHits,
+          "two pairs at a time keep one record a primary: mode nearest, farthest or any");
+  require(!q.normals || is_solid(pair), "rays have no normals");
+  require(card.second_loaded != 0, "no primaries were loaded for the second pair");
+  check_shapes(card, pair, q.second->swap, card.second_shape);
+}
 
 /// The query with its pair, which must be one of the card's and fit what was loaded and uploaded.
 Query complete(const Board::Impl& card, const Query& query) {
@@ -234,13 +282,8 @@ Query complete(const Board::Impl& card, const Query& query) {
   if (q.normals && (!card.has_normals || !is_solid(*q.pair)))
     throw Error(ErrorCode::kUsage,
                 is_solid(*q.pair) ? "this card has no normals" : "rays have no normals");
-  Shape primary = primary_shape(*q.pair), secondary = secondary_shape(*q.pair);
-  if (q.swap) std::swap(primary, secondary);
-  if (primary != card.primary_shape || secondary != card.secondary_shape)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{} needs {}s loaded and {}s uploaded, but these are {}s and {}s",
-                            name(*q.pair), name(primary), name(secondary), name(card.primary_shape),
-                            name(card.secondary_shape)));
+  check_shapes(card, *q.pair, q.swap, card.primary_shape);
+  if (q.second) check_second(card, q);
   return q;
 }
 

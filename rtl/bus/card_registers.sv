@@ -14,6 +14,7 @@ module card_registers #(
     parameter int ALGORITHM = 0,
     parameter int SWAP = 0,
     parameter int NORMALS = 0,
+    parameter int PARALLEL = 0,
     parameter int DDR_SLOTS = 55555555,  // of DDR_WORDS words
     parameter int SRAM_RECORDS = 524288,
     parameter logic [63:0] CONFIG_HASH = 0,
@@ -47,8 +48,9 @@ module card_registers #(
     output logic go_o,
     output logic abort_o,
     output logic [2:0] mode_o,
-    output logic [3:0] pair_o,
-    output logic swap_o,
+    output logic [1:0][3:0] pair_o,  // NO_PAIR for a second one that is not wanted
+    output logic [1:0] swap_o,
+    output logic [PRIM_W-1:0] split_o,
     output logic normals_o,
     output logic [PRIM_W:0] prim_count_o,
     output logic [31:0] sec_first_o,
@@ -58,7 +60,7 @@ module card_registers #(
     input logic done_i,
     input logic writeback_i,
     input logic [PRIMARIES-1:0] prim_bad_i,
-    input logic issue_i,
+    input logic [1:0] issue_i,
     input logic bubble_i,
     input logic stall_i,
     input logic secondary_i,
@@ -73,9 +75,9 @@ module card_registers #(
   localparam logic [31:0] PRIM_BYTES = 32'(PRIMARIES * ((PRIM_WORDS * CW + 63) / 64) * 8);
   localparam int STENCILS = (PRIMARIES + 63) / 64;
 
-  logic [3:0] pair_q;
-  logic swap_q, normals_q;
-  logic [31:0] prim_count_q, sec_first_q, sec_count_q;
+  logic [3:0] pair_q, pair2_q;
+  logic swap_q, normals_q, second_q, swap2_q;
+  logic [31:0] prim_count_q, split_q, sec_first_q, sec_count_q;
   logic [2:0] mode_q;
   logic [STENCILS*64-1:0] stencil_q;
   logic done_q, command_error_q, bus_error_q;
@@ -115,7 +117,7 @@ module card_registers #(
         else
           case (addr_q)
             32'(REG_CONTROL): allowed = 1;
-            32'(REG_COMMAND), 32'(REG_PRIM_COUNT), 32'(REG_SEC_FIRST), 32'(REG_SEC_COUNT): allowed = !busy_i;
+            32'(REG_COMMAND), 32'(REG_PRIM_COUNT), 32'(REG_PRIM_SPLIT), 32'(REG_SEC_FIRST), 32'(REG_SEC_COUNT): allowed = !busy_i;
             default: allowed = in_stencil && !busy_i;
           endcase
       SPACE_PRIM: allowed = write_q && !busy_i && addr_q < PRIM_BYTES;
@@ -135,18 +137,24 @@ module card_registers #(
 
   // Whether the secondaries lie in DDR; a multiplication, so only while something is written.
   logic [63:0] sec_end;
-  logic [3:0] sec_words;
-  logic pair_there;
-  assign sec_words = 4'(shape_words(swap_q ? primary_shape(int'(pair_q)) : secondary_shape(int'(pair_q))));
+  logic [3:0] sec_words, sec_shape, sec_shape2;
+  logic pair_there, second_ok;
+  assign sec_shape = 4'(swap_q ? primary_shape(int'(pair_q)) : secondary_shape(int'(pair_q)));
+  assign sec_words = 4'(shape_words(int'(sec_shape)));
   assign sec_end = ({31'b0, {1'b0, sec_first_q} + {1'b0, sec_count_q}} * 64'(sec_words)) * CW_BYTES;
   assign pair_there = ((16'(PAIRS) >> pair_q) & 16'd1) != 0;
-  assign command_ok = mode_q <= MODE_HITS && pair_there && (SWAP != 0 || !swap_q) && (NORMALS != 0 || !normals_q) && prim_count_q != 0 &&
+  // A second pair: another pipe that takes the same secondaries and has primaries of its own; only one of them can stream.
+  assign sec_shape2 = 4'(swap2_q ? primary_shape(int'(pair2_q)) : secondary_shape(int'(pair2_q)));
+  assign second_ok = !second_q || (PARALLEL != 0 && ((16'(PAIRS) >> pair2_q) & 16'd1) != 0 && pair2_q != pair_q && sec_shape2 == sec_shape &&
+      mode_q <= MODE_ANY && (SWAP != 0 || !swap2_q) && split_q != 0 && split_q < prim_count_q && split_q % 32'(LANES) == 0);
+  assign command_ok = mode_q <= MODE_HITS && pair_there && second_ok && (SWAP != 0 || !swap_q) && (NORMALS != 0 || !normals_q) && prim_count_q != 0 &&
       prim_count_q <= 32'(PRIMARIES) && sec_count_q != 0 && sec_end <= DDR_BYTES && !busy_i;
   assign go_o = write_reg && offset == REG_CONTROL && wdata_q[0] && command_ok;
   assign abort_o = write_reg && offset == REG_CONTROL && wdata_q[1];
   assign mode_o = mode_q;
-  assign pair_o = pair_q;
-  assign swap_o = SWAP != 0 && swap_q;
+  assign pair_o = {(PARALLEL != 0 && second_q) ? pair2_q : NO_PAIR, pair_q};
+  assign swap_o = {SWAP != 0 && swap2_q, SWAP != 0 && swap_q};
+  assign split_o = split_q[PRIM_W-1:0];
   assign normals_o = NORMALS != 0 && normals_q;
   assign prim_count_o = prim_count_q[PRIM_W:0];
   assign sec_first_o = sec_first_q;
@@ -167,7 +175,7 @@ module card_registers #(
         REG_CONFIG_HASH: bus_rdata_o <= CONFIG_HASH;
         REG_CAPS2: bus_rdata_o <= {8'b0, 8'(CW), 32'(SRAM_RECORDS), latency_i};
         REG_CAPACITY: bus_rdata_o <= DDR_BYTES;
-        REG_CAPS3: bus_rdata_o <= {32'b0, 8'(PRIM_WORDS), 6'b0, 1'(NORMALS), 1'(SWAP), 16'(PAIRS)};
+        REG_CAPS3: bus_rdata_o <= {32'b0, 8'(PRIM_WORDS), 5'b0, 1'(PARALLEL), 1'(NORMALS), 1'(SWAP), 16'(PAIRS)};
         REG_STATUS: begin
           bus_rdata_o <= '0;
           bus_rdata_o[STATUS_BUSY] <= busy_i;
@@ -177,8 +185,9 @@ module card_registers #(
           bus_rdata_o[STATUS_SRAM_WAIT] <= sram_full_i;
           bus_rdata_o[STATUS_IRQ] <= irq_o;
         end
-        REG_COMMAND: bus_rdata_o <= {52'b0, pair_q, 2'b0, normals_q, swap_q, 1'b0, mode_q};
+        REG_COMMAND: bus_rdata_o <= {44'b0, pair2_q, 2'b0, swap2_q, second_q, pair_q, 2'b0, normals_q, swap_q, 1'b0, mode_q};
         REG_PRIM_COUNT: bus_rdata_o <= 64'(prim_count_q);
+        REG_PRIM_SPLIT: bus_rdata_o <= 64'(split_q);
         REG_SEC_FIRST: bus_rdata_o <= 64'(sec_first_q);
         REG_SEC_COUNT: bus_rdata_o <= 64'(sec_count_q);
         REG_RECORDS: bus_rdata_o <= 64'(sram_count_i);
@@ -198,7 +207,8 @@ module card_registers #(
 
     if (write_reg) begin
       case (offset)
-        REG_COMMAND: {pair_q, normals_q, swap_q, mode_q} <= {wdata_q[11:8], wdata_q[5:4], wdata_q[2:0]};
+        REG_COMMAND: {pair2_q, swap2_q, second_q, pair_q, normals_q, swap_q, mode_q} <= {wdata_q[19:16], wdata_q[13:8], wdata_q[5:4], wdata_q[2:0]};
+        REG_PRIM_SPLIT: split_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
         REG_PRIM_COUNT: begin
           prim_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
           for (int p = 0; p < PRIMARIES; p++) present_q[p] <= 64'(p) < wdata_q;
@@ -223,8 +233,8 @@ module card_registers #(
 
     if (rst_i) begin
       {done_q, command_error_q, bus_error_q} <= '0;
-      {pair_q, normals_q, swap_q, mode_q} <= '0;
-      {prim_count_q, sec_first_q, sec_count_q} <= '0;
+      {pair2_q, swap2_q, second_q, pair_q, normals_q, swap_q, mode_q} <= '0;
+      {prim_count_q, split_q, sec_first_q, sec_count_q} <= '0;
       stencil_q <= '0;
       present_q <= '0;
       fault_q <= '0;
@@ -236,7 +246,7 @@ module card_registers #(
     else begin
       cycles_q <= cycles_q + 64'(busy_i && !writeback_i);
       writeback_q <= writeback_q + 64'(writeback_i);
-      rows_q <= rows_q + 64'(issue_i);
+      rows_q <= rows_q + 64'($countones(issue_i));
       stalls_q <= stalls_q + 64'(stall_i);
       bubbles_q <= bubbles_q + 64'(bubble_i);
       secondaries_q <= secondaries_q + 64'(secondary_i);

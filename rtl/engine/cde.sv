@@ -2,7 +2,8 @@
 // and keeps or streams the row's results in order.
 // With ARITH = "host" the datapath is combinational and gets its operands when its results are due, else when they are issued: the
 // same clocks and bits outside.
-// One pipe is used in a pass; the others' clocks stand still.
+// One pipe is used in a pass, with PARALLEL at most two, which meet the same secondaries with primaries of their own; the others'
+// clocks stand still.
 // Latency: that of the pipe. Throughput: one row a clock. Stall: none, the mouth is held by credits outside.
 module cde #(
     parameter int EXP = 8,
@@ -14,6 +15,7 @@ module cde #(
     parameter int ALGORITHM = 0,  // of ray-triangle
     parameter int SWAP = 0,
     parameter int NORMALS = 0,
+    parameter int PARALLEL = 0,
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -45,11 +47,12 @@ module cde #(
     input logic [ROW_W-1:0] clear_row_i,
     input logic [LANES-1:0] clear_mask_i,
 
-    input logic [3:0] pair_i,  // of the pass
-    input logic swap_i,
-    output logic gap_o,  // it is a pair of solids
-    input logic valid_i,
-    input logic [ROW_W-1:0] row_i,
+    input logic [1:0][3:0] pair_i,  // of the pass; the second one may be NO_PAIR
+    input logic [1:0] swap_i,
+    input logic [PRIM_W-1:0] split_i,  // the first primary of the second pair
+    output logic [1:0] gap_o,  // it is a pair of solids
+    input logic [1:0] valid_i,
+    input logic [1:0][ROW_W-1:0] row_i,
     input logic parity_i,
     input logic [31:0] index_i,
     input logic [SEC_WORDS-1:0][CW-1:0] secondary_i,
@@ -57,8 +60,8 @@ module cde #(
     input logic [2:0] mode_i,
     input logic streaming_i,
 
-    output logic valid_o,
-    output logic [ROW_W-1:0] row_o,
+    output logic [1:0] valid_o,
+    output logic [ROW_W-1:0] row_o,  // of the first pair
     output logic [31:0] index_o,
     output logic [PRIM_W:0] new_hits_o,
     output logic [LANES-1:0] f_o,  // in the streaming modes
@@ -82,7 +85,7 @@ module cde #(
   localparam int GROUP = (ARITH != "rtl" && LANES > 8) ? 8 : LANES;
   localparam int GROUPS = LANES / GROUP;
   localparam int GLANE_W = (GROUP > 1) ? $clog2(GROUP) : 1;
-  localparam int HITS_W = $clog2(GROUP + 1);
+  localparam int HITS_W = $clog2(GROUP + 1) + PARALLEL;
 
   // ---- Primaries from the bus ----
   logic prim_commit, clk_prim;
@@ -90,10 +93,10 @@ module cde #(
   logic [LANE_W-1:0] prim_lane;
   logic [PRIM_WORDS-1:0][CW-1:0] prim_slot;
   primary_regfile #(
-      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .SWAP(SWAP), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .SWAP(SWAP), .PARALLEL(PARALLEL), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
       .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) primaries (
-      .clk_i(clk_bus_i), .clk_core_i, .rst_i, .pair_i, .swap_i, .busy_o(prim_busy_o), .write_i(prim_write_i), .write_addr_i(prim_addr_i), .write_data_i(prim_data_i), .bad_o(prim_bad_o),
+      .clk_i(clk_bus_i), .clk_core_i, .rst_i, .pair_i, .swap_i, .split_i, .busy_o(prim_busy_o), .write_i(prim_write_i), .write_addr_i(prim_addr_i), .write_data_i(prim_data_i), .bad_o(prim_bad_o),
       .commit_o(prim_commit), .row_o(prim_row), .lane_o(prim_lane), .slot_o(prim_slot));
 
   clock_gate gate_prim (.clk_i(clk_core_i), .enable_i(prim_commit), .clk_o(clk_prim));
@@ -104,34 +107,49 @@ module cde #(
   localparam int DEEPEST = ((PAIRS & ~((1 << int'(cde_pkg::PAIR_RAY_TRIANGLE)) | (1 << int'(cde_pkg::PAIR_RAY_SPHERE)) |
       (1 << int'(cde_pkg::PAIR_RAY_CYLINDER)) | (1 << int'(cde_pkg::PAIR_SPHERE_SPHERE)))) != 0) ? 256 : 64;
   localparam int HISTORY = DEEPEST << $clog2(SLOWEST);
-  logic parity, secondary_bad;
-  logic [15:0] pipe_latency;
+  localparam int PORTS = 1 + PARALLEL;  // pairs in a pass
+  logic [PORTS-1:0] parity, secondary_bad;
+  logic [PORTS-1:0][15:0] pipe_latency, latency;
   logic [N_PAIRS-1:0] clk_pipe;
-  logic [ROW_W-1:0] row_in;
-  logic [SEC_WORDS-1:0][CW-1:0] secondary;
-  issue_history #(.W(ROW_W + 34), .DEPTH(HISTORY)) history (
-      .clk_i, .rst_i, .latency_i(latency_o), .valid_i, .d_i({row_i, parity_i, index_i, secondary_bad_i}), .valid_o,
-      .q_o({row_o, parity, index_o, secondary_bad}));
-  assign latency_o = pipe_latency + 16'(MANY);  // the register in front of each of several pipes
-  if (ARITH != "rtl") begin : g_late
-    logic unused_valid;
-    issue_history #(.W(ROW_W + SEC_WORDS * CW), .DEPTH(HISTORY)) history (
-        .clk_i, .rst_i, .latency_i(pipe_latency), .valid_i, .d_i({row_i, secondary_i}), .valid_o(unused_valid), .q_o({row_in, secondary}));
-  end else begin : g_early
-    assign row_in = row_i;
-    assign secondary = secondary_i;
+  logic [PORTS-1:0][ROW_W-1:0] row_in, row_out;
+  logic [PORTS-1:0][31:0] index;
+  logic [PORTS-1:0][SEC_WORDS-1:0][CW-1:0] secondary;
+  for (genvar k = 0; k < PORTS; k++) begin : port
+    assign latency[k] = pipe_latency[k] + 16'(MANY);  // the register in front of each of several pipes
+    issue_history #(.W(ROW_W + 34), .DEPTH(HISTORY)) history (
+        .clk_i, .rst_i, .latency_i(latency[k]), .valid_i(valid_i[k]), .d_i({row_i[k], parity_i, index_i, secondary_bad_i}),
+        .valid_o(valid_o[k]), .q_o({row_out[k], parity[k], index[k], secondary_bad[k]}));
+    if (ARITH != "rtl") begin : g_late
+      logic unused_valid;
+      issue_history #(.W(ROW_W + SEC_WORDS * CW), .DEPTH(HISTORY)) history_operands (
+          .clk_i, .rst_i, .latency_i(pipe_latency[k]), .valid_i(valid_i[k]), .d_i({row_i[k], secondary_i}), .valid_o(unused_valid),
+          .q_o({row_in[k], secondary[k]}));
+    end else begin : g_early
+      assign row_in[k] = row_i[k];
+      assign secondary[k] = secondary_i;
+    end
+  end
+  assign latency_o = latency[0];
+  assign row_o = row_out[0];
+  assign index_o = index[0];
+  if (PARALLEL == 0) begin : g_single
+    logic unused_second;
+    assign unused_second = &{1'b0, valid_i[1], row_i[1], pair_i[1], swap_i[1], split_i};
+    assign valid_o[1] = 1'b0;
   end
   for (genvar p = 0; p < N_PAIRS; p++) begin : pipe
     if (MANY && ((PAIRS >> p) & 1) != 0) begin : g_gate
-      clock_gate gate (.clk_i, .enable_i(pair_i == 4'(p)), .clk_o(clk_pipe[p]));
+      clock_gate gate (.clk_i, .enable_i(pair_i[0] == 4'(p) || (PARALLEL != 0 && pair_i[1] == 4'(p))), .clk_o(clk_pipe[p]));
     end else begin : g_none
       assign clk_pipe[p] = 1'b0;
     end
   end
-  if (!MANY) begin : g_one
-    assign gap_o = cde_pkg::primary_shape($clog2(PAIRS)) != cde_pkg::SHAPE_RAY;
-  end else begin : g_some
-    assign gap_o = pair_i != cde_pkg::PAIR_RAY_TRIANGLE && pair_i != cde_pkg::PAIR_RAY_CYLINDER && pair_i != cde_pkg::PAIR_RAY_SPHERE;
+  for (genvar k = 0; k < 2; k++) begin : of
+    if (!MANY) begin : g_one
+      assign gap_o[k] = cde_pkg::primary_shape($clog2(PAIRS)) != cde_pkg::SHAPE_RAY;
+    end else begin : g_some
+      assign gap_o[k] = pair_i[k] != cde_pkg::PAIR_RAY_TRIANGLE && pair_i[k] != cde_pkg::PAIR_RAY_CYLINDER && pair_i[k] != cde_pkg::PAIR_RAY_SPHERE;
+    end
   end
 
   // ---- Lanes ----
@@ -140,39 +158,50 @@ module cde #(
   assign result_row = ROW_W'(32'(result_primary_i) / 32'(LANES));
   assign result_lane = LANE_W'(32'(result_primary_i) % 32'(LANES));
   assign lane = result_i ? result_lane : lane_i;
-  logic [GROUPS-1:0][HITS_W-1:0] new_hits;
-  logic [GROUPS-1:0][31:0] result_index;
-  logic [GROUPS-1:0][CW-1:0] result_t;
-  logic [GROUPS-1:0][POINTS-1:0][CW-1:0] result_point;
+  logic [PORTS-1:0] result;
+  if (PARALLEL != 0) begin : g_results
+    logic second;
+    assign second = pair_i[1] != cde_pkg::NO_PAIR && result_primary_i >= split_i;
+    assign result = {result_i && second, result_i && !second};
+  end else begin : g_result
+    assign result[0] = result_i;
+  end
+  logic [HITS_W-1:0] new_hits[GROUPS];
+  logic [31:0] result_index[GROUPS];
+  logic [CW-1:0] result_t[GROUPS];
+  logic [POINTS-1:0][CW-1:0] result_point[GROUPS];
   for (genvar g = 0; g < GROUPS; g++) begin : group
     logic asked;
-    logic [N_PAIRS-1:0][15:0] latency;
+    logic [N_PAIRS-1:0][15:0] latency_pipes;
     assign asked = 32'(lane) / 32'(GROUP) == 32'(g);
 `ifndef SYNTHESIS
-    always_ff @(posedge clk_i) assert (latency == group[0].latency) else $error("cde: groups of different latency");
+    always_ff @(posedge clk_i) assert (latency_pipes == group[0].latency_pipes) else $error("cde: groups of different latency");
 `endif
     lane_group #(
         .EXP(EXP), .MAN(MAN), .LANES(GROUP), .ROWS(ROWS), .FIFO_DEPTH(FIFO_DEPTH), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM),
-        .SWAP(SWAP), .NORMALS(NORMALS), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP),
-        .ARITH(ARITH)
+        .SWAP(SWAP), .NORMALS(NORMALS), .PARALLEL(PARALLEL), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
+        .LAT_CMP(LAT_CMP), .ARITH(ARITH)
     ) lanes (
         .clk_i, .clk_prim_i(clk_prim), .prim_write_i(prim_commit && 32'(prim_lane) / 32'(GROUP) == 32'(g)), .prim_row_i(prim_row),
         .prim_lane_i(GLANE_W'(prim_lane)), .prim_slot_i(prim_slot), .clear_i, .clear_row_i, .clear_mask_i(clear_mask_i[g*GROUP+:GROUP]),
-        .clear_bad_i(prim_bad_o[32'(clear_row_i)*LANES+g*GROUP+:GROUP]), .pair_i, .gap_i(gap_o), .swap_i, .clk_pipe_i(clk_pipe), .row_i(row_in), .secondary_i(secondary),
-        .latency_o(latency),
-        .valid_i(valid_o), .row_out_i(row_o), .parity_i(parity), .index_i(index_o), .secondary_bad_i(secondary_bad), .mode_i, .streaming_i,
+        .clear_bad_i(prim_bad_o[32'(clear_row_i)*LANES+g*GROUP+:GROUP]), .pair_i(pair_i[PORTS-1:0]), .gap_i(gap_o[PORTS-1:0]), .swap_i(swap_i[PORTS-1:0]), .clk_pipe_i(clk_pipe), .row_i(row_in), .secondary_i(secondary),
+        .latency_o(latency_pipes),
+        .valid_i(valid_o[PORTS-1:0]), .row_out_i(row_out), .parity_i(parity), .index_i(index), .secondary_bad_i(secondary_bad), .mode_i, .streaming_i,
         .new_hits_o(new_hits[g]), .f_o(f_o[g*GROUP+:GROUP]), .bad_o(bad_o[g*GROUP+:GROUP]), .unmasked_o(unmasked_o[g*GROUP+:GROUP]),
-        .push_i, .write_i, .read_i(read_i && asked), .head_i, .result_i(result_i && asked), .result_row_i(result_row), .result_parity_i,
+        .push_i, .write_i, .read_i(read_i && asked), .head_i, .result_i(result & {PORTS{asked}}), .result_row_i(result_row), .result_parity_i,
         .lane_i(GLANE_W'(lane)), .result_index_o(result_index[g]), .result_t_o(result_t[g]), .result_point_o(result_point[g]));
   end
-  assign pipe_latency = group[0].latency[MANY ? int'(pair_i) : $clog2(PAIRS)];
+  for (genvar k = 0; k < PORTS; k++) begin : latency_of
+    assign pipe_latency[k] = (k > 0 && pair_i[k] == cde_pkg::NO_PAIR) ? 16'd1 : group[0].latency_pipes[MANY ? int'(pair_i[k]) : $clog2(PAIRS)];
+  end
   always_comb begin
     new_hits_o = '0;
     result_index_o = '0;
     result_t_o = '0;
     result_point_o = '0;
-    for (int g = 0; g < GROUPS; g++) begin
-      new_hits_o = new_hits_o + (PRIM_W + 1)'(new_hits[g]);
+    for (int g = 0; g < GROUPS; g++) new_hits_o = new_hits_o + (PRIM_W + 1)'(new_hits[g]);
+    // Zeros while nothing is read; the condition is for simulation.
+    if (result_i || read_i) for (int g = 0; g < GROUPS; g++) begin
       result_index_o = result_index_o | result_index[g];
       result_t_o = result_t_o | result_t[g];
       result_point_o = result_point_o | result_point[g];

@@ -1,6 +1,6 @@
 // Sequencer of a pass: clear the update buffers, sweep every secondary over the rows of primaries, let the pipe drain, write the
 // results back, report done. A row enters the pipe when a secondary is there and, in the streaming modes, a credit of the
-// output FIFO is left.
+// output FIFO is left. With a second pair a row of its primaries enters its pipe in the same clock.
 // Throughput: one row a clock without bubbles while secondaries and credits last.
 module engine_control #(
     parameter int LANES = 16,
@@ -15,11 +15,12 @@ module engine_control #(
     input logic go_i,
     input logic abort_i,
     input logic [2:0] mode_i,
-    input logic [3:0] pair_i,
-    input logic swap_i,
+    input logic [1:0][3:0] pair_i,  // the first pair, the second or NO_PAIR
+    input logic [1:0] swap_i,
+    input logic [PRIM_W-1:0] split_i,  // where the primaries of the second begin
     output logic [2:0] mode_o,  // of the pass, from go on
-    output logic [3:0] pair_o,
-    output logic swap_o,
+    output logic [1:0][3:0] pair_o,
+    output logic [1:0] swap_o,
     input logic primaries_busy_i,  // primaries are being checked
     input logic [PRIM_W:0] prim_count_i,
     input logic [PRIMARIES-1:0] active_i,  // present and not masked
@@ -39,10 +40,10 @@ module engine_control #(
     input logic secondary_idle_i,
     output logic secondary_pop_o,
 
-    output logic issue_o,
-    output logic [ROW_W-1:0] issue_row_o,
+    output logic [1:0] issue_o,  // to the pipe of the first pair, of the second
+    output logic [1:0][ROW_W-1:0] issue_row_o,
     output logic issue_parity_o,
-    input logic retire_i,             // a row left the pipe
+    input logic [1:0] retire_i,       // a row left the pipe
     input logic [PRIM_W:0] new_hits_i,
     input logic [1:0] credit_i,
     input logic fifo_empty_i,
@@ -59,15 +60,18 @@ module engine_control #(
   typedef enum logic [2:0] {IDLE, CLEAR, SWEEP, DRAIN, WRITEBACK, FLUSH} state_e;
   state_e state_q;
   logic [ROW_W-1:0] row_q;
-  logic [ROW_W:0] rows;  // rows in use
+  logic [ROW_W:0] rows, first_rows, second_rows, longer;  // rows in use
   logic parity_q, stop_q;
   logic [PRIMARIES-1:0] pending_q, lowest;
   logic [PRIM_W:0] missing_q;                        // active primaries without a hit, for mode any
   logic [15:0] in_flight_q;
   logic [$clog2(FIFO_DEPTH):0] credits_q;
-  logic last_row, has_credit, all_hit;
+  logic enter, last_row, has_credit, all_hit;
 
   assign rows = (ROW_W + 1)'((32'(prim_count_i) + 32'(LANES - 1)) / 32'(LANES));
+  assign first_rows = (pair_o[1] == cde_pkg::NO_PAIR) ? rows : (ROW_W + 1)'(32'(split_i) / 32'(LANES));
+  assign second_rows = rows - first_rows;
+  assign longer = (first_rows > second_rows) ? first_rows : second_rows;
   assign busy_o = state_q != IDLE;
   assign flush_o = abort_i || state_q == FLUSH;
   assign streaming_mode_o = mode_o == cde_pkg::MODE_ALL || mode_o == cde_pkg::MODE_HITS;
@@ -76,13 +80,14 @@ module engine_control #(
   assign clear_row_o = row_q;
   assign clear_mask_o = ~active_i[32'(row_q)*LANES+:LANES];
 
-  assign last_row = (ROW_W + 1)'(row_q) + 1'b1 == rows;
+  assign last_row = (ROW_W + 1)'(row_q) + 1'b1 == longer;
   assign has_credit = !streaming_mode_o || credits_q != 0;
   assign all_hit = mode_o == cde_pkg::MODE_ANY && missing_q == 0;
-  assign issue_o = state_q == SWEEP && secondary_valid_i && has_credit && !stop_q;
-  assign issue_row_o = row_q;
+  assign enter = state_q == SWEEP && secondary_valid_i && has_credit && !stop_q;
+  assign issue_o = {enter && (ROW_W + 1)'(row_q) < second_rows, enter && (ROW_W + 1)'(row_q) < first_rows};
+  assign issue_row_o = {row_q + ROW_W'(first_rows), row_q};
   assign issue_parity_o = parity_q;
-  assign secondary_pop_o = issue_o && last_row;
+  assign secondary_pop_o = enter && last_row;
   assign fetch_start_o = clear_o && row_q == 0 && !abort_i;
   assign fetch_stop_o = state_q == SWEEP && stop_q || abort_i;
   assign bubble_o = state_q == SWEEP && !secondary_valid_i && !stop_q;
@@ -94,8 +99,8 @@ module engine_control #(
   assign done_o = state_q == WRITEBACK && pending_q == 0 && fifo_empty_i && sram_idle_i;
 
   always_ff @(posedge clk_i) begin
-    in_flight_q <= in_flight_q + 16'(issue_o) - 16'(retire_i);
-    credits_q <= credits_q + ($clog2(FIFO_DEPTH) + 1)'(credit_i) - ($clog2(FIFO_DEPTH) + 1)'(issue_o && streaming_mode_o);
+    in_flight_q <= in_flight_q + 16'($countones(issue_o)) - 16'($countones(retire_i));
+    credits_q <= credits_q + ($clog2(FIFO_DEPTH) + 1)'(credit_i) - ($clog2(FIFO_DEPTH) + 1)'(enter && streaming_mode_o);
     missing_q <= missing_q - new_hits_i;
     case (state_q)
       IDLE: begin
@@ -119,7 +124,7 @@ module engine_control #(
         end
       end
       SWEEP: begin
-        if (issue_o) row_q <= last_row ? '0 : row_q + 1;
+        if (enter) row_q <= last_row ? '0 : row_q + 1;
         if (secondary_pop_o) begin
           parity_q <= ~parity_q;
           // Mode any ends between two secondaries, so that every row has met the same ones.
@@ -149,7 +154,7 @@ module engine_control #(
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i)
     if (!rst_i) begin
-      assert (!(retire_i && in_flight_q == 0)) else $error("engine_control: a row left the pipe that never entered");
+      assert (16'($countones(retire_i)) <= in_flight_q) else $error("engine_control: a row left the pipe that never entered");
       assert (!(go_i && busy_o)) else $error("engine_control: go while busy");
     end
 `endif

@@ -21,6 +21,7 @@ module issue_history #(
   assign valid_o = valid_mem[then_o];
   assign q_o = mem[then_o];
   always_ff @(posedge clk_i) begin
+    valid_mem[then_o] <= 0;  // read once, also when the latency grows between two passes
     valid_mem[now_q] <= valid_i;
     if (valid_i) mem[now_q] <= d_i;
     now_q <= now_q + 1;

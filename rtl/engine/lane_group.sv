@@ -12,6 +12,7 @@ module lane_group #(
     parameter int ALGORITHM = 0,  // of ray-triangle
     parameter int SWAP = 0,       // roles of primary and secondary can be exchanged
     parameter int NORMALS = 0,    // records have normals
+    parameter int PARALLEL = 0,   // two pairs at a time
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -22,11 +23,13 @@ module lane_group #(
     localparam int PRIM_WORDS = cde_pkg::slot_words(PAIRS, 1, SWAP != 0),
     localparam int SEC_WORDS = cde_pkg::slot_words(PAIRS, 0, SWAP != 0),
     localparam int N_PAIRS = cde_pkg::PAIRS,
+    localparam int PORTS = 1 + PARALLEL,  // pairs in a pass
     localparam int POINTS = (NORMALS != 0) ? 6 : 3,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
     localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1,
     localparam int FIFO_W = $clog2(FIFO_DEPTH),
-    localparam int HITS_W = $clog2(LANES + 1)
+    localparam int HITS_W = $clog2(LANES + 1),
+    localparam int SUM_W = HITS_W + PARALLEL
 ) (
     input logic clk_i,
     input logic clk_prim_i,  // runs while a primary is written
@@ -41,22 +44,22 @@ module lane_group #(
     input logic [LANES-1:0] clear_mask_i /*verilator public_flat_rd*/,
     input logic [LANES-1:0] clear_bad_i /*verilator public_flat_rd*/,  // primaries out of contract
 
-    input logic [3:0] pair_i,  // of the pass
-    input logic gap_i,   // a pair of solids: T is the size of a signed gap
-    input logic swap_i,
+    input logic [PORTS-1:0][3:0] pair_i,  // of the pass
+    input logic [PORTS-1:0] gap_i,        // a pair of solids: T is the size of a signed gap
+    input logic [PORTS-1:0] swap_i,
     input logic [N_PAIRS-1:0] clk_pipe_i,  // each runs while its pipe is used
-    input logic [ROW_W-1:0] row_i,  // row and secondary that enter the datapath
-    input logic [SEC_WORDS-1:0][CW-1:0] secondary_i,
+    input logic [PORTS-1:0][ROW_W-1:0] row_i,  // row and secondary that enter the datapath
+    input logic [PORTS-1:0][SEC_WORDS-1:0][CW-1:0] secondary_i,
     output logic [N_PAIRS-1:0][15:0] latency_o,
 
-    input logic valid_i,  // the row whose results leave it
-    input logic [ROW_W-1:0] row_out_i,
-    input logic parity_i,
-    input logic [31:0] index_i,
-    input logic secondary_bad_i,
+    input logic [PORTS-1:0] valid_i,  // the row whose results leave it
+    input logic [PORTS-1:0][ROW_W-1:0] row_out_i,
+    input logic [PORTS-1:0] parity_i,
+    input logic [PORTS-1:0][31:0] index_i,
+    input logic [PORTS-1:0] secondary_bad_i,
     input logic [2:0] mode_i,
     input logic streaming_i,
-    output logic [HITS_W-1:0] new_hits_o,
+    output logic [SUM_W-1:0] new_hits_o,
     output logic [LANES-1:0] f_o,  // in the streaming modes
     output logic [LANES-1:0] bad_o,
     output logic [LANES-1:0] unmasked_o,
@@ -65,7 +68,7 @@ module lane_group #(
     input logic [FIFO_W-1:0] write_i,
     input logic read_i /*verilator public_flat_rd*/,  // lane lane_i of FIFO row head_i, else of row result_row_i of the update buffers
     input logic [FIFO_W-1:0] head_i,
-    input logic result_i /*verilator public_flat_rd*/,
+    input logic [PORTS-1:0] result_i /*verilator public_flat_rd*/,
     input logic [ROW_W-1:0] result_row_i,
     input logic result_parity_i,
     input logic [LANE_W-1:0] lane_i,
@@ -74,8 +77,6 @@ module lane_group #(
     output logic [POINTS-1:0][CW-1:0] result_point_o  // CP and, with normals, n
 );
   /*verilator no_inline_module*/
-  localparam logic [CW-1:0] QNAN = (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1));
-
   // ---- Primaries: a block RAM a lane and word, read by every pipe ----
   for (genvar k = 0; k < PRIM_WORDS; k++) begin : word
     logic [LANES-1:0][CW-1:0] mem[ROWS];
@@ -97,14 +98,18 @@ module lane_group #(
       logic [S_WORDS-1:0][CW-1:0] secondary;
       logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
       logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b;
+      logic of;  // which of the pass's pairs it is
+      assign of = PARALLEL != 0 && pair_i[PORTS-1] == 4'(p);
       if (MANY) begin : g_register
         always_ff @(posedge clk_pipe_i[p]) begin
-          row <= row_i;
-          secondary <= secondary_i[S_WORDS-1:0];
+          row <= row_i[of];
+          secondary <= secondary_i[of][S_WORDS-1:0];
         end
       end else begin : g_direct
-        assign row = row_i;
-        assign secondary = secondary_i[S_WORDS-1:0];
+        assign row = row_i[0];
+        assign secondary = secondary_i[0][S_WORDS-1:0];
+        logic unused_of;
+        assign unused_of = of;
       end
       if (SWAP == 0) begin : g_fixed
         logic unused_swap;
@@ -112,14 +117,14 @@ module lane_group #(
       end
       for (genvar k = 0; k < A_WORDS; k++) begin : word_a
         if (SWAP != 0) begin : g_either
-          assign a[k] = swap_i ? {LANES{secondary[k]}} : word[k].mem[row];
+          assign a[k] = swap_i[of] ? {LANES{secondary[k]}} : word[k].mem[row];
         end else begin : g_primary
           assign a[k] = word[k].mem[row];
         end
       end
       for (genvar k = 0; k < B_WORDS; k++) begin : word_b
         if (SWAP != 0) begin : g_either
-          assign b[k] = swap_i ? word[k].mem[row] : {LANES{secondary[k]}};
+          assign b[k] = swap_i[of] ? word[k].mem[row] : {LANES{secondary[k]}};
         end else begin : g_secondary
           assign b[k] = secondary[k];
         end
@@ -135,91 +140,73 @@ module lane_group #(
     end
   end
 
-  logic [LANES-1:0][CW-1:0] f_pipe, t_pipe;
-  logic [2:0][LANES-1:0][CW-1:0] cp_pipe, n_pipe;
-  if (MANY) begin : g_choose
-    logic [LANES-1:0][CW-1:0] f_all[N_PAIRS], t_all[N_PAIRS];
-    logic [2:0][LANES-1:0][CW-1:0] cp_all[N_PAIRS], n_all[N_PAIRS];
-    for (genvar p = 0; p < N_PAIRS; p++) begin : from
-      if (((PAIRS >> p) & 1) != 0) begin : g_there
-        assign f_all[p] = pair[p].g_there.f;
-        assign t_all[p] = pair[p].g_there.t;
-        assign cp_all[p] = pair[p].g_there.cp;
-        assign n_all[p] = pair[p].g_there.n;
-      end else begin : g_absent
-        assign f_all[p] = '0;
-        assign t_all[p] = '0;
-        assign cp_all[p] = '0;
-        assign n_all[p] = '0;
+  // ---- Results of each of the pass's pairs ----
+  logic [LANES-1:0] f_stream[PORTS], bad_stream[PORTS], unmasked_stream[PORTS];
+  logic [LANES-1:0][CW-1:0] t[PORTS];
+  logic [POINTS-1:0][LANES-1:0][CW-1:0] point[PORTS];  // CP and, with normals, n
+  logic [PORTS-1:0][31:0] kept_index;
+  logic [PORTS-1:0][CW-1:0] kept_t;
+  logic [PORTS-1:0][POINTS-1:0][CW-1:0] kept_point;
+  logic [PORTS-1:0][HITS_W-1:0] new_hits;
+  for (genvar k = 0; k < PORTS; k++) begin : port
+    logic [LANES-1:0][CW-1:0] f_pipe, t_pipe;
+    logic [2:0][LANES-1:0][CW-1:0] cp_pipe, n_pipe;
+    if (MANY) begin : g_choose
+      logic [LANES-1:0][CW-1:0] f_all[N_PAIRS], t_all[N_PAIRS];
+      logic [2:0][LANES-1:0][CW-1:0] cp_all[N_PAIRS], n_all[N_PAIRS];
+      for (genvar p = 0; p < N_PAIRS; p++) begin : from
+        if (((PAIRS >> p) & 1) != 0) begin : g_there
+          assign f_all[p] = pair[p].g_there.f;
+          assign t_all[p] = pair[p].g_there.t;
+          assign cp_all[p] = pair[p].g_there.cp;
+          assign n_all[p] = pair[p].g_there.n;
+        end else begin : g_absent
+          assign f_all[p] = '0;
+          assign t_all[p] = '0;
+          assign cp_all[p] = '0;
+          assign n_all[p] = '0;
+        end
       end
+      assign f_pipe = f_all[pair_i[k]];
+      assign t_pipe = t_all[pair_i[k]];
+      assign cp_pipe = cp_all[pair_i[k]];
+      assign n_pipe = n_all[pair_i[k]];
+    end else begin : g_only
+      localparam int ONLY = $clog2(PAIRS);
+      logic unused_pair;
+      assign unused_pair = &{1'b0, pair_i, clk_pipe_i[ONLY]};
+      assign f_pipe = pair[ONLY].g_there.f;
+      assign t_pipe = pair[ONLY].g_there.t;
+      assign cp_pipe = pair[ONLY].g_there.cp;
+      assign n_pipe = pair[ONLY].g_there.n;
     end
-    assign f_pipe = f_all[pair_i];
-    assign t_pipe = t_all[pair_i];
-    assign cp_pipe = cp_all[pair_i];
-    assign n_pipe = n_all[pair_i];
-  end else begin : g_only
-    localparam int ONLY = $clog2(PAIRS);
-    logic unused_pair;
-    assign unused_pair = &{1'b0, pair_i, clk_pipe_i[ONLY]};
-    assign f_pipe = pair[ONLY].g_there.f;
-    assign t_pipe = pair[ONLY].g_there.t;
-    assign cp_pipe = pair[ONLY].g_there.cp;
-    assign n_pipe = pair[ONLY].g_there.n;
+    lane_results #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ROWS(ROWS), .NORMALS(NORMALS)) results (
+        .clk_i, .clear_i, .clear_row_i, .clear_mask_i, .clear_bad_i, .gap_i(gap_i[k]), .mode_i, .streaming_i,
+        .valid_i(valid_i[k]), .row_i(row_out_i[k]), .parity_i(parity_i[k]), .index_i(index_i[k]), .secondary_bad_i(secondary_bad_i[k]),
+        .f_i(f_pipe), .t_i(t_pipe), .cp_i(cp_pipe), .n_i(n_pipe), .new_hits_o(new_hits[k]), .f_o(f_stream[k]), .bad_o(bad_stream[k]),
+        .unmasked_o(unmasked_stream[k]), .t_o(t[k]), .point_o(point[k]), .result_i(result_i[k]), .result_row_i, .result_lane_i(lane_i),
+        .result_parity_i, .result_index_o(kept_index[k]), .result_t_o(kept_t[k]), .result_point_o(kept_point[k]));
   end
 
-  // ---- Bad input: F = 0, T and CP are NaN ----
-  logic [LANES-1:0] unmasked_mem[ROWS];  // for the streaming modes, as bits
-  logic [LANES-1:0][CW-1:0] bad_mem[ROWS], clear_bad, bad, f, t;
-  always_comb begin
-    clear_bad = '0;
-    if (clear_i) for (int l = 0; l < LANES; l++) clear_bad[l] = {CW{clear_bad_i[l]}};
-  end
-  always_ff @(posedge clk_i)
-    if (clear_i) begin
-      bad_mem[clear_row_i] <= clear_bad;
-      unmasked_mem[clear_row_i] <= ~clear_mask_i;
-    end
-  logic [LANES-1:0][CW-1:0] bad_row, bad_secondary;
-  assign bad_row = bad_mem[row_out_i];
-  assign bad_secondary = {(LANES * CW) {secondary_bad_i}};
-  assign bad = bad_row | bad_secondary;
-  assign f = f_pipe & ~bad;
-  lane_select #(.CW(CW), .LANES(LANES)) select_t (.m_i(bad), .a_i({LANES{QNAN}}), .b_i(t_pipe), .r_o(t));
-  logic [POINTS-1:0][LANES-1:0][CW-1:0] point_pipe, point;  // CP and, with normals, n
-  if (NORMALS != 0) begin : g_normals
-    assign point_pipe = {n_pipe, cp_pipe};
-  end else begin : g_no_normals
-    logic unused_n;
-    assign unused_n = &{1'b0, n_pipe};
-    assign point_pipe = cp_pipe;
-  end
-  for (genvar k = 0; k < POINTS; k++) begin : axis
-    logic [LANES-1:0][CW-1:0] masked;
-    lane_select #(.CW(CW), .LANES(LANES)) select_point (.m_i(bad), .a_i({LANES{QNAN}}), .b_i(point_pipe[k]), .r_o(masked));
-    assign point[k] = masked;
-  end
-
-  // ---- Results ----
-  logic [CW-1:0] kept_t, fifo_t;
-  logic [POINTS-1:0][CW-1:0] kept_point, fifo_point;
-  update_lanes #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ROWS(ROWS), .POINTS(POINTS)) update (
-      .clk_i, .mode_i, .gap_i, .clear_i, .clear_row_i, .clear_mask_i, .valid_i(valid_i && !streaming_i), .row_i(row_out_i), .parity_i,
-      .index_i, .f_i(f), .bad_i(bad), .t_i(t), .point_i(point), .new_hits_o, .result_i, .result_row_i, .result_lane_i(lane_i),
-      .result_parity_i, .result_index_o, .result_t_o(kept_t), .result_point_o(kept_point));
+  // ---- Records of the streaming modes: of the first pair ----
+  logic [CW-1:0] fifo_t;
+  logic [POINTS-1:0][CW-1:0] fifo_point;
   record_lanes #(.CW(CW), .LANES(LANES), .DEPTH(FIFO_DEPTH), .POINTS(POINTS)) records (
-      .clk_i, .push_i, .write_i, .t_i(t), .point_i(point), .read_i, .head_i, .lane_i, .t_o(fifo_t), .point_o(fifo_point));
-  assign result_t_o = kept_t | fifo_t;
-  assign result_point_o = kept_point | fifo_point;
-  always_comb begin
-    f_o = '0;
-    bad_o = '0;
-    unmasked_o = '0;
-    if (valid_i && streaming_i) begin
-      unmasked_o = unmasked_mem[row_out_i];
-      for (int l = 0; l < LANES; l++) begin
-        f_o[l] = f[l][0];
-        bad_o[l] = bad[l][0];
-      end
-    end
+      .clk_i, .push_i, .write_i, .t_i(t[0]), .point_i(point[0]), .read_i, .head_i, .lane_i, .t_o(fifo_t), .point_o(fifo_point));
+  assign f_o = f_stream[0];
+  assign bad_o = bad_stream[0];
+  assign unmasked_o = unmasked_stream[0];
+  if (PARALLEL != 0) begin : g_two
+    logic unused_stream;
+    assign unused_stream = &{1'b0, f_stream[1], bad_stream[1], unmasked_stream[1], t[1], point[1]};
+    assign new_hits_o = SUM_W'(new_hits[0]) + SUM_W'(new_hits[1]);
+    assign result_index_o = kept_index[0] | kept_index[1];
+    assign result_t_o = kept_t[0] | kept_t[1] | fifo_t;
+    assign result_point_o = kept_point[0] | kept_point[1] | fifo_point;
+  end else begin : g_one
+    assign new_hits_o = SUM_W'(new_hits[0]);
+    assign result_index_o = kept_index[0];
+    assign result_t_o = kept_t[0] | fifo_t;
+    assign result_point_o = kept_point[0] | fifo_point;
   end
 endmodule

@@ -9,6 +9,7 @@ module primary_regfile #(
     parameter int PRIMARIES = 256,
     parameter int PAIRS = 1,
     parameter int SWAP = 0,
+    parameter int PARALLEL = 0,
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_CMP = 1,
@@ -23,13 +24,14 @@ module primary_regfile #(
     input logic clk_i,       // of the bus, gated
     input logic clk_core_i,
     input logic rst_i,
-    input logic [3:0] pair_i,
-    input logic swap_i,
+    input logic [1:0][3:0] pair_i,  // of the primaries below split_i, of the others
+    input logic [1:0] swap_i,
+    input logic [PRIM_W-1:0] split_i,
     input logic write_i,
     input logic [31:0] write_addr_i,  // byte offset, 8-byte aligned
     input logic [63:0] write_data_i,
 
-    output logic [PRIMARIES-1:0] bad_o,  // primaries out of the pair's contract, or never written
+    output logic [PRIMARIES-1:0] bad_o,  // primaries out of their pair's contract, or never written
     output logic busy_o,                 // verdicts are on their way
     output logic commit_o,  // a slot is complete: its lane takes it at the next clock
     output logic [ROW_W-1:0] row_o,
@@ -99,7 +101,17 @@ module primary_regfile #(
       assign verdicts[shape] = '1;
     end
   end
-  logic [2:0] shape_now;
-  assign shape_now = 3'(swap_i ? cde_pkg::secondary_shape(int'(pair_i)) : cde_pkg::primary_shape(int'(pair_i)));
-  assign bad_o = verdicts[shape_now];
+  logic [1:0][2:0] shape_now;
+  for (genvar k = 0; k < 2; k++) begin : of
+    assign shape_now[k] = 3'(swap_i[k] ? cde_pkg::secondary_shape(int'(pair_i[k])) : cde_pkg::primary_shape(int'(pair_i[k])));
+  end
+  if (PARALLEL != 0) begin : g_two
+    logic [PRIMARIES-1:0] second;
+    always_comb for (int p = 0; p < PRIMARIES; p++) second[p] = pair_i[1] != cde_pkg::NO_PAIR && PRIM_W'(p) >= split_i;
+    assign bad_o = (verdicts[shape_now[0]] & ~second) | (verdicts[shape_now[1]] & second);
+  end else begin : g_one
+    logic unused_second;
+    assign unused_second = &{1'b0, split_i, shape_now[1]};
+    assign bad_o = verdicts[shape_now[0]];
+  end
 endmodule

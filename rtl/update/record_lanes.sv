@@ -22,10 +22,16 @@ module record_lanes #(
   /*verilator inline_module*/
   logic [LANES-1:0][CW-1:0] t_mem[DEPTH];
   always_ff @(posedge clk_i) if (push_i) t_mem[write_i] <= t_i;
-  assign t_o = read_i ? t_mem[head_i][lane_i] : '0;
+  always_comb begin  // not a ternary: simulation would fetch the row in any case
+    t_o = '0;
+    if (read_i) t_o = t_mem[head_i][lane_i];
+  end
   for (genvar k = 0; k < POINTS; k++) begin : point
     logic [LANES-1:0][CW-1:0] mem[DEPTH];
     always_ff @(posedge clk_i) if (push_i) mem[write_i] <= point_i[k];
-    assign point_o[k] = read_i ? mem[head_i][lane_i] : '0;
+    always_comb begin
+      point_o[k] = '0;
+      if (read_i) point_o[k] = mem[head_i][lane_i];
+    end
   end
 endmodule

@@ -127,6 +127,9 @@ module update_lanes #(
   for (genvar k = 0; k < POINTS; k++) begin : point
     logic [LANES-1:0][CW-1:0] kept[ROWS];  // unset while nothing is kept
     always_ff @(posedge clk_i) if (any_hit) kept[row_i] <= (kept[row_i] & ~better) | (point_i[k] & better);
-    assign result_point_o[k] = (result_i && result_index_o != '1) ? kept[result_row_i][result_lane_i] : '0;
+    always_comb begin
+      result_point_o[k] = '0;
+      if (result_i && result_index_o != '1) result_point_o[k] = kept[result_row_i][result_lane_i];
+    end
   end
 endmodule

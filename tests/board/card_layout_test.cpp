@@ -57,6 +57,8 @@ TEST(CardLayout, EqualsThePackage) {
       {"REG_CAPS2", kRegCaps2},
       {"REG_CAPACITY", kRegCapacity},
       {"REG_CONTROL", kRegControl},
+      {"REG_PRIM_SPLIT", kRegPrimSplit},
+      {"NO_PAIR", kNoPair},
       {"REG_STATUS", kRegStatus},
       {"REG_COMMAND", kRegCommand},
       {"REG_PRIM_COUNT", kRegPrimCount},

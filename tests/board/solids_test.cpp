@@ -194,6 +194,53 @@ TEST_P(Solids, SeveralPipesOneAfterTheOther) {
   check_all_modes(board, Pair::kRayTriangle, s.rays, s.triangles, false, false);
 }
 
+/// Rays and spheres meet a mesh in one pass, each in its own pipe: the records of two passes, in
+/// the clocks of the longer one.
+TEST_P(Solids, TwoPipesAtATime) {
+  BoardConfig config = small(GetParam());
+  config.pairs = {Pair::kRayTriangle, Pair::kTriangleSphere};
+  config.swap = config.parallel = true;
+  Board board = Board::open(config);
+  const Scene s = scene();
+  const std::span<const Ray> rays(s.rays);
+  for (const std::size_t spheres : {s.few.size(), std::size_t{3}, s.many.size()}) {
+    const std::vector<Sphere> balls(s.many.begin(),
+                                    s.many.begin() + static_cast<std::ptrdiff_t>(spheres));
+    board.upload_shapes(std::span<const Triangle>(s.triangles), false);
+    for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny}) {
+      Counters of_rays, of_spheres, together;
+      Query query{.mode = mode, .pair = Pair::kRayTriangle};
+      query.stencil.set(2);
+      board.load(rays);
+      std::vector<Record> expected = board.run(query, &of_rays);
+      query.pair = Pair::kTriangleSphere;
+      query.swap = true;
+      board.load_shapes(std::span<const Sphere>(balls));
+      for (Record r : board.run(query, &of_spheres)) {
+        r.primary += static_cast<std::uint32_t>(rays.size());
+        expected.push_back(r);
+      }
+      board.load(rays);
+      board.load_second_shapes(std::span<const Sphere>(balls));
+      query = {.mode = mode,
+               .pair = Pair::kRayTriangle,
+               .second = SecondPair{Pair::kTriangleSphere, true}};
+      query.stencil.set(2).set(rays.size() + 2);
+      compare(board.run(query, &together), expected, mode);
+      EXPECT_EQ(together.bad_primaries, of_rays.bad_primaries + of_spheres.bad_primaries);
+      if (mode == Mode::kAny) continue;  // a pass ends when the last primary has its hit
+      EXPECT_EQ(together.rows, of_rays.rows + of_spheres.rows);
+      // Rows side by side; the deeper pipe drains last, or not if its last row came earlier.
+      const auto rest = [](const Counters& c) { return c.cycles - c.rows; };
+      EXPECT_GE(together.cycles, std::max(of_rays.cycles, of_spheres.cycles));
+      EXPECT_LE(together.cycles, std::max(of_rays.rows, of_spheres.rows) +
+                                     std::max(rest(of_rays), rest(of_spheres)));
+    }
+    // The first pair alone still answers.
+    EXPECT_EQ(board.run({.pair = Pair::kRayTriangle}).size(), rays.size());
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Arithmetic, Solids, ::testing::Values(Arithmetic::kHost, Arithmetic::kRtl),
                          [](const auto& info) {
                            return info.param == Arithmetic::kHost ? "host" : "rtl";
@@ -222,8 +269,67 @@ TEST(SolidsDriver, RefusesWhatDoesNotFit) {
   EXPECT_NE(message({.pair = Pair::kRayTriangle, .normals = true}).find("normals"),
             std::string::npos);
   EXPECT_EQ(board.run({.pair = Pair::kRayTriangle}).size(), s.rays.size());
+  EXPECT_NE(message({.pair = Pair::kRayTriangle, .second = SecondPair{Pair::kSphereSphere}})
+                .find("one pair at a time"),
+            std::string::npos);
+  EXPECT_THROW(board.load_second_shapes(std::span<const Sphere>(s.few)), Error);
   EXPECT_THROW(board.load_shapes(std::span<const Obb>(std::vector<Obb>(1))), Error);
   EXPECT_THROW(board.upload_shapes(std::span<const Sphere>(s.many)), Error) << "a bad sphere";
+}
+
+TEST(SolidsDriver, RefusesSecondPairsThatDoNotFit) {
+  BoardConfig config = small(Arithmetic::kHost);
+  config.pairs = {Pair::kRayTriangle, Pair::kTriangleSphere};
+  config.swap = config.parallel = true;
+  Board board = Board::open(config);
+  const Scene s = scene();
+  const std::vector<Sphere> balls(s.few.begin(), s.few.begin() + 4);
+  const auto refused = [&](const Query& query, const char* why) {
+    try {
+      (void)board.run(query);
+      ADD_FAILURE() << "not refused: " << why;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::kUsage);
+      EXPECT_NE(std::string(e.what()).find(why), std::string::npos) << e.what();
+    }
+  };
+  board.upload(std::vector<Triangle>(s.triangles.begin(), s.triangles.begin() + 5));
+  EXPECT_THROW(board.load_second_shapes(std::span<const Sphere>(balls)), Error) << "no first";
+  board.load(s.rays);
+  Query query{.pair = Pair::kRayTriangle, .second = SecondPair{Pair::kTriangleSphere, true}};
+  refused(query, "no primaries were loaded for the second");
+  EXPECT_THROW(board.load_second_shapes(std::span<const Sphere>(std::vector<Sphere>(250))), Error)
+      << "too many";
+  board.load_second_shapes(std::span<const Sphere>(balls));
+  EXPECT_EQ(board.run(query).size(), s.rays.size() + balls.size());
+  query.mode = Mode::kAll;
+  refused(query, "nearest, farthest or any");
+  query.mode = Mode::kNearest;
+  query.second->swap = false;
+  refused(query, "needs triangles loaded");
+  query.second = SecondPair{Pair::kRayTriangle};
+  refused(query, "not two");
+  query.second = SecondPair{Pair::kObbObb};
+  refused(query, "no pipe for obb-obb");
+  // The card itself refuses what a driver could get wrong.
+  const auto command = [&](std::uint64_t split, std::uint64_t bits) {
+    board.write_register(card::kRegControl, card::kControlClear);
+    board.write_register(card::kRegPrimCount, 44);
+    board.write_register(card::kRegPrimSplit, split);
+    board.write_register(card::kRegSecFirst, 0);
+    board.write_register(card::kRegSecCount, 5);
+    board.write_register(card::kRegCommand, bits | card::kCommandSecond);
+    board.write_register(card::kRegControl, card::kControlGo);
+    return (board.read_register(card::kRegStatus) >> card::kStatusCommandError & 1) != 0;
+  };
+  const std::uint64_t good = card::kCommandSecondSwap | 5 << 16;
+  for (const std::uint64_t split : {0u, 7u, 44u, 48u, ~0u})
+    EXPECT_TRUE(command(split, good)) << split;
+  EXPECT_TRUE(command(40, good | card::kModeAll));
+  EXPECT_TRUE(command(40, card::kCommandSecondSwap | 4 << 16)) << "no such pipe";
+  EXPECT_TRUE(command(40, 5 << 16)) << "other secondaries";
+  EXPECT_FALSE(command(40, good));
+  board.wait(100000);
 }
 
 }  // namespace

@@ -23,6 +23,7 @@ struct BoardConfig {
   Algorithm algorithm = Algorithm::kMoller;        ///< of ray-triangle
   bool swap = false;         ///< passes can exchange the roles of primary and secondary
   bool normals = false;      ///< passes can give normals
+  bool parallel = false;     ///< a pass can use two pipes at a time (Query::second)
   unsigned latency_add = 1;  ///< clocks of an operator, at least 1
   unsigned latency_mul = 1;
   unsigned latency_div = 1;

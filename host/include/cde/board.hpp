@@ -96,11 +96,19 @@ struct Counters {
 /// Takes records as they come off the card, in order, in pieces of any size.
 using RecordSink = std::function<void(std::span<const Record>)>;
 
+/// A second pair for a pass: its pipe works beside the first one's, on the same secondaries and
+/// with primaries of its own (Board::load_second_shapes).
+struct SecondPair {
+  Pair pair = Pair::kRayTriangle;
+  bool swap = false;
+};
+
 struct Query {
   Mode mode = Mode::kNearest;
   std::optional<Pair> pair = {};  ///< which of the card's pipes; by default its only one
   bool swap = false;              ///< the pair's first shape is uploaded, its second one loaded
   bool normals = false;           ///< records have n
+  std::optional<SecondPair> second = {};  ///< BoardConfig::parallel; modes nearest, farthest, any
   Stencil stencil = {};
   std::uint64_t deadline_clocks =
       0;  ///< for one pass; 0: several times what the pass can take at worst
@@ -159,6 +167,15 @@ class Board {
                [&](std::size_t i, float* words) { to_words(shapes[i], slot<P>(words)); });
   }
 
+  /// Primaries of Query::second, behind those of load_shapes() and on rows of their own; the next
+  /// load_shapes() drops them. In records their numbers follow those of the first. Errors: kUsage
+  /// without BoardConfig::parallel, before load_shapes(), or if they do not fit.
+  template <class P>
+  void load_second_shapes(std::span<const P> shapes) {
+    load_second_words(kShapeOf<P>, shapes.size(),
+                      [&](std::size_t i, float* words) { to_words(shapes[i], slot<P>(words)); });
+  }
+
   /// invokeCDE and downloadSRAM: one pass of the loaded rays over all triangles. In modes all and
   /// hits the records are drained while the pass runs, so their number is not limited by SRAM. The
   /// number of records is checked against what the mode promises. Errors: kUsage (nothing loaded or
@@ -208,6 +225,7 @@ class Board {
   void upload_words(Shape shape, std::size_t count, const Words& words,
                     const std::function<std::optional<std::string>(std::size_t)>& defect);
   void load_words(Shape shape, std::size_t count, const Words& words);
+  void load_second_words(Shape shape, std::size_t count, const Words& words);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -15,36 +15,38 @@ enum Space : std::uint32_t {
 
 /// Register offsets in bytes.
 enum Register : std::uint32_t {
-  kRegId = 0x000,           ///< [63:32] kIdMagic, [31:0] kInterfaceVersion
-  kRegCaps = 0x008,         ///< [15:0] lanes, [31:16] primaries, [39:32] exponent bits, [47:40]
-                            ///< fraction bits, [55:48] algorithm
-  kRegConfigHash = 0x010,   ///< hash of parameters and RTL sources
-  kRegCaps2 = 0x018,        ///< [15:0] pipe latency, [47:16] SRAM records, [55:48] container bits
-  kRegCapacity = 0x020,     ///< bytes of DDR
-  kRegControl = 0x028,      ///< write: kControl* bits
-  kRegStatus = 0x030,       ///< kStatus* bits
-  kRegCommand = 0x038,      ///< [2:0] result mode, kCommandSwap, kCommandNormals, [11:8] pair code
-  kRegPrimCount = 0x040,    ///< primaries in the register file
-  kRegSecFirst = 0x048,     ///< first secondary slot
-  kRegSecCount = 0x050,     ///< number of secondaries
-  kRegRecords = 0x058,      ///< records waiting in the SRAM ring
-  kRegFaultAddr = 0x060,    ///< [33:32] space, [31:0] offset of the first refused access
-  kRegWriteback = 0x068,    ///< clocks that wrote the kept records back to SRAM
-  kRegCaps3 = 0x070,        ///< [12:0] pairs in the card, [16] roles can be swapped, [17] normals,
-                            ///< [31:24] words of a primary slot
-  kRegStencil = 0x080,      ///< primaries/64 registers: 1 masks a primary
-  kRegCycles = 0x0C0,       ///< clocks from go to done, without kRegWriteback
-  kRegRows = 0x0C8,         ///< rows issued to the pipe (one row is `lanes` pairs)
-  kRegStalls = 0x0D0,       ///< clocks the pipe mouth waited for output space
-  kRegBubbles = 0x0D8,      ///< clocks the pipe mouth waited for a secondary
-  kRegBadPrim = 0x0E0,      ///< primaries refused as bad input
-  kRegBadSec = 0x0E8,       ///< secondaries refused as bad input
+  kRegId = 0x000,          ///< [63:32] kIdMagic, [31:0] kInterfaceVersion
+  kRegCaps = 0x008,        ///< [15:0] lanes, [31:16] primaries, [39:32] exponent bits, [47:40]
+                           ///< fraction bits, [55:48] algorithm
+  kRegConfigHash = 0x010,  ///< hash of parameters and RTL sources
+  kRegCaps2 = 0x018,       ///< [15:0] pipe latency, [47:16] SRAM records, [55:48] container bits
+  kRegCapacity = 0x020,    ///< bytes of DDR
+  kRegControl = 0x028,     ///< write: kControl* bits
+  kRegStatus = 0x030,      ///< kStatus* bits
+  kRegCommand = 0x038,     ///< [2:0] result mode, kCommand* bits, [11:8] pair code, [19:16] code of
+                           ///< the second pair
+  kRegPrimCount = 0x040,   ///< primaries in the register file
+  kRegSecFirst = 0x048,    ///< first secondary slot
+  kRegSecCount = 0x050,    ///< number of secondaries
+  kRegRecords = 0x058,     ///< records waiting in the SRAM ring
+  kRegFaultAddr = 0x060,   ///< [33:32] space, [31:0] offset of the first refused access
+  kRegWriteback = 0x068,   ///< clocks that wrote the kept records back to SRAM
+  kRegCaps3 = 0x070,       ///< [12:0] pairs in the card, [16] roles can be swapped, [17] normals,
+                           ///< [18] two pairs at a time, [31:24] words of a primary slot
+  kRegPrimSplit = 0x078,   ///< with a second pair: the first of its primaries
+  kRegStencil = 0x080,     ///< primaries/64 registers: 1 masks a primary
+  kRegCycles = 0x0C0,      ///< clocks from go to done, without kRegWriteback
+  kRegRows = 0x0C8,        ///< rows issued to the pipe (one row is `lanes` pairs)
+  kRegStalls = 0x0D0,      ///< clocks the pipe mouth waited for output space
+  kRegBubbles = 0x0D8,     ///< clocks the pipe mouth waited for a secondary
+  kRegBadPrim = 0x0E0,     ///< primaries refused as bad input
+  kRegBadSec = 0x0E8,      ///< secondaries refused as bad input
   kRegSecondaries = 0x0F0,  ///< secondaries swept
   kRegWritten = 0x0F8,      ///< records written to SRAM
 };
 
 inline constexpr std::uint32_t kIdMagic = 0x43444531;
-inline constexpr std::uint32_t kInterfaceVersion = 2;
+inline constexpr std::uint32_t kInterfaceVersion = 3;
 
 /// Bits of kRegControl.
 inline constexpr std::uint64_t kControlGo = 1;
@@ -73,6 +75,9 @@ enum ModeCode : std::uint32_t {
 /// Bits of kRegCommand beside mode and pair code (pair.hpp has those).
 inline constexpr std::uint64_t kCommandSwap = 1 << 4;
 inline constexpr std::uint64_t kCommandNormals = 1 << 5;
+inline constexpr unsigned kNoPair = 15;  ///< no pair's code
+inline constexpr std::uint64_t kCommandSecond = 1 << 12;
+inline constexpr std::uint64_t kCommandSecondSwap = 1 << 13;
 
 /// A slot is the words of its shape, packed in DDR, and padded to whole beats in the primary
 /// register file; a card's primary slot has the words of its largest primary.
