@@ -4,7 +4,7 @@
 module pair_unit #(
     parameter int PAIR = 0,       // cde_pkg::PAIR_*
     parameter int ALGORITHM = 0,  // of ray-triangle, cde_pkg::ALGORITHM_*
-    parameter bit HALF_SPACE = 0,  // of obb-plane: the plane is the solid n.x <= d
+    parameter int HALF_SPACE = 0,  // of obb-plane, 1: the plane is the solid n.x <= d
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 8,
