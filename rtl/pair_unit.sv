@@ -4,6 +4,7 @@
 module pair_unit #(
     parameter int PAIR = 0,       // cde_pkg::PAIR_*
     parameter int ALGORITHM = 0,  // of ray-triangle, cde_pkg::ALGORITHM_*
+    parameter int HALF_SPACE = 0,  // of obb-plane, 1: the plane is the solid n.x <= d
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 8,
@@ -44,8 +45,8 @@ module pair_unit #(
   logic [LANES-1:0][CW-1:0] f_pipe, t_pipe, bad_a, bad_b, bad_check;
   logic [2:0][LANES-1:0][CW-1:0] cp_pipe, n_pipe;
   pair_pipe #(
-      .PAIR(PAIR), .ALGORITHM(ALGORITHM), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
-      .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+      .PAIR(PAIR), .ALGORITHM(ALGORITHM), .HALF_SPACE(HALF_SPACE), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) pipe (.clk_i, .a_i, .b_i, .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe), .latency_o);
   shape_check #(
       .SHAPE(cde_pkg::primary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),

@@ -22,12 +22,15 @@ std::vector<std::string> PairConfig::parameters() const {
     in_range("latency of an operator", latency, 1, 64);
   if (algorithm != Algorithm::kMoller && pair != Pair::kRayTriangle)
     throw Error(ErrorCode::kUsage, fmt::format("{} has no choice of algorithm", name(pair)));
+  if (plane != PlaneSide::kSurface && pair != Pair::kObbPlane)
+    throw Error(ErrorCode::kUsage, fmt::format("{} has no half-space", name(pair)));
   std::vector<std::string> p{
       fmt::format("PAIR={}", static_cast<unsigned>(pair)), fmt::format("EXP={}", format.exp_bits),
       fmt::format("MAN={}", format.man_bits), fmt::format("LANES={}", lanes),
       fmt::format("ARITH={}", arithmetic == Arithmetic::kRtl ? "rtl" : "host")};
   if (pair == Pair::kRayTriangle)
     p.push_back(fmt::format("ALGORITHM={}", static_cast<unsigned>(algorithm)));
+  if (plane == PlaneSide::kHalfSpace) p.emplace_back("HALF_SPACE=1");
   const auto add = [&p](std::string_view key, unsigned value) {
     if (value != 1) p.push_back(fmt::format("{}={}", key, value));
   };

@@ -67,8 +67,9 @@ void sweep(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
 }
 
 template <class S>
-void test_pairs_in(Pair pair, Algorithm algorithm, std::span<const std::uint64_t> a,
-                   std::span<const std::uint64_t> b, std::span<PairResult> r) {
+void test_pairs_in(Pair pair, Algorithm algorithm, PlaneSide plane,
+                   std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
+                   std::span<PairResult> r) {
   using R = BasicRay<S>;
   using T = BasicTriangle<S>;
   using Ball = BasicSphere<S>;
@@ -101,7 +102,9 @@ void test_pairs_in(Pair pair, Algorithm algorithm, std::span<const std::uint64_t
     case Pair::kRayCylinder:
       return CDE_SWEEP(R, BasicCylinder<S>, ray_cylinder);
     case Pair::kObbPlane:
-      return CDE_SWEEP(Box, BasicPlane<S>, obb_plane);
+      return sweep<S, Box, BasicPlane<S>>(a, b, r, [plane](const Box& x, const BasicPlane<S>& y) {
+        return obb_plane<S>(x, y, plane);
+      });
     case Pair::kRaySphere:
       return CDE_SWEEP(R, Ball, ray_sphere);
     case Pair::kSphereObb:
@@ -124,18 +127,22 @@ bool has_pair(Pair pair, Algorithm algorithm) {
 }
 
 void test_pairs(Pair pair, Algorithm algorithm, FpFormat format, std::span<const std::uint64_t> a,
-                std::span<const std::uint64_t> b, std::span<PairResult> results) {
+                std::span<const std::uint64_t> b, std::span<PairResult> results, PlaneSide plane) {
   if (a.size() != results.size() * primary_words(pair) ||
       b.size() != results.size() * secondary_words(pair))
     throw Error(ErrorCode::kUsage,
                 fmt::format("{} pairs of {} need {} and {} words, not {} and {}", results.size(),
                             name(pair), results.size() * primary_words(pair),
                             results.size() * secondary_words(pair), a.size(), b.size()));
-  if (format == FpFormat{8, 23}) return test_pairs_in<float>(pair, algorithm, a, b, results);
-  if (format == FpFormat{11, 52}) return test_pairs_in<double>(pair, algorithm, a, b, results);
-  if (format == FpFormat{5, 10}) return test_pairs_in<Fp<5, 10>>(pair, algorithm, a, b, results);
-  if (format == FpFormat{8, 7}) return test_pairs_in<Fp<8, 7>>(pair, algorithm, a, b, results);
-  if (format == FpFormat{7, 16}) return test_pairs_in<Fp<7, 16>>(pair, algorithm, a, b, results);
+  if (format == FpFormat{8, 23}) return test_pairs_in<float>(pair, algorithm, plane, a, b, results);
+  if (format == FpFormat{11, 52})
+    return test_pairs_in<double>(pair, algorithm, plane, a, b, results);
+  if (format == FpFormat{5, 10})
+    return test_pairs_in<Fp<5, 10>>(pair, algorithm, plane, a, b, results);
+  if (format == FpFormat{8, 7})
+    return test_pairs_in<Fp<8, 7>>(pair, algorithm, plane, a, b, results);
+  if (format == FpFormat{7, 16})
+    return test_pairs_in<Fp<7, 16>>(pair, algorithm, plane, a, b, results);
   throw Error(ErrorCode::kUsage, fmt::format("pairs have no reference in {}", format.name()));
 }
 

@@ -1,5 +1,6 @@
-// Oriented box against plane, which has two sides: H = n.c - d, R = sum of e_i |n.u_i|, s = |H| - R, n from the box to the plane. The
-// box's support point takes sign(0) = 0, which is the centroid of the touching edge or face; CP is s/2 beyond it.
+// Oriented box against plane, which has two sides: H = n.c - d, R = sum of e_i |n.u_i|, s = |H| - R, n from the box to the plane. With
+// HALF_SPACE the plane is the solid n.x <= d: s = H - R, n into it. The box's support point takes sign(0) = 0, which is the centroid of the
+// touching edge or face; CP is s/2 beyond it.
 // F = (s <= 0), T = |s|. 24 add, 28 mul, 4 compare.
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
 `include "dataflow.svh"
@@ -7,6 +8,7 @@ module obb_plane #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
+    parameter bit HALF_SPACE = 0,
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_CMP = 1,
@@ -23,7 +25,8 @@ module obb_plane #(
     output logic [15:0] latency_o  // constant: LATENCY, also with ARITH = "host"
 );
   /*verilator inline_module*/
-  localparam logic [CW-1:0] HALF = ((CW'(1) << (EXP - 1)) - 2) << MAN;
+  localparam logic [CW-1:0] ONE = ((CW'(1) << (EXP - 1)) - 1) << MAN;
+  localparam logic [CW-1:0] HALF = ONE - (CW'(1) << MAN);
 
   `DF_VIN(c, a_i[2:0], 0)
   `DF_VIN(half_extents, a_i[5:3], 0)
@@ -44,14 +47,18 @@ module obb_plane #(
   `DF_PICK(h_z, h, 2)
   `DF_ADD(h_xy, h_x, h_y)
   `DF_ADD(radius, h_xy, h_z)
-  `DF_ABS(distance, height)
+  // Which side of the plane the box is on: its sign. A half-space is always below.
+  localparam int T_up = HALF_SPACE ? `DF_CONSTANT : T_height;
+  `DF_SCALAR up;
+  assign up = HALF_SPACE ? {LANES{ONE}} : height;
+  `DF_MOVE_SIGN(distance, up, height)
   `DF_SUB(s, distance, radius)
 
   // Away from the box's side of the plane.
-  `DF_VFLIP(n_up, height, plane_n)
+  `DF_VFLIP(n_up, up, plane_n)
   `DF_VNEG(n, n_up)
   // The support point along n, in the box's frame.
-  `DF_VFLIP(corner_up, height, half_extents)
+  `DF_VFLIP(corner_up, up, half_extents)
   `DF_VNEG(corner_down, corner_up)
   `DF_VMOVE_SIGN(corner, cosine, corner_down)
   `DF_VEQ(level, cosine, zeros)

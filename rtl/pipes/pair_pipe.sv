@@ -3,6 +3,7 @@
 module pair_pipe #(
     parameter int PAIR = 0,
     parameter int ALGORITHM = 0,  // of ray-triangle, cde_pkg::ALGORITHM_*
+    parameter int HALF_SPACE = 0,  // of obb-plane, 1: the plane is the solid n.x <= d
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
@@ -27,6 +28,7 @@ module pair_pipe #(
     output logic [15:0] latency_o
 );
   /*verilator inline_module*/
+  if (HALF_SPACE != 0 && PAIR != int'(cde_pkg::PAIR_OBB_PLANE)) $error("pair_pipe: HALF_SPACE is of obb-plane");
   `define CDE_FORMAT .EXP(EXP), .MAN(MAN), .LANES(LANES), .ARITH(ARITH)
   `define CDE_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)
   `define CDE_TRIANGLE_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP)
@@ -64,7 +66,7 @@ module pair_pipe #(
   end else if (PAIR == int'(cde_pkg::PAIR_OBB_OBB)) begin : g_pipe
     obb_obb #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(cde_pkg::PAIR_OBB_PLANE)) begin : g_pipe
-    obb_plane #(`CDE_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) pipe (
+    obb_plane #(`CDE_FORMAT, .HALF_SPACE(HALF_SPACE != 0), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) pipe (
         .clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(cde_pkg::PAIR_SPHERE_OBB)) begin : g_pipe
     sphere_obb #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);

@@ -178,6 +178,14 @@ TEST_F(Query, BadOperandsAreNamedAndFlagged) {
   }
 }
 
+// A box deep below a plane: apart from the surface, inside the half-space.
+TEST_F(Query, APlaneMayBeAHalfSpace) {
+  const std::string below = "0,0,-5,1,1,1,1,0,0,0,1,0,0,0,1,0,0,1,0\n";
+  EXPECT_EQ(query({"obb-plane", "-q"}, below).out, kHeader + "0,4,0,0,-2,0,0,1,\n");
+  EXPECT_EQ(query({"obb-plane", "--half-space", "-q"}, below).out,
+            kHeader + "1,6,0,0,-3,-0,-0,-1,\n");
+}
+
 TEST_F(Query, MessagesKeepTheOrderOfLines) {
   const Ran ran =
       query({"sphere-sphere", "-q"}, "0,0,0,-1,0,0,0,1\n0,0,0,x,0,0,0,1\n0,0,0,1,0,0,0,-1\n1\n");
@@ -191,6 +199,7 @@ TEST_F(Query, WrongUsageIsRefused) {
   refused({"sphere-cube"}, "no pair 'sphere-cube'; there are: ray-triangle, obb-obb");
   refused({"ray-triangle", "--algorithm", "mollar"}, "--algorithm is 'mollar'; it must be moller");
   refused({"sphere-sphere", "--algorithm", "badouel"}, "sphere-sphere has no choice of algorithm");
+  refused({"sphere-sphere", "--half-space"}, "sphere-sphere has no half-space");
   refused({"sphere-sphere", "--arith", "gates"}, "--arith is 'gates'; it must be rtl or host");
   refused({"sphere-sphere", "--lanes", "0"}, "lanes is 0, expected 1 to 256");
   refused({"sphere-sphere", "--lanes", "257"}, "lanes is 257, expected 1 to 256");

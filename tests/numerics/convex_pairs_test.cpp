@@ -203,6 +203,37 @@ INSTANTIATE_TEST_SUITE_P(All, ConvexPair,
                            return name;
                          });
 
+// The plane as the solid n.x <= d, against the oracle's half-space: boxes near its surface, and
+// half of them far below it. Above the plane both modes are the same; the normal always points into
+// the solid.
+TEST(ConvexPairHalfSpace, CertificateHolds) {
+  Report report("obb-plane as half-space, seed " + std::to_string(kSeed));
+  int above = 0, deep = 0;
+  for (int i = 0; i < kCases; ++i) {
+    const oracle::Case c = oracle::generate(Pair::kObbPlane, kSeed, i);
+    auto solid = std::get<oracle::Plane>(c.shape_b());
+    solid.half_space = true;
+    const auto a = primitive<BasicObb, float>({c.a.begin(), c.a.end()});
+    const auto b = primitive<BasicPlane, float>({c.b.begin(), c.b.end()});
+    const auto o = reference::obb_plane(a, b, PlaneSide::kHalfSpace);
+    report.add<float>(c.family, o, c.shape_a(), solid, 0x1p-24, c.describe());
+    EXPECT_EQ(o.n, -b.n) << c.describe();
+    const auto surface = reference::obb_plane(a, b);
+    if (surface.n == o.n) {
+      ++above;
+      EXPECT_TRUE(o.f == surface.f && o.t == surface.t && o.cp == surface.cp) << c.describe();
+    } else if (!surface.f) {
+      ++deep;
+      EXPECT_TRUE(o.f) << c.describe();
+    }
+  }
+  const Worst& all = report.finish();
+  EXPECT_LT(all.hits, kCases * 9 / 10);
+  EXPECT_GT(all.in_band, 0);
+  EXPECT_GT(above, kCases / 4);
+  EXPECT_GT(deep, kCases / 10);
+}
+
 constexpr std::array kConvexPairs = {Pair::kSphereSphere, Pair::kTriangleSphere, Pair::kSphereObb,
                                      Pair::kObbPlane,     Pair::kObbObb,         Pair::kTriangleObb,
                                      Pair::kTriangleAabb};

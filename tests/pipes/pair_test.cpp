@@ -1,7 +1,8 @@
 // Every pipe against its mirror reference, bit for bit: cases of the oracle's generators (half of
 // them near the decision), random words, and bad input; rows with and without gaps; both back ends.
 //
-// CDE_PAIRS restricts the run to pairs whose name contains it, CDE_CASES sets the number of cases.
+// CDE_PAIRS restricts the run to pairs whose name contains it, CDE_CASES sets the number of cases,
+// CDE_LANES the number of lanes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,9 +25,31 @@ using cde::PairResult;
 
 constexpr std::uint64_t kSeed = 20261121;
 
+/// As in a test's name: "obb_plane_half_space_fp32_host".
+std::string label(const PairConfig& config) {
+  std::ostringstream text;
+  text << name(config.pair);
+  if (config.pair == Pair::kRayTriangle) text << '_' << name(config.algorithm);
+  if (config.plane == cde::PlaneSide::kHalfSpace) text << "_half_space";
+  text << '_' << config.format.name()
+       << (config.arithmetic == cde::Arithmetic::kRtl ? "_rtl" : "_host");
+  std::string result = text.str();
+  std::replace(result.begin(), result.end(), '-', '_');
+  return result;
+}
+
 struct Operands {
   std::vector<std::uint64_t> a, b;
 };
+
+/// The plane turned over, in the words of the last pair, if the box's centre is under it.
+void face_the_box(const cde::oracle::Case& c, cde::FpFormat f, Operands& o) {
+  float height = -c.b[3];
+  for (std::size_t k = 0; k < 3; ++k) height += c.a[k] * c.b[k];
+  if (height >= 0) return;
+  for (std::size_t k = 0; k < 4; ++k)
+    o.b.end()[-1 - static_cast<std::ptrdiff_t>(k)] ^= f.sign_bit();
+}
 
 /// Operand words in the format: half from the generators, then words with the format's specials and
 /// full range in every slot.
@@ -62,6 +85,8 @@ Operands operands(const PairConfig& config, std::size_t count) {
     };
     push(o.a, c.a);
     push(o.b, c.b);
+    // Of the boxes under a plane, half of the separated pairs, a half-space keeps a quarter.
+    if (config.plane == cde::PlaneSide::kHalfSpace && i % 4 != 0) face_the_box(c, f, o);
   }
   return o;
 }
@@ -95,6 +120,9 @@ std::string describe(const PairResult& r) {
 /// Clocks with operators of one clock, as the references state them; 0 where they do not.
 unsigned stated_latency(const PairConfig& config) {
   constexpr unsigned kRayTriangle[] = {10, 16, 13, 17};  // by Algorithm
+  // Beside the depth in operators, as pairs_convex.md has it: the output register, and what parts
+  // of a facet wait for each other where a triangle meets a box.
+  constexpr unsigned kOutput = 1, kMeet = 4;
   const bool one_clock = config.latency_add == 1 && config.latency_mul == 1 &&
                          config.latency_div == 1 && config.latency_sqrt == 1 &&
                          config.latency_compare == 1;
@@ -105,15 +133,38 @@ unsigned stated_latency(const PairConfig& config) {
     case Pair::kRaySphere:
     case Pair::kRayCylinder:
       return 19;
+    case Pair::kSphereSphere:
+      return 10 + kOutput;
+    case Pair::kTriangleSphere:
+      return 67 + kOutput;
+    case Pair::kSphereObb:
+      return 19 + kOutput;
+    case Pair::kObbPlane:
+      return 11 + kOutput;
+    case Pair::kObbObb:
+      return 98 + kOutput;
+    case Pair::kTriangleObb:
+      return 102 + kMeet + kOutput;
+    case Pair::kTriangleAabb:
+      return 99 + kMeet + kOutput;
     default:
       return 0;
   }
 }
 
-class PairPipe : public ::testing::TestWithParam<PairConfig> {};
+/// What ctest shows beside a test's name.
+struct Parameter : PairConfig {
+  friend void PrintTo(const Parameter& p, std::ostream* out) {
+    for (const std::string& word : p.parameters()) *out << word << ' ';
+  }
+};
+
+class PairPipe : public ::testing::TestWithParam<Parameter> {};
 
 TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
-  const PairConfig config = GetParam();
+  PairConfig config = GetParam();
+  if (const char* lanes = std::getenv("CDE_LANES"); lanes != nullptr)
+    config.lanes = static_cast<unsigned>(std::strtoul(lanes, nullptr, 10));
   const char* only = std::getenv("CDE_PAIRS");
   if (only != nullptr && std::string(name(config.pair)).find(only) == std::string::npos)
     GTEST_SKIP() << "CDE_PAIRS asks for others";
@@ -128,7 +179,8 @@ TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
   }
   const Operands o = operands(config, count);
   std::vector<PairResult> expected(count), got(count);
-  cde::reference::test_pairs(config.pair, config.algorithm, config.format, o.a, o.b, expected);
+  cde::reference::test_pairs(config.pair, config.algorithm, config.format, o.a, o.b, expected,
+                             config.plane);
   const std::uint64_t rows = (count + config.lanes - 1) / config.lanes;
   EXPECT_EQ(unit.test(o.a, o.b, got), rows - 1 + unit.latency()) << "one row a clock";
 
@@ -142,9 +194,8 @@ TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
                     << "\n  reference " << describe(expected[i]);
   }
   EXPECT_EQ(wrong, 0u) << "of " << count;
-  std::printf("%s %s: seed %llu, %zu pairs, %.1f %% hits, %zu bad input, latency %u\n",
-              std::string(name(config.pair)).c_str(), config.format.name().c_str(),
-              static_cast<unsigned long long>(kSeed), count,
+  std::printf("%s: seed %llu, %zu pairs, %.1f %% hits, %zu bad input, latency %u\n",
+              label(config).c_str(), static_cast<unsigned long long>(kSeed), count,
               100.0 * static_cast<double>(hits) / static_cast<double>(count), bad, unit.latency());
   EXPECT_GE(hits, count * 3 / 10);
   EXPECT_LE(hits, count * 7 / 10);
@@ -157,42 +208,36 @@ TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
   EXPECT_EQ(stalled == got, true) << "gaps between rows change results";
 }
 
-std::string test_name(const ::testing::TestParamInfo<PairConfig>& info) {
-  std::ostringstream text;
-  text << name(info.param.pair);
-  if (info.param.pair == Pair::kRayTriangle) text << '_' << name(info.param.algorithm);
-  text << '_' << info.param.format.name()
-       << (info.param.arithmetic == cde::Arithmetic::kRtl ? "_rtl" : "_host");
-  std::string result = text.str();
-  std::replace(result.begin(), result.end(), '-', '_');
-  return result;
+std::string test_name(const ::testing::TestParamInfo<Parameter>& info) {
+  return label(info.param);
 }
 
-std::vector<PairConfig> configurations() {
-  std::vector<PairConfig> all;
+std::vector<Parameter> configurations() {
+  std::vector<Parameter> all;
   for (unsigned p = 0; p < cde::kPairs; ++p)
     for (unsigned a = 0; a < 4; ++a) {
       const auto pair = static_cast<Pair>(p);
       const auto algorithm = static_cast<Algorithm>(a);
       if (!cde::reference::has_pair(pair, algorithm)) continue;
       for (const cde::Arithmetic arithmetic : {cde::Arithmetic::kHost, cde::Arithmetic::kRtl})
-        all.push_back({.pair = pair, .algorithm = algorithm, .arithmetic = arithmetic});
+        all.push_back({{.pair = pair, .algorithm = algorithm, .arithmetic = arithmetic}});
     }
+  for (const cde::Arithmetic arithmetic : {cde::Arithmetic::kHost, cde::Arithmetic::kRtl})
+    all.push_back(
+        {{.pair = Pair::kObbPlane, .plane = cde::PlaneSide::kHalfSpace, .arithmetic = arithmetic}});
   return all;
 }
 
 INSTANTIATE_TEST_SUITE_P(Fp32, PairPipe, ::testing::ValuesIn(configurations()), test_name);
 
-/// The ray pipes in the other formats, on the back end that builds and runs fast.
-std::vector<PairConfig> other_formats() {
-  std::vector<PairConfig> all;
-  for (const PairConfig& config : configurations()) {
-    const bool ray = config.pair == Pair::kRayTriangle || config.pair == Pair::kRaySphere ||
-                     config.pair == Pair::kRayCylinder;
-    if (!ray || config.arithmetic != cde::Arithmetic::kHost) continue;
+/// The other formats, on the back end that builds and runs fast.
+std::vector<Parameter> other_formats() {
+  std::vector<Parameter> all;
+  for (const Parameter& config : configurations()) {
+    if (config.arithmetic != cde::Arithmetic::kHost) continue;
     for (const cde::FpFormat format :
          {cde::FpFormat{5, 10}, cde::FpFormat{8, 7}, cde::FpFormat{7, 16}, cde::FpFormat{11, 52}}) {
-      PairConfig other = config;
+      Parameter other = config;
       other.format = format;
       other.lanes = 2;
       all.push_back(other);
@@ -202,7 +247,7 @@ std::vector<PairConfig> other_formats() {
 }
 
 /// Operators of several clocks, all different: every operand must still meet its partner.
-std::vector<PairConfig> slow_operators() {
+std::vector<Parameter> slow_operators() {
   PairConfig slow{.lanes = 2,
                   .arithmetic = cde::Arithmetic::kRtl,
                   .latency_add = 2,
@@ -210,16 +255,16 @@ std::vector<PairConfig> slow_operators() {
                   .latency_div = 7,
                   .latency_sqrt = 11,
                   .latency_compare = 4};
-  std::vector<PairConfig> all;
+  std::vector<Parameter> all;
   for (const Algorithm algorithm :
        {Algorithm::kBadouel, Algorithm::kPluecker, Algorithm::kWatertight}) {
     slow.algorithm = algorithm;
-    all.push_back(slow);
+    all.push_back({slow});
   }
   slow.algorithm = Algorithm::kMoller;
   for (const Pair pair : {Pair::kRaySphere, Pair::kRayCylinder}) {
     slow.pair = pair;
-    all.push_back(slow);
+    all.push_back({slow});
   }
   return all;
 }

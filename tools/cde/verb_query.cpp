@@ -30,7 +30,7 @@ constexpr std::size_t kBatch = 65536;  // pairs, at most, between two runs of th
 struct Options {
   std::string pair, algorithm = "moller", format = "fp32", arithmetic = "host", budget;
   unsigned lanes = PairConfig{}.lanes;
-  bool bits = false, check = true, json = false, quiet = false;
+  bool half_space = false, bits = false, check = true, json = false, quiet = false;
 };
 
 struct Totals {
@@ -88,6 +88,7 @@ void check_budget(const std::string& text, Pair pair) {
 PairConfig configuration(const Options& o) {
   PairConfig config{.pair = pair_named(o.pair),
                     .algorithm = algorithm_named(o.algorithm),
+                    .plane = o.half_space ? PlaneSide::kHalfSpace : PlaneSide::kSurface,
                     .format = FpFormat::parse(o.format),
                     .lanes = o.lanes};
   if (o.arithmetic != "host" && o.arithmetic != "rtl")
@@ -258,7 +259,8 @@ class Query {
 
   void compare() {
     expected_.resize(results_.size());
-    reference::test_pairs(config_.pair, config_.algorithm, config_.format, a_, b_, expected_);
+    reference::test_pairs(config_.pair, config_.algorithm, config_.format, a_, b_, expected_,
+                          config_.plane);
     totals_.compared += results_.size();
     const auto [got, wanted] = std::mismatch(results_.begin(), results_.end(), expected_.begin());
     if (got != results_.end()) report(static_cast<std::size_t>(got - results_.begin()));
@@ -287,9 +289,10 @@ class Query {
                 fmt::format("line {}: the card's answer differs from the reference\n"
                             "  A         {}\n  B         {}\n  card      {}\n  reference {}\n"
                             "repeat with: yes {},{} | head -n {} | cde query {} --algorithm {} "
-                            "--format {} --arith {} --lanes {}",
+                            "--format {} --arith {} --lanes {}{}",
                             line, a, b, shown(results_[i]), shown(expected_[i]), a, b, o_.lanes,
-                            o_.pair, o_.algorithm, o_.format, o_.arithmetic, o_.lanes));
+                            o_.pair, o_.algorithm, o_.format, o_.arithmetic, o_.lanes,
+                            o_.half_space ? " --half-space" : ""));
   }
 
   static std::span<const std::uint64_t> operand(std::span<const std::uint64_t> all, std::size_t i,
@@ -361,6 +364,7 @@ nlohmann::ordered_json as_json(const Options& o, const Totals& t) {
   return {{"pair", o.pair},
           {"algorithm", o.pair == "ray-triangle" ? nlohmann::ordered_json(o.algorithm)
                                                  : nlohmann::ordered_json()},
+          {"half_space", o.half_space},
           {"format", o.format},
           {"arithmetic", o.arithmetic},
           {"lanes", o.lanes},
@@ -380,8 +384,10 @@ void print_summary(const Options& o, const Totals& t) {
     fmt::print(stderr, "{:<16} {}\n", name, value);
   };
   row("pair", fmt::format("{}{}, {}, {} arithmetic, {} lanes", o.pair,
-                          o.pair == "ray-triangle" ? " by " + o.algorithm : "", o.format,
-                          o.arithmetic, o.lanes));
+                          o.pair == "ray-triangle" ? " by " + o.algorithm
+                          : o.half_space           ? " of a half-space"
+                                                   : "",
+                          o.format, o.arithmetic, o.lanes));
   row("pairs", fmt::format("{}, {} bad, and {} malformed line{}", t.pairs, t.bad, t.malformed,
                            t.malformed == 1 ? "" : "s"));
   row("hits", fmt::to_string(t.hits));
@@ -419,6 +425,8 @@ void add_query(CLI::App& app) {
   verb->add_option("--algorithm", o->algorithm,
                    "Of ray-triangle: moller, badouel, pluecker or watertight")
       ->capture_default_str();
+  verb->add_flag("--half-space", o->half_space,
+                 "Of obb-plane: the plane bounds the solid half-space n.x <= d");
   verb->add_option("--format", o->format, "fp16, bf16, fp24, fp32 or fp64")->capture_default_str();
   verb->add_option("--arith", o->arithmetic, "host (the FPU, fast) or rtl (gates); same bits")
       ->capture_default_str();

@@ -26,6 +26,12 @@ inline constexpr unsigned kPairs = 13;
 
 enum class Algorithm : unsigned { kMoller, kBadouel, kPluecker, kWatertight };  ///< of ray-triangle
 
+/// What the plane of obb-plane bounds.
+enum class PlaneSide : unsigned {
+  kSurface,    ///< the plane itself, with two sides
+  kHalfSpace,  ///< the points with n.x <= d
+};
+
 /// "ray-triangle", "obb-obb" and so on.
 [[nodiscard]] std::string_view name(Pair pair);
 [[nodiscard]] std::string_view name(Algorithm algorithm);

@@ -18,6 +18,7 @@ namespace cde {
 struct PairConfig {
   Pair pair = Pair::kRayTriangle;
   Algorithm algorithm = Algorithm::kMoller;  ///< of ray-triangle only
+  PlaneSide plane = PlaneSide::kSurface;     ///< of obb-plane only
   FpFormat format = {8, 23};
   unsigned lanes = 8;  ///< pairs a clock, 1 to 256
   Arithmetic arithmetic = Arithmetic::kHost;

@@ -1,14 +1,9 @@
 #pragma once
+#include "cde/pair.hpp"
 #include "cde/reference/check.hpp"
 #include "cde/reference/convex/closest_point.hpp"
 
 namespace cde::reference {
-
-/// What a plane bounds.
-enum class PlaneSide {
-  kSurface,    ///< the plane itself, with two sides
-  kHalfSpace,  ///< the points with n.x <= d
-};
 
 namespace convex {
 
@@ -19,7 +14,7 @@ template <typename S>
 }
 
 /// Oriented box against plane: H = n.c - d, R = sum of e_i |n.u_i|; s = |H| - R for the surface,
-/// H - R for the half-space (a mode bit of the pipe). The box's support point takes sign(0) = 0,
+/// H - R for the half-space (a parameter of the pipe). The box's support point takes sign(0) = 0,
 /// which is the centroid of the touching edge or face. 24 add 28 mul, no divider.
 template <typename S>
 [[nodiscard]] Outcome<S> obb_plane(const BasicObb<S>& a, const BasicPlane<S>& b, PlaneSide mode) {
