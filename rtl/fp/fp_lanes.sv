@@ -25,8 +25,15 @@ module fp_lanes #(
     localparam int MOST = (OP <= 2) ? 5 : (OP == 3) ? MAN + 5 : (OP == 4) ? MAN + 3 : 0;  // comparisons have nothing to cut
     localparam int CUTS = (LAT - 1 > MOST) ? MOST : LAT - 1;
     logic [LANES-1:0][CW-1:0] r, flags;
-    fp_gates #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .CUTS(CUTS), .FLAGS(FLAGS)) gates (
-        .clk_i, .a_i, .b_i, .r_o(r), .flags_o(flags));
+    // At most 32 lanes in one object: wider ones spill registers when they are simulated (fp32 add on AVX2, ns a clock: 16 lanes 91,
+    // 32 lanes 140, 64 lanes in one 390).
+    localparam int GROUP = (LANES % 32 == 0) ? 32 : LANES;
+    localparam int B_GROUP = (B_LANES == 1) ? 1 : GROUP;
+    for (genvar g = 0; g < LANES / GROUP; g++) begin : group
+      fp_gates #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(GROUP), .B_LANES(B_GROUP), .CUTS(CUTS), .FLAGS(FLAGS)) gates (
+          .clk_i, .a_i(a_i[g*GROUP+:GROUP]), .b_i(b_i[((B_LANES==1)?0:g*GROUP)+:B_GROUP]), .r_o(r[g*GROUP+:GROUP]),
+          .flags_o(flags[g*GROUP+:GROUP]));
+    end
     fp_delay #(.LANES(LANES), .W(CW), .DEPTH(LAT - 1 - CUTS)) delay_r (.clk_i, .d_i(r), .q_o(r_o));
     if (FLAGS) begin : g_flags
       fp_delay #(.LANES(LANES), .W(CW), .DEPTH(LAT - 1 - CUTS)) delay_f (.clk_i, .d_i(flags), .q_o(flags_o));
