@@ -29,7 +29,6 @@ namespace {
 
 using oracle::Pair;
 using reference::Outcome;
-using reference::PlaneSide;
 
 constexpr std::uint64_t kSeed = 20030;
 constexpr int kCases = 24000;
