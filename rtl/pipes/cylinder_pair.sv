@@ -51,6 +51,8 @@ module cylinder_pair #(
   localparam int T_END = cde_pkg::larger(T_STEPPED, T_EVALUATED + `LATENCY_CYLINDER_WITNESS);
   localparam int RING = T_END + 1;
   localparam int FINISH = cde_pkg::larger(2 * LAT_MUL + 2 * LAT_ADD, LAT_CMP);
+  localparam int INTERVAL = (BODY == `BODY_CYLINDER) ? 63 : (BODY == `BODY_BOX) ? 75 : 71;  // passes with M = K1 = K2 = 8
+  localparam int LATENCY = ENTRY + INTERVAL * RING + FINISH;
   localparam int AW = $clog2(RING);
   localparam logic [CW-1:0] QNAN = (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1));
   localparam logic [CW-1:0] MINUS_INFINITY = ((CW'(2) << EXP) - 1) << MAN;
@@ -375,6 +377,7 @@ module cylinder_pair #(
     budget_q <= budget_i;
     if (!rst_i) begin
       assert (valid_q == '0 || budget_i == budget_q) else $error("cylinder_pair: budget changed with rows in flight");
+      assert (budget_i != 24'h080808 || latency_o == 32'(LATENCY)) else $error("cylinder_pair: INTERVAL is not the default budget's");
       assert (!(entered && valid_q[now_q] && !last)) else $error("cylinder_pair: row entered a slot in use");
     end
   end
