@@ -81,6 +81,11 @@ package cde_pkg;
   function int larger(input int a, input int b);  // of two stage times
     larger = (a > b) ? a : b;
   endfunction
+  function [63:0] power_of_two(input int exp, input int man, input int e);  // the word of 2^e in a format, 0 where it underflows
+    int biased;
+    biased = (1 << (exp - 1)) - 1 + e;
+    power_of_two = (biased > 0) ? 64'(biased) << man : (biased + man > 0) ? 64'd1 << (biased + man - 1) : 64'd0;
+  endfunction
   function int shape_words(input int shape);
     shape_words = (shape == SHAPE_RAY || shape == SHAPE_CYLINDER) ? 8 : (shape == SHAPE_TRIANGLE) ? 9 :
         (shape == SHAPE_AABB) ? 6 : (shape == SHAPE_OBB) ? 15 : 4;

@@ -1,6 +1,7 @@
 // One pipe by itself: LANES pairs a clock in, each lane with a primary and a secondary of its own, with the check of the input
 // contract and the handling of bad input. What `cde query`, the regressions and the benchmarks of pairs run on.
-// Latency: latency_o clocks. Throughput: LANES pairs a clock. Stall: none, runs free.
+// Latency: latency_o clocks. Throughput: LANES pairs a clock; cylinder pairs, LANES pairs in as many clocks as their budget takes passes.
+// Stall: ready_o for cylinder pairs (cylinder_pair.sv); the others run free, ready_o = 1.
 module pair_unit #(
     parameter int PAIR = 0,       // cde_pkg::PAIR_*
     parameter int ALGORITHM = 0,  // of ray-triangle, cde_pkg::ALGORITHM_*
@@ -21,7 +22,9 @@ module pair_unit #(
 ) (
     input logic clk_i,
     input logic rst_i,
+    input logic [23:0] budget_i,  // of cylinder pairs (cylinder_pair.sv); constant while anything is in flight
     input logic valid_i,
+    output logic ready_o,
     input logic [31:0] tag_i,
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_i,
@@ -32,7 +35,7 @@ module pair_unit #(
     output logic [LANES-1:0][CW-1:0] t_o,
     output logic [2:0][LANES-1:0][CW-1:0] cp_o,
     output logic [2:0][LANES-1:0][CW-1:0] n_o,
-    output logic [15:0] latency_o,
+    output logic [31:0] latency_o,
     output logic [63:0] config_hash_o
 );
   localparam logic [CW-1:0] QNAN = (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1));
@@ -42,12 +45,8 @@ module pair_unit #(
   localparam int LW = LANES * CW;
   assign config_hash_o = CONFIG_HASH;
 
-  logic [LANES-1:0][CW-1:0] f_pipe, t_pipe, bad_a, bad_b, bad_check;
-  logic [2:0][LANES-1:0][CW-1:0] cp_pipe, n_pipe;
-  pair_pipe #(
-      .PAIR(PAIR), .ALGORITHM(ALGORITHM), .HALF_SPACE(HALF_SPACE), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-      .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-  ) pipe (.clk_i, .a_i, .b_i, .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe), .latency_o);
+  logic [LANES-1:0][CW-1:0] bad_a, bad_b, bad_check, bad, f, t;
+  logic [2:0][LANES-1:0][CW-1:0] cp, n;
   shape_check #(
       .SHAPE(cde_pkg::primary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
       .ARITH(ARITH)
@@ -58,19 +57,38 @@ module pair_unit #(
   ) check_b (.clk_i, .words_i(b_i), .bad_o(bad_b));
   assign bad_check = bad_a | bad_b;
 
-  issue_history #(.W(32), .DEPTH(HISTORY)) history_tag (
-      .clk_i, .rst_i, .latency_i(latency_o), .valid_i, .d_i(tag_i), .valid_o, .q_o(tag_o));
-  logic [LANES-1:0][CW-1:0] bad, f, t;
-  logic [2:0][LANES-1:0][CW-1:0] cp, n;
-  logic unused_valid;
-  if (ARITH != "rtl") begin : g_late  // the pipe answers at once; its results wait
-    issue_history #(.W(9 * LW), .DEPTH(HISTORY)) history (
-        .clk_i, .rst_i, .latency_i(latency_o), .valid_i, .d_i({n_pipe, cp_pipe, t_pipe, f_pipe, bad_check}), .valid_o(unused_valid),
-        .q_o({n, cp, t, f, bad}));
-  end else begin : g_early  // the check answers before the pipe
-    issue_history #(.W(LW), .DEPTH(HISTORY)) history (
-        .clk_i, .rst_i, .latency_i(latency_o - 16'(T_CHECK)), .valid_i(1'b1), .d_i(bad_check), .valid_o(unused_valid), .q_o(bad));
-    assign {n, cp, t, f} = {n_pipe, cp_pipe, t_pipe, f_pipe};
+  if (cde_pkg::secondary_shape(PAIR) == cde_pkg::SHAPE_CYLINDER && cde_pkg::primary_shape(PAIR) != cde_pkg::SHAPE_RAY) begin : g_ring
+    localparam int BODY = (cde_pkg::primary_shape(PAIR) == cde_pkg::SHAPE_CYLINDER) ? 0 : (cde_pkg::primary_shape(PAIR) == cde_pkg::SHAPE_OBB) ? 1 : 2;
+    cylinder_pair #(
+        .BODY(BODY), .ENTRY(T_CHECK), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+        .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+    ) pipe (
+        .clk_i, .rst_i, .budget_i, .valid_i, .ready_o, .tag_i, .a_i, .b_i, .bad_i(bad_check), .valid_o, .tag_o, .bad_o(bad), .f_o(f), .t_o(t),
+        .cp_o(cp), .n_o(n), .latency_o);
+  end else begin : g_free
+    logic unused_budget;
+    assign unused_budget = &{1'b0, budget_i};
+    logic [15:0] latency;
+    assign latency_o = 32'(latency);
+    assign ready_o = 1'b1;
+    logic [LANES-1:0][CW-1:0] f_pipe, t_pipe;
+    logic [2:0][LANES-1:0][CW-1:0] cp_pipe, n_pipe;
+    pair_pipe #(
+        .PAIR(PAIR), .ALGORITHM(ALGORITHM), .HALF_SPACE(HALF_SPACE), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
+        .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+    ) pipe (.clk_i, .a_i, .b_i, .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe), .latency_o(latency));
+    issue_history #(.W(32), .DEPTH(HISTORY)) history_tag (
+        .clk_i, .rst_i, .latency_i(latency), .valid_i, .d_i(tag_i), .valid_o, .q_o(tag_o));
+    logic unused_valid;
+    if (ARITH != "rtl") begin : g_late  // the pipe answers at once; its results wait
+      issue_history #(.W(9 * LW), .DEPTH(HISTORY)) history (
+          .clk_i, .rst_i, .latency_i(latency), .valid_i, .d_i({n_pipe, cp_pipe, t_pipe, f_pipe, bad_check}), .valid_o(unused_valid),
+          .q_o({n, cp, t, f, bad}));
+    end else begin : g_early  // the check answers before the pipe
+      issue_history #(.W(LW), .DEPTH(HISTORY)) history (
+          .clk_i, .rst_i, .latency_i(latency - 16'(T_CHECK)), .valid_i(1'b1), .d_i(bad_check), .valid_o(unused_valid), .q_o(bad));
+      assign {n, cp, t, f} = {n_pipe, cp_pipe, t_pipe, f_pipe};
+    end
   end
   assign bad_o = bad;
   assign f_o = f & ~bad;

@@ -7,7 +7,7 @@
 extern "C" {
 #endif
 
-#define CDE_PAIR_ABI_VERSION 1u
+#define CDE_PAIR_ABI_VERSION 2u
 
 typedef struct cde_pair_unit cde_pair_unit;
 
@@ -29,7 +29,10 @@ typedef struct cde_pair_api {
   cde_pair_unit* (*create)(void); /* null when out of memory */
   void (*destroy)(cde_pair_unit*);
   uint32_t (*latency)(const cde_pair_unit*); /* clocks from operands to results */
-  /* n pairs, a row of lanes a clock: operands as a_words (b_words) words a pair, results as
+  /* Work for a pair that takes as much as it is given: K2, K1 and M, a byte each from the top. The
+   * unit is reset. */
+  void (*set_budget)(cde_pair_unit*, uint32_t budget);
+  /* n pairs, a row of lanes a clock while the unit is ready: operands as a_words (b_words) words a pair, results as
    * CDE_PAIR_RESULT_WORDS words a pair. Before each row `gap`, called with gap_context, says how
    * many idle clocks to put in; null is none. Returns the clocks from the first row in to the last
    * result out. */

@@ -4,11 +4,26 @@
 
 #include <array>
 #include <cstring>
+#include <utility>
 
 #include "abi_pair.h"
 #include "cde/error.hpp"
 
 namespace cde {
+
+void PairBudget::check() const {
+  if (samples != 4 && samples != 8 && samples != 16)
+    throw Error(ErrorCode::kUsage, fmt::format("budget: M is {}, expected 4, 8 or 16", samples));
+  for (const auto& [what, value] : {std::pair{"K1", circle}, std::pair{"K2", free}})
+    if (value > 64)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("budget: {} is {}, expected 0 to 64", what, value));
+}
+
+bool has_budget(Pair pair) {
+  return pair == Pair::kCylinderCylinder || pair == Pair::kObbCylinder ||
+         pair == Pair::kTriangleCylinder;
+}
 
 std::vector<std::string> PairConfig::parameters() const {
   const auto in_range = [](std::string_view what, unsigned value, unsigned low, unsigned high) {
@@ -89,6 +104,12 @@ const PairConfig& PairUnit::config() const {
 }
 unsigned PairUnit::latency() const {
   return state_->api->latency(state_->unit);
+}
+void PairUnit::set_budget(const PairBudget& budget) {
+  if (!has_budget(state_->config.pair))
+    throw Error(ErrorCode::kUsage, fmt::format("{} takes no budget", name(state_->config.pair)));
+  budget.check();
+  state_->api->set_budget(state_->unit, budget.free << 16 | budget.circle << 8 | budget.samples);
 }
 void PairUnit::reset() {
   state_->api->reset(state_->unit);

@@ -12,6 +12,7 @@
 #include "cde/reference/convex/sphere_sphere.hpp"
 #include "cde/reference/convex/triangle_box.hpp"
 #include "cde/reference/convex/triangle_sphere.hpp"
+#include "cde/reference/cylinder/pairs.hpp"
 #include "cde/reference/ray_cylinder.hpp"
 #include "cde/reference/ray_sphere.hpp"
 #include "cde/reference/ray_triangle.hpp"
@@ -67,13 +68,18 @@ void sweep(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
 }
 
 template <class S>
-void test_pairs_in(Pair pair, Algorithm algorithm, PlaneSide plane,
+void test_pairs_in(Pair pair, Algorithm algorithm, PlaneSide plane, const PairBudget& work,
                    std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
                    std::span<PairResult> r) {
   using R = BasicRay<S>;
   using T = BasicTriangle<S>;
   using Ball = BasicSphere<S>;
   using Box = BasicObb<S>;
+  using Can = BasicCylinder<S>;
+  const cylinder::Budget budget{static_cast<int>(work.samples), static_cast<int>(work.circle),
+                                static_cast<int>(work.free)};
+#define CDE_SEARCH(A, FUNCTION) \
+  sweep<S, A, Can>(a, b, r, [&](const A& x, const Can& y) { return FUNCTION<S>(x, y, budget); })
 #define CDE_SWEEP(A, B, FUNCTION) \
   sweep<S, A, B>(a, b, r, [](const A& x, const B& y) { return FUNCTION<S>(x, y); })
   switch (pair) {
@@ -110,39 +116,43 @@ void test_pairs_in(Pair pair, Algorithm algorithm, PlaneSide plane,
     case Pair::kSphereObb:
       return CDE_SWEEP(Ball, Box, sphere_obb);
     case Pair::kTriangleCylinder:
+      return CDE_SEARCH(T, triangle_cylinder);
     case Pair::kCylinderCylinder:
+      return CDE_SEARCH(Can, cylinder_cylinder);
     case Pair::kObbCylinder:
-      break;
+      return CDE_SEARCH(Box, obb_cylinder);
   }
 #undef CDE_SWEEP
+#undef CDE_SEARCH
   throw Error(ErrorCode::kUsage, fmt::format("no reference for {}", name(pair)));
 }
 
 }  // namespace
 
 bool has_pair(Pair pair, Algorithm algorithm) {
-  return pair != Pair::kTriangleCylinder && pair != Pair::kCylinderCylinder &&
-         pair != Pair::kObbCylinder &&
-         (pair == Pair::kRayTriangle || algorithm == Algorithm::kMoller);
+  return pair == Pair::kRayTriangle || algorithm == Algorithm::kMoller;
 }
 
 void test_pairs(Pair pair, Algorithm algorithm, FpFormat format, std::span<const std::uint64_t> a,
-                std::span<const std::uint64_t> b, std::span<PairResult> results, PlaneSide plane) {
+                std::span<const std::uint64_t> b, std::span<PairResult> results, PlaneSide plane,
+                const PairBudget& budget) {
+  budget.check();
   if (a.size() != results.size() * primary_words(pair) ||
       b.size() != results.size() * secondary_words(pair))
     throw Error(ErrorCode::kUsage,
                 fmt::format("{} pairs of {} need {} and {} words, not {} and {}", results.size(),
                             name(pair), results.size() * primary_words(pair),
                             results.size() * secondary_words(pair), a.size(), b.size()));
-  if (format == FpFormat{8, 23}) return test_pairs_in<float>(pair, algorithm, plane, a, b, results);
+  if (format == FpFormat{8, 23})
+    return test_pairs_in<float>(pair, algorithm, plane, budget, a, b, results);
   if (format == FpFormat{11, 52})
-    return test_pairs_in<double>(pair, algorithm, plane, a, b, results);
+    return test_pairs_in<double>(pair, algorithm, plane, budget, a, b, results);
   if (format == FpFormat{5, 10})
-    return test_pairs_in<Fp<5, 10>>(pair, algorithm, plane, a, b, results);
+    return test_pairs_in<Fp<5, 10>>(pair, algorithm, plane, budget, a, b, results);
   if (format == FpFormat{8, 7})
-    return test_pairs_in<Fp<8, 7>>(pair, algorithm, plane, a, b, results);
+    return test_pairs_in<Fp<8, 7>>(pair, algorithm, plane, budget, a, b, results);
   if (format == FpFormat{7, 16})
-    return test_pairs_in<Fp<7, 16>>(pair, algorithm, plane, a, b, results);
+    return test_pairs_in<Fp<7, 16>>(pair, algorithm, plane, budget, a, b, results);
   throw Error(ErrorCode::kUsage, fmt::format("pairs have no reference in {}", format.name()));
 }
 

@@ -155,4 +155,16 @@
 // Which of three is the least, R_first or R_second or the third, ties to the first (least3 of the reference; 3 compare); and the least.
 `define DF_WHICH3(R, A, B, C) `DF_LE(R``_ab, A, B) `DF_LE(R``_ac, A, C) `DF_LE(R``_second, B, C) `DF_AND(R``_first, R``_ab, R``_ac)
 `define DF_LEAST3(R, A, B, C) `DF_WHICH3(R, A, B, C) `DF_SELECT3(R, R``_first, R``_second, A, B, C)
+
+// ---- Control: one bit for all lanes, and what it chooses ----
+`define DF_CONTROL(C, EXPRESSION, TIME) localparam int T_``C = TIME; logic C; assign C = EXPRESSION;
+// A where the bit is set, else B.
+`define DF_CHOOSE(R, C, A, B) localparam int T_``R = `DF_MAX3(T_``C, T_``A, T_``B); `DF_SCALAR R; \
+  df_choose #(.W(LANES * CW), .ARITH(ARITH), .T_C(T_``C), .T_A(T_``A), .T_B(T_``B)) choose_``R (.clk_i, .c_i(C), .a_i(A), .b_i(B), .r_o(R));
+`define DF_VCHOOSE(R, C, A, B) localparam int T_``R = `DF_MAX3(T_``C, T_``A, T_``B); `DF_VECTOR R; \
+  df_choose #(.W(3 * LANES * CW), .ARITH(ARITH), .T_C(T_``C), .T_A(T_``A), .T_B(T_``B)) choose_``R (.clk_i, .c_i(C), .a_i(A), .b_i(B), .r_o(R));
+// The bit as a lane mask.
+`define DF_FILL(M, C) localparam int T_``M = T_``C; `DF_SCALAR M; assign M = {(LANES * CW) {C}};
+// The word of 2^E, which may be subnormal.
+`define DF_POWER_OF_TWO(E) cde_pkg::power_of_two(EXP, MAN, E)
 `endif

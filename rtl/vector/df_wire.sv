@@ -1,4 +1,4 @@
-// Bit operation of a datapath (dataflow.svh): a sign moved ("xor": a times the sign of b), masks combined ("and", "ior").
+// Bit operation of a datapath (dataflow.svh): a sign moved ("xor": a times the sign of b), masks combined ("and", "ior", "eor": exclusive).
 // Latency: 0 from the later operand. Throughput: one result a lane a clock. Stall: none.
 module df_wire #(
     parameter int EXP = 8,
@@ -24,6 +24,8 @@ module df_wire #(
     fp_sign #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("xor"), .ARITH(ARITH)) sign (.a_i(a), .b_i(b), .r_o);
   end else if (OP == "and") begin : g_and
     assign r_o = a & b;
+  end else if (OP == "eor") begin : g_exclusive
+    assign r_o = a ^ b;
   end else if (OP == "ior") begin : g_or
     assign r_o = a | b;
   end else begin : g_illegal

@@ -120,6 +120,8 @@ TEST_F(Query, MalformedLinesAreNamedAndTheOthersAnswered) {
       {"0,0,0,1,1,0,0,", "line 2, word 8: '' is not a number"},
       {"--1,0,0,1,1,0,0,1", "line 2, word 1: '--1' is not a number"},
       {"0x,0,0,1,1,0,0,1", "line 2, word 1: '0x' is not a number"},
+      {"-0x3f800000,0,0,1,1,0,0,1",
+       "line 2, word 1: '-0x3f800000' is not a number: 0x and digits are the bits of a word"},
       {"0x100000000,0,0,1,1,0,0,1", "line 2, word 1: '0x100000000' has more than the 32 bits"},
       {"0x11111111111111111,0,0,1,1,0,0,1",
        "line 2, word 1: '0x11111111111111111' has more than the 32 bits of fp32"},
@@ -208,8 +210,14 @@ TEST_F(Query, WrongUsageIsRefused) {
           "--format is tf32; it must be fp16, bf16, fp24, fp32 or fp64");
   refused({"sphere-sphere", "--budget", "4,8,8"}, "--budget is of cylinder-cylinder");
   refused({"cylinder-cylinder", "--budget", "4,8"}, "--budget is '4,8'; it must be M,K1,K2");
-  refused({"cylinder-cylinder", "--budget", "0,8,8"}, "--budget is '0,8,8'; it must be");
-  refused({"cylinder-cylinder", "--budget", "4,8,65"}, "--budget is '4,8,65'; it must be");
+  refused({"cylinder-cylinder", "--budget", "0,8,8"}, "budget: M is 0, expected 4, 8 or 16");
+  refused({"cylinder-cylinder", "--budget", "5,8,8"}, "budget: M is 5, expected 4, 8 or 16");
+  refused({"cylinder-cylinder", "--budget", "4,8,65"}, "budget: K2 is 65, expected 0 to 64");
+  refused({"cylinder-cylinder", "--budget", "4,8,8,"}, "--budget is '4,8,8,'; it must be M,K1,K2");
+  refused({"cylinder-cylinder", "--budget", "13"},
+          "--budget is 13; cylinder-cylinder takes at least 14 evaluations");
+  refused({"obb-cylinder", "--budget", "29"},
+          "--budget is 29; obb-cylinder takes at least 30 evaluations");
   refused({}, "pair is required");
 }
 

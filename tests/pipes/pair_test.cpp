@@ -13,6 +13,7 @@
 
 #include "cde/fp_format.hpp"
 #include "cde/pair_unit.hpp"
+#include "cde/reference/cylinder/schedule.hpp"
 #include "cde/reference/pairs.hpp"
 #include "oracle/cases.hpp"
 
@@ -159,6 +160,39 @@ struct Parameter : PairConfig {
   }
 };
 
+/// Passes of a pair round the ring of a cylinder pipe.
+unsigned passes(Pair pair, const cde::PairBudget& budget) {
+  using cde::reference::cylinder::Body;
+  const Body body = pair == Pair::kCylinderCylinder ? Body::kCylinder
+                    : pair == Pair::kObbCylinder    ? Body::kBox
+                                                    : Body::kTriangle;
+  return static_cast<unsigned>(cde::reference::cylinder::passes(
+      body, {static_cast<int>(budget.samples), static_cast<int>(budget.circle),
+             static_cast<int>(budget.free)}));
+}
+
+/// Rows in flight in a cylinder pipe: the clocks that one more pass adds to the latency.
+unsigned ring(cde::PairUnit& unit) {
+  const Pair pair = unit.config().pair;
+  const cde::PairBudget less{4, 0, 0}, more{4, 3, 0};
+  unit.set_budget(less);
+  const unsigned start = unit.latency();
+  unit.set_budget(more);
+  return (unit.latency() - start) / (passes(pair, more) - passes(pair, less));
+}
+
+/// Clocks from the first row in to the last result out when rows follow each other without gaps.
+/// Pipes take a row a clock. A cylinder pipe's ring takes a row a clock until it is full, and again
+/// when those have done their passes.
+std::uint64_t stated_clocks(cde::PairUnit& unit, std::uint64_t rows,
+                            const cde::PairBudget& budget) {
+  if (!cde::has_budget(unit.config().pair)) return rows - 1 + unit.latency();
+  const std::uint64_t in_flight = ring(unit);
+  unit.set_budget(budget);
+  return (rows - 1) / in_flight * in_flight * passes(unit.config().pair, budget) +
+         (rows - 1) % in_flight + unit.latency();
+}
+
 class PairPipe : public ::testing::TestWithParam<Parameter> {};
 
 TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
@@ -182,7 +216,8 @@ TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
   cde::reference::test_pairs(config.pair, config.algorithm, config.format, o.a, o.b, expected,
                              config.plane);
   const std::uint64_t rows = (count + config.lanes - 1) / config.lanes;
-  EXPECT_EQ(unit.test(o.a, o.b, got), rows - 1 + unit.latency()) << "one row a clock";
+  const std::uint64_t clocks = unit.test(o.a, o.b, got);
+  EXPECT_EQ(clocks, stated_clocks(unit, rows, {}));
 
   std::size_t hits = 0, bad = 0, wrong = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -208,6 +243,43 @@ TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
   EXPECT_EQ(stalled == got, true) << "gaps between rows change results";
 }
 
+class CylinderBudget : public ::testing::TestWithParam<Parameter> {};
+
+TEST_P(CylinderBudget, SetsTheWorkOfAPair) {
+  const PairConfig config = GetParam();
+  const char* only = std::getenv("CDE_PAIRS");
+  if (only != nullptr && std::string(name(config.pair)).find(only) == std::string::npos)
+    GTEST_SKIP() << "CDE_PAIRS asks for others";
+  cde::PairUnit unit(config);
+  const std::size_t count = 1500;
+  const Operands o = operands(config, count);
+  std::vector<PairResult> before;
+  for (const cde::PairBudget budget : {cde::PairBudget{8, 8, 8},
+                                       {4, 0, 0},
+                                       {16, 3, 5},
+                                       {4, 12, 1},
+                                       {8, 0, 7},
+                                       {16, 1, 0},
+                                       {4, 64, 64}}) {
+    SCOPED_TRACE(std::to_string(budget.samples) + "," + std::to_string(budget.circle) + "," +
+                 std::to_string(budget.free));
+    std::vector<PairResult> expected(count), got(count), stalled(count);
+    cde::reference::test_pairs(config.pair, config.algorithm, config.format, o.a, o.b, expected,
+                               config.plane, budget);
+    const std::uint64_t rows = (count + config.lanes - 1) / config.lanes;
+    const std::uint64_t stated = stated_clocks(unit, rows, budget);
+    unit.set_budget(budget);
+    EXPECT_EQ(unit.test(o.a, o.b, got), stated);
+    EXPECT_TRUE(got == expected);
+    EXPECT_FALSE(got == before) << "another budget finds other gaps";
+    std::mt19937 random(1);
+    (void)unit.test(o.a, o.b, stalled,
+                    [&random] { return random() % 9 == 0 ? random() % 99 : 0u; });
+    EXPECT_TRUE(stalled == expected) << "gaps between rows change results";
+    before = got;
+  }
+}
+
 std::string test_name(const ::testing::TestParamInfo<Parameter>& info) {
   return label(info.param);
 }
@@ -220,7 +292,12 @@ std::vector<Parameter> configurations() {
       const auto algorithm = static_cast<Algorithm>(a);
       if (!cde::reference::has_pair(pair, algorithm)) continue;
       for (const cde::Arithmetic arithmetic : {cde::Arithmetic::kHost, cde::Arithmetic::kRtl})
-        all.push_back({{.pair = pair, .algorithm = algorithm, .arithmetic = arithmetic}});
+        // The gates of a cylinder pipe take a minute to build in one lane.
+        all.push_back(
+            {{.pair = pair,
+              .algorithm = algorithm,
+              .lanes = cde::has_budget(pair) && arithmetic == cde::Arithmetic::kRtl ? 1u : 8u,
+              .arithmetic = arithmetic}});
     }
   for (const cde::Arithmetic arithmetic : {cde::Arithmetic::kHost, cde::Arithmetic::kRtl})
     all.push_back(
@@ -229,6 +306,16 @@ std::vector<Parameter> configurations() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Fp32, PairPipe, ::testing::ValuesIn(configurations()), test_name);
+
+std::vector<Parameter> cylinder_configurations() {
+  std::vector<Parameter> all;
+  for (const Parameter& config : configurations())
+    if (cde::has_budget(config.pair)) all.push_back(config);
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Fp32, CylinderBudget, ::testing::ValuesIn(cylinder_configurations()),
+                         test_name);
 
 /// The other formats, on the back end that builds and runs fast.
 std::vector<Parameter> other_formats() {

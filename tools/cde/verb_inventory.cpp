@@ -53,13 +53,16 @@ struct Pipe {
   }
 };
 
-constexpr const char* kPipe = "pair_pipe.pipe";
+/// Its place in the elaborated design: a cylinder pipe, which is a ring, is in a unit of its own.
+std::string path(const Pipe& pipe) {
+  return has_budget(pipe.pair) ? "pair_unit.pipe" : "pair_pipe.pipe";
+}
 
 rtl::Elaboration elaborate(const Pipe& pipe, const Profile& p) {
   const std::filesystem::path rtl = bitstream_builder().parent_path().parent_path() / "rtl";
   // Host arithmetic has the same operators and states the same latency, and is sooner elaborated.
   return {rtl,
-          "pair_pipe",
+          has_budget(pipe.pair) ? "pair_unit" : "pair_pipe",
           {fmt::format("PAIR={}", static_cast<unsigned>(pipe.pair)),
            fmt::format("ALGORITHM={}", static_cast<unsigned>(pipe.algorithm)), "ARITH=host",
            fmt::format("LAT_ADD={}", p.add), fmt::format("LAT_MUL={}", p.mul),
@@ -77,16 +80,16 @@ unsigned required(const std::optional<unsigned>& value, const Pipe& pipe, const 
 void examine(Pipe& pipe, const Profile& profile) {
   try {
     const rtl::Elaboration e = elaborate(pipe, {});
-    const auto words = [&](const char* port) { return e.bits(kPipe, port).value_or(0) / 32; };
-    pipe.module = e.module_of(kPipe);
-    pipe.operators = e.operators(kPipe);
+    const auto words = [&](const char* port) { return e.bits(path(pipe), port).value_or(0) / 32; };
+    pipe.module = e.module_of(path(pipe));
+    pipe.operators = e.operators(path(pipe));
     pipe.a_words = words("a_i");
     pipe.b_words = words("b_i");
     pipe.outputs = words("f_o") + words("t_o") + words("cp_o") + words("n_o");
-    pipe.latency = required(e.constant(kPipe, "LATENCY"), pipe, "localparam LATENCY");
-    pipe.interval = e.constant(kPipe, "INTERVAL").value_or(1);
-    pipe.latency_profile =
-        required(elaborate(pipe, profile).constant(kPipe, "LATENCY"), pipe, "localparam LATENCY");
+    pipe.latency = required(e.constant(path(pipe), "LATENCY"), pipe, "localparam LATENCY");
+    pipe.interval = e.constant(path(pipe), "INTERVAL").value_or(1);
+    pipe.latency_profile = required(elaborate(pipe, profile).constant(path(pipe), "LATENCY"), pipe,
+                                    "localparam LATENCY");
   } catch (const rtl::ElaborationError& error) {
     const std::string what = error.what();
     if (what.find(kNoPipe) == std::string::npos) throw Error(ErrorCode::kBuild, what);

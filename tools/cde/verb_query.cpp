@@ -63,26 +63,52 @@ Algorithm algorithm_named(const std::string& text) {
               fmt::format("--algorithm is '{}'; it must be {}", text, fmt::join(known, ", ")));
 }
 
-/// M,K1,K2: directions sampled on a circle, steps on each circle, steps on each free track.
-void check_budget(const std::string& text, Pair pair) {
-  if (pair != Pair::kCylinderCylinder && pair != Pair::kObbCylinder &&
-      pair != Pair::kTriangleCylinder)
+/// The largest budget of at most so many evaluations, split evenly: K1 and K2 of two cylinders as
+/// equal as they can be; M = 8 of a box or triangle once K1 can be 8 too, else 4.
+PairBudget split(unsigned evaluations, Pair pair) {
+  const bool cylinders = pair == Pair::kCylinderCylinder;
+  const unsigned fixed = cylinders ? 14 : pair == Pair::kObbCylinder ? 18 : 14;
+  const unsigned least = cylinders ? fixed : fixed + 3 * 4;
+  if (evaluations < least)
+    throw Error(ErrorCode::kUsage, fmt::format("--budget is {}; {} takes at least {} evaluations",
+                                               evaluations, name(pair), least));
+  const unsigned rest = evaluations - fixed;
+  PairBudget budget;
+  if (cylinders) {
+    budget.circle = std::min(rest / 5 + (rest % 5 == 2 ? 1 : 0), 64u);
+    budget.free = std::min(rest / 5 + (rest % 5 >= 3 ? 1 : 0), 64u);
+  } else {
+    budget.samples = rest / 3 >= 16 ? 8 : 4;
+    budget.circle = std::min(rest / 3 - budget.samples, 64u);
+  }
+  return budget;
+}
+
+/// M,K1,K2: directions sampled on a circle, steps on each circle, steps on each free track; or the
+/// evaluations in all.
+PairBudget budget_named(const std::string& text, Pair pair) {
+  if (!has_budget(pair))
     throw Error(ErrorCode::kUsage, fmt::format("--budget is of cylinder-cylinder, obb-cylinder and "
                                                "triangle-cylinder; {} always takes the same work",
                                                name(pair)));
-  unsigned samples = 0, circle = 0, free = 0;
+  const auto is_all = [&text](int end) { return static_cast<std::size_t>(end) == text.size(); };
+  PairBudget budget;
+  unsigned evaluations = 0;
   int end = 0;
-  const bool whole =
-      text.find_first_not_of("0123456789,") == std::string::npos &&
-      std::sscanf(text.c_str(), "%3u,%3u,%3u%n", &samples, &circle, &free, &end) == 3;
-  if (!whole || static_cast<std::size_t>(end) != text.size() || samples < 1 || samples > 64 ||
-      circle > 64 || free > 64)
-    throw Error(
-        ErrorCode::kUsage,
-        fmt::format("--budget is '{}'; it must be M,K1,K2 with M 1 to 64, K1 and K2 0 to 64",
-                    text));
+  if (text.find_first_not_of("0123456789,") == std::string::npos) {
+    if (std::sscanf(text.c_str(), "%4u%n", &evaluations, &end) == 1 && is_all(end))
+      return split(evaluations, pair);
+    if (std::sscanf(text.c_str(), "%3u,%3u,%3u%n", &budget.samples, &budget.circle, &budget.free,
+                    &end) == 3 &&
+        is_all(end)) {
+      budget.check();
+      return budget;
+    }
+  }
   throw Error(ErrorCode::kUsage,
-              fmt::format("--budget: no pipe of this version for {} takes one", name(pair)));
+              fmt::format("--budget is '{}'; it must be M,K1,K2 with M 4, 8 or 16, K1 and K2 0 to "
+                          "64, or the number of evaluations",
+                          text));
 }
 
 PairConfig configuration(const Options& o) {
@@ -95,7 +121,7 @@ PairConfig configuration(const Options& o) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("--arith is '{}'; it must be rtl or host", o.arithmetic));
   config.arithmetic = o.arithmetic == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost;
-  if (!o.budget.empty()) check_budget(o.budget, config.pair);
+  if (!o.budget.empty()) (void)budget_named(o.budget, config.pair);
   (void)config.parameters();  // complains about values before anything slow
   return config;
 }
@@ -178,6 +204,10 @@ class Query {
  public:
   Query(const Options& o, PairConfig config)
       : o_(o), config_(std::move(config)), text_(config_.format), unit_(config_) {
+    if (!o_.budget.empty()) {
+      budget_ = budget_named(o_.budget, config_.pair);
+      unit_.set_budget(budget_);
+    }
     if (o_.check && !reference::has_pair(config_.pair, config_.algorithm))
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} has no reference to compare with: use --no-check", o_.pair));
@@ -260,7 +290,7 @@ class Query {
   void compare() {
     expected_.resize(results_.size());
     reference::test_pairs(config_.pair, config_.algorithm, config_.format, a_, b_, expected_,
-                          config_.plane);
+                          config_.plane, budget_);
     totals_.compared += results_.size();
     const auto [got, wanted] = std::mismatch(results_.begin(), results_.end(), expected_.begin());
     if (got != results_.end()) report(static_cast<std::size_t>(got - results_.begin()));
@@ -292,7 +322,8 @@ class Query {
                             "--format {} --arith {} --lanes {}{}",
                             line, a, b, shown(results_[i]), shown(expected_[i]), a, b, o_.lanes,
                             o_.pair, o_.algorithm, o_.format, o_.arithmetic, o_.lanes,
-                            o_.half_space ? " --half-space" : ""));
+                            (o_.half_space ? " --half-space" : "") +
+                                (o_.budget.empty() ? std::string() : " --budget " + o_.budget)));
   }
 
   static std::span<const std::uint64_t> operand(std::span<const std::uint64_t> all, std::size_t i,
@@ -352,6 +383,7 @@ class Query {
   PairConfig config_;
   WordText text_;
   PairUnit unit_;
+  PairBudget budget_;
   Totals totals_;
   std::vector<std::uint64_t> values_, a_, b_;
   std::vector<Row> rows_;
@@ -361,22 +393,24 @@ class Query {
 };
 
 nlohmann::ordered_json as_json(const Options& o, const Totals& t) {
-  return {{"pair", o.pair},
-          {"algorithm", o.pair == "ray-triangle" ? nlohmann::ordered_json(o.algorithm)
-                                                 : nlohmann::ordered_json()},
-          {"half_space", o.half_space},
-          {"format", o.format},
-          {"arithmetic", o.arithmetic},
-          {"lanes", o.lanes},
-          {"pairs", t.pairs},
-          {"hits", t.hits},
-          {"bad_pairs", t.bad},
-          {"malformed_lines", t.malformed},
-          {"device_cycles", t.clocks},
-          {"simulation_seconds", t.simulation_seconds},
-          {"checked", o.check},
-          {"pairs_compared", t.compared},
-          {"pairs_matching", t.compared}};
+  return {
+      {"pair", o.pair},
+      {"algorithm",
+       o.pair == "ray-triangle" ? nlohmann::ordered_json(o.algorithm) : nlohmann::ordered_json()},
+      {"half_space", o.half_space},
+      {"format", o.format},
+      {"arithmetic", o.arithmetic},
+      {"lanes", o.lanes},
+      {"budget", o.budget.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(o.budget)},
+      {"pairs", t.pairs},
+      {"hits", t.hits},
+      {"bad_pairs", t.bad},
+      {"malformed_lines", t.malformed},
+      {"device_cycles", t.clocks},
+      {"simulation_seconds", t.simulation_seconds},
+      {"checked", o.check},
+      {"pairs_compared", t.compared},
+      {"pairs_matching", t.compared}};
 }
 
 void print_summary(const Options& o, const Totals& t) {
@@ -432,7 +466,9 @@ void add_query(CLI::App& app) {
       ->capture_default_str();
   verb->add_option("--lanes", o->lanes, "Pairs a clock, 1 to 256")->capture_default_str();
   verb->add_option("--budget", o->budget,
-                   "Work for a pair of obb-, triangle- or cylinder-cylinder: M,K1,K2");
+                   "Work for a pair of cylinder-, obb- or triangle-cylinder: M,K1,K2 (directions "
+                   "sampled on a circle, 4, 8 or 16; steps on a circle, steps on a free track, 0 "
+                   "to 64), or a number of evaluations, which is split evenly. 8,8,8 if not given");
   verb->add_flag("--bits", o->bits, "Print words as 0x and their bits instead of decimals");
   verb->add_flag("--check,!--no-check", o->check,
                  "Compare every answer with the reference, bit for bit (on)");

@@ -75,6 +75,8 @@ WordText::Found WordText::number(std::string_view text, std::uint64_t& word) {
     text.remove_prefix(1);
   }
   const bool hex = has_hex_prefix(text);
+  // 0x and digits alone is a word, which has its sign among its bits.
+  if (negative && hex && is_word(text.substr(2))) return Found::kMalformed;
   const std::string_view digits = hex ? text.substr(2) : text;
   // from_chars takes a minus sign by itself; a second one after ours is malformed.
   if (digits.empty() || digits.front() == '-') return Found::kMalformed;
@@ -137,6 +139,9 @@ std::optional<std::uint64_t> WordText::parse(std::string_view text, std::string&
       break;
     case Found::kMalformed:
       why = fmt::format("{} is not a number", quoted(text));
+      if (text.size() > 1 && text.front() == '-' && has_hex_prefix(text.substr(1)) &&
+          is_word(text.substr(3)))
+        why += ": 0x and digits are the bits of a word, its sign among them; a hexfloat has a 'p'";
       break;
   }
   return std::nullopt;

@@ -20,6 +20,7 @@ struct cde_pair_unit {
   std::unique_ptr<VerilatedFstC> trace;
 #endif
   uint64_t clocks = 0;
+  uint32_t budget = 0x080808;
 
   cde_pair_unit() {
     reset();
@@ -34,6 +35,7 @@ struct cde_pair_unit {
   void reset() {
     model->rst_i = 1;
     model->valid_i = 0;
+    model->budget_i = budget;
     for (int i = 0; i < 4; ++i) tick();
     model->rst_i = 0;
     model->clk_i = 0;
@@ -127,7 +129,7 @@ uint64_t test(cde_pair_unit* unit, const void* a, const void* b, void* results, 
       ++got;
       if (got == rows) break;
     }
-    m.valid_i = in < rows && wait == 0;
+    m.valid_i = in < rows && wait == 0 && m.ready_o;
     if (m.valid_i) {
       scatter(&m.a_i, pa + in * kLanes * kAWords * kWord, kAWords, size(in));
       scatter(&m.b_i, pb + in * kLanes * kBWords * kWord, kBWords, size(in));
@@ -160,6 +162,10 @@ const cde_pair_api kApi = {
     },
     [](cde_pair_unit* unit) { delete unit; },
     [](const cde_pair_unit* unit) { return uint32_t{unit->model->latency_o}; },
+    [](cde_pair_unit* unit, uint32_t budget) {
+      unit->budget = budget;
+      unit->reset();
+    },
     test,
     [](cde_pair_unit* unit) { unit->reset(); },
     [](cde_pair_unit* unit, const char* path) { return unit->trace_open(path); },

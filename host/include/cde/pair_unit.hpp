@@ -14,6 +14,21 @@
 
 namespace cde {
 
+/// How much work a pair of cylinder-cylinder, obb-cylinder or triangle-cylinder gets; the others
+/// always take the same. More finds more of the gap (docs/pairs_cylinder.md).
+struct PairBudget {
+  unsigned samples = 8;  ///< M: directions sampled on each circle (box, triangle): 4, 8 or 16
+  unsigned circle = 8;   ///< K1: steps on each circle, at most 64
+  unsigned free = 8;     ///< K2: steps on each free track (cylinder-cylinder), at most 64
+
+  /// Error kUsage if a value is out of range, naming it.
+  void check() const;
+  bool operator==(const PairBudget&) const = default;
+};
+
+/// Whether the pair takes a budget.
+[[nodiscard]] bool has_budget(Pair pair);
+
 /// One elaborated configuration of rtl/pair_unit.sv.
 struct PairConfig {
   Pair pair = Pair::kRayTriangle;
@@ -55,12 +70,16 @@ class PairUnit {
   PairUnit& operator=(PairUnit&&) noexcept;
 
   [[nodiscard]] const PairConfig& config() const;
-  /// Clocks from operands to results.
+  /// Clocks from operands to results; with a budget, they grow with it.
   [[nodiscard]] unsigned latency() const;
+  /// Work for a pair from here on; 8, 8, 8 before. Resets the unit. Error kUsage if the budget is
+  /// out of range or the pair takes none.
+  void set_budget(const PairBudget& budget);
 
   /// Pairs of operand words in slot order, primary_words and secondary_words a pair; one result a
   /// pair (Error kUsage if sizes do not fit together). A row of lanes enters a clock, after as many
-  /// idle clocks as `gap` says. Returns the clocks from the first row in to the last result out.
+  /// idle clocks as `gap` says, as soon as the unit is ready for it. Returns the clocks from the
+  /// first row in to the last result out.
   std::uint64_t test(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
                      std::span<PairResult> results, const std::function<unsigned()>& gap = {});
 

@@ -1,0 +1,82 @@
+// What the parts of the cylinder pairs share: phases of a pass, latencies of parts, parts as operators. Each part takes its inputs at
+// stage time 0 of its own and gives its outputs at the latency named here; it refuses to elaborate if its stage times do not fit.
+`ifndef CDE_CYLINDER_SVH
+`define CDE_CYLINDER_SVH
+`include "dataflow.svh"
+
+// ---- BODY: what the primary is ----
+`define BODY_CYLINDER 0
+`define BODY_BOX 1
+`define BODY_TRIANGLE 2
+
+// ---- Phases of a pass (host/include/cde/reference/cylinder/schedule.hpp) ----
+`define PHASE_FRAME 4'd0
+`define PHASE_AXIS 4'd1
+`define PHASE_CENTRE 4'd2
+`define PHASE_VERTEX 4'd3
+`define PHASE_CAP 4'd4
+`define PHASE_SIDE 4'd5
+`define PHASE_BESIDE 4'd6
+`define PHASE_SAMPLE 4'd7
+`define PHASE_REFINE 4'd8
+`define PHASE_POLE 4'd9
+`define PHASE_START 4'd10
+`define PHASE_NEWTON 4'd11
+`define PHASE_TOUCH 4'd12
+`define PHASE_PROJECT 4'd13
+
+// ---- The control word of a pass: [3:0] phase, [5:4] track, [13:6] index ----
+`define PASS_W 14
+`define PASS_PHASE(P) P[3:0]
+`define PASS_TRACK(P) P[5:4]
+`define PASS_INDEX(P) P[13:6]
+
+// ---- Latencies of parts ----
+`define LATENCY_NORMALISE (`DF_LAT_DOT + `DF_MAX2(LAT_CMP, LAT_SQRT + LAT_DIV) + LAT_MUL)
+`define LATENCY_RIM (`DF_LAT_CROSS + `DF_LAT_DOT + LAT_SQRT + `DF_MAX2(LAT_CMP, LAT_DIV) + 2 * LAT_MUL)
+`define LATENCY_REACH (cde_pkg::larger(`LATENCY_RIM, `DF_LAT_DOT + 2 * LAT_CMP) + LAT_ADD)
+`define LATENCY_EVALUATOR (`LATENCY_REACH + 2 * LAT_ADD)
+// The front's raw normal: cross products and the test for a usable one; of a polyhedron, from a vertex, or the test for a flat triangle.
+`define LATENCY_CYLINDER_RAW (`DF_LAT_CROSS + `DF_MAX2(`DF_LAT_CROSS, `DF_LAT_DOT + LAT_CMP))
+`define LATENCY_POLYHEDRON_RAW (((BODY == `BODY_BOX) ? 3 : 1) * LAT_ADD + `DF_LAT_DOT + `DF_MAX2( \
+  `DF_LAT_CROSS + LAT_SQRT + LAT_ADD + LAT_MUL + `DF_MAX3(LAT_MUL, LAT_ADD, LAT_CMP), 2 * LAT_MUL + 2 * LAT_CMP))
+`define LATENCY_FRONT (((BODY == `BODY_CYLINDER) ? `LATENCY_CYLINDER_RAW : `LATENCY_POLYHEDRON_RAW) + `LATENCY_NORMALISE)
+// Circle: a sample's end (polyhedra), its slope, then Newton's normal and whether it stays in the bracket, or the tie.
+`define LATENCY_TIE (LAT_ADD + `DF_LAT_CROSS + `DF_LAT_DOT + LAT_CMP)
+`define LATENCY_CIRCLE (((BODY == `BODY_CYLINDER) ? 0 : `DF_LAT_DOT + LAT_CMP) + `DF_LAT_CROSS + `DF_LAT_DOT + cde_pkg::larger( \
+  cde_pkg::larger(3 * LAT_MUL + 3 * LAT_ADD + LAT_DIV, LAT_CMP + `DF_LAT_CROSS) + `DF_LAT_DOT + LAT_CMP, LAT_CMP + `LATENCY_TIE))
+`define LATENCY_POLE (LAT_MUL + LAT_ADD + `DF_LAT_DOT + LAT_ADD + LAT_MUL + `DF_MAX2(LAT_SQRT, LAT_MUL) + LAT_DIV + 2 * LAT_CMP + LAT_MUL + LAT_ADD)
+`define LATENCY_NEWTON (4 * LAT_CMP + `DF_LAT_CROSS + `DF_LAT_DOT + 6 * LAT_MUL + 5 * LAT_ADD + LAT_DIV)
+`define LATENCY_FREE `DF_MAX2(`LATENCY_POLE, `LATENCY_NEWTON)
+`define LATENCY_STEP ((BODY == `BODY_CYLINDER) ? cde_pkg::larger(`LATENCY_CIRCLE, `LATENCY_FREE) : `LATENCY_CIRCLE)
+`define LATENCY_PROJECT_CYLINDER (LAT_ADD + `DF_LAT_DOT + `DF_MAX2(2 * `DF_LAT_CROSS + LAT_SQRT + LAT_DIV, LAT_CMP) + LAT_CMP + LAT_MUL + 2 * LAT_ADD)
+`define LATENCY_PROJECT_BOX (`DF_LAT_DOT + 2 * LAT_CMP + LAT_MUL + 2 * LAT_ADD)
+`define LATENCY_PROJECT_TRIANGLE (3 * LAT_ADD + 2 * `DF_LAT_DOT + LAT_DIV + LAT_MUL + 5 * LAT_CMP)
+`define LATENCY_PROJECT ((BODY == `BODY_CYLINDER) ? `LATENCY_PROJECT_CYLINDER : (BODY == `BODY_BOX) ? `LATENCY_PROJECT_BOX : `LATENCY_PROJECT_TRIANGLE)
+`define LATENCY_CYLINDER_WITNESS (LAT_MUL + LAT_ADD + `LATENCY_PROJECT_CYLINDER + `LATENCY_PROJECT + LAT_ADD + `DF_LAT_DOT + LAT_DIV + \
+  `DF_MAX2(LAT_CMP, LAT_MUL + LAT_ADD))
+
+// ---- Operators ----
+// V of unit length; NaN where its square drowns among the subnormal numbers. 6 mul, 2 add, 1 div, 1 sqrt, 1 compare.
+`define DF_NORMALISE(R, V) `DF_DOT(R``_square, V, V) `DF_CONST(R``_least, CW'(3) << MAN) `DF_CONST(R``_one, `DF_POWER_OF_TWO(0)) \
+  `DF_CONST(R``_nan, (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1))) `DF_LE(R``_usable, R``_least, R``_square) \
+  `DF_SQRT(R``_length, R``_square) `DF_DIV(R``_inverse, R``_one, R``_length) `DF_SELECT(R``_factor, R``_usable, R``_inverse, R``_nan) \
+  `DF_VSCALE(R, V, R``_factor)
+// A vector perpendicular to V: V x (1 0 0) or V x (0 1 0), whichever is longer. 2 compare.
+`define DF_ACROSS(R, V) `DF_VABS(R``_size, V) `DF_PICK(R``_x, R``_size, 0) `DF_PICK(R``_y, R``_size, 1) `DF_PICK(R``_z, R``_size, 2) \
+  `DF_LE(R``_over_y, R``_y, R``_x) `DF_LE(R``_over_z, R``_z, R``_x) `DF_AND(R``_along_x, R``_over_y, R``_over_z) \
+  `DF_PICK(R``_vx, V, 0) `DF_PICK(R``_vy, V, 1) `DF_PICK(R``_vz, V, 2) `DF_NEG(R``_my, R``_vy) `DF_NEG(R``_mz, R``_vz) `DF_CONST(R``_zero, 0) \
+  `DF_VEC(R``_if, R``_mz, R``_zero, R``_vx) `DF_VEC(R``_else, R``_zero, R``_vz, R``_my) `DF_VSELECT(R, R``_along_x, R``_if, R``_else)
+// The rim of a cylinder with axis A and radius RADIUS as N sees it; OFF: its support is the cap's centre.
+`define DF_RIM(R, A, RADIUS, N, OFF) \
+  localparam int T_``R``_width = T_``N + `LATENCY_RIM, T_``R``_side = T_``R``_width, T_``R``_kappa = T_``R``_width, T_``R``_v = T_``R``_width; \
+  `DF_SCALAR R``_width, R``_kappa; `DF_VECTOR R``_side, R``_v; \
+  cylinder_rim #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) rim_``R ( \
+      .clk_i, .off_i(OFF), .a_i(A), .radius_i(RADIUS), .n_i(N), .width_o(R``_width), .side_o(R``_side), .kappa_o(R``_kappa), .v_o(R``_v));
+// The point of a cylinder that is nearest to X: centre C, axis A, half height HALF, radius; SIDE and ALONGSIDE as in project_cylinder.sv.
+`define DF_PROJECT_CYLINDER(R, X, C, A, HALF, RADIUS, SIDE, ALONGSIDE) localparam int T_``R = `DF_MAX2(T_``X, T_``C) + `LATENCY_PROJECT_CYLINDER; \
+  `DF_VECTOR R; \
+  project_cylinder #(`DF_FORMAT, .T_X(T_``X), .T_C(T_``C), .T_ALONGSIDE(T_``ALONGSIDE), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), \
+      .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) project_``R ( \
+      .clk_i, .x_i(X), .c_i(C), .a_i(A), .half_i(HALF), .radius_i(RADIUS), .side_i(SIDE), .alongside_i(ALONGSIDE), .r_o(R));
+`endif

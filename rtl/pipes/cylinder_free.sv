@@ -1,0 +1,151 @@
+// A step of a free track between two cylinders (reference/cylinder/search.hpp), from the normal that the pass has evaluated, (n, y, g):
+// beside a cap axis (pole), along the steepest ascent t = y - g n by the Newton step of the one-sided derivative; else Newton's step on
+// the sphere, (kappa_a va va^T + kappa_b vb vb^T + g) step = y - g n, made positive definite where it is not. A step that does not raise g
+// is undone and a quarter of it tried. lo_n is the base, lo_y the step from it, score its g. OPERATORS
+// Latency: LATENCY_STEP clocks; 0 with ARITH = "host". Throughput: one step a lane a clock. Stall: none, runs free.
+`include "cylinder.svh"
+module cylinder_free #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_DIV = 1,
+    parameter int LAT_SQRT = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [`PASS_W-1:0] pass_i,
+    input logic [LANES-1:0][CW-1:0] a_radius_i,
+    input logic [LANES-1:0][CW-1:0] b_radius_i,
+    input logic [LANES-1:0][CW-1:0] g_i,
+    input logic [2:0][LANES-1:0][CW-1:0] n_i,
+    input logic [2:0][LANES-1:0][CW-1:0] y_i,
+    input logic [LANES-1:0][CW-1:0] a_kappa_i,
+    input logic [2:0][LANES-1:0][CW-1:0] a_v_i,
+    input logic [LANES-1:0][CW-1:0] b_kappa_i,
+    input logic [2:0][LANES-1:0][CW-1:0] b_v_i,
+    input logic [2:0][LANES-1:0][CW-1:0] lo_n_i,  // state
+    input logic [2:0][LANES-1:0][CW-1:0] lo_y_i,
+    input logic [LANES-1:0][CW-1:0] score_i,
+    output logic [2:0][LANES-1:0][CW-1:0] lo_n_o,
+    output logic [2:0][LANES-1:0][CW-1:0] lo_y_o,
+    output logic [LANES-1:0][CW-1:0] score_o,
+    output logic [2:0][LANES-1:0][CW-1:0] next_o
+);
+  /*verilator inline_module*/
+  localparam int BODY = `BODY_CYLINDER;
+  logic on_a, unused;
+  assign unused = &{1'b0, `PASS_INDEX(pass_i)};
+  assign on_a = `PASS_TRACK(pass_i) == 0;
+  `DF_CONTROL(pole, `PASS_PHASE(pass_i) == `PHASE_POLE, 0)
+  `DF_CONTROL(start, `PASS_PHASE(pass_i) == `PHASE_START, 0)
+  `DF_IN(g, g_i, 0)
+  `DF_VIN(n, n_i, 0)
+  `DF_VIN(y, y_i, 0)
+  `DF_IN(a_kappa, a_kappa_i, 0)
+  `DF_VIN(a_v, a_v_i, 0)
+  `DF_IN(b_kappa, b_kappa_i, 0)
+  `DF_VIN(b_v, b_v_i, 0)
+  `DF_CONST(zero, 0)
+  `DF_CONST(one, `DF_POWER_OF_TWO(0))
+
+  // ---- Beside a cap axis; kappa and v of the other cylinder ----
+  `DF_IN(radius, on_a ? a_radius_i : b_radius_i, 0)
+  `DF_IN(kappa, on_a ? b_kappa_i : a_kappa_i, 0)
+  `DF_VIN(v, on_a ? b_v_i : a_v_i, 0)
+  `DF_CONST(far, `DF_POWER_OF_TWO(-3))
+  `DF_CONST(near, `DF_POWER_OF_TWO(-13))
+  `DF_VSCALE(along_n, n, g)
+  `DF_VSUB(t, y, along_n)
+  `DF_DOT(tt, t, t)
+  `DF_SQRT(length, tt)
+  `DF_DOT(vt, v, t)
+  `DF_MUL(vtvt, vt, vt)
+  `DF_MUL(curve_v, kappa, vtvt)
+  `DF_MUL(curve_g, g, tt)
+  `DF_ADD(curve, curve_v, curve_g)
+  `DF_SUB(slope, length, radius)
+  `DF_MUL(rise, slope, tt)
+  `DF_DIV(angle, rise, curve)
+  `DF_CLAMP(angle_near, angle, near, far)
+  `DF_LT(convex, zero, curve)
+  `DF_SELECT(pole_step, convex, angle_near, far)
+  `DF_VSCALE(pole_n, n, length)
+  `DF_VSCALE(pole_t, t, pole_step)
+  `DF_VADD(pole_next, pole_n, pole_t)
+
+  // ---- Newton on the sphere ----
+  `DF_CONST(sliver, `DF_POWER_OF_TWO(-7))
+  `DF_CONST(half, `DF_POWER_OF_TWO(-1))
+  `DF_NEG(minus_half, half)
+  `DF_EQ(swap, a_kappa, zero)
+  `DF_SELECT(k1, swap, b_kappa, a_kappa)
+  `DF_SELECT(k2, swap, a_kappa, b_kappa)
+  `DF_VSELECT(v1, swap, b_v, a_v)
+  `DF_VSELECT(v2, swap, a_v, b_v)
+  `DF_CROSS(v1_t, v1, n)
+  `DF_DOT(c, v2, v1)
+  `DF_DOT(s, v2, v1_t)
+  `DF_MUL(kc, k2, c)
+  `DF_MUL(ks, k2, s)
+  `DF_MUL(kcc, kc, c)
+  `DF_ADD(h11, k1, kcc)
+  `DF_MUL(h12, kc, s)
+  `DF_MUL(h22, ks, s)
+  `DF_ADD(d11, h11, g)
+  `DF_ADD(d22, h22, g)
+  `DF_MUL(d11d22, d11, d22)
+  `DF_MUL(h12h12, h12, h12)
+  `DF_SUB(det, d11d22, h12h12)
+  `DF_LT(det_positive, zero, det)
+  `DF_LT(d22_positive, zero, d22)
+  `DF_AND(definite, det_positive, d22_positive)
+  `DF_ABS(g_size, g)
+  `DF_MUL(g_small, g_size, sliver)
+  `DF_ADD(h11_up, h11, g_small)
+  `DF_ADD(h22_up, h22, g_small)
+  `DF_SELECT(e11, definite, d11, h11_up)
+  `DF_SELECT(e22, definite, d22, h22_up)
+  `DF_MUL(e11e22, e11, e22)
+  `DF_SUB(e_det, e11e22, h12h12)
+  `DF_DIV(inverse, one, e_det)
+  `DF_DOT(y1, y, v1)
+  `DF_DOT(y2, y, v1_t)
+  `DF_MUL(e22y1, e22, y1)
+  `DF_MUL(h12y2, h12, y2)
+  `DF_SUB(along1, e22y1, h12y2)
+  `DF_MUL(free1, along1, inverse)
+  `DF_MUL(e11y2, e11, y2)
+  `DF_MUL(h12y1, h12, y1)
+  `DF_SUB(along2, e11y2, h12y1)
+  `DF_MUL(free2, along2, inverse)
+  `DF_CLAMP(s1, free1, minus_half, half)
+  `DF_CLAMP(s2, free2, minus_half, half)
+  `DF_VSCALE(step1, v1, s1)
+  `DF_VSCALE(step2, v1_t, s2)
+  `DF_VADD(newton, step1, step2)
+
+  // ---- Kept or undone ----
+  `DF_VIN(old_n, lo_n_i, 0)
+  `DF_VIN(old_step, lo_y_i, 0)
+  `DF_IN(old_score, score_i, 0)
+  `DF_CONST(quarter, `DF_POWER_OF_TWO(-2))
+  `DF_LT(raised, old_score, g)
+  `DF_FILL(start_all, start)
+  `DF_OR(up, start_all, raised)
+  `DF_VSCALE(shorter, old_step, quarter)
+  `DF_VSELECT(lo_y, up, newton, shorter)
+  `DF_VSELECT(lo_n, up, n, old_n)
+  `DF_SELECT(score, up, g, old_score)
+  `DF_VADD(moved, lo_n, lo_y)
+  `DF_VCHOOSE(next, pole, pole_next, moved)
+
+  `DF_VAT(lo_n_end, lo_n, `LATENCY_STEP)
+  `DF_VAT(lo_y_end, lo_y, `LATENCY_STEP)
+  `DF_AT(score_end, score, `LATENCY_STEP)
+  `DF_VAT(next_end, next, `LATENCY_STEP)
+  assign {lo_n_o, lo_y_o, score_o, next_o} = {lo_n_end, lo_y_end, score_end, next_end};
+endmodule

@@ -1,0 +1,67 @@
+// Front of a pass between two cylinders: the unit normal that the pass evaluates (front() of reference/cylinder/search.hpp). The phases
+// that need c x x or (c x x) x c share the cross products. OPERATORS
+// Latency: LATENCY_FRONT clocks; 0 with ARITH = "host". Throughput: one normal a lane a clock. Stall: none, runs free.
+`include "cylinder.svh"
+module cylinder_front #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_DIV = 1,
+    parameter int LAT_SQRT = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [`PASS_W-1:0] pass_i,
+    input logic [2:0][LANES-1:0][CW-1:0] a_i,  // axes
+    input logic [2:0][LANES-1:0][CW-1:0] b_i,
+    input logic [2:0][LANES-1:0][CW-1:0] d_i,  // centre of B
+    input logic [2:0][LANES-1:0][CW-1:0] q_i,  // state
+    input logic [2:0][LANES-1:0][CW-1:0] last_n_i,
+    input logic [2:0][LANES-1:0][CW-1:0] next_i,
+    input logic [2:0][LANES-1:0][CW-1:0] best_n_i,
+    output logic [2:0][LANES-1:0][CW-1:0] n_o
+);
+  /*verilator inline_module*/
+  localparam int BODY = `BODY_CYLINDER;
+  logic [3:0] phase;
+  logic second, centre;
+  logic [1:0] track;
+  assign phase = `PASS_PHASE(pass_i);
+  assign track = `PASS_TRACK(pass_i);
+  assign centre = phase == `PHASE_CENTRE;
+  assign second = centre ? `PASS_INDEX(pass_i) == 2 : track == 1;
+  `DF_CONTROL(twice, (centre && `PASS_INDEX(pass_i) != 0) || phase == `PHASE_CAP, 0)
+  `DF_CONTROL(side, phase == `PHASE_SIDE, 0)
+  `DF_CONTROL(beside, phase == `PHASE_BESIDE, 0)
+  `DF_CONTROL(witness, phase == `PHASE_TOUCH || phase == `PHASE_PROJECT, 0)
+
+  `DF_VIN(c, second ? b_i : a_i, 0)
+  `DF_VIN(other, centre ? d_i : second ? a_i : b_i, 0)
+  `DF_VIN(plain, centre ? d_i : phase == `PHASE_POLE ? c : phase == `PHASE_START && track == 2 ? best_n_i : next_i, 0)
+  `DF_VIN(q, q_i, 0)
+  `DF_VIN(last_n, last_n_i, 0)
+  `DF_VIN(best_n, best_n_i, 0)
+  `DF_CONST(step, `DF_POWER_OF_TWO(-((MAN + 2) / 2)))  // sqrt(u) or the next power of two below
+  `DF_CONST(tiny, `DF_POWER_OF_TWO(2 * (3 - MAN)))  // (16 u)^2
+
+  `DF_CROSS(x, c, other)
+  `DF_CROSS(xc, x, c)
+  `DF_DOT(xx, x, x)
+  `DF_LE(along, xx, tiny)
+  `DF_ACROSS(any, c)
+  `DF_VSELECT(across, along, any, x)
+  `DF_VSCALE(offset, last_n, step)
+  `DF_VADD(aside, q, offset)
+  `DF_VCHOOSE(raw_beside, beside, aside, plain)
+  `DF_VCHOOSE(raw_side, side, across, raw_beside)
+  `DF_VCHOOSE(raw_any, twice, xc, raw_side)
+  `DF_VAT(raw, raw_any, `LATENCY_CYLINDER_RAW)
+  `DF_NORMALISE(unit, raw)
+  `DF_VCHOOSE(n, witness, best_n, unit)
+  `DF_VAT(n_end, n, `LATENCY_FRONT)
+  assign n_o = n_end;
+endmodule

@@ -1,0 +1,390 @@
+// A cylinder, box or triangle against a cylinder: s_K, the largest gap g(n) over the normals that the budget pays for, at most the signed
+// gap s, so that F = 0 is a proof (host/include/cde/reference/cylinder/). F = (s_K <= 0), T = |s_K|, n the normal, CP between the witness
+// points. One pipeline, which a row of pairs goes round once a pass: a normal (front), g for it and its opposite (evaluator), what the
+// pair keeps of that (circle, free), and at the end the witness points. RING rows are in flight, one a stage; what a row keeps lies in
+// memories with a slot a row, read and written by the stages that use it. OPERATORS
+// Latency: ENTRY + passes * RING + FINISH clocks, latency_o, passes set by budget_i (schedule.hpp). Throughput: RING rows in passes * RING
+// clocks, a row a clock while slots are free. Stall: ready_o, low while the slot that comes by is not about to be free; results come in
+// the order of entry. With ARITH = "host" a whole pass is computed in the clock in which its row could leave, on the same schedule.
+`include "cylinder.svh"
+module cylinder_pair #(
+    parameter int BODY = `BODY_CYLINDER,
+    parameter int ENTRY = 5,  // clocks from a row's entry to its first pass: at least LAT_ADD and LAT_MUL
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_DIV = 1,
+    parameter int LAT_SQRT = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
+    localparam int A_WORDS = (BODY == `BODY_CYLINDER) ? 8 : (BODY == `BODY_BOX) ? 15 : 9
+) (
+    input logic clk_i,
+    input logic rst_i,
+    input logic [23:0] budget_i,  // {K2, K1, M}, a byte each: M 4, 8 or 16, K1 and K2 to 64; constant while anything is in flight
+    input logic valid_i,
+    output logic ready_o,
+    input logic [31:0] tag_i,
+    input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,  // cylinder, box or triangle
+    input logic [7:0][LANES-1:0][CW-1:0] b_i,  // cylinder: c x y z, axis x y z, half height, radius
+    input logic [LANES-1:0][CW-1:0] bad_i,  // lane mask that goes with the row, ENTRY clocks after it; with it if ARITH = "host"
+    output logic valid_o,
+    output logic [31:0] tag_o,
+    output logic [LANES-1:0][CW-1:0] bad_o,
+    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
+    output logic [LANES-1:0][CW-1:0] t_o,
+    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
+    output logic [2:0][LANES-1:0][CW-1:0] n_o,
+    output logic [31:0] latency_o
+);
+  /*verilator inline_module*/
+  `define CYLINDER_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)
+  localparam bit GATES = ARITH == "rtl";
+  localparam int LW = LANES * CW;
+  localparam int T_EVALUATE = `LATENCY_FRONT;
+  localparam int T_EVALUATED = T_EVALUATE + `LATENCY_EVALUATOR;
+  localparam int T_BETTER = T_EVALUATED + LAT_CMP;
+  localparam int T_STEPPED = T_BETTER + `LATENCY_STEP;
+  localparam int T_END = cde_pkg::larger(T_STEPPED, T_EVALUATED + `LATENCY_CYLINDER_WITNESS);
+  localparam int RING = T_END + 1;
+  localparam int FINISH = cde_pkg::larger(2 * LAT_MUL + 2 * LAT_ADD, LAT_CMP);
+  localparam int INTERVAL = (BODY == `BODY_CYLINDER) ? 63 : (BODY == `BODY_BOX) ? 75 : 71;  // passes with M = K1 = K2 = 8
+  localparam int LATENCY = ENTRY + INTERVAL * RING + FINISH;
+  localparam int AW = $clog2(RING);
+  localparam logic [CW-1:0] QNAN = (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1));
+  localparam logic [CW-1:0] MINUS_INFINITY = ((CW'(2) << EXP) - 1) << MAN;
+
+  // ---- Slots. now_q is the slot at the end of its pass; the one at stage t will be there T_END - t clocks later. ----
+  logic [AW-1:0] now_q;
+  function automatic logic [AW-1:0] later(input logic [AW-1:0] now, input int clocks);
+    logic [AW:0] sum;
+    sum = (AW + 1)'(now) + (AW + 1)'(GATES ? clocks : 0);
+    later = AW'((sum >= (AW + 1)'(RING)) ? sum - (AW + 1)'(RING) : sum);
+  endfunction
+  `define SLOT(TIME) later(now_q, T_END - (TIME))
+
+  // ---- Control: which pass each slot is in ----
+  logic [RING-1:0] valid_q;
+  logic [`PASS_W-1:0] pass_mem[RING];
+  logic [31:0] tag_mem[RING];
+  logic [LANES-1:0][CW-1:0] bad_mem[RING];
+  logic enter, entered, leave, last, soon_last;
+  logic [15:0] passes;
+  logic [`PASS_W-1:0] first_pass, next_pass, unused_first, unused_next;
+  logic [15:0] unused_passes;
+  logic [31:0] entered_tag;
+  cylinder_schedule #(.BODY(BODY)) schedule (
+      .budget_i, .pass_i(pass_mem[now_q]), .first_o(first_pass), .next_o(next_pass), .last_o(last), .passes_o(passes));
+  cylinder_schedule #(.BODY(BODY)) schedule_soon (
+      .budget_i, .pass_i(pass_mem[`SLOT(T_END - ENTRY)]), .first_o(unused_first), .next_o(unused_next), .last_o(soon_last),
+      .passes_o(unused_passes));
+  logic unused;
+  assign unused = &{1'b0, unused_first, unused_next, unused_passes};
+  assign ready_o = !valid_q[`SLOT(T_END - ENTRY)] || soon_last;
+  assign enter = valid_i && ready_o;
+  if (GATES) begin : g_entry
+    align_valid #(.FROM(0), .TO(ENTRY)) align_enter (.clk_i, .rst_i, .valid_i(enter), .valid_o(entered));
+  end else begin : g_entry
+    assign entered = enter;
+  end
+  align #(.W(32), .FROM(0), .TO(ENTRY), .ARITH(ARITH)) align_tag (.clk_i, .d_i(tag_i), .q_o(entered_tag));
+  assign leave = valid_q[now_q] && last;
+  assign latency_o = 32'(ENTRY + FINISH) + 32'(passes) * 32'(RING);
+  always_ff @(posedge clk_i) begin
+    now_q <= (now_q == AW'(RING - 1)) ? '0 : now_q + 1;
+    if (entered) begin
+      pass_mem[now_q] <= first_pass;
+      tag_mem[now_q] <= entered_tag;
+      bad_mem[now_q] <= bad_i;
+    end else begin
+      pass_mem[now_q] <= next_pass;
+    end
+    valid_q[now_q] <= entered || (valid_q[now_q] && !last);
+    if (rst_i) begin
+      now_q <= '0;
+      valid_q <= '0;
+    end
+  end
+
+  // ---- Operands, relative to A's origin ----
+  localparam int ORIGIN = 0, D = 3, B = 6, B_REACH = 9, B_HALF = 12, B_RADIUS = 13, A_REACH = 14, A_HALF = 23, A_RADIUS = 26, A_AXIS = 27;
+  localparam int OPERANDS = 36;
+  logic [OPERANDS-1:0][LANES-1:0][CW-1:0] operands, operand_mem[RING];
+  `DF_VIN(a_origin, a_i[2:0], 0)
+  `DF_VIN(b_centre, b_i[2:0], 0)
+  `DF_VIN(b_axis, b_i[5:3], 0)
+  `DF_IN(b_half, b_i[6], 0)
+  `DF_VSUB(b_from_a, b_centre, a_origin)
+  `DF_VSCALE(b_reach, b_axis, b_half)
+  `DF_VAT(b_from_a_in, b_from_a, ENTRY)
+  `DF_VAT(b_reach_in, b_reach, ENTRY)
+  logic [7:3][LANES-1:0][CW-1:0] b_in;
+  logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_in;
+  align #(.W(5 * LW), .FROM(0), .TO(ENTRY), .ARITH(ARITH)) align_b (.clk_i, .d_i(b_i[7:3]), .q_o(b_in));
+  align #(.W(A_WORDS * LW), .FROM(0), .TO(ENTRY), .ARITH(ARITH)) align_a (.clk_i, .d_i(a_i), .q_o(a_in));
+  assign operands[ORIGIN+:3] = a_in[2:0];
+  assign operands[D+:3] = b_from_a_in;
+  assign operands[B+:3] = b_in[5:3];
+  assign operands[B_REACH+:3] = b_reach_in;
+  assign operands[B_HALF] = b_in[6];
+  assign operands[B_RADIUS] = b_in[7];
+  if (BODY == `BODY_CYLINDER) begin : g_operands
+    `DF_VIN(axis, a_i[5:3], 0)
+    `DF_IN(half, a_i[6], 0)
+    `DF_VSCALE(reach, axis, half)
+    `DF_VAT(reach_in, reach, ENTRY)
+    assign operands[A_REACH+:9] = {{(6 * LW) {1'b0}}, reach_in};
+    assign operands[A_HALF+:3] = {{(2 * LW) {1'b0}}, a_in[6]};
+    assign operands[A_RADIUS] = a_in[7];
+    assign operands[A_AXIS+:9] = {{(6 * LW) {1'b0}}, a_in[5:3]};
+  end else if (BODY == `BODY_BOX) begin : g_operands
+    `DF_MATRIX_IN(rotation, a_i[8:6], a_i[11:9], a_i[14:12], 0)  // by rows; columns are the axes
+    `DF_VIN(half, a_i[5:3], 0)
+    `DF_TRANSPOSE(axes, rotation)
+    `DF_MSCALE(reach, axes, half)
+    for (genvar k = 0; k < 3; k++) begin : axis
+      df_align #(.W(3 * LW), .T_A(T_reach), .T(ENTRY), .ARITH(ARITH)) align_reach (.clk_i, .a_i(reach[k]), .r_o(operands[A_REACH+3*k+:3]));
+      assign operands[A_AXIS+3*k+:3] = {a_in[12+k], a_in[9+k], a_in[6+k]};
+    end
+    assign operands[A_HALF+:3] = a_in[5:3];
+    assign operands[A_RADIUS] = '0;
+  end else begin : g_operands
+    `DF_MATRIX_IN(tails, a_i[2:0], a_i[2:0], a_i[5:3], 0)
+    `DF_MATRIX_IN(heads, a_i[5:3], a_i[8:6], a_i[8:6], 0)
+    `DF_MSUB(edges, heads, tails)
+    df_align #(.W(9 * LW), .T_A(T_edges), .T(ENTRY), .ARITH(ARITH)) align_edges (.clk_i, .a_i(edges), .r_o(operands[A_REACH+:9]));
+    assign {operands[A_HALF+:3], operands[A_RADIUS], operands[A_AXIS+:9]} = '0;
+    logic unused_a;
+    assign unused_a = &{1'b0, a_in[A_WORDS-1:3]};
+  end
+  always_ff @(posedge clk_i) if (entered) operand_mem[now_q] <= operands;
+  `define OPERAND(WORD, TIME) operand_mem[`SLOT(TIME)][WORD]
+  `define OPERAND3(WORD, TIME) operand_mem[`SLOT(TIME)][WORD+:3]
+  `define OPERAND9(WORD, TIME) operand_mem[`SLOT(TIME)][WORD+:9]
+
+  // ---- State ----
+  logic [LANES-1:0][CW-1:0] best_g_mem[RING], score_mem[RING], last_g_mem[RING];
+  logic [2:0][LANES-1:0][CW-1:0] best_n_mem[RING], next_mem[RING], q_mem[RING], lo_n_mem[RING], lo_y_mem[RING], hi_n_mem[RING];
+  logic [2:0][LANES-1:0][CW-1:0] hi_y_mem[RING], last_n_mem[RING], last_y_mem[RING];
+  logic [2:0][2:0][LANES-1:0][CW-1:0] axes_start, axes_better, axes_witness;  // A's axes, or the triangle's edges, of unit length
+  logic [2:0][LANES-1:0][CW-1:0] face_start, face_witness;  // the triangle's normal
+  if (BODY == `BODY_CYLINDER) begin : g_axes
+    assign axes_start = `OPERAND9(A_AXIS, 0);
+    assign axes_better = `OPERAND9(A_AXIS, T_BETTER);
+    assign axes_witness = `OPERAND9(A_AXIS, T_EVALUATED);
+    assign {face_start, face_witness} = '0;
+  end else begin : g_axes  // written by the first passes: the face is word 3
+    logic [2:0][LANES-1:0][CW-1:0] axis_mem[4][RING];
+    logic [1:0] place;
+    assign place = `PASS_INDEX(pass_mem[`SLOT(T_EVALUATE)])[1:0] - ((BODY == `BODY_TRIANGLE) ? 2'd1 : 2'd0);
+    for (genvar k = 0; k < 3; k++) begin : axis
+      assign axes_start[k] = axis_mem[k][`SLOT(0)];
+      assign axes_better[k] = axis_mem[k][`SLOT(T_BETTER)];
+      assign axes_witness[k] = axis_mem[k][`SLOT(T_EVALUATED)];
+    end
+    assign face_start = axis_mem[3][`SLOT(0)];
+    assign face_witness = axis_mem[3][`SLOT(T_EVALUATED)];
+    always_ff @(posedge clk_i)
+      if (phase_evaluate == `PHASE_FRAME) axis_mem[place][`SLOT(T_EVALUATE)] <= n;
+  end
+
+  // ---- Front: the normal ----
+  logic [2:0][LANES-1:0][CW-1:0] n;
+  logic [`PASS_W-1:0] pass_start;
+  assign pass_start = pass_mem[`SLOT(0)];
+  if (BODY == `BODY_CYLINDER) begin : g_front
+    logic unused_front;
+    assign unused_front = &{1'b0, axes_start[2:1], face_start};
+    cylinder_front #(`DF_FORMAT, `CYLINDER_LATENCIES) front (
+        .clk_i, .pass_i(pass_start), .a_i(axes_start[0]), .b_i(`OPERAND3(B, 0)), .d_i(`OPERAND3(D, 0)), .q_i(q_mem[`SLOT(0)]),
+        .last_n_i(last_n_mem[`SLOT(0)]), .next_i(next_mem[`SLOT(0)]), .best_n_i(best_n_mem[`SLOT(0)]), .n_o(n));
+  end else begin : g_front
+    logic [2:0][LANES-1:0][CW-1:0] frame;
+    assign frame = operand_mem[`SLOT(0)][A_AXIS+3*32'(`PASS_INDEX(pass_start)[1:0])+:3];
+    polyhedron_front #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) front (
+        .clk_i, .pass_i(pass_start), .samples_i(budget_i[7:0]), .axis_i(axes_start), .reach_i(`OPERAND9(A_REACH, 0)), .face_i(face_start),
+        .frame_i(frame), .d_i(`OPERAND3(D, 0)), .b_i(`OPERAND3(B, 0)), .b_half_i(`OPERAND(B_HALF, 0)), .b_radius_i(`OPERAND(B_RADIUS, 0)),
+        .q_i(q_mem[`SLOT(0)]), .next_i(next_mem[`SLOT(0)]), .best_n_i(best_n_mem[`SLOT(0)]), .n_o(n));
+  end
+
+  // ---- Evaluation of n and -n ----
+  logic [3:0] phase_evaluate;
+  logic [1:0] track_evaluate;
+  logic pole;
+  `DF_SCALAR plus_g_now, minus_g_now, a_kappa_now, b_kappa_now, b_along;
+  `DF_VECTOR plus_y_now, minus_y_now, a_v_now, b_v_now, a_side, b_side, pa;
+  assign phase_evaluate = `PASS_PHASE(pass_mem[`SLOT(T_EVALUATE)]);
+  assign track_evaluate = `PASS_TRACK(pass_mem[`SLOT(T_EVALUATE)]);
+  assign pole = phase_evaluate == `PHASE_POLE;
+  cylinder_evaluator #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) evaluator (
+      .clk_i, .off_a_i(pole && track_evaluate == 0), .off_b_i(pole && track_evaluate == 1), .n_i(n),
+      .a_i(`OPERAND3(A_AXIS, T_EVALUATE)), .radius_i(`OPERAND(A_RADIUS, T_EVALUATE)), .reach_i(`OPERAND9(A_REACH, T_EVALUATE)),
+      .d_i(`OPERAND3(D, T_EVALUATE)), .b_i(`OPERAND3(B, T_EVALUATE)), .b_reach_i(`OPERAND3(B_REACH, T_EVALUATE)),
+      .b_half_i(`OPERAND(B_HALF, T_EVALUATE)), .b_radius_i(`OPERAND(B_RADIUS, T_EVALUATE)), .plus_g_o(plus_g_now), .plus_y_o(plus_y_now),
+      .minus_g_o(minus_g_now), .minus_y_o(minus_y_now), .a_kappa_o(a_kappa_now), .a_v_o(a_v_now), .a_side_o(a_side), .b_kappa_o(b_kappa_now),
+      .b_v_o(b_v_now), .b_side_o(b_side), .b_along_o(b_along), .pa_o(pa));
+
+  // ---- The better orientation, and the best so far; the first of equals stays ----
+  `DF_VIN(plus_n_early, n, T_EVALUATE)
+  `DF_VAT(plus_n, plus_n_early, T_BETTER)
+  `DF_IN(plus_g, plus_g_now, T_EVALUATED)
+  `DF_VIN(plus_y, plus_y_now, T_EVALUATED)
+  `DF_IN(minus_g, minus_g_now, T_EVALUATED)
+  `DF_VIN(minus_y, minus_y_now, T_EVALUATED)
+  `DF_VNEG(minus_n, plus_n)
+  `DF_LT(turned, plus_g, minus_g)
+  `DF_SELECT(better_g, turned, minus_g, plus_g)
+  `DF_VSELECT(better_n, turned, minus_n, plus_n)
+  `DF_VSELECT(better_y, turned, minus_y, plus_y)
+  `DF_VSELECT(back_y, turned, plus_y, minus_y)
+  logic [`PASS_W-1:0] pass_better, pass_best;
+  assign pass_better = pass_mem[`SLOT(T_BETTER)];
+  localparam int T_BEST = T_BETTER + LAT_CMP;
+  assign pass_best = pass_mem[`SLOT(T_BEST)];
+  // The first pass finds nothing to beat.
+  `DF_CONTROL(fresh, pass_better == first_pass, T_BETTER)
+  `DF_CONTROL(fresh_best, pass_best == first_pass, T_BEST)
+  `DF_CONST(nothing_g, MINUS_INFINITY)
+  `DF_VCONST(nothing_n, QNAN, QNAN, QNAN)
+  `DF_IN(kept_g, best_g_mem[`SLOT(T_BETTER)], T_BETTER)
+  `DF_VIN(kept_n, best_n_mem[`SLOT(T_BEST)], T_BEST)
+  `DF_CHOOSE(old_g, fresh, nothing_g, kept_g)
+  `DF_VCHOOSE(old_n, fresh_best, nothing_n, kept_n)
+  `DF_LT(raised, old_g, better_g)
+  `DF_SELECT(best_g, raised, better_g, old_g)
+  `DF_VSELECT(best_n, raised, better_n, old_n)
+  always_ff @(posedge clk_i)
+    if (`PASS_PHASE(pass_best) != `PHASE_TOUCH && `PASS_PHASE(pass_best) != `PHASE_PROJECT) begin
+      best_g_mem[`SLOT(T_BEST)] <= best_g;
+      best_n_mem[`SLOT(T_BEST)] <= best_n;
+    end
+  always_ff @(posedge clk_i)
+    if (`PASS_PHASE(pass_better) == `PHASE_CAP || `PASS_PHASE(pass_better) == `PHASE_SAMPLE) begin
+      last_g_mem[`SLOT(T_BETTER)] <= better_g;
+      last_n_mem[`SLOT(T_BETTER)] <= better_n;
+      last_y_mem[`SLOT(T_BETTER)] <= better_y;
+    end
+
+  // ---- Steps on circles and free tracks ----
+  `DF_IN(a_kappa_early, a_kappa_now, T_EVALUATED)
+  `DF_VIN(a_v_early, a_v_now, T_EVALUATED)
+  `DF_IN(b_kappa_early, b_kappa_now, T_EVALUATED)
+  `DF_VIN(b_v_early, b_v_now, T_EVALUATED)
+  `DF_AT(a_kappa, a_kappa_early, T_BETTER)
+  `DF_VAT(a_v, a_v_early, T_BETTER)
+  `DF_AT(b_kappa, b_kappa_early, T_BETTER)
+  `DF_VAT(b_v, b_v_early, T_BETTER)
+  `DF_AT(late_g, plus_g, T_BETTER)
+  `DF_VAT(late_y, plus_y, T_BETTER)
+  logic [1:0] track;
+  logic [2:0][LANES-1:0][CW-1:0] e;
+  assign track = `PASS_TRACK(pass_better);
+  assign e = (BODY == `BODY_CYLINDER && track == 1) ? `OPERAND3(B, T_BETTER) : axes_better[track];
+  `DF_VECTOR circle_lo_n, circle_lo_y, circle_hi_n, circle_hi_y, circle_next, new_lo_n, new_lo_y, new_next;
+  `DF_SCALAR circle_score, new_score;
+  cylinder_circle #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) circle (
+      .clk_i, .pass_i(pass_better), .e_i(e), .g_i(late_g), .n_i(plus_n), .y_i(late_y), .a_kappa_i(a_kappa), .a_v_i(a_v), .b_kappa_i(b_kappa),
+      .b_v_i(b_v), .best_g_i(better_g), .best_n_i(better_n), .best_y_i(better_y), .back_y_i(back_y), .lo_n_i(lo_n_mem[`SLOT(T_BETTER)]),
+      .lo_y_i(lo_y_mem[`SLOT(T_BETTER)]), .hi_n_i(hi_n_mem[`SLOT(T_BETTER)]), .hi_y_i(hi_y_mem[`SLOT(T_BETTER)]),
+      .score_i(score_mem[`SLOT(T_BETTER)]), .last_g_i(last_g_mem[`SLOT(T_BETTER)]), .last_n_i(last_n_mem[`SLOT(T_BETTER)]),
+      .last_y_i(last_y_mem[`SLOT(T_BETTER)]), .lo_n_o(circle_lo_n), .lo_y_o(circle_lo_y), .hi_n_o(circle_hi_n), .hi_y_o(circle_hi_y),
+      .score_o(circle_score), .next_o(circle_next));
+  logic [3:0] phase_stepped;
+  logic on_circle, off_circle;
+  assign phase_stepped = `PASS_PHASE(pass_mem[`SLOT(T_STEPPED)]);
+  assign on_circle = phase_stepped == `PHASE_BESIDE || phase_stepped == `PHASE_SAMPLE ||
+      phase_stepped == `PHASE_REFINE;
+  assign off_circle = BODY == `BODY_CYLINDER && (phase_stepped == `PHASE_START || phase_stepped == `PHASE_NEWTON);
+  if (BODY == `BODY_CYLINDER) begin : g_free
+    `DF_VECTOR free_lo_n, free_lo_y, free_next;
+    `DF_SCALAR free_score;
+    cylinder_free #(`DF_FORMAT, `CYLINDER_LATENCIES) free (
+        .clk_i, .pass_i(pass_better), .a_radius_i(`OPERAND(A_RADIUS, T_BETTER)), .b_radius_i(`OPERAND(B_RADIUS, T_BETTER)), .g_i(better_g),
+        .n_i(better_n), .y_i(better_y), .a_kappa_i(a_kappa), .a_v_i(a_v), .b_kappa_i(b_kappa), .b_v_i(b_v),
+        .lo_n_i(lo_n_mem[`SLOT(T_BETTER)]), .lo_y_i(lo_y_mem[`SLOT(T_BETTER)]), .score_i(score_mem[`SLOT(T_BETTER)]), .lo_n_o(free_lo_n),
+        .lo_y_o(free_lo_y), .score_o(free_score), .next_o(free_next));
+    logic unused_score;
+    assign unused_score = &{1'b0, circle_score};
+    assign {new_lo_n, new_lo_y, new_next} = on_circle ? {circle_lo_n, circle_lo_y, circle_next} : {free_lo_n, free_lo_y, free_next};
+    assign new_score = free_score;
+  end else begin : g_no_free
+    assign {new_lo_n, new_lo_y, new_next, new_score} = {circle_lo_n, circle_lo_y, circle_next, circle_score};
+  end
+  always_ff @(posedge clk_i) begin
+    if (on_circle || off_circle || phase_stepped == `PHASE_POLE) next_mem[`SLOT(T_STEPPED)] <= new_next;
+    if (on_circle || off_circle) begin
+      lo_n_mem[`SLOT(T_STEPPED)] <= new_lo_n;
+      lo_y_mem[`SLOT(T_STEPPED)] <= new_lo_y;
+    end
+    if (on_circle) begin
+      hi_n_mem[`SLOT(T_STEPPED)] <= circle_hi_n;
+      hi_y_mem[`SLOT(T_STEPPED)] <= circle_hi_y;
+    end
+    if (off_circle || phase_stepped == `PHASE_SAMPLE) score_mem[`SLOT(T_STEPPED)] <= new_score;
+  end
+
+  // ---- Witness points ----
+  localparam int T_witness_early = T_EVALUATED + `LATENCY_CYLINDER_WITNESS;
+  `DF_VECTOR witness_early;
+  cylinder_witness #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) witness (
+      .clk_i, .pass_i(pass_mem[`SLOT(T_EVALUATED)]), .axis_i(axes_witness), .half_i(`OPERAND3(A_HALF, T_EVALUATED)),
+      .radius_i(`OPERAND(A_RADIUS, T_EVALUATED)), .edge_i(`OPERAND9(A_REACH, T_EVALUATED)), .face_i(face_witness),
+      .d_i(`OPERAND3(D, T_EVALUATED)), .b_i(`OPERAND3(B, T_EVALUATED)), .b_half_i(`OPERAND(B_HALF, T_EVALUATED)),
+      .b_radius_i(`OPERAND(B_RADIUS, T_EVALUATED)), .g_i(best_g_mem[`SLOT(T_EVALUATED)]), .n_i(best_n_mem[`SLOT(T_EVALUATED)]),
+      .y_i(plus_y_now), .a_side_i(a_side), .b_side_i(b_side), .b_along_i(b_along), .pa_i(pa), .q_i(q_mem[`SLOT(T_EVALUATED)]),
+      .q_o(witness_early));
+  `DF_VAT(witness_q, witness_early, T_END)
+  `DF_VAT(side_q, better_n, T_END)
+  logic [3:0] phase_end;
+  assign phase_end = `PASS_PHASE(pass_mem[now_q]);
+  always_ff @(posedge clk_i) begin
+    if (phase_end == `PHASE_SIDE) q_mem[now_q] <= side_q;
+    else if (phase_end == `PHASE_TOUCH || phase_end == `PHASE_PROJECT) q_mem[now_q] <= witness_q;
+  end
+
+  // ---- The way out; its stage times begin at the end of the last pass ----
+  `DF_IN(s, best_g_mem[now_q], 0)
+  `DF_VIN(s_n, best_n_mem[now_q], 0)
+  `DF_VIN(q, witness_q, 0)
+  `DF_VIN(origin, operand_mem[now_q][ORIGIN+:3], 0)
+  `DF_CONST(one_half, `DF_POWER_OF_TWO(-1))
+  `DF_MUL(s_half, s, one_half)
+  `DF_VSCALE(to_middle, s_n, s_half)
+  `DF_VADD(middle, q, to_middle)
+  `DF_VADD(cp, origin, middle)
+  `DF_SCALAR f_end, t_end, bad_end;
+  `DF_VECTOR cp_end, n_end;
+  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_s_n), .LATENCY(FINISH), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
+      .clk_i, .s_i(s), .cp_i(cp), .n_i(s_n), .f_o(f_end), .t_o(t_end), .cp_o(cp_end), .n_o(n_end));
+  assign bad_end = bad_mem[now_q];
+  localparam int HISTORY = 1 << $clog2(ENTRY + FINISH + 1);
+  if (GATES) begin : g_exit
+    issue_history #(.W(32 + LW), .DEPTH(HISTORY)) history (
+        .clk_i, .rst_i, .latency_i(16'(FINISH)), .valid_i(leave), .d_i({bad_end, tag_mem[now_q]}), .valid_o, .q_o({bad_o, tag_o}));
+    assign {f_o, t_o, cp_o, n_o} = {f_end, t_end, cp_end, n_end};
+  end else begin : g_exit  // the results are there at once, and wait
+    issue_history #(.W(32 + 9 * LW), .DEPTH(HISTORY)) history (
+        .clk_i, .rst_i, .latency_i(16'(ENTRY + FINISH)), .valid_i(leave),
+        .d_i({f_end, t_end, cp_end, n_end, bad_end, tag_mem[now_q]}), .valid_o, .q_o({f_o, t_o, cp_o, n_o, bad_o, tag_o}));
+  end
+
+`ifndef SYNTHESIS
+  logic [23:0] budget_q;
+  always_ff @(posedge clk_i) begin
+    budget_q <= budget_i;
+    if (!rst_i) begin
+      assert (valid_q == '0 || budget_i == budget_q) else $error("cylinder_pair: budget changed with rows in flight");
+      assert (budget_i != 24'h080808 || latency_o == 32'(LATENCY)) else $error("cylinder_pair: INTERVAL is not the default budget's");
+      assert (!(entered && valid_q[now_q] && !last)) else $error("cylinder_pair: row entered a slot in use");
+    end
+  end
+`endif
+  `undef SLOT
+  `undef OPERAND
+  `undef OPERAND3
+  `undef OPERAND9
+  `undef CYLINDER_LATENCIES
+endmodule

@@ -1,0 +1,110 @@
+// Nearest point of the box around the origin, or of the triangle with v0 at the origin: of its plane if that lies inside, else of an edge;
+// an edge or a triangle without length or area is selected away by its NaN, and v0 remains.
+// 12 add, 18 mul, 6 min/max (box); OPERATORS (triangle).
+// Latency: LATENCY_PROJECT clocks from x; 0 with ARITH = "host". Throughput: one point a lane a clock. Stall: none, runs free.
+`include "cylinder.svh"
+module project_polyhedron #(
+    parameter int BODY = `BODY_BOX,
+    parameter int T_X = 0,  // stage time of x; the others have stage time 0
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_DIV = 1,
+    parameter int LAT_SQRT = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [2:0][LANES-1:0][CW-1:0] x_i,
+    input logic [2:0][2:0][LANES-1:0][CW-1:0] axis_i,  // box: axes, half extents
+    input logic [2:0][LANES-1:0][CW-1:0] half_i,
+    input logic [2:0][2:0][LANES-1:0][CW-1:0] edge_i,  // triangle: v1 - v0, v2 - v0, v2 - v1, unit normal
+    input logic [2:0][LANES-1:0][CW-1:0] face_i,
+    output logic [2:0][LANES-1:0][CW-1:0] r_o
+);
+  /*verilator inline_module*/
+  `DF_VIN(x, x_i, T_X)
+  if (BODY == `BODY_BOX) begin : g_box
+    logic unused;
+    assign unused = &{1'b0, edge_i, face_i};
+    `DF_MATRIX_IN(axis, axis_i[0], axis_i[1], axis_i[2], 0)
+    `DF_VIN(half, half_i, 0)
+    `DF_VNEG(minus_half, half)
+    `DF_APPLY(along, axis, x)
+    `DF_VCLAMP(limited, along, minus_half, half)
+    `DF_MSCALE(p, axis, limited)
+    localparam int T_p0 = T_p, T_p1 = T_p, T_p2 = T_p;
+    `DF_VECTOR p0, p1, p2;
+    assign {p2, p1, p0} = p;
+    `DF_VADD(p12, p1, p2)
+    `DF_VADD(r, p0, p12)
+    `DF_VAT(r_end, r, T_X + `LATENCY_PROJECT)
+    assign r_o = r_end;
+  end else begin : g_triangle
+    logic unused;
+    assign unused = &{1'b0, axis_i, half_i};
+    `DF_MATRIX_IN(edges, edge_i[0], edge_i[1], edge_i[2], 0)
+    `DF_VIN(e1, edge_i[0], 0)
+    `DF_VIN(face, face_i, 0)
+    `DF_VCONST(v0, 0, 0, 0)
+    `DF_VCONST(ones, `DF_POWER_OF_TWO(0), `DF_POWER_OF_TWO(0), `DF_POWER_OF_TWO(0))
+    `DF_CONST(zero, 0)
+    // From the first end of each edge: v0, v0, v1.
+    `DF_MATRIX_IN(from, v0, v0, e1, 0)
+    localparam int T_xs = T_X;
+    `DF_MATRIX xs;
+    assign xs = {x, x, x};
+    `DF_MSUB(w, xs, from)
+    `DF_MDOT(we, w, edges)
+    `DF_MDOT(ee, edges, edges)
+    `DF_BINARY3(ratio, we, ee, "div", LAT_DIV)
+    `DF_VCLAMP(t, ratio, v0, ones)
+    `DF_MSCALE(part, edges, t)
+    localparam int T_p = T_part + LAT_ADD;
+    `DF_MATRIX p;
+    for (genvar k = 0; k < 9; k++) begin : on_edge
+      df_operator #(`DF_FORMAT, .OP("add"), .T_A(0), .T_B(T_part), .LAT(LAT_ADD)) op (
+          .clk_i, .a_i(from[k/3][k%3]), .b_i(part[k/3][k%3]), .r_o(p[k/3][k%3]));
+    end
+    `DF_MSUB(r, xs, p)
+    `DF_MDOT(rr, r, r)
+    `DF_MCROSS(ew, edges, w)
+    `DF_APPLY(side, ew, face)
+
+    // ---- The nearest of v0 and the edges, the first of equals ----
+    localparam int T_p0 = T_p, T_p1 = T_p, T_p2 = T_p;
+    `DF_VECTOR p0, p1, p2;
+    assign {p2, p1, p0} = p;
+    `DF_PICK(rr0, rr, 0)
+    `DF_PICK(rr1, rr, 1)
+    `DF_PICK(rr2, rr, 2)
+    `DF_DOT(xx, x, x)
+    `DF_LT(nearer0, rr0, xx)
+    `DF_MIN(least0, rr0, xx)
+    `DF_LT(nearer1, rr1, least0)
+    `DF_MIN(least1, rr1, least0)
+    `DF_LT(nearer2, rr2, least1)
+    `DF_VSELECT(best0, nearer0, p0, v0)
+    `DF_VSELECT(best1, nearer1, p1, best0)
+    `DF_VSELECT(best2, nearer2, p2, best1)
+
+    // ---- The plane; v0 v2 runs against the other two edges ----
+    `DF_PICK(side0, side, 0)
+    `DF_PICK(side1, side, 1)
+    `DF_PICK(side2, side, 2)
+    `DF_LE(left0, zero, side0)
+    `DF_LE(right1, side1, zero)
+    `DF_LE(left2, zero, side2)
+    `DF_AND(left, left0, left2)
+    `DF_AND(above_it, left, right1)
+    `DF_DOT(height, x, face)
+    `DF_VSCALE(drop, face, height)
+    `DF_VSUB(plane, x, drop)
+    `DF_VSELECT(nearest, above_it, plane, best2)
+    `DF_VAT(r_end, nearest, T_X + `LATENCY_PROJECT)
+    assign r_o = r_end;
+  end
+endmodule
