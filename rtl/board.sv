@@ -76,9 +76,10 @@ module board #(
   logic [1:0] command_swap, swap, gap;
   logic normals, prim_busy;
   logic [PRIM_W-1:0] split;
+  logic [23:0] budget;
   logic [PRIM_W:0] prim_count, new_hits;
   logic [PRIMARIES-1:0] active, prim_bad;
-  logic [1:0] issue, retire;
+  logic [1:0] issue, retire, ready;
   logic bubble, stall, sec_pop, sec_bad, record_write;
   logic [15:0] latency;
   card_registers #(
@@ -88,7 +89,7 @@ module board #(
   ) registers (
       .clk_i, .clk_engine_i(clk_engine), .rst_i, .bus_valid_i, .bus_write_i, .bus_space_i, .bus_addr_i, .bus_wdata_i, .bus_ready_o, .bus_rvalid_o,
       .bus_rdata_o, .irq_o, .clk_bus_o(clk_bus), .addr_o(addr), .wdata_o(wdata), .prim_write_o(prim_write), .ddr_write_o, .sram_pop_o(sram_pop), .sram_valid_i(sram_beat_valid),
-      .sram_beat_i(sram_beat), .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .mode_o(command_mode), .pair_o(command_pair), .swap_o(command_swap), .split_o(split), .normals_o(normals),
+      .sram_beat_i(sram_beat), .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .mode_o(command_mode), .pair_o(command_pair), .swap_o(command_swap), .split_o(split), .budget_o(budget), .normals_o(normals),
       .prim_count_o(prim_count), .sec_first_o(sec_first), .sec_count_o(sec_count), .active_o(active), .busy_i(busy),
       .done_i(done), .writeback_i(writeback), .prim_bad_i(prim_bad), .issue_i(issue), .bubble_i(bubble), .stall_i(stall), .secondary_i(sec_pop),
       .secondary_bad_i(sec_bad), .record_i(record_write), .latency_i(latency));
@@ -120,7 +121,7 @@ module board #(
       .swap_i(command_swap), .split_i(split), .mode_o(mode), .pair_o(pair), .swap_o(swap), .primaries_busy_i(prim_busy), .prim_count_i(prim_count), .active_i(active),
       .busy_o(busy), .done_o(done), .flush_o(flush), .streaming_mode_o(streaming), .clear_o(clear), .clear_row_o(clear_row),
       .clear_mask_o(clear_mask), .fetch_start_o(fetch_start), .fetch_stop_o(fetch_stop), .secondary_valid_i(sec_valid),
-      .secondary_last_i(sec_last), .secondary_idle_i(sec_idle), .secondary_pop_o(sec_pop), .issue_o(issue),
+      .secondary_last_i(sec_last), .secondary_idle_i(sec_idle), .secondary_pop_o(sec_pop), .ready_i(ready), .issue_o(issue),
       .issue_row_o(issue_row), .issue_parity_o(issue_parity), .retire_i(retire), .new_hits_i(new_hits), .credit_i(credit),
       .fifo_empty_i(fifo_empty), .writeback_o(writeback), .writeback_primary_o(writeback_primary),
       .writeback_parity_o(writeback_parity), .writeback_ready_i(writeback_ready), .sram_idle_i(!record_write),
@@ -142,7 +143,7 @@ module board #(
       .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) engine (
       .clk_i(clk_engine), .rst_i, .clk_bus_i(clk_bus), .clk_core_i(clk_i), .prim_write_i(prim_write), .prim_addr_i(addr), .prim_data_i(wdata),
-      .prim_bad_o(prim_bad), .prim_busy_o(prim_busy), .pair_i(pair), .swap_i(swap), .split_i(split), .gap_o(gap), .clear_i(clear), .clear_row_i(clear_row), .clear_mask_i(clear_mask), .valid_i(issue), .row_i(issue_row),
+      .prim_bad_o(prim_bad), .prim_busy_o(prim_busy), .pair_i(pair), .swap_i(swap), .split_i(split), .budget_i(budget), .gap_o(gap), .ready_o(ready), .clear_i(clear), .clear_row_i(clear_row), .clear_mask_i(clear_mask), .valid_i(issue), .row_i(issue_row),
       .parity_i(issue_parity), .index_i(sec_index), .secondary_i(secondary), .secondary_bad_i(sec_bad), .mode_i(mode),
       .streaming_i(streaming), .valid_o(retire), .row_o(row), .index_o(index), .new_hits_o(new_hits), .f_o(f), .bad_o(bad),
       .unmasked_o(unmasked), .latency_o(latency), .push_i(fifo_keep), .write_i(fifo_write), .read_i(streaming && fifo_valid),

@@ -23,9 +23,10 @@ package cde_pkg;
   localparam logic [11:0] REG_RECORDS = 12'h058;       // records waiting in the SRAM ring
   localparam logic [11:0] REG_FAULT_ADDR = 12'h060;    // [33:32] space, [31:0] offset of the first refused access
   localparam logic [11:0] REG_STENCIL = 12'h080;       // primaries/64 registers: 1 masks a primary
+  localparam logic [11:0] REG_BUDGET = 12'h0A0;        // work for a cylinder pair: [7:0] M, [15:8] K1, [23:16] K2
   localparam logic [11:0] REG_CYCLES = 12'h0C0;        // clocks from go to done, without REG_WRITEBACK
   localparam logic [11:0] REG_ROWS = 12'h0C8;          // rows issued to the pipe (one row = LANES pairs)
-  localparam logic [11:0] REG_STALLS = 12'h0D0;        // clocks the pipe mouth waited for output space
+  localparam logic [11:0] REG_STALLS = 12'h0D0;        // clocks the pipe mouth waited for output space, or for a slot of a cylinder pipe
   localparam logic [11:0] REG_BUBBLES = 12'h0D8;       // clocks the pipe mouth waited for a secondary
   localparam logic [11:0] REG_BAD_PRIM = 12'h0E0;      // primaries refused as bad input
   localparam logic [11:0] REG_BAD_SEC = 12'h0E8;       // secondaries refused as bad input
@@ -85,6 +86,13 @@ package cde_pkg;
     int biased;
     biased = (1 << (exp - 1)) - 1 + e;
     power_of_two = (biased > 0) ? 64'(biased) << man : (biased + man > 0) ? 64'd1 << (biased + man - 1) : 64'd0;
+  endfunction
+  function bit has_ring(input int pair);  // the pipe is a ring with a mouth (cylinder_pair.sv), a budget sets its work
+    has_ring = pair == int'(PAIR_TRIANGLE_CYLINDER) || pair == int'(PAIR_CYLINDER_CYLINDER) || pair == int'(PAIR_OBB_CYLINDER);
+  endfunction
+  function bit any_ring(input int pairs);  // of a set
+    any_ring = 0;
+    for (int p = 0; p < PAIRS; p++) if (((pairs >> p) & 1) != 0 && has_ring(p)) any_ring = 1;
   endfunction
   function int shape_words(input int shape);
     shape_words = (shape == SHAPE_RAY || shape == SHAPE_CYLINDER) ? 8 : (shape == SHAPE_TRIANGLE) ? 9 :

@@ -1,7 +1,11 @@
 #include "cde/pair.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+
+#include "cde/error.hpp"
 
 namespace cde {
 namespace {
@@ -70,6 +74,20 @@ Shape primary_shape(Pair pair) {
 }
 Shape secondary_shape(Pair pair) {
   return kFacts.at(static_cast<unsigned>(pair)).secondary;
+}
+
+void PairBudget::check() const {
+  if (samples != 4 && samples != 8 && samples != 16)
+    throw Error(ErrorCode::kUsage, fmt::format("budget: M is {}, expected 4, 8 or 16", samples));
+  for (const auto& [what, value] : {std::pair{"K1", circle}, std::pair{"K2", free}})
+    if (value > 64)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("budget: {} is {}, expected 0 to 64", what, value));
+}
+
+bool has_budget(Pair pair) {
+  return pair == Pair::kCylinderCylinder || pair == Pair::kObbCylinder ||
+         pair == Pair::kTriangleCylinder;
 }
 
 }  // namespace cde

@@ -11,20 +11,6 @@
 
 namespace cde {
 
-void PairBudget::check() const {
-  if (samples != 4 && samples != 8 && samples != 16)
-    throw Error(ErrorCode::kUsage, fmt::format("budget: M is {}, expected 4, 8 or 16", samples));
-  for (const auto& [what, value] : {std::pair{"K1", circle}, std::pair{"K2", free}})
-    if (value > 64)
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("budget: {} is {}, expected 0 to 64", what, value));
-}
-
-bool has_budget(Pair pair) {
-  return pair == Pair::kCylinderCylinder || pair == Pair::kObbCylinder ||
-         pair == Pair::kTriangleCylinder;
-}
-
 std::vector<std::string> PairConfig::parameters() const {
   const auto in_range = [](std::string_view what, unsigned value, unsigned low, unsigned high) {
     if (value < low || value > high)

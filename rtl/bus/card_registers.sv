@@ -51,6 +51,7 @@ module card_registers #(
     output logic [1:0][3:0] pair_o,  // NO_PAIR for a second one that is not wanted
     output logic [1:0] swap_o,
     output logic [PRIM_W-1:0] split_o,
+    output logic [23:0] budget_o,
     output logic normals_o,
     output logic [PRIM_W:0] prim_count_o,
     output logic [31:0] sec_first_o,
@@ -79,6 +80,7 @@ module card_registers #(
   logic swap_q, normals_q, second_q, swap2_q;
   logic [31:0] prim_count_q, split_q, sec_first_q, sec_count_q;
   logic [2:0] mode_q;
+  logic [23:0] budget_q;
   logic [STENCILS*64-1:0] stencil_q;
   logic done_q, command_error_q, bus_error_q;
   logic [33:0] fault_q;
@@ -117,7 +119,7 @@ module card_registers #(
         else
           case (addr_q)
             32'(REG_CONTROL): allowed = 1;
-            32'(REG_COMMAND), 32'(REG_PRIM_COUNT), 32'(REG_PRIM_SPLIT), 32'(REG_SEC_FIRST), 32'(REG_SEC_COUNT): allowed = !busy_i;
+            32'(REG_COMMAND), 32'(REG_PRIM_COUNT), 32'(REG_PRIM_SPLIT), 32'(REG_BUDGET), 32'(REG_SEC_FIRST), 32'(REG_SEC_COUNT): allowed = !busy_i;
             default: allowed = in_stencil && !busy_i;
           endcase
       SPACE_PRIM: allowed = write_q && !busy_i && addr_q < PRIM_BYTES;
@@ -138,7 +140,7 @@ module card_registers #(
   // Whether the secondaries lie in DDR; a multiplication, so only while something is written.
   logic [63:0] sec_end;
   logic [3:0] sec_words, sec_shape, sec_shape2;
-  logic pair_there, second_ok;
+  logic pair_there, second_ok, budget_ok;
   assign sec_shape = 4'(swap_q ? primary_shape(int'(pair_q)) : secondary_shape(int'(pair_q)));
   assign sec_words = 4'(shape_words(int'(sec_shape)));
   assign sec_end = ({31'b0, {1'b0, sec_first_q} + {1'b0, sec_count_q}} * 64'(sec_words)) * CW_BYTES;
@@ -147,7 +149,10 @@ module card_registers #(
   assign sec_shape2 = 4'(swap2_q ? primary_shape(int'(pair2_q)) : secondary_shape(int'(pair2_q)));
   assign second_ok = !second_q || (PARALLEL != 0 && ((16'(PAIRS) >> pair2_q) & 16'd1) != 0 && pair2_q != pair_q && sec_shape2 == sec_shape &&
       mode_q <= MODE_ANY && (SWAP != 0 || !swap2_q) && split_q != 0 && split_q < prim_count_q && split_q % 32'(LANES) == 0);
-  assign command_ok = mode_q <= MODE_HITS && pair_there && second_ok && (SWAP != 0 || !swap_q) && (NORMALS != 0 || !normals_q) && prim_count_q != 0 &&
+  // Work of cylinder pairs; unused by others, and then not looked at.
+  assign budget_ok = !any_ring(PAIRS) || ((budget_q[7:0] == 8'd4 || budget_q[7:0] == 8'd8 || budget_q[7:0] == 8'd16) &&
+      budget_q[15:8] <= 8'd64 && budget_q[23:16] <= 8'd64);
+  assign command_ok = mode_q <= MODE_HITS && pair_there && second_ok && budget_ok && (SWAP != 0 || !swap_q) && (NORMALS != 0 || !normals_q) && prim_count_q != 0 &&
       prim_count_q <= 32'(PRIMARIES) && sec_count_q != 0 && sec_end <= DDR_BYTES && !busy_i;
   assign go_o = write_reg && offset == REG_CONTROL && wdata_q[0] && command_ok;
   assign abort_o = write_reg && offset == REG_CONTROL && wdata_q[1];
@@ -155,6 +160,7 @@ module card_registers #(
   assign pair_o = {(PARALLEL != 0 && second_q) ? pair2_q : NO_PAIR, pair_q};
   assign swap_o = {SWAP != 0 && swap2_q, SWAP != 0 && swap_q};
   assign split_o = split_q[PRIM_W-1:0];
+  assign budget_o = budget_q;
   assign normals_o = NORMALS != 0 && normals_q;
   assign prim_count_o = prim_count_q[PRIM_W:0];
   assign sec_first_o = sec_first_q;
@@ -188,6 +194,7 @@ module card_registers #(
         REG_COMMAND: bus_rdata_o <= {44'b0, pair2_q, 2'b0, swap2_q, second_q, pair_q, 2'b0, normals_q, swap_q, 1'b0, mode_q};
         REG_PRIM_COUNT: bus_rdata_o <= 64'(prim_count_q);
         REG_PRIM_SPLIT: bus_rdata_o <= 64'(split_q);
+        REG_BUDGET: bus_rdata_o <= 64'(budget_q);
         REG_SEC_FIRST: bus_rdata_o <= 64'(sec_first_q);
         REG_SEC_COUNT: bus_rdata_o <= 64'(sec_count_q);
         REG_RECORDS: bus_rdata_o <= 64'(sram_count_i);
@@ -209,6 +216,7 @@ module card_registers #(
       case (offset)
         REG_COMMAND: {pair2_q, swap2_q, second_q, pair_q, normals_q, swap_q, mode_q} <= {wdata_q[19:16], wdata_q[13:8], wdata_q[5:4], wdata_q[2:0]};
         REG_PRIM_SPLIT: split_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
+        REG_BUDGET: budget_q <= |wdata_q[63:24] ? '1 : wdata_q[23:0];
         REG_PRIM_COUNT: begin
           prim_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
           for (int p = 0; p < PRIMARIES; p++) present_q[p] <= 64'(p) < wdata_q;
@@ -234,6 +242,7 @@ module card_registers #(
     if (rst_i) begin
       {done_q, command_error_q, bus_error_q} <= '0;
       {pair2_q, swap2_q, second_q, pair_q, normals_q, swap_q, mode_q} <= '0;
+      budget_q <= 24'h080808;
       {prim_count_q, split_q, sec_first_q, sec_count_q} <= '0;
       stencil_q <= '0;
       present_q <= '0;

@@ -4,7 +4,8 @@
 // same clocks and bits outside.
 // One pipe is used in a pass, with PARALLEL at most two, which meet the same secondaries with primaries of their own; the others'
 // clocks stand still.
-// Latency: that of the pipe. Throughput: one row a clock. Stall: none, the mouth is held by credits outside.
+// Latency: that of the pipe. Throughput: one row a clock, or what a ring takes. Stall: ready_o; room for results is held by credits
+// outside.
 module cde #(
     parameter int EXP = 8,
     parameter int MAN = 23,
@@ -50,7 +51,9 @@ module cde #(
     input logic [1:0][3:0] pair_i,  // of the pass; the second one may be NO_PAIR
     input logic [1:0] swap_i,
     input logic [PRIM_W-1:0] split_i,  // the first primary of the second pair
+    input logic [23:0] budget_i,  // of cylinder pairs
     output logic [1:0] gap_o,  // it is a pair of solids
+    output logic [1:0] ready_o,  // the pair's pipe takes a row
     input logic [1:0] valid_i,
     input logic [1:0][ROW_W-1:0] row_i,
     input logic parity_i,
@@ -108,6 +111,11 @@ module cde #(
       (1 << int'(cde_pkg::PAIR_RAY_CYLINDER)) | (1 << int'(cde_pkg::PAIR_SPHERE_SPHERE)))) != 0) ? 256 : 64;
   localparam int HISTORY = DEEPEST << $clog2(SLOWEST);
   localparam int PORTS = 1 + PARALLEL;  // pairs in a pass
+  localparam bit RINGS = cde_pkg::any_ring(PAIRS);
+  logic [PORTS-1:0][3:0] pair;
+  for (genvar k = 0; k < PORTS; k++) begin : pair_of
+    assign pair[k] = MANY ? pair_i[k] : 4'($clog2(PAIRS));
+  end
   logic [PORTS-1:0] parity, secondary_bad;
   logic [PORTS-1:0][15:0] pipe_latency, latency;
   logic [N_PAIRS-1:0] clk_pipe;
@@ -116,13 +124,31 @@ module cde #(
   logic [PORTS-1:0][SEC_WORDS-1:0][CW-1:0] secondary;
   for (genvar k = 0; k < PORTS; k++) begin : port
     assign latency[k] = pipe_latency[k] + 16'(MANY);  // the register in front of each of several pipes
+    logic of_ring, late_valid;
+    logic [ROW_W+33:0] tag, late_tag;
+    assign tag = {row_i[k], parity_i, index_i, secondary_bad_i};
     issue_history #(.W(ROW_W + 34), .DEPTH(HISTORY)) history (
-        .clk_i, .rst_i, .latency_i(latency[k]), .valid_i(valid_i[k]), .d_i({row_i[k], parity_i, index_i, secondary_bad_i}),
-        .valid_o(valid_o[k]), .q_o({row_out[k], parity[k], index[k], secondary_bad[k]}));
+        .clk_i, .rst_i, .latency_i(of_ring ? 16'd1 : latency[k]), .valid_i(valid_i[k] && !of_ring), .d_i(tag), .valid_o(late_valid), .q_o(late_tag));
+    if (RINGS) begin : g_ring  // keeps the order, not the time
+      logic [ROW_W+33:0] next_tag;
+      assign of_ring = cde_pkg::has_ring(int'(pair[k]));
+      assign ready_o[k] = !of_ring || group[0].ring_ready[pair[k]];
+      issue_order #(.W(ROW_W + 34), .DEPTH(1024)) order (
+          .clk_i, .rst_i, .push_i(valid_i[k] && of_ring), .d_i(tag), .pop_i(of_ring && group[0].ring_valid[pair[k]]), .q_o(next_tag));
+      assign valid_o[k] = of_ring ? group[0].ring_valid[pair[k]] : late_valid;
+      assign {row_out[k], parity[k], index[k], secondary_bad[k]} = of_ring ? next_tag : late_tag;
+    end else begin : g_no_ring
+      logic unused_pair;
+      assign unused_pair = &{1'b0, pair[k]};
+      assign of_ring = 1'b0;
+      assign ready_o[k] = 1'b1;
+      assign valid_o[k] = late_valid;
+      assign {row_out[k], parity[k], index[k], secondary_bad[k]} = late_tag;
+    end
     if (ARITH != "rtl") begin : g_late
       logic unused_valid;
       issue_history #(.W(ROW_W + SEC_WORDS * CW), .DEPTH(HISTORY)) history_operands (
-          .clk_i, .rst_i, .latency_i(pipe_latency[k]), .valid_i(valid_i[k]), .d_i({row_i[k], secondary_i}), .valid_o(unused_valid),
+          .clk_i, .rst_i, .latency_i(of_ring ? 16'd1 : pipe_latency[k]), .valid_i(valid_i[k] && !of_ring), .d_i({row_i[k], secondary_i}), .valid_o(unused_valid),
           .q_o({row_in[k], secondary[k]}));
     end else begin : g_early
       assign row_in[k] = row_i[k];
@@ -136,10 +162,11 @@ module cde #(
     logic unused_second;
     assign unused_second = &{1'b0, valid_i[1], row_i[1], pair_i[1], swap_i[1], split_i};
     assign valid_o[1] = 1'b0;
+    assign ready_o[1] = 1'b1;
   end
   for (genvar p = 0; p < N_PAIRS; p++) begin : pipe
     if (MANY && ((PAIRS >> p) & 1) != 0) begin : g_gate
-      clock_gate gate (.clk_i, .enable_i(pair_i[0] == 4'(p) || (PARALLEL != 0 && pair_i[1] == 4'(p))), .clk_o(clk_pipe[p]));
+      clock_gate gate (.clk_i, .enable_i(pair_i[0] == 4'(p) || (PARALLEL != 0 && pair_i[1] == 4'(p)) || (cde_pkg::has_ring(p) && rst_i)), .clk_o(clk_pipe[p]));
     end else begin : g_none
       assign clk_pipe[p] = 1'b0;
     end
@@ -173,6 +200,9 @@ module cde #(
   for (genvar g = 0; g < GROUPS; g++) begin : group
     logic asked;
     logic [N_PAIRS-1:0][15:0] latency_pipes;
+    logic [N_PAIRS-1:0] ring_ready, ring_valid;
+    logic unused_ring;
+    assign unused_ring = &{1'b0, ring_ready, ring_valid};
     assign asked = 32'(lane) / 32'(GROUP) == 32'(g);
 `ifndef SYNTHESIS
     always_ff @(posedge clk_i) assert (latency_pipes == group[0].latency_pipes) else $error("cde: groups of different latency");
@@ -185,6 +215,8 @@ module cde #(
         .clk_i, .clk_prim_i(clk_prim), .prim_write_i(prim_commit && 32'(prim_lane) / 32'(GROUP) == 32'(g)), .prim_row_i(prim_row),
         .prim_lane_i(GLANE_W'(prim_lane)), .prim_slot_i(prim_slot), .clear_i, .clear_row_i, .clear_mask_i(clear_mask_i[g*GROUP+:GROUP]),
         .clear_bad_i(prim_bad_o[32'(clear_row_i)*LANES+g*GROUP+:GROUP]), .pair_i(pair_i[PORTS-1:0]), .gap_i(gap_o[PORTS-1:0]), .swap_i(swap_i[PORTS-1:0]), .clk_pipe_i(clk_pipe), .row_i(row_in), .secondary_i(secondary),
+        .rst_i(RINGS && rst_i), .budget_i(RINGS ? budget_i : '0), .ring_valid_i(RINGS ? valid_i[PORTS-1:0] : '0), .ring_row_i(RINGS ? row_i[PORTS-1:0] : '0),
+        .ring_secondary_i(RINGS ? secondary_i : '0), .ring_ready_o(ring_ready), .ring_valid_o(ring_valid),
         .latency_o(latency_pipes),
         .valid_i(valid_o[PORTS-1:0]), .row_out_i(row_out), .parity_i(parity), .index_i(index), .secondary_bad_i(secondary_bad), .mode_i, .streaming_i,
         .new_hits_o(new_hits[g]), .f_o(f_o[g*GROUP+:GROUP]), .bad_o(bad_o[g*GROUP+:GROUP]), .unmasked_o(unmasked_o[g*GROUP+:GROUP]),

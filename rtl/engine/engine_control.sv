@@ -1,6 +1,6 @@
 // Sequencer of a pass: clear the update buffers, sweep every secondary over the rows of primaries, let the pipe drain, write the
 // results back, report done. A row enters the pipe when a secondary is there and, in the streaming modes, a credit of the
-// output FIFO is left. With a second pair a row of its primaries enters its pipe in the same clock.
+// output FIFO is left and its pipe is ready. With a second pair a row of its primaries enters its pipe in the same clock.
 // Throughput: one row a clock without bubbles while secondaries and credits last.
 module engine_control #(
     parameter int LANES = 16,
@@ -40,6 +40,7 @@ module engine_control #(
     input logic secondary_idle_i,
     output logic secondary_pop_o,
 
+    input logic [1:0] ready_i,   // the pair's pipe takes a row
     output logic [1:0] issue_o,  // to the pipe of the first pair, of the second
     output logic [1:0][ROW_W-1:0] issue_row_o,
     output logic issue_parity_o,
@@ -67,6 +68,7 @@ module engine_control #(
   logic [15:0] in_flight_q;
   logic [$clog2(FIFO_DEPTH):0] credits_q;
   logic enter, last_row, has_credit, all_hit;
+  logic [1:0] wanted;  // the pairs that have a row here
 
   assign rows = (ROW_W + 1)'((32'(prim_count_i) + 32'(LANES - 1)) / 32'(LANES));
   assign first_rows = (pair_o[1] == cde_pkg::NO_PAIR) ? rows : (ROW_W + 1)'(32'(split_i) / 32'(LANES));
@@ -83,15 +85,16 @@ module engine_control #(
   assign last_row = (ROW_W + 1)'(row_q) + 1'b1 == longer;
   assign has_credit = !streaming_mode_o || credits_q != 0;
   assign all_hit = mode_o == cde_pkg::MODE_ANY && missing_q == 0;
-  assign enter = state_q == SWEEP && secondary_valid_i && has_credit && !stop_q;
-  assign issue_o = {enter && (ROW_W + 1)'(row_q) < second_rows, enter && (ROW_W + 1)'(row_q) < first_rows};
+  assign wanted = {(ROW_W + 1)'(row_q) < second_rows, (ROW_W + 1)'(row_q) < first_rows};
+  assign enter = state_q == SWEEP && secondary_valid_i && has_credit && (wanted & ~ready_i) == 0 && !stop_q;
+  assign issue_o = wanted & {2{enter}};
   assign issue_row_o = {row_q + ROW_W'(first_rows), row_q};
   assign issue_parity_o = parity_q;
   assign secondary_pop_o = enter && last_row;
   assign fetch_start_o = clear_o && row_q == 0 && !abort_i;
   assign fetch_stop_o = state_q == SWEEP && stop_q || abort_i;
   assign bubble_o = state_q == SWEEP && !secondary_valid_i && !stop_q;
-  assign stall_o = state_q == SWEEP && secondary_valid_i && !has_credit;
+  assign stall_o = state_q == SWEEP && secondary_valid_i && !stop_q && !enter;
 
   first_set #(.N(PRIMARIES)) next_primary (.set_i(pending_q), .first_o(lowest), .index_o(writeback_primary_o));
   assign writeback_o = state_q == WRITEBACK && pending_q != 0;

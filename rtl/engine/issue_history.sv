@@ -32,6 +32,6 @@ module issue_history #(
   end
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i)
-    if (!rst_i) assert (latency_i != 0 && latency_i < 16'(DEPTH)) else $error("issue_history: latency must be 1..%0d", DEPTH - 1);
+    if (!rst_i && valid_i) assert (latency_i != 0 && latency_i < 16'(DEPTH)) else $error("issue_history: latency must be 1..%0d", DEPTH - 1);
 `endif
 endmodule

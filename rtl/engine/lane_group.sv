@@ -51,6 +51,13 @@ module lane_group #(
     input logic [PORTS-1:0][ROW_W-1:0] row_i,  // row and secondary that enter the datapath
     input logic [PORTS-1:0][SEC_WORDS-1:0][CW-1:0] secondary_i,
     output logic [N_PAIRS-1:0][15:0] latency_o,
+    input logic rst_i,  // of pipes that are rings; with both back ends they take a row when it is issued
+    input logic [23:0] budget_i,
+    input logic [PORTS-1:0] ring_valid_i,
+    input logic [PORTS-1:0][ROW_W-1:0] ring_row_i,
+    input logic [SEC_WORDS-1:0][CW-1:0] ring_secondary_i,
+    output logic [N_PAIRS-1:0] ring_ready_o,
+    output logic [N_PAIRS-1:0] ring_valid_o,
 
     input logic [PORTS-1:0] valid_i,  // the row whose results leave it
     input logic [PORTS-1:0][ROW_W-1:0] row_out_i,
@@ -85,6 +92,10 @@ module lane_group #(
 
   // ---- Pipes; the one that is used is read. Where there are several, each has a register for its operands, so that an idle one
   // does nothing ----
+  if (!cde_pkg::any_ring(PAIRS)) begin : g_no_ring
+    logic unused_ring;
+    assign unused_ring = &{1'b0, rst_i, budget_i, ring_valid_i, ring_row_i, ring_secondary_i};
+  end
   localparam bit MANY = (PAIRS & (PAIRS - 1)) != 0;
   for (genvar p = 0; p < N_PAIRS; p++) begin : pair
     if (((PAIRS >> p) & 1) != 0) begin : g_there
@@ -98,16 +109,17 @@ module lane_group #(
       logic [S_WORDS-1:0][CW-1:0] secondary;
       logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
       logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b;
+      localparam bit RING = cde_pkg::has_ring(p);
       logic of;  // which of the pass's pairs it is
       assign of = PARALLEL != 0 && pair_i[PORTS-1] == 4'(p);
       if (MANY) begin : g_register
         always_ff @(posedge clk_pipe_i[p]) begin
-          row <= row_i[of];
-          secondary <= secondary_i[of][S_WORDS-1:0];
+          row <= RING ? ring_row_i[of] : row_i[of];
+          secondary <= RING ? ring_secondary_i[S_WORDS-1:0] : secondary_i[of][S_WORDS-1:0];
         end
       end else begin : g_direct
-        assign row = row_i[0];
-        assign secondary = secondary_i[0][S_WORDS-1:0];
+        assign row = RING ? ring_row_i[0] : row_i[0];
+        assign secondary = RING ? ring_secondary_i[S_WORDS-1:0] : secondary_i[0][S_WORDS-1:0];
         logic unused_of;
         assign unused_of = of;
       end
@@ -129,11 +141,39 @@ module lane_group #(
           assign b[k] = secondary[k];
         end
       end
+      if (RING) begin : g_ring
+        localparam int BODY = (cde_pkg::primary_shape(p) == cde_pkg::SHAPE_CYLINDER) ? 0 : (cde_pkg::primary_shape(p) == cde_pkg::SHAPE_OBB) ? 1 : 2;
+        logic [31:0] latency, unused_tag;
+        logic [LANES-1:0][CW-1:0] unused_bad;
+        logic [7:0][LANES-1:0][CW-1:0] b_lanes;
+        for (genvar k = 0; k < 8; k++) begin : word_lanes
+          if (B_LANES == LANES) begin : g_own
+            assign b_lanes[k] = b[k];
+          end else begin : g_broadcast
+            assign b_lanes[k] = {LANES{b[k][0]}};
+          end
+        end
+        cylinder_pair #(
+            .BODY(BODY), .AHEAD(MANY ? 1 : 0), .ENTRY(cde_pkg::larger(LAT_ADD, LAT_MUL)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
+            .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+        ) pipe (
+            .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .budget_i, .valid_i(ring_valid_i[of] && (!MANY || pair_i[of] == 4'(p))),
+            .ready_o(ring_ready_o[p]), .tag_i('0), .a_i(a), .b_i(b_lanes), .bad_i('0), .valid_o(ring_valid_o[p]), .tag_o(unused_tag),
+            .bad_o(unused_bad), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
+        assign latency_o[p] = (latency > 32'hffff) ? 16'hffff : 16'(latency);
+        logic unused;
+        assign unused = &{1'b0, unused_tag, unused_bad};
+      end else begin : g_free
+      assign ring_ready_o[p] = 1'b1;
+      assign ring_valid_o[p] = 1'b0;
       pair_pipe #(
           .PAIR(p), .ALGORITHM(ALGORITHM), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
           .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
       ) pipe (.clk_i(MANY ? clk_pipe_i[p] : clk_i), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency_o[p]));
+      end
     end else begin : g_absent
+      assign ring_ready_o[p] = 1'b1;
+      assign ring_valid_o[p] = 1'b0;
       assign latency_o[p] = '0;
       logic unused_clk;
       assign unused_clk = clk_pipe_i[p];

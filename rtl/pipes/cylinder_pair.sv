@@ -9,6 +9,7 @@
 `include "cylinder.svh"
 module cylinder_pair #(
     parameter int BODY = `BODY_CYLINDER,
+    parameter int AHEAD = 0,  // 0 or 1: clocks from valid_i and ready_o to the row's operands
     parameter int ENTRY = 5,  // clocks from a row's entry to its first pass: at least LAT_ADD and LAT_MUL
     parameter int EXP = 8,
     parameter int MAN = 23,
@@ -52,19 +53,20 @@ module cylinder_pair #(
   localparam int RING = T_END + 1;
   localparam int FINISH = cde_pkg::larger(2 * LAT_MUL + 2 * LAT_ADD, LAT_CMP);
   localparam int INTERVAL = (BODY == `BODY_CYLINDER) ? 63 : (BODY == `BODY_BOX) ? 75 : 71;  // passes with M = K1 = K2 = 8
-  localparam int LATENCY = ENTRY + INTERVAL * RING + FINISH;
+  localparam int LATENCY = AHEAD + ENTRY + INTERVAL * RING + FINISH;
   localparam int AW = $clog2(RING);
   localparam logic [CW-1:0] QNAN = (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1));
   localparam logic [CW-1:0] MINUS_INFINITY = ((CW'(2) << EXP) - 1) << MAN;
 
   // ---- Slots. now_q is the slot at the end of its pass; the one at stage t will be there T_END - t clocks later. ----
   logic [AW-1:0] now_q;
-  function automatic logic [AW-1:0] later(input logic [AW-1:0] now, input int clocks);
+  function automatic logic [AW-1:0] after(input logic [AW-1:0] now, input logic [AW:0] clocks);
     logic [AW:0] sum;
-    sum = (AW + 1)'(now) + (AW + 1)'(GATES ? clocks : 0);
-    later = AW'((sum >= (AW + 1)'(RING)) ? sum - (AW + 1)'(RING) : sum);
+    sum = (AW + 1)'(now) + clocks;
+    after = AW'((sum >= (AW + 1)'(RING)) ? sum - (AW + 1)'(RING) : sum);
   endfunction
-  `define SLOT(TIME) later(now_q, T_END - (TIME))
+  `define SLOT(TIME) after(now_q, (AW + 1)'(GATES ? T_END - (TIME) : 0))
+  localparam int MOUTH = (GATES ? ENTRY : 0) + AHEAD;  // clocks from ready_o to the first pass' beginning
 
   // ---- Control: which pass each slot is in ----
   logic [RING-1:0] valid_q;
@@ -79,12 +81,16 @@ module cylinder_pair #(
   cylinder_schedule #(.BODY(BODY)) schedule (
       .budget_i, .pass_i(pass_mem[now_q]), .first_o(first_pass), .next_o(next_pass), .last_o(last), .passes_o(passes));
   cylinder_schedule #(.BODY(BODY)) schedule_soon (
-      .budget_i, .pass_i(pass_mem[`SLOT(T_END - ENTRY)]), .first_o(unused_first), .next_o(unused_next), .last_o(soon_last),
+      .budget_i, .pass_i(pass_mem[after(now_q, (AW + 1)'(MOUTH))]), .first_o(unused_first), .next_o(unused_next), .last_o(soon_last),
       .passes_o(unused_passes));
   logic unused;
   assign unused = &{1'b0, unused_first, unused_next, unused_passes};
-  assign ready_o = !valid_q[`SLOT(T_END - ENTRY)] || soon_last;
-  assign enter = valid_i && ready_o;
+  assign ready_o = !valid_q[after(now_q, (AW + 1)'(MOUTH))] || soon_last;
+  if (AHEAD != 0) begin : g_ahead
+    always_ff @(posedge clk_i) enter <= valid_i && ready_o && !rst_i;
+  end else begin : g_now
+    assign enter = valid_i && ready_o;
+  end
   if (GATES) begin : g_entry
     align_valid #(.FROM(0), .TO(ENTRY)) align_enter (.clk_i, .rst_i, .valid_i(enter), .valid_o(entered));
   end else begin : g_entry
@@ -92,7 +98,7 @@ module cylinder_pair #(
   end
   align #(.W(32), .FROM(0), .TO(ENTRY), .ARITH(ARITH)) align_tag (.clk_i, .d_i(tag_i), .q_o(entered_tag));
   assign leave = valid_q[now_q] && last;
-  assign latency_o = 32'(ENTRY + FINISH) + 32'(passes) * 32'(RING);
+  assign latency_o = 32'(AHEAD + ENTRY + FINISH) + 32'(passes) * 32'(RING);
   always_ff @(posedge clk_i) begin
     now_q <= (now_q == AW'(RING - 1)) ? '0 : now_q + 1;
     if (entered) begin

@@ -58,6 +58,7 @@ TEST(CardLayout, EqualsThePackage) {
       {"REG_CAPACITY", kRegCapacity},
       {"REG_CONTROL", kRegControl},
       {"REG_PRIM_SPLIT", kRegPrimSplit},
+      {"REG_BUDGET", kRegBudget},
       {"NO_PAIR", kNoPair},
       {"REG_STATUS", kRegStatus},
       {"REG_COMMAND", kRegCommand},

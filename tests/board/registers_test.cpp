@@ -59,14 +59,14 @@ TEST_F(Registers, ReadOnlyAndUnmapped) {
   for (const std::uint32_t r :
        {kRegId, kRegCaps, kRegConfigHash, kRegCaps2, kRegCapacity, kRegStatus, kRegRecords,
         kRegFaultAddr, kRegCycles, kRegRows, kRegStalls, kRegBubbles, kRegBadPrim, kRegBadSec,
-        kRegSecondaries, kRegWritten, kRegWriteback}) {
+        kRegSecondaries, kRegWritten, kRegWriteback, kRegCaps3}) {
     const std::uint64_t before = board_.read_register(r);
     expect_write_refused(kSpaceReg, r);
     if (r != kRegFaultAddr) {
       EXPECT_EQ(board_.read_register(r), before) << r;
     }
   }
-  expect_write_refused(kSpaceReg, 0xa0);  // beyond the stencils
+  expect_write_refused(kSpaceReg, kRegBudget + 8);  // unmapped
   for (const std::uint32_t offset : {0x100u, 0x1000u, 0x80000000u, 0xfffffff8u}) {
     expect_write_refused(kSpaceReg, offset);
     expect_read_refused(kSpaceReg, offset);

@@ -23,7 +23,7 @@ std::uint32_t word(float x) {
 /// All pairs by the reference, secondary by secondary.
 template <class A, class B>
 std::vector<PairResult> all_pairs(Pair pair, const std::vector<A>& a, const std::vector<B>& b,
-                                  bool swap) {
+                                  bool swap, const PairBudget& budget = {}) {
   std::vector<std::uint64_t> wa, wb;
   const auto push = [](std::vector<std::uint64_t>& to, const auto& shape) {
     for (const float x : to_words(shape)) to.push_back(word(x));
@@ -40,7 +40,7 @@ std::vector<PairResult> all_pairs(Pair pair, const std::vector<A>& a, const std:
       for (const A& x : a) one(x, y);
   }
   std::vector<PairResult> r(a.size() * b.size());
-  reference::test_pairs(pair, Algorithm::kMoller, {8, 23}, wa, wb, r);
+  reference::test_pairs(pair, Algorithm::kMoller, {8, 23}, wa, wb, r, PlaneSide::kSurface, budget);
   return r;
 }
 
@@ -117,8 +117,8 @@ void compare(const std::vector<Record>& got, const std::vector<Record>& wanted, 
 
 template <class A, class B>
 void check_all_modes(Board& board, Pair pair, const std::vector<A>& a, const std::vector<B>& b,
-                     bool swap, bool normals) {
-  const std::vector<PairResult> results = all_pairs(pair, a, b, swap);
+                     bool swap, bool normals, const PairBudget& budget = {}) {
+  const std::vector<PairResult> results = all_pairs(pair, a, b, swap, budget);
   const auto is_bad = [](const auto& shape) { return defect(shape).has_value(); };
   std::vector<bool> bad;
   if (swap) {
@@ -133,7 +133,7 @@ void check_all_modes(Board& board, Pair pair, const std::vector<A>& a, const std
   const std::size_t primaries = swap ? b.size() : a.size(),
                     secondaries = swap ? a.size() : b.size();
   for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll, Mode::kHits}) {
-    Query query{.mode = mode, .pair = pair, .swap = swap, .normals = normals};
+    Query query{.mode = mode, .pair = pair, .swap = swap, .normals = normals, .budget = budget};
     compare(board.run(query), expected(pair, results, primaries, secondaries, bad, mode, normals),
             mode);
   }
@@ -192,6 +192,85 @@ TEST_P(Solids, SeveralPipesOneAfterTheOther) {
   check_all_modes(board, Pair::kRayTriangle, s.rays, s.triangles, false, false);
   check_all_modes(board, Pair::kSphereSphere, s.few, s.many, false, false);
   check_all_modes(board, Pair::kRayTriangle, s.rays, s.triangles, false, false);
+}
+
+std::vector<Cylinder> cylinders(std::size_t count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> at(-2, 2), size(0.2f, 1.0f);
+  const auto point = [&] { return Eigen::Vector3f(at(random), at(random), at(random)); };
+  std::vector<Cylinder> all;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3f c = point(), axis = point().cast<double>().normalized().cast<float>();
+    const float half = size(random);
+    all.push_back({c, axis, half, size(random)});
+  }
+  return all;
+}
+
+/// A pipe that is a ring: rows wait at its mouth, every row takes as many clocks as its budget has
+/// passes, and the budget is the query's.
+TEST_P(Solids, CylindersWithTheBudgetOfTheQuery) {
+  BoardConfig config = small(GetParam());
+  const bool gates = GetParam() == Arithmetic::kRtl;
+  config.pairs = {Pair::kCylinderCylinder};
+  config.normals = true;
+  if (gates) config.lanes = 1;  // the gates of a ring take a minute to build in one lane
+  Board board = Board::open(config);
+  std::vector<Cylinder> few = cylinders(gates ? 5 : 19, 1), many = cylinders(gates ? 7 : 43, 2);
+  few[2].radius = -1;
+  many[4].axis *= 2;
+  for (const PairBudget budget : {PairBudget{}, PairBudget{4, 2, 2}, PairBudget{4, 0, 0}})
+    check_all_modes(board, Pair::kCylinderCylinder, few, many, false, true, budget);
+  EXPECT_THROW((void)board.run({.budget = {5, 1, 1}}), Error);
+  if (gates) return;
+  // 14 + 2 K1 + 3 K2 evaluations and 9 passes for the witness points, over all rows in flight.
+  Counters counters;
+  const std::vector<Cylinder> lots = cylinders(800, 3), row = cylinders(8, 4);
+  board.upload_shapes(std::span<const Cylinder>(lots));
+  board.load_shapes(std::span<const Cylinder>(row));
+  (void)board.run({.budget = {8, 8, 8}}, &counters);
+  const double per_row = static_cast<double>(counters.cycles) / 800;
+  EXPECT_GE(per_row, 63);
+  EXPECT_LE(per_row, 63 * 1.2) << "but for the last round of the ring";
+  EXPECT_EQ(counters.rows, 800u);
+  EXPECT_GT(counters.stalls, 0u);
+}
+
+TEST(SolidsRing, RefusesBudgetsOutOfRange) {
+  BoardConfig config = small(Arithmetic::kHost);
+  config.pairs = {Pair::kCylinderCylinder};
+  config.normals = true;
+  Board board = Board::open(config);
+  const std::vector<Cylinder> some = cylinders(3, 1);
+  board.upload_shapes(std::span<const Cylinder>(some));
+  board.load_shapes(std::span<const Cylinder>(some));
+  (void)board.run({});
+  const auto refused = [&](std::uint64_t budget) {
+    board.write_register(card::kRegControl, card::kControlClear);
+    board.write_register(card::kRegBudget, budget);
+    board.write_register(card::kRegControl, card::kControlGo);
+    return (board.read_register(card::kRegStatus) >> card::kStatusCommandError & 1) != 0;
+  };
+  for (const std::uint64_t budget : {0x080800u, 0x080805u, 0x084108u, 0x410808u, 0xffffffffu})
+    EXPECT_TRUE(refused(budget)) << std::hex << budget;
+  EXPECT_TRUE(refused(std::uint64_t{1} << 32 | 0x080808));
+  EXPECT_FALSE(refused(0x404010)) << "the largest";
+  board.wait(1000000);
+  board.write_register(card::kRegControl, card::kControlAbort | card::kControlClear);
+  EXPECT_EQ(board.run({}).size(), some.size());
+}
+
+/// The same among other pipes: behind a register, one clock before its operands.
+TEST(SolidsRing, BesideAnotherPipe) {
+  BoardConfig config = small(Arithmetic::kHost);
+  config.pairs = {Pair::kSphereSphere, Pair::kCylinderCylinder};
+  Board board = Board::open(config);
+  const Scene s = scene();
+  const std::vector<Cylinder> few = cylinders(20, 1), many = cylinders(30, 2);
+  for (int round = 0; round < 2; ++round) {
+    check_all_modes(board, Pair::kCylinderCylinder, few, many, false, false, {4, 1, 1});
+    check_all_modes(board, Pair::kSphereSphere, s.few, s.many, false, false);
+  }
 }
 
 /// Rays and spheres meet a mesh in one pass, each in its own pipe: the records of two passes, in

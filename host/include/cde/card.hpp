@@ -35,9 +35,11 @@ enum Register : std::uint32_t {
                            ///< [18] two pairs at a time, [31:24] words of a primary slot
   kRegPrimSplit = 0x078,   ///< with a second pair: the first of its primaries
   kRegStencil = 0x080,     ///< primaries/64 registers: 1 masks a primary
+  kRegBudget = 0x0A0,      ///< work for a cylinder pair: [7:0] M, [15:8] K1, [23:16] K2
   kRegCycles = 0x0C0,      ///< clocks from go to done, without kRegWriteback
   kRegRows = 0x0C8,        ///< rows issued to the pipe (one row is `lanes` pairs)
-  kRegStalls = 0x0D0,      ///< clocks the pipe mouth waited for output space
+  kRegStalls = 0x0D0,      ///< clocks the pipe mouth waited for output space, or for a slot of a
+                           ///< cylinder pipe
   kRegBubbles = 0x0D8,     ///< clocks the pipe mouth waited for a secondary
   kRegBadPrim = 0x0E0,     ///< primaries refused as bad input
   kRegBadSec = 0x0E8,      ///< secondaries refused as bad input

@@ -69,4 +69,19 @@ inline constexpr Shape kShapeOf = [] {
   if constexpr (std::is_same_v<P, BasicObb<S>>) return Shape::kObb;
 }();
 
+/// How much work a pair of cylinder-cylinder, obb-cylinder or triangle-cylinder gets; the others
+/// always take the same. More finds more of the gap (docs/pairs_cylinder.md).
+struct PairBudget {
+  unsigned samples = 8;  ///< M: directions sampled on each circle (box, triangle): 4, 8 or 16
+  unsigned circle = 8;   ///< K1: steps on each circle, at most 64
+  unsigned free = 8;     ///< K2: steps on each free track (cylinder-cylinder), at most 64
+
+  /// Error kUsage if a value is out of range, naming it.
+  void check() const;
+  bool operator==(const PairBudget&) const = default;
+};
+
+/// Whether the pair takes a budget.
+[[nodiscard]] bool has_budget(Pair pair);
+
 }  // namespace cde
