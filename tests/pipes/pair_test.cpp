@@ -232,8 +232,9 @@ TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
   std::printf("%s: seed %llu, %zu pairs, %.1f %% hits, %zu bad input, latency %u\n",
               label(config).c_str(), static_cast<unsigned long long>(kSeed), count,
               100.0 * static_cast<double>(hits) / static_cast<double>(count), bad, unit.latency());
-  EXPECT_GE(hits, count * 3 / 10);
-  EXPECT_LE(hits, count * 7 / 10);
+  // The generators aim at half in fp32; in a coarser format many a near miss is a touch.
+  EXPECT_GE(hits, fp32 ? count * 3 / 10 : count / 10);
+  EXPECT_LE(hits, fp32 ? count * 7 / 10 : count * 9 / 10);
   EXPECT_GT(bad, 0u);
 
   // The same with gaps between the rows.
