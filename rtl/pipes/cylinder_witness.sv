@@ -1,6 +1,8 @@
 // A witness pass of a cylinder pair (reference/cylinder/witness.hpp): the point q of A that is, moved by s n, a point of B, by alternating
 // projection. Touch starts from that body's support point which is nearer to the other body; project goes to B moved by -s n and back
-// to A, every second time on to where flat faces would cross. Both share the projections. OPERATORS
+// to A, every second time on to where flat faces would cross. Both share the projections.
+// 62 add, 63 mul, 3 div, 2 sqrt, 5 compare, 6 min/max (cylinder); 53 add, 54 mul, 2 div, 1 sqrt, 4 compare, 9 min/max (box);
+// 108 add, 108 mul, 5 div, 1 sqrt, 10 compare, 11 min/max (triangle).
 // Latency: LATENCY_CYLINDER_WITNESS clocks; 0 with ARITH = "host". Throughput: one pass a lane a clock. Stall: none, runs free.
 `include "cylinder.svh"
 module cylinder_witness #(

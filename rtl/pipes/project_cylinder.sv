@@ -1,5 +1,5 @@
 // Nearest point of a solid cylinder, or of a line of its side where the mask says so: a round side and a plane that touches it part so
-// slowly that every projection merely halves the error. 16 add, 24 mul, 1 div, 1 sqrt, 3 min/max.
+// slowly that every projection merely halves the error. 19 add, 24 mul, 1 div, 1 sqrt, 3 min/max.
 // Latency: LATENCY_PROJECT_CYLINDER clocks from the later of x and c, the others are early; 0 with ARITH = "host". Throughput: one point a
 // lane a clock. Stall: none, runs free.
 `include "cylinder.svh"
