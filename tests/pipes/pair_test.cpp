@@ -322,7 +322,11 @@ INSTANTIATE_TEST_SUITE_P(Fp32, CylinderBudget, ::testing::ValuesIn(cylinder_conf
 std::vector<Parameter> other_formats() {
   std::vector<Parameter> all;
   for (const Parameter& config : configurations()) {
-    if (config.arithmetic != cde::Arithmetic::kHost) continue;
+    // Words of formats that the host does not have are computed by scalar code: five minutes of
+    // clang were not enough for a triangle-obb pipe in fp16.
+    const bool large = config.pair == Pair::kObbObb || config.pair == Pair::kTriangleObb ||
+                       config.pair == Pair::kTriangleAabb;
+    if (large || config.arithmetic != cde::Arithmetic::kHost) continue;
     for (const cde::FpFormat format :
          {cde::FpFormat{5, 10}, cde::FpFormat{8, 7}, cde::FpFormat{7, 16}, cde::FpFormat{11, 52}}) {
       Parameter other = config;
