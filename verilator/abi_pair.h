@@ -32,10 +32,10 @@ typedef struct cde_pair_api {
   /* Work for a pair that takes as much as it is given: K2, K1 and M, a byte each from the top. The
    * unit is reset. */
   void (*set_budget)(cde_pair_unit*, uint32_t budget);
-  /* n pairs, a row of lanes a clock while the unit is ready: operands as a_words (b_words) words a pair, results as
-   * CDE_PAIR_RESULT_WORDS words a pair. Before each row `gap`, called with gap_context, says how
-   * many idle clocks to put in; null is none. Returns the clocks from the first row in to the last
-   * result out. */
+  /* n pairs, a row of lanes a clock while the unit is ready: operands as a_words (b_words) words a
+   * pair, results as CDE_PAIR_RESULT_WORDS words a pair. Before each row `gap`, called with
+   * gap_context, says how many idle clocks to put in; null is none. Returns the clocks from the
+   * first row in to the last result out. */
   uint64_t (*test)(cde_pair_unit*, const void* a, const void* b, void* results, uint64_t n,
                    uint32_t (*gap)(void*), void* gap_context);
   /* Reset in mid-stream: what is in flight is gone. */

@@ -28,6 +28,18 @@ namespace host_fp {
 using lanes::Floats;
 using lanes::Words;
 
+template <unsigned C, unsigned E, unsigned M, bool Canonical>
+inline Words lane_by_lane(Words a, Words b) {
+  Words r;
+  for (unsigned i = 0; i < lanes::kLanes; ++i)
+    r[i] = compute<C, E, M, Canonical, uint32_t>(a[i], b[i]);
+  return r;
+}
+template <unsigned C, unsigned E, unsigned M, bool Canonical>
+[[gnu::noinline]] Words call_lane_by_lane(Words a, Words b) {
+  return lane_by_lane<C, E, M, Canonical>(a, b);
+}
+
 template <unsigned C, unsigned E, unsigned M, bool Canonical = true>
 requires(1 + E + M <= 32)  // wider words are scalars
     inline Words op(Words a, Words b) {
@@ -45,11 +57,10 @@ requires(1 + E + M <= 32)  // wider words are scalars
       const Words nan = (Words)(r != r);
       return ((Words)r & ~nan) | (Format<E, M>::kNan & nan);
     }
+  } else if constexpr (Format<E, M>::kSingle) {
+    return lane_by_lane<C, E, M, Canonical>(a, b);
   } else {
-    Words r;
-    for (unsigned i = 0; i < lanes::kLanes; ++i)
-      r[i] = op<C, E, M, Canonical, uint32_t>(a[i], b[i]);
-    return r;
+    return call_lane_by_lane<C, E, M, Canonical>(a, b);
   }
 }
 template <unsigned C, unsigned E, unsigned M, bool Canonical = true>

@@ -28,9 +28,8 @@ module obb_obb #(
 );
   /*verilator inline_module*/
   localparam int FACETS = 15;
-  localparam int BIAS = 2 ** (EXP - 1) - 1;
-  localparam logic [CW-1:0] HALF = CW'(BIAS - 1) << MAN;
-  localparam logic [CW-1:0] TIE = CW'(BIAS + 1 - MAN) << MAN;  // 4 u
+  localparam logic [CW-1:0] HALF = CW'(`DF_POWER_OF_TWO(-1));
+  localparam logic [CW-1:0] TIE = CW'(`DF_POWER_OF_TWO(1 - MAN));  // 4 u
 
   `DF_VIN(a_c, a_i[2:0], 0)
   `DF_VIN(a, a_i[5:3], 0)

@@ -26,11 +26,10 @@ module triangle_box #(
 );
   /*verilator inline_module*/
   localparam int FACETS = 13;
-  localparam int BIAS = 2 ** (EXP - 1) - 1;
   `DF_VIN(a, a_i, 0)
   `DF_MATRIX_IN(p, p_i[0], p_i[1], p_i[2], 0)
-  `DF_CONST(half, CW'(BIAS - 1) << MAN)
-  `DF_CONST(four_u, CW'(BIAS + 1 - MAN) << MAN)
+  `DF_CONST(half, CW'(`DF_POWER_OF_TWO(-1)))
+  `DF_CONST(four_u, CW'(`DF_POWER_OF_TWO(1 - MAN)))
 
   // ---- What the facets share ----
   `DF_TRIANGLE(t, p)
