@@ -221,6 +221,27 @@ TEST_F(Query, WrongUsageIsRefused) {
   refused({}, "pair is required");
 }
 
+TEST_F(Query, BudgetSetsTheWorkOfACylinderPair) {
+  const std::string pair = "0,0,0,0,0,1,1,0.5,2,0.3,0.1,0.6,0,0.8,1,0.5\n";
+  const auto clocks = [&](const Words& budget) {
+    Words words = {"cylinder-cylinder", "--json"};
+    words.insert(words.end(), budget.begin(), budget.end());
+    const Ran ran = query(words, pair);
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    const auto json = nlohmann::json::parse(lines_of(ran.err).back());
+    EXPECT_EQ(json["pairs_matching"], 1);
+    return json["device_cycles"].get<int>();
+  };
+  const int whole = clocks({}), none = clocks({"--budget", "4,0,0"});
+  EXPECT_EQ(clocks({"--budget", "8,8,8"}), whole);
+  // 54 and 14 evaluations, 9 passes each for the witness points: a pass more costs a ring.
+  const int ring = (whole - none) / 40;
+  EXPECT_EQ(whole - none, 40 * ring);
+  EXPECT_EQ(clocks({"--budget", "14"}), none);
+  EXPECT_EQ(clocks({"--budget", "54"}), whole);
+  EXPECT_EQ(clocks({"--budget", "58"}), whole + 3 * ring) << "K2 takes three evaluations of four";
+}
+
 // ---- Formats ----
 
 struct Format {

@@ -150,6 +150,61 @@ TEST(Inventory, BehindThePairsMouthNothingIsAddedOrLost) {
   }
 }
 
+/// What rtl/pipes/cylinder_pair.sv states in its header.
+struct Ring {
+  const char* pair;
+  const char* parameter;
+  Operators stated;
+  unsigned rows, latency;
+};
+const Ring kRings[] = {{"cylinder_cylinder",
+                        "PAIR=8",
+                        {.multipliers = 272,
+                         .dividers = 9,
+                         .square_roots = 6,
+                         .adders = 115,
+                         .subtractors = 93,
+                         .comparators = 25,
+                         .min_max = 12},
+                        62,
+                        3915},
+                       {"obb_cylinder",
+                        "PAIR=9",
+                        {.multipliers = 196,
+                         .dividers = 5,
+                         .square_roots = 4,
+                         .adders = 101,
+                         .subtractors = 72,
+                         .comparators = 21,
+                         .min_max = 10},
+                        62,
+                        4659},
+                       {"triangle_cylinder",
+                        "PAIR=7",
+                        {.multipliers = 243,
+                         .dividers = 8,
+                         .square_roots = 4,
+                         .adders = 112,
+                         .subtractors = 111,
+                         .comparators = 34,
+                         .min_max = 16},
+                        68,
+                        4837}};
+
+class RingInventory : public ::testing::TestWithParam<Ring> {};
+
+TEST_P(RingInventory, IsWhatItsHeaderStates) {
+  const Elaboration design(kRtl, "pair_unit", {GetParam().parameter, "ARITH=host"});
+  const char* pipe = "pair_unit.pipe";
+  EXPECT_EQ(design.module_of(pipe), "cylinder_pair");
+  EXPECT_EQ(without_ands(design.operators(pipe)), GetParam().stated);
+  EXPECT_EQ(design.constant(pipe, "RING"), GetParam().rows);
+  EXPECT_EQ(design.constant(pipe, "LATENCY"), GetParam().latency);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cylinders, RingInventory, ::testing::ValuesIn(kRings),
+                         [](const auto& info) { return std::string(info.param.pair); });
+
 TEST(Inventory, WhatCannotBeElaboratedSaysWhy) {
   try {
     const Elaboration design(kRtl, "pair_pipe", {"PAIR=13"});
