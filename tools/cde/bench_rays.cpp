@@ -243,12 +243,15 @@ ordered_json two_boards(const BenchOptions& o) {
     return std::chrono::duration<double>(Clock::now() - start).count();
   };
   cast(first);
-  const double one = wall([&] { cast(first); });
-  const double two = wall([&] {
-    std::thread other([&] { cast(second); });
-    cast(first);
-    other.join();
-  });
+  double one = 1e300, two = 1e300;  // the best of three rounds each
+  for (int round = 0; round < 3; ++round) {
+    one = std::min(one, wall([&] { cast(first); }));
+    two = std::min(two, wall([&] {
+                     std::thread other([&] { cast(second); });
+                     cast(first);
+                     other.join();
+                   }));
+  }
   fmt::print(stderr, "\ntwo boards in two threads: {:.2f} times the tests/s of one (wall clock)\n",
              2 * one / two);
   return {
