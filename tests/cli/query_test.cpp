@@ -525,6 +525,19 @@ TEST_F(Inventory, JsonHasThePapersFiguresAndOurs) {
   EXPECT_EQ(spheres["initiation_interval"], 1);
 }
 
+TEST_F(Inventory, EveryKindOfPipeHasALatencyAndAnInterval) {
+  const Ran ran = cde({"inventory", "ray-sphere", "ray-cylinder", "sphere-obb", "obb-plane",
+                       "obb-cylinder", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto j = nlohmann::json::parse(ran.out);
+  ASSERT_EQ(j["pipes"].size(), 5u);
+  for (const auto& pipe : j["pipes"]) {
+    EXPECT_GE(pipe["latency_levels"], 10) << pipe["pair"];
+    EXPECT_GT(pipe["latency_clocks"], pipe["latency_levels"]) << pipe["pair"];
+    EXPECT_EQ(pipe["initiation_interval"] > 1, pipe["pair"] == "obb-cylinder") << pipe["pair"];
+  }
+}
+
 /// The figures are those of the RTL that is there: one with an operator more, and one without its
 /// pipe.
 TEST_F(Inventory, FollowsTheRtl) {

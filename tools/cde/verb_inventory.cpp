@@ -70,6 +70,12 @@ rtl::Elaboration elaborate(const Pipe& pipe, const Profile& p) {
            fmt::format("LAT_CMP={}", p.cmp)}};
 }
 
+/// The pipe's own, or that of the module which every ray pipe of a solid ends in.
+std::optional<unsigned> latency(const rtl::Elaboration& e, const Pipe& pipe) {
+  const auto own = e.constant(path(pipe), "LATENCY");
+  return own ? own : e.constant(path(pipe) + ".crossing", "LATENCY");
+}
+
 unsigned required(const std::optional<unsigned>& value, const Pipe& pipe, const char* what) {
   if (!value)
     throw Error(ErrorCode::kBuild, fmt::format("{}: the pipe has no {}", pipe.name(), what));
@@ -86,10 +92,10 @@ void examine(Pipe& pipe, const Profile& profile) {
     pipe.a_words = words("a_i");
     pipe.b_words = words("b_i");
     pipe.outputs = words("f_o") + words("t_o") + words("cp_o") + words("n_o");
-    pipe.latency = required(e.constant(path(pipe), "LATENCY"), pipe, "localparam LATENCY");
+    pipe.latency = required(latency(e, pipe), pipe, "localparam LATENCY");
     pipe.interval = e.constant(path(pipe), "INTERVAL").value_or(1);
-    pipe.latency_profile = required(elaborate(pipe, profile).constant(path(pipe), "LATENCY"), pipe,
-                                    "localparam LATENCY");
+    pipe.latency_profile =
+        required(latency(elaborate(pipe, profile), pipe), pipe, "localparam LATENCY");
   } catch (const rtl::ElaborationError& error) {
     const std::string what = error.what();
     if (what.find(kNoPipe) == std::string::npos) throw Error(ErrorCode::kBuild, what);
