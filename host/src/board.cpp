@@ -196,6 +196,11 @@ void Board::load(std::span<const Ray> rays) {
 
 void Board::Impl::load(std::uint32_t first, Shape shape, std::size_t count,
                        const std::function<void(std::size_t, float*)>& words) {
+  if (first >= primaries) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("the first pair's primaries fill all {} rows of the register file",
+                            primaries / lanes));
+  }
   if (count == 0 || first + count > primaries) {
     throw Error(ErrorCode::kUsage, fmt::format("a packet has 1 to {} {}s, not {}",
                                                primaries - first, name(shape), count));
