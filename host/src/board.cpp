@@ -5,16 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
 
-#include "abi.h"
 #include "board_impl.hpp"
 #include "cde/error.hpp"
 
 namespace cde {
 namespace {
-
-constexpr std::uint64_t kAccessClocks = 1000;  // no single access takes this long
 
 void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t expected_hash,
                     const std::string& file) {
@@ -67,33 +63,14 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
 
 // ---- Bus accesses ----
 
-void Board::Impl::transferred(std::uint64_t done, std::uint64_t wanted, const char* what,
-                              card::Space space, std::uint32_t offset) const {
-  if (done == wanted) return;
-  throw Error(ErrorCode::kDevice,
-              fmt::format("local bus hangs: {} of {} beats {} space {} offset {:#x} at clock {}",
-                          done, wanted, what, static_cast<int>(space), offset, clocks()));
-}
-
-void Board::Impl::write(card::Space space, std::uint32_t offset, const void* data,
-                        std::uint64_t beats) {
-  transferred(api->write(card, space, offset, data, beats, beats * 4 + kAccessClocks), beats,
-              "written to", space, offset);
-}
-
-void Board::Impl::read(card::Space space, std::uint32_t offset, void* data, std::uint64_t beats) {
-  transferred(api->read(card, space, offset, data, beats, beats * 4 + kAccessClocks), beats,
-              "read from", space, offset);
-}
-
 std::uint64_t Board::Impl::read_register(std::uint32_t offset) {
   std::uint64_t value = 0;
-  read(card::kSpaceReg, offset, &value, 1);
+  link->read(card::kSpaceReg, offset, &value, 1);
   return value;
 }
 
 void Board::Impl::write_register(std::uint32_t offset, std::uint64_t value) {
-  write(card::kSpaceReg, offset, &value, 1);
+  link->write(card::kSpaceReg, offset, &value, 1);
 }
 
 void Board::Impl::check_bus(const char* during) {
@@ -106,10 +83,6 @@ void Board::Impl::check_bus(const char* during) {
       fmt::format(
           "bus error during {}: access to space {} offset {:#x} refused, status {:#x}, clock {}",
           during, fault >> 32, fault & 0xffffffff, status, clocks()));
-}
-
-Board::Impl::~Impl() {
-  if (card != nullptr) api->destroy(card);
 }
 
 // ---- Opening ----
@@ -133,18 +106,7 @@ Board Board::open(const BoardConfig& config, const OpenOptions& options) {
   const std::uint64_t expected = options.config_hash.value_or(bitstream.config_hash());
   const std::string file = bitstream.path().string();
 
-  auto impl = std::make_unique<Impl>(std::move(bitstream));
-  const auto entry =
-      reinterpret_cast<cde_board_entry_fn>(impl->bitstream.symbol("cde_board_entry"));
-  impl->api = entry();
-  if (impl->api->abi != CDE_BOARD_ABI) {
-    throw Error(ErrorCode::kConfiguration,
-                fmt::format("bitstream {}: C interface version {}, this driver speaks {}", file,
-                            impl->api->abi, CDE_BOARD_ABI));
-  }
-  const cde_board_options card_options = {options.ddr_latency, options.clock_period_ps};
-  impl->card = impl->api->create(&card_options);
-  if (impl->card == nullptr) throw Error(ErrorCode::kDevice, "no memory for the card's models");
+  auto impl = std::make_unique<Impl>(local_link(std::move(bitstream), options), file);
   impl->ddr_latency = options.ddr_latency;
   check_identity(*impl, config, expected, file);
   return Board(std::move(impl));
@@ -181,8 +143,8 @@ void Board::upload_words(Shape shape, std::size_t count, const Words& words,
     const std::size_t n = std::min(kChunk, count - first);
     for (std::size_t i = 0; i < n; ++i) words(first + i, &buffer[i * slot_words]);
     buffer[n * slot_words] = 0;
-    impl_->write(card::kSpaceDdr, static_cast<std::uint32_t>(first * slot_words * 4), buffer.data(),
-                 (n * slot_words + 1) / 2);
+    impl_->link->write(card::kSpaceDdr, static_cast<std::uint32_t>(first * slot_words * 4),
+                       buffer.data(), (n * slot_words + 1) / 2);
   }
   impl_->upload_clocks = clocks() - start;
   impl_->check_bus("the upload of secondaries");
@@ -215,8 +177,8 @@ void Board::Impl::load(std::uint32_t first, Shape shape, std::size_t count,
   const std::size_t stride = (slot_words + 1) / 2 * 2;
   std::vector<float> slots(count * stride);
   for (std::size_t i = 0; i < count; ++i) words(i, &slots[i * stride]);
-  write(card::kSpacePrim, static_cast<std::uint32_t>(first * stride * 4), slots.data(),
-        slots.size() / 2);
+  link->write(card::kSpacePrim, static_cast<std::uint32_t>(first * stride * 4), slots.data(),
+              slots.size() / 2);
   check_bus("the upload of primaries");
 }
 
@@ -242,22 +204,16 @@ void Board::load_second_words(Shape shape, std::size_t count, const Words& words
 // ---- The rest of the interface ----
 
 void Board::reset() {
-  impl_->api->reset(impl_->card);
+  impl_->link->reset();
   impl_->loaded = 0;
 }
 
 void Board::trace_open(const std::filesystem::path& file) {
-  if (std::strstr(impl_->api->parameters, "TRACE=1") == nullptr) {
-    throw Error(ErrorCode::kUsage,
-                "this bitstream has no waves; open the board with BoardConfig::trace");
-  }
-  if (impl_->api->trace_open(impl_->card, file.c_str()) != 0) {
-    throw Error(ErrorCode::kFile, fmt::format("{}: cannot write waves", file.string()));
-  }
+  impl_->link->trace_open(file);
 }
 
 void Board::trace_close() {
-  impl_->api->trace_close(impl_->card);
+  impl_->link->trace_close();
 }
 
 unsigned Board::lanes() const {
@@ -279,10 +235,10 @@ std::uint64_t Board::upload_clocks() const {
   return impl_->upload_clocks;
 }
 const std::filesystem::path& Board::bitstream() const {
-  return impl_->bitstream.path();
+  return impl_->bitstream;
 }
 std::uint64_t Board::config_hash() const {
-  return impl_->api->config_hash;
+  return impl_->link->config_hash();
 }
 
 std::uint64_t Board::read_register(std::uint32_t offset) {
@@ -293,19 +249,19 @@ void Board::write_register(std::uint32_t offset, std::uint64_t value) {
 }
 void Board::bus_write(card::Space space, std::uint32_t offset,
                       std::span<const std::uint64_t> beats) {
-  impl_->write(space, offset, beats.data(), beats.size());
+  impl_->link->write(space, offset, beats.data(), beats.size());
 }
 void Board::bus_read(card::Space space, std::uint32_t offset, std::span<std::uint64_t> beats) {
-  impl_->read(space, offset, beats.data(), beats.size());
+  impl_->link->read(space, offset, beats.data(), beats.size());
 }
 std::uint64_t Board::wait(std::uint64_t max_clocks) {
-  return impl_->api->run(impl_->card, max_clocks);
+  return impl_->link->run(max_clocks);
 }
 std::uint64_t Board::clocks() const {
   return impl_->clocks();
 }
 void Board::flip_ddr(std::uint64_t byte, std::uint8_t mask) {
-  impl_->api->ddr_flip(impl_->card, byte, mask);
+  impl_->link->flip_ddr(byte, mask);
 }
 
 // ---- Small things of the header ----

@@ -1,5 +1,5 @@
 #pragma once
-#include "abi.h"
+#include "card_link.hpp"
 #include "cde/board.hpp"
 
 namespace cde {
@@ -7,16 +7,12 @@ namespace cde {
 /// State of a Board, and single accesses to its card. Private to the driver.
 class Board::Impl {
  public:
-  explicit Impl(Bitstream stream) : bitstream(std::move(stream)) {}
-  ~Impl();
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
+  Impl(std::unique_ptr<CardLink> way, std::filesystem::path file)
+      : link(std::move(way)), bitstream(std::move(file)) {}
 
-  void write(card::Space space, std::uint32_t offset, const void* data, std::uint64_t beats);
-  void read(card::Space space, std::uint32_t offset, void* data, std::uint64_t beats);
   [[nodiscard]] std::uint64_t read_register(std::uint32_t offset);
   void write_register(std::uint32_t offset, std::uint64_t value);
-  [[nodiscard]] std::uint64_t clocks() const { return api->clocks(card); }
+  [[nodiscard]] std::uint64_t clocks() const { return link->clocks(); }
 
   /// Throws kDevice with the fault address if an access was refused, after clearing it.
   void check_bus(const char* during);
@@ -27,9 +23,8 @@ class Board::Impl {
   /// Slot of the second pair's first primary: rows are not shared.
   [[nodiscard]] std::uint32_t split() const { return (loaded + lanes - 1) / lanes * lanes; }
 
-  Bitstream bitstream;
-  const cde_board_api* api = nullptr;
-  void* card = nullptr;
+  std::unique_ptr<CardLink> link;
+  std::filesystem::path bitstream;
   unsigned lanes = 0, primaries = 0, pipe_latency = 0, ddr_latency = 0;
   std::uint64_t capacity = 0, sram_records = 0;  ///< bytes of DDR
   std::uint32_t secondaries = 0;                 ///< uploaded
@@ -40,10 +35,6 @@ class Board::Impl {
   bool can_swap = false, has_normals = false, parallel = false;
   unsigned slot_words = 0;  ///< of a primary
   std::uint64_t upload_clocks = 0, load_clocks = 0;
-
- private:
-  void transferred(std::uint64_t done, std::uint64_t wanted, const char* what, card::Space space,
-                   std::uint32_t offset) const;
 };
 
 }  // namespace cde

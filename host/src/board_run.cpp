@@ -114,8 +114,8 @@ class Pass {
     for (;;) {
       const std::uint64_t spent = card_.clocks() - started_;
       if (spent >= deadline_) timeout(fmt::format("deadline of {} clocks", deadline_));
-      card_.api->run(card_.card, std::min(kSlice, deadline_ - spent));
-      if (card_.api->interrupt(card_.card) != 0) {
+      card_.link->run(std::min(kSlice, deadline_ - spent));
+      if (card_.link->interrupt()) {
         const std::uint64_t status = card_.read_register(card::kRegStatus);
         if (bit(status, card::kStatusCommandError)) device_error("command refused", status);
         if (bit(status, card::kStatusBusError)) card_.check_bus("a pass");
@@ -139,7 +139,7 @@ class Pass {
     std::array<std::uint32_t, 8 * kChunk> words;
     while (wanted != 0) {
       const std::uint64_t n = std::min(wanted, kChunk);
-      card_.read(card::kSpaceSram, 0, words.data(), n * kBeatsPerRecord);
+      card_.link->read(card::kSpaceSram, 0, words.data(), n * kBeatsPerRecord);
       records_.clear();
       for (std::uint64_t i = 0; i < n; ++i) take(&words[8 * i]);
       received_ += n;
@@ -222,7 +222,7 @@ class Pass {
       }
       card_.write_register(card::kRegControl, card::kControlAbort | card::kControlClear);
     } catch (const Error&) {
-      card_.api->reset(card_.card);
+      card_.link->reset();
       card_.loaded = 0;
     }
   }
