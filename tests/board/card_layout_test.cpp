@@ -9,6 +9,7 @@
 
 #include "cde/card.hpp"
 #include "cde/pair.hpp"
+#include "cde/pci.hpp"
 
 namespace cde {
 namespace {
@@ -42,6 +43,84 @@ std::string upper(std::string_view name) {
   std::string text(name);
   for (char& c : text) c = c == '-' ? '_' : static_cast<char>(std::toupper(c));
   return text;
+}
+
+/// The PCI side, in pci.hpp.
+std::map<std::string, std::uint64_t> pci_constants() {
+  using namespace pci;
+  return {
+      {"PCI_VENDOR_ID", kVendorId},
+      {"PCI_DEVICE_ID", kDeviceId},
+      {"PCI_CLASS", kClass},
+      {"PCI_SUBSYSTEM", kSubsystem},
+      {"PCI_BAR_BITS", kBarBits},
+      {"PCI_REGISTERS", kRegisters},
+      {"PCI_REGISTERS_END", kRegistersEnd},
+      {"PCI_PAGE_TABLE", kPageTable},
+      {"PCI_PAGES", kPages},
+      {"PCI_PAGE_BITS", kPageBits},
+      {"PCI_PAGE_VALID", kPageValid},
+      {"PCI_PAGE_WRITABLE", kPageWritable},
+      {"PCI_PAGE_FRAME", kPageFrame},
+      {"PCI_REG_CONTROL", kRegControl},
+      {"PCI_REG_STATUS", kRegStatus},
+      {"PCI_REG_IRQ_STATUS", kRegIrqStatus},
+      {"PCI_REG_IRQ_MASK", kRegIrqMask},
+      {"PCI_REG_RING_BASE", kRegRingBase},
+      {"PCI_REG_RING_SIZE", kRegRingSize},
+      {"PCI_REG_RING_HEAD", kRegRingHead},
+      {"PCI_REG_RING_TAIL", kRegRingTail},
+      {"PCI_REG_COMPLETION_BASE", kRegCompletionBase},
+      {"PCI_REG_BURST", kRegBurst},
+      {"PCI_REG_RETRY_LIMIT", kRegRetryLimit},
+      {"PCI_REG_FAULT_ADDR", kRegFaultAddr},
+      {"PCI_REG_BURSTS", kRegBursts},
+      {"PCI_REG_BEATS", kRegBeats},
+      {"PCI_REG_WAITS", kRegWaits},
+      {"PCI_REG_RETRIES", kRegRetries},
+      {"PCI_REG_DISCONNECTS", kRegDisconnects},
+      {"PCI_REG_PARITY_ERRORS", kRegParityErrors},
+      {"PCI_REG_ABORTS", kRegAborts},
+      {"PCI_REG_BUSY", kRegBusy},
+      {"PCI_CONTROL_RUN", kControlRun},
+      {"PCI_CONTROL_STOP", kControlStop},
+      {"PCI_CONTROL_CLEAR", kControlClear},
+      {"PCI_CONTROL_COUNT", kControlCount},
+      {"PCI_STATUS_RUN", kStatusRun},
+      {"PCI_STATUS_HALTED", kStatusHalted},
+      {"PCI_STATUS_BUSY", kStatusBusy},
+      {"PCI_STATUS_CLEARING", kStatusClearing},
+      {"PCI_STATUS_CODE", kStatusCode},
+      {"PCI_STATUS_WHERE", kStatusWhere},
+      {"PCI_IRQ_COMPLETION", kIrqCompletion},
+      {"PCI_IRQ_HALTED", kIrqHalted},
+      {"PCI_IRQ_CARD", kIrqCard},
+      {"PCI_DESCRIPTOR_BYTES", kDescriptorBytes},
+      {"PCI_DESCRIPTOR_SPACE", kDescriptorSpace},
+      {"PCI_DESCRIPTOR_TO_HOST", kDescriptorToHost},
+      {"PCI_DESCRIPTOR_IRQ", kDescriptorIrq},
+      {"PCI_COMPLETION_BYTES", kCompletionBytes},
+      {"PCI_COMPLETION_NUMBER", kCompletionNumber},
+      {"PCI_COMPLETION_PCI", kCompletionPci},
+      {"PCI_COMPLETION_CODE", kCompletionCode},
+      {"PCI_COMPLETION_LAP", kCompletionLap},
+      {"PCI_CODE_OK", kCodeOk},
+      {"PCI_CODE_LENGTH", kCodeLength},
+      {"PCI_CODE_ALIGNMENT", kCodeAlignment},
+      {"PCI_CODE_UNMAPPED", kCodeUnmapped},
+      {"PCI_CODE_READ_ONLY", kCodeReadOnly},
+      {"PCI_CODE_MASTER_ABORT", kCodeMasterAbort},
+      {"PCI_CODE_TARGET_ABORT", kCodeTargetAbort},
+      {"PCI_CODE_PARITY", kCodeParity},
+      {"PCI_CODE_RETRY_LIMIT", kCodeRetryLimit},
+      {"PCI_CODE_SETTINGS", kCodeSettings},
+      {"PCI_CODE_STOPPED", kCodeStopped},
+      {"PCI_CODE_DISABLED", kCodeDisabled},
+      {"PCI_WHERE_DATA", kWhereData},
+      {"PCI_WHERE_DESCRIPTOR", kWhereDescriptor},
+      {"PCI_WHERE_COMPLETION", kWhereCompletion},
+      {"PCI_WHERE_SETTINGS", kWhereSettings},
+  };
 }
 
 TEST(CardLayout, EqualsThePackage) {
@@ -106,6 +185,7 @@ TEST(CardLayout, EqualsThePackage) {
   for (unsigned p = 0; p < kPairs; ++p) here["PAIR_" + upper(name(static_cast<Pair>(p)))] = p;
   for (unsigned a = 0; a < 4; ++a) here["ALGORITHM_" + upper(name(static_cast<Algorithm>(a)))] = a;
   for (unsigned k = 0; k < 7; ++k) here["SHAPE_" + upper(name(static_cast<Shape>(k)))] = k;
+  here.merge(pci_constants());
   const auto package = localparams();
   for (const auto& [name, value] : package) {
     const auto found = here.find(name);

@@ -1,0 +1,70 @@
+// FIFO between two clock domains, by Gray-coded pointers and two-stage synchronisers (C. E. Cummings, "Simulation and Synthesis
+// Techniques for Asynchronous FIFO Design", SNUG 2002, style 1). What a side sees of the other is late, never early: the writer may
+// see less room, the reader fewer entries than there are. Both resets are held together for at least three clocks of each side.
+// A side's clock may be gated; the reader's synchroniser runs on `rclk_free_i`, so that `valid_o` can open the gate.
+// Latency: 3 clocks of the reader from a write to valid_o. Throughput: one entry a clock. Stall: room_o, valid_o.
+module async_fifo #(
+    parameter int W = 64,
+    parameter int DEPTH = 16,  // power of two, at least 4
+    localparam int AW = $clog2(DEPTH)
+) (
+    input logic wclk_i,
+    input logic wrst_i,
+    input logic write_i,
+    input logic [W-1:0] wdata_i,
+    output logic [AW:0] room_o,
+
+    input logic rclk_i,
+    input logic rclk_free_i,
+    input logic rrst_i,
+    output logic valid_o,
+    output logic [W-1:0] rdata_o,
+    input logic read_i,
+    output logic settled_o  // for a simulator: another clock of the reader's synchroniser changes nothing
+);
+  if (DEPTH < 4 || (1 << AW) != DEPTH) begin : g_illegal
+    $error("async_fifo: DEPTH must be a power of two, at least 4");
+  end
+  logic [W-1:0] memory[DEPTH];
+  logic [AW:0] wbin_q, wgray_q, rbin_q, rgray_q, wnext, rnext, rbin_seen;
+  logic [AW:0] rgray_w1_q, rgray_w2_q, wgray_r1_q, wgray_r2_q;
+
+  assign wnext = wbin_q + 1;
+  always_comb begin
+    rbin_seen[AW] = rgray_w2_q[AW];
+    for (int b = AW - 1; b >= 0; b--) rbin_seen[b] = ^(rgray_w2_q >> b);
+  end
+  assign room_o = (AW + 1)'(DEPTH) - (wbin_q - rbin_seen);
+  always_ff @(posedge wclk_i) begin
+    rgray_w1_q <= rgray_q;
+    rgray_w2_q <= rgray_w1_q;
+    if (write_i) begin
+      memory[wbin_q[AW-1:0]] <= wdata_i;
+      wbin_q <= wnext;
+      wgray_q <= wnext ^ (wnext >> 1);
+    end
+    if (wrst_i) {wbin_q, wgray_q, rgray_w1_q, rgray_w2_q} <= '0;
+  end
+
+  assign rnext = rbin_q + 1;
+  assign valid_o = rgray_q != wgray_r2_q;
+  assign rdata_o = memory[rbin_q[AW-1:0]];
+  assign settled_o = wgray_r2_q == wgray_q && wgray_r1_q == wgray_q;
+  always_ff @(posedge rclk_free_i) begin
+    wgray_r1_q <= wgray_q;
+    wgray_r2_q <= wgray_r1_q;
+    if (rrst_i) {wgray_r1_q, wgray_r2_q} <= '0;
+  end
+  always_ff @(posedge rclk_i) begin
+    if (read_i) begin
+      rbin_q <= rnext;
+      rgray_q <= rnext ^ (rnext >> 1);
+    end
+    if (rrst_i) {rbin_q, rgray_q} <= '0;
+  end
+
+`ifndef SYNTHESIS
+  always_ff @(posedge wclk_i) if (!wrst_i) assert (!(write_i && room_o == 0)) else $error("async_fifo: written while full");
+  always_ff @(posedge rclk_i) if (!rrst_i) assert (!(read_i && !valid_o)) else $error("async_fifo: read while empty");
+`endif
+endmodule

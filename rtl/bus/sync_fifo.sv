@@ -1,0 +1,38 @@
+// FIFO in one clock domain; the head shows at once.
+// Latency: 1 clock. Throughput: one entry in, one out a clock. Stall: room_o, count_o.
+module sync_fifo #(
+    parameter int W = 64,
+    parameter int DEPTH = 16,  // power of two
+    localparam int AW = $clog2(DEPTH)
+) (
+    input logic clk_i,
+    input logic rst_i,  // also empties it
+    input logic write_i,
+    input logic [W-1:0] wdata_i,
+    output logic [AW:0] room_o,
+    output logic [AW:0] count_o,
+    output logic [W-1:0] rdata_o,
+    input logic read_i
+);
+  logic [W-1:0] memory[DEPTH];
+  logic [AW:0] write_q, read_q;
+  assign count_o = write_q - read_q;
+  assign room_o = (AW + 1)'(DEPTH) - count_o;
+  assign rdata_o = memory[read_q[AW-1:0]];
+  always_ff @(posedge clk_i) begin
+    if (write_i) begin
+      memory[write_q[AW-1:0]] <= wdata_i;
+      write_q <= write_q + 1;
+    end
+    if (read_i) read_q <= read_q + 1;
+    if (rst_i) {write_q, read_q} <= '0;
+  end
+
+`ifndef SYNTHESIS
+  always_ff @(posedge clk_i)
+    if (!rst_i) begin
+      assert (!(write_i && room_o == 0)) else $error("sync_fifo: written while full");
+      assert (!(read_i && count_o == 0)) else $error("sync_fifo: read while empty");
+    end
+`endif
+endmodule

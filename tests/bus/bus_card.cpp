@@ -1,0 +1,224 @@
+#include "bus_card.hpp"
+
+#include <algorithm>
+#include <map>
+#include <stdexcept>
+
+namespace cde::testing {
+
+cde_pci_profile profile(const std::string& name) {
+  if (name == "ideal")
+    return {.arbitration = 0, .read_latency = 3, .write_latency = 2, .wait_every = 0, .waits = 0};
+  if (name == "good")
+    return {.arbitration = 2, .read_latency = 16, .write_latency = 4, .wait_every = 0, .waits = 0};
+  if (name == "p64-2001")
+    return {.arbitration = 2, .read_latency = 77, .write_latency = 36, .wait_every = 0, .waits = 0};
+  throw std::invalid_argument("no profile " + name);
+}
+
+namespace {
+
+/// Looking one up takes a third of a second, and each test has a card.
+Bitstream bitstream(const BusOptions& options) {
+  static std::map<std::pair<std::string, std::vector<std::string>>, Bitstream> known;
+  const auto key = std::pair(options.kind, options.parameters);
+  const auto found = known.find(key);
+  return found != known.end()
+             ? found->second
+             : known.emplace(key, Bitstream::open(options.kind, options.parameters)).first->second;
+}
+
+}  // namespace
+
+BusCard::BusCard(const BusOptions& options)
+    : bitstream_(bitstream(options)),
+      api_(reinterpret_cast<cde_pci_entry_fn>(bitstream_.symbol("cde_pci_entry"))()) {
+  if (api_->abi != CDE_PCI_ABI) throw std::runtime_error("another version of abi_pci.h");
+  const cde_pci_options o = {.core_period_ps = options.core_period_ps,
+                             .pci_period_ps = 15'000,
+                             .ddr_latency = 20,
+                             .narrow = options.narrow,
+                             .memory_bytes = options.memory_bytes,
+                             .seed = options.seed,
+                             .profile = profile(options.profile)};
+  handle_ = api_->create(&o);
+  if (handle_ == nullptr) throw std::runtime_error("no card");
+}
+
+BusCard::~BusCard() {
+  const char* const violation = api_->violation(handle_);
+  EXPECT_EQ(violation, nullptr) << violation;
+  api_->destroy(handle_);
+}
+
+void BusCard::enumerate(std::uint32_t command, std::uint8_t latency_timer) {
+  set_config(0x10, kBar);
+  set_config(0x0C, std::uint32_t{latency_timer} << 8 | 8);
+  set_config(0x04, command);
+}
+
+std::uint32_t BusCard::config(std::uint32_t offset) const {
+  std::uint32_t value = 0;
+  EXPECT_EQ(api_->config_read(handle_, offset, &value), CDE_PCI_OK);
+  return value;
+}
+void BusCard::set_config(std::uint32_t offset, std::uint32_t value) const {
+  EXPECT_EQ(api_->config_write(handle_, offset, value), CDE_PCI_OK);
+}
+
+std::uint64_t BusCard::read(std::uint32_t offset) const {
+  std::uint64_t value = 0;
+  EXPECT_EQ(api_->mmio_read(handle_, offset, &value, 8), CDE_PCI_OK) << offset;
+  return value;
+}
+void BusCard::write(std::uint32_t offset, std::uint64_t value) const {
+  EXPECT_EQ(api_->mmio_write(handle_, offset, &value, 8), CDE_PCI_OK) << offset;
+}
+std::uint32_t BusCard::read32(std::uint32_t offset) const {
+  std::uint32_t value = 0;
+  EXPECT_EQ(api_->mmio_read(handle_, offset, &value, 4), CDE_PCI_OK) << offset;
+  return value;
+}
+void BusCard::write32(std::uint32_t offset, std::uint32_t value) const {
+  EXPECT_EQ(api_->mmio_write(handle_, offset, &value, 4), CDE_PCI_OK) << offset;
+}
+cde_pci_counters BusCard::counters() const {
+  cde_pci_counters c{};
+  api_->counters(handle_, &c);
+  return c;
+}
+void BusCard::fault(std::uint32_t kind, std::uint32_t count, std::uint32_t value) const {
+  ASSERT_EQ(api_->fault(handle_, kind, count, value), 0);
+}
+
+void BusCard::map(std::uint32_t entry, std::uint32_t page, bool writable, bool valid) const {
+  const std::uint64_t frame = api_->frame(handle_, page);
+  ASSERT_NE(static_cast<std::uint32_t>(frame), ~0u) << "host memory is smaller";
+  write(pci::kPageTable + 8 * entry, frame << pci::kPageFrame |
+                                         std::uint64_t{valid} << pci::kPageValid |
+                                         std::uint64_t{writable} << pci::kPageWritable);
+}
+
+void BusCard::map_range(std::uint32_t first, std::uint32_t last) const {
+  std::vector<std::uint64_t> entries;
+  for (std::uint32_t page = first; page <= last; ++page)
+    entries.push_back(std::uint64_t{api_->frame(handle_, page)} << pci::kPageFrame |
+                      1u << pci::kPageValid | 1u << pci::kPageWritable);
+  EXPECT_EQ(api_->mmio_write(handle_, pci::kPageTable + 8 * first, entries.data(),
+                             static_cast<std::uint32_t>(8 * entries.size())),
+            CDE_PCI_OK);
+}
+
+void BusCard::put(std::uint32_t mapped, std::span<const std::uint8_t> bytes) const {
+  for (std::size_t i = 0; i < bytes.size();) {
+    const std::uint32_t at = mapped + static_cast<std::uint32_t>(i);
+    const std::size_t n = std::min<std::size_t>(bytes.size() - i, 4096 - at % 4096);
+    auto* const page =
+        static_cast<std::uint8_t*>(api_->memory(handle_, api_->frame(handle_, at / 4096)));
+    ASSERT_NE(page, nullptr);
+    std::memcpy(page + at % 4096, bytes.data() + i, n);
+    i += n;
+  }
+}
+
+std::vector<std::uint8_t> BusCard::get(std::uint32_t mapped, std::uint32_t bytes) const {
+  std::vector<std::uint8_t> out(bytes);
+  for (std::uint32_t i = 0; i < bytes;) {
+    const std::uint32_t at = mapped + i, n = std::min(bytes - i, 4096 - at % 4096);
+    const auto* const page =
+        static_cast<const std::uint8_t*>(api_->memory(handle_, api_->frame(handle_, at / 4096)));
+    std::memcpy(out.data() + i, page + at % 4096, n);
+    i += n;
+  }
+  return out;
+}
+
+std::span<std::uint8_t> BusCard::local(card::Space space) const {
+  std::uint64_t bytes = 0;
+  auto* const p = static_cast<std::uint8_t*>(api_->local_memory(handle_, space, &bytes));
+  return {p, bytes};
+}
+
+void BusCard::start_ring(unsigned size, std::uint32_t burst) {
+  map_range(kRingPage, kCompletionPage);
+  put(kCompletionPage * 4096, std::vector<std::uint8_t>(4096));
+  size_ = size;
+  tail_ = next_ = 0;
+  lap_ = true;
+  write(pci::kRegControl, 1u << pci::kControlClear);
+  write(pci::kRegIrqStatus, ~0ull);
+  write(pci::kRegRingBase, kRingPage * 4096);
+  write(pci::kRegCompletionBase, kCompletionPage * 4096);
+  write(pci::kRegRingSize, size);
+  write(pci::kRegBurst, burst);
+  write(pci::kRegIrqMask, 1u << pci::kIrqCompletion | 1u << pci::kIrqHalted);
+  write(pci::kRegControl, 1u << pci::kControlRun);
+}
+
+void BusCard::clear() {
+  write(pci::kRegControl, 1u << pci::kControlClear);
+  write(pci::kRegIrqStatus, ~0ull);
+  put(kCompletionPage * 4096, std::vector<std::uint8_t>(4096));
+  tail_ = next_ = 0;
+  lap_ = true;
+}
+
+void BusCard::stage(const pci::Descriptor& d) {
+  static_assert(sizeof d == pci::kDescriptorBytes);
+  std::uint8_t raw[sizeof d];
+  std::memcpy(raw, &d, sizeof d);
+  put(kRingPage * 4096 + tail_ * pci::kDescriptorBytes, raw);
+  tail_ = (tail_ + 1) % size_;
+}
+void BusCard::publish() const {
+  write(pci::kRegRingTail, tail_);
+}
+void BusCard::submit(const pci::Descriptor& d) {
+  stage(d);
+  publish();
+}
+
+Result BusCard::wait(double microseconds) {
+  const std::uint64_t end = api_->time_ps(handle_) + static_cast<std::uint64_t>(microseconds * 1e6);
+  for (;;) {
+    pci::Completion c;
+    const auto raw = get(kCompletionPage * 4096 + next_ * pci::kCompletionBytes, sizeof c);
+    std::memcpy(&c, raw.data(), sizeof c);
+    if ((c.state >> pci::kCompletionLap & 1) == std::uint64_t{lap_}) {
+      next_ = (next_ + 1) % size_;
+      if (next_ == 0) lap_ = !lap_;
+      return {.number = static_cast<unsigned>(c.state >> pci::kCompletionNumber & 0xFFFF),
+              .code = static_cast<unsigned>(c.state >> pci::kCompletionCode & 0xFF),
+              .bytes = c.bytes,
+              .fault = c.fault,
+              .pci_status = static_cast<std::uint16_t>(c.state >> pci::kCompletionPci)};
+    }
+    const std::uint64_t now = api_->time_ps(handle_);
+    if (now >= end) return {.code = ~0u};
+    api_->run(handle_, std::min<std::uint64_t>(end - now, 2'000'000));
+    if (api_->interrupt(handle_) != 0) {
+      write(pci::kRegIrqStatus, 1u << pci::kIrqCompletion);
+      if (halted() && (read(pci::kRegStatus) >> pci::kStatusWhere & 0xFF) != pci::kWhereData)
+        return {.code = ~0u};
+      if (halted()) write(pci::kRegIrqStatus, 1u << pci::kIrqHalted);
+    }
+  }
+}
+
+pci::Descriptor BusCard::descriptor(std::uint32_t mapped, std::uint32_t bytes, card::Space space,
+                                    std::uint32_t offset, bool to_host, bool irq) {
+  return {.address = mapped,
+          .bytes = bytes,
+          .local = offset | std::uint64_t{space} << pci::kDescriptorSpace |
+                   std::uint64_t{to_host} << pci::kDescriptorToHost |
+                   std::uint64_t{irq} << pci::kDescriptorIrq};
+}
+
+unsigned BusCard::status_code() const {
+  return read(pci::kRegStatus) >> pci::kStatusCode & 0xFF;
+}
+unsigned BusCard::status_where() const {
+  return read(pci::kRegStatus) >> pci::kStatusWhere & 0xFF;
+}
+
+}  // namespace cde::testing

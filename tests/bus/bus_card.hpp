@@ -1,0 +1,124 @@
+#pragma once
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstring>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "abi_pci.h"
+#include "cde/bitstream.hpp"
+#include "cde/card.hpp"
+#include "cde/pci.hpp"
+
+namespace cde::testing {
+
+/// Hosts by name; docs/pci.md says where the figures come from.
+cde_pci_profile profile(const std::string& name);
+
+struct BusOptions {
+  std::string kind = "pci_bridge";
+  std::vector<std::string> parameters = {};
+  std::string profile = "ideal";
+  bool narrow = false;  ///< a 32-bit host
+  std::uint32_t core_period_ps = 10'000;
+  std::uint64_t memory_bytes = 16 << 20;
+  std::uint64_t seed = 1;
+};
+
+/// What the driver finds in the completion ring.
+struct Result {
+  unsigned number = 0;
+  unsigned code = 0;
+  std::uint32_t bytes = 0;
+  std::uint32_t fault = 0;
+  std::uint16_t pci_status = 0;
+};
+
+/// A card in its host, enumerated, with its descriptor ring, as a minimal driver would have them.
+/// Host pages are mapped one to one by default: page n of host memory is entry n of the page table;
+/// ring and completion records lie in the first two pages. Fails the test if the bus ever broke a
+/// rule.
+class BusCard {
+ public:
+  static constexpr std::uint32_t kBar = 0xF0000000;
+  static constexpr std::uint32_t kRingPage = 0, kCompletionPage = 1, kFirstFree = 2;
+
+  explicit BusCard(const BusOptions& options = {});
+  BusCard(const BusCard&) = delete;
+  BusCard& operator=(const BusCard&) = delete;
+  ~BusCard();
+
+  const cde_pci_api& api() const { return *api_; }
+  void* handle() const { return handle_; }
+
+  /// BAR0 placed, memory and mastering enabled, parity reported, latency timer set.
+  void enumerate(std::uint32_t command = 0x146, std::uint8_t latency_timer = 64);
+  std::uint32_t config(std::uint32_t offset) const;
+  void set_config(std::uint32_t offset, std::uint32_t value) const;
+
+  std::uint64_t read(std::uint32_t offset) const;
+  void write(std::uint32_t offset, std::uint64_t value) const;
+  std::uint32_t read32(std::uint32_t offset) const;
+  void write32(std::uint32_t offset, std::uint32_t value) const;
+  int transact(cde_pci_transaction& t) const { return api_->transact(handle_, &t); }
+  cde_pci_counters counters() const;
+  void fault(std::uint32_t kind, std::uint32_t count, std::uint32_t value = 0) const;
+
+  /// A page-table entry: where it points, and how.
+  void map(std::uint32_t entry, std::uint32_t page, bool writable = true, bool valid = true) const;
+  /// Entries first to last one to one, in bursts.
+  void map_range(std::uint32_t first, std::uint32_t last) const;
+  /// Host memory at a one-to-one mapped address, byte by byte through its pages.
+  void put(std::uint32_t mapped, std::span<const std::uint8_t> bytes) const;
+  std::vector<std::uint8_t> get(std::uint32_t mapped, std::uint32_t bytes) const;
+  std::span<std::uint8_t> local(card::Space space) const;
+
+  /// Ring of `size` descriptors in the first page, running; interrupts for completions and halts.
+  void start_ring(unsigned size = 16, std::uint32_t burst = 4096);
+  void submit(const pci::Descriptor& descriptor);  ///< into the ring, and the tail behind it
+  void stage(const pci::Descriptor& descriptor);   ///< into the ring only
+  void publish() const;                            ///< the tail
+  /// The next record, within a time in microseconds; code ~0 if there is none.
+  Result wait(double microseconds = 20'000);
+  Result transfer(std::uint32_t mapped, std::uint32_t bytes, card::Space space,
+                  std::uint32_t offset, bool to_host) {
+    submit(descriptor(mapped, bytes, space, offset, to_host));
+    return wait();
+  }
+  void clear();  ///< after a halt: empty ring, still set up, not running
+  static pci::Descriptor descriptor(std::uint32_t mapped, std::uint32_t bytes, card::Space space,
+                                    std::uint32_t offset, bool to_host, bool irq = true);
+  unsigned status_code() const;  ///< of the halted ring
+  unsigned status_where() const;
+  bool halted() const { return (read(pci::kRegStatus) >> pci::kStatusHalted & 1) != 0; }
+
+ private:
+  Bitstream bitstream_;
+  const cde_pci_api* api_;
+  void* handle_;
+  unsigned size_ = 0, tail_ = 0, next_ = 0;
+  bool lap_ = true;
+};
+
+/// Numbers that are the same everywhere.
+class Numbers {
+ public:
+  explicit Numbers(std::uint32_t seed) : engine_(seed) {}
+  std::uint32_t bits() { return engine_(); }
+  std::uint32_t below(std::uint32_t n) {
+    return static_cast<std::uint32_t>(std::uint64_t{bits()} * n >> 32);
+  }
+  std::vector<std::uint8_t> bytes(std::size_t n) {
+    std::vector<std::uint8_t> v(n);
+    for (auto& b : v) b = static_cast<std::uint8_t>(bits() >> 24);
+    return v;
+  }
+
+ private:
+  std::mt19937 engine_;
+};
+
+}  // namespace cde::testing

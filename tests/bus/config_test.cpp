@@ -1,0 +1,294 @@
+// Configuration space and BAR0 as a host sees them: identity, sizing, every width of access,
+// refusals.
+#include "bus_card.hpp"
+
+namespace cde::testing {
+namespace {
+
+constexpr std::uint32_t kConfigRead = 0xA, kConfigWrite = 0xB, kMemoryRead = 6, kMemoryWrite = 7;
+constexpr std::uint32_t kSignaledTargetAbort = 1u << 27, kDetectedParity = 1u << 31,
+                        kSignaledSerr = 1u << 30;
+
+cde_pci_transaction single(std::uint32_t command, std::uint32_t address, std::uint32_t data = 0,
+                           std::uint8_t enable = 0xF) {
+  cde_pci_transaction t{};
+  t.command = command;
+  t.address = address;
+  t.dwords = 1;
+  t.data[0] = data;
+  t.enable[0] = enable;
+  return t;
+}
+cde_pci_transaction wide(std::uint32_t command, std::uint32_t address, std::uint64_t data = 0,
+                         std::uint8_t enable = 0xFF) {
+  cde_pci_transaction t = single(command, address, static_cast<std::uint32_t>(data), enable & 0xF);
+  t.wide = 1;
+  t.dwords = 2;
+  t.data[1] = static_cast<std::uint32_t>(data >> 32);
+  t.enable[1] = enable >> 4;
+  return t;
+}
+
+TEST(PciConfig, Identity) {
+  const BusCard card;
+  EXPECT_EQ(card.config(0x00), pci::kDeviceId << 16 | pci::kVendorId);
+  EXPECT_EQ(card.config(0x04), 0x02200000u) << "66 MHz, medium DEVSEL#, everything off";
+  EXPECT_EQ(card.config(0x08), pci::kClass);
+  EXPECT_EQ(card.config(0x08) >> 8, 0x0B4000u);
+  EXPECT_EQ(card.config(0x0C), 0u);
+  EXPECT_EQ(card.config(0x2C), pci::kSubsystem);
+  EXPECT_EQ(card.config(0x3C), 0x100u) << "INTA#";
+  for (std::uint32_t offset = 0x14; offset < 0x2C; offset += 4)
+    EXPECT_EQ(card.config(offset), 0u) << offset;
+  for (std::uint32_t offset = 0x40; offset < 0x100; offset += 4)
+    EXPECT_EQ(card.config(offset), 0u) << offset;
+}
+
+TEST(PciConfig, BarSizing) {
+  const BusCard card;
+  card.set_config(0x10, ~0u);
+  EXPECT_EQ(card.config(0x10), 0xFFFF0000u) << "64 KB of 32-bit memory, not prefetchable";
+  card.set_config(0x10, 0x12345678);
+  EXPECT_EQ(card.config(0x10), 0x12340000u);
+  for (std::uint32_t offset = 0x14; offset < 0x28; offset += 4) {
+    card.set_config(offset, ~0u);
+    EXPECT_EQ(card.config(offset), 0u);
+  }
+}
+
+TEST(PciConfig, WritableBitsAndByteEnables) {
+  const BusCard card;
+  card.set_config(0x04, 0xFFFF);
+  EXPECT_EQ(card.config(0x04) & 0xFFFF, 0x0546u)
+      << "memory, master, parity, SERR#, interrupt disable";
+  cde_pci_transaction t = single(kConfigWrite, 0x0C, 0x11223344, 0b0010);
+  EXPECT_EQ(card.transact(t), CDE_PCI_OK);
+  EXPECT_EQ(card.config(0x0C), 0x3300u) << "the latency timer's byte only";
+  t = single(kConfigWrite, 0x3C, 0xFFFFFFAA, 0b1111);
+  EXPECT_EQ(card.transact(t), CDE_PCI_OK);
+  EXPECT_EQ(card.config(0x3C), 0x1AAu);
+  t = single(kConfigWrite, 0x00, 0);
+  EXPECT_EQ(card.transact(t), CDE_PCI_OK);
+  EXPECT_EQ(card.config(0x00), pci::kDeviceId << 16 | pci::kVendorId);
+}
+
+TEST(PciConfig, BurstsAreCutAndOtherFunctionsAreNotThere) {
+  const BusCard card;
+  cde_pci_transaction t = single(kConfigRead, 0);
+  t.dwords = 3;
+  EXPECT_EQ(card.transact(t), CDE_PCI_OK);
+  EXPECT_EQ(t.done, 1u);
+  EXPECT_EQ(t.stopped, 1u) << "disconnect with the first data";
+  EXPECT_EQ(t.devsel, 2u) << "medium";
+  for (const std::uint32_t address : {0x100u, 0x700u, 0x001u}) {
+    t = single(kConfigRead, address);
+    EXPECT_EQ(card.transact(t), CDE_PCI_MASTER_ABORT) << address;
+  }
+}
+
+TEST(PciConfig, MemoryAnswersOnlyWhereAndWhenItShould) {
+  BusCard card;
+  cde_pci_transaction t = single(kMemoryRead, BusCard::kBar + pci::kRegStatus);
+  EXPECT_EQ(card.transact(t), CDE_PCI_MASTER_ABORT) << "memory space is off";
+  card.enumerate();
+  EXPECT_EQ(card.transact(t), CDE_PCI_OK);
+  for (const std::uint32_t address : {BusCard::kBar - 8, BusCard::kBar + 0x10000u}) {
+    t = single(kMemoryRead, address);
+    EXPECT_EQ(card.transact(t), CDE_PCI_MASTER_ABORT);
+  }
+  for (const std::uint32_t command : {0u, 1u, 2u, 3u, 4u, 5u, 8u, 9u, 0xDu}) {
+    t = single(command, BusCard::kBar + pci::kRegStatus);
+    EXPECT_EQ(card.transact(t), CDE_PCI_MASTER_ABORT) << "command " << command;
+  }
+}
+
+TEST(PciBar, DelayedRead) {
+  BusCard card;
+  card.enumerate();
+  card.write(pci::kRegIrqMask, 5);
+  for (const std::uint32_t command : {0x6u, 0xEu, 0xCu}) {  // read, read line, read multiple
+    cde_pci_transaction t = wide(command, BusCard::kBar + pci::kRegIrqMask);
+    EXPECT_EQ(card.transact(t), CDE_PCI_OK);
+    EXPECT_EQ(t.done, 0u);
+    EXPECT_EQ(t.stopped, 1u) << "the first attempt is retried";
+    card.api().run(card.handle(), 1'000'000);
+    EXPECT_EQ(card.transact(t), CDE_PCI_OK);
+    EXPECT_EQ(t.done, 2u);
+    EXPECT_EQ(t.took_wide, 1u);
+    EXPECT_EQ(t.data[0], 5u);
+    EXPECT_EQ(t.data[1], 0u);
+  }
+}
+
+TEST(PciBar, ReadNobodyFetchesIsDropped) {
+  BusCard card;
+  card.enumerate();
+  card.write(pci::kRegIrqMask, 5);
+  cde_pci_transaction t = wide(kMemoryRead, BusCard::kBar + pci::kRegIrqMask);
+  EXPECT_EQ(card.transact(t), CDE_PCI_OK);
+  cde_pci_transaction other = wide(kMemoryRead, BusCard::kBar + pci::kRegBurst);
+  card.api().run(card.handle(), 32000ull * 15'000);
+  EXPECT_EQ(card.transact(other), CDE_PCI_OK);
+  EXPECT_EQ(other.done, 0u) << "the place is taken";
+  card.api().run(card.handle(), 1000ull * 15'000);
+  EXPECT_EQ(card.transact(other), CDE_PCI_OK);
+  EXPECT_EQ(card.read(pci::kRegBurst), 4096u);
+}
+
+/// A register of the card, over the local bus, of the bridge, and of the page table.
+TEST(PciBar, EveryWidthReadsAndWritesARegister) {
+  for (const bool narrow : {false, true}) {
+    SCOPED_TRACE(narrow);
+    BusCard card({.narrow = narrow});
+    card.enumerate();
+    for (const std::uint32_t offset : {0x028u, +pci::kRegRingBase, pci::kPageTable + 8 * 77}) {
+      SCOPED_TRACE(offset);
+      const std::uint64_t mask = offset == pci::kRegRingBase ? 0xFFFFFF
+                                 : offset < 0x1000           ? ~0ull
+                                                             : 0xFFFFF003;
+      for (const std::uint64_t value : {0x12345ull, 0x00ABCDEFull & mask}) {
+        card.write(offset, value);
+        EXPECT_EQ(card.read(offset), value & mask);
+        EXPECT_EQ(card.read32(offset), value & mask & 0xFFFFFFFF);
+        EXPECT_EQ(card.read32(offset + 4), (value & mask) >> 32);
+      }
+      card.write32(offset, 0x4321);
+      EXPECT_EQ(card.read(offset), 0x4321 & mask) << "a lone low half writes 0 above it";
+    }
+    card.write(0x028, 0x1122334455667788);
+    EXPECT_EQ(card.read(0x028), 0x1122334455667788u);
+    EXPECT_EQ(card.read32(0x028), 0x55667788u);
+    EXPECT_EQ(card.read32(0x02C), 0x11223344u);
+    card.write32(0x028, 0xAABBCCDD);
+    EXPECT_EQ(card.read(0x028), 0xAABBCCDDu);
+  }
+}
+
+TEST(PciBar, HalvesAndPartsOfRegistersAreRefused) {
+  BusCard card;
+  card.enumerate();
+  card.write(0x028, 0x1122334455667788);
+  const auto refused = [&](cde_pci_transaction t) {
+    EXPECT_EQ(card.transact(t), CDE_PCI_TARGET_ABORT);
+    EXPECT_EQ(card.config(4) & kSignaledTargetAbort, kSignaledTargetAbort);
+    card.set_config(4, kSignaledTargetAbort | 0x146);
+    EXPECT_EQ(card.config(4) & kSignaledTargetAbort, 0u);
+    EXPECT_EQ(card.read(0x028), 0x1122334455667788u);
+  };
+  for (unsigned enable = 1; enable < 15; ++enable)
+    refused(single(kMemoryWrite, BusCard::kBar + 0x028, 99, static_cast<std::uint8_t>(enable)));
+  refused(single(kMemoryWrite, BusCard::kBar + 0x02C, 99));  // an upper half alone
+  for (unsigned enable = 1; enable < 255; ++enable)
+    if (enable != 0x0F)
+      refused(wide(kMemoryWrite, BusCard::kBar + 0x028, 99, static_cast<std::uint8_t>(enable)));
+  for (const std::uint32_t hole : {0x2000u, 0x7FF8u}) {
+    refused(wide(kMemoryWrite, BusCard::kBar + hole, 1));
+    refused(single(kMemoryRead, BusCard::kBar + hole));
+  }
+  cde_pci_transaction none = wide(kMemoryWrite, BusCard::kBar + 0x028, 99, 0);
+  EXPECT_EQ(card.transact(none), CDE_PCI_OK) << "a data phase without bytes writes nothing";
+  EXPECT_EQ(card.read(0x028), 0x1122334455667788u);
+  cde_pci_transaction low = wide(kMemoryWrite, BusCard::kBar + 0x028, 99, 0x0F);
+  EXPECT_EQ(card.transact(low), CDE_PCI_OK);
+  EXPECT_EQ(card.read(0x028), 99u);
+}
+
+TEST(PciBar, PostedBursts) {
+  for (const bool narrow : {false, true})
+    for (const std::uint32_t waits : {0u, 1u, 5u}) {
+      SCOPED_TRACE(waits);
+      BusCard card({.narrow = narrow});
+      card.enumerate();
+      cde_pci_transaction t{};
+      t.command = kMemoryWrite;
+      t.address = BusCard::kBar + 0x100;
+      t.wide = !narrow;
+      t.dwords = 40;
+      t.waits = waits;
+      for (unsigned i = 0; i < t.dwords; ++i) {
+        t.data[i] = 0x01010101 * i + waits;
+        t.enable[i] = 0xF;
+      }
+      EXPECT_EQ(card.transact(t), CDE_PCI_OK);
+      EXPECT_GT(t.done, 16u) << "posted, not a word at a time";
+      EXPECT_EQ(t.took_wide, !narrow);
+      for (unsigned i = 0; i < t.done; ++i) EXPECT_EQ(card.read32(0x100 + 4 * i), t.data[i]) << i;
+    }
+}
+
+/// Longer than the FIFO, and up to the end of BAR0.
+TEST(PciBar, LongBurstsAreFollowedUp) {
+  for (const bool narrow : {false, true}) {
+    BusCard card({.narrow = narrow});
+    card.enumerate();
+    std::vector<std::uint64_t> entries(512);
+    for (std::size_t i = 0; i < entries.size(); ++i) entries[i] = i << 12 | 3;
+    const std::uint32_t first = 0x10000 - 8 * 512;
+    EXPECT_EQ(card.api().mmio_write(card.handle(), first, entries.data(), 4096), CDE_PCI_OK);
+    for (std::uint32_t i = 0; i < 512; i += 37)
+      EXPECT_EQ(card.read(first + 8 * i), entries[i]) << i;
+    EXPECT_EQ(card.read(0x10000 - 8), entries[511]);
+    std::vector<std::uint64_t> back(512);
+    EXPECT_EQ(card.api().mmio_read(card.handle(), first, back.data(), 4096), CDE_PCI_OK);
+    EXPECT_EQ(back, entries);
+  }
+}
+
+TEST(PciBar, BurstThatIsNotLinearGetsOnePhase) {
+  BusCard card;
+  card.enumerate();
+  cde_pci_transaction t = wide(kMemoryWrite, BusCard::kBar + 0x100 + 2, 0x77);
+  t.dwords = 4;
+  t.enable[2] = t.enable[3] = 0xF;
+  EXPECT_EQ(card.transact(t), CDE_PCI_OK);
+  EXPECT_EQ(t.done, 2u);
+  EXPECT_EQ(t.stopped, 1u);
+}
+
+TEST(PciBar, AddressParity) {
+  BusCard card;
+  card.enumerate();
+  card.write(0x028, 1);
+  cde_pci_transaction t = wide(kMemoryWrite, BusCard::kBar + 0x028, 99);
+  t.bad_address_parity = 1;
+  EXPECT_EQ(card.transact(t), CDE_PCI_MASTER_ABORT);
+  EXPECT_EQ(card.config(4) & (kDetectedParity | kSignaledSerr), kDetectedParity | kSignaledSerr);
+  EXPECT_EQ(card.read(0x028), 1u);
+  EXPECT_EQ(card.read(pci::kRegParityErrors), 1u);
+  card.set_config(4, 0xFFFF0146);
+  EXPECT_EQ(card.config(4), 0x02200146u);
+  card.set_config(4, 0x46);  // SERR# off
+  EXPECT_EQ(card.transact(t), CDE_PCI_MASTER_ABORT);
+  EXPECT_EQ(card.config(4) & (kDetectedParity | kSignaledSerr), kDetectedParity);
+}
+
+TEST(PciBar, DataParity) {
+  for (const bool narrow : {false, true}) {
+    BusCard card({.narrow = narrow});
+    card.enumerate();
+    for (std::uint32_t i = 0; i < 4; ++i) card.write(0x100 + 8 * i, 1000 + i);
+    cde_pci_transaction t{};
+    t.command = kMemoryWrite;
+    t.address = BusCard::kBar + 0x100;
+    t.wide = !narrow;
+    t.dwords = 8;
+    t.bad_data_parity = narrow ? 3 : 2;
+    for (unsigned i = 0; i < 8; ++i) {
+      t.data[i] = i;
+      t.enable[i] = 0xF;
+    }
+    EXPECT_EQ(card.transact(t), CDE_PCI_PARITY) << "PERR#";
+    EXPECT_EQ(t.done, 8u);
+    EXPECT_EQ(card.config(4) & kDetectedParity, kDetectedParity);
+    EXPECT_EQ(card.read(0x100), 1ull << 32);
+    EXPECT_EQ(card.read(0x108), 1001u) << "the bad word is not written";
+    EXPECT_EQ(card.read(0x110), 4 | 5ull << 32);
+    card.set_config(4, 0xFFFF0006);  // parity response off: seen, not reported
+    t.bad_data_parity = 1;
+    EXPECT_EQ(card.transact(t), CDE_PCI_OK);
+    EXPECT_EQ(card.config(4) & kDetectedParity, kDetectedParity);
+  }
+}
+
+}  // namespace
+}  // namespace cde::testing

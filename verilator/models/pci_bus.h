@@ -1,0 +1,274 @@
+// A card in its host: the Verilated model, whose top has the ports of pci_bridge.sv, the host on
+// the same wires, the protocol checker, and both clocks in picoseconds. `Local` is what else the
+// model's core side needs each clock (chips, or a memory on the local bus).
+#pragma once
+#include <algorithm>
+#include <memory>
+
+#include "Vmodel.h"
+#include "abi_pci.h"
+#include "coverage.h"
+#include "pci_host.h"
+#include "pci_monitor.h"
+#include "verilated.h"
+#ifdef CDE_TRACE
+#include "verilated_fst_c.h"
+#endif
+
+namespace pci {
+
+template <class Local>
+class Bus {
+ public:
+  explicit Bus(const cde_pci_options& o, const char* kind)
+      : options_(o),
+        kind_(kind),
+        context_(new VerilatedContext),
+        model_(new Vmodel(context_.get(), kind)),
+        local_(o),
+        host_(o),
+        next_pci_(o.pci_period_ps),
+        next_core_(o.core_period_ps) {
+    reset();
+  }
+  Bus(const Bus&) = delete;
+  Bus& operator=(const Bus&) = delete;
+  ~Bus() {
+    trace_close();
+    // A thread remembers the context it served last, which may be that of a card long gone.
+    Verilated::threadContextp(context_.get());
+    model_->final();
+    cde_write_coverage(context_.get(), kind_);
+  }
+
+  /// RST# for four clocks of the slower clock, then until the card has nothing left to prepare.
+  void reset() {
+    model_->rst_i = 1;
+    host_.reset();
+    monitor_.reset();
+    local_.reset();
+    card_ = Drive();
+    settle();
+    run_until(now_ + 5ull * std::max(options_.pci_period_ps, options_.core_period_ps));
+    model_->rst_i = 0;
+    settle();
+    run_until(now_ + options_.pci_period_ps);
+    while (!model_->idle_o) step();
+  }
+
+  int transact(cde_pci_transaction& t) {
+    host_.initiator().start(t);
+    while (host_.initiator().busy()) step();
+    return host_.initiator().result();
+  }
+
+  /// One access of the CPU, followed up until all of it is done.
+  int access(uint8_t command, uint32_t address, uint32_t* data, uint32_t dwords) {
+    constexpr uint64_t kPatience = 1'000'000;
+    const uint64_t limit = counters_.clocks + kPatience;
+    for (uint32_t at = 0; at < dwords;) {
+      cde_pci_transaction t{};
+      t.command = command;
+      t.address = address + 4 * at;
+      t.dwords = std::min<uint32_t>(dwords - at, 64);
+      t.wide = options_.narrow == 0 && (t.address & 7) == 0 && t.dwords % 2 == 0 &&
+               command < kConfigRead;
+      std::copy_n(data + at, t.dwords, t.data);
+      std::fill_n(t.enable, t.dwords, uint8_t{0xF});
+      if (const int result = transact(t); result != CDE_PCI_OK) return result;
+      if (!is_write(command)) std::copy_n(t.data, t.done, data + at);
+      at += t.done;
+      if (counters_.clocks >= limit) return CDE_PCI_RETRIED;
+    }
+    return CDE_PCI_OK;
+  }
+
+  int config_read(uint32_t offset, uint32_t& value) {
+    return access(kConfigRead, offset & 0xFC, &value, 1);
+  }
+  int config_write(uint32_t offset, uint32_t value) {
+    const int result = access(kConfigWrite, offset & 0xFC, &value, 1);
+    if (result == CDE_PCI_OK && (offset & 0xFC) == kBar0) base_ = value & ~0xFFFFu;
+    return result;
+  }
+  int mmio(uint8_t command, uint32_t offset, uint32_t* data, uint32_t bytes) {
+    return access(command, base_ + offset, data, bytes / 4);
+  }
+
+  uint64_t run(uint64_t max_ps) {
+    const uint64_t start = now_;
+    const uint64_t end = now_ + max_ps;
+    while (!interrupt() && std::min(next_pci_, next_core_) <= end) step();
+    if (!interrupt()) now_ = std::max(now_, end);
+    return now_ - start;
+  }
+  [[nodiscard]] bool interrupt() const { return interrupt_ && !interrupt_lost_; }
+  [[nodiscard]] uint64_t time_ps() const { return now_; }
+
+  [[nodiscard]] cde_pci_counters counters() const {
+    cde_pci_counters c = counters_;
+    c.waits = c.busy - c.data;
+    c.bytes_read = host_.target().bytes_read();
+    c.bytes_written = host_.target().bytes_written();
+    c.transactions = host_.target().transactions();
+    return c;
+  }
+  [[nodiscard]] const char* violation() const {
+    return monitor_.violation().empty() ? nullptr : monitor_.violation().c_str();
+  }
+  Host& host() { return host_; }
+  Local& local() { return local_; }
+  void evaluate_all(bool on) { evaluate_all_ = on; }
+
+  int trace_open([[maybe_unused]] const char* path) {
+#ifdef CDE_TRACE
+    trace_close();
+    context_->traceEverOn(true);
+    if (!trace_) {
+      trace_ = std::make_unique<VerilatedFstC>();
+      model_->trace(trace_.get(), 99);
+    }
+    trace_->open(path);
+    return trace_->isOpen() ? 0 : -1;
+#else
+    return -1;
+#endif
+  }
+  void trace_close() {
+#ifdef CDE_TRACE
+    if (trace_ && trace_->isOpen()) trace_->close();
+#endif
+  }
+
+ private:
+  static constexpr uint32_t kBar0 = 0x10;
+
+  /// The edge that comes next; on a tie the PCI clock's.
+  void step() {
+    if (next_pci_ <= next_core_) {
+      now_ = next_pci_;
+      next_pci_ += options_.pci_period_ps;
+      pci_edge();
+    } else {
+      now_ = next_core_;
+      next_core_ += options_.core_period_ps;
+      core_edge();
+    }
+  }
+  void run_until(uint64_t end) {
+    while (std::min(next_pci_, next_core_) <= end) step();
+  }
+
+  void core_edge() {
+    local_.before(*model_);
+    model_->clk_i = 0;
+    eval(0);
+    local_.at(*model_);
+    model_->clk_i = 1;
+    eval(0);
+    local_.after(*model_);
+  }
+
+  void pci_edge() {
+    ++counters_.clocks;
+    if (!evaluate_all_ && !model_->rst_i && model_->idle_o && host_.idle()) {
+      ++counters_.skipped;
+      monitor_.idle_clock();
+      return;
+    }
+    const Wires w = wires_;
+    if (!model_->rst_i) {
+      monitor_.clock(host_.drive(), card_, w, host_.grant(), host_.grant_card(), host_.spoilt());
+      counters_.busy += !w.idle();
+      counters_.data += w.asserted(kIrdy) && w.asserted(kTrdy);
+      host_.clock(w, card_.request);
+      if (w.inta != interrupt_) see_interrupt(w.inta);
+    }
+    model_->clk_pci_i = 1;
+    eval(0);
+    settle();
+  }
+
+  void see_interrupt(bool on) {
+    uint32_t unused = 0;
+    interrupt_ = on;
+    interrupt_lost_ = on && host_.faults().take(CDE_PCI_FAULT_LOST_INTERRUPT, unused);
+  }
+
+  /// What the card drives now, and the wires and grants it sees at the next edge.
+  void settle() {
+    card_ = read_drive();
+    wires_ = resolve(host_.drive(), card_);
+    const auto high = [this](Signal s) { return (wires_.high & s) != 0; };
+    model_->pci_ad_i = wires_.ad;
+    model_->pci_cbe_n_i = wires_.cbe;
+    model_->pci_par_i = high(kPar);
+    model_->pci_par64_i = high(kPar64);
+    model_->pci_frame_n_i = high(kFrame);
+    model_->pci_req64_n_i = high(kReq64);
+    model_->pci_irdy_n_i = high(kIrdy);
+    model_->pci_trdy_n_i = high(kTrdy);
+    model_->pci_stop_n_i = high(kStop);
+    model_->pci_devsel_n_i = high(kDevsel);
+    model_->pci_ack64_n_i = high(kAck64);
+    model_->pci_perr_n_i = high(kPerr);
+    model_->pci_idsel_i = host_.idsel();
+    model_->pci_gnt_n_i = !host_.grant_card();
+    model_->clk_pci_i = 0;
+    eval(options_.pci_period_ps / 2);
+  }
+
+  Drive read_drive() const {
+    Drive d;
+    const Vmodel& m = *model_;
+    const auto put = [&d](Signal s, bool enable, bool high) {
+      if (enable) d.enable |= s;
+      if (!high) d.high &= ~uint32_t{s};
+    };
+    d.ad = m.pci_ad_o;
+    d.cbe = m.pci_cbe_n_o;
+    put(kAd, m.pci_ad_oe, true);
+    put(kAd64, m.pci_ad64_oe, true);
+    put(kCbe, m.pci_cbe_oe, true);
+    put(kPar, m.pci_par_oe, m.pci_par_o);
+    put(kPar64, m.pci_par64_oe, m.pci_par64_o);
+    put(kFrame, m.pci_frame_oe, m.pci_frame_n_o);
+    put(kReq64, m.pci_req64_oe, m.pci_req64_n_o);
+    put(kIrdy, m.pci_irdy_oe, m.pci_irdy_n_o);
+    put(kTrdy, m.pci_trdy_oe, m.pci_trdy_n_o);
+    put(kStop, m.pci_stop_oe, m.pci_stop_n_o);
+    put(kDevsel, m.pci_devsel_oe, m.pci_devsel_n_o);
+    put(kAck64, m.pci_ack64_oe, m.pci_ack64_n_o);
+    put(kPerr, m.pci_perr_oe, m.pci_perr_n_o);
+    d.request = !m.pci_req_n_o;
+    d.serr = m.pci_serr_oe;
+    d.inta = m.pci_inta_oe;
+    return d;
+  }
+
+  void eval([[maybe_unused]] uint32_t after_ps) {
+    model_->eval();
+#ifdef CDE_TRACE
+    if (trace_ && trace_->isOpen()) trace_->dump(now_ + after_ps);
+#endif
+  }
+
+  const cde_pci_options options_;
+  const char* kind_;
+  std::unique_ptr<VerilatedContext> context_;
+  std::unique_ptr<Vmodel> model_;
+#ifdef CDE_TRACE
+  std::unique_ptr<VerilatedFstC> trace_;
+#endif
+  Local local_;
+  Host host_;
+  Monitor monitor_;
+  Drive card_;
+  Wires wires_;
+  cde_pci_counters counters_{};
+  uint64_t now_ = 0, next_pci_, next_core_;
+  uint32_t base_ = 0;
+  bool interrupt_ = false, interrupt_lost_ = false, evaluate_all_ = false;
+};
+
+}  // namespace pci

@@ -1,0 +1,29 @@
+#pragma once
+#include <sys/mman.h>
+
+#include <cstdint>
+#include <new>
+
+/// Anonymous memory that the operating system backs page by page as it is written: a 2 GB module
+/// costs what it holds.
+class SparseMemory {
+ public:
+  explicit SparseMemory(uint64_t bytes) : bytes_(bytes) {
+    void* p = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
+                   MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (p == MAP_FAILED) throw std::bad_alloc();
+    data_ = static_cast<uint8_t*>(p);
+  }
+  SparseMemory(const SparseMemory&) = delete;
+  SparseMemory& operator=(const SparseMemory&) = delete;
+  ~SparseMemory() { munmap(data_, bytes_); }
+  /// Null if that is not all inside.
+  uint8_t* at(uint64_t byte, uint64_t size) {
+    return byte + size <= bytes_ ? data_ + byte : nullptr;
+  }
+  [[nodiscard]] uint64_t bytes() const { return bytes_; }
+
+ private:
+  uint64_t bytes_;
+  uint8_t* data_;
+};
