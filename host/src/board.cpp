@@ -97,16 +97,29 @@ Board Board::open(const BoardConfig& config, const OpenOptions& options) {
     throw Error(ErrorCode::kUsage, fmt::format("ddr_latency is {}; it must be 1 to 10000 clocks",
                                                options.ddr_latency));
   }
+  if (options.bus_burst < 64 || options.bus_burst > 4096 || options.bus_burst % 8 != 0) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("bus_burst is {}; it must be 64 to 4096 bytes, a multiple of 8",
+                            options.bus_burst));
+  }
+  if (options.clock_period_ps < 100 || options.clock_period_ps > 1'000'000) {
+    throw Error(ErrorCode::kUsage, fmt::format("clock_period_ps is {}; it must be 100 to 1000000",
+                                               options.clock_period_ps));
+  }
   const std::vector<std::string> parameters = config.parameters();
   Bitstream bitstream =
       options.file ? Bitstream::load(*options.file, options.config_hash
                                                         ? *options.config_hash
-                                                        : bitstream_hash("board", parameters))
-                   : Bitstream::open("board", parameters);
+                                                        : bitstream_hash(config.top(), parameters))
+                   : Bitstream::open(config.top(), parameters);
   const std::uint64_t expected = options.config_hash.value_or(bitstream.config_hash());
   const std::string file = bitstream.path().string();
 
-  auto impl = std::make_unique<Impl>(local_link(std::move(bitstream), options), file);
+  auto impl =
+      std::make_unique<Impl>(config.bus == Bus::kCycle ? pci_link(std::move(bitstream), options)
+                                                       : local_link(std::move(bitstream), options),
+                             file);
+  impl->pass_retry_limit = options.bus_retries;
   impl->ddr_latency = options.ddr_latency;
   check_identity(*impl, config, expected, file);
   return Board(std::move(impl));
@@ -259,6 +272,17 @@ std::uint64_t Board::wait(std::uint64_t max_clocks) {
 }
 std::uint64_t Board::clocks() const {
   return impl_->clocks();
+}
+std::uint64_t Board::time_ps() const {
+  return impl_->link->time_ps();
+}
+BusCounters Board::bus_counters() const {
+  BusCounters c = impl_->link->counters();
+  c.pass_retries = impl_->pass_retries;
+  return c;
+}
+void Board::inject(BusFault fault, std::uint32_t count, std::uint32_t value) {
+  impl_->link->inject(fault, count, value);
 }
 void Board::flip_ddr(std::uint64_t byte, std::uint8_t mask) {
   impl_->link->flip_ddr(byte, mask);

@@ -34,7 +34,8 @@ class Board::Impl {
   std::vector<Pair> pairs;
   bool can_swap = false, has_normals = false, parallel = false;
   unsigned slot_words = 0;  ///< of a primary
-  std::uint64_t upload_clocks = 0, load_clocks = 0;
+  std::uint64_t upload_clocks = 0, load_clocks = 0, pass_retries = 0;
+  unsigned pass_retry_limit = 0;
 };
 
 }  // namespace cde

@@ -300,7 +300,25 @@ Query complete(const Board::Impl& card, const Query& query) {
 
 Counters Board::run(const Query& query, const RecordSink& sink) {
   const Query whole = complete(*impl_, query);
-  return Pass(*impl_, whole, sink).execute();
+  // A pass gives the same records every time: if some are lost on the bus it is run again, and
+  // those that `sink` has are left out.
+  std::uint64_t delivered = 0;
+  for (unsigned failures = 0;;) {
+    std::uint64_t known = delivered;
+    const RecordSink rest = [&](std::span<const Record> some) {
+      const std::uint64_t skipped = std::min<std::uint64_t>(known, some.size());
+      known -= skipped;
+      delivered += some.size() - skipped;
+      if (skipped < some.size()) sink(some.subspan(skipped));
+    };
+    try {
+      return Pass(*impl_, whole, rest).execute();
+    } catch (const Error& error) {
+      if (!error.fault() || !error.fault()->repeatable || ++failures > impl_->pass_retry_limit)
+        throw;
+      ++impl_->pass_retries;
+    }
+  }
 }
 
 std::vector<Record> Board::run(const Query& query, Counters* counters) {

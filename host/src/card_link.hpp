@@ -26,7 +26,13 @@ class CardLink {
   virtual std::uint64_t run(std::uint64_t max_clocks) = 0;
   [[nodiscard]] virtual bool interrupt() = 0;
   [[nodiscard]] virtual std::uint64_t clocks() const = 0;
+  /// Modelled time since power-on, of bus and core.
+  [[nodiscard]] virtual std::uint64_t time_ps() const = 0;
+  [[nodiscard]] virtual BusCounters counters() const = 0;
+  /// Ends the state of a lost device, too.
   virtual void reset() = 0;
+  /// Error kUsage if this kind of bus has no faults.
+  virtual void inject(BusFault fault, std::uint32_t count, std::uint32_t value) = 0;
 
   /// Error kUsage if the bitstream has no waves, kFile if the file cannot be written.
   virtual void trace_open(const std::filesystem::path& file) = 0;
@@ -40,5 +46,12 @@ class CardLink {
 /// The local bus itself, driven by the harness: one beat a core clock. Errors: kConfiguration if
 /// the bitstream speaks another interface, kDevice if there is no memory for the card.
 [[nodiscard]] std::unique_ptr<CardLink> local_link(Bitstream bitstream, const OpenOptions& options);
+
+/// A card behind PCI: registers by single accesses, all else by the card's DMA engine through pages
+/// that this maps for it. Transfers that fail for a passing reason are repeated up to
+/// OpenOptions::bus_retries times in a row; what cannot be repeated without losing records (the
+/// record stream) and what goes on failing is an Error kDevice with a DeviceFault. When the card
+/// answers no more, every call throws until reset(). Errors of opening as local_link().
+[[nodiscard]] std::unique_ptr<CardLink> pci_link(Bitstream bitstream, const OpenOptions& options);
 
 }  // namespace cde

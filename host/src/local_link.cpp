@@ -13,7 +13,8 @@ constexpr std::uint64_t kAccessClocks = 1000;  // no single access takes this lo
 
 class LocalLink final : public CardLink {
  public:
-  LocalLink(Bitstream bitstream, const OpenOptions& options) : bitstream_(std::move(bitstream)) {
+  LocalLink(Bitstream bitstream, const OpenOptions& options)
+      : bitstream_(std::move(bitstream)), period_ps_(options.clock_period_ps) {
     api_ = reinterpret_cast<cde_board_entry_fn>(bitstream_.symbol("cde_board_entry"))();
     if (api_->abi != CDE_BOARD_ABI) {
       throw Error(ErrorCode::kConfiguration,
@@ -41,7 +42,13 @@ class LocalLink final : public CardLink {
   std::uint64_t run(std::uint64_t max_clocks) override { return api_->run(card_, max_clocks); }
   bool interrupt() override { return api_->interrupt(card_) != 0; }
   [[nodiscard]] std::uint64_t clocks() const override { return api_->clocks(card_); }
+  [[nodiscard]] std::uint64_t time_ps() const override { return clocks() * period_ps_; }
+  [[nodiscard]] BusCounters counters() const override { return counters_; }
   void reset() override { api_->reset(card_); }
+  void inject(BusFault, std::uint32_t, std::uint32_t) override {
+    throw Error(ErrorCode::kUsage,
+                "the functional bus has no faults; open the board with Bus::kCycle");
+  }
 
   void trace_open(const std::filesystem::path& file) override {
     if (std::strstr(api_->parameters, "TRACE=1") == nullptr) {
@@ -67,6 +74,8 @@ class LocalLink final : public CardLink {
   }
 
   Bitstream bitstream_;
+  std::uint32_t period_ps_;
+  BusCounters counters_;
   const cde_board_api* api_ = nullptr;
   void* card_ = nullptr;
 };

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cde/bus.hpp"
 #include "cde/pair.hpp"
 
 namespace cde {
@@ -15,7 +16,7 @@ enum class Arithmetic {
   kRtl,   ///< the gates of rtl/fp
 };
 
-/// One elaborated configuration of rtl/board.sv.
+/// One elaborated configuration of rtl/board.sv, or of rtl/card.sv around it.
 struct BoardConfig {
   unsigned lanes = 16;  ///< pairs a clock: a power of two, 1 to 256
   Arithmetic arithmetic = Arithmetic::kHost;
@@ -32,11 +33,14 @@ struct BoardConfig {
   unsigned ddr_slots =
       55'555'555;  ///< DDR in triangles (36 bytes); the default is two 1 GB modules
   unsigned sram_records = 524'288;  ///< ring of records, a power of two; seven 2 MB chips
+  Bus bus = Bus::kFunctional;       ///< kCycle: the card with its PCI bridge
   bool trace = false;               ///< waves can be written (and everything runs slower)
 
   /// NAME=VALUE for the builder, without what the RTL has as default. Error kUsage if a value is
   /// out of range, naming it.
   [[nodiscard]] std::vector<std::string> parameters() const;
+  /// Top module: "board", or "card" with its PCI bridge.
+  [[nodiscard]] const char* top() const { return bus == Bus::kCycle ? "card" : "board"; }
 };
 
 /// A loaded bitstream: one elaborated configuration as a shared library. Copies share the library.

@@ -11,6 +11,7 @@
 
 #include "cde/bitstream.hpp"
 #include "cde/card.hpp"
+#include "cde/host_profile.hpp"
 #include "cde/mesh.hpp"
 #include "cde/pair.hpp"
 #include "cde/primitives.hpp"
@@ -125,7 +126,11 @@ struct OpenOptions {
   std::optional<std::uint64_t> config_hash =
       {};  ///< that its card must show; with `file` by default what the search would ask for
   std::uint32_t ddr_latency = 20;          ///< clocks from request to data, 1 to 10000
-  std::uint32_t clock_period_ps = 10'000;  ///< time axis of waves only
+  std::uint32_t clock_period_ps = 10'000;  ///< of the core clock
+  HostProfile host = kHostProfiles[0];     ///< "ideal"; the bus's part of modelled times
+  std::uint32_t bus_burst = 4096;          ///< bytes of a DMA burst, 64 to 4096, a multiple of 8
+  unsigned bus_retries = 4;                ///< of a failed transfer, access or pass, in a row
+  bool narrow_bus = false;                 ///< Bus::kCycle: the host has a 32-bit bus
 };
 
 /// Driver of one simulated card: the paper's Algorithm 1. Independent boards may live in different
@@ -190,8 +195,16 @@ class Board {
   Counters cast(std::span<const Ray> rays, const Query& query, const RecordSink& sink);
   [[nodiscard]] std::vector<Record> cast(std::span<const Ray> rays, const Query& query = {});
 
-  /// Hardware reset: registers and rays are lost, triangles in DDR stay.
+  /// Hardware reset: registers and rays are lost, triangles in DDR stay. The only way on when the
+  /// device is lost.
   void reset();
+
+  /// Modelled time since power-on in picoseconds: core clocks, and what the bus takes.
+  [[nodiscard]] std::uint64_t time_ps() const;
+  [[nodiscard]] BusCounters bus_counters() const;
+  /// The next `count` transactions of the card (or interrupts) get this fault; `value` as BusFault
+  /// says. Error kUsage unless BoardConfig::bus is Bus::kCycle.
+  void inject(BusFault fault, std::uint32_t count = 1, std::uint32_t value = 1);
 
   /// Waves of everything from now on; BoardConfig::trace must be set. Error kUsage without it,
   /// kFile if the file cannot be written.

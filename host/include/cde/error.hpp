@@ -1,6 +1,9 @@
 #pragma once
+#include <optional>
 #include <stdexcept>
 #include <string>
+
+#include "cde/bus.hpp"
 
 namespace cde {
 
@@ -22,11 +25,16 @@ enum class ErrorCode {
 /// concerned.
 class Error : public std::runtime_error {
  public:
-  Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+  Error(ErrorCode code, const std::string& message,
+        const std::optional<DeviceFault>& fault = std::nullopt)
+      : std::runtime_error(message), code_(code), fault_(fault) {}
   [[nodiscard]] ErrorCode code() const noexcept { return code_; }
+  /// Of kDevice and kTimeout, where the bus had a part in it.
+  [[nodiscard]] const std::optional<DeviceFault>& fault() const noexcept { return fault_; }
 
  private:
   ErrorCode code_;
+  std::optional<DeviceFault> fault_;
 };
 
 /// Process exit status for an error: 2 usage or file or input, 3 mismatch with the reference, 4

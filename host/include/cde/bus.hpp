@@ -1,0 +1,50 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+namespace cde {
+
+/// How the way between host and card is simulated. Records are the same.
+enum class Bus {
+  kFunctional,  ///< transfers are beats on the card's local bus; their modelled time is computed
+  kCycle,       ///< PCI signals clock by clock, and the card's DMA engine (docs/pci.md)
+};
+
+/// What a host can do to the transactions of a card, for tests (Board::inject; Bus::kCycle).
+enum class BusFault : std::uint32_t {
+  kRetry = 0,            ///< retried
+  kSlow = 1,             ///< `value` wait states before every data phase
+  kDisconnect = 2,       ///< disconnected with data at data phase `value`, from 1
+  kDisconnectEmpty = 3,  ///< disconnected without data after `value` data phases, at least 1
+  kParity = 4,           ///< wrong parity in data phase `value`, from 1
+  kTargetAbort = 5,      ///< aborted after `value` data phases
+  kMasterAbort = 6,      ///< not answered
+  kLostInterrupt = 7,    ///< an interrupt is not seen
+  kGrant = 8,            ///< the grant is taken away `value` clocks after FRAME#
+};
+
+/// What happened on the way to the card since it was opened.
+struct BusCounters {
+  std::uint64_t register_accesses = 0;
+  std::uint64_t transfers = 0;      ///< DMA descriptors served
+  std::uint64_t bytes_to_card = 0;  ///< by DMA, retries not counted
+  std::uint64_t bytes_to_host = 0;
+  std::uint64_t transfer_retries = 0;  ///< descriptors, or their rest, given to the card again
+  std::uint64_t access_retries = 0;    ///< register accesses repeated after a parity error
+  std::uint64_t pass_retries = 0;      ///< passes run again because records were lost on their way
+  std::uint64_t lost_interrupts = 0;   ///< found by polling
+  std::uint64_t pci_clocks = 0;        ///< Bus::kCycle: since power-on; of them ...
+  std::uint64_t pci_busy = 0;          ///< ... with a transaction on the bus,
+  std::uint64_t pci_data = 0;          ///< ... in which data moved
+};
+
+/// What the driver knew when an access to the device failed; part of Error.
+struct DeviceFault {
+  std::uint32_t code = 0;        ///< pci::Code of the DMA engine, 0 for register accesses
+  std::uint16_t pci_status = 0;  ///< status register of the card's configuration space
+  std::uint32_t address = 0;     ///< mapped or bus address of a transfer, else offset in BAR0
+  std::uint64_t clock = 0;       ///< core clocks since power-on
+  bool repeatable = false;       ///< the card is well: the pass can be run again
+};
+
+}  // namespace cde
