@@ -199,7 +199,8 @@ Result BusCard::wait(double microseconds) {
     api_->run(handle_, std::min<std::uint64_t>(end - now, 2'000'000), 1);
     if (api_->interrupt(handle_) != 0) {
       write(pci::kRegIrqStatus, 1u << pci::kIrqCompletion);
-      over = halted() && status_where() != pci::kWhereData;  // but for a record that is there already
+      over =
+          halted() && status_where() != pci::kWhereData;  // but for a record that is there already
       if (halted()) write(pci::kRegIrqStatus, 1u << pci::kIrqHalted);
     }
   }
