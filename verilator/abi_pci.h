@@ -109,8 +109,9 @@ typedef struct cde_pci_api {
   uint32_t (*frame)(void* host, uint32_t page); /* of the n-th page; all ones beyond memory */
   void* (*memory)(void* host, uint32_t frame);  /* NULL where there is none */
 
-  /* Runs for at most max_ps or until INTA# is seen; returns the picoseconds that passed. */
-  uint64_t (*run)(void* host, uint64_t max_ps);
+  /* Runs for max_ps, or `until_interrupt` until INTA# is seen if that is earlier; returns the
+     picoseconds that passed. */
+  uint64_t (*run)(void* host, uint64_t max_ps, int until_interrupt);
   int (*interrupt)(void* host);
   uint64_t (*time_ps)(void* host); /* since creation */
   void (*counters)(void* host, cde_pci_counters* counters);

@@ -4,16 +4,17 @@
 #include <map>
 #include <stdexcept>
 
+#include "cde/host_profile.hpp"
+
 namespace cde::testing {
 
 cde_pci_profile profile(const std::string& name) {
-  if (name == "ideal")
-    return {.arbitration = 0, .read_latency = 3, .write_latency = 2, .wait_every = 0, .waits = 0};
-  if (name == "good")
-    return {.arbitration = 2, .read_latency = 16, .write_latency = 4, .wait_every = 0, .waits = 0};
-  if (name == "p64-2001")
-    return {.arbitration = 2, .read_latency = 77, .write_latency = 36, .wait_every = 0, .waits = 0};
-  throw std::invalid_argument("no profile " + name);
+  const HostProfile p = host_profile(name).value();
+  return {.arbitration = p.arbitration,
+          .read_latency = p.read_latency,
+          .write_latency = p.write_latency,
+          .wait_every = 0,
+          .waits = 0};
 }
 
 namespace {
@@ -180,7 +181,7 @@ void BusCard::submit(const pci::Descriptor& d) {
 
 Result BusCard::wait(double microseconds) {
   const std::uint64_t end = api_->time_ps(handle_) + static_cast<std::uint64_t>(microseconds * 1e6);
-  for (;;) {
+  for (bool over = false;;) {
     pci::Completion c;
     const auto raw = get(kCompletionPage * 4096 + next_ * pci::kCompletionBytes, sizeof c);
     std::memcpy(&c, raw.data(), sizeof c);
@@ -194,12 +195,12 @@ Result BusCard::wait(double microseconds) {
               .pci_status = static_cast<std::uint16_t>(c.state >> pci::kCompletionPci)};
     }
     const std::uint64_t now = api_->time_ps(handle_);
-    if (now >= end) return {.code = ~0u};
-    api_->run(handle_, std::min<std::uint64_t>(end - now, 2'000'000));
+    if (now >= end || over) return {.code = ~0u};
+    api_->run(handle_, std::min<std::uint64_t>(end - now, 2'000'000), 1);
     if (api_->interrupt(handle_) != 0) {
       write(pci::kRegIrqStatus, 1u << pci::kIrqCompletion);
-      if (halted() && (read(pci::kRegStatus) >> pci::kStatusWhere & 0xFF) != pci::kWhereData)
-        return {.code = ~0u};
+      over =
+          halted() && status_where() != pci::kWhereData;  // but for a record that is there already
       if (halted()) write(pci::kRegIrqStatus, 1u << pci::kIrqHalted);
     }
   }

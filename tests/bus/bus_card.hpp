@@ -64,6 +64,8 @@ class BusCard {
   std::uint32_t read32(std::uint32_t offset) const;
   void write32(std::uint32_t offset, std::uint32_t value) const;
   int transact(cde_pci_transaction& t) const { return api_->transact(handle_, &t); }
+  /// Time goes by, interrupts or not.
+  void pass(std::uint64_t ps) const { api_->run(handle_, ps, 0); }
   cde_pci_counters counters() const;
   void fault(std::uint32_t kind, std::uint32_t count, std::uint32_t value = 0) const;
 

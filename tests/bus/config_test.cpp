@@ -111,7 +111,7 @@ TEST(PciBar, DelayedRead) {
     EXPECT_EQ(card.transact(t), CDE_PCI_OK);
     EXPECT_EQ(t.done, 0u);
     EXPECT_EQ(t.stopped, 1u) << "the first attempt is retried";
-    card.api().run(card.handle(), 1'000'000);
+    card.pass(1'000'000);
     EXPECT_EQ(card.transact(t), CDE_PCI_OK);
     EXPECT_EQ(t.done, 2u);
     EXPECT_EQ(t.took_wide, 1u);
@@ -127,10 +127,10 @@ TEST(PciBar, ReadNobodyFetchesIsDropped) {
   cde_pci_transaction t = wide(kMemoryRead, BusCard::kBar + pci::kRegIrqMask);
   EXPECT_EQ(card.transact(t), CDE_PCI_OK);
   cde_pci_transaction other = wide(kMemoryRead, BusCard::kBar + pci::kRegBurst);
-  card.api().run(card.handle(), 32000ull * 15'000);
+  card.pass(32000ull * 15'000);
   EXPECT_EQ(card.transact(other), CDE_PCI_OK);
   EXPECT_EQ(other.done, 0u) << "the place is taken";
-  card.api().run(card.handle(), 1000ull * 15'000);
+  card.pass(1000ull * 15'000);
   EXPECT_EQ(card.transact(other), CDE_PCI_OK);
   EXPECT_EQ(card.read(pci::kRegBurst), 4096u);
 }

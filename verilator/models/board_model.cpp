@@ -1,15 +1,12 @@
 // Harness of the `board` top module: clock, DDR and SRAM models, local-bus master, waves. Exports
 // the C interface of abi.h.
-#include <sys/mman.h>
-
-#include <array>
 #include <cstring>
 #include <memory>
 #include <new>
-#include <vector>
 
 #include "Vmodel.h"
 #include "abi.h"
+#include "chips.h"
 #include "coverage.h"
 #include "verilated.h"
 #ifdef CDE_TRACE
@@ -19,31 +16,6 @@
 namespace {
 
 constexpr unsigned kSpaceSram = 3;
-constexpr uint64_t kDdrBytes = 2'000'000'000;
-constexpr uint64_t kSramBytes = 7 * 2097152;
-
-/// Anonymous memory that the operating system backs page by page as it is written: a 2 GB module
-/// costs what it holds.
-class SparseMemory {
- public:
-  explicit SparseMemory(uint64_t bytes) : bytes_(bytes) {
-    void* p = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
-                   MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    if (p == MAP_FAILED) throw std::bad_alloc();
-    data_ = static_cast<uint8_t*>(p);
-  }
-  SparseMemory(const SparseMemory&) = delete;
-  SparseMemory& operator=(const SparseMemory&) = delete;
-  ~SparseMemory() { munmap(data_, bytes_); }
-  uint8_t* at(uint64_t byte, uint64_t size) {
-    return byte + size <= bytes_ ? data_ + byte : nullptr;
-  }
-
- private:
-  uint64_t bytes_;
-  uint8_t* data_;
-};
-
 /// One card: the Verilated board, its clock and the chips around it.
 class Card {
  public:
@@ -51,9 +23,7 @@ class Card {
       : options_(o),
         context_(new VerilatedContext),
         model_(new Vmodel(context_.get(), "board")),
-        ddr_(kDdrBytes + 64),
-        sram_(kSramBytes * (sizeof(model_->sram_write_data_o) / 28)),
-        pending_(options_.ddr_latency, kNone) {
+        chips_(options_.ddr_latency) {
     reset();
   }
   ~Card() {
@@ -66,7 +36,7 @@ class Card {
 
   void reset() {
     model_->rst_i = 1;
-    std::fill(pending_.begin(), pending_.end(), kNone);
+    chips_.reset();
     for (int i = 0; i < 4; ++i) tick();
     model_->rst_i = 0;
     tick();
@@ -131,39 +101,20 @@ class Card {
   }
 
   void ddr_flip(uint64_t byte, uint8_t mask) {
-    if (uint8_t* p = ddr_.at(byte, 1)) *p ^= mask;
+    if (uint8_t* p = chips_.ddr().at(byte, 1)) *p ^= mask;
   }
 
  private:
-  static constexpr uint64_t kNone = ~0ull;
-
   /// One clock. Inputs were set by the caller; returns whether the bus beat on offer was taken.
   bool tick() {
-    // What the memories answer this clock was asked for earlier.
-    uint64_t& slot = pending_[clocks_ % pending_.size()];
-    model_->ddr_valid_i = slot != kNone;
-    if (slot != kNone) {
-      if (const uint8_t* p =
-              ddr_.at(slot * (sizeof(model_->ddr_data_i) / 9), sizeof(model_->ddr_data_i)))
-        std::memcpy(&model_->ddr_data_i, p, sizeof(model_->ddr_data_i));
-      slot = kNone;
-    }
+    chips_.before(*model_);
     model_->clk_i = 0;
     eval();
     const bool taken = model_->bus_valid_i && model_->bus_ready_o;
-    if (model_->ddr_read_o) slot = model_->ddr_read_word_o;
-    if (model_->ddr_write_o)
-      if (uint8_t* p = ddr_.at(model_->ddr_write_addr_o, 8))
-        std::memcpy(p, &model_->ddr_write_data_o, 8);
-    if (model_->sram_write_o) {
-      if (uint8_t* p = sram_.at(model_->sram_write_addr_o * kRecord, kRecord))
-        std::memcpy(p, &model_->sram_write_data_o, kRecord);
-    }
-    const uint8_t* fetched =
-        model_->sram_read_o ? sram_.at(model_->sram_read_addr_o * kRecord, kRecord) : nullptr;
+    chips_.at(*model_);
     model_->clk_i = 1;
     eval();
-    if (fetched) std::memcpy(&model_->sram_read_data_i, fetched, kRecord);
+    chips_.after(*model_);
     ++clocks_;
     return taken;
   }
@@ -177,15 +128,13 @@ class Card {
 #endif
   }
 
-  static constexpr uint64_t kRecord = sizeof(Vmodel::sram_write_data_o);
   cde_board_options options_;
   std::unique_ptr<VerilatedContext> context_;
   std::unique_ptr<Vmodel> model_;
 #ifdef CDE_TRACE
   std::unique_ptr<VerilatedFstC> trace_;
 #endif
-  SparseMemory ddr_, sram_;
-  std::vector<uint64_t> pending_;
+  Chips chips_;
   uint64_t clocks_ = 0;
 };
 

@@ -52,7 +52,7 @@ struct Api {
         [](void* p, cde_pci_transaction* t) { return card(p).transact(*t); },
         [](void* p, uint32_t page) { return card(p).host().memory().frame(page); },
         [](void* p, uint32_t frame) -> void* { return card(p).host().memory().page(frame); },
-        [](void* p, uint64_t max_ps) { return card(p).run(max_ps); },
+        [](void* p, uint64_t max_ps, int until) { return card(p).run(max_ps, until != 0); },
         [](void* p) { return static_cast<int>(card(p).interrupt()); },
         [](void* p) { return card(p).time_ps(); },
         [](void* p, cde_pci_counters* c) { *c = card(p).counters(); },

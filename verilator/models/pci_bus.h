@@ -95,11 +95,12 @@ class Bus {
     return access(command, base_ + offset, data, bytes / 4);
   }
 
-  uint64_t run(uint64_t max_ps) {
+  uint64_t run(uint64_t max_ps, bool until_interrupt) {
     const uint64_t start = now_;
     const uint64_t end = now_ + max_ps;
-    while (!interrupt() && std::min(next_pci_, next_core_) <= end) step();
-    if (!interrupt()) now_ = std::max(now_, end);
+    const auto seen = [&] { return until_interrupt && interrupt(); };
+    while (!seen() && std::min(next_pci_, next_core_) <= end) step();
+    if (!seen()) now_ = end;
     return now_ - start;
   }
   [[nodiscard]] bool interrupt() const { return interrupt_ && !interrupt_lost_; }
@@ -171,7 +172,8 @@ class Bus {
 
   void pci_edge() {
     ++counters_.clocks;
-    if (!evaluate_all_ && !model_->rst_i && model_->idle_o && host_.idle()) {
+    if (!evaluate_all_ && !model_->rst_i && model_->idle_o && host_.idle() &&
+        wires_.inta == interrupt_) {
       ++counters_.skipped;
       monitor_.idle_clock();
       return;

@@ -1,0 +1,95 @@
+// What the bus gives: peak, the published figures that the profile of 2001 is fitted to, and a
+// table.
+#include <cstdio>
+
+#include "bus_card.hpp"
+#include "cde/host_profile.hpp"
+
+namespace cde::testing {
+namespace {
+
+constexpr double kPeak = 8 / 15e-9;  // bytes a second
+constexpr std::uint32_t kData = BusCard::kFirstFree * 4096;
+
+/// Seconds from the write of the tail to the interrupt.
+double seconds(BusCard& card, std::uint32_t bytes, bool to_host) {
+  card.stage(BusCard::descriptor(kData, bytes, card::kSpaceDdr, 0, to_host));
+  const std::uint64_t start = card.api().time_ps(card.handle());
+  card.publish();
+  card.api().run(card.handle(), 1'000'000'000'000, 1);
+  const std::uint64_t end = card.api().time_ps(card.handle());
+  EXPECT_EQ(card.wait().code, pci::kCodeOk);
+  card.write(pci::kRegIrqStatus, 1u << pci::kIrqCompletion);
+  return static_cast<double>(end - start) * 1e-12;
+}
+
+struct Link : BusCard {
+  Link(const std::string& profile, std::uint32_t burst)
+      : BusCard({.profile = profile, .core_period_ps = 5'000}) {
+    enumerate(0x146, 255);
+    map_range(0, kFirstFree + 1023);
+    start_ring(16, burst);
+  }
+  /// Bytes a second of the data alone: descriptor, record and accesses of the host cancel out.
+  double rate(bool to_host) {
+    const double less = seconds(*this, 16'384, to_host), more = seconds(*this, 212'992, to_host);
+    return (212'992 - 16'384) / (more - less);
+  }
+};
+
+TEST(PciBandwidth, IdealHostReachesNineTenthsOfThePeak) {
+  Link link("ideal", 4096);
+  EXPECT_GE(link.rate(false), 0.9 * kPeak);
+  EXPECT_GE(link.rate(true), 0.9 * kPeak);
+  EXPECT_GE(4'194'304 / seconds(link, 4'194'304, false), 0.9 * kPeak)
+      << "with descriptor and record";
+}
+
+/// Published: 147 MB/s with 256-byte read bursts, 315 MB/s with 512-byte write bursts.
+TEST(PciBandwidth, HostOf2001IsThePublishedOne) {
+  EXPECT_NEAR(Link("p64-2001", 256).rate(false), 147e6, 0.05 * 147e6);
+  EXPECT_NEAR(Link("p64-2001", 512).rate(true), 315e6, 0.05 * 315e6);
+}
+
+TEST(PciBandwidth, Table) {
+  std::printf(
+      "MB/s of one transfer from the write of the tail to the interrupt, bursts of 4,096 bytes\n");
+  std::printf("%10s", "bytes");
+  for (const HostProfile& p : kHostProfiles)
+    std::printf("  %*s read   write", static_cast<int>(p.name.size()), std::string(p.name).c_str());
+  std::printf("\n");
+  std::vector<std::unique_ptr<Link>> links;
+  for (const HostProfile& p : kHostProfiles)
+    links.push_back(std::make_unique<Link>(std::string(p.name), 4096));
+  std::vector<double> before(links.size());
+  for (std::uint32_t bytes = 64; bytes <= 4'194'304; bytes *= 4) {
+    std::printf("%10u", bytes);
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      const double read = bytes / seconds(*links[i], bytes, false),
+                   write = bytes / seconds(*links[i], bytes, true);
+      std::printf("  %*s%5.1f  %5.1f ", static_cast<int>(kHostProfiles[i].name.size()), "",
+                  read * 1e-6, write * 1e-6);
+      EXPECT_GT(read, before[i]) << "larger transfers are not slower";
+      EXPECT_LT(std::max(read, write), kPeak);
+      before[i] = read;
+    }
+    std::printf("\n");
+  }
+}
+
+/// The card's own clocks in a burst, beside those of the host: what docs/pci.md says.
+TEST(PciBandwidth, OverheadOfABurst) {
+  for (const HostProfile& p : kHostProfiles)
+    for (const bool to_host : {false, true}) {
+      Link link(std::string(p.name), 512);
+      const double clocks = 512 / link.rate(to_host) / 15e-9 - 64;
+      const double own = clocks - (to_host ? p.write_latency : p.read_latency);
+      std::printf("%s, %s: %.1f clocks a burst beside its data, %.1f of them the card's\n",
+                  std::string(p.name).c_str(), to_host ? "write" : "read", clocks, own);
+      // And three a page, of which this burst is an eighth, for looking it up.
+      EXPECT_NEAR(own - 3.0 / 8, to_host ? 9 : 8, 0.05);
+    }
+}
+
+}  // namespace
+}  // namespace cde::testing

@@ -1,0 +1,145 @@
+// The whole card over PCI: what the driver of the functional bus gets, bit for bit and clock for
+// clock.
+#include <cstring>
+
+#include "../board/cases.hpp"
+#include "bus_card.hpp"
+
+namespace cde::testing {
+namespace {
+
+BoardConfig small() {
+  return {.lanes = 4,
+          .latency_add = 2,
+          .latency_mul = 3,
+          .latency_div = 9,
+          .latency_compare = 2,
+          .ddr_slots = 1000,
+          .sram_records = 64};
+}
+
+template <class P>
+std::vector<std::uint8_t> words_of(const std::vector<P>& shapes) {
+  std::vector<float> words(shapes.size() * P::kWords);
+  for (std::size_t i = 0; i < shapes.size(); ++i)
+    to_words(shapes[i], std::span<float, P::kWords>(&words[i * P::kWords], P::kWords));
+  if (words.size() % 2 != 0) words.push_back(0);
+  std::vector<std::uint8_t> bytes(4 * words.size());
+  std::memcpy(bytes.data(), words.data(), bytes.size());
+  return bytes;
+}
+
+struct PciCard : BusCard {
+  static constexpr std::uint32_t kTriangles = 2 * 4096, kRays = 32 * 4096, kRecords = 40 * 4096;
+
+  explicit PciCard(const std::string& profile)
+      : BusCard({.kind = "card", .parameters = small().parameters(), .profile = profile}) {
+    enumerate();
+    map_range(0, 63);
+    start_ring();
+  }
+  void load(const Scene& scene) {
+    const auto triangles = words_of(scene.triangles), rays = words_of(scene.rays);
+    put(kTriangles, triangles);
+    put(kRays, rays);
+    stage(descriptor(kTriangles, static_cast<std::uint32_t>(triangles.size()), card::kSpaceDdr, 0,
+                     false, false));
+    stage(descriptor(kRays, static_cast<std::uint32_t>(rays.size()), card::kSpacePrim, 0, false));
+    publish();
+    ASSERT_EQ(wait().code, pci::kCodeOk);
+    ASSERT_EQ(wait().code, pci::kCodeOk);
+    write(card::kRegPrimCount, scene.rays.size());
+    write(card::kRegSecCount, scene.triangles.size());
+  }
+  /// Records of a pass, fetched by DMA whenever the card asks.
+  std::vector<Record> cast(Mode mode) {
+    write(card::kRegCommand, static_cast<std::uint64_t>(mode));
+    write(pci::kRegIrqMask, 1u << pci::kIrqCard);
+    write(card::kRegControl, card::kControlGo);
+    std::vector<Record> records;
+    for (bool done = false; !done;) {
+      api().run(handle(), 1'000'000'000, 1);
+      EXPECT_EQ(read(pci::kRegIrqStatus) >> pci::kIrqCard & 1, 1u) << "the card is silent";
+      const std::uint64_t status = read(card::kRegStatus);
+      EXPECT_EQ(status & (1u << card::kStatusCommandError | 1u << card::kStatusBusError), 0u);
+      done = (status >> card::kStatusDone & 1) != 0;
+      const auto waiting = static_cast<std::uint32_t>(read(card::kRegRecords));
+      if (waiting == 0) continue;
+      EXPECT_EQ(transfer(kRecords, 32 * waiting, card::kSpaceSram, 0, true).code, pci::kCodeOk);
+      take(waiting, records);
+    }
+    write(card::kRegControl, card::kControlClear);
+    return records;
+  }
+
+ private:
+  void take(std::uint32_t count, std::vector<Record>& records) const {
+    const auto raw = get(kRecords, 32 * count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      std::uint32_t w[8];
+      std::memcpy(w, &raw[32 * i], 32);
+      Record r;
+      for (unsigned k = 0; k < 3; ++k) r.cp[k] = std::bit_cast<float>(w[card::kRecordCp + k]);
+      r.f = (w[card::kRecordFlags] >> card::kFlagF & 1) != 0;
+      r.bad = (w[card::kRecordFlags] >> card::kFlagBad & 1) != 0;
+      r.index = w[card::kRecordIndex];
+      r.t = std::bit_cast<float>(w[card::kRecordT]);
+      r.primary = w[card::kRecordPrimary];
+      records.push_back(r);
+    }
+  }
+};
+
+TEST(PciCardTest, ShowsWhatItIs) {
+  PciCard card("ideal");
+  EXPECT_EQ(card.read(card::kRegId), std::uint64_t{card::kIdMagic} << 32 | card::kInterfaceVersion);
+  EXPECT_EQ(card.read(card::kRegConfigHash), card.api().config_hash);
+  EXPECT_EQ(card.read(card::kRegConfigHash), bitstream_hash("card", small().parameters()));
+  EXPECT_EQ(card.read(card::kRegCapacity), 36'000u);
+  EXPECT_EQ(card.api().container_bits, 32u);
+}
+
+TEST(PciCardTest, SameRecordsAndClocksAsTheFunctionalBus) {
+  Board board = Board::open(small());
+  for (const char* const profile : {"ideal", "p64-2001"}) {
+    PciCard card(profile);
+    Random random;
+    for (const Scene& scene :
+         {beam(random, 60, 700), cloud(random, 64, 300), beam(random, 33, 111)}) {
+      board.upload(scene.triangles);
+      board.load(scene.rays);
+      card.load(scene);
+      for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kHits}) {
+        SCOPED_TRACE(::testing::Message() << profile << ' ' << name_of(mode));
+        Counters counters;
+        const auto expected = board.run({.mode = mode}, &counters);
+        const auto got = card.cast(mode);
+        ASSERT_EQ(got.size(), expected.size());
+        unsigned hits = 0;
+        for (std::size_t i = 0; i < got.size(); ++i) {
+          ASSERT_TRUE(same_bits(got[i], expected[i])) << i;
+          hits += got[i].f;
+        }
+        EXPECT_GT(hits, 0u);
+        EXPECT_EQ(card.read(card::kRegRows), counters.rows);
+        if (mode != Mode::kHits) {
+          EXPECT_EQ(card.read(card::kRegCycles), counters.cycles);
+          EXPECT_EQ(card.read(card::kRegWriteback), counters.writeback);
+        }
+      }
+    }
+  }
+}
+
+/// What the board refuses of a DMA shows in its status, as on the functional bus.
+TEST(PciCardTest, TransferOutsideASpaceIsReported) {
+  PciCard card("ideal");
+  EXPECT_EQ(card.transfer(PciCard::kTriangles, 64, card::kSpaceDdr, 36'000 - 32, false).code,
+            pci::kCodeOk);
+  card.pass(1'000'000);
+  EXPECT_EQ(card.read(card::kRegStatus) >> card::kStatusBusError & 1, 1u);
+  EXPECT_EQ(card.read(card::kRegFaultAddr), std::uint64_t{card::kSpaceDdr} << 32 | 36'000);
+}
+
+}  // namespace
+}  // namespace cde::testing

@@ -1,0 +1,210 @@
+// What a host can do to the card in the middle of a transfer: each fault in both directions, 32 and
+// 64 bits. Those PCI recovers from must not show in the data; the others end in a record that says
+// how much was moved, and a halted ring.
+#include <algorithm>
+
+#include "bus_card.hpp"
+
+namespace cde::testing {
+namespace {
+
+struct Setting {
+  bool to_host, narrow;
+};
+std::string name_of(const ::testing::TestParamInfo<Setting>& info) {
+  return std::string(info.param.to_host ? "ToHost" : "ToCard") + (info.param.narrow ? "32" : "64");
+}
+
+class PciFault : public ::testing::TestWithParam<Setting> {
+ protected:
+  static constexpr std::uint32_t kData = BusCard::kFirstFree * 4096, kBytes = 10'000 / 8 * 8;
+
+  PciFault() : card({.narrow = GetParam().narrow}) {
+    card.enumerate();
+    card.map_range(0, 63);
+    card.start_ring(16, 512);
+    fresh();
+  }
+  void fresh() {
+    source = numbers.bytes(kBytes);
+    if (GetParam().to_host) {
+      std::copy(source.begin(), source.end(), card.local(card::kSpaceDdr).begin());
+      card.put(kData, std::vector<std::uint8_t>(kBytes, 0xCC));
+    } else {
+      card.put(kData, source);
+      std::ranges::fill(card.local(card::kSpaceDdr), 0xCC);
+    }
+  }
+  Result move() { return card.transfer(kData, kBytes, card::kSpaceDdr, 0, GetParam().to_host); }
+  std::vector<std::uint8_t> moved() {
+    card.pass(10'000'000);
+    const auto local = card.local(card::kSpaceDdr).first(kBytes);
+    return GetParam().to_host ? card.get(kData, kBytes)
+                              : std::vector<std::uint8_t>(local.begin(), local.end());
+  }
+  /// The descriptor's fetch is a transaction too: faults come after it.
+  template <class F>
+  void after_fetch(F&& fault) {
+    card.submit(BusCard::descriptor(kData, kBytes, card::kSpaceDdr, 0, GetParam().to_host));
+    const std::uint64_t read = card.counters().bytes_read;
+    while (card.counters().bytes_read < read + pci::kDescriptorBytes) card.pass(15'000);
+    fault();
+  }
+  void recovers() {
+    EXPECT_EQ(card.wait().code, pci::kCodeOk);
+    EXPECT_TRUE(moved() == source);
+    EXPECT_FALSE(card.halted());
+  }
+  /// `exact`: nothing beyond what the record says has been touched.
+  void fails(unsigned code, bool exact = true) {
+    const Result r = card.wait();
+    EXPECT_EQ(r.code, code);
+    ASSERT_LT(r.bytes, kBytes);
+    EXPECT_EQ(r.bytes % 8, 0u);
+    const auto got = moved();
+    EXPECT_TRUE(std::equal(source.begin(), source.begin() + r.bytes, got.begin()));
+    const std::uint32_t page =
+        card.api().frame(card.handle(), BusCard::kFirstFree + r.bytes / 4096);
+    EXPECT_EQ(r.fault & ~7u, (page << 12) + r.bytes % 4096) << "bus address of the fault";
+    if (exact) {
+      // A word whose first half has moved counts as not moved.
+      for (std::uint32_t i = r.bytes + 8; i < kBytes; ++i) ASSERT_EQ(got[i], 0xCC) << i;
+    }
+    EXPECT_TRUE(card.halted());
+    EXPECT_EQ(card.status_code(), code);
+    EXPECT_EQ(card.read(pci::kRegFaultAddr), r.fault);
+    card.clear();
+    card.write(pci::kRegControl, 1u << pci::kControlRun);
+    fresh();
+    EXPECT_EQ(move().code, pci::kCodeOk);
+    EXPECT_TRUE(moved() == source);
+  }
+
+  Numbers numbers{20240611};
+  BusCard card;
+  std::vector<std::uint8_t> source;
+};
+
+TEST_P(PciFault, Retries) {
+  card.fault(CDE_PCI_FAULT_RETRY, 25);
+  EXPECT_EQ(move().code, pci::kCodeOk);
+  EXPECT_TRUE(moved() == source);
+  EXPECT_EQ(card.read(pci::kRegRetries), 25u);
+}
+
+TEST_P(PciFault, RetryLimit) {
+  card.write(pci::kRegRetryLimit, 10);
+  after_fetch([&] { card.fault(CDE_PCI_FAULT_RETRY, 10); });
+  fails(pci::kCodeRetryLimit);
+  card.fault(CDE_PCI_FAULT_RETRY, 9);
+  EXPECT_EQ(move().code, pci::kCodeOk);
+}
+
+TEST_P(PciFault, SlowTarget) {
+  card.fault(CDE_PCI_FAULT_SLOW, 1000, 3);
+  EXPECT_EQ(move().code, pci::kCodeOk);
+  EXPECT_TRUE(moved() == source);
+  EXPECT_GT(card.read(pci::kRegWaits), 2u * kBytes / 8);
+}
+
+TEST_P(PciFault, Disconnects) {
+  for (const std::uint32_t kind : {CDE_PCI_FAULT_DISCONNECT, CDE_PCI_FAULT_DISCONNECT_EMPTY})
+    for (const std::uint32_t beat : {1u, 2u, 3u, 7u, 63u, 64u, 127u}) {
+      SCOPED_TRACE(::testing::Message() << kind << " at " << beat);
+      fresh();
+      card.fault(kind, 20, beat);
+      EXPECT_EQ(move().code, pci::kCodeOk);
+      EXPECT_TRUE(moved() == source);
+      card.fault(kind, 0);
+    }
+  EXPECT_GT(card.read(pci::kRegDisconnects), 100u);
+}
+
+TEST_P(PciFault, Parity) {
+  for (const std::uint32_t beat : {1u, 2u, 5u, 32u}) {
+    SCOPED_TRACE(beat);
+    fresh();
+    const std::uint64_t before = card.read(pci::kRegParityErrors);
+    after_fetch([&] { card.fault(CDE_PCI_FAULT_PARITY, 1, beat); });
+    fails(pci::kCodeParity, !GetParam().to_host);
+    EXPECT_EQ(card.config(4) >> 24 & 1, 1u) << "master data parity error";
+    EXPECT_EQ(card.config(4) >> 31, GetParam().to_host ? 0u : 1u)
+        << "detected by the card in a read";
+    EXPECT_EQ(card.read(pci::kRegParityErrors), before + (GetParam().to_host ? 0 : 1));
+    card.set_config(4, 0xFFFF0146);
+  }
+}
+
+TEST_P(PciFault, TargetAbort) {
+  for (const std::uint32_t beat : {0u, 1u, 8u, 31u}) {
+    SCOPED_TRACE(beat);
+    fresh();
+    after_fetch([&] { card.fault(CDE_PCI_FAULT_TARGET_ABORT, 1, beat); });
+    fails(pci::kCodeTargetAbort);
+    EXPECT_EQ(card.config(4) >> 28 & 1, 1u) << "received target abort";
+    card.set_config(4, 0xFFFF0146);
+  }
+  EXPECT_EQ(card.read(pci::kRegAborts), 4u);
+}
+
+TEST_P(PciFault, MasterAbort) {
+  after_fetch([&] { card.fault(CDE_PCI_FAULT_MASTER_ABORT, 1); });
+  fails(pci::kCodeMasterAbort);
+  EXPECT_EQ(card.config(4) >> 29 & 1, 1u) << "received master abort";
+}
+
+/// The frame is that of a page, but nobody has memory there.
+TEST_P(PciFault, PageWithoutMemory) {
+  card.write(pci::kPageTable + 8 * 50, 0xE0000003);
+  const Result r = card.transfer(50 * 4096 + 80, 64, card::kSpaceDdr, 0, GetParam().to_host);
+  EXPECT_EQ(r.code, pci::kCodeMasterAbort);
+  EXPECT_EQ(r.fault, 0xE0000050u);
+  EXPECT_EQ(r.bytes, 0u);
+}
+
+/// Without GNT# the latency timer ends the burst, and the card comes back.
+TEST_P(PciFault, GrantTakenAway) {
+  for (const std::uint32_t timer : {0u, 8u, 40u, 255u}) {
+    SCOPED_TRACE(timer);
+    fresh();
+    card.set_config(0x0C, timer << 8);
+    const std::uint64_t before = card.read(pci::kRegBursts);
+    card.fault(CDE_PCI_FAULT_GRANT, 1000, 1);
+    EXPECT_EQ(move().code, pci::kCodeOk);
+    EXPECT_TRUE(moved() == source);
+    card.fault(CDE_PCI_FAULT_GRANT, 0);
+    const std::uint64_t bursts = card.read(pci::kRegBursts) - before;
+    const std::uint64_t whole = 2 + 20;  // descriptor, record, bursts of 512 bytes in pages
+    if (timer == 255)
+      EXPECT_EQ(bursts, whole);
+    else
+      EXPECT_GT(bursts, whole + 500 / (timer + 8));
+  }
+}
+
+TEST_P(PciFault, DescriptorAndRecordCannotBeReached) {
+  card.fault(CDE_PCI_FAULT_TARGET_ABORT, 1);
+  EXPECT_EQ(move().code, ~0u);
+  EXPECT_EQ(card.status_code(), pci::kCodeTargetAbort);
+  EXPECT_EQ(card.status_where(), pci::kWhereDescriptor);
+  EXPECT_EQ(card.read(pci::kRegFaultAddr), card.api().frame(card.handle(), 0) << 12);
+  card.clear();
+  card.write(pci::kRegControl, 1u << pci::kControlRun);
+  const auto bytes = [&] { return card.counters().bytes_read + card.counters().bytes_written; };
+  const std::uint64_t before = bytes();
+  card.submit(BusCard::descriptor(kData, kBytes, card::kSpaceDdr, 0, GetParam().to_host));
+  while (bytes() < before + pci::kDescriptorBytes + kBytes) card.pass(15'000);
+  card.fault(CDE_PCI_FAULT_MASTER_ABORT, 1);
+  EXPECT_EQ(card.wait().code, ~0u);
+  EXPECT_EQ(card.status_code(), pci::kCodeMasterAbort);
+  EXPECT_EQ(card.status_where(), pci::kWhereCompletion);
+  EXPECT_EQ(card.read(pci::kRegFaultAddr), card.api().frame(card.handle(), 1) << 12);
+}
+
+INSTANTIATE_TEST_SUITE_P(Directions, PciFault,
+                         ::testing::Values(Setting{false, false}, Setting{false, true},
+                                           Setting{true, false}, Setting{true, true}),
+                         name_of);
+
+}  // namespace
+}  // namespace cde::testing

@@ -1,0 +1,39 @@
+// Harness of the `card` top module: the host on the PCI side, DDR and SRAM chips on the other.
+// Exports the C interface of abi_pci.h.
+#include "chips.h"
+#include "pci_api.h"
+
+namespace {
+
+/// The chips, and the back doors to them.
+class BoardSide {
+ public:
+  static constexpr const char* kKind = "card";
+  explicit BoardSide(const cde_pci_options& o) : chips_(o.ddr_latency) {}
+  void reset() { chips_.reset(); }
+  void before(Vmodel& m) { chips_.before(m); }
+  void at(Vmodel& m) { chips_.at(m); }
+  void after(Vmodel& m) { chips_.after(m); }
+  void interrupt(bool) {}  // the board has its own
+  void* memory(uint32_t space, uint64_t& bytes) {
+    if (space != kDdr && space != kSram) return nullptr;
+    SparseMemory& m = space == kDdr ? chips_.ddr() : chips_.sram();
+    bytes = m.bytes();
+    return m.at(0, bytes);
+  }
+
+ private:
+  static constexpr uint32_t kDdr = 2, kSram = 3;
+  Chips chips_;
+};
+
+constexpr cde_pci_api kApi =
+    pci::Api<BoardSide>::table(8 * sizeof(Vmodel::sram_write_data_o) / 7, CDE_CONFIG_HASH,
+#include "params.inc"
+    );
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default"))) const cde_pci_api* cde_pci_entry() {
+  return &kApi;
+}

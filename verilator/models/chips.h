@@ -1,0 +1,54 @@
+// The memory chips of the board: DDR and SRAM on the ports of board.sv.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "Vmodel.h"
+#include "sparse_memory.h"
+
+/// Called around every clock of the core, in this order: before(), the clock falls, at(), the clock
+/// rises, after().
+class Chips {
+ public:
+  explicit Chips(uint32_t ddr_latency)
+      : ddr_(kDdrBytes + 64), sram_(kSramBytes * (kRecord / 28)), pending_(ddr_latency, kNone) {}
+
+  void reset() { std::fill(pending_.begin(), pending_.end(), kNone); }
+  SparseMemory& ddr() { return ddr_; }
+  SparseMemory& sram() { return sram_; }
+
+  /// What DDR answers in this clock was asked for earlier.
+  void before(Vmodel& m) {
+    slot_ = clock_++ % pending_.size();
+    uint64_t& word = pending_[slot_];
+    m.ddr_valid_i = word != kNone;
+    if (word == kNone) return;
+    if (const uint8_t* p = ddr_.at(word * (sizeof(m.ddr_data_i) / 9), sizeof(m.ddr_data_i)))
+      std::memcpy(&m.ddr_data_i, p, sizeof(m.ddr_data_i));
+    word = kNone;
+  }
+  void at(const Vmodel& m) {
+    if (m.ddr_read_o) pending_[slot_] = m.ddr_read_word_o;
+    if (m.ddr_write_o)
+      if (uint8_t* p = ddr_.at(m.ddr_write_addr_o, 8)) std::memcpy(p, &m.ddr_write_data_o, 8);
+    if (m.sram_write_o)
+      if (uint8_t* p = sram_.at(m.sram_write_addr_o * kRecord, kRecord))
+        std::memcpy(p, &m.sram_write_data_o, kRecord);
+    fetched_ = m.sram_read_o ? sram_.at(m.sram_read_addr_o * kRecord, kRecord) : nullptr;
+  }
+  void after(Vmodel& m) {
+    if (fetched_ != nullptr) std::memcpy(&m.sram_read_data_i, fetched_, kRecord);
+  }
+
+ private:
+  static constexpr uint64_t kNone = ~0ull;
+  static constexpr uint64_t kDdrBytes = 2'000'000'000;
+  static constexpr uint64_t kSramBytes = 7 * 2097152;
+  static constexpr uint64_t kRecord = sizeof(Vmodel::sram_write_data_o);
+  SparseMemory ddr_, sram_;
+  std::vector<uint64_t> pending_;
+  const uint8_t* fetched_ = nullptr;
+  uint64_t clock_ = 0, slot_ = 0;
+};
