@@ -206,7 +206,8 @@ class Pass {
   }
   [[noreturn]] void timeout(const std::string& what) {
     throw Error(ErrorCode::kTimeout,
-                fmt::format("the card did not finish within its {}: {}", what, state()));
+                fmt::format("the card did not finish within its {}: {}", what, state()),
+                DeviceFault{.clock = card_.clocks()});
   }
   [[noreturn]] void device_error(const std::string& what, std::uint64_t status) {
     throw Error(ErrorCode::kDevice, fmt::format("{} (mode {}, status {:#x}): {}", what,

@@ -1,0 +1,132 @@
+// The driver on the PCI card: the records of the functional bus, faults and all.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "../board/cases.hpp"
+#include "cde/error.hpp"
+
+namespace cde::testing {
+namespace {
+
+BoardConfig pci_config() {
+  BoardConfig c = small_config();
+  c.bus = Bus::kCycle;
+  return c;
+}
+OpenOptions options(const char* host, std::uint32_t burst = 4096) {
+  OpenOptions o;
+  o.host = *host_profile(host);
+  o.bus_burst = burst;
+  return o;
+}
+
+class PciDriver : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(PciDriver, EveryModeMatches) {
+  Board board = Board::open(pci_config(), options(GetParam(), 256));
+  Random random;
+  const Scene scene = cloud(random, 300, 400);
+  for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll, Mode::kHits}) {
+    SCOPED_TRACE(name_of(mode));
+    EXPECT_GT(cast_and_compare(board, scene, {.mode = mode}).size(), 50u);
+  }
+  const BusCounters c = board.bus_counters();
+  EXPECT_EQ(c.transfer_retries + c.pass_retries + c.lost_interrupts + c.access_retries, 0u);
+  EXPECT_GE(c.bytes_to_card, 400u * 36 + 300 * 32);
+  EXPECT_GT(c.pci_data, (c.bytes_to_card + c.bytes_to_host) / 8);
+  EXPECT_GT(board.time_ps(), c.pci_busy * 15'000);
+}
+INSTANTIATE_TEST_SUITE_P(Hosts, PciDriver, ::testing::Values("ideal", "good", "p64-2001"),
+                         [](const auto& info) {
+                           std::string name = info.param;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+struct Fault {
+  const char* name;
+  BusFault fault;
+  std::uint32_t value;
+};
+class PciFaults : public ::testing::TestWithParam<Fault> {};
+
+/// Faults before an upload, before a load and in the middle of a pass: right records, or one clear
+/// error and right records after it.
+TEST_P(PciFaults, EndInRightRecordsOrOneClearError) {
+  Board board = Board::open(pci_config(), options("good", 256));
+  Random random;
+  std::uint64_t errors = 0;
+  for (unsigned round = 0; round < 60; ++round) {
+    const Scene scene = cloud(random, 1 + random.below(80), 1 + random.below(300));
+    const Mode mode = random.below(2) == 0 ? Mode::kAll : Mode::kNearest;
+    SCOPED_TRACE(fmt::format("round {}, mode {}", round, name_of(mode)));
+    const auto hurt = [&] {
+      board.inject(GetParam().fault, 1 + random.below(2), GetParam().value + random.below(3));
+    };
+    try {
+      hurt();
+      board.upload(scene.triangles);
+      hurt();
+      board.load(scene.rays);
+      hurt();
+      const auto records = board.run({.mode = mode});
+      ASSERT_EQ(records.size(), mode == Mode::kAll ? scene.rays.size() * scene.triangles.size()
+                                                   : scene.rays.size());
+    } catch (const Error& error) {
+      ++errors;
+      ASSERT_TRUE(error.fault()) << error.what();
+      EXPECT_NE(std::string(error.what()).find("clock"), std::string::npos) << error.what();
+    }
+    (void)cast_and_compare(board, scene, {.mode = mode});
+  }
+  const BusCounters c = board.bus_counters();
+  std::printf(
+      "%s: %llu errors, %llu transfers repeated, %llu passes, %llu accesses, %llu lost "
+      "interrupts\n",
+      GetParam().name, static_cast<unsigned long long>(errors),
+      static_cast<unsigned long long>(c.transfer_retries),
+      static_cast<unsigned long long>(c.pass_retries),
+      static_cast<unsigned long long>(c.access_retries),
+      static_cast<unsigned long long>(c.lost_interrupts));
+  EXPECT_EQ(errors, 0u) << "one or two faults in a row are less than the driver repeats";
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, PciFaults,
+                         ::testing::Values(Fault{"retry", BusFault::kRetry, 1},
+                                           Fault{"slow", BusFault::kSlow, 1},
+                                           Fault{"disconnect", BusFault::kDisconnect, 1},
+                                           Fault{"disconnect_empty", BusFault::kDisconnectEmpty, 1},
+                                           Fault{"parity", BusFault::kParity, 1},
+                                           Fault{"target_abort", BusFault::kTargetAbort, 0},
+                                           Fault{"master_abort", BusFault::kMasterAbort, 0},
+                                           Fault{"lost_interrupt", BusFault::kLostInterrupt, 0},
+                                           Fault{"grant", BusFault::kGrant, 1}),
+                         [](const auto& info) { return info.param.name; });
+
+/// More failures in a row than the driver repeats are an error that says what the device said.
+TEST(PciDriverErrors, AnAbortThatStaysIsOneError) {
+  Board board = Board::open(pci_config(), options("ideal"));
+  Random random;
+  const Scene scene = beam(random, 20, 100);
+  board.inject(BusFault::kTargetAbort, 1000, 0);
+  try {
+    board.upload(scene.triangles);
+    FAIL() << "nothing can have been uploaded";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kDevice);
+    ASSERT_TRUE(error.fault());
+    EXPECT_EQ(error.fault()->code, 6u) << error.what();
+    EXPECT_NE(error.fault()->pci_status >> 12 & 1, 0) << "received target abort";
+    EXPECT_NE(std::string(error.what()).find("target abort"), std::string::npos) << error.what();
+  }
+  board.inject(BusFault::kTargetAbort, 0, 0);
+  board.reset();
+  (void)cast_and_compare(board, scene, {});
+}
+
+TEST(PciDriverErrors, FunctionalBusHasNoFaults) {
+  Board board = Board::open(small_config());
+  EXPECT_THROW(board.inject(BusFault::kRetry), Error);
+}
+
+}  // namespace
+}  // namespace cde::testing
