@@ -337,8 +337,8 @@ std::vector<PairConfig> pipes() {
   return all;
 }
 
-/// Whose gates take minutes to build, in one lane.
-bool has_large_gates(Pair pair) {
+/// Box and cylinder pairs: several times the operators of the others.
+bool is_large(Pair pair) {
   return cde::has_budget(pair) || pair == Pair::kObbObb || pair == Pair::kTriangleAabb ||
          pair == Pair::kTriangleObb;
 }
@@ -351,7 +351,7 @@ std::vector<Parameter> fp32() {
     Parameter gates{pipe, 20000, 200000};
     gates.arithmetic = cde::Arithmetic::kRtl;
     gates.lanes = 1;  // eight take two to three times as long to build
-    if (has_large_gates(pipe.pair)) gates.left_out = "gates that take minutes to build";
+    if (is_large(pipe.pair)) gates.left_out = "gates that take minutes to build";
     all.push_back(gates);
   }
   return all;
@@ -378,6 +378,8 @@ std::vector<Parameter> other_formats() {
         other.left_out = "fp64 with operators of one clock (SlowOperators has it with slow ones)";
       else if (format != cde::FpFormat{5, 10})
         other.left_out = "formats other than fp16, fp32 and fp64";
+      else if (is_large(pipe.pair))
+        other.left_out = "fp16 of box and cylinder pairs (SlowOperators has them in fp64)";
       all.push_back(other);
     }
   return all;
