@@ -236,6 +236,62 @@ TEST_P(Solids, CylindersWithTheBudgetOfTheQuery) {
   EXPECT_GT(counters.stalls, 0u);
 }
 
+std::vector<Obb> boxes(std::size_t count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> at(-2, 2), size(0.2f, 1.0f);
+  const auto point = [&] { return Eigen::Vector3f(at(random), at(random), at(random)); };
+  std::vector<Obb> all;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3f c = point(), half(size(random), size(random), size(random));
+    const Eigen::Quaterniond turn(at(random), at(random), at(random), at(random));
+    all.push_back({c, half, turn.normalized().toRotationMatrix().cast<float>()});
+  }
+  return all;
+}
+
+TEST(SolidsInterval, FacetsInTurnTakeThreeClocksARow) {
+  BoardConfig config = small(Arithmetic::kHost);
+  config.pairs = {Pair::kObbObb};
+  config.normals = true;
+  std::vector<Obb> few = boxes(19, 1), many = boxes(43, 2);
+  few[2].half.x() = -1;
+  many[4].rotation *= 2;
+  std::vector<Counters> counters;
+  std::vector<unsigned> latencies;
+  for (const unsigned interval : {1u, 3u}) {
+    config.facet_interval = interval;
+    Board board = Board::open(config);
+    check_all_modes(board, Pair::kObbObb, few, many, false, true);
+    (void)board.run({}, &counters.emplace_back());
+    latencies.push_back(board.pipe_latency());
+  }
+  const std::uint64_t rows = 3 * many.size();
+  EXPECT_EQ(counters[0].rows, rows);
+  EXPECT_EQ(counters[1].rows, rows);
+  EXPECT_EQ(counters[0].stalls, 0u);
+  EXPECT_EQ(counters[1].stalls, 2 * (rows - 1)) << "two clocks after every row but the last";
+  EXPECT_EQ(counters[1].bubbles, counters[0].bubbles) << "until the first box is there";
+  EXPECT_EQ(counters[1].cycles - counters[0].cycles, 2 * (rows - 1) + latencies[1] - latencies[0]);
+}
+
+TEST(SolidsInterval, OnlyPairsWithFacetsWait) {
+  BoardConfig config = small(Arithmetic::kHost);
+  config.pairs = {Pair::kSphereSphere, Pair::kObbObb};
+  config.facet_interval = 3;
+  Board board = Board::open(config);
+  const std::vector<Obb> few = boxes(19, 1), many = boxes(43, 2);
+  const Scene s = scene();
+  for (int round = 0; round < 2; ++round) {
+    Counters counters;
+    check_all_modes(board, Pair::kObbObb, few, many, false, false);
+    (void)board.run({.pair = Pair::kObbObb}, &counters);
+    EXPECT_EQ(counters.stalls, 2 * (counters.rows - 1));
+    check_all_modes(board, Pair::kSphereSphere, s.few, s.many, false, false);
+    (void)board.run({.pair = Pair::kSphereSphere}, &counters);
+    EXPECT_EQ(counters.stalls, 0u);
+  }
+}
+
 TEST(SolidsRing, RefusesBudgetsOutOfRange) {
   BoardConfig config = small(Arithmetic::kHost);
   config.pairs = {Pair::kCylinderCylinder};
