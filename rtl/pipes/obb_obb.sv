@@ -4,7 +4,7 @@
 // the nearest point is polished twice. Support features come from axes turned by 16 u, as if no face or edge of one box were
 // parallel to one of the other. F = (s <= 0), T = |s|. 617 add, 565 mul, 15 div, 10 sqrt, 93 compare, 84 min/max.
 // With FACET_II = 3 the edges of B take turns in a unit an edge of A, a face of A and one of B do in a unit, and the facets three by
-// three at the key of the witness: @@@.
+// three at the key of the witness: 351 add, 332 mul, 7 div, 4 sqrt, 63 compare, 36 min/max.
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none, runs free.
 `include "convex.svh"
 module obb_obb #(

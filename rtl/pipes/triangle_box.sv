@@ -3,7 +3,7 @@
 // 9 pairs of edges. The depth is the least overlap on them, the distance the least distance to the facets that face the origin; the
 // nearest point is polished twice. Support features come from edges turned by 16 u (turned.sv).
 // 429 add, 523 mul, 16 div, 11 sqrt, 122 compare, 116 min/max. With FACET_II = 3 the edges of the triangle take turns in a unit an edge
-// of the box, and the facets three by three at the key of the witness: @@@.
+// of the box, and the facets three by three at the key of the witness: 287 add, 325 mul, 10 div, 5 sqrt, 96 compare, 68 min/max.
 // Latency: LATENCY_TRIANGLE_BOX clocks; 0 with ARITH = "host". Throughput: one pair a lane in FACET_II clocks, for which its operands stand.
 // Stall: none.
 `include "triangle.svh"

@@ -529,8 +529,7 @@ TEST_F(Inventory, JsonHasThePapersFiguresAndOurs) {
 
 /// Pairs without facets take a row a clock whatever the interval.
 TEST_F(Inventory, FacetsInTurnAreFewerUnits) {
-  const Ran ran =
-      cde({"inventory", "obb-obb", "sphere-sphere", "--facet-interval", "3", "--json"});
+  const Ran ran = cde({"inventory", "obb-obb", "sphere-sphere", "--facet-interval", "3", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto j = nlohmann::json::parse(ran.out);
   EXPECT_EQ(j["pipes"][0]["pair"], "obb-obb");

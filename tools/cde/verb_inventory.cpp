@@ -69,10 +69,9 @@ rtl::Elaboration elaborate(const Pipe& pipe, const Profile& p) {
           {fmt::format("PAIR={}", static_cast<unsigned>(pipe.pair)),
            fmt::format("ALGORITHM={}", static_cast<unsigned>(pipe.algorithm)),
            fmt::format("ARITH={}", pipe.facet_interval == 1 ? "host" : "rtl"),
-           fmt::format("FACET_II={}", pipe.facet_interval),
-           fmt::format("LAT_ADD={}", p.add), fmt::format("LAT_MUL={}", p.mul),
-           fmt::format("LAT_DIV={}", p.div), fmt::format("LAT_SQRT={}", p.sqrt),
-           fmt::format("LAT_CMP={}", p.cmp)}};
+           fmt::format("FACET_II={}", pipe.facet_interval), fmt::format("LAT_ADD={}", p.add),
+           fmt::format("LAT_MUL={}", p.mul), fmt::format("LAT_DIV={}", p.div),
+           fmt::format("LAT_SQRT={}", p.sqrt), fmt::format("LAT_CMP={}", p.cmp)}};
 }
 
 unsigned required(const std::optional<unsigned>& value, const Pipe& pipe, const char* what) {

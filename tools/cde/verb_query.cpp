@@ -470,9 +470,10 @@ void add_query(CLI::App& app) {
   verb->add_option("--arith", o->arithmetic, "host (the FPU, fast) or rtl (gates); same bits")
       ->capture_default_str();
   verb->add_option("--lanes", o->lanes, "Pairs a clock, 1 to 256")->capture_default_str();
-  verb->add_option("--facet-interval", o->facet_interval,
-                   "Of obb-obb, triangle-aabb and triangle-obb: clocks from one row of pairs to the "
-                   "next, 1, or 3 with facet units that are shared; same bits")
+  verb->add_option(
+          "--facet-interval", o->facet_interval,
+          "Of obb-obb, triangle-aabb and triangle-obb: clocks from one row of pairs to the "
+          "next, 1, or 3 with facet units that are shared; same bits")
       ->capture_default_str();
   verb->add_option("--budget", o->budget,
                    "Work for a pair of cylinder-, obb- or triangle-cylinder: M,K1,K2 (directions "
