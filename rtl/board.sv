@@ -11,6 +11,7 @@ module board #(
     parameter int SWAP = 0,         // a command can exchange the roles of primary and secondary
     parameter int NORMALS = 0,      // a command can ask for normals
     parameter int PARALLEL = 0,     // two pipes can work on the same secondaries at a time
+    parameter int FACET_II = 1,     // of pairs with facets: clocks from one row to the next, 1 or 3
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -64,6 +65,10 @@ module board #(
   end
   if (PAIRS <= 0 || PAIRS >= (1 << cde_pkg::PAIRS)) begin : g_no_pairs
     $error("board: PAIRS must be a set of pairs, 1 to %0d", (1 << cde_pkg::PAIRS) - 1);
+  end
+
+  if (FACET_II != 1 && FACET_II != 3) begin : g_no_interval
+    $error("board: FACET_II must be 1 or 3");
   end
 
   // ---- Local bus and registers ----
@@ -139,8 +144,8 @@ module board #(
   logic [POINTS-1:0][CW-1:0] result_point;
   cde #(
       .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .FIFO_DEPTH(FIFO_DEPTH), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM),
-      .SWAP(SWAP), .NORMALS(NORMALS), .PARALLEL(PARALLEL), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
-      .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+      .SWAP(SWAP), .NORMALS(NORMALS), .PARALLEL(PARALLEL), .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+      .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) engine (
       .clk_i(clk_engine), .rst_i, .clk_bus_i(clk_bus), .clk_core_i(clk_i), .prim_write_i(prim_write), .prim_addr_i(addr), .prim_data_i(wdata),
       .prim_bad_o(prim_bad), .prim_busy_o(prim_busy), .pair_i(pair), .swap_i(swap), .split_i(split), .budget_i(budget), .gap_o(gap), .ready_o(ready), .clear_i(clear), .clear_row_i(clear_row), .clear_mask_i(clear_mask), .valid_i(issue), .row_i(issue_row),

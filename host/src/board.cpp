@@ -55,6 +55,7 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   card.can_swap = config.swap;
   card.has_normals = config.normals;
   card.parallel = config.parallel;
+  card.facet_interval = config.facet_interval;
   if (card.primaries == 0 || card.primaries > Stencil().size())
     refuse("number of primaries is out of range");
 }

@@ -33,7 +33,8 @@ class Board::Impl {
   Shape secondary_shape = Shape::kTriangle, primary_shape = Shape::kRay, second_shape = Shape::kRay;
   std::vector<Pair> pairs;
   bool can_swap = false, has_normals = false, parallel = false;
-  unsigned slot_words = 0;  ///< of a primary
+  unsigned slot_words = 0;      ///< of a primary
+  unsigned facet_interval = 1;  ///< clocks from row to row of pairs with facets
   std::uint64_t upload_clocks = 0, load_clocks = 0, pass_retries = 0;
   unsigned pass_retry_limit = 0;
 };

@@ -49,20 +49,23 @@ class Pass {
     }
     for (unsigned p = 0; p < slots_; ++p) active_ += stencil_[p] ? 0u : 1u;
     const std::uint64_t rows = (std::max(card.loaded, second) + card.lanes - 1) / card.lanes;
-    // A ring takes a row in as many clocks as a pair takes passes, and each pass takes its length:
-    // no more than kRing clocks.
+    // A ring takes a row in as many clocks as a pair takes passes, and each takes its length: no
+    // more than kRing clocks.
     constexpr std::uint64_t kRing = 1024;
     const bool ring = has_budget(*query.pair) || (query.second && has_budget(query.second->pair));
-    const std::uint64_t passes =
-        ring ? 40 + 3 * (query.budget.samples + query.budget.circle + query.budget.free) : 1;
-    const std::uint64_t rows_total = rows * card.secondaries * passes;
+    const bool facets = has_facets(*query.pair) || (query.second && has_facets(query.second->pair));
+    const std::uint64_t clocks_a_row =
+        ring     ? 40 + 3 * (query.budget.samples + query.budget.circle + query.budget.free)
+        : facets ? card.facet_interval
+                 : 1;
+    const std::uint64_t rows_total = rows * card.secondaries * clocks_a_row;
     streaming_ = query.mode == Mode::kAll || query.mode == Mode::kHits;
     const std::uint64_t records = streaming_ ? std::uint64_t{active_} * card.secondaries : active_;
     expected_clocks_ = rows_total + (streaming_ && query.mode == Mode::kAll ? records : 0) + 1;
     // Twice the worst: every row, every record written and read back, the memory's latency a slot.
     const std::uint64_t worst = rows_total + 2 * (2 + kBeatsPerRecord) * records +
                                 std::uint64_t{card.secondaries} * (card.ddr_latency / 32 + 2) +
-                                4096 + card.pipe_latency + (ring ? passes * kRing : 0);
+                                4096 + card.pipe_latency + (ring ? clocks_a_row * kRing : 0);
     ring_entries_ = query.normals ? 2 : 1;
     deadline_ = query.deadline_clocks != 0 ? query.deadline_clocks : 2 * worst;
   }

@@ -27,13 +27,14 @@ constexpr std::uint64_t kSeed = 20070129;
 constexpr Budget kFull{8, 16, 16};
 
 template <class P>
-P primitive(const std::vector<float>& words) {
-  return from_words<P>(std::span<const float, P::kWords>(words.data(), P::kWords));
+P primitive(const std::vector<double>& words) {
+  const std::vector<float> exact(words.begin(), words.end());
+  return from_words<P>(std::span<const float, P::kWords>(exact.data(), P::kWords));
 }
 
 /// The pair's reference on the operands rounded to S.
 template <typename S>
-Outcome<S> answer(oracle::Pair pair, const std::vector<float>& a, const std::vector<float>& b,
+Outcome<S> answer(oracle::Pair pair, const std::vector<double>& a, const std::vector<double>& b,
                   const Budget& budget) {
   const auto cylinder = primitive_cast<S>(primitive<Cylinder>(b));
   switch (pair) {
@@ -368,13 +369,13 @@ TYPED_TEST(CylinderFormats, LowerBound) {
 
 TEST(CylinderContract, BadInputIsFlagged) {
   const oracle::Case good = oracle::generate(oracle::Pair::kCylinderCylinder, kSeed, 0);
-  const float nan = std::numeric_limits<float>::quiet_NaN();
-  const float inf = std::numeric_limits<float>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
   for (const auto pair : {oracle::Pair::kCylinderCylinder, oracle::Pair::kObbCylinder,
                           oracle::Pair::kTriangleCylinder}) {
     const oracle::Case c = oracle::generate(pair, kSeed, 0);
     EXPECT_FALSE(answer<float>(pair, c.a, c.b, {}).bad);
-    for (const float value : {nan, inf, -inf}) {
+    for (const double value : {nan, inf, -inf}) {
       for (std::size_t i = 0; i < c.a.size() + c.b.size(); ++i) {
         auto a = c.a, b = c.b;
         (i < a.size() ? a[i] : b[i - a.size()]) = value;
@@ -388,7 +389,7 @@ TEST(CylinderContract, BadInputIsFlagged) {
   }
   for (const std::size_t word : {3u, 6u, 7u}) {  // axis, half height, radius
     auto b = good.b;
-    b[word] = word == 3 ? b[word] + 0.5f : 0.0f;
+    b[word] = word == 3 ? b[word] + 0.5 : 0.0;
     EXPECT_TRUE(answer<float>(good.pair, good.a, b, {}).bad) << "word " << word;
   }
 }

@@ -22,10 +22,12 @@ struct BoardConfig {
   Arithmetic arithmetic = Arithmetic::kHost;
   std::vector<Pair> pairs = {Pair::kRayTriangle};  ///< the pipes of the card, at least one
   Algorithm algorithm = Algorithm::kMoller;        ///< of ray-triangle
-  bool swap = false;         ///< passes can exchange the roles of primary and secondary
-  bool normals = false;      ///< passes can give normals
-  bool parallel = false;     ///< a pass can use two pipes at a time (Query::second)
-  unsigned latency_add = 1;  ///< clocks of an operator, at least 1
+  bool swap = false;            ///< passes can exchange the roles of primary and secondary
+  bool normals = false;         ///< passes can give normals
+  bool parallel = false;        ///< a pass can use two pipes at a time (Query::second)
+  unsigned facet_interval = 1;  ///< clocks from row to row of pairs with facets, 1 or 3: with 3 the
+                                ///< gates of three facets are one unit's (has_facets)
+  unsigned latency_add = 1;     ///< clocks of an operator, at least 1
   unsigned latency_mul = 1;
   unsigned latency_div = 1;
   unsigned latency_sqrt = 1;
