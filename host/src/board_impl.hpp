@@ -1,8 +1,19 @@
 #pragma once
+#include <array>
+
 #include "abi.h"
 #include "cde/board.hpp"
 
 namespace cde {
+
+/// An object table of the card, and what the driver wrote into it.
+struct ObjectTable {
+  const char* slots;     ///< what the ranges are of, for messages
+  std::uint32_t offset;  ///< in kSpaceReg
+  unsigned entries = 0;  ///< 0: the card has none
+  std::vector<Object> objects = {};
+  std::vector<std::uint32_t> placed = {};  ///< first slot of each range, as written
+};
 
 /// State of a Board, and single accesses to its card. Private to the driver.
 class Board::Impl {
@@ -27,6 +38,16 @@ class Board::Impl {
   /// Slot of the second pair's first primary: rows are not shared.
   [[nodiscard]] std::uint32_t split() const { return (loaded + lanes - 1) / lanes * lanes; }
 
+  /// Shapes into DDR from slot `first` on, through a small buffer.
+  void write_slots(Shape shape, std::size_t first, std::size_t count,
+                   const std::function<void(std::size_t, float*)>& words);
+  void set_objects(ObjectTable& table, std::span<const Object> all);
+  void move_object(ObjectTable& table, std::size_t number, const Transform& transform);
+  /// What a pass needs of the tables: objects that fit, ranges of primaries where these lie.
+  void prepare_objects();
+  /// Secondaries of a pass.
+  [[nodiscard]] std::uint64_t swept() const;
+
   Bitstream bitstream;
   const cde_board_api* api = nullptr;
   void* card = nullptr;
@@ -39,9 +60,18 @@ class Board::Impl {
   std::vector<Pair> pairs;
   bool can_swap = false, has_normals = false, parallel = false;
   unsigned slot_words = 0;  ///< of a primary
-  std::uint64_t upload_clocks = 0, load_clocks = 0;
+  std::uint64_t upload_clocks = 0, load_clocks = 0, words_uploaded = 0;
+  ObjectTable objects{"secondaries", card::kObjectTable};
+  ObjectTable primary_objects{"primaries", card::kPrimObjectTable};
 
  private:
+  /// Error kUsage if the object does not fit what lies in the card, as far as something does.
+  void check_object(const ObjectTable& table, std::size_t number, const Object& object) const;
+  void write_object(ObjectTable& table, std::size_t number);  ///< its range, if it changed
+  void write_transform(const ObjectTable& table, std::size_t number);
+  /// Shapes of an odd number of words share beats of DDR, which is written by whole beats: the last
+  /// word of an even slot and the first one of the next, for every such two slots.
+  std::vector<std::array<float, 2>> seams_;
   void transferred(std::uint64_t done, std::uint64_t wanted, const char* what, card::Space space,
                    std::uint32_t offset) const;
 };

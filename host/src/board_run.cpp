@@ -36,6 +36,7 @@ class Pass {
       : card_(card),
         query_(query),
         sink_(sink),
+        swept_(card.swept()),
         started_(card.clocks()),
         wall_start_(std::chrono::steady_clock::now()) {
     split_ = card.split();
@@ -55,14 +56,14 @@ class Pass {
     const bool ring = has_budget(*query.pair) || (query.second && has_budget(query.second->pair));
     const std::uint64_t passes =
         ring ? 40 + 3 * (query.budget.samples + query.budget.circle + query.budget.free) : 1;
-    const std::uint64_t rows_total = rows * card.secondaries * passes;
+    const std::uint64_t rows_total = rows * swept_ * passes;
     streaming_ = query.mode == Mode::kAll || query.mode == Mode::kHits;
-    const std::uint64_t records = streaming_ ? std::uint64_t{active_} * card.secondaries : active_;
+    const std::uint64_t records = streaming_ ? active_ * swept_ : active_;
     expected_clocks_ = rows_total + (streaming_ && query.mode == Mode::kAll ? records : 0) + 1;
     // Twice the worst: every row, every record written and read back, the memory's latency a slot.
     const std::uint64_t worst = rows_total + 2 * (2 + kBeatsPerRecord) * records +
-                                std::uint64_t{card.secondaries} * (card.ddr_latency / 32 + 2) +
-                                4096 + card.pipe_latency + (ring ? passes * kRing : 0);
+                                swept_ * (card.ddr_latency / 32 + 2) + 8192 + card.pipe_latency +
+                                (ring ? passes * kRing : 0);
     ring_entries_ = query.normals ? 2 : 1;
     deadline_ = query.deadline_clocks != 0 ? query.deadline_clocks : 2 * worst;
   }
@@ -92,6 +93,10 @@ class Pass {
     card_.write_register(card::kRegPrimSplit, split_);
     card_.write_register(card::kRegBudget, query_.budget.free << 16 | query_.budget.circle << 8 |
                                                query_.budget.samples);
+    if (card_.objects.entries != 0)
+      card_.write_register(card::kRegObjectCount, card_.objects.objects.size());
+    if (card_.primary_objects.entries != 0)
+      card_.write_register(card::kRegPrimObjectCount, card_.primary_objects.objects.size());
     card_.write_register(card::kRegSecFirst, 0);
     card_.write_register(card::kRegSecCount, card_.secondaries);
     for (unsigned base = 0; base < card_.primaries; base += 64) {
@@ -187,7 +192,7 @@ class Pass {
         device_error(fmt::format("{} {}, but it must be {}", value, what, wanted), status);
     };
     promise("records downloaded", received_, c.records);
-    if (query_.mode != Mode::kAny) promise("secondaries swept", c.secondaries, card_.secondaries);
+    if (query_.mode != Mode::kAny) promise("secondaries swept", c.secondaries, swept_);
     const std::uint64_t each = ring_entries_;
     if (query_.mode == Mode::kAll) promise("records", received_, c.secondaries * active_ * each);
     if (!streaming_) promise("records", received_, active_ * each);
@@ -200,9 +205,9 @@ class Pass {
   [[nodiscard]] std::string state() {
     return fmt::format(
         "status {:#x}, {} of {} secondaries swept, {} rows issued, {} records waiting, clock {}",
-        card_.read_register(card::kRegStatus), card_.read_register(card::kRegSecondaries),
-        card_.secondaries, card_.read_register(card::kRegRows),
-        card_.read_register(card::kRegRecords), card_.clocks());
+        card_.read_register(card::kRegStatus), card_.read_register(card::kRegSecondaries), swept_,
+        card_.read_register(card::kRegRows), card_.read_register(card::kRegRecords),
+        card_.clocks());
   }
   [[noreturn]] void timeout(const std::string& what) {
     throw Error(ErrorCode::kTimeout,
@@ -230,6 +235,7 @@ class Pass {
   Board::Impl& card_;
   const Query& query_;
   const RecordSink& sink_;
+  std::uint64_t swept_;  // secondaries
   std::uint64_t started_;
   std::chrono::steady_clock::time_point wall_start_;
   std::uint64_t deadline_ = 0, expected_clocks_ = 0, received_ = 0;
@@ -300,6 +306,7 @@ Query complete(const Board::Impl& card, const Query& query) {
 
 Counters Board::run(const Query& query, const RecordSink& sink) {
   const Query whole = complete(*impl_, query);
+  impl_->prepare_objects();
   return Pass(*impl_, whole, sink).execute();
 }
 

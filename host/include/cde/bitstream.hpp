@@ -15,16 +15,22 @@ enum class Arithmetic {
   kRtl,   ///< the gates of rtl/fp
 };
 
+/// What the card's transformer moves before a pass meets it.
+enum class Transformer : unsigned { kNone, kSecondaries, kBoth };
+
 /// One elaborated configuration of rtl/board.sv.
 struct BoardConfig {
   unsigned lanes = 16;  ///< pairs a clock: a power of two, 1 to 256
   Arithmetic arithmetic = Arithmetic::kHost;
   std::vector<Pair> pairs = {Pair::kRayTriangle};  ///< the pipes of the card, at least one
   Algorithm algorithm = Algorithm::kMoller;        ///< of ray-triangle
-  bool swap = false;         ///< passes can exchange the roles of primary and secondary
-  bool normals = false;      ///< passes can give normals
-  bool parallel = false;     ///< a pass can use two pipes at a time (Query::second)
-  unsigned latency_add = 1;  ///< clocks of an operator, at least 1
+  bool swap = false;      ///< passes can exchange the roles of primary and secondary
+  bool normals = false;   ///< passes can give normals
+  bool parallel = false;  ///< a pass can use two pipes at a time (Query::second)
+  Transformer transform = Transformer::kNone;  ///< objects (Board::set_objects) can move
+  unsigned objects = 1024;                     ///< that the card's table holds, 2 to 2,048
+  unsigned primary_objects = 64;               ///< likewise
+  unsigned latency_add = 1;                    ///< clocks of an operator, at least 1
   unsigned latency_mul = 1;
   unsigned latency_div = 1;
   unsigned latency_sqrt = 1;
