@@ -113,6 +113,15 @@ void Board::Impl::check_bus(const char* during) {
           during, fault >> 32, fault & 0xffffffff, status, clocks()));
 }
 
+void Board::Impl::reset() {
+  api->reset(card);
+  loaded = second_loaded = 0;
+  for (ObjectTable* table : {&objects, &primary_objects}) {
+    table->objects.clear();
+    table->placed.clear();
+  }
+}
+
 Board::Impl::~Impl() {
   if (card != nullptr) api->destroy(card);
 }
@@ -285,12 +294,7 @@ void Board::load_second_words(Shape shape, std::size_t count, const Words& words
 // ---- The rest of the interface ----
 
 void Board::reset() {
-  impl_->api->reset(impl_->card);
-  impl_->loaded = 0;
-  for (ObjectTable* table : {&impl_->objects, &impl_->primary_objects}) {
-    table->objects.clear();
-    table->placed.clear();
-  }
+  impl_->reset();
 }
 
 void Board::trace_open(const std::filesystem::path& file) {

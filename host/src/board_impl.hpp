@@ -29,6 +29,9 @@ class Board::Impl {
   void write_register(std::uint32_t offset, std::uint64_t value);
   [[nodiscard]] std::uint64_t clocks() const { return api->clocks(card); }
 
+  /// Hardware reset: what is not in DDR is gone.
+  void reset();
+
   /// Throws kDevice with the fault address if an access was refused, after clearing it.
   void check_bus(const char* during);
 

@@ -227,8 +227,7 @@ class Pass {
       }
       card_.write_register(card::kRegControl, card::kControlAbort | card::kControlClear);
     } catch (const Error&) {
-      card_.api->reset(card_.card);
-      card_.loaded = 0;
+      card_.reset();
     }
   }
 

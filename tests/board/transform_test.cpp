@@ -46,6 +46,7 @@ const Kind kMany{"Many",
 const Kind kGates{"Gates", Arithmetic::kRtl, {Pair::kRayTriangle, Pair::kObbPlane}, 2};
 const Kind kSlowGates{"SlowGates", Arithmetic::kRtl, {Pair::kRayTriangle}, 2, 1};
 const Kind kSlowHost{"SlowHost", Arithmetic::kHost, {Pair::kRayTriangle}, 2, 1};
+const Kind kParallel{"Parallel", Arithmetic::kHost, {Pair::kRayTriangle, Pair::kTriangleSphere}, 8};
 const Kind kBoxes{"Boxes", Arithmetic::kHost, {Pair::kTriangleAabb}, 4};
 
 // ---- Shapes and objects ----
@@ -256,9 +257,10 @@ TEST(ObjectClocks, NoneIsLostBetweenObjects) {
     const std::uint64_t swept = moving.size() == 333 ? 999 : 1000;
     EXPECT_EQ(c.secondaries, swept);
     EXPECT_EQ(c.rows, swept);
-    EXPECT_EQ(c.bubbles, plain.bubbles + 1 + 1 + 3) << "the table and R x + t, once a pass";
-    EXPECT_EQ(c.cycles - plain.cycles, swept + 5 - 1000);
+    EXPECT_EQ(c.bubbles, plain.bubbles);
+    EXPECT_EQ(c.cycles - swept, plain.cycles - 1000);
   }
+  EXPECT_LE(plain.bubbles, 20u) << "what the start of a pass does not hide of the memory's latency";
 }
 
 /// A still scene costs nothing; a moved primary object its slots, a changed range all primaries.
@@ -324,6 +326,62 @@ TEST(ObjectDriver, PrimariesOfAnotherPairArePosedAgain) {
     board.upload_shapes(std::span<const Plane>(planes), false);
     board.load_shapes(std::span<const Obb>(boxes));
     check_pass(board, Pair::kObbPlane, false, boxes, planes, posing, {});
+  }
+}
+
+/// Primaries of two pairs in one pass, each posed as its own shape; the second's lie on rows of
+/// their own, behind.
+TEST(ObjectDriver, PrimariesOfBothPairsMove) {
+  BoardConfig config = config_of(kParallel);
+  config.parallel = true;
+  Board board = Board::open(config);
+  Random random;
+  const auto mesh = shapes<Triangle>(random, 40);
+  const auto some = shapes<Ray>(random, 13);
+  const auto balls = shapes<Sphere>(random, 21);
+  board.upload(mesh, false);
+  for (const std::size_t n : {std::size_t{21}, std::size_t{9}}) {
+    const std::vector<Sphere> behind(balls.begin(), balls.begin() + static_cast<std::ptrdiff_t>(n));
+    board.set_primary_objects({});
+    board.load(some);
+    board.load_second_shapes(std::span<const Sphere>(behind));
+    std::vector<Object> posing{{2, 8, motion(random)}, {14, 6, motion(random)}};
+    const auto moving = objects(random, 40, 7, false);
+    board.set_objects(moving);
+    board.set_primary_objects(posing);
+    for (int frame = 0; frame < 3; ++frame) {
+      const auto swept = reference::swept(mesh, moving);
+      const auto of_rays = reference::posed(std::span<const Ray>(some), std::span(posing).first(1));
+      Object shifted = posing[1];
+      shifted.first -= 13;
+      const auto of_balls =
+          reference::posed(std::span<const Sphere>(behind), std::span<const Object>(&shifted, 1));
+      std::vector<bool> bad_rays, bad_balls;
+      for (const Ray& p : of_rays) bad_rays.push_back(defect(p).has_value());
+      for (const Sphere& p : of_balls) bad_balls.push_back(defect(p).has_value());
+      auto wanted =
+          expected(Pair::kRayTriangle, all_pairs(Pair::kRayTriangle, of_rays, swept.shapes, false),
+                   swept.slots, bad_rays, Mode::kNearest, false);
+      for (Record r : expected(Pair::kTriangleSphere,
+                               all_pairs(Pair::kTriangleSphere, swept.shapes, of_balls, true),
+                               swept.slots, bad_balls, Mode::kNearest, false)) {
+        r.primary += 13;
+        wanted.push_back(r);
+      }
+      const Query query{.pair = Pair::kRayTriangle,
+                        .second = SecondPair{Pair::kTriangleSphere, true}};
+      compare(board.run(query), wanted, Mode::kNearest);
+      for (std::size_t i = 0; i < 2; ++i) {
+        posing[i].transform = motion(random);
+        board.move_primary_object(i, posing[i].transform);
+      }
+    }
+    try {
+      board.set_primary_objects(std::array{Object{12, 2, {}}});
+      ADD_FAILURE() << "no error";
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find("primaries of both pairs"), std::string::npos);
+    }
   }
 }
 
