@@ -12,6 +12,9 @@ module board #(
     parameter int NORMALS = 0,      // a command can ask for normals
     parameter int PARALLEL = 0,     // two pipes can work on the same secondaries at a time
     parameter int FACET_II = 1,     // of pairs with facets: clocks from one row to the next, 1 or 3
+    parameter int TRANSFORM = 0,    // objects move by a rigid transform: cde_pkg::TRANSFORM_*
+    parameter int OBJECTS = 1024,   // entries of their table, 2 to 2,048; PRIM_OBJECTS of that of primaries
+    parameter int PRIM_OBJECTS = 64,
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -23,6 +26,7 @@ module board #(
     parameter logic [63:0] CONFIG_HASH = 0,
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
     localparam int SEC_WORDS = cde_pkg::slot_words(PAIRS, 0, SWAP != 0),
+    localparam int PRIM_WORDS = cde_pkg::slot_words(PAIRS, 1, SWAP != 0),
     localparam int POINTS = (NORMALS != 0) ? 6 : 3,
     localparam int RECORD_WORDS = cde_pkg::RECORD_WORDS,
     localparam int SRAM_AW = $clog2(SRAM_RECORDS)
@@ -70,6 +74,9 @@ module board #(
   if (FACET_II != 1 && FACET_II != 3) begin : g_no_interval
     $error("board: FACET_II must be 1 or 3");
   end
+  if (TRANSFORM < 0 || TRANSFORM > 2 || (TRANSFORM != 0 && (OBJECTS < 2 || OBJECTS > 2048 || PRIM_OBJECTS < 2 || PRIM_OBJECTS > 2048))) begin : g_no_objects
+    $error("board: TRANSFORM must be 0 to 2, OBJECTS and PRIM_OBJECTS 2 to 2048");
+  end
 
   // ---- Local bus and registers ----
   logic clk_bus, clk_engine, prim_write, sram_pop, sram_beat_valid, sram_full, go, abort, busy, done, streaming;
@@ -87,9 +94,11 @@ module board #(
   logic [1:0] issue, retire, ready;
   logic bubble, stall, sec_pop, sec_bad, record_write;
   logic [15:0] latency;
+  logic object_write, objects_good, objects_busy, posed;
+  logic [31:0] object_count, prim_object_count;
   card_registers #(
       .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .SWAP(SWAP),
-      .NORMALS(NORMALS), .PARALLEL(PARALLEL), .DDR_SLOTS(DDR_SLOTS), .SRAM_RECORDS(SRAM_RECORDS),
+      .NORMALS(NORMALS), .PARALLEL(PARALLEL), .TRANSFORM(TRANSFORM), .OBJECTS(OBJECTS), .PRIM_OBJECTS(PRIM_OBJECTS), .DDR_SLOTS(DDR_SLOTS), .SRAM_RECORDS(SRAM_RECORDS),
       .CONFIG_HASH(CONFIG_HASH)
   ) registers (
       .clk_i, .clk_engine_i(clk_engine), .rst_i, .bus_valid_i, .bus_write_i, .bus_space_i, .bus_addr_i, .bus_wdata_i, .bus_ready_o, .bus_rvalid_o,
@@ -97,22 +106,57 @@ module board #(
       .sram_beat_i(sram_beat), .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .mode_o(command_mode), .pair_o(command_pair), .swap_o(command_swap), .split_o(split), .budget_o(budget), .normals_o(normals),
       .prim_count_o(prim_count), .sec_first_o(sec_first), .sec_count_o(sec_count), .active_o(active), .busy_i(busy),
       .done_i(done), .writeback_i(writeback), .prim_bad_i(prim_bad), .issue_i(issue), .bubble_i(bubble), .stall_i(stall), .secondary_i(sec_pop),
-      .secondary_bad_i(sec_bad), .record_i(record_write), .latency_i(latency));
+      .secondary_bad_i(sec_bad), .record_i(record_write), .latency_i(latency),
+      .object_write_o(object_write), .object_count_o(object_count), .prim_object_count_o(prim_object_count), .objects_good_i(objects_good),
+      .objects_busy_i(objects_busy), .posed_i(posed));
   assign ddr_write_addr_o = addr;
   assign ddr_write_data_o = wdata;
 
   clock_gate gate (.clk_i, .enable_i(busy | go | rst_i), .clk_o(clk_engine));
 
   // ---- Secondaries ----
+  localparam int RANGES = (TRANSFORM != 0) ? OBJECTS : 0;  // that a pass can have
+  localparam int OBJECT_W = (RANGES > 1) ? $clog2(RANGES) : 1;
+  localparam int T_TRANSFORM = cde_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL);
   logic fetch_start, fetch_stop, sec_valid, sec_last, sec_idle;
-  logic [SEC_WORDS-1:0][CW-1:0] secondary;
+  logic [SEC_WORDS-1:0][CW-1:0] secondary, unmoved, moved;
   logic [31:0] sec_index;
+  logic [OBJECT_W-1:0] range_entry, transform_entry;
+  logic [1:0][31:0] range;
   secondary_regfile #(
-      .EXP(EXP), .MAN(MAN), .PAIRS(PAIRS), .SWAP(SWAP), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+      .EXP(EXP), .MAN(MAN), .DEPTH((TRANSFORM != 0 && T_TRANSFORM > 16) ? 256 : 64), .PAIRS(PAIRS), .SWAP(SWAP), .TRANSFORM(TRANSFORM), .OBJECTS(RANGES),
+      .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) secondaries (
       .clk_i(clk_engine), .rst_i, .pair_i(pair[0]), .swap_i(swap[0]), .start_i(fetch_start), .stop_i(fetch_stop), .first_i(sec_first), .count_i(sec_count),
+      .objects_i((OBJECT_W + 1)'(object_count)), .range_entry_o(range_entry), .range_i(range), .transform_entry_o(transform_entry), .unmoved_o(unmoved), .moved_i(moved),
       .ddr_read_o, .ddr_word_o(ddr_read_word_o), .ddr_valid_i, .ddr_data_i, .valid_o(sec_valid), .slot_o(secondary),
       .bad_o(sec_bad), .index_o(sec_index), .last_o(sec_last), .pop_i(sec_pop), .idle_o(sec_idle));
+
+  // ---- Objects ----
+  logic pose_wanted, pose, pose_commit;
+  logic [PRIM_W-1:0] prim_read, pose_number;
+  logic [PRIM_WORDS-1:0][CW-1:0] prim_written, pose_slot;
+  if (TRANSFORM != 0) begin : g_objects
+    objects #(
+        .EXP(EXP), .MAN(MAN), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .SWAP(SWAP), .TRANSFORM(TRANSFORM), .OBJECTS(OBJECTS),
+        .PRIM_OBJECTS(PRIM_OBJECTS), .DDR_SLOTS(DDR_SLOTS), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+    ) moving (
+        .clk_i(clk_engine), .clk_bus_i(clk_bus), .clk_core_i(clk_i), .rst_i, .write_i(object_write), .addr_i(addr), .data_i(wdata),
+        .primary_write_i(prim_write), .objects_i(object_count), .prim_objects_i(prim_object_count), .command_pair_i(command_pair),
+        .command_swap_i(command_swap), .split_i(split), .good_o(objects_good), .busy_o(objects_busy), .pair_i(pair[0]), .swap_i(swap[0]),
+        .range_entry_i(range_entry), .range_o(range), .transform_entry_i(transform_entry), .unmoved_i(unmoved), .moved_o(moved),
+        .pose_wanted_o(pose_wanted), .pose_i(pose), .posed_o(posed), .read_o(prim_read), .written_i(prim_written), .pose_commit_o(pose_commit),
+        .pose_number_o(pose_number), .pose_slot_o(pose_slot));
+  end else begin : g_no_objects
+    logic unused;
+    assign unused = &{1'b0, object_write, object_count, prim_object_count, range_entry, transform_entry, unmoved, pose, prim_written};
+    assign {objects_good, objects_busy, pose_wanted, posed, pose_commit} = 5'b10000;
+    assign range = '0;
+    assign moved = '0;
+    assign prim_read = '0;
+    assign pose_number = '0;
+    assign pose_slot = '0;
+  end
 
   // ---- Sequencer ----
   logic flush, clear, issue_parity, fifo_empty, writeback, writeback_parity, writeback_ready;
@@ -124,7 +168,7 @@ module board #(
   engine_control #(.LANES(LANES), .PRIMARIES(PRIMARIES), .FIFO_DEPTH(FIFO_DEPTH)) control (
       .clk_i(clk_engine), .rst_i, .go_i(go), .abort_i(abort), .mode_i(command_mode), .pair_i(command_pair),
       .swap_i(command_swap), .split_i(split), .mode_o(mode), .pair_o(pair), .swap_o(swap), .primaries_busy_i(prim_busy), .prim_count_i(prim_count), .active_i(active),
-      .busy_o(busy), .done_o(done), .flush_o(flush), .streaming_mode_o(streaming), .clear_o(clear), .clear_row_o(clear_row),
+      .busy_o(busy), .done_o(done), .flush_o(flush), .streaming_mode_o(streaming), .pose_wanted_i(pose_wanted), .pose_o(pose), .posed_i(posed), .clear_o(clear), .clear_row_o(clear_row),
       .clear_mask_o(clear_mask), .fetch_start_o(fetch_start), .fetch_stop_o(fetch_stop), .secondary_valid_i(sec_valid),
       .secondary_last_i(sec_last), .secondary_idle_i(sec_idle), .secondary_pop_o(sec_pop), .ready_i(ready), .issue_o(issue),
       .issue_row_o(issue_row), .issue_parity_o(issue_parity), .retire_i(retire), .new_hits_i(new_hits), .credit_i(credit),
@@ -144,11 +188,11 @@ module board #(
   logic [POINTS-1:0][CW-1:0] result_point;
   cde #(
       .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .FIFO_DEPTH(FIFO_DEPTH), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM),
-      .SWAP(SWAP), .NORMALS(NORMALS), .PARALLEL(PARALLEL), .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+      .SWAP(SWAP), .NORMALS(NORMALS), .PARALLEL(PARALLEL), .FACET_II(FACET_II), .TRANSFORM(TRANSFORM), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
       .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) engine (
       .clk_i(clk_engine), .rst_i, .clk_bus_i(clk_bus), .clk_core_i(clk_i), .prim_write_i(prim_write), .prim_addr_i(addr), .prim_data_i(wdata),
-      .prim_bad_o(prim_bad), .prim_busy_o(prim_busy), .pair_i(pair), .swap_i(swap), .split_i(split), .budget_i(budget), .gap_o(gap), .ready_o(ready), .clear_i(clear), .clear_row_i(clear_row), .clear_mask_i(clear_mask), .valid_i(issue), .row_i(issue_row),
+      .prim_bad_o(prim_bad), .prim_busy_o(prim_busy), .prim_read_i(prim_read), .prim_written_o(prim_written), .pose_i(pose_commit), .pose_number_i(pose_number), .pose_slot_i(pose_slot), .pair_i(pair), .swap_i(swap), .split_i(split), .budget_i(budget), .gap_o(gap), .ready_o(ready), .clear_i(clear), .clear_row_i(clear_row), .clear_mask_i(clear_mask), .valid_i(issue), .row_i(issue_row),
       .parity_i(issue_parity), .index_i(sec_index), .secondary_i(secondary), .secondary_bad_i(sec_bad), .mode_i(mode),
       .streaming_i(streaming), .valid_o(retire), .row_o(row), .index_o(index), .new_hits_o(new_hits), .f_o(f), .bad_o(bad),
       .unmasked_o(unmasked), .latency_o(latency), .push_i(fifo_keep), .write_i(fifo_write), .read_i(streaming && fifo_valid),

@@ -11,7 +11,10 @@ module card #(
     parameter int SWAP = 0,         // a command can exchange the roles of primary and secondary
     parameter int NORMALS = 0,      // a command can ask for normals
     parameter int PARALLEL = 0,     // two pipes can work on the same secondaries at a time
-    parameter int FACET_II = 1,     // clocks from row to row of the pipes with facets, 1 or 3
+    parameter int FACET_II = 1,     // of pairs with facets: clocks from one row to the next, 1 or 3
+    parameter int TRANSFORM = 0,    // objects move by a rigid transform: cde_pkg::TRANSFORM_*
+    parameter int OBJECTS = 1024,   // entries of their table, 2 to 2,048; PRIM_OBJECTS of that of primaries
+    parameter int PRIM_OBJECTS = 64,
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -103,7 +106,8 @@ module card #(
       .bus_rvalid_i(bus_rvalid), .bus_rdata_i(bus_rdata), .irq_i(irq));
   board #(
       .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .SWAP(SWAP),
-      .NORMALS(NORMALS), .PARALLEL(PARALLEL), .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
+      .NORMALS(NORMALS), .PARALLEL(PARALLEL), .FACET_II(FACET_II), .TRANSFORM(TRANSFORM), .OBJECTS(OBJECTS),
+      .PRIM_OBJECTS(PRIM_OBJECTS), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
       .LAT_CMP(LAT_CMP), .ARITH(ARITH), .DDR_SLOTS(DDR_SLOTS), .SRAM_RECORDS(SRAM_RECORDS), .CONFIG_HASH(CONFIG_HASH)
   ) functions (
       .clk_i, .rst_i, .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_space_i(bus_space), .bus_addr_i(bus_addr),

@@ -33,8 +33,25 @@ package cde_pkg;
   localparam logic [11:0] REG_SECONDARIES = 12'h0F0;   // secondaries swept
   localparam logic [11:0] REG_WRITTEN = 12'h0F8;       // records written to SRAM
   localparam logic [11:0] REG_WRITEBACK = 12'h068;     // clocks that wrote the kept records back to SRAM
-  localparam logic [11:0] REG_CAPS3 = 12'h070;         // [12:0] pairs in the card, [16] roles can be swapped, [17] normals, [18] two pairs at a time, [31:24] words of a primary slot
+  localparam logic [11:0] REG_CAPS3 = 12'h070;         // [12:0] pairs in the card, [16] roles can be swapped, [17] normals, [18] two pairs at a time, [20:19] TRANSFORM_*, [31:24] words of a primary slot, [47:32] and [63:48] entries of the object tables
   localparam logic [11:0] REG_PRIM_SPLIT = 12'h078;    // with a second pair: the first of its primaries, a multiple of the lanes
+
+  localparam logic [11:0] REG_OBJECT_COUNT = 12'h0A8;  // objects to sweep; 0: the slots of REG_SEC_FIRST and REG_SEC_COUNT as they lie in DDR
+  localparam logic [11:0] REG_PRIM_OBJECT_COUNT = 12'h0B0;  // objects of primaries; 0: primaries as they were written
+
+  // ---- Object tables, in SPACE_REG above the registers, write only: entries of OBJECT_WORDS words of the container width. The range
+  // takes effect with its second word, the transform with its last; both are written in ascending order ----
+  localparam logic [31:0] OBJECT_TABLE = 32'h00040000;       // of secondaries: ranges of slots in DDR
+  localparam logic [31:0] PRIM_OBJECT_TABLE = 32'h00080000;  // of primaries: ranges of their numbers in the register file
+  localparam int OBJECT_WORDS = 16;       // from entry to entry
+  localparam int OBJECT_FIRST = 0;        // first slot
+  localparam int OBJECT_COUNT = 1;        // slots
+  localparam int OBJECT_ROTATION = 2;     // 9 words, row by row
+  localparam int OBJECT_TRANSLATION = 11; // 3 words
+  localparam int OBJECT_END = 14;         // words in use
+  localparam int TRANSFORM_NONE = 0;         // values of the parameter TRANSFORM: there is no transformer
+  localparam int TRANSFORM_SECONDARIES = 1;  // for secondaries
+  localparam int TRANSFORM_BOTH = 2;         // for primaries too
 
   localparam logic [31:0] ID_MAGIC = 32'h43444531;
   localparam logic [31:0] INTERFACE_VERSION = 32'd3;
@@ -139,6 +156,15 @@ package cde_pkg;
         if ((primary || swap) && primary_shape(p) == shape) uses_shape = 1;
         if ((!primary || swap) && secondary_shape(p) == shape) uses_shape = 1;
       end
+  endfunction
+
+  // Whether the transformer of a card handles the shape, and its clocks: R x is LAT_MUL + 2*LAT_ADD, + t is LAT_ADD; n'.t of a plane
+  // waits for R n.
+  function bit moves_shape(input int pairs, input int shape, input bit swap, input int transform);
+    moves_shape = uses_shape(pairs, shape, 0, swap) || (transform == TRANSFORM_BOTH && uses_shape(pairs, shape, 1, swap));
+  endfunction
+  function int transform_latency(input int pairs, input bit swap, input int transform, input int lat_add, input int lat_mul);
+    transform_latency = moves_shape(pairs, SHAPE_PLANE, swap, transform) ? 2 * lat_mul + 5 * lat_add : lat_mul + 3 * lat_add;
   endfunction
 
   // ---- Ray-triangle algorithms (REG_CAPS) ----

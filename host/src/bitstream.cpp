@@ -199,6 +199,12 @@ std::vector<std::string> BoardConfig::parameters() const {
   unsigned set = 0;
   for (const Pair pair : pairs) set |= 1u << static_cast<unsigned>(pair);
   const BoardConfig standard;
+  const bool moves = transform != Transformer::kNone, poses = transform == Transformer::kBoth;
+  const auto table = [&](unsigned value, const char* name) {
+    require(value >= 2 && value <= 2048, name, value, "2 to 2048");
+  };
+  if (moves) table(objects, "objects");
+  if (poses) table(primary_objects, "primary_objects");
   require(ddr_slots >= 1 && ddr_slots <= standard.ddr_slots, "ddr_slots", ddr_slots,
           "1 to 55555555");
   require(std::has_single_bit(sram_records) && sram_records >= 2 &&
@@ -217,6 +223,9 @@ std::vector<std::string> BoardConfig::parameters() const {
   add("NORMALS", normals ? 1 : 0, 0);
   add("PARALLEL", parallel ? 1 : 0, 0);
   add("FACET_II", facet_interval, standard.facet_interval);
+  add("TRANSFORM", static_cast<unsigned>(transform), 0);
+  if (moves) add("OBJECTS", objects, standard.objects);
+  if (poses) add("PRIM_OBJECTS", primary_objects, standard.primary_objects);
   add("LAT_ADD", latency_add, standard.latency_add);
   add("LAT_MUL", latency_mul, standard.latency_mul);
   add("LAT_DIV", latency_div, standard.latency_div);

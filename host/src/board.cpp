@@ -51,6 +51,9 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   field("role swap", caps3 >> 16 & 1, config.swap);
   field("normals", caps3 >> 17 & 1, config.normals);
   field("two pairs at a time", caps3 >> 18 & 1, config.parallel);
+  field("transformer", caps3 >> 19 & 3, static_cast<unsigned>(config.transform));
+  card.objects.entries = caps3 >> 32 & 0xffff;
+  card.primary_objects.entries = caps3 >> 48;
   card.pairs = config.pairs;
   card.can_swap = config.swap;
   card.has_normals = config.normals;
@@ -63,6 +66,13 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
 }  // namespace
 
 // ---- Bus accesses ----
+
+void Board::Impl::write(card::Space space, std::uint32_t offset, const void* data,
+                        std::uint64_t beats) {
+  if (space == card::kSpaceDdr || space == card::kSpacePrim || offset >= card::kObjectTable)
+    words_uploaded += 2 * beats;
+  link->write(space, offset, data, beats);
+}
 
 std::uint64_t Board::Impl::read_register(std::uint32_t offset) {
   std::uint64_t value = 0;
@@ -84,6 +94,15 @@ void Board::Impl::check_bus(const char* during) {
       fmt::format(
           "bus error during {}: access to space {} offset {:#x} refused, status {:#x}, clock {}",
           during, fault >> 32, fault & 0xffffffff, status, clocks()));
+}
+
+void Board::Impl::reset() {
+  link->reset();
+  loaded = second_loaded = 0;
+  for (ObjectTable* table : {&objects, &primary_objects}) {
+    table->objects.clear();
+    table->placed.clear();
+  }
 }
 
 // ---- Opening ----
@@ -128,6 +147,18 @@ Board Board::open(const BoardConfig& config, const OpenOptions& options) {
 
 // ---- Algorithm 1, before the pass ----
 
+namespace {
+
+void check_shapes(Shape shape, std::size_t count,
+                  const std::function<std::optional<std::string>(std::size_t)>& defect) {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (const auto why = defect(i))
+      throw Error(ErrorCode::kBadInput, fmt::format("{} {}: {}", name(shape), i, *why));
+  }
+}
+
+}  // namespace
+
 void Board::upload(const TriangleView& triangles, bool validate) {
   upload_words(
       Shape::kTriangle, triangles.size(),
@@ -143,27 +174,58 @@ void Board::upload_words(Shape shape, std::size_t count, const Words& words,
                 fmt::format("{} {}s do not fit the card's DDR, which holds {}", count, name(shape),
                             capacity(shape)));
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    if (const auto why = defect(i))
-      throw Error(ErrorCode::kBadInput, fmt::format("{} {}: {}", name(shape), i, *why));
-  }
-  // An even number of slots ends with a beat.
-  constexpr std::size_t kChunk = 1024;
-  const std::size_t slot_words = cde::words(shape);
-  std::vector<float> buffer(kChunk * slot_words + 1);
+  check_shapes(shape, count, defect);
   const std::uint64_t start = clocks();
   impl_->secondaries = 0;
-  for (std::size_t first = 0; first < count; first += kChunk) {
-    const std::size_t n = std::min(kChunk, count - first);
-    for (std::size_t i = 0; i < n; ++i) words(first + i, &buffer[i * slot_words]);
-    buffer[n * slot_words] = 0;
-    impl_->link->write(card::kSpaceDdr, static_cast<std::uint32_t>(first * slot_words * 4),
-                       buffer.data(), (n * slot_words + 1) / 2);
-  }
+  impl_->write_slots(shape, 0, count, words);
   impl_->upload_clocks = clocks() - start;
-  impl_->check_bus("the upload of secondaries");
   impl_->secondaries = static_cast<std::uint32_t>(count);
   impl_->secondary_shape = shape;
+}
+
+void Board::update_words(Shape shape, std::size_t first, std::size_t count, const Words& words,
+                         const std::function<std::optional<std::string>(std::size_t)>& defect) {
+  if (impl_->secondaries == 0 || shape != impl_->secondary_shape) {
+    throw Error(ErrorCode::kUsage, fmt::format("no {}s were uploaded to the board", name(shape)));
+  }
+  if (first > impl_->secondaries || count > impl_->secondaries - first) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}s {} to {} are not among the {} uploaded", name(shape), first,
+                            first + count - 1, impl_->secondaries));
+  }
+  check_shapes(shape, count, defect);
+  const std::uint64_t start = clocks();
+  impl_->write_slots(shape, first, count, words);
+  impl_->upload_clocks = clocks() - start;
+}
+
+void Board::Impl::write_slots(Shape shape, std::size_t first, std::size_t count,
+                              const std::function<void(std::size_t, float*)>& words) {
+  constexpr std::size_t kChunk = 1024;
+  const std::size_t slot_words = cde::words(shape);
+  const bool odd = slot_words % 2 != 0;
+  // Where a chunk begins or ends within a beat, the other word of that beat goes along.
+  std::vector<float> buffer((kChunk + 1) * slot_words + 2);
+  for (std::size_t done = 0; done < count;) {
+    const std::size_t slot = first + done;
+    const std::size_t n = std::min(kChunk, count - done);
+    const std::size_t before = odd ? slot % 2 : 0, after = odd ? (slot + n) % 2 : 0;
+    float* const shapes = &buffer[before];
+    for (std::size_t i = 0; i < n; ++i) words(done + i, shapes + i * slot_words);
+    if (odd) {
+      if (seams_.size() < (slot + n + 1) / 2) seams_.resize((slot + n + 1) / 2);
+      for (std::size_t i = 0; i < n; ++i) {
+        const bool second = (slot + i) % 2 != 0;
+        seams_[(slot + i) / 2][second] = shapes[second ? i * slot_words : (i + 1) * slot_words - 1];
+      }
+      if (before != 0) buffer[0] = seams_[slot / 2][0];
+      if (after != 0) shapes[n * slot_words] = seams_[(slot + n) / 2][1];
+    }
+    write(card::kSpaceDdr, static_cast<std::uint32_t>((slot * slot_words - before) * 4),
+          buffer.data(), (before + n * slot_words + after) / 2);
+    done += n;
+  }
+  check_bus("the upload of secondaries");
 }
 
 void Board::load(std::span<const Ray> rays) {
@@ -191,8 +253,8 @@ void Board::Impl::load(std::uint32_t first, Shape shape, std::size_t count,
   const std::size_t stride = (slot_words + 1) / 2 * 2;
   std::vector<float> slots(count * stride);
   for (std::size_t i = 0; i < count; ++i) words(i, &slots[i * stride]);
-  link->write(card::kSpacePrim, static_cast<std::uint32_t>(first * stride * 4), slots.data(),
-              slots.size() / 2);
+  write(card::kSpacePrim, static_cast<std::uint32_t>(first * stride * 4), slots.data(),
+        slots.size() / 2);
   check_bus("the upload of primaries");
 }
 
@@ -218,8 +280,7 @@ void Board::load_second_words(Shape shape, std::size_t count, const Words& words
 // ---- The rest of the interface ----
 
 void Board::reset() {
-  impl_->link->reset();
-  impl_->loaded = 0;
+  impl_->reset();
 }
 
 void Board::trace_open(const std::filesystem::path& file) {
@@ -247,6 +308,9 @@ unsigned Board::pipe_latency() const {
 }
 std::uint64_t Board::upload_clocks() const {
   return impl_->upload_clocks;
+}
+std::uint64_t Board::words_uploaded() const {
+  return impl_->words_uploaded;
 }
 const std::filesystem::path& Board::bitstream() const {
   return impl_->bitstream;

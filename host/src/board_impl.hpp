@@ -1,8 +1,19 @@
 #pragma once
+#include <array>
+
 #include "card_link.hpp"
 #include "cde/board.hpp"
 
 namespace cde {
+
+/// An object table of the card, and what the driver wrote into it.
+struct ObjectTable {
+  const char* slots;     ///< what the ranges are of, for messages
+  std::uint32_t offset;  ///< in kSpaceReg
+  unsigned entries = 0;  ///< 0: the card has none
+  std::vector<Object> objects = {};
+  std::vector<std::uint32_t> placed = {};  ///< first slot of each range, as written
+};
 
 /// State of a Board, and single accesses to its card. Private to the driver.
 class Board::Impl {
@@ -10,9 +21,14 @@ class Board::Impl {
   Impl(std::unique_ptr<CardLink> way, std::filesystem::path file)
       : link(std::move(way)), bitstream(std::move(file)) {}
 
+  /// Over the link, and counted if it is shapes or objects.
+  void write(card::Space space, std::uint32_t offset, const void* data, std::uint64_t beats);
   [[nodiscard]] std::uint64_t read_register(std::uint32_t offset);
   void write_register(std::uint32_t offset, std::uint64_t value);
   [[nodiscard]] std::uint64_t clocks() const { return link->clocks(); }
+
+  /// Hardware reset: what is not in DDR is gone.
+  void reset();
 
   /// Throws kDevice with the fault address if an access was refused, after clearing it.
   void check_bus(const char* during);
@@ -22,6 +38,16 @@ class Board::Impl {
             const std::function<void(std::size_t, float*)>& words);
   /// Slot of the second pair's first primary: rows are not shared.
   [[nodiscard]] std::uint32_t split() const { return (loaded + lanes - 1) / lanes * lanes; }
+
+  /// Shapes into DDR from slot `first` on, through a small buffer.
+  void write_slots(Shape shape, std::size_t first, std::size_t count,
+                   const std::function<void(std::size_t, float*)>& words);
+  void set_objects(ObjectTable& table, std::span<const Object> all);
+  void move_object(ObjectTable& table, std::size_t number, const Transform& transform);
+  /// What a pass needs of the tables: objects that fit, ranges of primaries where these lie.
+  void prepare_objects();
+  /// Secondaries of a pass.
+  [[nodiscard]] std::uint64_t swept() const;
 
   std::unique_ptr<CardLink> link;
   std::filesystem::path bitstream;
@@ -35,8 +61,20 @@ class Board::Impl {
   bool can_swap = false, has_normals = false, parallel = false;
   unsigned slot_words = 0;      ///< of a primary
   unsigned facet_interval = 1;  ///< clocks from row to row of pairs with facets
-  std::uint64_t upload_clocks = 0, load_clocks = 0, pass_retries = 0;
+  std::uint64_t pass_retries = 0;
   unsigned pass_retry_limit = 0;
+  std::uint64_t upload_clocks = 0, load_clocks = 0, words_uploaded = 0;
+  ObjectTable objects{"secondaries", card::kObjectTable};
+  ObjectTable primary_objects{"primaries", card::kPrimObjectTable};
+
+ private:
+  /// Error kUsage if the object does not fit what lies in the card, as far as something does.
+  void check_object(const ObjectTable& table, std::size_t number, const Object& object) const;
+  void write_object(ObjectTable& table, std::size_t number);  ///< its range, if it changed
+  void write_transform(const ObjectTable& table, std::size_t number);
+  /// Shapes of an odd number of words share beats of DDR, which is written by whole beats: the last
+  /// word of an even slot and the first one of the next, for every such two slots.
+  std::vector<std::array<float, 2>> seams_;
 };
 
 }  // namespace cde

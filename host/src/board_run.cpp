@@ -36,6 +36,7 @@ class Pass {
       : card_(card),
         query_(query),
         sink_(sink),
+        swept_(card.swept()),
         started_(card.clocks()),
         wall_start_(std::chrono::steady_clock::now()) {
     split_ = card.split();
@@ -58,14 +59,14 @@ class Pass {
         ring     ? 40 + 3 * (query.budget.samples + query.budget.circle + query.budget.free)
         : facets ? card.facet_interval
                  : 1;
-    const std::uint64_t rows_total = rows * card.secondaries * clocks_a_row;
+    const std::uint64_t rows_total = rows * swept_ * clocks_a_row;
     streaming_ = query.mode == Mode::kAll || query.mode == Mode::kHits;
-    const std::uint64_t records = streaming_ ? std::uint64_t{active_} * card.secondaries : active_;
+    const std::uint64_t records = streaming_ ? active_ * swept_ : active_;
     expected_clocks_ = rows_total + (streaming_ && query.mode == Mode::kAll ? records : 0) + 1;
     // Twice the worst: every row, every record written and read back, the memory's latency a slot.
     const std::uint64_t worst = rows_total + 2 * (2 + kBeatsPerRecord) * records +
-                                std::uint64_t{card.secondaries} * (card.ddr_latency / 32 + 2) +
-                                4096 + card.pipe_latency + (ring ? clocks_a_row * kRing : 0);
+                                swept_ * (card.ddr_latency / 32 + 2) + 8192 + card.pipe_latency +
+                                (ring ? clocks_a_row * kRing : 0);
     ring_entries_ = query.normals ? 2 : 1;
     deadline_ = query.deadline_clocks != 0 ? query.deadline_clocks : 2 * worst;
   }
@@ -95,6 +96,10 @@ class Pass {
     card_.write_register(card::kRegPrimSplit, split_);
     card_.write_register(card::kRegBudget, query_.budget.free << 16 | query_.budget.circle << 8 |
                                                query_.budget.samples);
+    if (card_.objects.entries != 0)
+      card_.write_register(card::kRegObjectCount, card_.objects.objects.size());
+    if (card_.primary_objects.entries != 0)
+      card_.write_register(card::kRegPrimObjectCount, card_.primary_objects.objects.size());
     card_.write_register(card::kRegSecFirst, 0);
     card_.write_register(card::kRegSecCount, card_.secondaries);
     for (unsigned base = 0; base < card_.primaries; base += 64) {
@@ -190,7 +195,7 @@ class Pass {
         device_error(fmt::format("{} {}, but it must be {}", value, what, wanted), status);
     };
     promise("records downloaded", received_, c.records);
-    if (query_.mode != Mode::kAny) promise("secondaries swept", c.secondaries, card_.secondaries);
+    if (query_.mode != Mode::kAny) promise("secondaries swept", c.secondaries, swept_);
     const std::uint64_t each = ring_entries_;
     if (query_.mode == Mode::kAll) promise("records", received_, c.secondaries * active_ * each);
     if (!streaming_) promise("records", received_, active_ * each);
@@ -203,9 +208,9 @@ class Pass {
   [[nodiscard]] std::string state() {
     return fmt::format(
         "status {:#x}, {} of {} secondaries swept, {} rows issued, {} records waiting, clock {}",
-        card_.read_register(card::kRegStatus), card_.read_register(card::kRegSecondaries),
-        card_.secondaries, card_.read_register(card::kRegRows),
-        card_.read_register(card::kRegRecords), card_.clocks());
+        card_.read_register(card::kRegStatus), card_.read_register(card::kRegSecondaries), swept_,
+        card_.read_register(card::kRegRows), card_.read_register(card::kRegRecords),
+        card_.clocks());
   }
   [[noreturn]] void timeout(const std::string& what) {
     throw Error(ErrorCode::kTimeout,
@@ -226,14 +231,14 @@ class Pass {
       }
       card_.write_register(card::kRegControl, card::kControlAbort | card::kControlClear);
     } catch (const Error&) {
-      card_.link->reset();
-      card_.loaded = 0;
+      card_.reset();
     }
   }
 
   Board::Impl& card_;
   const Query& query_;
   const RecordSink& sink_;
+  std::uint64_t swept_;  // secondaries
   std::uint64_t started_;
   std::chrono::steady_clock::time_point wall_start_;
   std::uint64_t deadline_ = 0, expected_clocks_ = 0, received_ = 0;
@@ -304,6 +309,7 @@ Query complete(const Board::Impl& card, const Query& query) {
 
 Counters Board::run(const Query& query, const RecordSink& sink) {
   const Query whole = complete(*impl_, query);
+  impl_->prepare_objects();
   // A pass gives the same records every time: if some are lost on the bus it is run again, and
   // those that `sink` has are left out.
   std::uint64_t delivered = 0;

@@ -6,6 +6,7 @@
 
 #include "cde/error.hpp"
 #include "cde/reference/check.hpp"
+#include "cde/transform.hpp"
 
 namespace cde {
 namespace {
@@ -51,6 +52,20 @@ Defect not_unit(std::string_view name, const Eigen::Vector3f& v) {
   if (reference::dot_is<float>(v, v, 1)) return std::nullopt;
   return fmt::format("{} has squared length {}, must be 1 within {:.3g}", name,
                      reference::dot<float>(v, v), reference::kUnitTolerance<float>);
+}
+
+Defect not_orthonormal(const Eigen::Matrix3f& rotation) {
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) {
+      const Eigen::Vector3f a = rotation.col(i), b = rotation.col(j);
+      if (!reference::dot_is<float>(a, b, i == j))
+        return fmt::format(
+            "rotation is not orthonormal: the product of columns {} and {} is {}, must be {} "
+            "within {:.3g}",
+            i, j, reference::dot<float>(a, b), i == j ? 1 : 0, reference::kUnitTolerance<float>);
+    }
+  }
+  return std::nullopt;
 }
 
 template <typename Primitive>
@@ -103,17 +118,12 @@ Defect defect(const Obb& box) {
   if (auto why = not_finite(box)) return why;
   for (int k = 0; k < 3; ++k)
     if (auto why = not_positive(fmt::format("half extent.{}", "xyz"[k]), box.half[k])) return why;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = i; j < 3; ++j) {
-      const Eigen::Vector3f a = box.rotation.col(i), b = box.rotation.col(j);
-      if (!reference::dot_is<float>(a, b, i == j))
-        return fmt::format(
-            "rotation is not orthonormal: the product of columns {} and {} is {}, must be {} "
-            "within {:.3g}",
-            i, j, reference::dot<float>(a, b), i == j ? 1 : 0, reference::kUnitTolerance<float>);
-    }
-  }
-  return std::nullopt;
+  return not_orthonormal(box.rotation);
+}
+
+Defect defect(const Transform& transform) {
+  if (auto why = not_finite(transform)) return why;
+  return not_orthonormal(transform.rotation);
 }
 
 void check(const Ray& ray, std::string_view what) {

@@ -6,6 +6,7 @@
 #include <bit>
 
 #include "cde/error.hpp"
+#include "cde/reference/transform.hpp"
 #include "reference_sweep.hpp"
 
 namespace cde::reference {
@@ -28,10 +29,14 @@ Record record_of(const Ray& ray, const Triangle& triangle, std::uint32_t primary
 class Sweep::Impl {
  public:
   Impl(std::span<const Ray> rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
-       unsigned packet)
+       unsigned packet, std::span<const Object> objects)
       : rays_(rays), triangles_(triangles), mode_(mode), stencil_(stencil), packet_(packet) {
     if (packet == 0 || packet > RayBlock::kRays)
       throw Error(ErrorCode::kUsage, fmt::format("a packet of {} rays", packet));
+    if (!objects.empty()) {
+      swept_ = swept(triangles, objects);
+      triangles_ = TriangleView(swept_.shapes);
+    }
     begin_packet();
   }
 
@@ -69,6 +74,11 @@ class Sweep::Impl {
     return static_cast<std::uint32_t>(first_ + place);
   }
 
+  /// Where the triangle lies that comes at this place of the sweep.
+  [[nodiscard]] std::uint32_t slot(std::uint32_t index) const {
+    return swept_.slots.empty() ? index : swept_.slots[index];
+  }
+
   /// Calls visit(place, record) for every unmasked ray of the packet that hits the triangle.
   template <typename Visit>
   void for_hits(std::uint32_t index, Visit visit) {
@@ -76,7 +86,7 @@ class Sweep::Impl {
     if (!inside(block_, triangle, mask_)) return;
     for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
       if (mask_[i] == 0 || stencil_[i]) continue;
-      const Record record = record_of(packet_rays_[i], triangle, number(i), index);
+      const Record record = record_of(packet_rays_[i], triangle, number(i), slot(index));
       if (record.f) visit(i, record);
     }
   }
@@ -88,7 +98,8 @@ class Sweep::Impl {
     }
     const Triangle triangle = triangles_[index];
     for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
-      if (!stencil_[i]) records_.push_back(record_of(packet_rays_[i], triangle, number(i), index));
+      if (!stencil_[i])
+        records_.push_back(record_of(packet_rays_[i], triangle, number(i), slot(index)));
     }
   }
 
@@ -122,6 +133,7 @@ class Sweep::Impl {
 
   std::span<const Ray> rays_, packet_rays_;
   TriangleView triangles_;
+  Swept<Triangle> swept_;  // of the objects; empty without
   Mode mode_;
   Stencil stencil_;
   std::size_t packet_, first_ = 0, triangle_ = 0;
@@ -131,16 +143,16 @@ class Sweep::Impl {
 };
 
 Sweep::Sweep(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
-             const Stencil& stencil, unsigned packet)
-    : impl_(std::make_unique<Impl>(rays, triangles, mode, stencil, packet)) {}
+             const Stencil& stencil, unsigned packet, std::span<const Object> objects)
+    : impl_(std::make_unique<Impl>(rays, triangles, mode, stencil, packet, objects)) {}
 Sweep::~Sweep() = default;
 std::span<const Record> Sweep::next() {
   return impl_->next();
 }
 
 std::vector<Record> cast(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
-                         const Stencil& stencil) {
-  Sweep sweep(rays, triangles, mode, stencil);
+                         const Stencil& stencil, std::span<const Object> objects) {
+  Sweep sweep(rays, triangles, mode, stencil, 256, objects);
   std::vector<Record> records;
   for (auto some = sweep.next(); !some.empty(); some = sweep.next())
     records.insert(records.end(), some.begin(), some.end());
@@ -166,10 +178,11 @@ std::string text(const Record& r) {
 }  // namespace
 
 Checker::Checker(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
-                 const Stencil& stencil, unsigned packet, std::string command)
+                 const Stencil& stencil, unsigned packet, std::string command,
+                 std::span<const Object> objects)
     : rays_(rays),
       triangles_(triangles),
-      sweep_(rays, triangles, mode, stencil, packet),
+      sweep_(rays, triangles, mode, stencil, packet, objects),
       command_(std::move(command)) {}
 
 void Checker::mismatch(const Record* card, const Record* expected) const {

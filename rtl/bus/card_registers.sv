@@ -4,7 +4,7 @@
 // A beat is registered first and served the clock after; everything here but the counters is clocked only while a beat is on its
 // way, so that an idle bus costs nothing.
 // Latency: read data 2 clocks after the beat is taken. Throughput: one beat a clock. Stall: ready_o is low while an SRAM read waits
-// for the ring.
+// for the ring, and while a control write waits for the verdict on an object.
 module card_registers #(
     parameter int EXP = 8,
     parameter int MAN = 23,
@@ -15,6 +15,9 @@ module card_registers #(
     parameter int SWAP = 0,
     parameter int NORMALS = 0,
     parameter int PARALLEL = 0,
+    parameter int TRANSFORM = 0,
+    parameter int OBJECTS = 1024,
+    parameter int PRIM_OBJECTS = 64,
     parameter int DDR_SLOTS = 55555555,  // of DDR_WORDS words
     parameter int SRAM_RECORDS = 524288,
     parameter logic [63:0] CONFIG_HASH = 0,
@@ -67,7 +70,14 @@ module card_registers #(
     input logic secondary_i,
     input logic secondary_bad_i,
     input logic record_i,
-    input logic [15:0] latency_i
+    input logic [15:0] latency_i,
+
+    output logic object_write_o,  // into the object tables
+    output logic [31:0] object_count_o,
+    output logic [31:0] prim_object_count_o,
+    input logic objects_good_i,
+    input logic objects_busy_i,
+    input logic posed_i  // wants a clock of the bus
 );
   import cde_pkg::*;
   localparam logic [63:0] DDR_BYTES = 64'(DDR_SLOTS) * 64'(DDR_WORDS * CW / 8);
@@ -78,7 +88,7 @@ module card_registers #(
 
   logic [3:0] pair_q, pair2_q;
   logic swap_q, normals_q, second_q, swap2_q;
-  logic [31:0] prim_count_q, split_q, sec_first_q, sec_count_q;
+  logic [31:0] prim_count_q, split_q, sec_first_q, sec_count_q, object_count_q, prim_object_count_q;
   logic [2:0] mode_q;
   logic [23:0] budget_q;
   logic [STENCILS*64-1:0] stencil_q;
@@ -91,7 +101,7 @@ module card_registers #(
   logic [1:0] space_q;
   logic [31:0] addr_q;
   logic [63:0] wdata_q;
-  clock_gate gate (.clk_i, .enable_i(bus_valid_i | valid_q | bus_rvalid_o | done_i | rst_i), .clk_o(clk_bus_o));
+  clock_gate gate (.clk_i, .enable_i(bus_valid_i | valid_q | bus_rvalid_o | done_i | posed_i | rst_i), .clk_o(clk_bus_o));
   always_ff @(posedge clk_bus_o) begin
     if (bus_ready_o) begin
       valid_q <= bus_valid_i;
@@ -110,6 +120,11 @@ module card_registers #(
   assign offset = addr_q[11:0];
   assign in_stencil = addr_q >= 32'(REG_STENCIL) && addr_q < 32'(REG_STENCIL) + 32'(STENCILS * 8);
 
+  localparam logic [31:0] OBJECT_BYTES = 32'(OBJECTS * OBJECT_WORDS * CW / 8), PRIM_OBJECT_BYTES = 32'(PRIM_OBJECTS * OBJECT_WORDS * CW / 8);
+  logic in_objects;
+  assign in_objects = (TRANSFORM != TRANSFORM_NONE && addr_q >= OBJECT_TABLE && addr_q < OBJECT_TABLE + OBJECT_BYTES) ||
+      (TRANSFORM == TRANSFORM_BOTH && addr_q >= PRIM_OBJECT_TABLE && addr_q < PRIM_OBJECT_TABLE + PRIM_OBJECT_BYTES);
+
   // What an access may touch. Memories and settings are not written while a pass runs.
   always_comb begin
     allowed = 0;
@@ -120,7 +135,9 @@ module card_registers #(
           case (addr_q)
             32'(REG_CONTROL): allowed = 1;
             32'(REG_COMMAND), 32'(REG_PRIM_COUNT), 32'(REG_PRIM_SPLIT), 32'(REG_BUDGET), 32'(REG_SEC_FIRST), 32'(REG_SEC_COUNT): allowed = !busy_i;
-            default: allowed = in_stencil && !busy_i;
+            32'(REG_OBJECT_COUNT): allowed = TRANSFORM != TRANSFORM_NONE && !busy_i;
+            32'(REG_PRIM_OBJECT_COUNT): allowed = TRANSFORM == TRANSFORM_BOTH && !busy_i;
+            default: allowed = (in_stencil || in_objects) && !busy_i;
           endcase
       SPACE_PRIM: allowed = write_q && !busy_i && addr_q < PRIM_BYTES;
       SPACE_DDR: allowed = write_q && !busy_i && {32'b0, addr_q} < DDR_BYTES;
@@ -130,9 +147,11 @@ module card_registers #(
     allowed = allowed && aligned;
   end
 
-  assign bus_ready_o = !(valid_q && space_q == SPACE_SRAM && allowed && !sram_valid_i);
+  assign bus_ready_o = !(valid_q && ((space_q == SPACE_SRAM && allowed && !sram_valid_i) ||
+      (objects_busy_i && space_q == SPACE_REG && write_q && addr_q == 32'(REG_CONTROL))));
   assign read = valid_q && bus_ready_o && !write_q;
-  assign write_reg = valid_q && write_q && allowed && space_q == SPACE_REG;
+  assign write_reg = valid_q && bus_ready_o && write_q && allowed && space_q == SPACE_REG;
+  assign object_write_o = write_reg && in_objects;
   assign prim_write_o = valid_q && write_q && allowed && space_q == SPACE_PRIM;
   assign ddr_write_o = valid_q && write_q && allowed && space_q == SPACE_DDR;
   assign sram_pop_o = read && allowed && space_q == SPACE_SRAM;
@@ -140,7 +159,7 @@ module card_registers #(
   // Whether the secondaries lie in DDR; a multiplication, so only while something is written.
   logic [63:0] sec_end;
   logic [3:0] sec_words, sec_shape, sec_shape2;
-  logic pair_there, second_ok, budget_ok;
+  logic pair_there, second_ok, budget_ok, secondaries_ok;
   assign sec_shape = 4'(swap_q ? primary_shape(int'(pair_q)) : secondary_shape(int'(pair_q)));
   assign sec_words = 4'(shape_words(int'(sec_shape)));
   assign sec_end = ({31'b0, {1'b0, sec_first_q} + {1'b0, sec_count_q}} * 64'(sec_words)) * CW_BYTES;
@@ -153,9 +172,13 @@ module card_registers #(
   assign budget_ok = !any_ring(PAIRS) || ((budget_q[7:0] == 8'd4 || budget_q[7:0] == 8'd8 || budget_q[7:0] == 8'd16) &&
       budget_q[15:8] <= 8'd64 && budget_q[23:16] <= 8'd64);
   assign command_ok = mode_q <= MODE_HITS && pair_there && second_ok && budget_ok && (SWAP != 0 || !swap_q) && (NORMALS != 0 || !normals_q) && prim_count_q != 0 &&
-      prim_count_q <= 32'(PRIMARIES) && sec_count_q != 0 && sec_end <= DDR_BYTES && !busy_i;
-  assign go_o = write_reg && offset == REG_CONTROL && wdata_q[0] && command_ok;
-  assign abort_o = write_reg && offset == REG_CONTROL && wdata_q[1];
+      prim_count_q <= 32'(PRIMARIES) && secondaries_ok && !busy_i;
+  // Objects in use, of primaries too, are in contract or go is refused; their ranges take the place of the one in the registers.
+  assign secondaries_ok = (TRANSFORM == TRANSFORM_NONE || objects_good_i) && (object_count_q != 0 || (sec_count_q != 0 && sec_end <= DDR_BYTES));
+  assign object_count_o = object_count_q;
+  assign prim_object_count_o = prim_object_count_q;
+  assign go_o = write_reg && addr_q == 32'(REG_CONTROL) && wdata_q[0] && command_ok;
+  assign abort_o = write_reg && addr_q == 32'(REG_CONTROL) && wdata_q[1];
   assign mode_o = mode_q;
   assign pair_o = {(PARALLEL != 0 && second_q) ? pair2_q : NO_PAIR, pair_q};
   assign swap_o = {SWAP != 0 && swap2_q, SWAP != 0 && swap_q};
@@ -181,7 +204,7 @@ module card_registers #(
         REG_CONFIG_HASH: bus_rdata_o <= CONFIG_HASH;
         REG_CAPS2: bus_rdata_o <= {8'b0, 8'(CW), 32'(SRAM_RECORDS), latency_i};
         REG_CAPACITY: bus_rdata_o <= DDR_BYTES;
-        REG_CAPS3: bus_rdata_o <= {32'b0, 8'(PRIM_WORDS), 5'b0, 1'(PARALLEL), 1'(NORMALS), 1'(SWAP), 16'(PAIRS)};
+        REG_CAPS3: bus_rdata_o <= {TRANSFORM == TRANSFORM_BOTH ? 16'(PRIM_OBJECTS) : 16'd0, TRANSFORM != TRANSFORM_NONE ? 16'(OBJECTS) : 16'd0, 8'(PRIM_WORDS), 3'b0, 2'(TRANSFORM), 1'(PARALLEL), 1'(NORMALS), 1'(SWAP), 16'(PAIRS)};
         REG_STATUS: begin
           bus_rdata_o <= '0;
           bus_rdata_o[STATUS_BUSY] <= busy_i;
@@ -197,6 +220,8 @@ module card_registers #(
         REG_BUDGET: bus_rdata_o <= 64'(budget_q);
         REG_SEC_FIRST: bus_rdata_o <= 64'(sec_first_q);
         REG_SEC_COUNT: bus_rdata_o <= 64'(sec_count_q);
+        REG_OBJECT_COUNT: bus_rdata_o <= 64'(object_count_q);
+        REG_PRIM_OBJECT_COUNT: bus_rdata_o <= 64'(prim_object_count_q);
         REG_RECORDS: bus_rdata_o <= 64'(sram_count_i);
         REG_FAULT_ADDR: bus_rdata_o <= 64'(fault_q);
         REG_CYCLES: bus_rdata_o <= cycles_q;
@@ -212,7 +237,7 @@ module card_registers #(
       endcase
     end
 
-    if (write_reg) begin
+    if (write_reg && !in_objects) begin
       case (offset)
         REG_COMMAND: {pair2_q, swap2_q, second_q, pair_q, normals_q, swap_q, mode_q} <= {wdata_q[19:16], wdata_q[13:8], wdata_q[5:4], wdata_q[2:0]};
         REG_PRIM_SPLIT: split_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
@@ -230,6 +255,8 @@ module card_registers #(
             command_error_q <= !command_ok;
           end
         end
+        REG_OBJECT_COUNT: object_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
+        REG_PRIM_OBJECT_COUNT: prim_object_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
         default: stencil_q[64*32'(offset[4:3])+:64] <= wdata_q;
       endcase
     end
@@ -243,7 +270,7 @@ module card_registers #(
       {done_q, command_error_q, bus_error_q} <= '0;
       {pair2_q, swap2_q, second_q, pair_q, normals_q, swap_q, mode_q} <= '0;
       budget_q <= 24'h080808;
-      {prim_count_q, split_q, sec_first_q, sec_count_q} <= '0;
+      {prim_count_q, split_q, sec_first_q, sec_count_q, object_count_q, prim_object_count_q} <= '0;
       stencil_q <= '0;
       present_q <= '0;
       fault_q <= '0;

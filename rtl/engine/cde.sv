@@ -18,6 +18,7 @@ module cde #(
     parameter int NORMALS = 0,
     parameter int PARALLEL = 0,
     parameter int FACET_II = 1,  // of pairs with facets: clocks from one row to the next, 1 or 3
+    parameter int TRANSFORM = 0,
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -45,6 +46,11 @@ module cde #(
     input logic [63:0] prim_data_i,
     output logic [PRIMARIES-1:0] prim_bad_o,  // by the contract of the pair's primary
     output logic prim_busy_o,  // primaries are being checked
+    input logic [PRIM_W-1:0] prim_read_i,  // as in primary_regfile
+    output logic [PRIM_WORDS-1:0][CW-1:0] prim_written_o,
+    input logic pose_i,
+    input logic [PRIM_W-1:0] pose_number_i,
+    input logic [PRIM_WORDS-1:0][CW-1:0] pose_slot_i,
     input logic clear_i,  // start of a pass: one row a clock
     input logic [ROW_W-1:0] clear_row_i,
     input logic [LANES-1:0] clear_mask_i,
@@ -97,10 +103,11 @@ module cde #(
   logic [LANE_W-1:0] prim_lane;
   logic [PRIM_WORDS-1:0][CW-1:0] prim_slot;
   primary_regfile #(
-      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .SWAP(SWAP), .PARALLEL(PARALLEL), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-      .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .SWAP(SWAP), .PARALLEL(PARALLEL), .TRANSFORM(TRANSFORM),
+      .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) primaries (
       .clk_i(clk_bus_i), .clk_core_i, .rst_i, .pair_i, .swap_i, .split_i, .busy_o(prim_busy_o), .write_i(prim_write_i), .write_addr_i(prim_addr_i), .write_data_i(prim_data_i), .bad_o(prim_bad_o),
+      .clk_engine_i(clk_i), .read_i(prim_read_i), .written_o(prim_written_o), .pose_i, .pose_number_i, .pose_slot_i,
       .commit_o(prim_commit), .row_o(prim_row), .lane_o(prim_lane), .slot_o(prim_slot));
 
   clock_gate gate_prim (.clk_i(clk_core_i), .enable_i(prim_commit), .clk_o(clk_prim));

@@ -1,4 +1,4 @@
-// Sequencer of a pass: clear the update buffers, sweep every secondary over the rows of primaries, let the pipe drain, write the
+// Sequencer of a pass: pose primaries that moved, clear the update buffers, sweep every secondary over the rows of primaries, let the pipe drain, write the
 // results back, report done. A row enters the pipe when a secondary is there and, in the streaming modes, a credit of the
 // output FIFO is left and its pipe is ready. With a second pair a row of its primaries enters its pipe in the same clock.
 // Throughput: one row a clock without bubbles while secondaries and credits last and pipes are ready.
@@ -29,6 +29,10 @@ module engine_control #(
     output logic flush_o,  // aborted: what is in flight or waiting is dropped
     output logic streaming_mode_o,
 
+    input logic pose_wanted_i,  // primaries moved since they were posed last
+    output logic pose_o,
+    input logic posed_i,
+
     output logic clear_o,
     output logic [ROW_W-1:0] clear_row_o,
     output logic [LANES-1:0] clear_mask_o,
@@ -58,7 +62,7 @@ module engine_control #(
     output logic bubble_o,
     output logic stall_o
 );
-  typedef enum logic [2:0] {IDLE, CLEAR, SWEEP, DRAIN, WRITEBACK, FLUSH} state_e;
+  typedef enum logic [2:0] {IDLE, POSE, CLEAR, SWEEP, DRAIN, WRITEBACK, FLUSH} state_e;
   state_e state_q;
   logic [ROW_W-1:0] row_q;
   logic [ROW_W:0] rows, first_rows, second_rows, longer;  // rows in use
@@ -78,6 +82,7 @@ module engine_control #(
   assign flush_o = abort_i || state_q == FLUSH;
   assign streaming_mode_o = mode_o == cde_pkg::MODE_ALL || mode_o == cde_pkg::MODE_HITS;
 
+  assign pose_o = state_q == POSE;
   assign clear_o = state_q == CLEAR && !primaries_busy_i;
   assign clear_row_o = row_q;
   assign clear_mask_o = ~active_i[32'(row_q)*LANES+:LANES];
@@ -112,11 +117,12 @@ module engine_control #(
           mode_o <= mode_i;
           pair_o <= pair_i;
           swap_o <= swap_i;
-          state_q <= CLEAR;
+          state_q <= pose_wanted_i ? POSE : CLEAR;
           credits_q <= ($clog2(FIFO_DEPTH) + 1)'(FIFO_DEPTH);
           missing_q <= (PRIM_W + 1)'($countones(active_i));
         end
       end
+      POSE: if (posed_i) state_q <= CLEAR;
       CLEAR: if (clear_o) begin
         stop_q <= 0;
         parity_q <= 0;

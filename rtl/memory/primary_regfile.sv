@@ -1,6 +1,7 @@
 // Mouth of the primary register file: PRIMARIES slots written by the local bus 64 bits a beat. The words of a slot gather in a staging
 // register; the beat that brings the last word commits the slot to its lane group. Beside that it is checked as every shape that the
-// card's pairs have for a primary; which verdict counts is the pair's business.
+// card's pairs have for a primary; which verdict counts is the pair's business. With TRANSFORM = 2 a RAM keeps the slots as they were
+// written, and posed ones come back from the transformer to be checked and committed in their place.
 // Latency: 1 clock, verdicts shape_check's latency more (busy_o). Throughput: one beat a clock. Stall: none.
 module primary_regfile #(
     parameter int EXP = 8,
@@ -10,6 +11,7 @@ module primary_regfile #(
     parameter int PAIRS = 1,
     parameter int SWAP = 0,
     parameter int PARALLEL = 0,
+    parameter int TRANSFORM = 0,
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_CMP = 1,
@@ -30,6 +32,12 @@ module primary_regfile #(
     input logic write_i,
     input logic [31:0] write_addr_i,  // byte offset, 8-byte aligned
     input logic [63:0] write_data_i,
+    input logic clk_engine_i,
+    input logic [PRIM_W-1:0] read_i,  // a slot as it was written, shown the clock after
+    output logic [WORDS-1:0][CW-1:0] written_o,
+    input logic pose_i,  // a posed slot; never while the bus writes
+    input logic [PRIM_W-1:0] pose_number_i,
+    input logic [WORDS-1:0][CW-1:0] pose_slot_i,
 
     output logic [PRIMARIES-1:0] bad_o,  // primaries out of their pair's contract, or never written
     output logic busy_o,                 // verdicts are on their way
@@ -46,39 +54,55 @@ module primary_regfile #(
     $error("primary_regfile: LANES must be a power of two that divides PRIMARIES");
   end
 
-  logic [31:0] beat, number;
+  logic [31:0] beat;
   logic [PADDED-1:0][CW-1:0] slot, slot_q;
-  logic commit;
-  logic [PRIM_W-1:0] number_q;
+  logic commit, commit_q;
+  logic [PRIM_W-1:0] number, number_q, committed;
   assign beat = write_addr_i >> 3;
-  assign number = beat / 32'(BEATS);
+  assign number = PRIM_W'(beat / 32'(BEATS));
   assign commit = write_i && beat % 32'(BEATS) == 32'(BEATS - 1);
   for (genvar b = 0; b < BEATS; b++) begin : gather
     assign slot[b*64/CW+:64/CW] = (beat % 32'(BEATS) == 32'(b)) ? write_data_i : slot_q[b*64/CW+:64/CW];
   end
-  assign slot_o = slot_q[WORDS-1:0];
   if (PADDED > WORDS) begin : g_padding
     logic unused_padding;
     assign unused_padding = &{1'b0, slot_q[PADDED-1:WORDS]};
   end
   always_ff @(posedge clk_i) begin
-    commit_o <= commit && !rst_i;
+    commit_q <= commit && !rst_i;
     if (write_i) slot_q <= slot;
-    if (commit) begin
-      row_o <= ROW_W'(number / 32'(LANES));
-      lane_o <= LANE_W'(number % 32'(LANES));
-      number_q <= PRIM_W'(number);
-    end
+    if (commit) number_q <= number;
   end
 
-  // ---- Verdicts: the check runs for a while after a commit ----
+  // ---- Commits: from the bus, from the transformer ----
+  if (TRANSFORM == cde_pkg::TRANSFORM_BOTH) begin : g_posed
+    logic [WORDS-1:0][CW-1:0] mem[PRIMARIES];
+    logic [PRIMARIES-1:0] there_q;  // was written
+    always_ff @(posedge clk_i) begin
+      if (commit) mem[number] <= slot[WORDS-1:0];
+      if (commit) there_q[number] <= 1;
+      if (rst_i) there_q <= '0;
+    end
+    always_ff @(posedge clk_engine_i) written_o <= mem[read_i];
+    assign commit_o = commit_q || (pose_i && there_q[pose_number_i]);
+    assign committed = commit_q ? number_q : pose_number_i;
+    assign slot_o = commit_q ? slot_q[WORDS-1:0] : pose_slot_i;
+  end else begin : g_written
+    logic unused_pose;
+    assign unused_pose = &{1'b0, clk_engine_i, read_i, pose_i, pose_number_i, pose_slot_i};
+    assign written_o = '0;
+    assign commit_o = commit_q;
+    assign committed = number_q;
+    assign slot_o = slot_q[WORDS-1:0];
+  end
+  assign row_o = ROW_W'(32'(committed) / 32'(LANES));
+  assign lane_o = LANE_W'(32'(committed) % 32'(LANES));
+
+  // ---- Verdicts ----
   logic clk_check, judged;
   logic [PRIM_W-1:0] judged_number;
-  logic [7:0] running_q;
-  assign busy_o = commit_o || running_q != 0;
-  clock_gate gate (.clk_i(clk_core_i), .enable_i(busy_o || rst_i), .clk_o(clk_check));
-  always_ff @(posedge clk_check) running_q <= rst_i ? '0 : commit_o ? 8'(T_CHECK) : running_q - 8'(running_q != 0);
-  align #(.W(PRIM_W + 1), .FROM(0), .TO(T_CHECK)) align_number (.clk_i(clk_check), .d_i({commit_o, number_q}), .q_o({judged, judged_number}));
+  check_clock #(.NUMBER_W(PRIM_W), .T_CHECK(T_CHECK)) check_time (
+      .clk_i(clk_core_i), .rst_i, .commit_i(commit_o), .number_i(committed), .clk_o(clk_check), .busy_o, .judged_o(judged), .number_o(judged_number));
   logic [SHAPES-1:0][PRIMARIES-1:0] verdicts;
   for (genvar shape = 0; shape < SHAPES; shape++) begin : check
     if (cde_pkg::uses_shape(PAIRS, shape, 1, SWAP != 0)) begin : g_there
@@ -86,7 +110,7 @@ module primary_regfile #(
       logic [N-1:0][0:0][CW-1:0] words;
       logic [0:0][CW-1:0] bad;
       logic bad_judged;
-      assign words = slot_q[N-1:0];
+      assign words = slot_o[N-1:0];
       shape_check #(.SHAPE(shape), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check_u (
           .clk_i(clk_check), .words_i(words), .bad_o(bad));
       // The host back end answers at once; the clocks are those of the gates.

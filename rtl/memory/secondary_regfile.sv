@@ -1,20 +1,26 @@
-// Secondary register file: fetches slots FIRST..FIRST+COUNT-1 from DDR in order, 9 words a beat, checks them and holds them in a FIFO of
-// DEPTH. A slot of more than 9 words takes two beats. The head stays until `pop_i`; with DEPTH above the memory latency there is a slot
-// for every clock that asks for one.
-// Latency: the memory's and shape_check's. Throughput: one beat a clock. Stall: requests only what the FIFO has room for.
+// Secondary register file: fetches slots FIRST..FIRST+COUNT-1 from DDR in order, or with TRANSFORM those of the objects in use, 9 words a
+// beat, checks them and holds them in a FIFO. A slot of more than 9 words takes two beats. The head stays until `pop_i`; with DEPTH
+// above the memory latency there is a slot for every clock that asks for one.
+// With TRANSFORM every slot goes through the transformer first: what is checked is what meets the primaries, so an overflow or a
+// direction that underflows is bad input like any other.
+// Latency: the memory's, with TRANSFORM 1 clock and the transformer's, and shape_check's. Throughput: one beat a clock. Stall: requests
+// only what the FIFO has room for.
 module secondary_regfile #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int DEPTH = 64,  // power of two
     parameter int PAIRS = 1,
     parameter int SWAP = 0,
+    parameter int TRANSFORM = 0,
+    parameter int OBJECTS = 0,  // entries of the object table, 0 without TRANSFORM
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
     localparam int WORDS = cde_pkg::slot_words(PAIRS, 0, SWAP != 0),
-    localparam int BEAT = cde_pkg::DDR_WORDS
+    localparam int BEAT = cde_pkg::DDR_WORDS,
+    localparam int OBJECT_W = (OBJECTS > 1) ? $clog2(OBJECTS) : 1
 ) (
     input logic clk_i,
     input logic rst_i,
@@ -24,6 +30,14 @@ module secondary_regfile #(
     input logic stop_i,  // ask for nothing more and drop what comes
     input logic [31:0] first_i,
     input logic [31:0] count_i,
+    input logic [OBJECT_W:0] objects_i,  // 0: the range first_i, count_i
+
+    // To the object table and the transformer, both outside: primaries use the transformer too.
+    output logic [OBJECT_W-1:0] range_entry_o,
+    input logic [1:0][31:0] range_i,
+    output logic [OBJECT_W-1:0] transform_entry_o,   // of the slot that arrives
+    output logic [WORDS-1:0][CW-1:0] unmoved_o,      // that slot, the clock after, as its transform
+    input logic [WORDS-1:0][CW-1:0] moved_i,         // behind the transformer
 
     output logic ddr_read_o,
     output logic [31:0] ddr_word_o,  // address in words
@@ -33,7 +47,7 @@ module secondary_regfile #(
     output logic valid_o,
     output logic [WORDS-1:0][CW-1:0] slot_o,
     output logic bad_o,             // out of the pair's contract
-    output logic [31:0] index_o,    // position in the stream, from 0
+    output logic [31:0] index_o,    // position in the range; of an object the slot's number in DDR
     output logic last_o,
     input logic pop_i,
     output logic idle_o             // nothing requested, nothing held
@@ -41,22 +55,30 @@ module secondary_regfile #(
   localparam int AW = $clog2(DEPTH);
   localparam int SHAPES = 7;
   localparam int T_CHECK = LAT_MUL + 3 * LAT_ADD + LAT_CMP;
+  localparam int T_MOVED = (TRANSFORM != 0) ? 1 + cde_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL) : 0;
+  localparam int T_CHECKED = T_MOVED + T_CHECK;
+  // The host back end answers at once: the slot takes its place in the FIFO early, and is counted when it would be there.
+  localparam int T_PLACED = (ARITH == "rtl") ? T_CHECKED : (TRANSFORM != 0) ? 1 : 0;
   logic [WORDS:0][CW-1:0] fifo[DEPTH];  // verdict in front
-  logic [AW:0] write_q, read_q, asked_q;  // fetched, popped, requested (modulo 2*DEPTH)
-  logic [31:0] left_q, word_q, index_q, count_q;
+  logic [AW:0] placed_q, write_q, read_q, asked_q;  // in the FIFO, shown, popped, requested (modulo 2*DEPTH)
   logic dropping_q, stopping_q, stop;
 
   // ---- Requests, a beat each ----
   logic [3:0] words;
   logic [2:0] shape;
-  logic two, second_q, slot_asked;
+  logic two, second_q, slot_asked, asking, last_asked;
+  logic [31:0] word, slot_number;
+  logic [OBJECT_W-1:0] object;
   assign shape = 3'(swap_i ? cde_pkg::primary_shape(int'(pair_i)) : cde_pkg::secondary_shape(int'(pair_i)));
   assign words = 4'(cde_pkg::shape_words(int'(shape)));
   assign two = WORDS > BEAT && 32'(words) > BEAT;
-  assign ddr_read_o = left_q != 0 && (asked_q - read_q) != (AW + 1)'(DEPTH);
-  assign ddr_word_o = word_q + (second_q ? BEAT : 0);
+  assign ddr_read_o = asking && (asked_q - read_q) != (AW + 1)'(DEPTH);
+  assign ddr_word_o = word + (second_q ? BEAT : 0);
   assign slot_asked = ddr_read_o && (!two || second_q);
   assign stop = (stop_i || stopping_q) && (!two || second_q == ddr_read_o);  // never after half a slot
+  range_walk #(.ENTRIES(OBJECTS)) walk (
+      .clk_i, .rst_i, .start_i, .stop_i(stop), .step_i(slot_asked), .stride_i(words), .objects_i, .first_i, .count_i,
+      .entry_o(range_entry_o), .range_i, .valid_o(asking), .address_o(word), .slot_o(slot_number), .object_o(object), .last_o(last_asked));
 
   // ---- Beats to slots ----
   logic [WORDS-1:0][CW-1:0] arrived;
@@ -81,25 +103,56 @@ module secondary_regfile #(
     assign unused_half = half_q;
   end
 
-  // ---- The check ----
-  logic checked;
-  logic [WORDS-1:0][CW-1:0] checked_slot;
-  logic [SHAPES-1:0] verdicts, bad;
-  logic [T_CHECK:0] on_its_way;
-  assign on_its_way[0] = whole;
-  if (T_CHECK > 0) begin : g_wait
-    logic [T_CHECK-1:0] q;
-    always_ff @(posedge clk_i) q <= rst_i ? '0 : T_CHECK'({q, whole});
-    assign on_its_way[T_CHECK:1] = q;
+  // ---- Whose slot it is, kept from the request on ----
+  logic [WORDS-1:0][CW-1:0] unchecked;
+  if (TRANSFORM != 0) begin : g_objects
+    logic [OBJECT_W+32:0] tags[DEPTH];  // last, object, number
+    logic [AW:0] arrived_q;
+    logic [WORDS-1:0][CW-1:0] slot_q;
+    always_ff @(posedge clk_i) begin
+      if (slot_asked) tags[asked_q[AW-1:0]] <= {last_asked, object, slot_number};
+      if (whole) arrived_q <= arrived_q + 1;
+      if (whole) slot_q <= arrived;
+      if (rst_i) arrived_q <= '0;
+    end
+    assign transform_entry_o = tags[arrived_q[AW-1:0]][32+:OBJECT_W];
+    assign unmoved_o = slot_q;
+    assign unchecked = moved_i;
+    assign index_o = tags[read_q[AW-1:0]][31:0];
+    assign last_o = tags[read_q[AW-1:0]][OBJECT_W+32];
+  end else begin : g_range
+    logic [31:0] index_q, count_q;
+    always_ff @(posedge clk_i) begin
+      if (pop_i) index_q <= index_q + 1;
+      if (start_i) count_q <= count_i;
+      if (start_i) index_q <= 0;
+    end
+    assign transform_entry_o = '0;
+    assign unmoved_o = '0;
+    assign unchecked = arrived;
+    assign index_o = index_q;
+    assign last_o = index_q + 1 == count_q;
+    logic unused_objects;
+    assign unused_objects = &{1'b0, moved_i, object, slot_number, last_asked};
   end
-  assign checked = on_its_way[T_CHECK];
-  align #(.W(WORDS * CW), .FROM(0), .TO(T_CHECK)) align_slot (.clk_i, .d_i(arrived), .q_o(checked_slot));
+
+  // ---- The check ----
+  logic [WORDS-1:0][CW-1:0] checked_slot;
+  logic [SHAPES-1:0] verdicts;
+  logic [T_CHECKED:0] on_its_way;
+  assign on_its_way[0] = whole;
+  if (T_CHECKED > 0) begin : g_wait
+    logic [T_CHECKED-1:0] q;
+    always_ff @(posedge clk_i) q <= rst_i ? '0 : T_CHECKED'({q, whole});
+    assign on_its_way[T_CHECKED:1] = q;
+  end
+  align #(.W(WORDS * CW), .FROM(0), .TO(T_CHECK), .ARITH(ARITH)) align_slot (.clk_i, .d_i(unchecked), .q_o(checked_slot));
   for (genvar k = 0; k < SHAPES; k++) begin : check
     if (cde_pkg::uses_shape(PAIRS, k, 0, SWAP != 0)) begin : g_there
       localparam int N = cde_pkg::shape_words(k);
       logic [N-1:0][0:0][CW-1:0] shape_words;
       logic [0:0][CW-1:0] verdict;
-      assign shape_words = arrived[N-1:0];
+      assign shape_words = unchecked[N-1:0];
       shape_check #(.SHAPE(k), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check_u (
           .clk_i, .words_i(shape_words), .bad_o(verdict));
       assign verdicts[k] = verdict[0][0];
@@ -108,47 +161,28 @@ module secondary_regfile #(
     end
   end
 
-  // The host back end answers at once; the clocks are those of the gates.
-  align #(.W(SHAPES), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i, .d_i(verdicts), .q_o(bad));
-
   assign valid_o = write_q != read_q && !dropping_q;
-  assign idle_o = write_q == asked_q && left_q == 0 && (write_q == read_q || dropping_q);
-  assign index_o = index_q;
-  assign last_o = index_q + 1 == count_q;
+  assign idle_o = write_q == asked_q && !asking && (write_q == read_q || dropping_q);
   assign slot_o = fifo[read_q[AW-1:0]][WORDS-1:0];
   assign bad_o = fifo[read_q[AW-1:0]][WORDS][0];
 
   always_ff @(posedge clk_i) begin
-    if (checked) begin
-      fifo[write_q[AW-1:0]] <= {CW'(bad[shape]), checked_slot};
-      write_q <= write_q + 1;
+    if (on_its_way[T_PLACED]) begin
+      fifo[placed_q[AW-1:0]] <= {CW'(verdicts[shape]), checked_slot};
+      placed_q <= placed_q + 1;
     end
+    if (on_its_way[T_CHECKED]) write_q <= write_q + 1;
     if (ddr_read_o) second_q <= two && !second_q;
-    if (slot_asked) begin
-      asked_q <= asked_q + 1;
-      word_q <= word_q + 32'(words);
-      left_q <= left_q - 1;
-    end
-    if (pop_i) begin
-      read_q <= read_q + 1;
-      index_q <= index_q + 1;
-    end
-    if (stop) begin
-      left_q <= 0;
-      dropping_q <= 1;
-    end
+    if (slot_asked) asked_q <= asked_q + 1;
+    if (pop_i) read_q <= read_q + 1;
+    if (stop) dropping_q <= 1;
     stopping_q <= !rst_i && !start_i && (stop_i || stopping_q) && !stop;
     if (start_i) begin
       read_q <= write_q;
       dropping_q <= 0;
-      left_q <= count_i;
-      count_q <= count_i;
-      word_q <= first_i * 32'(words);
-      index_q <= 0;
     end
     if (rst_i) begin
-      {write_q, read_q, asked_q} <= '0;
-      left_q <= 0;
+      {placed_q, write_q, read_q, asked_q} <= '0;
       dropping_q <= 0;
       second_q <= 0;
     end
@@ -158,7 +192,7 @@ module secondary_regfile #(
   always_ff @(posedge clk_i)
     if (!rst_i) begin
       assert (!(pop_i && !valid_o)) else $error("secondary_regfile: pop of an empty FIFO");
-      assert (!(checked && write_q == asked_q)) else $error("secondary_regfile: data nobody asked for");
+      assert (!(on_its_way[T_CHECKED] && write_q == asked_q)) else $error("secondary_regfile: data nobody asked for");
       assert (!(start_i && !idle_o)) else $error("secondary_regfile: started while busy");
     end
 `endif

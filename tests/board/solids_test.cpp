@@ -4,116 +4,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <bit>
 #include <random>
 
 #include "cde/board.hpp"
 #include "cde/error.hpp"
-#include "cde/reference/pairs.hpp"
+#include "pair_records.hpp"
 
 namespace cde {
 namespace {
 
+using namespace testing;
+
 constexpr unsigned kSeed = 7;
-
-std::uint32_t word(float x) {
-  return std::bit_cast<std::uint32_t>(x);
-}
-
-/// All pairs by the reference, secondary by secondary.
-template <class A, class B>
-std::vector<PairResult> all_pairs(Pair pair, const std::vector<A>& a, const std::vector<B>& b,
-                                  bool swap, const PairBudget& budget = {}) {
-  std::vector<std::uint64_t> wa, wb;
-  const auto push = [](std::vector<std::uint64_t>& to, const auto& shape) {
-    for (const float x : to_words(shape)) to.push_back(word(x));
-  };
-  const auto one = [&](const A& x, const B& y) {
-    push(wa, x);
-    push(wb, y);
-  };
-  if (swap) {
-    for (const A& x : a)
-      for (const B& y : b) one(x, y);
-  } else {
-    for (const B& y : b)
-      for (const A& x : a) one(x, y);
-  }
-  std::vector<PairResult> r(a.size() * b.size());
-  reference::test_pairs(pair, Algorithm::kMoller, {8, 23}, wa, wb, r, PlaneSide::kSurface, budget);
-  return r;
-}
-
-Record record(Pair pair, const PairResult& r, std::uint32_t primary, std::uint32_t index,
-              bool normals) {
-  const auto number = [](std::uint64_t w) {
-    return std::bit_cast<float>(static_cast<std::uint32_t>(w));
-  };
-  Record out;
-  out.f = r.f;
-  out.bad = r.bad;
-  out.t = number(r.t);
-  out.primary = primary;
-  out.index = r.f || (is_solid(pair) && !r.bad) ? index : ~0u;
-  for (int k = 0; k < 3; ++k) {
-    out.cp[k] = number(r.cp[k]);
-    if (normals) out.n[k] = number(r.n[k]);
-  }
-  return out;
-}
-
-/// What the card must answer: `primaries` and `secondaries` in the roles they have in the pass.
-std::vector<Record> expected(Pair pair, const std::vector<PairResult>& results,
-                             std::size_t primaries, std::size_t secondaries,
-                             const std::vector<bool>& bad_primary, Mode mode, bool normals) {
-  std::vector<Record> all;
-  for (std::uint32_t s = 0; s < secondaries; ++s)
-    for (std::uint32_t p = 0; p < primaries; ++p)
-      all.push_back(record(pair, results[s * primaries + p], p, s, normals));
-  if (mode == Mode::kAll) return all;
-  std::vector<Record> kept;
-  if (mode == Mode::kHits) {
-    std::copy_if(all.begin(), all.end(), std::back_inserter(kept),
-                 [](const Record& r) { return r.f; });
-    return kept;
-  }
-  const bool solid = is_solid(pair);
-  const auto key = [solid](const Record& r) { return solid && r.f ? -r.t : r.t; };
-  for (std::uint32_t p = 0; p < primaries; ++p) {
-    const Record* best = nullptr;
-    for (std::uint32_t s = 0; s < secondaries; ++s) {
-      const Record& r = all[s * primaries + p];
-      if (r.bad || (!r.f && (!solid || mode == Mode::kAny))) continue;
-      if (best == nullptr || (mode == Mode::kNearest && key(r) < key(*best)) ||
-          (mode == Mode::kFarthest && key(r) > key(*best)))
-        best = &r;
-    }
-    Record none;
-    none.primary = p;
-    if (bad_primary[p]) {
-      none.bad = true;
-      none.t = std::bit_cast<float>(0x7fc00000u);
-      none.cp.setConstant(none.t);
-      if (normals) none.n.setConstant(none.t);
-    }
-    kept.push_back(best != nullptr ? *best : none);
-  }
-  return kept;
-}
-
-void compare(const std::vector<Record>& got, const std::vector<Record>& wanted, Mode mode) {
-  ASSERT_EQ(got.size(), wanted.size()) << name_of(mode);
-  std::size_t wrong = 0;
-  for (std::size_t i = 0; i < got.size(); ++i) {
-    if (same_bits(got[i], wanted[i])) continue;
-    if (++wrong > 3) continue;
-    ADD_FAILURE() << name_of(mode) << " record " << i << ": primary " << got[i].primary << " index "
-                  << got[i].index << " F " << got[i].f << " bad " << got[i].bad << " T " << got[i].t
-                  << ", expected primary " << wanted[i].primary << " index " << wanted[i].index
-                  << " F " << wanted[i].f << " bad " << wanted[i].bad << " T " << wanted[i].t;
-  }
-  EXPECT_EQ(wrong, 0u) << name_of(mode) << ", of " << got.size();
-}
 
 template <class A, class B>
 void check_all_modes(Board& board, Pair pair, const std::vector<A>& a, const std::vector<B>& b,
@@ -130,12 +32,10 @@ void check_all_modes(Board& board, Pair pair, const std::vector<A>& a, const std
     board.load_shapes(std::span<const A>(a));
     std::transform(a.begin(), a.end(), std::back_inserter(bad), is_bad);
   }
-  const std::size_t primaries = swap ? b.size() : a.size(),
-                    secondaries = swap ? a.size() : b.size();
+  const std::vector<std::uint32_t> slots = in_order(swap ? a.size() : b.size());
   for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll, Mode::kHits}) {
     Query query{.mode = mode, .pair = pair, .swap = swap, .normals = normals, .budget = budget};
-    compare(board.run(query), expected(pair, results, primaries, secondaries, bad, mode, normals),
-            mode);
+    compare(board.run(query), expected(pair, results, slots, bad, mode, normals), mode);
   }
 }
 

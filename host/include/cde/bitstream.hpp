@@ -16,6 +16,9 @@ enum class Arithmetic {
   kRtl,   ///< the gates of rtl/fp
 };
 
+/// What the card's transformer moves before a pass meets it.
+enum class Transformer : unsigned { kNone, kSecondaries, kBoth };
+
 /// One elaborated configuration of rtl/board.sv, or of rtl/card.sv around it.
 struct BoardConfig {
   unsigned lanes = 16;  ///< pairs a clock: a power of two, 1 to 256
@@ -27,7 +30,10 @@ struct BoardConfig {
   bool parallel = false;        ///< a pass can use two pipes at a time (Query::second)
   unsigned facet_interval = 1;  ///< clocks from row to row of pairs with facets, 1 or 3: with 3 the
                                 ///< gates of three facets are one unit's (has_facets)
-  unsigned latency_add = 1;     ///< clocks of an operator, at least 1
+  Transformer transform = Transformer::kNone;  ///< objects (Board::set_objects) can move
+  unsigned objects = 1024;                     ///< that the card's table holds, 2 to 2,048
+  unsigned primary_objects = 64;               ///< likewise
+  unsigned latency_add = 1;                    ///< clocks of an operator, at least 1
   unsigned latency_mul = 1;
   unsigned latency_div = 1;
   unsigned latency_sqrt = 1;

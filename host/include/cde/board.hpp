@@ -15,6 +15,7 @@
 #include "cde/mesh.hpp"
 #include "cde/pair.hpp"
 #include "cde/primitives.hpp"
+#include "cde/transform.hpp"
 
 namespace cde {
 
@@ -164,6 +165,36 @@ class Board {
         [&](std::size_t i) { return validate ? defect(shapes[i]) : std::nullopt; });
   }
 
+  /// Uploads shapes again from slot `first` on, for meshes that deform; the others stay. Error
+  /// kUsage if they are not what was uploaded, or reach beyond it; kBadInput as upload().
+  template <class P>
+  void update_shapes(std::size_t first, std::span<const P> shapes, bool validate = true) {
+    update_words(
+        kShapeOf<P>, first, shapes.size(),
+        [&](std::size_t i, float* words) { to_words(shapes[i], slot<P>(words)); },
+        [&](std::size_t i) { return validate ? defect(shapes[i]) : std::nullopt; });
+  }
+
+  /// Objects: from now on a pass sweeps these ranges of the uploaded secondaries, in this order,
+  /// each moved by its transform, and nothing else; none (the default) is all secondaries as they
+  /// are. Records have the number of the secondary in upload order as their index. They stay over
+  /// uploads and loads, and reset() drops them. What the transform makes of a secondary is held
+  /// against the input contract, so one that overflows is flagged as bad. Errors, before the card
+  /// is touched: kUsage without BoardConfig::transform, for more than BoardConfig::objects, for a
+  /// range that is empty or reaches beyond the upload (run() looks again), or for a rotated object
+  /// of AABBs; kBadInput naming an object whose transform has a defect.
+  void set_objects(std::span<const Object> objects);
+  /// Moves one of them: 12 words on the local bus. Errors as above.
+  void move_object(std::size_t object, const Transform& transform);
+
+  /// The same for primaries, by their number in the packet (with those of load_second_shapes()
+  /// behind; no object has primaries of both). Primaries in no object stay as they were loaded; of
+  /// several objects with the same primary the last one counts. They are posed by the card at the
+  /// start of the next pass, which takes a clock a primary of the objects, and nothing while
+  /// nothing moves. Needs Transformer::kBoth.
+  void set_primary_objects(std::span<const Object> objects);
+  void move_primary_object(std::size_t object, const Transform& transform);
+
   /// primaryRegFileUpload: one packet of rays, 1 to primaries() of them (else kUsage). Bad rays are
   /// legal: the card flags their records.
   void load(std::span<const Ray> rays);
@@ -195,8 +226,8 @@ class Board {
   Counters cast(std::span<const Ray> rays, const Query& query, const RecordSink& sink);
   [[nodiscard]] std::vector<Record> cast(std::span<const Ray> rays, const Query& query = {});
 
-  /// Hardware reset: registers and rays are lost, triangles in DDR stay. The only way on when the
-  /// device is lost.
+  /// Hardware reset: registers, rays and objects are lost, triangles in DDR stay. The only way on
+  /// when the device is lost.
   void reset();
 
   /// Modelled time since power-on in picoseconds: core clocks, and what the bus takes.
@@ -217,6 +248,8 @@ class Board {
   [[nodiscard]] std::uint64_t sram_records() const;
   [[nodiscard]] unsigned pipe_latency() const;        ///< clocks
   [[nodiscard]] std::uint64_t upload_clocks() const;  ///< of the last upload()
+  /// 32-bit words of shapes, ranges and transforms written to the card since it was opened.
+  [[nodiscard]] std::uint64_t words_uploaded() const;
   [[nodiscard]] const std::filesystem::path& bitstream() const;
   [[nodiscard]] std::uint64_t config_hash() const;
 
@@ -238,6 +271,8 @@ class Board {
   }
   using Words = std::function<void(std::size_t, float*)>;  ///< number of a shape, where to put it
   void upload_words(Shape shape, std::size_t count, const Words& words,
+                    const std::function<std::optional<std::string>(std::size_t)>& defect);
+  void update_words(Shape shape, std::size_t first, std::size_t count, const Words& words,
                     const std::function<std::optional<std::string>(std::size_t)>& defect);
   void load_words(Shape shape, std::size_t count, const Words& words);
   void load_second_words(Shape shape, std::size_t count, const Words& words);

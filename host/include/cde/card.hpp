@@ -32,20 +32,38 @@ enum Register : std::uint32_t {
   kRegFaultAddr = 0x060,   ///< [33:32] space, [31:0] offset of the first refused access
   kRegWriteback = 0x068,   ///< clocks that wrote the kept records back to SRAM
   kRegCaps3 = 0x070,       ///< [12:0] pairs in the card, [16] roles can be swapped, [17] normals,
-                           ///< [18] two pairs at a time, [31:24] words of a primary slot
+                           ///< [18] two pairs at a time, [20:19] kTransform*, [31:24] words of a
+                           ///< primary slot, [47:32] and [63:48] entries of the object tables
   kRegPrimSplit = 0x078,   ///< with a second pair: the first of its primaries
   kRegStencil = 0x080,     ///< primaries/64 registers: 1 masks a primary
   kRegBudget = 0x0A0,      ///< work for a cylinder pair: [7:0] M, [15:8] K1, [23:16] K2
-  kRegCycles = 0x0C0,      ///< clocks from go to done, without kRegWriteback
-  kRegRows = 0x0C8,        ///< rows issued to the pipe (one row is `lanes` pairs)
-  kRegStalls = 0x0D0,      ///< clocks the pipe mouth waited for output space, or for a slot of a
-                           ///< cylinder pipe
-  kRegBubbles = 0x0D8,     ///< clocks the pipe mouth waited for a secondary
-  kRegBadPrim = 0x0E0,     ///< primaries refused as bad input
-  kRegBadSec = 0x0E8,      ///< secondaries refused as bad input
+  kRegObjectCount = 0x0A8,      ///< objects to sweep; 0: the slots of kRegSecFirst and kRegSecCount
+  kRegPrimObjectCount = 0x0B0,  ///< objects of primaries; 0: primaries as they were written
+  kRegCycles = 0x0C0,           ///< clocks from go to done, without kRegWriteback
+  kRegRows = 0x0C8,             ///< rows issued to the pipe (one row is `lanes` pairs)
+  kRegStalls = 0x0D0,       ///< clocks the pipe mouth waited for output space, or for a slot of a
+                            ///< cylinder pipe
+  kRegBubbles = 0x0D8,      ///< clocks the pipe mouth waited for a secondary
+  kRegBadPrim = 0x0E0,      ///< primaries refused as bad input
+  kRegBadSec = 0x0E8,       ///< secondaries refused as bad input
   kRegSecondaries = 0x0F0,  ///< secondaries swept
   kRegWritten = 0x0F8,      ///< records written to SRAM
 };
+
+/// Object tables, in kSpaceReg above the registers, write only: an entry is a range and a
+/// transform. The range takes effect with its second word, the transform with its last; both are
+/// written in ascending order.
+inline constexpr std::uint32_t kObjectTable = 0x40000;      ///< of secondaries
+inline constexpr std::uint32_t kPrimObjectTable = 0x80000;  ///< of primaries
+inline constexpr unsigned kObjectWords = 16;                ///< from entry to entry
+inline constexpr unsigned kObjectFirst = 0;                 ///< first slot
+inline constexpr unsigned kObjectCount = 1;                 ///< slots
+inline constexpr unsigned kObjectRotation = 2;              ///< 9 words, row by row
+inline constexpr unsigned kObjectTranslation = 11;          ///< 3 words
+inline constexpr unsigned kObjectEnd = 14;                  ///< words in use
+inline constexpr unsigned kTransformNone = 0;
+inline constexpr unsigned kTransformSecondaries = 1;
+inline constexpr unsigned kTransformBoth = 2;
 
 inline constexpr std::uint32_t kIdMagic = 0x43444531;
 inline constexpr std::uint32_t kInterfaceVersion = 3;

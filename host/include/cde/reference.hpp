@@ -9,6 +9,7 @@
 #include "cde/primitives.hpp"
 #include "cde/reference/ops.hpp"
 #include "cde/reference/ray_triangle.hpp"
+#include "cde/transform.hpp"
 
 /// Mirror reference: what the card computes, operation by operation in the same order with the same
 /// roundings, so that every bit must match. The library is compiled without contraction; whoever
@@ -24,9 +25,10 @@ namespace cde::reference {
 /// misses, nearly all pairs, are sorted out by vector code), the hits go through the template.
 class Sweep {
  public:
-  /// Up to `packet` rays meet all triangles at a time. Rays and triangles must outlive the sweep.
+  /// Up to `packet` rays meet all triangles at a time, or those of the objects (Board::set_objects;
+  /// their ranges must lie within the triangles). Rays and triangles must outlive the sweep.
   Sweep(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
-        const Stencil& stencil = {}, unsigned packet = 256);
+        const Stencil& stencil = {}, unsigned packet = 256, std::span<const Object> objects = {});
   ~Sweep();
   Sweep(const Sweep&) = delete;
   Sweep& operator=(const Sweep&) = delete;
@@ -41,7 +43,8 @@ class Sweep {
 
 /// All of them at once.
 [[nodiscard]] std::vector<Record> cast(std::span<const Ray> rays, const TriangleView& triangles,
-                                       Mode mode = Mode::kNearest, const Stencil& stencil = {});
+                                       Mode mode = Mode::kNearest, const Stencil& stencil = {},
+                                       std::span<const Object> objects = {});
 
 /// Compares records of the card with the reference as they arrive.
 class Checker {
@@ -49,7 +52,8 @@ class Checker {
   /// `command` is the start of a command that repeats the query, e.g. "cde cast terrain --lanes
   /// 16". Rays and triangles must outlive the checker.
   Checker(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
-          const Stencil& stencil, unsigned packet, std::string command);
+          const Stencil& stencil, unsigned packet, std::string command,
+          std::span<const Object> objects = {});
 
   /// Throws kMismatch at the first record that differs in a bit: its inputs in hexfloat, both
   /// outputs, and the command that repeats it.

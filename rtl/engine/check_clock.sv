@@ -1,0 +1,22 @@
+// Clock and time of a check that runs for a while after a commit and is idle otherwise: T_CHECK clocks after the commit of an entry its
+// verdict is there.
+// Latency: T_CHECK clocks from the commit to judged_o. Throughput: one entry a clock. Stall: none.
+module check_clock #(
+    parameter int NUMBER_W = 1,
+    parameter int T_CHECK = 1  // 1 to 255
+) (
+    input logic clk_i,  // not gated
+    input logic rst_i,
+    input logic commit_i,
+    input logic [NUMBER_W-1:0] number_i,
+    output logic clk_o,
+    output logic busy_o,  // verdicts are on their way
+    output logic judged_o,
+    output logic [NUMBER_W-1:0] number_o  // whose verdict it is
+);
+  logic [7:0] running_q;
+  assign busy_o = commit_i || running_q != 0;
+  clock_gate gate (.clk_i, .enable_i(busy_o || rst_i), .clk_o);
+  always_ff @(posedge clk_o) running_q <= rst_i ? '0 : commit_i ? 8'(T_CHECK) : running_q - 8'(running_q != 0);
+  align #(.W(NUMBER_W + 1), .FROM(0), .TO(T_CHECK)) align_number (.clk_i(clk_o), .d_i({commit_i, number_i}), .q_o({judged_o, number_o}));
+endmodule

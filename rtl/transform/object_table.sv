@@ -1,0 +1,125 @@
+// Object table: ENTRIES entries of a range of slots and a rigid transform (cde_pkg::OBJECT_*), written by the local bus 64 bits a beat
+// into two block RAMs. Every entry is checked when it is written: its range against the memory that the slots lie in, its rotation to be
+// orthonormal as an OBB's must be, its translation to be finite, and for AABBs the rotation to be the identity. An entry never written is
+// out of contract. The range takes effect with its second word, the transform with its last.
+// Latency: ranges and transforms are read in 1 clock; verdicts of transforms take shape_check's latency (busy_o). Throughput: one beat
+// written, one range and one transform read a clock. Stall: none.
+module object_table #(
+    parameter int ENTRIES = 1024,  // 2 to 2,048
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int PAIRS = 1,
+    parameter int SWAP = 0,
+    parameter int PRIMARY = 0,  // 1: slots of primaries, CAPACITY of them; 0: slots in a memory of CAPACITY words
+    parameter int CAPACITY = 1,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
+    localparam int ENTRY_W = $clog2(ENTRIES)
+) (
+    input logic clk_bus_i,   // gated: runs while a beat is served
+    input logic clk_core_i,  // not gated
+    input logic clk_i,       // of the read ports
+    input logic rst_i,
+    input logic write_i,
+    input logic [31:0] addr_i,  // byte offset in the table, 8-byte aligned
+    input logic [63:0] data_i,
+    output logic range_write_o,
+
+    input logic [31:0] count_i,       // entries in use
+    input logic [1:0][2:0] shapes_i,  // that their slots have
+    output logic good_o,              // all of them are in contract
+    output logic busy_o,              // a verdict is on its way
+
+    input logic [ENTRY_W-1:0] range_entry_i,
+    output logic [1:0][31:0] range_o,  // first, count
+    input logic [ENTRY_W-1:0] transform_entry_i,
+    output logic [8:0][CW-1:0] rotation_o,
+    output logic [2:0][CW-1:0] translation_o
+);
+  import cde_pkg::*;
+  localparam int SHAPES = 7;
+  localparam int BEATS = OBJECT_WORDS * CW / 64;
+  localparam int USED = (OBJECT_END * CW + 63) / 64;  // beats that hold words
+  localparam int T_CHECK = LAT_MUL + 3 * LAT_ADD + LAT_CMP;
+  localparam logic [CW-1:0] ONE = CW'((1 << (EXP - 1)) - 1) << MAN;
+  localparam logic [CW-1:0] SIGN = CW'(1) << (EXP + MAN);
+  if (ENTRIES < 2 || ENTRIES > 2048) begin : g_illegal
+    $error("object_table: ENTRIES must be 2 to 2048");
+  end
+
+  // ---- Words gather in a staging register ----
+  logic [31:0] beat;
+  logic [ENTRY_W-1:0] entry, entry_q;
+  logic [OBJECT_END-1:0][CW-1:0] words, words_q;
+  logic [1:0][31:0] range;
+  logic transform_write, commit_q;
+  assign beat = (addr_i >> 3) % 32'(BEATS);
+  assign entry = ENTRY_W'((addr_i >> 3) / 32'(BEATS));
+  for (genvar b = 0; b < USED; b++) begin : gather
+    assign words[b*64/CW+:64/CW] = (beat == 32'(b)) ? data_i : words_q[b*64/CW+:64/CW];
+  end
+  assign range = {words[OBJECT_COUNT][31:0], words[OBJECT_FIRST][31:0]};
+  assign range_write_o = write_i && beat == 32'(OBJECT_COUNT * CW / 64);
+  assign transform_write = write_i && beat == 32'((OBJECT_END - 1) * CW / 64);
+  always_ff @(posedge clk_bus_i) begin
+    commit_q <= transform_write && !rst_i;
+    if (write_i) words_q <= words;
+    if (transform_write) entry_q <= entry;
+  end
+
+  // ---- The RAMs ----
+  logic [1:0][31:0] ranges[ENTRIES];
+  logic [11:0][CW-1:0] transforms[ENTRIES];
+  always_ff @(posedge clk_bus_i) begin
+    if (range_write_o) ranges[entry] <= range;
+    if (transform_write) transforms[entry] <= words[OBJECT_END-1:OBJECT_ROTATION];
+  end
+  always_ff @(posedge clk_i) begin
+    range_o <= ranges[range_entry_i];
+    {translation_o, rotation_o} <= transforms[transform_entry_i];
+  end
+
+  // ---- Verdicts ----
+  logic [ENTRIES-1:0] present, bad_transform_q, turned_q;
+  logic clk_check, judged, bad_judged, turned;
+  logic [ENTRY_W-1:0] judged_entry;
+  logic [14:0][0:0][CW-1:0] box;  // an OBB with that rotation, at the place of the translation
+  logic [0:0][CW-1:0] bad;
+  check_clock #(.NUMBER_W(ENTRY_W), .T_CHECK(T_CHECK)) check_time (
+      .clk_i(clk_core_i), .rst_i, .commit_i(commit_q), .number_i(entry_q), .clk_o(clk_check), .busy_o, .judged_o(judged), .number_o(judged_entry));
+  assign box = {words_q[OBJECT_TRANSLATION-1:OBJECT_ROTATION], {3{ONE}}, words_q[OBJECT_END-1:OBJECT_TRANSLATION]};
+  shape_check #(.SHAPE(SHAPE_OBB), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check (
+      .clk_i(clk_check), .words_i(box), .bad_o(bad));
+  align #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i(clk_check), .d_i(bad[0][0]), .q_o(bad_judged));
+  always_comb begin
+    turned = 0;
+    for (int k = 0; k < 9; k++) turned = turned | (((k % 4 == 0) ? words_q[OBJECT_ROTATION+k] ^ ONE : words_q[OBJECT_ROTATION+k] & ~SIGN) != 0);
+  end
+  always_ff @(posedge clk_check) begin
+    if (judged) bad_transform_q[judged_entry] <= bad_judged;
+    if (commit_q) turned_q[entry_q] <= turned;
+    if (rst_i) bad_transform_q <= '1;
+  end
+
+  logic [SHAPES-1:0][ENTRIES-1:0] bad_shape;
+  for (genvar k = 0; k < SHAPES; k++) begin : shape
+    if (uses_shape(PAIRS, k, PRIMARY != 0, SWAP != 0)) begin : g_there
+      localparam int SLOTS = (PRIMARY != 0) ? CAPACITY : CAPACITY / shape_words(k);
+      logic [ENTRIES-1:0] bad_range_q;
+      logic [32:0] stop;
+      assign stop = {1'b0, range[0]} + {1'b0, range[1]};
+      always_ff @(posedge clk_bus_i) begin
+        if (range_write_o) bad_range_q[entry] <= range[1] == 0 || stop > 33'(SLOTS);
+        if (rst_i) bad_range_q <= '1;
+      end
+      assign bad_shape[k] = bad_range_q | bad_transform_q | ((k == SHAPE_AABB) ? turned_q : '0);
+    end else begin : g_absent
+      assign bad_shape[k] = '1;
+    end
+  end
+  always_comb for (int e = 0; e < ENTRIES; e++) present[e] = 32'(e) < count_i;
+  assign good_o = count_i <= 32'(ENTRIES) && (present & (bad_shape[shapes_i[0]] | bad_shape[shapes_i[1]])) == '0;
+endmodule

@@ -1,0 +1,144 @@
+// What moves objects: the object tables of secondaries and, with TRANSFORM = 2, of primaries, the one transformer that both go through,
+// and the poser of primaries. Secondaries are transformed on their way into the secondary register file, primaries before a pass.
+// Latency: 1 clock (the RAMs), then the transformer's. Throughput: one slot a clock. Stall: none.
+module objects #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int PRIMARIES = 256,
+    parameter int PAIRS = 1,
+    parameter int SWAP = 0,
+    parameter int TRANSFORM = 1,  // 1: secondaries, 2: primaries too
+    parameter int OBJECTS = 1024,
+    parameter int PRIM_OBJECTS = 64,
+    parameter int DDR_SLOTS = 55555555,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
+    localparam int SEC_WORDS = cde_pkg::slot_words(PAIRS, 0, SWAP != 0),
+    localparam int PRIM_WORDS = cde_pkg::slot_words(PAIRS, 1, SWAP != 0),
+    localparam int PRIM_W = $clog2(PRIMARIES),
+    localparam int OBJECT_W = $clog2(OBJECTS)
+) (
+    input logic clk_i,       // of the engine
+    input logic clk_bus_i,   // runs while a beat is served, and with posed_o
+    input logic clk_core_i,  // not gated
+    input logic rst_i,
+    input logic write_i,  // into SPACE_REG above the registers
+    input logic [31:0] addr_i,
+    input logic [63:0] data_i,
+    input logic primary_write_i,
+
+    input logic [31:0] objects_i,
+    input logic [31:0] prim_objects_i,
+    input logic [1:0][3:0] command_pair_i,  // of the command register
+    input logic [1:0] command_swap_i,
+    input logic [PRIM_W-1:0] split_i,
+    output logic good_o,  // for the command: every entry in use is in contract
+    output logic busy_o,  // that is not known yet
+
+    input logic [3:0] pair_i,  // of the pass
+    input logic swap_i,
+    input logic [OBJECT_W-1:0] range_entry_i,
+    output logic [1:0][31:0] range_o,
+    input logic [OBJECT_W-1:0] transform_entry_i,
+    input logic [SEC_WORDS-1:0][CW-1:0] unmoved_i,
+    output logic [SEC_WORDS-1:0][CW-1:0] moved_o,
+
+    output logic pose_wanted_o,
+    input logic pose_i,
+    output logic posed_o,  // one clock
+    output logic [PRIM_W-1:0] read_o,
+    input logic [PRIM_WORDS-1:0][CW-1:0] written_i,
+    output logic pose_commit_o,
+    output logic [PRIM_W-1:0] pose_number_o,
+    output logic [PRIM_WORDS-1:0][CW-1:0] pose_slot_o
+);
+  import cde_pkg::*;
+  localparam bit BOTH = TRANSFORM == TRANSFORM_BOTH;
+  localparam int WORDS = (BOTH && PRIM_WORDS > SEC_WORDS) ? PRIM_WORDS : SEC_WORDS;
+
+  // ---- Shapes in the roles of the command ----
+  logic [2:0] secondary, command_secondary;
+  logic [1:0][2:0] primary;
+  assign command_secondary = 3'(command_swap_i[0] ? primary_shape(int'(command_pair_i[0])) : secondary_shape(int'(command_pair_i[0])));
+  assign secondary = 3'(swap_i ? primary_shape(int'(pair_i)) : secondary_shape(int'(pair_i)));
+  for (genvar k = 0; k < 2; k++) begin : of
+    logic [3:0] pair;
+    logic swap;
+    assign pair = (command_pair_i[k] == NO_PAIR) ? command_pair_i[0] : command_pair_i[k];
+    assign swap = (command_pair_i[k] == NO_PAIR) ? command_swap_i[0] : command_swap_i[k];
+    assign primary[k] = 3'(swap ? secondary_shape(int'(pair)) : primary_shape(int'(pair)));
+  end
+
+  // ---- Tables ----
+  logic write_secondaries, write_primaries, unused_range_write, sec_good, sec_busy, prim_good, prim_busy;
+  logic [8:0][CW-1:0] sec_rotation, rotation;
+  logic [2:0][CW-1:0] sec_translation, translation;
+  assign write_secondaries = write_i && addr_i < PRIM_OBJECT_TABLE;
+  assign write_primaries = write_i && addr_i >= PRIM_OBJECT_TABLE;
+  object_table #(
+      .ENTRIES(OBJECTS), .EXP(EXP), .MAN(MAN), .PAIRS(PAIRS), .SWAP(SWAP), .CAPACITY(DDR_SLOTS * DDR_WORDS), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+  ) table_secondaries (
+      .clk_bus_i, .clk_core_i, .clk_i, .rst_i, .write_i(write_secondaries), .addr_i(addr_i - OBJECT_TABLE), .data_i, .range_write_o(unused_range_write),
+      .count_i(objects_i), .shapes_i({2{command_secondary}}), .good_o(sec_good), .busy_o(sec_busy), .range_entry_i, .range_o, .transform_entry_i,
+      .rotation_o(sec_rotation), .translation_o(sec_translation));
+  assign good_o = sec_good && prim_good;
+  assign busy_o = sec_busy || prim_busy;
+
+  // ---- The transformer ----
+  logic plain;
+  logic [2:0] shape;
+  logic [WORDS-1:0][CW-1:0] slot, moved;
+  transformer #(
+      .EXP(EXP), .MAN(MAN), .PAIRS(PAIRS), .SWAP(SWAP), .TRANSFORM(TRANSFORM), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .WORDS(WORDS)
+  ) transform (.clk_i, .shape_i(shape), .plain_i(plain), .rotation_i(rotation), .translation_i(translation), .slot_i(slot), .slot_o(moved));
+  assign moved_o = moved[SEC_WORDS-1:0];
+
+  // ---- Primaries ----
+  if (BOTH) begin : g_primaries
+    localparam int LATENCY = transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL);
+    localparam int PRIM_OBJECT_W = $clog2(PRIM_OBJECTS);
+    logic range_write, pose_plain;
+    logic [1:0][31:0] prim_range;
+    logic [2:0] pose_shape;
+    logic [8:0][CW-1:0] prim_rotation;
+    logic [2:0][CW-1:0] prim_translation;
+    logic [PRIM_OBJECT_W-1:0] prim_range_entry, prim_transform_entry;
+    object_table #(
+        .ENTRIES(PRIM_OBJECTS), .EXP(EXP), .MAN(MAN), .PAIRS(PAIRS), .SWAP(SWAP), .PRIMARY(1), .CAPACITY(PRIMARIES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+        .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+    ) table_primaries (
+        .clk_bus_i, .clk_core_i, .clk_i, .rst_i, .write_i(write_primaries), .addr_i(addr_i - PRIM_OBJECT_TABLE), .data_i, .range_write_o(range_write),
+        .count_i(prim_objects_i), .shapes_i(primary), .good_o(prim_good), .busy_o(prim_busy), .range_entry_i(prim_range_entry), .range_o(prim_range),
+        .transform_entry_i(prim_transform_entry), .rotation_o(prim_rotation), .translation_o(prim_translation));
+    primary_poser #(
+        .PRIMARIES(PRIMARIES), .ENTRIES(PRIM_OBJECTS), .T_COMMIT((ARITH == "rtl") ? LATENCY : 0),
+        .T_JUDGED(LATENCY + LAT_MUL + 3 * LAT_ADD + LAT_CMP)
+    ) poser (
+        .clk_i, .clk_bus_i, .rst_i, .primary_write_i, .transform_write_i(write_primaries), .range_write_i(range_write), .objects_i(prim_objects_i),
+        .shapes_i(primary), .split_i, .wanted_o(pose_wanted_o), .pose_i, .done_o(posed_o), .range_entry_o(prim_range_entry), .range_i(prim_range),
+        .transform_entry_o(prim_transform_entry), .read_o, .shape_o(pose_shape), .plain_o(pose_plain), .commit_o(pose_commit_o), .number_o(pose_number_o));
+    assign plain = pose_i ? pose_plain : objects_i == 0;
+    assign shape = pose_i ? pose_shape : secondary;
+    assign rotation = pose_i ? prim_rotation : sec_rotation;
+    assign translation = pose_i ? prim_translation : sec_translation;
+    assign slot = pose_i ? (WORDS * CW)'(written_i) : (WORDS * CW)'(unmoved_i);
+    assign pose_slot_o = moved[PRIM_WORDS-1:0];
+  end else begin : g_secondaries
+    logic unused;
+    assign unused = &{1'b0, primary, primary_write_i, prim_objects_i, split_i, pose_i, written_i, write_primaries};
+    assign {prim_good, prim_busy} = 2'b10;
+    assign {pose_wanted_o, posed_o, pose_commit_o} = '0;
+    assign read_o = '0;
+    assign pose_number_o = '0;
+    assign pose_slot_o = '0;
+    assign plain = objects_i == 0;
+    assign shape = secondary;
+    assign rotation = sec_rotation;
+    assign translation = sec_translation;
+    assign slot = unmoved_i;
+  end
+endmodule

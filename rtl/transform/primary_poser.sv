@@ -1,0 +1,95 @@
+// Poses the primaries of a pass before it: every slot of every primary object goes from the RAM of primaries as they were written through
+// the transformer into the lanes. Only what was written since the last time makes it necessary: a transform or a primary poses the
+// objects again; a range, the number of objects, a shape or the split also restore all primaries first, as some may have left their
+// object. Where objects overlap, the last one counts.
+// Latency: n + T_DONE + 1 clocks for n slots of objects, PRIMARIES + 2 more with a restore, until the verdicts on what was posed are there.
+// Throughput: one slot a clock. Stall: none.
+module primary_poser #(
+    parameter int PRIMARIES = 256,
+    parameter int ENTRIES = 64,
+    parameter int T_COMMIT = 4,  // from the slot in front of the transformer to the one behind it
+    parameter int T_JUDGED = 9,  // to its verdict; the same in both back ends
+    localparam int PRIM_W = $clog2(PRIMARIES),
+    localparam int ENTRY_W = $clog2(ENTRIES)
+) (
+    input logic clk_i,      // of the engine
+    input logic clk_bus_i,  // runs while a beat is served, and with done_o
+    input logic rst_i,
+    input logic primary_write_i,
+    input logic transform_write_i,
+    input logic range_write_i,
+    input logic [31:0] objects_i,
+    input logic [1:0][2:0] shapes_i,  // of the pass
+    input logic [PRIM_W-1:0] split_i,
+
+    output logic wanted_o,
+    input logic pose_i,    // while it may work
+    output logic done_o,  // one clock
+
+    output logic [ENTRY_W-1:0] range_entry_o,
+    input logic [1:0][31:0] range_i,
+    output logic [ENTRY_W-1:0] transform_entry_o,
+    output logic [PRIM_W-1:0] read_o,   // slot that the RAM shows the clock after, when it enters the transformer
+    output logic [2:0] shape_o,         // of that slot
+    output logic plain_o,
+    output logic commit_o,              // the slot behind the transformer goes to the lanes
+    output logic [PRIM_W-1:0] number_o
+);
+  localparam int T_DONE = T_JUDGED + 2;
+
+  // ---- What makes it necessary ----
+  localparam int KEY_W = 32 + 6 + PRIM_W;
+  logic dirty_q, ranges_q;
+  logic [KEY_W-1:0] key, key_q;
+  assign key = (objects_i == 0) ? '0 : {objects_i, shapes_i, split_i};
+  assign wanted_o = key != key_q || (objects_i != 0 && (dirty_q || ranges_q));
+  always_ff @(posedge clk_bus_i) begin
+    if (done_o) begin
+      {dirty_q, ranges_q} <= '0;
+      key_q <= key;
+    end
+    if (primary_write_i || transform_write_i) dirty_q <= 1;
+    if (range_write_i) ranges_q <= 1;
+    if (rst_i) begin
+      {dirty_q, ranges_q} <= '0;
+      key_q <= '0;
+    end
+  end
+
+  // ---- Restore, then the objects ----
+  typedef enum logic [1:0] {REST, RESTORE, OBJECTS} state_e;
+  state_e state_q;
+  logic start, by_object, walking, last;
+  logic [31:0] slot, address;
+  logic [ENTRY_W-1:0] object;
+  logic [T_DONE-1:0] on_its_way;  // slots, by their age
+  assign by_object = (state_q == REST) ? key == key_q && !ranges_q : 1'b1;  // what starts next
+  assign start = pose_i && !walking && !on_its_way[0] && (state_q == REST || (state_q == RESTORE && objects_i != 0));
+  range_walk #(.ENTRIES(ENTRIES)) walk (
+      .clk_i, .rst_i(rst_i || !pose_i), .start_i(start), .stop_i(1'b0), .step_i(walking), .stride_i(4'd1),
+      .objects_i((start ? by_object : state_q == OBJECTS) ? (ENTRY_W + 1)'(objects_i) : '0), .first_i(32'd0), .count_i(32'(PRIMARIES)),
+      .entry_o(range_entry_o), .range_i, .valid_o(walking), .address_o(address), .slot_o(slot), .object_o(object), .last_o(last));
+  always_ff @(posedge clk_i) begin
+    on_its_way <= T_DONE'({on_its_way, walking});
+    if (start) state_q <= by_object ? OBJECTS : RESTORE;
+    if (rst_i || !pose_i) begin
+      state_q <= REST;
+      on_its_way <= '0;
+    end
+  end
+  assign done_o = pose_i && !walking && on_its_way == '0 && (state_q == OBJECTS || (state_q == RESTORE && objects_i == 0));
+  assign transform_entry_o = object;
+  assign read_o = PRIM_W'(slot);
+
+  // The slot is in front of the transformer the clock after its step.
+  logic [PRIM_W-1:0] number_q;
+  always_ff @(posedge clk_i) begin
+    number_q <= PRIM_W'(slot);
+    plain_o <= state_q == RESTORE;
+  end
+  assign shape_o = shapes_i[number_q >= split_i];
+  align #(.W(PRIM_W), .FROM(0), .TO(T_COMMIT)) align_number (.clk_i, .d_i(number_q), .q_o(number_o));
+  assign commit_o = on_its_way[T_COMMIT];
+  logic unused;
+  assign unused = &{1'b0, address, last, slot};
+endmodule

@@ -1,0 +1,74 @@
+// Steps through slots, one a clock: those of one range, or of the ranges of an object table's entries 0 to objects_i - 1, one after the
+// other without a gap, however short they are. The table's read port is kept one entry ahead.
+// Latency: 1 clock from start_i to the first slot. Throughput: one slot a clock. Stall: a slot stays until step_i.
+module range_walk #(
+    parameter int ENTRIES = 0,  // of the table; 0: there is none
+    localparam int ENTRY_W = (ENTRIES > 1) ? $clog2(ENTRIES) : 1
+) (
+    input logic clk_i,
+    input logic rst_i,
+    input logic start_i,
+    input logic stop_i,
+    input logic step_i,
+    input logic [3:0] stride_i,  // addresses from slot to slot
+    input logic [ENTRY_W:0] objects_i,  // 0: the range first_i, count_i
+    input logic [31:0] first_i,
+    input logic [31:0] count_i,
+
+    output logic [ENTRY_W-1:0] entry_o,  // to be read: range_i shows it the clock after
+    input logic [1:0][31:0] range_i,     // first, count
+
+    output logic valid_o,
+    output logic [31:0] address_o,        // of the slot: its number times the stride
+    output logic [31:0] slot_o,           // its number; without objects its position in the range
+    output logic [ENTRY_W-1:0] object_o,  // whose it is
+    output logic last_o
+);
+  logic [31:0] left_q, address_q, slot_q;
+  logic more, follow, by_object;
+  logic [31:0] first, count;
+  assign valid_o = left_q != 0;
+  assign address_o = address_q;
+  assign slot_o = slot_q;
+  assign last_o = left_q == 1 && !more;
+  assign follow = step_i && left_q == 1 && more;
+
+  if (ENTRIES > 0) begin : g_objects
+    logic [ENTRY_W:0] ahead_q, ahead;  // the entry that range_i shows
+    assign ahead = start_i ? (ENTRY_W + 1)'(1) : follow ? ahead_q + 1'b1 : (valid_o) ? ahead_q : '0;
+    assign entry_o = ENTRY_W'(ahead);
+    assign by_object = objects_i != 0;
+    assign more = ahead_q < objects_i;
+    assign object_o = ENTRY_W'(ahead_q - 1'b1);
+    assign first = by_object ? range_i[0] : first_i;
+    assign count = by_object ? range_i[1] : count_i;
+    always_ff @(posedge clk_i) ahead_q <= rst_i ? '0 : ahead;
+  end else begin : g_range
+    logic unused;
+    assign unused = &{1'b0, objects_i, range_i};
+    assign entry_o = '0;
+    assign by_object = 1'b0;
+    assign more = 1'b0;
+    assign object_o = '0;
+    assign first = first_i;
+    assign count = count_i;
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (step_i) begin
+      left_q <= left_q - 1;
+      address_q <= address_q + 32'(stride_i);
+      slot_q <= slot_q + 1;
+    end
+    if (start_i || follow) begin
+      left_q <= count;
+      address_q <= first * 32'(stride_i);
+      slot_q <= by_object ? first : '0;
+    end
+    if (stop_i && !start_i) left_q <= 0;
+    if (rst_i) left_q <= 0;
+  end
+`ifndef SYNTHESIS
+  always_ff @(posedge clk_i) if (!rst_i) assert (!(step_i && !valid_o)) else $error("range_walk: a step past the end");
+`endif
+endmodule

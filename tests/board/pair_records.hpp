@@ -1,0 +1,54 @@
+#pragma once
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <numeric>
+#include <vector>
+
+#include "cde/board.hpp"
+#include "cde/reference/pairs.hpp"
+
+/// Records of any pair as the mirror references have them.
+namespace cde::testing {
+
+/// All pairs by the reference, secondary by secondary; `swap`: A is the secondary.
+template <class A, class B>
+std::vector<PairResult> all_pairs(Pair pair, const std::vector<A>& a, const std::vector<B>& b,
+                                  bool swap, const PairBudget& budget = {}) {
+  std::vector<std::uint64_t> wa, wb;
+  const auto push = [](std::vector<std::uint64_t>& to, const auto& shape) {
+    for (const float x : to_words(shape)) to.push_back(std::bit_cast<std::uint32_t>(x));
+  };
+  const auto one = [&](const A& x, const B& y) {
+    push(wa, x);
+    push(wb, y);
+  };
+  if (swap) {
+    for (const A& x : a)
+      for (const B& y : b) one(x, y);
+  } else {
+    for (const B& y : b)
+      for (const A& x : a) one(x, y);
+  }
+  std::vector<PairResult> r(a.size() * b.size());
+  reference::test_pairs(pair, Algorithm::kMoller, {8, 23}, wa, wb, r, PlaneSide::kSurface, budget);
+  return r;
+}
+
+/// 0, 1, ... : the slots of secondaries swept as they lie.
+inline std::vector<std::uint32_t> in_order(std::size_t count) {
+  std::vector<std::uint32_t> slots(count);
+  std::iota(slots.begin(), slots.end(), 0u);
+  return slots;
+}
+
+/// What the card must answer to `results`: those of every primary with the secondary in slots[0],
+/// then with that in slots[1], and so on.
+std::vector<Record> expected(Pair pair, const std::vector<PairResult>& results,
+                             const std::vector<std::uint32_t>& slots,
+                             const std::vector<bool>& bad_primary, Mode mode, bool normals);
+
+/// Fails with the first records that differ in a bit.
+void compare(const std::vector<Record>& got, const std::vector<Record>& wanted, Mode mode);
+
+}  // namespace cde::testing
