@@ -1,6 +1,7 @@
 // The card: local bus, primary and secondary register files, collision detection engine, update engine, record memory.
 // DDR and SRAM chips are outside; the ports name what they need. All of it runs on one core clock; the engine's part is gated
 // while no pass runs.
+`include "secded.svh"
 module board #(
     parameter int EXP = 8,
     parameter int MAN = 23,
@@ -15,6 +16,7 @@ module board #(
     parameter int TRANSFORM = 0,    // objects move by a rigid transform: cde_pkg::TRANSFORM_*
     parameter int OBJECTS = 1024,   // entries of their table, 2 to 2,048; PRIM_OBJECTS of that of primaries
     parameter int PRIM_OBJECTS = 64,
+    parameter int ECC = 0,          // 1: words in DDR have check bits; single wrong bits are corrected
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -47,10 +49,12 @@ module board #(
     output logic ddr_write_o,  // 64 bits at a byte offset
     output logic [31:0] ddr_write_addr_o,
     output logic [63:0] ddr_write_data_o,
+    output logic [64/CW-1:0][7:0] ddr_write_check_o,  // with ECC, check bits of the words; as many of the 8 as secded.svh has
     output logic ddr_read_o,  // DDR_WORDS words from an address in words; answers come in order
     output logic [31:0] ddr_read_word_o,
     input logic ddr_valid_i,
     input logic [cde_pkg::DDR_WORDS-1:0][CW-1:0] ddr_data_i,
+    input logic [cde_pkg::DDR_WORDS-1:0][7:0] ddr_check_i,
 
     output logic sram_write_o,
     output logic [SRAM_AW-1:0] sram_write_addr_o,
@@ -94,11 +98,12 @@ module board #(
   logic [1:0] issue, retire, ready;
   logic bubble, stall, sec_pop, sec_bad, record_write;
   logic [15:0] latency;
+  logic [3:0] ecc_corrected, ecc_failed;
   logic object_write, objects_good, objects_busy, posed;
   logic [31:0] object_count, prim_object_count;
   card_registers #(
       .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .SWAP(SWAP),
-      .NORMALS(NORMALS), .PARALLEL(PARALLEL), .TRANSFORM(TRANSFORM), .OBJECTS(OBJECTS), .PRIM_OBJECTS(PRIM_OBJECTS), .DDR_SLOTS(DDR_SLOTS), .SRAM_RECORDS(SRAM_RECORDS),
+      .NORMALS(NORMALS), .PARALLEL(PARALLEL), .TRANSFORM(TRANSFORM), .OBJECTS(OBJECTS), .PRIM_OBJECTS(PRIM_OBJECTS), .ECC(ECC), .DDR_SLOTS(DDR_SLOTS), .SRAM_RECORDS(SRAM_RECORDS),
       .CONFIG_HASH(CONFIG_HASH)
   ) registers (
       .clk_i, .clk_engine_i(clk_engine), .rst_i, .bus_valid_i, .bus_write_i, .bus_space_i, .bus_addr_i, .bus_wdata_i, .bus_ready_o, .bus_rvalid_o,
@@ -108,9 +113,43 @@ module board #(
       .done_i(done), .writeback_i(writeback), .prim_bad_i(prim_bad), .issue_i(issue), .bubble_i(bubble), .stall_i(stall), .secondary_i(sec_pop),
       .secondary_bad_i(sec_bad), .record_i(record_write), .latency_i(latency),
       .object_write_o(object_write), .object_count_o(object_count), .prim_object_count_o(prim_object_count), .objects_good_i(objects_good),
-      .objects_busy_i(objects_busy), .posed_i(posed));
+      .objects_busy_i(objects_busy), .posed_i(posed), .ecc_corrected_i(ecc_corrected), .ecc_failed_i(ecc_failed));
   assign ddr_write_addr_o = addr;
   assign ddr_write_data_o = wdata;
+
+  // ---- Check bits of DDR ----
+  localparam int BEAT = cde_pkg::DDR_WORDS;
+  logic ddr_valid;
+  logic [BEAT-1:0][CW-1:0] ddr_data;
+  logic [3:0] ddr_words;  // of the beat that belong to a slot
+  if (ECC != 0) begin : g_ecc
+    localparam int R = `SECDED_BITS(CW);
+    logic [BEAT-1:0][R-1:0] check;
+    logic [BEAT-1:0] corrected, failed, mine;
+    for (genvar k = 0; k < 64 / CW; k++) begin : written
+      logic [R-1:0] bits;
+      secded_encode #(.W(CW)) encode (.data_i(wdata[k*CW+:CW]), .check_o(bits));
+      assign ddr_write_check_o[k] = 8'(bits);
+    end
+    for (genvar k = 0; k < BEAT; k++) begin : word
+      assign check[k] = ddr_check_i[k][R-1:0];
+      assign mine[k] = ddr_valid && 4'(k) < ddr_words;
+    end
+    ddr_ecc #(.EXP(EXP), .MAN(MAN)) correct (
+        .clk_i(clk_engine), .rst_i, .valid_i(ddr_valid_i), .data_i(ddr_data_i), .check_i(check), .valid_o(ddr_valid), .data_o(ddr_data),
+        .corrected_o(corrected), .failed_o(failed));
+    assign ecc_corrected = 4'($countones(corrected & mine));
+    assign ecc_failed = 4'($countones(failed & mine));
+    logic unused_check;
+    assign unused_check = &{1'b0, ddr_check_i};
+  end else begin : g_no_ecc
+    assign ddr_write_check_o = '0;
+    assign ddr_valid = ddr_valid_i;
+    assign ddr_data = ddr_data_i;
+    assign {ecc_corrected, ecc_failed} = '0;
+    logic unused_check;
+    assign unused_check = &{1'b0, ddr_check_i, ddr_words};
+  end
 
   clock_gate gate (.clk_i, .enable_i(busy | go | rst_i), .clk_o(clk_engine));
 
@@ -129,7 +168,7 @@ module board #(
   ) secondaries (
       .clk_i(clk_engine), .rst_i, .pair_i(pair[0]), .swap_i(swap[0]), .start_i(fetch_start), .stop_i(fetch_stop), .first_i(sec_first), .count_i(sec_count),
       .objects_i((OBJECT_W + 1)'(object_count)), .range_entry_o(range_entry), .range_i(range), .transform_entry_o(transform_entry), .unmoved_o(unmoved), .moved_i(moved),
-      .ddr_read_o, .ddr_word_o(ddr_read_word_o), .ddr_valid_i, .ddr_data_i, .valid_o(sec_valid), .slot_o(secondary),
+      .ddr_read_o, .ddr_word_o(ddr_read_word_o), .ddr_valid_i(ddr_valid), .ddr_data_i(ddr_data), .ddr_words_o(ddr_words), .valid_o(sec_valid), .slot_o(secondary),
       .bad_o(sec_bad), .index_o(sec_index), .last_o(sec_last), .pop_i(sec_pop), .idle_o(sec_idle));
 
   // ---- Objects ----

@@ -15,6 +15,7 @@ module card #(
     parameter int TRANSFORM = 0,    // objects move by a rigid transform: cde_pkg::TRANSFORM_*
     parameter int OBJECTS = 1024,   // entries of their table, 2 to 2,048; PRIM_OBJECTS of that of primaries
     parameter int PRIM_OBJECTS = 64,
+    parameter int ECC = 0,          // 1: words in DDR have check bits; single wrong bits are corrected
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -79,10 +80,12 @@ module card #(
     output logic ddr_write_o,  // 64 bits at a byte offset
     output logic [31:0] ddr_write_addr_o,
     output logic [63:0] ddr_write_data_o,
+    output logic [64/CW-1:0][7:0] ddr_write_check_o,  // with ECC, check bits of the words; as many of the 8 as secded.svh has
     output logic ddr_read_o,  // DDR_WORDS words from an address in words; answers come in order
     output logic [31:0] ddr_read_word_o,
     input logic ddr_valid_i,
     input logic [cde_pkg::DDR_WORDS-1:0][CW-1:0] ddr_data_i,
+    input logic [cde_pkg::DDR_WORDS-1:0][7:0] ddr_check_i,
 
     output logic sram_write_o,
     output logic [SRAM_AW-1:0] sram_write_addr_o,
@@ -107,11 +110,11 @@ module card #(
   board #(
       .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .SWAP(SWAP),
       .NORMALS(NORMALS), .PARALLEL(PARALLEL), .FACET_II(FACET_II), .TRANSFORM(TRANSFORM), .OBJECTS(OBJECTS),
-      .PRIM_OBJECTS(PRIM_OBJECTS), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
+      .PRIM_OBJECTS(PRIM_OBJECTS), .ECC(ECC), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
       .LAT_CMP(LAT_CMP), .ARITH(ARITH), .DDR_SLOTS(DDR_SLOTS), .SRAM_RECORDS(SRAM_RECORDS), .CONFIG_HASH(CONFIG_HASH)
   ) functions (
       .clk_i, .rst_i, .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_space_i(bus_space), .bus_addr_i(bus_addr),
       .bus_wdata_i(bus_wdata), .bus_ready_o(bus_ready), .bus_rvalid_o(bus_rvalid), .bus_rdata_o(bus_rdata), .irq_o(irq),
-      .ddr_write_o, .ddr_write_addr_o, .ddr_write_data_o, .ddr_read_o, .ddr_read_word_o, .ddr_valid_i, .ddr_data_i,
+      .ddr_write_o, .ddr_write_addr_o, .ddr_write_data_o, .ddr_write_check_o, .ddr_read_o, .ddr_read_word_o, .ddr_valid_i, .ddr_data_i, .ddr_check_i,
       .sram_write_o, .sram_write_addr_o, .sram_write_data_o, .sram_read_o, .sram_read_addr_o, .sram_read_data_i);
 endmodule

@@ -33,10 +33,11 @@ package cde_pkg;
   localparam logic [11:0] REG_SECONDARIES = 12'h0F0;   // secondaries swept
   localparam logic [11:0] REG_WRITTEN = 12'h0F8;       // records written to SRAM
   localparam logic [11:0] REG_WRITEBACK = 12'h068;     // clocks that wrote the kept records back to SRAM
-  localparam logic [11:0] REG_CAPS3 = 12'h070;         // [12:0] pairs in the card, [16] roles can be swapped, [17] normals, [18] two pairs at a time, [20:19] TRANSFORM_*, [31:24] words of a primary slot, [47:32] and [63:48] entries of the object tables
+  localparam logic [11:0] REG_CAPS3 = 12'h070;         // [12:0] pairs in the card, [16] roles can be swapped, [17] normals, [18] two pairs at a time, [20:19] TRANSFORM_*, [21] check bits in DDR, [31:24] words of a primary slot, [47:32] and [63:48] entries of the object tables
   localparam logic [11:0] REG_PRIM_SPLIT = 12'h078;    // with a second pair: the first of its primaries, a multiple of the lanes
 
   localparam logic [11:0] REG_OBJECT_COUNT = 12'h0A8;  // objects to sweep; 0: the slots of REG_SEC_FIRST and REG_SEC_COUNT as they lie in DDR
+  localparam logic [11:0] REG_ECC = 12'h0B8;           // words of secondaries read from DDR in a pass: [31:0] corrected, [63:32] with more errors than that
   localparam logic [11:0] REG_PRIM_OBJECT_COUNT = 12'h0B0;  // objects of primaries; 0: primaries as they were written
 
   // ---- Object tables, in SPACE_REG above the registers, write only: entries of OBJECT_WORDS words of the container width. The range
@@ -62,6 +63,7 @@ package cde_pkg;
   localparam int STATUS_BUS_ERROR = 3;      // access outside a space, to a read-only register, or while busy
   localparam int STATUS_SRAM_WAIT = 4;      // the SRAM ring is full and the engine waits for the host
   localparam int STATUS_IRQ = 5;            // done, an error, or a full ring wants the host
+  localparam int STATUS_ECC_ERROR = 6;      // words of DDR with errors that cannot be corrected were read in this pass
 
   // ---- Result modes ----
   localparam logic [2:0] MODE_NEAREST = 3'd0;   // smallest (T, index) a primary

@@ -223,6 +223,7 @@ std::vector<std::string> BoardConfig::parameters() const {
   add("NORMALS", normals ? 1 : 0, 0);
   add("PARALLEL", parallel ? 1 : 0, 0);
   add("FACET_II", facet_interval, standard.facet_interval);
+  add("ECC", ecc ? 1 : 0, 0);
   add("TRANSFORM", static_cast<unsigned>(transform), 0);
   if (moves) add("OBJECTS", objects, standard.objects);
   if (poses) add("PRIM_OBJECTS", primary_objects, standard.primary_objects);

@@ -184,12 +184,18 @@ class Pass {
     c.bubbles = card_.read_register(card::kRegBubbles);
     c.bad_primaries = card_.read_register(card::kRegBadPrim);
     c.bad_secondaries = card_.read_register(card::kRegBadSec);
+    const std::uint64_t ecc = card_.read_register(card::kRegEcc);
+    c.corrected_words = ecc & 0xffffffff;
     c.secondaries = card_.read_register(card::kRegSecondaries);
     c.pairs = c.secondaries * active_;
     c.records = card_.read_register(card::kRegWritten);
     const std::uint64_t status = card_.read_register(card::kRegStatus);
     if (bit(status, card::kStatusBusError)) card_.check_bus("the download of records");
     card_.write_register(card::kRegControl, card::kControlClear);
+    if (ecc >> 32 != 0) {
+      device_error(fmt::format("{} words of DDR have errors that cannot be corrected", ecc >> 32),
+                   status);
+    }
     const auto promise = [&](const char* what, std::uint64_t value, std::uint64_t wanted) {
       if (value != wanted)
         device_error(fmt::format("{} {}, but it must be {}", value, what, wanted), status);

@@ -18,6 +18,7 @@ module card_registers #(
     parameter int TRANSFORM = 0,
     parameter int OBJECTS = 1024,
     parameter int PRIM_OBJECTS = 64,
+    parameter int ECC = 0,
     parameter int DDR_SLOTS = 55555555,  // of DDR_WORDS words
     parameter int SRAM_RECORDS = 524288,
     parameter logic [63:0] CONFIG_HASH = 0,
@@ -70,6 +71,8 @@ module card_registers #(
     input logic secondary_i,
     input logic secondary_bad_i,
     input logic record_i,
+    input logic [3:0] ecc_corrected_i,  // words, this clock
+    input logic [3:0] ecc_failed_i,
     input logic [15:0] latency_i,
 
     output logic object_write_o,  // into the object tables
@@ -204,7 +207,7 @@ module card_registers #(
         REG_CONFIG_HASH: bus_rdata_o <= CONFIG_HASH;
         REG_CAPS2: bus_rdata_o <= {8'b0, 8'(CW), 32'(SRAM_RECORDS), latency_i};
         REG_CAPACITY: bus_rdata_o <= DDR_BYTES;
-        REG_CAPS3: bus_rdata_o <= {TRANSFORM == TRANSFORM_BOTH ? 16'(PRIM_OBJECTS) : 16'd0, TRANSFORM != TRANSFORM_NONE ? 16'(OBJECTS) : 16'd0, 8'(PRIM_WORDS), 3'b0, 2'(TRANSFORM), 1'(PARALLEL), 1'(NORMALS), 1'(SWAP), 16'(PAIRS)};
+        REG_CAPS3: bus_rdata_o <= {TRANSFORM == TRANSFORM_BOTH ? 16'(PRIM_OBJECTS) : 16'd0, TRANSFORM != TRANSFORM_NONE ? 16'(OBJECTS) : 16'd0, 8'(PRIM_WORDS), 2'b0, 1'(ECC), 2'(TRANSFORM), 1'(PARALLEL), 1'(NORMALS), 1'(SWAP), 16'(PAIRS)};
         REG_STATUS: begin
           bus_rdata_o <= '0;
           bus_rdata_o[STATUS_BUSY] <= busy_i;
@@ -213,6 +216,7 @@ module card_registers #(
           bus_rdata_o[STATUS_BUS_ERROR] <= bus_error_q;
           bus_rdata_o[STATUS_SRAM_WAIT] <= sram_full_i;
           bus_rdata_o[STATUS_IRQ] <= irq_o;
+          bus_rdata_o[STATUS_ECC_ERROR] <= failed_q != 0;
         end
         REG_COMMAND: bus_rdata_o <= {44'b0, pair2_q, 2'b0, swap2_q, second_q, pair_q, 2'b0, normals_q, swap_q, 1'b0, mode_q};
         REG_PRIM_COUNT: bus_rdata_o <= 64'(prim_count_q);
@@ -232,6 +236,7 @@ module card_registers #(
         REG_BAD_SEC: bus_rdata_o <= bad_sec_q;
         REG_SECONDARIES: bus_rdata_o <= secondaries_q;
         REG_WRITTEN: bus_rdata_o <= written_q;
+        REG_ECC: bus_rdata_o <= {failed_q, corrected_q};
         REG_WRITEBACK: bus_rdata_o <= writeback_q;
         default: bus_rdata_o <= in_stencil ? stencil_q[64*32'(offset[4:3])+:64] : '0;
       endcase
@@ -275,6 +280,21 @@ module card_registers #(
       present_q <= '0;
       fault_q <= '0;
     end
+  end
+
+  logic [31:0] corrected_q, failed_q;  // words of DDR
+  if (ECC != 0) begin : g_ecc
+    always_ff @(posedge clk_engine_i) begin
+      if (go_o || rst_i) {corrected_q, failed_q} <= '0;
+      else begin
+        corrected_q <= corrected_q + 32'(ecc_corrected_i);
+        failed_q <= failed_q + 32'(ecc_failed_i);
+      end
+    end
+  end else begin : g_no_ecc
+    assign {corrected_q, failed_q} = '0;
+    logic unused_ecc;
+    assign unused_ecc = &{1'b0, ecc_corrected_i, ecc_failed_i};
   end
 
   always_ff @(posedge clk_engine_i) begin

@@ -43,6 +43,7 @@ module secondary_regfile #(
     output logic [31:0] ddr_word_o,  // address in words
     input logic ddr_valid_i,
     input logic [BEAT-1:0][CW-1:0] ddr_data_i,
+    output logic [3:0] ddr_words_o,  // of the beat that belong to a slot
 
     output logic valid_o,
     output logic [WORDS-1:0][CW-1:0] slot_o,
@@ -102,6 +103,8 @@ module secondary_regfile #(
     logic unused_half;
     assign unused_half = half_q;
   end
+
+  assign ddr_words_o = !two ? words : half_q ? 4'(32'(words) - BEAT) : 4'(BEAT);
 
   // ---- Whose slot it is, kept from the request on ----
   logic [WORDS-1:0][CW-1:0] unchecked;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "Vmodel.h"
+#include "parameters.h"
 #include "sparse_memory.h"
 
 /// Called around every clock of the core, in this order: before(), the clock falls, at(), the clock
@@ -13,7 +14,10 @@
 class Chips {
  public:
   explicit Chips(uint32_t ddr_latency)
-      : ddr_(kDdrBytes + 64), sram_(kSramBytes * (kRecord / 28)), pending_(ddr_latency, kNone) {}
+      : ddr_(kDdrBytes + 64),
+        check_(kEcc ? kDdrBytes / 4 + 64 : 1),
+        sram_(kSramBytes * (kRecord / 28)),
+        pending_(ddr_latency, kNone) {}
 
   void reset() { std::fill(pending_.begin(), pending_.end(), kNone); }
   SparseMemory& ddr() { return ddr_; }
@@ -27,12 +31,19 @@ class Chips {
     if (word == kNone) return;
     if (const uint8_t* p = ddr_.at(word * (sizeof(m.ddr_data_i) / 9), sizeof(m.ddr_data_i)))
       std::memcpy(&m.ddr_data_i, p, sizeof(m.ddr_data_i));
+    if (kEcc)
+      if (const uint8_t* p = check_.at(word, 9)) std::memcpy(&m.ddr_check_i, p, 9);
     word = kNone;
   }
   void at(const Vmodel& m) {
     if (m.ddr_read_o) pending_[slot_] = m.ddr_read_word_o;
     if (m.ddr_write_o)
       if (uint8_t* p = ddr_.at(m.ddr_write_addr_o, 8)) std::memcpy(p, &m.ddr_write_data_o, 8);
+    if (kEcc && m.ddr_write_o) {
+      constexpr uint64_t kWords = 72 / sizeof(m.ddr_data_i);
+      if (uint8_t* p = check_.at(m.ddr_write_addr_o / 8 * kWords, kWords))
+        std::memcpy(p, &m.ddr_write_check_o, kWords);
+    }
     if (m.sram_write_o)
       if (uint8_t* p = sram_.at(m.sram_write_addr_o * kRecord, kRecord))
         std::memcpy(p, &m.sram_write_data_o, kRecord);
@@ -47,7 +58,8 @@ class Chips {
   static constexpr uint64_t kDdrBytes = 2'000'000'000;
   static constexpr uint64_t kSramBytes = 7 * 2097152;
   static constexpr uint64_t kRecord = sizeof(Vmodel::sram_write_data_o);
-  SparseMemory ddr_, sram_;
+  static constexpr bool kEcc = parameter("ECC", 0) != 0;  // a byte of check bits a word
+  SparseMemory ddr_, check_, sram_;
   std::vector<uint64_t> pending_;
   const uint8_t* fetched_ = nullptr;
   uint64_t clock_ = 0, slot_ = 0;

@@ -42,7 +42,8 @@ struct BoardConfig {
       55'555'555;  ///< DDR in triangles (36 bytes); the default is two 1 GB modules
   unsigned sram_records = 524'288;  ///< ring of records, a power of two; seven 2 MB chips
   Bus bus = Bus::kFunctional;       ///< kCycle: the card with its PCI bridge
-  bool trace = false;               ///< waves can be written (and everything runs slower)
+  bool ecc = false;  ///< check bits in DDR: one wrong bit of a word is corrected, more are an error
+  bool trace = false;  ///< waves can be written (and everything runs slower)
 
   /// NAME=VALUE for the builder, without what the RTL has as default. Error kUsage if a value is
   /// out of range, naming it.

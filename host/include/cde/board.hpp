@@ -82,6 +82,7 @@ struct Counters {
                                       ///< pipe's ring for a free slot, or facets for their turns
   std::uint64_t bubbles = 0;          ///< clocks the pipe waited for a triangle
   std::uint64_t bad_primaries = 0;    ///< rays refused as bad input
+  std::uint64_t corrected_words = 0;  ///< BoardConfig::ecc: words of DDR read with one wrong bit
   std::uint64_t bad_secondaries = 0;  ///< triangles refused as bad input
   std::uint64_t secondaries = 0;      ///< triangles swept (mode any may end early)
   std::uint64_t pairs = 0;            ///< ray-triangle tests: triangles swept times unmasked rays

@@ -37,6 +37,7 @@ enum Register : std::uint32_t {
   kRegPrimSplit = 0x078,   ///< with a second pair: the first of its primaries
   kRegStencil = 0x080,     ///< primaries/64 registers: 1 masks a primary
   kRegBudget = 0x0A0,      ///< work for a cylinder pair: [7:0] M, [15:8] K1, [23:16] K2
+  kRegEcc = 0x0B8,  ///< words read from DDR in a pass: [31:0] corrected, [63:32] with more errors
   kRegObjectCount = 0x0A8,      ///< objects to sweep; 0: the slots of kRegSecFirst and kRegSecCount
   kRegPrimObjectCount = 0x0B0,  ///< objects of primaries; 0: primaries as they were written
   kRegCycles = 0x0C0,           ///< clocks from go to done, without kRegWriteback
@@ -81,6 +82,8 @@ enum Status : unsigned {
   kStatusBusError = 3,      ///< access outside a space, to a read-only register, or while busy
   kStatusSramWait = 4,      ///< the SRAM ring is full and the engine waits for the host
   kStatusIrq = 5,           ///< done, an error, or a full ring wants the host
+  kStatusEccError = 6,      ///< words of DDR with errors that cannot be corrected were read in this
+                            ///< pass
 };
 
 /// Result modes, kRegCommand[2:0].
