@@ -246,12 +246,14 @@ package cde_pkg;
   localparam int PCI_DESCRIPTOR_SPACE = 32;   // of word 1: 2 bits, SPACE_*
   localparam int PCI_DESCRIPTOR_TO_HOST = 40;
   localparam int PCI_DESCRIPTOR_IRQ = 41;     // interrupt on completion
-  // Completion record, 2 words: [31:0] fault address, [63:32] bytes done; then
+  // Completion record, 2 words: [31:0] fault address, [63:35] bytes done / 8; then the fields below. Each word says that it is there:
+  // its lap bit is 1 in the first lap of the ring, then 0, and so on.
   localparam int PCI_COMPLETION_BYTES = 16;
   localparam int PCI_COMPLETION_NUMBER = 0;  // 16 bits: descriptor; the record has the same place in its ring
   localparam int PCI_COMPLETION_PCI = 16;    // 16 bits: PCI status register
   localparam int PCI_COMPLETION_CODE = 32;   // 8 bits: PCI_CODE_*
-  localparam int PCI_COMPLETION_LAP = 63;    // 1 in the first lap of the ring, then 0, and so on: the record is there
+  localparam int PCI_COMPLETION_LAP_FIRST = 32;  // of word 0
+  localparam int PCI_COMPLETION_LAP = 63;        // of word 1
   localparam logic [7:0] PCI_CODE_OK = 8'd0;
   localparam logic [7:0] PCI_CODE_LENGTH = 8'd1;        // 0 or not a multiple of 8
   localparam logic [7:0] PCI_CODE_ALIGNMENT = 8'd2;     // host address or local offset not a multiple of 8, unknown flags

@@ -70,11 +70,21 @@ module pci_bridge (
   localparam int REQUEST_W = 1 + 1 + 2 + 32 + 64;
   localparam int RESPONSE_W = 1 + 1 + 64;
 
+  // ---- The wires ----
+  logic [63:0] ad;
+  logic [7:0] cbe_n;
+  logic par, par64, frame_n, req64_n, irdy_n, trdy_n, stop_n, devsel_n, ack64_n, perr_n, idsel, gnt_n;
+  pci_pins #(.W(64 + 8 + 12)) pins (
+      .clk_i(clk_pci_i),
+      .wires_i({pci_ad_i, pci_cbe_n_i, pci_par_i, pci_par64_i, pci_frame_n_i, pci_req64_n_i, pci_irdy_n_i, pci_trdy_n_i, pci_stop_n_i,
+                pci_devsel_n_i, pci_ack64_n_i, pci_perr_n_i, pci_idsel_i, pci_gnt_n_i}),
+      .wires_o({ad, cbe_n, par, par64, frame_n, req64_n, irdy_n, trdy_n, stop_n, devsel_n, ack64_n, perr_n, idsel, gnt_n}));
+
   // ---- Clock of the PCI side ----
   logic clk, active, target_active, master_active, dma_active, registers_active, response_valid, response_settled;
   logic inta, perr, perr_q, frame, irdy, clearing, request_valid;
-  assign frame = !pci_frame_n_i;
-  assign irdy = !pci_irdy_n_i;
+  assign frame = !frame_n;
+  assign irdy = !irdy_n;
   assign active = rst_i | frame | irdy | target_active | master_active | dma_active | registers_active | response_valid | clearing | perr |
       perr_q | pci_serr_oe | (inta != pci_inta_oe) | (pci_par_oe != pci_ad_oe) | (pci_par64_oe != pci_ad64_oe);
   assign idle_o = !active && response_settled;
@@ -82,13 +92,13 @@ module pci_bridge (
 
   // ---- Parity: over what was on the bus in the clock before ----
   logic par_q, par64_q, parity_error, parity64_error;
-  assign parity_error = par_q != pci_par_i;
-  assign parity64_error = par64_q != pci_par64_i;
+  assign parity_error = par_q != par;
+  assign parity64_error = par64_q != par64;
   assign pci_par_o = par_q;
   assign pci_par64_o = par64_q;
   always_ff @(posedge clk) begin
-    par_q <= ^{pci_ad_i[31:0], pci_cbe_n_i[3:0]};
-    par64_q <= ^{pci_ad_i[63:32], pci_cbe_n_i[7:4]};
+    par_q <= ^{ad[31:0], cbe_n[3:0]};
+    par64_q <= ^{ad[63:32], cbe_n[7:4]};
     pci_par_oe <= pci_ad_oe && !rst_i;
     pci_par64_oe <= pci_ad64_oe && !rst_i;
   end
@@ -111,8 +121,8 @@ module pci_bridge (
       .signaled_serr_i(address_parity & parity & serr), .master_abort_i(master_abort), .target_abort_i(target_abort),
       .signaled_target_abort_i(target_aborts), .master_parity_i(master_parity));
   pci_target target (
-      .clk_i(clk), .rst_i, .active_o(target_active), .ad_i(pci_ad_i), .cbe_i(pci_cbe_n_i), .frame_i(frame), .irdy_i(irdy),
-      .idsel_i(pci_idsel_i), .req64_i(!pci_req64_n_i), .own_i(own), .parity_error_i(parity_error), .parity64_error_i(parity64_error),
+      .clk_i(clk), .rst_i, .active_o(target_active), .ad_i(ad), .cbe_i(cbe_n), .frame_i(frame), .irdy_i(irdy),
+      .idsel_i(idsel), .req64_i(!req64_n), .own_i(own), .parity_error_i(parity_error), .parity64_error_i(parity64_error),
       .ad_o(target_ad), .ad_oe_o(target_ad_oe), .ad64_oe_o(target_ad64_oe), .oe_o(target_oe), .trdy_o(trdy), .stop_o(stop),
       .devsel_o(devsel), .ack64_o(ack64), .perr_o(target_perr), .detected_parity_o(target_detected), .address_parity_o(address_parity),
       .target_abort_o(target_aborts), .memory_i(memory), .bar_i(bar), .config_write_o(config_write), .config_index_o(config_index),
@@ -134,9 +144,9 @@ module pci_bridge (
   pci_master initiator (
       .clk_i(clk), .rst_i, .active_o(master_active), .start_i(start), .write_i(write), .addr_i(addr), .qwords_i(qwords), .wdata_i(wdata),
       .wpop_o(wpop), .rvalid_o(rvalid), .rdata_o(rdata), .done_o(done), .code_o(done_code), .fault_addr_o(done_addr), .moved_o(moved),
-      .enable_i(master), .parity_i(parity), .latency_i(latency), .retry_limit_i(retry_limit), .req_o(master_req), .gnt_i(!pci_gnt_n_i),
-      .ad_i(pci_ad_i), .frame_i(frame), .irdy_i(irdy), .trdy_i(!pci_trdy_n_i), .stop_i(!pci_stop_n_i), .devsel_i(!pci_devsel_n_i),
-      .ack64_i(!pci_ack64_n_i), .perr_i(!pci_perr_n_i), .parity_error_i(parity_error), .parity64_error_i(parity64_error), .own_o(own),
+      .enable_i(master), .parity_i(parity), .latency_i(latency), .retry_limit_i(retry_limit), .req_o(master_req), .gnt_i(!gnt_n),
+      .ad_i(ad), .frame_i(frame), .irdy_i(irdy), .trdy_i(!trdy_n), .stop_i(!stop_n), .devsel_i(!devsel_n),
+      .ack64_i(!ack64_n), .perr_i(!perr_n), .parity_error_i(parity_error), .parity64_error_i(parity64_error), .own_o(own),
       .ad_o(master_ad), .cbe_o(master_cbe), .ad_oe_o(master_ad_oe), .ad64_oe_o(master_ad64_oe), .cbe_oe_o(pci_cbe_oe),
       .frame_o(master_frame), .frame_oe_o(pci_frame_oe), .req64_o(master_req64), .irdy_o(master_irdy), .irdy_oe_o(pci_irdy_oe),
       .perr_o(master_perr), .burst_o(burst), .beat_o(beat), .wait_o(waiting), .retry_o(retry), .disconnect_o(disconnect),

@@ -110,6 +110,7 @@ module pci_dma (
   logic [63:0] record_first, record_second;
   always_comb begin
     record_first = {bytes_q - left_q, fault_q};
+    record_first[PCI_COMPLETION_LAP_FIRST] = lap_q;  // bytes are a multiple of 8
     record_second = '0;
     record_second[PCI_COMPLETION_NUMBER+:16] = head_q;
     record_second[PCI_COMPLETION_PCI+:16] = pci_status_i;

@@ -80,9 +80,10 @@ module pci_master (
   logic [7:0] code_q;
 
   // ---- The transaction ----
-  logic wide_q, wide, seen_q, moved_q, aborted_q, ending, transfer, word_done, finish, no_answer, time_over;
+  logic wide_q, wide, seen_q, moved_q, aborted_q, ending, transfer, word_done, finish, no_answer, time_over, granted;
   logic [2:0] clocks_q;
   logic [7:0] slice_q;
+  assign granted = gnt_i && !frame_i && !irdy_i && !own_o;  // and the bus is idle
   assign wide = seen_q ? wide_q : req64_q && ack64_i;
   assign no_answer = !seen_q && !devsel_i && clocks_q == DEVSEL_CLOCKS;
   assign transfer = state_q == DATA && irdy_o && trdy_i && devsel_i;
@@ -119,7 +120,7 @@ module pci_master (
         state_q <= REQUEST;
       end
       REQUEST:
-      if (gnt_i && !frame_i && !irdy_i && !own_o) begin
+      if (granted) begin
         state_q <= ADDRESS;
         {frame_o, frame_oe_o} <= '1;
         req64_q <= !half_q;
@@ -189,10 +190,10 @@ module pci_master (
       cbe_o <= '0;
     end
     // A master with GNT# on an idle bus drives AD, C/BE# and then PAR, wanted or not: the bus is parked at it.
-    if (state_q == IDLE || state_q == REQUEST || state_q == SETTLE) begin
-      ad_oe_o <= gnt_i && !frame_i && !irdy_i && !own_o;
-      cbe_oe_o <= gnt_i && !frame_i && !irdy_i && !own_o;
-      ad64_oe_o <= state_q == REQUEST && gnt_i && !frame_i && !irdy_i && !own_o && !half_q;
+    if (state_q == IDLE || state_q == LOAD || state_q == REQUEST || state_q == SETTLE) begin
+      ad_oe_o <= granted;
+      cbe_oe_o <= granted;
+      ad64_oe_o <= state_q == REQUEST && granted && !half_q;
     end else if (state_q == ADDRESS) begin
       ad_oe_o <= write_i;
       ad64_oe_o <= write_i && req64_q;

@@ -104,6 +104,7 @@ std::map<std::string, std::uint64_t> pci_constants() {
       {"PCI_COMPLETION_PCI", kCompletionPci},
       {"PCI_COMPLETION_CODE", kCompletionCode},
       {"PCI_COMPLETION_LAP", kCompletionLap},
+      {"PCI_COMPLETION_LAP_FIRST", 32 + kCompletionLapFirst},
       {"PCI_CODE_OK", kCodeOk},
       {"PCI_CODE_LENGTH", kCodeLength},
       {"PCI_CODE_ALIGNMENT", kCodeAlignment},

@@ -185,12 +185,14 @@ Result BusCard::wait(double microseconds) {
     pci::Completion c;
     const auto raw = get(kCompletionPage * 4096 + next_ * pci::kCompletionBytes, sizeof c);
     std::memcpy(&c, raw.data(), sizeof c);
-    if ((c.state >> pci::kCompletionLap & 1) == std::uint64_t{lap_}) {
+    const std::uint64_t lap = lap_ ? 1 : 0;
+    if ((c.state >> pci::kCompletionLap & 1) == lap &&
+        (c.bytes >> pci::kCompletionLapFirst & 1) == lap) {
       next_ = (next_ + 1) % size_;
       if (next_ == 0) lap_ = !lap_;
       return {.number = static_cast<unsigned>(c.state >> pci::kCompletionNumber & 0xFFFF),
               .code = static_cast<unsigned>(c.state >> pci::kCompletionCode & 0xFF),
-              .bytes = c.bytes,
+              .bytes = c.bytes & ~7u,
               .fault = c.fault,
               .pci_status = static_cast<std::uint16_t>(c.state >> pci::kCompletionPci)};
     }

@@ -1,4 +1,6 @@
 // DMA both ways: sizes, alignments, page boundaries, the ring's laps, the address check.
+#include <algorithm>
+
 #include "bus_card.hpp"
 
 namespace cde::testing {
@@ -211,12 +213,14 @@ TEST(PciDma, RingsOutsideTheTable) {
     Running card;
     const std::uint32_t page = descriptors ? BusCard::kRingPage : BusCard::kCompletionPage;
     card.map(page, page, false, descriptors ? false : true);
-    EXPECT_EQ(card.transfer(kData, 64, kSpaceDdr, 0, false).code, ~0u);
+    card.submit(BusCard::descriptor(kData, 64, kSpaceDdr, 0, false));
+    EXPECT_LT(card.api().run(card.handle(), 50'000'000, 1), 50'000'000u) << "an interrupt";
+    EXPECT_EQ(card.read(pci::kRegIrqStatus), 1u << pci::kIrqHalted);
+    EXPECT_EQ(card.wait().code, ~0u);
     EXPECT_TRUE(card.halted());
     EXPECT_EQ(card.status_code(), descriptors ? pci::kCodeUnmapped : pci::kCodeReadOnly);
     EXPECT_EQ(card.status_where(), descriptors ? pci::kWhereDescriptor : pci::kWhereCompletion);
     EXPECT_EQ(card.read(pci::kRegFaultAddr), page * 4096);
-    EXPECT_EQ(card.read(pci::kRegIrqStatus) >> pci::kIrqHalted & 1, 1u);
   }
 }
 
@@ -345,6 +349,32 @@ TEST(PciDma, SkippedClocksChangeNothing) {
         EXPECT_GT(card.counters().skipped, 1000u);
     }
     EXPECT_EQ(seen[0], seen[1]) << core;
+  }
+}
+
+/// RST# at any time of a transfer: nothing of it is left, and everything works again.
+TEST(PciDma, ResetInMidTransfer) {
+  for (const std::uint64_t when : {0u, 200'000u, 1'000'000u, 5'000'000u, 12'345'678u}) {
+    Running card;
+    Numbers numbers(10);
+    const auto data = numbers.bytes(16384);
+    card.put(kData, data);
+    card.submit(BusCard::descriptor(kData, 16384, kSpaceDdr, 0, false));
+    card.pass(when);
+    card.api().reset(card.handle());
+    EXPECT_EQ(card.config(0x04), 0x02200000u);
+    EXPECT_EQ(card.config(0x10), 0u);
+    EXPECT_EQ(card.api().interrupt(card.handle()), 0);
+    card.enumerate();
+    EXPECT_EQ(card.read(pci::kRegStatus), 0u);
+    for (std::uint32_t entry = 0; entry < pci::kPages; entry += 7)
+      ASSERT_EQ(card.read(pci::kPageTable + 8 * entry), 0u) << "the page table is empty";
+    card.map_range(0, 63);
+    card.start_ring();
+    std::ranges::fill(card.local(kSpaceDdr), 0);
+    ASSERT_EQ(card.transfer(kData, 16384, kSpaceDdr, 0, false).code, pci::kCodeOk);
+    card.pass(10'000'000);
+    EXPECT_TRUE(std::equal(data.begin(), data.end(), card.local(kSpaceDdr).begin()));
   }
 }
 

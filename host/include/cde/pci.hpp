@@ -79,17 +79,20 @@ inline constexpr unsigned kDescriptorSpace = 32;  ///< 2 bits, card::Space
 inline constexpr unsigned kDescriptorToHost = 40;
 inline constexpr unsigned kDescriptorIrq = 41;  ///< interrupt on completion
 
-/// A completion record in host memory: two words of 64 bits, the second written last.
+/// A completion record in host memory: two words of 64 bits.
 struct Completion {
   std::uint32_t fault = 0;  ///< mapped (refused) or bus address (failed)
-  std::uint32_t bytes = 0;  ///< that were moved
+  std::uint32_t bytes = 0;  ///< [31:3] that were moved, in units of 8; kCompletionLapFirst
   std::uint64_t state = 0;  ///< kCompletion* fields
 };
 inline constexpr unsigned kCompletionBytes = 16;
 inline constexpr unsigned kCompletionNumber = 0;  ///< 16 bits: descriptor
 inline constexpr unsigned kCompletionPci = 16;    ///< 16 bits: PCI status register
 inline constexpr unsigned kCompletionCode = 32;   ///< 8 bits: Code
-inline constexpr unsigned kCompletionLap = 63;    ///< 1 in the first lap of the ring, then 0, ...
+/// Each word says that it is there, as a word can be lost to a parity error: its lap bit is 1 in
+/// the first lap of the ring, then 0, and so on.
+inline constexpr unsigned kCompletionLapFirst = 0;  ///< of `bytes`
+inline constexpr unsigned kCompletionLap = 63;      ///< of `state`
 
 /// How a descriptor ended, or why the ring halted.
 enum Code : std::uint32_t {
