@@ -119,12 +119,14 @@ module board #(
   logic [31:0] sec_index;
   logic [OBJECT_W-1:0] range_entry, transform_entry;
   logic [1:0][31:0] range;
+  logic moving, clk_moving;
   secondary_regfile #(
       .EXP(EXP), .MAN(MAN), .DEPTH((TRANSFORM != 0 && T_TRANSFORM > 16) ? 256 : 64), .PAIRS(PAIRS), .SWAP(SWAP), .TRANSFORM(TRANSFORM), .OBJECTS(RANGES),
       .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) secondaries (
       .clk_i(clk_engine), .rst_i, .pair_i(pair[0]), .swap_i(swap[0]), .start_i(fetch_start), .stop_i(fetch_stop), .first_i(sec_first), .count_i(sec_count),
-      .objects_i((OBJECT_W + 1)'(object_count)), .range_entry_o(range_entry), .range_i(range), .transform_entry_o(transform_entry), .unmoved_o(unmoved), .moved_i(moved),
+      .objects_i((OBJECT_W + 1)'(object_count)), .range_entry_o(range_entry), .range_i(range), .transform_entry_o(transform_entry), .moving_o(moving), .clk_moving_i(clk_moving),
+      .unmoved_o(unmoved), .moved_i(moved),
       .ddr_read_o, .ddr_word_o(ddr_read_word_o), .ddr_valid_i, .ddr_data_i, .valid_o(sec_valid), .slot_o(secondary),
       .bad_o(sec_bad), .index_o(sec_index), .last_o(sec_last), .pop_i(sec_pop), .idle_o(sec_idle));
 
@@ -136,17 +138,18 @@ module board #(
     objects #(
         .EXP(EXP), .MAN(MAN), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .SWAP(SWAP), .TRANSFORM(TRANSFORM), .OBJECTS(OBJECTS),
         .PRIM_OBJECTS(PRIM_OBJECTS), .DDR_SLOTS(DDR_SLOTS), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-    ) moving (
+    ) tables (
         .clk_i(clk_engine), .clk_bus_i(clk_bus), .clk_core_i(clk_i), .rst_i, .write_i(object_write), .addr_i(addr), .data_i(wdata),
         .primary_write_i(prim_write), .objects_i(object_count), .prim_objects_i(prim_object_count), .command_pair_i(command_pair),
         .command_swap_i(command_swap), .split_i(split), .good_o(objects_good), .busy_o(objects_busy), .pair_i(pair[0]), .swap_i(swap[0]),
-        .range_entry_i(range_entry), .range_o(range), .transform_entry_i(transform_entry), .unmoved_i(unmoved), .moved_o(moved),
+        .range_entry_i(range_entry), .range_o(range), .transform_entry_i(transform_entry), .moving_i(moving), .clk_moving_o(clk_moving), .unmoved_i(unmoved), .moved_o(moved),
         .pose_wanted_o(pose_wanted), .pose_i(pose), .posed_o(posed), .read_o(prim_read), .written_i(prim_written), .pose_commit_o(pose_commit),
         .pose_number_o(pose_number), .pose_slot_o(pose_slot));
   end else begin : g_no_objects
     logic unused;
-    assign unused = &{1'b0, object_write, object_count, prim_object_count, range_entry, transform_entry, unmoved, pose, prim_written};
+    assign unused = &{1'b0, object_write, object_count, prim_object_count, range_entry, transform_entry, moving, unmoved, pose, prim_written};
     assign {objects_good, objects_busy, pose_wanted, posed, pose_commit} = 5'b10000;
+    assign clk_moving = 1'b0;
     assign range = '0;
     assign moved = '0;
     assign prim_read = '0;
@@ -188,7 +191,7 @@ module board #(
       .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) engine (
       .clk_i(clk_engine), .rst_i, .clk_bus_i(clk_bus), .clk_core_i(clk_i), .prim_write_i(prim_write), .prim_addr_i(addr), .prim_data_i(wdata),
-      .prim_bad_o(prim_bad), .prim_busy_o(prim_busy), .prim_read_i(prim_read), .prim_written_o(prim_written), .pose_i(pose_commit), .pose_number_i(pose_number), .pose_slot_i(pose_slot), .pair_i(pair), .swap_i(swap), .split_i(split), .budget_i(budget), .gap_o(gap), .ready_o(ready), .clear_i(clear), .clear_row_i(clear_row), .clear_mask_i(clear_mask), .valid_i(issue), .row_i(issue_row),
+      .prim_bad_o(prim_bad), .prim_busy_o(prim_busy), .clk_moving_i(clk_moving), .prim_read_i(prim_read), .prim_written_o(prim_written), .pose_i(pose_commit), .pose_number_i(pose_number), .pose_slot_i(pose_slot), .pair_i(pair), .swap_i(swap), .split_i(split), .budget_i(budget), .gap_o(gap), .ready_o(ready), .clear_i(clear), .clear_row_i(clear_row), .clear_mask_i(clear_mask), .valid_i(issue), .row_i(issue_row),
       .parity_i(issue_parity), .index_i(sec_index), .secondary_i(secondary), .secondary_bad_i(sec_bad), .mode_i(mode),
       .streaming_i(streaming), .valid_o(retire), .row_o(row), .index_o(index), .new_hits_o(new_hits), .f_o(f), .bad_o(bad),
       .unmasked_o(unmasked), .latency_o(latency), .push_i(fifo_keep), .write_i(fifo_write), .read_i(streaming && fifo_valid),

@@ -45,7 +45,8 @@ module cde #(
     input logic [63:0] prim_data_i,
     output logic [PRIMARIES-1:0] prim_bad_o,  // by the contract of the pair's primary
     output logic prim_busy_o,  // primaries are being checked
-    input logic [PRIM_W-1:0] prim_read_i,  // as in primary_regfile
+    input logic clk_moving_i,  // as in primary_regfile
+    input logic [PRIM_W-1:0] prim_read_i,
     output logic [PRIM_WORDS-1:0][CW-1:0] prim_written_o,
     input logic pose_i,
     input logic [PRIM_W-1:0] pose_number_i,
@@ -106,7 +107,7 @@ module cde #(
       .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) primaries (
       .clk_i(clk_bus_i), .clk_core_i, .rst_i, .pair_i, .swap_i, .split_i, .busy_o(prim_busy_o), .write_i(prim_write_i), .write_addr_i(prim_addr_i), .write_data_i(prim_data_i), .bad_o(prim_bad_o),
-      .clk_engine_i(clk_i), .read_i(prim_read_i), .written_o(prim_written_o), .pose_i, .pose_number_i, .pose_slot_i,
+      .clk_moving_i, .read_i(prim_read_i), .written_o(prim_written_o), .pose_i, .pose_number_i, .pose_slot_i,
       .commit_o(prim_commit), .row_o(prim_row), .lane_o(prim_lane), .slot_o(prim_slot));
 
   clock_gate gate_prim (.clk_i(clk_core_i), .enable_i(prim_commit), .clk_o(clk_prim));

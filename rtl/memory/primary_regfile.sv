@@ -32,7 +32,7 @@ module primary_regfile #(
     input logic write_i,
     input logic [31:0] write_addr_i,  // byte offset, 8-byte aligned
     input logic [63:0] write_data_i,
-    input logic clk_engine_i,
+    input logic clk_moving_i,
     input logic [PRIM_W-1:0] read_i,  // a slot as it was written, shown the clock after
     output logic [WORDS-1:0][CW-1:0] written_o,
     input logic pose_i,  // a posed slot; never while the bus writes
@@ -83,13 +83,13 @@ module primary_regfile #(
       if (commit) there_q[number] <= 1;
       if (rst_i) there_q <= '0;
     end
-    always_ff @(posedge clk_engine_i) written_o <= mem[read_i];
+    always_ff @(posedge clk_moving_i) written_o <= mem[read_i];
     assign commit_o = commit_q || (pose_i && there_q[pose_number_i]);
     assign committed = commit_q ? number_q : pose_number_i;
     assign slot_o = commit_q ? slot_q[WORDS-1:0] : pose_slot_i;
   end else begin : g_written
     logic unused_pose;
-    assign unused_pose = &{1'b0, clk_engine_i, read_i, pose_i, pose_number_i, pose_slot_i};
+    assign unused_pose = &{1'b0, clk_moving_i, read_i, pose_i, pose_number_i, pose_slot_i};
     assign written_o = '0;
     assign commit_o = commit_q;
     assign committed = number_q;

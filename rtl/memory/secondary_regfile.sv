@@ -36,7 +36,9 @@ module secondary_regfile #(
     output logic [OBJECT_W-1:0] range_entry_o,
     input logic [1:0][31:0] range_i,
     output logic [OBJECT_W-1:0] transform_entry_o,   // of the slot that arrives
-    output logic [WORDS-1:0][CW-1:0] unmoved_o,      // that slot, the clock after, as its transform
+    output logic moving_o,                           // a slot arrives or is in the transformer
+    input logic clk_moving_i,                        // runs then
+    output logic [WORDS-1:0][CW-1:0] unmoved_o,      // the slot, the clock after, as its transform
     input logic [WORDS-1:0][CW-1:0] moved_i,         // behind the transformer
 
     output logic ddr_read_o,
@@ -103,6 +105,14 @@ module secondary_regfile #(
     assign unused_half = half_q;
   end
 
+  logic [T_CHECKED:0] on_its_way;
+  assign on_its_way[0] = whole;
+  if (T_CHECKED > 0) begin : g_wait
+    logic [T_CHECKED-1:0] q;
+    always_ff @(posedge clk_i) q <= rst_i ? '0 : T_CHECKED'({q, whole});
+    assign on_its_way[T_CHECKED:1] = q;
+  end
+
   // ---- Whose slot it is, kept from the request on ----
   logic [WORDS-1:0][CW-1:0] unchecked;
   if (TRANSFORM != 0) begin : g_objects
@@ -112,9 +122,10 @@ module secondary_regfile #(
     always_ff @(posedge clk_i) begin
       if (slot_asked) tags[asked_q[AW-1:0]] <= {last_asked, object, slot_number};
       if (whole) arrived_q <= arrived_q + 1;
-      if (whole) slot_q <= arrived;
       if (rst_i) arrived_q <= '0;
     end
+    always_ff @(posedge clk_moving_i) slot_q <= arrived;
+    assign moving_o = (ARITH == "rtl") ? |on_its_way[T_MOVED-1:0] : whole;
     assign transform_entry_o = tags[arrived_q[AW-1:0]][32+:OBJECT_W];
     assign unmoved_o = slot_q;
     assign unchecked = moved_i;
@@ -128,24 +139,18 @@ module secondary_regfile #(
       if (start_i) index_q <= 0;
     end
     assign transform_entry_o = '0;
+    assign moving_o = 1'b0;
     assign unmoved_o = '0;
     assign unchecked = arrived;
     assign index_o = index_q;
     assign last_o = index_q + 1 == count_q;
     logic unused_objects;
-    assign unused_objects = &{1'b0, moved_i, object, slot_number, last_asked};
+    assign unused_objects = &{1'b0, clk_moving_i, moved_i, object, slot_number, last_asked};
   end
 
   // ---- The check ----
   logic [WORDS-1:0][CW-1:0] checked_slot;
   logic [SHAPES-1:0] verdicts;
-  logic [T_CHECKED:0] on_its_way;
-  assign on_its_way[0] = whole;
-  if (T_CHECKED > 0) begin : g_wait
-    logic [T_CHECKED-1:0] q;
-    always_ff @(posedge clk_i) q <= rst_i ? '0 : T_CHECKED'({q, whole});
-    assign on_its_way[T_CHECKED:1] = q;
-  end
   align #(.W(WORDS * CW), .FROM(0), .TO(T_CHECK), .ARITH(ARITH)) align_slot (.clk_i, .d_i(unchecked), .q_o(checked_slot));
   for (genvar k = 0; k < SHAPES; k++) begin : check
     if (cde_pkg::uses_shape(PAIRS, k, 0, SWAP != 0)) begin : g_there

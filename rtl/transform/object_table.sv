@@ -21,7 +21,8 @@ module object_table #(
 ) (
     input logic clk_bus_i,   // gated: runs while a beat is served
     input logic clk_core_i,  // not gated
-    input logic clk_i,       // of the read ports
+    input logic clk_i,         // of the read port of ranges
+    input logic clk_moving_i,  // of transforms
     input logic rst_i,
     input logic write_i,
     input logic [31:0] addr_i,  // byte offset in the table, 8-byte aligned
@@ -77,10 +78,8 @@ module object_table #(
     if (range_write_o) ranges[entry] <= range;
     if (transform_write) transforms[entry] <= words[OBJECT_END-1:OBJECT_ROTATION];
   end
-  always_ff @(posedge clk_i) begin
-    range_o <= ranges[range_entry_i];
-    {translation_o, rotation_o} <= transforms[transform_entry_i];
-  end
+  always_ff @(posedge clk_i) range_o <= ranges[range_entry_i];
+  always_ff @(posedge clk_moving_i) {translation_o, rotation_o} <= transforms[transform_entry_i];
 
   // ---- Verdicts ----
   logic [ENTRIES-1:0] present, bad_transform_q, turned_q;

@@ -43,6 +43,8 @@ module objects #(
     input logic [OBJECT_W-1:0] range_entry_i,
     output logic [1:0][31:0] range_o,
     input logic [OBJECT_W-1:0] transform_entry_i,
+    input logic moving_i,       // a secondary arrives or is in the transformer
+    output logic clk_moving_o,  // of all that feeds the transformer, and its own
     input logic [SEC_WORDS-1:0][CW-1:0] unmoved_i,
     output logic [SEC_WORDS-1:0][CW-1:0] moved_o,
 
@@ -82,28 +84,34 @@ module objects #(
       .ENTRIES(OBJECTS), .EXP(EXP), .MAN(MAN), .PAIRS(PAIRS), .SWAP(SWAP), .CAPACITY(DDR_SLOTS * DDR_WORDS), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
       .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) table_secondaries (
-      .clk_bus_i, .clk_core_i, .clk_i, .rst_i, .write_i(write_secondaries), .addr_i(addr_i - OBJECT_TABLE), .data_i, .range_write_o(unused_range_write),
+      .clk_bus_i, .clk_core_i, .clk_i, .clk_moving_i(clk_moving_o), .rst_i, .write_i(write_secondaries), .addr_i(addr_i - OBJECT_TABLE), .data_i, .range_write_o(unused_range_write),
       .count_i(objects_i), .shapes_i({2{command_secondary}}), .good_o(sec_good), .busy_o(sec_busy), .range_entry_i, .range_o, .transform_entry_i,
       .rotation_o(sec_rotation), .translation_o(sec_translation));
   assign good_o = sec_good && prim_good;
   assign busy_o = sec_busy || prim_busy;
 
-  // ---- The transformer ----
-  logic plain;
-  logic [2:0] shape;
+  // ---- The transformer: it and the registers in front of it are clocked only while a slot is in them ----
+  logic plain_q, posing_q, pose_plain, pose_moving;
+  logic [2:0] shape_q, pose_shape;
   logic [WORDS-1:0][CW-1:0] slot, moved;
+  clock_gate gate (.clk_i(clk_core_i), .enable_i(moving_i | pose_moving), .clk_o(clk_moving_o));
+  always_ff @(posedge clk_moving_o) begin
+    posing_q <= pose_i;
+    plain_q <= pose_i ? pose_plain : objects_i == 0;
+    shape_q <= pose_i ? pose_shape : secondary;
+  end
   transformer #(
       .EXP(EXP), .MAN(MAN), .PAIRS(PAIRS), .SWAP(SWAP), .TRANSFORM(TRANSFORM), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .WORDS(WORDS)
-  ) transform (.clk_i, .shape_i(shape), .plain_i(plain), .rotation_i(rotation), .translation_i(translation), .slot_i(slot), .slot_o(moved));
+  ) transform (
+      .clk_i(clk_moving_o), .shape_i(shape_q), .plain_i(plain_q), .rotation_i(rotation), .translation_i(translation), .slot_i(slot), .slot_o(moved));
   assign moved_o = moved[SEC_WORDS-1:0];
 
   // ---- Primaries ----
   if (BOTH) begin : g_primaries
     localparam int LATENCY = transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL);
     localparam int PRIM_OBJECT_W = $clog2(PRIM_OBJECTS);
-    logic range_write, pose_plain;
+    logic range_write;
     logic [1:0][31:0] prim_range;
-    logic [2:0] pose_shape;
     logic [8:0][CW-1:0] prim_rotation;
     logic [2:0][CW-1:0] prim_translation;
     logic [PRIM_OBJECT_W-1:0] prim_range_entry, prim_transform_entry;
@@ -111,7 +119,7 @@ module objects #(
         .ENTRIES(PRIM_OBJECTS), .EXP(EXP), .MAN(MAN), .PAIRS(PAIRS), .SWAP(SWAP), .PRIMARY(1), .CAPACITY(PRIMARIES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
         .LAT_CMP(LAT_CMP), .ARITH(ARITH)
     ) table_primaries (
-        .clk_bus_i, .clk_core_i, .clk_i, .rst_i, .write_i(write_primaries), .addr_i(addr_i - PRIM_OBJECT_TABLE), .data_i, .range_write_o(range_write),
+        .clk_bus_i, .clk_core_i, .clk_i, .clk_moving_i(clk_moving_o), .rst_i, .write_i(write_primaries), .addr_i(addr_i - PRIM_OBJECT_TABLE), .data_i, .range_write_o(range_write),
         .count_i(prim_objects_i), .shapes_i(primary), .good_o(prim_good), .busy_o(prim_busy), .range_entry_i(prim_range_entry), .range_o(prim_range),
         .transform_entry_i(prim_transform_entry), .rotation_o(prim_rotation), .translation_o(prim_translation));
     primary_poser #(
@@ -119,24 +127,21 @@ module objects #(
         .T_JUDGED(LATENCY + LAT_MUL + 3 * LAT_ADD + LAT_CMP)
     ) poser (
         .clk_i, .clk_bus_i, .rst_i, .primary_write_i, .transform_write_i(write_primaries), .range_write_i(range_write), .objects_i(prim_objects_i),
-        .shapes_i(primary), .split_i, .wanted_o(pose_wanted_o), .pose_i, .done_o(posed_o), .range_entry_o(prim_range_entry), .range_i(prim_range),
-        .transform_entry_o(prim_transform_entry), .read_o, .shape_o(pose_shape), .plain_o(pose_plain), .commit_o(pose_commit_o), .number_o(pose_number_o));
-    assign plain = pose_i ? pose_plain : objects_i == 0;
-    assign shape = pose_i ? pose_shape : secondary;
-    assign rotation = pose_i ? prim_rotation : sec_rotation;
-    assign translation = pose_i ? prim_translation : sec_translation;
-    assign slot = pose_i ? (WORDS * CW)'(written_i) : (WORDS * CW)'(unmoved_i);
+        .shapes_i(primary), .split_i(command_pair_i[1] == NO_PAIR ? '0 : split_i), .wanted_o(pose_wanted_o), .pose_i, .done_o(posed_o), .range_entry_o(prim_range_entry), .range_i(prim_range),
+        .transform_entry_o(prim_transform_entry), .read_o, .shape_o(pose_shape), .plain_o(pose_plain), .moving_o(pose_moving), .commit_o(pose_commit_o), .number_o(pose_number_o));
+    assign rotation = posing_q ? prim_rotation : sec_rotation;
+    assign translation = posing_q ? prim_translation : sec_translation;
+    assign slot = posing_q ? (WORDS * CW)'(written_i) : (WORDS * CW)'(unmoved_i);
     assign pose_slot_o = moved[PRIM_WORDS-1:0];
   end else begin : g_secondaries
     logic unused;
-    assign unused = &{1'b0, primary, primary_write_i, prim_objects_i, split_i, pose_i, written_i, write_primaries};
+    assign unused = &{1'b0, primary, primary_write_i, prim_objects_i, split_i, posing_q, written_i, write_primaries};
     assign {prim_good, prim_busy} = 2'b10;
     assign {pose_wanted_o, posed_o, pose_commit_o} = '0;
     assign read_o = '0;
     assign pose_number_o = '0;
     assign pose_slot_o = '0;
-    assign plain = objects_i == 0;
-    assign shape = secondary;
+    assign {pose_plain, pose_moving, pose_shape} = '0;
     assign rotation = sec_rotation;
     assign translation = sec_translation;
     assign slot = unmoved_i;

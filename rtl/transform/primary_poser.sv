@@ -32,10 +32,12 @@ module primary_poser #(
     output logic [PRIM_W-1:0] read_o,   // slot that the RAM shows the clock after, when it enters the transformer
     output logic [2:0] shape_o,         // of that slot
     output logic plain_o,
+    output logic moving_o,              // a slot is read or in the transformer
     output logic commit_o,              // the slot behind the transformer goes to the lanes
     output logic [PRIM_W-1:0] number_o
 );
   localparam int T_DONE = T_JUDGED + 2;
+  localparam int T_MOVING = (T_COMMIT > 0) ? T_COMMIT - 1 : 0;  // age of the oldest slot in the transformer
 
   // ---- What makes it necessary ----
   localparam int KEY_W = 32 + 6 + PRIM_W;
@@ -81,13 +83,13 @@ module primary_poser #(
   assign transform_entry_o = object;
   assign read_o = PRIM_W'(slot);
 
+  assign plain_o = state_q == RESTORE;
+  assign shape_o = shapes_i[read_o >= split_i];
+  assign moving_o = walking || (T_COMMIT > 0 && on_its_way[T_MOVING:0] != '0);
+
   // The slot is in front of the transformer the clock after its step.
   logic [PRIM_W-1:0] number_q;
-  always_ff @(posedge clk_i) begin
-    number_q <= PRIM_W'(slot);
-    plain_o <= state_q == RESTORE;
-  end
-  assign shape_o = shapes_i[number_q >= split_i];
+  always_ff @(posedge clk_i) number_q <= PRIM_W'(slot);
   align #(.W(PRIM_W), .FROM(0), .TO(T_COMMIT)) align_number (.clk_i, .d_i(number_q), .q_o(number_o));
   assign commit_o = on_its_way[T_COMMIT];
   logic unused;

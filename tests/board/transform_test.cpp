@@ -252,7 +252,8 @@ TEST(ObjectClocks, NoneIsLostBetweenObjects) {
   for (const auto& moving : {one, singles, threes}) {
     Counters c;
     board.set_objects(moving);
-    check_pass(board, Pair::kSphereSphere, false, few, many, {}, moving, {Mode::kNearest});
+    check_pass(board, Pair::kSphereSphere, false, few, many, {}, moving,
+               {Mode::kAny, Mode::kNearest});
     (void)board.run(query, &c);
     const std::uint64_t swept = moving.size() == 333 ? 999 : 1000;
     EXPECT_EQ(c.secondaries, swept);
@@ -715,6 +716,40 @@ TEST_F(ObjectTableBus, IsWrittenOnlyAndNotWhileBusy) {
   EXPECT_EQ(board_.read_register(kRegStatus) & 1, 1u) << "the pass ended before the attack did";
   board_.wait(10000);
   EXPECT_EQ(board_.read_register(kRegRecords), 20u);
+}
+
+/// Whatever is written into the tables: the card answers, and the next scene is right.
+TEST_F(ObjectTableBus, GarbageNeverHangsTheCard) {
+  int started = 0;
+  for (int round = 0; round < 200; ++round) {
+    for (unsigned entry = 0; entry < 3; ++entry) {
+      for (const std::uint32_t table : {kObjectTable, kPrimObjectTable}) {
+        if (random_.below(4) != 0) write_transform(table, entry, motion(random_));
+        if (random_.below(4) != 0) write_range(table, entry, random_.below(40), random_.below(30));
+        if (random_.below(8) == 0) {
+          const std::uint32_t beat = random_.below(8);
+          board_.write_register(table + entry * 64 + beat * 8,
+                                std::uint64_t{random_.bits()} << 32 | random_.bits());
+        }
+      }
+    }
+    board_.write_register(kRegObjectCount, random_.below(4));
+    board_.write_register(kRegPrimObjectCount, random_.below(4));
+    board_.write_register(kRegControl, kControlGo);
+    board_.wait(random_.below(1500));
+    started += (board_.read_register(kRegStatus) >> kStatusCommandError & 1) == 0 ? 1 : 0;
+    board_.write_register(kRegControl, kControlAbort | kControlClear);
+    for (int i = 0; i < 300 && (board_.read_register(kRegStatus) & 1) != 0; ++i) {
+    }
+    ASSERT_EQ(board_.read_register(kRegStatus) & 1, 0u);
+    board_.write_register(kRegControl, kControlAbort | kControlClear);
+  }
+  EXPECT_GT(started, 20);
+  const auto moving = objects(random_, 30, 5, false), posing = objects(random_, 20, 4, false);
+  board_.set_objects(moving);
+  board_.set_primary_objects(posing);
+  check_pass(board_, Pair::kRayTriangle, false, scene_.primaries, scene_.secondaries, posing,
+             moving);
 }
 
 /// Aborted in any clock of posing and sweeping, the next pass is right.
