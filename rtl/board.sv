@@ -14,6 +14,7 @@ module board #(
     parameter int TRANSFORM = 0,    // objects move by a rigid transform: cde_pkg::TRANSFORM_*
     parameter int OBJECTS = 1024,   // entries of their table, 2 to 2,048; PRIM_OBJECTS of that of primaries
     parameter int PRIM_OBJECTS = 64,
+    parameter int FACET_II = 1,     // of pairs with facets: clocks from one row to the next, 1 or 3
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -72,6 +73,9 @@ module board #(
 
   if (TRANSFORM < 0 || TRANSFORM > 2 || (TRANSFORM != 0 && (OBJECTS < 2 || OBJECTS > 2048 || PRIM_OBJECTS < 2 || PRIM_OBJECTS > 2048))) begin : g_no_objects
     $error("board: TRANSFORM must be 0 to 2, OBJECTS and PRIM_OBJECTS 2 to 2048");
+  end
+  if (FACET_II != 1 && FACET_II != 3) begin : g_no_interval
+    $error("board: FACET_II must be 1 or 3");
   end
 
   // ---- Local bus and registers ----
@@ -187,8 +191,8 @@ module board #(
   logic [POINTS-1:0][CW-1:0] result_point;
   cde #(
       .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .FIFO_DEPTH(FIFO_DEPTH), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM),
-      .SWAP(SWAP), .NORMALS(NORMALS), .PARALLEL(PARALLEL), .TRANSFORM(TRANSFORM), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
-      .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+      .SWAP(SWAP), .NORMALS(NORMALS), .PARALLEL(PARALLEL), .TRANSFORM(TRANSFORM), .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) engine (
       .clk_i(clk_engine), .rst_i, .clk_bus_i(clk_bus), .clk_core_i(clk_i), .prim_write_i(prim_write), .prim_addr_i(addr), .prim_data_i(wdata),
       .prim_bad_o(prim_bad), .prim_busy_o(prim_busy), .clk_moving_i(clk_moving), .prim_read_i(prim_read), .prim_written_o(prim_written), .pose_i(pose_commit), .pose_number_i(pose_number), .pose_slot_i(pose_slot), .pair_i(pair), .swap_i(swap), .split_i(split), .budget_i(budget), .gap_o(gap), .ready_o(ready), .clear_i(clear), .clear_row_i(clear_row), .clear_mask_i(clear_mask), .valid_i(issue), .row_i(issue_row),

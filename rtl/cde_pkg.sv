@@ -26,7 +26,7 @@ package cde_pkg;
   localparam logic [11:0] REG_BUDGET = 12'h0A0;        // work for a cylinder pair: [7:0] M, [15:8] K1, [23:16] K2
   localparam logic [11:0] REG_CYCLES = 12'h0C0;        // clocks from go to done, without REG_WRITEBACK
   localparam logic [11:0] REG_ROWS = 12'h0C8;          // rows issued to the pipe (one row = LANES pairs)
-  localparam logic [11:0] REG_STALLS = 12'h0D0;        // clocks the pipe mouth waited for output space, or for a slot of a cylinder pipe
+  localparam logic [11:0] REG_STALLS = 12'h0D0;        // clocks the pipe mouth waited for output space, for a slot of a cylinder pipe, or for a facet pipe's interval
   localparam logic [11:0] REG_BUBBLES = 12'h0D8;       // clocks the pipe mouth waited for a secondary
   localparam logic [11:0] REG_BAD_PRIM = 12'h0E0;      // primaries refused as bad input
   localparam logic [11:0] REG_BAD_SEC = 12'h0E8;       // secondaries refused as bad input
@@ -110,6 +110,16 @@ package cde_pkg;
   function bit any_ring(input int pairs);  // of a set
     any_ring = 0;
     for (int p = 0; p < PAIRS; p++) if (((pairs >> p) & 1) != 0 && has_ring(p)) any_ring = 1;
+  endfunction
+  function int cylinder_body(input int pair);  // what such a pipe's primary is: 0 cylinder, 1 box, 2 triangle (cylinder.svh)
+    cylinder_body = (pair == int'(PAIR_CYLINDER_CYLINDER)) ? 0 : (pair == int'(PAIR_OBB_CYLINDER)) ? 1 : 2;
+  endfunction
+  function bit has_facets(input int pair);  // the pipe is made of facet units, which can take turns (pair_hold.sv)
+    has_facets = pair == int'(PAIR_OBB_OBB) || pair == int'(PAIR_TRIANGLE_AABB) || pair == int'(PAIR_TRIANGLE_OBB);
+  endfunction
+  function bit any_facets(input int pairs);  // of a set
+    any_facets = 0;
+    for (int p = 0; p < PAIRS; p++) if (((pairs >> p) & 1) != 0 && has_facets(p)) any_facets = 1;
   endfunction
   function int shape_words(input int shape);
     shape_words = (shape == SHAPE_RAY || shape == SHAPE_CYLINDER) ? 8 : (shape == SHAPE_TRIANGLE) ? 9 :

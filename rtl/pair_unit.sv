@@ -1,11 +1,13 @@
 // One pipe by itself: LANES pairs a clock in, each lane with a primary and a secondary of its own, with the check of the input
 // contract and the handling of bad input. What `cde query`, the regressions and the benchmarks of pairs run on.
-// Latency: latency_o clocks. Throughput: LANES pairs a clock; cylinder pairs, LANES pairs in as many clocks as their budget takes passes.
-// Stall: ready_o for cylinder pairs (cylinder_pair.sv); the others run free, ready_o = 1.
+// Latency: latency_o clocks. Throughput: LANES pairs in FACET_II clocks; cylinder pairs, LANES pairs in as many clocks as their budget takes
+// passes.
+// Stall: ready_o for cylinder pairs (cylinder_pair.sv) and with FACET_II = 3 (row_interval.sv); the others run free, ready_o = 1.
 module pair_unit #(
     parameter int PAIR = 0,       // cde_pkg::PAIR_*
     parameter int ALGORITHM = 0,  // of ray-triangle, cde_pkg::ALGORITHM_*
     parameter int HALF_SPACE = 0,  // of obb-plane, 1: the plane is the solid n.x <= d
+    parameter int FACET_II = 1,  // of pairs with facets: clocks from one row to the next, 1 or 3
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 8,
@@ -57,10 +59,9 @@ module pair_unit #(
   ) check_b (.clk_i, .words_i(b_i), .bad_o(bad_b));
   assign bad_check = bad_a | bad_b;
 
-  if (cde_pkg::secondary_shape(PAIR) == cde_pkg::SHAPE_CYLINDER && cde_pkg::primary_shape(PAIR) != cde_pkg::SHAPE_RAY) begin : g_ring
-    localparam int BODY = (cde_pkg::primary_shape(PAIR) == cde_pkg::SHAPE_CYLINDER) ? 0 : (cde_pkg::primary_shape(PAIR) == cde_pkg::SHAPE_OBB) ? 1 : 2;
+  if (cde_pkg::has_ring(PAIR)) begin : g_ring
     cylinder_pair #(
-        .BODY(BODY), .ENTRY(T_CHECK), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+        .BODY(cde_pkg::cylinder_body(PAIR)), .ENTRY(T_CHECK), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
         .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
     ) pipe (
         .clk_i, .rst_i, .budget_i, .valid_i, .ready_o, .tag_i, .a_i, .b_i, .bad_i(bad_check), .valid_o, .tag_o, .bad_o(bad), .f_o(f), .t_o(t),
@@ -70,19 +71,21 @@ module pair_unit #(
     assign unused_budget = &{1'b0, budget_i};
     logic [15:0] latency;
     assign latency_o = 32'(latency);
-    assign ready_o = 1'b1;
+    logic enter;
+    assign enter = valid_i && ready_o;
+    row_interval #(.INTERVAL(FACET_II)) interval (.clk_i, .rst_i, .take_i(enter), .ready_o);
     logic [LANES-1:0][CW-1:0] f_pipe, t_pipe;
     logic [2:0][LANES-1:0][CW-1:0] cp_pipe, n_pipe;
     pair_pipe #(
-        .PAIR(PAIR), .ALGORITHM(ALGORITHM), .HALF_SPACE(HALF_SPACE), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
+        .PAIR(PAIR), .ALGORITHM(ALGORITHM), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
         .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-    ) pipe (.clk_i, .a_i, .b_i, .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe), .latency_o(latency));
+    ) pipe (.clk_i, .enter_i(enter), .a_i, .b_i, .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe), .latency_o(latency));
     issue_history #(.W(32), .DEPTH(HISTORY)) history_tag (
-        .clk_i, .rst_i, .latency_i(latency), .valid_i, .d_i(tag_i), .valid_o, .q_o(tag_o));
+        .clk_i, .rst_i, .latency_i(latency), .valid_i(enter), .d_i(tag_i), .valid_o, .q_o(tag_o));
     logic unused_valid;
     if (ARITH != "rtl") begin : g_late  // the pipe answers at once; its results wait
       issue_history #(.W(9 * LW), .DEPTH(HISTORY)) history (
-          .clk_i, .rst_i, .latency_i(latency), .valid_i, .d_i({n_pipe, cp_pipe, t_pipe, f_pipe, bad_check}), .valid_o(unused_valid),
+          .clk_i, .rst_i, .latency_i(latency), .valid_i(enter), .d_i({n_pipe, cp_pipe, t_pipe, f_pipe, bad_check}), .valid_o(unused_valid),
           .q_o({n, cp, t, f, bad}));
     end else begin : g_early  // the check answers before the pipe
       issue_history #(.W(LW), .DEPTH(HISTORY)) history (

@@ -195,6 +195,7 @@ std::vector<std::string> BoardConfig::parameters() const {
   if (parallel && pairs.size() < 2)
     throw Error(ErrorCode::kUsage, "two pipes at a time need a card with several pairs");
   if (pairs.empty()) throw Error(ErrorCode::kUsage, "a card has at least one pair");
+  check_facet_interval(facet_interval, pairs);
   unsigned set = 0;
   for (const Pair pair : pairs) set |= 1u << static_cast<unsigned>(pair);
   const BoardConfig standard;
@@ -224,6 +225,7 @@ std::vector<std::string> BoardConfig::parameters() const {
   add("TRANSFORM", static_cast<unsigned>(transform), 0);
   if (moves) add("OBJECTS", objects, standard.objects);
   if (poses) add("PRIM_OBJECTS", primary_objects, standard.primary_objects);
+  add("FACET_II", facet_interval, standard.facet_interval);
   add("LAT_ADD", latency_add, standard.latency_add);
   add("LAT_MUL", latency_mul, standard.latency_mul);
   add("LAT_DIV", latency_div, standard.latency_div);

@@ -5,16 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
 
-#include "abi.h"
 #include "board_impl.hpp"
 #include "cde/error.hpp"
 
 namespace cde {
 namespace {
-
-constexpr std::uint64_t kAccessClocks = 1000;  // no single access takes this long
 
 void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t expected_hash,
                     const std::string& file) {
@@ -62,6 +58,7 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   card.can_swap = config.swap;
   card.has_normals = config.normals;
   card.parallel = config.parallel;
+  card.facet_interval = config.facet_interval;
   if (card.primaries == 0 || card.primaries > Stencil().size())
     refuse("number of primaries is out of range");
 }
@@ -70,35 +67,20 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
 
 // ---- Bus accesses ----
 
-void Board::Impl::transferred(std::uint64_t done, std::uint64_t wanted, const char* what,
-                              card::Space space, std::uint32_t offset) const {
-  if (done == wanted) return;
-  throw Error(ErrorCode::kDevice,
-              fmt::format("local bus hangs: {} of {} beats {} space {} offset {:#x} at clock {}",
-                          done, wanted, what, static_cast<int>(space), offset, clocks()));
-}
-
-void Board::Impl::write(card::Space space, std::uint32_t offset, const void* data,
-                        std::uint64_t beats) {
-  if (space == card::kSpaceDdr || space == card::kSpacePrim || offset >= card::kObjectTable)
-    words_uploaded += 2 * beats;
-  transferred(api->write(card, space, offset, data, beats, beats * 4 + kAccessClocks), beats,
-              "written to", space, offset);
-}
-
-void Board::Impl::read(card::Space space, std::uint32_t offset, void* data, std::uint64_t beats) {
-  transferred(api->read(card, space, offset, data, beats, beats * 4 + kAccessClocks), beats,
-              "read from", space, offset);
+void Board::Impl::upload(card::Space space, std::uint32_t offset, const void* data,
+                         std::uint64_t beats) {
+  words_uploaded += 2 * beats;
+  link->write(space, offset, data, beats);
 }
 
 std::uint64_t Board::Impl::read_register(std::uint32_t offset) {
   std::uint64_t value = 0;
-  read(card::kSpaceReg, offset, &value, 1);
+  link->read(card::kSpaceReg, offset, &value, 1);
   return value;
 }
 
 void Board::Impl::write_register(std::uint32_t offset, std::uint64_t value) {
-  write(card::kSpaceReg, offset, &value, 1);
+  link->write(card::kSpaceReg, offset, &value, 1);
 }
 
 void Board::Impl::check_bus(const char* during) {
@@ -114,16 +96,12 @@ void Board::Impl::check_bus(const char* during) {
 }
 
 void Board::Impl::reset() {
-  api->reset(card);
+  link->reset();
   loaded = second_loaded = 0;
   for (ObjectTable* table : {&objects, &primary_objects}) {
     table->objects.clear();
     table->placed.clear();
   }
-}
-
-Board::Impl::~Impl() {
-  if (card != nullptr) api->destroy(card);
 }
 
 // ---- Opening ----
@@ -147,18 +125,7 @@ Board Board::open(const BoardConfig& config, const OpenOptions& options) {
   const std::uint64_t expected = options.config_hash.value_or(bitstream.config_hash());
   const std::string file = bitstream.path().string();
 
-  auto impl = std::make_unique<Impl>(std::move(bitstream));
-  const auto entry =
-      reinterpret_cast<cde_board_entry_fn>(impl->bitstream.symbol("cde_board_entry"));
-  impl->api = entry();
-  if (impl->api->abi != CDE_BOARD_ABI) {
-    throw Error(ErrorCode::kConfiguration,
-                fmt::format("bitstream {}: C interface version {}, this driver speaks {}", file,
-                            impl->api->abi, CDE_BOARD_ABI));
-  }
-  const cde_board_options card_options = {options.ddr_latency, options.clock_period_ps};
-  impl->card = impl->api->create(&card_options);
-  if (impl->card == nullptr) throw Error(ErrorCode::kDevice, "no memory for the card's models");
+  auto impl = std::make_unique<Impl>(local_link(std::move(bitstream), options), file);
   impl->ddr_latency = options.ddr_latency;
   check_identity(*impl, config, expected, file);
   return Board(std::move(impl));
@@ -240,8 +207,8 @@ void Board::Impl::write_slots(Shape shape, std::size_t first, std::size_t count,
       if (before != 0) buffer[0] = seams_[slot / 2][0];
       if (after != 0) shapes[n * slot_words] = seams_[(slot + n) / 2][1];
     }
-    write(card::kSpaceDdr, static_cast<std::uint32_t>((slot * slot_words - before) * 4),
-          buffer.data(), (before + n * slot_words + after) / 2);
+    upload(card::kSpaceDdr, static_cast<std::uint32_t>((slot * slot_words - before) * 4),
+           buffer.data(), (before + n * slot_words + after) / 2);
     done += n;
   }
   check_bus("the upload of secondaries");
@@ -253,6 +220,11 @@ void Board::load(std::span<const Ray> rays) {
 
 void Board::Impl::load(std::uint32_t first, Shape shape, std::size_t count,
                        const std::function<void(std::size_t, float*)>& words) {
+  if (first >= primaries) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("the first pair's primaries fill all {} rows of the register file",
+                            primaries / lanes));
+  }
   if (count == 0 || first + count > primaries) {
     throw Error(ErrorCode::kUsage, fmt::format("a packet has 1 to {} {}s, not {}",
                                                primaries - first, name(shape), count));
@@ -267,8 +239,8 @@ void Board::Impl::load(std::uint32_t first, Shape shape, std::size_t count,
   const std::size_t stride = (slot_words + 1) / 2 * 2;
   std::vector<float> slots(count * stride);
   for (std::size_t i = 0; i < count; ++i) words(i, &slots[i * stride]);
-  write(card::kSpacePrim, static_cast<std::uint32_t>(first * stride * 4), slots.data(),
-        slots.size() / 2);
+  upload(card::kSpacePrim, static_cast<std::uint32_t>(first * stride * 4), slots.data(),
+         slots.size() / 2);
   check_bus("the upload of primaries");
 }
 
@@ -298,17 +270,11 @@ void Board::reset() {
 }
 
 void Board::trace_open(const std::filesystem::path& file) {
-  if (std::strstr(impl_->api->parameters, "TRACE=1") == nullptr) {
-    throw Error(ErrorCode::kUsage,
-                "this bitstream has no waves; open the board with BoardConfig::trace");
-  }
-  if (impl_->api->trace_open(impl_->card, file.c_str()) != 0) {
-    throw Error(ErrorCode::kFile, fmt::format("{}: cannot write waves", file.string()));
-  }
+  impl_->link->trace_open(file);
 }
 
 void Board::trace_close() {
-  impl_->api->trace_close(impl_->card);
+  impl_->link->trace_close();
 }
 
 unsigned Board::lanes() const {
@@ -333,10 +299,10 @@ std::uint64_t Board::words_uploaded() const {
   return impl_->words_uploaded;
 }
 const std::filesystem::path& Board::bitstream() const {
-  return impl_->bitstream.path();
+  return impl_->bitstream;
 }
 std::uint64_t Board::config_hash() const {
-  return impl_->api->config_hash;
+  return impl_->link->config_hash();
 }
 
 std::uint64_t Board::read_register(std::uint32_t offset) {
@@ -347,19 +313,19 @@ void Board::write_register(std::uint32_t offset, std::uint64_t value) {
 }
 void Board::bus_write(card::Space space, std::uint32_t offset,
                       std::span<const std::uint64_t> beats) {
-  impl_->write(space, offset, beats.data(), beats.size());
+  impl_->link->write(space, offset, beats.data(), beats.size());
 }
 void Board::bus_read(card::Space space, std::uint32_t offset, std::span<std::uint64_t> beats) {
-  impl_->read(space, offset, beats.data(), beats.size());
+  impl_->link->read(space, offset, beats.data(), beats.size());
 }
 std::uint64_t Board::wait(std::uint64_t max_clocks) {
-  return impl_->api->run(impl_->card, max_clocks);
+  return impl_->link->run(max_clocks);
 }
 std::uint64_t Board::clocks() const {
   return impl_->clocks();
 }
 void Board::flip_ddr(std::uint64_t byte, std::uint8_t mask) {
-  impl_->api->ddr_flip(impl_->card, byte, mask);
+  impl_->link->flip_ddr(byte, mask);
 }
 
 // ---- Small things of the header ----

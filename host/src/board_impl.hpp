@@ -1,7 +1,7 @@
 #pragma once
 #include <array>
 
-#include "abi.h"
+#include "card_link.hpp"
 #include "cde/board.hpp"
 
 namespace cde {
@@ -18,16 +18,12 @@ struct ObjectTable {
 /// State of a Board, and single accesses to its card. Private to the driver.
 class Board::Impl {
  public:
-  explicit Impl(Bitstream stream) : bitstream(std::move(stream)) {}
-  ~Impl();
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
+  Impl(std::unique_ptr<CardLink> way, std::filesystem::path file)
+      : link(std::move(way)), bitstream(std::move(file)) {}
 
-  void write(card::Space space, std::uint32_t offset, const void* data, std::uint64_t beats);
-  void read(card::Space space, std::uint32_t offset, void* data, std::uint64_t beats);
   [[nodiscard]] std::uint64_t read_register(std::uint32_t offset);
   void write_register(std::uint32_t offset, std::uint64_t value);
-  [[nodiscard]] std::uint64_t clocks() const { return api->clocks(card); }
+  [[nodiscard]] std::uint64_t clocks() const { return link->clocks(); }
 
   /// Hardware reset: what is not in DDR is gone.
   void reset();
@@ -51,9 +47,8 @@ class Board::Impl {
   /// Secondaries of a pass.
   [[nodiscard]] std::uint64_t swept() const;
 
-  Bitstream bitstream;
-  const cde_board_api* api = nullptr;
-  void* card = nullptr;
+  std::unique_ptr<CardLink> link;
+  std::filesystem::path bitstream;
   unsigned lanes = 0, primaries = 0, pipe_latency = 0, ddr_latency = 0;
   std::uint64_t capacity = 0, sram_records = 0;  ///< bytes of DDR
   std::uint32_t secondaries = 0;                 ///< uploaded
@@ -62,12 +57,15 @@ class Board::Impl {
   Shape secondary_shape = Shape::kTriangle, primary_shape = Shape::kRay, second_shape = Shape::kRay;
   std::vector<Pair> pairs;
   bool can_swap = false, has_normals = false, parallel = false;
-  unsigned slot_words = 0;  ///< of a primary
+  unsigned slot_words = 0;      ///< of a primary
+  unsigned facet_interval = 1;  ///< clocks from row to row of pairs with facets
   std::uint64_t upload_clocks = 0, load_clocks = 0, words_uploaded = 0;
   ObjectTable objects{"secondaries", card::kObjectTable};
   ObjectTable primary_objects{"primaries", card::kPrimObjectTable};
 
  private:
+  /// Counts the words.
+  void upload(card::Space space, std::uint32_t offset, const void* data, std::uint64_t beats);
   /// Error kUsage if the object does not fit what lies in the card, as far as something does.
   void check_object(const ObjectTable& table, std::size_t number, const Object& object) const;
   void write_object(ObjectTable& table, std::size_t number);  ///< its range, if it changed
@@ -75,8 +73,6 @@ class Board::Impl {
   /// Shapes of an odd number of words share beats of DDR, which is written by whole beats: the last
   /// word of an even slot and the first one of the next, for every such two slots.
   std::vector<std::array<float, 2>> seams_;
-  void transferred(std::uint64_t done, std::uint64_t wanted, const char* what, card::Space space,
-                   std::uint32_t offset) const;
 };
 
 }  // namespace cde

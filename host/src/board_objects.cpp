@@ -57,9 +57,10 @@ void Board::Impl::check_object(const ObjectTable& table, std::size_t number,
 
 void Board::Impl::write_transform(const ObjectTable& table, std::size_t number) {
   const auto words = to_words(table.objects[number].transform);
-  write(card::kSpaceReg,
-        table.offset + static_cast<std::uint32_t>(number) * kEntryBytes + card::kObjectRotation * 4,
-        words.data(), words.size() / 2);
+  upload(
+      card::kSpaceReg,
+      table.offset + static_cast<std::uint32_t>(number) * kEntryBytes + card::kObjectRotation * 4,
+      words.data(), words.size() / 2);
 }
 
 void Board::Impl::write_object(ObjectTable& table, std::size_t number) {
@@ -70,8 +71,8 @@ void Board::Impl::write_object(ObjectTable& table, std::size_t number) {
     first += split() - loaded;
   if (table.placed[number] == first) return;
   const std::array<std::uint32_t, 2> range = {first, object.count};
-  write(card::kSpaceReg, table.offset + static_cast<std::uint32_t>(number) * kEntryBytes,
-        range.data(), 1);
+  upload(card::kSpaceReg, table.offset + static_cast<std::uint32_t>(number) * kEntryBytes,
+         range.data(), 1);
   table.placed[number] = first;
 }
 

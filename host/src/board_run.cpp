@@ -50,20 +50,23 @@ class Pass {
     }
     for (unsigned p = 0; p < slots_; ++p) active_ += stencil_[p] ? 0u : 1u;
     const std::uint64_t rows = (std::max(card.loaded, second) + card.lanes - 1) / card.lanes;
-    // A ring takes a row in as many clocks as a pair takes passes, and each pass takes its length:
-    // no more than kRing clocks.
+    // A ring takes a row in as many clocks as a pair takes passes, and each takes its length: no
+    // more than kRing clocks.
     constexpr std::uint64_t kRing = 1024;
     const bool ring = has_budget(*query.pair) || (query.second && has_budget(query.second->pair));
-    const std::uint64_t passes =
-        ring ? 40 + 3 * (query.budget.samples + query.budget.circle + query.budget.free) : 1;
-    const std::uint64_t rows_total = rows * swept_ * passes;
+    const bool facets = has_facets(*query.pair) || (query.second && has_facets(query.second->pair));
+    const std::uint64_t clocks_a_row =
+        ring     ? 40 + 3 * (query.budget.samples + query.budget.circle + query.budget.free)
+        : facets ? card.facet_interval
+                 : 1;
+    const std::uint64_t rows_total = rows * swept_ * clocks_a_row;
     streaming_ = query.mode == Mode::kAll || query.mode == Mode::kHits;
     const std::uint64_t records = streaming_ ? active_ * swept_ : active_;
     expected_clocks_ = rows_total + (streaming_ && query.mode == Mode::kAll ? records : 0) + 1;
     // Twice the worst: every row, every record written and read back, the memory's latency a slot.
     const std::uint64_t worst = rows_total + 2 * (2 + kBeatsPerRecord) * records +
                                 swept_ * (card.ddr_latency / 32 + 2) + 8192 + card.pipe_latency +
-                                (ring ? passes * kRing : 0);
+                                (ring ? clocks_a_row * kRing : 0);
     ring_entries_ = query.normals ? 2 : 1;
     deadline_ = query.deadline_clocks != 0 ? query.deadline_clocks : 2 * worst;
   }
@@ -119,8 +122,8 @@ class Pass {
     for (;;) {
       const std::uint64_t spent = card_.clocks() - started_;
       if (spent >= deadline_) timeout(fmt::format("deadline of {} clocks", deadline_));
-      card_.api->run(card_.card, std::min(kSlice, deadline_ - spent));
-      if (card_.api->interrupt(card_.card) != 0) {
+      card_.link->run(std::min(kSlice, deadline_ - spent));
+      if (card_.link->interrupt()) {
         const std::uint64_t status = card_.read_register(card::kRegStatus);
         if (bit(status, card::kStatusCommandError)) device_error("command refused", status);
         if (bit(status, card::kStatusBusError)) card_.check_bus("a pass");
@@ -144,7 +147,7 @@ class Pass {
     std::array<std::uint32_t, 8 * kChunk> words;
     while (wanted != 0) {
       const std::uint64_t n = std::min(wanted, kChunk);
-      card_.read(card::kSpaceSram, 0, words.data(), n * kBeatsPerRecord);
+      card_.link->read(card::kSpaceSram, 0, words.data(), n * kBeatsPerRecord);
       records_.clear();
       for (std::uint64_t i = 0; i < n; ++i) take(&words[8 * i]);
       received_ += n;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 
 #include "cde/error.hpp"
 
@@ -88,6 +89,21 @@ void PairBudget::check() const {
 bool has_budget(Pair pair) {
   return pair == Pair::kCylinderCylinder || pair == Pair::kObbCylinder ||
          pair == Pair::kTriangleCylinder;
+}
+
+bool has_facets(Pair pair) {
+  return pair == Pair::kObbObb || pair == Pair::kTriangleAabb || pair == Pair::kTriangleObb;
+}
+
+void check_facet_interval(unsigned interval, std::span<const Pair> pairs) {
+  if (interval != 1 && interval != 3)
+    throw Error(ErrorCode::kUsage, fmt::format("facet interval is {}, expected 1 or 3", interval));
+  if (interval != 1 && std::none_of(pairs.begin(), pairs.end(), has_facets)) {
+    std::string names;
+    for (const Pair pair : pairs) names.append(names.empty() ? "" : ", ").append(name(pair));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("facet interval is {}, but {} has no facets", interval, names));
+  }
 }
 
 }  // namespace cde

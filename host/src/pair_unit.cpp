@@ -25,6 +25,7 @@ std::vector<std::string> PairConfig::parameters() const {
     throw Error(ErrorCode::kUsage, fmt::format("{} has no choice of algorithm", name(pair)));
   if (plane != PlaneSide::kSurface && pair != Pair::kObbPlane)
     throw Error(ErrorCode::kUsage, fmt::format("{} has no half-space", name(pair)));
+  check_facet_interval(facet_interval, {&pair, 1});
   std::vector<std::string> p{
       fmt::format("PAIR={}", static_cast<unsigned>(pair)), fmt::format("EXP={}", format.exp_bits),
       fmt::format("MAN={}", format.man_bits), fmt::format("LANES={}", lanes),
@@ -35,6 +36,7 @@ std::vector<std::string> PairConfig::parameters() const {
   const auto add = [&p](std::string_view key, unsigned value) {
     if (value != 1) p.push_back(fmt::format("{}={}", key, value));
   };
+  add("FACET_II", facet_interval);
   add("LAT_ADD", latency_add);
   add("LAT_MUL", latency_mul);
   add("LAT_DIV", latency_div);

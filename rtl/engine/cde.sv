@@ -4,8 +4,8 @@
 // same clocks and bits outside.
 // One pipe is used in a pass, with PARALLEL at most two, which meet the same secondaries with primaries of their own; the others'
 // clocks stand still.
-// Latency: that of the pipe. Throughput: one row a clock, or what a ring takes. Stall: ready_o; room for results is held by credits
-// outside.
+// Latency: that of the pipe. Throughput: one row a clock, a pair with facets one in FACET_II clocks, or what a ring takes. Stall: ready_o; room
+// for results is held by credits outside.
 module cde #(
     parameter int EXP = 8,
     parameter int MAN = 23,
@@ -18,6 +18,7 @@ module cde #(
     parameter int NORMALS = 0,
     parameter int PARALLEL = 0,
     parameter int TRANSFORM = 0,
+    parameter int FACET_II = 1,  // of pairs with facets: clocks from one row to the next, 1 or 3
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -120,6 +121,8 @@ module cde #(
   localparam int HISTORY = DEEPEST << $clog2(SLOWEST);
   localparam int PORTS = 1 + PARALLEL;  // pairs in a pass
   localparam bit RINGS = cde_pkg::any_ring(PAIRS);
+  localparam bit TURNS = FACET_II != 1 && cde_pkg::any_facets(PAIRS);  // rows of some pairs need more than a clock
+  localparam bit ISSUE = RINGS || (TURNS && ARITH == "rtl");  // some pipe wants to know when
   logic [PORTS-1:0][3:0] pair;
   for (genvar k = 0; k < PORTS; k++) begin : pair_of
     assign pair[k] = MANY ? pair_i[k] : 4'($clog2(PAIRS));
@@ -132,7 +135,9 @@ module cde #(
   logic [PORTS-1:0][SEC_WORDS-1:0][CW-1:0] secondary;
   for (genvar k = 0; k < PORTS; k++) begin : port
     assign latency[k] = pipe_latency[k] + 16'(MANY);  // the register in front of each of several pipes
-    logic of_ring, late_valid;
+    logic of_ring, late_valid, rested;
+    row_interval #(.INTERVAL(TURNS ? FACET_II : 1)) interval (
+        .clk_i, .rst_i, .take_i(valid_i[k] && cde_pkg::has_facets(int'(pair[k]))), .ready_o(rested));
     logic [ROW_W+33:0] tag, late_tag;
     assign tag = {row_i[k], parity_i, index_i, secondary_bad_i};
     issue_history #(.W(ROW_W + 34), .DEPTH(HISTORY)) history (
@@ -140,16 +145,14 @@ module cde #(
     if (RINGS) begin : g_ring  // keeps the order, not the time
       logic [ROW_W+33:0] next_tag;
       assign of_ring = cde_pkg::has_ring(int'(pair[k]));
-      assign ready_o[k] = !of_ring || group[0].ring_ready[pair[k]];
+      assign ready_o[k] = rested && (!of_ring || group[0].ring_ready[pair[k]]);
       issue_order #(.W(ROW_W + 34), .DEPTH(1024)) order (
           .clk_i, .rst_i, .push_i(valid_i[k] && of_ring), .d_i(tag), .pop_i(of_ring && group[0].ring_valid[pair[k]]), .q_o(next_tag));
       assign valid_o[k] = of_ring ? group[0].ring_valid[pair[k]] : late_valid;
       assign {row_out[k], parity[k], index[k], secondary_bad[k]} = of_ring ? next_tag : late_tag;
     end else begin : g_no_ring
-      logic unused_pair;
-      assign unused_pair = &{1'b0, pair[k]};
       assign of_ring = 1'b0;
-      assign ready_o[k] = 1'b1;
+      assign ready_o[k] = rested;
       assign valid_o[k] = late_valid;
       assign {row_out[k], parity[k], index[k], secondary_bad[k]} = late_tag;
     end
@@ -217,13 +220,13 @@ module cde #(
 `endif
     lane_group #(
         .EXP(EXP), .MAN(MAN), .LANES(GROUP), .ROWS(ROWS), .FIFO_DEPTH(FIFO_DEPTH), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM),
-        .SWAP(SWAP), .NORMALS(NORMALS), .PARALLEL(PARALLEL), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
-        .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+        .SWAP(SWAP), .NORMALS(NORMALS), .PARALLEL(PARALLEL), .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+        .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
     ) lanes (
         .clk_i, .clk_prim_i(clk_prim), .prim_write_i(prim_commit && 32'(prim_lane) / 32'(GROUP) == 32'(g)), .prim_row_i(prim_row),
         .prim_lane_i(GLANE_W'(prim_lane)), .prim_slot_i(prim_slot), .clear_i, .clear_row_i, .clear_mask_i(clear_mask_i[g*GROUP+:GROUP]),
         .clear_bad_i(prim_bad_o[32'(clear_row_i)*LANES+g*GROUP+:GROUP]), .pair_i(pair_i[PORTS-1:0]), .gap_i(gap_o[PORTS-1:0]), .swap_i(swap_i[PORTS-1:0]), .clk_pipe_i(clk_pipe), .row_i(row_in), .secondary_i(secondary),
-        .rst_i(RINGS && rst_i), .budget_i(RINGS ? budget_i : '0), .ring_valid_i(RINGS ? valid_i[PORTS-1:0] : '0), .ring_row_i(RINGS ? row_i[PORTS-1:0] : '0),
+        .rst_i(RINGS && rst_i), .budget_i(RINGS ? budget_i : '0), .issue_i(ISSUE ? valid_i[PORTS-1:0] : '0), .ring_row_i(RINGS ? row_i[PORTS-1:0] : '0),
         .ring_secondary_i(RINGS ? secondary_i : '0), .ring_ready_o(ring_ready), .ring_valid_o(ring_valid),
         .latency_o(latency_pipes),
         .valid_i(valid_o[PORTS-1:0]), .row_out_i(row_out), .parity_i(parity), .index_i(index), .secondary_bad_i(secondary_bad), .mode_i, .streaming_i,

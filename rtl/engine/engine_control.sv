@@ -1,7 +1,7 @@
 // Sequencer of a pass: pose primaries that moved, clear the update buffers, sweep every secondary over the rows of primaries, let the pipe drain, write the
 // results back, report done. A row enters the pipe when a secondary is there and, in the streaming modes, a credit of the
 // output FIFO is left and its pipe is ready. With a second pair a row of its primaries enters its pipe in the same clock.
-// Throughput: one row a clock without bubbles while secondaries and credits last.
+// Throughput: one row a clock without bubbles while secondaries and credits last and pipes are ready.
 module engine_control #(
     parameter int LANES = 16,
     parameter int PRIMARIES = 256,

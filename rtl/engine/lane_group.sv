@@ -1,7 +1,7 @@
 // LANES lanes of the collision detection engine with all that belongs to them alone: their part of the primary register file, the
 // pipe, of the update engine and of the output FIFO. Nothing wider than a control bit or one record leaves a group, in silicon as
 // in simulation; not inlined, so that the groups are one function over objects that fit the first-level cache.
-// Latency: that of the pipe. Throughput: one row a clock. Stall: none.
+// Latency: that of the pipe. Throughput: that of the pipe, at most one row a clock. Stall: none.
 module lane_group #(
     parameter int EXP = 8,
     parameter int MAN = 23,
@@ -13,6 +13,7 @@ module lane_group #(
     parameter int SWAP = 0,       // roles of primary and secondary can be exchanged
     parameter int NORMALS = 0,    // records have normals
     parameter int PARALLEL = 0,   // two pairs at a time
+    parameter int FACET_II = 1,   // clocks from row to row of pairs with facets
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -51,9 +52,9 @@ module lane_group #(
     input logic [PORTS-1:0][ROW_W-1:0] row_i,  // row and secondary that enter the datapath
     input logic [PORTS-1:0][SEC_WORDS-1:0][CW-1:0] secondary_i,
     output logic [N_PAIRS-1:0][15:0] latency_o,
+    input logic [PORTS-1:0] issue_i,  // a row is issued: of pipes that are rings, and of gates with FACET_II = 3
     input logic rst_i,  // of pipes that are rings; with both back ends they take a row when it is issued
     input logic [23:0] budget_i,
-    input logic [PORTS-1:0] ring_valid_i,
     input logic [PORTS-1:0][ROW_W-1:0] ring_row_i,
     input logic [SEC_WORDS-1:0][CW-1:0] ring_secondary_i,
     output logic [N_PAIRS-1:0] ring_ready_o,
@@ -94,7 +95,7 @@ module lane_group #(
   // does nothing ----
   if (!cde_pkg::any_ring(PAIRS)) begin : g_no_ring
     logic unused_ring;
-    assign unused_ring = &{1'b0, rst_i, budget_i, ring_valid_i, ring_row_i, ring_secondary_i};
+    assign unused_ring = &{1'b0, rst_i, budget_i, ring_row_i, ring_secondary_i};
   end
   localparam bit MANY = (PAIRS & (PAIRS - 1)) != 0;
   for (genvar p = 0; p < N_PAIRS; p++) begin : pair
@@ -110,14 +111,19 @@ module lane_group #(
       logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
       logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b;
       localparam bit RING = cde_pkg::has_ring(p);
+      localparam int INTERVAL = cde_pkg::has_facets(p) ? FACET_II : 1;
       logic of;  // which of the pass's pairs it is
       assign of = PARALLEL != 0 && pair_i[PORTS-1] == 4'(p);
+      logic issue, enter;  // to this pipe, with its operands
+      assign issue = issue_i[of] && (!MANY || pair_i[of] == 4'(p));
       if (MANY) begin : g_register
+        always_ff @(posedge clk_pipe_i[p]) enter <= issue;
         always_ff @(posedge clk_pipe_i[p]) begin
           row <= RING ? ring_row_i[of] : row_i[of];
           secondary <= RING ? ring_secondary_i[S_WORDS-1:0] : secondary_i[of][S_WORDS-1:0];
         end
       end else begin : g_direct
+        assign enter = issue;
         assign row = RING ? ring_row_i[0] : row_i[0];
         assign secondary = RING ? ring_secondary_i[S_WORDS-1:0] : secondary_i[0][S_WORDS-1:0];
         logic unused_of;
@@ -142,7 +148,6 @@ module lane_group #(
         end
       end
       if (RING) begin : g_ring
-        localparam int BODY = (cde_pkg::primary_shape(p) == cde_pkg::SHAPE_CYLINDER) ? 0 : (cde_pkg::primary_shape(p) == cde_pkg::SHAPE_OBB) ? 1 : 2;
         logic [31:0] latency, unused_tag;
         logic [LANES-1:0][CW-1:0] unused_bad;
         logic [7:0][LANES-1:0][CW-1:0] b_lanes;
@@ -154,22 +159,24 @@ module lane_group #(
           end
         end
         cylinder_pair #(
-            .BODY(BODY), .AHEAD(MANY ? 1 : 0), .ENTRY(cde_pkg::larger(LAT_ADD, LAT_MUL)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
-            .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+            .BODY(cde_pkg::cylinder_body(p)), .AHEAD(MANY ? 1 : 0), .ENTRY(cde_pkg::larger(LAT_ADD, LAT_MUL)), .EXP(EXP), .MAN(MAN),
+            .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
         ) pipe (
-            .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .budget_i, .valid_i(ring_valid_i[of] && (!MANY || pair_i[of] == 4'(p))),
+            .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .budget_i, .valid_i(issue),
             .ready_o(ring_ready_o[p]), .tag_i('0), .a_i(a), .b_i(b_lanes), .bad_i('0), .valid_o(ring_valid_o[p]), .tag_o(unused_tag),
             .bad_o(unused_bad), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
         assign latency_o[p] = (latency > 32'hffff) ? 16'hffff : 16'(latency);
         logic unused;
-        assign unused = &{1'b0, unused_tag, unused_bad};
+        assign unused = &{1'b0, unused_tag, unused_bad, enter};
       end else begin : g_free
-      assign ring_ready_o[p] = 1'b1;
-      assign ring_valid_o[p] = 1'b0;
-      pair_pipe #(
-          .PAIR(p), .ALGORITHM(ALGORITHM), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-          .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-      ) pipe (.clk_i(MANY ? clk_pipe_i[p] : clk_i), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency_o[p]));
+        assign ring_ready_o[p] = 1'b1;
+        assign ring_valid_o[p] = 1'b0;
+        pair_pipe #(
+            .PAIR(p), .ALGORITHM(ALGORITHM), .FACET_II(INTERVAL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD),
+            .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+        ) pipe (
+            .clk_i(MANY ? clk_pipe_i[p] : clk_i), .enter_i(enter), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n),
+            .latency_o(latency_o[p]));
       end
     end else begin : g_absent
       assign ring_ready_o[p] = 1'b1;

@@ -5,6 +5,11 @@
 `define CDE_CONVEX_SVH
 `include "dataflow.svh"
 
+// ---- Facet units that take turns: FACET_II = 1 or 3 clocks from pair to pair, pair_hold.sv ----
+`define FACET_TURNS ((ARITH == "rtl") ? FACET_II : 1)
+`define FACET_T_IN ((FACET_II != 1) ? 1 : 0)
+`define FACET_WAIT (FACET_II - 1)
+
 // ---- Stage times of parts ----
 `define LATENCY_TURNED (LAT_MUL + 2 * LAT_ADD)
 `define LATENCY_PERPENDICULAR (`DF_LAT_DOT + 2 * LAT_MUL + LAT_ADD)
@@ -18,7 +23,7 @@
 `define LATENCY_OBB_SUPPORT (`DF_LAT_DOT + 4 * LAT_ADD)
 `define LATENCY_LEAST(COUNT) ($clog2(COUNT) * LAT_CMP)
 `define LATENCY_NEAREST(COUNT) (`LATENCY_LEAST(COUNT) + `LATENCY_PERPENDICULAR)
-`define LATENCY_WITNESS(COUNT) (2 * `LATENCY_LEAST(COUNT) + LAT_ADD + LAT_CMP + LAT_MUL + LAT_ADD + `DF_LAT_DOT)
+`define LATENCY_WITNESS(COUNT) (`FACET_WAIT + 2 * `LATENCY_LEAST(COUNT) + LAT_ADD + LAT_CMP + LAT_MUL + LAT_ADD + `DF_LAT_DOT)
 `define LATENCY_POLISH (`DF_MAX2(`DF_MAX2(2 * LAT_CMP + LAT_MUL, LAT_ADD + `DF_LAT_DOT) + LAT_CMP, LAT_ADD + `DF_LAT_DOT + LAT_DIV + LAT_CMP) + \
   LAT_MUL + LAT_ADD)
 

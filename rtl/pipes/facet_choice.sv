@@ -2,15 +2,16 @@
 // nearest to s n, n its own normal if its gap ties with the largest, else the normal of the largest gap: its n, v, p belong to s where the
 // bodies penetrate. `start` is the facet nearest the origin, v made perpendicular to the edge that it ends on: where the bodies
 // are apart, the point of B - A to polish. A tree over facets carries only what is used of its result.
-// 5 COUNT + 6 add, 6 COUNT + 7 mul, 4 COUNT - 3 compare.
-// Latency: s and witness LATENCY_WITNESS(COUNT) clocks, start LATENCY_NEAREST(COUNT); 0 with ARITH = "host". Throughput: one pair a lane a
-// clock. Stall: none.
+// 5 COUNT + 6 add, 6 COUNT + 7 mul, 4 COUNT - 3 compare. With FACET_II = 3 three facets take turns at the key of the witness.
+// Latency: s and witness LATENCY_WITNESS(COUNT) clocks, start LATENCY_NEAREST(COUNT); 0 with ARITH = "host". Throughput: one pair a lane in
+// FACET_II clocks. Stall: none.
 `include "convex.svh"
 module facet_choice #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
-    parameter int COUNT = 2,  // >= 2
+    parameter int COUNT = 2,     // >= 2
+    parameter int FACET_II = 1,  // 1 or 3
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_CMP = 1,
@@ -18,6 +19,7 @@ module facet_choice #(
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
+    input logic [1:0] phase_i,  // facets and tie are there in phase 0
     input logic [COUNT-1:0][LANES-1:0][CW-1:0] gap_i,
     input logic [COUNT-1:0][2:0][LANES-1:0][CW-1:0] n_i,
     input logic [COUNT-1:0][2:0][LANES-1:0][CW-1:0] v_i,
@@ -34,6 +36,7 @@ module facet_choice #(
     output logic [2:0][LANES-1:0][CW-1:0] start_p_o
 );
   /*verilator inline_module*/
+  localparam int TURNS = `FACET_TURNS;
   localparam int T_TREE = `LATENCY_LEAST(COUNT);
 
   // ---- The largest gap ----
@@ -55,27 +58,55 @@ module facet_choice #(
   localparam int T_OFF2 = T_TREE + LAT_ADD + LAT_CMP + LAT_MUL + LAT_ADD + `DF_LAT_DOT;
   logic [COUNT-1:0][LANES-1:0][CW-1:0] off2;
   logic [COUNT-1:0][8:0][LANES-1:0][CW-1:0] candidate;  // n, v, p
-  for (genvar i = 0; i < COUNT; i++) begin : g_witness
-    `DF_IN(gap, gap_i[i], 0)
-    `DF_VIN(own_n, n_i[i], 0)
-    `DF_VIN(v, v_i[i], 0)
-    `DF_VIN(p, p_i[i], 0)
-    `DF_LE(ties, tied, gap)
-    `DF_VSELECT(n, ties, own_n, largest_n)
-    `DF_VSCALE(ideal, n, s)
+  `DF_PHASE_IN(phase, phase_i, 0)
+  `DF_PHASE_AT(phase_s, phase, T_TREE)
+  `DF_PHASE_AT(phase_tied, phase_s, T_tied)
+  `DF_HOLD(s_held, phase_s, s)
+  `DF_VHOLD(largest_n_held, phase_s, largest_n)
+  `DF_HOLD(tied_held, phase_tied, tied)
+  for (genvar i = 0; i < COUNT; i += TURNS) begin : g_witness
+    localparam int USERS = (TURNS < COUNT - i) ? TURNS : COUNT - i;
+    localparam int SECOND = (USERS > 1) ? i + 1 : i, THIRD = (USERS > 2) ? i + 2 : i;
+    `DF_IN(gap0, gap_i[i], 0)
+    `DF_IN(gap1, gap_i[SECOND], 0)
+    `DF_IN(gap2, gap_i[THIRD], 0)
+    `DF_VIN(own_n0, n_i[i], 0)
+    `DF_VIN(own_n1, n_i[SECOND], 0)
+    `DF_VIN(own_n2, n_i[THIRD], 0)
+    `DF_VIN(v0, v_i[i], 0)
+    `DF_VIN(v1, v_i[SECOND], 0)
+    `DF_VIN(v2, v_i[THIRD], 0)
+    `DF_VIN(p0, p_i[i], 0)
+    `DF_VIN(p1, p_i[SECOND], 0)
+    `DF_VIN(p2, p_i[THIRD], 0)
+    `DF_TURN_PASSING(gap, 0, phase, gap0, gap1, gap2)
+    `DF_VTURN_PASSING(own_n, 0, phase, own_n0, own_n1, own_n2)
+    `DF_VTURN_PASSING(v, 0, phase, v0, v1, v2)
+    `DF_VTURN_PASSING(p, 0, phase, p0, p1, p2)
+    `DF_LE(ties, tied_held, gap)
+    `DF_VSELECT(n, ties, own_n, largest_n_held)
+    `DF_VSCALE(ideal, n, s_held)
     `DF_VSUB(off, v, ideal)
     `DF_DOT(square, off, off)
     if (T_square != T_OFF2) $error("facet_choice: stage time");
     `DF_VAT(n_key, n, T_OFF2)
     `DF_VAT(v_key, v, T_OFF2)
     `DF_VAT(p_key, p, T_OFF2)
-    assign off2[i] = square;
-    assign candidate[i] = {p_key, v_key, n_key};
+    logic [USERS-1:0][LANES-1:0][CW-1:0] squares;
+    logic [USERS-1:0][2:0][LANES-1:0][CW-1:0] n_keys, v_keys, p_keys;
+    after_turns #(.W(LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH)) after_square (.clk_i, .d_i(square), .q_o(squares));
+    after_turns #(.W(3 * LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH)) after_n (.clk_i, .d_i(n_key), .q_o(n_keys));
+    after_turns #(.W(3 * LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH)) after_v (.clk_i, .d_i(v_key), .q_o(v_keys));
+    after_turns #(.W(3 * LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH)) after_p (.clk_i, .d_i(p_key), .q_o(p_keys));
+    for (genvar k = 0; k < USERS; k++) begin : g_user
+      assign off2[i+k] = squares[k];
+      assign candidate[i+k] = {p_keys[k], v_keys[k], n_keys[k]};
+    end
   end
   least_tree #(`DF_FORMAT, .COUNT(COUNT), .WORDS(9), .LAT_CMP(LAT_CMP)) by_witness (
       .clk_i, .key_i(off2), .payload_i(candidate), .key_o(), .payload_o({witness_p_o, witness_v_o, witness_n_o}));
-  if (T_OFF2 + T_TREE != `LATENCY_WITNESS(COUNT)) $error("facet_choice: latency of the witness");
-  `DF_AT(s_out, s, T_OFF2 + T_TREE)
+  if (T_OFF2 + `FACET_WAIT + T_TREE != `LATENCY_WITNESS(COUNT)) $error("facet_choice: latency of the witness");
+  `DF_AT(s_out, s, `LATENCY_WITNESS(COUNT))
   assign s_o = s_out;
 
   // ---- The facet nearest the origin ----

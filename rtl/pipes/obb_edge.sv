@@ -1,7 +1,8 @@
-// Facet of edge I of box A and edge J of box B, in A's frame (see obb_face.sv), from their edge normal n = e_I x f_J / |e_I x f_J|. `sign_JK` is
-// component K of B's turned axis J, and so on: with K, L the axes after I and M, O those after J, the support edges follow from
-// n.e_K = -r_JL, n.e_L = r_JK, n.r_M = r_OI, n.r_O = -r_MI. The gap is |n.t| - (sum of a_k |n_k|) - (sum of |n.f_j|), every term
-// projected, also n.f_J, which should be 0. 26 add, 22 mul, 2 compare, 6 min/max.
+// Facet of edge I of box A and edge J of box B, in A's frame (see obb_face.sv), from their edge normal n = e_I x f_J / |e_I x f_J|. `sign_k` is
+// component K of B's turned axis r_J, and so on: with K, L the axes after I and M, O those after J, the support edges follow from
+// n.e_K = -r_JL, n.e_L = r_JK, n.r_M = r_OI, n.r_O = -r_MI; `sign_first` and `sign_second` are those of the latter two, in the order
+// of B's axes. The gap is |n.t| - (sum of a_k |n_k|) - (sum of |n.f_j|), every term projected, also n.f_J, which should be 0.
+// 26 add, 22 mul, 2 compare, 6 min/max.
 // Latency: LATENCY_OBB_EDGE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
 `include "convex.svh"
 module obb_edge #(
@@ -9,7 +10,6 @@ module obb_edge #(
     parameter int MAN = 23,
     parameter int LANES = 1,
     parameter int I = 0,  // 0..2
-    parameter int J = 0,  // 0..2
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_CMP = 1,
@@ -20,10 +20,13 @@ module obb_edge #(
     input logic [2:0][LANES-1:0][CW-1:0] a_i,
     input logic [2:0][LANES-1:0][CW-1:0] t_i,
     input logic [2:0][2:0][LANES-1:0][CW-1:0] f_i,
-    input logic [LANES-1:0][CW-1:0] sign_jk_i,
-    input logic [LANES-1:0][CW-1:0] sign_jl_i,
-    input logic [LANES-1:0][CW-1:0] sign_mi_i,
-    input logic [LANES-1:0][CW-1:0] sign_oi_i,
+    input logic [2:0][LANES-1:0][CW-1:0] edge_i,    // f_J
+    input logic [2:0][LANES-1:0][CW-1:0] first_i,   // the other two, in order
+    input logic [2:0][LANES-1:0][CW-1:0] second_i,
+    input logic [LANES-1:0][CW-1:0] sign_k_i,
+    input logic [LANES-1:0][CW-1:0] sign_l_i,
+    input logic [LANES-1:0][CW-1:0] sign_first_i,
+    input logic [LANES-1:0][CW-1:0] sign_second_i,
     input logic [LANES-1:0][CW-1:0] inverse_ff_i,
     input logic [LANES-1:0][CW-1:0] n_k_i,
     input logic [LANES-1:0][CW-1:0] n_l_i,
@@ -39,7 +42,6 @@ module obb_edge #(
 );
   /*verilator inline_module*/
   localparam int K = (I + 1) % 3, L = (I + 2) % 3;
-  localparam int FIRST = (J == 0) ? 1 : 0, SECOND = (J == 2) ? 1 : 2;  // the other edges of B, in order
   `DF_VIN(a, a_i, 0)
   `DF_PICK(a_k, a, K)
   `DF_PICK(a_l, a, L)
@@ -52,13 +54,13 @@ module obb_edge #(
   `DF_IN(f1_l, f_i[1][L], 0)
   `DF_IN(f2_k, f_i[2][K], 0)
   `DF_IN(f2_l, f_i[2][L], 0)
-  `DF_VIN(f, f_i[J], 0)
-  `DF_VIN(f_first, f_i[FIRST], 0)
-  `DF_VIN(f_second, f_i[SECOND], 0)
-  `DF_IN(sign_jk, sign_jk_i, 0)
-  `DF_IN(sign_jl, sign_jl_i, 0)
-  `DF_IN(sign_mi, sign_mi_i, 0)
-  `DF_IN(sign_oi, sign_oi_i, 0)
+  `DF_VIN(f, edge_i, 0)
+  `DF_VIN(f_first, first_i, 0)
+  `DF_VIN(f_second, second_i, 0)
+  `DF_IN(turned_k, sign_k_i, 0)
+  `DF_IN(turned_l, sign_l_i, 0)
+  `DF_IN(sign_first, sign_first_i, 0)
+  `DF_IN(sign_second, sign_second_i, 0)
   `DF_IN(inverse_ff, inverse_ff_i, 0)
   `DF_IN(n_k, n_k_i, 0)
   `DF_IN(n_l, n_l_i, 0)
@@ -80,15 +82,11 @@ module obb_edge #(
   `DF_SUB(gap, beyond, radius)
 
   // ---- The support edges ----
-  `DF_NEG(minus_jl, sign_jl)
-  `DF_MOVE_SIGN(sign_k, side, minus_jl)
-  `DF_MOVE_SIGN(sign_l, side, sign_jk)
-  `DF_NEG(minus_mi, sign_mi)
-  `DF_MOVE_SIGN(towards_m, side, sign_oi)
-  `DF_MOVE_SIGN(towards_o, side, minus_mi)
-  localparam int T_towards_first = T_side, T_towards_second = T_side;
-  `DF_SCALAR towards_first, towards_second;
-  assign {towards_first, towards_second} = (J == 1) ? {towards_o, towards_m} : {towards_m, towards_o};
+  `DF_NEG(minus_l, turned_l)
+  `DF_MOVE_SIGN(sign_k, side, minus_l)
+  `DF_MOVE_SIGN(sign_l, side, turned_k)
+  `DF_MOVE_SIGN(towards_first, side, sign_first)
+  `DF_MOVE_SIGN(towards_second, side, sign_second)
   `DF_AGAINST(q_first, t, towards_first, f_first)
   `DF_AGAINST(q, q_first, towards_second, f_second)
 

@@ -3,12 +3,15 @@
 // 9 pairs of edges. The depth is the least overlap on them, the distance the least distance to the 15 facets that face the origin;
 // the nearest point is polished twice. Support features come from axes turned by 16 u, as if no face or edge of one box were
 // parallel to one of the other. F = (s <= 0), T = |s|. 617 add, 565 mul, 15 div, 10 sqrt, 93 compare, 84 min/max.
-// Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// With FACET_II = 3 the edges of B take turns in a unit an edge of A, a face of A and one of B do in a unit, and the facets three by
+// three at the key of the witness: 351 add, 332 mul, 7 div, 4 sqrt, 63 compare, 36 min/max.
+// Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none, runs free.
 `include "convex.svh"
 module obb_obb #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
+    parameter int FACET_II = 1,  // 1 or 3
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -18,6 +21,7 @@ module obb_obb #(
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
+    input logic enter_i,  // a pair comes; used with FACET_II = 3
     input logic [14:0][LANES-1:0][CW-1:0] a_i,  // OBB: c x y z, half extents, rotation by rows
     input logic [14:0][LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
@@ -31,12 +35,19 @@ module obb_obb #(
   localparam logic [CW-1:0] HALF = CW'(`DF_POWER_OF_TWO(-1));
   localparam logic [CW-1:0] TIE = CW'(`DF_POWER_OF_TWO(1 - MAN));  // 4 u
 
-  `DF_VIN(a_c, a_i[2:0], 0)
-  `DF_VIN(a, a_i[5:3], 0)
-  `DF_MATRIX_IN(a_rotation, a_i[8:6], a_i[11:9], a_i[14:12], 0)
-  `DF_VIN(b_c, b_i[2:0], 0)
-  `DF_VIN(b, b_i[5:3], 0)
-  `DF_MATRIX_IN(b_rotation, b_i[8:6], b_i[11:9], b_i[14:12], 0)
+  localparam int TURNS = `FACET_TURNS;
+  localparam int T_IN = `FACET_T_IN;
+  logic [14:0][LANES-1:0][CW-1:0] box_a, box_b;
+  logic [1:0] phase_in;
+  pair_hold #(.FACET_II(FACET_II), .A_BITS(15 * LANES * CW), .B_BITS(15 * LANES * CW), .ARITH(ARITH)) hold (
+      .clk_i, .enter_i, .a_i, .b_i, .a_o(box_a), .b_o(box_b), .phase_o(phase_in));
+  `DF_PHASE_IN(phase, phase_in, T_IN)
+  `DF_VIN(a_c, box_a[2:0], T_IN)
+  `DF_VIN(a, box_a[5:3], T_IN)
+  `DF_MATRIX_IN(a_rotation, box_a[8:6], box_a[11:9], box_a[14:12], T_IN)
+  `DF_VIN(b_c, box_b[2:0], T_IN)
+  `DF_VIN(b, box_b[5:3], T_IN)
+  `DF_MATRIX_IN(b_rotation, box_b[8:6], box_b[11:9], box_b[14:12], T_IN)
   `DF_CONST(half, HALF)
   `DF_CONST(four_u, TIE)
 
@@ -83,32 +94,26 @@ module obb_obb #(
 
   // ---- Stage times of the facets ----
   localparam int T_EDGES = T_f + `LATENCY_EDGE_NORMAL;
-  localparam int T_FACETS = T_EDGES + `LATENCY_OBB_EDGE;
-  localparam int T_FACES_A = T_FACETS - `LATENCY_OBB_FACE;  // as late as they can, so that inputs wait, not facets
-  localparam int T_FACES_B = T_FACES_A - `DF_LAT_DOT;
+  localparam int T_FACETS = T_EDGES + `LATENCY_OBB_EDGE + `FACET_WAIT;
+  localparam int T_FACES_B = T_FACETS - `DF_LAT_DOT - `LATENCY_OBB_FACE;  // as late as they can, so that inputs wait, not facets
+  localparam int T_FACES_A = T_FACETS - `LATENCY_OBB_FACE;
   `DF_VAT(a_edges, a, T_EDGES)
   `DF_VAT(t_edges, t, T_EDGES)
   `DF_MAT_AT(f_edges, f, T_EDGES)
   `DF_MAT_AT(turned_edges, turned_axes, T_EDGES)
-  `DF_VAT(a_faces_a, a_edges, T_FACES_A)
-  `DF_VAT(t_faces_a, t_edges, T_FACES_A)
-  `DF_MAT_AT(f_faces_a, f_edges, T_FACES_A)
-  `DF_MAT_AT(turned_faces_a, turned_edges, T_FACES_A)
+  `DF_VAT(a_faces_b, a_edges, T_FACES_B)
+  `DF_VAT(t_faces_b, t_edges, T_FACES_B)
+  `DF_MAT_AT(f_faces_b, f_edges, T_FACES_B)
+  `DF_MAT_AT(turned_faces_b, turned_edges, T_FACES_B)
+  `DF_TRANSPOSE(turned_columns_b, turned_faces_b)
+  `DF_VAT(a_faces_a, a_faces_b, T_FACES_A)
+  `DF_VAT(t_faces_a, t_faces_b, T_FACES_A)
+  `DF_MAT_AT(f_faces_a, f_faces_b, T_FACES_A)
 
   logic [FACETS-1:0][LANES-1:0][CW-1:0] gap, d2, inverse_ff;
   logic [FACETS-1:0][2:0][LANES-1:0][CW-1:0] n, v, p, along;
 
-  // ---- Faces of A ----
-  for (genvar i = 0; i < 3; i++) begin : g_face_a
-    obb_face #(`DF_FORMAT, .I(i), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) face (
-        .clk_i, .a_i(a_faces_a), .t_i(t_faces_a), .f_i(f_faces_a),
-        .signs_i({turned_faces_a[2][i], turned_faces_a[1][i], turned_faces_a[0][i]}), .gap_o(gap[i]), .n_o(n[i]), .v_o(v[i]),
-        .p_o(p[i]), .d2_o(d2[i]));
-    assign along[i] = '0;
-    assign inverse_ff[i] = '0;
-  end
-
-  // ---- Faces of B: the pair as B sees it, roles exchanged; a facet's vector and normal turned back into A's frame ----
+  // ---- Faces: of B the pair as B sees it, roles exchanged; a facet's vector and normal turned back into A's frame ----
   `DF_APPLY(t_from_b, r, t)
   `DF_VNEG(t_back, t_from_b)
   `DF_TRANSPOSE(columns, r)
@@ -119,24 +124,57 @@ module obb_obb #(
   `DF_VSCALE(f_back1, column1, a1)
   `DF_VSCALE(f_back2, column2, a2)
   `DF_MAT(f_back, f_back0, f_back1, f_back2)
-  `DF_VAT(b_faces_b, b, T_FACES_B)
-  `DF_VAT(t_faces_b, t_back, T_FACES_B)
-  `DF_MAT_AT(f_faces_b, f_back, T_FACES_B)
-  `DF_MAT_AT(turned_faces_b, turned_edges, T_FACES_B)
+  `DF_VAT(b_back_faces_b, b, T_FACES_B)
+  `DF_VAT(t_back_faces_b, t_back, T_FACES_B)
+  `DF_MAT_AT(f_back_faces_b, f_back, T_FACES_B)
   `DF_MAT_AT(r_faces_b, r, T_FACES_B)
   localparam int T_V_B = T_FACES_B + `LATENCY_OBB_FACE;
   `DF_TRANSPOSE(columns_faces_b, r_faces_b)
   `DF_MAT_AT(columns_v, columns_faces_b, T_V_B)
   `DF_MAT_AT(r_facets, r_faces_b, T_FACETS)
-  `DF_VAT(t_facets, t_faces_b, T_FACETS)
+  `DF_VAT(t_facets, t_back_faces_b, T_FACETS)
   `DF_MAT_AT(turned_facets, turned_faces_b, T_FACETS)
   `DF_VAT(a_facets, a_faces_a, T_FACETS)
-  for (genvar j = 0; j < 3; j++) begin : g_face_b
+  // Face units: B's face first, whose vector has farther to go, then A's.
+  `DF_PHASE_AT(phase_faces, phase, T_FACES_B)
+  `DF_VTURN(half_extents, 0, phase_faces, b_back_faces_b, a_faces_b, a_faces_b)
+  `DF_VTURN(centre, 0, phase_faces, t_back_faces_b, t_faces_b, t_faces_b)
+  `DF_MTURN(half_edges, 0, phase_faces, f_back_faces_b, f_faces_b, f_faces_b)
+  `DF_MTURN(signs, 0, phase_faces, turned_faces_b, turned_columns_b, turned_columns_b)
+  for (genvar j = 0; j < 3; j++) begin : g_face
     logic [LANES-1:0][CW-1:0] gap_b, d2_b;
-    logic [2:0][LANES-1:0][CW-1:0] v_b;
+    logic [2:0][LANES-1:0][CW-1:0] n_b, v_b, p_b;
     obb_face #(`DF_FORMAT, .I(j), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) face (
-        .clk_i, .a_i(b_faces_b), .t_i(t_faces_b), .f_i(f_faces_b), .signs_i(turned_faces_b[j]), .gap_o(gap_b), .n_o(), .v_o(v_b),
-        .p_o(), .d2_o(d2_b));
+        .clk_i, .a_i(half_extents), .t_i(centre), .f_i(half_edges), .signs_i(signs[j]), .gap_o(gap_b), .n_o(n_b), .v_o(v_b), .p_o(p_b),
+        .d2_o(d2_b));
+    if (TURNS == 1) begin : g_a
+      `DF_ROW(signs_b, turned_columns_b, j)
+      `DF_VAT(signs_a, signs_b, T_FACES_A)
+      obb_face #(`DF_FORMAT, .I(j), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) face_a (
+          .clk_i, .a_i(a_faces_a), .t_i(t_faces_a), .f_i(f_faces_a), .signs_i(signs_a), .gap_o(gap[j]), .n_o(n[j]),
+          .v_o(v[j]), .p_o(p[j]), .d2_o(d2[j]));
+      logic unused;
+      assign unused = &{1'b0, n_b, p_b};
+    end else begin : g_a_in_turn
+      localparam int T_V_A = T_V_B + 1;
+      `DF_IN(gap_turn, gap_b, T_V_A)
+      `DF_IN(d2_turn, d2_b, T_V_A)
+      `DF_VIN(n_turn, n_b, T_V_A)
+      `DF_VIN(v_turn, v_b, T_V_A)
+      `DF_VIN(p_turn, p_b, T_V_A)
+      `DF_AT(gap_late, gap_turn, T_FACETS)
+      `DF_AT(d2_late, d2_turn, T_FACETS)
+      `DF_VAT(n_late, n_turn, T_FACETS)
+      `DF_VAT(v_late, v_turn, T_FACETS)
+      `DF_VAT(p_late, p_turn, T_FACETS)
+      assign gap[j] = gap_late;
+      assign d2[j] = d2_late;
+      assign n[j] = n_late;
+      assign v[j] = v_late;
+      assign p[j] = p_late;
+    end
+    assign along[j] = '0;
+    assign inverse_ff[j] = '0;
     `DF_VIN(v_from_b, v_b, T_V_B)
     `DF_APPLY(minus_v, columns_v, v_from_b)
     `DF_VNEG(v_a, minus_v)
@@ -161,24 +199,50 @@ module obb_obb #(
     assign inverse_ff[3+j] = '0;
   end
 
-  // ---- Edges of A and edges of B ----
-  for (genvar j = 0; j < 3; j++) begin : g_edge_b
-    localparam int M = (j + 1) % 3, O = (j + 2) % 3;
-    `DF_PICK(b_j, b, j)
+  // ---- Edges of A and edges of B, of each edge of B what the facets need ----
+  `DF_PHASE_AT(phase_f, phase, T_f)
+  `DF_PHASE_AT(phase_edges, phase_f, T_EDGES)
+  `DF_ROW(f_row0, f, 0)
+  `DF_ROW(f_row1, f, 1)
+  `DF_ROW(f_row2, f, 2)
+  `DF_ROW(f_edges0, f_edges, 0)
+  `DF_ROW(f_edges1, f_edges, 1)
+  `DF_ROW(f_edges2, f_edges, 2)
+  `DF_ROW(turned_edges0, turned_edges, 0)
+  `DF_ROW(turned_edges1, turned_edges, 1)
+  `DF_ROW(turned_edges2, turned_edges, 2)
+  `DF_MNEG(minus_turned, turned_edges)
+  `DF_ROW(minus_turned0, minus_turned, 0)
+  `DF_ROW(minus_turned1, minus_turned, 1)
+  `DF_ROW(minus_turned2, minus_turned, 2)
+  for (genvar j = 0; j < 3 / TURNS; j++) begin : g_edge_b
+    `DF_TURN(b_j, j, phase, b0, b1, b2)
     `DF_MUL(ff, b_j, b_j)
     `DF_USABLE(long, ff)
     `DF_RECIPROCAL_OR_ZERO(inverse, long, ff)
     `DF_AT(inverse_edges, inverse, T_EDGES)
+    `DF_VTURN(f_early, j, phase_f, f_row0, f_row1, f_row2)
+    `DF_VTURN(f_j, j, phase_edges, f_edges0, f_edges1, f_edges2)
+    `DF_VTURN(f_first, j, phase_edges, f_edges1, f_edges0, f_edges0)
+    `DF_VTURN(f_second, j, phase_edges, f_edges2, f_edges2, f_edges1)
+    `DF_VTURN(turned_j, j, phase_edges, turned_edges0, turned_edges1, turned_edges2)
+    `DF_VTURN(sign_first, j, phase_edges, turned_edges2, minus_turned2, turned_edges1)
+    `DF_VTURN(sign_second, j, phase_edges, minus_turned1, turned_edges0, minus_turned0)
     for (genvar i = 0; i < 3; i++) begin : g_edge_a
       localparam int K = (i + 1) % 3, L = (i + 2) % 3, FACET = 6 + 3 * i + j;
-      logic [LANES-1:0][CW-1:0] n_k, n_l, inverse2, valid;
+      logic [LANES-1:0][CW-1:0] n_k, n_l, inverse2, valid, gap_e, d2_e, inverse_ff_e;
+      logic [2:0][LANES-1:0][CW-1:0] n_e, v_e, p_e, f_e;
       edge_normal #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) normal (
-          .clk_i, .f_k_i(f[j][K]), .f_l_i(f[j][L]), .n_k_o(n_k), .n_l_o(n_l), .inverse2_o(inverse2), .valid_o(valid));
-      obb_edge #(`DF_FORMAT, .I(i), .J(j), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) edges (
-          .clk_i, .a_i(a_edges), .t_i(t_edges), .f_i(f_edges), .sign_jk_i(turned_edges[j][K]), .sign_jl_i(turned_edges[j][L]),
-          .sign_mi_i(turned_edges[M][i]), .sign_oi_i(turned_edges[O][i]), .inverse_ff_i(inverse_edges), .n_k_i(n_k), .n_l_i(n_l),
-          .inverse2_i(inverse2), .valid_i(valid), .gap_o(gap[FACET]), .n_o(n[FACET]), .v_o(v[FACET]), .p_o(p[FACET]), .d2_o(d2[FACET]),
-          .f_o(along[FACET]), .inverse_ff_o(inverse_ff[FACET]));
+          .clk_i, .f_k_i(f_early[K]), .f_l_i(f_early[L]), .n_k_o(n_k), .n_l_o(n_l), .inverse2_o(inverse2), .valid_o(valid));
+      obb_edge #(`DF_FORMAT, .I(i), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) edges (
+          .clk_i, .a_i(a_edges), .t_i(t_edges), .f_i(f_edges), .edge_i(f_j), .first_i(f_first), .second_i(f_second), .sign_k_i(turned_j[K]),
+          .sign_l_i(turned_j[L]), .sign_first_i(sign_first[i]), .sign_second_i(sign_second[i]), .inverse_ff_i(inverse_edges), .n_k_i(n_k),
+          .n_l_i(n_l), .inverse2_i(inverse2), .valid_i(valid), .gap_o(gap_e), .n_o(n_e), .v_o(v_e), .p_o(p_e), .d2_o(d2_e), .f_o(f_e),
+          .inverse_ff_o(inverse_ff_e));
+      facet_results #(`DF_FORMAT, .TURNS(TURNS)) facets (
+          .clk_i, .gap_i(gap_e), .n_i(n_e), .v_i(v_e), .p_i(p_e), .d2_i(d2_e), .f_i(f_e), .inverse_ff_i(inverse_ff_e),
+          .gap_o(gap[FACET+:TURNS]), .n_o(n[FACET+:TURNS]), .v_o(v[FACET+:TURNS]), .p_o(p[FACET+:TURNS]), .d2_o(d2[FACET+:TURNS]),
+          .f_o(along[FACET+:TURNS]), .inverse_ff_o(inverse_ff[FACET+:TURNS]));
     end
   end
 
@@ -188,8 +252,9 @@ module obb_obb #(
   `DF_AT(tie_facets, tie, T_FACETS)
   logic [LANES-1:0][CW-1:0] choice_s;
   logic [2:0][LANES-1:0][CW-1:0] choice_n, choice_v, choice_p, choice_start_v, choice_start_p;
-  facet_choice #(`DF_FORMAT, .COUNT(FACETS), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) choice (
-      .clk_i, .gap_i(gap), .n_i(n), .v_i(v), .p_i(p), .d2_i(d2), .f_i(along), .inverse_ff_i(inverse_ff), .tie_i(tie_facets), .s_o(choice_s),
+  `DF_PHASE_AT(phase_facets, phase_edges, T_FACETS)
+  facet_choice #(`DF_FORMAT, .COUNT(FACETS), .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) choice (
+      .clk_i, .phase_i(phase_facets), .gap_i(gap), .n_i(n), .v_i(v), .p_i(p), .d2_i(d2), .f_i(along), .inverse_ff_i(inverse_ff), .tie_i(tie_facets), .s_o(choice_s),
       .witness_n_o(choice_n), .witness_v_o(choice_v), .witness_p_o(choice_p), .start_v_o(choice_start_v), .start_p_o(choice_start_p));
   `DF_IN(s_facets, choice_s, T_WITNESS)
   `DF_VIN(n_facets, choice_n, T_WITNESS)

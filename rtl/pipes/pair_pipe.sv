@@ -1,11 +1,12 @@
 // The pipe of a pair (cde_pkg::PAIR_*) behind one kind of mouth.
-// Latency: that of the pipe, latency_o; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// Latency: that of the pipe, latency_o; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none, runs free.
 module pair_pipe #(
     parameter int PAIR = 0,
     parameter int ALGORITHM = 0,  // of ray-triangle, cde_pkg::ALGORITHM_*
     parameter int HALF_SPACE = 0,  // of obb-plane, 1: the plane is the solid n.x <= d
     parameter int EXP = 8,
     parameter int MAN = 23,
+    parameter int FACET_II = 1,  // of pairs with facets: clocks from one pair of a lane to the next, 1 or 3
     parameter int LANES = 1,
     parameter int B_LANES = LANES,  // secondaries a clock: 1 (broadcast to all lanes) or LANES
     parameter int LAT_ADD = 1,
@@ -19,6 +20,7 @@ module pair_pipe #(
     localparam int B_WORDS = cde_pkg::shape_words(cde_pkg::secondary_shape(PAIR))
 ) (
     input logic clk_i,
+    input logic enter_i,  // a pair comes; used with FACET_II = 3
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
@@ -29,6 +31,11 @@ module pair_pipe #(
 );
   /*verilator inline_module*/
   if (HALF_SPACE != 0 && PAIR != int'(cde_pkg::PAIR_OBB_PLANE)) $error("pair_pipe: HALF_SPACE is of obb-plane");
+  if (FACET_II != 1 && !cde_pkg::has_facets(PAIR)) $error("pair_pipe: FACET_II is of pairs with facets");
+  if (!cde_pkg::has_facets(PAIR)) begin : g_no_facets
+    logic unused_enter;
+    assign unused_enter = enter_i;
+  end
   `define CDE_FORMAT .EXP(EXP), .MAN(MAN), .LANES(LANES), .ARITH(ARITH)
   `define CDE_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)
   `define CDE_TRIANGLE_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP)
@@ -64,7 +71,8 @@ module pair_pipe #(
   end else if (PAIR == int'(cde_pkg::PAIR_SPHERE_SPHERE)) begin : g_pipe
     sphere_sphere #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(cde_pkg::PAIR_OBB_OBB)) begin : g_pipe
-    obb_obb #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
+    obb_obb #(`CDE_FORMAT, .FACET_II(FACET_II), `CDE_LATENCIES) pipe (
+        .clk_i, .enter_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(cde_pkg::PAIR_OBB_PLANE)) begin : g_pipe
     obb_plane #(`CDE_FORMAT, .HALF_SPACE(HALF_SPACE != 0), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) pipe (
         .clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
@@ -73,9 +81,11 @@ module pair_pipe #(
   end else if (PAIR == int'(cde_pkg::PAIR_TRIANGLE_SPHERE)) begin : g_pipe
     triangle_sphere #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(cde_pkg::PAIR_TRIANGLE_OBB)) begin : g_pipe
-    triangle_obb #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
+    triangle_obb #(`CDE_FORMAT, .FACET_II(FACET_II), `CDE_LATENCIES) pipe (
+        .clk_i, .enter_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(cde_pkg::PAIR_TRIANGLE_AABB)) begin : g_pipe
-    triangle_aabb #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
+    triangle_aabb #(`CDE_FORMAT, .FACET_II(FACET_II), `CDE_LATENCIES) pipe (
+        .clk_i, .enter_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else begin : g_illegal
     $error("pair_pipe: no pipe for this pair and algorithm");
   end

@@ -2,13 +2,16 @@
 // midpoint of the witness points. The difference of the two has 13 pairs of facets: 3 faces of the box, the triangle's face,
 // 9 pairs of edges. The depth is the least overlap on them, the distance the least distance to the facets that face the origin; the
 // nearest point is polished twice. Support features come from edges turned by 16 u (turned.sv).
-// 429 add, 523 mul, 16 div, 11 sqrt, 122 compare, 116 min/max.
-// Latency: LATENCY_TRIANGLE_BOX clocks; 0 with ARITH = "host". Throughput: one pair a lane a clock. Stall: none.
+// 429 add, 523 mul, 16 div, 11 sqrt, 122 compare, 116 min/max. With FACET_II = 3 the edges of the triangle take turns in a unit an edge
+// of the box, and the facets three by three at the key of the witness: 287 add, 325 mul, 10 div, 5 sqrt, 96 compare, 68 min/max.
+// Latency: LATENCY_TRIANGLE_BOX clocks; 0 with ARITH = "host". Throughput: one pair a lane in FACET_II clocks, for which its operands stand.
+// Stall: none.
 `include "triangle.svh"
 module triangle_box #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
+    parameter int FACET_II = 1,  // 1 or 3
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -18,6 +21,7 @@ module triangle_box #(
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
+    input logic [1:0] phase_i,  // of the pair, used with FACET_II = 3
     input logic [2:0][LANES-1:0][CW-1:0] a_i,
     input logic [2:0][2:0][LANES-1:0][CW-1:0] p_i,  // vertices
     output logic [LANES-1:0][CW-1:0] s_o,
@@ -26,6 +30,8 @@ module triangle_box #(
 );
   /*verilator inline_module*/
   localparam int FACETS = 13;
+  localparam int TURNS = `FACET_TURNS;
+  `DF_PHASE_IN(phase, phase_i, 0)
   `DF_VIN(a, a_i, 0)
   `DF_MATRIX_IN(p, p_i[0], p_i[1], p_i[2], 0)
   `DF_CONST(half, CW'(`DF_POWER_OF_TWO(-1)))
@@ -52,7 +58,7 @@ module triangle_box #(
 
   // ---- The facets, each as late as it can, so that inputs wait, not facets ----
   localparam int T_FACETS = `TRIANGLE_BOX_T_FACETS;
-  localparam int T_EDGES = T_FACETS - `LATENCY_TRIANGLE_BOX_EDGE;
+  localparam int T_EDGES = T_FACETS - `FACET_WAIT - `LATENCY_TRIANGLE_BOX_EDGE;
   localparam int T_FACES = T_FACETS - `LATENCY_TRIANGLE_BOX_FACE;
   logic [FACETS-1:0][LANES-1:0][CW-1:0] gap, d2, inverse_ff;
   logic [FACETS-1:0][2:0][LANES-1:0][CW-1:0] n, v, p_box, along;
@@ -65,19 +71,40 @@ module triangle_box #(
   `DF_VAT(a_faces, a_edges, T_FACES)
   `DF_MAT_AT(p_faces, p_edges, T_FACES)
   `DF_MAT_AT(turned_faces, turned_at_edges, T_FACES)
-  for (genvar i = 0; i < 3; i++) begin : g_axis
+  `DF_PHASE_AT(phase_edges, phase, T_EDGES)
+  `DF_ROW(f_edges0, f_edges, 0)
+  `DF_ROW(f_edges1, f_edges, 1)
+  `DF_ROW(f_edges2, f_edges, 2)
+  `DF_PICK(inverse_edges0, inverse_edges, 0)
+  `DF_PICK(inverse_edges1, inverse_edges, 1)
+  `DF_PICK(inverse_edges2, inverse_edges, 2)
+  `DF_ROW(turned_at_edges0, turned_at_edges, 0)
+  `DF_ROW(turned_at_edges1, turned_at_edges, 1)
+  `DF_ROW(turned_at_edges2, turned_at_edges, 2)
+  for (genvar j = 0; j < 3 / TURNS; j++) begin : g_edge
+    `DF_VTURN(f_j, j, phase_edges, f_edges0, f_edges1, f_edges2)
+    `DF_TURN(inverse_j, j, phase_edges, inverse_edges0, inverse_edges1, inverse_edges2)
+    `DF_VTURN(turned_j, j, phase_edges, turned_at_edges0, turned_at_edges1, turned_at_edges2)
+    for (genvar i = 0; i < 3; i++) begin : g_axis
+      localparam int FACET = 4 + 3 * i + j;
+      logic [LANES-1:0][CW-1:0] gap_e, d2_e, inverse_ff_e;
+      logic [2:0][LANES-1:0][CW-1:0] n_e, v_e, p_e, along_e;
+      triangle_box_edge #(`DF_FORMAT, .I(i), .TURNS(TURNS), .J(j), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
+          .LAT_CMP(LAT_CMP)) edges (
+          .clk_i, .phase_i(phase_edges), .a_i(a_edges), .p_i(p_edges), .f_i(f_j), .inverse_ff_i(inverse_j), .turned_i(turned_j),
+          .side_i(m1_edges[i]), .gap_o(gap_e), .n_o(n_e), .v_o(v_e), .p_o(p_e), .d2_o(d2_e), .f_o(along_e), .inverse_ff_o(inverse_ff_e));
+      facet_results #(`DF_FORMAT, .TURNS(TURNS)) facets (
+          .clk_i, .gap_i(gap_e), .n_i(n_e), .v_i(v_e), .p_i(p_e), .d2_i(d2_e), .f_i(along_e), .inverse_ff_i(inverse_ff_e),
+          .gap_o(gap[FACET+:TURNS]), .n_o(n[FACET+:TURNS]), .v_o(v[FACET+:TURNS]), .p_o(p_box[FACET+:TURNS]), .d2_o(d2[FACET+:TURNS]),
+          .f_o(along[FACET+:TURNS]), .inverse_ff_o(inverse_ff[FACET+:TURNS]));
+    end
+  end
+  for (genvar i = 0; i < 3; i++) begin : g_face
     triangle_box_face #(`DF_FORMAT, .I(i), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) face (
         .clk_i, .a_i(a_faces), .p_i(p_faces), .turned_i({turned_faces[2][i], turned_faces[1][i], turned_faces[0][i]}), .gap_o(gap[i]),
         .n_o(n[i]), .v_o(v[i]), .p_o(p_box[i]), .d2_o(d2[i]));
     assign along[i] = '0;
     assign inverse_ff[i] = '0;
-    for (genvar j = 0; j < 3; j++) begin : g_edge
-      localparam int FACET = 4 + 3 * i + j;
-      triangle_box_edge #(`DF_FORMAT, .I(i), .J(j), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) edges (
-          .clk_i, .a_i(a_edges), .p_i(p_edges), .f_i(f_edges[j]), .inverse_ff_i(inverse_edges[j]), .turned_i(turned_at_edges[j]),
-          .side_i(m1_edges[i]), .gap_o(gap[FACET]), .n_o(n[FACET]), .v_o(v[FACET]), .p_o(p_box[FACET]), .d2_o(d2[FACET]),
-          .f_o(along[FACET]), .inverse_ff_o(inverse_ff[FACET]));
-    end
   end
   logic [2:0][LANES-1:0][CW-1:0] face_n, face_v, face_p;
   logic [LANES-1:0][CW-1:0] face_gap, face_d2;
@@ -108,8 +135,9 @@ module triangle_box #(
   `DF_AT(tie_facets, tie, T_FACETS)
   logic [LANES-1:0][CW-1:0] choice_s;
   logic [2:0][LANES-1:0][CW-1:0] choice_n, choice_v, choice_p, choice_start_v, choice_start_p;
-  facet_choice #(`DF_FORMAT, .COUNT(FACETS), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) choice (
-      .clk_i, .gap_i(gap), .n_i(n), .v_i(v), .p_i(p_box), .d2_i(d2), .f_i(along), .inverse_ff_i(inverse_ff), .tie_i(tie_facets), .s_o(choice_s),
+  `DF_PHASE_AT(phase_facets, phase_edges, T_FACETS)
+  facet_choice #(`DF_FORMAT, .COUNT(FACETS), .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) choice (
+      .clk_i, .phase_i(phase_facets), .gap_i(gap), .n_i(n), .v_i(v), .p_i(p_box), .d2_i(d2), .f_i(along), .inverse_ff_i(inverse_ff), .tie_i(tie_facets), .s_o(choice_s),
       .witness_n_o(choice_n), .witness_v_o(choice_v), .witness_p_o(choice_p), .start_v_o(choice_start_v), .start_p_o(choice_start_p));
   `DF_IN(s_facets, choice_s, T_WITNESS)
   `DF_VIN(n_facets, choice_n, T_WITNESS)

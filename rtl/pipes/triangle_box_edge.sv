@@ -1,4 +1,4 @@
-// Facet of edge I of a box, half extents a about 0, and edge f from vertex J of a triangle. The normal e_I x f is turned so that the triangle
+// Facet of edge I of a box, half extents a about 0, and edge f from vertex J of a triangle, with TURNS = 3 each in its turn. The normal e_I x f is turned so that the triangle
 // lies behind its edge, which is where the difference of the two bodies has this facet: (e_I x f_J).(third vertex - edge) has the
 // sign of component I of f_J x f_J+1, which is side_i. 17 add, 25 mul, 1 div, 1 sqrt, 3 compare, 8 min/max.
 // Latency: LATENCY_TRIANGLE_BOX_EDGE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
@@ -8,7 +8,8 @@ module triangle_box_edge #(
     parameter int MAN = 23,
     parameter int LANES = 1,
     parameter int I = 0,  // axis, 0..2
-    parameter int J = 0,  // vertex, 0..2
+    parameter int TURNS = 1,  // 1 or 3
+    parameter int J = 0,  // vertex, 0..2; with TURNS = 1
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -18,6 +19,7 @@ module triangle_box_edge #(
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
+    input logic [1:0] phase_i,
     input logic [2:0][LANES-1:0][CW-1:0] a_i,
     input logic [2:0][2:0][LANES-1:0][CW-1:0] p_i,  // vertices
     input logic [2:0][LANES-1:0][CW-1:0] f_i,
@@ -56,6 +58,12 @@ module triangle_box_edge #(
   `DF_VAT(f_n, f, T_N)
   `DF_AT(inverse_ff_n, inverse_ff, T_N)
   `DF_AT(side_n, side, T_N)
+  `DF_PHASE_IN(phase, phase_i, 0)
+  `DF_PHASE_AT(phase_n, phase, T_N)
+  `DF_ROW(p_n0, p_n, 0)
+  `DF_ROW(p_n1, p_n, 1)
+  `DF_ROW(p_n2, p_n, 2)
+  `DF_VTURN(vertex, J, phase_n, p_n0, p_n1, p_n2)
 
   // ---- The gap ----
   `DF_PICK(a_k, a_n, K)
@@ -84,7 +92,7 @@ module triangle_box_edge #(
   `DF_AT(sign_k_n, sign_k, T_N)
   `DF_AT(sign_l_n, sign_l, T_N)
   edge_facet #(`DF_FORMAT, .I(I), .CENTRED(0), .T_GAP(T_gap - T_N), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) facet (
-      .clk_i, .a_i(a_n), .sign_k_i(sign_k_n), .sign_l_i(sign_l_n), .q_i(p_n[J]), .f_i(f_n), .inverse_ff_i(inverse_ff_n), .n_k_i(n_k),
+      .clk_i, .a_i(a_n), .sign_k_i(sign_k_n), .sign_l_i(sign_l_n), .q_i(vertex), .f_i(f_n), .inverse_ff_i(inverse_ff_n), .n_k_i(n_k),
       .n_l_i(n_l), .inverse2_i(inverse2), .valid_i(valid), .side_i(side_n), .gap_i(gap), .gap_o, .n_o, .v_o, .p_o, .d2_o, .f_o,
       .inverse_ff_o);
 endmodule

@@ -165,6 +165,21 @@
   df_choose #(.W(3 * LANES * CW), .ARITH(ARITH), .T_C(T_``C), .T_A(T_``A), .T_B(T_``B)) choose_``R (.clk_i, .c_i(C), .a_i(A), .b_i(B), .r_o(R));
 // The bit as a lane mask.
 `define DF_FILL(M, C) localparam int T_``M = T_``C; `DF_SCALAR M; assign M = {(LANES * CW) {C}};
+// ---- Units that TURNS = 1 or 3 users share (df_turn.sv), by a phase that counts 0, 1, 2 ----
+`define DF_PHASE_IN(R, EXPRESSION, TIME) localparam int T_``R = TIME; logic [1:0] R; assign R = EXPRESSION;
+`define DF_PHASE_AT(R, A, TIME) localparam int T_``R = TIME; logic [1:0] R; df_align #(.W(2), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) align_``R (.clk_i, .a_i(A), .r_o(R));
+// A, B or C by the phase; with TURNS = 1 that of user U. Of PASSING operands B and C wait for their phase.
+`define DF_TURN_OF(R, WORDS, PASSES, U, PHASE, A, B, C) localparam int T_``R = T_``PHASE; \
+  df_turn #(.W(WORDS * LANES * CW), .TURNS(TURNS), .USER(U), .PASSING(PASSES), .T_PHASE(T_``PHASE), .T_A(T_``A), .T_B(T_``B), .T_C(T_``C), \
+      .ARITH(ARITH)) turn_``R (.clk_i, .phase_i(PHASE), .a_i(A), .b_i(B), .c_i(C), .r_o(R));
+`define DF_TURN(R, U, PHASE, A, B, C) `DF_SCALAR R; `DF_TURN_OF(R, 1, 0, U, PHASE, A, B, C)
+`define DF_VTURN(R, U, PHASE, A, B, C) `DF_VECTOR R; `DF_TURN_OF(R, 3, 0, U, PHASE, A, B, C)
+`define DF_MTURN(R, U, PHASE, A, B, C) `DF_MATRIX R; `DF_TURN_OF(R, 9, 0, U, PHASE, A, B, C)
+`define DF_TURN_PASSING(R, U, PHASE, A, B, C) `DF_SCALAR R; `DF_TURN_OF(R, 1, 1, U, PHASE, A, B, C)
+`define DF_VTURN_PASSING(R, U, PHASE, A, B, C) `DF_VECTOR R; `DF_TURN_OF(R, 3, 1, U, PHASE, A, B, C)
+// What is there in phase 0, held for all of them.
+`define DF_HOLD(R, PHASE, A) `DF_TURN_PASSING(R, 0, PHASE, A, A, A)
+`define DF_VHOLD(R, PHASE, A) `DF_VTURN_PASSING(R, 0, PHASE, A, A, A)
 // The word of 2^E, which may be subnormal.
 `define DF_POWER_OF_TWO(E) cde_pkg::power_of_two(EXP, MAN, E)
 `endif

@@ -136,6 +136,68 @@ TEST_P(Solids, CylindersWithTheBudgetOfTheQuery) {
   EXPECT_GT(counters.stalls, 0u);
 }
 
+std::vector<Obb> boxes(std::size_t count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> at(-2, 2), size(0.2f, 1.0f);
+  const auto point = [&] { return Eigen::Vector3f(at(random), at(random), at(random)); };
+  std::vector<Obb> all;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3f c = point(), half(size(random), size(random), size(random));
+    const Eigen::Quaterniond turn(at(random), at(random), at(random), at(random));
+    all.push_back({c, half, turn.normalized().toRotationMatrix().cast<float>()});
+  }
+  return all;
+}
+
+Board board_of_boxes(Arithmetic arithmetic, unsigned interval) {
+  BoardConfig config = small(arithmetic);
+  config.pairs = {Pair::kSphereSphere, Pair::kObbObb};
+  config.normals = true;
+  config.facet_interval = interval;
+  if (arithmetic == Arithmetic::kRtl) config.lanes = 1;  // a minute to build
+  return Board::open(config);
+}
+
+/// Facets that take turns: the same records, three clocks a row, and those counted as stalls.
+TEST(SolidsInterval, FacetsInTurnTakeThreeClocksARow) {
+  std::vector<Obb> few = boxes(19, 1), many = boxes(43, 2);
+  few[2].half.x() = -1;
+  many[4].rotation *= 2;
+  std::vector<Counters> counters;
+  std::vector<std::vector<Record>> records;
+  for (const unsigned interval : {1u, 3u}) {
+    Board board = board_of_boxes(Arithmetic::kHost, interval);
+    check_all_modes(board, Pair::kObbObb, few, many, false, true);
+    records.push_back(
+        board.run({.pair = Pair::kObbObb, .normals = true}, &counters.emplace_back()));
+  }
+  compare(records[1], records[0], Mode::kNearest);
+  const std::uint64_t rows = 3 * many.size();
+  EXPECT_EQ(counters[0].rows, rows);
+  EXPECT_EQ(counters[1].rows, rows);
+  EXPECT_EQ(counters[0].stalls, 0u);
+  EXPECT_EQ(counters[1].stalls, 2 * (rows - 1)) << "two clocks after every row but the last";
+  EXPECT_EQ(counters[1].bubbles, counters[0].bubbles) << "until the first box is there";
+  EXPECT_EQ(counters[1].cycles - counters[0].cycles, 2 * (rows - 1) + 3)
+      << "and the pipe answers three clocks later";
+}
+
+TEST_P(Solids, OnlyPairsWithFacetsWait) {
+  Board board = board_of_boxes(GetParam(), 3);
+  const bool gates = GetParam() == Arithmetic::kRtl;
+  const std::vector<Obb> few = boxes(gates ? 6 : 19, 1), many = boxes(gates ? 9 : 43, 2);
+  const Scene s = scene();
+  for (int round = 0; round < 2; ++round) {
+    Counters counters;
+    check_all_modes(board, Pair::kObbObb, few, many, false, true);
+    (void)board.run({.pair = Pair::kObbObb}, &counters);
+    EXPECT_EQ(counters.stalls, 2 * (counters.rows - 1));
+    check_all_modes(board, Pair::kSphereSphere, s.few, s.many, false, false);
+    (void)board.run({.pair = Pair::kSphereSphere}, &counters);
+    EXPECT_EQ(counters.stalls, 0u);
+  }
+}
+
 TEST(SolidsRing, RefusesBudgetsOutOfRange) {
   BoardConfig config = small(Arithmetic::kHost);
   config.pairs = {Pair::kCylinderCylinder};

@@ -203,6 +203,8 @@ TEST_F(Query, WrongUsageIsRefused) {
   refused({"sphere-sphere", "--algorithm", "badouel"}, "sphere-sphere has no choice of algorithm");
   refused({"sphere-sphere", "--half-space"}, "sphere-sphere has no half-space");
   refused({"sphere-sphere", "--arith", "gates"}, "--arith is 'gates'; it must be rtl or host");
+  refused({"sphere-sphere", "--facet-interval", "3"}, "sphere-sphere has no facets");
+  refused({"obb-obb", "--facet-interval", "2"}, "facet interval is 2, expected 1 or 3");
   refused({"sphere-sphere", "--lanes", "0"}, "lanes is 0, expected 1 to 256");
   refused({"sphere-sphere", "--lanes", "257"}, "lanes is 257, expected 1 to 256");
   refused({"sphere-sphere", "--format", "fp7"}, "format 'fp7'");
@@ -538,6 +540,18 @@ TEST_F(Inventory, EveryKindOfPipeHasALatencyAndAnInterval) {
   }
 }
 
+/// Pairs without facets take a row a clock whatever the interval.
+TEST_F(Inventory, FacetsInTurnAreFewerUnits) {
+  const Ran ran = cde({"inventory", "obb-obb", "sphere-sphere", "--facet-interval", "3", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto j = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(j["pipes"][0]["pair"], "obb-obb");
+  EXPECT_EQ(j["pipes"][0]["initiation_interval"], 3);
+  EXPECT_EQ(j["pipes"][0]["operators"]["square_roots"], 4) << "of nine edge normals, three units";
+  EXPECT_EQ(j["pipes"][0]["latency_levels"], 99 + 3);
+  EXPECT_EQ(j["pipes"][1]["initiation_interval"], 1);
+}
+
 /// The figures are those of the RTL that is there: one with an operator more, and one without its
 /// pipe.
 TEST_F(Inventory, FollowsTheRtl) {
@@ -589,6 +603,7 @@ TEST_F(Inventory, TextMarkdownAndUsage) {
   refused({"inventory", "sphere-cube"}, "no pair 'sphere-cube'");
   refused({"inventory", "--latencies", "1,2,3"}, "--latencies is '1,2,3'; it must be");
   refused({"inventory", "--latencies", "0,1,1,1,1"}, "--latencies is '0,1,1,1,1'; it must be");
+  refused({"inventory", "--facet-interval", "2"}, "facet interval is 2, expected 1 or 3");
   refused({"inventory", "--json", "--markdown"}, "excludes");
 }
 

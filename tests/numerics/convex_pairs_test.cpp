@@ -253,7 +253,7 @@ void other_format(const char* name, double smallest, double largest, double fart
       if (size < smallest || size > largest || far > farthest) continue;
       if (family == "scale mismatch" || family == "needles and plates") continue;
       for (auto* words : {&c.a, &c.b})
-        for (float& w : *words) w = static_cast<float>(static_cast<S>(w));
+        for (double& w : *words) w = static_cast<double>(static_cast<S>(w));
       report.add<S>("", c, reference::kUnitRoundoff<S>);
       ++used;
     }

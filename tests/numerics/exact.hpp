@@ -11,7 +11,8 @@ struct ExactHit {
   Rational det, u, v, t;  ///< det is that of the pipe, (D x E2).E1; u, v, t are not scaled by it
                           ///< and unset when it is 0
 
-  ExactHit(const cde::Ray& ray, const cde::Triangle& triangle) {
+  template <class S>
+  ExactHit(const cde::BasicRay<S>& ray, const cde::BasicTriangle<S>& triangle) {
     Rational e1[3], e2[3], d[3], s[3];
     for (int k = 0; k < 3; ++k) {
       const Rational v0(triangle.v0[k]);

@@ -1,5 +1,6 @@
 #include "build_shape.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -71,8 +72,17 @@ Shape build_shape(Random& random, ShapeKind kind, const Frame& frame, const Buil
   throw std::invalid_argument("a ray is not a convex operand");
 }
 
-Shape rounded(ShapeKind kind, const Shape& shape) {
-  return shape_from_words(kind, to_words(shape));
+Shape rounded(ShapeKind kind, const Shape& shape, const Format& format) {
+  return shape_from_words(kind, to_words(shape, format));
+}
+
+double small_offset(Random& random, const Format& format) {
+  const double least = std::max(1e-11, 1e-7 * (format.u() * 0x1p24));
+  return random.either_sign(random.decades(least, std::max(1e-3, 30 * least)));
+}
+
+double farthest(const Format& format) {
+  return 1e5 / (format.u() * 0x1p24);
 }
 
 }  // namespace cde::oracle

@@ -1,4 +1,5 @@
 #pragma once
+#include "format.hpp"
 #include "random.hpp"
 #include "shapes.hpp"
 
@@ -20,7 +21,17 @@ struct Build {
 [[nodiscard]] Shape build_shape(Random& random, ShapeKind kind, const Frame& frame,
                                 const Build& build);
 
-/// Each word rounded to binary32.
-[[nodiscard]] Shape rounded(ShapeKind kind, const Shape& shape);
+/// Each word rounded to the format.
+[[nodiscard]] Shape rounded(ShapeKind kind, const Shape& shape, const Format& format);
+
+/// How far from the decision, in units of the scene, with a sign: 1e-7 to 1e-3 in binary32, that is
+/// from the rounding error of a coordinate upwards. Other formats start at as many times their unit
+/// roundoff u (below that both sides round to contact, a hit), but not under 1e-11, where the
+/// signed gap that placed the shapes ends; and go up to thirtyfold at least.
+[[nodiscard]] double small_offset(Random& random, const Format& format);
+
+/// No scene is moved farther from the world's origin than 1e5 in binary32, and others so far that
+/// the rounding of coordinates spoils the shapes as little.
+[[nodiscard]] double farthest(const Format& format);
 
 }  // namespace cde::oracle

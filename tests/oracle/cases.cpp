@@ -30,23 +30,29 @@ const PairEntry& entry(Pair pair) {
   return kEntries.at(static_cast<std::size_t>(pair));
 }
 
-std::vector<float> words(std::initializer_list<Vec> vectors, std::initializer_list<double> rest) {
-  std::vector<float> out;
-  for (const Vec& v : vectors)
-    for (int k = 0; k < 3; ++k) out.push_back(static_cast<float>(v[k]));
-  for (double x : rest) out.push_back(static_cast<float>(x));
+using Words = std::vector<double>;
+
+Words words(std::initializer_list<Vec> vectors, std::initializer_list<double> rest) {
+  Words out;
+  for (const Vec& v : vectors) out.insert(out.end(), v.begin(), v.end());
+  out.insert(out.end(), rest);
   return out;
 }
 
+Words rounded(Words words, const Format& format) {
+  for (double& x : words) x = format.round(x);
+  return words;
+}
+
 struct ToWords {
-  std::vector<float> operator()(const Triangle& s) const { return words({s.v0, s.v1, s.v2}, {}); }
-  std::vector<float> operator()(const Sphere& s) const { return words({s.c}, {s.r}); }
-  std::vector<float> operator()(const Aabb& s) const { return words({s.min, s.max}, {}); }
-  std::vector<float> operator()(const Plane& s) const { return words({s.n}, {s.d}); }
-  std::vector<float> operator()(const Cylinder& s) const {
+  Words operator()(const Triangle& s) const { return words({s.v0, s.v1, s.v2}, {}); }
+  Words operator()(const Sphere& s) const { return words({s.c}, {s.r}); }
+  Words operator()(const Aabb& s) const { return words({s.min, s.max}, {}); }
+  Words operator()(const Plane& s) const { return words({s.n}, {s.d}); }
+  Words operator()(const Cylinder& s) const {
     return words({s.c, s.axis}, {s.half_height, s.radius});
   }
-  std::vector<float> operator()(const Obb& s) const {
+  Words operator()(const Obb& s) const {
     return words({s.c, s.half, s.rotation.row(0).transpose(), s.rotation.row(1).transpose(),
                   s.rotation.row(2).transpose()},
                  {});
@@ -80,10 +86,10 @@ ShapeKind secondary(Pair pair) {
 std::string Case::describe() const {
   std::string out = std::string(to_string(pair)) + " seed " + std::to_string(seed) + " index " +
                     std::to_string(index) + " (" + family + "): A";
-  const auto append = [&](const std::vector<float>& words) {
+  const auto append = [&](const Words& words) {
     char text[32];
-    for (float word : words) {
-      std::snprintf(text, sizeof text, " %a", static_cast<double>(word));
+    for (const double word : words) {
+      std::snprintf(text, sizeof text, " %a", word);
       out += text;
     }
   };
@@ -93,21 +99,21 @@ std::string Case::describe() const {
   return out;
 }
 
-Case generate(Pair pair, std::uint64_t seed, std::uint64_t index) {
-  return has_ray(pair) ? detail::ray_case(pair, seed, index)
-                       : detail::convex_case(pair, seed, index);
+Case generate(Pair pair, std::uint64_t seed, std::uint64_t index, const Format& format) {
+  return has_ray(pair) ? detail::ray_case(pair, seed, index, format)
+                       : detail::convex_case(pair, seed, index, format);
 }
 
 Shape moved(const Shape& shape, const Vec& by) {
   return std::visit(Move{by}, shape);
 }
 
-std::vector<float> to_words(const Shape& shape) {
-  return std::visit(ToWords{}, shape);
+std::vector<double> to_words(const Shape& shape, const Format& format) {
+  return rounded(std::visit(ToWords{}, shape), format);
 }
 
-std::vector<float> to_words(const Ray& ray) {
-  return words({ray.o, ray.d}, {ray.tmin, ray.tmax});
+std::vector<double> to_words(const Ray& ray, const Format& format) {
+  return rounded(words({ray.o, ray.d}, {ray.tmin, ray.tmax}), format);
 }
 
 }  // namespace cde::oracle

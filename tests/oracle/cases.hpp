@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "format.hpp"
 #include "shapes.hpp"
 
 namespace cde::oracle {
@@ -46,8 +47,8 @@ inline constexpr std::array kPairs = {
 struct Case {
   Pair pair;
   std::uint64_t seed, index;
-  const char* family;  ///< which set of cases it belongs to: "near contact", "aligned", ...
-  std::vector<float> a, b;
+  const char* family;        ///< which set of cases it belongs to: "near contact", "aligned", ...
+  std::vector<double> a, b;  ///< exact in the format of the operands
 
   [[nodiscard]] Shape shape_a() const { return shape_from_words(primary(pair), a); }
   [[nodiscard]] Shape shape_b() const { return shape_from_words(secondary(pair), b); }
@@ -56,29 +57,34 @@ struct Case {
   [[nodiscard]] std::string describe() const;
 };
 
-/// Case `index` of a pair, a function of the three arguments.
+/// Case `index` of a pair, a function of the four arguments. All words are exact in the format.
 ///
 /// Even indices are near the decision. Convex pairs: signed gap of +-1e-7 to +-1e-3 of the scene,
-/// generic shapes, a tenth of the scenes scaled by up to 2^+-10. Rays: aimed past the silhouette,
-/// an edge or a rim by as little.
+/// or as many times the unit roundoff of another format (small_offset), generic shapes, a tenth of
+/// the scenes scaled by up to 2^+-10. Rays: aimed past the silhouette, an edge or a rim by as
+/// little.
 ///
 /// Odd indices take turns through the directed families. Convex pairs: random, deep, aligned (exact
-/// face-to-face contact and +-2^-10, +-2^-20), concentric, containment, needles and plates, no area
+/// face-to-face contact, +-2^-10 and +-16 u), concentric, containment, needles and plates, no area
 /// (triangles that are a segment or a point), half turns, tilted by 1e-7 to 1e-2, parallel and
 /// perpendicular axes, normal within 2 degrees of a cap axis or face normal, sizes a thousandfold
-/// apart, far from the world's origin (10, 1e3, 1e5). Rays: see ray_cases.cpp.
-[[nodiscard]] Case generate(Pair pair, std::uint64_t seed, std::uint64_t index);
+/// apart, far from the world's origin (10, 1e3, 1e5, and at most 6e-3 / u). Rays: see
+/// ray_cases.cpp.
+[[nodiscard]] Case generate(Pair pair, std::uint64_t seed, std::uint64_t index,
+                            const Format& format = {});
 
 /// The shape translated.
 [[nodiscard]] Shape moved(const Shape& shape, const Vec& by);
 
-/// The words of a slot, each rounded to binary32.
-[[nodiscard]] std::vector<float> to_words(const Shape& shape);
-[[nodiscard]] std::vector<float> to_words(const Ray& ray);
+/// The words of a slot, each rounded to the format.
+[[nodiscard]] std::vector<double> to_words(const Shape& shape, const Format& format = {});
+[[nodiscard]] std::vector<double> to_words(const Ray& ray, const Format& format = {});
 
 namespace detail {
-[[nodiscard]] Case convex_case(Pair pair, std::uint64_t seed, std::uint64_t index);
-[[nodiscard]] Case ray_case(Pair pair, std::uint64_t seed, std::uint64_t index);
+[[nodiscard]] Case convex_case(Pair pair, std::uint64_t seed, std::uint64_t index,
+                               const Format& format);
+[[nodiscard]] Case ray_case(Pair pair, std::uint64_t seed, std::uint64_t index,
+                            const Format& format);
 }  // namespace detail
 
 }  // namespace cde::oracle

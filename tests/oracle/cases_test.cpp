@@ -4,12 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <map>
 #include <string>
 
 #include "oracle/gap.hpp"
+#include "oracle/random.hpp"
 #include "oracle/rays.hpp"
 
 namespace cde::oracle {
@@ -43,7 +45,7 @@ TEST_P(EveryPair, GeneratesValidWordsTheSameEveryTime) {
     EXPECT_EQ(c.describe(), again.describe());
     ASSERT_EQ(c.a.size(), word_count(primary(GetParam())));
     ASSERT_EQ(c.b.size(), word_count(secondary(GetParam())));
-    for (const float word : c.b) EXPECT_TRUE(std::isfinite(word)) << c.describe();
+    for (const double word : c.b) EXPECT_TRUE(std::isfinite(word)) << c.describe();
     EXPECT_TRUE(std::visit(Valid{}, c.shape_b())) << c.describe();
     if (has_ray(GetParam())) {
       EXPECT_TRUE(c.ray().o.allFinite() && c.ray().d.allFinite()) << c.describe();
@@ -88,6 +90,61 @@ TEST_P(EveryPair, IsDecidedBothWaysAndHalfOfItNearTheDecision) {
   EXPECT_LT(even_hits, kCount / 2 * 7 / 10);
 }
 
+/// What rounds to nearest even by itself, in binary32.
+TEST(Formats, RoundAndStepAsTheProcessorDoes) {
+  const Format format;
+  Random random(kSeed, 0, 0);
+  int checked = 0;
+  for (int i = 0; i < 1000000; ++i) {
+    const auto x = std::bit_cast<double>((random.bits() & ~(std::uint64_t{0x7ff} << 52)) |
+                                         (std::uint64_t(860 + random.below(310)) << 52));
+    const auto expected = static_cast<float>(x);
+    ASSERT_EQ(format.round(x), static_cast<double>(expected)) << x;
+    if (std::isinf(expected)) continue;
+    const float to = random.chance(0.5) ? INFINITY : -INFINITY;
+    ASSERT_EQ(format.next(expected, to), static_cast<double>(std::nextafter(expected, to)));
+    ++checked;
+  }
+  EXPECT_GT(checked, 900000);
+  for (int e = -149; e < 128; ++e)  // where the spacing changes
+    for (const float to : {-INFINITY, INFINITY}) {
+      const float x = std::ldexp(1.0f, e);
+      ASSERT_EQ(format.next(x, to), static_cast<double>(std::nextafter(x, to))) << e;
+    }
+  EXPECT_EQ(format.next(0, 1), 0x1p-149);
+  EXPECT_EQ(format.round(0x1.fffffep127), 0x1.fffffep127);
+  const Format half{5, 10}, twice{11, 52};
+  EXPECT_EQ(half.round(65519), 65504);
+  EXPECT_EQ(half.round(65520), INFINITY);
+  EXPECT_EQ(half.round(1 + 0x1p-11), 1);
+  EXPECT_EQ(half.round(1 + 0x3p-11), 1 + 0x1p-9);
+  EXPECT_EQ(half.round(0x3p-26), 0x1p-24);
+  EXPECT_EQ(half.next(1, 0), 1 - 0x1p-11);
+  for (const double x : {0.0, 1.0, -1.0, 1 + 0x1p-52, 0.1})
+    for (const double to : {-INFINITY, INFINITY}) {
+      EXPECT_EQ(twice.round(x), x);
+      EXPECT_EQ(twice.next(x, to), std::nextafter(x, to)) << x;
+    }
+}
+
+TEST_P(EveryPair, IsOfTheFormatItIsAskedFor) {
+  for (const Format format : {Format{5, 10}, Format{8, 7}, Format{7, 16}, Format{11, 52}}) {
+    int finer = 0;
+    for (int i = 0; i < 280; ++i) {
+      const Case c = generate(GetParam(), kSeed, i, format);
+      for (const auto* words : {&c.a, &c.b})
+        for (const double x : *words) {
+          EXPECT_TRUE(std::isnan(x) || format.round(x) == x) << c.describe();
+          finer += Format{}.round(x) != x;
+        }
+    }
+    if (format.man_bits > 23)
+      EXPECT_GT(finer, 280);
+    else
+      EXPECT_EQ(finer, 0);
+  }
+}
+
 TEST_P(EveryPair, KeepsItsShapeThroughTheWords) {
   for (int i = 0; i < 100; ++i) {
     const Case c = generate(GetParam(), kSeed, i);
@@ -103,13 +160,13 @@ INSTANTIATE_TEST_SUITE_P(All, EveryPair, testing::ValuesIn(kPairs), [](const aut
 });
 
 TEST(Words, AreInTheOrderOfTheSlot) {
-  const std::vector<float> words = {1, 2, 3, 4, 5, 6, 0, -1, 0, 1, 0, 0, 0, 0, 1};
+  const std::vector<double> words = {1, 2, 3, 4, 5, 6, 0, -1, 0, 1, 0, 0, 0, 0, 1};
   const auto box = std::get<Obb>(shape_from_words(ShapeKind::kObb, words));
   EXPECT_EQ(box.c, Vec(1, 2, 3));
   EXPECT_EQ(box.half, Vec(4, 5, 6));
   EXPECT_EQ(box.rotation.col(0), Vec::UnitY());  // words 6, 9, 12
   EXPECT_EQ(support(box, Vec::UnitY()), 2 + 4);
-  const std::vector<float> can = {1, 2, 3, 0, 0, 1, 4, 5};
+  const std::vector<double> can = {1, 2, 3, 0, 0, 1, 4, 5};
   const auto cylinder = std::get<Cylinder>(shape_from_words(ShapeKind::kCylinder, can));
   EXPECT_EQ(cylinder.half_height, 4);
   EXPECT_EQ(cylinder.radius, 5);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -47,18 +48,18 @@ struct Frames {
 // Draws are in statements or braces of their own: elsewhere their order is the compiler's.
 struct Draft {
   Random random;
+  Format format;
   ShapeKind kind_a, kind_b;
   Frame frame_a, frame_b;
   Build build_a, build_b;
   Shape a, b;
 
   void build() {
-    a = rounded(kind_a, build_shape(random, kind_a, frame_a, build_a));
-    b = rounded(kind_b, build_shape(random, kind_b, frame_b, build_b));
+    a = rounded(kind_a, build_shape(random, kind_a, frame_a, build_a), format);
+    b = rounded(kind_b, build_shape(random, kind_b, frame_b, build_b), format);
   }
   [[nodiscard]] double size() const { return size_of(a) + size_of(b); }
-  /// +-1e-7 to +-1e-3 of the scene.
-  double small_gap() { return random.either_sign(random.decades(1e-7, 1e-3)) * size(); }
+  double small_gap() { return small_offset(random, format) * size(); }
   void near_contact() {
     const Vec direction = random.direction();
     b = approach(a, b, direction, small_gap());
@@ -102,7 +103,8 @@ const char* aligned(Draft& d) {
   d.frames({d.random.quarter_turns(), d.random.quarter_turns()});
   d.build_a.dyadic = d.build_b.dyadic = true;
   d.build();
-  static constexpr std::array kGaps = {0.0, 0.0, 0x1p-10, -0x1p-10, 0x1p-20, -0x1p-20};
+  const double fine = 16 * d.format.u(), coarse = std::max(0x1p-10, fine);
+  const std::array gaps = {0.0, 0.0, coarse, -coarse, fine, -fine};
   const Vec n = any_axis(d.random);
   Vec beside{d.random.below(17) - 8., d.random.below(17) - 8., d.random.below(17) - 8.};
   if (d.random.chance(0.3)) beside.setZero();
@@ -111,7 +113,7 @@ const char* aligned(Draft& d) {
     beside = 16 * Vec{d.random.below(3) - 1., d.random.below(3) - 1., d.random.below(3) - 1.};
   }
   d.b = moved(d.b, (beside - n.dot(beside) * n) / 16);
-  d.b = against(d.a, d.b, n, kGaps[d.random.below(static_cast<int>(kGaps.size()))]);
+  d.b = against(d.a, d.b, n, gaps[d.random.below(static_cast<int>(gaps.size()))]);
   return "aligned";
 }
 
@@ -219,7 +221,7 @@ const char* offset(Draft& d) {
   d.build();
   d.random.chance(0.5) ? d.near_contact() : d.beside(0, 0.6);
   static constexpr std::array kOffsets = {10.0, 1e3, 1e5};
-  const double far = kOffsets[d.random.below(3)];
+  const double far = std::min(kOffsets[d.random.below(3)], farthest(d.format));
   const Vec by = far * d.random.direction();
   d.a = moved(d.a, by);
   d.b = moved(d.b, by);
@@ -228,11 +230,12 @@ const char* offset(Draft& d) {
 
 }  // namespace
 
-Case detail::convex_case(Pair pair, std::uint64_t seed, std::uint64_t index) {
+Case detail::convex_case(Pair pair, std::uint64_t seed, std::uint64_t index, const Format& format) {
   static constexpr std::array kFamilies = {
       generic_random, deep,   aligned,       concentric,         containment, thin,     no_area,
       half_turn,      tilted, parallel_axes, perpendicular_axes, cap_axis,    mismatch, offset};
   Draft d{Random(seed, static_cast<std::uint64_t>(pair), index),
+          format,
           primary(pair),
           secondary(pair),
           {},
@@ -244,7 +247,7 @@ Case detail::convex_case(Pair pair, std::uint64_t seed, std::uint64_t index) {
   d.frames({d.random.rotation(), d.random.rotation()});
   const char* family =
       index % 2 == 0 ? generic_near_contact(d) : kFamilies[index / 2 % kFamilies.size()](d);
-  return {pair, seed, index, family, to_words(d.a), to_words(d.b)};
+  return {pair, seed, index, family, to_words(d.a, format), to_words(d.b, format)};
 }
 
 }  // namespace cde::oracle

@@ -12,18 +12,19 @@
 namespace cde::oracle {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Draws are in statements or braces of their own: elsewhere their order is the compiler's.
 struct RayDraft {
   Random random;
+  Format format;
   ShapeKind kind;
   Frame frame;
   Build build;
   Shape target;
   Ray ray;
 
-  void make_target() { target = rounded(kind, build_shape(random, kind, frame, build)); }
+  void make_target() { target = rounded(kind, build_shape(random, kind, frame, build), format); }
 
   /// A point of the target: of the triangle, or inside the solid.
   Vec inner_point() {
@@ -48,11 +49,11 @@ struct RayDraft {
   void aim(const Vec& from, const Vec& at) { ray = {from, at - from, 0, kInfinity}; }
   [[nodiscard]] Case made(Pair pair, std::uint64_t seed, std::uint64_t index,
                           const char* family) const {
-    return {pair, seed, index, family, to_words(ray), to_words(target)};
+    return {pair, seed, index, family, to_words(ray, format), to_words(target, format)};
   }
   /// The exact answer for the words as they will be.
   [[nodiscard]] RayAnswer answer() const {
-    const Ray words = ray_from_words(to_words(ray));
+    const Ray words = ray_from_words(to_words(ray, format));
     if (const auto* s = std::get_if<Sphere>(&target)) return cast(words, *s);
     if (const auto* s = std::get_if<Cylinder>(&target)) return cast(words, *s);
     return cast(words, std::get<Triangle>(target));
@@ -103,7 +104,7 @@ const char* past_the_edge(RayDraft& d) {
   const Vec from = d.eye();
   Vec point, out;
   d.rim_point(from, point, out);
-  const double by = d.random.either_sign(d.random.decades(1e-7, 1e-3)) * (from - point).norm();
+  const double by = small_offset(d.random, d.format) * (from - point).norm();
   d.aim(from, point + by * out);
   return "past the edge";
 }
@@ -135,14 +136,14 @@ const char* at_bounds(RayDraft& d) {
   aimed(d);
   if (d.random.chance(0.4) && d.kind != ShapeKind::kTriangle) {
     const RayAnswer first = d.answer();
-    if (first.hit) d.ray.tmin = std::nextafter(static_cast<float>(first.t), kInfinity);
+    if (first.hit) d.ray.tmin = d.format.next(d.format.round(first.t), kInfinity);
   }
   const RayAnswer answer = d.answer();
   if (!answer.hit) return "at bounds";
-  float t = static_cast<float>(answer.t);
+  double t = d.format.round(answer.t);
   const int step = d.random.below(3);
-  if (step == 1) t = std::nextafter(t, kInfinity);
-  if (step == 2) t = std::nextafter(t, -kInfinity);
+  if (step == 1) t = d.format.next(t, kInfinity);
+  if (step == 2) t = d.format.next(t, -kInfinity);
   (d.random.chance(0.5) ? d.ray.tmin : d.ray.tmax) = t;
   return "at bounds";
 }
@@ -257,10 +258,12 @@ const char* any_length(RayDraft& d) {
 const char* offset(RayDraft& d) {
   d.random.chance(0.5) ? aimed(d) : anywhere(d);
   static constexpr std::array kOffsets = {10.0, 1e3, 1e5};
-  Vec by = kOffsets[d.random.below(3)] * Vec::Ones();
+  const double far = std::min(kOffsets[d.random.below(3)], farthest(d.format));
+  Vec by = far * Vec::Ones();
   by = by.cwiseProduct(d.random.direction());
-  if (d.random.chance(0.2)) by = Vec(148376, 1234, -223423);  // where Embree was once watertight
-  d.target = rounded(d.kind, moved(d.target, by));
+  if (d.random.chance(0.2) && farthest(d.format) >= 1e5)
+    by = Vec(148376, 1234, -223423);  // where Embree was once watertight
+  d.target = rounded(d.kind, moved(d.target, by), d.format);
   d.ray.o += by;
   return "offset";
 }
@@ -276,12 +279,17 @@ const char* thin(RayDraft& d) {
 
 }  // namespace
 
-Case detail::ray_case(Pair pair, std::uint64_t seed, std::uint64_t index) {
+Case detail::ray_case(Pair pair, std::uint64_t seed, std::uint64_t index, const Format& format) {
   static constexpr std::array kFamilies = {aimed,     anywhere,   from_inside,     at_bounds,
                                            intervals, along_axes, degenerate_view, tangent,
                                            far_away,  any_length, offset,          thin};
-  RayDraft d{
-      Random(seed, static_cast<std::uint64_t>(pair), index), secondary(pair), {}, {}, {}, {}};
+  RayDraft d{Random(seed, static_cast<std::uint64_t>(pair), index),
+             format,
+             secondary(pair),
+             {},
+             {},
+             {},
+             {}};
   d.frame = d.random.rotation();
   const char* family =
       index % 2 == 0 ? past_the_edge(d) : kFamilies[index / 2 % kFamilies.size()](d);

@@ -238,10 +238,6 @@ void require_direction(const Ray& ray) {
   if (ray.d.isZero(0)) throw std::invalid_argument("the direction is zero");
 }
 
-bool exact_in_float(const Vec& v) {
-  return v.cast<float>().cast<double>() == v;
-}
-
 }  // namespace
 
 RayAnswer cast(const Ray& ray, const Sphere& sphere) {
@@ -286,12 +282,8 @@ RayAnswer cast(const Ray& ray, const Cylinder& cylinder) {
 RayAnswer cast(const Ray& ray, const Triangle& triangle) {
   require_direction(ray);
   const std::array<Vec, 3> v = {triangle.v0, triangle.v1, triangle.v2};
-  for (const Vec* w : {&ray.o, &ray.d, &v[0], &v[1], &v[2]})
-    if (!exact_in_float(*w)) throw std::invalid_argument("operand is not exact in binary32");
-  const auto f3 = [](const Vec& w) { return Eigen::Vector3f(w.cast<float>()); };
-  const ExactHit exact(
-      cde::Ray{f3(ray.o), f3(ray.d), static_cast<float>(ray.tmin), static_cast<float>(ray.tmax)},
-      cde::Triangle{f3(v[0]), f3(v[1]), f3(v[2])});
+  const ExactHit exact(cde::BasicRay<double>{ray.o, ray.d, ray.tmin, ray.tmax},
+                       cde::BasicTriangle<double>{v[0], v[1], v[2]});
   double scale = 0;
   for (const Vec& w : v) scale = std::max(scale, (w - ray.o).norm());
   if (scale == 0) scale = 1;  // all in one point: a miss whatever the unit

@@ -35,8 +35,7 @@ struct RayAnswer {
 /// Throws std::invalid_argument for a direction of zero, as do the others.
 [[nodiscard]] RayAnswer cast(const Ray& ray, const Sphere& sphere);
 [[nodiscard]] RayAnswer cast(const Ray& ray, const Cylinder& cylinder);
-/// det = 0, so also a triangle without area, is a miss. The operands must be exact in binary32
-/// (throws std::invalid_argument).
+/// det = 0, so also a triangle without area, is a miss.
 [[nodiscard]] RayAnswer cast(const Ray& ray, const Triangle& triangle);
 /// Of a generated case of one of the three pairs.
 [[nodiscard]] RayAnswer cast(const Case& ray_case);

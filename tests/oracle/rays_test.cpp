@@ -155,8 +155,11 @@ TEST(RayAnswer, KnowsHowSteeplyTheRayMeetsTheSurfaceAndHowThinATriangleIs) {
   EXPECT_EQ(cast(from(Vec(1, 1, 0), kZ), Triangle{kO, kX, 2 * kX}).aspect, kInf);
 }
 
-TEST(RayTriangle, RefusesWhatIsNotBinary32) {
-  EXPECT_THROW((void)cast(from(Vec(0.1, 0, 0), kZ), kFlat), std::invalid_argument);
+TEST(RayTriangle, IsExactInBinary64) {
+  const double inside = 0x1p-52, outside = -0x1p-52;  // of the edge on the y axis
+  EXPECT_TRUE(cast(from(Vec(inside, 0.5, -1), kZ), kFlat).hit);
+  EXPECT_TRUE(cast(from(Vec(0, 0.5, -1), kZ), kFlat).hit);
+  EXPECT_FALSE(cast(from(Vec(outside, 0.5, -1), kZ), kFlat).hit);
 }
 
 }  // namespace

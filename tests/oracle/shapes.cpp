@@ -134,12 +134,12 @@ std::size_t word_count(ShapeKind kind) {
   throw std::invalid_argument("unknown shape kind");
 }
 
-Ray ray_from_words(std::span<const float> w) {
+Ray ray_from_words(std::span<const double> w) {
   if (w.size() != word_count(ShapeKind::kRay)) throw std::invalid_argument("a ray has 8 words");
   return {{w[0], w[1], w[2]}, {w[3], w[4], w[5]}, w[6], w[7]};
 }
 
-Shape shape_from_words(ShapeKind kind, std::span<const float> w) {
+Shape shape_from_words(ShapeKind kind, std::span<const double> w) {
   if (w.size() != word_count(kind)) throw std::invalid_argument("wrong number of words");
   const auto vec = [&](std::size_t i) { return Vec(w[i], w[i + 1], w[i + 2]); };
   switch (kind) {

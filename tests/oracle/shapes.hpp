@@ -4,7 +4,7 @@
 #include <variant>
 
 /// The shapes of the oracles, in binary64. They stand apart from the library's own primitives on
-/// purpose: nothing here shares code with what it judges. Every binary32 operand converts exactly.
+/// purpose: nothing here shares code with what it judges. Operands of at most 53 bits are exact.
 /// World frame, one length unit throughout.
 namespace cde::oracle {
 
@@ -63,8 +63,8 @@ enum class ShapeKind { kRay, kTriangle, kSphere, kAabb, kPlane, kCylinder, kObb 
 
 /// A shape from the words of a slot, in slot order (an OBB's rotation row by row). Throws
 /// std::invalid_argument if the count is wrong or the kind is a ray.
-[[nodiscard]] Shape shape_from_words(ShapeKind kind, std::span<const float> words);
-[[nodiscard]] Ray ray_from_words(std::span<const float> words);
+[[nodiscard]] Shape shape_from_words(ShapeKind kind, std::span<const double> words);
+[[nodiscard]] Ray ray_from_words(std::span<const double> words);
 
 /// Where the shape is: the centre of a box, sphere or cylinder, the centroid of a triangle, the
 /// point of a plane nearest the world's origin.

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -140,6 +142,63 @@ INSTANTIATE_TEST_SUITE_P(Rays, PipeInventory, ::testing::ValuesIn(kRays),
 INSTANTIATE_TEST_SUITE_P(Convex, PipeInventory, ::testing::ValuesIn(kConvex),
                          [](const auto& info) { return std::string(info.param.module); });
 
+/// The gates of pipes whose facets take turns, and the clocks they answer in.
+struct Turns {
+  const char* module;
+  Operators stated;
+  unsigned latency, latency_of_one;  ///< with an interval of 3, of 1
+};
+const Turns kTurns[] = {{"obb_obb",
+                         {.multipliers = 332,
+                          .dividers = 7,
+                          .square_roots = 4,
+                          .adders = 203,
+                          .subtractors = 148,
+                          .comparators = 63,
+                          .min_max = 36},
+                         102,
+                         99},
+                        {"triangle_obb",
+                         {.multipliers = 370,
+                          .dividers = 10,
+                          .square_roots = 5,
+                          .adders = 195,
+                          .subtractors = 134,
+                          .comparators = 97,
+                          .min_max = 68},
+                         108,
+                         107},
+                        {"triangle_aabb",
+                         {.multipliers = 328,
+                          .dividers = 10,
+                          .square_roots = 5,
+                          .adders = 168,
+                          .subtractors = 146,
+                          .comparators = 97,
+                          .min_max = 68},
+                         105,
+                         104}};
+
+class FacetsInTurn : public ::testing::TestWithParam<Turns> {};
+
+TEST_P(FacetsInTurn, AreFewerUnits) {
+  const char* module = GetParam().module;
+  const Elaboration gates(kRtl, module, {"ARITH=rtl", "FACET_II=3"});
+  EXPECT_EQ(without_ands(gates.operators(module)), GetParam().stated);
+  EXPECT_EQ(gates.constant(module, "LATENCY"), GetParam().latency);
+  // Host arithmetic is that of all facets at once, on the clocks of the gates.
+  const Elaboration host(kRtl, module, {"ARITH=host", "FACET_II=3"});
+  const auto whole = std::find_if(std::begin(kConvex), std::end(kConvex),
+                                  [&](const Pipe& p) { return p.module == std::string(module); });
+  EXPECT_EQ(without_ands(host.operators(module)), whole->stated);
+  EXPECT_EQ(host.constant(module, "LATENCY"), GetParam().latency);
+  const Elaboration one(kRtl, module, {"ARITH=host"});
+  EXPECT_EQ(one.constant(module, "LATENCY"), GetParam().latency_of_one);
+}
+
+INSTANTIATE_TEST_SUITE_P(Convex, FacetsInTurn, ::testing::ValuesIn(kTurns),
+                         [](const auto& info) { return std::string(info.param.module); });
+
 TEST(Inventory, BehindThePairsMouthNothingIsAddedOrLost) {
   for (const char* arith : {"ARITH=rtl", "ARITH=host"}) {
     const Elaboration design(kRtl, "pair_pipe", {"PAIR=0", "LAT_ADD=3", "LAT_DIV=12", arith});
@@ -214,6 +273,22 @@ TEST(Inventory, WhatCannotBeElaboratedSaysWhy) {
         << error.what();
   }
   EXPECT_THROW(Elaboration(kRtl, "no_such_module"), ElaborationError);
+  const auto refused = [](const char* top, const std::vector<std::string>& parameters) {
+    try {
+      const Elaboration design(kRtl, top, parameters);
+    } catch (const ElaborationError& error) {
+      return std::string(error.what());
+    }
+    return std::string("elaborated");
+  };
+  for (const char* interval : {"FACET_II=0", "FACET_II=2"}) {
+    EXPECT_NE(refused("triangle_aabb", {interval, "ARITH=host"}).find("FACET_II must be 1 or 3"),
+              std::string::npos);
+    EXPECT_NE(refused("board", {interval, "ARITH=host"}).find("FACET_II must be 1 or 3"),
+              std::string::npos);
+  }
+  EXPECT_NE(refused("pair_pipe", {"PAIR=4", "FACET_II=3"}).find("of pairs with facets"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -1,12 +1,16 @@
 // Every pipe against its mirror reference, bit for bit: cases of the oracle's generators (half of
-// them near the decision), random words, and bad input; rows with and without gaps; both back ends.
+// them near the decision), random words, and bad input; rows with and without gaps; both back ends,
+// every format, operators of one clock and of several.
 //
+// CDE_FULL=1 (tools/test --full) runs more cases, and the configurations that take long to build.
 // CDE_PAIRS restricts the run to pairs whose name contains it, CDE_CASES sets the number of cases,
 // CDE_LANES the number of lanes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
+#include <optional>
 #include <random>
 #include <sstream>
 #include <string>
@@ -45,18 +49,18 @@ struct Operands {
 
 /// The plane turned over, in the words of the last pair, if the box's centre is under it.
 void face_the_box(const cde::oracle::Case& c, cde::FpFormat f, Operands& o) {
-  float height = -c.b[3];
+  double height = -c.b[3];
   for (std::size_t k = 0; k < 3; ++k) height += c.a[k] * c.b[k];
   if (height >= 0) return;
   for (std::size_t k = 0; k < 4; ++k)
     o.b.end()[-1 - static_cast<std::ptrdiff_t>(k)] ^= f.sign_bit();
 }
 
-/// Operand words in the format: half from the generators, then words with the format's specials and
-/// full range in every slot.
-Operands operands(const PairConfig& config, std::size_t count) {
+/// Operand words in the format, `count` of them from case `first` on: the generators' cases, every
+/// sixteenth with the format's specials and full range in some of its slots.
+Operands operands(const PairConfig& config, std::size_t first, std::size_t count,
+                  std::mt19937_64& random) {
   Operands o;
-  std::mt19937_64 random(kSeed);
   const cde::FpFormat f = config.format;
   const auto special = [&]() -> std::uint64_t {
     const std::uint64_t all[] = {0,
@@ -72,13 +76,14 @@ Operands operands(const PairConfig& config, std::size_t count) {
                                  f.encode(1.0)};
     return all[random() % std::size(all)];
   };
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = first; i < first + count; ++i) {
     const cde::oracle::Case c =
-        cde::oracle::generate(static_cast<cde::oracle::Pair>(config.pair), kSeed, i);
+        cde::oracle::generate(static_cast<cde::oracle::Pair>(config.pair), kSeed, i,
+                              {.exp_bits = f.exp_bits, .man_bits = f.man_bits});
     const bool odd = i % 16 == 15;
-    const auto push = [&](std::vector<std::uint64_t>& to, const std::vector<float>& from) {
-      for (const float x : from) {
-        std::uint64_t word = f.encode(static_cast<double>(x));
+    const auto push = [&](std::vector<std::uint64_t>& to, const std::vector<double>& from) {
+      for (const double x : from) {
+        std::uint64_t word = f.encode(x);
         if (odd && random() % 8 == 0)
           word = random() % 2 == 0 ? special() : random() & f.magnitude_mask();
         to.push_back(word);
@@ -153,8 +158,13 @@ unsigned stated_latency(const PairConfig& config) {
   }
 }
 
-/// What ctest shows beside a test's name.
+/// A configuration and how much of it is run.
 struct Parameter : PairConfig {
+  std::size_t cases = 20000, full_cases = 1000000;  ///< by default, and with CDE_FULL
+  /// Why it is left to CDE_FULL; nothing if it is not.
+  const char* left_out = nullptr;
+
+  /// What ctest shows beside a test's name.
   friend void PrintTo(const Parameter& p, std::ostream* out) {
     for (const std::string& word : p.parameters()) *out << word << ' ';
   }
@@ -193,67 +203,97 @@ std::uint64_t stated_clocks(cde::PairUnit& unit, std::uint64_t rows,
          (rows - 1) % in_flight + unit.latency();
 }
 
-class PairPipe : public ::testing::TestWithParam<Parameter> {};
+bool full() {
+  const char* value = std::getenv("CDE_FULL");
+  return value != nullptr && std::string(value) != "0";
+}
 
-TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
-  PairConfig config = GetParam();
-  if (const char* lanes = std::getenv("CDE_LANES"); lanes != nullptr)
-    config.lanes = static_cast<unsigned>(std::strtoul(lanes, nullptr, 10));
+/// Why the test is not to run, if so.
+std::optional<std::string> reason_to_skip(const Parameter& parameter) {
   const char* only = std::getenv("CDE_PAIRS");
-  if (only != nullptr && std::string(name(config.pair)).find(only) == std::string::npos)
-    GTEST_SKIP() << "CDE_PAIRS asks for others";
-  const char* cases = std::getenv("CDE_CASES");
-  const bool fp32 = config.format == cde::FpFormat{8, 23};
-  const std::size_t count = cases != nullptr ? std::strtoull(cases, nullptr, 10)
-                            : fp32           ? 20000
-                                             : 2000;
-  cde::PairUnit unit(config);
-  if (const unsigned stated = stated_latency(config); stated != 0) {
-    EXPECT_EQ(unit.latency(), stated);
-  }
-  const Operands o = operands(config, count);
-  std::vector<PairResult> expected(count), got(count);
+  if (only != nullptr && std::string(name(parameter.pair)).find(only) == std::string::npos)
+    return "CDE_PAIRS asks for others";
+  if (parameter.left_out != nullptr && !full())
+    return std::string(parameter.left_out) + ": left to CDE_FULL=1 (tools/test --full)";
+  return std::nullopt;
+}
+
+class PairPipe : public ::testing::TestWithParam<Parameter> {
+ protected:
+  /// Pairs in a block: what is held in memory at a time.
+  static constexpr std::size_t kBlock = 20000;
+
+  void compare(cde::PairUnit& unit, std::size_t first, std::size_t count);
+
+  std::size_t hits_ = 0, bad_ = 0, wrong_ = 0;
+  std::mt19937_64 words_{kSeed};
+  std::mt19937 gaps_{1};
+};
+
+/// One block of cases, in rows without gaps and again with gaps at random.
+void PairPipe::compare(cde::PairUnit& unit, std::size_t first, std::size_t count) {
+  const PairConfig& config = unit.config();
+  const Operands o = operands(config, first, count, words_);
+  std::vector<PairResult> expected(count), got(count), stalled(count);
   cde::reference::test_pairs(config.pair, config.algorithm, config.format, o.a, o.b, expected,
                              config.plane);
   const std::uint64_t rows = (count + config.lanes - 1) / config.lanes;
-  const std::uint64_t clocks = unit.test(o.a, o.b, got);
-  EXPECT_EQ(clocks, stated_clocks(unit, rows, {}));
-
-  std::size_t hits = 0, bad = 0, wrong = 0;
+  const std::uint64_t stated = stated_clocks(unit, rows, {});
+  EXPECT_EQ(unit.test(o.a, o.b, got), stated);
   for (std::size_t i = 0; i < count; ++i) {
-    hits += expected[i].f;
-    bad += expected[i].bad;
+    hits_ += expected[i].f;
+    bad_ += expected[i].bad;
     if (got[i] == expected[i]) continue;
-    if (++wrong <= 3)
-      ADD_FAILURE() << describe(config, o, i) << "\n  pipe      " << describe(got[i])
-                    << "\n  reference " << describe(expected[i]);
+    if (++wrong_ <= 3)
+      ADD_FAILURE() << "case " << first + i << ", " << describe(config, o, i) << "\n  pipe      "
+                    << describe(got[i]) << "\n  reference " << describe(expected[i]);
   }
-  EXPECT_EQ(wrong, 0u) << "of " << count;
-  std::printf("%s: seed %llu, %zu pairs, %.1f %% hits, %zu bad input, latency %u\n",
-              label(config).c_str(), static_cast<unsigned long long>(kSeed), count,
-              100.0 * static_cast<double>(hits) / static_cast<double>(count), bad, unit.latency());
-  // The generators aim at half in fp32; in a coarser format many a near miss is a touch.
-  EXPECT_GE(hits, fp32 ? count * 3 / 10 : count / 10);
-  EXPECT_LE(hits, fp32 ? count * 7 / 10 : count * 9 / 10);
-  EXPECT_GT(bad, 0u);
+  (void)unit.test(o.a, o.b, stalled, [this] { return gaps_() % 3 == 0 ? gaps_() % 4 : 0u; });
+  EXPECT_TRUE(stalled == got) << "gaps between rows change results";
+}
 
-  // The same with gaps between the rows.
-  std::mt19937 random(1);
-  std::vector<PairResult> stalled(count);
-  (void)unit.test(o.a, o.b, stalled, [&random] { return random() % 3 == 0 ? random() % 4 : 0u; });
-  EXPECT_EQ(stalled == got, true) << "gaps between rows change results";
+TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
+  const Parameter& parameter = GetParam();
+  if (const auto reason = reason_to_skip(parameter)) GTEST_SKIP() << *reason;
+  PairConfig config = parameter;
+  if (const char* lanes = std::getenv("CDE_LANES"); lanes != nullptr)
+    config.lanes = static_cast<unsigned>(std::strtoul(lanes, nullptr, 10));
+  const char* cases = std::getenv("CDE_CASES");
+  const std::size_t count = cases != nullptr ? std::strtoull(cases, nullptr, 10)
+                            : full()         ? parameter.full_cases
+                                             : parameter.cases;
+  using Clock = std::chrono::steady_clock;
+  const auto seconds = [](Clock::duration d) { return std::chrono::duration<double>(d).count(); };
+  const Clock::time_point start = Clock::now();
+  cde::PairUnit unit(config);
+  const Clock::time_point opened = Clock::now();
+  if (const unsigned stated = stated_latency(config); stated != 0) {
+    EXPECT_EQ(unit.latency(), stated);
+  }
+  for (std::size_t first = 0; first < count; first += kBlock)
+    compare(unit, first, std::min(kBlock, count - first));
+
+  EXPECT_EQ(wrong_, 0u) << "of " << count;
+  std::printf(
+      "%s: seed %llu, %zu pairs, %.1f %% hits, %zu bad input, latency %u; opened in %.1f s, "
+      "run in %.1f s\n",
+      label(config).c_str(), static_cast<unsigned long long>(kSeed), count,
+      100.0 * static_cast<double>(hits_) / static_cast<double>(count), bad_, unit.latency(),
+      seconds(opened - start), seconds(Clock::now() - opened));
+  EXPECT_GE(hits_, count * 3 / 10);
+  EXPECT_LE(hits_, count * 7 / 10);
+  EXPECT_GT(bad_, 0u);
 }
 
 class CylinderBudget : public ::testing::TestWithParam<Parameter> {};
 
 TEST_P(CylinderBudget, SetsTheWorkOfAPair) {
+  if (const auto reason = reason_to_skip(GetParam())) GTEST_SKIP() << *reason;
   const PairConfig config = GetParam();
-  const char* only = std::getenv("CDE_PAIRS");
-  if (only != nullptr && std::string(name(config.pair)).find(only) == std::string::npos)
-    GTEST_SKIP() << "CDE_PAIRS asks for others";
   cde::PairUnit unit(config);
   const std::size_t count = 1500;
-  const Operands o = operands(config, count);
+  std::mt19937_64 words(kSeed);
+  const Operands o = operands(config, 0, count, words);
   std::vector<PairResult> before;
   for (const cde::PairBudget budget : {cde::PairBudget{8, 8, 8},
                                        {4, 0, 0},
@@ -285,83 +325,91 @@ std::string test_name(const ::testing::TestParamInfo<Parameter>& info) {
   return label(info.param);
 }
 
-std::vector<Parameter> configurations() {
-  std::vector<Parameter> all;
+/// Every pipe once, as a PairConfig.
+std::vector<PairConfig> pipes() {
+  std::vector<PairConfig> all;
   for (unsigned p = 0; p < cde::kPairs; ++p)
     for (unsigned a = 0; a < 4; ++a) {
-      const auto pair = static_cast<Pair>(p);
-      const auto algorithm = static_cast<Algorithm>(a);
-      if (!cde::reference::has_pair(pair, algorithm)) continue;
-      for (const cde::Arithmetic arithmetic : {cde::Arithmetic::kHost, cde::Arithmetic::kRtl})
-        // The gates of a cylinder pipe take a minute to build in one lane.
-        all.push_back(
-            {{.pair = pair,
-              .algorithm = algorithm,
-              .lanes = cde::has_budget(pair) && arithmetic == cde::Arithmetic::kRtl ? 1u : 8u,
-              .arithmetic = arithmetic}});
+      const PairConfig config{.pair = static_cast<Pair>(p), .algorithm = static_cast<Algorithm>(a)};
+      if (cde::reference::has_pair(config.pair, config.algorithm)) all.push_back(config);
     }
-  for (const cde::Arithmetic arithmetic : {cde::Arithmetic::kHost, cde::Arithmetic::kRtl})
-    all.push_back(
-        {{.pair = Pair::kObbPlane, .plane = cde::PlaneSide::kHalfSpace, .arithmetic = arithmetic}});
+  all.push_back({.pair = Pair::kObbPlane, .plane = cde::PlaneSide::kHalfSpace});
   return all;
 }
 
-INSTANTIATE_TEST_SUITE_P(Fp32, PairPipe, ::testing::ValuesIn(configurations()), test_name);
+/// Box and cylinder pairs: several times the operators of the others.
+bool is_large(Pair pair) {
+  return cde::has_budget(pair) || pair == Pair::kObbObb || pair == Pair::kTriangleAabb ||
+         pair == Pair::kTriangleObb;
+}
 
-std::vector<Parameter> cylinder_configurations() {
+/// fp32, both back ends.
+std::vector<Parameter> fp32() {
   std::vector<Parameter> all;
-  for (const Parameter& config : configurations())
-    if (cde::has_budget(config.pair)) all.push_back(config);
+  for (const PairConfig& pipe : pipes()) {
+    all.push_back({pipe});
+    Parameter gates{pipe, 20000, 200000};
+    gates.arithmetic = cde::Arithmetic::kRtl;
+    gates.lanes = 1;  // eight take two to three times as long to build
+    if (is_large(pipe.pair)) gates.left_out = "gates that take minutes to build";
+    all.push_back(gates);
+  }
   return all;
 }
 
-INSTANTIATE_TEST_SUITE_P(Fp32, CylinderBudget, ::testing::ValuesIn(cylinder_configurations()),
-                         test_name);
+std::vector<Parameter> cylinder_pairs() {
+  std::vector<Parameter> all;
+  for (const Parameter& parameter : fp32())
+    if (cde::has_budget(parameter.pair)) all.push_back(parameter);
+  return all;
+}
 
-/// The other formats, on the back end that builds and runs fast.
+/// The other formats, on the back end that builds and runs fast. One lane: words that are no float
+/// are computed lane by lane, and what clang makes of eight such lanes takes it minutes.
 std::vector<Parameter> other_formats() {
   std::vector<Parameter> all;
-  for (const Parameter& config : configurations()) {
-    // Words of formats that the host does not have are computed by scalar code: five minutes of
-    // clang were not enough for a triangle-obb pipe in fp16.
-    const bool large = config.pair == Pair::kObbObb || config.pair == Pair::kTriangleObb ||
-                       config.pair == Pair::kTriangleAabb;
-    if (large || config.arithmetic != cde::Arithmetic::kHost) continue;
+  for (const PairConfig& pipe : pipes())
     for (const cde::FpFormat format :
          {cde::FpFormat{5, 10}, cde::FpFormat{8, 7}, cde::FpFormat{7, 16}, cde::FpFormat{11, 52}}) {
-      Parameter other = config;
+      Parameter other{pipe, 2000, 20000};
       other.format = format;
-      other.lanes = 2;
+      other.lanes = 1;
+      if (format == cde::FpFormat{11, 52})
+        other.left_out = "fp64 with operators of one clock (SlowOperators has it with slow ones)";
+      else if (format != cde::FpFormat{5, 10})
+        other.left_out = "formats other than fp16, fp32 and fp64";
+      else if (is_large(pipe.pair))
+        other.left_out = "fp16 of box and cylinder pairs (SlowOperators has them in fp64)";
       all.push_back(other);
     }
-  }
   return all;
 }
 
-/// Operators of several clocks, all different: every operand must still meet its partner.
+/// Operators of several clocks, all different: every operand must still meet its partner. Of the
+/// host's arithmetic in fp64, so that every pipe is seen in that format too; gates in fp32.
 std::vector<Parameter> slow_operators() {
-  PairConfig slow{.lanes = 2,
-                  .arithmetic = cde::Arithmetic::kRtl,
-                  .latency_add = 2,
-                  .latency_mul = 3,
-                  .latency_div = 7,
-                  .latency_sqrt = 11,
-                  .latency_compare = 4};
   std::vector<Parameter> all;
-  for (const Algorithm algorithm :
-       {Algorithm::kBadouel, Algorithm::kPluecker, Algorithm::kWatertight}) {
-    slow.algorithm = algorithm;
-    all.push_back({slow});
-  }
-  slow.algorithm = Algorithm::kMoller;
-  for (const Pair pair : {Pair::kRaySphere, Pair::kRayCylinder}) {
-    slow.pair = pair;
-    all.push_back({slow});
-  }
+  for (const PairConfig& pipe : pipes())
+    for (const cde::Arithmetic arithmetic : {cde::Arithmetic::kHost, cde::Arithmetic::kRtl}) {
+      Parameter slow{pipe, 2000, 20000};
+      slow.lanes = 1;
+      slow.arithmetic = arithmetic;
+      slow.latency_add = 2;
+      slow.latency_mul = 3;
+      slow.latency_div = 7;
+      slow.latency_sqrt = 11;
+      slow.latency_compare = 4;
+      if (arithmetic == cde::Arithmetic::kHost) slow.format = {11, 52};
+      if (arithmetic == cde::Arithmetic::kRtl && pipe.pair != Pair::kSphereObb)
+        slow.left_out = "gates with operators of several clocks, but for sphere-obb";
+      all.push_back(slow);
+    }
   return all;
 }
 
-INSTANTIATE_TEST_SUITE_P(SlowOperators, PairPipe, ::testing::ValuesIn(slow_operators()), test_name);
+INSTANTIATE_TEST_SUITE_P(Fp32, PairPipe, ::testing::ValuesIn(fp32()), test_name);
+INSTANTIATE_TEST_SUITE_P(Fp32, CylinderBudget, ::testing::ValuesIn(cylinder_pairs()), test_name);
 INSTANTIATE_TEST_SUITE_P(Formats, PairPipe, ::testing::ValuesIn(other_formats()), test_name);
+INSTANTIATE_TEST_SUITE_P(SlowOperators, PairPipe, ::testing::ValuesIn(slow_operators()), test_name);
 
 }  // namespace

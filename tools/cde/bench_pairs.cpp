@@ -140,8 +140,9 @@ struct Measured {
 };
 
 Measured measure(const PairConfig& config, std::span<const float> a, std::span<const float> b,
-                 double seconds) {
+                 double seconds, const std::optional<PairBudget>& budget = {}) {
   PairUnit unit(config);
+  if (budget) unit.set_budget(*budget);
   const auto encoded = [&](std::span<const float> from) {
     std::vector<std::uint64_t> words;
     words.reserve(from.size());
@@ -165,6 +166,54 @@ Measured measure(const PairConfig& config, std::span<const float> a, std::span<c
   } while (elapsed < seconds);
   m.pairs_per_second = pairs / elapsed;
   return m;
+}
+
+/// What accuracy costs a cylinder pair: its rate at budgets up to the largest, whose signed gaps
+/// are what the others fall short of.
+struct Priced {
+  PairBudget budget;
+  double pairs_per_second, clocks_per_row, p99, worst;
+};
+
+std::vector<Priced> measure_budgets(Pair pair, std::span<const float> a, std::span<const float> b,
+                                    double seconds) {
+  const PairBudget budgets[] = {{8, 16, 16}, {8, 8, 8}, {4, 6, 6}, {4, 4, 4}, {4, 2, 2}, {4, 0, 0}};
+  std::vector<Priced> rows;
+  std::vector<double> best;
+  for (const PairBudget& budget : budgets) {
+    const PairConfig config{.pair = pair, .lanes = kLanes};
+    const Measured m = measure(config, a, b, seconds, budget);
+    std::vector<double> shortfall;
+    for (std::size_t i = 0; i < kCases; ++i) {
+      const double t = config.format.decode(m.results[i].t), gap = m.results[i].f ? -t : t;
+      if (best.size() <= i) best.push_back(gap);
+      shortfall.push_back(std::max(0.0, best[i] - gap));
+    }
+    std::sort(shortfall.begin(), shortfall.end());
+    rows.push_back({budget, m.pairs_per_second, m.clocks_per_row, shortfall[kCases * 99 / 100],
+                    shortfall.back()});
+  }
+  return rows;
+}
+
+nlohmann::ordered_json budgets_json(const std::vector<Priced>& rows, double clock_hz) {
+  auto json = nlohmann::ordered_json::array();
+  for (const Priced& r : rows) {
+    const auto& [m, k1, k2] = r.budget;
+    fmt::print(stderr,
+               "  M {:>2} K1 {:>2} K2 {:>2}{:>17.3f}  {:.0f} clocks a row, short of the first by "
+               "{:.1e} (p99), {:.1e} (max)\n",
+               m, k1, k2, r.pairs_per_second / 1e6, r.clocks_per_row, r.p99, r.worst);
+    json.push_back({{"samples", m},
+                    {"circle", k1},
+                    {"free", k2},
+                    {"pairs_per_second_simulated", r.pairs_per_second},
+                    {"clocks_per_row", r.clocks_per_row},
+                    {"modelled_pairs_per_second", kLanes * clock_hz / r.clocks_per_row},
+                    {"shortfall_p99", r.p99},
+                    {"shortfall_max", r.worst}});
+  }
+  return json;
 }
 
 nlohmann::ordered_json optional_number(const std::optional<double>& value) {
@@ -238,6 +287,8 @@ nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm al
     row["modelled_pairs_per_second"] = kLanes * o.clock_hz / card->clocks_per_row;
     row["hit_share"] = static_cast<double>(card->hits) / kCases;
   }
+  if (card && has_budget(pair))
+    row["budgets"] = budgets_json(measure_budgets(pair, a, b, seconds), o.clock_hz);
   row["fcl"] = has_fcl() ? fcl_json(fcl, card) : nlohmann::ordered_json();
   return row;
 }
@@ -246,7 +297,8 @@ nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm al
 
 nlohmann::ordered_json bench_pairs(const BenchOptions& o) {
   fmt::print(stderr,
-             "\npipes alone, host arithmetic, fp32, {} lanes, {} random pairs, one core, processor "
+             "\npipes alone, shapes of size 0.5 to 1.5, host arithmetic, fp32, {} lanes, {} random "
+             "pairs, one core, processor "
              "time\n{:<26}{:>12}{:>9}{:>8}{:>20}{:>20}\n",
              kLanes, kCases, "pair", "M pairs/s", "latency", "hits %", "FCL collide M/s",
              "FCL distance M/s");

@@ -33,6 +33,7 @@ struct Profile {
 struct Options {
   std::vector<std::string> pairs;
   std::string profile = "3,3,12,12,1";
+  unsigned facet_interval = 1;
   bool json = false, markdown = false;
 };
 
@@ -40,7 +41,8 @@ struct Options {
 struct Pipe {
   Pair pair;
   Algorithm algorithm;
-  std::string absent;  ///< why there is none; the rest is empty then
+  std::string absent;           ///< why there is none; the rest is empty then
+  unsigned facet_interval = 1;  ///< that was asked for
   std::string module = {};
   rtl::Operators operators = {};
   unsigned a_words = 0, b_words = 0, outputs = 0;  ///< words of 32 bits, F as one
@@ -60,14 +62,16 @@ std::string path(const Pipe& pipe) {
 
 rtl::Elaboration elaborate(const Pipe& pipe, const Profile& p) {
   const std::filesystem::path rtl = bitstream_builder().parent_path().parent_path() / "rtl";
-  // Host arithmetic has the same operators and states the same latency, and is sooner elaborated.
+  // Host arithmetic has the same operators and states the same latency, and is sooner elaborated;
+  // but only gates share facet units.
   return {rtl,
           has_budget(pipe.pair) ? "pair_unit" : "pair_pipe",
           {fmt::format("PAIR={}", static_cast<unsigned>(pipe.pair)),
-           fmt::format("ALGORITHM={}", static_cast<unsigned>(pipe.algorithm)), "ARITH=host",
-           fmt::format("LAT_ADD={}", p.add), fmt::format("LAT_MUL={}", p.mul),
-           fmt::format("LAT_DIV={}", p.div), fmt::format("LAT_SQRT={}", p.sqrt),
-           fmt::format("LAT_CMP={}", p.cmp)}};
+           fmt::format("ALGORITHM={}", static_cast<unsigned>(pipe.algorithm)),
+           fmt::format("ARITH={}", pipe.facet_interval == 1 ? "host" : "rtl"),
+           fmt::format("FACET_II={}", pipe.facet_interval), fmt::format("LAT_ADD={}", p.add),
+           fmt::format("LAT_MUL={}", p.mul), fmt::format("LAT_DIV={}", p.div),
+           fmt::format("LAT_SQRT={}", p.sqrt), fmt::format("LAT_CMP={}", p.cmp)}};
 }
 
 /// The pipe's own, or that of the module which every ray pipe of a solid ends in.
@@ -93,7 +97,7 @@ void examine(Pipe& pipe, const Profile& profile) {
     pipe.b_words = words("b_i");
     pipe.outputs = words("f_o") + words("t_o") + words("cp_o") + words("n_o");
     pipe.latency = required(latency(e, pipe), pipe, "localparam LATENCY");
-    pipe.interval = e.constant(path(pipe), "INTERVAL").value_or(1);
+    pipe.interval = e.constant(path(pipe), "INTERVAL").value_or(pipe.facet_interval);
     pipe.latency_profile =
         required(latency(elaborate(pipe, profile), pipe), pipe, "localparam LATENCY");
   } catch (const rtl::ElaborationError& error) {
@@ -374,6 +378,9 @@ std::vector<Pipe> wanted_pipes(const std::vector<std::string>& names) {
 void run(const Options& o) {
   const Profile profile = parse_profile(o.profile);
   std::vector<Pipe> pipes = wanted_pipes(o.pairs);
+  check_facet_interval(o.facet_interval, std::array{Pair::kObbObb});
+  for (Pipe& pipe : pipes)
+    if (has_facets(pipe.pair)) pipe.facet_interval = o.facet_interval;
   examine_all(pipes, profile);
   if (o.json) {
     fmt::print("{}\n", as_json(pipes, profile).dump(2));
@@ -405,6 +412,10 @@ void add_inventory(CLI::App& app) {
   verb->add_option("pair", o->pairs, "Pairs to examine (all): ray-triangle, sphere-sphere, ...");
   verb->add_option("--latencies", o->profile,
                    "Clocks of add, mul, div, sqrt and compare for the column `clocks`")
+      ->capture_default_str();
+  verb->add_option("--facet-interval", o->facet_interval,
+                   "Clocks from one row of obb-obb, triangle-aabb or triangle-obb pairs to the "
+                   "next: 1, or 3, where gates share the units of facets")
       ->capture_default_str();
   auto* json = verb->add_flag("--json", o->json, "Figures as JSON");
   verb->add_flag("--markdown", o->markdown, "Tables in Markdown")->excludes(json);

@@ -29,7 +29,7 @@ constexpr std::size_t kBatch = 65536;  // pairs, at most, between two runs of th
 
 struct Options {
   std::string pair, algorithm = "moller", format = "fp32", arithmetic = "host", budget;
-  unsigned lanes = PairConfig{}.lanes;
+  unsigned lanes = PairConfig{}.lanes, facet_interval = PairConfig{}.facet_interval;
   bool half_space = false, bits = false, check = true, json = false, quiet = false;
 };
 
@@ -116,7 +116,8 @@ PairConfig configuration(const Options& o) {
                     .algorithm = algorithm_named(o.algorithm),
                     .plane = o.half_space ? PlaneSide::kHalfSpace : PlaneSide::kSurface,
                     .format = FpFormat::parse(o.format),
-                    .lanes = o.lanes};
+                    .lanes = o.lanes,
+                    .facet_interval = o.facet_interval};
   if (o.arithmetic != "host" && o.arithmetic != "rtl")
     throw Error(ErrorCode::kUsage,
                 fmt::format("--arith is '{}'; it must be rtl or host", o.arithmetic));
@@ -323,6 +324,9 @@ class Query {
                             line, a, b, shown(results_[i]), shown(expected_[i]), a, b, o_.lanes,
                             o_.pair, o_.algorithm, o_.format, o_.arithmetic, o_.lanes,
                             (o_.half_space ? " --half-space" : "") +
+                                (o_.facet_interval == 1
+                                     ? std::string()
+                                     : fmt::format(" --facet-interval {}", o_.facet_interval)) +
                                 (o_.budget.empty() ? std::string() : " --budget " + o_.budget)));
   }
 
@@ -401,6 +405,7 @@ nlohmann::ordered_json as_json(const Options& o, const Totals& t) {
       {"format", o.format},
       {"arithmetic", o.arithmetic},
       {"lanes", o.lanes},
+      {"facet_interval", o.facet_interval},
       {"budget", o.budget.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(o.budget)},
       {"pairs", t.pairs},
       {"hits", t.hits},
@@ -465,6 +470,11 @@ void add_query(CLI::App& app) {
   verb->add_option("--arith", o->arithmetic, "host (the FPU, fast) or rtl (gates); same bits")
       ->capture_default_str();
   verb->add_option("--lanes", o->lanes, "Pairs a clock, 1 to 256")->capture_default_str();
+  verb->add_option(
+          "--facet-interval", o->facet_interval,
+          "Of obb-obb, triangle-aabb and triangle-obb: clocks from one row of pairs to the "
+          "next, 1, or 3 with facet units that are shared; same bits")
+      ->capture_default_str();
   verb->add_option("--budget", o->budget,
                    "Work for a pair of cylinder-, obb- or triangle-cylinder: M,K1,K2 (directions "
                    "sampled on a circle, 4, 8 or 16; steps on a circle, steps on a free track, 0 "

@@ -121,6 +121,7 @@ uint64_t test(cde_pair_unit* unit, const void* a, const void* b, void* results, 
     return row + 1 < rows || n % kLanes == 0 ? kLanes : n % kLanes;
   };
   uint64_t in = 0, got = 0;
+  bool offered = false;  // a row stands at the mouth until it is taken
   uint32_t wait = rows != 0 && gap != nullptr ? gap(gap_context) : 0;
   while (got < rows) {
     // Results of the row that entered a latency ago are there before the clock that takes the next.
@@ -129,11 +130,16 @@ uint64_t test(cde_pair_unit* unit, const void* a, const void* b, void* results, 
       ++got;
       if (got == rows) break;
     }
-    m.valid_i = in < rows && wait == 0 && m.ready_o;
-    if (m.valid_i) {
+    if (!offered && in < rows && wait == 0) {
       scatter(&m.a_i, pa + in * kLanes * kAWords * kWord, kAWords, size(in));
       scatter(&m.b_i, pb + in * kLanes * kBWords * kWord, kBWords, size(in));
-      m.tag_i = static_cast<uint32_t>(in++);
+      m.tag_i = static_cast<uint32_t>(in);
+      offered = true;
+    }
+    m.valid_i = offered;
+    if (offered && m.ready_o) {
+      offered = false;
+      ++in;
       wait = in < rows && gap != nullptr ? gap(gap_context) : 0;
     } else if (wait != 0) {
       --wait;

@@ -30,7 +30,9 @@ struct BoardConfig {
   Transformer transform = Transformer::kNone;  ///< objects (Board::set_objects) can move
   unsigned objects = 1024;                     ///< that the card's table holds, 2 to 2,048
   unsigned primary_objects = 64;               ///< likewise
-  unsigned latency_add = 1;                    ///< clocks of an operator, at least 1
+  unsigned facet_interval = 1;  ///< clocks from row to row of pairs with facets, 1 or 3: with 3 the
+                                ///< gates of three facets are one unit's (has_facets)
+  unsigned latency_add = 1;     ///< clocks of an operator, at least 1
   unsigned latency_mul = 1;
   unsigned latency_div = 1;
   unsigned latency_sqrt = 1;

@@ -74,13 +74,13 @@ using Stencil = std::bitset<256>;
 
 /// What the card counted during passes. One clock is one period of the core clock.
 struct Counters {
-  std::uint64_t cycles = 0;         ///< clocks from go to done, without writeback
-  std::uint64_t writeback = 0;      ///< clocks that wrote the kept records to SRAM
-  std::uint64_t rows = 0;           ///< rows of `lanes` pairs that entered the pipe
-  std::uint64_t stalls = 0;         ///< clocks the pipe waited for room for records, or a cylinder
-                                    ///< pipe's ring for a free slot
-  std::uint64_t bubbles = 0;        ///< clocks the pipe waited for a triangle
-  std::uint64_t bad_primaries = 0;  ///< rays refused as bad input
+  std::uint64_t cycles = 0;           ///< clocks from go to done, without writeback
+  std::uint64_t writeback = 0;        ///< clocks that wrote the kept records to SRAM
+  std::uint64_t rows = 0;             ///< rows of `lanes` pairs that entered the pipe
+  std::uint64_t stalls = 0;           ///< clocks the pipe waited for room for records, a cylinder
+                                      ///< pipe's ring for a free slot, or facets for their turns
+  std::uint64_t bubbles = 0;          ///< clocks the pipe waited for a triangle
+  std::uint64_t bad_primaries = 0;    ///< rays refused as bad input
   std::uint64_t bad_secondaries = 0;  ///< triangles refused as bad input
   std::uint64_t secondaries = 0;      ///< triangles swept (mode any may end early)
   std::uint64_t pairs = 0;            ///< ray-triangle tests: triangles swept times unmasked rays

@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "cde/primitives.hpp"
@@ -83,5 +84,12 @@ struct PairBudget {
 
 /// Whether the pair takes a budget.
 [[nodiscard]] bool has_budget(Pair pair);
+
+/// Whether the pair's pipe is made of facet units, which can take turns: obb-obb, triangle-aabb,
+/// triangle-obb.
+[[nodiscard]] bool has_facets(Pair pair);
+/// `interval`: clocks from one row of such pairs to the next, 1 or 3. Error kUsage if it is
+/// neither, or 3 where none of the pairs has facets.
+void check_facet_interval(unsigned interval, std::span<const Pair> pairs);
 
 }  // namespace cde

@@ -22,7 +22,9 @@ struct PairConfig {
   FpFormat format = {8, 23};
   unsigned lanes = 8;  ///< pairs a clock, 1 to 256
   Arithmetic arithmetic = Arithmetic::kHost;
-  unsigned latency_add = 1;  ///< clocks of an operator, at least 1
+  unsigned facet_interval = 1;  ///< clocks from row to row of pairs with facets, 1 or 3: with 3 the
+                                ///< gates of three facets are one unit's (has_facets)
+  unsigned latency_add = 1;     ///< clocks of an operator, at least 1
   unsigned latency_mul = 1;
   unsigned latency_div = 1;
   unsigned latency_sqrt = 1;

@@ -1,0 +1,41 @@
+// Mouth of a pipe whose facet units take turns: with FACET_II = 3 it holds a pair's operands for three clocks and counts them, so that
+// whatever is computed from operands alone stands for three clocks, at every stage. With FACET_II = 1, or ARITH = "host", wires.
+// Latency: FACET_T_IN clocks (convex.svh); 0 with ARITH = "host". Throughput: one pair a lane in FACET_II clocks. Stall: none.
+module pair_hold #(
+    parameter int FACET_II = 1,  // 1 or 3
+    parameter int A_BITS = 1,
+    parameter int B_BITS = 1,
+    parameter ARITH = "rtl"
+) (
+    input logic clk_i,
+    input logic enter_i,  // at least FACET_II clocks after the last one
+    input logic [A_BITS-1:0] a_i,
+    input logic [B_BITS-1:0] b_i,
+    output logic [A_BITS-1:0] a_o,
+    output logic [B_BITS-1:0] b_o,
+    output logic [1:0] phase_o  // 0, 1, 2, which stays until the next pair
+);
+  /*verilator inline_module*/
+  if (FACET_II != 1 && FACET_II != 3) $error("pair_hold: FACET_II must be 1 or 3");
+  if (FACET_II == 1 || ARITH != "rtl") begin : g_wire
+    logic unused;
+    assign unused = &{1'b0, clk_i, enter_i};
+    assign a_o = a_i;
+    assign b_o = b_i;
+    assign phase_o = '0;
+  end else begin : g_hold
+    logic [A_BITS-1:0] a_q;
+    logic [B_BITS-1:0] b_q;
+    logic [1:0] phase_q;
+    always_ff @(posedge clk_i) begin
+      if (enter_i) begin
+        a_q <= a_i;
+        b_q <= b_i;
+      end
+      phase_q <= enter_i ? 2'd0 : phase_q[1] ? 2'd2 : phase_q + 2'd1;
+    end
+    assign a_o = a_q;
+    assign b_o = b_q;
+    assign phase_o = phase_q;
+  end
+endmodule

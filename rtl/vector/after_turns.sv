@@ -1,0 +1,17 @@
+// Results that a unit gave in TURNS successive clocks (df_turn.sv), to the first USERS of its users, together when the last turn is over.
+// Latency: TURNS - 1 clocks from the first result; 0 with ARITH = "host". Throughput: one set in TURNS clocks. Stall: none.
+module after_turns #(
+    parameter int W = 1,
+    parameter int TURNS = 1,
+    parameter int USERS = TURNS,  // 1..TURNS
+    parameter ARITH = "rtl"
+) (
+    input logic clk_i,
+    input logic [W-1:0] d_i,
+    output logic [USERS-1:0][W-1:0] q_o
+);
+  /*verilator inline_module*/
+  for (genvar k = 0; k < USERS; k++) begin : g_user
+    align #(.W(W), .FROM(k), .TO(TURNS - 1), .ARITH(ARITH)) wait_for_last (.clk_i, .d_i, .q_o(q_o[k]));
+  end
+endmodule

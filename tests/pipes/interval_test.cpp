@@ -1,0 +1,158 @@
+// Pipes whose facet units take turns, a row in three clocks: every result against the mirror
+// reference bit for bit, and every clock.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+#include <random>
+#include <string>
+
+#include "cde/error.hpp"
+#include "cde/pair_unit.hpp"
+#include "cde/reference/pairs.hpp"
+#include "oracle/cases.hpp"
+
+namespace cde {
+namespace {
+
+constexpr std::uint64_t kSeed = 20261121;
+constexpr unsigned kInterval = 3;
+
+struct Operands {
+  std::vector<std::uint64_t> a, b;
+};
+
+/// Half of the pairs near the decision; in every sixteenth some words are any bits at all.
+Operands operands(Pair pair, std::size_t count) {
+  Operands o;
+  std::mt19937_64 random(kSeed);
+  for (std::size_t i = 0; i < count; ++i) {
+    const oracle::Case c = oracle::generate(static_cast<oracle::Pair>(pair), kSeed, i);
+    const auto push = [&](std::vector<std::uint64_t>& to, const std::vector<float>& from) {
+      for (const float x : from) {
+        const bool any = i % 16 == 15 && random() % 8 == 0;
+        to.push_back(any ? random() & 0xffffffff : std::bit_cast<std::uint32_t>(x));
+      }
+    };
+    push(o.a, c.a);
+    push(o.b, c.b);
+  }
+  return o;
+}
+
+struct Parameter {
+  Pair pair;
+  Arithmetic arithmetic;
+  unsigned latency;  ///< clocks, at one an operator
+  [[nodiscard]] bool gates() const { return arithmetic == Arithmetic::kRtl; }
+  friend void PrintTo(const Parameter& p, std::ostream* out) { *out << name(p.pair); }
+};
+
+class FacetInterval : public ::testing::TestWithParam<Parameter> {};
+
+TEST_P(FacetInterval, TakesARowInThreeClocks) {
+  const Parameter p = GetParam();
+  // The gates of more lanes take minutes to build.
+  const PairConfig config{.pair = p.pair,
+                          .lanes = p.gates() ? 1u : 8u,
+                          .arithmetic = p.arithmetic,
+                          .facet_interval = kInterval};
+  const std::size_t count = p.gates() ? 2000 : 20000, rows = count / config.lanes;
+  PairUnit unit(config);
+  EXPECT_EQ(unit.latency(), p.latency);
+  const Operands o = operands(p.pair, count);
+  std::vector<PairResult> expected(count), got(count);
+  reference::test_pairs(p.pair, config.algorithm, config.format, o.a, o.b, expected);
+  const auto hits = static_cast<std::size_t>(
+      std::count_if(expected.begin(), expected.end(), [](const PairResult& r) { return r.f; }));
+  const auto bad =
+      std::count_if(expected.begin(), expected.end(), [](const PairResult& r) { return r.bad; });
+  EXPECT_GE(hits, count * 3 / 10);
+  EXPECT_LE(hits, count * 7 / 10);
+  EXPECT_GT(bad, 0);
+
+  EXPECT_EQ(unit.test(o.a, o.b, got), (rows - 1) * kInterval + p.latency);
+  EXPECT_EQ(std::mismatch(got.begin(), got.end(), expected.begin()).first - got.begin(),
+            static_cast<std::ptrdiff_t>(count))
+      << "the first pair that differs";
+
+  // Rows that come too early wait at the mouth, late ones make a pause.
+  std::mt19937 random(1);
+  std::vector<unsigned> gaps(rows);
+  for (unsigned& gap : gaps) gap = random() % 3 == 0 ? 0 : random() % 7;
+  const std::uint64_t entered = std::accumulate(
+      gaps.begin() + 1, gaps.end(), std::uint64_t{gaps[0]},
+      [](std::uint64_t t, unsigned gap) { return t + std::max(kInterval, gap + 1); });
+  std::vector<PairResult> spaced(count);
+  std::size_t next = 0;
+  EXPECT_EQ(unit.test(o.a, o.b, spaced, [&] { return gaps.at(next++); }), entered + p.latency);
+  EXPECT_EQ(spaced == expected, true) << "gaps between rows change results";
+
+  // One row alone, after a reset in mid-stream.
+  unit.reset();
+  const std::span<const std::uint64_t> a(o.a), b(o.b);
+  std::vector<PairResult> one(config.lanes);
+  EXPECT_EQ(unit.test(a.first(config.lanes * primary_words(p.pair)),
+                      b.first(config.lanes * secondary_words(p.pair)), one),
+            p.latency);
+  EXPECT_TRUE(std::equal(one.begin(), one.end(), expected.begin()));
+}
+
+std::string test_name(const ::testing::TestParamInfo<Parameter>& info) {
+  std::string text = std::string(name(info.param.pair)) + (info.param.gates() ? "_rtl" : "_host");
+  std::replace(text.begin(), text.end(), '-', '_');
+  return text;
+}
+
+// One clock more than with an interval of 1 to take the pair. Two boxes wait two for the last edge
+// of three; of a triangle, they all wait longer for its own face.
+INSTANTIATE_TEST_SUITE_P(
+    Fp32, FacetInterval,
+    ::testing::Values(Parameter{Pair::kObbObb, Arithmetic::kHost, 99 + 3},
+                      Parameter{Pair::kObbObb, Arithmetic::kRtl, 99 + 3},
+                      Parameter{Pair::kTriangleAabb, Arithmetic::kHost, 104 + 1},
+                      Parameter{Pair::kTriangleAabb, Arithmetic::kRtl, 104 + 1},
+                      Parameter{Pair::kTriangleObb, Arithmetic::kHost, 107 + 1},
+                      Parameter{Pair::kTriangleObb, Arithmetic::kRtl, 107 + 1}),
+    test_name);
+
+template <class Config>
+void expect_refused(const Config& config, const char* why) {
+  try {
+    (void)config.parameters();
+    ADD_FAILURE() << "not refused: " << why;
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::kUsage);
+    EXPECT_NE(std::string(e.what()).find(why), std::string::npos) << e.what();
+  }
+}
+
+TEST(FacetIntervalConfig, IsOneOrThreeOfPairsWithFacets) {
+  for (const unsigned interval : {0u, 2u, 4u, 9u}) {
+    expect_refused(PairConfig{.pair = Pair::kObbObb, .facet_interval = interval}, "1 or 3");
+    expect_refused(BoardConfig{.pairs = {Pair::kObbObb}, .facet_interval = interval}, "1 or 3");
+  }
+  for (unsigned p = 0; p < kPairs; ++p) {
+    const auto pair = static_cast<Pair>(p);
+    const PairConfig config{.pair = pair, .facet_interval = kInterval};
+    if (!has_facets(pair)) {
+      expect_refused(config, "no facets");
+      expect_refused(BoardConfig{.pairs = {pair}, .facet_interval = kInterval}, "no facets");
+      continue;
+    }
+    const auto listed = [](const std::vector<std::string>& parameters) {
+      return std::count(parameters.begin(), parameters.end(), "FACET_II=3");
+    };
+    EXPECT_EQ(listed(config.parameters()), 1);
+    EXPECT_EQ(listed(BoardConfig{.pairs = {Pair::kRayTriangle, pair}, .facet_interval = kInterval}
+                         .parameters()),
+              1);
+    // What an interval of 1 was built as, it still is.
+    for (const std::string& parameter : PairConfig{.pair = pair}.parameters())
+      EXPECT_FALSE(parameter.starts_with("FACET_II")) << parameter;
+  }
+}
+
+}  // namespace
+}  // namespace cde
