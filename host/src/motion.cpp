@@ -165,27 +165,22 @@ bool moves(const Motion& motion) {
             [](const Velocity& m) { return !m.linear.isZero(0) || !m.angular.isZero(0); },
             [](const Path&) { return true; },
             [](const Keyframes& m) { return m.frames.size() > 1; },
-            [](const RandomMotion& m) {
-              return (m.speed != 0 && m.min != m.max) || m.spin != 0;
-            }},
+            [](const RandomMotion& m) { return (m.speed != 0 && m.min != m.max) || m.spin != 0; }},
       motion);
 }
 
 bool rotates(const Motion& motion) {
   return std::visit(
-      Cases{[](const Still& m) { return turned_at_all(m.place.linear()); },
-            [](const Velocity& m) {
-              return !m.angular.isZero(0) || turned_at_all(m.place.linear());
-            },
-            [](const Path& m) { return turned_at_all(m.rotation.toRotationMatrix()); },
-            [](const Keyframes& m) {
-              return std::any_of(m.frames.begin(), m.frames.end(), [](const Keyframe& k) {
-                return turned_at_all(k.rotation.toRotationMatrix());
-              });
-            },
-            [](const RandomMotion& m) {
-              return m.spin != 0 || turned_at_all(m.place.linear());
-            }},
+      Cases{
+          [](const Still& m) { return turned_at_all(m.place.linear()); },
+          [](const Velocity& m) { return !m.angular.isZero(0) || turned_at_all(m.place.linear()); },
+          [](const Path& m) { return turned_at_all(m.rotation.toRotationMatrix()); },
+          [](const Keyframes& m) {
+            return std::any_of(m.frames.begin(), m.frames.end(), [](const Keyframe& k) {
+              return turned_at_all(k.rotation.toRotationMatrix());
+            });
+          },
+          [](const RandomMotion& m) { return m.spin != 0 || turned_at_all(m.place.linear()); }},
       motion);
 }
 

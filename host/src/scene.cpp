@@ -30,8 +30,9 @@ Eigen::Vector3d displacement(const Deformation& d, const Eigen::Vector3d& at, st
   }
   Eigen::Vector3d u;
   for (int k = 0; k < 3; ++k)
-    u[k] = 2 * random_unit(d.seed, frame, 3 * std::uint64_t{vertex} +
-                                              static_cast<std::uint64_t>(k)) - 1;
+    u[k] =
+        2 * random_unit(d.seed, frame, 3 * std::uint64_t{vertex} + static_cast<std::uint64_t>(k)) -
+        1;
   return d.amplitude.cwiseProduct(u);
 }
 
@@ -166,10 +167,6 @@ std::optional<Check> check_named(std::string_view text) {
   const auto* found = std::find(kCheckNames.begin(), kCheckNames.end(), text);
   if (found == kCheckNames.end()) return std::nullopt;
   return static_cast<Check>(found - kCheckNames.begin());
-}
-
-std::size_t size(const Shapes& shapes) {
-  return std::visit([](const auto& list) { return list.size(); }, shapes);
 }
 
 Transform pose(const Scene& scene, const SceneObject& object, std::uint32_t frame) {

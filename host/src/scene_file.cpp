@@ -48,9 +48,7 @@ SceneCard read_card(Table t) {
   card.trace = t.flag("trace", false);
   card.mover = static_cast<Mover>(t.choice("mover", {"auto", "host", "card"}, 0));
   if (auto latency = t.table("latency")) {
-    const auto clocks = [&](const char* key) {
-      return latency->integer<unsigned>(key, 1, 1, 16);
-    };
+    const auto clocks = [&](const char* key) { return latency->integer<unsigned>(key, 1, 1, 16); };
     card.latency_add = clocks("add");
     card.latency_mul = clocks("mul");
     card.latency_div = clocks("div");
@@ -172,8 +170,7 @@ SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
   }
   q.mode = *mode_named(kModes[t.choice("mode", kModes, 0)]);
   q.normals = t.flag("normals", false);
-  if (q.normals && !is_solid(q.pair))
-    t.fail(ErrorCode::kUsage, "normals", "rays have no normals");
+  if (q.normals && !is_solid(q.pair)) t.fail(ErrorCode::kUsage, "normals", "rays have no normals");
   if (auto budget = t.table("budget")) {
     if (!has_budget(q.pair))
       t.fail(ErrorCode::kUsage, "budget",
@@ -193,15 +190,14 @@ SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
   std::size_t primaries = 0;
   for (const std::size_t number : q.primaries) primaries += size(scene.objects[number].shapes);
   q.mask = t.number_ranges("mask", static_cast<std::int64_t>(primaries) - 1);
-  if (q.mask.size() == primaries)
-    t.fail(ErrorCode::kUsage, "mask", "leaves out every primary");
+  if (q.mask.size() == primaries) t.fail(ErrorCode::kUsage, "mask", "leaves out every primary");
   constexpr std::uint64_t kPacket = 256;
   const std::uint64_t packets = (primaries + kPacket - 1) / kPacket;
   const auto most = t.integer<std::uint64_t>("packets", packets, 1, 1 << 24);
   if (packets > most)
     t.fail(ErrorCode::kUsage, "packets",
-           fmt::format("{} primaries overflow {} packet{} of {} and need {}: as many passes", primaries,
-                       most, most == 1 ? "" : "s", kPacket, packets));
+           fmt::format("{} primaries overflow {} packet{} of {} and need {}: as many passes",
+                       primaries, most, most == 1 ? "" : "s", kPacket, packets));
   t.finish();
   return q;
 }

@@ -23,7 +23,8 @@ Eigen::Quaterniond read_rotation(Table& t) {
     const std::vector<double> q = t.numbers("quaternion", 4);
     const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
     if (!(std::fabs(rotation.norm() - 1) < 1e-3))
-      t.fail("quaternion", fmt::format("[w, x, y, z] has length {}; it must be 1", rotation.norm()));
+      t.fail("quaternion",
+             fmt::format("[w, x, y, z] has length {}; it must be 1", rotation.norm()));
     return rotation.normalized();
   }
   t.also_known({"quaternion"});
@@ -87,7 +88,8 @@ RandomMotion read_random(Table& t, const SceneObject& object) {
   RandomMotion m;
   m.each = t.flag("each", false);
   if (m.each && object.rays)
-    t.fail(ErrorCode::kUsage, "each", "random_rays start at the object's origin and have no places");
+    t.fail(ErrorCode::kUsage, "each",
+           "random_rays start at the object's origin and have no places");
   if (m.each && std::holds_alternative<std::vector<Plane>>(object.shapes))
     t.fail(ErrorCode::kUsage, "each", "a plane has no place that it could move from");
   if (!m.each) m.place = read_place(t);
@@ -105,8 +107,8 @@ RandomMotion read_random(Table& t, const SceneObject& object) {
     const std::vector<Eigen::Vector3d> places = centres(object.shapes);
     const auto out = std::find_if_not(places.begin(), places.end(), inside);
     if (out != places.end())
-      t.fail("min", fmt::format("shape {} starts outside the box of the motion",
-                                out - places.begin()));
+      t.fail("min",
+             fmt::format("shape {} starts outside the box of the motion", out - places.begin()));
   } else if (!inside(m.place.translation())) {
     t.fail(t.has("position") ? "position" : "min",
            "the object's origin starts outside the box of the motion");

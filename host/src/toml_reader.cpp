@@ -150,9 +150,10 @@ bool Table::flag(const char* key, bool fallback) {
 double Table::number_of(const char* key, const toml::node& node, const Limits& limits) const {
   if (!node.is_number()) wrong_type(key, node, "a number");
   const double value = *node.value<double>();
-  const bool legal = std::isinf(value) ? limits.infinite
-                                       : value <= limits.max && (limits.above ? value > limits.min
-                                                                              : value >= limits.min);
+  const bool legal =
+      std::isinf(value)
+          ? limits.infinite
+          : value <= limits.max && (limits.above ? value > limits.min : value >= limits.min);
   if (!legal || std::isnan(value))
     fail_at(ErrorCode::kBadInput, node.source().begin, key,
             fmt::format("is {}; it must be {}", value, range_text(limits)));
@@ -247,7 +248,8 @@ std::vector<std::uint32_t> Table::number_ranges(const char* key, std::int64_t ma
     const std::string& range = value.as_string()->get();
     const std::size_t dots = range.find("..");
     std::int64_t first = 0, last = 0;
-    if (dots == std::string::npos || !text::parse_int(std::string_view(range).substr(0, dots), first) ||
+    if (dots == std::string::npos ||
+        !text::parse_int(std::string_view(range).substr(0, dots), first) ||
         !text::parse_int(std::string_view(range).substr(dots + 2), last))
       fail_at(ErrorCode::kFile, value.source().begin, key,
               fmt::format("{} is not FIRST..LAST", text::quoted(range)));

@@ -1,4 +1,5 @@
 #pragma once
+#include <toml++/toml.h>
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
@@ -6,7 +7,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <toml++/toml.h>
 #include <vector>
 
 #include "cde/error.hpp"
@@ -33,8 +33,8 @@ inline constexpr Limits kNotNegative{.min = 0};
 class Table;
 using Tables = std::vector<Table>;
 
-/// One table of the document. Getters take a key, and fail with file, line, column and path; finish()
-/// fails for the first key that no getter was asked about.
+/// One table of the document. Getters take a key, and fail with file, line, column and path;
+/// finish() fails for the first key that no getter was asked about.
 class Table {
  public:
   /// `where` says what the table is ("object 'ball'"), for messages.

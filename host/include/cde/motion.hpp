@@ -62,7 +62,7 @@ struct RandomMotion {
   Pose place = Pose::Identity();
   std::uint64_t seed = 1;
   Eigen::Vector3d min = Eigen::Vector3d::Zero(), max = Eigen::Vector3d::Zero();  ///< min <= max
-  double speed = 0;   ///< units a second
+  double speed = 0;                                                              ///< units a second
   double spin = 0;    ///< radians a second about a random axis
   bool each = false;  ///< every shape of the object on its own, about its own centre
 };

@@ -4,27 +4,18 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include "cde/bitstream.hpp"
 #include "cde/board.hpp"
 #include "cde/mesh.hpp"
 #include "cde/motion.hpp"
+#include "cde/shapes.hpp"
 #include "cde/transform.hpp"
 
 /// What a scene file says (docs/scenes.md): objects that move, and what is asked of them in every
 /// frame.
 namespace cde {
-
-/// Shapes of one kind in a row; the alternatives are in the order of Shape.
-using Shapes = std::variant<std::vector<Ray>, std::vector<Triangle>, std::vector<Sphere>,
-                            std::vector<Aabb>, std::vector<Plane>, std::vector<Cylinder>,
-                            std::vector<Obb>>;
-[[nodiscard]] inline Shape shape_of(const Shapes& shapes) {
-  return static_cast<Shape>(shapes.index());
-}
-[[nodiscard]] std::size_t size(const Shapes& shapes);
 
 /// Vertices of a mesh that move by themselves, in the object's frame.
 struct Deformation {
@@ -36,8 +27,8 @@ struct Deformation {
   std::uint32_t first = 0, last = 0;  ///< vertices, both included
   Eigen::Vector3d amplitude = Eigen::Vector3d::Zero();
   std::uint64_t seed = 1;
-  double period = 1;      ///< seconds, > 0
-  double wavelength = 1;  ///< units, > 0
+  double period = 1;                                     ///< seconds, > 0
+  double wavelength = 1;                                 ///< units, > 0
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< of travel, unit
 };
 
@@ -52,13 +43,13 @@ struct RandomRays {
 
 struct SceneObject {
   std::string name;
-  std::string source;                    ///< where its shapes come from, for messages
-  Shapes shapes;                         ///< object's frame, undeformed, those of frame 0
-  std::optional<Mesh> mesh;              ///< of an object that is deformed
-  std::optional<Deformation> deform;     ///< has mesh
-  std::optional<RandomRays> rays;        ///< directions drawn again in every frame
-  Motion motion;                         ///< in the parent's frame
-  std::optional<std::size_t> parent;     ///< number of another object, whose motion it follows
+  std::string source;                 ///< where its shapes come from, for messages
+  Shapes shapes;                      ///< object's frame, undeformed, those of frame 0
+  std::optional<Mesh> mesh;           ///< of an object that is deformed
+  std::optional<Deformation> deform;  ///< has mesh
+  std::optional<RandomRays> rays;     ///< directions drawn again in every frame
+  Motion motion;                      ///< in the parent's frame
+  std::optional<std::size_t> parent;  ///< number of another object, whose motion it follows
 };
 
 /// What is compared with the reference.
@@ -79,7 +70,7 @@ enum class Results { kNone, kCsv, kBinary };
 struct SceneQuery {
   std::string name;
   Pair pair = Pair::kRayTriangle;
-  bool swap = false;  ///< primaries are of the pair's second shape
+  bool swap = false;                                ///< primaries are of the pair's second shape
   std::vector<std::size_t> primaries, secondaries;  ///< numbers of objects, each of one shape
   Mode mode = Mode::kNearest;
   bool normals = false;
@@ -100,7 +91,7 @@ struct SceneCard {
   std::vector<Pair> pairs;  ///< pipes of the bitstream; empty: those of the queries
   Arithmetic arithmetic = Arithmetic::kHost;
   Algorithm algorithm = Algorithm::kMoller;
-  double clock_hz = 100e6;  ///< an assumption about the device
+  double clock_hz = 100e6;    ///< an assumption about the device
   bool cycle_bus = false;     ///< a bus with the timing of PCI, not a word a clock
   bool cycle_memory = false;  ///< DDR with the timing of banks and refresh
   bool ecc = false;
