@@ -235,19 +235,19 @@ Effect arithmetic(const Plan& plan) {
           measured("gates")};
 }
 
-Effect transformer(const Scene& scene, const Plan& plan) {
+Effect transformer(const Scene& scene) {
   Effect e{"transformer", false, "none", "", ""};
-  std::uint64_t objects = 0;
+  std::uint64_t objects = 0, moved = 0;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObject& object = scene.objects[i];
     const bool secondary =
         std::any_of(scene.queries.begin(), scene.queries.end(), [&](const SceneQuery& q) {
           return std::find(q.secondaries.begin(), q.secondaries.end(), i) != q.secondaries.end();
         });
-    if (secondary && !is_still(scene, object))
-      objects += has_member_poses(object) ? size(object.shapes) : 1;
+    if (!secondary || is_still(scene, object)) continue;
+    objects += has_member_poses(object) ? size(object.shapes) : 1;
+    moved += size(object.shapes) * words(shape_of(object.shapes));
   }
-  const std::uint64_t moved = total(plan, &QueryWork::moved_words);
   if (objects == 0) {
     e.why = "no secondary moves as a rigid body";
     e.cost = "0 words a frame";
@@ -323,7 +323,7 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan) {
       pipes(scene, plan),
       lanes(scene, plan),
       arithmetic(plan),
-      transformer(scene, plan),
+      transformer(scene),
       modes(scene, plan),
       normals(scene, plan),
       masks(plan),

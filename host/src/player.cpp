@@ -192,7 +192,6 @@ class Player::Impl {
     double host = 0;
     std::visit([&](const auto& list) { board_.load_shapes(std::span(list).subspan(first, count)); },
                primaries);
-    if (options_.before_pass) options_.before_pass(board_);
     std::vector<Record> renumbered;
     const Counters c = board_.run(query, [&](std::span<const Record> records) {
       const auto received = Clock::now();

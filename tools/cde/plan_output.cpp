@@ -58,7 +58,7 @@ nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
 }
 
 void print_plan(std::FILE* out, const Scene& scene, const Plan& plan) {
-  constexpr std::size_t kName = 26, kChoice = 18;
+  constexpr std::size_t kName = 28, kChoice = 18;
   fmt::print(out, "{}: {} object{}, {} quer{}, {} frame{}\n", scene.file, scene.objects.size(),
              scene.objects.size() == 1 ? "" : "s", scene.queries.size(),
              scene.queries.size() == 1 ? "y" : "ies", scene.frames, scene.frames == 1 ? "" : "s");
@@ -69,9 +69,12 @@ void print_plan(std::FILE* out, const Scene& scene, const Plan& plan) {
       fmt::print(out, "  {:<{}}", e.name, kName - 2);
       if (used) {
         // A long choice gets a line of its own.
-        fmt::print(out, "{:<{}} ", e.choice, kChoice);
-        if (e.choice.size() > kChoice) fmt::print(out, "\n{:{}}", "", kName + kChoice + 1);
-        print_wrapped(out, sentence(e), kName + kChoice + 1);
+        const std::size_t indent = kName + kChoice + 1;
+        if (e.choice.size() > kChoice)
+          fmt::print(out, "{}\n{:{}}", e.choice, "", indent);
+        else
+          fmt::print(out, "{:<{}}", e.choice, kChoice + 1);
+        print_wrapped(out, sentence(e), indent);
       } else {
         print_wrapped(out, sentence(e), kName);
       }

@@ -20,8 +20,6 @@ struct PlayOptions {
   /// Called now and then with the frame and the share of the query's packets done; what it throws
   /// ends the run and leaves the card ready.
   std::function<void(std::uint32_t frame, double share)> progress = {};
-  /// For diagnosis: called when everything is loaded, before each pass.
-  std::function<void(Board&)> before_pass = {};
 };
 
 /// One query in one frame.
