@@ -257,6 +257,12 @@ fs::path bitstream_path(const std::string& kind, const std::vector<std::string>&
   return find_or_build(key_of(kind, parameters), kind, parameters);
 }
 
+BitstreamFile bitstream_file(const std::string& kind, const std::vector<std::string>& parameters) {
+  const Key key = key_of(kind, parameters);
+  if (auto found = find_intact(key)) return {*found, true};
+  return {cache_folder() / key.file, false};
+}
+
 std::uint64_t bitstream_hash(const std::string& kind, const std::vector<std::string>& parameters) {
   return key_of(kind, parameters).config_hash;
 }

@@ -6,16 +6,7 @@
 
 #include "cde/error.hpp"
 #include "cde/fp.hpp"
-#include "cde/reference/convex/obb_obb.hpp"
-#include "cde/reference/convex/obb_plane.hpp"
-#include "cde/reference/convex/sphere_obb.hpp"
-#include "cde/reference/convex/sphere_sphere.hpp"
-#include "cde/reference/convex/triangle_box.hpp"
-#include "cde/reference/convex/triangle_sphere.hpp"
-#include "cde/reference/cylinder/pairs.hpp"
-#include "cde/reference/ray_cylinder.hpp"
-#include "cde/reference/ray_sphere.hpp"
-#include "cde/reference/ray_triangle.hpp"
+#include "reference_dispatch.hpp"
 
 namespace cde::reference {
 
@@ -68,63 +59,11 @@ void sweep(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
 }
 
 template <class S>
-void test_pairs_in(Pair pair, Algorithm algorithm, PlaneSide plane, const PairBudget& work,
+void test_pairs_in(Pair pair, Algorithm algorithm, PlaneSide plane, const PairBudget& budget,
                    std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
                    std::span<PairResult> r) {
-  using R = BasicRay<S>;
-  using T = BasicTriangle<S>;
-  using Ball = BasicSphere<S>;
-  using Box = BasicObb<S>;
-  using Can = BasicCylinder<S>;
-  const cylinder::Budget budget{static_cast<int>(work.samples), static_cast<int>(work.circle),
-                                static_cast<int>(work.free)};
-#define CDE_SEARCH(A, FUNCTION) \
-  sweep<S, A, Can>(a, b, r, [&](const A& x, const Can& y) { return FUNCTION<S>(x, y, budget); })
-#define CDE_SWEEP(A, B, FUNCTION) \
-  sweep<S, A, B>(a, b, r, [](const A& x, const B& y) { return FUNCTION<S>(x, y); })
-  switch (pair) {
-    case Pair::kRayTriangle:
-      switch (algorithm) {
-        case Algorithm::kMoller:
-          return CDE_SWEEP(R, T, ray_triangle_moller);
-        case Algorithm::kBadouel:
-          return CDE_SWEEP(R, T, ray_triangle_badouel);
-        case Algorithm::kPluecker:
-          return CDE_SWEEP(R, T, ray_triangle_pluecker);
-        case Algorithm::kWatertight:
-          return CDE_SWEEP(R, T, ray_triangle_watertight);
-      }
-      break;
-    case Pair::kObbObb:
-      return CDE_SWEEP(Box, Box, obb_obb);
-    case Pair::kTriangleAabb:
-      return CDE_SWEEP(T, BasicAabb<S>, triangle_aabb);
-    case Pair::kTriangleObb:
-      return CDE_SWEEP(T, Box, triangle_obb);
-    case Pair::kSphereSphere:
-      return CDE_SWEEP(Ball, Ball, sphere_sphere);
-    case Pair::kTriangleSphere:
-      return CDE_SWEEP(T, Ball, triangle_sphere);
-    case Pair::kRayCylinder:
-      return CDE_SWEEP(R, BasicCylinder<S>, ray_cylinder);
-    case Pair::kObbPlane:
-      return sweep<S, Box, BasicPlane<S>>(a, b, r, [plane](const Box& x, const BasicPlane<S>& y) {
-        return obb_plane<S>(x, y, plane);
-      });
-    case Pair::kRaySphere:
-      return CDE_SWEEP(R, Ball, ray_sphere);
-    case Pair::kSphereObb:
-      return CDE_SWEEP(Ball, Box, sphere_obb);
-    case Pair::kTriangleCylinder:
-      return CDE_SEARCH(T, triangle_cylinder);
-    case Pair::kCylinderCylinder:
-      return CDE_SEARCH(Can, cylinder_cylinder);
-    case Pair::kObbCylinder:
-      return CDE_SEARCH(Box, obb_cylinder);
-  }
-#undef CDE_SWEEP
-#undef CDE_SEARCH
-  throw Error(ErrorCode::kUsage, fmt::format("no reference for {}", name(pair)));
+  with_pair<S>(pair, algorithm, plane, budget,
+               [&]<class A, class B>(Kinds<A, B>, auto test) { sweep<S, A, B>(a, b, r, test); });
 }
 
 }  // namespace

@@ -12,6 +12,8 @@ int main(int argc, char** argv) {
   app.set_help_all_flag("--help-all", "Help of every verb");
   cde::cli::add_cast(app);
   cde::cli::add_query(app);
+  cde::cli::add_run(app);
+  cde::cli::add_plan(app);
   cde::cli::add_bench(app);
   cde::cli::add_inventory(app);
   cde::cli::add_doctor(app);

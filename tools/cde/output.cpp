@@ -32,12 +32,23 @@ extern "C" void remove_unfinished(int signal) {
   std::raise(signal);
 }
 
-void remember(const char* path) {
+void install_removal() {
   static const bool installed = [] {
     for (const int signal : kSignals) std::signal(signal, remove_unfinished);
     return true;
   }();
   (void)installed;
+}
+
+volatile std::sig_atomic_t noted = 0;
+
+extern "C" void note(int signal) {
+  noted = signal;
+  for (const int other : kSignals) std::signal(other, remove_unfinished);
+}
+
+void remember(const char* path) {
+  install_removal();
   for (auto& slot : unfinished) {
     const char* none = nullptr;
     if (slot.compare_exchange_strong(none, path)) return;
@@ -118,6 +129,19 @@ void OutputFile::commit() {
   file_ = nullptr;
   forget(temporary_.c_str());
   temporary_.clear();
+}
+
+Interrupts::Interrupts() {
+  install_removal();
+  for (const int signal : kSignals) std::signal(signal, note);
+}
+
+Interrupts::~Interrupts() {
+  for (const int signal : kSignals) std::signal(signal, remove_unfinished);
+}
+
+int Interrupts::signal() {
+  return noted;
 }
 
 Progress::Progress(std::string what, bool quiet)

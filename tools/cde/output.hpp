@@ -31,6 +31,19 @@ class OutputFile {
   std::FILE* file_ = nullptr;
 };
 
+/// While it lives, the first SIGINT, SIGTERM or SIGHUP is only noted, so that what is done can be
+/// written; a second one ends the process as without it. One at a time.
+class Interrupts {
+ public:
+  Interrupts();
+  ~Interrupts();
+  Interrupts(const Interrupts&) = delete;
+  Interrupts& operator=(const Interrupts&) = delete;
+
+  /// The signal that came, or 0; stays after the object's end.
+  [[nodiscard]] static int signal();
+};
+
 /// One line on stderr that is rewritten in place, from the first second on; nothing unless stderr
 /// is a terminal.
 class Progress {

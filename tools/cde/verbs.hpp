@@ -17,6 +17,8 @@ void add_cast(CLI::App& app);
 void add_doctor(CLI::App& app);
 void add_fp(CLI::App& app);
 void add_inventory(CLI::App& app);
+void add_plan(CLI::App& app);
 void add_query(CLI::App& app);
+void add_run(CLI::App& app);
 
 }  // namespace cde::cli

@@ -91,6 +91,15 @@ class Bitstream {
 [[nodiscard]] std::filesystem::path bitstream_path(const std::string& kind,
                                                    const std::vector<std::string>& parameters);
 
+/// The file of a configuration as it is: where it lies, or where it would be built.
+struct BitstreamFile {
+  std::filesystem::path path;
+  bool built = false;
+};
+/// Builds nothing. Error kBuild as above.
+[[nodiscard]] BitstreamFile bitstream_file(const std::string& kind,
+                                           const std::vector<std::string>& parameters);
+
 /// Hash that the card of a configuration shows. Error kBuild as above.
 [[nodiscard]] std::uint64_t bitstream_hash(const std::string& kind,
                                            const std::vector<std::string>& parameters);

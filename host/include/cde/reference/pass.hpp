@@ -1,0 +1,44 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "cde/board.hpp"
+#include "cde/shapes.hpp"
+
+namespace cde::reference {
+
+/// What one pass of the card asks. `pair`'s first shape is the primaries', with `swap` the
+/// secondaries'; `algorithm` is of ray-triangle.
+struct PassQuery {
+  Pair pair = Pair::kRayTriangle;
+  Algorithm algorithm = Algorithm::kMoller;
+  bool swap = false;
+  Mode mode = Mode::kNearest;
+  bool normals = false;
+  PairBudget budget = {};
+};
+
+/// The records of one pass of any pair, computed in software, every bit and in the card's order.
+class Pass {
+ public:
+  /// `numbers` are what records call the primaries; masked primaries are left out of both. Shapes
+  /// must outlive the pass. Error kUsage if the shapes are not those of the pair, or there are more
+  /// than 256 primaries.
+  Pass(const PassQuery& query, Shapes primaries, std::vector<std::uint32_t> numbers,
+       const Shapes& secondaries);
+  ~Pass();
+  Pass(Pass&&) noexcept;
+  Pass& operator=(Pass&&) noexcept;
+
+  /// The next records; empty at the end. Valid until the next call.
+  [[nodiscard]] std::span<const Record> next();
+
+  class Impl;
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cde::reference

@@ -1,0 +1,358 @@
+#include "cde/plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <span>
+
+#include "cde/error.hpp"
+
+namespace cde {
+namespace {
+
+constexpr std::uint64_t kPacket = 256;
+constexpr unsigned kMostLanes = 128;
+constexpr unsigned kMostLanesOfLargePipes = 16;  // facets, rings, gates: building takes minutes
+
+/// What leaving an effect out saves. Figures were measured with the command beside them, on two
+/// cores of a 2.5 GHz Xeon with AVX-512; where there is none, nobody measured it.
+struct Saving {
+  const char* effect;
+  const char* figure;
+  const char* command;
+};
+constexpr Saving kSavings[] = {
+    {"gates", nullptr, "cde cast terrain --size 64x48 --lanes 16 --arith rtl"},
+    {"waves", nullptr, "cde cast terrain:60,60,1 --grid 64x48 --lanes 16 --trace waves.fst"},
+    {"pipes", nullptr, "cde bench pairs"},
+    {"bus", nullptr, "cde run, bus = \"cycle\""},
+    {"memory", nullptr, "cde run, memory = \"cycle\""},
+    {"ecc", nullptr, "cde run, ecc = true"},
+};
+
+std::string measured(std::string_view effect) {
+  for (const Saving& s : kSavings) {
+    if (s.effect == effect && s.figure != nullptr)
+      return fmt::format("{} ({})", s.figure, s.command);
+  }
+  return "not measured";
+}
+
+/// What the format of scenes has and this version of the card has not. Whatever becomes available
+/// is taken out here.
+void refuse_what_is_not_there(const Scene& scene) {
+  const auto refuse = [&](bool asked, const char* what, const char* instead) {
+    if (asked)
+      throw Error(ErrorCode::kUsage, fmt::format("{}: card, {}; {}", scene.file, what, instead));
+  };
+  refuse(scene.card.cycle_bus, "bus = \"cycle\": this version has no bus with the timing of PCI",
+         "use bus = \"functional\", a word pair a clock");
+  refuse(scene.card.cycle_memory,
+         "memory = \"cycle\": this version has no memory with the timing of banks and refresh",
+         "use memory = \"ideal\", a slot a clock behind a fixed latency");
+  refuse(scene.card.ecc, "ecc = true: this version's memory has no error correction",
+         "leave it out");
+  refuse(scene.card.mover == Mover::kCard,
+         "mover = \"card\": this version's card has no transformer",
+         "use mover = \"host\", which uploads what moved");
+}
+
+bool large(Pair pair) {
+  switch (pair) {
+    case Pair::kObbObb:
+    case Pair::kTriangleAabb:
+    case Pair::kTriangleObb:
+    case Pair::kTriangleCylinder:
+    case Pair::kCylinderCylinder:
+    case Pair::kObbCylinder:
+      return true;
+    default:
+      return false;
+  }
+}
+
+std::uint64_t count(const Scene& scene, const std::vector<std::size_t>& objects) {
+  std::uint64_t n = 0;
+  for (const std::size_t i : objects) n += size(scene.objects[i].shapes);
+  return n;
+}
+
+/// Shapes of an object that have other words in the next frame.
+std::uint64_t changing(const Scene& scene, const SceneObject& object) {
+  if (!is_still(scene, object)) return size(object.shapes);
+  std::uint64_t n = 0;
+  for (const Range& range : deforming(object)) n += range.count;
+  return n;
+}
+
+QueryWork work_of(const Scene& scene, const SceneQuery& q, unsigned lanes) {
+  QueryWork w;
+  w.name = q.name;
+  w.primaries = count(scene, q.primaries);
+  w.secondaries = count(scene, q.secondaries);
+  w.masked = q.mask.size();
+  w.packets = (w.primaries + kPacket - 1) / kPacket;
+  w.tests = (w.primaries - w.masked) * w.secondaries;
+  const std::uint64_t last = w.primaries - (w.packets - 1) * kPacket;
+  w.rows = w.secondaries * ((w.packets - 1) * (kPacket / lanes) + (last + lanes - 1) / lanes);
+  const bool stream = q.mode == Mode::kAll || q.mode == Mode::kHits;
+  w.most_records = stream ? w.tests : w.primaries - w.masked;
+  const unsigned slot = words(shape_of(scene.objects[q.secondaries.front()].shapes));
+  w.secondary_words = w.secondaries * slot;
+  for (const std::size_t i : q.secondaries)
+    w.moved_words += changing(scene, scene.objects[i]) * slot;
+  w.primary_words = w.primaries * words(shape_of(scene.objects[q.primaries.front()].shapes));
+  return w;
+}
+
+std::string join(std::span<const Pair> pairs) {
+  std::string text;
+  for (const Pair pair : pairs) text += fmt::format("{}{}", text.empty() ? "" : ", ", name(pair));
+  return text;
+}
+
+std::vector<Pair> pairs_of(const Scene& scene) {
+  std::vector<Pair> pairs;
+  for (const SceneQuery& q : scene.queries) {
+    if (std::find(pairs.begin(), pairs.end(), q.pair) == pairs.end()) pairs.push_back(q.pair);
+  }
+  std::sort(pairs.begin(), pairs.end());
+  if (scene.card.pairs.empty()) return pairs;
+  std::vector<Pair> asked = scene.card.pairs;
+  std::sort(asked.begin(), asked.end());
+  for (const SceneQuery& q : scene.queries) {
+    if (std::find(asked.begin(), asked.end(), q.pair) == asked.end())
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{}: query '{}' needs a pipe for {}, but the bitstream asked for has "
+                              "pairs = {}; add it, or leave out pairs in [card]",
+                              scene.file, q.name, name(q.pair), join(asked)));
+  }
+  return asked;
+}
+
+/// The fewest lanes that take the largest packet in one row, and no more than can be built soon.
+unsigned lanes_for(const Scene& scene, const std::vector<Pair>& pairs) {
+  if (scene.card.lanes) return *scene.card.lanes;
+  std::uint64_t most = 1;
+  for (const SceneQuery& q : scene.queries)
+    most = std::max(most, std::min<std::uint64_t>(kPacket, count(scene, q.primaries)));
+  const bool slow =
+      scene.card.arithmetic == Arithmetic::kRtl || std::any_of(pairs.begin(), pairs.end(), large);
+  return std::min(std::bit_ceil(static_cast<unsigned>(most)),
+                  slow ? kMostLanesOfLargePipes : kMostLanes);
+}
+
+BoardConfig board_of(const Scene& scene) {
+  BoardConfig b;
+  b.pairs = pairs_of(scene);
+  b.lanes = lanes_for(scene, b.pairs);
+  b.arithmetic = scene.card.arithmetic;
+  b.algorithm = scene.card.algorithm;
+  b.trace = scene.card.trace;
+  for (const SceneQuery& q : scene.queries) {
+    b.swap = b.swap || q.swap;
+    b.normals = b.normals || q.normals;
+  }
+  b.latency_add = scene.card.latency_add;
+  b.latency_mul = scene.card.latency_mul;
+  b.latency_div = scene.card.latency_div;
+  b.latency_sqrt = scene.card.latency_sqrt;
+  b.latency_compare = scene.card.latency_compare;
+  (void)b.parameters();  // complains about values
+  return b;
+}
+
+void check_capacity(const Scene& scene, const Plan& plan) {
+  const std::uint64_t held = std::uint64_t{plan.board.ddr_slots} * words(Shape::kTriangle);
+  for (const QueryWork& w : plan.queries) {
+    if (w.secondary_words > held)
+      throw Error(
+          ErrorCode::kCapacity,
+          fmt::format("{}: query '{}': {} secondaries are {} words, but the card's DDR holds {}",
+                      scene.file, w.name, w.secondaries, w.secondary_words, held));
+    if (w.most_records > ~std::uint32_t{0})
+      throw Error(
+          ErrorCode::kCapacity,
+          fmt::format("{}: query '{}': mode {} may keep {} records, more than the 2^32 - 1 "
+                      "that a card counts; use nearest, farthest or any",
+                      scene.file, w.name, name_of(scene.queries[&w - plan.queries.data()].mode),
+                      w.most_records));
+  }
+}
+
+// ---- Effects ----
+
+std::uint64_t total(const Plan& plan, std::uint64_t QueryWork::*field) {
+  std::uint64_t sum = 0;
+  for (const QueryWork& w : plan.queries) sum += w.*field;
+  return sum;
+}
+
+Effect pipes(const Scene& scene, const Plan& plan) {
+  Effect e{"pipes", true, join(plan.board.pairs), "", ""};
+  e.why = scene.card.pairs.empty() ? "the pairs of the queries" : "asked for in [card]";
+  if (plan.board.pairs.size() < kPairs) {
+    e.why += fmt::format("; the other {} are left out", kPairs - plan.board.pairs.size());
+    e.cost = measured("pipes");
+  }
+  return e;
+}
+
+Effect lanes(const Scene& scene, const Plan& plan) {
+  const unsigned n = plan.board.lanes;
+  Effect e{"lanes", true, fmt::format("{}", n), "", ""};
+  std::uint64_t most = 0;
+  for (const QueryWork& w : plan.queries) most = std::max(most, std::min(kPacket, w.primaries));
+  if (scene.card.lanes)
+    e.why = "asked for in [card]";
+  else if (n >= most)
+    e.why = fmt::format("the largest packet has {} primaries: one row a secondary", most);
+  else
+    e.why = fmt::format(
+        "the largest packet has {} primaries, and a card of {} is built with at most "
+        "{} lanes unless the scene says otherwise",
+        most,
+        std::any_of(plan.board.pairs.begin(), plan.board.pairs.end(), large) ? "these pipes"
+        : plan.board.arithmetic == Arithmetic::kRtl                          ? "gates"
+                                                                             : "any pipes",
+        n);
+  const auto rows = [&](unsigned lanes) {
+    std::uint64_t sum = 0;
+    for (const SceneQuery& q : scene.queries) sum += work_of(scene, q, lanes).rows;
+    return sum;
+  };
+  e.cost = fmt::format("{} rows a frame", rows(n));
+  if (n > 1) e.cost += fmt::format("; {} with {} lanes", rows(n / 2), n / 2);
+  if (n < kPacket) e.cost += fmt::format("; {} with {}", rows(n * 2), n * 2);
+  return e;
+}
+
+Effect arithmetic(const Plan& plan) {
+  if (plan.board.arithmetic == Arithmetic::kRtl)
+    return {"gates", true, "rtl", "asked for in [card]", ""};
+  return {"gates", false, "host", "the host's arithmetic gives the same bits and clocks",
+          measured("gates")};
+}
+
+Effect transformer(const Scene& scene) {
+  Effect e{"transformer", false, "none", "", ""};
+  std::uint64_t objects = 0, moved = 0;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const SceneObject& object = scene.objects[i];
+    const bool secondary =
+        std::any_of(scene.queries.begin(), scene.queries.end(), [&](const SceneQuery& q) {
+          return std::find(q.secondaries.begin(), q.secondaries.end(), i) != q.secondaries.end();
+        });
+    if (!secondary || is_still(scene, object)) continue;
+    objects += has_member_poses(object) ? size(object.shapes) : 1;
+    moved += size(object.shapes) * words(shape_of(object.shapes));
+  }
+  if (objects == 0) {
+    e.why = "no secondary moves as a rigid body";
+    e.cost = "0 words a frame";
+  } else {
+    e.why = "this version's card has none: the host poses and uploads again";
+    e.cost = fmt::format("uploads {} words a frame; a transformer would take {} for {} object{}",
+                         moved, 12 * objects, objects, objects == 1 ? "" : "s");
+  }
+  return e;
+}
+
+Effect modes(const Scene& scene, const Plan& plan) {
+  Effect e{"result mode", true, "", "", ""};
+  for (std::size_t i = 0; i < plan.queries.size(); ++i) {
+    const SceneQuery& q = scene.queries[i];
+    const QueryWork& w = plan.queries[i];
+    const char* sep = i == 0 ? "" : "; ";
+    e.choice += fmt::format("{}{} {}", sep, q.name, name_of(q.mode));
+    const bool stream = q.mode == Mode::kAll || q.mode == Mode::kHits;
+    e.why +=
+        fmt::format("{}{} {} records a frame", sep, stream ? "at most" : "keeps", w.most_records);
+    const std::uint64_t bytes = 28 * (q.normals ? 2 : 1) * w.tests;
+    e.cost += q.mode == Mode::kAll
+                  ? fmt::format("{}{} bytes a frame", sep, bytes)
+                  : fmt::format("{}mode all would write {} bytes a frame", sep, bytes);
+  }
+  return e;
+}
+
+Effect normals(const Scene& scene, const Plan& plan) {
+  Effect e{"normals", plan.board.normals, plan.board.normals ? "second records" : "none", "", ""};
+  std::uint64_t records = 0;
+  for (std::size_t i = 0; i < plan.queries.size(); ++i)
+    if (is_solid(scene.queries[i].pair)) records += plan.queries[i].most_records;
+  e.why = e.used         ? "a query asks for them"
+          : records == 0 ? "rays have none"
+                         : "no query asks for them";
+  e.cost = fmt::format("at most {} further records a frame, a clock each to write", records);
+  if (records == 0) e.cost = "0 records";
+  return e;
+}
+
+Effect masks(const Plan& plan) {
+  const std::uint64_t masked = total(plan, &QueryWork::masked);
+  Effect e{"masks", masked != 0, fmt::format("{} primaries", masked), "", ""};
+  std::uint64_t saved = 0;
+  for (const QueryWork& w : plan.queries) saved += w.masked * w.secondaries;
+  e.why = masked != 0 ? "the queries leave these out" : "no query leaves primaries out";
+  e.cost = masked != 0 ? fmt::format("saves {} tests a frame", saved) : "0 tests a frame";
+  return e;
+}
+
+Effect roles(const Plan& plan) {
+  return {"exchange of roles", plan.board.swap, plan.board.swap ? "built in" : "none",
+          plan.board.swap ? "a query has the pair's second shape as primaries"
+                          : "every query has the pair's first shape as primaries",
+          plan.board.swap ? "" : "not measured"};
+}
+
+Effect residence(const Plan& plan) {
+  Effect e{"re-upload of secondaries", !plan.resident, plan.resident ? "none" : "every pass", "",
+           ""};
+  const std::uint64_t all = total(plan, &QueryWork::secondary_words);
+  e.why = plan.resident ? "all queries have the same secondaries, which stay in DDR"
+                        : "queries have different secondaries, and DDR holds those of one";
+  e.cost = fmt::format("{}{} words a frame", plan.resident ? "would be " : "", all);
+  return e;
+}
+
+std::vector<Effect> effects_of(const Scene& scene, const Plan& plan) {
+  const bool trace = plan.board.trace;
+  return {
+      pipes(scene, plan),
+      lanes(scene, plan),
+      arithmetic(plan),
+      transformer(scene),
+      modes(scene, plan),
+      normals(scene, plan),
+      masks(plan),
+      roles(plan),
+      residence(plan),
+      {"two pairs at a time", false, "none", "queries run one after another", "not measured"},
+      {"bus timing", false, "functional", "two words a clock of the core, without PCI's protocol",
+       measured("bus")},
+      {"memory timing", false, "ideal", "a slot a clock behind a fixed latency",
+       measured("memory")},
+      {"ecc", false, "none", "not asked for", measured("ecc")},
+      {"trace", trace, trace ? "waves can be written" : "none",
+       trace ? "asked for" : "not asked for", trace ? "" : measured("waves")},
+  };
+}
+
+}  // namespace
+
+Plan plan(const Scene& scene) {
+  refuse_what_is_not_there(scene);
+  Plan plan;
+  plan.board = board_of(scene);
+  for (const SceneQuery& q : scene.queries) {
+    plan.queries.push_back(work_of(scene, q, plan.board.lanes));
+    plan.resident = plan.resident && q.secondaries == scene.queries.front().secondaries;
+  }
+  check_capacity(scene, plan);
+  plan.effects = effects_of(scene, plan);
+  return plan;
+}
+
+}  // namespace cde

@@ -1,0 +1,252 @@
+#include "cde/player.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "cde/error.hpp"
+#include "cde/reference/pass.hpp"
+#include "player_secondaries.hpp"
+
+namespace cde {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::size_t kPacket = 256;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::string text(const Record* r) {
+  if (r == nullptr) return "no record";
+  const auto hex = [](const Eigen::Vector3f& v) {
+    return fmt::format("{:a},{:a},{:a}", v.x(), v.y(), v.z());
+  };
+  return fmt::format("primary {} F={}{} T={:a} CP={} n={} index={}", r->primary, r->f ? 1 : 0,
+                     r->bad ? " bad" : "", r->t, hex(r->cp), hex(r->n),
+                     static_cast<std::int32_t>(r->index));
+}
+
+std::string words_of(const Shapes& shapes, std::size_t i) {
+  return std::visit(
+      [i](const auto& list) {
+        std::string words;
+        for (const float w : to_words(list[i]))
+          words += fmt::format("{}{:a}", words.empty() ? "" : ",", w);
+        return words;
+      },
+      shapes);
+}
+
+/// Some of the shapes.
+Shapes picked(const Shapes& shapes, const std::vector<std::uint32_t>& numbers) {
+  return std::visit(
+      [&](const auto& list) -> Shapes {
+        std::decay_t<decltype(list)> some;
+        for (const std::uint32_t i : numbers) some.push_back(list[i]);
+        return some;
+      },
+      shapes);
+}
+
+/// Compares the records of one pass with the reference as they arrive; those of primaries that are
+/// not in the sample go by.
+class PassCheck {
+ public:
+  PassCheck(const SceneQuery& query, Algorithm algorithm, const Shapes& primaries,
+            std::vector<std::uint32_t> numbers, const Shapes& secondaries)
+      : primaries_(primaries),
+        secondaries_(secondaries),
+        numbers_(std::move(numbers)),
+        pass_({.pair = query.pair,
+               .algorithm = algorithm,
+               .swap = query.swap,
+               .mode = query.mode,
+               .normals = query.normals,
+               .budget = query.budget},
+              picked(primaries, numbers_), numbers_, secondaries) {}
+
+  void check(std::span<const Record> records, QueryFrame& result) {
+    for (const Record& record : records) {
+      if (!std::binary_search(numbers_.begin(), numbers_.end(), record.primary)) continue;
+      if (pending_.empty()) pending_ = pass_.next();
+      const Record* expected = pending_.empty() ? nullptr : pending_.data();
+      ++result.compared;
+      if (expected == nullptr || !same_bits(record, *expected)) differ(&record, expected, result);
+      if (expected != nullptr) pending_ = pending_.subspan(1);
+    }
+  }
+
+  void finish(QueryFrame& result) {
+    if (pending_.empty()) pending_ = pass_.next();
+    for (; !pending_.empty(); pending_ = pass_.next())
+      for (const Record& expected : pending_) differ(nullptr, &expected, result);
+  }
+
+ private:
+  void differ(const Record* card, const Record* expected, QueryFrame& result) const {
+    if (++result.mismatches > 1) return;
+    std::string& message = result.first_mismatch;
+    message = fmt::format("  card:      {}\n  reference: {}\n", text(card), text(expected));
+    const std::uint32_t primary = (expected != nullptr ? expected : card)->primary;
+    if (primary < size(primaries_))
+      message += fmt::format("  primary {}: {}\n", primary, words_of(primaries_, primary));
+    for (const Record* r : {card, expected}) {
+      if (r != nullptr && r->index < size(secondaries_))
+        message += fmt::format("  secondary {}: {}\n", r->index, words_of(secondaries_, r->index));
+    }
+  }
+
+  const Shapes& primaries_;
+  const Shapes& secondaries_;
+  std::vector<std::uint32_t> numbers_;
+  reference::Pass pass_;
+  std::span<const Record> pending_;
+};
+
+}  // namespace
+
+class Player::Impl {
+ public:
+  Impl(const Scene& scene, const Plan& plan, PlayOptions options)
+      : scene_(scene),
+        options_(std::move(options)),
+        board_(Board::open(plan.board, {.clock_period_ps = period(scene)})),
+        secondaries_(board_) {
+    for (const SceneObject& object : scene.objects) states_.emplace_back(scene, object);
+    if (!options_.trace.empty()) board_.trace_open(options_.trace);
+  }
+  ~Impl() {
+    if (!options_.trace.empty()) board_.trace_close();
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  std::vector<QueryFrame> play(std::uint32_t frame, const Sink& sink) {
+    for (const SceneQuery& q : scene_.queries) {
+      for (const auto* group : {&q.primaries, &q.secondaries})
+        for (const std::size_t i : *group) states_[i].show(frame);
+    }
+    std::vector<QueryFrame> results;
+    for (std::size_t q = 0; q < scene_.queries.size(); ++q) results.push_back(run(frame, q, sink));
+    return results;
+  }
+
+  [[nodiscard]] const Board& board() const { return board_; }
+
+ private:
+  static std::uint32_t period(const Scene& scene) {
+    return static_cast<std::uint32_t>(std::clamp(1e12 / scene.card.clock_hz, 1.0, 4e9));
+  }
+
+  QueryFrame run(std::uint32_t frame, std::size_t number, const Sink& sink) {
+    const SceneQuery& q = scene_.queries[number];
+    QueryFrame result;
+    const auto start = Clock::now();
+    const std::uint64_t before = board_.clocks();
+    result.secondary_words = secondaries_.show(q.secondaries, states_);
+    result.secondary_clocks = board_.clocks() - before;
+    result.pass_seconds = seconds_since(start);
+    const Shapes primaries = player::joined(q.primaries, states_);
+    const std::size_t packets = (size(primaries) + kPacket - 1) / kPacket;
+    for (std::size_t packet = 0; packet < packets; ++packet) {
+      const auto progress = [&](double share) {
+        if (options_.progress)
+          options_.progress(frame,
+                            (static_cast<double>(packet) + share) / static_cast<double>(packets));
+      };
+      progress(0);
+      run_packet(frame, number, primaries, packet, progress, sink, result);
+    }
+    return result;
+  }
+
+  void run_packet(std::uint32_t frame, std::size_t number, const Shapes& primaries,
+                  std::size_t packet, const std::function<void(double)>& progress, const Sink& sink,
+                  QueryFrame& result) {
+    const SceneQuery& q = scene_.queries[number];
+    const std::size_t first = packet * kPacket;
+    const std::size_t count = std::min(kPacket, size(primaries) - first);
+    Query query{.mode = q.mode,
+                .pair = q.pair,
+                .swap = q.swap,
+                .normals = q.normals,
+                .budget = q.budget,
+                .deadline_clocks = options_.deadline_clocks,
+                .watchdog = options_.watchdog,
+                .progress = progress};
+    std::vector<std::uint32_t> active;
+    for (std::size_t p = 0; p < count; ++p) {
+      const auto n = static_cast<std::uint32_t>(first + p);
+      query.stencil[p] = std::binary_search(q.mask.begin(), q.mask.end(), n);
+      if (!query.stencil[p]) active.push_back(n);
+    }
+    if (active.empty()) return;  // no work for the card
+    std::optional<PassCheck> check;
+    if (options_.check != Check::kNone)
+      check.emplace(q, scene_.card.algorithm, primaries, sampled(active, frame),
+                    secondaries_.shapes());
+    const auto start = Clock::now();
+    double host = 0;
+    std::visit([&](const auto& list) { board_.load_shapes(std::span(list).subspan(first, count)); },
+               primaries);
+    std::vector<Record> renumbered;
+    const Counters c = board_.run(query, [&](std::span<const Record> records) {
+      const auto received = Clock::now();
+      renumbered.assign(records.begin(), records.end());
+      for (Record& r : renumbered) {
+        r.primary += static_cast<std::uint32_t>(first);
+        result.hits += r.f ? 1 : 0;
+      }
+      const auto checking = Clock::now();
+      if (check) check->check(renumbered, result);
+      result.check_seconds += seconds_since(checking);
+      if (sink) sink(number, renumbered);
+      host += seconds_since(received);
+    });
+    result.pass_seconds += seconds_since(start) - host;
+    const auto checking = Clock::now();
+    if (check) check->finish(result);
+    result.check_seconds += seconds_since(checking);
+    result.counters += c;
+    ++result.passes;
+    result.primary_clocks += c.upload_clocks;
+    const std::uint64_t pass = c.upload_clocks + c.cycles + c.writeback;
+    result.download_clocks += c.total_clocks - std::min(c.total_clocks, pass);
+  }
+
+  /// The primaries whose records are compared, ascending.
+  [[nodiscard]] std::vector<std::uint32_t> sampled(std::vector<std::uint32_t> active,
+                                                   std::uint32_t frame) const {
+    if (options_.check != Check::kSample || active.size() <= kSampledPrimaries) return active;
+    for (std::uint64_t i = 0; i < kSampledPrimaries; ++i) {
+      const std::uint64_t left = active.size() - i;
+      std::swap(active[i], active[i + random_bits(active[0], frame, i) % left]);
+    }
+    active.resize(kSampledPrimaries);
+    std::sort(active.begin(), active.end());
+    return active;
+  }
+
+  const Scene& scene_;
+  PlayOptions options_;
+  Board board_;
+  player::Secondaries secondaries_;
+  std::vector<player::ObjectState> states_;
+};
+
+Player::Player(const Scene& scene, const Plan& plan, PlayOptions options)
+    : impl_(std::make_unique<Impl>(scene, plan, std::move(options))) {}
+Player::~Player() = default;
+
+std::vector<QueryFrame> Player::play(std::uint32_t frame, const Sink& sink) {
+  return impl_->play(frame, sink);
+}
+
+const Board& Player::board() const {
+  return impl_->board();
+}
+
+}  // namespace cde

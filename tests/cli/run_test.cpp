@@ -1,0 +1,306 @@
+// cde run and cde plan.
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
+
+#include "run_cde.hpp"
+
+namespace cde::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+/// Rays that are drawn again, terrain vertices that move: 16 lanes, the bitstream of other tests.
+const char* const kFlight = R"(frames = 4
+[card]
+lanes = 16
+[[object]]
+name = "terrain"
+mesh = "terrain:12,9,3"
+deform = { kind = "wave", vertices = [20, 45], amplitude = [0, 0, 5], period = 1, wavelength = 40 }
+[[object]]
+name = "rays"
+random_rays = { count = 300, seed = 7 }
+[object.motion]
+kind = "path"
+points = [[20, 20, 300], [90, 60, 250]]
+duration = 0.1
+[[query]]
+name = "hit"
+pair = "ray-triangle"
+primaries = "rays"
+secondaries = "terrain"
+)";
+
+class RunScene : public Cli {
+ protected:
+  void refused(const Words& words, const std::string& text) {
+    const auto before = files();
+    const Ran ran = cde(words);
+    SCOPED_TRACE(fmt::format("{}", fmt::join(words, " ")));
+    EXPECT_EQ(ran.status, 2) << ran.err;
+    EXPECT_NE(ran.err.find(text), std::string::npos) << "says: " << ran.err << "\nlacks: " << text;
+    EXPECT_EQ(ran.out, "");
+    EXPECT_EQ(files(), before);
+  }
+  nlohmann::json run_json(const std::string& folder) {
+    return nlohmann::json::parse(read(folder + "/run.json"));
+  }
+};
+
+TEST_F(RunScene, PlaysChecksAndWrites) {
+  write("flight.toml", kFlight);
+  const Ran ran = cde({"run", "flight.toml", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.err.find("1200 of 1200 records compared with the reference, 0 differ"),
+            std::string::npos)
+      << ran.err;
+  EXPECT_NE(ran.err.find("at 100 MHz"), std::string::npos);
+  const auto j = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(j, run_json("flight.run"));
+  EXPECT_EQ(j["finished"], true);
+  EXPECT_EQ(j["check"], "all");
+  EXPECT_EQ(j["clock_hz"], 1e8);
+  ASSERT_EQ(j["played"].size(), 4u);
+  std::uint64_t hits = 0;
+  for (const auto& frame : j["played"]) {
+    const auto& q = frame["queries"][0];
+    EXPECT_EQ(q["passes"], 2) << "300 rays";
+    EXPECT_EQ(q["records"], 300);
+    EXPECT_EQ(q["records_compared"], 300);
+    EXPECT_EQ(q["mismatches"], 0);
+    EXPECT_EQ(q["counters"]["tests"], 300 * 216);
+    EXPECT_EQ(q["counters"]["rows"], 216 * (16 + 3));
+    const auto& s = q["modelled_seconds"];
+    EXPECT_DOUBLE_EQ(s["compute"], q["counters"]["cycles"].get<double>() / 1e8);
+    EXPECT_NEAR(s["total"].get<double>(),
+                s["upload"].get<double>() + s["compute"].get<double>() +
+                    s["write_back"].get<double>() + s["download"].get<double>(),
+                1e-15);
+    EXPECT_GT(s["download"], 0);
+    hits += q["hits"].get<std::uint64_t>();
+    const std::string csv = read("flight.run/" + frame["files"][0].get<std::string>());
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 301);
+  }
+  EXPECT_GT(hits, 120u);
+  EXPECT_LT(hits, 1080u);
+  // The first frame uploads everything, the others only what moved.
+  const auto words = [&](int frame) {
+    return j["played"][frame]["queries"][0]["counters"]["secondary_words"].get<int>();
+  };
+  EXPECT_EQ(words(0), 216 * 9);
+  EXPECT_GT(words(1), 0);
+  EXPECT_LT(words(1), 216 * 9 * 2 / 3);
+}
+
+/// A frame is the same whatever came before it, and with the other arithmetic.
+TEST_F(RunScene, FramesAreReproducible) {
+  write("flight.toml", kFlight);
+  std::string gates = kFlight;
+  gates.replace(gates.find("lanes = 16"), 10, "lanes = 16\narithmetic = \"rtl\"");
+  write("gates.toml", gates);
+  ASSERT_EQ(cde({"run", "flight.toml", "--out", "all", "-q"}).status, 0);
+  ASSERT_EQ(cde({"run", "flight.toml", "--out", "one", "--frames", "3", "-q"}).status, 0);
+  ASSERT_EQ(cde({"run", "gates.toml", "--out", "rtl", "--frames", "2..3", "-q"}).status, 0);
+  EXPECT_EQ(read("all/hit.000003.csv"), read("one/hit.000003.csv"));
+  EXPECT_EQ(read("all/hit.000003.csv"), read("rtl/hit.000003.csv"));
+  EXPECT_NE(read("all/hit.000003.csv"), read("all/hit.000002.csv"));
+  EXPECT_FALSE(exists("one/hit.000002.csv"));
+}
+
+/// Several pairs, roles exchanged, normals, masks, a different set of secondaries for every query.
+TEST_F(RunScene, MixedSceneOfTheRepository) {
+  const std::string scene = std::string(CDE_SOURCE_DIR) + "/meshes/scenes/mixed.toml";
+  const Ran ran = cde({"run", scene, "--out", "out", "--frames", "0..5"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto j = run_json("out");
+  ASSERT_EQ(j["played"].size(), 6u);
+  for (const auto& frame : j["played"]) {
+    ASSERT_EQ(frame["queries"].size(), 3u);
+    EXPECT_EQ(frame["queries"][0]["records"], 41 - 4);
+    EXPECT_EQ(frame["queries"][1]["records"], 3);
+    EXPECT_EQ(frame["queries"][2]["records"], 40);
+    for (const auto& q : frame["queries"]) EXPECT_EQ(q["records_compared"], q["records"]);
+  }
+  EXPECT_GT(j["totals"]["hits"], 0);
+  EXPECT_EQ(j["totals"]["mismatches"], 0);
+  const std::string csv = read("out/nearest_ball.000000.csv");
+  EXPECT_EQ(csv.find("primary,F,bad,T,CPx,CPy,CPz,index,nx,ny,nz,T_bits"), 0u) << csv;
+  EXPECT_EQ(read("out/scan.000000.csv").find("\n3,"), std::string::npos) << "masked";
+}
+
+TEST_F(RunScene, SamplesAndSkippedChecksSaySo) {
+  write("flight.toml", kFlight);
+  Ran ran = cde({"run", "flight.toml", "--frames", "0..1", "--check", "sample"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.err.find("32 of 600 records compared with the reference, a sample, 0 differ"),
+            std::string::npos)
+      << ran.err;
+  ran = cde({"run", "flight.toml", "--frames", "0..1", "--check", "none"});
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_NE(ran.err.find("skipped: no record was compared"), std::string::npos) << ran.err;
+  EXPECT_EQ(run_json("flight.run")["totals"]["records_compared"], 0);
+  EXPECT_EQ(run_json("flight.run")["check"], "none");
+}
+
+TEST_F(RunScene, BinaryRecords) {
+  std::string scene = kFlight;
+  write("csv.toml", scene + "[report]\nbits = true\nonly_hits = true\n");
+  write("bin.toml", scene + "[report]\nresults = \"binary\"\n");
+  ASSERT_EQ(cde({"run", "csv.toml", "--frames", "1", "-q"}).status, 0);
+  ASSERT_EQ(cde({"run", "bin.toml", "--frames", "1", "-q"}).status, 0);
+  const std::string bytes = read("bin.run/hit.000001.bin");
+  ASSERT_EQ(bytes.size(), 300u * 28);
+  std::istringstream csv(read("csv.run/hit.000001.csv"));
+  std::string line;
+  std::getline(csv, line);
+  std::size_t hits = 0;
+  const auto word = [&](std::size_t record, std::size_t k) {
+    std::uint32_t w = 0;
+    for (std::size_t i = 4; i-- > 0;)
+      w = w << 8 | static_cast<unsigned char>(bytes[28 * record + 4 * k + i]);
+    return w;
+  };
+  for (std::size_t i = 0; i < 300; ++i) {
+    EXPECT_EQ(word(i, 6), i);
+    if ((word(i, 3) & 1) == 0) continue;
+    ++hits;
+    ASSERT_TRUE(std::getline(csv, line));
+    EXPECT_EQ(line.rfind(fmt::format("{},1,0,", i), 0), 0u) << line;
+    EXPECT_NE(line.find(fmt::format(",{},{:08x},{:08x},{:08x},{:08x}", word(i, 4), word(i, 5),
+                                    word(i, 0), word(i, 1), word(i, 2))),
+              std::string::npos)
+        << line;
+  }
+  EXPECT_GT(hits, 50u);
+  EXPECT_FALSE(std::getline(csv, line));
+}
+
+TEST_F(RunScene, WrongUsageIsRefused) {
+  write("flight.toml", kFlight);
+  for (const char* frames : {"4", "0..4", "3..2", "x", "1..", "-1..2", "0..1x"})
+    refused({"run", "flight.toml", fmt::format("--frames={}", frames)},
+            "it must be A..B within 0..3");
+  refused({"run", "flight.toml", "--check", "some"}, "--check is 'some'");
+  refused({"run", "none.toml"}, "none.toml");
+  refused({"plan", "none.toml"}, "none.toml");
+  write("bad.toml", std::string("framse = 3\n") + kFlight);
+  for (const char* verb : {"run", "plan"})
+    refused({verb, "bad.toml"},
+            "bad.toml:1:1: there is no key 'framse' here (did you mean 'frames'?)");
+  write("cycle.toml", "card.bus = \"cycle\"\n" + std::string(kFlight).replace(11, 18, ""));
+  for (const char* verb : {"run", "plan"}) refused({verb, "cycle.toml"}, "bus = \"cycle\"");
+}
+
+TEST_F(RunScene, DeadlineEndsWithStatus4AndAReadableFile) {
+  write("flight.toml", kFlight);
+  const Ran ran = cde({"run", "flight.toml", "--deadline", "100"});
+  EXPECT_EQ(ran.status, 4) << ran.err;
+  const auto j = run_json("flight.run");
+  EXPECT_EQ(j["finished"], false);
+  EXPECT_NE(j["error"].get<std::string>().find("deadline of 100 clocks"), std::string::npos);
+}
+
+TEST_F(RunScene, InterruptLeavesReadableFiles) {
+  std::string scene = kFlight;
+  scene.replace(0, 10, "frames = 100000");
+  write("long.toml", scene);
+  const pid_t child = start({"run", "long.toml"});
+  for (int i = 0; i < 600 && !exists("long.run/hit.000002.csv"); ++i) ::usleep(50'000);
+  ::kill(child, SIGINT);
+  const Ran ran = finish(child);
+  EXPECT_EQ(ran.status, 128 + SIGINT) << ran.err;
+  const auto j = run_json("long.run");
+  EXPECT_EQ(j["finished"], false);
+  EXPECT_EQ(j["stopped_by_signal"], SIGINT);
+  const auto played = j["played"].size();
+  ASSERT_GE(played, 3u);
+  std::size_t csv = 0;
+  for (const auto& entry : fs::directory_iterator(folder_ / "long.run")) {
+    csv += entry.path().extension() == ".csv" ? 1 : 0;
+    EXPECT_TRUE(entry.path().extension() == ".csv" || entry.path().filename() == "run.json")
+        << entry.path();
+  }
+  EXPECT_EQ(csv, played);
+}
+
+TEST_F(RunScene, Waves) {
+  std::string scene = kFlight;
+  scene.replace(scene.find("lanes = 16"), 10, "lanes = 4");
+  write("small.toml", scene);
+  ASSERT_EQ(cde({"run", "small.toml", "--frames", "0", "--trace", "w.fst", "-q"}).status, 0);
+  EXPECT_GT(fs::file_size(folder_ / "w.fst"), 10'000u);
+}
+
+/// A card with a fault: hits lie outside triangles. The run stops after the frame with status 3,
+/// run.json counts the mismatches, and the command that is named finds the same again.
+TEST_F(RunScene, FaultyCardIsFoundOut) {
+  const fs::path share = folder_ / "share";
+  fs::create_directories(share);
+  for (const char* part : {"rtl", "verilator"})
+    fs::copy(fs::path(CDE_SOURCE_DIR) / part, share / part, fs::copy_options::recursive);
+  const fs::path pipe = share / "rtl/pipes/ray_triangle_moller.sv";
+  std::stringstream text;
+  text << std::ifstream(pipe).rdbuf();
+  std::string rtl = text.str();
+  const std::string right = "in_edges_uv & uv_hi", wrong = "in_edges_uv";
+  const auto at = rtl.find(right);
+  ASSERT_NE(at, std::string::npos);
+  std::ofstream(pipe) << rtl.replace(at, right.size(), wrong);
+  const Words environment = {"CDE_SHARE=" + share.string(),
+                             "CDE_CACHE=" + (folder_ / "cache").string(), "CDE_WERROR=0"};
+  std::string scene = kFlight;
+  scene.replace(scene.find("lanes = 16"), 10, "lanes = 4");
+  write("small.toml", scene);
+  const Ran ran = cde({"run", "small.toml"}, environment);
+  EXPECT_EQ(ran.status, 3) << ran.err;
+  EXPECT_NE(ran.err.find("frame 0, query 'hit': "), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("differ from the reference, the first:\n  card:      primary "),
+            std::string::npos)
+      << ran.err;
+  const auto j = run_json("small.run");
+  EXPECT_EQ(j["played"].size(), 1u);
+  EXPECT_GT(j["totals"]["mismatches"], 0);
+  EXPECT_LT(j["totals"]["mismatches"], 300);
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(ran.err, match, std::regex("repeat with: cde (.*)"))) << ran.err;
+  std::istringstream words(match[1]);
+  const Words again{std::istream_iterator<std::string>(words), {}};
+  EXPECT_EQ(cde(again, environment).status, 3);
+  EXPECT_EQ(cde(again).status, 0) << "the right card";
+  EXPECT_EQ(cde({"run", "small.toml", "--check", "none"}, environment).status, 0);
+}
+
+TEST_F(RunScene, PlanSaysWhatAndWhy) {
+  write("flight.toml", kFlight);
+  const Ran text = cde({"plan", "flight.toml"});
+  ASSERT_EQ(text.status, 0) << text.err;
+  for (const char* line :
+       {"pipes", "ray-triangle", "lanes", "asked for in [card]", "transformer",
+        "no secondary moves as a rigid body", "left out", "bitstream  board ARITH=host", ".so"})
+    EXPECT_NE(text.out.find(line), std::string::npos) << line << "\n" << text.out;
+  const Ran ran = cde({"plan", "flight.toml", "--json"});
+  const auto j = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(j["queries"][0]["tests"], 300 * 216);
+  EXPECT_GT(j["queries"][0]["moved_words"], 0);
+  EXPECT_EQ(j["built"], true);
+  EXPECT_EQ(files(), Words{"flight.toml"}) << "nothing ran";
+  // Of a bitstream that nobody has built, the file that would be.
+  const Ran empty =
+      cde({"plan", "flight.toml", "--json"},
+          {"CDE_SHARE=" + std::string(CDE_SOURCE_DIR), "CDE_BITSTREAMS=/nowhere",
+           "CDE_CACHE=" + (folder_ / "cache").string(), "CDE_ASSERT=0", "CDE_MARCH=x86-64-v2"});
+  ASSERT_EQ(empty.status, 0) << empty.err;
+  EXPECT_EQ(nlohmann::json::parse(empty.out)["built"], false);
+  EXPECT_FALSE(exists("cache"));
+}
+
+}  // namespace
+}  // namespace cde::testing

@@ -1,0 +1,101 @@
+#include "plan_output.hpp"
+
+#include <fmt/format.h>
+
+namespace cde::cli {
+namespace {
+
+/// Text in columns of at most this width, lines after the first indented.
+void print_wrapped(std::FILE* out, const std::string& text, std::size_t indent) {
+  constexpr std::size_t kWidth = 100;
+  std::size_t column = indent;
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    const std::size_t space = std::min(rest.find(' '), rest.size());
+    if (column > indent && column + 1 + space > kWidth) {
+      fmt::print(out, "\n{:{}}", "", indent);
+      column = indent;
+    }
+    fmt::print(out, "{}{}", column > indent ? " " : "", rest.substr(0, space));
+    column += space + (column > indent ? 1 : 0);
+    rest.remove_prefix(std::min(space + 1, rest.size()));
+  }
+  fmt::print(out, "\n");
+}
+
+std::string sentence(const Effect& e) {
+  return e.cost.empty() ? e.why : fmt::format("{} [{}]", e.why, e.cost);
+}
+
+}  // namespace
+
+nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
+  const std::vector<std::string> parameters = plan.board.parameters();
+  const BitstreamFile file = bitstream_file("board", parameters);
+  nlohmann::ordered_json j = {{"parameters", parameters},
+                              {"bitstream", file.path.string()},
+                              {"built", file.built},
+                              {"clock_hz", scene.card.clock_hz}};
+  for (const Effect& e : plan.effects)
+    j["effects"].push_back({{"name", e.name},
+                            {"used", e.used},
+                            {"choice", e.choice},
+                            {"why", e.why},
+                            {"cost", e.cost}});
+  for (const QueryWork& w : plan.queries)
+    j["queries"].push_back({{"name", w.name},
+                            {"primaries", w.primaries},
+                            {"masked", w.masked},
+                            {"secondaries", w.secondaries},
+                            {"packets", w.packets},
+                            {"tests", w.tests},
+                            {"rows", w.rows},
+                            {"most_records", w.most_records},
+                            {"secondary_words", w.secondary_words},
+                            {"moved_words", w.moved_words},
+                            {"primary_words", w.primary_words}});
+  return j;
+}
+
+void print_plan(std::FILE* out, const Scene& scene, const Plan& plan) {
+  constexpr std::size_t kName = 28, kChoice = 18;
+  fmt::print(out, "{}: {} object{}, {} quer{}, {} frame{}\n", scene.file, scene.objects.size(),
+             scene.objects.size() == 1 ? "" : "s", scene.queries.size(),
+             scene.queries.size() == 1 ? "y" : "ies", scene.frames, scene.frames == 1 ? "" : "s");
+  for (const bool used : {true, false}) {
+    fmt::print(out, "\n{}\n", used ? "in the simulated card" : "left out");
+    for (const Effect& e : plan.effects) {
+      if (e.used != used) continue;
+      fmt::print(out, "  {:<{}}", e.name, kName - 2);
+      if (used) {
+        // A long choice gets a line of its own.
+        const std::size_t indent = kName + kChoice + 1;
+        if (e.choice.size() > kChoice)
+          fmt::print(out, "{}\n{:{}}", e.choice, "", indent);
+        else
+          fmt::print(out, "{:<{}}", e.choice, kChoice + 1);
+        print_wrapped(out, sentence(e), indent);
+      } else {
+        print_wrapped(out, sentence(e), kName);
+      }
+    }
+  }
+  fmt::print(out, "\na frame\n");
+  for (const QueryWork& w : plan.queries) {
+    fmt::print(out, "  {:<{}}", w.name, kName - 2);
+    print_wrapped(
+        out,
+        fmt::format("{} primaries in {} packet{}, {} secondaries: {} tests in {} rows; {} words of "
+                    "primaries, {} of secondaries that changed, of {}",
+                    w.primaries, w.packets, w.packets == 1 ? "" : "s", w.secondaries, w.tests,
+                    w.rows, w.primary_words, plan.resident ? w.moved_words : w.secondary_words,
+                    w.secondary_words),
+        kName);
+  }
+  const std::vector<std::string> parameters = plan.board.parameters();
+  const BitstreamFile file = bitstream_file("board", parameters);
+  fmt::print(out, "\nbitstream  board {}\n           {} ({})\n", fmt::join(parameters, " "),
+             file.path.string(), file.built ? "built" : "not built; the first run builds it");
+}
+
+}  // namespace cde::cli

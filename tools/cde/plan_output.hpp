@@ -1,0 +1,14 @@
+#pragma once
+#include <nlohmann/json.hpp>
+
+#include "cde/plan.hpp"
+
+namespace cde::cli {
+
+/// The plan and its bitstream, which is looked for but not built.
+[[nodiscard]] nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan);
+
+/// The same for people, on `out`.
+void print_plan(std::FILE* out, const Scene& scene, const Plan& plan);
+
+}  // namespace cde::cli

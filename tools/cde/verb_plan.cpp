@@ -1,0 +1,34 @@
+// cde plan: what a scene needs of the card, and what it leaves out.
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+
+#include "cde/plan.hpp"
+#include "plan_output.hpp"
+#include "verbs.hpp"
+
+namespace cde::cli {
+
+void add_plan(CLI::App& app) {
+  struct Options {
+    std::string scene;
+    bool json = false;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand(
+      "plan",
+      "Print what a scene needs of the card, what it leaves out and why, and the bitstream");
+  verb->add_option("scene", o->scene, "Scene file, TOML (docs/scenes.md)")->required();
+  verb->add_flag("--json", o->json, "The plan as JSON on stdout");
+  verb->callback([o] {
+    const Scene scene = load_scene(o->scene);
+    const Plan made = plan(scene);
+    if (o->json)
+      fmt::print("{}\n", plan_json(scene, made).dump(2));
+    else
+      print_plan(stdout, scene, made);
+  });
+}
+
+}  // namespace cde::cli

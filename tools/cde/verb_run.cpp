@@ -1,0 +1,374 @@
+// cde run: plays the frames of a scene on the simulated card and compares what it answers with the
+// reference.
+#include <fmt/format.h>
+#include <sys/utsname.h>
+
+#include <bit>
+#include <charconv>
+#include <chrono>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "cde/error.hpp"
+#include "cde/plan.hpp"
+#include "cde/player.hpp"
+#include "output.hpp"
+#include "plan_output.hpp"
+#include "verbs.hpp"
+
+namespace cde::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string scene, frames, out, check, trace;
+  double timeout = 3600;
+  std::uint64_t deadline = 0;
+  bool json = false, quiet = false;
+};
+
+struct Frames {
+  std::uint32_t first = 0, last = 0;
+};
+
+/// "A..B", both included, or "A".
+Frames frames_of(const std::string& text, const Scene& scene) {
+  if (text.empty()) return {0, scene.frames - 1};
+  const auto number = [&](std::string_view part) -> std::optional<std::uint32_t> {
+    std::uint32_t n = 0;
+    const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), n);
+    if (error != std::errc() || stop != part.data() + part.size()) return std::nullopt;
+    return n;
+  };
+  const std::size_t dots = text.find("..");
+  const auto first = number(std::string_view(text).substr(0, dots));
+  const auto last =
+      dots == std::string::npos ? first : number(std::string_view(text).substr(dots + 2));
+  if (!first || !last || *first > *last || *last >= scene.frames)
+    throw Error(ErrorCode::kUsage, fmt::format("--frames is '{}'; it must be A..B within 0..{}",
+                                               text, scene.frames - 1));
+  return {*first, *last};
+}
+
+/// The card's words, as docs/scenes.md lays them out.
+void append_binary(fmt::memory_buffer& to, const Record& r, bool normals) {
+  const auto word = [&](std::uint32_t w) {
+    for (int i = 0; i < 4; ++i) to.push_back(static_cast<char>(w >> (8 * i) & 255));
+  };
+  const auto vector = [&](const Eigen::Vector3f& v) {
+    for (const float x : {v.x(), v.y(), v.z()}) word(std::bit_cast<std::uint32_t>(x));
+  };
+  vector(r.cp);
+  word((r.f ? 1u << card::kFlagF : 0u) | (r.bad ? 1u << card::kFlagBad : 0u));
+  word(r.index);
+  word(std::bit_cast<std::uint32_t>(r.t));
+  word(r.primary);
+  if (normals) vector(r.n);
+}
+
+/// Records of one query in one frame.
+class RecordFile {
+ public:
+  RecordFile(const fs::path& path, const Scene& scene, const SceneQuery& query)
+      : file_(path), scene_(scene), normals_(query.normals) {
+    if (scene.results != Results::kCsv) return;
+    std::string header = "primary,F,bad,T,CPx,CPy,CPz,index";
+    if (normals_) header += ",nx,ny,nz";
+    if (scene.bits) header += ",T_bits,CPx_bits,CPy_bits,CPz_bits";
+    file_.write(header + "\n");
+  }
+
+  void add(std::span<const Record> records) {
+    text_.clear();
+    for (const Record& r : records) {
+      if (scene_.only_hits && !r.f) continue;
+      if (scene_.results == Results::kBinary) {
+        append_binary(text_, r, normals_);
+        continue;
+      }
+      auto to = std::back_inserter(text_);
+      fmt::format_to(to, "{},{},{},{},{},{},{},{}", r.primary, r.f ? 1 : 0, r.bad ? 1 : 0, r.t,
+                     r.cp.x(), r.cp.y(), r.cp.z(), r.index);
+      if (normals_) fmt::format_to(to, ",{},{},{}", r.n.x(), r.n.y(), r.n.z());
+      if (scene_.bits) {
+        for (const float x : {r.t, r.cp.x(), r.cp.y(), r.cp.z()})
+          fmt::format_to(to, ",{:08x}", std::bit_cast<std::uint32_t>(x));
+      }
+      text_.push_back('\n');
+    }
+    file_.write({text_.data(), text_.size()});
+  }
+  void commit() { file_.commit(); }
+
+ private:
+  OutputFile file_;
+  const Scene& scene_;
+  bool normals_;
+  fmt::memory_buffer text_;
+};
+
+Json machine() {
+  std::string model = "unknown";
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("model name")) model = line.substr(line.find(':') + 2);
+  }
+  utsname system{};
+  ::uname(&system);
+  return {{"processor", model},
+          {"processors", std::thread::hardware_concurrency()},
+          {"system", fmt::format("{} {} {}", system.sysname, system.release, system.machine)}};
+}
+
+struct Totals {
+  std::uint64_t records = 0, compared = 0, mismatches = 0, hits = 0, tests = 0;
+  double modelled = 0, simulated = 0, checked = 0;
+
+  void add(const Json& q) {
+    records += q["records"].get<std::uint64_t>();
+    compared += q["records_compared"].get<std::uint64_t>();
+    mismatches += q["mismatches"].get<std::uint64_t>();
+    hits += q["hits"].get<std::uint64_t>();
+    tests += q["counters"]["tests"].get<std::uint64_t>();
+    modelled += q["modelled_seconds"]["total"].get<double>();
+    simulated += q["wall_seconds"]["card"].get<double>();
+    checked += q["wall_seconds"]["reference"].get<double>();
+  }
+};
+
+Json query_json(const std::string& name, const QueryFrame& f, double clock_hz) {
+  const Counters& c = f.counters;
+  const auto time = [clock_hz](std::uint64_t clocks) {
+    return static_cast<double>(clocks) / clock_hz;
+  };
+  const std::uint64_t upload = f.secondary_clocks + f.primary_clocks;
+  return {{"query", name},
+          {"passes", f.passes},
+          {"records", c.records},
+          {"hits", f.hits},
+          {"records_compared", f.compared},
+          {"mismatches", f.mismatches},
+          {"counters",
+           {{"tests", c.pairs},
+            {"rows", c.rows},
+            {"cycles", c.cycles},
+            {"stalls", c.stalls},
+            {"bubbles", c.bubbles},
+            {"writeback", c.writeback},
+            {"secondaries", c.secondaries},
+            {"bad_primaries", c.bad_primaries},
+            {"bad_secondaries", c.bad_secondaries},
+            {"secondary_words", f.secondary_words},
+            {"secondary_upload_clocks", f.secondary_clocks},
+            {"primary_upload_clocks", f.primary_clocks},
+            {"download_clocks", f.download_clocks}}},
+          {"modelled_seconds",
+           {{"upload", time(upload)},
+            {"compute", time(c.cycles)},
+            {"write_back", time(c.writeback)},
+            {"download", time(f.download_clocks)},
+            {"total", time(upload + c.cycles + c.writeback + f.download_clocks)}}},
+          {"wall_seconds", {{"card", f.pass_seconds}, {"reference", f.check_seconds}}}};
+}
+
+/// A run: what was played so far, and where it goes.
+class Run {
+ public:
+  Run(const Options& o, Scene& scene, const Plan& plan, Check check)
+      : o_(o), scene_(scene), check_(check), frames_(frames_of(o.frames, scene)) {
+    folder_ = o.out.empty() ? fs::path(scene.file).stem().string() + ".run" : o.out;
+    json_ = {{"scene", scene.file},
+             {"title", scene.title},
+             {"frames", {frames_.first, frames_.last}},
+             {"rate", scene.rate},
+             {"check", name_of(check)},
+             {"clock_hz", scene.card.clock_hz},
+             {"clock_is", "an assumption about the device, not a measurement"},
+             {"bus", "functional"},
+             {"memory", "ideal"},
+             {"machine", machine()},
+             {"plan", plan_json(scene, plan)},
+             {"played", Json::array()}};
+    std::error_code error;
+    fs::create_directories(folder_, error);
+    if (error)
+      throw Error(ErrorCode::kFile, fmt::format("{}: {}", folder_.string(), error.message()));
+  }
+
+  void play(const Plan& plan) {
+    const Interrupts interrupts;
+    Progress bar("playing", o_.quiet);
+    std::optional<OutputFile> waves;
+    if (!o_.trace.empty()) waves.emplace(o_.trace);
+    try {
+      Player player(scene_, plan,
+                    {.check = check_,
+                     .trace = waves ? waves->temporary() : "",
+                     .watchdog = std::chrono::duration<double>(o_.timeout),
+                     .deadline_clocks = o_.deadline,
+                     .progress = [&](std::uint32_t frame, double share) {
+                       if (Interrupts::signal() != 0) throw Stopped();
+                       bar((frame - frames_.first + share) / (frames_.last - frames_.first + 1.0));
+                     }});
+      json_["plan"]["bitstream"] = player.board().bitstream().string();
+      json_["plan"]["built"] = true;
+      json_["plan"]["config_hash"] = fmt::format("{:016x}", player.board().config_hash());
+      for (std::uint32_t f = frames_.first; f <= frames_.last && totals_.mismatches == 0; ++f)
+        play_frame(player, f);
+    } catch (const Stopped&) {
+    } catch (const Error& e) {
+      json_["error"] = e.what();
+      finish(waves);
+      throw;
+    }
+    finish(waves);
+  }
+
+  void report() const {
+    const Totals& t = totals_;
+    const auto row = [](const char* name, const std::string& value) {
+      fmt::print(stderr, "{:<16} {}\n", name, value);
+    };
+    const std::size_t played = json_["played"].size();
+    if (!o_.quiet) {
+      row("scene", scene_.file);
+      row("frames", fmt::format("{} of {}..{}", played, frames_.first, frames_.last));
+      row("tests", fmt::format("{}, {} records, {} hits", t.tests, t.records, t.hits));
+      row("modelled time",
+          fmt::format("{:.6g} ms a frame at {:g} MHz, bus functional, memory ideal",
+                      played == 0 ? 0 : 1e3 * t.modelled / static_cast<double>(played),
+                      scene_.card.clock_hz / 1e6));
+      row("simulation", fmt::format("{:.3g} s, {:.4g} M tests/s; reference {:.3g} s", t.simulated,
+                                    static_cast<double>(t.tests) / t.simulated / 1e6, t.checked));
+      row("check", check_text());
+      row("results", fmt::format("{}/run.json", folder_.string()));
+    }
+    if (o_.json) fmt::print("{}\n", json_.dump(2));
+    if (t.mismatches != 0) throw Error(ErrorCode::kMismatch, mismatch_);
+    if (const int signal = Interrupts::signal()) exit_code = 128 + signal;
+  }
+
+ private:
+  struct Stopped {};
+
+  void play_frame(Player& player, std::uint32_t frame) {
+    std::vector<std::unique_ptr<RecordFile>> files;
+    Json written = Json::array();
+    if (scene_.results != Results::kNone) {
+      for (const SceneQuery& q : scene_.queries) {
+        const std::string name = fmt::format("{}.{:06}.{}", q.name, frame,
+                                             scene_.results == Results::kCsv ? "csv" : "bin");
+        files.push_back(std::make_unique<RecordFile>(folder_ / name, scene_, q));
+        written.push_back(name);
+      }
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const std::vector<QueryFrame> answers =
+        player.play(frame, [&](std::size_t query, std::span<const Record> records) {
+          if (!files.empty()) files[query]->add(records);
+        });
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+    for (const auto& file : files) file->commit();
+    Json j = {{"frame", frame},
+              {"seconds", seconds(scene_, frame)},
+              {"wall_seconds", wall.count()},
+              {"files", written},
+              {"queries", Json::array()}};
+    for (std::size_t q = 0; q < answers.size(); ++q) {
+      j["queries"].push_back(query_json(scene_.queries[q].name, answers[q], scene_.card.clock_hz));
+      totals_.add(j["queries"].back());
+      if (answers[q].mismatches == 0 || !mismatch_.empty()) continue;
+      mismatch_ = fmt::format(
+          "frame {}, query '{}': {} of {} records differ from the reference, the first:\n{}"
+          "  repeat with: cde run {} --frames {}..{} --check {}",
+          frame, scene_.queries[q].name, answers[q].mismatches, answers[q].compared,
+          answers[q].first_mismatch, shell_word(scene_.file), frame, frame, name_of(check_));
+    }
+    json_["played"].push_back(std::move(j));
+  }
+
+  /// Whatever came of the run: frames played are kept, waves are wanted most when it failed.
+  void finish(std::optional<OutputFile>& waves) {
+    if (waves) waves->commit();
+    const Totals& t = totals_;
+    json_["finished"] = json_["played"].size() == frames_.last - frames_.first + 1;
+    if (const int signal = Interrupts::signal()) json_["stopped_by_signal"] = signal;
+    json_["totals"] = {{"tests", t.tests},
+                       {"records", t.records},
+                       {"hits", t.hits},
+                       {"records_compared", t.compared},
+                       {"mismatches", t.mismatches},
+                       {"modelled_seconds", t.modelled},
+                       {"simulation_seconds", t.simulated},
+                       {"reference_seconds", t.checked}};
+    OutputFile file(folder_ / "run.json");
+    file.write(json_.dump(2) + "\n");
+    file.commit();
+  }
+
+  [[nodiscard]] std::string check_text() const {
+    const Totals& t = totals_;
+    if (check_ == Check::kNone) return "skipped: no record was compared with the reference";
+    const char* sample = check_ == Check::kSample ? ", a sample" : "";
+    return fmt::format("{} of {} records compared with the reference{}, {} differ", t.compared,
+                       t.records, sample, t.mismatches);
+  }
+
+  const Options& o_;
+  const Scene& scene_;
+  Check check_;
+  Frames frames_;
+  fs::path folder_;
+  Json json_;
+  Totals totals_;
+  std::string mismatch_;
+};
+
+void run(const Options& o) {
+  if (!(o.timeout > 0))
+    throw Error(ErrorCode::kUsage, fmt::format("--timeout is {} s; it must be above 0", o.timeout));
+  Scene scene = load_scene(o.scene);
+  Check check = scene.check;
+  if (!o.check.empty()) {
+    const auto asked = check_named(o.check);
+    if (!asked)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--check is '{}'; it must be all, sample or none", o.check));
+    check = *asked;
+  }
+  if (!o.trace.empty()) scene.card.trace = true;
+  const Plan made = plan(scene);
+  Run run(o, scene, made, check);
+  run.play(made);
+  run.report();
+}
+
+}  // namespace
+
+void add_run(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand(
+      "run", "Play a scene on the simulated card, checked against the reference; writes run.json");
+  verb->add_option("scene", o->scene, "Scene file, TOML (docs/scenes.md)")->required();
+  verb->add_option("--frames", o->frames, "Frames A..B, both included (all)");
+  verb->add_option("--out", o->out, "Folder for run.json and records (SCENE.run)");
+  verb->add_option("--check", o->check, "all, sample or none, instead of what the scene says");
+  verb->add_option("--trace", o->trace, "Waves of the run, FST; kept even if it fails");
+  verb->add_option("--deadline", o->deadline,
+                   "Device clocks that a pass may take (0: several times what it should)")
+      ->capture_default_str();
+  verb->add_option("--timeout", o->timeout, "Seconds of simulation that a pass may take")
+      ->capture_default_str();
+  verb->add_flag("--json", o->json, "run.json on stdout too");
+  verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
+  verb->callback([o] { run(*o); });
+}
+
+}  // namespace cde::cli
