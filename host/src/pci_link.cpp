@@ -340,10 +340,14 @@ class PciLink final : public CardLink {
       const bool interrupted = api_->interrupt(host_) != 0;
       std::uint64_t record[2];
       std::memcpy(record, page(kCompletionPage) + number * pci::kCompletionBytes, sizeof record);
-      if ((record[1] >> pci::kCompletionLap & 1) == (lap_ ? 1u : 0u)) {
+      // Either word may have been lost to a parity error.
+      const std::uint64_t lap = lap_ ? 1 : 0;
+      if ((record[1] >> pci::kCompletionLap & 1) == lap &&
+          (record[0] >> (32 + pci::kCompletionLapFirst) & 1) == lap) {
         counters_.lost_interrupts += interrupted ? 0 : 1;
         return {static_cast<std::uint32_t>(record[1] >> pci::kCompletionCode & 0xff),
-                static_cast<std::uint32_t>(record[0] >> 32), static_cast<std::uint32_t>(record[0]),
+                static_cast<std::uint32_t>(record[0] >> 32) & ~7u,
+                static_cast<std::uint32_t>(record[0]),
                 static_cast<std::uint16_t>(record[1] >> pci::kCompletionPci)};
       }
       const std::uint64_t status = load(pci::kRegStatus);
