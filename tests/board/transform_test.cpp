@@ -47,7 +47,7 @@ const Kind kGates{"Gates", Arithmetic::kRtl, {Pair::kRayTriangle, Pair::kObbPlan
 const Kind kSlowGates{"SlowGates", Arithmetic::kRtl, {Pair::kRayTriangle}, 2, 1};
 const Kind kSlowHost{"SlowHost", Arithmetic::kHost, {Pair::kRayTriangle}, 2, 1};
 const Kind kParallel{"Parallel", Arithmetic::kHost, {Pair::kRayTriangle, Pair::kTriangleSphere}, 8};
-const Kind kBoxes{"Boxes", Arithmetic::kHost, {Pair::kTriangleAabb}, 4};
+const Kind kBoxes{"Boxes", Arithmetic::kHost, {Pair::kTriangleAabb}, 1};
 
 // ---- Shapes and objects ----
 
