@@ -47,7 +47,7 @@ const Kind kGates{"Gates", Arithmetic::kRtl, {Pair::kRayTriangle, Pair::kObbPlan
 const Kind kSlowGates{"SlowGates", Arithmetic::kRtl, {Pair::kRayTriangle}, 2, 1};
 const Kind kSlowHost{"SlowHost", Arithmetic::kHost, {Pair::kRayTriangle}, 2, 1};
 const Kind kParallel{"Parallel", Arithmetic::kHost, {Pair::kRayTriangle, Pair::kTriangleSphere}, 8};
-const Kind kBoxes{"Boxes", Arithmetic::kHost, {Pair::kTriangleAabb}, 4};
+const Kind kBoxes{"Boxes", Arithmetic::kHost, {Pair::kTriangleAabb}, 1};
 
 // ---- Shapes and objects ----
 
@@ -308,6 +308,50 @@ TEST(ObjectClocks, PrimariesArePosedWhenTheyMoved) {
   board.set_primary_objects(posing);
   EXPECT_GT(first_run(), still + 256) << "all go back to where they were written";
   EXPECT_EQ(clocks(), still);
+}
+
+/// Words that only the transform makes infinite: the check stands behind it.
+TEST(ObjectDriver, OverflowOnTheWayIsBadInput) {
+  Board board = Board::open(config_of(kSlowHost));
+  Random random;
+  Rays scene = rays(random, 9, 12);
+  scene.secondaries[4].v1.x() = 3.3e38f;
+  scene.primaries[2].o.x() = -3.3e38f;
+  Transform there, back;
+  there.translation.x() = 1e38f;
+  back.translation.x() = -1e38f;
+  const std::vector<Object> moving{{0, 12, back}, {3, 3, there}};
+  board.upload(scene.secondaries);
+  board.load(scene.primaries);
+  board.set_objects(moving);
+  for (const Transform& transform : {there, back, there}) {
+    const std::vector<Object> posing{{1, 3, transform}};
+    board.set_primary_objects(posing);
+    check_pass(board, Pair::kRayTriangle, false, scene.primaries, scene.secondaries, posing,
+               moving);
+    Counters c;
+    (void)board.run({}, &c);
+    EXPECT_EQ(c.bad_secondaries, 1u) << "slot 4, where it goes on";
+    EXPECT_EQ(c.bad_primaries, transform.translation.x() < 0 ? 1u : 0u);
+  }
+}
+
+/// Far away the corners of a small box fall together: bad input too.
+TEST(ObjectDriver, BoxesThatVanishAreBadInput) {
+  Board board = Board::open(config_of(kBoxes));
+  Random random;
+  const auto mesh = shapes<Triangle>(random, 10);
+  const std::vector<Aabb> boxes{{{0, 0, 0}, {1, 1, 1}}, {{0, 0, 0}, {3e8f, 3e8f, 3e8f}}};
+  Transform far;
+  far.translation.y() = 1e9f;
+  const std::vector<Object> moving{{0, 2, far}, {0, 2, {}}};
+  board.upload_shapes(std::span<const Aabb>(boxes));
+  board.load_shapes(std::span<const Triangle>(mesh));
+  board.set_objects(moving);
+  check_pass(board, Pair::kTriangleAabb, false, mesh, boxes, {}, moving);
+  Counters c;
+  (void)board.run({}, &c);
+  EXPECT_EQ(c.bad_secondaries, 1u);
 }
 
 /// A pass with another shape does not see what was posed for the first.

@@ -7,8 +7,8 @@
 
 /// What the card's transformer (rtl/transform/transformer.sv) makes of a primitive. Points are
 /// R p + t, directions R d without a sum (-0 stays); intervals, radii and extents pass as they are.
-/// The result is what the input contract (check.hpp) is held against: it can overflow, a direction
-/// can underflow to zero and a box can vanish when it goes far.
+/// The result is what the input contract (check.hpp) is held against: it can overflow, and the
+/// corners of a box can fall together when it goes far.
 namespace cde::reference {
 
 /// R p + t: 9 mul 9 add.
