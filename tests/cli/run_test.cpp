@@ -195,8 +195,8 @@ TEST_F(RunScene, WrongUsageIsRefused) {
   for (const char* verb : {"run", "plan"})
     refused({verb, "bad.toml"},
             "bad.toml:1:1: there is no key 'framse' here (did you mean 'frames'?)");
-  write("cycle.toml", "card.bus = \"cycle\"\n" + std::string(kFlight).replace(11, 18, ""));
-  for (const char* verb : {"run", "plan"}) refused({verb, "cycle.toml"}, "bus = \"cycle\"");
+  write("cycle.toml", "card.memory = \"cycle\"\n" + std::string(kFlight).replace(11, 18, ""));
+  for (const char* verb : {"run", "plan"}) refused({verb, "cycle.toml"}, "memory = \"cycle\"");
 }
 
 TEST_F(RunScene, DeadlineEndsWithStatus4AndAReadableFile) {

@@ -473,13 +473,24 @@ TEST(Plan, RefusesWhatThisVersionHasNot) {
     const Scene s = parse_scene("[card]\n" + card + "\n" + kGood, "s.toml");
     expect_error(ErrorCode::kUsage, why, [&] { (void)plan(s); });
   };
-  refuses("bus = \"cycle\"", "bus = \"cycle\"");
   refuses("memory = \"cycle\"", "memory = \"cycle\"");
-  refuses("ecc = true", "no error correction");
-  refuses("mover = \"card\"", "no transformer");
+  refuses("mover = \"card\"", "transformer");
   refuses("pairs = [\"obb-obb\", \"ray-triangle\"]",
           "query 'q' needs a pipe for ray-sphere, but the bitstream asked for has pairs = "
           "ray-triangle, obb-obb");
+}
+
+TEST(Plan, TakesTheBusAndTheCheckBitsThatAreAskedFor) {
+  const Plan bare = plan(parse_scene(kGood, "s.toml"));
+  EXPECT_EQ(bare.board.bus, Bus::kFunctional);
+  EXPECT_FALSE(bare.board.ecc);
+  EXPECT_FALSE(effect(bare, "bus timing").used);
+  const Plan both =
+      plan(parse_scene(std::string("[card]\nbus = \"cycle\"\necc = true\n") + kGood, "s.toml"));
+  EXPECT_STREQ(both.board.top(), "card");
+  EXPECT_TRUE(both.board.ecc);
+  EXPECT_TRUE(effect(both, "bus timing").used);
+  EXPECT_TRUE(effect(both, "ecc").used);
 }
 
 TEST(Plan, RefusesMoreThanTheMemoryHolds) {

@@ -31,7 +31,7 @@ std::string sentence(const Effect& e) {
 
 nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
   const std::vector<std::string> parameters = plan.board.parameters();
-  const BitstreamFile file = bitstream_file("board", parameters);
+  const BitstreamFile file = bitstream_file(plan.board.top(), parameters);
   nlohmann::ordered_json j = {{"parameters", parameters},
                               {"bitstream", file.path.string()},
                               {"built", file.built},
@@ -93,9 +93,10 @@ void print_plan(std::FILE* out, const Scene& scene, const Plan& plan) {
         kName);
   }
   const std::vector<std::string> parameters = plan.board.parameters();
-  const BitstreamFile file = bitstream_file("board", parameters);
-  fmt::print(out, "\nbitstream  board {}\n           {} ({})\n", fmt::join(parameters, " "),
-             file.path.string(), file.built ? "built" : "not built; the first run builds it");
+  const BitstreamFile file = bitstream_file(plan.board.top(), parameters);
+  fmt::print(out, "\nbitstream  {} {}\n           {} ({})\n", plan.board.top(),
+             fmt::join(parameters, " "), file.path.string(),
+             file.built ? "built" : "not built; the first run builds it");
 }
 
 }  // namespace cde::cli

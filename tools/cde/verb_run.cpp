@@ -57,6 +57,10 @@ Frames frames_of(const std::string& text, const Scene& scene) {
   return {*first, *last};
 }
 
+const char* bus_name(const Scene& scene) {
+  return scene.card.cycle_bus ? "cycle (host ideal)" : "functional";
+}
+
 /// The card's words, as docs/scenes.md lays them out.
 void append_binary(fmt::memory_buffer& to, const Record& r, bool normals) {
   const auto word = [&](std::uint32_t w) {
@@ -191,7 +195,7 @@ class Run {
              {"check", name_of(check)},
              {"clock_hz", scene.card.clock_hz},
              {"clock_is", "an assumption about the device, not a measurement"},
-             {"bus", "functional"},
+             {"bus", bus_name(scene)},
              {"memory", "ideal"},
              {"machine", machine()},
              {"plan", plan_json(scene, plan)},
@@ -242,9 +246,9 @@ class Run {
       row("frames", fmt::format("{} of {}..{}", played, frames_.first, frames_.last));
       row("tests", fmt::format("{}, {} records, {} hits", t.tests, t.records, t.hits));
       row("modelled time",
-          fmt::format("{:.6g} ms a frame at {:g} MHz, bus functional, memory ideal",
+          fmt::format("{:.6g} ms a frame at {:g} MHz, bus {}, memory ideal",
                       played == 0 ? 0 : 1e3 * t.modelled / static_cast<double>(played),
-                      scene_.card.clock_hz / 1e6));
+                      scene_.card.clock_hz / 1e6, bus_name(scene_)));
       row("simulation", fmt::format("{:.3g} s, {:.4g} M tests/s; reference {:.3g} s", t.simulated,
                                     static_cast<double>(t.tests) / t.simulated / 1e6, t.checked));
       row("check", check_text());
