@@ -50,6 +50,7 @@ Eigen::Quaterniond spun(const RandomMotion& m, std::uint64_t member, double seco
 /// The points as knots: with `loop` the first again at the end.
 Eigen::Vector3d on_path(const Path& path, double seconds) {
   const std::size_t n = path.points.size();
+  if (n == 0) return Eigen::Vector3d::Zero();
   const std::size_t segments = path.loop ? n : n - 1;
   const auto point = [&](std::size_t i) -> const Eigen::Vector3d& { return path.points[i % n]; };
   std::vector<double> knots{0};
