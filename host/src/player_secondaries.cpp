@@ -44,6 +44,7 @@ Shapes joined(const std::vector<std::size_t>& objects, const std::vector<ObjectS
 std::uint64_t Secondaries::show(const std::vector<std::size_t>& objects,
                                 const std::vector<ObjectState>& states) {
   std::vector<std::uint64_t> versions;
+  versions.reserve(objects.size());
   for (const std::size_t i : objects) versions.push_back(states[i].version());
   if (objects != objects_) {
     objects_ = objects;

@@ -30,7 +30,7 @@ class Sweep::Impl {
  public:
   Impl(std::span<const Ray> rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
        unsigned packet, std::span<const Object> objects)
-      : rays_(rays), triangles_(triangles), mode_(mode), stencil_(stencil), packet_(packet) {
+      : packet_(packet), rays_(rays), triangles_(triangles), stencil_(stencil), mode_(mode) {
     if (packet == 0 || packet > RayBlock::kRays)
       throw Error(ErrorCode::kUsage, fmt::format("a packet of {} rays", packet));
     if (!objects.empty()) {
@@ -131,15 +131,15 @@ class Sweep::Impl {
     }
   }
 
+  RayBlock block_;  // aligned for vectors, so it comes first
+  std::size_t packet_, first_ = 0, triangle_ = 0;
   std::span<const Ray> rays_, packet_rays_;
   TriangleView triangles_;
+  std::vector<Record> records_;
+  Stencil stencil_;
   Swept<Triangle> swept_;  // of the objects; empty without
   Mode mode_;
-  Stencil stencil_;
-  std::size_t packet_, first_ = 0, triangle_ = 0;
-  RayBlock block_;
   std::array<std::uint8_t, RayBlock::kRays> mask_{};
-  std::vector<Record> records_;
 };
 
 Sweep::Sweep(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,

@@ -31,10 +31,13 @@ void with_pair(Pair pair, Algorithm algorithm, PlaneSide plane, const PairBudget
   using Can = BasicCylinder<S>;
   const cylinder::Budget budget{static_cast<int>(work.samples), static_cast<int>(work.circle),
                                 static_cast<int>(work.free)};
+// FUNCTION is a template's name, which parentheses would spoil.
+// NOLINTBEGIN(bugprone-macro-parentheses)
 #define CDE_SEARCH(A, FUNCTION) \
   use(Kinds<A, Can>(), [budget](const A& x, const Can& y) { return FUNCTION<S>(x, y, budget); })
 #define CDE_TEST(A, B, FUNCTION) \
   use(Kinds<A, B>(), [](const A& x, const B& y) { return FUNCTION<S>(x, y); })
+  // NOLINTEND(bugprone-macro-parentheses)
   switch (pair) {
     case Pair::kRayTriangle:
       switch (algorithm) {
