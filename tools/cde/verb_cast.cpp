@@ -227,7 +227,8 @@ Outcome cast_on_cards(const Options& o, const Job& job, const std::function<void
     std::future<Outcome> outcome;
   };
   std::vector<Share> shares(std::min<std::size_t>(o.boards, packets));
-  (void)Bitstream::open(job.config.top(), job.config.parameters());  // built once, before all want it
+  (void)Bitstream::open(job.config.top(),
+                        job.config.parameters());  // built once, before all want it
   for (std::size_t i = 0; i < shares.size(); ++i) {
     Share& share = shares[i];
     share.first = std::min(job.rays.size(), packets * i / shares.size() * kPacket);
