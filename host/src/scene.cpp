@@ -153,6 +153,7 @@ std::vector<Eigen::Vector3d> scene_parts::centres(const Shapes& shapes) {
   return std::visit(
       [](const auto& list) {
         std::vector<Eigen::Vector3d> centres;
+        centres.reserve(list.size());
         for (const auto& shape : list) centres.push_back(centre(shape));
         return centres;
       },

@@ -12,7 +12,6 @@
 namespace cde {
 namespace {
 
-using toml_reader::kPositive;
 using toml_reader::Table;
 using toml_reader::Tables;
 

@@ -12,7 +12,6 @@
 namespace cde::scene_parts {
 namespace {
 
-using toml_reader::kNotNegative;
 using toml_reader::kPositive;
 using toml_reader::Table;
 
@@ -26,7 +25,8 @@ Eigen::Vector3f narrow(const Eigen::Vector3d& v) {
 }
 
 /// A direction of any length, made one of unit length.
-Eigen::Vector3d unit(Table& t, const char* key, std::optional<Eigen::Vector3d> fallback = {}) {
+Eigen::Vector3d unit(Table& t, const char* key,
+                     const std::optional<Eigen::Vector3d>& fallback = {}) {
   const Eigen::Vector3d v = t.vector(key, fallback);
   if (!(v.norm() > 1e-30)) t.fail(key, "has no direction");
   return v / v.norm();
