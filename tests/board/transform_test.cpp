@@ -146,6 +146,7 @@ void check_pass(Board& board, Pair pair, bool swap, const std::vector<P>& primar
     if (!swap) results = all_pairs(pair, posed, swept.shapes, false);
   }
   std::vector<bool> bad;
+  bad.reserve(posed.size());
   for (const P& p : posed) bad.push_back(defect(p).has_value());
   for (const Mode mode : modes) {
     SCOPED_TRACE(fmt::format("{}{}, {} over {}", name(pair), swap ? " swapped" : "",
