@@ -140,7 +140,7 @@ TEST(SceneFile, TruncatedAtEveryByte) {
 TEST(SceneFile, NotToml) {
   malformed("= 3", "s.toml:1:1");
   malformed("a = [1,\n", "s.toml:");
-  malformed(std::string("a = \"\0\"", 8), "s.toml:1:");
+  malformed(std::string("a = \"\0\"", 7), "s.toml:1:");
   malformed("a = \"\xff\xfe\"", "s.toml:1:");
   malformed(std::string(100'000, '['), "s.toml:1:");
   malformed("a = " + std::string(5000, '[') + std::string(5000, ']'), "s.toml:1:");

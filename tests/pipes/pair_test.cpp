@@ -188,7 +188,8 @@ unsigned ring(cde::PairUnit& unit) {
   unit.set_budget(less);
   const unsigned start = unit.latency();
   unit.set_budget(more);
-  return (unit.latency() - start) / (passes(pair, more) - passes(pair, less));
+  const unsigned added = passes(pair, more) - passes(pair, less);
+  return added == 0 ? 0 : (unit.latency() - start) / added;
 }
 
 /// Clocks from the first row in to the last result out when rows follow each other without gaps.
