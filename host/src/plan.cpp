@@ -7,6 +7,7 @@
 #include <span>
 
 #include "cde/error.hpp"
+#include "plan_mover.hpp"
 
 namespace cde {
 namespace {
@@ -49,9 +50,6 @@ void refuse_what_is_not_there(const Scene& scene) {
   refuse(scene.card.cycle_memory,
          "memory = \"cycle\": this version has no memory with the timing of banks and refresh",
          "use memory = \"ideal\", a slot a clock behind a fixed latency");
-  refuse(scene.card.mover == Mover::kCard,
-         "mover = \"card\": this version moves no scene with the card's transformer",
-         "use mover = \"host\", which uploads what moved");
 }
 
 bool large(Pair pair) {
@@ -74,14 +72,6 @@ std::uint64_t count(const Scene& scene, const std::vector<std::size_t>& objects)
   return n;
 }
 
-/// Shapes of an object that have other words in the next frame.
-std::uint64_t changing(const Scene& scene, const SceneObject& object) {
-  if (!is_still(scene, object)) return size(object.shapes);
-  std::uint64_t n = 0;
-  for (const Range& range : deforming(object)) n += range.count;
-  return n;
-}
-
 QueryWork work_of(const Scene& scene, const SceneQuery& q, unsigned lanes) {
   QueryWork w;
   w.name = q.name;
@@ -96,8 +86,6 @@ QueryWork work_of(const Scene& scene, const SceneQuery& q, unsigned lanes) {
   w.most_records = stream ? w.tests : w.primaries - w.masked;
   const unsigned slot = words(shape_of(scene.objects[q.secondaries.front()].shapes));
   w.secondary_words = w.secondaries * slot;
-  for (const std::size_t i : q.secondaries)
-    w.moved_words += changing(scene, scene.objects[i]) * slot;
   w.primary_words = w.primaries * words(shape_of(scene.objects[q.primaries.front()].shapes));
   return w;
 }
@@ -233,30 +221,6 @@ Effect arithmetic(const Plan& plan) {
           measured("gates")};
 }
 
-Effect transformer(const Scene& scene) {
-  Effect e{"transformer", false, "none", "", ""};
-  std::uint64_t objects = 0, moved = 0;
-  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-    const SceneObject& object = scene.objects[i];
-    const bool secondary =
-        std::any_of(scene.queries.begin(), scene.queries.end(), [&](const SceneQuery& q) {
-          return std::find(q.secondaries.begin(), q.secondaries.end(), i) != q.secondaries.end();
-        });
-    if (!secondary || is_still(scene, object)) continue;
-    objects += has_member_poses(object) ? size(object.shapes) : 1;
-    moved += size(object.shapes) * words(shape_of(object.shapes));
-  }
-  if (objects == 0) {
-    e.why = "no secondary moves as a rigid body";
-    e.cost = "0 words a frame";
-  } else {
-    e.why = "scenes are posed by the host in this version, and uploaded again";
-    e.cost = fmt::format("uploads {} words a frame; a transformer would take {} for {} object{}",
-                         moved, 12 * objects, objects, objects == 1 ? "" : "s");
-  }
-  return e;
-}
-
 Effect modes(const Scene& scene, const Plan& plan) {
   Effect e{"result mode", true, "", "", ""};
   for (std::size_t i = 0; i < plan.queries.size(); ++i) {
@@ -315,13 +279,13 @@ Effect residence(const Plan& plan) {
   return e;
 }
 
-std::vector<Effect> effects_of(const Scene& scene, const Plan& plan) {
+std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
+                               const std::vector<Effect>& movers) {
   const bool trace = plan.board.trace, cycle = plan.board.bus == Bus::kCycle;
-  return {
+  std::vector<Effect> effects = {
       pipes(scene, plan),
       lanes(scene, plan),
       arithmetic(plan),
-      transformer(scene),
       modes(scene, plan),
       normals(scene, plan),
       masks(plan),
@@ -339,6 +303,27 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan) {
       {"trace", trace, trace ? "waves can be written" : "none",
        trace ? "asked for" : "not asked for", trace ? "" : measured("waves")},
   };
+  effects.insert(effects.begin() + 3, movers.begin(), movers.end());
+  return effects;
+}
+
+/// The transformer and its tables.
+void add_movers(const Scene& scene, const plan_mover::Movers& movers, Plan& plan) {
+  plan.card_moves = movers.secondaries;
+  plan.card_moves_primaries = movers.primaries;
+  const auto any = [](const std::vector<bool>& some) {
+    return std::find(some.begin(), some.end(), true) != some.end();
+  };
+  if (any(movers.secondaries)) {
+    plan.board.transform = Transformer::kSecondaries;
+    while (plan.board.objects < movers.entries) plan.board.objects *= 2;
+  }
+  if (any(movers.primaries)) plan.board.transform = Transformer::kBoth;
+  for (std::size_t q = 0; q < plan.queries.size(); ++q) {
+    for (const std::size_t i : scene.queries[q].secondaries)
+      plan.queries[q].moved_words +=
+          plan_mover::words_a_frame(scene, scene.objects[i], movers.secondaries[i]);
+  }
 }
 
 }  // namespace
@@ -352,7 +337,9 @@ Plan plan(const Scene& scene) {
     plan.resident = plan.resident && q.secondaries == scene.queries.front().secondaries;
   }
   check_capacity(scene, plan);
-  plan.effects = effects_of(scene, plan);
+  const plan_mover::Movers movers = plan_mover::choose(scene, plan.resident);
+  add_movers(scene, movers, plan);
+  plan.effects = effects_of(scene, plan, movers.effects);
   return plan;
 }
 

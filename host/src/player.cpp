@@ -7,7 +7,7 @@
 
 #include "cde/error.hpp"
 #include "cde/reference/pass.hpp"
-#include "player_secondaries.hpp"
+#include "player_objects.hpp"
 
 namespace cde {
 namespace {
@@ -114,8 +114,8 @@ class Player::Impl {
       : scene_(scene),
         options_(std::move(options)),
         board_(Board::open(plan.board, {.clock_period_ps = period(scene)})),
-        secondaries_(board_) {
-    for (const SceneObject& object : scene.objects) states_.emplace_back(scene, object);
+        secondaries_(board_, scene, plan),
+        primaries_(board_, scene, plan) {
     if (!options_.trace.empty()) board_.trace_open(options_.trace);
   }
   ~Impl() {
@@ -125,10 +125,6 @@ class Player::Impl {
   Impl& operator=(const Impl&) = delete;
 
   std::vector<QueryFrame> play(std::uint32_t frame, const Sink& sink) {
-    for (const SceneQuery& q : scene_.queries) {
-      for (const auto* group : {&q.primaries, &q.secondaries})
-        for (const std::size_t i : *group) states_[i].show(frame);
-    }
     std::vector<QueryFrame> results;
     for (std::size_t q = 0; q < scene_.queries.size(); ++q) results.push_back(run(frame, q, sink));
     return results;
@@ -145,12 +141,13 @@ class Player::Impl {
     const SceneQuery& q = scene_.queries[number];
     QueryFrame result;
     const auto start = Clock::now();
-    const std::uint64_t before = board_.clocks();
-    result.secondary_words = secondaries_.show(q.secondaries, states_);
+    const std::uint64_t before = board_.clocks(), words = board_.words_uploaded();
+    secondaries_.show(q.secondaries, frame);
+    result.secondary_words = board_.words_uploaded() - words;
     result.secondary_clocks = board_.clocks() - before;
     result.pass_seconds = seconds_since(start);
-    const Shapes primaries = player::joined(q.primaries, states_);
-    const std::size_t packets = (size(primaries) + kPacket - 1) / kPacket;
+    primaries_.show(q.primaries, frame);
+    const std::size_t packets = (size(primaries_.placed()) + kPacket - 1) / kPacket;
     for (std::size_t packet = 0; packet < packets; ++packet) {
       const auto progress = [&](double share) {
         if (options_.progress)
@@ -158,15 +155,16 @@ class Player::Impl {
                             (static_cast<double>(packet) + share) / static_cast<double>(packets));
       };
       progress(0);
-      run_packet(frame, number, primaries, packet, progress, sink, result);
+      run_packet(frame, number, packet, progress, sink, result);
     }
     return result;
   }
 
-  void run_packet(std::uint32_t frame, std::size_t number, const Shapes& primaries,
-                  std::size_t packet, const std::function<void(double)>& progress, const Sink& sink,
+  void run_packet(std::uint32_t frame, std::size_t number, std::size_t packet,
+                  const std::function<void(double)>& progress, const Sink& sink,
                   QueryFrame& result) {
     const SceneQuery& q = scene_.queries[number];
+    const Shapes& primaries = primaries_.placed();
     const std::size_t first = packet * kPacket;
     const std::size_t count = std::min(kPacket, size(primaries) - first);
     Query query{.mode = q.mode,
@@ -187,11 +185,13 @@ class Player::Impl {
     std::optional<PassCheck> check;
     if (options_.check != Check::kNone)
       check.emplace(q, scene_.card.algorithm, primaries, sampled(active, frame),
-                    secondaries_.shapes());
+                    secondaries_.placed());
     const auto start = Clock::now();
     double host = 0;
-    std::visit([&](const auto& list) { board_.load_shapes(std::span(list).subspan(first, count)); },
-               primaries);
+    const std::uint64_t before = board_.clocks(), words = board_.words_uploaded();
+    primaries_.load(first, count);
+    result.primary_words += board_.words_uploaded() - words;
+    result.primary_clocks += board_.clocks() - before;
     std::vector<Record> renumbered;
     const Counters c = board_.run(query, [&](std::span<const Record> records) {
       const auto received = Clock::now();
@@ -212,7 +212,6 @@ class Player::Impl {
     result.check_seconds += seconds_since(checking);
     result.counters += c;
     ++result.passes;
-    result.primary_clocks += c.upload_clocks;
     const std::uint64_t pass = c.upload_clocks + c.cycles + c.writeback;
     result.download_clocks += c.total_clocks - std::min(c.total_clocks, pass);
   }
@@ -234,7 +233,7 @@ class Player::Impl {
   PlayOptions options_;
   Board board_;
   player::Secondaries secondaries_;
-  std::vector<player::ObjectState> states_;
+  player::Primaries primaries_;
 };
 
 Player::Player(const Scene& scene, const Plan& plan, PlayOptions options)

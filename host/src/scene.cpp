@@ -6,6 +6,7 @@
 #include <numbers>
 #include <type_traits>
 
+#include "cde/reference/transform.hpp"
 #include "scene_parts.hpp"
 
 namespace cde {
@@ -94,41 +95,6 @@ Eigen::Vector3d centre(const Obb& box) {
   return box.c.cast<double>();
 }
 
-float dot(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
-  return a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
-}
-Eigen::Vector3f turned(const Eigen::Vector3f& v, const Transform& t) {
-  return {dot(t.rotation.row(0), v), dot(t.rotation.row(1), v), dot(t.rotation.row(2), v)};
-}
-Eigen::Vector3f moved(const Eigen::Vector3f& p, const Transform& t) {
-  return turned(p, t) + t.translation;
-}
-
-Ray posed(const Ray& ray, const Transform& t) {
-  return {moved(ray.o, t), turned(ray.d, t), ray.tmin, ray.tmax};
-}
-Triangle posed(const Triangle& s, const Transform& t) {
-  return {moved(s.v0, t), moved(s.v1, t), moved(s.v2, t)};
-}
-Sphere posed(const Sphere& s, const Transform& t) {
-  return {moved(s.c, t), s.r};
-}
-Aabb posed(const Aabb& box, const Transform& t) {
-  return {box.min + t.translation, box.max + t.translation};
-}
-Plane posed(const Plane& plane, const Transform& t) {
-  const Eigen::Vector3f n = turned(plane.n, t);
-  return {n, plane.d + dot(n, t.translation)};
-}
-Cylinder posed(const Cylinder& c, const Transform& t) {
-  return {moved(c.c, t), turned(c.axis, t), c.half_height, c.radius};
-}
-Obb posed(const Obb& box, const Transform& t) {
-  Obb result{moved(box.c, t), box.half, box.rotation};
-  for (int k = 0; k < 3; ++k) result.rotation.col(k) = turned(box.rotation.col(k), t);
-  return result;
-}
-
 bool is_identity(const Transform& t) {
   return t.rotation == Eigen::Matrix3f::Identity() && t.translation.isZero(0);
 }
@@ -140,7 +106,7 @@ Shapes posed_each(const Shapes& shapes, Pick pick) {
         for (std::size_t i = 0; i < list.size(); ++i) {
           // A shape that is left where it is keeps all its bits, signs of zeros too.
           const Transform& t = pick(i);
-          if (!is_identity(t)) list[i] = posed(list[i], t);
+          if (!is_identity(t)) list[i] = reference::transformed(t, list[i]);
         }
         return list;
       },

@@ -170,6 +170,7 @@ Json query_json(const std::string& name, const QueryFrame& f, double clock_hz) {
             {"bad_primaries", c.bad_primaries},
             {"bad_secondaries", c.bad_secondaries},
             {"secondary_words", f.secondary_words},
+            {"primary_words", f.primary_words},
             {"secondary_upload_clocks", f.secondary_clocks},
             {"primary_upload_clocks", f.primary_clocks},
             {"download_clocks", f.download_clocks}}},

@@ -26,7 +26,8 @@ struct QueryWork {
   std::uint64_t rows = 0;             ///< clocks that the pipe is fed
   std::uint64_t most_records = 0;     ///< that the result mode can keep
   std::uint64_t secondary_words = 0;  ///< of an upload of all of them
-  std::uint64_t moved_words = 0;      ///< of them that are uploaded again in every frame
+  std::uint64_t moved_words = 0;      ///< written in every frame if they stay in DDR: shapes again,
+                                      ///< and 12 words an object that the card moves
   std::uint64_t primary_words = 0;    ///< loaded in every frame
 };
 
@@ -36,11 +37,14 @@ struct Plan {
   std::vector<Effect> effects;
   std::vector<QueryWork> queries;
   bool resident = true;  ///< all queries have the same secondaries, which stay in DDR
+  /// Objects of the scene that the card's transformer moves where they are secondaries, and where
+  /// they are primaries; the host poses the others and writes what changed.
+  std::vector<bool> card_moves, card_moves_primaries;
 };
 
 /// Decides what the scene needs; nothing is built or run. Errors, before anything runs: kUsage (the
 /// scene asks for what this version of the card does not have, or for a pipe that the bitstream it
-/// asks for lacks), kCapacity (secondaries beyond DDR).
+/// asks for lacks, or for more objects than the card moves), kCapacity (secondaries beyond DDR).
 [[nodiscard]] Plan plan(const Scene& scene);
 
 }  // namespace cde

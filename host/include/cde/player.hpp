@@ -26,7 +26,9 @@ struct PlayOptions {
 struct QueryFrame {
   Counters counters;  ///< sums over the packets; records are those of the card
   std::uint64_t passes = 0;
-  std::uint64_t secondary_words = 0;   ///< uploaded into DDR for this query
+  std::uint64_t secondary_words = 0;   ///< written for this query: shapes that changed, ranges of
+                                       ///< objects, 12 an object that the card moves
+  std::uint64_t primary_words = 0;     ///< likewise, in slots of whole beats
   std::uint64_t secondary_clocks = 0;  ///< of the local bus for them
   std::uint64_t primary_clocks = 0;    ///< of the local bus for loading primaries
   std::uint64_t download_clocks = 0;   ///< the rest: reading records, register accesses. In modes
@@ -40,8 +42,8 @@ struct QueryFrame {
   double check_seconds = 0;  ///< of the reference
 };
 
-/// Plays frames of a scene on a simulated card: what moves is posed and uploaded, the queries run,
-/// their records are compared with the reference.
+/// Plays frames of a scene on a simulated card: what moves is posed and uploaded, or moved by
+/// the card as the plan says, the queries run, their records are compared with the reference.
 class Player {
  public:
   /// Opens the planned board, building its bitstream if need be. The scene must outlive the player.
