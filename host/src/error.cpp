@@ -7,6 +7,7 @@ int exit_status(ErrorCode code) noexcept {
     case ErrorCode::kMismatch:
       return 3;
     case ErrorCode::kTimeout:
+    case ErrorCode::kDevice:
       return 4;
     default:
       return 2;

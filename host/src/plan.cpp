@@ -323,6 +323,7 @@ void add_movers(const Scene& scene, const plan_mover::Movers& movers, Plan& plan
     for (const std::size_t i : scene.queries[q].secondaries)
       plan.queries[q].moved_words +=
           plan_mover::words_a_frame(scene, scene.objects[i], movers.secondaries[i]);
+    if (movers.primary_words) plan.queries[q].primary_words = q == 0 ? *movers.primary_words : 0;
   }
 }
 

@@ -41,11 +41,10 @@ std::uint64_t entries(const SceneObject& object) {
   return has_member_poses(object) ? size(object.shapes) : 1;
 }
 
-std::uint64_t entries(const Scene& scene, const Group& objects, const std::vector<bool>& by_card,
-                      bool others) {
+/// Of a query that sweeps these: those that the card does not move have an entry too.
+std::uint64_t entries(const Scene& scene, const Group& objects, const std::vector<bool>& by_card) {
   std::uint64_t sum = 0;
-  for (const std::size_t i : objects)
-    sum += by_card[i] ? entries(scene.objects[i]) : others ? 1 : 0;
+  for (const std::size_t i : objects) sum += by_card[i] ? entries(scene.objects[i]) : 1;
   return sum;
 }
 
@@ -79,7 +78,7 @@ void choose_secondaries(const Scene& scene, bool resident, Movers& movers) {
                               words_a_frame(scene, scene.objects[i], false);
   const bool cheaper = std::any_of(by_card.begin(), by_card.end(), [](bool b) { return b; });
   for (const SceneQuery& q : scene.queries) {
-    const std::uint64_t n = entries(scene, q.secondaries, by_card, true);
+    const std::uint64_t n = entries(scene, q.secondaries, by_card);
     if (asked && n > kMostEntries)
       throw Error(ErrorCode::kUsage,
                   fmt::format("{}: card, mover = \"card\": query '{}' has {} of secondaries, every "
@@ -122,46 +121,48 @@ void choose_secondaries(const Scene& scene, bool resident, Movers& movers) {
   movers.effects.push_back(e);
 }
 
-/// Why the card cannot or need not move primaries; empty if it should.
-std::string against_primaries(const Scene& scene, const Group& move, std::uint64_t host,
-                              std::uint64_t card) {
+/// Why primaries do not stay in the register file from frame to frame; empty if they do.
+std::string against_staying(const Scene& scene) {
   const Group& all = scene.queries.front().primaries;
   std::uint64_t count = 0;
   for (const std::size_t i : all) count += size(scene.objects[i].shapes);
-  if (move.empty()) return "no primary moves as a rigid body";
-  if (scene.card.mover == Mover::kHost) return "mover = \"host\"";
-  if (scene.frames == 1) return "in a single frame everything is loaded once";
   for (const SceneQuery& q : scene.queries)
     if (q.primaries != all) return "queries have different primaries, which are loaded for each";
   if (count > kPacket) return "they are loaded packet by packet";
   for (const std::size_t i : all)
     if (!deforming(scene.objects[i]).empty()) return "they are other ones in every frame";
+  return "";
+}
+
+/// The same of moving them on the card, which is 12 words each of `objects`.
+std::string against_moving(const Scene& scene, std::uint64_t objects, std::uint64_t load) {
   const unsigned most = BoardConfig{}.primary_objects;
-  if (card > std::uint64_t{12} * most)
-    return fmt::format("more objects than the table of {}", most);
-  if (card >= host) return "loading them again takes no more words";
+  if (objects == 0) return "no primary moves as a rigid body";
+  if (scene.card.mover == Mover::kHost) return "mover = \"host\"";
+  if (scene.frames == 1) return "in a single frame everything is loaded once";
+  if (objects > most) return fmt::format("more objects than the {} of a card's table", most);
+  if (12 * objects >= load) return "loading them again takes no more words";
   return "";
 }
 
 void choose_primaries(const Scene& scene, Movers& movers) {
   const Group move = moving(scene, used(scene, &SceneQuery::primaries));
-  // What is loaded again is the whole packet.
-  std::uint64_t host = 0;
+  std::uint64_t load = 0, n = 0;
   for (const std::size_t i : scene.queries.front().primaries)
-    host += size(scene.objects[i].shapes) * slot_words(scene.objects[i]);
-  const std::uint64_t n =
-      entries(scene, move, std::vector<bool>(scene.objects.size(), true), false);
-  const std::string why = against_primaries(scene, move, host, 12 * n);
-  Effect e{"transformer of primaries", why.empty(), why.empty() ? objects(n) : "none", why, ""};
-  if (e.used) {
+    load += size(scene.objects[i].shapes) * slot_words(scene.objects[i]);
+  for (const std::size_t i : move) n += entries(scene.objects[i]);
+  const std::string load_again = against_staying(scene);
+  Effect e{"transformer of primaries", false, "none", "", ""};
+  e.why = load_again.empty() ? against_moving(scene, n, load) : load_again;
+  if (e.why.empty()) {
+    e.used = true;
+    e.choice = objects(n);
     e.why = "they stay in the register file";
-    e.cost = fmt::format("{} words a frame; the host would load {}", 12 * n, host);
+    e.cost = fmt::format("{} words a frame; the host would load {}", 12 * n, load);
     for (const std::size_t i : move) movers.primaries[i] = true;
-  } else if (!move.empty()) {
-    e.cost = "loaded in every pass";
-  } else {
-    e.cost = "0 words a frame";
   }
+  if (load_again.empty() && (e.used || n == 0)) movers.primary_words = 12 * n;
+  if (!e.used) e.cost = movers.primary_words ? "0 words a frame" : "loaded in every pass";
   movers.effects.push_back(e);
 }
 

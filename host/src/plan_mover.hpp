@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "cde/plan.hpp"
@@ -11,6 +12,8 @@ namespace cde::plan_mover {
 struct Movers {
   std::vector<bool> secondaries, primaries;  ///< objects of the scene that the card moves, by role
   unsigned entries = 0;                      ///< of the secondaries' object table, the most in use
+  /// Written in a frame for primaries that stay in the register file; none if they are loaded.
+  std::optional<std::uint64_t> primary_words;
   std::vector<Effect> effects;
 };
 

@@ -7,6 +7,7 @@
 
 #include "cde/error.hpp"
 #include "cde/reference/pass.hpp"
+#include "player_faults.hpp"
 #include "player_objects.hpp"
 
 namespace cde {
@@ -115,7 +116,8 @@ class Player::Impl {
         options_(std::move(options)),
         board_(Board::open(plan.board, {.clock_period_ps = period(scene)})),
         secondaries_(board_, scene, plan),
-        primaries_(board_, scene, plan) {
+        primaries_(board_, scene, plan),
+        faults_(board_, options_.faults) {
     if (!options_.trace.empty()) board_.trace_open(options_.trace);
   }
   ~Impl() {
@@ -125,11 +127,13 @@ class Player::Impl {
   Impl& operator=(const Impl&) = delete;
 
   std::vector<QueryFrame> play(std::uint32_t frame, const Sink& sink) {
+    faults_.start(frame);
     std::vector<QueryFrame> results;
     for (std::size_t q = 0; q < scene_.queries.size(); ++q) results.push_back(run(frame, q, sink));
     return results;
   }
 
+  [[nodiscard]] const std::vector<bool>& injected() const { return faults_.done(); }
   [[nodiscard]] const Board& board() const { return board_; }
 
  private:
@@ -141,11 +145,13 @@ class Player::Impl {
     const SceneQuery& q = scene_.queries[number];
     QueryFrame result;
     const auto start = Clock::now();
-    const std::uint64_t before = board_.clocks(), words = board_.words_uploaded();
+    const std::uint64_t before = board_.clocks(), written = board_.words_uploaded();
     secondaries_.show(q.secondaries, frame);
-    result.secondary_words = board_.words_uploaded() - words;
+    result.secondary_words = board_.words_uploaded() - written;
     result.secondary_clocks = board_.clocks() - before;
     result.pass_seconds = seconds_since(start);
+    const Shapes& there = secondaries_.placed();
+    faults_.flip(frame, size(there) * words(shape_of(there)));
     primaries_.show(q.primaries, frame);
     const std::size_t packets = (size(primaries_.placed()) + kPacket - 1) / kPacket;
     for (std::size_t packet = 0; packet < packets; ++packet) {
@@ -234,14 +240,21 @@ class Player::Impl {
   Board board_;
   player::Secondaries secondaries_;
   player::Primaries primaries_;
+  player::Faults faults_;
 };
 
-Player::Player(const Scene& scene, const Plan& plan, PlayOptions options)
-    : impl_(std::make_unique<Impl>(scene, plan, std::move(options))) {}
+Player::Player(const Scene& scene, const Plan& plan, PlayOptions options) {
+  for (const ScheduledFault& fault : options.faults) check_fault(fault, plan.board);
+  impl_ = std::make_unique<Impl>(scene, plan, std::move(options));
+}
 Player::~Player() = default;
 
 std::vector<QueryFrame> Player::play(std::uint32_t frame, const Sink& sink) {
   return impl_->play(frame, sink);
+}
+
+const std::vector<bool>& Player::injected() const {
+  return impl_->injected();
 }
 
 const Board& Player::board() const {

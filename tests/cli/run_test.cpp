@@ -39,6 +39,12 @@ primaries = "rays"
 secondaries = "terrain"
 )";
 
+/// kFlight with another [card] and more text at its end.
+std::string flight(const std::string& card, const std::string& more = "") {
+  std::string text = kFlight;
+  return text.replace(text.find("lanes = 16"), 10, card) + more;
+}
+
 class RunScene : public Cli {
  protected:
   void refused(const Words& words, const std::string& text) {
@@ -115,6 +121,83 @@ TEST_F(RunScene, FramesAreReproducible) {
   EXPECT_FALSE(exists("one/hit.000002.csv"));
 }
 
+/// A mesh that moves while it deforms, in the words of its vertices and one transform.
+TEST_F(RunScene, TheCardMovesObjects) {
+  const std::string motion =
+      "[object.motion]\nkind = \"velocity\"\nlinear = [30, 0, 0]\nangular = [0, 0, 5]\n";
+  std::string scene = kFlight;
+  scene.insert(scene.find("[[object]]\nname = \"rays\""), motion);
+  write("moving.toml", scene);
+  const Ran plan = cde({"plan", "moving.toml"});
+  ASSERT_EQ(plan.status, 0) << plan.err;
+  EXPECT_NE(plan.out.find("moving an object takes 12 words"), std::string::npos) << plan.out;
+  EXPECT_NE(plan.out.find("TRANSFORM=1"), std::string::npos);
+  const Ran ran = cde({"run", "moving.toml"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto j = run_json("moving.run");
+  const auto words = [&](std::size_t frame) {
+    return j["played"][frame]["queries"][0]["counters"]["secondary_words"].get<std::uint64_t>();
+  };
+  const auto moved = j["plan"]["queries"][0]["moved_words"].get<std::uint64_t>();
+  EXPECT_EQ(words(0), 216u * 9 + 14);
+  for (const std::size_t frame : {1u, 2u, 3u}) {
+    EXPECT_GE(words(frame), moved);
+    EXPECT_LE(words(frame), moved + 40) << "rounded to whole beats";
+  }
+  // Whoever moves it, the records are the same.
+  write("host.toml",
+        std::string(scene).replace(scene.find("lanes = 16"), 10, "lanes = 16\nmover = \"host\""));
+  ASSERT_EQ(cde({"run", "host.toml", "-q"}).status, 0);
+  EXPECT_EQ(run_json("host.run")["played"][1]["queries"][0]["counters"]["secondary_words"],
+            216 * 9);
+  for (const char* file : {"hit.000001.csv", "hit.000003.csv"})
+    EXPECT_EQ(read(fmt::format("moving.run/{}", file)), read(fmt::format("host.run/{}", file)));
+}
+
+TEST_F(RunScene, FaultsInDdrAreCorrectedOrFoundOut) {
+  write("ecc.toml", flight("lanes = 4\necc = true"));
+  Ran ran = cde({"run", "ecc.toml", "--fault", "ddr:20@1", "--fault", "ddr@2", "--frames", "0..2"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.err.find("900 of 900 records compared with the reference, 0 differ"),
+            std::string::npos)
+      << ran.err;
+  EXPECT_NE(ran.err.find("2 of 2 injected; repeated 0 transfers"), std::string::npos) << ran.err;
+  auto faults = run_json("ecc.run")["faults"];
+  EXPECT_EQ(faults["scheduled"][0]["fault"], "ddr:20:1@1");
+  EXPECT_EQ(faults["injected"], 2);
+  EXPECT_GE(faults["corrected_words"], 2 * 20) << "in both passes of frame 1";
+
+  ran = cde({"run", "ecc.toml", "--fault", "ddr:1:2@1", "--fault", "ddr@3"});
+  EXPECT_EQ(ran.status, 4) << ran.err;
+  EXPECT_NE(ran.err.find("1 words of DDR have errors that cannot be corrected"), std::string::npos)
+      << ran.err;
+  EXPECT_NE(ran.err.find("1 of 2 injected"), std::string::npos) << ran.err;
+  const auto j = run_json("ecc.run");
+  EXPECT_EQ(j["finished"], false);
+  EXPECT_EQ(j["played"].size(), 1u);
+  EXPECT_EQ(j["faults"]["scheduled"][1]["injected"], false);
+
+  write("bare.toml", kFlight);
+  EXPECT_EQ(cde({"run", "bare.toml", "--fault", "ddr:500:16@1"}).status, 3);
+  EXPECT_EQ(run_json("bare.run")["faults"]["injected"], 1);
+}
+
+TEST_F(RunScene, FaultsOfTheBusAreRepeatedOrOneError) {
+  write("cycle.toml", flight("lanes = 4\nbus = \"cycle\""));
+  Ran ran = cde({"run", "cycle.toml", "--frames", "0..1", "--fault", "target-abort:2:0@1",
+                 "--fault", "disconnect:9:2@0", "--fault", "lost-interrupt@1"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto faults = run_json("cycle.run")["faults"];
+  EXPECT_EQ(faults["injected"], 3);
+  EXPECT_GE(faults["transfer_retries"].get<int>() + faults["pass_retries"].get<int>(), 1);
+  EXPECT_GE(faults["lost_interrupts"], 1);
+  ran = cde({"run", "cycle.toml", "--frames", "0..1", "--fault", "target-abort:all:0@1"});
+  EXPECT_EQ(ran.status, 4) << ran.err;
+  EXPECT_NE(ran.err.find("target abort"), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("1 of 1 injected"), std::string::npos) << ran.err;
+  EXPECT_EQ(run_json("cycle.run")["played"].size(), 1u);
+}
+
 /// Several pairs, roles exchanged, normals, masks, a different set of secondaries for every query.
 TEST_F(RunScene, MixedSceneOfTheRepository) {
   const std::string scene = std::string(CDE_SOURCE_DIR) + "/meshes/scenes/mixed.toml";
@@ -189,6 +272,12 @@ TEST_F(RunScene, WrongUsageIsRefused) {
     refused({"run", "flight.toml", fmt::format("--frames={}", frames)},
             "it must be A..B within 0..3");
   refused({"run", "flight.toml", "--check", "some"}, "--check is 'some'");
+  refused({"run", "flight.toml", "--fault", "retry@1"},
+          "fault 'retry:1:1@1': the functional bus has no such fault; it needs bus = \"cycle\"");
+  refused({"run", "flight.toml", "--fault", "ddr@4"}, "frame 4 is not among 0..3");
+  refused({"run", "flight.toml", "--fault", "ddr@0", "--frames", "1..2"},
+          "frame 0 is not among 1..2");
+  refused({"run", "flight.toml", "--fault", "dddr@0"}, "there is no kind 'dddr'");
   refused({"run", "none.toml"}, "none.toml");
   refused({"plan", "none.toml"}, "none.toml");
   write("bad.toml", std::string("framse = 3\n") + kFlight);

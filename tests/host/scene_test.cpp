@@ -474,10 +474,102 @@ TEST(Plan, RefusesWhatThisVersionHasNot) {
     expect_error(ErrorCode::kUsage, why, [&] { (void)plan(s); });
   };
   refuses("memory = \"cycle\"", "memory = \"cycle\"");
-  refuses("mover = \"card\"", "transformer");
   refuses("pairs = [\"obb-obb\", \"ray-triangle\"]",
           "query 'q' needs a pipe for ray-sphere, but the bitstream asked for has pairs = "
           "ray-triangle, obb-obb");
+}
+
+TEST(Plan, MovesObjectsWhereThatTakesFewerWords) {
+  const auto mesh = [](const char* name, const std::string& more) {
+    return fmt::format("[[object]]\nname=\"{}\"\nmesh=\"terrain:12,9,3\"\n{}", name, more);
+  };
+  const std::string turning = "motion={kind=\"velocity\",angular=[0,0,9]}\n";
+  const std::string band = "deform={kind=\"random\",vertices=[3,9],amplitude=[0,0,1],seed=5}\n";
+  const auto query = [](const char* name, const char* secondaries) {
+    return fmt::format(
+        "[[query]]\nname=\"{}\"\npair=\"ray-triangle\"\nprimaries=\"rays\"\nsecondaries={}\n", name,
+        secondaries);
+  };
+  const std::string objects =
+      kRays + mesh("a", turning) + mesh("b", band + turning) + mesh("c", band) + mesh("d", "");
+  const auto of = [](const std::string& text) { return plan(parse_scene(text, "s.toml")); };
+  const std::string all = objects + query("q", R"(["a","b","c","d"])");
+  const std::vector<bool> none(5, false), moved{false, true, true, false, false};
+
+  const Plan card = of("frames=2\n" + all);
+  EXPECT_EQ(card.board.transform, Transformer::kSecondaries);
+  EXPECT_EQ(card.board.objects, 1024u);
+  EXPECT_EQ(card.card_moves, moved);
+  EXPECT_EQ(card.card_moves_primaries, none);
+  EXPECT_EQ(effect(card, "transformer").why, "moving an object takes 12 words");
+  const Plan host = of("frames=2\n[card]\nmover=\"host\"\n" + all);
+  EXPECT_EQ(host.board.transform, Transformer::kNone);
+  EXPECT_EQ(host.card_moves, none);
+  const std::uint64_t vertices = card.queries[0].moved_words - 24;  // of b and c
+  EXPECT_EQ(vertices % (2 * 9), 0u);
+  EXPECT_GT(vertices, 0u);
+  EXPECT_EQ(host.queries[0].moved_words, 2 * 216 * 9 + vertices / 2);
+  EXPECT_EQ(effect(card, "transformer").cost,
+            fmt::format("{} words a frame; the host would upload 3888", 24 + vertices / 2));
+  EXPECT_EQ(effect(host, "transformer").cost,
+            fmt::format("uploads 3888 words a frame; a transformer would take {} for 2 objects",
+                        24 + vertices / 2));
+
+  EXPECT_EQ(of(all).board.transform, Transformer::kNone) << "one frame";
+  const std::string two = objects + query("q", "\"a\"") + query("r", "\"b\"");
+  EXPECT_EQ(of("frames=2\n" + two).board.transform, Transformer::kNone) << "always uploaded";
+  EXPECT_EQ(of("frames=2\n[card]\nmover=\"card\"\n" + two).card_moves, moved);
+}
+
+TEST(Plan, MovesPrimariesThatStayLoaded) {
+  const auto of = [](const std::string& rays, const std::string& more = "") {
+    return plan(parse_scene(
+        "frames=2\n" + more + "[[object]]\nname=\"rays\"\n" + rays + kBall + kHit, "s.toml"));
+  };
+  const std::string moving = "motion={kind=\"velocity\",linear=[1,0,0]}\n";
+  const auto drawn = [](int count, const char* redraw) {
+    return fmt::format("random_rays={{count={},redraw={}}}\n", count, redraw);
+  };
+  const Plan card = of(drawn(256, "false") + moving);
+  EXPECT_EQ(card.board.transform, Transformer::kBoth);
+  EXPECT_EQ(card.card_moves_primaries, (std::vector<bool>{true, false}));
+  EXPECT_EQ(card.queries[0].primary_words, 12u);
+  const Plan still = of(drawn(256, "false"));
+  EXPECT_EQ(still.board.transform, Transformer::kNone);
+  EXPECT_EQ(still.queries[0].primary_words, 0u) << "loaded once";
+  const auto loaded = [&](const Plan& p, std::uint64_t words, const char* why) {
+    EXPECT_EQ(p.board.transform, Transformer::kNone);
+    EXPECT_EQ(p.queries[0].primary_words, words);
+    EXPECT_EQ(effect(p, "transformer of primaries").why, why);
+  };
+  loaded(of(drawn(256, "true") + moving), 256 * 8, "they are other ones in every frame");
+  loaded(of(drawn(257, "false") + moving), 257 * 8, "they are loaded packet by packet");
+  loaded(of(drawn(256, "false") + moving, "[card]\nmover=\"host\"\n"), 256 * 8, "mover = \"host\"");
+  loaded(of(drawn(1, "false") + moving), 8, "loading them again takes no more words");
+}
+
+TEST(Plan, TablesOfObjectsHaveAnEnd) {
+  const auto of = [](int boxes, const char* mover) {
+    return plan(parse_scene(
+        fmt::format("frames=2\n[card]\nmover=\"{}\"\n[[object]]\nname=\"boxes\"\n"
+                    "random={{shape=\"obb\",count={},min=[-1,-1,-1],max=[1,1,1],size=[0.1,0.2]}}\n"
+                    "motion={{kind=\"random\",each=true,min=[-1,-1,-1],max=[1,1,1],speed=1}}\n"
+                    "{}[[query]]\nname=\"q\"\npair=\"sphere-obb\"\nprimaries=\"ball\"\n"
+                    "secondaries=\"boxes\"\n",
+                    mover, boxes, kBall),
+        "s.toml"));
+  };
+  EXPECT_EQ(of(1024, "auto").board.objects, 1024u);
+  EXPECT_EQ(of(1025, "auto").board.objects, 2048u);
+  EXPECT_EQ(of(2048, "card").queries[0].moved_words, 2048u * 12);
+  const Plan host = of(2049, "auto");
+  EXPECT_EQ(host.board.transform, Transformer::kNone);
+  EXPECT_EQ(effect(host, "transformer").why, "more objects than the 2048 of a card's table");
+  expect_error(ErrorCode::kUsage,
+               "s.toml: card, mover = \"card\": query 'q' has 2049 objects of secondaries, every "
+               "shape that moves on its own being one, but a card's table holds 2048; use mover = "
+               "\"host\"",
+               [&] { (void)of(2049, "card"); });
 }
 
 TEST(Plan, TakesTheBusAndTheCheckBitsThatAreAskedFor) {

@@ -19,6 +19,7 @@
 #include "cde/player.hpp"
 #include "output.hpp"
 #include "plan_output.hpp"
+#include "run_faults.hpp"
 #include "verbs.hpp"
 
 namespace cde::cli {
@@ -29,6 +30,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string scene, frames, out, check, trace;
+  std::vector<std::string> faults;
   double timeout = 3600;
   std::uint64_t deadline = 0;
   bool json = false, quiet = false;
@@ -132,13 +134,14 @@ Json machine() {
 }
 
 struct Totals {
-  std::uint64_t records = 0, compared = 0, mismatches = 0, hits = 0, tests = 0;
+  std::uint64_t records = 0, compared = 0, mismatches = 0, corrected = 0, hits = 0, tests = 0;
   double modelled = 0, simulated = 0, checked = 0;
 
   void add(const Json& q) {
     records += q["records"].get<std::uint64_t>();
     compared += q["records_compared"].get<std::uint64_t>();
     mismatches += q["mismatches"].get<std::uint64_t>();
+    corrected += q["counters"]["corrected_words"].get<std::uint64_t>();
     hits += q["hits"].get<std::uint64_t>();
     tests += q["counters"]["tests"].get<std::uint64_t>();
     modelled += q["modelled_seconds"]["total"].get<double>();
@@ -169,6 +172,7 @@ Json query_json(const std::string& name, const QueryFrame& f, double clock_hz) {
             {"secondaries", c.secondaries},
             {"bad_primaries", c.bad_primaries},
             {"bad_secondaries", c.bad_secondaries},
+            {"corrected_words", c.corrected_words},
             {"secondary_words", f.secondary_words},
             {"primary_words", f.primary_words},
             {"secondary_upload_clocks", f.secondary_clocks},
@@ -187,7 +191,11 @@ Json query_json(const std::string& name, const QueryFrame& f, double clock_hz) {
 class Run {
  public:
   Run(const Options& o, Scene& scene, const Plan& plan, Check check)
-      : o_(o), scene_(scene), check_(check), frames_(frames_of(o.frames, scene)) {
+      : o_(o),
+        scene_(scene),
+        check_(check),
+        frames_(frames_of(o.frames, scene)),
+        faults_(faults_of(o.faults, plan, frames_.first, frames_.last)) {
     folder_ = o.out.empty() ? fs::path(scene.file).stem().string() + ".run" : o.out;
     json_ = {{"scene", scene.file},
              {"title", scene.title},
@@ -218,6 +226,7 @@ class Run {
                      .trace = waves ? waves->temporary() : "",
                      .watchdog = std::chrono::duration<double>(o_.timeout),
                      .deadline_clocks = o_.deadline,
+                     .faults = faults_,
                      .progress = [&](std::uint32_t frame, double share) {
                        if (Interrupts::signal() != 0) throw Stopped();
                        bar((frame - frames_.first + share) / (frames_.last - frames_.first + 1.0));
@@ -225,12 +234,19 @@ class Run {
       json_["plan"]["bitstream"] = player.board().bitstream().string();
       json_["plan"]["built"] = true;
       json_["plan"]["config_hash"] = fmt::format("{:016x}", player.board().config_hash());
-      for (std::uint32_t f = frames_.first; f <= frames_.last && totals_.mismatches == 0; ++f)
-        play_frame(player, f);
+      try {
+        for (std::uint32_t f = frames_.first; f <= frames_.last && totals_.mismatches == 0; ++f)
+          play_frame(player, f);
+      } catch (...) {
+        count_faults(player);
+        throw;
+      }
+      count_faults(player);
     } catch (const Stopped&) {
     } catch (const Error& e) {
       json_["error"] = e.what();
       finish(waves);
+      report_faults();
       throw;
     }
     finish(waves);
@@ -238,9 +254,6 @@ class Run {
 
   void report() const {
     const Totals& t = totals_;
-    const auto row = [](const char* name, const std::string& value) {
-      fmt::print(stderr, "{:<16} {}\n", name, value);
-    };
     const std::size_t played = json_["played"].size();
     if (!o_.quiet) {
       row("scene", scene_.file);
@@ -253,6 +266,7 @@ class Run {
       row("simulation", fmt::format("{:.3g} s, {:.4g} M tests/s; reference {:.3g} s", t.simulated,
                                     static_cast<double>(t.tests) / t.simulated / 1e6, t.checked));
       row("check", check_text());
+      report_faults();
       row("results", fmt::format("{}/run.json", folder_.string()));
     }
     if (o_.json) fmt::print("{}\n", json_.dump(2));
@@ -262,6 +276,17 @@ class Run {
 
  private:
   struct Stopped {};
+
+  static void row(const char* name, const std::string& value) {
+    fmt::print(stderr, "{:<16} {}\n", name, value);
+  }
+
+  void count_faults(const Player& player) {
+    if (!faults_.empty()) json_["faults"] = faults_json(faults_, player, totals_.corrected);
+  }
+  void report_faults() const {
+    if (!o_.quiet && json_.contains("faults")) row("faults", faults_text(json_["faults"]));
+  }
 
   void play_frame(Player& player, std::uint32_t frame) {
     std::vector<std::unique_ptr<RecordFile>> files;
@@ -330,6 +355,7 @@ class Run {
   const Scene& scene_;
   Check check_;
   Frames frames_;
+  std::vector<ScheduledFault> faults_;
   fs::path folder_;
   Json json_;
   Totals totals_;
@@ -366,6 +392,9 @@ void add_run(CLI::App& app) {
   verb->add_option("--out", o->out, "Folder for run.json and records (SCENE.run)");
   verb->add_option("--check", o->check, "all, sample or none, instead of what the scene says");
   verb->add_option("--trace", o->trace, "Waves of the run, FST; kept even if it fails");
+  verb->add_option("--fault", o->faults,
+                   "KIND[:COUNT[:VALUE]]@FRAME: lets something go wrong; may be given again")
+      ->allow_extra_args(false);
   verb->add_option("--deadline", o->deadline,
                    "Device clocks that a pass may take (0: several times what it should)")
       ->capture_default_str();

@@ -37,8 +37,8 @@ class Error : public std::runtime_error {
   std::optional<DeviceFault> fault_;
 };
 
-/// Process exit status for an error: 2 usage or file or input, 3 mismatch with the reference, 4
-/// timeout.
+/// Process exit status for an error: 2 usage or file or input, 3 mismatch with the reference, 4 the
+/// card failed (kTimeout, kDevice).
 [[nodiscard]] int exit_status(ErrorCode code) noexcept;
 
 }  // namespace cde

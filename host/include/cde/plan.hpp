@@ -28,7 +28,7 @@ struct QueryWork {
   std::uint64_t secondary_words = 0;  ///< of an upload of all of them
   std::uint64_t moved_words = 0;      ///< written in every frame if they stay in DDR: shapes again,
                                       ///< and 12 words an object that the card moves
-  std::uint64_t primary_words = 0;    ///< loaded in every frame
+  std::uint64_t primary_words = 0;    ///< written in every frame after the first
 };
 
 /// The smallest card that serves a scene.

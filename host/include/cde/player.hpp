@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cde/board.hpp"
+#include "cde/fault.hpp"
 #include "cde/plan.hpp"
 #include "cde/scene.hpp"
 
@@ -17,6 +18,7 @@ struct PlayOptions {
   std::filesystem::path trace = {};  ///< waves of everything; needs a board with trace
   std::chrono::duration<double> watchdog = std::chrono::hours(1);  ///< wall clock, for one pass
   std::uint64_t deadline_clocks = 0;  ///< for one pass; 0: several times what it can take at worst
+  std::vector<ScheduledFault> faults = {};  ///< each once, when its frame is played
   /// Called now and then with the frame and the share of the query's packets done; what it throws
   /// ends the run and leaves the card ready.
   std::function<void(std::uint32_t frame, double share)> progress = {};
@@ -47,7 +49,7 @@ struct QueryFrame {
 class Player {
  public:
   /// Opens the planned board, building its bitstream if need be. The scene must outlive the player.
-  /// Errors as Board::open.
+  /// Errors as Board::open, and kUsage if the board has no fault like one of those scheduled.
   Player(const Scene& scene, const Plan& plan, PlayOptions options);
   ~Player();
   Player(const Player&) = delete;
@@ -59,6 +61,10 @@ class Player {
   /// One frame: a QueryFrame a query of the scene. Any frame may follow any other. Mismatches are
   /// counted, not thrown. Errors: kTimeout, kDevice, and what the sink or progress throws.
   std::vector<QueryFrame> play(std::uint32_t frame, const Sink& sink = {});
+
+  /// Which of PlayOptions::faults were injected so far; Board::bus_counters() and
+  /// Counters::corrected_words say what came of them.
+  [[nodiscard]] const std::vector<bool>& injected() const;
 
   [[nodiscard]] const Board& board() const;
 

@@ -1,0 +1,89 @@
+#include "moving_cases.hpp"
+
+#include <Eigen/Geometry>
+
+namespace cde::testing {
+
+BoardConfig config_of(const MovingBoard& kind, Transformer transform) {
+  BoardConfig c;
+  c.lanes = kind.lanes;
+  c.arithmetic = kind.arithmetic;
+  c.pairs = kind.pairs;
+  c.swap = true;
+  c.transform = transform;
+  c.latency_add += kind.slower;
+  c.latency_mul += 2 * kind.slower;
+  c.latency_compare += kind.slower;
+  c.ddr_slots = 4000;
+  c.sram_records = 1024;
+  return c;
+}
+
+Eigen::Matrix3f rotation(Random& random) {
+  const Eigen::Vector3d axis = random.in_box(1).cast<double>().normalized();
+  return Eigen::AngleAxisd(random.in(-3, 3), axis).toRotationMatrix().cast<float>();
+}
+
+Transform motion(Random& random) {
+  return {rotation(random), random.in_box(3)};
+}
+
+namespace {
+Eigen::Vector3f direction(Random& random) {
+  return random.in_box(1).cast<double>().normalized().cast<float>();
+}
+}  // namespace
+
+template <>
+Ray shape(Random& random) {
+  return {random.in_box(4), random.in_box(2), -1, random.in(1, 9)};
+}
+template <>
+Triangle shape(Random& random) {
+  return {random.in_box(4), random.in_box(4), random.in_box(4)};
+}
+template <>
+Sphere shape(Random& random) {
+  return {random.in_box(4), random.in(0.1f, 2)};
+}
+template <>
+Cylinder shape(Random& random) {
+  return {random.in_box(4), direction(random), random.in(0.2f, 3), random.in(0.2f, 2)};
+}
+template <>
+Plane shape(Random& random) {
+  return {direction(random), random.in(-4, 4)};
+}
+template <>
+Obb shape(Random& random) {
+  return {random.in_box(4),
+          {random.in(0.1f, 1), random.in(0.1f, 1), random.in(0.1f, 1)},
+          rotation(random)};
+}
+template <>
+Aabb shape(Random& random) {
+  const Eigen::Vector3f low = random.in_box(3);
+  return {low, low + Eigen::Vector3f(random.in(0.1f, 2), random.in(0.1f, 2), random.in(0.1f, 2))};
+}
+
+std::vector<Object> objects(Random& random, std::uint32_t slots, std::size_t count, bool boxes) {
+  std::vector<Object> all;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t first = random.below(slots);
+    const std::uint32_t most = random.below(2) == 0 ? 1 : slots - first;
+    Transform transform = motion(random);
+    if (boxes) transform.rotation.setIdentity();
+    if (random.below(16) == 0) transform.translation.x() = 1e38f;
+    all.push_back({first, 1 + random.below(most), transform});
+  }
+  return all;
+}
+
+Rays rays(Random& random, std::size_t primaries, std::size_t secondaries) {
+  Rays all;
+  for (std::size_t i = 0; i < primaries; ++i) all.primaries.push_back(shape<Ray>(random));
+  for (std::size_t i = 0; i < secondaries; ++i) all.secondaries.push_back(shape<Triangle>(random));
+  return all;
+}
+
+}  // namespace cde::testing

@@ -1,0 +1,112 @@
+#pragma once
+#include <fmt/format.h>
+
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cases.hpp"
+#include "cde/reference/transform.hpp"
+#include "pair_records.hpp"
+
+/// Boards with a transformer, random shapes and objects, and passes that are held against the
+/// reference.
+namespace cde::testing {
+
+struct MovingBoard {
+  const char* name;
+  Arithmetic arithmetic;
+  std::vector<Pair> pairs;
+  unsigned lanes;
+  unsigned slower = 0;  ///< clocks more for an operator
+};
+BoardConfig config_of(const MovingBoard& kind, Transformer transform = Transformer::kBoth);
+inline const MovingBoard kMany{
+    "Many",
+    Arithmetic::kHost,
+    {Pair::kRayTriangle, Pair::kSphereSphere, Pair::kRayCylinder, Pair::kObbPlane},
+    8};
+inline const MovingBoard kGates{
+    "Gates", Arithmetic::kRtl, {Pair::kRayTriangle, Pair::kObbPlane}, 2};
+inline const MovingBoard kSlowGates{"SlowGates", Arithmetic::kRtl, {Pair::kRayTriangle}, 2, 1};
+inline const MovingBoard kSlowHost{"SlowHost", Arithmetic::kHost, {Pair::kRayTriangle}, 2, 1};
+inline const MovingBoard kParallel{
+    "Parallel", Arithmetic::kHost, {Pair::kRayTriangle, Pair::kTriangleSphere}, 8};
+inline const MovingBoard kBoxes{"Boxes", Arithmetic::kHost, {Pair::kTriangleAabb}, 1};
+
+Eigen::Matrix3f rotation(Random& random);
+Transform motion(Random& random);
+
+/// Within their contract.
+template <class P>
+P shape(Random& random);
+template <>
+Ray shape(Random& random);
+template <>
+Triangle shape(Random& random);
+template <>
+Sphere shape(Random& random);
+template <>
+Cylinder shape(Random& random);
+template <>
+Plane shape(Random& random);
+template <>
+Obb shape(Random& random);
+template <>
+Aabb shape(Random& random);
+
+/// Random shapes, some out of contract, some that only leave it when they move: a word so large
+/// that a translation by 1e38 overflows.
+template <class P>
+std::vector<P> shapes(Random& random, std::size_t count) {
+  std::vector<P> all;
+  for (std::size_t i = 0; i < count; ++i) {
+    auto words = to_words(shape<P>(random));
+    const float odd[] = {std::numeric_limits<float>::quiet_NaN(),
+                         -std::numeric_limits<float>::infinity(), 3.3e38f, -0.0f};
+    if (random.below(16) == 0)
+      words[random.below(static_cast<std::uint32_t>(words.size()))] = odd[random.below(4)];
+    all.push_back(from_words<P>(words));
+  }
+  return all;
+}
+
+/// Ranges anywhere in `slots`, overlapping, many of one slot.
+std::vector<Object> objects(Random& random, std::uint32_t slots, std::size_t count, bool boxes);
+
+struct Rays {
+  std::vector<Ray> primaries;
+  std::vector<Triangle> secondaries;
+};
+Rays rays(Random& random, std::size_t primaries, std::size_t secondaries);
+
+/// What a pass over objects answers, all modes, against the reference.
+template <class P, class S>
+void check_pass(Board& board, Pair pair, bool swap, const std::vector<P>& primaries,
+                const std::vector<S>& secondaries, std::span<const Object> of_primaries,
+                std::span<const Object> of_secondaries,
+                std::initializer_list<Mode> modes = {Mode::kNearest, Mode::kFarthest, Mode::kAny,
+                                                     Mode::kAll, Mode::kHits}) {
+  const auto swept = reference::swept(secondaries, of_secondaries);
+  const std::vector<P> posed = reference::posed(std::span<const P>(primaries), of_primaries);
+  std::vector<PairResult> results;
+  if constexpr (std::is_same_v<P, S>) {
+    results = swap ? all_pairs(pair, swept.shapes, posed, true)
+                   : all_pairs(pair, posed, swept.shapes, false);
+  } else {
+    if (swap) results = all_pairs(pair, swept.shapes, posed, true);
+    if (!swap) results = all_pairs(pair, posed, swept.shapes, false);
+  }
+  std::vector<bool> bad;
+  bad.reserve(posed.size());
+  for (const P& p : posed) bad.push_back(defect(p).has_value());
+  for (const Mode mode : modes) {
+    SCOPED_TRACE(fmt::format("{}{}, {} over {}", name(pair), swap ? " swapped" : "",
+                             of_primaries.size(), of_secondaries.size()));
+    compare(board.run({.mode = mode, .pair = pair, .swap = swap}),
+            expected(pair, results, swept.slots, bad, mode, false), mode);
+  }
+}
+
+}  // namespace cde::testing

@@ -1,0 +1,103 @@
+// Scenes on the card behind PCI while its bus goes wrong: right records, or one clear error.
+#include "cde/player.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "cde/error.hpp"
+
+namespace cde::testing {
+namespace {
+
+const char* const kScene = R"(frames = 6
+[card]
+bus = "cycle"
+[[object]]
+name = "terrain"
+mesh = "terrain:12,9,3"
+scale = 0.1
+deform = { kind = "wave", vertices = [20, 45], amplitude = [0, 0, 0.5], period = 1, wavelength = 4 }
+[[object]]
+name = "rays"
+random_rays = { count = 70, seed = 7, half_angle = 80 }
+motion = { kind = "still", position = [5, 4, 30] }
+[[query]]
+name = "hit"
+pair = "ray-triangle"
+primaries = "rays"
+secondaries = "terrain"
+mode = "all"
+)";
+
+class PlayerFaults : public ::testing::Test {
+ protected:
+  /// The bitstream of the driver's tests: a small DDR, a ring of 64 records.
+  static Plan planned(const Scene& scene) {
+    Plan p = plan(scene);
+    p.board = {.lanes = 4,
+               .latency_add = 2,
+               .latency_mul = 3,
+               .latency_div = 9,
+               .latency_compare = 2,
+               .ddr_slots = 1000,
+               .sram_records = 64,
+               .bus = Bus::kCycle};
+    return p;
+  }
+  Player& open(std::vector<ScheduledFault> faults) {
+    return player_.emplace(scene_, planned(scene_), PlayOptions{.faults = std::move(faults)});
+  }
+  void play(std::uint32_t frames) {
+    for (std::uint32_t f = 0; f < frames; ++f) {
+      const auto results = player_->play(f);
+      ASSERT_EQ(results[0].mismatches, 0u) << results[0].first_mismatch;
+      ASSERT_EQ(results[0].compared, 70u * 216);
+    }
+  }
+
+  Scene scene_ = parse_scene(kScene, "s.toml");
+  std::optional<Player> player_;
+};
+
+TEST_F(PlayerFaults, OfEveryKindAndTheRecordsAreRight) {
+  std::vector<ScheduledFault> faults;
+  for (const char* text : {"retry:5@1", "slow:9:3@1", "disconnect:4:2@1", "disconnect-empty:4:2@2",
+                           "grant:6:1@2", "lost-interrupt:2@2", "parity:2:1@3", "parity:1:5@4",
+                           "target-abort:1:0@4", "master-abort:1:0@5"})
+    faults.push_back(fault_of(text));
+  const Player& player = open(faults);
+  EXPECT_EQ(player.injected(), std::vector<bool>(10, false));
+  play(5);
+  std::vector<bool> injected(10, true);
+  injected[9] = false;
+  EXPECT_EQ(player.injected(), injected) << "frame 5 is still to come";
+  play(6);
+  EXPECT_EQ(player.injected(), std::vector<bool>(10, true));
+  const BusCounters c = player.board().bus_counters();
+  EXPECT_GE(c.lost_interrupts, 1u);
+  EXPECT_GE(c.transfer_retries + c.access_retries + c.pass_retries, 3u);
+}
+
+TEST_F(PlayerFaults, ThatStayAreOneError) {
+  Player& player = open({fault_of("target-abort:1000:0@2")});
+  play(2);
+  try {
+    (void)player.play(2);
+    FAIL() << "nothing can have been uploaded";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kDevice);
+    EXPECT_EQ(exit_status(error.code()), 4);
+    ASSERT_TRUE(error.fault()) << error.what();
+    EXPECT_NE(std::string(error.what()).find("target abort"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(player.injected(), std::vector<bool>{true});
+}
+
+TEST_F(PlayerFaults, AreRefusedBeforeAnythingRuns) {
+  Plan functional = planned(scene_);
+  functional.board.bus = Bus::kFunctional;
+  EXPECT_THROW(Player(scene_, functional, {.faults = {fault_of("retry@0")}}), Error);
+}
+
+}  // namespace
+}  // namespace cde::testing
