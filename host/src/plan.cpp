@@ -46,9 +46,6 @@ void refuse_what_is_not_there(const Scene& scene) {
     if (asked)
       throw Error(ErrorCode::kUsage, fmt::format("{}: card, {}; {}", scene.file, what, instead));
   };
-  refuse(scene.card.cycle_memory,
-         "memory = \"cycle\": this version has no memory with the timing of banks and refresh",
-         "use memory = \"ideal\", a slot a clock behind a fixed latency");
   refuse(scene.card.mover == Mover::kCard,
          "mover = \"card\": this version moves no scene with the card's transformer",
          "use mover = \"host\", which uploads what moved");
@@ -317,6 +314,7 @@ Effect residence(const Plan& plan) {
 
 std::vector<Effect> effects_of(const Scene& scene, const Plan& plan) {
   const bool trace = plan.board.trace, cycle = plan.board.bus == Bus::kCycle;
+  const bool banks = scene.card.cycle_memory;
   return {
       pipes(scene, plan),
       lanes(scene, plan),
@@ -329,11 +327,15 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan) {
       residence(plan),
       {"two pairs at a time", false, "none", "queries run one after another", "not measured"},
       {"bus timing", cycle, cycle ? "cycle" : "functional",
-       cycle ? "asked for: PCI clock by clock"
-             : "two words a clock of the core, without PCI's protocol",
+       fmt::format("{}; host {}, {} bits, bursts of {} bytes",
+                   cycle ? "asked for: PCI clock by clock"
+                         : "what PCI would take is computed, not simulated",
+                   scene.card.host.name, scene.card.narrow ? 32 : 64, scene.card.burst),
        cycle ? "" : measured("bus")},
-      {"memory timing", false, "ideal", "a slot a clock behind a fixed latency",
-       measured("memory")},
+      {"memory timing", banks, banks ? "cycle" : "ideal",
+       banks ? "asked for: DDR-400 with banks, rows and refresh"
+             : "a slot a clock behind a fixed latency",
+       banks ? "" : measured("memory")},
       {"ecc", plan.board.ecc, plan.board.ecc ? "check bits in DDR" : "none",
        plan.board.ecc ? "asked for" : "not asked for", plan.board.ecc ? "" : measured("ecc")},
       {"trace", trace, trace ? "waves can be written" : "none",

@@ -113,7 +113,7 @@ class Player::Impl {
   Impl(const Scene& scene, const Plan& plan, PlayOptions options)
       : scene_(scene),
         options_(std::move(options)),
-        board_(Board::open(plan.board, {.clock_period_ps = period(scene)})),
+        board_(Board::open(plan.board, options_of(scene))),
         secondaries_(board_) {
     for (const SceneObject& object : scene.objects) states_.emplace_back(scene, object);
     if (!options_.trace.empty()) board_.trace_open(options_.trace);
@@ -137,17 +137,25 @@ class Player::Impl {
   [[nodiscard]] const Board& board() const { return board_; }
 
  private:
-  static std::uint32_t period(const Scene& scene) {
-    return static_cast<std::uint32_t>(std::clamp(1e12 / scene.card.clock_hz, 1.0, 4e9));
+  static OpenOptions options_of(const Scene& scene) {
+    OpenOptions o;
+    o.memory = scene.card.cycle_memory ? Memory::kCycle : Memory::kIdeal;
+    o.clock_period_ps =
+        static_cast<std::uint32_t>(std::clamp(1e12 / scene.card.clock_hz, 1.0, 4e9));
+    o.host = scene.card.host;
+    o.bus_burst = scene.card.burst;
+    o.narrow_bus = scene.card.narrow;
+    return o;
   }
 
   QueryFrame run(std::uint32_t frame, std::size_t number, const Sink& sink) {
     const SceneQuery& q = scene_.queries[number];
     QueryFrame result;
     const auto start = Clock::now();
-    const std::uint64_t before = board_.clocks();
+    const std::uint64_t before = board_.clocks(), before_ps = board_.time_ps();
     result.secondary_words = secondaries_.show(q.secondaries, states_);
     result.secondary_clocks = board_.clocks() - before;
+    result.secondary_ps = board_.time_ps() - before_ps;
     result.pass_seconds = seconds_since(start);
     const Shapes primaries = player::joined(q.primaries, states_);
     const std::size_t packets = (size(primaries) + kPacket - 1) / kPacket;

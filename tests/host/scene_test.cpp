@@ -473,7 +473,6 @@ TEST(Plan, RefusesWhatThisVersionHasNot) {
     const Scene s = parse_scene("[card]\n" + card + "\n" + kGood, "s.toml");
     expect_error(ErrorCode::kUsage, why, [&] { (void)plan(s); });
   };
-  refuses("memory = \"cycle\"", "memory = \"cycle\"");
   refuses("mover = \"card\"", "transformer");
   refuses("pairs = [\"obb-obb\", \"ray-triangle\"]",
           "query 'q' needs a pipe for ray-sphere, but the bitstream asked for has pairs = "
@@ -491,6 +490,34 @@ TEST(Plan, TakesTheBusAndTheCheckBitsThatAreAskedFor) {
   EXPECT_TRUE(both.board.ecc);
   EXPECT_TRUE(effect(both, "bus timing").used);
   EXPECT_TRUE(effect(both, "ecc").used);
+}
+
+TEST(Plan, SaysWhoseTimesAreModelled) {
+  const Plan bare = plan(parse_scene(kGood, "s.toml"));
+  EXPECT_NE(effect(bare, "bus timing").why.find("host ideal, 64 bits, bursts of 4096 bytes"),
+            std::string::npos);
+  EXPECT_FALSE(effect(bare, "memory timing").used);
+  const Scene s = parse_scene(std::string("[card]\nhost = \"p64-2001\"\nburst = 256\nnarrow = "
+                                          "true\nmemory = \"cycle\"\n") +
+                                  kGood,
+                              "s.toml");
+  EXPECT_EQ(s.card.host.name, "p64-2001");
+  EXPECT_EQ(s.card.burst, 256u);
+  EXPECT_TRUE(s.card.narrow);
+  const Plan old = plan(s);
+  EXPECT_EQ(old.board.bus, Bus::kFunctional);
+  EXPECT_NE(effect(old, "bus timing").why.find("host p64-2001, 32 bits, bursts of 256 bytes"),
+            std::string::npos);
+  EXPECT_TRUE(effect(old, "memory timing").used);
+  const auto refuses = [](const std::string& line, const std::string& why,
+                          ErrorCode code = ErrorCode::kBadInput) {
+    expect_error(code, why, [&] { (void)parse_scene("[card]\n" + line + "\n" + kGood, "s.toml"); });
+  };
+  refuses("host = \"pentium\"", "host");
+  refuses("burst = 32", "burst");
+  refuses("burst = 8192", "burst");
+  refuses("burst = 100", "multiple of 8");
+  refuses("narrow = 32", "narrow", ErrorCode::kFile);
 }
 
 TEST(Plan, RefusesMoreThanTheMemoryHolds) {

@@ -27,8 +27,9 @@ struct QueryFrame {
   Counters counters;  ///< sums over the packets; records are those of the card
   std::uint64_t passes = 0;
   std::uint64_t secondary_words = 0;   ///< uploaded into DDR for this query
-  std::uint64_t secondary_clocks = 0;  ///< of the local bus for them
-  std::uint64_t primary_clocks = 0;    ///< of the local bus for loading primaries
+  std::uint64_t secondary_clocks = 0;  ///< core clocks that this took,
+  std::uint64_t secondary_ps = 0;      ///< and modelled picoseconds
+  std::uint64_t primary_clocks = 0;    ///< core clocks of loading primaries
   std::uint64_t download_clocks = 0;   ///< the rest: reading records, register accesses. In modes
                                        ///< all and hits records are read while the pass runs, and
                                        ///< much of it counts as compute.
