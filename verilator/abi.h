@@ -6,15 +6,18 @@
 #define CDE_ABI_H
 #include <stdint.h>
 
+#include "abi_memory.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-#define CDE_BOARD_ABI 1u
+#define CDE_BOARD_ABI 2u
 
 typedef struct cde_board_options {
-  uint32_t ddr_latency;     /* clocks from a slot request to its data, >= 1 */
-  uint32_t clock_period_ps; /* only the time axis of waves depends on it */
+  uint32_t memory;          /* CDE_MEMORY_* */
+  uint32_t ddr_latency;     /* of the ideal one, clocks from a slot request to its data, >= 1 */
+  uint32_t clock_period_ps; /* time axis of waves, and of CDE_MEMORY_CYCLE */
 } cde_board_options;
 
 typedef struct cde_board_api {
@@ -38,8 +41,11 @@ typedef struct cde_board_api {
 
   /* Clocks until the interrupt line is high, at most max_clocks; returns the clocks spent. */
   uint64_t (*run)(void* card, uint64_t max_clocks);
+  /* So many clocks, whatever the interrupt line does. */
+  void (*advance)(void* card, uint64_t clocks);
   int (*interrupt)(void* card);
   uint64_t (*clocks)(void* card); /* since creation */
+  void (*memory)(void* card, cde_memory_counters* counters);
 
   /* Waves: 0, or -1 if the bitstream has no tracing or the file cannot be written. Closed by
    * destroy as well. */

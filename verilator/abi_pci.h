@@ -7,11 +7,13 @@
 #define CDE_ABI_PCI_H
 #include <stdint.h>
 
+#include "abi_memory.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-#define CDE_PCI_ABI 1u
+#define CDE_PCI_ABI 2u
 
 /* What a host adds to the card's own clocks; docs/pci.md has the figures and where they come from.
  */
@@ -26,7 +28,8 @@ typedef struct cde_pci_profile {
 typedef struct cde_pci_options {
   uint32_t core_period_ps; /* core clock */
   uint32_t pci_period_ps;  /* PCI clock, 15000 for 66.67 MHz */
-  uint32_t ddr_latency;    /* core clocks from a slot request to its data, >= 1 */
+  uint32_t memory;         /* CDE_MEMORY_* */
+  uint32_t ddr_latency;    /* of the ideal one, core clocks from a slot request to its data, >= 1 */
   uint32_t narrow;         /* 1: the host has a 32-bit bus */
   uint64_t memory_bytes;   /* host memory, a multiple of 4096, at most 1 GiB */
   uint64_t seed;           /* of the order of physical pages; in `pci_bridge` of local-bus stalls */
@@ -115,6 +118,7 @@ typedef struct cde_pci_api {
   int (*interrupt)(void* host);
   uint64_t (*time_ps)(void* host); /* since creation */
   void (*counters)(void* host, cde_pci_counters* counters);
+  void (*memory_counters)(void* host, cde_memory_counters* counters); /* of the card's DDR */
 
   int (*fault)(void* host, uint32_t kind, uint32_t count, uint32_t value); /* -1: no such fault */
   const char* (*violation)(void* host); /* first rule of PCI broken, with its clock; NULL if none */

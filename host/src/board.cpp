@@ -77,12 +77,16 @@ void Board::Impl::write(card::Space space, std::uint32_t offset, const void* dat
 
 std::uint64_t Board::Impl::read_register(std::uint32_t offset) {
   std::uint64_t value = 0;
+  const std::uint64_t start = link->time_ps();
   link->read(card::kSpaceReg, offset, &value, 1);
+  register_ps += link->time_ps() - start;
   return value;
 }
 
 void Board::Impl::write_register(std::uint32_t offset, std::uint64_t value) {
+  const std::uint64_t start = link->time_ps();
   link->write(card::kSpaceReg, offset, &value, 1);
+  register_ps += link->time_ps() - start;
 }
 
 void Board::Impl::check_bus(const char* during) {
@@ -139,9 +143,7 @@ Board Board::open(const BoardConfig& config, const OpenOptions& options) {
   auto impl =
       std::make_unique<Impl>(config.bus == Bus::kCycle ? pci_link(std::move(bitstream), options)
                                                        : local_link(std::move(bitstream), options),
-                             file);
-  impl->pass_retry_limit = options.bus_retries;
-  impl->ddr_latency = options.ddr_latency;
+                             file, options);
   check_identity(*impl, config, expected, file);
   return Board(std::move(impl));
 }
@@ -260,9 +262,10 @@ void Board::Impl::load(std::uint32_t first, Shape shape, std::size_t count,
 }
 
 void Board::load_words(Shape shape, std::size_t count, const Words& words) {
-  const std::uint64_t start = clocks();
+  const std::uint64_t start = clocks(), start_ps = time_ps();
   impl_->load(0, shape, count, words);
   impl_->load_clocks = clocks() - start;
+  impl_->load_ps = time_ps() - start_ps;
   impl_->loaded = static_cast<std::uint32_t>(count);
   impl_->primary_shape = shape;
 }
@@ -271,9 +274,10 @@ void Board::load_second_words(Shape shape, std::size_t count, const Words& words
   if (!impl_->parallel) throw Error(ErrorCode::kUsage, "this card works on one pair at a time");
   if (impl_->loaded == 0)
     throw Error(ErrorCode::kUsage, "the first pair's primaries are loaded before the second's");
-  const std::uint64_t start = clocks();
+  const std::uint64_t start = clocks(), start_ps = time_ps();
   impl_->load(impl_->split(), shape, count, words);
   impl_->load_clocks += clocks() - start;
+  impl_->load_ps += time_ps() - start_ps;
   impl_->second_loaded = static_cast<std::uint32_t>(count);
   impl_->second_shape = shape;
 }
@@ -347,6 +351,9 @@ BusCounters Board::bus_counters() const {
   c.pass_retries = impl_->pass_retries;
   return c;
 }
+MemoryCounters Board::memory_counters() const {
+  return impl_->link->memory_counters();
+}
 void Board::inject(BusFault fault, std::uint32_t count, std::uint32_t value) {
   impl_->link->inject(fault, count, value);
 }
@@ -379,6 +386,15 @@ bool same_bits(const Record& a, const Record& b) {
          bits(a.n.z()) == bits(b.n.z());
 }
 
+ModelledTime& ModelledTime::operator+=(const ModelledTime& other) {
+  load += other.load;
+  engine += other.engine;
+  write_back += other.write_back;
+  download += other.download;
+  registers += other.registers;
+  return *this;
+}
+
 Counters& Counters::operator+=(const Counters& other) {
   cycles += other.cycles;
   writeback += other.writeback;
@@ -393,6 +409,7 @@ Counters& Counters::operator+=(const Counters& other) {
   records += other.records;
   upload_clocks += other.upload_clocks;
   total_clocks += other.total_clocks;
+  time += other.time;
   return *this;
 }
 

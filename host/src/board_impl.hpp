@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 
+#include "bus_time.hpp"
 #include "card_link.hpp"
 #include "cde/board.hpp"
 
@@ -18,8 +19,13 @@ struct ObjectTable {
 /// State of a Board, and single accesses to its card. Private to the driver.
 class Board::Impl {
  public:
-  Impl(std::unique_ptr<CardLink> way, std::filesystem::path file)
-      : link(std::move(way)), bitstream(std::move(file)) {}
+  Impl(std::unique_ptr<CardLink> way, std::filesystem::path file, const OpenOptions& options)
+      : link(std::move(way)),
+        bitstream(std::move(file)),
+        bus(options),
+        period_ps(options.clock_period_ps),
+        ddr_latency(options.ddr_latency),
+        pass_retry_limit(options.bus_retries) {}
 
   /// Over the link, and counted if it is shapes or objects.
   void write(card::Space space, std::uint32_t offset, const void* data, std::uint64_t beats);
@@ -51,7 +57,11 @@ class Board::Impl {
 
   std::unique_ptr<CardLink> link;
   std::filesystem::path bitstream;
-  unsigned lanes = 0, primaries = 0, pipe_latency = 0, ddr_latency = 0;
+  BusTime bus;              ///< of either kind of link, for deadlines
+  std::uint64_t period_ps;  ///< of the core clock
+  unsigned ddr_latency;
+  unsigned pass_retry_limit;
+  unsigned lanes = 0, primaries = 0, pipe_latency = 0;
   std::uint64_t capacity = 0, sram_records = 0;  ///< bytes of DDR
   std::uint32_t secondaries = 0;                 ///< uploaded
   std::uint32_t loaded = 0;                      ///< primaries in the register file
@@ -62,7 +72,8 @@ class Board::Impl {
   unsigned slot_words = 0;      ///< of a primary
   unsigned facet_interval = 1;  ///< clocks from row to row of pairs with facets
   std::uint64_t pass_retries = 0;
-  unsigned pass_retry_limit = 0;
+  std::uint64_t register_ps = 0;  ///< spent in read_register() and write_register()
+  std::uint64_t load_ps = 0;      ///< spent in the last load of primaries
   std::uint64_t upload_clocks = 0, load_clocks = 0, words_uploaded = 0;
   ObjectTable objects{"secondaries", card::kObjectTable};
   ObjectTable primary_objects{"primaries", card::kPrimObjectTable};

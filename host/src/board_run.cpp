@@ -38,6 +38,7 @@ class Pass {
         sink_(sink),
         swept_(card.swept()),
         started_(card.clocks()),
+        registers_before_(card.register_ps),
         wall_start_(std::chrono::steady_clock::now()) {
     split_ = card.split();
     const unsigned second = query.second ? card.second_loaded : 0;
@@ -63,12 +64,24 @@ class Pass {
     streaming_ = query.mode == Mode::kAll || query.mode == Mode::kHits;
     const std::uint64_t records = streaming_ ? active_ * swept_ : active_;
     expected_clocks_ = rows_total + (streaming_ && query.mode == Mode::kAll ? records : 0) + 1;
-    // Twice the worst: every row, every record written and read back, the memory's latency a slot.
-    const std::uint64_t worst = rows_total + 2 * (2 + kBeatsPerRecord) * records +
+    // Twice the worst: every row, every record written and read back, the memory's latency a slot,
+    // and whatever the accesses to registers take.
+    constexpr std::uint64_t kAccessesPs = 100'000'000;
+    const std::uint64_t worst = rows_total + 2 * (2 + kBeatsPerRecord + record_clocks()) * records +
                                 swept_ * (card.ddr_latency / 32 + 2) + 8192 + card.pipe_latency +
-                                (ring ? clocks_a_row * kRing : 0);
+                                (ring ? clocks_a_row * kRing : 0) + kAccessesPs / card.period_ps;
     ring_entries_ = query.normals ? 2 : 1;
     deadline_ = query.deadline_clocks != 0 ? query.deadline_clocks : 2 * worst;
+  }
+
+  /// Core clocks that a record takes over the bus, in transfers as short as they may be.
+  [[nodiscard]] std::uint64_t record_clocks() const {
+    const std::uint64_t together = std::clamp<std::uint64_t>(
+        query_.drain_records, 1, std::min<std::uint64_t>(card_.sram_records, 1024));
+    const std::uint64_t ps =
+        card_.bus.transfer(static_cast<std::uint32_t>(32 * together), true).clocks.ps() +
+        3 * card_.bus.read().ps();
+    return ps / (together * card_.period_ps) + 1;
   }
 
   Counters execute() {
@@ -122,7 +135,9 @@ class Pass {
     for (;;) {
       const std::uint64_t spent = card_.clocks() - started_;
       if (spent >= deadline_) timeout(fmt::format("deadline of {} clocks", deadline_));
+      const std::uint64_t asleep = card_.link->time_ps();
       card_.link->run(std::min(kSlice, deadline_ - spent));
+      waited_ps_ += card_.link->time_ps() - asleep;
       if (card_.link->interrupt()) {
         const std::uint64_t status = card_.read_register(card::kRegStatus);
         if (bit(status, card::kStatusCommandError)) device_error("command refused", status);
@@ -147,7 +162,9 @@ class Pass {
     std::array<std::uint32_t, 8 * kChunk> words;
     while (wanted != 0) {
       const std::uint64_t n = std::min(wanted, kChunk);
+      const std::uint64_t before = card_.link->time_ps();
       card_.link->read(card::kSpaceSram, 0, words.data(), n * kBeatsPerRecord);
+      download_ps_ += card_.link->time_ps() - before;
       records_.clear();
       for (std::uint64_t i = 0; i < n; ++i) take(&words[8 * i]);
       received_ += n;
@@ -208,6 +225,12 @@ class Pass {
     c.records = received_ / each;
     c.upload_clocks = card_.load_clocks;
     c.total_clocks = card_.clocks() - started_ + card_.load_clocks;
+    c.time = {.load = card_.load_ps,
+              .engine = waited_ps_,
+              .write_back = std::min(waited_ps_, c.writeback * card_.period_ps),
+              .download = download_ps_,
+              .registers = card_.register_ps - registers_before_};
+    c.time.engine -= c.time.write_back;
     return c;
   }
 
@@ -246,6 +269,7 @@ class Pass {
   const RecordSink& sink_;
   std::uint64_t swept_;  // secondaries
   std::uint64_t started_;
+  std::uint64_t registers_before_, waited_ps_ = 0, download_ps_ = 0;
   std::chrono::steady_clock::time_point wall_start_;
   std::uint64_t deadline_ = 0, expected_clocks_ = 0, received_ = 0;
   unsigned active_ = 0, slots_ = 0, split_ = 0;  // of primaries

@@ -29,6 +29,7 @@ class CardLink {
   /// Modelled time since power-on, of bus and core.
   [[nodiscard]] virtual std::uint64_t time_ps() const = 0;
   [[nodiscard]] virtual BusCounters counters() const = 0;
+  [[nodiscard]] virtual MemoryCounters memory_counters() const = 0;
   /// Ends the state of a lost device, too.
   virtual void reset() = 0;
   /// Error kUsage if this kind of bus has no faults.
@@ -43,8 +44,9 @@ class CardLink {
   [[nodiscard]] virtual std::uint64_t config_hash() const = 0;
 };
 
-/// The local bus itself, driven by the harness: one beat a core clock. Errors: kConfiguration if
-/// the bitstream speaks another interface, kDevice if there is no memory for the card.
+/// The local bus itself, driven by the harness; the time that PCI would take is computed
+/// (bus_time.hpp) and counts from a card that the host has set up. Errors: kConfiguration if the
+/// bitstream speaks another interface, kDevice if there is no memory for the card.
 [[nodiscard]] std::unique_ptr<CardLink> local_link(Bitstream bitstream, const OpenOptions& options);
 
 /// A card behind PCI: registers by single accesses, all else by the card's DMA engine through pages

@@ -1,27 +1,36 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "abi.h"
+#include "bus_time.hpp"
 #include "card_link.hpp"
 #include "cde/error.hpp"
+#include "cde/pci.hpp"
 
 namespace cde {
 namespace {
 
-constexpr std::uint64_t kAccessClocks = 1000;  // no single access takes this long
+constexpr std::uint64_t kAccessClocks = 1000;    // no single access takes this long
+constexpr std::uint64_t kFirstAskClocks = 1024;  // as the driver behind PCI asks for interrupts
 
+/// Beats go over the local bus as fast as the card takes them; what they would take on PCI is
+/// added to the modelled time. While a pass runs, its clocks go on in that time; clocks in which
+/// the card has nothing to do are not simulated.
 class LocalLink final : public CardLink {
  public:
   LocalLink(Bitstream bitstream, const OpenOptions& options)
-      : bitstream_(std::move(bitstream)), period_ps_(options.clock_period_ps) {
+      : bitstream_(std::move(bitstream)), period_ps_(options.clock_period_ps), bus_(options) {
     api_ = reinterpret_cast<cde_board_entry_fn>(bitstream_.symbol("cde_board_entry"))();
     if (api_->abi != CDE_BOARD_ABI) {
       throw Error(ErrorCode::kConfiguration,
                   fmt::format("bitstream {}: C interface version {}, this driver speaks {}",
                               bitstream_.path().string(), api_->abi, CDE_BOARD_ABI));
     }
-    const cde_board_options card_options = {options.ddr_latency, options.clock_period_ps};
+    const cde_board_options card_options = {.memory = static_cast<std::uint32_t>(options.memory),
+                                            .ddr_latency = options.ddr_latency,
+                                            .clock_period_ps = options.clock_period_ps};
     card_ = api_->create(&card_options);
     if (card_ == nullptr) throw Error(ErrorCode::kDevice, "no memory for the card's models");
   }
@@ -31,20 +40,73 @@ class LocalLink final : public CardLink {
 
   void write(card::Space space, std::uint32_t offset, const void* data,
              std::uint64_t beats) override {
-    transferred(api_->write(card_, space, offset, data, beats, beats * 4 + kAccessClocks), beats,
-                "written to", space, offset);
+    const auto put = [&](const std::uint8_t* from, std::uint64_t done, std::uint64_t n) {
+      clocked([&] {
+        transferred(api_->write(card_, space, offset + static_cast<std::uint32_t>(8 * done),
+                                from + 8 * done, n, n * 4 + kAccessClocks),
+                    n, "written to", space, offset);
+      });
+    };
+    const auto* bytes = static_cast<const std::uint8_t*>(data);
+    if (is_register(space, offset, beats)) {
+      access(bus_.write(beats));
+      put(bytes, 0, beats);
+      follow(offset, bytes, beats);
+    } else {
+      counters_.bytes_to_card += 8 * beats;
+      in_pieces(beats, false, [&](std::uint64_t done, std::uint64_t n) { put(bytes, done, n); });
+    }
   }
   void read(card::Space space, std::uint32_t offset, void* data, std::uint64_t beats) override {
-    transferred(api_->read(card_, space, offset, data, beats, beats * 4 + kAccessClocks), beats,
-                "read from", space, offset);
+    auto* bytes = static_cast<std::uint8_t*>(data);
+    const auto get = [&](std::uint64_t done, std::uint64_t n) {
+      const std::uint64_t at = space == card::kSpaceSram ? 0 : 8 * done;
+      clocked([&] {
+        transferred(api_->read(card_, space, offset + static_cast<std::uint32_t>(at),
+                               bytes + 8 * done, n, n * 4 + kAccessClocks),
+                    n, "read from", space, offset);
+      });
+    };
+    if (is_register(space, offset, beats)) {
+      access(bus_.read(beats));
+      get(0, beats);
+      for (std::uint64_t i = 0; i < beats; ++i)
+        if (offset + 8 * i == card::kRegStatus) watch(bytes + 8 * i);
+    } else {
+      counters_.bytes_to_host += 8 * beats;
+      in_pieces(beats, true, get);
+    }
   }
 
-  std::uint64_t run(std::uint64_t max_clocks) override { return api_->run(card_, max_clocks); }
+  /// As the driver of a card behind PCI waits: it asks at intervals that double.
+  std::uint64_t run(std::uint64_t max_clocks) override {
+    const std::uint64_t start = now_, end = now_ + max_clocks * period_ps_;
+    for (std::uint64_t slice = kFirstAskClocks; now_ < end && !interrupt(); slice *= 2) {
+      const std::uint64_t left = (end - now_ + period_ps_ - 1) / period_ps_;
+      const std::uint64_t spent = api_->run(card_, std::min(slice, left));
+      now_ += spent * period_ps_;
+      core_ = now_;
+      charge(interrupt() ? BusTime::interrupt() : polled());
+    }
+    return (now_ - start) / period_ps_;
+  }
   bool interrupt() override { return api_->interrupt(card_) != 0; }
-  [[nodiscard]] std::uint64_t clocks() const override { return api_->clocks(card_); }
-  [[nodiscard]] std::uint64_t time_ps() const override { return clocks() * period_ps_; }
-  [[nodiscard]] BusCounters counters() const override { return counters_; }
-  void reset() override { api_->reset(card_); }
+  [[nodiscard]] std::uint64_t clocks() const override { return now_ / period_ps_; }
+  [[nodiscard]] std::uint64_t time_ps() const override { return now_; }
+  [[nodiscard]] BusCounters counters() const override {
+    BusCounters c = counters_;
+    c.pci_clocks = now_ / BusTime::kPciPs;
+    return c;
+  }
+  [[nodiscard]] MemoryCounters memory_counters() const override {
+    cde_memory_counters c{};
+    api_->memory(card_, &c);
+    return {.bursts = c.bursts, .row_misses = c.row_misses, .refreshes = c.refreshes};
+  }
+  void reset() override {
+    api_->reset(card_);
+    running_ = false;
+  }
   void inject(BusFault, std::uint32_t, std::uint32_t) override {
     throw Error(ErrorCode::kUsage,
                 "the functional bus has no faults; open the board with Bus::kCycle");
@@ -65,6 +127,76 @@ class LocalLink final : public CardLink {
   [[nodiscard]] std::uint64_t config_hash() const override { return api_->config_hash; }
 
  private:
+  static bool is_register(card::Space space, std::uint32_t offset, std::uint64_t beats) {
+    return space == card::kSpaceReg && offset + 8 * beats <= pci::kRegisters;
+  }
+
+  // ---- Time ----
+
+  /// Time of the bus, in which a pass goes on.
+  void charge(const BusTime::Clocks& bus) {
+    counters_.pci_busy += bus.busy;
+    counters_.pci_data += bus.data;
+    elapse(bus.ps());
+  }
+  void elapse(std::uint64_t ps) {
+    now_ += ps;
+    if (!running_) core_ = now_;
+    if (core_ >= now_) return;
+    const std::uint64_t clocks = (now_ - core_) / period_ps_;
+    api_->advance(card_, clocks);
+    core_ += clocks * period_ps_;
+  }
+  /// Calls that clock the core: time that a pass has had.
+  template <class F>
+  void clocked(const F& call) {
+    const std::uint64_t before = api_->clocks(card_);
+    call();
+    if (running_) core_ += (api_->clocks(card_) - before) * period_ps_;
+  }
+  void access(const BusTime::Clocks& clocks) {
+    ++counters_.register_accesses;
+    charge(clocks);
+  }
+  BusTime::Clocks polled() {
+    ++counters_.register_accesses;
+    return bus_.poll();
+  }
+
+  /// A pass begins with a control write and is over when the status says so.
+  void follow(std::uint32_t offset, const std::uint8_t* data, std::uint64_t beats) {
+    if (offset > card::kRegControl || offset + 8 * beats <= card::kRegControl) return;
+    std::uint64_t value = 0;
+    std::memcpy(&value, data + (card::kRegControl - offset), sizeof value);
+    if ((value & card::kControlGo) != 0 && !running_) {
+      running_ = true;
+      core_ = now_;
+    }
+  }
+  void watch(const std::uint8_t* data) {
+    std::uint64_t status = 0;
+    std::memcpy(&status, data, sizeof status);
+    running_ = running_ && (status >> card::kStatusBusy & 1) != 0;
+  }
+
+  /// A transfer in as many pieces as the driver of a card behind PCI makes of it.
+  template <class F>
+  void in_pieces(std::uint64_t beats, bool to_host, const F& move) {
+    constexpr std::uint64_t kPiece = BusTime::kMappedBytes / 8;
+    for (std::uint64_t done = 0; done < beats;) {
+      const std::uint64_t n = std::min(kPiece, beats - done);
+      const BusTime::Transfer t = bus_.transfer(static_cast<std::uint32_t>(8 * n), to_host);
+      counters_.register_accesses += t.accesses;
+      ++counters_.transfers;
+      elapse(t.lead * BusTime::kPciPs);
+      move(done, n);
+      BusTime::Clocks rest = t.clocks;
+      rest.all -= t.lead;
+      charge(rest);
+      done += n;
+    }
+  }
+
   void transferred(std::uint64_t done, std::uint64_t wanted, const char* what, card::Space space,
                    std::uint32_t offset) const {
     if (done == wanted) return;
@@ -75,6 +207,10 @@ class LocalLink final : public CardLink {
 
   Bitstream bitstream_;
   std::uint32_t period_ps_;
+  BusTime bus_;
+  std::uint64_t now_ = 0;   // modelled time
+  std::uint64_t core_ = 0;  // up to which a pass has been simulated; now and then a little ahead
+  bool running_ = false;    // a pass
   BusCounters counters_;
   const cde_board_api* api_ = nullptr;
   void* card_ = nullptr;

@@ -56,6 +56,7 @@ class PciLink final : public CardLink {
     const cde_pci_options card_options = {
         .core_period_ps = period_ps_,
         .pci_period_ps = 15'000,
+        .memory = static_cast<std::uint32_t>(options.memory),
         .ddr_latency = options.ddr_latency,
         .narrow = options.narrow_bus ? 1u : 0u,
         .memory_bytes = std::uint64_t{2} * (kDataPage + kDataPages) * kPageBytes,
@@ -132,6 +133,11 @@ class PciLink final : public CardLink {
     c.pci_busy = pci.busy;
     c.pci_data = pci.data;
     return c;
+  }
+  [[nodiscard]] MemoryCounters memory_counters() const override {
+    cde_memory_counters c{};
+    api_->memory_counters(host_, &c);
+    return {.bursts = c.bursts, .row_misses = c.row_misses, .refreshes = c.refreshes};
   }
   void reset() override {
     api_->reset(host_);

@@ -40,18 +40,6 @@ std::string measured(std::string_view effect) {
   return "not measured";
 }
 
-/// What the format of scenes has and this version of the card has not. Whatever becomes available
-/// is taken out here.
-void refuse_what_is_not_there(const Scene& scene) {
-  const auto refuse = [&](bool asked, const char* what, const char* instead) {
-    if (asked)
-      throw Error(ErrorCode::kUsage, fmt::format("{}: card, {}; {}", scene.file, what, instead));
-  };
-  refuse(scene.card.cycle_memory,
-         "memory = \"cycle\": this version has no memory with the timing of banks and refresh",
-         "use memory = \"ideal\", a slot a clock behind a fixed latency");
-}
-
 bool large(Pair pair) {
   switch (pair) {
     case Pair::kObbObb:
@@ -282,6 +270,7 @@ Effect residence(const Plan& plan) {
 std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
                                const std::vector<Effect>& movers) {
   const bool trace = plan.board.trace, cycle = plan.board.bus == Bus::kCycle;
+  const bool banks = scene.card.cycle_memory;
   std::vector<Effect> effects = {
       pipes(scene, plan),
       lanes(scene, plan),
@@ -293,11 +282,15 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
       residence(plan),
       {"two pairs at a time", false, "none", "queries run one after another", "not measured"},
       {"bus timing", cycle, cycle ? "cycle" : "functional",
-       cycle ? "asked for: PCI clock by clock"
-             : "two words a clock of the core, without PCI's protocol",
+       fmt::format("{}; host {}, {} bits, bursts of {} bytes",
+                   cycle ? "asked for: PCI clock by clock"
+                         : "what PCI would take is computed, not simulated",
+                   scene.card.host.name, scene.card.narrow ? 32 : 64, scene.card.burst),
        cycle ? "" : measured("bus")},
-      {"memory timing", false, "ideal", "a slot a clock behind a fixed latency",
-       measured("memory")},
+      {"memory timing", banks, banks ? "cycle" : "ideal",
+       banks ? "asked for: DDR-400 with banks, rows and refresh"
+             : "a slot a clock behind a fixed latency",
+       banks ? "" : measured("memory")},
       {"ecc", plan.board.ecc, plan.board.ecc ? "check bits in DDR" : "none",
        plan.board.ecc ? "asked for" : "not asked for", plan.board.ecc ? "" : measured("ecc")},
       {"trace", trace, trace ? "waves can be written" : "none",
@@ -330,7 +323,6 @@ void add_movers(const Scene& scene, const plan_mover::Movers& movers, Plan& plan
 }  // namespace
 
 Plan plan(const Scene& scene) {
-  refuse_what_is_not_there(scene);
   Plan plan;
   plan.board = board_of(scene);
   for (const SceneQuery& q : scene.queries) {

@@ -114,7 +114,7 @@ class Player::Impl {
   Impl(const Scene& scene, const Plan& plan, PlayOptions options)
       : scene_(scene),
         options_(std::move(options)),
-        board_(Board::open(plan.board, {.clock_period_ps = period(scene)})),
+        board_(Board::open(plan.board, options_of(scene))),
         secondaries_(board_, scene, plan),
         primaries_(board_, scene, plan),
         faults_(board_, options_.faults) {
@@ -137,22 +137,33 @@ class Player::Impl {
   [[nodiscard]] const Board& board() const { return board_; }
 
  private:
-  static std::uint32_t period(const Scene& scene) {
-    return static_cast<std::uint32_t>(std::clamp(1e12 / scene.card.clock_hz, 1.0, 4e9));
+  static OpenOptions options_of(const Scene& scene) {
+    OpenOptions o;
+    o.memory = scene.card.cycle_memory ? Memory::kCycle : Memory::kIdeal;
+    o.clock_period_ps =
+        static_cast<std::uint32_t>(std::clamp(1e12 / scene.card.clock_hz, 1.0, 4e9));
+    o.host = scene.card.host;
+    o.bus_burst = scene.card.burst;
+    o.narrow_bus = scene.card.narrow;
+    return o;
   }
 
   QueryFrame run(std::uint32_t frame, std::size_t number, const Sink& sink) {
     const SceneQuery& q = scene_.queries[number];
     QueryFrame result;
     const auto start = Clock::now();
-    const std::uint64_t before = board_.clocks(), written = board_.words_uploaded();
+    const std::uint64_t before = board_.clocks(), before_ps = board_.time_ps();
+    const std::uint64_t written = board_.words_uploaded();
     secondaries_.show(q.secondaries, frame);
     result.secondary_words = board_.words_uploaded() - written;
     result.secondary_clocks = board_.clocks() - before;
+    result.secondary_ps = board_.time_ps() - before_ps;
     result.pass_seconds = seconds_since(start);
     const Shapes& there = secondaries_.placed();
     faults_.flip(frame, size(there) * words(shape_of(there)));
+    const std::uint64_t shown_ps = board_.time_ps();
     primaries_.show(q.primaries, frame);
+    result.primary_ps = board_.time_ps() - shown_ps;
     const std::size_t packets = (size(primaries_.placed()) + kPacket - 1) / kPacket;
     for (std::size_t packet = 0; packet < packets; ++packet) {
       const auto progress = [&](double share) {
@@ -194,8 +205,10 @@ class Player::Impl {
                     secondaries_.placed());
     const auto start = Clock::now();
     double host = 0;
-    const std::uint64_t before = board_.clocks(), words = board_.words_uploaded();
+    const std::uint64_t before = board_.clocks(), before_ps = board_.time_ps();
+    const std::uint64_t words = board_.words_uploaded();
     primaries_.load(first, count);
+    result.primary_ps += board_.time_ps() - before_ps;
     result.primary_words += board_.words_uploaded() - words;
     result.primary_clocks += board_.clocks() - before;
     std::vector<Record> renumbered;

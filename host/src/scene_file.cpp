@@ -42,6 +42,13 @@ SceneCard read_card(Table t) {
       t.choice("algorithm", {"moller", "badouel", "pluecker", "watertight"}, 0));
   card.clock_hz = 1e6 * t.number("clock_mhz", 100.0, {.min = 0, .max = 1e6, .above = true});
   card.cycle_bus = t.choice("bus", {"functional", "cycle"}, 0) == 1;
+  std::vector<std::string> hosts;
+  for (const HostProfile& p : kHostProfiles) hosts.emplace_back(p.name);
+  card.host = kHostProfiles.at(t.choice("host", hosts, 0));
+  card.burst = t.integer<unsigned>("burst", 4096, 64, 4096);
+  if (card.burst % 8 != 0)
+    t.fail("burst", fmt::format("is {}; it must be a multiple of 8 bytes", card.burst));
+  card.narrow = t.flag("narrow", false);
   card.cycle_memory = t.choice("memory", {"ideal", "cycle"}, 0) == 1;
   card.ecc = t.flag("ecc", false);
   card.trace = t.flag("trace", false);

@@ -37,6 +37,7 @@ BusCard::BusCard(const BusOptions& options)
   if (api_->abi != CDE_PCI_ABI) throw std::runtime_error("another version of abi_pci.h");
   const cde_pci_options o = {.core_period_ps = options.core_period_ps,
                              .pci_period_ps = 15'000,
+                             .memory = CDE_MEMORY_IDEAL,
                              .ddr_latency = 20,
                              .narrow = options.narrow,
                              .memory_bytes = options.memory_bytes,

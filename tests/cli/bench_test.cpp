@@ -65,6 +65,35 @@ TEST_F(Bench, QuickPairs) {
   EXPECT_GE(fcl["hits_agreeing"], j["cases"].get<int>() - 2) << "fp32 against binary64";
 }
 
+TEST_F(Bench, QuickBus) {
+  const Ran ran = cde({"bench", "bus", "--quick", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto j = nlohmann::json::parse(ran.out)["bus"];
+  ASSERT_EQ(j["transfers"].size(), 3u) << "a host each";
+  double above = 2;
+  for (const auto& host : j["transfers"]) {
+    EXPECT_EQ(host["bus"], "functional");
+    double before = 0;
+    for (const auto& point : host["modelled"]) {
+      const double share = point["to_card_share"];
+      EXPECT_GT(share, before) << "larger transfers are not slower";
+      EXPECT_LT(share, 1);
+      before = share;
+    }
+    EXPECT_LT(before, above) << "from the best host to the worst";
+    above = before;
+  }
+  EXPECT_GT(j["transfers"][0]["modelled"].back()["to_card_share"], 0.9) << "ideal, 4 MB";
+  ASSERT_EQ(j["paper"].size(), 1u);
+  const auto& frame = j["paper"][0];
+  EXPECT_EQ(frame["tests"], 1014 * 256);
+  // 16 lanes at 100 MHz, and what p64-2001 adds.
+  const auto& s = frame["modelled_seconds"];
+  EXPECT_GT(s["engine"], 1014 * 16 * 10e-9);
+  EXPECT_LT(s["engine"], 1.05 * 1014 * 16 * 10e-9);
+  EXPECT_LT(s["total"], 1e-3);
+}
+
 TEST_F(Bench, UnknownSection) {
   const Ran ran = cde({"bench", "cars"});
   EXPECT_EQ(ran.status, 2);

@@ -468,15 +468,12 @@ TEST(Plan, CountsWork) {
   EXPECT_NE(effect(p, "transformer").cost.find("12000"), std::string::npos);
 }
 
-TEST(Plan, RefusesWhatThisVersionHasNot) {
-  const auto refuses = [](const std::string& card, const std::string& why) {
-    const Scene s = parse_scene("[card]\n" + card + "\n" + kGood, "s.toml");
-    expect_error(ErrorCode::kUsage, why, [&] { (void)plan(s); });
-  };
-  refuses("memory = \"cycle\"", "memory = \"cycle\"");
-  refuses("pairs = [\"obb-obb\", \"ray-triangle\"]",
-          "query 'q' needs a pipe for ray-sphere, but the bitstream asked for has pairs = "
-          "ray-triangle, obb-obb");
+TEST(Plan, RefusesAPairThatTheBitstreamHasNot) {
+  const Scene s = parse_scene("[card]\npairs = [\"obb-obb\", \"ray-triangle\"]\n" + kGood, "s.toml");
+  expect_error(ErrorCode::kUsage,
+               "query 'q' needs a pipe for ray-sphere, but the bitstream asked for has pairs = "
+               "ray-triangle, obb-obb",
+               [&] { (void)plan(s); });
 }
 
 TEST(Plan, MovesObjectsWhereThatTakesFewerWords) {
@@ -583,6 +580,34 @@ TEST(Plan, TakesTheBusAndTheCheckBitsThatAreAskedFor) {
   EXPECT_TRUE(both.board.ecc);
   EXPECT_TRUE(effect(both, "bus timing").used);
   EXPECT_TRUE(effect(both, "ecc").used);
+}
+
+TEST(Plan, SaysWhoseTimesAreModelled) {
+  const Plan bare = plan(parse_scene(kGood, "s.toml"));
+  EXPECT_NE(effect(bare, "bus timing").why.find("host ideal, 64 bits, bursts of 4096 bytes"),
+            std::string::npos);
+  EXPECT_FALSE(effect(bare, "memory timing").used);
+  const Scene s = parse_scene(std::string("[card]\nhost = \"p64-2001\"\nburst = 256\nnarrow = "
+                                          "true\nmemory = \"cycle\"\n") +
+                                  kGood,
+                              "s.toml");
+  EXPECT_EQ(s.card.host.name, "p64-2001");
+  EXPECT_EQ(s.card.burst, 256u);
+  EXPECT_TRUE(s.card.narrow);
+  const Plan old = plan(s);
+  EXPECT_EQ(old.board.bus, Bus::kFunctional);
+  EXPECT_NE(effect(old, "bus timing").why.find("host p64-2001, 32 bits, bursts of 256 bytes"),
+            std::string::npos);
+  EXPECT_TRUE(effect(old, "memory timing").used);
+  const auto refuses = [](const std::string& line, const std::string& why,
+                          ErrorCode code = ErrorCode::kBadInput) {
+    expect_error(code, why, [&] { (void)parse_scene("[card]\n" + line + "\n" + kGood, "s.toml"); });
+  };
+  refuses("host = \"pentium\"", "host");
+  refuses("burst = 32", "burst");
+  refuses("burst = 8192", "burst");
+  refuses("burst = 100", "multiple of 8");
+  refuses("narrow = 32", "narrow", ErrorCode::kFile);
 }
 
 TEST(Plan, RefusesMoreThanTheMemoryHolds) {

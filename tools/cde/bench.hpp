@@ -11,6 +11,7 @@ struct BenchOptions {
 };
 
 nlohmann::ordered_json bench_rays(const BenchOptions& options);
+nlohmann::ordered_json bench_bus(const BenchOptions& options);
 nlohmann::ordered_json bench_fp(const BenchOptions& options);
 nlohmann::ordered_json bench_pairs(const BenchOptions& options);
 

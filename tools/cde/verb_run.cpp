@@ -59,8 +59,14 @@ Frames frames_of(const std::string& text, const Scene& scene) {
   return {*first, *last};
 }
 
-const char* bus_name(const Scene& scene) {
-  return scene.card.cycle_bus ? "cycle (host ideal)" : "functional";
+std::string bus_name(const Scene& scene) {
+  const SceneCard& c = scene.card;
+  return fmt::format("{} (host {}, {} bits, bursts of {} bytes)",
+                     c.cycle_bus ? "cycle" : "functional", c.host.name, c.narrow ? 32 : 64,
+                     c.burst);
+}
+const char* memory_name(const Scene& scene) {
+  return scene.card.cycle_memory ? "cycle" : "ideal";
 }
 
 /// The card's words, as docs/scenes.md lays them out.
@@ -150,12 +156,10 @@ struct Totals {
   }
 };
 
-Json query_json(const std::string& name, const QueryFrame& f, double clock_hz) {
+Json query_json(const std::string& name, const QueryFrame& f) {
   const Counters& c = f.counters;
-  const auto time = [clock_hz](std::uint64_t clocks) {
-    return static_cast<double>(clocks) / clock_hz;
-  };
-  const std::uint64_t upload = f.secondary_clocks + f.primary_clocks;
+  const ModelledTime t = f.time();
+  const auto seconds = [](std::uint64_t ps) { return static_cast<double>(ps) * 1e-12; };
   return {{"query", name},
           {"passes", f.passes},
           {"records", c.records},
@@ -179,11 +183,12 @@ Json query_json(const std::string& name, const QueryFrame& f, double clock_hz) {
             {"primary_upload_clocks", f.primary_clocks},
             {"download_clocks", f.download_clocks}}},
           {"modelled_seconds",
-           {{"upload", time(upload)},
-            {"compute", time(c.cycles)},
-            {"write_back", time(c.writeback)},
-            {"download", time(f.download_clocks)},
-            {"total", time(upload + c.cycles + c.writeback + f.download_clocks)}}},
+           {{"upload", seconds(t.load)},
+            {"compute", seconds(t.engine)},
+            {"write_back", seconds(t.write_back)},
+            {"download", seconds(t.download)},
+            {"registers", seconds(t.registers)},
+            {"total", seconds(t.total())}}},
           {"wall_seconds", {{"card", f.pass_seconds}, {"reference", f.check_seconds}}}};
 }
 
@@ -205,7 +210,7 @@ class Run {
              {"clock_hz", scene.card.clock_hz},
              {"clock_is", "an assumption about the device, not a measurement"},
              {"bus", bus_name(scene)},
-             {"memory", "ideal"},
+             {"memory", memory_name(scene)},
              {"machine", machine()},
              {"plan", plan_json(scene, plan)},
              {"played", Json::array()}};
@@ -260,9 +265,9 @@ class Run {
       row("frames", fmt::format("{} of {}..{}", played, frames_.first, frames_.last));
       row("tests", fmt::format("{}, {} records, {} hits", t.tests, t.records, t.hits));
       row("modelled time",
-          fmt::format("{:.6g} ms a frame at {:g} MHz, bus {}, memory ideal",
+          fmt::format("{:.6g} ms a frame at {:g} MHz, bus {}, memory {}",
                       played == 0 ? 0 : 1e3 * t.modelled / static_cast<double>(played),
-                      scene_.card.clock_hz / 1e6, bus_name(scene_)));
+                      scene_.card.clock_hz / 1e6, bus_name(scene_), memory_name(scene_)));
       row("simulation", fmt::format("{:.3g} s, {:.4g} M tests/s; reference {:.3g} s", t.simulated,
                                     static_cast<double>(t.tests) / t.simulated / 1e6, t.checked));
       row("check", check_text());
@@ -312,7 +317,7 @@ class Run {
               {"files", written},
               {"queries", Json::array()}};
     for (std::size_t q = 0; q < answers.size(); ++q) {
-      j["queries"].push_back(query_json(scene_.queries[q].name, answers[q], scene_.card.clock_hz));
+      j["queries"].push_back(query_json(scene_.queries[q].name, answers[q]));
       totals_.add(j["queries"].back());
       if (answers[q].mismatches == 0 || !mismatch_.empty()) continue;
       mismatch_ = fmt::format(

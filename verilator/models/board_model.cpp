@@ -23,7 +23,7 @@ class Card {
       : options_(o),
         context_(new VerilatedContext),
         model_(new Vmodel(context_.get(), "board")),
-        chips_(options_.ddr_latency) {
+        chips_(options_.memory, options_.ddr_latency, options_.clock_period_ps) {
     reset();
   }
   ~Card() {
@@ -77,7 +77,11 @@ class Card {
     while (!model_->irq_o && clocks_ - start < max_clocks) tick();
     return clocks_ - start;
   }
+  void advance(uint64_t clocks) {
+    for (const uint64_t end = clocks_ + clocks; clocks_ < end;) tick();
+  }
   bool interrupt() const { return model_->irq_o; }
+  const cde_memory_counters& memory() const { return chips_.counters(); }
   uint64_t clocks() const { return clocks_; }
 
   int trace_open([[maybe_unused]] const char* path) {
@@ -165,8 +169,10 @@ const cde_board_api kApi = {
       return card(p)->read(space, offset, static_cast<uint8_t*>(data), beats, max_clocks);
     },
     [](void* p, uint64_t max_clocks) { return card(p)->run(max_clocks); },
+    [](void* p, uint64_t clocks) { card(p)->advance(clocks); },
     [](void* p) { return static_cast<int>(card(p)->interrupt()); },
     [](void* p) { return card(p)->clocks(); },
+    [](void* p, cde_memory_counters* c) { *c = card(p)->memory(); },
     [](void* p, const char* path) { return card(p)->trace_open(path); },
     [](void* p) { card(p)->trace_close(); },
     [](void* p, uint64_t byte, uint8_t mask) { card(p)->ddr_flip(byte, mask); },

@@ -9,12 +9,14 @@ namespace {
 class BoardSide {
  public:
   static constexpr const char* kKind = "card";
-  explicit BoardSide(const cde_pci_options& o) : chips_(o.ddr_latency) {}
+  explicit BoardSide(const cde_pci_options& o)
+      : chips_(o.memory, o.ddr_latency, o.core_period_ps) {}
   void reset() { chips_.reset(); }
   void before(Vmodel& m) { chips_.before(m); }
   void at(Vmodel& m) { chips_.at(m); }
   void after(Vmodel& m) { chips_.after(m); }
   void interrupt(bool) {}  // the board has its own
+  [[nodiscard]] const cde_memory_counters& counters() const { return chips_.counters(); }
   void* memory(uint32_t space, uint64_t& bytes) {
     if (space != kDdr && space != kSram) return nullptr;
     SparseMemory& m = space == kDdr ? chips_.ddr() : chips_.sram();

@@ -1,11 +1,11 @@
 // The memory chips of the board: DDR and SRAM on the ports of board.sv.
 #pragma once
-#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstring>
-#include <vector>
 
 #include "Vmodel.h"
+#include "ddr_timing.h"
 #include "parameters.h"
 #include "sparse_memory.h"
 
@@ -13,30 +13,34 @@
 /// rises, after().
 class Chips {
  public:
-  explicit Chips(uint32_t ddr_latency)
-      : ddr_(kDdrBytes + 64),
+  /// `memory` is CDE_MEMORY_*; the ideal one has a latency in clocks.
+  Chips(uint32_t memory, uint32_t ddr_latency, uint32_t clock_period_ps)
+      : ideal_(memory == CDE_MEMORY_IDEAL),
+        latency_(ddr_latency),
+        period_ps_(clock_period_ps),
+        ddr_(kDdrBytes + 64),
         check_(kEcc ? kDdrBytes / 4 + 64 : 1),
-        sram_(kSramBytes * (kRecord / 28)),
-        pending_(ddr_latency, kNone) {}
+        sram_(kSramBytes * (kRecord / 28)) {}
 
-  void reset() { std::fill(pending_.begin(), pending_.end(), kNone); }
+  void reset() { asked_ = answered_; }
   SparseMemory& ddr() { return ddr_; }
   SparseMemory& sram() { return sram_; }
+  [[nodiscard]] const cde_memory_counters& counters() const { return timing_.counters(); }
 
   /// What DDR answers in this clock was asked for earlier.
   void before(Vmodel& m) {
-    slot_ = clock_++ % pending_.size();
-    uint64_t& word = pending_[slot_];
-    m.ddr_valid_i = word != kNone;
-    if (word == kNone) return;
-    if (const uint8_t* p = ddr_.at(word * (sizeof(m.ddr_data_i) / 9), sizeof(m.ddr_data_i)))
+    ++clock_;
+    const Read& oldest = reads_[answered_ % kReads];
+    m.ddr_valid_i = answered_ != asked_ && oldest.due <= clock_;
+    if (!m.ddr_valid_i) return;
+    ++answered_;
+    if (const uint8_t* p = ddr_.at(oldest.word * kWordBytes, sizeof(m.ddr_data_i)))
       std::memcpy(&m.ddr_data_i, p, sizeof(m.ddr_data_i));
     if (kEcc)
-      if (const uint8_t* p = check_.at(word, 9)) std::memcpy(&m.ddr_check_i, p, 9);
-    word = kNone;
+      if (const uint8_t* p = check_.at(oldest.word, 9)) std::memcpy(&m.ddr_check_i, p, 9);
   }
   void at(const Vmodel& m) {
-    if (m.ddr_read_o) pending_[slot_] = m.ddr_read_word_o;
+    if (m.ddr_read_o) reads_[asked_++ % kReads] = {due(m.ddr_read_word_o), m.ddr_read_word_o};
     if (m.ddr_write_o)
       if (uint8_t* p = ddr_.at(m.ddr_write_addr_o, 8)) std::memcpy(p, &m.ddr_write_data_o, 8);
     if (kEcc && m.ddr_write_o) {
@@ -54,13 +58,27 @@ class Chips {
   }
 
  private:
-  static constexpr uint64_t kNone = ~0ull;
+  /// A beat that the card has asked for, and the clock from which on it is there.
+  struct Read {
+    uint64_t due = 0, word = 0;
+  };
+  [[nodiscard]] uint64_t due(uint64_t word) {
+    if (ideal_) return clock_ + latency_;
+    const uint64_t ready = timing_.read(clock_ * period_ps_, word * kWordBytes, 9 * kWordBytes);
+    return (ready + period_ps_ - 1) / period_ps_;
+  }
+
+  static constexpr uint64_t kReads = 256;  // more than the card asks for ahead
+  static constexpr uint64_t kWordBytes = sizeof(Vmodel::ddr_data_i) / 9;
   static constexpr uint64_t kDdrBytes = 2'000'000'000;
   static constexpr uint64_t kSramBytes = 7 * 2097152;
   static constexpr uint64_t kRecord = sizeof(Vmodel::sram_write_data_o);
   static constexpr bool kEcc = parameter("ECC", 0) != 0;  // a byte of check bits a word
+  const bool ideal_;
+  const uint64_t latency_, period_ps_;
+  DdrTiming timing_;
   SparseMemory ddr_, check_, sram_;
-  std::vector<uint64_t> pending_;
+  std::array<Read, kReads> reads_ = {};
   const uint8_t* fetched_ = nullptr;
-  uint64_t clock_ = 0, slot_ = 0;
+  uint64_t clock_ = 0, asked_ = 0, answered_ = 0;
 };

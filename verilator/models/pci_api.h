@@ -56,6 +56,7 @@ struct Api {
         [](void* p) { return static_cast<int>(card(p).interrupt()); },
         [](void* p) { return card(p).time_ps(); },
         [](void* p, cde_pci_counters* c) { *c = card(p).counters(); },
+        [](void* p, cde_memory_counters* c) { *c = card(p).local().counters(); },
         [](void* p, uint32_t kind, uint32_t count, uint32_t value) {
           return card(p).host().faults().add(kind, count, value) ? 0 : -1;
         },

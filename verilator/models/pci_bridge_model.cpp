@@ -20,6 +20,7 @@ class LocalMemory {
     irq_ = false;
   }
   void interrupt(bool level) { irq_ = level; }
+  [[nodiscard]] static cde_memory_counters counters() { return {}; }
   void* memory(uint32_t space, uint64_t& bytes) {
     bytes = space < 4 ? kBytes : 0;
     return space < 4 ? spaces_[space].data() : nullptr;

@@ -12,6 +12,7 @@
 #include "cde/bitstream.hpp"
 #include "cde/card.hpp"
 #include "cde/host_profile.hpp"
+#include "cde/memory.hpp"
 #include "cde/mesh.hpp"
 #include "cde/pair.hpp"
 #include "cde/primitives.hpp"
@@ -73,6 +74,23 @@ class TriangleView {
 /// Primaries left out of a pass (1 = masked): neither tested, updated nor downloaded.
 using Stencil = std::bitset<256>;
 
+/// Where the modelled time of a packet went: loading it, its pass, its records. Picoseconds, of
+/// both clocks and with the bus, as Board::time_ps() counts them. The parts do not overlap and
+/// nothing is left out.
+struct ModelledTime {
+  std::uint64_t load = 0;        ///< primaries into the register file
+  std::uint64_t engine = 0;      ///< waiting for the pass, up to its interrupt
+  std::uint64_t write_back = 0;  ///< of that wait, clocks that wrote the kept records to SRAM
+  std::uint64_t download = 0;    ///< transfers of records. In modes all and hits the pass goes on
+                                 ///< meanwhile, as far as the ring of records has room
+  std::uint64_t registers = 0;   ///< accesses to registers: settings, go, status, counters
+
+  ModelledTime& operator+=(const ModelledTime& other);
+  [[nodiscard]] std::uint64_t total() const {
+    return load + engine + write_back + download + registers;
+  }
+};
+
 /// What the card counted during passes. One clock is one period of the core clock.
 struct Counters {
   std::uint64_t cycles = 0;           ///< clocks from go to done, without writeback
@@ -87,8 +105,9 @@ struct Counters {
   std::uint64_t secondaries = 0;      ///< triangles swept (mode any may end early)
   std::uint64_t pairs = 0;            ///< ray-triangle tests: triangles swept times unmasked rays
   std::uint64_t records = 0;          ///< records written, all of which were downloaded
-  std::uint64_t upload_clocks = 0;    ///< local-bus clocks of loading the rays
+  std::uint64_t upload_clocks = 0;    ///< core clocks of loading the rays
   std::uint64_t total_clocks = 0;     ///< everything: loading, pass, download, register accesses
+  ModelledTime time;                  ///< the same, and where it went
 
   Counters& operator+=(const Counters& other);
   /// Time of the passes (cycles and writeback) at a core clock.
@@ -127,12 +146,14 @@ struct OpenOptions {
   std::optional<std::filesystem::path> file = {};  ///< this bitstream instead of a search
   std::optional<std::uint64_t> config_hash =
       {};  ///< that its card must show; with `file` by default what the search would ask for
-  std::uint32_t ddr_latency = 20;          ///< clocks from request to data, 1 to 10000
+  Memory memory = Memory::kIdeal;
+  std::uint32_t ddr_latency = 20;          ///< Memory::kIdeal: clocks from request to data, 1 to
+                                           ///< 10000
   std::uint32_t clock_period_ps = 10'000;  ///< of the core clock
-  HostProfile host = kHostProfiles[0];     ///< "ideal"; the bus's part of modelled times
+  HostProfile host = kHostProfiles[0];     ///< "ideal"; the host's part of modelled times
   std::uint32_t bus_burst = 4096;          ///< bytes of a DMA burst, 64 to 4096, a multiple of 8
   unsigned bus_retries = 4;                ///< of a failed transfer, access or pass, in a row
-  bool narrow_bus = false;                 ///< Bus::kCycle: the host has a 32-bit bus
+  bool narrow_bus = false;                 ///< the host has a 32-bit bus
 };
 
 /// Driver of one simulated card: the paper's Algorithm 1. Independent boards may live in different
@@ -231,9 +252,12 @@ class Board {
   /// when the device is lost.
   void reset();
 
-  /// Modelled time since power-on in picoseconds: core clocks, and what the bus takes.
+  /// Modelled time in picoseconds: core clocks, and what PCI takes with OpenOptions::host,
+  /// bus_burst and narrow_bus. Since power-on; with Bus::kFunctional since the host has set the
+  /// card up.
   [[nodiscard]] std::uint64_t time_ps() const;
   [[nodiscard]] BusCounters bus_counters() const;
+  [[nodiscard]] MemoryCounters memory_counters() const;
   /// The next `count` transactions of the card (or interrupts) get this fault; `value` as BusFault
   /// says. Error kUsage unless BoardConfig::bus is Bus::kCycle.
   void inject(BusFault fault, std::uint32_t count = 1, std::uint32_t value = 1);
@@ -261,7 +285,7 @@ class Board {
   void bus_write(card::Space space, std::uint32_t offset, std::span<const std::uint64_t> beats);
   void bus_read(card::Space space, std::uint32_t offset, std::span<std::uint64_t> beats);
   std::uint64_t wait(std::uint64_t max_clocks);  ///< until the interrupt; returns clocks spent
-  [[nodiscard]] std::uint64_t clocks() const;    ///< since the card was powered
+  [[nodiscard]] std::uint64_t clocks() const;    ///< core clocks of time_ps()
   void flip_ddr(std::uint64_t byte, std::uint8_t mask);  ///< as a memory fault would
 
  private:

@@ -7,7 +7,8 @@ namespace cde {
 
 /// How the way between host and card is simulated. Records are the same.
 enum class Bus {
-  kFunctional,  ///< transfers are beats on the card's local bus; their modelled time is computed
+  kFunctional,  ///< transfers are beats on the card's local bus; what they would take on PCI is
+                ///< computed
   kCycle,       ///< PCI signals clock by clock, and the card's DMA engine (docs/pci.md)
 };
 
@@ -46,7 +47,7 @@ struct BusCounters {
   std::uint64_t access_retries = 0;    ///< register accesses repeated after a parity error
   std::uint64_t pass_retries = 0;      ///< passes run again because records were lost on their way
   std::uint64_t lost_interrupts = 0;   ///< found by polling
-  std::uint64_t pci_clocks = 0;        ///< Bus::kCycle: since power-on; of them ...
+  std::uint64_t pci_clocks = 0;        ///< of modelled time; of them ...
   std::uint64_t pci_busy = 0;          ///< ... with a transaction on the bus,
   std::uint64_t pci_data = 0;          ///< ... in which data moved
 };

@@ -31,8 +31,10 @@ struct QueryFrame {
   std::uint64_t secondary_words = 0;   ///< written for this query: shapes that changed, ranges of
                                        ///< objects, 12 an object that the card moves
   std::uint64_t primary_words = 0;     ///< likewise, in slots of whole beats
-  std::uint64_t secondary_clocks = 0;  ///< of the local bus for them
-  std::uint64_t primary_clocks = 0;    ///< of the local bus for loading primaries
+  std::uint64_t secondary_clocks = 0;  ///< core clocks that the secondaries took,
+  std::uint64_t secondary_ps = 0;      ///< and modelled picoseconds
+  std::uint64_t primary_clocks = 0;    ///< core clocks of loading primaries,
+  std::uint64_t primary_ps = 0;        ///< and modelled picoseconds of loading and moving them
   std::uint64_t download_clocks = 0;   ///< the rest: reading records, register accesses. In modes
                                        ///< all and hits records are read while the pass runs, and
                                        ///< much of it counts as compute.
@@ -42,6 +44,13 @@ struct QueryFrame {
   std::string first_mismatch;          ///< what differed first, for people; empty if nothing did
   double pass_seconds = 0;   ///< wall time of the simulated card: uploads, passes, downloads
   double check_seconds = 0;  ///< of the reference
+
+  /// Where the modelled time of all of it went; `load` is secondaries and primaries.
+  [[nodiscard]] ModelledTime time() const {
+    ModelledTime t = counters.time;
+    t.load = secondary_ps + primary_ps;
+    return t;
+  }
 };
 
 /// Plays frames of a scene on a simulated card: what moves is posed and uploaded, or moved by

@@ -91,9 +91,12 @@ struct SceneCard {
   std::vector<Pair> pairs;  ///< pipes of the bitstream; empty: those of the queries
   Arithmetic arithmetic = Arithmetic::kHost;
   Algorithm algorithm = Algorithm::kMoller;
-  double clock_hz = 100e6;    ///< an assumption about the device
-  bool cycle_bus = false;     ///< a bus with the timing of PCI, not a word a clock
-  bool cycle_memory = false;  ///< DDR with the timing of banks and refresh
+  double clock_hz = 100e6;  ///< an assumption about the device
+  bool cycle_bus = false;   ///< PCI signals clock by clock; otherwise its time is computed
+  HostProfile host = kHostProfiles[0];  ///< that the card is plugged into
+  unsigned burst = 4096;                ///< bytes of a DMA burst at most
+  bool narrow = false;                  ///< the host has a 32-bit bus
+  bool cycle_memory = false;            ///< DDR with the timing of banks and refresh
   bool ecc = false;
   bool trace = false;
   Mover mover = Mover::kAuto;
