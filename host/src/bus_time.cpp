@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "card_link.hpp"
+
 namespace cde {
 namespace {
 
-// PCI clocks of rtl/bus and of the host bridge that no profile changes.
+// PCI clocks of rtl/bus and of the host bridge that no profile changes: states of their machines
+// along the way, in sums that were read off Bus::kCycle, where tests/bus/time_test.cpp looks again.
 constexpr std::uint64_t kAccess = 6;     // of the CPU: around the data phases of a write
 constexpr std::uint64_t kBetween = 4;    // of any access, with nobody on the bus
 constexpr std::uint64_t kReadBurst = 8;  // the card's own, from burst to burst
@@ -14,7 +17,7 @@ constexpr std::uint64_t kWriteBurst = 9;
 constexpr std::uint64_t kPage = 3;      // looking a page up before the transfer
 constexpr std::uint64_t kHandOver = 2;  // from one master to the other, with the arbitration
 constexpr std::uint64_t kDescriptor = 4, kRecord = 2;  // words
-constexpr std::uint64_t kUpload = 36;  // of a transfer to the card beside what is named here,
+constexpr double kUpload = 36;         // of a transfer to the card beside what is named here,
 constexpr double kDownload = 37.5;     // and of one to the host,
 constexpr double kDownloadCore = 4.5;  // which also crosses into the core's clock and back
 constexpr double kRequests = 16;       // words between the DMA engine's FIFO and the local bus
@@ -27,7 +30,6 @@ constexpr std::uint64_t kLead = 14;    // from the tail to the data, beside desc
 constexpr double kReadPci = 3.8, kReadCore = 5;
 
 constexpr std::uint64_t kPageBytes = 4096;
-constexpr std::uint64_t kFirstAskClocks = 1024;  // as pci_link.cpp asks for the end of a transfer
 
 }  // namespace
 
@@ -107,16 +109,17 @@ double BusTime::stolen(const Bursts& b, bool to_host, double since) const {
   return cuts == 0 ? kStep : cuts * (latency + kCut);
 }
 
+double BusTime::fixed_clocks(const Bursts& b, bool to_host) const {
+  const std::uint64_t first = to_host ? host_.write_latency : host_.read_latency;
+  const std::uint64_t known = (kDescriptor + kRecord) * phases_ + kPage * (b.pages - 1) +
+                              host_.read_latency + host_.write_latency + host_.arbitration + first;
+  return static_cast<double>(known) + (to_host ? kDownload + kDownloadCore * core_ : kUpload);
+}
+
 BusTime::Transfer BusTime::transfer(std::uint32_t bytes, bool to_host) const {
   const Bursts b = bursts(bytes);
   const std::uint64_t reads = to_host ? 1 : 1 + b.number;  // descriptor, data
   const std::uint64_t writes = to_host ? 1 + b.number : 1;
-  const std::uint64_t first = to_host ? host_.write_latency : host_.read_latency;
-  const double fixed =
-      static_cast<double>((kDescriptor + kRecord) * phases_ + kPage * (b.pages - 1) +
-                          host_.read_latency + host_.write_latency + host_.arbitration + first) +
-      (to_host ? kDownload + kDownloadCore * core_ : static_cast<double>(kUpload));
-
   Transfer t{.accesses = 4};
   Clocks& c = t.clocks;
   for (unsigned i = 0; i < 4; ++i) c += write();
@@ -132,6 +135,7 @@ BusTime::Transfer BusTime::transfer(std::uint32_t bytes, bool to_host) const {
   // The driver waits for the interrupt, and asks now and then whether it was lost.
   const double begun = static_cast<double>(lead) +
                        (to_host ? static_cast<double>(b.first) * std::max(1.0, core_) : 0);
+  const double fixed = fixed_clocks(b, to_host);
   double taken = 0, wait = fixed + data_clocks(b, to_host, taken);
   double asked = static_cast<double>(kFirstAskClocks) * core_, slice = asked;
   while (asked < wait) {

@@ -11,8 +11,7 @@ namespace cde {
 /// is transferred. Private to the driver.
 class BusTime {
  public:
-  static constexpr std::uint64_t kPciPs = 15'000;          ///< of a PCI clock, 66.67 MHz
-  static constexpr std::uint32_t kMappedBytes = 1u << 20;  ///< that the driver transfers at a time
+  static constexpr std::uint64_t kPciPs = 15'000;  ///< of a PCI clock, 66.67 MHz
 
   explicit BusTime(const OpenOptions& options);
 
@@ -23,8 +22,9 @@ class BusTime {
     [[nodiscard]] std::uint64_t ps() const { return all * kPciPs; }
   };
 
-  /// Accesses of the CPU to `count` registers of the card in a row. Writes are posted, in a burst;
-  /// each read is retried until its data have come from the core's clock domain.
+  /// Accesses of the CPU to `count` registers of the card in a row, at least one. Writes are
+  /// posted, in a burst; each read is retried until its data have come from the core's clock
+  /// domain.
   [[nodiscard]] Clocks write(std::uint64_t count = 1) const;
   [[nodiscard]] Clocks read(std::uint64_t count = 1) const;
   /// A read of a register of the bridge.
@@ -36,7 +36,7 @@ class BusTime {
     std::uint64_t lead = 0;  ///< of all clocks, those before the card's local bus is used
     unsigned accesses = 0;   ///< to registers
   };
-  /// At most kMappedBytes.
+  /// At least 8 bytes, a multiple of 8, at most kMappedBytes.
   [[nodiscard]] Transfer transfer(std::uint32_t bytes, bool to_host) const;
 
   /// From the card's interrupt line to the CPU.
@@ -52,6 +52,8 @@ class BusTime {
   /// From the first data phase, or for a write of host memory from the first request to the card's
   /// local bus, until the last word has arrived; `stolen` by polls from a busy bus.
   [[nodiscard]] double data_clocks(const Bursts& b, bool to_host, double stolen) const;
+  /// From the tail to the interrupt, without the data.
+  [[nodiscard]] double fixed_clocks(const Bursts& b, bool to_host) const;
   /// What a poll of the driver takes from a transfer, so many clocks after the data phases began.
   [[nodiscard]] double stolen(const Bursts& b, bool to_host, double since) const;
 

@@ -8,6 +8,12 @@
 
 namespace cde {
 
+/// A driver that waits for an interrupt asks whether it was lost: after so many core clocks, then
+/// at intervals that double.
+inline constexpr std::uint64_t kFirstAskClocks = 1024;
+/// Bytes that a driver has mapped, and so transfers at a time.
+inline constexpr std::uint32_t kMappedBytes = 1u << 20;
+
 /// The way from the driver to a card: accesses to its four spaces over whichever bus it is plugged
 /// into, and its interrupt. Times are the card's: core clocks since power-on. Private to the
 /// driver.

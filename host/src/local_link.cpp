@@ -12,8 +12,7 @@
 namespace cde {
 namespace {
 
-constexpr std::uint64_t kAccessClocks = 1000;    // no single access takes this long
-constexpr std::uint64_t kFirstAskClocks = 1024;  // as the driver behind PCI asks for interrupts
+constexpr std::uint64_t kAccessClocks = 1000;  // no single access takes this long
 
 /// Beats go over the local bus as fast as the card takes them; what they would take on PCI is
 /// added to the modelled time. While a pass runs, its clocks go on in that time; clocks in which
@@ -78,7 +77,7 @@ class LocalLink final : public CardLink {
     }
   }
 
-  /// As the driver of a card behind PCI waits: it asks at intervals that double.
+  /// As the driver of a card behind PCI waits.
   std::uint64_t run(std::uint64_t max_clocks) override {
     const std::uint64_t start = now_, end = now_ + max_clocks * period_ps_;
     for (std::uint64_t slice = kFirstAskClocks; now_ < end && !interrupt(); slice *= 2) {
@@ -182,7 +181,7 @@ class LocalLink final : public CardLink {
   /// A transfer in as many pieces as the driver of a card behind PCI makes of it.
   template <class F>
   void in_pieces(std::uint64_t beats, bool to_host, const F& move) {
-    constexpr std::uint64_t kPiece = BusTime::kMappedBytes / 8;
+    constexpr std::uint64_t kPiece = kMappedBytes / 8;
     for (std::uint64_t done = 0; done < beats;) {
       const std::uint64_t n = std::min(kPiece, beats - done);
       const BusTime::Transfer t = bus_.transfer(static_cast<std::uint32_t>(8 * n), to_host);
@@ -193,6 +192,7 @@ class LocalLink final : public CardLink {
       BusTime::Clocks rest = t.clocks;
       rest.all -= t.lead;
       charge(rest);
+      now_ = std::max(now_, core_);
       done += n;
     }
   }

@@ -18,10 +18,9 @@ constexpr std::uint32_t kBar =
 constexpr std::uint32_t kCommand = 0x146;  // memory, bus master, parity, SERR
 constexpr std::uint32_t kPageBytes = 1u << pci::kPageBits;
 // Pages by their entry in the card's page table: descriptors, completion records, data.
-constexpr std::uint32_t kRingPage = 0, kCompletionPage = 1, kDataPage = 2, kDataPages = 256;
-constexpr std::uint32_t kDataBytes = kDataPages * kPageBytes;
+constexpr std::uint32_t kRingPage = 0, kCompletionPage = 1, kDataPage = 2;
+constexpr std::uint32_t kDataBytes = kMappedBytes, kDataPages = kDataBytes / kPageBytes;
 constexpr unsigned kDescriptors = 16;
-constexpr std::uint64_t kFirstAskClocks = 1024;
 
 const char* text_of(std::uint32_t code) {
   static constexpr const char* kTexts[] = {"ok",

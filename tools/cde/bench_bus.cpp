@@ -64,8 +64,9 @@ void fill_ring(Board& board, std::size_t records) {
   board.write_register(card::kRegSecCount, count);
   board.write_register(card::kRegControl, card::kControlGo);
   board.wait(4 * kRays * count + 10'000);
+  const bool done = (board.read_register(card::kRegStatus) >> card::kStatusDone & 1) != 0;
   const std::uint64_t waiting = board.read_register(card::kRegRecords);
-  if (waiting < records)
+  if (!done || waiting < records)
     throw Error(ErrorCode::kDevice,
                 fmt::format("{} records in the card, not {}", waiting, records));
   board.write_register(card::kRegControl, card::kControlClear);

@@ -206,7 +206,7 @@ class Board {
   /// range that is empty or reaches beyond the upload (run() looks again), or for a rotated object
   /// of AABBs; kBadInput naming an object whose transform has a defect.
   void set_objects(std::span<const Object> objects);
-  /// Moves one of them: 12 words on the local bus. Errors as above.
+  /// Moves one of them: 12 words over the bus. Errors as above.
   void move_object(std::size_t object, const Transform& transform);
 
   /// The same for primaries, by their number in the packet (with those of load_second_shapes()
