@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
-#include <string>
+#include <optional>
+#include <string_view>
 
 namespace cde {
 
@@ -10,7 +11,9 @@ enum class Bus {
   kCycle,       ///< PCI signals clock by clock, and the card's DMA engine (docs/pci.md)
 };
 
-/// What a host can do to the transactions of a card, for tests (Board::inject; Bus::kCycle).
+/// What can go wrong between host and card and in its memory, for tests (Board::inject). `count`
+/// transactions of the card get it, unless another unit is named; kUntilReset: all of them until
+/// Board::reset(). Bus::kFunctional has kHang only.
 enum class BusFault : std::uint32_t {
   kRetry = 0,            ///< retried
   kSlow = 1,             ///< `value` wait states before every data phase
@@ -19,9 +22,19 @@ enum class BusFault : std::uint32_t {
   kParity = 4,           ///< wrong parity in data phase `value`, from 1
   kTargetAbort = 5,      ///< aborted after `value` data phases
   kMasterAbort = 6,      ///< not answered
-  kLostInterrupt = 7,    ///< an interrupt is not seen
+  kLostInterrupt = 7,    ///< `count` interrupts are not seen
   kGrant = 8,            ///< the grant is taken away `value` clocks after FRAME#
+  kNoAnswer = 9,         ///< the card does not answer `count` transactions of the host
+  kNoGrant = 10,  ///< the card is not given the bus for `count` PCI clocks in which it asks for it
+  kHang = 11,     ///< DDR gives no data for `count` core clocks, so a pass hangs
 };
+inline constexpr std::uint32_t kBusFaults = 12;
+inline constexpr std::uint32_t kUntilReset = ~std::uint32_t{0};
+
+/// "retry", "slow", "disconnect", "disconnect-empty", "parity", "target-abort", "master-abort",
+/// "lost-interrupt", "grant", "no-answer", "no-grant", "hang".
+[[nodiscard]] const char* name_of(BusFault fault);
+[[nodiscard]] std::optional<BusFault> fault_named(std::string_view name);
 
 /// What happened on the way to the card since it was opened.
 struct BusCounters {

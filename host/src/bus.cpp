@@ -1,0 +1,25 @@
+#include "cde/bus.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace cde {
+namespace {
+
+constexpr std::array<const char*, kBusFaults> kFaultNames = {
+    "retry",        "slow",           "disconnect", "disconnect-empty", "parity",   "target-abort",
+    "master-abort", "lost-interrupt", "grant",      "no-answer",        "no-grant", "hang"};
+
+}  // namespace
+
+const char* name_of(BusFault fault) {
+  return kFaultNames.at(static_cast<std::size_t>(fault));
+}
+
+std::optional<BusFault> fault_named(std::string_view name) {
+  const auto* found = std::find(kFaultNames.begin(), kFaultNames.end(), name);
+  if (found == kFaultNames.end()) return std::nullopt;
+  return static_cast<BusFault>(found - kFaultNames.begin());
+}
+
+}  // namespace cde
