@@ -20,6 +20,8 @@ class LocalMemory {
     irq_ = false;
   }
   void interrupt(bool level) { irq_ = level; }
+  bool hang(uint32_t) { return false; }  // there is no DDR
+  [[nodiscard]] uint64_t hung() const { return 0; }
   void* memory(uint32_t space, uint64_t& bytes) {
     bytes = space < 4 ? kBytes : 0;
     return space < 4 ? spaces_[space].data() : nullptr;
