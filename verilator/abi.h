@@ -52,8 +52,12 @@ typedef struct cde_board_api {
   int (*trace_open)(void* card, const char* path);
   void (*trace_close)(void* card);
 
-  /* Back door for tests: flips bits of a DDR byte as a fault would. */
-  void (*ddr_flip)(void* card, uint64_t byte, uint8_t mask);
+  /* Back doors for tests: flips bits of a DDR byte as a fault would, or of the check bits of a
+     word; 0, or -1 where there is no such byte or the card has no check bits. */
+  int (*ddr_flip)(void* card, uint64_t byte, uint8_t mask);
+  int (*check_flip)(void* card, uint64_t word, uint8_t mask);
+  /* DDR gives no data for so many clocks, all ones: until reset. */
+  void (*ddr_hang)(void* card, uint32_t clocks);
 } cde_board_api;
 
 typedef const cde_board_api* (*cde_board_entry_fn)(void);

@@ -41,8 +41,10 @@ enum {
   CDE_PCI_OK = 0,
   CDE_PCI_MASTER_ABORT = 1, /* nobody answered */
   CDE_PCI_TARGET_ABORT = 2,
-  CDE_PCI_PARITY = 3, /* data was read, or the card said that it was written, with bad parity */
-  CDE_PCI_RETRIED = 4 /* only retries for a million clocks */
+  CDE_PCI_PARITY = 3,  /* data was read, or the card said that it was written, with bad parity */
+  CDE_PCI_RETRIED = 4, /* only retries for a million clocks */
+  CDE_PCI_STUCK = 5    /* a transaction did not end, or did not get the bus, for a million clocks;
+                          every access ends so until reset */
 };
 
 /* One bus transaction of the host, for tests. A retry or a disconnect ends it. */
@@ -62,7 +64,8 @@ typedef struct cde_pci_transaction {
   uint32_t devsel;    /* out: clocks from the address phase to DEVSEL# */
 } cde_pci_transaction;
 
-/* Faults of the host towards the card. `count` transactions (or phases, interrupts) get it. */
+/* Faults of the host towards the card, and of the card's memory. `count` transactions (or what is
+   named) get it, all ones: all of them until reset. */
 enum {
   CDE_PCI_FAULT_RETRY = 0,      /* retried */
   CDE_PCI_FAULT_SLOW = 1,       /* `value` wait states before every data phase */
@@ -74,8 +77,14 @@ enum {
   CDE_PCI_FAULT_MASTER_ABORT = 6,   /* not answered */
   CDE_PCI_FAULT_LOST_INTERRUPT = 7, /* not seen by `run` and `interrupt` */
   CDE_PCI_FAULT_GRANT = 8,          /* GNT# taken away `value` clocks after FRAME# */
-  CDE_PCI_FAULTS = 9
+  CDE_PCI_FAULT_NO_ANSWER = 9,      /* the card does not answer a transaction of the host */
+  CDE_PCI_FAULT_NO_GRANT = 10, /* no GNT# for `count` clocks in which the card asks for the bus */
+  CDE_PCI_FAULT_HANG = 11,     /* `card` only: DDR gives no data for `count` core clocks */
+  CDE_PCI_FAULTS = 12
 };
+#define CDE_PCI_UNTIL_RESET 0xFFFFFFFFu
+
+#define CDE_PCI_SPACE_CHECK 4u /* of local_memory: check bits of DDR, a byte a word */
 
 typedef struct cde_pci_counters {
   uint64_t clocks;     /* of the PCI clock since creation */
@@ -84,8 +93,9 @@ typedef struct cde_pci_counters {
   uint64_t waits;      /* busy without data moving */
   uint64_t bytes_read; /* from host memory by the card */
   uint64_t bytes_written;
-  uint64_t transactions; /* of the card */
-  uint64_t skipped;      /* clocks that were not simulated because they change nothing */
+  uint64_t transactions;           /* of the card */
+  uint64_t skipped;                /* clocks that were not simulated because they change nothing */
+  uint64_t faults[CDE_PCI_FAULTS]; /* that happened, by kind; NO_GRANT and HANG: clocks */
 } cde_pci_counters;
 
 typedef struct cde_pci_api {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <utility>
 
 #include "board_impl.hpp"
 #include "cde/error.hpp"
@@ -102,12 +103,22 @@ void Board::Impl::check_bus(const char* during) {
 }
 
 void Board::Impl::reset() {
-  link->reset();
   loaded = second_loaded = 0;
-  for (ObjectTable* table : {&objects, &primary_objects}) {
-    table->objects.clear();
-    table->placed.clear();
-  }
+  for (ObjectTable* table : {&objects, &primary_objects}) table->assign({});
+  link->reset();
+}
+
+void Board::Impl::recover() {
+  for (Packet& packet : packets_) packet.written = false;
+  for (ObjectTable* table : {&objects, &primary_objects})
+    table->assign(std::vector(table->objects));
+  link->reset();
+}
+
+void Board::Impl::prepare() {
+  if (!packets_[0].written) write_packet(packets_[0]);
+  if (second_loaded != 0 && !packets_[1].written) write_packet(packets_[1]);
+  prepare_objects();
 }
 
 // ---- Opening ----
@@ -171,6 +182,7 @@ void Board::upload(const TriangleView& triangles, bool validate) {
 
 void Board::upload_words(Shape shape, std::size_t count, const Words& words,
                          const std::function<std::optional<std::string>(std::size_t)>& defect) {
+  impl_->link->alive();
   if (count == 0) throw Error(ErrorCode::kUsage, fmt::format("no {}s to upload", name(shape)));
   if (count > capacity(shape)) {
     throw Error(ErrorCode::kCapacity,
@@ -188,6 +200,7 @@ void Board::upload_words(Shape shape, std::size_t count, const Words& words,
 
 void Board::update_words(Shape shape, std::size_t first, std::size_t count, const Words& words,
                          const std::function<std::optional<std::string>(std::size_t)>& defect) {
+  impl_->link->alive();
   if (impl_->secondaries == 0 || shape != impl_->secondary_shape) {
     throw Error(ErrorCode::kUsage, fmt::format("no {}s were uploaded to the board", name(shape)));
   }
@@ -198,8 +211,10 @@ void Board::update_words(Shape shape, std::size_t first, std::size_t count, cons
   }
   check_shapes(shape, count, defect);
   const std::uint64_t start = clocks();
+  const std::uint32_t there = std::exchange(impl_->secondaries, 0);  // none if this fails
   impl_->write_slots(shape, first, count, words);
   impl_->upload_clocks = clocks() - start;
+  impl_->secondaries = there;
 }
 
 void Board::Impl::write_slots(Shape shape, std::size_t first, std::size_t count,
@@ -254,14 +269,22 @@ void Board::Impl::load(std::uint32_t first, Shape shape, std::size_t count,
   if (first == 0) loaded = 0;
   second_loaded = 0;
   const std::size_t stride = (slot_words + 1) / 2 * 2;
-  std::vector<float> slots(count * stride);
-  for (std::size_t i = 0; i < count; ++i) words(i, &slots[i * stride]);
-  write(card::kSpacePrim, static_cast<std::uint32_t>(first * stride * 4), slots.data(),
-        slots.size() / 2);
+  Packet& packet = packets_[first == 0 ? 0 : 1];
+  packet.offset = static_cast<std::uint32_t>(first * stride * 4);
+  packet.words.assign(count * stride, 0);
+  for (std::size_t i = 0; i < count; ++i) words(i, &packet.words[i * stride]);
+  write_packet(packet);
+}
+
+void Board::Impl::write_packet(Packet& packet) {
+  packet.written = false;
+  write(card::kSpacePrim, packet.offset, packet.words.data(), packet.words.size() / 2);
   check_bus("the upload of primaries");
+  packet.written = true;
 }
 
 void Board::load_words(Shape shape, std::size_t count, const Words& words) {
+  impl_->link->alive();
   const std::uint64_t start = clocks(), start_ps = time_ps();
   impl_->load(0, shape, count, words);
   impl_->load_clocks = clocks() - start;
@@ -271,6 +294,7 @@ void Board::load_words(Shape shape, std::size_t count, const Words& words) {
 }
 
 void Board::load_second_words(Shape shape, std::size_t count, const Words& words) {
+  impl_->link->alive();
   if (!impl_->parallel) throw Error(ErrorCode::kUsage, "this card works on one pair at a time");
   if (impl_->loaded == 0)
     throw Error(ErrorCode::kUsage, "the first pair's primaries are loaded before the second's");
@@ -354,11 +378,21 @@ BusCounters Board::bus_counters() const {
 MemoryCounters Board::memory_counters() const {
   return impl_->link->memory_counters();
 }
+std::string Board::bus_violation() const {
+  return impl_->link->violation();
+}
 void Board::inject(BusFault fault, std::uint32_t count, std::uint32_t value) {
   impl_->link->inject(fault, count, value);
 }
 void Board::flip_ddr(std::uint64_t byte, std::uint8_t mask) {
-  impl_->link->flip_ddr(byte, mask);
+  if (byte >= impl_->capacity || !impl_->link->flip_ddr(byte, mask))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("DDR has {} bytes, no byte {}", impl_->capacity, byte));
+}
+void Board::flip_check(std::uint64_t word, std::uint8_t mask) {
+  if (mask > 0x7f) throw Error(ErrorCode::kUsage, "a word has check bits 0 to 6");
+  if (word >= impl_->capacity / 4 || !impl_->link->flip_check(word, mask))
+    throw Error(ErrorCode::kUsage, fmt::format("DDR has no check bits of word {}", word));
 }
 
 // ---- Small things of the header ----

@@ -13,7 +13,15 @@ struct ObjectTable {
   std::uint32_t offset;  ///< in kSpaceReg
   unsigned entries = 0;  ///< 0: the card has none
   std::vector<Object> objects = {};
-  std::vector<std::uint32_t> placed = {};  ///< first slot of each range, as written
+  std::vector<std::uint32_t> placed = {};  ///< first slot of each range, as written; ~0: not yet
+  std::vector<bool> posed = {};            ///< whose transform has been written
+
+  /// These, of which nothing has been written.
+  void assign(std::vector<Object> all) {
+    objects = std::move(all);
+    placed.assign(objects.size(), ~0u);
+    posed.assign(objects.size(), false);
+  }
 };
 
 /// State of a Board, and single accesses to its card. Private to the driver.
@@ -35,6 +43,8 @@ class Board::Impl {
 
   /// Hardware reset: what is not in DDR is gone.
   void reset();
+  /// The same, but the next pass writes primaries and objects again.
+  void recover();
 
   /// Throws kDevice with the fault address if an access was refused, after clearing it.
   void check_bus(const char* during);
@@ -50,8 +60,13 @@ class Board::Impl {
                    const std::function<void(std::size_t, float*)>& words);
   void set_objects(ObjectTable& table, std::span<const Object> all);
   void move_object(ObjectTable& table, std::size_t number, const Transform& transform);
-  /// What a pass needs of the tables: objects that fit, ranges of primaries where these lie.
-  void prepare_objects();
+  /// What a pass needs: primaries and objects as they were given, if a fault kept them from the
+  /// card; objects that fit, ranges of primaries where these lie.
+  void prepare();
+  /// Byte of DDR where a secondary begins that has a word with more wrong bits than check bits
+  /// correct, found by passes over half of what is left at a time; `command` as the pass that met
+  /// it had. Nothing if it is not met again.
+  [[nodiscard]] std::optional<std::uint64_t> find_uncorrectable(std::uint64_t command);
   /// Secondaries of a pass.
   [[nodiscard]] std::uint64_t swept() const;
 
@@ -79,10 +94,20 @@ class Board::Impl {
   ObjectTable primary_objects{"primaries", card::kPrimObjectTable};
 
  private:
+  /// Primaries as the card has them, or is to have them.
+  struct Packet {
+    std::uint32_t offset = 0;  ///< in kSpacePrim
+    std::vector<float> words = {};
+    bool written = false;
+  };
+  void write_packet(Packet& packet);
+  void prepare_objects();
+  [[nodiscard]] bool uncorrectable(std::uint32_t first, std::uint32_t count);
+  std::array<Packet, 2> packets_;  ///< of the first and of the second pair
   /// Error kUsage if the object does not fit what lies in the card, as far as something does.
   void check_object(const ObjectTable& table, std::size_t number, const Object& object) const;
   void write_object(ObjectTable& table, std::size_t number);  ///< its range, if it changed
-  void write_transform(const ObjectTable& table, std::size_t number);
+  void write_transform(ObjectTable& table, std::size_t number);
   /// Shapes of an odd number of words share beats of DDR, which is written by whole beats: the last
   /// word of an even slot and the first one of the next, for every such two slots.
   std::vector<std::array<float, 2>> seams_;

@@ -55,11 +55,13 @@ void Board::Impl::check_object(const ObjectTable& table, std::size_t number,
            "an AABB cannot be rotated on the card, it would become an OBB; upload OBBs");
 }
 
-void Board::Impl::write_transform(const ObjectTable& table, std::size_t number) {
+void Board::Impl::write_transform(ObjectTable& table, std::size_t number) {
+  table.posed[number] = false;
   const auto words = to_words(table.objects[number].transform);
   write(card::kSpaceReg,
         table.offset + static_cast<std::uint32_t>(number) * kEntryBytes + card::kObjectRotation * 4,
         words.data(), words.size() / 2);
+  table.posed[number] = true;
 }
 
 void Board::Impl::write_object(ObjectTable& table, std::size_t number) {
@@ -69,6 +71,7 @@ void Board::Impl::write_object(ObjectTable& table, std::size_t number) {
   if (&table == &primary_objects && second_loaded != 0 && first >= loaded)
     first += split() - loaded;
   if (table.placed[number] == first) return;
+  table.placed[number] = ~0u;
   const std::array<std::uint32_t, 2> range = {first, object.count};
   write(card::kSpaceReg, table.offset + static_cast<std::uint32_t>(number) * kEntryBytes,
         range.data(), 1);
@@ -80,6 +83,7 @@ void Board::Impl::prepare_objects() {
     for (std::size_t i = 0; i < table->objects.size(); ++i) {
       check_object(*table, i, table->objects[i]);
       write_object(*table, i);
+      if (!table->posed[i]) write_transform(*table, i);
     }
   }
 }
@@ -92,6 +96,7 @@ std::uint64_t Board::Impl::swept() const {
 }
 
 void Board::Impl::set_objects(ObjectTable& table, std::span<const Object> all) {
+  link->alive();
   require_table(table);
   if (all.size() > table.entries) {
     throw Error(ErrorCode::kUsage, fmt::format("{} objects of {} do not fit the card's table of {}",
@@ -101,8 +106,7 @@ void Board::Impl::set_objects(ObjectTable& table, std::span<const Object> all) {
     check_transform(table, i, all[i].transform);
     check_object(table, i, all[i]);
   }
-  table.objects.assign(all.begin(), all.end());
-  table.placed.assign(all.size(), ~0u);
+  table.assign({all.begin(), all.end()});
   for (std::size_t i = 0; i < all.size(); ++i) {
     write_object(table, i);
     write_transform(table, i);
@@ -111,6 +115,7 @@ void Board::Impl::set_objects(ObjectTable& table, std::span<const Object> all) {
 }
 
 void Board::Impl::move_object(ObjectTable& table, std::size_t number, const Transform& transform) {
+  link->alive();
   require_table(table);
   if (number >= table.objects.size()) {
     throw Error(ErrorCode::kUsage, fmt::format("there is no object {} of {}, but {}", number,

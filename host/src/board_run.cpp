@@ -209,10 +209,7 @@ class Pass {
     const std::uint64_t status = card_.read_register(card::kRegStatus);
     if (bit(status, card::kStatusBusError)) card_.check_bus("the download of records");
     card_.write_register(card::kRegControl, card::kControlClear);
-    if (ecc >> 32 != 0) {
-      device_error(fmt::format("{} words of DDR have errors that cannot be corrected", ecc >> 32),
-                   status);
-    }
+    if (ecc >> 32 != 0) uncorrectable(ecc >> 32, status);
     const auto promise = [&](const char* what, std::uint64_t value, std::uint64_t wanted) {
       if (value != wanted)
         device_error(fmt::format("{} {}, but it must be {}", value, what, wanted), status);
@@ -244,24 +241,55 @@ class Pass {
   [[noreturn]] void timeout(const std::string& what) {
     throw Error(ErrorCode::kTimeout,
                 fmt::format("the card did not finish within its {}: {}", what, state()),
-                DeviceFault{.clock = card_.clocks()});
+                fault_at(0));
   }
-  [[noreturn]] void device_error(const std::string& what, std::uint64_t status) {
-    throw Error(ErrorCode::kDevice, fmt::format("{} (mode {}, status {:#x}): {}", what,
-                                                name_of(query_.mode), status, state()));
+  [[noreturn]] void device_error(const std::string& what, std::uint64_t status,
+                                 std::uint64_t address = 0) {
+    throw Error(
+        ErrorCode::kDevice,
+        fmt::format("{} (mode {}, status {:#x}): {}", what, name_of(query_.mode), status, state()),
+        fault_at(address));
+  }
+  [[nodiscard]] DeviceFault fault_at(std::uint64_t address) {
+    return {.pci_status = card_.link->pci_status(),
+            .address = static_cast<std::uint32_t>(address),
+            .clock = card_.clocks()};
+  }
+  [[noreturn]] void uncorrectable(std::uint64_t words, std::uint64_t status) {
+    const auto byte =
+        card_.find_uncorrectable((query_.swap ? card::kCommandSwap : 0) |
+                                 std::uint64_t{static_cast<unsigned>(*query_.pair)} << 8);
+    device_error(
+        fmt::format("{} words of DDR have errors that cannot be corrected, {}", words,
+                    byte ? fmt::format("in secondary {} at byte {:#x}",
+                                       *byte / (4 * cde::words(card_.secondary_shape)), *byte)
+                         : "but were read without them afterwards"),
+        status, byte.value_or(0));
   }
 
-  /// Leaves the card idle and its ring empty; an abort that does not end is left to reset().
+  /// Leaves the card idle and its ring empty. A card that does not come to an end is reset, and the
+  /// next pass writes again what that takes; one that is lost stays so.
   void abort() noexcept {
     try {
-      card_.write_register(card::kRegControl, card::kControlAbort | card::kControlClear);
-      for (int i = 0; i < 1000 && bit(card_.read_register(card::kRegStatus), card::kStatusBusy);
-           ++i) {
-      }
-      card_.write_register(card::kRegControl, card::kControlAbort | card::kControlClear);
+      if (!card_.link->lost() && !stopped()) card_.recover();
     } catch (const Error&) {
-      card_.reset();
+      // Lost, and every later call says so.
     }
+  }
+  [[nodiscard]] bool stopped() {
+    constexpr unsigned kAsks = 1000;
+    constexpr std::uint64_t kStop = card::kControlAbort | card::kControlClear;
+    try {
+      card_.write_register(card::kRegControl, kStop);
+      for (unsigned i = 0; i < kAsks; ++i) {
+        if (bit(card_.read_register(card::kRegStatus), card::kStatusBusy)) continue;
+        card_.write_register(card::kRegControl, kStop);
+        return true;
+      }
+    } catch (const Error&) {
+      if (card_.link->lost()) throw;
+    }
+    return false;
   }
 
   Board::Impl& card_;
@@ -338,8 +366,8 @@ Query complete(const Board::Impl& card, const Query& query) {
 }  // namespace
 
 Counters Board::run(const Query& query, const RecordSink& sink) {
+  impl_->link->alive();
   const Query whole = complete(*impl_, query);
-  impl_->prepare_objects();
   // A pass gives the same records every time: if some are lost on the bus it is run again, and
   // those that `sink` has are left out.
   std::uint64_t delivered = 0;
@@ -352,6 +380,7 @@ Counters Board::run(const Query& query, const RecordSink& sink) {
       if (skipped < some.size()) sink(some.subspan(skipped));
     };
     try {
+      impl_->prepare();
       return Pass(*impl_, whole, rest).execute();
     } catch (const Error& error) {
       if (!error.fault() || !error.fault()->repeatable || ++failures > impl_->pass_retry_limit)

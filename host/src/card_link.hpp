@@ -36,15 +36,24 @@ class CardLink {
   [[nodiscard]] virtual std::uint64_t time_ps() const = 0;
   [[nodiscard]] virtual BusCounters counters() const = 0;
   [[nodiscard]] virtual MemoryCounters memory_counters() const = 0;
-  /// Ends the state of a lost device, too.
+  /// Ends the state of a lost device, too; an Error if it stays lost.
   virtual void reset() = 0;
-  /// Error kUsage if this kind of bus has no faults.
+  /// Throws what happened if the device is lost.
+  virtual void alive() const = 0;
+  [[nodiscard]] virtual bool lost() const = 0;
+  /// Status register of the card's configuration space; 0 where there is none.
+  [[nodiscard]] virtual std::uint16_t pci_status() = 0;
+  /// The first rule of PCI that was broken; empty if none.
+  [[nodiscard]] virtual std::string violation() const = 0;
+  /// Error kUsage if this kind of bus has no such fault.
   virtual void inject(BusFault fault, std::uint32_t count, std::uint32_t value) = 0;
 
   /// Error kUsage if the bitstream has no waves, kFile if the file cannot be written.
   virtual void trace_open(const std::filesystem::path& file) = 0;
   virtual void trace_close() = 0;
-  virtual void flip_ddr(std::uint64_t byte, std::uint8_t mask) = 0;
+  /// Bits of a byte of DDR, or of the check bits of a word; false where there are none.
+  virtual bool flip_ddr(std::uint64_t byte, std::uint8_t mask) = 0;
+  virtual bool flip_check(std::uint64_t word, std::uint8_t mask) = 0;
 
   /// Of the loaded bitstream, whatever its card says.
   [[nodiscard]] virtual std::uint64_t config_hash() const = 0;
@@ -59,7 +68,8 @@ class CardLink {
 /// that this maps for it. Transfers that fail for a passing reason are repeated up to
 /// OpenOptions::bus_retries times in a row; what cannot be repeated without losing records (the
 /// record stream) and what goes on failing is an Error kDevice with a DeviceFault. When the card
-/// answers no more, every call throws until reset(). Errors of opening as local_link().
+/// answers no more, or its bus or DMA engine hangs, every call throws until reset(). Errors of
+/// opening as local_link().
 [[nodiscard]] std::unique_ptr<CardLink> pci_link(Bitstream bitstream, const OpenOptions& options);
 
 }  // namespace cde

@@ -106,9 +106,18 @@ class LocalLink final : public CardLink {
     api_->reset(card_);
     running_ = false;
   }
-  void inject(BusFault, std::uint32_t, std::uint32_t) override {
-    throw Error(ErrorCode::kUsage,
-                "the functional bus has no faults; open the board with Bus::kCycle");
+  void alive() const override {}
+  [[nodiscard]] bool lost() const override { return false; }
+  [[nodiscard]] std::uint16_t pci_status() override { return 0; }
+  [[nodiscard]] std::string violation() const override { return {}; }
+  void inject(BusFault fault, std::uint32_t count, std::uint32_t) override {
+    if (fault != BusFault::kHang) {
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("the functional bus has no fault '{}', only '{}'; open the board "
+                              "with Bus::kCycle",
+                              name_of(fault), name_of(BusFault::kHang)));
+    }
+    api_->ddr_hang(card_, count);
   }
 
   void trace_open(const std::filesystem::path& file) override {
@@ -120,8 +129,11 @@ class LocalLink final : public CardLink {
       throw Error(ErrorCode::kFile, fmt::format("{}: cannot write waves", file.string()));
   }
   void trace_close() override { api_->trace_close(card_); }
-  void flip_ddr(std::uint64_t byte, std::uint8_t mask) override {
-    api_->ddr_flip(card_, byte, mask);
+  bool flip_ddr(std::uint64_t byte, std::uint8_t mask) override {
+    return api_->ddr_flip(card_, byte, mask) == 0;
+  }
+  bool flip_check(std::uint64_t word, std::uint8_t mask) override {
+    return api_->check_flip(card_, word, mask) == 0;
   }
   [[nodiscard]] std::uint64_t config_hash() const override { return api_->config_hash; }
 

@@ -5,13 +5,15 @@
 #include <cstring>
 #include <vector>
 
-#include "abi_pci.h"
 #include "card_link.hpp"
 #include "cde/error.hpp"
 #include "cde/pci.hpp"
+#include "pci_port.hpp"
 
 namespace cde {
 namespace {
+
+static_assert(kBusFaults == CDE_PCI_FAULTS && kUntilReset == CDE_PCI_UNTIL_RESET);
 
 constexpr std::uint32_t kBar =
     0xF0000000;                            // where the card's registers lie in the host's addresses
@@ -21,6 +23,15 @@ constexpr std::uint32_t kPageBytes = 1u << pci::kPageBits;
 constexpr std::uint32_t kRingPage = 0, kCompletionPage = 1, kDataPage = 2;
 constexpr std::uint32_t kDataBytes = kMappedBytes, kDataPages = kDataBytes / kPageBytes;
 constexpr unsigned kDescriptors = 16;
+// How long the driver waits for an interrupt before it asks the card: the first time, and at most.
+constexpr std::uint64_t kFirstAskClocks = 1024, kLastAskClocks = 65536;
+// Retries in a row until a transfer fails: 2 ms where a retry takes 8 clocks, a fifth of the time
+// after which the engine counts as hung.
+constexpr std::uint32_t kRetryLimit = 1u << 14;
+
+bool bit(std::uint64_t word, unsigned number) {
+  return (word >> number & 1) != 0;
+}
 
 const char* text_of(std::uint32_t code) {
   static constexpr const char* kTexts[] = {"ok",
@@ -41,43 +52,18 @@ const char* text_of(std::uint32_t code) {
 class PciLink final : public CardLink {
  public:
   PciLink(Bitstream bitstream, const OpenOptions& options)
-      : bitstream_(std::move(bitstream)),
+      : port_(std::move(bitstream), options,
+              std::uint64_t{2} * (kDataPage + kDataPages) * kPageBytes),
         period_ps_(options.clock_period_ps),
         retries_(options.bus_retries),
         burst_(options.bus_burst) {
-    api_ = reinterpret_cast<cde_pci_entry_fn>(bitstream_.symbol("cde_pci_entry"))();
-    if (api_->abi != CDE_PCI_ABI) {
-      throw Error(ErrorCode::kConfiguration,
-                  fmt::format("bitstream {}: C interface version {}, this driver speaks {}",
-                              bitstream_.path().string(), api_->abi, CDE_PCI_ABI));
-    }
-    const HostProfile& p = options.host;
-    const cde_pci_options card_options = {
-        .core_period_ps = period_ps_,
-        .pci_period_ps = 15'000,
-        .memory = static_cast<std::uint32_t>(options.memory),
-        .ddr_latency = options.ddr_latency,
-        .narrow = options.narrow_bus ? 1u : 0u,
-        .memory_bytes = std::uint64_t{2} * (kDataPage + kDataPages) * kPageBytes,
-        .seed = 1,
-        .profile = {p.arbitration, p.read_latency, p.write_latency, 0, 0}};
-    host_ = api_->create(&card_options);
-    if (host_ == nullptr) throw Error(ErrorCode::kDevice, "no memory for the card's models");
-    try {
-      set_up();
-    } catch (...) {
-      api_->destroy(host_);
-      throw;
-    }
+    set_up();
   }
-  PciLink(const PciLink&) = delete;
-  PciLink& operator=(const PciLink&) = delete;
-  ~PciLink() override { api_->destroy(host_); }
 
   void write(card::Space space, std::uint32_t offset, const void* data,
              std::uint64_t beats) override {
     const auto* bytes = static_cast<const std::uint8_t*>(data);
-    if (is_register(space, offset, beats)) return store(offset, data, 8 * beats);
+    if (is_register(space, offset, beats)) return port_.store(offset, data, 8 * beats);
     for (std::uint64_t done = 0; done < 8 * beats;) {
       const auto n =
           static_cast<std::uint32_t>(std::min<std::uint64_t>(kDataBytes, 8 * beats - done));
@@ -90,7 +76,7 @@ class PciLink final : public CardLink {
 
   void read(card::Space space, std::uint32_t offset, void* data, std::uint64_t beats) override {
     auto* bytes = static_cast<std::uint8_t*>(data);
-    if (is_register(space, offset, beats)) return fetch(offset, data, 8 * beats);
+    if (is_register(space, offset, beats)) return port_.fetch(offset, data, 8 * beats);
     for (std::uint64_t done = 0; done < 8 * beats;) {
       const auto n =
           static_cast<std::uint32_t>(std::min<std::uint64_t>(kDataBytes, 8 * beats - done));
@@ -101,16 +87,16 @@ class PciLink final : public CardLink {
     }
   }
 
-  /// An interrupt that is lost is found by asking, at intervals that double: late by no more than
-  /// the card worked.
+  /// An interrupt that is lost is found by asking, at intervals that double up to kLastAskClocks:
+  /// late by no more than the card worked.
   std::uint64_t run(std::uint64_t max_clocks) override {
-    alive();
+    port_.alive();
     const std::uint64_t start = time_ps(), end = start + max_clocks * period_ps_;
     for (std::uint64_t slice = kFirstAskClocks * period_ps_; !pending_ && time_ps() < end;
-         slice *= 2) {
-      api_->run(host_, std::min(slice, end - time_ps()), 1);
-      if (api_->interrupt(host_) != 0) break;
-      if ((load(pci::kRegIrqStatus) >> pci::kIrqCard & 1) != 0) {
+         slice = longer(slice)) {
+      pass(std::min(slice, end - time_ps()));
+      if (interrupted()) break;
+      if (bit(port_.load(pci::kRegIrqStatus), pci::kIrqCard)) {
         pending_ = true;
         ++counters_.lost_interrupts;
       }
@@ -118,51 +104,82 @@ class PciLink final : public CardLink {
     return (time_ps() - start) / period_ps_;
   }
   bool interrupt() override {
-    const bool seen = pending_ || api_->interrupt(host_) != 0;
+    const bool seen = pending_ || interrupted();
     pending_ = false;
     return seen;
   }
-  [[nodiscard]] std::uint64_t clocks() const override { return time_ps() / period_ps_; }
-  [[nodiscard]] std::uint64_t time_ps() const override { return api_->time_ps(host_); }
+  [[nodiscard]] std::uint64_t clocks() const override { return port_.clocks(); }
+  [[nodiscard]] std::uint64_t time_ps() const override { return port_.time_ps(); }
   [[nodiscard]] BusCounters counters() const override {
     BusCounters c = counters_;
+    c.register_accesses = port_.accesses();
+    c.access_retries = port_.access_retries();
     cde_pci_counters pci{};
-    api_->counters(host_, &pci);
+    api().counters(port_.host(), &pci);
     c.pci_clocks = pci.clocks;
     c.pci_busy = pci.busy;
     c.pci_data = pci.data;
+    std::copy(std::begin(pci.faults), std::end(pci.faults), c.faults.begin());
     return c;
   }
   [[nodiscard]] MemoryCounters memory_counters() const override {
     cde_memory_counters c{};
-    api_->memory_counters(host_, &c);
+    api().memory_counters(port_.host(), &c);
     return {.bursts = c.bursts, .row_misses = c.row_misses, .refreshes = c.refreshes};
   }
   void reset() override {
-    api_->reset(host_);
-    lost_ = pending_ = false;
-    set_up();
+    port_.reset();
+    pending_ = false;
+    try {
+      set_up();
+    } catch (const Error& error) {
+      port_.lose(error);
+    }
+  }
+  void alive() const override { port_.alive(); }
+  [[nodiscard]] bool lost() const override { return port_.lost(); }
+  [[nodiscard]] std::uint16_t pci_status() override { return port_.pci_status(); }
+  [[nodiscard]] std::string violation() const override {
+    const char* const rule = api().violation(port_.host());
+    return rule != nullptr ? rule : "";
   }
   void inject(BusFault fault, std::uint32_t count, std::uint32_t value) override {
-    if (api_->fault(host_, static_cast<std::uint32_t>(fault), count, value) != 0)
-      throw Error(ErrorCode::kUsage, "the bus has no such fault");
+    if (api().fault(port_.host(), static_cast<std::uint32_t>(fault), count, value) != 0)
+      throw Error(ErrorCode::kUsage, fmt::format("no fault {}", static_cast<unsigned>(fault)));
   }
 
   void trace_open(const std::filesystem::path& file) override {
-    if (std::strstr(api_->parameters, "TRACE=1") == nullptr) {
+    if (std::strstr(api().parameters, "TRACE=1") == nullptr) {
       throw Error(ErrorCode::kUsage,
                   "this bitstream has no waves; open the board with BoardConfig::trace");
     }
-    if (api_->trace_open(host_, file.c_str()) != 0)
+    if (api().trace_open(port_.host(), file.c_str()) != 0)
       throw Error(ErrorCode::kFile, fmt::format("{}: cannot write waves", file.string()));
   }
-  void trace_close() override { api_->trace_close(host_); }
-  void flip_ddr(std::uint64_t, std::uint8_t) override {
-    throw Error(ErrorCode::kUsage, "no way to flip bits");
+  void trace_close() override { api().trace_close(port_.host()); }
+  bool flip_ddr(std::uint64_t byte, std::uint8_t mask) override {
+    return flip(card::kSpaceDdr, byte, mask);
   }
-  [[nodiscard]] std::uint64_t config_hash() const override { return api_->config_hash; }
+  bool flip_check(std::uint64_t word, std::uint8_t mask) override {
+    return flip(CDE_PCI_SPACE_CHECK, word, mask);
+  }
+  [[nodiscard]] std::uint64_t config_hash() const override { return api().config_hash; }
 
  private:
+  [[nodiscard]] const cde_pci_api& api() const { return port_.api(); }
+  void pass(std::uint64_t ps) { api().run(port_.host(), ps, 1); }  // until the interrupt
+  [[nodiscard]] bool interrupted() const { return api().interrupt(port_.host()) != 0; }
+  [[nodiscard]] std::uint64_t longer(std::uint64_t slice) const {
+    return std::min(2 * slice, kLastAskClocks * period_ps_);
+  }
+  bool flip(std::uint32_t space, std::uint64_t byte, std::uint8_t mask) {
+    std::uint64_t bytes = 0;
+    auto* const memory =
+        static_cast<std::uint8_t*>(api().local_memory(port_.host(), space, &bytes));
+    if (memory == nullptr || byte >= bytes) return false;
+    memory[byte] ^= mask;
+    return true;
+  }
   static bool is_register(card::Space space, std::uint32_t offset, std::uint64_t beats) {
     return space == card::kSpaceReg && offset + 8 * beats <= pci::kRegisters;
   }
@@ -170,106 +187,46 @@ class PciLink final : public CardLink {
   // ---- Set-up ----
 
   void set_up() {
-    std::uint32_t id = 0;
-    config(api_->config_read(host_, 0x00, &id), 0x00);
+    const std::uint32_t id = port_.config_read(0x00);
     if (id != (std::uint32_t{pci::kDeviceId} << 16 | pci::kVendorId))
       throw Error(ErrorCode::kConfiguration,
                   fmt::format("PCI device {:08x} is no card of cde", id));
-    config(api_->config_write(host_, 0x10, kBar), 0x10);
-    config(api_->config_write(host_, 0x0C, 0x4008), 0x0C);  // latency timer, line size
-    config(api_->config_write(host_, 0x04, kCommand), 0x04);
-    while ((load(pci::kRegStatus) >> pci::kStatusClearing & 1) != 0) {
-    }
+    port_.config_write(0x10, kBar);
+    port_.config_write(0x0C, 0x4008);  // latency timer, line size
+    port_.config_write(0x04, kCommand);
+    // Its 4,096 entries are cleared one a clock; an access takes longer than that.
+    for (std::uint32_t asked = 0; bit(port_.load(pci::kRegStatus), pci::kStatusClearing); ++asked)
+      if (asked == pci::kPages) port_.fail("the page table is not cleared after reset", {});
     std::vector<std::uint64_t> entries;
     for (std::uint32_t page = 0; page < kDataPage + kDataPages; ++page) {
       const bool writable = page != kRingPage;
-      entries.push_back(std::uint64_t{api_->frame(host_, page)} << pci::kPageFrame |
+      entries.push_back(std::uint64_t{api().frame(port_.host(), page)} << pci::kPageFrame |
                         1u << pci::kPageValid |
                         static_cast<std::uint64_t>(writable) << pci::kPageWritable);
     }
-    store(pci::kPageTable, entries.data(), 8 * entries.size());
-    set(pci::kRegBurst, burst_);
-    set(pci::kRegRetryLimit, 1u << 16);
-    set(pci::kRegRingBase, kRingPage * kPageBytes);
-    set(pci::kRegRingSize, kDescriptors);
-    set(pci::kRegCompletionBase, kCompletionPage * kPageBytes);
+    port_.store(pci::kPageTable, entries.data(), 8 * entries.size());
+    port_.set(pci::kRegBurst, burst_);
+    port_.set(pci::kRegRetryLimit, kRetryLimit);
+    port_.set(pci::kRegRingBase, kRingPage * kPageBytes);
+    port_.set(pci::kRegRingSize, kDescriptors);
+    port_.set(pci::kRegCompletionBase, kCompletionPage * kPageBytes);
     start_ring();
   }
   void start_ring() {
     std::memset(page(kCompletionPage), 0, kDescriptors * pci::kCompletionBytes);
-    set(pci::kRegControl, 1u << pci::kControlClear);
-    set(pci::kRegRingTail, 0);
-    set(pci::kRegIrqStatus, 1u << pci::kIrqCompletion | 1u << pci::kIrqHalted);
-    set(pci::kRegIrqMask, 1u << pci::kIrqCard);
-    set(pci::kRegControl, 1u << pci::kControlRun);
+    port_.set(pci::kRegControl, 1u << pci::kControlClear);
+    port_.set(pci::kRegRingTail, 0);
+    port_.set(pci::kRegIrqStatus, 1u << pci::kIrqCompletion | 1u << pci::kIrqHalted);
+    port_.set(pci::kRegIrqMask, 1u << pci::kIrqCard);
+    port_.set(pci::kRegControl, 1u << pci::kControlRun);
     next_ = 0;
     lap_ = true;
-  }
-  void config(int status, std::uint32_t offset) { accessed(status, offset, "configuration space"); }
-
-  // ---- Registers ----
-
-  void store(std::uint32_t offset, const void* data, std::uint64_t bytes) {
-    access([&] { return api_->mmio_write(host_, offset, data, static_cast<std::uint32_t>(bytes)); },
-           offset);
-  }
-  void fetch(std::uint32_t offset, void* data, std::uint64_t bytes) {
-    access([&] { return api_->mmio_read(host_, offset, data, static_cast<std::uint32_t>(bytes)); },
-           offset);
-  }
-  void set(std::uint32_t offset, std::uint64_t value) { store(offset, &value, 8); }
-  std::uint64_t load(std::uint32_t offset) {
-    std::uint64_t value = 0;
-    fetch(offset, &value, 8);
-    return value;
-  }
-
-  /// Reads have no side effects, and the card drops what is written with bad parity.
-  template <class F>
-  void access(const F& once, std::uint32_t offset) {
-    alive();
-    ++counters_.register_accesses;
-    int status = once();
-    for (unsigned i = 0; status == CDE_PCI_PARITY && i < retries_; ++i) {
-      ++counters_.access_retries;
-      status = once();
-    }
-    accessed(status, offset, "register access");
-  }
-  void accessed(int status, std::uint32_t offset, const char* what) {
-    if (status == CDE_PCI_OK) return;
-    if (status == CDE_PCI_MASTER_ABORT) {
-      lost_ = true;
-      lost_clock_ = clocks();
-      alive();
-    }
-    const char* const why = status == CDE_PCI_TARGET_ABORT ? "target abort"
-                            : status == CDE_PCI_PARITY     ? "parity error"
-                                                           : "nothing but retries";
-    fail(fmt::format("{} at offset {:#x}: {}", what, offset, why), {.address = offset});
-  }
-  void alive() const {
-    if (!lost_) return;
-    throw Error(ErrorCode::kDevice,
-                fmt::format("the card does not answer since clock {}; it is lost until reset()",
-                            lost_clock_),
-                DeviceFault{.code = pci::kCodeMasterAbort, .clock = lost_clock_});
-  }
-  [[noreturn]] void fail(const std::string& what, DeviceFault fault) {
-    std::uint32_t status = 0;
-    (void)api_->config_read(host_, 0x04, &status);
-    if (fault.pci_status == 0) fault.pci_status = static_cast<std::uint16_t>(status >> 16);
-    fault.clock = clocks();
-    throw Error(ErrorCode::kDevice,
-                fmt::format("{} (PCI status {:#06x}, address {:#x}, clock {})", what,
-                            fault.pci_status, fault.address, fault.clock),
-                fault);
   }
 
   // ---- Host memory ----
 
   std::uint8_t* page(std::uint32_t entry) {
-    return static_cast<std::uint8_t*>(api_->memory(host_, api_->frame(host_, entry)));
+    return static_cast<std::uint8_t*>(api().memory(port_.host(), api().frame(port_.host(), entry)));
   }
   void stage(const std::uint8_t* from, std::uint32_t bytes) {
     for (std::uint32_t at = 0; at < bytes; at += kPageBytes)
@@ -302,13 +259,13 @@ class PciLink final : public CardLink {
       const bool stream = space == card::kSpaceSram;
       start_ring();
       if (!passing || stream || failures > retries_) {
-        fail(fmt::format("DMA of {} bytes {} space {} offset {:#x}: {} after {} bytes", bytes,
-                         to_host ? "from" : "to", static_cast<int>(space), offset, text_of(e.code),
-                         done),
-             {.code = e.code,
-              .pci_status = e.pci_status,
-              .address = e.address,
-              .repeatable = passing && stream});
+        port_.fail(fmt::format("DMA of {} bytes {} space {} offset {:#x}: {} after {} bytes", bytes,
+                               to_host ? "from" : "to", static_cast<int>(space), offset,
+                               text_of(e.code), done),
+                   {.code = e.code,
+                    .pci_status = e.pci_status,
+                    .address = e.address,
+                    .repeatable = passing && stream});
       }
       ++counters_.transfer_retries;
     }
@@ -316,7 +273,7 @@ class PciLink final : public CardLink {
 
   Ending serve(std::uint32_t mapped, card::Space space, std::uint32_t offset, std::uint32_t bytes,
                bool to_host) {
-    alive();
+    port_.alive();
     const std::uint64_t words[4] = {std::uint64_t{bytes} << 32 | mapped,
                                     std::uint64_t{offset} |
                                         std::uint64_t{space} << pci::kDescriptorSpace |
@@ -326,60 +283,73 @@ class PciLink final : public CardLink {
     const unsigned number = next_;
     std::memcpy(page(kRingPage) + number * pci::kDescriptorBytes, words, sizeof words);
     next_ = (next_ + 1) % kDescriptors;
-    set(pci::kRegIrqMask, 1u << pci::kIrqCompletion | 1u << pci::kIrqHalted);
-    set(pci::kRegRingTail, next_);
-    const Ending e = wait(number, bytes);
+    port_.set(pci::kRegIrqMask, 1u << pci::kIrqCompletion | 1u << pci::kIrqHalted);
+    port_.set(pci::kRegRingTail, next_);
+    const Ending e = ending(number, mapped, bytes);
     if (next_ == 0) lap_ = !lap_;
-    set(pci::kRegIrqStatus, 1u << pci::kIrqCompletion | 1u << pci::kIrqHalted);
-    set(pci::kRegIrqMask, 1u << pci::kIrqCard);
+    port_.set(pci::kRegIrqStatus, 1u << pci::kIrqCompletion | 1u << pci::kIrqHalted);
+    port_.set(pci::kRegIrqMask, 1u << pci::kIrqCard);
     ++counters_.transfers;
     return e;
   }
 
-  /// The completion record, or what the registers say if there can be none.
-  Ending wait(unsigned number, std::uint32_t bytes) {
-    // No host is slower than a burst of 8 bytes in 10 microseconds.
-    const std::uint64_t deadline = time_ps() + 10'000'000'000 + std::uint64_t{bytes} * 1'250'000;
-    for (std::uint64_t slice = kFirstAskClocks * period_ps_;; slice *= 2) {
-      api_->run(host_, slice, 1);
-      const bool interrupted = api_->interrupt(host_) != 0;
-      std::uint64_t record[2];
-      std::memcpy(record, page(kCompletionPage) + number * pci::kCompletionBytes, sizeof record);
-      // Either word may have been lost to a parity error.
-      const std::uint64_t lap = lap_ ? 1 : 0;
-      if ((record[1] >> pci::kCompletionLap & 1) == lap &&
-          (record[0] >> (32 + pci::kCompletionLapFirst) & 1) == lap) {
-        counters_.lost_interrupts += interrupted ? 0 : 1;
-        return {static_cast<std::uint32_t>(record[1] >> pci::kCompletionCode & 0xff),
-                static_cast<std::uint32_t>(record[0] >> 32) & ~7u,
-                static_cast<std::uint32_t>(record[0]),
-                static_cast<std::uint16_t>(record[1] >> pci::kCompletionPci)};
-      }
-      const std::uint64_t status = load(pci::kRegStatus);
-      if ((status >> pci::kStatusHalted & 1) != 0) {
-        return {static_cast<std::uint32_t>(status >> pci::kStatusCode & 0xff), 0,
-                static_cast<std::uint32_t>(load(pci::kRegFaultAddr)), 0};
-      }
-      if (time_ps() > deadline) {
-        const DeviceFault fault{.address = number, .clock = clocks()};
-        throw Error(
-            ErrorCode::kTimeout,
-            fmt::format("DMA descriptor {} of {} bytes did not end (status {:#x}, clock {})",
-                        number, bytes, status, fault.clock),
-            fault);
-      }
+  Ending ending(unsigned number, std::uint32_t mapped, std::uint32_t bytes) {
+    try {
+      return wait(number, mapped, bytes);
+    } catch (const Error& error) {
+      port_.lose(error);  // the engine may go on moving data, whenever that may be
     }
   }
 
-  Bitstream bitstream_;
-  const cde_pci_api* api_ = nullptr;
-  void* host_ = nullptr;
+  /// The completion record, or what the registers say if there can be none. An engine that does
+  /// not end is one that only a reset gets back.
+  Ending wait(unsigned number, std::uint32_t mapped, std::uint32_t bytes) {
+    // No host is slower than a burst of 8 bytes in 10 microseconds.
+    const std::uint64_t limit = 10'000'000'000 + std::uint64_t{bytes} * 1'250'000;
+    const std::uint64_t deadline = time_ps() + limit;
+    const Watchdog dog = port_.watchdog();
+    for (std::uint64_t slice = kFirstAskClocks * period_ps_;; slice = longer(slice)) {
+      pass(slice);
+      const bool seen = interrupted();
+      if (const auto ending = completion(number)) {
+        counters_.lost_interrupts += seen ? 0 : 1;
+        return *ending;
+      }
+      const std::uint64_t status = port_.load(pci::kRegStatus);
+      if (bit(status, pci::kStatusHalted)) {
+        return {static_cast<std::uint32_t>(status >> pci::kStatusCode & 0xff), 0,
+                static_cast<std::uint32_t>(port_.load(pci::kRegFaultAddr)), 0};
+      }
+      const bool late = time_ps() > deadline;
+      if (!late && !dog.barked()) continue;
+      const std::string within =
+          late ? fmt::format("{} us of modelled time", limit / 1'000'000) : "the watchdog's time";
+      port_.lose(ErrorCode::kTimeout,
+                 fmt::format("DMA descriptor {} of {} bytes did not end within {}, status {:#x}",
+                             number, bytes, within, status),
+                 {.address = mapped});
+    }
+  }
+
+  [[nodiscard]] std::optional<Ending> completion(unsigned number) {
+    std::uint64_t record[2];
+    std::memcpy(record, page(kCompletionPage) + number * pci::kCompletionBytes, sizeof record);
+    // Either word may have been lost to a parity error.
+    if (bit(record[1], pci::kCompletionLap) != lap_ ||
+        bit(record[0], 32 + pci::kCompletionLapFirst) != lap_)
+      return std::nullopt;
+    return Ending{static_cast<std::uint32_t>(record[1] >> pci::kCompletionCode & 0xff),
+                  static_cast<std::uint32_t>(record[0] >> 32) & ~7u,
+                  static_cast<std::uint32_t>(record[0]),
+                  static_cast<std::uint16_t>(record[1] >> pci::kCompletionPci)};
+  }
+
+  PciPort port_;
   std::uint32_t period_ps_;
   unsigned retries_;
   std::uint32_t burst_;
   unsigned next_ = 0;  // descriptor
-  bool lap_ = true, lost_ = false, pending_ = false;
-  std::uint64_t lost_clock_ = 0;
+  bool lap_ = true, pending_ = false;
   BusCounters counters_;
 };
 

@@ -159,6 +159,18 @@ BoardConfig small_config() {
           .sram_records = 64};
 }
 
+BoardConfig rich_config(Bus bus) {
+  return {.lanes = 4,
+          .pairs = {Pair::kRayTriangle, Pair::kTriangleSphere},
+          .swap = true,
+          .parallel = true,
+          .transform = Transformer::kBoth,
+          .ddr_slots = 1000,
+          .sram_records = 64,
+          .bus = bus,
+          .ecc = true};
+}
+
 std::vector<Record> cast_and_compare(Board& board, const Scene& scene, const Query& query,
                                      Counters* counters) {
   board.upload(scene.triangles, false);

@@ -52,6 +52,9 @@ Scene directed();
 BoardConfig host_config();
 BoardConfig rtl_config();
 BoardConfig small_config();  ///< 4 lanes, slow operators, 1,000 triangles, ring of 64 records
+/// 4 lanes, ray-triangle and triangle-sphere at a time, objects, check bits, 1,000 triangles, ring
+/// of 64 records: a card on which every call of Board has a meaning.
+BoardConfig rich_config(Bus bus);
 
 /// Runs a cast on the board and compares every record with the reference; returns the records.
 std::vector<Record> cast_and_compare(Board& board, const Scene& scene, const Query& query,

@@ -75,6 +75,8 @@ TEST_F(Ecc, TwoBitsOfAWordAreOneClearErrorAndNoRecordIsWrong) {
       EXPECT_EQ(error.code(), ErrorCode::kDevice);
       EXPECT_NE(std::string(error.what()).find("1 words of DDR"), std::string::npos)
           << error.what();
+      ASSERT_TRUE(error.fault());
+      EXPECT_EQ(error.fault()->address, 36 * slot) << error.what();
     }
     for (std::size_t k = 0; k < records.size(); ++k) {
       if (k / 40 == slot) {
@@ -86,6 +88,25 @@ TEST_F(Ecc, TwoBitsOfAWordAreOneClearErrorAndNoRecordIsWrong) {
     for (const unsigned bit : {one, two})
       board_.flip_ddr(word + bit / 8, static_cast<std::uint8_t>(1u << bit % 8));
   }
+}
+
+TEST_F(Ecc, ACheckBitIsCorrectedAndCounted) {
+  for (unsigned bit = 0; bit < 7; ++bit) {
+    const std::uint64_t word = random_.below(9 * 60);
+    board_.flip_check(word, static_cast<std::uint8_t>(1u << bit));
+    Counters counters;
+    expect_same(board_.run({.mode = Mode::kAll}, &counters));
+    EXPECT_EQ(counters.corrected_words, 1u);
+    board_.flip_check(word, static_cast<std::uint8_t>(1u << bit));
+  }
+  EXPECT_THROW(board_.flip_check(9000, 1), Error) << "DDR has 9,000 words";
+  EXPECT_THROW(board_.flip_check(0, 0x80), Error) << "and 7 check bits each";
+  EXPECT_THROW(board_.flip_ddr(36'000, 1), Error);
+}
+
+TEST(NoEcc, HasNoCheckBits) {
+  Board board = Board::open(small_config());
+  EXPECT_THROW(board.flip_check(0, 1), Error);
 }
 
 TEST(NoEcc, AFlippedBitIsAnotherTriangle) {

@@ -123,9 +123,71 @@ TEST(PciDriverErrors, AnAbortThatStaysIsOneError) {
   (void)cast_and_compare(board, scene, {});
 }
 
-TEST(PciDriverErrors, FunctionalBusHasNoFaults) {
-  Board board = Board::open(small_config());
-  EXPECT_THROW(board.inject(BusFault::kRetry), Error);
+// ---- Bits of DDR ----
+
+class PciEcc : public ::testing::Test {
+ protected:
+  PciEcc() : board_(Board::open(rich_config(Bus::kCycle), options("good"))) {
+    board_.upload(scene_.triangles);
+    board_.load(scene_.rays);
+    expected_ = board_.run(query_);
+  }
+  /// Flips of `mask` in a byte, or in the check bits of a word, and back again.
+  template <class F>
+  void with_flip(bool check, std::uint64_t at, unsigned mask, const F& then) {
+    const auto flip = [&] {
+      if (check)
+        board_.flip_check(at, static_cast<std::uint8_t>(mask));
+      else
+        board_.flip_ddr(at, static_cast<std::uint8_t>(mask));
+    };
+    flip();
+    then();
+    flip();
+  }
+  void expect_corrected() {
+    Counters counters;
+    const auto got = board_.run(query_, &counters);
+    EXPECT_EQ(counters.corrected_words, 1u);
+    ASSERT_EQ(got.size(), expected_.size());
+    for (std::size_t i = 0; i < got.size(); ++i)
+      ASSERT_TRUE(same_bits(got[i], expected_[i])) << "record " << i;
+  }
+
+  Random random_;
+  Scene scene_ = beam(random_, 20, 60);
+  Board board_;
+  Query query_{.mode = Mode::kAll, .pair = Pair::kRayTriangle};
+  std::vector<Record> expected_;
+};
+
+TEST_F(PciEcc, OneBitIsCorrectedAndCounted) {
+  for (unsigned bit = 0; bit < 32; ++bit)
+    with_flip(false, 4 * random_.below(9 * 60) + bit / 8, 1u << bit % 8,
+              [&] { expect_corrected(); });
+  for (unsigned bit = 0; bit < 7; ++bit)
+    with_flip(true, random_.below(9 * 60), 1u << bit, [&] { expect_corrected(); });
+}
+
+TEST_F(PciEcc, TwoBitsAreAnErrorThatSaysWhere) {
+  for (unsigned i = 0; i < 40; ++i) {
+    const std::uint32_t slot = i == 0 ? 0 : i == 1 ? 59 : random_.below(60);
+    const unsigned bit = random_.below(7);
+    with_flip(false, 36 * slot + random_.below(36), 3u << bit, [&] {
+      try {
+        (void)board_.run(query_);
+        FAIL() << "two wrong bits were not noticed";
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::kDevice);
+        ASSERT_TRUE(error.fault());
+        EXPECT_EQ(error.fault()->address, 36 * slot) << error.what();
+        EXPECT_NE(std::string(error.what()).find(fmt::format("in secondary {} ", slot)),
+                  std::string::npos)
+            << error.what();
+      }
+    });
+  }
+  EXPECT_EQ(board_.run(query_).size(), expected_.size());
 }
 
 }  // namespace

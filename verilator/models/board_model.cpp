@@ -104,11 +104,24 @@ class Card {
 #endif
   }
 
-  void ddr_flip(uint64_t byte, uint8_t mask) {
-    if (uint8_t* p = chips_.ddr().at(byte, 1)) *p ^= mask;
+  int ddr_flip(uint64_t byte, uint8_t mask) {
+    return flip(&chips_.ddr(), byte, mask);
+  }
+  int check_flip(uint64_t word, uint8_t mask) {
+    return flip(chips_.check(), word, mask);
+  }
+  void ddr_hang(uint32_t clocks) {
+    chips_.hang(clocks);
   }
 
  private:
+  static int flip(SparseMemory* memory, uint64_t byte, uint8_t mask) {
+    uint8_t* const p = memory != nullptr ? memory->at(byte, 1) : nullptr;
+    if (p == nullptr) return -1;
+    *p ^= mask;
+    return 0;
+  }
+
   /// One clock. Inputs were set by the caller; returns whether the bus beat on offer was taken.
   bool tick() {
     chips_.before(*model_);
@@ -175,7 +188,9 @@ const cde_board_api kApi = {
     [](void* p, cde_memory_counters* c) { *c = card(p)->memory(); },
     [](void* p, const char* path) { return card(p)->trace_open(path); },
     [](void* p) { card(p)->trace_close(); },
-    [](void* p, uint64_t byte, uint8_t mask) { card(p)->ddr_flip(byte, mask); },
+    [](void* p, uint64_t byte, uint8_t mask) { return card(p)->ddr_flip(byte, mask); },
+    [](void* p, uint64_t word, uint8_t mask) { return card(p)->check_flip(word, mask); },
+    [](void* p, uint32_t clocks) { card(p)->ddr_hang(clocks); },
 };
 
 }  // namespace

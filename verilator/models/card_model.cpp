@@ -17,11 +17,19 @@ class BoardSide {
   void after(Vmodel& m) { chips_.after(m); }
   void interrupt(bool) {}  // the board has its own
   [[nodiscard]] const cde_memory_counters& counters() const { return chips_.counters(); }
+  bool hang(uint32_t clocks) {
+    chips_.hang(clocks);
+    return true;
+  }
+  [[nodiscard]] uint64_t hung() const { return chips_.hung(); }
   void* memory(uint32_t space, uint64_t& bytes) {
-    if (space != kDdr && space != kSram) return nullptr;
-    SparseMemory& m = space == kDdr ? chips_.ddr() : chips_.sram();
-    bytes = m.bytes();
-    return m.at(0, bytes);
+    SparseMemory* const m = space == kDdr                  ? &chips_.ddr()
+                            : space == kSram               ? &chips_.sram()
+                            : space == CDE_PCI_SPACE_CHECK ? chips_.check()
+                                                           : nullptr;
+    if (m == nullptr) return nullptr;
+    bytes = m->bytes();
+    return m->at(0, bytes);
   }
 
  private:

@@ -22,17 +22,31 @@ class Chips {
         check_(kEcc ? kDdrBytes / 4 + 64 : 1),
         sram_(kSramBytes * (kRecord / 28)) {}
 
-  void reset() { asked_ = answered_; }
+  void reset() {
+    asked_ = answered_;
+    if (hang_ == kUntilReset) hang_ = 0;
+  }
+  /// DDR gives no data for so many clocks, all ones: until reset. What is asked for comes later.
+  void hang(uint32_t clocks) { hang_ = clocks; }
+  [[nodiscard]] uint64_t hung() const { return hung_; }  // clocks, so far
   SparseMemory& ddr() { return ddr_; }
+  /// Check bits of DDR, a byte a word; null where there are none.
+  SparseMemory* check() { return kEcc ? &check_ : nullptr; }
   SparseMemory& sram() { return sram_; }
   [[nodiscard]] const cde_memory_counters& counters() const { return timing_.counters(); }
 
   /// What DDR answers in this clock was asked for earlier.
   void before(Vmodel& m) {
     ++clock_;
+    m.ddr_valid_i = 0;
+    if (hang_ != 0) {
+      if (hang_ != kUntilReset) --hang_;
+      ++hung_;
+      return;
+    }
     const Read& oldest = reads_[answered_ % kReads];
-    m.ddr_valid_i = answered_ != asked_ && oldest.due <= clock_;
-    if (!m.ddr_valid_i) return;
+    if (answered_ == asked_ || oldest.due > clock_) return;
+    m.ddr_valid_i = 1;
     ++answered_;
     if (const uint8_t* p = ddr_.at(oldest.word * kWordBytes, sizeof(m.ddr_data_i)))
       std::memcpy(&m.ddr_data_i, p, sizeof(m.ddr_data_i));
@@ -70,6 +84,7 @@ class Chips {
 
   static constexpr uint64_t kReads = 256;  // more than the card asks for ahead
   static constexpr uint64_t kWordBytes = sizeof(Vmodel::ddr_data_i) / 9;
+  static constexpr uint32_t kUntilReset = ~0u;
   static constexpr uint64_t kDdrBytes = 2'000'000'000;
   static constexpr uint64_t kSramBytes = 7 * 2097152;
   static constexpr uint64_t kRecord = sizeof(Vmodel::sram_write_data_o);
@@ -79,6 +94,7 @@ class Chips {
   DdrTiming timing_;
   SparseMemory ddr_, check_, sram_;
   std::array<Read, kReads> reads_ = {};
+  uint32_t hang_ = 0;
   const uint8_t* fetched_ = nullptr;
-  uint64_t clock_ = 0, asked_ = 0, answered_ = 0;
+  uint64_t clock_ = 0, asked_ = 0, answered_ = 0, hung_ = 0;
 };

@@ -31,6 +31,12 @@ struct Api {
                         bytes);
   }
 
+  static int fault(void* p, uint32_t kind, uint32_t count, uint32_t value) {
+    const bool known = kind == CDE_PCI_FAULT_HANG ? card(p).local().hang(count)
+                                                  : card(p).host().faults().add(kind, count, value);
+    return known ? 0 : -1;
+  }
+
   static constexpr cde_pci_api table(uint32_t container_bits, uint64_t config_hash,
                                      const char* parameters) {
     return {
@@ -57,9 +63,7 @@ struct Api {
         [](void* p) { return card(p).time_ps(); },
         [](void* p, cde_pci_counters* c) { *c = card(p).counters(); },
         [](void* p, cde_memory_counters* c) { *c = card(p).local().counters(); },
-        [](void* p, uint32_t kind, uint32_t count, uint32_t value) {
-          return card(p).host().faults().add(kind, count, value) ? 0 : -1;
-        },
+        fault,
         [](void* p) { return card(p).violation(); },
         [](void* p, const char* path) { return card(p).trace_open(path); },
         [](void* p) { card(p).trace_close(); },

@@ -13,7 +13,7 @@ class Arbiter {
 
   [[nodiscard]] bool host() const { return grant_ == 0; }
   [[nodiscard]] bool card() const { return grant_ == 1; }
-  /// No grant for the card until its transaction is over.
+  /// No grant for the card while this is on.
   void withhold(bool on) { withheld_ = on; }
 
   void clock(const Wires& w, bool host_asks, bool card_asks) {

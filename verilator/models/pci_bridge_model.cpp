@@ -21,6 +21,8 @@ class LocalMemory {
   }
   void interrupt(bool level) { irq_ = level; }
   [[nodiscard]] static cde_memory_counters counters() { return {}; }
+  bool hang(uint32_t) { return false; }  // there is no DDR
+  [[nodiscard]] uint64_t hung() const { return 0; }
   void* memory(uint32_t space, uint64_t& bytes) {
     bytes = space < 4 ? kBytes : 0;
     return space < 4 ? spaces_[space].data() : nullptr;

@@ -45,6 +45,7 @@ class Bus {
   void reset() {
     model_->rst_i = 1;
     host_.reset();
+    stuck_ = false;
     monitor_.reset();
     local_.reset();
     card_ = Drive();
@@ -53,19 +54,22 @@ class Bus {
     model_->rst_i = 0;
     settle();
     run_until(now_ + options_.pci_period_ps);
-    while (!model_->idle_o) step();
+    for (const uint64_t limit = patience(); !model_->idle_o && counters_.clocks < limit;) step();
   }
 
   int transact(cde_pci_transaction& t) {
+    if (stuck_) return CDE_PCI_STUCK;
     host_.initiator().start(t);
-    while (host_.initiator().busy()) step();
-    return host_.initiator().result();
+    const uint64_t limit = patience();
+    while (host_.initiator().busy() && counters_.clocks < limit) step();
+    stuck_ = host_.initiator().busy();
+    if (stuck_) host_.initiator().abandon();
+    return stuck_ ? int{CDE_PCI_STUCK} : host_.initiator().result();
   }
 
   /// One access of the CPU, followed up until all of it is done.
   int access(uint8_t command, uint32_t address, uint32_t* data, uint32_t dwords) {
-    constexpr uint64_t kPatience = 1'000'000;
-    const uint64_t limit = counters_.clocks + kPatience;
+    const uint64_t limit = patience();
     for (uint32_t at = 0; at < dwords;) {
       cde_pci_transaction t{};
       t.command = command;
@@ -112,6 +116,8 @@ class Bus {
     c.bytes_read = host_.target().bytes_read();
     c.bytes_written = host_.target().bytes_written();
     c.transactions = host_.target().transactions();
+    std::copy_n(host_.faults().taken(), CDE_PCI_FAULTS, c.faults);
+    c.faults[CDE_PCI_FAULT_HANG] = local_.hung();
     return c;
   }
   [[nodiscard]] const char* violation() const {
@@ -143,6 +149,11 @@ class Bus {
 
  private:
   static constexpr uint32_t kBar0 = 0x10;
+
+  /// The clock at which to give up what begins now.
+  [[nodiscard]] uint64_t patience() const {
+    return counters_.clocks + 1'000'000;
+  }
 
   /// The edge that comes next; on a tie the PCI clock's.
   void step() {
@@ -202,7 +213,7 @@ class Bus {
     card_ = read_drive();
     wires_ = resolve(host_.drive(), card_);
     const auto high = [this](Signal s) { return (wires_.high & s) != 0; };
-    model_->pci_ad_i = wires_.ad;
+    model_->pci_ad_i = wires_.ad ^ host_.misheard();
     model_->pci_cbe_n_i = wires_.cbe;
     model_->pci_par_i = high(kPar);
     model_->pci_par64_i = high(kPar64);
@@ -270,7 +281,7 @@ class Bus {
   cde_pci_counters counters_{};
   uint64_t now_ = 0, next_pci_, next_core_;
   uint32_t base_ = 0;
-  bool interrupt_ = false, interrupt_lost_ = false, evaluate_all_ = false;
+  bool interrupt_ = false, interrupt_lost_ = false, evaluate_all_ = false, stuck_ = false;
 };
 
 }  // namespace pci

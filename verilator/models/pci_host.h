@@ -15,13 +15,17 @@ class Host {
         arbiter_(options.profile.arbitration) {}
 
   [[nodiscard]] const Drive& drive() const { return drive_; }
-  [[nodiscard]] bool idsel() const { return initiator_.idsel(); }
+  [[nodiscard]] bool idsel() const { return initiator_.idsel() && !unheard_; }
+  /// Bits of AD that the card sees wrong: two, in an address phase that it is not to answer, so
+  /// that address is not its own and parity is right.
+  [[nodiscard]] uint64_t misheard() const { return unheard_ ? 0xC0000000 : 0; }
   [[nodiscard]] bool grant() const { return arbiter_.host(); }
   [[nodiscard]] bool grant_card() const { return arbiter_.card(); }
   /// PAR as it is driven now is wrong on purpose.
   [[nodiscard]] bool spoilt() const { return spoilt_; }
   HostMemory& memory() { return memory_; }
   Faults& faults() { return faults_; }
+  [[nodiscard]] const Faults& faults() const { return faults_; }
   Initiator& initiator() { return initiator_; }
   [[nodiscard]] const HostTarget& target() const { return target_; }
 
@@ -32,9 +36,13 @@ class Host {
     const Drive before = drive_;
     const bool host_granted = arbiter_.host();
     const bool own = initiator_.own();
-    withdraw(w, own);
-    arbiter_.clock(w, initiator_.drive.request, card_requests);
+    // Taken away as soon as it is ordered: the bus may be parked at the card.
+    const bool denied = faults_.waits(CDE_PCI_FAULT_NO_GRANT);
+    if (denied && card_requests) faults_.take(CDE_PCI_FAULT_NO_GRANT);
+    withdraw(w, own, denied);
+    arbiter_.clock(w, initiator_.drive.request, card_requests && !denied);
     const bool spoilt_address = initiator_.clock(w, host_granted);
+    unheard_ = initiator_.addressing() && faults_.take(CDE_PCI_FAULT_NO_ANSWER);
     const bool spoil = target_.clock(w, own) || spoilt_address;
     const Drive &i = initiator_.drive, &t = target_.drive;
     drive_.enable = i.enable | t.enable;
@@ -57,21 +65,19 @@ class Host {
     initiator_ = Initiator();
     target_.reset();
     arbiter_ = Arbiter(options_.profile.arbitration);
-    spoilt_ = settled_ = frame_ = withdrawing_ = false;
+    faults_.reset();
+    spoilt_ = settled_ = frame_ = withdrawing_ = unheard_ = false;
   }
 
  private:
-  void withdraw(const Wires& w, bool own) {
+  void withdraw(const Wires& w, bool own, bool denied) {
     const bool frame = w.asserted(kFrame);
     if (frame && !frame_ && !own) {
       withdrawing_ = faults_.take(CDE_PCI_FAULT_GRANT, withdraw_after_);
       age_ = 0;
     }
-    if (withdrawing_ && age_++ >= withdraw_after_) arbiter_.withhold(true);
-    if (w.idle()) {
-      withdrawing_ = false;
-      arbiter_.withhold(false);
-    }
+    if (w.idle()) withdrawing_ = false;
+    arbiter_.withhold(denied || (withdrawing_ && age_++ >= withdraw_after_));
     frame_ = frame;
   }
 
@@ -82,7 +88,7 @@ class Host {
   HostTarget target_;
   Arbiter arbiter_;
   Drive drive_;
-  bool spoilt_ = false, settled_ = false, frame_ = false, withdrawing_ = false;
+  bool spoilt_ = false, settled_ = false, frame_ = false, withdrawing_ = false, unheard_ = false;
   uint32_t withdraw_after_ = 0, age_ = 0;
 };
 

@@ -23,13 +23,25 @@ class Faults {
   /// Uses one up; returns whether there was one, and its value.
   bool take(uint32_t kind, uint32_t& value) {
     if (left_[kind] == 0) return false;
-    --left_[kind];
+    if (left_[kind] != CDE_PCI_UNTIL_RESET) --left_[kind];
+    ++taken_[kind];
     value = value_[kind];
     return true;
+  }
+  [[nodiscard]] bool waits(uint32_t kind) const { return left_[kind] != 0; }
+  bool take(uint32_t kind) {
+    uint32_t unused = 0;
+    return take(kind, unused);
+  }
+  [[nodiscard]] const uint64_t (&taken() const)[CDE_PCI_FAULTS] { return taken_; }
+  void reset() {
+    for (uint32_t& left : left_)
+      if (left == CDE_PCI_UNTIL_RESET) left = 0;
   }
 
  private:
   uint32_t left_[CDE_PCI_FAULTS] = {}, value_[CDE_PCI_FAULTS] = {};
+  uint64_t taken_[CDE_PCI_FAULTS] = {};
 };
 
 class HostTarget {
@@ -84,13 +96,12 @@ class HostTarget {
     page_ = memory_.page(addr_ / kPageBytes);
     const bool memory = command == kMemoryRead || command == kMemoryWrite || command == kReadLine ||
                         command == kReadMultiple || command == kWriteInvalidate;
-    uint32_t unused = 0;
-    active_ = page_ != nullptr && memory && !faults_.take(CDE_PCI_FAULT_MASTER_ABORT, unused);
+    active_ = page_ != nullptr && memory && !faults_.take(CDE_PCI_FAULT_MASTER_ABORT);
     if (!active_) return;
     drive.enable &= ~kTargetSignals;  // released if the transaction before has just ended
     age_ = beats_ = 0;
     stopping_ = false;
-    retry_ = faults_.take(CDE_PCI_FAULT_RETRY, unused);
+    retry_ = faults_.take(CDE_PCI_FAULT_RETRY);
     if (!faults_.take(CDE_PCI_FAULT_SLOW, slow_)) slow_ = 0;
     // A beat number of its own for each way a transaction is cut short.
     if (!faults_.take(CDE_PCI_FAULT_DISCONNECT, last_beat_)) last_beat_ = kNever;

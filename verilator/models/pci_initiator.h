@@ -20,7 +20,13 @@ class Initiator {
     result_ = CDE_PCI_OK;
     drive.request = true;
   }
+  /// The caller's transaction is out of use; what is on the bus goes on.
+  void abandon() {
+    abandoned_ = *t_;
+    t_ = &abandoned_;
+  }
   [[nodiscard]] bool busy() const { return state_ != State::kIdle; }
+  [[nodiscard]] bool addressing() const { return state_ == State::kAddress; }
   [[nodiscard]] int result() const { return result_; }
   [[nodiscard]] bool own() const { return drive.drives(kFrame) || drive.drives(kIrdy); }
   [[nodiscard]] bool idsel() const {
@@ -182,6 +188,7 @@ class Initiator {
   }
 
   cde_pci_transaction* t_ = nullptr;
+  cde_pci_transaction abandoned_{};
   State state_ = State::kIdle;
   int result_ = CDE_PCI_OK;
   uint32_t age_ = 0, wait_ = 0, phase_ = 0, settle_ = 0;

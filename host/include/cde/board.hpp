@@ -154,13 +154,22 @@ struct OpenOptions {
   std::uint32_t bus_burst = 4096;          ///< bytes of a DMA burst, 64 to 4096, a multiple of 8
   unsigned bus_retries = 4;                ///< of a failed transfer, access or pass, in a row
   bool narrow_bus = false;                 ///< the host has a 32-bit bus
+  std::chrono::duration<double> watchdog =
+      std::chrono::minutes(10);  ///< Bus::kCycle: wall clock, for one access or transfer
 };
 
 /// Driver of one simulated card: the paper's Algorithm 1. Independent boards may live in different
 /// threads; one board must not be used by two threads at once.
 ///
 /// After an exception from run() or cast() the pass has been aborted and the card is ready for
-/// another; triangles and rays stay. kDevice and kTimeout say what the card was doing.
+/// another; triangles, rays and objects stay (a card that cannot be aborted is reset, and gets rays
+/// and objects again from the driver). kDevice and kTimeout say what the card was doing. After an
+/// error of an upload, what it replaced is gone: secondaries or primaries are loaded again before
+/// the next pass; objects the driver writes again by itself.
+///
+/// A card that does not answer, or whose bus or DMA engine hangs, is lost: that call and every
+/// later one that needs the card throws the same Error, kDevice or kTimeout with fault(), until
+/// reset().
 class Board {
  public:
   class Impl;  ///< the driver's own
@@ -248,8 +257,9 @@ class Board {
   Counters cast(std::span<const Ray> rays, const Query& query, const RecordSink& sink);
   [[nodiscard]] std::vector<Record> cast(std::span<const Ray> rays, const Query& query = {});
 
-  /// Hardware reset: registers, rays and objects are lost, triangles in DDR stay. The only way on
-  /// when the device is lost.
+  /// Hardware reset: registers, rays and objects are lost, triangles in DDR stay; faults that were
+  /// ordered until reset end. The only way on when the device is lost; throws if it still does not
+  /// answer.
   void reset();
 
   /// Modelled time in picoseconds: core clocks, and what PCI takes with OpenOptions::host,
@@ -258,8 +268,11 @@ class Board {
   [[nodiscard]] std::uint64_t time_ps() const;
   [[nodiscard]] BusCounters bus_counters() const;
   [[nodiscard]] MemoryCounters memory_counters() const;
-  /// The next `count` transactions of the card (or interrupts) get this fault; `value` as BusFault
-  /// says. Error kUsage unless BoardConfig::bus is Bus::kCycle.
+  /// Bus::kCycle: the first rule of PCI that host or card broke, with its clock; empty if none.
+  [[nodiscard]] std::string bus_violation() const;
+  /// From now on `count` transactions (or what BusFault names) get this fault, instead of what is
+  /// left of an earlier one of its kind; `value` as BusFault says. Error kUsage if the board's bus
+  /// has no such fault.
   void inject(BusFault fault, std::uint32_t count = 1, std::uint32_t value = 1);
 
   /// Waves of everything from now on; BoardConfig::trace must be set. Error kUsage without it,
@@ -286,7 +299,10 @@ class Board {
   void bus_read(card::Space space, std::uint32_t offset, std::span<std::uint64_t> beats);
   std::uint64_t wait(std::uint64_t max_clocks);  ///< until the interrupt; returns clocks spent
   [[nodiscard]] std::uint64_t clocks() const;    ///< core clocks of time_ps()
-  void flip_ddr(std::uint64_t byte, std::uint8_t mask);  ///< as a memory fault would
+  /// Flips bits as a memory fault would: of a byte of DDR, or with BoardConfig::ecc of the check
+  /// bits (bits 0 to 6) of a word of four bytes. Error kUsage where there are none.
+  void flip_ddr(std::uint64_t byte, std::uint8_t mask);
+  void flip_check(std::uint64_t word, std::uint8_t mask);
 
  private:
   explicit Board(std::unique_ptr<Impl> impl);

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -44,19 +45,24 @@ struct BusCounters {
   std::uint64_t bytes_to_card = 0;  ///< by DMA, retries not counted
   std::uint64_t bytes_to_host = 0;
   std::uint64_t transfer_retries = 0;  ///< descriptors, or their rest, given to the card again
-  std::uint64_t access_retries = 0;    ///< register accesses repeated after a parity error
+  std::uint64_t access_retries = 0;    ///< accesses repeated after a parity error or no answer
   std::uint64_t pass_retries = 0;      ///< passes run again because records were lost on their way
   std::uint64_t lost_interrupts = 0;   ///< found by polling
   std::uint64_t pci_clocks = 0;        ///< of modelled time; of them ...
   std::uint64_t pci_busy = 0;          ///< ... with a transaction on the bus,
   std::uint64_t pci_data = 0;          ///< ... in which data moved
+  /// Bus::kCycle: faults of Board::inject that happened, by BusFault (kNoGrant, kHang: clocks).
+  std::array<std::uint64_t, kBusFaults> faults = {};
 };
 
 /// What the driver knew when an access to the device failed; part of Error.
 struct DeviceFault {
-  std::uint32_t code = 0;        ///< pci::Code of the DMA engine, 0 for register accesses
-  std::uint16_t pci_status = 0;  ///< status register of the card's configuration space
-  std::uint32_t address = 0;     ///< mapped or bus address of a transfer, else offset in BAR0
+  std::uint32_t code = 0;        ///< pci::Code, of the DMA engine or as an access of the host
+                                 ///< ended; 0 where the bus had no part in it
+  std::uint16_t pci_status = 0;  ///< status register of the card's configuration space; all ones:
+                                 ///< it does not answer, 0: Bus::kFunctional
+  std::uint32_t address = 0;     ///< mapped or bus address of a transfer, offset of an access in
+                                 ///< BAR0 or configuration space, byte of DDR
   std::uint64_t clock = 0;       ///< core clocks since power-on
   bool repeatable = false;       ///< the card is well: the pass can be run again
 };

@@ -29,7 +29,7 @@ class Error : public std::runtime_error {
         const std::optional<DeviceFault>& fault = std::nullopt)
       : std::runtime_error(message), code_(code), fault_(fault) {}
   [[nodiscard]] ErrorCode code() const noexcept { return code_; }
-  /// Of kDevice and kTimeout, where the bus had a part in it.
+  /// Of kDevice and kTimeout, of an access, a transfer or a pass.
   [[nodiscard]] const std::optional<DeviceFault>& fault() const noexcept { return fault_; }
 
  private:

@@ -1,0 +1,349 @@
+// Cards that do not answer and engines that hang, through the public interface: right records after
+// a retry, or one clear error, and right records after reset().
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "../board/cases.hpp"
+#include "cde/error.hpp"
+#include "cde/pci.hpp"
+
+namespace cde::testing {
+namespace {
+
+BoardConfig pci_config() {
+  BoardConfig c = small_config();
+  c.bus = Bus::kCycle;
+  return c;
+}
+
+struct Raised {
+  ErrorCode code;
+  std::string what;
+  std::optional<DeviceFault> fault;
+};
+std::optional<Raised> raised(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return Raised{error.code(), error.what(), error.fault()};
+  }
+  return std::nullopt;
+}
+void expect_in(const std::string& part, const std::string& text) {
+  EXPECT_NE(text.find(part), std::string::npos) << text;
+}
+
+// ---- A card that does not answer ----
+
+TEST(NoAnswer, ShortOnesEndRight) {
+  Board board = Board::open(pci_config());
+  Random random;
+  for (unsigned round = 0; round < 40; ++round) {
+    const Scene scene = beam(random, 1 + random.below(40), 1 + random.below(40));
+    board.inject(BusFault::kNoAnswer, 1 + random.below(4));
+    (void)cast_and_compare(board, scene, {.mode = round % 2 != 0 ? Mode::kAll : Mode::kNearest});
+    (void)board.clocks();
+  }
+  EXPECT_GE(board.bus_counters().access_retries, 60u);
+}
+
+class Lost : public ::testing::Test {
+ protected:
+  Lost() : board(Board::open(rich_config(Bus::kCycle))), scene(beam(random, 20, 30)) { fill(); }
+
+  void fill() {
+    board.upload(scene.triangles);
+    board.load(scene.rays);
+    board.load_second_shapes<Sphere>(spheres);
+    board.set_objects(objects);
+    board.set_primary_objects(primary_objects);
+  }
+  /// Every call that needs the card.
+  std::vector<std::pair<const char*, std::function<void()>>> calls() {
+    const Query query{.pair = Pair::kRayTriangle};
+    return {
+        {"upload", [&] { board.upload(scene.triangles); }},
+        {"upload_shapes", [&] { board.upload_shapes<Triangle>(scene.triangles); }},
+        {"update_shapes", [&] { board.update_shapes<Triangle>(0, scene.triangles); }},
+        {"set_objects", [&] { board.set_objects(objects); }},
+        {"move_object", [&] { board.move_object(0, {}); }},
+        {"set_primary_objects", [&] { board.set_primary_objects(primary_objects); }},
+        {"move_primary_object", [&] { board.move_primary_object(0, {}); }},
+        {"load", [&] { board.load(scene.rays); }},
+        {"load_shapes", [&] { board.load_shapes<Ray>(scene.rays); }},
+        {"load_second_shapes", [&] { board.load_second_shapes<Sphere>(spheres); }},
+        {"run", [=, this] { (void)board.run(query); }},
+        {"run to a sink", [=, this] { board.run(query, [](std::span<const Record>) {}); }},
+        {"cast", [=, this] { (void)board.cast(scene.rays, query); }},
+        {"read_register", [&] { (void)board.read_register(card::kRegId); }},
+        {"write_register", [&] { board.write_register(card::kRegControl, 0); }},
+        {"bus_write", [&] { board.bus_write(card::kSpaceDdr, 0, beats); }},
+        {"bus_read", [&] { board.bus_read(card::kSpaceSram, 0, beats); }},
+        {"wait", [&] { board.wait(1000); }},
+    };
+  }
+  void expect_right_after_reset() {
+    board.reset();
+    EXPECT_THROW((void)board.run({.pair = Pair::kRayTriangle}), Error) << "rays are gone";
+    (void)cast_and_compare(board, scene, {.pair = Pair::kRayTriangle});
+    fill();
+    EXPECT_EQ(board.run({.pair = Pair::kRayTriangle}).size(), scene.rays.size());
+  }
+
+  Random random;
+  Board board;
+  Scene scene;
+  std::vector<Sphere> spheres{{.c = {0, 0, 1}, .r = 0.5f}};
+  std::vector<Object> objects{{.first = 0, .count = 30}};
+  std::vector<Object> primary_objects{{.first = 0, .count = 20}};
+  std::vector<std::uint64_t> beats{1, 2, 3};
+};
+
+/// Whichever call meets it, and all others from then on. (wait(), the last of them, asks the card
+/// nothing if it sees an interrupt, so it does not always meet it.)
+TEST_F(Lost, EveryCallIsTheSameErrorUntilReset) {
+  const std::size_t all = calls().size();
+  for (std::size_t first = 0; first + 1 < all; ++first) {
+    const auto call = calls();
+    SCOPED_TRACE(call[first].first);
+    board.inject(BusFault::kNoAnswer, kUntilReset);
+    const std::uint64_t before = board.clocks();
+    const auto met = raised(call[first].second);
+    ASSERT_TRUE(met);
+    EXPECT_EQ(met->code, ErrorCode::kDevice);
+    ASSERT_TRUE(met->fault);
+    EXPECT_EQ(met->fault->code, pci::kCodeMasterAbort);
+    EXPECT_EQ(met->fault->pci_status, 0xffff);
+    EXPECT_LT(met->fault->address, 0x10000u) << "offset in BAR0";
+    EXPECT_GE(met->fault->clock, before);
+    expect_in("lost until reset()", met->what);
+    expect_in(fmt::format("clock {}", met->fault->clock), met->what);
+    board.inject(BusFault::kNoAnswer, 0);  // it would answer again, but who knows what it has seen
+    for (const auto& [name, other] : call) {
+      const auto again = raised(other);
+      ASSERT_TRUE(again) << name;
+      EXPECT_EQ(again->what, met->what) << name;
+      EXPECT_EQ(again->code, met->code) << name;
+    }
+    expect_right_after_reset();
+  }
+}
+
+TEST_F(Lost, InTheMiddleOfAPass) {
+  for (unsigned round = 0; round < 10; ++round) {
+    unsigned pieces = 0;
+    const auto met = raised([&] {
+      board.run({.mode = Mode::kAll, .pair = Pair::kRayTriangle, .drain_records = 8},
+                [&](std::span<const Record>) {
+                  if (pieces++ == round) board.inject(BusFault::kNoAnswer, kUntilReset);
+                });
+    });
+    ASSERT_TRUE(met);
+    expect_in("does not answer", met->what);
+    EXPECT_EQ(raised([&] { board.load(scene.rays); })->what, met->what);
+    expect_right_after_reset();
+  }
+}
+
+TEST_F(Lost, ACardThatStaysAwayStaysLostOverAReset) {
+  board.inject(BusFault::kNoAnswer, 1000);
+  ASSERT_TRUE(raised([&] { board.load(scene.rays); }));
+  unsigned resets = 0;
+  while (const auto met = raised([&] { board.reset(); })) {
+    expect_in("does not answer", met->what);
+    ASSERT_LT(++resets, 1000u);
+    ASSERT_TRUE(raised([&] { board.load(scene.rays); }));
+  }
+  EXPECT_GT(resets, 100u) << "an attempt is no more than six transactions";
+  (void)cast_and_compare(board, scene, {.pair = Pair::kRayTriangle});
+}
+
+// ---- DMA engines and buses that hang ----
+
+TEST_F(Lost, GrantNeverGiven) {
+  board.inject(BusFault::kNoGrant, kUntilReset);
+  const std::uint64_t before = board.time_ps();
+  const auto met = raised([&] { board.upload(scene.triangles); });
+  ASSERT_TRUE(met);
+  EXPECT_EQ(met->code, ErrorCode::kTimeout);
+  ASSERT_TRUE(met->fault);
+  EXPECT_EQ(met->fault->address, 0x2000u) << "mapped address of the data";
+  expect_in("DMA descriptor", met->what);
+  expect_in("modelled time", met->what);
+  EXPECT_GT(board.time_ps() - before, 10'000'000'000u);
+  EXPECT_LT(board.time_ps() - before, 30'000'000'000u);
+  for (const auto& [name, other] : calls()) {
+    const auto again = raised(other);
+    ASSERT_TRUE(again) << name;
+    EXPECT_EQ(again->what, met->what) << name;
+  }
+  expect_right_after_reset();
+}
+
+TEST_F(Lost, GrantGivenLate) {
+  board.inject(BusFault::kNoGrant, 10'000);
+  (void)cast_and_compare(board, scene, {.pair = Pair::kRayTriangle});
+}
+
+/// Host memory that retries for ever: the card's retry limit ends it, and nothing is lost.
+TEST_F(Lost, NothingButRetries) {
+  board.inject(BusFault::kRetry, kUntilReset);
+  const auto met = raised([&] { board.upload(scene.triangles); });
+  ASSERT_TRUE(met);
+  EXPECT_EQ(met->code, ErrorCode::kDevice);
+  ASSERT_TRUE(met->fault);
+  EXPECT_EQ(met->fault->code, pci::kCodeRetryLimit);
+  expect_in("too many retries", met->what);
+  board.inject(BusFault::kRetry, 0);
+  (void)cast_and_compare(board, scene, {.pair = Pair::kRayTriangle});
+}
+
+/// More retries than the card's limit, fewer than the driver's patience.
+TEST_F(Lost, RetryStorm) {
+  board.inject(BusFault::kRetry, 40'000);
+  (void)cast_and_compare(board, scene, {.pair = Pair::kRayTriangle});
+  EXPECT_GE(board.bus_counters().transfer_retries, 2u);
+}
+
+/// A target that inserts wait states for ever: the host itself does not get the bus any more.
+TEST_F(Lost, TheBusHangs) {
+  board.inject(BusFault::kSlow, 1, ~0u);
+  const auto met = raised([&] { board.upload(scene.triangles); });
+  ASSERT_TRUE(met);
+  ASSERT_TRUE(met->fault);
+  EXPECT_EQ(met->fault->pci_status, 0xffff);
+  expect_in("lost until reset()", met->what);
+  EXPECT_EQ(raised([&] { board.load(scene.rays); })->what, met->what);
+  expect_right_after_reset();
+}
+
+TEST(LinkWatchdog, EndsATransferInWallTime) {
+  OpenOptions options;
+  options.watchdog = std::chrono::microseconds(1);
+  Board board = Board::open(pci_config(), options);
+  board.inject(BusFault::kNoGrant, kUntilReset);
+  Random random;
+  const Scene scene = beam(random, 20, 30);
+  const auto met = raised([&] { board.upload(scene.triangles); });
+  ASSERT_TRUE(met);
+  EXPECT_EQ(met->code, ErrorCode::kTimeout);
+  expect_in("watchdog", met->what);
+}
+
+// ---- An engine that hangs ----
+
+class Hang : public ::testing::TestWithParam<Bus> {
+ protected:
+  Hang() : board(Board::open(rich_config(GetParam()))), scene(beam(random, 20, 60)) {
+    board.upload(scene.triangles);
+    board.load(scene.rays);
+    board.set_objects(std::vector<Object>{{.first = 0, .count = 60}});
+    expected = board.run(query);
+  }
+  void expect_same() {
+    const auto got = board.run(query);
+    ASSERT_EQ(got.size(), expected.size());
+    for (std::size_t i = 0; i < got.size(); ++i)
+      ASSERT_TRUE(same_bits(got[i], expected[i])) << "record " << i;
+  }
+  Random random;
+  Board board;
+  Scene scene;
+  Query query{.mode = Mode::kAll, .pair = Pair::kRayTriangle};
+  std::vector<Record> expected;
+};
+
+TEST_P(Hang, ShortOnesAreWaitedFor) {
+  for (const std::uint32_t clocks : {1u, 2u, 19u, 20u, 21u, 100u, 5000u}) {
+    SCOPED_TRACE(clocks);
+    Counters counters;
+    board.inject(BusFault::kHang, clocks);
+    (void)board.run(query, &counters);
+    // On PCI the pass begins after accesses to its registers.
+    if (clocks >= 5000) {
+      EXPECT_GT(counters.bubbles, 2500u);
+    }
+    expect_same();
+  }
+}
+
+/// The deadline in modelled time ends the pass; the abort waits for memory, and ends with it.
+TEST_P(Hang, TheDeadlineEndsThePass) {
+  Query hasty = query;
+  hasty.deadline_clocks = 20'000;
+  board.inject(BusFault::kHang, 21'000);
+  const auto met = raised([&] { (void)board.run(hasty); });
+  ASSERT_TRUE(met);
+  EXPECT_EQ(met->code, ErrorCode::kTimeout);
+  ASSERT_TRUE(met->fault);
+  EXPECT_GE(met->fault->clock, 20'000u);
+  expect_in("deadline of 20000 clocks", met->what);
+  expect_same();
+}
+
+/// Only a reset ends this one: rays and objects are in the card again with the next pass.
+TEST_P(Hang, AnAbortThatDoesNotEndBecomesAReset) {
+  board.move_object(0, {.translation = {0.125f, 0, 0}});
+  expected = board.run(query);
+  board.inject(BusFault::kHang, kUntilReset);
+  const auto met = raised([&] { (void)board.run(query); });
+  ASSERT_TRUE(met);
+  EXPECT_EQ(met->code, ErrorCode::kTimeout);
+  expect_in("0 of 60 secondaries swept", met->what);
+  expect_same();
+}
+
+TEST_P(Hang, TheWatchdogEndsThePass) {
+  Query patient = query;
+  patient.deadline_clocks = std::uint64_t{1} << 40;
+  patient.watchdog = std::chrono::milliseconds(50);
+  board.inject(BusFault::kHang, kUntilReset);
+  const auto start = std::chrono::steady_clock::now();
+  const auto met = raised([&] { (void)board.run(patient); });
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(60));
+  ASSERT_TRUE(met);
+  EXPECT_EQ(met->code, ErrorCode::kTimeout);
+  expect_in("watchdog of 0.05 s", met->what);
+  expect_same();
+}
+
+/// Nothing of what is restored may be lost if the bus fails while it is.
+TEST_P(Hang, AnInterruptedRecoveryIsTakenUpAgain) {
+  if (GetParam() == Bus::kFunctional) GTEST_SKIP() << "the functional bus does not fail";
+  board.inject(BusFault::kHang, kUntilReset);
+  ASSERT_TRUE(raised([&] { (void)board.run(query); }));
+  board.inject(BusFault::kTargetAbort, kUntilReset, 0);
+  ASSERT_TRUE(raised([&] { (void)board.run(query); }));
+  board.inject(BusFault::kTargetAbort, 0);
+  expect_same();
+}
+
+INSTANTIATE_TEST_SUITE_P(Buses, Hang, ::testing::Values(Bus::kFunctional, Bus::kCycle),
+                         [](const auto& info) {
+                           return info.param == Bus::kCycle ? "Cycle" : "Functional";
+                         });
+
+// ---- Names ----
+
+TEST(BusFaults, NamesAreReadBack) {
+  for (std::uint32_t kind = 0; kind < kBusFaults; ++kind) {
+    const auto fault = static_cast<BusFault>(kind);
+    EXPECT_EQ(fault_named(name_of(fault)), fault);
+  }
+  EXPECT_FALSE(fault_named("none"));
+}
+
+TEST(BusFaults, TheFunctionalBusHasOne) {
+  Board board = Board::open(small_config());
+  for (std::uint32_t kind = 0; kind < kBusFaults; ++kind) {
+    const auto fault = static_cast<BusFault>(kind);
+    const auto met = raised([&] { board.inject(fault, 0); });
+    ASSERT_EQ(met.has_value(), fault != BusFault::kHang) << name_of(fault);
+    if (met) expect_in(fmt::format("no fault '{}'", name_of(fault)), met->what);
+  }
+}
+
+}  // namespace
+}  // namespace cde::testing
