@@ -190,7 +190,7 @@ TEST_F(RunScene, FaultsInDdrAreCorrectedOrFoundOut) {
 TEST_F(RunScene, FaultsOfTheBusAreRepeatedOrOneError) {
   write("cycle.toml", flight("lanes = 4\nbus = \"cycle\""));
   Ran ran = cde({"run", "cycle.toml", "--frames", "0..1", "--fault", "target-abort:2:0@1",
-                 "--fault", "disconnect:9:2@0", "--fault", "lost-interrupt@1"});
+                 "--fault", "disconnect:9:2@0", "--fault", "lost-interrupt@0"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto faults = run_json("cycle.run")["faults"];
   EXPECT_EQ(faults["injected"], 3);

@@ -31,7 +31,7 @@ TEST(ScheduledFaults, MistakesAreNamed) {
     SCOPED_TRACE(text);
     expect_error(ErrorCode::kUsage, why, [&] { (void)fault_of(text); });
   };
-  for (const char* text : {"", "parity", "@", "parity:1:2:3@4", "parity@1@2", "parity:1:2"})
+  for (const char* text : {"", "parity", "parity:1:2:3@4", "parity@1@2", "parity:1:2"})
     refused(text, "it must be KIND[:COUNT[:VALUE]]@FRAME");
   refused("partiy@1", "there is no kind 'partiy'; it must be one of retry, slow, disconnect, ");
   refused("@1", "there is no kind ''");

@@ -466,6 +466,10 @@ TEST(Plan, CountsWork) {
   EXPECT_EQ(w.secondary_words, 4000u);
   EXPECT_EQ(w.moved_words, 4000u);
   EXPECT_NE(effect(p, "transformer").cost.find("12000"), std::string::npos);
+  const Plan objects =
+      plan(load_scene(std::filesystem::path(CDE_MESHES) / "scenes/flight_objects.toml"));
+  EXPECT_EQ(effect(objects, "transformer").cost, "24 words a frame; the host would upload 20736");
+  EXPECT_EQ(objects.queries[0].moved_words, 24u);
 }
 
 TEST(Plan, RefusesAPairThatTheBitstreamHasNot) {
