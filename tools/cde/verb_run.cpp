@@ -19,6 +19,7 @@
 #include "cde/player.hpp"
 #include "output.hpp"
 #include "plan_output.hpp"
+#include "report.hpp"
 #include "verbs.hpp"
 
 namespace cde::cli {
@@ -28,7 +29,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string scene, frames, out, check, trace;
+  std::string scene, frames, out, check, trace, report;
   double timeout = 3600;
   std::uint64_t deadline = 0;
   bool json = false, quiet = false;
@@ -204,6 +205,7 @@ class Run {
     fs::create_directories(folder_, error);
     if (error)
       throw Error(ErrorCode::kFile, fmt::format("{}: {}", folder_.string(), error.message()));
+    if (!o.report.empty()) report_.emplace(scene);
   }
 
   void play(const Plan& plan) {
@@ -253,6 +255,7 @@ class Run {
                                     static_cast<double>(t.tests) / t.simulated / 1e6, t.checked));
       row("check", check_text());
       row("results", fmt::format("{}/run.json", folder_.string()));
+      if (report_) row("report", o_.report);
     }
     if (o_.json) fmt::print("{}\n", json_.dump(2));
     if (t.mismatches != 0) throw Error(ErrorCode::kMismatch, mismatch_);
@@ -277,9 +280,11 @@ class Run {
     const std::vector<QueryFrame> answers =
         player.play(frame, [&](std::size_t query, std::span<const Record> records) {
           if (!files.empty()) files[query]->add(records);
+          if (report_) report_->records(query, records);
         });
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
     for (const auto& file : files) file->commit();
+    if (report_) report_->frame(frame, answers);
     Json j = {{"frame", frame},
               {"seconds", seconds(scene_, frame)},
               {"wall_seconds", wall.count()},
@@ -315,6 +320,10 @@ class Run {
     OutputFile file(folder_ / "run.json");
     file.write(json_.dump(2) + "\n");
     file.commit();
+    if (!report_) return;
+    OutputFile page(o_.report);
+    page.write(report_->html(json_));
+    page.commit();
   }
 
   [[nodiscard]] std::string check_text() const {
@@ -331,6 +340,7 @@ class Run {
   Frames frames_;
   fs::path folder_;
   Json json_;
+  std::optional<Report> report_;
   Totals totals_;
   std::string mismatch_;
 };
@@ -364,6 +374,7 @@ void add_run(CLI::App& app) {
   verb->add_option("--frames", o->frames, "Frames A..B, both included (all)");
   verb->add_option("--out", o->out, "Folder for run.json and records (SCENE.run)");
   verb->add_option("--check", o->check, "all, sample or none, instead of what the scene says");
+  verb->add_option("--report", o->report, "Page about the run, one HTML file that loads nothing");
   verb->add_option("--trace", o->trace, "Waves of the run, FST; kept even if it fails");
   verb->add_option("--deadline", o->deadline,
                    "Device clocks that a pass may take (0: several times what it should)")
