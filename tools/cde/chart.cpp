@@ -10,20 +10,20 @@
 namespace cde::cli {
 namespace {
 
-constexpr double kTop = 22, kHeight = 220;  // pixels: of the label of the highest line, of the plot
+constexpr double kTop = 10, kHeight = 220;  // pixels: above the plot, of the plot
 
 std::string start(std::string_view kind, std::string_view label, double height) {
   return fmt::format(
-      "<svg class=\"chart {}\" width=\"100%\" height=\"{:g}\" role=\"img\" aria-label=\"{}\">\n",
+      "<div class=\"chart {}\"><svg width=\"100%\" height=\"{:g}\" role=\"img\" aria-label=\"{}\">\n",
       kind, height, escaped(label));
 }
 
-/// A line across the plot with its label on it.
+/// A line across the plot with its label left of it, in the margin that the style sheet leaves.
 std::string level(double y, std::string_view text) {
   return fmt::format(
       "<line class=\"grid\" x1=\"0\" x2=\"100%\" y1=\"{0:.1f}\" y2=\"{0:.1f}\"/>"
-      "<text class=\"tick\" x=\"0\" y=\"{1:.1f}\">{2}</text>\n",
-      y, y - 4, escaped(text));
+      "<text class=\"tick\" x=\"-8\" y=\"{1:.1f}\" text-anchor=\"end\">{2}</text>\n",
+      y, y + 4, escaped(text));
 }
 
 /// 1, 2 or 5 times a power of ten such that `most` takes two to five steps.
@@ -32,6 +32,13 @@ double step_for(double most) {
   for (const double factor : {0.2, 0.5, 1.0})
     if (most / (factor * power) <= 5) return factor * power;
   return 2 * power;
+}
+
+/// A round value and its unit: "20 ms".
+std::string tick(double seconds) {
+  constexpr const char* kUnits[] = {"ns", "µs", "ms", "s"};
+  const int unit = std::clamp(static_cast<int>(std::floor(std::log10(seconds) + 1e-9) + 9) / 3, 0, 3);
+  return fmt::format("{:.3g} {}", seconds * std::pow(10, 9 - 3 * unit), kUnits[unit]);
 }
 
 /// A logarithmic axis of whole decades.
@@ -46,13 +53,6 @@ struct Decades {
     return std::clamp((std::log10(value) - low) / (high - low), 0.0, 1.0);
   }
 };
-
-/// "1", "10", ... of a decade, in seconds and their parts.
-std::string decade(int power) {
-  constexpr const char* kUnits[] = {"ns", "µs", "ms", "s"};
-  const int unit = std::clamp((power + 9) / 3, 0, 3);
-  return fmt::format("{:g} {}", std::pow(10, power + 9 - 3 * unit), kUnits[unit]);
-}
 
 std::string key(int colour, std::string_view text, bool dashed = false) {
   return fmt::format(
@@ -80,7 +80,7 @@ std::string stacked_bars(std::string_view label, const std::vector<std::string>&
   const double scale = most > 0 ? kHeight / most : 0;
   if (most > 0) {
     for (double value = 0; value <= most * 1.0001; value += step_for(most))
-      svg += level(kTop + kHeight - scale * value, value == 0 ? "0" : duration(value));
+      svg += level(kTop + kHeight - scale * value, value == 0 ? "0" : tick(value));
   }
   const double slot = 100.0 / static_cast<double>(std::max<std::size_t>(count, 1));
   const double width = slot * (count > 200 ? 1.0 : 0.82);
@@ -105,7 +105,7 @@ std::string stacked_bars(std::string_view label, const std::vector<std::string>&
                          last ? "100%" : "0", kTop + kHeight + 16, last ? "end" : "start",
                          escaped(last ? names.back() : names.front()));
   }
-  svg += "</svg>\n<ul class=\"legend\">\n";
+  svg += "</svg></div>\n<ul class=\"legend\">\n";
   for (const Series& s : series)
     svg += key(s.colour, fmt::format("{}, mean {}", s.name, duration(mean(s.values))));
   return svg + "</ul>\n";
@@ -124,7 +124,7 @@ std::string log_bars(std::string_view label, const std::vector<Bar>& bars) {
     svg += fmt::format(
         "<line class=\"grid\" x1=\"{0:.4g}%\" x2=\"{0:.4g}%\" y1=\"{1:g}\" y2=\"{2:g}\"/>"
         "<text class=\"tick\" x=\"{0:.4g}%\" y=\"12\" text-anchor=\"{3}\">{4}</text>\n",
-        x, kAxis, height, anchor, decade(power));
+        x, kAxis, height, anchor, tick(std::pow(10, power)));
   }
   double y = kAxis;
   for (const Bar& b : bars) {
@@ -136,7 +136,7 @@ std::string log_bars(std::string_view label, const std::vector<Bar>& bars) {
         100 * axis.share(b.seconds));
     y += kRow;
   }
-  return svg + "</svg>\n";
+  return svg + "</svg></div>\n";
 }
 
 std::string log_lines(std::string_view label, std::string_view x_name,
@@ -147,7 +147,7 @@ std::string log_lines(std::string_view label, std::string_view x_name,
     for (const double x : line.x) first = std::min(first, x), last = std::max(last, x);
   }
   const Decades axis(least, most);
-  constexpr double kLeft = 12, kWide = 84;  // percent; the labels of the levels lie left of it
+  constexpr double kLeft = 3, kWide = 94;  // percent
   const auto at_x = [&](double x) {
     return kLeft + kWide * std::log(x / first) / std::log(std::max(last / first, 1.001));
   };
@@ -155,7 +155,7 @@ std::string log_lines(std::string_view label, std::string_view x_name,
   const auto at_y = [&](double y) { return kTop + tall * (1 - axis.share(y)); };
   std::string svg = start("lines", label, kTop + tall + 40);
   for (int power = axis.low; power <= axis.high; ++power)
-    svg += level(at_y(std::pow(10, power)), decade(power));
+    svg += level(at_y(std::pow(10, power)), tick(std::pow(10, power)));
   for (const double x : lines.front().x)
     svg += fmt::format("<text class=\"tick\" x=\"{:.4g}%\" y=\"{:g}\" text-anchor=\"middle\">{:g}</text>\n",
                        at_x(x), kTop + tall + 16, x);
@@ -177,7 +177,7 @@ std::string log_lines(std::string_view label, std::string_view x_name,
           duration(line.y[i]));
     }
   }
-  svg += "</svg>\n<ul class=\"legend\">\n";
+  svg += "</svg></div>\n<ul class=\"legend\">\n";
   for (const Line& line : lines) svg += key(line.colour, line.name, line.dashed);
   return svg + "</ul>\n";
 }

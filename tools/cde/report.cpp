@@ -130,10 +130,10 @@ void Report::frame(std::uint32_t number, const std::vector<QueryFrame>& answers)
   }
 }
 
-std::vector<std::vector<float>> Report::nearest_hits() const {
-  std::vector<std::vector<float>> nearest(scene_.objects.size());
-  for (std::size_t i = 0; i < nearest.size(); ++i)
-    nearest[i].assign(geometry_.objects()[i].count, INFINITY);
+std::vector<std::vector<float>> Report::last_hits() const {
+  std::vector<std::vector<float>> last(scene_.objects.size());
+  for (std::size_t i = 0; i < last.size(); ++i)
+    last[i].assign(geometry_.objects()[i].count, NAN);
   for (std::size_t q = 0; q < kept_.size(); ++q) {
     const SceneQuery& query = scene_.queries[q];
     for (const bool primary : {true, false}) {
@@ -141,14 +141,14 @@ std::vector<std::vector<float>> Report::nearest_hits() const {
       if (geometry_.objects()[side.front()].shape != Shape::kRay) continue;
       for (const ShownHit& h : kept_[q].hits) {
         std::size_t ray = primary ? h.primary : h.index, object = 0;
-        while (object + 1 < side.size() && ray >= nearest[side[object]].size())
-          ray -= nearest[side[object++]].size();
-        float& t = nearest[side[object]].at(ray);
-        t = std::min(t, h.t);
+        while (object + 1 < side.size() && ray >= last[side[object]].size())
+          ray -= last[side[object++]].size();
+        float& t = last[side[object]].at(ray);
+        t = std::isnan(t) ? h.t : std::max(t, h.t);
       }
     }
   }
-  return nearest;
+  return last;
 }
 
 Eigen::Vector3f Report::ray_end(const Ray& ray, float t) const {
@@ -182,8 +182,8 @@ void Report::frame_scene(const std::vector<ShownObject>& shown) {
 
 void Report::look(std::uint32_t number, const std::vector<ShownObject>& shown) {
   if (!picture_) frame_scene(shown);
-  const auto nearest = nearest_hits();
-  if (!picture_) draw(shown, nearest);
+  const auto last = last_hits();
+  if (!picture_) draw(shown, last);
   View view{{{"frame", number},
              {"seconds", seconds(scene_, number)},
              {"objects", Json::array()},
@@ -191,7 +191,7 @@ void Report::look(std::uint32_t number, const std::vector<ShownObject>& shown) {
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const auto& object = geometry_.objects()[i];
     const bool again = !views_.empty() && object.still && object.shape != Shape::kRay && !object.deforms;
-    view.json["objects"].push_back(again ? Json() : object_json(i, shown[i], nearest[i]));
+    view.json["objects"].push_back(again ? Json() : object_json(i, shown[i], last[i]));
   }
   for (std::size_t q = 0; q < kept_.size(); ++q)
     view.json["queries"].push_back(hits_json(kept_[q].hits, scene_.queries[q].normals));
@@ -213,7 +213,7 @@ void Report::thin_out() {
 }
 
 Report::Json Report::object_json(std::size_t number, const ShownObject& shown,
-                                 const std::vector<float>& nearest) {
+                                 const std::vector<float>& last) {
   const auto& object = geometry_.objects()[number];
   if (shown.pose) {
     Json words = Json::array();
@@ -228,7 +228,7 @@ Report::Json Report::object_json(std::size_t number, const ShownObject& shown,
   if (object.shape == Shape::kRay) {
     std::vector<float> words;
     for (std::size_t i = 0; i < shown.rays.size(); ++i) {
-      const float t = nearest[i * object.stride];
+      const float t = last[i * object.stride];
       append(words, shown.rays[i].o);
       append(words, ray_end(shown.rays[i], t));
       words.push_back(std::isfinite(t) ? 1 : 0);
@@ -243,7 +243,7 @@ Report::Json Report::object_json(std::size_t number, const ShownObject& shown,
 }
 
 void Report::draw(const std::vector<ShownObject>& shown,
-                  const std::vector<std::vector<float>>& nearest) {
+                  const std::vector<std::vector<float>>& last) {
   Picture picture(camera_, kPictureSize);
   const Colour hit = linear("#ffb454"), dot = linear("#ff6a4d"), contact = linear("#5fe0b0");
   for (std::size_t i = 0; i < shown.size(); ++i) {
@@ -264,7 +264,7 @@ void Report::draw(const std::vector<ShownObject>& shown,
   for (std::size_t i = 0; i < shown.size(); ++i) {
     for (std::size_t k = 0; k < shown[i].rays.size(); ++k) {
       const Ray& ray = shown[i].rays[k];
-      const float t = nearest[i][k * geometry_.objects()[i].stride];
+      const float t = last[i][k * geometry_.objects()[i].stride];
       const bool meets = std::isfinite(t);
       picture.line(ray.o, ray_end(ray, t), meets ? hit : linear("#6f9bd1"), meets ? 0.9f : 0.5f);
     }
@@ -343,10 +343,12 @@ std::vector<std::string> Report::notes() const {
 }
 
 std::string Report::html(const Json& run) const {
-  const std::string title = scene_.title.empty() ? scene_.file : scene_.title;
+  const std::string file = std::filesystem::path(scene_.file).filename();
+  const std::string title = scene_.title.empty() ? file : scene_.title;
   std::string body = fmt::format("<main>\n<header><h1>{}</h1>\n", escaped(title));
   body += fmt::format("<p class=\"lead\">{}</p></header>\n", escaped(fmt::format(
-                          "{}: frames {} to {}, played on the simulated card of cde.", scene_.file,
+                          "{}: frames {} to {}, played on the simulated card of cde.",
+                          file,
                           run["frames"][0].dump(), run["frames"][1].dump())));
   body += view_html() + charts_html() + tables_html(run);
   body += fmt::format("<footer><details><summary>Software in this page</summary><pre>{}</pre>"

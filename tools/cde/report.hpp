@@ -48,15 +48,15 @@ class Report {
 
   [[nodiscard]] bool keeps(const SceneQuery& query, const Record& record) const;
   [[nodiscard]] std::size_t stride_of_primaries(const SceneQuery& query) const;
-  /// The nearest hit of every ray of the scene in the frame, by object; +inf: none.
-  [[nodiscard]] std::vector<std::vector<float>> nearest_hits() const;
+  /// T of the farthest hit shown of every ray in the frame, by object; NaN: none.
+  [[nodiscard]] std::vector<std::vector<float>> last_hits() const;
   /// Box and camera, from the first frame.
   void frame_scene(const std::vector<ShownObject>& shown);
   void look(std::uint32_t frame, const std::vector<ShownObject>& shown);
   void thin_out();  ///< every other view goes
   [[nodiscard]] Json object_json(std::size_t object, const ShownObject& shown,
-                                 const std::vector<float>& nearest);
-  void draw(const std::vector<ShownObject>& shown, const std::vector<std::vector<float>>& nearest);
+                                 const std::vector<float>& last);
+  void draw(const std::vector<ShownObject>& shown, const std::vector<std::vector<float>>& last);
   [[nodiscard]] Eigen::Vector3f ray_end(const Ray& ray, float t) const;
 
   [[nodiscard]] Json data(const Json& run) const;

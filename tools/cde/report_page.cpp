@@ -77,7 +77,7 @@ std::string Report::view_html() const {
       "<label><input id=\"show-hits\" type=\"checkbox\" checked>hits</label>"
       "<button id=\"reset\" type=\"button\">Reset view</button></div>\n";
   html +=
-      "<figcaption>Rays that hit are orange up to their nearest hit; of others only the start is "
+      "<figcaption>Rays that hit are orange up to the last hit found; of others only the start is "
       "drawn, blue. Red: hits of rays. Green: contacts of solids, with the normal where the query "
       "asked for it. Drag turns, Shift and drag moves, the wheel zooms.";
   for (const std::string& note : notes()) html.append(" ").append(escaped(note));

@@ -1,22 +1,20 @@
 // cde run: plays the frames of a scene on the simulated card and compares what it answers with the
 // reference.
 #include <fmt/format.h>
-#include <sys/utsname.h>
 
 #include <bit>
 #include <charconv>
 #include <chrono>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "cde/error.hpp"
 #include "cde/plan.hpp"
 #include "cde/player.hpp"
+#include "machine.hpp"
 #include "output.hpp"
 #include "plan_output.hpp"
 #include "report.hpp"
@@ -119,19 +117,6 @@ class RecordFile {
   fmt::memory_buffer text_;
 };
 
-Json machine() {
-  std::string model = "unknown";
-  std::ifstream in("/proc/cpuinfo");
-  for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("model name")) model = line.substr(line.find(':') + 2);
-  }
-  utsname system{};
-  ::uname(&system);
-  return {{"processor", model},
-          {"processors", std::thread::hardware_concurrency()},
-          {"system", fmt::format("{} {} {}", system.sysname, system.release, system.machine)}};
-}
-
 struct Totals {
   std::uint64_t records = 0, compared = 0, mismatches = 0, hits = 0, tests = 0;
   double modelled = 0, simulated = 0, checked = 0;
@@ -198,7 +183,7 @@ class Run {
              {"clock_is", "an assumption about the device, not a measurement"},
              {"bus", bus_name(scene)},
              {"memory", "ideal"},
-             {"machine", machine()},
+             {"machine", machine_json()},
              {"plan", plan_json(scene, plan)},
              {"played", Json::array()}};
     std::error_code error;

@@ -43,7 +43,9 @@
     const index = object.corner_bits === 16 ? new Uint16Array(corners) : new Uint32Array(corners);
     geometry.setIndex(new THREE.BufferAttribute(index, 1));
     if (object.points) geometry.setAttribute("position", new THREE.BufferAttribute(floats(object.points), 3));
-    const material = new THREE.MeshLambertMaterial({ color: object.colour, side: THREE.DoubleSide, flatShading: index.length < 30000 });
+    // Phong's flat shading needs no normals; the offset keeps hits in front of what they lie on.
+    const material = new THREE.MeshPhongMaterial({ color: object.colour, side: THREE.DoubleSide, flatShading: index.length < 30000,
+      shininess: 0, specular: 0, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 4 });
     const mesh = new THREE.Mesh(geometry, material);
     mesh.frustumCulled = false;
     mesh.matrixAutoUpdate = false;
@@ -103,10 +105,18 @@
       met(ends[1]);
     };
   }
+  // A round dot; the points of WebGL are squares.
+  const disc = document.createElement("canvas").getContext("2d");
+  disc.canvas.width = disc.canvas.height = 32;
+  disc.fillStyle = "#fff";
+  disc.arc(16, 16, 15, 0, 2 * Math.PI);
+  disc.fill();
+  const dot = new THREE.CanvasTexture(disc.canvas);
   function hits(query) {
     const stride = query.normals ? 7 : 4, colour = query.rays ? "#ff6a4d" : "#5fe0b0";
     const geometry = new THREE.BufferGeometry();
-    const material = new THREE.PointsMaterial({ color: colour, size: 5 * devicePixelRatio, sizeAttenuation: false, depthTest: query.rays });
+    const material = new THREE.PointsMaterial({ color: colour, size: 6 * Math.min(devicePixelRatio, 2), map: dot, alphaTest: 0.5,
+      sizeAttenuation: false, depthTest: query.rays });
     const points = new THREE.Points(geometry, material);
     points.frustumCulled = false;
     layers.hits.add(points);
