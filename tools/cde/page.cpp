@@ -49,6 +49,12 @@ std::string base64(std::span<const std::uint8_t> bytes) {
   return text;
 }
 
+std::string grouped(std::uint64_t number) {
+  std::string text = std::to_string(number);
+  for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, ",");
+  return text;
+}
+
 std::string table(std::string_view caption, const std::vector<std::string>& head,
                   const std::vector<std::vector<Cell>>& rows) {
   std::string html = fmt::format("<div class=\"scroll\"><table><caption>{}</caption>\n",

@@ -42,6 +42,9 @@ struct Cell {
   }
 };
 
+/// A number with commas: "259,572".
+[[nodiscard]] std::string grouped(std::uint64_t number);
+
 /// A table in a frame that scrolls sideways on narrow screens. The first cell of a row names it.
 [[nodiscard]] std::string table(std::string_view caption, const std::vector<std::string>& head,
                                 const std::vector<std::vector<Cell>>& rows);

@@ -19,9 +19,8 @@ std::string text_of(const Json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
-Cell figure(const Json& value) {
-  return Cell::figure(value.is_number_integer() ? fmt::format("{}", value.get<std::uint64_t>())
-                                                : fmt::format("{:.4g}", value.get<double>()));
+Cell figure(std::uint64_t number) {
+  return Cell::figure(grouped(number));
 }
 
 /// Everything the modelled times rest on.

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "page.hpp"
+
 namespace cde::cli {
 namespace {
 
@@ -146,7 +148,7 @@ SceneGeometry::SceneGeometry(const Scene& scene) : scene_(scene) {
       object.still = object.still && deforming(source).empty();
       object.stride = (object.count + kMostShapes - 1) / kMostShapes;
       if (object.stride > 1)
-        notes_.push_back(fmt::format("Of the {} shapes of “{}” every {}th is drawn.", object.count,
+        notes_.push_back(fmt::format("Of the {} shapes of “{}” every {}th is drawn.", grouped(object.count),
                                      object.name, object.stride));
     }
     objects_.push_back(std::move(object));
@@ -166,7 +168,7 @@ void SceneGeometry::add_surface(Object& object, const SceneObject& source) {
   notes_.push_back(fmt::format(
       "“{}” has {} triangles; it is drawn with {} (corners within a cell of a grid become one). The "
       "card met all of them.",
-      object.name, object.count, object.surface.corners.size() / 3));
+      object.name, grouped(object.count), grouped(object.surface.corners.size() / 3)));
   if (object.deforms) {
     object.deforms = false;
     notes_.push_back(fmt::format("“{}” deforms; it is drawn as in its file.", object.name));

@@ -11,6 +11,7 @@
 #include "cde/reference.hpp"
 #include "cde/reference/pass.hpp"
 #include "cde/terrain.hpp"
+#include "page.hpp"
 #include "reproduce.hpp"
 #include "rivals.hpp"
 
@@ -56,9 +57,9 @@ class Card {
   Entry frame(Pair pair, Mode mode, std::span<const P> primaries,
               const std::function<void()>& upload, std::vector<Record>& records) {
     QueryFrame f;
-    const std::uint64_t before = board_.clocks();
+    const std::uint64_t before = board_.time_ps();
     if (upload) upload();
-    f.secondary_clocks = board_.clocks() - before;
+    const double uploading = 1e-12 * static_cast<double>(board_.time_ps() - before);
     records.clear();
     for (std::size_t first = 0; first < primaries.size(); first += kPacket) {
       board_.load_shapes(primaries.subspan(first, std::min(kPacket, primaries.size() - first)));
@@ -71,11 +72,12 @@ class Card {
       const std::uint64_t pass = c.upload_clocks + c.cycles + c.writeback;
       f.download_clocks += c.total_clocks - std::min(c.total_clocks, pass);
     }
-    const TimeSplit split = time_split(f, mode, pair, clock_hz_);
+    TimeSplit split = time_split(f, mode, pair, clock_hz_);
+    split.dma += uploading;
     return {.name = fmt::format("card, {}", setup_.name),
             .source = Source::kCard,
             .seconds = split.total(),
-            .note = fmt::format("{} records to the host", records.size()),
+            .note = fmt::format("{} records to the host", grouped(records.size())),
             .split = split};
   }
 
@@ -193,8 +195,8 @@ void figure5(Lab& lab, const Mesh& mesh, EmbreeRival* embree) {
   for (const std::size_t count : {std::size_t{1}, kPacket}) {
     Experiment e;
     e.name = fmt::format("{}_rays", count);
-    e.title = count == 1 ? fmt::format("One ray against {} triangles", triangles.size())
-                         : fmt::format("{} rays against {} triangles", count, triangles.size());
+    e.title = count == 1 ? fmt::format("One ray against {} triangles", grouped(triangles.size()))
+                         : fmt::format("{} rays against {} triangles", count, grouped(triangles.size()));
     e.tests = count * triangles.size();
     if (count == 1) add_paper5(e);
     const std::vector<Ray> rays = flight_rays(mesh, count);
@@ -222,7 +224,8 @@ void figure6(Lab& lab, Mesh mesh, EmbreeRival* embree) {
   lab.result.moved_triangles = moved.size();
   Experiment e;
   e.name = "moved_vertices";
-  e.title = fmt::format("One ray against {} triangles, {} of them moved", triangles.size(), moved.size());
+  e.title = fmt::format("One ray against {} triangles, {} of them moved",
+                        grouped(triangles.size()), grouped(moved.size()));
   e.tests = triangles.size();
   const std::vector<Ray> rays = flight_rays(mesh, 1);
   std::vector<Record> records;
@@ -272,7 +275,7 @@ void figure7(Lab& lab, std::size_t count) {
   const std::vector<Sphere> spheres = flying_spheres(count);
   Experiment e;
   e.name = fmt::format("{}_spheres", count);
-  e.title = fmt::format("{} spheres, every one against every one", count);
+  e.title = fmt::format("{} spheres, every one against every one", grouped(count));
   e.tests = count * count;
   std::uint64_t hits = 0;
   for (Card& card : lab.cards) {

@@ -136,9 +136,9 @@ Rows assumptions(const Reproduction& r, const Json& machine) {
                                            "this clock is open"});
   rows.push_back({"the paper's frame", "“259,572 ray-triangle tests”: read as one ray against the terrain. "
                                        "256 rays are measured too, since that is what its register file holds"});
-  rows.push_back({"terrain", fmt::format("{} triangles, made by cde; the paper's is not published", r.triangles)});
+  rows.push_back({"terrain", fmt::format("{} triangles, made by cde; the paper's is not published", grouped(r.triangles))});
   rows.push_back({"moved", fmt::format("{} triangles at a tenth of the vertices; how many the paper moved it "
-                                       "does not say", r.moved_triangles)});
+                                       "does not say", grouped(r.moved_triangles))});
   rows.push_back({"software", fmt::format("median processor time of one thread; {} for the vectorised one; data "
                                           "in memory, other programs may run", r.vector_kind)});
   rows.push_back({"Embree", r.embree ? fmt::format("version 3, robust, one ray at a time; its hierarchy took {} to build, "
@@ -242,7 +242,7 @@ std::string reproduction_html(const Reproduction& r, const Json& machine) {
   body += fmt::format("<section><h2>Assumptions</h2>\n{}<p>{} records of the card were compared with the reference "
                       "bit by bit; none differs. The hits of software are the card's but for roundings at edges.</p>"
                       "</section>\n</main>\n",
-                      table("Everything the figures rest on", {}, assumptions(r, machine)), r.records_compared);
+                      table("Everything the figures rest on", {}, assumptions(r, machine)), grouped(r.records_compared));
   return page("The paper's figures, measured again", body, Json(), {});
 }
 

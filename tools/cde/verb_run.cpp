@@ -186,11 +186,14 @@ class Run {
              {"machine", machine_json()},
              {"plan", plan_json(scene, plan)},
              {"played", Json::array()}};
+    if (!o.report.empty()) {
+      page_.emplace(o.report);
+      report_.emplace(scene);
+    }
     std::error_code error;
     fs::create_directories(folder_, error);
     if (error)
       throw Error(ErrorCode::kFile, fmt::format("{}: {}", folder_.string(), error.message()));
-    if (!o.report.empty()) report_.emplace(scene);
   }
 
   void play(const Plan& plan) {
@@ -306,9 +309,8 @@ class Run {
     file.write(json_.dump(2) + "\n");
     file.commit();
     if (!report_) return;
-    OutputFile page(o_.report);
-    page.write(report_->html(json_));
-    page.commit();
+    page_->write(report_->html(json_));
+    page_->commit();
   }
 
   [[nodiscard]] std::string check_text() const {
@@ -325,6 +327,7 @@ class Run {
   Frames frames_;
   fs::path folder_;
   Json json_;
+  std::optional<OutputFile> page_;
   std::optional<Report> report_;
   Totals totals_;
   std::string mismatch_;

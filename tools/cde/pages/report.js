@@ -29,7 +29,7 @@
   const low = vector(data.box[0]), high = vector(data.box[1]), size = high.distanceTo(low);
   const camera = new THREE.PerspectiveCamera(data.camera.fov, 2, 1e-3 * size, 30 * size);
   camera.up.set(0, 0, 1);
-  scene.add(new THREE.HemisphereLight(0xdfe8f5, 0x3a3f47, 0.62));
+  scene.add(new THREE.HemisphereLight(0xdfe8f5, 0x4a505a, 0.75));
   const sun = new THREE.DirectionalLight(0xfff4e2, 0.75);
   sun.position.set(-0.55, 0.35, 0.62);
   scene.add(sun);
@@ -115,7 +115,7 @@
   function hits(query) {
     const stride = query.normals ? 7 : 4, colour = query.rays ? "#ff6a4d" : "#5fe0b0";
     const geometry = new THREE.BufferGeometry();
-    const material = new THREE.PointsMaterial({ color: colour, size: 6 * Math.min(devicePixelRatio, 2), map: dot, alphaTest: 0.5,
+    const material = new THREE.PointsMaterial({ color: colour, size: 7 * Math.min(devicePixelRatio, 2), map: dot, alphaTest: 0.5,
       sizeAttenuation: false, depthTest: query.rays });
     const points = new THREE.Points(geometry, material);
     points.frustumCulled = false;
