@@ -13,8 +13,8 @@
 namespace cde::cli {
 namespace {
 
-constexpr std::size_t kMostTriangles = 60'000;  // of one object in the page
-constexpr std::size_t kMostShapes = 4'096;      // likewise, of rays and solids
+constexpr std::size_t kMostTriangles = 120'000;  // of all objects in the page, half of it of one
+constexpr std::size_t kMostShapes = 4'096;       // of an object, rays and solids
 
 struct WordsHash {
   std::size_t operator()(const std::array<std::uint32_t, 3>& w) const {
@@ -136,6 +136,10 @@ Surface simplified(const Surface& surface, std::size_t most) {
 }
 
 SceneGeometry::SceneGeometry(const Scene& scene) : scene_(scene) {
+  const auto surfaces = std::count_if(
+      scene.objects.begin(), scene.objects.end(),
+      [](const SceneObject& o) { return shape_of(o.shapes) == Shape::kTriangle; });
+  most_triangles_ = kMostTriangles / static_cast<std::size_t>(std::max<std::ptrdiff_t>(surfaces, 2));
   for (const SceneObject& source : scene.objects) {
     Object object;
     object.name = source.name;
@@ -158,13 +162,13 @@ SceneGeometry::SceneGeometry(const Scene& scene) : scene_(scene) {
 void SceneGeometry::add_surface(Object& object, const SceneObject& source) {
   const auto& triangles = std::get<std::vector<Triangle>>(source.shapes);
   object.deforms = has_member_poses(source) || source.deform.has_value();
-  const bool fits = triangles.size() <= kMostTriangles;
+  const bool fits = triangles.size() <= most_triangles_;
   if (has_member_poses(source))
     object.surface = soup(triangles);
   else
     object.surface = source.mesh ? surface_of(*source.mesh) : welded(triangles);
   if (fits) return;
-  object.surface = simplified(object.surface, kMostTriangles);
+  object.surface = simplified(object.surface, most_triangles_);
   notes_.push_back(fmt::format(
       "“{}” has {} triangles; it is drawn with {} (corners within a cell of a grid become one). The "
       "card met all of them.",

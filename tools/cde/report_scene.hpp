@@ -69,6 +69,7 @@ class SceneGeometry {
  private:
   void add_surface(Object& object, const SceneObject& source);
   const Scene& scene_;
+  std::size_t most_triangles_ = 0;  ///< of one object
   std::vector<Object> objects_;
   std::vector<std::string> notes_;
 };
