@@ -30,8 +30,8 @@ struct Format {
 
 std::string encoded(const void* pixels, std::size_t count, Resolution size, Format format) {
   if (count != size.pixels() || count == 0) {
-    throw Error(ErrorCode::kUsage, fmt::format("picture of {} x {} with {} pixels", size.width,
-                                               size.height, count));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("picture of {} x {} with {} pixels", size.width, size.height, count));
   }
   std::string bytes;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, throw_error, nullptr);

@@ -75,7 +75,8 @@ class Pages : public Cli {
     for (const std::string& script : code) markup.replace(markup.find(script), script.size(), "");
     for (const char* loads : {" src=\"http", " href=", "url(", "@import", " style=", " onclick="})
       EXPECT_EQ(markup.find(loads), std::string::npos) << loads;
-    for (const char* element : {"section", "table", "svg", "div", "figure", "main", "body", "html"}) {
+    for (const char* element :
+         {"section", "table", "svg", "div", "figure", "main", "body", "html"}) {
       const std::regex opens(fmt::format("<{}[ >]", element));
       const auto opened = std::distance(std::sregex_iterator(markup.begin(), markup.end(), opens),
                                         std::sregex_iterator());

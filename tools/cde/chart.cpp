@@ -14,7 +14,8 @@ constexpr double kTop = 10, kHeight = 220;  // pixels: above the plot, of the pl
 
 std::string start(std::string_view kind, std::string_view label, double height) {
   return fmt::format(
-      "<div class=\"chart {}\"><svg width=\"100%\" height=\"{:g}\" role=\"img\" aria-label=\"{}\">\n",
+      "<div class=\"chart {}\"><svg width=\"100%\" height=\"{:g}\" role=\"img\" "
+      "aria-label=\"{}\">\n",
       kind, height, escaped(label));
 }
 
@@ -37,7 +38,8 @@ double step_for(double most) {
 /// A round value and its unit: "20 ms".
 std::string tick(double seconds) {
   constexpr const char* kUnits[] = {"ns", "µs", "ms", "s"};
-  const int unit = std::clamp(static_cast<int>(std::floor(std::log10(seconds) + 1e-9) + 9) / 3, 0, 3);
+  const int unit =
+      std::clamp(static_cast<int>(std::floor(std::log10(seconds) + 1e-9) + 9) / 3, 0, 3);
   return fmt::format("{:.3g} {}", seconds * std::pow(10, 9 - 3 * unit), kUnits[unit]);
 }
 
@@ -86,8 +88,8 @@ std::string stacked_bars(std::string_view label, const std::vector<std::string>&
   const double width = slot * (count > 200 ? 1.0 : 0.82);
   for (std::size_t i = 0; i < count; ++i) {
     double y = kTop + kHeight;
-    svg += fmt::format("<g class=\"bar\"><title>{}: {}</title>", escaped(names[i]),
-                       duration(sums[i]));
+    svg +=
+        fmt::format("<g class=\"bar\"><title>{}: {}</title>", escaped(names[i]), duration(sums[i]));
     for (const Series& s : series) {
       const double height = scale * s.values[i];
       y -= height;
@@ -157,8 +159,9 @@ std::string log_lines(std::string_view label, std::string_view x_name,
   for (int power = axis.low; power <= axis.high; ++power)
     svg += level(at_y(std::pow(10, power)), tick(std::pow(10, power)));
   for (const double x : lines.front().x)
-    svg += fmt::format("<text class=\"tick\" x=\"{:.4g}%\" y=\"{:g}\" text-anchor=\"middle\">{:g}</text>\n",
-                       at_x(x), kTop + tall + 16, x);
+    svg += fmt::format(
+        "<text class=\"tick\" x=\"{:.4g}%\" y=\"{:g}\" text-anchor=\"middle\">{:g}</text>\n",
+        at_x(x), kTop + tall + 16, x);
   svg += fmt::format("<text class=\"tick\" x=\"50%\" y=\"{:g}\" text-anchor=\"middle\">{}</text>\n",
                      kTop + tall + 34, escaped(x_name));
   for (const Line& line : lines) {

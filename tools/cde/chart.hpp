@@ -17,7 +17,8 @@ struct Series {
 
 /// Bars that stand beside each other, of parts in seconds on a linear axis, with a legend that has
 /// the mean of every part. `label` is what a screen reader says; `names` are those of the bars.
-[[nodiscard]] std::string stacked_bars(std::string_view label, const std::vector<std::string>& names,
+[[nodiscard]] std::string stacked_bars(std::string_view label,
+                                       const std::vector<std::string>& names,
                                        const std::vector<Series>& series);
 
 /// A bar that lies, with what it is above it.

@@ -24,11 +24,20 @@ std::string escaped(std::string_view text) {
   std::string html;
   for (const char c : text) {
     switch (c) {
-      case '&': html += "&amp;"; break;
-      case '<': html += "&lt;"; break;
-      case '>': html += "&gt;"; break;
-      case '"': html += "&quot;"; break;
-      default: html += c;
+      case '&':
+        html += "&amp;";
+        break;
+      case '<':
+        html += "&lt;";
+        break;
+      case '>':
+        html += "&gt;";
+        break;
+      case '"':
+        html += "&quot;";
+        break;
+      default:
+        html += c;
     }
   }
   return html;
@@ -43,8 +52,7 @@ std::string base64(std::span<const std::uint8_t> bytes) {
     const std::size_t n = std::min<std::size_t>(3, bytes.size() - i);
     std::uint32_t word = 0;
     for (std::size_t k = 0; k < 3; ++k) word = word << 8 | (k < n ? bytes[i + k] : 0u);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += k <= n ? kDigits[word >> (18 - 6 * k) & 63] : '=';
+    for (std::size_t k = 0; k < 4; ++k) text += k <= n ? kDigits[word >> (18 - 6 * k) & 63] : '=';
   }
   return text;
 }
@@ -61,8 +69,8 @@ std::string grouped(std::uint64_t number) {
 
 std::string table(std::string_view caption, const std::vector<std::string>& head,
                   const std::vector<std::vector<Cell>>& rows) {
-  std::string html = fmt::format("<div class=\"scroll\"><table><caption>{}</caption>\n",
-                                 escaped(caption));
+  std::string html =
+      fmt::format("<div class=\"scroll\"><table><caption>{}</caption>\n", escaped(caption));
   if (!head.empty()) {
     html += "<thead><tr>";
     for (std::size_t i = 0; i < head.size(); ++i) {
@@ -76,8 +84,9 @@ std::string table(std::string_view caption, const std::vector<std::string>& head
   for (const auto& row : rows) {
     html += "<tr>";
     for (std::size_t i = 0; i < row.size(); ++i) {
-      html += i == 0 ? fmt::format("<th scope=\"row\">{}</th>", row[i].html)
-                     : fmt::format("<td{}>{}</td>", row[i].number ? " class=\"n\"" : "", row[i].html);
+      html += i == 0
+                  ? fmt::format("<th scope=\"row\">{}</th>", row[i].html)
+                  : fmt::format("<td{}>{}</td>", row[i].number ? " class=\"n\"" : "", row[i].html);
     }
     html += "</tr>\n";
   }

@@ -31,10 +31,10 @@ template <class T>
 /// A cell of a table: text, or HTML of the caller's own.
 struct Cell {
   std::string html;
-  bool number = false;                                          ///< set to the right
-  Cell(std::string_view text) : html(escaped(text)) {}          // NOLINT(google-explicit-constructor)
-  Cell(const std::string& text) : html(escaped(text)) {}        // NOLINT(google-explicit-constructor)
-  Cell(const char* text) : html(escaped(text)) {}               // NOLINT(google-explicit-constructor)
+  bool number = false;                                    ///< set to the right
+  Cell(std::string_view text) : html(escaped(text)) {}    // NOLINT(google-explicit-constructor)
+  Cell(const std::string& text) : html(escaped(text)) {}  // NOLINT(google-explicit-constructor)
+  Cell(const char* text) : html(escaped(text)) {}         // NOLINT(google-explicit-constructor)
   static Cell figure(std::string_view text) {
     Cell cell(text);
     cell.number = true;

@@ -10,17 +10,23 @@
 namespace cde::cli {
 namespace {
 
-constexpr std::size_t kMostHits = 4'096;            // of a query in a frame of the view
-constexpr std::size_t kMostViewBytes = 4'000'000;   // of all frames of the view
+constexpr std::size_t kMostHits = 4'096;           // of a query in a frame of the view
+constexpr std::size_t kMostViewBytes = 4'000'000;  // of all frames of the view
 
 const char* kind_of(Shape shape) {
   switch (shape) {
-    case Shape::kRay: return "rays";
-    case Shape::kTriangle: return "surface";
-    case Shape::kSphere: return "sphere";
-    case Shape::kPlane: return "plane";
-    case Shape::kCylinder: return "cylinder";
-    default: return "box";
+    case Shape::kRay:
+      return "rays";
+    case Shape::kTriangle:
+      return "surface";
+    case Shape::kSphere:
+      return "sphere";
+    case Shape::kPlane:
+      return "plane";
+    case Shape::kCylinder:
+      return "cylinder";
+    default:
+      return "box";
   }
 }
 
@@ -33,7 +39,8 @@ std::string_view colour_of(Shape shape, std::size_t number) {
 Colour linear(std::string_view hex) {
   Colour colour{};
   for (std::size_t k = 0; k < 3; ++k) {
-    const float x = static_cast<float>(std::stoi(std::string(hex.substr(1 + 2 * k, 2)), nullptr, 16)) / 255;
+    const float x =
+        static_cast<float>(std::stoi(std::string(hex.substr(1 + 2 * k, 2)), nullptr, 16)) / 255;
     colour[k] = x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f);
   }
   return colour;
@@ -76,8 +83,7 @@ Placement fitted(const Placement& plane, const Eigen::AlignedBox3f& box) {
 
 }  // namespace
 
-Report::Report(const Scene& scene)
-    : scene_(scene), geometry_(scene), kept_(scene.queries.size()) {}
+Report::Report(const Scene& scene) : scene_(scene), geometry_(scene), kept_(scene.queries.size()) {}
 
 std::size_t Report::stride_of_primaries(const SceneQuery& query) const {
   std::size_t stride = 1;
@@ -132,8 +138,7 @@ void Report::frame(std::uint32_t number, const std::vector<QueryFrame>& answers)
 
 std::vector<std::vector<float>> Report::last_hits() const {
   std::vector<std::vector<float>> last(scene_.objects.size());
-  for (std::size_t i = 0; i < last.size(); ++i)
-    last[i].assign(geometry_.objects()[i].count, NAN);
+  for (std::size_t i = 0; i < last.size(); ++i) last[i].assign(geometry_.objects()[i].count, NAN);
   for (std::size_t q = 0; q < kept_.size(); ++q) {
     const SceneQuery& query = scene_.queries[q];
     for (const bool primary : {true, false}) {
@@ -190,7 +195,8 @@ void Report::look(std::uint32_t number, const std::vector<ShownObject>& shown) {
              {"queries", Json::array()}}};
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const auto& object = geometry_.objects()[i];
-    const bool again = !views_.empty() && object.still && object.shape != Shape::kRay && !object.deforms;
+    const bool again =
+        !views_.empty() && object.still && object.shape != Shape::kRay && !object.deforms;
     view.json["objects"].push_back(again ? Json() : object_json(i, shown[i], last[i]));
   }
   for (std::size_t q = 0; q < kept_.size(); ++q)
@@ -311,8 +317,9 @@ Report::Json Report::data(const Json& run) const {
       if (!object.deforms) o["points"] = base64_of(words);
       const bool small = s.points.size() <= 65'536;
       o["corner_bits"] = small ? 16 : 32;
-      o["corners"] = small ? base64_of(std::vector<std::uint16_t>(s.corners.begin(), s.corners.end()))
-                           : base64_of(s.corners);
+      o["corners"] = small
+                         ? base64_of(std::vector<std::uint16_t>(s.corners.begin(), s.corners.end()))
+                         : base64_of(s.corners);
     }
     j["objects"].push_back(std::move(o));
   }
@@ -329,16 +336,19 @@ Report::Json Report::data(const Json& run) const {
 std::vector<std::string> Report::notes() const {
   std::vector<std::string> notes = geometry_.notes();
   if (stride_ > 1)
-    notes.push_back(fmt::format("The view has every {}th frame, {} of {}, so that the page stays "
-                                "small; the charts have all.",
-                                stride_, views_.size(), played_.size()));
+    notes.push_back(
+        fmt::format("The view has every {}th frame, {} of {}, so that the page stays "
+                    "small; the charts have all.",
+                    stride_, views_.size(), played_.size()));
   if (hits_left_out_ > 0)
-    notes.push_back(fmt::format("{} hits beyond {} a query and frame are not drawn; run.json and "
-                                "the records beside it have all.",
-                                hits_left_out_, kMostHits));
+    notes.push_back(
+        fmt::format("{} hits beyond {} a query and frame are not drawn; run.json and "
+                    "the records beside it have all.",
+                    hits_left_out_, kMostHits));
   if (with_itself_)
-    notes.emplace_back("Where a query asks objects of themselves, the hit of each with itself is "
-                       "not drawn.");
+    notes.emplace_back(
+        "Where a query asks objects of themselves, the hit of each with itself is "
+        "not drawn.");
   return notes;
 }
 
@@ -346,14 +356,15 @@ std::string Report::html(const Json& run) const {
   const std::string file = std::filesystem::path(scene_.file).filename();
   const std::string title = scene_.title.empty() ? file : scene_.title;
   std::string body = fmt::format("<main>\n<header><h1>{}</h1>\n", escaped(title));
-  body += fmt::format("<p class=\"lead\">{}</p></header>\n", escaped(fmt::format(
-                          "{}: frames {} to {}, played on the simulated card of cde.",
-                          file,
-                          run["frames"][0].dump(), run["frames"][1].dump())));
+  body +=
+      fmt::format("<p class=\"lead\">{}</p></header>\n",
+                  escaped(fmt::format("{}: frames {} to {}, played on the simulated card of cde.",
+                                      file, run["frames"][0].dump(), run["frames"][1].dump())));
   body += view_html() + charts_html() + tables_html(run);
-  body += fmt::format("<footer><details><summary>Software in this page</summary><pre>{}</pre>"
-                      "</details></footer>\n</main>\n",
-                      escaped(kThreeLicence.text));
+  body += fmt::format(
+      "<footer><details><summary>Software in this page</summary><pre>{}</pre>"
+      "</details></footer>\n</main>\n",
+      escaped(kThreeLicence.text));
   return page(title, body, data(run), {&kThreeScript, &kReportScript});
 }
 

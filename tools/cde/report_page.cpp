@@ -42,7 +42,8 @@ std::vector<std::vector<Cell>> assumptions(const Scene& scene, const Json& run) 
   for (const Json& effect : board.value("effects", Json::array())) {
     const std::string name = effect.value("name", "");
     if (effect.value("used", false) || name == "lanes")
-      rows.push_back({name, fmt::format("{} ({})", effect.value("choice", ""), effect.value("why", ""))});
+      rows.push_back(
+          {name, fmt::format("{} ({})", effect.value("choice", ""), effect.value("why", ""))});
   }
   return rows;
 }
@@ -60,8 +61,8 @@ std::vector<std::vector<Cell>> machine_rows(const Json& run) {
 
 std::string Report::view_html() const {
   if (!picture_) return "<p>No frame was played.</p>\n";
-  const std::string alt = fmt::format("The scene in frame {} with rays, hits and contacts.",
-                                      played_.front().number);
+  const std::string alt =
+      fmt::format("The scene in frame {} with rays, hits and contacts.", played_.front().number);
   std::string html = fmt::format(
       "<section aria-label=\"3-D view\">\n<figure><div class=\"stage\" id=\"stage\"><img "
       "src=\"data:image/png;base64,{}\" width=\"{}\" height=\"{}\" alt=\"{}\">"
@@ -134,8 +135,9 @@ std::string Report::tables_html(const Json& run) const {
   }
   std::string html = "<section><h2>Answers and checks</h2>\n";
   if (run["check"] == "none") html += "<p>The check was skipped: no record was compared.</p>\n";
-  html += table("All frames that were played", {"query", "pair", "mode", "tests", "records", "hits",
-                                                "compared with the reference", "differ"},
+  html += table("All frames that were played",
+                {"query", "pair", "mode", "tests", "records", "hits", "compared with the reference",
+                 "differ"},
                 queries);
   html += "</section>\n<section><h2>Assumptions</h2>\n";
   html += table("Modelled times rest on", {}, assumptions(scene_, run));
@@ -151,10 +153,11 @@ std::string Report::tables_html(const Json& run) const {
   std::vector<std::string> head = {"frame", "records", "hits"};
   head.insert(head.end(), kTimeParts.begin(), kTimeParts.end());
   head.emplace_back("total");
-  html += fmt::format("<details><summary>Figures of the chart</summary>{}</details></section>\n",
-                      table(played_.size() > kMostRows ? "Modelled; the first 1,000 frames, run.json has all"
-                                                       : "Modelled",
-                            head, frames));
+  html += fmt::format(
+      "<details><summary>Figures of the chart</summary>{}</details></section>\n",
+      table(played_.size() > kMostRows ? "Modelled; the first 1,000 frames, run.json has all"
+                                       : "Modelled",
+            head, frames));
   return html;
 }
 

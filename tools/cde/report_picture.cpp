@@ -21,8 +21,8 @@ Surface turned(const std::vector<Eigen::Vector2f>& profile, std::uint32_t around
   Surface s;
   for (const Eigen::Vector2f& p : profile) {
     for (std::uint32_t i = 0; i < around; ++i) {
-      const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(i) /
-                          static_cast<float>(around);
+      const float angle =
+          2 * std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(around);
       s.points.emplace_back(p.x() * std::cos(angle), p.x() * std::sin(angle), p.y());
     }
   }
@@ -86,8 +86,7 @@ void Picture::pixel(int x, int y, float depth, const Colour& colour, float opaci
   const std::size_t i = static_cast<std::size_t>(y) * size_.width + static_cast<std::size_t>(x);
   if (depth >= depths_[i]) return;
   if (solid) depths_[i] = depth;
-  for (int k = 0; k < 3; ++k)
-    colours_[i][k] += opacity * (colour[k] - colours_[i][k]);
+  for (int k = 0; k < 3; ++k) colours_[i][k] += opacity * (colour[k] - colours_[i][k]);
 }
 
 void Picture::triangle(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& c,
@@ -171,7 +170,8 @@ Image Picture::image() const {
     for (std::uint32_t x = 0; x < image.size.width; ++x) {
       Colour sum{};
       for (std::uint32_t i = 0; i < kFine * kFine; ++i) {
-        const std::size_t at = std::size_t{kFine * y + i / kFine} * size_.width + kFine * x + i % kFine;
+        const std::size_t at =
+            std::size_t{kFine * y + i / kFine} * size_.width + kFine * x + i % kFine;
         for (int k = 0; k < 3; ++k) sum[k] += colours_[at][k] / (kFine * kFine);
       }
       image.pixels.push_back({srgb(sum[0]), srgb(sum[1]), srgb(sum[2])});

@@ -136,10 +136,11 @@ Surface simplified(const Surface& surface, std::size_t most) {
 }
 
 SceneGeometry::SceneGeometry(const Scene& scene) : scene_(scene) {
-  const auto surfaces = std::count_if(
-      scene.objects.begin(), scene.objects.end(),
-      [](const SceneObject& o) { return shape_of(o.shapes) == Shape::kTriangle; });
-  most_triangles_ = kMostTriangles / static_cast<std::size_t>(std::max<std::ptrdiff_t>(surfaces, 2));
+  const auto surfaces =
+      std::count_if(scene.objects.begin(), scene.objects.end(),
+                    [](const SceneObject& o) { return shape_of(o.shapes) == Shape::kTriangle; });
+  most_triangles_ =
+      kMostTriangles / static_cast<std::size_t>(std::max<std::ptrdiff_t>(surfaces, 2));
   for (const SceneObject& source : scene.objects) {
     Object object;
     object.name = source.name;
@@ -152,8 +153,8 @@ SceneGeometry::SceneGeometry(const Scene& scene) : scene_(scene) {
       object.still = object.still && deforming(source).empty();
       object.stride = (object.count + kMostShapes - 1) / kMostShapes;
       if (object.stride > 1)
-        notes_.push_back(fmt::format("Of the {} shapes of “{}” every {}th is drawn.", grouped(object.count),
-                                     object.name, object.stride));
+        notes_.push_back(fmt::format("Of the {} shapes of “{}” every {}th is drawn.",
+                                     grouped(object.count), object.name, object.stride));
     }
     objects_.push_back(std::move(object));
   }
@@ -169,10 +170,11 @@ void SceneGeometry::add_surface(Object& object, const SceneObject& source) {
     object.surface = source.mesh ? surface_of(*source.mesh) : welded(triangles);
   if (fits) return;
   object.surface = simplified(object.surface, most_triangles_);
-  notes_.push_back(fmt::format(
-      "“{}” has {} triangles; it is drawn with {} (corners within a cell of a grid become one). The "
-      "card met all of them.",
-      object.name, grouped(object.count), grouped(object.surface.corners.size() / 3)));
+  notes_.push_back(
+      fmt::format("“{}” has {} triangles; it is drawn with {} (corners within a cell of a grid "
+                  "become one). The "
+                  "card met all of them.",
+                  object.name, grouped(object.count), grouped(object.surface.corners.size() / 3)));
   if (object.deforms) {
     object.deforms = false;
     notes_.push_back(fmt::format("“{}” deforms; it is drawn as in its file.", object.name));

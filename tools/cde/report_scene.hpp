@@ -33,10 +33,10 @@ struct Placement {
 
 /// One object of a frame as the page has it.
 struct ShownObject {
-  std::vector<Placement> placements;         ///< of solids and planes, one a shape
-  std::optional<Transform> pose;             ///< of a surface that moves as a whole
-  std::vector<Eigen::Vector3f> points;       ///< of a surface that deforms; its points, posed
-  std::vector<Ray> rays;                     ///< of rays
+  std::vector<Placement> placements;    ///< of solids and planes, one a shape
+  std::optional<Transform> pose;        ///< of a surface that moves as a whole
+  std::vector<Eigen::Vector3f> points;  ///< of a surface that deforms; its points, posed
+  std::vector<Ray> rays;                ///< of rays
 };
 
 /// A record with F = 1 that the page shows.

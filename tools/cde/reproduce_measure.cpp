@@ -103,7 +103,8 @@ void compare_records(Lab& lab, const std::vector<Record>& card, std::span<const 
   std::uint64_t wrong = card.size() != wanted.size() ? 1 : 0;
   for (std::size_t i = 0; i < std::min(card.size(), wanted.size()); ++i)
     wrong += same_bits(card[i], wanted[i]) ? 0 : 1;
-  if (wrong != 0) differs(what + ": records of the card and of the reference", wrong, wanted.size());
+  if (wrong != 0)
+    differs(what + ": records of the card and of the reference", wrong, wanted.size());
   lab.result.records_compared += wanted.size();
 }
 
@@ -115,7 +116,8 @@ void compare_hits(const std::vector<Record>& card, const std::vector<float>& t, 
     if (hit != card[i].f || (hit && std::abs(t[i] - card[i].t) > 1e-4f * std::abs(card[i].t)))
       ++wrong;
   }
-  if (wrong > card.size() / 50) differs(fmt::format("hits of {} and of the card", name), wrong, card.size());
+  if (wrong > card.size() / 50)
+    differs(fmt::format("hits of {} and of the card", name), wrong, card.size());
 }
 
 /// Rays from the middle of a flight over the terrain in random directions below the horizon.
@@ -131,12 +133,18 @@ std::vector<Ray> flight_rays(const Mesh& mesh, std::size_t count) {
 }
 
 void add_paper5(Experiment& e) {
-  e.entries = {{.name = "paper, its card", .source = Source::kPaper, .seconds = kPaperCard,
+  e.entries = {{.name = "paper, its card",
+                .source = Source::kPaper,
+                .seconds = kPaperCard,
                 .note = "printed"},
-               {.name = "paper, its GPU", .source = Source::kPaper,
-                .seconds = kPaperGpuRatio * kPaperCard, .note = "from “four times faster”"},
-               {.name = "paper, its 2.8 GHz Xeon", .source = Source::kPaper,
-                .seconds = kPaperSoftware, .note = "printed"}};
+               {.name = "paper, its GPU",
+                .source = Source::kPaper,
+                .seconds = kPaperGpuRatio * kPaperCard,
+                .note = "from “four times faster”"},
+               {.name = "paper, its 2.8 GHz Xeon",
+                .source = Source::kPaper,
+                .seconds = kPaperSoftware,
+                .note = "printed"}};
 }
 
 /// Software of this machine on the same rays; `move` is what changed since the frame before.
@@ -146,16 +154,17 @@ void add_software(Lab& lab, Experiment& e, const std::vector<Ray>& rays,
                   const std::function<void(EmbreeRival&)>& move = {}) {
   const auto brute = [&](baseline::Kind kind, const std::string& name, const std::string& note) {
     std::vector<baseline::ClosestHit> hits;
-    const double seconds =
-        median_seconds([&] { hits = baseline::closest(kind, rays, triangles); });
+    const double seconds = median_seconds([&] { hits = baseline::closest(kind, rays, triangles); });
     std::vector<float> t;
     for (const auto& hit : hits) t.push_back(hit.index == ~0u ? INFINITY : hit.t);
     compare_hits(nearest, t, name.c_str());
-    e.entries.push_back({.name = name, .source = Source::kSoftware, .seconds = seconds, .note = note});
+    e.entries.push_back(
+        {.name = name, .source = Source::kSoftware, .seconds = seconds, .note = note});
   };
   brute(baseline::Kind::kScalar, "software, scalar", "every pair, one thread");
   if (lab.vector != baseline::Kind::kScalar)
-    brute(lab.vector, fmt::format("software, {}", lab.result.vector_kind), "every pair, one thread");
+    brute(lab.vector, fmt::format("software, {}", lab.result.vector_kind),
+          "every pair, one thread");
   if (embree == nullptr) return;
   std::vector<float> t;
   const double seconds = median_seconds([&] {
@@ -163,20 +172,22 @@ void add_software(Lab& lab, Experiment& e, const std::vector<Ray>& rays,
     t = embree->cast(rays);
   });
   compare_hits(nearest, t, "Embree");
-  e.entries.push_back({.name = "software, Embree",
-                       .source = Source::kSoftware,
-                       .seconds = seconds,
-                       .note = move ? "hierarchy refitted, one thread" : "hierarchy built before, one thread"});
+  e.entries.push_back(
+      {.name = "software, Embree",
+       .source = Source::kSoftware,
+       .seconds = seconds,
+       .note = move ? "hierarchy refitted, one thread" : "hierarchy built before, one thread"});
 }
 
 /// The frame on every card; the last records are those of mode nearest.
 void add_cards(Lab& lab, Experiment& e, const std::vector<Ray>& rays,
-               const std::vector<Triangle>& triangles,
-               const std::function<void(Board&)>& upload, std::vector<Record>& records) {
+               const std::vector<Triangle>& triangles, const std::function<void(Board&)>& upload,
+               std::vector<Record>& records) {
   for (Card& card : lab.cards) {
     const Mode mode = card.setup().all_records ? Mode::kAll : Mode::kNearest;
     if (mode == Mode::kAll && rays.size() > 1) continue;  // gigabytes of records
-    const std::function<void()> work = upload ? [&] { upload(card.board()); } : std::function<void()>();
+    const std::function<void()> work =
+        upload ? [&] { upload(card.board()); } : std::function<void()>();
     e.entries.push_back(card.frame(Pair::kRayTriangle, mode, std::span(rays), work, records));
     compare_records(lab, records, reference::cast(rays, triangles, mode), e.title);
   }
@@ -195,8 +206,9 @@ void figure5(Lab& lab, const Mesh& mesh, EmbreeRival* embree) {
   for (const std::size_t count : {std::size_t{1}, kPacket}) {
     Experiment e;
     e.name = fmt::format("{}_rays", count);
-    e.title = count == 1 ? fmt::format("One ray against {} triangles", grouped(triangles.size()))
-                         : fmt::format("{} rays against {} triangles", count, grouped(triangles.size()));
+    e.title = count == 1
+                  ? fmt::format("One ray against {} triangles", grouped(triangles.size()))
+                  : fmt::format("{} rays against {} triangles", count, grouped(triangles.size()));
     e.tests = count * triangles.size();
     if (count == 1) add_paper5(e);
     const std::vector<Ray> rays = flight_rays(mesh, count);
@@ -218,21 +230,24 @@ void figure6(Lab& lab, Mesh mesh, EmbreeRival* embree) {
     return std::any_of(face.begin(), face.end(),
                        [&](std::uint32_t v) { return v >= first && v < last; });
   };
-  const auto from = std::find_if(mesh.faces.begin(), mesh.faces.end(), touches) - mesh.faces.begin();
+  const auto from =
+      std::find_if(mesh.faces.begin(), mesh.faces.end(), touches) - mesh.faces.begin();
   const auto to = mesh.faces.rend() - std::find_if(mesh.faces.rbegin(), mesh.faces.rend(), touches);
   const std::span<const Triangle> moved(triangles.begin() + from, triangles.begin() + to);
   lab.result.moved_triangles = moved.size();
   Experiment e;
   e.name = "moved_vertices";
-  e.title = fmt::format("One ray against {} triangles, {} of them moved",
-                        grouped(triangles.size()), grouped(moved.size()));
+  e.title = fmt::format("One ray against {} triangles, {} of them moved", grouped(triangles.size()),
+                        grouped(moved.size()));
   e.tests = triangles.size();
   const std::vector<Ray> rays = flight_rays(mesh, 1);
   std::vector<Record> records;
-  add_cards(lab, e, rays, triangles,
-            [&](Board& board) { board.update_shapes(static_cast<std::size_t>(from), moved); }, records);
-  const std::span<const Eigen::Vector3f> places(mesh.vertices.begin() + static_cast<std::ptrdiff_t>(first),
-                                                mesh.vertices.begin() + static_cast<std::ptrdiff_t>(last));
+  add_cards(
+      lab, e, rays, triangles,
+      [&](Board& board) { board.update_shapes(static_cast<std::size_t>(from), moved); }, records);
+  const std::span<const Eigen::Vector3f> places(
+      mesh.vertices.begin() + static_cast<std::ptrdiff_t>(first),
+      mesh.vertices.begin() + static_cast<std::ptrdiff_t>(last));
   add_software(lab, e, rays, triangles, embree, records,
                [&](EmbreeRival& rival) { rival.move(first, places); });
   lab.result.figure6.push_back(std::move(e));
@@ -242,7 +257,8 @@ std::vector<Sphere> flying_spheres(std::size_t count) {
   std::vector<Sphere> spheres(count);
   for (std::size_t i = 0; i < count; ++i) {
     for (int k = 0; k < 3; ++k)
-      spheres[i].c[k] = static_cast<float>(20 * random_unit(3, static_cast<std::uint64_t>(k), i) - 10);
+      spheres[i].c[k] =
+          static_cast<float>(20 * random_unit(3, static_cast<std::uint64_t>(k), i) - 10);
     spheres[i].r = static_cast<float>(0.2 + 0.4 * random_unit(3, 9, i));
   }
   return spheres;
@@ -262,8 +278,11 @@ void add_sphere_software(Lab& lab, Experiment& e, const std::vector<Sphere>& sph
     const double seconds = median_seconds([&] { found = kernel(arrays); });
     // Touching within rounding may fall on either side.
     if (std::max(found, hits) - std::min(found, hits) > 2 + hits / 1000)
-      differs("overlaps of software and of the card", std::max(found, hits) - std::min(found, hits), hits);
-    e.entries.push_back({.name = name, .source = Source::kSoftware, .seconds = seconds,
+      differs("overlaps of software and of the card", std::max(found, hits) - std::min(found, hits),
+              hits);
+    e.entries.push_back({.name = name,
+                         .source = Source::kSoftware,
+                         .seconds = seconds,
                          .note = "every pair, counted only"});
   };
   measure("software, scalar", overlaps_scalar);
@@ -287,11 +306,13 @@ void figure7(Lab& lab, std::size_t count) {
     std::vector<Record> wanted;
     const Shapes all = spheres;
     for (std::size_t first = 0; first < count; first += kPacket) {
-      std::vector<Sphere> packet(spheres.begin() + static_cast<std::ptrdiff_t>(first),
-                                 spheres.begin() + static_cast<std::ptrdiff_t>(std::min(first + kPacket, count)));
+      std::vector<Sphere> packet(
+          spheres.begin() + static_cast<std::ptrdiff_t>(first),
+          spheres.begin() + static_cast<std::ptrdiff_t>(std::min(first + kPacket, count)));
       std::vector<std::uint32_t> numbers(packet.size());
       for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<std::uint32_t>(i);
-      reference::Pass pass({.pair = Pair::kSphereSphere, .mode = mode}, Shapes(packet), numbers, all);
+      reference::Pass pass({.pair = Pair::kSphereSphere, .mode = mode}, Shapes(packet), numbers,
+                           all);
       for (auto some = pass.next(); !some.empty(); some = pass.next())
         wanted.insert(wanted.end(), some.begin(), some.end());
     }
@@ -306,9 +327,10 @@ void figure7(Lab& lab, std::size_t count) {
 
 std::vector<Setup> setups_of(const ReproduceOptions& o) {
   const HostProfile old = *host_profile("p64-2001"), ideal = *host_profile("ideal");
-  return {{"as in the paper: 1 lane, every record", 1, old, 256, true},
-          {"1 lane, reduction on the card", 1, old, 256, false},
-          {fmt::format("best: {} lanes, reduction on the card", o.lanes), o.lanes, ideal, 4096, false}};
+  return {
+      {"as in the paper: 1 lane, every record", 1, old, 256, true},
+      {"1 lane, reduction on the card", 1, old, 256, false},
+      {fmt::format("best: {} lanes, reduction on the card", o.lanes), o.lanes, ideal, 4096, false}};
 }
 
 }  // namespace

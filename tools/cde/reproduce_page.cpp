@@ -105,9 +105,9 @@ std::string summary(const Reproduction& r) {
     for (const Experiment& e : *figure) {
       const Entry* best_card = named(e, "best");
       const auto rivals = of_source(e, Source::kSoftware);
-      const Entry* rival = *std::min_element(
-          rivals.begin(), rivals.end(),
-          [](const Entry* a, const Entry* b) { return a->seconds < b->seconds; });
+      const Entry* rival =
+          *std::min_element(rivals.begin(), rivals.end(),
+                            [](const Entry* a, const Entry* b) { return a->seconds < b->seconds; });
       const double ratio = best_card->seconds / rival->seconds;
       say(fmt::format("{}: {} wins, {} against {} of the {}, {} times.", e.title,
                       ratio > 1 ? rival->name : "the best card",
@@ -121,29 +121,45 @@ std::string summary(const Reproduction& r) {
 
 Rows assumptions(const Reproduction& r, const Json& machine) {
   Rows rows = {
-      {"core clock", fmt::format("{:g} MHz, an assumption; the paper names none", r.options.clock_hz / 1e6)},
+      {"core clock",
+       fmt::format("{:g} MHz, an assumption; the paper names none", r.options.clock_hz / 1e6)},
       {"number format", "fp32 everywhere"},
-      {"ray-triangle", "Möller and Trumbore, as in the paper; every ray against every triangle, no "
-                       "acceleration structure on the card"},
-      {"bus", "PCI 64 bits, 66.67 MHz, its signals simulated clock by clock; what the host's CPU does "
-              "between two accesses takes no time"},
+      {"ray-triangle",
+       "Möller and Trumbore, as in the paper; every ray against every triangle, no "
+       "acceleration structure on the card"},
+      {"bus",
+       "PCI 64 bits, 66.67 MHz, its signals simulated clock by clock; what the host's CPU does "
+       "between two accesses takes no time"},
       {"memory of the card", "a slot a clock behind 20 clocks; no refresh, no bank conflicts"}};
   for (const Setup& s : r.setups)
-    rows.push_back({fmt::format("card, {}", s.name),
-                    fmt::format("{} {}, host profile {} ({}), bursts of {} bytes", s.lanes,
-                                s.lanes == 1 ? "lane" : "lanes", s.host.name, s.host.source, s.burst)});
-  rows.push_back({"size of the best card", "nobody has placed it in an FPGA; whether one takes it at "
-                                           "this clock is open"});
-  rows.push_back({"the paper's frame", "“259,572 ray-triangle tests”: read as one ray against the terrain. "
-                                       "256 rays are measured too, since that is what its register file holds"});
-  rows.push_back({"terrain", fmt::format("{} triangles, made by cde; the paper's is not published", grouped(r.triangles))});
-  rows.push_back({"moved", fmt::format("{} triangles at a tenth of the vertices; how many the paper moved it "
-                                       "does not say", grouped(r.moved_triangles))});
-  rows.push_back({"software", fmt::format("median processor time of one thread; {} for the vectorised one; data "
-                                          "in memory, other programs may run", r.vector_kind)});
-  rows.push_back({"Embree", r.embree ? fmt::format("version 3, robust, one ray at a time; its hierarchy took {} to build, "
-                                                   "once, not counted", duration(r.embree_build_seconds))
-                                     : std::string("not in this build of cde")});
+    rows.push_back(
+        {fmt::format("card, {}", s.name),
+         fmt::format("{} {}, host profile {} ({}), bursts of {} bytes", s.lanes,
+                     s.lanes == 1 ? "lane" : "lanes", s.host.name, s.host.source, s.burst)});
+  rows.push_back({"size of the best card",
+                  "nobody has placed it in an FPGA; whether one takes it at "
+                  "this clock is open"});
+  rows.push_back({"the paper's frame",
+                  "“259,572 ray-triangle tests”: read as one ray against the terrain. "
+                  "256 rays are measured too, since that is what its register file holds"});
+  rows.push_back({"terrain", fmt::format("{} triangles, made by cde; the paper's is not published",
+                                         grouped(r.triangles))});
+  rows.push_back(
+      {"moved", fmt::format("{} triangles at a tenth of the vertices; how many the paper moved it "
+                            "does not say",
+                            grouped(r.moved_triangles))});
+  rows.push_back(
+      {"software",
+       fmt::format("median processor time of one thread; {} for the vectorised one; data "
+                   "in memory, other programs may run",
+                   r.vector_kind)});
+  rows.push_back(
+      {"Embree",
+       r.embree
+           ? fmt::format("version 3, robust, one ray at a time; its hierarchy took {} to build, "
+                         "once, not counted",
+                         duration(r.embree_build_seconds))
+           : std::string("not in this build of cde")});
   for (const auto& [key, value] : machine.items())
     rows.push_back({key, value.is_string() ? value.get<std::string>() : value.dump()});
   return rows;
@@ -180,27 +196,36 @@ Json reproduction_json(const Reproduction& r, const Json& machine) {
             {"vector", r.vector_kind},
             {"embree", r.embree},
             {"cards", Json::array()},
-            {"paper", {{"card_seconds", kPaperCard}, {"software_seconds", kPaperSoftware},
-                       {"ratio_figure_5", kPaperRatio5}, {"ratio_figure_6", kPaperRatio6},
-                       {"ratio_figure_7", kPaperRatio7}}}};
+            {"paper",
+             {{"card_seconds", kPaperCard},
+              {"software_seconds", kPaperSoftware},
+              {"ratio_figure_5", kPaperRatio5},
+              {"ratio_figure_6", kPaperRatio6},
+              {"ratio_figure_7", kPaperRatio7}}}};
   for (const Setup& s : r.setups)
-    j["cards"].push_back({{"name", s.name}, {"lanes", s.lanes}, {"host", s.host.name},
-                          {"burst_bytes", s.burst}, {"all_records", s.all_records}});
+    j["cards"].push_back({{"name", s.name},
+                          {"lanes", s.lanes},
+                          {"host", s.host.name},
+                          {"burst_bytes", s.burst},
+                          {"all_records", s.all_records}});
   int number = 5;
   for (const auto* figure : {&r.figure5, &r.figure6, &r.figure7}) {
     Json list = Json::array();
     for (const Experiment& e : *figure) {
       Json entries = Json::array();
       for (const Entry& entry : e.entries) {
-        Json one = {{"name", entry.name}, {"source", kSourceNames[static_cast<int>(entry.source)]},
-                    {"seconds", entry.seconds}, {"note", entry.note}};
+        Json one = {{"name", entry.name},
+                    {"source", kSourceNames[static_cast<int>(entry.source)]},
+                    {"seconds", entry.seconds},
+                    {"note", entry.note}};
         if (entry.split) {
           for (std::size_t k = 0; k < kTimeParts.size(); ++k)
             one["modelled_seconds"][kTimeParts[k]] = parts(*entry.split)[k];
         }
         entries.push_back(std::move(one));
       }
-      list.push_back({{"name", e.name}, {"title", e.title}, {"tests", e.tests}, {"entries", entries}});
+      list.push_back(
+          {{"name", e.name}, {"title", e.title}, {"tests", e.tests}, {"entries", entries}});
     }
     j[fmt::format("figure_{}", number++)] = std::move(list);
   }
@@ -211,38 +236,55 @@ std::string reproduction_html(const Reproduction& r, const Json& machine) {
   std::string body =
       "<main>\n<header><h1>The paper's figures, measured again</h1>\n<p class=\"lead\">“Hardware-"
       "Accelerated Ray-Triangle Intersection Testing for High-Performance Collision Detection” "
-      "(Journal of WSCG 15, 2007), Figures 5, 6 and 7, beside the simulated card of cde and software "
+      "(Journal of WSCG 15, 2007), Figures 5, 6 and 7, beside the simulated card of cde and "
+      "software "
       "on this machine.</p></header>\n";
   if (r.options.quick)
-    body += "<p><strong>A quick run: a small terrain and few spheres.</strong> Its figures show that the tool "
-            "works, and are not to be compared with the paper's.</p>\n";
+    body +=
+        "<p><strong>A quick run: a small terrain and few spheres.</strong> Its figures show that "
+        "the tool "
+        "works, and are not to be compared with the paper's.</p>\n";
   body += fmt::format(
-      "<section><h2>In short</h2>\n{}<p class=\"note\">Blue: modelled time of the card. Orange: processor time of "
-      "one thread of this machine. Grey: the paper. All axes of time are logarithmic.</p></section>\n",
+      "<section><h2>In short</h2>\n{}<p class=\"note\">Blue: modelled time of the card. Orange: "
+      "processor time of "
+      "one thread of this machine. Grey: the paper. All axes of time are "
+      "logarithmic.</p></section>\n",
       summary(r));
-  body += fmt::format("<section><h2>Figure 5: static objects</h2>\n<p>The paper prints {} for its card and {} for "
-                      "its CPU, “about {:g} times”, and “four times faster than the GPU”.</p>\n",
-                      duration(kPaperCard), duration(kPaperSoftware), kPaperRatio5);
+  body += fmt::format(
+      "<section><h2>Figure 5: static objects</h2>\n<p>The paper prints {} for its card and {} for "
+      "its CPU, “about {:g} times”, and “four times faster than the GPU”.</p>\n",
+      duration(kPaperCard), duration(kPaperSoftware), kPaperRatio5);
   for (const Experiment& e : r.figure5)
     body += fmt::format("<h3>{}</h3>\n{}{}", escaped(e.title), bars(e), verdict(e));
-  body += fmt::format("</section>\n<section><h2>Figure 6: moving vertices</h2>\n<p>The paper prints “{:g} times faster” "
-                      "and no times. The card is given the moved triangles again; software finds them in its memory; "
-                      "Embree refits its hierarchy.</p>\n", kPaperRatio6);
+  body += fmt::format(
+      "</section>\n<section><h2>Figure 6: moving vertices</h2>\n<p>The paper prints “{:g} times "
+      "faster” "
+      "and no times. The card is given the moved triangles again; software finds them in its "
+      "memory; "
+      "Embree refits its hierarchy.</p>\n",
+      kPaperRatio6);
   for (const Experiment& e : r.figure6)
     body += fmt::format("<h3>{}</h3>\n{}{}", escaped(e.title), bars(e), verdict(e));
-  body += fmt::format("</section>\n<section><h2>Figure 7: moving spheres</h2>\n<p>The paper prints “{:g} times faster” "
-                      "for a thousand spheres and no times. All spheres move, so all are uploaded in every frame, and "
-                      "every pair is tested from both sides. Software counts overlaps and writes nothing.</p>\n{}",
-                      kPaperRatio7, sphere_lines(r));
-  body += fmt::format("<h3>{}</h3>\n{}</section>\n", escaped(r.figure7.back().title), verdict(r.figure7.back()));
+  body += fmt::format(
+      "</section>\n<section><h2>Figure 7: moving spheres</h2>\n<p>The paper prints “{:g} times "
+      "faster” "
+      "for a thousand spheres and no times. All spheres move, so all are uploaded in every frame, "
+      "and "
+      "every pair is tested from both sides. Software counts overlaps and writes nothing.</p>\n{}",
+      kPaperRatio7, sphere_lines(r));
+  body += fmt::format("<h3>{}</h3>\n{}</section>\n", escaped(r.figure7.back().title),
+                      verdict(r.figure7.back()));
   std::vector<Experiment> all = r.figure5;
   all.insert(all.end(), r.figure6.begin(), r.figure6.end());
   all.push_back(r.figure7.back());
   body += fmt::format("<section><h2>Where the time goes</h2>\n{}</section>\n", split_table(all));
-  body += fmt::format("<section><h2>Assumptions</h2>\n{}<p>{} records of the card were compared with the reference "
-                      "bit by bit; none differs. The hits of software are the card's but for roundings at edges.</p>"
-                      "</section>\n</main>\n",
-                      table("Everything the figures rest on", {}, assumptions(r, machine)), grouped(r.records_compared));
+  body += fmt::format(
+      "<section><h2>Assumptions</h2>\n{}<p>{} records of the card were compared with the reference "
+      "bit by bit; none differs. The hits of software are the card's but for roundings at "
+      "edges.</p>"
+      "</section>\n</main>\n",
+      table("Everything the figures rest on", {}, assumptions(r, machine)),
+      grouped(r.records_compared));
   return page("The paper's figures, measured again", body, Json(), {});
 }
 

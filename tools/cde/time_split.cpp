@@ -34,8 +34,7 @@ TimeSplit split_of(const Frame& frame, Mode mode, Pair pair, double clock_hz) {
     // In the streaming modes a pipe stalls while a full ring is read. Rings of cylinder pairs and
     // facet units stall too, because they work.
     const bool streaming = mode == Mode::kAll || mode == Mode::kHits;
-    const std::uint64_t unread =
-        streaming && !has_budget(pair) && !has_facets(pair) ? c.stalls : 0;
+    const std::uint64_t unread = streaming && !has_budget(pair) && !has_facets(pair) ? c.stalls : 0;
     const std::uint64_t waits = std::min(c.bubbles + unread, c.cycles);
     return {.dma = time(frame.secondary_clocks + frame.primary_clocks),
             .compute = time(c.cycles - waits),

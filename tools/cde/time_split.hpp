@@ -17,9 +17,9 @@ struct TimeSplit {
   TimeSplit& operator+=(const TimeSplit& other);
 };
 
-inline constexpr std::array<const char*, 4> kTimeParts = {
-    "DMA to the card", "compute", "memory (DDR waits, SRAM write-back)",
-    "bus (records to the host, registers)"};
+inline constexpr std::array<const char*, 4> kTimeParts = {"DMA to the card", "compute",
+                                                          "memory (DDR waits, SRAM write-back)",
+                                                          "bus (records to the host, registers)"};
 /// In the order of kTimeParts.
 [[nodiscard]] std::array<double, 4> parts(const TimeSplit& split);
 

@@ -45,9 +45,8 @@ void add_reproduce(CLI::App& app) {
   verb->add_option("--out", a->out, "The page, one HTML file")->capture_default_str();
   verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   verb->add_flag("--quick", a->options.quick,
-                               "A small terrain and few spheres, to see that it works");
-  verb->add_option("--lanes", a->options.lanes, "Lanes of the best card")
-      ->capture_default_str();
+                 "A small terrain and few spheres, to see that it works");
+  verb->add_option("--lanes", a->options.lanes, "Lanes of the best card")->capture_default_str();
   verb->add_option("--clock", a->clock_mhz, "Core clock assumed for modelled times, MHz")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
