@@ -28,11 +28,10 @@ struct Format {
   std::size_t pixel_bytes;
 };
 
-void write(const void* pixels, std::size_t count, Resolution size, Format format,
-           const std::filesystem::path& path) {
+std::string encoded(const void* pixels, std::size_t count, Resolution size, Format format) {
   if (count != size.pixels() || count == 0) {
-    throw Error(ErrorCode::kUsage, fmt::format("{}: picture of {} x {} with {} pixels",
-                                               path.string(), size.width, size.height, count));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("picture of {} x {} with {} pixels", size.width, size.height, count));
   }
   std::string bytes;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, throw_error, nullptr);
@@ -55,17 +54,22 @@ void write(const void* pixels, std::size_t count, Resolution size, Format format
     throw;
   }
   destroy();
-  file_io::write_atomically(path, bytes);
+  return bytes;
 }
 
 }  // namespace
 
+std::string png_bytes(const Image& image) {
+  return encoded(image.pixels.data(), image.pixels.size(), image.size, {8, PNG_COLOR_TYPE_RGB, 3});
+}
+
 void write_png(const Image& image, const std::filesystem::path& path) {
-  write(image.pixels.data(), image.pixels.size(), image.size, {8, PNG_COLOR_TYPE_RGB, 3}, path);
+  file_io::write_atomically(path, png_bytes(image));
 }
 
 void write_png(const GreyImage& image, const std::filesystem::path& path) {
-  write(image.pixels.data(), image.pixels.size(), image.size, {16, PNG_COLOR_TYPE_GRAY, 2}, path);
+  file_io::write_atomically(path, encoded(image.pixels.data(), image.pixels.size(), image.size,
+                                          {16, PNG_COLOR_TYPE_GRAY, 2}));
 }
 
 }  // namespace cde

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   cde::cli::add_run(app);
   cde::cli::add_plan(app);
   cde::cli::add_bench(app);
+  cde::cli::add_reproduce(app);
   cde::cli::add_inventory(app);
   cde::cli::add_doctor(app);
   cde::cli::add_fp(app);

@@ -1,24 +1,23 @@
 // cde run: plays the frames of a scene on the simulated card and compares what it answers with the
 // reference.
 #include <fmt/format.h>
-#include <sys/utsname.h>
 
 #include <bit>
 #include <charconv>
 #include <chrono>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "cde/error.hpp"
 #include "cde/plan.hpp"
 #include "cde/player.hpp"
+#include "machine.hpp"
 #include "output.hpp"
 #include "plan_output.hpp"
+#include "report.hpp"
 #include "run_faults.hpp"
 #include "verbs.hpp"
 
@@ -29,7 +28,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string scene, frames, out, check, trace;
+  std::string scene, frames, out, check, trace, report;
   std::vector<std::string> faults;
   double timeout = 3600;
   std::uint64_t deadline = 0;
@@ -126,19 +125,6 @@ class RecordFile {
   fmt::memory_buffer text_;
 };
 
-Json machine() {
-  std::string model = "unknown";
-  std::ifstream in("/proc/cpuinfo");
-  for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("model name")) model = line.substr(line.find(':') + 2);
-  }
-  utsname system{};
-  ::uname(&system);
-  return {{"processor", model},
-          {"processors", std::thread::hardware_concurrency()},
-          {"system", fmt::format("{} {} {}", system.sysname, system.release, system.machine)}};
-}
-
 struct Totals {
   std::uint64_t records = 0, compared = 0, mismatches = 0, corrected = 0, hits = 0, tests = 0;
   double modelled = 0, simulated = 0, checked = 0;
@@ -211,9 +197,13 @@ class Run {
              {"clock_is", "an assumption about the device, not a measurement"},
              {"bus", bus_name(scene)},
              {"memory", memory_name(scene)},
-             {"machine", machine()},
+             {"machine", machine_json()},
              {"plan", plan_json(scene, plan)},
              {"played", Json::array()}};
+    if (!o.report.empty()) {
+      page_.emplace(o.report);
+      report_.emplace(scene);
+    }
     std::error_code error;
     fs::create_directories(folder_, error);
     if (error)
@@ -273,6 +263,7 @@ class Run {
       row("check", check_text());
       report_faults();
       row("results", fmt::format("{}/run.json", folder_.string()));
+      if (report_) row("report", o_.report);
     }
     if (o_.json) fmt::print("{}\n", json_.dump(2));
     if (t.mismatches != 0) throw Error(ErrorCode::kMismatch, mismatch_);
@@ -308,9 +299,11 @@ class Run {
     const std::vector<QueryFrame> answers =
         player.play(frame, [&](std::size_t query, std::span<const Record> records) {
           if (!files.empty()) files[query]->add(records);
+          if (report_) report_->records(query, records);
         });
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
     for (const auto& file : files) file->commit();
+    if (report_) report_->frame(frame, answers);
     Json j = {{"frame", frame},
               {"seconds", seconds(scene_, frame)},
               {"wall_seconds", wall.count()},
@@ -346,6 +339,9 @@ class Run {
     OutputFile file(folder_ / "run.json");
     file.write(json_.dump(2) + "\n");
     file.commit();
+    if (!report_) return;
+    page_->write(report_->html(json_));
+    page_->commit();
   }
 
   [[nodiscard]] std::string check_text() const {
@@ -363,6 +359,8 @@ class Run {
   std::vector<ScheduledFault> faults_;
   fs::path folder_;
   Json json_;
+  std::optional<OutputFile> page_;
+  std::optional<Report> report_;
   Totals totals_;
   std::string mismatch_;
 };
@@ -396,6 +394,7 @@ void add_run(CLI::App& app) {
   verb->add_option("--frames", o->frames, "Frames A..B, both included (all)");
   verb->add_option("--out", o->out, "Folder for run.json and records (SCENE.run)");
   verb->add_option("--check", o->check, "all, sample or none, instead of what the scene says");
+  verb->add_option("--report", o->report, "Page about the run, one HTML file that loads nothing");
   verb->add_option("--trace", o->trace, "Waves of the run, FST; kept even if it fails");
   verb->add_option("--fault", o->faults,
                    "KIND[:COUNT[:VALUE]]@FRAME: lets something go wrong; may be given again")

@@ -19,6 +19,7 @@ void add_fp(CLI::App& app);
 void add_inventory(CLI::App& app);
 void add_plan(CLI::App& app);
 void add_query(CLI::App& app);
+void add_reproduce(CLI::App& app);
 void add_run(CLI::App& app);
 
 }  // namespace cde::cli

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "cde/camera.hpp"
@@ -67,5 +68,7 @@ struct ShadeOptions {
 /// Writes a PNG; the file appears whole or not at all. Error kFile if it cannot be written.
 void write_png(const Image& image, const std::filesystem::path& path);
 void write_png(const GreyImage& image, const std::filesystem::path& path);
+/// The same as bytes.
+[[nodiscard]] std::string png_bytes(const Image& image);
 
 }  // namespace cde

@@ -1,0 +1,188 @@
+#include "chart.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "page.hpp"
+
+namespace cde::cli {
+namespace {
+
+constexpr double kTop = 10, kHeight = 220;  // pixels: above the plot, of the plot
+
+std::string start(std::string_view kind, std::string_view label, double height) {
+  return fmt::format(
+      "<div class=\"chart {}\"><svg width=\"100%\" height=\"{:g}\" role=\"img\" "
+      "aria-label=\"{}\">\n",
+      kind, height, escaped(label));
+}
+
+/// A line across the plot with its label left of it, in the margin that the style sheet leaves.
+std::string level(double y, std::string_view text) {
+  return fmt::format(
+      "<line class=\"grid\" x1=\"0\" x2=\"100%\" y1=\"{0:.1f}\" y2=\"{0:.1f}\"/>"
+      "<text class=\"tick\" x=\"-8\" y=\"{1:.1f}\" text-anchor=\"end\">{2}</text>\n",
+      y, y + 4, escaped(text));
+}
+
+/// 1, 2 or 5 times a power of ten such that `most` takes two to five steps.
+double step_for(double most) {
+  const double power = std::pow(10, std::floor(std::log10(most)));
+  for (const double factor : {0.2, 0.5, 1.0})
+    if (most / (factor * power) <= 5) return factor * power;
+  return 2 * power;
+}
+
+/// A round value and its unit: "20 ms".
+std::string tick(double seconds) {
+  constexpr const char* kUnits[] = {"ns", "µs", "ms", "s"};
+  const int unit =
+      std::clamp(static_cast<int>(std::floor(std::log10(seconds) + 1e-9) + 9) / 3, 0, 3);
+  return fmt::format("{:.3g} {}", seconds * std::pow(10, 9 - 3 * unit), kUnits[unit]);
+}
+
+/// A logarithmic axis of whole decades.
+struct Decades {
+  int low = 0, high = 0;
+
+  Decades(double least, double most) {
+    low = static_cast<int>(std::floor(std::log10(least) + 1e-9));
+    high = std::max(low + 1, static_cast<int>(std::ceil(std::log10(most) - 1e-9)));
+  }
+  [[nodiscard]] double share(double value) const {
+    return std::clamp((std::log10(value) - low) / (high - low), 0.0, 1.0);
+  }
+};
+
+std::string key(int colour, std::string_view text, bool dashed = false) {
+  return fmt::format(
+      "<li><svg width=\"14\" height=\"12\" aria-hidden=\"true\"><rect class=\"s{}{}\" y=\"{}\" "
+      "width=\"14\" height=\"{}\"/></svg>{}</li>\n",
+      colour, dashed ? " dashed" : "", dashed ? 5 : 0, dashed ? 3 : 12, escaped(text));
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v;
+  return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+}  // namespace
+
+std::string stacked_bars(std::string_view label, const std::vector<std::string>& names,
+                         const std::vector<Series>& series) {
+  const std::size_t count = names.size();
+  std::vector<double> sums(count, 0);
+  for (const Series& s : series)
+    for (std::size_t i = 0; i < count; ++i) sums[i] += s.values[i];
+  const double most = count == 0 ? 0 : *std::max_element(sums.begin(), sums.end());
+  std::string svg = start("bars", label, kTop + kHeight + 20);
+  const double scale = most > 0 ? kHeight / most : 0;
+  if (most > 0) {
+    for (double value = 0; value <= most * 1.0001; value += step_for(most))
+      svg += level(kTop + kHeight - scale * value, value == 0 ? "0" : tick(value));
+  }
+  const double slot = 100.0 / static_cast<double>(std::max<std::size_t>(count, 1));
+  const double width = slot * (count > 200 ? 1.0 : 0.82);
+  for (std::size_t i = 0; i < count; ++i) {
+    double y = kTop + kHeight;
+    svg +=
+        fmt::format("<g class=\"bar\"><title>{}: {}</title>", escaped(names[i]), duration(sums[i]));
+    for (const Series& s : series) {
+      const double height = scale * s.values[i];
+      y -= height;
+      if (height > 0) {
+        svg += fmt::format(
+            "<rect class=\"s{}\" x=\"{:.4g}%\" width=\"{:.4g}%\" y=\"{:.2f}\" height=\"{:.2f}\"/>",
+            s.colour, slot * static_cast<double>(i) + (slot - width) / 2, width, y, height);
+      }
+    }
+    svg += "</g>\n";
+  }
+  for (const bool last : {false, true}) {
+    if (count > (last ? 1u : 0u))
+      svg += fmt::format("<text class=\"tick\" x=\"{}\" y=\"{:g}\" text-anchor=\"{}\">{}</text>\n",
+                         last ? "100%" : "0", kTop + kHeight + 16, last ? "end" : "start",
+                         escaped(last ? names.back() : names.front()));
+  }
+  svg += "</svg></div>\n<ul class=\"legend\">\n";
+  for (const Series& s : series)
+    svg += key(s.colour, fmt::format("{}, mean {}", s.name, duration(mean(s.values))));
+  return svg + "</ul>\n";
+}
+
+std::string log_bars(std::string_view label, const std::vector<Bar>& bars) {
+  double least = 1e300, most = 0;
+  for (const Bar& b : bars) least = std::min(least, b.seconds), most = std::max(most, b.seconds);
+  const Decades axis(least / 1.5, most);
+  constexpr double kRow = 46, kAxis = 18;
+  const double height = kAxis + kRow * static_cast<double>(bars.size());
+  std::string svg = start("rows", label, height);
+  for (int power = axis.low; power <= axis.high; ++power) {
+    const double x = 100.0 * (power - axis.low) / (axis.high - axis.low);
+    const char* anchor = power == axis.low ? "start" : power == axis.high ? "end" : "middle";
+    svg += fmt::format(
+        "<line class=\"grid\" x1=\"{0:.4g}%\" x2=\"{0:.4g}%\" y1=\"{1:g}\" y2=\"{2:g}\"/>"
+        "<text class=\"tick\" x=\"{0:.4g}%\" y=\"12\" text-anchor=\"{3}\">{4}</text>\n",
+        x, kAxis, height, anchor, tick(std::pow(10, power)));
+  }
+  double y = kAxis;
+  for (const Bar& b : bars) {
+    svg += fmt::format(
+        "<text class=\"name\" x=\"0\" y=\"{:g}\">{}<tspan class=\"value\" dx=\"10\">{}</tspan>"
+        "<tspan class=\"tick\" dx=\"8\">{}</tspan></text>"
+        "<rect class=\"s{}\" x=\"0\" y=\"{:g}\" height=\"14\" rx=\"2\" width=\"{:.4g}%\"/>\n",
+        y + 18, escaped(b.name), duration(b.seconds), escaped(b.note), b.colour, y + 24,
+        100 * axis.share(b.seconds));
+    y += kRow;
+  }
+  return svg + "</svg></div>\n";
+}
+
+std::string log_lines(std::string_view label, std::string_view x_name,
+                      const std::vector<Line>& lines) {
+  double least = 1e300, most = 0, first = 1e300, last = 0;
+  for (const Line& line : lines) {
+    for (const double y : line.y) least = std::min(least, y), most = std::max(most, y);
+    for (const double x : line.x) first = std::min(first, x), last = std::max(last, x);
+  }
+  const Decades axis(least, most);
+  constexpr double kLeft = 3, kWide = 94;  // percent
+  const auto at_x = [&](double x) {
+    return kLeft + kWide * std::log(x / first) / std::log(std::max(last / first, 1.001));
+  };
+  const double tall = kHeight * 1.3;
+  const auto at_y = [&](double y) { return kTop + tall * (1 - axis.share(y)); };
+  std::string svg = start("lines", label, kTop + tall + 40);
+  for (int power = axis.low; power <= axis.high; ++power)
+    svg += level(at_y(std::pow(10, power)), tick(std::pow(10, power)));
+  for (const double x : lines.front().x)
+    svg += fmt::format(
+        "<text class=\"tick\" x=\"{:.4g}%\" y=\"{:g}\" text-anchor=\"middle\">{:g}</text>\n",
+        at_x(x), kTop + tall + 16, x);
+  svg += fmt::format("<text class=\"tick\" x=\"50%\" y=\"{:g}\" text-anchor=\"middle\">{}</text>\n",
+                     kTop + tall + 34, escaped(x_name));
+  for (const Line& line : lines) {
+    const char* dash = line.dashed ? " dashed" : "";
+    for (std::size_t i = 0; i < line.x.size(); ++i) {
+      if (i + 1 < line.x.size()) {
+        svg += fmt::format(
+            "<line class=\"l{}{}\" x1=\"{:.4g}%\" y1=\"{:.2f}\" x2=\"{:.4g}%\" y2=\"{:.2f}\"/>",
+            line.colour, dash, at_x(line.x[i]), at_y(line.y[i]), at_x(line.x[i + 1]),
+            at_y(line.y[i + 1]));
+      }
+      svg += fmt::format(
+          "<circle class=\"s{}\" cx=\"{:.4g}%\" cy=\"{:.2f}\" r=\"4\"><title>{}, {:g}: "
+          "{}</title></circle>\n",
+          line.colour, at_x(line.x[i]), at_y(line.y[i]), escaped(line.name), line.x[i],
+          duration(line.y[i]));
+    }
+  }
+  svg += "</svg></div>\n<ul class=\"legend\">\n";
+  for (const Line& line : lines) svg += key(line.colour, line.name, line.dashed);
+  return svg + "</ul>\n";
+}
+
+}  // namespace cde::cli

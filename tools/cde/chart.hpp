@@ -1,0 +1,47 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Charts as inline SVG for pages (page.hpp). Positions along x are percentages and text has the
+/// size of the page's, so a chart fills whatever width it gets and can be read on a phone. Colours
+/// are the classes s0, s1, ... of the page's style sheet.
+namespace cde::cli {
+
+/// A part of every bar, from the axis outwards.
+struct Series {
+  std::string name;
+  int colour = 0;              ///< class s<colour>
+  std::vector<double> values;  ///< a bar each, seconds, >= 0
+};
+
+/// Bars that stand beside each other, of parts in seconds on a linear axis, with a legend that has
+/// the mean of every part. `label` is what a screen reader says; `names` are those of the bars.
+[[nodiscard]] std::string stacked_bars(std::string_view label,
+                                       const std::vector<std::string>& names,
+                                       const std::vector<Series>& series);
+
+/// A bar that lies, with what it is above it.
+struct Bar {
+  std::string name;
+  int colour = 0;
+  double seconds = 0;  ///< > 0
+  std::string note;    ///< behind the value
+};
+
+/// Times on a logarithmic axis of whole decades.
+[[nodiscard]] std::string log_bars(std::string_view label, const std::vector<Bar>& bars);
+
+/// A line through points.
+struct Line {
+  std::string name;
+  int colour = 0;
+  bool dashed = false;
+  std::vector<double> x, y;  ///< > 0; y in seconds
+};
+
+/// Times over a count, both axes logarithmic.
+[[nodiscard]] std::string log_lines(std::string_view label, std::string_view x_name,
+                                    const std::vector<Line>& lines);
+
+}  // namespace cde::cli

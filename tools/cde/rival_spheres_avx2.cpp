@@ -1,0 +1,10 @@
+// Compiled for AVX2, eight spheres at a time.
+#include "rival_spheres.hpp"
+
+namespace cde::cli {
+
+std::uint64_t overlaps_avx2(const SphereArrays& spheres) {
+  return overlaps(spheres);
+}
+
+}  // namespace cde::cli

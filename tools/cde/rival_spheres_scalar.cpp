@@ -1,0 +1,10 @@
+// Compiled without vectors.
+#include "rival_spheres.hpp"
+
+namespace cde::cli {
+
+std::uint64_t overlaps_scalar(const SphereArrays& spheres) {
+  return overlaps(spheres);
+}
+
+}  // namespace cde::cli

@@ -1,0 +1,59 @@
+// cde reproduce: the paper's figures measured again, as a page.
+#include <fmt/format.h>
+
+#include "cde/error.hpp"
+#include "machine.hpp"
+#include "output.hpp"
+#include "page.hpp"
+#include "reproduce.hpp"
+#include "verbs.hpp"
+
+namespace cde::cli {
+namespace {
+
+struct Arguments {
+  ReproduceOptions options;
+  std::string out = "reproduction.html";
+  double clock_mhz = 100;
+  bool json = false;
+};
+
+void run(const Arguments& a) {
+  OutputFile page(a.out);  // a folder that is not there is found out before the work
+  const Reproduction r = reproduce(a.options);
+  const nlohmann::ordered_json machine = machine_json();
+  page.write(reproduction_html(r, machine));
+  page.commit();
+  for (const auto* figure : {&r.figure5, &r.figure6, &r.figure7}) {
+    for (const Experiment& e : *figure) {
+      fmt::print(stderr, "{}\n", e.title);
+      for (const Entry& entry : e.entries)
+        fmt::print(stderr, "  {:<46} {:>9}  {}\n", entry.name, duration(entry.seconds), entry.note);
+    }
+  }
+  fmt::print(stderr, "check: {} of {} records compared with the reference, 0 differ\npage: {}\n",
+             r.records_compared, r.records_compared, a.out);
+  if (a.json) fmt::print("{}\n", reproduction_json(r, machine).dump(2));
+}
+
+}  // namespace
+
+void add_reproduce(CLI::App& app) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* verb = app.add_subcommand(
+      "reproduce", "Measure the paper's Figures 5, 6 and 7 again, and write them as a page");
+  verb->add_option("--out", a->out, "The page, one HTML file")->capture_default_str();
+  verb->add_flag("--json", a->json, "Figures as JSON on stdout");
+  verb->add_flag("--quick", a->options.quick,
+                 "A small terrain and few spheres, to see that it works");
+  verb->add_option("--lanes", a->options.lanes, "Lanes of the best card")->capture_default_str();
+  verb->add_option("--clock", a->clock_mhz, "Core clock assumed for modelled times, MHz")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  verb->callback([a] {
+    a->options.clock_hz = a->clock_mhz * 1e6;
+    run(*a);
+  });
+}
+
+}  // namespace cde::cli
