@@ -107,6 +107,7 @@ module lane_group #(
       localparam int B_LANES = (SWAP != 0) ? LANES : 1;
       localparam int S_WORDS = (SWAP != 0 && A_WORDS > B_WORDS) ? A_WORDS : B_WORDS;  // of the secondary
       logic [ROW_W-1:0] row;
+      logic swap;
       logic [S_WORDS-1:0][CW-1:0] secondary;
       logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
       logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b;
@@ -120,29 +121,31 @@ module lane_group #(
         always_ff @(posedge clk_pipe_i[p]) enter <= issue;
         always_ff @(posedge clk_pipe_i[p]) begin
           row <= RING ? ring_row_i[of] : row_i[of];
+          swap <= swap_i[of];
           secondary <= RING ? ring_secondary_i[S_WORDS-1:0] : secondary_i[of][S_WORDS-1:0];
         end
       end else begin : g_direct
         assign enter = issue;
         assign row = RING ? ring_row_i[0] : row_i[0];
+        assign swap = swap_i[0];
         assign secondary = RING ? ring_secondary_i[S_WORDS-1:0] : secondary_i[0][S_WORDS-1:0];
         logic unused_of;
         assign unused_of = of;
       end
       if (SWAP == 0) begin : g_fixed
         logic unused_swap;
-        assign unused_swap = swap_i;
+        assign unused_swap = &{1'b0, swap, swap_i};
       end
       for (genvar k = 0; k < A_WORDS; k++) begin : word_a
         if (SWAP != 0) begin : g_either
-          assign a[k] = swap_i[of] ? {LANES{secondary[k]}} : word[k].mem[row];
+          assign a[k] = swap ? {LANES{secondary[k]}} : word[k].mem[row];
         end else begin : g_primary
           assign a[k] = word[k].mem[row];
         end
       end
       for (genvar k = 0; k < B_WORDS; k++) begin : word_b
         if (SWAP != 0) begin : g_either
-          assign b[k] = swap_i[of] ? word[k].mem[row] : {LANES{secondary[k]}};
+          assign b[k] = swap ? word[k].mem[row] : {LANES{secondary[k]}};
         end else begin : g_secondary
           assign b[k] = secondary[k];
         end
