@@ -49,7 +49,10 @@ TEST_P(MemoryTimes, AreNearlyThoseOfIdealMemory) {
     const Eigen::Vector3f at(random.in(0, 1), random.in(0, 1), 1.1f);
     rays.push_back({.o = box.min() + box.sizes().cwiseProduct(at), .d = {0, 0, -1}});
   }
-  for (const std::uint32_t period_ps : {10'000u, 5'000u})
+  // At 200 MHz the card asks for all that the modules have; uploads over PCI signals take long.
+  std::vector<std::uint32_t> periods = {10'000};
+  if (GetParam().bus == Bus::kFunctional) periods.push_back(5'000);
+  for (const std::uint32_t period_ps : periods)
     for (const std::size_t count : {triangles.size(), std::size_t{40}}) {
       const auto some = std::span<const Triangle>(triangles).first(count);
       const Ran ideal = run(Memory::kIdeal, period_ps, some, rays);

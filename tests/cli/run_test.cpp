@@ -291,7 +291,7 @@ TEST_F(RunScene, WrongUsageIsRefused) {
             "bad.toml:1:1: there is no key 'framse' here (did you mean 'frames'?)");
   write("burst.toml", "card.burst = 100\n" + std::string(kFlight).replace(11, 18, ""));
   for (const char* verb : {"run", "plan"})
-    refused({verb, "burst.toml"}, "card.burst: is 100; it must be a multiple of 8 bytes");
+    refused({verb, "burst.toml"}, "card, burst: is 100; it must be a multiple of 8 bytes");
 }
 
 TEST_F(RunScene, DeadlineEndsWithStatus4AndAReadableFile) {

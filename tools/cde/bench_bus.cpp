@@ -176,11 +176,12 @@ Frame frame(Bus bus, unsigned lanes, Mode mode, const BenchOptions& o) {
   Board board = open(bus, lanes, *host_profile("p64-2001"), 256, o);
   Frame f{.bus = bus, .lanes = lanes, .mode = mode};
   const std::vector<Triangle> scene = triangles(kFrameTriangles);
+  const std::vector<Ray> packet = rays();
   const auto start = Clock::now();
   const std::uint64_t before = board.time_ps();
   board.upload(scene);
   f.upload = board.time_ps() - before;
-  board.load(rays());
+  board.load(packet);
   f.counters = board.run({.mode = mode}, [](std::span<const Record>) {});
   f.wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();
   return f;
