@@ -210,9 +210,9 @@ class Player::Impl {
     primaries_.load(first, count);
     result.primary_ps += board_.time_ps() - before_ps;
     result.primary_words += board_.words_uploaded() - words;
-    result.primary_clocks += board_.clocks() - before;
+    const std::uint64_t loading = board_.clocks() - before;
     std::vector<Record> renumbered;
-    const Counters c = board_.run(query, [&](std::span<const Record> records) {
+    Counters c = board_.run(query, [&](std::span<const Record> records) {
       const auto received = Clock::now();
       renumbered.assign(records.begin(), records.end());
       for (Record& r : renumbered) {
@@ -229,8 +229,12 @@ class Player::Impl {
     const auto checking = Clock::now();
     if (check) check->finish(result);
     result.check_seconds += seconds_since(checking);
+    // The board counts its last load in every pass; primaries that stay were not loaded for this.
+    c.total_clocks += loading - c.upload_clocks;
+    c.upload_clocks = loading;
     result.counters += c;
     ++result.passes;
+    result.primary_clocks += loading;
     const std::uint64_t pass = c.upload_clocks + c.cycles + c.writeback;
     result.download_clocks += c.total_clocks - std::min(c.total_clocks, pass);
   }

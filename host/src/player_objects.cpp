@@ -1,7 +1,8 @@
 #include "player_objects.hpp"
 
 #include <algorithm>
-#include <cstring>
+#include <array>
+#include <bit>
 
 #include "cde/reference/transform.hpp"
 
@@ -9,8 +10,8 @@ namespace cde::player {
 namespace {
 
 bool same_bits(const Transform& a, const Transform& b) {
-  const auto x = to_words(a), y = to_words(b);
-  return std::memcmp(x.data(), y.data(), sizeof x) == 0;
+  using Bits = std::array<std::uint32_t, Transform::kWords>;
+  return std::bit_cast<Bits>(to_words(a)) == std::bit_cast<Bits>(to_words(b));
 }
 
 /// No shapes, of the same kind.

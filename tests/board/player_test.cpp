@@ -227,7 +227,13 @@ TEST(PlayerMoves, PrimariesThatStayAreLoadedOnce) {
                 "[[query]]\nname = \"pipes\"\npair = \"ray-cylinder\"\nprimaries = \"rays\"\n"
                 "secondaries = \"pipes\"\nmode = \"all\"\n");
   EXPECT_EQ(played.primary_words(0), 200u * 16) << "slots of the card's largest primary, a box";
-  for (const QueryFrame& f : played.frame(1)) EXPECT_EQ(f.primary_words, 0u);
+  for (const QueryFrame& f : played.frame(1)) {
+    EXPECT_EQ(f.primary_words, 0u);
+    EXPECT_EQ(f.primary_clocks, 0u);
+    EXPECT_EQ(f.counters.upload_clocks, 0u);
+    EXPECT_EQ(f.counters.total_clocks,
+              f.counters.cycles + f.counters.writeback + f.download_clocks);
+  }
   EXPECT_GT(played.hits(), 100u);
 }
 
