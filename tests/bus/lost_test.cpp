@@ -52,6 +52,7 @@ TEST(NoAnswer, ShortOnesEndRight) {
 class Lost : public ::testing::Test {
  protected:
   Lost() : board(Board::open(rich_config(Bus::kCycle))), scene(beam(random, 20, 30)) { fill(); }
+  ~Lost() override { EXPECT_EQ(board.bus_violation(), ""); }
 
   void fill() {
     board.upload(scene.triangles);

@@ -133,7 +133,7 @@ class Soak {
   }
 
   void recover() {
-    for (unsigned kind = 0; kind < CDE_PCI_FAULTS; ++kind) card_.fault(kind, 0);
+    for (unsigned kind = 0; kind < CDE_PCI_FAULT_HANG; ++kind) card_.fault(kind, 0);
     card_.set_config(0x04, 0xFFFF0146);
     restart();
   }
@@ -142,12 +142,13 @@ class Soak {
     static constexpr std::uint32_t kHarmless[] = {
         CDE_PCI_FAULT_RETRY,      CDE_PCI_FAULT_SLOW,
         CDE_PCI_FAULT_DISCONNECT, CDE_PCI_FAULT_DISCONNECT_EMPTY,
-        CDE_PCI_FAULT_GRANT,      CDE_PCI_FAULT_LOST_INTERRUPT};
+        CDE_PCI_FAULT_GRANT,      CDE_PCI_FAULT_LOST_INTERRUPT,
+        CDE_PCI_FAULT_NO_GRANT};
     static constexpr std::uint32_t kFatal[] = {CDE_PCI_FAULT_PARITY, CDE_PCI_FAULT_TARGET_ABORT,
                                                CDE_PCI_FAULT_MASTER_ABORT, CDE_PCI_FAULT_RETRY};
     ++faults_;
     if (numbers_.below(2) != 0) {
-      const std::uint32_t kind = kHarmless[numbers_.below(6)];
+      const std::uint32_t kind = kHarmless[numbers_.below(std::size(kHarmless))];
       card_.fault(kind, 1 + numbers_.below(12), 1 + numbers_.below(20));
     } else {
       const std::uint32_t kind = kFatal[numbers_.below(4)];
