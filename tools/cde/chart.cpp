@@ -119,20 +119,22 @@ std::string log_bars(std::string_view label, const std::vector<Bar>& bars) {
   const Decades axis(least / 1.5, most);
   constexpr double kRow = 46, kAxis = 18;
   const double height = kAxis + kRow * static_cast<double>(bars.size());
+  const bool crowded = axis.high - axis.low > 4;  // on a narrow screen
   std::string svg = start("rows", label, height);
   for (int power = axis.low; power <= axis.high; ++power) {
     const double x = 100.0 * (power - axis.low) / (axis.high - axis.low);
     const char* anchor = power == axis.low ? "start" : power == axis.high ? "end" : "middle";
     svg += fmt::format(
         "<line class=\"grid\" x1=\"{0:.4g}%\" x2=\"{0:.4g}%\" y1=\"{1:g}\" y2=\"{2:g}\"/>"
-        "<text class=\"tick\" x=\"{0:.4g}%\" y=\"12\" text-anchor=\"{3}\">{4}</text>\n",
-        x, kAxis, height, anchor, tick(std::pow(10, power)));
+        "<text class=\"tick{5}\" x=\"{0:.4g}%\" y=\"12\" text-anchor=\"{3}\">{4}</text>\n",
+        x, kAxis, height, anchor, tick(std::pow(10, power)),
+        crowded && (power - axis.low) % 2 != 0 ? " aside" : "");
   }
   double y = kAxis;
   for (const Bar& b : bars) {
     svg += fmt::format(
         "<text class=\"name\" x=\"0\" y=\"{:g}\">{}<tspan class=\"value\" dx=\"10\">{}</tspan>"
-        "<tspan class=\"tick\" dx=\"8\">{}</tspan></text>"
+        "<tspan class=\"tick aside\" dx=\"8\">{}</tspan></text>"
         "<rect class=\"s{}\" x=\"0\" y=\"{:g}\" height=\"14\" rx=\"2\" width=\"{:.4g}%\"/>\n",
         y + 18, escaped(b.name), duration(b.seconds), escaped(b.note), b.colour, y + 24,
         100 * axis.share(b.seconds));

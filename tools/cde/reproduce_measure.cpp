@@ -74,7 +74,8 @@ class Card {
     return {.name = fmt::format("card, {}", setup_.name),
             .source = Source::kCard,
             .seconds = split.total(),
-            .note = fmt::format("{} records to the host", grouped(records.size())),
+            .note = fmt::format("{} record{} to the host", grouped(records.size()),
+                                records.size() == 1 ? "" : "s"),
             .split = split};
   }
 
@@ -158,10 +159,9 @@ void add_software(Lab& lab, Experiment& e, const std::vector<Ray>& rays,
     e.entries.push_back(
         {.name = name, .source = Source::kSoftware, .seconds = seconds, .note = note});
   };
-  brute(baseline::Kind::kScalar, "software, scalar", "every pair, one thread");
+  brute(baseline::Kind::kScalar, "scalar software", "every pair, one thread");
   if (lab.vector != baseline::Kind::kScalar)
-    brute(lab.vector, fmt::format("software, {}", lab.result.vector_kind),
-          "every pair, one thread");
+    brute(lab.vector, fmt::format("{} software", lab.result.vector_kind), "every pair, one thread");
   if (embree == nullptr) return;
   std::vector<float> t;
   const double seconds = median_seconds([&] {
@@ -170,7 +170,7 @@ void add_software(Lab& lab, Experiment& e, const std::vector<Ray>& rays,
   });
   compare_hits(nearest, t, "Embree");
   e.entries.push_back(
-      {.name = "software, Embree",
+      {.name = "Embree",
        .source = Source::kSoftware,
        .seconds = seconds,
        .note = move ? "hierarchy refitted, one thread" : "hierarchy built before, one thread"});
@@ -282,8 +282,8 @@ void add_sphere_software(Lab& lab, Experiment& e, const std::vector<Sphere>& sph
                          .seconds = seconds,
                          .note = "every pair, counted only"});
   };
-  measure("software, scalar", overlaps_scalar);
-  if (lab.vector != baseline::Kind::kScalar) measure("software, AVX2", overlaps_avx2);
+  measure("scalar software", overlaps_scalar);
+  if (lab.vector != baseline::Kind::kScalar) measure("AVX2 software", overlaps_avx2);
 }
 
 /// Dynamic against dynamic: all spheres move, all pairs are tested.

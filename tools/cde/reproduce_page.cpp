@@ -35,23 +35,29 @@ std::string bars(const Experiment& e) {
 }
 
 std::string times(double ratio) {
-  return ratio < 9.95 ? fmt::format("{:.2g}", ratio) : fmt::format("{:.0f}", ratio);
+  return ratio < 9.95 ? fmt::format("{:.2g}", ratio)
+                      : grouped(static_cast<std::uint64_t>(std::llround(ratio)));
 }
 
-/// "the best card is 3 times slower than AVX2": what a reader takes home.
+/// "1.9 times slower": a card against a rival.
+std::string against(const Entry& card, const Entry& rival) {
+  const double ratio = rival.seconds / card.seconds;
+  return fmt::format("{} times {}", times(std::max(ratio, 1 / ratio)),
+                     ratio >= 1 ? "faster" : "slower");
+}
+
+/// Every card against everything that this machine ran.
 std::string verdict(const Experiment& e) {
-  std::string text = "<ul class=\"plain\">\n";
+  std::vector<std::string> head = {"card"};
+  for (const Entry* rival : of_source(e, Source::kSoftware)) head.push_back("than " + rival->name);
+  Rows rows;
   for (const Entry* card : of_source(e, Source::kCard)) {
-    std::vector<std::string> parts;
-    for (const Entry* rival : of_source(e, Source::kSoftware)) {
-      const double ratio = rival->seconds / card->seconds;
-      parts.push_back(fmt::format("{} times {} than {}", times(std::max(ratio, 1 / ratio)),
-                                  ratio >= 1 ? "faster" : "slower", rival->name));
-    }
-    text += fmt::format("<li>{}: {}.</li>\n", escaped(card->name),
-                        escaped(fmt::format("{}", fmt::join(parts, ", "))));
+    std::vector<Cell> row = {card->name};
+    for (const Entry* rival : of_source(e, Source::kSoftware))
+      row.push_back(Cell::figure(against(*card, *rival)));
+    rows.push_back(std::move(row));
   }
-  return text + "</ul>\n";
+  return table("The cards are, in modelled time against time measured here", head, rows);
 }
 
 std::string split_table(const std::vector<Experiment>& experiments) {
@@ -86,35 +92,33 @@ std::string summary(const Reproduction& r) {
     html += fmt::format("<li>{}</li>\n", escaped(text));
   };
   say(fmt::format(
-      "The paper's card takes {} a frame; this one, built and used like it, {} (modelled). {}",
-      duration(kPaperCard), duration(paper_card->seconds),
+      "The paper's card takes {:g} ms a frame; this one, built and used like it, {} (modelled). {}",
+      1e3 * kPaperCard, duration(paper_card->seconds),
       r.options.quick ? "The terrain of this run is smaller than the paper's."
                       : fmt::format("{:.0f} % of that is the way of the records to the host.",
                                     100 * paper_card->split->bus / paper_card->seconds)));
   const double per_test = kPaperSoftware / 259'572;
   say(fmt::format(
-      "The paper's factor of {:g} is against software that takes {} a test, {:.0f} clocks of a 2.8 "
+      "The paper's factor of {:g} is against software that takes {} a test, {} clocks of a 2.8 "
       "GHz Xeon. Scalar software here takes {} a test: against it the same card would be {} times "
       "{}. The factor cannot be had against software of today, and the paper does not say what its "
       "software did.",
-      kPaperRatio5, duration(per_test), per_test * 2.8e9,
+      kPaperRatio5, duration(per_test), grouped(static_cast<std::uint64_t>(per_test * 2.8e9)),
       duration(scalar->seconds / static_cast<double>(one.tests)),
       times(std::max(scalar->seconds / paper_card->seconds, paper_card->seconds / scalar->seconds)),
       scalar->seconds > paper_card->seconds ? "faster" : "slower"));
-  for (const auto* figure : {&r.figure5, &r.figure6, &r.figure7}) {
-    for (const Experiment& e : *figure) {
-      const Entry* best_card = named(e, "best");
-      const auto rivals = of_source(e, Source::kSoftware);
-      const Entry* rival =
-          *std::min_element(rivals.begin(), rivals.end(),
-                            [](const Entry* a, const Entry* b) { return a->seconds < b->seconds; });
-      const double ratio = best_card->seconds / rival->seconds;
-      say(fmt::format("{}: {} wins, {} against {} of the {}, {} times.", e.title,
-                      ratio > 1 ? rival->name : "the best card",
-                      duration(std::min(best_card->seconds, rival->seconds)),
-                      duration(std::max(best_card->seconds, rival->seconds)),
-                      ratio > 1 ? "best card" : rival->name, times(std::max(ratio, 1 / ratio))));
-    }
+  std::vector<Experiment> all = r.figure5;
+  all.insert(all.end(), r.figure6.begin(), r.figure6.end());
+  all.push_back(r.figure7.back());
+  for (const Experiment& e : all) {
+    const Entry& card = *named(e, "best");
+    const auto rivals = of_source(e, Source::kSoftware);
+    const Entry& rival =
+        **std::min_element(rivals.begin(), rivals.end(),
+                           [](const Entry* a, const Entry* b) { return a->seconds < b->seconds; });
+    say(fmt::format(
+        "{}: the best card takes {}, the fastest software here, {}, {}. The card is {}.", e.title,
+        duration(card.seconds), rival.name, duration(rival.seconds), against(card, rival)));
   }
   return html + "</ul>\n";
 }
@@ -251,9 +255,10 @@ std::string reproduction_html(const Reproduction& r, const Json& machine) {
       "logarithmic.</p></section>\n",
       summary(r));
   body += fmt::format(
-      "<section><h2>Figure 5: static objects</h2>\n<p>The paper prints {} for its card and {} for "
+      "<section><h2>Figure 5: static objects</h2>\n<p>The paper prints {:g} ms for its card and {} "
+      "ms for "
       "its CPU, “about {:g} times”, and “four times faster than the GPU”.</p>\n",
-      duration(kPaperCard), duration(kPaperSoftware), kPaperRatio5);
+      1e3 * kPaperCard, grouped(std::llround(1e3 * kPaperSoftware)), kPaperRatio5);
   for (const Experiment& e : r.figure5)
     body += fmt::format("<h3>{}</h3>\n{}{}", escaped(e.title), bars(e), verdict(e));
   body += fmt::format(
