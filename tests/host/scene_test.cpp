@@ -69,6 +69,11 @@ TEST(SceneFile, EverySceneOfTheRepositoryIsPlanned) {
     SCOPED_TRACE(entry.path().string());
     const Plan p = plan(load_scene(entry.path()));
     EXPECT_GE(p.effects.size(), 10u);
+    for (const Effect& e : p.effects) {
+      EXPECT_FALSE(e.cost.empty()) << e.name;
+      if (e.name == "memory timing") continue;
+      EXPECT_EQ(e.cost.find("not measured"), std::string::npos) << e.name;
+    }
     ++scenes;
   }
   EXPECT_GE(scenes, 5);
@@ -434,6 +439,21 @@ TEST(Plan, TakesWhatTheSceneNeeds) {
   EXPECT_EQ(effect(p, "transformer").why, "no secondary moves as a rigid body");
   EXPECT_FALSE(effect(p, "normals").used);
   EXPECT_FALSE(effect(p, "trace").used);
+}
+
+TEST(Plan, WhatSimulationsCostIsMeasured) {
+  const Plan p = plan(parse_scene(kGood, "s.toml"));
+  for (const char* name : {"pipes", "gates", "transformer", "normals", "exchange of roles",
+                           "two pairs at a time", "bus timing", "ecc", "trace"}) {
+    const std::optional<double> times = simulation_cost(name);
+    ASSERT_TRUE(times) << name;
+    EXPECT_GT(*times, 0.8) << name << ": nothing makes a simulation much faster";
+    EXPECT_LT(*times, 100) << name;
+    EXPECT_NE(effect(p, name).cost.find(fmt::format("takes {:.2f} times as long", *times)),
+              std::string::npos)
+        << effect(p, name).cost;
+  }
+  EXPECT_FALSE(simulation_cost("lanes")) << "counted from the scene";
 }
 
 TEST(Plan, LanesGrowWithThePrimaries) {

@@ -13,6 +13,7 @@ struct BenchOptions {
 nlohmann::ordered_json bench_rays(const BenchOptions& options);
 nlohmann::ordered_json bench_fp(const BenchOptions& options);
 nlohmann::ordered_json bench_pairs(const BenchOptions& options);
+nlohmann::ordered_json bench_effects(const BenchOptions& options);
 
 /// Processor time of this thread and of the process, seconds.
 [[nodiscard]] double thread_seconds();

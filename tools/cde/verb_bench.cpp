@@ -21,7 +21,8 @@ struct Section {
   const char* name;
   nlohmann::ordered_json (*measure)(const BenchOptions&);
 };
-constexpr Section kSections[] = {{"rays", bench_rays}, {"fp", bench_fp}, {"pairs", bench_pairs}};
+constexpr Section kSections[] = {
+    {"rays", bench_rays}, {"fp", bench_fp}, {"pairs", bench_pairs}, {"effects", bench_effects}};
 
 std::string field_of(const char* file, const std::string& field) {
   std::ifstream in(file);
@@ -87,7 +88,7 @@ void add_bench(CLI::App& app) {
   auto a = std::make_shared<Arguments>();
   CLI::App* verb = app.add_subcommand(
       "bench", "Measure simulation speed and device clocks beside software on the same machine");
-  verb->add_option("section", a->sections, "Sections to run (all): rays, fp, pairs");
+  verb->add_option("section", a->sections, "Sections to run (all): rays, fp, pairs, effects");
   verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   auto* quick = verb->add_flag("--quick", a->options.quick,
                                "Under a minute: default bitstreams, small scenes");
