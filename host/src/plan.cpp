@@ -23,20 +23,20 @@ struct Cost {
   double times;
 };
 constexpr Cost kCosts[] = {
-    {"pipes", 1.85},
-    {"gates", 8.51},
-    {"transformer", 1.27},
-    {"normals", 0.97},
-    {"exchange of roles", 1.06},
-    {"two pairs at a time", 4.38},
-    {"bus timing", 1.30},
-    {"ecc", 1.57},
-    {"trace", 1.08},
+    {"pipes", 1.9},
+    {"gates", 8.6},
+    {"transformer", 1.3},
+    {"normals", 1.0},
+    {"exchange of roles", 1.1},
+    {"two pairs at a time", 4.3},
+    {"bus timing", 1.3},
+    {"ecc", 1.6},
+    {"trace", 1.1},
 };
 
 std::string simulation(std::string_view effect) {
   const std::optional<double> times = simulation_cost(effect);
-  return times ? fmt::format("simulation takes {:.2f} times as long (cde bench effects)", *times)
+  return times ? fmt::format("simulation takes {:.1f} times as long (cde bench effects)", *times)
                : "not measured";
 }
 
