@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <optional>
 #include <span>
 
 #include "cde/error.hpp"
@@ -16,29 +17,24 @@ constexpr std::uint64_t kPacket = 256;
 constexpr unsigned kMostLanes = 128;
 constexpr unsigned kMostLanesOfLargePipes = 16;  // facets, rings, gates: building takes minutes
 
-/// What leaving an effect out saves. Figures were measured with the command beside them, on two
-/// cores of a 2.5 GHz Xeon with AVX-512; where there is none, nobody measured it.
-struct Saving {
-  const char* effect;
-  const char* figure;
-  const char* command;
+/// What effects cost a simulation: how many times as long a frame of rays and triangles takes.
+/// Medians of `cde bench effects`, which prints them beside its own.
+struct Cost {
+  std::string_view effect;
+  double times;
 };
-constexpr Saving kSavings[] = {
-    {"gates", nullptr, "cde cast terrain --size 64x48 --lanes 16 --arith rtl"},
-    {"waves", nullptr, "cde cast terrain:60,60,1 --grid 64x48 --lanes 16 --trace waves.fst"},
-    {"pipes", nullptr, "cde bench pairs"},
-    {"bus", nullptr, "cde run, bus = \"cycle\""},
-    {"memory", nullptr, "cde run, memory = \"cycle\""},
-    {"ecc", nullptr, "cde run, ecc = true"},
+constexpr Cost kCosts[] = {
+    {"pipes", 1.9},
+    {"gates", 8.6},
+    {"transformer", 1.3},
+    {"normals", 1.0},
+    {"exchange of roles", 1.1},
+    {"two pairs at a time", 4.3},
+    {"bus timing", 1.3},
+    {"memory timing", 1.0},
+    {"ecc", 1.6},
+    {"trace", 1.1},
 };
-
-std::string measured(std::string_view effect) {
-  for (const Saving& s : kSavings) {
-    if (s.effect == effect && s.figure != nullptr)
-      return fmt::format("{} ({})", s.figure, s.command);
-  }
-  return "not measured";
-}
 
 bool large(Pair pair) {
   switch (pair) {
@@ -168,7 +164,7 @@ Effect pipes(const Scene& scene, const Plan& plan) {
   e.why = scene.card.pairs.empty() ? "the pairs of the queries" : "asked for in [card]";
   if (plan.board.pairs.size() < kPairs) {
     e.why += fmt::format("; the other {} are left out", kPairs - plan.board.pairs.size());
-    e.cost = measured("pipes");
+    e.cost = fmt::format("with all {}, {}", kPairs, simulation_text("pipes"));
   }
   return e;
 }
@@ -203,10 +199,10 @@ Effect lanes(const Scene& scene, const Plan& plan) {
 }
 
 Effect arithmetic(const Plan& plan) {
-  if (plan.board.arithmetic == Arithmetic::kRtl)
-    return {"gates", true, "rtl", "asked for in [card]", ""};
-  return {"gates", false, "host", "the host's arithmetic gives the same bits and clocks",
-          measured("gates")};
+  const bool gates = plan.board.arithmetic == Arithmetic::kRtl;
+  return {"gates", gates, gates ? "rtl" : "host",
+          gates ? "asked for in [card]" : "the host's arithmetic gives the same bits and clocks",
+          simulation_text("gates")};
 }
 
 Effect modes(const Scene& scene, const Plan& plan) {
@@ -235,8 +231,9 @@ Effect normals(const Scene& scene, const Plan& plan) {
   e.why = e.used         ? "a query asks for them"
           : records == 0 ? "rays have none"
                          : "no query asks for them";
-  e.cost = fmt::format("at most {} further records a frame, a clock each to write", records);
-  if (records == 0) e.cost = "0 records";
+  e.cost = simulation_text(e.name);
+  if (records != 0)
+    e.cost += fmt::format("; at most {} further records a frame, a clock each to write", records);
   return e;
 }
 
@@ -254,7 +251,7 @@ Effect roles(const Plan& plan) {
   return {"exchange of roles", plan.board.swap, plan.board.swap ? "built in" : "none",
           plan.board.swap ? "a query has the pair's second shape as primaries"
                           : "every query has the pair's first shape as primaries",
-          plan.board.swap ? "" : "not measured"};
+          simulation_text("exchange of roles")};
 }
 
 Effect residence(const Plan& plan) {
@@ -280,21 +277,23 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
       masks(plan),
       roles(plan),
       residence(plan),
-      {"two pairs at a time", false, "none", "queries run one after another", "not measured"},
+      {"two pairs at a time", false, "none", "queries run one after another",
+       simulation_text("two pairs at a time")},
       {"bus timing", cycle, cycle ? "cycle" : "functional",
        fmt::format("{}; host {}, {} bits, bursts of {} bytes",
                    cycle ? "asked for: PCI clock by clock"
                          : "what PCI would take is computed, not simulated",
                    scene.card.host.name, scene.card.narrow ? 32 : 64, scene.card.burst),
-       cycle ? "" : measured("bus")},
+       simulation_text("bus timing")},
       {"memory timing", banks, banks ? "cycle" : "ideal",
        banks ? "asked for: DDR-400 with banks, rows and refresh"
              : "a slot a clock behind a fixed latency",
-       banks ? "" : measured("memory")},
+       simulation_text("memory timing")},
       {"ecc", plan.board.ecc, plan.board.ecc ? "check bits in DDR" : "none",
-       plan.board.ecc ? "asked for" : "not asked for", plan.board.ecc ? "" : measured("ecc")},
+       plan.board.ecc ? "asked for" : "not asked for", simulation_text("ecc")},
       {"trace", trace, trace ? "waves can be written" : "none",
-       trace ? "asked for" : "not asked for", trace ? "" : measured("waves")},
+       trace ? "asked for" : "not asked for",
+       simulation_text("trace") + " even while none are written"},
   };
   effects.insert(effects.begin() + 3, movers.begin(), movers.end());
   return effects;
@@ -321,6 +320,18 @@ void add_movers(const Scene& scene, const plan_mover::Movers& movers, Plan& plan
 }
 
 }  // namespace
+
+std::optional<double> simulation_cost(std::string_view effect) {
+  for (const Cost& c : kCosts)
+    if (c.effect == effect) return c.times;
+  return std::nullopt;
+}
+
+std::string simulation_text(std::string_view effect) {
+  const std::optional<double> times = simulation_cost(effect);
+  return times ? fmt::format("simulation takes {:.1f} times as long (cde bench effects)", *times)
+               : "not measured";
+}
 
 Plan plan(const Scene& scene) {
   Plan plan;

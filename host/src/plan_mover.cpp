@@ -91,7 +91,7 @@ void choose_secondaries(const Scene& scene, bool resident, Movers& movers) {
   Effect e{"transformer", false, "none", "", ""};
   if (move.empty()) {
     e.why = "no secondary moves as a rigid body";
-    e.cost = "0 words a frame";
+    e.cost = simulation_text(e.name);
   } else if (scene.card.mover == Mover::kHost) {
     e.why = "mover = \"host\": what moves is posed by the host and uploaded again";
   } else if (asked) {

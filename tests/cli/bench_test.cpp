@@ -94,6 +94,34 @@ TEST_F(Bench, QuickBus) {
   EXPECT_LT(s["total"], 1e-3);
 }
 
+TEST_F(Bench, QuickEffects) {
+  const Ran ran = cde({"bench", "effects", "--quick", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto j = nlohmann::json::parse(ran.out)["effects"];
+  EXPECT_EQ(j["rays"], 256);
+  EXPECT_EQ(j["lanes"], 16);
+  const auto& cards = j["cards"];
+  ASSERT_EQ(cards.size(), 3u);
+  EXPECT_EQ(cards[0]["name"], "planned");
+  EXPECT_EQ(cards[0]["slower"], 1.0);
+  EXPECT_EQ(cards[1]["name"], "pipe alone");
+  EXPECT_EQ(cards[1]["parameters"], cards[0]["parameters"]) << "the plan adds nothing to the pipe";
+  EXPECT_EQ(cards[2]["effect"], "gates");
+  EXPECT_GT(cards[2]["slower"], 1.5);
+  EXPECT_GT(cards[2]["slower_in_plans"], 1.5);
+  for (const auto& card : cards) {
+    EXPECT_GE(card["device_cycles"], j["triangles"].get<int>() * 16);
+    EXPECT_EQ(card["device_cycles"], cards[0]["device_cycles"]) << card["name"];
+    EXPECT_GE(card["slower"], card["slower_least"]);
+    EXPECT_LE(card["slower"], card["slower_most"]);
+    EXPECT_GT(card["frame_wall_seconds"], 0);
+    EXPECT_GT(card["frame_over_pass_clocks"], 0) << "rays and records cross the bus";
+  }
+  ASSERT_EQ(j["promises"].size(), 2u) << "the card with everything takes minutes to build";
+  EXPECT_NEAR(j["promises"][0]["figure"].get<double>() * cards[1]["slower"].get<double>(), 1, 1e-9);
+  EXPECT_EQ(j["promises"][1]["figure"], cards[0]["frame_over_pass"]);
+}
+
 TEST_F(Bench, UnknownSection) {
   const Ran ran = cde({"bench", "cars"});
   EXPECT_EQ(ran.status, 2);

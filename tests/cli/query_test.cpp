@@ -379,6 +379,21 @@ INSTANTIATE_TEST_SUITE_P(Formats, QueryFormat,
 
 // ---- The whole ----
 
+TEST_F(Query, FacetsOfLongWordsHaveOneLane) {
+  const std::string box = "1,1,1,1,0,0,0,1,0,0,0,1";  // unit half extents, not turned
+  const Ran ran = query({"obb-obb", "--format", "fp64", "--json"},
+                        "0,0,0," + box + ",3.5,0,0," + box + "\n" +  //
+                            "0,0,0," + box + ",1.5,0.25,0," + box + "\n");
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto json = nlohmann::json::parse(lines_of(ran.err).back());
+  EXPECT_EQ(json["lanes"], 1) << "clang takes minutes to build more";
+  EXPECT_EQ(json["pairs_matching"], 2);
+  const auto lines = lines_of(ran.out);
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_TRUE(lines[1].starts_with("0,1.5,")) << lines[1];
+  EXPECT_TRUE(lines[2].starts_with("1,0.5,")) << lines[2];
+}
+
 TEST_F(Query, BothArithmeticsGiveTheSame) {
   std::mt19937_64 random(3);
   std::string input;

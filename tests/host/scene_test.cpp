@@ -69,6 +69,11 @@ TEST(SceneFile, EverySceneOfTheRepositoryIsPlanned) {
     SCOPED_TRACE(entry.path().string());
     const Plan p = plan(load_scene(entry.path()));
     EXPECT_GE(p.effects.size(), 10u);
+    for (const Effect& e : p.effects) {
+      EXPECT_FALSE(e.cost.empty()) << e.name;
+      if (e.name == "memory timing") continue;
+      EXPECT_EQ(e.cost.find("not measured"), std::string::npos) << e.name;
+    }
     ++scenes;
   }
   EXPECT_GE(scenes, 5);
@@ -436,6 +441,21 @@ TEST(Plan, TakesWhatTheSceneNeeds) {
   EXPECT_FALSE(effect(p, "trace").used);
 }
 
+TEST(Plan, WhatSimulationsCostIsMeasured) {
+  const Plan p = plan(parse_scene(kGood, "s.toml"));
+  for (const char* name : {"pipes", "gates", "transformer", "normals", "exchange of roles",
+                           "two pairs at a time", "bus timing", "memory timing", "ecc", "trace"}) {
+    const std::optional<double> times = simulation_cost(name);
+    ASSERT_TRUE(times) << name;
+    EXPECT_GT(*times, 0.8) << name << ": nothing makes a simulation much faster";
+    EXPECT_LT(*times, 100) << name;
+    EXPECT_NE(effect(p, name).cost.find(fmt::format("takes {:.1f} times as long", *times)),
+              std::string::npos)
+        << effect(p, name).cost;
+  }
+  EXPECT_FALSE(simulation_cost("lanes")) << "counted from the scene";
+}
+
 TEST(Plan, LanesGrowWithThePrimaries) {
   const auto lanes = [](unsigned count, const char* card = "") {
     return plan(parse_scene(
@@ -473,7 +493,8 @@ TEST(Plan, CountsWork) {
 }
 
 TEST(Plan, RefusesAPairThatTheBitstreamHasNot) {
-  const Scene s = parse_scene("[card]\npairs = [\"obb-obb\", \"ray-triangle\"]\n" + kGood, "s.toml");
+  const Scene s =
+      parse_scene("[card]\npairs = [\"obb-obb\", \"ray-triangle\"]\n" + kGood, "s.toml");
   expect_error(ErrorCode::kUsage,
                "query 'q' needs a pipe for ray-sphere, but the bitstream asked for has pairs = "
                "ray-triangle, obb-obb",

@@ -6,7 +6,7 @@ namespace cde::cli {
 
 struct BenchOptions {
   bool quick = false;  ///< the bitstreams that every build has, small scenes
-  bool full = false;   ///< up to 10 million triangles
+  bool full = false;   ///< up to 10 million triangles, bitstreams that take long to build
   double clock_hz = 100e6;
 };
 
@@ -14,6 +14,7 @@ nlohmann::ordered_json bench_rays(const BenchOptions& options);
 nlohmann::ordered_json bench_bus(const BenchOptions& options);
 nlohmann::ordered_json bench_fp(const BenchOptions& options);
 nlohmann::ordered_json bench_pairs(const BenchOptions& options);
+nlohmann::ordered_json bench_effects(const BenchOptions& options);
 
 /// Processor time of this thread and of the process, seconds.
 [[nodiscard]] double thread_seconds();

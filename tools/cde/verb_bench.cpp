@@ -21,8 +21,11 @@ struct Section {
   const char* name;
   nlohmann::ordered_json (*measure)(const BenchOptions&);
 };
-constexpr Section kSections[] = {
-    {"rays", bench_rays}, {"fp", bench_fp}, {"pairs", bench_pairs}, {"bus", bench_bus}};
+constexpr Section kSections[] = {{"rays", bench_rays},
+                                 {"fp", bench_fp},
+                                 {"pairs", bench_pairs},
+                                 {"bus", bench_bus},
+                                 {"effects", bench_effects}};
 
 std::string field_of(const char* file, const std::string& field) {
   std::ifstream in(file);
@@ -88,11 +91,12 @@ void add_bench(CLI::App& app) {
   auto a = std::make_shared<Arguments>();
   CLI::App* verb = app.add_subcommand(
       "bench", "Measure simulation speed and device clocks beside software on the same machine");
-  verb->add_option("section", a->sections, "Sections to run (all): rays, fp, pairs, bus");
+  verb->add_option("section", a->sections, "Sections to run (all): rays, fp, pairs, bus, effects");
   verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   auto* quick = verb->add_flag("--quick", a->options.quick,
                                "Under a minute: default bitstreams, small scenes");
-  verb->add_flag("--full", a->options.full, "Up to 10 million triangles, every format")
+  verb->add_flag("--full", a->options.full,
+                 "Up to 10 million triangles, every format, a card of everything with waves")
       ->excludes(quick);
   verb->add_option("--clock", a->clock_mhz, "Core clock assumed for modelled times, MHz")
       ->capture_default_str()

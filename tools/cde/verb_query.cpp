@@ -29,7 +29,8 @@ constexpr std::size_t kBatch = 65536;  // pairs, at most, between two runs of th
 
 struct Options {
   std::string pair, algorithm = "moller", format = "fp32", arithmetic = "host", budget;
-  unsigned lanes = PairConfig{}.lanes, facet_interval = PairConfig{}.facet_interval;
+  std::optional<unsigned> lanes;
+  unsigned facet_interval = PairConfig{}.facet_interval;
   bool half_space = false, bits = false, check = true, json = false, quiet = false;
 };
 
@@ -111,13 +112,19 @@ PairBudget budget_named(const std::string& text, Pair pair) {
                           text));
 }
 
+/// Lanes if nobody says how many. Words of 64 bits fill vectors sooner, and clang takes minutes to
+/// build facets of more than one such lane.
+unsigned default_lanes(Pair pair, FpFormat format) {
+  return has_facets(pair) && format.width() > 32 ? 1 : PairConfig{}.lanes;
+}
+
 PairConfig configuration(const Options& o) {
   PairConfig config{.pair = pair_named(o.pair),
                     .algorithm = algorithm_named(o.algorithm),
                     .plane = o.half_space ? PlaneSide::kHalfSpace : PlaneSide::kSurface,
                     .format = FpFormat::parse(o.format),
-                    .lanes = o.lanes,
                     .facet_interval = o.facet_interval};
+  config.lanes = o.lanes.value_or(default_lanes(config.pair, config.format));
   if (o.arithmetic != "host" && o.arithmetic != "rtl")
     throw Error(ErrorCode::kUsage,
                 fmt::format("--arith is '{}'; it must be rtl or host", o.arithmetic));
@@ -316,18 +323,19 @@ class Query {
     const std::string a = listed(operand(a_, i, primary_words(config_.pair))),
                       b = listed(operand(b_, i, secondary_words(config_.pair)));
     // All lanes get the pair, whichever it was in.
-    throw Error(ErrorCode::kMismatch,
-                fmt::format("line {}: the card's answer differs from the reference\n"
-                            "  A         {}\n  B         {}\n  card      {}\n  reference {}\n"
-                            "repeat with: yes {},{} | head -n {} | cde query {} --algorithm {} "
-                            "--format {} --arith {} --lanes {}{}",
-                            line, a, b, shown(results_[i]), shown(expected_[i]), a, b, o_.lanes,
-                            o_.pair, o_.algorithm, o_.format, o_.arithmetic, o_.lanes,
-                            (o_.half_space ? " --half-space" : "") +
-                                (o_.facet_interval == 1
-                                     ? std::string()
-                                     : fmt::format(" --facet-interval {}", o_.facet_interval)) +
-                                (o_.budget.empty() ? std::string() : " --budget " + o_.budget)));
+    throw Error(
+        ErrorCode::kMismatch,
+        fmt::format(
+            "line {}: the card's answer differs from the reference\n"
+            "  A         {}\n  B         {}\n  card      {}\n  reference {}\n"
+            "repeat with: yes {},{} | head -n {} | cde query {} --algorithm {} "
+            "--format {} --arith {} --lanes {}{}",
+            line, a, b, shown(results_[i]), shown(expected_[i]), a, b, config_.lanes, o_.pair,
+            o_.algorithm, o_.format, o_.arithmetic, config_.lanes,
+            (o_.half_space ? " --half-space" : "") +
+                (o_.facet_interval == 1 ? std::string()
+                                        : fmt::format(" --facet-interval {}", o_.facet_interval)) +
+                (o_.budget.empty() ? std::string() : " --budget " + o_.budget)));
   }
 
   static std::span<const std::uint64_t> operand(std::span<const std::uint64_t> all, std::size_t i,
@@ -396,7 +404,7 @@ class Query {
   fmt::memory_buffer out_;
 };
 
-nlohmann::ordered_json as_json(const Options& o, const Totals& t) {
+nlohmann::ordered_json as_json(const Options& o, unsigned lanes, const Totals& t) {
   return {
       {"pair", o.pair},
       {"algorithm",
@@ -404,7 +412,7 @@ nlohmann::ordered_json as_json(const Options& o, const Totals& t) {
       {"half_space", o.half_space},
       {"format", o.format},
       {"arithmetic", o.arithmetic},
-      {"lanes", o.lanes},
+      {"lanes", lanes},
       {"facet_interval", o.facet_interval},
       {"budget", o.budget.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(o.budget)},
       {"pairs", t.pairs},
@@ -418,7 +426,7 @@ nlohmann::ordered_json as_json(const Options& o, const Totals& t) {
       {"pairs_matching", t.compared}};
 }
 
-void print_summary(const Options& o, const Totals& t) {
+void print_summary(const Options& o, unsigned lanes, const Totals& t) {
   const auto row = [](const char* name, const std::string& value) {
     fmt::print(stderr, "{:<16} {}\n", name, value);
   };
@@ -426,7 +434,7 @@ void print_summary(const Options& o, const Totals& t) {
                           o.pair == "ray-triangle" ? " by " + o.algorithm
                           : o.half_space           ? " of a half-space"
                                                    : "",
-                          o.format, o.arithmetic, o.lanes));
+                          o.format, o.arithmetic, lanes));
   row("pairs", fmt::format("{}, {} bad, and {} malformed line{}", t.pairs, t.bad, t.malformed,
                            t.malformed == 1 ? "" : "s"));
   row("hits", fmt::to_string(t.hits));
@@ -438,12 +446,12 @@ void print_summary(const Options& o, const Totals& t) {
 }
 
 void run(const Options& o) {
-  Query query(o, configuration(o));
-  const Totals totals = query.run();
+  const PairConfig config = configuration(o);
+  const Totals totals = Query(o, config).run();
   if (o.json)
-    fmt::print(stderr, "{}\n", as_json(o, totals).dump());
+    fmt::print(stderr, "{}\n", as_json(o, config.lanes, totals).dump());
   else if (!o.quiet)
-    print_summary(o, totals);
+    print_summary(o, config.lanes, totals);
   if (totals.bad + totals.malformed != 0) exit_code = exit_status(ErrorCode::kBadInput);
 }
 
@@ -469,7 +477,9 @@ void add_query(CLI::App& app) {
   verb->add_option("--format", o->format, "fp16, bf16, fp24, fp32 or fp64")->capture_default_str();
   verb->add_option("--arith", o->arithmetic, "host (the FPU, fast) or rtl (gates); same bits")
       ->capture_default_str();
-  verb->add_option("--lanes", o->lanes, "Pairs a clock, 1 to 256")->capture_default_str();
+  verb->add_option("--lanes", o->lanes,
+                   "Pairs a clock, 1 to 256 (8; 1 in fp64 for obb-obb, triangle-aabb and "
+                   "triangle-obb, whose bitstreams of more lanes take minutes to build)");
   verb->add_option(
           "--facet-interval", o->facet_interval,
           "Of obb-obb, triangle-aabb and triangle-obb: clocks from one row of pairs to the "

@@ -1,6 +1,8 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cde/bitstream.hpp"
@@ -14,7 +16,7 @@ struct Effect {
   bool used = false;
   std::string choice;  ///< "sphere-sphere", "128 lanes", "none"
   std::string why;
-  std::string cost;  ///< of what was left out, counted or measured; "not measured" where nobody did
+  std::string cost;  ///< of having it, counted or measured; "not measured" and why where nobody did
 };
 
 /// What one query asks of the card in a frame, counted from the scene.
@@ -46,5 +48,12 @@ struct Plan {
 /// scene asks for what this version of the card does not have, or for a pipe that the bitstream it
 /// asks for lacks, or for more objects than the card moves), kCapacity (secondaries beyond DDR).
 [[nodiscard]] Plan plan(const Scene& scene);
+
+/// How many times as long the simulation of a frame takes with an effect, by its name in a plan,
+/// as without: measured once, with `cde bench effects` (docs/scenes.md has conditions and machine).
+/// None for effects whose cost is counted from the scene.
+[[nodiscard]] std::optional<double> simulation_cost(std::string_view effect);
+/// The same for people; "not measured" without a figure.
+[[nodiscard]] std::string simulation_text(std::string_view effect);
 
 }  // namespace cde
