@@ -1,4 +1,6 @@
 // Where in DDR a word is wrong in more bits than its check bits correct: the card only counts them.
+#include <algorithm>
+
 #include "board_impl.hpp"
 
 namespace cde {
@@ -16,10 +18,12 @@ bool Board::Impl::uncorrectable(std::uint32_t first, std::uint32_t count) {
   write_register(card::kRegSecCount, count);
   write_register(card::kRegControl, card::kControlGo);
   const std::uint64_t end = clocks() + kClocksAPass + count * kClocksASecondary;
-  while (clocks() < end) {
-    link->run(end - clocks());
-    if (link->interrupt()) break;
-  }
+  // The interrupt of the pass before may still be on its way to the host: what counts is the
+  // status.
+  do {
+    link->run(std::min(end - clocks(), kClocksAPass));
+    (void)link->interrupt();
+  } while ((read_register(card::kRegStatus) >> card::kStatusBusy & 1) != 0 && clocks() < end);
   const bool found = read_register(card::kRegEcc) >> 32 != 0;
   write_register(card::kRegControl, card::kControlClear);
   return found;
