@@ -116,7 +116,6 @@ void Report::frame(std::uint32_t number, const std::vector<QueryFrame>& answers)
   Played played;
   played.number = number;
   for (std::size_t q = 0; q < answers.size(); ++q) {
-    const SceneQuery& query = scene_.queries[q];
     played.modelled += time_split(answers[q], scene_.card.clock_hz);
     played.card_seconds += answers[q].pass_seconds;
     played.reference_seconds += answers[q].check_seconds;
@@ -140,7 +139,6 @@ std::vector<std::vector<float>> Report::last_hits() const {
   std::vector<std::vector<float>> last(scene_.objects.size());
   for (std::size_t i = 0; i < last.size(); ++i) last[i].assign(geometry_.objects()[i].count, NAN);
   for (std::size_t q = 0; q < kept_.size(); ++q) {
-    const SceneQuery& query = scene_.queries[q];
     for (const bool primary : {true, false}) {
       const auto& side = primary ? query.primaries : query.secondaries;
       if (geometry_.objects()[side.front()].shape != Shape::kRay) continue;
