@@ -139,6 +139,7 @@ std::vector<std::vector<float>> Report::last_hits() const {
   std::vector<std::vector<float>> last(scene_.objects.size());
   for (std::size_t i = 0; i < last.size(); ++i) last[i].assign(geometry_.objects()[i].count, NAN);
   for (std::size_t q = 0; q < kept_.size(); ++q) {
+    const SceneQuery& query = scene_.queries[q];
     for (const bool primary : {true, false}) {
       const auto& side = primary ? query.primaries : query.secondaries;
       if (geometry_.objects()[side.front()].shape != Shape::kRay) continue;
