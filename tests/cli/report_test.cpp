@@ -182,9 +182,10 @@ TEST_F(Pages, QuickReproduction) {
   const json j = json::parse(ran.out);
   EXPECT_EQ(j["quick"], true);
   EXPECT_GT(j["records_compared"], 10'000);
-  std::string compared = std::to_string(j["records_compared"].get<int>());
-  compared.insert(compared.size() - 3, ",");
-  EXPECT_EQ(count(html, compared + " records of the card"), 1u);
+  const int compared = j["records_compared"];
+  EXPECT_EQ(
+      count(html, fmt::format("{},{:03} records of the card", compared / 1000, compared % 1000)),
+      1u);
   const auto find = [](const json& experiment, const std::string& part) -> json {
     for (const json& entry : experiment["entries"])
       if (entry["name"].get<std::string>().find(part) != std::string::npos) return entry;
