@@ -1,7 +1,10 @@
 // Where in DDR a word is wrong in more bits than its check bits correct: the card only counts them.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "board_impl.hpp"
+#include "cde/error.hpp"
 
 namespace cde {
 namespace {
@@ -24,6 +27,14 @@ bool Board::Impl::uncorrectable(std::uint32_t first, std::uint32_t count) {
     link->run(std::min(end - clocks(), kClocksAPass));
     (void)link->interrupt();
   } while ((read_register(card::kRegStatus) >> card::kStatusBusy & 1) != 0 && clocks() < end);
+  const std::uint64_t status = read_register(card::kRegStatus);
+  if ((status >> card::kStatusBusy & 1) != 0) {
+    throw Error(ErrorCode::kTimeout,
+                fmt::format("words of DDR have errors that cannot be corrected, and a pass that "
+                            "looks for them did not end (status {:#x}, clock {})",
+                            status, clocks()),
+                DeviceFault{.pci_status = link->pci_status(), .clock = clocks()});
+  }
   const bool found = read_register(card::kRegEcc) >> 32 != 0;
   write_register(card::kRegControl, card::kControlClear);
   return found;

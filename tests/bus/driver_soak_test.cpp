@@ -227,7 +227,10 @@ class DriverSoak {
     if (bits) {
       ASSERT_EQ(flipped_, kTwoBits) << what;
       ++ordered_[kTwoBits];
-      EXPECT_EQ(error.fault()->address, 36 * (word_ / 9)) << what;
+      // A memory that hangs while the driver looks for the word keeps its place to itself.
+      if (error.code() != ErrorCode::kTimeout) {
+        EXPECT_EQ(error.fault()->address, 36 * (word_ / 9)) << what;
+      }
     }
     undo_flip();
     if (lost) come_back();
