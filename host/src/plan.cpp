@@ -25,14 +25,14 @@ struct Cost {
 };
 constexpr Cost kCosts[] = {
     {"pipes", 1.9},
-    {"gates", 8.6},
+    {"gates", 8.5},
     {"transformer", 1.3},
     {"normals", 1.0},
     {"exchange of roles", 1.1},
-    {"two pairs at a time", 4.3},
+    {"two pairs at a time", 4.0},
     {"bus timing", 1.3},
     {"memory timing", 1.0},
-    {"ecc", 1.6},
+    {"ecc", 1.7},
     {"trace", 1.1},
 };
 
