@@ -83,7 +83,7 @@ module board #(
   end
 
   // ---- Local bus and registers ----
-  logic clk_bus, clk_engine, prim_write, sram_pop, sram_beat_valid, sram_full, go, abort, busy, done, streaming;
+  logic clk_bus, clk_engine, prim_write, sram_pop, sram_readable, sram_beat_valid, sram_full, go, abort, busy, done, streaming;
   logic [63:0] sram_beat, wdata;
   logic [31:0] addr;
   logic [31:0] sram_count, sec_first, sec_count;
@@ -107,7 +107,7 @@ module board #(
       .CONFIG_HASH(CONFIG_HASH)
   ) registers (
       .clk_i, .clk_engine_i(clk_engine), .rst_i, .bus_valid_i, .bus_write_i, .bus_space_i, .bus_addr_i, .bus_wdata_i, .bus_ready_o, .bus_rvalid_o,
-      .bus_rdata_o, .irq_o, .clk_bus_o(clk_bus), .addr_o(addr), .wdata_o(wdata), .prim_write_o(prim_write), .ddr_write_o, .sram_pop_o(sram_pop), .sram_valid_i(sram_beat_valid),
+      .bus_rdata_o, .irq_o, .clk_bus_o(clk_bus), .addr_o(addr), .wdata_o(wdata), .prim_write_o(prim_write), .ddr_write_o, .sram_pop_o(sram_pop), .sram_readable_i(sram_readable), .sram_valid_i(sram_beat_valid),
       .sram_beat_i(sram_beat), .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .mode_o(command_mode), .pair_o(command_pair), .swap_o(command_swap), .split_o(split), .budget_o(budget), .normals_o(normals),
       .prim_count_o(prim_count), .sec_first_o(sec_first), .sec_count_o(sec_count), .active_o(active), .busy_i(busy),
       .done_i(done), .writeback_i(writeback), .prim_bad_i(prim_bad), .issue_i(issue), .bubble_i(bubble), .stall_i(stall), .secondary_i(sec_pop),
@@ -291,6 +291,6 @@ module board #(
   clock_gate gate_ring (.clk_i, .enable_i(record_write | sram_pop | ring_active | flush | rst_i), .clk_o(clk_ring));
   sram_ring #(.CW(CW), .RECORDS(SRAM_RECORDS)) ring (
       .clk_i(clk_ring), .active_o(ring_active), .rst_i(rst_i | flush), .write_i(record_write & busy), .record_i(record_q), .full_o(sram_full), .count_o(sram_count),
-      .beat_valid_o(sram_beat_valid), .beat_o(sram_beat), .beat_pop_i(sram_pop), .sram_write_o, .sram_write_addr_o,
+      .last_i(!busy), .readable_o(sram_readable), .beat_valid_o(sram_beat_valid), .beat_o(sram_beat), .beat_pop_i(sram_pop), .sram_write_o, .sram_write_addr_o,
       .sram_write_data_o, .sram_read_o, .sram_read_addr_o, .sram_read_data_i);
 endmodule

@@ -55,7 +55,7 @@ package cde_pkg;
   localparam int TRANSFORM_BOTH = 2;         // for primaries too
 
   localparam logic [31:0] ID_MAGIC = 32'h43444531;
-  localparam logic [31:0] INTERFACE_VERSION = 32'd3;
+  localparam logic [31:0] INTERFACE_VERSION = 32'd4;
 
   localparam int STATUS_BUSY = 0;
   localparam int STATUS_DONE = 1;

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 
 #include "board_impl.hpp"
@@ -11,7 +10,10 @@
 namespace cde {
 namespace {
 
-constexpr std::size_t kBeatsPerRecord = (card::kRecordWords + 1) / 2;
+/// Of so many ring entries: two share their middle beat.
+constexpr std::uint64_t beats_of(std::uint64_t entries) {
+  return (card::kRecordWords * entries + 1) / 2;
+}
 
 bool bit(std::uint64_t status, unsigned number) {
   return (status >> number & 1) != 0;
@@ -67,19 +69,25 @@ class Pass {
     // Twice the worst: every row, every record written and read back, the memory's latency a slot,
     // and whatever the accesses to registers take.
     constexpr std::uint64_t kAccessesPs = 100'000'000;
-    const std::uint64_t worst = rows_total + 2 * (2 + kBeatsPerRecord + record_clocks()) * records +
+    const std::uint64_t worst = rows_total + 2 * (2 + beats_of(1) + record_clocks()) * records +
                                 swept_ * (card.ddr_latency / 32 + 2) + 8192 + card.pipe_latency +
                                 (ring ? clocks_a_row * kRing : 0) + kAccessesPs / card.period_ps;
     ring_entries_ = query.normals ? 2 : 1;
     deadline_ = query.deadline_clocks != 0 ? query.deadline_clocks : 2 * worst;
   }
 
+  /// Query::drain_records, an even number of them: the beat that two records share is there when
+  /// both are.
+  [[nodiscard]] std::uint64_t off_full_ring() const {
+    return std::max<std::uint64_t>(2, query_.drain_records + query_.drain_records % 2ull);
+  }
+
   /// Core clocks that a record takes over the bus, in transfers as short as they may be.
   [[nodiscard]] std::uint64_t record_clocks() const {
-    const std::uint64_t together = std::clamp<std::uint64_t>(
-        query_.drain_records, 1, std::min<std::uint64_t>(card_.sram_records, 1024));
+    const std::uint64_t together =
+        std::min<std::uint64_t>({off_full_ring(), card_.sram_records, 1024});
     const std::uint64_t ps =
-        card_.bus.transfer(static_cast<std::uint32_t>(32 * together), true).clocks.ps() +
+        card_.bus.transfer(static_cast<std::uint32_t>(8 * beats_of(together)), true).clocks.ps() +
         3 * card_.bus.read().ps();
     return ps / (together * card_.period_ps) + 1;
   }
@@ -89,7 +97,7 @@ class Pass {
     try {
       card_.write_register(card::kRegControl, card::kControlGo);
       wait_until_done();
-      while (const std::uint64_t waiting = card_.read_register(card::kRegRecords)) drain(waiting);
+      drain(card_.read_register(card::kRegRecords));
       return finish();
     } catch (...) {
       abort();
@@ -129,21 +137,31 @@ class Pass {
            std::uint64_t{static_cast<unsigned>(query_.second->pair)} << 16;
   }
 
+  /// In the streaming modes records are taken while the engine works, as soon as there are enough
+  /// for long bursts.
   void wait_until_done() {
-    // Short enough to notice the watchdog, long enough not to matter.
-    constexpr std::uint64_t kSlice = 16384;
+    // Short enough to notice the watchdog and to find records, long enough not to matter.
+    constexpr std::uint64_t kSlice = 16384, kStreamSlice = 4096, kEnough = 1024;
     for (;;) {
       const std::uint64_t spent = card_.clocks() - started_;
       if (spent >= deadline_) timeout(fmt::format("deadline of {} clocks", deadline_));
       const std::uint64_t asleep = card_.link->time_ps();
-      card_.link->run(std::min(kSlice, deadline_ - spent));
+      card_.link->run(std::min(streaming_ ? kStreamSlice : kSlice, deadline_ - spent));
       waited_ps_ += card_.link->time_ps() - asleep;
+      bool full = false;
       if (card_.link->interrupt()) {
         const std::uint64_t status = card_.read_register(card::kRegStatus);
         if (bit(status, card::kStatusCommandError)) device_error("command refused", status);
         if (bit(status, card::kStatusBusError)) card_.check_bus("a pass");
         if (bit(status, card::kStatusDone)) return;
-        if (bit(status, card::kStatusSramWait)) drain(query_.drain_records);
+        full = bit(status, card::kStatusSramWait);
+      }
+      if (full || streaming_) {
+        const std::uint64_t waiting = card_.read_register(card::kRegRecords);
+        if (full)
+          drain(std::min(off_full_ring(), waiting));
+        else if (waiting >= kEnough)
+          drain(waiting - waiting % 2);
       }
       const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_start_;
       if (wall > query_.watchdog) timeout(fmt::format("watchdog of {} s", query_.watchdog.count()));
@@ -154,19 +172,17 @@ class Pass {
     }
   }
 
-  /// Takes at most this many ring entries, fewer if the ring holds fewer. With normals a record is
-  /// two.
+  /// Takes as many ring entries, which are there. With normals a record is two.
   void drain(std::uint64_t wanted) {
-    constexpr std::uint64_t kChunk = 1024;
-    wanted = std::min(std::max<std::uint64_t>(wanted, 1), card_.read_register(card::kRegRecords));
-    std::array<std::uint32_t, 8 * kChunk> words;
+    constexpr std::uint64_t kChunk = 8192;
     while (wanted != 0) {
       const std::uint64_t n = std::min(wanted, kChunk);
       const std::uint64_t before = card_.link->time_ps();
-      card_.link->read(card::kSpaceSram, 0, words.data(), n * kBeatsPerRecord);
+      words_.resize(2 * beats_of(n));
+      card_.link->read(card::kSpaceSram, 0, words_.data(), beats_of(n));
       download_ps_ += card_.link->time_ps() - before;
       records_.clear();
-      for (std::uint64_t i = 0; i < n; ++i) take(&words[8 * i]);
+      for (std::uint64_t i = 0; i < n; ++i) take(&words_[card::kRecordWords * i]);
       received_ += n;
       wanted -= n;
       if (!records_.empty()) sink_(records_);
@@ -304,6 +320,7 @@ class Pass {
   Stencil stencil_;
   std::uint64_t ring_entries_ = 1;  // of a record
   bool streaming_ = false;
+  std::vector<std::uint32_t> words_;
   std::vector<Record> records_;
   std::optional<Record> half_;  // waits for its normal
 };

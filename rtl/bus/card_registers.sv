@@ -44,6 +44,7 @@ module card_registers #(
     output logic prim_write_o,
     output logic ddr_write_o,
     output logic sram_pop_o,
+    input logic sram_readable_i,
     input logic sram_valid_i,
     input logic [63:0] sram_beat_i,
     input logic [31:0] sram_count_i,
@@ -144,7 +145,7 @@ module card_registers #(
           endcase
       SPACE_PRIM: allowed = write_q && !busy_i && addr_q < PRIM_BYTES;
       SPACE_DDR: allowed = write_q && !busy_i && {32'b0, addr_q} < DDR_BYTES;
-      SPACE_SRAM: allowed = !write_q && (sram_count_i != 0 || sram_valid_i);
+      SPACE_SRAM: allowed = !write_q && sram_readable_i;
       default: allowed = 0;
     endcase
     allowed = allowed && aligned;

@@ -1,5 +1,7 @@
-// Result memory: a ring of records in SRAM, written by the update engine one record a clock, read by the local bus 64 bits a beat
-// (8 words a record, the last one 0). Two records are fetched ahead so that beats follow each other without gaps.
+// Result memory: a ring of records in SRAM, written by the update engine one record a clock, read by the local bus 64 bits a beat.
+// Beats are packed: with words of 32 bits the seventh of a record shares its beat with the first of the next one, so that two
+// records take seven beats. After a pass, and only then, a last record can be alone in that beat, with 0 beside it; the next
+// pass's records begin with a beat. Two records are fetched ahead so that beats follow each other without gaps.
 // Latency: 3 clocks from the first record to the first beat. Throughput: one record in, one beat out a clock. Stall: full_o.
 module sram_ring #(
     parameter int CW = 32,
@@ -13,8 +15,10 @@ module sram_ring #(
     input logic [WORDS-1:0][CW-1:0] record_i,
     output logic active_o,  // has work of its own: the clock must run
     output logic full_o,
-    output logic [31:0] count_o,  // records not yet read to their last beat
+    output logic [31:0] count_o,  // records not yet read to their last word
 
+    input logic last_i,  // no pass runs: the youngest record is a last one
+    output logic readable_o,  // the next beat is here or on its way
     output logic beat_valid_o,
     output logic [63:0] beat_o,
     input logic beat_pop_i,
@@ -26,15 +30,14 @@ module sram_ring #(
     output logic [AW-1:0] sram_read_addr_o,
     input logic [WORDS-1:0][CW-1:0] sram_read_data_i  // the clock after sram_read_o
 );
-  localparam int BEATS = (WORDS + 1) * CW / 64;
-  localparam int BW = $clog2(BEATS);
+  localparam int BEAT = 64 / CW;  // words
   logic [AW:0] write_q, fetch_q;
   logic [31:0] count_q;
   logic fetching_q, head_valid_q, next_valid_q;
   logic [WORDS-1:0][CW-1:0] head_q, next_q;
-  logic [BW-1:0] beat_q;
-  logic [(WORDS+1)*CW-1:0] head_words;
-  logic finish;
+  logic [2:0] word_q, next_word;  // of the head: the first one not yet read
+  logic [WORDS+BEAT-2:0][CW-1:0] window;
+  logic shared, alone, finish;
 
   assign active_o = sram_read_o || fetching_q;
   assign full_o = count_q == 32'(RECORDS);
@@ -44,17 +47,25 @@ module sram_ring #(
   assign sram_write_data_o = record_i;
   assign sram_read_o = write_q != fetch_q && !fetching_q && !next_valid_q;
   assign sram_read_addr_o = fetch_q[AW-1:0];
-  assign head_words = {{CW{1'b0}}, head_q};
-  assign beat_valid_o = head_valid_q;
-  assign beat_o = head_words[64*32'(beat_q)+:64];
-  assign finish = beat_pop_i && beat_q == BW'(BEATS - 1);
+  if (BEAT == 1) begin : g_whole
+    assign window = head_q;
+  end else begin : g_shared
+    assign window = {next_valid_q ? next_q[BEAT-2:0] : '0, head_q};
+  end
+  assign shared = 32'(word_q) + BEAT > WORDS;
+  assign alone = shared && count_q == 1;
+  assign readable_o = count_q != 0 && (!alone || last_i);
+  assign beat_valid_o = head_valid_q && (!shared || next_valid_q || alone && last_i);
+  assign beat_o = window[word_q+:BEAT];
+  assign finish = beat_pop_i && 32'(word_q) + BEAT >= WORDS;
+  assign next_word = alone ? 3'd0 : finish ? 3'(32'(word_q) + BEAT - WORDS) : word_q + 3'(BEAT);
 
   always_ff @(posedge clk_i) begin
     if (write_i) write_q <= write_q + 1;
     if (sram_read_o) fetch_q <= fetch_q + 1;
     fetching_q <= sram_read_o;
     count_q <= count_q + 32'(write_i) - 32'(finish);
-    if (beat_pop_i) beat_q <= beat_q + 1;
+    if (beat_pop_i) word_q <= next_word;
     if (!head_valid_q || finish) begin
       head_valid_q <= next_valid_q || fetching_q;
       head_q <= next_valid_q ? next_q : sram_read_data_i;
@@ -66,7 +77,7 @@ module sram_ring #(
     if (rst_i) begin
       {write_q, fetch_q} <= '0;
       count_q <= 0;
-      beat_q <= 0;
+      word_q <= 0;
       {fetching_q, head_valid_q, next_valid_q} <= '0;
     end
   end
@@ -75,7 +86,8 @@ module sram_ring #(
   always_ff @(posedge clk_i)
     if (!rst_i) begin
       assert (!(write_i && full_o)) else $error("sram_ring: written while full");
-      assert (!(beat_pop_i && !head_valid_q)) else $error("sram_ring: beat taken from an empty ring");
+      assert (!(beat_pop_i && !beat_valid_o)) else $error("sram_ring: beat taken that is not there");
+      assert (!(beat_valid_o && !readable_o)) else $error("sram_ring: beat that cannot be read");
       assert (!(fetching_q && next_valid_q)) else $error("sram_ring: fetched record has no place");
     end
 `endif

@@ -65,7 +65,8 @@ struct PciCard : BusCard {
       done = (status >> card::kStatusDone & 1) != 0;
       const auto waiting = static_cast<std::uint32_t>(read(card::kRegRecords));
       if (waiting == 0) continue;
-      EXPECT_EQ(transfer(kRecords, 32 * waiting, card::kSpaceSram, 0, true).code, pci::kCodeOk);
+      EXPECT_EQ(transfer(kRecords, bytes_of(waiting), card::kSpaceSram, 0, true).code,
+                pci::kCodeOk);
       take(waiting, records);
     }
     write(card::kRegControl, card::kControlClear);
@@ -73,11 +74,15 @@ struct PciCard : BusCard {
   }
 
  private:
+  /// Whole beats.
+  static std::uint32_t bytes_of(std::uint32_t records) {
+    return (card::kRecordWords * records + 1) / 2 * 8;
+  }
   void take(std::uint32_t count, std::vector<Record>& records) const {
-    const auto raw = get(kRecords, 32 * count);
+    const auto raw = get(kRecords, bytes_of(count));
     for (std::uint32_t i = 0; i < count; ++i) {
-      std::uint32_t w[8];
-      std::memcpy(w, &raw[32 * i], 32);
+      std::uint32_t w[card::kRecordWords];
+      std::memcpy(w, &raw[sizeof w * i], sizeof w);
       Record r;
       for (unsigned k = 0; k < 3; ++k) r.cp[k] = std::bit_cast<float>(w[card::kRecordCp + k]);
       r.f = (w[card::kRecordFlags] >> card::kFlagF & 1) != 0;

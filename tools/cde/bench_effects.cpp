@@ -181,8 +181,8 @@ class Card {
     if ((board_.read_register(card::kRegStatus) >> card::kStatusDone & 1) == 0)
       throw Error(ErrorCode::kDevice,
                   fmt::format("card '{}': the pass did not end", variant_.name));
-    constexpr std::size_t kBeats = (card::kRecordWords + 1) / 2;
-    std::vector<std::uint64_t> beats(kBeats * board_.read_register(card::kRegRecords));
+    const std::uint64_t words = card::kRecordWords * board_.read_register(card::kRegRecords);
+    std::vector<std::uint64_t> beats((words + 1) / 2);
     board_.bus_read(card::kSpaceSram, 0, beats);
     board_.write_register(card::kRegControl, card::kControlClear);
     return t;

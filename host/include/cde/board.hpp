@@ -137,7 +137,8 @@ struct Query {
   std::uint64_t deadline_clocks =
       0;  ///< for one pass; 0: several times what the pass can take at worst
   std::chrono::duration<double> watchdog = std::chrono::hours(1);  ///< wall clock, for one pass
-  std::uint32_t drain_records = 65536;  ///< records taken off a full ring at a time, at least 1
+  std::uint32_t drain_records =
+      65536;  ///< taken off a full ring at a time, rounded up to an even number
   std::function<void(double)> progress =
       {};  ///< called now and then with the estimated share done, 0 to 1
 };

@@ -67,7 +67,7 @@ inline constexpr unsigned kTransformSecondaries = 1;
 inline constexpr unsigned kTransformBoth = 2;
 
 inline constexpr std::uint32_t kIdMagic = 0x43444531;
-inline constexpr std::uint32_t kInterfaceVersion = 3;
+inline constexpr std::uint32_t kInterfaceVersion = 4;
 
 /// Bits of kRegControl.
 inline constexpr std::uint64_t kControlGo = 1;
