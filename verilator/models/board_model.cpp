@@ -9,9 +9,7 @@
 #include "chips.h"
 #include "coverage.h"
 #include "verilated.h"
-#ifdef CDE_TRACE
-#include "verilated_fst_c.h"
-#endif
+#include "wave_file.h"
 
 namespace {
 
@@ -84,24 +82,11 @@ class Card {
   const cde_memory_counters& memory() const { return chips_.counters(); }
   uint64_t clocks() const { return clocks_; }
 
-  int trace_open([[maybe_unused]] const char* path) {
-#ifdef CDE_TRACE
-    trace_close();
-    context_->traceEverOn(true);
-    if (!trace_) {
-      trace_ = std::make_unique<VerilatedFstC>();
-      model_->trace(trace_.get(), 99);
-    }
-    trace_->open(path);
-    return trace_->isOpen() ? 0 : -1;
-#else
-    return -1;
-#endif
+  int trace_open(const char* path) {
+    return waves_.open(*context_, *model_, path);
   }
   void trace_close() {
-#ifdef CDE_TRACE
-    if (trace_ && trace_->isOpen()) trace_->close();
-#endif
+    waves_.close();
   }
 
   int ddr_flip(uint64_t byte, uint8_t mask) {
@@ -138,19 +123,14 @@ class Card {
 
   void eval() {
     model_->eval();
-#ifdef CDE_TRACE
-    if (trace_ && trace_->isOpen())
-      trace_->dump(clocks_ * options_.clock_period_ps +
-                   (model_->clk_i ? options_.clock_period_ps / 2 : 0));
-#endif
+    waves_.dump(clocks_ * options_.clock_period_ps +
+                (model_->clk_i ? options_.clock_period_ps / 2 : 0));
   }
 
   cde_board_options options_;
   std::unique_ptr<VerilatedContext> context_;
   std::unique_ptr<Vmodel> model_;
-#ifdef CDE_TRACE
-  std::unique_ptr<VerilatedFstC> trace_;
-#endif
+  WaveFile waves_;
   Chips chips_;
   uint64_t clocks_ = 0;
 };

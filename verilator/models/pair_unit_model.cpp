@@ -9,16 +9,12 @@
 #include "coverage.h"
 #include "parameters.h"
 #include "verilated.h"
-#ifdef CDE_TRACE
-#include "verilated_fst_c.h"
-#endif
+#include "wave_file.h"
 
 struct cde_pair_unit {
   std::unique_ptr<VerilatedContext> context{new VerilatedContext};
   std::unique_ptr<Vmodel> model{new Vmodel(context.get(), "pair_unit")};
-#ifdef CDE_TRACE
-  std::unique_ptr<VerilatedFstC> trace;
-#endif
+  WaveFile waves;
   uint64_t clocks = 0;
   uint32_t budget = 0x080808;
 
@@ -44,9 +40,7 @@ struct cde_pair_unit {
 
   void eval() {
     model->eval();
-#ifdef CDE_TRACE
-    if (trace && trace->isOpen()) trace->dump(2 * clocks + model->clk_i);
-#endif
+    waves.dump(2 * clocks + model->clk_i);
   }
 
   void tick() {
@@ -57,24 +51,11 @@ struct cde_pair_unit {
     eval();
   }
 
-  int trace_open([[maybe_unused]] const char* path) {
-#ifdef CDE_TRACE
-    trace_close();
-    context->traceEverOn(true);
-    if (!trace) {
-      trace = std::make_unique<VerilatedFstC>();
-      model->trace(trace.get(), 99);
-    }
-    trace->open(path);
-    return trace->isOpen() ? 0 : -1;
-#else
-    return -1;
-#endif
+  int trace_open(const char* path) {
+    return waves.open(*context, *model, path);
   }
   void trace_close() {
-#ifdef CDE_TRACE
-    if (trace && trace->isOpen()) trace->close();
-#endif
+    waves.close();
   }
 };
 

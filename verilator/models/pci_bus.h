@@ -11,9 +11,7 @@
 #include "pci_host.h"
 #include "pci_monitor.h"
 #include "verilated.h"
-#ifdef CDE_TRACE
-#include "verilated_fst_c.h"
-#endif
+#include "wave_file.h"
 
 namespace pci {
 
@@ -127,24 +125,11 @@ class Bus {
   Local& local() { return local_; }
   void evaluate_all(bool on) { evaluate_all_ = on; }
 
-  int trace_open([[maybe_unused]] const char* path) {
-#ifdef CDE_TRACE
-    trace_close();
-    context_->traceEverOn(true);
-    if (!trace_) {
-      trace_ = std::make_unique<VerilatedFstC>();
-      model_->trace(trace_.get(), 99);
-    }
-    trace_->open(path);
-    return trace_->isOpen() ? 0 : -1;
-#else
-    return -1;
-#endif
+  int trace_open(const char* path) {
+    return waves_.open(*context_, *model_, path);
   }
   void trace_close() {
-#ifdef CDE_TRACE
-    if (trace_ && trace_->isOpen()) trace_->close();
-#endif
+    waves_.close();
   }
 
  private:
@@ -259,20 +244,16 @@ class Bus {
     return d;
   }
 
-  void eval([[maybe_unused]] uint32_t after_ps) {
+  void eval(uint32_t after_ps) {
     model_->eval();
-#ifdef CDE_TRACE
-    if (trace_ && trace_->isOpen()) trace_->dump(now_ + after_ps);
-#endif
+    waves_.dump(now_ + after_ps);
   }
 
   const cde_pci_options options_;
   const char* kind_;
   std::unique_ptr<VerilatedContext> context_;
   std::unique_ptr<Vmodel> model_;
-#ifdef CDE_TRACE
-  std::unique_ptr<VerilatedFstC> trace_;
-#endif
+  WaveFile waves_;
   Local local_;
   Host host_;
   Monitor monitor_;
