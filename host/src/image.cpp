@@ -82,7 +82,7 @@ Vector3f smooth_normal(const Mesh& mesh, const std::vector<Vector3f>& normals, s
   constexpr float kCrease =
       0.94f;  // cosine of half of 40 degrees: the vertex normal lies between its faces
   const Triangle t = mesh.triangle(face);
-  const Vector3f own = face_normal(mesh, face);
+  Vector3f own = face_normal(mesh, face);
   const Eigen::Vector3d a = t.v0.cast<double>(), b = t.v1.cast<double>(), c = t.v2.cast<double>(),
                         p = point.cast<double>();
   const Eigen::Vector3d n = (b - a).cross(c - a);

@@ -43,6 +43,7 @@ SceneCard read_card(Table t) {
   card.clock_hz = 1e6 * t.number("clock_mhz", 100.0, {.min = 0, .max = 1e6, .above = true});
   card.cycle_bus = t.choice("bus", {"functional", "cycle"}, 0) == 1;
   std::vector<std::string> hosts;
+  hosts.reserve(std::size(kHostProfiles));
   for (const HostProfile& p : kHostProfiles) hosts.emplace_back(p.name);
   card.host = kHostProfiles.at(t.choice("host", hosts, 0));
   card.burst = t.integer<unsigned>("burst", 4096, 64, 4096);
