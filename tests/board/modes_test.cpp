@@ -188,8 +188,7 @@ TEST(Driver, SlowMemoryChangesTimeOnly) {
 
 TEST(Driver, BoardsInThreadsAreIndependent) {
   Random random;
-  std::vector<Scene> scenes;
-  for (int i = 0; i < 2; ++i) scenes.push_back(cloud(random, 512, 500));
+  const std::array<Scene, 2> scenes = {cloud(random, 512, 500), cloud(random, 512, 500)};
   std::vector<std::thread> threads;
   std::array<std::vector<Record>, 2> results;
   for (std::size_t i = 0; i < 2; ++i) {

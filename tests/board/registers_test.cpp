@@ -153,11 +153,8 @@ TEST_F(Registers, WritesWhileBusyAreRefusedAndHarmless) {
   EXPECT_NE(status() & bit(kStatusCommandError), 0u);
   clear();
   ASSERT_NE(status() & bit(kStatusBusy), 0u) << "the pass ended before the attack did";
-  std::uint64_t waiting = 0;
-  while ((status() & bit(kStatusBusy)) != 0) {
-    board_.wait(1000);
-    if ((waiting = board_.read_register(kRegRecords)) == 64) break;
-  }
+  do board_.wait(1000);
+  while ((status() & bit(kStatusBusy)) != 0 && board_.read_register(kRegRecords) != 64);
   // 256 records come through the ring of 64.
   std::vector<std::uint64_t> beats(256 / 2 * 7);
   for (std::size_t got = 0; got < beats.size();) {

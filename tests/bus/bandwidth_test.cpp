@@ -59,6 +59,7 @@ TEST(PciBandwidth, Table) {
     std::printf("  %*s read   write", static_cast<int>(p.name.size()), std::string(p.name).c_str());
   std::printf("\n");
   std::vector<std::unique_ptr<Link>> links;
+  links.reserve(std::size(kHostProfiles));
   for (const HostProfile& p : kHostProfiles)
     links.push_back(std::make_unique<Link>(std::string(p.name), 4096));
   std::vector<double> before(links.size());

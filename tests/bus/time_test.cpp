@@ -25,7 +25,7 @@ std::string text(const Setting& s) {
 /// The same card on both kinds of bus.
 class Twins {
  public:
-  Twins(BoardConfig config, const Setting& s)
+  Twins(const BoardConfig& config, const Setting& s)
       : functional_(open(config, Bus::kFunctional, s)), cycle_(open(config, Bus::kCycle, s)) {}
 
   /// Modelled picoseconds of what `f` does to a board: on both.

@@ -36,7 +36,7 @@ class Query : public Cli {
     const int file = ::open((folder_ / write("stdin", text)).c_str(), O_RDONLY);
     ::dup2(file, STDIN_FILENO);
     ::close(file);
-    const Ran ran = cde(all, environment);
+    Ran ran = cde(all, environment);
     ::dup2(own, STDIN_FILENO);
     ::close(own);
     return ran;
@@ -132,7 +132,7 @@ TEST_F(Query, MalformedLinesAreNamedAndTheOthersAnswered) {
       {",", "line 2: 2 words, must be 8"},
       {std::string("0\0,0,0,1,1,0,0,1", 16), "line 2, word 1: '0?' is not a number"}};
   for (const auto& [line, message] : cases) {
-    const Ran ran = query({"sphere-sphere"}, good + line + "\n" + good);
+    const Ran ran = query({"sphere-sphere"}, fmt::format("{0}{1}\n{0}", good, line));
     SCOPED_TRACE(line);
     EXPECT_EQ(ran.status, 2);
     EXPECT_NE(ran.err.find("cde: " + message), std::string::npos)
