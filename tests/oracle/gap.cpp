@@ -217,7 +217,7 @@ class Search {
   /// The point of B - A with the least n.y, which is g(n).
   Vec evaluate(const Vec& n) {
     ++evaluations_;
-    const Vec y = apart_ + b_.support(-n) - a_.support(n);
+    Vec y = apart_ + b_.support(-n) - a_.support(n);
     const double g = n.dot(y);
     if (g > lo_) lo_ = g, n_ = n;
     return y;

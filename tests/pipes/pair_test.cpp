@@ -197,8 +197,8 @@ unsigned ring(cde::PairUnit& unit) {
 /// when those have done their passes.
 std::uint64_t stated_clocks(cde::PairUnit& unit, std::uint64_t rows,
                             const cde::PairBudget& budget) {
-  if (!cde::has_budget(unit.config().pair)) return rows - 1 + unit.latency();
-  const std::uint64_t in_flight = ring(unit);
+  const std::uint64_t in_flight = cde::has_budget(unit.config().pair) ? ring(unit) : 0;
+  if (in_flight == 0) return rows - 1 + unit.latency();
   unit.set_budget(budget);
   return (rows - 1) / in_flight * in_flight * passes(unit.config().pair, budget) +
          (rows - 1) % in_flight + unit.latency();
