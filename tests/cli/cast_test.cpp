@@ -180,10 +180,10 @@ TEST_F(Cast, Waves) {
   const std::map<std::string, unsigned> signals = wave_signals(folder_ / "waves.fst");
   const std::string pipe =
       "board.board.engine.group[0].lanes.pair[0].g_there.g_free.pipe.g_pipe.pipe.";
-  for (const std::string& name : {"board.bus_valid_i"s, "board.board.control.state_q"s,
-                                  "board.board.registers.cycles_q"s, "board.board.clk_engine"s,
-                                  "board.board.secondary[8]"s, pipe + "a_i[7][3]", pipe + "det[0]",
-                                  pipe + "cp_o[2][3]"})
+  for (const std::string& name :
+       {"board.bus_valid_i"s, "board.board.control.state_q"s, "board.board.registers.cycles_q"s,
+        "board.board.clk_engine"s, "board.board.secondary[8]"s, pipe + "a_i[7][3]", pipe + "det[0]",
+        pipe + "cp_o[2][3]"})
     EXPECT_TRUE(signals.count(name)) << name;
   for (const auto& [name, handle] : signals)
     for (const char* part : {"LAT_ADD", ".T_", "cell_u", "mem["})

@@ -10,7 +10,6 @@ namespace cde::testing {
 [[nodiscard]] std::map<std::string, unsigned> wave_signals(const std::filesystem::path& file);
 
 /// All values that a signal takes, as bits, the most significant first.
-[[nodiscard]] std::set<std::string> wave_values(const std::filesystem::path& file,
-                                                unsigned handle);
+[[nodiscard]] std::set<std::string> wave_values(const std::filesystem::path& file, unsigned handle);
 
 }  // namespace cde::testing
