@@ -13,11 +13,13 @@
 #include <sstream>
 
 #include "run_cde.hpp"
+#include "wave_file.hpp"
 
 namespace cde::testing {
 namespace {
 
 namespace fs = std::filesystem;
+using namespace std::string_literals;
 using Words = std::vector<std::string>;
 
 const char* const kTriangle = "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n";
@@ -173,6 +175,21 @@ TEST_F(Cast, Waves) {
   ASSERT_EQ(ran.status, 0) << ran.err;
   EXPECT_GT(read("waves.fst").size(), 10'000u);
   EXPECT_EQ(files(), (Words{"one.obj", "waves.fst"}));
+  // Every signal of the pipe, lane by lane, of control and of the bus; of parameters, memories and
+  // the insides of operators none.
+  const std::map<std::string, unsigned> signals = wave_signals(folder_ / "waves.fst");
+  const std::string pipe =
+      "board.board.engine.group[0].lanes.pair[0].g_there.g_free.pipe.g_pipe.pipe.";
+  for (const std::string& name :
+       {"board.bus_valid_i"s, "board.board.control.state_q"s, "board.board.registers.cycles_q"s,
+        "board.board.clk_engine"s, "board.board.secondary[8]"s, pipe + "a_i[7][3]", pipe + "det[0]",
+        pipe + "cp_o[2][3]"})
+    EXPECT_TRUE(signals.count(name)) << name;
+  for (const auto& [name, handle] : signals)
+    for (const char* part : {"LAT_ADD", ".T_", "cell_u", "mem["})
+      EXPECT_EQ(name.find(part), std::string::npos) << name;
+  const std::string one = fmt::format("{:032b}", 0x3f800000);
+  EXPECT_TRUE(wave_values(folder_ / "waves.fst", signals.at(pipe + "t_o[0]")).count(one));
   // They are wanted most when the cast fails.
   fs::remove(folder_ / "waves.fst");
   ran = cde({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--lanes", "4", "--trace", "waves.fst",

@@ -21,10 +21,10 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// 256 rays in random directions from above the middle of a terrain, nearest hit. A card of all
-/// pipes and so many lanes is built in two minutes of processor time; one that has waves, too,
-/// takes long even with two lanes (--full). In --quick it is a card that every build has.
-constexpr unsigned kLanes = 8, kWavesLanes = 2, kQuickLanes = 16;
+/// 256 rays in random directions from above the middle of a terrain, nearest hit. A card of
+/// everything and so many lanes is built in three minutes of processor time. In --quick it is a
+/// card that every build has.
+constexpr unsigned kLanes = 8, kQuickLanes = 16;
 constexpr const char* kScene = R"([card]
 lanes = {}
 
@@ -46,8 +46,8 @@ primaries = "rays"
 secondaries = "terrain"
 )";
 
-/// When a card is measured: always, but for --quick, or with --full, as it takes long to build.
-enum class When { kAlways, kNotQuick, kFull };
+/// When a card is measured: always, or but for --quick.
+enum class When { kAlways, kNotQuick };
 
 /// The planned card with one thing more.
 struct Variant {
@@ -77,8 +77,7 @@ void all_but_waves(BoardConfig& c) {
   c.bus = Bus::kCycle;
 }
 
-constexpr const char* kEverythingButWaves = "everything but waves";
-constexpr const char* kEverything = "  (beside it) everything";
+constexpr const char* kEverything = "everything";
 constexpr Variant kPlanned = {"planned", "", [](BoardConfig&) {}};
 constexpr Variant kVariants[] = {
     {"pipe alone", "", [](BoardConfig& c) { c = BoardConfig{.lanes = c.lanes}; }, When::kAlways},
@@ -101,15 +100,12 @@ constexpr Variant kVariants[] = {
      Memory::kCycle},
     {"waves, none written", "trace", [](BoardConfig& c) { c.trace = true; }},
     {"gates", "gates", [](BoardConfig& c) { c.arithmetic = Arithmetic::kRtl; }, When::kAlways},
-    {kEverythingButWaves, "", all_but_waves},
-    {"planned, 2 lanes", "", [](BoardConfig& c) { c.lanes = kWavesLanes; }, When::kFull},
+    {"everything but waves", "", all_but_waves},
     {kEverything, "",
      [](BoardConfig& c) {
        all_but_waves(c);
-       c.lanes = kWavesLanes;
        c.trace = true;
-     },
-     When::kFull, true},
+     }},
 };
 
 struct Workload {
@@ -271,7 +267,6 @@ std::vector<Card> open_cards(const BenchOptions& o, const Workload& w) {
   cards.emplace_back(kPlanned, w.planned, w);
   for (const Variant& v : kVariants) {
     if (v.when == When::kNotQuick && o.quick) continue;
-    if (v.when == When::kFull && !o.full) continue;
     BoardConfig config = w.planned;
     v.change(config);
     cards.emplace_back(v, config, w);
@@ -288,12 +283,8 @@ ordered_json promises(const std::vector<Card>& cards) {
   };
   for (const Card& c : cards) {
     const std::string_view name = c.variant().name;
-    if (name == kEverythingButWaves)
-      promise("everything but waves, times the planned card", "at least 5", c.slower(),
-              c.slower() >= 5);
     if (name == kEverything)
-      promise("everything, times the planned card of as many lanes", "at least 5", c.slower(),
-              c.slower() >= 5);
+      promise("everything, times the planned card", "at least 5", c.slower(), c.slower() >= 5);
     if (name == "pipe alone")
       promise("planned card, times that with the pipe alone", "within 10 %", 1 / c.slower(),
               1 / c.slower() <= 1.1);

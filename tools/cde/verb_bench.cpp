@@ -95,8 +95,7 @@ void add_bench(CLI::App& app) {
   verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   auto* quick = verb->add_flag("--quick", a->options.quick,
                                "Under a minute: default bitstreams, small scenes");
-  verb->add_flag("--full", a->options.full,
-                 "Up to 10 million triangles, every format, a card of everything with waves")
+  verb->add_flag("--full", a->options.full, "Up to 10 million triangles, every format")
       ->excludes(quick);
   verb->add_option("--clock", a->clock_mhz, "Core clock assumed for modelled times, MHz")
       ->capture_default_str()

@@ -1,0 +1,58 @@
+// The reader is the one that belongs to the writer in Verilator's runtime, and is read as it is.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wall"
+#pragma GCC diagnostic ignored "-Wextra"
+#define FST_CONFIG_INCLUDE "fst_config.h"
+// clang-format off
+#include "gtkwave/fastlz.c"
+#include "gtkwave/fstapi.c"
+#include "gtkwave/lz4.c"
+// clang-format on
+#pragma GCC diagnostic pop
+
+#include "wave_file.hpp"
+
+#include <memory>
+#include <stdexcept>
+
+namespace cde::testing {
+namespace {
+
+using Reader = std::unique_ptr<void, decltype(&fstReaderClose)>;
+
+Reader open(const std::filesystem::path& file) {
+  Reader reader(fstReaderOpen(file.c_str()), fstReaderClose);
+  if (!reader) throw std::runtime_error(file.string() + " is no wave file");
+  return reader;
+}
+
+}  // namespace
+
+std::map<std::string, unsigned> wave_signals(const std::filesystem::path& file) {
+  const Reader reader = open(file);
+  std::map<std::string, unsigned> signals;
+  while (const fstHier* const h = fstReaderIterateHier(reader.get())) {
+    if (h->htyp == FST_HT_SCOPE) fstReaderPushScope(reader.get(), h->u.scope.name, nullptr);
+    if (h->htyp == FST_HT_UPSCOPE) fstReaderPopScope(reader.get());
+    if (h->htyp != FST_HT_VAR) continue;
+    const std::string name = h->u.var.name;
+    signals[std::string(fstReaderGetCurrentFlatScope(reader.get())) + "." +
+            name.substr(0, name.find(' '))] = h->u.var.handle;
+  }
+  return signals;
+}
+
+std::set<std::string> wave_values(const std::filesystem::path& file, unsigned handle) {
+  const Reader reader = open(file);
+  fstReaderSetFacProcessMask(reader.get(), handle);
+  std::set<std::string> values;
+  fstReaderIterBlocks(
+      reader.get(),
+      [](void* to, std::uint64_t, fstHandle, const unsigned char* value) {
+        static_cast<std::set<std::string>*>(to)->insert(reinterpret_cast<const char*>(value));
+      },
+      &values, nullptr);
+  return values;
+}
+
+}  // namespace cde::testing

@@ -1,0 +1,15 @@
+#pragma once
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+
+namespace cde::testing {
+
+/// Signals of an FST file, with their scopes, and the handle of each.
+[[nodiscard]] std::map<std::string, unsigned> wave_signals(const std::filesystem::path& file);
+
+/// All values that a signal takes, as bits, the most significant first.
+[[nodiscard]] std::set<std::string> wave_values(const std::filesystem::path& file, unsigned handle);
+
+}  // namespace cde::testing
