@@ -131,7 +131,7 @@ module primary_regfile #(
   end
   if (PARALLEL != 0) begin : g_two
     logic [PRIMARIES-1:0] second;
-    always_comb for (int p = 0; p < PRIMARIES; p++) second[p] = pair_i[1] != cde_pkg::NO_PAIR && PRIM_W'(p) >= split_i;
+    assign second = (pair_i[1] != cde_pkg::NO_PAIR) ? {PRIMARIES{1'b1}} << split_i : '0;
     assign bad_o = (verdicts[shape_now[0]] & ~second) | (verdicts[shape_now[1]] & second);
   end else begin : g_one
     logic unused_second;
