@@ -119,6 +119,6 @@ module object_table #(
       assign bad_shape[k] = '1;
     end
   end
-  always_comb for (int e = 0; e < ENTRIES; e++) present[e] = 32'(e) < count_i;
+  assign present = ~({ENTRIES{1'b1}} << count_i);
   assign good_o = count_i <= 32'(ENTRIES) && (present & (bad_shape[shapes_i[0]] | bad_shape[shapes_i[1]])) == '0;
 endmodule
