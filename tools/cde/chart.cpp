@@ -81,8 +81,9 @@ std::string stacked_bars(std::string_view label, const std::vector<std::string>&
   std::string svg = start("bars", label, kTop + kHeight + 20);
   const double scale = most > 0 ? kHeight / most : 0;
   if (most > 0) {
-    for (double value = 0; value <= most * 1.0001; value += step_for(most))
-      svg += level(kTop + kHeight - scale * value, value == 0 ? "0" : tick(value));
+    const double step = step_for(most);
+    for (int i = 0; i * step <= most * 1.0001; ++i)
+      svg += level(kTop + kHeight - scale * i * step, i == 0 ? "0" : tick(i * step));
   }
   const double slot = 100.0 / static_cast<double>(std::max<std::size_t>(count, 1));
   const double width = slot * (count > 200 ? 1.0 : 0.82);
