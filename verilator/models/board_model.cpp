@@ -82,22 +82,12 @@ class Card {
   const cde_memory_counters& memory() const { return chips_.counters(); }
   uint64_t clocks() const { return clocks_; }
 
-  int trace_open(const char* path) {
-    return waves_.open(*context_, *model_, path);
-  }
-  void trace_close() {
-    waves_.close();
-  }
+  int trace_open(const char* path) { return waves_.open(*context_, *model_, path); }
+  void trace_close() { waves_.close(); }
 
-  int ddr_flip(uint64_t byte, uint8_t mask) {
-    return flip(&chips_.ddr(), byte, mask);
-  }
-  int check_flip(uint64_t word, uint8_t mask) {
-    return flip(chips_.check(), word, mask);
-  }
-  void ddr_hang(uint32_t clocks) {
-    chips_.hang(clocks);
-  }
+  int ddr_flip(uint64_t byte, uint8_t mask) { return flip(&chips_.ddr(), byte, mask); }
+  int check_flip(uint64_t word, uint8_t mask) { return flip(chips_.check(), word, mask); }
+  void ddr_hang(uint32_t clocks) { chips_.hang(clocks); }
 
  private:
   static int flip(SparseMemory* memory, uint64_t byte, uint8_t mask) {

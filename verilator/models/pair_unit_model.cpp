@@ -18,9 +18,7 @@ struct cde_pair_unit {
   uint64_t clocks = 0;
   uint32_t budget = 0x080808;
 
-  cde_pair_unit() {
-    reset();
-  }
+  cde_pair_unit() { reset(); }
   ~cde_pair_unit() {
     trace_close();
     Verilated::threadContextp(context.get());
@@ -51,12 +49,8 @@ struct cde_pair_unit {
     eval();
   }
 
-  int trace_open(const char* path) {
-    return waves.open(*context, *model, path);
-  }
-  void trace_close() {
-    waves.close();
-  }
+  int trace_open(const char* path) { return waves.open(*context, *model, path); }
+  void trace_close() { waves.close(); }
 };
 
 namespace {

@@ -125,20 +125,14 @@ class Bus {
   Local& local() { return local_; }
   void evaluate_all(bool on) { evaluate_all_ = on; }
 
-  int trace_open(const char* path) {
-    return waves_.open(*context_, *model_, path);
-  }
-  void trace_close() {
-    waves_.close();
-  }
+  int trace_open(const char* path) { return waves_.open(*context_, *model_, path); }
+  void trace_close() { waves_.close(); }
 
  private:
   static constexpr uint32_t kBar0 = 0x10;
 
   /// The clock at which to give up what begins now.
-  [[nodiscard]] uint64_t patience() const {
-    return counters_.clocks + 1'000'000;
-  }
+  [[nodiscard]] uint64_t patience() const { return counters_.clocks + 1'000'000; }
 
   /// The edge that comes next; on a tie the PCI clock's.
   void step() {

@@ -36,9 +36,7 @@ class WaveFile {
 
 class WaveFile {
  public:
-  int open(VerilatedContext&, Vmodel&, const char*) {
-    return -1;
-  }
+  int open(VerilatedContext&, Vmodel&, const char*) { return -1; }
   void dump(uint64_t) {}
   void close() {}
 };
