@@ -24,15 +24,15 @@ struct Cost {
   double times;
 };
 constexpr Cost kCosts[] = {
-    {"pipes", 1.9},
-    {"gates", 8.5},
-    {"transformer", 1.3},
+    {"pipes", 2.1},
+    {"gates", 10.0},
+    {"transformer", 1.6},
     {"normals", 1.0},
-    {"exchange of roles", 1.1},
-    {"two pairs at a time", 4.0},
+    {"exchange of roles", 1.2},
+    {"two pairs at a time", 1.1},
     {"bus timing", 1.3},
     {"memory timing", 1.0},
-    {"ecc", 1.7},
+    {"ecc", 1.6},
     {"trace", 1.1},
 };
 
