@@ -39,9 +39,10 @@ std::string times(double ratio) {
                       : grouped(static_cast<std::uint64_t>(std::llround(ratio)));
 }
 
-/// "1.9 times slower": a card against a rival.
+/// "1.9 times slower", or within 5 % "as fast": a card against a rival.
 std::string against(const Entry& card, const Entry& rival) {
   const double ratio = rival.seconds / card.seconds;
+  if (ratio > 0.95 && ratio < 1.05) return "as fast";
   return fmt::format("{} times {}", times(std::max(ratio, 1 / ratio)),
                      ratio >= 1 ? "faster" : "slower");
 }
@@ -49,7 +50,8 @@ std::string against(const Entry& card, const Entry& rival) {
 /// Every card against everything that this machine ran.
 std::string verdict(const Experiment& e) {
   std::vector<std::string> head = {"card"};
-  for (const Entry* rival : of_source(e, Source::kSoftware)) head.push_back("than " + rival->name);
+  for (const Entry* rival : of_source(e, Source::kSoftware))
+    head.push_back("against " + rival->name);
   Rows rows;
   for (const Entry* card : of_source(e, Source::kCard)) {
     std::vector<Cell> row = {card->name};
@@ -73,7 +75,8 @@ std::string split_table(const std::vector<Experiment>& experiments) {
   std::vector<std::string> head = {"frame", "card"};
   head.insert(head.end(), kTimeParts.begin(), kTimeParts.end());
   head.emplace_back("total");
-  return table("Where the card's modelled time goes", head, rows);
+  return table("Modelled time; tests that run while records travel to the host count as bus", head,
+               rows);
 }
 
 const Entry* named(const Experiment& e, std::string_view part) {
@@ -95,7 +98,7 @@ std::string summary(const Reproduction& r) {
       "The paper's card takes {:g} ms a frame; this one, built and used like it, {} (modelled). {}",
       1e3 * kPaperCard, duration(paper_card->seconds),
       r.options.quick ? "The terrain of this run is smaller than the paper's."
-                      : fmt::format("{:.0f} % of that is the way of the records to the host.",
+                      : fmt::format("{:.1f} % of that is the way of the records to the host.",
                                     100 * paper_card->split->bus / paper_card->seconds)));
   const double per_test = kPaperSoftware / 259'572;
   say(fmt::format(
