@@ -4,9 +4,11 @@
 #pragma GCC diagnostic ignored "-Wextra"
 #define FST_CONFIG_INCLUDE "fst_config.h"
 // clang-format off
+// NOLINTBEGIN(bugprone-suspicious-include)
 #include "gtkwave/fastlz.c"
 #include "gtkwave/fstapi.c"
 #include "gtkwave/lz4.c"
+// NOLINTEND(bugprone-suspicious-include)
 // clang-format on
 #pragma GCC diagnostic pop
 

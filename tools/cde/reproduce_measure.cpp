@@ -154,6 +154,7 @@ void add_software(Lab& lab, Experiment& e, const std::vector<Ray>& rays,
     std::vector<baseline::ClosestHit> hits;
     const double seconds = median_seconds([&] { hits = baseline::closest(kind, rays, triangles); });
     std::vector<float> t;
+    t.reserve(hits.size());
     for (const auto& hit : hits) t.push_back(hit.index == ~0u ? INFINITY : hit.t);
     compare_hits(nearest, t, name.c_str());
     e.entries.push_back(

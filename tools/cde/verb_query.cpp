@@ -210,8 +210,8 @@ class Words {
 
 class Query {
  public:
-  Query(const Options& o, PairConfig config)
-      : o_(o), config_(std::move(config)), text_(config_.format), unit_(config_) {
+  Query(const Options& o, const PairConfig& config)
+      : o_(o), config_(config), text_(config_.format), unit_(config_) {
     if (!o_.budget.empty()) {
       budget_ = budget_named(o_.budget, config_.pair);
       unit_.set_budget(budget_);
