@@ -22,6 +22,21 @@ std::vector<std::string_view> split(std::string_view text, char at) {
   return parts;
 }
 
+/// Whether a fault says more than how often: `value` of Board::inject.
+bool has_value(BusFault fault) {
+  switch (fault) {
+    case BusFault::kSlow:
+    case BusFault::kDisconnect:
+    case BusFault::kDisconnectEmpty:
+    case BusFault::kParity:
+    case BusFault::kTargetAbort:
+    case BusFault::kGrant:
+      return true;
+    default:
+      return false;
+  }
+}
+
 std::string kinds() {
   std::string all;
   for (std::uint32_t i = 0; i < kBusFaults; ++i)
@@ -55,7 +70,11 @@ ScheduledFault fault_of(std::string_view text) {
     const bool all = fault.bus && parts[1] == "all";
     fault.count = all ? kUntilReset : number(parts[1], "COUNT", 1);
   }
-  if (parts.size() > 2) fault.value = number(parts[2], "VALUE", 0);
+  if (parts.size() > 2) {
+    if (fault.bus && !has_value(*fault.bus))
+      refuse(fmt::format("{} has no VALUE; it must be KIND[:COUNT]@FRAME", parts[0]));
+    fault.value = number(parts[2], "VALUE", 0);
+  }
   if (!fault.bus && (fault.value < 1 || fault.value > 32))
     refuse(fmt::format("VALUE is {}; a word of DDR can have 1 to 32 wrong bits", fault.value));
   return fault;
@@ -64,7 +83,9 @@ ScheduledFault fault_of(std::string_view text) {
 std::string text_of(const ScheduledFault& fault) {
   const std::string count =
       fault.bus && fault.count == kUntilReset ? "all" : fmt::format("{}", fault.count);
-  return fmt::format("{}:{}:{}@{}", fault.bus ? name_of(*fault.bus) : kDdr, count, fault.value,
+  const std::string value =
+      !fault.bus || has_value(*fault.bus) ? fmt::format(":{}", fault.value) : "";
+  return fmt::format("{}:{}{}@{}", fault.bus ? name_of(*fault.bus) : kDdr, count, value,
                      fault.frame);
 }
 

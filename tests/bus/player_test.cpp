@@ -63,7 +63,7 @@ TEST_F(PlayerFaults, OfEveryKindAndTheRecordsAreRight) {
   std::vector<ScheduledFault> faults;
   for (const char* text : {"retry:5@1", "slow:9:3@1", "disconnect:4:2@1", "disconnect-empty:4:2@2",
                            "grant:6:1@2", "lost-interrupt:2@2", "parity:2:1@3", "parity:1:5@4",
-                           "target-abort:1:0@4", "master-abort:1:0@5"})
+                           "target-abort:1:0@4", "master-abort@5"})
     faults.push_back(fault_of(text));
   const Player& player = open(faults);
   EXPECT_EQ(player.injected(), std::vector<bool>(10, false));

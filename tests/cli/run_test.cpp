@@ -278,7 +278,7 @@ TEST_F(RunScene, WrongUsageIsRefused) {
             "it must be A..B within 0..3");
   refused({"run", "flight.toml", "--check", "some"}, "--check is 'some'");
   refused({"run", "flight.toml", "--fault", "retry@1"},
-          "fault 'retry:1:1@1': the functional bus has no such fault; it needs bus = \"cycle\"");
+          "fault 'retry:1@1': the functional bus has no such fault; it needs bus = \"cycle\"");
   refused({"run", "flight.toml", "--fault", "ddr@4"}, "frame 4 is not among 0..3");
   refused({"run", "flight.toml", "--fault", "ddr@0", "--frames", "1..2"},
           "frame 0 is not among 1..2");

@@ -17,8 +17,8 @@ TEST(ScheduledFaults, SayWhatTheySay) {
   EXPECT_EQ(ddr.count, 1u);
   EXPECT_EQ(ddr.value, 1u);
   EXPECT_EQ(fault_of("target-abort:all:0@1").count, kUntilReset);
-  for (const char* text :
-       {"parity:3:7@12", "ddr:9:32@4294967295", "target-abort:all:0@1", "disconnect-empty:1:1@0"})
+  for (const char* text : {"parity:3:7@12", "ddr:9:32@4294967295", "target-abort:all:0@1",
+                           "disconnect-empty:1:1@0", "retry:20@1", "hang:all@7"})
     EXPECT_EQ(text_of(fault_of(text)), text);
   for (std::uint32_t i = 0; i < kBusFaults; ++i) {
     const auto kind = static_cast<BusFault>(i);
@@ -45,13 +45,17 @@ TEST(ScheduledFaults, MistakesAreNamed) {
   refused("ddr:all@1", "COUNT is 'all'");
   refused("ddr:1:0@1", "VALUE is 0; a word of DDR can have 1 to 32 wrong bits");
   refused("ddr:1:33@1", "VALUE is 33");
+  for (const char* kind :
+       {"retry", "master-abort", "lost-interrupt", "no-answer", "no-grant", "hang"})
+    refused((kind + std::string(":1:5000@1")).c_str(),
+            (kind + std::string(" has no VALUE; it must be KIND[:COUNT]@FRAME")).c_str());
 }
 
 TEST(ScheduledFaults, NeedABusThatCanHaveThem) {
   BoardConfig board;
   EXPECT_NO_THROW(check_fault(fault_of("ddr:3@0"), board));
   expect_error(ErrorCode::kUsage,
-               "fault 'retry:1:1@2': the functional bus has no such fault; it needs bus = "
+               "fault 'retry:1@2': the functional bus has no such fault; it needs bus = "
                "\"cycle\"",
                [&] { check_fault(fault_of("retry@2"), board); });
   board.bus = Bus::kCycle;

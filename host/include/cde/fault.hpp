@@ -20,7 +20,8 @@ struct ScheduledFault {
 };
 
 /// "KIND[:COUNT[:VALUE]]@FRAME": KIND is the name of a BusFault, or "ddr" for bits of DDR; COUNT is
-/// at least 1, or "all" for every transaction from then on. Error kUsage naming what is wrong.
+/// at least 1, or "all" for every transaction from then on; VALUE is only for kinds that have one.
+/// Error kUsage naming what is wrong.
 [[nodiscard]] ScheduledFault fault_of(std::string_view text);
 /// The same text, complete.
 [[nodiscard]] std::string text_of(const ScheduledFault& fault);
