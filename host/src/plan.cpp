@@ -25,7 +25,7 @@ struct Cost {
 };
 constexpr Cost kCosts[] = {
     {"pipes", 2.1},
-    {"gates", 10.0},
+    {"gates", 11.0},
     {"transformer", 1.6},
     {"normals", 1.0},
     {"exchange of roles", 1.2},
