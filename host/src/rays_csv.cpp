@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "cde/error.hpp"
 #include "file_io.hpp"
@@ -16,6 +18,16 @@ namespace {
 constexpr std::array<std::string_view, 8> kFields = {"ox", "oy", "oz",   "dx",
                                                      "dy", "dz", "tmin", "tmax"};
 constexpr std::size_t kNeeded = 6;
+constexpr std::string_view kExpected = "ox,oy,oz,dx,dy,dz[,tmin[,tmax]]";
+constexpr std::string_view kExpectedNames =
+    "expected ox, oy, oz, dx, dy, dz and, if wanted, tmin, tmax, in any order";
+
+/// Which of kFields stands in each column of a line.
+struct Columns {
+  std::array<std::size_t, kFields.size()> field = {0, 1, 2, 3, 4, 5, 6, 7};
+  std::size_t count = kFields.size();
+  bool named = false;  // by a header
+};
 
 /// Where a message points: "rays.csv:12:7" or "--ray:7".
 struct Place {
@@ -34,9 +46,8 @@ struct Field {
   std::size_t column;
 };
 
-std::size_t split(std::string_view line, std::array<Field, kFields.size()>& fields,
-                  const Place& place) {
-  std::size_t count = 0;
+template <class Each>
+void for_each_field(std::string_view line, Each each) {
   std::size_t start = 0;
   for (;;) {
     const std::size_t comma = line.find(',', start);
@@ -45,48 +56,60 @@ std::size_t split(std::string_view line, std::array<Field, kFields.size()>& fiel
     const std::string_view field = text::trim(raw);
     const std::size_t lead =
         field.empty() ? 0 : static_cast<std::size_t>(field.data() - raw.data());
-    if (count == fields.size()) {
-      place.fail(ErrorCode::kFile, start + lead + 1,
-                 "too many fields: a ray has 6 to 8 (ox,oy,oz,dx,dy,dz[,tmin[,tmax]])");
-    }
-    fields[count++] = {field, start + lead + 1};
-    if (comma == std::string_view::npos) return count;
+    each(Field{field, start + lead + 1});
+    if (comma == std::string_view::npos) return;
     start = comma + 1;
   }
 }
 
-Ray parse_line(std::string_view line, const Place& place) {
-  std::array<Field, kFields.size()> fields;
-  const std::size_t count = split(line, fields, place);
+float parse_number(const Field& at, std::size_t field, const Place& place) {
+  const std::string_view name = kFields[field];
+  if (at.text.empty()) place.fail(ErrorCode::kFile, at.column, fmt::format("{} is empty", name));
+  float value = 0;
+  const text::Number result = text::parse_float(at.text, value);
+  if (result != text::Number::kOk) {
+    place.fail(
+        ErrorCode::kFile, at.column,
+        fmt::format("{}: {} {}", name, text::quoted(at.text),
+                    result == text::Number::kOverflow ? "overflows a float" : "is not a number"));
+  }
+  if (std::isnan(value))
+    place.fail(ErrorCode::kBadInput, at.column, fmt::format("{} is nan", name));
+  if (field < kNeeded && std::isinf(value))
+    place.fail(ErrorCode::kBadInput, at.column, fmt::format("{} is infinite", name));
+  return value;
+}
+
+Ray parse_line(std::string_view line, const Place& place, const Columns& columns) {
   Ray ray;
   std::array<float, kFields.size()> values = {0, 0, 0, 0, 0, 0, ray.tmin, ray.tmax};
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto& [text, column] = fields[i];
-    if (text.empty()) place.fail(ErrorCode::kFile, column, fmt::format("{} is empty", kFields[i]));
-    const text::Number result = text::parse_float(text, values[i]);
-    if (result == text::Number::kOverflow) {
-      place.fail(ErrorCode::kFile, column,
-                 fmt::format("{}: {} overflows a float", kFields[i], text::quoted(text)));
+  std::size_t count = 0;
+  std::size_t direction = 1;  // where the text has dx
+  for_each_field(line, [&](const Field& at) {
+    if (count == columns.count) {
+      place.fail(ErrorCode::kFile, at.column,
+                 columns.named ? fmt::format("too many fields: the header names {}", columns.count)
+                               : fmt::format("too many fields: a ray has 6 to 8 ({})", kExpected));
     }
-    if (result != text::Number::kOk) {
-      place.fail(ErrorCode::kFile, column,
-                 fmt::format("{}: {} is not a number", kFields[i], text::quoted(text)));
-    }
-    if (std::isnan(values[i]))
-      place.fail(ErrorCode::kBadInput, column, fmt::format("{} is nan", kFields[i]));
-    if (i < kNeeded && std::isinf(values[i]))
-      place.fail(ErrorCode::kBadInput, column, fmt::format("{} is infinite", kFields[i]));
-  }
-  if (count < kNeeded) {
+    const std::size_t field = columns.field[count++];
+    values[field] = parse_number(at, field, place);
+    if (field == 3) direction = at.column;
+  });
+  for (std::size_t i = count; i < columns.count; ++i) {
+    if (columns.field[i] >= kNeeded)
+      continue;  // tmin and tmax may be left out at the end of a line
     place.fail(
         ErrorCode::kFile, line.size() + 1,
-        fmt::format("too few fields: {} of at least 6 (ox,oy,oz,dx,dy,dz[,tmin[,tmax]])", count));
+        columns.named
+            ? fmt::format("too few fields: {} of the {} that the header names; {} is missing",
+                          count, columns.count, kFields[columns.field[i]])
+            : fmt::format("too few fields: {} of at least 6 ({})", count, kExpected));
   }
   ray.o = {values[0], values[1], values[2]};
   ray.d = {values[3], values[4], values[5]};
   ray.tmin = values[6];
   ray.tmax = values[7];
-  if (const auto why = defect(ray)) place.fail(ErrorCode::kBadInput, fields[3].column, *why);
+  if (const auto why = defect(ray)) place.fail(ErrorCode::kBadInput, direction, *why);
   return ray;
 }
 
@@ -100,18 +123,48 @@ bool is_header(std::string_view line) {
          text::parse_float(first, value) == text::Number::kMalformed;
 }
 
+/// The columns that a header names. Quotes around a name are those of CSV.
+Columns parse_header(std::string_view line, const Place& place) {
+  Columns columns{.count = 0, .named = true};
+  std::array<bool, kFields.size()> seen = {};
+  for_each_field(line, [&](const Field& at) {
+    std::string_view name = at.text;
+    if (name.size() >= 2 && name.front() == '"' && name.back() == '"')
+      name = name.substr(1, name.size() - 2);
+    const auto found = std::find(kFields.begin(), kFields.end(), name);
+    if (found == kFields.end())
+      place.fail(ErrorCode::kFile, at.column,
+                 fmt::format("unknown column {}; {}", text::quoted(name), kExpectedNames));
+    const auto field = static_cast<std::size_t>(found - kFields.begin());
+    if (seen[field])
+      place.fail(ErrorCode::kFile, at.column,
+                 fmt::format("column '{}' is there twice; {}", name, kExpectedNames));
+    seen[field] = true;
+    columns.field[columns.count++] = field;
+  });
+  for (std::size_t field = 0; field < kNeeded; ++field) {
+    if (!seen[field])
+      place.fail(ErrorCode::kFile, line.size() + 1,
+                 fmt::format("column '{}' is missing; {}", kFields[field], kExpectedNames));
+  }
+  return columns;
+}
+
 std::vector<Ray> parse(std::string_view bytes, std::string_view name) {
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
   std::vector<Ray> rays;
   text::Lines lines(bytes);
+  Columns columns;
   bool may_be_header = true;
   while (const auto line = lines.next()) {
     const std::string_view content = text::trim(*line);
     if (content.empty() || content.front() == '#') continue;
-    const bool header = may_be_header && is_header(content);
-    may_be_header = false;
-    if (!header) rays.push_back(parse_line(*line, {name, lines.number()}));
+    const Place place{name, lines.number()};
+    if (std::exchange(may_be_header, false) && is_header(content))
+      columns = parse_header(*line, place);
+    else
+      rays.push_back(parse_line(*line, place, columns));
   }
   return rays;
 }
@@ -129,7 +182,7 @@ std::vector<Ray> read_rays_csv(std::istream& in, std::string_view name) {
 }
 
 Ray parse_ray(std::string_view text, std::string_view name) {
-  return parse_line(text, {name, 0});
+  return parse_line(text, {name, 0}, {});
 }
 
 }  // namespace cde

@@ -40,6 +40,28 @@ TEST(RaysCsvTest, FieldsCommentsHeaderLineEnds) {
   EXPECT_GT(rays[3].tmin, rays[3].tmax) << "an empty interval is legal";
 }
 
+TEST(RaysCsvTest, HeaderNamesTheColumns) {
+  const Ray want = {{1, 2, 3}, {4, 5, 6}, 7, 8};
+  const auto same = [&](const std::string& text) {
+    const auto rays = read(text);
+    return rays.size() == 1 && rays[0].o == want.o && rays[0].d == want.d &&
+           rays[0].tmin == want.tmin && rays[0].tmax == want.tmax;
+  };
+  EXPECT_TRUE(same("ox,oy,oz,dx,dy,dz,tmin,tmax\n1,2,3,4,5,6,7,8\n"));
+  EXPECT_TRUE(same("dx,dy,dz,ox,oy,oz,tmin,tmax\n4,5,6,1,2,3,7,8\n"));
+  EXPECT_TRUE(same("tmax, dz,oz ,tmin,dy,oy,dx,ox\r\n8,6,3,7,5,2,4,1\r\n"));
+  EXPECT_TRUE(
+      same("\xef\xbb\xbf# rays\n\n\"tmin\",\"tmax\",\"ox\",\"oy\",\"oz\",\"dx\",\"dy\","
+           "\"dz\"\n7,8,1,2,3,4,5,6"));
+
+  const auto rays = read("dz,tmax,dy,dx,oz,oy,ox\n6,8,5,4,3,2,1\n");
+  ASSERT_EQ(rays.size(), 1u);
+  EXPECT_EQ(rays[0].d, want.d);
+  EXPECT_EQ(rays[0].tmin, 0.0f);
+  EXPECT_EQ(rays[0].tmax, 8.0f);
+  EXPECT_EQ(read("dx,dy,dz,ox,oy,oz,tmin,tmax\n4,5,6,1,2,3,7")[0].tmin, 7.0f);
+}
+
 TEST(RaysCsvTest, NothingIsAnEmptyList) {
   EXPECT_TRUE(read("").empty());
   EXPECT_TRUE(read("\n\n# only this").empty());
@@ -71,10 +93,32 @@ INSTANTIATE_TEST_SUITE_P(
         BadRay{"trailing_comma", "1,2,3,4,5,6,\n", ErrorCode::kFile,
                "rays.csv:1:13: tmin is empty"},
         BadRay{"empty_field", "1,2, ,4,5,6\n", ErrorCode::kFile, "rays.csv:1:5: oz is empty"},
-        BadRay{"word", "h,e,a,d,e,r\r\n1,2,3,4,5,6\r\n1, 2,3x,4,5,6\r\n", ErrorCode::kFile,
+        BadRay{"word", "ox,oy,oz,dx,dy,dz\r\n1,2,3,4,5,6\r\n1, 2,3x,4,5,6\r\n", ErrorCode::kFile,
                "rays.csv:3:6: oz: '3x' is not a number"},
-        BadRay{"second_header", "ox\nox,oy,oz,dx,dy,dz\n", ErrorCode::kFile,
+        BadRay{"second_header", "ox,oy,oz,dx,dy,dz\nox,oy,oz,dx,dy,dz\n", ErrorCode::kFile,
                "rays.csv:2:1: ox: 'ox' is not a number"},
+        BadRay{"unknown_column", "ox,oy,oz,dx,dy, dw\n1,2,3,4,5,6\n", ErrorCode::kFile,
+               "rays.csv:1:17: unknown column 'dw'; expected ox, oy, oz, dx, dy, dz and"},
+        BadRay{"unknown_first_column", "# c\nid,ox,oy,oz,dx,dy,dz\n", ErrorCode::kFile,
+               "rays.csv:2:1: unknown column 'id'; expected"},
+        BadRay{"empty_column", "ox,oy,oz,dx,dy,dz,\n", ErrorCode::kFile,
+               "rays.csv:1:19: unknown column ''; expected"},
+        BadRay{"column_in_capitals", "OX,OY,OZ,DX,DY,DZ\n", ErrorCode::kFile,
+               "rays.csv:1:1: unknown column 'OX'; expected"},
+        BadRay{"ninth_column", "ox,oy,oz,dx,dy,dz,tmin,tmax,w\n", ErrorCode::kFile,
+               "rays.csv:1:29: unknown column 'w'; expected"},
+        BadRay{"column_twice", "ox,oy,oz,dx,dy,ox\n1,2,3,4,5,6\n", ErrorCode::kFile,
+               "rays.csv:1:16: column 'ox' is there twice; expected ox"},
+        BadRay{"missing_column", "tmin,ox,oy,dx,dy,dz\n1,2,3,4,5,6\n", ErrorCode::kFile,
+               "rays.csv:1:20: column 'oz' is missing; expected ox"},
+        BadRay{"more_than_the_header", "ox,oy,oz,dx,dy,dz\n1,2,3,4,5,6,7\n", ErrorCode::kFile,
+               "rays.csv:2:13: too many fields: the header names 6"},
+        BadRay{"less_than_the_header", "tmin,dx,dy,dz,ox,oy,oz\n1,2,3,4,5,6\n", ErrorCode::kFile,
+               "rays.csv:2:12: too few fields: 6 of the 7 that the header names; oz is missing"},
+        BadRay{"named_number", "dx,dy,dz,ox,oy,oz\n1,2,3,4,inf,6\n", ErrorCode::kBadInput,
+               "rays.csv:2:9: oy is infinite"},
+        BadRay{"named_direction", "ox,oy,oz,dz,dy,dx\n1,2,3,0,0,0\n", ErrorCode::kBadInput,
+               "rays.csv:2:11: direction is zero"},
         BadRay{"two_signs", "1,--2,3,4,5,6", ErrorCode::kFile, "rays.csv:1:3: oy: '--2' is not"},
         BadRay{"sign_sign", "1,+-2,3,4,5,6", ErrorCode::kFile, "rays.csv:1:3: oy: '+-2' is not"},
         BadRay{"blank_between", "1,2 3,3,4,5,6", ErrorCode::kFile,

@@ -380,7 +380,8 @@ void add_cast(CLI::App& app) {
       "cast", "Cast rays at a mesh on the simulated card; without rays, a picture of the mesh");
   verb->add_option("mesh", o->mesh, "Mesh file, or terrain[:QX,QY,SEED]")->required();
   verb->add_option("--rays", o->rays_file,
-                   "Rays from a file: ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line");
+                   "Rays from a file: ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line, or in the order that a "
+                   "header with these names gives");
   verb->add_option("--ray", o->rays, "One ray, same fields; repeatable")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
