@@ -185,8 +185,10 @@ Checker::Checker(std::span<const Ray> rays, const TriangleView& triangles, Mode 
       sweep_(rays, triangles, mode, stencil, packet, objects),
       command_(std::move(command)) {}
 
-void Checker::mismatch(const Record* card, const Record* expected) const {
-  std::string message = fmt::format("record {} differs from the reference\n", compared_);
+void Checker::mismatch(const Record* card, const Record* expected) {
+  const std::uint64_t place = compared_++;
+  if (!difference_.empty()) return;
+  std::string message = fmt::format("record {} differs from the reference\n", place);
   message += fmt::format("  card:      {}\n", card != nullptr ? text(*card) : "no record");
   message += fmt::format("  reference: {}\n", expected != nullptr ? text(*expected) : "no record");
   const std::size_t number = (expected != nullptr ? expected : card)->primary;
@@ -202,22 +204,40 @@ void Checker::mismatch(const Record* card, const Record* expected) const {
     message +=
         fmt::format("  ray {}: {}\n  repeat with: {} --ray={}", number, fields, command_, fields);
   }
-  throw Error(ErrorCode::kMismatch, message);
+  difference_ = std::move(message);
 }
 
-void Checker::check(std::span<const Record> records) {
+void Checker::compare(std::span<const Record> records) {
   for (const Record& record : records) {
     if (pending_.empty()) pending_ = sweep_.next();
-    if (pending_.empty()) mismatch(&record, nullptr);
-    if (!same_bits(record, pending_.front())) mismatch(&record, &pending_.front());
+    if (pending_.empty()) {
+      mismatch(&record, nullptr);
+      continue;
+    }
+    if (same_bits(record, pending_.front())) {
+      ++compared_;
+      ++matching_;
+    } else {
+      mismatch(&record, &pending_.front());
+    }
     pending_ = pending_.subspan(1);
-    ++compared_;
   }
 }
 
-void Checker::finish() {
+void Checker::compare_end() {
   if (pending_.empty()) pending_ = sweep_.next();
   if (!pending_.empty()) mismatch(nullptr, &pending_.front());
+}
+
+void Checker::check(std::span<const Record> records) {
+  for (std::size_t i = 0; i < records.size() && difference_.empty(); ++i)
+    compare(records.subspan(i, 1));
+  if (!difference_.empty()) throw Error(ErrorCode::kMismatch, difference_);
+}
+
+void Checker::finish() {
+  compare_end();
+  if (!difference_.empty()) throw Error(ErrorCode::kMismatch, difference_);
 }
 
 }  // namespace cde::reference

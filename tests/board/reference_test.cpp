@@ -189,5 +189,34 @@ TEST(Checker, NamesTheDifferenceAndHowToRepeatIt) {
   expect_mismatch("reference: no record");
 }
 
+/// What `cde cast` reports: every record is compared, also those behind a difference.
+TEST(Checker, CountsWhatMatches) {
+  Random random;
+  const Scene scene = beam(random, 10, 20);
+  const auto all = reference::cast(scene.rays, scene.triangles);
+  const auto expect_counts = [&](const std::vector<Record>& records, std::uint64_t compared,
+                                 std::uint64_t matching, const std::string& difference) {
+    reference::Checker checker(scene.rays, scene.triangles, Mode::kNearest, {}, 256, "cde cast");
+    for (std::size_t i = 0; i < records.size(); i += 3)
+      checker.compare(std::span(records).subspan(i, std::min<std::size_t>(3, records.size() - i)));
+    checker.compare_end();
+    EXPECT_EQ(checker.compared(), compared);
+    EXPECT_EQ(checker.matching(), matching);
+    EXPECT_EQ(checker.difference().substr(0, difference.size()), difference);
+    EXPECT_EQ(checker.difference().empty(), compared == matching);
+  };
+  expect_counts(all, 10, 10, "");
+  auto records = all;
+  records[4].t = std::nextafter(records[4].t, 0.0f);
+  expect_counts(records, 10, 9, "record 4 differs");
+  records[7].index ^= 1;
+  expect_counts(records, 10, 8, "record 4 differs");
+  records = all;
+  records.pop_back();
+  expect_counts(records, 10, 9, "record 9 differs");
+  records.insert(records.end(), {all[9], all[9], all[9]});
+  expect_counts(records, 12, 10, "record 10 differs");
+}
+
 }  // namespace
 }  // namespace cde::testing

@@ -316,10 +316,19 @@ TEST_F(Cast, FaultyCardIsFoundOut) {
 
   const Words environment = {"CDE_SHARE=" + share.string(),
                              "CDE_CACHE=" + (folder_ / "cache").string(), "CDE_WERROR=0"};
-  const Ran ran = cde({"cast", "terrain:3,3,1", "--grid", "9x9", "--lanes", "4", "-o", "hits.csv"},
-                      environment);
+  const Ran ran =
+      cde({"cast", "terrain:3,3,1", "--grid", "9x9", "--lanes", "4", "--json", "-o", "hits.csv"},
+          environment);
   EXPECT_EQ(ran.status, 3) << ran.err;
   EXPECT_FALSE(exists("hits.csv"));
+  const auto j = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(j["records_compared"], 81);
+  EXPECT_LT(j["records_matching"], 81);
+  EXPECT_GT(j["records_matching"], 0);
+  EXPECT_NE(ran.err.find(fmt::format("{} of 81 records match the reference",
+                                     j["records_matching"].get<int>())),
+            std::string::npos)
+      << ran.err;
   EXPECT_NE(ran.err.find("differs from the reference"), std::string::npos) << ran.err;
   std::smatch match;
   ASSERT_TRUE(std::regex_search(ran.err, match, std::regex("repeat with: cde (.*)"))) << ran.err;

@@ -50,7 +50,8 @@ struct Job {
 
 struct Outcome {
   Counters counters;
-  std::uint64_t hits = 0, compared = 0, upload_clocks = 0;
+  std::uint64_t hits = 0, compared = 0, matching = 0, upload_clocks = 0;
+  std::string difference;       // of the first record that does not match
   double modelled_seconds = 0;  // of the passes, on the card that takes longest
   double simulation_seconds = 0;
   std::string bitstream;
@@ -198,15 +199,17 @@ Outcome cast_on_card(const Options& o, const Job& job, std::span<const Ray> rays
   const auto start = Clock::now();
   result.counters = board.cast(rays, query, [&](std::span<const Record> records) {
     const auto received = Clock::now();
-    if (checker) checker->check(records);
+    if (checker) checker->compare(records);
     for (const Record& r : records) result.hits += r.f ? 1 : 0;
     take(records);
     host_seconds += seconds_since(received);
   });
   result.simulation_seconds = seconds_since(start) - host_seconds;
   if (checker) {
-    checker->finish();
+    checker->compare_end();
     result.compared = checker->compared();
+    result.matching = checker->matching();
+    result.difference = checker->difference();
   }
   result.modelled_seconds = result.counters.modelled_seconds(o.clock_mhz * 1e6);
   result.upload_clocks = board.upload_clocks();
@@ -251,6 +254,8 @@ Outcome cast_on_cards(const Options& o, const Job& job, const std::function<void
     all.counters += one.counters;
     all.hits += one.hits;
     all.compared += one.compared;
+    all.matching += one.matching;
+    if (all.difference.empty()) all.difference = one.difference;
     all.upload_clocks += one.upload_clocks;
     all.modelled_seconds = std::max(all.modelled_seconds, one.modelled_seconds);
     all.simulation_seconds = std::max(all.simulation_seconds, one.simulation_seconds);
@@ -332,7 +337,7 @@ nlohmann::ordered_json as_json(const Options& o, const Job& job, const Outcome& 
       {"hits", r.hits},
       {"records", c.records},
       {"records_compared", r.compared},
-      {"records_matching", r.compared},
+      {"records_matching", r.matching},
       {"checked", o.check},
   };
   return j;
@@ -358,7 +363,7 @@ void print_summary(const Options& o, const Job& job, const Outcome& r) {
                                 static_cast<double>(c.pairs) / r.simulation_seconds / 1e6));
   row("hits", fmt::format("{} in {} records", r.hits, c.records));
   row("check",
-      o.check ? fmt::format("{} of {} records match the reference", r.compared, c.records) : "off");
+      o.check ? fmt::format("{} of {} records match the reference", r.matching, c.records) : "off");
 }
 
 void run(const Options& o) {
@@ -366,10 +371,13 @@ void run(const Options& o) {
   std::optional<Csv> csv;
   if (!o.csv.empty()) csv.emplace(o.csv, o.bits);
   const Outcome result = cast(o, job, csv);
-  draw(o, job, result);
-  if (csv) csv->commit();
+  if (result.difference.empty()) {  // wrong records leave neither files nor pictures
+    draw(o, job, result);
+    if (csv) csv->commit();
+  }
   if (o.json) fmt::print("{}\n", as_json(o, job, result).dump(2));
   if (!o.quiet) print_summary(o, job, result);
+  if (!result.difference.empty()) throw Error(ErrorCode::kMismatch, result.difference);
 }
 
 }  // namespace
@@ -379,9 +387,10 @@ void add_cast(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "cast", "Cast rays at a mesh on the simulated card; without rays, a picture of the mesh");
   verb->add_option("mesh", o->mesh, "Mesh file, or terrain[:QX,QY,SEED]")->required();
-  verb->add_option("--rays", o->rays_file,
-                   "Rays from a file: ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line, or in the order that a "
-                   "header with these names gives");
+  verb->add_option(
+      "--rays", o->rays_file,
+      "Rays from a file: ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line, or in the order that a "
+      "header with these names gives");
   verb->add_option("--ray", o->rays, "One ray, same fields; repeatable")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

@@ -55,23 +55,31 @@ class Checker {
           const Stencil& stencil, unsigned packet, std::string command,
           std::span<const Object> objects = {});
 
-  /// Throws kMismatch at the first record that differs in a bit: its inputs in hexfloat, both
-  /// outputs, and the command that repeats it.
-  void check(std::span<const Record> records);
+  /// Counts the records that are those of the reference and keeps what the first other one differs
+  /// in.
+  void compare(std::span<const Record> records);
+  /// To be called behind the last record: one that the card left out is compared, too, and differs.
+  void compare_end();
 
-  /// Throws kMismatch if the reference has more records than were checked.
+  /// The same, but these throw kMismatch at the first difference.
+  void check(std::span<const Record> records);
   void finish();
 
+  /// Records compared so far, and those of them that match in every bit.
   [[nodiscard]] std::uint64_t compared() const { return compared_; }
+  [[nodiscard]] std::uint64_t matching() const { return matching_; }
+  /// Of the first record that differs its inputs in hexfloat, both outputs, and the command that
+  /// repeats it; empty if all match.
+  [[nodiscard]] const std::string& difference() const { return difference_; }
 
  private:
-  [[noreturn]] void mismatch(const Record* card, const Record* expected) const;
+  void mismatch(const Record* card, const Record* expected);
   std::span<const Ray> rays_;
   TriangleView triangles_;
   Sweep sweep_;
   std::span<const Record> pending_;
-  std::uint64_t compared_ = 0;
-  std::string command_;
+  std::uint64_t compared_ = 0, matching_ = 0;
+  std::string command_, difference_;
 };
 
 }  // namespace cde::reference
