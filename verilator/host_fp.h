@@ -2,9 +2,11 @@
 // bit-identical to the gates.
 //
 // Everything here is straight-line code, so that clang turns LANES calls into vector instructions.
-// fp32 and fp64 are native. Any other format (up to 11 exponent and 25 significand bits) is
+// fp32 and fp64 are native. A format of up to 10 exponent bits and p = 25 significand bits is
 // computed in double and rounded once more to the format; that second rounding is innocuous because
-// 53 >= 2p + 2. The FPU must be in its default mode (nearest even, no flush to zero).
+// 53 >= 2p + 2. The others are computed in binary128 (113 >= 2p + 2), which is a call of the
+// compiler's library an operation. The FPU must be in its default mode (nearest even, no flush to
+// zero).
 #pragma once
 #include <bit>
 #include <cfenv>
@@ -13,7 +15,12 @@
 #include <limits>
 #include <type_traits>
 
+extern "C" __float128 sqrtf128(__float128);  // of glibc's libm
+
 namespace host_fp {
+
+__extension__ using Quad = __float128;
+__extension__ using QuadBits = unsigned __int128;
 
 constexpr uint32_t kInexact = 1, kUnderflow = 2, kOverflow = 4, kDivideByZero = 8, kInvalid = 16;
 
@@ -22,17 +29,32 @@ template <class U>
 inline U select(bool c, U t, U f) {
   return f ^ ((f ^ t) & (U{0} - U{c}));
 }
+/// How a type that formats are computed in is laid out.
+template <class W>
+struct Layout;
+template <>
+struct Layout<double> {
+  using Bits = uint64_t;
+  static constexpr int kFraction = 52, kBias = 1023;
+};
+template <>
+struct Layout<Quad> {
+  using Bits = QuadBits;
+  static constexpr int kFraction = 112, kBias = 16383;
+};
+
 inline double select(bool c, double t, double f) {
   return std::bit_cast<double>(select(c, std::bit_cast<uint64_t>(t), std::bit_cast<uint64_t>(f)));
 }
 
 template <unsigned E, unsigned M>
 struct Format {
-  static_assert((E <= 10 && M <= 24) || (E == 11 && M == 52),
-                "no such format in the host back end");
+  static_assert(3 <= E && E <= 11 && 2 <= M && M <= 52, "no such format");
   static constexpr bool kSingle = E == 8 && M == 23, kDouble = E == 11 && M == 52;
   using Bits = std::conditional_t<(1 + E + M <= 32), uint32_t, uint64_t>;
   using Native = std::conditional_t<kSingle, float, double>;
+  /// In which an operation is innocuously rounded before it is rounded to the format.
+  using Wide = std::conditional_t<kDouble || (E <= 10 && M <= 24), double, Quad>;
   static constexpr Bits kSign = Bits{1} << (E + M), kMag = kSign - 1, kFrac = (Bits{1} << M) - 1;
   static constexpr Bits kInf = kMag & ~kFrac, kQuiet = Bits{1} << (M - 1), kNan = kInf | kQuiet;
   static constexpr int kBias = (1 << (E - 1)) - 1, kEmin = 1 - kBias;
@@ -42,8 +64,10 @@ struct Format {
   static unsigned is_zero(Bits a) { return (a & kMag) == 0; }
 };
 
-constexpr double exp2_const(int e) {
-  return std::bit_cast<double>(uint64_t(e + 1023) << 52);
+template <class W = double>
+constexpr W exp2_const(int e) {
+  using L = Layout<W>;
+  return std::bit_cast<W>(typename L::Bits(e + L::kBias) << L::kFraction);
 }
 
 /// The exact value of a word, NaN included.
@@ -65,9 +89,9 @@ inline double decode(typename Format<E, M>::Bits a) {
   }
 }
 
-/// A double rounded to the format, nearest even; NaN becomes the canonical NaN.
-template <unsigned E, unsigned M>
-inline typename Format<E, M>::Bits encode(double x) {
+/// A number rounded to the format, nearest even; NaN becomes the canonical NaN.
+template <unsigned E, unsigned M, class W>
+inline typename Format<E, M>::Bits encode(W x) {
   using F = Format<E, M>;
   using Bits = typename F::Bits;
   if constexpr (F::kSingle) {
@@ -76,21 +100,23 @@ inline typename Format<E, M>::Bits encode(double x) {
   } else if constexpr (F::kDouble) {
     return select<Bits>(x != x, F::kNan, std::bit_cast<Bits>(x));
   } else {
-    constexpr int kDrop = 52 - int(M);
-    const uint64_t u = std::bit_cast<uint64_t>(x), mag = u & ~(uint64_t{1} << 63);
-    const uint64_t odd = (mag >> kDrop) & 1;
-    const uint64_t normal = ((mag + ((uint64_t{1} << (kDrop - 1)) - 1) + odd) >> kDrop) -
-                            (uint64_t(1023 - F::kBias) << M);
+    using L = Layout<W>;
+    using U = typename L::Bits;
+    constexpr int kDrop = L::kFraction - int(M), kTop = int(sizeof(U)) * 8 - 1;
+    constexpr U kInfinity = (~U{0} >> (L::kFraction + 1)) << L::kFraction;
+    const U u = std::bit_cast<U>(x), mag = u & (~U{0} >> 1);
+    const U odd = (mag >> kDrop) & 1;
+    const U normal =
+        ((mag + ((U{1} << (kDrop - 1)) - 1) + odd) >> kDrop) - (U(L::kBias - F::kBias) << M);
     // Below the normal range the FPU rounds at the subnormal unit when a constant with that unit is
     // added.
-    constexpr double kMagic = exp2_const(F::kEmin - int(M) + 52);
-    const uint64_t sub = std::bit_cast<uint64_t>(std::bit_cast<double>(mag) + kMagic) -
-                         std::bit_cast<uint64_t>(kMagic);
-    uint64_t r = select(mag < std::bit_cast<uint64_t>(exp2_const(F::kEmin)), sub, normal);
-    r = select(mag >= std::bit_cast<uint64_t>(exp2_const(F::kBias + 1)), uint64_t{F::kInf}, r);
-    r = select(r > F::kInf, uint64_t{F::kInf}, r);
-    r |= (u >> 63) << (E + M);
-    return Bits(select(mag > uint64_t{2047} << 52, uint64_t{F::kNan}, r));
+    constexpr W kMagic = exp2_const<W>(F::kEmin - int(M) + L::kFraction);
+    const U sub = std::bit_cast<U>(std::bit_cast<W>(mag) + kMagic) - std::bit_cast<U>(kMagic);
+    U r = select(mag < std::bit_cast<U>(exp2_const<W>(F::kEmin)), sub, normal);
+    r = select(mag >= std::bit_cast<U>(exp2_const<W>(F::kBias + 1)), U{F::kInf}, r);
+    r = select(r > F::kInf, U{F::kInf}, r);
+    r |= (u >> kTop) << (E + M);
+    return Bits(select(mag > kInfinity, U{F::kNan}, r));
   }
 }
 
@@ -123,6 +149,7 @@ struct Sqrt {
   static T of(T a, T) {
     return std::sqrt(a);
   }
+  static Quad of(Quad a, Quad) { return sqrtf128(a); }
 };
 
 template <class Op, unsigned E, unsigned M, bool Canonical = true,
@@ -137,18 +164,19 @@ inline Bits binary(Bits a, Bits b) {
     else
       return select<Bits>(r != r, F::kNan, std::bit_cast<Bits>(r));
   } else {
-    return encode<E, M>(Op::of(decode<E, M>(a), decode<E, M>(b)));
+    using W = typename F::Wide;
+    return encode<E, M>(Op::of(W(decode<E, M>(a)), W(decode<E, M>(b))));
   }
 }
 
-/// Rounding flags of a result r whose value before rounding is x (double, not itself rounded across
-/// a boundary).
-template <unsigned E, unsigned M, class Bits = typename Format<E, M>::Bits>
-inline uint32_t rounding_flags(Bits r, double x, bool inexact) {
+/// Rounding flags of a result r whose value before rounding is x (not itself rounded across a
+/// boundary).
+template <unsigned E, unsigned M, class W, class Bits = typename Format<E, M>::Bits>
+inline uint32_t rounding_flags(Bits r, W x, bool inexact) {
   using F = Format<E, M>;
   // Tiny after rounding: below the smallest normal even when rounded to full precision.
-  constexpr double kTiny = exp2_const(F::kEmin) * (1.0 - exp2_const(-int(M) - 2));
-  const uint32_t overflow = F::is_inf(r), tiny = std::fabs(x) < kTiny;
+  constexpr W kTiny = exp2_const<W>(F::kEmin) * (1 - exp2_const<W>(-int(M) - 2));
+  const uint32_t overflow = F::is_inf(r), tiny = (x < 0 ? -x : x) < kTiny;
   const uint32_t nx = uint32_t{inexact} | overflow;
   return nx * kInexact | (nx & tiny) * kUnderflow | overflow * kOverflow;
 }
@@ -175,10 +203,11 @@ inline uint32_t binary_flags(Bits a, Bits b) {
     return fpu_flags<Op>(std::bit_cast<double>(a), std::bit_cast<double>(b));
   } else {
     const Bits r = binary<Op, E, M>(a, b);
-    const double x = decode<E, M>(a), y = decode<E, M>(b), z = Op::of(x, y), w = decode<E, M>(r);
+    using W = typename F::Wide;
+    const W x = decode<E, M>(a), y = decode<E, M>(b), z = Op::of(x, y), w = decode<E, M>(r);
     unsigned inexact;
     if constexpr (std::is_same_v<Op, Add> || std::is_same_v<Op, Sub>) {
-      const double t = std::is_same_v<Op, Sub> ? -y : y, v = z - x;
+      const W t = std::is_same_v<Op, Sub> ? -y : y, v = z - x;
       inexact = unsigned{w != z} | unsigned{(x - (z - v)) + (t - v) !=
                                             0};  // Knuth's two-sum: the double sum may round too
     } else if constexpr (std::is_same_v<Op, Mul>) {
@@ -321,14 +350,14 @@ inline Bits classify(Bits a) {
 template <unsigned N>
 using Word = std::conditional_t<N == 32, uint32_t, uint64_t>;
 
-/// An integer as a double, rounded to odd if it has more than 53 bits: rounding that to at most 51
-/// bits is innocuous.
-template <unsigned N, bool Unsigned>
-inline double from_integer(Word<N> a) {
+/// An integer as a number that formats are computed in. A double of more than 53 bits is rounded to
+/// odd at a bit that leaves 43 or more: rounding that to at most 25 bits is innocuous.
+template <unsigned N, bool Unsigned, class W>
+inline W from_integer(Word<N> a) {
   const bool minus = !Unsigned && (a >> (N - 1)) != 0;
   const uint64_t mag = minus ? uint64_t(Word<N>(Word<N>{0} - a)) : uint64_t{a};
   const uint64_t odd = (mag & ~uint64_t{0x7ff}) | (uint64_t{(mag & 0x7ff) != 0} << 11);
-  const double x = double((mag >> 53) != 0 ? odd : mag);
+  const W x = W(std::is_same_v<W, double> && (mag >> 53) != 0 ? odd : mag);
   return minus ? -x : x;
 }
 
@@ -337,12 +366,12 @@ inline double from_integer(Word<N> a) {
 template <unsigned C, unsigned E, unsigned M, unsigned P, unsigned Q, class B>
 inline auto convert(B a) {
   if constexpr (C == 0) {
-    return encode<P, Q>(decode<E, M>(a));
+    return encode<P, Q>(typename Format<P, Q>::Wide(decode<E, M>(a)));
   } else if constexpr (C == 1) {
-    if constexpr (M == 52 && P == 64) {
+    if constexpr (Format<E, M>::kDouble && P == 64) {
       return encode<E, M>((Q & 1) != 0 ? double(uint64_t(a)) : double(int64_t(a)));
     } else {
-      return encode<E, M>(from_integer<P, (Q & 1) != 0>(a));
+      return encode<E, M>(from_integer<P, (Q & 1) != 0, typename Format<E, M>::Wide>(a));
     }
   } else {
     using Int = std::conditional_t<(Q & 1) != 0, Word<P>, std::make_signed_t<Word<P>>>;
@@ -357,15 +386,15 @@ inline auto convert(B a) {
 template <unsigned C, unsigned E, unsigned M, unsigned P, unsigned Q, class B>
 inline uint32_t convert_flags(B a) {
   if constexpr (C == 0) {
-    const double x = decode<E, M>(a);
+    const typename Format<P, Q>::Wide x = decode<E, M>(a);
     const auto r = encode<P, Q>(x);
     if ((Format<E, M>::is_nan(a) | Format<E, M>::is_inf(a)) != 0)
       return Format<E, M>::is_snan(a) * kInvalid;
     return P == 11 && Q == 52 ? 0 : rounding_flags<P, Q>(r, x, decode<P, Q>(r) != x);
   } else if constexpr (C == 1) {
-    const double x = from_integer<P, (Q & 1) != 0>(a);
+    const auto x = from_integer<P, (Q & 1) != 0, typename Format<E, M>::Wide>(a);
     const auto r = convert<C, E, M, P, Q>(a);
-    if constexpr (M == 52) {
+    if constexpr (Format<E, M>::kDouble) {
       const uint64_t mag =
           (Q & 1) == 0 && (a >> (P - 1)) != 0 ? uint64_t(B(B{0} - a)) : uint64_t{a};
       return mag == 0 ? 0 : ((mag << std::countl_zero(mag)) & 0x7ff) != 0;

@@ -6,7 +6,7 @@ module fp_cmp_lane #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,
     parameter bit FLAGS = 0,
-    localparam int CW   = (1 + EXP + MAN <= 32) ? 32 : 64
+    localparam int CW   = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64
 ) (
     input  logic [CW-1:0] a_i,
     input  logic [CW-1:0] b_i,

@@ -21,16 +21,33 @@ module fp_convert_gates #(
   /*verilator no_inline_module*/
   logic [LANES-1:0][CI-1:0] a_q;
   always_ff @(posedge clk_i) a_q <= a_i;
+  // Words of a lane (fp_mask.svh); integers are as wide as their container.
+  localparam int LI = (KIND == 1) ? P : (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64;
+  localparam int LO = (KIND == 2) ? P : (KIND == 1) ? ((1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64) :
+      (1 + P + Q <= 32 && Q <= 23) ? 32 : 64;
   for (genvar l = 0; l < LANES; l++) begin : g_lane
+    logic [LI-1:0] a;
+    logic [LO-1:0] r, flags;
+    if (LI == CI) begin : g_same_i
+      assign a = a_q[l];
+    end else begin : g_wider_i
+      assign a = {{LI - CI{1'b0}}, a_q[l]};
+    end
+    assign r_o[l] = r[CO-1:0];
+    assign flags_o[l] = flags[CO-1:0];
+    if (LO != CO) begin : g_wider_o
+      logic unused_high;
+      assign unused_high = &{1'b0, r, flags};
+    end
     if (KIND == 0) begin : g_cvt
       fp_cvt_lane #(.EXP(EXP), .MAN(MAN), .EXP_O(P), .MAN_O(Q), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
-          .clk_i, .a_i(a_q[l]), .r_o(r_o[l]), .flags_o(flags_o[l]));
+          .clk_i, .a_i(a), .r_o(r), .flags_o(flags));
     end else if (KIND == 1) begin : g_from_int
       fp_from_int_lane #(.EXP(EXP), .MAN(MAN), .CW(P), .UNSIGNED((Q & 1) != 0), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
-          .clk_i, .a_i(a_q[l]), .r_o(r_o[l]), .flags_o(flags_o[l]));
+          .clk_i, .a_i(a), .r_o(r), .flags_o(flags));
     end else begin : g_to_int
       fp_to_int_lane #(.EXP(EXP), .MAN(MAN), .INT(P), .UNSIGNED((Q & 1) != 0), .TRUNCATE((Q & 2) != 0), .CUTS(CUTS),
-          .FLAGS(FLAGS)) lane (.clk_i, .a_i(a_q[l]), .r_o(r_o[l]), .flags_o(flags_o[l]));
+          .FLAGS(FLAGS)) lane (.clk_i, .a_i(a), .r_o(r), .flags_o(flags));
     end
   end
 endmodule

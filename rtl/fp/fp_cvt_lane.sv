@@ -7,8 +7,8 @@ module fp_cvt_lane #(
     parameter int MAN_O = 10,
     parameter int CUTS  = 0,
     parameter bit FLAGS = 0,
-    localparam int CW   = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int CO   = (1 + EXP_O + MAN_O <= 32) ? 32 : 64
+    localparam int CW   = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64,
+    localparam int CO   = (1 + EXP_O + MAN_O <= 32 && MAN_O <= 23) ? 32 : 64
 ) (
     input  logic          clk_i,
     input  logic [CW-1:0] a_i,

@@ -7,7 +7,7 @@ module fp_from_int_lane #(
     parameter bit UNSIGNED = 0,
     parameter int CUTS     = 0,
     parameter bit FLAGS    = 0,
-    localparam int CO      = (1 + EXP + MAN <= 32) ? 32 : 64
+    localparam int CO      = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64
 ) (
     input  logic          clk_i,
     input  logic [CW-1:0] a_i,

@@ -1,4 +1,4 @@
-// Gate back end of the binary units: lanes of one operation behind their input registers.
+// Gate back end of the binary units: lanes of one operation behind their input registers. CW is the word of a lane (fp_mask.svh).
 // Latency: 1 + CUTS clocks. Throughput: one result a lane a clock. Stall: none.
 // Not inlined: all that the lanes touch must lie in one C++ object for the compiler to see that they do not alias.
 // The inputs are public so that they stay variables of this object too: then all instances run one function.
@@ -10,7 +10,7 @@ module fp_gates #(
     parameter  int B_LANES = LANES,  // LANES, or 1: b is one value for all lanes
     parameter  int CUTS  = 0,
     parameter  bit FLAGS = 0,
-    localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
+    localparam int CW    = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64
 ) (
     input  logic                     clk_i,
     input  logic [LANES-1:0][CW-1:0] a_i /*verilator public_flat_rd*/,

@@ -24,15 +24,35 @@ module fp_lanes #(
   if (ARITH == "rtl") begin : g_rtl
     localparam int MOST = (OP <= 2) ? 5 : (OP == 3) ? MAN + 5 : (OP == 4) ? MAN + 3 : 0;  // comparisons have nothing to cut
     localparam int CUTS = (LAT - 1 > MOST) ? MOST : LAT - 1;
+    localparam int LW = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64;  // word of a lane of gates (fp_mask.svh)
     logic [LANES-1:0][CW-1:0] r, flags;
+    logic [LANES-1:0][LW-1:0] a_lane, r_lane, flags_lane;
+    logic [B_LANES-1:0][LW-1:0] b_lane;
+    if (LW == CW) begin : g_same
+      assign a_lane = a_i;
+      assign b_lane = b_i;
+      assign r = r_lane;
+      assign flags = flags_lane;
+    end else begin : g_wider
+      for (genvar l = 0; l < LANES; l++) begin : g_lane
+        assign a_lane[l] = {{LW - CW{1'b0}}, a_i[l]};
+        assign r[l] = r_lane[l][CW-1:0];
+        assign flags[l] = flags_lane[l][CW-1:0];
+      end
+      for (genvar l = 0; l < B_LANES; l++) begin : g_b
+        assign b_lane[l] = {{LW - CW{1'b0}}, b_i[l]};
+      end
+      logic unused_high;
+      assign unused_high = &{1'b0, r_lane, flags_lane};
+    end
     // At most 32 lanes in one object: wider ones spill registers when they are simulated (fp32 add on AVX2, ns a clock: 16 lanes 91,
     // 32 lanes 140, 64 lanes in one 390).
     localparam int GROUP = (LANES % 32 == 0) ? 32 : LANES;
     localparam int B_GROUP = (B_LANES == 1) ? 1 : GROUP;
     for (genvar g = 0; g < LANES / GROUP; g++) begin : group
       fp_gates #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(GROUP), .B_LANES(B_GROUP), .CUTS(CUTS), .FLAGS(FLAGS)) gates (
-          .clk_i, .a_i(a_i[g*GROUP+:GROUP]), .b_i(b_i[((B_LANES==1)?0:g*GROUP)+:B_GROUP]), .r_o(r[g*GROUP+:GROUP]),
-          .flags_o(flags[g*GROUP+:GROUP]));
+          .clk_i, .a_i(a_lane[g*GROUP+:GROUP]), .b_i(b_lane[((B_LANES==1)?0:g*GROUP)+:B_GROUP]),
+          .r_o(r_lane[g*GROUP+:GROUP]), .flags_o(flags_lane[g*GROUP+:GROUP]));
     end
     fp_delay #(.LANES(LANES), .W(CW), .DEPTH(LAT - 1 - CUTS)) delay_r (.clk_i, .d_i(r), .q_o(r_o));
     if (FLAGS) begin : g_flags

@@ -4,7 +4,7 @@ module fp_normalise #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,
     parameter bit COUNT = 1,
-    localparam int CW   = (1 + EXP + MAN <= 32) ? 32 : 64
+    localparam int CW   = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64
 ) (
     input  logic [CW-1:0] mag_i,
     output logic [CW-1:0] s_o,

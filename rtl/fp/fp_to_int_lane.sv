@@ -9,7 +9,7 @@ module fp_to_int_lane #(
     parameter bit TRUNCATE = 0,   // 0: to nearest even; 1: toward zero
     parameter int CUTS     = 0,
     parameter bit FLAGS    = 0,
-    localparam int CI      = (1 + EXP + MAN <= 32) ? 32 : 64
+    localparam int CI      = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64
 ) (
     input  logic           clk_i,
     input  logic [CI-1:0]  a_i,

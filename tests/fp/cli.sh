@@ -37,6 +37,12 @@ line() {
   local arith
   for arith in rtl host; do expect 0 "$3 $4" "$3\n" "$2" --lanes "$1" --arith $arith; done
 }
+# Formats whose 32-bit container has no room beside the significand: a product, a carry, an overflow.
+for arith in rtl host; do
+  expect 0 'D3920869 D3920869 683BAF35 01' 'D3920869 D3920869\n' mul -f e7m24 --lanes 2 --arith $arith
+  expect 0 '6FFFFFFF 6FFFFFFF 70000000 05' '6FFFFFFF 6FFFFFFF\n' add -f e3m28 --lanes 2 --arith $arith
+  expect 0 '6FFFFFFF 00000001 70000000 05' '6FFFFFFF 00000001\n' div -f e3m28 --lanes 2 --arith $arith
+done
 line 4 f16_mul '3C01 4000' '4001 00'
 line 8 f32_sqrt '40000000' '3FB504F3 01'
 line 2 f64_add '3FF0000000000000 4000000000000000' '4008000000000000 00'
