@@ -79,7 +79,8 @@ TEST(PciConfig, ByteEnablesOfEveryRegister) {
   struct Register {
     std::uint32_t offset, writable;
   };
-  for (const Register& r : {Register{0x04, 0x0546}, {0x0C, 0xFFFF}, {0x10, 0xFFFF0000}, {0x3C, 0xFF}})
+  for (const Register& r :
+       {Register{0x04, 0x0546}, {0x0C, 0xFFFF}, {0x10, 0xFFFF0000}, {0x3C, 0xFF}})
     for (std::uint8_t enable = 0; enable < 16; ++enable) {
       SCOPED_TRACE(::testing::Message() << "register " << r.offset << " enables " << +enable);
       const BusCard card;
@@ -328,7 +329,8 @@ TEST(PciBar, BurstsEndWithTheBar) {
     EXPECT_EQ(t.stopped, 1u);
     for (std::uint32_t q = 0; q < kInside; ++q)
       EXPECT_EQ(card.read(kEnd - 8 * (kInside - q)), t.data[2 * q]) << "entry " << q;
-    for (std::uint32_t q = 0; q < 8; ++q) EXPECT_EQ(card.read(8 * q), 0x100 + q) << "register " << q;
+    for (std::uint32_t q = 0; q < 8; ++q)
+      EXPECT_EQ(card.read(8 * q), 0x100 + q) << "register " << q;
   }
 }
 

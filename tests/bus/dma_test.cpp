@@ -216,8 +216,8 @@ TEST(PciDma, EndsAtAPage) {
       for (const std::uint32_t start : {0u, 8u, 2048u, kPage - 8})
         for (const int beyond : {-8, 0, 8})
           for (const bool next_mapped : {true, false}) {
-            const auto bytes = static_cast<std::uint32_t>(static_cast<int>(pages * kPage - start) +
-                                                          beyond);
+            const auto bytes =
+                static_cast<std::uint32_t>(static_cast<int>(pages * kPage - start) + beyond);
             if (bytes == 0) continue;
             SCOPED_TRACE(::testing::Message()
                          << (to_host ? "to the host, " : "to the card, ") << bytes << " bytes from "
