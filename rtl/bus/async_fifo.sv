@@ -64,7 +64,10 @@ module async_fifo #(
   end
 
 `ifndef SYNTHESIS
-  always_ff @(posedge wclk_i) if (!wrst_i) assert (!(write_i && room_o == 0)) else $error("async_fifo: written while full");
-  always_ff @(posedge rclk_i) if (!rrst_i) assert (!(read_i && !valid_o)) else $error("async_fifo: read while empty");
+  // By the pointers as they are, not by what a side is told of the other's.
+  always_ff @(posedge wclk_i)
+    if (!wrst_i) assert (!(write_i && wbin_q - rbin_q == (AW + 1)'(DEPTH))) else $error("async_fifo: written while full");
+  always_ff @(posedge rclk_i)
+    if (!rrst_i) assert (!(read_i && wbin_q == rbin_q)) else $error("async_fifo: read while empty");
 `endif
 endmodule

@@ -153,11 +153,16 @@ TEST_F(Registers, WritesWhileBusyAreRefusedAndHarmless) {
   EXPECT_NE(status() & bit(kStatusCommandError), 0u);
   clear();
   ASSERT_NE(status() & bit(kStatusBusy), 0u) << "the pass ended before the attack did";
-  do board_.wait(1000);
-  while ((status() & bit(kStatusBusy)) != 0 && board_.read_register(kRegRecords) != 64);
+  for (unsigned looks = 0;; ++looks) {
+    ASSERT_LT(looks, 1000u) << "the pass neither ends nor fills the ring";
+    board_.wait(1000);
+    if ((status() & bit(kStatusBusy)) == 0 || board_.read_register(kRegRecords) == 64) break;
+  }
   // 256 records come through the ring of 64.
   std::vector<std::uint64_t> beats(256 / 2 * 7);
+  unsigned looks = 0;
   for (std::size_t got = 0; got < beats.size();) {
+    ASSERT_LT(++looks, 1000u) << got << " of " << beats.size() << " beats came";
     board_.wait(300);
     const std::size_t n = board_.read_register(kRegRecords) / 2 * 7;
     board_.bus_read(kSpaceSram, 0, std::span(beats).subspan(got, n));

@@ -1,12 +1,69 @@
 #include "bus_card.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <map>
+#include <ostream>
 #include <stdexcept>
 
 #include "cde/host_profile.hpp"
 
+namespace cde::pci {
+
+void PrintTo(Code code, std::ostream* out) {
+  static constexpr const char* kNames[] = {
+      "ok",           "length", "alignment",   "unmapped", "read only", "master abort",
+      "target abort", "parity", "retry limit", "settings", "stopped",   "disabled"};
+  if (code < std::size(kNames))
+    *out << kNames[code];
+  else if (code == testing::kNoRecord)
+    *out << "no record";
+  else
+    *out << "unknown code " << +code;
+}
+
+void PrintTo(Where where, std::ostream* out) {
+  static constexpr const char* kNames[] = {"data", "descriptor", "completion", "settings"};
+  if (where < std::size(kNames))
+    *out << kNames[where];
+  else
+    *out << "unknown place " << +where;
+}
+
+}  // namespace cde::pci
+
 namespace cde::testing {
+
+void PrintTo(Ending a, std::ostream* out) {
+  static constexpr const char* kNames[] = {"ok",     "master abort", "target abort",
+                                           "parity", "retried",      "stuck"};
+  if (a.code >= 0 && a.code < static_cast<int>(std::size(kNames)))
+    *out << kNames[a.code];
+  else
+    *out << "unknown ending " << a.code;
+}
+
+::testing::AssertionResult same_bytes(std::span<const std::uint8_t> got,
+                                      std::span<const std::uint8_t> wanted) {
+  constexpr std::size_t kShown = 16;
+  const auto [g, w] = std::ranges::mismatch(got, wanted);
+  if (g == got.end() && w == wanted.end()) return ::testing::AssertionSuccess();
+  const auto at = static_cast<std::size_t>(g - got.begin());
+  ::testing::AssertionResult result = ::testing::AssertionFailure();
+  const auto show = [&](const char* what, std::span<const std::uint8_t> bytes) {
+    result << what << " (" << bytes.size() << " bytes):";
+    for (const std::uint8_t byte : bytes.subspan(at, std::min(kShown, bytes.size() - at))) {
+      char text[4];
+      std::snprintf(text, sizeof text, " %02x", byte);
+      result << text;
+    }
+  };
+  result << "they differ from offset " << at << " on, ";
+  show("got", got);
+  result << ", ";
+  show("wanted", wanted);
+  return result;
+}
 
 cde_pci_profile profile(const std::string& name) {
   const HostProfile p = host_profile(name).value();
@@ -61,28 +118,28 @@ void BusCard::enumerate(std::uint32_t command, std::uint8_t latency_timer) {
 
 std::uint32_t BusCard::config(std::uint32_t offset) const {
   std::uint32_t value = 0;
-  EXPECT_EQ(api_->config_read(handle_, offset, &value), CDE_PCI_OK);
+  EXPECT_EQ(Ending{api_->config_read(handle_, offset, &value)}, CDE_PCI_OK) << offset;
   return value;
 }
 void BusCard::set_config(std::uint32_t offset, std::uint32_t value) const {
-  EXPECT_EQ(api_->config_write(handle_, offset, value), CDE_PCI_OK);
+  EXPECT_EQ(Ending{api_->config_write(handle_, offset, value)}, CDE_PCI_OK) << offset;
 }
 
 std::uint64_t BusCard::read(std::uint32_t offset) const {
   std::uint64_t value = 0;
-  EXPECT_EQ(api_->mmio_read(handle_, offset, &value, 8), CDE_PCI_OK) << offset;
+  EXPECT_EQ(Ending{api_->mmio_read(handle_, offset, &value, 8)}, CDE_PCI_OK) << offset;
   return value;
 }
 void BusCard::write(std::uint32_t offset, std::uint64_t value) const {
-  EXPECT_EQ(api_->mmio_write(handle_, offset, &value, 8), CDE_PCI_OK) << offset;
+  EXPECT_EQ(Ending{api_->mmio_write(handle_, offset, &value, 8)}, CDE_PCI_OK) << offset;
 }
 std::uint32_t BusCard::read32(std::uint32_t offset) const {
   std::uint32_t value = 0;
-  EXPECT_EQ(api_->mmio_read(handle_, offset, &value, 4), CDE_PCI_OK) << offset;
+  EXPECT_EQ(Ending{api_->mmio_read(handle_, offset, &value, 4)}, CDE_PCI_OK) << offset;
   return value;
 }
 void BusCard::write32(std::uint32_t offset, std::uint32_t value) const {
-  EXPECT_EQ(api_->mmio_write(handle_, offset, &value, 4), CDE_PCI_OK) << offset;
+  EXPECT_EQ(Ending{api_->mmio_write(handle_, offset, &value, 4)}, CDE_PCI_OK) << offset;
 }
 cde_pci_counters BusCard::counters() const {
   cde_pci_counters c{};
@@ -192,13 +249,13 @@ Result BusCard::wait(double microseconds) {
       next_ = (next_ + 1) % size_;
       if (next_ == 0) lap_ = !lap_;
       return {.number = static_cast<unsigned>(c.state >> pci::kCompletionNumber & 0xFFFF),
-              .code = static_cast<unsigned>(c.state >> pci::kCompletionCode & 0xFF),
+              .code = static_cast<pci::Code>(c.state >> pci::kCompletionCode & 0xFF),
               .bytes = c.bytes & ~7u,
               .fault = c.fault,
               .pci_status = static_cast<std::uint16_t>(c.state >> pci::kCompletionPci)};
     }
     const std::uint64_t now = api_->time_ps(handle_);
-    if (now >= end || over) return {.code = ~0u};
+    if (now >= end || over) return {.code = kNoRecord};
     api_->run(handle_, std::min<std::uint64_t>(end - now, 2'000'000), 1);
     if (api_->interrupt(handle_) != 0) {
       write(pci::kRegIrqStatus, 1u << pci::kIrqCompletion);
@@ -218,11 +275,11 @@ pci::Descriptor BusCard::descriptor(std::uint32_t mapped, std::uint32_t bytes, c
                    std::uint64_t{irq} << pci::kDescriptorIrq};
 }
 
-unsigned BusCard::status_code() const {
-  return read(pci::kRegStatus) >> pci::kStatusCode & 0xFF;
+pci::Code BusCard::status_code() const {
+  return static_cast<pci::Code>(read(pci::kRegStatus) >> pci::kStatusCode & 0xFF);
 }
-unsigned BusCard::status_where() const {
-  return read(pci::kRegStatus) >> pci::kStatusWhere & 0xFF;
+pci::Where BusCard::status_where() const {
+  return static_cast<pci::Where>(read(pci::kRegStatus) >> pci::kStatusWhere & 0xFF);
 }
 
 }  // namespace cde::testing

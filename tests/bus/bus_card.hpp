@@ -13,6 +13,12 @@
 #include "cde/card.hpp"
 #include "cde/pci.hpp"
 
+/// What tests print of a code: its name.
+namespace cde::pci {
+void PrintTo(Code code, std::ostream* out);
+void PrintTo(Where where, std::ostream* out);
+}  // namespace cde::pci
+
 namespace cde::testing {
 
 /// Hosts by name; docs/pci.md says where the figures come from.
@@ -28,14 +34,28 @@ struct BusOptions {
   std::uint64_t seed = 1;
 };
 
+/// Of a Result: there was no record in time.
+inline constexpr auto kNoRecord = static_cast<pci::Code>(~0u);
+
 /// What the driver finds in the completion ring.
 struct Result {
   unsigned number = 0;
-  unsigned code = 0;
+  pci::Code code = pci::kCodeOk;
   std::uint32_t bytes = 0;
   std::uint32_t fault = 0;
   std::uint16_t pci_status = 0;
 };
+
+/// How an access of the host ended, CDE_PCI_*; printed by name.
+struct Ending {
+  int code;
+  friend bool operator==(Ending a, int code) { return a.code == code; }
+  friend void PrintTo(Ending a, std::ostream* out);
+};
+
+/// Equal, or where the first difference is.
+::testing::AssertionResult same_bytes(std::span<const std::uint8_t> got,
+                                      std::span<const std::uint8_t> wanted);
 
 /// A card in its host, enumerated, with its descriptor ring, as a minimal driver would have them.
 /// Host pages are mapped one to one by default: page n of host memory is entry n of the page table;
@@ -63,7 +83,7 @@ class BusCard {
   void write(std::uint32_t offset, std::uint64_t value) const;
   std::uint32_t read32(std::uint32_t offset) const;
   void write32(std::uint32_t offset, std::uint32_t value) const;
-  int transact(cde_pci_transaction& t) const { return api_->transact(handle_, &t); }
+  Ending transact(cde_pci_transaction& t) const { return {api_->transact(handle_, &t)}; }
   /// Time goes by, interrupts or not.
   void pass(std::uint64_t ps) const { api_->run(handle_, ps, 0); }
   cde_pci_counters counters() const;
@@ -83,7 +103,7 @@ class BusCard {
   void submit(const pci::Descriptor& descriptor);  ///< into the ring, and the tail behind it
   void stage(const pci::Descriptor& descriptor);   ///< into the ring only
   void publish() const;                            ///< the tail
-  /// The next record, within a time in microseconds; code ~0 if there is none.
+  /// The next record, within a time in microseconds, or kNoRecord.
   Result wait(double microseconds = 20'000);
   Result transfer(std::uint32_t mapped, std::uint32_t bytes, card::Space space,
                   std::uint32_t offset, bool to_host) {
@@ -93,8 +113,8 @@ class BusCard {
   void clear();  ///< after a halt: empty ring, still set up, not running
   static pci::Descriptor descriptor(std::uint32_t mapped, std::uint32_t bytes, card::Space space,
                                     std::uint32_t offset, bool to_host, bool irq = true);
-  unsigned status_code() const;  ///< of the halted ring
-  unsigned status_where() const;
+  pci::Code status_code() const;  ///< of the halted ring
+  pci::Where status_where() const;
   bool halted() const { return (read(pci::kRegStatus) >> pci::kStatusHalted & 1) != 0; }
 
  private:

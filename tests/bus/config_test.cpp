@@ -1,5 +1,7 @@
 // Configuration space and BAR0 as a host sees them: identity, sizing, every width of access,
 // refusals.
+#include <algorithm>
+
 #include "bus_card.hpp"
 
 namespace cde::testing {
@@ -70,6 +72,46 @@ TEST(PciConfig, WritableBitsAndByteEnables) {
   t = single(kConfigWrite, 0x00, 0);
   EXPECT_EQ(card.transact(t), CDE_PCI_OK);
   EXPECT_EQ(card.config(0x00), pci::kDeviceId << 16 | pci::kVendorId);
+}
+
+/// Every set of byte enables on every register that can be written: bytes without theirs stay.
+TEST(PciConfig, ByteEnablesOfEveryRegister) {
+  struct Register {
+    std::uint32_t offset, writable;
+  };
+  for (const Register& r :
+       {Register{0x04, 0x0546}, {0x0C, 0xFFFF}, {0x10, 0xFFFF0000}, {0x3C, 0xFF}})
+    for (std::uint8_t enable = 0; enable < 16; ++enable) {
+      SCOPED_TRACE(::testing::Message() << "register " << r.offset << " enables " << +enable);
+      const BusCard card;
+      std::uint32_t bytes = 0;
+      for (unsigned k = 0; k < 4; ++k) bytes |= (enable >> k & 1u) * 0xFFu << 8 * k;
+      for (const std::uint32_t before : {0u, ~0u}) {
+        card.set_config(r.offset, before);
+        cde_pci_transaction t = single(kConfigWrite, r.offset, ~before, enable);
+        EXPECT_EQ(card.transact(t), CDE_PCI_OK);
+        EXPECT_EQ(card.config(r.offset) & r.writable, (before ^ bytes) & r.writable);
+      }
+    }
+}
+
+/// Bits of the status register are cleared by a 1 in a byte that is enabled.
+TEST(PciConfig, ByteEnablesOfTheStatusRegister) {
+  BusCard card;
+  card.enumerate();
+  cde_pci_transaction hole = single(kMemoryRead, BusCard::kBar + 0x2000);
+  EXPECT_EQ(card.transact(hole), CDE_PCI_TARGET_ABORT);
+  for (unsigned enable = 0; enable < 16; ++enable) {
+    const bool clears = (enable & 8) != 0;
+    cde_pci_transaction t =
+        single(kConfigWrite, 0x04, 0xFFFF0146, static_cast<std::uint8_t>(enable));
+    EXPECT_EQ(card.transact(t), CDE_PCI_OK);
+    EXPECT_EQ(card.config(0x04) & kSignaledTargetAbort, clears ? 0 : kSignaledTargetAbort)
+        << "enables " << enable;
+    if (clears) {
+      EXPECT_EQ(card.transact(hole), CDE_PCI_TARGET_ABORT);
+    }
+  }
 }
 
 TEST(PciConfig, BurstsAreCutAndOtherFunctionsAreNotThere) {
@@ -231,6 +273,64 @@ TEST(PciBar, LongBurstsAreFollowedUp) {
     std::vector<std::uint64_t> back(512);
     EXPECT_EQ(card.api().mmio_read(card.handle(), first, back.data(), 4096), CDE_PCI_OK);
     EXPECT_EQ(back, entries);
+  }
+}
+
+/// A core so slow that the FIFO of posted writes is full most of the time: bursts get in as far as
+/// there is room, and no word of what got in is lost.
+TEST(PciBar, PostedWritesThatFillTheFifo) {
+  constexpr std::uint32_t kBursts = 40, kQwords = 8;
+  for (const bool narrow : {false, true}) {
+    SCOPED_TRACE(narrow ? "32 bits" : "64 bits");
+    BusCard card({.narrow = narrow, .core_period_ps = 400'000});
+    card.enumerate();
+    std::uint32_t cut = 0;
+    for (std::uint32_t burst = 0; burst < kBursts; ++burst) {
+      cde_pci_transaction t{};
+      t.command = kMemoryWrite;
+      t.wide = !narrow;
+      std::fill(std::begin(t.enable), std::end(t.enable), std::uint8_t{0xF});
+      for (std::uint32_t done = 0, tries = 0; done < 2 * kQwords; done += t.done, ++tries) {
+        ASSERT_LT(tries, 1000u) << "burst " << burst << " does not get in";
+        t.address = BusCard::kBar + 8 * kQwords * burst + 4 * done;
+        t.dwords = 2 * kQwords - done;
+        for (std::uint32_t i = 0; i < t.dwords; ++i) t.data[i] = 1000 * burst + done + i;
+        ASSERT_EQ(card.transact(t), CDE_PCI_OK);
+        cut += t.done < t.dwords ? 1 : 0;
+      }
+    }
+    EXPECT_GT(cut, kBursts) << "the FIFO was not full";
+    for (std::uint32_t q = 0; q < kBursts * kQwords; ++q) {
+      const std::uint64_t low = 1000 * (q / kQwords) + 2 * (q % kQwords);
+      ASSERT_EQ(card.read(8 * q), (low + 1) << 32 | low) << "register " << q;
+    }
+  }
+}
+
+/// A burst that runs past the end of BAR0 ends there: what follows is not written to its beginning.
+TEST(PciBar, BurstsEndWithTheBar) {
+  constexpr std::uint32_t kInside = 4, kEnd = 0x10000;
+  for (const bool narrow : {false, true}) {
+    SCOPED_TRACE(narrow ? "32 bits" : "64 bits");
+    BusCard card({.narrow = narrow});
+    card.enumerate();
+    for (std::uint32_t q = 0; q < 8; ++q) card.write(8 * q, 0x100 + q);
+    cde_pci_transaction t{};
+    t.command = kMemoryWrite;
+    t.wide = !narrow;
+    t.address = BusCard::kBar + kEnd - 8 * kInside;
+    t.dwords = 2 * (kInside + 4);
+    for (std::uint32_t i = 0; i < t.dwords; ++i) {
+      t.data[i] = i % 2 == 0 ? (i << 12 | 3) : 0;
+      t.enable[i] = 0xF;
+    }
+    EXPECT_EQ(card.transact(t), CDE_PCI_OK);
+    EXPECT_EQ(t.done, 2 * kInside);
+    EXPECT_EQ(t.stopped, 1u);
+    for (std::uint32_t q = 0; q < kInside; ++q)
+      EXPECT_EQ(card.read(kEnd - 8 * (kInside - q)), t.data[2 * q]) << "entry " << q;
+    for (std::uint32_t q = 0; q < 8; ++q)
+      EXPECT_EQ(card.read(8 * q), 0x100 + q) << "register " << q;
   }
 }
 

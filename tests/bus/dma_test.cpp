@@ -16,6 +16,7 @@ TEST(PciDma, BothWaysEverySizeAndPlace) {
     card.map_range(0, 63);
     card.start_ring();
     Numbers numbers(20240611);
+    const std::vector<std::uint8_t> beside(8, 0x55);
     for (const std::uint32_t bytes : {8u, 16u, 24u, 40u, 64u, 248u, 4096u, 4104u, 12280u, 65536u})
       for (const std::uint32_t start : {0u, 8u, 4088u, 2048u}) {
         SCOPED_TRACE(::testing::Message() << bytes << " bytes from " << start);
@@ -29,15 +30,15 @@ TEST(PciDma, BothWaysEverySizeAndPlace) {
         ASSERT_EQ(in.code, pci::kCodeOk);
         ASSERT_EQ(in.bytes, bytes);
         card.pass(10'000'000);
-        ASSERT_TRUE(std::equal(data.begin(), data.end(), local.begin() + offset));
+        ASSERT_TRUE(same_bytes(local.subspan(offset, bytes), data));
         ASSERT_EQ(local[offset + bytes], 0xEE);
         card.put(down - 8, std::vector<std::uint8_t>(bytes + 16, 0x55));
         const Result out = card.transfer(down, bytes, kSpaceDdr, offset, true);
         ASSERT_EQ(out.code, pci::kCodeOk);
         ASSERT_EQ(out.bytes, bytes);
-        ASSERT_EQ(card.get(down, bytes), data);
-        ASSERT_EQ(card.get(down - 8, 8), std::vector<std::uint8_t>(8, 0x55));
-        ASSERT_EQ(card.get(down + bytes, 8), std::vector<std::uint8_t>(8, 0x55));
+        ASSERT_TRUE(same_bytes(card.get(down, bytes), data));
+        ASSERT_TRUE(same_bytes(card.get(down - 8, 8), beside)) << "before";
+        ASSERT_TRUE(same_bytes(card.get(down + bytes, 8), beside)) << "behind";
       }
   }
 }
@@ -118,16 +119,16 @@ TEST(PciDma, SpacesAndScatteredPages) {
     ASSERT_EQ(card.transfer(40 * 4096, 3 * 4096, space, 0x4000, false).code, pci::kCodeOk);
     card.pass(10'000'000);
     const auto local = card.local(space).subspan(0x4000);
-    EXPECT_TRUE(std::equal(a.begin(), a.end(), local.begin()));
-    EXPECT_TRUE(std::equal(b.begin(), b.end(), local.begin() + 4096));
-    EXPECT_TRUE(std::equal(a.begin(), a.end(), local.begin() + 8192));
+    EXPECT_TRUE(same_bytes(local.first(4096), a));
+    EXPECT_TRUE(same_bytes(local.subspan(4096, 4096), b));
+    EXPECT_TRUE(same_bytes(local.subspan(8192, 4096), a));
   }
 }
 
 TEST(PciDma, RefusedDescriptors) {
   struct Case {
     pci::Descriptor descriptor;
-    unsigned code;
+    pci::Code code;
     std::uint32_t fault;
   };
   const auto make = [](std::uint32_t at, std::uint32_t bytes, std::uint32_t offset = 0) {
@@ -155,9 +156,9 @@ TEST(PciDma, RefusedDescriptors) {
     EXPECT_EQ(card.status_code(), c.code);
     EXPECT_EQ(card.read(pci::kRegFaultAddr), c.fault);
     EXPECT_EQ(card.read(pci::kRegBursts), bursts + 2) << "descriptor and record, no data";
-    EXPECT_EQ(card.wait(100).code, ~0u);
+    EXPECT_EQ(card.wait(100).code, kNoRecord);
     card.write(pci::kRegControl, 1u << pci::kControlRun);
-    EXPECT_EQ(card.wait(100).code, ~0u) << "a halted ring does not run";
+    EXPECT_EQ(card.wait(100).code, kNoRecord) << "a halted ring does not run";
     card.clear();
     card.write(pci::kRegControl, 1u << pci::kControlRun);
     EXPECT_EQ(card.transfer(kData, 64, kSpaceDdr, 0, false).code, pci::kCodeOk);
@@ -189,7 +190,7 @@ TEST(PciDma, AddressCheck) {
         EXPECT_EQ(r.fault, bad == 20 ? 20 * 4096 + 64 : bad * 4096);
         EXPECT_EQ(card.read(pci::kRegFaultAddr), r.fault);
         EXPECT_EQ(card.counters().bytes_read + card.counters().bytes_written - data, 32u + 16u);
-        EXPECT_EQ(card.get(20 * 4096, 20 * 4096), untouched);
+        EXPECT_TRUE(same_bytes(card.get(20 * 4096, 20 * 4096), untouched));
         EXPECT_EQ(card.local(kSpaceDdr)[0], 0xA5);
         EXPECT_TRUE(card.halted());
         card.clear();
@@ -206,6 +207,46 @@ TEST(PciDma, AddressCheck) {
   }
 }
 
+/// Transfers that end a word before their page's end, with it, and a word behind it, from several
+/// places in the page. The page that follows is looked at if and only if data lies in it.
+TEST(PciDma, EndsAtAPage) {
+  constexpr std::uint32_t kPage = 4096, kFirst = 20 * kPage;
+  for (const bool to_host : {false, true})
+    for (const std::uint32_t pages : {1u, 2u})
+      for (const std::uint32_t start : {0u, 8u, 2048u, kPage - 8})
+        for (const int beyond : {-8, 0, 8})
+          for (const bool next_mapped : {true, false}) {
+            const auto bytes =
+                static_cast<std::uint32_t>(static_cast<int>(pages * kPage - start) + beyond);
+            if (bytes == 0) continue;
+            SCOPED_TRACE(::testing::Message()
+                         << (to_host ? "to the host, " : "to the card, ") << bytes << " bytes from "
+                         << start << ", next page " << (next_mapped ? "mapped" : "not mapped"));
+            Running card;
+            const std::uint32_t next = 20 + pages;
+            if (!next_mapped) card.map(next, next, true, false);
+            Numbers numbers(11);
+            const auto data = numbers.bytes(bytes);
+            const auto local = card.local(kSpaceDdr);
+            if (to_host)
+              std::copy(data.begin(), data.end(), local.begin());
+            else
+              card.put(kFirst + start, data);
+            const Result r = card.transfer(kFirst + start, bytes, kSpaceDdr, 0, to_host);
+            if (beyond > 0 && !next_mapped) {
+              EXPECT_EQ(r.code, pci::kCodeUnmapped);
+              EXPECT_EQ(r.bytes, 0u) << "refused before any data moves";
+              EXPECT_EQ(r.fault, next * kPage);
+              continue;
+            }
+            ASSERT_EQ(r.code, pci::kCodeOk);
+            EXPECT_EQ(r.bytes, bytes);
+            card.pass(10'000'000);
+            EXPECT_TRUE(to_host ? same_bytes(card.get(kFirst + start, bytes), data)
+                                : same_bytes(local.first(bytes), data));
+          }
+}
+
 /// Rings are addressed through the same table; what cannot be reported by a record is in the
 /// registers.
 TEST(PciDma, RingsOutsideTheTable) {
@@ -216,7 +257,7 @@ TEST(PciDma, RingsOutsideTheTable) {
     card.submit(BusCard::descriptor(kData, 64, kSpaceDdr, 0, false));
     EXPECT_LT(card.api().run(card.handle(), 50'000'000, 1), 50'000'000u) << "an interrupt";
     EXPECT_EQ(card.read(pci::kRegIrqStatus), 1u << pci::kIrqHalted);
-    EXPECT_EQ(card.wait().code, ~0u);
+    EXPECT_EQ(card.wait().code, kNoRecord);
     EXPECT_TRUE(card.halted());
     EXPECT_EQ(card.status_code(), descriptors ? pci::kCodeUnmapped : pci::kCodeReadOnly);
     EXPECT_EQ(card.status_where(), descriptors ? pci::kWhereDescriptor : pci::kWhereCompletion);
@@ -264,7 +305,7 @@ TEST(PciDma, SettingsAreChecked) {
 TEST(PciDma, MasteringOffHaltsTheRing) {
   Running card;
   card.set_config(4, 0x142);
-  EXPECT_EQ(card.transfer(kData, 64, kSpaceDdr, 0, false).code, ~0u);
+  EXPECT_EQ(card.transfer(kData, 64, kSpaceDdr, 0, false).code, kNoRecord);
   EXPECT_EQ(card.status_code(), pci::kCodeDisabled);
   EXPECT_EQ(card.counters().bytes_read, 0u);
 }
@@ -328,8 +369,9 @@ TEST(PciDma, SkippedClocksChangeNothing) {
       card.put(kData, numbers.bytes(32768));
       for (int i = 0; i < 20; ++i) {
         card.pass(1000 * numbers.below(5000));
-        card.transfer(kData + 8 * numbers.below(100), 8 + 8 * numbers.below(900), kSpaceDdr,
-                      8 * numbers.below(999), i % 2 != 0);
+        const std::uint32_t from = kData + 8 * numbers.below(100), n = 8 + 8 * numbers.below(900);
+        ASSERT_EQ(card.transfer(from, n, kSpaceDdr, 8 * numbers.below(999), i % 2 != 0).code,
+                  pci::kCodeOk);
         card.api().local_irq(card.handle(), i % 3 == 0);
         card.write(pci::kRegIrqMask, numbers.below(8));
         seen[all].push_back(card.api().time_ps(card.handle()));
@@ -374,7 +416,7 @@ TEST(PciDma, ResetInMidTransfer) {
     std::ranges::fill(card.local(kSpaceDdr), 0);
     ASSERT_EQ(card.transfer(kData, 16384, kSpaceDdr, 0, false).code, pci::kCodeOk);
     card.pass(10'000'000);
-    EXPECT_TRUE(std::equal(data.begin(), data.end(), card.local(kSpaceDdr).begin()));
+    EXPECT_TRUE(same_bytes(card.local(kSpaceDdr).first(data.size()), data));
   }
 }
 

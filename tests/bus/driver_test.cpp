@@ -102,6 +102,45 @@ INSTANTIATE_TEST_SUITE_P(Kinds, PciFaults,
                                            Fault{"grant", BusFault::kGrant, 1}),
                          [](const auto& info) { return info.param.name; });
 
+/// Fault after fault while the records of one pass come, at every stage of it: the pass is run
+/// again, and each record is delivered once, in order. With a ring for all of them records come in
+/// pieces of many thousands, with a small one a few at a time.
+TEST(PciDriverErrors, ARepeatedPassDeliversEachRecordOnce) {
+  constexpr std::size_t kRays = 256, kTriangles = 100;
+  for (const bool small_ring : {true, false}) {
+    SCOPED_TRACE(small_ring ? "ring of 64" : "ring of 524,288");
+    BoardConfig config = small_ring ? pci_config() : host_config();
+    config.bus = Bus::kCycle;
+    Board board = Board::open(config, options("ideal"));
+    Random random;
+    const Scene scene = beam(random, kRays, small_ring ? kTriangles / 2 : kTriangles);
+    const auto expected = reference::cast(scene.rays, scene.triangles, Mode::kAll);
+    ASSERT_GT(expected.size(), 8192u);
+    board.upload(scene.triangles);
+    board.load(scene.rays);
+    std::uint64_t late = 0;
+    for (const std::size_t third : {0u, 1u, 2u}) {
+      const std::uint64_t before = board.bus_counters().pass_retries;
+      std::vector<Record> got;
+      unsigned faults = 2;
+      bool after_some = false;
+      const RecordSink sink = [&](std::span<const Record> some) {
+        got.insert(got.end(), some.begin(), some.end());
+        if (faults == 0 || got.size() <= third * expected.size() / 3) return;
+        --faults;
+        after_some = true;
+        board.inject(BusFault::kTargetAbort, 1, 2);
+      };
+      (void)board.run({.mode = Mode::kAll}, sink);
+      ASSERT_EQ(got.size(), expected.size());
+      for (std::size_t i = 0; i < got.size(); ++i)
+        ASSERT_TRUE(same_bits(got[i], expected[i])) << "record " << i;
+      if (after_some) late += board.bus_counters().pass_retries - before;
+    }
+    EXPECT_GE(late, 3u) << "passes repeated after records were delivered";
+  }
+}
+
 /// More failures in a row than the driver repeats are an error that says what the device said.
 TEST(PciDriverErrors, AnAbortThatStaysIsOneError) {
   Board board = Board::open(pci_config(), options("ideal"));

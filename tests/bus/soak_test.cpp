@@ -31,6 +31,7 @@ class Soak {
     while ((card_.counters().transactions + accesses_ < transactions || faults_ < faults) &&
            !::testing::Test::HasFatalFailure()) {
       batch();
+      ASSERT_LT(batches_, transactions) << "no transactions, or no faults";
       if (++batches_ % 64 == 0) compare_all();
       if (batches_ % 500 == 0) restart_with_other_settings();
     }
@@ -86,7 +87,7 @@ class Soak {
     for (std::uint32_t n = numbers_.below(4); n > 0; --n) access();
     for (const Move& m : moves) {
       const Result r = card_.wait(5'000);
-      if (r.code == ~0u) {  // the ring halted without a record for this one
+      if (r.code == kNoRecord) {  // the ring halted without a record for this one
         ASSERT_TRUE(card_.halted()) << "hang";
         ASSERT_NE(card_.status_code(), pci::kCodeOk);
         ++failed_;
@@ -187,11 +188,11 @@ class Soak {
         t.bad_data_parity = 1 + numbers_.below(2);
         t.waits = numbers_.below(3);
         t.enable[0] = t.enable[1] = 0xF;
-        const int result = card_.transact(t);
+        const Ending result = card_.transact(t);
         // One half bad: neither is written. Retried for want of room: no data phase at all.
         ASSERT_TRUE(result == CDE_PCI_PARITY ||
                     (result == CDE_PCI_OK && t.done < t.bad_data_parity))
-            << result;
+            << ::testing::PrintToString(result);
         if (t.done == 1 && t.bad_data_parity == 2) mine = 0;
         ASSERT_EQ(card_.read(offset), mine);
       }

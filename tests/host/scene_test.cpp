@@ -474,6 +474,32 @@ TEST(Plan, LanesGrowWithThePrimaries) {
   EXPECT_EQ(lanes(5000, "[card]\narithmetic = \"rtl\"\n"), 16u);
 }
 
+/// What one query needs the card has, whichever query it is.
+TEST(Plan, TakesWhatAnyQueryNeeds) {
+  const std::string objects =
+      "[[object]]\nname = \"balls\"\nsphere = { center = [1, 2, 3], radius = 0.5 }\n"
+      "[[object]]\nname = \"box\"\nobb = { center = [0, 0, 0], half = [1, 2, 3] }\n";
+  const auto query = [](const char* name, bool swap, bool normals) {
+    return fmt::format(
+        "[[query]]\nname = \"{}\"\npair = \"sphere-obb\"\nprimaries = \"{}\"\n"
+        "secondaries = \"{}\"\nnormals = {}\n",
+        name, swap ? "box" : "balls", swap ? "balls" : "box", normals);
+  };
+  for (unsigned which = 0; which < 3; ++which)
+    for (const bool swap : {false, true})
+      for (const bool normals : {false, true}) {
+        std::string scene = objects;
+        for (unsigned q = 0; q < 3; ++q)
+          scene += query(fmt::format("q{}", q).c_str(), q == which && swap, q == which && normals);
+        SCOPED_TRACE(scene);
+        const Plan p = plan(parse_scene(scene, "s.toml"));
+        EXPECT_EQ(p.board.swap, swap);
+        EXPECT_EQ(p.board.normals, normals);
+        EXPECT_EQ(effect(p, "exchange of roles").used, swap);
+        EXPECT_EQ(effect(p, "normals").used, normals);
+      }
+}
+
 TEST(Plan, CountsWork) {
   const Plan p = plan(load_scene(std::filesystem::path(CDE_MESHES) / "scenes/spheres.toml"));
   ASSERT_EQ(p.queries.size(), 1u);
