@@ -263,33 +263,57 @@ void bracket(Search<S>& s, const Vector<S>& e, const Touch<S>& x, const Touch<S>
   s.hi_n = select<S>(ahead, y.n, x.n), s.hi_y = select<S>(ahead, y.y, x.y);
 }
 
+/// A cylinder as the search beside a cap's axis sees it.
+template <typename S>
+struct Cap {
+  Vector<S> axis, reach;
+  S radius;
+};
+
 /// Off a cap's axis n towards the steepest ascent t = y - g n, taken at the cap's centre: the gap
 /// changes by |t| - r per radian, and curves by kappa (v.t)^2/|t|^2 + g of the other body. The
 /// Newton step of that derivative, 2^-13 to 1/8 radian; started farther off, the search misses
 /// maxima close to the axis.
+///
+/// Two things make y the wrong point to start from. Where the other cylinder's axis is within a
+/// 32nd of t's slope of perpendicular to n, its nearer end is the one on the side of the step, not
+/// the one that n happens to touch. Where the axes are parallel up to 2^-15, what its rim adds turns
+/// with the step: |t| - r - r' is the slope, t between the axes.
 template <typename S>
-[[nodiscard]] Vector<S> beside_pole(const Touch<S>& at, S radius, const Rim<S>& other,
-                                    const Vector<S>& axis, const Vector<S>& reach) {
+[[nodiscard]] Vector<S> beside_pole(const Touch<S>& at, const Vector<S>& d, const Cap<S>& own,
+                                    const Cap<S>& other, const Rim<S>& rim) {
   const S zero(0), far(0.125), near(0x1p-13);
-  const Vector<S> own = sub<S>(at.y, scale<S>(at.n, at.g));
-  // The other cylinder's other end.
-  const S along = dot<S>(axis, at.n), across = dot<S>(axis, own);
-  const Mask<S> crosses = is_negative(along) != is_negative(across) &&
-                          (S(64) * (along * along)) * dot<S>(own, own) <= across * across;
+  const S tilt = dot<S>(other.axis, at.n);
+  const S side = dot<S>(d, other.axis) - tilt * dot<S>(d, at.n);
   Vector<S> end;
-  for (int k = 0; k < 3; ++k) end[k] = move_sign(along, S(2) * reach[k]);
-  const Vector<S> farther = add<S>(own, end), beyond = sub<S>(farther, scale<S>(at.n, dot<S>(farther, at.n)));
-  const Vector<S> t = select<S>(crosses, beyond, own);
-  const S tt = dot<S>(t, t), length = square_root(tt), vt = dot<S>(other.v, t);
-  const S curve = other.kappa * (vt * vt) + at.g * tt;
+  for (int k = 0; k < 3; ++k) end[k] = move_sign(side, other.reach[k]);
+  const Vector<S> x = sub<S>(d, end), across = sub<S>(x, scale<S>(at.n, dot<S>(x, at.n)));
+  const S ahead = dot<S>(across, other.axis);
+  const Mask<S> crosses =
+      (tilt * tilt) * dot<S>(across, across) <= (ahead * ahead) * S(0x1p-10);
+  const Mask<S> parallel = rim.kappa == zero || other.radius <= rim.kappa * S(0x1p-15);
+  const Vector<S> touched = sub<S>(at.y, scale<S>(at.n, at.g));
+  const Vector<S> t = select<S>(crosses || parallel, across, touched);
+  const S tt = dot<S>(t, t), length = square_root(tt), vt = dot<S>(rim.v, t);
+  const S curve = select<S>(parallel, zero, rim.kappa * (vt * vt)) + at.g * tt;
+  const S radius = select<S>(parallel, own.radius + other.radius, own.radius);
   const S angle = ((length - radius) * tt) / curve;
   const S step = select<S>(zero < curve, clamp<S>(angle, near, far), far);
   return add<S>(scale<S>(at.n, length), scale<S>(t, step));
 }
 
+/// Off the axis of A's caps, or of B's.
+template <typename S>
+[[nodiscard]] Vector<S> pole_step(const Pair<S>& pair, const Evaluation<S>& at, bool of_a) {
+  const Cap<S> a = {pair.axis[0], pair.reach[0], pair.radius};
+  const Cap<S> b = {pair.b, pair.b_reach, pair.b_radius};
+  return of_a ? beside_pole<S>(better<S>(at), pair.d, a, b, at.b)
+              : beside_pole<S>(better<S>(at), pair.d, b, a, at.a);
+}
+
 /// Newton's step of g on the sphere from n: (kappa_a va va^T + kappa_b vb vb^T + g) step = y - g n
-/// in the tangent plane, each component at most 1/2. Where that matrix is not positive definite, a
-/// deep penetration, g's part is made slightly positive.
+/// in the tangent plane. The matrix gets as much of the identity added as makes its smaller
+/// eigenvalue |y - g n|, and the step at most 1; each component is at most 1/2.
 template <typename S>
 [[nodiscard]] Vector<S> newton_step(const Touch<S>& at, const Rim<S>& a, const Rim<S>& b) {
   const S zero(0), half(0.5);
@@ -298,13 +322,14 @@ template <typename S>
   const Vector<S> v1 = select<S>(swap, b.v, a.v), v2 = select<S>(swap, a.v, b.v);
   const Vector<S> t = cross<S>(v1, at.n);
   const S c = dot<S>(v2, v1), s = dot<S>(v2, t), kc = k2 * c, ks = k2 * s;
-  const S h11 = k1 + kc * c, h12 = kc * s, h22 = ks * s;
-  const S d11 = h11 + at.g, d22 = h22 + at.g, det = d11 * d22 - h12 * h12;
-  const Mask<S> definite = zero < det && zero < d22;
-  const S g = magnitude(at.g) * S(0x1p-7);
-  const S e11 = select<S>(definite, d11, h11 + g), e22 = select<S>(definite, d22, h22 + g);
-  const S inverse = S(1) / (e11 * e22 - h12 * h12);
+  const S h11 = k1 + kc * c, h12 = kc * s, h22 = ks * s, hh = h12 * h12;
+  const S d11 = h11 + at.g, d22 = h22 + at.g;
+  const S mean = (d11 + d22) * half, apart = (d11 - d22) * half;
+  const S lesser = mean - square_root(apart * apart + hh);
   const S y1 = dot<S>(at.y, v1), y2 = dot<S>(at.y, t);
+  const S more = max_num(zero, square_root(y1 * y1 + y2 * y2) - lesser);
+  const S e11 = d11 + more, e22 = d22 + more;
+  const S inverse = S(1) / (e11 * e22 - hh);
   const S s1 = clamp<S>((e22 * y1 - h12 * y2) * inverse, -half, half);
   const S s2 = clamp<S>((e11 * y2 - h12 * y1) * inverse, -half, half);
   return add<S>(scale<S>(v1, s1), scale<S>(t, s2));
@@ -384,9 +409,7 @@ void step(Pair<S>& pair, Search<S>& s, const Pass& p, const Budget& budget) {
       s.next = circle_step<S>(e, s, at, slope);
       break;
     case Phase::kPole:
-      s.next = beside_pole<S>(best, p.track == 0 ? pair.radius : pair.b_radius,
-                              p.track == 0 ? at.b : at.a, p.track == 0 ? pair.b : pair.axis[0],
-                              p.track == 0 ? pair.b_reach : pair.reach[0]);
+      s.next = pole_step<S>(pair, at, p.track == 0);
       break;
     case Phase::kStart:
     case Phase::kNewton:
