@@ -41,12 +41,16 @@
 `define LATENCY_POLYHEDRON_RAW (((BODY == `BODY_BOX) ? 3 : 1) * LAT_ADD + `DF_LAT_DOT + `DF_MAX2( \
   `DF_LAT_CROSS + LAT_SQRT + LAT_ADD + LAT_MUL + `DF_MAX3(LAT_MUL, LAT_ADD, LAT_CMP), 2 * LAT_MUL + 2 * LAT_CMP))
 `define LATENCY_FRONT (((BODY == `BODY_CYLINDER) ? `LATENCY_CYLINDER_RAW : `LATENCY_POLYHEDRON_RAW) + `LATENCY_NORMALISE)
-// Circle: a sample's end (polyhedra), its slope, then Newton's normal and whether it stays in the bracket, or the tie.
-`define LATENCY_TIE (LAT_ADD + `DF_LAT_CROSS + `DF_LAT_DOT + LAT_CMP)
-`define LATENCY_CIRCLE (((BODY == `BODY_CYLINDER) ? 0 : `DF_LAT_DOT + LAT_CMP) + `DF_LAT_CROSS + `DF_LAT_DOT + cde_pkg::larger( \
-  cde_pkg::larger(3 * LAT_MUL + 3 * LAT_ADD + LAT_DIV, LAT_CMP + `DF_LAT_CROSS) + `DF_LAT_DOT + LAT_CMP, LAT_CMP + `LATENCY_TIE))
-`define LATENCY_POLE (LAT_MUL + LAT_ADD + `DF_LAT_DOT + LAT_ADD + LAT_MUL + `DF_MAX2(LAT_SQRT, LAT_MUL) + LAT_DIV + 2 * LAT_CMP + LAT_MUL + LAT_ADD)
-`define LATENCY_NEWTON (4 * LAT_CMP + `DF_LAT_CROSS + `DF_LAT_DOT + 6 * LAT_MUL + 5 * LAT_ADD + LAT_DIV)
+// Circle: the slope of the new normal, which may become an end of the bracket; then Newton's normal and whether it stays in the
+// bracket, or the tie.
+`define LATENCY_SLOPE (`DF_LAT_CROSS + `DF_LAT_DOT)
+`define LATENCY_TIE (LAT_ADD + `DF_LAT_DOT + LAT_ADD + 2 * LAT_MUL + 2 * LAT_CMP + LAT_ADD)
+`define LATENCY_ENDS ((BODY == `BODY_CYLINDER) ? `LATENCY_SLOPE + LAT_CMP : `DF_MAX2(`LATENCY_SLOPE, LAT_CMP) + 2 * LAT_CMP)
+`define LATENCY_CIRCLE cde_pkg::larger(`LATENCY_ENDS + `LATENCY_TIE, cde_pkg::larger(`LATENCY_SLOPE + 3 * LAT_MUL + 3 * LAT_ADD + LAT_DIV, \
+  `LATENCY_ENDS + `DF_LAT_CROSS) + `DF_LAT_DOT + LAT_CMP)
+`define LATENCY_POLE (3 * `DF_LAT_DOT + 4 * LAT_MUL + 3 * LAT_ADD + LAT_CMP + `DF_LAT_DOT + LAT_ADD + LAT_MUL + `DF_MAX2(LAT_SQRT, LAT_MUL) + \
+  LAT_DIV + 2 * LAT_CMP + LAT_MUL + LAT_ADD)
+`define LATENCY_NEWTON (4 * LAT_CMP + `DF_LAT_CROSS + `DF_LAT_DOT + 7 * LAT_MUL + 9 * LAT_ADD + LAT_SQRT + LAT_DIV)
 `define LATENCY_FREE `DF_MAX2(`LATENCY_POLE, `LATENCY_NEWTON)
 `define LATENCY_STEP ((BODY == `BODY_CYLINDER) ? cde_pkg::larger(`LATENCY_CIRCLE, `LATENCY_FREE) : `LATENCY_CIRCLE)
 `define LATENCY_PROJECT_CYLINDER (LAT_ADD + `DF_LAT_DOT + `DF_MAX2(2 * `DF_LAT_CROSS + LAT_SQRT + LAT_DIV, LAT_CMP) + LAT_CMP + LAT_MUL + 2 * LAT_ADD)

@@ -1,11 +1,12 @@
 // A step on a circle of normals perpendicular to e (reference/cylinder/search.hpp): the bracket lo, hi that the pass leaves behind, and
-// the next normal, Newton's where that stays in the bracket, else the tie of the support points of both ends. The normal the pass has
-// evaluated is (n, y, g); best is the better of its orientations, back the y of the other.
+// the next normal, Newton's where that stays in the bracket, else the tie of the support points of both ends. The pass has evaluated
+// (n, y, g) and the opposite normal (-n, minus_y, minus_g).
 //   beside   (cylinders) last and best make the bracket, in whichever order
-//   sample   (polyhedra) last and this one make it if both slopes point inward and no bracket so far has a better end
-//   refine   this one replaces the end whose slope has its sign
-// 40 add, 58 mul, 1 div, 6 compare (cylinder); 39 add, 56 mul, 1 div, 9 compare, 1 min/max (box, triangle).
-// Latency: LATENCY_STEP clocks; 0 with ARITH = "host". Throughput: one step a lane a clock. Stall: none, runs free.
+//   sample   (polyhedra) the sample before and this one make it, or their opposites, if both slopes point inward and no bracket so far
+//            has a better end
+//   refine   n replaces the end whose slope has its sign
+// 37 add, 62 mul, 1 div, 5 compare, 3 min/max (cylinder); 36 add, 56 mul, 1 div, 9 compare, 5 min/max (box, triangle).
+// Latency: LATENCY_STEP clocks, the slopes LATENCY_SLOPE; 0 with ARITH = "host". Throughput: one step a lane a clock. Stall: none.
 `include "cylinder.svh"
 module cylinder_circle #(
     parameter int BODY = `BODY_CYLINDER,
@@ -30,10 +31,10 @@ module cylinder_circle #(
     input logic [2:0][LANES-1:0][CW-1:0] a_v_i,
     input logic [LANES-1:0][CW-1:0] b_kappa_i,
     input logic [2:0][LANES-1:0][CW-1:0] b_v_i,
-    input logic [LANES-1:0][CW-1:0] best_g_i,
-    input logic [2:0][LANES-1:0][CW-1:0] best_n_i,
+    input logic [LANES-1:0][CW-1:0] minus_g_i,
+    input logic [2:0][LANES-1:0][CW-1:0] minus_y_i,
+    input logic [2:0][LANES-1:0][CW-1:0] best_n_i,  // cylinders: of the better orientation
     input logic [2:0][LANES-1:0][CW-1:0] best_y_i,
-    input logic [2:0][LANES-1:0][CW-1:0] back_y_i,
     input logic [2:0][LANES-1:0][CW-1:0] lo_n_i,  // state
     input logic [2:0][LANES-1:0][CW-1:0] lo_y_i,
     input logic [2:0][LANES-1:0][CW-1:0] hi_n_i,
@@ -42,6 +43,12 @@ module cylinder_circle #(
     input logic [LANES-1:0][CW-1:0] last_g_i,
     input logic [2:0][LANES-1:0][CW-1:0] last_n_i,
     input logic [2:0][LANES-1:0][CW-1:0] last_y_i,
+    input logic [LANES-1:0][CW-1:0] last_slope_i,
+    input logic [LANES-1:0][CW-1:0] back_g_i,
+    input logic [2:0][LANES-1:0][CW-1:0] back_y_i,
+    input logic [LANES-1:0][CW-1:0] back_slope_i,
+    output logic [LANES-1:0][CW-1:0] slope_o,  // of n
+    output logic [LANES-1:0][CW-1:0] minus_slope_o,  // of -n
     output logic [2:0][LANES-1:0][CW-1:0] lo_n_o,
     output logic [2:0][LANES-1:0][CW-1:0] lo_y_o,
     output logic [2:0][LANES-1:0][CW-1:0] hi_n_o,
@@ -51,6 +58,8 @@ module cylinder_circle #(
 );
   /*verilator inline_module*/
   localparam logic [CW-1:0] MINUS_INFINITY = ((CW'(2) << EXP) - 1) << MAN;
+  // sqrt(16 times the smallest normal number), rounded down to a power of two; weights below it would drown when squared.
+  localparam int LEAST_WEIGHT = (EXP > 3) ? -(((1 << (EXP - 1)) - 5) / 2) : 0;
   `DF_CONTROL(refine, `PASS_PHASE(pass_i) == `PHASE_REFINE, 0)
   `DF_CONTROL(first, `PASS_INDEX(pass_i) == 0, 0)
   `DF_VIN(e, e_i, 0)
@@ -60,83 +69,97 @@ module cylinder_circle #(
   `DF_VIN(b_v, b_v_i, 0)
   `DF_CONST(zero, 0)
 
-  // ---- The new end: n, or what beside and sample make of it; which ends the pass replaces. ----
-  localparam int T_end_n = (BODY == `BODY_CYLINDER) ? 0 : `DF_LAT_DOT + LAT_CMP, T_end_y = T_end_n;
-  localparam int T_take_lo = T_end_n + `DF_LAT_CROSS + `DF_LAT_DOT + LAT_CMP, T_take_hi = T_take_lo;
-  `DF_VECTOR end_n, end_y;
-  `DF_SCALAR take_lo, take_hi;
-  `DF_CROSS(t, e, end_n)
-  `DF_DOT(slope, end_y, t)
-  `DF_LT(up, zero, slope)
-  `DF_NOT(down, up)
+  `DF_VIN(y, y_i, 0)
+  `DF_VIN(minus_y, minus_y_i, 0)
   `DF_VIN(last_n, last_n_i, 0)
-  `DF_CROSS(last_t, e, last_n)
-  // With the mask set an end becomes take_x, else it stays or becomes keep_x.
-  localparam int T_keep_hi_n = 0, T_keep_hi_y = 0, T_keep_lo_n = 0, T_keep_lo_y = 0;
-  `DF_VECTOR keep_lo_n, keep_lo_y, keep_hi_n, keep_hi_y;
-  `DF_VIN(take_lo_n, refine ? n_i : last_n_i, 0)
-  `DF_VIN(take_lo_y, refine ? y_i : last_y_i, 0)
+  `DF_VIN(last_y, last_y_i, 0)
+  `DF_VIN(kept_lo_n, lo_n_i, 0)
+  `DF_VIN(kept_lo_y, lo_y_i, 0)
+  `DF_VIN(kept_hi_n, hi_n_i, 0)
+  `DF_VIN(kept_hi_y, hi_y_i, 0)
+  `DF_CROSS(t, e, n)
+  `DF_DOT(slope, y, t)
+  `DF_LT(up, zero, slope)
+  assign slope_o = slope;
+
+  // ---- The ends of the bracket ----
+  localparam int T_lo_n = `LATENCY_ENDS, T_lo_y = T_lo_n, T_hi_n = T_lo_n, T_hi_y = T_lo_n;
+  `DF_VECTOR lo_n, lo_y, hi_n, hi_y;
+  `DF_VSELECT(refined_lo_n, up, n, kept_lo_n)
+  `DF_VSELECT(refined_lo_y, up, y, kept_lo_y)
+  `DF_VSELECT(refined_hi_n, up, kept_hi_n, n)
+  `DF_VSELECT(refined_hi_y, up, kept_hi_y, y)
   if (BODY == `BODY_CYLINDER) begin : g_beside
     logic unused;
-    assign unused = &{1'b0, first, `PASS_TRACK(pass_i), score_i, last_g_i, best_g_i, back_y_i};
-    `DF_VIN(best_n, best_n_i, 0)
-    `DF_DOT(turn, last_t, best_n)
-    `DF_LT(ahead, zero, turn)
-    `DF_CHOOSE(lo, refine, up, ahead)
-    `DF_CHOOSE(hi, refine, down, ahead)
-    assign {take_lo, take_hi} = {lo, hi};
-    assign end_n = refine ? n_i : best_n_i;
-    assign end_y = refine ? y_i : best_y_i;
-    assign keep_lo_n = refine ? lo_n_i : best_n_i;
-    assign keep_lo_y = refine ? lo_y_i : best_y_i;
-    assign keep_hi_n = refine ? hi_n_i : last_n_i;
-    assign keep_hi_y = refine ? hi_y_i : last_y_i;
-    assign score_o = '0;
-  end else begin : g_sample
-    logic unused;
-    assign unused = &{1'b0, `PASS_TRACK(pass_i)};
-    `DF_CONTROL(start, first && !refine, 0)
-    `DF_VIN(y, y_i, 0)
-    `DF_IN(best_g, best_g_i, 0)
+    assign unused = &{1'b0, first, `PASS_TRACK(pass_i), score_i, last_g_i, last_slope_i, back_g_i, back_y_i, back_slope_i, minus_g_i, minus_y};
     `DF_VIN(best_n, best_n_i, 0)
     `DF_VIN(best_y, best_y_i, 0)
-    `DF_VIN(back_y, back_y_i, 0)
-    `DF_VIN(last_y, last_y_i, 0)
+    `DF_CROSS(last_t, e, last_n)
+    `DF_DOT(turn, last_t, best_n)
+    `DF_LT(ahead, zero, turn)
+    `DF_VSELECT(beside_lo_n, ahead, last_n, best_n)
+    `DF_VSELECT(beside_lo_y, ahead, last_y, best_y)
+    `DF_VSELECT(beside_hi_n, ahead, best_n, last_n)
+    `DF_VSELECT(beside_hi_y, ahead, best_y, last_y)
+    `DF_VCHOOSE(new_lo_n, refine, refined_lo_n, beside_lo_n)
+    `DF_VCHOOSE(new_lo_y, refine, refined_lo_y, beside_lo_y)
+    `DF_VCHOOSE(new_hi_n, refine, refined_hi_n, beside_hi_n)
+    `DF_VCHOOSE(new_hi_y, refine, refined_hi_y, beside_hi_y)
+    assign {lo_n, lo_y, hi_n, hi_y} = {new_lo_n, new_lo_y, new_hi_n, new_hi_y};
+    assign {score_o, minus_slope_o} = '0;
+  end else begin : g_sample
+    logic unused;
+    assign unused = &{1'b0, `PASS_TRACK(pass_i), best_n_i, best_y_i};
+    `DF_IN(minus_g, minus_g_i, 0)
     `DF_IN(last_g, last_g_i, 0)
+    `DF_IN(last_slope, last_slope_i, 0)
+    `DF_IN(back_g, back_g_i, 0)
+    `DF_VIN(back_y, back_y_i, 0)
+    `DF_IN(back_slope, back_slope_i, 0)
     `DF_IN(score, score_i, 0)
-    `DF_VNEG(back_n, best_n)
-    `DF_DOT(fold, best_n, last_n)
-    `DF_LT(turned, fold, zero)
-    `DF_VSELECT(near_n, turned, back_n, best_n)
-    `DF_VSELECT(near_y, turned, back_y, best_y)
-    `DF_VCHOOSE(any_n, refine, n, near_n)
-    `DF_VCHOOSE(any_y, refine, y, near_y)
-    assign {end_n, end_y} = {any_n, any_y};
-    `DF_MAX(score_now, last_g, best_g)
-    `DF_LT(better, score, score_now)
-    `DF_DOT(last_slope, last_y, last_t)
-    `DF_LT(last_up, zero, last_slope)
-    `DF_LT(end_down, slope, zero)
-    `DF_AND(inward, last_up, end_down)
-    `DF_AND(take_any, inward, better)
-    `DF_CHOOSE(take, start, zero, take_any)
-    `DF_CHOOSE(lo, refine, up, take)
-    `DF_CHOOSE(hi, refine, down, take)
-    assign {take_lo, take_hi} = {lo, hi};
-    assign keep_lo_n = start ? '0 : lo_n_i;
-    assign keep_lo_y = start ? '0 : lo_y_i;
-    assign keep_hi_n = start ? '0 : hi_n_i;
-    assign keep_hi_y = start ? '0 : hi_y_i;
+    `DF_VNEG(back_n, last_n)
+    `DF_VNEG(minus_n, n)
+    `DF_DOT(minus_along, minus_y, t)
+    `DF_NEG(minus_slope, minus_along)
+    assign minus_slope_o = minus_slope;
+    // The arc from the sample before to this one, and the opposite arc.
+    `DF_MAX(arc_score, last_g, g)
+    `DF_LT(arc_up, zero, last_slope)
+    `DF_LT(arc_down, slope, zero)
+    `DF_LT(arc_better, score, arc_score)
+    `DF_AND(arc_inward, arc_up, arc_down)
+    `DF_AND(arc, arc_inward, arc_better)
+    `DF_SELECT(score_arc, arc, arc_score, score)
+    `DF_MAX(opposite_score, back_g, minus_g)
+    `DF_LT(opposite_up, zero, back_slope)
+    `DF_LT(opposite_down, minus_slope, zero)
+    `DF_LT(opposite_better, score_arc, opposite_score)
+    `DF_AND(opposite_inward, opposite_up, opposite_down)
+    `DF_AND(opposite, opposite_inward, opposite_better)
+    `DF_SELECT(score_both, opposite, opposite_score, score_arc)
     `DF_CONST(least, MINUS_INFINITY)
-    `DF_SELECT(score_kept, take, score_now, score)
-    `DF_CHOOSE(score_new, start, least, score_kept)
+    `DF_CHOOSE(score_new, first, least, score_both)
     `DF_AT(score_end, score_new, `LATENCY_STEP)
     assign score_o = score_end;
+    `DF_VSELECT3(sampled_lo_n, opposite, arc, back_n, last_n, kept_lo_n)
+    `DF_VSELECT3(sampled_lo_y, opposite, arc, back_y, last_y, kept_lo_y)
+    `DF_VSELECT3(sampled_hi_n, opposite, arc, minus_n, n, kept_hi_n)
+    `DF_VSELECT3(sampled_hi_y, opposite, arc, minus_y, y, kept_hi_y)
+    `DF_VCONST(none, 0, 0, 0)
+    `DF_VCHOOSE(any_lo_n, first, none, sampled_lo_n)
+    `DF_VCHOOSE(any_lo_y, first, none, sampled_lo_y)
+    `DF_VCHOOSE(any_hi_n, first, none, sampled_hi_n)
+    `DF_VCHOOSE(any_hi_y, first, none, sampled_hi_y)
+    `DF_VCHOOSE(new_lo_n, refine, refined_lo_n, any_lo_n)
+    `DF_VCHOOSE(new_lo_y, refine, refined_lo_y, any_lo_y)
+    `DF_VCHOOSE(new_hi_n, refine, refined_hi_n, any_hi_n)
+    `DF_VCHOOSE(new_hi_y, refine, refined_hi_y, any_hi_y)
+    `DF_VAT(late_lo_n, new_lo_n, T_lo_n)
+    `DF_VAT(late_lo_y, new_lo_y, T_lo_y)
+    `DF_VAT(late_hi_n, new_hi_n, T_hi_n)
+    `DF_VAT(late_hi_y, new_hi_y, T_hi_y)
+    assign {lo_n, lo_y, hi_n, hi_y} = {late_lo_n, late_lo_y, late_hi_n, late_hi_y};
   end
-  `DF_VSELECT(lo_n, take_lo, take_lo_n, keep_lo_n)
-  `DF_VSELECT(lo_y, take_lo, take_lo_y, keep_lo_y)
-  `DF_VSELECT(hi_n, take_hi, end_n, keep_hi_n)
-  `DF_VSELECT(hi_y, take_hi, end_y, keep_hi_y)
 
   // ---- Newton; e x n and its slope are those of n in a refinement ----
   `DF_DOT(vb, b_v, t)
@@ -172,14 +195,22 @@ module cylinder_circle #(
   `DF_AND(between, beyond_lo, before_hi)
   `DF_AND(holds, convex, between)
 
-  // ---- The tie ----
+  // ---- The tie: an end that is it already, or support points that are one, leave a sixteenth of the weight to either side ----
+  `DF_CONST(sixteenth, `DF_POWER_OF_TWO(-4))
+  `DF_CONST(least_weight, `DF_POWER_OF_TWO(LEAST_WEIGHT))
   `DF_VSUB(apart, lo_y, hi_y)
-  `DF_CROSS(knot, e, apart)
-  `DF_VADD(middle, lo_n, hi_n)
-  `DF_DOT(side, knot, middle)
-  `DF_LT(reverse, side, zero)
-  `DF_VNEG(minus_knot, knot)
-  `DF_VSELECT(tie, reverse, minus_knot, knot)
+  `DF_DOT(along_hi, apart, hi_n)
+  `DF_DOT(along_lo, apart, lo_n)
+  `DF_ABS(weight_lo, along_hi)
+  `DF_ABS(weight_hi, along_lo)
+  `DF_ADD(weights, weight_lo, weight_hi)
+  `DF_MUL(share, weights, sixteenth)
+  `DF_MAX(least_share, share, least_weight)
+  `DF_MAX(by_lo, weight_lo, least_share)
+  `DF_MAX(by_hi, weight_hi, least_share)
+  `DF_VSCALE(part_lo, lo_n, by_lo)
+  `DF_VSCALE(part_hi, hi_n, by_hi)
+  `DF_VADD(tie, part_lo, part_hi)
   `DF_VSELECT(refined, holds, newton, tie)
   `DF_VCHOOSE(next, refine, refined, tie)
 

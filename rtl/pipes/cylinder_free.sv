@@ -1,8 +1,8 @@
 // A step of a free track between two cylinders (reference/cylinder/search.hpp), from the normal that the pass has evaluated, (n, y, g):
-// beside a cap axis (pole), along the steepest ascent t = y - g n by the Newton step of the one-sided derivative; else Newton's step on
-// the sphere, (kappa_a va va^T + kappa_b vb vb^T + g) step = y - g n, made positive definite where it is not. A step that does not raise g
-// is undone and a quarter of it tried. lo_n is the base, lo_y the step from it, score its g. 38 add, 61 mul,
-// 2 div, 1 sqrt, 5 compare, 6 min/max.
+// beside a cap axis (pole), along the steepest ascent t = y - g n by the Newton step of the one-sided derivative, t taken from the
+// other's nearer end or from between parallel axes; else Newton's step on the sphere, (kappa_a va va^T + kappa_b vb vb^T + g) step =
+// y - g n, damped. A step that does not raise g is undone and a quarter of it tried. lo_n is the base, lo_y the step from it, score its g.
+// 65 add, 86 mul, 2 div, 3 sqrt, 6 compare, 7 min/max.
 // Latency: LATENCY_STEP clocks; 0 with ARITH = "host". Throughput: one step a lane a clock. Stall: none, runs free.
 `include "cylinder.svh"
 module cylinder_free #(
@@ -19,6 +19,11 @@ module cylinder_free #(
 ) (
     input logic clk_i,
     input logic [`PASS_W-1:0] pass_i,
+    input logic [2:0][LANES-1:0][CW-1:0] d_i,  // centre of B
+    input logic [2:0][LANES-1:0][CW-1:0] a_i,  // axes, half heights times axes, radii
+    input logic [2:0][LANES-1:0][CW-1:0] b_i,
+    input logic [2:0][LANES-1:0][CW-1:0] a_reach_i,
+    input logic [2:0][LANES-1:0][CW-1:0] b_reach_i,
     input logic [LANES-1:0][CW-1:0] a_radius_i,
     input logic [LANES-1:0][CW-1:0] b_radius_i,
     input logic [LANES-1:0][CW-1:0] g_i,
@@ -53,21 +58,54 @@ module cylinder_free #(
   `DF_CONST(zero, 0)
   `DF_CONST(one, `DF_POWER_OF_TWO(0))
 
-  // ---- Beside a cap axis; kappa and v of the other cylinder ----
-  `DF_IN(radius, on_a ? a_radius_i : b_radius_i, 0)
+  // ---- Beside a cap axis; axis, reach, kappa and v of the other cylinder ----
+  `DF_IN(radius_own, on_a ? a_radius_i : b_radius_i, 0)
+  `DF_IN(radius_other, on_a ? b_radius_i : a_radius_i, 0)
   `DF_IN(kappa, on_a ? b_kappa_i : a_kappa_i, 0)
   `DF_VIN(v, on_a ? b_v_i : a_v_i, 0)
+  `DF_VIN(axis, on_a ? b_i : a_i, 0)
+  `DF_VIN(reach, on_a ? b_reach_i : a_reach_i, 0)
+  `DF_VIN(d, d_i, 0)
   `DF_CONST(far, `DF_POWER_OF_TWO(-3))
   `DF_CONST(near, `DF_POWER_OF_TWO(-13))
+  `DF_CONST(aslant, `DF_POWER_OF_TWO(-10))
+  `DF_CONST(straight, `DF_POWER_OF_TWO(-15))
+  // The other's end on the side of d, and the part of it across n.
+  `DF_DOT(tilt, axis, n)
+  `DF_DOT(d_axis, d, axis)
+  `DF_DOT(d_n, d, n)
+  `DF_MUL(d_tilt, tilt, d_n)
+  `DF_SUB(toward, d_axis, d_tilt)
+  `DF_VFLIP(end_reach, toward, reach)
+  `DF_VSUB(to_end, d, end_reach)
+  `DF_DOT(end_along, to_end, n)
+  `DF_VSCALE(end_axial, n, end_along)
+  `DF_VSUB(across, to_end, end_axial)
+  `DF_DOT(ahead, across, axis)
+  `DF_DOT(across2, across, across)
+  `DF_MUL(tilt2, tilt, tilt)
+  `DF_MUL(tilted, tilt2, across2)
+  `DF_MUL(ahead2, ahead, ahead)
+  `DF_MUL(reached, ahead2, aslant)
+  `DF_LE(crosses, tilted, reached)
+  `DF_MUL(kappa_straight, kappa, straight)
+  `DF_EQ(coaxial, kappa, zero)
+  `DF_LE(near_axis, radius_other, kappa_straight)
+  `DF_OR(parallel, coaxial, near_axis)
+  `DF_OR(from_end, crosses, parallel)
   `DF_VSCALE(along_n, n, g)
-  `DF_VSUB(t, y, along_n)
+  `DF_VSUB(touched, y, along_n)
+  `DF_VSELECT(t, from_end, across, touched)
   `DF_DOT(tt, t, t)
   `DF_SQRT(length, tt)
   `DF_DOT(vt, v, t)
   `DF_MUL(vtvt, vt, vt)
-  `DF_MUL(curve_v, kappa, vtvt)
+  `DF_MUL(curve_rim, kappa, vtvt)
+  `DF_SELECT(curve_v, parallel, zero, curve_rim)
   `DF_MUL(curve_g, g, tt)
   `DF_ADD(curve, curve_v, curve_g)
+  `DF_ADD(radius_both, radius_own, radius_other)
+  `DF_SELECT(radius, parallel, radius_both, radius_own)
   `DF_SUB(slope, length, radius)
   `DF_MUL(rise, slope, tt)
   `DF_DIV(angle, rise, curve)
@@ -78,8 +116,7 @@ module cylinder_free #(
   `DF_VSCALE(pole_t, t, pole_step)
   `DF_VADD(pole_next, pole_n, pole_t)
 
-  // ---- Newton on the sphere ----
-  `DF_CONST(sliver, `DF_POWER_OF_TWO(-7))
+  // ---- Newton on the sphere; `more` of the identity makes the matrix' smaller eigenvalue the slope ----
   `DF_CONST(half, `DF_POWER_OF_TWO(-1))
   `DF_NEG(minus_half, half)
   `DF_EQ(swap, a_kappa, zero)
@@ -96,25 +133,30 @@ module cylinder_free #(
   `DF_ADD(h11, k1, kcc)
   `DF_MUL(h12, kc, s)
   `DF_MUL(h22, ks, s)
+  `DF_MUL(hh, h12, h12)
   `DF_ADD(d11, h11, g)
   `DF_ADD(d22, h22, g)
-  `DF_MUL(d11d22, d11, d22)
-  `DF_MUL(h12h12, h12, h12)
-  `DF_SUB(det, d11d22, h12h12)
-  `DF_LT(det_positive, zero, det)
-  `DF_LT(d22_positive, zero, d22)
-  `DF_AND(definite, det_positive, d22_positive)
-  `DF_ABS(g_size, g)
-  `DF_MUL(g_small, g_size, sliver)
-  `DF_ADD(h11_up, h11, g_small)
-  `DF_ADD(h22_up, h22, g_small)
-  `DF_SELECT(e11, definite, d11, h11_up)
-  `DF_SELECT(e22, definite, d22, h22_up)
-  `DF_MUL(e11e22, e11, e22)
-  `DF_SUB(e_det, e11e22, h12h12)
-  `DF_DIV(inverse, one, e_det)
+  `DF_ADD(trace, d11, d22)
+  `DF_MUL(mean, trace, half)
+  `DF_SUB(differ, d11, d22)
+  `DF_MUL(apart, differ, half)
+  `DF_MUL(apart2, apart, apart)
+  `DF_ADD(spread2, apart2, hh)
+  `DF_SQRT(spread, spread2)
+  `DF_SUB(lesser, mean, spread)
   `DF_DOT(y1, y, v1)
   `DF_DOT(y2, y, v1_t)
+  `DF_MUL(y1y1, y1, y1)
+  `DF_MUL(y2y2, y2, y2)
+  `DF_ADD(yy, y1y1, y2y2)
+  `DF_SQRT(steep, yy)
+  `DF_SUB(lacks, steep, lesser)
+  `DF_MAX(more, zero, lacks)
+  `DF_ADD(e11, d11, more)
+  `DF_ADD(e22, d22, more)
+  `DF_MUL(e11e22, e11, e22)
+  `DF_SUB(e_det, e11e22, hh)
+  `DF_DIV(inverse, one, e_det)
   `DF_MUL(e22y1, e22, y1)
   `DF_MUL(h12y2, h12, y2)
   `DF_SUB(along1, e22y1, h12y2)

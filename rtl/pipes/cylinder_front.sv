@@ -1,5 +1,5 @@
 // Front of a pass between two cylinders: the unit normal that the pass evaluates (front() of reference/cylinder/search.hpp). The phases
-// that need c x x or (c x x) x c share the cross products. 13 add, 24 mul, 1 div, 1 sqrt,
+// that need c x x or (c x x) x c, a step on a circle among them, share the cross products. 13 add, 24 mul, 1 div, 1 sqrt,
 // 4 compare.
 // Latency: LATENCY_FRONT clocks; 0 with ARITH = "host". Throughput: one normal a lane a clock. Stall: none, runs free.
 `include "cylinder.svh"
@@ -29,19 +29,20 @@ module cylinder_front #(
   /*verilator inline_module*/
   localparam int BODY = `BODY_CYLINDER;
   logic [3:0] phase;
-  logic second, centre;
+  logic second, centre, refine;
   logic [1:0] track;
   assign phase = `PASS_PHASE(pass_i);
   assign track = `PASS_TRACK(pass_i);
   assign centre = phase == `PHASE_CENTRE;
+  assign refine = phase == `PHASE_REFINE;
   assign second = centre ? `PASS_INDEX(pass_i) == 2 : track == 1;
-  `DF_CONTROL(twice, (centre && `PASS_INDEX(pass_i) != 0) || phase == `PHASE_CAP, 0)
+  `DF_CONTROL(twice, (centre && `PASS_INDEX(pass_i) != 0) || phase == `PHASE_CAP || refine, 0)
   `DF_CONTROL(side, phase == `PHASE_SIDE, 0)
   `DF_CONTROL(beside, phase == `PHASE_BESIDE, 0)
   `DF_CONTROL(witness, phase == `PHASE_TOUCH || phase == `PHASE_PROJECT, 0)
 
   `DF_VIN(c, second ? b_i : a_i, 0)
-  `DF_VIN(other, centre ? d_i : second ? a_i : b_i, 0)
+  `DF_VIN(other, centre ? d_i : refine ? next_i : second ? a_i : b_i, 0)
   `DF_VIN(plain, centre ? d_i : phase == `PHASE_POLE ? c : phase == `PHASE_START && track == 2 ? best_n_i : next_i, 0)
   `DF_VIN(q, q_i, 0)
   `DF_VIN(last_n, last_n_i, 0)

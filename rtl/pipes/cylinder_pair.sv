@@ -53,6 +53,7 @@ module cylinder_pair #(
   localparam int T_EVALUATED = T_EVALUATE + `LATENCY_EVALUATOR;
   localparam int T_BETTER = T_EVALUATED + LAT_CMP;
   localparam int T_STEPPED = T_BETTER + `LATENCY_STEP;
+  localparam int T_SLOPE = T_BETTER + `LATENCY_SLOPE;
   localparam int T_END = cde_pkg::larger(T_STEPPED, T_EVALUATED + `LATENCY_CYLINDER_WITNESS);
   localparam int RING = T_END + 1;
   localparam int FINISH = cde_pkg::larger(2 * LAT_MUL + 2 * LAT_ADD, LAT_CMP);
@@ -60,6 +61,7 @@ module cylinder_pair #(
   localparam int LATENCY = AHEAD + ENTRY + INTERVAL * RING + FINISH;
   localparam int AW = $clog2(RING);
   localparam logic [CW-1:0] QNAN = (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1));
+  localparam logic [CW-1:0] INFINITY = ((CW'(1) << EXP) - 1) << MAN;
   localparam logic [CW-1:0] MINUS_INFINITY = ((CW'(2) << EXP) - 1) << MAN;
 
   // ---- Slots. now_q is the slot at the end of its pass; the one at stage t will be there T_END - t clocks later. ----
@@ -179,9 +181,10 @@ module cylinder_pair #(
   `define OPERAND9(WORD, TIME) operand_mem[`SLOT(TIME)][WORD+:9]
 
   // ---- State ----
-  logic [LANES-1:0][CW-1:0] best_g_mem[RING], score_mem[RING], last_g_mem[RING];
+  logic [LANES-1:0][CW-1:0] best_g_mem[RING], best_slope_mem[RING], score_mem[RING];
+  logic [LANES-1:0][CW-1:0] last_g_mem[RING], last_slope_mem[RING], back_g_mem[RING], back_slope_mem[RING];
   logic [2:0][LANES-1:0][CW-1:0] best_n_mem[RING], next_mem[RING], q_mem[RING], lo_n_mem[RING], lo_y_mem[RING], hi_n_mem[RING];
-  logic [2:0][LANES-1:0][CW-1:0] hi_y_mem[RING], last_n_mem[RING], last_y_mem[RING];
+  logic [2:0][LANES-1:0][CW-1:0] hi_y_mem[RING], last_n_mem[RING], last_y_mem[RING], back_y_mem[RING];
   logic [2:0][2:0][LANES-1:0][CW-1:0] axes_start, axes_better, axes_witness;  // A's axes, or the triangle's edges, of unit length
   logic [2:0][LANES-1:0][CW-1:0] face_start, face_witness;  // the triangle's normal
   if (BODY == `BODY_CYLINDER) begin : g_axes
@@ -240,7 +243,7 @@ module cylinder_pair #(
       .minus_g_o(minus_g_now), .minus_y_o(minus_y_now), .a_kappa_o(a_kappa_now), .a_v_o(a_v_now), .a_side_o(a_side), .b_kappa_o(b_kappa_now),
       .b_v_o(b_v_now), .b_side_o(b_side), .b_along_o(b_along), .pa_o(pa));
 
-  // ---- The better orientation, and the best so far; the first of equals stays ----
+  // ---- The better orientation ----
   `DF_VIN(plus_n_early, n, T_EVALUATE)
   `DF_VAT(plus_n, plus_n_early, T_BETTER)
   `DF_IN(plus_g, plus_g_now, T_EVALUATED)
@@ -252,15 +255,39 @@ module cylinder_pair #(
   `DF_SELECT(better_g, turned, minus_g, plus_g)
   `DF_VSELECT(better_n, turned, minus_n, plus_n)
   `DF_VSELECT(better_y, turned, minus_y, plus_y)
-  `DF_VSELECT(back_y, turned, plus_y, minus_y)
-  logic [`PASS_W-1:0] pass_better, pass_best;
+  `DF_AT(late_g, plus_g, T_BETTER)
+  `DF_VAT(late_y, plus_y, T_BETTER)
+  `DF_AT(late_minus_g, minus_g, T_BETTER)
+  `DF_VAT(late_minus_y, minus_y, T_BETTER)
+  logic [`PASS_W-1:0] pass_better;
   assign pass_better = pass_mem[`SLOT(T_BETTER)];
-  localparam int T_BEST = T_BETTER + LAT_CMP;
+  localparam bit CYLINDER = BODY == `BODY_CYLINDER;
+  always_ff @(posedge clk_i)
+    if (`PASS_PHASE(pass_better) == `PHASE_CAP || `PASS_PHASE(pass_better) == `PHASE_SAMPLE) begin
+      last_g_mem[`SLOT(T_BETTER)] <= late_g;
+      last_n_mem[`SLOT(T_BETTER)] <= CYLINDER ? better_n : plus_n;
+      last_y_mem[`SLOT(T_BETTER)] <= CYLINDER ? better_y : late_y;
+      back_g_mem[`SLOT(T_BETTER)] <= late_minus_g;
+      back_y_mem[`SLOT(T_BETTER)] <= late_minus_y;
+    end
+
+  // ---- The best so far. Between cylinders the first of equals stays; else, of what is equal up to rounding, that of the least slope. ----
+  `DF_SCALAR slope_now, minus_slope_now;
+  `DF_IN(slope, slope_now, T_SLOPE)
+  `DF_IN(minus_slope, minus_slope_now, T_SLOPE)
+  logic [`PASS_W-1:0] pass_slope, pass_best;
+  logic [3:0] phase_raised;
+  localparam int T_RAISED = T_BETTER + LAT_CMP;
+  localparam int T_BEST = CYLINDER ? T_RAISED : T_SLOPE + LAT_CMP;
+  assign phase_raised = `PASS_PHASE(pass_mem[`SLOT(T_RAISED)]);
+  assign pass_slope = pass_mem[`SLOT(T_SLOPE)];
   assign pass_best = pass_mem[`SLOT(T_BEST)];
   // The first pass finds nothing to beat.
   `DF_CONTROL(fresh, pass_better == first_pass, T_BETTER)
+  `DF_CONTROL(fresh_slope, pass_slope == first_pass, T_SLOPE)
   `DF_CONTROL(fresh_best, pass_best == first_pass, T_BEST)
   `DF_CONST(nothing_g, MINUS_INFINITY)
+  `DF_CONST(infinite, INFINITY)
   `DF_VCONST(nothing_n, QNAN, QNAN, QNAN)
   `DF_IN(kept_g, best_g_mem[`SLOT(T_BETTER)], T_BETTER)
   `DF_VIN(kept_n, best_n_mem[`SLOT(T_BEST)], T_BEST)
@@ -268,18 +295,60 @@ module cylinder_pair #(
   `DF_VCHOOSE(old_n, fresh_best, nothing_n, kept_n)
   `DF_LT(raised, old_g, better_g)
   `DF_SELECT(best_g, raised, better_g, old_g)
-  `DF_VSELECT(best_n, raised, better_n, old_n)
-  always_ff @(posedge clk_i)
+  localparam int T_best_n = T_BEST, T_best_slope = T_BEST;
+  `DF_VECTOR best_n;
+  `DF_SCALAR best_slope;
+  if (CYLINDER) begin : g_first
+    logic unused_slope;
+    assign unused_slope = &{1'b0, fresh_slope, infinite, slope, minus_slope, best_slope_mem[0], best_slope};
+    `DF_VSELECT(first_n, raised, better_n, old_n)
+    assign best_n = first_n;
+    assign best_slope = '0;
+  end else begin : g_least_slope
+    logic [3:0] phase_slope;
+    assign phase_slope = `PASS_PHASE(pass_slope);
+    `DF_CONTROL(vertex, phase_slope == `PHASE_VERTEX, T_SLOPE)
+    `DF_CONTROL(circling, phase_slope == `PHASE_SAMPLE || phase_slope == `PHASE_REFINE, T_SLOPE)
+    `DF_CONST(zero, 0)
+    `DF_CONST(two_u, `DF_POWER_OF_TWO(-MAN))
+    `DF_IN(kept_slope, best_slope_mem[`SLOT(T_SLOPE)], T_SLOPE)
+    `DF_CHOOSE(old_slope, fresh_slope, infinite, kept_slope)
+    `DF_ABS(plus_steep, slope)
+    `DF_ABS(minus_steep, minus_slope)
+    `DF_SELECT(steep, turned, minus_steep, plus_steep)
+    `DF_CHOOSE(exact_or_not, vertex, zero, infinite)
+    `DF_CHOOSE(size, circling, steep, exact_or_not)
+    `DF_ABS(plus_size, plus_g)
+    `DF_ABS(minus_size, minus_g)
+    `DF_ADD(sizes, plus_size, minus_size)
+    `DF_MUL(near, sizes, two_u)
+    `DF_SUB(higher, better_g, old_g)
+    `DF_ABS(apart, higher)
+    `DF_LE(equal, apart, near)
+    `DF_NOT(unequal, equal)
+    `DF_LT(flatter, size, old_slope)
+    `DF_AND(take_flatter, equal, flatter)
+    `DF_AND(take_raised, unequal, raised)
+    `DF_OR(take, take_flatter, take_raised)
+    `DF_VSELECT(new_n, take, better_n, old_n)
+    `DF_SELECT(new_slope, take, size, old_slope)
+    `DF_VAT(new_n_late, new_n, T_BEST)
+    `DF_AT(new_slope_late, new_slope, T_BEST)
+    assign best_n = new_n_late;
+    assign best_slope = new_slope_late;
+  end
+  always_ff @(posedge clk_i) begin
+    if (phase_raised != `PHASE_TOUCH && phase_raised != `PHASE_PROJECT)
+      best_g_mem[`SLOT(T_RAISED)] <= best_g;
     if (`PASS_PHASE(pass_best) != `PHASE_TOUCH && `PASS_PHASE(pass_best) != `PHASE_PROJECT) begin
-      best_g_mem[`SLOT(T_BEST)] <= best_g;
       best_n_mem[`SLOT(T_BEST)] <= best_n;
+      best_slope_mem[`SLOT(T_BEST)] <= best_slope;
     end
-  always_ff @(posedge clk_i)
-    if (`PASS_PHASE(pass_better) == `PHASE_CAP || `PASS_PHASE(pass_better) == `PHASE_SAMPLE) begin
-      last_g_mem[`SLOT(T_BETTER)] <= better_g;
-      last_n_mem[`SLOT(T_BETTER)] <= better_n;
-      last_y_mem[`SLOT(T_BETTER)] <= better_y;
+    if (`PASS_PHASE(pass_slope) == `PHASE_SAMPLE) begin
+      last_slope_mem[`SLOT(T_SLOPE)] <= slope;
+      back_slope_mem[`SLOT(T_SLOPE)] <= minus_slope;
     end
+  end
 
   // ---- Steps on circles and free tracks ----
   `DF_IN(a_kappa_early, a_kappa_now, T_EVALUATED)
@@ -290,8 +359,6 @@ module cylinder_pair #(
   `DF_VAT(a_v, a_v_early, T_BETTER)
   `DF_AT(b_kappa, b_kappa_early, T_BETTER)
   `DF_VAT(b_v, b_v_early, T_BETTER)
-  `DF_AT(late_g, plus_g, T_BETTER)
-  `DF_VAT(late_y, plus_y, T_BETTER)
   logic [1:0] track;
   logic [2:0][LANES-1:0][CW-1:0] e;
   assign track = `PASS_TRACK(pass_better);
@@ -300,11 +367,13 @@ module cylinder_pair #(
   `DF_SCALAR circle_score, new_score;
   cylinder_circle #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) circle (
       .clk_i, .pass_i(pass_better), .e_i(e), .g_i(late_g), .n_i(plus_n), .y_i(late_y), .a_kappa_i(a_kappa), .a_v_i(a_v), .b_kappa_i(b_kappa),
-      .b_v_i(b_v), .best_g_i(better_g), .best_n_i(better_n), .best_y_i(better_y), .back_y_i(back_y), .lo_n_i(lo_n_mem[`SLOT(T_BETTER)]),
-      .lo_y_i(lo_y_mem[`SLOT(T_BETTER)]), .hi_n_i(hi_n_mem[`SLOT(T_BETTER)]), .hi_y_i(hi_y_mem[`SLOT(T_BETTER)]),
-      .score_i(score_mem[`SLOT(T_BETTER)]), .last_g_i(last_g_mem[`SLOT(T_BETTER)]), .last_n_i(last_n_mem[`SLOT(T_BETTER)]),
-      .last_y_i(last_y_mem[`SLOT(T_BETTER)]), .lo_n_o(circle_lo_n), .lo_y_o(circle_lo_y), .hi_n_o(circle_hi_n), .hi_y_o(circle_hi_y),
-      .score_o(circle_score), .next_o(circle_next));
+      .b_v_i(b_v), .minus_g_i(late_minus_g), .minus_y_i(late_minus_y), .best_n_i(better_n), .best_y_i(better_y),
+      .lo_n_i(lo_n_mem[`SLOT(T_BETTER)]), .lo_y_i(lo_y_mem[`SLOT(T_BETTER)]), .hi_n_i(hi_n_mem[`SLOT(T_BETTER)]),
+      .hi_y_i(hi_y_mem[`SLOT(T_BETTER)]), .score_i(score_mem[`SLOT(T_BETTER)]), .last_g_i(last_g_mem[`SLOT(T_BETTER)]),
+      .last_n_i(last_n_mem[`SLOT(T_BETTER)]), .last_y_i(last_y_mem[`SLOT(T_BETTER)]), .last_slope_i(last_slope_mem[`SLOT(T_BETTER)]),
+      .back_g_i(back_g_mem[`SLOT(T_BETTER)]), .back_y_i(back_y_mem[`SLOT(T_BETTER)]), .back_slope_i(back_slope_mem[`SLOT(T_BETTER)]),
+      .slope_o(slope_now), .minus_slope_o(minus_slope_now), .lo_n_o(circle_lo_n), .lo_y_o(circle_lo_y), .hi_n_o(circle_hi_n),
+      .hi_y_o(circle_hi_y), .score_o(circle_score), .next_o(circle_next));
   logic [3:0] phase_stepped;
   logic on_circle, off_circle;
   assign phase_stepped = `PASS_PHASE(pass_mem[`SLOT(T_STEPPED)]);
@@ -315,8 +384,9 @@ module cylinder_pair #(
     `DF_VECTOR free_lo_n, free_lo_y, free_next;
     `DF_SCALAR free_score;
     cylinder_free #(`DF_FORMAT, `CYLINDER_LATENCIES) free (
-        .clk_i, .pass_i(pass_better), .a_radius_i(`OPERAND(A_RADIUS, T_BETTER)), .b_radius_i(`OPERAND(B_RADIUS, T_BETTER)), .g_i(better_g),
-        .n_i(better_n), .y_i(better_y), .a_kappa_i(a_kappa), .a_v_i(a_v), .b_kappa_i(b_kappa), .b_v_i(b_v),
+        .clk_i, .pass_i(pass_better), .d_i(`OPERAND3(D, T_BETTER)), .a_i(`OPERAND3(A_AXIS, T_BETTER)), .b_i(`OPERAND3(B, T_BETTER)),
+        .a_reach_i(`OPERAND3(A_REACH, T_BETTER)), .b_reach_i(`OPERAND3(B_REACH, T_BETTER)), .a_radius_i(`OPERAND(A_RADIUS, T_BETTER)),
+        .b_radius_i(`OPERAND(B_RADIUS, T_BETTER)), .g_i(better_g), .n_i(better_n), .y_i(better_y), .a_kappa_i(a_kappa), .a_v_i(a_v), .b_kappa_i(b_kappa), .b_v_i(b_v),
         .lo_n_i(lo_n_mem[`SLOT(T_BETTER)]), .lo_y_i(lo_y_mem[`SLOT(T_BETTER)]), .score_i(score_mem[`SLOT(T_BETTER)]), .lo_n_o(free_lo_n),
         .lo_y_o(free_lo_y), .score_o(free_score), .next_o(free_next));
     logic unused_score;

@@ -3,6 +3,7 @@
 //   vertex    x = b x w, radial = x x b, with w = vertex - d      |x|^2, b.w     b (+-above |x|) + radial (|x| - r)
 //   side      q = e x b                                          |q|^2
 //   sample    w = e x u, c = e x q                               q.w, q.u       one end of the arc (1 - tau) + other end tau
+//   refine    w = e x next, c = w x e
 //   frame     e1 x e2 (triangle)                                 |e1 x e2|^2, e1.e1
 // 26 add, 31 mul, 1 div, 2 sqrt, 4 compare (box); 22 add, 36 mul, 1 div, 2 sqrt, 7 compare (triangle).
 // Latency: LATENCY_FRONT clocks; 0 with ARITH = "host". Throughput: one normal a lane a clock. Stall: none, runs free.
@@ -66,6 +67,8 @@ module polyhedron_front #(
   `DF_CONTROL(vertex, phase == `PHASE_VERTEX, 0)
   `DF_CONTROL(side, phase == `PHASE_SIDE, 0)
   `DF_CONTROL(sample, phase == `PHASE_SAMPLE, 0)
+  `DF_CONTROL(refine, phase == `PHASE_REFINE, 0)
+  `DF_CONTROL(twice, vertex || refine, 0)
   `DF_CONTROL(combined, vertex || sample, 0)
   `DF_CONTROL(reverse, index == samples_i, 0)
   `DF_CONTROL(arc0, arc_now == 0, 0)
@@ -109,11 +112,11 @@ module polyhedron_front #(
   // ---- Shared products ----
   `DF_VSUB(w, v, d)
   `DF_VIN(x_a0, vertex ? b : frame ? reach_i[0] : e, 0)
-  `DF_VIN(x_b0, side ? b : frame ? reach_i[1] : u, 0)
+  `DF_VIN(x_b0, side ? b : frame ? reach_i[1] : refine ? next_i : u, 0)
   `DF_VCHOOSE(x_b, vertex, w, x_b0)
   `DF_CROSS(x, x_a0, x_b)
-  `DF_VCHOOSE(c_a, vertex, x, e)
-  `DF_VIN(c_b, vertex ? b : q, 0)
+  `DF_VCHOOSE(c_a, twice, x, e)
+  `DF_VIN(c_b, vertex ? b : refine ? e : q, 0)
   `DF_CROSS(c, c_a, c_b)
   `DF_VCHOOSE(xx_b, sample, q, x)
   `DF_DOT(xx, x, xx_b)
@@ -168,7 +171,8 @@ module polyhedron_front #(
   `DF_SCALAR vanish;
   `DF_VECTOR framed;
   `DF_VSELECT(side_n, vanish, u, x)
-  `DF_VCHOOSE(side_or_plain, side, side_n, plain)
+  `DF_VCHOOSE(plain_or_step, refine, c, plain)
+  `DF_VCHOOSE(side_or_plain, side, side_n, plain_or_step)
   `DF_VCHOOSE(raw_n, combined, combined_n, side_or_plain)
   if (BODY == `BODY_BOX) begin : g_no_face
     `DF_LE(drowned, xx, tiny)

@@ -10,13 +10,18 @@
 /// between two normals whose derivatives point inward; then Newton, or, where that leaves the
 /// bracket, the normal at which the two support points tie, which solves kinks at once. Free
 /// tracks: Newton on the sphere with the support functions' own curvatures.
+///
+/// T is the largest g. Many normals share it up to rounding, for g is flat at its maximum: of those
+/// between a polyhedron and a cylinder the one whose derivative is least becomes n.
 namespace cde::reference::cylinder {
 
-/// What travels with a pair beside its operands: 30 words, and the pass number.
+/// What travels with a pair beside its operands: 30 words between cylinders, 37 else, and the pass
+/// number.
 template <typename S>
 struct Search {
   S best_g = -std::numeric_limits<S>::infinity();
   Vector<S> best_n = Vector<S>::Constant(canonical_nan<S>());
+  S best_slope = std::numeric_limits<S>::infinity();  ///< size of the derivative at best_n
   Vector<S> next = Vector<S>::Zero();  ///< the next pass' normal where the phase does not name one
   /// Circle: ends of the bracket, e x n pointing from lo to hi. Free track: lo_n the base, lo_y the
   /// step from it, score its g.
@@ -25,12 +30,22 @@ struct Search {
   S score = S(0);                   ///< of the bracket: the better end's g
   Vector<S> q = Vector<S>::Zero();  ///< circle: perpendicular to B's axis too. Witness: the point
   Touch<S> last = {S(0), Vector<S>::Zero(), Vector<S>::Zero()};  ///< the sample before
+  Touch<S> back = last;                                          ///< that of its opposite
+  S last_slope = S(0), back_slope = S(0);
 };
 
-/// The gap's derivative along the circle perpendicular to e, in the direction e x n.
+/// The gap's derivative along the circle perpendicular to e, in the direction e x n; for -n in the
+/// direction e x -n.
 template <typename S>
-[[nodiscard]] S slope(const Vector<S>& e, const Touch<S>& at) {
-  return dot<S>(at.y, cross<S>(e, at.n));
+struct Slopes {
+  Vector<S> t;  ///< e x n
+  S plus, minus;
+};
+
+template <typename S>
+[[nodiscard]] Slopes<S> slopes(const Vector<S>& e, const Evaluation<S>& at) {
+  const Vector<S> t = cross<S>(e, at.plus.n);
+  return {t, dot<S>(at.plus.y, t), -dot<S>(at.minus.y, t)};
 }
 
 template <typename S>
@@ -38,11 +53,23 @@ template <typename S>
   return {select<S>(mask, a.g, b.g), select<S>(mask, a.n, b.n), select<S>(mask, a.y, b.y)};
 }
 
-/// The normal of the circle at which the support points of both ends tie.
+/// sqrt(16 times the smallest normal number): weights below it would drown when squared.
 template <typename S>
-[[nodiscard]] Vector<S> tie(const Vector<S>& e, const Search<S>& s) {
-  const Vector<S> k = cross<S>(e, sub<S>(s.lo_y, s.hi_y));
-  return select<S>(dot<S>(k, add<S>(s.lo_n, s.hi_n)) < S(0), Vector<S>(-k), k);
+inline constexpr double kLeastWeight = [] {
+  double x = 1;
+  while (x * x > 16 * static_cast<double>(std::numeric_limits<S>::min())) x /= 2;
+  return x;
+}();
+
+/// The normal of the bracket at which the support points of both ends tie; g(n) is the least y.n,
+/// so the weights have the signs that put it inside. Where an end is that normal itself, or the
+/// support points are one (a corner and a rim point), a sixteenth of the weight still moves on.
+template <typename S>
+[[nodiscard]] Vector<S> tie(const Search<S>& s) {
+  const Vector<S> d = sub<S>(s.lo_y, s.hi_y);
+  const S lo = magnitude(dot<S>(d, s.hi_n)), hi = magnitude(dot<S>(d, s.lo_n));
+  const S least = max_num((lo + hi) * S(0x1p-4), S(kLeastWeight<S>));
+  return add<S>(scale<S>(s.lo_n, max_num(lo, least)), scale<S>(s.hi_n, max_num(hi, least)));
 }
 
 // ---- Front of a pass: the normal, not yet of unit length ----
@@ -166,6 +193,8 @@ template <typename S>
       return p.track == 2 ? s.best_n : s.next;
     case Phase::kTouch:
       return s.best_n;
+    case Phase::kRefine:  // back onto the circle, which the next normal leaves by rounding
+      return cross<S>(cross<S>(e, s.next), e);
     default:
       return s.next;
   }
@@ -182,37 +211,48 @@ template <typename S>
 /// The next normal on a circle: Newton from `at` if that stays in the bracket, else the tie.
 template <typename S>
 [[nodiscard]] Vector<S> circle_step(const Vector<S>& e, const Search<S>& s,
-                                    const Evaluation<S>& at) {
+                                    const Evaluation<S>& at, const Slopes<S>& slope) {
   const S zero(0);
-  const Vector<S> t = cross<S>(e, at.plus.n);
+  const Vector<S>& t = slope.t;
   const S va = dot<S>(at.a.v, t), vb = dot<S>(at.b.v, t);
   const S curve = (at.a.kappa * (va * va) + at.b.kappa * (vb * vb)) + at.plus.g;
-  const Vector<S> n = add<S>(at.plus.n, scale<S>(t, dot<S>(at.plus.y, t) / curve));
+  const Vector<S> n = add<S>(at.plus.n, scale<S>(t, slope.plus / curve));
   const Mask<S> inside = zero < curve && zero < dot<S>(cross<S>(e, s.lo_n), n) &&
                          dot<S>(cross<S>(e, s.hi_n), n) < zero;
-  return select<S>(inside, n, tie<S>(e, s));
+  return select<S>(inside, n, tie<S>(s));
 }
 
-/// A sample: becomes, with the one before, the bracket if both slopes point inward and no bracket
-/// so far has a better end.
+/// An arc between two samples: becomes the bracket if both slopes point inward and no bracket so
+/// far has a better end.
 template <typename S>
-void keep_sample(Search<S>& s, const Vector<S>& e, const Evaluation<S>& at, bool first) {
-  const S zero(0);
-  const Touch<S> now = better<S>(at);
-  const Mask<S> turned = at.plus.g < at.minus.g;
-  const Touch<S> back = select_touch<S>(turned, at.plus, at.minus);
-  const Touch<S> end = select_touch<S>(dot<S>(now.n, s.last.n) < zero, back, now);
-  const S score = max_num(s.last.g, now.g);
-  const Mask<S> take = zero < slope<S>(e, s.last) && slope<S>(e, end) < zero && (s.score < score);
+void keep_arc(Search<S>& s, const Touch<S>& lo, S lo_slope, const Touch<S>& hi, S hi_slope) {
+  const S score = max_num(lo.g, hi.g);
+  const Mask<S> take = S(0) < lo_slope && hi_slope < S(0) && s.score < score;
+  s.score = select<S>(take, score, s.score);
+  s.lo_n = select<S>(take, lo.n, s.lo_n), s.lo_y = select<S>(take, lo.y, s.lo_y);
+  s.hi_n = select<S>(take, hi.n, s.hi_n), s.hi_y = select<S>(take, hi.y, s.hi_y);
+}
+
+/// A sample: the arc from the one before to it, and the opposite one.
+template <typename S>
+void keep_sample(Search<S>& s, const Evaluation<S>& at, const Slopes<S>& slope, bool first) {
   if (first) {
     s.score = -std::numeric_limits<S>::infinity();
     s.lo_n = s.lo_y = s.hi_n = s.hi_y = Vector<S>::Zero();
   } else {
-    s.score = select<S>(take, score, s.score);
-    s.lo_n = select<S>(take, s.last.n, s.lo_n), s.lo_y = select<S>(take, s.last.y, s.lo_y);
-    s.hi_n = select<S>(take, end.n, s.hi_n), s.hi_y = select<S>(take, end.y, s.hi_y);
+    keep_arc<S>(s, s.last, s.last_slope, at.plus, slope.plus);
+    keep_arc<S>(s, s.back, s.back_slope, at.minus, slope.minus);
   }
-  s.last = now;
+  s.last = at.plus, s.last_slope = slope.plus;
+  s.back = at.minus, s.back_slope = slope.minus;
+}
+
+/// A step inside the bracket replaces the end whose slope has its sign.
+template <typename S>
+void keep_step(Search<S>& s, const Evaluation<S>& at, const Slopes<S>& slope) {
+  const Mask<S> up = S(0) < slope.plus;
+  s.lo_n = select<S>(up, at.plus.n, s.lo_n), s.lo_y = select<S>(up, at.plus.y, s.lo_y);
+  s.hi_n = select<S>(up, s.hi_n, at.plus.n), s.hi_y = select<S>(up, s.hi_y, at.plus.y);
 }
 
 /// Two ends in either order make the bracket.
@@ -223,24 +263,57 @@ void bracket(Search<S>& s, const Vector<S>& e, const Touch<S>& x, const Touch<S>
   s.hi_n = select<S>(ahead, y.n, x.n), s.hi_y = select<S>(ahead, y.y, x.y);
 }
 
+/// A cylinder as the search beside a cap's axis sees it.
+template <typename S>
+struct Cap {
+  Vector<S> axis, reach;
+  S radius;
+};
+
 /// Off a cap's axis n towards the steepest ascent t = y - g n, taken at the cap's centre: the gap
 /// changes by |t| - r per radian, and curves by kappa (v.t)^2/|t|^2 + g of the other body. The
 /// Newton step of that derivative, 2^-13 to 1/8 radian; started farther off, the search misses
 /// maxima close to the axis.
+///
+/// Two things make y the wrong point to start from. Where the other cylinder's axis is within a
+/// 32nd of t's slope of perpendicular to n, its nearer end is the one on the side of the step, not
+/// the one that n happens to touch. Where the axes are parallel up to 2^-15, what its rim adds turns
+/// with the step: |t| - r - r' is the slope, t between the axes.
 template <typename S>
-[[nodiscard]] Vector<S> beside_pole(const Touch<S>& at, S radius, const Rim<S>& other) {
+[[nodiscard]] Vector<S> beside_pole(const Touch<S>& at, const Vector<S>& d, const Cap<S>& own,
+                                    const Cap<S>& other, const Rim<S>& rim) {
   const S zero(0), far(0.125), near(0x1p-13);
-  const Vector<S> t = sub<S>(at.y, scale<S>(at.n, at.g));
-  const S tt = dot<S>(t, t), length = square_root(tt), vt = dot<S>(other.v, t);
-  const S curve = other.kappa * (vt * vt) + at.g * tt;
+  const S tilt = dot<S>(other.axis, at.n);
+  const S side = dot<S>(d, other.axis) - tilt * dot<S>(d, at.n);
+  Vector<S> end;
+  for (int k = 0; k < 3; ++k) end[k] = move_sign(side, other.reach[k]);
+  const Vector<S> x = sub<S>(d, end), across = sub<S>(x, scale<S>(at.n, dot<S>(x, at.n)));
+  const S ahead = dot<S>(across, other.axis);
+  const Mask<S> crosses =
+      (tilt * tilt) * dot<S>(across, across) <= (ahead * ahead) * S(0x1p-10);
+  const Mask<S> parallel = rim.kappa == zero || other.radius <= rim.kappa * S(0x1p-15);
+  const Vector<S> touched = sub<S>(at.y, scale<S>(at.n, at.g));
+  const Vector<S> t = select<S>(crosses || parallel, across, touched);
+  const S tt = dot<S>(t, t), length = square_root(tt), vt = dot<S>(rim.v, t);
+  const S curve = select<S>(parallel, zero, rim.kappa * (vt * vt)) + at.g * tt;
+  const S radius = select<S>(parallel, own.radius + other.radius, own.radius);
   const S angle = ((length - radius) * tt) / curve;
   const S step = select<S>(zero < curve, clamp<S>(angle, near, far), far);
   return add<S>(scale<S>(at.n, length), scale<S>(t, step));
 }
 
+/// Off the axis of A's caps, or of B's.
+template <typename S>
+[[nodiscard]] Vector<S> pole_step(const Pair<S>& pair, const Evaluation<S>& at, bool of_a) {
+  const Cap<S> a = {pair.axis[0], pair.reach[0], pair.radius};
+  const Cap<S> b = {pair.b, pair.b_reach, pair.b_radius};
+  return of_a ? beside_pole<S>(better<S>(at), pair.d, a, b, at.b)
+              : beside_pole<S>(better<S>(at), pair.d, b, a, at.a);
+}
+
 /// Newton's step of g on the sphere from n: (kappa_a va va^T + kappa_b vb vb^T + g) step = y - g n
-/// in the tangent plane, each component at most 1/2. Where that matrix is not positive definite, a
-/// deep penetration, g's part is made slightly positive.
+/// in the tangent plane. The matrix gets as much of the identity added as makes its smaller
+/// eigenvalue |y - g n|, and the step at most 1; each component is at most 1/2.
 template <typename S>
 [[nodiscard]] Vector<S> newton_step(const Touch<S>& at, const Rim<S>& a, const Rim<S>& b) {
   const S zero(0), half(0.5);
@@ -249,13 +322,14 @@ template <typename S>
   const Vector<S> v1 = select<S>(swap, b.v, a.v), v2 = select<S>(swap, a.v, b.v);
   const Vector<S> t = cross<S>(v1, at.n);
   const S c = dot<S>(v2, v1), s = dot<S>(v2, t), kc = k2 * c, ks = k2 * s;
-  const S h11 = k1 + kc * c, h12 = kc * s, h22 = ks * s;
-  const S d11 = h11 + at.g, d22 = h22 + at.g, det = d11 * d22 - h12 * h12;
-  const Mask<S> definite = zero < det && zero < d22;
-  const S g = magnitude(at.g) * S(0x1p-7);
-  const S e11 = select<S>(definite, d11, h11 + g), e22 = select<S>(definite, d22, h22 + g);
-  const S inverse = S(1) / (e11 * e22 - h12 * h12);
+  const S h11 = k1 + kc * c, h12 = kc * s, h22 = ks * s, hh = h12 * h12;
+  const S d11 = h11 + at.g, d22 = h22 + at.g;
+  const S mean = (d11 + d22) * half, apart = (d11 - d22) * half;
+  const S lesser = mean - square_root(apart * apart + hh);
   const S y1 = dot<S>(at.y, v1), y2 = dot<S>(at.y, t);
+  const S more = max_num(zero, square_root(y1 * y1 + y2 * y2) - lesser);
+  const S e11 = d11 + more, e22 = d22 + more;
+  const S inverse = S(1) / (e11 * e22 - hh);
   const S s1 = clamp<S>((e22 * y1 - h12 * y2) * inverse, -half, half);
   const S s2 = clamp<S>((e11 * y2 - h12 * y1) * inverse, -half, half);
   return add<S>(scale<S>(v1, s1), scale<S>(t, s2));
@@ -272,6 +346,33 @@ void keep_newton(Search<S>& s, const Evaluation<S>& at, bool start) {
   s.next = add<S>(s.lo_n, s.lo_y);
 }
 
+/// The largest g so far, and its normal. Between cylinders the first of equals stays: with a rim
+/// switched off g would be too large by r |a x n|, a rounding error on the axis itself. Else, of
+/// values that are equal up to rounding, that of the least slope. A vertex' own normal has none;
+/// face normals and the side's are right on a kink alone, where a circle finds them again.
+template <typename S>
+void keep_best(Search<S>& s, const Pair<S>& pair, const Pass& p, const Evaluation<S>& at,
+               const Slopes<S>& slope) {
+  const Mask<S> turned = at.plus.g < at.minus.g;
+  const Touch<S> best = select_touch<S>(turned, at.minus, at.plus);
+  const Mask<S> raised = s.best_g < best.g;
+  if (pair.body == Body::kCylinder) {
+    s.best_n = select<S>(raised, best.n, s.best_n);
+  } else {
+    const bool on_circle = p.phase == Phase::kSample || p.phase == Phase::kRefine;
+    const S along = select<S>(turned, magnitude(slope.minus), magnitude(slope.plus));
+    const S size = on_circle                     ? along
+                   : p.phase == Phase::kVertex ? S(0)
+                                               : S(std::numeric_limits<S>::infinity());
+    const S near = (magnitude(at.plus.g) + magnitude(at.minus.g)) * S(2 * kUnitRoundoff<S>);
+    const Mask<S> equal = magnitude(best.g - s.best_g) <= near;
+    const Mask<S> take = (equal && size < s.best_slope) || (!equal && raised);
+    s.best_n = select<S>(take, best.n, s.best_n);
+    s.best_slope = select<S>(take, size, s.best_slope);
+  }
+  s.best_g = select<S>(raised, best.g, s.best_g);
+}
+
 /// One pass of the search: pass(body, budget, k) as `p`, not yet a witness pass.
 template <typename S>
 void step(Pair<S>& pair, Search<S>& s, const Pass& p, const Budget& budget) {
@@ -280,6 +381,8 @@ void step(Pair<S>& pair, Search<S>& s, const Pass& p, const Budget& budget) {
   const Evaluation<S> at = evaluate<S>(pair, n, pole && p.track == 0, pole && p.track == 1);
   const Touch<S> best = better<S>(at);
   const Vector<S> e = cylinders && p.track == 1 ? pair.b : pair.axis[p.track];
+  const bool on_circle = p.phase == Phase::kSample || p.phase == Phase::kRefine;
+  const Slopes<S> slope = on_circle ? slopes<S>(e, at) : Slopes<S>{e, S(0), S(0)};
 
   switch (p.phase) {
     case Phase::kFrame:
@@ -295,22 +398,18 @@ void step(Pair<S>& pair, Search<S>& s, const Pass& p, const Budget& budget) {
       break;
     case Phase::kBeside:
       bracket<S>(s, e, s.last, best);
-      s.next = tie<S>(e, s);
+      s.next = tie<S>(s);
       break;
     case Phase::kSample:
-      keep_sample<S>(s, e, at, p.index == 0);
-      s.next = tie<S>(e, s);
+      keep_sample<S>(s, at, slope, p.index == 0);
+      s.next = tie<S>(s);
       break;
-    case Phase::kRefine: {
-      const Mask<S> up = S(0) < slope<S>(e, at.plus);
-      s.lo_n = select<S>(up, at.plus.n, s.lo_n), s.lo_y = select<S>(up, at.plus.y, s.lo_y);
-      s.hi_n = select<S>(up, s.hi_n, at.plus.n), s.hi_y = select<S>(up, s.hi_y, at.plus.y);
-      s.next = circle_step<S>(e, s, at);
+    case Phase::kRefine:
+      keep_step<S>(s, at, slope);
+      s.next = circle_step<S>(e, s, at, slope);
       break;
-    }
     case Phase::kPole:
-      s.next = beside_pole<S>(best, p.track == 0 ? pair.radius : pair.b_radius,
-                              p.track == 0 ? at.b : at.a);
+      s.next = pole_step<S>(pair, at, p.track == 0);
       break;
     case Phase::kStart:
     case Phase::kNewton:
@@ -319,11 +418,7 @@ void step(Pair<S>& pair, Search<S>& s, const Pass& p, const Budget& budget) {
     default:
       break;
   }
-  // The first of equals stays. With a rim switched off g would be too large by r |a x n|, a
-  // rounding error on the axis itself.
-  const Mask<S> up = s.best_g < best.g;
-  s.best_g = select<S>(up, best.g, s.best_g);
-  s.best_n = select<S>(up, best.n, s.best_n);
+  keep_best<S>(s, pair, p, at, slope);
 }
 
 }  // namespace cde::reference::cylinder

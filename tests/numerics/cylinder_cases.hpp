@@ -1,0 +1,25 @@
+#pragma once
+#include <cstdint>
+
+#include "oracle/oracle.hpp"
+
+/// Operands of the cylinder pairs that oracle::generate does not make. Each is a function of the
+/// pair and the index; the seed is kCylinderSeed.
+namespace cde::testing {
+
+inline constexpr std::uint64_t kCylinderSeed = 20070129;
+
+/// A primary about the origin: extents of 0.2 to 2, any orientation.
+[[nodiscard]] oracle::Shape random_primary(oracle::Pair pair, std::uint64_t seed);
+
+/// Near contact with the best normal 1e-4 to 3.4 degrees off a cap's axis: a cap against a cap, a
+/// face or a vertex, most of the time nearly parallel to it, with rims and edges crossing. A search
+/// that treats the sphere of normals alike everywhere stalls here.
+[[nodiscard]] oracle::Case near_cap(oracle::Pair pair, std::uint64_t index);
+
+/// Scenes that people build: an axis-parallel box, triangle or cylinder and an upright cylinder,
+/// apart, touching or overlapping. Index % 9 is the family: numbers on a grid or real, tilted by
+/// 1e-7 to 1e-2 radian, rotated together, moved to touch.
+[[nodiscard]] oracle::Case upright(oracle::Pair pair, std::uint64_t index);
+
+}  // namespace cde::testing
