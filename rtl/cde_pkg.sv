@@ -139,6 +139,66 @@ package cde_pkg;
         (pair == int'(PAIR_OBB_OBB) || pair == int'(PAIR_TRIANGLE_OBB) || pair == int'(PAIR_SPHERE_OBB)) ? SHAPE_OBB :
         (pair == int'(PAIR_SPHERE_SPHERE) || pair == int'(PAIR_TRIANGLE_SPHERE) || pair == int'(PAIR_RAY_SPHERE)) ? SHAPE_SPHERE : SHAPE_CYLINDER;
   endfunction
+  function bit any_long(input int pairs);  // some pair of a set takes more clocks than a ray or two spheres
+    any_long = 0;
+    for (int p = 0; p < PAIRS; p++)
+      if (((pairs >> p) & 1) != 0 && primary_shape(p) != SHAPE_RAY && !(primary_shape(p) == SHAPE_SPHERE && secondary_shape(p) == SHAPE_SPHERE))
+        any_long = 1;
+  endfunction
+
+  // What a word of a shape is.
+  localparam int WORD_COORDINATE = 0;  // a length of either sign
+  localparam int WORD_SIZE = 1;        // a length above zero
+  localparam int WORD_DIRECTION = 2;   // of a ray: lengths in units of their own
+  localparam int WORD_INTERVAL = 3;    // tmin, tmax: lengths in those units
+  localparam int WORD_PURE = 4;        // of a unit vector or rotation
+  function int word_kind(input int shape, input int k);
+    word_kind = WORD_COORDINATE;
+    if (shape == SHAPE_RAY) word_kind = (k < 3) ? WORD_COORDINATE : (k < 6) ? WORD_DIRECTION : WORD_INTERVAL;
+    if ((shape == SHAPE_PLANE && k < 3) || (shape == SHAPE_CYLINDER && k >= 3 && k < 6) || (shape == SHAPE_OBB && k >= 6)) word_kind = WORD_PURE;
+    if ((shape == SHAPE_SPHERE && k == 3) || (shape == SHAPE_CYLINDER && k >= 6) || (shape == SHAPE_OBB && k >= 3 && k < 6)) word_kind = WORD_SIZE;
+  endfunction
+  function bit is_length(input int shape, input int k);
+    is_length = word_kind(shape, k) == WORD_COORDINATE || word_kind(shape, k) == WORD_SIZE;
+  endfunction
+  function int lengths(input int shape);  // how many words of the shape are
+    lengths = 0;
+    for (int k = 0; k < shape_words(shape); k++) if (is_length(shape, k)) lengths++;
+  endfunction
+  function int length_word(input int shape, input int i);  // the i-th of them
+    int left;
+    left = i;
+    length_word = 0;
+    for (int k = 0; k < shape_words(shape); k++)
+      if (is_length(shape, k)) begin
+        if (left == 0) length_word = k;
+        left--;
+      end
+  endfunction
+
+  // The input contract's range of lengths, as exponents of two: no coordinate or size is above 2^length_high, no size, nor the largest
+  // component of a ray's direction, below 2^length_low. host/include/cde/reference/check.hpp says why.
+  function int length_high(input int exp);
+    length_high = (exp < 8) ? ((1 << (exp - 1)) - 2) / 2 : ((1 << (exp - 1)) - 8) / 3;
+  endfunction
+  function int length_low(input int exp, input int man);
+    length_low = (exp < 8) ? -length_high(exp) : -(((1 << (exp - 1)) - 3 - man) / 3);
+  endfunction
+  // Whether a pair is brought to the size of one in front of its pipe (length_scale.sv): those that multiply four lengths, and all in
+  // formats of fewer than 8 exponent bits.
+  function bit scaled(input int pair, input int exp);
+    scaled = exp < 8 || (primary_shape(pair) != SHAPE_RAY && primary_shape(pair) != SHAPE_SPHERE && secondary_shape(pair) != SHAPE_PLANE);
+  endfunction
+  function int scale_latency(input bit ray, input int lat_mul, input int lat_cmp);  // of length_scale.sv
+    scale_latency = lat_cmp + unscale_latency(ray, lat_mul, lat_cmp);
+  endfunction
+  function int unscale_latency(input bit ray, input int lat_mul, input int lat_cmp);  // of length_unscale.sv
+    unscale_latency = ray ? larger(lat_cmp, lat_mul) : lat_cmp;
+  endfunction
+
+  function int ring_entry(input int lat_add, input int lat_mul, input int lat_cmp);  // clocks that cylinder_pair.sv needs for its operands
+    ring_entry = scale_latency(0, lat_mul, lat_cmp) + larger(lat_add, lat_mul);
+  endfunction
 
   // Words of the largest slot that a set of pairs (bit p: pair p) needs, of primaries or of secondaries; `swap`: either shape may be
   // either.

@@ -60,11 +60,14 @@ module pair_unit #(
   assign bad_check = bad_a | bad_b;
 
   if (cde_pkg::has_ring(PAIR)) begin : g_ring
+    localparam int ENTRY = cde_pkg::larger(T_CHECK, cde_pkg::ring_entry(LAT_ADD, LAT_MUL, LAT_CMP));
+    logic [LANES-1:0][CW-1:0] bad_entry;
+    align #(.W(LW), .FROM(T_CHECK), .TO(ENTRY), .ARITH(ARITH)) align_bad (.clk_i, .d_i(bad_check), .q_o(bad_entry));
     cylinder_pair #(
-        .BODY(cde_pkg::cylinder_body(PAIR)), .ENTRY(T_CHECK), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+        .BODY(cde_pkg::cylinder_body(PAIR)), .ENTRY(ENTRY), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
         .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
     ) pipe (
-        .clk_i, .rst_i, .budget_i, .valid_i, .ready_o, .tag_i, .a_i, .b_i, .bad_i(bad_check), .valid_o, .tag_o, .bad_o(bad), .f_o(f), .t_o(t),
+        .clk_i, .rst_i, .budget_i, .valid_i, .ready_o, .tag_i, .a_i, .b_i, .bad_i(bad_entry), .valid_o, .tag_o, .bad_o(bad), .f_o(f), .t_o(t),
         .cp_o(cp), .n_o(n), .latency_o);
   end else begin : g_free
     logic unused_budget;
@@ -76,7 +79,7 @@ module pair_unit #(
     row_interval #(.INTERVAL(FACET_II)) interval (.clk_i, .rst_i, .take_i(enter), .ready_o);
     logic [LANES-1:0][CW-1:0] f_pipe, t_pipe;
     logic [2:0][LANES-1:0][CW-1:0] cp_pipe, n_pipe;
-    pair_pipe #(
+    scaled_pipe #(
         .PAIR(PAIR), .ALGORITHM(ALGORITHM), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
         .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
     ) pipe (.clk_i, .enter_i(enter), .a_i, .b_i, .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe), .latency_o(latency));

@@ -347,6 +347,36 @@ inline Bits classify(Bits a) {
     return mask<Bits>(mag != 0) & mask<Bits>(mag <= F::kInf);
 }
 
+/// rtl/fp/fp_range.sv: whether a word, or with Signed its bits as they are, lies between two powers
+/// of two, given by their exponents as they stand in a word.
+template <unsigned E, unsigned M, bool Signed, unsigned Least, unsigned Most, class Bits>
+inline Bits within(Bits a) {
+  const Bits x = Signed ? a : a & Format<E, M>::kMag;
+  return mask<Bits>(x >= (Least << M)) & mask<Bits>(x <= (Most << M));
+}
+
+/// rtl/fp/fp_exponent.sv: 0 the larger of |a| and |b|, 3 a with its exponent moved by b.
+template <unsigned C, unsigned E, unsigned M, class Bits>
+inline Bits exponent(Bits a, Bits b) {
+  using F = Format<E, M>;
+  const Bits x = a & F::kMag;
+  if constexpr (C == 0) {
+    const Bits y = b & F::kMag, more = mask<Bits>(x > y);
+    return (x & more) | (y & ~more);
+  } else {
+    const Bits moved = x + b, below = (x - (1u << M)) | (moved - (1u << M));
+    return (moved & F::kMag & ~(Bits{} - (below >> 31))) | (a & F::kSign);
+  }
+}
+/// 1 and 2: the shift by 2^-k and by 2^k, k the exponent of a, stored at least as Least.
+template <unsigned C, unsigned E, unsigned M, unsigned Least, class Bits>
+inline Bits shift(Bits a) {
+  using F = Format<E, M>;
+  const Bits k = exponent<0, E, M, Bits>(a & F::kInf, Bits{} + (Least << M));
+  const Bits one = Bits{} + (unsigned(F::kBias) << M);
+  return C == 1 ? one - k : k - one;
+}
+
 template <unsigned N>
 using Word = std::conditional_t<N == 32, uint32_t, uint64_t>;
 

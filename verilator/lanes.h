@@ -89,6 +89,31 @@ requires(1 + E + M <= 32)  // wider words are scalars
     inline Words negative(Words a) {
   return negative<E, M, Words>(a);
 }
+template <unsigned E, unsigned M, bool Signed, unsigned Least, unsigned Most>
+requires(1 + E + M <= 32)  // wider words are scalars
+    inline Words within(Words a) {
+  return within<E, M, Signed, Least, Most, Words>(a);
+}
+template <unsigned C, unsigned E, unsigned M>
+requires(1 + E + M <= 32)  // wider words are scalars
+    inline Words exponent(Words a, Words b) {
+  return exponent<C, E, M, Words>(a, b);
+}
+template <unsigned C, unsigned E, unsigned M>
+requires(1 + E + M <= 32)  // wider words are scalars
+    inline Words exponent(uint32_t a, Words b) {
+  return exponent<C, E, M, Words>(Words{} + a, b);
+}
+template <unsigned C, unsigned E, unsigned M>
+requires(1 + E + M <= 32)  // wider words are scalars
+    inline Words exponent(Words a, uint32_t b) {
+  return exponent<C, E, M, Words>(a, Words{} + b);
+}
+template <unsigned C, unsigned E, unsigned M, unsigned Least>
+requires(1 + E + M <= 32)  // wider words are scalars
+    inline Words shift(Words a) {
+  return shift<C, E, M, Least, Words>(a);
+}
 template <unsigned C, unsigned E, unsigned M>
 requires(1 + E + M <= 32)  // wider words are scalars
     inline Words sign(uint32_t a, Words b) {

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "cde/error.hpp"
 #include "cde/reference/check.hpp"
@@ -12,6 +14,7 @@ namespace cde {
 namespace {
 
 using Defect = std::optional<std::string>;
+constexpr LengthRange kLengths = reference::kLengths<float>;
 
 /// "origin.x", "rotation[1][2]", "radius".
 template <typename Field>
@@ -23,16 +26,24 @@ std::string word_name(const char* field, int k, const Field&) {
     return fmt::format("{}[{}][{}]", field, k / 3, k % 3);
 }
 
-/// The first word that is not finite; an interval's end may be infinite.
+/// The first word that is not finite, or a length that is too large; an interval's end may be
+/// infinite.
 template <typename P>
-Defect not_finite(const P& primitive) {
+Defect bad_word(const P& primitive) {
   Defect why;
   P::visit(primitive, [&](const char* name, const auto& field) {
     const std::string_view interval[] = {"tmin", "tmax"};
+    const std::string_view units[] = {"normal", "axis", "rotation", "translation"};
     const bool may_be_infinite = name == interval[0] || name == interval[1];
+    const bool length =
+        !may_be_infinite && std::find(std::begin(units), std::end(units), name) == std::end(units);
     const auto look = [&](int k, float word) {
-      if (std::isfinite(word) || (may_be_infinite && !std::isnan(word)) || why) return;
-      why = fmt::format("{} is {}", word_name(name, k, field), word);
+      if (why || (may_be_infinite && !std::isnan(word))) return;
+      const std::string which = word_name(name, k, field);
+      if (!std::isfinite(word))
+        why = fmt::format("{} is {}", which, word);
+      else if (length)
+        why = kLengths.not_coordinate(which, word);
     };
     if constexpr (std::is_same_v<std::remove_cvref_t<decltype(field)>, float>) {
       look(0, field);
@@ -43,9 +54,8 @@ Defect not_finite(const P& primitive) {
   return why;
 }
 
-Defect not_positive(std::string_view name, float value) {
-  if (value > 0) return std::nullopt;
-  return fmt::format("{} is {}, must be > 0", name, value);
+Defect not_size(std::string_view name, float value) {
+  return kLengths.not_size(name, value);
 }
 
 Defect not_unit(std::string_view name, const Eigen::Vector3f& v) {
@@ -78,22 +88,23 @@ void check_any(const Primitive& primitive, std::string_view what) {
 }  // namespace
 
 Defect defect(const Ray& ray) {
-  if (auto why = not_finite(ray)) return why;
-  if (reference::bad(ray)) return "direction is zero";
-  return std::nullopt;
+  if (auto why = bad_word(ray)) return why;
+  const float largest = ray.d.cwiseAbs().maxCoeff();
+  if (largest == 0) return "direction is zero";
+  return not_size("largest component of direction", largest);
 }
 
 Defect defect(const Triangle& triangle) {
-  return not_finite(triangle);
+  return bad_word(triangle);
 }
 
 Defect defect(const Sphere& sphere) {
-  if (auto why = not_finite(sphere)) return why;
-  return not_positive("radius", sphere.r);
+  if (auto why = bad_word(sphere)) return why;
+  return not_size("radius", sphere.r);
 }
 
 Defect defect(const Aabb& box) {
-  if (auto why = not_finite(box)) return why;
+  if (auto why = bad_word(box)) return why;
   for (int k = 0; k < 3; ++k) {
     if (!(box.min[k] < box.max[k]))
       return fmt::format("max.{0} is {1}, must be > min.{0} = {2}", "xyz"[k], box.max[k],
@@ -103,27 +114,38 @@ Defect defect(const Aabb& box) {
 }
 
 Defect defect(const Plane& plane) {
-  if (auto why = not_finite(plane)) return why;
+  if (auto why = bad_word(plane)) return why;
   return not_unit("normal", plane.n);
 }
 
 Defect defect(const Cylinder& cylinder) {
-  if (auto why = not_finite(cylinder)) return why;
+  if (auto why = bad_word(cylinder)) return why;
   if (auto why = not_unit("axis", cylinder.axis)) return why;
-  if (auto why = not_positive("half height", cylinder.half_height)) return why;
-  return not_positive("radius", cylinder.radius);
+  if (auto why = not_size("half height", cylinder.half_height)) return why;
+  return not_size("radius", cylinder.radius);
 }
 
 Defect defect(const Obb& box) {
-  if (auto why = not_finite(box)) return why;
+  if (auto why = bad_word(box)) return why;
   for (int k = 0; k < 3; ++k)
-    if (auto why = not_positive(fmt::format("half extent.{}", "xyz"[k]), box.half[k])) return why;
+    if (auto why = not_size(fmt::format("half extent.{}", "xyz"[k]), box.half[k])) return why;
   return not_orthonormal(box.rotation);
 }
 
 Defect defect(const Transform& transform) {
-  if (auto why = not_finite(transform)) return why;
+  if (auto why = bad_word(transform)) return why;
   return not_orthonormal(transform.rotation);
+}
+
+std::optional<std::string> LengthRange::not_coordinate(std::string_view word, double value) const {
+  if (std::abs(value) <= std::ldexp(1, high)) return std::nullopt;
+  return fmt::format("{} is {:.9g}, must be at most 2^{} in size", word, value, high);
+}
+
+std::optional<std::string> LengthRange::not_size(std::string_view word, double value) const {
+  if (std::ldexp(1, low) <= value && value <= std::ldexp(1, high)) return std::nullopt;
+  if (!(value > 0)) return fmt::format("{} is {:.9g}, must be > 0", word, value);
+  return fmt::format("{} is {:.9g}, must be 2^{} to 2^{}", word, value, low, high);
 }
 
 void check(const Ray& ray, std::string_view what) {

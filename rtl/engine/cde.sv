@@ -116,8 +116,7 @@ module cde #(
   // ---- What is in flight ----
   localparam bit MANY = (PAIRS & (PAIRS - 1)) != 0;
   localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_SQRT + LAT_CMP + 4) / 5;
-  localparam int DEEPEST = ((PAIRS & ~((1 << int'(cde_pkg::PAIR_RAY_TRIANGLE)) | (1 << int'(cde_pkg::PAIR_RAY_SPHERE)) |
-      (1 << int'(cde_pkg::PAIR_RAY_CYLINDER)) | (1 << int'(cde_pkg::PAIR_SPHERE_SPHERE)))) != 0) ? 256 : 64;
+  localparam int DEEPEST = cde_pkg::any_long(PAIRS) ? 256 : 64;
   localparam int HISTORY = DEEPEST << $clog2(SLOWEST);
   localparam int PORTS = 1 + PARALLEL;  // pairs in a pass
   localparam bit RINGS = cde_pkg::any_ring(PAIRS);
@@ -186,7 +185,7 @@ module cde #(
     if (!MANY) begin : g_one
       assign gap_o[k] = cde_pkg::primary_shape($clog2(PAIRS)) != cde_pkg::SHAPE_RAY;
     end else begin : g_some
-      assign gap_o[k] = pair_i[k] != cde_pkg::PAIR_RAY_TRIANGLE && pair_i[k] != cde_pkg::PAIR_RAY_CYLINDER && pair_i[k] != cde_pkg::PAIR_RAY_SPHERE;
+      assign gap_o[k] = cde_pkg::primary_shape(int'(pair_i[k])) != cde_pkg::SHAPE_RAY;
     end
   end
 

@@ -162,7 +162,7 @@ module lane_group #(
           end
         end
         cylinder_pair #(
-            .BODY(cde_pkg::cylinder_body(p)), .AHEAD(MANY ? 1 : 0), .ENTRY(cde_pkg::larger(LAT_ADD, LAT_MUL)), .EXP(EXP), .MAN(MAN),
+            .BODY(cde_pkg::cylinder_body(p)), .AHEAD(MANY ? 1 : 0), .ENTRY(cde_pkg::ring_entry(LAT_ADD, LAT_MUL, LAT_CMP)), .EXP(EXP), .MAN(MAN),
             .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .budget_i, .valid_i(issue),
@@ -174,7 +174,7 @@ module lane_group #(
       end else begin : g_free
         assign ring_ready_o[p] = 1'b1;
         assign ring_valid_o[p] = 1'b0;
-        pair_pipe #(
+        scaled_pipe #(
             .PAIR(p), .ALGORITHM(ALGORITHM), .FACET_II(INTERVAL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD),
             .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
         ) pipe (

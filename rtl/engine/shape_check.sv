@@ -1,5 +1,6 @@
-// Input contract of a shape (cde_pkg::SHAPE_*): every word finite (tmin and tmax only no NaN), sizes above zero, max above min, a
-// direction that is not zero; unit vectors and rotations to |a.b - (0 or 1)| <= 2^-20, or 16 u in formats too coarse for that.
+// Input contract of a shape (cde_pkg::SHAPE_*): every word finite (tmin and tmax only no NaN), coordinates at most 2^length_high, sizes and
+// the largest component of a direction from 2^length_low to that, max above min; unit vectors and rotations to
+// |a.b - (0 or 1)| <= 2^-20, or 16 u in formats too coarse for that.
 // Latency: LAT_MUL + 3*LAT_ADD + LAT_CMP clocks whatever the shape; 0 with ARITH = "host". Throughput: LANES shapes a clock. Stall: none.
 `include "dataflow.svh"
 module shape_check #(
@@ -20,28 +21,29 @@ module shape_check #(
 );
   /*verilator inline_module*/
   localparam int LATENCY = LAT_MUL + 3 * LAT_ADD + LAT_CMP;
+  localparam int LOW = cde_pkg::length_low(EXP, MAN);
+  localparam int HIGH = cde_pkg::length_high(EXP);
 
   // ---- Words by themselves ----
   for (genvar k = 0; k < WORDS; k++) begin : word
-    localparam bit SIZE = (SHAPE == cde_pkg::SHAPE_SPHERE && k == 3) || (SHAPE == cde_pkg::SHAPE_CYLINDER && k >= 6) ||
-        (SHAPE == cde_pkg::SHAPE_OBB && k >= 3 && k < 6);
-    logic [LANES-1:0][CW-1:0] finite, size, good;  // good: this word and those below
-    if (SHAPE == cde_pkg::SHAPE_RAY && k >= 6) begin : g_interval
+    localparam int KIND = cde_pkg::word_kind(SHAPE, k);
+    logic [LANES-1:0][CW-1:0] legal, good;  // good: this word and those below
+    if (KIND == cde_pkg::WORD_INTERVAL) begin : g_interval
       logic [LANES-1:0][CW-1:0] nan;
       fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("nan"), .ARITH(ARITH)) is_nan (.a_i(words_i[k]), .m_o(nan));
-      assign finite = ~nan;
-    end else begin : g_finite
-      fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("fin"), .ARITH(ARITH)) is_finite (.a_i(words_i[k]), .m_o(finite));
-    end
-    if (SIZE) begin : g_size
-      fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("pos"), .ARITH(ARITH)) is_positive (.a_i(words_i[k]), .m_o(size));
-    end else begin : g_any_size
-      assign size = '1;
+      assign legal = ~nan;
+    end else if (KIND == cde_pkg::WORD_PURE) begin : g_pure
+      fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("fin"), .ARITH(ARITH)) is_finite (.a_i(words_i[k]), .m_o(legal));
+    end else begin : g_length
+      fp_range #(
+          .EXP(EXP), .MAN(MAN), .LANES(LANES), .SIGNED(KIND == cde_pkg::WORD_SIZE), .ZERO(KIND != cde_pkg::WORD_SIZE), .LOW(LOW),
+          .HIGH(HIGH), .ARITH(ARITH)
+      ) in_range (.a_i(words_i[k]), .m_o(legal));
     end
     if (k == 0) begin : g_first
-      assign good = finite & size;
+      assign good = legal;
     end else begin : g_next
-      assign good = word[k-1].good & finite & size;
+      assign good = word[k-1].good & legal;
     end
   end
 
@@ -53,7 +55,7 @@ module shape_check #(
   if (SHAPE == cde_pkg::SHAPE_RAY) begin : g_direction
     logic [2:0][LANES-1:0][CW-1:0] m;
     for (genvar k = 0; k < 3; k++) begin : axis
-      fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("nze"), .ARITH(ARITH)) is_nonzero (.a_i(words_i[3+k]), .m_o(m[k]));
+      fp_range #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LOW(LOW), .HIGH(HIGH), .ARITH(ARITH)) is_size (.a_i(words_i[3+k]), .m_o(m[k]));
     end
     `DF_IN(moves, m[0] | m[1] | m[2], 0)
     `DF_AT(late, moves, LATENCY)

@@ -5,7 +5,7 @@
 // memories with a slot a row, read and written by the stages that use it.
 // 208 add, 272 mul, 9 div, 6 sqrt, 25 compare, 12 min/max (cylinder); 173 add, 196 mul, 5 div, 4 sqrt, 21 compare, 10 min/max (box);
 // 223 add, 243 mul, 8 div, 4 sqrt, 34 compare, 16 min/max (triangle). RING, latency at one clock an operator and the default budget: 62,
-// 3,915; 62, 4,659; 68, 4,837.
+// 3,916; 62, 4,660; 68, 4,838.
 // Latency: ENTRY + passes * RING + FINISH clocks, latency_o, passes set by budget_i (schedule.hpp). Throughput: RING rows in passes * RING
 // clocks, a row a clock while slots are free. Stall: ready_o, low while the slot that comes by is not about to be free; results come in
 // the order of entry. With ARITH = "host" a whole pass is computed in the clock in which its row could leave, on the same schedule.
@@ -13,7 +13,7 @@
 module cylinder_pair #(
     parameter int BODY = `BODY_CYLINDER,
     parameter int AHEAD = 0,  // 0 or 1: clocks from valid_i and ready_o to the row's operands
-    parameter int ENTRY = 5,  // clocks from a row's entry to its first pass: at least LAT_ADD and LAT_MUL
+    parameter int ENTRY = 5,  // clocks from a row's entry to its first pass: at least scale_latency and LAT_ADD or LAT_MUL
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
@@ -56,7 +56,8 @@ module cylinder_pair #(
   localparam int T_SLOPE = T_BETTER + `LATENCY_SLOPE;
   localparam int T_END = cde_pkg::larger(T_STEPPED, T_EVALUATED + `LATENCY_CYLINDER_WITNESS);
   localparam int RING = T_END + 1;
-  localparam int FINISH = cde_pkg::larger(2 * LAT_MUL + 2 * LAT_ADD, LAT_CMP);
+  localparam int RESULT = cde_pkg::larger(2 * LAT_MUL + 2 * LAT_ADD, LAT_CMP);
+  localparam int FINISH = RESULT + cde_pkg::unscale_latency(0, LAT_MUL, LAT_CMP);
   localparam int INTERVAL = (BODY == `BODY_CYLINDER) ? 63 : (BODY == `BODY_BOX) ? 75 : 71;  // passes with M = K1 = K2 = 8
   localparam int LATENCY = AHEAD + ENTRY + INTERVAL * RING + FINISH;
   localparam int AW = $clog2(RING);
@@ -124,22 +125,33 @@ module cylinder_pair #(
     end
   end
 
-  // ---- Operands, relative to A's origin ----
+  // ---- Operands, brought to the size of one and relative to A's origin ----
+  localparam int SHAPE_A = (BODY == `BODY_CYLINDER) ? cde_pkg::SHAPE_CYLINDER : (BODY == `BODY_BOX) ? cde_pkg::SHAPE_OBB : cde_pkg::SHAPE_TRIANGLE;
+  localparam int T_SCALED = cde_pkg::scale_latency(0, LAT_MUL, LAT_CMP);
+  logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
+  logic [7:0][LANES-1:0][CW-1:0] b;
+  logic [LANES-1:0][CW-1:0] back, back_in, unused_t_back, back_mem[RING];
+  length_scale #(
+      .SHAPE_A(SHAPE_A), .SHAPE_B(cde_pkg::SHAPE_CYLINDER), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
+      .ARITH(ARITH)
+  ) scale (.clk_i, .a_i, .b_i, .a_o(a), .b_o(b), .back_o(back), .t_back_o(unused_t_back));
+  align #(.W(LW), .FROM(T_SCALED), .TO(ENTRY), .ARITH(ARITH)) align_back (.clk_i, .d_i(back), .q_o(back_in));
+  always_ff @(posedge clk_i) if (entered) back_mem[now_q] <= back_in;
   localparam int ORIGIN = 0, D = 3, B = 6, B_REACH = 9, B_HALF = 12, B_RADIUS = 13, A_REACH = 14, A_HALF = 23, A_RADIUS = 26, A_AXIS = 27;
   localparam int OPERANDS = 36;
   logic [OPERANDS-1:0][LANES-1:0][CW-1:0] operands, operand_mem[RING];
-  `DF_VIN(a_origin, a_i[2:0], 0)
-  `DF_VIN(b_centre, b_i[2:0], 0)
-  `DF_VIN(b_axis, b_i[5:3], 0)
-  `DF_IN(b_half, b_i[6], 0)
+  `DF_VIN(a_origin, a[2:0], T_SCALED)
+  `DF_VIN(b_centre, b[2:0], T_SCALED)
+  `DF_VIN(b_axis, b[5:3], T_SCALED)
+  `DF_IN(b_half, b[6], T_SCALED)
   `DF_VSUB(b_from_a, b_centre, a_origin)
   `DF_VSCALE(b_reach, b_axis, b_half)
   `DF_VAT(b_from_a_in, b_from_a, ENTRY)
   `DF_VAT(b_reach_in, b_reach, ENTRY)
   logic [7:3][LANES-1:0][CW-1:0] b_in;
   logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_in;
-  align #(.W(5 * LW), .FROM(0), .TO(ENTRY), .ARITH(ARITH)) align_b (.clk_i, .d_i(b_i[7:3]), .q_o(b_in));
-  align #(.W(A_WORDS * LW), .FROM(0), .TO(ENTRY), .ARITH(ARITH)) align_a (.clk_i, .d_i(a_i), .q_o(a_in));
+  align #(.W(5 * LW), .FROM(T_SCALED), .TO(ENTRY), .ARITH(ARITH)) align_b (.clk_i, .d_i(b[7:3]), .q_o(b_in));
+  align #(.W(A_WORDS * LW), .FROM(T_SCALED), .TO(ENTRY), .ARITH(ARITH)) align_a (.clk_i, .d_i(a), .q_o(a_in));
   assign operands[ORIGIN+:3] = a_in[2:0];
   assign operands[D+:3] = b_from_a_in;
   assign operands[B+:3] = b_in[5:3];
@@ -147,8 +159,8 @@ module cylinder_pair #(
   assign operands[B_HALF] = b_in[6];
   assign operands[B_RADIUS] = b_in[7];
   if (BODY == `BODY_CYLINDER) begin : g_operands
-    `DF_VIN(axis, a_i[5:3], 0)
-    `DF_IN(half, a_i[6], 0)
+    `DF_VIN(axis, a[5:3], T_SCALED)
+    `DF_IN(half, a[6], T_SCALED)
     `DF_VSCALE(reach, axis, half)
     `DF_VAT(reach_in, reach, ENTRY)
     assign operands[A_REACH+:9] = {{(6 * LW) {1'b0}}, reach_in};
@@ -156,8 +168,8 @@ module cylinder_pair #(
     assign operands[A_RADIUS] = a_in[7];
     assign operands[A_AXIS+:9] = {{(6 * LW) {1'b0}}, a_in[5:3]};
   end else if (BODY == `BODY_BOX) begin : g_operands
-    `DF_MATRIX_IN(rotation, a_i[8:6], a_i[11:9], a_i[14:12], 0)  // by rows; columns are the axes
-    `DF_VIN(half, a_i[5:3], 0)
+    `DF_MATRIX_IN(rotation, a[8:6], a[11:9], a[14:12], T_SCALED)  // by rows; columns are the axes
+    `DF_VIN(half, a[5:3], T_SCALED)
     `DF_TRANSPOSE(axes, rotation)
     `DF_MSCALE(reach, axes, half)
     for (genvar k = 0; k < 3; k++) begin : axis
@@ -167,8 +179,8 @@ module cylinder_pair #(
     assign operands[A_HALF+:3] = a_in[5:3];
     assign operands[A_RADIUS] = '0;
   end else begin : g_operands
-    `DF_MATRIX_IN(tails, a_i[2:0], a_i[2:0], a_i[5:3], 0)
-    `DF_MATRIX_IN(heads, a_i[5:3], a_i[8:6], a_i[8:6], 0)
+    `DF_MATRIX_IN(tails, a[2:0], a[2:0], a[5:3], T_SCALED)
+    `DF_MATRIX_IN(heads, a[5:3], a[8:6], a[8:6], T_SCALED)
     `DF_MSUB(edges, heads, tails)
     df_align #(.W(9 * LW), .T_A(T_edges), .T(ENTRY), .ARITH(ARITH)) align_edges (.clk_i, .a_i(edges), .r_o(operands[A_REACH+:9]));
     assign {operands[A_HALF+:3], operands[A_RADIUS], operands[A_AXIS+:9]} = '0;
@@ -438,10 +450,14 @@ module cylinder_pair #(
   `DF_VSCALE(to_middle, s_n, s_half)
   `DF_VADD(middle, q, to_middle)
   `DF_VADD(cp, origin, middle)
-  `DF_SCALAR f_end, t_end, bad_end;
-  `DF_VECTOR cp_end, n_end;
-  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_s_n), .LATENCY(FINISH), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
-      .clk_i, .s_i(s), .cp_i(cp), .n_i(s_n), .f_o(f_end), .t_o(t_end), .cp_o(cp_end), .n_o(n_end));
+  `DF_SCALAR f_one, t_one, back_end, f_end, t_end, bad_end;
+  `DF_VECTOR cp_one, n_one, cp_end, n_end;
+  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_s_n), .LATENCY(RESULT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
+      .clk_i, .s_i(s), .cp_i(cp), .n_i(s_n), .f_o(f_one), .t_o(t_one), .cp_o(cp_one), .n_o(n_one));
+  align #(.W(LW), .FROM(0), .TO(RESULT), .ARITH(ARITH)) align_back_end (.clk_i, .d_i(back_mem[now_q]), .q_o(back_end));
+  length_unscale #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unscale (
+      .clk_i, .back_i(back_end), .t_back_i('0), .f_i(f_one), .t_i(t_one), .cp_i(cp_one), .n_i(n_one), .f_o(f_end), .t_o(t_end),
+      .cp_o(cp_end), .n_o(n_end));
   assign bad_end = bad_mem[now_q];
   localparam int HISTORY = 1 << $clog2(ENTRY + FINISH + 1);
   if (GATES) begin : g_exit

@@ -8,6 +8,7 @@
 
 #include "cde/reference/check.hpp"
 #include "cde/reference/ops.hpp"
+#include "cde/reference/scale.hpp"
 
 /// A scalar that counts the operators of a mirror reference and how many of them stand one behind
 /// another: computes like float, and every operator adds to Counted::tally.
@@ -103,6 +104,10 @@ class Counted {
   friend Counted canonical(Counted a) { return Counted(reference::canonical(a.value_), a.depth_); }
   friend Counted move_sign(Counted a, Counted b) {
     return Counted(reference::move_sign(a.value_, b.value_), std::max(a.depth_, b.depth_));
+  }
+  friend int stored_exponent(Counted a) { return reference::stored_exponent(a.value_); }
+  friend Counted times_power_of_two(Counted a, int k) {
+    return Counted(reference::times_power_of_two(a.value_, k), a.depth_);
   }
   friend Counted select(CountedMask mask, Counted a, Counted b) {
     return Counted(mask ? a.value_ : b.value_, std::max({mask.depth(), a.depth_, b.depth_}));

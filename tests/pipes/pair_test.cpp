@@ -19,6 +19,7 @@
 #include "cde/pair_unit.hpp"
 #include "cde/reference/cylinder/schedule.hpp"
 #include "cde/reference/pairs.hpp"
+#include "cde/reference/scale.hpp"
 #include "oracle/cases.hpp"
 
 namespace {
@@ -123,8 +124,9 @@ std::string describe(const PairResult& r) {
   return text;
 }
 
-/// Clocks with operators of one clock, as the references state them; 0 where they do not.
-unsigned stated_latency(const PairConfig& config) {
+/// Clocks of the pipe with operators of one clock, as the references state them; 0 where they do
+/// not.
+unsigned pipe_latency(const PairConfig& config) {
   constexpr unsigned kRayTriangle[] = {10, 16, 13, 17};  // by Algorithm
   // Beside the depth in operators, as pairs_convex.md has it: the output register, and what parts
   // of a facet wait for each other where a triangle meets a box.
@@ -156,6 +158,14 @@ unsigned stated_latency(const PairConfig& config) {
     default:
       return 0;
   }
+}
+
+/// That and, where the pair is scaled, three clocks for the largest exponent and the two shifts.
+unsigned stated_latency(const PairConfig& config) {
+  const unsigned pipe = pipe_latency(config);
+  const bool scaled = cde::reference::is_scaled(
+      primary_shape(config.pair), secondary_shape(config.pair), config.format.exp_bits);
+  return pipe == 0 || !scaled ? pipe : pipe + 3;
 }
 
 /// A configuration and how much of it is run.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <optional>
@@ -50,15 +51,21 @@ Why bad_word(const P& primitive) {
   P::visit(primitive, [&](std::string_view name, const auto& field) {
     using Field = std::remove_cvref_t<decltype(field)>;
     const bool interval = name == "tmin" || name == "tmax";
+    const bool pure = name == "normal" || name == "axis" || name == "rotation";
     const bool size = name == "radius" || name == "half height" || name == "half extent";
     const auto look = [&](int k, S word) {
       using std::isnan;
+      if (why) return;
+      const std::string which = word_name<Field>(name, k);
       const char* must = nullptr;
       if (interval && isnan(word)) must = "must be a number or infinite";
       if (!interval && !reference::finite(word)) must = "must be finite";
-      if (must == nullptr && size && !reference::positive(word)) must = "must be > 0";
-      if (must != nullptr && !why)
-        why = fmt::format("{} is {}, {}", word_name<Field>(name, k), double(word), must);
+      if (must != nullptr)
+        why = fmt::format("{} is {}, {}", which, double(word), must);
+      else if (size)
+        why = reference::kLengths<S>.not_size(which, double(word));
+      else if (!interval && !pure)
+        why = reference::kLengths<S>.not_coordinate(which, double(word));
     };
     if constexpr (std::is_same_v<Field, S>) {
       look(0, field);
@@ -79,8 +86,11 @@ Why bad_product(std::string_view what, const Vector3<S>& a, const Vector3<S>& b,
 }
 
 template <class S>
-Why bad_whole(const BasicRay<S>&) {
-  return "direction is zero, must have a length";
+Why bad_whole(const BasicRay<S>& ray) {
+  const double largest = std::max(
+      {std::abs(double(ray.d.x())), std::abs(double(ray.d.y())), std::abs(double(ray.d.z()))});
+  if (largest == 0) return "direction is zero, must have a length";
+  return reference::kLengths<S>.not_size("largest component of direction", largest);
 }
 template <class S>
 Why bad_whole(const BasicAabb<S>& box) {

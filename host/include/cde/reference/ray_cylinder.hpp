@@ -75,9 +75,9 @@ template <typename S>
 /// 41 mul, 3 div, 1 sqrt, 16 add, 16 sub, 11 cmp, 2 min/max and 19 clocks at one an operator. A =
 /// 0: the ray runs along the axis, and the lateral surface bounds nothing if C <= 0, everything
 /// otherwise. |d|^2 must neither overflow nor underflow, as for the sphere.
-template <typename S>
+template <typename S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_cylinder(const BasicRay<S>& ray, const BasicCylinder<S>& cylinder) {
-  if (bad(ray) || bad(cylinder)) return bad_outcome<S>();
+  if constexpr (!AtSizeOne) return at_size_one<S>(ray, cylinder, ray_cylinder<S, true>);
   const S zero(0), inf = std::numeric_limits<S>::infinity();
   const Vector<S>& axis = cylinder.axis;
   const Vector<S> w = sub<S>(ray.o, cylinder.c);

@@ -1,6 +1,7 @@
 #pragma once
 #include "cde/reference/check.hpp"
 #include "cde/reference/ops.hpp"
+#include "cde/reference/scale.hpp"
 
 /// What the ray pipes have in common: the interval test, the hit point and the outcome.
 namespace cde::reference {

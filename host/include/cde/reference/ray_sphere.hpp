@@ -40,9 +40,9 @@ inline constexpr double kRaySphereBand = 8;
 /// 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 cmp and 19 clocks at one an operator. q = 0 is a tangent
 /// at the origin: ta is NaN and not in the interval, tb = 0. |d|^2 must neither overflow nor
 /// underflow: outside about 2^-63 .. 2^63 in fp32 the answer is a miss.
-template <typename S>
+template <typename S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_sphere(const BasicRay<S>& ray, const BasicSphere<S>& sphere) {
-  if (bad(ray) || bad(sphere)) return bad_outcome<S>();
+  if constexpr (!AtSizeOne) return at_size_one<S>(ray, sphere, ray_sphere<S, true>);
   const S zero(0), one(1);
   const Vector<S> f = sub<S>(ray.o, sphere.c);
   const S a = dot<S>(ray.d, ray.d), b = -dot<S>(f, ray.d), rr = sphere.r * sphere.r;

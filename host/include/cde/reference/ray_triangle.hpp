@@ -15,10 +15,10 @@ namespace cde::reference {
 /// After Möller and Trumbore, "Fast, Minimum Storage Ray-Triangle Intersection", 1997, as in
 /// rtl/pipes/ray_triangle_moller.sv: 27 mul, 1 div, 12 add, 15 sub, 8 cmp. 10 clocks at one an
 /// operator.
-template <typename S>
+template <typename S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_moller(const BasicRay<S>& ray,
                                              const BasicTriangle<S>& triangle) {
-  if (bad(ray) || bad(triangle)) return bad_outcome<S>();
+  if constexpr (!AtSizeOne) return at_size_one<S>(ray, triangle, ray_triangle_moller<S, true>);
   const Vector<S> e1 = sub<S>(triangle.v1, triangle.v0), e2 = sub<S>(triangle.v2, triangle.v0),
                   tv = sub<S>(ray.o, triangle.v0);
   const Vector<S> p = cross<S>(ray.d, e2), q = cross<S>(tv, e1);
@@ -96,10 +96,10 @@ inline constexpr double kBadouelBand = 8, kBadouelDepth = 8;
 /// 27 mul, 2 div, 13 add, 23 sub, 6 cmp, Table 1 the same 16 clocks. Alpha and beta are compared
 /// with N_k instead of being divided by it, which spares the second divider and rounds less; the
 /// paper does not say what its other operators do. Two comparators more are the interval's.
-template <typename S>
+template <typename S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_badouel(const BasicRay<S>& ray,
                                               const BasicTriangle<S>& triangle) {
-  if (bad(ray) || bad(triangle)) return bad_outcome<S>();
+  if constexpr (!AtSizeOne) return at_size_one<S>(ray, triangle, ray_triangle_badouel<S, true>);
   const Vector<S> e1 = sub<S>(triangle.v1, triangle.v0), e2 = sub<S>(triangle.v2, triangle.v0);
   const Vector<S> normal = cross<S>(e1, e2);
   const DominantAxis<S> axis(normal);
@@ -140,10 +140,10 @@ inline constexpr double kPlueckerBand = 8, kPlueckerDepth = 8;
 /// 54 mul, 1 div, 31 add, 17 sub, 3 cmp, that is 48 additions and subtractions against 49, and does
 /// not count the interval and det = 0; Table 1 has 17 clocks. Moments relative to the world's
 /// origin make this the least accurate of the four.
-template <typename S>
+template <typename S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_pluecker(const BasicRay<S>& ray,
                                                const BasicTriangle<S>& triangle) {
-  if (bad(ray) || bad(triangle)) return bad_outcome<S>();
+  if constexpr (!AtSizeOne) return at_size_one<S>(ray, triangle, ray_triangle_pluecker<S, true>);
   const Vector<S>&v0 = triangle.v0, &v1 = triangle.v1, &v2 = triangle.v2;
   const Vector<S> qr = cross<S>(ray.d, ray.o);
   const Vector<S> p01 = sub<S>(v1, v0), p12 = sub<S>(v2, v1), p20 = sub<S>(v0, v2);
@@ -190,10 +190,10 @@ inline constexpr double kWatertightBand = 2, kWatertightDepth = 8;
 /// and ky for D_kz < 0 in the original turns the winding, which a two-sided test does not look at;
 /// it is left out. 1 / D_kz and 1 / det must not overflow: |D| and the triangle's projected area
 /// above 2^-126.
-template <typename S>
+template <typename S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_watertight(const BasicRay<S>& ray,
                                                  const BasicTriangle<S>& triangle) {
-  if (bad(ray) || bad(triangle)) return bad_outcome<S>();
+  if constexpr (!AtSizeOne) return at_size_one<S>(ray, triangle, ray_triangle_watertight<S, true>);
   const Vector<S> a = sub<S>(triangle.v0, ray.o), b = sub<S>(triangle.v1, ray.o),
                   c = sub<S>(triangle.v2, ray.o);
   const DominantAxis<S> axis(ray.d);

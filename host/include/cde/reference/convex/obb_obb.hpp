@@ -1,7 +1,7 @@
 #pragma once
-#include "cde/reference/check.hpp"
 #include "cde/reference/convex/facets.hpp"
 #include "cde/reference/convex/frame.hpp"
+#include "cde/reference/scale.hpp"
 
 namespace cde::reference {
 namespace convex {
@@ -166,7 +166,7 @@ template <typename S>
 /// OBB A against OBB B; see convex::obb_obb.
 template <typename S>
 [[nodiscard]] Outcome<S> obb_obb(const BasicObb<S>& a, const BasicObb<S>& b) {
-  return bad(a) || bad(b) ? bad_outcome<S>() : convex::obb_obb(a, b);
+  return at_size_one<S>(a, b, [](const auto& x, const auto& y) { return convex::obb_obb(x, y); });
 }
 
 }  // namespace cde::reference

@@ -1,7 +1,7 @@
 #pragma once
 #include "cde/pair.hpp"
-#include "cde/reference/check.hpp"
 #include "cde/reference/convex/closest_point.hpp"
+#include "cde/reference/scale.hpp"
 
 namespace cde::reference {
 
@@ -44,7 +44,8 @@ template <typename S>
 template <typename S>
 [[nodiscard]] Outcome<S> obb_plane(const BasicObb<S>& a, const BasicPlane<S>& b,
                                    PlaneSide mode = PlaneSide::kSurface) {
-  return bad(a) || bad(b) ? bad_outcome<S>() : convex::obb_plane(a, b, mode);
+  return at_size_one<S>(
+      a, b, [mode](const auto& x, const auto& y) { return convex::obb_plane(x, y, mode); });
 }
 
 }  // namespace cde::reference

@@ -1,8 +1,8 @@
 #pragma once
-#include "cde/reference/check.hpp"
 #include "cde/reference/convex/closest_point.hpp"
 #include "cde/reference/convex/facets.hpp"
 #include "cde/reference/convex/frame.hpp"
+#include "cde/reference/scale.hpp"
 
 namespace cde::reference {
 namespace convex {
@@ -45,7 +45,8 @@ template <typename S>
 /// Sphere A against OBB B; see convex::sphere_obb.
 template <typename S>
 [[nodiscard]] Outcome<S> sphere_obb(const BasicSphere<S>& a, const BasicObb<S>& b) {
-  return bad(a) || bad(b) ? bad_outcome<S>() : convex::sphere_obb(a, b);
+  return at_size_one<S>(a, b,
+                        [](const auto& x, const auto& y) { return convex::sphere_obb(x, y); });
 }
 
 }  // namespace cde::reference

@@ -1,6 +1,6 @@
 #pragma once
-#include "cde/reference/check.hpp"
 #include "cde/reference/convex/closest_point.hpp"
+#include "cde/reference/scale.hpp"
 
 namespace cde::reference {
 namespace convex {
@@ -26,7 +26,8 @@ template <typename S>
 /// Sphere A against sphere B; see convex::sphere_sphere.
 template <typename S>
 [[nodiscard]] Outcome<S> sphere_sphere(const BasicSphere<S>& a, const BasicSphere<S>& b) {
-  return bad(a) || bad(b) ? bad_outcome<S>() : convex::sphere_sphere(a, b);
+  return at_size_one<S>(a, b,
+                        [](const auto& x, const auto& y) { return convex::sphere_sphere(x, y); });
 }
 
 }  // namespace cde::reference

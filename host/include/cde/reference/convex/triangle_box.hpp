@@ -1,7 +1,7 @@
 #pragma once
-#include "cde/reference/check.hpp"
 #include "cde/reference/convex/facets.hpp"
 #include "cde/reference/convex/frame.hpp"
+#include "cde/reference/scale.hpp"
 
 namespace cde::reference {
 namespace convex {
@@ -147,13 +147,15 @@ template <typename S>
 /// Triangle A against OBB B; see convex::triangle_obb.
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_obb(const BasicTriangle<S>& a, const BasicObb<S>& b) {
-  return bad(a) || bad(b) ? bad_outcome<S>() : convex::triangle_obb(a, b);
+  return at_size_one<S>(a, b,
+                        [](const auto& x, const auto& y) { return convex::triangle_obb(x, y); });
 }
 
 /// Triangle A against AABB B; see convex::triangle_aabb.
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_aabb(const BasicTriangle<S>& a, const BasicAabb<S>& b) {
-  return bad(a) || bad(b) ? bad_outcome<S>() : convex::triangle_aabb(a, b);
+  return at_size_one<S>(a, b,
+                        [](const auto& x, const auto& y) { return convex::triangle_aabb(x, y); });
 }
 
 }  // namespace cde::reference

@@ -1,7 +1,7 @@
 #pragma once
-#include "cde/reference/check.hpp"
 #include "cde/reference/convex/closest_point.hpp"
 #include "cde/reference/convex/facets.hpp"
+#include "cde/reference/scale.hpp"
 
 namespace cde::reference {
 namespace convex {
@@ -47,7 +47,8 @@ template <typename S>
 /// Triangle A against sphere B; see convex::triangle_sphere.
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_sphere(const BasicTriangle<S>& a, const BasicSphere<S>& b) {
-  return bad(a) || bad(b) ? bad_outcome<S>() : convex::triangle_sphere(a, b);
+  return at_size_one<S>(a, b,
+                        [](const auto& x, const auto& y) { return convex::triangle_sphere(x, y); });
 }
 
 }  // namespace cde::reference

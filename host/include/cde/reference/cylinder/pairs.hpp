@@ -1,6 +1,6 @@
 #pragma once
-#include "cde/reference/check.hpp"
 #include "cde/reference/cylinder/witness.hpp"
+#include "cde/reference/scale.hpp"
 
 /// The three pairs whose secondary is a cylinder: cylinder-cylinder, OBB-cylinder and
 /// triangle-cylinder. s_K, the largest g over the normals the budget pays for, is at most the
@@ -79,7 +79,6 @@ template <typename S>
 
 template <typename S, typename A>
 [[nodiscard]] Outcome<S> run(const A& a, const BasicCylinder<S>& b, const Budget& budget) {
-  if (bad(a) || bad(b)) return bad_outcome<S>();
   Pair<S> pair = begin<S>(a, b);
   Search<S> search;
   for (int k = 0; step<S>(pair, search, budget, k); ++k) {
@@ -93,17 +92,20 @@ template <typename S, typename A>
 template <typename S>
 [[nodiscard]] Outcome<S> cylinder_cylinder(const BasicCylinder<S>& a, const BasicCylinder<S>& b,
                                            const cylinder::Budget& budget = {}) {
-  return cylinder::run<S>(a, b, budget);
+  return at_size_one<S>(
+      a, b, [&](const auto& x, const auto& y) { return cylinder::run<S>(x, y, budget); });
 }
 template <typename S>
 [[nodiscard]] Outcome<S> obb_cylinder(const BasicObb<S>& a, const BasicCylinder<S>& b,
                                       const cylinder::Budget& budget = {}) {
-  return cylinder::run<S>(a, b, budget);
+  return at_size_one<S>(
+      a, b, [&](const auto& x, const auto& y) { return cylinder::run<S>(x, y, budget); });
 }
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_cylinder(const BasicTriangle<S>& a, const BasicCylinder<S>& b,
                                            const cylinder::Budget& budget = {}) {
-  return cylinder::run<S>(a, b, budget);
+  return at_size_one<S>(
+      a, b, [&](const auto& x, const auto& y) { return cylinder::run<S>(x, y, budget); });
 }
 
 }  // namespace cde::reference

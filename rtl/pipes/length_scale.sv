@@ -1,0 +1,113 @@
+// A pair brought to the size of one by an exact power of two, so that products of four lengths neither overflow nor underflow, whatever
+// size its operands have: every length times 2^-k, k the largest exponent of the lengths of both. A ray's direction has an exponent kd of
+// its own, and its interval is multiplied by 2^(kd - k). length_unscale.sv brings the answer back. host/include/cde/reference/scale.hpp.
+// Latency: LAT_CMP for the largest exponent and LAT_CMP for the shift, with a ray the larger of that and LAT_MUL; 0 with ARITH = "host".
+// Throughput: LANES pairs a clock. Stall: none.
+module length_scale #(
+    parameter int SHAPE_A = 0,  // cde_pkg::SHAPE_*
+    parameter int SHAPE_B = 0,
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
+    localparam int A_WORDS = cde_pkg::shape_words(SHAPE_A),
+    localparam int B_WORDS = cde_pkg::shape_words(SHAPE_B)
+) (
+    input logic clk_i,
+    input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
+    input logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_i,
+    output logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_o,
+    output logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_o,
+    output logic [LANES-1:0][CW-1:0] back_o,  // the shift by 2^k (fp_exponent.sv)
+    output logic [LANES-1:0][CW-1:0] t_back_o  // of a ray, the number 2^(k - kd)
+);
+  /*verilator inline_module*/
+  localparam bit RAY = SHAPE_A == cde_pkg::SHAPE_RAY;
+  localparam int LATENCY = cde_pkg::scale_latency(RAY, LAT_MUL, LAT_CMP);
+  localparam int LW = LANES * CW;
+  localparam int LEAST = cde_pkg::length_low(EXP, MAN);
+
+  // ---- The largest, a tree: node i of 2i and 2i + 1, the words from N_LENGTHS on ----
+  localparam int N_A = cde_pkg::lengths(SHAPE_A);
+  localparam int N_LENGTHS = N_A + cde_pkg::lengths(SHAPE_B);
+  for (genvar i = 2 * N_LENGTHS - 1; i > 0; i--) begin : node
+    logic [LANES-1:0][CW-1:0] size;
+    if (i >= N_LENGTHS + N_A) begin : g_b
+      assign size = b_i[cde_pkg::length_word(SHAPE_B, i-N_LENGTHS-N_A)];
+    end else if (i >= N_LENGTHS) begin : g_a
+      assign size = a_i[cde_pkg::length_word(SHAPE_A, i-N_LENGTHS)];
+    end else begin : g_larger
+      fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("max"), .ARITH(ARITH)) larger (
+          .a_i(node[2*i].size), .b_i(node[2*i+1].size), .r_o(size));
+    end
+  end
+  logic [LANES-1:0][CW-1:0] largest, down, back;
+  align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_largest (.clk_i, .d_i(node[1].size), .q_o(largest));
+  fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("dwn"), .LEAST(LEAST), .ARITH(ARITH)) shift_down (
+      .a_i(largest), .b_i('0), .r_o(down));
+  fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("upw"), .LEAST(LEAST), .ARITH(ARITH)) shift_back (
+      .a_i(largest), .b_i('0), .r_o(back));
+  align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_back (.clk_i, .d_i(back), .q_o(back_o));
+
+  // ---- A ray's direction ----
+  logic [LANES-1:0][CW-1:0] ray_down, t_scale;  // the shift by 2^-kd, and the number 2^(kd - k)
+  if (RAY) begin : g_ray
+    localparam logic [CW-1:0] ONE = CW'((1 << (EXP - 1)) - 1) << MAN;
+    logic [LANES-1:0][CW-1:0] xy, xyz, steepest, t_back;
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("max"), .ARITH(ARITH)) larger_xy (.a_i(a_i[3]), .b_i(a_i[4]), .r_o(xy));
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("max"), .ARITH(ARITH)) larger_xyz (.a_i(xy), .b_i(a_i[5]), .r_o(xyz));
+    align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_steepest (.clk_i, .d_i(xyz), .q_o(steepest));
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("dwn"), .LEAST(LEAST), .ARITH(ARITH)) shift_ray (
+        .a_i(steepest), .b_i('0), .r_o(ray_down));
+    always_comb begin
+      t_scale = '0;
+      t_back = '0;
+      for (int l = 0; l < LANES; l++) begin
+        t_scale[l] = ONE + down[l] - ray_down[l];
+        t_back[l] = ONE + ray_down[l] - down[l];
+      end
+    end
+    align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_t_back (.clk_i, .d_i(t_back), .q_o(t_back_o));
+  end else begin : g_solid
+    assign {ray_down, t_scale, t_back_o} = '0;
+    logic unused;
+    assign unused = &{1'b0, ray_down, t_scale};
+  end
+
+  // ---- The words ----
+  for (genvar k = 0; k < A_WORDS; k++) begin : word_a
+    localparam int KIND = cde_pkg::word_kind(SHAPE_A, k);
+    logic [LANES-1:0][CW-1:0] late, scaled;
+    if (KIND == cde_pkg::WORD_PURE) begin : g_pure
+      assign late = '0;
+      assign scaled = '0;
+      logic unused_word;
+      assign unused_word = &{1'b0, late, scaled};
+      align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_word (.clk_i, .d_i(a_i[k]), .q_o(a_o[k]));
+    end else begin : g_scaled
+      align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_word (.clk_i, .d_i(a_i[k]), .q_o(late));
+      if (KIND == cde_pkg::WORD_INTERVAL) begin : g_interval
+        fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH)) multiply (
+            .clk_i, .a_i(late), .b_i(t_scale), .r_o(scaled), .flags_o());
+        align #(.W(LW), .FROM(LAT_CMP + LAT_MUL), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(a_o[k]));
+      end else begin : g_length
+        fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("mov"), .ARITH(ARITH)) move (
+            .a_i(late), .b_i((KIND == cde_pkg::WORD_DIRECTION) ? ray_down : down), .r_o(scaled));
+        align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(a_o[k]));
+      end
+    end
+  end
+  for (genvar k = 0; k < B_WORDS; k++) begin : word_b
+    if (cde_pkg::is_length(SHAPE_B, k)) begin : g_length
+      logic [LANES-1:0][CW-1:0] late, scaled;
+      align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_word (.clk_i, .d_i(b_i[k]), .q_o(late));
+      fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("mov"), .ARITH(ARITH)) move (.a_i(late), .b_i(down), .r_o(scaled));
+      align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(b_o[k]));
+    end else begin : g_pure
+      align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_word (.clk_i, .d_i(b_i[k]), .q_o(b_o[k]));
+    end
+  end
+endmodule

@@ -1,0 +1,53 @@
+// The answer to a pair that length_scale.sv brought to the size of one, at the pair's own size: T and CP times 2^k; a ray's T times
+// 2^(k - kd), rounded once, and if that overflows a miss.
+// Latency: LAT_CMP, with a ray the larger of LAT_CMP and LAT_MUL; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
+module length_unscale #(
+    parameter bit RAY = 0,
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [LANES-1:0][CW-1:0] back_i,  // of length_scale.sv, with the answer
+    input logic [LANES-1:0][CW-1:0] t_back_i,
+    input logic [LANES-1:0][CW-1:0] f_i,
+    input logic [LANES-1:0][CW-1:0] t_i,
+    input logic [2:0][LANES-1:0][CW-1:0] cp_i,
+    input logic [2:0][LANES-1:0][CW-1:0] n_i,
+    output logic [LANES-1:0][CW-1:0] f_o,
+    output logic [LANES-1:0][CW-1:0] t_o,
+    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
+    output logic [2:0][LANES-1:0][CW-1:0] n_o
+);
+  /*verilator inline_module*/
+  localparam int LATENCY = cde_pkg::unscale_latency(RAY, LAT_MUL, LAT_CMP);
+  localparam int LW = LANES * CW;
+  logic [LANES-1:0][CW-1:0] f, t;
+  logic [2:0][LANES-1:0][CW-1:0] cp, cp_late;
+  align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_f (.clk_i, .d_i(f_i), .q_o(f));
+  align #(.W(3 * LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_n (.clk_i, .d_i(n_i), .q_o(n_o));
+  for (genvar k = 0; k < 3; k++) begin : axis
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("mov"), .ARITH(ARITH)) move (.a_i(cp_i[k]), .b_i(back_i), .r_o(cp[k]));
+  end
+  align #(.W(3 * LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_cp (.clk_i, .d_i(cp), .q_o(cp_late));
+  if (RAY) begin : g_ray
+    logic [LANES-1:0][CW-1:0] finite;
+    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH)) multiply (
+        .clk_i, .a_i(t_i), .b_i(t_back_i), .r_o(t), .flags_o());
+    align #(.W(LW), .FROM(LAT_MUL), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_o));
+    fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("fin"), .ARITH(ARITH)) is_finite (.a_i(t_o), .m_o(finite));
+    assign f_o = f & finite;
+    assign cp_o = cp_late & {3{f_o}};
+  end else begin : g_solid
+    logic unused;
+    assign unused = &{1'b0, t_back_i};
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("mov"), .ARITH(ARITH)) move_t (.a_i(t_i), .b_i(back_i), .r_o(t));
+    align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_o));
+    assign f_o = f;
+    assign cp_o = cp_late;
+  end
+endmodule

@@ -1,0 +1,87 @@
+// The pipe of a pair (pair_pipe.sv), with the pair brought to the size of one in front of it and its answer brought back behind it, where
+// cde_pkg::scaled says so; elsewhere the pipe alone.
+// Latency: that of the pipe, of length_scale.sv and of length_unscale.sv, latency_o; 0 with ARITH = "host". Throughput: LANES pairs in
+// FACET_II clocks. Stall: none, runs free.
+module scaled_pipe #(
+    parameter int PAIR = 0,
+    parameter int ALGORITHM = 0,  // these are those of pair_pipe.sv
+    parameter int HALF_SPACE = 0,
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int FACET_II = 1,
+    parameter int LANES = 1,
+    parameter int B_LANES = LANES,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_DIV = 1,
+    parameter int LAT_SQRT = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
+    localparam int A_WORDS = cde_pkg::shape_words(cde_pkg::primary_shape(PAIR)),
+    localparam int B_WORDS = cde_pkg::shape_words(cde_pkg::secondary_shape(PAIR))
+) (
+    input logic clk_i,
+    input logic enter_i,
+    input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
+    input logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b_i,
+    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
+    output logic [LANES-1:0][CW-1:0] t_o,
+    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
+    output logic [2:0][LANES-1:0][CW-1:0] n_o,
+    output logic [15:0] latency_o
+);
+  /*verilator inline_module*/
+  localparam bit SCALED = cde_pkg::scaled(PAIR, EXP);
+  localparam int INNER_B = SCALED ? LANES : B_LANES;
+  localparam int LW = LANES * CW;
+  logic enter;
+  logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
+  logic [B_WORDS-1:0][INNER_B-1:0][CW-1:0] b;
+  logic [LANES-1:0][CW-1:0] f, t;
+  logic [2:0][LANES-1:0][CW-1:0] cp, n;
+  logic [15:0] latency;
+  pair_pipe #(
+      .PAIR(PAIR), .ALGORITHM(ALGORITHM), .HALF_SPACE(HALF_SPACE), .EXP(EXP), .MAN(MAN), .FACET_II(FACET_II), .LANES(LANES),
+      .B_LANES(INNER_B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+  ) pipe (.clk_i, .enter_i(enter), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
+  if (SCALED) begin : g_scaled
+    localparam int SHAPE_A = cde_pkg::primary_shape(PAIR);
+    localparam bit RAY = SHAPE_A == cde_pkg::SHAPE_RAY;
+    logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_own;  // a secondary a lane
+    for (genvar k = 0; k < B_WORDS; k++) begin : word
+      if (B_LANES == LANES) begin : g_own
+        assign b_own[k] = b_i[k];
+      end else begin : g_broadcast
+        assign b_own[k] = {LANES{b_i[k][0]}};
+      end
+    end
+    logic [LANES-1:0][CW-1:0] back, t_back, back_late, t_back_late;
+    length_scale #(
+        .SHAPE_A(SHAPE_A), .SHAPE_B(cde_pkg::secondary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL),
+        .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+    ) scale (.clk_i, .a_i, .b_i(b_own), .a_o(a), .b_o(b), .back_o(back), .t_back_o(t_back));
+    length_unscale #(.RAY(RAY), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unscale (
+        .clk_i, .back_i(back_late), .t_back_i(t_back_late), .f_i(f), .t_i(t), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
+    localparam int FRONT = cde_pkg::scale_latency(RAY, LAT_MUL, LAT_CMP);
+    assign latency_o = latency + 16'(FRONT + cde_pkg::unscale_latency(RAY, LAT_MUL, LAT_CMP));
+    if (ARITH == "rtl") begin : g_late  // the pipe's own time is a number of its port, not a parameter
+      localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_SQRT + LAT_CMP + 4) / 5;
+      logic unused_valid;
+      align #(.W(1), .FROM(0), .TO(FRONT), .ARITH(ARITH)) align_enter (.clk_i, .d_i(enter_i), .q_o(enter));
+      issue_history #(.W(2 * LW), .DEPTH(128 << $clog2(SLOWEST))) history (
+          .clk_i, .rst_i(1'b0), .latency_i(latency), .valid_i(1'b1), .d_i({t_back, back}), .valid_o(unused_valid),
+          .q_o({t_back_late, back_late}));
+    end else begin : g_now
+      assign enter = enter_i;
+      assign back_late = back;
+      assign t_back_late = t_back;
+    end
+  end else begin : g_plain
+    assign enter = enter_i;
+    assign a = a_i;
+    assign b = b_i;
+    assign {n_o, cp_o, t_o, f_o} = {n, cp, t, f};
+    assign latency_o = latency;
+  end
+endmodule
