@@ -19,11 +19,12 @@
 `define LATENCY_EDGE_FACET ((LAT_ADD + LAT_MUL + LAT_ADD) + (LAT_MUL + 2 * LAT_CMP) + (LAT_MUL + LAT_ADD + 2 * LAT_CMP) + LAT_ADD + \
   (2 * LAT_MUL + LAT_ADD + 2 * LAT_CMP) + (LAT_MUL + LAT_ADD) + `DF_LAT_DOT)
 `define LATENCY_OBB_FACE (3 * LAT_ADD + `LATENCY_FACE_FACET)
-`define LATENCY_OBB_EDGE (LAT_MUL + 3 * LAT_ADD + `LATENCY_EDGE_FACET)
+`define LATENCY_OBB_EDGE (LAT_MUL + 3 * LAT_ADD + LAT_CMP + `LATENCY_EDGE_FACET)
 `define LATENCY_OBB_SUPPORT (`DF_LAT_DOT + 4 * LAT_ADD)
 `define LATENCY_LEAST(COUNT) ($clog2(COUNT) * LAT_CMP)
 `define LATENCY_NEAREST(COUNT) (`LATENCY_LEAST(COUNT) + `LATENCY_PERPENDICULAR)
-`define LATENCY_WITNESS(COUNT) (`FACET_WAIT + 2 * `LATENCY_LEAST(COUNT) + LAT_ADD + LAT_CMP + LAT_MUL + LAT_ADD + `DF_LAT_DOT)
+`define LATENCY_WITNESS(COUNT) (`FACET_WAIT + 2 * `LATENCY_LEAST(COUNT) + `DF_MAX2(LAT_ADD, LAT_CMP) + LAT_CMP + LAT_MUL + LAT_ADD + \
+  `DF_LAT_DOT)
 `define LATENCY_POLISH (`DF_MAX2(`DF_MAX2(2 * LAT_CMP + LAT_MUL, LAT_ADD + `DF_LAT_DOT) + LAT_CMP, LAT_ADD + `DF_LAT_DOT + LAT_DIV + LAT_CMP) + \
   LAT_MUL + LAT_ADD)
 
@@ -48,6 +49,12 @@
 // The length D and the direction N of V, and whether they can be used: V.V is a normal number.
 `define DF_DIRECTION(N, D, M, V) `DF_DOT(N``_squared, V, V) `DF_USABLE(M, N``_squared) `DF_SQRT(D, N``_squared) \
   `DF_CONST(N``_one, ((CW'(1) << (EXP - 1)) - 1) << MAN) `DF_DIV(N``_inverse, N``_one, D) `DF_VSCALE(N, V, N``_inverse)
+// Which component of the unit vector N leads, M_x, M_y or else z: the first beyond 5/16. And that component of V.
+`define DF_LEADING(M, N) `DF_CONST(M``_least, CW'(`DF_POWER_OF_TWO(-2)) | (CW'(1) << (MAN - 2))) `DF_PICK(M``_n_x, N, 0) `DF_PICK(M``_n_y, N, 1) \
+  `DF_ABS(M``_size_x, M``_n_x) `DF_ABS(M``_size_y, M``_n_y) `DF_LT(M``_x, M``_least, M``_size_x) `DF_LT(M``_y, M``_least, M``_size_y)
+`define DF_LEAD(R, M, V) `DF_PICK(R``_v_x, V, 0) `DF_PICK(R``_v_y, V, 1) `DF_PICK(R``_v_z, V, 2) `DF_SELECT3(R, M``_x, M``_y, R``_v_x, R``_v_y, R``_v_z)
+// The side on which a pair of opposite facets has its gap: the sign of the height H or, where that is noise, of ORIENTATION.
+`define DF_SIDE_OF(R, H, TIE, ORIENTATION) `DF_ABS(R``_size, H) `DF_LE(R``_ties, R``_size, TIE) `DF_SELECT(R, R``_ties, ORIENTATION, H)
 // Three vectors as rows of a matrix.
 `define DF_MAT(R, X, Y, Z) localparam int T_``R = `DF_MAX3(T_``X, T_``Y, T_``Z); `DF_MATRIX R; \
   df_align #(.W(3 * LANES * CW), .T_A(T_``X), .T(T_``R), .ARITH(ARITH)) align_x_``R (.clk_i, .a_i(X), .r_o(R[0])); \

@@ -1,8 +1,8 @@
 // The signed gap from the COUNT facets of a pair, before polishing. `s` is the largest gap of all. `witness` is the facet whose vector v is
 // nearest to s n, n its own normal if its gap ties with the largest, else the normal of the largest gap: its n, v, p belong to s where the
-// bodies penetrate. `start` is the facet nearest the origin, v made perpendicular to the edge that it ends on: where the bodies
+// bodies penetrate. Gaps within tie are ties, within wide_tie where the normals are opposite. `start` is the facet nearest the origin, v made perpendicular to the edge that it ends on: where the bodies
 // are apart, the point of B - A to polish. A tree over facets carries only what is used of its result.
-// 5 COUNT + 6 add, 6 COUNT + 7 mul, 4 COUNT - 3 compare. With FACET_II = 3 three facets take turns at the key of the witness.
+// 5 COUNT + 7 add, 6 COUNT + 7 mul, 4 COUNT - 1 compare. With FACET_II = 3 three facets take turns at the key of the witness.
 // Latency: s and witness LATENCY_WITNESS(COUNT) clocks, start LATENCY_NEAREST(COUNT); 0 with ARITH = "host". Throughput: one pair a lane in
 // FACET_II clocks. Stall: none.
 `include "convex.svh"
@@ -28,6 +28,7 @@ module facet_choice #(
     input logic [COUNT-1:0][2:0][LANES-1:0][CW-1:0] f_i,  // edge of B, and 1 / f.f or 0
     input logic [COUNT-1:0][LANES-1:0][CW-1:0] inverse_ff_i,
     input logic [LANES-1:0][CW-1:0] tie_i,
+    input logic [LANES-1:0][CW-1:0] wide_tie_i,
     output logic [LANES-1:0][CW-1:0] s_o,
     output logic [2:0][LANES-1:0][CW-1:0] witness_n_o,
     output logic [2:0][LANES-1:0][CW-1:0] witness_v_o,
@@ -53,9 +54,13 @@ module facet_choice #(
   `DF_IN(tie, tie_i, 0)
   `DF_NEG(s, minus_s)
   `DF_SUB(tied, s, tie)
+  `DF_IN(wide_tie, wide_tie_i, 0)
+  `DF_SUB(nearly, s, wide_tie)
+  `DF_LEADING(leading, largest_n)
+  `DF_LEAD(lead, leading, largest_n)
 
   // ---- The facet that it is witnessed on ----
-  localparam int T_OFF2 = T_TREE + LAT_ADD + LAT_CMP + LAT_MUL + LAT_ADD + `DF_LAT_DOT;
+  localparam int T_OFF2 = T_TREE + `DF_MAX2(LAT_ADD, LAT_CMP) + LAT_CMP + LAT_MUL + LAT_ADD + `DF_LAT_DOT;
   logic [COUNT-1:0][LANES-1:0][CW-1:0] off2;
   logic [COUNT-1:0][8:0][LANES-1:0][CW-1:0] candidate;  // n, v, p
   `DF_PHASE_IN(phase, phase_i, 0)
@@ -63,7 +68,12 @@ module facet_choice #(
   `DF_PHASE_AT(phase_tied, phase_s, T_tied)
   `DF_HOLD(s_held, phase_s, s)
   `DF_VHOLD(largest_n_held, phase_s, largest_n)
+  `DF_PHASE_AT(phase_leading, phase_s, T_lead)
   `DF_HOLD(tied_held, phase_tied, tied)
+  `DF_HOLD(nearly_held, phase_tied, nearly)
+  `DF_HOLD(leading_held_x, phase_leading, leading_x)
+  `DF_HOLD(leading_held_y, phase_leading, leading_y)
+  `DF_HOLD(lead_held, phase_leading, lead)
   for (genvar i = 0; i < COUNT; i += TURNS) begin : g_witness
     localparam int USERS = (TURNS < COUNT - i) ? TURNS : COUNT - i;
     localparam int SECOND = (USERS > 1) ? i + 1 : i, THIRD = (USERS > 2) ? i + 2 : i;
@@ -83,7 +93,11 @@ module facet_choice #(
     `DF_VTURN_PASSING(own_n, 0, phase, own_n0, own_n1, own_n2)
     `DF_VTURN_PASSING(v, 0, phase, v0, v1, v2)
     `DF_VTURN_PASSING(p, 0, phase, p0, p1, p2)
-    `DF_LE(ties, tied_held, gap)
+    `DF_LEAD(own_lead, leading_held, own_n)
+    `DF_MOVE_SIGN(agree, lead_held, own_lead)
+    `DF_NEGATIVE(opposite, agree)
+    `DF_SELECT(least_gap, opposite, nearly_held, tied_held)
+    `DF_LE(ties, least_gap, gap)
     `DF_VSELECT(n, ties, own_n, largest_n_held)
     `DF_VSCALE(ideal, n, s_held)
     `DF_VSUB(off, v, ideal)

@@ -1,8 +1,8 @@
 // Facet of edge I of box A and edge J of box B, in A's frame (see obb_face.sv), from their edge normal n = e_I x f_J / |e_I x f_J|. `sign_k` is
 // component K of B's turned axis r_J, and so on: with K, L the axes after I and M, O those after J, the support edges follow from
 // n.e_K = -r_JL, n.e_L = r_JK, n.r_M = r_OI, n.r_O = -r_MI; `sign_first` and `sign_second` are those of the latter two, in the order
-// of B's axes. The gap is |n.t| - (sum of a_k |n_k|) - (sum of |n.f_j|), every term projected, also n.f_J, which should be 0.
-// 26 add, 22 mul, 2 compare, 6 min/max.
+// of B's axes. The side is that of n.t or, if |n.t| <= tie, the one where t has the sign of n's leading component. The gap is |n.t| - (sum of a_k |n_k|) - (sum of |n.f_j|), every term projected, also n.f_J, which should be 0.
+// 26 add, 22 mul, 4 compare, 6 min/max.
 // Latency: LATENCY_OBB_EDGE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
 `include "convex.svh"
 module obb_edge #(
@@ -31,6 +31,7 @@ module obb_edge #(
     input logic [LANES-1:0][CW-1:0] n_k_i,
     input logic [LANES-1:0][CW-1:0] n_l_i,
     input logic [LANES-1:0][CW-1:0] inverse2_i,
+    input logic [LANES-1:0][CW-1:0] tie_i,
     input logic [LANES-1:0][CW-1:0] valid_i,
     output logic [LANES-1:0][CW-1:0] gap_o,
     output logic [2:0][LANES-1:0][CW-1:0] n_o,
@@ -42,6 +43,7 @@ module obb_edge #(
 );
   /*verilator inline_module*/
   localparam int K = (I + 1) % 3, L = (I + 2) % 3;
+  localparam int FIRST = (I == 0) ? 1 : 0, SECOND = (I == 2) ? 1 : 2;  // K and L in order
   `DF_VIN(a, a_i, 0)
   `DF_PICK(a_k, a, K)
   `DF_PICK(a_l, a, L)
@@ -66,9 +68,11 @@ module obb_edge #(
   `DF_IN(n_l, n_l_i, 0)
   `DF_IN(inverse2, inverse2_i, 0)
   `DF_IN(valid, valid_i, 0)
+  `DF_IN(tie, tie_i, 0)
+  `DF_CONST(zero, 0)
 
   // ---- The gap ----
-  `DF_DOT2(side, n_k, t_k, n_l, t_l)
+  `DF_DOT2(height, n_k, t_k, n_l, t_l)
   `DF_ABS(abs_k, n_k)
   `DF_ABS(abs_l, n_l)
   `DF_DOT2(on_a, abs_k, a_k, abs_l, a_l)
@@ -77,9 +81,23 @@ module obb_edge #(
   `DF_DOT2(on_b2, n_k, f2_k, n_l, f2_l)
   `DF_VEC(on_b, on_b0, on_b1, on_b2)
   `DF_NORM1(radius, on_b)
-  `DF_ABS(distance, side)
+  `DF_ABS(distance, height)
   `DF_SUB(beyond, distance, on_a)
   `DF_SUB(gap, beyond, radius)
+
+  // ---- The side: component I of n is 0 ----
+  `DF_VAXES(n, I, zero, n_k, n_l)
+  `DF_PICK(t_first, t, FIRST)
+  `DF_PICK(t_second, t, SECOND)
+  `DF_PICK(n_first, n, FIRST)
+  `DF_PICK(n_second, n, SECOND)
+  `DF_CONST(least, CW'(`DF_POWER_OF_TWO(-2)) | (CW'(1) << (MAN - 2)))
+  `DF_ABS(size_first, n_first)
+  `DF_LT(leads, least, size_first)
+  `DF_MOVE_SIGN(along_first, t_first, n_first)
+  `DF_MOVE_SIGN(along_second, t_second, n_second)
+  `DF_SELECT(along, leads, along_first, along_second)
+  `DF_SIDE_OF(side, height, tie, along)
 
   // ---- The support edges ----
   `DF_NEG(minus_l, turned_l)
@@ -101,9 +119,11 @@ module obb_edge #(
   `DF_AT(inverse2_q, inverse2, T_q)
   `DF_AT(valid_q, valid, T_q)
   `DF_AT(side_q, side, T_q)
+  localparam int T_LATE = (T_gap > T_q) ? T_gap : T_q;
+  `DF_AT(gap_late, gap, T_LATE)
   if (T_q + `LATENCY_EDGE_FACET != `LATENCY_OBB_EDGE) $error("obb_edge: latency");
-  edge_facet #(`DF_FORMAT, .I(I), .CENTRED(1), .T_GAP(T_gap - T_q), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) facet (
+  edge_facet #(`DF_FORMAT, .I(I), .CENTRED(1), .T_GAP(T_LATE - T_q), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) facet (
       .clk_i, .a_i(a_q), .sign_k_i(sign_k_q), .sign_l_i(sign_l_q), .q_i(q), .f_i(f_q), .inverse_ff_i(inverse_ff_q), .n_k_i(n_k_q),
-      .n_l_i(n_l_q), .inverse2_i(inverse2_q), .valid_i(valid_q), .side_i(side_q), .gap_i(gap), .gap_o, .n_o, .v_o, .p_o, .d2_o, .f_o,
+      .n_l_i(n_l_q), .inverse2_i(inverse2_q), .valid_i(valid_q), .side_i(side_q), .gap_i(gap_late), .gap_o, .n_o, .v_o, .p_o, .d2_o, .f_o,
       .inverse_ff_o);
 endmodule

@@ -1,5 +1,5 @@
-// Facet of face I of box A and the corner of box B nearest to it, in A's frame: A's centre is 0, its axes are e_i, B has centre t and half
-// edges f_j, and `signs` is component I of B's turned axes. The gap is |t_I| - a_I - sum of |f_jI|. 18 add, 3 mul, 4 min/max.
+// Facet of face I of box A, on the side of `side`'s sign, and the corner of box B nearest to it, in A's frame: A's centre is 0, its axes are
+// e_i, B has centre t and half edges f_j, and `signs` is component I of B's turned axes. The gap is |t_I| - a_I - sum of |f_jI|. 18 add, 3 mul, 4 min/max.
 // Latency: LATENCY_OBB_FACE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
 `include "convex.svh"
 module obb_face #(
@@ -18,6 +18,7 @@ module obb_face #(
     input logic [2:0][LANES-1:0][CW-1:0] t_i,
     input logic [2:0][2:0][LANES-1:0][CW-1:0] f_i,
     input logic [2:0][LANES-1:0][CW-1:0] signs_i,
+    input logic [LANES-1:0][CW-1:0] side_i,
     output logic [LANES-1:0][CW-1:0] gap_o,
     output logic [2:0][LANES-1:0][CW-1:0] n_o,
     output logic [2:0][LANES-1:0][CW-1:0] v_o,
@@ -28,7 +29,8 @@ module obb_face #(
   `DF_VIN(a, a_i, 0)
   `DF_PICK(a_axis, a, I)
   `DF_VIN(t, t_i, 0)
-  `DF_PICK(side, t, I)
+  `DF_PICK(height, t, I)
+  `DF_IN(side, side_i, 0)
   `DF_VIN(f0, f_i[0], 0)
   `DF_VIN(f1, f_i[1], 0)
   `DF_VIN(f2, f_i[2], 0)
@@ -41,7 +43,7 @@ module obb_face #(
   `DF_PICK(across2, f2, I)
   `DF_VEC(across, across0, across1, across2)
   `DF_NORM1(radius, across)
-  `DF_ABS(distance, side)
+  `DF_ABS(distance, height)
   `DF_SUB(beyond, distance, a_axis)
   `DF_SUB(gap, beyond, radius)
 

@@ -2,9 +2,9 @@
 // The difference B - A has 15 pairs of facets, whose normals are the 15 axes of the separating-axis test: 3 faces of A, 3 faces of B,
 // 9 pairs of edges. The depth is the least overlap on them, the distance the least distance to the 15 facets that face the origin;
 // the nearest point is polished twice. Support features come from axes turned by 16 u, as if no face or edge of one box were
-// parallel to one of the other. F = (s <= 0), T = |s|. 617 add, 565 mul, 15 div, 10 sqrt, 93 compare, 84 min/max.
+// parallel to one of the other. F = (s <= 0), T = |s|. 618 add, 566 mul, 15 div, 10 sqrt, 122 compare, 84 min/max.
 // With FACET_II = 3 the edges of B take turns in a unit an edge of A, a face of A and one of B do in a unit, and the facets three by
-// three at the key of the witness: 351 add, 332 mul, 7 div, 4 sqrt, 63 compare, 36 min/max.
+// three at the key of the witness: 352 add, 333 mul, 7 div, 4 sqrt, 80 compare, 36 min/max.
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none, runs free.
 `include "convex.svh"
 module obb_obb #(
@@ -50,6 +50,7 @@ module obb_obb #(
   `DF_MATRIX_IN(b_rotation, box_b[8:6], box_b[11:9], box_b[14:12], T_IN)
   `DF_CONST(half, HALF)
   `DF_CONST(four_u, TIE)
+  `DF_CONST(four, CW'(`DF_POWER_OF_TWO(2)))
 
   // ---- The pair in A's frame ----
   `DF_VSUB(centres, b_c, a_c)
@@ -91,6 +92,7 @@ module obb_obb #(
   `DF_NORM1(t_sum, t)
   `DF_ADD(size, t_sum, extents)
   `DF_MUL(tie, four_u, size)
+  `DF_MUL(wide_tie, four, tie)
 
   // ---- Stage times of the facets ----
   localparam int T_EDGES = T_f + `LATENCY_EDGE_NORMAL;
@@ -99,6 +101,7 @@ module obb_obb #(
   localparam int T_FACES_A = T_FACETS - `LATENCY_OBB_FACE;
   `DF_VAT(a_edges, a, T_EDGES)
   `DF_VAT(t_edges, t, T_EDGES)
+  `DF_AT(tie_edges, tie, T_EDGES)
   `DF_MAT_AT(f_edges, f, T_EDGES)
   `DF_MAT_AT(turned_edges, turned_axes, T_EDGES)
   `DF_VAT(a_faces_b, a_edges, T_FACES_B)
@@ -132,7 +135,6 @@ module obb_obb #(
   `DF_TRANSPOSE(columns_faces_b, r_faces_b)
   `DF_MAT_AT(columns_v, columns_faces_b, T_V_B)
   `DF_MAT_AT(r_facets, r_faces_b, T_FACETS)
-  `DF_VAT(t_facets, t_back_faces_b, T_FACETS)
   `DF_MAT_AT(turned_facets, turned_faces_b, T_FACETS)
   `DF_VAT(a_facets, a_faces_a, T_FACETS)
   // Face units: B's face first, whose vector has farther to go, then A's.
@@ -144,15 +146,28 @@ module obb_obb #(
   for (genvar j = 0; j < 3; j++) begin : g_face
     logic [LANES-1:0][CW-1:0] gap_b, d2_b;
     logic [2:0][LANES-1:0][CW-1:0] n_b, v_b, p_b;
+    // Where A is, as B sees it: the normal goes the other way.
+    `DF_ROW(axis_b, r, j)
+    `DF_LEADING(leading, axis_b)
+    `DF_LEAD(axis_lead, leading, axis_b)
+    `DF_LEAD(t_lead, leading, t)
+    `DF_MOVE_SIGN(along_axis, t_lead, axis_lead)
+    `DF_NEG(against_axis, along_axis)
+    `DF_PICK(height, t_back, j)
+    `DF_SIDE_OF(side_b, height, tie, against_axis)
+    `DF_AT(side_faces, side_b, T_FACES_B)
+    `DF_AT(side, side_faces, T_FACETS)
+    `DF_PICK(height_a, t_faces_b, j)
+    `DF_TURN(side_turn, 0, phase_faces, side_faces, height_a, height_a)
     obb_face #(`DF_FORMAT, .I(j), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) face (
-        .clk_i, .a_i(half_extents), .t_i(centre), .f_i(half_edges), .signs_i(signs[j]), .gap_o(gap_b), .n_o(n_b), .v_o(v_b), .p_o(p_b),
-        .d2_o(d2_b));
+        .clk_i, .a_i(half_extents), .t_i(centre), .f_i(half_edges), .signs_i(signs[j]), .side_i(side_turn), .gap_o(gap_b), .n_o(n_b),
+        .v_o(v_b), .p_o(p_b), .d2_o(d2_b));
     if (TURNS == 1) begin : g_a
       `DF_ROW(signs_b, turned_columns_b, j)
       `DF_VAT(signs_a, signs_b, T_FACES_A)
       obb_face #(`DF_FORMAT, .I(j), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) face_a (
-          .clk_i, .a_i(a_faces_a), .t_i(t_faces_a), .f_i(f_faces_a), .signs_i(signs_a), .gap_o(gap[j]), .n_o(n[j]),
-          .v_o(v[j]), .p_o(p[j]), .d2_o(d2[j]));
+          .clk_i, .a_i(a_faces_a), .t_i(t_faces_a), .f_i(f_faces_a), .signs_i(signs_a), .side_i(t_faces_a[j]), .gap_o(gap[j]),
+          .n_o(n[j]), .v_o(v[j]), .p_o(p[j]), .d2_o(d2[j]));
       logic unused;
       assign unused = &{1'b0, n_b, p_b};
     end else begin : g_a_in_turn
@@ -178,7 +193,6 @@ module obb_obb #(
     `DF_VIN(v_from_b, v_b, T_V_B)
     `DF_APPLY(minus_v, columns_v, v_from_b)
     `DF_VNEG(v_a, minus_v)
-    `DF_PICK(side, t_facets, j)
     `DF_ROW(turned_axis, turned_facets, j)
     `DF_VMOVE_SIGN(corner, turned_axis, a_facets)
     `DF_VFLIP(minus_p, side, corner)
@@ -237,7 +251,7 @@ module obb_obb #(
       obb_edge #(`DF_FORMAT, .I(i), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) edges (
           .clk_i, .a_i(a_edges), .t_i(t_edges), .f_i(f_edges), .edge_i(f_j), .first_i(f_first), .second_i(f_second), .sign_k_i(turned_j[K]),
           .sign_l_i(turned_j[L]), .sign_first_i(sign_first[i]), .sign_second_i(sign_second[i]), .inverse_ff_i(inverse_edges), .n_k_i(n_k),
-          .n_l_i(n_l), .inverse2_i(inverse2), .valid_i(valid), .gap_o(gap_e), .n_o(n_e), .v_o(v_e), .p_o(p_e), .d2_o(d2_e), .f_o(f_e),
+          .n_l_i(n_l), .inverse2_i(inverse2), .tie_i(tie_edges), .valid_i(valid), .gap_o(gap_e), .n_o(n_e), .v_o(v_e), .p_o(p_e), .d2_o(d2_e), .f_o(f_e),
           .inverse_ff_o(inverse_ff_e));
       facet_results #(`DF_FORMAT, .TURNS(TURNS)) facets (
           .clk_i, .gap_i(gap_e), .n_i(n_e), .v_i(v_e), .p_i(p_e), .d2_i(d2_e), .f_i(f_e), .inverse_ff_i(inverse_ff_e),
@@ -249,12 +263,14 @@ module obb_obb #(
   // ---- The answer of the facets ----
   localparam int T_START = T_FACETS + `LATENCY_NEAREST(FACETS);
   localparam int T_WITNESS = T_FACETS + `LATENCY_WITNESS(FACETS);
-  `DF_AT(tie_facets, tie, T_FACETS)
+  `DF_AT(tie_facets, tie_edges, T_FACETS)
+  `DF_AT(wide_tie_facets, wide_tie, T_FACETS)
   logic [LANES-1:0][CW-1:0] choice_s;
   logic [2:0][LANES-1:0][CW-1:0] choice_n, choice_v, choice_p, choice_start_v, choice_start_p;
   `DF_PHASE_AT(phase_facets, phase_edges, T_FACETS)
   facet_choice #(`DF_FORMAT, .COUNT(FACETS), .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) choice (
-      .clk_i, .phase_i(phase_facets), .gap_i(gap), .n_i(n), .v_i(v), .p_i(p), .d2_i(d2), .f_i(along), .inverse_ff_i(inverse_ff), .tie_i(tie_facets), .s_o(choice_s),
+      .clk_i, .phase_i(phase_facets), .gap_i(gap), .n_i(n), .v_i(v), .p_i(p), .d2_i(d2), .f_i(along), .inverse_ff_i(inverse_ff), .tie_i(tie_facets),
+      .wide_tie_i(wide_tie_facets), .s_o(choice_s),
       .witness_n_o(choice_n), .witness_v_o(choice_v), .witness_p_o(choice_p), .start_v_o(choice_start_v), .start_p_o(choice_start_p));
   `DF_IN(s_facets, choice_s, T_WITNESS)
   `DF_VIN(n_facets, choice_n, T_WITNESS)

@@ -66,8 +66,8 @@
 // How far the rows of P reach from the origin, the largest |p|_1.
 `define DF_REACH(R, P) `DF_ROW(R``_p0, P, 0) `DF_ROW(R``_p1, P, 1) `DF_ROW(R``_p2, P, 2) `DF_NORM1(R``_0, R``_p0) `DF_NORM1(R``_1, R``_p1) \
   `DF_NORM1(R``_2, R``_p2) `DF_MAX(R``_12, R``_1, R``_2) `DF_MAX(R, R``_0, R``_12)
-// Of a projection LOW .. HIGH and a box's RADIUS about 0: the larger of the gaps above and below the box, ties above, and its SIDE, +1 or -1.
-`define DF_SIDE(SIDE, GAP, LOW, HIGH, RADIUS) `DF_SUB(GAP``_above, LOW, RADIUS) `DF_NEG(GAP``_top, HIGH) `DF_SUB(GAP``_below, GAP``_top, RADIUS) \
-  `DF_LT(GAP``_is_below, GAP``_above, GAP``_below) `DF_SELECT(GAP, GAP``_is_below, GAP``_below, GAP``_above) \
-  `DF_CONST(SIDE``_up, ((CW'(1) << (EXP - 1)) - 1) << MAN) `DF_NEG(SIDE``_down, SIDE``_up) `DF_SELECT(SIDE, GAP``_is_below, SIDE``_down, SIDE``_up)
+// Of a projection LOW .. HIGH and a box's RADIUS about 0: the larger of the gaps above and below the box, and its SIDE, a sign.
+`define DF_SIDE(SIDE, GAP, LOW, HIGH, RADIUS, TIE, ORIENTATION) `DF_SUB(GAP``_above, LOW, RADIUS) `DF_NEG(GAP``_top, HIGH) \
+  `DF_SUB(GAP``_below, GAP``_top, RADIUS) `DF_MAX(GAP, GAP``_above, GAP``_below) `DF_ADD(SIDE``_h, LOW, HIGH) \
+  `DF_SIDE_OF(SIDE, SIDE``_h, TIE, ORIENTATION)
 `endif

@@ -2,8 +2,8 @@
 // midpoint of the witness points. The difference of the two has 13 pairs of facets: 3 faces of the box, the triangle's face,
 // 9 pairs of edges. The depth is the least overlap on them, the distance the least distance to the facets that face the origin; the
 // nearest point is polished twice. Support features come from edges turned by 16 u (turned.sv).
-// 429 add, 523 mul, 16 div, 11 sqrt, 122 compare, 116 min/max. With FACET_II = 3 the edges of the triangle take turns in a unit an edge
-// of the box, and the facets three by three at the key of the witness: 287 add, 325 mul, 10 div, 5 sqrt, 96 compare, 68 min/max.
+// 434 add, 524 mul, 16 div, 11 sqrt, 126 compare, 120 min/max. With FACET_II = 3 the edges of the triangle take turns in a unit an edge
+// of the box, and the facets three by three at the key of the witness: 292 add, 326 mul, 10 div, 5 sqrt, 100 compare, 72 min/max.
 // Latency: LATENCY_TRIANGLE_BOX clocks; 0 with ARITH = "host". Throughput: one pair a lane in FACET_II clocks, for which its operands stand.
 // Stall: none.
 `include "triangle.svh"
@@ -36,6 +36,7 @@ module triangle_box #(
   `DF_MATRIX_IN(p, p_i[0], p_i[1], p_i[2], 0)
   `DF_CONST(half, CW'(`DF_POWER_OF_TWO(-1)))
   `DF_CONST(four_u, CW'(`DF_POWER_OF_TWO(1 - MAN)))
+  `DF_CONST(four, CW'(`DF_POWER_OF_TWO(2)))
 
   // ---- What the facets share ----
   `DF_TRIANGLE(t, p)
@@ -55,6 +56,7 @@ module triangle_box #(
   `DF_ADD(a_sum, a_xy, a_z)
   `DF_ADD(size, reach, a_sum)
   `DF_MUL(tie, four_u, size)
+  `DF_MUL(wide_tie, four, tie)
 
   // ---- The facets, each as late as it can, so that inputs wait, not facets ----
   localparam int T_FACETS = `TRIANGLE_BOX_T_FACETS;
@@ -69,6 +71,7 @@ module triangle_box #(
   `DF_MAT_AT(turned_at_edges, turned_edges, T_EDGES)
   `DF_VAT(m1_edges, m1, T_EDGES)
   `DF_VAT(a_faces, a_edges, T_FACES)
+  `DF_AT(tie_faces, tie, T_FACES)
   `DF_MAT_AT(p_faces, p_edges, T_FACES)
   `DF_MAT_AT(turned_faces, turned_at_edges, T_FACES)
   `DF_PHASE_AT(phase_edges, phase, T_EDGES)
@@ -101,16 +104,17 @@ module triangle_box #(
   end
   for (genvar i = 0; i < 3; i++) begin : g_face
     triangle_box_face #(`DF_FORMAT, .I(i), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) face (
-        .clk_i, .a_i(a_faces), .p_i(p_faces), .turned_i({turned_faces[2][i], turned_faces[1][i], turned_faces[0][i]}), .gap_o(gap[i]),
-        .n_o(n[i]), .v_o(v[i]), .p_o(p_box[i]), .d2_o(d2[i]));
+        .clk_i, .a_i(a_faces), .p_i(p_faces), .turned_i({turned_faces[2][i], turned_faces[1][i], turned_faces[0][i]}), .tie_i(tie_faces),
+        .gap_o(gap[i]), .n_o(n[i]), .v_o(v[i]), .p_o(p_box[i]), .d2_o(d2[i]));
     assign along[i] = '0;
     assign inverse_ff[i] = '0;
   end
   logic [2:0][LANES-1:0][CW-1:0] face_n, face_v, face_p;
   logic [LANES-1:0][CW-1:0] face_gap, face_d2;
+  `DF_AT(tie_m, tie, `TRIANGLE_T_M)
   triangle_face #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) face (
       .clk_i, .a_i(a), .p_i(p), .m1_i(m1), .f_i(t_f), .inverse_ff_i(t_inverse_ff), .longest0_i(t_longest0), .longest1_i(t_longest1),
-      .m_i(t_m), .flat_i(t_flat), .gap_o(face_gap), .n_o(face_n), .v_o(face_v), .p_o(face_p), .d2_o(face_d2));
+      .m_i(t_m), .flat_i(t_flat), .tie_i(tie_m), .gap_o(face_gap), .n_o(face_n), .v_o(face_v), .p_o(face_p), .d2_o(face_d2));
   `DF_IN(gap_face, face_gap, `TRIANGLE_FACE_T)
   `DF_IN(d2_face, face_d2, `TRIANGLE_FACE_T)
   `DF_VIN(n_face, face_n, `TRIANGLE_FACE_T)
@@ -132,12 +136,14 @@ module triangle_box #(
   // ---- The answer of the facets ----
   localparam int T_START = T_FACETS + `LATENCY_NEAREST(FACETS);
   localparam int T_WITNESS = T_FACETS + `LATENCY_WITNESS(FACETS);
-  `DF_AT(tie_facets, tie, T_FACETS)
+  `DF_AT(tie_facets, tie_faces, T_FACETS)
+  `DF_AT(wide_tie_facets, wide_tie, T_FACETS)
   logic [LANES-1:0][CW-1:0] choice_s;
   logic [2:0][LANES-1:0][CW-1:0] choice_n, choice_v, choice_p, choice_start_v, choice_start_p;
   `DF_PHASE_AT(phase_facets, phase_edges, T_FACETS)
   facet_choice #(`DF_FORMAT, .COUNT(FACETS), .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) choice (
-      .clk_i, .phase_i(phase_facets), .gap_i(gap), .n_i(n), .v_i(v), .p_i(p_box), .d2_i(d2), .f_i(along), .inverse_ff_i(inverse_ff), .tie_i(tie_facets), .s_o(choice_s),
+      .clk_i, .phase_i(phase_facets), .gap_i(gap), .n_i(n), .v_i(v), .p_i(p_box), .d2_i(d2), .f_i(along), .inverse_ff_i(inverse_ff), .tie_i(tie_facets),
+      .wide_tie_i(wide_tie_facets), .s_o(choice_s),
       .witness_n_o(choice_n), .witness_v_o(choice_v), .witness_p_o(choice_p), .start_v_o(choice_start_v), .start_p_o(choice_start_p));
   `DF_IN(s_facets, choice_s, T_WITNESS)
   `DF_VIN(n_facets, choice_n, T_WITNESS)

@@ -1,6 +1,6 @@
 // Facet of face I of a box, half extents a about 0, and the vertex of a triangle nearest to it, on the side with the larger gap, ties the
-// upper one. The vertex is the lowest one along the normal by the turned edges, of which component I is given.
-// 7 add, 3 mul, 4 compare, 8 min/max.
+// upper one (low + high is within tie of 0). The vertex is the lowest one along the normal by the turned edges, of which component I is given.
+// 8 add, 3 mul, 4 compare, 9 min/max.
 // Latency: LATENCY_TRIANGLE_BOX_FACE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
 `include "triangle.svh"
 module triangle_box_face #(
@@ -18,6 +18,7 @@ module triangle_box_face #(
     input logic [2:0][LANES-1:0][CW-1:0] a_i,
     input logic [2:0][2:0][LANES-1:0][CW-1:0] p_i,  // vertices
     input logic [2:0][LANES-1:0][CW-1:0] turned_i,  // component I of the turned edges
+    input logic [LANES-1:0][CW-1:0] tie_i,
     output logic [LANES-1:0][CW-1:0] gap_o,
     output logic [2:0][LANES-1:0][CW-1:0] n_o,
     output logic [2:0][LANES-1:0][CW-1:0] v_o,
@@ -31,12 +32,14 @@ module triangle_box_face #(
   `DF_IN(turned0, turned_i[0], 0)
   `DF_IN(turned1, turned_i[1], 0)
   `DF_IN(turned2, turned_i[2], 0)
+  `DF_IN(tie, tie_i, 0)
   `DF_CONST(zero, 0)
+  `DF_CONST(up, ((CW'(1) << (EXP - 1)) - 1) << MAN)
 
   `DF_TRANSPOSE(columns, p)
   `DF_ROW(heights, columns, I)
   `DF_SPAN(low, high, heights)
-  `DF_SIDE(side, gap, low, high, a_axis)
+  `DF_SIDE(side, gap, low, high, a_axis, tie, up)
   `DF_MOVE_SIGN(rise0, side, turned0)
   `DF_MOVE_SIGN(rise1, side, turned1)
   `DF_MOVE_SIGN(rise2, side, turned2)

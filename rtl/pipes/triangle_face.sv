@@ -1,6 +1,6 @@
 // Facet of a triangle's face and the corner of a box, half extents a about 0, that is nearest to it, on the side with the larger gap, ties
-// the side that the normal m points to. m1 is the face's normal by turned edges: the corner is chosen by its signs.
-// 62 add, 83 mul, 10 compare, 10 min/max.
+// the side where the leading component of the normal is positive. m1 is the face's normal by turned edges: the corner is chosen by its signs.
+// 63 add, 83 mul, 12 compare, 11 min/max.
 // Latency: inputs at the stage times that triangle.svh gives, the facet at TRIANGLE_FACE_T; 0 with ARITH = "host".
 // Throughput: one facet a lane a clock. Stall: none.
 `include "triangle.svh"
@@ -26,6 +26,7 @@ module triangle_face #(
     input logic [LANES-1:0][CW-1:0] longest1_i,
     input logic [2:0][LANES-1:0][CW-1:0] m_i,
     input logic [LANES-1:0][CW-1:0] flat_i,
+    input logic [LANES-1:0][CW-1:0] tie_i,  // TRIANGLE_T_M
     output logic [LANES-1:0][CW-1:0] gap_o,
     output logic [2:0][LANES-1:0][CW-1:0] n_o,
     output logic [2:0][LANES-1:0][CW-1:0] v_o,
@@ -42,13 +43,16 @@ module triangle_face #(
   `DF_IN(t_longest1, longest1_i, `TRIANGLE_T_LONGEST)
   `DF_VIN(t_m, m_i, `TRIANGLE_T_M)
   `DF_IN(t_flat, flat_i, `TRIANGLE_T_M)
+  `DF_IN(tie, tie_i, `TRIANGLE_T_M)
 
   `DF_VAT(a, a_early, T_t_m)
   `DF_MAT_AT(p, p_early, T_t_m)
   `DF_APPLY(heights, p, t_m)
   `DF_SPAN(low, high, heights)
   `DF_BOX_RADIUS(radius, t_m, a)
-  `DF_SIDE(side, gap, low, high, radius)
+  `DF_LEADING(leading, t_m)
+  `DF_LEAD(orientation, leading, t_m)
+  `DF_SIDE(side, gap, low, high, radius, tie, orientation)
   `DF_VFLIP(n, side, t_m)
   `DF_VFLIP(signs, side, m1)
   `DF_VMOVE_SIGN(corner, signs, a)

@@ -73,6 +73,15 @@ struct Case {
 [[nodiscard]] Case generate(Pair pair, std::uint64_t seed, std::uint64_t index,
                             const Format& format = {});
 
+/// Case `index` of what people build, where ties are the rule: families aligned (boxes, triangles,
+/// cylinders along the axes, coordinates whole or real), tied (one or two coordinates of the
+/// centres equal), stacked (face to face: in contact, or a little off), flat (triangles without
+/// area or thinner than rounding, plates; rays edge-on), scaled (by a power of two), and scene: two
+/// neighbours of a random scene (scene.hpp). Of the first four, many are turned together or tilted
+/// by 1e-7 to 1e-2. Like generate(), a function of the four arguments, exact in the format.
+[[nodiscard]] Case everyday(Pair pair, std::uint64_t seed, std::uint64_t index,
+                            const Format& format = {});
+
 /// The shape translated.
 [[nodiscard]] Shape moved(const Shape& shape, const Vec& by);
 

@@ -113,8 +113,8 @@ std::string test_name(const ::testing::TestParamInfo<Parameter>& info) {
 // of three; of a triangle, they all wait longer for its own face.
 INSTANTIATE_TEST_SUITE_P(
     Fp32, FacetInterval,
-    ::testing::Values(Parameter{Pair::kObbObb, Arithmetic::kHost, 99 + 3},
-                      Parameter{Pair::kObbObb, Arithmetic::kRtl, 99 + 3},
+    ::testing::Values(Parameter{Pair::kObbObb, Arithmetic::kHost, 100 + 3},
+                      Parameter{Pair::kObbObb, Arithmetic::kRtl, 100 + 3},
                       Parameter{Pair::kTriangleAabb, Arithmetic::kHost, 104 + 1},
                       Parameter{Pair::kTriangleAabb, Arithmetic::kRtl, 104 + 1},
                       Parameter{Pair::kTriangleObb, Arithmetic::kHost, 107 + 1},

@@ -150,7 +150,7 @@ unsigned pipe_latency(const PairConfig& config) {
     case Pair::kObbPlane:
       return 11 + kOutput;
     case Pair::kObbObb:
-      return 98 + kOutput;
+      return 99 + kOutput;
     case Pair::kTriangleObb:
       return 102 + kMeet + kOutput;
     case Pair::kTriangleAabb:

@@ -29,6 +29,47 @@ template <typename S>
   return add<S>(x, cross<S>(turn<S>(), x));
 }
 
+/// The first component of a unit vector that is beyond 5/16, a number that no turn by multiples of
+/// 15 degrees has in it. Its sign tells n from -n, also of vectors all but equal.
+template <typename S>
+inline const S kBeyond = static_cast<S>(0.3125);
+template <typename S>
+struct Leading {
+  Mask<S> x, y;  ///< else z
+
+  [[nodiscard]] S of(const Vector<S>& n) const {
+    return select(x, n.x(), select(y, n.y(), n.z()));
+  }
+};
+
+/// 2 comparisons.
+template <typename S>
+[[nodiscard]] Leading<S> leading_component(const Vector<S>& n) {
+  return {kBeyond<S> < magnitude(n.x()), kBeyond<S> < magnitude(n.y())};
+}
+
+/// Of n and -n the one whose leading component is positive counts as positive. 2 comparisons.
+template <typename S>
+[[nodiscard]] S orientation(const Vector<S>& n) {
+  return leading_component(n).of(n);
+}
+
+/// Positive if n and t agree in the sign of n's leading component.
+template <typename S>
+[[nodiscard]] S along(const Vector<S>& t, const Vector<S>& n) {
+  const Leading<S> l = leading_component(n);
+  return move_sign(l.of(t), l.of(n));
+}
+
+/// A pair of opposite facets has the gap of the one on the side of h's sign, where h is the height
+/// of Q's centre over P's. Where h is 0 but for rounding, both have it, and `orientation` chooses:
+/// the sign of a zero would send facets of one plane to different sides, and leave holes in it.
+/// 1 comparison.
+template <typename S>
+[[nodiscard]] S side_of(S h, S tie, S orientation) {
+  return select(magnitude(h) <= tie, orientation, h);
+}
+
 /// One facet of Q - P.
 template <typename S>
 struct Facet {
@@ -202,9 +243,13 @@ template <typename S, std::size_t N, typename Support, typename Gap>
   const Facet<S> largest = least(by_gap);
   const S s = largest.gap;
   const S tied = s - tie;
+  const Leading<S> leading = leading_component(largest.n);
+  const S lead = leading.of(largest.n);
+  const S nearly = s - S{4} * tie;
   for (std::size_t i = 0; i < N; ++i) {
     Facet<S> f = facets[i];
-    f.n = select<S>(tied <= f.gap, f.n, largest.n);
+    const auto opposite = is_negative(move_sign(lead, leading.of(f.n)));
+    f.n = select<S>(select(opposite, nearly, tied) <= f.gap, f.n, largest.n);
     const Vector<S> off = sub<S>(f.x.v, scale<S>(f.n, s));
     by_witness[i] = {dot<S>(off, off), f};
   }
