@@ -9,6 +9,7 @@ module board #(
     parameter int PRIMARIES = 256,  // 64, 128, 192 or 256
     parameter int PAIRS = 1,        // bit p: the card has the pipe of pair p (cde_pkg::PAIR_*)
     parameter int ALGORITHM = 0,    // of ray-triangle (cde_pkg::ALGORITHM_*)
+    parameter int BOX = 0,          // of ray-triangle, 1: a hit must lie in the triangle's box
     parameter int SWAP = 0,         // a command can exchange the roles of primary and secondary
     parameter int NORMALS = 0,      // a command can ask for normals
     parameter int PARALLEL = 0,     // two pipes can work on the same secondaries at a time
@@ -75,6 +76,9 @@ module board #(
     $error("board: PAIRS must be a set of pairs, 1 to %0d", (1 << cde_pkg::PAIRS) - 1);
   end
 
+  if (BOX != 0 && (BOX != 1 || ((PAIRS >> int'(cde_pkg::PAIR_RAY_TRIANGLE)) & 1) == 0)) begin : g_no_box
+    $error("board: BOX must be 0 or 1, and is of ray-triangle");
+  end
   if (FACET_II != 1 && FACET_II != 3) begin : g_no_interval
     $error("board: FACET_II must be 1 or 3");
   end
@@ -102,7 +106,7 @@ module board #(
   logic object_write, objects_good, objects_busy, posed;
   logic [31:0] object_count, prim_object_count;
   card_registers #(
-      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .SWAP(SWAP),
+      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .BOX(BOX), .SWAP(SWAP),
       .NORMALS(NORMALS), .PARALLEL(PARALLEL), .TRANSFORM(TRANSFORM), .OBJECTS(OBJECTS), .PRIM_OBJECTS(PRIM_OBJECTS), .ECC(ECC), .DDR_SLOTS(DDR_SLOTS), .SRAM_RECORDS(SRAM_RECORDS),
       .CONFIG_HASH(CONFIG_HASH)
   ) registers (
@@ -229,7 +233,7 @@ module board #(
   logic [CW-1:0] result_t;
   logic [POINTS-1:0][CW-1:0] result_point;
   cde #(
-      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .FIFO_DEPTH(FIFO_DEPTH), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM),
+      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .FIFO_DEPTH(FIFO_DEPTH), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .BOX(BOX),
       .SWAP(SWAP), .NORMALS(NORMALS), .PARALLEL(PARALLEL), .FACET_II(FACET_II), .TRANSFORM(TRANSFORM), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
       .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) engine (

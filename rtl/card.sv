@@ -8,6 +8,7 @@ module card #(
     parameter int PRIMARIES = 256,  // 64, 128, 192 or 256
     parameter int PAIRS = 1,        // bit p: the card has the pipe of pair p (cde_pkg::PAIR_*)
     parameter int ALGORITHM = 0,    // of ray-triangle (cde_pkg::ALGORITHM_*)
+    parameter int BOX = 0,          // of ray-triangle, 1: a hit must lie in the triangle's box
     parameter int SWAP = 0,         // a command can exchange the roles of primary and secondary
     parameter int NORMALS = 0,      // a command can ask for normals
     parameter int PARALLEL = 0,     // two pipes can work on the same secondaries at a time
@@ -108,7 +109,7 @@ module card #(
       .bus_space_o(bus_space), .bus_addr_o(bus_addr), .bus_wdata_o(bus_wdata), .bus_ready_i(bus_ready),
       .bus_rvalid_i(bus_rvalid), .bus_rdata_i(bus_rdata), .irq_i(irq));
   board #(
-      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .SWAP(SWAP),
+      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .BOX(BOX), .SWAP(SWAP),
       .NORMALS(NORMALS), .PARALLEL(PARALLEL), .FACET_II(FACET_II), .TRANSFORM(TRANSFORM), .OBJECTS(OBJECTS),
       .PRIM_OBJECTS(PRIM_OBJECTS), .ECC(ECC), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
       .LAT_CMP(LAT_CMP), .ARITH(ARITH), .DDR_SLOTS(DDR_SLOTS), .SRAM_RECORDS(SRAM_RECORDS), .CONFIG_HASH(CONFIG_HASH)

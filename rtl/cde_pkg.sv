@@ -33,7 +33,7 @@ package cde_pkg;
   localparam logic [11:0] REG_SECONDARIES = 12'h0F0;   // secondaries swept
   localparam logic [11:0] REG_WRITTEN = 12'h0F8;       // records written to SRAM
   localparam logic [11:0] REG_WRITEBACK = 12'h068;     // clocks that wrote the kept records back to SRAM
-  localparam logic [11:0] REG_CAPS3 = 12'h070;         // [12:0] pairs in the card, [16] roles can be swapped, [17] normals, [18] two pairs at a time, [20:19] TRANSFORM_*, [21] check bits in DDR, [31:24] words of a primary slot, [47:32] and [63:48] entries of the object tables
+  localparam logic [11:0] REG_CAPS3 = 12'h070;         // [12:0] pairs in the card, [16] roles can be swapped, [17] normals, [18] two pairs at a time, [20:19] TRANSFORM_*, [21] check bits in DDR, [22] box rule of ray-triangle, [31:24] words of a primary slot, [47:32] and [63:48] entries of the object tables
   localparam logic [11:0] REG_PRIM_SPLIT = 12'h078;    // with a second pair: the first of its primaries, a multiple of the lanes
 
   localparam logic [11:0] REG_OBJECT_COUNT = 12'h0A8;  // objects to sweep; 0: the slots of REG_SEC_FIRST and REG_SEC_COUNT as they lie in DDR
@@ -115,6 +115,9 @@ package cde_pkg;
   endfunction
   function int cylinder_body(input int pair);  // what such a pipe's primary is: 0 cylinder, 1 box, 2 triangle (cylinder.svh)
     cylinder_body = (pair == int'(PAIR_CYLINDER_CYLINDER)) ? 0 : (pair == int'(PAIR_OBB_CYLINDER)) ? 1 : 2;
+  endfunction
+  function bit has_box(input int pair);  // BOX is an option of its pipe (ray_box.sv)
+    has_box = pair == int'(PAIR_RAY_TRIANGLE);
   endfunction
   function bit has_facets(input int pair);  // the pipe is made of facet units, which can take turns (pair_hold.sv)
     has_facets = pair == int'(PAIR_OBB_OBB) || pair == int'(PAIR_TRIANGLE_AABB) || pair == int'(PAIR_TRIANGLE_OBB);

@@ -6,6 +6,7 @@
 module pair_unit #(
     parameter int PAIR = 0,       // cde_pkg::PAIR_*
     parameter int ALGORITHM = 0,  // of ray-triangle, cde_pkg::ALGORITHM_*
+    parameter int BOX = 0,  // of ray-triangle, 1: a hit must lie in the triangle's box
     parameter int HALF_SPACE = 0,  // of obb-plane, 1: the plane is the solid n.x <= d
     parameter int FACET_II = 1,  // of pairs with facets: clocks from one row to the next, 1 or 3
     parameter int EXP = 8,
@@ -80,7 +81,7 @@ module pair_unit #(
     logic [LANES-1:0][CW-1:0] f_pipe, t_pipe;
     logic [2:0][LANES-1:0][CW-1:0] cp_pipe, n_pipe;
     scaled_pipe #(
-        .PAIR(PAIR), .ALGORITHM(ALGORITHM), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
+        .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(BOX), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
         .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
     ) pipe (.clk_i, .enter_i(enter), .a_i, .b_i, .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe), .latency_o(latency));
     issue_history #(.W(32), .DEPTH(HISTORY)) history_tag (

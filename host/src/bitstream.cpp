@@ -196,6 +196,8 @@ std::vector<std::string> BoardConfig::parameters() const {
     throw Error(ErrorCode::kUsage, "two pipes at a time need a card with several pairs");
   if (pairs.empty()) throw Error(ErrorCode::kUsage, "a card has at least one pair");
   check_facet_interval(facet_interval, pairs);
+  if (box && std::find(pairs.begin(), pairs.end(), Pair::kRayTriangle) == pairs.end())
+    throw Error(ErrorCode::kUsage, "the box rule is of ray-triangle, which the card has not");
   unsigned set = 0;
   for (const Pair pair : pairs) set |= 1u << static_cast<unsigned>(pair);
   const BoardConfig standard;
@@ -219,6 +221,7 @@ std::vector<std::string> BoardConfig::parameters() const {
   add("LANES", lanes, standard.lanes);
   add("PAIRS", set, 1);
   add("ALGORITHM", static_cast<unsigned>(algorithm), 0);
+  add("BOX", box ? 1 : 0, 0);
   add("SWAP", swap ? 1 : 0, 0);
   add("NORMALS", normals ? 1 : 0, 0);
   add("PARALLEL", parallel ? 1 : 0, 0);

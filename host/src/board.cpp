@@ -52,6 +52,7 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   field("role swap", caps3 >> 16 & 1, config.swap);
   field("normals", caps3 >> 17 & 1, config.normals);
   field("two pairs at a time", caps3 >> 18 & 1, config.parallel);
+  field("box rule", caps3 >> 22 & 1, config.box);
   field("check bits in DDR", caps3 >> 21 & 1, config.ecc);
   field("transformer", caps3 >> 19 & 3, static_cast<unsigned>(config.transform));
   card.objects.entries = caps3 >> 32 & 0xffff;

@@ -23,6 +23,8 @@ std::vector<std::string> PairConfig::parameters() const {
     in_range("latency of an operator", latency, 1, 64);
   if (algorithm != Algorithm::kMoller && pair != Pair::kRayTriangle)
     throw Error(ErrorCode::kUsage, fmt::format("{} has no choice of algorithm", name(pair)));
+  if (box && pair != Pair::kRayTriangle)
+    throw Error(ErrorCode::kUsage, fmt::format("{} has no box rule", name(pair)));
   if (plane != PlaneSide::kSurface && pair != Pair::kObbPlane)
     throw Error(ErrorCode::kUsage, fmt::format("{} has no half-space", name(pair)));
   check_facet_interval(facet_interval, {&pair, 1});
@@ -32,6 +34,7 @@ std::vector<std::string> PairConfig::parameters() const {
       fmt::format("ARITH={}", arithmetic == Arithmetic::kRtl ? "rtl" : "host")};
   if (pair == Pair::kRayTriangle)
     p.push_back(fmt::format("ALGORITHM={}", static_cast<unsigned>(algorithm)));
+  if (box) p.emplace_back("BOX=1");
   if (plane == PlaneSide::kHalfSpace) p.emplace_back("HALF_SPACE=1");
   const auto add = [&p](std::string_view key, unsigned value) {
     if (value != 1) p.push_back(fmt::format("{}={}", key, value));

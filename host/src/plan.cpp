@@ -117,6 +117,8 @@ BoardConfig board_of(const Scene& scene) {
   b.lanes = lanes_for(scene, b.pairs);
   b.arithmetic = scene.card.arithmetic;
   b.algorithm = scene.card.algorithm;
+  b.box = scene.card.box &&
+          std::find(b.pairs.begin(), b.pairs.end(), Pair::kRayTriangle) != b.pairs.end();
   b.trace = scene.card.trace;
   b.bus = scene.card.cycle_bus ? Bus::kCycle : Bus::kFunctional;
   b.ecc = scene.card.ecc;

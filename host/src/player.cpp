@@ -56,13 +56,14 @@ Shapes picked(const Shapes& shapes, const std::vector<std::uint32_t>& numbers) {
 /// not in the sample go by.
 class PassCheck {
  public:
-  PassCheck(const SceneQuery& query, Algorithm algorithm, const Shapes& primaries,
+  PassCheck(const SceneQuery& query, const SceneCard& card, const Shapes& primaries,
             std::vector<std::uint32_t> numbers, const Shapes& secondaries)
       : primaries_(primaries),
         secondaries_(secondaries),
         numbers_(std::move(numbers)),
         pass_({.pair = query.pair,
-               .algorithm = algorithm,
+               .algorithm = card.algorithm,
+               .box = card.box,
                .swap = query.swap,
                .mode = query.mode,
                .normals = query.normals,
@@ -201,7 +202,7 @@ class Player::Impl {
     if (active.empty()) return;  // no work for the card
     std::optional<PassCheck> check;
     if (options_.check != Check::kNone)
-      check.emplace(q, scene_.card.algorithm, primaries, sampled(active, frame),
+      check.emplace(q, scene_.card, primaries, sampled(active, frame),
                     secondaries_.placed());
     const auto start = Clock::now();
     double host = 0;

@@ -12,8 +12,9 @@
 namespace cde::reference {
 
 Record record_of(const Ray& ray, const Triangle& triangle, std::uint32_t primary,
-                 std::uint32_t index) {
-  const Outcome<float> outcome = ray_triangle_moller(ray, triangle);
+                 std::uint32_t index, bool box) {
+  const Outcome<float> outcome =
+      box ? ray_triangle_moller<float, true>(ray, triangle) : ray_triangle_moller(ray, triangle);
   Record r;
   r.f = outcome.f;
   r.bad = outcome.bad;
@@ -29,8 +30,13 @@ Record record_of(const Ray& ray, const Triangle& triangle, std::uint32_t primary
 class Sweep::Impl {
  public:
   Impl(std::span<const Ray> rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
-       unsigned packet, std::span<const Object> objects)
-      : packet_(packet), rays_(rays), triangles_(triangles), stencil_(stencil), mode_(mode) {
+       unsigned packet, std::span<const Object> objects, bool box)
+      : packet_(packet),
+        rays_(rays),
+        triangles_(triangles),
+        stencil_(stencil),
+        mode_(mode),
+        box_(box) {
     if (packet == 0 || packet > RayBlock::kRays)
       throw Error(ErrorCode::kUsage, fmt::format("a packet of {} rays", packet));
     if (!objects.empty()) {
@@ -86,7 +92,7 @@ class Sweep::Impl {
     if (!inside(block_, triangle, mask_)) return;
     for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
       if (mask_[i] == 0 || stencil_[i]) continue;
-      const Record record = record_of(packet_rays_[i], triangle, number(i), slot(index));
+      const Record record = record_of(packet_rays_[i], triangle, number(i), slot(index), box_);
       if (record.f) visit(i, record);
     }
   }
@@ -99,7 +105,7 @@ class Sweep::Impl {
     const Triangle triangle = triangles_[index];
     for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
       if (!stencil_[i])
-        records_.push_back(record_of(packet_rays_[i], triangle, number(i), slot(index)));
+        records_.push_back(record_of(packet_rays_[i], triangle, number(i), slot(index), box_));
     }
   }
 
@@ -139,20 +145,21 @@ class Sweep::Impl {
   Stencil stencil_;
   Swept<Triangle> swept_;  // of the objects; empty without
   Mode mode_;
+  bool box_;
   std::array<std::uint8_t, RayBlock::kRays> mask_{};
 };
 
 Sweep::Sweep(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
-             const Stencil& stencil, unsigned packet, std::span<const Object> objects)
-    : impl_(std::make_unique<Impl>(rays, triangles, mode, stencil, packet, objects)) {}
+             const Stencil& stencil, unsigned packet, std::span<const Object> objects, bool box)
+    : impl_(std::make_unique<Impl>(rays, triangles, mode, stencil, packet, objects, box)) {}
 Sweep::~Sweep() = default;
 std::span<const Record> Sweep::next() {
   return impl_->next();
 }
 
 std::vector<Record> cast(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
-                         const Stencil& stencil, std::span<const Object> objects) {
-  Sweep sweep(rays, triangles, mode, stencil, 256, objects);
+                         const Stencil& stencil, std::span<const Object> objects, bool box) {
+  Sweep sweep(rays, triangles, mode, stencil, 256, objects, box);
   std::vector<Record> records;
   for (auto some = sweep.next(); !some.empty(); some = sweep.next())
     records.insert(records.end(), some.begin(), some.end());
@@ -179,10 +186,10 @@ std::string text(const Record& r) {
 
 Checker::Checker(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
                  const Stencil& stencil, unsigned packet, std::string command,
-                 std::span<const Object> objects)
+                 std::span<const Object> objects, bool box)
     : rays_(rays),
       triangles_(triangles),
-      sweep_(rays, triangles, mode, stencil, packet, objects),
+      sweep_(rays, triangles, mode, stencil, packet, objects, box),
       command_(std::move(command)) {}
 
 void Checker::mismatch(const Record* card, const Record* expected) {

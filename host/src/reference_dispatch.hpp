@@ -23,7 +23,8 @@ struct Kinds {};
 
 /// Calls use(Kinds<A, B>, test), where test(A, B) is the pair's mirror reference in the scalar S.
 template <class S, class Use>
-void with_pair(Pair pair, Algorithm algorithm, PlaneSide plane, const PairBudget& work, Use use) {
+void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const PairBudget& work,
+               Use use) {
   using R = BasicRay<S>;
   using T = BasicTriangle<S>;
   using Ball = BasicSphere<S>;
@@ -37,18 +38,21 @@ void with_pair(Pair pair, Algorithm algorithm, PlaneSide plane, const PairBudget
   use(Kinds<A, Can>(), [budget](const A& x, const Can& y) { return FUNCTION<S>(x, y, budget); })
 #define CDE_TEST(A, B, FUNCTION) \
   use(Kinds<A, B>(), [](const A& x, const B& y) { return FUNCTION<S>(x, y); })
+#define CDE_RAY(FUNCTION)                                                                    \
+  box ? use(Kinds<R, T>(), [](const R& x, const T& y) { return FUNCTION<S, true>(x, y); }) \
+      : use(Kinds<R, T>(), [](const R& x, const T& y) { return FUNCTION<S, false>(x, y); })
   // NOLINTEND(bugprone-macro-parentheses)
   switch (pair) {
     case Pair::kRayTriangle:
       switch (algorithm) {
         case Algorithm::kMoller:
-          return CDE_TEST(R, T, ray_triangle_moller);
+          return CDE_RAY(ray_triangle_moller);
         case Algorithm::kBadouel:
-          return CDE_TEST(R, T, ray_triangle_badouel);
+          return CDE_RAY(ray_triangle_badouel);
         case Algorithm::kPluecker:
-          return CDE_TEST(R, T, ray_triangle_pluecker);
+          return CDE_RAY(ray_triangle_pluecker);
         case Algorithm::kWatertight:
-          return CDE_TEST(R, T, ray_triangle_watertight);
+          return CDE_RAY(ray_triangle_watertight);
       }
       break;
     case Pair::kObbObb:
@@ -80,6 +84,7 @@ void with_pair(Pair pair, Algorithm algorithm, PlaneSide plane, const PairBudget
   }
 #undef CDE_TEST
 #undef CDE_SEARCH
+#undef CDE_RAY
   throw Error(ErrorCode::kUsage, fmt::format("no reference for {}", name(pair)));
 }
 

@@ -59,10 +59,11 @@ void sweep(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
 }
 
 template <class S>
-void test_pairs_in(Pair pair, Algorithm algorithm, PlaneSide plane, const PairBudget& budget,
+void test_pairs_in(Pair pair, Algorithm algorithm, bool box, PlaneSide plane,
+                   const PairBudget& budget,
                    std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
                    std::span<PairResult> r) {
-  with_pair<S>(pair, algorithm, plane, budget,
+  with_pair<S>(pair, algorithm, box, plane, budget,
                [&]<class A, class B>(Kinds<A, B>, auto test) { sweep<S, A, B>(a, b, r, test); });
 }
 
@@ -74,7 +75,7 @@ bool has_pair(Pair pair, Algorithm algorithm) {
 
 void test_pairs(Pair pair, Algorithm algorithm, FpFormat format, std::span<const std::uint64_t> a,
                 std::span<const std::uint64_t> b, std::span<PairResult> results, PlaneSide plane,
-                const PairBudget& budget) {
+                const PairBudget& budget, bool box) {
   budget.check();
   if (a.size() != results.size() * primary_words(pair) ||
       b.size() != results.size() * secondary_words(pair))
@@ -83,15 +84,15 @@ void test_pairs(Pair pair, Algorithm algorithm, FpFormat format, std::span<const
                             name(pair), results.size() * primary_words(pair),
                             results.size() * secondary_words(pair), a.size(), b.size()));
   if (format == FpFormat{8, 23})
-    return test_pairs_in<float>(pair, algorithm, plane, budget, a, b, results);
+    return test_pairs_in<float>(pair, algorithm, box, plane, budget, a, b, results);
   if (format == FpFormat{11, 52})
-    return test_pairs_in<double>(pair, algorithm, plane, budget, a, b, results);
+    return test_pairs_in<double>(pair, algorithm, box, plane, budget, a, b, results);
   if (format == FpFormat{5, 10})
-    return test_pairs_in<Fp<5, 10>>(pair, algorithm, plane, budget, a, b, results);
+    return test_pairs_in<Fp<5, 10>>(pair, algorithm, box, plane, budget, a, b, results);
   if (format == FpFormat{8, 7})
-    return test_pairs_in<Fp<8, 7>>(pair, algorithm, plane, budget, a, b, results);
+    return test_pairs_in<Fp<8, 7>>(pair, algorithm, box, plane, budget, a, b, results);
   if (format == FpFormat{7, 16})
-    return test_pairs_in<Fp<7, 16>>(pair, algorithm, plane, budget, a, b, results);
+    return test_pairs_in<Fp<7, 16>>(pair, algorithm, box, plane, budget, a, b, results);
   throw Error(ErrorCode::kUsage, fmt::format("pairs have no reference in {}", format.name()));
 }
 

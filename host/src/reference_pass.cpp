@@ -22,9 +22,11 @@ namespace {
 /// The paper's pair has a fast reference of its own.
 class MollerPass : public Pass::Impl {
  public:
-  MollerPass(Mode mode, std::vector<Ray> rays, std::vector<std::uint32_t> numbers,
+  MollerPass(Mode mode, bool box, std::vector<Ray> rays, std::vector<std::uint32_t> numbers,
              const std::vector<Triangle>& triangles)
-      : rays_(std::move(rays)), numbers_(std::move(numbers)), sweep_(rays_, triangles, mode) {}
+      : rays_(std::move(rays)),
+        numbers_(std::move(numbers)),
+        sweep_(rays_, triangles, mode, {}, 256, {}, box) {}
 
   std::span<const Record> next() override {
     const std::span<const Record> some = sweep_.next();
@@ -151,11 +153,11 @@ Pass::Pass(const PassQuery& query, Shapes primaries, std::vector<std::uint32_t> 
   if (query.pair == Pair::kRayTriangle && query.algorithm == Algorithm::kMoller && !query.swap &&
       shape_of(primaries) == Shape::kRay && shape_of(secondaries) == Shape::kTriangle) {
     impl_ = std::make_unique<MollerPass>(
-        query.mode, std::get<std::vector<Ray>>(std::move(primaries)), std::move(numbers),
+        query.mode, query.box, std::get<std::vector<Ray>>(std::move(primaries)), std::move(numbers),
         std::get<std::vector<Triangle>>(secondaries));
     return;
   }
-  with_pair<float>(query.pair, query.algorithm, PlaneSide::kSurface, query.budget,
+  with_pair<float>(query.pair, query.algorithm, query.box, PlaneSide::kSurface, query.budget,
                    [&]<class A, class B>(Kinds<A, B>, auto test) {
                      if (query.swap) {
                        const auto exchanged = [test](const B& b, const A& a) { return test(a, b); };

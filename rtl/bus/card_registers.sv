@@ -12,6 +12,7 @@ module card_registers #(
     parameter int PRIMARIES = 256,
     parameter int PAIRS = 1,
     parameter int ALGORITHM = 0,
+    parameter int BOX = 0,
     parameter int SWAP = 0,
     parameter int NORMALS = 0,
     parameter int PARALLEL = 0,
@@ -208,7 +209,7 @@ module card_registers #(
         REG_CONFIG_HASH: bus_rdata_o <= CONFIG_HASH;
         REG_CAPS2: bus_rdata_o <= {8'b0, 8'(CW), 32'(SRAM_RECORDS), latency_i};
         REG_CAPACITY: bus_rdata_o <= DDR_BYTES;
-        REG_CAPS3: bus_rdata_o <= {TRANSFORM == TRANSFORM_BOTH ? 16'(PRIM_OBJECTS) : 16'd0, TRANSFORM != TRANSFORM_NONE ? 16'(OBJECTS) : 16'd0, 8'(PRIM_WORDS), 2'b0, 1'(ECC), 2'(TRANSFORM), 1'(PARALLEL), 1'(NORMALS), 1'(SWAP), 16'(PAIRS)};
+        REG_CAPS3: bus_rdata_o <= {TRANSFORM == TRANSFORM_BOTH ? 16'(PRIM_OBJECTS) : 16'd0, TRANSFORM != TRANSFORM_NONE ? 16'(OBJECTS) : 16'd0, 8'(PRIM_WORDS), 1'b0, 1'(BOX), 1'(ECC), 2'(TRANSFORM), 1'(PARALLEL), 1'(NORMALS), 1'(SWAP), 16'(PAIRS)};
         REG_STATUS: begin
           bus_rdata_o <= '0;
           bus_rdata_o[STATUS_BUSY] <= busy_i;

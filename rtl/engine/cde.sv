@@ -14,6 +14,7 @@ module cde #(
     parameter int FIFO_DEPTH = 128,
     parameter int PAIRS = 1,      // bit p: the pipe of pair p is there
     parameter int ALGORITHM = 0,  // of ray-triangle
+    parameter int BOX = 0,        // of ray-triangle, 1: a hit must lie in the triangle's box
     parameter int SWAP = 0,
     parameter int NORMALS = 0,
     parameter int PARALLEL = 0,
@@ -218,7 +219,7 @@ module cde #(
     always_ff @(posedge clk_i) assert (latency_pipes == group[0].latency_pipes) else $error("cde: groups of different latency");
 `endif
     lane_group #(
-        .EXP(EXP), .MAN(MAN), .LANES(GROUP), .ROWS(ROWS), .FIFO_DEPTH(FIFO_DEPTH), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM),
+        .EXP(EXP), .MAN(MAN), .LANES(GROUP), .ROWS(ROWS), .FIFO_DEPTH(FIFO_DEPTH), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .BOX(BOX),
         .SWAP(SWAP), .NORMALS(NORMALS), .PARALLEL(PARALLEL), .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
         .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
     ) lanes (

@@ -10,6 +10,7 @@ module lane_group #(
     parameter int FIFO_DEPTH = 128,
     parameter int PAIRS = 1,      // bit p: the pipe of pair p is there
     parameter int ALGORITHM = 0,  // of ray-triangle
+    parameter int BOX = 0,        // of ray-triangle, 1: a hit must lie in the triangle's box
     parameter int SWAP = 0,       // roles of primary and secondary can be exchanged
     parameter int NORMALS = 0,    // records have normals
     parameter int PARALLEL = 0,   // two pairs at a time
@@ -175,7 +176,7 @@ module lane_group #(
         assign ring_ready_o[p] = 1'b1;
         assign ring_valid_o[p] = 1'b0;
         scaled_pipe #(
-            .PAIR(p), .ALGORITHM(ALGORITHM), .FACET_II(INTERVAL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD),
+            .PAIR(p), .ALGORITHM(ALGORITHM), .BOX(cde_pkg::has_box(p) ? BOX : 0), .FACET_II(INTERVAL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD),
             .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .enter_i(enter), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n),

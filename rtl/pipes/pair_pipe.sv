@@ -3,6 +3,7 @@
 module pair_pipe #(
     parameter int PAIR = 0,
     parameter int ALGORITHM = 0,  // of ray-triangle, cde_pkg::ALGORITHM_*
+    parameter int BOX = 0,  // of ray-triangle, 1: a hit must lie in the triangle's box (ray_box.sv)
     parameter int HALF_SPACE = 0,  // of obb-plane, 1: the plane is the solid n.x <= d
     parameter int EXP = 8,
     parameter int MAN = 23,
@@ -31,6 +32,7 @@ module pair_pipe #(
 );
   /*verilator inline_module*/
   if (HALF_SPACE != 0 && PAIR != int'(cde_pkg::PAIR_OBB_PLANE)) $error("pair_pipe: HALF_SPACE is of obb-plane");
+  if (BOX != 0 && !cde_pkg::has_box(PAIR)) $error("pair_pipe: BOX is of ray-triangle");
   if (FACET_II != 1 && !cde_pkg::has_facets(PAIR)) $error("pair_pipe: FACET_II is of pairs with facets");
   if (!cde_pkg::has_facets(PAIR)) begin : g_no_facets
     logic unused_enter;
@@ -38,7 +40,7 @@ module pair_pipe #(
   end
   `define CDE_FORMAT .EXP(EXP), .MAN(MAN), .LANES(LANES), .ARITH(ARITH)
   `define CDE_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)
-  `define CDE_TRIANGLE_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP)
+  `define CDE_TRIANGLE .B_LANES(B_LANES), .BOX(BOX), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP)
   logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b;  // a secondary a lane
   for (genvar k = 0; k < B_WORDS; k++) begin : word
     if (B_LANES == LANES) begin : g_own
@@ -50,17 +52,17 @@ module pair_pipe #(
   if (PAIR == int'(cde_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(cde_pkg::ALGORITHM_MOLLER)) begin : g_pipe
     logic unused_b;
     assign unused_b = &{1'b0, b};
-    ray_triangle_moller #(`CDE_FORMAT, .B_LANES(B_LANES), `CDE_TRIANGLE_LATENCIES) pipe (
+    ray_triangle_moller #(`CDE_FORMAT, `CDE_TRIANGLE) pipe (
         .clk_i, .a_i, .b_i, .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
   end else if (PAIR == int'(cde_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(cde_pkg::ALGORITHM_BADOUEL)) begin : g_pipe
-    ray_triangle_badouel #(`CDE_FORMAT, `CDE_TRIANGLE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
+    ray_triangle_badouel #(`CDE_FORMAT, `CDE_TRIANGLE) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
   end else if (PAIR == int'(cde_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(cde_pkg::ALGORITHM_PLUECKER)) begin : g_pipe
-    ray_triangle_pluecker #(`CDE_FORMAT, `CDE_TRIANGLE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
+    ray_triangle_pluecker #(`CDE_FORMAT, `CDE_TRIANGLE) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
   end else if (PAIR == int'(cde_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(cde_pkg::ALGORITHM_WATERTIGHT)) begin : g_pipe
-    ray_triangle_watertight #(`CDE_FORMAT, `CDE_TRIANGLE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
+    ray_triangle_watertight #(`CDE_FORMAT, `CDE_TRIANGLE) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
   end else if (PAIR == int'(cde_pkg::PAIR_RAY_SPHERE)) begin : g_pipe
     ray_sphere #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
@@ -91,5 +93,5 @@ module pair_pipe #(
   end
   `undef CDE_FORMAT
   `undef CDE_LATENCIES
-  `undef CDE_TRIANGLE_LATENCIES
+  `undef CDE_TRIANGLE
 endmodule

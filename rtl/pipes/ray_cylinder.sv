@@ -1,8 +1,8 @@
 // Ray against the surface of a solid cylinder with flat caps: the stretch within the infinite cylinder, A t^2 + 2 B t + C <= 0, and the
-// stretch between the planes of the caps are intersected. n = d x a, m = w x a; the discriminant is r^2 A - e^2, B^2 - AC by
-// Lagrange's identity, with e taken without the part of w along the axis. A = 0 and d.a = 0 bound nothing, or leave nothing.
-// 41 mul, 3 div, 1 sqrt, 16 add, 16 sub, 11 compare, 2 min/max.
-// Latency: latency_o clocks (19 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// stretch between the planes of the caps are intersected. n = d x a, m = w x a; all is divided by A first, so that no product has more
+// than two lengths; the discriminant is r^2/A - (e/A)^2, B^2 - AC by Lagrange's identity, with e taken without the part of w along the
+// axis. A = 0 (1/A = inf) and d.a = 0 bound nothing, or leave nothing. 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 11 compare, 2 min/max.
+// Latency: latency_o clocks (20 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
 `include "dataflow.svh"
 module ray_cylinder #(
     parameter int EXP = 8,
@@ -54,21 +54,24 @@ module ray_cylinder #(
   `DF_VSCALE(along, axis, wz)
   `DF_VSUB(g, w, along)
   `DF_DOT(e, g, n)
-  `DF_MUL(rra, rr, aa)
-  `DF_MUL(ee, e, e)
-  `DF_SUB(discriminant, rra, ee)
+  `DF_DIV(ia, one, aa)
+  `DF_MUL(rri, rr, ia)
+  `DF_MUL(bi, bb, ia)
+  `DF_MUL(ci, cc, ia)
+  `DF_MUL(ei, e, ia)
+  `DF_MUL(eei, ei, ei)
+  `DF_SUB(discriminant, rri, eei)
   `DF_SQRT(root, discriminant)
   `DF_MOVE_SIGN(root_b, bb, root)
-  `DF_ADD(minus_q, bb, root_b)
+  `DF_ADD(minus_q, bi, root_b)
   `DF_NEG(q, minus_q)
-  `DF_DIV(qa, q, aa)
-  `DF_DIV(c_over_q, cc, q)
+  `DF_DIV(c_over_q, ci, q)
   `DF_EQ(q_zero, q, zero)
-  `DF_SELECT(cq, q_zero, qa, c_over_q)
+  `DF_SELECT(cq, q_zero, q, c_over_q)
   `DF_NEGATIVE(backwards, bb)
-  `DF_SELECT(first, backwards, cq, qa)
-  `DF_SELECT(last, backwards, qa, cq)
-  `DF_LT(slanted, zero, aa)
+  `DF_SELECT(first, backwards, cq, q)
+  `DF_SELECT(last, backwards, q, cq)
+  `DF_LT(slanted, ia, inf)
   `DF_SELECT(lateral_low, slanted, first, minus_inf)
   `DF_SELECT(lateral_high, slanted, last, inf)
   `DF_LE(line_meets, zero, discriminant)

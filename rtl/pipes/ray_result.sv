@@ -1,4 +1,5 @@
-// Way out of a ray pipe: T and CP of a hit, T = +inf and CP = 0 of a miss, all outputs registered together.
+// Way out of a ray pipe: T and CP of a hit, T = +inf and CP = 0 of a miss, all outputs registered together. A hit has a finite T and
+// CP, or it is none; its T is never -0.
 // Latency: to stage time LATENCY; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
 `include "dataflow.svh"
 module ray_result #(
@@ -9,6 +10,7 @@ module ray_result #(
     parameter int T_T = 0,
     parameter int T_CP = 0,
     parameter int LATENCY = 1,  // of the outputs: after all inputs
+    parameter int FINITE = 1,   // 0: hits are known to be finite, 1: cp is looked at and is o + t d, 2: cp and t are looked at
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
@@ -30,8 +32,29 @@ module ray_result #(
   `DF_CONST(inf, INF)
   `DF_VCONST(origin, 0, 0, 0)
 
-  `DF_AT(f, hit, T_SELECT)
-  `DF_SELECT(t_hit, f, t, inf)
+  `define CDE_CLASS(NAME, OPERATION, A, M) \
+    fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(OPERATION), .ARITH(ARITH)) NAME (.a_i(A), .m_o(M));
+  logic [3:0][LANES-1:0][CW-1:0] is_finite;
+  logic [LANES-1:0][CW-1:0] not_zero;
+  for (genvar k = 0; k < 4; k++) begin : word
+    if (FINITE == 2 || (FINITE == 1 && k < 3)) begin : g_look
+      logic [LANES-1:0][CW-1:0] x;
+      assign x = (k < 3) ? cp[k%3] : t;
+      `CDE_CLASS(finite, "fin", x, is_finite[k])
+    end else begin : g_known
+      assign is_finite[k] = '1;
+    end
+  end
+  `CDE_CLASS(t_zero, "nze", t, not_zero)
+  `undef CDE_CLASS
+  `DF_IN(finite_cp, is_finite[0] & is_finite[1] & is_finite[2], T_CP)
+  `DF_IN(finite_t, is_finite[3], T_T)
+  `DF_IN(t_signed, t & not_zero, T_T)
+  `DF_AND(met, hit, finite_cp)
+  `DF_AND(answered, met, finite_t)
+
+  `DF_AT(f, answered, T_SELECT)
+  `DF_SELECT(t_hit, f, t_signed, inf)
   `DF_VSELECT(cp_hit, f, cp, origin)
   `DF_AT(f_late, f, LATENCY)
   `DF_AT(t_late, t_hit, LATENCY)

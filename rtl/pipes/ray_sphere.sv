@@ -1,6 +1,6 @@
 // Ray against the surface of a sphere, the discriminant from the centre's distance to the line (Haines et al., Ray Tracing Gems 2019):
-// f = o - c, a = d.d, b = -f.d, l = f + (b/a) d, D = r^2 - l.l, q = b + sign(b) sqrt(a D); the roots are (f.f - r^2)/q and q/a, in
-// this order when b > 0. T is the first root in [tmin, tmax]; D < 0 is a miss. 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 compare.
+// f = o - c, a = d.d, b = -f.d, k = b/a, l = f + k d, D = r^2 - l.l, q = k + sign(b) sqrt(D/a); the roots are (f.f - r^2)/a/q and q, in
+// this order when b > 0; no product has more than two lengths. T is the first root in [tmin, tmax]; D < 0 is a miss. 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 compare.
 // Latency: latency_o clocks (19 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
 `include "dataflow.svh"
 module ray_sphere #(
@@ -49,13 +49,13 @@ module ray_sphere #(
 
   `DF_SUB(discriminant, rr, ll)
   `DF_LE(meets, zero, discriminant)
-  `DF_MUL(scaled, a, discriminant)
+  `DF_MUL(scaled, discriminant, i)
   `DF_SQRT(root, scaled)
   `DF_MOVE_SIGN(root_b, b, root)
-  `DF_ADD(q, b, root_b)
+  `DF_ADD(tb, foot, root_b)
   `DF_SUB(cc, ff, rr)
-  `DF_DIV(ta, cc, q)
-  `DF_MUL(tb, q, i)
+  `DF_MUL(cci, cc, i)
+  `DF_DIV(ta, cci, tb)
   `DF_NEGATIVE(backwards, b)
   `DF_SELECT(near, backwards, tb, ta)
   `DF_SELECT(far, backwards, ta, tb)

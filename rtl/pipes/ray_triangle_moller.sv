@@ -5,11 +5,13 @@
 //
 // Latency: LATENCY clocks (10 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none,
 // runs free.
+`include "ray_box.svh"
 module ray_triangle_moller #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
     parameter int B_LANES = LANES,  // secondaries a clock: 1 (broadcast to all lanes) or LANES
+    parameter int BOX = 0,          // 1: a hit must lie in the triangle's box (ray_box.sv)
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -37,9 +39,7 @@ module ray_triangle_moller #(
   localparam int T_TD = T_T + LAT_MUL;
   localparam int T_CP = T_TD + LAT_ADD;
   localparam int T_IN = (T_UV_IN > T_RANGE) ? T_UV_IN : T_RANGE;
-  localparam int T_SELECT = (T_CP > T_IN) ? T_CP : T_IN;
-  localparam int LATENCY = T_SELECT + 1;
-  assign latency_o = 16'(LATENCY);
+  localparam int T_MET = (T_CP > T_IN) ? T_CP : T_IN;  // before the box
 
   `define CDE_ALIGN(NAME, WIDTH, AT, UNTIL, D, Q) \
     align #(.W(WIDTH), .FROM(AT), .TO(UNTIL), .ARITH(ARITH)) NAME (.clk_i, .d_i(D), .q_o(Q));
@@ -107,29 +107,49 @@ module ray_triangle_moller #(
   `CDE_CMP(cmp_uv, "le", uv_flip, det_abs_uv, uv_hi)
 
   // ---- Distance and point ----
-  logic [LANES-1:0][CW-1:0] t, t_select;
-  logic [2:0][LANES-1:0][CW-1:0] td, cp, cp_select;
+  logic [LANES-1:0][CW-1:0] t, t_select, t_finite, t_not_zero;
+  logic [2:0][LANES-1:0][CW-1:0] td, cp, cp_select, cp_finite;
   fp_div #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_DIV), .ARITH(ARITH)) div_t (
       .clk_i, .a_i(tn), .b_i(det), .r_o(t), .flags_o());
   `CDE_CMP(cmp_t_lo, "le", tmin_t, t, t_lo)
   `CDE_CMP(cmp_t_hi, "le", t, tmax_t, t_hi)
   vec_scale #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) scale_d (
       .clk_i, .a_i(d_t), .s_i(t), .r_o(td));
-  vec_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .ARITH(ARITH)) add_cp (
+  vec_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .ARITH(ARITH), .CANON(0)) add_cp (
       .clk_i, .a_i(o_cp), .b_i(td), .r_o(cp));
-  `CDE_ALIGN(align_t, LANES * CW, T_T, T_SELECT, t, t_select)
-  `CDE_ALIGN(align_cp, 3 * LANES * CW, T_CP, T_SELECT, cp, cp_select)
 
-  // ---- Decision ----
-  logic [LANES-1:0][CW-1:0] in_edges, in_edges_uv, in_uv, in_uv_all, in_range, in_range_all, hit, hit_select;
+  // ---- Decision: a hit has a finite CP, so that its T is finite, too, and is never -0; BOX accepts nothing else ----
+  `define CDE_CLASS(NAME, OPERATION, A, M) \
+    fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(OPERATION), .ARITH(ARITH)) NAME (.a_i(A), .m_o(M));
+  for (genvar k = 0; k < 3; k++) begin : axis
+    if (BOX != 0) begin : g_known
+      assign cp_finite[k] = '1;
+    end else begin : g_look
+      `CDE_CLASS(finite, "fin", cp[k], cp_finite[k])
+    end
+  end
+  `CDE_CLASS(t_zero, "nze", t, t_not_zero)
+  logic [LANES-1:0][CW-1:0] in_edges, in_edges_uv, in_uv, in_uv_all, in_range, in_range_all, in_all, finite_all, met_all, hit_select;
   assign in_edges = u_lo & u_hi & v_lo & v_hi & det_nz;
   `CDE_ALIGN(align_edges, LANES * CW, T_DOT + LAT_CMP, T_UV_IN, in_edges, in_edges_uv)
   assign in_uv = in_edges_uv & uv_hi;
   `CDE_ALIGN(align_uv, LANES * CW, T_UV_IN, T_IN, in_uv, in_uv_all)
   assign in_range = t_lo & t_hi;
   `CDE_ALIGN(align_range, LANES * CW, T_RANGE, T_IN, in_range, in_range_all)
-  assign hit = in_uv_all & in_range_all;
-  `CDE_ALIGN(align_hit, LANES * CW, T_IN, T_SELECT, hit, hit_select)
+  `CDE_ALIGN(align_in, LANES * CW, T_IN, T_MET, in_uv_all & in_range_all, in_all)
+  `CDE_ALIGN(align_finite, LANES * CW, T_CP, T_MET, cp_finite[0] & cp_finite[1] & cp_finite[2], finite_all)
+  assign met_all = in_all & finite_all;
+  `DF_IN(met, met_all, T_MET)
+  `DF_VIN(t_d, td, T_TD)
+  `DF_VIN(point, cp, T_CP)
+  `RAY_BOX(hit, met, t_d, point)
+  localparam int T_SELECT = T_hit;
+  localparam int LATENCY = T_SELECT + 1;
+  assign latency_o = 16'(LATENCY);
+  assign t_finite = t & t_not_zero;
+  assign hit_select = hit;
+  `CDE_ALIGN(align_t, LANES * CW, T_T, T_SELECT, t_finite, t_select)
+  `CDE_ALIGN(align_cp, 3 * LANES * CW, T_CP, T_SELECT, cp, cp_select)
 
   // ---- Result: a miss is T = +inf, CP = 0 ----
   logic [LANES-1:0][CW-1:0] t_result;
@@ -142,4 +162,5 @@ module ray_triangle_moller #(
   `undef CDE_ALIGN
   `undef CDE_CMP
   `undef CDE_SIGN
+  `undef CDE_CLASS
 endmodule

@@ -2,11 +2,13 @@
 // side of the ray the edge p_ij = V_j - V_i runs; W = w01 + w12 + w20, t = (N.(O - V0))/W with N = p20 x p01, CP = O + t D. Two-sided;
 // W = 0 (parallel or degenerate) is a miss: T = +inf, CP = 0. 54 mul, 1 div, 22 add, 27 sub, 6 compare.
 // Latency: LATENCY clocks (13 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
-`include "dataflow.svh"
+`include "ray_box.svh"
 module ray_triangle_pluecker #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
+    parameter int B_LANES = LANES,  // triangles that differ: LANES, or 1, all lanes have the same
+    parameter int BOX = 0,  // 1: a hit must lie in the triangle's box (ray_box.sv)
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -63,14 +65,29 @@ module ray_triangle_pluecker #(
   `DF_CROSS(n, p20, p01)
   `DF_VSUB(s, o, v0)
   `DF_DOT(tn, n, s)
-  `DF_DIV(t, tn, sum)
+  logic [LANES-1:0][CW-1:0] numerator, denominator;
+  localparam int T_DENOMINATOR = (BOX != 0) ? T_n + `DF_LAT_DOT : T_sum;
+  if (BOX != 0) begin : g_normal  // -(N.D), which W is but for rounding
+    `DF_NEG(minus_tn, tn)
+    `DF_DOT(nd, n, d)
+    assign numerator = minus_tn;
+    assign denominator = nd;
+  end else begin : g_sum
+    assign numerator = tn;
+    assign denominator = sum;
+  end
+  `DF_IN(t_over, numerator, T_tn)
+  `DF_IN(t_under, denominator, T_DENOMINATOR)
+  `DF_DIV(t, t_over, t_under)
   `DF_BETWEEN(in_range, tmin, t, tmax)
-  `DF_AND(hit, in_edges, in_range)
+  `DF_AND(met, in_edges, in_range)
   `DF_VSCALE(td, d, t)
   `DF_VADD(cp, o, td)
+  `RAY_BOX(hit, met, td, cp)
 
   localparam int LATENCY = `DF_MAX2(T_hit, T_cp) + 1;
   assign latency_o = 16'(LATENCY);
-  ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_cp), .LATENCY(LATENCY), .ARITH(ARITH)) result (
+  ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_cp), .LATENCY(LATENCY), .FINITE((BOX == 0) ? 1 : 0),
+      .ARITH(ARITH)) result (
       .clk_i, .hit_i(hit), .t_i(t), .cp_i(cp), .f_o, .t_o, .cp_o);
 endmodule

@@ -3,11 +3,13 @@
 // of it and closed meshes do not leak. T = (U Az + V Bz + W Cz)/det with det = U + V + W; CP is the barycentric point. Two-sided;
 // det = 0, edge-on or without area, is a miss: T = +inf, CP = 0. 32 mul, 3 div, 13 add, 18 sub, 8 compare.
 // Latency: LATENCY clocks (17 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
-`include "dataflow.svh"
+`include "ray_box.svh"
 module ray_triangle_watertight #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
+    parameter int B_LANES = LANES,  // triangles that differ: LANES, or 1, all lanes have the same
+    parameter int BOX = 0,  // 1: a hit must lie in the triangle's box (ray_box.sv)
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -85,7 +87,7 @@ module ray_triangle_watertight #(
   `DF_DOT(tn, weights, depths)
   `DF_DIV(t, tn, det)
   `DF_BETWEEN(in_range, tmin, t, tmax)
-  `DF_AND(hit, in_edges, in_range)
+  `DF_AND(met, in_edges, in_range)
   `DF_DIV(i, one, det)
   `DF_VSCALE(coordinates, weights, i)
   `DF_VIN(abc_x, {c[0], b[0], a[0]}, T_a)
@@ -97,8 +99,24 @@ module ray_triangle_watertight #(
   `DF_VEC(hit_point, hit_x, hit_y, hit_z)
   `DF_VADD(cp, o, hit_point)
 
+  // ---- The rule is on o + t d ----
+  logic [2:0][LANES-1:0][CW-1:0] step, point;
+  localparam int T_STEP = T_t + LAT_MUL;
+  if (BOX != 0) begin : g_point
+    `DF_VSCALE(t_d, d, t)
+    `DF_VADD(o_t_d, o, t_d)
+    assign step = t_d;
+    assign point = o_t_d;
+  end else begin : g_no_point
+    assign {step, point} = '0;
+  end
+  `DF_VIN(td, step, T_STEP)
+  `DF_VIN(p, point, T_STEP + LAT_ADD)
+  `RAY_BOX(hit, met, td, p)
+
   localparam int LATENCY = `DF_MAX2(T_hit, T_cp) + 1;
   assign latency_o = 16'(LATENCY);
-  ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_cp), .LATENCY(LATENCY), .ARITH(ARITH)) result (
+  ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_cp), .LATENCY(LATENCY), .FINITE(2),
+      .ARITH(ARITH)) result (
       .clk_i, .hit_i(hit), .t_i(t), .cp_i(cp), .f_o, .t_o, .cp_o);
 endmodule

@@ -5,6 +5,7 @@
 module scaled_pipe #(
     parameter int PAIR = 0,
     parameter int ALGORITHM = 0,  // these are those of pair_pipe.sv
+    parameter int BOX = 0,
     parameter int HALF_SPACE = 0,
     parameter int EXP = 8,
     parameter int MAN = 23,
@@ -42,7 +43,7 @@ module scaled_pipe #(
   logic [2:0][LANES-1:0][CW-1:0] cp, n;
   logic [15:0] latency;
   pair_pipe #(
-      .PAIR(PAIR), .ALGORITHM(ALGORITHM), .HALF_SPACE(HALF_SPACE), .EXP(EXP), .MAN(MAN), .FACET_II(FACET_II), .LANES(LANES),
+      .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(BOX), .HALF_SPACE(HALF_SPACE), .EXP(EXP), .MAN(MAN), .FACET_II(FACET_II), .LANES(LANES),
       .B_LANES(INNER_B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) pipe (.clk_i, .enter_i(enter), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
   if (SCALED) begin : g_scaled

@@ -98,6 +98,9 @@ class Counted {
 
   // Wires.
   friend Counted abs(Counted a) { return Counted(std::abs(a.value_), a.depth_); }
+  friend Counted no_minus_zero(Counted a) {
+    return Counted(reference::no_minus_zero(a.value_), a.depth_);
+  }
   friend CountedMask signbit(Counted a) { return {std::signbit(a.value_), a.depth_}; }
   friend bool isfinite(Counted a) { return std::isfinite(a.value_); }
   friend bool isnan(Counted a) { return std::isnan(a.value_); }

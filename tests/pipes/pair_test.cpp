@@ -36,6 +36,7 @@ std::string label(const PairConfig& config) {
   std::ostringstream text;
   text << name(config.pair);
   if (config.pair == Pair::kRayTriangle) text << '_' << name(config.algorithm);
+  if (config.box) text << "_box";
   if (config.plane == cde::PlaneSide::kHalfSpace) text << "_half_space";
   text << '_' << config.format.name()
        << (config.arithmetic == cde::Arithmetic::kRtl ? "_rtl" : "_host");
@@ -128,6 +129,7 @@ std::string describe(const PairResult& r) {
 /// not.
 unsigned pipe_latency(const PairConfig& config) {
   constexpr unsigned kRayTriangle[] = {10, 16, 13, 17};  // by Algorithm
+  constexpr unsigned kBoxed[] = {14, 16, 15, 19};        // with the box rule
   // Beside the depth in operators, as pairs_convex.md has it: the output register, and what parts
   // of a facet wait for each other where a triangle meets a box.
   constexpr unsigned kOutput = 1, kMeet = 4;
@@ -137,10 +139,11 @@ unsigned pipe_latency(const PairConfig& config) {
   if (!one_clock) return 0;
   switch (config.pair) {
     case Pair::kRayTriangle:
-      return kRayTriangle[static_cast<unsigned>(config.algorithm)];
+      return (config.box ? kBoxed : kRayTriangle)[static_cast<unsigned>(config.algorithm)];
     case Pair::kRaySphere:
-    case Pair::kRayCylinder:
       return 19;
+    case Pair::kRayCylinder:
+      return 20;
     case Pair::kSphereSphere:
       return 10 + kOutput;
     case Pair::kTriangleSphere:
@@ -247,7 +250,7 @@ void PairPipe::compare(cde::PairUnit& unit, std::size_t first, std::size_t count
   const Operands o = operands(config, first, count, words_);
   std::vector<PairResult> expected(count), got(count), stalled(count);
   cde::reference::test_pairs(config.pair, config.algorithm, config.format, o.a, o.b, expected,
-                             config.plane);
+                             config.plane, {}, config.box);
   const std::uint64_t rows = (count + config.lanes - 1) / config.lanes;
   const std::uint64_t stated = stated_clocks(unit, rows, {});
   EXPECT_EQ(unit.test(o.a, o.b, got), stated);
@@ -418,6 +421,31 @@ std::vector<Parameter> slow_operators() {
   return all;
 }
 
+/// The box rule in each of the four algorithms: both back ends, words wider than a vector's lane,
+/// and operators of several clocks.
+std::vector<Parameter> box_rule() {
+  std::vector<Parameter> all;
+  for (unsigned a = 0; a < 4; ++a) {
+    const PairConfig pipe{.algorithm = static_cast<Algorithm>(a), .box = true};
+    all.push_back({pipe});
+    Parameter gates{pipe, 4000, 200000};
+    gates.arithmetic = cde::Arithmetic::kRtl;
+    gates.lanes = 1;
+    all.push_back(gates);
+    Parameter half{pipe, 2000, 20000};
+    half.format = {5, 10};
+    half.lanes = 1;
+    all.push_back(half);
+    Parameter slow{pipe, 2000, 20000};
+    slow.format = {11, 52};
+    slow.lanes = 1;
+    slow.latency_add = 2, slow.latency_mul = 3, slow.latency_div = 7, slow.latency_compare = 4;
+    all.push_back(slow);
+  }
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(BoxRule, PairPipe, ::testing::ValuesIn(box_rule()), test_name);
 INSTANTIATE_TEST_SUITE_P(Fp32, PairPipe, ::testing::ValuesIn(fp32()), test_name);
 INSTANTIATE_TEST_SUITE_P(Fp32, CylinderBudget, ::testing::ValuesIn(cylinder_pairs()), test_name);
 INSTANTIATE_TEST_SUITE_P(Formats, PairPipe, ::testing::ValuesIn(other_formats()), test_name);

@@ -36,7 +36,7 @@ struct Options {
   unsigned lanes = BoardConfig{}.lanes, boards = 1;
   double clock_mhz = 100, timeout = 3600;
   std::uint64_t deadline = 0;
-  bool json = false, check = true, bits = false, quiet = false;
+  bool box = true, json = false, check = true, bits = false, quiet = false;
 };
 
 /// What is cast: rays, and the picture they make if they are one.
@@ -104,6 +104,7 @@ Job prepare(const Options& o) {
   if (o.json && o.csv == "-") usage("--json and -o - both want stdout");
   job.config.lanes = o.lanes;
   job.config.arithmetic = o.arithmetic == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost;
+  job.config.box = o.box;
   job.config.trace = !o.trace.empty();
   if (job.config.trace && o.boards > 1) usage("--trace follows one card; leave out --boards");
   (void)job.config.parameters();  // complains about values before anything slow
@@ -184,10 +185,13 @@ Outcome cast_on_card(const Options& o, const Job& job, std::span<const Ray> rays
       job.config,
       {.clock_period_ps = static_cast<std::uint32_t>(std::max(1.0, 1e6 / o.clock_mhz))});
   board.upload(job.mesh, false);  // load_mesh has checked it
-  const std::string command = fmt::format("cde cast {} --mode {} --lanes {} --arith {}",
-                                          shell_word(o.mesh), o.mode, o.lanes, o.arithmetic);
+  const std::string command = fmt::format("cde cast {} --mode {} --lanes {} --arith {}{}",
+                                          shell_word(o.mesh), o.mode, o.lanes, o.arithmetic,
+                                          o.box ? "" : " --no-box");
   std::optional<reference::Checker> checker;
-  if (o.check) checker.emplace(rays, job.mesh, job.mode, Stencil(), board.primaries(), command);
+  if (o.check) 
+    checker.emplace(rays, job.mesh, job.mode, Stencil(), board.primaries(), command,
+                    std::span<const Object>(), o.box);
 
   Outcome result;
   const Waves waves(board, o.trace);
@@ -319,6 +323,7 @@ nlohmann::ordered_json as_json(const Options& o, const Job& job, const Outcome& 
       {"arithmetic", o.arithmetic},
       {"format", "fp32"},
       {"algorithm", "moller"},
+      {"box", o.box},
       {"bitstream", r.bitstream},
       {"config_hash", fmt::format("{:016x}", r.config_hash)},
       {"clock_hz", o.clock_mhz * 1e6},
@@ -352,9 +357,9 @@ void print_summary(const Options& o, const Job& job, const Outcome& r) {
   row("rays", fmt::format("{} in {} packet{}", job.rays.size(), packets_of(job),
                           packets_of(job) == 1 ? "" : "s"));
   row(o.boards == 1 ? "card" : "cards",
-      fmt::format("{}{} lanes, {} arithmetic, fp32, mode {}",
+      fmt::format("{}{} lanes, {} arithmetic, fp32, {}, mode {}",
                   o.boards == 1 ? "" : fmt::format("{} x ", o.boards), o.lanes, o.arithmetic,
-                  o.mode));
+                  o.box ? "box rule" : "no box rule", o.mode));
   row("device cycles", fmt::format("{} and {} of write-back, {} stalls, {} bubbles", c.cycles,
                                    c.writeback, c.stalls, c.bubbles));
   row("modelled time", fmt::format("{:.6g} ms at {:g} MHz, without bus transfers",
@@ -417,6 +422,8 @@ void add_cast(CLI::App& app) {
   verb->add_option("--arith", o->arithmetic,
                    "host (the FPU, fast) or rtl (gates); same bits, same clocks")
       ->capture_default_str();
+  verb->add_flag("--box,!--no-box", o->box,
+                 "A hit must lie in the triangle's box, so that none is far from its triangle (on)");
   verb->add_flag("--json", o->json, "Summary as JSON on stdout");
   verb->add_flag("--check,!--no-check", o->check, "Compare every record with the reference (on)");
   verb->add_option("--clock", o->clock_mhz, "Core clock assumed for the modelled time, MHz")

@@ -30,6 +30,7 @@ constexpr std::size_t kBatch = 65536;  // pairs, at most, between two runs of th
 struct Options {
   std::string pair, algorithm = "moller", format = "fp32", arithmetic = "host", budget;
   std::optional<unsigned> lanes;
+  std::optional<bool> box;
   unsigned facet_interval = PairConfig{}.facet_interval;
   bool half_space = false, bits = false, check = true, json = false, quiet = false;
 };
@@ -121,6 +122,7 @@ unsigned default_lanes(Pair pair, FpFormat format) {
 PairConfig configuration(const Options& o) {
   PairConfig config{.pair = pair_named(o.pair),
                     .algorithm = algorithm_named(o.algorithm),
+                    .box = o.box.value_or(pair_named(o.pair) == Pair::kRayTriangle),
                     .plane = o.half_space ? PlaneSide::kHalfSpace : PlaneSide::kSurface,
                     .format = FpFormat::parse(o.format),
                     .facet_interval = o.facet_interval};
@@ -298,7 +300,7 @@ class Query {
   void compare() {
     expected_.resize(results_.size());
     reference::test_pairs(config_.pair, config_.algorithm, config_.format, a_, b_, expected_,
-                          config_.plane, budget_);
+                          config_.plane, budget_, config_.box);
     totals_.compared += results_.size();
     const auto [got, wanted] = std::mismatch(results_.begin(), results_.end(), expected_.begin());
     if (got != results_.end()) report(static_cast<std::size_t>(got - results_.begin()));
@@ -332,7 +334,8 @@ class Query {
             "--format {} --arith {} --lanes {}{}",
             line, a, b, shown(results_[i]), shown(expected_[i]), a, b, config_.lanes, o_.pair,
             o_.algorithm, o_.format, o_.arithmetic, config_.lanes,
-            (o_.half_space ? " --half-space" : "") +
+            std::string(o_.half_space ? " --half-space" : "") +
+                (config_.pair == Pair::kRayTriangle && !config_.box ? " --no-box" : "") +
                 (o_.facet_interval == 1 ? std::string()
                                         : fmt::format(" --facet-interval {}", o_.facet_interval)) +
                 (o_.budget.empty() ? std::string() : " --budget " + o_.budget)));
@@ -404,15 +407,17 @@ class Query {
   fmt::memory_buffer out_;
 };
 
-nlohmann::ordered_json as_json(const Options& o, unsigned lanes, const Totals& t) {
+nlohmann::ordered_json as_json(const Options& o, const PairConfig& config, const Totals& t) {
   return {
       {"pair", o.pair},
       {"algorithm",
        o.pair == "ray-triangle" ? nlohmann::ordered_json(o.algorithm) : nlohmann::ordered_json()},
+      {"box", config.pair == Pair::kRayTriangle ? nlohmann::ordered_json(config.box)
+                                                : nlohmann::ordered_json()},
       {"half_space", o.half_space},
       {"format", o.format},
       {"arithmetic", o.arithmetic},
-      {"lanes", lanes},
+      {"lanes", config.lanes},
       {"facet_interval", o.facet_interval},
       {"budget", o.budget.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(o.budget)},
       {"pairs", t.pairs},
@@ -426,15 +431,16 @@ nlohmann::ordered_json as_json(const Options& o, unsigned lanes, const Totals& t
       {"pairs_matching", t.compared}};
 }
 
-void print_summary(const Options& o, unsigned lanes, const Totals& t) {
+void print_summary(const Options& o, const PairConfig& config, const Totals& t) {
   const auto row = [](const char* name, const std::string& value) {
     fmt::print(stderr, "{:<16} {}\n", name, value);
   };
   row("pair", fmt::format("{}{}, {}, {} arithmetic, {} lanes", o.pair,
-                          o.pair == "ray-triangle" ? " by " + o.algorithm
-                          : o.half_space           ? " of a half-space"
-                                                   : "",
-                          o.format, o.arithmetic, lanes));
+                          o.pair == "ray-triangle"
+                              ? fmt::format(" by {}{}", o.algorithm, config.box ? ", box rule" : "")
+                          : o.half_space ? " of a half-space"
+                                         : "",
+                          o.format, o.arithmetic, config.lanes));
   row("pairs", fmt::format("{}, {} bad, and {} malformed line{}", t.pairs, t.bad, t.malformed,
                            t.malformed == 1 ? "" : "s"));
   row("hits", fmt::to_string(t.hits));
@@ -449,9 +455,9 @@ void run(const Options& o) {
   const PairConfig config = configuration(o);
   const Totals totals = Query(o, config).run();
   if (o.json)
-    fmt::print(stderr, "{}\n", as_json(o, config.lanes, totals).dump());
+    fmt::print(stderr, "{}\n", as_json(o, config, totals).dump());
   else if (!o.quiet)
-    print_summary(o, config.lanes, totals);
+    print_summary(o, config, totals);
   if (totals.bad + totals.malformed != 0) exit_code = exit_status(ErrorCode::kBadInput);
 }
 
@@ -472,6 +478,9 @@ void add_query(CLI::App& app) {
   verb->add_option("--algorithm", o->algorithm,
                    "Of ray-triangle: moller, badouel, pluecker or watertight")
       ->capture_default_str();
+  verb->add_flag_callback("--box", [o] { o->box = true; },
+                          "Of ray-triangle: a hit must lie in the triangle's box (on)");
+  verb->add_flag_callback("--no-box", [o] { o->box = false; }, "The plain pipe");
   verb->add_flag("--half-space", o->half_space,
                  "Of obb-plane: the plane bounds the solid half-space n.x <= d");
   verb->add_option("--format", o->format, "fp16, bf16, fp24, fp32 or fp64")->capture_default_str();

@@ -25,6 +25,8 @@ struct BoardConfig {
   Arithmetic arithmetic = Arithmetic::kHost;
   std::vector<Pair> pairs = {Pair::kRayTriangle};  ///< the pipes of the card, at least one
   Algorithm algorithm = Algorithm::kMoller;        ///< of ray-triangle
+  bool box = false;             ///< of ray-triangle: a hit must lie in the triangle's box
+                                ///< (reference/ray_box.hpp)
   bool swap = false;            ///< passes can exchange the roles of primary and secondary
   bool normals = false;         ///< passes can give normals
   bool parallel = false;        ///< a pass can use two pipes at a time (Query::second)

@@ -32,8 +32,9 @@ enum Register : std::uint32_t {
   kRegFaultAddr = 0x060,   ///< [33:32] space, [31:0] offset of the first refused access
   kRegWriteback = 0x068,   ///< clocks that wrote the kept records back to SRAM
   kRegCaps3 = 0x070,       ///< [12:0] pairs in the card, [16] roles can be swapped, [17] normals,
-                           ///< [18] two pairs at a time, [20:19] kTransform*, [31:24] words of a
-                           ///< primary slot, [47:32] and [63:48] entries of the object tables
+                           ///< [18] two pairs at a time, [20:19] kTransform*, [21] check bits,
+                           ///< [22] box rule of ray-triangle, [31:24] words of a primary slot,
+                           ///< [47:32] and [63:48] entries of the object tables
   kRegPrimSplit = 0x078,   ///< with a second pair: the first of its primaries
   kRegStencil = 0x080,     ///< primaries/64 registers: 1 masks a primary
   kRegBudget = 0x0A0,      ///< work for a cylinder pair: [7:0] M, [15:8] K1, [23:16] K2

@@ -17,9 +17,10 @@
 /// hardware rounds twice. The templates are in reference/, one header a pair of primitives.
 namespace cde::reference {
 
-/// ray_triangle_moller for one pair of the card, as the record that mode all writes.
+/// ray_triangle_moller for one pair of the card, as the record that mode all writes. `box`, here
+/// and below: the card has the box rule.
 [[nodiscard]] Record record_of(const Ray& ray, const Triangle& triangle, std::uint32_t primary,
-                               std::uint32_t index);
+                               std::uint32_t index, bool box = false);
 
 /// The records of a cast, computed in software; see Board::cast. Fast enough for large scenes (the
 /// misses, nearly all pairs, are sorted out by vector code), the hits go through the template.
@@ -28,7 +29,8 @@ class Sweep {
   /// Up to `packet` rays meet all triangles at a time, or those of the objects (Board::set_objects;
   /// their ranges must lie within the triangles). Rays and triangles must outlive the sweep.
   Sweep(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
-        const Stencil& stencil = {}, unsigned packet = 256, std::span<const Object> objects = {});
+        const Stencil& stencil = {}, unsigned packet = 256, std::span<const Object> objects = {},
+        bool box = false);
   ~Sweep();
   Sweep(const Sweep&) = delete;
   Sweep& operator=(const Sweep&) = delete;
@@ -44,7 +46,7 @@ class Sweep {
 /// All of them at once.
 [[nodiscard]] std::vector<Record> cast(std::span<const Ray> rays, const TriangleView& triangles,
                                        Mode mode = Mode::kNearest, const Stencil& stencil = {},
-                                       std::span<const Object> objects = {});
+                                       std::span<const Object> objects = {}, bool box = false);
 
 /// Compares records of the card with the reference as they arrive.
 class Checker {
@@ -53,7 +55,7 @@ class Checker {
   /// 16". Rays and triangles must outlive the checker.
   Checker(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
           const Stencil& stencil, unsigned packet, std::string command,
-          std::span<const Object> objects = {});
+          std::span<const Object> objects = {}, bool box = false);
 
   /// Counts the records that are those of the reference and keeps what the first other one differs
   /// in.

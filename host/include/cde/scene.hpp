@@ -91,6 +91,7 @@ struct SceneCard {
   std::vector<Pair> pairs;  ///< pipes of the bitstream; empty: those of the queries
   Arithmetic arithmetic = Arithmetic::kHost;
   Algorithm algorithm = Algorithm::kMoller;
+  bool box = true;          ///< of ray-triangle: a hit must lie in the triangle's box
   double clock_hz = 100e6;  ///< an assumption about the device
   bool cycle_bus = false;   ///< PCI signals clock by clock; otherwise its time is computed
   HostProfile host = kHostProfiles[0];  ///< that the card is plugged into

@@ -44,6 +44,12 @@ template <typename S>
   return x == x ? x : canonical_nan<S>();
 }
 
+/// Wire: +0 instead of -0, everything else as it is.
+template <typename S>
+[[nodiscard]] constexpr S no_minus_zero(S x) {
+  return x == S(0) ? S(0) : x;
+}
+
 /// What a pipe answers for one pair. A miss of a ray is T = +inf, CP = 0. Rays have no normal.
 template <typename S>
 struct Outcome {

@@ -10,10 +10,11 @@
 namespace cde::reference {
 
 /// What one pass of the card asks. `pair`'s first shape is the primaries', with `swap` the
-/// secondaries'; `algorithm` is of ray-triangle.
+/// secondaries'; `algorithm` and `box` are of ray-triangle.
 struct PassQuery {
   Pair pair = Pair::kRayTriangle;
   Algorithm algorithm = Algorithm::kMoller;
+  bool box = false;
   bool swap = false;
   Mode mode = Mode::kNearest;
   bool normals = false;

@@ -55,30 +55,33 @@ template <typename S>
 ///     3-5    A = n.n                                               3 mul, 2 add
 ///     4-6    B = m.n, mm = m.m                                     6 mul, 4 add
 ///     5-6    g = w - wz a                                          3 mul, 3 sub
+///     6      i = 1 / A                                             1 div
 ///     7-9    e = g.n                                               3 mul, 2 add
-///     6, 10  rr A, e e                                             2 mul
 ///     7      C = mm - rr                                           1 sub
-///     11     D = rr A - e e                                        1 sub
-///     12     root = sqrt(D)                                        1 sqrt
-///     13     q = -(B + root with the sign of B)                    1 add
-///     14     qa = q / A, cq = C / q                                2 div
-///            lo, hi = qa, cq; exchanged if B has the sign bit; both qa where q = 0
+///     7-8    rr i, B i, C i                                        3 mul
+///     10-11  (e i) (e i)                                           2 mul
+///     12     D = rr i - that                                       1 sub
+///     13     root = sqrt(D)                                        1 sqrt
+///     14     q = -(B i + root with the sign of B)                  1 add
+///     15     cq = C i / q                                          1 div
+///            lo, hi = q, cq; exchanged if B has the sign bit; both q where q = 0
 ///     4-6    s, e: the stretch between the caps                    2 mul, 1 div, 2 sub, 2 cmp
-///     6-12   0 < A, 0 <= D, C <= 0                                 3 cmp
-///     14     q = 0                                                 1 cmp
-///     15     enter = max(lo, s), leave = min(hi, e)                2 min/max
-///     16     enter <= leave; both against tmin and tmax            5 cmp
+///     7-13   i < inf, 0 <= D, C <= 0                               3 cmp
+///     15     q = 0                                                 1 cmp
+///     16     enter = max(lo, s), leave = min(hi, e)                2 min/max
+///     17     enter <= leave; both against tmin and tmax            5 cmp
 ///            t = enter if it is in the interval, else leave
-///     17-18  CP = o + t d                                          3 mul, 3 add
-///     19     the outcome is selected
+///     18-19  CP = o + t d                                          3 mul, 3 add
+///     20     the outcome is selected
 ///
-/// 41 mul, 3 div, 1 sqrt, 16 add, 16 sub, 11 cmp, 2 min/max and 19 clocks at one an operator. A =
-/// 0: the ray runs along the axis, and the lateral surface bounds nothing if C <= 0, everything
-/// otherwise. |d|^2 must neither overflow nor underflow, as for the sphere.
+/// 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 11 cmp, 2 min/max and 20 clocks at one an operator. The
+/// equation is divided by A first, so that D, like t^2, is a ratio of products of two lengths; the
+/// ranges are the sphere's. A = 0, or so small that its reciprocal overflows: the ray runs along the
+/// axis, and the lateral surface bounds nothing if C <= 0, everything otherwise.
 template <typename S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_cylinder(const BasicRay<S>& ray, const BasicCylinder<S>& cylinder) {
   if constexpr (!AtSizeOne) return at_size_one<S>(ray, cylinder, ray_cylinder<S, true>);
-  const S zero(0), inf = std::numeric_limits<S>::infinity();
+  const S zero(0), one(1), inf = std::numeric_limits<S>::infinity();
   const Vector<S>& axis = cylinder.axis;
   const Vector<S> w = sub<S>(ray.o, cylinder.c);
   const Vector<S> n = cross<S>(ray.d, axis), m = cross<S>(w, axis);
@@ -86,13 +89,14 @@ template <typename S, bool AtSizeOne = false>
   const S a = dot<S>(n, n), b = dot<S>(m, n), c = dot<S>(m, m) - rr;
   const S wz = dot<S>(w, axis);
   const S e = dot<S>(sub<S>(w, scale<S>(axis, wz)), n);
-  const S discriminant = rr * a - e * e;
-  const S q = -(b + move_sign(b, square_root(discriminant)));
-  const S qa = q / a, cq = select(q == zero, qa, c / q);
+  const S i = one / a, ei = e * i;
+  const S discriminant = rr * i - ei * ei;
+  const S q = -(b * i + move_sign(b, square_root(discriminant)));
+  const S cq = select(q == zero, q, c * i / q);
 
-  const Mask<S> slanted = zero < a, backwards = is_negative(b);
-  const RayStretch<S> lateral{select(slanted, select(backwards, cq, qa), -inf),
-                              select(slanted, select(backwards, qa, cq), inf),
+  const Mask<S> slanted = i < inf, backwards = is_negative(b);
+  const RayStretch<S> lateral{select(slanted, select(backwards, cq, q), -inf),
+                              select(slanted, select(backwards, q, cq), inf),
                               (slanted && zero <= discriminant) || (!slanted && c <= zero)};
   Mask<S> flat{};
   const RayStretch<S> slab = between_caps(wz, dot<S>(ray.d, axis), cylinder.half_height, flat);

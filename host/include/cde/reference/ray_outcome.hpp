@@ -18,13 +18,15 @@ template <typename S>
   return add<S>(ray.o, scale<S>(ray.d, t));
 }
 
-/// Wires: T and CP of a hit, the constants of a miss otherwise.
+/// Wires: T and CP of a hit, the constants of a miss otherwise. A hit has a finite T and CP, else it
+/// is a miss: what lies too far away for the format is not met. T of a hit is never -0.
 template <typename S>
-[[nodiscard]] Outcome<S> ray_outcome(const Mask<S>& hit, S t, const Vector<S>& cp) {
+[[nodiscard]] Outcome<S> ray_outcome(const Mask<S>& meets, S t, const Vector<S>& cp) {
   Outcome<S> r;
   const S zero(0);
+  const Mask<S> hit = meets && Mask<S>(finite(t) && finite<S>(cp));
   r.f = static_cast<bool>(hit);
-  r.t = select(hit, t, r.t);
+  r.t = select(hit, no_minus_zero(t), r.t);
   for (int k = 0; k < 3; ++k) r.cp[k] = select(hit, canonical(cp[k]), zero);
   return r;
 }

@@ -25,21 +25,22 @@ inline constexpr double kRaySphereBand = 8;
 ///     8-10   ll = l.l                                              3 mul, 2 add
 ///     5      cc = ff - rr                                          1 sub
 ///     11     D = rr - ll                                           1 sub
-///     12     a D                                                   1 mul
+///     6      ci = cc i                                             1 mul
+///     12     D i                                                   1 mul
 ///     12     0 <= D                                                1 cmp
-///     13     root = sqrt(a D)                                      1 sqrt
-///     14     q = b + root with the sign of b                       1 add
-///     15     ta = cc / q                                           1 div
-///     15     tb = q i                                              1 mul
+///     13     root = sqrt(D i)                                      1 sqrt
+///     14     tb = k + root with the sign of b                      1 add
+///     15     ta = ci / tb                                          1 div
 ///            near, far = ta, tb; exchanged if b has the sign bit
 ///     16     tmin <= near, near <= tmax, tmin <= far, far <= tmax  4 cmp
 ///            t = near if it is in the interval, else far
 ///     17-18  CP = o + t d                                          3 mul, 3 add
 ///     19     the outcome is selected
 ///
-/// 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 cmp and 19 clocks at one an operator. q = 0 is a tangent
-/// at the origin: ta is NaN and not in the interval, tb = 0. |d|^2 must neither overflow nor
-/// underflow: outside about 2^-63 .. 2^63 in fp32 the answer is a miss.
+/// 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 cmp and 19 clocks at one an operator. tb = 0 is a tangent
+/// at the origin: ta is NaN and not in the interval. Nothing but products of two lengths, ratios of
+/// those, and squares of t occur: |d|, |o-c| and r and their ratios may be anything whose square is a
+/// normal number.
 template <typename S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_sphere(const BasicRay<S>& ray, const BasicSphere<S>& sphere) {
   if constexpr (!AtSizeOne) return at_size_one<S>(ray, sphere, ray_sphere<S, true>);
@@ -47,11 +48,11 @@ template <typename S, bool AtSizeOne = false>
   const Vector<S> f = sub<S>(ray.o, sphere.c);
   const S a = dot<S>(ray.d, ray.d), b = -dot<S>(f, ray.d), rr = sphere.r * sphere.r;
   const S i = one / a;
-  const Vector<S> l = add<S>(f, scale<S>(ray.d, b * i));
+  const S k = b * i;
+  const Vector<S> l = add<S>(f, scale<S>(ray.d, k));
   const S discriminant = rr - dot<S>(l, l), cc = dot<S>(f, f) - rr;
-  const S root = square_root(a * discriminant);
-  const S q = b + move_sign(b, root);
-  const S ta = cc / q, tb = q * i;
+  const S tb = k + move_sign(b, square_root(discriminant * i));
+  const S ta = cc * i / tb;
   const Mask<S> backwards = is_negative(b);
   const S near = select(backwards, tb, ta), far = select(backwards, ta, tb);
   const Mask<S> near_in = in_interval(ray, near), far_in = in_interval(ray, far);

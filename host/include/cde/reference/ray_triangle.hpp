@@ -1,10 +1,16 @@
 #pragma once
 #include "cde/reference/ops.hpp"
+#include "cde/reference/ray_box.hpp"
 #include "cde/reference/ray_outcome.hpp"
 
 /// Ray against triangle, two-sided, by four algorithms. The three barycentric coordinates are
 /// compared unscaled, without a division: each has the sign of the determinant moved onto it and
 /// must not be negative then. A NaN fails every comparison, so it is a miss.
+///
+/// With Box a hit must also lie in the triangle's box (ray_box.hpp), and a triangle without area is
+/// missed whatever the roundings. Without it a ray in the plane of a triangle, or as near to it as
+/// rounding, may hit anywhere in that plane. The operators of the box, beside those stated here, are
+/// in ray_box.hpp.
 ///
 /// u is the unit roundoff, E1 = V1-V0, E2 = V2-V0, N = E1 x E2 the normal, cos = |N.D| / (|N| |D|),
 /// L the largest |coordinate| of o and the vertices. Each algorithm decides right whenever the ray
@@ -12,13 +18,21 @@
 /// that tests/numerics/ray_pairs_test.cpp holds against exact arithmetic.
 namespace cde::reference {
 
+/// With Box: whether p = o + t d is in the triangle's box.
+template <bool Box, typename S>
+[[nodiscard]] Mask<S> follows_rule(const BasicTriangle<S>& triangle, const Vector<S>& td,
+                                   const Vector<S>& p) {
+  if constexpr (Box) return in_box(triangle_bounds(triangle), td, p);
+  return Mask<S>(true);
+}
+
 /// After Möller and Trumbore, "Fast, Minimum Storage Ray-Triangle Intersection", 1997, as in
 /// rtl/pipes/ray_triangle_moller.sv: 27 mul, 1 div, 12 add, 15 sub, 8 cmp. 10 clocks at one an
 /// operator.
-template <typename S, bool AtSizeOne = false>
+template <typename S, bool Box = false, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_moller(const BasicRay<S>& ray,
                                              const BasicTriangle<S>& triangle) {
-  if constexpr (!AtSizeOne) return at_size_one<S>(ray, triangle, ray_triangle_moller<S, true>);
+  if constexpr (!AtSizeOne) return at_size_one<S>(ray, triangle, ray_triangle_moller<S, Box, true>);
   const Vector<S> e1 = sub<S>(triangle.v1, triangle.v0), e2 = sub<S>(triangle.v2, triangle.v0),
                   tv = sub<S>(ray.o, triangle.v0);
   const Vector<S> p = cross<S>(ray.d, e2), q = cross<S>(tv, e1);
@@ -29,7 +43,9 @@ template <typename S, bool AtSizeOne = false>
   const Mask<S> inside =
       zero <= us && us <= size && zero <= vs && vs <= size && uvs <= size && zero < size;
   const S t = tn / det;
-  return ray_outcome<S>(inside && in_interval(ray, t), t, point_at(ray, t));
+  const Vector<S> td = scale<S>(ray.d, t), cp = add<S>(ray.o, td);
+  return ray_outcome<S>(
+      inside && in_interval(ray, t) && follows_rule<Box, S>(triangle, td, cp), t, cp);
 }
 
 /// The same, from vectors.
@@ -37,7 +53,7 @@ template <typename S>
 [[nodiscard]] Outcome<S> ray_triangle_moller(const Vector<S>& o, const Vector<S>& d, S tmin, S tmax,
                                              const Vector<S>& v0, const Vector<S>& v1,
                                              const Vector<S>& v2) {
-  return ray_triangle_moller(BasicRay<S>{o, d, tmin, tmax}, BasicTriangle<S>{v0, v1, v2});
+  return ray_triangle_moller<S>(BasicRay<S>{o, d, tmin, tmax}, BasicTriangle<S>{v0, v1, v2});
 }
 
 /// Which component of a vector is largest by magnitude (ties: the lowest index), as two masks, and
@@ -96,16 +112,16 @@ inline constexpr double kBadouelBand = 8, kBadouelDepth = 8;
 /// 27 mul, 2 div, 13 add, 23 sub, 6 cmp, Table 1 the same 16 clocks. Alpha and beta are compared
 /// with N_k instead of being divided by it, which spares the second divider and rounds less; the
 /// paper does not say what its other operators do. Two comparators more are the interval's.
-template <typename S, bool AtSizeOne = false>
+template <typename S, bool Box = false, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_badouel(const BasicRay<S>& ray,
                                               const BasicTriangle<S>& triangle) {
-  if constexpr (!AtSizeOne) return at_size_one<S>(ray, triangle, ray_triangle_badouel<S, true>);
+  if constexpr (!AtSizeOne) return at_size_one<S>(ray, triangle, ray_triangle_badouel<S, Box, true>);
   const Vector<S> e1 = sub<S>(triangle.v1, triangle.v0), e2 = sub<S>(triangle.v2, triangle.v0);
   const Vector<S> normal = cross<S>(e1, e2);
   const DominantAxis<S> axis(normal);
   const S w = dot<S>(normal, triangle.v0), s = dot<S>(normal, ray.o), nd = dot<S>(normal, ray.d);
   const S t = (w - s) / nd;
-  const Vector<S> p = point_at(ray, t);
+  const Vector<S> td = scale<S>(ray.d, t), p = add<S>(ray.o, td);
   const S g = axis.next(p) - axis.next(triangle.v0);
   const S h = axis.after_next(p) - axis.after_next(triangle.v0);
   const S alpha = g * axis.after_next(e2) - h * axis.next(e2);
@@ -113,7 +129,8 @@ template <typename S, bool AtSizeOne = false>
   const S sum = alpha + beta, nk = axis.largest(normal), zero(0);
   const Mask<S> inside = zero <= move_sign(nk, alpha) && zero <= move_sign(nk, beta) &&
                          move_sign(nk, sum) <= magnitude(nk) && zero < magnitude(nd);
-  return ray_outcome<S>(inside && in_interval(ray, t), t, p);
+  return ray_outcome<S>(inside && in_interval(ray, t) && follows_rule<Box, S>(triangle, td, p), t,
+                        p);
 }
 
 /// Band of Pluecker, in u L / cos, and bound of T |D|, in that times 1 + T |D| (sum of the edge
@@ -140,10 +157,13 @@ inline constexpr double kPlueckerBand = 8, kPlueckerDepth = 8;
 /// 54 mul, 1 div, 31 add, 17 sub, 3 cmp, that is 48 additions and subtractions against 49, and does
 /// not count the interval and det = 0; Table 1 has 17 clocks. Moments relative to the world's
 /// origin make this the least accurate of the four.
-template <typename S, bool AtSizeOne = false>
+///
+/// With Box t = -(N.s) / (N.D): W is -(N.D) but for what its three products lose to each other, so
+/// much far from a small triangle that the point would not be in its box. 3 mul, 2 add more.
+template <typename S, bool Box = false, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_pluecker(const BasicRay<S>& ray,
                                                const BasicTriangle<S>& triangle) {
-  if constexpr (!AtSizeOne) return at_size_one<S>(ray, triangle, ray_triangle_pluecker<S, true>);
+  if constexpr (!AtSizeOne) return at_size_one<S>(ray, triangle, ray_triangle_pluecker<S, Box, true>);
   const Vector<S>&v0 = triangle.v0, &v1 = triangle.v1, &v2 = triangle.v2;
   const Vector<S> qr = cross<S>(ray.d, ray.o);
   const Vector<S> p01 = sub<S>(v1, v0), p12 = sub<S>(v2, v1), p20 = sub<S>(v0, v2);
@@ -152,9 +172,13 @@ template <typename S, bool AtSizeOne = false>
   };
   const S w01 = product(p01, v0), w12 = product(p12, v1), w20 = product(p20, v2);
   const S sum = (w01 + w12) + w20;
-  const S t = dot<S>(cross<S>(p20, p01), sub<S>(ray.o, v0)) / sum;
+  const Vector<S> normal = cross<S>(p20, p01);
+  const S distance = dot<S>(normal, sub<S>(ray.o, v0));
+  const S t = Box ? -distance / dot<S>(normal, ray.d) : distance / sum;
+  const Vector<S> td = scale<S>(ray.d, t), cp = add<S>(ray.o, td);
   const Mask<S> inside = same_side(sum, w01, w12, w20);
-  return ray_outcome<S>(inside && in_interval(ray, t), t, point_at(ray, t));
+  return ray_outcome<S>(
+      inside && in_interval(ray, t) && follows_rule<Box, S>(triangle, td, cp), t, cp);
 }
 
 /// Band of watertight, in u max|v-o| / cos, and bound of T |D|, in that times 1 + (longest
@@ -188,12 +212,12 @@ inline constexpr double kWatertightBand = 2, kWatertightDepth = 8;
 /// 32 mul, 3 div, 13 add, 18 sub, 8 cmp and 17 clocks at one an operator. The first four steps need
 /// the ray alone. det = 0, a triangle seen edge-on or without area, is a miss. The exchange of kx
 /// and ky for D_kz < 0 in the original turns the winding, which a two-sided test does not look at;
-/// it is left out. 1 / D_kz and 1 / det must not overflow: |D| and the triangle's projected area
+/// it is left out. With Box the point of the rule is o + t D, 3 mul and 3 add more. 1 / D_kz and 1 / det must not overflow: |D| and the triangle's projected area
 /// above 2^-126.
-template <typename S, bool AtSizeOne = false>
+template <typename S, bool Box = false, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_watertight(const BasicRay<S>& ray,
                                                  const BasicTriangle<S>& triangle) {
-  if constexpr (!AtSizeOne) return at_size_one<S>(ray, triangle, ray_triangle_watertight<S, true>);
+  if constexpr (!AtSizeOne) return at_size_one<S>(ray, triangle, ray_triangle_watertight<S, Box, true>);
   const Vector<S> a = sub<S>(triangle.v0, ray.o), b = sub<S>(triangle.v1, ray.o),
                   c = sub<S>(triangle.v2, ray.o);
   const DominantAxis<S> axis(ray.d);
@@ -215,8 +239,12 @@ template <typename S, bool AtSizeOne = false>
   const Vector<S> hit{dot<S>(weights, {a.x(), b.x(), c.x()}),
                       dot<S>(weights, {a.y(), b.y(), c.y()}),
                       dot<S>(weights, {a.z(), b.z(), c.z()})};
-  const Mask<S> inside = same_side(det, u, v, w);
-  return ray_outcome<S>(inside && in_interval(ray, t), t, add<S>(ray.o, hit));
+  Mask<S> met = same_side(det, u, v, w) && in_interval(ray, t);
+  if constexpr (Box) {
+    const Vector<S> td = scale<S>(ray.d, t);
+    met = met && follows_rule<Box, S>(triangle, td, add<S>(ray.o, td));
+  }
+  return ray_outcome<S>(met, t, add<S>(ray.o, hit));
 }
 
 }  // namespace cde::reference

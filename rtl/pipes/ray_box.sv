@@ -1,0 +1,77 @@
+// Box rule of ray and triangle (reference/ray_box.hpp): what is met counts only if P = o + t d lies in the triangle's box,
+// (|P_k - c_k| - h_k) < 64 u |t d|_1 on every axis. A NaN or an infinite P is outside, and nothing is in the box of a triangle without
+// area. The triangle's part is computed once for all lanes if it is broadcast. Without BOX a wire.
+// 1 mul, 2 add, 6 sub, 3 compare a ray, and those of triangle_bounds.sv a triangle.
+// Latency: to stage time RAY_T_IN_BOX (ray_box.svh); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
+`include "ray_box.svh"
+module ray_box #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter int B_LANES = LANES,  // triangles a clock: 1 (broadcast to all lanes) or LANES
+    parameter int BOX = 0,          // 1: the rule
+    parameter int T_MET = 0,        // stage times of the inputs; triangles come at 0
+    parameter int T_TD = 0,
+    parameter int T_P = 0,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [8:0][B_LANES-1:0][CW-1:0] b_i,   // triangle: v0 x y z, v1, v2
+    input logic [LANES-1:0][CW-1:0] met_i,        // lane mask
+    input logic [2:0][LANES-1:0][CW-1:0] td_i,    // t d
+    input logic [2:0][LANES-1:0][CW-1:0] p_i,     // o + t d
+    output logic [LANES-1:0][CW-1:0] hit_o        // lane mask
+);
+  /*verilator inline_module*/
+  if (BOX != 0 && BOX != 1) $error("ray_box: BOX must be 0 or 1");
+  if (BOX == 0) begin : g_none
+    logic unused;
+    assign unused = &{1'b0, clk_i, b_i, td_i, p_i};
+    assign hit_o = met_i;
+  end else begin : g_box
+    `DF_IN(met, met_i, T_MET)
+    `DF_VIN(td, td_i, T_TD)
+    `DF_VIN(p, p_i, T_P)
+    `DF_CONST(part, `DF_POWER_OF_TWO(5 - MAN))
+
+    // ---- Margin of the ray ----
+    `DF_VABS(td_size, td)
+    `DF_PICK(td_x, td_size, 0)
+    `DF_PICK(td_y, td_size, 1)
+    `DF_PICK(td_z, td_size, 2)
+    `DF_ADD(td_xy, td_x, td_y)
+    `DF_ADD(td_sum, td_xy, td_z)
+    `DF_MUL(margin, td_sum, part)
+
+    // ---- How far outside the point is; the triangle's words are one or LANES, so the operators are named ----
+    localparam int T_AWAY = `RAY_T_AWAY(T_P);
+    localparam int T_OUT = `RAY_T_OUT(T_P);
+    logic [2:0][B_LANES-1:0][CW-1:0] centre, half, centre_p, half_p;
+    logic [2:0][LANES-1:0][CW-1:0] from, beyond, within;
+    triangle_bounds #(.EXP(EXP), .MAN(MAN), .LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) bounds (
+        .clk_i, .b_i, .centre_o(centre), .half_o(half));
+    align #(.W(3 * B_LANES * CW), .FROM(`RAY_T_CENTRE), .TO(T_AWAY - LAT_ADD), .ARITH(ARITH)) align_c (.clk_i, .d_i(centre), .q_o(centre_p));
+    align #(.W(3 * B_LANES * CW), .FROM(`RAY_T_HALF), .TO(T_OUT - LAT_ADD), .ARITH(ARITH)) align_h (.clk_i, .d_i(half), .q_o(half_p));
+    `DF_VAT(p_late, p, T_AWAY - LAT_ADD)
+    vec_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .SUB(1), .ARITH(ARITH), .CANON(0)) sub_c (
+        .clk_i, .a_i(p_late), .b_i(centre_p), .r_o(from));
+    `DF_VIN(away, from, T_AWAY)
+    `DF_VABS(size, away)
+    `DF_VAT(size_late, size, T_OUT - LAT_ADD)
+    vec_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .SUB(1), .ARITH(ARITH), .CANON(0)) sub_h (
+        .clk_i, .a_i(size_late), .b_i(half_p), .r_o(beyond));
+    for (genvar k = 0; k < 3; k++) begin : axis
+      `DF_IN(out, beyond[k], T_OUT)
+      `DF_LT(in, out, margin)
+      assign within[k] = in;
+    end
+    localparam int T_IN_BOX = `RAY_T_IN_BOX(T_TD, T_P);
+    `DF_IN(in_box, within[0] & within[1] & within[2], T_IN_BOX)
+    `DF_AND(hit, met, in_box)
+    assign hit_o = hit;
+  end
+endmodule
