@@ -39,9 +39,7 @@ oracle::Shape turned(const oracle::Shape& shape, const Frame& by) {
 struct Ruler {
   Random& random;
   bool grid;
-  double length(int most) {
-    return grid ? 1 + random.below(most) : random.uniform(0.2, most);
-  }
+  double length(int most) { return grid ? 1 + random.below(most) : random.uniform(0.2, most); }
   double place(int most) {
     return grid ? random.below(2 * most + 1) - most : random.uniform(-most, most);
   }
@@ -142,15 +140,16 @@ oracle::Case near_cap(oracle::Pair pair, std::uint64_t index) {
 
 oracle::Case upright(oracle::Pair pair, std::uint64_t index) {
   static constexpr std::array<const char*, 9> kFamilies = {
-      "grid",         "real",         "grid, tilted",         "real, tilted",  "grid, rotated",
-      "real, rotated", "real, tilted, rotated", "grid, touching", "real, touching"};
+      "grid",          "real",          "grid, tilted",          "real, tilted",
+      "grid, rotated", "real, rotated", "real, tilted, rotated", "grid, touching",
+      "real, touching"};
   const std::size_t family = index % kFamilies.size();
   const bool grid = family % 2 == 0 ? family < 6 : family == 7;
   const bool tilt = family == 2 || family == 3 || family == 6, rotate = family >= 4 && family <= 6;
   Random random(kCylinderSeed, 13, index);
   Ruler ruler{random, grid};
   oracle::Shape a = upright_primary(pair, ruler);
-  const Vec c = ruler.point(9);
+  const Vec c = ruler.point(random.chance(0.5) ? 3 : 9);
   const double half = ruler.length(5), radius = ruler.length(5);
   oracle::Shape b = oracle::Cylinder{c, Vec::UnitZ() * random.sign(), half, radius};
   if (tilt) {
@@ -172,8 +171,7 @@ oracle::Case upright(oracle::Pair pair, std::uint64_t index) {
     const double wanted = random.chance(0.3) ? 0 : random.either_sign(random.decades(1e-7, 1e-3));
     b = oracle::moved(b, (wanted - gap.lo) * gap.n);
   }
-  return {pair,           kCylinderSeed,       index,
-          kFamilies[family], oracle::to_words(a), oracle::to_words(b)};
+  return {pair, kCylinderSeed, index, kFamilies[family], oracle::to_words(a), oracle::to_words(b)};
 }
 
 }  // namespace cde::testing

@@ -5,15 +5,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "cde/reference/cylinder/pairs.hpp"
 #include "counted.hpp"
+#include "cylinder_cases.hpp"
 #include "oracle/oracle.hpp"
+#include "oracle/random.hpp"
 
 namespace cde::testing {
 namespace {
@@ -23,7 +26,7 @@ using reference::Outcome;
 using reference::cylinder::Body;
 using reference::cylinder::Budget;
 
-constexpr std::uint64_t kSeed = 20070129;
+constexpr std::uint64_t kSeed = kCylinderSeed;
 constexpr Budget kFull{8, 16, 16};
 
 template <class P>
@@ -66,204 +69,202 @@ double quantile(std::vector<double> values, double share) {
   return values[std::min(values.size() - 1, static_cast<std::size_t>(share * values.size()))];
 }
 
-// ---- Cases ----
-
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : bits_(seed) {}
-  double unit() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
-  double between(double lo, double hi) { return lo + (hi - lo) * unit(); }
-  double decades(double lo, double hi) { return lo * std::pow(hi / lo, unit()); }
-  double sign() { return (bits_() & 1) != 0 ? 1 : -1; }
-  Vec direction() {
-    for (;;) {
-      const Vec v(between(-1, 1), between(-1, 1), between(-1, 1));
-      if (v.norm() > 0.1 && v.norm() < 1) return v.normalized();
-    }
-  }
-  Vec tilted(const Vec& a, double angle) {
-    return std::cos(angle) * a + std::sin(angle) * a.cross(direction()).normalized();
-  }
-
- private:
-  std::mt19937_64 bits_;
-};
-
-oracle::Shape random_primary(oracle::Pair pair, Random& random) {
-  const auto extent = [&] { return random.decades(0.2, 2); };
-  if (pair == oracle::Pair::kCylinderCylinder)
-    return oracle::Cylinder{Vec::Zero(), random.direction(), extent(), extent()};
-  if (pair == oracle::Pair::kObbCylinder) {
-    const Vec x = random.direction(), y = x.cross(random.direction()).normalized();
-    oracle::Obb box{Vec::Zero(), {extent(), extent(), extent()}, {}};
-    box.rotation << x, y, x.cross(y);
-    return box;
-  }
-  return oracle::Triangle{2 * random.unit() * random.direction(),
-                          2 * random.unit() * random.direction(),
-                          2 * random.unit() * random.direction()};
-}
-
-/// A face normal of A.
-Vec face(const oracle::Shape& a) {
-  if (const auto* cylinder = std::get_if<oracle::Cylinder>(&a)) return cylinder->axis;
-  if (const auto* box = std::get_if<oracle::Obb>(&a)) return box->rotation.col(0);
-  const auto& t = std::get<oracle::Triangle>(a);
-  return (t.v1 - t.v0).cross(t.v2 - t.v0).normalized();
-}
-
-/// Near contact with the best normal 1e-4 to 3.4 degrees off a cap's axis: a cap against a cap, a
-/// face or a vertex, most of the time nearly parallel to it, with rims and edges crossing. A search
-/// that treats the sphere of normals alike everywhere stalls here.
-oracle::Case near_cap(oracle::Pair pair, std::uint64_t index) {
-  Random random(kSeed + index);
-  const oracle::Shape a = random_primary(pair, random);
-  oracle::Cylinder b{Vec::Zero(), random.direction(), random.decades(0.2, 2),
-                     random.decades(0.2, 2)};
-  Vec axis = face(a);
-  if (random.unit() < 0.7) {
-    b.axis = random.tilted(axis, random.decades(1e-4, 0.06)) * random.sign();
-  } else if (pair != oracle::Pair::kCylinderCylinder) {
-    axis = b.axis;
-  }
-  const Vec n = random.tilted(axis, random.decades(1e-4, 0.06)) * random.sign();
-  const auto support = [](const oracle::Shape& shape, const Vec& along) {
-    Vec at;  // the gradient of the support function
-    for (int i = 0; i < 3; ++i) {
-      const Vec step = 1e-6 * Vec::Unit(i);
-      at[i] = (oracle::support(shape, along + step) - oracle::support(shape, along - step)) / 2e-6;
-    }
-    return at;
-  };
-  const double aside = (random.unit() < 0.5 ? 0.02 : 0.6) * random.unit() * b.radius;
-  b.c = support(a, n) - support(b, -n) + aside * n.cross(random.direction()).normalized();
-  const oracle::Gap gap = oracle::signed_gap(a, b);
-  b.c += gap.n * (random.sign() * random.decades(1e-7, 1e-3) - gap.lo);
-  return {pair, kSeed, index, "near a cap axis", oracle::to_words(a), oracle::to_words(b)};
-}
-
 // ---- Shortfall per budget ----
 
-/// What the largest budget must reach on a set, and that the set is not vacuous.
+/// Pairs of a set that are worse than they should be: short by more than tolT, by more than 1e-4 S,
+/// false hits; the largest shortfall in S.
+struct Tail {
+  double worst;
+  int over, far_over, false_hits;
+};
+
+/// What the default budget and the largest must reach on a set, and that the set is not vacuous.
 struct CaseSet {
   const char* name;
-  int count;
+  int count, full_count;
   oracle::Case (*make)(oracle::Pair pair, std::uint64_t i);
   double fewest_meet, most_meet;  ///< share of pairs that meet
-  /// Of cylinder-cylinder, OBB-cylinder, triangle-cylinder: largest shortfall, in S; how many pairs
-  /// are short by more than tolT; false hits.
-  std::array<double, 3> worst;
-  std::array<int, 3> tail, false_hits;
+  /// Of cylinder-cylinder, OBB-cylinder, triangle-cylinder.
+  std::array<Tail, 3> at_default, at_largest;
+  std::array<double, 3> off_witness;  ///< share of pairs with a witness point beyond tolP
 };
+
+constexpr double kTolT = 16 * 0x1p-24;
+constexpr Tail kExact{kTolT, 0, 0, 0};
 
 const CaseSet kSets[] = {
     {"near contact",
      12000,
+     60000,
      [](oracle::Pair p, std::uint64_t i) { return oracle::generate(p, kSeed, 2 * i); },
      0.3,
      0.7,
-     {1e-5, 2e-6, 16 * 0x1p-24},
-     {8, 1, 0},
-     {0, 0, 0}},
+     {kExact, kExact, kExact},
+     {kExact, kExact, kExact},
+     {0.01, 0.001, 0.001}},
     {"directed families",
      6000,
+     30000,
      [](oracle::Pair p, std::uint64_t i) { return oracle::generate(p, kSeed, 2 * i + 1); },
      0.3,
      0.9,
-     {1e-3, 1e-4, 2e-2},
-     {10, 2, 14},
-     {3, 0, 0}},
+     {Tail{2e-6, 2, 0, 0}, kExact, Tail{1e-3, 1, 1, 0}},
+     {Tail{2e-6, 2, 0, 0}, kExact, Tail{1e-3, 1, 1, 0}},
+     {0.012, 0.006, 0.006}},
     {"near a cap axis",
      6000,
+     30000,
      near_cap,
      0.3,
      0.7,
-     {16 * 0x1p-24, 16 * 0x1p-24, 2e-5},
-     {0, 0, 2},
-     {0, 0, 0}},
+     {kExact, kExact, kExact},
+     {kExact, kExact, kExact},
+     {0.016, 0.01, 0.007}},
+    {"upright",
+     18000,
+     90000,
+     upright,
+     0.2,
+     0.7,
+     {kExact, kExact, kExact},
+     {kExact, kExact, kExact},
+     {0.013, 0.011, 0.006}},
 };
 
 const Budget kBudgets[] = {{4, 0, 0}, {4, 2, 2}, {4, 3, 3},   {4, 4, 4},
                            {4, 6, 6}, {8, 8, 8}, {8, 12, 12}, kFull};
+constexpr std::size_t kDefault = 5;  ///< of kBudgets
 
 struct Row {
   std::vector<double> shortfall;  ///< (s - s_K) / S
   int false_hits = 0;             ///< F = 1 although s > tolT
+
+  [[nodiscard]] int over(double x) const {
+    return static_cast<int>(
+        std::count_if(shortfall.begin(), shortfall.end(), [x](double e) { return e > x; }));
+  }
+  [[nodiscard]] Tail tail() const {
+    return {quantile(shortfall, 1), over(kTolT), over(1e-4), false_hits};
+  }
 };
+
+bool full() {
+  const char* text = std::getenv("CDE_FULL");
+  return text != nullptr && std::string(text) == "1";
+}
+
+int kind(oracle::Pair pair) {
+  return pair == oracle::Pair::kCylinderCylinder ? 0 : pair == oracle::Pair::kObbCylinder ? 1 : 2;
+}
+
+/// One set of cases through every budget, and what the oracle says of the answers.
+class Survey {
+ public:
+  Survey(oracle::Pair pair, const CaseSet& set)
+      : pair_(pair), set_(set), count_(full() ? set.full_count : set.count) {}
+
+  void run() {
+    for (int i = 0; i < count_; ++i) judge(set_.make(pair_, static_cast<std::uint64_t>(i)));
+  }
+  void print() const;
+  [[nodiscard]] const Row& row(std::size_t k) const { return rows_[k]; }
+  [[nodiscard]] double meeting() const { return static_cast<double>(meet_) / count_; }
+  [[nodiscard]] double off_witness() const { return static_cast<double>(beyond()) / count_; }
+  /// Limits are those of the default count.
+  [[nodiscard]] int share(int limit) const {
+    return full() ? limit * set_.full_count / set_.count + 1 : limit;
+  }
+
+ private:
+  void judge(const oracle::Case& c);
+  void judge_default(const oracle::Case& c, const oracle::Gap& gap, const Outcome<float>& outcome);
+  [[nodiscard]] std::ptrdiff_t beyond() const {
+    return std::count_if(off_.begin(), off_.end(), [](double x) { return x > 1; });
+  }
+
+  oracle::Pair pair_;
+  const CaseSet& set_;
+  int count_;
+  std::array<Row, std::size(kBudgets)> rows_;
+  std::vector<double> off_;     ///< witness points, in tolP
+  std::vector<double> turned_;  ///< n from the true one, where that is certain
+  int meet_ = 0, in_band_ = 0;
+};
+
+void Survey::judge(const oracle::Case& c) {
+  const auto a = c.shape_a(), b = c.shape_b();
+  const oracle::Gap gap = oracle::signed_gap(a, b);
+  const double size = oracle::scene_size(a, b), tolerance = kTolT * size;
+  meet_ += gap.middle() <= 0, in_band_ += std::abs(gap.middle()) <= tolerance;
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    const Outcome<float> outcome = answer<float>(pair_, c.a, c.b, kBudgets[k]);
+    const double s = signed_gap_of(outcome);
+    ASSERT_LE(s, gap.hi + tolerance) << "above the signed gap\n" << c.describe();
+    EXPECT_NEAR(oracle::gap_along(a, b, outcome.n.cast<double>()), s, tolerance) << c.describe();
+    rows_[k].shortfall.push_back(std::max(0.0, gap.lo - s) / size);
+    rows_[k].false_hits += outcome.f && gap.lo > tolerance;
+    if (k == kDefault) judge_default(c, gap, outcome);
+  }
+}
+
+/// The witness points, CP -+ s n/2, and n, of which a gap within 1e-13 S says enough if the pair is
+/// clearly apart.
+void Survey::judge_default(const oracle::Case& c, const oracle::Gap& gap,
+                           const Outcome<float>& outcome) {
+  const auto a = c.shape_a(), b = c.shape_b();
+  const double size = oracle::scene_size(a, b), s = signed_gap_of(outcome);
+  const Vec n = outcome.n.cast<double>(), cp = outcome.cp.cast<double>();
+  const double tolerance = kTolT * size + 4 * 0x1p-24 * oracle::largest_coordinate(a, b);
+  off_.push_back(
+      std::max(oracle::distance(cp - 0.5 * s * n, a), oracle::distance(cp + 0.5 * s * n, b)) /
+      tolerance);
+  if (gap.lo < 0.01 * size || std::string(set_.name) != "upright") return;
+  const oracle::Gap exact = oracle::signed_gap(a, b, {1e-13, 1000000});
+  turned_.push_back((n.normalized() - exact.n).norm());
+}
+
+void Survey::print() const {
+  std::printf("%s, %s: %d pairs, %d meet, %d within tolT of touching\n", oracle::to_string(pair_),
+              set_.name, count_, meet_, in_band_);
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    const Tail tail = rows_[k].tail();
+    std::printf(
+        "  M %2d K1 %2d K2 %2d %4d evaluations  p99 %.1e  max %.1e  over 16u %d  over 1e-4 %d  "
+        "false hits %d\n",
+        kBudgets[k].samples, kBudgets[k].circle, kBudgets[k].free,
+        reference::cylinder::evaluations(body(pair_), kBudgets[k]),
+        quantile(rows_[k].shortfall, 0.99), tail.worst, tail.over, tail.far_over, tail.false_hits);
+  }
+  std::printf("  witness points off by p99 %.2g, at most %.2g tolP; %td of %d more than 1\n",
+              quantile(off_, 0.99), quantile(off_, 1), beyond(), count_);
+  if (turned_.empty()) return;
+  std::printf("  n off by p99 %.1e, at most %.1e; %td of %zu more than 1e-5\n",
+              quantile(turned_, 0.99), quantile(turned_, 1),
+              std::count_if(turned_.begin(), turned_.end(), [](double x) { return x > 1e-5; }),
+              turned_.size());
+}
 
 class CylinderPairs : public ::testing::TestWithParam<std::tuple<oracle::Pair, int>> {};
 
-TEST_P(CylinderPairs, ShortfallPerBudget) {
+TEST_P(CylinderPairs, AgreeWithTheOracle) {
   const oracle::Pair pair = std::get<0>(GetParam());
   const CaseSet& set = kSets[std::get<1>(GetParam())];
-  const std::size_t kind = pair == oracle::Pair::kCylinderCylinder ? 0
-                           : pair == oracle::Pair::kObbCylinder    ? 1
-                                                                   : 2;
-  std::vector<Row> rows(std::size(kBudgets));
-  int meet = 0, in_band = 0;
-  for (int i = 0; i < set.count; ++i) {
-    const oracle::Case c = set.make(pair, i);
-    const auto a = c.shape_a(), b = c.shape_b();
-    const oracle::Gap gap = oracle::signed_gap(a, b);
-    const double size = oracle::scene_size(a, b), tolerance = 16 * 0x1p-24 * size;
-    meet += gap.middle() <= 0, in_band += std::abs(gap.middle()) <= tolerance;
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      const Outcome<float> outcome = answer<float>(pair, c.a, c.b, kBudgets[k]);
-      const double s = signed_gap_of(outcome);
-      ASSERT_LE(s, gap.hi + tolerance) << "above the signed gap\n" << c.describe();
-      EXPECT_LE(oracle::gap_along(a, b, outcome.n.cast<double>()) - tolerance, s) << c.describe();
-      rows[k].shortfall.push_back(std::max(0.0, gap.lo - s) / size);
-      rows[k].false_hits += outcome.f && gap.lo > tolerance;
-    }
-  }
-  std::printf("%s, %s: %d pairs, %d meet, %d within tolT of touching\n", oracle::to_string(pair),
-              set.name, set.count, meet, in_band);
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const Row& row = rows[k];
-    const auto over = [&](double x) {
-      return std::count_if(row.shortfall.begin(), row.shortfall.end(),
-                           [&](double e) { return e > x; });
-    };
-    std::printf(
-        "  M %2d K1 %2d K2 %2d %4d evaluations  p50 %.1e  p99 %.1e  max %.1e  over 16u %ld  "
-        "over 1e-4 %ld  false hits %d\n",
-        kBudgets[k].samples, kBudgets[k].circle, kBudgets[k].free,
-        reference::cylinder::evaluations(body(pair), kBudgets[k]), quantile(row.shortfall, 0.5),
-        quantile(row.shortfall, 0.99), quantile(row.shortfall, 1), over(16 * 0x1p-24), over(1e-4),
-        row.false_hits);
-  }
-  EXPECT_GT(meet, set.fewest_meet * set.count);
-  EXPECT_LT(meet, set.most_meet * set.count);
-  const Row& full = rows.back();
-  const auto above = [](double e) { return e > 16 * 0x1p-24; };
-  EXPECT_LE(quantile(full.shortfall, 1), set.worst[kind]);
-  EXPECT_LE(std::count_if(full.shortfall.begin(), full.shortfall.end(), above), set.tail[kind]);
-  EXPECT_LE(full.false_hits, set.false_hits[kind]);
-}
-
-/// CP -+ s n/2 lie on the shapes up to tolP, but for a counted few.
-TEST_P(CylinderPairs, WitnessPoints) {
-  const oracle::Pair pair = std::get<0>(GetParam());
-  const CaseSet& set = kSets[std::get<1>(GetParam())];
-  const int count = set.count;
-  std::vector<double> off;
-  for (int i = 0; i < count; ++i) {
-    const oracle::Case c = set.make(pair, i);
-    const Outcome<float> outcome = answer<float>(pair, c.a, c.b, kFull);
-    const oracle::Verdict v =
-        oracle::check(c.shape_a(), c.shape_b(),
-                      {outcome.f, outcome.t, outcome.cp.cast<double>(), outcome.n.cast<double>()},
-                      {.lower_bound = true});
-    ASSERT_TRUE(v.ok()) << v.describe() << '\n' << c.describe();
-    off.push_back(std::max(v.witness_a, v.witness_b) / v.tolerance_p);
-  }
-  const auto beyond = std::count_if(off.begin(), off.end(), [](double x) { return x > 1; });
-  std::printf(
-      "%s, %s: witness points off by p50 %.2g, p99 %.2g, at most %.2g tolP; %ld of %d more than "
-      "1\n",
-      oracle::to_string(pair), set.name, quantile(off, 0.5), quantile(off, 0.99), quantile(off, 1),
-      beyond, count);
-  EXPECT_LE(beyond, 0.04 * count);
+  Survey survey(pair, set);
+  survey.run();
+  survey.print();
+  EXPECT_GT(survey.meeting(), set.fewest_meet);
+  EXPECT_LT(survey.meeting(), set.most_meet);
+  const auto within = [&](std::size_t k, const Tail& limit) {
+    const Tail tail = survey.row(k).tail();
+    EXPECT_LE(tail.worst, full() ? 4 * limit.worst : limit.worst) << "budget " << k;
+    EXPECT_LE(tail.over, survey.share(limit.over)) << "budget " << k;
+    EXPECT_LE(tail.far_over, survey.share(limit.far_over)) << "budget " << k;
+    EXPECT_LE(tail.false_hits, limit.false_hits) << "budget " << k;
+  };
+  const auto i = static_cast<std::size_t>(kind(pair));
+  within(kDefault, set.at_default[i]);
+  within(std::size(kBudgets) - 1, set.at_largest[i]);
+  EXPECT_LE(survey.off_witness(), set.off_witness[i]);
 }
 
 std::string set_name(const ::testing::TestParamInfo<std::tuple<oracle::Pair, int>>& info) {
@@ -278,8 +279,47 @@ INSTANTIATE_TEST_SUITE_P(All, CylinderPairs,
                          ::testing::Combine(::testing::Values(oracle::Pair::kCylinderCylinder,
                                                               oracle::Pair::kObbCylinder,
                                                               oracle::Pair::kTriangleCylinder),
-                                            ::testing::Values(0, 1, 2)),
+                                            ::testing::Values(0, 1, 2, 3)),
                          set_name);
+
+// ---- Pairs with a known answer ----
+
+/// An axis-parallel box beside and below an upright cylinder: both ends of every bracket have one
+/// support point, the corner against the rim.
+TEST(CylinderRegression, BoxBelowARim) {
+  const Obb box{Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(6, 2, 1), Eigen::Matrix3f::Identity()};
+  const Cylinder cylinder{Eigen::Vector3f(0, 4, 5), Eigen::Vector3f(0, 0, 1), 3, 1};
+  for (const Budget budget : {Budget{4, 6, 6}, Budget{8, 8, 8}, Budget{16, 64, 64}}) {
+    const Outcome<float> got = reference::obb_cylinder<float>(box, cylinder, budget);
+    EXPECT_FALSE(got.f);
+    EXPECT_NEAR(got.t, std::sqrt(2.0), 1e-6);
+    EXPECT_NEAR((got.n.cast<double>() - Vec(0, 1, 1).normalized()).norm(), 0, 1e-5);
+    EXPECT_NEAR((got.cp.cast<double>() - Vec(0, 2.5, 1.5)).norm(), 0, 1e-5);
+  }
+}
+
+TEST(CylinderRegression, TriangleBelowARim) {
+  const Triangle triangle{Eigen::Vector3f(-6, 0, 0), Eigen::Vector3f(6, 0, 0),
+                          Eigen::Vector3f(0, -5, 0)};
+  const Cylinder cylinder{Eigen::Vector3f(0, 5, 2), Eigen::Vector3f(0, 0, 1), 1, 4};
+  for (const Budget budget : {Budget{4, 6, 6}, Budget{8, 8, 8}, Budget{16, 64, 64}}) {
+    const Outcome<float> got = reference::triangle_cylinder<float>(triangle, cylinder, budget);
+    EXPECT_FALSE(got.f);
+    EXPECT_NEAR(got.t, std::sqrt(2.0), 1e-6);
+    EXPECT_NEAR((got.n.cast<double>() - Vec(0, 1, 1).normalized()).norm(), 0, 1e-5);
+  }
+}
+
+/// Two rims that miss each other by 1.851e-4, where Newton's matrix is not definite.
+TEST(CylinderRegression, RimsThatMiss) {
+  const std::vector<double> a = {0,          0,          0, -0.213993683, 0.738440633, -0.639462352,
+                                 1.26860404, 0.357277811};
+  const std::vector<double> b = {0.19473657,   0.921042919, -2.12024307, -0.494172364,
+                                 -0.650091469, -0.57721293, 0.260761261, 1.10080326};
+  const Outcome<float> got = answer<float>(oracle::Pair::kCylinderCylinder, a, b, Budget{8, 8, 8});
+  EXPECT_FALSE(got.f);
+  EXPECT_NEAR(got.t, 1.851e-4, 1e-6);
+}
 
 // ---- Formats ----
 
@@ -338,10 +378,11 @@ TYPED_TEST(CylinderFormats, LowerBound) {
   for (const oracle::Pair pair : {oracle::Pair::kCylinderCylinder, oracle::Pair::kObbCylinder,
                                   oracle::Pair::kTriangleCylinder}) {
     for (int i = 0; i < 200; ++i) {
-      Random random(kSeed + static_cast<std::uint64_t>(i));
-      const oracle::Shape shape = random_primary(pair, random);
-      const auto b = operand<S>(oracle::Cylinder{2 * random.direction(), random.direction(),
-                                                 random.decades(0.2, 2), random.decades(0.2, 2)});
+      const oracle::Shape shape = random_primary(pair, kSeed + static_cast<std::uint64_t>(i));
+      oracle::Random random(kSeed, 14, static_cast<std::uint64_t>(i));
+      const Vec centre = 2 * random.direction(), axis = random.direction();
+      const double half = random.decades(0.2, 2), radius = random.decades(0.2, 2);
+      const auto b = operand<S>(oracle::Cylinder{centre, axis, half, radius});
       const auto judge = [&](const auto& a) {
         const Outcome<S> outcome = reference::cylinder::run<S>(a, b, kFull);
         ++tried, flagged += outcome.bad;
@@ -420,7 +461,8 @@ Phases operators(reference::cylinder::Pair<Counted> pair) {
     restart(pair.d), restart(pair.b_reach), restart(pair.axis), restart(pair.reach);
     restart(pair.face), restart(s.best_g), restart(s.best_n), restart(s.next), restart(s.score);
     restart(s.lo_n), restart(s.lo_y), restart(s.hi_n), restart(s.hi_y), restart(s.q);
-    restart(s.last.g), restart(s.last.n), restart(s.last.y);
+    restart(s.last.g), restart(s.last.n), restart(s.last.y), restart(s.back.g), restart(s.back.y);
+    restart(s.last_slope), restart(s.back_slope), restart(s.best_slope);
     const cylinder::Pass p = cylinder::pass(pair.body, budget, k);
     Counted::tally = {};
     if (!cylinder::step<Counted>(pair, s, budget, k)) return phases;

@@ -55,7 +55,7 @@ template <typename S>
 
 /// sqrt(16 times the smallest normal number): weights below it would drown when squared.
 template <typename S>
-inline constexpr double kLeastWeight = [] {
+inline const double kLeastWeight = [] {
   double x = 1;
   while (x * x > 16 * static_cast<double>(std::numeric_limits<S>::min())) x /= 2;
   return x;
@@ -210,8 +210,8 @@ template <typename S>
 
 /// The next normal on a circle: Newton from `at` if that stays in the bracket, else the tie.
 template <typename S>
-[[nodiscard]] Vector<S> circle_step(const Vector<S>& e, const Search<S>& s,
-                                    const Evaluation<S>& at, const Slopes<S>& slope) {
+[[nodiscard]] Vector<S> circle_step(const Vector<S>& e, const Search<S>& s, const Evaluation<S>& at,
+                                    const Slopes<S>& slope) {
   const S zero(0);
   const Vector<S>& t = slope.t;
   const S va = dot<S>(at.a.v, t), vb = dot<S>(at.b.v, t);
@@ -277,8 +277,8 @@ struct Cap {
 ///
 /// Two things make y the wrong point to start from. Where the other cylinder's axis is within a
 /// 32nd of t's slope of perpendicular to n, its nearer end is the one on the side of the step, not
-/// the one that n happens to touch. Where the axes are parallel up to 2^-15, what its rim adds turns
-/// with the step: |t| - r - r' is the slope, t between the axes.
+/// the one that n happens to touch. Where the axes are parallel up to 2^-15, what its rim adds
+/// turns with the step: |t| - r - r' is the slope, t between the axes.
 template <typename S>
 [[nodiscard]] Vector<S> beside_pole(const Touch<S>& at, const Vector<S>& d, const Cap<S>& own,
                                     const Cap<S>& other, const Rim<S>& rim) {
@@ -289,8 +289,7 @@ template <typename S>
   for (int k = 0; k < 3; ++k) end[k] = move_sign(side, other.reach[k]);
   const Vector<S> x = sub<S>(d, end), across = sub<S>(x, scale<S>(at.n, dot<S>(x, at.n)));
   const S ahead = dot<S>(across, other.axis);
-  const Mask<S> crosses =
-      (tilt * tilt) * dot<S>(across, across) <= (ahead * ahead) * S(0x1p-10);
+  const Mask<S> crosses = (tilt * tilt) * dot<S>(across, across) <= (ahead * ahead) * S(0x1p-10);
   const Mask<S> parallel = rim.kappa == zero || other.radius <= rim.kappa * S(0x1p-15);
   const Vector<S> touched = sub<S>(at.y, scale<S>(at.n, at.g));
   const Vector<S> t = select<S>(crosses || parallel, across, touched);
@@ -352,8 +351,7 @@ void keep_newton(Search<S>& s, const Evaluation<S>& at, bool start) {
 /// face normals and the side's are right on a kink alone, where a circle finds them again.
 template <typename S>
 void keep_best(Search<S>& s, const Pair<S>& pair, const Pass& p, const Evaluation<S>& at,
-               const Slopes<S>& slope) {
-  const Mask<S> turned = at.plus.g < at.minus.g;
+               Mask<S> turned, const Slopes<S>& slope) {
   const Touch<S> best = select_touch<S>(turned, at.minus, at.plus);
   const Mask<S> raised = s.best_g < best.g;
   if (pair.body == Body::kCylinder) {
@@ -361,7 +359,7 @@ void keep_best(Search<S>& s, const Pair<S>& pair, const Pass& p, const Evaluatio
   } else {
     const bool on_circle = p.phase == Phase::kSample || p.phase == Phase::kRefine;
     const S along = select<S>(turned, magnitude(slope.minus), magnitude(slope.plus));
-    const S size = on_circle                     ? along
+    const S size = on_circle                   ? along
                    : p.phase == Phase::kVertex ? S(0)
                                                : S(std::numeric_limits<S>::infinity());
     const S near = (magnitude(at.plus.g) + magnitude(at.minus.g)) * S(2 * kUnitRoundoff<S>);
@@ -379,7 +377,8 @@ void step(Pair<S>& pair, Search<S>& s, const Pass& p, const Budget& budget) {
   const bool cylinders = pair.body == Body::kCylinder, pole = p.phase == Phase::kPole;
   const Vector<S> n = normalise<S>(front<S>(pair, s, p, budget.samples));
   const Evaluation<S> at = evaluate<S>(pair, n, pole && p.track == 0, pole && p.track == 1);
-  const Touch<S> best = better<S>(at);
+  const Mask<S> turned = at.plus.g < at.minus.g;
+  const Touch<S> best = select_touch<S>(turned, at.minus, at.plus);
   const Vector<S> e = cylinders && p.track == 1 ? pair.b : pair.axis[p.track];
   const bool on_circle = p.phase == Phase::kSample || p.phase == Phase::kRefine;
   const Slopes<S> slope = on_circle ? slopes<S>(e, at) : Slopes<S>{e, S(0), S(0)};
@@ -418,7 +417,7 @@ void step(Pair<S>& pair, Search<S>& s, const Pass& p, const Budget& budget) {
     default:
       break;
   }
-  keep_best<S>(s, pair, p, at, slope);
+  keep_best<S>(s, pair, p, at, turned, slope);
 }
 
 }  // namespace cde::reference::cylinder
