@@ -51,7 +51,7 @@ module ray_box #(
     localparam int T_AWAY = `RAY_T_AWAY(T_P);
     localparam int T_OUT = `RAY_T_OUT(T_P);
     logic [2:0][B_LANES-1:0][CW-1:0] centre, half, centre_p, half_p;
-    logic [2:0][LANES-1:0][CW-1:0] from, beyond, within;
+    logic [2:0][LANES-1:0][CW-1:0] from, beyond, accepted;
     triangle_bounds #(.EXP(EXP), .MAN(MAN), .LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) bounds (
         .clk_i, .b_i, .centre_o(centre), .half_o(half));
     align #(.W(3 * B_LANES * CW), .FROM(`RAY_T_CENTRE), .TO(T_AWAY - LAT_ADD), .ARITH(ARITH)) align_c (.clk_i, .d_i(centre), .q_o(centre_p));
@@ -67,10 +67,10 @@ module ray_box #(
     for (genvar k = 0; k < 3; k++) begin : axis
       `DF_IN(out, beyond[k], T_OUT)
       `DF_LT(in, out, margin)
-      assign within[k] = in;
+      assign accepted[k] = in;
     end
     localparam int T_IN_BOX = `RAY_T_IN_BOX(T_TD, T_P);
-    `DF_IN(in_box, within[0] & within[1] & within[2], T_IN_BOX)
+    `DF_IN(in_box, accepted[0] & accepted[1] & accepted[2], T_IN_BOX)
     `DF_AND(hit, met, in_box)
     assign hit_o = hit;
   end
