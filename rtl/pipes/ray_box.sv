@@ -32,7 +32,32 @@ module ray_box #(
     logic unused;
     assign unused = &{1'b0, clk_i, b_i, td_i, p_i};
     assign hit_o = met_i;
-  end else begin : g_box
+  end
+`ifdef VERILATOR
+  // Hits are rare, and what nobody asks costs no simulation: one call for a lane that is met.
+  else if (ARITH != "rtl") begin : g_host
+    logic unused_clk;
+    assign unused_clk = clk_i;
+    logic [LANES-1:0][CW-1:0] hit;
+    `define CDE_IN_BOX(C, BITS) C("host_fp::in_box<", EXP, ",", MAN, ",", BITS, ">(", met_i[l], ",", td_i[0][l], ",", td_i[1][l], ",", \
+        td_i[2][l], ",", p_i[0][l], ",", p_i[1][l], ",", p_i[2][l], ",", b_i[0][l%B_LANES], ",", b_i[1][l%B_LANES], ",", b_i[2][l%B_LANES], ",", \
+        b_i[3][l%B_LANES], ",", b_i[4][l%B_LANES], ",", b_i[5][l%B_LANES], ",", b_i[6][l%B_LANES], ",", b_i[7][l%B_LANES], ",", b_i[8][l%B_LANES], ")")
+    if (CW == 32) begin : g_32
+      always_comb begin
+        hit = '0;
+        if (met_i != '0) for (int l = 0; l < LANES; l++) hit[l] = `CDE_IN_BOX($c32, "uint32_t");
+      end
+    end else begin : g_64
+      always_comb begin
+        hit = '0;
+        if (met_i != '0) for (int l = 0; l < LANES; l++) hit[l] = `CDE_IN_BOX($c64, "uint64_t");
+      end
+    end
+    `undef CDE_IN_BOX
+    assign hit_o = hit;
+  end
+`endif
+  else begin : g_box
     `DF_IN(met, met_i, T_MET)
     `DF_VIN(td, td_i, T_TD)
     `DF_VIN(p, p_i, T_P)
