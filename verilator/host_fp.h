@@ -377,6 +377,60 @@ inline Bits shift(Bits a) {
   return C == 1 ? one - k : k - one;
 }
 
+/// cde_pkg::power_of_two: the word of 2^e, which may be subnormal.
+template <unsigned E, unsigned M, class Bits>
+constexpr Bits power_of_two(int e) {
+  const int biased = (1 << (E - 1)) - 1 + e, down = biased + int(M) - 1;
+  return biased > 0 ? Bits(biased) << M : down >= 0 ? Bits{1} << down : Bits{};
+}
+
+/// rtl/pipes/ray_box.sv and triangle_bounds.sv for one lane, if it is met at all: nearly no lane is,
+/// and what is asked of none of them costs nothing. v: the triangle's words, three a vertex.
+template <unsigned E, unsigned M, class Bits>
+[[gnu::noinline]] Bits in_box(Bits met, const Bits (&td)[3], const Bits (&p)[3],
+                              const Bits (&v)[9]) {
+  using F = Format<E, M>;
+  const auto add = [](Bits a, Bits b) { return op<kAdd, E, M, true, Bits>(a, b); };
+  const auto sub = [](Bits a, Bits b) { return op<kSub, E, M, true, Bits>(a, b); };
+  const auto mul = [](Bits a, Bits b) { return op<kMul, E, M, true, Bits>(a, b); };
+  const auto min = [](Bits a, Bits b) { return op<kMin, E, M, true, Bits>(a, b); };
+  const auto max = [](Bits a, Bits b) { return op<kMax, E, M, true, Bits>(a, b); };
+  const auto abs = [](Bits a) { return sign<0, E, M, Bits>(a); };
+  const auto two_to = [](int e) { return power_of_two<E, M, Bits>(e); };
+  constexpr int m = M;
+  Bits centre[3], size[3], reach[3], e1[3], e2[3];
+  for (int k = 0; k < 3; ++k) {
+    const Bits low = min(min(v[k], v[3 + k]), v[6 + k]), high = max(max(v[k], v[3 + k]), v[6 + k]);
+    centre[k] = mul(add(low, high), two_to(-1));
+    size[k] = sub(high, centre[k]);
+    reach[k] = add(abs(centre[k]), size[k]);
+    e1[k] = sub(v[3 + k], v[k]);
+    e2[k] = sub(v[6 + k], v[k]);
+  }
+  const Bits world = mul(max(max(reach[0], reach[1]), reach[2]), two_to(2 - m));
+  Bits flat = ~Bits{};
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    const Bits x = mul(e1[i], e2[j]), y = mul(e1[j], e2[i]);
+    const Bits noise = mul(add(add(abs(x), Bits{1} << M), abs(y)), two_to(1 - m));
+    flat &= op<kLe, E, M, true, Bits>(abs(sub(x, y)), noise);
+  }
+  const Bits margin = mul(add(add(abs(td[0]), abs(td[1])), abs(td[2])), two_to(5 - m));
+  Bits accepted = met;
+  for (int k = 0; k < 3; ++k) {
+    const Bits half = select<Bits>(flat != 0, F::kInf | F::kSign, add(size[k], world));
+    const Bits out = sub(abs(sub(p[k], centre[k])), half);
+    accepted &= op<kLt, E, M, true, Bits>(out, margin);
+  }
+  return accepted;
+}
+template <unsigned E, unsigned M, class Bits>
+inline Bits in_box(Bits met, Bits td0, Bits td1, Bits td2, Bits p0, Bits p1, Bits p2, Bits v0,
+                   Bits v1, Bits v2, Bits v3, Bits v4, Bits v5, Bits v6, Bits v7, Bits v8) {
+  if (met == 0) return Bits{};
+  return in_box<E, M, Bits>(met, {td0, td1, td2}, {p0, p1, p2}, {v0, v1, v2, v3, v4, v5, v6, v7, v8});
+}
+
 template <unsigned N>
 using Word = std::conditional_t<N == 32, uint32_t, uint64_t>;
 

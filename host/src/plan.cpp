@@ -27,6 +27,7 @@ constexpr Cost kCosts[] = {
     {"pipes", 2.1},
     {"gates", 11.0},
     {"transformer", 1.6},
+    {"box rule", 1.0},
     {"normals", 1.0},
     {"exchange of roles", 1.2},
     {"two pairs at a time", 1.1},
@@ -171,6 +172,16 @@ Effect pipes(const Scene& scene, const Plan& plan) {
   return e;
 }
 
+Effect box_rule(const Scene& scene, const Plan& plan) {
+  const bool rays = std::find(plan.board.pairs.begin(), plan.board.pairs.end(),
+                              Pair::kRayTriangle) != plan.board.pairs.end();
+  return {"box rule", plan.board.box, plan.board.box ? "built in" : "none",
+          !rays             ? "no rays meet triangles"
+          : scene.card.box ? "a ray's hit must lie in the triangle's box"
+                           : "the plain pipe is asked for: a hit may be far from an edge-on triangle",
+          simulation_text("box rule")};
+}
+
 Effect lanes(const Scene& scene, const Plan& plan) {
   const unsigned n = plan.board.lanes;
   Effect e{"lanes", true, fmt::format("{}", n), "", ""};
@@ -272,6 +283,7 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
   const bool banks = scene.card.cycle_memory;
   std::vector<Effect> effects = {
       pipes(scene, plan),
+      box_rule(scene, plan),
       lanes(scene, plan),
       arithmetic(plan),
       modes(scene, plan),
@@ -297,7 +309,7 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
        trace ? "asked for" : "not asked for",
        simulation_text("trace") + " even while none are written"},
   };
-  effects.insert(effects.begin() + 3, movers.begin(), movers.end());
+  effects.insert(effects.begin() + 4, movers.begin(), movers.end());
   return effects;
 }
 

@@ -32,7 +32,32 @@ module ray_box #(
     logic unused;
     assign unused = &{1'b0, clk_i, b_i, td_i, p_i};
     assign hit_o = met_i;
-  end else begin : g_box
+  end
+`ifdef VERILATOR
+  // Hits are rare, and what nobody asks costs no simulation: one call for a lane that is met.
+  else if (ARITH != "rtl") begin : g_host
+    logic unused_clk;
+    assign unused_clk = clk_i;
+    logic [LANES-1:0][CW-1:0] hit;
+    `define CDE_IN_BOX(C, BITS) C("host_fp::in_box<", EXP, ",", MAN, ",", BITS, ">(", met_i[l], ",", td_i[0][l], ",", td_i[1][l], ",", \
+        td_i[2][l], ",", p_i[0][l], ",", p_i[1][l], ",", p_i[2][l], ",", b_i[0][l%B_LANES], ",", b_i[1][l%B_LANES], ",", b_i[2][l%B_LANES], ",", \
+        b_i[3][l%B_LANES], ",", b_i[4][l%B_LANES], ",", b_i[5][l%B_LANES], ",", b_i[6][l%B_LANES], ",", b_i[7][l%B_LANES], ",", b_i[8][l%B_LANES], ")")
+    if (CW == 32) begin : g_32
+      always_comb begin
+        hit = '0;
+        if (met_i != '0) for (int l = 0; l < LANES; l++) hit[l] = `CDE_IN_BOX($c32, "uint32_t");
+      end
+    end else begin : g_64
+      always_comb begin
+        hit = '0;
+        if (met_i != '0) for (int l = 0; l < LANES; l++) hit[l] = `CDE_IN_BOX($c64, "uint64_t");
+      end
+    end
+    `undef CDE_IN_BOX
+    assign hit_o = hit;
+  end
+`endif
+  else begin : g_box
     `DF_IN(met, met_i, T_MET)
     `DF_VIN(td, td_i, T_TD)
     `DF_VIN(p, p_i, T_P)
@@ -51,7 +76,7 @@ module ray_box #(
     localparam int T_AWAY = `RAY_T_AWAY(T_P);
     localparam int T_OUT = `RAY_T_OUT(T_P);
     logic [2:0][B_LANES-1:0][CW-1:0] centre, half, centre_p, half_p;
-    logic [2:0][LANES-1:0][CW-1:0] from, beyond, within;
+    logic [2:0][LANES-1:0][CW-1:0] from, beyond, accepted;
     triangle_bounds #(.EXP(EXP), .MAN(MAN), .LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) bounds (
         .clk_i, .b_i, .centre_o(centre), .half_o(half));
     align #(.W(3 * B_LANES * CW), .FROM(`RAY_T_CENTRE), .TO(T_AWAY - LAT_ADD), .ARITH(ARITH)) align_c (.clk_i, .d_i(centre), .q_o(centre_p));
@@ -67,10 +92,10 @@ module ray_box #(
     for (genvar k = 0; k < 3; k++) begin : axis
       `DF_IN(out, beyond[k], T_OUT)
       `DF_LT(in, out, margin)
-      assign within[k] = in;
+      assign accepted[k] = in;
     end
     localparam int T_IN_BOX = `RAY_T_IN_BOX(T_TD, T_P);
-    `DF_IN(in_box, within[0] & within[1] & within[2], T_IN_BOX)
+    `DF_IN(in_box, accepted[0] & accepted[1] & accepted[2], T_IN_BOX)
     `DF_AND(hit, met, in_box)
     assign hit_o = hit;
   end

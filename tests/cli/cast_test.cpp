@@ -51,6 +51,22 @@ TEST_F(Cast, CsvOnStdoutIsAllThatIsThere) {
   EXPECT_EQ(files(), Words{"one.obj"});
 }
 
+/// A ray in a sliver's plane: the plain pipe's hit is in empty space.
+TEST_F(Cast, SaysWhetherItHasTheBoxRule) {
+  write("one.obj", kTriangle);
+  const Words ray = {"cast", "one.obj", "--ray", "0.25,0.25,0,0,0,2", "--json"};
+  Ran ran = cde(ray);
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.err.find("fp32, box rule, mode nearest"), std::string::npos) << ran.err;
+  EXPECT_EQ(nlohmann::json::parse(ran.out)["box"], true);
+  Words plain = ray;
+  plain.emplace_back("--no-box");
+  ran = cde(plain);
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.err.find("fp32, no box rule, mode nearest"), std::string::npos) << ran.err;
+  EXPECT_EQ(nlohmann::json::parse(ran.out)["box"], false);
+}
+
 TEST_F(Cast, BitsQuietAndFile) {
   write("one.obj", kTriangle);
   const Ran ran =

@@ -111,6 +111,34 @@ TEST_F(Query, RaysOfSixAndEightWordsWithoutANormal) {
                          "1,-2,0,0,0,,,,\n");
 }
 
+/// A triangle without area, which the plain pipe hits 3.4 away from it, at T = -0 once.
+TEST_F(Query, TheBoxRuleMissesTrianglesWithoutArea) {
+  const std::string line =
+      "0.2 2.8 -2.3 -0.1 -0.9 0.7 0.1 0.7 -0.4 0.2 -0.4 0.9 0.2 -0.4 0.9\n";
+  Ran ran = query({"ray-triangle", "--algorithm", "pluecker"}, line);
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(ran.out, kHeader + "0,inf,0,0,0,,,,\n");
+  EXPECT_NE(ran.err.find("pluecker, box rule"), std::string::npos) << ran.err;
+  EXPECT_EQ(query({"ray-triangle", "--algorithm", "pluecker", "--box", "-q"}, line).out, ran.out);
+  ran = query({"ray-triangle", "--algorithm", "pluecker", "--no-box"}, line);
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(ran.out.substr(kHeader.size(), 4), "1,0,") << ran.out;
+  EXPECT_EQ(ran.err.find("box rule"), std::string::npos) << ran.err;
+  refused({"sphere-sphere", "--box"}, "sphere-sphere has no box rule");
+}
+
+/// Neither T nor CP of a hit is infinite, and T is never -0.
+TEST_F(Query, ARaysHitIsFinite) {
+  const Ran ran = query({"ray-triangle", "-q"},
+                        "0 0 20 0 0 -1e-38 -1 -1 0 2 -1 0 -1 2 0\n"
+                        "0 0 20 0 0 -1e-37 -1 -1 0 2 -1 0 -1 2 0\n"
+                        "0 0 0 0 0 -1 -1 -1 0 2 -1 0 -1 2 0\n"
+                        "0 0 0 0 0 1 -1 -1 0 2 -1 0 -1 2 0\n");
+  EXPECT_EQ(ran.out, kHeader +
+                         "0,inf,0,0,0,,,,\n1,1.9999999e+38,0,0,0,,,,\n1,0,0,0,0,,,,\n"
+                         "1,0,0,0,0,,,,\n");
+}
+
 TEST_F(Query, MalformedLinesAreNamedAndTheOthersAnswered) {
   const std::string good = "0,0,0,1,1.5,0,0,1\n";
   const std::vector<std::pair<std::string, std::string>> cases = {
