@@ -113,6 +113,16 @@ void check(const Mesh& mesh, std::string_view what) {
                   fmt::format("{}: vertex {} is ({}, {}, {}), which is not finite", what, i, v.x(),
                               v.y(), v.z()));
     }
+    if (const auto why = defect(Triangle{v, v, v})) {
+      const auto far =
+          std::count_if(mesh.vertices.begin(), mesh.vertices.end(), [](const Eigen::Vector3f& w) {
+            return defect(Triangle{w, w, w}).has_value();
+          });
+      throw Error(
+          ErrorCode::kBadInput,
+          fmt::format("{}: vertex {} is ({}, {}, {}): {} ({} of {} vertices are too far)", what, i,
+                      v.x(), v.y(), v.z(), why->substr(3), far, mesh.vertices.size()));
+    }
   }
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
     for (const auto corner : mesh.faces[i]) {

@@ -33,7 +33,7 @@ Defect bad_word(const P& primitive) {
   Defect why;
   P::visit(primitive, [&](const char* name, const auto& field) {
     const std::string_view interval[] = {"tmin", "tmax"};
-    const std::string_view units[] = {"normal", "axis", "rotation", "translation"};
+    const std::string_view units[] = {"normal", "axis", "rotation"};
     const bool may_be_infinite = name == interval[0] || name == interval[1];
     const bool length =
         !may_be_infinite && std::find(std::begin(units), std::end(units), name) == std::end(units);

@@ -1,5 +1,5 @@
 // The answer to a pair that length_scale.sv brought to the size of one, at the pair's own size: T and CP times 2^k; a ray's T times
-// 2^(k - kd), rounded once, and if that overflows a miss.
+// 2^(k - kd), rounded once. A ray whose T or CP overflows misses.
 // Latency: LAT_CMP, with a ray the larger of LAT_CMP and LAT_MUL; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
 module length_unscale #(
     parameter bit RAY = 0,
@@ -35,12 +35,19 @@ module length_unscale #(
   end
   align #(.W(3 * LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_cp (.clk_i, .d_i(cp), .q_o(cp_late));
   if (RAY) begin : g_ray
-    logic [LANES-1:0][CW-1:0] finite;
+    localparam logic [CW-1:0] INF = ((CW'(1) << EXP) - 1) << MAN;
+    logic [LANES-1:0][CW-1:0] finite, t_late, near_late;
+    logic [2:0][LANES-1:0][CW-1:0] near;
     fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH)) multiply (
         .clk_i, .a_i(t_i), .b_i(t_back_i), .r_o(t), .flags_o());
-    align #(.W(LW), .FROM(LAT_MUL), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_o));
-    fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("fin"), .ARITH(ARITH)) is_finite (.a_i(t_o), .m_o(finite));
-    assign f_o = f & finite;
+    align #(.W(LW), .FROM(LAT_MUL), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_late));
+    fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("fin"), .ARITH(ARITH)) is_finite (.a_i(t_late), .m_o(finite));
+    for (genvar k = 0; k < 3; k++) begin : axis
+      fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("fin"), .ARITH(ARITH)) is_finite (.a_i(cp_i[k]), .m_o(near[k]));
+    end
+    align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_near (.clk_i, .d_i(near[0] & near[1] & near[2]), .q_o(near_late));
+    assign f_o = f & finite & near_late;
+    assign t_o = (t_late & f_o) | ({LANES{INF}} & ~f_o);
     assign cp_o = cp_late & {3{f_o}};
   end else begin : g_solid
     logic unused;

@@ -103,7 +103,8 @@ Scene directed() {
     for (float b : {-kInf, -0.0f, 0.0f, kInf, 0.5f})
       s.rays.push_back({.o = {0.2f, 0.3f, 0}, .d = {0, 0, 1}, .tmin = a, .tmax = b});
   // Subnormal and huge rays; T and CP overflow, underflow, or are no number.
-  for (float m : {kTiny, 0x1p-130f, 0x1p-126f, 0x1p-70f, 0x1p70f, 0x1p126f, kMax}) {
+  for (float m : {kTiny, 0x1p-130f, 0x1p-126f, 0x1p-70f, 0x1p-34f, 0x1p-17f, 0x1p20f, 0x1p40f,
+                  0x1p70f, 0x1p126f, kMax}) {
     s.rays.push_back({.o = {0.2f, 0.3f, 0}, .d = {0, 0, m}});
     s.rays.push_back({.o = {0.2f * m, 0.3f * m, -m}, .d = {m * 0.1f, m * 0.1f, m}});
     s.rays.push_back({.o = {0.1f, 0.1f, -m}, .d = {0, 0, 1}, .tmin = -kInf});

@@ -73,7 +73,7 @@ std::vector<Object> objects(Random& random, std::uint32_t slots, std::size_t cou
     const std::uint32_t most = random.below(2) == 0 ? 1 : slots - first;
     Transform transform = motion(random);
     if (boxes) transform.rotation.setIdentity();
-    if (random.below(16) == 0) transform.translation.x() = 1e38f;
+    if (random.below(16) == 0) transform.translation.x() = 0x1p40f;
     all.push_back({first, 1 + random.below(most), transform});
   }
   return all;

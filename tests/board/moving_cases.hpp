@@ -57,14 +57,14 @@ template <>
 Aabb shape(Random& random);
 
 /// Random shapes, some out of contract, some that only leave it when they move: a word so large
-/// that a translation by 1e38 overflows.
+/// that a translation by 2^40, the largest coordinate, takes it out of the range of lengths.
 template <class P>
 std::vector<P> shapes(Random& random, std::size_t count) {
   std::vector<P> all;
   for (std::size_t i = 0; i < count; ++i) {
     auto words = to_words(shape<P>(random));
     const float odd[] = {std::numeric_limits<float>::quiet_NaN(),
-                         -std::numeric_limits<float>::infinity(), 3.3e38f, -0.0f};
+                         -std::numeric_limits<float>::infinity(), 0x1p40f, -0.0f};
     if (random.below(16) == 0)
       words[random.below(static_cast<std::uint32_t>(words.size()))] = odd[random.below(4)];
     all.push_back(from_words<P>(words));

@@ -9,16 +9,16 @@ namespace {
 
 using namespace card;
 
-/// Words that only the transform makes infinite: the check stands behind it.
-TEST(ObjectDriver, OverflowOnTheWayIsBadInput) {
+/// Words that only the transform makes too large: the check stands behind it.
+TEST(ObjectDriver, WhatMovesOutOfTheRangeIsBadInput) {
   Board board = Board::open(config_of(kSlowHost));
   Random random;
   Rays scene = rays(random, 9, 12);
-  scene.secondaries[4].v1.x() = 3.3e38f;
-  scene.primaries[2].o.x() = -3.3e38f;
+  scene.secondaries[4].v1.x() = 0x1p40f;
+  scene.primaries[2].o.x() = -0x1p40f;
   Transform there, back;
-  there.translation.x() = 1e38f;
-  back.translation.x() = -1e38f;
+  there.translation.x() = 0x1p40f;
+  back.translation.x() = -0x1p40f;
   const std::vector<Object> moving{{0, 12, back}, {3, 3, there}};
   board.upload(scene.secondaries);
   board.load(scene.primaries);

@@ -16,8 +16,13 @@ TEST(PrimitivesTest, Defects) {
   constexpr float kInf = std::numeric_limits<float>::infinity();
   const Ray good{{0, 0, 0}, {0, 0, 1}};
   EXPECT_FALSE(defect(good).has_value());
-  EXPECT_FALSE(defect(Ray{{0, 0, 0}, {0, 0, 1e-45f}, -kInf, -kInf}).has_value())
-      << "a subnormal direction is one";
+  EXPECT_FALSE(defect(Ray{{0, 0, 0}, {1e-45f, 0, -0x1p-34f}, -kInf, -kInf}).has_value());
+  EXPECT_EQ(defect(Ray{{0, 0, 0}, {0, 0, -1e-38f}}),
+            "largest component of direction is 9.99999935e-39, must be 2^-34 to 2^40");
+  EXPECT_EQ(defect(Ray{{0, 2e12f, 0}, {0, 0, 1}}),
+            "origin.y is 2e+12, must be at most 2^40 in size");
+  EXPECT_EQ(defect(Ray{{0, 0, 0}, {0, 0, -0x1.8p40f}}),
+            "direction.z is -1.64926744e+12, must be at most 2^40 in size");
   EXPECT_EQ(defect(Ray{{0, kNan, 0}, {0, 0, 1}}), "origin.y is nan");
   EXPECT_EQ(defect(Ray{{0, 0, 0}, {0, 0, -kInf}}), "direction.z is -inf");
   EXPECT_EQ(defect(Ray{{0, 0, 0}, {0, -0.0f, 0}}), "direction is zero");

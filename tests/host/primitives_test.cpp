@@ -100,7 +100,11 @@ TEST(Contract, SaysWhichFieldAndWhatWasExpected) {
   EXPECT_EQ(defect(with(kSphere, 3, kInf)), "radius is inf");
   EXPECT_EQ(defect(with(kSphere, 3, 0)), "radius is 0, must be > 0");
   EXPECT_EQ(defect(with(kSphere, 3, -2)), "radius is -2, must be > 0");
-  EXPECT_EQ(defect(with(kSphere, 3, 1e-45f)), std::nullopt) << "subnormal";
+  EXPECT_EQ(defect(with(kSphere, 3, 0x1p-34f)), std::nullopt);
+  EXPECT_EQ(defect(with(kSphere, 3, 5e-11f)), "radius is 4.99999997e-11, must be 2^-34 to 2^40");
+  EXPECT_EQ(defect(with(kSphere, 3, 2e12f)),
+            "radius is 1.99999999e+12, must be at most 2^40 in size");
+  EXPECT_EQ(defect(with(kPlane, 3, -2e12f)), "d is -1.99999999e+12, must be at most 2^40 in size");
   EXPECT_EQ(defect(with(kAabb, 4, -1)), "max.y is -1, must be > min.y = -1");
   EXPECT_EQ(defect(with(kAabb, 2, -kInf)), "min.z is -inf");
   EXPECT_EQ(defect(with(kPlane, 3, kInf)), "d is inf");
@@ -133,9 +137,11 @@ TEST(Contract, ToleranceOfUnitVectorsIsTwoToTheMinusTwenty) {
 /// defect and bad agree, whatever the words.
 template <typename P>
 void expect_agreement(const P& plain, std::mt19937& random, int& flagged, int& clean) {
-  constexpr float kValues[] = {0,         -0.0f,   1,          -1,       kNan,  kInf,
-                               -kInf,     1e-45f,  0.5f,       2,        3e38f, 1e-30f,
-                               0.999999f, 0.9999f, 1.0000001f, 1.000001f};
+  constexpr float kValues[] = {
+      0,        -0.0f,           1,        -1,       kNan,           kInf,
+      -kInf,    1e-45f,          0.5f,     2,        3e38f,          1e-30f,
+      0x1p-34f, 0x1.fffffep-35f, 0x1p40f,  -0x1p40f, 0x1.000002p40f, 0.999999f,
+      0.9999f,  1.0000001f,      1.000001f};
   ASSERT_EQ(defect(plain), std::nullopt);
   for (int i = 0; i < 20000; ++i) {
     auto words = to_words(plain);

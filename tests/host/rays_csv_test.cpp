@@ -69,11 +69,11 @@ TEST(RaysCsvTest, NothingIsAnEmptyList) {
 }
 
 TEST(RaysCsvTest, NumbersAreNearestFloats) {
-  const auto ray = read("0.1,16777217,1e-46,1e-45,0x1.000001p0,3.4028235e38")[0];
+  const auto ray = read("0.1,16777217,1e-46,1e-45,0x1.000001p0,1,3.4028235e38")[0];
   EXPECT_EQ(ray.o, Eigen::Vector3f(0.1f, 16777216.0f, 0.0f));
   EXPECT_EQ(ray.d.x(), std::numeric_limits<float>::denorm_min());
   EXPECT_EQ(ray.d.y(), 1.0f) << "a tie goes to even";
-  EXPECT_EQ(ray.d.z(), std::numeric_limits<float>::max());
+  EXPECT_EQ(ray.tmin, std::numeric_limits<float>::max());
 }
 
 struct BadRay {

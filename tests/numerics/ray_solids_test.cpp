@@ -315,7 +315,7 @@ INSTANTIATE_TEST_SUITE_P(
         Known{"CylinderEndsBefore", true, {{0, 0, -4}, {0, 0, 1}, 0, kBefore2}, false},
         Known{"CylinderEndsAtTheCap", true, {{0, 0, -4}, {0, 0, 1}, 0, 2}, true, 2},
         Known{"CylinderStartsAfter", true, {{0, 0, -4}, {0, 0, 1}, kAfter2}, true, 6},
-        Known{"CylinderTinyDirection", true, {{0, 0, 0}, {1e-40f, 0, 1e-40f}}, false}),
+        Known{"CylinderTinyDirection", true, {{0, 0, 0}, {0x1p-34f, 0, 0x1p-34f}}, true, 0x1p34f}),
     [](const auto& info) { return info.param.name; });
 
 TEST_P(RaySolidKnown, Answer) {

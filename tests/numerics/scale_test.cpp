@@ -16,31 +16,13 @@
 #include "cde/pair.hpp"
 #include "cde/reference/pairs.hpp"
 #include "cde/reference/scale.hpp"
-#include "oracle/cases.hpp"
+#include "scaled_cases.hpp"
 
 namespace cde::testing {
 namespace {
 
 constexpr std::uint64_t kSeed = 20261122;
 constexpr std::size_t kCases = 4000;
-
-/// What a word of a slot is.
-enum class Kind { kLength, kDirection, kInterval, kPure };
-
-Kind kind(Shape shape, std::size_t word) {
-  switch (shape) {
-    case Shape::kRay:
-      return word < 3 ? Kind::kLength : word < 6 ? Kind::kDirection : Kind::kInterval;
-    case Shape::kPlane:
-      return word < 3 ? Kind::kPure : Kind::kLength;
-    case Shape::kCylinder:
-      return word >= 3 && word < 6 ? Kind::kPure : Kind::kLength;
-    case Shape::kObb:
-      return word >= 6 ? Kind::kPure : Kind::kLength;
-    default:
-      return Kind::kLength;
-  }
-}
 
 struct Parameter {
   Pair pair;
@@ -51,52 +33,6 @@ struct Parameter {
 
 void PrintTo(const Parameter& p, std::ostream* out) {
   *out << name(p.pair) << ' ' << p.format.name();
-}
-
-/// The words of a case with lengths times 2^j and the direction times 2^m; nothing if a word cannot
-/// be so scaled exactly as a normal number.
-bool scaled_words(const std::vector<double>& words, Shape shape, FpFormat format, int j, int m,
-                  std::vector<std::uint64_t>& to) {
-  const int emin = 2 - (1 << (format.exp_bits - 1));
-  for (std::size_t k = 0; k < words.size(); ++k) {
-    const Kind of = kind(shape, k);
-    const int by = of == Kind::kLength      ? j
-                   : of == Kind::kDirection ? m
-                   : of == Kind::kInterval  ? j - m
-                                            : 0;
-    const double x = std::ldexp(words[k], by);
-    const double size = std::abs(x);
-    if (of != Kind::kPure && size != 0 && std::isfinite(x) &&
-        (size < std::ldexp(1, emin) || size >= std::ldexp(1, -emin + 1) ||
-         std::abs(words[k]) < std::ldexp(1, emin)))
-      return false;
-    to.push_back(format.encode(x));
-  }
-  return true;
-}
-
-/// By how much a pair's lengths (of === kDirection: its direction) can be scaled within the range.
-LengthRange room(const oracle::Case& c, Shape a, Shape b, Kind of, LengthRange range) {
-  double largest = 0, least_size = std::ldexp(1, 900);
-  const auto look = [&](Shape shape, const std::vector<double>& words) {
-    for (std::size_t k = 0; k < words.size(); ++k) {
-      if (kind(shape, k) != of) continue;
-      largest = std::max(largest, std::abs(words[k]));
-      const bool size = (shape == Shape::kSphere && k == 3) ||
-                        (shape == Shape::kCylinder && k >= 6) ||
-                        (shape == Shape::kObb && k >= 3 && k < 6);
-      if (size) least_size = std::min(least_size, words[k]);
-    }
-  };
-  look(a, c.a);
-  look(b, c.b);
-  least_size = std::min(least_size, largest);
-  int up = 0, down = 0;
-  while (std::ldexp(largest, up + 1) <= std::ldexp(1, range.high)) ++up;
-  while (std::ldexp(largest, up) > std::ldexp(1, range.high)) --up;
-  while (std::ldexp(least_size, down) < std::ldexp(1, range.low)) ++down;
-  while (std::ldexp(least_size, down - 1) >= std::ldexp(1, range.low)) --down;
-  return {down, up};
 }
 
 class Scaling : public ::testing::TestWithParam<Parameter> {};
@@ -117,12 +53,10 @@ TEST_P(Scaling, ByAPowerOfTwoIsExact) {
     const oracle::Case c =
         oracle::generate(static_cast<oracle::Pair>(pair), kSeed, i,
                          {.exp_bits = format.exp_bits, .man_bits = format.man_bits});
-    const LengthRange length =
-        room(c, a, b, Kind::kLength, LengthRange::of(format.exp_bits, format.man_bits));
-    const LengthRange direction =
-        a == Shape::kRay
-            ? room(c, a, b, Kind::kDirection, LengthRange::of(format.exp_bits, format.man_bits))
-            : LengthRange{0, 0};
+    const LengthRange length = room(c, a, b, Kind::kLength, exact_range(pair, format));
+    const LengthRange direction = a == Shape::kRay
+                                      ? room(c, a, b, Kind::kDirection, exact_range(pair, format))
+                                      : LengthRange{0, 0};
     if (length.low > length.high || direction.low > direction.high) continue;
     const auto between = [&](LengthRange r) {
       return r.low + static_cast<int>(random() % static_cast<unsigned>(r.high - r.low + 1));
@@ -149,14 +83,16 @@ TEST_P(Scaling, ByAPowerOfTwoIsExact) {
   }
   std::vector<PairResult> results(from.size());
   reference::test_pairs(pair, algorithm, format, words_a, words_b, results, plane);
-  std::size_t compared = 0, hits = 0, wrong = 0, bad = 0, out = 0;
+  std::size_t compared = 0, hits = 0, wrong = 0, bad = 0, out = 0, infinite = 0;
   for (std::size_t i = 0; i < from.size(); ++i) {
     const PairResult& was = results[from[i].base];
     const PairResult& is = results[i];
-    bad += is.bad;
     if (from[i].base == i || was.bad) continue;
+    bad += is.bad;
     ++compared;
     hits += is.f;
+    if (is.f)
+      infinite += !std::isfinite(format.decode(is.t)) || !std::isfinite(format.decode(is.cp[0]));
     const int j = from[i].j - from[from[i].base].j;
     const int t_by = a == Shape::kRay ? j - (from[i].m - from[from[i].base].m) : j;
     bool same = is.f == was.f && std::equal(is.n, is.n + 3, was.n);
@@ -186,6 +122,7 @@ TEST_P(Scaling, ByAPowerOfTwoIsExact) {
               out);
   EXPECT_EQ(wrong, 0u);
   EXPECT_EQ(bad, 0u);
+  EXPECT_EQ(infinite, 0u);
   EXPECT_GE(compared, 3 * kCases);
   EXPECT_GE(hits, compared / 4);
 }

@@ -243,7 +243,7 @@ const Ring kRings[] = {{"cylinder_cylinder",
                          .comparators = 25,
                          .min_max = 12},
                         62,
-                        3915},
+                        3916},
                        {"obb_cylinder",
                         "PAIR=9",
                         {.multipliers = 196,
@@ -254,7 +254,7 @@ const Ring kRings[] = {{"cylinder_cylinder",
                          .comparators = 21,
                          .min_max = 10},
                         62,
-                        4659},
+                        4660},
                        {"triangle_cylinder",
                         "PAIR=7",
                         {.multipliers = 243,
@@ -265,7 +265,7 @@ const Ring kRings[] = {{"cylinder_cylinder",
                          .comparators = 34,
                          .min_max = 16},
                         68,
-                        4837}};
+                        4838}};
 
 class RingInventory : public ::testing::TestWithParam<Ring> {};
 

@@ -61,7 +61,8 @@ struct Mesh {
 /// be written), kCapacity (faces do not fit the format's 32-bit count).
 void save_mesh(const Mesh& mesh, const std::filesystem::path& path);
 
-/// Throws kBadInput, beginning with `what`, if a vertex is not finite, a corner number is out of
+/// Throws kBadInput, beginning with `what`, if a vertex is not finite or beyond
+/// the range of coordinates (length_range.hpp), a corner number is out of
 /// range, or there is no face.
 void check(const Mesh& mesh, std::string_view what);
 

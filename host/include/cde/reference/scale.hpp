@@ -103,7 +103,7 @@ template <class P>
 
 /// The answer of a pipe, test(a, b), to a pair of any size within the contract; that of bad input
 /// to what is not. tmin and tmax of a ray, and its T on the way out, are rounded once where they
-/// leave the format's normal range: 3 mul. A T that overflows is a miss.
+/// leave the format's normal range: 3 mul. A ray whose T or CP overflows misses.
 template <typename S, class A, class B, class Test>
 [[nodiscard]] Outcome<S> at_size_one(const A& a, const B& b, Test test) {
   if (bad(a) || bad(b)) return bad_outcome<S>();
@@ -118,7 +118,8 @@ template <typename S, class A, class B, class Test>
       const int d = largest_exponent(a, Kind::kDirection, kLeast) - kBias<S>;
       Outcome<S> r = test(scaled(a, -k, -d, S(power_of_two(d - k))), scaled(b, -k, 0, S(1)));
       r.t = r.t * S(power_of_two(k - d));
-      r.f = r.f && finite(r.t);
+      r.f = r.f && finite(r.t) && finite<S>(r.cp);
+      r.t = r.f ? r.t : std::numeric_limits<S>::infinity();
       r.cp = r.f ? times_power_of_two<S>(r.cp, k) : Vector<S>(Vector<S>::Zero());
       return r;
     } else {
