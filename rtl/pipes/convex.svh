@@ -25,6 +25,7 @@
 `define LATENCY_NEAREST(COUNT) (`LATENCY_LEAST(COUNT) + `LATENCY_PERPENDICULAR)
 `define LATENCY_WITNESS(COUNT) (`FACET_WAIT + 2 * `LATENCY_LEAST(COUNT) + `DF_MAX2(LAT_ADD, LAT_CMP) + LAT_CMP + LAT_MUL + LAT_ADD + \
   `DF_LAT_DOT)
+`define LATENCY_SETTLE (`DF_MAX2(LAT_ADD, LAT_MUL) + LAT_ADD + 2 * LAT_CMP + LAT_ADD)
 `define LATENCY_POLISH (`DF_MAX2(`DF_MAX2(2 * LAT_CMP + LAT_MUL, LAT_ADD + `DF_LAT_DOT) + LAT_CMP, LAT_ADD + `DF_LAT_DOT + LAT_DIV + LAT_CMP) + \
   LAT_MUL + LAT_ADD)
 
@@ -80,6 +81,10 @@
   polish #(`DF_FORMAT, .T_NEAR_V(T_``NEAR_V), .T_NEAR_P(T_``NEAR_P), .T_FAR_V(T_``FAR_V), .T_FAR_P(T_``FAR_P), .T_TIE(T_``TIE), \
       .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP)) polish_``R_V ( \
       .clk_i, .near_v_i(NEAR_V), .near_p_i(NEAR_P), .far_v_i(FAR_V), .far_p_i(FAR_P), .tie_i(TIE), .v_o(R_V), .p_o(R_P));
+
+// The facets' witness FROM: the same point of B, and the point of box A nearest to where it would be S N away. 9 add, 3 mul, 6 min/max.
+`define DF_SETTLE(V, P, FROM_V, FROM_P, S, N, HALF) `DF_VADD(V``_q, FROM_P, FROM_V) `DF_VSCALE(V``_apart, N, S) `DF_VSUB(V``_ideal, V``_q, V``_apart) \
+  `DF_VNEG(V``_low, HALF) `DF_VCLAMP(P, V``_ideal, V``_low, HALF) `DF_VSUB(V, V``_q, P)
 
 // ---- Choice between two answers of a pair (S, N, V, P): FACET_* of the facets, and POINT_*, the polished nearest point of B - A with its
 // length D and direction. The point stands if the bodies are apart, D is usable and the gap ALONG its direction is not less than

@@ -2,9 +2,9 @@
 // The difference B - A has 15 pairs of facets, whose normals are the 15 axes of the separating-axis test: 3 faces of A, 3 faces of B,
 // 9 pairs of edges. The depth is the least overlap on them, the distance the least distance to the 15 facets that face the origin;
 // the nearest point is polished twice. Support features come from axes turned by 16 u, as if no face or edge of one box were
-// parallel to one of the other. F = (s <= 0), T = |s|. 618 add, 566 mul, 15 div, 10 sqrt, 122 compare, 84 min/max.
+// parallel to one of the other. F = (s <= 0), T = |s|. 627 add, 569 mul, 15 div, 10 sqrt, 122 compare, 90 min/max.
 // With FACET_II = 3 the edges of B take turns in a unit an edge of A, a face of A and one of B do in a unit, and the facets three by
-// three at the key of the witness: 352 add, 333 mul, 7 div, 4 sqrt, 80 compare, 36 min/max.
+// three at the key of the witness: 361 add, 336 mul, 7 div, 4 sqrt, 80 compare, 42 min/max.
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none, runs free.
 `include "convex.svh"
 module obb_obb #(
@@ -274,8 +274,10 @@ module obb_obb #(
       .witness_n_o(choice_n), .witness_v_o(choice_v), .witness_p_o(choice_p), .start_v_o(choice_start_v), .start_p_o(choice_start_p));
   `DF_IN(s_facets, choice_s, T_WITNESS)
   `DF_VIN(n_facets, choice_n, T_WITNESS)
-  `DF_VIN(v_facets, choice_v, T_WITNESS)
-  `DF_VIN(p_facets, choice_p, T_WITNESS)
+  `DF_VIN(v_witness, choice_v, T_WITNESS)
+  `DF_VIN(p_witness, choice_p, T_WITNESS)
+  `DF_VAT(a_witness, a_facets, T_WITNESS)
+  `DF_SETTLE(v_facets, p_facets, v_witness, p_witness, s_facets, n_facets, a_witness)
   `DF_VIN(v_start, choice_start_v, T_START)
   `DF_VIN(p_start, choice_start_p, T_START)
 

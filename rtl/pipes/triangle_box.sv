@@ -2,8 +2,8 @@
 // midpoint of the witness points. The difference of the two has 13 pairs of facets: 3 faces of the box, the triangle's face,
 // 9 pairs of edges. The depth is the least overlap on them, the distance the least distance to the facets that face the origin; the
 // nearest point is polished twice. Support features come from edges turned by 16 u (turned.sv).
-// 434 add, 524 mul, 16 div, 11 sqrt, 126 compare, 120 min/max. With FACET_II = 3 the edges of the triangle take turns in a unit an edge
-// of the box, and the facets three by three at the key of the witness: 292 add, 326 mul, 10 div, 5 sqrt, 100 compare, 72 min/max.
+// 443 add, 527 mul, 16 div, 11 sqrt, 126 compare, 126 min/max. With FACET_II = 3 the edges of the triangle take turns in a unit an edge
+// of the box, and the facets three by three at the key of the witness: 301 add, 329 mul, 10 div, 5 sqrt, 100 compare, 78 min/max.
 // Latency: LATENCY_TRIANGLE_BOX clocks; 0 with ARITH = "host". Throughput: one pair a lane in FACET_II clocks, for which its operands stand.
 // Stall: none.
 `include "triangle.svh"
@@ -147,8 +147,10 @@ module triangle_box #(
       .witness_n_o(choice_n), .witness_v_o(choice_v), .witness_p_o(choice_p), .start_v_o(choice_start_v), .start_p_o(choice_start_p));
   `DF_IN(s_facets, choice_s, T_WITNESS)
   `DF_VIN(n_facets, choice_n, T_WITNESS)
-  `DF_VIN(v_facets, choice_v, T_WITNESS)
-  `DF_VIN(p_facets, choice_p, T_WITNESS)
+  `DF_VIN(v_witness, choice_v, T_WITNESS)
+  `DF_VIN(p_witness, choice_p, T_WITNESS)
+  `DF_VAT(a_witness, a_faces, T_WITNESS)
+  `DF_SETTLE(v_facets, p_facets, v_witness, p_witness, s_facets, n_facets, a_witness)
   `DF_VIN(v_start, choice_start_v, T_START)
   `DF_VIN(p_start, choice_start_p, T_START)
 
@@ -172,9 +174,9 @@ module triangle_box #(
   `DF_BOX_RADIUS(radius, n_point, a_once)
   `DF_SUB(gap_along, low, radius)
   if (T_gap_along != `TRIANGLE_BOX_T_ALONG) $error("triangle_box: stage time");
-  `DF_DECIDE(s, n_box, v_box, p_witness, s_facets, n_facets, v_facets, p_facets, d_point, n_point, v_point, p_point, usable, gap_along, tie_facets)
+  `DF_DECIDE(s, n_box, v_box, p_box_point, s_facets, n_facets, v_facets, p_facets, d_point, n_point, v_point, p_point, usable, gap_along, tie_facets)
   `DF_VSCALE(half_v, v_box, half)
-  `DF_VADD(middle, p_witness, half_v)
+  `DF_VADD(middle, p_box_point, half_v)
 
   if (T_middle != `LATENCY_TRIANGLE_BOX) $error("triangle_box: latency");
   `DF_AT(s_out, s, T_middle)

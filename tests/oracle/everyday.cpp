@@ -125,12 +125,14 @@ struct Pieces {
     a = axis_parallel(kind_a);
     b = axis_parallel(kind_b);
     if (auto* plane = std::get_if<Plane>(&b)) {
-      plane->d = coordinate(apart * half_width(a).dot(plane->n.cwiseAbs()));
-      if (random.chance(equal)) plane->d = 0;
+      plane->d = coordinate(2 * apart * half_width(a).dot(plane->n.cwiseAbs()));
+      if (random.chance(equal / 3)) plane->d = 0;
       return;
     }
     if (!whole || random.chance(0.8)) a = moved(a, -middle(a));
-    const Vec reach = apart * (half_width(a) + half_width(b));
+    // A ball fills half of the box about it, and a triangle none.
+    const bool round = kind_b == ShapeKind::kSphere;
+    const Vec reach = (round ? 0.75 : 1) * apart * (half_width(a) + half_width(b));
     Vec to;
     for (int k = 0; k < 3; ++k) to[k] = coordinate(reach[k]);
     const int free = random.below(3);

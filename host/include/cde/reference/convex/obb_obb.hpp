@@ -154,13 +154,13 @@ template <typename S>
 
 /// OBB against OBB, in A's frame. The difference of two boxes has 15 pairs of facets, whose normals
 /// are the 15 axes of the separating-axis test: the depth is the least overlap on them, the
-/// distance the least distance to the 15 facets that face the origin. 618 add 566 mul 15 div
+/// distance the least distance to the 15 facets that face the origin. 627 add 569 mul 15 div
 /// 10 sqrt.
 template <typename S>
 [[nodiscard]] Outcome<S> obb_obb(const BasicObb<S>& a, const BasicObb<S>& b) {
   const BoxPair<S> pair = box_pair(a, b);
   const SignedGap<S> gap = answer<S>(
-      box_facets<S>(pair), pair.tie, [&](const Vector<S>& v) { return box_support<S>(pair, v); },
+      box_facets<S>(pair), pair.a, pair.tie, [&](const Vector<S>& v) { return box_support<S>(pair, v); },
       [&](const Vector<S>& n) { return box_gap<S>(pair, n); });
   return outcome<S>(gap.s, add<S>(a.c, to_world<S>(a.rotation, midpoint(gap.x))),
                     to_world<S>(a.rotation, gap.n));

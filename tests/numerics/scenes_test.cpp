@@ -1,0 +1,157 @@
+// All thirteen pairs on what people build (oracle::everyday): F right outside the band, T and the
+// witness points within tolerance. Each pair has tests of its own for more than that; this one is
+// where a pair that is right on random numbers and wrong on whole ones shows.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <string>
+
+#include "amount.hpp"
+#include "cde/reference/convex/obb_obb.hpp"
+#include "cde/reference/convex/obb_plane.hpp"
+#include "cde/reference/convex/sphere_obb.hpp"
+#include "cde/reference/convex/sphere_sphere.hpp"
+#include "cde/reference/convex/triangle_box.hpp"
+#include "cde/reference/convex/triangle_sphere.hpp"
+#include "cde/reference/cylinder/pairs.hpp"
+#include "cde/reference/ray_cylinder.hpp"
+#include "cde/reference/ray_sphere.hpp"
+#include "cde/reference/ray_triangle.hpp"
+#include "oracle/oracle.hpp"
+
+namespace cde::testing {
+namespace {
+
+namespace r = reference;
+using oracle::Case;
+using Kind = oracle::Pair;
+using Result = r::Outcome<float>;
+
+constexpr std::uint64_t kSeed = 20061;
+constexpr double kU = 0x1p-24;
+constexpr r::cylinder::Budget kBudget{8, 8, 8};
+
+template <class P>
+P operand(const std::vector<double>& words) {
+  const std::vector<float> exact(words.begin(), words.end());
+  return from_words<P>(std::span<const float, P::kWords>(exact.data(), P::kWords));
+}
+
+Result run(const Case& c) {
+  const auto& [a, b] = std::tie(c.a, c.b);
+  switch (c.pair) {
+    case Kind::kObbObb:
+      return r::obb_obb(operand<Obb>(a), operand<Obb>(b));
+    case Kind::kTriangleAabb:
+      return r::triangle_aabb(operand<Triangle>(a), operand<Aabb>(b));
+    case Kind::kTriangleObb:
+      return r::triangle_obb(operand<Triangle>(a), operand<Obb>(b));
+    case Kind::kSphereSphere:
+      return r::sphere_sphere(operand<Sphere>(a), operand<Sphere>(b));
+    case Kind::kTriangleSphere:
+      return r::triangle_sphere(operand<Triangle>(a), operand<Sphere>(b));
+    case Kind::kObbPlane:
+      return r::obb_plane(operand<Obb>(a), operand<Plane>(b));
+    case Kind::kSphereObb:
+      return r::sphere_obb(operand<Sphere>(a), operand<Obb>(b));
+    case Kind::kTriangleCylinder:
+      return r::triangle_cylinder<float>(operand<Triangle>(a), operand<Cylinder>(b), kBudget);
+    case Kind::kCylinderCylinder:
+      return r::cylinder_cylinder<float>(operand<Cylinder>(a), operand<Cylinder>(b), kBudget);
+    case Kind::kObbCylinder:
+      return r::obb_cylinder<float>(operand<Obb>(a), operand<Cylinder>(b), kBudget);
+    case Kind::kRaySphere:
+      return r::ray_sphere(operand<Ray>(a), operand<Sphere>(b));
+    case Kind::kRayCylinder:
+      return r::ray_cylinder(operand<Ray>(a), operand<Cylinder>(b));
+    default:
+      return r::ray_triangle_watertight(operand<Ray>(a), operand<Triangle>(b));
+  }
+}
+
+struct Row {
+  int cases = 0, hits = 0, band = 0, excused = 0, short_of = 0, far_short = 0, false_hits = 0;
+  double worst = 0, witness = 0;
+
+  void add(const Row& o) {
+    cases += o.cases, hits += o.hits, band += o.band, excused += o.excused;
+    short_of += o.short_of, far_short += o.far_short, false_hits += o.false_hits;
+    worst = std::max(worst, o.worst), witness = std::max(witness, o.witness);
+  }
+};
+
+/// A cylinder's answer is a lower bound of s, from a list of normals that the budget ends.
+Row judge_solids(const Case& c, const Result& o) {
+  const oracle::Shape a = c.shape_a(), b = c.shape_b();
+  const oracle::Result result{o.f, static_cast<double>(o.t), o.cp.cast<double>(),
+                              o.n.cast<double>()};
+  oracle::CheckOptions options{.gap = {}, .lower_bound = oracle::has_cylinder(c.pair)};
+  oracle::Verdict v = oracle::check(a, b, result, options);
+  if (v.failure == oracle::Failure::kOracleTooWide) {
+    options.gap.max_evaluations *= 100;
+    v = oracle::check(a, b, result, options);
+  }
+  EXPECT_TRUE(!o.bad && v.ok()) << v.describe() << '\n' << c.describe();
+  Row row{1, o.f, v.in_band, v.excused};
+  row.short_of = v.shortfall > v.tolerance_t, row.far_short = v.shortfall > 1e-4 * v.scale;
+  row.false_hits = v.false_hit;
+  row.worst = std::max(v.error_c2, v.shortfall) / v.scale;
+  row.witness = std::max(v.witness_a, v.witness_b) / v.tolerance_p;
+  return row;
+}
+
+/// Bands of a ray, in u of its scale: those of the references, with the world's coordinates where
+/// they are the larger.
+Row judge_ray(const Case& c, const Result& o) {
+  const oracle::RayAnswer answer = oracle::cast(c);
+  const oracle::Ray ray = c.ray();
+  const double world = std::max(1.0, ray.o.lpNorm<Eigen::Infinity>() / answer.scale);
+  const double band = 8 * kU, tolerance = 16 * kU * world;
+  const oracle::RayVerdict v =
+      oracle::check(ray, answer, o.f, o.t, o.cp.cast<double>(), band, tolerance);
+  EXPECT_TRUE(!o.bad && v.ok) << v.describe() << '\n' << c.describe();
+  Row row{1, o.f, v.in_band, v.excused};
+  row.worst = v.excused ? 0 : v.error_t;
+  return row;
+}
+
+class Everyday : public ::testing::TestWithParam<Kind> {};
+
+TEST_P(Everyday, IsRight) {
+  const Kind pair = GetParam();
+  const int count = amount(2000, 20000);
+  std::map<std::string, Row> families;
+  Row all;
+  for (int i = 0; i < count && !HasFailure(); ++i) {
+    const Case c = oracle::everyday(pair, kSeed, static_cast<std::uint64_t>(i));
+    const Result o = run(c);
+    const Row row = oracle::has_ray(pair) ? judge_ray(c, o) : judge_solids(c, o);
+    families[c.family].add(row);
+    all.add(row);
+  }
+  families["all"] = all;
+  std::printf("%s, seed %u\n%-10s %6s %6s %6s %7s %9s %8s %8s %5s %6s %5s\n",
+              oracle::to_string(pair), static_cast<unsigned>(kSeed), "", "cases", "hits", "band",
+              "excused", "error/S", "c3/tolP", "over 16u", "1e-4", "false", "hits");
+  for (const auto& [name, row] : families)
+    std::printf("%-10s %6d %5.1f%% %6d %7d %9.1e %8.2g %8d %5d %6d\n", name.c_str(), row.cases,
+                100.0 * row.hits / row.cases, row.band, row.excused, row.worst, row.witness,
+                row.short_of, row.far_short, row.false_hits);
+  EXPECT_GE(families.size(), 6U);
+  EXPECT_GT(all.hits, count * 3 / 10);
+  EXPECT_LT(all.hits, count * 7 / 10);
+  EXPECT_GT(all.band, count / 100) << "too few at rest on each other";
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Everyday, ::testing::ValuesIn(oracle::kPairs), [](const auto& info) {
+  std::string name = oracle::to_string(info.param);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
+
+}  // namespace
+}  // namespace cde::testing
