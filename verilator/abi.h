@@ -50,7 +50,7 @@ typedef struct cde_board_api {
   /* Waves: 0, or -1 if the bitstream has no tracing or the file cannot be written. Closed by
    * destroy as well. */
   int (*trace_open)(void* card, const char* path);
-  void (*trace_close)(void* card);
+  int (*trace_close)(void* card); /* 0, or errno: what is missing from the file */
 
   /* Back doors for tests: flips bits of a DDR byte as a fault would, or of the check bits of a
      word; 0, or -1 where there is no such byte or the card has no check bits. */

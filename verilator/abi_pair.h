@@ -41,7 +41,7 @@ typedef struct cde_pair_api {
   /* Reset in mid-stream: what is in flight is gone. */
   void (*reset)(cde_pair_unit*);
   int (*trace_open)(cde_pair_unit*, const char* path); /* 0 when opened; waves need TRACE=1 */
-  void (*trace_close)(cde_pair_unit*);
+  int (*trace_close)(cde_pair_unit*); /* 0, or errno: what is missing from the file */
 } cde_pair_api;
 
 typedef const cde_pair_api* (*cde_pair_entry_function)(void);

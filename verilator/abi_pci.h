@@ -136,7 +136,7 @@ typedef struct cde_pci_api {
   /* Waves: 0, or -1 if the bitstream has no tracing or the file cannot be written. Closed by
      destroy as well. */
   int (*trace_open)(void* host, const char* path);
-  void (*trace_close)(void* host);
+  int (*trace_close)(void* host); /* 0, or errno: what is missing from the file */
 
   /* Back doors for tests. Memory behind a space of the local bus, NULL where there is none; the
      card's interrupt line (`pci_bridge` only). */

@@ -8,6 +8,7 @@
 #include "card_link.hpp"
 #include "cde/error.hpp"
 #include "cde/pci.hpp"
+#include "waves.hpp"
 
 namespace cde {
 namespace {
@@ -128,7 +129,7 @@ class LocalLink final : public CardLink {
     if (api_->trace_open(card_, file.c_str()) != 0)
       throw Error(ErrorCode::kFile, fmt::format("{}: cannot write waves", file.string()));
   }
-  void trace_close() override { api_->trace_close(card_); }
+  void trace_close() override { require_whole_waves(api_->trace_close(card_)); }
   bool flip_ddr(std::uint64_t byte, std::uint8_t mask) override {
     return api_->ddr_flip(card_, byte, mask) == 0;
   }

@@ -8,6 +8,7 @@
 
 #include "abi_pair.h"
 #include "cde/error.hpp"
+#include "waves.hpp"
 
 namespace cde {
 
@@ -156,7 +157,7 @@ void PairUnit::open_trace(const std::string& path) {
     throw Error(ErrorCode::kFile, fmt::format("{}: cannot be written", path));
 }
 void PairUnit::close_trace() {
-  state_->api->trace_close(state_->unit);
+  require_whole_waves(state_->api->trace_close(state_->unit));
 }
 
 }  // namespace cde

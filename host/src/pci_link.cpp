@@ -9,6 +9,7 @@
 #include "cde/error.hpp"
 #include "cde/pci.hpp"
 #include "pci_port.hpp"
+#include "waves.hpp"
 
 namespace cde {
 namespace {
@@ -156,7 +157,7 @@ class PciLink final : public CardLink {
     if (api().trace_open(port_.host(), file.c_str()) != 0)
       throw Error(ErrorCode::kFile, fmt::format("{}: cannot write waves", file.string()));
   }
-  void trace_close() override { api().trace_close(port_.host()); }
+  void trace_close() override { require_whole_waves(api().trace_close(port_.host())); }
   bool flip_ddr(std::uint64_t byte, std::uint8_t mask) override {
     return flip(card::kSpaceDdr, byte, mask);
   }

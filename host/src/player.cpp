@@ -121,7 +121,7 @@ class Player::Impl {
         faults_(board_, options_.faults) {
     if (!options_.trace.empty()) board_.trace_open(options_.trace);
   }
-  ~Impl() {
+  void trace_close() {
     if (!options_.trace.empty()) board_.trace_close();
   }
   Impl(const Impl&) = delete;
@@ -273,6 +273,10 @@ std::vector<QueryFrame> Player::play(std::uint32_t frame, const Sink& sink) {
 
 const std::vector<bool>& Player::injected() const {
   return impl_->injected();
+}
+
+void Player::trace_close() {
+  impl_->trace_close();
 }
 
 const Board& Player::board() const {

@@ -1,10 +1,13 @@
 // cde cast and cde doctor.
 #include <fmt/format.h>
 #include <signal.h>
+#include <sys/mount.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -355,6 +358,58 @@ TEST_F(Cast, FaultyCardIsFoundOut) {
   Words unchecked = again;
   unchecked.push_back("--no-check");
   EXPECT_EQ(cde(unchecked, environment).status, 0);
+}
+
+/// Waves on a file that may not grow, from 100 bytes to all but one: an error in one line, and no
+/// file. The writer of Verilator says nothing of it, and ends with SIGBUS where a temporary file of
+/// its own does not fit.
+TEST_F(Cast, WavesThatDoNotFitAreAnError) {
+  write("one.obj", kTriangle);
+  const Words words = {"cast", "one.obj", "--ray",     "0,0,0,0,0,1", "--lanes",
+                       "4",    "--trace", "waves.fst", "--quiet"};
+  ASSERT_EQ(cde(words).status, 0);
+  const std::uint64_t whole = fs::file_size(folder_ / "waves.fst");
+  fs::remove(folder_ / "waves.fst");
+  for (const std::uint64_t bytes :
+       {std::uint64_t{100}, whole / 16, whole / 4, whole / 2, whole - 1}) {
+    SCOPED_TRACE(fmt::format("{} of {} bytes", bytes, whole));
+    const FileLimit limit(bytes);
+    const Ran ran = cde(words);
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_EQ(ran.err, "cde: waves.fst: the waves are not whole: File too large\n");
+    EXPECT_EQ(files(), Words{"one.obj"});
+  }
+}
+
+/// The same on a disk that is full: a small one in memory.
+TEST_F(Cast, WavesOnAFullDiskAreAnError) {
+  write("one.obj", kTriangle);
+  const auto cast_to = [&](const std::string& file) {
+    return cde({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--lanes", "4", "--trace", file, "-q"});
+  };
+  ASSERT_EQ(cast_to("waves.fst").status, 0);
+  const std::uint64_t whole = fs::file_size(folder_ / "waves.fst");
+  const fs::path disk = folder_ / "disk";
+  for (const std::uint64_t pages : {std::uint64_t{1}, whole / 4096 / 2, whole / 4096 * 2}) {
+    SCOPED_TRACE(fmt::format("{} bytes for waves of {}", pages * 4096, whole));
+    fs::create_directory(disk);
+    if (::mount("tmpfs", disk.c_str(), "tmpfs", 0, fmt::format("size={}", pages * 4096).c_str()))
+      GTEST_SKIP() << "no disk of this size can be made here: " << std::strerror(errno);
+    const bool fits = pages * 4096 > whole;
+    // Its temporary files are there, too.
+    const Ran ran = cde({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--lanes", "4", "--trace",
+                         "disk/waves.fst", "-q"},
+                        {"TMPDIR=" + disk.string()});
+    const bool kept = fs::exists(disk / "waves.fst");
+    const bool empty = fs::is_empty(disk);
+    ::umount2(disk.c_str(), MNT_DETACH);
+    EXPECT_EQ(ran.status, fits ? 0 : 2) << ran.err;
+    EXPECT_EQ(ran.err, fits ? ""
+                            : "cde: disk/waves.fst: the waves are not whole: No space left on "
+                              "device\n");
+    EXPECT_EQ(kept, fits);
+    EXPECT_EQ(empty, !fits) << "what is not whole was left";
+  }
 }
 
 class Doctor : public Cli {};

@@ -27,6 +27,16 @@ std::string bytes_of(const fs::path& path) {
 
 }  // namespace
 
+FileLimit::FileLimit(std::uint64_t bytes) {
+  ::getrlimit(RLIMIT_FSIZE, &before_);
+  const rlimit less = {bytes, before_.rlim_max};
+  ::setrlimit(RLIMIT_FSIZE, &less);
+}
+
+FileLimit::~FileLimit() {
+  ::setrlimit(RLIMIT_FSIZE, &before_);
+}
+
 void Cli::SetUp() {
   folder_ = new_folder();
   logs_ = new_folder();

@@ -1,7 +1,9 @@
 #pragma once
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/types.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -11,6 +13,18 @@ namespace cde::testing {
 struct Ran {
   int status = -1;  ///< exit status, 128 + signal
   std::string out, err;
+};
+
+/// While it lives, no file that the command writes grows beyond this.
+class FileLimit {
+ public:
+  explicit FileLimit(std::uint64_t bytes);
+  ~FileLimit();
+  FileLimit(const FileLimit&) = delete;
+  FileLimit& operator=(const FileLimit&) = delete;
+
+ private:
+  rlimit before_{};
 };
 
 /// A folder of the test's own in which the command runs.

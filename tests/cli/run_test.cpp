@@ -331,7 +331,18 @@ TEST_F(RunScene, Waves) {
   scene.replace(scene.find("lanes = 16"), 10, "lanes = 4");
   write("small.toml", scene);
   ASSERT_EQ(cde({"run", "small.toml", "--frames", "0", "--trace", "w.fst", "-q"}).status, 0);
-  EXPECT_GT(fs::file_size(folder_ / "w.fst"), 10'000u);
+  const std::uint64_t whole = fs::file_size(folder_ / "w.fst");
+  EXPECT_GT(whole, 10'000u);
+  // Waves that do not fit: what the run found is kept, they are not.
+  fs::remove(folder_ / "w.fst");
+  ASSERT_GT(whole / 2, fs::file_size(folder_ / "small.run/run.json"));
+  fs::remove_all(folder_ / "small.run");
+  const FileLimit limit(whole / 2);
+  const Ran ran = cde({"run", "small.toml", "--frames", "0", "--trace", "w.fst", "-q"});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_EQ(ran.err, "cde: w.fst: the waves are not whole: File too large\n");
+  EXPECT_FALSE(exists("w.fst"));
+  EXPECT_EQ(run_json("small.run")["played"].size(), 1u);
 }
 
 /// A card with a fault: hits lie outside triangles. The run stops after the frame with status 3,

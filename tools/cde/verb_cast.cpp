@@ -153,21 +153,32 @@ class Csv {
   fmt::memory_buffer text_;
 };
 
-/// Waves are kept whatever comes of the cast: they are wanted most when it fails.
+/// Waves are kept whatever comes of the cast, if they are whole: they are wanted most when it
+/// fails.
 class Waves {
  public:
-  Waves(Board& board, const std::string& path) : board_(board) {
+  Waves(Board& board, const std::string& path) : board_(board), path_(path) {
     if (path.empty()) return;
     file_.emplace(path);
     board.trace_open(file_->temporary());
   }
   ~Waves() {
-    if (!file_) return;
-    board_.trace_close();
     try {
-      file_->commit();
+      close();
     } catch (const Error& e) {
       fmt::print(stderr, "cde: {}\n", e.what());
+    }
+  }
+  /// Error kFile if they are not whole; then nothing of them is left.
+  void close() {
+    if (!file_) return;
+    try {
+      board_.trace_close();
+      file_->commit();
+      file_.reset();
+    } catch (const Error& e) {
+      file_.reset();
+      throw Error(ErrorCode::kFile, fmt::format("{}: {}", path_, e.what()));
     }
   }
   Waves(const Waves&) = delete;
@@ -175,6 +186,7 @@ class Waves {
 
  private:
   Board& board_;
+  std::string path_;
   std::optional<OutputFile> file_;
 };
 
@@ -194,7 +206,7 @@ Outcome cast_on_card(const Options& o, const Job& job, std::span<const Ray> rays
                     std::span<const Object>(), o.box);
 
   Outcome result;
-  const Waves waves(board, o.trace);
+  Waves waves(board, o.trace);
   const Query query{.mode = job.mode,
                     .deadline_clocks = o.deadline,
                     .watchdog = std::chrono::duration<double>(o.timeout),
@@ -209,6 +221,7 @@ Outcome cast_on_card(const Options& o, const Job& job, std::span<const Ray> rays
     host_seconds += seconds_since(received);
   });
   result.simulation_seconds = seconds_since(start) - host_seconds;
+  waves.close();
   if (checker) {
     checker->compare_end();
     result.compared = checker->compared();

@@ -234,17 +234,21 @@ class Run {
           play_frame(player, f);
       } catch (...) {
         count_faults(player);
+        end_waves(player);
         throw;
       }
       count_faults(player);
+      end_waves(player);
     } catch (const Stopped&) {
     } catch (const Error& e) {
       json_["error"] = e.what();
       finish(waves);
       report_faults();
+      if (!waves_defect_.empty()) fmt::print(stderr, "cde: {}\n", waves_defect_);
       throw;
     }
     finish(waves);
+    if (!waves_defect_.empty()) throw Error(ErrorCode::kFile, waves_defect_);
   }
 
   void report() const {
@@ -323,8 +327,18 @@ class Run {
   }
 
   /// Whatever came of the run: frames played are kept, waves are wanted most when it failed.
+  /// Waves are kept if they are whole.
+  void end_waves(Player& player) {
+    try {
+      player.trace_close();
+      waves_whole_ = true;
+    } catch (const Error& e) {
+      waves_defect_ = fmt::format("{}: {}", o_.trace, e.what());
+    }
+  }
+
   void finish(std::optional<OutputFile>& waves) {
-    if (waves) waves->commit();
+    if (waves && waves_whole_) waves->commit();
     const Totals& t = totals_;
     json_["finished"] = json_["played"].size() == frames_.last - frames_.first + 1;
     if (const int signal = Interrupts::signal()) json_["stopped_by_signal"] = signal;
@@ -363,6 +377,8 @@ class Run {
   std::optional<Report> report_;
   Totals totals_;
   std::string mismatch_;
+  bool waves_whole_ = false;
+  std::string waves_defect_;
 };
 
 void run(const Options& o) {

@@ -83,7 +83,7 @@ class Card {
   uint64_t clocks() const { return clocks_; }
 
   int trace_open(const char* path) { return waves_.open(*context_, *model_, path); }
-  void trace_close() { waves_.close(); }
+  int trace_close() { return waves_.close(); }
 
   int ddr_flip(uint64_t byte, uint8_t mask) { return flip(&chips_.ddr(), byte, mask); }
   int check_flip(uint64_t word, uint8_t mask) { return flip(chips_.check(), word, mask); }
@@ -157,7 +157,7 @@ const cde_board_api kApi = {
     [](void* p) { return card(p)->clocks(); },
     [](void* p, cde_memory_counters* c) { *c = card(p)->memory(); },
     [](void* p, const char* path) { return card(p)->trace_open(path); },
-    [](void* p) { card(p)->trace_close(); },
+    [](void* p) { return card(p)->trace_close(); },
     [](void* p, uint64_t byte, uint8_t mask) { return card(p)->ddr_flip(byte, mask); },
     [](void* p, uint64_t word, uint8_t mask) { return card(p)->check_flip(word, mask); },
     [](void* p, uint32_t clocks) { card(p)->ddr_hang(clocks); },

@@ -50,7 +50,7 @@ struct cde_pair_unit {
   }
 
   int trace_open(const char* path) { return waves.open(*context, *model, path); }
-  void trace_close() { waves.close(); }
+  int trace_close() { return waves.close(); }
 };
 
 namespace {
@@ -150,7 +150,7 @@ const cde_pair_api kApi = {
     test,
     [](cde_pair_unit* unit) { unit->reset(); },
     [](cde_pair_unit* unit, const char* path) { return unit->trace_open(path); },
-    [](cde_pair_unit* unit) { unit->trace_close(); },
+    [](cde_pair_unit* unit) { return unit->trace_close(); },
 };
 
 }  // namespace

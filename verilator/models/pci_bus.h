@@ -126,7 +126,7 @@ class Bus {
   void evaluate_all(bool on) { evaluate_all_ = on; }
 
   int trace_open(const char* path) { return waves_.open(*context_, *model_, path); }
-  void trace_close() { waves_.close(); }
+  int trace_close() { return waves_.close(); }
 
  private:
   static constexpr uint32_t kBar0 = 0x10;

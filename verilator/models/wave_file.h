@@ -7,12 +7,15 @@
 #include "verilated.h"
 #ifdef CDE_TRACE
 #include "verilated_fst_c.h"
+#include "wave_errors.h"
 
 class WaveFile {
  public:
   /// 0, or -1 if `path` cannot be written. Ends the file that was open before.
   int open(VerilatedContext& context, Vmodel& model, const char* path) {
     close();
+    error_ = 0;
+    const Noted noted(error_);
     context.traceEverOn(true);
     if (!file_) {
       file_ = std::make_unique<VerilatedFstC>();
@@ -22,14 +25,31 @@ class WaveFile {
     return file_->isOpen() ? 0 : -1;
   }
   void dump(uint64_t time) {
-    if (file_ && file_->isOpen()) file_->dump(time);
+    if (!file_ || !file_->isOpen() || error_ != 0) return;
+    const Noted noted(error_);
+    file_->dump(time);
   }
-  void close() {
-    if (file_ && file_->isOpen()) file_->close();
+  /// 0, or the errno of the first thing since open() that could not be written: then the file is
+  /// not whole.
+  int close() {
+    if (!file_ || !file_->isOpen()) return error_;
+    const Noted noted(error_);
+    file_->close();
+    return error_;
   }
 
  private:
+  /// While it lives, the writer notes what fails.
+  class Noted {
+   public:
+    explicit Noted(int& error) { wave_error = &error; }
+    ~Noted() { wave_error = nullptr; }
+    Noted(const Noted&) = delete;
+    Noted& operator=(const Noted&) = delete;
+  };
+
   std::unique_ptr<VerilatedFstC> file_;
+  int error_ = 0;
 };
 
 #else
@@ -38,7 +58,7 @@ class WaveFile {
  public:
   int open(VerilatedContext&, Vmodel&, const char*) { return -1; }
   void dump(uint64_t) {}
-  void close() {}
+  int close() { return 0; }
 };
 
 #endif

@@ -279,6 +279,7 @@ class Board {
   /// Waves of everything from now on; BoardConfig::trace must be set. Error kUsage without it,
   /// kFile if the file cannot be written.
   void trace_open(const std::filesystem::path& file);
+  /// Error kFile if not all of the waves could be written; the file is then of no use.
   void trace_close();
 
   [[nodiscard]] unsigned lanes() const;

@@ -77,6 +77,7 @@ class PairUnit {
   /// Error kConfiguration if the bitstream was built without trace, kFile if the file cannot be
   /// written.
   void open_trace(const std::string& path);
+  /// Error kFile if not all of the waves could be written; the file is then of no use.
   void close_trace();
 
  private:
