@@ -5,7 +5,7 @@
 //   sample   (polyhedra) the sample before and this one make it, or their opposites, if both slopes point inward and no bracket so far
 //            has a better end
 //   refine   n replaces the end whose slope has its sign
-// 37 add, 62 mul, 1 div, 5 compare, 3 min/max (cylinder); 36 add, 56 mul, 1 div, 9 compare, 5 min/max (box, triangle).
+// 40 add, 62 mul, 1 div, 5 compare, 3 min/max (cylinder); 34 add, 51 mul, 1 div, 10 compare, 5 min/max (box, triangle).
 // Latency: LATENCY_STEP clocks, the slopes LATENCY_SLOPE; 0 with ARITH = "host". Throughput: one step a lane a clock. Stall: none.
 `include "cylinder.svh"
 module cylinder_circle #(
