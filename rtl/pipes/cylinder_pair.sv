@@ -3,15 +3,9 @@
 // points. One pipeline, which a row of pairs goes round once a pass: a normal (front), g for it and its opposite (evaluator), what the
 // pair keeps of that (circle, free), and at the end the witness points. RING rows are in flight, one a stage; what a row keeps lies in
 // memories with a slot a row, read and written by the stages that use it.
-<<<<<<< HEAD
-// 208 add, 272 mul, 9 div, 6 sqrt, 25 compare, 12 min/max (cylinder); 173 add, 196 mul, 5 div, 4 sqrt, 21 compare, 10 min/max (box);
-// 223 add, 243 mul, 8 div, 4 sqrt, 34 compare, 16 min/max (triangle). RING, latency at one clock an operator and the default budget: 62,
-// 3,916; 62, 4,660; 68, 4,838.
-=======
 // 233 add, 306 mul, 9 div, 8 sqrt, 25 compare, 16 min/max (cylinder); 170 add, 192 mul, 5 div, 4 sqrt, 24 compare, 14 min/max (box);
 // 220 add, 239 mul, 8 div, 4 sqrt, 37 compare, 20 min/max (triangle). RING, latency at one clock an operator and the default budget: 62,
-// 3,915; 62, 4,659; 68, 4,837.
->>>>>>> wt-cyl
+// 3,916; 62, 4,660; 68, 4,838.
 // Latency: ENTRY + passes * RING + FINISH clocks, latency_o, passes set by budget_i (schedule.hpp). Throughput: RING rows in passes * RING
 // clocks, a row a clock while slots are free. Stall: ready_o, low while the slot that comes by is not about to be free; results come in
 // the order of entry. With ARITH = "host" a whole pass is computed in the clock in which its row could leave, on the same schedule.
