@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <random>
 #include <sstream>
 #include <string>
@@ -16,6 +17,7 @@
 #include "cde/pair.hpp"
 #include "cde/reference/pairs.hpp"
 #include "cde/reference/scale.hpp"
+#include "oracle/certificate.hpp"
 #include "scaled_cases.hpp"
 
 namespace cde::testing {
@@ -127,6 +129,57 @@ TEST_P(Scaling, ByAPowerOfTwoIsExact) {
   EXPECT_GE(hits, compared / 4);
 }
 
+/// Sizes and coordinates of every ratio that the range allows, in a pair of solids. Answers are
+/// held to the contract of the convex pairs: 16 u S, and 16 u S + 4 u L for the witness points.
+TEST_P(Scaling, SizesMayHaveAnyRatio) {
+  const auto [pair, algorithm, plane, format] = GetParam();
+  if (!is_solid(pair) || plane == PlaneSide::kHalfSpace) return;
+  const auto [low, high] = LengthRange::of(format.exp_bits, format.man_bits);
+  const double u = std::ldexp(1, -format.man_bits - 1);
+  const oracle::Format rounded{.exp_bits = format.exp_bits, .man_bits = format.man_bits};
+  std::size_t failed = 0, hits = 0, judged = 0;
+  for (std::uint64_t i = 0; i < kCases / 4; ++i) {
+    oracle::Case c = oracle::generate(static_cast<oracle::Pair>(pair), kSeed, i, rounded);
+    std::mt19937_64 random(kSeed + i);
+    const auto between = [&](int from, int to) {
+      const double fraction = 1 + static_cast<double>(random() >> 12) * 0x1p-52;
+      return std::ldexp(fraction,
+                        from + static_cast<int>(random() % static_cast<unsigned>(to - from)));
+    };
+    const int least = low + static_cast<int>(random() % static_cast<unsigned>(high - low));
+    std::vector<std::uint64_t> a, b;
+    const auto change = [&](Shape shape, std::vector<double>& words,
+                            std::vector<std::uint64_t>& to) {
+      for (std::size_t k = 0; k < words.size(); ++k) {
+        if (kind(shape, k) == Kind::kLength)
+          words[k] = between(is_size(shape, k) ? low : least - 8, least + 1) *
+                     (is_size(shape, k) || random() % 2 == 0 ? 1 : -1);
+      }
+      if (shape == Shape::kAabb)
+        for (std::size_t k = 0; k < 3; ++k)
+          if (words[k] > words[k + 3]) std::swap(words[k], words[k + 3]);
+      for (double& w : words) to.push_back(format.encode(w)), w = format.decode(to.back());
+    };
+    change(primary_shape(pair), c.a, a);
+    change(secondary_shape(pair), c.b, b);
+    PairResult r;
+    reference::test_pairs(pair, algorithm, format, a, b, std::span(&r, 1), plane);
+    if (r.bad) continue;
+    ++judged, hits += r.f;
+    const auto vector = [&](const std::uint64_t* w) {
+      return oracle::Vec(format.decode(w[0]), format.decode(w[1]), format.decode(w[2]));
+    };
+    const oracle::Verdict v = oracle::check(c.shape_a(), c.shape_b(),
+                                            {r.f, format.decode(r.t), vector(r.cp), vector(r.n)},
+                                            {.u = u, .gap = {}, .lower_bound = has_budget(pair)});
+    if (!v.ok() && ++failed <= 3) ADD_FAILURE() << v.describe() << '\n' << c.describe();
+  }
+  std::printf("%s %s: %zu judged, %zu hits, %zu failed\n", std::string(name(pair)).c_str(),
+              format.name().c_str(), judged, hits, failed);
+  EXPECT_EQ(failed, 0u);
+  EXPECT_GT(judged, kCases / 5);
+}
+
 std::vector<Parameter> parameters() {
   std::vector<Parameter> all;
   for (const FpFormat format :
@@ -155,6 +208,56 @@ std::string label(const ::testing::TestParamInfo<Parameter>& info) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Pairs, Scaling, ::testing::ValuesIn(parameters()), label);
+
+/// Pairs far from the size of one whose answers are known in closed form.
+TEST(Range, KnownAnswers) {
+  struct Known {
+    Pair pair;
+    FpFormat format;
+    std::vector<double> a, b;
+    bool f;
+    double t;
+  };
+  constexpr FpFormat kFp32{8, 23}, kFp16{5, 10};
+  const double inf = std::numeric_limits<double>::infinity();
+  const Known all[] = {
+      {Pair::kTriangleSphere,
+       kFp32,
+       {0, 0, 0, 3e-10, 0, 0, 0, 3e-10, 0},
+       {1e-10, 1e-10, .5e-10, 1e-10},
+       true,
+       .5e-10},
+      {Pair::kTriangleSphere,
+       kFp32,
+       {0, 0, 0, 3e11, 0, 0, 0, 3e11, 0},
+       {1e11, 1e11, 2e11, 1e11},
+       false,
+       1e11},
+      {Pair::kRaySphere, kFp16, {0, 0, -60, 0, 0, 20, 0, inf}, {0, 0, 0, 20}, true, 2},
+      {Pair::kRayTriangle,
+       kFp16,
+       {10, 10, -90, 0, 0, 1, 0, inf},
+       {0, 0, 0, 60, 0, 0, 0, 60, 0},
+       true,
+       90},
+      {Pair::kRayTriangle,
+       kFp16,
+       {10, 10, -100, 0, 0, 0x1p-7, 0, inf},
+       {0, 0, 100, 60, 0, 100, 0, 60, 100},
+       true,
+       25600},
+  };
+  for (const Known& k : all) {
+    std::vector<std::uint64_t> a, b;
+    for (const double w : k.a) a.push_back(k.format.encode(w));
+    for (const double w : k.b) b.push_back(k.format.encode(w));
+    PairResult r;
+    reference::test_pairs(k.pair, Algorithm::kMoller, k.format, a, b, std::span(&r, 1));
+    EXPECT_EQ(r.f, k.f) << name(k.pair);
+    EXPECT_FALSE(r.bad);
+    EXPECT_NEAR(k.format.decode(r.t), k.t, k.t * std::ldexp(4, -k.format.man_bits));
+  }
+}
 
 }  // namespace
 }  // namespace cde::testing
