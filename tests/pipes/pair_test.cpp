@@ -377,10 +377,6 @@ std::vector<Parameter> other_formats() {
       other.lanes = 1;
       if (format == cde::FpFormat{11, 52})
         other.left_out = "fp64 with operators of one clock (SlowOperators has it with slow ones)";
-      else if (format != cde::FpFormat{5, 10})
-        other.left_out = "formats other than fp16, fp32 and fp64";
-      else if (is_large(pipe.pair))
-        other.left_out = "fp16 of box and cylinder pairs (SlowOperators has them in fp64)";
       all.push_back(other);
     }
   return all;
