@@ -1,4 +1,5 @@
-// Gate back end of the binary units: lanes of one operation behind their input registers. CW is the word of a lane (fp_mask.svh).
+// Gate back end of the binary units: lanes of one operation behind their input registers. CW is the word of a lane
+// (fp_mask.svh).
 // Latency: 1 + CUTS clocks. Throughput: one result a lane a clock. Stall: none.
 // Not inlined: all that the lanes touch must lie in one C++ object for the compiler to see that they do not alias.
 // The inputs are public so that they stay variables of this object too: then all instances run one function.

@@ -77,8 +77,8 @@ class Player {
 
   [[nodiscard]] const Board& board() const;
 
-  /// Ends the waves. Error kFile if not all of them could be written. The destructor ends them, too,
-  /// and does not say.
+  /// Ends the waves. Error kFile if not all of them could be written. The destructor ends them,
+  /// too, and does not say.
   void trace_close();
 
  private:
