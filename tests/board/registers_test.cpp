@@ -138,6 +138,22 @@ TEST_F(Registers, CommandsOutOfRange) {
   EXPECT_EQ(status() & bit(kStatusDone), bit(kStatusDone));
 }
 
+/// Slots that no one wrote are out of contract, not rays of zeros.
+TEST_F(Registers, PrimariesNeverWrittenAreBad) {
+  board_.reset();
+  board_.load(std::span(scene_.rays).first(2));
+  start(kModeNearest, 4, 0, 20);
+  board_.wait(100'000);
+  ASSERT_NE(status() & bit(kStatusDone), 0u);
+  EXPECT_EQ(board_.read_register(kRegBadPrim), 2u);
+  std::vector<std::uint64_t> beats(4 / 2 * 7);
+  board_.bus_read(kSpaceSram, 0, beats);
+  for (unsigned i = 0; i < 4; ++i) {
+    const unsigned word = 7 * i + kRecordFlags;
+    EXPECT_EQ(beats[word / 2] >> word % 2 * 32 >> kFlagBad & 1, i < 2 ? 0u : 1u) << i;
+  }
+}
+
 TEST_F(Registers, WritesWhileBusyAreRefusedAndHarmless) {
   start(kModeNearest, 256, 0, 500);
   for (const std::uint32_t r :

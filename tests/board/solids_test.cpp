@@ -57,6 +57,7 @@ Scene scene() {
   for (int i = 0; i < 61; ++i) s.triangles.push_back({point(), point(), point()});
   s.few[11].r = -1;
   s.many[5].r = 0;
+  s.many[2].r = -1;  // as a ray its words would be good
   s.many[60].c.x() = std::numeric_limits<float>::quiet_NaN();
   s.rays[3].d.setZero();
   s.triangles[7].v1.y() = std::numeric_limits<float>::infinity();

@@ -41,16 +41,19 @@ TEST(ObjectDriver, BoxesThatVanishAreBadInput) {
   Random random;
   const auto mesh = shapes<Triangle>(random, 10);
   const std::vector<Aabb> boxes{{{0, 0, 0}, {1, 1, 1}}, {{0, 0, 0}, {3e8f, 3e8f, 3e8f}}};
-  Transform far;
-  far.translation.y() = 1e9f;
-  const std::vector<Object> moving{{0, 2, far}, {0, 2, {}}};
-  board.upload_shapes(std::span<const Aabb>(boxes));
-  board.load_shapes(std::span<const Triangle>(mesh));
-  board.set_objects(moving);
-  check_pass(board, Pair::kTriangleAabb, false, mesh, boxes, {}, moving);
-  Counters c;
-  (void)board.run({}, &c);
-  EXPECT_EQ(c.bad_secondaries, 1u);
+  for (int axis = 0; axis < 3; ++axis) {
+    SCOPED_TRACE(axis);
+    Transform far;
+    far.translation[axis] = 1e9f;
+    const std::vector<Object> moving{{0, 2, far}, {0, 2, {}}};
+    board.upload_shapes(std::span<const Aabb>(boxes));
+    board.load_shapes(std::span<const Triangle>(mesh));
+    board.set_objects(moving);
+    check_pass(board, Pair::kTriangleAabb, false, mesh, boxes, {}, moving);
+    Counters c;
+    (void)board.run({}, &c);
+    EXPECT_EQ(c.bad_secondaries, 1u);
+  }
 }
 
 /// A pass with another shape does not see what was posed for the first.

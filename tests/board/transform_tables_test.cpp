@@ -92,6 +92,22 @@ TEST_F(ObjectTableBus, EntriesOutOfContractAreRefused) {
       EXPECT_FALSE(go_is_refused());
     }
   }
+  // Each of the six products of columns by itself: one column of another length, two that are not
+  // perpendicular.
+  for (int i = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j) {
+      Transform transform;
+      if (i == j)
+        transform.rotation(i, i) = 0.5f;
+      else
+        transform.rotation(i, j) = 0.6f, transform.rotation(j, j) = 0.8f;
+      ASSERT_TRUE(defect(transform));
+      board_.write_register(kRegObjectCount, 2);
+      write_transform(kObjectTable, 1, transform);
+      EXPECT_TRUE(go_is_refused()) << "columns " << i << " and " << j;
+      write_transform(kObjectTable, 1, {});
+      EXPECT_FALSE(go_is_refused());
+    }
   // 256 primaries fit the register file.
   write_transform(kPrimObjectTable, 0, {});
   EXPECT_TRUE(refused(1, 1));

@@ -247,6 +247,18 @@ TEST(PciDma, EndsAtAPage) {
           }
 }
 
+/// A core so slow that the FIFO towards it fills up: bursts wait for room, and no word is lost.
+TEST(PciDma, BurstsWaitForRoom) {
+  constexpr std::uint32_t kBytes = 32768;
+  Running card({.core_period_ps = 400'000});
+  Numbers numbers(12);
+  const auto data = numbers.bytes(kBytes);
+  card.put(kData, data);
+  ASSERT_EQ(card.transfer(kData, kBytes, kSpaceDdr, 0, false).code, pci::kCodeOk);
+  card.pass(100'000'000);
+  EXPECT_TRUE(same_bytes(card.local(kSpaceDdr).first(kBytes), data));
+}
+
 /// Rings are addressed through the same table; what cannot be reported by a record is in the
 /// registers.
 TEST(PciDma, RingsOutsideTheTable) {

@@ -186,6 +186,17 @@ TEST_P(BadMesh, IsAnError) {
   expect_error(bad.code, bad.message, [&] { (void)load_mesh(folder.write(bad.file, bytes)); });
 }
 
+/// Bytes behind the last one that a header announces are not passed over.
+TEST(AttackTest, BytesLeftOver) {
+  const Folder folder;
+  const auto longer = [&](const char* file) {
+    return folder.write(file, bytes_of(small_mesh(file)) + "x");
+  };
+  expect_error(ErrorCode::kFile, "1 bytes are left after the last row",
+               [&] { (void)load_mesh(longer("icosphere.ply")); });
+  expect_error(ErrorCode::kFile, "facets takes", [&] { (void)load_mesh(longer("torus.stl")); });
+}
+
 TEST(AttackTest, PlyHeaders) {
   const Folder folder;
   const auto load = [&](const std::string& text) { (void)load_mesh(folder.write("h.ply", text)); };

@@ -172,6 +172,12 @@ TEST(Motion, MembersMoveFromTheirPlaces) {
   const Eigen::Vector3d one = member_pose(m, centre, 3, 0.1) * centre;
   EXPECT_NEAR((one - centre).norm(), 0.3, 1e-12) << "0.1 s at 3 units a second";
   EXPECT_GT((one - member_pose(m, centre, 4, 0.1) * centre).norm(), 1e-3);
+  ASSERT_NE(m.spin, 0);
+  const auto turn = [&](std::uint64_t member) {
+    return Eigen::Matrix3d(member_pose(m, centre, member, 0.1).linear());
+  };
+  for (std::uint64_t member = 1; member < 5; ++member)
+    EXPECT_GT((turn(member) - turn(0)).norm(), 1e-3) << "each about an axis of its own";
 }
 
 /// The same with every compiler: golden values.

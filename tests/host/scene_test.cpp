@@ -620,6 +620,41 @@ TEST(Plan, TablesOfObjectsHaveAnEnd) {
                [&] { (void)of(2049, "card"); });
 }
 
+/// A range that the host writes again is one entry, however many shapes in it move.
+TEST(Plan, WhatTheHostMovesIsOneEntry) {
+  const Plan p = plan(parse_scene(
+      "frames=2\n" + kRays +
+          "[[object]]\nname=\"shards\"\n"
+          "random={shape=\"triangle\",count=1500,min=[-1,-1,-1],max=[1,1,1],size=[0.1,0.2]}\n"
+          "motion={kind=\"random\",each=true,min=[-1,-1,-1],max=[1,1,1],speed=1}\n"
+          "[[object]]\nname=\"land\"\nmesh=\"terrain:12,9,3\"\n"
+          "motion={kind=\"velocity\",angular=[0,0,9]}\n"
+          "[[query]]\nname=\"q\"\npair=\"ray-triangle\"\nprimaries=\"rays\"\n"
+          "secondaries=[\"shards\",\"land\"]\n",
+      "s.toml"));
+  EXPECT_EQ(p.card_moves, (std::vector<bool>{false, false, true}));
+  EXPECT_EQ(p.queries[0].moved_words, 1500u * 9 + 12);
+  EXPECT_EQ(p.board.objects, 1024u);
+}
+
+/// DDR holds the secondaries of one query: they stay only if every query has the same.
+TEST(Plan, SecondariesStayIfAllQueriesHaveTheSame) {
+  const auto resident = [](std::initializer_list<const char*> secondaries) {
+    std::string scene =
+        kBall + kRays + "[[object]]\nname=\"other\"\nsphere={center=[0,0,0]" + ",radius=1}\n";
+    for (const char* name : secondaries)
+      scene += fmt::format(
+          "[[query]]\nname=\"q{}\"\npair=\"ray-sphere\"\nprimaries=\"rays\"\n"
+          "secondaries=\"{}\"\n",
+          scene.size(), name);
+    return plan(parse_scene(scene, "s.toml")).resident;
+  };
+  EXPECT_TRUE(resident({"ball"}));
+  EXPECT_TRUE(resident({"ball", "ball", "ball"}));
+  EXPECT_FALSE(resident({"ball", "other"}));
+  EXPECT_FALSE(resident({"ball", "other", "ball"}));
+}
+
 TEST(Plan, TakesTheBusAndTheCheckBitsThatAreAskedFor) {
   const Plan bare = plan(parse_scene(kGood, "s.toml"));
   EXPECT_EQ(bare.board.bus, Bus::kFunctional);
