@@ -50,25 +50,35 @@ module pair_unit #(
 
   logic [LANES-1:0][CW-1:0] bad_a, bad_b, bad_check, bad, f, t;
   logic [2:0][LANES-1:0][CW-1:0] cp, n;
+  // A ring of the host's arithmetic takes operands from registers: what depends on inputs is simulated on both edges of every clock.
+  localparam bit HELD = cde_pkg::has_ring(PAIR) && ARITH != "rtl";
+  logic [31:0] tag;
+  logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
+  logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b;
+  if (HELD) begin : g_held
+    always_ff @(posedge clk_i) if (valid_i && ready_o) {tag, a, b} <= {tag_i, a_i, b_i};
+  end else begin : g_direct
+    assign {tag, a, b} = {tag_i, a_i, b_i};
+  end
   shape_check #(
       .SHAPE(cde_pkg::primary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
       .ARITH(ARITH)
-  ) check_a (.clk_i, .words_i(a_i), .bad_o(bad_a));
+  ) check_a (.clk_i, .words_i(a), .bad_o(bad_a));
   shape_check #(
       .SHAPE(cde_pkg::secondary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
       .ARITH(ARITH)
-  ) check_b (.clk_i, .words_i(b_i), .bad_o(bad_b));
+  ) check_b (.clk_i, .words_i(b), .bad_o(bad_b));
   assign bad_check = bad_a | bad_b;
 
   if (cde_pkg::has_ring(PAIR)) begin : g_ring
-    localparam int ENTRY = cde_pkg::larger(T_CHECK, cde_pkg::ring_entry(LAT_ADD, LAT_MUL, LAT_CMP));
+    localparam int ENTRY = cde_pkg::larger(T_CHECK, 1 + cde_pkg::ring_entry(LAT_ADD, LAT_MUL, LAT_CMP));
     logic [LANES-1:0][CW-1:0] bad_entry;
     align #(.W(LW), .FROM(T_CHECK), .TO(ENTRY), .ARITH(ARITH)) align_bad (.clk_i, .d_i(bad_check), .q_o(bad_entry));
     cylinder_pair #(
-        .BODY(cde_pkg::cylinder_body(PAIR)), .ENTRY(ENTRY), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+        .BODY(cde_pkg::cylinder_body(PAIR)), .AHEAD(32'(HELD)), .ENTRY(ENTRY - 32'(HELD)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
         .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
     ) pipe (
-        .clk_i, .rst_i, .budget_i, .valid_i, .ready_o, .tag_i, .a_i, .b_i, .bad_i(bad_entry), .valid_o, .tag_o, .bad_o(bad), .f_o(f), .t_o(t),
+        .clk_i, .rst_i, .budget_i, .valid_i, .ready_o, .tag_i(tag), .a_i(a), .b_i(b), .bad_i(bad_entry), .valid_o, .tag_o, .bad_o(bad), .f_o(f), .t_o(t),
         .cp_o(cp), .n_o(n), .latency_o);
   end else begin : g_free
     logic unused_budget;
@@ -83,9 +93,9 @@ module pair_unit #(
     scaled_pipe #(
         .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(BOX), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
         .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-    ) pipe (.clk_i, .enter_i(enter), .a_i, .b_i, .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe), .latency_o(latency));
+    ) pipe (.clk_i, .enter_i(enter), .a_i(a), .b_i(b), .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe), .latency_o(latency));
     issue_history #(.W(32), .DEPTH(HISTORY)) history_tag (
-        .clk_i, .rst_i, .latency_i(latency), .valid_i(enter), .d_i(tag_i), .valid_o, .q_o(tag_o));
+        .clk_i, .rst_i, .latency_i(latency), .valid_i(enter), .d_i(tag), .valid_o, .q_o(tag_o));
     logic unused_valid;
     if (ARITH != "rtl") begin : g_late  // the pipe answers at once; its results wait
       issue_history #(.W(9 * LW), .DEPTH(HISTORY)) history (

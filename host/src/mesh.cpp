@@ -113,16 +113,6 @@ void check(const Mesh& mesh, std::string_view what) {
                   fmt::format("{}: vertex {} is ({}, {}, {}), which is not finite", what, i, v.x(),
                               v.y(), v.z()));
     }
-    if (const auto why = defect(Triangle{v, v, v})) {
-      const auto far =
-          std::count_if(mesh.vertices.begin(), mesh.vertices.end(), [](const Eigen::Vector3f& w) {
-            return defect(Triangle{w, w, w}).has_value();
-          });
-      throw Error(
-          ErrorCode::kBadInput,
-          fmt::format("{}: vertex {} is ({}, {}, {}): {} ({} of {} vertices are too far)", what, i,
-                      v.x(), v.y(), v.z(), why->substr(3), far, mesh.vertices.size()));
-    }
   }
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
     for (const auto corner : mesh.faces[i]) {
@@ -133,6 +123,20 @@ void check(const Mesh& mesh, std::string_view what) {
     }
   }
   if (mesh.faces.empty()) throw Error(ErrorCode::kBadInput, fmt::format("{}: no triangles", what));
+}
+
+std::optional<std::string> out_of_range(const Mesh& mesh, std::string_view what) {
+  std::size_t far = 0;
+  std::optional<std::string> first;
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    const auto& f = mesh.faces[i];
+    const auto why =
+        defect(Triangle{mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]});
+    if (why && far++ == 0) first = fmt::format("triangle {}: {}", i, *why);
+  }
+  if (!first) return std::nullopt;
+  return fmt::format("{}: {} of {} triangles are bad input, the first {}", what, far,
+                     mesh.faces.size(), *first);
 }
 
 Mesh load_mesh(const std::filesystem::path& path, std::chrono::seconds deadline) {

@@ -242,6 +242,7 @@ Mesh read_mesh(Table& t, const std::filesystem::path& folder) {
     Mesh mesh = builtin ? load_mesh_or_builtin(spec) : load_mesh(folder / spec);
     for (Eigen::Vector3f& v : mesh.vertices) v = (v.cast<double>() * scale).cast<float>();
     check(mesh, mesh.name);
+    if (const auto why = out_of_range(mesh, mesh.name)) throw Error(ErrorCode::kBadInput, *why);
     return mesh;
   } catch (const Error& e) {
     t.fail(e.code(), "mesh", e.what());

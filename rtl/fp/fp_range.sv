@@ -31,7 +31,12 @@ module fp_range #(
     end
   end else
 `endif
-  begin : g_gates
+  if (ZERO) begin : g_gates_below
+    always_comb begin
+      m = '0;
+      for (int l = 0; l < LANES; l++) m[l] = {CW{(a_i[l] & MASK) <= (CW'(MOST) << MAN)}};
+    end
+  end else begin : g_gates
     always_comb begin
       m = '0;
       for (int l = 0; l < LANES; l++)

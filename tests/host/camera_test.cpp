@@ -20,7 +20,7 @@ TEST(PrimitivesTest, Defects) {
   EXPECT_EQ(defect(Ray{{0, 0, 0}, {0, 0, -1e-38f}}),
             "largest component of direction is 9.99999935e-39, must be 2^-34 to 2^40");
   EXPECT_EQ(defect(Ray{{0, 2e12f, 0}, {0, 0, 1}}),
-            "origin.y is 2e+12, must be at most 2^40 in size");
+            "origin.y is 1.99999999e+12, must be at most 2^40 in size");
   EXPECT_EQ(defect(Ray{{0, 0, 0}, {0, 0, -0x1.8p40f}}),
             "direction.z is -1.64926744e+12, must be at most 2^40 in size");
   EXPECT_EQ(defect(Ray{{0, kNan, 0}, {0, 0, 1}}), "origin.y is nan");

@@ -101,7 +101,7 @@ TEST(Contract, SaysWhichFieldAndWhatWasExpected) {
   EXPECT_EQ(defect(with(kSphere, 3, 0)), "radius is 0, must be > 0");
   EXPECT_EQ(defect(with(kSphere, 3, -2)), "radius is -2, must be > 0");
   EXPECT_EQ(defect(with(kSphere, 3, 0x1p-34f)), std::nullopt);
-  EXPECT_EQ(defect(with(kSphere, 3, 5e-11f)), "radius is 4.99999997e-11, must be 2^-34 to 2^40");
+  EXPECT_EQ(defect(with(kSphere, 3, 5e-11f)), "radius is 5.00000007e-11, must be 2^-34 to 2^40");
   EXPECT_EQ(defect(with(kSphere, 3, 2e12f)),
             "radius is 1.99999999e+12, must be at most 2^40 in size");
   EXPECT_EQ(defect(with(kPlane, 3, -2e12f)), "d is -1.99999999e+12, must be at most 2^40 in size");

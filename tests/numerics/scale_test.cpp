@@ -169,8 +169,14 @@ TEST_P(Scaling, SizesMayHaveAnyRatio) {
     const auto vector = [&](const std::uint64_t* w) {
       return oracle::Vec(format.decode(w[0]), format.decode(w[1]), format.decode(w[2]));
     };
-    const oracle::Verdict v = oracle::check(c.shape_a(), c.shape_b(),
-                                            {r.f, format.decode(r.t), vector(r.cp), vector(r.n)},
+    const oracle::Vec cp = vector(r.cp), n = vector(r.n);
+    const double t = format.decode(r.t);
+    if (!std::isfinite(t) || !cp.allFinite() || !n.allFinite()) {
+      if (++failed <= 3) ADD_FAILURE() << "not finite: " << c.describe();
+      continue;
+    }
+    if (format.man_bits == 52) continue;  // the oracle computes in binary64 itself
+    const oracle::Verdict v = oracle::check(c.shape_a(), c.shape_b(), {r.f, t, cp, n},
                                             {.u = u, .gap = {}, .lower_bound = has_budget(pair)});
     if (!v.ok() && ++failed <= 3) ADD_FAILURE() << v.describe() << '\n' << c.describe();
   }

@@ -137,7 +137,9 @@ TEST_P(Range, BeginsAndEndsWhereItIsStated) {
   const std::vector<PairResult> got = answers(o);
   for (std::size_t i = 0; i < got.size(); ++i) {
     EXPECT_EQ(got[i].bad, bad[i]) << i;
-    if (bad[i]) EXPECT_EQ(got[i].t, f.canonical_nan());
+    if (bad[i]) {
+      EXPECT_EQ(got[i].t, f.canonical_nan());
+    }
   }
 }
 

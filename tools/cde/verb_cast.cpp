@@ -112,6 +112,8 @@ Job prepare(const Options& o) {
     usage("a picture needs --mode nearest");
   }
   job.mesh = load_mesh_or_builtin(o.mesh);
+  if (const auto why = out_of_range(job.mesh, o.mesh))
+    fmt::print(stderr, "cde: warning: {}\n", *why);
   collect_rays(o, job);
   if ((!o.depth.empty() || !o.shaded.empty()) && !job.picture)
     usage("a picture needs --camera or --grid");

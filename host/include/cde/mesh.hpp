@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -61,9 +62,13 @@ struct Mesh {
 /// be written), kCapacity (faces do not fit the format's 32-bit count).
 void save_mesh(const Mesh& mesh, const std::filesystem::path& path);
 
-/// Throws kBadInput, beginning with `what`, if a vertex is not finite or beyond
-/// the range of coordinates (length_range.hpp), a corner number is out of
+/// Throws kBadInput, beginning with `what`, if a vertex is not finite, a corner number is out of
 /// range, or there is no face.
 void check(const Mesh& mesh, std::string_view what);
+
+/// Which triangles of a checked mesh the card will flag as bad input, as coordinates of theirs are
+/// out of range (length_range.hpp): how many, the first one, its word and the range; nothing if
+/// there are none. A line without its end.
+[[nodiscard]] std::optional<std::string> out_of_range(const Mesh& mesh, std::string_view what);
 
 }  // namespace cde
