@@ -82,7 +82,7 @@ constexpr Variant kPlanned = {"planned", "", [](BoardConfig&) {}};
 constexpr Variant kVariants[] = {
     {"pipe alone", "", [](BoardConfig& c) { c = BoardConfig{.lanes = c.lanes}; }, When::kAlways},
     {"  (beside it) box rule", "box rule",
-     [](BoardConfig& c) { c = BoardConfig{.box = true, .lanes = c.lanes}; }, When::kAlways, true},
+     [](BoardConfig& c) { c = BoardConfig{.lanes = c.lanes, .box = true}; }, When::kAlways, true},
     {"all 13 pipes", "pipes", all_pipes},
     {"two pipes", "", two_pipes},
     {"  (beside it) both at a time", "two pairs at a time",
