@@ -176,9 +176,10 @@ Effect box_rule(const Scene& scene, const Plan& plan) {
   const bool rays = std::find(plan.board.pairs.begin(), plan.board.pairs.end(),
                               Pair::kRayTriangle) != plan.board.pairs.end();
   return {"box rule", plan.board.box, plan.board.box ? "built in" : "none",
-          !rays             ? "no rays meet triangles"
-          : scene.card.box ? "a ray's hit must lie in the triangle's box"
-                           : "the plain pipe is asked for: a hit may be far from an edge-on triangle",
+          !rays ? "no rays meet triangles"
+          : scene.card.box
+              ? "a ray's hit must lie in the triangle's box"
+              : "the plain pipe is asked for: a hit may be far from an edge-on triangle",
           simulation_text("box rule")};
 }
 

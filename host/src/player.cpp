@@ -202,8 +202,7 @@ class Player::Impl {
     if (active.empty()) return;  // no work for the card
     std::optional<PassCheck> check;
     if (options_.check != Check::kNone)
-      check.emplace(q, scene_.card, primaries, sampled(active, frame),
-                    secondaries_.placed());
+      check.emplace(q, scene_.card, primaries, sampled(active, frame), secondaries_.placed());
     const auto start = Clock::now();
     double host = 0;
     const std::uint64_t before = board_.clocks(), before_ps = board_.time_ps();

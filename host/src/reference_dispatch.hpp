@@ -38,7 +38,7 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
   use(Kinds<A, Can>(), [budget](const A& x, const Can& y) { return FUNCTION<S>(x, y, budget); })
 #define CDE_TEST(A, B, FUNCTION) \
   use(Kinds<A, B>(), [](const A& x, const B& y) { return FUNCTION<S>(x, y); })
-#define CDE_RAY(FUNCTION)                                                                    \
+#define CDE_RAY(FUNCTION)                                                                  \
   box ? use(Kinds<R, T>(), [](const R& x, const T& y) { return FUNCTION<S, true>(x, y); }) \
       : use(Kinds<R, T>(), [](const R& x, const T& y) { return FUNCTION<S, false>(x, y); })
   // NOLINTEND(bugprone-macro-parentheses)

@@ -60,9 +60,8 @@ void sweep(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
 
 template <class S>
 void test_pairs_in(Pair pair, Algorithm algorithm, bool box, PlaneSide plane,
-                   const PairBudget& budget,
-                   std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
-                   std::span<PairResult> r) {
+                   const PairBudget& budget, std::span<const std::uint64_t> a,
+                   std::span<const std::uint64_t> b, std::span<PairResult> r) {
   with_pair<S>(pair, algorithm, box, plane, budget,
                [&]<class A, class B>(Kinds<A, B>, auto test) { sweep<S, A, B>(a, b, r, test); });
 }

@@ -1,8 +1,10 @@
-// Box rule of ray and triangle (reference/ray_box.hpp): what is met counts only if P = o + t d lies in the triangle's box,
-// (|P_k - c_k| - h_k) < 64 u |t d|_1 on every axis. A NaN or an infinite P is outside, and nothing is in the box of a triangle without
-// area. The triangle's part is computed once for all lanes if it is broadcast. Without BOX a wire.
+// Box rule of ray and triangle (reference/ray_box.hpp): what is met counts only if P = o + t d lies in the triangle's
+// box, (|P_k - c_k| - h_k) < 64 u |t d|_1 on every axis. A NaN or an infinite P is outside, and nothing is in the box
+// of a triangle without area. The triangle's part is computed once for all lanes if it is broadcast. Without BOX:
+// a wire.
 // 1 mul, 2 add, 6 sub, 3 compare a ray, and those of triangle_bounds.sv a triangle.
-// Latency: to stage time RAY_T_IN_BOX (ray_box.svh); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
+// Latency: to stage time RAY_T_IN_BOX (ray_box.svh); 0 with ARITH = "host". Throughput: LANES pairs a clock.
+// Stall: none.
 `include "ray_box.svh"
 module ray_box #(
     parameter int EXP = 8,
@@ -39,9 +41,11 @@ module ray_box #(
     logic unused_clk;
     assign unused_clk = clk_i;
     logic [LANES-1:0][CW-1:0] hit;
-    `define CDE_IN_BOX(C, BITS) C("host_fp::in_box<", EXP, ",", MAN, ",", BITS, ">(", met_i[l], ",", td_i[0][l], ",", td_i[1][l], ",", \
-        td_i[2][l], ",", p_i[0][l], ",", p_i[1][l], ",", p_i[2][l], ",", b_i[0][l%B_LANES], ",", b_i[1][l%B_LANES], ",", b_i[2][l%B_LANES], ",", \
-        b_i[3][l%B_LANES], ",", b_i[4][l%B_LANES], ",", b_i[5][l%B_LANES], ",", b_i[6][l%B_LANES], ",", b_i[7][l%B_LANES], ",", b_i[8][l%B_LANES], ")")
+    `define CDE_B(K) b_i[K][l%B_LANES]
+    `define CDE_IN_BOX(C, BITS) C("host_fp::in_box<", EXP, ",", MAN, ",", BITS, ">(", met_i[l], \
+        ",", td_i[0][l], ",", td_i[1][l], ",", td_i[2][l], ",", p_i[0][l], ",", p_i[1][l], ",", p_i[2][l], \
+        ",", `CDE_B(0), ",", `CDE_B(1), ",", `CDE_B(2), ",", `CDE_B(3), ",", `CDE_B(4), ",", `CDE_B(5), \
+        ",", `CDE_B(6), ",", `CDE_B(7), ",", `CDE_B(8), ")")
     if (CW == 32) begin : g_32
       always_comb begin
         hit = '0;
@@ -54,6 +58,7 @@ module ray_box #(
       end
     end
     `undef CDE_IN_BOX
+    `undef CDE_B
     assign hit_o = hit;
   end
 `endif
@@ -77,17 +82,25 @@ module ray_box #(
     localparam int T_OUT = `RAY_T_OUT(T_P);
     logic [2:0][B_LANES-1:0][CW-1:0] centre, half, centre_p, half_p;
     logic [2:0][LANES-1:0][CW-1:0] from, beyond, accepted;
-    triangle_bounds #(.EXP(EXP), .MAN(MAN), .LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) bounds (
+    triangle_bounds #(
+        .EXP(EXP), .MAN(MAN), .LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+    ) bounds (
         .clk_i, .b_i, .centre_o(centre), .half_o(half));
-    align #(.W(3 * B_LANES * CW), .FROM(`RAY_T_CENTRE), .TO(T_AWAY - LAT_ADD), .ARITH(ARITH)) align_c (.clk_i, .d_i(centre), .q_o(centre_p));
-    align #(.W(3 * B_LANES * CW), .FROM(`RAY_T_HALF), .TO(T_OUT - LAT_ADD), .ARITH(ARITH)) align_h (.clk_i, .d_i(half), .q_o(half_p));
+    align #(.W(3 * B_LANES * CW), .FROM(`RAY_T_CENTRE), .TO(T_AWAY - LAT_ADD), .ARITH(ARITH)) align_c (
+        .clk_i, .d_i(centre), .q_o(centre_p));
+    align #(.W(3 * B_LANES * CW), .FROM(`RAY_T_HALF), .TO(T_OUT - LAT_ADD), .ARITH(ARITH)) align_h (
+        .clk_i, .d_i(half), .q_o(half_p));
     `DF_VAT(p_late, p, T_AWAY - LAT_ADD)
-    vec_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .SUB(1), .ARITH(ARITH), .CANON(0)) sub_c (
+    vec_add #(
+        .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .SUB(1), .ARITH(ARITH), .CANON(0)
+    ) sub_c (
         .clk_i, .a_i(p_late), .b_i(centre_p), .r_o(from));
     `DF_VIN(away, from, T_AWAY)
     `DF_VABS(size, away)
     `DF_VAT(size_late, size, T_OUT - LAT_ADD)
-    vec_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .SUB(1), .ARITH(ARITH), .CANON(0)) sub_h (
+    vec_add #(
+        .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .SUB(1), .ARITH(ARITH), .CANON(0)
+    ) sub_h (
         .clk_i, .a_i(size_late), .b_i(half_p), .r_o(beyond));
     for (genvar k = 0; k < 3; k++) begin : axis
       `DF_IN(out, beyond[k], T_OUT)

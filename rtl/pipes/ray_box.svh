@@ -1,5 +1,5 @@
-// Stage times of the box rule of ray and triangle (ray_box.sv), and its place in a pipe. What is in scope: BOX, B_LANES, LAT_* and what
-// dataflow.svh needs; b_i has the triangles, all lanes the same one if B_LANES is 1.
+// Stage times of the box rule of ray and triangle (ray_box.sv), and its place in a pipe. What is in scope: BOX,
+// B_LANES, LAT_* and what dataflow.svh needs; b_i has the triangles, all lanes the same one if B_LANES is 1.
 `ifndef CDE_RAY_BOX_SVH
 `define CDE_RAY_BOX_SVH
 `include "dataflow.svh"
@@ -12,10 +12,12 @@
 `define RAY_T_OUT(P) (`DF_MAX2(`RAY_T_AWAY(P), `RAY_T_HALF) + LAT_ADD)
 `define RAY_T_IN_BOX(TD, P) (`DF_MAX2(`RAY_T_OUT(P), TD + 2 * LAT_ADD + LAT_MUL) + LAT_CMP)
 // HIT = MET and, with BOX, P = o + TD is in the triangle's box.
-`define RAY_BOX(HIT, MET, TD, P) localparam int T_``HIT = (BOX != 0) ? `DF_MAX2(T_``MET, `RAY_T_IN_BOX(T_``TD, T_``P)) : T_``MET; \
+`define RAY_BOX(HIT, MET, TD, P) \
+  localparam int T_``HIT = (BOX != 0) ? `DF_MAX2(T_``MET, `RAY_T_IN_BOX(T_``TD, T_``P)) : T_``MET; \
   `DF_SCALAR HIT; \
   logic [8:0][B_LANES-1:0][CW-1:0] triangle_``HIT; \
   for (genvar k = 0; k < 9; k++) begin : triangle_of_``HIT assign triangle_``HIT[k] = b_i[k][B_LANES-1:0]; end \
-  ray_box #(`DF_FORMAT, .B_LANES(B_LANES), .BOX(BOX), .T_MET(T_``MET), .T_TD(T_``TD), .T_P(T_``P), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), \
-      .LAT_CMP(LAT_CMP)) box_``HIT (.clk_i, .b_i(triangle_``HIT), .met_i(MET), .td_i(TD), .p_i(P), .hit_o(HIT));
+  ray_box #(`DF_FORMAT, .B_LANES(B_LANES), .BOX(BOX), .T_MET(T_``MET), .T_TD(T_``TD), .T_P(T_``P), \
+      .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) box_``HIT (.clk_i, .b_i(triangle_``HIT), \
+      .met_i(MET), .td_i(TD), .p_i(P), .hit_o(HIT));
 `endif

@@ -10,7 +10,7 @@ module ray_result #(
     parameter int T_T = 0,
     parameter int T_CP = 0,
     parameter int LATENCY = 1,  // of the outputs: after all inputs
-    parameter int FINITE = 1,   // 0: hits are known to be finite, 1: cp is looked at and is o + t d, 2: cp and t are looked at
+    parameter int FINITE = 1,   // 0: hits are known to be finite; 1: cp is o + t d, and looked at; 2: cp and t are
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (

@@ -113,8 +113,7 @@ TEST_F(Query, RaysOfSixAndEightWordsWithoutANormal) {
 
 /// A triangle without area, which the plain pipe hits 3.4 away from it, at T = -0 once.
 TEST_F(Query, TheBoxRuleMissesTrianglesWithoutArea) {
-  const std::string line =
-      "0.2 2.8 -2.3 -0.1 -0.9 0.7 0.1 0.7 -0.4 0.2 -0.4 0.9 0.2 -0.4 0.9\n";
+  const std::string line = "0.2 2.8 -2.3 -0.1 -0.9 0.7 0.1 0.7 -0.4 0.2 -0.4 0.9 0.2 -0.4 0.9\n";
   Ran ran = query({"ray-triangle", "--algorithm", "pluecker"}, line);
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_EQ(ran.out, kHeader + "0,inf,0,0,0,,,,\n");
@@ -131,11 +130,11 @@ TEST_F(Query, TheBoxRuleMissesTrianglesWithoutArea) {
 TEST_F(Query, ARaysHitIsFinite) {
   const Ran ran = query({"ray-triangle", "-q"},
                         "0 0 20 0 0 -1e-38 -1 -1 0 2 -1 0 -1 2 0\n"
-                        "0 0 20 0 0 -1e-37 -1 -1 0 2 -1 0 -1 2 0\n"
+                        "0 0 20 0 0 -0x1p-120 -1 -1 0 2 -1 0 -1 2 0\n"
                         "0 0 0 0 0 -1 -1 -1 0 2 -1 0 -1 2 0\n"
                         "0 0 0 0 0 1 -1 -1 0 2 -1 0 -1 2 0\n");
   EXPECT_EQ(ran.out, kHeader +
-                         "0,inf,0,0,0,,,,\n1,1.9999999e+38,0,0,0,,,,\n1,0,0,0,0,,,,\n"
+                         "0,inf,0,0,0,,,,\n1,2.658456e+37,0,0,0,,,,\n1,0,0,0,0,,,,\n"
                          "1,0,0,0,0,,,,\n");
 }
 

@@ -1,6 +1,6 @@
 // The box rule of ray and triangle, and what every ray pair promises of a hit: triangles without
-// area, rays in a triangle's plane, hits that the rule drops, how far outside of its box an accepted
-// hit may lie; finite T and CP, and no -0.
+// area, rays in a triangle's plane, hits that the rule drops, how far outside of its box an
+// accepted hit may lie; finite T and CP, and no -0.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -58,16 +58,17 @@ std::ostream& operator<<(std::ostream& out, const Algorithm& a) {
   return out << a.name;
 }
 
-#define CDE_ALGORITHM(NAME)                                               \
-  Algorithm {                                                             \
-    #NAME, reference::ray_triangle_##NAME<float, false>,                  \
-        reference::ray_triangle_##NAME<float, true>                       \
+#define CDE_ALGORITHM(NAME)                                                                        \
+  Algorithm {                                                                                      \
+#NAME, reference::ray_triangle_##NAME < float, false>, reference::ray_triangle_##NAME < float, \
+        true>                                                                                      \
   }
 const Algorithm kAlgorithms[] = {CDE_ALGORITHM(moller), CDE_ALGORITHM(badouel),
                                  CDE_ALGORITHM(pluecker), CDE_ALGORITHM(watertight)};
 #undef CDE_ALGORITHM
 
-/// How far o + t d lies outside of the triangle's box, over what the rule lets it: m' of ray_box.hpp.
+/// How far o + t d lies outside of the triangle's box, over what the rule lets it: m' of
+/// ray_box.hpp.
 double outside(const Ray& ray, const Triangle& triangle, float t, double& distance) {
   using Wide = Eigen::Matrix<long double, 3, 1>;
   const Wide td = static_cast<long double>(t) * ray.d.cast<long double>(),
@@ -79,8 +80,8 @@ double outside(const Ray& ray, const Triangle& triangle, float t, double& distan
   distance = static_cast<double>(off.maxCoeff());
   const double world = low.cwiseAbs().cwiseMax(high.cwiseAbs()).maxCoeff(),
                step = static_cast<double>(td.cwiseAbs().sum());
-  return distance / (reference::kBoxRay * kU * step * (1 + 4 * kU) +
-                     (reference::kBoxWorld + 4) * kU * world);
+  return distance /
+         (reference::kBoxRay * kU * step * (1 + 4 * kU) + (reference::kBoxWorld + 4) * kU * world);
 }
 
 class BoxRule : public ::testing::TestWithParam<Algorithm> {};
@@ -182,7 +183,8 @@ TEST_P(BoxRule, RaysInThePlaneHitTheBoxOrNothing) {
     }
   }
   std::printf(
-      "%s, edge-on: seed %u, %d cases, plain pipe %d hits up to %.3g sizes outside of the box, with "
+      "%s, edge-on: seed %u, %d cases, plain pipe %d hits up to %.3g sizes outside of the box, "
+      "with "
       "the rule %d up to %.3g sizes, %.2f of the margin\n",
       GetParam().name, kSeed, kCases, plain, far_plain, boxed, far_boxed, worst);
   EXPECT_LE(worst, 1);
@@ -361,14 +363,16 @@ TEST(RayHits, AreFinite) {
     const auto met = run({{0, 0, 20}, {0, 0, -1}});
     EXPECT_TRUE(met.f);
     EXPECT_EQ(met.t, 20);
-    for (const float z : {-1e-38f, -1e-40f, -0x1p-149f}) EXPECT_FALSE(run({{0, 0, 20}, {0, 0, z}}).f);
+    for (const float z : {-1e-38f, -1e-40f, -0x1p-149f})
+      EXPECT_FALSE(run({{0, 0, 20}, {0, 0, z}}).f);
     Random random;
     int hits = 0;
     for (int i = 0; i < 20000; ++i) {  // any exponent in o and d
       const auto any = [&] { return std::bit_cast<float>(random.word()); };
       const float z = random.chance(0.5) ? 3 : std::abs(any());
-      const Ray ray{{0, 0, z},
-                    {random.chance(0.5) ? 0 : any(), 0, random.chance(0.5) ? -1 : -std::abs(any())}};
+      const Ray ray{
+          {0, 0, z},
+          {random.chance(0.5) ? 0 : any(), 0, random.chance(0.5) ? -1 : -std::abs(any())}};
       if (reference::bad(ray)) continue;
       const auto r = run(ray);
       if (!r.f) continue;
@@ -406,9 +410,8 @@ TEST(RayHits, KeepTheirRange) {
                                              Cylinder{{0, 0, 0}, {0, 0, 1}, s, s});
     EXPECT_TRUE(can.f && can.t == 2) << e;
   }
-  const auto half = reference::ray_sphere(
-      primitive_cast<Fp16>(Ray{{0, 0, -60}, {0, 0, 20}}),
-      primitive_cast<Fp16>(Sphere{{0, 0, 0}, 20}));
+  const auto half = reference::ray_sphere(primitive_cast<Fp16>(Ray{{0, 0, -60}, {0, 0, 20}}),
+                                          primitive_cast<Fp16>(Sphere{{0, 0, 0}, 20}));
   EXPECT_TRUE(half.f && static_cast<double>(half.t) == 2);
 }
 

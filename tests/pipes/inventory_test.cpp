@@ -53,13 +53,11 @@ TEST(Inventory, CountsWhatIsThere) {
 /// What the box rule adds, as reference/ray_box.hpp states it: in gates, as the host asks it of the
 /// lanes that are met by a call. The triangle's part is there once for all lanes.
 TEST(Inventory, TheBoxRuleAddsItsOperators) {
-  const Elaboration design(kRtl, "ray_triangle_moller", {"ARITH=rtl", "BOX=1", "LANES=4", "B_LANES=1"});
+  const Elaboration design(kRtl, "ray_triangle_moller",
+                           {"ARITH=rtl", "BOX=1", "LANES=4", "B_LANES=1"});
   const std::string box = "ray_triangle_moller.box_hit";
-  const Operators triangle{.multipliers = 13,
-                           .adders = 15,
-                           .subtractors = 12,
-                           .comparators = 3,
-                           .min_max = 14};
+  const Operators triangle{
+      .multipliers = 13, .adders = 15, .subtractors = 12, .comparators = 3, .min_max = 14};
   EXPECT_EQ(without_ands(design.operators(box + ".g_box.bounds")), triangle);
   Operators all = triangle;
   all.multipliers += 1, all.adders += 2, all.subtractors += 6, all.comparators += 3;

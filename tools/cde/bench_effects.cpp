@@ -80,9 +80,10 @@ void all_but_waves(BoardConfig& c) {
 constexpr const char* kEverything = "everything";
 constexpr Variant kPlanned = {"planned", "", [](BoardConfig&) {}};
 constexpr Variant kVariants[] = {
-    {"pipe alone", "", [](BoardConfig& c) { c = BoardConfig{.lanes = c.lanes}; }, When::kAlways},
-    {"  (beside it) box rule", "box rule",
-     [](BoardConfig& c) { c = BoardConfig{.lanes = c.lanes, .box = true}; }, When::kAlways, true},
+    {"pipe alone", "", [](BoardConfig& c) { c = BoardConfig{.lanes = c.lanes, .box = c.box}; },
+     When::kAlways},
+    {"no box rule", "", [](BoardConfig& c) { c.box = false; }},
+    {"  (beside it) box rule", "box rule", [](BoardConfig&) {}, When::kNotQuick, true},
     {"all 13 pipes", "pipes", all_pipes},
     {"two pipes", "", two_pipes},
     {"  (beside it) both at a time", "two pairs at a time",

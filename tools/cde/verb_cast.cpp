@@ -199,11 +199,11 @@ Outcome cast_on_card(const Options& o, const Job& job, std::span<const Ray> rays
       job.config,
       {.clock_period_ps = static_cast<std::uint32_t>(std::max(1.0, 1e6 / o.clock_mhz))});
   board.upload(job.mesh, false);  // load_mesh has checked it
-  const std::string command = fmt::format("cde cast {} --mode {} --lanes {} --arith {}{}",
-                                          shell_word(o.mesh), o.mode, o.lanes, o.arithmetic,
-                                          o.box ? "" : " --no-box");
+  const std::string command =
+      fmt::format("cde cast {} --mode {} --lanes {} --arith {}{}", shell_word(o.mesh), o.mode,
+                  o.lanes, o.arithmetic, o.box ? "" : " --no-box");
   std::optional<reference::Checker> checker;
-  if (o.check) 
+  if (o.check)
     checker.emplace(rays, job.mesh, job.mode, Stencil(), board.primaries(), command,
                     std::span<const Object>(), o.box);
 
@@ -437,8 +437,9 @@ void add_cast(CLI::App& app) {
   verb->add_option("--arith", o->arithmetic,
                    "host (the FPU, fast) or rtl (gates); same bits, same clocks")
       ->capture_default_str();
-  verb->add_flag("--box,!--no-box", o->box,
-                 "A hit must lie in the triangle's box, so that none is far from its triangle (on)");
+  verb->add_flag(
+      "--box,!--no-box", o->box,
+      "A hit must lie in the triangle's box, so that none is far from its triangle (on)");
   verb->add_flag("--json", o->json, "Summary as JSON on stdout");
   verb->add_flag("--check,!--no-check", o->check, "Compare every record with the reference (on)");
   verb->add_option("--clock", o->clock_mhz, "Core clock assumed for the modelled time, MHz")

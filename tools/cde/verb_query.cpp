@@ -478,9 +478,11 @@ void add_query(CLI::App& app) {
   verb->add_option("--algorithm", o->algorithm,
                    "Of ray-triangle: moller, badouel, pluecker or watertight")
       ->capture_default_str();
-  verb->add_flag_callback("--box", [o] { o->box = true; },
-                          "Of ray-triangle: a hit must lie in the triangle's box (on)");
-  verb->add_flag_callback("--no-box", [o] { o->box = false; }, "The plain pipe");
+  verb->add_flag_callback(
+      "--box", [o] { o->box = true; },
+      "Of ray-triangle: a hit must lie in the triangle's box (on)");
+  verb->add_flag_callback(
+      "--no-box", [o] { o->box = false; }, "The plain pipe");
   verb->add_flag("--half-space", o->half_space,
                  "Of obb-plane: the plane bounds the solid half-space n.x <= d");
   verb->add_option("--format", o->format, "fp16, bf16, fp24, fp32 or fp64")->capture_default_str();

@@ -76,8 +76,8 @@ template <typename S>
 ///
 /// 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 11 cmp, 2 min/max and 20 clocks at one an operator. The
 /// equation is divided by A first, so that D, like t^2, is a ratio of products of two lengths; the
-/// ranges are the sphere's. A = 0, or so small that its reciprocal overflows: the ray runs along the
-/// axis, and the lateral surface bounds nothing if C <= 0, everything otherwise.
+/// ranges are the sphere's. A = 0, or so small that its reciprocal overflows: the ray runs along
+/// the axis, and the lateral surface bounds nothing if C <= 0, everything otherwise.
 template <typename S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_cylinder(const BasicRay<S>& ray, const BasicCylinder<S>& cylinder) {
   if constexpr (!AtSizeOne) return at_size_one<S>(ray, cylinder, ray_cylinder<S, true>);

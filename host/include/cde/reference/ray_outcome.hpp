@@ -18,8 +18,8 @@ template <typename S>
   return add<S>(ray.o, scale<S>(ray.d, t));
 }
 
-/// Wires: T and CP of a hit, the constants of a miss otherwise. A hit has a finite T and CP, else it
-/// is a miss: what lies too far away for the format is not met. T of a hit is never -0.
+/// Wires: T and CP of a hit, the constants of a miss otherwise. A hit has a finite T and CP, else
+/// it is a miss: what lies too far away for the format is not met. T of a hit is never -0.
 template <typename S>
 [[nodiscard]] Outcome<S> ray_outcome(const Mask<S>& meets, S t, const Vector<S>& cp) {
   Outcome<S> r;

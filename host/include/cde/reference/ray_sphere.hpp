@@ -37,10 +37,10 @@ inline constexpr double kRaySphereBand = 8;
 ///     17-18  CP = o + t d                                          3 mul, 3 add
 ///     19     the outcome is selected
 ///
-/// 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 cmp and 19 clocks at one an operator. tb = 0 is a tangent
-/// at the origin: ta is NaN and not in the interval. Nothing but products of two lengths, ratios of
-/// those, and squares of t occur: |d|, |o-c| and r and their ratios may be anything whose square is a
-/// normal number.
+/// 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 cmp and 19 clocks at one an operator. tb = 0 is a
+/// tangent at the origin: ta is NaN and not in the interval. Nothing but products of two lengths,
+/// ratios of those, and squares of t occur: |d|, |o-c| and r and their ratios may be anything whose
+/// square is a normal number.
 template <typename S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_sphere(const BasicRay<S>& ray, const BasicSphere<S>& sphere) {
   if constexpr (!AtSizeOne) return at_size_one<S>(ray, sphere, ray_sphere<S, true>);

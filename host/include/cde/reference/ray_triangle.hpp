@@ -9,8 +9,8 @@
 ///
 /// With Box a hit must also lie in the triangle's box (ray_box.hpp), and a triangle without area is
 /// missed whatever the roundings. Without it a ray in the plane of a triangle, or as near to it as
-/// rounding, may hit anywhere in that plane. The operators of the box, beside those stated here, are
-/// in ray_box.hpp.
+/// rounding, may hit anywhere in that plane. The operators of the box, beside those stated here,
+/// are in ray_box.hpp.
 ///
 /// u is the unit roundoff, E1 = V1-V0, E2 = V2-V0, N = E1 x E2 the normal, cos = |N.D| / (|N| |D|),
 /// L the largest |coordinate| of o and the vertices. Each algorithm decides right whenever the ray
@@ -44,8 +44,8 @@ template <typename S, bool Box = false, bool AtSizeOne = false>
       zero <= us && us <= size && zero <= vs && vs <= size && uvs <= size && zero < size;
   const S t = tn / det;
   const Vector<S> td = scale<S>(ray.d, t), cp = add<S>(ray.o, td);
-  return ray_outcome<S>(
-      inside && in_interval(ray, t) && follows_rule<Box, S>(triangle, td, cp), t, cp);
+  return ray_outcome<S>(inside && in_interval(ray, t) && follows_rule<Box, S>(triangle, td, cp), t,
+                        cp);
 }
 
 /// The same, from vectors.
@@ -177,8 +177,8 @@ template <typename S, bool Box = false, bool AtSizeOne = false>
   const S t = Box ? -distance / dot<S>(normal, ray.d) : distance / sum;
   const Vector<S> td = scale<S>(ray.d, t), cp = add<S>(ray.o, td);
   const Mask<S> inside = same_side(sum, w01, w12, w20);
-  return ray_outcome<S>(
-      inside && in_interval(ray, t) && follows_rule<Box, S>(triangle, td, cp), t, cp);
+  return ray_outcome<S>(inside && in_interval(ray, t) && follows_rule<Box, S>(triangle, td, cp), t,
+                        cp);
 }
 
 /// Band of watertight, in u max|v-o| / cos, and bound of T |D|, in that times 1 + (longest
@@ -212,8 +212,8 @@ inline constexpr double kWatertightBand = 2, kWatertightDepth = 8;
 /// 32 mul, 3 div, 13 add, 18 sub, 8 cmp and 17 clocks at one an operator. The first four steps need
 /// the ray alone. det = 0, a triangle seen edge-on or without area, is a miss. The exchange of kx
 /// and ky for D_kz < 0 in the original turns the winding, which a two-sided test does not look at;
-/// it is left out. With Box the point of the rule is o + t D, 3 mul and 3 add more. 1 / D_kz and 1 / det must not overflow: |D| and the triangle's projected area
-/// above 2^-126.
+/// it is left out. With Box the point of the rule is o + t D, 3 mul and 3 add more. 1 / D_kz and 1
+/// / det must not overflow: |D| and the triangle's projected area above 2^-126.
 template <typename S, bool Box = false, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_watertight(const BasicRay<S>& ray,
                                                  const BasicTriangle<S>& triangle) {

@@ -1,0 +1,156 @@
+// Ray pipes bit for bit where random operands hardly come: ties of the dominant axis, and hits that
+// would lie at infinity or at -0.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <random>
+#include <vector>
+
+#include "cde/pair_unit.hpp"
+#include "cde/reference/pairs.hpp"
+
+namespace {
+
+using cde::Algorithm;
+using cde::Pair;
+using cde::PairConfig;
+using cde::PairResult;
+using Words = std::vector<std::uint64_t>;
+
+constexpr unsigned kSeed = 20261121;
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+void push(Words& to, std::initializer_list<float> values) {
+  for (const float x : values) to.push_back(std::bit_cast<std::uint32_t>(x));
+}
+float number(std::uint64_t word) {
+  return std::bit_cast<float>(static_cast<std::uint32_t>(word));
+}
+
+std::vector<PairResult> reference_of(const PairConfig& c, const Words& a, const Words& b) {
+  std::vector<PairResult> r(a.size() / cde::primary_words(c.pair));
+  cde::reference::test_pairs(c.pair, c.algorithm, c.format, a, b, r, c.plane, {}, c.box);
+  return r;
+}
+
+void expect_equal(const PairConfig& config, const Words& a, const Words& b) {
+  cde::PairUnit unit(config);
+  const std::vector<PairResult> expected = reference_of(config, a, b);
+  std::vector<PairResult> got(expected.size());
+  (void)unit.test(a, b, got);
+  for (std::size_t i = 0; i < got.size(); ++i)
+    ASSERT_EQ(got[i], expected[i]) << "pair " << i << " of " << name(config.pair);
+}
+
+/// The same pairs with axes j and k exchanged in every vector but the interval.
+Words exchanged(Words words, std::size_t stride, std::size_t vectors, std::size_t j,
+                std::size_t k) {
+  for (std::size_t i = 0; i < words.size(); i += stride)
+    for (std::size_t v = 0; v < vectors; ++v) std::swap(words[i + 3 * v + j], words[i + 3 * v + k]);
+  return words;
+}
+
+class Ties : public ::testing::TestWithParam<Algorithm> {};
+
+/// Triangles in x + y = 1 and its like for every pair of axes, against rays as steep along both.
+/// With the two axes exchanged the reference takes the other one, and some of its answers have
+/// other bits: a pipe that took it would be found out.
+TEST_P(Ties, GoToTheLowestAxis) {
+  const PairConfig config{.algorithm = GetParam()};
+  std::mt19937 random(kSeed);
+  const auto unit = [&random] { return static_cast<float>(random()) * 0x1p-32f; };
+  Words all_a, all_b;
+  for (std::size_t j = 0; j < 3; ++j) {
+    const std::size_t k = (j + 1) % 3, l = (j + 2) % 3;
+    Words a, b;
+    for (int i = 0; i < 4000; ++i) {
+      std::array<std::array<float, 3>, 3> v{};
+      for (auto& p : v) {
+        // On a grid that keeps e1 x e2 a tie: eighths along, anything across.
+        const float at = static_cast<float>(static_cast<int>(random() % 33) - 16) / 8;
+        p[j] = at, p[k] = 1 - at, p[l] = std::round(64 * (4 * unit() - 2)) / 64;
+      }
+      const float s = random() % 2 == 0 ? 1 : -1;
+      std::array<float, 3> d{}, o{};
+      d[j] = s * (1 + unit()), d[k] = random() % 4 != 0 ? d[j] : -d[j];
+      d[l] = (2 * unit() - 1) * std::abs(d[j]);
+      const float x = 1.2f * unit(), y = (1.2f - x) * unit(), t = 1 + 3 * unit();
+      for (std::size_t m = 0; m < 3; ++m)
+        o[m] = v[0][m] * (1 - x - y) + v[1][m] * x + v[2][m] * y - t * d[m];
+      push(a, {o[0], o[1], o[2], d[0], d[1], d[2], 0, kInf});
+      for (const auto& p : v) push(b, {p[0], p[1], p[2]});
+    }
+    const auto here = reference_of(config, a, b),
+               there = reference_of(config, exchanged(a, 8, 2, j, k), exchanged(b, 9, 3, j, k));
+    std::size_t hits = 0, other = 0;
+    for (std::size_t i = 0; i < here.size(); ++i)
+      hits += here[i].f, other += here[i].f != there[i].f || here[i].t != there[i].t;
+    std::printf("%s, axes %zu and %zu: seed %u, %zu pairs, %zu hits, %zu differ by the tie\n",
+                std::string(name(GetParam())).c_str(), j, k, kSeed, here.size(), hits, other);
+    EXPECT_GT(hits, here.size() / 4);
+    EXPECT_GT(other, 20u) << "the choice is seen in no answer";
+    all_a.insert(all_a.end(), a.begin(), a.end());
+    all_b.insert(all_b.end(), b.begin(), b.end());
+  }
+  expect_equal(config, all_a, all_b);
+}
+
+INSTANTIATE_TEST_SUITE_P(Algorithms, Ties,
+                         ::testing::Values(Algorithm::kBadouel, Algorithm::kWatertight),
+                         [](const auto& info) { return std::string(name(info.param)); });
+
+/// Rays down the z axis from anywhere at something in z = 0, directions of any size: T and CP
+/// beyond the format are misses, T = 0 has no sign.
+class Extremes : public ::testing::TestWithParam<PairConfig> {};
+
+TEST_P(Extremes, HitsAreFiniteAndNeverAtMinusZero) {
+  const PairConfig config = GetParam();
+  std::mt19937 random(kSeed);
+  Words a, b;
+  for (int i = 0; i < 6000; ++i) {
+    const float o = i % 3 == 0 ? 0.0f : std::ldexp(1.0f, static_cast<int>(random() % 40)),
+                d = std::ldexp(1.0f, static_cast<int>(random() % 260) - 149);
+    push(a, {0, 0, o, 0, 0, i % 6 < 3 ? -d : d, i % 5 == 0 ? -1.0f : 0.0f, kInf});
+    if (config.pair == Pair::kRayTriangle)
+      push(b, {-1, -1, 0, 2, -1, 0, -1, 2, 0});
+    else if (config.pair == Pair::kRaySphere)
+      push(b, {0, 0, -1, 1});
+    else
+      push(b, {0, 0, -1, 0, 0, 1, 1, 1});
+  }
+  std::size_t hits = 0, zeros = 0;
+  for (const PairResult& r : reference_of(config, a, b)) {
+    if (!r.f) continue;
+    ++hits, zeros += r.t == 0;
+    EXPECT_TRUE(std::isfinite(number(r.t)));
+    for (const std::uint64_t x : r.cp) EXPECT_TRUE(std::isfinite(number(x)));
+    EXPECT_NE(r.t, std::bit_cast<std::uint32_t>(-0.0f));
+  }
+  EXPECT_GT(hits, 600u);
+  EXPECT_LT(hits, 5400u) << "none is out of range";
+  EXPECT_GT(zeros, 100u);
+  expect_equal(config, a, b);
+}
+
+std::vector<PairConfig> ray_pipes() {
+  std::vector<PairConfig> all = {{.pair = Pair::kRaySphere}, {.pair = Pair::kRayCylinder}};
+  for (unsigned a = 0; a < 4; ++a)
+    for (const bool box : {false, true})
+      all.push_back({.algorithm = static_cast<Algorithm>(a), .box = box});
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Rays, Extremes, ::testing::ValuesIn(ray_pipes()), [](const auto& info) {
+  const PairConfig& c = info.param;
+  std::string text(name(c.pair));
+  if (c.pair == Pair::kRayTriangle) text += "_" + std::string(name(c.algorithm));
+  if (c.box) text += "_box";
+  std::replace(text.begin(), text.end(), '-', '_');
+  return text;
+});
+
+}  // namespace
