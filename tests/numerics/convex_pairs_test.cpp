@@ -223,11 +223,13 @@ double witness_miss(const oracle::Case& c) {
 }
 
 // Where the depth has two directions, or faces are all but parallel, the certificates of T and n
-// hold and CP may still be beside a body. With CDE_FULL a million cases: of two boxes one or two
-// miss by up to three tolerances, plates or parallel faces at a distance, and nothing else does.
+// hold and CP may still be beside a body. With CDE_FULL a million cases, of which the pairs with
+// facets may miss what docs/pairs_convex.md says under "Limits".
 TEST_P(ConvexPair, WitnessPointsLieInTheirBodies) {
   const int count = amount(40000, 1000000);
-  const int allowed = GetParam() == Pair::kObbObb && count > 40000 ? 4 : 0;
+  const bool facets = GetParam() == Pair::kObbObb || GetParam() == Pair::kTriangleObb ||
+                      GetParam() == Pair::kTriangleAabb;
+  const int allowed = facets && count > 40000 ? 2 : 0;
   int out = 0;
   double worst = 0;
   for (int i = 0; i < count; ++i) {
@@ -240,7 +242,7 @@ TEST_P(ConvexPair, WitnessPointsLieInTheirBodies) {
   std::printf("%s, everyday, seed %u: %d cases, %d witness points out of tolerance, worst %.3g\n",
               oracle::to_string(GetParam()), static_cast<unsigned>(kSeed + 1), count, out, worst);
   EXPECT_LE(out, allowed);
-  EXPECT_LE(worst, allowed > 0 ? 4 : 1);
+  EXPECT_LE(worst, allowed > 0 ? 7 : 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ConvexPair,
@@ -434,7 +436,7 @@ TEST(ConvexPairDirected, WitnessPointsOfTiedDepthAxesLieInTheirBodies) {
   EXPECT_EQ(std::abs(boxes.n.z()), 1);
   EXPECT_GE(boxes.cp.y(), -1) << "B begins there";
   EXPECT_LE(boxes.cp.y(), 3) << "and A ends there";
-  const oracle::Case triangle{Pair::kTriangleAabb, 0, 0, "", {-6, -5, 0, 0, 2, 0, 5, -6, 0},
+  const oracle::Case triangle{Pair::kTriangleAabb,  0, 0, "", {-6, -5, 0, 0, 2, 0, 5, -6, 0},
                               {-2, -4, -4, 2, 4, 4}};
   const oracle::Case as_case{Pair::kObbObb,
                              0,
@@ -607,8 +609,7 @@ TEST(ConvexPairOperators, AreAsDocumented) {
        "169 mul, 7 div, 2 sqrt, 87 add, 59 sub, 33 cmp, 16 min/max, depth 67"},
       {Pair::kSphereObb, "37 mul, 1 div, 1 sqrt, 26 add, 10 sub, 5 cmp, 6 min/max, depth 19"},
       {Pair::kObbPlane, "28 mul, 22 add, 2 sub, 4 cmp, depth 11"},
-      {Pair::kObbObb,
-       "569 mul, 15 div, 10 sqrt, 334 add, 293 sub, 122 cmp, 90 min/max, depth 99"},
+      {Pair::kObbObb, "569 mul, 15 div, 10 sqrt, 334 add, 293 sub, 122 cmp, 90 min/max, depth 99"},
       {Pair::kTriangleObb,
        "572 mul, 16 div, 11 sqrt, 296 add, 189 sub, 127 cmp, 126 min/max, depth 102"},
       {Pair::kTriangleAabb,
@@ -647,10 +648,10 @@ TEST(ConvexPairTables, AccuracyAndCostAreThoseOfTheDocs) {
       for (int i = 0; i < kDirected; ++i) add(directed_case(pair, family, kSeed, i));
     EXPECT_EQ(all.failed, 0);
     const Tally n = operators(pair);
-    lines.push_back(fmt::format("| {} | {:.2f} | {:.2f} | {:.2f} | {} | {} | {} | {} | {} | {} | {} |",
-                         oracle::to_string(pair), all.c1, all.c2, all.witness,
-                         with_commas(all.in_band), all.excused, n.add + n.sub, n.mul, n.div,
-                         n.sqrt, n.depth));
+    lines.push_back(
+        fmt::format("| {} | {:.2f} | {:.2f} | {:.2f} | {} | {} | {} | {} | {} | {} | {} |",
+                    oracle::to_string(pair), all.c1, all.c2, all.witness, with_commas(all.in_band),
+                    all.excused, n.add + n.sub, n.mul, n.div, n.sqrt, n.depth));
   }
   expect_in_docs(lines);
 }
@@ -687,8 +688,8 @@ double error_at(Pair pair, double far) {
     const auto o = judged(run<float>(pair, c.a, c.b));
     const oracle::Gap gap = oracle::signed_gap(c.shape_a(), c.shape_b());
     const double s = o.f ? -o.t : o.t;
-    const double size = oracle::scene_size(oracle::moved(c.shape_a(), -by),
-                                           oracle::moved(c.shape_b(), -by));
+    const double size =
+        oracle::scene_size(oracle::moved(c.shape_a(), -by), oracle::moved(c.shape_b(), -by));
     worst = std::max(worst, std::max({0.0, gap.lo - s, s - gap.hi}) / size);
   }
   return worst;

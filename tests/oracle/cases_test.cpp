@@ -145,6 +145,32 @@ TEST_P(EveryPair, IsOfTheFormatItIsAskedFor) {
   }
 }
 
+TEST_P(EveryPair, EverydayCasesAreValidOfTheirFormatAndTheSameEveryTime) {
+  for (const Format format : {Format{}, Format{5, 10}, Format{11, 52}}) {
+    std::map<std::string, int> families;
+    int whole = 0;
+    for (int i = 0; i < kCount; ++i) {
+      const Case c = everyday(GetParam(), kSeed, i, format);
+      EXPECT_EQ(c.describe(), everyday(GetParam(), kSeed, i, format).describe());
+      for (const auto* words : {&c.a, &c.b})
+        for (const double x : *words) EXPECT_TRUE(format.round(x) == x) << c.describe();
+      if (format.man_bits >= 23) {
+        EXPECT_TRUE(std::visit(Valid{}, c.shape_b())) << c.describe();
+      }
+      if (has_ray(GetParam())) {
+        EXPECT_TRUE(c.ray().d.allFinite() && !c.ray().d.isZero(0)) << c.describe();
+      } else if (format.man_bits >= 23) {
+        EXPECT_TRUE(std::visit(Valid{}, c.shape_a())) << c.describe();
+      }
+      ++families[c.family];
+      whole += std::all_of(c.b.begin(), c.b.end(), [](double x) { return x == std::round(x); });
+    }
+    EXPECT_GE(families.size(), 5U);
+    EXPECT_GT(whole, kCount / 20) << "people write whole numbers";
+  }
+  EXPECT_NE(everyday(GetParam(), kSeed, 0).describe(), generate(GetParam(), kSeed, 0).describe());
+}
+
 TEST_P(EveryPair, KeepsItsShapeThroughTheWords) {
   for (int i = 0; i < 100; ++i) {
     const Case c = generate(GetParam(), kSeed, i);

@@ -188,8 +188,8 @@ const char* stacked(Pieces& p) {
   const std::array gaps = {0.0, 0.0, -0.5, 0.5, 16 * p.format.u(), -16 * p.format.u()};
   const double gap = gaps[p.random.below(static_cast<int>(gaps.size()))];
   if (auto* plane = std::get_if<Plane>(&p.b))
-    plane->d = plane->n.dot(center(p.a)) +
-               p.random.either_sign(half_width_along(p.a, plane->n) + gap);
+    plane->d =
+        plane->n.dot(center(p.a)) + p.random.either_sign(half_width_along(p.a, plane->n) + gap);
   else
     p.b = moved(p.b, (gap + support(p.a, n) + support(p.b, -n)) * n);
   p.disturb();
@@ -248,10 +248,11 @@ Vec landmark(Random& random, const Shape& target) {
   return c + support(moved(target, -c), n) * n;
 }
 
-/// Through whole points: along an axis, a diagonal, or to a landmark.
-void ray_through(Pieces& p, double near_target) {
-  const Vec at = p.random.chance(near_target) ? landmark(p.random, p.b)
-                                              : Vec(center(p.b) + p.point(6));
+/// Through whole points: along an axis, a diagonal, or to a landmark. A solid is met sooner than a
+/// triangle.
+void ray_through(Pieces& p, double at_it) {
+  const double share = p.kind_b == ShapeKind::kTriangle ? at_it : 0.6 * at_it;
+  const Vec at = p.random.chance(share) ? landmark(p.random, p.b) : Vec(center(p.b) + p.point(6));
   Vec direction = p.random.flipped(Vec::Unit(p.random.below(3)));
   if (p.random.chance(0.4)) {
     const Vec diagonal{p.random.below(5) - 2., p.random.below(5) - 2., p.random.below(5) - 2.};
@@ -309,7 +310,8 @@ const char* ray_flat(Pieces& p) {
   const int k = p.random.below(3);
   const Vec direction = p.random.chance(0.5) ? along : Vec(n.cross(Vec::Unit(k)));
   if (direction.isZero(0)) return ray_tied(p);
-  p.ray = {c + support(moved(p.b, -c), n) * n - 8 * direction, direction, 0, kInfinity};
+  const double by = p.random.chance(0.3) ? 1 + 16 * p.format.u() : 1;
+  p.ray = {c + by * support(moved(p.b, -c), n) * n - 8 * direction, direction, 0, kInfinity};
   disturb_ray(p);
   return "flat";
 }
@@ -318,8 +320,9 @@ const char* ray_flat(Pieces& p) {
 const char* ray_in_a_scene(Pieces& p) {
   const Scene scene = make_scene(p.random, {p.kind_b});
   p.b = rounded(p.kind_b, any_of(p.random, scene, p.kind_b), p.format);
-  const Vec at = p.random.chance(0.8) ? landmark(p.random, p.b)
-                                      : Vec(snapped(center(p.b)) + snapped(p.point(2)));
+  const Vec at = p.random.chance(p.kind_b == ShapeKind::kTriangle ? 0.8 : 0.4)
+                     ? landmark(p.random, p.b)
+                     : Vec(snapped(center(p.b)) + snapped(p.point(2)));
   Vec eye = snapped(center(p.b) + 8 * p.random.direction());
   eye.z() = std::abs(eye.z()) + kGrid;
   const int view = p.random.below(3);
@@ -347,9 +350,9 @@ Case everyday(Pair pair, std::uint64_t seed, std::uint64_t index, const Format& 
   using Family = const char* (*)(Pieces&);
   static constexpr std::array<Family, 8> kConvex = {from_a_scene, aligned, tied, from_a_scene,
                                                     stacked,      tied,    flat, scaled};
-  static constexpr std::array<Family, 8> kRays = {
-      ray_in_a_scene, ray_aligned, ray_tied, ray_in_a_scene,
-      ray_flat,       ray_tied,    ray_flat, ray_scaled};
+  static constexpr std::array<Family, 8> kRays = {ray_in_a_scene, ray_aligned, ray_tied,
+                                                  ray_in_a_scene, ray_flat,    ray_tied,
+                                                  ray_flat,       ray_scaled};
   // A stream of its own for every pair, apart from those of generate().
   Pieces p{.random = Random(seed, 500 + static_cast<std::uint64_t>(pair), index),
            .format = format,

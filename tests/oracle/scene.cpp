@@ -16,8 +16,7 @@ constexpr double k15Degrees = std::numbers::pi / 12;
 Frame about(const Vec& axis, int steps_of_15_degrees) {
   // Quarter turns exactly: nobody writes 6e-17 for 0.
   const auto exact = [](double x) { return std::abs(x) < 1e-15 ? 0.0 : x; };
-  const Frame turn =
-      Eigen::AngleAxisd(steps_of_15_degrees * k15Degrees, axis).toRotationMatrix();
+  const Frame turn = Eigen::AngleAxisd(steps_of_15_degrees * k15Degrees, axis).toRotationMatrix();
   return turn.unaryExpr(exact);
 }
 
@@ -77,8 +76,8 @@ Shape put(Random& random, const Shape& shape, const Scene& scene) {
   const double sunk = kGrid * (1 + random.below(4));
   if (others.empty() || way < 0.25) return at_rest(moved(shape, anywhere), sinks ? -sunk : 0);
 
-  const Shape& other = *others[static_cast<std::size_t>(random.below(
-      static_cast<int>(others.size())))];
+  const Shape& other =
+      *others[static_cast<std::size_t>(random.below(static_cast<int>(others.size())))];
   const Vec c = center(other);
   const Vec across(c.x(), c.y(), 0);
   const Vec aside = random.chance(0.4) ? Vec(Vec::Zero()) : grid_point(random, 3);

@@ -115,7 +115,8 @@ inline constexpr double kBadouelBand = 8, kBadouelDepth = 8;
 template <typename S, bool Box = false, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_badouel(const BasicRay<S>& ray,
                                               const BasicTriangle<S>& triangle) {
-  if constexpr (!AtSizeOne) return at_size_one<S>(ray, triangle, ray_triangle_badouel<S, Box, true>);
+  if constexpr (!AtSizeOne)
+    return at_size_one<S>(ray, triangle, ray_triangle_badouel<S, Box, true>);
   const Vector<S> e1 = sub<S>(triangle.v1, triangle.v0), e2 = sub<S>(triangle.v2, triangle.v0);
   const Vector<S> normal = cross<S>(e1, e2);
   const DominantAxis<S> axis(normal);
@@ -163,7 +164,8 @@ inline constexpr double kPlueckerBand = 8, kPlueckerDepth = 8;
 template <typename S, bool Box = false, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_pluecker(const BasicRay<S>& ray,
                                                const BasicTriangle<S>& triangle) {
-  if constexpr (!AtSizeOne) return at_size_one<S>(ray, triangle, ray_triangle_pluecker<S, Box, true>);
+  if constexpr (!AtSizeOne)
+    return at_size_one<S>(ray, triangle, ray_triangle_pluecker<S, Box, true>);
   const Vector<S>&v0 = triangle.v0, &v1 = triangle.v1, &v2 = triangle.v2;
   const Vector<S> qr = cross<S>(ray.d, ray.o);
   const Vector<S> p01 = sub<S>(v1, v0), p12 = sub<S>(v2, v1), p20 = sub<S>(v0, v2);
@@ -217,7 +219,8 @@ inline constexpr double kWatertightBand = 2, kWatertightDepth = 8;
 template <typename S, bool Box = false, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_watertight(const BasicRay<S>& ray,
                                                  const BasicTriangle<S>& triangle) {
-  if constexpr (!AtSizeOne) return at_size_one<S>(ray, triangle, ray_triangle_watertight<S, Box, true>);
+  if constexpr (!AtSizeOne)
+    return at_size_one<S>(ray, triangle, ray_triangle_watertight<S, Box, true>);
   const Vector<S> a = sub<S>(triangle.v0, ray.o), b = sub<S>(triangle.v1, ray.o),
                   c = sub<S>(triangle.v2, ray.o);
   const DominantAxis<S> axis(ray.d);

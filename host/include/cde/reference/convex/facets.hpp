@@ -37,9 +37,7 @@ template <typename S>
 struct Leading {
   Mask<S> x, y;  ///< else z
 
-  [[nodiscard]] S of(const Vector<S>& n) const {
-    return select(x, n.x(), select(y, n.y(), n.z()));
-  }
+  [[nodiscard]] S of(const Vector<S>& n) const { return select(x, n.x(), select(y, n.y(), n.z())); }
 };
 
 /// 2 comparisons.
@@ -269,7 +267,8 @@ template <typename S, std::size_t N, typename Support, typename Gap>
   const Difference<S> start{perpendicular<S>(near.x.v, near.edge, near.inverse_ff), near.x.p};
   const Difference<S> once = polish<S>(start, support(start.v), tie);
   const Difference<S> polished = polish<S>(once, support(once.v), tie);
-  return decide<S>({s, witness.n, settle<S>(witness.x, s, witness.n, a)}, polished, S{0} < s, tie, gap_along);
+  return decide<S>({s, witness.n, settle<S>(witness.x, s, witness.n, a)}, polished, S{0} < s, tie,
+                   gap_along);
 }
 
 }  // namespace cde::reference::convex

@@ -160,7 +160,8 @@ template <typename S>
 [[nodiscard]] Outcome<S> obb_obb(const BasicObb<S>& a, const BasicObb<S>& b) {
   const BoxPair<S> pair = box_pair(a, b);
   const SignedGap<S> gap = answer<S>(
-      box_facets<S>(pair), pair.a, pair.tie, [&](const Vector<S>& v) { return box_support<S>(pair, v); },
+      box_facets<S>(pair), pair.a, pair.tie,
+      [&](const Vector<S>& v) { return box_support<S>(pair, v); },
       [&](const Vector<S>& n) { return box_gap<S>(pair, n); });
   return outcome<S>(gap.s, add<S>(a.c, to_world<S>(a.rotation, midpoint(gap.x))),
                     to_world<S>(a.rotation, gap.n));
