@@ -143,6 +143,22 @@ TEST(PciDriverErrors, ARepeatedPassDeliversEachRecordOnce) {
   }
 }
 
+/// A transfer that fails in the middle of its data is taken up where it ended, in the card, too.
+TEST(PciDriverErrors, ATransferIsTakenUpWhereItEnded) {
+  Board board = Board::open(pci_config(), options("ideal", 256));
+  Random random;
+  const Scene scene = beam(random, 20, 100);
+  const auto expected = reference::cast(scene.rays, scene.triangles, Mode::kAll);
+  board.inject(BusFault::kTargetAbort, 2, 9);  // the descriptor has fewer data phases
+  board.upload(scene.triangles);
+  EXPECT_EQ(board.bus_counters().transfer_retries, 1u);
+  board.load(scene.rays);
+  const auto records = board.run({.mode = Mode::kAll});
+  ASSERT_EQ(records.size(), expected.size());
+  for (std::size_t i = 0; i < records.size(); ++i)
+    ASSERT_TRUE(same_bits(records[i], expected[i])) << "record " << i;
+}
+
 /// More failures in a row than the driver repeats are an error that says what the device said.
 TEST(PciDriverErrors, AnAbortThatStaysIsOneError) {
   Board board = Board::open(pci_config(), options("ideal"));

@@ -626,7 +626,7 @@ TEST(Plan, WhatTheHostMovesIsOneEntry) {
       "frames=2\n" + kRays +
           "[[object]]\nname=\"shards\"\n"
           "random={shape=\"triangle\",count=1500,min=[-1,-1,-1],max=[1,1,1],size=[0.1,0.2]}\n"
-          "motion={kind=\"random\",each=true,min=[-1,-1,-1],max=[1,1,1],speed=1}\n"
+          "motion={kind=\"random\",each=true,min=[-3,-3,-3],max=[3,3,3],speed=1}\n"
           "[[object]]\nname=\"land\"\nmesh=\"terrain:12,9,3\"\n"
           "motion={kind=\"velocity\",angular=[0,0,9]}\n"
           "[[query]]\nname=\"q\"\npair=\"ray-triangle\"\nprimaries=\"rays\"\n"
