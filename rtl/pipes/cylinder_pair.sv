@@ -3,9 +3,9 @@
 // points. One pipeline, which a row of pairs goes round once a pass: a normal (front), g for it and its opposite (evaluator), what the
 // pair keeps of that (circle, free), and at the end the witness points. RING rows are in flight, one a stage; what a row keeps lies in
 // memories with a slot a row, read and written by the stages that use it.
-// 233 add, 306 mul, 9 div, 8 sqrt, 25 compare, 16 min/max (cylinder); 170 add, 192 mul, 5 div, 4 sqrt, 24 compare, 14 min/max (box);
-// 220 add, 239 mul, 8 div, 4 sqrt, 37 compare, 20 min/max (triangle). RING, latency at one clock an operator and the default budget: 62,
-// 3,916; 62, 4,660; 68, 4,838.
+// 238 add, 309 mul, 9 div, 8 sqrt, 26 compare, 16 min/max (cylinder); 181 add, 204 mul, 5 div, 4 sqrt, 28 compare, 14 min/max (box);
+// 238 add, 257 mul, 8 div, 4 sqrt, 43 compare, 19 min/max (triangle). RING, latency at one clock an operator and the default budget: 62,
+// 4,102; 62, 4,846; 68, 5,042.
 // Latency: ENTRY + passes * RING + FINISH clocks, latency_o, passes set by budget_i (schedule.hpp). Throughput: RING rows in passes * RING
 // clocks, a row a clock while slots are free. Stall: ready_o, low while the slot that comes by is not about to be free; results come in
 // the order of entry. With ARITH = "host" a whole pass is computed in the clock in which its row could leave, on the same schedule.
@@ -58,7 +58,7 @@ module cylinder_pair #(
   localparam int RING = T_END + 1;
   localparam int RESULT = cde_pkg::larger(2 * LAT_MUL + 2 * LAT_ADD, LAT_CMP);
   localparam int FINISH = RESULT + cde_pkg::unscale_latency(0, LAT_MUL, LAT_CMP);
-  localparam int INTERVAL = (BODY == `BODY_CYLINDER) ? 63 : (BODY == `BODY_BOX) ? 75 : 71;  // passes with M = K1 = K2 = 8
+  localparam int INTERVAL = (BODY == `BODY_CYLINDER) ? 66 : (BODY == `BODY_BOX) ? 78 : 74;  // passes with M = K1 = K2 = 8
   localparam int LATENCY = AHEAD + ENTRY + INTERVAL * RING + FINISH;
   localparam int AW = $clog2(RING);
   localparam logic [CW-1:0] QNAN = (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1));
@@ -193,10 +193,10 @@ module cylinder_pair #(
   `define OPERAND9(WORD, TIME) operand_mem[`SLOT(TIME)][WORD+:9]
 
   // ---- State ----
-  logic [LANES-1:0][CW-1:0] best_g_mem[RING], best_slope_mem[RING], score_mem[RING];
+  logic [LANES-1:0][CW-1:0] best_g_mem[RING], best_slope_mem[RING], score_mem[RING], off_mem[RING];
   logic [LANES-1:0][CW-1:0] last_g_mem[RING], last_slope_mem[RING], back_g_mem[RING], back_slope_mem[RING];
   logic [2:0][LANES-1:0][CW-1:0] best_n_mem[RING], next_mem[RING], q_mem[RING], lo_n_mem[RING], lo_y_mem[RING], hi_n_mem[RING];
-  logic [2:0][LANES-1:0][CW-1:0] hi_y_mem[RING], last_n_mem[RING], last_y_mem[RING], back_y_mem[RING];
+  logic [2:0][LANES-1:0][CW-1:0] hi_y_mem[RING], last_n_mem[RING], last_y_mem[RING], back_y_mem[RING], witness_mem[RING];
   logic [2:0][2:0][LANES-1:0][CW-1:0] axes_start, axes_better, axes_witness;  // A's axes, or the triangle's edges, of unit length
   logic [2:0][LANES-1:0][CW-1:0] face_start, face_witness;  // the triangle's normal
   if (BODY == `BODY_CYLINDER) begin : g_axes
@@ -423,27 +423,36 @@ module cylinder_pair #(
 
   // ---- Witness points ----
   localparam int T_witness_early = T_EVALUATED + `LATENCY_CYLINDER_WITNESS;
-  `DF_VECTOR witness_early;
+  localparam int T_witness_w_early = T_witness_early, T_witness_off_early = T_witness_early;
+  `DF_VECTOR witness_early, witness_w_early;
+  `DF_SCALAR witness_off_early;
   cylinder_witness #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) witness (
       .clk_i, .pass_i(pass_mem[`SLOT(T_EVALUATED)]), .axis_i(axes_witness), .half_i(`OPERAND3(A_HALF, T_EVALUATED)),
       .radius_i(`OPERAND(A_RADIUS, T_EVALUATED)), .edge_i(`OPERAND9(A_REACH, T_EVALUATED)), .face_i(face_witness),
       .d_i(`OPERAND3(D, T_EVALUATED)), .b_i(`OPERAND3(B, T_EVALUATED)), .b_half_i(`OPERAND(B_HALF, T_EVALUATED)),
       .b_radius_i(`OPERAND(B_RADIUS, T_EVALUATED)), .g_i(best_g_mem[`SLOT(T_EVALUATED)]), .n_i(best_n_mem[`SLOT(T_EVALUATED)]),
       .y_i(plus_y_now), .a_side_i(a_side), .b_side_i(b_side), .b_along_i(b_along), .pa_i(pa), .q_i(q_mem[`SLOT(T_EVALUATED)]),
-      .q_o(witness_early));
+      .w_i(witness_mem[`SLOT(T_EVALUATED)]), .off_i(off_mem[`SLOT(T_EVALUATED)]), .q_o(witness_early), .w_o(witness_w_early),
+      .off_o(witness_off_early));
   `DF_VAT(witness_q, witness_early, T_END)
+  `DF_VAT(witness_w, witness_w_early, T_END)
+  `DF_AT(witness_off, witness_off_early, T_END)
   `DF_VAT(side_q, better_n, T_END)
   logic [3:0] phase_end;
   assign phase_end = `PASS_PHASE(pass_mem[now_q]);
   always_ff @(posedge clk_i) begin
     if (phase_end == `PHASE_SIDE) q_mem[now_q] <= side_q;
     else if (phase_end == `PHASE_TOUCH || phase_end == `PHASE_PROJECT) q_mem[now_q] <= witness_q;
+    if (phase_end == `PHASE_TOUCH || phase_end == `PHASE_PROJECT) begin
+      witness_mem[now_q] <= witness_w;
+      off_mem[now_q] <= witness_off;
+    end
   end
 
   // ---- The way out; its stage times begin at the end of the last pass ----
   `DF_IN(s, best_g_mem[now_q], 0)
   `DF_VIN(s_n, best_n_mem[now_q], 0)
-  `DF_VIN(q, witness_q, 0)
+  `DF_VIN(q, witness_w, 0)
   `DF_VIN(origin, operand_mem[now_q][ORIGIN+:3], 0)
   `DF_CONST(one_half, `DF_POWER_OF_TWO(-1))
   `DF_MUL(s_half, s, one_half)

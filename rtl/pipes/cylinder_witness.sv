@@ -1,8 +1,9 @@
-// A witness pass of a cylinder pair (reference/cylinder/witness.hpp): the point q of A that is, moved by s n, a point of B, by alternating
-// projection. Touch starts from that body's support point which is nearer to the other body; project goes to B moved by -s n and back
-// to A, every second time on to where flat faces would cross. Both share the projections.
-// 62 add, 63 mul, 3 div, 2 sqrt, 5 compare, 6 min/max (cylinder); 53 add, 54 mul, 2 div, 1 sqrt, 4 compare, 9 min/max (box);
-// 108 add, 108 mul, 5 div, 1 sqrt, 10 compare, 11 min/max (triangle).
+// A witness pass of a cylinder pair (reference/cylinder/witness.hpp): the point q of A that is, moved by s n, a point of B, by
+// alternating projection, between the features that n touches (track 0), then between the solids. Touch starts from that body's
+// support point which is nearer to the other body; project goes to B moved by -s n and back to A, every second time on to where
+// flat faces would cross. Both share the projections. w is the best point so far, off how far it is from B, squared.
+// 67 add, 66 mul, 3 div, 2 sqrt, 6 compare, 6 min/max (cylinder); 64 add, 66 mul, 2 div, 1 sqrt, 8 compare, 9 min/max (box);
+// 126 add, 126 mul, 5 div, 1 sqrt, 16 compare, 10 min/max (triangle).
 // Latency: LATENCY_CYLINDER_WITNESS clocks; 0 with ARITH = "host". Throughput: one pass a lane a clock. Stall: none, runs free.
 `include "cylinder.svh"
 module cylinder_witness #(
@@ -37,19 +38,25 @@ module cylinder_witness #(
     input logic [LANES-1:0][CW-1:0] b_along_i,
     input logic [2:0][LANES-1:0][CW-1:0] pa_i,
     input logic [2:0][LANES-1:0][CW-1:0] q_i,  // state
-    output logic [2:0][LANES-1:0][CW-1:0] q_o
+    input logic [2:0][LANES-1:0][CW-1:0] w_i,
+    input logic [LANES-1:0][CW-1:0] off_i,
+    output logic [2:0][LANES-1:0][CW-1:0] q_o,
+    output logic [2:0][LANES-1:0][CW-1:0] w_o,
+    output logic [LANES-1:0][CW-1:0] off_o
 );
   /*verilator inline_module*/
   // A normal this far from perpendicular to the axis, 16 u radian, still touches the whole length of a cylinder's side.
   localparam int ALONGSIDE = 3 - MAN;
   logic [7:0] index;
-  logic touching, unused_track;
-  assign unused_track = &{1'b0, `PASS_TRACK(pass_i)};
+  logic [1:0] track;
+  logic touching;
+  assign track = `PASS_TRACK(pass_i);
   assign index = `PASS_INDEX(pass_i);
   assign touching = `PASS_PHASE(pass_i) == `PHASE_TOUCH;
   `DF_CONTROL(touch, touching, 0)
-  `DF_CONTROL(lines, index < 6, 0)  // the last two projections see the round side
-  `DF_CONTROL(even, !index[0], 0)
+  `DF_CONTROL(lines, track == 0 || (!touching && index < 5), 0)  // the last two projections see the round side
+  `DF_CONTROL(start, touching && track == 0, 0)
+  `DF_CONTROL(even, index[0] == track[0], 0)
   `DF_VIN(n, n_i, 0)
   `DF_IN(g, g_i, 0)
   `DF_VIN(y, y_i, 0)
@@ -58,6 +65,8 @@ module cylinder_witness #(
   `DF_VIN(b_side, b_side_i, 0)
   `DF_IN(b_along, b_along_i, 0)
   `DF_VIN(q, q_i, 0)
+  `DF_VIN(old_w, w_i, 0)
+  `DF_IN(old_off, off_i, 0)
   `DF_CONST(one, `DF_POWER_OF_TWO(0))
   `DF_CONST(flat, `DF_POWER_OF_TWO(ALONGSIDE))
   `DF_CONST(most, `DF_POWER_OF_TWO(-ALONGSIDE))
@@ -96,18 +105,27 @@ module cylinder_witness #(
     logic unused;
     assign unused = &{1'b0, radius_i, a_side_i};
     project_polyhedron #(`DF_FORMAT, .BODY(BODY), .T_X(T_to_a), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
-        .LAT_CMP(LAT_CMP)) project (.clk_i, .x_i(to_a), .axis_i, .half_i, .edge_i, .face_i, .r_o(on_a));
+        .LAT_CMP(LAT_CMP)) project (
+        .clk_i, .x_i(to_a), .axis_i, .half_i, .edge_i, .face_i, .feature_i(track == 0), .n_i, .r_o(on_a));
   end
 
-  // ---- How far each is from where it came; how far to go on ----
+  // ---- How far each is from where it came; the best; how far to go on ----
   `DF_VSUB(away, on_b, to_b)
   `DF_DOT(away2, away, away)
-  `DF_VCHOOSE(from, touch, of_b, q)
-  `DF_VSUB(move, on_a, from)
-  `DF_VCHOOSE(move_by, touch, move, away)
-  `DF_DOT(move2, move_by, move)
-  `DF_LT(b_first, move2, away2)
+  `DF_VSUB(apart, on_a, to_a)
+  `DF_DOT(apart2, apart, apart)
+  `DF_LT(b_first, apart2, away2)
   `DF_VSELECT(touched, b_first, on_a, pa)
+  `DF_SELECT(touched_off, b_first, apart2, away2)
+  `DF_VCHOOSE(found, touch, touched, on_a)
+  `DF_CHOOSE(found_off, touch, touched_off, apart2)
+  `DF_LT(nearer, found_off, old_off)
+  `DF_FILL(start_all, start)
+  `DF_OR(take, nearer, start_all)
+  `DF_VSELECT(best, take, found, old_w)
+  `DF_SELECT(best_off, take, found_off, old_off)
+  `DF_VSUB(move, on_a, to_b)
+  `DF_DOT(move2, away, move)
   `DF_DIV(gain, away2, move2)
   `DF_LT(more, one, gain)
   `DF_LT(bounded, gain, most)
@@ -118,5 +136,7 @@ module cylinder_witness #(
   `DF_VSELECT(projected, further, beyond, on_a)
   `DF_VCHOOSE(point, touch, touched, projected)
   `DF_VAT(point_end, point, `LATENCY_CYLINDER_WITNESS)
-  assign q_o = point_end;
+  `DF_VAT(best_end, best, `LATENCY_CYLINDER_WITNESS)
+  `DF_AT(best_off_end, best_off, `LATENCY_CYLINDER_WITNESS)
+  assign {q_o, w_o, off_o} = {point_end, best_end, best_off_end};
 endmodule

@@ -73,7 +73,7 @@ template <typename S>
   out.f = static_cast<bool>(s.best_g <= S(0));
   out.t = magnitude(s.best_g);
   out.n = s.best_n;
-  out.cp = add<S>(pair.origin, add<S>(s.q, scale<S>(s.best_n, s.best_g * S(0.5))));
+  out.cp = add<S>(pair.origin, add<S>(s.witness, scale<S>(s.best_n, s.best_g * S(0.5))));
   return out;
 }
 

@@ -26,13 +26,14 @@ enum class Phase {
   kPole,     ///< free track: a cap axis
   kStart,    ///< free track: the normal beside it, or the best so far
   kNewton,   ///< free track: a step
-  kTouch,    ///< the best normal again: witness points
-  kProject,  ///< witness points: alternating projections
+  kTouch,    ///< the best normal again: witness points; track 0 by the features it touches
+  kProject,  ///< witness points: alternating projections; track 1 of the solids
   kDone
 };
 
-/// Steps of alternating projection at the end.
-inline constexpr int kProjections = 8;
+/// Steps of alternating projection at the end, between the features that the normal touches and
+/// then between the solids.
+inline constexpr std::array<int, 2> kProjections = {3, 7};
 
 struct Pass {
   Phase phase;
@@ -57,8 +58,10 @@ class Countdown {
 
 /// The witness points' passes, after the search's.
 [[nodiscard]] inline Pass witness_pass(Countdown k) {
-  if (k.take(1)) return {Phase::kTouch, 0, 0};
-  if (k.take(kProjections)) return {Phase::kProject, 0, k.left()};
+  for (int t = 0; t < 2; ++t) {
+    if (k.take(1)) return {Phase::kTouch, t, 0};
+    if (k.take(kProjections[t])) return {Phase::kProject, t, k.left()};
+  }
   return {Phase::kDone, 0, 0};
 }
 
@@ -105,9 +108,9 @@ class Countdown {
   return k;
 }
 
-/// Passes until the pair leaves: one more evaluation and the projections.
+/// Passes until the pair leaves: two more evaluations and the projections.
 [[nodiscard]] inline int passes(Body body, const Budget& budget) {
-  return evaluations(body, budget) + 1 + kProjections;
+  return evaluations(body, budget) + 2 + kProjections[0] + kProjections[1];
 }
 
 }  // namespace cde::reference::cylinder

@@ -15,7 +15,7 @@
 /// between a polyhedron and a cylinder the one whose derivative is least becomes n.
 namespace cde::reference::cylinder {
 
-/// What travels with a pair beside its operands: 30 words between cylinders, 37 else, and the pass
+/// What travels with a pair beside its operands: 34 words between cylinders, 41 else, and the pass
 /// number.
 template <typename S>
 struct Search {
@@ -32,6 +32,8 @@ struct Search {
   Touch<S> last = {S(0), Vector<S>::Zero(), Vector<S>::Zero()};  ///< the sample before
   Touch<S> back = last;                                          ///< that of its opposite
   S last_slope = S(0), back_slope = S(0);
+  Vector<S> witness = Vector<S>::Zero();  ///< the best point of A so far, and how far off, squared
+  S off = S(0);
 };
 
 /// The gap's derivative along the circle perpendicular to e, in the direction e x n; for -n in the
