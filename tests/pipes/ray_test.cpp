@@ -7,7 +7,10 @@
 #include <bit>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <ostream>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "cde/pair_unit.hpp"
@@ -70,15 +73,16 @@ TEST_P(Ties, GoToTheLowestAxis) {
     for (int i = 0; i < 4000; ++i) {
       std::array<std::array<float, 3>, 3> v{};
       for (auto& p : v) {
-        // On a grid that keeps e1 x e2 a tie: eighths along, anything across.
-        const float at = static_cast<float>(static_cast<int>(random() % 33) - 16) / 8;
-        p[j] = at, p[k] = 1 - at, p[l] = std::round(64 * (4 * unit() - 2)) / 64;
+        // Multiples of 2^-20, so that 1 - p is exact, the edges, too, and the normal ties.
+        const auto grid = [&] { return std::round(std::ldexp(4 * unit() - 2, 20)) * 0x1p-20f; };
+        p[j] = grid(), p[k] = 1 - p[j], p[l] = grid();
       }
       const float s = random() % 2 == 0 ? 1 : -1;
       std::array<float, 3> d{}, o{};
       d[j] = s * (1 + unit()), d[k] = random() % 4 != 0 ? d[j] : -d[j];
       d[l] = (2 * unit() - 1) * std::abs(d[j]);
-      const float x = 1.2f * unit(), y = (1.2f - x) * unit(), t = 1 + 3 * unit();
+      // Half of the rays go through an edge, where the roundings decide.
+      const float x = i % 2 == 0 ? 0 : 1.2f * unit(), y = (1.2f - x) * unit(), t = 1 + 3 * unit();
       for (std::size_t m = 0; m < 3; ++m)
         o[m] = v[0][m] * (1 - x - y) + v[1][m] * x + v[2][m] * y - t * d[m];
       push(a, {o[0], o[1], o[2], d[0], d[1], d[2], 0, kInf});
@@ -105,7 +109,10 @@ INSTANTIATE_TEST_SUITE_P(Algorithms, Ties,
 
 /// Rays down the z axis from anywhere at something in z = 0, directions of any size: T and CP
 /// beyond the format are misses, T = 0 has no sign.
-class Extremes : public ::testing::TestWithParam<PairConfig> {};
+struct RayPipe : PairConfig {
+  friend void PrintTo(const RayPipe& p, std::ostream* out) { *out << name(p.pair); }
+};
+class Extremes : public ::testing::TestWithParam<RayPipe> {};
 
 TEST_P(Extremes, HitsAreFiniteAndNeverAtMinusZero) {
   const PairConfig config = GetParam();
@@ -136,18 +143,19 @@ TEST_P(Extremes, HitsAreFiniteAndNeverAtMinusZero) {
   expect_equal(config, a, b);
 }
 
-std::vector<PairConfig> ray_pipes() {
-  std::vector<PairConfig> all = {{.pair = Pair::kRaySphere}, {.pair = Pair::kRayCylinder}};
+std::vector<RayPipe> ray_pipes() {
+  std::vector<RayPipe> all = {{PairConfig{.pair = Pair::kRaySphere}},
+                              {PairConfig{.pair = Pair::kRayCylinder}}};
   for (unsigned a = 0; a < 4; ++a)
     for (const bool box : {false, true})
-      all.push_back({.algorithm = static_cast<Algorithm>(a), .box = box});
+      all.push_back({PairConfig{.algorithm = static_cast<Algorithm>(a), .box = box}});
   return all;
 }
 
 INSTANTIATE_TEST_SUITE_P(Rays, Extremes, ::testing::ValuesIn(ray_pipes()), [](const auto& info) {
   const PairConfig& c = info.param;
   std::string text(name(c.pair));
-  if (c.pair == Pair::kRayTriangle) text += "_" + std::string(name(c.algorithm));
+  if (c.pair == Pair::kRayTriangle) text.append("_").append(name(c.algorithm));
   if (c.box) text += "_box";
   std::replace(text.begin(), text.end(), '-', '_');
   return text;
