@@ -384,8 +384,8 @@ constexpr Bits power_of_two(int e) {
   return biased > 0 ? Bits(biased) << M : down >= 0 ? Bits{1} << down : Bits{};
 }
 
-/// rtl/pipes/ray_box.sv and triangle_bounds.sv for one lane, if it is met at all: nearly no lane is,
-/// and what is asked of none of them costs nothing. v: the triangle's words, three a vertex.
+/// rtl/pipes/ray_box.sv and triangle_bounds.sv for one lane, if it is met at all: nearly no lane
+/// is, and what is asked of none of them costs nothing. v: the triangle's words, three a vertex.
 template <unsigned E, unsigned M, class Bits>
 [[gnu::noinline]] Bits in_box(Bits met, const Bits (&td)[3], const Bits (&p)[3],
                               const Bits (&v)[9]) {
@@ -428,7 +428,8 @@ template <unsigned E, unsigned M, class Bits>
 inline Bits in_box(Bits met, Bits td0, Bits td1, Bits td2, Bits p0, Bits p1, Bits p2, Bits v0,
                    Bits v1, Bits v2, Bits v3, Bits v4, Bits v5, Bits v6, Bits v7, Bits v8) {
   if (met == 0) return Bits{};
-  return in_box<E, M, Bits>(met, {td0, td1, td2}, {p0, p1, p2}, {v0, v1, v2, v3, v4, v5, v6, v7, v8});
+  return in_box<E, M, Bits>(met, {td0, td1, td2}, {p0, p1, p2},
+                            {v0, v1, v2, v3, v4, v5, v6, v7, v8});
 }
 
 template <unsigned N>
