@@ -8,6 +8,7 @@
 #include <string>
 
 #include "cde/card.hpp"
+#include "cde/length_range.hpp"
 #include "cde/pair.hpp"
 #include "cde/pci.hpp"
 
@@ -201,6 +202,12 @@ TEST(CardLayout, EqualsThePackage) {
   for (unsigned p = 0; p < kPairs; ++p) here["PAIR_" + upper(name(static_cast<Pair>(p)))] = p;
   for (unsigned a = 0; a < 4; ++a) here["ALGORITHM_" + upper(name(static_cast<Algorithm>(a)))] = a;
   for (unsigned k = 0; k < 7; ++k) here["SHAPE_" + upper(name(static_cast<Shape>(k)))] = k;
+  for (const auto& [kind, value] : {std::pair{"COORDINATE", WordKind::kCoordinate},
+                                    {"SIZE", WordKind::kSize},
+                                    {"DIRECTION", WordKind::kDirection},
+                                    {"INTERVAL", WordKind::kInterval},
+                                    {"PURE", WordKind::kPure}})
+    here["WORD_" + std::string(kind)] = static_cast<unsigned>(value);
   here.merge(pci_constants());
   const auto package = localparams();
   for (const auto& [name, value] : package) {

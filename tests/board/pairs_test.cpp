@@ -21,7 +21,7 @@ TEST_P(Pairs, RandomPairsMatchBitForBit) {
   Random random;
   std::uint64_t pairs = 0, hits = 0;
   for (std::size_t i = 0; i < GetParam().packets; ++i) {
-    const int exponent = i % 2 == 0 ? 0 : static_cast<int>(random.below(101)) - 50;
+    const int exponent = i % 2 == 0 ? 0 : static_cast<int>(random.below(61)) - 30;
     const Scene scene = beam(random, 256, GetParam().triangles, std::ldexp(1.0f, exponent));
     for (const Record& r : cast_and_compare(board, scene, {.mode = Mode::kAll}))
       hits += r.f ? 1 : 0, ++pairs;

@@ -58,7 +58,7 @@ TEST(Inventory, TheBoxRuleAddsItsOperators) {
   const std::string box = "ray_triangle_moller.box_hit";
   const Operators triangle{
       .multipliers = 13, .adders = 15, .subtractors = 12, .comparators = 3, .min_max = 14};
-  EXPECT_EQ(without_ands(design.operators(box + ".g_box.bounds")), triangle);
+  EXPECT_EQ(without_ands(design.operators(box + ".bounds")), triangle);
   Operators all = triangle;
   all.multipliers += 1, all.adders += 2, all.subtractors += 6, all.comparators += 3;
   EXPECT_EQ(without_ands(design.operators(box)), all);

@@ -5,6 +5,15 @@
 
 namespace cde {
 
+/// What a word of a slot is, cde_pkg::WORD_*.
+enum class WordKind {
+  kCoordinate,  ///< a length of either sign
+  kSize,        ///< a length above zero
+  kDirection,   ///< of a ray: lengths in units of their own
+  kInterval,    ///< tmin, tmax: lengths in those units
+  kPure         ///< of a unit vector or rotation
+};
+
 /// The lengths that the input contract allows in a number format, as exponents of two: no
 /// coordinate or size is above 2^high; no size, nor the largest component of a ray's direction, is
 /// below 2^low. The same as cde_pkg::length_low and length_high.

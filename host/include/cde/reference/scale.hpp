@@ -61,27 +61,33 @@ template <typename S>
 
 namespace scaling {
 
-/// What a word of a primitive is: a length, or in units of |d|, or one that does not depend on the
-/// unit of length.
-enum class Kind { kLength, kDirection, kInterval, kPure };
-
+/// What word `word` of a primitive's slot is, cde_pkg::word_kind.
 template <class P>
-[[nodiscard]] constexpr Kind kind(std::size_t word) {
+[[nodiscard]] constexpr WordKind kind(std::size_t word) {
   constexpr Shape shape = kShapeOf<P>;
   if (shape == Shape::kRay)
-    return word < 3 ? Kind::kLength : word < 6 ? Kind::kDirection : Kind::kInterval;
-  const bool pure = (shape == Shape::kPlane && word < 3) ||
-                    (shape == Shape::kCylinder && word >= 3 && word < 6) ||
-                    (shape == Shape::kObb && word >= 6);
-  return pure ? Kind::kPure : Kind::kLength;
+    return word < 3 ? WordKind::kCoordinate : word < 6 ? WordKind::kDirection : WordKind::kInterval;
+  if ((shape == Shape::kPlane && word < 3) ||
+      (shape == Shape::kCylinder && word >= 3 && word < 6) || (shape == Shape::kObb && word >= 6))
+    return WordKind::kPure;
+  if ((shape == Shape::kSphere && word == 3) || (shape == Shape::kCylinder && word >= 6) ||
+      (shape == Shape::kObb && word >= 3))
+    return WordKind::kSize;
+  return WordKind::kCoordinate;
+}
+[[nodiscard]] constexpr bool is_length(WordKind kind) {
+  return kind == WordKind::kCoordinate || kind == WordKind::kSize;
+}
+[[nodiscard]] constexpr bool is_direction(WordKind kind) {
+  return kind == WordKind::kDirection;
 }
 
-/// The largest stored exponent of a primitive's words of a kind, and `least`.
+/// The largest stored exponent of a primitive's words of some kinds, and `least`.
 template <class P>
-[[nodiscard]] int largest_exponent(const P& primitive, Kind of, int least) {
+[[nodiscard]] int largest_exponent(const P& primitive, bool (*of)(WordKind), int least) {
   std::size_t k = 0;
   visit_words(primitive, [&](const char*, int, const auto& word) {
-    if (kind<P>(k++) == of) least = std::max(least, stored_exponent(word));
+    if (of(kind<P>(k++))) least = std::max(least, stored_exponent(word));
   });
   return least;
 }
@@ -91,10 +97,10 @@ template <class P>
 [[nodiscard]] P scaled(P primitive, int by, int direction, typename P::Scalar interval) {
   std::size_t k = 0;
   visit_words(primitive, [&](const char*, int, auto& word) {
-    const Kind of = kind<P>(k++);
-    if (of == Kind::kLength) word = times_power_of_two(word, by);
-    if (of == Kind::kDirection) word = times_power_of_two(word, direction);
-    if (of == Kind::kInterval) word = word * interval;
+    const WordKind of = kind<P>(k++);
+    if (is_length(of)) word = times_power_of_two(word, by);
+    if (is_direction(of)) word = times_power_of_two(word, direction);
+    if (of == WordKind::kInterval) word = word * interval;
   });
   return primitive;
 }
@@ -112,10 +118,9 @@ template <typename S, class A, class B, class Test>
   } else {
     using namespace scaling;
     constexpr int kLeast = kBias<S> + kLengths<S>.low;
-    const int k =
-        largest_exponent(b, Kind::kLength, largest_exponent(a, Kind::kLength, kLeast)) - kBias<S>;
+    const int k = largest_exponent(b, is_length, largest_exponent(a, is_length, kLeast)) - kBias<S>;
     if constexpr (kShapeOf<A> == Shape::kRay) {
-      const int d = largest_exponent(a, Kind::kDirection, kLeast) - kBias<S>;
+      const int d = largest_exponent(a, is_direction, kLeast) - kBias<S>;
       Outcome<S> r = test(scaled(a, -k, -d, S(power_of_two(d - k))), scaled(b, -k, 0, S(1)));
       r.t = r.t * S(power_of_two(k - d));
       r.f = r.f && finite(r.t) && finite<S>(r.cp);
