@@ -134,7 +134,7 @@ TEST_F(Query, ARaysHitIsFinite) {
                         "0 0 0 0 0 -1 -1 -1 0 2 -1 0 -1 2 0\n"
                         "0 0 0 0 0 1 -1 -1 0 2 -1 0 -1 2 0\n");
   EXPECT_EQ(ran.out, kHeader +
-                         "0,nan,nan,nan,nan,,,,bad\n1,343597383680,0,0,0,,,,\n1,0,0,0,0,,,,\n"
+                         "0,nan,nan,nan,nan,,,,bad\n1,343597400000,0,0,0,,,,\n1,0,0,0,0,,,,\n"
                          "1,0,0,0,0,,,,\n");
 }
 
