@@ -212,10 +212,11 @@ inline constexpr double kWatertightBand = 2, kWatertightDepth = 8;
 ///     17     the outcome is selected
 ///
 /// 32 mul, 3 div, 13 add, 18 sub, 8 cmp and 17 clocks at one an operator. The first four steps need
-/// the ray alone. det = 0, a triangle seen edge-on or without area, is a miss. The exchange of kx
-/// and ky for D_kz < 0 in the original turns the winding, which a two-sided test does not look at;
-/// it is left out. With Box the point of the rule is o + t D, 3 mul and 3 add more. 1 / D_kz and 1
-/// / det must not overflow: |D| and the triangle's projected area above 2^-126.
+/// the ray alone. det = 0 is a miss; without Box rounding may make a hit of a triangle seen edge-on
+/// or without area. The exchange of kx and ky for D_kz < 0 in the original turns the winding, which
+/// a two-sided test does not look at; it is left out. With Box the point of the rule is o + t D, 3
+/// mul and 3 add more. 1 / D_kz and 1 / det must not overflow: |D| and the triangle's projected
+/// area above 2^-126.
 template <typename S, bool Box = false, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_watertight(const BasicRay<S>& ray,
                                                  const BasicTriangle<S>& triangle) {
