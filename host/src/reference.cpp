@@ -37,6 +37,7 @@ class Sweep::Impl {
         stencil_(stencil),
         mode_(mode),
         box_(box) {
+    (void)name_of(mode);  // or it is none
     if (packet == 0 || packet > RayBlock::kRays)
       throw Error(ErrorCode::kUsage, fmt::format("a packet of {} rays", packet));
     if (!objects.empty()) {
