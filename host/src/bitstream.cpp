@@ -310,7 +310,7 @@ Bitstream Bitstream::load(const fs::path& file, std::uint64_t config_hash) {
   // LeakSanitizer does not see what thread-local variables of a closed library hold; Verilator's
   // runtime keeps one small buffer there.
   result.library_ = {library, [](void* handle) {
-                       if (!kAddressSanitizer) ::dlclose(handle);
+                       if (!kSanitizer) ::dlclose(handle);
                      }};
   return result;
 }

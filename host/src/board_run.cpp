@@ -460,7 +460,7 @@ std::vector<Record> Board::run(const Query& query, Counters* counters) {
   return records;
 }
 
-Counters Board::cast(std::span<const Ray> rays, const Query& query, const RecordSink& sink) {
+Counters Board::cast(const RayView& rays, const Query& query, const RecordSink& sink) {
   if (rays.size() > 0xffffffff)
     throw Error(ErrorCode::kCapacity, fmt::format("{} rays are more than 2^32 - 1", rays.size()));
   idle_card().link->alive();
@@ -471,7 +471,7 @@ Counters Board::cast(std::span<const Ray> rays, const Query& query, const Record
   Query each = query;
   std::vector<Record> renumbered;
   for (std::size_t first = 0; first < rays.size(); first += packet) {
-    const std::span<const Ray> some = rays.subspan(first, std::min(packet, rays.size() - first));
+    const std::vector<Ray> some = rays.subview(first, packet).copy();
     if (query.progress) {
       each.progress = [&](double share) {
         query.progress((static_cast<double>(first) + share * static_cast<double>(some.size())) /
@@ -488,7 +488,7 @@ Counters Board::cast(std::span<const Ray> rays, const Query& query, const Record
   return total;
 }
 
-std::vector<Record> Board::cast(std::span<const Ray> rays, const Query& query) {
+std::vector<Record> Board::cast(const RayView& rays, const Query& query) {
   std::vector<Record> records;
   cast(rays, query, [&](std::span<const Record> some) {
     records.insert(records.end(), some.begin(), some.end());

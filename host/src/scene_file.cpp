@@ -108,8 +108,9 @@ void check_ancestors(const Scene& scene, std::size_t number, const Table& t) {
 
 void read_objects(Scene& scene, Tables tables, const std::filesystem::path& folder, Names& names) {
   std::vector<std::string> parents;
+  scene_parts::Memory memory;
   for (Table& t : tables) {
-    SceneObject object = scene_parts::read_object(t, folder);
+    SceneObject object = scene_parts::read_object(t, folder, memory);
     parents.push_back(t.text("parent", ""));
     t.finish();
     if (!names.numbers.emplace(object.name, scene.objects.size()).second)

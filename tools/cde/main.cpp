@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
+#include <new>
 #include <string>
 
 #include "cde/error.hpp"
@@ -35,6 +36,9 @@ int main(int argc, char** argv) {
   } catch (const cde::Error& e) {
     say(fmt::format("cde: {}\n", e.what()));
     return cde::exit_status(e.code());
+  } catch (const std::bad_alloc&) {
+    say("cde: there is not enough memory for this\n");
+    return 2;
   } catch (const std::exception& e) {
     say(fmt::format("cde: internal error: {}\n", e.what()));
     return 2;

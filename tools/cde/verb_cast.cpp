@@ -42,7 +42,8 @@ struct Options {
 /// What is cast: rays, and the picture they make if they are one.
 struct Job {
   Mesh mesh;
-  std::vector<Ray> rays;
+  std::vector<Ray> listed;  // or a picture's, which are made packet by packet
+  RayView rays;
   std::optional<Resolution> picture;
   Mode mode = Mode::kNearest;
   BoardConfig config;
@@ -70,22 +71,23 @@ void collect_rays(const Options& o, Job& job) {
   }
   if (listed) {
     if (!o.size.empty()) usage("--size is of pictures; the rays are given one by one");
-    if (!o.rays_file.empty()) job.rays = read_rays_csv(o.rays_file);
-    for (const std::string& text : o.rays) job.rays.push_back(parse_ray(text));
-    if (job.rays.empty())
+    if (!o.rays_file.empty()) job.listed = read_rays_csv(o.rays_file);
+    for (const std::string& text : o.rays) job.listed.push_back(parse_ray(text));
+    if (job.listed.empty())
       throw Error(ErrorCode::kBadInput, fmt::format("{}: no rays", o.rays_file));
+    job.rays = job.listed;
     return;
   }
   const Eigen::AlignedBox3f box = bounds(job.mesh);
   if (!o.grid.empty()) {
     if (!o.size.empty()) usage("--grid has its own size; --size goes with --camera");
     job.picture = parse_resolution(o.grid, "--grid");
-    job.rays = grid_rays(box, *job.picture);
+    job.rays = grid_pixels(box, *job.picture);
     return;
   }
   job.picture = o.size.empty() ? Resolution{128, 96} : parse_resolution(o.size);
   const Camera camera = o.camera.empty() ? camera_for(box, *job.picture) : parse_camera(o.camera);
-  job.rays = camera.rays(*job.picture);
+  job.rays = camera.pixels(*job.picture);
 }
 
 Job prepare(const Options& o) {
@@ -193,7 +195,7 @@ class Waves {
 };
 
 /// These rays on a card of their own; `take` gets the checked records in order.
-Outcome cast_on_card(const Options& o, const Job& job, std::span<const Ray> rays,
+Outcome cast_on_card(const Options& o, const Job& job, const RayView& rays,
                      const std::function<void(double)>& progress, const RecordSink& take) {
   Board board = Board::open(
       job.config,
@@ -206,6 +208,8 @@ Outcome cast_on_card(const Options& o, const Job& job, std::span<const Ray> rays
   if (o.check)
     checker.emplace(rays, job.mesh, job.mode, Stencil(), board.primaries(), command,
                     std::span<const Object>(), o.box);
+
+  if (checker) checker->place_on(board);
 
   Outcome result;
   Waves waves(board, o.trace);
@@ -257,7 +261,7 @@ Outcome cast_on_cards(const Options& o, const Job& job, const std::function<void
     share.size =
         std::min(job.rays.size(), packets * (i + 1) / shares.size() * kPacket) - share.first;
     share.outcome = std::async(std::launch::async, [&, i] {
-      return cast_on_card(o, job, std::span(job.rays).subspan(share.first, share.size),
+      return cast_on_card(o, job, job.rays.subview(share.first, share.size),
                           i == 0 ? progress : std::function<void(double)>(),
                           [&share](std::span<const Record> records) {
                             share.records.insert(share.records.end(), records.begin(),

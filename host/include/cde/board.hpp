@@ -16,6 +16,7 @@
 #include "cde/mesh.hpp"
 #include "cde/pair.hpp"
 #include "cde/primitives.hpp"
+#include "cde/ray_view.hpp"
 #include "cde/transform.hpp"
 
 namespace cde {
@@ -267,10 +268,11 @@ class Board {
   Counters run(const Query& query, const RecordSink& sink);
   [[nodiscard]] std::vector<Record> run(const Query& query, Counters* counters = nullptr);
 
-  /// load() and run() for any number of rays, in packets of primaries(). The stencil, if any, masks
+  /// load() and run() for any number of rays, in packets of primaries(), each made when its turn
+  /// comes. The stencil, if any, masks
   /// places in every packet. `primary` of the records counts through all rays. Counters are sums.
-  Counters cast(std::span<const Ray> rays, const Query& query, const RecordSink& sink);
-  [[nodiscard]] std::vector<Record> cast(std::span<const Ray> rays, const Query& query = {});
+  Counters cast(const RayView& rays, const Query& query, const RecordSink& sink);
+  [[nodiscard]] std::vector<Record> cast(const RayView& rays, const Query& query = {});
 
   /// Hardware reset: registers, rays and objects are lost, triangles in DDR stay; faults that were
   /// ordered until reset end. The only way on when the device is lost; throws if it still does not
