@@ -150,9 +150,10 @@ TEST_P(SelfPairs, AreLeftOutAndEachPairCountsOnce) {
     hits += expected[i].f ? 1 : 0;
   }
   EXPECT_EQ(got.frame.hits, hits);
-  if (std::get<0>(GetParam()) != 6) {
-    EXPECT_GT(hits, 10u);
-    EXPECT_LT(hits, all.frame.hits) << "nothing was left out";
+  EXPECT_LT(hits, all.frame.hits) << "nothing was left out";
+  // The farthest of many is no hit, and three have nothing to count.
+  if (mode != Mode::kFarthest && std::string_view(c.name) != "alone") {
+    EXPECT_GT(hits, 5u);
   }
   // What was planned is what was done.
   const QueryWork work = plan(scene).queries[0];
