@@ -18,6 +18,7 @@
 #include "cde/rays_csv.hpp"
 #include "cde/reference.hpp"
 #include "output.hpp"
+#include "values.hpp"
 #include "verbs.hpp"
 
 namespace cde::cli {
