@@ -234,7 +234,7 @@ TEST_F(Cast, BadInputIsRefusedAndNamed) {
   };
   const std::string ray = "0,0,0,0,0,1";
   refused({"cast"}, "mesh is required");
-  refused({"cats"}, "A subcommand is required");
+  refused({"cats"}, "no verb 'cats'; did you mean cast?");
   refused(with({"one.obj", "--ray", ray, "--no-such-option"}), "--no-such-option");
   refused(with({"missing.obj", "--ray", ray}), "missing.obj");
   refused(with({"folder", "--ray", ray}), "folder");
@@ -263,11 +263,13 @@ TEST_F(Cast, BadInputIsRefusedAndNamed) {
   refused(with({"one.obj", "--ray", ray, "--mode", "best"}), "--mode is 'best'");
   refused(with({"one.obj", "--ray", ray, "--arith", "gpu"}), "--arith is 'gpu'");
   for (const char* lanes : {"0", "3", "512"})
-    refused(with({"one.obj", "--ray", ray, "--lanes", lanes}), fmt::format("lanes is {}", lanes));
+    refused(with({"one.obj", "--ray", ray, "--lanes", lanes}),
+            fmt::format("--lanes is '{}'; it must be auto or a power of two", lanes));
   for (const char* lanes : {"-1", "many", "4.5"})
     refused(with({"one.obj", "--ray", ray, "--lanes", lanes}), "--lanes");
-  for (const char* clock : {"0", "-5", "nan", "inf"})
-    refused(with({"one.obj", "--ray", ray, "--clock", clock}), "--clock");
+  for (const char* clock : {"0", "-5", "nan", "inf", "1e6", "1e-300"})
+    refused(with({"one.obj", "--ray", ray, "--clock", clock}), "it must be 0.001 to 10000 MHz");
+  refused(with({"one.obj", "--ray", ray, "--deadline", "-1"}), "--deadline is '-1'; it must be");
   refused(with({"one.obj", "--ray", ray, "--timeout", "0"}), "--timeout");
   refused({"cast", "one.obj", "--ray", ray, "--json", "-o", "-"}, "stdout");
   refused({"cast", "one.obj", "--ray", ray, "-o", "no-folder/hits.csv"}, "no-folder/hits.csv");

@@ -19,6 +19,7 @@
 #include "plan_output.hpp"
 #include "report.hpp"
 #include "run_faults.hpp"
+#include "values.hpp"
 #include "verbs.hpp"
 
 namespace cde::cli {
@@ -382,8 +383,6 @@ class Run {
 };
 
 void run(const Options& o) {
-  if (!(o.timeout > 0))
-    throw Error(ErrorCode::kUsage, fmt::format("--timeout is {} s; it must be above 0", o.timeout));
   Scene scene = load_scene(o.scene);
   Check check = scene.check;
   if (!o.check.empty()) {
@@ -406,20 +405,22 @@ void add_run(CLI::App& app) {
   auto o = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand(
       "run", "Play a scene on the simulated card, checked against the reference; writes run.json");
-  verb->add_option("scene", o->scene, "Scene file, TOML (docs/scenes.md)")->required();
+  file_value(verb->add_option("scene", o->scene, "Scene file, TOML (docs/scenes.md)")->required(),
+             "SCENE");
   verb->add_option("--frames", o->frames, "Frames A..B, both included (all)");
-  verb->add_option("--out", o->out, "Folder for run.json and records (SCENE.run)");
-  verb->add_option("--check", o->check, "all, sample or none, instead of what the scene says");
-  verb->add_option("--report", o->report, "Page about the run, one HTML file that loads nothing");
-  verb->add_option("--trace", o->trace, "Waves of the run, FST; kept even if it fails");
+  folder_value(verb->add_option("--out", o->out, "Folder for run.json and records (SCENE.run)"),
+               "FOLDER");
+  one_of(verb->add_option("--check", o->check, "Records to compare, instead of what the scene says"),
+         {"all", "sample", "none"});
+  file_value(
+      verb->add_option("--report", o->report, "Page about the run, one HTML file that loads nothing"),
+      "FILE.html");
+  file_value(verb->add_option("--trace", o->trace, "Waves of the run, FST; kept even if it fails"),
+             "FILE.fst");
   verb->add_option("--fault", o->faults,
                    "KIND[:COUNT[:VALUE]]@FRAME: lets something go wrong; may be given again")
       ->allow_extra_args(false);
-  verb->add_option("--deadline", o->deadline,
-                   "Device clocks that a pass may take (0: several times what it should)")
-      ->capture_default_str();
-  verb->add_option("--timeout", o->timeout, "Seconds of simulation that a pass may take")
-      ->capture_default_str();
+  deadline_options(*verb, o->deadline, o->timeout, "pass");
   verb->add_flag("--json", o->json, "run.json on stdout too");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
   verb->callback([o] { run(*o); });

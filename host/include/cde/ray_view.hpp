@@ -1,7 +1,10 @@
 #pragma once
 #include <algorithm>
 #include <cstddef>
+#include <functional>
+#include <memory>
 #include <span>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -25,8 +28,13 @@ class RayView {
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] bool empty() const { return size_ == 0; }
   [[nodiscard]] Ray operator[](std::size_t i) const {
-    if (const auto* given = std::get_if<std::span<const Ray>>(&rays_)) return (*given)[first_ + i];
-    return std::get<PixelRays>(rays_)[first_ + i];
+    const auto* given = std::get_if<std::span<const Ray>>(&rays_);
+    Ray ray = given != nullptr ? (*given)[first_ + i] : std::get<PixelRays>(rays_)[first_ + i];
+    if (turn_) {
+      ray.o = (*turn_)(ray.o);
+      ray.d = (*turn_)(ray.d);
+    }
+    return ray;
   }
   /// `count` of them from `first` on.
   [[nodiscard]] RayView subview(std::size_t first, std::size_t count) const {
@@ -34,6 +42,17 @@ class RayView {
     some.first_ += first;
     some.size_ = std::min(count, size_ - first);
     return some;
+  }
+  /// The same with origins and directions as this makes them.
+  [[nodiscard]] RayView turned(std::function<Eigen::Vector3f(const Eigen::Vector3f&)> turn) const {
+    RayView other = *this;
+    if (turn_) {
+      turn = [first = turn_, second = std::move(turn)](const Eigen::Vector3f& v) {
+        return second((*first)(v));
+      };
+    }
+    other.turn_ = std::make_shared<const Turn>(std::move(turn));
+    return other;
   }
   [[nodiscard]] std::vector<Ray> copy() const {
     std::vector<Ray> rays;
@@ -43,8 +62,10 @@ class RayView {
   }
 
  private:
+  using Turn = std::function<Eigen::Vector3f(const Eigen::Vector3f&)>;
   std::variant<std::span<const Ray>, PixelRays> rays_;
   std::size_t first_ = 0, size_;
+  std::shared_ptr<const Turn> turn_;
 };
 
 }  // namespace cde
