@@ -195,7 +195,8 @@ std::vector<std::string> BoardConfig::parameters() const {
   };
   check(arithmetic);
   require(transform <= Transformer::kBoth, "transform", static_cast<unsigned>(transform), "0 to 2");
-  require(bus == Bus::kFunctional || bus == Bus::kCycle, "bus", static_cast<unsigned>(bus), "0 or 1");
+  require(bus == Bus::kFunctional || bus == Bus::kCycle, "bus", static_cast<unsigned>(bus),
+          "0 or 1");
   (void)name(algorithm);
   for (const Pair pair : pairs) (void)name(pair);
   latency(latency_add, "latency_add");

@@ -145,8 +145,8 @@ Board::Impl& Board::idle_card() const {
 
 Board Board::open(const BoardConfig& config, const OpenOptions& options) {
   if (options.memory != Memory::kIdeal && options.memory != Memory::kCycle)
-    throw Error(ErrorCode::kUsage, fmt::format("there is no memory {}",
-                                               static_cast<std::uint32_t>(options.memory)));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("there is no memory {}", static_cast<std::uint32_t>(options.memory)));
   if (options.ddr_latency < 1 || options.ddr_latency > 10000) {
     throw Error(ErrorCode::kUsage, fmt::format("ddr_latency is {}; it must be 1 to 10000 clocks",
                                                options.ddr_latency));

@@ -367,7 +367,8 @@ Query complete(const Board::Impl& card, const Query& query) {
   (void)name_of(q.mode);  // or it is none
   if (q.first_secondary != 0 || q.secondary_count != 0) {
     if (!card.objects.objects.empty())
-      throw Error(ErrorCode::kUsage, "a pass sweeps objects or a range of the secondaries, not both");
+      throw Error(ErrorCode::kUsage,
+                  "a pass sweeps objects or a range of the secondaries, not both");
     if (q.first_secondary >= card.secondaries ||
         q.secondary_count > card.secondaries - q.first_secondary)
       throw Error(ErrorCode::kUsage,
@@ -444,8 +445,7 @@ Counters Board::run(const Query& query, const RecordSink& sink) {
       it.prepare();
       return Pass(it, whole, rest).execute();
     } catch (const Error& error) {
-      if (!error.fault() || !error.fault()->repeatable || ++failures > it.pass_retry_limit)
-        throw;
+      if (!error.fault() || !error.fault()->repeatable || ++failures > it.pass_retry_limit) throw;
       ++it.pass_retries;
     }
   }

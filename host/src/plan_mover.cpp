@@ -70,8 +70,8 @@ Sums sums_of(const Scene& scene, const Group& moving, const std::vector<bool>& b
   return sums;
 }
 
-/// Whether a query keeps a record a primary and leaves out pairs: its passes sweep what lies before,
-/// among and behind the packet's own shapes, which objects of the card do not allow.
+/// Whether a query keeps a record a primary and leaves out pairs: its passes sweep what lies
+/// before, among and behind the packet's own shapes, which objects of the card do not allow.
 bool sweeps_ranges(const Scene& scene) {
   return std::any_of(scene.queries.begin(), scene.queries.end(), [&](const SceneQuery& q) {
     return q.mode != Mode::kAll && q.mode != Mode::kHits && SelfPairs(scene, q).any();

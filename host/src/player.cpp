@@ -268,11 +268,12 @@ class Player::Impl {
     } else {
       Chosen chosen(q, primaries, active);
       for (const SelfPairs::Sweep& sweep : sweeps)
-        pass(packet, query, sweep,
-             [&](std::span<const Record> some) {
-               for (const Record& r : some) chosen.take(r);
-             },
-             result);
+        pass(
+            packet, query, sweep,
+            [&](std::span<const Record> some) {
+              for (const Record& r : some) chosen.take(r);
+            },
+            result);
       deliver(chosen.records());
     }
     const auto checking = Clock::now();
@@ -304,9 +305,9 @@ class Player::Impl {
     if (sweep.pairwise) query.mode = query.mode == Mode::kAny ? Mode::kHits : Mode::kAll;
     if (options_.progress) {
       query.progress = [&](double share) {
-        packet.progress((static_cast<double>(sweep.first) +
-                         share * static_cast<double>(sweep.count)) /
-                        static_cast<double>(size(secondaries_.placed())));
+        packet.progress(
+            (static_cast<double>(sweep.first) + share * static_cast<double>(sweep.count)) /
+            static_cast<double>(size(secondaries_.placed())));
       };
     }
     const bool pairwise = query.mode == Mode::kAll || query.mode == Mode::kHits;

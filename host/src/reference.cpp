@@ -151,8 +151,8 @@ class Sweep::Impl {
   std::array<std::uint8_t, RayBlock::kRays> mask_{};
 };
 
-Sweep::Sweep(const RayView& rays, const TriangleView& triangles, Mode mode,
-             const Stencil& stencil, unsigned packet, std::span<const Object> objects, bool box)
+Sweep::Sweep(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
+             unsigned packet, std::span<const Object> objects, bool box)
     : impl_(std::make_unique<Impl>(rays, triangles, mode, stencil, packet, objects, box)) {}
 Sweep::~Sweep() = default;
 std::span<const Record> Sweep::next() {

@@ -137,7 +137,8 @@ Pass::Pass(const PassQuery& query, Shapes primaries, std::vector<std::uint32_t> 
     throw Error(ErrorCode::kUsage, fmt::format("a pass of {} primaries with {} numbers",
                                                size(primaries), numbers.size()));
   if (query.pair == Pair::kRayTriangle && query.algorithm == Algorithm::kMoller && !query.swap &&
-      !query.counts && shape_of(primaries) == Shape::kRay && shape_of(secondaries) == Shape::kTriangle) {
+      !query.counts && shape_of(primaries) == Shape::kRay &&
+      shape_of(secondaries) == Shape::kTriangle) {
     impl_ = std::make_unique<MollerPass>(
         query.mode, query.box, std::get<std::vector<Ray>>(std::move(primaries)), std::move(numbers),
         std::get<std::vector<Triangle>>(secondaries));

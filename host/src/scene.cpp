@@ -117,9 +117,9 @@ Shapes posed_each(const Shapes& shapes, Pick pick) {
 }  // namespace
 
 bool contains(const std::vector<Range>& ranges, std::size_t number) {
-  const auto behind = std::upper_bound(
-      ranges.begin(), ranges.end(), number,
-      [](std::size_t n, const Range& range) { return n < range.first; });
+  const auto behind =
+      std::upper_bound(ranges.begin(), ranges.end(), number,
+                       [](std::size_t n, const Range& range) { return n < range.first; });
   return behind != ranges.begin() && number - std::prev(behind)->first < std::prev(behind)->count;
 }
 

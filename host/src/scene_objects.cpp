@@ -337,11 +337,11 @@ void Memory::add(const Table& t, const char* key, const std::string& what, std::
   constexpr std::uint64_t kMega = 1 << 20;
   bytes_ += bytes;
   if (bytes_ <= kMost) return;
-  t.fail(ErrorCode::kCapacity, key,
-         fmt::format("{} take {} MB to play, with the objects before {} MB; the limit of a scene "
-                     "is {} MB",
-                     what, (bytes + kMega - 1) / kMega, (bytes_ + kMega - 1) / kMega,
-                     kMost / kMega));
+  t.fail(
+      ErrorCode::kCapacity, key,
+      fmt::format("{} take {} MB to play, with the objects before {} MB; the limit of a scene "
+                  "is {} MB",
+                  what, (bytes + kMega - 1) / kMega, (bytes_ + kMega - 1) / kMega, kMost / kMega));
 }
 
 void Memory::add(const Table& t, const char* key, Shape shape, std::uint64_t count) {

@@ -182,9 +182,8 @@ TEST_F(Edges, NoOtherWorkInAPass) {
   };
   for (std::size_t i = 0; i < calls.size(); ++i) {
     SCOPED_TRACE(i);
-    expect_in("in a pass", refused([&] {
-                board->run(query, [&](std::span<const Record>) { calls[i](); });
-              }));
+    expect_in("in a pass",
+              refused([&] { board->run(query, [&](std::span<const Record>) { calls[i](); }); }));
     Query q = query;
     q.mode = Mode::kAll;  // the ring fills, so the pass is looked at before its end
     q.progress = [&](double) { calls[i](); };
@@ -200,8 +199,9 @@ TEST_F(Edges, ASinkThatDestroysItsBoardEndsThePass) {
     ++pieces;
     board.reset();
   };
-  expect_in("destroyed", refused([&] { board->run({.mode = Mode::kAll, .pair = Pair::kRayTriangle},
-                                                  destroys); }));
+  expect_in("destroyed", refused([&] {
+              board->run({.mode = Mode::kAll, .pair = Pair::kRayTriangle}, destroys);
+            }));
   EXPECT_EQ(pieces, 1u);
   board.emplace(Board::open(rich_config(Bus::kCycle)));
   board->upload(scene.triangles);

@@ -134,7 +134,7 @@ TEST_P(SelfPairs, AreLeftOutAndEachPairCountsOnce) {
     }
     Record& kept = best[r.primary];
     const bool none = kept.index == ~0u;
-    const bool better = mode == Mode::kAny        ? none && r.f
+    const bool better = mode == Mode::kAny       ? none && r.f
                         : mode == Mode::kNearest ? none || gap(r) < gap(kept)
                                                  : none || gap(r) > gap(kept);
     if (better) kept = r;
@@ -169,15 +169,14 @@ TEST_P(SelfPairs, AreLeftOutAndEachPairCountsOnce) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Cases, SelfPairs,
-    ::testing::Combine(::testing::Range<std::size_t>(0, 7),
-                       ::testing::Values(Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll,
-                                         Mode::kHits)),
-    [](const auto& info) {
-      return fmt::format("{}_{}", cases()[std::get<0>(info.param)].name,
-                         name_of(std::get<1>(info.param)));
-    });
+INSTANTIATE_TEST_SUITE_P(Cases, SelfPairs,
+                         ::testing::Combine(::testing::Range<std::size_t>(0, 7),
+                                            ::testing::Values(Mode::kNearest, Mode::kFarthest,
+                                                              Mode::kAny, Mode::kAll, Mode::kHits)),
+                         [](const auto& info) {
+                           return fmt::format("{}_{}", cases()[std::get<0>(info.param)].name,
+                                              name_of(std::get<1>(info.param)));
+                         });
 
 /// Half of the tests, and none of the records of pairs that come before their own packet.
 TEST(SelfPairsCost, ASweepBeginsBehindThePacketsFirst) {

@@ -52,8 +52,8 @@ TEST(Threads, BoardsCloseInAnyOrderAndThread) {
   EXPECT_EQ(cast_and_compare(moved, scene, {}).size(), 20u);
 }
 
-/// Everything that a driver does, of two kinds of boards at a time: faults, retries, errors, resets,
-/// and the first opening of a bitstream by both.
+/// Everything that a driver does, of two kinds of boards at a time: faults, retries, errors,
+/// resets, and the first opening of a bitstream by both.
 TEST(Threads, BoardsOfEveryKindAtATime) {
   const std::array<BoardConfig, 4> kinds = {small_config(), host_config(), small_config(),
                                             rich_config(Bus::kFunctional)};

@@ -48,8 +48,9 @@ TEST(SceneMemory, ALargeCameraIsRefusedWithItsSize) {
                      "[[object]]\nname = \"eye\"\ncamera = { eye = [0, 0, 9], target = [0, 0, 0], "
                      "width = 4096, height = 4096 }\n" +
                      query("\"eye\""),
-                 {"s.toml:6:", "object 'eye'", "16777216 rays take 2560 MB", "limit of a scene is "
-                                                                            "2048 MB"});
+                 {"s.toml:6:", "object 'eye'", "16777216 rays take 2560 MB",
+                  "limit of a scene is "
+                  "2048 MB"});
 }
 
 TEST(SceneMemory, ManyObjectsAreCountedTogether) {
@@ -64,14 +65,15 @@ TEST(SceneMemory, ManyObjectsAreCountedTogether) {
 
 TEST(SceneMemory, OtherSourcesToo) {
   expect_refused(kBall + rays("r", 1 << 24) + query("\"r\""), {"16777216 rays"});
-  expect_refused(kBall +
-                     "[[object]]\nname = \"r\"\nrandom = { shape = \"obb\", count = 16777216, min = "
-                     "[0, 0, 0], max = [1, 1, 1], size = [1, 2] }\n" +
-                     query("\"r\""),
-                 {"16777216 obbs take 4800 MB"});
-  expect_refused(kBall + "[[object]]\nname = \"r\"\nmesh = \"terrain:4096,4096,1\"\n" +
-                     query("\"r\""),
-                 {"33554432 triangles take 5760 MB"});
+  expect_refused(
+      kBall +
+          "[[object]]\nname = \"r\"\nrandom = { shape = \"obb\", count = 16777216, min = "
+          "[0, 0, 0], max = [1, 1, 1], size = [1, 2] }\n" +
+          query("\"r\""),
+      {"16777216 obbs take 4800 MB"});
+  expect_refused(
+      kBall + "[[object]]\nname = \"r\"\nmesh = \"terrain:4096,4096,1\"\n" + query("\"r\""),
+      {"33554432 triangles take 5760 MB"});
 }
 
 /// Two hundred ranges of four million: 3 GB as numbers.

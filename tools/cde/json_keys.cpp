@@ -40,12 +40,9 @@ Json counters_json(const Counters& c) {
 
 Json time_json(const ModelledTime& t, std::uint64_t before) {
   const auto seconds = [](std::uint64_t ps) { return static_cast<double>(ps) * 1e-12; };
-  return {{"upload", seconds(before + t.load)},
-          {"compute", seconds(t.engine)},
-          {"write_back", seconds(t.write_back)},
-          {"download", seconds(t.download)},
-          {"registers", seconds(t.registers)},
-          {"total", seconds(before + t.total())}};
+  return {{"upload", seconds(before + t.load)},  {"compute", seconds(t.engine)},
+          {"write_back", seconds(t.write_back)}, {"download", seconds(t.download)},
+          {"registers", seconds(t.registers)},   {"total", seconds(before + t.total())}};
 }
 
 }  // namespace cde::cli

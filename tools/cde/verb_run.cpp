@@ -179,19 +179,18 @@ class Run {
     json_ = program_json();
     json_.update(card_json(plan.board));
     json_.update(Json{{"bitstream", nullptr}, {"config_hash", nullptr}});  // until it is loaded
-    json_.update(
-            {{"scene", scene.file},
-             {"title", scene.title},
-             {"frames", {frames_.first, frames_.last}},
-             {"rate", scene.rate},
-             {"check", name_of(check)},
-             {"clock_hz", scene.card.clock_hz},
-             {"clock_is", "an assumption about the device, not a measurement"},
-             {"bus", bus_name(scene)},
-             {"memory", memory_name(scene)},
-             {"machine", machine_json()},
-             {"plan", plan_json(scene, plan)},
-             {"played", Json::array()}});
+    json_.update({{"scene", scene.file},
+                  {"title", scene.title},
+                  {"frames", {frames_.first, frames_.last}},
+                  {"rate", scene.rate},
+                  {"check", name_of(check)},
+                  {"clock_hz", scene.card.clock_hz},
+                  {"clock_is", "an assumption about the device, not a measurement"},
+                  {"bus", bus_name(scene)},
+                  {"memory", memory_name(scene)},
+                  {"machine", machine_json()},
+                  {"plan", plan_json(scene, plan)},
+                  {"played", Json::array()}});
     if (!o.report.empty()) {
       page_.emplace(o.report);
       report_.emplace(scene);
@@ -402,11 +401,12 @@ void add_run(CLI::App& app) {
   verb->add_option("--frames", o->frames, "Frames A..B, both included (all)");
   folder_value(verb->add_option("--out", o->out, "Folder for run.json and records (SCENE.run)"),
                "FOLDER");
-  one_of(verb->add_option("--check", o->check, "Records to compare, instead of what the scene says"),
-         {"all", "sample", "none"});
-  file_value(
-      verb->add_option("--report", o->report, "Page about the run, one HTML file that loads nothing"),
-      "FILE.html");
+  one_of(
+      verb->add_option("--check", o->check, "Records to compare, instead of what the scene says"),
+      {"all", "sample", "none"});
+  file_value(verb->add_option("--report", o->report,
+                              "Page about the run, one HTML file that loads nothing"),
+             "FILE.html");
   file_value(verb->add_option("--trace", o->trace, "Waves of the run, FST; kept even if it fails"),
              "FILE.fst");
   verb->add_option("--fault", o->faults,

@@ -137,7 +137,8 @@ struct Query {
   std::optional<SecondPair> second = {};  ///< BoardConfig::parallel; modes nearest, farthest, any
   PairBudget budget = {};  ///< of pairs with a cylinder that is no ray's (has_budget)
   Stencil stencil = {};
-  std::uint32_t first_secondary = 0;  ///< the pass sweeps the uploaded secondaries from this one on,
+  std::uint32_t first_secondary =
+      0;  ///< the pass sweeps the uploaded secondaries from this one on,
   std::uint32_t secondary_count = 0;  ///< so many of them (0: all behind it); not with objects.
                                       ///< Records have their numbers in upload order all the same
   std::uint64_t deadline_clocks =
@@ -318,7 +319,7 @@ class Board {
   /// Until the interrupt; returns clocks spent. One that a write before this has cleared does not
   /// count.
   std::uint64_t wait(std::uint64_t max_clocks);
-  [[nodiscard]] std::uint64_t clocks() const;    ///< core clocks of time_ps()
+  [[nodiscard]] std::uint64_t clocks() const;  ///< core clocks of time_ps()
   /// Flips bits as a memory fault would: of a byte of DDR, or with BoardConfig::ecc of the check
   /// bits (bits 0 to 6) of a word of four bytes. Error kUsage where there are none.
   void flip_ddr(std::uint64_t byte, std::uint8_t mask);

@@ -29,7 +29,7 @@ class PixelRays {
   friend PixelRays grid_pixels(const Eigen::AlignedBox3f& box, Resolution resolution);
   PixelRays() = default;
   Resolution size_;
-  bool parallel_ = false;        // straight down, from a rectangle
+  bool parallel_ = false;  // straight down, from a rectangle
   Eigen::Vector3f eye_ = Eigen::Vector3f::Zero();
   Eigen::Vector3d right_, up_, forward_;  // of the view
   double half_y_ = 0, pixel_ = 0;

@@ -28,9 +28,8 @@ class Sweep {
  public:
   /// Up to `packet` rays meet all triangles at a time, or those of the objects (Board::set_objects;
   /// their ranges must lie within the triangles). Rays and triangles must outlive the sweep.
-  Sweep(const RayView& rays, const TriangleView& triangles, Mode mode,
-        const Stencil& stencil = {}, unsigned packet = 256, std::span<const Object> objects = {},
-        bool box = false);
+  Sweep(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil = {},
+        unsigned packet = 256, std::span<const Object> objects = {}, bool box = false);
   ~Sweep();
   Sweep(const Sweep&) = delete;
   Sweep& operator=(const Sweep&) = delete;
@@ -53,9 +52,9 @@ class Checker {
  public:
   /// `command` is the start of a command that repeats the query, e.g. "cde cast terrain --lanes
   /// 16". Rays and triangles must outlive the checker.
-  Checker(const RayView& rays, const TriangleView& triangles, Mode mode,
-          const Stencil& stencil, unsigned packet, std::string command,
-          std::span<const Object> objects = {}, bool box = false);
+  Checker(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
+          unsigned packet, std::string command, std::span<const Object> objects = {},
+          bool box = false);
 
   /// What differs is also said to be at a clock, a lane and a row of this board, which the records
   /// come from and which must outlive the checker.
