@@ -7,6 +7,7 @@
 #include <assimp/Importer.hpp>
 
 #include <fcntl.h>
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -39,6 +40,8 @@ Eigen::Matrix4d to_eigen(const aiMatrix4x4& m) {
 void append_node(Mesh& mesh, VertexPool& pool, const aiScene& scene, const aiNode& node,
                  const Eigen::Matrix4d& parent) {
   const Eigen::Matrix4d world = parent * to_eigen(node.mTransformation);
+  if (node.mNumMeshes > 0)
+    mesh.parts.push_back({node.mName.C_Str(), static_cast<std::uint32_t>(mesh.faces.size())});
   const bool moved = world != Eigen::Matrix4d::Identity();
   for (unsigned m = 0; m < node.mNumMeshes; ++m) {
     const aiMesh& part = *scene.mMeshes[node.mMeshes[m]];
@@ -70,6 +73,18 @@ void append_array(std::string& out, const std::vector<T>& items) {
   out.append(reinterpret_cast<const char*>(items.data()), count * sizeof(T));
 }
 
+void append_parts(std::string& out, const std::vector<MeshPart>& parts) {
+  std::vector<std::uint32_t> first_faces;
+  std::vector<char> names;  // each with a zero behind it
+  for (const MeshPart& part : parts) {
+    first_faces.push_back(part.first_face);
+    names.insert(names.end(), part.name.begin(), part.name.end());
+    names.push_back('\0');
+  }
+  append_array(out, first_faces);
+  append_array(out, names);
+}
+
 template <typename T>
 bool take_array(std::string_view& in, std::vector<T>& items) {
   std::uint64_t count = 0;
@@ -83,12 +98,27 @@ bool take_array(std::string_view& in, std::vector<T>& items) {
   return true;
 }
 
+bool take_parts(std::string_view& in, std::vector<MeshPart>& parts) {
+  std::vector<std::uint32_t> first_faces;
+  std::vector<char> names;
+  if (!take_array(in, first_faces) || !take_array(in, names)) return false;
+  auto name = names.begin();
+  for (const std::uint32_t first : first_faces) {
+    const auto stop = std::find(name, names.end(), '\0');
+    if (stop == names.end()) return false;
+    parts.push_back({{name, stop}, first});
+    name = stop + 1;
+  }
+  return name == names.end();
+}
+
 /// In the child: what to send to the parent.
 std::string import(const std::string& path) {
   try {
     Assimp::Importer importer;
     const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
     if (scene == nullptr) return kMessageFollows + std::string(importer.GetErrorString());
+    if (scene->mNumMeshes == 0) return kMessageFollows + std::string("has no meshes");
     if ((scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0 || scene->mRootNode == nullptr) {
       return kMessageFollows + std::string("the scene is incomplete");
     }
@@ -99,6 +129,7 @@ std::string import(const std::string& path) {
     append_array(out, mesh.vertices);
     append_array(out, mesh.faces);
     append_array(out, std::vector<std::uint64_t>{mesh.dropped});
+    append_parts(out, mesh.parts);
     return out;
   } catch (const std::bad_alloc&) {
     return kMessageFollows + std::string("takes more memory than half of this machine's");
@@ -114,7 +145,7 @@ void limit_child(std::chrono::seconds deadline) {
       static_cast<rlim_t>(std::max<std::chrono::seconds::rep>(deadline.count(), 1));
   const rlimit time{seconds, seconds + 1};
   ::setrlimit(RLIMIT_CPU, &time);
-  if (kAddressSanitizer) return;  // its shadow alone takes terabytes of address space
+  if (kSanitizer) return;  // its shadow alone takes terabytes of address space
   const auto half = static_cast<rlim_t>(::sysconf(_SC_PHYS_PAGES)) / 2 *
                     static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
   const rlimit memory{half, half};
@@ -192,7 +223,7 @@ Mesh read_by_assimp(const std::filesystem::path& path, std::chrono::seconds dead
   Mesh mesh;
   std::vector<std::uint64_t> dropped;
   if (!take_array(rest, mesh.vertices) || !take_array(rest, mesh.faces) ||
-      !take_array(rest, dropped) || dropped.size() != 1) {
+      !take_array(rest, dropped) || dropped.size() != 1 || !take_parts(rest, mesh.parts)) {
     fail("the importer's answer is cut short");
   }
   mesh.dropped = dropped[0];

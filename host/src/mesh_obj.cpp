@@ -24,6 +24,8 @@ class ObjReader {
         face(rest);
       } else if (keyword == "l" || keyword == "p") {
         ++mesh_.dropped;
+      } else if (keyword == "o" || keyword == "g") {
+        part(rest);
       } else if (keyword == "curv" || keyword == "curv2" || keyword == "surf") {
         fail(fmt::format("free-form geometry ('{}') is not supported", keyword));
       } else if (!keyword.empty() && keyword.front() != '#' && !is_ignored(keyword)) {
@@ -40,7 +42,7 @@ class ObjReader {
 
   static bool is_ignored(std::string_view keyword) {
     constexpr std::string_view kIgnored[] = {
-        "vn",        "vt",     "vp",     "g",     "o",        "s",        "mg",   "usemtl",
+        "vn",        "vt",     "vp",     "s",        "mg",   "usemtl",
         "mtllib",    "usemap", "maplib", "bevel", "c_interp", "d_interp", "lod",  "shadow_obj",
         "trace_obj", "cstype", "deg",    "bmat",  "step",     "parm",     "trim", "hole",
         "scrv",      "sp",     "end",    "con",   "ctech",    "stech",    "call", "csh"};
@@ -60,6 +62,13 @@ class ObjReader {
     }
     joined_.append(line);
     return joined_;
+  }
+
+  /// What follows belongs to this object or group. One without faces is none.
+  void part(std::string_view rest) {
+    const std::size_t faces = mesh_.faces.size();
+    if (!mesh_.parts.empty() && mesh_.parts.back().first_face == faces) mesh_.parts.pop_back();
+    mesh_.parts.push_back({std::string(text::trim(rest)), static_cast<std::uint32_t>(faces)});
   }
 
   void vertex(std::string_view rest) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <queue>
@@ -28,32 +29,18 @@ std::uint64_t scramble(std::uint64_t h) {
   return h ^ (h >> 31);
 }
 
-/// Gradient noise in about -1 to 1, one lattice cell a unit; x and y not negative.
+/// Gradient noise in about -1 to 1, one lattice cell a unit; x and y not negative. Points that
+/// follow each other are near each other, so that the gradients around the last one are kept.
 class Noise {
  public:
   explicit Noise(std::uint64_t seed) : seed_(scramble(seed)) {}
 
-  [[nodiscard]] double at(double x, double y) const {
-    const auto i = static_cast<std::uint64_t>(x);
-    const auto j = static_cast<std::uint64_t>(y);
-    const double fx = x - static_cast<double>(i);
-    const double fy = y - static_cast<double>(j);
-    const double u = fade(fx);
-    const double v = fade(fy);
-    const double low =
-        corner(i, j, fx, fy) + u * (corner(i + 1, j, fx - 1.0, fy) - corner(i, j, fx, fy));
-    const double high =
-        corner(i, j + 1, fx, fy - 1.0) +
-        u * (corner(i + 1, j + 1, fx - 1.0, fy - 1.0) - corner(i, j + 1, fx, fy - 1.0));
-    return 1.5 * (low + v * (high - low));
-  }
-
-  /// Octaves of twice the frequency and half the height.
-  [[nodiscard]] double fractal(double x, double y, int octaves) const {
+  /// Octaves of twice the frequency and half the height, at most kMost.
+  [[nodiscard]] double fractal(double x, double y, int octaves) {
     double sum = 0.0;
     double height = 1.0;
     for (int octave = 0; octave < octaves; ++octave) {
-      sum += height * at(x, y);
+      sum += height * at(x, y, cells_[static_cast<std::size_t>(octave)]);
       height *= 0.5;
       // An offset, so that the lattice points of the octaves do not fall together.
       x = 2.0 * x + 17.37;
@@ -63,16 +50,49 @@ class Noise {
   }
 
  private:
-  static double fade(double t) { return t * t * t * (t * (t * 6.0 - 15.0) + 10.0); }
+  static constexpr std::size_t kMost = 6;
+  struct Gradient {
+    double x, y;
+  };
+  /// A cell of the lattice and the gradients of its corners.
+  struct Cell {
+    std::uint64_t i = ~std::uint64_t{0}, j = ~std::uint64_t{0};
+    Gradient corner[2][2] = {};  // [j][i]
+  };
 
-  [[nodiscard]] double corner(std::uint64_t i, std::uint64_t j, double dx, double dy) const {
-    const std::uint64_t h = scramble(scramble(seed_ ^ i) ^ j);
-    const double gx = static_cast<double>(h >> 43) * 0x1p-20 - 1.0;
-    const double gy = static_cast<double>(h & 0x1fffffu) * 0x1p-20 - 1.0;
-    return gx * dx + gy * dy;
+  [[nodiscard]] double at(double x, double y, Cell& cell) const {
+    const auto i = static_cast<std::uint64_t>(x);
+    const auto j = static_cast<std::uint64_t>(y);
+    if (i != cell.i || j != cell.j) enter(cell, i, j);
+    const double fx = x - static_cast<double>(i);
+    const double fy = y - static_cast<double>(j);
+    const double u = fade(fx);
+    const double v = fade(fy);
+    const auto slope = [](const Gradient& g, double dx, double dy) { return g.x * dx + g.y * dy; };
+    const auto& c = cell.corner;
+    const double south_west = slope(c[0][0], fx, fy), north_west = slope(c[1][0], fx, fy - 1.0);
+    const double low = south_west + u * (slope(c[0][1], fx - 1.0, fy) - south_west);
+    const double high = north_west + u * (slope(c[1][1], fx - 1.0, fy - 1.0) - north_west);
+    return 1.5 * (low + v * (high - low));
   }
 
+  void enter(Cell& cell, std::uint64_t i, std::uint64_t j) const {
+    cell.i = i;
+    cell.j = j;
+    for (std::uint64_t di = 0; di < 2; ++di) {
+      const std::uint64_t column = scramble(seed_ ^ (i + di));
+      for (std::uint64_t dj = 0; dj < 2; ++dj) {
+        const std::uint64_t h = scramble(column ^ (j + dj));
+        cell.corner[dj][di] = {static_cast<double>(h >> 43) * 0x1p-20 - 1.0,
+                               static_cast<double>(h & 0x1fffffu) * 0x1p-20 - 1.0};
+      }
+    }
+  }
+
+  static double fade(double t) { return t * t * t * (t * (t * 6.0 - 15.0) + 10.0); }
+
   std::uint64_t seed_;
+  Cell cells_[kMost];
 };
 
 class Landscape {
@@ -108,102 +128,152 @@ class Landscape {
 
   static constexpr double kRepose = 0.65;  // steepest slope that stands
 
-  [[nodiscard]] bool is_edge(std::size_t cell) const {
-    const std::size_t x = cell % columns_;
-    const std::size_t y = cell / columns_;
-    return x == 0 || y == 0 || x + 1 == columns_ || y + 1 == rows_;
-  }
-
-  void shape(std::uint64_t seed) {
-    const Noise broad(3 * seed);
-    const Noise warp(3 * seed + 1);
-    height_.resize(cells_);
-    uplift_.resize(cells_);
-    for (std::size_t cell = 0; cell < cells_; ++cell) {
-      double x = static_cast<double>(cell % columns_) * kSpacing / 1700.0 + 8.0;
-      double y = static_cast<double>(cell / columns_) * kSpacing / 1700.0 + 8.0;
-      x += 0.35 * warp.fractal(1.3 * x, 1.3 * y, 3);
-      y += 0.35 * warp.fractal(1.3 * x + 70.0, 1.3 * y, 3);
-      const double n = 0.5 + 0.5 * broad.fractal(x, y, 6);
-      const double massif =
-          std::clamp(0.42 + 0.95 * broad.fractal(0.8 * x + 31.0, 0.8 * y + 31.0, 3), 0.06, 1.0);
-      height_[cell] = 120.0 * n;
-      uplift_[cell] = massif * (0.4 + 0.6 * n);
-    }
-  }
+  using Index = std::uint32_t;  // of a cell; there are at most 4177 x 4177
 
   template <typename Visit>
-  void neighbours(std::size_t cell, Visit visit) const {
-    constexpr double kDiagonal = 1.4142135623730951;
-    const auto x = static_cast<std::int64_t>(cell % columns_);
-    const auto y = static_cast<std::int64_t>(cell / columns_);
-    for (std::int64_t dy = -1; dy <= 1; ++dy) {
-      for (std::int64_t dx = -1; dx <= 1; ++dx) {
-        if ((dx == 0 && dy == 0) || x + dx < 0 || y + dy < 0 || x + dx >= columns_ ||
-            y + dy >= rows_)
-          continue;
-        const auto other = static_cast<std::size_t>((y + dy) * columns_ + x + dx);
-        visit(other, (dx != 0 && dy != 0 ? kDiagonal : 1.0) * kSpacing);
+  void for_each_edge(Visit visit) const {
+    for (Index x = 0; x < columns_; ++x) visit(x), visit((rows_ - 1) * columns_ + x);
+    for (Index y = 1; y + 1 < rows_; ++y) visit(y * columns_), visit(y * columns_ + columns_ - 1);
+  }
+
+  /// Offsets of the neighbours in the order in which ties are broken, and which are diagonal.
+  [[nodiscard]] std::array<std::int64_t, 8> around() const {
+    const std::int64_t row = columns_;
+    return {-row - 1, -row, -row + 1, -1, 1, row - 1, row, row + 1};
+  }
+  static constexpr std::array<bool, 8> kIsDiagonal = {true,  false, true, false,
+                                                      false, true,  false, true};
+
+  void shape(std::uint64_t seed) {
+    Noise broad(3 * seed), massifs(3 * seed), warp_x(3 * seed + 1), warp_y(3 * seed + 1);
+    height_.resize(cells_);
+    uplift_.resize(cells_);
+    std::size_t cell = 0;
+    for (std::uint32_t row = 0; row < rows_; ++row) {
+      for (std::uint32_t column = 0; column < columns_; ++column, ++cell) {
+        double x = static_cast<double>(column) * kSpacing / 1700.0 + 8.0;
+        double y = static_cast<double>(row) * kSpacing / 1700.0 + 8.0;
+        x += 0.35 * warp_x.fractal(1.3 * x, 1.3 * y, 3);
+        y += 0.35 * warp_y.fractal(1.3 * x + 70.0, 1.3 * y, 3);
+        const double n = 0.5 + 0.5 * broad.fractal(x, y, 6);
+        const double massif = std::clamp(
+            0.42 + 0.95 * massifs.fractal(0.8 * x + 31.0, 0.8 * y + 31.0, 3), 0.06, 1.0);
+        height_[cell] = 120.0 * n;
+        uplift_[cell] = massif * (0.4 + 0.6 * n);
       }
     }
   }
 
-  /// Raises hollows to their outlets, and leaves the cells in order_ from low to high with a way
-  /// down for each.
+  /// Raises hollows to their outlets: a cell that is no edge gets as high as its lowest neighbour
+  /// and a little more, if it was lower. Nearly all cells are that high already: they are found by
+  /// climbing from cells that are finished, in any order; only the shores of hollows wait in a
+  /// queue, the lowest first.
   void flood() {
     constexpr double kLeastFall = 0.002;  // metres, so that water crosses a filled lake
-    using Entry = std::pair<double, std::size_t>;
+    using Entry = std::pair<double, Index>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> shore;
-    std::vector<char> seen(cells_, 0);
-    order_.clear();
-    downstream_.resize(cells_);
-    for (std::size_t cell = 0; cell < cells_; ++cell) {
-      if (!is_edge(cell)) continue;
-      seen[cell] = 1;
-      downstream_[cell] = cell;
-      shore.emplace(height_[cell], cell);
-    }
+    finished_.assign(cells_, 0);
+    std::vector<Index> climbing, doubtful;
+    const auto finish = [&](Index cell) {
+      finished_[cell] = 1;
+      climbing.push_back(cell);
+    };
+    const auto offsets = around();
+    const auto climb = [&] {
+      while (!climbing.empty()) {
+        const Index cell = climbing.back();
+        climbing.pop_back();
+        const double least = height_[cell] + kLeastFall;
+        bool is_doubtful = false;
+        neighbours(cell, offsets, [&](Index other) {
+          if (finished_[other] != 0) return;
+          if (height_[other] >= least)
+            finish(other);
+          else
+            is_doubtful = true;
+        });
+        if (is_doubtful) doubtful.push_back(cell);
+      }
+      // Most lower neighbours were climbed to from elsewhere since.
+      for (const Index cell : doubtful) {
+        bool is_shore = false;
+        neighbours(cell, offsets, [&](Index other) { is_shore |= finished_[other] == 0; });
+        if (is_shore) shore.emplace(height_[cell], cell);
+      }
+      doubtful.clear();
+    };
+    for_each_edge(finish);
+    climb();
     while (!shore.empty()) {
-      const std::size_t cell = shore.top().second;
+      const Index cell = shore.top().second;
       shore.pop();
-      order_.push_back(cell);
-      neighbours(cell, [&](std::size_t other, double) {
-        if (seen[other] != 0) return;
-        seen[other] = 1;
-        downstream_[other] = cell;
+      neighbours(cell, offsets, [&](Index other) {
+        if (finished_[other] != 0) return;
         height_[other] = std::max(height_[other], height_[cell] + kLeastFall);
-        shore.emplace(height_[other], other);
+        finish(other);
       });
+      climb();
     }
   }
 
-  /// Steepest way down from each cell, and the area that drains through it.
-  void drain() {
-    area_.assign(cells_, kSpacing * kSpacing);
-    for (const std::size_t cell : order_) {
-      if (is_edge(cell)) continue;
-      double steepest = 0.0;
-      neighbours(cell, [&](std::size_t other, double distance) {
-        const double fall = (height_[cell] - height_[other]) / distance;
-        if (fall > steepest) {
-          steepest = fall;
-          downstream_[cell] = other;
-        }
-      });
+  /// Those that are not edges: an edge is finished from the start.
+  template <typename Visit>
+  void neighbours(Index cell, const std::array<std::int64_t, 8>& offsets, Visit visit) const {
+    for (const std::int64_t offset : offsets) {
+      const std::int64_t other = std::int64_t{cell} + offset;
+      // Beyond the left or right edge lies an edge of the next row, which is finished, too.
+      if (other >= 0 && other < static_cast<std::int64_t>(cells_)) visit(static_cast<Index>(other));
     }
-    for (auto cell = order_.rbegin(); cell != order_.rend(); ++cell) {
-      if (downstream_[*cell] != *cell) area_[downstream_[*cell]] += area_[*cell];
+  }
+
+  /// Steepest way down from each cell, the area that drains through it, and in order_ the cells
+  /// with those upstream before those downstream.
+  void drain() {
+    constexpr double kDiagonal = 1.4142135623730951;
+    const auto offsets = around();
+    downstream_.resize(cells_);
+    std::vector<std::uint8_t> springs(cells_, 0);  // neighbours that drain into a cell
+    for_each_edge([&](Index cell) { downstream_[cell] = cell; });
+    for (Index y = 1; y + 1 < rows_; ++y) {
+      for (Index cell = y * columns_ + 1; cell + 1 < (y + 1) * columns_; ++cell) {
+        double steepest = 0.0;
+        Index down = cell;
+        for (std::size_t k = 0; k < offsets.size(); ++k) {
+          const auto other = static_cast<Index>(cell + offsets[k]);
+          const double fall =
+              (height_[cell] - height_[other]) / ((kIsDiagonal[k] ? kDiagonal : 1.0) * kSpacing);
+          if (fall > steepest) {
+            steepest = fall;
+            down = other;
+          }
+        }
+        downstream_[cell] = down;
+        ++springs[down];
+      }
+    }
+    // Areas are whole, so that their sums are exact in any order.
+    area_.assign(cells_, kSpacing * kSpacing);
+    order_.clear();
+    for (Index start = 0; start < cells_; ++start) {
+      if (springs[start] != 0 || downstream_[start] == start) continue;
+      for (Index cell = start;;) {
+        const Index down = downstream_[cell];
+        order_.push_back(cell);
+        springs[cell] = 1;  // not again
+        area_[down] += area_[cell];
+        if (--springs[down] != 0 || downstream_[down] == down) break;
+        cell = down;
+      }
     }
   }
 
   /// One implicit step of uplift and river cutting, from the outlets upwards; stable for any step
   /// length.
   void erode() {
-    for (const std::size_t cell : order_) {
-      const std::size_t down = downstream_[cell];
-      if (down == cell) continue;
-      const bool diagonal =
-          cell % columns_ != down % columns_ && cell / columns_ != down / columns_;
+    for (auto at = order_.rbegin(); at != order_.rend(); ++at) {
+      const Index cell = *at, down = downstream_[cell];
+      const Index apart = cell < down ? down - cell : cell - down;
+      const bool diagonal = apart != 1 && apart != columns_;
       const double distance = diagonal ? kSpacing * 1.4142135623730951 : kSpacing;
       const double cut = kCutting * std::sqrt(area_[cell]) / distance;
       height_[cell] = (height_[cell] + kUplift * uplift_[cell] + cut * height_[down]) / (1.0 + cut);
@@ -228,11 +298,14 @@ class Landscape {
 
   /// Boulders and gullies too small for the model.
   void roughen(std::uint64_t seed) {
-    const Noise fine(3 * seed + 2);
-    for (std::size_t cell = 0; cell < cells_; ++cell) {
-      const double x = static_cast<double>(cell % columns_) * kSpacing / 90.0;
-      const double y = static_cast<double>(cell / columns_) * kSpacing / 90.0;
-      height_[cell] += (0.8 + 4.0 * uplift_[cell]) * fine.fractal(x, y, 3);
+    Noise fine(3 * seed + 2);
+    std::size_t cell = 0;
+    for (std::uint32_t row = 0; row < rows_; ++row) {
+      const double y = static_cast<double>(row) * kSpacing / 90.0;
+      for (std::uint32_t column = 0; column < columns_; ++column, ++cell) {
+        const double x = static_cast<double>(column) * kSpacing / 90.0;
+        height_[cell] += (0.8 + 4.0 * uplift_[cell]) * fine.fractal(x, y, 3);
+      }
     }
   }
 
@@ -260,8 +333,9 @@ class Landscape {
   std::vector<double> uplift_;  // 0 to 1
   std::vector<double> area_;    // square metres
   std::vector<double> scratch_;
-  std::vector<std::size_t> order_;
-  std::vector<std::size_t> downstream_;  // itself at the edge
+  std::vector<char> finished_;
+  std::vector<Index> order_;
+  std::vector<Index> downstream_;  // itself at the edge
 };
 
 }  // namespace
@@ -278,10 +352,13 @@ Mesh make_terrain(const TerrainOptions& options) {
   Mesh mesh;
   mesh.name = "terrain";
   mesh.vertices.reserve(heights.size());
-  for (std::size_t i = 0; i < heights.size(); ++i) {
-    mesh.vertices.emplace_back(static_cast<float>(static_cast<double>(i % columns) * kSpacing),
-                               static_cast<float>(static_cast<double>(i / columns) * kSpacing),
-                               static_cast<float>(heights[i]));
+  for (std::uint32_t y = 0; y <= options.quads_y; ++y) {
+    for (std::uint32_t x = 0; x < columns; ++x) {
+      mesh.vertices.emplace_back(
+          static_cast<float>(static_cast<double>(x) * kSpacing),
+          static_cast<float>(static_cast<double>(y) * kSpacing),
+          static_cast<float>(heights[std::size_t{y} * columns + x]));
+    }
   }
   mesh.faces.reserve(std::size_t{2} * options.quads_x * options.quads_y);
   for (std::uint32_t y = 0; y < options.quads_y; ++y) {

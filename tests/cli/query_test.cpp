@@ -229,14 +229,14 @@ TEST_F(Query, WrongUsageIsRefused) {
   refused({"ray-triangle", "--algorithm", "mollar"}, "--algorithm is 'mollar'; it must be moller");
   refused({"sphere-sphere", "--algorithm", "badouel"}, "sphere-sphere has no choice of algorithm");
   refused({"sphere-sphere", "--half-space"}, "sphere-sphere has no half-space");
-  refused({"sphere-sphere", "--arith", "gates"}, "--arith is 'gates'; it must be rtl or host");
+  refused({"sphere-sphere", "--arith", "gates"}, "--arith is 'gates'; it must be host or rtl");
   refused({"sphere-sphere", "--facet-interval", "3"}, "sphere-sphere has no facets");
   refused({"obb-obb", "--facet-interval", "2"}, "facet interval is 2, expected 1 or 3");
-  refused({"sphere-sphere", "--lanes", "0"}, "lanes is 0, expected 1 to 256");
-  refused({"sphere-sphere", "--lanes", "257"}, "lanes is 257, expected 1 to 256");
+  refused({"sphere-sphere", "--lanes", "0"}, "--lanes is '0'; it must be a whole number, 1 to 256");
+  refused({"sphere-sphere", "--lanes", "257"}, "--lanes is '257'; it must be a whole number, 1 to 256");
   refused({"sphere-sphere", "--format", "fp7"}, "format 'fp7'");
   refused({"sphere-sphere", "--format", "tf32"},
-          "--format is tf32; it must be fp16, bf16, fp24, fp32 or fp64");
+          "--format is 'tf32'; it must be fp16, bf16, fp24, fp32 or fp64");
   refused({"sphere-sphere", "--budget", "4,8,8"}, "--budget is of cylinder-cylinder");
   refused({"cylinder-cylinder", "--budget", "4,8"}, "--budget is '4,8'; it must be M,K1,K2");
   refused({"cylinder-cylinder", "--budget", "0,8,8"}, "budget: M is 0, expected 4, 8 or 16");

@@ -1,24 +1,53 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
+#include <new>
 #include <string>
+#include <vector>
 
 #include "cde/error.hpp"
+#include "help.hpp"
+#include "suggest.hpp"
 #include "verbs.hpp"
+#include "version.hpp"
 
-/// Unlike fmt::print, never an exception: there may be no room for messages either.
+/// A message on stderr. Unlike fmt::print, never an exception: there may be no room for messages
+/// either.
 static void say(const std::string& message) {
-  std::fputs(message.c_str(), stderr);
+  const bool colour = cde::cli::may_colour(STDERR_FILENO);
+  std::fputs(fmt::format("{} {}\n", colour ? "\033[1;31mcde:\033[0m" : "cde:", message).c_str(),
+             stderr);
+}
+
+/// What the parser did not understand; 2, or 0 if it was a question.
+static int explain(const CLI::App& app, const CLI::ParseError& e,
+                   const std::vector<std::string>& words) {
+  if (e.get_exit_code() == 0) return app.exit(e);  // help and version, on stdout
+  if (app.get_subcommands().empty()) {
+    if (const auto verb = cde::cli::unknown_verb(app, words)) {
+      say(*verb);
+      return 2;
+    }
+    if (words.empty()) {
+      std::fputs(app.help().c_str(), stderr);
+      return 2;
+    }
+  }
+  const auto rest = cde::cli::left_over(app);
+  say(rest ? *rest : e.what());
+  return 2;
 }
 
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ,
               SIG_IGN);  // a file that may not grow is an error of the write, with a message
-  CLI::App app{"cde: a collision detection engine in SystemVerilog on a simulated PCI card"};
+  CLI::App app{"cde: a collision detection engine in SystemVerilog on a simulated PCI card", "cde"};
+  app.formatter(cde::cli::help_formatter());
   app.require_subcommand(1);
-  app.set_help_all_flag("--help-all", "Help of every verb");
+  app.set_version_flag("--version", cde::cli::version_text(), "Versions of cde and its tools");
   cde::cli::add_cast(app);
   cde::cli::add_query(app);
   cde::cli::add_run(app);
@@ -28,15 +57,20 @@ int main(int argc, char** argv) {
   cde::cli::add_inventory(app);
   cde::cli::add_doctor(app);
   cde::cli::add_fp(app);
+  cde::cli::add_help(app);  // knows those before it
+  app.set_help_all_flag("--help-all", "Help of every verb");  // not one of the verbs
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
+    return explain(app, e, {argv + 1, argv + argc});
   } catch (const cde::Error& e) {
-    say(fmt::format("cde: {}\n", e.what()));
+    say(e.what());
     return cde::exit_status(e.code());
+  } catch (const std::bad_alloc&) {
+    say("cde: there is not enough memory for this\n");
+    return 2;
   } catch (const std::exception& e) {
-    say(fmt::format("cde: internal error: {}\n", e.what()));
+    say(fmt::format("internal error: {}", e.what()));
     return 2;
   }
   return cde::cli::exit_code;

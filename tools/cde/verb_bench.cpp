@@ -12,6 +12,7 @@
 
 #include "bench.hpp"
 #include "cde/error.hpp"
+#include "values.hpp"
 #include "verbs.hpp"
 
 namespace cde::cli {
@@ -91,15 +92,15 @@ void add_bench(CLI::App& app) {
   auto a = std::make_shared<Arguments>();
   CLI::App* verb = app.add_subcommand(
       "bench", "Measure simulation speed and device clocks beside software on the same machine");
-  verb->add_option("section", a->sections, "Sections to run (all): rays, fp, pairs, bus, effects");
+  known_words(
+      verb->add_option("section", a->sections, "Sections to run (all): rays, fp, pairs, bus, effects"),
+      {"rays", "fp", "pairs", "bus", "effects"}, "SECTION");
   verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   auto* quick = verb->add_flag("--quick", a->options.quick,
                                "Under a minute: default bitstreams, small scenes");
   verb->add_flag("--full", a->options.full, "Up to 10 million triangles, every format")
       ->excludes(quick);
-  verb->add_option("--clock", a->clock_mhz, "Core clock assumed for modelled times, MHz")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+  clock_option(*verb, a->clock_mhz);
   verb->callback([a] {
     a->options.clock_hz = a->clock_mhz * 1e6;
     run(a->options, a->sections, a->json);

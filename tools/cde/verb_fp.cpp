@@ -11,6 +11,7 @@
 
 #include "cde/error.hpp"
 #include "cde/fp_unit.hpp"
+#include "values.hpp"
 #include "verbs.hpp"
 
 namespace cde::cli {

@@ -6,6 +6,7 @@
 
 #include "cde/plan.hpp"
 #include "plan_output.hpp"
+#include "values.hpp"
 #include "verbs.hpp"
 
 namespace cde::cli {
@@ -19,7 +20,8 @@ void add_plan(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "plan",
       "Print what a scene needs of the card, what it leaves out and why, and the bitstream");
-  verb->add_option("scene", o->scene, "Scene file, TOML (docs/scenes.md)")->required();
+  file_value(verb->add_option("scene", o->scene, "Scene file, TOML (docs/scenes.md)")->required(),
+             "SCENE");
   verb->add_flag("--json", o->json, "The plan as JSON on stdout");
   verb->callback([o] {
     const Scene scene = load_scene(o->scene);

@@ -17,8 +17,10 @@
 #include "cde/error.hpp"
 #include "cde/pair_unit.hpp"
 #include "cde/reference/pairs.hpp"
+#include "json_keys.hpp"
 #include "operand_defect.hpp"
 #include "output.hpp"
+#include "values.hpp"
 #include "verbs.hpp"
 #include "words.hpp"
 
@@ -52,17 +54,6 @@ Pair pair_named(const std::string& text) {
   }
   throw Error(ErrorCode::kUsage,
               fmt::format("no pair '{}'; there are: {}", text, fmt::join(known, ", ")));
-}
-
-Algorithm algorithm_named(const std::string& text) {
-  std::vector<std::string_view> known;
-  for (const Algorithm a :
-       {Algorithm::kMoller, Algorithm::kBadouel, Algorithm::kPluecker, Algorithm::kWatertight}) {
-    known.push_back(name(a));
-    if (known.back() == text) return a;
-  }
-  throw Error(ErrorCode::kUsage,
-              fmt::format("--algorithm is '{}'; it must be {}", text, fmt::join(known, ", ")));
 }
 
 /// The largest budget of at most so many evaluations, split evenly: K1 and K2 of two cylinders as
@@ -121,15 +112,12 @@ unsigned default_lanes(Pair pair, FpFormat format) {
 
 PairConfig configuration(const Options& o) {
   PairConfig config{.pair = pair_named(o.pair),
-                    .algorithm = algorithm_named(o.algorithm),
+                    .algorithm = *algorithm_named(o.algorithm),
                     .box = o.box.value_or(pair_named(o.pair) == Pair::kRayTriangle),
                     .plane = o.half_space ? PlaneSide::kHalfSpace : PlaneSide::kSurface,
                     .format = FpFormat::parse(o.format),
                     .facet_interval = o.facet_interval};
   config.lanes = o.lanes.value_or(default_lanes(config.pair, config.format));
-  if (o.arithmetic != "host" && o.arithmetic != "rtl")
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--arith is '{}'; it must be rtl or host", o.arithmetic));
   config.arithmetic = o.arithmetic == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost;
   if (!o.budget.empty()) (void)budget_named(o.budget, config.pair);
   (void)config.parameters();  // complains about values before anything slow
@@ -408,7 +396,8 @@ class Query {
 };
 
 nlohmann::ordered_json as_json(const Options& o, const PairConfig& config, const Totals& t) {
-  return {
+  nlohmann::ordered_json j = program_json();
+  j.update({
       {"pair", o.pair},
       {"algorithm",
        o.pair == "ray-triangle" ? nlohmann::ordered_json(o.algorithm) : nlohmann::ordered_json()},
@@ -428,7 +417,8 @@ nlohmann::ordered_json as_json(const Options& o, const PairConfig& config, const
       {"simulation_seconds", t.simulation_seconds},
       {"checked", o.check},
       {"pairs_compared", t.compared},
-      {"pairs_matching", t.compared}};
+      {"pairs_matching", t.compared}});
+  return j;
 }
 
 void print_summary(const Options& o, const PairConfig& config, const Totals& t) {
@@ -445,8 +435,9 @@ void print_summary(const Options& o, const PairConfig& config, const Totals& t) 
                            t.malformed == 1 ? "" : "s"));
   row("hits", fmt::to_string(t.hits));
   row("device cycles", fmt::to_string(t.clocks));
-  row("simulation", fmt::format("{:.3g} s, {:.4g} M pairs/s", t.simulation_seconds,
-                                static_cast<double>(t.pairs) / t.simulation_seconds / 1e6));
+  if (t.pairs != 0)  // none take no time
+    row("simulation", fmt::format("{:.3g} s, {:.4g} M pairs/s", t.simulation_seconds,
+                                  static_cast<double>(t.pairs) / t.simulation_seconds / 1e6));
   row("check",
       o.check ? fmt::format("{} of {} answers match the reference", t.compared, t.pairs) : "off");
 }
@@ -474,10 +465,11 @@ void add_query(CLI::App& app) {
       "half-extents rotation by rows 15. A word is decimal, hexfloat, or 0x and the bits. Prints "
       "F,T,CP,n,flags as CSV; flags: empty, bad (the card refuses an operand) or malformed (the "
       "line cannot be read). Blank lines and lines that start with # are skipped");
-  verb->add_option("pair", o->pair, "ray-triangle, sphere-sphere, obb-obb, ...")->required();
-  verb->add_option("--algorithm", o->algorithm,
-                   "Of ray-triangle: moller, badouel, pluecker or watertight")
-      ->capture_default_str();
+  known_words(
+      verb->add_option("pair", o->pair, "ray-triangle, sphere-sphere, obb-obb, ...")->required(),
+      pair_names(), "PAIR");
+  one_of(verb->add_option("--algorithm", o->algorithm, "Of ray-triangle")->capture_default_str(),
+         algorithm_names());
   verb->add_flag_callback(
       "--box", [o] { o->box = true; },
       "Of ray-triangle: a hit must lie in the triangle's box (on)");
@@ -485,12 +477,16 @@ void add_query(CLI::App& app) {
       "--no-box", [o] { o->box = false; }, "The plain pipe");
   verb->add_flag("--half-space", o->half_space,
                  "Of obb-plane: the plane bounds the solid half-space n.x <= d");
-  verb->add_option("--format", o->format, "fp16, bf16, fp24, fp32 or fp64")->capture_default_str();
-  verb->add_option("--arith", o->arithmetic, "host (the FPU, fast) or rtl (gates); same bits")
-      ->capture_default_str();
-  verb->add_option("--lanes", o->lanes,
-                   "Pairs a clock, 1 to 256 (8; 1 in fp64 for obb-obb, triangle-aabb and "
-                   "triangle-obb, whose bitstreams of more lanes take minutes to build)");
+  one_of(verb->add_option("--format", o->format, "Format of the words")->capture_default_str(),
+         {"fp16", "bf16", "fp24", "fp32", "fp64"});
+  one_of(verb->add_option("--arith", o->arithmetic, "host (the FPU, fast) or rtl (gates); same bits")
+             ->capture_default_str(),
+         {"host", "rtl"});
+  whole_number_in(verb->add_option("--lanes", o->lanes,
+                                   "Pairs a clock; 8 if not given, or 1 in fp64 for obb-obb, "
+                                   "triangle-aabb and triangle-obb, whose bitstreams of more lanes "
+                                   "take minutes to build"),
+                  1, 256, "");
   verb->add_option(
           "--facet-interval", o->facet_interval,
           "Of obb-obb, triangle-aabb and triangle-obb: clocks from one row of pairs to the "

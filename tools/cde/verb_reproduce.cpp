@@ -6,6 +6,7 @@
 #include "output.hpp"
 #include "page.hpp"
 #include "reproduce.hpp"
+#include "values.hpp"
 #include "verbs.hpp"
 
 namespace cde::cli {
@@ -42,14 +43,14 @@ void add_reproduce(CLI::App& app) {
   auto a = std::make_shared<Arguments>();
   CLI::App* verb = app.add_subcommand(
       "reproduce", "Measure the paper's Figures 5, 6 and 7 again, and write them as a page");
-  verb->add_option("--out", a->out, "The page, one HTML file")->capture_default_str();
+  file_value(verb->add_option("--out", a->out, "The page, one HTML file")->capture_default_str(),
+             "FILE.html");
   verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   verb->add_flag("--quick", a->options.quick,
                  "A small terrain and few spheres, to see that it works");
-  verb->add_option("--lanes", a->options.lanes, "Lanes of the best card")->capture_default_str();
-  verb->add_option("--clock", a->clock_mhz, "Core clock assumed for modelled times, MHz")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+  lanes_value(
+      verb->add_option("--lanes", a->options.lanes, "Lanes of the best card")->capture_default_str());
+  clock_option(*verb, a->clock_mhz);
   verb->callback([a] {
     a->options.clock_hz = a->clock_mhz * 1e6;
     run(*a);

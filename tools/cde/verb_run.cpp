@@ -2,6 +2,7 @@
 // reference.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <chrono>
@@ -14,11 +15,13 @@
 #include "cde/error.hpp"
 #include "cde/plan.hpp"
 #include "cde/player.hpp"
+#include "json_keys.hpp"
 #include "machine.hpp"
 #include "output.hpp"
 #include "plan_output.hpp"
 #include "report.hpp"
 #include "run_faults.hpp"
+#include "values.hpp"
 #include "verbs.hpp"
 
 namespace cde::cli {
@@ -137,45 +140,30 @@ struct Totals {
     hits += q["hits"].get<std::uint64_t>();
     tests += q["counters"]["tests"].get<std::uint64_t>();
     modelled += q["modelled_seconds"]["total"].get<double>();
-    simulated += q["wall_seconds"]["card"].get<double>();
-    checked += q["wall_seconds"]["reference"].get<double>();
+    simulated += q["simulation_seconds"].get<double>();
+    checked += q["reference_seconds"].get<double>();
   }
 };
 
 Json query_json(const std::string& name, const QueryFrame& f) {
-  const Counters& c = f.counters;
-  const ModelledTime t = f.time();
-  const auto seconds = [](std::uint64_t ps) { return static_cast<double>(ps) * 1e-12; };
+  Json counters = counters_json(f.counters);
+  counters.update({{"card_records", f.card_records},
+                   {"secondary_words", f.secondary_words},
+                   {"primary_words", f.primary_words},
+                   {"secondary_upload_clocks", f.secondary_clocks},
+                   {"primary_upload_clocks", f.primary_clocks},
+                   {"download_clocks", f.download_clocks}});
   return {{"query", name},
           {"passes", f.passes},
-          {"records", c.records},
+          {"records", f.counters.records},
           {"hits", f.hits},
           {"records_compared", f.compared},
+          {"records_matching", f.compared - std::min(f.compared, f.mismatches)},
           {"mismatches", f.mismatches},
-          {"counters",
-           {{"tests", c.pairs},
-            {"rows", c.rows},
-            {"cycles", c.cycles},
-            {"stalls", c.stalls},
-            {"bubbles", c.bubbles},
-            {"writeback", c.writeback},
-            {"secondaries", c.secondaries},
-            {"bad_primaries", c.bad_primaries},
-            {"bad_secondaries", c.bad_secondaries},
-            {"corrected_words", c.corrected_words},
-            {"secondary_words", f.secondary_words},
-            {"primary_words", f.primary_words},
-            {"secondary_upload_clocks", f.secondary_clocks},
-            {"primary_upload_clocks", f.primary_clocks},
-            {"download_clocks", f.download_clocks}}},
-          {"modelled_seconds",
-           {{"upload", seconds(t.load)},
-            {"compute", seconds(t.engine)},
-            {"write_back", seconds(t.write_back)},
-            {"download", seconds(t.download)},
-            {"registers", seconds(t.registers)},
-            {"total", seconds(t.total())}}},
-          {"wall_seconds", {{"card", f.pass_seconds}, {"reference", f.check_seconds}}}};
+          {"counters", counters},
+          {"modelled_seconds", time_json(f.time())},
+          {"simulation_seconds", f.pass_seconds},
+          {"reference_seconds", f.check_seconds}};
 }
 
 /// A run: what was played so far, and where it goes.
@@ -188,18 +176,21 @@ class Run {
         frames_(frames_of(o.frames, scene)),
         faults_(faults_of(o.faults, plan, frames_.first, frames_.last)) {
     folder_ = o.out.empty() ? fs::path(scene.file).stem().string() + ".run" : o.out;
-    json_ = {{"scene", scene.file},
-             {"title", scene.title},
-             {"frames", {frames_.first, frames_.last}},
-             {"rate", scene.rate},
-             {"check", name_of(check)},
-             {"clock_hz", scene.card.clock_hz},
-             {"clock_is", "an assumption about the device, not a measurement"},
-             {"bus", bus_name(scene)},
-             {"memory", memory_name(scene)},
-             {"machine", machine_json()},
-             {"plan", plan_json(scene, plan)},
-             {"played", Json::array()}};
+    json_ = program_json();
+    json_.update(card_json(plan.board));
+    json_.update(Json{{"bitstream", nullptr}, {"config_hash", nullptr}});  // until it is loaded
+    json_.update({{"scene", scene.file},
+                  {"title", scene.title},
+                  {"frames", {frames_.first, frames_.last}},
+                  {"rate", scene.rate},
+                  {"check", name_of(check)},
+                  {"clock_hz", scene.card.clock_hz},
+                  {"clock_is", "an assumption about the device, not a measurement"},
+                  {"bus", bus_name(scene)},
+                  {"memory", memory_name(scene)},
+                  {"machine", machine_json()},
+                  {"plan", plan_json(scene, plan)},
+                  {"played", Json::array()}});
     if (!o.report.empty()) {
       page_.emplace(o.report);
       report_.emplace(scene);
@@ -228,7 +219,7 @@ class Run {
                      }});
       json_["plan"]["bitstream"] = player.board().bitstream().string();
       json_["plan"]["built"] = true;
-      json_["plan"]["config_hash"] = fmt::format("{:016x}", player.board().config_hash());
+      json_.update(bitstream_json(player.board().bitstream(), player.board().config_hash()));
       try {
         for (std::uint32_t f = frames_.first; f <= frames_.last && totals_.mismatches == 0; ++f)
           play_frame(player, f);
@@ -346,8 +337,9 @@ class Run {
                        {"records", t.records},
                        {"hits", t.hits},
                        {"records_compared", t.compared},
+                       {"records_matching", t.compared - std::min(t.compared, t.mismatches)},
                        {"mismatches", t.mismatches},
-                       {"modelled_seconds", t.modelled},
+                       {"modelled_seconds", {{"total", t.modelled}}},
                        {"simulation_seconds", t.simulated},
                        {"reference_seconds", t.checked}};
     OutputFile file(folder_ / "run.json");
@@ -382,8 +374,6 @@ class Run {
 };
 
 void run(const Options& o) {
-  if (!(o.timeout > 0))
-    throw Error(ErrorCode::kUsage, fmt::format("--timeout is {} s; it must be above 0", o.timeout));
   Scene scene = load_scene(o.scene);
   Check check = scene.check;
   if (!o.check.empty()) {
@@ -406,20 +396,23 @@ void add_run(CLI::App& app) {
   auto o = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand(
       "run", "Play a scene on the simulated card, checked against the reference; writes run.json");
-  verb->add_option("scene", o->scene, "Scene file, TOML (docs/scenes.md)")->required();
+  file_value(verb->add_option("scene", o->scene, "Scene file, TOML (docs/scenes.md)")->required(),
+             "SCENE");
   verb->add_option("--frames", o->frames, "Frames A..B, both included (all)");
-  verb->add_option("--out", o->out, "Folder for run.json and records (SCENE.run)");
-  verb->add_option("--check", o->check, "all, sample or none, instead of what the scene says");
-  verb->add_option("--report", o->report, "Page about the run, one HTML file that loads nothing");
-  verb->add_option("--trace", o->trace, "Waves of the run, FST; kept even if it fails");
+  folder_value(verb->add_option("--out", o->out, "Folder for run.json and records (SCENE.run)"),
+               "FOLDER");
+  one_of(
+      verb->add_option("--check", o->check, "Records to compare, instead of what the scene says"),
+      {"all", "sample", "none"});
+  file_value(verb->add_option("--report", o->report,
+                              "Page about the run, one HTML file that loads nothing"),
+             "FILE.html");
+  file_value(verb->add_option("--trace", o->trace, "Waves of the run, FST; kept even if it fails"),
+             "FILE.fst");
   verb->add_option("--fault", o->faults,
                    "KIND[:COUNT[:VALUE]]@FRAME: lets something go wrong; may be given again")
       ->allow_extra_args(false);
-  verb->add_option("--deadline", o->deadline,
-                   "Device clocks that a pass may take (0: several times what it should)")
-      ->capture_default_str();
-  verb->add_option("--timeout", o->timeout, "Seconds of simulation that a pass may take")
-      ->capture_default_str();
+  deadline_options(*verb, o->deadline, o->timeout, "pass");
   verb->add_flag("--json", o->json, "run.json on stdout too");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
   verb->callback([o] { run(*o); });

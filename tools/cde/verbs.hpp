@@ -16,6 +16,7 @@ void add_bench(CLI::App& app);
 void add_cast(CLI::App& app);
 void add_doctor(CLI::App& app);
 void add_fp(CLI::App& app);
+void add_help(CLI::App& app);
 void add_inventory(CLI::App& app);
 void add_plan(CLI::App& app);
 void add_query(CLI::App& app);

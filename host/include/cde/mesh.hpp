@@ -14,6 +14,13 @@
 
 namespace cde {
 
+/// Faces of a mesh that belong to one object, group or node of its file: from `first_face` to the
+/// next part.
+struct MeshPart {
+  std::string name;  ///< as the file has it
+  std::uint32_t first_face = 0;
+};
+
 /// Indexed triangles. Face i is triangle i of the card: the index of a hit record counts faces in
 /// this order.
 struct Mesh {
@@ -23,6 +30,8 @@ struct Mesh {
   std::string name;  ///< for messages: the file's name without folder, or "terrain"
   std::size_t dropped =
       0;  ///< points and lines of the file; they have no area and are not among faces
+  std::vector<MeshPart> parts = {};  ///< ascending; objects and groups of OBJ, nodes of what assimp
+                                     ///< reads; empty if the file names none
 
   /// The corners of one face. `face` must be less than faces.size().
   [[nodiscard]] Triangle triangle(std::size_t face) const {

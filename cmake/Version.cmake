@@ -1,0 +1,28 @@
+# Writes version.cpp (tools/cde/version.hpp) in every build, and touches it only if something in it is new.
+#
+#   cmake -DOUTPUT=version.cpp -DSOURCE=ROOT -DVERSION=1.2.3 -DCOMPILER="GNU 12" -DTOOLCHAIN=FILE -P Version.cmake
+set(commit "")
+find_program(git git)
+if(git AND EXISTS ${SOURCE}/.git)
+  execute_process(COMMAND ${git} -C ${SOURCE} rev-parse --short=12 HEAD OUTPUT_VARIABLE commit RESULT_VARIABLE failed
+    OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+  if(failed)
+    set(commit "")
+  else()
+    execute_process(COMMAND ${git} -C ${SOURCE} --no-optional-locks status --porcelain --untracked-files=no OUTPUT_VARIABLE changes ERROR_QUIET)
+    if(NOT changes STREQUAL "")
+      string(APPEND commit "+")
+    endif()
+  endif()
+endif()
+file(STRINGS ${TOOLCHAIN} lines)
+list(FILTER lines INCLUDE REGEX "Verilator|clang")
+list(GET lines 0 verilator)
+list(GET lines 1 clang)
+set(text "// Written by cmake/Version.cmake.\n#include \"version.hpp\"\n\nnamespace cde::cli {\n")
+foreach(pair kVersion=${VERSION} kCommit=${commit} kCompiler=${COMPILER} kVerilator=${verilator} kClang=${clang})
+  string(REGEX REPLACE "=.*" "" name "${pair}")
+  string(REGEX REPLACE "^[^=]*=" "" value "${pair}")
+  string(APPEND text "extern const char* const ${name} = R\"(${value})\";\n")
+endforeach()
+file(CONFIGURE OUTPUT ${OUTPUT} CONTENT "${text}}  // namespace cde::cli\n" @ONLY)

@@ -1,0 +1,44 @@
+#include "busy.hpp"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+
+namespace cde::cli {
+
+Busy::Busy(std::string what, bool quiet) : what_(std::move(what)) {
+  if (quiet || ::isatty(STDERR_FILENO) == 0) return;
+  // Signals are for the thread that works.
+  sigset_t all, before;
+  ::sigfillset(&all);
+  ::pthread_sigmask(SIG_BLOCK, &all, &before);
+  thread_ = std::thread([this] { tell(); });
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+Busy::~Busy() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    end_ = true;
+  }
+  ended_.notify_one();
+  thread_.join();
+}
+
+void Busy::tell() {
+  std::unique_lock lock(mutex_);
+  for (unsigned seconds = 1;; ++seconds) {
+    if (ended_.wait_for(lock, std::chrono::seconds(1), [this] { return end_; })) {
+      if (seconds > 1) std::fputs("\r\033[K", stderr);
+      return;
+    }
+    std::fputs(fmt::format("\r\033[K{}, {} s", what_, seconds).c_str(), stderr);
+    std::fflush(stderr);
+  }
+}
+
+}  // namespace cde::cli

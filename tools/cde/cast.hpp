@@ -1,0 +1,58 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cde/board.hpp"
+#include "cde/camera.hpp"
+#include "cde/mesh.hpp"
+
+/// The parts of `cde cast`: what was asked, what is cast, and what came of it.
+namespace cde::cli {
+
+struct CastOptions {
+  std::string mesh, rays_file, camera, grid, size, records, depth, shaded, normals, indices, trace;
+  std::vector<std::string> rays;
+  std::vector<std::string> fields;  ///< more columns of the records
+  std::string mode = "nearest", arithmetic = "host", algorithm = "moller", lanes = "auto", up = "z";
+  unsigned boards = 1;
+  double clock_mhz = 100, timeout = 3600;
+  std::uint64_t deadline = 0;
+  bool box = true, json = false, check = true, bits = false, quiet = false, shadows = false;
+
+  /// Nothing but the mesh is said: a picture is what the help promises.
+  bool shows_itself = false;
+
+  [[nodiscard]] bool wants_picture() const {
+    return !depth.empty() || !shaded.empty() || !normals.empty() || !indices.empty();
+  }
+};
+
+/// Rays, and the picture they make if they are one.
+struct CastJob {
+  Mesh mesh;
+  std::vector<Ray> listed;  ///< or a picture's, which are made packet by packet
+  RayView rays;
+  std::optional<Resolution> picture;
+  Mode mode = Mode::kNearest;
+  BoardConfig config;
+};
+
+struct CastOutcome {
+  Counters counters;
+  std::uint64_t hits = 0, compared = 0, matching = 0, upload_clocks = 0;
+  std::string difference;       ///< of the first record that does not match
+  double modelled_seconds = 0;  ///< of the passes, on the card that takes longest
+  double simulation_seconds = 0;
+  std::string bitstream;
+  std::uint64_t config_hash = 0;
+};
+
+/// The job's rays on cards of its configuration, every record compared if `check`; `take` gets them
+/// in the order of one card. `what` is what the progress says.
+[[nodiscard]] CastOutcome cast_rays(const CastOptions& options, const CastJob& job,
+                                    const std::string& what, const RecordSink& take);
+
+}  // namespace cde::cli

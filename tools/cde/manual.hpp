@@ -1,0 +1,16 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <string>
+
+/// Manual pages and completions of shells, as text made from the parser.
+namespace cde::cli {
+
+/// Page of the program, or of one of its verbs, in the man macros: cde(1), cde-cast(1).
+[[nodiscard]] std::string manual_page(const CLI::App& app);
+
+/// One file each for bash, zsh and fish.
+[[nodiscard]] std::string bash_completion(const CLI::App& app);
+[[nodiscard]] std::string zsh_completion(const CLI::App& app);
+[[nodiscard]] std::string fish_completion(const CLI::App& app);
+
+}  // namespace cde::cli

@@ -1,0 +1,79 @@
+// cde help, and the hidden verb with which the build writes manual pages and completions.
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "cde/error.hpp"
+#include "help.hpp"
+#include "manual.hpp"
+#include "output.hpp"
+#include "suggest.hpp"
+#include "values.hpp"
+#include "verbs.hpp"
+#include "words.hpp"
+
+namespace cde::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+void write(const fs::path& path, const std::string& text) {
+  std::error_code failed;  // what comes of it, the file says
+  fs::create_directories(path.parent_path(), failed);
+  OutputFile file(path);
+  file.write(text);
+  file.commit();
+}
+
+/// The layout of /usr/share, which `cmake --install` copies.
+void write_all(const CLI::App& app, const fs::path& share) {
+  write(share / "man/man1/cde.1", manual_page(app));
+  for (const CLI::App* verb : shown_verbs(app))
+    write(share / fmt::format("man/man1/cde-{}.1", verb->get_name()), manual_page(*verb));
+  write(share / "bash-completion/completions/cde", bash_completion(app));
+  write(share / "zsh/site-functions/_cde", zsh_completion(app));
+  write(share / "fish/vendor_completions.d/cde.fish", fish_completion(app));
+}
+
+void print_help(const CLI::App& app, const std::string& verb) {
+  std::string text;
+  if (verb.empty()) {
+    text = app.get_formatter()->make_help(&app, "", CLI::AppFormatMode::Normal);
+  } else {
+    std::vector<std::string> known;
+    for (const CLI::App* one : shown_verbs(app)) {
+      known.push_back(one->get_name());
+      if (one->get_name() == verb) text = one->help();
+    }
+    if (text.empty()) {
+      const auto near = nearest_word(verb, known);
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("no verb {}; {}", cli::quoted(verb),
+                              near ? fmt::format("did you mean {}?", *near)
+                                   : fmt::format("there are: {}", fmt::join(known, ", "))));
+    }
+  }
+  OutputFile out("-");
+  out.write(text);
+  out.commit();
+}
+
+}  // namespace
+
+void add_help(CLI::App& app) {
+  auto verb_name = std::make_shared<std::string>();
+  CLI::App* verb = app.add_subcommand("help", "Print what the program or a verb of it does");
+  std::vector<std::string> verbs;
+  for (const CLI::App* one : shown_verbs(app)) verbs.push_back(one->get_name());
+  known_words(verb->add_option("verb", *verb_name, "A verb (all of the program)"), verbs, "VERB");
+  verb->callback([&app, verb_name] { print_help(app, *verb_name); });
+
+  auto folder = std::make_shared<std::string>();
+  CLI::App* pages = app.add_subcommand(
+      "write-manual", "Write manual pages and completions into a folder like /usr/share");
+  pages->group("");
+  folder_value(pages->add_option("folder", *folder, "Folder")->required(), "FOLDER");
+  pages->callback([&app, folder] { write_all(app, *folder); });
+}
+
+}  // namespace cde::cli

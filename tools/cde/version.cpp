@@ -1,0 +1,14 @@
+#include "version.hpp"
+
+#include <fmt/format.h>
+
+namespace cde::cli {
+
+std::string version_text() {
+  const std::string commit = kCommit;
+  return fmt::format("cde {}{}\ncompiler         {}\nbitstreams       {}\n                 {}",
+                     kVersion, commit.empty() ? "" : fmt::format(" (commit {})", commit), kCompiler,
+                     kVerilator, kClang);
+}
+
+}  // namespace cde::cli
