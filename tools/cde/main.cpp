@@ -2,20 +2,31 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
-#include <cstdio>
 #include <string>
 
-#include "cde/error.hpp"
+#include "output.hpp"
+#include "streams.hpp"
 #include "verbs.hpp"
 
-/// Unlike fmt::print, never an exception: there may be no room for messages either.
-static void say(const std::string& message) {
-  std::fputs(message.c_str(), stderr);
+static void complain(const std::string& message) {
+  cde::say(fmt::format("cde: {}\n", message));
+}
+
+/// What the words ask for; the exit status.
+static int run(CLI::App& app, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  return cde::cli::exit_code;
 }
 
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ,
               SIG_IGN);  // a file that may not grow is an error of the write, with a message
+  cde::cli::prepare_streams();
+  cde::cli::remove_unfinished_on_signals();
   CLI::App app{"cde: a collision detection engine in SystemVerilog on a simulated PCI card"};
   app.require_subcommand(1);
   app.set_help_all_flag("--help-all", "Help of every verb");
@@ -28,16 +39,5 @@ int main(int argc, char** argv) {
   cde::cli::add_inventory(app);
   cde::cli::add_doctor(app);
   cde::cli::add_fp(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  } catch (const cde::Error& e) {
-    say(fmt::format("cde: {}\n", e.what()));
-    return cde::exit_status(e.code());
-  } catch (const std::exception& e) {
-    say(fmt::format("cde: internal error: {}\n", e.what()));
-    return 2;
-  }
-  return cde::cli::exit_code;
+  return cde::cli::exit_status_of([&] { return run(app, argc, argv); }, complain);
 }

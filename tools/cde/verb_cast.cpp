@@ -4,6 +4,7 @@
 #include <bit>
 #include <chrono>
 #include <future>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -18,6 +19,7 @@
 #include "cde/rays_csv.hpp"
 #include "cde/reference.hpp"
 #include "output.hpp"
+#include "streams.hpp"
 #include "verbs.hpp"
 
 namespace cde::cli {
@@ -70,7 +72,10 @@ void collect_rays(const Options& o, Job& job) {
   }
   if (listed) {
     if (!o.size.empty()) usage("--size is of pictures; the rays are given one by one");
-    if (!o.rays_file.empty()) job.rays = read_rays_csv(o.rays_file);
+    if (o.rays_file == "-")
+      job.rays = read_rays_csv(std::cin, "stdin");
+    else if (!o.rays_file.empty())
+      job.rays = read_rays_csv(o.rays_file);
     for (const std::string& text : o.rays) job.rays.push_back(parse_ray(text));
     if (job.rays.empty())
       throw Error(ErrorCode::kBadInput, fmt::format("{}: no rays", o.rays_file));
@@ -101,7 +106,12 @@ Job prepare(const Options& o) {
     usage(fmt::format("--clock is {} MHz; it must be above 0, to 1000000", o.clock_mhz));
   }
   if (!(o.timeout > 0)) usage(fmt::format("--timeout is {} s; it must be above 0", o.timeout));
-  if (o.json && o.csv == "-") usage("--json and -o - both want stdout");
+  check_outputs(std::vector<FileUse>{{"-o", o.csv},
+                                     {"--image", o.depth},
+                                     {"--shaded", o.shaded},
+                                     {"--trace", o.trace},
+                                     {"--json", o.json ? "-" : ""}},
+                std::vector<FileUse>{{"MESH", o.mesh}, {"--rays", o.rays_file}});
   job.config.lanes = o.lanes;
   job.config.arithmetic = o.arithmetic == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost;
   job.config.box = o.box;
@@ -112,8 +122,7 @@ Job prepare(const Options& o) {
     usage("a picture needs --mode nearest");
   }
   job.mesh = load_mesh_or_builtin(o.mesh);
-  if (const auto why = out_of_range(job.mesh, o.mesh))
-    fmt::print(stderr, "cde: warning: {}\n", *why);
+  if (const auto why = out_of_range(job.mesh, o.mesh)) say("cde: warning: {}\n", *why);
   collect_rays(o, job);
   if ((!o.depth.empty() || !o.shaded.empty()) && !job.picture)
     usage("a picture needs --camera or --grid");
@@ -161,14 +170,14 @@ class Waves {
  public:
   Waves(Board& board, const std::string& path) : board_(board), path_(path) {
     if (path.empty()) return;
-    file_.emplace(path);
+    file_.emplace(path, OutputFile::Use::kByName);
     board.trace_open(file_->temporary());
   }
   ~Waves() {
     try {
       close();
     } catch (const Error& e) {
-      fmt::print(stderr, "cde: {}\n", e.what());
+      say("cde: {}\n", e.what());
     }
   }
   /// Error kFile if they are not whole; then nothing of them is left.
@@ -366,7 +375,7 @@ nlohmann::ordered_json as_json(const Options& o, const Job& job, const Outcome& 
 void print_summary(const Options& o, const Job& job, const Outcome& r) {
   const Counters& c = r.counters;
   const auto row = [](const char* name, const std::string& value) {
-    fmt::print(stderr, "{:<16} {}\n", name, value);
+    say("{:<16} {}\n", name, value);
   };
   row("mesh", fmt::format("{}, {} triangles", o.mesh, job.mesh.faces.size()));
   row("rays", fmt::format("{} in {} packet{}", job.rays.size(), packets_of(job),
@@ -395,7 +404,7 @@ void run(const Options& o) {
     draw(o, job, result);
     if (csv) csv->commit();
   }
-  if (o.json) fmt::print("{}\n", as_json(o, job, result).dump(2));
+  if (o.json) put_json(as_json(o, job, result));
   if (!o.quiet) print_summary(o, job, result);
   if (!result.difference.empty()) throw Error(ErrorCode::kMismatch, result.difference);
 }
@@ -407,10 +416,10 @@ void add_cast(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "cast", "Cast rays at a mesh on the simulated card; without rays, a picture of the mesh");
   verb->add_option("mesh", o->mesh, "Mesh file, or terrain[:QX,QY,SEED]")->required();
-  verb->add_option(
-      "--rays", o->rays_file,
-      "Rays from a file: ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line, or in the order that a "
-      "header with these names gives");
+  verb->add_option("--rays", o->rays_file,
+                   "Rays from a file (- is stdin): ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line, or in "
+                   "the order that a "
+                   "header with these names gives");
   verb->add_option("--ray", o->rays, "One ray, same fields; repeatable")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -423,8 +432,8 @@ void add_cast(CLI::App& app) {
       "-o,--output", o->csv,
       "Records as CSV (- is stdout): ray,F,T,CPx,CPy,CPz,index; index is 4294967295 without a hit");
   verb->add_flag("--bits", o->bits, "CSV also shows T and CP as hexadecimal bits");
-  verb->add_option("--image", o->depth, "Picture of the depths, PNG, near is bright");
-  verb->add_option("--shaded", o->shaded, "Picture in sunlight, PNG");
+  verb->add_option("--image", o->depth, "Picture of the depths, PNG (- is stdout), near is bright");
+  verb->add_option("--shaded", o->shaded, "Picture in sunlight, PNG (- is stdout)");
   verb->add_option("--mode", o->mode, "nearest, farthest, any (one record a ray), all, hits")
       ->capture_default_str();
   verb->add_option("--lanes", o->lanes, "Pairs a clock: a power of two to 256")
@@ -449,7 +458,8 @@ void add_cast(CLI::App& app) {
       ->capture_default_str();
   verb->add_option("--timeout", o->timeout, "Seconds of simulation that a packet may take")
       ->capture_default_str();
-  verb->add_option("--trace", o->trace, "Waves of the cast, FST; kept even if the cast fails");
+  verb->add_option("--trace", o->trace,
+                   "Waves of the cast, FST (- is stdout); kept even if the cast fails");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
   verb->callback([o] { run(*o); });
 }
