@@ -148,14 +148,18 @@ bool is_blank(char c) {
 }
 
 /// Takes a word off the front of a line: up to a comma or blank, with the blanks and the one comma
-/// behind it. False at the end. Between two commas, and behind a last one, is an empty word.
+/// behind it. False at the end. Between two commas, and behind a last one, is an empty word. A | is
+/// a word, also without blanks around it.
 class Words {
  public:
   explicit Words(std::string_view line) : rest_(line) { skip_blanks(); }
   bool next(std::string_view& word) {
     if (rest_.empty() && !comma_) return false;
     std::size_t length = 0;
-    while (length < rest_.size() && rest_[length] != ',' && !is_blank(rest_[length])) ++length;
+    while (length < rest_.size() && rest_[length] != ',' && rest_[length] != '|' &&
+           !is_blank(rest_[length]))
+      ++length;
+    if (rest_.starts_with('|')) length = 1;
     word = rest_.substr(0, length);
     rest_.remove_prefix(length);
     skip_blanks();
@@ -208,8 +212,14 @@ class Query {
     const std::size_t most = a_words + b_words, short_ray = has_ray(config_.pair) ? most - 2 : most;
     values_.clear();
     std::string why;
-    std::size_t count = 0;
+    std::size_t count = 0, before_bar = 0;
+    bool bar = false;
     for (std::string_view word; words.next(word);) {
+      if (word == "|" && !bar) {
+        bar = true;
+        before_bar = count;
+        continue;
+      }
       if (count == 0 && word.starts_with('#')) return;
       ++count;
       if (count > most || !why.empty()) continue;
@@ -226,6 +236,9 @@ class Query {
                         short_ray == most ? fmt::to_string(a_words)
                                           : fmt::format("{} or {}", a_words - 2, a_words),
                         b_words);
+    else if (bar && why.empty() && before_bar + b_words != count)
+      why = fmt::format("line {}: {} words before the |, of {} in all; A has {}", number,
+                        before_bar, count, count - b_words);
     if (!why.empty()) {
       ++totals_.malformed;
       rows_.push_back({number, false});
@@ -437,7 +450,8 @@ void add_query(CLI::App& app) {
       "query",
       "Test pairs of primitives in one simulated pipe. Reads a pair a line from stdin, the words "
       "of "
-      "A and then of B, separated by commas or blanks: ray o d [tmin tmax] 6 or 8, triangle 9, "
+      "A and then of B, separated by commas or blanks, with a | between A and B if that helps: "
+      "ray o d [tmin tmax] 6 or 8, triangle 9, "
       "sphere c r 4, aabb min max 6, plane n d 4, cylinder c axis half-height radius 8, obb c "
       "half-extents rotation by rows 15. A word is decimal, hexfloat, or 0x and the bits. Prints "
       "F,T,CP,n,flags as CSV; flags: empty, bad (the card refuses an operand) or malformed (the "
