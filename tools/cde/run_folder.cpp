@@ -43,12 +43,22 @@ bool is_in(const fs::path& file, const fs::path& folder) {
 
 }  // namespace
 
-RunFolder::RunFolder(fs::path path, const Scene& scene, std::vector<std::string> beside)
+RunFolder::RunFolder(fs::path path, const Scene& scene, const std::vector<std::string>& beside)
     : path_(std::move(path)) {
   if (path_ == "-") throw Error(ErrorCode::kUsage, "--out is a folder; it cannot be stdout");
   std::error_code error;
   made_ = fs::create_directories(path_, error);
   if (error) throw Error(ErrorCode::kFile, fmt::format("{}: {}", path_.string(), error.message()));
+  try {
+    check_names(scene, beside);
+    if (!made_) look();
+  } catch (...) {
+    take_back();
+    throw;
+  }
+}
+
+void RunFolder::check_names(const Scene& scene, const std::vector<std::string>& beside) {
   const auto inside = [&](const fs::path& file, const char* what) {
     if (!file.empty() && is_in(file, path_))
       throw Error(ErrorCode::kUsage, fmt::format("--out is {}, where {} {} is", path_.string(),
@@ -64,7 +74,6 @@ RunFolder::RunFolder(fs::path path, const Scene& scene, std::vector<std::string>
                   fmt::format("{} has the name of a file that --out is for", file));
     beside_.push_back(name);
   }
-  if (!made_) look();
 }
 
 void RunFolder::look() {
@@ -93,8 +102,12 @@ void RunFolder::look() {
 }
 
 RunFolder::~RunFolder() {
+  if (!begun_) take_back();
+}
+
+void RunFolder::take_back() const {
   std::error_code error;
-  if (made_ && !begun_) fs::remove(path_, error);  // not if there is something in it
+  if (made_) fs::remove(path_, error);  // not if there is something in it
 }
 
 void RunFolder::begin(Json json) {

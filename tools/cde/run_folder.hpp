@@ -17,7 +17,7 @@ class RunFolder {
   /// Makes it if it is not there. Error kUsage, naming what is there, unless it is empty or a
   /// run's; kUsage if something of the scene is in it, or if one of the `beside` (--report,
   /// --trace) would have the name of a file of the run.
-  RunFolder(std::filesystem::path path, const Scene& scene, std::vector<std::string> beside);
+  RunFolder(std::filesystem::path path, const Scene& scene, const std::vector<std::string>& beside);
   /// Takes the folder away again if the object has made it and there is nothing in it.
   ~RunFolder();
   RunFolder(const RunFolder&) = delete;
@@ -35,7 +35,9 @@ class RunFolder {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
  private:
+  void check_names(const Scene& scene, const std::vector<std::string>& beside);
   void look();
+  void take_back() const;
   std::filesystem::path path_;
   std::vector<std::string> beside_;         ///< names in this folder that are the run's, too
   std::vector<std::filesystem::path> old_;  ///< files of the run that was there

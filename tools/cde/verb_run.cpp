@@ -264,6 +264,7 @@ class Run {
 
   void report() const {
     const Totals& t = totals_;
+    if (o_.json) put_json(json_);
     const std::size_t played = json_["played"].size();
     if (!o_.quiet) {
       row("scene", scene_.file);
@@ -281,7 +282,6 @@ class Run {
                                      : "none, it has not begun");
       if (report_) row("report", o_.report);
     }
-    if (o_.json) put_json(json_);
     if (t.mismatches != 0) throw Error(ErrorCode::kMismatch, mismatch_);
     if (const int signal = Interrupts::signal()) exit_code = 128 + signal;
   }
