@@ -88,6 +88,29 @@ TEST_F(Query, AnswersInOrderWhateverTheSpelling) {
   EXPECT_NE(ran.err.find("4 of 4 answers match the reference"), std::string::npos) << ran.err;
 }
 
+/// As tests and `cde run` print a pair.
+TEST_F(Query, ABarBetweenAAndB) {
+  const Ran ran = query({"sphere-sphere", "-q"},
+                        "0,0,0,1 | 1.5,0,0,1\n"
+                        "0x00000000 0x00000000 0x00000000 0x3f800000 | 0x3fc00000 0 0 1\n"
+                        "0,0,0,1|1.5,0,0,1\n"
+                        "0,0,0 | 1,1.5,0,0,1\n"
+                        "0,0,0,1 | 1.5,0 | 0,1\n");
+  const std::string answer = "1,0.5,0.75,0,0,1,0,0,\n",
+                    none = "0,nan,nan,nan,nan,nan,nan,nan,malformed\n";
+  EXPECT_EQ(ran.out, kHeader + answer + answer + answer + none + none);
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_EQ(ran.err.find("cde: line 4: 3 words before the |, of 8 in all; A has 4\n"
+                         "cde: line 5, word 7: "),
+            0u)
+      << ran.err;
+  const Ran ray = query({"ray-triangle", "-q"},
+                        "0,0,2,0,0,-1 | -1,-1,0,1,-1,0,0,1,0\n"
+                        "0,0,2,0,0,-1,0,1 | -1,-1,0,1,-1,0,0,1,0\n");
+  EXPECT_EQ(ray.status, 0) << ray.err;
+  EXPECT_EQ(ray.out, kHeader + "1,2,0,0,0,,,,\n0,inf,0,0,0,,,,\n");
+}
+
 TEST_F(Query, EmptyInputIsAnEmptyTable) {
   const Ran ran = query({"sphere-sphere", "-q"}, "");
   EXPECT_EQ(ran.status, 0);

@@ -242,7 +242,7 @@ TEST(MeshTest, SaveErrors) {
   expect_error(ErrorCode::kFile, "c.obj: cannot create: No such file",
                [&] { save_mesh(cube, folder / "no/c.obj"); });
   std::filesystem::create_directory(folder / "d.obj");
-  expect_error(ErrorCode::kFile, "is a directory", [&] { save_mesh(cube, folder / "d.obj"); });
+  expect_error(ErrorCode::kFile, "Is a directory", [&] { save_mesh(cube, folder / "d.obj"); });
   expect_error(ErrorCode::kBadInput, "no triangles", [&] { save_mesh(Mesh{}, folder / "e.obj"); });
   EXPECT_EQ(folder.files(), 1u) << "a temporary file was left";
 }

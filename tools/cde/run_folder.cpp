@@ -125,9 +125,7 @@ void RunFolder::begin(Json json) {
 }
 
 void RunFolder::write(const Json& json) const {
-  Json whole = json;
-  whole[kBeside] = beside_;
-  write_file(path_ / kMarker, json_text(whole) + "\n");
+  write_file(path_ / kMarker, json_text(json) + "\n");
 }
 
 std::string RunFolder::record_name(std::string_view query, std::uint32_t frame, Results results) {

@@ -33,6 +33,8 @@ class RunFolder {
   [[nodiscard]] static std::string record_name(std::string_view query, std::uint32_t frame,
                                                Results results);
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// The names of --report and --trace if they are in the folder: `files_beside` in run.json.
+  [[nodiscard]] const std::vector<std::string>& beside() const { return beside_; }
 
  private:
   void check_names(const Scene& scene, const std::vector<std::string>& beside);

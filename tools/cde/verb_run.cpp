@@ -213,6 +213,7 @@ class Run {
              {"memory", memory_name(scene)},
              {"machine", machine_json()},
              {"plan", plan_json(scene, plan)},
+             {"files_beside", folder_.beside()},
              {"played", Json::array()}};
     if (!o.report.empty()) {
       page_.emplace(o.report);
