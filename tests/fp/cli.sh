@@ -77,7 +77,8 @@ for sum in '3F800000 40000000 40400000 00' '40000000 40000000 40800000 00'; do
   [[ $answer == "$sum" ]] || answered+=" '$answer' for '$sum'"
 done
 pid=$FP_PID
-exec {FP[1]}>&-
+in=${FP[1]}
+exec {in}>&-
 wait "$pid"
 [[ -z $answered ]] || { echo "cde fp as a coprocess answers$answered" >&2; failures=$((failures + 1)); }
 # What stands before a bad line is answered, what comes after it is not.
