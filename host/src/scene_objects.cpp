@@ -238,9 +238,11 @@ std::vector<Triangle> triangles_of(const Mesh& mesh) {
   return triangles;
 }
 
-Mesh read_mesh(Table& t, const std::filesystem::path& folder, Memory& memory) {
+Mesh read_mesh(Table& t, const std::filesystem::path& folder, std::filesystem::path& file,
+               Memory& memory) {
   const std::string spec = t.text("mesh");
   const bool builtin = spec == "terrain" || spec.starts_with("terrain:");
+  if (!builtin) file = folder / spec;
   const double scale = t.number("scale", 1.0, kPositive);
   const auto attempt = [&](const auto& what) {
     try {
@@ -253,7 +255,7 @@ Mesh read_mesh(Table& t, const std::filesystem::path& folder, Memory& memory) {
     memory.add(t, "mesh", Shape::kTriangle,
                attempt([&] { return mesh_readers::builtin_triangles(spec); }));
   Mesh mesh = attempt([&] {
-    Mesh made = builtin ? load_mesh_or_builtin(spec) : load_mesh(folder / spec);
+    Mesh made = builtin ? load_mesh_or_builtin(spec) : load_mesh(file);
     for (Eigen::Vector3f& v : made.vertices) v = (v.cast<double>() * scale).cast<float>();
     check(made, made.name);
     if (const auto why = out_of_range(made, made.name)) throw Error(ErrorCode::kBadInput, *why);
@@ -293,7 +295,7 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
   const std::string source = t.one_of(sources);
   const char* key = source.c_str();
   if (source == "mesh") {
-    Mesh mesh = read_mesh(t, folder, memory);
+    Mesh mesh = read_mesh(t, folder, object.file, memory);
     object.source = fmt::format("{}, {} triangles", mesh.name, mesh.faces.size());
     object.shapes = triangles_of(mesh);
     if (auto deform = t.table("deform")) {
@@ -311,8 +313,9 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
                                 object.rays->redraw ? " a frame" : "", object.rays->seed);
   } else if (source == "rays_csv") {
     const std::string file = t.text(key);
+    object.file = folder / file;
     try {
-      object.shapes = read_rays_csv(folder / file);
+      object.shapes = read_rays_csv(object.file);
     } catch (const Error& e) {
       t.fail(e.code(), key, e.what());
     }

@@ -16,6 +16,7 @@
 #include "help.hpp"
 #include "npy.hpp"
 #include "output.hpp"
+#include "streams.hpp"
 
 namespace cde::cli {
 namespace {
@@ -74,12 +75,6 @@ Suffix suffix(const std::string& path) {
   if (text == ".png") return Suffix::kPng;
   if (text == ".pfm") return Suffix::kPfm;
   return text == ".npy" ? Suffix::kNpy : Suffix::kOther;
-}
-
-void write_file(const std::string& path, std::string_view bytes) {
-  OutputFile file(path);
-  file.write(bytes);
-  file.commit();
 }
 
 std::string_view bytes_of(std::span<const float> numbers) {
@@ -317,10 +312,10 @@ void Picture::write() const {
     winsize terminal{};
     (void)::ioctl(STDOUT_FILENO, TIOCGWINSZ, &terminal);
     const unsigned columns = std::clamp<unsigned>(terminal.ws_col, 40, 100);
-    fmt::print("{}", as_text(image, columns, may_colour(STDOUT_FILENO)));
+    put("{}", as_text(image, columns, may_colour(STDOUT_FILENO)));
     std::fflush(stdout);
   }
-  fmt::print(stderr, "{:<16} {}, {} x {}\n", "picture", path, image.size.width, image.size.height);
+  say("{:<16} {}, {} x {}\n", "picture", path, image.size.width, image.size.height);
 }
 
 std::string as_text(const Image& image, unsigned columns, bool colour) {

@@ -1,7 +1,12 @@
 // cde cast: rays against a mesh on the simulated card, every record checked against the reference.
 #include <fmt/format.h>
 
+#include <bit>
+#include <chrono>
 #include <filesystem>
+#include <iostream>
+#include <future>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -16,6 +21,7 @@
 #include "npy.hpp"
 #include "output.hpp"
 #include "record_file.hpp"
+#include "streams.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
 
@@ -27,6 +33,7 @@ namespace {
 }
 
 std::vector<Ray> read_rays(const std::string& path) {
+  if (path == "-") return read_rays_csv(std::cin, "stdin");
   return std::filesystem::path(path).extension() == ".npy" ? read_rays_npy(path)
                                                             : read_rays_csv(path);
 }
@@ -53,7 +60,14 @@ unsigned lanes_of(const CastOptions& o, std::size_t rays) {
 
 /// All that can be said to be wrong without a mesh.
 void check_options(const CastOptions& o, Mode mode) {
-  if (o.json && o.records == "-") usage("--json and -o - both want stdout");
+  check_outputs(std::vector<FileUse>{{"-o", o.records},
+                                     {"--image", o.depth},
+                                     {"--shaded", o.shaded},
+                                     {"--normals", o.normals},
+                                     {"--indices", o.indices},
+                                     {"--trace", o.trace},
+                                     {"--json", o.json ? "-" : ""}},
+                std::vector<FileUse>{{"MESH", o.mesh}, {"--rays", o.rays_file}});
   if (!o.trace.empty() && o.boards > 1) usage("--trace follows one card; leave out --boards");
   if (o.wants_picture() && mode != Mode::kNearest) usage("a picture needs --mode nearest");
   if (o.shadows && o.shaded.empty() && !o.shows_itself) usage("--shadows is of --shaded");
@@ -74,7 +88,7 @@ CastJob prepare(const CastOptions& o) {
     job.mesh = load_mesh_or_builtin(o.mesh);
   }
   if (const auto why = out_of_range(job.mesh, o.mesh))
-    fmt::print(stderr, "cde: warning: {}\n", *why);
+    say("cde: warning: {}\n", *why);
   collect_rays(o, job);
   job.config.lanes = lanes_of(o, job.rays.size());
   if (o.wants_picture() && !job.picture) usage("a picture needs --camera or --grid");
@@ -139,7 +153,7 @@ nlohmann::ordered_json as_json(const CastOptions& o, const CastJob& job, const C
 void print_summary(const CastOptions& o, const CastJob& job, const CastOutcome& r) {
   const Counters& c = r.counters;
   const auto row = [](const char* name, const std::string& value) {
-    fmt::print(stderr, "{:<16} {}\n", name, value);
+    say("{:<16} {}\n", name, value);
   };
   row("mesh", fmt::format("{}, {} triangles", o.mesh, job.mesh.faces.size()));
   row("rays", fmt::format("{} in {} packet{}", job.rays.size(), packets_of(job),
@@ -176,7 +190,7 @@ void run(const CastOptions& o) {
     if (picture) picture->write();
     if (records) records->commit();
   }
-  if (o.json) fmt::print("{}\n", as_json(o, job, result).dump(2));
+  if (o.json) put_json(as_json(o, job, result));
   if (!o.quiet) print_summary(o, job, result);
   if (!result.difference.empty()) throw Error(ErrorCode::kMismatch, result.difference);
 }
