@@ -71,6 +71,13 @@ enum class Suffix { kPng, kPfm, kNpy, kOther };
 
 Suffix suffix(const std::string& path) {
   const std::string text = std::filesystem::path(path).extension().string();
+  // What is no regular file has no name to go by: stdout, a FIFO, a device.
+  std::error_code failed;
+  const auto status = std::filesystem::status(path, failed);
+  if (path == "-" || (std::filesystem::exists(status) &&
+                      !std::filesystem::is_regular_file(status) &&
+                      !std::filesystem::is_directory(status)))
+    return Suffix::kPng;
   if (text == ".png") return Suffix::kPng;
   if (text == ".pfm") return Suffix::kPfm;
   return text == ".npy" ? Suffix::kNpy : Suffix::kOther;

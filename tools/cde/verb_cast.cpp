@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -26,6 +27,7 @@ namespace {
 }
 
 std::vector<Ray> read_rays(const std::string& path) {
+  if (path == "-") return read_rays_csv(std::cin, "stdin");
   return std::filesystem::path(path).extension() == ".npy" ? read_rays_npy(path)
                                                             : read_rays_csv(path);
 }
@@ -194,7 +196,7 @@ void add_sources(CLI::App& verb, CastOptions& o) {
   file_value(verb.add_option("mesh", o.mesh, "Mesh file, or terrain[:QX,QY,SEED]")->required(),
              "MESH");
   file_value(verb.add_option("--rays", o.rays_file,
-                             "Rays from a file: CSV, ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line or in "
+                             "Rays from a file (- is stdin): CSV, ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line or in "
                              "the order of a header with these names; or .npy, N x 6, 7 or 8 "
                              "numbers"),
              "FILE");
