@@ -104,8 +104,8 @@ class Shore {
 
   void add(double height, std::uint32_t cell) {
     const std::size_t bucket = std::max(
-        current_, std::min<std::size_t>(kBuckets - 1, static_cast<std::size_t>((height - lowest_) *
-                                                                               scale_)));
+        current_,
+        std::min<std::size_t>(kBuckets - 1, static_cast<std::size_t>((height - lowest_) * scale_)));
     if (bucket == current_ && sorting_)
       sorted_.emplace(height, cell);
     else
@@ -180,7 +180,7 @@ class Landscape {
     const std::int64_t row = columns_;
     return {-row - 1, -row, -row + 1, -1, 1, row - 1, row, row + 1};
   }
-  static constexpr std::array<bool, 8> kIsDiagonal = {true,  false, true, false,
+  static constexpr std::array<bool, 8> kIsDiagonal = {true,  false, true,  false,
                                                       false, true,  false, true};
 
   void shape(std::uint64_t seed) {
@@ -195,8 +195,8 @@ class Landscape {
         x += 0.35 * warp_x.fractal(1.3 * x, 1.3 * y, 3);
         y += 0.35 * warp_y.fractal(1.3 * x + 70.0, 1.3 * y, 3);
         const double n = 0.5 + 0.5 * broad.fractal(x, y, 6);
-        const double massif = std::clamp(
-            0.42 + 0.95 * massifs.fractal(0.8 * x + 31.0, 0.8 * y + 31.0, 3), 0.06, 1.0);
+        const double massif =
+            std::clamp(0.42 + 0.95 * massifs.fractal(0.8 * x + 31.0, 0.8 * y + 31.0, 3), 0.06, 1.0);
         height_[cell] = 120.0 * n;
         uplift_[cell] = massif * (0.4 + 0.6 * n);
       }
@@ -391,10 +391,9 @@ Mesh make_terrain(const TerrainOptions& options) {
   mesh.vertices.reserve(heights.size());
   for (std::uint32_t y = 0; y <= options.quads_y; ++y) {
     for (std::uint32_t x = 0; x < columns; ++x) {
-      mesh.vertices.emplace_back(
-          static_cast<float>(static_cast<double>(x) * kSpacing),
-          static_cast<float>(static_cast<double>(y) * kSpacing),
-          static_cast<float>(heights[std::size_t{y} * columns + x]));
+      mesh.vertices.emplace_back(static_cast<float>(static_cast<double>(x) * kSpacing),
+                                 static_cast<float>(static_cast<double>(y) * kSpacing),
+                                 static_cast<float>(heights[std::size_t{y} * columns + x]));
     }
   }
   mesh.faces.reserve(std::size_t{2} * options.quads_x * options.quads_y);

@@ -38,8 +38,8 @@ struct Npy {
 };
 Npy npy(const std::string& bytes) {
   EXPECT_EQ(bytes.substr(0, 8), std::string("\x93NUMPY\x01\x00", 8));
-  const std::size_t length = static_cast<unsigned char>(bytes.at(8)) |
-                             static_cast<unsigned char>(bytes.at(9)) << 8;
+  const std::size_t length =
+      static_cast<unsigned char>(bytes.at(8)) | static_cast<unsigned char>(bytes.at(9)) << 8;
   EXPECT_EQ((10 + length) % 64, 0u);
   return {bytes.substr(10, length), bytes.substr(10 + length)};
 }
@@ -113,9 +113,11 @@ TEST_F(CastFiles, OtherSuffixesAreRefused) {
 /// What the host adds to a record, in all three formats.
 TEST_F(CastFiles, FieldsOfRecords) {
   write("one.obj", kTwoObjects);
-  const Words words = {"one.obj",       "--ray",    "0.25,0.5,0,0,0,1", "--ray",
-                       "0.5,0.75,2,0,0,-1", "--ray",    "9,9,0,0,0,1",      "-q",
-                       "--fields",      "u,v,normal,side,node"};
+  const Words words = {"one.obj",           "--ray",
+                       "0.25,0.5,0,0,0,1",  "--ray",
+                       "0.5,0.75,2,0,0,-1", "--ray",
+                       "9,9,0,0,0,1",       "-q",
+                       "--fields",          "u,v,normal,side,node"};
   const auto to = [&](const std::string& file) {
     Words all = words;
     all.insert(all.end(), {"-o", file});
@@ -160,8 +162,8 @@ TEST_F(CastFiles, ArrayOfHits) {
 
 std::string array_of(const std::string& type, const std::string& shape, const std::string& data,
                      const std::string& fortran = "False") {
-  std::string header = fmt::format("{{'descr': '{}', 'fortran_order': {}, 'shape': {}, }}", type,
-                                   fortran, shape);
+  std::string header =
+      fmt::format("{{'descr': '{}', 'fortran_order': {}, 'shape': {}, }}", type, fortran, shape);
   header.append(127 - 10 - header.size(), ' ').push_back('\n');
   std::string all("\x93NUMPY\x01\x00", 8);
   all += static_cast<char>(header.size());
@@ -176,8 +178,8 @@ std::string bytes(const std::vector<T>& numbers) {
 
 TEST_F(CastFiles, RaysFromArrays) {
   write("one.obj", kTwoObjects);
-  write("r4.npy", array_of("<f4", "(2, 6)",
-                           bytes<float>({.25f, .5f, 0, 0, 0, 1, .5f, .75f, 2, 0, 0, -1})));
+  write("r4.npy",
+        array_of("<f4", "(2, 6)", bytes<float>({.25f, .5f, 0, 0, 0, 1, .5f, .75f, 2, 0, 0, -1})));
   write("r8.npy", array_of("<f8", "(2, 7)",
                            bytes<double>({.25, .5, 0, 0, 0, 1, 0, .5, .75, 2, 0, 0, -1, 1.5})));
   const std::string head = "ray,F,T,CPx,CPy,CPz,index\n0,1,1,0.25,0.5,1,0\n";

@@ -172,8 +172,8 @@ TEST_F(Help, ManualPagesAreWellFormed) {
   ASSERT_EQ(cde({"write-manual", "share"}).status, 0);
   for (const auto& page : fs::directory_iterator(folder_ / "share/man/man1")) {
     const std::string log = folder_ / "log";
-    const std::string command = fmt::format("groff -man -Tutf8 -ww -z '{}' 2>'{}'",
-                                            page.path().string(), log);
+    const std::string command =
+        fmt::format("groff -man -Tutf8 -ww -z '{}' 2>'{}'", page.path().string(), log);
     EXPECT_EQ(std::system(command.c_str()), 0) << page.path();
     EXPECT_EQ(contents(log), "") << page.path();
   }

@@ -233,7 +233,8 @@ TEST_F(Query, WrongUsageIsRefused) {
   refused({"sphere-sphere", "--facet-interval", "3"}, "sphere-sphere has no facets");
   refused({"obb-obb", "--facet-interval", "2"}, "facet interval is 2, expected 1 or 3");
   refused({"sphere-sphere", "--lanes", "0"}, "--lanes is '0'; it must be a whole number, 1 to 256");
-  refused({"sphere-sphere", "--lanes", "257"}, "--lanes is '257'; it must be a whole number, 1 to 256");
+  refused({"sphere-sphere", "--lanes", "257"},
+          "--lanes is '257'; it must be a whole number, 1 to 256");
   refused({"sphere-sphere", "--format", "fp7"}, "--format is 'fp7'");
   refused({"sphere-sphere", "--format", "tf32"},
           "--format is 'tf32'; it must be fp16, bf16, fp24, fp32 or fp64");

@@ -113,10 +113,10 @@ class Judge {
       std::vector<std::uint32_t> numbers(count);
       for (std::size_t i = 0; i < count; ++i) numbers[i] = static_cast<std::uint32_t>(first_ + i);
       const auto rays = rays_.subspan(first_, count);
-      pass_.emplace(reference::PassQuery{.algorithm = job_.config.algorithm,
-                                         .box = job_.config.box,
-                                         .mode = job_.mode},
-                    std::vector<Ray>(rays.begin(), rays.end()), std::move(numbers), triangles_);
+      pass_.emplace(
+          reference::PassQuery{
+              .algorithm = job_.config.algorithm, .box = job_.config.box, .mode = job_.mode},
+          std::vector<Ray>(rays.begin(), rays.end()), std::move(numbers), triangles_);
       first_ += count;
     }
     const Record* r = &pending_.front();

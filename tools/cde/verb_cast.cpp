@@ -29,7 +29,7 @@ namespace {
 std::vector<Ray> read_rays(const std::string& path) {
   if (path == "-") return read_rays_csv(std::cin, "stdin");
   return std::filesystem::path(path).extension() == ".npy" ? read_rays_npy(path)
-                                                            : read_rays_csv(path);
+                                                           : read_rays_csv(path);
 }
 
 void collect_rays(const CastOptions& o, CastJob& job) {
@@ -195,10 +195,11 @@ void run(const CastOptions& o) {
 void add_sources(CLI::App& verb, CastOptions& o) {
   file_value(verb.add_option("mesh", o.mesh, "Mesh file, or terrain[:QX,QY,SEED]")->required(),
              "MESH");
-  file_value(verb.add_option("--rays", o.rays_file,
-                             "Rays from a file (- is stdin): CSV, ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line or in "
-                             "the order of a header with these names; or .npy, N x 6, 7 or 8 "
-                             "numbers"),
+  file_value(verb.add_option(
+                 "--rays", o.rays_file,
+                 "Rays from a file (- is stdin): CSV, ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line or in "
+                 "the order of a header with these names; or .npy, N x 6, 7 or 8 "
+                 "numbers"),
              "FILE");
   verb.add_option("--ray", o.rays, "One ray, same fields; repeatable")
       ->expected(1)
@@ -238,11 +239,11 @@ void add_outputs(CLI::App& verb, CastOptions& o) {
                              "Depths: .png (16 bits, near is bright), .pfm or .npy (T, inf is no "
                              "hit)"),
              "FILE");
-  file_value(
-      verb.add_option("--normals", o.normals, "Normals towards the eye: .png, .pfm or .npy"),
-      "FILE");
-  file_value(verb.add_option("--indices", o.indices, "Numbers of triangles: .png (a colour each) "
-                                                     "or .npy"),
+  file_value(verb.add_option("--normals", o.normals, "Normals towards the eye: .png, .pfm or .npy"),
+             "FILE");
+  file_value(verb.add_option("--indices", o.indices,
+                             "Numbers of triangles: .png (a colour each) "
+                             "or .npy"),
              "FILE");
   file_value(verb.add_option("--trace", o.trace, "Waves of the cast; kept even if the cast fails"),
              "FILE.fst");

@@ -410,11 +410,12 @@ void add_run(CLI::App& app) {
   verb->add_option("--frames", o->frames, "Frames A..B, both included (all)");
   folder_value(verb->add_option("--out", o->out, "Folder for run.json and records (SCENE.run)"),
                "FOLDER");
-  one_of(verb->add_option("--check", o->check, "Records to compare, instead of what the scene says"),
-         {"all", "sample", "none"});
-  file_value(
-      verb->add_option("--report", o->report, "Page about the run, one HTML file that loads nothing"),
-      "FILE.html");
+  one_of(
+      verb->add_option("--check", o->check, "Records to compare, instead of what the scene says"),
+      {"all", "sample", "none"});
+  file_value(verb->add_option("--report", o->report,
+                              "Page about the run, one HTML file that loads nothing"),
+             "FILE.html");
   file_value(verb->add_option("--trace", o->trace, "Waves of the run, FST; kept even if it fails"),
              "FILE.fst");
   verb->add_option("--fault", o->faults,
