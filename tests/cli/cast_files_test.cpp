@@ -150,6 +150,28 @@ TEST_F(CastFiles, FieldsOfRecords) {
   EXPECT_EQ(at<float>(array.data, kRow + 25), 0.5f) << "u of ray 1";
 }
 
+/// Files of scenes that hold no mesh: of formats whose reader makes none, and one of the skeleton.
+TEST_F(CastFiles, AFileWithoutMeshesSaysSo) {
+  write("none.gltf",
+        R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"name":"n"}]})");
+  write("none.dae",
+        "<?xml version=\"1.0\"?><COLLADA "
+        "xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset/>"
+        "<library_visual_scenes><visual_scene id=\"s\"><node id=\"n\"/></visual_scene>"
+        "</library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>");
+  for (const char* name : {"none.gltf", "none.dae"})
+    refused({name, "--grid", "4x4"}, fmt::format("cde: {}: has no meshes\n", name));
+}
+
+/// Nodes of a file that assimp reads.
+TEST_F(CastFiles, NodesOfBoxes) {
+  const Ran ran = cast({std::string(CDE_SOURCE_DIR) + "/meshes/boxes.glb", "--grid", "6x4", "-o",
+                        "-", "--fields", "node", "-q", "--lanes", "16"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.out.find(",14,far\n"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find(",3,near\n"), std::string::npos) << ran.out;
+}
+
 /// Hits alone are not known in number before they come.
 TEST_F(CastFiles, ArrayOfHits) {
   write("one.obj", kTwoObjects);

@@ -224,6 +224,14 @@ TEST_F(Query, MessagesKeepTheOrderOfLines) {
     EXPECT_TRUE(lines[i].starts_with(fmt::format("cde: line {}", i + 1))) << ran.err;
 }
 
+TEST_F(Query, NoPairsHaveNoSpeed) {
+  const Ran ran = query({"sphere-sphere"}, "");
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(ran.out, "F,T,CPx,CPy,CPz,nx,ny,nz,flags\n");
+  EXPECT_EQ(ran.err.find("nan"), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("0 of 0 answers match"), std::string::npos) << ran.err;
+}
+
 TEST_F(Query, WrongUsageIsRefused) {
   refused({"sphere-cube"}, "no pair 'sphere-cube'; there are: ray-triangle, obb-obb");
   refused({"ray-triangle", "--algorithm", "mollar"}, "--algorithm is 'mollar'; it must be moller");
