@@ -118,10 +118,11 @@ std::string import(const std::string& path) {
     Assimp::Importer importer;
     const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
     if (scene == nullptr) return kMessageFollows + std::string(importer.GetErrorString());
-    if (scene->mNumMeshes == 0) return kMessageFollows + std::string("has no meshes");
-    if ((scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0 || scene->mRootNode == nullptr) {
+    // The flag is what importers say of files without meshes; some make one of the skeleton then.
+    if (scene->mNumMeshes == 0 || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0)
+      return kMessageFollows + std::string("has no meshes");
+    if (scene->mRootNode == nullptr)
       return kMessageFollows + std::string("the scene is incomplete");
-    }
     Mesh mesh;
     VertexPool pool(mesh.vertices);
     append_node(mesh, pool, *scene, *scene->mRootNode, Eigen::Matrix4d::Identity());

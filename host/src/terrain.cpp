@@ -95,6 +95,45 @@ class Noise {
   Cell cells_[kMost];
 };
 
+/// Cells by their height, the lowest first; of equal ones whichever. What comes out never gets
+/// lower, so that heights are sorted roughly into buckets, and exactly only in the current one.
+class Shore {
+ public:
+  Shore(double lowest, double highest)
+      : lowest_(lowest), scale_((kBuckets - 1) / std::max(highest - lowest, 1e-9)) {}
+
+  void add(double height, std::uint32_t cell) {
+    const std::size_t bucket = std::max(
+        current_,
+        std::min<std::size_t>(kBuckets - 1, static_cast<std::size_t>((height - lowest_) * scale_)));
+    if (bucket == current_ && sorting_)
+      sorted_.emplace(height, cell);
+    else
+      buckets_[bucket].emplace_back(height, cell);
+  }
+  /// False if there is none left.
+  bool take(std::uint32_t& cell) {
+    while (sorted_.empty()) {
+      if (sorting_ && ++current_ == kBuckets) return false;
+      sorting_ = true;
+      sorted_ = Sorted({}, std::move(buckets_[current_]));
+    }
+    cell = sorted_.top().second;
+    sorted_.pop();
+    return true;
+  }
+
+ private:
+  static constexpr std::size_t kBuckets = 16384;
+  using Entry = std::pair<double, std::uint32_t>;
+  using Sorted = std::priority_queue<Entry, std::vector<Entry>, std::greater<>>;
+  double lowest_, scale_;
+  std::size_t current_ = 0;
+  bool sorting_ = false;  // the current bucket is in sorted_
+  Sorted sorted_;
+  std::vector<std::vector<Entry>> buckets_{kBuckets};
+};
+
 class Landscape {
  public:
   explicit Landscape(const TerrainOptions& options)
@@ -141,7 +180,7 @@ class Landscape {
     const std::int64_t row = columns_;
     return {-row - 1, -row, -row + 1, -1, 1, row - 1, row, row + 1};
   }
-  static constexpr std::array<bool, 8> kIsDiagonal = {true,  false, true, false,
+  static constexpr std::array<bool, 8> kIsDiagonal = {true,  false, true,  false,
                                                       false, true,  false, true};
 
   void shape(std::uint64_t seed) {
@@ -156,8 +195,8 @@ class Landscape {
         x += 0.35 * warp_x.fractal(1.3 * x, 1.3 * y, 3);
         y += 0.35 * warp_y.fractal(1.3 * x + 70.0, 1.3 * y, 3);
         const double n = 0.5 + 0.5 * broad.fractal(x, y, 6);
-        const double massif = std::clamp(
-            0.42 + 0.95 * massifs.fractal(0.8 * x + 31.0, 0.8 * y + 31.0, 3), 0.06, 1.0);
+        const double massif =
+            std::clamp(0.42 + 0.95 * massifs.fractal(0.8 * x + 31.0, 0.8 * y + 31.0, 3), 0.06, 1.0);
         height_[cell] = 120.0 * n;
         uplift_[cell] = massif * (0.4 + 0.6 * n);
       }
@@ -170,8 +209,8 @@ class Landscape {
   /// queue, the lowest first.
   void flood() {
     constexpr double kLeastFall = 0.002;  // metres, so that water crosses a filled lake
-    using Entry = std::pair<double, Index>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> shore;
+    const auto [low, high] = std::minmax_element(height_.begin(), height_.end());
+    Shore shore(*low, *high);
     finished_.assign(cells_, 0);
     std::vector<Index> climbing, doubtful;
     const auto finish = [&](Index cell) {
@@ -198,15 +237,13 @@ class Landscape {
       for (const Index cell : doubtful) {
         bool is_shore = false;
         neighbours(cell, offsets, [&](Index other) { is_shore |= finished_[other] == 0; });
-        if (is_shore) shore.emplace(height_[cell], cell);
+        if (is_shore) shore.add(height_[cell], cell);
       }
       doubtful.clear();
     };
     for_each_edge(finish);
     climb();
-    while (!shore.empty()) {
-      const Index cell = shore.top().second;
-      shore.pop();
+    for (Index cell = 0; shore.take(cell);) {
       neighbours(cell, offsets, [&](Index other) {
         if (finished_[other] != 0) return;
         height_[other] = std::max(height_[other], height_[cell] + kLeastFall);
@@ -354,10 +391,9 @@ Mesh make_terrain(const TerrainOptions& options) {
   mesh.vertices.reserve(heights.size());
   for (std::uint32_t y = 0; y <= options.quads_y; ++y) {
     for (std::uint32_t x = 0; x < columns; ++x) {
-      mesh.vertices.emplace_back(
-          static_cast<float>(static_cast<double>(x) * kSpacing),
-          static_cast<float>(static_cast<double>(y) * kSpacing),
-          static_cast<float>(heights[std::size_t{y} * columns + x]));
+      mesh.vertices.emplace_back(static_cast<float>(static_cast<double>(x) * kSpacing),
+                                 static_cast<float>(static_cast<double>(y) * kSpacing),
+                                 static_cast<float>(heights[std::size_t{y} * columns + x]));
     }
   }
   mesh.faces.reserve(std::size_t{2} * options.quads_x * options.quads_y);

@@ -247,6 +247,14 @@ TEST_F(Query, MessagesKeepTheOrderOfLines) {
     EXPECT_TRUE(lines[i].starts_with(fmt::format("cde: line {}", i + 1))) << ran.err;
 }
 
+TEST_F(Query, NoPairsHaveNoSpeed) {
+  const Ran ran = query({"sphere-sphere"}, "");
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(ran.out, "F,T,CPx,CPy,CPz,nx,ny,nz,flags\n");
+  EXPECT_EQ(ran.err.find("nan"), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("0 of 0 answers match"), std::string::npos) << ran.err;
+}
+
 TEST_F(Query, WrongUsageIsRefused) {
   refused({"sphere-cube"}, "no pair 'sphere-cube'; there are: ray-triangle, obb-obb");
   refused({"ray-triangle", "--algorithm", "mollar"}, "--algorithm is 'mollar'; it must be moller");
@@ -256,8 +264,9 @@ TEST_F(Query, WrongUsageIsRefused) {
   refused({"sphere-sphere", "--facet-interval", "3"}, "sphere-sphere has no facets");
   refused({"obb-obb", "--facet-interval", "2"}, "facet interval is 2, expected 1 or 3");
   refused({"sphere-sphere", "--lanes", "0"}, "--lanes is '0'; it must be a whole number, 1 to 256");
-  refused({"sphere-sphere", "--lanes", "257"}, "--lanes is '257'; it must be a whole number, 1 to 256");
-  refused({"sphere-sphere", "--format", "fp7"}, "format 'fp7'");
+  refused({"sphere-sphere", "--lanes", "257"},
+          "--lanes is '257'; it must be a whole number, 1 to 256");
+  refused({"sphere-sphere", "--format", "fp7"}, "--format is 'fp7'");
   refused({"sphere-sphere", "--format", "tf32"},
           "--format is 'tf32'; it must be fp16, bf16, fp24, fp32 or fp64");
   refused({"sphere-sphere", "--budget", "4,8,8"}, "--budget is of cylinder-cylinder");

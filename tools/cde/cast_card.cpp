@@ -114,10 +114,10 @@ class Judge {
       const std::size_t count = std::min<std::size_t>(packet_, rays_.size() - first_);
       std::vector<std::uint32_t> numbers(count);
       for (std::size_t i = 0; i < count; ++i) numbers[i] = static_cast<std::uint32_t>(first_ + i);
-      pass_.emplace(reference::PassQuery{.algorithm = job_.config.algorithm,
-                                         .box = job_.config.box,
-                                         .mode = job_.mode},
-                    rays_.subview(first_, count).copy(), std::move(numbers), triangles_);
+      pass_.emplace(
+          reference::PassQuery{
+              .algorithm = job_.config.algorithm, .box = job_.config.box, .mode = job_.mode},
+          rays_.subview(first_, count).copy(), std::move(numbers), triangles_);
       first_ += count;
     }
     const Record* r = &pending_.front();

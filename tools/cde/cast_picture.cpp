@@ -55,7 +55,8 @@ Eigen::AlignedBox3f upright_bounds(const Mesh& mesh, char up) {
 Resolution size_for(std::size_t triangles) {
   constexpr double kTests = 2e9;
   const double pixels = kTests / static_cast<double>(std::max<std::size_t>(triangles, 1));
-  const auto steps = static_cast<std::uint32_t>(std::clamp(std::sqrt(pixels / (64 * 48)), 2.0, 10.0));
+  const auto steps =
+      static_cast<std::uint32_t>(std::clamp(std::sqrt(pixels / (64 * 48)), 2.0, 10.0));
   return {64 * steps, 48 * steps};
 }
 
@@ -72,6 +73,13 @@ enum class Suffix { kPng, kPfm, kNpy, kOther };
 
 Suffix suffix(const std::string& path) {
   const std::string text = std::filesystem::path(path).extension().string();
+  // What is no regular file has no name to go by: stdout, a FIFO, a device.
+  std::error_code failed;
+  const auto status = std::filesystem::status(path, failed);
+  if (path == "-" ||
+      (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+       !std::filesystem::is_directory(status)))
+    return Suffix::kPng;
   if (text == ".png") return Suffix::kPng;
   if (text == ".pfm") return Suffix::kPfm;
   return text == ".npy" ? Suffix::kNpy : Suffix::kOther;
@@ -140,8 +148,8 @@ void check_picture_names(const CastOptions& o) {
                           Wanted{"--shaded", o.shaded, ".png", false, false}}) {
     if (w.path.empty()) continue;
     const Suffix is = suffix(w.path);
-    const bool fits = is == Suffix::kPng || (is == Suffix::kPfm && w.pfm) ||
-                      (is == Suffix::kNpy && w.npy);
+    const bool fits =
+        is == Suffix::kPng || (is == Suffix::kPfm && w.pfm) || (is == Suffix::kNpy && w.npy);
     if (!fits)
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} is '{}'; its name must end in {}", w.option, w.path, w.may_be));
@@ -166,11 +174,11 @@ Picture::Picture(const CastOptions& options, const CastJob& job)
                      static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
   const std::uint64_t most = there / 4 * 3;
   if (each * pixels > most) {
-    throw Error(ErrorCode::kCapacity,
-                fmt::format("a picture of {} x {} pixels takes {} MB for what was asked for; the "
-                            "limit on this machine is {} MB (records with -o take none)",
-                            job_.picture->width, job_.picture->height, (each * pixels) >> 20,
-                            most >> 20));
+    throw Error(
+        ErrorCode::kCapacity,
+        fmt::format("a picture of {} x {} pixels takes {} MB for what was asked for; the "
+                    "limit on this machine is {} MB (records with -o take none)",
+                    job_.picture->width, job_.picture->height, (each * pixels) >> 20, most >> 20));
   }
   hit_.reserve(pixels);
   if (shaded_ || !o_.depth.empty()) t_.reserve(pixels);
@@ -233,11 +241,8 @@ Image Picture::sunlit() const {
 Vector3f Picture::normal(std::size_t i) const {
   if (hit_[i] == 0) return Vector3f::Zero();
   const Triangle t = job_.mesh.triangle(index_[i]);
-  const Vector3f n = (t.v1 - t.v0)
-                         .cast<double>()
-                         .cross((t.v2 - t.v0).cast<double>())
-                         .normalized()
-                         .cast<float>();
+  const Vector3f n =
+      (t.v1 - t.v0).cast<double>().cross((t.v2 - t.v0).cast<double>()).normalized().cast<float>();
   return n.dot(job_.rays[i].d) > 0 ? Vector3f(-n) : n;
 }
 
@@ -249,8 +254,8 @@ void Picture::write_depth() const {
     case Suffix::kPfm:
       return write_file(o_.depth, pfm(t_, size, 1));
     default:
-      return write_file(o_.depth, npy_header("<f4", {size.height, size.width}) +
-                                      std::string(bytes_of(t_)));
+      return write_file(o_.depth,
+                        npy_header("<f4", {size.height, size.width}) + std::string(bytes_of(t_)));
   }
 }
 
@@ -262,8 +267,8 @@ void Picture::write_normals() const {
   for (std::size_t i = 0; i < size.pixels(); ++i) {
     const Vector3f n = normal(i);
     numbers.insert(numbers.end(), {n.x(), n.y(), n.z()});
-    image.pixels.push_back({byte(0.5f + 0.5f * n.x()), byte(0.5f + 0.5f * n.y()),
-                            byte(0.5f + 0.5f * n.z())});
+    image.pixels.push_back(
+        {byte(0.5f + 0.5f * n.x()), byte(0.5f + 0.5f * n.y()), byte(0.5f + 0.5f * n.z())});
   }
   switch (suffix(o_.normals)) {
     case Suffix::kPng:
@@ -279,10 +284,9 @@ void Picture::write_normals() const {
 void Picture::write_indices() const {
   const Resolution size = *job_.picture;
   if (suffix(o_.indices) == Suffix::kNpy) {
-    return write_file(o_.indices,
-                      npy_header("<u4", {size.height, size.width}) +
-                          std::string(reinterpret_cast<const char*>(index_.data()),
-                                      index_.size() * sizeof(std::uint32_t)));
+    return write_file(o_.indices, npy_header("<u4", {size.height, size.width}) +
+                                      std::string(reinterpret_cast<const char*>(index_.data()),
+                                                  index_.size() * sizeof(std::uint32_t)));
   }
   Image image{size, {}};  // a colour of its own for each triangle, black where there is none
   for (std::size_t i = 0; i < size.pixels(); ++i) {

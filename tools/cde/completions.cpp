@@ -44,8 +44,7 @@ std::string in_quotes(const std::string& text) {
 std::string bash_value(const Takes& what) {
   switch (what.kind) {
     case Kind::kWord:
-      return fmt::format("COMPREPLY=($(compgen -W '{}' -- \"$cur\"))",
-                         fmt::join(what.words, " "));
+      return fmt::format("COMPREPLY=($(compgen -W '{}' -- \"$cur\"))", fmt::join(what.words, " "));
     case Kind::kFile:
       return "compopt -o filenames; mapfile -t COMPREPLY < <(compgen -f -- \"$cur\")";
     case Kind::kFolder:
@@ -93,7 +92,8 @@ std::string fish_value(const Takes& what) {
 }  // namespace
 
 std::string bash_completion(const CLI::App& app) {
-  std::string text = fmt::format(R"(# bash completion of cde. Written by cde itself from its parser.
+  std::string text =
+      fmt::format(R"(# bash completion of cde. Written by cde itself from its parser.
 _cde() {{
   local cur=${{COMP_WORDS[COMP_CWORD]}} prev=${{COMP_WORDS[COMP_CWORD-1]}} verb= word
   # --option=value comes as three words.
@@ -106,15 +106,14 @@ _cde() {{
   case $verb in
     '') COMPREPLY=($(compgen -W '{} {}' -- "$cur")) ;;
 )",
-                                 fmt::join(verb_names(app), " "),
-                                 fmt::join(option_names(app), " "));
+                  fmt::join(verb_names(app), " "), fmt::join(option_names(app), " "));
   for (const CLI::App* verb : shown_verbs(app)) {
     text += fmt::format("    {})\n      case $prev in\n", verb->get_name());
     for (const CLI::Option* o : shown_options(*verb, false)) {
       const Takes what = takes(*o);
       if (what.kind == Kind::kNothing) continue;
-      text += fmt::format("        {}) {}; return ;;\n", fmt::join(names(*o), "|"),
-                          bash_value(what));
+      text +=
+          fmt::format("        {}) {}; return ;;\n", fmt::join(names(*o), "|"), bash_value(what));
     }
     text += fmt::format(
         "      esac\n      if [[ $cur == -* ]]; then\n        COMPREPLY=($(compgen -W '{}' -- "
@@ -133,10 +132,10 @@ std::string zsh_completion(const CLI::App& app) {
       "#compdef cde\n# zsh completion of cde. Written by cde itself from its parser.\n"
       "local curcontext=$curcontext state line\nlocal -a verbs\nverbs=(\n";
   for (const CLI::App* verb : shown_verbs(app))
-    text += "  " +
-            in_quotes(verb->get_name() + ":" +
-                      replaced(brief(verb->get_description()), ":", "\\:")) +
-            "\n";
+    text +=
+        "  " +
+        in_quotes(verb->get_name() + ":" + replaced(brief(verb->get_description()), ":", "\\:")) +
+        "\n";
   text += ")\n_arguments -C";
   for (const CLI::Option* o : shown_options(app, false))
     for (const std::string& name : names(*o))
@@ -152,7 +151,8 @@ std::string zsh_completion(const CLI::App& app) {
         text += " \\\n      " + in_quotes(name + "[" + zsh_text(brief(o->get_description())) + "]" +
                                           zsh_value(takes(*o)));
     for (const CLI::Option* o : shown_options(*verb, true))
-      text += " \\\n      " + in_quotes((o->get_expected_max() > 1 ? "*" : "") + zsh_value(takes(*o)));
+      text +=
+          " \\\n      " + in_quotes((o->get_expected_max() > 1 ? "*" : "") + zsh_value(takes(*o)));
     text += " ;;\n";
   }
   return text + "esac\n";

@@ -206,8 +206,7 @@ std::vector<const CLI::App*> shown_verbs(const CLI::App& app) {
 }
 
 std::string usage_line(const CLI::App& app) {
-  std::string line =
-      app.get_parent() == nullptr ? "cde VERB" : "cde " + app.get_name();
+  std::string line = app.get_parent() == nullptr ? "cde VERB" : "cde " + app.get_name();
   for (const CLI::Option* o : shown_options(app, true)) {
     const std::string head = option_head(*o);
     line += o->get_required() ? " " + head : " [" + head + "]";

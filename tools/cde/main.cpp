@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
   cde::cli::add_inventory(app);
   cde::cli::add_doctor(app);
   cde::cli::add_fp(app);
-  cde::cli::add_help(app);  // knows those before it
+  cde::cli::add_help(app);                                    // knows those before it
   app.set_help_all_flag("--help-all", "Help of every verb");  // not one of the verbs
   return cde::cli::exit_status_of([&] { return run(app, argc, argv); }, complain);
 }

@@ -81,9 +81,9 @@ Array parse(const std::string& path, std::string_view bytes) {
 
 std::string npy_header(std::string_view type, const std::vector<std::uint64_t>& shape) {
   const bool named = type.starts_with('[');
-  std::string header = fmt::format("{{'descr': {0}{1}{0}, 'fortran_order': False, 'shape': ({2}{3}), }}",
-                                   named ? "" : "'", type, fmt::join(shape, ", "),
-                                   shape.size() == 1 ? "," : "");
+  std::string header =
+      fmt::format("{{'descr': {0}{1}{0}, 'fortran_order': False, 'shape': ({2}{3}), }}",
+                  named ? "" : "'", type, fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
   // Data begin on a multiple of 64 bytes, behind a line's end.
   header.append(63 - (kMagic.size() + 4 + header.size()) % 64, ' ').push_back('\n');
   std::string all(kMagic);
@@ -113,8 +113,8 @@ std::vector<Ray> read_rays_npy(const std::string& path) {
           fail(path, fmt::format("ray {}: {} overflows a float", i, wide), ErrorCode::kBadInput);
       }
     }
-    ray = {{values[0], values[1], values[2]}, {values[3], values[4], values[5]}, values[6],
-           values[7]};
+    ray = {
+        {values[0], values[1], values[2]}, {values[3], values[4], values[5]}, values[6], values[7]};
     if (const auto why = defect(ray))
       fail(path, fmt::format("ray {}: {}", i, *why), ErrorCode::kBadInput);
     rays.push_back(ray);

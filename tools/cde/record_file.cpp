@@ -61,21 +61,21 @@ std::vector<Field> RecordFile::parse(const std::vector<std::string>& fields) {
   for (const std::string& text : fields) {
     const auto found = std::find(kNames.begin(), kNames.end(), text);
     if (found == kNames.end())
-      throw Error(ErrorCode::kUsage, fmt::format("--fields has '{}'; there are: {}", text,
-                                                 fmt::join(kNames, ", ")));
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--fields has '{}'; there are: {}", text, fmt::join(kNames, ", ")));
     const auto field = static_cast<Field>(found - kNames.begin());
     if (std::find(all.begin(), all.end(), field) == all.end()) all.push_back(field);
   }
   return all;
 }
 
-void RecordFile::check(const std::string& path, bool bits,
-                       const std::vector<std::string>& fields) {
+void RecordFile::check(const std::string& path, bool bits, const std::vector<std::string>& fields) {
   if (!parse(fields).empty() && path.empty())
     throw Error(ErrorCode::kUsage, "--fields is of records; give --output too");
   if (path.empty()) return;
   if (kind_of(path) != Kind::kCsv && bits)
-    throw Error(ErrorCode::kUsage, "--bits is of CSV; .npy has every bit, .jsonl shortest decimals");
+    throw Error(ErrorCode::kUsage,
+                "--bits is of CSV; .npy has every bit, .jsonl shortest decimals");
 }
 
 RecordFile::RecordFile(const std::string& path, bool bits, const std::vector<std::string>& fields,
@@ -206,9 +206,9 @@ void RecordFile::json_line(const Record& r) {
                        number(d.normal.z()));
       if (f == Field::kSide) fmt::format_to(out, R"(,"side":{})", d.side);
       if (f == Field::kNode)
-        fmt::format_to(out, R"(,"node":{})",
-                       nlohmann::json(d.node).dump(-1, ' ', false,
-                                                   nlohmann::json::error_handler_t::replace));
+        fmt::format_to(
+            out, R"(,"node":{})",
+            nlohmann::json(d.node).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
     }
   }
   text_.append(std::string_view("}\n"));
@@ -234,8 +234,7 @@ void RecordFile::commit() {
     file_.write({text_.data(), text_.size()});
   }
   if (kind_ == Kind::kNpy && *count_ != written_)
-    throw Error(ErrorCode::kDevice,
-                fmt::format("{} records came of {}", written_, *count_));
+    throw Error(ErrorCode::kDevice, fmt::format("{} records came of {}", written_, *count_));
   file_.commit();
 }
 

@@ -18,8 +18,8 @@ std::size_t distance(std::string_view a, std::string_view b) {
   for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = j;
   for (std::size_t i = 1; i <= a.size(); ++i) {
     for (std::size_t j = 1; j <= b.size(); ++j) {
-      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1,
-                          d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      d[i][j] = std::min(
+          {d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
       if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
         d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
     }
@@ -60,8 +60,7 @@ std::optional<std::string> unknown_verb(const CLI::App& app,
   for (const CLI::App* verb : shown_verbs(app)) known.push_back(verb->get_name());
   const auto near = nearest_word(*typed, known);
   return fmt::format("no verb {}{}", cli::quoted(*typed),
-                     near ? meant(near)
-                          : fmt::format("; there are: {}", fmt::join(known, ", ")));
+                     near ? meant(near) : fmt::format("; there are: {}", fmt::join(known, ", ")));
 }
 
 std::optional<std::string> left_over(const CLI::App& app) {
@@ -75,8 +74,8 @@ std::optional<std::string> left_over(const CLI::App& app) {
     return word.size() > 1 && word.front() == '-';
   });
   if (option == rest.end())
-    return fmt::format("{} does not know what to do with {}; `{} --help` says what it takes", called,
-                       cli::quoted(rest.front()), called);
+    return fmt::format("{} does not know what to do with {}; `{} --help` says what it takes",
+                       called, cli::quoted(rest.front()), called);
   const std::string name = option->substr(0, option->find('='));
   std::vector<std::string> known;
   for (const CLI::Option* o : shown_options(*verb, false))

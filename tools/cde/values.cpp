@@ -20,8 +20,8 @@ std::map<const CLI::Option*, Takes>& registered() {
   return all;
 }
 
-constexpr std::array kAlgorithms = {Algorithm::kMoller, Algorithm::kBadouel,
-                                    Algorithm::kPluecker, Algorithm::kWatertight};
+constexpr std::array kAlgorithms = {Algorithm::kMoller, Algorithm::kBadouel, Algorithm::kPluecker,
+                                    Algorithm::kWatertight};
 
 std::string listed(const std::vector<std::string>& words) {
   if (words.size() == 1) return words.front();
@@ -134,18 +134,19 @@ std::vector<std::string> algorithm_names() {
 
 CLI::Option* clock_option(CLI::App& verb, double& mhz) {
   // A clock's period is whole picoseconds in 32 bits.
-  return number_in(
-      verb.add_option("--clock", mhz, "Core clock assumed for modelled times")->capture_default_str(),
-      0.001, 10000, "MHz");
+  return number_in(verb.add_option("--clock", mhz, "Core clock assumed for modelled times")
+                       ->capture_default_str(),
+                   0.001, 10000, "MHz");
 }
 
 void deadline_options(CLI::App& verb, std::uint64_t& clocks, double& seconds,
                       const std::string& pass) {
   constexpr std::uint64_t kMost = 1'000'000'000'000'000;
   whole_number_in(
-      verb.add_option("--deadline", clocks,
-                      fmt::format("Device clocks that a {} may take; 0: several times what it should",
-                                  pass))
+      verb.add_option(
+              "--deadline", clocks,
+              fmt::format("Device clocks that a {} may take; 0: several times what it should",
+                          pass))
           ->capture_default_str(),
       0, kMost, "clocks");
   number_in(verb.add_option("--timeout", seconds,

@@ -94,9 +94,9 @@ void add_bench(CLI::App& app) {
   auto a = std::make_shared<Arguments>();
   CLI::App* verb = app.add_subcommand(
       "bench", "Measure simulation speed and device clocks beside software on the same machine");
-  known_words(
-      verb->add_option("section", a->sections, "Sections to run (all): rays, fp, pairs, bus, effects"),
-      {"rays", "fp", "pairs", "bus", "effects"}, "SECTION");
+  known_words(verb->add_option("section", a->sections,
+                               "Sections to run (all): rays, fp, pairs, bus, effects"),
+              {"rays", "fp", "pairs", "bus", "effects"}, "SECTION");
   verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   auto* quick = verb->add_flag("--quick", a->options.quick,
                                "Under a minute: default bitstreams, small scenes");

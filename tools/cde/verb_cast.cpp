@@ -1,11 +1,7 @@
 // cde cast: rays against a mesh on the simulated card, every record checked against the reference.
 #include <fmt/format.h>
 
-#include <bit>
-#include <chrono>
 #include <filesystem>
-#include <iostream>
-#include <future>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -35,7 +31,7 @@ namespace {
 std::vector<Ray> read_rays(const std::string& path) {
   if (path == "-") return read_rays_csv(std::cin, "stdin");
   return std::filesystem::path(path).extension() == ".npy" ? read_rays_npy(path)
-                                                            : read_rays_csv(path);
+                                                           : read_rays_csv(path);
 }
 
 void collect_rays(const CastOptions& o, CastJob& job) {
@@ -87,8 +83,7 @@ CastJob prepare(const CastOptions& o) {
     const Busy busy("loading " + o.mesh, o.quiet);
     job.mesh = load_mesh_or_builtin(o.mesh);
   }
-  if (const auto why = out_of_range(job.mesh, o.mesh))
-    say("cde: warning: {}\n", *why);
+  if (const auto why = out_of_range(job.mesh, o.mesh)) say("cde: warning: {}\n", *why);
   collect_rays(o, job);
   job.config.lanes = lanes_of(o, job.rays.size());
   if (o.wants_picture() && !job.picture) usage("a picture needs --camera or --grid");
@@ -135,18 +130,18 @@ nlohmann::ordered_json as_json(const CastOptions& o, const CastJob& job, const C
   j.update(bitstream_json(r.bitstream, r.config_hash));
   j.update({{"clock_hz", o.clock_mhz * 1e6}, {"modelled_pass_seconds", r.modelled_seconds}});
   j.update(counters_json(r.counters));
-  j.update({{"secondary_upload_clocks", r.upload_clocks},
-            {"primary_upload_clocks", r.counters.upload_clocks},
-            {"total_clocks", r.counters.total_clocks},
-            {"simulation_seconds", r.simulation_seconds},
-            {"tests_per_second_simulated",
-             static_cast<double>(r.counters.pairs) / r.simulation_seconds},
-            {"hits", r.hits},
-            {"records", r.counters.records},
-            {"records_compared", r.compared},
-            {"records_matching", r.matching},
-            {"mismatches", r.compared - r.matching},
-            {"checked", o.check}});
+  j.update(
+      {{"secondary_upload_clocks", r.upload_clocks},
+       {"primary_upload_clocks", r.counters.upload_clocks},
+       {"total_clocks", r.counters.total_clocks},
+       {"simulation_seconds", r.simulation_seconds},
+       {"tests_per_second_simulated", static_cast<double>(r.counters.pairs) / r.simulation_seconds},
+       {"hits", r.hits},
+       {"records", r.counters.records},
+       {"records_compared", r.compared},
+       {"records_matching", r.matching},
+       {"mismatches", r.compared - r.matching},
+       {"checked", o.check}});
   return j;
 }
 
@@ -198,10 +193,11 @@ void run(const CastOptions& o) {
 void add_sources(CLI::App& verb, CastOptions& o) {
   file_value(verb.add_option("mesh", o.mesh, "Mesh file, or terrain[:QX,QY,SEED]")->required(),
              "MESH");
-  file_value(verb.add_option("--rays", o.rays_file,
-                             "Rays from a file: CSV, ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line or in "
-                             "the order of a header with these names; or .npy, N x 6, 7 or 8 "
-                             "numbers"),
+  file_value(verb.add_option(
+                 "--rays", o.rays_file,
+                 "Rays from a file (- is stdin): CSV, ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line or in "
+                 "the order of a header with these names; or .npy, N x 6, 7 or 8 "
+                 "numbers"),
              "FILE");
   verb.add_option("--ray", o.rays, "One ray, same fields; repeatable")
       ->expected(1)
@@ -241,11 +237,11 @@ void add_outputs(CLI::App& verb, CastOptions& o) {
                              "Depths: .png (16 bits, near is bright), .pfm or .npy (T, inf is no "
                              "hit)"),
              "FILE");
-  file_value(
-      verb.add_option("--normals", o.normals, "Normals towards the eye: .png, .pfm or .npy"),
-      "FILE");
-  file_value(verb.add_option("--indices", o.indices, "Numbers of triangles: .png (a colour each) "
-                                                     "or .npy"),
+  file_value(verb.add_option("--normals", o.normals, "Normals towards the eye: .png, .pfm or .npy"),
+             "FILE");
+  file_value(verb.add_option("--indices", o.indices,
+                             "Numbers of triangles: .png (a colour each) "
+                             "or .npy"),
              "FILE");
   file_value(verb.add_option("--trace", o.trace, "Waves of the cast; kept even if the cast fails"),
              "FILE.fst");

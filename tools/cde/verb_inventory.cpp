@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <future>
 #include <nlohmann/json.hpp>
@@ -111,21 +112,20 @@ void examine(Pipe& pipe, const Profile& profile) {
 
 /// As many at a time as there are processors.
 void examine_all(std::vector<Pipe>& pipes, const Profile& profile) {
-  std::atomic<std::size_t> next = 0;
+  std::atomic<std::size_t> next = 0, done = 0;
   const auto work = [&] {
-    for (std::size_t i = next++; i < pipes.size(); i = next++) examine(pipes[i], profile);
+    for (std::size_t i = next++; i < pipes.size(); i = next++, ++done) examine(pipes[i], profile);
   };
-  std::vector<std::future<void>> others;
-  for (unsigned i = 1; i < std::thread::hardware_concurrency(); ++i)
-    others.push_back(std::async(std::launch::async, work));
+  std::vector<std::future<void>> workers;
+  for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i)
+    workers.push_back(std::async(std::launch::async, work));
   {
     Progress progress("elaborating");
-    for (std::size_t i = next++; i < pipes.size(); i = next++) {
-      progress(static_cast<double>(i) / static_cast<double>(pipes.size()));
-      examine(pipes[i], profile);
-    }
+    for (auto& worker : workers)
+      while (worker.wait_for(std::chrono::milliseconds(200)) != std::future_status::ready)
+        progress(static_cast<double>(done) / static_cast<double>(pipes.size()));
   }
-  for (auto& other : others) other.get();
+  for (auto& worker : workers) worker.get();
 }
 
 /// What the paper's Tables 1 and 2 say of an algorithm: "Hardware-Accelerated Ray-Triangle
@@ -411,9 +411,9 @@ void add_inventory(CLI::App& app) {
       "inventory",
       "Count the operators of the pipes and read their latencies in the elaborated RTL; the four "
       "ray-triangle algorithms beside the paper's Tables 1 and 2");
-  known_words(
-      verb->add_option("pair", o->pairs, "Pairs to examine (all): ray-triangle, sphere-sphere, ..."),
-      pair_names(), "PAIR");
+  known_words(verb->add_option("pair", o->pairs,
+                               "Pairs to examine (all): ray-triangle, sphere-sphere, ..."),
+              pair_names(), "PAIR");
   verb->add_option("--latencies", o->profile,
                    "Clocks of add, mul, div, sqrt and compare for the column `clocks`")
       ->capture_default_str();

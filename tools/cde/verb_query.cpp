@@ -461,9 +461,10 @@ void add_query(CLI::App& app) {
                  "Of obb-plane: the plane bounds the solid half-space n.x <= d");
   one_of(verb->add_option("--format", o->format, "Format of the words")->capture_default_str(),
          {"fp16", "bf16", "fp24", "fp32", "fp64"});
-  one_of(verb->add_option("--arith", o->arithmetic, "host (the FPU, fast) or rtl (gates); same bits")
-             ->capture_default_str(),
-         {"host", "rtl"});
+  one_of(
+      verb->add_option("--arith", o->arithmetic, "host (the FPU, fast) or rtl (gates); same bits")
+          ->capture_default_str(),
+      {"host", "rtl"});
   whole_number_in(verb->add_option("--lanes", o->lanes,
                                    "Pairs a clock; 8 if not given, or 1 in fp64 for obb-obb, "
                                    "triangle-aabb and triangle-obb, whose bitstreams of more lanes "

@@ -52,8 +52,8 @@ void add_reproduce(CLI::App& app) {
   verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   verb->add_flag("--quick", a->options.quick,
                  "A small terrain and few spheres, to see that it works");
-  lanes_value(
-      verb->add_option("--lanes", a->options.lanes, "Lanes of the best card")->capture_default_str());
+  lanes_value(verb->add_option("--lanes", a->options.lanes, "Lanes of the best card")
+                  ->capture_default_str());
   clock_option(*verb, a->clock_mhz);
   verb->callback([a] {
     a->options.clock_hz = a->clock_mhz * 1e6;

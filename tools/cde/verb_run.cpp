@@ -408,8 +408,9 @@ void add_run(CLI::App& app) {
   file_value(verb->add_option("scene", o->scene, "Scene file, TOML (docs/scenes.md)")->required(),
              "SCENE");
   verb->add_option("--frames", o->frames, "Frames A..B, both included (all)");
-  folder_value(verb->add_option("--out", o->out, "Folder for run.json and records: a new or empty one, or "
-                               "that of an earlier run, which is removed (SCENE.run)"),
+  folder_value(verb->add_option("--out", o->out,
+                                "Folder for run.json and records: a new or empty one, or "
+                                "that of an earlier run, which is removed (SCENE.run)"),
                "FOLDER");
   one_of(
       verb->add_option("--check", o->check, "Records to compare, instead of what the scene says"),
@@ -417,7 +418,8 @@ void add_run(CLI::App& app) {
   file_value(verb->add_option("--report", o->report,
                               "Page about the run, one HTML file that loads nothing (- is stdout)"),
              "FILE.html");
-  file_value(verb->add_option("--trace", o->trace, "Waves of the run, FST (- is stdout); kept even if it fails"),
+  file_value(verb->add_option("--trace", o->trace,
+                              "Waves of the run, FST (- is stdout); kept even if it fails"),
              "FILE.fst");
   verb->add_option("--fault", o->faults,
                    "KIND[:COUNT[:VALUE]]@FRAME: lets something go wrong; may be given again")

@@ -1,0 +1,183 @@
+// What the command says of itself: help, versions, suggestions, manual pages, completions.
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "run_cde.hpp"
+
+namespace cde::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+const Words kVerbs = {"cast",      "query",     "run",    "plan", "bench",
+                      "reproduce", "inventory", "doctor", "fp",   "help"};
+
+std::string contents(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+/// Words that begin with two hyphens.
+std::set<std::string> long_options(const std::string& text) {
+  static const std::regex option("--[a-z][a-z-]*");
+  return {std::sregex_token_iterator(text.begin(), text.end(), option), {}};
+}
+
+class Help : public Cli {};
+
+TEST_F(Help, VersionsAreThoseOfTheBuild) {
+  const Ran ran = cde({"--version"});
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_TRUE(std::regex_search(ran.out, std::regex("^cde [0-9]+\\.[0-9]+\\.[0-9]+")));
+  for (const char* text : {"Verilator 5", "clang version", "GNU"})
+    EXPECT_NE(ran.out.find(text), std::string::npos) << ran.out;
+}
+
+TEST_F(Help, SameByVerbAndByOptionOnStdout) {
+  EXPECT_EQ(cde({"help"}).out, cde({"--help"}).out);
+  for (const std::string& verb : kVerbs) {
+    SCOPED_TRACE(verb);
+    const Ran asked = cde({"help", verb}), option = cde({verb, "--help"});
+    EXPECT_EQ(asked.status, 0);
+    EXPECT_EQ(option.status, 0);
+    EXPECT_EQ(asked.out, option.out);
+    EXPECT_EQ(asked.err + option.err, "");
+    for (const char* part : {"\nUsage\n", "\nExamples\n", "\nExit status\n", "\nEnvironment\n"})
+      EXPECT_NE(asked.out.find(part), std::string::npos) << asked.out;
+  }
+}
+
+/// Lines are not longer than the terminal, but for examples, which are there to be copied.
+TEST_F(Help, FitsTheTerminal) {
+  for (const unsigned columns : {60u, 80u, 100u}) {
+    std::size_t longest = 0;
+    for (const std::string& verb : kVerbs) {
+      std::istringstream text(
+          cde({"help", verb}, {fmt::format("COLUMNS={}", columns), "TERM=xterm"}).out);
+      for (std::string line; std::getline(text, line);) {
+        EXPECT_EQ(line.find('\033'), std::string::npos) << "colour in a file";
+        if (line.starts_with("    ") && line.find("cde ") != std::string::npos) continue;
+        // A list of words without blanks is not broken either.
+        if (line.find('|') == std::string::npos) {
+          EXPECT_LE(line.size(), columns) << line;
+        }
+        longest = std::max(longest, line.size());
+      }
+    }
+    EXPECT_GT(longest, columns - 10) << "lines are broken too early";
+  }
+}
+
+/// Two examples a verb, whose options exist.
+TEST_F(Help, ExamplesHaveOptionsThatExist) {
+  for (const std::string& verb : kVerbs) {
+    SCOPED_TRACE(verb);
+    const std::string text = cde({"help", verb}).out;
+    const std::size_t start = text.find("\nExamples\n"), stop = text.find("\nExit status\n");
+    const std::string examples = text.substr(start, stop - start);
+    static const std::regex command("\n    ");
+    EXPECT_EQ(std::distance(std::sregex_iterator(examples.begin(), examples.end(), command), {}),
+              2);
+    std::set<std::string> known = long_options(text.substr(0, start));
+    if (verb == "help") known = long_options(cde({"--help"}).out.substr(0, start));
+    for (const std::string& option : long_options(examples))
+      EXPECT_TRUE(known.count(option) || option == "--help-all") << option;
+  }
+}
+
+TEST_F(Help, SuggestsWhatWasMeant) {
+  const auto says = [&](const Words& words, const std::string& text) {
+    const Ran ran = cde(words);
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_EQ(ran.out, "");
+    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
+  };
+  says({"csat"}, "no verb 'csat'; did you mean cast?");
+  says({"doc"}, "did you mean doctor?");
+  says({"zzz"}, "no verb 'zzz'; there are: cast, query, run");
+  says({"help", "qurey"}, "did you mean query?");
+  says({"cast", "x.ply", "--szie", "4x4", "--grdi", "4x4"},
+       "cde cast has no option '--szie'; did you mean --size?");
+  says({"cast", "x.ply", "--grdi=4x4", "--szie", "4x4"},
+       "cde cast has no option '--grdi'; did you mean --grid?");
+  says({"run", "x.toml", "--frobnicate"}, "`cde run --help` lists them");
+  says({"plan", "one.toml", "two.toml"}, "cde plan does not know what to do with 'two.toml'");
+  says({}, "cde VERB");
+}
+
+/// Every option of every verb is in its manual page and in the completions of the three shells,
+/// which are made by the command itself.
+TEST_F(Help, ManualAndCompletionsHaveEveryOption) {
+  ASSERT_EQ(cde({"write-manual", "share"}).status, 0);
+  EXPECT_EQ(cde({"--help"}).out.find("write-manual"), std::string::npos) << "is hidden";
+  const fs::path share = folder_ / "share";
+  const std::string bash = contents(share / "bash-completion/completions/cde"),
+                    zsh = contents(share / "zsh/site-functions/_cde"),
+                    fish = contents(share / "fish/vendor_completions.d/cde.fish");
+  for (const std::string& verb : kVerbs) {
+    SCOPED_TRACE(verb);
+    const std::string text = cde({"help", verb}).out;
+    std::string page = contents(share / fmt::format("man/man1/cde-{}.1", verb));
+    page = std::regex_replace(page, std::regex("\\\\-"), "-");
+    EXPECT_TRUE(page.starts_with(fmt::format(".TH cde-{} 1", verb)));
+    const std::string options = text.substr(0, text.find("\nExamples\n"));
+    static const std::regex first("\n  (-[a-z], )?(--[a-z-]+)");
+    for (std::sregex_iterator at(options.begin(), options.end(), first), end; at != end; ++at) {
+      const std::string option = (*at)[2];
+      EXPECT_NE(page.find(option), std::string::npos) << option;
+      EXPECT_NE(bash.find(option), std::string::npos) << option;
+      EXPECT_NE(zsh.find(option), std::string::npos) << option;
+      EXPECT_NE(fish.find("-l " + option.substr(2)), std::string::npos) << option;
+    }
+  }
+}
+
+/// What bash offers for words that somebody has begun to type.
+TEST_F(Help, BashCompletes) {
+  ASSERT_EQ(cde({"write-manual", "share"}).status, 0);
+  write("mesh.ply", "");
+  const auto offers = [&](const std::string& typed) {
+    const std::string script = fmt::format(
+        "cd '{}' && . share/bash-completion/completions/cde && COMP_WORDS=({}) && "
+        "COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)) && compopt() {{ :; }} && _cde && "
+        "printf '%s ' \"${{COMPREPLY[@]}}\"",
+        folder_.string(), typed);
+    std::ofstream(folder_ / "script") << script;
+    std::FILE* pipe = ::popen(fmt::format("bash '{}/script' 2>&1", folder_.string()).c_str(), "r");
+    std::string text;
+    for (int c; (c = std::fgetc(pipe)) != EOF;) text += static_cast<char>(c);
+    ::pclose(pipe);
+    return text;
+  };
+  EXPECT_EQ(offers("cde ca"), "cast ");
+  EXPECT_EQ(offers("cde cast --alg"), "--algorithm ");
+  EXPECT_EQ(offers("cde cast --mode n"), "nearest ");
+  EXPECT_EQ(offers("cde cast --mode = f"), "farthest ");
+  EXPECT_EQ(offers("cde cast me"), "mesh.ply ");
+  EXPECT_EQ(offers("cde query sphere-s"), "sphere-sphere ");
+  EXPECT_EQ(offers("cde help inv"), "inventory ");
+  EXPECT_EQ(offers("cde cast mesh.ply --size ''"), " ");
+}
+
+/// groff has nothing to complain about. Skipped where it is not installed.
+TEST_F(Help, ManualPagesAreWellFormed) {
+  if (std::system("command -v groff >/dev/null 2>&1") != 0) GTEST_SKIP() << "no groff here";
+  ASSERT_EQ(cde({"write-manual", "share"}).status, 0);
+  for (const auto& page : fs::directory_iterator(folder_ / "share/man/man1")) {
+    const std::string log = folder_ / "log";
+    const std::string command =
+        fmt::format("groff -man -Tutf8 -ww -z '{}' 2>'{}'", page.path().string(), log);
+    EXPECT_EQ(std::system(command.c_str()), 0) << page.path();
+    EXPECT_EQ(contents(log), "") << page.path();
+  }
+}
+
+}  // namespace
+}  // namespace cde::testing
