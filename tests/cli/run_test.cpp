@@ -382,8 +382,8 @@ TEST_F(RunScene, FaultyCardIsFoundOut) {
       std::regex_search(ran.err, match, std::regex("that pair: (echo .* \\| )cde (query .*)")))
       << ran.err;
   const std::string wrong_pipe = fmt::format("export {}; ", fmt::join(environment, " "));
-  const std::string alone = match[1].str() + "\"$CDE\" " + match[2].str() + " --lanes 1";
-  EXPECT_EQ(shell(wrong_pipe + alone).status, 3) << alone;
+  const std::string alone = match[1].str() + "\"$CDE\" " + match[2].str();
+  EXPECT_EQ(shell(wrong_pipe + alone + " --lanes 1").status, 3) << alone;
   EXPECT_EQ(shell(alone).status, 0) << alone;
   ASSERT_TRUE(std::regex_search(ran.err, match, std::regex("repeat with: cde (.*)"))) << ran.err;
   std::istringstream words(match[1]);
