@@ -30,6 +30,12 @@
 `define PASS_PHASE(P) P[3:0]
 `define PASS_TRACK(P) P[5:4]
 `define PASS_INDEX(P) P[13:6]
+// Witness points: projections between what n touches, then between what it nearly touches, of those the last two between the solids. From
+// UNSHIFTED on solids that are clearly apart stay where they are, and after that a pass tries the normal that the one before found.
+`define PROJECTIONS 8'd4
+`define WIDE_PROJECTIONS 8'd7
+`define UNSHIFTED (`WIDE_PROJECTIONS - 8'd4)
+`define PASS_TRIAL(P) (`PASS_TRACK(P) == 1 && `PASS_INDEX(P) > `UNSHIFTED)
 
 // ---- Latencies of parts ----
 `define LATENCY_NORMALISE (`DF_LAT_DOT + `DF_MAX2(LAT_CMP, LAT_SQRT + LAT_DIV) + LAT_MUL)
@@ -57,7 +63,7 @@
 `define LATENCY_PROJECT_BOX (`DF_LAT_DOT + 2 * LAT_CMP + LAT_MUL + 2 * LAT_ADD)
 `define LATENCY_PROJECT_TRIANGLE (3 * LAT_ADD + 2 * `DF_LAT_DOT + LAT_DIV + LAT_MUL + 5 * LAT_CMP)
 `define LATENCY_PROJECT ((BODY == `BODY_CYLINDER) ? `LATENCY_PROJECT_CYLINDER : (BODY == `BODY_BOX) ? `LATENCY_PROJECT_BOX : `LATENCY_PROJECT_TRIANGLE)
-`define LATENCY_CYLINDER_WITNESS (LAT_MUL + LAT_ADD + `LATENCY_PROJECT_CYLINDER + `LATENCY_PROJECT + LAT_ADD + `DF_LAT_DOT + \
+`define LATENCY_CYLINDER_WITNESS (LAT_MUL + LAT_ADD + `DF_MAX2(LAT_ADD, LAT_CMP) + `LATENCY_PROJECT_CYLINDER + `LATENCY_PROJECT + 2 * LAT_ADD + `DF_LAT_DOT + \
   `DF_MAX2(2 * LAT_CMP, LAT_DIV + `DF_MAX2(LAT_CMP, LAT_MUL + LAT_ADD)))
 
 // ---- Operators ----
@@ -77,10 +83,11 @@
   `DF_SCALAR R``_width, R``_kappa; `DF_VECTOR R``_side, R``_v; \
   cylinder_rim #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) rim_``R ( \
       .clk_i, .off_i(OFF), .a_i(A), .radius_i(RADIUS), .n_i(N), .width_o(R``_width), .side_o(R``_side), .kappa_o(R``_kappa), .v_o(R``_v));
-// The point of a cylinder that is nearest to X: centre C, axis A, half height HALF, radius; SIDE and ALONGSIDE as in project_cylinder.sv.
-`define DF_PROJECT_CYLINDER(R, X, C, A, HALF, RADIUS, SIDE, ALONGSIDE) localparam int T_``R = `DF_MAX2(T_``X, T_``C) + `LATENCY_PROJECT_CYLINDER; \
+// The point of a cylinder that is nearest to X: centre C, axis A, half height HALF, radius; the others as in project_cylinder.sv.
+`define DF_PROJECT_CYLINDER(R, X, C, A, HALF, RADIUS, SIDE, ALONGSIDE, END, RIM) localparam int T_``R = `DF_MAX2(T_``X, T_``C) + `LATENCY_PROJECT_CYLINDER; \
   `DF_VECTOR R; \
-  project_cylinder #(`DF_FORMAT, .T_X(T_``X), .T_C(T_``C), .T_ALONGSIDE(T_``ALONGSIDE), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), \
+  project_cylinder #(`DF_FORMAT, .T_X(T_``X), .T_C(T_``C), .T_ALONGSIDE(T_``ALONGSIDE), .T_END(T_``END), .T_RIM(T_``RIM), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), \
       .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) project_``R ( \
-      .clk_i, .on_i(`DF_ON), .x_i(X), .c_i(C), .a_i(A), .half_i(HALF), .radius_i(RADIUS), .side_i(SIDE), .alongside_i(ALONGSIDE), .r_o(R));
+      .clk_i, .on_i(`DF_ON), .x_i(X), .c_i(C), .a_i(A), .half_i(HALF), .radius_i(RADIUS), .side_i(SIDE), .alongside_i(ALONGSIDE), .end_i(END), \
+      .rim_i(RIM), .r_o(R));
 `endif

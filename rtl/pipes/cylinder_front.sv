@@ -39,7 +39,7 @@ module cylinder_front #(
   `DF_CONTROL(twice, (centre && `PASS_INDEX(pass_i) != 0) || phase == `PHASE_CAP || refine, 0)
   `DF_CONTROL(side, phase == `PHASE_SIDE, 0)
   `DF_CONTROL(beside, phase == `PHASE_BESIDE, 0)
-  `DF_CONTROL(witness, phase == `PHASE_TOUCH || phase == `PHASE_PROJECT, 0)
+  `DF_CONTROL(witness, phase == `PHASE_TOUCH || (phase == `PHASE_PROJECT && !`PASS_TRIAL(pass_i)), 0)
 
   `DF_VIN(c, second ? b_i : a_i, 0)
   `DF_VIN(other, centre ? d_i : refine ? next_i : second ? a_i : b_i, 0)
@@ -54,7 +54,7 @@ module cylinder_front #(
   `define DF_ON crossing
   logic crossing, unit_wanted;
   assign crossing = centre || refine || phase == `PHASE_CAP || phase == `PHASE_SIDE;
-  assign unit_wanted = phase != `PHASE_TOUCH && phase != `PHASE_PROJECT;
+  assign unit_wanted = phase != `PHASE_TOUCH && (phase != `PHASE_PROJECT || `PASS_TRIAL(pass_i));
   `DF_CROSS(x, c, other)
   `DF_CROSS(xc, x, c)
   `DF_DOT(xx, x, x)

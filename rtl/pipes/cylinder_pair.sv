@@ -3,9 +3,9 @@
 // points. One pipeline, which a row of pairs goes round once a pass: a normal (front), g for it and its opposite (evaluator), what the
 // pair keeps of that (circle, free), and at the end the witness points. RING rows are in flight, one a stage; what a row keeps lies in
 // memories with a slot a row, read and written by the stages that use it.
-// 238 add, 309 mul, 9 div, 8 sqrt, 26 compare, 16 min/max (cylinder); 181 add, 204 mul, 5 div, 4 sqrt, 28 compare, 14 min/max (box);
-// 238 add, 257 mul, 8 div, 4 sqrt, 43 compare, 19 min/max (triangle). RING, latency at one clock an operator and the default budget: 62,
-// 4,102; 62, 4,846; 68, 5,042.
+// 257 add, 321 mul, 9 div, 8 sqrt, 32 compare, 18 min/max (cylinder); 200 add, 215 mul, 5 div, 4 sqrt, 32 compare, 16 min/max (box);
+// 257 add, 268 mul, 8 div, 4 sqrt, 47 compare, 21 min/max (triangle). RING, latency at one clock an operator and the default budget: 64,
+// 4,298; 64, 5,066; 70, 5,260.
 // Latency: ENTRY + passes * RING + FINISH clocks, latency_o, passes set by budget_i (schedule.hpp). Throughput: RING rows in passes * RING
 // clocks, a row a clock while slots are free. Stall: ready_o, low while the slot that comes by is not about to be free; results come in
 // the order of entry. With ARITH = "host" a whole pass is computed in the clock in which its row could leave, on the same schedule.
@@ -58,7 +58,7 @@ module cylinder_pair #(
   localparam int RING = T_END + 1;
   localparam int RESULT = cde_pkg::larger(2 * LAT_MUL + 2 * LAT_ADD, LAT_CMP);
   localparam int FINISH = RESULT + cde_pkg::unscale_latency(0, LAT_MUL, LAT_CMP);
-  localparam int INTERVAL = (BODY == `BODY_CYLINDER) ? 66 : (BODY == `BODY_BOX) ? 78 : 74;  // passes with M = K1 = K2 = 8
+  localparam int INTERVAL = (BODY == `BODY_CYLINDER) ? 67 : (BODY == `BODY_BOX) ? 79 : 75;  // passes with M = K1 = K2 = 8
   localparam int LATENCY = AHEAD + ENTRY + INTERVAL * RING + FINISH;
   localparam int AW = $clog2(RING);
   localparam logic [CW-1:0] QNAN = (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1));
@@ -79,6 +79,10 @@ module cylinder_pair #(
   logic [RING-1:0] valid_q;
   logic [`PASS_W-1:0] pass_mem[RING];
   logic [31:0] tag_mem[RING];
+  logic [3:0] phase_end;
+  logic witness_end;
+  assign phase_end = `PASS_PHASE(pass_mem[now_q]);
+  assign witness_end = phase_end == `PHASE_TOUCH || phase_end == `PHASE_PROJECT;
   logic [LANES-1:0][CW-1:0] bad_mem[RING];
   logic enter, entered, leave, last, soon_last;
   logic [15:0] passes;
@@ -261,7 +265,8 @@ module cylinder_pair #(
 
   // ---- The better orientation ----
   `DF_VIN(plus_n_early, n, T_EVALUATE)
-  `DF_VAT(plus_n, plus_n_early, T_BETTER)
+  `DF_VAT(evaluated_n, plus_n_early, T_EVALUATED)
+  `DF_VAT(plus_n, evaluated_n, T_BETTER)
   `DF_IN(plus_g, plus_g_now, T_EVALUATED)
   `DF_VIN(plus_y, plus_y_now, T_EVALUATED)
   `DF_IN(minus_g, minus_g_now, T_EVALUATED)
@@ -360,6 +365,10 @@ module cylinder_pair #(
       best_n_mem[`SLOT(T_BEST)] <= best_n;
       best_slope_mem[`SLOT(T_BEST)] <= best_slope;
     end
+    if (witness_end) begin
+      best_g_mem[now_q] <= witness_g;
+      best_n_mem[now_q] <= witness_n;
+    end
     if (`PASS_PHASE(pass_slope) == `PHASE_SAMPLE) begin
       last_slope_mem[`SLOT(T_SLOPE)] <= slope;
       back_slope_mem[`SLOT(T_SLOPE)] <= minus_slope;
@@ -418,6 +427,11 @@ module cylinder_pair #(
       lo_n_mem[`SLOT(T_STEPPED)] <= new_lo_n;
       lo_y_mem[`SLOT(T_STEPPED)] <= new_lo_y;
     end
+    if (witness_end) begin
+      next_mem[now_q] <= witness_next;
+      lo_n_mem[now_q] <= witness_from;
+      lo_y_mem[now_q] <= witness_move;
+    end
     if (on_circle) begin
       hi_n_mem[`SLOT(T_STEPPED)] <= circle_hi_n;
       hi_y_mem[`SLOT(T_STEPPED)] <= circle_hi_y;
@@ -426,28 +440,34 @@ module cylinder_pair #(
   end
 
   // ---- Witness points ----
-  localparam int T_witness_early = T_EVALUATED + `LATENCY_CYLINDER_WITNESS;
-  localparam int T_witness_w_early = T_witness_early, T_witness_off_early = T_witness_early;
-  `DF_VECTOR witness_early, witness_w_early;
-  `DF_SCALAR witness_off_early;
+  localparam int T_WITNESS = T_EVALUATED + `LATENCY_CYLINDER_WITNESS;
+  localparam int T_found_q = T_WITNESS, T_found_w = T_WITNESS, T_found_off = T_WITNESS, T_found_g = T_WITNESS, T_found_n = T_WITNESS;
+  localparam int T_found_from = T_WITNESS, T_found_move = T_WITNESS, T_found_next = T_WITNESS;
+  `DF_VECTOR found_q, found_w, found_n, found_from, found_move, found_next;
+  `DF_SCALAR found_off, found_g;
   cylinder_witness #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) witness (
       .clk_i, .pass_i(pass_mem[`SLOT(T_EVALUATED)]), .axis_i(axes_witness), .half_i(`OPERAND3(A_HALF, T_EVALUATED)),
       .radius_i(`OPERAND(A_RADIUS, T_EVALUATED)), .edge_i(`OPERAND9(A_REACH, T_EVALUATED)), .face_i(face_witness),
       .d_i(`OPERAND3(D, T_EVALUATED)), .b_i(`OPERAND3(B, T_EVALUATED)), .b_half_i(`OPERAND(B_HALF, T_EVALUATED)),
-      .b_radius_i(`OPERAND(B_RADIUS, T_EVALUATED)), .g_i(best_g_mem[`SLOT(T_EVALUATED)]), .n_i(best_n_mem[`SLOT(T_EVALUATED)]),
-      .y_i(plus_y_now), .a_side_i(a_side), .b_side_i(b_side), .b_along_i(b_along), .pa_i(pa), .q_i(q_mem[`SLOT(T_EVALUATED)]),
-      .w_i(witness_mem[`SLOT(T_EVALUATED)]), .off_i(off_mem[`SLOT(T_EVALUATED)]), .q_o(witness_early), .w_o(witness_w_early),
-      .off_o(witness_off_early));
-  `DF_VAT(witness_q, witness_early, T_END)
-  `DF_VAT(witness_w, witness_w_early, T_END)
-  `DF_AT(witness_off, witness_off_early, T_END)
+      .b_radius_i(`OPERAND(B_RADIUS, T_EVALUATED)), .a_reach_i(`OPERAND3(A_REACH, T_EVALUATED)), .b_reach_i(`OPERAND3(B_REACH, T_EVALUATED)),
+      .tried_n_i(evaluated_n), .tried_g_i(plus_g_now), .minus_g_i(minus_g_now), .y_i(plus_y_now), .a_kappa_i(a_kappa_now), .a_side_i(a_side),
+      .b_kappa_i(b_kappa_now), .b_side_i(b_side), .b_along_i(b_along), .pa_i(pa), .g_i(best_g_mem[`SLOT(T_EVALUATED)]),
+      .n_i(best_n_mem[`SLOT(T_EVALUATED)]), .q_i(q_mem[`SLOT(T_EVALUATED)]), .w_i(witness_mem[`SLOT(T_EVALUATED)]),
+      .off_i(off_mem[`SLOT(T_EVALUATED)]), .from_i(lo_n_mem[`SLOT(T_EVALUATED)]), .move_i(lo_y_mem[`SLOT(T_EVALUATED)]), .g_o(found_g),
+      .n_o(found_n), .q_o(found_q), .w_o(found_w), .off_o(found_off), .from_o(found_from), .move_o(found_move), .next_o(found_next));
+  `DF_VAT(witness_q, found_q, T_END)
+  `DF_VAT(witness_w, found_w, T_END)
+  `DF_AT(witness_off, found_off, T_END)
+  `DF_AT(witness_g, found_g, T_END)
+  `DF_VAT(witness_n, found_n, T_END)
+  `DF_VAT(witness_from, found_from, T_END)
+  `DF_VAT(witness_move, found_move, T_END)
+  `DF_VAT(witness_next, found_next, T_END)
   `DF_VAT(side_q, better_n, T_END)
-  logic [3:0] phase_end;
-  assign phase_end = `PASS_PHASE(pass_mem[now_q]);
   always_ff @(posedge clk_i) begin
     if (phase_end == `PHASE_SIDE) q_mem[now_q] <= side_q;
-    else if (phase_end == `PHASE_TOUCH || phase_end == `PHASE_PROJECT) q_mem[now_q] <= witness_q;
-    if (phase_end == `PHASE_TOUCH || phase_end == `PHASE_PROJECT) begin
+    else if (witness_end) q_mem[now_q] <= witness_q;
+    if (witness_end) begin
       witness_mem[now_q] <= witness_w;
       off_mem[now_q] <= witness_off;
     end
@@ -456,8 +476,8 @@ module cylinder_pair #(
   // ---- The way out; its stage times begin at the end of the last pass ----
   `undef DF_ON
   `define DF_ON leave
-  `DF_IN(s, best_g_mem[now_q], 0)
-  `DF_VIN(s_n, best_n_mem[now_q], 0)
+  `DF_IN(s, witness_g, 0)
+  `DF_VIN(s_n, witness_n, 0)
   `DF_VIN(q, witness_w, 0)
   `DF_VIN(origin, operand_mem[now_q][ORIGIN+:3], 0)
   `DF_CONST(one_half, `DF_POWER_OF_TWO(-1))

@@ -13,9 +13,7 @@ module cylinder_schedule #(
   /*verilator inline_module*/
   localparam bit CYLINDER = BODY == `BODY_CYLINDER;
   localparam logic [7:0] FRAMES = (BODY == `BODY_BOX) ? 3 : 4, VERTICES = (BODY == `BODY_BOX) ? 8 : 3;
-  // Witness points: touch and project between the features that n touches, then between the solids.
-  localparam logic [7:0] PROJECTIONS = 3, SOLID_PROJECTIONS = 7;
-  localparam logic [15:0] WITNESS = 16'd2 + 16'(PROJECTIONS) + 16'(SOLID_PROJECTIONS);
+  localparam logic [15:0] WITNESS = 16'd2 + 16'(`PROJECTIONS) + 16'(`WIDE_PROJECTIONS);
   logic [7:0] samples, circle, free, index, next_index;
   logic [3:0] phase, next_phase;
   logic [1:0] track, next_track;
@@ -24,7 +22,7 @@ module cylinder_schedule #(
   assign track = `PASS_TRACK(pass_i);
   assign index = `PASS_INDEX(pass_i);
   assign first_o = {10'd0, CYLINDER ? `PHASE_CENTRE : `PHASE_FRAME};
-  assign last_o = phase == `PHASE_PROJECT && track == 1 && index == SOLID_PROJECTIONS - 1;
+  assign last_o = phase == `PHASE_PROJECT && track == 1 && index == `WIDE_PROJECTIONS - 1;
   assign next_o = {next_index, next_track, next_phase};
   assign passes_o = CYLINDER ? 16'd14 + 2 * 16'(circle) + 3 * 16'(free) + WITNESS
       : 16'(FRAMES) + 16'd7 + 16'(VERTICES) + 3 * (16'(samples) + 16'(circle)) + WITNESS;
@@ -40,7 +38,7 @@ module cylinder_schedule #(
       `PHASE_SAMPLE: count = samples + 1;
       `PHASE_REFINE: count = circle;
       `PHASE_NEWTON: count = free;
-      `PHASE_PROJECT: count = (track == 0) ? PROJECTIONS : SOLID_PROJECTIONS;
+      `PHASE_PROJECT: count = (track == 0) ? `PROJECTIONS : `WIDE_PROJECTIONS;
       default: count = 1;
     endcase
   end

@@ -74,7 +74,7 @@ module polyhedron_front #(
   `DF_CONTROL(arc0, arc_now == 0, 0)
   `DF_CONTROL(arc1, arc_now == 1, 0)
   `DF_CONTROL(arc2, arc_now == 2, 0)
-  `DF_CONTROL(witness, phase == `PHASE_TOUCH || phase == `PHASE_PROJECT, 0)
+  `DF_CONTROL(witness, phase == `PHASE_TOUCH || (phase == `PHASE_PROJECT && !`PASS_TRIAL(pass_i)), 0)
   `DF_VIN(e, axis_i[track], 0)
   `DF_VIN(q, q_i, 0)
   `DF_VIN(d, d_i, 0)
@@ -111,7 +111,7 @@ module polyhedron_front #(
 
   // ---- Shared products ----
   logic searching;
-  assign searching = phase != `PHASE_TOUCH && phase != `PHASE_PROJECT;
+  assign searching = phase != `PHASE_TOUCH && (phase != `PHASE_PROJECT || `PASS_TRIAL(pass_i));
   `undef DF_ON
   `define DF_ON searching
   `DF_VSUB(w, v, d)

@@ -1,5 +1,5 @@
-// Nearest point of a solid cylinder, or of a line of its side where the mask says so: a round side and a plane that touches it part so
-// slowly that every projection merely halves the error. 19 add, 24 mul, 1 div, 1 sqrt, 3 min/max.
+// Nearest point of a solid cylinder, or where masks say so of the rim of a cap or of a line of its side: a round side and a plane that
+// touches it part so slowly that every projection merely halves the error. 19 add, 24 mul, 1 div, 1 sqrt, 3 min/max.
 // Latency: LATENCY_PROJECT_CYLINDER clocks from the later of x and c, the others are early; 0 with ARITH = "host". Throughput: one point a
 // lane a clock. Stall: none, runs free.
 `include "cylinder.svh"
@@ -7,6 +7,8 @@ module project_cylinder #(
     parameter int T_X = 0,  // stage times of the inputs
     parameter int T_C = 0,
     parameter int T_ALONGSIDE = 0,
+    parameter int T_END = 0,
+    parameter int T_RIM = 0,
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
@@ -27,6 +29,8 @@ module project_cylinder #(
     input logic [LANES-1:0][CW-1:0] radius_i,
     input logic [2:0][LANES-1:0][CW-1:0] side_i,  // from the axis to the line of the side
     input logic [LANES-1:0][CW-1:0] alongside_i,  // the side is that line instead of round
+    input logic [LANES-1:0][CW-1:0] end_i,  // height of a cap, whose rim alone is the cylinder
+    input logic [LANES-1:0][CW-1:0] rim_i,
     output logic [2:0][LANES-1:0][CW-1:0] r_o
 );
   /*verilator inline_module*/
@@ -39,17 +43,21 @@ module project_cylinder #(
   `DF_IN(radius, radius_i, 0)
   `DF_VIN(side, side_i, 0)
   `DF_IN(alongside, alongside_i, T_ALONGSIDE)
+  `DF_IN(cap, end_i, T_END)
+  `DF_IN(rim, rim_i, T_RIM)
   `DF_CONST(one, `DF_POWER_OF_TWO(0))
   `DF_VSUB(w, x, centre)
   `DF_CROSS(aw, a, w)
   `DF_CROSS(l, aw, a)
   `DF_DOT(height, a, w)
   `DF_NEG(minus_half, half)
-  `DF_CLAMP(z, height, minus_half, half)
+  `DF_CLAMP(between, height, minus_half, half)
+  `DF_SELECT(z, rim, cap, between)
   `DF_DOT(ll, l, l)
   `DF_SQRT(length, ll)
   `DF_DIV(ratio, radius, length)
-  `DF_MIN(f, one, ratio)
+  `DF_MIN(inward, one, ratio)
+  `DF_SELECT(f, rim, ratio, inward)
   `DF_VSCALE(round, l, f)
   `DF_VSELECT(across, alongside, side, round)
   `DF_VSCALE(axial, a, z)

@@ -1,12 +1,13 @@
 // Nearest point of the box around the origin, or of the triangle with v0 at the origin: of its plane if that lies inside, else of
-// an edge; an edge or a triangle without length or area is selected away by its NaN, and v0 remains. Or, if `feature` is set,
-// nearest point of the vertex, edge or face that n touches, up to 64 u radian.
+// an edge; an edge or a triangle without length or area is selected away by its NaN, and v0 remains. Or, where `feature` is set,
+// nearest point of the vertex, edge or face that n touches, up to `near` radian.
 // 18 add, 27 mul, 3 compare, 6 min/max (box); 80 add, 87 mul, 3 div, 11 compare, 7 min/max (triangle).
 // Latency: LATENCY_PROJECT clocks from x; 0 with ARITH = "host". Throughput: one point a lane a clock. Stall: none, runs free.
 `include "cylinder.svh"
 module project_polyhedron #(
     parameter int BODY = `BODY_BOX,
-    parameter int T_X = 0,  // stage time of x; the others have stage time 0
+    parameter int T_X = 0,  // stage time of x and feature; the others have stage time 0
+    parameter int T_FEATURE = 0,
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
@@ -25,7 +26,8 @@ module project_polyhedron #(
     input logic [2:0][LANES-1:0][CW-1:0] half_i,
     input logic [2:0][2:0][LANES-1:0][CW-1:0] edge_i,  // triangle: v1 - v0, v2 - v0, v2 - v1, unit normal
     input logic [2:0][LANES-1:0][CW-1:0] face_i,
-    input logic feature_i,
+    input logic [LANES-1:0][CW-1:0] feature_i,  // lane mask
+    input logic [LANES-1:0][CW-1:0] near_i,
     input logic [2:0][LANES-1:0][CW-1:0] n_i,
     output logic [2:0][LANES-1:0][CW-1:0] r_o
 );
@@ -35,9 +37,8 @@ module project_polyhedron #(
   `define ACROSS(K, AXIS) `DF_VIN(axis``K, AXIS, 0) `DF_DOT(tilt``K, n, axis``K) `DF_ABS(size``K, tilt``K)
   `DF_VIN(x, x_i, T_X)
   `DF_VIN(n, n_i, 0)
-  `DF_CONTROL(feature_on, feature_i, 0)
-  `DF_FILL(feature, feature_on)
-  `DF_CONST(across, `DF_POWER_OF_TWO(5 - MAN))
+  `DF_IN(feature, feature_i, T_FEATURE)
+  `DF_IN(across, near_i, 0)
   if (BODY == `BODY_BOX) begin : g_box
     logic unused;
     assign unused = &{1'b0, edge_i, face_i};
@@ -108,12 +109,18 @@ module project_polyhedron #(
     localparam int T_ends2 = T_first;
     `DF_SCALAR ends2;
     assign ends2 = first;
-    `define EDGE(K, AXIS) `ACROSS(K, AXIS) `DF_LE(level``K, size``K, across) `DF_OR(flat``K, level``K, solid) \
-      `DF_OR(ending``K, ends``K, solid) `DF_AND(allowed``K, flat``K, ending``K)
+    `define EDGE(K, AXIS) `ACROSS(K, AXIS) `DF_LE(level``K, size``K, across) `DF_OR(flat``K, level``K, solid)
     `EDGE(0, axis_i[0])
     `EDGE(1, axis_i[2])
     `EDGE(2, axis_i[1])
     `undef EDGE
+    `DF_AND(flat01, flat0, flat1)
+    `DF_AND(level_face, flat01, flat2)
+    `define ALLOWED(K) `DF_OR(ending``K, ends``K, level_face) `DF_AND(allowed``K, flat``K, ending``K)
+    `ALLOWED(0)
+    `ALLOWED(1)
+    `ALLOWED(2)
+    `undef ALLOWED
     `DF_AND(beyond_v0, first, feature)
     `DF_VSELECT(v1_or_v2, second, e2, e1)
     `DF_VSELECT(touched, beyond_v0, v1_or_v2, v0)
@@ -148,9 +155,7 @@ module project_polyhedron #(
     `DF_LE(left2, zero, side2)
     `DF_AND(left, left0, left2)
     `DF_AND(enclosed, left, right1)
-    `DF_AND(flat01, flat0, flat1)
-    `DF_AND(flat012, flat01, flat2)
-    `DF_AND(above_it, enclosed, flat012)
+    `DF_AND(above_it, enclosed, level_face)
     `DF_DOT(height, x, face)
     `DF_VSCALE(drop, face, height)
     `DF_VSUB(plane, x, drop)

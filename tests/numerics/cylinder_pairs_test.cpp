@@ -87,6 +87,7 @@ struct CaseSet {
   /// Of cylinder-cylinder, OBB-cylinder, triangle-cylinder.
   std::array<Tail, 3> at_default, at_largest;
   std::array<double, 3> off_witness;  ///< share of pairs with a witness point beyond tolP
+  std::array<double, 3> off_n;        ///< share of pairs clearly apart with n off by more than 1e-5
 };
 
 constexpr double kTolT = 16 * 0x1p-24;
@@ -101,7 +102,8 @@ const CaseSet kSets[] = {
      0.7,
      {kExact, kExact, kExact},
      {kExact, kExact, kExact},
-     {0.004, 0.0005, 0.0002}},
+     {0.0005, 0.0002, 0},
+     {}},
     {"directed families",
      6000,
      30000,
@@ -110,7 +112,8 @@ const CaseSet kSets[] = {
      0.9,
      {Tail{2e-6, 2, 0, 0}, kExact, Tail{1e-3, 1, 1, 0}},
      {Tail{2e-6, 2, 0, 0}, kExact, Tail{1e-3, 1, 1, 0}},
-     {0.006, 0.003, 0.003}},
+     {0.002, 0, 0.0005},
+     {}},
     {"near a cap axis",
      6000,
      30000,
@@ -119,7 +122,8 @@ const CaseSet kSets[] = {
      0.7,
      {kExact, kExact, kExact},
      {kExact, kExact, kExact},
-     {0.013, 0.006, 0.006}},
+     {0.005, 0, 0.0004},
+     {}},
     {"upright",
      18000,
      90000,
@@ -128,7 +132,8 @@ const CaseSet kSets[] = {
      0.7,
      {Tail{1.2e-6, 1, 0, 0}, kExact, Tail{2.4e-3, 4, 3, 0}},
      {kExact, kExact, Tail{2.4e-3, 3, 3, 0}},
-     {0.007, 0.002, 0.002}},
+     {0.0007, 0, 0.0003},
+     {0.006, 0.002, 0.0015}},
 };
 
 const Budget kBudgets[] = {{4, 0, 0}, {4, 2, 2}, {4, 3, 3},   {4, 4, 4},
@@ -170,6 +175,9 @@ class Survey {
   [[nodiscard]] const Row& row(std::size_t k) const { return rows_[k]; }
   [[nodiscard]] double meeting() const { return static_cast<double>(meet_) / count_; }
   [[nodiscard]] double off_witness() const { return static_cast<double>(beyond()) / count_; }
+  [[nodiscard]] double off_n() const {
+    return turned_.empty() ? 0 : static_cast<double>(beyond_n()) / turned_.size();
+  }
   /// Limits are those of the default count.
   [[nodiscard]] int share(int limit) const {
     return full() ? limit * set_.full_count / set_.count + 1 : limit;
@@ -180,6 +188,9 @@ class Survey {
   void judge_default(const oracle::Case& c, const oracle::Gap& gap, const Outcome<float>& outcome);
   [[nodiscard]] std::ptrdiff_t beyond() const {
     return std::count_if(off_.begin(), off_.end(), [](double x) { return x > 1; });
+  }
+  [[nodiscard]] std::ptrdiff_t beyond_n() const {
+    return std::count_if(turned_.begin(), turned_.end(), [](double x) { return x > 1e-5; });
   }
 
   oracle::Pair pair_;
@@ -239,9 +250,7 @@ void Survey::print() const {
               quantile(off_, 0.99), quantile(off_, 1), beyond(), count_);
   if (turned_.empty()) return;
   std::printf("  n off by p99 %.1e, at most %.1e; %td of %zu more than 1e-5\n",
-              quantile(turned_, 0.99), quantile(turned_, 1),
-              std::count_if(turned_.begin(), turned_.end(), [](double x) { return x > 1e-5; }),
-              turned_.size());
+              quantile(turned_, 0.99), quantile(turned_, 1), beyond_n(), turned_.size());
 }
 
 class CylinderPairs : public ::testing::TestWithParam<std::tuple<oracle::Pair, int>> {};
@@ -264,7 +273,10 @@ TEST_P(CylinderPairs, AgreeWithTheOracle) {
   const auto i = static_cast<std::size_t>(kind(pair));
   within(kDefault, set.at_default[i]);
   within(std::size(kBudgets) - 1, set.at_largest[i]);
-  EXPECT_LE(survey.off_witness(), set.off_witness[i]);
+  // Five times as many pairs hold a rare one where a few held none.
+  const double more = full() ? 0.0003 : 0;
+  EXPECT_LE(survey.off_witness(), set.off_witness[i] + more);
+  EXPECT_LE(survey.off_n(), set.off_n[i] + more);
 }
 
 std::string set_name(const ::testing::TestParamInfo<std::tuple<oracle::Pair, int>>& info) {
@@ -319,6 +331,40 @@ TEST(CylinderRegression, RimsThatMiss) {
   const Outcome<float> got = answer<float>(oracle::Pair::kCylinderCylinder, a, b, Budget{8, 8, 8});
   EXPECT_FALSE(got.f);
   EXPECT_NEAR(got.t, 1.851e-4, 1e-6);
+}
+
+/// Flat faces that touch in one point, which is CP but for s n/2: a triangle with a corner under a
+/// rim, and a side that ends there. Projections creep along the tangent.
+TEST(CylinderRegression, TriangleThatEndsUnderARim) {
+  const Triangle triangle{Eigen::Vector3f(3, -2, 2), Eigen::Vector3f(3, -6, 2),
+                          Eigen::Vector3f(-1, -2, 2)};
+  const Cylinder cylinder{Eigen::Vector3f(-1, 2, -3), Eigen::Vector3f(0, 0, 1), 1, 4};
+  const Outcome<float> got = reference::triangle_cylinder<float>(triangle, cylinder);
+  EXPECT_FALSE(got.f);
+  EXPECT_NEAR(got.t, 4, 1e-6);
+  EXPECT_NEAR((got.cp.cast<double>() - Vec(-1, -2, 0)).norm(), 0, 1e-5);
+}
+
+TEST(CylinderRegression, SideThatEndsUnderARim) {
+  const Cylinder lying{Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(0, -1, 0), 1, 1};
+  const Cylinder upright{Eigen::Vector3f(4, 1, 7), Eigen::Vector3f(0, 0, 1), 4, 4};
+  const Outcome<float> got = reference::cylinder_cylinder<float>(lying, upright);
+  EXPECT_FALSE(got.f);
+  EXPECT_NEAR(got.t, 2, 1e-6);
+  EXPECT_NEAR((got.cp.cast<double>() - Vec(0, 1, 2)).norm(), 0, 1e-5);
+}
+
+/// An edge beside a cylinder that leans a thousandth: over 2e-4 radian g is the same up to
+/// rounding, the direction between the nearest points is not.
+TEST(CylinderRegression, NormalWhereTheGapIsFlat) {
+  const std::vector<double> box = {0, 0, 0, 1, 2, 1, 0, 0, -1, 0, 1, 0, 1, 0, 0};
+  const std::vector<double> cylinder = {3, 6, 0, 0.000936599099f, 0.000456357229f, 0.999999464f,
+                                        4, 2};
+  const oracle::Case c{oracle::Pair::kObbCylinder, 0, 0, "leaning", box, cylinder};
+  const oracle::Gap exact = oracle::signed_gap(c.shape_a(), c.shape_b(), {1e-13, 1000000});
+  const Outcome<float> got = answer<float>(c.pair, c.a, c.b, {});
+  EXPECT_FALSE(got.f);
+  EXPECT_NEAR((got.n.cast<double>() - exact.n).norm(), 0, 2e-6);
 }
 
 // ---- Formats ----
@@ -487,8 +533,8 @@ const std::pair<const char*, std::map<std::string, std::string>> kOperators[] = 
       {"pole", "114 mul, 4 div, 4 sqrt, 48 add, 36 sub, 10 cmp, 2 min/max, depth 43"},
       {"start", "113 mul, 4 div, 5 sqrt, 49 add, 34 sub, 7 cmp, 5 min/max, depth 43"},
       {"newton", "113 mul, 4 div, 5 sqrt, 49 add, 34 sub, 8 cmp, 5 min/max, depth 43"},
-      {"touch", "125 mul, 4 div, 4 sqrt, 56 add, 55 sub, 6 cmp, 6 min/max, depth 33"},
-      {"project", "131 mul, 5 div, 4 sqrt, 61 add, 58 sub, 8 cmp, 6 min/max, depth 37"}}},
+      {"touch", "143 mul, 5 div, 4 sqrt, 67 add, 71 sub, 14 cmp, 8 min/max, depth 36"},
+      {"project", "149 mul, 6 div, 5 sqrt, 69 add, 71 sub, 15 cmp, 8 min/max, depth 55"}}},
     {"OBB-cylinder",
      {{"frame", "46 mul, 2 div, 2 sqrt, 30 add, 20 sub, 6 cmp, depth 18"},
       {"axis", "46 mul, 2 div, 2 sqrt, 30 add, 20 sub, 6 cmp, depth 18"},
@@ -496,8 +542,8 @@ const std::pair<const char*, std::map<std::string, std::string>> kOperators[] = 
       {"side", "56 mul, 2 div, 2 sqrt, 32 add, 23 sub, 7 cmp, depth 24"},
       {"sample", "95 mul, 2 div, 2 sqrt, 49 add, 32 sub, 12 cmp, 5 min/max, depth 38"},
       {"refine", "114 mul, 3 div, 2 sqrt, 55 add, 38 sub, 10 cmp, 3 min/max, depth 35"},
-      {"touch", "105 mul, 2 div, 2 sqrt, 66 add, 40 sub, 8 cmp, 9 min/max, depth 26"},
-      {"project", "111 mul, 3 div, 2 sqrt, 71 add, 43 sub, 10 cmp, 9 min/max, depth 31"}}},
+      {"touch", "119 mul, 3 div, 2 sqrt, 75 add, 56 sub, 13 cmp, 11 min/max, depth 32"},
+      {"project", "125 mul, 4 div, 3 sqrt, 77 add, 56 sub, 14 cmp, 11 min/max, depth 48"}}},
     {"triangle-cylinder",
      {{"frame", "64 mul, 2 div, 2 sqrt, 28 add, 23 sub, 14 cmp, 6 min/max, depth 18"},
       {"axis", "46 mul, 2 div, 2 sqrt, 22 add, 20 sub, 10 cmp, 6 min/max, depth 18"},
@@ -505,8 +551,8 @@ const std::pair<const char*, std::map<std::string, std::string>> kOperators[] = 
       {"side", "56 mul, 2 div, 2 sqrt, 24 add, 23 sub, 11 cmp, 6 min/max, depth 24"},
       {"sample", "95 mul, 2 div, 2 sqrt, 41 add, 32 sub, 16 cmp, 11 min/max, depth 38"},
       {"refine", "114 mul, 3 div, 2 sqrt, 47 add, 38 sub, 14 cmp, 9 min/max, depth 35"},
-      {"touch", "165 mul, 5 div, 2 sqrt, 87 add, 73 sub, 20 cmp, 16 min/max, depth 32"},
-      {"project", "171 mul, 6 div, 2 sqrt, 92 add, 76 sub, 22 cmp, 16 min/max, depth 37"}}},
+      {"touch", "179 mul, 6 div, 2 sqrt, 96 add, 89 sub, 25 cmp, 18 min/max, depth 35"},
+      {"project", "185 mul, 7 div, 3 sqrt, 98 add, 89 sub, 26 cmp, 18 min/max, depth 54"}}},
 };
 
 TEST(CylinderOperators, AreThoseOfTheDocument) {

@@ -27,13 +27,16 @@ enum class Phase {
   kStart,    ///< free track: the normal beside it, or the best so far
   kNewton,   ///< free track: a step
   kTouch,    ///< the best normal again: witness points; track 0 by the features it touches
-  kProject,  ///< witness points: alternating projections; track 1 of the solids
+  kProject,  ///< witness points: alternating projections; track 1 of all it nearly touches
   kDone
 };
 
-/// Steps of alternating projection at the end, between the features that the normal touches and
-/// then between the solids.
-inline constexpr std::array<int, 2> kProjections = {3, 7};
+/// Steps of alternating projection at the end, between the features that the normal touches, then
+/// between those that it nearly touches; the last two of them between the solids.
+inline constexpr std::array<int, 2> kProjections = {4, 7};
+
+/// The one of the second steps from which on solids that are clearly apart stay where they are.
+inline constexpr int kUnshifted = kProjections[1] - 4;
 
 struct Pass {
   Phase phase;
