@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
     return app.exit(e) == 0 ? 0 : 2;
   } catch (const cde::Error& e) {
     say(fmt::format("cde: {}\n", e.what()));
-    return cde::exit_status(e.code());
+    return cde::exit_status(e);
   } catch (const std::exception& e) {
     say(fmt::format("cde: internal error: {}\n", e.what()));
     return 2;
