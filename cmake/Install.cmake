@@ -1,7 +1,16 @@
 # What `cmake --install` lays down: the library and headers, the cde command, the RTL and the bitstream builder (which
-# expects rtl/ beside verilator/), the default bitstreams, and the package for find_package(cde).
+# expects rtl/ beside verilator/), those of the default bitstreams that are built, and the package for find_package(cde).
+# It works from any state of the build: the library and the command are built if they are not, the bitstreams, minutes of
+# work that an installed cde does itself where it finds Verilator and clang, are not.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/cde)
+add_custom_target(cde_installed)
+add_dependencies(cde_installed cde cde_cli)
+install(CODE "
+  if(NOT EXISTS \"$<TARGET_FILE:cde>\" OR NOT EXISTS \"$<TARGET_FILE:cde_cli>\")
+    message(STATUS \"Not built yet: building the library and the command\")
+    execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${CMAKE_BINARY_DIR}\" --target cde_installed COMMAND_ERROR_IS_FATAL ANY)
+  endif()")
 
 install(TARGETS cde EXPORT cdeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS cde_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
@@ -13,7 +22,22 @@ install(FILES ${PROJECT_BINARY_DIR}/toolchain DESTINATION ${CMAKE_INSTALL_DATADI
 install(DIRECTORY ${PROJECT_BINARY_DIR}/share/ DESTINATION ${CMAKE_INSTALL_DATADIR})  # manual pages and completions
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 get_property(default_bitstreams GLOBAL PROPERTY CDE_DEFAULT_BITSTREAM_FILES)
-install(FILES ${default_bitstreams} DESTINATION ${CMAKE_INSTALL_LIBDIR}/cde/bitstreams)
+install(CODE "
+  foreach(file IN ITEMS \"${default_bitstreams}\")
+    cmake_path(GET file PARENT_PATH folder)
+    cmake_path(GET file FILENAME name)
+    execute_process(COMMAND sha256sum --status -c \"\${name}.sha256\" WORKING_DIRECTORY \"\${folder}\" RESULT_VARIABLE not_whole ERROR_QUIET)
+    if(not_whole)
+      list(APPEND left_out \"\${name}\")
+    else()
+      file(INSTALL \"\${file}\" \"\${file}.sha256\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/cde/bitstreams\")
+    endif()
+  endforeach()
+  if(left_out)
+    list(LENGTH left_out count)
+    message(STATUS \"Not installed, because not built: \${count} of the default bitstreams. The installed cde builds what it needs \"
+      \"on first use, with Verilator and clang; to install them, run `cmake --build ${PROJECT_BINARY_DIR}` first\")
+  endif()")
 
 install(EXPORT cdeTargets NAMESPACE cde:: DESTINATION ${package_dir})
 configure_package_config_file(cmake/cdeConfig.cmake.in ${PROJECT_BINARY_DIR}/cdeConfig.cmake INSTALL_DESTINATION ${package_dir})

@@ -10,65 +10,36 @@
 #include <algorithm>
 #include <bit>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <mutex>
 #include <optional>
+#include <set>
 
+#include "bitstream_folders.hpp"
+#include "build_progress.hpp"
 #include "cde/error.hpp"
-#include "cde/message.hpp"
 #include "process.hpp"
 #include "sanitizer.hpp"
+#include "sha256.hpp"
 
 namespace cde {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::optional<fs::path> from_environment(const char* name) {
-  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
-  if (value == nullptr || *value == '\0') return std::nullopt;
-  return fs::path(value);
+/// To stderr, which may be closed or full: that is no reason to end.
+void say(const std::string& message) {
+  std::fputs(message.c_str(), stderr);
 }
 
-/// The folder that holds rtl/ and verilator/: beside the program when it is installed, else the
-/// source tree the library was built from, else where it was configured to be installed.
-fs::path share_folder() {
-  if (auto path = from_environment("CDE_SHARE")) return *path;
-  std::error_code none;
-  const fs::path program = fs::read_symlink("/proc/self/exe", none);
-  const fs::path places[] = {program.parent_path().parent_path() / CDE_INSTALL_DATADIR / "cde",
-                             CDE_SOURCE_FOLDER,
-                             fs::path(CDE_INSTALL_PREFIX) / CDE_INSTALL_DATADIR / "cde"};
-  for (const fs::path& place : places) {
-    if (fs::exists(place / "verilator/bitstream", none)) return place;
-  }
-  throw Error(
-      ErrorCode::kBuild,
-      fmt::format("no verilator/bitstream in {}, {} or {}; set CDE_SHARE to the folder that "
-                  "holds verilator/ and rtl/",
-                  places[0].string(), places[1].string(), places[2].string()));
-}
-
-fs::path cache_folder() {
-  if (auto path = from_environment("CDE_CACHE")) return *path;
-  if (auto xdg = from_environment("XDG_CACHE_HOME")) return *xdg / "cde";
-  if (auto home = from_environment("HOME")) return *home / ".cache/cde";
-  return fs::temp_directory_path() / fmt::format("cde-{}", ::getuid());
-}
-
-/// Folders that may hold ready-made bitstreams: an installation's before those of the build the
-/// library comes from, the cache last.
-std::vector<fs::path> bitstream_folders() {
-  std::vector<fs::path> folders;
-  if (auto path = from_environment("CDE_BITSTREAMS")) folders.push_back(*path);
-  // share_folder() is PREFIX/share/cde in an installation.
-  folders.push_back(share_folder().parent_path().parent_path() / CDE_INSTALL_LIBDIR /
-                    "cde/bitstreams");
-  folders.emplace_back(CDE_BITSTREAM_FOLDER);
-  folders.push_back(cache_folder());
-  return folders;
+void say_once(const std::string& message) {
+  static std::mutex mutex;
+  static std::set<std::string> said;
+  const std::scoped_lock lock(mutex);
+  if (said.insert(message).second) say(message);
 }
 
 /// Whether the file is an ELF library that reaches to its end: loading one that is cut short would
@@ -93,6 +64,26 @@ std::string last_lines(std::string_view text, int lines) {
   return std::string(text.substr(begin + 1));
 }
 
+/// Beside a bitstream, written by its builder: comments, and a line as of sha256sum.
+fs::path checksum_file(const fs::path& file) {
+  return fs::path(file) += ".sha256";
+}
+
+/// What keeps a bitstream from being loaded; nothing if it is whole and nobody else's.
+std::optional<std::string> defect(const fs::path& file) {
+  if (auto why = folders::distrust(file)) return why;
+  std::ifstream in(checksum_file(file));
+  if (!in) return "has no checksum beside it";
+  std::string line;
+  while (std::getline(in, line) && line.starts_with('#')) {
+  }
+  const auto sum = sha256_of_file(file);
+  if (!sum) return fmt::format("cannot be read: {}", std::strerror(errno));
+  if (*sum != line.substr(0, line.find(' '))) return "is damaged: its checksum is another";
+  if (!intact(file)) return "is not a bitstream (cut short, or no shared library)";
+  return std::nullopt;
+}
+
 std::string joined(const std::string& kind, const std::vector<std::string>& parameters) {
   return fmt::format("{} {}", kind, fmt::join(parameters, " "));
 }
@@ -105,7 +96,7 @@ struct Key {
 Key key_of(const std::string& kind, const std::vector<std::string>& parameters) {
   std::vector<std::string> command = {bitstream_builder().string(), "hash", kind};
   command.insert(command.end(), parameters.begin(), parameters.end());
-  const process::Result result = process::run(command, true);
+  const process::Result result = process::run(command);
   unsigned long long hash = 0;
   char key[65] = {};
   if (result.status != 0 ||
@@ -116,14 +107,16 @@ Key key_of(const std::string& kind, const std::vector<std::string>& parameters) 
   return {hash, fmt::format("{}.so", key)};
 }
 
-/// Holds an exclusive lock on a file while it lives.
+/// Holds an exclusive lock on a file while it lives; says what it waits for.
 class FileLock {
  public:
-  explicit FileLock(const fs::path& path)
+  FileLock(const fs::path& path, const std::string& what)
       : fd_(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
     if (fd_ < 0) {
       throw Error(ErrorCode::kFile, fmt::format("{}: {}", path.string(), std::strerror(errno)));
     }
+    if (::flock(fd_, LOCK_EX | LOCK_NB) == 0) return;
+    say(fmt::format("cde: waiting for another process that builds bitstream {}\n", what));
     while (::flock(fd_, LOCK_EX) != 0 && errno == EINTR) {
     }
   }
@@ -138,41 +131,53 @@ class FileLock {
 /// Builds `file`, which the builder puts in place with a rename. The caller holds the lock.
 void build(const fs::path& file, const std::string& kind,
            const std::vector<std::string>& parameters) {
-  std::vector<std::string> command = {bitstream_builder().string(), "build", kind, file.string()};
+  std::vector<std::string> command = {bitstream_builder().string(), "attended", kind,
+                                      file.string()};
   command.insert(command.end(), parameters.begin(), parameters.end());
   const std::string what = joined(kind, parameters);
-  const bool terminal = ::isatty(STDERR_FILENO) != 0;
-  const char* const advice = "first use of this configuration, kept for the next time";
-  if (!terminal) say(fmt::format("cde: building bitstream {} ({})\n", what, advice));
-  const process::Result result =
-      process::run(command, true, [&](std::chrono::duration<double> elapsed) {
-        if (terminal) {
-          std::fputs(fmt::format("\rcde: building bitstream {} ({}) {:.0f} s ", what, advice,
-                                 elapsed.count())
-                         .c_str(),
-                     stderr);
-        }
-      });
-  if (terminal) say("\n");
+  BuildProgress progress(what);
+  const process::Result result = process::attend(
+      command,
+      [&](process::Seconds elapsed, std::string_view so_far) { progress(elapsed, so_far); });
+  progress.end(result.status == 0);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    if (result.status == 128 + signal)
+      throw Error(signal, fmt::format("building bitstream {} was ended: {}", what,
+                                      ::strsignal(signal)));  // NOLINT(concurrency-mt-unsafe)
+  }
   if (result.status != 0) {
-    throw Error(ErrorCode::kBuild, fmt::format("building bitstream {} failed:\n{}", what,
-                                               last_lines(result.output, 12)));
+    throw Error(ErrorCode::kBuild,
+                fmt::format("building bitstream {} failed:\n{}", what,
+                            last_lines(BuildProgress::without_phases(result.output), 12)));
   }
 }
 
-std::optional<fs::path> find_intact(const Key& key) {
-  for (const fs::path& folder : bitstream_folders()) {
-    if (intact(folder / key.file)) return folder / key.file;
+/// The file of a key in the folders that are asked, the cache last. What is there and not loaded is
+/// said.
+std::optional<fs::path> find_whole(const Key& key) {
+  std::vector<fs::path> places = folders::ready_made();
+  places.push_back(folders::cache());
+  for (const fs::path& folder : places) {
+    const fs::path file = folder / key.file;
+    std::error_code none;
+    if (!fs::exists(file, none)) continue;
+    if (const auto why = folders::distrust(folder)) {
+      say_once(fmt::format("cde: bitstream folder {} is refused: it {}\n", folder.string(), *why));
+    } else if (const auto what = defect(file)) {
+      say_once(fmt::format("cde: bitstream {} is not loaded: it {}\n", file.string(), *what));
+    } else {
+      return file;
+    }
   }
   return std::nullopt;
 }
 
 fs::path find_or_build(const Key& key, const std::string& kind,
                        const std::vector<std::string>& parameters) {
-  if (auto found = find_intact(key)) return *found;
+  if (auto found = find_whole(key)) return *found;
   fs::path file = bitstream_cache() / key.file;
-  const FileLock lock(fs::path(file).replace_extension(".lock"));
-  if (auto found = find_intact(key)) return *found;  // another process was first
+  const FileLock lock(fs::path(file).replace_extension(".lock"), joined(kind, parameters));
+  if (auto found = find_whole(key)) return *found;  // another process was first
   build(file, kind, parameters);
   return file;
 }
@@ -256,18 +261,11 @@ std::vector<std::string> BoardConfig::parameters() const {
 }
 
 fs::path bitstream_cache() {
-  fs::path folder = cache_folder();
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) {
-    throw Error(ErrorCode::kFile, fmt::format("bitstream cache {}: {} (CDE_CACHE names another)",
-                                              folder.string(), error.message()));
-  }
-  return folder;
+  return folders::make_cache();
 }
 
 fs::path bitstream_builder() {
-  return share_folder() / "verilator/bitstream";
+  return folders::share() / "verilator/bitstream";
 }
 
 fs::path bitstream_path(const std::string& kind, const std::vector<std::string>& parameters) {
@@ -276,8 +274,8 @@ fs::path bitstream_path(const std::string& kind, const std::vector<std::string>&
 
 BitstreamFile bitstream_file(const std::string& kind, const std::vector<std::string>& parameters) {
   const Key key = key_of(kind, parameters);
-  if (auto found = find_intact(key)) return {*found, true};
-  return {cache_folder() / key.file, false};
+  if (auto found = find_whole(key)) return {*found, true};
+  return {folders::cache() / key.file, false};
 }
 
 std::uint64_t bitstream_hash(const std::string& kind, const std::vector<std::string>& parameters) {
@@ -288,13 +286,13 @@ Bitstream Bitstream::open(const std::string& kind, const std::vector<std::string
   const Key key = key_of(kind, parameters);
   const fs::path file = find_or_build(key, kind, parameters);
   try {
-    return load(file, key.config_hash);
+    return link(file, key.config_hash);
   } catch (const Error&) {
     // Damaged in a way that only the loader sees. A file in the cache is ours to replace.
     const fs::path cached = bitstream_cache() / key.file;
-    const FileLock lock(fs::path(cached).replace_extension(".lock"));
+    const FileLock lock(fs::path(cached).replace_extension(".lock"), joined(kind, parameters));
     build(cached, kind, parameters);
-    return load(cached, key.config_hash);
+    return link(cached, key.config_hash);
   }
 }
 
@@ -304,6 +302,20 @@ Bitstream Bitstream::load(const fs::path& file, std::uint64_t config_hash) {
                 fmt::format("{} is not a bitstream (missing, cut short, or no shared library)",
                             file.string()));
   }
+  const fs::path whole = fs::absolute(file);
+  for (const fs::path& part : {whole.parent_path(), whole}) {
+    if (const auto why = folders::distrust(part))
+      throw Error(ErrorCode::kFile,
+                  fmt::format("{} is refused: {} {}", file.string(), part.string(), *why));
+  }
+  if (fs::exists(checksum_file(file))) {
+    if (const auto why = defect(file))
+      throw Error(ErrorCode::kConfiguration, fmt::format("{} {}", file.string(), *why));
+  }
+  return link(file, config_hash);
+}
+
+Bitstream Bitstream::link(const fs::path& file, std::uint64_t config_hash) {
   Bitstream result;
   result.path_ = fs::absolute(file);
   result.config_hash_ = config_hash;

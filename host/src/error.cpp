@@ -14,4 +14,8 @@ int exit_status(ErrorCode code) noexcept {
   }
 }
 
+int exit_status(const Error& error) noexcept {
+  return error.code() == ErrorCode::kInterrupted ? 128 + error.signal() : exit_status(error.code());
+}
+
 }  // namespace cde

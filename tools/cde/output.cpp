@@ -21,9 +21,14 @@ extern "C" void remove_unfinished(int signal) {
   std::raise(signal);
 }
 
+/// A signal that was ignored when the program started (nohup, a shell's `&`) stays ignored.
+void handle(int signal, void (*handler)(int)) {
+  if (std::signal(signal, handler) == SIG_IGN) std::signal(signal, SIG_IGN);
+}
+
 void install_removal() {
   static const bool installed = [] {
-    for (const int signal : kSignals) std::signal(signal, remove_unfinished);
+    for (const int signal : kSignals) handle(signal, remove_unfinished);
     return true;
   }();
   (void)installed;
@@ -33,7 +38,7 @@ volatile std::sig_atomic_t noted = 0;
 
 extern "C" void note(int signal) {
   noted = signal;
-  for (const int other : kSignals) std::signal(other, remove_unfinished);
+  for (const int other : kSignals) handle(other, remove_unfinished);
 }
 
 /// Not by say(), which would show what moves the cursor.
@@ -50,11 +55,11 @@ void remove_unfinished_on_signals() {
 
 Interrupts::Interrupts() {
   install_removal();
-  for (const int signal : kSignals) std::signal(signal, note);
+  for (const int signal : kSignals) handle(signal, note);
 }
 
 Interrupts::~Interrupts() {
-  for (const int signal : kSignals) std::signal(signal, remove_unfinished);
+  for (const int signal : kSignals) handle(signal, remove_unfinished);
 }
 
 int Interrupts::signal() {

@@ -60,7 +60,7 @@ int exit_status_of(const std::function<int()>& work,
     return 2;
   } catch (const Error& e) {
     complain(e.what());
-    return exit_status(e.code());
+    return exit_status(e);
   } catch (const std::bad_alloc&) {
     complain("there is not enough memory for this");
     return 2;

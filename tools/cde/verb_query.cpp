@@ -378,27 +378,27 @@ class Query {
 
 nlohmann::ordered_json as_json(const Options& o, const PairConfig& config, const Totals& t) {
   nlohmann::ordered_json j = program_json();
-  j.update({
-      {"pair", o.pair},
-      {"algorithm",
-       o.pair == "ray-triangle" ? nlohmann::ordered_json(o.algorithm) : nlohmann::ordered_json()},
-      {"box", config.pair == Pair::kRayTriangle ? nlohmann::ordered_json(config.box)
-                                                : nlohmann::ordered_json()},
-      {"half_space", o.half_space},
-      {"format", o.format},
-      {"arithmetic", o.arithmetic},
-      {"lanes", config.lanes},
-      {"facet_interval", o.facet_interval},
-      {"budget", o.budget.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(o.budget)},
-      {"pairs", t.pairs},
-      {"hits", t.hits},
-      {"bad_pairs", t.bad},
-      {"malformed_lines", t.malformed},
-      {"device_cycles", t.clocks},
-      {"simulation_seconds", t.simulation_seconds},
-      {"checked", o.check},
-      {"pairs_compared", t.compared},
-      {"pairs_matching", t.compared}});
+  j.update(
+      {{"pair", o.pair},
+       {"algorithm",
+        o.pair == "ray-triangle" ? nlohmann::ordered_json(o.algorithm) : nlohmann::ordered_json()},
+       {"box", config.pair == Pair::kRayTriangle ? nlohmann::ordered_json(config.box)
+                                                 : nlohmann::ordered_json()},
+       {"half_space", o.half_space},
+       {"format", o.format},
+       {"arithmetic", o.arithmetic},
+       {"lanes", config.lanes},
+       {"facet_interval", o.facet_interval},
+       {"budget", o.budget.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(o.budget)},
+       {"pairs", t.pairs},
+       {"hits", t.hits},
+       {"bad_pairs", t.bad},
+       {"malformed_lines", t.malformed},
+       {"device_cycles", t.clocks},
+       {"simulation_seconds", t.simulation_seconds},
+       {"checked", o.check},
+       {"pairs_compared", t.compared},
+       {"pairs_matching", t.compared}});
   return j;
 }
 

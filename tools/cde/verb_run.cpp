@@ -213,7 +213,7 @@ class Run {
   }
 
   void play(const Plan& plan) {
-    const Interrupts interrupts;
+    std::optional<Interrupts> interrupts;  // once there is a card: building one ends at a signal
     Progress bar("playing", o_.quiet);
     std::optional<OutputFile> waves;
     if (!o_.trace.empty()) waves.emplace(o_.trace, OutputFile::Use::kByName);
@@ -228,6 +228,7 @@ class Run {
                        if (Interrupts::signal() != 0) throw Stopped();
                        bar((frame - frames_.first + share) / (frames_.last - frames_.first + 1.0));
                      }});
+      interrupts.emplace();
       json_["plan"]["bitstream"] = player.board().bitstream().string();
       json_["plan"]["built"] = true;
       json_.update(bitstream_json(player.board().bitstream(), player.board().config_hash()));

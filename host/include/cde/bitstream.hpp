@@ -59,12 +59,20 @@ struct BoardConfig {
 
 /// A loaded bitstream: one elaborated configuration as a shared library. Copies share the library.
 ///
-/// Bitstreams are called <cache key>.so, the key covering parameters, RTL, harness, tools and CPU.
-/// They are searched for in $CDE_BITSTREAMS, in the folders of the installation and of the build,
-/// and in the user's cache ($CDE_CACHE, else $XDG_CACHE_HOME/cde, else ~/.cache/cde). One that is
-/// nowhere, or whose file is damaged, is built into the cache by the script `verilator/bitstream`
-/// (of $CDE_SHARE, else of the installation or source tree): half a minute and more, with progress
-/// on stderr. Processes that want the same one wait for each other.
+/// Bitstreams are called <cache key>.so, the key covering parameters, RTL, harness, tools and CPU;
+/// <cache key>.so.sha256 beside it has its checksum. They are searched for in $CDE_BITSTREAMS, in
+/// the folder of the installation, or of the build where the program is not an installed one, and
+/// in the user's cache ($CDE_CACHE, else $XDG_CACHE_HOME/cde, else ~/.cache/cde, else
+/// /tmp/cde-UID). One that is nowhere, or whose file is damaged, is built into the cache by the
+/// script `verilator/bitstream` (of $CDE_SHARE, else of the installation or source tree): half a
+/// minute and more, with progress on stderr. Processes that want the same one wait for each other.
+/// While one is built, SIGINT, SIGTERM and SIGHUP end the build before they do what else they would
+/// (which is their handler's or the end of the process; error kInterrupted where the process goes
+/// on).
+///
+/// Folders and files that are loaded belong to the user or to root and can be written by nobody
+/// else; others are passed over with a message on stderr that names them, or, of the cache itself,
+/// error kFile.
 class Bitstream {
  public:
   /// `kind` is a top module, e.g. "board". Errors: kBuild with the builder's last lines (or what is
@@ -73,7 +81,8 @@ class Bitstream {
                                       const std::vector<std::string>& parameters);
 
   /// A file, of which nothing is assumed but that it is a shared library; its configuration hash is
-  /// taken as `config_hash`. Error kConfiguration if it cannot be loaded.
+  /// taken as `config_hash`. Errors: kConfiguration if it cannot be loaded, or is not what the
+  /// checksum beside it says; kFile if it, or its folder, can be written by somebody else.
   [[nodiscard]] static Bitstream load(const std::filesystem::path& file, std::uint64_t config_hash);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
@@ -86,6 +95,7 @@ class Bitstream {
 
  private:
   Bitstream() = default;
+  static Bitstream link(const std::filesystem::path& file, std::uint64_t config_hash);
   std::shared_ptr<void> library_;
   std::filesystem::path path_;
   std::uint64_t config_hash_ = 0;
@@ -110,7 +120,7 @@ struct BitstreamFile {
                                            const std::vector<std::string>& parameters);
 
 /// Folders for messages and `cde doctor`.
-[[nodiscard]] std::filesystem::path bitstream_cache();    ///< created if it does not exist; kFile
+[[nodiscard]] std::filesystem::path bitstream_cache();  ///< made, 0700, if it does not exist; kFile
 [[nodiscard]] std::filesystem::path bitstream_builder();  ///< the script; error kBuild if nowhere
 
 }  // namespace cde

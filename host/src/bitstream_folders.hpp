@@ -1,0 +1,29 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// Where bitstreams and their builder are, and whether they are anybody else's. Private to the
+/// library.
+namespace cde::folders {
+
+/// Why code of this file or folder is not to run here: it belongs to somebody who is neither root
+/// nor this user, or others may write it. None if it may run, or is not there.
+[[nodiscard]] std::optional<std::string> distrust(const std::filesystem::path& path);
+
+/// Holds rtl/ and verilator/: $CDE_SHARE, the installation's, or the source tree. Error kBuild if
+/// there is none, kFile if its builder is somebody else's.
+[[nodiscard]] std::filesystem::path share();
+
+/// Folders that may hold ready-made bitstreams, in the order in which they are asked: that of
+/// $CDE_BITSTREAMS, and that of the installation or that of the build, whichever runs.
+[[nodiscard]] std::vector<std::filesystem::path> ready_made();
+
+/// The user's cache, whether or not it is there. Error kFile if no place for it is known.
+[[nodiscard]] std::filesystem::path cache();
+
+/// The same, made if need be, for its owner alone. Error kFile if it cannot be, or is not trusted.
+[[nodiscard]] std::filesystem::path make_cache();
+
+}  // namespace cde::folders

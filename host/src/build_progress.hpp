@@ -1,0 +1,26 @@
+#pragma once
+#include <chrono>
+#include <string>
+#include <string_view>
+
+namespace cde {
+
+/// Tells on stderr that a bitstream is built, in which phase, and for how long: a line that is
+/// rewritten on a terminal, else a line as each phase begins. Private to the library.
+class BuildProgress {
+ public:
+  explicit BuildProgress(std::string what);
+  /// With what the builder has printed so far.
+  void operator()(std::chrono::duration<double> elapsed, std::string_view printed);
+  void end(bool built);
+
+  /// What the builder printed, without the lines that tell its phases.
+  [[nodiscard]] static std::string without_phases(std::string_view printed);
+
+ private:
+  std::string what_, phase_;
+  bool terminal_;
+  std::chrono::duration<double> elapsed_{};
+};
+
+}  // namespace cde
