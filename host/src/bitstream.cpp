@@ -17,6 +17,7 @@
 #include <optional>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "process.hpp"
 #include "sanitizer.hpp"
 
@@ -142,16 +143,17 @@ void build(const fs::path& file, const std::string& kind,
   const std::string what = joined(kind, parameters);
   const bool terminal = ::isatty(STDERR_FILENO) != 0;
   const char* const advice = "first use of this configuration, kept for the next time";
-  if (!terminal) fmt::print(stderr, "cde: building bitstream {} ({})\n", what, advice);
+  if (!terminal) say(fmt::format("cde: building bitstream {} ({})\n", what, advice));
   const process::Result result =
       process::run(command, true, [&](std::chrono::duration<double> elapsed) {
         if (terminal) {
-          fmt::print(stderr, "\rcde: building bitstream {} ({}) {:.0f} s ", what, advice,
-                     elapsed.count());
-          std::fflush(stderr);
+          std::fputs(fmt::format("\rcde: building bitstream {} ({}) {:.0f} s ", what, advice,
+                                 elapsed.count())
+                         .c_str(),
+                     stderr);
         }
       });
-  if (terminal) fmt::print(stderr, "\n");
+  if (terminal) say("\n");
   if (result.status != 0) {
     throw Error(ErrorCode::kBuild, fmt::format("building bitstream {} failed:\n{}", what,
                                                last_lines(result.output, 12)));

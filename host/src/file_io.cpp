@@ -5,12 +5,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <vector>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 
 namespace cde::file_io {
 namespace {
@@ -24,33 +24,17 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   [[nodiscard]] int get() const { return fd_; }
-  /// Closes now and says whether that went well: some file systems report a full disk only here.
-  [[nodiscard]] bool close() {
-    const int fd = fd_;
-    fd_ = -1;
-    return ::close(fd) == 0;
-  }
 
  private:
   int fd_;
 };
 
 [[noreturn]] void fail(const std::filesystem::path& path, std::string_view what) {
-  throw Error(ErrorCode::kFile, fmt::format("{}: {}", path.string(), what));
+  throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(path.string()), what));
 }
 
 [[noreturn]] void fail_errno(const std::filesystem::path& path, std::string_view what) {
   fail(path, fmt::format("{}: {}", what, std::strerror(errno)));
-}
-
-bool write_all(int fd, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t n = ::write(fd, bytes.data(), bytes.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    bytes.remove_prefix(static_cast<std::size_t>(n));
-  }
-  return true;
 }
 
 }  // namespace
@@ -82,22 +66,6 @@ std::string read(const std::filesystem::path& path) {
     if (n < 0) fail_errno(path, "cannot be read");
     if (n == 0) return bytes;
     bytes.append(block.data(), static_cast<std::size_t>(n));
-  }
-}
-
-void write_atomically(const std::filesystem::path& path, std::string_view bytes) {
-  if (std::filesystem::is_directory(path)) fail(path, "is a directory");
-  static std::atomic<unsigned> serial{0};
-  const std::string temporary = fmt::format("{}.tmp-{}-{}", path.string(), ::getpid(), serial++);
-  Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-  if (file.get() < 0) fail_errno(path, "cannot be written");
-  const bool good = write_all(file.get(), bytes) && file.close() &&
-                    ::rename(temporary.c_str(), path.c_str()) == 0;
-  if (!good) {
-    const int why = errno;
-    ::unlink(temporary.c_str());
-    errno = why;
-    fail_errno(path, "cannot be written");
   }
 }
 

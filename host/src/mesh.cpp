@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "cde/error.hpp"
+#include "cde/output_file.hpp"
 #include "cde/terrain.hpp"
 #include "file_io.hpp"
 #include "mesh_readers.hpp"
@@ -187,9 +188,9 @@ void save_mesh(const Mesh& mesh, const std::filesystem::path& path) {
     throw Error(ErrorCode::kCapacity,
                 fmt::format("{}: more than {} vertices or faces", path.string(), kMost));
   }
-  if (extension == ".obj") return file_io::write_atomically(path, to_obj(mesh));
-  if (extension == ".ply") return file_io::write_atomically(path, to_ply(mesh));
-  if (extension == ".stl") return file_io::write_atomically(path, to_stl(mesh));
+  if (extension == ".obj") return write_file(path, to_obj(mesh));
+  if (extension == ".ply") return write_file(path, to_ply(mesh));
+  if (extension == ".stl") return write_file(path, to_stl(mesh));
   throw Error(ErrorCode::kUsage,
               fmt::format("{}: meshes are written as .obj, .ply or .stl", path.string()));
 }

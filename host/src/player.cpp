@@ -41,6 +41,20 @@ std::string words_of(const Shapes& shapes, std::size_t i) {
       shapes);
 }
 
+/// A command that asks a pair of the same pipe alone.
+std::string question(const SceneQuery& query, const SceneCard& card, const std::string& primary,
+                     const std::string& secondary) {
+  std::string options = fmt::format("cde query {}", name(query.pair));
+  if (query.pair == Pair::kRayTriangle)
+    options += fmt::format(" --algorithm {}{}", name(card.algorithm), card.box ? "" : " --no-box");
+  if (card.arithmetic == Arithmetic::kRtl) options += " --arith rtl";
+  if (has_budget(query.pair))
+    options += fmt::format(" --budget {},{},{}", query.budget.samples, query.budget.circle,
+                           query.budget.free);
+  return fmt::format("echo '{} | {}' | {}", query.swap ? secondary : primary,
+                     query.swap ? primary : secondary, options);
+}
+
 /// Some of the shapes.
 Shapes picked(const Shapes& shapes, const std::vector<std::uint32_t>& numbers) {
   return std::visit(
@@ -58,7 +72,9 @@ class PassCheck {
  public:
   PassCheck(const SceneQuery& query, const SceneCard& card, const Shapes& primaries,
             std::vector<std::uint32_t> numbers, const Shapes& secondaries)
-      : primaries_(primaries),
+      : query_(query),
+        card_(card),
+        primaries_(primaries),
         secondaries_(secondaries),
         numbers_(std::move(numbers)),
         pass_({.pair = query.pair,
@@ -96,11 +112,17 @@ class PassCheck {
     if (primary < size(primaries_))
       message += fmt::format("  primary {}: {}\n", primary, words_of(primaries_, primary));
     for (const Record* r : {card, expected}) {
-      if (r != nullptr && r->index < size(secondaries_))
-        message += fmt::format("  secondary {}: {}\n", r->index, words_of(secondaries_, r->index));
+      if (r == nullptr || r->index >= size(secondaries_)) continue;
+      const std::string secondary = words_of(secondaries_, r->index);
+      message += fmt::format("  secondary {}: {}\n", r->index, secondary);
+      if (primary < size(primaries_))
+        message += fmt::format("  that pair: {}\n",
+                               question(query_, card_, words_of(primaries_, primary), secondary));
     }
   }
 
+  const SceneQuery& query_;
+  const SceneCard& card_;
   const Shapes& primaries_;
   const Shapes& secondaries_;
   std::vector<std::uint32_t> numbers_;

@@ -5,7 +5,7 @@
 
 #include "cde/error.hpp"
 #include "cde/image.hpp"
-#include "file_io.hpp"
+#include "cde/output_file.hpp"
 
 namespace cde {
 namespace {
@@ -64,12 +64,12 @@ std::string png_bytes(const Image& image) {
 }
 
 void write_png(const Image& image, const std::filesystem::path& path) {
-  file_io::write_atomically(path, png_bytes(image));
+  write_file(path, png_bytes(image));
 }
 
 void write_png(const GreyImage& image, const std::filesystem::path& path) {
-  file_io::write_atomically(path, encoded(image.pixels.data(), image.pixels.size(), image.size,
-                                          {16, PNG_COLOR_TYPE_GRAY, 2}));
+  write_file(path, encoded(image.pixels.data(), image.pixels.size(), image.size,
+                           {16, PNG_COLOR_TYPE_GRAY, 2}));
 }
 
 }  // namespace cde

@@ -234,12 +234,13 @@ std::vector<Triangle> triangles_of(const Mesh& mesh) {
   return triangles;
 }
 
-Mesh read_mesh(Table& t, const std::filesystem::path& folder) {
+Mesh read_mesh(Table& t, const std::filesystem::path& folder, std::filesystem::path& file) {
   const std::string spec = t.text("mesh");
   const bool builtin = spec == "terrain" || spec.starts_with("terrain:");
   const double scale = t.number("scale", 1.0, kPositive);
   try {
-    Mesh mesh = builtin ? load_mesh_or_builtin(spec) : load_mesh(folder / spec);
+    if (!builtin) file = folder / spec;
+    Mesh mesh = builtin ? load_mesh_or_builtin(spec) : load_mesh(file);
     for (Eigen::Vector3f& v : mesh.vertices) v = (v.cast<double>() * scale).cast<float>();
     check(mesh, mesh.name);
     if (const auto why = out_of_range(mesh, mesh.name)) throw Error(ErrorCode::kBadInput, *why);
@@ -278,7 +279,7 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
   const std::string source = t.one_of(sources);
   const char* key = source.c_str();
   if (source == "mesh") {
-    Mesh mesh = read_mesh(t, folder);
+    Mesh mesh = read_mesh(t, folder, object.file);
     object.source = fmt::format("{}, {} triangles", mesh.name, mesh.faces.size());
     object.shapes = triangles_of(mesh);
     if (auto deform = t.table("deform")) {
@@ -296,8 +297,9 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
                                 object.rays->redraw ? " a frame" : "", object.rays->seed);
   } else if (source == "rays_csv") {
     const std::string file = t.text(key);
+    object.file = folder / file;
     try {
-      object.shapes = read_rays_csv(folder / file);
+      object.shapes = read_rays_csv(object.file);
     } catch (const Error& e) {
       t.fail(e.code(), key, e.what());
     }

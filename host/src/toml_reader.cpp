@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cde/message.hpp"
 #include "text.hpp"
 
 namespace cde::toml_reader {
@@ -83,7 +84,7 @@ void Table::fail_at(ErrorCode code, const toml::source_position& at, const char*
                     const std::string& why) const {
   const std::string path = this->path(key);
   throw Error(code, fmt::format("{}:{}:{}: {}{}{}", *file_, at.line, at.column, path,
-                                path.empty() ? "" : ": ", why));
+                                path.empty() ? "" : ": ", printable_name(why)));
 }
 
 void Table::fail(ErrorCode code, const char* key, const std::string& why) const {

@@ -88,6 +88,29 @@ TEST_F(Query, AnswersInOrderWhateverTheSpelling) {
   EXPECT_NE(ran.err.find("4 of 4 answers match the reference"), std::string::npos) << ran.err;
 }
 
+/// As tests and `cde run` print a pair.
+TEST_F(Query, ABarBetweenAAndB) {
+  const Ran ran = query({"sphere-sphere", "-q"},
+                        "0,0,0,1 | 1.5,0,0,1\n"
+                        "0x00000000 0x00000000 0x00000000 0x3f800000 | 0x3fc00000 0 0 1\n"
+                        "0,0,0,1|1.5,0,0,1\n"
+                        "0,0,0 | 1,1.5,0,0,1\n"
+                        "0,0,0,1 | 1.5,0 | 0,1\n");
+  const std::string answer = "1,0.5,0.75,0,0,1,0,0,\n",
+                    none = "0,nan,nan,nan,nan,nan,nan,nan,malformed\n";
+  EXPECT_EQ(ran.out, kHeader + answer + answer + answer + none + none);
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_EQ(ran.err.find("cde: line 4: 3 words before the |, of 8 in all; A has 4\n"
+                         "cde: line 5, word 7: "),
+            0u)
+      << ran.err;
+  const Ran ray = query({"ray-triangle", "-q"},
+                        "0,0,2,0,0,-1 | -1,-1,0,1,-1,0,0,1,0\n"
+                        "0,0,2,0,0,-1,0,1 | -1,-1,0,1,-1,0,0,1,0\n");
+  EXPECT_EQ(ray.status, 0) << ray.err;
+  EXPECT_EQ(ray.out, kHeader + "1,2,0,0,0,,,,\n0,inf,0,0,0,,,,\n");
+}
+
 TEST_F(Query, EmptyInputIsAnEmptyTable) {
   const Ran ran = query({"sphere-sphere", "-q"}, "");
   EXPECT_EQ(ran.status, 0);
@@ -266,7 +289,7 @@ TEST_F(Query, BudgetSetsTheWorkOfACylinderPair) {
     words.insert(words.end(), budget.begin(), budget.end());
     const Ran ran = query(words, pair);
     EXPECT_EQ(ran.status, 0) << ran.err;
-    const auto json = nlohmann::json::parse(lines_of(ran.err).back());
+    const auto json = nlohmann::json::parse(lines_of(ran.out).back());
     EXPECT_EQ(json["pairs_matching"], 1);
     return json["device_cycles"].get<int>();
   };
@@ -430,11 +453,11 @@ TEST_F(Query, FacetsOfLongWordsHaveOneLane) {
                         "0,0,0," + box + ",3.5,0,0," + box + "\n" +  //
                             "0,0,0," + box + ",1.5,0.25,0," + box + "\n");
   ASSERT_EQ(ran.status, 0) << ran.err;
-  const auto json = nlohmann::json::parse(lines_of(ran.err).back());
+  const auto json = nlohmann::json::parse(lines_of(ran.out).back());
   EXPECT_EQ(json["lanes"], 1) << "clang takes minutes to build more";
   EXPECT_EQ(json["pairs_matching"], 2);
   const auto lines = lines_of(ran.out);
-  ASSERT_EQ(lines.size(), 3u);
+  ASSERT_EQ(lines.size(), 4u) << "the last is the summary";
   EXPECT_TRUE(lines[1].starts_with("0,1.5,")) << lines[1];
   EXPECT_TRUE(lines[2].starts_with("1,0.5,")) << lines[2];
 }
@@ -464,10 +487,10 @@ TEST_F(Query, AMillionPairsInOrder) {
   std::string line;
   std::getline(lines, line);
   int i = 0;
-  for (; std::getline(lines, line); ++i)
+  for (; std::getline(lines, line) && !line.starts_with('{'); ++i)
     ASSERT_TRUE(line.starts_with(fmt::format("{},{},", i == 0 ? 1 : 0, i))) << i << ": " << line;
   EXPECT_EQ(i, kPairs);
-  const auto j = nlohmann::json::parse(lines_of(ran.err).back());
+  const auto j = nlohmann::json::parse(lines_of(ran.out).back());
   EXPECT_EQ(j["pair"], "sphere-sphere");
   EXPECT_EQ(j["format"], "fp32");
   EXPECT_EQ(j["pairs"], kPairs);

@@ -49,9 +49,18 @@ void Cli::TearDown() {
 
 pid_t Cli::start(const std::vector<std::string>& words,
                  const std::vector<std::string>& environment) {
+  return start_program(CDE_COMMAND, words, environment);
+}
+
+Ran Cli::shell(const std::string& script) {
+  return finish(start_program("/bin/bash", {"-c", script}, {"CDE=" + std::string(CDE_COMMAND)}));
+}
+
+pid_t Cli::start_program(const char* program, const std::vector<std::string>& words,
+                         const std::vector<std::string>& environment) {
   const pid_t child = ::fork();
   if (child != 0) return child;
-  std::vector<char*> argv = {const_cast<char*>(CDE_COMMAND)};
+  std::vector<char*> argv = {const_cast<char*>(program)};
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
   for (const std::string& change : environment) {

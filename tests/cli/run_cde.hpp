@@ -36,6 +36,8 @@ class Cli : public ::testing::Test {
   /// Runs `cde` with these words, and these NAME=VALUE added to the environment.
   [[nodiscard]] Ran cde(const std::vector<std::string>& words,
                         const std::vector<std::string>& environment = {});
+  /// Runs a script of bash, in which "$CDE" is the command.
+  [[nodiscard]] Ran shell(const std::string& script);
   /// Starts it and does not wait.
   [[nodiscard]] pid_t start(const std::vector<std::string>& words,
                             const std::vector<std::string>& environment = {});
@@ -55,6 +57,8 @@ class Cli : public ::testing::Test {
   std::filesystem::path folder_;
 
  private:
+  [[nodiscard]] pid_t start_program(const char* program, const std::vector<std::string>& words,
+                                    const std::vector<std::string>& environment);
   std::filesystem::path logs_;
 };
 

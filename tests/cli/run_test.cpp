@@ -375,7 +375,15 @@ TEST_F(RunScene, FaultyCardIsFoundOut) {
   EXPECT_EQ(j["played"].size(), 1u);
   EXPECT_GT(j["totals"]["mismatches"], 0);
   EXPECT_LT(j["totals"]["mismatches"], 300);
+  // The pair alone, in the wrong pipe and in the right one.
   std::smatch match;
+  ASSERT_TRUE(
+      std::regex_search(ran.err, match, std::regex("that pair: (echo .* \\| )cde (query .*)")))
+      << ran.err;
+  const std::string wrong_pipe = fmt::format("export {}; ", fmt::join(environment, " "));
+  const std::string alone = match[1].str() + "\"$CDE\" " + match[2].str() + " --lanes 1";
+  EXPECT_EQ(shell(wrong_pipe + alone).status, 3) << alone;
+  EXPECT_EQ(shell(alone).status, 0) << alone;
   ASSERT_TRUE(std::regex_search(ran.err, match, std::regex("repeat with: cde (.*)"))) << ran.err;
   std::istringstream words(match[1]);
   const Words again{std::istream_iterator<std::string>(words), {}};

@@ -66,6 +66,24 @@ expect 0 $'3F80ABCE 40000000 404055E7 00' '3f80abce 40000000\r\n' f32_add "${uni
 [[ $(printf '3F800000 40000000\n' | "$cde" fp f32_add "${unit[@]}" rtl | od -An -c | tr -d ' \n') == '3F800000400000004040000000\n' ]] ||
   { echo "cde fp: a line does not end with a line feed alone" >&2; failures=$((failures + 1)); }
 expect 2 "*operation 'f32_add_rx_minMag'*" '' f32_add_rx_minMag "${unit[@]}" host
+# As a coprocess: every line is answered while the pipe stays open, also one that comes in two parts.
+coproc FP { exec "$cde" fp f32_add "${unit[@]}" host; }
+answered=''
+for sum in '3F800000 40000000 40400000 00' '40000000 40000000 40800000 00'; do
+  read -r a b _ <<<"$sum"
+  printf '%s %s' "$a" "${b:0:3}" >&"${FP[1]}"
+  printf '%s\n' "${b:3}" >&"${FP[1]}"
+  read -r -t 60 answer <&"${FP[0]}" || answer='nothing'
+  [[ $answer == "$sum" ]] || answered+=" '$answer' for '$sum'"
+done
+pid=$FP_PID
+in=${FP[1]}
+exec {in}>&-
+wait "$pid"
+[[ -z $answered ]] || { echo "cde fp as a coprocess answers$answered" >&2; failures=$((failures + 1)); }
+# What stands before a bad line is answered, what comes after it is not.
+good=$(printf '3F800000 40000000\nx 1\n40000000 40000000\n' | "$cde" fp add "${unit[@]}" host 2>/dev/null) && failures=$((failures + 1))
+[[ $good == '3F800000 40000000 40400000 00' ]] || { echo "cde fp: before a bad line: '$good'" >&2; failures=$((failures + 1)); }
 expect 2 "*stdin line 2: operand 1 is not hexadecimal: 'x 1'*" '1 1\nx 1\n' add "${unit[@]}" host
 expect 2 "*stdin line 1: 2 operands wanted, 1 found*" '3F800000\n' add "${unit[@]}" host
 expect 2 "*stdin line 1: operand 2 has more than 32 bits*" '1 123456789\n' add "${unit[@]}" host

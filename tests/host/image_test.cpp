@@ -116,7 +116,7 @@ TEST(ImageTest, GreyPngKeepsSixteenBits) {
 TEST(ImageTest, WriteErrors) {
   const Folder folder;
   const Image image{{1, 1}, {{1, 2, 3}}};
-  expect_error(ErrorCode::kFile, "x.png: cannot be written: No such file",
+  expect_error(ErrorCode::kFile, "x.png: cannot create: No such file",
                [&] { write_png(image, folder / "no/x.png"); });
   expect_error(ErrorCode::kUsage, "2 x 2 with 1 pixels", [&] {
     write_png(Image{{2, 2}, image.pixels}, folder / "x.png");

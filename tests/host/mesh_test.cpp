@@ -239,10 +239,10 @@ TEST(MeshTest, SaveErrors) {
   const Mesh cube = load_mesh(small_mesh("cube.obj"));
   expect_error(ErrorCode::kUsage, "c.fbx: meshes are written as",
                [&] { save_mesh(cube, folder / "c.fbx"); });
-  expect_error(ErrorCode::kFile, "c.obj: cannot be written: No such file",
+  expect_error(ErrorCode::kFile, "c.obj: cannot create: No such file",
                [&] { save_mesh(cube, folder / "no/c.obj"); });
   std::filesystem::create_directory(folder / "d.obj");
-  expect_error(ErrorCode::kFile, "is a directory", [&] { save_mesh(cube, folder / "d.obj"); });
+  expect_error(ErrorCode::kFile, "Is a directory", [&] { save_mesh(cube, folder / "d.obj"); });
   expect_error(ErrorCode::kBadInput, "no triangles", [&] { save_mesh(Mesh{}, folder / "e.obj"); });
   EXPECT_EQ(folder.files(), 1u) << "a temporary file was left";
 }

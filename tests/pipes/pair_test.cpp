@@ -103,19 +103,29 @@ Operands operands(const PairConfig& config, std::size_t first, std::size_t count
   return o;
 }
 
+/// A command line that asks the pair of the same pipe.
 std::string describe(const PairConfig& config, const Operands& o, std::size_t i) {
-  std::string text = std::string(name(config.pair)) + " pair " + std::to_string(i) + ":";
+  std::string text = "echo '";
   const auto words = [&](const std::vector<std::uint64_t>& all, unsigned n) {
     for (unsigned k = 0; k < n; ++k) {
       char word[40];
-      std::snprintf(word, sizeof word, " 0x%0*llx", config.format.hex_digits(),
+      std::snprintf(word, sizeof word, "0x%0*llx ", config.format.hex_digits(),
                     static_cast<unsigned long long>(all[i * n + k]));
       text += word;
     }
   };
   words(o.a, primary_words(config.pair));
-  text += " |";
+  text += "| ";
   words(o.b, secondary_words(config.pair));
+  text += "' | cde query " + std::string(name(config.pair)) + " --format " + config.format.name() +
+          " --arith " + (config.arithmetic == cde::Arithmetic::kRtl ? "rtl" : "host") +
+          " --lanes " + std::to_string(config.lanes);
+  if (config.pair == Pair::kRayTriangle)
+    text += " --algorithm " + std::string(name(config.algorithm)) +
+            (config.box ? " --box" : " --no-box");
+  if (config.plane == cde::PlaneSide::kHalfSpace) text += " --half-space";
+  if (config.facet_interval != 1)
+    text += " --facet-interval " + std::to_string(config.facet_interval);
   return text;
 }
 
@@ -263,7 +273,7 @@ void PairPipe::compare(cde::PairUnit& unit, std::size_t first, std::size_t count
     bad_ += expected[i].bad;
     if (got[i] == expected[i]) continue;
     if (++wrong_ <= 3)
-      ADD_FAILURE() << "case " << first + i << ", " << describe(config, o, i) << "\n  pipe      "
+      ADD_FAILURE() << "case " << first + i << "\n  " << describe(config, o, i) << "\n  pipe      "
                     << describe(got[i]) << "\n  reference " << describe(expected[i]);
   }
   (void)unit.test(o.a, o.b, stalled, [this] { return gaps_() % 3 == 0 ? gaps_() % 4 : 0u; });

@@ -1,7 +1,7 @@
 #pragma once
 #include <nlohmann/json.hpp>
 
-/// Sections of `cde bench`: each measures, prints its table to stderr, and returns its figures.
+/// Sections of `cde bench`: each measures, shows its table (streams.hpp), and returns its figures.
 namespace cde::cli {
 
 struct BenchOptions {

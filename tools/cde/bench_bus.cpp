@@ -10,6 +10,7 @@
 #include "cde/camera.hpp"
 #include "cde/error.hpp"
 #include "cde/terrain.hpp"
+#include "streams.hpp"
 
 namespace cde::cli {
 namespace {
@@ -117,27 +118,26 @@ std::vector<Sweep> sweeps(const BenchOptions& o, std::uint32_t burst) {
 }
 
 void print_sweeps(const std::vector<Sweep>& all, std::uint32_t burst, const BenchOptions& o) {
-  fmt::print(stderr,
-             "\nbus: modelled MB/s of a transfer to the card and to the host, with the driver's "
-             "accesses\n{} bytes a burst, 64 bits at 66.67 MHz (533 MB/s), core {:g} MHz\n{:>10}",
-             burst, o.clock_hz / 1e6, "bytes");
+  show(
+      "\nbus: modelled MB/s of a transfer to the card and to the host, with the driver's "
+      "accesses\n{} bytes a burst, 64 bits at 66.67 MHz (533 MB/s), core {:g} MHz\n{:>10}",
+      burst, o.clock_hz / 1e6, "bytes");
   for (const Sweep& s : all)
-    fmt::print(stderr, " {:>22}", fmt::format("{} {}", s.host->name, name_of_bus(s.bus)));
-  fmt::print(stderr, "\n");
+    show(" {:>22}", fmt::format("{} {}", s.host->name, name_of_bus(s.bus)));
+  show("\n");
   for (std::size_t i = 0; i < kSizes.size(); ++i) {
-    fmt::print(stderr, "{:>10}", kSizes[i]);
+    show("{:>10}", kSizes[i]);
     for (const Sweep& s : all)
-      fmt::print(stderr, " {:>22}",
-                 fmt::format("{:.1f} {:.1f}", s.rates[i].up / 1e6, s.rates[i].down / 1e6));
-    fmt::print(stderr, "\n");
+      show(" {:>22}", fmt::format("{:.1f} {:.1f}", s.rates[i].up / 1e6, s.rates[i].down / 1e6));
+    show("\n");
   }
-  fmt::print(stderr, "{:>10}", "wall s");
-  for (const Sweep& s : all) fmt::print(stderr, " {:>22.3g}", s.wall_seconds);
-  fmt::print(stderr, "\n");
+  show("{:>10}", "wall s");
+  for (const Sweep& s : all) show(" {:>22.3g}", s.wall_seconds);
+  show("\n");
   for (const Sweep& s : all)
     if (s.host->name == "ideal")
-      fmt::print(stderr, "upload over ideal ({}) at 4 KiB bursts: {:.1f} % of 533 MB/s\n",
-                 name_of_bus(s.bus), 100 * s.rates.back().up / kPeak);
+      show("upload over ideal ({}) at 4 KiB bursts: {:.1f} % of 533 MB/s\n", name_of_bus(s.bus),
+           100 * s.rates.back().up / kPeak);
 }
 
 ordered_json json_of(const std::vector<Sweep>& all, std::uint32_t burst, const BenchOptions& o) {
@@ -188,12 +188,12 @@ Frame frame(Bus bus, unsigned lanes, Mode mode, const BenchOptions& o) {
 }
 
 ordered_json paper(const BenchOptions& o) {
-  fmt::print(stderr,
-             "\npaper profile: a frame of {} tests ({} triangles x {} rays), fp32, core {:g} MHz, "
-             "host p64-2001, 64 bits, 256-byte bursts; modelled ms\n{:<8} {:<11} {:>5} {:>8} "
-             "{:>8} {:>8} {:>10} {:>8} {:>9} {:>8}   wall s\n",
-             kFrameTriangles * kRays, kFrameTriangles, kRays, o.clock_hz / 1e6, "mode", "bus",
-             "lanes", "upload", "load", "engine", "write-back", "download", "registers", "total");
+  show(
+      "\npaper profile: a frame of {} tests ({} triangles x {} rays), fp32, core {:g} MHz, "
+      "host p64-2001, 64 bits, 256-byte bursts; modelled ms\n{:<8} {:<11} {:>5} {:>8} "
+      "{:>8} {:>8} {:>10} {:>8} {:>9} {:>8}   wall s\n",
+      kFrameTriangles * kRays, kFrameTriangles, kRays, o.clock_hz / 1e6, "mode", "bus", "lanes",
+      "upload", "load", "engine", "write-back", "download", "registers", "total");
   ordered_json rows = ordered_json::array();
   for (const auto& [mode, lanes] :
        {std::pair{Mode::kAll, 1u}, {Mode::kNearest, 1u}, {Mode::kNearest, 16u}})
@@ -203,11 +203,11 @@ ordered_json paper(const BenchOptions& o) {
       const ModelledTime& t = f.counters.time;
       const auto ms = [](std::uint64_t ps) { return static_cast<double>(ps) * 1e-9; };
       const std::uint64_t total = f.upload + t.total();
-      fmt::print(stderr,
-                 "{:<8} {:<11} {:>5} {:>8.3f} {:>8.3f} {:>8.3f} {:>10.3f} {:>8.3f} {:>9.3f} "
-                 "{:>8.3f} {:>8.3g}\n",
-                 name_of(mode), name_of_bus(bus), lanes, ms(f.upload), ms(t.load), ms(t.engine),
-                 ms(t.write_back), ms(t.download), ms(t.registers), ms(total), f.wall_seconds);
+      show(
+          "{:<8} {:<11} {:>5} {:>8.3f} {:>8.3f} {:>8.3f} {:>10.3f} {:>8.3f} {:>9.3f} "
+          "{:>8.3f} {:>8.3g}\n",
+          name_of(mode), name_of_bus(bus), lanes, ms(f.upload), ms(t.load), ms(t.engine),
+          ms(t.write_back), ms(t.download), ms(t.registers), ms(total), f.wall_seconds);
       rows.push_back({{"mode", name_of(mode)},
                       {"bus", name_of_bus(bus)},
                       {"lanes", lanes},
@@ -235,7 +235,7 @@ ordered_json bench_bus(const BenchOptions& o) {
   constexpr std::uint32_t kBurst = 4096;
   const std::vector<Sweep> all = sweeps(o, kBurst);
   print_sweeps(all, kBurst, o);
-  if (o.quick) fmt::print(stderr, "PCI signals and cards of one lane: skipped (--quick)\n");
+  if (o.quick) show("PCI signals and cards of one lane: skipped (--quick)\n");
   return {{"transfers", json_of(all, kBurst, o)}, {"paper", paper(o)}};
 }
 

@@ -15,6 +15,7 @@
 #include "cde/plan.hpp"
 #include "cde/reference.hpp"
 #include "cde/scene.hpp"
+#include "streams.hpp"
 
 namespace cde::cli {
 namespace {
@@ -211,12 +212,11 @@ class Card {
 
   void print() const {
     const std::optional<double> known = simulation_cost(variant_.effect);
-    fmt::print(stderr, "{:<28}{:>7.3f}{:>15}{:>9.3f}{:>12.4f}{:>10.2f}{:>11}{:>9}{:>9}\n",
-               variant_.name, slower(),
-               fmt::format("{:.2f} to {:.2f}", least(slower_), most(slower_)), median(slower_wall_),
-               median(wall_), 100 * bus(), counters_.cycles,
-               build_seconds_ ? fmt::format("{:.0f}", *build_seconds_) : "-",
-               known ? fmt::format("{:.1f}", *known) : "-");
+    show("{:<28}{:>7.3f}{:>15}{:>9.3f}{:>12.4f}{:>10.2f}{:>11}{:>9}{:>9}\n", variant_.name,
+         slower(), fmt::format("{:.2f} to {:.2f}", least(slower_), most(slower_)),
+         median(slower_wall_), median(wall_), 100 * bus(), counters_.cycles,
+         build_seconds_ ? fmt::format("{:.0f}", *build_seconds_) : "-",
+         known ? fmt::format("{:.1f}", *known) : "-");
   }
 
   [[nodiscard]] ordered_json json(double clock_hz) const {
@@ -281,7 +281,7 @@ std::vector<Card> open_cards(const BenchOptions& o, const Workload& w) {
 ordered_json promises(const std::vector<Card>& cards) {
   ordered_json list = ordered_json::array();
   const auto promise = [&](const char* what, const char* target, double figure, bool met) {
-    fmt::print(stderr, "{:<66} {:>8.3f}  {}: {}\n", what, figure, target, met ? "met" : "NOT met");
+    show("{:<66} {:>8.3f}  {}: {}\n", what, figure, target, met ? "met" : "NOT met");
     list.push_back({{"what", what}, {"target", target}, {"figure", figure}, {"met", met}});
   };
   for (const Card& c : cards) {
@@ -303,8 +303,7 @@ ordered_json bench_effects(const BenchOptions& o) {
   const Workload w = make_workload(o);
   const int rounds = o.quick ? 3 : 9;
   std::vector<Card> cards = open_cards(o, w);
-  fmt::print(
-      stderr,
+  show(
       "\n{} rays x {} triangles, nearest, {} lanes, fp32, one thread. The planned card: {}."
       "\nThe others are the planned card and one thing more. Times slower by processor time, "
       "and (wall) by wall time: medians of {} rounds, each beside the planned card in turn.\n"
@@ -321,10 +320,10 @@ ordered_json bench_effects(const BenchOptions& o) {
     c.print();
     list.push_back(c.json(o.clock_hz));
   }
-  fmt::print(stderr,
-             "bus: processor time of a frame (rays, registers, pass, records) over its pass alone, "
-             "fastest of each; "
-             "built: by this run\nall records of all frames are those of the reference\n");
+  show(
+      "bus: processor time of a frame (rays, registers, pass, records) over its pass alone, "
+      "fastest of each; "
+      "built: by this run\nall records of all frames are those of the reference\n");
   return {{"rays", w.rays.size()},
           {"triangles", w.triangles.size()},
           {"lanes", w.planned.lanes},

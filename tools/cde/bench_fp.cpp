@@ -6,6 +6,7 @@
 
 #include "bench.hpp"
 #include "cde/fp_unit.hpp"
+#include "streams.hpp"
 
 namespace cde::cli {
 namespace {
@@ -33,8 +34,7 @@ nlohmann::ordered_json bench_fp(const BenchOptions& o) {
   std::vector<const char*> formats = {"fp32"};
   if (o.full) formats = {"fp32", "fp16", "bf16", "tf32", "fp24", "fp64", "e4m3", "e3m2"};
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  fmt::print(
-      stderr,
+  show(
       "\ngate-level units alone, latency 1, no flags, one core, processor time\n{:<7}{:>6}{:>16}\n",
       "format", "lanes", "M operations/s");
   for (const char* name : formats) {
@@ -48,7 +48,7 @@ nlohmann::ordered_json bench_fp(const BenchOptions& o) {
       for (const int lanes : counts) {
         if (o.quick && operation.clock > 2) continue;
         const double rate = measure(format, operation, lanes, o.quick ? 0.2 : 1.0);
-        fmt::print(stderr, "{:<7}{:>6}{:>16.1f}  {}\n", name, lanes, rate / 1e6, operation.name);
+        show("{:<7}{:>6}{:>16.1f}  {}\n", name, lanes, rate / 1e6, operation.name);
         rows.push_back({{"format", name},
                         {"operation", operation.name},
                         {"arithmetic", "rtl"},

@@ -16,6 +16,7 @@
 #include "cde/fp_format.hpp"
 #include "cde/pair_unit.hpp"
 #include "cde/primitives.hpp"
+#include "streams.hpp"
 #include "verbs.hpp"
 
 namespace cde::cli {
@@ -200,10 +201,10 @@ nlohmann::ordered_json budgets_json(const std::vector<Priced>& rows, double cloc
   auto json = nlohmann::ordered_json::array();
   for (const Priced& r : rows) {
     const auto& [m, k1, k2] = r.budget;
-    fmt::print(stderr,
-               "  M {:>2} K1 {:>2} K2 {:>2}{:>17.3f}  {:.0f} clocks a row, short of the first by "
-               "{:.1e} (p99), {:.1e} (max)\n",
-               m, k1, k2, r.pairs_per_second / 1e6, r.clocks_per_row, r.p99, r.worst);
+    show(
+        "  M {:>2} K1 {:>2} K2 {:>2}{:>17.3f}  {:.0f} clocks a row, short of the first by "
+        "{:.1e} (p99), {:.1e} (max)\n",
+        m, k1, k2, r.pairs_per_second / 1e6, r.clocks_per_row, r.p99, r.worst);
     json.push_back({{"samples", m},
                     {"circle", k1},
                     {"free", k2},
@@ -268,14 +269,13 @@ nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm al
   const auto figure = [&](const char* form, auto of) {
     return card ? fmt::format(fmt::runtime(form), of(*card)) : std::string();
   };
-  fmt::print(
-      stderr, "{:<26}{:>12}{:>9}{:>8}{:>20}{:>20}\n",
-      ray_triangle ? fmt::format("ray-triangle, {}", name(algorithm)) : std::string(name(pair)),
-      card ? fmt::format("{:.3f}", card->pairs_per_second / 1e6) : "no pipe",
-      figure("{}", [](const Measured& m) { return m.latency; }),
-      figure("{:.1f}",
-             [](const Measured& m) { return 100.0 * static_cast<double>(m.hits) / kCases; }),
-      beside(fcl.collide, card, false), beside(fcl.distance, card, fcl.distance_signed));
+  show("{:<26}{:>12}{:>9}{:>8}{:>20}{:>20}\n",
+       ray_triangle ? fmt::format("ray-triangle, {}", name(algorithm)) : std::string(name(pair)),
+       card ? fmt::format("{:.3f}", card->pairs_per_second / 1e6) : "no pipe",
+       figure("{}", [](const Measured& m) { return m.latency; }),
+       figure("{:.1f}",
+              [](const Measured& m) { return 100.0 * static_cast<double>(m.hits) / kCases; }),
+       beside(fcl.collide, card, false), beside(fcl.distance, card, fcl.distance_signed));
 
   nlohmann::ordered_json row = {{"pair", name(pair)}};
   if (ray_triangle) row["algorithm"] = name(algorithm);
@@ -296,12 +296,12 @@ nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm al
 }  // namespace
 
 nlohmann::ordered_json bench_pairs(const BenchOptions& o) {
-  fmt::print(stderr,
-             "\npipes alone, shapes of size 0.5 to 1.5, host arithmetic, fp32, {} lanes, {} random "
-             "pairs, one core, processor "
-             "time\n{:<26}{:>12}{:>9}{:>8}{:>20}{:>20}\n",
-             kLanes, kCases, "pair", "M pairs/s", "latency", "hits %", "FCL collide M/s",
-             "FCL distance M/s");
+  show(
+      "\npipes alone, shapes of size 0.5 to 1.5, host arithmetic, fp32, {} lanes, {} random "
+      "pairs, one core, processor "
+      "time\n{:<26}{:>12}{:>9}{:>8}{:>20}{:>20}\n",
+      kLanes, kCases, "pair", "M pairs/s", "latency", "hits %", "FCL collide M/s",
+      "FCL distance M/s");
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (unsigned p = 0; p < kPairs; ++p) {
     const auto pair = static_cast<Pair>(p);
@@ -310,10 +310,9 @@ nlohmann::ordered_json bench_pairs(const BenchOptions& o) {
     for (unsigned k = 0; k < algorithms; ++k)
       rows.push_back(bench_pair(o, pair, static_cast<Algorithm>(k)));
   }
-  fmt::print(stderr, "{}\n",
-             has_fcl() ? "in brackets: the simulation's rate in FCL's; *: with the depth of "
-                         "overlapping pairs"
-                       : "this program was built without FCL (Debian: libfcl-dev)");
+  show("{}\n", has_fcl() ? "in brackets: the simulation's rate in FCL's; *: with the depth of "
+                           "overlapping pairs"
+                         : "this program was built without FCL (Debian: libfcl-dev)");
   return {{"what",
            "simulated pairs a second of processor time, pipe by itself, new operands every "
            "clock; FCL in binary64 on the same pairs"},

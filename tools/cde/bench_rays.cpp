@@ -13,6 +13,7 @@
 #include "cde/camera.hpp"
 #include "cde/error.hpp"
 #include "cde/terrain.hpp"
+#include "streams.hpp"
 
 namespace cde::cli {
 namespace {
@@ -113,10 +114,10 @@ ordered_json compare_rates(const BenchOptions& o) {
   const Scene scene = o.quick ? make_scene(100, 100) : make_scene(291, 446);
   const Scene down = o.quick ? make_scene(100, 100, false) : make_scene(291, 446, false);
   constexpr int kRounds = 5;
-  fmt::print(stderr,
-             "\n256 rays x {} triangles, single thread, processor time, best of {} rounds that "
-             "each measure everything once (gate level: of 2)\n",
-             scene.triangles.size(), kRounds);
+  show(
+      "\n256 rays x {} triangles, single thread, processor time, best of {} rounds that "
+      "each measure everything once (gate level: of 2)\n",
+      scene.triangles.size(), kRounds);
   std::vector<Entry> entries;
   // Around the fastest of each; wider ones take minutes to compile and fall out of the first-level
   // cache.
@@ -150,8 +151,7 @@ ordered_json compare_rates(const BenchOptions& o) {
   for (const auto* list : {&rates, &rates_down}) {
     const char* rays = list == &rates ? "random" : "straight down";
     for (const Rate& r : *list) {
-      fmt::print(stderr, "software {:<8} {:8.1f} M tests/s, {} rays\n", r.name,
-                 r.tests_per_second / 1e6, rays);
+      show("software {:<8} {:8.1f} M tests/s, {} rays\n", r.name, r.tests_per_second / 1e6, rays);
       j["software"].push_back(
           {{"kind", r.name}, {"rays", rays}, {"tests_per_second", r.tests_per_second}});
     }
@@ -162,13 +162,13 @@ ordered_json compare_rates(const BenchOptions& o) {
     const double rate = static_cast<double>(c.pairs) / e.measured.seconds;
     const double rows = static_cast<double>(scene.triangles.size()) * 256.0 / e.config.lanes;
     const double per_row = static_cast<double>(c.cycles) / rows;
-    fmt::print(stderr,
-               "card {:<4} {:>3} lanes  {:8.1f} M tests/s simulated, {:.2f} of scalar ({:.2f} "
-               "straight down), {:.3f} of "
-               "{}; {} cycles, {:.6f} a row, {:.3f} ms at {:g} MHz\n",
-               arithmetic, e.config.lanes, rate / 1e6, rate / scalar,
-               rate / rates_down.front().tests_per_second, rate / vector, rates.back().name,
-               c.cycles, per_row, 1e3 * c.modelled_seconds(o.clock_hz), o.clock_hz / 1e6);
+    show(
+        "card {:<4} {:>3} lanes  {:8.1f} M tests/s simulated, {:.2f} of scalar ({:.2f} "
+        "straight down), {:.3f} of "
+        "{}; {} cycles, {:.6f} a row, {:.3f} ms at {:g} MHz\n",
+        arithmetic, e.config.lanes, rate / 1e6, rate / scalar,
+        rate / rates_down.front().tests_per_second, rate / vector, rates.back().name, c.cycles,
+        per_row, 1e3 * c.modelled_seconds(o.clock_hz), o.clock_hz / 1e6);
     j["card"].push_back(
         {{"arithmetic", arithmetic},
          {"lanes", e.config.lanes},
@@ -192,7 +192,7 @@ std::size_t resident_bytes() {
 
 /// Device clocks and simulation time against the number of triangles.
 ordered_json linearity(const BenchOptions& o) {
-  fmt::print(stderr, "\nsize of the scene, host arithmetic, 16 lanes, 256 rays\n");
+  show("\nsize of the scene, host arithmetic, 16 lanes, 256 rays\n");
   ordered_json list = ordered_json::array();
   std::vector<std::uint32_t> sides = {22, 71, 224};
   if (!o.quick) sides.push_back(707);
@@ -212,11 +212,11 @@ ordered_json linearity(const BenchOptions& o) {
     const Counters c = board.cast(rays, {}, [](std::span<const Record>) {});
     const double seconds = thread_seconds() - start;
     const double rows = static_cast<double>(count) * 256 / board.lanes();
-    fmt::print(stderr,
-               "{:>9} triangles  {:>10} cycles, {:.6f} a row  cast {:8.3f} s, {:6.1f} M tests/s  "
-               "upload {:6.3f} s, {:5.1f} bytes a triangle\n",
-               count, c.cycles, static_cast<double>(c.cycles) / rows, seconds,
-               static_cast<double>(c.pairs) / seconds / 1e6, upload, bytes);
+    show(
+        "{:>9} triangles  {:>10} cycles, {:.6f} a row  cast {:8.3f} s, {:6.1f} M tests/s  "
+        "upload {:6.3f} s, {:5.1f} bytes a triangle\n",
+        count, c.cycles, static_cast<double>(c.cycles) / rows, seconds,
+        static_cast<double>(c.pairs) / seconds / 1e6, upload, bytes);
     list.push_back({{"triangles", count},
                     {"device_cycles", c.cycles},
                     {"cycles_per_row", static_cast<double>(c.cycles) / rows},
@@ -252,8 +252,8 @@ ordered_json two_boards(const BenchOptions& o) {
                      other.join();
                    }));
   }
-  fmt::print(stderr, "\ntwo boards in two threads: {:.2f} times the tests/s of one (wall clock)\n",
-             2 * one / two);
+  show("\ntwo boards in two threads: {:.2f} times the tests/s of one (wall clock)\n",
+       2 * one / two);
   return {
       {"one_board_seconds", one}, {"two_boards_seconds", two}, {"throughput_ratio", 2 * one / two}};
 }

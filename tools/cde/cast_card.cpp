@@ -12,6 +12,7 @@
 #include "cde/reference.hpp"
 #include "cde/reference/pass.hpp"
 #include "output.hpp"
+#include "streams.hpp"
 
 namespace cde::cli {
 namespace {
@@ -29,14 +30,14 @@ class Waves {
  public:
   Waves(Board& board, const std::string& path) : board_(board), path_(path) {
     if (path.empty()) return;
-    file_.emplace(path);
+    file_.emplace(path, OutputFile::Use::kByName);
     board.trace_open(file_->temporary());
   }
   ~Waves() {
     try {
       close();
     } catch (const Error& e) {
-      fmt::print(stderr, "cde: {}\n", e.what());
+      say("cde: {}\n", e.what());
     }
   }
   /// Error kFile if they are not whole; then nothing of them is left.

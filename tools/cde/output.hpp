@@ -1,35 +1,15 @@
 #pragma once
 #include <chrono>
-#include <cstdio>
-#include <filesystem>
 #include <string>
-#include <string_view>
 
-/// Files that appear whole or not at all, and progress on a terminal.
+#include "cde/output_file.hpp"
+
+/// Signals while files are written, and progress on a terminal.
 namespace cde::cli {
 
-/// A file written beside its name and renamed by commit(). Left uncommitted, or on SIGINT, SIGTERM
-/// and SIGHUP, nothing of it remains. "-" is stdout.
-class OutputFile {
- public:
-  /// Error kFile if the file cannot be made.
-  explicit OutputFile(const std::filesystem::path& path);
-  ~OutputFile();
-  OutputFile(const OutputFile&) = delete;
-  OutputFile& operator=(const OutputFile&) = delete;
-
-  void write(std::string_view text);
-  void commit();  ///< error kFile if anything could not be written
-
-  /// The name that it has until commit(), for writers that open files themselves.
-  [[nodiscard]] const std::string& temporary() const { return temporary_; }
-
- private:
-  [[noreturn]] void fail(const char* doing) const;
-  std::filesystem::path path_;
-  std::string temporary_;
-  std::FILE* file_ = nullptr;
-};
+/// From now on SIGINT, SIGTERM and SIGHUP remove the files that are not finished, and end the
+/// process.
+void remove_unfinished_on_signals();
 
 /// While it lives, the first SIGINT, SIGTERM or SIGHUP is only noted, so that what is done can be
 /// written; a second one ends the process as without it. One at a time.

@@ -1,5 +1,7 @@
 #include "page.hpp"
 
+#include "streams.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +24,7 @@ std::string policy_hash(const PageAsset& asset) {
 
 std::string escaped(std::string_view text) {
   std::string html;
-  for (const char c : text) {
+  for (const char c : valid_utf8(text)) {
     switch (c) {
       case '&':
         html += "&amp;";
@@ -120,7 +122,7 @@ std::string page(std::string_view title, std::string_view body, const nlohmann::
   html += body;
   if (!data.is_null()) {
     html += "<script type=\"application/json\" id=\"data\">";
-    for (const char c : data.dump()) {  // "</script" in a name must not end the element
+    for (const char c : json_text(data, -1)) {  // "</script" in a name must not end the element
       if (c == '<')
         html += "\\u003c";
       else

@@ -2,25 +2,27 @@
 
 #include <fmt/format.h>
 
+#include "streams.hpp"
+
 namespace cde::cli {
 namespace {
 
 /// Text in columns of at most this width, lines after the first indented.
-void print_wrapped(std::FILE* out, const std::string& text, std::size_t indent) {
+void print_wrapped(const std::string& text, std::size_t indent) {
   constexpr std::size_t kWidth = 100;
   std::size_t column = indent;
   std::string_view rest = text;
   while (!rest.empty()) {
     const std::size_t space = std::min(rest.find(' '), rest.size());
     if (column > indent && column + 1 + space > kWidth) {
-      fmt::print(out, "\n{:{}}", "", indent);
+      put("\n{:{}}", "", indent);
       column = indent;
     }
-    fmt::print(out, "{}{}", column > indent ? " " : "", rest.substr(0, space));
+    put("{}{}", column > indent ? " " : "", rest.substr(0, space));
     column += space + (column > indent ? 1 : 0);
     rest.remove_prefix(std::min(space + 1, rest.size()));
   }
-  fmt::print(out, "\n");
+  put("\n");
 }
 
 std::string sentence(const Effect& e) {
@@ -57,34 +59,33 @@ nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
   return j;
 }
 
-void print_plan(std::FILE* out, const Scene& scene, const Plan& plan) {
+void print_plan(const Scene& scene, const Plan& plan) {
   constexpr std::size_t kName = 28, kChoice = 18;
-  fmt::print(out, "{}: {} object{}, {} quer{}, {} frame{}\n", scene.file, scene.objects.size(),
-             scene.objects.size() == 1 ? "" : "s", scene.queries.size(),
-             scene.queries.size() == 1 ? "y" : "ies", scene.frames, scene.frames == 1 ? "" : "s");
+  put("{}: {} object{}, {} quer{}, {} frame{}\n", scene.file, scene.objects.size(),
+      scene.objects.size() == 1 ? "" : "s", scene.queries.size(),
+      scene.queries.size() == 1 ? "y" : "ies", scene.frames, scene.frames == 1 ? "" : "s");
   for (const bool used : {true, false}) {
-    fmt::print(out, "\n{}\n", used ? "in the simulated card" : "left out");
+    put("\n{}\n", used ? "in the simulated card" : "left out");
     for (const Effect& e : plan.effects) {
       if (e.used != used) continue;
-      fmt::print(out, "  {:<{}}", e.name, kName - 2);
+      put("  {:<{}}", e.name, kName - 2);
       if (used) {
         // A long choice gets a line of its own.
         const std::size_t indent = kName + kChoice + 1;
         if (e.choice.size() > kChoice)
-          fmt::print(out, "{}\n{:{}}", e.choice, "", indent);
+          put("{}\n{:{}}", e.choice, "", indent);
         else
-          fmt::print(out, "{:<{}}", e.choice, kChoice + 1);
-        print_wrapped(out, sentence(e), indent);
+          put("{:<{}}", e.choice, kChoice + 1);
+        print_wrapped(sentence(e), indent);
       } else {
-        print_wrapped(out, sentence(e), kName);
+        print_wrapped(sentence(e), kName);
       }
     }
   }
-  fmt::print(out, "\na frame\n");
+  put("\na frame\n");
   for (const QueryWork& w : plan.queries) {
-    fmt::print(out, "  {:<{}}", w.name, kName - 2);
+    put("  {:<{}}", w.name, kName - 2);
     print_wrapped(
-        out,
         fmt::format("{} primaries in {} packet{}, {} secondaries: {} tests in {} rows; {} words of "
                     "primaries, {} of secondaries that changed, of {}",
                     w.primaries, w.packets, w.packets == 1 ? "" : "s", w.secondaries, w.tests,
@@ -94,9 +95,8 @@ void print_plan(std::FILE* out, const Scene& scene, const Plan& plan) {
   }
   const std::vector<std::string> parameters = plan.board.parameters();
   const BitstreamFile file = bitstream_file(plan.board.top(), parameters);
-  fmt::print(out, "\nbitstream  {} {}\n           {} ({})\n", plan.board.top(),
-             fmt::join(parameters, " "), file.path.string(),
-             file.built ? "built" : "not built; the first run builds it");
+  put("\nbitstream  {} {}\n           {} ({})\n", plan.board.top(), fmt::join(parameters, " "),
+      file.path.string(), file.built ? "built" : "not built; the first run builds it");
 }
 
 }  // namespace cde::cli

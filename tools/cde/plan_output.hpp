@@ -8,7 +8,7 @@ namespace cde::cli {
 /// The plan and its bitstream, which is looked for but not built.
 [[nodiscard]] nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan);
 
-/// The same for people, on `out`.
-void print_plan(std::FILE* out, const Scene& scene, const Plan& plan);
+/// The same for people, on stdout.
+void print_plan(const Scene& scene, const Plan& plan);
 
 }  // namespace cde::cli

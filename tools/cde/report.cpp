@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "page.hpp"
+#include "streams.hpp"
 
 namespace cde::cli {
 namespace {
@@ -200,7 +201,7 @@ void Report::look(std::uint32_t number, const std::vector<ShownObject>& shown) {
   }
   for (std::size_t q = 0; q < kept_.size(); ++q)
     view.json["queries"].push_back(hits_json(kept_[q].hits, scene_.queries[q].normals));
-  view.bytes = view.json.dump().size();
+  view.bytes = json_text(view.json, -1).size();
   view_bytes_ += view.bytes;
   views_.push_back(std::move(view));
   if (view_bytes_ > kMostViewBytes && views_.size() > 1) thin_out();

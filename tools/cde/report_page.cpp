@@ -6,6 +6,7 @@
 #include "chart.hpp"
 #include "page.hpp"
 #include "report.hpp"
+#include "streams.hpp"
 
 namespace cde::cli {
 namespace {
@@ -16,7 +17,7 @@ constexpr std::size_t kMostBars = 600;
 constexpr std::size_t kMostRows = 1'000;
 
 std::string text_of(const Json& value) {
-  return value.is_string() ? value.get<std::string>() : value.dump();
+  return value.is_string() ? value.get<std::string>() : json_text(value, -1);
 }
 
 Cell figure(std::uint64_t number) {

@@ -14,6 +14,7 @@
 #include "page.hpp"
 #include "reproduce.hpp"
 #include "rivals.hpp"
+#include "streams.hpp"
 
 namespace cde::cli {
 namespace {
@@ -351,12 +352,12 @@ Reproduction reproduce(const ReproduceOptions& options) {
     lab.result.embree_build_seconds = thread_seconds() - start;
   }
   EmbreeRival* rival = embree ? &*embree : nullptr;
-  const auto say = [](const char* what) { fmt::print(stderr, "measuring {}\n", what); };
-  say("Figure 5");
+  const auto measuring = [](const char* what) { say("measuring {}\n", what); };
+  measuring("Figure 5");
   figure5(lab, mesh, rival);
-  say("Figure 6");
+  measuring("Figure 6");
   figure6(lab, mesh, rival);
-  say("Figure 7");
+  measuring("Figure 7");
   for (const std::size_t count : options.quick ? std::vector<std::size_t>{50, 100}
                                                : std::vector<std::size_t>{125, 250, 500, 1000})
     figure7(lab, count);

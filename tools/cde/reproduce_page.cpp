@@ -6,6 +6,7 @@
 #include "chart.hpp"
 #include "page.hpp"
 #include "reproduce.hpp"
+#include "streams.hpp"
 
 namespace cde::cli {
 namespace {
@@ -168,7 +169,7 @@ Rows assumptions(const Reproduction& r, const Json& machine) {
                          duration(r.embree_build_seconds))
            : std::string("not in this build of cde")});
   for (const auto& [key, value] : machine.items())
-    rows.push_back({key, value.is_string() ? value.get<std::string>() : value.dump()});
+    rows.push_back({key, value.is_string() ? value.get<std::string>() : json_text(value, -1)});
   return rows;
 }
 

@@ -12,6 +12,7 @@
 
 #include "bench.hpp"
 #include "cde/error.hpp"
+#include "streams.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
 
@@ -63,15 +64,16 @@ void run(const BenchOptions& o, const std::vector<std::string>& wanted, bool jso
       throw Error(ErrorCode::kUsage,
                   fmt::format("no section '{}'; there are: {}", name, fmt::join(known, ", ")));
   }
+  if (json) Figures::beside_json();
   nlohmann::ordered_json all = {{"machine", machine(o)}};
   for (const auto& [key, value] : all["machine"].items())
-    fmt::print(stderr, "{:<22} {}\n", key, value.get<std::string>());
+    show("{:<22} {}\n", key, value.get<std::string>());
   for (const Section& s : kSections) {
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), s.name) == wanted.end())
       continue;
     all[s.name] = s.measure(o);
   }
-  if (json) fmt::print("{}\n", all.dump(2));
+  if (json) put_json(all);
 }
 
 }  // namespace

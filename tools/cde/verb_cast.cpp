@@ -16,6 +16,7 @@
 #include "npy.hpp"
 #include "output.hpp"
 #include "record_file.hpp"
+#include "streams.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
 
@@ -53,7 +54,16 @@ unsigned lanes_of(const CastOptions& o, std::size_t rays) {
 
 /// All that can be said to be wrong without a mesh.
 void check_options(const CastOptions& o, Mode mode) {
-  if (o.json && o.records == "-") usage("--json and -o - both want stdout");
+  check_outputs(
+      std::vector<FileUse>{
+          {"-o", o.records},
+          {"--image", o.depth},
+          {"--shaded", o.shaded.empty() && o.shows_itself ? own_picture_name(o.mesh) : o.shaded},
+          {"--normals", o.normals},
+          {"--indices", o.indices},
+          {"--trace", o.trace},
+          {"--json", o.json ? "-" : ""}},
+      std::vector<FileUse>{{"MESH", o.mesh}, {"--rays", o.rays_file}});
   if (!o.trace.empty() && o.boards > 1) usage("--trace follows one card; leave out --boards");
   if (o.wants_picture() && mode != Mode::kNearest) usage("a picture needs --mode nearest");
   if (o.shadows && o.shaded.empty() && !o.shows_itself) usage("--shadows is of --shaded");
@@ -73,8 +83,7 @@ CastJob prepare(const CastOptions& o) {
     const Busy busy("loading " + o.mesh, o.quiet);
     job.mesh = load_mesh_or_builtin(o.mesh);
   }
-  if (const auto why = out_of_range(job.mesh, o.mesh))
-    fmt::print(stderr, "cde: warning: {}\n", *why);
+  if (const auto why = out_of_range(job.mesh, o.mesh)) say("cde: warning: {}\n", *why);
   collect_rays(o, job);
   job.config.lanes = lanes_of(o, job.rays.size());
   if (o.wants_picture() && !job.picture) usage("a picture needs --camera or --grid");
@@ -150,7 +159,7 @@ nlohmann::ordered_json as_json(const CastOptions& o, const CastJob& job, const C
 void print_summary(const CastOptions& o, const CastJob& job, const CastOutcome& r) {
   const Counters& c = r.counters;
   const auto row = [](const char* name, const std::string& value) {
-    fmt::print(stderr, "{:<16} {}\n", name, value);
+    say("{:<16} {}\n", name, value);
   };
   row("mesh", fmt::format("{}, {} triangles", o.mesh, job.mesh.faces.size()));
   row("rays", fmt::format("{} in {} packet{}", job.rays.size(), packets_of(job),
@@ -187,7 +196,7 @@ void run(const CastOptions& o) {
     if (picture) picture->write();
     if (records) records->commit();
   }
-  if (o.json) fmt::print("{}\n", as_json(o, job, result).dump(2));
+  if (o.json) put_json(as_json(o, job, result));
   if (!o.quiet) print_summary(o, job, result);
   if (!result.difference.empty()) throw Error(ErrorCode::kMismatch, result.difference);
 }

@@ -14,6 +14,7 @@
 #include "cde/error.hpp"
 #include "cde/reference.hpp"
 #include "cde/terrain.hpp"
+#include "streams.hpp"
 #include "verbs.hpp"
 
 namespace cde::cli {
@@ -132,9 +133,9 @@ void run() {
       {"card, rtl", [] { return small_cast(Arithmetic::kRtl); }}};
   for (const auto& [name, examine] : examinations) {
     const Finding finding = examine();
-    fmt::print("{:<4} {:<10} {}\n", finding.advice.empty() ? "ok" : "BAD", name, finding.what);
+    put("{:<4} {:<10} {}\n", finding.advice.empty() ? "ok" : "BAD", name, finding.what);
     if (!finding.advice.empty()) {
-      fmt::print("     {:<10} -> {}\n", "", finding.advice);
+      put("     {:<10} -> {}\n", "", finding.advice);
       fine = false;
     }
   }

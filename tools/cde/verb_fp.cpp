@@ -4,13 +4,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "cde/error.hpp"
 #include "cde/fp_unit.hpp"
+#include "cde/output_file.hpp"
+#include "line_input.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
 
@@ -128,32 +129,27 @@ class Stream {
     }
   }
 
-  void run(std::FILE* in, std::FILE* out) {
-    std::vector<char> buffer(kBuffer);
-    std::size_t held = 0;
-    for (;;) {
-      const std::size_t got = std::fread(buffer.data() + held, 1, buffer.size() - held, in);
-      if (got == 0 && std::ferror(in) != 0) throw Error(ErrorCode::kFile, "stdin cannot be read");
-      const char* at = buffer.data();
-      const char* const end = at + held + got;
-      while (at < end) {
-        const char* stop = std::find(at, end, '\n');
-        if (stop == end && got != 0) break;  // the rest of this line is still to come
-        line(at, stop);
-        at = stop == end ? end : stop + 1;
-      }
-      held = static_cast<std::size_t>(end - at);
-      if (held == buffer.size())
-        throw Error(ErrorCode::kBadInput, fmt::format("stdin line {}: too long", line_ + 1));
-      std::copy(at, end, buffer.data());
-      flush(out);
-      if (got == 0) break;
+  /// Answers all that a read gave before the next one, and before the error of a bad line.
+  void run() {
+    LineInput input;
+    const auto take = [this](std::uint64_t number, std::string_view text) {
+      line_ = number;
+      line(text.data(), text.data() + text.size());
+      if (a_.size() == kBatch) flush();
+    };
+    try {
+      while (input.next(take)) flush();
+    } catch (const StdoutError&) {
+      throw;
+    } catch (const Error&) {
+      flush();
+      throw;
     }
-    if (std::fflush(out) != 0) throw Error(ErrorCode::kFile, "stdout cannot be written");
+    flush();
   }
 
  private:
-  static constexpr std::size_t kBuffer = 1 << 20;
+  static constexpr std::size_t kBatch = 65536;  // operations, at most, between two runs of the unit
 
   [[noreturn]] void malformed(const char* at, const char* stop, const std::string& why) const {
     const std::string text(at, std::min(stop, at + 60));
@@ -161,7 +157,6 @@ class Stream {
   }
 
   void line(const char* at, const char* stop) {
-    line_++;
     const char* const begin = at;
     const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
     std::array<uint64_t, 2> value{};
@@ -191,7 +186,7 @@ class Stream {
     return to;
   }
 
-  void flush(std::FILE* out) {
+  void flush() {
     if (a_.empty()) return;
     r_.resize(a_.size());
     flags_.resize(a_.size());
@@ -212,10 +207,10 @@ class Stream {
       *to++ = '\n';
     }
     const auto size = static_cast<std::size_t>(to - text_.data());
-    if (std::fwrite(text_.data(), 1, size, out) != size)
-      throw Error(ErrorCode::kFile, "stdout cannot be written");
     a_.clear();
     b_.clear();
+    stdout_.write({text_.data(), size});
+    stdout_.flush();
   }
 
   FpOp op_;
@@ -227,6 +222,7 @@ class Stream {
   std::vector<uint64_t> a_, b_, r_;
   std::vector<uint8_t> flags_;
   std::vector<char> text_;
+  OutputFile stdout_{"-"};
 };
 
 struct Options {
@@ -244,7 +240,7 @@ void run(const Options& options) {
                   fmt::format("operation '{}' is not of format {}", options.op, format.name()));
   }
   FpUnit unit(format, options.arith == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost, options.lanes);
-  Stream(request.op, request.exact, format, unit).run(stdin, stdout);
+  Stream(request.op, request.exact, format, unit).run();
 }
 
 }  // namespace
@@ -260,7 +256,9 @@ void add_fp(CLI::App& app) {
                          "Fields after the operands are ignored, so that the output of "
                          "testfloat_gen with results can be piped in. Conversions to integers "
                          "raise inexact, as testfloat_gen and testfloat_ver expect with -exact; "
-                         "by their names with _r_near_even or _r_minMag they do not.");
+                         "by their names with _r_near_even or _r_minMag they do not. Answers what "
+                         "it has read before it waits for more, and what stands before a line "
+                         "that it cannot read, which ends it.");
   verb->add_option(
           "op", options->op,
           "add sub mul div sqrt lt le eq min max, to_FORMAT, to_INT[_trunc] and from_INT with INT "

@@ -18,6 +18,7 @@
 #include "cde/pair_unit.hpp"
 #include "elaborate.hpp"
 #include "output.hpp"
+#include "streams.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
 
@@ -231,19 +232,19 @@ struct Table {
           text += c == 0 ? fmt::format("{:<{}}", cells[c], widths[c])
                          : fmt::format("  {:>{}}", cells[c], widths[c]);
       }
-      fmt::print("{}\n", text);
+      put("{}\n", text);
     };
-    fmt::print("{}{}\n\n", markdown ? "### " : "", title);
+    put("{}{}\n\n", markdown ? "### " : "", title);
     line(heads);
     if (markdown) {
       std::string rule = "|";
       for (std::size_t c = 0; c < heads.size(); ++c) rule += c == 0 ? " --- |" : " ---: |";
-      fmt::print("{}\n", rule);
+      put("{}\n", rule);
     }
     for (const auto& row : rows) line(row);
-    if (!notes.empty()) fmt::print("\n");
-    for (const std::string& note : notes) fmt::print("- {}\n", note);
-    fmt::print("\n");
+    if (!notes.empty()) put("\n");
+    for (const std::string& note : notes) put("- {}\n", note);
+    put("\n");
   }
 };
 
@@ -384,7 +385,7 @@ void run(const Options& o) {
     if (has_facets(pipe.pair)) pipe.facet_interval = o.facet_interval;
   examine_all(pipes, profile);
   if (o.json) {
-    fmt::print("{}\n", as_json(pipes, profile).dump(2));
+    put_json(as_json(pipes, profile));
     return;
   }
   std::vector<Pipe> triangle;

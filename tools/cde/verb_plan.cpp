@@ -6,6 +6,7 @@
 
 #include "cde/plan.hpp"
 #include "plan_output.hpp"
+#include "streams.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
 
@@ -27,9 +28,9 @@ void add_plan(CLI::App& app) {
     const Scene scene = load_scene(o->scene);
     const Plan made = plan(scene);
     if (o->json)
-      fmt::print("{}\n", plan_json(scene, made).dump(2));
+      put_json(plan_json(scene, made));
     else
-      print_plan(stdout, scene, made);
+      print_plan(scene, made);
   });
 }
 

@@ -2,12 +2,9 @@
 // against the reference.
 #include <fmt/format.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -17,8 +14,10 @@
 #include "cde/error.hpp"
 #include "cde/pair_unit.hpp"
 #include "cde/reference/pairs.hpp"
+#include "line_input.hpp"
 #include "operand_defect.hpp"
 #include "output.hpp"
+#include "streams.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
 #include "words.hpp"
@@ -123,64 +122,31 @@ PairConfig configuration(const Options& o) {
   return config;
 }
 
-/// stdin, as many lines as a read gives: whoever types gets answers at once.
-class Input {
- public:
-  explicit Input(bool quiet) : progress_("query", quiet), buffer_(kBuffer) {
-    struct stat file {};
-    if (::fstat(STDIN_FILENO, &file) == 0 && S_ISREG(file.st_mode))
-      size_ = static_cast<double>(file.st_size);
-  }
-
-  /// Calls line(number, text) for every whole line of the next read, then `pause`. False at the
-  /// end. Error kBadInput if a line does not fit the buffer.
-  template <class Line, class Pause>
-  bool next(Line line, Pause pause) {
-    if (held_ == buffer_.size())
-      throw Error(ErrorCode::kBadInput,
-                  fmt::format("line {}: longer than {} bytes", number_ + 1, buffer_.size()));
-    const ssize_t got = ::read(STDIN_FILENO, buffer_.data() + held_, buffer_.size() - held_);
-    if (got < 0) {
-      if (errno == EINTR) return true;
-      throw Error(ErrorCode::kFile, fmt::format("stdin: cannot read: {}", std::strerror(errno)));
-    }
-    std::string_view text(buffer_.data(), held_ + static_cast<std::size_t>(got));
-    while (!text.empty()) {
-      const std::size_t stop = text.find('\n');
-      if (stop == std::string_view::npos && got != 0) break;  // the rest is still to come
-      line(++number_, text.substr(0, stop));
-      text.remove_prefix(stop == std::string_view::npos ? text.size() : stop + 1);
-    }
-    held_ = text.size();
-    std::memmove(buffer_.data(), text.data(), held_);
-    pause();
-    read_ += static_cast<double>(got);
-    if (size_ > 0) progress_(read_ / size_);
-    return got != 0;
-  }
-
- private:
-  static constexpr std::size_t kBuffer = std::size_t{4} << 20;
-  Progress progress_;
-  std::vector<char> buffer_;
-  std::size_t held_ = 0;
-  std::uint64_t number_ = 0;
-  double size_ = 0, read_ = 0;
-};
+/// How much of stdin there is to read, if it is a file.
+double stdin_size() {
+  struct stat file {};
+  return ::fstat(STDIN_FILENO, &file) == 0 && S_ISREG(file.st_mode)
+             ? static_cast<double>(file.st_size)
+             : 0;
+}
 
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
 
 /// Takes a word off the front of a line: up to a comma or blank, with the blanks and the one comma
-/// behind it. False at the end. Between two commas, and behind a last one, is an empty word.
+/// behind it. False at the end. Between two commas, and behind a last one, is an empty word. A | is
+/// a word, also without blanks around it.
 class Words {
  public:
   explicit Words(std::string_view line) : rest_(line) { skip_blanks(); }
   bool next(std::string_view& word) {
     if (rest_.empty() && !comma_) return false;
     std::size_t length = 0;
-    while (length < rest_.size() && rest_[length] != ',' && !is_blank(rest_[length])) ++length;
+    while (length < rest_.size() && rest_[length] != ',' && rest_[length] != '|' &&
+           !is_blank(rest_[length]))
+      ++length;
+    if (rest_.starts_with('|')) length = 1;
     word = rest_.substr(0, length);
     rest_.remove_prefix(length);
     skip_blanks();
@@ -213,9 +179,14 @@ class Query {
   Totals run() {
     out_.append(std::string_view("F,T,CPx,CPy,CPz,nx,ny,nz,flags\n"));
     flush();
-    Input input(o_.quiet);
-    while (input.next([this](std::uint64_t number, std::string_view line) { read(number, line); },
-                      [this] { answer(); })) {
+    LineInput input;
+    Progress progress("query", o_.quiet);
+    const double size = stdin_size();
+    const auto take = [this](std::uint64_t number, std::string_view line) { read(number, line); };
+    for (bool more = true; more;) {
+      more = input.next(take);
+      answer();
+      if (size > 0) progress(static_cast<double>(input.bytes()) / size);
     }
     return totals_;
   }
@@ -228,8 +199,14 @@ class Query {
     const std::size_t most = a_words + b_words, short_ray = has_ray(config_.pair) ? most - 2 : most;
     values_.clear();
     std::string why;
-    std::size_t count = 0;
+    std::size_t count = 0, before_bar = 0;
+    bool bar = false;
     for (std::string_view word; words.next(word);) {
+      if (word == "|" && !bar) {
+        bar = true;
+        before_bar = count;
+        continue;
+      }
       if (count == 0 && word.starts_with('#')) return;
       ++count;
       if (count > most || !why.empty()) continue;
@@ -246,6 +223,9 @@ class Query {
                         short_ray == most ? fmt::to_string(a_words)
                                           : fmt::format("{} or {}", a_words - 2, a_words),
                         b_words);
+    else if (bar && why.empty() && before_bar + b_words != count)
+      why = fmt::format("line {}: {} words before the |, of {} in all; A has {}", number,
+                        before_bar, count, count - b_words);
     if (!why.empty()) {
       ++totals_.malformed;
       rows_.push_back({number, false});
@@ -275,7 +255,7 @@ class Query {
       if (row.valid) {
         write(row.line, pair++);
       } else {
-        fmt::print(stderr, "cde: {}\n", unread_[unread++]);
+        say("cde: {}\n", unread_[unread++]);
         write({.t = nan(), .cp = {nan(), nan(), nan()}, .n = {nan(), nan(), nan()}}, "malformed");
       }
     }
@@ -341,8 +321,8 @@ class Query {
       const std::string why =
           operand_defect(config_.pair, config_.format, operand(a_, i, primary_words(config_.pair)),
                          operand(b_, i, secondary_words(config_.pair)));
-      fmt::print(stderr, "cde: line {}: {}\n", line,
-                 why.empty() ? "the card refuses the pair, and the reference sees no reason" : why);
+      say("cde: line {}: {}\n", line,
+          why.empty() ? "the card refuses the pair, and the reference sees no reason" : why);
     }
     write(r, r.bad ? "bad" : "");
   }
@@ -369,8 +349,8 @@ class Query {
   }
 
   void flush() {
-    if (std::fwrite(out_.data(), 1, out_.size(), stdout) != out_.size() || std::fflush(stdout) != 0)
-      throw Error(ErrorCode::kFile, fmt::format("stdout: cannot write: {}", std::strerror(errno)));
+    stdout_.write({out_.data(), out_.size()});
+    stdout_.flush();
     out_.clear();
   }
 
@@ -392,6 +372,7 @@ class Query {
   std::vector<std::string> unread_;  ///< messages of the lines that could not be read
   std::vector<PairResult> results_, expected_;
   fmt::memory_buffer out_;
+  OutputFile stdout_{"-"};
 };
 
 nlohmann::ordered_json as_json(const Options& o, const PairConfig& config, const Totals& t) {
@@ -420,7 +401,7 @@ nlohmann::ordered_json as_json(const Options& o, const PairConfig& config, const
 
 void print_summary(const Options& o, const PairConfig& config, const Totals& t) {
   const auto row = [](const char* name, const std::string& value) {
-    fmt::print(stderr, "{:<16} {}\n", name, value);
+    say("{:<16} {}\n", name, value);
   };
   row("pair", fmt::format("{}{}, {}, {} arithmetic, {} lanes", o.pair,
                           o.pair == "ray-triangle"
@@ -443,7 +424,7 @@ void run(const Options& o) {
   const PairConfig config = configuration(o);
   const Totals totals = Query(o, config).run();
   if (o.json)
-    fmt::print(stderr, "{}\n", as_json(o, config, totals).dump());
+    put_json(as_json(o, config, totals), -1);
   else if (!o.quiet)
     print_summary(o, config, totals);
   if (totals.bad + totals.malformed != 0) exit_code = exit_status(ErrorCode::kBadInput);
@@ -457,7 +438,8 @@ void add_query(CLI::App& app) {
       "query",
       "Test pairs of primitives in one simulated pipe. Reads a pair a line from stdin, the words "
       "of "
-      "A and then of B, separated by commas or blanks: ray o d [tmin tmax] 6 or 8, triangle 9, "
+      "A and then of B, separated by commas or blanks, with a | between A and B if that helps: "
+      "ray o d [tmin tmax] 6 or 8, triangle 9, "
       "sphere c r 4, aabb min max 6, plane n d 4, cylinder c axis half-height radius 8, obb c "
       "half-extents rotation by rows 15. A word is decimal, hexfloat, or 0x and the bits. Prints "
       "F,T,CP,n,flags as CSV; flags: empty, bad (the card refuses an operand) or malformed (the "
@@ -497,7 +479,7 @@ void add_query(CLI::App& app) {
   verb->add_flag("--bits", o->bits, "Print words as 0x and their bits instead of decimals");
   verb->add_flag("--check,!--no-check", o->check,
                  "Compare every answer with the reference, bit for bit (on)");
-  verb->add_flag("--json", o->json, "Summary as a line of JSON, the last on stderr");
+  verb->add_flag("--json", o->json, "Summary as a line of JSON, the last on stdout");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
   verb->callback([o] { run(*o); });
 }

@@ -6,6 +6,7 @@
 #include "output.hpp"
 #include "page.hpp"
 #include "reproduce.hpp"
+#include "streams.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
 
@@ -20,6 +21,9 @@ struct Arguments {
 };
 
 void run(const Arguments& a) {
+  if (a.json) Figures::beside_json();
+  check_outputs(std::vector<FileUse>{{"--out", a.out}, {"--json", a.json ? "-" : ""}}, {});
+  if (a.out == "-") Figures::beside_json();
   OutputFile page(a.out);  // a folder that is not there is found out before the work
   const Reproduction r = reproduce(a.options);
   const nlohmann::ordered_json machine = machine_json();
@@ -27,14 +31,14 @@ void run(const Arguments& a) {
   page.commit();
   for (const auto* figure : {&r.figure5, &r.figure6, &r.figure7}) {
     for (const Experiment& e : *figure) {
-      fmt::print(stderr, "{}\n", e.title);
+      show("{}\n", e.title);
       for (const Entry& entry : e.entries)
-        fmt::print(stderr, "  {:<46} {:>9}  {}\n", entry.name, duration(entry.seconds), entry.note);
+        show("  {:<46} {:>9}  {}\n", entry.name, duration(entry.seconds), entry.note);
     }
   }
-  fmt::print(stderr, "check: {} of {} records compared with the reference, 0 differ\npage: {}\n",
-             r.records_compared, r.records_compared, a.out);
-  if (a.json) fmt::print("{}\n", reproduction_json(r, machine).dump(2));
+  say("check: {} of {} records compared with the reference, 0 differ\npage: {}\n",
+      r.records_compared, r.records_compared, a.out);
+  if (a.json) put_json(reproduction_json(r, machine));
 }
 
 }  // namespace

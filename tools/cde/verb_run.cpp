@@ -19,6 +19,8 @@
 #include "plan_output.hpp"
 #include "report.hpp"
 #include "run_faults.hpp"
+#include "run_folder.hpp"
+#include "streams.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
 
@@ -179,6 +181,16 @@ Json query_json(const std::string& name, const QueryFrame& f) {
           {"wall_seconds", {{"card", f.pass_seconds}, {"reference", f.check_seconds}}}};
 }
 
+void check_files(const Options& o, const Scene& scene) {
+  std::vector<FileUse> inputs = {{"SCENE", o.scene}};
+  for (const SceneObject& object : scene.objects)
+    inputs.push_back({fmt::format("object '{}'", printable_name(object.name)), object.file});
+  check_outputs(
+      std::vector<FileUse>{
+          {"--report", o.report}, {"--trace", o.trace}, {"--json", o.json ? "-" : ""}},
+      inputs);
+}
+
 /// A run: what was played so far, and where it goes.
 class Run {
  public:
@@ -187,8 +199,10 @@ class Run {
         scene_(scene),
         check_(check),
         frames_(frames_of(o.frames, scene)),
-        faults_(faults_of(o.faults, plan, frames_.first, frames_.last)) {
-    folder_ = o.out.empty() ? fs::path(scene.file).stem().string() + ".run" : o.out;
+        faults_(faults_of(o.faults, plan, frames_.first, frames_.last)),
+        folder_(o.out.empty() ? fs::path(scene.file).stem().string() + ".run" : o.out, scene,
+                {o.report, o.trace}) {
+    check_files(o, scene);
     json_ = {{"scene", scene.file},
              {"title", scene.title},
              {"frames", {frames_.first, frames_.last}},
@@ -200,22 +214,19 @@ class Run {
              {"memory", memory_name(scene)},
              {"machine", machine_json()},
              {"plan", plan_json(scene, plan)},
+             {"files_beside", folder_.beside()},
              {"played", Json::array()}};
     if (!o.report.empty()) {
       page_.emplace(o.report);
       report_.emplace(scene);
     }
-    std::error_code error;
-    fs::create_directories(folder_, error);
-    if (error)
-      throw Error(ErrorCode::kFile, fmt::format("{}: {}", folder_.string(), error.message()));
   }
 
   void play(const Plan& plan) {
     const Interrupts interrupts;
     Progress bar("playing", o_.quiet);
     std::optional<OutputFile> waves;
-    if (!o_.trace.empty()) waves.emplace(o_.trace);
+    if (!o_.trace.empty()) waves.emplace(o_.trace, OutputFile::Use::kByName);
     try {
       Player player(scene_, plan,
                     {.check = check_,
@@ -230,6 +241,7 @@ class Run {
       json_["plan"]["bitstream"] = player.board().bitstream().string();
       json_["plan"]["built"] = true;
       json_["plan"]["config_hash"] = fmt::format("{:016x}", player.board().config_hash());
+      folder_.begin(json_);
       try {
         for (std::uint32_t f = frames_.first; f <= frames_.last && totals_.mismatches == 0; ++f)
           play_frame(player, f);
@@ -245,7 +257,7 @@ class Run {
       json_["error"] = e.what();
       finish(waves);
       report_faults();
-      if (!waves_defect_.empty()) fmt::print(stderr, "cde: {}\n", waves_defect_);
+      if (!waves_defect_.empty()) say("cde: {}\n", waves_defect_);
       throw;
     }
     finish(waves);
@@ -254,6 +266,7 @@ class Run {
 
   void report() const {
     const Totals& t = totals_;
+    if (o_.json) put_json(json_);
     const std::size_t played = json_["played"].size();
     if (!o_.quiet) {
       row("scene", scene_.file);
@@ -267,10 +280,10 @@ class Run {
                                     static_cast<double>(t.tests) / t.simulated / 1e6, t.checked));
       row("check", check_text());
       report_faults();
-      row("results", fmt::format("{}/run.json", folder_.string()));
+      row("results", folder_.begun() ? fmt::format("{}/run.json", folder_.path().string())
+                                     : "none, it has not begun");
       if (report_) row("report", o_.report);
     }
-    if (o_.json) fmt::print("{}\n", json_.dump(2));
     if (t.mismatches != 0) throw Error(ErrorCode::kMismatch, mismatch_);
     if (const int signal = Interrupts::signal()) exit_code = 128 + signal;
   }
@@ -278,9 +291,7 @@ class Run {
  private:
   struct Stopped {};
 
-  static void row(const char* name, const std::string& value) {
-    fmt::print(stderr, "{:<16} {}\n", name, value);
-  }
+  static void row(const char* name, const std::string& value) { say("{:<16} {}\n", name, value); }
 
   void count_faults(const Player& player) {
     if (!faults_.empty()) json_["faults"] = faults_json(faults_, player, totals_.corrected);
@@ -294,9 +305,8 @@ class Run {
     Json written = Json::array();
     if (scene_.results != Results::kNone) {
       for (const SceneQuery& q : scene_.queries) {
-        const std::string name = fmt::format("{}.{:06}.{}", q.name, frame,
-                                             scene_.results == Results::kCsv ? "csv" : "bin");
-        files.push_back(std::make_unique<RecordFile>(folder_ / name, scene_, q));
+        const std::string name = RunFolder::record_name(q.name, frame, scene_.results);
+        files.push_back(std::make_unique<RecordFile>(folder_.path() / name, scene_, q));
         written.push_back(name);
       }
     }
@@ -351,9 +361,8 @@ class Run {
                        {"modelled_seconds", t.modelled},
                        {"simulation_seconds", t.simulated},
                        {"reference_seconds", t.checked}};
-    OutputFile file(folder_ / "run.json");
-    file.write(json_.dump(2) + "\n");
-    file.commit();
+    if (!folder_.begun()) return;  // what was there stays
+    folder_.write(json_);
     if (!report_) return;
     page_->write(report_->html(json_));
     page_->commit();
@@ -372,7 +381,7 @@ class Run {
   Check check_;
   Frames frames_;
   std::vector<ScheduledFault> faults_;
-  fs::path folder_;
+  RunFolder folder_;
   Json json_;
   std::optional<OutputFile> page_;
   std::optional<Report> report_;
@@ -408,15 +417,19 @@ void add_run(CLI::App& app) {
   file_value(verb->add_option("scene", o->scene, "Scene file, TOML (docs/scenes.md)")->required(),
              "SCENE");
   verb->add_option("--frames", o->frames, "Frames A..B, both included (all)");
-  folder_value(verb->add_option("--out", o->out, "Folder for run.json and records (SCENE.run)"),
-               "FOLDER");
+  folder_value(
+      verb->add_option("--out", o->out,
+                       "Folder for run.json and records: a new or empty one, or that of an earlier "
+                       "run, which is removed (SCENE.run)"),
+      "FOLDER");
   one_of(
       verb->add_option("--check", o->check, "Records to compare, instead of what the scene says"),
       {"all", "sample", "none"});
   file_value(verb->add_option("--report", o->report,
-                              "Page about the run, one HTML file that loads nothing"),
+                              "Page about the run, one HTML file that loads nothing (- is stdout)"),
              "FILE.html");
-  file_value(verb->add_option("--trace", o->trace, "Waves of the run, FST; kept even if it fails"),
+  file_value(verb->add_option("--trace", o->trace,
+                              "Waves of the run, FST (- is stdout); kept even if it fails"),
              "FILE.fst");
   verb->add_option("--fault", o->faults,
                    "KIND[:COUNT[:VALUE]]@FRAME: lets something go wrong; may be given again")

@@ -1,0 +1,203 @@
+// Where the command writes: devices, pipes, links, stdout; what it does not write over; what a
+// killed one leaves behind.
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "run_cde.hpp"
+
+namespace cde::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+const char* const kTriangle = "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n";
+const char* const kCsv = "ray,F,T,CPx,CPy,CPz,index\n0,1,0.5,0.25,0.25,1,0\n";
+const char* const kScene = R"(frames = 2
+[card]
+lanes = 4
+[[object]]
+name = "triangles"
+mesh = "one.obj"
+[[object]]
+name = "rays"
+rays_csv = "rays.csv"
+[[query]]
+name = "hit"
+pair = "ray-triangle"
+primaries = "rays"
+secondaries = "triangles"
+)";
+
+class Outputs : public Cli {
+ protected:
+  void SetUp() override {
+    Cli::SetUp();
+    write("one.obj", kTriangle);
+    write("rays.csv", "0.25,0.25,0,0,0,2\n");
+    write("scene.toml", kScene);
+  }
+  static Words cast(const Words& more) {
+    Words words = {"cast", "one.obj", "--rays", "rays.csv", "--lanes", "4", "-q"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  void refused(const Words& words, const std::string& text) {
+    const auto before = files();
+    const Ran ran = cde(words);
+    EXPECT_EQ(ran.status, 2) << fmt::format("{}", fmt::join(words, " "));
+    EXPECT_EQ(ran.err, "cde: " + text + "\n");
+    EXPECT_EQ(ran.out, "");
+    EXPECT_EQ(files(), before);
+  }
+  /// What the input files hold is what they held.
+  void expect_inputs() {
+    EXPECT_EQ(read("one.obj"), kTriangle);
+    EXPECT_EQ(read("rays.csv"), "0.25,0.25,0,0,0,2\n");
+    EXPECT_EQ(read("scene.toml"), kScene);
+  }
+};
+
+/// As root the device became a file once.
+TEST_F(Outputs, DevicesStayDevices) {
+  const fs::path device = folder_ / "null";
+  if (::mknod(device.c_str(), S_IFCHR | 0666, makedev(1, 3)) != 0)
+    GTEST_SKIP() << "no device can be made here: " << std::strerror(errno);
+  const Words picture = {"cast", "one.obj", "--grid", "4x4", "--lanes", "4", "-q"};
+  std::vector<Words> all = {cast({"-o", "null"}),
+                            cast({"--trace", "null"}),
+                            {"run", "scene.toml", "-q", "--report", "null", "--trace", "null"}};
+  for (const char* option : {"--image", "--shaded"}) {
+    all.push_back(picture);
+    all.back().insert(all.back().end(), {option, "null"});
+  }
+  for (const Words& words : all) {
+    const Ran ran = cde(words);
+    EXPECT_EQ(ran.status, 0) << fmt::format("{}", fmt::join(words, " ")) << "\n" << ran.err;
+    EXPECT_TRUE(fs::is_character_file(device)) << fmt::format("{}", fmt::join(words, " "));
+  }
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST_F(Outputs, PipesAndDescriptorsAreWrittenTo) {
+  const std::string cast = "\"$CDE\" cast one.obj --rays rays.csv --lanes 4 -q ";
+  EXPECT_EQ(shell(cast + "-o /dev/stdout").out, kCsv);
+  EXPECT_EQ(shell("echo head; " + cast + "-o /dev/stdout").out, "head\n" + std::string(kCsv))
+      << "what a file had before stays";
+  EXPECT_EQ(shell(cast + "-o >(cat >&2); wait $!").err, kCsv);
+  const Ran ran = shell("mkfifo f; cat f & " + cast + "-o f; wait; test -p f");
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(ran.out, kCsv);
+}
+
+TEST_F(Outputs, OfALinkTheTargetIsWritten) {
+  fs::create_directory(folder_ / "there");
+  fs::create_symlink("there/hits.csv", folder_ / "link");
+  ASSERT_EQ(cde(cast({"-o", "link"})).status, 0);
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
+  EXPECT_EQ(read("there/hits.csv"), kCsv);
+  EXPECT_EQ(files(), (Words{"link", "one.obj", "rays.csv", "scene.toml", "there"}));
+}
+
+TEST_F(Outputs, DashIsStdoutAndStdin) {
+  const std::string picture = "\"$CDE\" cast one.obj --grid 4x4 --lanes 4 -q ";
+  for (const char* option : {"--image", "--shaded"}) {
+    ASSERT_EQ(shell(picture + option + " file.png").status, 0);
+    EXPECT_EQ(shell(picture + option + " -").out, read("file.png")) << option;
+    EXPECT_GT(read("file.png").size(), 50u);
+    fs::remove(folder_ / "file.png");
+  }
+  const Ran waves = cde(cast({"--trace", "-"}));
+  EXPECT_EQ(waves.status, 0) << waves.err;
+  EXPECT_GT(waves.out.size(), 10'000u);
+  const Ran page = cde({"run", "scene.toml", "-q", "--report", "-"});
+  EXPECT_EQ(page.status, 0) << page.err;
+  EXPECT_TRUE(page.out.starts_with("<!DOCTYPE html>")) << page.out.substr(0, 100);
+  EXPECT_TRUE(page.out.ends_with("</html>\n"));
+  refused({"run", "scene.toml", "--out", "-"}, "--out is a folder; it cannot be stdout");
+  const Ran rays = shell("\"$CDE\" cast one.obj --rays - --lanes 4 -q -o - < rays.csv");
+  EXPECT_EQ(rays.out, kCsv) << rays.err;
+  EXPECT_EQ(shell("echo 0,0,x | \"$CDE\" cast one.obj --rays - -q -o -").err.find("cde: stdin:1:5"),
+            0u);
+  EXPECT_FALSE(exists("-"));
+}
+
+TEST_F(Outputs, AnInputIsNotWrittenOver) {
+  fs::create_symlink("one.obj", folder_ / "soft");
+  fs::create_hard_link(folder_ / "rays.csv", folder_ / "hard");
+  refused(cast({"-o", "one.obj"}), "-o would write to one.obj, which MESH reads");
+  refused(cast({"-o", "./one.obj"}), "-o would write to ./one.obj, which MESH reads");
+  refused(cast({"--trace", "soft"}), "--trace would write to soft, which MESH reads");
+  refused(cast({"-o", "hard"}), "-o would write to hard, which --rays reads");
+  refused({"cast", "one.obj", "--grid", "4x4", "--image", "one.obj"},
+          "--image would write to one.obj, which MESH reads");
+  refused({"run", "scene.toml", "--report", "scene.toml"},
+          "--report would write to scene.toml, which SCENE reads");
+  refused({"run", "scene.toml", "--trace", "soft"},
+          "--trace would write to soft, which object 'triangles' reads");
+  refused({"run", "scene.toml", "--report", "rays.csv"},
+          "--report would write to rays.csv, which object 'rays' reads");
+  const Ran same = shell("\"$CDE\" cast one.obj --rays - -q -o rays.csv < rays.csv");
+  EXPECT_EQ(same.status, 2);
+  EXPECT_EQ(same.err, "cde: -o would write to rays.csv, which --rays reads\n");
+  const Ran appended = shell("\"$CDE\" cast one.obj --rays rays.csv -q -o - >> rays.csv");
+  EXPECT_EQ(appended.status, 2);
+  EXPECT_EQ(appended.err, "cde: -o would write to stdout, which --rays reads\n");
+  expect_inputs();
+}
+
+TEST_F(Outputs, TwoOutputsAreNotOneFile) {
+  refused(cast({"-o", "x", "--trace", "./x"}), "-o and --trace both write to ./x");
+  refused({"cast", "one.obj", "--grid", "4x4", "--image", "x", "--shaded", "x"},
+          "--image and --shaded both write to x");
+  refused(cast({"-o", "-", "--json"}), "-o and --json both write to stdout");
+  refused(cast({"-o", "/dev/stdout", "--json"}), "-o and --json both write to stdout");
+  refused({"run", "scene.toml", "--report", "x", "--trace", "x"},
+          "--report and --trace both write to x");
+  refused({"run", "scene.toml", "--report", "-", "--json"},
+          "--report and --json both write to stdout");
+  refused({"reproduce", "--quick", "--json", "--out", "-"},
+          "--out and --json both write to stdout");
+  EXPECT_EQ(cde(cast({"-o", "/dev/null", "--trace", "/dev/null"})).status, 0);
+}
+
+/// What can be found out before the work is.
+TEST_F(Outputs, WhatCannotBeWrittenIsFoundOutBefore) {
+  fs::create_directory(folder_ / "folder");
+  const Words big = {"cast", "terrain", "--grid", "512x512", "-q"};
+  for (const char* option : {"--image", "--shaded", "-o"}) {
+    Words words = big;
+    words.insert(words.end(), {option, "none/x.png"});
+    refused(words, "none/x.png: cannot create: No such file or directory");
+    words.back() = "folder";
+    refused(words, "folder: cannot write: Is a directory");
+  }
+}
+
+TEST_F(Outputs, WhatAKilledOneLeavesIsSweptAway) {
+  for (const char* option : {"-o", "--trace"}) {
+    const pid_t child = start({"cast", "terrain:60,60,1", "--grid", "300x300", "--lanes",
+                               option[1] == '-' ? "4" : "16", "-q", option, "out"});
+    bool began = false;
+    for (int i = 0; i < 1200 && !began; ++i, ::usleep(10'000)) began = files().size() > 3;
+    // Another one that writes the same name meanwhile does not harm it, and the other way round.
+    EXPECT_EQ(cde(cast({option, "out"})).status, 0);
+    ASSERT_TRUE(began);
+    EXPECT_EQ(files().size(), 5u) << fmt::format("{}", fmt::join(files(), " "));
+    ::kill(child, SIGKILL);
+    (void)finish(child);
+    EXPECT_EQ(files().size(), 5u) << "nobody could remove it";
+    EXPECT_EQ(cde(cast({option, "out"})).status, 0);
+    EXPECT_EQ(files(), (Words{"one.obj", "out", "rays.csv", "scene.toml"}));
+    fs::remove(folder_ / "out");
+  }
+}
+
+}  // namespace
+}  // namespace cde::testing

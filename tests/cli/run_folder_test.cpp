@@ -1,0 +1,138 @@
+// The folder of `cde run` holds one run and is nobody else's.
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "run_cde.hpp"
+
+namespace cde::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+const char* const kScene = R"(frames = 4
+[card]
+lanes = 4
+[[object]]
+name = "terrain"
+mesh = "terrain:3,3,1"
+[[object]]
+name = "rays"
+random_rays = { count = 3, seed = 7 }
+motion = { kind = "still", position = [15, 15, 300] }
+[[query]]
+name = "hit"
+pair = "ray-triangle"
+primaries = "rays"
+secondaries = "terrain"
+)";
+
+class Folders : public Cli {
+ protected:
+  void SetUp() override {
+    Cli::SetUp();
+    write("scene.toml", kScene);
+  }
+  [[nodiscard]] Words in(const std::string& folder) const {
+    Words names;
+    for (const auto& entry : fs::directory_iterator(folder_ / folder))
+      names.push_back(entry.path().filename());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+  Ran run(const Words& more) {
+    Words words = {"run", "scene.toml", "-q"};
+    words.insert(words.end(), more.begin(), more.end());
+    return cde(words);
+  }
+};
+
+TEST_F(Folders, ASecondRunLeavesNothingOfTheFirst) {
+  ASSERT_EQ(run({"--out", "d"}).status, 0);
+  EXPECT_EQ(in("d"), (Words{"hit.000000.csv", "hit.000001.csv", "hit.000002.csv", "hit.000003.csv",
+                            "run.json"}));
+  ASSERT_EQ(run({"--out", "d", "--frames", "1", "--report", "d/page.html"}).status, 0);
+  EXPECT_EQ(in("d"), (Words{"hit.000001.csv", "page.html", "run.json"}));
+  std::string binary = kScene;
+  binary += "[report]\nresults = \"binary\"\n";
+  write("scene.toml", binary);
+  ASSERT_EQ(run({"--out", "d", "--frames", "2"}).status, 0);
+  EXPECT_EQ(in("d"), (Words{"hit.000002.bin", "run.json"})) << "the page was the run's, too";
+}
+
+TEST_F(Folders, OneThatIsNotARunsIsRefused) {
+  fs::create_directory(folder_ / "d");
+  write("d/thesis.tex", "years of work");
+  Ran ran = run({"--out", "d"});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_EQ(ran.err,
+            "cde: d is not empty and not the folder of a run, which has a run.json: it is left as "
+            "it is; --out names another\n");
+  write("d/run.json", "{\"scripts\": {\"test\": \"jest\"}}");
+  EXPECT_EQ(run({"--out", "d"}).status, 2) << "somebody else's run.json";
+  EXPECT_EQ(in("d"), (Words{"run.json", "thesis.tex"}));
+  EXPECT_EQ(read("d/run.json"), "{\"scripts\": {\"test\": \"jest\"}}");
+  fs::remove_all(folder_ / "d");
+  // Something beside a run.
+  ASSERT_EQ(run({"--out", "d"}).status, 0);
+  write("d/notes.txt", "mine");
+  ran = run({"--out", "d", "--frames", "0"});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_EQ(ran.err,
+            "cde: d/notes.txt is not of the run that d holds: take it away, or let --out name "
+            "another folder\n");
+  EXPECT_EQ(in("d").size(), 6u);
+  // A file of that name.
+  write("f", "x");
+  EXPECT_EQ(run({"--out", "f"}).status, 2);
+  EXPECT_EQ(read("f"), "x");
+  fs::create_directory(folder_ / "empty");
+  EXPECT_EQ(run({"--out", "empty"}).status, 0);
+}
+
+TEST_F(Folders, WhatTheSceneReadsIsNotRemoved) {
+  Ran ran = cde({"run", "scene.toml", "--out", "."});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_EQ(ran.err, "cde: --out is ., where the scene scene.toml is\n");
+  ran = run({"--out", "d", "--report", "d/hit.000000.csv"});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_EQ(ran.err, "cde: d/hit.000000.csv has the name of a file that --out is for\n");
+  EXPECT_EQ(files(), Words{"scene.toml"});
+}
+
+/// What fails before the first frame leaves the run that was there.
+TEST_F(Folders, ARunThatDoesNotBeginChangesNothing) {
+  ASSERT_EQ(run({"--out", "d"}).status, 0);
+  const std::string before = read("d/run.json");
+  EXPECT_EQ(run({"--out", "d", "--frames", "9"}).status, 2);
+  EXPECT_EQ(run({"--out", "d", "--report", "none/page.html"}).status, 2);
+  EXPECT_EQ(run({"--out", "new", "--report", "none/page.html"}).status, 2);
+  EXPECT_FALSE(exists("new"));
+  const Ran ran = cde({"run", "scene.toml", "--out", "d"},
+                      {"CDE_BITSTREAMS=/nowhere", "CDE_CACHE=" + (folder_ / "cache").string(),
+                       "CDE_CLANG=no-such-compiler"});
+  EXPECT_EQ(ran.status, 2) << ran.err;
+  EXPECT_EQ(read("d/run.json"), before);
+  EXPECT_EQ(in("d").size(), 5u);
+}
+
+/// Killed in the middle: its folder is known as a run's, and the next run takes all of it away.
+TEST_F(Folders, AfterAKill) {
+  std::string scene = kScene;
+  write("long.toml", scene.replace(0, 10, "frames = 100000"));
+  const pid_t child = start({"run", "long.toml", "--out", "d"});
+  for (int i = 0; i < 600 && !exists("d/hit.000002.csv"); ++i) ::usleep(50'000);
+  ::kill(child, SIGKILL);
+  EXPECT_EQ(finish(child).status, 128 + SIGKILL);
+  write("d/hit.000003.csv.cde-999999999-abcdef", "what it was writing");
+  EXPECT_EQ(nlohmann::json::parse(read("d/run.json"))["finished"], false);
+  ASSERT_EQ(run({"--out", "d", "--frames", "1"}).status, 0);
+  EXPECT_EQ(in("d"), (Words{"hit.000001.csv", "run.json"}));
+}
+
+}  // namespace
+}  // namespace cde::testing

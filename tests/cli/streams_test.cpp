@@ -1,0 +1,214 @@
+// What goes to stdout and what to stderr, and what happens when one of them cannot be written.
+#include <fmt/format.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "run_cde.hpp"
+
+namespace cde::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+const char* const kScene = R"(frames = 2
+[card]
+lanes = 4
+[[object]]
+name = "triangles"
+mesh = "one.obj"
+[[object]]
+name = "rays"
+random_rays = { count = 3, seed = 7 }
+[[query]]
+name = "hit"
+pair = "ray-triangle"
+primaries = "rays"
+secondaries = "triangles"
+)";
+
+/// A script, and the status of it when nothing is in its way.
+struct Command {
+  const char* words;
+  int status = 0;
+};
+const Command kPrinting[] = {{"cast one.obj --ray 0,0,0,0,0,1 --lanes 4 --json"},
+                             {"cast one.obj --ray 0,0,0,0,0,1 --lanes 4 -o -"},
+                             {"cast one.obj --grid 4x4 --lanes 4 --image -"},
+                             {"run scene.toml --json"},
+                             {"run scene.toml --report -"},
+                             {"plan scene.toml"},
+                             {"plan scene.toml --json"},
+                             {"query sphere-sphere < pairs"},
+                             {"query sphere-sphere --json < pairs"},
+                             {"query sphere-sphere < bad_pairs", 2},
+                             {"fp add --arith host < operands"},
+                             {"fp add --arith host < bad_operands", 2},
+                             {"bench fp --quick"},
+                             {"doctor"},
+                             {"--help"},
+                             {"--help-all"},
+                             {"cast --help"}};
+
+class Streams : public Cli {
+ protected:
+  void SetUp() override {
+    Cli::SetUp();
+    write("one.obj", "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n");
+    write("scene.toml", kScene);
+    write("pairs", "0,0,0,1, 1.5,0,0,1\n");
+    write("bad_pairs", "0,0,0,1, 1.5,0,0,1\nx\n");
+    write("operands", "3F800000 40000000\n");
+    write("bad_operands", "3F800000 40000000\nx\n");
+  }
+};
+
+TEST_F(Streams, AStdoutThatCannotBeWrittenIsStatus2AndOneLine) {
+  for (const Command& command : kPrinting) {
+    for (const auto& [to, why] : {std::pair{"> /dev/full", "No space left on device"},
+                                  std::pair{">&-", "Bad file descriptor"}}) {
+      SCOPED_TRACE(fmt::format("cde {} {}", command.words, to));
+      const Ran ran = shell(fmt::format("\"$CDE\" {} {}", command.words, to));
+      EXPECT_EQ(ran.status, 2);
+      EXPECT_EQ(ran.err, fmt::format("cde: stdout: cannot write: {}\n", why));
+    }
+  }
+}
+
+/// Nothing is written to stdout: it may be what it likes.
+TEST_F(Streams, AStdoutThatIsNotNeeded) {
+  const Ran ran =
+      shell("\"$CDE\" cast one.obj --ray 0.25,0.25,0,0,0,2 --lanes 4 -q -o hits.csv >&- 2>&- <&-");
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_EQ(read("hits.csv"), "ray,F,T,CPx,CPy,CPz,index\n0,1,0.5,0.25,0.25,1,0\n")
+      << "and no file got its number";
+}
+
+TEST_F(Streams, WithoutAStderrTheCommandGoesOn) {
+  std::vector<Command> commands(std::begin(kPrinting), std::end(kPrinting));
+  commands.insert(commands.end(), {{"cast one.obj --ray 0,0,0,0,0,1 --lanes 4 --deadline 10", 4},
+                                   {"cast none.obj --ray 0,0,0,0,0,1", 2},
+                                   {"cats", 2},
+                                   {"run scene.toml --deadline 10", 4}});
+  for (const Command& command : commands) {
+    const std::size_t printed = shell(fmt::format("\"$CDE\" {}", command.words)).out.size();
+    for (const char* to : {"2> /dev/full", "2>&-"}) {
+      SCOPED_TRACE(fmt::format("cde {} {}", command.words, to));
+      const Ran ran = shell(fmt::format("\"$CDE\" {} {}", command.words, to));
+      EXPECT_EQ(ran.status, command.status);
+      EXPECT_NEAR(static_cast<double>(ran.out.size()), static_cast<double>(printed), 100)
+          << "times have more digits or fewer";
+    }
+  }
+  // A pipe whose reader has gone.
+  const Ran ran = shell(
+      "exec 3> >(exec 3>&-); sleep 0.2; "
+      "\"$CDE\" cast one.obj --ray 0.25,0.25,0,0,0,2 --lanes 4 -o - 2>&3");
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_EQ(ran.out, "ray,F,T,CPx,CPy,CPz,index\n0,1,0.5,0.25,0.25,1,0\n");
+}
+
+/// As with any other tool, `| head` ends it in silence, by SIGPIPE, and no file is left behind.
+TEST_F(Streams, AReaderThatHasEnough) {
+  const Ran ran = shell(
+      "\"$CDE\" cast terrain:60,60,1 --grid 300x300 --lanes 16 -o - --shaded x.png | head -1;"
+      "echo ${PIPESTATUS[0]}");
+  EXPECT_EQ(ran.out, fmt::format("ray,F,T,CPx,CPy,CPz,index\n{}\n", 128 + SIGPIPE));
+  EXPECT_EQ(ran.err, "");
+  EXPECT_FALSE(exists("x.png"));
+  const Ran heard = shell(
+      "trap '' PIPE; \"$CDE\" cast terrain:60,60,1 --grid 300x300 --lanes 16 -o - | head -1;"
+      "echo ${PIPESTATUS[0]}");
+  EXPECT_EQ(heard.out, "ray,F,T,CPx,CPy,CPz,index\n2\n");
+  EXPECT_EQ(heard.err, "cde: stdout: cannot write: Broken pipe\n") << "the signal is ignored";
+}
+
+TEST_F(Streams, ResultsAreOnStdout) {
+  const Ran query = shell("\"$CDE\" query sphere-sphere --json < pairs");
+  EXPECT_EQ(query.err, "");
+  EXPECT_EQ(std::count(query.out.begin(), query.out.end(), '\n'), 3) << query.out;
+  EXPECT_EQ(nlohmann::json::parse(query.out.substr(query.out.find('{')))["pairs"], 1);
+  const Ran bench = cde({"bench", "fp", "--quick"});
+  EXPECT_NE(bench.out.find("gate-level units alone"), std::string::npos) << bench.out;
+  EXPECT_EQ(bench.err, "");
+  const Ran json = cde({"bench", "fp", "--quick", "--json"});
+  EXPECT_TRUE(nlohmann::json::parse(json.out).contains("fp"));
+  EXPECT_NE(json.err.find("gate-level units alone"), std::string::npos) << json.err;
+}
+
+TEST_F(Streams, NamesThatAreNoUtf8) {
+  const std::string odd = "a\xff\xc3";
+  fs::rename(folder_ / "one.obj", folder_ / (odd + ".obj"));
+  fs::create_directory(folder_ / odd);
+  const Ran cast = cde({"cast", odd + ".obj", "--ray", "0,0,0,0,0,1", "--lanes", "4", "--json"});
+  ASSERT_EQ(cast.status, 0) << cast.err;
+  EXPECT_EQ(nlohmann::json::parse(cast.out)["mesh"], "a\xef\xbf\xbd\xef\xbf\xbd.obj");
+  EXPECT_NE(cast.err.find("a\\xff\\xc3.obj, 1 triangles"), std::string::npos) << cast.err;
+  std::string scene = kScene;
+  write(odd + "/" + odd + ".toml", scene.replace(scene.find("one.obj"), 7, "terrain:3,3,1"));
+  const std::string file = odd + "/" + odd + ".toml";
+  const Ran run = cde({"run", file, "--json", "--report", "page.html", "--out", odd + ".run"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(nlohmann::json::parse(run.out)["finished"], true);
+  EXPECT_EQ(nlohmann::json::parse(read(odd + ".run/run.json"))["scene"],
+            "a\xef\xbf\xbd\xef\xbf\xbd/a\xef\xbf\xbd\xef\xbf\xbd.toml");
+  const std::string page = read("page.html");
+  EXPECT_NE(page.find("<h1>a\xef\xbf\xbd\xef\xbf\xbd.toml</h1>"), std::string::npos);
+  EXPECT_EQ(page.find('\xff'), std::string::npos);
+  const Ran plan = cde({"plan", file, "--json"});
+  EXPECT_EQ(plan.status, 0) << plan.err;
+}
+
+/// Names and texts of files, with what would clear a terminal, change its title, or fake a line.
+TEST_F(Streams, ControlCharactersOfFilesAreShownAsNumbers) {
+  const auto quiet = [](const std::string& text) {
+    return std::none_of(text.begin(), text.end(),
+                        [](char c) { return c != '\n' && static_cast<unsigned char>(c) < 0x20; }) &&
+           text.find("\xc2\x9b") == std::string::npos && text.find('\x7f') == std::string::npos;
+  };
+  std::string scene = kScene;
+  const std::string evil = R"(\u001b]0;owned\u0007\n\u009b31mcde: all is well)";
+  scene.replace(scene.find("one.obj"), 7, evil + ".obj");
+  write("mesh.toml", scene);
+  scene = kScene;
+  scene.replace(scene.find("\"triangles\"\nmesh"), 11, "\"" + evil + "\"");
+  write("object.toml", scene);
+  scene = kScene;
+  scene.replace(scene.find("\"hit\""), 5, "\"" + evil + "\"");
+  write("query.toml", scene);
+  write("key.toml", "\"" + evil + "\" = 1\n" + std::string(kScene));
+  write("raw.toml", "title = \"\x1b[31m\"\n" + std::string(kScene));
+  write("title.toml", "title = \"" + evil + "\"\n" + std::string(kScene));
+  for (const char* file :
+       {"mesh.toml", "object.toml", "query.toml", "key.toml", "raw.toml", "title.toml"}) {
+    for (const char* verb : {"plan", "run"}) {
+      const Ran ran = cde({verb, file});
+      const bool fine = std::string(file) == "title.toml";
+      EXPECT_EQ(ran.status, fine ? 0 : 2) << file << ran.err;
+      EXPECT_TRUE(quiet(ran.err)) << file << ": " << ran.err;
+      EXPECT_TRUE(quiet(ran.out)) << file << ": " << ran.out;
+      if (!fine) {
+        EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
+      }
+    }
+  }
+  const Ran json = cde({"run", "title.toml", "--json"});
+  EXPECT_TRUE(quiet(json.out));
+  EXPECT_EQ(nlohmann::json::parse(json.out)["title"],
+            "\x1b]0;owned\a\n\xc2\x9b"
+            "31mcde: all is well");
+  write("evil.obj", "v 0 0 0\nf \x1b[31m 2 3\n");
+  write("evil.ply", "ply\nformat \x1b[31m\n");
+  write("evil.csv", "\x1b[31m,1,2\n");
+  for (const char* words : {"cast evil.obj --ray 0,0,0,0,0,1", "cast evil.ply --ray 0,0,0,0,0,1",
+                            "cast one.obj --rays evil.csv", "query sphere-sphere < evil.csv",
+                            "fp add --arith host < evil.csv"}) {
+    const Ran ran = shell(fmt::format("\"$CDE\" {}", words));
+    EXPECT_EQ(ran.status, 2) << words;
+    EXPECT_TRUE(quiet(ran.err)) << words << ": " << ran.err;
+  }
+}
+
+}  // namespace
+}  // namespace cde::testing

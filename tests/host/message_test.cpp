@@ -1,0 +1,47 @@
+// Text that may come from files, before it is shown.
+#include "cde/message.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace cde {
+namespace {
+
+using namespace std::string_literals;
+
+TEST(Message, WhatControlsATerminalIsShownAsItsNumber) {
+  EXPECT_EQ(printable("plain, \xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80\n\t"),
+            "plain, \xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80\n\t");
+  EXPECT_EQ(printable("\x1b[31m\r\a\x7f\0."s), "\\x1b[31m\\x0d\\x07\\x7f\\x00.");
+  EXPECT_EQ(printable("\xc2\x9b"
+                      "31m"),
+            "\\x9b31m")
+      << "CSI in eight bits";
+  EXPECT_EQ(printable("a\xe2\x80\xae"
+                      "b\xe2\x81\xa6"),
+            "a\\u202eb\\u2066");
+  EXPECT_EQ(printable_name("two\nlines\tand"), "two\\x0alines\\x09and");
+  EXPECT_EQ(printable_json("{\n \"a\x7f\xc2\x9b\"}"), "{\n \"a\\u007f\\u009b\"}");
+}
+
+/// The sequences of Unicode's table 3-8, and others at the edges of table 3-7.
+TEST(Message, BytesThatAreNoUtf8) {
+  const auto replaced = [](std::string_view text) { return valid_utf8(text); };
+  const std::string mark = "\xef\xbf\xbd";
+  EXPECT_EQ(replaced("\x61\xf1\x80\x80\xe1\x80\xc2\x62\x80\x63\x80\xbf\x64"),
+            "a" + mark + mark + mark + "b" + mark + "c" + mark + mark + "d");
+  for (const char* bad : {"\xc0\x80", "\xc1\xbf", "\xf5\x80", "\xff\xfe"})
+    EXPECT_EQ(replaced(bad), mark + mark) << bad;
+  EXPECT_EQ(replaced("\xed\xa0\x80"), mark + mark + mark) << "a surrogate";
+  EXPECT_EQ(replaced("\xe0\x9f\xbf"), mark + mark + mark) << "too long a form";
+  EXPECT_EQ(replaced("\xf4\x90\x80\x80"), mark + mark + mark + mark) << "beyond U+10FFFF";
+  for (const char* good : {"\xc2\x80", "\xdf\xbf", "\xe0\xa0\x80", "\xed\x9f\xbf", "\xee\x80\x80",
+                           "\xf0\x90\x80\x80", "\xf4\x8f\xbf\xbf"})
+    EXPECT_EQ(replaced(good), good);
+  EXPECT_EQ(replaced("\xe2\x82"), mark) << "cut short";
+  EXPECT_EQ(printable("\xff\xe2\x82."), "\\xff\\xe2\\x82.");
+}
+
+}  // namespace
+}  // namespace cde

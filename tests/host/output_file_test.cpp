@@ -1,0 +1,210 @@
+// Files that are written: whole or not at all, and nothing beside them is harmed.
+#include "cde/output_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <optional>
+#include <thread>
+
+#include "testing.hpp"
+
+namespace cde::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(OutputFile, ReplacesWhatIsThereWhenItIsWhole) {
+  const Folder folder;
+  folder.write("a", "old");
+  fs::permissions(folder / "a", fs::perms::owner_read | fs::perms::owner_write);
+  {
+    OutputFile left(folder / "a");
+    left.write("half");
+    EXPECT_EQ(folder.files(), 2u);
+  }
+  EXPECT_EQ(bytes_of(folder / "a"), "old");
+  EXPECT_EQ(folder.files(), 1u) << "nothing is left of it";
+  const std::string mode_before =
+      fmt::format("{:o}", static_cast<unsigned>(fs::status(folder / "a").permissions()));
+  OutputFile file(folder / "a");
+  file.write("new");
+  EXPECT_EQ(bytes_of(folder / "a"), "old");
+  file.commit();
+  EXPECT_EQ(bytes_of(folder / "a"), "new");
+  EXPECT_EQ(folder.files(), 1u);
+  EXPECT_EQ(fmt::format("{:o}", static_cast<unsigned>(fs::status(folder / "a").permissions())),
+            mode_before);
+  const mode_t mask = ::umask(027);
+  write_file(folder / "b", "b");
+  ::umask(mask);
+  EXPECT_EQ(static_cast<unsigned>(fs::status(folder / "b").permissions()), 0640u);
+}
+
+TEST(OutputFile, LinksStay) {
+  const Folder folder;
+  fs::create_directory(folder / "there");
+  folder.write("there/target", "old");
+  fs::create_symlink("there/target", folder / "link");
+  fs::create_symlink(folder / "link", folder / "to_link");
+  fs::create_symlink("there/new", folder / "dangling");
+  write_file(folder / "to_link", "one");
+  write_file(folder / "dangling", "two");
+  for (const char* link : {"link", "to_link", "dangling"})
+    EXPECT_TRUE(fs::is_symlink(folder / link)) << link;
+  EXPECT_EQ(bytes_of(folder / "there/target"), "one");
+  EXPECT_EQ(bytes_of(folder / "there/new"), "two");
+  fs::create_symlink("circle", folder / "circle");
+  expect_error(ErrorCode::kFile, "circle: cannot write: Too many levels",
+               [&] { write_file(folder / "circle", ""); });
+}
+
+TEST(OutputFile, WhatIsNoRegularFileIsWrittenTo) {
+  const Folder folder;
+  ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);
+  std::string got;
+  std::thread reader([&] { got = bytes_of(folder / "fifo"); });
+  {
+    // By name, as waves are: somebody needs a file that can be sought in.
+    OutputFile file(folder / "fifo", OutputFile::Use::kByName);
+    std::ofstream(file.temporary()) << "by name";
+    file.commit();
+  }
+  reader.join();
+  EXPECT_EQ(got, "by name");
+  EXPECT_TRUE(fs::is_fifo(folder / "fifo"));
+  EXPECT_EQ(folder.files(), 1u);
+  write_file("/dev/null", "x");
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  if (::mknod((folder / "null").c_str(), S_IFCHR | 0600, makedev(1, 3)) == 0) {
+    write_file(folder / "null", "x");
+    EXPECT_TRUE(fs::is_character_file(folder / "null"));
+  }
+  expect_error(ErrorCode::kFile, "/dev/full: cannot write: No space left on device",
+               [&] { write_file("/dev/full", "x"); });
+}
+
+/// A descriptor that a shell hands over goes on where it is, even in a file.
+TEST(OutputFile, DescriptorsAreContinued) {
+  const Folder folder;
+  const int fd = ::open((folder / "log").c_str(), O_WRONLY | O_CREAT, 0600);
+  ASSERT_GE(fd, 0);
+  ASSERT_EQ(::write(fd, "head\n", 5), 5);
+  write_file(fmt::format("/dev/fd/{}", fd), "one\n");
+  write_file(fmt::format("/proc/self/fd/{}", fd), "two\n");
+  ::close(fd);
+  EXPECT_EQ(bytes_of(folder / "log"), "head\none\ntwo\n");
+  EXPECT_EQ(folder.files(), 1u);
+  expect_error(ErrorCode::kFile, fmt::format("/dev/fd/{}: cannot write: Bad file descriptor", fd),
+               [&] { write_file(fmt::format("/dev/fd/{}", fd), "x"); });
+}
+
+TEST(OutputFile, WhatCannotBeWrittenIsNamed) {
+  const Folder folder;
+  fs::create_directory(folder / "folder");
+  expect_error(ErrorCode::kFile, "none/a: cannot create: No such file or directory",
+               [&] { OutputFile(folder / "none/a"); });
+  expect_error(ErrorCode::kFile, "folder: cannot write: Is a directory",
+               [&] { OutputFile(folder / "folder"); });
+  expect_error(ErrorCode::kFile, "folder/: cannot write: Is a directory",
+               [&] { OutputFile(folder / "folder/"); });
+  EXPECT_EQ(folder.files(), 1u);
+  const std::string longest(255, 'n');  // the longest name that a file can have
+  write_file(folder / longest, "fits");
+  EXPECT_EQ(bytes_of(folder / longest), "fits");
+}
+
+/// What a killed process leaves is swept away by the next that writes the name; not what belongs
+/// to others or is in use.
+TEST(OutputFile, WhatWasLeftBehindIsSweptAway) {
+  const Folder folder;
+  const auto die_writing = [&](const std::string& name) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      OutputFile file(folder / name);
+      file.write("half");
+      ::kill(::getpid(), SIGKILL);
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    return WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL;
+  };
+  ASSERT_TRUE(die_writing("a"));
+  ASSERT_TRUE(die_writing("a"));
+  ASSERT_TRUE(die_writing("b"));
+  ASSERT_EQ(folder.files(), 2u) << "the second has swept away what the first left";
+  folder.write("a.cde-1-abcdef", "in use: process 1 lives");
+  folder.write("a.cde-x-abcdef", "no number");
+  folder.write("a.cde-999999999-abcdefg", "too long");
+  folder.write("a.abcdef", "of somebody");
+  std::optional<OutputFile> used(folder / "a");  // by this process, and locked
+  write_file(folder / "a", "whole");
+  EXPECT_TRUE(fs::exists(used->temporary()));
+  EXPECT_EQ(folder.files(), 4u + 1 + 1 + 1) << "those, one of b, the one in use, and a";
+  used->write("later");
+  used->commit();
+  EXPECT_EQ(bytes_of(folder / "a"), "later");
+  sweep_unfinished(folder / "");
+  EXPECT_EQ(folder.files(), 5u) << "b's, too";
+}
+
+TEST(OutputFile, SignalsRemoveWhatIsUnfinished) {
+  const Folder folder;
+  OutputFile one(folder / "one");
+  std::vector<std::unique_ptr<OutputFile>> many;
+  for (int i = 0; i < 20; ++i)
+    many.push_back(std::make_unique<OutputFile>(folder / fmt::format("{}", i)));
+  many[3]->commit();
+  ASSERT_EQ(folder.files(), 21u);
+  OutputFile::remove_unfinished();
+  EXPECT_EQ(folder.files(), 1u);
+}
+
+TEST(CheckOutputs, TwoOutputsAreNotOneFile) {
+  const Folder folder;
+  folder.write("a", "");
+  fs::create_hard_link(folder / "a", folder / "hard");
+  fs::create_symlink("a", folder / "soft");
+  fs::create_symlink("not_there", folder / "dangling");
+  fs::create_directory_symlink(".", folder / "here");
+  const auto both = [&](const fs::path& a, const fs::path& b) {
+    check_outputs(std::vector<FileUse>{{"-o", a}, {"--none", ""}, {"--image", b}}, {});
+  };
+  const std::vector<std::pair<const char*, const char*>> same = {
+      {"a", "a"},          {"a", "here/a"},          {"a", "hard"},    {"a", "soft"},
+      {"new", "here/new"}, {"new", "here/here/new"}, {"soft", "hard"}, {"dangling", "not_there"}};
+  for (const auto& [a, b] : same)
+    expect_error(ErrorCode::kUsage, "-o and --image both write to",
+                 [&, x = a, y = b] { both(folder / x, folder / y); });
+  expect_error(ErrorCode::kUsage, "-o and --image both write to stdout", [&] { both("-", "-"); });
+  expect_error(ErrorCode::kUsage, "-o and --image both write to", [&] { both("-", "/dev/fd/1"); });
+  both(folder / "a", folder / "new");
+  both(folder / "new", folder / "other");
+  both("/dev/null", "/dev/null");
+  expect_error(ErrorCode::kFile, "none/x: cannot create", [&] { both("-", folder / "none/x"); });
+}
+
+TEST(CheckOutputs, AnOutputIsNoInput) {
+  const Folder folder;
+  folder.write("in", "");
+  fs::create_hard_link(folder / "in", folder / "hard");
+  fs::create_symlink("in", folder / "soft");
+  const auto check = [&](const fs::path& in, const fs::path& out) {
+    check_outputs(std::vector<FileUse>{{"-o", out}}, std::vector<FileUse>{{"MESH", in}});
+  };
+  for (const char* in : {"in", "hard", "soft"})
+    for (const char* out : {"in", "hard", "soft"})
+      expect_error(ErrorCode::kUsage, ", which MESH reads",
+                   [&] { check(folder / in, folder / out); });
+  check(folder / "in", folder / "out");
+  check("terrain", folder / "out");
+  check("/dev/null", "/dev/null");
+}
+
+}  // namespace
+}  // namespace cde::testing

@@ -1,0 +1,49 @@
+#pragma once
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cde/scene.hpp"
+
+namespace cde::cli {
+
+/// The folder of `cde run`: it holds the run.json and the records of one run, and nothing else but
+/// a page and waves that the run was told to put there. run.json is there from the first frame on
+/// and tells such a folder from others.
+class RunFolder {
+ public:
+  /// Makes it if it is not there. Error kUsage, naming what is there, unless it is empty or a
+  /// run's; kUsage if something of the scene is in it, or if one of the `beside` (--report,
+  /// --trace) would have the name of a file of the run.
+  RunFolder(std::filesystem::path path, const Scene& scene, const std::vector<std::string>& beside);
+  /// Takes the folder away again if the object has made it and there is nothing in it.
+  ~RunFolder();
+  RunFolder(const RunFolder&) = delete;
+  RunFolder& operator=(const RunFolder&) = delete;
+
+  /// Removes the run that was there, and from now on there is this one.
+  void begin(nlohmann::ordered_json json);
+  [[nodiscard]] bool begun() const { return begun_; }
+
+  /// run.json. Once the run has begun.
+  void write(const nlohmann::ordered_json& json) const;
+
+  [[nodiscard]] static std::string record_name(std::string_view query, std::uint32_t frame,
+                                               Results results);
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// The names of --report and --trace if they are in the folder: `files_beside` in run.json.
+  [[nodiscard]] const std::vector<std::string>& beside() const { return beside_; }
+
+ private:
+  void check_names(const Scene& scene, const std::vector<std::string>& beside);
+  void look();
+  void take_back() const;
+  std::filesystem::path path_;
+  std::vector<std::string> beside_;         ///< names in this folder that are the run's, too
+  std::vector<std::filesystem::path> old_;  ///< files of the run that was there
+  bool made_ = false, begun_ = false;
+};
+
+}  // namespace cde::cli
