@@ -55,19 +55,22 @@ module pair_unit #(
   logic [31:0] tag;
   logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
   logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b;
+  logic taken;  // a and b are operands of this clock
   if (HELD) begin : g_held
+    always_ff @(posedge clk_i) taken <= valid_i && ready_o;
     always_ff @(posedge clk_i) if (valid_i && ready_o) {tag, a, b} <= {tag_i, a_i, b_i};
   end else begin : g_direct
+    assign taken = valid_i;
     assign {tag, a, b} = {tag_i, a_i, b_i};
   end
   shape_check #(
       .SHAPE(cde_pkg::primary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
       .ARITH(ARITH)
-  ) check_a (.clk_i, .words_i(a), .bad_o(bad_a));
+  ) check_a (.clk_i, .on_i(taken), .words_i(a), .bad_o(bad_a));
   shape_check #(
       .SHAPE(cde_pkg::secondary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
       .ARITH(ARITH)
-  ) check_b (.clk_i, .words_i(b), .bad_o(bad_b));
+  ) check_b (.clk_i, .on_i(taken), .words_i(b), .bad_o(bad_b));
   assign bad_check = bad_a | bad_b;
 
   if (cde_pkg::has_ring(PAIR)) begin : g_ring

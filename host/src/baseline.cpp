@@ -7,6 +7,7 @@
 
 #include "baseline_kernel.hpp"
 #include "cde/error.hpp"
+#include "text.hpp"
 
 namespace cde::baseline {
 namespace {
@@ -21,7 +22,7 @@ constexpr Kernel kKernels[] = {scalar_kernel, nullptr, nullptr};
 
 const char* name_of(Kind kind) {
   constexpr const char* kNames[] = {"scalar", "AVX2", "AVX-512"};
-  return kNames[static_cast<int>(kind)];
+  return text::entry(kNames, kind, "kind of vectors");
 }
 
 bool available(Kind kind) {

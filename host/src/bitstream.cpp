@@ -179,6 +179,12 @@ fs::path find_or_build(const Key& key, const std::string& kind,
 
 }  // namespace
 
+void check(Arithmetic arithmetic) {
+  if (arithmetic != Arithmetic::kHost && arithmetic != Arithmetic::kRtl)
+    throw Error(ErrorCode::kUsage, fmt::format("there is no arithmetic {}; they are 0 and 1",
+                                               static_cast<int>(arithmetic)));
+}
+
 std::vector<std::string> BoardConfig::parameters() const {
   const auto require = [](bool ok, const char* name, unsigned value, const char* range) {
     if (!ok)
@@ -189,6 +195,12 @@ std::vector<std::string> BoardConfig::parameters() const {
   const auto latency = [&](unsigned value, const char* name) {
     require(value >= 1 && value <= 16, name, value, "1 to 16 clocks");
   };
+  check(arithmetic);
+  require(transform <= Transformer::kBoth, "transform", static_cast<unsigned>(transform), "0 to 2");
+  require(bus == Bus::kFunctional || bus == Bus::kCycle, "bus", static_cast<unsigned>(bus),
+          "0 or 1");
+  (void)name(algorithm);
+  for (const Pair pair : pairs) (void)name(pair);
   latency(latency_add, "latency_add");
   latency(latency_mul, "latency_mul");
   latency(latency_div, "latency_div");
@@ -301,7 +313,7 @@ Bitstream Bitstream::load(const fs::path& file, std::uint64_t config_hash) {
   // LeakSanitizer does not see what thread-local variables of a closed library hold; Verilator's
   // runtime keeps one small buffer there.
   result.library_ = {library, [](void* handle) {
-                       if (!kAddressSanitizer) ::dlclose(handle);
+                       if (!kSanitizer) ::dlclose(handle);
                      }};
   return result;
 }

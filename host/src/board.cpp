@@ -9,6 +9,7 @@
 
 #include "board_impl.hpp"
 #include "cde/error.hpp"
+#include "text.hpp"
 
 namespace cde {
 namespace {
@@ -124,12 +125,28 @@ void Board::Impl::prepare() {
 
 // ---- Opening ----
 
-Board::Board(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Board::Board(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Board::Board(Board&&) noexcept = default;
 Board& Board::operator=(Board&&) noexcept = default;
 Board::~Board() = default;
 
+Board::Impl& Board::card() const {
+  if (!impl_) throw Error(ErrorCode::kUsage, "this board is none: it was moved from");
+  return *impl_;
+}
+
+Board::Impl& Board::idle_card() const {
+  Impl& it = card();
+  if (it.passing)
+    throw Error(ErrorCode::kUsage,
+                "the board is in a pass, whose sink and progress may not give it other work");
+  return it;
+}
+
 Board Board::open(const BoardConfig& config, const OpenOptions& options) {
+  if (options.memory != Memory::kIdeal && options.memory != Memory::kCycle)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("there is no memory {}", static_cast<std::uint32_t>(options.memory)));
   if (options.ddr_latency < 1 || options.ddr_latency > 10000) {
     throw Error(ErrorCode::kUsage, fmt::format("ddr_latency is {}; it must be 1 to 10000 clocks",
                                                options.ddr_latency));
@@ -153,7 +170,7 @@ Board Board::open(const BoardConfig& config, const OpenOptions& options) {
   const std::string file = bitstream.path().string();
 
   auto impl =
-      std::make_unique<Impl>(config.bus == Bus::kCycle ? pci_link(std::move(bitstream), options)
+      std::make_shared<Impl>(config.bus == Bus::kCycle ? pci_link(std::move(bitstream), options)
                                                        : local_link(std::move(bitstream), options),
                              file, options);
   check_identity(*impl, config, expected, file);
@@ -183,7 +200,7 @@ void Board::upload(const TriangleView& triangles, bool validate) {
 
 void Board::upload_words(Shape shape, std::size_t count, const Words& words,
                          const std::function<std::optional<std::string>(std::size_t)>& defect) {
-  impl_->link->alive();
+  idle_card().link->alive();
   if (count == 0) throw Error(ErrorCode::kUsage, fmt::format("no {}s to upload", name(shape)));
   if (count > capacity(shape)) {
     throw Error(ErrorCode::kCapacity,
@@ -192,30 +209,30 @@ void Board::upload_words(Shape shape, std::size_t count, const Words& words,
   }
   check_shapes(shape, count, defect);
   const std::uint64_t start = clocks();
-  impl_->secondaries = 0;
-  impl_->write_slots(shape, 0, count, words);
-  impl_->upload_clocks = clocks() - start;
-  impl_->secondaries = static_cast<std::uint32_t>(count);
-  impl_->secondary_shape = shape;
+  card().secondaries = 0;
+  card().write_slots(shape, 0, count, words);
+  card().upload_clocks = clocks() - start;
+  card().secondaries = static_cast<std::uint32_t>(count);
+  card().secondary_shape = shape;
 }
 
 void Board::update_words(Shape shape, std::size_t first, std::size_t count, const Words& words,
                          const std::function<std::optional<std::string>(std::size_t)>& defect) {
-  impl_->link->alive();
-  if (impl_->secondaries == 0 || shape != impl_->secondary_shape) {
+  idle_card().link->alive();
+  if (card().secondaries == 0 || shape != card().secondary_shape) {
     throw Error(ErrorCode::kUsage, fmt::format("no {}s were uploaded to the board", name(shape)));
   }
-  if (first > impl_->secondaries || count > impl_->secondaries - first) {
+  if (first > card().secondaries || count > card().secondaries - first) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("{}s {} to {} are not among the {} uploaded", name(shape), first,
-                            first + count - 1, impl_->secondaries));
+                            first + count - 1, card().secondaries));
   }
   check_shapes(shape, count, defect);
   const std::uint64_t start = clocks();
-  const std::uint32_t there = std::exchange(impl_->secondaries, 0);  // none if this fails
-  impl_->write_slots(shape, first, count, words);
-  impl_->upload_clocks = clocks() - start;
-  impl_->secondaries = there;
+  const std::uint32_t there = std::exchange(card().secondaries, 0);  // none if this fails
+  card().write_slots(shape, first, count, words);
+  card().upload_clocks = clocks() - start;
+  card().secondaries = there;
 }
 
 void Board::Impl::write_slots(Shape shape, std::size_t first, std::size_t count,
@@ -285,114 +302,114 @@ void Board::Impl::write_packet(Packet& packet) {
 }
 
 void Board::load_words(Shape shape, std::size_t count, const Words& words) {
-  impl_->link->alive();
+  idle_card().link->alive();
   const std::uint64_t start = clocks(), start_ps = time_ps();
-  impl_->load(0, shape, count, words);
-  impl_->load_clocks = clocks() - start;
-  impl_->load_ps = time_ps() - start_ps;
-  impl_->loaded = static_cast<std::uint32_t>(count);
-  impl_->primary_shape = shape;
+  card().load(0, shape, count, words);
+  card().load_clocks = clocks() - start;
+  card().load_ps = time_ps() - start_ps;
+  card().loaded = static_cast<std::uint32_t>(count);
+  card().primary_shape = shape;
 }
 
 void Board::load_second_words(Shape shape, std::size_t count, const Words& words) {
-  impl_->link->alive();
-  if (!impl_->parallel) throw Error(ErrorCode::kUsage, "this card works on one pair at a time");
-  if (impl_->loaded == 0)
+  idle_card().link->alive();
+  if (!card().parallel) throw Error(ErrorCode::kUsage, "this card works on one pair at a time");
+  if (card().loaded == 0)
     throw Error(ErrorCode::kUsage, "the first pair's primaries are loaded before the second's");
   const std::uint64_t start = clocks(), start_ps = time_ps();
-  impl_->load(impl_->split(), shape, count, words);
-  impl_->load_clocks += clocks() - start;
-  impl_->load_ps += time_ps() - start_ps;
-  impl_->second_loaded = static_cast<std::uint32_t>(count);
-  impl_->second_shape = shape;
+  card().load(card().split(), shape, count, words);
+  card().load_clocks += clocks() - start;
+  card().load_ps += time_ps() - start_ps;
+  card().second_loaded = static_cast<std::uint32_t>(count);
+  card().second_shape = shape;
 }
 
 // ---- The rest of the interface ----
 
 void Board::reset() {
-  impl_->reset();
+  idle_card().reset();
 }
 
 void Board::trace_open(const std::filesystem::path& file) {
-  impl_->link->trace_open(file);
+  card().link->trace_open(file);
 }
 
 void Board::trace_close() {
-  impl_->link->trace_close();
+  card().link->trace_close();
 }
 
 unsigned Board::lanes() const {
-  return impl_->lanes;
+  return card().lanes;
 }
 unsigned Board::primaries() const {
-  return impl_->primaries;
+  return card().primaries;
 }
 std::uint64_t Board::capacity(Shape shape) const {
-  return impl_->capacity / (4 * words(shape));
+  return card().capacity / (4 * words(shape));
 }
 std::uint64_t Board::sram_records() const {
-  return impl_->sram_records;
+  return card().sram_records;
 }
 unsigned Board::pipe_latency() const {
-  return impl_->pipe_latency;
+  return card().pipe_latency;
 }
 std::uint64_t Board::upload_clocks() const {
-  return impl_->upload_clocks;
+  return card().upload_clocks;
 }
 std::uint64_t Board::words_uploaded() const {
-  return impl_->words_uploaded;
+  return card().words_uploaded;
 }
 const std::filesystem::path& Board::bitstream() const {
-  return impl_->bitstream;
+  return card().bitstream;
 }
 std::uint64_t Board::config_hash() const {
-  return impl_->link->config_hash();
+  return card().link->config_hash();
 }
 
 std::uint64_t Board::read_register(std::uint32_t offset) {
-  return impl_->read_register(offset);
+  return card().read_register(offset);
 }
 void Board::write_register(std::uint32_t offset, std::uint64_t value) {
-  impl_->write_register(offset, value);
+  card().write_register(offset, value);
 }
 void Board::bus_write(card::Space space, std::uint32_t offset,
                       std::span<const std::uint64_t> beats) {
-  impl_->link->write(space, offset, beats.data(), beats.size());
+  card().link->write(space, offset, beats.data(), beats.size());
 }
 void Board::bus_read(card::Space space, std::uint32_t offset, std::span<std::uint64_t> beats) {
-  impl_->link->read(space, offset, beats.data(), beats.size());
+  card().link->read(space, offset, beats.data(), beats.size());
 }
 std::uint64_t Board::wait(std::uint64_t max_clocks) {
-  return impl_->link->run(max_clocks);
+  return card().link->run(max_clocks);
 }
 std::uint64_t Board::clocks() const {
-  return impl_->clocks();
+  return card().clocks();
 }
 std::uint64_t Board::time_ps() const {
-  return impl_->link->time_ps();
+  return card().link->time_ps();
 }
 BusCounters Board::bus_counters() const {
-  BusCounters c = impl_->link->counters();
-  c.pass_retries = impl_->pass_retries;
+  BusCounters c = card().link->counters();
+  c.pass_retries = card().pass_retries;
   return c;
 }
 MemoryCounters Board::memory_counters() const {
-  return impl_->link->memory_counters();
+  return card().link->memory_counters();
 }
 std::string Board::bus_violation() const {
-  return impl_->link->violation();
+  return card().link->violation();
 }
 void Board::inject(BusFault fault, std::uint32_t count, std::uint32_t value) {
-  impl_->link->inject(fault, count, value);
+  card().link->inject(fault, count, value);
 }
 void Board::flip_ddr(std::uint64_t byte, std::uint8_t mask) {
-  if (byte >= impl_->capacity || !impl_->link->flip_ddr(byte, mask))
+  if (byte >= card().capacity || !card().link->flip_ddr(byte, mask))
     throw Error(ErrorCode::kUsage,
-                fmt::format("DDR has {} bytes, no byte {}", impl_->capacity, byte));
+                fmt::format("DDR has {} bytes, no byte {}", card().capacity, byte));
 }
 void Board::flip_check(std::uint64_t word, std::uint8_t mask) {
   if (mask > 0x7f) throw Error(ErrorCode::kUsage, "a word has check bits 0 to 6");
-  if (word >= impl_->capacity / 4 || !impl_->link->flip_check(word, mask))
+  if (word >= card().capacity / 4 || !card().link->flip_check(word, mask))
     throw Error(ErrorCode::kUsage, fmt::format("DDR has no check bits of word {}", word));
 }
 
@@ -403,7 +420,7 @@ constexpr std::array<const char*, 5> kModeNames = {"nearest", "farthest", "any",
 }
 
 const char* name_of(Mode mode) {
-  return kModeNames.at(static_cast<std::size_t>(mode));
+  return text::entry(kModeNames, mode, "mode");
 }
 
 std::optional<Mode> mode_named(std::string_view name) {
@@ -419,6 +436,33 @@ bool same_bits(const Record& a, const Record& b) {
          bits(a.cp.y()) == bits(b.cp.y()) && bits(a.cp.z()) == bits(b.cp.z()) &&
          bits(a.n.x()) == bits(b.n.x()) && bits(a.n.y()) == bits(b.n.y()) &&
          bits(a.n.z()) == bits(b.n.z());
+}
+
+std::string place_on_card(const Board& board, std::uint32_t primary) {
+  return fmt::format("clock {} (record read), lane {}, row {}", board.clocks(),
+                     primary % board.lanes(), primary / board.lanes());
+}
+
+std::string differing_fields(const Record& a, const Record& b) {
+  std::string names;
+  const auto look = [&](bool same, const char* name) {
+    if (!same) names.append(names.empty() ? "" : ", ").append(name);
+  };
+  const auto word = [&](float x, float y, const char* name) {
+    look(std::bit_cast<std::uint32_t>(x) == std::bit_cast<std::uint32_t>(y), name);
+  };
+  look(a.primary == b.primary, "primary");
+  look(a.f == b.f, "F");
+  look(a.bad == b.bad, "bad");
+  word(a.t, b.t, "T");
+  word(a.cp.x(), b.cp.x(), "CPx");
+  word(a.cp.y(), b.cp.y(), "CPy");
+  word(a.cp.z(), b.cp.z(), "CPz");
+  look(a.index == b.index, "index");
+  word(a.n.x(), b.n.x(), "nx");
+  word(a.n.y(), b.n.y(), "ny");
+  word(a.n.z(), b.n.z(), "nz");
+  return names;
 }
 
 ModelledTime& ModelledTime::operator+=(const ModelledTime& other) {

@@ -68,7 +68,7 @@ class Board::Impl {
   /// it had. Nothing if it is not met again.
   [[nodiscard]] std::optional<std::uint64_t> find_uncorrectable(std::uint64_t command);
   /// Secondaries of a pass.
-  [[nodiscard]] std::uint64_t swept() const;
+  [[nodiscard]] std::uint64_t swept(const Query& query) const;
 
   std::unique_ptr<CardLink> link;
   std::filesystem::path bitstream;
@@ -86,6 +86,7 @@ class Board::Impl {
   bool can_swap = false, has_normals = false, parallel = false;
   unsigned slot_words = 0;      ///< of a primary
   unsigned facet_interval = 1;  ///< clocks from row to row of pairs with facets
+  bool passing = false;         ///< in Board::run, which its sink and progress may not ask for more
   std::uint64_t pass_retries = 0;
   std::uint64_t register_ps = 0;  ///< spent in read_register() and write_register()
   std::uint64_t load_ps = 0;      ///< spent in the last load of primaries

@@ -88,8 +88,9 @@ void Board::Impl::prepare_objects() {
   }
 }
 
-std::uint64_t Board::Impl::swept() const {
-  if (objects.objects.empty()) return secondaries;
+std::uint64_t Board::Impl::swept(const Query& query) const {
+  if (objects.objects.empty())
+    return query.secondary_count != 0 ? query.secondary_count : secondaries - query.first_secondary;
   std::uint64_t sum = 0;
   for (const Object& object : objects.objects) sum += object.count;
   return sum;
@@ -131,16 +132,16 @@ void Board::Impl::move_object(ObjectTable& table, std::size_t number, const Tran
 }
 
 void Board::set_objects(std::span<const Object> objects) {
-  impl_->set_objects(impl_->objects, objects);
+  idle_card().set_objects(idle_card().objects, objects);
 }
 void Board::move_object(std::size_t object, const Transform& transform) {
-  impl_->move_object(impl_->objects, object, transform);
+  idle_card().move_object(idle_card().objects, object, transform);
 }
 void Board::set_primary_objects(std::span<const Object> objects) {
-  impl_->set_objects(impl_->primary_objects, objects);
+  idle_card().set_objects(idle_card().primary_objects, objects);
 }
 void Board::move_primary_object(std::size_t object, const Transform& transform) {
-  impl_->move_object(impl_->primary_objects, object, transform);
+  idle_card().move_object(idle_card().primary_objects, object, transform);
 }
 
 }  // namespace cde

@@ -38,7 +38,7 @@ class Pass {
       : card_(card),
         query_(query),
         sink_(sink),
-        swept_(card.swept()),
+        swept_(card.swept(query)),
         started_(card.clocks()),
         registers_before_(card.register_ps),
         wall_start_(std::chrono::steady_clock::now()) {
@@ -121,8 +121,9 @@ class Pass {
       card_.write_register(card::kRegObjectCount, card_.objects.objects.size());
     if (card_.primary_objects.entries != 0)
       card_.write_register(card::kRegPrimObjectCount, card_.primary_objects.objects.size());
-    card_.write_register(card::kRegSecFirst, 0);
-    card_.write_register(card::kRegSecCount, card_.secondaries);
+    card_.write_register(card::kRegSecFirst, query_.first_secondary);
+    card_.write_register(card::kRegSecCount,
+                         card_.objects.objects.empty() ? swept_ : card_.secondaries);
     for (unsigned base = 0; base < card_.primaries; base += 64) {
       std::uint64_t mask = 0;
       for (unsigned p = 0; p < 64; ++p) mask |= std::uint64_t{stencil_[base + p]} << p;
@@ -200,6 +201,7 @@ class Pass {
       return;
     }
     Record r = decode(entry);
+    if (r.index != ~0u) r.index += query_.first_secondary;  // the card counts from there
     if (query_.second && r.primary >= split_) r.primary -= split_ - card_.loaded;
     if (query_.normals) {
       half_ = r;
@@ -362,6 +364,17 @@ Query complete(const Board::Impl& card, const Query& query) {
     throw Error(ErrorCode::kUsage, "no secondaries were uploaded to the board");
   if (card.loaded == 0) throw Error(ErrorCode::kUsage, "no primaries were loaded into the board");
   Query q = query;
+  (void)name_of(q.mode);  // or it is none
+  if (q.first_secondary != 0 || q.secondary_count != 0) {
+    if (!card.objects.objects.empty())
+      throw Error(ErrorCode::kUsage,
+                  "a pass sweeps objects or a range of the secondaries, not both");
+    if (q.first_secondary >= card.secondaries ||
+        q.secondary_count > card.secondaries - q.first_secondary)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("a sweep of {} secondaries from {} on reaches beyond the {} uploaded",
+                              q.secondary_count, q.first_secondary, card.secondaries));
+  }
   if (!q.pair) {
     if (card.pairs.size() != 1)
       throw Error(ErrorCode::kUsage, "the card has several pipes; the query must name its pair");
@@ -380,11 +393,41 @@ Query complete(const Board::Impl& card, const Query& query) {
   return q;
 }
 
+void require_sink(const RecordSink& sink) {
+  if (!sink) throw Error(ErrorCode::kUsage, "records need a sink, and this one is empty");
+}
+
+/// Sets a flag for as long as it lives.
+class Passing {
+ public:
+  explicit Passing(bool& flag) : flag_(flag) { flag_ = true; }
+  ~Passing() { flag_ = false; }
+  Passing(const Passing&) = delete;
+  Passing& operator=(const Passing&) = delete;
+
+ private:
+  bool& flag_;
+};
+
 }  // namespace
 
 Counters Board::run(const Query& query, const RecordSink& sink) {
-  impl_->link->alive();
-  const Query whole = complete(*impl_, query);
+  idle_card().link->alive();
+  require_sink(sink);
+  const std::shared_ptr<Impl> kept = impl_;  // whatever becomes of this board meanwhile
+  Impl& it = *kept;
+  const auto present = [&kept] {
+    if (kept.use_count() == 1)
+      throw Error(ErrorCode::kUsage, "the board was destroyed by the sink or progress of its pass");
+  };
+  Query whole = complete(it, query);
+  if (query.progress) {
+    whole.progress = [&](double share) {
+      query.progress(share);
+      present();
+    };
+  }
+  const Passing passing(it.passing);
   // A pass gives the same records every time: if some are lost on the bus it is run again, and
   // those that `sink` has are left out.
   std::uint64_t delivered = 0;
@@ -394,15 +437,16 @@ Counters Board::run(const Query& query, const RecordSink& sink) {
       const std::uint64_t skipped = std::min<std::uint64_t>(known, some.size());
       known -= skipped;
       delivered += some.size() - skipped;
-      if (skipped < some.size()) sink(some.subspan(skipped));
+      if (skipped == some.size()) return;
+      sink(some.subspan(skipped));
+      present();
     };
     try {
-      impl_->prepare();
-      return Pass(*impl_, whole, rest).execute();
+      it.prepare();
+      return Pass(it, whole, rest).execute();
     } catch (const Error& error) {
-      if (!error.fault() || !error.fault()->repeatable || ++failures > impl_->pass_retry_limit)
-        throw;
-      ++impl_->pass_retries;
+      if (!error.fault() || !error.fault()->repeatable || ++failures > it.pass_retry_limit) throw;
+      ++it.pass_retries;
     }
   }
 }
@@ -416,15 +460,18 @@ std::vector<Record> Board::run(const Query& query, Counters* counters) {
   return records;
 }
 
-Counters Board::cast(std::span<const Ray> rays, const Query& query, const RecordSink& sink) {
+Counters Board::cast(const RayView& rays, const Query& query, const RecordSink& sink) {
   if (rays.size() > 0xffffffff)
     throw Error(ErrorCode::kCapacity, fmt::format("{} rays are more than 2^32 - 1", rays.size()));
+  idle_card().link->alive();
+  require_sink(sink);
+  (void)name_of(query.mode);
   const std::size_t packet = primaries();
   Counters total;
   Query each = query;
   std::vector<Record> renumbered;
   for (std::size_t first = 0; first < rays.size(); first += packet) {
-    const std::span<const Ray> some = rays.subspan(first, std::min(packet, rays.size() - first));
+    const std::vector<Ray> some = rays.subview(first, packet).copy();
     if (query.progress) {
       each.progress = [&](double share) {
         query.progress((static_cast<double>(first) + share * static_cast<double>(some.size())) /
@@ -441,7 +488,7 @@ Counters Board::cast(std::span<const Ray> rays, const Query& query, const Record
   return total;
 }
 
-std::vector<Record> Board::cast(std::span<const Ray> rays, const Query& query) {
+std::vector<Record> Board::cast(const RayView& rays, const Query& query) {
   std::vector<Record> records;
   cast(rays, query, [&](std::span<const Record> some) {
     records.insert(records.end(), some.begin(), some.end());

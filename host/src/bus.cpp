@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "text.hpp"
+
 namespace cde {
 namespace {
 
@@ -13,7 +15,7 @@ constexpr std::array<const char*, kBusFaults> kFaultNames = {
 }  // namespace
 
 const char* name_of(BusFault fault) {
-  return kFaultNames.at(static_cast<std::size_t>(fault));
+  return text::entry(kFaultNames, fault, "fault of the bus");
 }
 
 std::optional<BusFault> fault_named(std::string_view name) {

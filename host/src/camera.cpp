@@ -59,21 +59,40 @@ double half_height(float fov_degrees) {
 
 }  // namespace
 
-std::vector<Ray> Camera::rays(Resolution resolution) const {
+Ray PixelRays::operator[](std::size_t pixel) const {
+  const auto row = static_cast<std::uint32_t>(pixel / size_.width);
+  const auto column = static_cast<std::uint32_t>(pixel % size_.width);
+  if (parallel_) {
+    const double y = low_.y() + extent_.y() * (size_.height - row - 0.5) / size_.height;
+    const double x = low_.x() + extent_.x() * (column + 0.5) / size_.width;
+    return {Eigen::Vector3d(x, y, z_).cast<float>(), {0.0f, 0.0f, -1.0f}};
+  }
+  const double y = half_y_ - (row + 0.5) * pixel_;
+  const double x = (column + 0.5 - 0.5 * size_.width) * pixel_;
+  return {eye_, (forward_ + x * right_ + y * up_).normalized().cast<float>()};
+}
+
+std::vector<Ray> PixelRays::all() const {
+  std::vector<Ray> rays;
+  rays.reserve(size());
+  for (std::size_t i = 0; i < size(); ++i) rays.push_back((*this)[i]);
+  return rays;
+}
+
+PixelRays Camera::pixels(Resolution resolution) const {
   check(resolution);
   const Frame f = frame_of(*this);
-  const double half_y = half_height(fov_degrees);
-  const double pixel = 2.0 * half_y / resolution.height;
-  std::vector<Ray> rays;
-  rays.reserve(resolution.pixels());
-  for (std::uint32_t row = 0; row < resolution.height; ++row) {
-    const double y = half_y - (row + 0.5) * pixel;
-    for (std::uint32_t column = 0; column < resolution.width; ++column) {
-      const double x = (column + 0.5 - 0.5 * resolution.width) * pixel;
-      rays.push_back({eye, (f.forward + x * f.right + y * f.up).normalized().cast<float>()});
-    }
-  }
+  PixelRays rays;
+  rays.size_ = resolution;
+  rays.eye_ = eye;
+  rays.right_ = f.right, rays.up_ = f.up, rays.forward_ = f.forward;
+  rays.half_y_ = half_height(fov_degrees);
+  rays.pixel_ = 2.0 * rays.half_y_ / resolution.height;
   return rays;
+}
+
+std::vector<Ray> Camera::rays(Resolution resolution) const {
+  return pixels(resolution).all();
 }
 
 Camera camera_for(const Eigen::AlignedBox3f& box, Resolution resolution) {
@@ -153,23 +172,21 @@ Camera parse_camera(std::string_view text, std::string_view name) {
   return camera;
 }
 
-std::vector<Ray> grid_rays(const Eigen::AlignedBox3f& box, Resolution resolution) {
+PixelRays grid_pixels(const Eigen::AlignedBox3f& box, Resolution resolution) {
   check(resolution);
   if (box.isEmpty() || !box.sizes().allFinite())
     throw Error(ErrorCode::kUsage, "grid: there is nothing to look at");
-  const Eigen::Vector3d low = box.min().cast<double>();
-  const Eigen::Vector3d size = box.max().cast<double>() - low;
-  const double z = low.z() + size.z() + size.maxCoeff();
-  std::vector<Ray> rays;
-  rays.reserve(resolution.pixels());
-  for (std::uint32_t row = 0; row < resolution.height; ++row) {
-    const double y = low.y() + size.y() * (resolution.height - row - 0.5) / resolution.height;
-    for (std::uint32_t column = 0; column < resolution.width; ++column) {
-      const double x = low.x() + size.x() * (column + 0.5) / resolution.width;
-      rays.push_back({Eigen::Vector3d(x, y, z).cast<float>(), {0.0f, 0.0f, -1.0f}});
-    }
-  }
+  PixelRays rays;
+  rays.size_ = resolution;
+  rays.parallel_ = true;
+  rays.low_ = box.min().cast<double>();
+  rays.extent_ = box.max().cast<double>() - rays.low_;
+  rays.z_ = rays.low_.z() + rays.extent_.z() + rays.extent_.maxCoeff();
   return rays;
+}
+
+std::vector<Ray> grid_rays(const Eigen::AlignedBox3f& box, Resolution resolution) {
+  return grid_pixels(box, resolution).all();
 }
 
 Resolution parse_resolution(std::string_view text, std::string_view name) {

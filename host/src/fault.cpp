@@ -90,7 +90,7 @@ std::string text_of(const ScheduledFault& fault) {
 }
 
 void check_fault(const ScheduledFault& fault, const BoardConfig& board) {
-  if (!fault.bus || board.bus == Bus::kCycle || *fault.bus == BusFault::kHang) return;
+  if (!fault.bus || board.bus == Bus::kCycle || on_functional_bus(*fault.bus)) return;
   throw Error(
       ErrorCode::kUsage,
       fmt::format("fault {}: the functional bus has no such fault; it needs bus = \"cycle\"",

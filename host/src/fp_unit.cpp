@@ -25,6 +25,7 @@ struct FpUnit::State {
 
 std::vector<std::string> fp_unit_parameters(FpFormat format, Arithmetic arithmetic, int lanes,
                                             bool flags) {
+  check(arithmetic);
   return {fmt::format("EXP={}", format.exp_bits), fmt::format("MAN={}", format.man_bits),
           fmt::format("LANES={}", lanes),
           fmt::format("ARITH={}", arithmetic == Arithmetic::kRtl ? "rtl" : "host"),
@@ -52,16 +53,21 @@ FpUnit::~FpUnit() = default;
 FpUnit::FpUnit(FpUnit&&) noexcept = default;
 FpUnit& FpUnit::operator=(FpUnit&&) noexcept = default;
 
+FpUnit::State& FpUnit::state() const {
+  if (!state_) throw Error(ErrorCode::kUsage, "this FpUnit is none: it was moved from");
+  return *state_;
+}
+
 FpFormat FpUnit::format() const {
-  return {static_cast<int>(state_->api->exp_bits), static_cast<int>(state_->api->man_bits)};
+  return {static_cast<int>(state().api->exp_bits), static_cast<int>(state().api->man_bits)};
 }
 
 int FpUnit::lanes() const {
-  return static_cast<int>(state_->api->lanes);
+  return static_cast<int>(state().api->lanes);
 }
 
 int FpUnit::latency(FpOp op) const {
-  const uint32_t clocks = state_->api->latency(state_->unit, static_cast<uint32_t>(op));
+  const uint32_t clocks = state().api->latency(state().unit, static_cast<uint32_t>(op));
   if (clocks == 0)
     throw Error(ErrorCode::kConfiguration,
                 fmt::format("the fp_unit has no operation {}", static_cast<uint32_t>(op)));
@@ -75,10 +81,10 @@ void FpUnit::apply(FpOp op, std::span<const uint64_t> a, std::span<const uint64_
                      r.size() == a.size() && (flags.empty() || flags.size() == a.size());
   if (!sizes)
     throw Error(ErrorCode::kUsage, "FpUnit::apply: operands, results and flags differ in size");
-  if (!flags.empty() && state_->api->flags == 0)
+  if (!flags.empty() && state().api->flags == 0)
     throw Error(ErrorCode::kConfiguration, "the fp_unit was built without flags");
   if (a.empty()) return;
-  state_->api->apply(state_->unit, static_cast<uint32_t>(op), a.data(), b.data(), r.data(),
+  state().api->apply(state().unit, static_cast<uint32_t>(op), a.data(), b.data(), r.data(),
                      flags.empty() ? nullptr : flags.data(), a.size());
 }
 
@@ -86,14 +92,14 @@ double FpUnit::measure(FpOp op, double seconds) {
   (void)latency(op);
   const auto number = static_cast<uint32_t>(op);
   uint64_t clocks = 1000;
-  double spent = state_->api->measure(state_->unit, number, clocks);
+  double spent = state().api->measure(state().unit, number, clocks);
   while (spent < seconds / 10) {  // until the rate is known well enough to fill the time
     clocks *= 4;
-    spent = state_->api->measure(state_->unit, number, clocks);
+    spent = state().api->measure(state().unit, number, clocks);
   }
   if (spent < seconds) {
     clocks = static_cast<uint64_t>(std::ceil(static_cast<double>(clocks) * seconds / spent));
-    spent = state_->api->measure(state_->unit, number, clocks);
+    spent = state().api->measure(state().unit, number, clocks);
   }
   return static_cast<double>(clocks) * lanes() / spent;
 }

@@ -43,8 +43,8 @@ Vector3f tone_map(const Vector3f& c) {
   return (x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f)).matrix();
 }
 
-template <typename T>
-void check_span(std::span<const T> span, const PixelHits& hits, const char* field) {
+template <typename Row>
+void check_span(const Row& span, const PixelHits& hits, const char* field) {
   if (span.size() != hits.size.pixels()) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("picture of {} x {}: {} has {} entries", hits.size.width,

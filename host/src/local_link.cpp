@@ -8,6 +8,7 @@
 #include "card_link.hpp"
 #include "cde/error.hpp"
 #include "cde/pci.hpp"
+#include "device_loss.hpp"
 #include "waves.hpp"
 
 namespace cde {
@@ -21,7 +22,10 @@ constexpr std::uint64_t kAccessClocks = 1000;  // no single access takes this lo
 class LocalLink final : public CardLink {
  public:
   LocalLink(Bitstream bitstream, const OpenOptions& options)
-      : bitstream_(std::move(bitstream)), period_ps_(options.clock_period_ps), bus_(options) {
+      : bitstream_(std::move(bitstream)),
+        period_ps_(options.clock_period_ps),
+        retries_(options.bus_retries),
+        bus_(options) {
     api_ = reinterpret_cast<cde_board_entry_fn>(bitstream_.symbol("cde_board_entry"))();
     if (api_->abi != CDE_BOARD_ABI) {
       throw Error(ErrorCode::kConfiguration,
@@ -49,6 +53,7 @@ class LocalLink final : public CardLink {
     };
     const auto* bytes = static_cast<const std::uint8_t*>(data);
     if (is_register(space, offset, beats)) {
+      answered(offset, "register write");
       access(bus_.write(beats));
       put(bytes, 0, beats);
       follow(offset, bytes, beats);
@@ -68,6 +73,7 @@ class LocalLink final : public CardLink {
       });
     };
     if (is_register(space, offset, beats)) {
+      answered(offset, "register read");
       access(bus_.read(beats));
       get(0, beats);
       for (std::uint64_t i = 0; i < beats; ++i)
@@ -80,6 +86,7 @@ class LocalLink final : public CardLink {
 
   /// As the driver of a card behind PCI waits.
   std::uint64_t run(std::uint64_t max_clocks) override {
+    loss_.alive();
     const std::uint64_t start = now_, end = now_ + max_clocks * period_ps_;
     for (std::uint64_t slice = kFirstAskClocks; now_ < end && !interrupt(); slice *= 2) {
       const std::uint64_t left = (end - now_ + period_ps_ - 1) / period_ps_;
@@ -96,6 +103,7 @@ class LocalLink final : public CardLink {
   [[nodiscard]] BusCounters counters() const override {
     BusCounters c = counters_;
     c.pci_clocks = now_ / BusTime::kPciPs;
+    c.faults[static_cast<std::size_t>(BusFault::kNoAnswer)] = unanswered_;
     return c;
   }
   [[nodiscard]] MemoryCounters memory_counters() const override {
@@ -106,19 +114,25 @@ class LocalLink final : public CardLink {
   void reset() override {
     api_->reset(card_);
     running_ = false;
+    if (unanswering_ == kUntilReset) unanswering_ = 0;
+    loss_.reset();
+    answered(0, "read of configuration space");
   }
-  void alive() const override {}
-  [[nodiscard]] bool lost() const override { return false; }
+  void alive() const override { loss_.alive(); }
+  [[nodiscard]] bool lost() const override { return loss_.lost(); }
   [[nodiscard]] std::uint16_t pci_status() override { return 0; }
   [[nodiscard]] std::string violation() const override { return {}; }
   void inject(BusFault fault, std::uint32_t count, std::uint32_t) override {
-    if (fault != BusFault::kHang) {
+    if (!on_functional_bus(fault)) {
       throw Error(ErrorCode::kUsage,
-                  fmt::format("the functional bus has no fault '{}', only '{}'; open the board "
-                              "with Bus::kCycle",
-                              name_of(fault), name_of(BusFault::kHang)));
+                  fmt::format("the functional bus has no fault '{}'; open the board with "
+                              "Bus::kCycle",
+                              name_of(fault)));
     }
-    api_->ddr_hang(card_, count);
+    if (fault == BusFault::kNoAnswer)
+      unanswering_ = count;
+    else
+      api_->ddr_hang(card_, count);
   }
 
   void trace_open(const std::filesystem::path& file) override {
@@ -166,6 +180,25 @@ class LocalLink final : public CardLink {
     call();
     if (running_) core_ += (api_->clocks(card_) - before) * period_ps_;
   }
+  /// What a card that does not answer does to an access of the host, or to the first one of a
+  /// transfer: repeated as behind PCI, then the card is lost.
+  void answered(std::uint32_t offset, const char* what) {
+    loss_.alive();
+    for (unsigned i = 0; unanswering_ != 0; ++i) {
+      if (unanswering_ != kUntilReset) --unanswering_;
+      ++unanswered_;
+      charge(bus_.poll());
+      if (i == retries_) {
+        loss_.lose(ErrorCode::kDevice,
+                   fmt::format("{} at offset {:#x}: the card does not answer", what, offset),
+                   {.code = pci::kCodeMasterAbort,
+                    .pci_status = 0xffff,
+                    .address = offset,
+                    .clock = clocks()});
+      }
+      ++counters_.access_retries;
+    }
+  }
   void access(const BusTime::Clocks& clocks) {
     ++counters_.register_accesses;
     charge(clocks);
@@ -197,6 +230,7 @@ class LocalLink final : public CardLink {
     constexpr std::uint64_t kPiece = kMappedBytes / 8;
     for (std::uint64_t done = 0; done < beats;) {
       const std::uint64_t n = std::min(kPiece, beats - done);
+      answered(pci::kRegIrqMask, "register write");
       const BusTime::Transfer t = bus_.transfer(static_cast<std::uint32_t>(8 * n), to_host);
       counters_.register_accesses += t.accesses;
       ++counters_.transfers;
@@ -211,19 +245,24 @@ class LocalLink final : public CardLink {
   }
 
   void transferred(std::uint64_t done, std::uint64_t wanted, const char* what, card::Space space,
-                   std::uint32_t offset) const {
+                   std::uint32_t offset) {
     if (done == wanted) return;
-    throw Error(ErrorCode::kDevice,
-                fmt::format("local bus hangs: {} of {} beats {} space {} offset {:#x} at clock {}",
-                            done, wanted, what, static_cast<int>(space), offset, clocks()));
+    loss_.lose(ErrorCode::kDevice,
+               fmt::format("local bus hangs: {} of {} beats {} space {} offset {:#x}", done, wanted,
+                           what, static_cast<int>(space), offset),
+               {.address = offset, .clock = clocks()});
   }
 
   Bitstream bitstream_;
   std::uint32_t period_ps_;
+  unsigned retries_;
   BusTime bus_;
   std::uint64_t now_ = 0;   // modelled time
   std::uint64_t core_ = 0;  // up to which a pass has been simulated; now and then a little ahead
   bool running_ = false;    // a pass
+  DeviceLoss loss_;
+  std::uint32_t unanswering_ = 0;  // transactions of the host that the card will not answer
+  std::uint64_t unanswered_ = 0;   // those that it did not
   BusCounters counters_;
   const cde_board_api* api_ = nullptr;
   void* card_ = nullptr;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <iterator>
+#include <optional>
 
 #include "cde/error.hpp"
 #include "cde/output_file.hpp"
@@ -172,12 +173,25 @@ Mesh load_mesh(const std::filesystem::path& path, std::chrono::seconds deadline)
   return mesh;
 }
 
-Mesh load_mesh_or_builtin(std::string_view spec) {
+namespace {
+
+std::optional<TerrainOptions> terrain_of(std::string_view spec) {
   constexpr std::string_view kTerrain = "terrain";
-  if (spec == kTerrain) return make_terrain();
-  if (spec.starts_with("terrain:"))
-    return make_terrain(parse_terrain(spec, spec.substr(kTerrain.size() + 1)));
-  return load_mesh(spec);
+  if (spec == kTerrain) return TerrainOptions{};
+  if (!spec.starts_with("terrain:")) return std::nullopt;
+  return parse_terrain(spec, spec.substr(kTerrain.size() + 1));
+}
+
+}  // namespace
+
+std::uint64_t mesh_readers::builtin_triangles(std::string_view spec) {
+  const TerrainOptions options = terrain_of(spec).value();
+  return std::uint64_t{2} * options.quads_x * options.quads_y;
+}
+
+Mesh load_mesh_or_builtin(std::string_view spec) {
+  const auto terrain = terrain_of(spec);
+  return terrain ? make_terrain(*terrain) : load_mesh(spec);
 }
 
 void save_mesh(const Mesh& mesh, const std::filesystem::path& path) {

@@ -146,7 +146,7 @@ void limit_child(std::chrono::seconds deadline) {
       static_cast<rlim_t>(std::max<std::chrono::seconds::rep>(deadline.count(), 1));
   const rlimit time{seconds, seconds + 1};
   ::setrlimit(RLIMIT_CPU, &time);
-  if (kAddressSanitizer) return;  // its shadow alone takes terabytes of address space
+  if (kSanitizer) return;  // its shadow alone takes terabytes of address space
   const auto half = static_cast<rlim_t>(::sysconf(_SC_PHYS_PAGES)) / 2 *
                     static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
   const rlimit memory{half, half};

@@ -20,6 +20,10 @@ namespace cde::mesh_readers {
 [[nodiscard]] Mesh read_stl(std::string_view bytes, const std::string& name);
 [[nodiscard]] Mesh read_by_assimp(const std::filesystem::path& path, std::chrono::seconds deadline);
 
+/// Triangles of the terrain that load_mesh_or_builtin() makes of "terrain[:QX,QY,SEED]". Error
+/// kUsage if it makes none.
+[[nodiscard]] std::uint64_t builtin_triangles(std::string_view spec);
+
 /// Whether assimp knows this extension (".glb").
 [[nodiscard]] bool assimp_knows(const std::string& extension);
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cde/error.hpp"
+#include "text.hpp"
 
 namespace cde {
 namespace {
@@ -46,13 +47,13 @@ constexpr std::array<ShapeFacts, 7> kShapes{{{"ray", 8},
 }  // namespace
 
 std::string_view name(Pair pair) {
-  return kFacts.at(static_cast<unsigned>(pair)).name;
+  return text::entry(kFacts, pair, "pair").name;
 }
 std::string_view name(Algorithm algorithm) {
-  return kAlgorithms.at(static_cast<unsigned>(algorithm));
+  return text::entry(kAlgorithms, algorithm, "algorithm");
 }
 std::string_view name(Shape shape) {
-  return kShapes.at(static_cast<unsigned>(shape)).name;
+  return text::entry(kShapes, shape, "shape").name;
 }
 
 std::optional<Pair> pair_named(std::string_view text) {
@@ -68,13 +69,13 @@ std::optional<Algorithm> algorithm_named(std::string_view text) {
 }
 
 unsigned words(Shape shape) {
-  return kShapes.at(static_cast<unsigned>(shape)).words;
+  return text::entry(kShapes, shape, "shape").words;
 }
 Shape primary_shape(Pair pair) {
-  return kFacts.at(static_cast<unsigned>(pair)).primary;
+  return text::entry(kFacts, pair, "pair").primary;
 }
 Shape secondary_shape(Pair pair) {
-  return kFacts.at(static_cast<unsigned>(pair)).secondary;
+  return text::entry(kFacts, pair, "pair").secondary;
 }
 
 void PairBudget::check() const {

@@ -18,6 +18,10 @@ std::vector<std::string> PairConfig::parameters() const {
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} is {}, expected {} to {}", what, value, low, high));
   };
+  check(arithmetic);
+  (void)name(pair);
+  (void)name(algorithm);
+  in_range("plane", static_cast<unsigned>(plane), 0, 1);
   in_range("lanes", lanes, 1, 256);
   for (const unsigned latency :
        {latency_add, latency_mul, latency_div, latency_sqrt, latency_compare})
@@ -91,20 +95,25 @@ PairUnit::~PairUnit() = default;
 PairUnit::PairUnit(PairUnit&&) noexcept = default;
 PairUnit& PairUnit::operator=(PairUnit&&) noexcept = default;
 
+PairUnit::State& PairUnit::state() const {
+  if (!state_) throw Error(ErrorCode::kUsage, "this PairUnit is none: it was moved from");
+  return *state_;
+}
+
 const PairConfig& PairUnit::config() const {
-  return state_->config;
+  return state().config;
 }
 unsigned PairUnit::latency() const {
-  return state_->api->latency(state_->unit);
+  return state().api->latency(state().unit);
 }
 void PairUnit::set_budget(const PairBudget& budget) {
-  if (!has_budget(state_->config.pair))
-    throw Error(ErrorCode::kUsage, fmt::format("{} takes no budget", name(state_->config.pair)));
+  if (!has_budget(state().config.pair))
+    throw Error(ErrorCode::kUsage, fmt::format("{} takes no budget", name(state().config.pair)));
   budget.check();
-  state_->api->set_budget(state_->unit, budget.free << 16 | budget.circle << 8 | budget.samples);
+  state().api->set_budget(state().unit, budget.free << 16 | budget.circle << 8 | budget.samples);
 }
 void PairUnit::reset() {
-  state_->api->reset(state_->unit);
+  state().api->reset(state().unit);
 }
 
 namespace {
@@ -136,7 +145,7 @@ std::uint64_t run(const cde_pair_api& api, cde_pair_unit* unit, std::span<const 
 
 std::uint64_t PairUnit::test(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
                              std::span<PairResult> results, const std::function<unsigned()>& gap) {
-  const cde_pair_api& api = *state_->api;
+  const cde_pair_api& api = *state().api;
   if (a.size() != results.size() * api.a_words || b.size() != results.size() * api.b_words)
     throw Error(ErrorCode::kUsage,
                 fmt::format("PairUnit::test: {} pairs need {} and {} operand words, not {} and {}",
@@ -146,18 +155,18 @@ std::uint64_t PairUnit::test(std::span<const std::uint64_t> a, std::span<const s
   auto* context = const_cast<std::function<unsigned()>*>(&gap);
   uint32_t (*call)(void*) = nullptr;
   if (gap) call = [](void* f) { return uint32_t{(*static_cast<std::function<unsigned()>*>(f))()}; };
-  return api.word_bytes == 4 ? run<std::uint32_t>(api, state_->unit, a, b, results, call, context)
-                             : run<std::uint64_t>(api, state_->unit, a, b, results, call, context);
+  return api.word_bytes == 4 ? run<std::uint32_t>(api, state().unit, a, b, results, call, context)
+                             : run<std::uint64_t>(api, state().unit, a, b, results, call, context);
 }
 
 void PairUnit::open_trace(const std::string& path) {
-  if (!state_->config.trace)
+  if (!state().config.trace)
     throw Error(ErrorCode::kConfiguration, "the pair_unit was built without trace");
-  if (state_->api->trace_open(state_->unit, path.c_str()) != 0)
+  if (state().api->trace_open(state().unit, path.c_str()) != 0)
     throw Error(ErrorCode::kFile, fmt::format("{}: cannot be written", path));
 }
 void PairUnit::close_trace() {
-  require_whole_waves(state_->api->trace_close(state_->unit));
+  require_whole_waves(state().api->trace_close(state().unit));
 }
 
 }  // namespace cde

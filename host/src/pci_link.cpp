@@ -93,11 +93,12 @@ class PciLink final : public CardLink {
   std::uint64_t run(std::uint64_t max_clocks) override {
     port_.alive();
     const std::uint64_t start = time_ps(), end = start + max_clocks * period_ps_;
+    settle();
     for (std::uint64_t slice = kFirstAskClocks * period_ps_; !pending_ && time_ps() < end;
          slice = longer(slice)) {
       pass(std::min(slice, end - time_ps()));
       if (interrupted()) break;
-      if (bit(port_.load(pci::kRegIrqStatus), pci::kIrqCard)) {
+      if (bit(port_.load(pci::kRegIrqStatus), pci::kIrqCard) && !interrupted()) {
         pending_ = true;
         ++counters_.lost_interrupts;
       }
@@ -172,6 +173,13 @@ class PciLink final : public CardLink {
   [[nodiscard]] bool interrupted() const { return api().interrupt(port_.host()) != 0; }
   [[nodiscard]] std::uint64_t longer(std::uint64_t slice) const {
     return std::min(2 * slice, kLastAskClocks * period_ps_);
+  }
+  /// An interrupt from before a write that may be on its way to clear it is looked for again behind
+  /// that write.
+  void settle() {
+    if (!port_.posted() || !(pending_ || interrupted())) return;
+    (void)port_.load(card::kRegStatus);  // from the card itself, so the write is there before
+    pending_ = bit(port_.load(pci::kRegIrqStatus), pci::kIrqCard) && !interrupted();
   }
   bool flip(std::uint32_t space, std::uint64_t byte, std::uint8_t mask) {
     std::uint64_t bytes = 0;
@@ -318,6 +326,7 @@ class PciLink final : public CardLink {
       }
       const std::uint64_t status = port_.load(pci::kRegStatus);
       if (bit(status, pci::kStatusHalted)) {
+        counters_.lost_interrupts += seen || interrupted() ? 0 : 1;
         return {static_cast<std::uint32_t>(status >> pci::kStatusCode & 0xff), 0,
                 static_cast<std::uint32_t>(port_.load(pci::kRegFaultAddr)), 0};
       }

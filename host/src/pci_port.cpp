@@ -33,7 +33,8 @@ PciPort::PciPort(Bitstream bitstream, const OpenOptions& options, std::uint64_t 
 
 void PciPort::reset() {
   api_->reset(host_);
-  lost_.reset();
+  loss_.reset();
+  posted_ = false;
 }
 
 // ---- Accesses ----
@@ -41,11 +42,13 @@ void PciPort::reset() {
 void PciPort::store(std::uint32_t offset, const void* data, std::uint64_t bytes) {
   access([&] { return api_->mmio_write(host_, offset, data, static_cast<std::uint32_t>(bytes)); },
          offset, "register write");
+  posted_ = true;
 }
 
 void PciPort::fetch(std::uint32_t offset, void* data, std::uint64_t bytes) {
   access([&] { return api_->mmio_read(host_, offset, data, static_cast<std::uint32_t>(bytes)); },
          offset, "register read");
+  posted_ = false;
 }
 
 std::uint64_t PciPort::load(std::uint32_t offset) {
@@ -108,26 +111,18 @@ std::uint16_t PciPort::pci_status() {
   return ok ? static_cast<std::uint16_t>(status >> 16) : std::uint16_t{0xffff};
 }
 
-Error PciPort::error(ErrorCode code, const std::string& what, DeviceFault fault) {
+DeviceFault PciPort::complete(DeviceFault fault) {
   if (fault.pci_status == 0) fault.pci_status = pci_status();
   fault.clock = clocks();
-  return {code,
-          fmt::format("{} (PCI status {:#06x}, address {:#x}, clock {})", what, fault.pci_status,
-                      fault.address, fault.clock),
-          fault};
+  return fault;
 }
 
 void PciPort::fail(const std::string& what, const DeviceFault& fault) {
-  throw error(ErrorCode::kDevice, what, fault);
+  throw device_error(ErrorCode::kDevice, what, complete(fault));
 }
 
 void PciPort::lose(ErrorCode code, const std::string& what, const DeviceFault& fault) {
-  lose(error(code, what + "; the device is lost until reset()", fault));
-}
-
-void PciPort::lose(const Error& error) {
-  if (!lost_) lost_ = error;
-  throw Error(*lost_);
+  loss_.lose(code, what, complete(fault));
 }
 
 }  // namespace cde

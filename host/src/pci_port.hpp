@@ -8,6 +8,7 @@
 #include "abi_pci.h"
 #include "cde/board.hpp"
 #include "cde/error.hpp"
+#include "device_loss.hpp"
 
 namespace cde {
 
@@ -50,16 +51,18 @@ class PciPort {
   void config_write(std::uint32_t offset, std::uint32_t value);
 
   /// Throws if the device is lost.
-  void alive() const {
-    if (lost_) throw Error(*lost_);
-  }
-  [[nodiscard]] bool lost() const { return lost_.has_value(); }
+  void alive() const { loss_.alive(); }
+  [[nodiscard]] bool lost() const { return loss_.lost(); }
   /// Throws kDevice with the fault, to which PCI status and clock are added, and the same in words.
   [[noreturn]] void fail(const std::string& what, const DeviceFault& fault);
   /// The same, and the device is lost.
   [[noreturn]] void lose(ErrorCode code, const std::string& what, const DeviceFault& fault);
   /// After an error that leaves the card in a state nobody knows: it is lost because of that.
-  [[noreturn]] void lose(const Error& error);
+  [[noreturn]] void lose(const Error& error) { loss_.lose(error); }
+
+  /// Whether something was written that the card need not have got yet: writes are posted, and a
+  /// read pushes them through.
+  [[nodiscard]] bool posted() const { return posted_; }
 
   [[nodiscard]] std::uint64_t time_ps() const { return api_->time_ps(host_); }
   [[nodiscard]] std::uint64_t clocks() const { return time_ps() / period_ps_; }
@@ -72,7 +75,7 @@ class PciPort {
  private:
   void access(const std::function<int()>& once, std::uint32_t offset, const char* what);
   [[noreturn]] void failed(int status, std::uint32_t offset, const char* what);
-  Error error(ErrorCode code, const std::string& what, DeviceFault fault);
+  [[nodiscard]] DeviceFault complete(DeviceFault fault);
 
   Bitstream bitstream_;
   const cde_pci_api* api_ = nullptr;
@@ -80,7 +83,8 @@ class PciPort {
   std::uint32_t period_ps_;
   unsigned retries_;
   std::chrono::duration<double> watchdog_;
-  std::optional<Error> lost_;
+  DeviceLoss loss_;
+  bool posted_ = false;
   std::uint64_t accesses_ = 0, retried_ = 0;
 };
 

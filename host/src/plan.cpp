@@ -9,6 +9,7 @@
 
 #include "cde/error.hpp"
 #include "plan_mover.hpp"
+#include "self_pairs.hpp"
 
 namespace cde {
 namespace {
@@ -57,18 +58,35 @@ std::uint64_t count(const Scene& scene, const std::vector<std::size_t>& objects)
   return n;
 }
 
+/// What the passes of a query test, and the rows that takes.
+void add_passes(const Scene& scene, const SceneQuery& q, unsigned lanes, QueryWork& w) {
+  const SelfPairs self(scene, q);
+  for (std::uint64_t first = 0; first < w.primaries; first += kPacket) {
+    const std::uint64_t n = std::min(kPacket, w.primaries - first);
+    std::uint64_t masked = 0;
+    for (std::uint64_t p = first; !q.mask.empty() && p < first + n; ++p)
+      masked += contains(q.mask, p) ? 1 : 0;
+    if (masked == n) continue;
+    for (const SelfPairs::Sweep& sweep : self.sweeps(first, n, false)) {
+      ++w.passes;
+      w.tests += (n - masked) * sweep.count;
+      w.rows += (n + lanes - 1) / lanes * sweep.count;
+    }
+  }
+  const bool stream = q.mode == Mode::kAll || q.mode == Mode::kHits;
+  const std::uint64_t active = w.primaries - w.masked;
+  w.most_records = stream ? active * w.secondaries - self.left_out() : active;
+  w.self_pairs = self.any();
+}
+
 QueryWork work_of(const Scene& scene, const SceneQuery& q, unsigned lanes) {
   QueryWork w;
   w.name = q.name;
   w.primaries = count(scene, q.primaries);
   w.secondaries = count(scene, q.secondaries);
-  w.masked = q.mask.size();
+  w.masked = count(q.mask);
   w.packets = (w.primaries + kPacket - 1) / kPacket;
-  w.tests = (w.primaries - w.masked) * w.secondaries;
-  const std::uint64_t last = w.primaries - (w.packets - 1) * kPacket;
-  w.rows = w.secondaries * ((w.packets - 1) * (kPacket / lanes) + (last + lanes - 1) / lanes);
-  const bool stream = q.mode == Mode::kAll || q.mode == Mode::kHits;
-  w.most_records = stream ? w.tests : w.primaries - w.masked;
+  add_passes(scene, q, lanes, w);
   const unsigned slot = words(shape_of(scene.objects[q.secondaries.front()].shapes));
   w.secondary_words = w.secondaries * slot;
   w.primary_words = w.primaries * words(shape_of(scene.objects[q.primaries.front()].shapes));
@@ -229,7 +247,7 @@ Effect modes(const Scene& scene, const Plan& plan) {
     const bool stream = q.mode == Mode::kAll || q.mode == Mode::kHits;
     e.why +=
         fmt::format("{}{} {} records a frame", sep, stream ? "at most" : "keeps", w.most_records);
-    const std::uint64_t bytes = 28 * (q.normals ? 2 : 1) * w.tests;
+    const std::uint64_t bytes = 28 * (q.normals ? 2 : 1) * (w.primaries - w.masked) * w.secondaries;
     e.cost += q.mode == Mode::kAll
                   ? fmt::format("{}{} bytes a frame", sep, bytes)
                   : fmt::format("{}mode all would write {} bytes a frame", sep, bytes);
@@ -258,6 +276,23 @@ Effect masks(const Plan& plan) {
   for (const QueryWork& w : plan.queries) saved += w.masked * w.secondaries;
   e.why = masked != 0 ? "the queries leave these out" : "no query leaves primaries out";
   e.cost = masked != 0 ? fmt::format("saves {} tests a frame", saved) : "0 tests a frame";
+  return e;
+}
+
+Effect self_pairs(const Scene& scene, const Plan& plan) {
+  Effect e{"pairs with itself", false, "left out", "", ""};
+  for (std::size_t i = 0; i < plan.queries.size(); ++i) {
+    const QueryWork& w = plan.queries[i];
+    if (!w.self_pairs) continue;
+    const Mode mode = scene.queries[i].mode;
+    const bool stream = mode == Mode::kAll || mode == Mode::kHits;
+    const char* sep = e.why.empty() ? "" : "; ";
+    e.why += fmt::format("{}{} has an object on both sides: no shape meets itself{}", sep, w.name,
+                         stream ? ", and each pair counts once" : "");
+    const std::uint64_t all = (w.primaries - w.masked) * w.secondaries;
+    e.cost += fmt::format("{}{} of {} tests in {} passes instead of {}", sep, w.tests, all,
+                          w.passes, w.packets);
+  }
   return e;
 }
 
@@ -310,6 +345,9 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
        trace ? "asked for" : "not asked for",
        simulation_text("trace") + " even while none are written"},
   };
+  if (std::any_of(plan.queries.begin(), plan.queries.end(),
+                  [](const QueryWork& w) { return w.self_pairs; }))
+    effects.insert(effects.begin() + 7, self_pairs(scene, plan));
   effects.insert(effects.begin() + 4, movers.begin(), movers.end());
   return effects;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "cde/error.hpp"
+#include "self_pairs.hpp"
 
 namespace cde::plan_mover {
 namespace {
@@ -69,6 +70,14 @@ Sums sums_of(const Scene& scene, const Group& moving, const std::vector<bool>& b
   return sums;
 }
 
+/// Whether a query keeps a record a primary and leaves out pairs: its passes sweep what lies
+/// before, among and behind the packet's own shapes, which objects of the card do not allow.
+bool sweeps_ranges(const Scene& scene) {
+  return std::any_of(scene.queries.begin(), scene.queries.end(), [&](const SceneQuery& q) {
+    return q.mode != Mode::kAll && q.mode != Mode::kHits && SelfPairs(scene, q).any();
+  });
+}
+
 void choose_secondaries(const Scene& scene, bool resident, Movers& movers) {
   const Group move = moving(scene, used(scene, &SceneQuery::secondaries));
   const bool asked = scene.card.mover == Mover::kCard;
@@ -100,6 +109,8 @@ void choose_secondaries(const Scene& scene, bool resident, Movers& movers) {
     e.why = "in a single frame everything is uploaded once";
   } else if (!resident) {
     e.why = "queries have different secondaries, which are uploaded again for each of them";
+  } else if (sweeps_ranges(scene)) {
+    e.why = "a query leaves out pairs of a thing with itself, and for that sweeps parts of DDR";
   } else if (!cheaper) {
     e.why = "uploading what moves again takes no more words";
   } else if (movers.entries > kMostEntries) {

@@ -9,6 +9,8 @@
 #include "cde/reference/pass.hpp"
 #include "player_faults.hpp"
 #include "player_objects.hpp"
+#include "record_choice.hpp"
+#include "self_pairs.hpp"
 
 namespace cde {
 namespace {
@@ -66,14 +68,16 @@ Shapes picked(const Shapes& shapes, const std::vector<std::uint32_t>& numbers) {
       shapes);
 }
 
-/// Compares the records of one pass with the reference as they arrive; those of primaries that are
-/// not in the sample go by.
+/// Compares the records of one packet with the reference as they arrive; those of primaries that
+/// are not in the sample go by.
 class PassCheck {
  public:
-  PassCheck(const SceneQuery& query, const SceneCard& card, const Shapes& primaries,
-            std::vector<std::uint32_t> numbers, const Shapes& secondaries)
+  PassCheck(const SceneQuery& query, const SceneCard& card, const Board& board,
+            const SelfPairs& self, const Shapes& primaries, std::vector<std::uint32_t> numbers,
+            const Shapes& secondaries)
       : query_(query),
         card_(card),
+        board_(board),
         primaries_(primaries),
         secondaries_(secondaries),
         numbers_(std::move(numbers)),
@@ -83,7 +87,8 @@ class PassCheck {
                .swap = query.swap,
                .mode = query.mode,
                .normals = query.normals,
-               .budget = query.budget},
+               .budget = query.budget,
+               .counts = self.any() ? counting(self) : nullptr},
               picked(primaries, numbers_), numbers_, secondaries) {}
 
   void check(std::span<const Record> records, QueryFrame& result) {
@@ -109,6 +114,9 @@ class PassCheck {
     std::string& message = result.first_mismatch;
     message = fmt::format("  card:      {}\n  reference: {}\n", text(card), text(expected));
     const std::uint32_t primary = (expected != nullptr ? expected : card)->primary;
+    if (card != nullptr && expected != nullptr)
+      message += fmt::format("  differ in: {}\n", differing_fields(*card, *expected));
+    message += fmt::format("  where:     {}\n", place_on_card(board_, primary % kPacket));
     if (primary < size(primaries_))
       message += fmt::format("  primary {}: {}\n", primary, words_of(primaries_, primary));
     for (const Record* r : {card, expected}) {
@@ -121,13 +129,45 @@ class PassCheck {
     }
   }
 
+  static std::function<bool(std::uint32_t, std::uint32_t)> counting(const SelfPairs& self) {
+    return [&self](std::uint32_t p, std::uint32_t s) { return self.counts(p, s); };
+  }
+
   const SceneQuery& query_;
   const SceneCard& card_;
+  const Board& board_;
   const Shapes& primaries_;
   const Shapes& secondaries_;
   std::vector<std::uint32_t> numbers_;
   reference::Pass pass_;
   std::span<const Record> pending_;
+};
+
+/// One record a primary, chosen among the records of several passes.
+class Chosen {
+ public:
+  Chosen(const SceneQuery& query, const Shapes& primaries,
+         const std::vector<std::uint32_t>& numbers)
+      : query_(query) {
+    std::visit(
+        [&](const auto& list) {
+          for (const std::uint32_t n : numbers)
+            best_.push_back(unanswered(list[n], n, query.normals));
+        },
+        primaries);
+  }
+  /// Records in ascending order of secondaries.
+  void take(const Record& record) {
+    const auto best =
+        std::lower_bound(best_.begin(), best_.end(), record.primary,
+                         [](const Record& r, std::uint32_t number) { return r.primary < number; });
+    if (better(query_.pair, query_.mode, record, *best)) *best = record;
+  }
+  [[nodiscard]] std::span<const Record> records() const { return best_; }
+
+ private:
+  const SceneQuery& query_;
+  std::vector<Record> best_;  // primaries ascending
 };
 
 }  // namespace
@@ -182,6 +222,7 @@ class Player::Impl {
     result.secondary_clocks = board_.clocks() - before;
     result.secondary_ps = board_.time_ps() - before_ps;
     result.pass_seconds = seconds_since(start);
+    const SelfPairs self(scene_, q);
     const Shapes& there = secondaries_.placed();
     faults_.flip(frame, size(there) * words(shape_of(there)));
     const std::uint64_t shown_ps = board_.time_ps();
@@ -195,17 +236,25 @@ class Player::Impl {
                             (static_cast<double>(packet) + share) / static_cast<double>(packets));
       };
       progress(0);
-      run_packet(frame, number, packet, progress, sink, result);
+      run_packet({frame, number, packet, self, progress, sink}, result);
     }
     return result;
   }
 
-  void run_packet(std::uint32_t frame, std::size_t number, std::size_t packet,
-                  const std::function<void(double)>& progress, const Sink& sink,
-                  QueryFrame& result) {
-    const SceneQuery& q = scene_.queries[number];
+  /// What one packet is about.
+  struct Packet {
+    std::uint32_t frame;
+    std::size_t query, number;
+    const SelfPairs& self;
+    const std::function<void(double)>& progress;
+    const Sink& sink;
+    std::size_t active = 0;  // primaries that are not masked
+  };
+
+  void run_packet(Packet packet, QueryFrame& result) {
+    const SceneQuery& q = scene_.queries[packet.query];
     const Shapes& primaries = primaries_.placed();
-    const std::size_t first = packet * kPacket;
+    const std::size_t first = packet.number * kPacket;
     const std::size_t count = std::min(kPacket, size(primaries) - first);
     Query query{.mode = q.mode,
                 .pair = q.pair,
@@ -213,52 +262,106 @@ class Player::Impl {
                 .normals = q.normals,
                 .budget = q.budget,
                 .deadline_clocks = options_.deadline_clocks,
-                .watchdog = options_.watchdog,
-                .progress = progress};
+                .watchdog = options_.watchdog};
     std::vector<std::uint32_t> active;
     for (std::size_t p = 0; p < count; ++p) {
       const auto n = static_cast<std::uint32_t>(first + p);
-      query.stencil[p] = std::binary_search(q.mask.begin(), q.mask.end(), n);
+      query.stencil[p] = contains(q.mask, n);
       if (!query.stencil[p]) active.push_back(n);
     }
     if (active.empty()) return;  // no work for the card
+    packet.active = active.size();
     std::optional<PassCheck> check;
     if (options_.check != Check::kNone)
-      check.emplace(q, scene_.card, primaries, sampled(active, frame), secondaries_.placed());
-    const auto start = Clock::now();
-    double host = 0;
-    const std::uint64_t before = board_.clocks(), before_ps = board_.time_ps();
-    const std::uint64_t words = board_.words_uploaded();
-    primaries_.load(first, count);
-    result.primary_ps += board_.time_ps() - before_ps;
-    result.primary_words += board_.words_uploaded() - words;
-    const std::uint64_t loading = board_.clocks() - before;
-    std::vector<Record> renumbered;
-    Counters c = board_.run(query, [&](std::span<const Record> records) {
-      const auto received = Clock::now();
-      renumbered.assign(records.begin(), records.end());
-      for (Record& r : renumbered) {
-        r.primary += static_cast<std::uint32_t>(first);
-        result.hits += r.f ? 1 : 0;
-      }
+      check.emplace(q, scene_.card, board_, packet.self, primaries, sampled(active, packet.frame),
+                    secondaries_.placed());
+    const auto deliver = [&](std::span<const Record> records) {
+      for (const Record& r : records) result.hits += r.f ? 1 : 0;
+      result.counters.records += records.size();
       const auto checking = Clock::now();
-      if (check) check->check(renumbered, result);
+      if (check) check->check(records, result);
       result.check_seconds += seconds_since(checking);
-      if (sink) sink(number, renumbered);
-      host += seconds_since(received);
-    });
-    result.pass_seconds += seconds_since(start) - host;
+      if (packet.sink) packet.sink(packet.query, records);
+    };
+    const auto sweeps = packet.self.sweeps(first, count, secondaries_.moved_by_card());
+    if (!sweeps.empty()) load(first, count, result);
+    if (!packet.self.any() || q.mode == Mode::kAll || q.mode == Mode::kHits) {
+      for (const SelfPairs::Sweep& sweep : sweeps) pass(packet, query, sweep, deliver, result);
+    } else {
+      Chosen chosen(q, primaries, active);
+      for (const SelfPairs::Sweep& sweep : sweeps)
+        pass(
+            packet, query, sweep,
+            [&](std::span<const Record> some) {
+              for (const Record& r : some) chosen.take(r);
+            },
+            result);
+      deliver(chosen.records());
+    }
     const auto checking = Clock::now();
     if (check) check->finish(result);
     result.check_seconds += seconds_since(checking);
-    // The board counts its last load in every pass; primaries that stay were not loaded for this.
-    c.total_clocks += loading - c.upload_clocks;
-    c.upload_clocks = loading;
+  }
+
+  void load(std::size_t first, std::size_t count, QueryFrame& result) {
+    const auto start = Clock::now();
+    const std::uint64_t before = board_.clocks(), before_ps = board_.time_ps();
+    const std::uint64_t words = board_.words_uploaded();
+    primaries_.load(first, count);
+    result.pass_seconds += seconds_since(start);
+    result.primary_ps += board_.time_ps() - before_ps;
+    result.primary_words += board_.words_uploaded() - words;
+    const std::uint64_t loading = board_.clocks() - before;
+    result.primary_clocks += loading;
+    result.counters.upload_clocks += loading;
+    result.counters.total_clocks += loading;
+  }
+
+  /// One pass of the packet that is loaded; `take` gets the records of pairs that count.
+  void pass(const Packet& packet, Query query, const SelfPairs::Sweep& sweep,
+            const RecordSink& take, QueryFrame& result) {
+    if (!secondaries_.moved_by_card()) {
+      query.first_secondary = static_cast<std::uint32_t>(sweep.first);
+      query.secondary_count = static_cast<std::uint32_t>(sweep.count);
+    }
+    if (sweep.pairwise) query.mode = query.mode == Mode::kAny ? Mode::kHits : Mode::kAll;
+    if (options_.progress) {
+      query.progress = [&](double share) {
+        packet.progress(
+            (static_cast<double>(sweep.first) + share * static_cast<double>(sweep.count)) /
+            static_cast<double>(size(secondaries_.placed())));
+      };
+    }
+    const bool pairwise = query.mode == Mode::kAll || query.mode == Mode::kHits;
+    const auto first = static_cast<std::uint32_t>(packet.number * kPacket);
+    const auto start = Clock::now();
+    double host = 0;
+    std::uint64_t seen = 0;
+    std::vector<Record> renumbered;
+    Counters c = board_.run(query, [&](std::span<const Record> records) {
+      const auto received = Clock::now();
+      result.card_records += records.size();
+      renumbered.clear();
+      for (Record r : records) {
+        r.primary += first;
+        // A bad secondary's number is not in its record, but all records are there, in order.
+        const std::uint64_t secondary =
+            query.mode == Mode::kAll ? sweep.first + seen++ / packet.active : r.index;
+        if (pairwise && !packet.self.counts(r.primary, static_cast<std::uint32_t>(secondary)))
+          continue;
+        renumbered.push_back(r);
+      }
+      if (!renumbered.empty()) take(renumbered);
+      host += seconds_since(received);
+    });
+    result.pass_seconds += seconds_since(start) - host;
+    // The board counts its last load in every pass, and the records that it wrote.
+    c.total_clocks -= c.upload_clocks;
+    c.upload_clocks = 0;
+    c.records = 0;
     result.counters += c;
     ++result.passes;
-    result.primary_clocks += loading;
-    const std::uint64_t pass = c.upload_clocks + c.cycles + c.writeback;
-    result.download_clocks += c.total_clocks - std::min(c.total_clocks, pass);
+    result.download_clocks += c.total_clocks - std::min(c.total_clocks, c.cycles + c.writeback);
   }
 
   /// The primaries whose records are compared, ascending.

@@ -91,6 +91,8 @@ class Secondaries {
 
   /// All of them as a pass meets them.
   [[nodiscard]] const Shapes& placed() const { return row_.placed(); }
+  /// Whether passes sweep objects, and so cannot sweep ranges.
+  [[nodiscard]] bool moved_by_card() const { return !row_.entries().empty(); }
 
  private:
   Board* board_;

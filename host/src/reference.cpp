@@ -29,7 +29,7 @@ Record record_of(const Ray& ray, const Triangle& triangle, std::uint32_t primary
 /// triangle.
 class Sweep::Impl {
  public:
-  Impl(std::span<const Ray> rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
+  Impl(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
        unsigned packet, std::span<const Object> objects, bool box)
       : packet_(packet),
         rays_(rays),
@@ -37,6 +37,7 @@ class Sweep::Impl {
         stencil_(stencil),
         mode_(mode),
         box_(box) {
+    (void)name_of(mode);  // or it is none
     if (packet == 0 || packet > RayBlock::kRays)
       throw Error(ErrorCode::kUsage, fmt::format("a packet of {} rays", packet));
     if (!objects.empty()) {
@@ -67,7 +68,7 @@ class Sweep::Impl {
     triangle_ = 0;
     block_ = {};
     if (first_ >= rays_.size()) return;
-    packet_rays_ = rays_.subspan(first_, std::min<std::size_t>(packet_, rays_.size() - first_));
+    packet_rays_ = rays_.subview(first_, packet_).copy();
     for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
       const Ray& ray = packet_rays_[i];
       block_.ox[i] = ray.o.x(), block_.oy[i] = ray.o.y(), block_.oz[i] = ray.o.z();
@@ -139,7 +140,8 @@ class Sweep::Impl {
 
   RayBlock block_;  // aligned for vectors, so it comes first
   std::size_t packet_, first_ = 0, triangle_ = 0;
-  std::span<const Ray> rays_, packet_rays_;
+  RayView rays_;
+  std::vector<Ray> packet_rays_;
   TriangleView triangles_;
   std::vector<Record> records_;
   Stencil stencil_;
@@ -149,15 +151,15 @@ class Sweep::Impl {
   std::array<std::uint8_t, RayBlock::kRays> mask_{};
 };
 
-Sweep::Sweep(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
-             const Stencil& stencil, unsigned packet, std::span<const Object> objects, bool box)
+Sweep::Sweep(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
+             unsigned packet, std::span<const Object> objects, bool box)
     : impl_(std::make_unique<Impl>(rays, triangles, mode, stencil, packet, objects, box)) {}
 Sweep::~Sweep() = default;
 std::span<const Record> Sweep::next() {
   return impl_->next();
 }
 
-std::vector<Record> cast(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
+std::vector<Record> cast(const RayView& rays, const TriangleView& triangles, Mode mode,
                          const Stencil& stencil, std::span<const Object> objects, bool box) {
   Sweep sweep(rays, triangles, mode, stencil, 256, objects, box);
   std::vector<Record> records;
@@ -184,10 +186,11 @@ std::string text(const Record& r) {
 
 }  // namespace
 
-Checker::Checker(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
+Checker::Checker(const RayView& rays, const TriangleView& triangles, Mode mode,
                  const Stencil& stencil, unsigned packet, std::string command,
                  std::span<const Object> objects, bool box)
     : rays_(rays),
+      packet_(packet),
       triangles_(triangles),
       sweep_(rays, triangles, mode, stencil, packet, objects, box),
       command_(std::move(command)) {}
@@ -199,13 +202,18 @@ void Checker::mismatch(const Record* card, const Record* expected) {
   message += fmt::format("  card:      {}\n", card != nullptr ? text(*card) : "no record");
   message += fmt::format("  reference: {}\n", expected != nullptr ? text(*expected) : "no record");
   const std::size_t number = (expected != nullptr ? expected : card)->primary;
+  if (card != nullptr && expected != nullptr)
+    message += fmt::format("  differ in: {}\n", differing_fields(*card, *expected));
+  if (board_ != nullptr)
+    message += fmt::format("  where:     {}\n",
+                           place_on_card(*board_, static_cast<std::uint32_t>(number % packet_)));
   for (const Record* r : {card, expected}) {
     if (r == nullptr || r->index >= triangles_.size()) continue;
     const Triangle t = triangles_[r->index];
     message += fmt::format("  triangle {}: {} {} {}\n", r->index, hex(t.v0), hex(t.v1), hex(t.v2));
   }
   if (number < rays_.size()) {
-    const Ray& ray = rays_[number];
+    const Ray ray = rays_[number];
     const std::string fields =
         fmt::format("{},{},{:a},{:a}", hex(ray.o), hex(ray.d), ray.tmin, ray.tmax);
     message +=

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <optional>
 #include <utility>
 
 #include "cde/error.hpp"
 #include "cde/reference.hpp"
+#include "record_choice.hpp"
 #include "reference_dispatch.hpp"
 
 namespace cde::reference {
@@ -60,6 +60,7 @@ class AnyPass : public Pass::Impl {
     if (!streaming && done_ == 0) reduce();
     while (streaming && records_.empty() && done_ < secondaries_.size()) {
       for (std::size_t p = 0; p < primaries_.size(); ++p) {
+        if (!counts(p, done_)) continue;
         const Record r = record(p, done_);
         if (query_.mode == Mode::kAll || r.f) records_.push_back(r);
       }
@@ -85,39 +86,23 @@ class AnyPass : public Pass::Impl {
     return r;
   }
 
-  /// Of solids the signed gap; the two zeros tie.
-  [[nodiscard]] bool better(const Record& r, const std::optional<Record>& best) const {
-    const bool solid = is_solid(query_.pair);
-    if (r.bad || (!r.f && (!solid || query_.mode == Mode::kAny))) return false;
-    if (!best) return true;
-    const auto gap = [solid](const Record& of) { return solid && of.f ? -of.t : of.t; };
-    if (query_.mode == Mode::kNearest) return gap(r) < gap(*best);
-    return query_.mode == Mode::kFarthest && gap(r) > gap(*best);
+  [[nodiscard]] bool counts(std::size_t p, std::size_t s) const {
+    return !query_.counts || query_.counts(numbers_[p], static_cast<std::uint32_t>(s));
   }
 
   void reduce() {
     done_ = secondaries_.size();
     for (std::size_t p = 0; p < primaries_.size(); ++p) {
-      std::optional<Record> best;
+      Record best = unanswered(primaries_[p], numbers_[p], query_.normals);
       for (std::size_t s = 0; s < secondaries_.size(); ++s) {
+        if (!counts(p, s)) continue;
         const Record r = record(p, s);
-        if (!better(r, best)) continue;
+        if (!better(query_.pair, query_.mode, r, best)) continue;
         best = r;
         if (query_.mode == Mode::kAny) break;
       }
-      records_.push_back(best ? *best : none(p));
+      records_.push_back(best);
     }
-  }
-
-  [[nodiscard]] Record none(std::size_t p) const {
-    Record r;
-    r.primary = numbers_[p];
-    if (!defect(primaries_[p])) return r;
-    r.bad = true;
-    r.t = canonical_nan<float>();
-    r.cp.setConstant(r.t);
-    if (query_.normals) r.n.setConstant(r.t);
-    return r;
   }
 
   PassQuery query_;
@@ -147,11 +132,13 @@ std::unique_ptr<Pass::Impl> any_pass(const PassQuery& query, Shapes&& primaries,
 
 Pass::Pass(const PassQuery& query, Shapes primaries, std::vector<std::uint32_t> numbers,
            const Shapes& secondaries) {
+  (void)name_of(query.mode);  // or it is none
   if (size(primaries) > 256 || size(primaries) != numbers.size())
     throw Error(ErrorCode::kUsage, fmt::format("a pass of {} primaries with {} numbers",
                                                size(primaries), numbers.size()));
   if (query.pair == Pair::kRayTriangle && query.algorithm == Algorithm::kMoller && !query.swap &&
-      shape_of(primaries) == Shape::kRay && shape_of(secondaries) == Shape::kTriangle) {
+      !query.counts && shape_of(primaries) == Shape::kRay &&
+      shape_of(secondaries) == Shape::kTriangle) {
     impl_ = std::make_unique<MollerPass>(
         query.mode, query.box, std::get<std::vector<Ray>>(std::move(primaries)), std::move(numbers),
         std::get<std::vector<Triangle>>(secondaries));
@@ -175,6 +162,7 @@ Pass::Pass(Pass&&) noexcept = default;
 Pass& Pass::operator=(Pass&&) noexcept = default;
 
 std::span<const Record> Pass::next() {
+  if (!impl_) throw Error(ErrorCode::kUsage, "this pass is none: it was moved from");
   return impl_->next();
 }
 

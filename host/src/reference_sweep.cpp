@@ -22,7 +22,7 @@ float flip(float x, std::uint32_t sign) {
 }  // namespace
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__)
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #endif
 bool inside(const RayBlock& r, const Triangle& triangle, std::array<std::uint8_t, RayBlock::kRays>& mask) {

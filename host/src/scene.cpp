@@ -8,6 +8,7 @@
 
 #include "cde/reference/transform.hpp"
 #include "scene_parts.hpp"
+#include "text.hpp"
 
 namespace cde {
 namespace {
@@ -115,6 +116,19 @@ Shapes posed_each(const Shapes& shapes, Pick pick) {
 
 }  // namespace
 
+bool contains(const std::vector<Range>& ranges, std::size_t number) {
+  const auto behind =
+      std::upper_bound(ranges.begin(), ranges.end(), number,
+                       [](std::size_t n, const Range& range) { return n < range.first; });
+  return behind != ranges.begin() && number - std::prev(behind)->first < std::prev(behind)->count;
+}
+
+std::size_t count(const std::vector<Range>& ranges) {
+  std::size_t sum = 0;
+  for (const Range& range : ranges) sum += range.count;
+  return sum;
+}
+
 std::vector<Eigen::Vector3d> scene_parts::centres(const Shapes& shapes) {
   return std::visit(
       [](const auto& list) {
@@ -127,7 +141,7 @@ std::vector<Eigen::Vector3d> scene_parts::centres(const Shapes& shapes) {
 }
 
 const char* name_of(Check check) {
-  return kCheckNames.at(static_cast<std::size_t>(check));
+  return text::entry(kCheckNames, check, "way to check");
 }
 
 std::optional<Check> check_named(std::string_view text) {

@@ -108,8 +108,9 @@ void check_ancestors(const Scene& scene, std::size_t number, const Table& t) {
 
 void read_objects(Scene& scene, Tables tables, const std::filesystem::path& folder, Names& names) {
   std::vector<std::string> parents;
+  scene_parts::Memory memory;
   for (Table& t : tables) {
-    SceneObject object = scene_parts::read_object(t, folder);
+    SceneObject object = scene_parts::read_object(t, folder, memory);
     parents.push_back(t.text("parent", ""));
     t.finish();
     if (!names.numbers.emplace(object.name, scene.objects.size()).second)
@@ -178,6 +179,7 @@ SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
   }
   q.mode = *mode_named(kModes[t.choice("mode", kModes, 0)]);
   q.normals = t.flag("normals", false);
+  q.self = t.flag("self", false);
   if (q.normals && !is_solid(q.pair)) t.fail(ErrorCode::kUsage, "normals", "rays have no normals");
   if (auto budget = t.table("budget")) {
     if (!has_budget(q.pair))
@@ -198,7 +200,7 @@ SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
   std::size_t primaries = 0;
   for (const std::size_t number : q.primaries) primaries += size(scene.objects[number].shapes);
   q.mask = t.number_ranges("mask", static_cast<std::int64_t>(primaries) - 1);
-  if (q.mask.size() == primaries) t.fail(ErrorCode::kUsage, "mask", "leaves out every primary");
+  if (count(q.mask) == primaries) t.fail(ErrorCode::kUsage, "mask", "leaves out every primary");
   constexpr std::uint64_t kPacket = 256;
   const std::uint64_t packets = (primaries + kPacket - 1) / kPacket;
   const auto most = t.integer<std::uint64_t>("packets", packets, 1, 1 << 24);

@@ -6,6 +6,7 @@
 
 #include "cde/camera.hpp"
 #include "cde/rays_csv.hpp"
+#include "mesh_readers.hpp"
 #include "scene_parts.hpp"
 #include "text.hpp"
 
@@ -178,9 +179,10 @@ Shapes scattered(std::size_t shape, Scatter s, std::uint32_t count, const Table&
   }
 }
 
-Shapes read_scatter(Table t, std::string& source) {
+Shapes read_scatter(Table t, std::string& source, Memory& memory) {
   const std::size_t shape = t.choice("shape", kShapeNames);
   const auto count = t.integer<std::uint32_t>("count", {}, 1, kMostShapes);
+  memory.add(t, "count", static_cast<Shape>(shape), count);
   Scatter s{t.integer<std::uint64_t>("seed", 1, 0, std::numeric_limits<std::int64_t>::max()),
             t.vector("min"), t.vector("max"), 1, 1};
   for (int k = 0; k < 3; ++k)
@@ -199,13 +201,14 @@ Shapes read_scatter(Table t, std::string& source) {
 
 // ---- Rays ----
 
-Shapes read_camera(Table t, std::string& source) {
+Shapes read_camera(Table t, std::string& source, Memory& memory) {
   Camera camera{narrow(t.vector("eye")), narrow(t.vector("target")),
                 narrow(t.vector("up", Eigen::Vector3d::UnitZ())),
                 static_cast<float>(t.number("fov", 40.0, {.min = 0, .max = 180, .above = true}))};
   const Resolution size{t.integer<std::uint32_t>("width", {}, 1, 4096),
                         t.integer<std::uint32_t>("height", {}, 1, 4096)};
   t.finish();
+  memory.add(t, "width", Shape::kRay, size.pixels());
   source = fmt::format("camera of {} x {} rays", size.width, size.height);
   try {
     return camera.rays(size);
@@ -214,9 +217,10 @@ Shapes read_camera(Table t, std::string& source) {
   }
 }
 
-RandomRays read_random_rays(Table t) {
+RandomRays read_random_rays(Table t, Memory& memory) {
   RandomRays rays;
   rays.count = t.integer<std::uint32_t>("count", {}, 1, kMostShapes);
+  memory.add(t, "count", Shape::kRay, rays.count);
   rays.seed = t.integer<std::uint64_t>("seed", 1, 0, std::numeric_limits<std::int64_t>::max());
   rays.axis = unit(t, "axis", Eigen::Vector3d(0, 0, -1));
   rays.half_angle = kDegree * t.number("half_angle", 180.0, {.min = 0, .max = 180});
@@ -234,20 +238,31 @@ std::vector<Triangle> triangles_of(const Mesh& mesh) {
   return triangles;
 }
 
-Mesh read_mesh(Table& t, const std::filesystem::path& folder, std::filesystem::path& file) {
+Mesh read_mesh(Table& t, const std::filesystem::path& folder, std::filesystem::path& file,
+               Memory& memory) {
   const std::string spec = t.text("mesh");
   const bool builtin = spec == "terrain" || spec.starts_with("terrain:");
+  if (!builtin) file = folder / spec;
   const double scale = t.number("scale", 1.0, kPositive);
-  try {
-    if (!builtin) file = folder / spec;
-    Mesh mesh = builtin ? load_mesh_or_builtin(spec) : load_mesh(file);
-    for (Eigen::Vector3f& v : mesh.vertices) v = (v.cast<double>() * scale).cast<float>();
-    check(mesh, mesh.name);
-    if (const auto why = out_of_range(mesh, mesh.name)) throw Error(ErrorCode::kBadInput, *why);
-    return mesh;
-  } catch (const Error& e) {
-    t.fail(e.code(), "mesh", e.what());
-  }
+  const auto attempt = [&](const auto& what) {
+    try {
+      return what();
+    } catch (const Error& e) {
+      t.fail(e.code(), "mesh", e.what());
+    }
+  };
+  if (builtin)
+    memory.add(t, "mesh", Shape::kTriangle,
+               attempt([&] { return mesh_readers::builtin_triangles(spec); }));
+  Mesh mesh = attempt([&] {
+    Mesh made = builtin ? load_mesh_or_builtin(spec) : load_mesh(file);
+    for (Eigen::Vector3f& v : made.vertices) v = (v.cast<double>() * scale).cast<float>();
+    check(made, made.name);
+    if (const auto why = out_of_range(made, made.name)) throw Error(ErrorCode::kBadInput, *why);
+    return made;
+  });
+  if (!builtin) memory.add(t, "mesh", Shape::kTriangle, mesh.faces.size());
+  return mesh;
 }
 
 Deformation read_deformation(Table t, const Mesh& mesh) {
@@ -273,13 +288,14 @@ Deformation read_deformation(Table t, const Mesh& mesh) {
   return d;
 }
 
-void read_source(Table& t, const std::filesystem::path& folder, SceneObject& object) {
+void read_source(Table& t, const std::filesystem::path& folder, SceneObject& object,
+                 Memory& memory) {
   std::vector<std::string> sources = kShapeNames;
   sources.insert(sources.end(), {"mesh", "random", "camera", "random_rays", "rays_csv"});
   const std::string source = t.one_of(sources);
   const char* key = source.c_str();
   if (source == "mesh") {
-    Mesh mesh = read_mesh(t, folder, object.file);
+    Mesh mesh = read_mesh(t, folder, object.file, memory);
     object.source = fmt::format("{}, {} triangles", mesh.name, mesh.faces.size());
     object.shapes = triangles_of(mesh);
     if (auto deform = t.table("deform")) {
@@ -287,11 +303,11 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
       object.mesh = std::move(mesh);
     }
   } else if (source == "random") {
-    object.shapes = read_scatter(*t.table(key), object.source);
+    object.shapes = read_scatter(*t.table(key), object.source, memory);
   } else if (source == "camera") {
-    object.shapes = read_camera(*t.table(key), object.source);
+    object.shapes = read_camera(*t.table(key), object.source, memory);
   } else if (source == "random_rays") {
-    object.rays = read_random_rays(*t.table(key));
+    object.rays = read_random_rays(*t.table(key), memory);
     object.shapes = std::vector<Ray>(object.rays->count);
     object.source = fmt::format("{} random rays{}, seed {}", object.rays->count,
                                 object.rays->redraw ? " a frame" : "", object.rays->seed);
@@ -315,16 +331,41 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
     t.fail(ErrorCode::kUsage, "deform", "moves the vertices of a mesh; this object has none");
 }
 
+/// The file, what is posed, what lies on either side of the card and what the reference has of it.
+constexpr std::uint64_t kCopies = 5;
+
 }  // namespace
 
-SceneObject read_object(Table& t, const std::filesystem::path& folder) {
+void Memory::add(const Table& t, const char* key, const std::string& what, std::uint64_t bytes) {
+  constexpr std::uint64_t kMega = 1 << 20;
+  bytes_ += bytes;
+  if (bytes_ <= kMost) return;
+  t.fail(
+      ErrorCode::kCapacity, key,
+      fmt::format("{} take {} MB to play, with the objects before {} MB; the limit of a scene "
+                  "is {} MB",
+                  what, (bytes + kMega - 1) / kMega, (bytes_ + kMega - 1) / kMega, kMost / kMega));
+}
+
+void Memory::add(const Table& t, const char* key, Shape shape, std::uint64_t count) {
+  add(t, key, fmt::format("{} {}s", count, name(shape)), kCopies * 4 * words(shape) * count);
+}
+
+void Memory::add_poses(const Table& t, std::uint64_t count) {
+  // A pose in use, the one before, and the centre that it is made from.
+  add(t, "motion", fmt::format("poses of {} shapes", count),
+      (2 * sizeof(Transform) + sizeof(Eigen::Vector3d)) * count);
+}
+
+SceneObject read_object(Table& t, const std::filesystem::path& folder, Memory& memory) {
   SceneObject object;
   object.name = t.text("name");
   if (object.name.empty()) t.fail("name", "is empty");
   t = t.named(fmt::format("object {}", text::quoted(object.name)));
   t.also_known({"motion", "parent", "deform", "scale"});
-  read_source(t, folder, object);
+  read_source(t, folder, object, memory);
   if (auto motion = t.table("motion")) object.motion = read_motion(*motion, object);
+  if (has_member_poses(object)) memory.add_poses(t, size(object.shapes));
   return object;
 }
 

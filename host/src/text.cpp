@@ -1,11 +1,20 @@
 #include "text.hpp"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 
+#include "cde/error.hpp"
+
 namespace cde::text {
+
+void no_entry(std::string_view what, std::size_t number, std::size_t entries) {
+  throw Error(ErrorCode::kUsage,
+              fmt::format("there is no {} {}; they are 0 to {}", what, number, entries - 1));
+}
 
 Number parse_float(std::string_view text, float& value) {
   const std::string_view whole = text;

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,6 +24,8 @@ template <typename Int>
 }
 [[nodiscard]] std::string_view trim(std::string_view text);
 
+[[noreturn]] void no_entry(std::string_view what, std::size_t number, std::size_t entries);
+
 /// Takes lines off the front of a text; line ends are LF or CRLF, the last may be missing.
 class Lines {
  public:
@@ -38,6 +41,14 @@ class Lines {
 
 /// Takes the next run of non-blank characters off the front of `line`; empty at its end.
 [[nodiscard]] std::string_view next_word(std::string_view& line);
+
+/// What a table has for an enumerator. Error kUsage if it is none: a number that was cast.
+template <typename Table, typename Enum>
+[[nodiscard]] const auto& entry(const Table& table, Enum value, std::string_view what) {
+  const auto number = static_cast<std::size_t>(value);
+  if (number >= std::size(table)) no_entry(what, number, std::size(table));
+  return table[number];
+}
 
 /// Printable and short form of text from a file, for messages.
 [[nodiscard]] std::string quoted(std::string_view text);

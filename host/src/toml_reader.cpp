@@ -228,17 +228,17 @@ std::vector<std::string> Table::texts(const char* key) {
   return values;
 }
 
-std::vector<std::uint32_t> Table::number_ranges(const char* key, std::int64_t max) {
+std::vector<Range> Table::number_ranges(const char* key, std::int64_t max) {
   const toml::node* node = find(key, true);
   if (node == nullptr) return {};
   const toml::array* array = node->as_array();
   if (array == nullptr) wrong_type(key, *node, "an array of numbers and \"FIRST..LAST\"");
-  std::vector<std::uint32_t> all;
+  std::vector<Range> all;
   const auto add = [&](const toml::node& at, std::int64_t first, std::int64_t last) {
     if (first < 0 || last < first || last > max)
       fail_at(ErrorCode::kBadInput, at.source().begin, key,
               fmt::format("{}..{} must be ascending and within 0..{}", first, last, max));
-    for (std::int64_t i = first; i <= last; ++i) all.push_back(static_cast<std::uint32_t>(i));
+    all.push_back({static_cast<std::size_t>(first), static_cast<std::size_t>(last - first + 1)});
   };
   for (const toml::node& value : *array) {
     if (const auto* number = value.as_integer()) {
@@ -256,9 +256,18 @@ std::vector<std::uint32_t> Table::number_ranges(const char* key, std::int64_t ma
               fmt::format("{} is not FIRST..LAST", text::quoted(range)));
     add(value, first, last);
   }
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  return all;
+  std::sort(all.begin(), all.end(),
+            [](const Range& a, const Range& b) { return a.first < b.first; });
+  std::vector<Range> merged;
+  for (const Range& range : all) {
+    if (merged.empty() || range.first > merged.back().first + merged.back().count) {
+      merged.push_back(range);
+      continue;
+    }
+    Range& before = merged.back();
+    before.count = std::max(before.count, range.first + range.count - before.first);
+  }
+  return merged;
 }
 
 std::size_t Table::choice(const char* key, const std::vector<std::string>& words,

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cde/error.hpp"
+#include "cde/scene.hpp"
 
 /// A TOML document read key by key, where whatever nobody asked for is an error. Private to the
 /// library.
@@ -61,8 +62,8 @@ class Table {
   [[nodiscard]] std::vector<Eigen::Vector3d> vectors(const char* key);
   /// One text or an array of them, at least one.
   [[nodiscard]] std::vector<std::string> texts(const char* key);
-  /// Numbers, and ranges as "3..7"; empty without the key.
-  [[nodiscard]] std::vector<std::uint32_t> number_ranges(const char* key, std::int64_t max);
+  /// Numbers, and ranges as "3..7": ascending, with gaps between; empty without the key.
+  [[nodiscard]] std::vector<Range> number_ranges(const char* key, std::int64_t max);
   /// Number of the word among those allowed.
   [[nodiscard]] std::size_t choice(const char* key, const std::vector<std::string>& words,
                                    std::optional<std::size_t> fallback = {});

@@ -16,6 +16,7 @@ module shape_check #(
     localparam int WORDS = cde_pkg::shape_words(SHAPE)
 ) (
     input logic clk_i,
+    input logic on_i,  // 0: nobody looks at the result
     input logic [WORDS-1:0][LANES-1:0][CW-1:0] words_i,
     output logic [LANES-1:0][CW-1:0] bad_o  // lane mask
 );
@@ -38,7 +39,7 @@ module shape_check #(
       fp_range #(
           .EXP(EXP), .MAN(MAN), .LANES(LANES), .SIGNED(KIND == cde_pkg::WORD_SIZE), .ZERO(KIND != cde_pkg::WORD_SIZE), .LOW(LOW),
           .HIGH(HIGH), .ARITH(ARITH)
-      ) in_range (.a_i(words_i[k]), .m_o(legal));
+      ) in_range (.on_i, .a_i(words_i[k]), .m_o(legal));
     end
     if (k == 0) begin : g_first
       assign good = legal;
@@ -55,7 +56,7 @@ module shape_check #(
   if (SHAPE == cde_pkg::SHAPE_RAY) begin : g_direction
     logic [2:0][LANES-1:0][CW-1:0] m;
     for (genvar k = 0; k < 3; k++) begin : axis
-      fp_range #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LOW(LOW), .HIGH(HIGH), .ARITH(ARITH)) is_size (.a_i(words_i[3+k]), .m_o(m[k]));
+      fp_range #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LOW(LOW), .HIGH(HIGH), .ARITH(ARITH)) is_size (.on_i, .a_i(words_i[3+k]), .m_o(m[k]));
     end
     `DF_IN(moves, m[0] | m[1] | m[2], 0)
     `DF_AT(late, moves, LATENCY)
@@ -69,13 +70,13 @@ module shape_check #(
   end else if (SHAPE == cde_pkg::SHAPE_PLANE || SHAPE == cde_pkg::SHAPE_CYLINDER) begin : g_unit
     localparam int FIRST = (SHAPE == cde_pkg::SHAPE_PLANE) ? 0 : 3;
     unit_check #(.ONE(1), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unit (
-        .clk_i, .a_i(words_i[FIRST+:3]), .b_i(words_i[FIRST+:3]), .good_o(shape_good));
+        .clk_i, .on_i, .a_i(words_i[FIRST+:3]), .b_i(words_i[FIRST+:3]), .good_o(shape_good));
   end else if (SHAPE == cde_pkg::SHAPE_OBB) begin : g_rotation
     logic [5:0][LANES-1:0][CW-1:0] dot_good;  // of the upper triangle, row by row
     for (genvar i = 0; i < 3; i++) begin : row
       for (genvar j = i; j < 3; j++) begin : column
         unit_check #(.ONE(i == j), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unit (
-            .clk_i, .a_i({words_i[12+i], words_i[9+i], words_i[6+i]}), .b_i({words_i[12+j], words_i[9+j], words_i[6+j]}),
+            .clk_i, .on_i, .a_i({words_i[12+i], words_i[9+i], words_i[6+i]}), .b_i({words_i[12+j], words_i[9+j], words_i[6+j]}),
             .good_o(dot_good[i*(5-i)/2+j]));
       end
     end

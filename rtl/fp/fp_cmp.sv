@@ -18,5 +18,5 @@ module fp_cmp #(
 );
   /*verilator inline_module*/
   fp_lanes #(.OP(OP == "lt" ? 5 : OP == "le" ? 6 : 7), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) lanes (
-      .clk_i, .a_i, .b_i, .r_o(m_o), .flags_o);
+      .clk_i, .on_i(1'b1), .a_i, .b_i, .r_o(m_o), .flags_o);
 endmodule

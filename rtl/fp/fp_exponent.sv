@@ -14,6 +14,7 @@ module fp_exponent #(
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
+    input logic on_i,  // 0: nobody looks at the result of ARITH = "host"
     input logic [LANES-1:0][CW-1:0] a_i,
     input logic [LANES-1:0][CW-1:0] b_i,  // "max", "mov"
     output logic [LANES-1:0][CW-1:0] r_o
@@ -32,13 +33,16 @@ module fp_exponent #(
   if (ARITH != "rtl" && CW == 32) begin : g_32
     always_comb begin
       r = '0;
-      for (int l = 0; l < LANES; l++)
+      if (on_i)
+        for (int l = 0; l < LANES; l++)
         if (CODE == 1 || CODE == 2) r[l] = $c32("host_fp::shift<", CODE, ",", EXP, ",", MAN, ",", STORED, ">(", a_i[l], ")");
         else r[l] = $c32("host_fp::exponent<", CODE, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l], ")");
     end
   end else
 `endif
   begin : g_gates
+    logic unused_on;
+    assign unused_on = on_i;
     localparam logic [CW-1:0] SIGN = CW'(1) << (EXP + MAN);
     localparam logic [CW-1:0] INF = ((CW'(1) << EXP) - 1) << MAN;
     localparam logic [CW-1:0] NORMAL = CW'(1) << MAN;

@@ -12,6 +12,7 @@ module fp_host #(
     parameter bit FLAGS = 0,
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
+    input  logic                     on_i,   // 0: the result is not looked at, and is zero
     input  logic [LANES-1:0][CW-1:0] a_i,
     input  logic [B_LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] r_o,
@@ -24,12 +25,14 @@ module fp_host #(
   if (CW == 32) begin : g_32
     always_comb begin
       r = '0;
-      for (int l = 0; l < LANES; l++) r[l] = $c32("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
+      if (on_i)
+        for (int l = 0; l < LANES; l++) r[l] = $c32("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
     end
   end else begin : g_64  // uint64_t is named, as Verilator writes constants as unsigned long long
     always_comb begin
       r = '0;
-      for (int l = 0; l < LANES; l++) r[l] = $c64("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ",uint64_t>(", a_i[l], ",", b_i[l%B_LANES], ")");
+      if (on_i)
+        for (int l = 0; l < LANES; l++) r[l] = $c64("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ",uint64_t>(", a_i[l], ",", b_i[l%B_LANES], ")");
     end
   end
   if (!FLAGS) begin : g_no_flags

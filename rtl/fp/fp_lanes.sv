@@ -13,6 +13,7 @@ module fp_lanes #(
     localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input  logic                     clk_i,
+    input  logic                     on_i,   // 0: nobody looks at the result of ARITH = "host"
     input  logic [LANES-1:0][CW-1:0] a_i,
     input  logic [B_LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] r_o,
@@ -22,6 +23,8 @@ module fp_lanes #(
   if (EXP < 3 || EXP > 11 || MAN < 2 || MAN > 52) $error("fp: EXP must be 3..11 and MAN 2..52");
   if (LANES < 1 || LAT < 1 || (B_LANES != LANES && B_LANES != 1)) $error("fp: LANES, LAT >= 1; B_LANES is LANES or 1");
   if (ARITH == "rtl") begin : g_rtl
+    logic unused_on;
+    assign unused_on = on_i;
     localparam int MOST = (OP <= 2) ? 5 : (OP == 3) ? MAN + 5 : (OP == 4) ? MAN + 3 : 0;  // comparisons have nothing to cut
     localparam int CUTS = (LAT - 1 > MOST) ? MOST : LAT - 1;
     localparam int LW = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64;  // word of a lane of gates (fp_mask.svh)
@@ -64,7 +67,7 @@ module fp_lanes #(
     end
   end else begin : g_host
     fp_host #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .CANON(CANON), .FLAGS(FLAGS)) host (
-        .a_i, .b_i, .r_o, .flags_o);
+        .on_i, .a_i, .b_i, .r_o, .flags_o);
     logic unused_clk;
     assign unused_clk = clk_i;
   end

@@ -20,5 +20,5 @@ module fp_minmax #(
 );
   /*verilator inline_module*/
   fp_lanes #(.OP(MAX ? 9 : 8), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) lanes (
-      .clk_i, .a_i, .b_i, .r_o(r_o), .flags_o);
+      .clk_i, .on_i(1'b1), .a_i, .b_i, .r_o(r_o), .flags_o);
 endmodule

@@ -112,7 +112,7 @@ module primary_regfile #(
       logic bad_judged;
       assign words = slot_o[N-1:0];
       shape_check #(.SHAPE(shape), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check_u (
-          .clk_i(clk_check), .words_i(words), .bad_o(bad));
+          .clk_i(clk_check), .on_i(1'b1), .words_i(words), .bad_o(bad));
       // The host back end answers at once; the clocks are those of the gates.
       align #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i(clk_check), .d_i(bad[0][0]), .q_o(bad_judged));
       logic [PRIMARIES-1:0] bad_q;

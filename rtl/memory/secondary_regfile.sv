@@ -162,7 +162,7 @@ module secondary_regfile #(
       logic [0:0][CW-1:0] verdict;
       assign shape_words = unchecked[N-1:0];
       shape_check #(.SHAPE(k), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check_u (
-          .clk_i, .words_i(shape_words), .bad_o(verdict));
+          .clk_i, .on_i(1'b1), .words_i(shape_words), .bad_o(verdict));
       assign verdicts[k] = verdict[0][0];
     end else begin : g_absent
       assign verdicts[k] = 1'b1;

@@ -82,5 +82,5 @@
   `DF_VECTOR R; \
   project_cylinder #(`DF_FORMAT, .T_X(T_``X), .T_C(T_``C), .T_ALONGSIDE(T_``ALONGSIDE), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), \
       .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) project_``R ( \
-      .clk_i, .x_i(X), .c_i(C), .a_i(A), .half_i(HALF), .radius_i(RADIUS), .side_i(SIDE), .alongside_i(ALONGSIDE), .r_o(R));
+      .clk_i, .on_i(`DF_ON), .x_i(X), .c_i(C), .a_i(A), .half_i(HALF), .radius_i(RADIUS), .side_i(SIDE), .alongside_i(ALONGSIDE), .r_o(R));
 `endif

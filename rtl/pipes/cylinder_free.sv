@@ -42,6 +42,11 @@ module cylinder_free #(
     output logic [2:0][LANES-1:0][CW-1:0] next_o
 );
   /*verilator inline_module*/
+  logic on_pole, on_newton;
+  assign on_pole = `PASS_PHASE(pass_i) == `PHASE_POLE;
+  assign on_newton = `PASS_PHASE(pass_i) == `PHASE_START || `PASS_PHASE(pass_i) == `PHASE_NEWTON;
+  `undef DF_ON
+  `define DF_ON on_pole
   localparam int BODY = `BODY_CYLINDER;
   logic on_a, unused;
   assign unused = &{1'b0, `PASS_INDEX(pass_i)};
@@ -116,6 +121,8 @@ module cylinder_free #(
   `DF_VSCALE(pole_t, t, pole_step)
   `DF_VADD(pole_next, pole_n, pole_t)
 
+  `undef DF_ON
+  `define DF_ON on_newton
   // ---- Newton on the sphere; `more` of the identity makes the matrix' smaller eigenvalue the slope ----
   `DF_CONST(half, `DF_POWER_OF_TWO(-1))
   `DF_NEG(minus_half, half)
@@ -191,4 +198,6 @@ module cylinder_free #(
   `DF_AT(score_end, score, `LATENCY_STEP)
   `DF_VAT(next_end, next, `LATENCY_STEP)
   assign {lo_n_o, lo_y_o, score_o, next_o} = {lo_n_end, lo_y_end, score_end, next_end};
+  `undef DF_ON
+  `define DF_ON 1'b1
 endmodule

@@ -50,20 +50,31 @@ module cylinder_front #(
   `DF_CONST(step, `DF_POWER_OF_TWO(-((MAN + 2) / 2)))  // sqrt(u) or the next power of two below
   `DF_CONST(tiny, `DF_POWER_OF_TWO(2 * (3 - MAN)))  // (16 u)^2
 
+  `undef DF_ON
+  `define DF_ON crossing
+  logic crossing, unit_wanted;
+  assign crossing = centre || refine || phase == `PHASE_CAP || phase == `PHASE_SIDE;
+  assign unit_wanted = phase != `PHASE_TOUCH && phase != `PHASE_PROJECT;
   `DF_CROSS(x, c, other)
   `DF_CROSS(xc, x, c)
   `DF_DOT(xx, x, x)
   `DF_LE(along, xx, tiny)
   `DF_ACROSS(any, c)
   `DF_VSELECT(across, along, any, x)
+  `undef DF_ON
+  `define DF_ON (phase == `PHASE_BESIDE)
   `DF_VSCALE(offset, last_n, step)
   `DF_VADD(aside, q, offset)
   `DF_VCHOOSE(raw_beside, beside, aside, plain)
   `DF_VCHOOSE(raw_side, side, across, raw_beside)
   `DF_VCHOOSE(raw_any, twice, xc, raw_side)
   `DF_VAT(raw, raw_any, `LATENCY_CYLINDER_RAW)
+  `undef DF_ON
+  `define DF_ON unit_wanted
   `DF_NORMALISE(unit, raw)
   `DF_VCHOOSE(n, witness, best_n, unit)
   `DF_VAT(n_end, n, `LATENCY_FRONT)
   assign n_o = n_end;
+  `undef DF_ON
+  `define DF_ON 1'b1
 endmodule

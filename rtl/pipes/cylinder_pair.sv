@@ -72,7 +72,7 @@ module cylinder_pair #(
     sum = (AW + 1)'(now) + clocks;
     after = AW'((sum >= (AW + 1)'(RING)) ? sum - (AW + 1)'(RING) : sum);
   endfunction
-  `define SLOT(TIME) after(now_q, (AW + 1)'(GATES ? T_END - (TIME) : 0))
+  `define SLOT(TIME) (GATES ? after(now_q, (AW + 1)'(GATES ? T_END - (TIME) : 0)) : now_q)  // no call of every clock
   localparam int MOUTH = (GATES ? ENTRY : 0) + AHEAD;  // clocks from ready_o to the first pass' beginning
 
   // ---- Control: which pass each slot is in ----
@@ -134,9 +134,11 @@ module cylinder_pair #(
   length_scale #(
       .SHAPE_A(SHAPE_A), .SHAPE_B(cde_pkg::SHAPE_CYLINDER), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
       .ARITH(ARITH)
-  ) scale (.clk_i, .a_i, .b_i, .a_o(a), .b_o(b), .back_o(back), .t_back_o(unused_t_back));
+  ) scale (.clk_i, .on_i(entered), .a_i, .b_i, .a_o(a), .b_o(b), .back_o(back), .t_back_o(unused_t_back));
   align #(.W(LW), .FROM(T_SCALED), .TO(ENTRY), .ARITH(ARITH)) align_back (.clk_i, .d_i(back), .q_o(back_in));
   always_ff @(posedge clk_i) if (entered) back_mem[now_q] <= back_in;
+  `undef DF_ON
+  `define DF_ON entered
   localparam int ORIGIN = 0, D = 3, B = 6, B_REACH = 9, B_HALF = 12, B_RADIUS = 13, A_REACH = 14, A_HALF = 23, A_RADIUS = 26, A_AXIS = 27;
   localparam int OPERANDS = 36;
   logic [OPERANDS-1:0][LANES-1:0][CW-1:0] operands, operand_mem[RING];
@@ -187,6 +189,8 @@ module cylinder_pair #(
     logic unused_a;
     assign unused_a = &{1'b0, a_in[A_WORDS-1:3]};
   end
+  `undef DF_ON
+  `define DF_ON 1'b1
   always_ff @(posedge clk_i) if (entered) operand_mem[now_q] <= operands;
   `define OPERAND(WORD, TIME) operand_mem[`SLOT(TIME)][WORD]
   `define OPERAND3(WORD, TIME) operand_mem[`SLOT(TIME)][WORD+:3]
@@ -378,7 +382,7 @@ module cylinder_pair #(
   `DF_VECTOR circle_lo_n, circle_lo_y, circle_hi_n, circle_hi_y, circle_next, new_lo_n, new_lo_y, new_next;
   `DF_SCALAR circle_score, new_score;
   cylinder_circle #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) circle (
-      .clk_i, .pass_i(pass_better), .e_i(e), .g_i(late_g), .n_i(plus_n), .y_i(late_y), .a_kappa_i(a_kappa), .a_v_i(a_v), .b_kappa_i(b_kappa),
+      .clk_i, .refine_next_i(`PASS_PHASE(next_pass) == `PHASE_REFINE), .pass_i(pass_better), .e_i(e), .g_i(late_g), .n_i(plus_n), .y_i(late_y), .a_kappa_i(a_kappa), .a_v_i(a_v), .b_kappa_i(b_kappa),
       .b_v_i(b_v), .minus_g_i(late_minus_g), .minus_y_i(late_minus_y), .best_n_i(better_n), .best_y_i(better_y),
       .lo_n_i(lo_n_mem[`SLOT(T_BETTER)]), .lo_y_i(lo_y_mem[`SLOT(T_BETTER)]), .hi_n_i(hi_n_mem[`SLOT(T_BETTER)]),
       .hi_y_i(hi_y_mem[`SLOT(T_BETTER)]), .score_i(score_mem[`SLOT(T_BETTER)]), .last_g_i(last_g_mem[`SLOT(T_BETTER)]),
@@ -450,6 +454,8 @@ module cylinder_pair #(
   end
 
   // ---- The way out; its stage times begin at the end of the last pass ----
+  `undef DF_ON
+  `define DF_ON leave
   `DF_IN(s, best_g_mem[now_q], 0)
   `DF_VIN(s_n, best_n_mem[now_q], 0)
   `DF_VIN(q, witness_w, 0)
@@ -465,7 +471,7 @@ module cylinder_pair #(
       .clk_i, .s_i(s), .cp_i(cp), .n_i(s_n), .f_o(f_one), .t_o(t_one), .cp_o(cp_one), .n_o(n_one));
   align #(.W(LW), .FROM(0), .TO(RESULT), .ARITH(ARITH)) align_back_end (.clk_i, .d_i(back_mem[now_q]), .q_o(back_end));
   length_unscale #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unscale (
-      .clk_i, .back_i(back_end), .t_back_i('0), .f_i(f_one), .t_i(t_one), .cp_i(cp_one), .n_i(n_one), .f_o(f_end), .t_o(t_end),
+      .clk_i, .on_i(leave), .back_i(back_end), .t_back_i('0), .f_i(f_one), .t_i(t_one), .cp_i(cp_one), .n_i(n_one), .f_o(f_end), .t_o(t_end),
       .cp_o(cp_end), .n_o(n_end));
   assign bad_end = bad_mem[now_q];
   localparam int HISTORY = 1 << $clog2(ENTRY + FINISH + 1);
@@ -493,4 +499,6 @@ module cylinder_pair #(
   `undef OPERAND3
   `undef OPERAND9
   `undef CYLINDER_LATENCIES
+  `undef DF_ON
+  `define DF_ON 1'b1
 endmodule

@@ -45,6 +45,10 @@ module cylinder_witness #(
     output logic [LANES-1:0][CW-1:0] off_o
 );
   /*verilator inline_module*/
+  logic on;
+  assign on = `PASS_PHASE(pass_i) == `PHASE_TOUCH || `PASS_PHASE(pass_i) == `PHASE_PROJECT;
+  `undef DF_ON
+  `define DF_ON on
   // A normal this far from perpendicular to the axis, 16 u radian, still touches the whole length of a cylinder's side.
   localparam int ALONGSIDE = 3 - MAN;
   logic [7:0] index;
@@ -106,7 +110,7 @@ module cylinder_witness #(
     assign unused = &{1'b0, radius_i, a_side_i};
     project_polyhedron #(`DF_FORMAT, .BODY(BODY), .T_X(T_to_a), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
         .LAT_CMP(LAT_CMP)) project (
-        .clk_i, .x_i(to_a), .axis_i, .half_i, .edge_i, .face_i, .feature_i(track == 0), .n_i, .r_o(on_a));
+        .clk_i, .on_i(`DF_ON), .x_i(to_a), .axis_i, .half_i, .edge_i, .face_i, .feature_i(track == 0), .n_i, .r_o(on_a));
   end
 
   // ---- How far each is from where it came; the best; how far to go on ----
@@ -139,4 +143,6 @@ module cylinder_witness #(
   `DF_VAT(best_end, best, `LATENCY_CYLINDER_WITNESS)
   `DF_AT(best_off_end, best_off, `LATENCY_CYLINDER_WITNESS)
   assign {q_o, w_o, off_o} = {point_end, best_end, best_off_end};
+  `undef DF_ON
+  `define DF_ON 1'b1
 endmodule

@@ -17,6 +17,7 @@ module length_scale #(
     localparam int B_WORDS = cde_pkg::shape_words(SHAPE_B)
 ) (
     input logic clk_i,
+    input logic on_i,  // 0: nobody looks at the result
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_i,
     output logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_o,
@@ -36,20 +37,22 @@ module length_scale #(
   for (genvar i = 2 * N_LENGTHS - 1; i > 0; i--) begin : node
     logic [LANES-1:0][CW-1:0] size;
     if (i >= N_LENGTHS + N_A) begin : g_b
-      assign size = b_i[cde_pkg::length_word(SHAPE_B, i-N_LENGTHS-N_A)];
+      localparam int WORD = cde_pkg::length_word(SHAPE_B, i - N_LENGTHS - N_A);  // not a call of every clock
+      assign size = b_i[WORD];
     end else if (i >= N_LENGTHS) begin : g_a
-      assign size = a_i[cde_pkg::length_word(SHAPE_A, i-N_LENGTHS)];
+      localparam int WORD = cde_pkg::length_word(SHAPE_A, i - N_LENGTHS);
+      assign size = a_i[WORD];
     end else begin : g_larger
       fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("max"), .ARITH(ARITH)) larger (
-          .a_i(node[2*i].size), .b_i(node[2*i+1].size), .r_o(size));
+          .on_i, .a_i(node[2*i].size), .b_i(node[2*i+1].size), .r_o(size));
     end
   end
   logic [LANES-1:0][CW-1:0] largest, down, back;
   align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_largest (.clk_i, .d_i(node[1].size), .q_o(largest));
   fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("dwn"), .LEAST(LEAST), .ARITH(ARITH)) shift_down (
-      .a_i(largest), .b_i('0), .r_o(down));
+      .on_i, .a_i(largest), .b_i('0), .r_o(down));
   fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("upw"), .LEAST(LEAST), .ARITH(ARITH)) shift_back (
-      .a_i(largest), .b_i('0), .r_o(back));
+      .on_i, .a_i(largest), .b_i('0), .r_o(back));
   align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_back (.clk_i, .d_i(back), .q_o(back_o));
 
   // ---- A ray's direction ----
@@ -57,11 +60,11 @@ module length_scale #(
   if (RAY) begin : g_ray
     localparam logic [CW-1:0] ONE = CW'((1 << (EXP - 1)) - 1) << MAN;
     logic [LANES-1:0][CW-1:0] xy, xyz, steepest, t_back;
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("max"), .ARITH(ARITH)) larger_xy (.a_i(a_i[3]), .b_i(a_i[4]), .r_o(xy));
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("max"), .ARITH(ARITH)) larger_xyz (.a_i(xy), .b_i(a_i[5]), .r_o(xyz));
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("max"), .ARITH(ARITH)) larger_xy (.on_i, .a_i(a_i[3]), .b_i(a_i[4]), .r_o(xy));
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("max"), .ARITH(ARITH)) larger_xyz (.on_i, .a_i(xy), .b_i(a_i[5]), .r_o(xyz));
     align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_steepest (.clk_i, .d_i(xyz), .q_o(steepest));
     fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("dwn"), .LEAST(LEAST), .ARITH(ARITH)) shift_ray (
-        .a_i(steepest), .b_i('0), .r_o(ray_down));
+        .on_i, .a_i(steepest), .b_i('0), .r_o(ray_down));
     always_comb begin
       t_scale = '0;
       t_back = '0;
@@ -95,7 +98,7 @@ module length_scale #(
         align #(.W(LW), .FROM(LAT_CMP + LAT_MUL), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(a_o[k]));
       end else begin : g_length
         fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("mov"), .ARITH(ARITH)) move (
-            .a_i(late), .b_i((KIND == cde_pkg::WORD_DIRECTION) ? ray_down : down), .r_o(scaled));
+            .on_i, .a_i(late), .b_i((KIND == cde_pkg::WORD_DIRECTION) ? ray_down : down), .r_o(scaled));
         align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(a_o[k]));
       end
     end
@@ -104,7 +107,7 @@ module length_scale #(
     if (cde_pkg::is_length(SHAPE_B, k)) begin : g_length
       logic [LANES-1:0][CW-1:0] late, scaled;
       align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_word (.clk_i, .d_i(b_i[k]), .q_o(late));
-      fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("mov"), .ARITH(ARITH)) move (.a_i(late), .b_i(down), .r_o(scaled));
+      fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("mov"), .ARITH(ARITH)) move (.on_i, .a_i(late), .b_i(down), .r_o(scaled));
       align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(b_o[k]));
     end else begin : g_pure
       align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_word (.clk_i, .d_i(b_i[k]), .q_o(b_o[k]));

@@ -12,6 +12,7 @@ module length_unscale #(
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
+    input logic on_i,  // 0: nobody looks at the result
     input logic [LANES-1:0][CW-1:0] back_i,  // of length_scale.sv, with the answer
     input logic [LANES-1:0][CW-1:0] t_back_i,
     input logic [LANES-1:0][CW-1:0] f_i,
@@ -31,7 +32,7 @@ module length_unscale #(
   align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_f (.clk_i, .d_i(f_i), .q_o(f));
   align #(.W(3 * LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_n (.clk_i, .d_i(n_i), .q_o(n_o));
   for (genvar k = 0; k < 3; k++) begin : axis
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("mov"), .ARITH(ARITH)) move (.a_i(cp_i[k]), .b_i(back_i), .r_o(cp[k]));
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("mov"), .ARITH(ARITH)) move (.on_i, .a_i(cp_i[k]), .b_i(back_i), .r_o(cp[k]));
   end
   align #(.W(3 * LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_cp (.clk_i, .d_i(cp), .q_o(cp_late));
   if (RAY) begin : g_ray
@@ -52,7 +53,7 @@ module length_unscale #(
   end else begin : g_solid
     logic unused;
     assign unused = &{1'b0, t_back_i};
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("mov"), .ARITH(ARITH)) move_t (.a_i(t_i), .b_i(back_i), .r_o(t));
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("mov"), .ARITH(ARITH)) move_t (.on_i, .a_i(t_i), .b_i(back_i), .r_o(t));
     align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_o));
     assign f_o = f;
     assign cp_o = cp_late;

@@ -110,6 +110,10 @@ module polyhedron_front #(
   end
 
   // ---- Shared products ----
+  logic searching;
+  assign searching = phase != `PHASE_TOUCH && phase != `PHASE_PROJECT;
+  `undef DF_ON
+  `define DF_ON searching
   `DF_VSUB(w, v, d)
   `DF_VIN(x_a0, vertex ? b : frame ? reach_i[0] : e, 0)
   `DF_VIN(x_b0, side ? b : frame ? reach_i[1] : refine ? next_i : u, 0)
@@ -126,6 +130,8 @@ module polyhedron_front #(
   `DF_DOT(z, z_a, z_b)
 
   // ---- From a vertex ----
+  `undef DF_ON
+  `define DF_ON (phase == `PHASE_VERTEX)
   `DF_SQRT(rho, xx)
   `DF_ABS(z_size, z)
   `DF_SUB(above, z_size, b_half)
@@ -154,6 +160,8 @@ module polyhedron_front #(
   `DF_VCHOOSE(to, arc0, f, to1)
 
   // ---- Two scaled vectors ----
+  `undef DF_ON
+  `define DF_ON (phase == `PHASE_VERTEX || phase == `PHASE_SAMPLE)
   `DF_VCHOOSE(sum_a, vertex, b, from)
   `DF_CHOOSE(sum_a_by, vertex, axial, rest)
   `DF_VSCALE(part_a, sum_a, sum_a_by)
@@ -167,6 +175,8 @@ module polyhedron_front #(
   `DF_VCHOOSE(combined_n, vertex, vertex_n, sample_n)
 
   // ---- Cross products that may vanish ----
+  `undef DF_ON
+  `define DF_ON searching
   localparam int T_vanish = `DF_MAX2(T_xx, T_z + 2 * LAT_MUL) + LAT_CMP, T_framed = `LATENCY_POLYHEDRON_RAW;
   `DF_SCALAR vanish;
   `DF_VECTOR framed;
@@ -205,4 +215,6 @@ module polyhedron_front #(
   `DF_VCHOOSE(n, witness, best_n, unit)
   `DF_VAT(n_end, n, `LATENCY_FRONT)
   assign n_o = n_end;
+  `undef DF_ON
+  `define DF_ON 1'b1
 endmodule

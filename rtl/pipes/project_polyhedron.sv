@@ -19,6 +19,7 @@ module project_polyhedron #(
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
+    input logic on_i,  // 0: nobody looks at the result
     input logic [2:0][LANES-1:0][CW-1:0] x_i,
     input logic [2:0][2:0][LANES-1:0][CW-1:0] axis_i,  // box: axes, half extents; triangle: edges of unit length
     input logic [2:0][LANES-1:0][CW-1:0] half_i,
@@ -29,6 +30,8 @@ module project_polyhedron #(
     output logic [2:0][LANES-1:0][CW-1:0] r_o
 );
   /*verilator inline_module*/
+  `undef DF_ON
+  `define DF_ON on_i
   `define ACROSS(K, AXIS) `DF_VIN(axis``K, AXIS, 0) `DF_DOT(tilt``K, n, axis``K) `DF_ABS(size``K, tilt``K)
   `DF_VIN(x, x_i, T_X)
   `DF_VIN(n, n_i, 0)
@@ -84,7 +87,7 @@ module project_polyhedron #(
     `DF_MATRIX p;
     for (genvar k = 0; k < 9; k++) begin : on_edge
       df_operator #(`DF_FORMAT, .OP("add"), .T_A(0), .T_B(T_part), .LAT(LAT_ADD)) op (
-          .clk_i, .a_i(from[k/3][k%3]), .b_i(part[k/3][k%3]), .r_o(p[k/3][k%3]));
+          .clk_i, .on_i(`DF_ON), .a_i(from[k/3][k%3]), .b_i(part[k/3][k%3]), .r_o(p[k/3][k%3]));
     end
     `DF_MSUB(r, xs, p)
     `DF_MDOT(rr, r, r)
@@ -156,4 +159,6 @@ module project_polyhedron #(
     assign r_o = r_end;
   end
   `undef ACROSS
+  `undef DF_ON
+  `define DF_ON 1'b1
 endmodule

@@ -70,20 +70,20 @@ module ray_triangle_moller #(
   vec_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .SUB(1), .ARITH(ARITH), .CANON(0)) sub_t (
       .clk_i, .a_i(a_i[2:0]), .b_i(b_i[2:0]), .r_o(tv));
   vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) cross_p (
-      .clk_i, .a_i(d_cross), .b_i(e2), .r_o(p));
+      .clk_i, .on_i(1'b1), .a_i(d_cross), .b_i(e2), .r_o(p));
   vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) cross_q (
-      .clk_i, .a_i(tv), .b_i(e1), .r_o(q));
+      .clk_i, .on_i(1'b1), .a_i(tv), .b_i(e1), .r_o(q));
   `CDE_ALIGN(align_tv, 3 * LANES * CW, T_EDGE, T_CROSS, tv, tv_dot)
 
   logic [LANES-1:0][CW-1:0] det, u, v, tn;
   vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) dot_det (
-      .clk_i, .a_i(p), .b_i(e1_dot), .r_o(det));
+      .clk_i, .on_i(1'b1), .a_i(p), .b_i(e1_dot), .r_o(det));
   vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) dot_u (
-      .clk_i, .a_i(p), .b_i(tv_dot), .r_o(u));
+      .clk_i, .on_i(1'b1), .a_i(p), .b_i(tv_dot), .r_o(u));
   vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) dot_v (
-      .clk_i, .a_i(q), .b_i(d_dot), .r_o(v));
+      .clk_i, .on_i(1'b1), .a_i(q), .b_i(d_dot), .r_o(v));
   vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) dot_t (
-      .clk_i, .a_i(q), .b_i(e2_dot), .r_o(tn));
+      .clk_i, .on_i(1'b1), .a_i(q), .b_i(e2_dot), .r_o(tn));
 
   // ---- Inside test against |det|: the sign of det is moved to u, v and u+v ----
   logic [LANES-1:0][CW-1:0] uv, det_uv, det_abs, u_flip, v_flip, zero, det_abs_uv, uv_flip;

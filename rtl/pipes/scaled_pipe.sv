@@ -61,9 +61,9 @@ module scaled_pipe #(
     length_scale #(
         .SHAPE_A(SHAPE_A), .SHAPE_B(cde_pkg::secondary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL),
         .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-    ) scale (.clk_i, .a_i, .b_i(b_own), .a_o(a), .b_o(b), .back_o(back), .t_back_o(t_back));
+    ) scale (.clk_i, .on_i(1'b1), .a_i, .b_i(b_own), .a_o(a), .b_o(b), .back_o(back), .t_back_o(t_back));
     length_unscale #(.RAY(RAY), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unscale (
-        .clk_i, .back_i(back_late), .t_back_i(t_back_late), .f_i(f), .t_i(t), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
+        .clk_i, .on_i(1'b1), .back_i(back_late), .t_back_i(t_back_late), .f_i(f), .t_i(t), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
     localparam int FRONT = cde_pkg::scale_latency(RAY, LAT_MUL, LAT_CMP);
     assign latency_o = latency + 16'(FRONT + cde_pkg::unscale_latency(RAY, LAT_MUL, LAT_CMP));
     if (ARITH == "rtl") begin : g_late  // the pipe's own time is a number of its port, not a parameter

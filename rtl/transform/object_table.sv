@@ -91,7 +91,7 @@ module object_table #(
       .clk_i(clk_core_i), .rst_i, .commit_i(commit_q), .number_i(entry_q), .clk_o(clk_check), .busy_o, .judged_o(judged), .number_o(judged_entry));
   assign box = {words_q[OBJECT_TRANSLATION-1:OBJECT_ROTATION], {3{ONE}}, words_q[OBJECT_END-1:OBJECT_TRANSLATION]};
   shape_check #(.SHAPE(SHAPE_OBB), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check (
-      .clk_i(clk_check), .words_i(box), .bad_o(bad));
+      .clk_i(clk_check), .on_i(1'b1), .words_i(box), .bad_o(bad));
   align #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i(clk_check), .d_i(bad[0][0]), .q_o(bad_judged));
   always_comb begin
     turned = 0;

@@ -12,6 +12,7 @@ module df_operator #(
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
+    input logic on_i,
     input logic [LANES-1:0][CW-1:0] a_i,
     input logic [LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] r_o
@@ -27,5 +28,5 @@ module df_operator #(
   // What fp_add, fp_mul and their like are made of. One cell here and not one a branch: Verilator links the whole tree below an
   // operator, all branches, before it knows which of them it needs
   // (measured on one edge facet: lint takes 53 MB instead of 300 MB).
-  fp_lanes #(.OP(CODE), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)) cell_u (.clk_i, .a_i(a), .b_i(b), .r_o, .flags_o());
+  fp_lanes #(.OP(CODE), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)) cell_u (.clk_i, .on_i, .a_i(a), .b_i(b), .r_o, .flags_o());
 endmodule

@@ -1,9 +1,6 @@
 // Casts end to end: result modes, stencils, packet sizes, clocks, refusals of the driver.
 #include <fmt/format.h>
 
-#include <memory>
-#include <thread>
-
 #include "cases.hpp"
 
 namespace cde::testing {
@@ -184,46 +181,6 @@ TEST(Driver, SlowMemoryChangesTimeOnly) {
     EXPECT_GE(c.cycles, before);
     before = c.cycles;
   }
-}
-
-TEST(Driver, BoardsInThreadsAreIndependent) {
-  Random random;
-  const std::array<Scene, 2> scenes = {cloud(random, 512, 500), cloud(random, 512, 500)};
-  std::vector<std::thread> threads;
-  std::array<std::vector<Record>, 2> results;
-  for (std::size_t i = 0; i < 2; ++i) {
-    threads.emplace_back([&, i] {
-      Board board = Board::open(host_config());
-      board.upload(scenes[i].triangles);
-      results[i] = board.cast(scenes[i].rays);
-    });
-  }
-  for (auto& t : threads) t.join();
-  for (std::size_t i = 0; i < 2; ++i) {
-    reference::Checker checker(scenes[i].rays, scenes[i].triangles, Mode::kNearest, {}, 256, "");
-    checker.check(results[i]);
-    checker.finish();
-    EXPECT_EQ(checker.compared(), 512u);
-  }
-}
-
-/// The Verilated model keeps its context in a thread-local; with assertions on, closing a board
-/// after another one had been closed in the same thread ended in a segmentation fault.
-TEST(Driver, BoardsCloseInAnyOrderAndThread) {
-  Random random;
-  const Scene scene = cloud(random, 20, 20);
-  for (const bool first_goes_first : {true, false}) {
-    auto first = std::make_unique<Board>(Board::open(host_config()));
-    auto second = std::make_unique<Board>(Board::open(host_config()));
-    cast_and_compare(*second, scene, {});
-    cast_and_compare(*first, scene, {});
-    (first_goes_first ? first : second).reset();
-    cast_and_compare(first_goes_first ? *second : *first, scene, {});
-    std::thread([&] { (first_goes_first ? second : first).reset(); }).join();
-  }
-  Board moved = Board::open(host_config());
-  moved = Board::open(small_config());
-  EXPECT_EQ(cast_and_compare(moved, scene, {}).size(), 20u);
 }
 
 TEST(Driver, MemoryFaultIsFound) {

@@ -134,7 +134,7 @@ TEST_F(Pages, ReportSaysWhatRunJsonSays) {
     EXPECT_EQ(shown["frame"], played["frame"]);
     EXPECT_EQ(shown["records"], query["records"]);
     EXPECT_EQ(shown["hits"], query["hits"]);
-    EXPECT_EQ(shown["card_wall_seconds"], query["wall_seconds"]["card"]);
+    EXPECT_EQ(shown["card_wall_seconds"], query["simulation_seconds"]);
     double sum = 0;
     for (const json& part : shown["modelled_seconds"]) sum += part.get<double>();
     EXPECT_NEAR(sum, query["modelled_seconds"]["total"].get<double>(), 1e-12);

@@ -86,7 +86,8 @@ TEST_F(RunScene, PlaysChecksAndWrites) {
     EXPECT_EQ(q["counters"]["rows"], 216 * (16 + 3));
     const auto& s = q["modelled_seconds"];
     // The wait for two passes: their clocks, and a little for go and interrupt to arrive.
-    EXPECT_NEAR(s["compute"].get<double>(), q["counters"]["cycles"].get<double>() / 1e8, 2 * 1e-6);
+    EXPECT_NEAR(s["compute"].get<double>(), q["counters"]["device_cycles"].get<double>() / 1e8,
+                2 * 1e-6);
     EXPECT_NEAR(s["total"].get<double>(),
                 s["upload"].get<double>() + s["compute"].get<double>() +
                     s["write_back"].get<double>() + s["download"].get<double>() +

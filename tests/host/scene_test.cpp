@@ -506,9 +506,12 @@ TEST(Plan, CountsWork) {
   const QueryWork& w = p.queries[0];
   EXPECT_EQ(w.primaries, 1000u);
   EXPECT_EQ(w.packets, 4u);
-  EXPECT_EQ(w.tests, 1'000'000u);
+  EXPECT_EQ(w.passes, 4u);
+  EXPECT_TRUE(w.self_pairs);
+  EXPECT_EQ(w.tests, 256u * (999 + 743 + 487) + 232 * 231) << "each packet sweeps what is behind";
+  EXPECT_EQ(w.most_records, 499'500u);
   EXPECT_EQ(p.board.lanes, 128u);
-  EXPECT_EQ(w.rows, 1000u * (2 + 2 + 2 + 2)) << "232 in the last packet";
+  EXPECT_EQ(w.rows, 2u * (999 + 743 + 487 + 231)) << "232 in the last packet";
   EXPECT_EQ(w.secondary_words, 4000u);
   EXPECT_EQ(w.moved_words, 4000u);
   EXPECT_NE(effect(p, "transformer").cost.find("12000"), std::string::npos);

@@ -10,6 +10,7 @@
 #include "cde/camera.hpp"
 #include "cde/error.hpp"
 #include "cde/terrain.hpp"
+#include "json_keys.hpp"
 #include "streams.hpp"
 
 namespace cde::cli {
@@ -216,14 +217,7 @@ ordered_json paper(const BenchOptions& o) {
                       {"burst", 256},
                       {"clock_hz", o.clock_hz},
                       {"tests", f.counters.pairs},
-                      {"modelled_seconds",
-                       {{"upload", 1e-3 * ms(f.upload)},
-                        {"load", 1e-3 * ms(t.load)},
-                        {"engine", 1e-3 * ms(t.engine)},
-                        {"write_back", 1e-3 * ms(t.write_back)},
-                        {"download", 1e-3 * ms(t.download)},
-                        {"registers", 1e-3 * ms(t.registers)},
-                        {"total", 1e-3 * ms(total)}}},
+                      {"modelled_seconds", time_json(t, f.upload)},
                       {"wall_seconds", f.wall_seconds}});
     }
   return rows;

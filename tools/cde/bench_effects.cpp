@@ -235,7 +235,7 @@ class Card {
             {"frame_over_pass", bus()},
             {"frame_over_pass_clocks", bus_clocks()},
             {"device_cycles", counters_.cycles},
-            {"modelled_seconds", counters_.modelled_seconds(clock_hz)},
+            {"modelled_pass_seconds", counters_.modelled_seconds(clock_hz)},
             {"build_seconds", build_seconds_ ? ordered_json(*build_seconds_) : ordered_json()}};
   }
 

@@ -179,7 +179,7 @@ ordered_json compare_rates(const BenchOptions& o) {
          {"device_cycles", c.cycles},
          {"writeback_cycles", c.writeback},
          {"cycles_per_row", per_row},
-         {"modelled_seconds", c.modelled_seconds(o.clock_hz)}});
+         {"modelled_pass_seconds", c.modelled_seconds(o.clock_hz)}});
   }
   return j;
 }

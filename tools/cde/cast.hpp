@@ -33,7 +33,8 @@ struct CastOptions {
 /// Rays, and the picture they make if they are one.
 struct CastJob {
   Mesh mesh;
-  std::vector<Ray> rays;
+  std::vector<Ray> listed;  ///< or a picture's, which are made packet by packet
+  RayView rays;
   std::optional<Resolution> picture;
   Mode mode = Mode::kNearest;
   BoardConfig config;

@@ -65,13 +65,14 @@ class Waves {
 /// Moller card there is a fast one, which also prints what differs.
 class Judge {
  public:
-  Judge(const CastOptions& o, const CastJob& job, std::span<const Ray> rays, unsigned packet)
-      : job_(job), rays_(rays), packet_(packet) {
+  Judge(const CastOptions& o, const CastJob& job, const RayView& rays, const Board& board)
+      : job_(job), rays_(rays), board_(board), packet_(board.primaries()) {
     command_ = fmt::format("cde cast {} --mode {} --lanes {} --arith {}{}", shell_word(o.mesh),
                            o.mode, job.config.lanes, o.arithmetic, o.box ? "" : " --no-box");
     if (job.config.algorithm == Algorithm::kMoller) {
-      moller_.emplace(rays, job.mesh, job.mode, Stencil(), packet, command_,
+      moller_.emplace(rays, job.mesh, job.mode, Stencil(), packet_, command_,
                       std::span<const Object>(), o.box);
+      moller_->place_on(board);
       return;
     }
     command_ += " --algorithm " + o.algorithm;
@@ -113,11 +114,10 @@ class Judge {
       const std::size_t count = std::min<std::size_t>(packet_, rays_.size() - first_);
       std::vector<std::uint32_t> numbers(count);
       for (std::size_t i = 0; i < count; ++i) numbers[i] = static_cast<std::uint32_t>(first_ + i);
-      const auto rays = rays_.subspan(first_, count);
       pass_.emplace(
           reference::PassQuery{
               .algorithm = job_.config.algorithm, .box = job_.config.box, .mode = job_.mode},
-          std::vector<Ray>(rays.begin(), rays.end()), std::move(numbers), triangles_);
+          rays_.subview(first_, count).copy(), std::move(numbers), triangles_);
       first_ += count;
     }
     const Record* r = &pending_.front();
@@ -136,18 +136,21 @@ class Judge {
     const Record& any = card != nullptr ? *card : *expected;
     std::string again = command_;
     if (any.primary < rays_.size()) {
-      const Ray& r = rays_[any.primary];
+      const Ray r = rays_[any.primary];
       again += fmt::format(" --ray={:a},{:a},{:a},{:a},{:a},{:a},{:a},{:a}", r.o.x(), r.o.y(),
                            r.o.z(), r.d.x(), r.d.y(), r.d.z(), r.tmin, r.tmax);
     }
     difference_ = fmt::format(
         "ray {}: the card's record differs from the reference\n  card      {}\n  reference {}\n"
-        "repeat with: {}",
-        any.primary, text(card), text(expected), again);
+        "  differ in {}\n  where     {}\nrepeat with: {}",
+        any.primary, text(card), text(expected),
+        card != nullptr && expected != nullptr ? differing_fields(*card, *expected) : "all",
+        place_on_card(board_, any.primary % packet_), again);
   }
 
   const CastJob& job_;
-  std::span<const Ray> rays_;
+  RayView rays_;
+  const Board& board_;
   unsigned packet_;
   std::string command_, difference_;
   std::optional<reference::Checker> moller_;
@@ -159,7 +162,7 @@ class Judge {
 };
 
 /// These rays on a card of their own; `take` gets the checked records in order.
-CastOutcome cast_on_card(const CastOptions& o, const CastJob& job, std::span<const Ray> rays,
+CastOutcome cast_on_card(const CastOptions& o, const CastJob& job, const RayView& rays,
                          const std::function<void(double)>& progress, const RecordSink& take) {
   Board board = Board::open(
       job.config,
@@ -169,7 +172,7 @@ CastOutcome cast_on_card(const CastOptions& o, const CastJob& job, std::span<con
     board.upload(job.mesh, false);  // load_mesh has checked it
   }
   std::optional<Judge> judge;
-  if (o.check) judge.emplace(o, job, rays, board.primaries());
+  if (o.check) judge.emplace(o, job, rays, board);
 
   CastOutcome result;
   Waves waves(board, o.trace);
@@ -221,7 +224,7 @@ CastOutcome cast_on_cards(const CastOptions& o, const CastJob& job,
     share.size =
         std::min(job.rays.size(), packets * (i + 1) / shares.size() * kPacket) - share.first;
     share.outcome = std::async(std::launch::async, [&, i] {
-      return cast_on_card(o, job, std::span(job.rays).subspan(share.first, share.size),
+      return cast_on_card(o, job, job.rays.subview(share.first, share.size),
                           i == 0 ? progress : std::function<void(double)>(),
                           [&share](std::span<const Record> records) {
                             share.records.insert(share.records.end(), records.begin(),

@@ -106,11 +106,8 @@ void aim(const CastOptions& o, CastJob& job) {
     if (!o.size.empty())
       throw Error(ErrorCode::kUsage, "--grid has its own size; --size goes with --camera");
     job.picture = parse_resolution(o.grid, "--grid");
-    job.rays = grid_rays(with_square_cells(box, *job.picture), *job.picture);
-    for (Ray& ray : job.rays) {
-      ray.o = from_z_up(ray.o, up);
-      ray.d = from_z_up(ray.d, up);
-    }
+    job.rays = grid_pixels(with_square_cells(box, *job.picture), *job.picture);
+    if (up != 'z') job.rays = job.rays.turned([up](const Vector3f& v) { return from_z_up(v, up); });
     return;
   }
   job.picture = o.size.empty() ? size_for(job.mesh.faces.size()) : parse_resolution(o.size);
@@ -123,7 +120,7 @@ void aim(const CastOptions& o, CastJob& job) {
     camera = parse_camera(o.camera);
   }
   camera.up = from_z_up(Vector3f::UnitZ(), up);
-  job.rays = camera.rays(*job.picture);
+  job.rays = camera.pixels(*job.picture);
 }
 
 void check_picture_names(const CastOptions& o) {
@@ -147,12 +144,42 @@ void check_picture_names(const CastOptions& o) {
   }
 }
 
+Picture::Picture(const CastOptions& options, const CastJob& job)
+    : o_(options),
+      job_(job),
+      shaded_(!o_.shaded.empty() || o_.shows_itself),
+      faces_(shaded_ || !o_.normals.empty() || !o_.indices.empty()) {
+  const std::size_t pixels = job_.picture->pixels();
+  std::uint64_t each = 1;
+  each += shaded_ || !o_.depth.empty() ? sizeof(float) : 0;
+  each += faces_ ? sizeof(std::uint32_t) : 0;
+  each += shaded_ ? sizeof(Vector3f) + 3 : 0;
+  each += shaded_ && up_of(o_) != 'z' ? sizeof(Vector3f) : 0;
+  each += o_.shadows ? 2 * sizeof(Ray) + sizeof(std::size_t) + 1 : 0;
+  each += o_.normals.empty() ? 0 : 2 * sizeof(Vector3f) + 3;
+  each += o_.depth.empty() ? 0 : sizeof(float);
+  const auto there = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
+                     static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  const std::uint64_t most = there / 4 * 3;
+  if (each * pixels > most) {
+    throw Error(
+        ErrorCode::kCapacity,
+        fmt::format("a picture of {} x {} pixels takes {} MB for what was asked for; the "
+                    "limit on this machine is {} MB (records with -o take none)",
+                    job_.picture->width, job_.picture->height, (each * pixels) >> 20, most >> 20));
+  }
+  hit_.reserve(pixels);
+  if (shaded_ || !o_.depth.empty()) t_.reserve(pixels);
+  if (faces_) index_.reserve(pixels);
+  if (shaded_) point_.reserve(pixels);
+}
+
 void Picture::add(std::span<const Record> records) {
   for (const Record& r : records) {
     hit_.push_back(r.f ? 1 : 0);
-    t_.push_back(r.t);
-    index_.push_back(r.index);
-    point_.push_back(r.cp);
+    if (shaded_ || !o_.depth.empty()) t_.push_back(r.t);
+    if (faces_) index_.push_back(r.index);
+    if (shaded_) point_.push_back(r.cp);
   }
 }
 
@@ -162,7 +189,7 @@ PixelHits Picture::hits() const {
 
 void Picture::look_at_sun(const CastAgain& cast) {
   if (!o_.shadows) return;
-  CastJob job{job_.mesh, {}, job_.picture, Mode::kAny, job_.config};
+  CastJob job{job_.mesh, {}, {}, job_.picture, Mode::kAny, job_.config};
   // A shadow that starts on its own triangle would be noise of the last bit.
   const float offset = 1e-4f * bounds(job_.mesh).sizes().norm();
   const Vector3f sun = from_z_up(ShadeOptions{}.sun, up_of(o_));
@@ -170,11 +197,12 @@ void Picture::look_at_sun(const CastAgain& cast) {
   std::vector<std::size_t> pixels;  // the sky needs no shadow
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (hit_[i] == 0) continue;
-    job.rays.push_back(all[i]);
+    job.listed.push_back(all[i]);
     pixels.push_back(i);
   }
   shadow_.assign(all.size(), 0);
-  if (job.rays.empty()) return;
+  if (job.listed.empty()) return;
+  job.rays = job.listed;
   std::size_t next = 0;
   cast(job, [&](std::span<const Record> records) {
     for (const Record& r : records) shadow_[pixels[next++]] = r.f ? 1 : 0;
@@ -192,11 +220,7 @@ Image Picture::sunlit() const {
   // Light falls from above in the frame where z is up.
   Mesh mesh = job_.mesh;
   for (Vector3f& v : mesh.vertices) v = to_z_up(v, up);
-  std::vector<Ray> rays = job_.rays;
-  for (Ray& ray : rays) {
-    ray.o = to_z_up(ray.o, up);
-    ray.d = to_z_up(ray.d, up);
-  }
+  const RayView rays = job_.rays.turned([up](const Vector3f& v) { return to_z_up(v, up); });
   std::vector<Vector3f> points = point_;
   for (Vector3f& p : points) p = to_z_up(p, up);
   return shade({*job_.picture, rays, hit_, t_, index_, points}, mesh, look);

@@ -26,7 +26,8 @@ using CastAgain = std::function<void(const CastJob& job, const RecordSink& take)
 /// Records become the pictures that were asked for.
 class Picture {
  public:
-  Picture(const CastOptions& options, const CastJob& job) : o_(options), job_(job) {}
+  /// Error kCapacity if the machine has no memory for pictures of that size.
+  Picture(const CastOptions& options, const CastJob& job);
   void add(std::span<const Record> records);
   /// From each hit a ray to the sun, with --shadows.
   void look_at_sun(const CastAgain& cast);
@@ -44,6 +45,7 @@ class Picture {
 
   const CastOptions& o_;
   const CastJob& job_;
+  bool shaded_, faces_;  // what pixels need: all of a hit, its triangle
   std::vector<std::uint8_t> hit_, shadow_;
   std::vector<float> t_;
   std::vector<std::uint32_t> index_;

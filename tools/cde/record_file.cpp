@@ -73,7 +73,7 @@ void RecordFile::check(const std::string& path, bool bits, const std::vector<std
 }
 
 RecordFile::RecordFile(const std::string& path, bool bits, const std::vector<std::string>& fields,
-                       const Mesh& mesh, std::span<const Ray> rays,
+                       const Mesh& mesh, const RayView& rays,
                        std::optional<std::uint64_t> count)
     : kind_(kind_of(path)),
       bits_(bits),

@@ -31,7 +31,7 @@ class RecordFile {
   /// Error kUsage for another suffix, for --bits without CSV, and for an unknown field. Mesh and
   /// rays must outlive it. `count`: of the records, if it is known before they come.
   RecordFile(const std::string& path, bool bits, const std::vector<std::string>& fields,
-             const Mesh& mesh, std::span<const Ray> rays, std::optional<std::uint64_t> count);
+             const Mesh& mesh, const RayView& rays, std::optional<std::uint64_t> count);
 
   /// The names alone: what the constructor would complain about, before anything slow.
   static void check(const std::string& path, bool bits, const std::vector<std::string>& fields);
@@ -60,7 +60,7 @@ class RecordFile {
   bool bits_;
   std::vector<Field> fields_;
   const Mesh& mesh_;
-  std::span<const Ray> rays_;
+  RayView rays_;
   std::optional<std::uint64_t> count_;  ///< of records, in the header of .npy
   std::uint64_t written_ = 0;
   std::size_t node_bytes_ = 1;  ///< of the longest name of a node

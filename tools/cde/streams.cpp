@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdio>
 #include <iostream>
+#include <new>
 
 #include "cde/error.hpp"
 #include "cde/output_file.hpp"
@@ -60,6 +61,9 @@ int exit_status_of(const std::function<int()>& work,
   } catch (const Error& e) {
     complain(e.what());
     return exit_status(e.code());
+  } catch (const std::bad_alloc&) {
+    complain("there is not enough memory for this");
+    return 2;
   } catch (const std::exception& e) {
     complain(fmt::format("internal error: {}", e.what()));
     return 2;

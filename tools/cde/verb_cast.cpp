@@ -13,6 +13,7 @@
 #include "cast_picture.hpp"
 #include "cde/error.hpp"
 #include "cde/rays_csv.hpp"
+#include "json_keys.hpp"
 #include "npy.hpp"
 #include "output.hpp"
 #include "record_file.hpp"
@@ -39,8 +40,9 @@ void collect_rays(const CastOptions& o, CastJob& job) {
     usage("--rays or --ray, --camera and --grid exclude each other");
   if (!listed) return aim(o, job);
   if (!o.size.empty()) usage("--size is of pictures; the rays are given one by one");
-  if (!o.rays_file.empty()) job.rays = read_rays(o.rays_file);
-  for (const std::string& text : o.rays) job.rays.push_back(parse_ray(text));
+  if (!o.rays_file.empty()) job.listed = read_rays(o.rays_file);
+  for (const std::string& text : o.rays) job.listed.push_back(parse_ray(text));
+  job.rays = job.listed;
   if (job.rays.empty()) throw Error(ErrorCode::kBadInput, fmt::format("{}: no rays", o.rays_file));
 }
 
@@ -119,40 +121,29 @@ std::size_t packets_of(const CastJob& job) {
 }
 
 nlohmann::ordered_json as_json(const CastOptions& o, const CastJob& job, const CastOutcome& r) {
-  const Counters& c = r.counters;
-  nlohmann::ordered_json j = {
-      {"mesh", o.mesh},
-      {"triangles", job.mesh.faces.size()},
-      {"rays", job.rays.size()},
-      {"packets", packets_of(job)},
-      {"mode", o.mode},
-      {"boards", o.boards},
-      {"lanes", job.config.lanes},
-      {"arithmetic", o.arithmetic},
-      {"format", "fp32"},
-      {"algorithm", o.algorithm},
-      {"box", o.box},
-      {"bitstream", r.bitstream},
-      {"config_hash", fmt::format("{:016x}", r.config_hash)},
-      {"clock_hz", o.clock_mhz * 1e6},
-      {"device_cycles", c.cycles},
-      {"writeback_cycles", c.writeback},
-      {"modelled_seconds", r.modelled_seconds},
-      {"triangle_upload_clocks", r.upload_clocks},
-      {"ray_upload_clocks", c.upload_clocks},
-      {"total_clocks", c.total_clocks},
-      {"rows", c.rows},
-      {"stall_cycles", c.stalls},
-      {"bubble_cycles", c.bubbles},
-      {"tests", c.pairs},
-      {"simulation_seconds", r.simulation_seconds},
-      {"tests_per_second_simulated", static_cast<double>(c.pairs) / r.simulation_seconds},
-      {"hits", r.hits},
-      {"records", c.records},
-      {"records_compared", r.compared},
-      {"records_matching", r.matching},
-      {"checked", o.check},
-  };
+  nlohmann::ordered_json j = program_json();
+  j.update({{"mesh", o.mesh},
+            {"triangles", job.mesh.faces.size()},
+            {"rays", job.rays.size()},
+            {"packets", packets_of(job)},
+            {"mode", o.mode},
+            {"boards", o.boards}});
+  j.update(card_json(job.config));
+  j.update(bitstream_json(r.bitstream, r.config_hash));
+  j.update({{"clock_hz", o.clock_mhz * 1e6}, {"modelled_pass_seconds", r.modelled_seconds}});
+  j.update(counters_json(r.counters));
+  j.update(
+      {{"secondary_upload_clocks", r.upload_clocks},
+       {"primary_upload_clocks", r.counters.upload_clocks},
+       {"total_clocks", r.counters.total_clocks},
+       {"simulation_seconds", r.simulation_seconds},
+       {"tests_per_second_simulated", static_cast<double>(r.counters.pairs) / r.simulation_seconds},
+       {"hits", r.hits},
+       {"records", r.counters.records},
+       {"records_compared", r.compared},
+       {"records_matching", r.matching},
+       {"mismatches", r.compared - r.matching},
+       {"checked", o.check}});
   return j;
 }
 
@@ -182,11 +173,11 @@ void print_summary(const CastOptions& o, const CastJob& job, const CastOutcome& 
 
 void run(const CastOptions& o) {
   const CastJob job = prepare(o);
+  std::optional<Picture> picture;
+  if (o.wants_picture() || o.shows_itself) picture.emplace(o, job);
   std::optional<RecordFile> records;
   if (!o.records.empty())
     records.emplace(o.records, o.bits, o.fields, job.mesh, job.rays, records_of(job));
-  std::optional<Picture> picture;
-  if (o.wants_picture() || o.shows_itself) picture.emplace(o, job);
   CastOutcome result = cast_rays(o, job, "casting", [&](std::span<const Record> some) {
     if (records) records->add(some);
     if (picture) picture->add(some);

@@ -14,6 +14,7 @@
 #include "cde/error.hpp"
 #include "cde/pair_unit.hpp"
 #include "cde/reference/pairs.hpp"
+#include "json_keys.hpp"
 #include "line_input.hpp"
 #include "operand_defect.hpp"
 #include "output.hpp"
@@ -376,7 +377,8 @@ class Query {
 };
 
 nlohmann::ordered_json as_json(const Options& o, const PairConfig& config, const Totals& t) {
-  return {
+  nlohmann::ordered_json j = program_json();
+  j.update({
       {"pair", o.pair},
       {"algorithm",
        o.pair == "ray-triangle" ? nlohmann::ordered_json(o.algorithm) : nlohmann::ordered_json()},
@@ -396,7 +398,8 @@ nlohmann::ordered_json as_json(const Options& o, const PairConfig& config, const
       {"simulation_seconds", t.simulation_seconds},
       {"checked", o.check},
       {"pairs_compared", t.compared},
-      {"pairs_matching", t.compared}};
+      {"pairs_matching", t.compared}});
+  return j;
 }
 
 void print_summary(const Options& o, const PairConfig& config, const Totals& t) {

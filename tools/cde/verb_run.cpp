@@ -2,6 +2,7 @@
 // reference.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <chrono>
@@ -14,6 +15,7 @@
 #include "cde/error.hpp"
 #include "cde/plan.hpp"
 #include "cde/player.hpp"
+#include "json_keys.hpp"
 #include "machine.hpp"
 #include "output.hpp"
 #include "plan_output.hpp"
@@ -140,45 +142,30 @@ struct Totals {
     hits += q["hits"].get<std::uint64_t>();
     tests += q["counters"]["tests"].get<std::uint64_t>();
     modelled += q["modelled_seconds"]["total"].get<double>();
-    simulated += q["wall_seconds"]["card"].get<double>();
-    checked += q["wall_seconds"]["reference"].get<double>();
+    simulated += q["simulation_seconds"].get<double>();
+    checked += q["reference_seconds"].get<double>();
   }
 };
 
 Json query_json(const std::string& name, const QueryFrame& f) {
-  const Counters& c = f.counters;
-  const ModelledTime t = f.time();
-  const auto seconds = [](std::uint64_t ps) { return static_cast<double>(ps) * 1e-12; };
+  Json counters = counters_json(f.counters);
+  counters.update({{"card_records", f.card_records},
+                   {"secondary_words", f.secondary_words},
+                   {"primary_words", f.primary_words},
+                   {"secondary_upload_clocks", f.secondary_clocks},
+                   {"primary_upload_clocks", f.primary_clocks},
+                   {"download_clocks", f.download_clocks}});
   return {{"query", name},
           {"passes", f.passes},
-          {"records", c.records},
+          {"records", f.counters.records},
           {"hits", f.hits},
           {"records_compared", f.compared},
+          {"records_matching", f.compared - std::min(f.compared, f.mismatches)},
           {"mismatches", f.mismatches},
-          {"counters",
-           {{"tests", c.pairs},
-            {"rows", c.rows},
-            {"cycles", c.cycles},
-            {"stalls", c.stalls},
-            {"bubbles", c.bubbles},
-            {"writeback", c.writeback},
-            {"secondaries", c.secondaries},
-            {"bad_primaries", c.bad_primaries},
-            {"bad_secondaries", c.bad_secondaries},
-            {"corrected_words", c.corrected_words},
-            {"secondary_words", f.secondary_words},
-            {"primary_words", f.primary_words},
-            {"secondary_upload_clocks", f.secondary_clocks},
-            {"primary_upload_clocks", f.primary_clocks},
-            {"download_clocks", f.download_clocks}}},
-          {"modelled_seconds",
-           {{"upload", seconds(t.load)},
-            {"compute", seconds(t.engine)},
-            {"write_back", seconds(t.write_back)},
-            {"download", seconds(t.download)},
-            {"registers", seconds(t.registers)},
-            {"total", seconds(t.total())}}},
-          {"wall_seconds", {{"card", f.pass_seconds}, {"reference", f.check_seconds}}}};
+          {"counters", counters},
+          {"modelled_seconds", time_json(f.time())},
+          {"simulation_seconds", f.pass_seconds},
+          {"reference_seconds", f.check_seconds}};
 }
 
 void check_files(const Options& o, const Scene& scene) {
@@ -203,19 +190,22 @@ class Run {
         folder_(o.out.empty() ? fs::path(scene.file).stem().string() + ".run" : o.out, scene,
                 {o.report, o.trace}) {
     check_files(o, scene);
-    json_ = {{"scene", scene.file},
-             {"title", scene.title},
-             {"frames", {frames_.first, frames_.last}},
-             {"rate", scene.rate},
-             {"check", name_of(check)},
-             {"clock_hz", scene.card.clock_hz},
-             {"clock_is", "an assumption about the device, not a measurement"},
-             {"bus", bus_name(scene)},
-             {"memory", memory_name(scene)},
-             {"machine", machine_json()},
-             {"plan", plan_json(scene, plan)},
-             {"files_beside", folder_.beside()},
-             {"played", Json::array()}};
+    json_ = program_json();
+    json_.update(card_json(plan.board));
+    json_.update(Json{{"bitstream", nullptr}, {"config_hash", nullptr}});  // until it is loaded
+    json_.update({{"scene", scene.file},
+                  {"title", scene.title},
+                  {"frames", {frames_.first, frames_.last}},
+                  {"rate", scene.rate},
+                  {"check", name_of(check)},
+                  {"clock_hz", scene.card.clock_hz},
+                  {"clock_is", "an assumption about the device, not a measurement"},
+                  {"bus", bus_name(scene)},
+                  {"memory", memory_name(scene)},
+                  {"machine", machine_json()},
+                  {"plan", plan_json(scene, plan)},
+                  {"files_beside", folder_.beside()},
+                  {"played", Json::array()}});
     if (!o.report.empty()) {
       page_.emplace(o.report);
       report_.emplace(scene);
@@ -240,7 +230,7 @@ class Run {
                      }});
       json_["plan"]["bitstream"] = player.board().bitstream().string();
       json_["plan"]["built"] = true;
-      json_["plan"]["config_hash"] = fmt::format("{:016x}", player.board().config_hash());
+      json_.update(bitstream_json(player.board().bitstream(), player.board().config_hash()));
       folder_.begin(json_);
       try {
         for (std::uint32_t f = frames_.first; f <= frames_.last && totals_.mismatches == 0; ++f)
@@ -357,8 +347,9 @@ class Run {
                        {"records", t.records},
                        {"hits", t.hits},
                        {"records_compared", t.compared},
+                       {"records_matching", t.compared - std::min(t.compared, t.mismatches)},
                        {"mismatches", t.mismatches},
-                       {"modelled_seconds", t.modelled},
+                       {"modelled_seconds", {{"total", t.modelled}}},
                        {"simulation_seconds", t.simulated},
                        {"reference_seconds", t.checked}};
     if (!folder_.begun()) return;  // what was there stays

@@ -16,6 +16,9 @@ enum class Arithmetic {
   kRtl,   ///< the gates of rtl/fp
 };
 
+/// Error kUsage if it is neither.
+void check(Arithmetic arithmetic);
+
 /// What the card's transformer moves before a pass meets it.
 enum class Transformer : unsigned { kNone, kSecondaries, kBoth };
 

@@ -16,6 +16,7 @@
 #include "cde/mesh.hpp"
 #include "cde/pair.hpp"
 #include "cde/primitives.hpp"
+#include "cde/ray_view.hpp"
 #include "cde/transform.hpp"
 
 namespace cde {
@@ -50,6 +51,8 @@ struct Record {
 
 /// Bits that differ in nothing: NaN payloads and signs of zero count.
 [[nodiscard]] bool same_bits(const Record& a, const Record& b);
+/// Names of the fields in which they differ in some bit, as a list "T, CPx"; empty if none.
+[[nodiscard]] std::string differing_fields(const Record& a, const Record& b);
 
 /// Triangles in a row, wherever they are; what it looks at must outlive it.
 class TriangleView {
@@ -134,6 +137,10 @@ struct Query {
   std::optional<SecondPair> second = {};  ///< BoardConfig::parallel; modes nearest, farthest, any
   PairBudget budget = {};  ///< of pairs with a cylinder that is no ray's (has_budget)
   Stencil stencil = {};
+  std::uint32_t first_secondary =
+      0;  ///< the pass sweeps the uploaded secondaries from this one on,
+  std::uint32_t secondary_count = 0;  ///< so many of them (0: all behind it); not with objects.
+                                      ///< Records have their numbers in upload order all the same
   std::uint64_t deadline_clocks =
       0;  ///< for one pass; 0: several times what the pass can take at worst
   std::chrono::duration<double> watchdog = std::chrono::hours(1);  ///< wall clock, for one pass
@@ -171,6 +178,14 @@ struct OpenOptions {
 /// A card that does not answer, or whose bus or DMA engine hangs, is lost: that call and every
 /// later one that needs the card throws the same Error, kDevice or kTimeout with fault(), until
 /// reset().
+///
+/// Every call of a board that was moved from is an Error kUsage. So is whatever gives a board work
+/// (uploads, loads, objects, run, cast, reset) from the sink or progress of a pass of its own; that
+/// error goes through the sink and ends the pass. A sink that destroys or replaces its own board
+/// ends the pass, too: run() and cast() keep the card until they are left, and throw kUsage as soon
+/// as the sink returns. The sink itself, what it refers to, and the query must outlive the call. A
+/// sink that moves its board elsewhere does no harm to run(); cast() ends as with a board that was
+/// moved from, if rays are left.
 class Board {
  public:
   class Impl;  ///< the driver's own
@@ -249,14 +264,16 @@ class Board {
   /// invokeCDE and downloadSRAM: one pass of the loaded rays over all triangles. In modes all and
   /// hits the records are drained while the pass runs, so their number is not limited by SRAM. The
   /// number of records is checked against what the mode promises. Errors: kUsage (nothing loaded or
-  /// uploaded), kTimeout, kDevice, and whatever `sink` throws.
+  /// uploaded, an empty sink, a mode or pair that is none; nothing is sent to the card), kTimeout,
+  /// kDevice, and whatever `sink` throws.
   Counters run(const Query& query, const RecordSink& sink);
   [[nodiscard]] std::vector<Record> run(const Query& query, Counters* counters = nullptr);
 
-  /// load() and run() for any number of rays, in packets of primaries(). The stencil, if any, masks
+  /// load() and run() for any number of rays, in packets of primaries(), each made when its turn
+  /// comes. The stencil, if any, masks
   /// places in every packet. `primary` of the records counts through all rays. Counters are sums.
-  Counters cast(std::span<const Ray> rays, const Query& query, const RecordSink& sink);
-  [[nodiscard]] std::vector<Record> cast(std::span<const Ray> rays, const Query& query = {});
+  Counters cast(const RayView& rays, const Query& query, const RecordSink& sink);
+  [[nodiscard]] std::vector<Record> cast(const RayView& rays, const Query& query = {});
 
   /// Hardware reset: registers, rays and objects are lost, triangles in DDR stay; faults that were
   /// ordered until reset end. The only way on when the device is lost; throws if it still does not
@@ -299,15 +316,19 @@ class Board {
   void write_register(std::uint32_t offset, std::uint64_t value);
   void bus_write(card::Space space, std::uint32_t offset, std::span<const std::uint64_t> beats);
   void bus_read(card::Space space, std::uint32_t offset, std::span<std::uint64_t> beats);
-  std::uint64_t wait(std::uint64_t max_clocks);  ///< until the interrupt; returns clocks spent
-  [[nodiscard]] std::uint64_t clocks() const;    ///< core clocks of time_ps()
+  /// Until the interrupt; returns clocks spent. One that a write before this has cleared does not
+  /// count.
+  std::uint64_t wait(std::uint64_t max_clocks);
+  [[nodiscard]] std::uint64_t clocks() const;  ///< core clocks of time_ps()
   /// Flips bits as a memory fault would: of a byte of DDR, or with BoardConfig::ecc of the check
   /// bits (bits 0 to 6) of a word of four bytes. Error kUsage where there are none.
   void flip_ddr(std::uint64_t byte, std::uint8_t mask);
   void flip_check(std::uint64_t word, std::uint8_t mask);
 
  private:
-  explicit Board(std::unique_ptr<Impl> impl);
+  explicit Board(std::shared_ptr<Impl> impl);
+  [[nodiscard]] Impl& card() const;       ///< kUsage if it was moved from
+  [[nodiscard]] Impl& idle_card() const;  ///< and in a pass
   template <class P>
   static std::span<float, P::kWords> slot(float* words) {
     return std::span<float, P::kWords>(words, P::kWords);
@@ -319,7 +340,11 @@ class Board {
                     const std::function<std::optional<std::string>(std::size_t)>& defect);
   void load_words(Shape shape, std::size_t count, const Words& words);
   void load_second_words(Shape shape, std::size_t count, const Words& words);
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Impl> impl_;  ///< this board's; a pass keeps it over a sink that drops the board
 };
+
+/// Where a record of a packet's primary comes from, for messages: the clock as it is now, when the
+/// record has been read, and the lane and the row of the register file that hold the primary.
+[[nodiscard]] std::string place_on_card(const Board& board, std::uint32_t primary);
 
 }  // namespace cde

@@ -15,7 +15,7 @@ enum class Bus {
 
 /// What can go wrong between host and card and in its memory, for tests (Board::inject). `count`
 /// transactions of the card get it, unless another unit is named; kUntilReset: all of them until
-/// Board::reset(). Bus::kFunctional has kHang only.
+/// Board::reset(). Bus::kFunctional has kNoAnswer and kHang only (on_functional_bus).
 enum class BusFault : std::uint32_t {
   kRetry = 0,            ///< retried
   kSlow = 1,             ///< `value` wait states before every data phase
@@ -37,6 +37,9 @@ inline constexpr std::uint32_t kUntilReset = ~std::uint32_t{0};
 /// "lost-interrupt", "grant", "no-answer", "no-grant", "hang".
 [[nodiscard]] const char* name_of(BusFault fault);
 [[nodiscard]] std::optional<BusFault> fault_named(std::string_view name);
+[[nodiscard]] constexpr bool on_functional_bus(BusFault fault) {
+  return fault == BusFault::kNoAnswer || fault == BusFault::kHang;
+}
 
 /// What happened on the way to the card since it was opened.
 struct BusCounters {
@@ -51,7 +54,8 @@ struct BusCounters {
   std::uint64_t pci_clocks = 0;        ///< of modelled time; of them ...
   std::uint64_t pci_busy = 0;          ///< ... with a transaction on the bus,
   std::uint64_t pci_data = 0;          ///< ... in which data moved
-  /// Bus::kCycle: faults of Board::inject that happened, by BusFault (kNoGrant, kHang: clocks).
+  /// Faults of Board::inject that happened, by BusFault (kNoGrant, kHang: clocks);
+  /// Bus::kFunctional counts kNoAnswer only.
   std::array<std::uint64_t, kBusFaults> faults = {};
 };
 
@@ -60,7 +64,7 @@ struct DeviceFault {
   std::uint32_t code = 0;        ///< pci::Code, of the DMA engine or as an access of the host
                                  ///< ended; 0 where the bus had no part in it
   std::uint16_t pci_status = 0;  ///< status register of the card's configuration space; all ones:
-                                 ///< it does not answer, 0: Bus::kFunctional
+                                 ///< it does not answer, 0: Bus::kFunctional otherwise
   std::uint32_t address = 0;     ///< mapped or bus address of a transfer, offset of an access in
                                  ///< BAR0 or configuration space, byte of DDR
   std::uint64_t clock = 0;       ///< core clocks since power-on

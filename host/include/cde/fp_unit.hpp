@@ -16,7 +16,7 @@ namespace cde {
                                                           int lanes, bool flags);
 
 /// The simulated floating-point units of one format: an fp_unit bitstream. Not for use by two
-/// threads at once.
+/// threads at once. Every call of one that was moved from is an Error kUsage.
 class FpUnit {
  public:
   /// Of a loaded bitstream. Error kConfiguration if it is not an fp_unit of this version.
@@ -44,6 +44,7 @@ class FpUnit {
 
  private:
   struct State;
+  [[nodiscard]] State& state() const;  ///< kUsage if it was moved from
   std::unique_ptr<State> state_;
 };
 

@@ -8,6 +8,7 @@
 
 #include "cde/camera.hpp"
 #include "cde/mesh.hpp"
+#include "cde/ray_view.hpp"
 
 namespace cde {
 
@@ -27,8 +28,7 @@ struct GreyImage {
 /// entries do not count.
 struct PixelHits {
   Resolution size;
-  std::span<const Ray>
-      rays;  ///< what was asked; surfaces are two-sided, lit on the side the ray meets
+  RayView rays;  ///< what was asked; surfaces are two-sided, lit on the side the ray meets
   std::span<const std::uint8_t> hit;       ///< F: 0 or 1
   std::span<const float> t;                ///< T, along the ray
   std::span<const std::uint32_t> index;    ///< face of the mesh

@@ -47,7 +47,8 @@ struct PairResult {
   bool operator==(const PairResult&) const = default;
 };
 
-/// One simulated pipe: a pair_unit bitstream. Not for use by two threads at once.
+/// One simulated pipe: a pair_unit bitstream. Not for use by two threads at once. Every call of one
+/// that was moved from is an Error kUsage.
 class PairUnit {
  public:
   /// The unit of that configuration, built on first use.
@@ -82,6 +83,7 @@ class PairUnit {
 
  private:
   struct State;
+  [[nodiscard]] State& state() const;  ///< kUsage if it was moved from
   std::unique_ptr<State> state_;
 };
 

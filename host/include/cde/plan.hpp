@@ -23,8 +23,10 @@ struct Effect {
 struct QueryWork {
   std::string name;
   std::uint64_t primaries = 0, masked = 0, secondaries = 0;
-  std::uint64_t packets = 0;          ///< of 256 primaries, a pass each
-  std::uint64_t tests = 0;            ///< pairs, masked primaries apart
+  std::uint64_t packets = 0;          ///< of 256 primaries
+  std::uint64_t passes = 0;           ///< one a packet, others where self_pairs
+  bool self_pairs = false;            ///< pairs of a thing with itself do not count
+  std::uint64_t tests = 0;            ///< pairs that the card tests, masked primaries apart
   std::uint64_t rows = 0;             ///< clocks that the pipe is fed
   std::uint64_t most_records = 0;     ///< that the result mode can keep
   std::uint64_t secondary_words = 0;  ///< of an upload of all of them

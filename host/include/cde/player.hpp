@@ -26,7 +26,10 @@ struct PlayOptions {
 
 /// One query in one frame.
 struct QueryFrame {
-  Counters counters;  ///< sums over the packets; records are those of the card
+  Counters counters;  ///< sums over the packets; records are those of the query, and tests what the
+                      ///< card did for them, of pairs that do not count (SceneQuery::self), too
+  std::uint64_t card_records = 0;  ///< records that the card wrote: where pairs of a thing with
+                                   ///< itself do not count, more than those of the query
   std::uint64_t passes = 0;
   std::uint64_t secondary_words = 0;   ///< written for this query: shapes that changed, ranges of
                                        ///< objects, 12 an object that the card moves

@@ -28,9 +28,8 @@ class Sweep {
  public:
   /// Up to `packet` rays meet all triangles at a time, or those of the objects (Board::set_objects;
   /// their ranges must lie within the triangles). Rays and triangles must outlive the sweep.
-  Sweep(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
-        const Stencil& stencil = {}, unsigned packet = 256, std::span<const Object> objects = {},
-        bool box = false);
+  Sweep(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil = {},
+        unsigned packet = 256, std::span<const Object> objects = {}, bool box = false);
   ~Sweep();
   Sweep(const Sweep&) = delete;
   Sweep& operator=(const Sweep&) = delete;
@@ -44,7 +43,7 @@ class Sweep {
 };
 
 /// All of them at once.
-[[nodiscard]] std::vector<Record> cast(std::span<const Ray> rays, const TriangleView& triangles,
+[[nodiscard]] std::vector<Record> cast(const RayView& rays, const TriangleView& triangles,
                                        Mode mode = Mode::kNearest, const Stencil& stencil = {},
                                        std::span<const Object> objects = {}, bool box = false);
 
@@ -53,9 +52,13 @@ class Checker {
  public:
   /// `command` is the start of a command that repeats the query, e.g. "cde cast terrain --lanes
   /// 16". Rays and triangles must outlive the checker.
-  Checker(std::span<const Ray> rays, const TriangleView& triangles, Mode mode,
-          const Stencil& stencil, unsigned packet, std::string command,
-          std::span<const Object> objects = {}, bool box = false);
+  Checker(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
+          unsigned packet, std::string command, std::span<const Object> objects = {},
+          bool box = false);
+
+  /// What differs is also said to be at a clock, a lane and a row of this board, which the records
+  /// come from and which must outlive the checker.
+  void place_on(const Board& board) { board_ = &board; }
 
   /// Counts the records that are those of the reference and keeps what the first other one differs
   /// in.
@@ -76,7 +79,9 @@ class Checker {
 
  private:
   void mismatch(const Record* card, const Record* expected);
-  std::span<const Ray> rays_;
+  RayView rays_;
+  unsigned packet_;
+  const Board* board_ = nullptr;
   TriangleView triangles_;
   Sweep sweep_;
   std::span<const Record> pending_;

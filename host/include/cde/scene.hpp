@@ -66,6 +66,15 @@ inline constexpr unsigned kSampledPrimaries = 8;
 /// Form of the records that a run writes, a file a query and frame.
 enum class Results { kNone, kCsv, kBinary };
 
+/// Members [first, first + count) of some list.
+struct Range {
+  std::size_t first = 0, count = 0;
+};
+/// Whether the number is in one of these, which are ascending and do not overlap.
+[[nodiscard]] bool contains(const std::vector<Range>& ranges, std::size_t number);
+/// How many numbers they have.
+[[nodiscard]] std::size_t count(const std::vector<Range>& ranges);
+
 /// Every primary against every secondary, in every frame. Primaries and secondaries are numbered
 /// through their objects in the order given.
 struct SceneQuery {
@@ -76,7 +85,10 @@ struct SceneQuery {
   Mode mode = Mode::kNearest;
   bool normals = false;
   PairBudget budget;
-  std::vector<std::uint32_t> mask;  ///< primaries left out, ascending
+  std::vector<Range> mask;  ///< primaries left out, ascending, with gaps between
+  bool self = false;  ///< of an object on both sides, pairs of a shape with itself count, and those
+                      ///< of two shapes from either side; otherwise the first never, and in modes
+                      ///< all and hits each pair once, with the lower primary
 };
 
 /// Who moves rigid objects.
@@ -140,11 +152,6 @@ struct Scene {
 /// The object's shapes in its own frame: deformed, directions drawn.
 [[nodiscard]] Shapes local_shapes(const Scene& scene, const SceneObject& object,
                                   std::uint32_t frame);
-
-/// Members [first, first + count) in place.
-struct Range {
-  std::size_t first = 0, count = 0;
-};
 
 /// Shapes that frame to frame are others in the object's own frame, ascending; the pose apart.
 [[nodiscard]] std::vector<Range> deforming(const SceneObject& object);

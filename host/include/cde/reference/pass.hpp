@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -19,6 +20,9 @@ struct PassQuery {
   Mode mode = Mode::kNearest;
   bool normals = false;
   PairBudget budget = {};
+  /// Pairs that count, by the number of the primary and that of the secondary; the others are left
+  /// out as if they were not tested. Empty: all.
+  std::function<bool(std::uint32_t, std::uint32_t)> counts = {};
 };
 
 /// The records of one pass of any pair, computed in software, every bit and in the card's order.

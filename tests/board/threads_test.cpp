@@ -1,0 +1,117 @@
+// Boards in threads, and software beside them. The preset `tsan` runs these with ThreadSanitizer in
+// the driver and the tests; the models in the bitstreams are not instrumented.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <memory>
+#include <thread>
+
+#include "cases.hpp"
+#include "cde/player.hpp"
+
+namespace cde::testing {
+namespace {
+
+TEST(Threads, BoardsInThreadsAreIndependent) {
+  Random random;
+  const std::array<Scene, 2> scenes = {cloud(random, 512, 500), cloud(random, 512, 500)};
+  std::vector<std::thread> threads;
+  std::array<std::vector<Record>, 2> results;
+  for (std::size_t i = 0; i < 2; ++i) {
+    threads.emplace_back([&, i] {
+      Board board = Board::open(host_config());
+      board.upload(scenes[i].triangles);
+      results[i] = board.cast(scenes[i].rays);
+    });
+  }
+  for (auto& t : threads) t.join();
+  for (std::size_t i = 0; i < 2; ++i) {
+    reference::Checker checker(scenes[i].rays, scenes[i].triangles, Mode::kNearest, {}, 256, "");
+    checker.check(results[i]);
+    checker.finish();
+    EXPECT_EQ(checker.compared(), 512u);
+  }
+}
+
+/// The Verilated model keeps its context in a thread-local; with assertions on, closing a board
+/// after another one had been closed in the same thread ended in a segmentation fault.
+TEST(Threads, BoardsCloseInAnyOrderAndThread) {
+  Random random;
+  const Scene scene = cloud(random, 20, 20);
+  for (const bool first_goes_first : {true, false}) {
+    auto first = std::make_unique<Board>(Board::open(host_config()));
+    auto second = std::make_unique<Board>(Board::open(host_config()));
+    cast_and_compare(*second, scene, {});
+    cast_and_compare(*first, scene, {});
+    (first_goes_first ? first : second).reset();
+    cast_and_compare(first_goes_first ? *second : *first, scene, {});
+    std::thread([&] { (first_goes_first ? second : first).reset(); }).join();
+  }
+  Board moved = Board::open(host_config());
+  moved = Board::open(small_config());
+  EXPECT_EQ(cast_and_compare(moved, scene, {}).size(), 20u);
+}
+
+/// Everything that a driver does, of two kinds of boards at a time: faults, retries, errors,
+/// resets, and the first opening of a bitstream by both.
+TEST(Threads, BoardsOfEveryKindAtATime) {
+  const std::array<BoardConfig, 4> kinds = {small_config(), host_config(), small_config(),
+                                            rich_config(Bus::kFunctional)};
+  std::array<std::uint64_t, 4> records{};
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    threads.emplace_back([&, i] {
+      Random random(static_cast<std::uint32_t>(100 + i));
+      for (unsigned round = 0; round < 4; ++round) {
+        Board board = Board::open(kinds[i]);
+        const Scene scene = beam(random, 60, 40);
+        const Query query{.mode = round % 2 == 0 ? Mode::kAll : Mode::kNearest,
+                          .pair = Pair::kRayTriangle};
+        records[i] += cast_and_compare(board, scene, query).size();
+        board.inject(BusFault::kNoAnswer, kUntilReset);
+        EXPECT_THROW(board.load(scene.rays), Error);
+        board.reset();
+        records[i] += cast_and_compare(board, scene, query).size();
+        EXPECT_THROW(board.run(query, RecordSink()), Error);
+      }
+    });
+  }
+  for (auto& t : threads) t.join();
+  for (const std::uint64_t n : records) EXPECT_EQ(n, 2u * 2 * (2400 + 60));
+}
+
+/// Scenes that are read, planned and played beside each other.
+TEST(Threads, PlayersAreIndependent) {
+  std::array<std::uint64_t, 2> compared{};
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < compared.size(); ++i) {
+    threads.emplace_back([&, i] {
+      const auto scene = parse_scene(
+          "frames = 3\n[[object]]\nname = \"a\"\nrandom = { shape = \"sphere\", count = 60, min = "
+          "[-2, -2, -2], max = [2, 2, 2], size = [0.1, 0.7] }\nmotion = { kind = \"velocity\", "
+          "linear = [1, 2, 3] }\n[[query]]\nname = \"q\"\npair = \"sphere-sphere\"\nprimaries = "
+          "\"a\"\nsecondaries = \"a\"\nmode = \"all\"\n",
+          "s.toml");
+      Plan p = plan(scene);
+      p.board = {.lanes = 8,
+                 .pairs = {Pair::kSphereSphere},
+                 .swap = true,
+                 .normals = true,
+                 .ddr_slots = 1000,
+                 .sram_records = 64};
+      p.card_moves.assign(1, false);
+      p.card_moves_primaries.assign(1, false);
+      Player player(scene, p, {});
+      for (std::uint32_t f = 0; f < 3; ++f) {
+        const auto frame = player.play(f);
+        EXPECT_EQ(frame[0].mismatches, 0u) << frame[0].first_mismatch;
+        compared[i] += frame[0].compared;
+      }
+    });
+  }
+  for (auto& t : threads) t.join();
+  for (const std::uint64_t n : compared) EXPECT_EQ(n, 3u * 60 * 59 / 2);
+}
+
+}  // namespace
+}  // namespace cde::testing

@@ -1,0 +1,140 @@
+// Small inputs that ask for much: counted before anything is allocated, and refused with the size
+// and the limit, or never held in memory as a whole.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include "cde/error.hpp"
+#include "cde/plan.hpp"
+#include "cde/ray_view.hpp"
+#include "cde/scene.hpp"
+
+namespace cde::testing {
+namespace {
+
+/// The most memory that the process has had so far, MB.
+double peak_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+const std::string kBall =
+    "[[object]]\nname = \"ball\"\nsphere = { center = [0, 0, 0], radius = 1 }\n";
+std::string query(const std::string& primaries, const std::string& more = "") {
+  return fmt::format(
+      "[[query]]\nname = \"q\"\npair = \"ray-sphere\"\nprimaries = {}\nsecondaries = \"ball\"\n{}",
+      primaries, more);
+}
+std::string rays(const std::string& name, unsigned count) {
+  return fmt::format("[[object]]\nname = \"{}\"\nrandom_rays = {{ count = {} }}\n", name, count);
+}
+
+void expect_refused(const std::string& text, const std::vector<std::string>& parts) {
+  const double before = peak_mb();
+  try {
+    (void)parse_scene(text, "s.toml");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kCapacity) << error.what();
+    for (const std::string& part : parts)
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+  }
+  EXPECT_LT(peak_mb() - before, 700) << "what comes before may be made";
+}
+
+TEST(SceneMemory, ALargeCameraIsRefusedWithItsSize) {
+  expect_refused(kBall +
+                     "[[object]]\nname = \"eye\"\ncamera = { eye = [0, 0, 9], target = [0, 0, 0], "
+                     "width = 4096, height = 4096 }\n" +
+                     query("\"eye\""),
+                 {"s.toml:6:", "object 'eye'", "16777216 rays take 2560 MB",
+                  "limit of a scene is "
+                  "2048 MB"});
+}
+
+TEST(SceneMemory, ManyObjectsAreCountedTogether) {
+  std::string text = kBall, names;
+  for (unsigned i = 0; i < 200; ++i) {
+    text += rays(fmt::format("r{}", i), 4'000'000);
+    names += fmt::format("{}\"r{}\"", i == 0 ? "" : ", ", i);
+  }
+  expect_refused(text + query("[" + names + "]"),
+                 {"object 'r3'", "4000000 rays take 611 MB", "with the objects before 2442 MB"});
+}
+
+TEST(SceneMemory, OtherSourcesToo) {
+  expect_refused(kBall + rays("r", 1 << 24) + query("\"r\""), {"16777216 rays"});
+  expect_refused(
+      kBall +
+          "[[object]]\nname = \"r\"\nrandom = { shape = \"obb\", count = 16777216, min = "
+          "[0, 0, 0], max = [1, 1, 1], size = [1, 2] }\n" +
+          query("\"r\""),
+      {"16777216 obbs take 4800 MB"});
+  expect_refused(
+      kBall + "[[object]]\nname = \"r\"\nmesh = \"terrain:4096,4096,1\"\n" + query("\"r\""),
+      {"33554432 triangles take 5760 MB"});
+}
+
+/// Two hundred ranges of four million: 3 GB as numbers.
+TEST(SceneMemory, MasksAreRanges) {
+  std::string mask = "mask = [7";
+  for (unsigned i = 0; i < 200; ++i) mask += ", \"10..3999998\"";
+  const double before = peak_mb();
+  const Scene scene = parse_scene(
+      kBall +
+          "[[object]]\nname = \"r\"\nrandom = { shape = \"ray\", count = 4000000, min = [0, 0, 0], "
+          "max = [1, 1, 1] }\n" +
+          query("\"r\"", mask + ", 8, 6]\n"),
+      "s.toml");
+  const SceneQuery& q = scene.queries[0];
+  ASSERT_EQ(q.mask.size(), 2u);
+  EXPECT_EQ(q.mask[0].first, 6u);
+  EXPECT_EQ(q.mask[0].count, 3u) << "6 to 8 in one";
+  EXPECT_EQ(q.mask[1].first, 10u);
+  EXPECT_EQ(count(q.mask), 3u + 3'999'989);
+  EXPECT_FALSE(contains(q.mask, 5));
+  EXPECT_TRUE(contains(q.mask, 8));
+  EXPECT_FALSE(contains(q.mask, 9));
+  EXPECT_TRUE(contains(q.mask, 3'999'998));
+  EXPECT_FALSE(contains(q.mask, 3'999'999));
+  EXPECT_EQ(plan(scene).queries[0].tests, 4'000'000u - count(q.mask));
+  EXPECT_LT(peak_mb() - before, 500);
+}
+
+TEST(Pictures, TheLargestTakesNoMemory) {
+  const Eigen::AlignedBox3f box(Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(8, 4, 1));
+  const double before = peak_mb();
+  const Resolution largest{32768, 32768};
+  const RayView grid = grid_pixels(box, largest);
+  ASSERT_EQ(grid.size(), std::size_t{1} << 30);
+  EXPECT_EQ(grid[0].o.x(), static_cast<float>(8 * 0.5 / 32768));
+  EXPECT_EQ(grid[grid.size() - 1].o.x(), static_cast<float>(8 * 32767.5 / 32768));
+  const Camera camera = camera_for(box, largest);
+  const RayView seen = camera.pixels(largest);
+  EXPECT_EQ(seen[0].o, camera.eye);
+  EXPECT_LT(seen[seen.size() - 1].d.z(), seen[0].d.z()) << "the last row is the lowest";
+  EXPECT_LT(peak_mb() - before, 50);
+}
+
+TEST(Pictures, AViewOfThemIsTheRaysThemselves) {
+  const Camera camera{{3, -4, 5}, {0, 1, 0}};
+  const Resolution size{37, 23};
+  const std::vector<Ray> all = camera.rays(size);
+  const RayView given(all), made(camera.pixels(size));
+  ASSERT_EQ(made.size(), all.size());
+  for (const RayView& view : {given, made}) {
+    const RayView part = view.subview(100, 300).subview(50, 1000);
+    ASSERT_EQ(part.size(), 250u);
+    const std::vector<Ray> copy = part.copy();
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      EXPECT_EQ(part[i].o, all[150 + i].o);
+      EXPECT_EQ(part[i].d, all[150 + i].d);
+      EXPECT_EQ(copy[i].d, all[150 + i].d);
+    }
+  }
+  EXPECT_TRUE(RayView().empty());
+}
+
+}  // namespace
+}  // namespace cde::testing
