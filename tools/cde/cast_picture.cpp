@@ -17,6 +17,7 @@
 #include "npy.hpp"
 #include "output.hpp"
 #include "streams.hpp"
+#include "suffix.hpp"
 
 namespace cde::cli {
 namespace {
@@ -69,20 +70,14 @@ Eigen::AlignedBox3f with_square_cells(const Eigen::AlignedBox3f& box, Resolution
   return {(centre - half).cast<float>(), (centre + half).cast<float>()};
 }
 
-enum class Suffix { kPng, kPfm, kNpy, kOther };
+enum class Format { kPng, kPfm, kNpy, kOther };
 
-Suffix suffix(const std::string& path) {
-  const std::string text = std::filesystem::path(path).extension().string();
-  // What is no regular file has no name to go by: stdout, a FIFO, a device.
-  std::error_code failed;
-  const auto status = std::filesystem::status(path, failed);
-  if (path == "-" ||
-      (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
-       !std::filesystem::is_directory(status)))
-    return Suffix::kPng;
-  if (text == ".png") return Suffix::kPng;
-  if (text == ".pfm") return Suffix::kPfm;
-  return text == ".npy" ? Suffix::kNpy : Suffix::kOther;
+/// What has no name to go by is a PNG.
+Format format_of(const std::string& path) {
+  const Suffix name = suffix_of(path);
+  if (name.nameless || name.text == ".png") return Format::kPng;
+  if (name.text == ".pfm") return Format::kPfm;
+  return name.text == ".npy" ? Format::kNpy : Format::kOther;
 }
 
 std::string_view bytes_of(std::span<const float> numbers) {
@@ -100,13 +95,6 @@ std::string pfm(std::span<const float> numbers, Resolution size, unsigned channe
 
 std::uint8_t byte(float x) {
   return static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(x, 0.0f, 1.0f)));
-}
-
-/// "bunny.ply" shows itself as bunny.cast.png in the folder where the command runs. No file of
-/// another program is called so.
-std::string own_name(const std::string& mesh) {
-  const std::string name = mesh.starts_with("terrain:") ? "terrain" : mesh;
-  return std::filesystem::path(name).stem().string() + ".cast.png";
 }
 
 }  // namespace
@@ -147,9 +135,9 @@ void check_picture_names(const CastOptions& o) {
                           Wanted{"--indices", o.indices, ".png or .npy", false, true},
                           Wanted{"--shaded", o.shaded, ".png", false, false}}) {
     if (w.path.empty()) continue;
-    const Suffix is = suffix(w.path);
+    const Format is = format_of(w.path);
     const bool fits =
-        is == Suffix::kPng || (is == Suffix::kPfm && w.pfm) || (is == Suffix::kNpy && w.npy);
+        is == Format::kPng || (is == Format::kPfm && w.pfm) || (is == Format::kNpy && w.npy);
     if (!fits)
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} is '{}'; its name must end in {}", w.option, w.path, w.may_be));
@@ -248,10 +236,10 @@ Vector3f Picture::normal(std::size_t i) const {
 
 void Picture::write_depth() const {
   const Resolution size = *job_.picture;
-  switch (suffix(o_.depth)) {
-    case Suffix::kPng:
+  switch (format_of(o_.depth)) {
+    case Format::kPng:
       return write_png(depth_image(hits()), o_.depth);
-    case Suffix::kPfm:
+    case Format::kPfm:
       return write_file(o_.depth, pfm(t_, size, 1));
     default:
       return write_file(o_.depth,
@@ -270,10 +258,10 @@ void Picture::write_normals() const {
     image.pixels.push_back(
         {byte(0.5f + 0.5f * n.x()), byte(0.5f + 0.5f * n.y()), byte(0.5f + 0.5f * n.z())});
   }
-  switch (suffix(o_.normals)) {
-    case Suffix::kPng:
+  switch (format_of(o_.normals)) {
+    case Format::kPng:
       return write_png(image, o_.normals);
-    case Suffix::kPfm:
+    case Format::kPfm:
       return write_file(o_.normals, pfm(numbers, size, 3));
     default:
       return write_file(o_.normals, npy_header("<f4", {size.height, size.width, 3}) +
@@ -283,7 +271,7 @@ void Picture::write_normals() const {
 
 void Picture::write_indices() const {
   const Resolution size = *job_.picture;
-  if (suffix(o_.indices) == Suffix::kNpy) {
+  if (format_of(o_.indices) == Format::kNpy) {
     return write_file(o_.indices, npy_header("<u4", {size.height, size.width}) +
                                       std::string(reinterpret_cast<const char*>(index_.data()),
                                                   index_.size() * sizeof(std::uint32_t)));
@@ -303,21 +291,27 @@ void Picture::write_indices() const {
   write_png(image, o_.indices);
 }
 
+std::string own_picture_name(const std::string& mesh) {
+  const std::string name = mesh.starts_with("terrain:") ? "terrain" : mesh;
+  return std::filesystem::path(name).stem().string() + ".cast.png";
+}
+
 void Picture::write() const {
   if (!o_.depth.empty()) write_depth();
   if (!o_.normals.empty()) write_normals();
   if (!o_.indices.empty()) write_indices();
   if (o_.shaded.empty() && !o_.shows_itself) return;
   const Image image = sunlit();
-  const std::string path = o_.shaded.empty() ? own_name(o_.mesh) : o_.shaded;
+  const std::string path = o_.shaded.empty() ? own_picture_name(o_.mesh) : o_.shaded;
   write_png(image, path);
   if (!o_.shows_itself || o_.quiet) return;
   if (::isatty(STDOUT_FILENO) != 0) {
     winsize terminal{};
     (void)::ioctl(STDOUT_FILENO, TIOCGWINSZ, &terminal);
     const unsigned columns = std::clamp<unsigned>(terminal.ws_col, 40, 100);
-    put("{}", as_text(image, columns, may_colour(STDOUT_FILENO)));
-    std::fflush(stdout);
+    OutputFile terminal_file("-");
+    terminal_file.write(as_text(image, columns, may_colour(STDOUT_FILENO)));
+    terminal_file.commit();
   }
   say("{:<16} {}, {} x {}\n", "picture", path, image.size.width, image.size.height);
 }

@@ -16,6 +16,10 @@ void aim(const CastOptions& options, CastJob& job);
 /// Complains about suffixes of pictures before anything slow.
 void check_picture_names(const CastOptions& options);
 
+/// "bunny.ply" shows itself as bunny.cast.png in the folder where the command runs. No file of
+/// another program is called so.
+[[nodiscard]] std::string own_picture_name(const std::string& mesh);
+
 /// Casts the rays of a picture's second look.
 using CastAgain = std::function<void(const CastJob& job, const RecordSink& take)>;
 

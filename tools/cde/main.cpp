@@ -2,11 +2,12 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
+#include <cstdio>
 #include <string>
 #include <vector>
 
-#include "cde/error.hpp"
 #include "help.hpp"
 #include "output.hpp"
 #include "streams.hpp"
@@ -14,10 +15,11 @@
 #include "verbs.hpp"
 #include "version.hpp"
 
-/// A message on stderr.
+/// "cde: message" on stderr; the message may have text of files.
 static void complain(const std::string& message) {
   const bool colour = cde::cli::may_colour(STDERR_FILENO);
-  cde::say(fmt::format("{} {}\n", colour ? "\033[1;31mcde:\033[0m" : "cde:", message));
+  std::fputs(colour ? "\033[1;31mcde:\033[0m " : "cde: ", stderr);
+  cde::say(message + "\n");
 }
 
 /// What the parser did not understand; 2, or 0 if it was a question.
@@ -44,7 +46,7 @@ static int run(CLI::App& app, int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return explain(app, e, {argv + 1, argv + argc});
+    return explain(app, e, {argv + std::min(argc, 1), argv + argc});
   }
   return cde::cli::exit_code;
 }

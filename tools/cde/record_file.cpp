@@ -4,12 +4,12 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "cde/error.hpp"
 #include "npy.hpp"
+#include "suffix.hpp"
 
 namespace cde::cli {
 namespace {
@@ -42,16 +42,10 @@ std::vector<std::string> field_names() {
 }
 
 RecordFile::Kind RecordFile::kind_of(const std::string& path) {
-  const std::filesystem::path name(path);
-  if (name.extension() == ".npy") return Kind::kNpy;
-  if (name.extension() == ".jsonl") return Kind::kJsonLines;
-  // What is no regular file (-, /dev/stdout, a FIFO) has no name to go by.
-  std::error_code failed;
-  const auto status = std::filesystem::status(name, failed);
-  const bool special = std::filesystem::exists(status) &&
-                       !std::filesystem::is_regular_file(status) &&
-                       !std::filesystem::is_directory(status);
-  if (path == "-" || special || name.extension() == ".csv") return Kind::kCsv;
+  const Suffix name = suffix_of(path);
+  if (name.nameless || name.text == ".csv") return Kind::kCsv;
+  if (name.text == ".npy") return Kind::kNpy;
+  if (name.text == ".jsonl") return Kind::kJsonLines;
   throw Error(ErrorCode::kUsage,
               fmt::format("--output is '{}'; its name must end in .csv, .npy or .jsonl", path));
 }

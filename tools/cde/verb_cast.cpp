@@ -56,14 +56,16 @@ unsigned lanes_of(const CastOptions& o, std::size_t rays) {
 
 /// All that can be said to be wrong without a mesh.
 void check_options(const CastOptions& o, Mode mode) {
-  check_outputs(std::vector<FileUse>{{"-o", o.records},
-                                     {"--image", o.depth},
-                                     {"--shaded", o.shaded},
-                                     {"--normals", o.normals},
-                                     {"--indices", o.indices},
-                                     {"--trace", o.trace},
-                                     {"--json", o.json ? "-" : ""}},
-                std::vector<FileUse>{{"MESH", o.mesh}, {"--rays", o.rays_file}});
+  check_outputs(
+      std::vector<FileUse>{
+          {"-o", o.records},
+          {"--image", o.depth},
+          {"--shaded", o.shaded.empty() && o.shows_itself ? own_picture_name(o.mesh) : o.shaded},
+          {"--normals", o.normals},
+          {"--indices", o.indices},
+          {"--trace", o.trace},
+          {"--json", o.json ? "-" : ""}},
+      std::vector<FileUse>{{"MESH", o.mesh}, {"--rays", o.rays_file}});
   if (!o.trace.empty() && o.boards > 1) usage("--trace follows one card; leave out --boards");
   if (o.wants_picture() && mode != Mode::kNearest) usage("a picture needs --mode nearest");
   if (o.shadows && o.shaded.empty() && !o.shows_itself) usage("--shadows is of --shaded");

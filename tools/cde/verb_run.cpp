@@ -409,10 +409,11 @@ void add_run(CLI::App& app) {
   file_value(verb->add_option("scene", o->scene, "Scene file, TOML (docs/scenes.md)")->required(),
              "SCENE");
   verb->add_option("--frames", o->frames, "Frames A..B, both included (all)");
-  folder_value(verb->add_option("--out", o->out,
-                                "Folder for run.json and records: a new or empty one, or "
-                                "that of an earlier run, which is removed (SCENE.run)"),
-               "FOLDER");
+  folder_value(
+      verb->add_option("--out", o->out,
+                       "Folder for run.json and records: a new or empty one, or that of an earlier "
+                       "run, which is removed (SCENE.run)"),
+      "FOLDER");
   one_of(
       verb->add_option("--check", o->check, "Records to compare, instead of what the scene says"),
       {"all", "sample", "none"});
