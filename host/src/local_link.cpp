@@ -57,6 +57,7 @@ class LocalLink final : public CardLink {
       access(bus_.write(beats));
       put(bytes, 0, beats);
       follow(offset, bytes, beats);
+      posted_ = true;
     } else {
       counters_.bytes_to_card += 8 * beats;
       in_pieces(beats, false, [&](std::uint64_t done, std::uint64_t n) { put(bytes, done, n); });
@@ -76,6 +77,7 @@ class LocalLink final : public CardLink {
       answered(offset, "register read");
       access(bus_.read(beats));
       get(0, beats);
+      posted_ = false;
       for (std::uint64_t i = 0; i < beats; ++i)
         if (offset + 8 * i == card::kRegStatus) watch(bytes + 8 * i);
     } else {
@@ -88,6 +90,8 @@ class LocalLink final : public CardLink {
   std::uint64_t run(std::uint64_t max_clocks) override {
     loss_.alive();
     const std::uint64_t start = now_, end = now_ + max_clocks * period_ps_;
+    std::uint64_t status = 0;  // read behind a write that may clear what is seen now
+    if (posted_ && interrupt()) read(card::kSpaceReg, card::kRegStatus, &status, 1);
     for (std::uint64_t slice = kFirstAskClocks; now_ < end && !interrupt(); slice *= 2) {
       const std::uint64_t left = (end - now_ + period_ps_ - 1) / period_ps_;
       const std::uint64_t spent = api_->run(card_, std::min(slice, left));
@@ -260,6 +264,7 @@ class LocalLink final : public CardLink {
   std::uint64_t now_ = 0;   // modelled time
   std::uint64_t core_ = 0;  // up to which a pass has been simulated; now and then a little ahead
   bool running_ = false;    // a pass
+  bool posted_ = false;     // a register was written, and none read since
   DeviceLoss loss_;
   std::uint32_t unanswering_ = 0;  // transactions of the host that the card will not answer
   std::uint64_t unanswered_ = 0;   // those that it did not
