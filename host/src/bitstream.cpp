@@ -137,7 +137,8 @@ void build(const fs::path& file, const std::string& kind,
   const std::string what = joined(kind, parameters);
   BuildProgress progress(what);
   const process::Result result = process::attend(
-      command, [&](process::Seconds elapsed, std::string_view so_far) { progress(elapsed, so_far); });
+      command,
+      [&](process::Seconds elapsed, std::string_view so_far) { progress(elapsed, so_far); });
   progress.end(result.status == 0);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     if (result.status == 128 + signal)
@@ -145,8 +146,9 @@ void build(const fs::path& file, const std::string& kind,
                                       ::strsignal(signal)));  // NOLINT(concurrency-mt-unsafe)
   }
   if (result.status != 0) {
-    throw Error(ErrorCode::kBuild, fmt::format("building bitstream {} failed:\n{}", what,
-                                               last_lines(BuildProgress::without_phases(result.output), 12)));
+    throw Error(ErrorCode::kBuild,
+                fmt::format("building bitstream {} failed:\n{}", what,
+                            last_lines(BuildProgress::without_phases(result.output), 12)));
   }
 }
 

@@ -107,9 +107,8 @@ fs::path last_resort() {
 }
 
 [[noreturn]] void refuse(const fs::path& folder, const std::string& why) {
-  throw Error(
-      ErrorCode::kFile,
-      fmt::format("bitstream cache {}: {} (CDE_CACHE names another)", folder.string(), why));
+  throw Error(ErrorCode::kFile, fmt::format("bitstream cache {}: {} (CDE_CACHE names another)",
+                                            folder.string(), why));
 }
 
 void make_private(const fs::path& folder) {

@@ -48,7 +48,8 @@ void BuildProgress::operator()(std::chrono::duration<double> elapsed, std::strin
   const bool another = std::exchange(phase_, phase) != phase;
   if (phase_.empty()) return;
   if (terminal_)
-    say(fmt::format("\r\033[K{}", fitted(fmt::format("cde: {:.0f} s, {}", elapsed.count(), phase_))));
+    say(fmt::format("\r\033[K{}",
+                    fitted(fmt::format("cde: {:.0f} s, {}", elapsed.count(), phase_))));
   else if (another)
     say(fmt::format("cde: {:.0f} s, {}\n", elapsed.count(), phase_));
 }
