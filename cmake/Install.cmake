@@ -23,7 +23,8 @@ install(DIRECTORY ${PROJECT_BINARY_DIR}/share/ DESTINATION ${CMAKE_INSTALL_DATAD
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 get_property(default_bitstreams GLOBAL PROPERTY CDE_DEFAULT_BITSTREAM_FILES)
 install(CODE "
-  foreach(file IN ITEMS \"${default_bitstreams}\")
+  set(files \"${default_bitstreams}\")
+  foreach(file IN LISTS files)
     cmake_path(GET file PARENT_PATH folder)
     cmake_path(GET file FILENAME name)
     execute_process(COMMAND sha256sum --status -c \"\${name}.sha256\" WORKING_DIRECTORY \"\${folder}\" RESULT_VARIABLE not_whole ERROR_QUIET)
@@ -38,6 +39,13 @@ install(CODE "
     message(STATUS \"Not installed, because not built: \${count} of the default bitstreams. The installed cde builds what it needs \"
       \"on first use, with Verilator and clang; to install them, run `cmake --build ${PROJECT_BINARY_DIR}` first\")
   endif()")
+# What others can write is not loaded, whatever umask the clone and this were made with.
+install(CODE "
+  foreach(folder IN ITEMS ${CMAKE_INSTALL_DATADIR}/cde ${CMAKE_INSTALL_LIBDIR}/cde)
+    if(EXISTS \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/\${folder}\")
+      execute_process(COMMAND chmod -R go-w \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/\${folder}\")
+    endif()
+  endforeach()")
 
 install(EXPORT cdeTargets NAMESPACE cde:: DESTINATION ${package_dir})
 configure_package_config_file(cmake/cdeConfig.cmake.in ${PROJECT_BINARY_DIR}/cdeConfig.cmake INSTALL_DESTINATION ${package_dir})

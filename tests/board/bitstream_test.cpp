@@ -1,12 +1,15 @@
 // Finding, building and refusing bitstreams.
 #include "cde/bitstream.hpp"
 
+#include <pwd.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <tuple>
 
 #include "cases.hpp"
 
@@ -35,6 +38,32 @@ class Bitstreams : public ::testing::Test {
     const char* old = std::getenv(name);
     before_.emplace_back(name, old != nullptr ? std::optional<std::string>(old) : std::nullopt);
     ::setenv(name, value.c_str(), 1);
+  }
+  void unset(const char* name) {
+    set(name, "");
+    ::unsetenv(name);
+  }
+  /// A ready-made bitstream with its checksum in a new folder of this name; its file.
+  fs::path copy_of_host_board(const std::string& name) {
+    const fs::path from = bitstream_path("board", host_config().parameters());
+    fs::create_directories(folder_ / name);
+    const fs::path to = folder_ / name / from.filename();
+    fs::copy_file(from, to);
+    fs::copy_file(fs::path(from) += ".sha256", fs::path(to) += ".sha256");
+    return to;
+  }
+  /// The folder that the host board is loaded from, and what was said about it.
+  std::pair<fs::path, std::string> loaded_from() {
+    ::testing::internal::CaptureStderr();
+    const fs::path file = bitstream_path("board", host_config().parameters());
+    return {file.parent_path(), ::testing::internal::GetCapturedStderr()};
+  }
+  static void flip_bit(const fs::path& file, std::uintmax_t at) {
+    std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
+    bytes.seekg(static_cast<std::streamoff>(at));
+    const int byte = bytes.get();
+    bytes.seekp(static_cast<std::streamoff>(at));
+    bytes.put(static_cast<char>(byte ^ 0x10));
   }
   static void expect(ErrorCode code, const std::string& text,
                      const std::function<void()>& statement) {
@@ -94,14 +123,149 @@ TEST_F(Bitstreams, FilesThatAreNone) {
 }
 
 TEST_F(Bitstreams, DamagedReadyMadeOneIsPassedOver) {
-  const fs::path host = bitstream_path("board", host_config().parameters());
-  fs::create_directories(folder_ / "cache");
-  fs::copy_file(host, folder_ / "cache" / host.filename());
-  fs::create_directories(folder_ / "ready");
-  fs::copy_file(host, folder_ / "ready" / host.filename());
-  fs::resize_file(folder_ / "ready" / host.filename(), 10'000);
+  copy_of_host_board("cache");
+  const fs::path ready = copy_of_host_board("ready");
   set("CDE_BITSTREAMS", folder_ / "ready");
-  EXPECT_NE(bitstream_path("board", host_config().parameters()).parent_path(), folder_ / "ready");
+  ASSERT_EQ(loaded_from().first, folder_ / "ready");
+  fs::resize_file(ready, 10'000);
+  const auto [folder, said] = loaded_from();
+  EXPECT_NE(folder, folder_ / "ready");
+  EXPECT_NE(said.find(ready.string() + " is not loaded: it is damaged"), std::string::npos) << said;
+}
+
+/// A bit anywhere: in code it was SIGSEGV, SIGILL or wrong records with exit status 0.
+TEST_F(Bitstreams, FlippedBitsAreNotLoaded) {
+  const auto size = fs::file_size(bitstream_path("board", host_config().parameters()));
+  for (const std::uintmax_t at :
+       {std::uintmax_t{0}, std::uintmax_t{0x18}, size / 4, size / 2, size - 1}) {
+    const std::string name = "flipped" + std::to_string(at);
+    const fs::path file = copy_of_host_board(name);
+    flip_bit(file, at);
+    set("CDE_BITSTREAMS", folder_ / name);
+    const auto [folder, said] = loaded_from();
+    EXPECT_NE(folder, folder_ / name);
+    EXPECT_NE(said.find(file.string() + " is not loaded: it is damaged"), std::string::npos)
+        << said;
+    expect(ErrorCode::kConfiguration, at == 0 ? "is not a bitstream" : "is damaged",
+           [&] { (void)Bitstream::load(file, 0); });
+    flip_bit(file, at);
+    EXPECT_EQ(loaded_from().first, folder_ / name) << "whole again";
+  }
+}
+
+TEST_F(Bitstreams, WithoutChecksumOneIsNotLoaded) {
+  const fs::path file = copy_of_host_board("ready");
+  set("CDE_BITSTREAMS", folder_ / "ready");
+  fs::remove(fs::path(file) += ".sha256");
+  const auto [folder, said] = loaded_from();
+  EXPECT_NE(folder, folder_ / "ready");
+  EXPECT_NE(said.find(file.string() + " is not loaded: it has no checksum"), std::string::npos)
+      << said;
+}
+
+TEST_F(Bitstreams, WhatOthersCanWriteIsNotLoaded) {
+  using fs::perms;
+  for (const perms who : {perms::group_write, perms::others_write}) {
+    SCOPED_TRACE(static_cast<unsigned>(who));
+    const std::string name = "ready" + std::to_string(static_cast<unsigned>(who));
+    const fs::path file = copy_of_host_board(name);
+    set("CDE_BITSTREAMS", folder_ / name);
+    ASSERT_EQ(loaded_from().first, folder_ / name);
+    fs::permissions(file, who, fs::perm_options::add);
+    auto [folder, said] = loaded_from();
+    EXPECT_NE(folder, folder_ / name);
+    EXPECT_NE(said.find(file.string() + " is not loaded: it can be written by others"),
+              std::string::npos)
+        << said;
+    expect(ErrorCode::kFile, "can be written by others", [&] { (void)Bitstream::load(file, 0); });
+    fs::permissions(file, who, fs::perm_options::remove);
+    fs::permissions(file.parent_path(), who, fs::perm_options::add);
+    std::tie(folder, said) = loaded_from();
+    EXPECT_NE(folder, folder_ / name);
+    EXPECT_NE(said.find("folder " + (folder_ / name).string() +
+                        " is refused: it can be written by others"),
+              std::string::npos)
+        << said;
+    expect(ErrorCode::kFile, "can be written by others", [&] { (void)Bitstream::load(file, 0); });
+  }
+}
+
+TEST_F(Bitstreams, WhatBelongsToOthersIsNotLoaded) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
+  const fs::path file = copy_of_host_board("ready");
+  set("CDE_BITSTREAMS", folder_ / "ready");
+  ASSERT_EQ(::chown(file.c_str(), 4242, 4242), 0);
+  auto [folder, said] = loaded_from();
+  EXPECT_NE(folder, folder_ / "ready");
+  EXPECT_NE(said.find(file.string() + " is not loaded: it belongs to user 4242"), std::string::npos)
+      << said;
+  ASSERT_EQ(::chown(file.c_str(), 0, 0), 0);
+  ASSERT_EQ(::chown(file.parent_path().c_str(), 4242, 4242), 0);
+  std::tie(folder, said) = loaded_from();
+  EXPECT_NE(folder, folder_ / "ready");
+  EXPECT_NE(said.find("ready is refused: it belongs to user 4242"), std::string::npos) << said;
+
+  fs::create_directories(folder_ / "foreign");
+  ASSERT_EQ(::chown((folder_ / "foreign").c_str(), 4242, 4242), 0);
+  set("CDE_CACHE", folder_ / "foreign");
+  expect(ErrorCode::kFile, "foreign: belongs to user 4242", [] { (void)bitstream_cache(); });
+}
+
+/// ../../lib/cde/bitstreams is an installation's folder: beside a clone it is anybody's. The
+/// build's own folder belongs to the build tree's programs and to no other sources.
+TEST_F(Bitstreams, InstalledFoldersOnlyInAnInstallation) {
+  const fs::path source = bitstream_builder().parent_path().parent_path(),
+                 clone = folder_ / "share/clone";
+  fs::create_directories(clone);
+  for (const char* part : {"rtl", "verilator"})
+    fs::copy(source / part, clone / part, fs::copy_options::recursive);
+  copy_of_host_board("lib/cde/bitstreams");
+  unset("CDE_BITSTREAMS");
+  set("CDE_SHARE", clone);
+  EXPECT_FALSE(bitstream_file("board", host_config().parameters()).built);
+  std::ofstream(clone / "verilator/toolchain") << "what an installation has\n";
+  EXPECT_EQ(bitstream_path("board", host_config().parameters()).parent_path(),
+            folder_ / "lib/cde/bitstreams");
+  fs::permissions(folder_ / "lib/cde/bitstreams", fs::perms::others_write, fs::perm_options::add);
+  EXPECT_FALSE(bitstream_file("board", host_config().parameters()).built);
+
+  fs::permissions(clone / "verilator/bitstream", fs::perms::others_write, fs::perm_options::add);
+  expect(ErrorCode::kFile,
+         "the bitstream builder is refused: " + (clone / "verilator/bitstream").string(),
+         [] { (void)bitstream_builder(); });
+}
+
+TEST_F(Bitstreams, CacheIsAPrivateFolder) {
+  const auto cache = [] {
+    return bitstream_file("board", {"LANES=1", "SRAM_RECORDS=2"}).path.parent_path();
+  };
+  unset("CDE_CACHE");
+  set("XDG_CACHE_HOME", folder_ / "xdg");
+  EXPECT_EQ(cache(), folder_ / "xdg/cde");
+  set("HOME", folder_ / "home");
+  set("XDG_CACHE_HOME", "relative/folder");
+  EXPECT_EQ(cache(), folder_ / "home/.cache/cde") << "a relative XDG_CACHE_HOME is ignored";
+  const mode_t mask = ::umask(0);
+  EXPECT_EQ(bitstream_cache(), folder_ / "home/.cache/cde");
+  ::umask(mask);
+  for (const char* made : {"home", "home/.cache", "home/.cache/cde"})
+    EXPECT_EQ(fs::status(folder_ / made).permissions(), fs::perms::owner_all) << made;
+  const passwd* user = ::getpwuid(::geteuid());
+  const bool at_home = user != nullptr && fs::is_directory(user->pw_dir);
+  const fs::path without = at_home ? fs::path(user->pw_dir) / ".cache/cde"
+                                   : fs::path("/tmp") / ("cde-" + std::to_string(::geteuid()));
+  unset("HOME");
+  EXPECT_EQ(cache(), without);
+  set("HOME", "relative");
+  EXPECT_EQ(cache(), without);
+
+  fs::permissions(folder_ / "home/.cache/cde", fs::perms::others_write, fs::perm_options::add);
+  set("HOME", folder_ / "home");
+  expect(ErrorCode::kFile, "home/.cache/cde: can be written by others",
+         [] { (void)bitstream_cache(); });
+  std::ofstream(folder_ / "file") << "";
+  set("CDE_CACHE", folder_ / "file");
+  expect(ErrorCode::kFile, "is not a folder", [] { (void)bitstream_cache(); });
 }
 
 /// The first use of a configuration by two processes at once: one build, both get it; then its file
@@ -131,8 +295,14 @@ TEST_F(Bitstreams, BuiltOnFirstUseAndWhenDamaged) {
   ASSERT_EQ(file.parent_path(), folder_ / "cache");
   const auto size = fs::file_size(file);
   fs::resize_file(file, size / 2);
+  ::testing::internal::CaptureStderr();
   EXPECT_TRUE(works());
+  const std::string said = ::testing::internal::GetCapturedStderr();
   EXPECT_EQ(fs::file_size(file), size);
+  for (const std::string& text : {file.string() + " is not loaded: it is damaged",
+                                  std::string("building bitstream board ARITH=host LANES=1"),
+                                  std::string(" s, compiling (clang)"), std::string("built in")})
+    EXPECT_NE(said.find(text), std::string::npos) << said;
   for (const auto& entry : fs::directory_iterator(folder_ / "cache")) {
     EXPECT_FALSE(entry.path().filename().string().starts_with(".build")) << entry.path();
   }

@@ -1,0 +1,143 @@
+// A signal while a bitstream is built: the build ends with the command, whoever it was sent to.
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "run_cde.hpp"
+
+namespace cde::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Empty if it cannot be read: a process may end meanwhile.
+std::string text_of(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+class Building : public Cli {
+ protected:
+  pid_t start_building() {
+    return start({"cast", "terrain:3,3,1", "--grid", "4x4", "--lanes", "2", "-o", "hits.csv"},
+                 {"CDE_CACHE=" + (folder_ / "cache").string()});
+  }
+  /// Waits until the compiler works at the model, and a little longer.
+  bool wait_for_compiler(pid_t child) {
+    for (int i = 0; i < 600; ++i) {
+      if (commands().find("all.cpp") != std::string::npos) return true;
+      siginfo_t info{};
+      ::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT);
+      if (info.si_pid == child) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return false;
+  }
+  /// Command lines of all processes that have to do with the cache of this test.
+  std::string commands() {
+    std::string found;
+    std::error_code gone;
+    for (const auto& entry : fs::directory_iterator("/proc", gone)) {
+      const std::string line = text_of(entry.path() / "cmdline");
+      if (line.find((folder_ / "cache").string()) != std::string::npos)
+        found += entry.path().filename().string() + ": " + line + "\n";
+    }
+    return found;
+  }
+  /// The builder, a child of the command.
+  static pid_t builder_of(pid_t command) {
+    std::istringstream children(text_of("/proc/" + std::to_string(command) + "/task/" +
+                                        std::to_string(command) + "/children"));
+    pid_t child = 0;
+    children >> child;
+    return child;
+  }
+  void expect_nothing_left() {
+    EXPECT_EQ(commands(), "");
+    for (const auto& entry : fs::directory_iterator(folder_ / "cache")) {
+      const std::string name = entry.path().filename();
+      EXPECT_TRUE(name.starts_with(".runtime-") || name.ends_with(".lock")) << name;
+    }
+    EXPECT_FALSE(exists("hits.csv"));
+  }
+};
+
+TEST_F(Building, SignalToTheCommandAlone) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    SCOPED_TRACE(signal);
+    const pid_t child = start_building();
+    const bool began = wait_for_compiler(child);
+    ::kill(child, signal);
+    const Ran ran = finish(child);
+    ASSERT_TRUE(began) << ran.err;
+    EXPECT_EQ(ran.status, 128 + signal) << ran.err;
+    expect_nothing_left();
+    EXPECT_EQ(files(), std::vector<std::string>{"cache"}) << "an output was left";
+  }
+}
+
+TEST_F(Building, SignalToTheBuilderAlone) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    SCOPED_TRACE(signal);
+    const pid_t child = start_building();
+    const bool began = wait_for_compiler(child);
+    ASSERT_GT(builder_of(child), 0);
+    ::kill(builder_of(child), signal);
+    const Ran ran = finish(child);
+    ASSERT_TRUE(began) << ran.err;
+    EXPECT_EQ(ran.status, 128 + signal) << ran.err;
+    EXPECT_NE(ran.err.find("was ended"), std::string::npos) << ran.err;
+    expect_nothing_left();
+  }
+}
+
+/// Nothing can be done in time here; what it started sees that it is gone.
+TEST_F(Building, KilledCommandLeavesNoCompiler) {
+  const pid_t child = start_building();
+  const bool began = wait_for_compiler(child);
+  ::kill(child, SIGKILL);
+  EXPECT_EQ(finish(child).status, 128 + SIGKILL);
+  ASSERT_TRUE(began);
+  for (int i = 0; i < 250 && !commands().empty(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  expect_nothing_left();
+}
+
+/// nohup, and `&` of a shell without job control.
+TEST_F(Building, IgnoredSignalsStayIgnored) {
+  for (const int signal : {SIGINT, SIGHUP}) ::signal(signal, SIG_IGN);
+  const pid_t child = start_building();
+  for (const int signal : {SIGINT, SIGHUP}) ::signal(signal, SIG_DFL);
+  const bool began = wait_for_compiler(child);
+  for (const int signal : {SIGINT, SIGHUP}) {
+    ::kill(child, signal);
+    ::kill(builder_of(child), signal);
+  }
+  const Ran ran = finish(child);
+  ASSERT_TRUE(began) << ran.err;
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_TRUE(exists("hits.csv"));
+}
+
+/// The same while it writes and plays: `cde run` notes signals of its own.
+TEST_F(Building, IgnoredSignalsStayIgnoredInARun) {
+  ::signal(SIGHUP, SIG_IGN);
+  const pid_t child =
+      start({"run", std::string(CDE_SOURCE_DIR) + "/meshes/scenes/mixed.toml", "--frames", "0..1"});
+  ::signal(SIGHUP, SIG_DFL);
+  for (int i = 0; i < 50; ++i) {
+    ::kill(child, SIGHUP);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  const Ran ran = finish(child);
+  EXPECT_EQ(ran.status, 0) << ran.err;
+}
+
+}  // namespace
+}  // namespace cde::testing
