@@ -146,13 +146,13 @@ module project_polyhedron #(
     `DF_VSELECT(best1, nearer1, p1, best0)
     `DF_VSELECT(best2, nearer2, p2, best1)
 
-    // ---- The plane; v0 v2 runs against the other two edges ----
+    // ---- The plane, strictly inside, which nothing is without area; v0 v2 runs against the other two edges ----
     `DF_PICK(side0, side, 0)
     `DF_PICK(side1, side, 1)
     `DF_PICK(side2, side, 2)
-    `DF_LE(left0, zero, side0)
-    `DF_LE(right1, side1, zero)
-    `DF_LE(left2, zero, side2)
+    `DF_LT(left0, zero, side0)
+    `DF_LT(right1, side1, zero)
+    `DF_LT(left2, zero, side2)
     `DF_AND(left, left0, left2)
     `DF_AND(enclosed, left, right1)
     `DF_AND(above_it, enclosed, level_face)

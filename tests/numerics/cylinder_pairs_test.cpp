@@ -354,6 +354,18 @@ TEST(CylinderRegression, SideThatEndsUnderARim) {
   EXPECT_NEAR((got.cp.cast<double>() - Vec(0, 1, 2)).norm(), 0, 1e-5);
 }
 
+/// Three points of a line, on a cap: no point of that line beyond them is one of the triangle.
+TEST(CylinderRegression, TriangleWithoutAreaOnACap) {
+  const oracle::Triangle flat{Vec(4, -4, 2), Vec(-5, -4, -5), Vec(-2.75, -4, -3.25)};
+  const oracle::Cylinder cylinder{Vec(-5, -6, -6.5), Vec(0, 1, 0), 2, 3};
+  const Outcome<float> got = answer<float>(oracle::Pair::kTriangleCylinder, oracle::to_words(flat),
+                                           oracle::to_words(cylinder), {});
+  EXPECT_TRUE(got.f);
+  EXPECT_EQ(got.t, 0);
+  EXPECT_LE(oracle::distance(got.cp.cast<double>(), flat), 1e-5);
+  EXPECT_LE(oracle::distance(got.cp.cast<double>(), cylinder), 1e-5);
+}
+
 /// An edge beside a cylinder that leans a thousandth: over 2e-4 radian g is the same up to
 /// rounding, the direction between the nearest points is not.
 TEST(CylinderRegression, NormalWhereTheGapIsFlat) {

@@ -101,9 +101,9 @@ template <typename S>
     const Mask<S> nearer = rr < least && flat[i] && (ends[i] || face);
     best = select<S>(nearer, p, best);
     least = select<S>(nearer, rr, least);
-    // v0 v2 runs against the other two.
+    // v0 v2 runs against the other two. Strictly: without area nothing is inside.
     const S side = dot<S>(cross<S>(edge, w), pair.face);
-    inside = inside && (i == 1 ? side <= zero : zero <= side);
+    inside = inside && (i == 1 ? side < zero : zero < side);
   }
   const Vector<S> plane = sub<S>(x, scale<S>(pair.face, dot<S>(x, pair.face)));
   return select<S>(inside, plane, best);
