@@ -38,7 +38,7 @@ module fp_unit #(
       logic [LANES-1:0][CW-1:0] r, f;
       fp_lanes #(.OP(k), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .CANON(CANON != 0),
           .FLAGS(FLAGS != 0)) lanes (
-          .clk_i(clk_i[k]), .a_i, .b_i, .r_o(r), .flags_o(f));
+          .clk_i(clk_i[k]), .on_i(1'b1), .a_i, .b_i, .r_o(r), .flags_o(f));
       // The host back end is combinational; here it gets the timing of the gates.
       fp_delay #(.LANES(LANES), .W(CW), .DEPTH(ARITH != "rtl" ? LAT : 0)) delay_r (.clk_i(clk_i[k]), .d_i(r), .q_o(r_o[k]));
       fp_delay #(.LANES(LANES), .W(CW), .DEPTH(ARITH != "rtl" ? LAT : 0)) delay_f (.clk_i(clk_i[k]), .d_i(f), .q_o(f_o[k]));
