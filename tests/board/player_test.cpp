@@ -193,7 +193,8 @@ TEST(PlayerMoves, ShapesThatMoveOnTheirOwn) {
   const std::string balls = shapes("balls", "sphere", 40, kEach) +
                             shapes("cloud", "sphere", 20, kTurning) +
                             "[[query]]\nname = \"q\"\npair = \"sphere-sphere\"\n"
-                            "primaries = \"balls\"\nsecondaries = [\"balls\", \"cloud\"]\n";
+                            "primaries = \"balls\"\nsecondaries = [\"balls\", \"cloud\"]\n"
+                            "self = true\n";  // without it passes are of ranges: the host moves
   Played mixed(balls);
   EXPECT_EQ(mixed.plan().card_moves, (std::vector<bool>{false, true}));
   EXPECT_EQ(mixed.secondary_words(0), 60u * 4 + 2 * 14) << "the balls are an object that stays";

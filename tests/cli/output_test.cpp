@@ -181,21 +181,22 @@ TEST_F(Outputs, WhatCannotBeWrittenIsFoundOutBefore) {
 }
 
 TEST_F(Outputs, WhatAKilledOneLeavesIsSweptAway) {
-  for (const char* option : {"-o", "--trace"}) {
+  for (const std::string option : {"-o", "--trace"}) {
+    const std::string out = option == "-o" ? "out.csv" : "out.fst";
     const pid_t child = start({"cast", "terrain:60,60,1", "--grid", "300x300", "--lanes",
-                               option[1] == '-' ? "4" : "16", "-q", option, "out"});
+                               option == "--trace" ? "4" : "16", "-q", option, out});
     bool began = false;
     for (int i = 0; i < 1200 && !began; ++i, ::usleep(10'000)) began = files().size() > 3;
     // Another one that writes the same name meanwhile does not harm it, and the other way round.
-    EXPECT_EQ(cde(cast({option, "out"})).status, 0);
+    EXPECT_EQ(cde(cast({option, out})).status, 0);
     ASSERT_TRUE(began);
     EXPECT_EQ(files().size(), 5u) << fmt::format("{}", fmt::join(files(), " "));
     ::kill(child, SIGKILL);
     (void)finish(child);
     EXPECT_EQ(files().size(), 5u) << "nobody could remove it";
-    EXPECT_EQ(cde(cast({option, "out"})).status, 0);
-    EXPECT_EQ(files(), (Words{"one.obj", "out", "rays.csv", "scene.toml"}));
-    fs::remove(folder_ / "out");
+    EXPECT_EQ(cde(cast({option, out})).status, 0);
+    EXPECT_EQ(files(), (Words{"one.obj", out, "rays.csv", "scene.toml"}));
+    fs::remove(folder_ / out);
   }
 }
 

@@ -13,10 +13,9 @@ Suffix suffix_of(const std::string& path) {
   if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
     return {"", true};
   fs::path name(path);
-  if (fs::is_symlink(fs::symlink_status(name, failed))) {
-    const fs::path target = fs::weakly_canonical(name, failed);
-    if (!failed) name = target;
-  }
+  // Links one by one: the file that the last one names need not be there yet.
+  for (int links = 0; links < 40 && fs::is_symlink(fs::symlink_status(name, failed)); ++links)
+    name = name.parent_path() / fs::read_symlink(name, failed);
   return {name.extension().string(), false};
 }
 
