@@ -114,12 +114,15 @@ std::string stacked_bars(std::string_view label, const std::vector<std::string>&
   return svg + "</ul>\n";
 }
 
-std::string log_bars(std::string_view label, const std::vector<Bar>& bars) {
+std::string log_dots(std::string_view label, const std::vector<Dot>& dots) {
   double least = 1e300, most = 0;
-  for (const Bar& b : bars) least = std::min(least, b.seconds), most = std::max(most, b.seconds);
-  const Decades axis(least / 1.5, most);
+  for (const Dot& d : dots) {
+    least = std::min(least, d.low > 0 ? d.low : d.seconds);
+    most = std::max(most, std::max(d.high, d.seconds));
+  }
+  const Decades axis(least / 1.5, 1.2 * most);
   constexpr double kRow = 46, kAxis = 18;
-  const double height = kAxis + kRow * static_cast<double>(bars.size());
+  const double height = kAxis + kRow * static_cast<double>(dots.size());
   const bool crowded = axis.high - axis.low > 4;  // on a narrow screen
   std::string svg = start("rows", label, height);
   for (int power = axis.low; power <= axis.high; ++power) {
@@ -132,13 +135,21 @@ std::string log_bars(std::string_view label, const std::vector<Bar>& bars) {
         crowded && (power - axis.low) % 2 != 0 ? " aside" : "");
   }
   double y = kAxis;
-  for (const Bar& b : bars) {
+  for (const Dot& d : dots) {
     svg += fmt::format(
         "<text class=\"name\" x=\"0\" y=\"{:g}\">{}<tspan class=\"value\" dx=\"10\">{}</tspan>"
-        "<tspan class=\"tick aside\" dx=\"8\">{}</tspan></text>"
-        "<rect class=\"s{}\" x=\"0\" y=\"{:g}\" height=\"14\" rx=\"2\" width=\"{:.4g}%\"/>\n",
-        y + 18, escaped(b.name), duration(b.seconds), escaped(b.note), b.colour, y + 24,
-        100 * axis.share(b.seconds));
+        "<tspan class=\"tick aside\" dx=\"8\">{}</tspan></text>\n",
+        y + 18, escaped(d.name), duration(d.seconds), escaped(d.note));
+    if (d.low > 0) {
+      svg += fmt::format(
+          "<line class=\"l{0} spread\" x1=\"{1:.4g}%\" x2=\"{2:.4g}%\" y1=\"{3:g}\" y2=\"{3:g}\"/>",
+          d.colour, 100 * axis.share(d.low), 100 * axis.share(d.high), y + 31);
+    }
+    svg += fmt::format(
+        "<circle class=\"s{0} l{0}{1}\" cx=\"{2:.4g}%\" cy=\"{3:g}\" r=\"6\"><title>{4}: "
+        "{5}</title></circle>\n",
+        d.colour, d.hollow ? " hollow" : "", 100 * axis.share(d.seconds), y + 31, escaped(d.name),
+        duration(d.seconds));
     y += kRow;
   }
   return svg + "</svg></div>\n";

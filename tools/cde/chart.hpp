@@ -21,16 +21,18 @@ struct Series {
                                        const std::vector<std::string>& names,
                                        const std::vector<Series>& series);
 
-/// A bar that lies, with what it is above it.
-struct Bar {
+/// A measurement or a modelled time, with what it is above it.
+struct Dot {
   std::string name;
   int colour = 0;
-  double seconds = 0;  ///< > 0
-  std::string note;    ///< behind the value
+  double seconds = 0;        ///< > 0
+  double low = 0, high = 0;  ///< a line through the dot, if low > 0
+  bool hollow = false;       ///< not to be compared with the others
+  std::string note;          ///< behind the value
 };
 
-/// Times on a logarithmic axis of whole decades.
-[[nodiscard]] std::string log_bars(std::string_view label, const std::vector<Bar>& bars);
+/// Times on a logarithmic axis of whole decades. Dots, as a bar's length would say nothing there.
+[[nodiscard]] std::string log_dots(std::string_view label, const std::vector<Dot>& dots);
 
 /// A line through points.
 struct Line {

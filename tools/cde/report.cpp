@@ -332,6 +332,20 @@ Report::Json Report::data(const Json& run) const {
   return j;
 }
 
+std::string Report::legend_html() const {
+  std::string html = "<ul class=\"legend\" id=\"objects\">\n";
+  for (std::size_t i = 0; i < geometry_.objects().size(); ++i) {
+    const auto& object = geometry_.objects()[i];
+    html += fmt::format(
+        "<li><svg width=\"14\" height=\"12\" aria-hidden=\"true\"><rect width=\"14\" height=\"12\" "
+        "fill=\"{}\"/></svg>{}</li>\n",
+        colour_of(object.shape, i),
+        escaped(
+            fmt::format("{}, {} × {}", object.name, grouped(object.count), name(object.shape))));
+  }
+  return html + "</ul>\n";
+}
+
 std::vector<std::string> Report::notes() const {
   std::vector<std::string> notes = geometry_.notes();
   if (stride_ > 1)

@@ -61,6 +61,7 @@ class Report {
 
   [[nodiscard]] Json data(const Json& run) const;
   [[nodiscard]] std::string view_html() const;
+  [[nodiscard]] std::string legend_html() const;
   [[nodiscard]] std::string charts_html() const;
   [[nodiscard]] std::string tables_html(const Json& run) const;
   [[nodiscard]] std::vector<std::string> notes() const;

@@ -66,7 +66,11 @@ std::string Report::view_html() const {
   std::string html = fmt::format(
       "<section aria-label=\"3-D view\">\n<figure><div class=\"stage\" id=\"stage\"><img "
       "src=\"data:image/png;base64,{}\" width=\"{}\" height=\"{}\" alt=\"{}\">"
-      "<p class=\"readout\" id=\"readout\"></p></div>\n",
+      "<svg class=\"scale\" id=\"scale\" width=\"200\" height=\"34\" role=\"img\" hidden><path/>"
+      "<text x=\"196\" y=\"16\" text-anchor=\"end\"></text></svg>"
+      "<svg class=\"axes\" id=\"axes\" width=\"84\" height=\"84\" role=\"img\" "
+      "aria-label=\"Directions of "
+      "the axes x, y and z\" hidden></svg><p class=\"readout\" id=\"readout\"></p></div>\n",
       base64({reinterpret_cast<const std::uint8_t*>(picture_->data()), picture_->size()}),
       kPictureSize.width, kPictureSize.height, alt);
   html +=
@@ -75,7 +79,9 @@ std::string Report::view_html() const {
       "aria-label=\"Frame\"><output id=\"frame-text\" for=\"frame\"></output>"
       "<label><input id=\"show-rays\" type=\"checkbox\" checked>rays</label>"
       "<label><input id=\"show-hits\" type=\"checkbox\" checked>hits</label>"
-      "<button id=\"reset\" type=\"button\">Reset view</button></div>\n";
+      "<label>up <select id=\"up\"><option>x</option><option>y</option><option selected>z</option>"
+      "</select></label><button id=\"reset\" type=\"button\">Reset view</button></div>\n";
+  html += legend_html();
   html +=
       "<figcaption>Rays that hit are orange up to the last hit found; of others only the start is "
       "drawn, blue. Red: hits of rays. Green: contacts of solids, with the normal where the query "
