@@ -162,6 +162,27 @@ TEST_F(Pages, ReportOfTheMixedScene) {
   for (const json& object : data["objects"]) kinds.push_back(object["kind"]);
   EXPECT_EQ(kinds, (std::vector<std::string>{"surface", "rays", "box", "sphere", "rays"}));
   EXPECT_EQ(data["queries"][1]["normals"], true);
+  // Of the three balls those that the box does not touch: seven words each to their closest points.
+  const auto apart = data["views"][0]["queries"][1]["apart"].get<std::string>().size();
+  const json run = json::parse(read("out/run.json"));
+  const std::size_t hits = run["played"][0]["queries"][1]["hits"];
+  ASSERT_LT(hits, 3u);
+  EXPECT_EQ(apart, ((3 - hits) * 7 * 4 + 2) / 3 * 4);
+  EXPECT_EQ(data["views"][0]["queries"][0]["apart"], "") << "rays have no closest points";
+  const auto gaps = between(html, "<section id=\"gaps\">", "</section>");
+  ASSERT_EQ(gaps.size(), 1u);
+  for (std::size_t q = 0; q < 3; ++q) {
+    std::uint64_t any = data["queries"][q]["rays"] == false ? 1 : 0;
+    for (const json& frame : run["played"]) any += frame["queries"][q]["hits"].get<std::uint64_t>();
+    const std::string query = data["queries"][q]["name"];
+    EXPECT_EQ(count(gaps[0], fmt::format("aria-label=\"{}, gap against time\"", query)),
+              any > 0 ? 1u : 0u)
+        << query;
+  }
+  EXPECT_EQ(count(gaps[0], "NaN") + count(gaps[0], "nan"), 0u);
+  for (const char* part : {"ground, 9,600 × triangle", "balls, 3 × sphere", "id=\"scale\"",
+                           "id=\"axes\"", "<select id=\"up\">"})
+    EXPECT_EQ(count(html, part), 1u) << part;
   EXPECT_EQ(html.find("/meshes/"), std::string::npos) << "no path of this machine";
 }
 

@@ -39,8 +39,12 @@ struct Line {
   std::string name;
   int colour = 0;
   bool dashed = false;
-  std::vector<double> x, y;  ///< > 0; y in seconds
+  std::vector<double> x, y;  ///< on logarithmic axes > 0, y in seconds
 };
+
+/// Values over x, both axes linear, with a line at 0; not finite: a hole in the line.
+[[nodiscard]] std::string linear_lines(std::string_view label, std::string_view x_name,
+                                       const std::vector<Line>& lines);
 
 /// Times over a count, both axes logarithmic.
 [[nodiscard]] std::string log_lines(std::string_view label, std::string_view x_name,

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "chart.hpp"
 #include "page.hpp"
@@ -85,7 +86,8 @@ std::string Report::view_html() const {
   html +=
       "<figcaption>Rays that hit are orange up to the last hit found; of others only the start is "
       "drawn, blue. Red: hits of rays. Green: contacts of solids, with the normal where the query "
-      "asked for it. Drag turns, Shift and drag moves, the wheel zooms.";
+      "asked for it; there white lines join the closest points of the nearest pairs that miss. "
+      "Drag turns, Shift and drag moves, the wheel zooms.";
   for (const std::string& note : notes()) html.append(" ").append(escaped(note));
   return html + "</figcaption></figure>\n</section>\n";
 }
@@ -121,6 +123,36 @@ std::string Report::charts_html() const {
       scene_.card.clock_hz / 1e6, means,
       stacked_bars("Modelled time of every frame by part", names, modelled), means,
       stacked_bars("Wall time of every frame", names, wall));
+}
+
+/// Over the frames: of solids the signed gap, of rays T.
+std::string Report::gaps_html() const {
+  const std::size_t group = (played_.size() + kMostBars - 1) / kMostBars;
+  std::string html =
+      "<section id=\"gaps\"><h2>Gap against time</h2>\n<p>Of solids the distance, or below 0 the "
+      "depth; of "
+      "rays T of the hits, in lengths of the ray's direction. Least and most of the records of a "
+      "frame; where there is none the line has a hole.</p>\n";
+  for (std::size_t q = 0; q < scene_.queries.size(); ++q) {
+    const SceneQuery& query = scene_.queries[q];
+    Line least{.name = "least", .colour = 1, .x = {}, .y = {}};
+    Line most{.name = "most", .colour = 4, .x = {}, .y = {}};
+    bool any = false;
+    for (std::size_t first = 0; first < played_.size(); first += group) {
+      float low = NAN, high = NAN;
+      for (std::size_t i = first; i < std::min(first + group, played_.size()); ++i) {
+        low = std::fmin(low, played_[i].gaps[q][0]);
+        high = std::fmax(high, played_[i].gaps[q][1]);
+      }
+      for (Line* line : {&least, &most}) line->x.push_back(seconds(scene_, played_[first].number));
+      least.y.push_back(low), most.y.push_back(high);
+      any = any || std::isfinite(low);
+    }
+    html += fmt::format("<h3>{} ({})</h3>\n", escaped(query.name), name(query.pair));
+    html += any ? linear_lines(query.name + ", gap against time", "seconds", {most, least})
+                : std::string("<p>No record has a gap.</p>\n");
+  }
+  return html + "</section>\n";
 }
 
 std::string Report::tables_html(const Json& run) const {

@@ -121,7 +121,7 @@
     const points = new THREE.Points(geometry, material);
     points.frustumCulled = false;
     layers.hits.add(points);
-    const normals = lines(layers.hits, colour, 0.9);
+    const normals = lines(layers.hits, colour, 0.9), apart = lines(layers.hits, "#e9edf2", 0.9);
     return (state) => {
       const w = floats(state.words), at = [], ends = [];
       for (let i = 0; i < w.length; i += stride) {
@@ -130,6 +130,11 @@
       }
       geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(at), 3));
       normals(ends);
+      // The closest points of solids that miss are CP ∓ T n / 2.
+      const misses = floats(state.apart), gaps = [];
+      for (let i = 0; i < misses.length; i += 7)
+        for (const half of [-misses[i + 3] / 2, misses[i + 3] / 2]) for (let k = 0; k < 3; ++k) gaps.push(misses[i + k] + half * misses[i + 4 + k]);
+      apart(gaps);
     };
   }
   const objects = data.objects.map((o) => o.kind === "surface" ? surface(o) : o.kind === "rays" ? rays() : solids(o));
