@@ -114,12 +114,15 @@ std::string stacked_bars(std::string_view label, const std::vector<std::string>&
   return svg + "</ul>\n";
 }
 
-std::string log_bars(std::string_view label, const std::vector<Bar>& bars) {
+std::string log_dots(std::string_view label, const std::vector<Dot>& dots) {
   double least = 1e300, most = 0;
-  for (const Bar& b : bars) least = std::min(least, b.seconds), most = std::max(most, b.seconds);
-  const Decades axis(least / 1.5, most);
+  for (const Dot& d : dots) {
+    least = std::min(least, d.low > 0 ? d.low : d.seconds);
+    most = std::max(most, std::max(d.high, d.seconds));
+  }
+  const Decades axis(least / 1.5, 1.2 * most);
   constexpr double kRow = 46, kAxis = 18;
-  const double height = kAxis + kRow * static_cast<double>(bars.size());
+  const double height = kAxis + kRow * static_cast<double>(dots.size());
   const bool crowded = axis.high - axis.low > 4;  // on a narrow screen
   std::string svg = start("rows", label, height);
   for (int power = axis.low; power <= axis.high; ++power) {
@@ -132,16 +135,70 @@ std::string log_bars(std::string_view label, const std::vector<Bar>& bars) {
         crowded && (power - axis.low) % 2 != 0 ? " aside" : "");
   }
   double y = kAxis;
-  for (const Bar& b : bars) {
+  for (const Dot& d : dots) {
     svg += fmt::format(
         "<text class=\"name\" x=\"0\" y=\"{:g}\">{}<tspan class=\"value\" dx=\"10\">{}</tspan>"
-        "<tspan class=\"tick aside\" dx=\"8\">{}</tspan></text>"
-        "<rect class=\"s{}\" x=\"0\" y=\"{:g}\" height=\"14\" rx=\"2\" width=\"{:.4g}%\"/>\n",
-        y + 18, escaped(b.name), duration(b.seconds), escaped(b.note), b.colour, y + 24,
-        100 * axis.share(b.seconds));
+        "<tspan class=\"tick aside\" dx=\"8\">{}</tspan></text>\n",
+        y + 18, escaped(d.name), duration(d.seconds), escaped(d.note));
+    if (d.low > 0) {
+      svg += fmt::format(
+          "<line class=\"l{0} spread\" x1=\"{1:.4g}%\" x2=\"{2:.4g}%\" y1=\"{3:g}\" y2=\"{3:g}\"/>",
+          d.colour, 100 * axis.share(d.low), 100 * axis.share(d.high), y + 31);
+    }
+    svg += fmt::format(
+        "<circle class=\"s{0} l{0}{1}\" cx=\"{2:.4g}%\" cy=\"{3:g}\" r=\"6\"><title>{4}: "
+        "{5}</title></circle>\n",
+        d.colour, d.hollow ? " hollow" : "", 100 * axis.share(d.seconds), y + 31, escaped(d.name),
+        duration(d.seconds));
     y += kRow;
   }
   return svg + "</svg></div>\n";
+}
+
+std::string linear_lines(std::string_view label, std::string_view x_name,
+                         const std::vector<Line>& lines) {
+  double low = 0, high = 0;
+  for (const Line& line : lines)
+    for (const double y : line.y)
+      if (std::isfinite(y)) low = std::min(low, y), high = std::max(high, y);
+  if (high == low) high = low + 1;
+  const double tall = 0.7 * kHeight, first = lines.front().x.front(), last = lines.front().x.back();
+  const auto at_x = [&](double x) {
+    return last > first ? 100 * (x - first) / (last - first) : 50;
+  };
+  const auto at_y = [&](double y) { return kTop + tall * (high - y) / (high - low); };
+  std::string svg = start("lines", label, kTop + tall + 36);
+  const double step = step_for(high - low);
+  for (double y = std::ceil(low / step) * step; y <= high + 1e-9 * step; y += step)
+    svg += level(at_y(y), std::abs(y) < 1e-9 * step ? "0" : fmt::format("{:.4g}", y));
+  svg += fmt::format("<line class=\"zero\" x1=\"0\" x2=\"100%\" y1=\"{0:.1f}\" y2=\"{0:.1f}\"/>\n",
+                     at_y(0));
+  for (const double x : {first, last}) {
+    svg += fmt::format(
+        "<text class=\"tick\" x=\"{:.4g}%\" y=\"{:g}\" text-anchor=\"{}\">{:.4g}</text>\n", at_x(x),
+        kTop + tall + 16, x == first ? "start" : "end", x);
+    if (last == first) break;
+  }
+  svg += fmt::format("<text class=\"tick\" x=\"50%\" y=\"{:g}\" text-anchor=\"middle\">{}</text>\n",
+                     kTop + tall + 30, escaped(x_name));
+  for (const Line& line : lines) {
+    for (std::size_t i = 0; i < line.x.size(); ++i) {
+      if (!std::isfinite(line.y[i])) continue;
+      if (i + 1 < line.x.size() && std::isfinite(line.y[i + 1])) {
+        svg += fmt::format(
+            "<line class=\"l{}\" x1=\"{:.5g}%\" y1=\"{:.2f}\" x2=\"{:.5g}%\" y2=\"{:.2f}\"/>",
+            line.colour, at_x(line.x[i]), at_y(line.y[i]), at_x(line.x[i + 1]),
+            at_y(line.y[i + 1]));
+      }
+      svg += fmt::format(
+          "<circle class=\"s{}\" cx=\"{:.5g}%\" cy=\"{:.2f}\" r=\"2.5\"><title>{}, {:g}: "
+          "{:g}</title></circle>\n",
+          line.colour, at_x(line.x[i]), at_y(line.y[i]), escaped(line.name), line.x[i], line.y[i]);
+    }
+  }
+  svg += "</svg></div>\n<ul class=\"legend\">\n";
+  for (const Line& line : lines) svg += key(line.colour, line.name);
+  return svg + "</ul>\n";
 }
 
 std::string log_lines(std::string_view label, std::string_view x_name,

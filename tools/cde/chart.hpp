@@ -21,24 +21,30 @@ struct Series {
                                        const std::vector<std::string>& names,
                                        const std::vector<Series>& series);
 
-/// A bar that lies, with what it is above it.
-struct Bar {
+/// A measurement or a modelled time, with what it is above it.
+struct Dot {
   std::string name;
   int colour = 0;
-  double seconds = 0;  ///< > 0
-  std::string note;    ///< behind the value
+  double seconds = 0;        ///< > 0
+  double low = 0, high = 0;  ///< a line through the dot, if low > 0
+  bool hollow = false;       ///< not to be compared with the others
+  std::string note;          ///< behind the value
 };
 
-/// Times on a logarithmic axis of whole decades.
-[[nodiscard]] std::string log_bars(std::string_view label, const std::vector<Bar>& bars);
+/// Times on a logarithmic axis of whole decades. Dots, as a bar's length would say nothing there.
+[[nodiscard]] std::string log_dots(std::string_view label, const std::vector<Dot>& dots);
 
 /// A line through points.
 struct Line {
   std::string name;
   int colour = 0;
   bool dashed = false;
-  std::vector<double> x, y;  ///< > 0; y in seconds
+  std::vector<double> x, y;  ///< on logarithmic axes > 0, y in seconds
 };
+
+/// Values over x, both axes linear, with a line at 0; not finite: a hole in the line.
+[[nodiscard]] std::string linear_lines(std::string_view label, std::string_view x_name,
+                                       const std::vector<Line>& lines);
 
 /// Times over a count, both axes logarithmic.
 [[nodiscard]] std::string log_lines(std::string_view label, std::string_view x_name,

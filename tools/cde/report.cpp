@@ -12,6 +12,7 @@ namespace cde::cli {
 namespace {
 
 constexpr std::size_t kMostHits = 4'096;           // of a query in a frame of the view
+constexpr std::size_t kMostApart = 64;             // closest pairs that miss, likewise
 constexpr std::size_t kMostViewBytes = 4'000'000;  // of all frames of the view
 
 const char* kind_of(Shape shape) {
@@ -97,15 +98,30 @@ bool Report::keeps(const SceneQuery& query, const Record& record) const {
   return record.f && record.primary % stride_of_primaries(query) == 0;
 }
 
+void Report::measure(const SceneQuery& query, const Record& r, Kept& kept) const {
+  const bool solid = is_solid(query.pair);
+  if (r.bad || !std::isfinite(r.t) || (!r.f && !solid)) return;
+  const float gap = solid && r.f ? -r.t : r.t;
+  kept.least = std::fmin(kept.least, gap), kept.most = std::fmax(kept.most, gap);
+  if (r.f || !query.normals) return;
+  const auto nearer = [](const ShownHit& a, const ShownHit& b) { return a.t < b.t; };
+  kept.apart.push_back({r.primary, r.index, r.t, r.cp, r.n});
+  std::push_heap(kept.apart.begin(), kept.apart.end(), nearer);
+  if (kept.apart.size() <= kMostApart) return;
+  std::pop_heap(kept.apart.begin(), kept.apart.end(), nearer);
+  kept.apart.pop_back();
+}
+
 void Report::records(std::size_t number, std::span<const Record> records) {
   const SceneQuery& query = scene_.queries[number];
   Kept& kept = kept_[number];
   for (const Record& r : records) {
-    if (!keeps(query, r)) continue;
     if (r.primary == r.index && query.primaries == query.secondaries) {
-      with_itself_ = true;
+      with_itself_ = with_itself_ || keeps(query, r);
       continue;
     }
+    measure(query, r, kept);
+    if (!keeps(query, r)) continue;
     if (kept.hits.size() < kMostHits)
       kept.hits.push_back({r.primary, r.index, r.t, r.cp, query.normals ? r.n : r.n.Zero()});
     else
@@ -122,6 +138,7 @@ void Report::frame(std::uint32_t number, const std::vector<QueryFrame>& answers)
     played.reference_seconds += answers[q].check_seconds;
     played.records += answers[q].counters.records;
     played.hits += answers[q].hits;
+    played.gaps.push_back({kept_[q].least, kept_[q].most});
   }
   played_.push_back(played);
   if ((played_.size() - 1) % stride_ == 0) {
@@ -199,8 +216,10 @@ void Report::look(std::uint32_t number, const std::vector<ShownObject>& shown) {
         !views_.empty() && object.still && object.shape != Shape::kRay && !object.deforms;
     view.json["objects"].push_back(again ? Json() : object_json(i, shown[i], last[i]));
   }
-  for (std::size_t q = 0; q < kept_.size(); ++q)
+  for (std::size_t q = 0; q < kept_.size(); ++q) {
     view.json["queries"].push_back(hits_json(kept_[q].hits, scene_.queries[q].normals));
+    view.json["queries"].back()["apart"] = hits_json(kept_[q].apart, true)["words"];
+  }
   view.bytes = json_text(view.json, -1).size();
   view_bytes_ += view.bytes;
   views_.push_back(std::move(view));
@@ -277,6 +296,10 @@ void Report::draw(const std::vector<ShownObject>& shown,
   }
   for (std::size_t q = 0; q < kept_.size(); ++q) {
     const bool rays = !is_solid(scene_.queries[q].pair);
+    for (const ShownHit& h : kept_[q].apart) {
+      const Eigen::Vector3f half = 0.5f * h.t * h.n;
+      picture.line(h.cp - half, h.cp + half, linear("#e9edf2"), 0.9f);
+    }
     for (const ShownHit& h : kept_[q].hits) picture.dot(h.cp, rays ? dot : contact, 2.2f);
   }
   picture_ = png_bytes(picture.image());
@@ -333,6 +356,20 @@ Report::Json Report::data(const Json& run) const {
   return j;
 }
 
+std::string Report::legend_html() const {
+  std::string html = "<ul class=\"legend\" id=\"objects\">\n";
+  for (std::size_t i = 0; i < geometry_.objects().size(); ++i) {
+    const auto& object = geometry_.objects()[i];
+    html += fmt::format(
+        "<li><svg width=\"14\" height=\"12\" aria-hidden=\"true\"><rect width=\"14\" height=\"12\" "
+        "fill=\"{}\"/></svg>{}</li>\n",
+        colour_of(object.shape, i),
+        escaped(
+            fmt::format("{}, {} × {}", object.name, grouped(object.count), name(object.shape))));
+  }
+  return html + "</ul>\n";
+}
+
 std::vector<std::string> Report::notes() const {
   std::vector<std::string> notes = geometry_.notes();
   if (stride_ > 1)
@@ -360,7 +397,7 @@ std::string Report::html(const Json& run) const {
       fmt::format("<p class=\"lead\">{}</p></header>\n",
                   escaped(fmt::format("{}: frames {} to {}, played on the simulated card of cde.",
                                       file, run["frames"][0].dump(), run["frames"][1].dump())));
-  body += view_html() + charts_html() + tables_html(run);
+  body += view_html() + (played_.empty() ? "" : gaps_html()) + charts_html() + tables_html(run);
   body += fmt::format(
       "<footer><details><summary>Software in this page</summary><pre>{}</pre>"
       "</details></footer>\n</main>\n",

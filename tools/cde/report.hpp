@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -33,19 +35,23 @@ class Report {
  private:
   struct Kept {
     std::vector<ShownHit> hits;
+    std::vector<ShownHit> apart;  ///< misses of solids with a normal: a heap, the farthest on top
     std::uint64_t left_out = 0;
+    float least = NAN, most = NAN;  ///< gap of solids, negative: depth; T of the hits of rays
   };
   struct Played {
     std::uint32_t number = 0;
     TimeSplit modelled;
     double card_seconds = 0, reference_seconds = 0;  ///< wall time
     std::uint64_t records = 0, hits = 0;
+    std::vector<std::array<float, 2>> gaps;  ///< a query each: the least and the most
   };
   struct View {
     Json json;
     std::size_t bytes = 0;
   };
 
+  void measure(const SceneQuery& query, const Record& record, Kept& kept) const;
   [[nodiscard]] bool keeps(const SceneQuery& query, const Record& record) const;
   [[nodiscard]] std::size_t stride_of_primaries(const SceneQuery& query) const;
   /// T of the farthest hit shown of every ray in the frame, by object; NaN: none.
@@ -61,7 +67,9 @@ class Report {
 
   [[nodiscard]] Json data(const Json& run) const;
   [[nodiscard]] std::string view_html() const;
+  [[nodiscard]] std::string legend_html() const;
   [[nodiscard]] std::string charts_html() const;
+  [[nodiscard]] std::string gaps_html() const;
   [[nodiscard]] std::string tables_html(const Json& run) const;
   [[nodiscard]] std::vector<std::string> notes() const;
 

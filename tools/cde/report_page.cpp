@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "chart.hpp"
 #include "page.hpp"
@@ -67,7 +68,11 @@ std::string Report::view_html() const {
   std::string html = fmt::format(
       "<section aria-label=\"3-D view\">\n<figure><div class=\"stage\" id=\"stage\"><img "
       "src=\"data:image/png;base64,{}\" width=\"{}\" height=\"{}\" alt=\"{}\">"
-      "<p class=\"readout\" id=\"readout\"></p></div>\n",
+      "<svg class=\"scale\" id=\"scale\" width=\"200\" height=\"34\" role=\"img\" hidden><path/>"
+      "<text x=\"196\" y=\"16\" text-anchor=\"end\"></text></svg>"
+      "<svg class=\"axes\" id=\"axes\" width=\"84\" height=\"84\" role=\"img\" "
+      "aria-label=\"Directions of "
+      "the axes x, y and z\" hidden></svg><p class=\"readout\" id=\"readout\"></p></div>\n",
       base64({reinterpret_cast<const std::uint8_t*>(picture_->data()), picture_->size()}),
       kPictureSize.width, kPictureSize.height, alt);
   html +=
@@ -76,11 +81,14 @@ std::string Report::view_html() const {
       "aria-label=\"Frame\"><output id=\"frame-text\" for=\"frame\"></output>"
       "<label><input id=\"show-rays\" type=\"checkbox\" checked>rays</label>"
       "<label><input id=\"show-hits\" type=\"checkbox\" checked>hits</label>"
-      "<button id=\"reset\" type=\"button\">Reset view</button></div>\n";
+      "<label>up <select id=\"up\"><option>x</option><option>y</option><option selected>z</option>"
+      "</select></label><button id=\"reset\" type=\"button\">Reset view</button></div>\n";
+  html += legend_html();
   html +=
       "<figcaption>Rays that hit are orange up to the last hit found; of others only the start is "
       "drawn, blue. Red: hits of rays. Green: contacts of solids, with the normal where the query "
-      "asked for it. Drag turns, Shift and drag moves, the wheel zooms.";
+      "asked for it; there white lines join the closest points of the nearest pairs that miss. "
+      "Drag turns, Shift and drag moves, the wheel zooms.";
   for (const std::string& note : notes()) html.append(" ").append(escaped(note));
   return html + "</figcaption></figure>\n</section>\n";
 }
@@ -116,6 +124,36 @@ std::string Report::charts_html() const {
       scene_.card.clock_hz / 1e6, means,
       stacked_bars("Modelled time of every frame by part", names, modelled), means,
       stacked_bars("Wall time of every frame", names, wall));
+}
+
+/// Over the frames: of solids the signed gap, of rays T.
+std::string Report::gaps_html() const {
+  const std::size_t group = (played_.size() + kMostBars - 1) / kMostBars;
+  std::string html =
+      "<section id=\"gaps\"><h2>Gap against time</h2>\n<p>Of solids the distance, or below 0 the "
+      "depth; of "
+      "rays T of the hits, in lengths of the ray's direction. Least and most of the records of a "
+      "frame; where there is none the line has a hole.</p>\n";
+  for (std::size_t q = 0; q < scene_.queries.size(); ++q) {
+    const SceneQuery& query = scene_.queries[q];
+    Line least{.name = "least", .colour = 1, .x = {}, .y = {}};
+    Line most{.name = "most", .colour = 4, .x = {}, .y = {}};
+    bool any = false;
+    for (std::size_t first = 0; first < played_.size(); first += group) {
+      float low = NAN, high = NAN;
+      for (std::size_t i = first; i < std::min(first + group, played_.size()); ++i) {
+        low = std::fmin(low, played_[i].gaps[q][0]);
+        high = std::fmax(high, played_[i].gaps[q][1]);
+      }
+      for (Line* line : {&least, &most}) line->x.push_back(seconds(scene_, played_[first].number));
+      least.y.push_back(low), most.y.push_back(high);
+      any = any || std::isfinite(low);
+    }
+    html += fmt::format("<h3>{} ({})</h3>\n", escaped(query.name), name(query.pair));
+    html += any ? linear_lines(query.name + ", gap against time", "seconds", {most, least})
+                : std::string("<p>No record has a gap.</p>\n");
+  }
+  return html + "</section>\n";
 }
 
 std::string Report::tables_html(const Json& run) const {

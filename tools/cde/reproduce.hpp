@@ -17,13 +17,21 @@ enum class Source {
   kSoftware,  ///< processor time of one thread of this machine
 };
 
+/// How far measurements of the same thing lie apart, in seconds a frame.
+struct Spread {
+  double least = 0, tenth = 0, median = 0, ninetieth = 0, most = 0;
+  std::size_t samples = 0;
+};
+
 /// Time of one frame.
 struct Entry {
   std::string name;
   Source source = Source::kCard;
-  double seconds = 0;
+  double seconds = 0;  ///< of software the median
   std::string note;
   std::optional<TimeSplit> split = {};  ///< of the card
+  std::optional<Spread> spread = {};    ///< of software
+  bool warm = false;                    ///< the same rays again and again: no frame is like that
 };
 
 /// One workload, and who did it in what time.
@@ -71,6 +79,7 @@ struct Reproduction {
                                             const nlohmann::ordered_json& machine);
 
 /// What the paper prints.
+inline constexpr std::uint64_t kPaperTests = 259'572;              ///< a frame of Figure 5
 inline constexpr double kPaperCard = 0.031, kPaperSoftware = 2.1;  ///< seconds, Figure 5
 inline constexpr double kPaperGpuRatio = 4;                        ///< card against GPU, Figure 5
 inline constexpr double kPaperRatio5 = 70, kPaperRatio6 = 30, kPaperRatio7 = 1.4;

@@ -11,7 +11,7 @@
 
   let renderer;
   try {
-    renderer = new THREE.WebGLRenderer({ antialias: true });
+    renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });  // kept for print
   } catch (error) {
     document.getElementById("readout").textContent = "WebGL is not available: the first frame, drawn by cde.";
     return;
@@ -29,7 +29,8 @@
   const low = vector(data.box[0]), high = vector(data.box[1]), size = high.distanceTo(low);
   const camera = new THREE.PerspectiveCamera(data.camera.fov, 2, 1e-3 * size, 30 * size);
   camera.up.set(0, 0, 1);
-  scene.add(new THREE.HemisphereLight(0xdfe8f5, 0x4a505a, 0.75));
+  const sky = new THREE.HemisphereLight(0xdfe8f5, 0x4a505a, 0.55);
+  scene.add(sky);
   const sun = new THREE.DirectionalLight(0xfff4e2, 0.75);
   sun.position.set(-0.55, 0.35, 0.62);
   scene.add(sun);
@@ -120,7 +121,7 @@
     const points = new THREE.Points(geometry, material);
     points.frustumCulled = false;
     layers.hits.add(points);
-    const normals = lines(layers.hits, colour, 0.9);
+    const normals = lines(layers.hits, colour, 0.9), apart = lines(layers.hits, "#e9edf2", 0.9);
     return (state) => {
       const w = floats(state.words), at = [], ends = [];
       for (let i = 0; i < w.length; i += stride) {
@@ -129,6 +130,11 @@
       }
       geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(at), 3));
       normals(ends);
+      // The closest points of solids that miss are CP ∓ T n / 2.
+      const misses = floats(state.apart), gaps = [];
+      for (let i = 0; i < misses.length; i += 7)
+        for (const half of [-misses[i + 3] / 2, misses[i + 3] / 2]) for (let k = 0; k < 3; ++k) gaps.push(misses[i + k] + half * misses[i + 4 + k]);
+      apart(gaps);
     };
   }
   const objects = data.objects.map((o) => o.kind === "surface" ? surface(o) : o.kind === "rays" ? rays() : solids(o));
@@ -136,13 +142,51 @@
 
   // The camera goes round the middle of the scene.
   const target = vector(data.camera.target), away = new THREE.Spherical();
-  const zUp = new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 0, 1), new THREE.Vector3(0, 1, 0));
-  const zDown = zUp.clone().inverse();
-  const home = vector(data.camera.eye).sub(target).applyQuaternion(zUp);
+  // Angles of the camera are taken about y, whatever axis is up.
+  const toUp = new THREE.Quaternion(), fromUp = new THREE.Quaternion(), home = new THREE.Vector3();
+  const zAxis = new THREE.Vector3(0, 0, 1), yAxis = new THREE.Vector3(0, 1, 0);
+  function setUp(axis) {
+    camera.up.set(axis === "x" ? 1 : 0, axis === "y" ? 1 : 0, axis === "z" ? 1 : 0);
+    sky.position.copy(camera.up);
+    toUp.setFromUnitVectors(camera.up, yAxis);
+    fromUp.copy(toUp).inverse();
+    home.copy(vector(data.camera.eye)).sub(vector(data.camera.target));
+    if (axis !== "z") home.setLength(Math.max(home.length(), 0.55 * size / Math.tan(data.camera.fov * Math.PI / 360)));
+    home.applyQuaternion(new THREE.Quaternion().setFromUnitVectors(zAxis, yAxis));
+  }
   function reset() {
     target.copy(vector(data.camera.target));
     away.setFromVector3(home);
     draw();
+  }
+  // A round length as it looks in the middle of the view, and where x, y and z point.
+  const scale = document.getElementById("scale"), axes = document.getElementById("axes");
+  scale.removeAttribute("hidden");
+  axes.removeAttribute("hidden");
+  function drawScale(height) {
+    const pixel = 2 * away.radius * Math.tan(camera.fov * Math.PI / 360) / height, most = 150 * pixel;
+    const power = 10 ** Math.floor(Math.log10(most)), length = power * [5, 2, 1].find((f) => f * power <= most);
+    const left = (196 - length / pixel).toFixed(1), text = Number(length.toPrecision(3)) + (length === 1 ? " unit" : " units");
+    scale.querySelector("path").setAttribute("d", `M${left} 22v8h${(length / pixel).toFixed(1)}v-8`);
+    scale.querySelector("text").textContent = text;
+    scale.setAttribute("aria-label", "Scale in the middle of the view: " + text);
+  }
+  function drawAxes() {
+    const back = camera.quaternion.clone().inverse();
+    axes.replaceChildren(...["x", "y", "z"].map((name, k) => {
+      const v = new THREE.Vector3().setComponent(k, 1).applyQuaternion(back);
+      return { name, v };
+    }).sort((a, b) => a.v.z - b.v.z).flatMap(({ name, v }) => {
+      const make = (tag, set) => {
+        const e = document.createElementNS("http://www.w3.org/2000/svg", tag);
+        for (const [key, value] of Object.entries({ class: name, ...set })) e.setAttribute(key, value);
+        return e;
+      };
+      const line = make("line", { x1: 42, y1: 42, x2: 42 + 28 * v.x, y2: 42 - 28 * v.y });
+      const text = make("text", { x: 42 + 36 * v.x, y: 46 - 36 * v.y, "text-anchor": "middle" });
+      text.textContent = name;
+      return [line, text];
+    }));
   }
   let waiting = false;
   function draw() {
@@ -159,10 +203,12 @@
       camera.aspect = width / height;
       // On narrow screens the width decides what fits.
       camera.fov = 2 * Math.atan(Math.tan(data.camera.fov * Math.PI / 360) * Math.max(1, 2 / camera.aspect)) * 180 / Math.PI;
-      camera.position.setFromSpherical(away).applyQuaternion(zDown).add(target);
+      camera.position.setFromSpherical(away).applyQuaternion(fromUp).add(target);
       camera.lookAt(target);
       camera.updateProjectionMatrix();
       renderer.render(scene, camera);
+      drawScale(height);
+      drawAxes();
     });
   }
   function turn(dx, dy) {
@@ -268,7 +314,9 @@
     document.getElementById("show-" + name).addEventListener("change", (e) => { layers[name].visible = e.target.checked; draw(); });
   }
   document.getElementById("reset").addEventListener("click", reset);
+  document.getElementById("up").addEventListener("change", (e) => { setUp(e.target.value); reset(); });
   addEventListener("resize", draw);
+  setUp("z");
   show(0);
   reset();
 })();
