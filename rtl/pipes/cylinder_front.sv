@@ -72,7 +72,11 @@ module cylinder_front #(
   `undef DF_ON
   `define DF_ON unit_wanted
   `DF_NORMALISE(unit, raw)
-  `DF_VCHOOSE(n, witness, best_n, unit)
+  // A direction between witness points that are too near for one is no trial.
+  `DF_CONTROL(trial, phase == `PHASE_PROJECT && `PASS_TRIAL(pass_i), 0)
+  `DF_VSELECT(tried, unit_usable, unit, best_n)
+  `DF_VCHOOSE(unit_or_best, trial, tried, unit)
+  `DF_VCHOOSE(n, witness, best_n, unit_or_best)
   `DF_VAT(n_end, n, `LATENCY_FRONT)
   assign n_o = n_end;
   `undef DF_ON

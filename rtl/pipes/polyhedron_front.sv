@@ -212,7 +212,11 @@ module polyhedron_front #(
   end
 
   `DF_NORMALISE(unit, framed)
-  `DF_VCHOOSE(n, witness, best_n, unit)
+  // A direction between witness points that are too near for one is no trial.
+  `DF_CONTROL(trial, phase == `PHASE_PROJECT && `PASS_TRIAL(pass_i), 0)
+  `DF_VSELECT(tried, unit_usable, unit, best_n)
+  `DF_VCHOOSE(unit_or_best, trial, tried, unit)
+  `DF_VCHOOSE(n, witness, best_n, unit_or_best)
   `DF_VAT(n_end, n, `LATENCY_FRONT)
   assign n_o = n_end;
   `undef DF_ON
