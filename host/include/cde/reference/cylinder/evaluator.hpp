@@ -136,15 +136,15 @@ template <typename S>
 /// among the subnormal numbers: that could come out longer than 1, and g too large. 6 mul, 2 add, 1
 /// div, 1 sqrt, 1 cmp.
 template <typename S>
-[[nodiscard]] Mask<S> has_direction(const Vector<S>& raw) {
-  const S least(4 * static_cast<double>(std::numeric_limits<S>::min()));
-  return least <= dot<S>(raw, raw);
-}
-template <typename S>
 [[nodiscard]] Vector<S> normalise(const Vector<S>& raw) {
-  const S square = dot<S>(raw, raw);
-  return scale<S>(
-      raw, select<S>(has_direction<S>(raw), S(1) / square_root(square), canonical_nan<S>()));
+  const S square = dot<S>(raw, raw), least(4 * static_cast<double>(std::numeric_limits<S>::min()));
+  return scale<S>(raw, select<S>(least <= square, S(1) / square_root(square), canonical_nan<S>()));
+}
+/// The same, but `other` instead of NaN.
+template <typename S>
+[[nodiscard]] Vector<S> normalise_or(const Vector<S>& raw, const Vector<S>& other) {
+  const S square = dot<S>(raw, raw), least(4 * static_cast<double>(std::numeric_limits<S>::min()));
+  return select<S>(least <= square, Vector<S>(scale<S>(raw, S(1) / square_root(square))), other);
 }
 
 }  // namespace cde::reference::cylinder

@@ -174,8 +174,7 @@ void witness(const Pair<S>& pair, Search<S>& s, const Pass& p) {
   const bool cylinders = pair.body == Body::kCylinder;
   const S one(1), most(1 / kTouching<S>[0]);
   // Points that are too near for a direction leave n as it is.
-  const Vector<S> n =
-      select<S>(Mask<S>(now.trial) && has_direction<S>(s.next), normalise<S>(s.next), s.best_n);
+  const Vector<S> n = now.trial ? normalise_or<S>(s.next, s.best_n) : s.best_n;
   const Evaluation<S> at = evaluate<S>(pair, n);
   const S sum = magnitude(at.plus.g) + magnitude(at.minus.g);
   const Mask<S> clear = Mask<S>(now.unshifted) && sum * S(kClear) < s.best_g;
