@@ -280,6 +280,46 @@ void PairPipe::compare(cde::PairUnit& unit, std::size_t first, std::size_t count
   EXPECT_TRUE(stalled == got) << "gaps between rows change results";
 }
 
+/// Witness points that are so near that fp16 has no direction between them: the card and the
+/// reference went on from NaN each in its own way.
+TEST(PairRegression, PointsTooNearForADirection) {
+  struct Line {
+    cde::Pair pair;
+    std::vector<double> a, b;
+  };
+  const Line lines[] = {
+      {cde::Pair::kObbCylinder,
+       {8, 10, 16, 1, 1, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1},
+       {6, 9, 17.5, 0, 1, 0, 1, 1}},
+      {cde::Pair::kObbCylinder,
+       {32, 0, 60, 1, 1, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1},
+       {33.25, 1.5, 58, 1, 0, 0, 1, 1}},
+      {cde::Pair::kTriangleCylinder,
+       {7.75, 0, 8, 9, 0, 8.5, 7.75, 1, 7},
+       {7.75, -.5, 8.75, 1, 0, 0, 1, .5}},
+      {cde::Pair::kTriangleCylinder,
+       {0, 31, 60.5, 1, 32.75, 60, .5, 33, 59.25},
+       {.5, 30.75, 61, 0, 1, 0, .25, .25}},
+  };
+  const cde::FpFormat fp16{5, 10};
+  for (const Line& line : lines) {
+    const auto words = [&](const std::vector<double>& from) {
+      std::vector<std::uint64_t> to;
+      for (const double x : from) to.push_back(fp16.encode(x));
+      return to;
+    };
+    const std::vector<std::uint64_t> a = words(line.a), b = words(line.b);
+    std::vector<PairResult> expected(1), got(1);
+    const PairConfig config{.pair = line.pair, .format = fp16, .lanes = 1};
+    cde::reference::test_pairs(line.pair, config.algorithm, fp16, a, b, expected);
+    cde::PairUnit unit(config);
+    (void)unit.test(a, b, got);
+    EXPECT_EQ(got[0], expected[0])
+        << "\n  pipe      " << describe(got[0]) << "\n  reference " << describe(expected[0]);
+    EXPECT_FALSE(expected[0].f || expected[0].bad);
+  }
+}
+
 TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
   const Parameter& parameter = GetParam();
   if (const auto reason = reason_to_skip(parameter)) GTEST_SKIP() << *reason;
