@@ -391,8 +391,9 @@ module cylinder_pair #(
   `DF_VECTOR circle_lo_n, circle_lo_y, circle_hi_n, circle_hi_y, circle_next, new_lo_n, new_lo_y, new_next;
   `DF_SCALAR circle_score, new_score;
   cylinder_circle #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) circle (
-      .clk_i, .refine_next_i(`PASS_PHASE(next_pass) == `PHASE_REFINE), .pass_i(pass_better), .e_i(e), .g_i(late_g), .n_i(plus_n), .y_i(late_y), .a_kappa_i(a_kappa), .a_v_i(a_v), .b_kappa_i(b_kappa),
-      .b_v_i(b_v), .minus_g_i(late_minus_g), .minus_y_i(late_minus_y), .best_n_i(better_n), .best_y_i(better_y),
+      .clk_i, .refine_next_i(`PASS_PHASE(next_pass) == `PHASE_REFINE), .pass_i(pass_better), .e_i(e), .g_i(late_g),
+      .n_i(plus_n), .y_i(late_y), .a_kappa_i(a_kappa), .a_v_i(a_v), .b_kappa_i(b_kappa), .b_v_i(b_v),
+      .minus_g_i(late_minus_g), .minus_y_i(late_minus_y), .best_n_i(better_n), .best_y_i(better_y),
       .lo_n_i(lo_n_mem[`SLOT(T_BETTER)]), .lo_y_i(lo_y_mem[`SLOT(T_BETTER)]), .hi_n_i(hi_n_mem[`SLOT(T_BETTER)]),
       .hi_y_i(hi_y_mem[`SLOT(T_BETTER)]), .score_i(score_mem[`SLOT(T_BETTER)]), .last_g_i(last_g_mem[`SLOT(T_BETTER)]),
       .last_n_i(last_n_mem[`SLOT(T_BETTER)]), .last_y_i(last_y_mem[`SLOT(T_BETTER)]), .last_slope_i(last_slope_mem[`SLOT(T_BETTER)]),

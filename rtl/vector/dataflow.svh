@@ -13,7 +13,7 @@
 
 // A condition under which the results of the lines that follow are looked at. Where it is 0 the host's arithmetic leaves the
 // operators out and they give zeros; gates compute all the same. A module that redefines it restores it at its end. (A ring of which
-// one phase at a time is at work: 0.62 of the time of cylinder-cylinder with it, 8 lanes.)
+// one phase at a time is at work: 0.70 of the time of cylinder-cylinder with it, 8 lanes.)
 `define DF_ON 1'b1
 
 `define DF_MAX2(A, B) ((A) > (B) ? (A) : (B))
