@@ -50,8 +50,8 @@ module pair_unit #(
 
   logic [LANES-1:0][CW-1:0] bad_a, bad_b, bad_check, bad, f, t;
   logic [2:0][LANES-1:0][CW-1:0] cp, n;
-  // A ring of the host's arithmetic takes operands from registers: what depends on inputs is simulated on both edges of every clock.
-  localparam bit HELD = cde_pkg::has_ring(PAIR) && ARITH != "rtl";
+  // The host's arithmetic takes operands from registers: what depends on inputs is simulated on both edges of every clock.
+  localparam bit HELD = ARITH != "rtl";
   logic [31:0] tag;
   logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
   logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b;
@@ -60,7 +60,7 @@ module pair_unit #(
     always_ff @(posedge clk_i) taken <= valid_i && ready_o;
     always_ff @(posedge clk_i) if (valid_i && ready_o) {tag, a, b} <= {tag_i, a_i, b_i};
   end else begin : g_direct
-    assign taken = valid_i;
+    assign taken = valid_i && ready_o;
     assign {tag, a, b} = {tag_i, a_i, b_i};
   end
   shape_check #(
@@ -86,23 +86,22 @@ module pair_unit #(
   end else begin : g_free
     logic unused_budget;
     assign unused_budget = &{1'b0, budget_i};
-    logic [15:0] latency;
+    logic [15:0] latency, rest;  // rest: from where a and b are
     assign latency_o = 32'(latency);
-    logic enter;
-    assign enter = valid_i && ready_o;
-    row_interval #(.INTERVAL(FACET_II)) interval (.clk_i, .rst_i, .take_i(enter), .ready_o);
+    assign rest = latency - 16'(HELD);
+    row_interval #(.INTERVAL(FACET_II)) interval (.clk_i, .rst_i, .take_i(valid_i && ready_o), .ready_o);
     logic [LANES-1:0][CW-1:0] f_pipe, t_pipe;
     logic [2:0][LANES-1:0][CW-1:0] cp_pipe, n_pipe;
     scaled_pipe #(
         .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(BOX), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
         .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-    ) pipe (.clk_i, .enter_i(enter), .a_i(a), .b_i(b), .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe), .latency_o(latency));
+    ) pipe (.clk_i, .enter_i(taken), .a_i(a), .b_i(b), .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe), .latency_o(latency));
     issue_history #(.W(32), .DEPTH(HISTORY)) history_tag (
-        .clk_i, .rst_i, .latency_i(latency), .valid_i(enter), .d_i(tag), .valid_o, .q_o(tag_o));
+        .clk_i, .rst_i, .latency_i(rest), .valid_i(taken), .d_i(tag), .valid_o, .q_o(tag_o));
     logic unused_valid;
     if (ARITH != "rtl") begin : g_late  // the pipe answers at once; its results wait
       issue_history #(.W(9 * LW), .DEPTH(HISTORY)) history (
-          .clk_i, .rst_i, .latency_i(latency), .valid_i(enter), .d_i({n_pipe, cp_pipe, t_pipe, f_pipe, bad_check}), .valid_o(unused_valid),
+          .clk_i, .rst_i, .latency_i(rest), .valid_i(taken), .d_i({n_pipe, cp_pipe, t_pipe, f_pipe, bad_check}), .valid_o(unused_valid),
           .q_o({n, cp, t, f, bad}));
     end else begin : g_early  // the check answers before the pipe
       issue_history #(.W(LW), .DEPTH(HISTORY)) history (

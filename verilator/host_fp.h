@@ -332,7 +332,7 @@ inline Bits mask(Condition c) {
     return (Bits)c;
 }
 
-/// rtl/fp/fp_class.sv: 0 finite, 1 NaN, 2 above zero, 3 neither zero nor NaN.
+/// rtl/fp/fp_class.sv: 0 finite, 1 NaN, 2 above zero, 3 not a zero.
 template <unsigned C, unsigned E, unsigned M, class Bits>
 inline Bits classify(Bits a) {
   using F = Format<E, M>;
@@ -344,7 +344,16 @@ inline Bits classify(Bits a) {
   else if constexpr (C == 2)
     return mask<Bits>(a != 0) & mask<Bits>(a <= F::kInf);
   else
-    return mask<Bits>(mag != 0) & mask<Bits>(mag <= F::kInf);
+    return mask<Bits>(mag != 0);
+}
+
+/// rtl/fp/fp_finite.sv: whether all three are finite; one comparison, of the largest magnitude.
+template <unsigned E, unsigned M, class Bits>
+inline Bits all_finite(Bits a, Bits b, Bits c) {
+  using F = Format<E, M>;
+  const Bits x = a & F::kMag, y = b & F::kMag, z = c & F::kMag;
+  const Bits xy = select<Bits>(x > y, x, y);
+  return mask<Bits>(select<Bits>(xy > z, xy, z) < F::kInf);
 }
 
 /// rtl/fp/fp_range.sv: whether a word, or with Signed its bits as they are, lies between two powers

@@ -118,15 +118,15 @@ void PairUnit::reset() {
 
 namespace {
 
-/// Words between the driver's 64 bits and the unit's own width, a block of pairs at a time.
+/// Words between the driver's 64 bits and the unit's own width.
 template <class Word>
 std::uint64_t run(const cde_pair_api& api, cde_pair_unit* unit, std::span<const std::uint64_t> a,
                   std::span<const std::uint64_t> b, std::span<PairResult> results,
                   uint32_t (*gap)(void*), void* context) {
   std::vector<Word> wa(a.begin(), a.end()), wb(b.begin(), b.end());
-  std::vector<Word> out(results.size() * CDE_PAIR_RESULT_WORDS);
+  const auto out = std::make_unique_for_overwrite<Word[]>(results.size() * CDE_PAIR_RESULT_WORDS);
   const std::uint64_t clocks =
-      api.test(unit, wa.data(), wb.data(), out.data(), results.size(), gap, context);
+      api.test(unit, wa.data(), wb.data(), out.get(), results.size(), gap, context);
   for (std::size_t i = 0; i < results.size(); ++i) {
     const Word* w = &out[i * CDE_PAIR_RESULT_WORDS];
     PairResult& r = results[i];

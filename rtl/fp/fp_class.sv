@@ -1,5 +1,5 @@
-// Class of a word as a lane mask, without arithmetic: "fin" finite, "nan" a NaN, "pos" a number above zero (+inf too), "nze" neither a
-// zero nor a NaN.
+// Class of a word as a lane mask, without arithmetic: "fin" finite, "nan" a NaN, "pos" a number above zero (+inf too), "nze" not a
+// zero.
 // Latency: 0. Throughput: one result a lane a clock. Stall: none.
 module fp_class #(
     parameter int EXP = 8,
@@ -32,7 +32,7 @@ module fp_class #(
         if (CODE == 0) m[l] = {CW{(a_i[l] & ~SIGN) < INF}};
         else if (CODE == 1) m[l] = {CW{(a_i[l] & ~SIGN) > INF}};
         else if (CODE == 2) m[l] = {CW{a_i[l] != '0 && a_i[l] <= INF}};
-        else m[l] = {CW{(a_i[l] & ~SIGN) != '0 && (a_i[l] & ~SIGN) <= INF}};
+        else m[l] = {CW{(a_i[l] & ~SIGN) != '0}};
     end
   end
   assign m_o = m;

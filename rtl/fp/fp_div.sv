@@ -6,6 +6,7 @@ module fp_div #(
     parameter  int LANES = 1,    // >= 1
     parameter  int LAT   = 1,    // >= 1
     parameter      ARITH = "rtl",  // "rtl": gates; "host": the host's FPU, simulation only, combinational
+    parameter  bit CANON = 1,    // 0: the host back end may give any NaN; for results that only arithmetic reads
     parameter  bit FLAGS = 0,
     localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
@@ -16,6 +17,6 @@ module fp_div #(
     output logic [LANES-1:0][CW-1:0] flags_o
 );
   /*verilator inline_module*/
-  fp_lanes #(.OP(3), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) lanes (
+  fp_lanes #(.OP(3), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .CANON(CANON), .FLAGS(FLAGS)) lanes (
       .clk_i, .on_i(1'b1), .a_i, .b_i, .r_o(r_o), .flags_o);
 endmodule

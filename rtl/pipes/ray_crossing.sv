@@ -27,6 +27,8 @@ module ray_crossing #(
     output logic [15:0] latency_o  // constant, also with ARITH = "host"
 );
   /*verilator inline_module*/
+  `undef DF_CANON
+  `define DF_CANON 0
   `DF_VIN(o, ray_i[2:0], T_RAY)
   `DF_VIN(d, ray_i[5:3], T_RAY)
   `DF_IN(tmin, ray_i[6], T_RAY)
@@ -49,4 +51,6 @@ module ray_crossing #(
   assign latency_o = 16'(LATENCY);
   ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_cp), .LATENCY(LATENCY), .ARITH(ARITH)) result (
       .clk_i, .hit_i(hit), .t_i(t), .cp_i(cp), .f_o, .t_o, .cp_o);
+  `undef DF_CANON
+  `define DF_CANON 1
 endmodule

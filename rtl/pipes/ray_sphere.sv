@@ -24,6 +24,8 @@ module ray_sphere #(
     output logic [15:0] latency_o  // constant: the latency, also with ARITH = "host"
 );
   /*verilator inline_module*/
+  `undef DF_CANON
+  `define DF_CANON 0
   localparam logic [CW-1:0] ONE = ((CW'(1) << (EXP - 1)) - 1) << MAN;
 
   `DF_VIN(o, a_i[2:0], 0)
@@ -64,4 +66,6 @@ module ray_sphere #(
       .EXP(EXP), .MAN(MAN), .LANES(LANES), .T_RAY(0), .T_ENTER_LEAVE(T_near), .T_MEETS(T_meets), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
       .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) crossing (.clk_i, .ray_i(a_i), .enter_i(near), .leave_i(far), .meets_i(meets), .f_o, .t_o, .cp_o, .latency_o);
+  `undef DF_CANON
+  `define DF_CANON 1
 endmodule

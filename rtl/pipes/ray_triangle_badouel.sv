@@ -25,6 +25,8 @@ module ray_triangle_badouel #(
     output logic [15:0] latency_o  // constant: the latency, also with ARITH = "host"
 );
   /*verilator inline_module*/
+  `undef DF_CANON
+  `define DF_CANON 0
 
   `DF_VIN(o, a_i[2:0], 0)
   `DF_VIN(d, a_i[5:3], 0)
@@ -99,4 +101,6 @@ module ray_triangle_badouel #(
   ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_p), .LATENCY(LATENCY), .FINITE((BOX == 0) ? 1 : 0),
       .ARITH(ARITH)) result (
       .clk_i, .hit_i(hit), .t_i(t), .cp_i(p), .f_o, .t_o, .cp_o);
+  `undef DF_CANON
+  `define DF_CANON 1
 endmodule

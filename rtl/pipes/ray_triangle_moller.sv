@@ -107,9 +107,9 @@ module ray_triangle_moller #(
   `CDE_CMP(cmp_uv, "le", uv_flip, det_abs_uv, uv_hi)
 
   // ---- Distance and point ----
-  logic [LANES-1:0][CW-1:0] t, t_select, t_finite, t_not_zero;
-  logic [2:0][LANES-1:0][CW-1:0] td, cp, cp_select, cp_finite;
-  fp_div #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_DIV), .ARITH(ARITH)) div_t (
+  logic [LANES-1:0][CW-1:0] t, t_select, t_finite, t_not_zero, cp_finite;
+  logic [2:0][LANES-1:0][CW-1:0] td, cp, cp_select;
+  fp_div #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_DIV), .ARITH(ARITH), .CANON(0)) div_t (
       .clk_i, .a_i(tn), .b_i(det), .r_o(t), .flags_o());
   `CDE_CMP(cmp_t_lo, "le", tmin_t, t, t_lo)
   `CDE_CMP(cmp_t_hi, "le", t, tmax_t, t_hi)
@@ -121,12 +121,10 @@ module ray_triangle_moller #(
   // ---- Decision: a hit has a finite CP, so that its T is finite, too, and is never -0; BOX accepts nothing else ----
   `define CDE_CLASS(NAME, OPERATION, A, M) \
     fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(OPERATION), .ARITH(ARITH)) NAME (.a_i(A), .m_o(M));
-  for (genvar k = 0; k < 3; k++) begin : axis
-    if (BOX != 0) begin : g_known
-      assign cp_finite[k] = '1;
-    end else begin : g_look
-      `CDE_CLASS(finite, "fin", cp[k], cp_finite[k])
-    end
+  if (BOX != 0) begin : g_known
+    assign cp_finite = '1;
+  end else begin : g_look
+    fp_finite #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ARITH(ARITH)) finite (.a_i(cp), .m_o(cp_finite));
   end
   `CDE_CLASS(t_zero, "nze", t, t_not_zero)
   logic [LANES-1:0][CW-1:0] in_edges, in_edges_uv, in_uv, in_uv_all, in_range, in_range_all, in_all, finite_all, met_all, hit_select;
@@ -137,7 +135,7 @@ module ray_triangle_moller #(
   assign in_range = t_lo & t_hi;
   `CDE_ALIGN(align_range, LANES * CW, T_RANGE, T_IN, in_range, in_range_all)
   `CDE_ALIGN(align_in, LANES * CW, T_IN, T_MET, in_uv_all & in_range_all, in_all)
-  `CDE_ALIGN(align_finite, LANES * CW, T_CP, T_MET, cp_finite[0] & cp_finite[1] & cp_finite[2], finite_all)
+  `CDE_ALIGN(align_finite, LANES * CW, T_CP, T_MET, cp_finite, finite_all)
   assign met_all = in_all & finite_all;
   `DF_IN(met, met_all, T_MET)
   `DF_VIN(t_d, td, T_TD)

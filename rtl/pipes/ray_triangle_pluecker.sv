@@ -25,6 +25,8 @@ module ray_triangle_pluecker #(
     output logic [15:0] latency_o  // constant: the latency, also with ARITH = "host"
 );
   /*verilator inline_module*/
+  `undef DF_CANON
+  `define DF_CANON 0
 
   `DF_VIN(o, a_i[2:0], 0)
   `DF_VIN(d, a_i[5:3], 0)
@@ -90,4 +92,6 @@ module ray_triangle_pluecker #(
   ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_cp), .LATENCY(LATENCY), .FINITE((BOX == 0) ? 1 : 0),
       .ARITH(ARITH)) result (
       .clk_i, .hit_i(hit), .t_i(t), .cp_i(cp), .f_o, .t_o, .cp_o);
+  `undef DF_CANON
+  `define DF_CANON 1
 endmodule

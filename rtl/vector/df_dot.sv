@@ -9,6 +9,7 @@ module df_dot #(
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter ARITH = "rtl",
+    parameter bit CANON = 1,  // as in fp_lanes
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
@@ -22,5 +23,5 @@ module df_dot #(
   logic [2:0][LANES-1:0][CW-1:0] a, b;
   df_align #(.W(3 * LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) align_a (.clk_i, .a_i, .r_o(a));
   df_align #(.W(3 * LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) align_b (.clk_i, .a_i(b_i), .r_o(b));
-  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)) cell_u (.clk_i, .on_i, .a_i(a), .b_i(b), .r_o);
+  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(CANON)) cell_u (.clk_i, .on_i, .a_i(a), .b_i(b), .r_o);
 endmodule

@@ -9,6 +9,7 @@ module df_operator #(
     parameter int T_B = 0,
     parameter int LAT = 1,
     parameter ARITH = "rtl",
+    parameter bit CANON = 1,  // as in fp_lanes
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
@@ -28,5 +29,5 @@ module df_operator #(
   // What fp_add, fp_mul and their like are made of. One cell here and not one a branch: Verilator links the whole tree below an
   // operator, all branches, before it knows which of them it needs
   // (measured on one edge facet: lint takes 53 MB instead of 300 MB).
-  fp_lanes #(.OP(CODE), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)) cell_u (.clk_i, .on_i, .a_i(a), .b_i(b), .r_o, .flags_o());
+  fp_lanes #(.OP(CODE), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .CANON(CANON)) cell_u (.clk_i, .on_i, .a_i(a), .b_i(b), .r_o, .flags_o());
 endmodule
