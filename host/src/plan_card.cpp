@@ -25,17 +25,18 @@ double pipes_cost(std::size_t pipes) {
   return kFirst + (cost("pipes") - kFirst) * static_cast<double>(pipes - 2) / (kPairs - 2);
 }
 
-/// Simulating a row: the card around the pipes takes as long as so many lanes (10 spheres that meet
-/// 60,000: 11, 13, 22, 26, 44 and 80 ms with 1, 4, 16, 32, 64 and 128 lanes in one row of each).
-double row_cost(const BoardConfig& card) {
-  const double around = std::any_of(card.pairs.begin(), card.pairs.end(), is_large) ? 1 : 20;
-  return around + card.lanes;
+/// Simulating a row of the planned card's pipes: the card around them takes as long as so many
+/// lanes (10 spheres that meet 60,000: 11, 13, 22, 26, 44 and 80 ms with 1, 4, 16, 32, 64 and 128
+/// lanes in one row of each).
+double row_cost(const BoardConfig& planned, unsigned lanes) {
+  const double around = std::any_of(planned.pairs.begin(), planned.pairs.end(), is_large) ? 1 : 20;
+  return around + lanes;
 }
 
-double simulation(const BoardConfig& card, const Rows& rows) {
-  return static_cast<double>(rows(card.lanes)) * row_cost(card) * pipes_cost(card.pairs.size()) *
-         (card.swap ? cost("exchange of roles") : 1) * (card.normals ? cost("normals") : 1) *
-         (card.parallel ? cost("two pairs at a time") : 1) * (card.trace ? cost("trace") : 1);
+double effects_cost(const BoardConfig& card) {
+  return pipes_cost(card.pairs.size()) * (card.swap ? cost("exchange of roles") : 1) *
+         (card.normals ? cost("normals") : 1) * (card.parallel ? cost("two pairs at a time") : 1) *
+         (card.trace ? cost("trace") : 1);
 }
 
 }  // namespace
@@ -73,7 +74,8 @@ bool serves(const BoardConfig& card, const BoardConfig& planned, const SceneCard
 double times(const BoardConfig& card, const BoardConfig& planned, const Rows& rows) {
   const double device =
       static_cast<double>(rows(card.lanes)) / static_cast<double>(rows(planned.lanes));
-  return std::max(device, simulation(card, rows) / simulation(planned, rows));
+  const double row = row_cost(planned, card.lanes) / row_cost(planned, planned.lanes);
+  return device * std::max(1.0, row * effects_cost(card) / effects_cost(planned));
 }
 
 std::optional<BuiltCard> choose(const BoardConfig& planned, const SceneCard& asked,
