@@ -348,8 +348,8 @@ std::vector<std::vector<std::string>> kept_bitstreams(const std::string& kind) {
   for (const fs::path& folder : places()) {
     std::error_code none;
     if (folders::distrust(folder)) continue;
-    for (const auto& entry : fs::directory_iterator(folder, none)) {
-      const fs::path& file = entry.path();
+    for (fs::directory_iterator entry(folder, none), end; entry != end; entry.increment(none)) {
+      const fs::path& file = entry->path();
       if (!file.string().ends_with(".so.sha256") || folders::distrust(file)) continue;
       std::ifstream in(file);
       std::string line, word;
