@@ -10,13 +10,17 @@
 #include <algorithm>
 #include <bit>
 #include <cerrno>
+#include <charconv>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <mutex>
 #include <optional>
 #include <set>
+#include <sstream>
+#include <type_traits>
 
 #include "bitstream_folders.hpp"
 #include "build_progress.hpp"
@@ -152,12 +156,16 @@ void build(const fs::path& file, const std::string& kind,
   }
 }
 
-/// The file of a key in the folders that are asked, the cache last. What is there and not loaded is
-/// said.
+/// The folders that are asked, the cache last.
+std::vector<fs::path> places() {
+  std::vector<fs::path> folders = folders::ready_made();
+  folders.push_back(folders::cache());
+  return folders;
+}
+
+/// The file of a key in the folders that are asked. What is there and not loaded is said.
 std::optional<fs::path> find_whole(const Key& key) {
-  std::vector<fs::path> places = folders::ready_made();
-  places.push_back(folders::cache());
-  for (const fs::path& folder : places) {
+  for (const fs::path& folder : places()) {
     const fs::path file = folder / key.file;
     std::error_code none;
     if (!fs::exists(file, none)) continue;
@@ -181,6 +189,57 @@ fs::path find_or_build(const Key& key, const std::string& kind,
   build(file, kind, parameters);
   return file;
 }
+
+/// A number of a configuration, and the builder's name for it.
+struct Field {
+  const char* name;
+  unsigned (*get)(const BoardConfig&);
+  void (*set)(BoardConfig&, unsigned);
+  Transformer since = Transformer::kNone;  ///< cards with less than that have none
+};
+
+template <auto Member>
+constexpr Field field(const char* name, Transformer since = Transformer::kNone) {
+  return {name, [](const BoardConfig& c) { return static_cast<unsigned>(c.*Member); },
+          [](BoardConfig& c, unsigned value) {
+            c.*Member = static_cast<std::decay_t<decltype(c.*Member)>>(value);
+          },
+          since};
+}
+
+unsigned pair_set(const BoardConfig& c) {
+  unsigned set = 0;
+  for (const Pair pair : c.pairs) set |= 1u << static_cast<unsigned>(pair);
+  return set;
+}
+void set_pairs(BoardConfig& c, unsigned set) {
+  c.pairs.clear();
+  for (unsigned i = 0; i < kPairs; ++i)
+    if ((set >> i & 1) != 0) c.pairs.push_back(static_cast<Pair>(i));
+}
+
+constexpr Field kFields[] = {
+    field<&BoardConfig::lanes>("LANES"),
+    {"PAIRS", pair_set, set_pairs},
+    field<&BoardConfig::algorithm>("ALGORITHM"),
+    field<&BoardConfig::box>("BOX"),
+    field<&BoardConfig::swap>("SWAP"),
+    field<&BoardConfig::normals>("NORMALS"),
+    field<&BoardConfig::parallel>("PARALLEL"),
+    field<&BoardConfig::facet_interval>("FACET_II"),
+    field<&BoardConfig::ecc>("ECC"),
+    field<&BoardConfig::transform>("TRANSFORM"),
+    field<&BoardConfig::objects>("OBJECTS", Transformer::kSecondaries),
+    field<&BoardConfig::primary_objects>("PRIM_OBJECTS", Transformer::kBoth),
+    field<&BoardConfig::latency_add>("LAT_ADD"),
+    field<&BoardConfig::latency_mul>("LAT_MUL"),
+    field<&BoardConfig::latency_div>("LAT_DIV"),
+    field<&BoardConfig::latency_sqrt>("LAT_SQRT"),
+    field<&BoardConfig::latency_compare>("LAT_CMP"),
+    field<&BoardConfig::ddr_slots>("DDR_SLOTS"),
+    field<&BoardConfig::sram_records>("SRAM_RECORDS"),
+    field<&BoardConfig::trace>("TRACE"),
+};
 
 }  // namespace
 
@@ -217,8 +276,6 @@ std::vector<std::string> BoardConfig::parameters() const {
   check_facet_interval(facet_interval, pairs);
   if (box && std::find(pairs.begin(), pairs.end(), Pair::kRayTriangle) == pairs.end())
     throw Error(ErrorCode::kUsage, "the box rule is of ray-triangle, which the card has not");
-  unsigned set = 0;
-  for (const Pair pair : pairs) set |= 1u << static_cast<unsigned>(pair);
   const BoardConfig standard;
   const bool moves = transform != Transformer::kNone, poses = transform == Transformer::kBoth;
   const auto table = [&](unsigned value, const char* name) {
@@ -234,30 +291,38 @@ std::vector<std::string> BoardConfig::parameters() const {
 
   std::vector<std::string> list = {
       fmt::format("ARITH={}", arithmetic == Arithmetic::kHost ? "host" : "rtl")};
-  const auto add = [&](const char* name, unsigned value, unsigned standard_value) {
-    if (value != standard_value) list.push_back(fmt::format("{}={}", name, value));
-  };
-  add("LANES", lanes, standard.lanes);
-  add("PAIRS", set, 1);
-  add("ALGORITHM", static_cast<unsigned>(algorithm), 0);
-  add("BOX", box ? 1 : 0, 0);
-  add("SWAP", swap ? 1 : 0, 0);
-  add("NORMALS", normals ? 1 : 0, 0);
-  add("PARALLEL", parallel ? 1 : 0, 0);
-  add("FACET_II", facet_interval, standard.facet_interval);
-  add("ECC", ecc ? 1 : 0, 0);
-  add("TRANSFORM", static_cast<unsigned>(transform), 0);
-  if (moves) add("OBJECTS", objects, standard.objects);
-  if (poses) add("PRIM_OBJECTS", primary_objects, standard.primary_objects);
-  add("LAT_ADD", latency_add, standard.latency_add);
-  add("LAT_MUL", latency_mul, standard.latency_mul);
-  add("LAT_DIV", latency_div, standard.latency_div);
-  add("LAT_SQRT", latency_sqrt, standard.latency_sqrt);
-  add("LAT_CMP", latency_compare, standard.latency_compare);
-  add("DDR_SLOTS", ddr_slots, standard.ddr_slots);
-  add("SRAM_RECORDS", sram_records, standard.sram_records);
-  if (trace) list.emplace_back("TRACE=1");
+  for (const Field& field : kFields)
+    if (transform >= field.since && field.get(*this) != field.get(standard))
+      list.push_back(fmt::format("{}={}", field.name, field.get(*this)));
   return list;
+}
+
+std::optional<BoardConfig> BoardConfig::of(const std::vector<std::string>& parameters) try {
+  BoardConfig config;
+  std::set<std::string> seen;
+  for (const std::string& parameter : parameters) {
+    const std::size_t equals = std::min(parameter.find('='), parameter.size());
+    const std::string name = parameter.substr(0, equals);
+    const std::string_view value = std::string_view(parameter).substr(equals).substr(
+        std::min<std::size_t>(1, parameter.size() - equals));
+    if (!seen.insert(name).second) return std::nullopt;
+    if (name == "ARITH" && (value == "host" || value == "rtl")) {
+      config.arithmetic = value == "host" ? Arithmetic::kHost : Arithmetic::kRtl;
+      continue;
+    }
+    const auto* field = std::find_if(std::begin(kFields), std::end(kFields),
+                                     [&](const Field& f) { return name == f.name; });
+    unsigned number = 0;
+    const auto [stop, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+    if (field == std::end(kFields) || error != std::errc() || stop != value.data() + value.size())
+      return std::nullopt;
+    field->set(config, number);
+    if (field->get(config) != number) return std::nullopt;
+  }
+  (void)config.parameters();
+  return config;
+} catch (const Error&) {
+  return std::nullopt;
 }
 
 fs::path bitstream_cache() {
@@ -276,6 +341,26 @@ BitstreamFile bitstream_file(const std::string& kind, const std::vector<std::str
   const Key key = key_of(kind, parameters);
   if (auto found = find_whole(key)) return {*found, true};
   return {folders::cache() / key.file, false};
+}
+
+std::vector<std::vector<std::string>> kept_bitstreams(const std::string& kind) {
+  std::set<std::vector<std::string>> found;
+  for (const fs::path& folder : places()) {
+    std::error_code none;
+    if (folders::distrust(folder)) continue;
+    for (fs::directory_iterator entry(folder, none), end; entry != end; entry.increment(none)) {
+      const fs::path& file = entry->path();
+      if (!file.string().ends_with(".so.sha256") || folders::distrust(file)) continue;
+      std::ifstream in(file);
+      std::string line, word;
+      std::getline(in, line);
+      std::istringstream words(line);
+      if (!(words >> word) || word != "#" || !(words >> word) || word != kind) continue;
+      found.emplace(std::istream_iterator<std::string>(words),
+                    std::istream_iterator<std::string>());
+    }
+  }
+  return {found.begin(), found.end()};
 }
 
 std::uint64_t bitstream_hash(const std::string& kind, const std::vector<std::string>& parameters) {

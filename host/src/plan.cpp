@@ -8,6 +8,7 @@
 #include <span>
 
 #include "cde/error.hpp"
+#include "plan_card.hpp"
 #include "plan_mover.hpp"
 #include "self_pairs.hpp"
 
@@ -16,6 +17,9 @@ namespace {
 
 constexpr std::uint64_t kPacket = 256;
 constexpr unsigned kMostLanes = 128;
+/// Lanes of planned cards are few, so that scenes share cards: a build takes longer than what a row
+/// of 16 lanes costs a scene that fills one of them (twice the time of one lane).
+constexpr unsigned kLaneSteps[] = {16, 64, kMostLanes};
 constexpr unsigned kMostLanesOfLargePipes = 16;  // facets, rings, gates: building takes minutes
 
 /// What effects cost a simulation: how many times as long a frame of rays and triangles takes.
@@ -37,20 +41,6 @@ constexpr Cost kCosts[] = {
     {"ecc", 1.6},
     {"trace", 1.1},
 };
-
-bool large(Pair pair) {
-  switch (pair) {
-    case Pair::kObbObb:
-    case Pair::kTriangleAabb:
-    case Pair::kTriangleObb:
-    case Pair::kTriangleCylinder:
-    case Pair::kCylinderCylinder:
-    case Pair::kObbCylinder:
-      return true;
-    default:
-      return false;
-  }
-}
 
 std::uint64_t count(const Scene& scene, const std::vector<std::size_t>& objects) {
   std::uint64_t n = 0;
@@ -93,6 +83,13 @@ QueryWork work_of(const Scene& scene, const SceneQuery& q, unsigned lanes) {
   return w;
 }
 
+/// Clocks that the pipes are fed in a frame.
+std::uint64_t rows_of(const Scene& scene, unsigned lanes) {
+  std::uint64_t sum = 0;
+  for (const SceneQuery& q : scene.queries) sum += work_of(scene, q, lanes).rows;
+  return sum;
+}
+
 std::string join(std::span<const Pair> pairs) {
   std::string text;
   for (const Pair pair : pairs) text += fmt::format("{}{}", text.empty() ? "" : ", ", name(pair));
@@ -118,16 +115,18 @@ std::vector<Pair> pairs_of(const Scene& scene) {
   return asked;
 }
 
-/// The fewest lanes that take the largest packet in one row, and no more than can be built soon.
+/// Enough lanes for the largest packet in one row, of a few steps, and no more than can be built
+/// soon. Gates take minutes and eleven times as long: of them no more than there are primaries.
 unsigned lanes_for(const Scene& scene, const std::vector<Pair>& pairs) {
   if (scene.card.lanes) return *scene.card.lanes;
   std::uint64_t most = 1;
   for (const SceneQuery& q : scene.queries)
     most = std::max(most, std::min<std::uint64_t>(kPacket, count(scene, q.primaries)));
-  const bool slow =
-      scene.card.arithmetic == Arithmetic::kRtl || std::any_of(pairs.begin(), pairs.end(), large);
-  return std::min(std::bit_ceil(static_cast<unsigned>(most)),
-                  slow ? kMostLanesOfLargePipes : kMostLanes);
+  if (scene.card.arithmetic == Arithmetic::kRtl)
+    return std::min(std::bit_ceil(static_cast<unsigned>(most)), kMostLanesOfLargePipes);
+  if (std::any_of(pairs.begin(), pairs.end(), plan_card::is_large)) return kMostLanesOfLargePipes;
+  return *std::find_if(std::begin(kLaneSteps), std::end(kLaneSteps),
+                       [&](unsigned step) { return step >= most || step == kMostLanes; });
 }
 
 BoardConfig board_of(const Scene& scene) {
@@ -209,21 +208,19 @@ Effect lanes(const Scene& scene, const Plan& plan) {
   if (scene.card.lanes)
     e.why = "asked for in [card]";
   else if (n >= most)
-    e.why = fmt::format("the largest packet has {} primaries: one row a secondary", most);
+    e.why = fmt::format("the largest packet has {} primaries: one row a secondary{}", most,
+                        n >= 2 * most ? "; cards of 16, 64 and 128 lanes are shared" : "");
   else
     e.why = fmt::format(
         "the largest packet has {} primaries, and a card of {} is built with at most "
         "{} lanes unless the scene says otherwise",
         most,
-        std::any_of(plan.board.pairs.begin(), plan.board.pairs.end(), large) ? "these pipes"
-        : plan.board.arithmetic == Arithmetic::kRtl                          ? "gates"
-                                                                             : "any pipes",
+        std::any_of(plan.board.pairs.begin(), plan.board.pairs.end(), plan_card::is_large)
+            ? "these pipes"
+        : plan.board.arithmetic == Arithmetic::kRtl ? "gates"
+                                                    : "any pipes",
         n);
-  const auto rows = [&](unsigned lanes) {
-    std::uint64_t sum = 0;
-    for (const SceneQuery& q : scene.queries) sum += work_of(scene, q, lanes).rows;
-    return sum;
-  };
+  const auto rows = [&](unsigned lanes) { return rows_of(scene, lanes); };
   e.cost = fmt::format("{} rows a frame", rows(n));
   if (n > 1) e.cost += fmt::format("; {} with {} lanes", rows(n / 2), n / 2);
   if (n < kPacket) e.cost += fmt::format("; {} with {}", rows(n * 2), n * 2);
@@ -398,6 +395,19 @@ Plan plan(const Scene& scene) {
   add_movers(scene, movers, plan);
   plan.effects = effects_of(scene, plan, movers.effects);
   return plan;
+}
+
+void use_built_card(const Scene& scene, Plan& plan) {
+  const bool small = std::all_of(plan.queries.begin(), plan.queries.end(),
+                                 [](const QueryWork& w) { return w.primaries <= kPacket; });
+  if (!small || bitstream_file(plan.board.top(), plan.board.parameters()).built) return;
+  const auto card = plan_card::choose(plan.board, scene.card,
+                                      [&](unsigned lanes) { return rows_of(scene, lanes); });
+  if (!card) return;
+  plan.stands_in_for = {plan.board, card->times};
+  plan.board = card->board;
+  for (std::size_t i = 0; i < plan.queries.size(); ++i)
+    plan.queries[i].rows = work_of(scene, scene.queries[i], plan.board.lanes).rows;
 }
 
 }  // namespace cde

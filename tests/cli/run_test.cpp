@@ -393,6 +393,62 @@ TEST_F(RunScene, FaultyCardIsFoundOut) {
   EXPECT_EQ(cde({"run", "small.toml", "--check", "none"}, environment).status, 0);
 }
 
+/// The card of mixed.toml, which has a pipe more than this scene needs.
+TEST_F(RunScene, BuiltCardStandsIn) {
+  write("s.toml", R"(frames = 2
+[card]
+lanes = 8
+[[object]]
+name = "rays"
+random_rays = { count = 30 }
+[[object]]
+name = "balls"
+random = { shape = "sphere", count = 9, min = [-4, -4, -4], max = [4, 4, 4], size = [0.5, 2] }
+[[object]]
+name = "boxes"
+random = { shape = "obb", count = 20, min = [-4, -4, -4], max = [4, 4, 4], size = [0.5, 2] }
+[[query]]
+name = "seen"
+pair = "ray-sphere"
+primaries = "rays"
+secondaries = "balls"
+[[query]]
+name = "touching"
+pair = "sphere-obb"
+primaries = "boxes"
+secondaries = "balls"
+normals = true
+)");
+  const Words none = {"CDE_CACHE=" + (folder_ / "cache").string()};
+  const auto exact =
+      nlohmann::json::parse(cde({"plan", "s.toml", "--exact-card", "--json"}, none).out);
+  EXPECT_EQ(exact["built"], false);
+  EXPECT_EQ(exact["stands_in_for"], nullptr);
+  const auto planned = nlohmann::json::parse(cde({"plan", "s.toml", "--json"}, none).out);
+  EXPECT_EQ(planned["built"], true);
+  EXPECT_EQ(planned["stands_in_for"]["parameters"], exact["parameters"]);
+  EXPECT_GT(planned["stands_in_for"]["estimated_times"], 1.0);
+  EXPECT_LE(planned["stands_in_for"]["estimated_times"], 1.3);
+  const Ran text = cde({"plan", "s.toml"}, none);
+  EXPECT_NE(text.out.find("PAIRS=6145"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("is built and stands in"), std::string::npos) << text.out;
+
+  const Ran ran = cde({"run", "s.toml"}, none);
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_FALSE(exists("cache")) << "nothing was built";
+  EXPECT_EQ(ran.err.find("cde: card board ARITH=host LANES=8 PAIRS=6145 BOX=1 SWAP=1 NORMALS=1 is "
+                         "built and stands in for board ARITH=host LANES=8 PAIRS=6144"),
+            0u)
+      << ran.err;
+  EXPECT_NE(ran.err.find("100 of 100 records compared with the reference, 0 differ"),
+            std::string::npos)
+      << ran.err;
+  const auto j = run_json("s.run");
+  EXPECT_EQ(j["plan"]["stands_in_for"], planned["stands_in_for"]);
+  EXPECT_EQ(j["bitstream"], planned["bitstream"]);
+  EXPECT_GT(j["totals"]["hits"], 0);
+}
+
 TEST_F(RunScene, PlanSaysWhatAndWhy) {
   write("flight.toml", kFlight);
   const Ran text = cde({"plan", "flight.toml"});

@@ -433,7 +433,7 @@ TEST(Plan, TakesWhatTheSceneNeeds) {
   const Scene s = parse_scene(kGood, "s.toml");
   const Plan p = plan(s);
   EXPECT_EQ(p.board.pairs, std::vector<Pair>{Pair::kRaySphere});
-  EXPECT_EQ(p.board.lanes, 1u) << "one primary";
+  EXPECT_EQ(p.board.lanes, 16u) << "one primary: the smallest of the sizes that scenes share";
   EXPECT_FALSE(p.board.swap || p.board.normals || p.board.trace || p.board.parallel);
   EXPECT_FALSE(effect(p, "transformer").used);
   EXPECT_EQ(effect(p, "transformer").why, "no secondary moves as a rigid body");
@@ -466,12 +466,13 @@ TEST(Plan, LanesGrowWithThePrimaries) {
                     "s.toml"))
         .board.lanes;
   };
-  EXPECT_EQ(lanes(1), 1u);
-  EXPECT_EQ(lanes(3), 4u);
-  EXPECT_EQ(lanes(100), 128u);
+  for (const unsigned few : {1u, 3u, 16u}) EXPECT_EQ(lanes(few), 16u);
+  for (const unsigned more : {17u, 64u}) EXPECT_EQ(lanes(more), 64u);
+  for (const unsigned many : {65u, 100u, 256u}) EXPECT_EQ(lanes(many), 128u);
   EXPECT_EQ(lanes(5000), 128u);
   EXPECT_EQ(lanes(5000, "[card]\nlanes = 2\n"), 2u);
   EXPECT_EQ(lanes(5000, "[card]\narithmetic = \"rtl\"\n"), 16u);
+  EXPECT_EQ(lanes(3, "[card]\narithmetic = \"rtl\"\n"), 4u) << "gates take minutes to build";
 }
 
 /// What one query needs the card has, whichever query it is.

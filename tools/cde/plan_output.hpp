@@ -11,4 +11,7 @@ namespace cde::cli {
 /// The same for people, on stdout.
 void print_plan(const Scene& scene, const Plan& plan);
 
+/// One line about the built card that is used instead of the planned one; empty if none is.
+[[nodiscard]] std::string stand_in_text(const Plan& plan);
+
 }  // namespace cde::cli

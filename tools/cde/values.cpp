@@ -139,6 +139,11 @@ CLI::Option* clock_option(CLI::App& verb, double& mhz) {
                    0.001, 10000, "MHz");
 }
 
+void exact_card_option(CLI::App& verb, bool& exact) {
+  verb.add_flag("--exact-card", exact,
+                "The planned card, even if it must be built and another one would do");
+}
+
 void deadline_options(CLI::App& verb, std::uint64_t& clocks, double& seconds,
                       const std::string& pass) {
   constexpr std::uint64_t kMost = 1'000'000'000'000'000;

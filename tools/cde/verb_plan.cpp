@@ -15,7 +15,7 @@ namespace cde::cli {
 void add_plan(CLI::App& app) {
   struct Options {
     std::string scene;
-    bool json = false;
+    bool json = false, exact = false;
   };
   auto o = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand(
@@ -24,9 +24,11 @@ void add_plan(CLI::App& app) {
   file_value(verb->add_option("scene", o->scene, "Scene file, TOML (docs/scenes.md)")->required(),
              "SCENE");
   verb->add_flag("--json", o->json, "The plan as JSON on stdout");
+  exact_card_option(*verb, o->exact);
   verb->callback([o] {
     const Scene scene = load_scene(o->scene);
-    const Plan made = plan(scene);
+    Plan made = plan(scene);
+    if (!o->exact) use_built_card(scene, made);
     if (o->json)
       put_json(plan_json(scene, made));
     else

@@ -37,7 +37,7 @@ struct Options {
   std::vector<std::string> faults;
   double timeout = 3600;
   std::uint64_t deadline = 0;
-  bool json = false, quiet = false;
+  bool exact = false, json = false, quiet = false;
 };
 
 struct Frames {
@@ -394,8 +394,10 @@ void run(const Options& o) {
     check = *asked;
   }
   if (!o.trace.empty()) scene.card.trace = true;
-  const Plan made = plan(scene);
+  Plan made = plan(scene);
+  if (!o.exact) use_built_card(scene, made);
   Run run(o, scene, made, check);
+  if (made.stands_in_for && !o.quiet) say("cde: {}\n", stand_in_text(made));
   run.play(made);
   run.report();
 }
@@ -426,6 +428,7 @@ void add_run(CLI::App& app) {
   verb->add_option("--fault", o->faults,
                    "KIND[:COUNT[:VALUE]]@FRAME: lets something go wrong; may be given again")
       ->allow_extra_args(false);
+  exact_card_option(*verb, o->exact);
   deadline_options(*verb, o->deadline, o->timeout, "pass");
   verb->add_flag("--json", o->json, "run.json on stdout too");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");

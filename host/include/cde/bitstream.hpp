@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,9 @@ struct BoardConfig {
   /// NAME=VALUE for the builder, without what the RTL has as default. Error kUsage if a value is
   /// out of range, naming it.
   [[nodiscard]] std::vector<std::string> parameters() const;
+  /// The configuration that these parameters make; nothing if a parameter is unknown, given twice
+  /// or out of range.
+  [[nodiscard]] static std::optional<BoardConfig> of(const std::vector<std::string>& parameters);
   /// Top module: "board", or "card" with its PCI bridge.
   [[nodiscard]] const char* top() const { return bus == Bus::kCycle ? "card" : "board"; }
 };
@@ -114,6 +118,11 @@ struct BitstreamFile {
 /// Builds nothing. Error kBuild as above.
 [[nodiscard]] BitstreamFile bitstream_file(const std::string& kind,
                                            const std::vector<std::string>& parameters);
+
+/// Parameters of the bitstreams of a kind that lie in the folders that are asked, as the comments
+/// beside them say; sorted, each once. Nothing is known of the files but that: bitstream_file says
+/// whether the one of a configuration is there and whole, under the name that its key gives it.
+[[nodiscard]] std::vector<std::vector<std::string>> kept_bitstreams(const std::string& kind);
 
 /// Hash that the card of a configuration shows. Error kBuild as above.
 [[nodiscard]] std::uint64_t bitstream_hash(const std::string& kind,

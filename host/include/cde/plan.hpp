@@ -35,9 +35,18 @@ struct QueryWork {
   std::uint64_t primary_words = 0;    ///< written in every frame after the first
 };
 
-/// The smallest card that serves a scene.
+/// A card that is built, and how long it takes.
+struct BuiltCard {
+  BoardConfig board;
+  double times = 1;  ///< a planned card's time, estimated
+};
+
+/// The smallest card that serves a scene, of the few sizes that scenes share.
 struct Plan {
   BoardConfig board;
+  /// Where use_built_card has taken another card: the one that it stands in for, which `effects`
+  /// describes, and how many times that one's time it is estimated to take.
+  std::optional<BuiltCard> stands_in_for;
   std::vector<Effect> effects;
   std::vector<QueryWork> queries;
   bool resident = true;  ///< all queries have the same secondaries, which stay in DDR
@@ -50,6 +59,14 @@ struct Plan {
 /// scene asks for what this version of the card does not have, or for a pipe that the bitstream it
 /// asks for lacks, or for more objects than the card moves), kCapacity (secondaries beyond DDR).
 [[nodiscard]] Plan plan(const Scene& scene);
+
+/// Where the planned card is not built, but one is that gives the same records, for at most 1.3
+/// times the simulation's and the device's time by an estimate, takes that one: `board` and the
+/// rows of `queries` are its own then. Only for scenes whose queries have up to 256 primaries each:
+/// larger ones gain more by a card of their own than its building takes. What the scene's [card]
+/// asks for is kept. Which cards are built is read from the comments beside bitstreams
+/// (kept_bitstreams); what is taken is found again by its key and held against its checksum.
+void use_built_card(const Scene& scene, Plan& plan);
 
 /// How many times as long the simulation of a frame takes with an effect, by its name in a plan,
 /// as without: measured once, with `cde bench effects` (docs/scenes.md has conditions and machine).
