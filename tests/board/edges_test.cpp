@@ -183,6 +183,19 @@ TEST_F(Edges, AWatchdogIsATime) {
   expect_right();
 }
 
+TEST(ReferenceEdges, ObjectsLieWithinTheTriangles) {
+  Random random;
+  const Scene scene = beam(random, 4, 30);
+  for (const auto& [first, count] : {std::pair{20u, 11u}, {31u, 1u}, {~0u, 2u}, {5u, ~0u - 3}}) {
+    const std::vector<Object> objects{{.first = first, .count = count}};
+    expect_in("reaches beyond the 30", refused([&] {
+                (void)reference::cast(scene.rays, scene.triangles, Mode::kNearest, {}, objects);
+              }));
+  }
+  const std::vector<Object> all{{.first = 0, .count = 30}};
+  EXPECT_EQ(reference::cast(scene.rays, scene.triangles, Mode::kAll, {}, all).size(), 120u);
+}
+
 /// Nothing reaches the card: no register is touched.
 TEST_F(Edges, WhatNoEnumerationHasIsRefusedFirst) {
   const std::uint64_t before = board->bus_counters().register_accesses;
