@@ -66,7 +66,7 @@ RunFolder::RunFolder(fs::path path, const Scene& scene, const std::vector<std::s
 
 void RunFolder::make_and_lock() {
   const auto fail = [&](const std::string& why) {
-    throw Error(ErrorCode::kFile, fmt::format("{}: {}", path_.string(), why));
+    throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(path_.string()), why));
   };
   for (;;) {
     std::error_code error;
@@ -81,7 +81,7 @@ void RunFolder::make_and_lock() {
       unlock();
       throw Error(ErrorCode::kUsage, fmt::format("{} is the folder of a run that goes on: wait for "
                                                  "its end, or let --out name another folder",
-                                                 path_.string()));
+                                                 printable_name(path_.string())));
     }
     struct stat locked {
     }, named{};
