@@ -160,6 +160,7 @@ Board Board::open(const BoardConfig& config, const OpenOptions& options) {
     throw Error(ErrorCode::kUsage, fmt::format("clock_period_ps is {}; it must be 100 to 1000000",
                                                options.clock_period_ps));
   }
+  check_watchdog(options.watchdog);
   const std::vector<std::string> parameters = config.parameters();
   Bitstream bitstream =
       options.file ? Bitstream::load(*options.file, options.config_hash

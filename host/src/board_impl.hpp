@@ -1,9 +1,13 @@
 #pragma once
+#include <fmt/format.h>
+
 #include <array>
+#include <chrono>
 
 #include "bus_time.hpp"
 #include "card_link.hpp"
 #include "cde/board.hpp"
+#include "cde/error.hpp"
 
 namespace cde {
 
@@ -113,5 +117,13 @@ class Board::Impl {
   /// word of an even slot and the first one of the next, for every such two slots.
   std::vector<std::array<float, 2>> seams_;
 };
+
+/// Error kUsage unless it is a time; infinity is one. Comparisons with NaN are false, so a watchdog
+/// of NaN would never bite.
+inline void check_watchdog(std::chrono::duration<double> watchdog) {
+  if (!(watchdog.count() >= 0))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("watchdog is {} s; it must be at least 0", watchdog.count()));
+}
 
 }  // namespace cde

@@ -365,6 +365,7 @@ Query complete(const Board::Impl& card, const Query& query) {
   if (card.loaded == 0) throw Error(ErrorCode::kUsage, "no primaries were loaded into the board");
   Query q = query;
   (void)name_of(q.mode);  // or it is none
+  check_watchdog(q.watchdog);
   if (q.first_secondary != 0 || q.secondary_count != 0) {
     if (!card.objects.objects.empty())
       throw Error(ErrorCode::kUsage,

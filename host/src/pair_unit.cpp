@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <utility>
@@ -59,6 +60,7 @@ struct PairUnit::State {
   PairConfig config;
   const cde_pair_api* api = nullptr;
   cde_pair_unit* unit = nullptr;
+  bool testing = false;
 
   State(const Bitstream& b, const PairConfig& c) : bitstream(b), config(c) {}
   State(const State&) = delete;
@@ -69,7 +71,7 @@ struct PairUnit::State {
 };
 
 PairUnit::PairUnit(const Bitstream& bitstream, const PairConfig& config)
-    : state_(std::make_unique<State>(bitstream, config)) {
+    : state_(std::make_shared<State>(bitstream, config)) {
   State& s = *state_;
   s.api = reinterpret_cast<cde_pair_entry_function>(s.bitstream.symbol("cde_pair_entry"))();
   const std::string path = bitstream.path().string();
@@ -100,6 +102,12 @@ PairUnit::State& PairUnit::state() const {
   return *state_;
 }
 
+PairUnit::State& PairUnit::idle() const {
+  if (state().testing)
+    throw Error(ErrorCode::kUsage, "this PairUnit is in a test(): its gap cannot give it work");
+  return state();
+}
+
 const PairConfig& PairUnit::config() const {
   return state().config;
 }
@@ -110,10 +118,10 @@ void PairUnit::set_budget(const PairBudget& budget) {
   if (!has_budget(state().config.pair))
     throw Error(ErrorCode::kUsage, fmt::format("{} takes no budget", name(state().config.pair)));
   budget.check();
-  state().api->set_budget(state().unit, budget.free << 16 | budget.circle << 8 | budget.samples);
+  idle().api->set_budget(state().unit, budget.free << 16 | budget.circle << 8 | budget.samples);
 }
 void PairUnit::reset() {
-  state().api->reset(state().unit);
+  idle().api->reset(state().unit);
 }
 
 namespace {
@@ -145,7 +153,9 @@ std::uint64_t run(const cde_pair_api& api, cde_pair_unit* unit, std::span<const 
 
 std::uint64_t PairUnit::test(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
                              std::span<PairResult> results, const std::function<unsigned()>& gap) {
-  const cde_pair_api& api = *state().api;
+  (void)idle();
+  const std::shared_ptr<State> kept = state_;
+  const cde_pair_api& api = *kept->api;
   if (a.size() != results.size() * api.a_words || b.size() != results.size() * api.b_words)
     throw Error(ErrorCode::kUsage,
                 fmt::format("PairUnit::test: {} pairs need {} and {} operand words, not {} and {}",
@@ -155,8 +165,18 @@ std::uint64_t PairUnit::test(std::span<const std::uint64_t> a, std::span<const s
   auto* context = const_cast<std::function<unsigned()>*>(&gap);
   uint32_t (*call)(void*) = nullptr;
   if (gap) call = [](void* f) { return uint32_t{(*static_cast<std::function<unsigned()>*>(f))()}; };
-  return api.word_bytes == 4 ? run<std::uint32_t>(api, state().unit, a, b, results, call, context)
-                             : run<std::uint64_t>(api, state().unit, a, b, results, call, context);
+  kept->testing = true;
+  try {
+    const std::uint64_t clocks =
+        api.word_bytes == 4 ? run<std::uint32_t>(api, kept->unit, a, b, results, call, context)
+                            : run<std::uint64_t>(api, kept->unit, a, b, results, call, context);
+    kept->testing = false;
+    return clocks;
+  } catch (...) {
+    api.reset(kept->unit);  // rows in flight would be taken for the next test's
+    kept->testing = false;
+    throw;
+  }
 }
 
 void PairUnit::open_trace(const std::string& path) {
@@ -167,6 +187,33 @@ void PairUnit::open_trace(const std::string& path) {
 }
 void PairUnit::close_trace() {
   require_whole_waves(state().api->trace_close(state().unit));
+}
+
+std::string differing_fields(const PairResult& a, const PairResult& b) {
+  std::string names;
+  const auto look = [&](bool same, const char* name) {
+    if (!same) names.append(names.empty() ? "" : ", ").append(name);
+  };
+  look(a.f == b.f, "F");
+  look(a.bad == b.bad, "bad");
+  look(a.t == b.t, "T");
+  constexpr const char *kPoint[] = {"CPx", "CPy", "CPz"}, *kNormal[] = {"nx", "ny", "nz"};
+  for (int k = 0; k < 3; ++k) look(a.cp[k] == b.cp[k], kPoint[k]);
+  for (int k = 0; k < 3; ++k) look(a.n[k] == b.n[k], kNormal[k]);
+  return names;
+}
+
+std::string place_in_unit(PairUnit& unit, std::span<const std::uint64_t> a,
+                          std::span<const std::uint64_t> b, std::size_t i) {
+  const PairConfig& config = unit.config();
+  const std::size_t a_words = primary_words(config.pair), b_words = secondary_words(config.pair);
+  const std::size_t row = i / config.lanes,
+                    count = std::min(a.size() / a_words, (row + 1) * config.lanes);
+  if (i >= count || b.size() < count * b_words)
+    throw Error(ErrorCode::kUsage, fmt::format("there is no pair {}", i));
+  std::vector<PairResult> again(count);
+  const std::uint64_t clock = unit.test(a.first(count * a_words), b.first(count * b_words), again);
+  return fmt::format("clock {}, lane {}, row {}", clock, i % config.lanes, row);
 }
 
 }  // namespace cde

@@ -40,6 +40,11 @@ class Sweep::Impl {
     (void)name_of(mode);  // or it is none
     if (packet == 0 || packet > RayBlock::kRays)
       throw Error(ErrorCode::kUsage, fmt::format("a packet of {} rays", packet));
+    for (const Object& object : objects)
+      if (object.first > triangles.size() || object.count > triangles.size() - object.first)
+        throw Error(ErrorCode::kUsage,
+                    fmt::format("an object of {} triangles from {} on reaches beyond the {}",
+                                object.count, object.first, triangles.size()));
     if (!objects.empty()) {
       swept_ = swept(triangles, objects);
       triangles_ = TriangleView(swept_.shapes);

@@ -3,12 +3,15 @@
 // anything is sent to the card, and the card goes on.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
 
 #include "cases.hpp"
 #include "cde/fp_unit.hpp"
 #include "cde/pair_unit.hpp"
+#include "cde/reference/pairs.hpp"
 
 namespace cde::testing {
 namespace {
@@ -118,6 +121,79 @@ TEST(MovedFrom, UnitsAndPasses) {
            [&] { unit.open_trace("waves.fst"); }, [&] { unit.close_trace(); }})
     expect_in("moved from", refused(call));
   EXPECT_EQ(unit_now.config().pair, Pair::kSphereSphere);
+}
+
+/// A gap that throws in the middle of a test left rows in flight, whose results the next test wrote
+/// behind the end of its own.
+TEST(PairUnitGap, MayThrowButNotGiveWork) {
+  std::optional<PairUnit> unit(std::in_place, PairConfig{.pair = Pair::kSphereSphere});
+  constexpr FpFormat kFp32{8, 23};
+  constexpr std::size_t kCount = 100;
+  std::vector<std::uint64_t> a, b;
+  for (std::size_t i = 0; i < kCount; ++i)
+    for (const double x : {0.0, 0.0, 0.0, 1.0}) {
+      a.push_back(kFp32.encode(x));
+      b.push_back(kFp32.encode(x == 0 ? static_cast<double>(i) / 7 : x));
+    }
+  std::vector<PairResult> expected(kCount), got(kCount), other(kCount);
+  reference::test_pairs(Pair::kSphereSphere, Algorithm::kMoller, kFp32, a, b, expected);
+  for (unsigned row = 1; row <= 13; ++row) {
+    unsigned calls = 0;
+    const auto throws = [&]() -> unsigned {
+      if (++calls == row) throw row;
+      return 0;
+    };
+    EXPECT_THROW(unit->test(a, b, got, throws), unsigned) << row;
+    const auto few = std::span<const std::uint64_t>(b).first(4);
+    EXPECT_EQ(
+        unit->test(std::span<const std::uint64_t>(a).first(4), few, std::span(other).first(1)),
+        unit->latency());
+    EXPECT_EQ(other[0], expected[0]) << row;
+  }
+  for (const std::function<void()>& work : std::vector<std::function<void()>>{
+           [&] { unit->reset(); }, [&] { unit->test(a, b, other); }}) {
+    const auto gap = [&]() -> unsigned {
+      work();
+      return 0;
+    };
+    expect_in("in a test()", refused([&] { unit->test(a, b, got, gap); }));
+    unit->test(a, b, got);
+    EXPECT_EQ(got, expected);
+  }
+  unsigned calls = 0;
+  got.assign(kCount, {});
+  unit->test(a, b, got, [&] {
+    if (++calls == 3) unit.reset();
+    return 0u;
+  });
+  EXPECT_EQ(got, expected) << "the unit went away with the call, not before";
+}
+
+/// NaN is no time: comparisons with it are false, and a watchdog of NaN never bit.
+TEST_F(Edges, AWatchdogIsATime) {
+  for (const double seconds : {std::nan(""), -1.0, -std::numeric_limits<double>::infinity()}) {
+    Query q = query;
+    q.watchdog = std::chrono::duration<double>(seconds);
+    expect_in("watchdog", refused([&] { (void)board->run(q); }));
+    expect_in("watchdog", refused([&] { (void)board->cast(scene.rays, q); }));
+    expect_in("watchdog",
+              refused([&] { (void)Board::open(host_config(), {.watchdog = q.watchdog}); }));
+  }
+  query.watchdog = std::chrono::duration<double>(std::numeric_limits<double>::infinity());
+  expect_right();
+}
+
+TEST(ReferenceEdges, ObjectsLieWithinTheTriangles) {
+  Random random;
+  const Scene scene = beam(random, 4, 30);
+  for (const auto& [first, count] : {std::pair{20u, 11u}, {31u, 1u}, {~0u, 2u}, {5u, ~0u - 3}}) {
+    const std::vector<Object> objects{{.first = first, .count = count}};
+    expect_in("reaches beyond the 30", refused([&] {
+                (void)reference::cast(scene.rays, scene.triangles, Mode::kNearest, {}, objects);
+              }));
+  }
+  const std::vector<Object> all{{.first = 0, .count = 30}};
+  EXPECT_EQ(reference::cast(scene.rays, scene.triangles, Mode::kAll, {}, all).size(), 120u);
 }
 
 /// Nothing reaches the card: no register is touched.

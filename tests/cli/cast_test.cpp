@@ -160,6 +160,26 @@ TEST_F(Cast, MoreCardsGiveTheSameFile) {
       2);
 }
 
+/// Cards beside each other keep records that have to wait, and each a mesh: refused with the sizes
+/// before anything is built or cast. One card keeps none.
+TEST_F(Cast, TheMemoryOfManyCardsIsLimited) {
+  const Ran ran = cde({"cast", "terrain:64,64,1", "--grid", "8192x8192", "--mode", "all",
+                       "--boards", "64", "-o", "x.csv"});
+  EXPECT_EQ(ran.status, 2);
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(
+      ran.err, match,
+      std::regex(
+          "cde: 64 cards take (\\d+) MB, and records that wait for those of the cards before "
+          "them (\\d+) MB; the limit on this machine is (\\d+) MB")))
+      << ran.err;
+  EXPECT_EQ(match[1], "18") << "64 times 8192 triangles of 36 bytes";
+  const double records = 63.0 / 64 * 8192 * 8192 * 8192 * 40 / (1 << 20);
+  EXPECT_NEAR(std::stod(match[2]), records, 1e-3 * records);
+  EXPECT_LT(std::stod(match[3]), std::stod(match[2]));
+  EXPECT_TRUE(files().empty());
+}
+
 TEST_F(Cast, ClockChangesTheModelledTimeOnly) {
   write("one.obj", kTriangle);
   const auto at = [&](const char* mhz) {
@@ -352,6 +372,17 @@ TEST_F(Cast, FaultyCardIsFoundOut) {
       << ran.err;
   EXPECT_NE(ran.err.find("differs from the reference"), std::string::npos) << ran.err;
   std::smatch match;
+  // A ray through an edge that two triangles share meets the one of them that it should miss.
+  ASSERT_TRUE(std::regex_search(ran.err, match, std::regex("differ in: (.*)\n"))) << ran.err;
+  EXPECT_EQ(match[1], "index") << ran.err;
+  ASSERT_TRUE(std::regex_search(
+      ran.err, match,
+      std::regex("where:     clock ([0-9]+) \\(record read\\), lane ([0-9]+), row ([0-9]+)\n"
+                 "(?:.*\n)*  ray ([0-9]+):")))
+      << ran.err;
+  EXPECT_GT(std::stoul(match[1]), 18u * 21) << "18 triangles meet 21 rows of 4 rays before";
+  EXPECT_LT(std::stoul(match[1]), 5000u);
+  EXPECT_EQ(4 * std::stoul(match[3]) + std::stoul(match[2]), std::stoul(match[4])) << ran.err;
   ASSERT_TRUE(std::regex_search(ran.err, match, std::regex("repeat with: cde (.*)"))) << ran.err;
   std::istringstream words(match[1]);
   const Words again{std::istream_iterator<std::string>(words), {}};

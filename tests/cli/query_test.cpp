@@ -16,6 +16,7 @@
 #include <sstream>
 
 #include "run_cde.hpp"
+#include "wave_file.hpp"
 
 namespace cde::testing {
 namespace {
@@ -564,6 +565,16 @@ TEST_F(Query, FaultyPipeIsFoundOut) {
   EXPECT_NE(ran.err.find("line 4: the card's answer differs from the reference"), std::string::npos)
       << ran.err;
   EXPECT_NE(ran.err.find("CP -0x1.8p-1,0x0p+0,0x0p+0"), std::string::npos) << ran.err;
+  // The second pair of the first row, which came out when the pipe's 11 clocks were over.
+  EXPECT_NE(ran.err.find("\n  differ in CPx\n  where     clock 11, lane 1, row 0\n"),
+            std::string::npos)
+      << ran.err;
+  std::string later = input;
+  for (int i = 0; i < 4; ++i) later.insert(0, "0,0,0,1,0,0,0,1\n");
+  const Ran third_row = query(words, later, environment);
+  EXPECT_NE(third_row.err.find("line 8: "), std::string::npos) << third_row.err;
+  EXPECT_NE(third_row.err.find("\n  where     clock 13, lane 1, row 2\n"), std::string::npos)
+      << third_row.err;
   std::smatch match;
   ASSERT_TRUE(std::regex_search(
       ran.err, match, std::regex("repeat with: yes (\\S*) \\| head -n (\\d+) \\| cde query (.*)")))
@@ -579,6 +590,97 @@ TEST_F(Query, FaultyPipeIsFoundOut) {
   const Ran wrong_answers = query(unchecked, input, environment);
   EXPECT_EQ(wrong_answers.status, 0);
   EXPECT_EQ(wrong_answers.out, kHeader + "1,2,0,0,0,0,0,1,\n1,0.5,-0.75,0,0,1,0,0,\n");
+}
+
+// ---- Waves ----
+
+/// Words of a port, [word][lane], at a time of the waves.
+class Ports {
+ public:
+  explicit Ports(fs::path file) : file_(std::move(file)), signals_(wave_signals(file_)) {}
+  [[nodiscard]] std::uint64_t at(const std::string& port, std::uint64_t time) {
+    auto& values = seen_[port];
+    if (values.empty()) {
+      const auto signal = signals_.find("pair_unit." + port);
+      if (signal == signals_.end()) throw std::runtime_error("no signal " + port);
+      values = wave_changes(file_, signal->second);
+    }
+    auto value = values.upper_bound(time);
+    if (value == values.begin()) throw std::runtime_error(port + " has no value yet");
+    return std::stoull((--value)->second, nullptr, 2);
+  }
+  [[nodiscard]] float word(const std::string& port, std::uint64_t time) {
+    return std::bit_cast<float>(static_cast<std::uint32_t>(at(port, time)));
+  }
+
+ private:
+  fs::path file_;
+  std::map<std::string, unsigned> signals_;
+  std::map<std::string, std::map<std::uint64_t, std::string>> seen_;
+};
+
+/// The operands of every row at the clock it enters, and its results as many clocks later as the
+/// pipe has, where docs/pairs.md says that they are.
+TEST_F(Query, WavesShowOperandsAndResults) {
+  constexpr unsigned kLanes = 8, kLatency = 11, kRows = 3;
+  std::string text;
+  for (unsigned i = 0; i < kLanes * kRows; ++i) text += fmt::format("0,0,0,1,{},0,0,1\n", 3 + i);
+  const Ran ran = query({"sphere-sphere", "--trace", "w.fst"}, text);
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(ran.out, query({"sphere-sphere"}, text).out);
+  EXPECT_EQ(files(), (Words{"stdin", "w.fst"}));
+  Ports ports(folder_ / "w.fst");
+  for (unsigned row = 0; row < kRows; ++row) {
+    const std::uint64_t in = 2 * row + 9, out = in + 2 * (kLatency - 1);
+    SCOPED_TRACE(fmt::format("row {}, times {} and {}", row, in, out));
+    EXPECT_EQ(ports.at("valid_i", in), 1u);
+    EXPECT_EQ(ports.at("tag_i", in), row);
+    EXPECT_EQ(ports.at("valid_o", out), 1u);
+    EXPECT_EQ(ports.at("tag_o", out), row);
+    for (unsigned lane = 0; lane < kLanes; ++lane) {
+      const auto i = static_cast<float>(kLanes * row + lane);
+      EXPECT_EQ(ports.word(fmt::format("b_i[0][{}]", lane), in), 3 + i);
+      EXPECT_EQ(ports.word(fmt::format("t_o[{}]", lane), out), 1 + i);
+      EXPECT_EQ(ports.word(fmt::format("cp_o[0][{}]", lane), out), (3 + i) / 2);
+      EXPECT_EQ(ports.at(fmt::format("f_o[{}]", lane), out), 0u);
+    }
+  }
+  EXPECT_EQ(ports.at("valid_o", 9 + 2 * (kLatency - 1) - 2), 0u) << "before the first row";
+  EXPECT_EQ(ports.at("valid_o", 9 + 2 * (kLatency - 1 + kRows)), 0u) << "behind the last one";
+}
+
+/// Answers come when all pairs are known; their number, and the file, are checked first.
+TEST_F(Query, WavesAreWholeOrAnError) {
+  const std::string pair = "0,0,0,1,3,0,0,1\n";
+  std::string many = "# a line that is none\n";
+  std::mt19937 random(7);
+  for (int i = 0; i < 4096; ++i)
+    many += fmt::format("{},{},{},1,3,0,0,1\n", random() % 997, random() % 997, random() % 997);
+  const Words traced = {"sphere-sphere", "-q", "--trace", "w.fst"};
+  Ran ran = query(traced, many);
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(lines_of(ran.out).size(), 4097u);
+  const std::uint64_t whole = fs::file_size(folder_ / "w.fst");
+  fs::remove(folder_ / "w.fst");
+  ran = query(traced, many + pair);
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_EQ(ran.out, kHeader);
+  EXPECT_EQ(ran.err, "cde: line 4098: --trace takes at most 4096 pairs\n");
+  EXPECT_FALSE(exists("w.fst"));
+  {
+    ASSERT_GT(whole / 2, many.size()) << "the limit is the waves', not stdin's";
+    const FileLimit limit(whole / 2);
+    ran = query(traced, many);
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_EQ(ran.err, "cde: w.fst: the waves are not whole: File too large\n");
+    EXPECT_FALSE(exists("w.fst"));
+  }
+  ran = query({"sphere-sphere", "-q", "--trace", "w.fst"}, "");
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_TRUE(wave_signals(folder_ / "w.fst").count("pair_unit.valid_i"));
+  refused({"sphere-sphere", "--trace", "none/w.fst"}, "none");
+  refused({"sphere-sphere", "--trace", "-"}, "--trace and the answers both write to stdout");
+  refused({"sphere-sphere", "--trace", "stdin"}, "which stdin reads");
 }
 
 // ---- Inventory ----

@@ -134,5 +134,53 @@ TEST_F(Folders, AfterAKill) {
   EXPECT_EQ(in("d"), (Words{"hit.000001.csv", "run.json"}));
 }
 
+/// Two runs at a time do not mix their files: the second one is refused and the first one goes on.
+/// The lock ends with the process that has it, also when that is killed.
+TEST_F(Folders, AFolderIsOneRunsAtATime) {
+  std::string scene = kScene;
+  write("long.toml", scene.replace(0, 10, "frames = 100000"));
+  const pid_t child = start({"run", "long.toml", "--out", "d", "-q"});
+  for (int i = 0; i < 600 && !exists("d/hit.000002.csv"); ++i) ::usleep(50'000);
+  ASSERT_TRUE(exists("d/hit.000002.csv"));
+  fs::create_directory_symlink("d", folder_ / "link");
+  for (const std::string folder : {"d", "./d", "link"}) {
+    const Ran second = run({"--out", folder});
+    EXPECT_EQ(second.status, 2);
+    EXPECT_EQ(second.err, "cde: " + folder +
+                              " is the folder of a run that goes on: wait for its end, or let "
+                              "--out name another folder\n");
+  }
+  EXPECT_EQ(run({"--out", "other"}).status, 0);
+  ::kill(child, SIGKILL);
+  EXPECT_EQ(finish(child).status, 128 + SIGKILL);
+  EXPECT_EQ(nlohmann::json::parse(read("d/run.json"))["scene"], "long.toml");
+  EXPECT_TRUE(exists("d/hit.000000.csv")) << "nobody took away what the first one had written";
+  EXPECT_EQ(run({"--out", "d", "--frames", "1"}).status, 0);
+  EXPECT_EQ(in("d"), (Words{"hit.000001.csv", "run.json"}));
+}
+
+/// Of runs that start at the same time into a folder that is not there yet, at least one plays, and
+/// each one that does not says why.
+TEST_F(Folders, RunsThatStartAtATimeDoNotMix) {
+  const Ran ran = shell(
+      "for i in 1 2 3 4; do (\"$CDE\" run scene.toml --out d -q --frames 0..1 2>err.$i; echo $? "
+      ">status.$i) & done; wait");
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  int played = 0;
+  for (int i = 1; i <= 4; ++i) {
+    const std::string status = read(fmt::format("status.{}", i));
+    const bool refused = status == "2\n";
+    EXPECT_EQ(status, refused ? "2\n" : "0\n");
+    EXPECT_EQ(read(fmt::format("err.{}", i)),
+              refused
+                  ? "cde: d is the folder of a run that goes on: wait for its end, or let --out "
+                    "name another folder\n"
+                  : "");
+    played += refused ? 0 : 1;
+  }
+  EXPECT_GE(played, 1);
+  EXPECT_EQ(in("d"), (Words{"hit.000000.csv", "hit.000001.csv", "run.json"}));
+}
+
 }  // namespace
 }  // namespace cde::testing

@@ -376,8 +376,19 @@ TEST_F(RunScene, FaultyCardIsFoundOut) {
   EXPECT_EQ(j["played"].size(), 1u);
   EXPECT_GT(j["totals"]["mismatches"], 0);
   EXPECT_LT(j["totals"]["mismatches"], 300);
-  // The pair alone, in the wrong pipe and in the right one.
   std::smatch match;
+  EXPECT_TRUE(std::regex_search(
+      ran.err, match,
+      std::regex("  differ in: (F, )?(T, CPx, CPy, CPz, index|index|T, CPz, index)\n")))
+      << ran.err;
+  ASSERT_TRUE(std::regex_search(
+      ran.err, match,
+      std::regex("where:     clock ([0-9]+) \\(record read\\), lane ([0-9]+), row ([0-9]+)\n"
+                 "  primary ([0-9]+):")))
+      << ran.err;
+  EXPECT_GT(std::stoul(match[1]), 100u);
+  EXPECT_EQ(4 * std::stoul(match[3]) + std::stoul(match[2]), std::stoul(match[4]) % 256);
+  // The pair alone, in the wrong pipe and in the right one.
   ASSERT_TRUE(
       std::regex_search(ran.err, match, std::regex("that pair: (echo .* \\| )cde (query .*)")))
       << ran.err;

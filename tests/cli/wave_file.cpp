@@ -44,16 +44,24 @@ std::map<std::string, unsigned> wave_signals(const std::filesystem::path& file) 
   return signals;
 }
 
-std::set<std::string> wave_values(const std::filesystem::path& file, unsigned handle) {
+std::map<std::uint64_t, std::string> wave_changes(const std::filesystem::path& file,
+                                                  unsigned handle) {
   const Reader reader = open(file);
   fstReaderSetFacProcessMask(reader.get(), handle);
-  std::set<std::string> values;
+  std::map<std::uint64_t, std::string> values;
   fstReaderIterBlocks(
       reader.get(),
-      [](void* to, std::uint64_t, fstHandle, const unsigned char* value) {
-        static_cast<std::set<std::string>*>(to)->insert(reinterpret_cast<const char*>(value));
+      [](void* to, std::uint64_t time, fstHandle, const unsigned char* value) {
+        (*static_cast<std::map<std::uint64_t, std::string>*>(to))[time] =
+            reinterpret_cast<const char*>(value);
       },
       &values, nullptr);
+  return values;
+}
+
+std::set<std::string> wave_values(const std::filesystem::path& file, unsigned handle) {
+  std::set<std::string> values;
+  for (const auto& [time, value] : wave_changes(file, handle)) values.insert(value);
   return values;
 }
 

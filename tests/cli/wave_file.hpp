@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -11,5 +12,9 @@ namespace cde::testing {
 
 /// All values that a signal takes, as bits, the most significant first.
 [[nodiscard]] std::set<std::string> wave_values(const std::filesystem::path& file, unsigned handle);
+
+/// The value that a signal takes at each time at which it changes.
+[[nodiscard]] std::map<std::uint64_t, std::string> wave_changes(const std::filesystem::path& file,
+                                                                unsigned handle);
 
 }  // namespace cde::testing

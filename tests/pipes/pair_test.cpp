@@ -11,7 +11,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <optional>
 #include <random>
 #include <sstream>
@@ -104,7 +106,8 @@ Operands operands(const PairConfig& config, std::size_t first, std::size_t count
 }
 
 /// A command line that asks the pair of the same pipe.
-std::string describe(const PairConfig& config, const Operands& o, std::size_t i) {
+std::string describe(const PairConfig& config, const Operands& o, std::size_t i,
+                     const cde::PairBudget& budget = {}) {
   std::string text = "echo '";
   const auto words = [&](const std::vector<std::uint64_t>& all, unsigned n) {
     for (unsigned k = 0; k < n; ++k) {
@@ -126,6 +129,9 @@ std::string describe(const PairConfig& config, const Operands& o, std::size_t i)
   if (config.plane == cde::PlaneSide::kHalfSpace) text += " --half-space";
   if (config.facet_interval != 1)
     text += " --facet-interval " + std::to_string(config.facet_interval);
+  if (cde::has_budget(config.pair) && budget != cde::PairBudget{})
+    text += " --budget " + std::to_string(budget.samples) + "," + std::to_string(budget.circle) +
+            "," + std::to_string(budget.free);
   return text;
 }
 
@@ -137,6 +143,14 @@ std::string describe(const PairResult& r) {
                 static_cast<unsigned long long>(r.cp[2]), static_cast<unsigned long long>(r.n[0]),
                 static_cast<unsigned long long>(r.n[1]), static_cast<unsigned long long>(r.n[2]));
   return text;
+}
+
+/// What is said of pair i, which differs: how to ask again, which fields, and where.
+std::string difference(cde::PairUnit& unit, const Operands& o, std::size_t i, const PairResult& got,
+                       const PairResult& expected, const cde::PairBudget& budget = {}) {
+  return "  " + describe(unit.config(), o, i, budget) + "\n  pipe      " + describe(got) +
+         "\n  reference " + describe(expected) + "\n  differ in " +
+         differing_fields(got, expected) + "\n  where     " + place_in_unit(unit, o.a, o.b, i);
 }
 
 /// Clocks of the pipe with operators of one clock, as the references state them; 0 where they do
@@ -273,8 +287,7 @@ void PairPipe::compare(cde::PairUnit& unit, std::size_t first, std::size_t count
     bad_ += expected[i].bad;
     if (got[i] == expected[i]) continue;
     if (++wrong_ <= 3)
-      ADD_FAILURE() << "case " << first + i << "\n  " << describe(config, o, i) << "\n  pipe      "
-                    << describe(got[i]) << "\n  reference " << describe(expected[i]);
+      ADD_FAILURE() << "case " << first + i << "\n" << difference(unit, o, i, got[i], expected[i]);
   }
   (void)unit.test(o.a, o.b, stalled, [this] { return gaps_() % 3 == 0 ? gaps_() % 4 : 0u; });
   EXPECT_TRUE(stalled == got) << "gaps between rows change results";
@@ -314,9 +327,64 @@ TEST(PairRegression, PointsTooNearForADirection) {
     cde::reference::test_pairs(line.pair, config.algorithm, fp16, a, b, expected);
     cde::PairUnit unit(config);
     (void)unit.test(a, b, got);
-    EXPECT_EQ(got[0], expected[0])
-        << "\n  pipe      " << describe(got[0]) << "\n  reference " << describe(expected[0]);
+    EXPECT_EQ(got[0], expected[0]) << difference(unit, {a, b}, 0, got[0], expected[0]);
     EXPECT_FALSE(expected[0].f || expected[0].bad);
+  }
+}
+
+/// The line of a failure as a user types it: what it prints, status first.
+std::string typed(std::string line) {
+  const std::string command = "cde query", end = "; echo $?";
+  line.replace(line.find(command), command.size(), "'" CDE_COMMAND "' query");
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(
+      ::popen((line + " --bits -q 2>&1" + end).c_str(), "r"), ::pclose);
+  std::string text;
+  char piece[256];
+  while (std::fgets(piece, sizeof piece, out.get()) != nullptr) text += piece;
+  return text;
+}
+
+/// What a failing test says is true: `cde query` reads the line and answers what the reference
+/// does, the fields are those that differ, and the place is the pair's.
+TEST(PairFailure, SaysWhatAndWhereAndHowToAskAgain) {
+  const std::vector<std::pair<PairConfig, cde::PairBudget>> all = {
+      {{.pair = Pair::kSphereSphere}, {}},
+      {{.pair = Pair::kSphereSphere, .format = {5, 10}, .lanes = 1}, {}},
+      {{.box = true}, {}},
+      {{.algorithm = Algorithm::kPluecker}, {}},
+      {{.pair = Pair::kObbPlane, .plane = cde::PlaneSide::kHalfSpace}, {}},
+      {{.pair = Pair::kCylinderCylinder}, {4, 0, 0}},
+  };
+  for (const auto& [config, budget] : all) {
+    const std::size_t count = 40, i = 27;
+    std::mt19937_64 words(kSeed);
+    const Operands o = operands(config, 0, count, words);
+    std::vector<PairResult> expected(count), got(count);
+    cde::reference::test_pairs(config.pair, config.algorithm, config.format, o.a, o.b, expected,
+                               config.plane, budget, config.box);
+    cde::PairUnit unit(config);
+    if (cde::has_budget(config.pair)) unit.set_budget(budget);
+    (void)unit.test(o.a, o.b, got);
+    ASSERT_EQ(got, expected);
+    PairResult wrong = got[i];
+    wrong.f = !wrong.f;
+    wrong.t ^= 1;
+    wrong.cp[2] ^= 1;
+    const std::string text = difference(unit, o, i, wrong, expected[i], budget);
+    SCOPED_TRACE(text);
+    EXPECT_NE(text.find("\n  differ in F, T, CPz\n"), std::string::npos);
+    const std::size_t row = i / config.lanes;
+    EXPECT_NE(text.find("\n  where     clock " + std::to_string(unit.latency() + row) + ", lane " +
+                        std::to_string(i % config.lanes) + ", row " + std::to_string(row)),
+              std::string::npos);
+    const std::string line = text.substr(2, text.find('\n') - 2), answer = typed(line);
+    EXPECT_NE(line.find(" | "), std::string::npos);
+    char t[32];
+    std::snprintf(t, sizeof t, "\n%d,0x%0*llx,", expected[i].f, config.format.hex_digits(),
+                  static_cast<unsigned long long>(expected[i].t));
+    EXPECT_NE(answer.find(t), std::string::npos) << answer;
+    EXPECT_EQ(answer.substr(answer.size() - 2), "0\n") << answer;
+    EXPECT_FALSE(expected[i].bad) << "or there is little to answer";
   }
 }
 
@@ -379,7 +447,9 @@ TEST_P(CylinderBudget, SetsTheWorkOfAPair) {
     const std::uint64_t stated = stated_clocks(unit, rows, budget);
     unit.set_budget(budget);
     EXPECT_EQ(unit.test(o.a, o.b, got), stated);
-    EXPECT_TRUE(got == expected);
+    if (const auto [g, e] = std::mismatch(got.begin(), got.end(), expected.begin()); g != got.end())
+      ADD_FAILURE() << difference(unit, o, static_cast<std::size_t>(g - got.begin()), *g, *e,
+                                  budget);
     EXPECT_FALSE(got == before) << "another budget finds other gaps";
     std::mt19937 random(1);
     (void)unit.test(o.a, o.b, stalled,

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <future>
 #include <span>
@@ -11,8 +12,9 @@
 #include "cde/error.hpp"
 #include "cde/reference.hpp"
 #include "cde/reference/pass.hpp"
+#include "machine.hpp"
 #include "output.hpp"
-#include "streams.hpp"
+#include "waves.hpp"
 
 namespace cde::cli {
 namespace {
@@ -23,43 +25,6 @@ constexpr std::size_t kPacket = 256;
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
-
-/// Waves are kept whatever comes of the cast, if they are whole: they are wanted most when it
-/// fails.
-class Waves {
- public:
-  Waves(Board& board, const std::string& path) : board_(board), path_(path) {
-    if (path.empty()) return;
-    file_.emplace(path, OutputFile::Use::kByName);
-    board.trace_open(file_->temporary());
-  }
-  ~Waves() {
-    try {
-      close();
-    } catch (const Error& e) {
-      say("cde: {}\n", e.what());
-    }
-  }
-  /// Error kFile if they are not whole; then nothing of them is left.
-  void close() {
-    if (!file_) return;
-    try {
-      board_.trace_close();
-      file_->commit();
-      file_.reset();
-    } catch (const Error& e) {
-      file_.reset();
-      throw Error(ErrorCode::kFile, fmt::format("{}: {}", path_, e.what()));
-    }
-  }
-  Waves(const Waves&) = delete;
-  Waves& operator=(const Waves&) = delete;
-
- private:
-  Board& board_;
-  std::string path_;
-  std::optional<OutputFile> file_;
-};
 
 /// Holds the records of a card against the reference, whichever algorithm it has. Of the plain
 /// Moller card there is a fast one, which also prints what differs.
@@ -175,7 +140,9 @@ CastOutcome cast_on_card(const CastOptions& o, const CastJob& job, const RayView
   if (o.check) judge.emplace(o, job, rays, board);
 
   CastOutcome result;
-  Waves waves(board, o.trace);
+  Waves waves(
+      o.trace, [&](const std::string& file) { board.trace_open(file); },
+      [&] { board.trace_close(); });
   const Query query{.mode = job.mode,
                     .deadline_clocks = o.deadline,
                     .watchdog = std::chrono::duration<double>(o.timeout),
@@ -205,6 +172,44 @@ CastOutcome cast_on_card(const CastOptions& o, const CastJob& job, const RayView
   return result;
 }
 
+/// What several cards take: each a DDR with the mesh, and all but the first one keep their records
+/// until it is their turn. Where nobody knows how many there will be, they are counted as they
+/// come.
+class SharedMemory {
+ public:
+  SharedMemory(const CastOptions& o, const CastJob& job, std::size_t boards, std::size_t waiting)
+      : boards_(boards), spare_(job.mode == Mode::kHits ? 2 : 1) {
+    const std::uint64_t triangles = job.mesh.faces.size();
+    cards_ = boards * triangles * 4 * words(Shape::kTriangle);
+    if (o.check && job.config.algorithm != Algorithm::kMoller)  // the Judge's copy
+      cards_ += boards * triangles * sizeof(Triangle);
+    // 2^32 rays and 2^26 triangles of 64 bytes: their product may leave 64 bits, its size does not.
+    const double each = job.mode == Mode::kHits  ? 0.0
+                        : job.mode == Mode::kAll ? static_cast<double>(triangles)
+                                                 : 1.0;
+    check(static_cast<double>(waiting) * each * sizeof(Record));
+  }
+  /// So many more records wait. Error kCapacity if they are too many.
+  void add(std::size_t records) {
+    check(static_cast<double>(bytes_ += records * sizeof(Record) * spare_));
+  }
+
+ private:
+  void check(double waiting) const {
+    const double all = static_cast<double>(cards_) + waiting;
+    if (all <= static_cast<double>(memory_limit())) return;
+    throw Error(ErrorCode::kCapacity,
+                fmt::format("{} cards take {} MB, and records that wait for those of the cards "
+                            "before them {:.0f} MB; the limit on this machine is {} MB (fewer "
+                            "--boards take less, of one card no records wait)",
+                            boards_, cards_ >> 20, waiting / (1 << 20), memory_limit() >> 20));
+  }
+  std::size_t boards_;
+  unsigned spare_;  // a list that grows without being told how long it will be has room to spare
+  std::uint64_t cards_ = 0;
+  std::atomic<std::uint64_t> bytes_ = 0;
+};
+
 /// Whole packets of the rays shared out over `o.boards` cards, each in a thread; records in the
 /// order of one card.
 CastOutcome cast_on_cards(const CastOptions& o, const CastJob& job,
@@ -216,27 +221,35 @@ CastOutcome cast_on_cards(const CastOptions& o, const CastJob& job,
     std::future<CastOutcome> outcome;
   };
   std::vector<Share> shares(std::min<std::size_t>(o.boards, packets));
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    shares[i].first = std::min(job.rays.size(), packets * i / shares.size() * kPacket);
+    shares[i].size =
+        std::min(job.rays.size(), packets * (i + 1) / shares.size() * kPacket) - shares[i].first;
+  }
+  SharedMemory memory(o, job, shares.size(), job.rays.size() - shares.front().size);
   (void)Bitstream::open(job.config.top(),
                         job.config.parameters());  // built once, before all want it
   for (std::size_t i = 0; i < shares.size(); ++i) {
     Share& share = shares[i];
-    share.first = std::min(job.rays.size(), packets * i / shares.size() * kPacket);
-    share.size =
-        std::min(job.rays.size(), packets * (i + 1) / shares.size() * kPacket) - share.first;
-    share.outcome = std::async(std::launch::async, [&, i] {
+    if (i != 0 && job.mode != Mode::kHits)
+      share.records.reserve(share.size * (job.mode == Mode::kAll ? job.mesh.faces.size() : 1));
+    const auto keep = [&memory, &share](std::span<const Record> records) {
+      memory.add(records.size());
+      share.records.insert(share.records.end(), records.begin(), records.end());
+    };
+    // It is the first card's turn from the beginning, and nobody else's before it has ended.
+    const RecordSink sink = i == 0 ? take : RecordSink(keep);
+    share.outcome = std::async(std::launch::async, [&, i, sink] {
       return cast_on_card(o, job, job.rays.subview(share.first, share.size),
-                          i == 0 ? progress : std::function<void(double)>(),
-                          [&share](std::span<const Record> records) {
-                            share.records.insert(share.records.end(), records.begin(),
-                                                 records.end());
-                          });
+                          i == 0 ? progress : std::function<void(double)>(), sink);
     });
   }
   CastOutcome all;
   for (Share& share : shares) {
     const CastOutcome one = share.outcome.get();
     for (Record& r : share.records) r.primary += static_cast<std::uint32_t>(share.first);
-    take(share.records);
+    if (!share.records.empty()) take(share.records);
+    std::vector<Record>().swap(share.records);
     all.counters += one.counters;
     all.hits += one.hits;
     all.compared += one.compared;

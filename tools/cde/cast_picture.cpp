@@ -14,6 +14,7 @@
 #include "busy.hpp"
 #include "cde/error.hpp"
 #include "help.hpp"
+#include "machine.hpp"
 #include "npy.hpp"
 #include "output.hpp"
 #include "streams.hpp"
@@ -158,9 +159,7 @@ Picture::Picture(const CastOptions& options, const CastJob& job)
   each += o_.shadows ? 2 * sizeof(Ray) + sizeof(std::size_t) + 1 : 0;
   each += o_.normals.empty() ? 0 : 2 * sizeof(Vector3f) + 3;
   each += o_.depth.empty() ? 0 : sizeof(float);
-  const auto there = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
-                     static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-  const std::uint64_t most = there / 4 * 3;
+  const std::uint64_t most = memory_limit();
   if (each * pixels > most) {
     throw Error(
         ErrorCode::kCapacity,

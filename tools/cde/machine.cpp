@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <sys/utsname.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <thread>
@@ -19,6 +20,12 @@ nlohmann::ordered_json machine_json() {
   return {{"processor", model},
           {"processors", std::thread::hardware_concurrency()},
           {"system", fmt::format("{} {} {}", system.sysname, system.release, system.machine)}};
+}
+
+std::uint64_t memory_limit() {
+  const auto there = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
+                     static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  return there / 4 * 3;
 }
 
 }  // namespace cde::cli

@@ -1,9 +1,14 @@
 #pragma once
+#include <cstdint>
 #include <nlohmann/json.hpp>
 
 namespace cde::cli {
 
 /// The processor and system that this runs on, for files that hold wall times.
 [[nodiscard]] nlohmann::ordered_json machine_json();
+
+/// Bytes that a command takes at most, three quarters of the machine's memory: what needs more is
+/// refused before it is begun.
+[[nodiscard]] std::uint64_t memory_limit();
 
 }  // namespace cde::cli

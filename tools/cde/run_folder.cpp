@@ -1,10 +1,17 @@
 #include "run_folder.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <regex>
+#include <utility>
 
 #include "cde/error.hpp"
 #include "cde/output_file.hpp"
@@ -46,16 +53,47 @@ bool is_in(const fs::path& file, const fs::path& folder) {
 RunFolder::RunFolder(fs::path path, const Scene& scene, const std::vector<std::string>& beside)
     : path_(std::move(path)) {
   if (path_ == "-") throw Error(ErrorCode::kUsage, "--out is a folder; it cannot be stdout");
-  std::error_code error;
-  made_ = fs::create_directories(path_, error);
-  if (error) throw Error(ErrorCode::kFile, fmt::format("{}: {}", path_.string(), error.message()));
+  make_and_lock();
   try {
     check_names(scene, beside);
     if (!made_) look();
   } catch (...) {
     take_back();
+    unlock();
     throw;
   }
+}
+
+void RunFolder::make_and_lock() {
+  const auto fail = [&](const std::string& why) {
+    throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(path_.string()), why));
+  };
+  for (;;) {
+    std::error_code error;
+    made_ = fs::create_directories(path_, error);
+    if (error) fail(error.message());
+    // Not inherited, or a compiler that outlives the command would hold it.
+    lock_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (lock_ < 0 && errno == ENOENT) continue;  // another run has just taken it back
+    if (lock_ < 0) fail(std::strerror(errno));   // NOLINT(concurrency-mt-unsafe)
+    // File systems that lock no folders have no other lock to offer either.
+    if (::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      unlock();
+      throw Error(ErrorCode::kUsage, fmt::format("{} is the folder of a run that goes on: wait for "
+                                                 "its end, or let --out name another folder",
+                                                 printable_name(path_.string())));
+    }
+    struct stat locked {
+    }, named{};
+    if (::fstat(lock_, &locked) == 0 && ::stat(path_.c_str(), &named) == 0 &&
+        locked.st_dev == named.st_dev && locked.st_ino == named.st_ino)
+      return;
+    unlock();  // it was taken back and perhaps made again
+  }
+}
+
+void RunFolder::unlock() {
+  if (lock_ >= 0) ::close(std::exchange(lock_, -1));
 }
 
 void RunFolder::check_names(const Scene& scene, const std::vector<std::string>& beside) {
@@ -103,6 +141,7 @@ void RunFolder::look() {
 
 RunFolder::~RunFolder() {
   if (!begun_) take_back();
+  unlock();
 }
 
 void RunFolder::take_back() const {

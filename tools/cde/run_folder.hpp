@@ -11,11 +11,13 @@ namespace cde::cli {
 
 /// The folder of `cde run`: it holds the run.json and the records of one run, and nothing else but
 /// a page and waves that the run was told to put there. run.json is there from the first frame on
-/// and tells such a folder from others.
+/// and tells such a folder from others. It is locked while the object lives; the system lets go of
+/// the lock when the process ends, however it does.
 class RunFolder {
  public:
   /// Makes it if it is not there. Error kUsage, naming what is there, unless it is empty or a
-  /// run's; kUsage if something of the scene is in it, or if one of the `beside` (--report,
+  /// run's and no other process runs into it; kUsage if something of the scene is in it, or if one
+  /// of the `beside` (--report,
   /// --trace) would have the name of a file of the run.
   RunFolder(std::filesystem::path path, const Scene& scene, const std::vector<std::string>& beside);
   /// Takes the folder away again if the object has made it and there is nothing in it.
@@ -37,12 +39,15 @@ class RunFolder {
   [[nodiscard]] const std::vector<std::string>& beside() const { return beside_; }
 
  private:
+  void make_and_lock();
+  void unlock();
   void check_names(const Scene& scene, const std::vector<std::string>& beside);
   void look();
   void take_back() const;
   std::filesystem::path path_;
   std::vector<std::string> beside_;         ///< names in this folder that are the run's, too
   std::vector<std::filesystem::path> old_;  ///< files of the run that was there
+  int lock_ = -1;                           ///< the folder, opened, or -1
   bool made_ = false, begun_ = false;
 };
 

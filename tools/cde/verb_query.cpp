@@ -21,15 +21,17 @@
 #include "streams.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
+#include "waves.hpp"
 #include "words.hpp"
 
 namespace cde::cli {
 namespace {
 
 constexpr std::size_t kBatch = 65536;  // pairs, at most, between two runs of the unit
+constexpr std::size_t kTraced = 4096;  // and of all, where there are waves of them
 
 struct Options {
-  std::string pair, algorithm = "moller", format = "fp32", arithmetic = "host", budget;
+  std::string pair, algorithm = "moller", format = "fp32", arithmetic = "host", budget, trace;
   std::optional<unsigned> lanes;
   std::optional<bool> box;
   unsigned facet_interval = PairConfig{}.facet_interval;
@@ -118,6 +120,7 @@ PairConfig configuration(const Options& o) {
                     .facet_interval = o.facet_interval};
   config.lanes = o.lanes.value_or(default_lanes(config.pair, config.format));
   config.arithmetic = o.arithmetic == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost;
+  config.trace = !o.trace.empty();
   if (!o.budget.empty()) (void)budget_named(o.budget, config.pair);
   (void)config.parameters();  // complains about values before anything slow
   return config;
@@ -186,7 +189,8 @@ class Query {
     const auto take = [this](std::uint64_t number, std::string_view line) { read(number, line); };
     for (bool more = true; more;) {
       more = input.next(take);
-      answer();
+      // Waves are of one run, whose clocks do not depend on how the lines came.
+      if (!config_.trace || !more) answer();
       if (size > 0) progress(static_cast<double>(input.bytes()) / size);
     }
     return totals_;
@@ -239,17 +243,24 @@ class Query {
       b_.insert(b_.end(), middle, values_.end());
       rows_.push_back({number, true});
     }
+    if (config_.trace && rows_.size() > kTraced)
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("line {}: --trace takes at most {} pairs", number, kTraced));
     if (rows_.size() == kBatch) answer();
   }
 
   void answer() {
-    if (rows_.empty()) return;
+    if (rows_.empty() && !config_.trace) return;
+    Waves waves(
+        o_.trace, [this](const std::string& file) { unit_.open_trace(file); },
+        [this] { unit_.close_trace(); });
     const std::size_t pairs = a_.size() / primary_words(config_.pair);
     results_.resize(pairs);
     const auto start = std::chrono::steady_clock::now();
     totals_.clocks += unit_.test(a_, b_, results_);
     totals_.simulation_seconds +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    waves.close();  // whole, whatever the answers are
     if (o_.check) compare();
     std::size_t pair = 0, unread = 0;
     for (const Row& row : rows_) {
@@ -274,7 +285,7 @@ class Query {
     if (got != results_.end()) report(static_cast<std::size_t>(got - results_.begin()));
   }
 
-  [[noreturn]] void report(std::size_t i) const {
+  [[noreturn]] void report(std::size_t i) {
     std::uint64_t line = 0;
     for (std::size_t k = 0, valid = 0; valid <= i; ++k) {
       valid += rows_[k].valid ? 1 : 0;
@@ -298,10 +309,12 @@ class Query {
         fmt::format(
             "line {}: the card's answer differs from the reference\n"
             "  A         {}\n  B         {}\n  card      {}\n  reference {}\n"
+            "  differ in {}\n  where     {}\n"
             "repeat with: yes {},{} | head -n {} | cde query {} --algorithm {} "
             "--format {} --arith {} --lanes {}{}",
-            line, a, b, shown(results_[i]), shown(expected_[i]), a, b, config_.lanes, o_.pair,
-            o_.algorithm, o_.format, o_.arithmetic, config_.lanes,
+            line, a, b, shown(results_[i]), shown(expected_[i]),
+            differing_fields(results_[i], expected_[i]), place_in_unit(unit_, a_, b_, i), a, b,
+            config_.lanes, o_.pair, o_.algorithm, o_.format, o_.arithmetic, config_.lanes,
             std::string(o_.half_space ? " --half-space" : "") +
                 (config_.pair == Pair::kRayTriangle && !config_.box ? " --no-box" : "") +
                 (o_.facet_interval == 1 ? std::string()
@@ -424,6 +437,9 @@ void print_summary(const Options& o, const PairConfig& config, const Totals& t) 
 }
 
 void run(const Options& o) {
+  if (!o.trace.empty())
+    check_outputs(std::vector<FileUse>{{"--trace", o.trace}, {"the answers", "-"}},
+                  std::vector<FileUse>{{"stdin", "-"}});
   const PairConfig config = configuration(o);
   const Totals totals = Query(o, config).run();
   if (o.json)
@@ -482,6 +498,13 @@ void add_query(CLI::App& app) {
   verb->add_flag("--bits", o->bits, "Print words as 0x and their bits instead of decimals");
   verb->add_flag("--check,!--no-check", o->check,
                  "Compare every answer with the reference, bit for bit (on)");
+  file_value(
+      verb->add_option("--trace", o->trace,
+                       fmt::format("Waves of the pipe, FST, while all pairs, at most {}, go "
+                                   "through: answers come when stdin has ended. Kept even if an "
+                                   "answer differs",
+                                   kTraced)),
+      "FILE.fst");
   verb->add_flag("--json", o->json, "Summary as a line of JSON, the last on stdout");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
   verb->callback([o] { run(*o); });

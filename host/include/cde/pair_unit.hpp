@@ -69,7 +69,8 @@ class PairUnit {
   /// Pairs of operand words in slot order, primary_words and secondary_words a pair; one result a
   /// pair (Error kUsage if sizes do not fit together). A row of lanes enters a clock, after as many
   /// idle clocks as `gap` says, as soon as the unit is ready for it. Returns the clocks from the
-  /// first row in to the last result out.
+  /// first row in to the last result out. What `gap` throws comes out of the call, which resets the
+  /// unit; it may not give the unit other work (kUsage), but may move or destroy it.
   std::uint64_t test(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
                      std::span<PairResult> results, const std::function<unsigned()>& gap = {});
 
@@ -84,7 +85,16 @@ class PairUnit {
  private:
   struct State;
   [[nodiscard]] State& state() const;  ///< kUsage if it was moved from
-  std::unique_ptr<State> state_;
+  [[nodiscard]] State& idle() const;   ///< and in a test()
+  std::shared_ptr<State> state_;       ///< a test() keeps it over a gap that drops the unit
 };
+
+/// Names of the fields in which two results differ, "F, T, CPx".
+[[nodiscard]] std::string differing_fields(const PairResult& a, const PairResult& b);
+
+/// Where result i of a test() of these pairs without gaps comes out: "clock 12, lane 3, row 1". The
+/// clock is counted from the first row in, which is clock 0. Runs the rows up to there again.
+[[nodiscard]] std::string place_in_unit(PairUnit& unit, std::span<const std::uint64_t> a,
+                                        std::span<const std::uint64_t> b, std::size_t i);
 
 }  // namespace cde

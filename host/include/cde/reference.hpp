@@ -27,7 +27,8 @@ namespace cde::reference {
 class Sweep {
  public:
   /// Up to `packet` rays meet all triangles at a time, or those of the objects (Board::set_objects;
-  /// their ranges must lie within the triangles). Rays and triangles must outlive the sweep.
+  /// kUsage if their ranges do not lie within the triangles). Rays and triangles must outlive the
+  /// sweep.
   Sweep(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil = {},
         unsigned packet = 256, std::span<const Object> objects = {}, bool box = false);
   ~Sweep();
