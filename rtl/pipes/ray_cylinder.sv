@@ -1,8 +1,9 @@
 // Ray against the surface of a solid cylinder with flat caps: the stretch within the infinite cylinder, A t^2 + 2 B t + C <= 0, and the
 // stretch between the planes of the caps are intersected. n = d x a, m = w x a; all is divided by A first, so that no product has more
 // than two lengths; the discriminant is r^2/A - (e/A)^2, B^2 - AC by Lagrange's identity, with e taken without the part of w along the
-// axis. A = 0 (1/A = inf) and d.a = 0 bound nothing, or leave nothing. 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 11 compare, 2 min/max.
-// Latency: latency_o clocks (20 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// axis. A = 0 (1/A = inf) and d.a = 0 bound nothing, or leave nothing.
+// 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 10 compare, 3 min/max.
+// Latency: latency_o clocks (21 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
 `include "dataflow.svh"
 module ray_cylinder #(
     parameter int EXP = 8,
@@ -68,8 +69,11 @@ module ray_cylinder #(
   `DF_ADD(minus_q, bi, root_b)
   `DF_NEG(q, minus_q)
   `DF_DIV(c_over_q, ci, q)
-  `DF_EQ(q_zero, q, zero)
-  `DF_SELECT(cq, q_zero, q, c_over_q)
+  `DF_ABS(ratio_size, c_over_q)
+  `DF_ABS(q_size, q)
+  `DF_MIN(cq_size, ratio_size, q_size)
+  `DF_MOVE_SIGN(cq_q, q, cq_size)
+  `DF_MOVE_SIGN(cq, ci, cq_q)
   `DF_NEGATIVE(backwards, bb)
   `DF_SELECT(first, backwards, cq, q)
   `DF_SELECT(last, backwards, q, cq)

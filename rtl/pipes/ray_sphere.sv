@@ -1,7 +1,8 @@
 // Ray against the surface of a sphere, the discriminant from the centre's distance to the line (Haines et al., Ray Tracing Gems 2019):
-// f = o - c, a = d.d, b = -f.d, k = b/a, l = f + k d, D = r^2 - l.l, q = k + sign(b) sqrt(D/a); the roots are (f.f - r^2)/a/q and q, in
-// this order when b > 0; no product has more than two lengths. T is the first root in [tmin, tmax]; D < 0 is a miss. 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 compare.
-// Latency: latency_o clocks (19 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// f = o - c, a = d.d, b = -f.d, k = b/a, l = f + k d, D = r^2 - l.l, q = k + sign(b) sqrt(D/a); the roots are (f.f - r^2)/a/q, no
+// larger than q, and q, in this order when b > 0; no product has more than two lengths. T is the first root in [tmin, tmax]; D < 0 is a miss.
+// 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 compare, 1 min/max.
+// Latency: latency_o clocks (20 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
 `include "dataflow.svh"
 module ray_sphere #(
     parameter int EXP = 8,
@@ -57,7 +58,12 @@ module ray_sphere #(
   `DF_ADD(tb, foot, root_b)
   `DF_SUB(cc, ff, rr)
   `DF_MUL(cci, cc, i)
-  `DF_DIV(ta, cci, tb)
+  `DF_DIV(ratio, cci, tb)
+  `DF_ABS(ratio_size, ratio)
+  `DF_ABS(tb_size, tb)
+  `DF_MIN(ta_size, ratio_size, tb_size)
+  `DF_MOVE_SIGN(ta_b, tb, ta_size)
+  `DF_MOVE_SIGN(ta, cci, ta_b)
   `DF_NEGATIVE(backwards, b)
   `DF_SELECT(near, backwards, tb, ta)
   `DF_SELECT(far, backwards, ta, tb)

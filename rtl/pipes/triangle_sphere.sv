@@ -1,7 +1,7 @@
 // Triangle against sphere, relative to the sphere's centre: the closest point of the triangle over all seven regions, polished twice. The
 // triangle is flat and two-sided: s = distance - r, and when the centre is so near the plane that the direction to it is lost, n is the
 // plane's normal. n points from the triangle to the sphere; CP = pA + (s/2) n, pA the closest point. F = (s <= 0), T = |s|.
-// 146 add, 169 mul, 7 div, 2 sqrt, 33 compare, 16 min/max.
+// 146 add, 171 mul, 7 div, 2 sqrt, 33 compare, 16 min/max.
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
 `include "triangle.svh"
 module triangle_sphere #(

@@ -169,13 +169,13 @@ unsigned pipe_latency(const PairConfig& config) {
     case Pair::kRayTriangle:
       return (config.box ? kBoxed : kRayTriangle)[static_cast<unsigned>(config.algorithm)];
     case Pair::kRaySphere:
-      return 19;
-    case Pair::kRayCylinder:
       return 20;
+    case Pair::kRayCylinder:
+      return 21;
     case Pair::kSphereSphere:
       return 10 + kOutput;
     case Pair::kTriangleSphere:
-      return 67 + kOutput;
+      return 66 + kOutput;
     case Pair::kSphereObb:
       return 19 + kOutput;
     case Pair::kObbPlane:
@@ -183,9 +183,9 @@ unsigned pipe_latency(const PairConfig& config) {
     case Pair::kObbObb:
       return 99 + kOutput;
     case Pair::kTriangleObb:
-      return 102 + kMeet + kOutput;
+      return 101 + kMeet + kOutput;
     case Pair::kTriangleAabb:
-      return 99 + kMeet + kOutput;
+      return 98 + kMeet + kOutput;
     default:
       return 0;
   }

@@ -63,21 +63,21 @@ template <typename S>
 ///     12     D = rr i - that                                       1 sub
 ///     13     root = sqrt(D)                                        1 sqrt
 ///     14     q = -(B i + root with the sign of B)                  1 add
-///     15     cq = C i / q                                          1 div
-///            lo, hi = q, cq; exchanged if B has the sign bit; both q where q = 0
+///     15-16  cq = min(|C i / q|, |q|) with the sign of C i / q     1 div, 1 min/max
+///            lo, hi = q, cq; exchanged if B has the sign bit
 ///     4-6    s, e: the stretch between the caps                    2 mul, 1 div, 2 sub, 2 cmp
 ///     7-13   i < inf, 0 <= D, C <= 0                               3 cmp
-///     15     q = 0                                                 1 cmp
-///     16     enter = max(lo, s), leave = min(hi, e)                2 min/max
-///     17     enter <= leave; both against tmin and tmax            5 cmp
+///     17     enter = max(lo, s), leave = min(hi, e)                2 min/max
+///     18     enter <= leave; both against tmin and tmax            5 cmp
 ///            t = enter if it is in the interval, else leave
-///     18-19  CP = o + t d                                          3 mul, 3 add
-///     20     the outcome is selected
+///     19-20  CP = o + t d                                          3 mul, 3 add
+///     21     the outcome is selected
 ///
-/// 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 11 cmp, 2 min/max and 20 clocks at one an operator. The
+/// 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 10 cmp, 3 min/max and 21 clocks at one an operator. The
 /// equation is divided by A first, so that D, like t^2, is a ratio of products of two lengths; the
-/// ranges are the sphere's. A = 0, or so small that its reciprocal overflows: the ray runs along
-/// the axis, and the lateral surface bounds nothing if C <= 0, everything otherwise.
+/// ranges are the sphere's, and so is the reason for the minimum. A = 0, or so small that its
+/// reciprocal overflows: the ray runs along the axis, and the lateral surface bounds nothing if C
+/// <= 0, everything otherwise.
 template <typename S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_cylinder(const BasicRay<S>& ray, const BasicCylinder<S>& cylinder) {
   if constexpr (!AtSizeOne) return at_size_one<S>(ray, cylinder, ray_cylinder<S, true>);
@@ -92,7 +92,8 @@ template <typename S, bool AtSizeOne = false>
   const S i = one / a, ei = e * i;
   const S discriminant = rr * i - ei * ei;
   const S q = -(b * i + move_sign(b, square_root(discriminant)));
-  const S cq = select(q == zero, q, c * i / q);
+  const S ci = c * i;
+  const S cq = move_sign(ci, move_sign(q, min_num(magnitude(ci / q), magnitude(q))));
 
   const Mask<S> slanted = i < inf, backwards = is_negative(b);
   const RayStretch<S> lateral{select(slanted, select(backwards, cq, q), -inf),

@@ -30,17 +30,19 @@ inline constexpr double kRaySphereBand = 8;
 ///     12     0 <= D                                                1 cmp
 ///     13     root = sqrt(D i)                                      1 sqrt
 ///     14     tb = k + root with the sign of b                      1 add
-///     15     ta = ci / tb                                          1 div
+///     15-16  ta = min(|ci / tb|, |tb|) with the sign of ci / tb    1 div, 1 min/max
 ///            near, far = ta, tb; exchanged if b has the sign bit
-///     16     tmin <= near, near <= tmax, tmin <= far, far <= tmax  4 cmp
+///     17     tmin <= near, near <= tmax, tmin <= far, far <= tmax  4 cmp
 ///            t = near if it is in the interval, else far
-///     17-18  CP = o + t d                                          3 mul, 3 add
-///     19     the outcome is selected
+///     18-19  CP = o + t d                                          3 mul, 3 add
+///     20     the outcome is selected
 ///
-/// 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 cmp and 19 clocks at one an operator. tb = 0 is a
-/// tangent at the origin: ta is NaN and not in the interval. Nothing but products of two lengths,
-/// ratios of those, and squares of t occur: |d|, |o-c| and r and their ratios may be anything whose
-/// square is a normal number.
+/// 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 cmp, 1 min/max and 20 clocks at one an operator. tb is
+/// the root further from the origin, ta the nearer one, so that |ta| <= |tb|. Of a tangent that
+/// starts at the surface both ci and tb are nothing but rounding, and their quotient may be
+/// anything; the minimum keeps it where tb is. Nothing but products of two lengths, ratios of
+/// those, and squares of t occur: |d|, |o-c| and r and their ratios may be anything whose square is
+/// a normal number.
 template <typename S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_sphere(const BasicRay<S>& ray, const BasicSphere<S>& sphere) {
   if constexpr (!AtSizeOne) return at_size_one<S>(ray, sphere, ray_sphere<S, true>);
@@ -52,7 +54,8 @@ template <typename S, bool AtSizeOne = false>
   const Vector<S> l = add<S>(f, scale<S>(ray.d, k));
   const S discriminant = rr - dot<S>(l, l), cc = dot<S>(f, f) - rr;
   const S tb = k + move_sign(b, square_root(discriminant * i));
-  const S ta = cc * i / tb;
+  const S cci = cc * i;
+  const S ta = move_sign(cci, move_sign(tb, min_num(magnitude(cci / tb), magnitude(tb))));
   const Mask<S> backwards = is_negative(b);
   const S near = select(backwards, tb, ta), far = select(backwards, ta, tb);
   const Mask<S> near_in = in_interval(ray, near), far_in = in_interval(ray, far);

@@ -67,11 +67,13 @@ struct TriangleParts {
   Mask<S> longest0, longest1;   ///< longest edge: 0, else 1, else 2
 };
 
-/// The unit normal from the longest edge e and the next edge g: (e x (g - (g.e / e.e) e)) / |.|.
-/// A plain e x g of a needle is perpendicular to its edges no better than u / sin(angle); without
-/// the part of g along e it is to within u, whatever the angle. A triangle without area takes
-/// the coordinate axis nearest to perpendicular in place of g.
-/// 12 add 22 mul 1 div 1 sqrt, 5 cmp, 2 min/max.
+/// The unit normal from the longest edge e and the next edge g: i x (g - (g.e) i), made unit, with
+/// i = e / e.e. A plain e x g of a needle is perpendicular to its edges no better than u /
+/// sin(angle); without the part of g along e it is to within u, whatever the angle. With i in place
+/// of e the length of the product is height over longest edge, so that what counts as flat does not
+/// depend on the triangle's size. A triangle without area takes the coordinate axis nearest to
+/// perpendicular in place of g.
+/// 12 add 24 mul 1 div 1 sqrt, 5 cmp, 2 min/max.
 template <typename S>
 void triangle_normal(TriangleParts<S>& t, const std::array<S, 3>& ff) {
   const S largest = max_num(ff[0], max_num(ff[1], ff[2]));
@@ -81,15 +83,16 @@ void triangle_normal(TriangleParts<S>& t, const std::array<S, 3>& ff) {
   const Vector<S> g = select3<S>(t.longest0, t.longest1, t.f[1], t.f[2], t.f[0]);
   const S inverse_ee =
       select(t.longest0, t.inverse_ff[0], select(t.longest1, t.inverse_ff[1], t.inverse_ff[2]));
-  const Vector<S> m_face = cross<S>(e, sub<S>(g, scale<S>(e, dot<S>(g, e) * inverse_ee)));
+  const Vector<S> i = scale<S>(e, inverse_ee);
+  const Vector<S> m_face = cross<S>(i, sub<S>(g, scale<S>(i, dot<S>(g, e))));
   const S mm_face = dot<S>(m_face, m_face);
   t.flat = usable(mm_face);
 
   const auto axis = least3(magnitude(e.x()), magnitude(e.y()), magnitude(e.z()));
   const S zero{0};
   const Vector<S> m_line =
-      select3<S>(axis.first, axis.second, Vector<S>(zero, e.z(), -e.y()),
-                 Vector<S>(-e.z(), zero, e.x()), Vector<S>(e.y(), -e.x(), zero));
+      select3<S>(axis.first, axis.second, Vector<S>(zero, i.z(), -i.y()),
+                 Vector<S>(-i.z(), zero, i.x()), Vector<S>(i.y(), -i.x(), zero));
   const S mm_line = dot<S>(m_line, m_line);
   const auto line = usable(mm_line);
   const Vector<S> m =

@@ -117,7 +117,7 @@ template <typename S>
       [&](const Vector<S>& n) { return least_along<S>(p, n).value - box_radius<S>(n, pair.a); });
 }
 
-/// Triangle against oriented box, in the box's frame: 13 facets. 485 add 572 mul 16 div 11 sqrt.
+/// Triangle against oriented box, in the box's frame: 13 facets. 485 add 574 mul 16 div 11 sqrt.
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_obb(const BasicTriangle<S>& a, const BasicObb<S>& b) {
   const Matrix3<S>& u = b.rotation;
@@ -129,7 +129,7 @@ template <typename S>
 
 /// Triangle against axis-aligned box: 13 facets. Relative to the box's lower corner first and then
 /// to its centre, so that the centre is never rounded in world coordinates.
-/// 470 add 530 mul 16 div 11 sqrt.
+/// 470 add 532 mul 16 div 11 sqrt.
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_aabb(const BasicTriangle<S>& a, const BasicAabb<S>& b) {
   const Vector<S> half = scale<S>(sub<S>(b.max, b.min), kHalf<S>);

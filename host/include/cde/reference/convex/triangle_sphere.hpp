@@ -9,7 +9,7 @@ namespace convex {
 /// Triangle against sphere, relative to the sphere's centre: the closest point over all seven
 /// regions, polished; a triangle without area falls out as its segments or points. Flat and
 /// two-sided: the depth is r - distance. When the centre lies in the triangle's plane, the plane's
-/// normal is n. 146 add 169 mul 7 div 2 sqrt.
+/// normal is n. 146 add 171 mul 7 div 2 sqrt.
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_sphere(const BasicTriangle<S>& a, const BasicSphere<S>& b) {
   // In vectors from the triangle to the centre, so that v = centre - point.
