@@ -1,5 +1,5 @@
 // Nearest point of a solid cylinder, or where masks say so of the rim of a cap or of a line of its side: a round side and a plane that
-// touches it part so slowly that every projection merely halves the error. 19 add, 24 mul, 1 div, 1 sqrt, 3 min/max.
+// touches it part so slowly that every projection merely halves the error. 19 add, 24 mul, 1 div, 1 sqrt, 1 compare, 3 min/max.
 // Latency: LATENCY_PROJECT_CYLINDER clocks from the later of x and c, the others are early; 0 with ARITH = "host". Throughput: one point a
 // lane a clock. Stall: none, runs free.
 `include "cylinder.svh"
@@ -27,7 +27,7 @@ module project_cylinder #(
     input logic [2:0][LANES-1:0][CW-1:0] a_i,  // axis, half height, radius
     input logic [LANES-1:0][CW-1:0] half_i,
     input logic [LANES-1:0][CW-1:0] radius_i,
-    input logic [2:0][LANES-1:0][CW-1:0] side_i,  // from the axis to the line of the side
+    input logic [2:0][LANES-1:0][CW-1:0] side_i,  // from the axis to the line of the side, or to where n touches the rim
     input logic [LANES-1:0][CW-1:0] alongside_i,  // the side is that line instead of round
     input logic [LANES-1:0][CW-1:0] end_i,  // height of a cap, whose rim alone is the cylinder
     input logic [LANES-1:0][CW-1:0] rim_i,
@@ -59,7 +59,12 @@ module project_cylinder #(
   `DF_MIN(inward, one, ratio)
   `DF_SELECT(f, rim, ratio, inward)
   `DF_VSCALE(round, l, f)
-  `DF_VSELECT(across, alongside, side, round)
+  // From the axis all of the rim is as near, and l has no direction: the point that n touches serves.
+  `DF_CONST(least, CW'(3) << MAN)
+  `DF_LT(central, ll, least)
+  `DF_AND(rim_from_axis, rim, central)
+  `DF_OR(named, alongside, rim_from_axis)
+  `DF_VSELECT(across, named, side, round)
   `DF_VSCALE(axial, a, z)
   `DF_VADD(offset, axial, across)
   `DF_VADD(r, centre, offset)

@@ -77,6 +77,22 @@ oracle::Shape upright_primary(oracle::Pair pair, Ruler& ruler) {
   return oracle::Obb{c, {x, y, z}, random.quarter_turns()};
 }
 
+/// A corner of the shape, the i-th of a triangle, or of a cylinder's rims a point on the grid too.
+Vec corner(Random& random, const oracle::Shape& shape, int i) {
+  if (const auto* t = std::get_if<oracle::Triangle>(&shape)) {
+    return i == 0 ? t->v0 : i == 1 ? t->v1 : t->v2;
+  }
+  if (const auto* box = std::get_if<oracle::Obb>(&shape)) {
+    Vec at = box->c;
+    for (int i = 0; i < 3; ++i) at += random.sign() * box->half[i] * box->rotation.col(i);
+    return at;
+  }
+  const auto& c = std::get<oracle::Cylinder>(shape);
+  const Vec across = c.axis.cross(random.quarter_turns().col(0));
+  const Vec out = across.norm() > 0.5 ? across : Vec(c.axis.y(), c.axis.z(), c.axis.x());
+  return c.c + random.sign() * c.half_height * c.axis + c.radius * out;
+}
+
 oracle::Shape tilted_shape(Random& random, const oracle::Shape& shape, double angle) {
   const Frame by = Eigen::AngleAxisd(angle, random.direction()).toRotationMatrix();
   const Vec c = oracle::center(shape);
@@ -170,6 +186,35 @@ oracle::Case upright(oracle::Pair pair, std::uint64_t index) {
     const oracle::Gap gap = oracle::signed_gap(a, b);
     const double wanted = random.chance(0.3) ? 0 : random.either_sign(random.decades(1e-7, 1e-3));
     b = oracle::moved(b, (wanted - gap.lo) * gap.n);
+  }
+  return {pair, kCylinderSeed, index, kFamilies[family], oracle::to_words(a), oracle::to_words(b)};
+}
+
+oracle::Case on_a_rim(oracle::Pair pair, std::uint64_t index) {
+  static constexpr std::array<const char*, 4> kFamilies = {"grid", "grid, Pythagorean",
+                                                           "grid, rotated", "real, rotated"};
+  const std::size_t family = index % kFamilies.size();
+  Random random(kCylinderSeed, 15, index);
+  Ruler ruler{random, family < 3};
+  oracle::Shape a = upright_primary(pair, ruler);
+  const Frame frame = random.quarter_turns();
+  const double half = ruler.length(3), any = ruler.length(4);
+  const double radius = family == 1 ? 5 : any;
+  const Vec other = (3 * frame.col(1) + 4 * frame.col(2)) / 5;
+  const Vec out = family == 1 ? other : Vec(frame.col(1));
+  const int first = random.below(3);
+  const Vec at = corner(random, a, first) - random.sign() * half * frame.col(0) - radius * out;
+  oracle::Shape b = oracle::Cylinder{at, frame.col(0), half, radius};
+  if (auto* t = std::get_if<oracle::Triangle>(&a); t != nullptr && random.chance(0.5)) {
+    // Its corner outside on B's axis: an edge that leads from there to the rim is what n touches.
+    const std::array<Vec*, 3> v = {&t->v0, &t->v1, &t->v2};
+    const Vec beyond = at + random.sign() * (half + ruler.length(3)) * frame.col(0);
+    *v[(first + 1 + random.below(2)) % 3] = beyond;
+  }
+  if (family >= 2) {
+    const Frame by = random.rotation();
+    a = turned(a, by);
+    b = turned(b, by);
   }
   return {pair, kCylinderSeed, index, kFamilies[family], oracle::to_words(a), oracle::to_words(b)};
 }

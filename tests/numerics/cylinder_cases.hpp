@@ -22,4 +22,9 @@ inline constexpr std::uint64_t kCylinderSeed = 20070129;
 /// 1e-7 to 1e-2 radian, rotated together, moved to touch.
 [[nodiscard]] oracle::Case upright(oracle::Pair pair, std::uint64_t index);
 
+/// The same shapes with a corner of A, or between cylinders a point of its rim, on B's rim up to
+/// rounding: the signed gap is 0 unless they overlap elsewhere. Index % 4 is the family: on a grid
+/// of 1, with a rim point off the axes, rotated together, real and rotated.
+[[nodiscard]] oracle::Case on_a_rim(oracle::Pair pair, std::uint64_t index);
+
 }  // namespace cde::testing

@@ -26,24 +26,27 @@ struct Cylindrical {
   Vector<S> c, a;
   S half, radius;
   S end;              ///< height of the cap on n's side
-  Vector<S> side;     ///< from the axis to the line of the side
+  Vector<S> side;     ///< from the axis to the line of the side, or to where n touches the rim
   Mask<S> alongside;  ///< touches that line: the side is it instead of round
   Mask<S> flat;       ///< touches all of the cap
   Mask<S> rim;        ///< touches the cap's rim alone: the cylinder is that circle
 };
 
 /// Nearest point of the solid cylinder, of its rim, or of a line of its side: a round side and a
-/// plane that touches it part so slowly that every projection merely halves the error. 24 mul, 16
-/// add or sub, 1 div, 1 sqrt, 3 min or max.
+/// plane that touches it part so slowly that every projection merely halves the error. From the
+/// axis all of the rim is as near, and l has no direction: the point that n touches serves. 24 mul,
+/// 16 add or sub, 1 div, 1 sqrt, 1 cmp, 3 min or max.
 template <typename S>
 [[nodiscard]] Vector<S> project_cylinder(const Vector<S>& x, const Cylindrical<S>& cylinder) {
   const Vector<S>& a = cylinder.a;
   const Vector<S> w = sub<S>(x, cylinder.c), l = cross<S>(cross<S>(a, w), a);
   const S z =
       select<S>(cylinder.rim, cylinder.end, clamp<S>(dot<S>(a, w), -cylinder.half, cylinder.half));
-  const S ratio = cylinder.radius / square_root(dot<S>(l, l));
+  const S square = dot<S>(l, l), least(4 * static_cast<double>(std::numeric_limits<S>::min()));
+  const S ratio = cylinder.radius / square_root(square);
   const S f = select<S>(cylinder.rim, ratio, min_num(S(1), ratio));
-  const Vector<S> across = select<S>(cylinder.alongside, cylinder.side, Vector<S>(scale<S>(l, f)));
+  const Mask<S> named = cylinder.alongside || (cylinder.rim && square < least);
+  const Vector<S> across = select<S>(named, cylinder.side, Vector<S>(scale<S>(l, f)));
   return add<S>(cylinder.c, add<S>(scale<S>(a, z), across));
 }
 
