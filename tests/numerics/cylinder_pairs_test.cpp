@@ -140,7 +140,7 @@ const CaseSet kSets[] = {
      on_a_rim,
      0.2,
      0.99,
-     {kExact, kExact, Tail{2.4e-3, 1, 1, 0}},  // two deep ones of 20,000
+     {kExact, kExact, Tail{2.4e-3, 1, 1, 0}},  // four of 20,000
      {kExact, kExact, Tail{2.4e-3, 1, 1, 0}},
      {0, 0, 0},
      {}},
