@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "busy.hpp"
 #include "cde/plan.hpp"
 #include "plan_output.hpp"
 #include "streams.hpp"
@@ -25,7 +26,10 @@ void add_plan(CLI::App& app) {
              "SCENE");
   verb->add_flag("--json", o->json, "The plan as JSON on stdout");
   verb->callback([o] {
-    const Scene scene = load_scene(o->scene);
+    const Scene scene = [&] {
+      const Busy busy("loading " + o->scene);
+      return load_scene(o->scene);
+    }();
     const Plan made = plan(scene);
     if (o->json)
       put_json(plan_json(scene, made));
