@@ -47,55 +47,29 @@ class InventoryCache : public Cli {
   }
 };
 
+/// Elaborations take seconds each.
 TEST_F(InventoryCache, TheSameRtlIsElaboratedOnce) {
   const Ran first = inventory({"sphere-sphere"});
   ASSERT_EQ(first.status, 0) << first.err;
   EXPECT_EQ(elaborated(), 2u) << "at one clock an operator, and at the profile's";
-  Ran again = inventory({"sphere-sphere"});
+  const Ran again = inventory({"sphere-sphere"});
   EXPECT_EQ(again.out, first.out);
   EXPECT_EQ(again.err, "");
   EXPECT_EQ(elaborated(), 0u);
-  // Only what is new.
-  const Ran two = inventory({"sphere-sphere", "ray-sphere"});
-  EXPECT_EQ(two.status, 0) << two.err;
-  EXPECT_EQ(elaborated(), 2u);
-  EXPECT_EQ(inventory({"sphere-sphere", "--latencies", "2,4,9,8,1"}).status, 0);
-  EXPECT_EQ(elaborated(), 2u) << "another profile";
-  again = inventory({"sphere-sphere", "ray-sphere"});
-  EXPECT_EQ(again.out, two.out);
-  EXPECT_EQ(elaborated(), 0u);
-}
 
-TEST_F(InventoryCache, WhatIsDamagedOrNotOursAloneIsMadeAgain) {
-  const Ran first = inventory({"sphere-sphere"});
-  ASSERT_EQ(first.status, 0) << first.err;
-  EXPECT_EQ(elaborated(), 2u);
   const fs::path file = entry();
   ASSERT_FALSE(file.empty());
-  struct stat status {};
-  ASSERT_EQ(::stat(file.c_str(), &status), 0);
-  EXPECT_EQ(status.st_mode & 022, 0u);
-
-  const auto expect_refused = [&](const char* why) {
-    const Ran ran = inventory({"sphere-sphere"});
-    EXPECT_EQ(ran.status, 0) << ran.err;
-    EXPECT_EQ(ran.out, first.out);
-    EXPECT_NE(ran.err.find(why), std::string::npos) << ran.err;
-    EXPECT_NE(ran.err.find(file.string()), std::string::npos) << ran.err;
-    EXPECT_EQ(elaborated(), 2u) << why;
-    EXPECT_EQ(inventory({"sphere-sphere"}).err, "") << "kept again";
-    EXPECT_EQ(elaborated(), 0u);
-  };
   std::stringstream text;
   text << std::ifstream(file).rdbuf();
   std::string other = text.str();
   other[other.find_last_of("123456789")] ^= 1;  // another figure, still JSON
   std::ofstream(file) << other;
-  expect_refused("is damaged: its checksum is another");
-  fs::remove(file.string() + ".sha256");
-  expect_refused("has no checksum beside it");
-  ::chmod(file.c_str(), 0666);
-  expect_refused("can be written by others than its owner");
+  const Ran damaged = inventory({"sphere-sphere"});
+  EXPECT_EQ(damaged.status, 0) << damaged.err;
+  EXPECT_EQ(damaged.out, first.out);
+  EXPECT_NE(damaged.err.find(file.string() + " is not used: it is damaged"), std::string::npos)
+      << damaged.err;
+  EXPECT_EQ(elaborated(), 2u);
 }
 
 }  // namespace
