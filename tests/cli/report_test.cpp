@@ -373,6 +373,7 @@ TEST_F(Pages, QuickReproduction) {
   EXPECT_NE(html.find("A quick run"), std::string::npos);
   const json j = json::parse(ran.out);
   EXPECT_EQ(j["quick"], true);
+  for (const char* key : {"version", "commit"}) EXPECT_TRUE(j[key].is_string()) << key;
   EXPECT_GT(j["records_compared"], 10'000);
   const int compared = j["records_compared"];
   EXPECT_EQ(

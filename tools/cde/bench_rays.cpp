@@ -34,6 +34,7 @@ struct Scene {
 /// horizon, as in the paper's experiment. Otherwise straight down on a grid, which spares software
 /// most branch mispredictions.
 Scene make_scene(std::uint32_t quads_x, std::uint32_t quads_y, bool random = true) {
+  const Busy busy("making a terrain");
   Scene s{make_terrain({.quads_x = quads_x, .quads_y = quads_y}), {}, {}};
   for (std::size_t i = 0; i < s.mesh.faces.size(); ++i) s.triangles.push_back(s.mesh.triangle(i));
   const Eigen::AlignedBox3f box = bounds(s.mesh);

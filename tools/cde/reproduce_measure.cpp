@@ -394,7 +394,10 @@ Reproduction reproduce(const ReproduceOptions& options) {
     if (baseline::available(kind)) lab.vector = kind;
   lab.result.vector_kind = baseline::name_of(lab.vector);
   for (const Setup& setup : lab.result.setups) lab.cards.emplace_back(setup, options.clock_hz);
-  const Mesh mesh = options.quick ? make_terrain({.quads_x = 40, .quads_y = 50}) : make_terrain({});
+  const Mesh mesh = [&] {
+    const Busy busy("making the terrain");
+    return options.quick ? make_terrain({.quads_x = 40, .quads_y = 50}) : make_terrain({});
+  }();
   lab.result.triangles = mesh.faces.size();
   std::optional<EmbreeRival> embree;
   lab.result.embree = EmbreeRival::available();

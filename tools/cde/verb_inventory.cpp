@@ -94,9 +94,11 @@ unsigned required(const std::optional<unsigned>& value, const Pipe& pipe, const 
 }
 
 /// Error kBuild if the RTL cannot be elaborated for any other reason than that there is no pipe.
-void examine(Pipe& pipe, const Profile& profile) {
+/// Two elaborations, each counted in `done`.
+void examine(Pipe& pipe, const Profile& profile, std::atomic<std::size_t>& done) {
   try {
     const rtl::Elaboration e = elaborate(pipe, {});
+    ++done;
     const auto words = [&](const char* port) { return e.bits(path(pipe), port).value_or(0) / 32; };
     pipe.module = e.module_of(path(pipe));
     pipe.operators = e.operators(path(pipe));
@@ -111,7 +113,9 @@ void examine(Pipe& pipe, const Profile& profile) {
     const std::string what = error.what();
     if (what.find(kNoPipe) == std::string::npos) throw Error(ErrorCode::kBuild, what);
     pipe.absent = kNoPipe;
+    ++done;
   }
+  ++done;
 }
 
 // ---- Figures of earlier times ----
@@ -185,7 +189,7 @@ void examine_all(std::vector<Pipe>& wanted, const Profile& profile) {
   if (pipes.empty()) return;
   std::atomic<std::size_t> next = 0, done = 0;
   const auto work = [&] {
-    for (std::size_t i = next++; i < pipes.size(); i = next++, ++done) examine(*pipes[i], profile);
+    for (std::size_t i = next++; i < pipes.size(); i = next++) examine(*pipes[i], profile, done);
   };
   std::vector<std::future<void>> workers;
   for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i)
@@ -194,7 +198,7 @@ void examine_all(std::vector<Pipe>& wanted, const Profile& profile) {
     Progress progress("elaborating the pipes");
     for (auto& worker : workers)
       while (worker.wait_for(std::chrono::milliseconds(200)) != std::future_status::ready)
-        progress(static_cast<double>(done) / static_cast<double>(pipes.size()));
+        progress(static_cast<double>(done) / (2.0 * static_cast<double>(pipes.size())));
   }
   for (auto& worker : workers) worker.get();
   for (Pipe* pipe : pipes) kept.keep(*pipe, profile);

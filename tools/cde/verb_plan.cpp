@@ -6,6 +6,7 @@
 
 #include "busy.hpp"
 #include "cde/plan.hpp"
+#include "json_keys.hpp"
 #include "plan_output.hpp"
 #include "streams.hpp"
 #include "values.hpp"
@@ -31,10 +32,13 @@ void add_plan(CLI::App& app) {
       return load_scene(o->scene);
     }();
     const Plan made = plan(scene);
-    if (o->json)
-      put_json(plan_json(scene, made));
-    else
+    if (!o->json) {
       print_plan(scene, made);
+      return;
+    }
+    nlohmann::ordered_json j = program_json();
+    j.update(plan_json(scene, made));
+    put_json(j);
   });
 }
 
