@@ -34,7 +34,13 @@ TEST_F(Bench, QuickRays) {
 TEST_F(Bench, QuickUnits) {
   const Ran ran = cde({"bench", "fp", "--quick", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
-  const auto units = nlohmann::json::parse(ran.out)["fp"]["units"];
+  const auto j = nlohmann::json::parse(ran.out);
+  const auto units = j["fp"]["units"];
+  // As in the JSON of other verbs.
+  for (const char* key : {"version", "commit"}) EXPECT_TRUE(j[key].is_string()) << key;
+  EXPECT_EQ(j["clock_hz"], 100e6);
+  EXPECT_TRUE(j["machine"]["processors"].is_number());
+  EXPECT_TRUE(j["machine"]["system"].is_string());
   ASSERT_EQ(units.size(), 2u);
   EXPECT_EQ(units[0]["operation"], "add");
   EXPECT_EQ(units[1]["operation"], "mul");

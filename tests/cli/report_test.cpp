@@ -1,10 +1,14 @@
 // The pages: cde run --report and cde reproduce.
 #include <fmt/format.h>
 
+#include <array>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <set>
+#include <sstream>
 
 #include "run_cde.hpp"
 
@@ -43,8 +47,118 @@ std::vector<std::string> between(const std::string& text, const std::string& beg
   return found;
 }
 
+/// Text as it was before it was escaped for an element.
+std::string plain(std::string text) {
+  for (const auto& [from, to] :
+       {std::pair{"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&amp;", "&"}})
+    for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + 1))
+      text.replace(at, std::strlen(from), to);
+  return text;
+}
+
+/// The browser that opens pages in these tests; empty if there is none.
+std::string browser() {
+  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(
+      ::popen("command -v chromium || command -v chromium-browser || command -v google-chrome",
+              "r"),
+      ::pclose);
+  std::array<char, 256> line{};
+  if (std::fgets(line.data(), line.size(), pipe.get()) == nullptr) return "";
+  return std::string(line.data(), std::strcspn(line.data(), "\n"));
+}
+
+/// Clicks on every button that saves something and tells what was offered: names, texts, and of
+/// pictures how much of them is drawn when they are opened without the page.
+const char* const kClicks = R"(
+const made = [], taken = new Map(), failed = [];
+addEventListener("error", (e) => failed.push(String(e.message)));
+addEventListener("securitypolicyviolation", (e) => failed.push(e.violatedDirective));
+URL.createObjectURL = (blob) => { const url = "blob:" + taken.size; taken.set(url, blob); return url; };
+HTMLAnchorElement.prototype.click = function() { made.push([this.download, taken.get(this.href)]); };
+const drawn = async (text) => {
+  const picture = new Image();
+  picture.src = "data:image/svg+xml;charset=utf-8," + encodeURIComponent(text);
+  await picture.decode();
+  const canvas = document.createElement("canvas");
+  canvas.width = picture.naturalWidth; canvas.height = picture.naturalHeight;
+  const pen = canvas.getContext("2d");
+  pen.drawImage(picture, 0, 0);
+  const seen = new Set(), p = pen.getImageData(0, 0, canvas.width, canvas.height).data;
+  let ink = 0;
+  for (let i = 0; i < p.length; i += 4) {
+    if (p[i] !== p[0] || p[i + 1] !== p[1] || p[i + 2] !== p[2]) { ++ink; seen.add(p[i] << 16 | p[i + 1] << 8 | p[i + 2]); }
+  }
+  return { width: canvas.width, height: canvas.height, ink, colours: seen.size, ground: [p[0], p[1], p[2], p[3]] };
+};
+addEventListener("load", async () => {
+  const buttons = [...document.querySelectorAll(".save button")];
+  for (const button of buttons) button.click();
+  const files = [];
+  for (const [name, blob] of made) {
+    const text = await blob.text(), file = { name, type: blob.type, text };
+    if (name.endsWith(".svg")) {
+      const xml = new DOMParser().parseFromString(text, "image/svg+xml");
+      file.root = xml.documentElement.namespaceURI + " " + xml.documentElement.localName;
+      file.label = xml.querySelector("title") ? xml.querySelector("title").textContent : "";
+      file.classes = xml.querySelectorAll("[class], style").length;
+      file.drawn = await drawn(text).catch((error) => failed.push(String(error)));
+    }
+    files.push(file);
+  }
+  document.body.replaceChildren(document.createElement("pre"));
+  document.body.firstChild.id = "told";
+  document.body.firstChild.textContent = JSON.stringify({ buttons: buttons.length, files, failed });
+});
+)";
+
 class Pages : public Cli {
  protected:
+  /// The page in a browser without network, under its own content security policy, which here lets
+  /// the clicks run as well.
+  json clicked(const std::string& program, std::string html) {
+    const std::string policy = "script-src ";
+    html.insert(html.find(policy) + policy.size(), policy_hash(kClicks) + " ");
+    html.insert(html.find("<title>"), fmt::format("<script>{}</script>", kClicks));
+    write("clicked.html", html);
+    const Ran ran = shell(
+        fmt::format("HOME=$PWD timeout 120 {} --headless --no-sandbox --disable-gpu --no-first-run "
+                    "--disable-background-networking --user-data-dir=$PWD/browser "
+                    "--virtual-time-budget=20000 --dump-dom file://$PWD/clicked.html",
+                    program));
+    std::string told;
+    for (const std::string& text : between(ran.out, "<pre id=\"told\">", "</pre>")) told = text;
+    json j = json::parse(plain(told), nullptr, false);
+    if (j.is_discarded()) ADD_FAILURE() << ran.status << ran.err << ran.out.substr(0, 2000);
+    return j;
+  }
+
+  /// Two files a chart: a picture that opens alone, and figures.
+  void expect_saved(const json& told, std::size_t charts) {
+    EXPECT_EQ(told["failed"], json::array());
+    EXPECT_EQ(told["buttons"], 2 * charts);
+    ASSERT_EQ(told["files"].size(), 2 * charts);
+    std::set<std::string> names;
+    for (const json& file : told["files"]) {
+      const std::string name = file["name"], text = file["text"];
+      EXPECT_TRUE(names.insert(name).second) << name;
+      EXPECT_EQ(name.find_first_of("/\\<>\"?*: "), std::string::npos) << name;
+      if (name.ends_with(".csv")) {
+        EXPECT_EQ(file["type"], "text/csv;charset=utf-8");
+        EXPECT_GE(count(text, "\n"), 3u) << text;
+        continue;
+      }
+      ASSERT_TRUE(name.ends_with(".svg")) << name;
+      EXPECT_EQ(file["root"], "http://www.w3.org/2000/svg svg") << name;
+      EXPECT_EQ(file["classes"], 0) << "looks that are in the page's style sheet";
+      for (const char* needs : {"var(", "NaN", "undefined", "%\"", "href"})
+        EXPECT_EQ(text.find(needs), std::string::npos) << name << needs;
+      EXPECT_EQ(file["drawn"]["width"], 760);
+      EXPECT_EQ(file["drawn"]["ground"], json({255, 255, 255, 255})) << "as print has it";
+      EXPECT_GT(file["drawn"]["ink"], 1000) << name;
+      EXPECT_GT(file["drawn"]["colours"], 20) << name;
+    }
+  }
+
   /// As a content security policy has it, from coreutils' own implementation.
   std::string policy_hash(const std::string& text) {
     write("hashed", text);
@@ -87,7 +201,7 @@ class Pages : public Cli {
   }
 };
 
-const char* const kScene = R"(title = "A </script> & <b>title</b>"
+const char* const kScene = R"(title = "A </script> & <b>title</b>\u0001"
 frames = 5
 [card]
 lanes = 16
@@ -112,10 +226,9 @@ TEST_F(Pages, ReportSaysWhatRunJsonSays) {
   ASSERT_EQ(ran.status, 0) << ran.err;
   EXPECT_NE(ran.err.find("report           page.html"), std::string::npos) << ran.err;
   const std::string html = read("page.html");
-  expect_sound(html, 2);
+  expect_sound(html, 3);
   EXPECT_LT(html.size(), 8u << 20);
-  EXPECT_NE(html.find("<h1>A &lt;/script&gt; &amp; &lt;b&gt;title&lt;/b&gt;</h1>"),
-            std::string::npos);
+  EXPECT_NE(html.find("<h1>A &lt;/script&gt; &amp; &lt;b&gt;title&lt;/b&gt;"), std::string::npos);
   EXPECT_NE(html.find("src=\"data:image/png;base64,iVBORw0KGgo"), std::string::npos);
   EXPECT_NE(html.find("The above copyright notice"), std::string::npos) << "three.js's licence";
   const auto sections = between(html, "<section id=\"split\">", "</section>");
@@ -150,13 +263,71 @@ TEST_F(Pages, ReportSaysWhatRunJsonSays) {
   EXPECT_EQ(data["objects"][0]["count"], 216);
 }
 
+/// What a chart offers as CSV is in the page, with or without scripts.
+TEST_F(Pages, ChartsCarryTheirFigures) {
+  write("scene.toml", kScene);
+  const Ran ran = cde({"run", "scene.toml", "--report", "page.html", "--frames", "1..4"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const std::string html = read("page.html");
+  const json run = json::parse(read("scene.run/run.json"));
+  const auto figures = between(html, "<pre class=\"figures\" hidden>\n", "</pre>");
+  ASSERT_EQ(figures.size(), count(html, "<figure class=\"plot\">"));
+  ASSERT_EQ(figures.size(), 3u) << "gap of the query, modelled time, wall time";
+  const auto lines_of = [](const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+  };
+  const auto gaps = lines_of(plain(figures[0])), modelled = lines_of(plain(figures[1]));
+  ASSERT_EQ(gaps.size(), 5u);
+  EXPECT_EQ(gaps[0], "seconds,most,least");
+  ASSERT_EQ(modelled.size(), 5u);
+  EXPECT_EQ(modelled[0].substr(0, 6), "frame,");
+  EXPECT_NE(modelled[0].find(",\"memory (DDR waits, SRAM write-back) (s)\","), std::string::npos)
+      << modelled[0];
+  for (std::size_t i = 0; i < 4; ++i) {
+    double frame = 0, sum = 0, least = 0, most = 0, at = 0;
+    char comma = 0;
+    std::istringstream fields(modelled[i + 1]);
+    fields >> frame;
+    EXPECT_EQ(frame, run["played"][i]["frame"]);
+    for (double part = 0; fields >> comma >> part;) sum += part;
+    EXPECT_NEAR(sum, run["played"][i]["queries"][0]["modelled_seconds"]["total"], 1e-12);
+    std::istringstream(gaps[i + 1]) >> at >> comma >> most >> comma >> least;
+    EXPECT_EQ(at, run["played"][i]["seconds"]);
+    EXPECT_GT(least, 0);
+    EXPECT_GE(most, least);
+  }
+}
+
+TEST_F(Pages, ChartsAreSaved) {
+  const std::string program = browser();
+  if (program.empty()) GTEST_SKIP() << "no Chromium: the scripts of the pages were not run";
+  write("scene.toml", kScene);
+  ASSERT_EQ(cde({"run", "scene.toml", "--report", "page.html", "--frames", "0..3"}).status, 0);
+  const std::string html = read("page.html");
+  const json told = clicked(program, html);
+  expect_saved(told, 3);
+  const auto figures = between(html, "<pre class=\"figures\" hidden>\n", "</pre>");
+  std::size_t tables = 0;
+  for (const json& file : told["files"]) {
+    if (file["name"].get<std::string>().ends_with(".csv"))
+      EXPECT_EQ(file["text"], plain(figures.at(tables++)));
+    else
+      EXPECT_NE(file["text"].get<std::string>().find("A &lt;/script&gt; &amp; &lt;b&gt;title"),
+                std::string::npos);
+  }
+  EXPECT_EQ(told["files"][0]["label"], "hit, gap against time");
+}
+
 /// Bodies, contacts with normals, masks and parents.
 TEST_F(Pages, ReportOfTheMixedScene) {
   const std::string scene = std::string(CDE_SOURCE_DIR) + "/meshes/scenes/mixed.toml";
   const Ran ran = cde({"run", scene, "--out", "out", "--report", "page.html", "--frames", "0..2"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const std::string html = read("page.html");
-  expect_sound(html, 2);
+  expect_sound(html, 3);
   const json data = json::parse(between(html, "id=\"data\">", "</script>").at(0));
   std::vector<std::string> kinds;
   for (const json& object : data["objects"]) kinds.push_back(object["kind"]);
@@ -180,7 +351,7 @@ TEST_F(Pages, ReportOfTheMixedScene) {
         << query;
   }
   EXPECT_EQ(count(gaps[0], "NaN") + count(gaps[0], "nan"), 0u);
-  for (const char* part : {"ground, 9,600 × triangle", "balls, 3 × sphere", "id=\"scale\"",
+  for (const char* part : {"ground, 38,400 × triangle", "balls, 3 × sphere", "id=\"scale\"",
                            "id=\"axes\"", "<select id=\"up\">"})
     EXPECT_EQ(count(html, part), 1u) << part;
   EXPECT_EQ(html.find("/meshes/"), std::string::npos) << "no path of this machine";
@@ -198,10 +369,11 @@ TEST_F(Pages, QuickReproduction) {
   const Ran ran = cde({"reproduce", "--quick", "--json", "--out", "r.html"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const std::string html = read("r.html");
-  expect_sound(html, 0);
+  expect_sound(html, 1);
   EXPECT_NE(html.find("A quick run"), std::string::npos);
   const json j = json::parse(ran.out);
   EXPECT_EQ(j["quick"], true);
+  for (const char* key : {"version", "commit"}) EXPECT_TRUE(j[key].is_string()) << key;
   EXPECT_GT(j["records_compared"], 10'000);
   const int compared = j["records_compared"];
   EXPECT_EQ(
@@ -215,6 +387,8 @@ TEST_F(Pages, QuickReproduction) {
   };
   const json& one = j["figure_5"][0];
   EXPECT_EQ(one["tests"], 4000);
+  if (const std::string program = browser(); !program.empty())
+    expect_saved(clicked(program, html), 4);
   // The paper's times are of another terrain than a quick run has.
   EXPECT_EQ(j["paper"]["card_seconds"], 0.031);
   EXPECT_EQ(j["paper"]["software_seconds"], 2.1);

@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "bench.hpp"
+#include "busy.hpp"
 #include "cde/board.hpp"
 #include "cde/camera.hpp"
 #include "cde/error.hpp"
@@ -110,6 +111,7 @@ std::vector<Sweep> sweeps(const BenchOptions& o, std::uint32_t burst) {
     for (const Bus bus : {Bus::kFunctional, Bus::kCycle}) {
       if (o.quick && bus == Bus::kCycle) continue;
       Board board = open(bus, o.quick ? 16 : 1, host, burst, o);
+      const Busy busy(fmt::format("transfers, host {}, {} bus", host.name, name_of_bus(bus)));
       const auto start = Clock::now();
       std::vector<Rate> rates = sweep(board);
       all.push_back({&host, bus, std::move(rates),
@@ -153,7 +155,7 @@ ordered_json json_of(const std::vector<Sweep>& all, std::uint32_t burst, const B
                         {"to_host_share", s.rates[i].down / kPeak}});
     rows.push_back({{"host", s.host->name},
                     {"bus", name_of_bus(s.bus)},
-                    {"burst", burst},
+                    {"burst_bytes", burst},
                     {"clock_hz", o.clock_hz},
                     {"peak_bytes_per_second", kPeak},
                     {"modelled", points},
@@ -175,6 +177,7 @@ struct Frame {
 
 Frame frame(Bus bus, unsigned lanes, Mode mode, const BenchOptions& o) {
   Board board = open(bus, lanes, *host_profile("p64-2001"), 256, o);
+  const Busy busy(fmt::format("the paper's frame, {} lanes, {} bus", lanes, name_of_bus(bus)));
   Frame f{.bus = bus, .lanes = lanes, .mode = mode};
   const std::vector<Triangle> scene = triangles(kFrameTriangles);
   const std::vector<Ray> packet = rays();
@@ -214,7 +217,7 @@ ordered_json paper(const BenchOptions& o) {
                       {"lanes", lanes},
                       {"format", "fp32"},
                       {"host", "p64-2001"},
-                      {"burst", 256},
+                      {"burst_bytes", 256},
                       {"clock_hz", o.clock_hz},
                       {"tests", f.counters.pairs},
                       {"modelled_seconds", time_json(t, f.upload)},

@@ -15,6 +15,7 @@
 #include "cde/plan.hpp"
 #include "cde/reference.hpp"
 #include "cde/scene.hpp"
+#include "output.hpp"
 #include "streams.hpp"
 
 namespace cde::cli {
@@ -311,10 +312,17 @@ ordered_json bench_effects(const BenchOptions& o) {
       w.rays.size(), w.triangles.size(), w.planned.lanes, fmt::join(w.planned.parameters(), " "),
       rounds, "card", "slower", "least to most", "(wall)", "frame, s", "bus, %", "cycles",
       "built, s", "in plans");
+  std::optional<Progress> progress("effects, every card in turn");
   for (Card& c : cards) c.frame(), c.pass();  // caches warm
-  for (int round = 0; round < rounds; ++round)
-    for (std::size_t i = 0; i < cards.size(); ++i)
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t i = 0; i < cards.size(); ++i) {
+      const std::size_t done = static_cast<std::size_t>(round) * cards.size() + i;
+      (*progress)(static_cast<double>(done) /
+                  static_cast<double>(static_cast<std::size_t>(rounds) * cards.size()));
       cards[i].measure(cards[cards[i].variant().beside_last ? i - 1 : 0]);
+    }
+  }
+  progress.reset();
   ordered_json list = ordered_json::array();
   for (const Card& c : cards) {
     c.print();

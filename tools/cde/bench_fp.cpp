@@ -5,6 +5,7 @@
 #include <array>
 
 #include "bench.hpp"
+#include "busy.hpp"
 #include "cde/fp_unit.hpp"
 #include "streams.hpp"
 
@@ -25,6 +26,7 @@ double measure(FpFormat format, const Operation& operation, int lanes, double se
   std::vector<std::string> parameters = fp_unit_parameters(format, Arithmetic::kRtl, lanes, false);
   parameters.push_back(fmt::format("OPS={}", 1u << operation.clock));
   FpUnit unit(Bitstream::open("fp_unit", parameters));
+  const Busy busy(fmt::format("{} lanes of {}, {}", lanes, format.name(), operation.name));
   return unit.measure(operation.op, seconds);
 }
 

@@ -12,6 +12,7 @@
 
 #include "bench.hpp"
 #include "bench_fcl.hpp"
+#include "busy.hpp"
 #include "cde/error.hpp"
 #include "cde/fp_format.hpp"
 #include "cde/pair_unit.hpp"
@@ -143,6 +144,7 @@ struct Measured {
 Measured measure(const PairConfig& config, std::span<const float> a, std::span<const float> b,
                  double seconds, const std::optional<PairBudget>& budget = {}) {
   PairUnit unit(config);
+  const Busy busy(fmt::format("pairs, {}", name(config.pair)));
   if (budget) unit.set_budget(*budget);
   const auto encoded = [&](std::span<const float> from) {
     std::vector<std::uint64_t> words;
@@ -265,7 +267,10 @@ nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm al
   } catch (const Error& e) {
     if (std::string_view(e.what()).find(kNoPipe) == std::string_view::npos) throw;
   }
-  const FclRates fcl = measure_fcl(pair, a, b, seconds);
+  const FclRates fcl = [&] {
+    const Busy busy(fmt::format("pairs, {}, FCL", name(pair)));
+    return measure_fcl(pair, a, b, seconds);
+  }();
   const auto figure = [&](const char* form, auto of) {
     return card ? fmt::format(fmt::runtime(form), of(*card)) : std::string();
   };

@@ -4,15 +4,18 @@
 
 #include <cmath>
 #include <fstream>
+#include <optional>
 #include <random>
 #include <thread>
 
 #include "bench.hpp"
+#include "busy.hpp"
 #include "cde/baseline.hpp"
 #include "cde/board.hpp"
 #include "cde/camera.hpp"
 #include "cde/error.hpp"
 #include "cde/terrain.hpp"
+#include "output.hpp"
 #include "streams.hpp"
 
 namespace cde::cli {
@@ -31,6 +34,7 @@ struct Scene {
 /// horizon, as in the paper's experiment. Otherwise straight down on a grid, which spares software
 /// most branch mispredictions.
 Scene make_scene(std::uint32_t quads_x, std::uint32_t quads_y, bool random = true) {
+  const Busy busy("making a terrain");
   Scene s{make_terrain({.quads_x = quads_x, .quads_y = quads_y}), {}, {}};
   for (std::size_t i = 0; i < s.mesh.faces.size(); ++i) s.triangles.push_back(s.mesh.triangle(i));
   const Eigen::AlignedBox3f box = bounds(s.mesh);
@@ -137,12 +141,15 @@ ordered_json compare_rates(const BenchOptions& o) {
   card_down.cast(board_down, down);
   // What else the machine does changes over minutes: everything is measured in turn, and again.
   std::vector<Rate> rates, rates_down;
+  std::optional<Progress> progress("rays, cards beside software");
   for (int round = 0; round < kRounds; ++round) {
+    (*progress)(static_cast<double>(round) / kRounds);
     for (Entry& e : entries)
       if (e.config.arithmetic == Arithmetic::kHost || round < 2) e.measured.cast(e.board, scene);
     run_baselines(scene, entries[0].measured.records, rates);
     run_baselines(down, card_down.records, rates_down);
   }
+  progress.reset();
   const double scalar = rates.front().tests_per_second, vector = rates.back().tests_per_second;
   ordered_json j = {{"rays", scene.rays.size()},
                     {"triangles", scene.triangles.size()},
@@ -198,10 +205,14 @@ ordered_json linearity(const BenchOptions& o) {
   if (!o.quick) sides.push_back(707);
   if (o.full) sides.push_back(2236);
   for (const std::uint32_t side : sides) {
-    const Mesh mesh = make_terrain({.quads_x = side, .quads_y = side});
+    const Mesh mesh = [&] {
+      const Busy making(fmt::format("making a terrain of {} triangles", 2ull * side * side));
+      return make_terrain({.quads_x = side, .quads_y = side});
+    }();
     const std::vector<Ray> rays = grid_rays(bounds(mesh), {16, 16});
     const std::size_t count = mesh.faces.size();
     Board board = Board::open({});
+    std::optional<Busy> busy(fmt::format("rays, {} triangles", count));
     const std::size_t before = resident_bytes();
     const double upload_start = thread_seconds();
     board.upload(mesh);
@@ -211,6 +222,7 @@ ordered_json linearity(const BenchOptions& o) {
     const double start = thread_seconds();
     const Counters c = board.cast(rays, {}, [](std::span<const Record>) {});
     const double seconds = thread_seconds() - start;
+    busy.reset();
     const double rows = static_cast<double>(count) * 256 / board.lanes();
     show(
         "{:>9} triangles  {:>10} cycles, {:.6f} a row  cast {:8.3f} s, {:6.1f} M tests/s  "
@@ -243,6 +255,7 @@ ordered_json two_boards(const BenchOptions& o) {
     return std::chrono::duration<double>(Clock::now() - start).count();
   };
   cast(first);
+  std::optional<Busy> busy("rays, two boards in two threads");
   double one = 1e300, two = 1e300;  // the best of three rounds each
   for (int round = 0; round < 3; ++round) {
     one = std::min(one, wall([&] { cast(first); }));
@@ -252,6 +265,7 @@ ordered_json two_boards(const BenchOptions& o) {
                      other.join();
                    }));
   }
+  busy.reset();
   show("\ntwo boards in two threads: {:.2f} times the tests/s of one (wall clock)\n",
        2 * one / two);
   return {

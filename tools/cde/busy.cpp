@@ -5,7 +5,8 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <cstdio>
+
+#include "output.hpp"
 
 namespace cde::cli {
 
@@ -33,11 +34,10 @@ void Busy::tell() {
   std::unique_lock lock(mutex_);
   for (unsigned seconds = 1;; ++seconds) {
     if (ended_.wait_for(lock, std::chrono::seconds(1), [this] { return end_; })) {
-      if (seconds > 1) std::fputs("\r\033[K", stderr);
+      if (seconds > 1) rewrite_line("");
       return;
     }
-    std::fputs(fmt::format("\r\033[K{}, {} s", what_, seconds).c_str(), stderr);
-    std::fflush(stderr);
+    rewrite_line(fmt::format("{}, {} s", what_, seconds));
   }
 }
 

@@ -63,6 +63,45 @@ std::string key(int colour, std::string_view text, bool dashed = false) {
       colour, dashed ? " dashed" : "", dashed ? 5 : 0, dashed ? 3 : 12, escaped(text));
 }
 
+/// A line of CSV; what would end a field is quoted.
+std::string row(const std::vector<std::string>& fields) {
+  std::string text;
+  for (const std::string& field : fields) {
+    if (!text.empty()) text += ',';
+    if (field.find_first_of(",\"\r\n") == std::string::npos) {
+      text += field;
+      continue;
+    }
+    text += '"';
+    for (const char c : field) text.append(c == '"' ? 2 : 1, c);
+    text += '"';
+  }
+  return text + "\n";
+}
+std::string figure(double value) {
+  return std::isfinite(value) ? fmt::format("{}", value) : std::string();
+}
+
+/// The chart with its figures in CSV, which the page's script offers to save.
+std::string with_figures(const std::string& chart, const std::string& csv) {
+  return fmt::format("<figure class=\"plot\">{}<pre class=\"figures\" hidden>\n{}</pre></figure>\n",
+                     chart, escaped(csv));
+}
+
+/// Lines over the x of the first.
+std::string lines_csv(std::string_view x_name, const std::vector<Line>& lines,
+                      std::string_view unit) {
+  std::vector<std::string> fields = {std::string(x_name)};
+  for (const Line& line : lines) fields.push_back(fmt::format("{}{}", line.name, unit));
+  std::string csv = row(fields);
+  for (std::size_t i = 0; i < lines.front().x.size(); ++i) {
+    fields = {figure(lines.front().x[i])};
+    for (const Line& line : lines) fields.push_back(figure(line.y[i]));
+    csv += row(fields);
+  }
+  return csv;
+}
+
 double mean(const std::vector<double>& values) {
   double sum = 0;
   for (const double v : values) sum += v;
@@ -71,9 +110,10 @@ double mean(const std::vector<double>& values) {
 
 }  // namespace
 
-std::string stacked_bars(std::string_view label, const std::vector<std::string>& names,
+std::string stacked_bars(std::string_view label, std::string_view what,
+                         const std::vector<std::uint32_t>& numbers,
                          const std::vector<Series>& series) {
-  const std::size_t count = names.size();
+  const std::size_t count = numbers.size();
   std::vector<double> sums(count, 0);
   for (const Series& s : series)
     for (std::size_t i = 0; i < count; ++i) sums[i] += s.values[i];
@@ -89,8 +129,8 @@ std::string stacked_bars(std::string_view label, const std::vector<std::string>&
   const double width = slot * (count > 200 ? 1.0 : 0.82);
   for (std::size_t i = 0; i < count; ++i) {
     double y = kTop + kHeight;
-    svg +=
-        fmt::format("<g class=\"bar\"><title>{}: {}</title>", escaped(names[i]), duration(sums[i]));
+    svg += fmt::format("<g class=\"bar\"><title>{} {}: {}</title>", escaped(what), numbers[i],
+                       duration(sums[i]));
     for (const Series& s : series) {
       const double height = scale * s.values[i];
       y -= height;
@@ -104,14 +144,23 @@ std::string stacked_bars(std::string_view label, const std::vector<std::string>&
   }
   for (const bool last : {false, true}) {
     if (count > (last ? 1u : 0u))
-      svg += fmt::format("<text class=\"tick\" x=\"{}\" y=\"{:g}\" text-anchor=\"{}\">{}</text>\n",
-                         last ? "100%" : "0", kTop + kHeight + 16, last ? "end" : "start",
-                         escaped(last ? names.back() : names.front()));
+      svg +=
+          fmt::format("<text class=\"tick\" x=\"{}\" y=\"{:g}\" text-anchor=\"{}\">{} {}</text>\n",
+                      last ? "100%" : "0", kTop + kHeight + 16, last ? "end" : "start",
+                      escaped(what), last ? numbers.back() : numbers.front());
   }
   svg += "</svg></div>\n<ul class=\"legend\">\n";
   for (const Series& s : series)
     svg += key(s.colour, fmt::format("{}, mean {}", s.name, duration(mean(s.values))));
-  return svg + "</ul>\n";
+  std::vector<std::string> fields = {std::string(what)};
+  for (const Series& s : series) fields.push_back(s.name + " (s)");
+  std::string csv = row(fields);
+  for (std::size_t i = 0; i < count; ++i) {
+    fields = {fmt::format("{}", numbers[i])};
+    for (const Series& s : series) fields.push_back(figure(s.values[i]));
+    csv += row(fields);
+  }
+  return with_figures(svg + "</ul>\n", csv);
 }
 
 std::string log_dots(std::string_view label, const std::vector<Dot>& dots) {
@@ -152,7 +201,13 @@ std::string log_dots(std::string_view label, const std::vector<Dot>& dots) {
         duration(d.seconds));
     y += kRow;
   }
-  return svg + "</svg></div>\n";
+  std::string csv = row({"name", "seconds", "from (s)", "to (s)", "note"});
+  for (const Dot& d : dots) {
+    const bool spread = d.low > 0;
+    csv += row({d.name, figure(d.seconds), figure(spread ? d.low : NAN),
+                figure(spread ? d.high : NAN), d.note});
+  }
+  return with_figures(svg + "</svg></div>\n", csv);
 }
 
 std::string linear_lines(std::string_view label, std::string_view x_name,
@@ -173,14 +228,13 @@ std::string linear_lines(std::string_view label, std::string_view x_name,
     svg += level(at_y(y), std::abs(y) < 1e-9 * step ? "0" : fmt::format("{:.4g}", y));
   svg += fmt::format("<line class=\"zero\" x1=\"0\" x2=\"100%\" y1=\"{0:.1f}\" y2=\"{0:.1f}\"/>\n",
                      at_y(0));
-  for (const double x : {first, last}) {
+  const double across = last > first ? step_for(last - first) : 1;
+  for (double x = std::ceil(first / across - 1e-9) * across; x <= last + 1e-9 * across; x += across)
     svg += fmt::format(
-        "<text class=\"tick\" x=\"{:.4g}%\" y=\"{:g}\" text-anchor=\"{}\">{:.4g}</text>\n", at_x(x),
-        kTop + tall + 16, x == first ? "start" : "end", x);
-    if (last == first) break;
-  }
+        "<text class=\"tick\" x=\"{:.4g}%\" y=\"{:g}\" text-anchor=\"middle\">{:.4g}</text>\n",
+        at_x(x), kTop + tall + 16, std::abs(x) < 1e-9 * across ? 0.0 : x);
   svg += fmt::format("<text class=\"tick\" x=\"50%\" y=\"{:g}\" text-anchor=\"middle\">{}</text>\n",
-                     kTop + tall + 30, escaped(x_name));
+                     kTop + tall + 32, escaped(x_name));
   for (const Line& line : lines) {
     for (std::size_t i = 0; i < line.x.size(); ++i) {
       if (!std::isfinite(line.y[i])) continue;
@@ -198,7 +252,7 @@ std::string linear_lines(std::string_view label, std::string_view x_name,
   }
   svg += "</svg></div>\n<ul class=\"legend\">\n";
   for (const Line& line : lines) svg += key(line.colour, line.name);
-  return svg + "</ul>\n";
+  return with_figures(svg + "</ul>\n", lines_csv(x_name, lines, ""));
 }
 
 std::string log_lines(std::string_view label, std::string_view x_name,
@@ -242,7 +296,7 @@ std::string log_lines(std::string_view label, std::string_view x_name,
   }
   svg += "</svg></div>\n<ul class=\"legend\">\n";
   for (const Line& line : lines) svg += key(line.colour, line.name, line.dashed);
-  return svg + "</ul>\n";
+  return with_figures(svg + "</ul>\n", lines_csv(x_name, lines, " (s)"));
 }
 
 }  // namespace cde::cli

@@ -1,11 +1,13 @@
 #pragma once
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
 /// Charts as inline SVG for pages (page.hpp). Positions along x are percentages and text has the
 /// size of the page's, so a chart fills whatever width it gets and can be read on a phone. Colours
-/// are the classes s0, s1, ... of the page's style sheet.
+/// are the classes s0, s1, ... of the page's style sheet. Each carries its figures as CSV, seconds
+/// and counts in full, for the script of the page (kChartScript) to save.
 namespace cde::cli {
 
 /// A part of every bar, from the axis outwards.
@@ -16,9 +18,10 @@ struct Series {
 };
 
 /// Bars that stand beside each other, of parts in seconds on a linear axis, with a legend that has
-/// the mean of every part. `label` is what a screen reader says; `names` are those of the bars.
-[[nodiscard]] std::string stacked_bars(std::string_view label,
-                                       const std::vector<std::string>& names,
+/// the mean of every part. `label` is what a screen reader says; a bar is called `what` ("frame")
+/// and its number.
+[[nodiscard]] std::string stacked_bars(std::string_view label, std::string_view what,
+                                       const std::vector<std::uint32_t>& numbers,
                                        const std::vector<Series>& series);
 
 /// A measurement or a modelled time, with what it is above it.
@@ -34,7 +37,7 @@ struct Dot {
 /// Times on a logarithmic axis of whole decades. Dots, as a bar's length would say nothing there.
 [[nodiscard]] std::string log_dots(std::string_view label, const std::vector<Dot>& dots);
 
-/// A line through points.
+/// A line through points; all of a chart have the same x.
 struct Line {
   std::string name;
   int colour = 0;

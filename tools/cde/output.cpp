@@ -1,6 +1,7 @@
 #include "output.hpp"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +10,8 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+
+#include "cde/message.hpp"
 
 namespace cde::cli {
 namespace {
@@ -41,13 +44,22 @@ extern "C" void note(int signal) {
   for (const int other : kSignals) handle(other, remove_unfinished);
 }
 
-/// Not by say(), which would show what moves the cursor.
-void draw(const std::string& text) {
-  std::fputs(text.c_str(), stderr);
+}  // namespace
+
+void rewrite_line(std::string_view text) {
+  winsize size{};
+  const std::size_t width =
+      ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 80;
+  std::string line = printable_name(text);
+  if (line.size() >= width) {
+    std::size_t end = width - 4;
+    while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xC0) == 0x80) --end;  // whole UTF-8
+    line = line.substr(0, end) + "...";
+  }
+  // Not by say(), which would show what moves the cursor.
+  std::fputs(("\r\033[K" + line).c_str(), stderr);
   std::fflush(stderr);
 }
-
-}  // namespace
 
 void remove_unfinished_on_signals() {
   install_removal();
@@ -70,7 +82,7 @@ Progress::Progress(std::string what, bool quiet)
     : what_(std::move(what)), shown_(!quiet && ::isatty(STDERR_FILENO) != 0) {}
 
 Progress::~Progress() {
-  if (drawn_) draw("\r\033[K");
+  if (drawn_) rewrite_line("");
 }
 
 void Progress::operator()(double share) {
@@ -80,9 +92,9 @@ void Progress::operator()(double share) {
   last_ = now;
   drawn_ = true;
   const double elapsed = std::chrono::duration<double>(now - start_).count();
-  const double left = share > 0.001 ? elapsed * (1 - share) / share : 0;
-  draw(fmt::format("\r\033[K{} {:3.0f} %, {:.0f} s, about {:.0f} s left", what_, 100 * share,
-                   elapsed, left));
+  std::string line = fmt::format("{} {:3.0f} %, {:.0f} s", what_, 100 * share, elapsed);
+  if (share > 0.001) line += fmt::format(", about {:.0f} s left", elapsed * (1 - share) / share);
+  rewrite_line(line);
 }
 
 std::string shell_word(const std::string& word) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <chrono>
 #include <string>
+#include <string_view>
 
 #include "cde/output_file.hpp"
 
@@ -24,8 +25,12 @@ class Interrupts {
   [[nodiscard]] static int signal();
 };
 
+/// Rewrites the line of stderr, which is a terminal: cut where it would wrap, and names in it
+/// printable. An empty text clears it.
+void rewrite_line(std::string_view text);
+
 /// One line on stderr that is rewritten in place, from the first second on; nothing unless stderr
-/// is a terminal.
+/// is a terminal. For what can say how far it is; what cannot has Busy (busy.hpp).
 class Progress {
  public:
   explicit Progress(std::string what, bool quiet = false);

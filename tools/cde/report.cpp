@@ -237,6 +237,23 @@ void Report::thin_out() {
   views_ = std::move(half);
 }
 
+/// All points in the first view; in others those from the first to the last that are elsewhere than
+/// there.
+Report::Json Report::points_json(std::size_t number, const std::vector<Eigen::Vector3f>& points) {
+  first_points_.resize(scene_.objects.size());
+  std::vector<Eigen::Vector3f>& before = first_points_[number];
+  std::size_t from = 0, to = points.size();
+  if (before.empty()) {
+    before = points;
+  } else {
+    while (from < to && points[from] == before[from]) ++from;
+    while (to > from && points[to - 1] == before[to - 1]) --to;
+  }
+  std::vector<float> words;
+  for (std::size_t i = from; i < to; ++i) append(words, points[i]);
+  return {{"from", from}, {"points", base64_of(words)}};
+}
+
 Report::Json Report::object_json(std::size_t number, const ShownObject& shown,
                                  const std::vector<float>& last) {
   const auto& object = geometry_.objects()[number];
@@ -245,11 +262,7 @@ Report::Json Report::object_json(std::size_t number, const ShownObject& shown,
     for (const float w : to_words(*shown.pose)) words.push_back(w);
     return {{"pose", words}};
   }
-  if (object.shape == Shape::kTriangle) {
-    std::vector<float> words;
-    for (const Eigen::Vector3f& p : shown.points) append(words, p);
-    return {{"points", base64_of(words)}};
-  }
+  if (object.shape == Shape::kTriangle) return points_json(number, shown.points);
   if (object.shape == Shape::kRay) {
     std::vector<float> words;
     for (std::size_t i = 0; i < shown.rays.size(); ++i) {
@@ -402,7 +415,7 @@ std::string Report::html(const Json& run) const {
       "<footer><details><summary>Software in this page</summary><pre>{}</pre>"
       "</details></footer>\n</main>\n",
       escaped(kThreeLicence.text));
-  return page(title, body, data(run), {&kThreeScript, &kReportScript});
+  return page(title, body, data(run), {&kThreeScript, &kReportScript, &kChartScript});
 }
 
 }  // namespace cde::cli

@@ -62,6 +62,7 @@ class Report {
   void thin_out();  ///< every other view goes
   [[nodiscard]] Json object_json(std::size_t object, const ShownObject& shown,
                                  const std::vector<float>& last);
+  [[nodiscard]] Json points_json(std::size_t object, const std::vector<Eigen::Vector3f>& points);
   void draw(const std::vector<ShownObject>& shown, const std::vector<std::vector<float>>& last);
   [[nodiscard]] Eigen::Vector3f ray_end(const Ray& ray, float t) const;
 
@@ -78,6 +79,7 @@ class Report {
   std::vector<Kept> kept_;  ///< a query each, of the frame being played
   std::vector<Played> played_;
   std::vector<View> views_;  ///< of played frames 0, stride_, 2 stride_, ...
+  std::vector<std::vector<Eigen::Vector3f>> first_points_;  ///< of meshes that deform, by object
   std::size_t stride_ = 1, view_bytes_ = 0;
   std::uint64_t hits_left_out_ = 0;
   bool with_itself_ = false;  ///< hits of objects with themselves were left out

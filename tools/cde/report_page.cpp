@@ -97,7 +97,7 @@ std::string Report::charts_html() const {
   if (played_.empty()) return "";
   const std::size_t group = (played_.size() + kMostBars - 1) / kMostBars;
   const std::size_t bars = (played_.size() + group - 1) / group;
-  std::vector<std::string> names;
+  std::vector<std::uint32_t> numbers;
   std::vector<Series> modelled, wall = {{"simulated card", 4, {}}, {"reference", 5, {}}};
   for (std::size_t k = 0; k < kTimeParts.size(); ++k)
     modelled.push_back({kTimeParts[k], static_cast<int>(k), {}});
@@ -108,7 +108,7 @@ std::string Report::charts_html() const {
       for (std::size_t i = first; i < last; ++i) sum += value(played_[i]);
       return sum / static_cast<double>(last - first);
     };
-    names.push_back(fmt::format("frame {}", played_[first].number));
+    numbers.push_back(played_[first].number);
     for (std::size_t k = 0; k < modelled.size(); ++k)
       modelled[k].values.push_back(mean([k](const Played& p) { return parts(p.modelled)[k]; }));
     wall[0].values.push_back(mean([](const Played& p) { return p.card_seconds; }));
@@ -122,8 +122,8 @@ std::string Report::charts_html() const {
       "<section><h2>Wall time of the simulation</h2>\n<p>What this machine took to simulate the "
       "card and to compute the reference. It says nothing about the card.{}</p>\n{}</section>\n",
       scene_.card.clock_hz / 1e6, means,
-      stacked_bars("Modelled time of every frame by part", names, modelled), means,
-      stacked_bars("Wall time of every frame", names, wall));
+      stacked_bars("Modelled time of every frame by part", "frame", numbers, modelled), means,
+      stacked_bars("Wall time of every frame", "frame", numbers, wall));
 }
 
 /// Over the frames: of solids the signed gap, of rays T.

@@ -1,9 +1,11 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "bench.hpp"
+#include "busy.hpp"
 #include "cde/baseline.hpp"
 #include "cde/camera.hpp"
 #include "cde/error.hpp"
@@ -112,6 +114,19 @@ struct Lab {
   std::vector<Card> cards;
   baseline::Kind vector = baseline::Kind::kScalar;
   std::vector<Ray> fresh;  ///< like those of Figure 5, but others
+  std::string doing;
+  std::optional<Busy> busy;
+
+  void step(unsigned number, const std::string& what) {
+    doing = fmt::format("{} of 3: {}", number, what);
+    if (::isatty(STDERR_FILENO) == 0) say("measuring {}\n", doing);
+    detail("");
+  }
+  /// What of the step is measured now.
+  void detail(const std::string& what) {
+    busy.reset();
+    busy.emplace(what.empty() ? doing : fmt::format("{}, {}", doing, what));
+  }
 };
 
 void differs(std::string_view what, std::uint64_t wrong, std::uint64_t of) {
@@ -174,6 +189,7 @@ void add_software(Lab& lab, Experiment& e, const std::vector<Ray>& rays,
                   const std::vector<Record>& nearest,
                   const std::function<void(EmbreeRival&)>& move = {}) {
   const auto brute = [&](baseline::Kind kind, const std::string& name, const std::string& note) {
+    lab.detail(fmt::format("{} rays, {}", rays.size(), name));
     std::vector<baseline::ClosestHit> hits;
     const Spread spread =
         measured([&](std::size_t) { hits = baseline::closest(kind, rays, triangles); });
@@ -187,6 +203,7 @@ void add_software(Lab& lab, Experiment& e, const std::vector<Ray>& rays,
   if (lab.vector != baseline::Kind::kScalar)
     brute(lab.vector, fmt::format("{} software", lab.result.vector_kind), "every pair, one thread");
   if (embree == nullptr) return;
+  lab.detail(fmt::format("{} rays, Embree", rays.size()));
   std::vector<float> t;
   if (move) {
     const Spread spread = measured([&](std::size_t) {
@@ -221,6 +238,7 @@ void add_cards(Lab& lab, Experiment& e, const std::vector<Ray>& rays,
   for (Card& card : lab.cards) {
     const Mode mode = card.setup().all_records ? Mode::kAll : Mode::kNearest;
     if (mode == Mode::kAll && rays.size() > 1) continue;  // gigabytes of records
+    lab.detail(fmt::format("{} rays, card {}", rays.size(), card.setup().name));
     const std::function<void()> work =
         upload ? [&] { upload(card.board()); } : std::function<void()>();
     e.entries.push_back(card.frame(Pair::kRayTriangle, mode, std::span(rays), work, records));
@@ -376,25 +394,30 @@ Reproduction reproduce(const ReproduceOptions& options) {
     if (baseline::available(kind)) lab.vector = kind;
   lab.result.vector_kind = baseline::name_of(lab.vector);
   for (const Setup& setup : lab.result.setups) lab.cards.emplace_back(setup, options.clock_hz);
-  const Mesh mesh = options.quick ? make_terrain({.quads_x = 40, .quads_y = 50}) : make_terrain({});
+  const Mesh mesh = [&] {
+    const Busy busy("making the terrain");
+    return options.quick ? make_terrain({.quads_x = 40, .quads_y = 50}) : make_terrain({});
+  }();
   lab.result.triangles = mesh.faces.size();
   std::optional<EmbreeRival> embree;
   lab.result.embree = EmbreeRival::available();
   if (lab.result.embree) {
+    const Busy busy("building Embree's hierarchy");
     const double start = thread_seconds();
     embree.emplace(mesh);
     lab.result.embree_build_seconds = thread_seconds() - start;
   }
   EmbreeRival* rival = embree ? &*embree : nullptr;
-  const auto measuring = [](const char* what) { say("measuring {}\n", what); };
-  measuring("Figure 5");
+  // How long a figure takes is not known before: what is measured, and the time that it takes.
+  lab.step(1, "Figure 5, static objects");
   figure5(lab, mesh, rival);
-  measuring("Figure 6");
+  lab.step(2, "Figure 6, moving vertices");
   figure6(lab, mesh, rival);
-  measuring("Figure 7");
   for (const std::size_t count : options.quick ? std::vector<std::size_t>{50, 100}
-                                               : std::vector<std::size_t>{125, 250, 500, 1000})
+                                               : std::vector<std::size_t>{125, 250, 500, 1000}) {
+    lab.step(3, fmt::format("Figure 7, {} moving spheres", grouped(count)));
     figure7(lab, count);
+  }
   return std::move(lab.result);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "chart.hpp"
+#include "json_keys.hpp"
 #include "page.hpp"
 #include "reproduce.hpp"
 #include "streams.hpp"
@@ -208,7 +209,8 @@ std::string sphere_lines(const Reproduction& r) {
 }  // namespace
 
 Json reproduction_json(const Reproduction& r, const Json& machine) {
-  Json j = {{"quick", r.options.quick},
+  Json j = program_json();
+  j.update({{"quick", r.options.quick},
             {"clock_hz", r.options.clock_hz},
             {"clock_is", "an assumption about the device, not a measurement"},
             {"machine", machine},
@@ -223,7 +225,7 @@ Json reproduction_json(const Reproduction& r, const Json& machine) {
               {"software_seconds", kPaperSoftware},
               {"ratio_figure_5", kPaperRatio5},
               {"ratio_figure_6", kPaperRatio6},
-              {"ratio_figure_7", kPaperRatio7}}}};
+              {"ratio_figure_7", kPaperRatio7}}}});
   for (const Setup& s : r.setups)
     j["cards"].push_back({{"name", s.name},
                           {"lanes", s.lanes},
@@ -319,7 +321,7 @@ std::string reproduction_html(const Reproduction& r, const Json& machine) {
       "</section>\n</main>\n",
       table("Everything the figures rest on", {}, assumptions(r, machine)),
       grouped(r.records_compared));
-  return page("The paper's figures, measured again", body, Json(), {});
+  return page("The paper's figures, measured again", body, Json(), {&kChartScript});
 }
 
 }  // namespace cde::cli

@@ -7,11 +7,12 @@
 #include <fstream>
 #include <set>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "bench.hpp"
 #include "cde/error.hpp"
+#include "json_keys.hpp"
+#include "machine.hpp"
 #include "streams.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
@@ -37,23 +38,23 @@ std::string field_of(const char* file, const std::string& field) {
   return "unknown";
 }
 
-nlohmann::ordered_json machine(const BenchOptions& o) {
+/// What the other verbs say of the machine, and what else decides how fast it is now.
+nlohmann::ordered_json machine() {
 #ifdef __clang__
   const std::string compiler = "clang " __clang_version__;
 #else
   const std::string compiler = "g++ " __VERSION__;
 #endif
-  return {{"processor", field_of("/proc/cpuinfo", "model name")},
-          {"processor_mhz_now", field_of("/proc/cpuinfo", "cpu MHz")},
-          {"processors", std::to_string(std::thread::hardware_concurrency())},
-          {"load_average",
-           [] {
-             std::string load;
-             std::ifstream("/proc/loadavg") >> load;
-             return load;
-           }()},
-          {"host_compiler", compiler},
-          {"assumed_core_clock_hz", fmt::format("{:g}", o.clock_hz)}};
+  nlohmann::ordered_json j = machine_json();
+  j.update({{"processor_mhz_now", field_of("/proc/cpuinfo", "cpu MHz")},
+            {"load_average",
+             [] {
+               std::string load;
+               std::ifstream("/proc/loadavg") >> load;
+               return load;
+             }()},
+            {"host_compiler", compiler}});
+  return j;
 }
 
 void run(const BenchOptions& o, const std::vector<std::string>& wanted, bool json) {
@@ -65,9 +66,13 @@ void run(const BenchOptions& o, const std::vector<std::string>& wanted, bool jso
                   fmt::format("no section '{}'; there are: {}", name, fmt::join(known, ", ")));
   }
   if (json) Figures::beside_json();
-  nlohmann::ordered_json all = {{"machine", machine(o)}};
+  nlohmann::ordered_json all = program_json();
+  all.update({{"clock_hz", o.clock_hz},
+              {"clock_is", "an assumption about the device, not a measurement"},
+              {"machine", machine()}});
   for (const auto& [key, value] : all["machine"].items())
-    show("{:<22} {}\n", key, value.get<std::string>());
+    show("{:<22} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+  show("{:<22} {:g} MHz, assumed\n", "clock", o.clock_hz / 1e6);
   for (const Section& s : kSections) {
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), s.name) == wanted.end())
       continue;

@@ -6,7 +6,9 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <fstream>
 #include <future>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -14,9 +16,11 @@
 #include <vector>
 
 #include "cde/bitstream.hpp"
+#include "cde/cache_entry.hpp"
 #include "cde/error.hpp"
 #include "cde/pair_unit.hpp"
 #include "elaborate.hpp"
+#include "json_keys.hpp"
 #include "output.hpp"
 #include "streams.hpp"
 #include "values.hpp"
@@ -90,9 +94,11 @@ unsigned required(const std::optional<unsigned>& value, const Pipe& pipe, const 
 }
 
 /// Error kBuild if the RTL cannot be elaborated for any other reason than that there is no pipe.
-void examine(Pipe& pipe, const Profile& profile) {
+/// Two elaborations, each counted in `done`.
+void examine(Pipe& pipe, const Profile& profile, std::atomic<std::size_t>& done) {
   try {
     const rtl::Elaboration e = elaborate(pipe, {});
+    ++done;
     const auto words = [&](const char* port) { return e.bits(path(pipe), port).value_or(0) / 32; };
     pipe.module = e.module_of(path(pipe));
     pipe.operators = e.operators(path(pipe));
@@ -107,25 +113,96 @@ void examine(Pipe& pipe, const Profile& profile) {
     const std::string what = error.what();
     if (what.find(kNoPipe) == std::string::npos) throw Error(ErrorCode::kBuild, what);
     pipe.absent = kNoPipe;
+    ++done;
   }
+  ++done;
 }
 
-/// As many at a time as there are processors.
-void examine_all(std::vector<Pipe>& pipes, const Profile& profile) {
+// ---- Figures of earlier times ----
+
+/// Figures of pipes, kept in the cache for as long as neither the RTL nor what reads it changes.
+class Kept {
+ public:
+  Kept() {
+    try {
+      // Like bitstreams: RTL, Verilator and how it is run; and this very program, which counts.
+      const BitstreamFile rtl = bitstream_file("pair_unit", {});
+      std::ifstream program("/proc/self/exe", std::ios::binary);
+      const std::string code(std::istreambuf_iterator<char>(program), {});
+      if (code.empty()) return;
+      name_ = cache_key({rtl.path.stem().string(), code}) + ".inventory.json";
+      if (const auto text = read_cache_entry(name_)) all_ = Json::parse(*text, nullptr, false);
+    } catch (const Error&) {
+      // Elaboration says what is missing.
+    }
+    if (!all_.is_object()) all_ = Json::object();
+  }
+
+  /// Whether the pipe's figures were there.
+  bool fill(Pipe& pipe, const Profile& profile) const {
+    const auto at = all_.find(key(pipe, profile));
+    if (at == all_.end()) return false;
+    try {
+      const Json& j = *at;
+      j.at("absent").get_to(pipe.absent);
+      j.at("module").get_to(pipe.module);
+      std::size_t i = 0;
+      for (unsigned* figure : figures(pipe)) j.at("figures").at(i++).get_to(*figure);
+    } catch (const Json::exception&) {
+      return false;
+    }
+    return true;
+  }
+  void keep(Pipe& pipe, const Profile& profile) {
+    Json list = Json::array();
+    for (const unsigned* figure : figures(pipe)) list.push_back(*figure);
+    all_[key(pipe, profile)] = {
+        {"absent", pipe.absent}, {"module", pipe.module}, {"figures", list}};
+  }
+  void write() const {
+    if (!name_.empty()) write_cache_entry(name_, all_.dump());
+  }
+
+ private:
+  using Json = nlohmann::ordered_json;
+  static std::string key(const Pipe& pipe, const Profile& profile) {
+    return fmt::format("{}; facet interval {}; {}", pipe.name(), pipe.facet_interval,
+                       profile.text());
+  }
+  static std::array<unsigned*, 14> figures(Pipe& p) {
+    rtl::Operators& o = p.operators;
+    return {&o.multipliers, &o.dividers, &o.square_roots,    &o.adders,  &o.subtractors,
+            &o.comparators, &o.min_max,  &o.mask_ands,       &p.a_words, &p.b_words,
+            &p.outputs,     &p.latency,  &p.latency_profile, &p.interval};
+  }
+
+  std::string name_;
+  Json all_ = Json::object();
+};
+
+/// As many at a time as there are processors, but those that are kept.
+void examine_all(std::vector<Pipe>& wanted, const Profile& profile) {
+  Kept kept;
+  std::vector<Pipe*> pipes;
+  for (Pipe& pipe : wanted)
+    if (!kept.fill(pipe, profile)) pipes.push_back(&pipe);
+  if (pipes.empty()) return;
   std::atomic<std::size_t> next = 0, done = 0;
   const auto work = [&] {
-    for (std::size_t i = next++; i < pipes.size(); i = next++, ++done) examine(pipes[i], profile);
+    for (std::size_t i = next++; i < pipes.size(); i = next++) examine(*pipes[i], profile, done);
   };
   std::vector<std::future<void>> workers;
   for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i)
     workers.push_back(std::async(std::launch::async, work));
   {
-    Progress progress("elaborating");
+    Progress progress("elaborating the pipes");
     for (auto& worker : workers)
       while (worker.wait_for(std::chrono::milliseconds(200)) != std::future_status::ready)
-        progress(static_cast<double>(done) / static_cast<double>(pipes.size()));
+        progress(static_cast<double>(done) / (2.0 * static_cast<double>(pipes.size())));
   }
   for (auto& worker : workers) worker.get();
+  for (Pipe* pipe : pipes) kept.keep(*pipe, profile);
+  kept.write();
 }
 
 /// What the paper's Tables 1 and 2 say of an algorithm: "Hardware-Accelerated Ray-Triangle
@@ -329,13 +406,15 @@ nlohmann::ordered_json as_json(const std::vector<Pipe>& pipes, const Profile& pr
           {"subtractors", p->subtractors}, {"comparators", p->comparators}, {"ands", p->ands}};
     all.push_back(j);
   }
-  return {{"latency_profile",
-           {{"add", profile.add},
-            {"mul", profile.mul},
-            {"div", profile.div},
-            {"sqrt", profile.sqrt},
-            {"compare", profile.cmp}}},
-          {"pipes", all}};
+  nlohmann::ordered_json j = program_json();
+  j.update({{"latency_profile",
+             {{"add", profile.add},
+              {"mul", profile.mul},
+              {"div", profile.div},
+              {"sqrt", profile.sqrt},
+              {"compare", profile.cmp}}},
+            {"pipes", all}});
+  return j;
 }
 
 Profile parse_profile(const std::string& text) {

@@ -4,7 +4,9 @@
 #include <memory>
 #include <string>
 
+#include "busy.hpp"
 #include "cde/plan.hpp"
+#include "json_keys.hpp"
 #include "plan_output.hpp"
 #include "streams.hpp"
 #include "values.hpp"
@@ -26,13 +28,19 @@ void add_plan(CLI::App& app) {
   verb->add_flag("--json", o->json, "The plan as JSON on stdout");
   exact_card_option(*verb, o->exact);
   verb->callback([o] {
-    const Scene scene = load_scene(o->scene);
+    const Scene scene = [&] {
+      const Busy busy("loading " + o->scene);
+      return load_scene(o->scene);
+    }();
     Plan made = plan(scene);
     if (!o->exact) use_built_card(scene, made);
-    if (o->json)
-      put_json(plan_json(scene, made));
-    else
+    if (!o->json) {
       print_plan(scene, made);
+      return;
+    }
+    nlohmann::ordered_json j = program_json();
+    j.update(plan_json(scene, made));
+    put_json(j);
   });
 }
 

@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "busy.hpp"
+#include "cde/bitstream.hpp"
 #include "cde/error.hpp"
 #include "cde/plan.hpp"
 #include "cde/player.hpp"
@@ -214,21 +216,27 @@ class Run {
 
   void play(const Plan& plan) {
     std::optional<Interrupts> interrupts;  // once there is a card: building one ends at a signal
-    Progress bar("playing", o_.quiet);
     std::optional<OutputFile> waves;
     if (!o_.trace.empty()) waves.emplace(o_.trace, OutputFile::Use::kByName);
     try {
-      Player player(scene_, plan,
-                    {.check = check_,
-                     .trace = waves ? waves->temporary() : "",
-                     .watchdog = std::chrono::duration<double>(o_.timeout),
-                     .deadline_clocks = o_.deadline,
-                     .faults = faults_,
-                     .progress = [&](std::uint32_t frame, double share) {
-                       if (Interrupts::signal() != 0) throw Stopped();
-                       bar((frame - frames_.first + share) / (frames_.last - frames_.first + 1.0));
-                     }});
+      (void)bitstream_path(plan.board.top(), plan.board.parameters());  // which tells of itself
+      std::optional<Busy> uploading(std::in_place, "uploading the scene", o_.quiet);
+      std::optional<Progress> bar;
+      Player player(
+          scene_, plan,
+          {.check = check_,
+           .trace = waves ? waves->temporary() : "",
+           .watchdog = std::chrono::duration<double>(o_.timeout),
+           .deadline_clocks = o_.deadline,
+           .faults = faults_,
+           .progress = [&](std::uint32_t frame, double share) {
+             if (Interrupts::signal() != 0) throw Stopped();
+             if (bar)
+               (*bar)((frame - frames_.first + share) / (frames_.last - frames_.first + 1.0));
+           }});
+      uploading.reset();
       interrupts.emplace();
+      bar.emplace("playing", o_.quiet);
       json_["plan"]["bitstream"] = player.board().bitstream().string();
       json_["plan"]["built"] = true;
       json_.update(bitstream_json(player.board().bitstream(), player.board().config_hash()));
@@ -384,7 +392,10 @@ class Run {
 };
 
 void run(const Options& o) {
-  Scene scene = load_scene(o.scene);
+  Scene scene = [&] {
+    const Busy busy("loading " + o.scene, o.quiet);
+    return load_scene(o.scene);
+  }();
   Check check = scene.check;
   if (!o.check.empty()) {
     const auto asked = check_named(o.check);

@@ -52,13 +52,18 @@
     mesh.matrixAutoUpdate = false;
     if (object.points && !material.flatShading) geometry.computeVertexNormals();
     scene.add(mesh);
+    let first = null;
     return (state) => {
       if (state.pose) {
         const p = state.pose;
         mesh.matrix.set(p[0], p[1], p[2], p[9], p[3], p[4], p[5], p[10], p[6], p[7], p[8], p[11], 0, 0, 0, 1);
         mesh.matrixWorldNeedsUpdate = true;
       } else {
-        geometry.setAttribute("position", new THREE.BufferAttribute(floats(state.points), 3));
+        const points = floats(state.points);
+        first = first || points;
+        const all = first.slice();  // the first view has all of them, others what differs from it
+        all.set(points, 3 * state.from);
+        geometry.setAttribute("position", new THREE.BufferAttribute(all, 3));
         if (!material.flatShading) geometry.computeVertexNormals();
       }
     };

@@ -1,0 +1,96 @@
+// Texts in the cache beside the bitstreams: what is read back, and what is not.
+#include "cde/cache_entry.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace cde {
+namespace {
+
+namespace fs = std::filesystem;
+
+class CacheEntry : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "cde-entry-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+    ::setenv("CDE_CACHE", (folder_ / "cache").c_str(), 1);
+  }
+  void TearDown() override {
+    ::unsetenv("CDE_CACHE");
+    fs::remove_all(folder_);
+  }
+  [[nodiscard]] fs::path file(const char* suffix = "") const {
+    return folder_ / "cache" / (std::string("entry") + suffix);
+  }
+  /// Nothing is read, the reason is said, and what is written then is read again.
+  static void expect_refused(const std::string& why) {
+    ::testing::internal::CaptureStderr();
+    EXPECT_FALSE(read_cache_entry("entry"));
+    const std::string said = ::testing::internal::GetCapturedStderr();
+    EXPECT_NE(said.find(why), std::string::npos) << said;
+    write_cache_entry("entry", "text\n");
+    EXPECT_EQ(read_cache_entry("entry"), "text\n") << why;
+  }
+  fs::path folder_;
+};
+
+TEST_F(CacheEntry, IsReadBackAsItWasWritten) {
+  EXPECT_FALSE(read_cache_entry("entry"));
+  EXPECT_FALSE(fs::exists(folder_ / "cache")) << "reading makes nothing";
+  const mode_t before = ::umask(0);
+  const std::string text("a\0b\n", 4);
+  write_cache_entry("entry", text);
+  ::umask(before);
+  EXPECT_EQ(read_cache_entry("entry"), text);
+  for (const fs::path& path : {folder_ / "cache", file(), file(".sha256")}) {
+    struct stat status {};
+    ASSERT_EQ(::stat(path.c_str(), &status), 0) << path;
+    EXPECT_EQ(status.st_mode & 022, 0u) << path;
+  }
+}
+
+TEST_F(CacheEntry, DamagedOrForeignIsNotRead) {
+  write_cache_entry("entry", "text\n");
+  std::ofstream(file()) << "texd\n";
+  expect_refused("is damaged: its checksum is another");
+  fs::remove(file(".sha256"));
+  expect_refused("has no checksum beside it");
+  ::chmod(file().c_str(), 0664);
+  expect_refused("can be written by others than its owner");
+  ::chmod(file(".sha256").c_str(), 0666);
+  expect_refused("can be written by others than its owner");
+  if (::geteuid() == 0) {
+    ASSERT_EQ(::chown(file().c_str(), 65534, 65534), 0);
+    expect_refused("belongs to");
+  }
+  ::chmod((folder_ / "cache").c_str(), 0777);
+  ::testing::internal::CaptureStderr();
+  EXPECT_FALSE(read_cache_entry("entry"));
+  EXPECT_NE(::testing::internal::GetCapturedStderr().find("cache is not used: it can be written"),
+            std::string::npos);
+  write_cache_entry("entry", "other\n");  // no error, and nothing is kept
+  ::chmod((folder_ / "cache").c_str(), 0700);
+  EXPECT_EQ(read_cache_entry("entry"), "text\n");
+}
+
+TEST_F(CacheEntry, AFolderThatCannotBeMadeIsNoError) {
+  std::ofstream(folder_ / "cache") << "a file";
+  write_cache_entry("entry", "text\n");
+  EXPECT_FALSE(read_cache_entry("entry"));
+}
+
+TEST(CacheKey, TellsPartsApart) {
+  EXPECT_EQ(cache_key({"a", "b"}).size(), 24u);
+  EXPECT_EQ(cache_key({"a", "b"}), cache_key({"a", "b"}));
+  EXPECT_NE(cache_key({"a", "b"}), cache_key({"ab"}));
+  EXPECT_NE(cache_key({"a\n1 b"}), cache_key({"a", "b"}));
+}
+
+}  // namespace
+}  // namespace cde
