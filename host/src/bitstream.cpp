@@ -116,7 +116,8 @@ class FileLock {
       throw Error(ErrorCode::kFile, fmt::format("{}: {}", path.string(), std::strerror(errno)));
     }
     if (::flock(fd_, LOCK_EX | LOCK_NB) == 0) return;
-    say(fmt::format("cde: waiting for another process that builds bitstream {}\n", what));
+    if (!BuildProgress::quiet())
+      say(fmt::format("cde: waiting for another process that builds bitstream {}\n", what));
     while (::flock(fd_, LOCK_EX) != 0 && errno == EINTR) {
     }
   }
@@ -183,6 +184,10 @@ fs::path find_or_build(const Key& key, const std::string& kind,
 }
 
 }  // namespace
+
+void tell_builds(bool tell) {
+  BuildProgress::set_quiet(!tell);
+}
 
 void check(Arithmetic arithmetic) {
   if (arithmetic != Arithmetic::kHost && arithmetic != Arithmetic::kRtl)

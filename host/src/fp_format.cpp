@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "cde/fp_reference.hpp"
 
 namespace cde {
@@ -52,9 +53,9 @@ FpFormat FpFormat::parse(std::string_view text) {
     return format;
   throw Error(
       ErrorCode::kUsage,
-      fmt::format("format '{}': not one of fp16 bf16 tf32 fp24 fp32 fp64 e4m3 e3m2, nor eEmM "
+      fmt::format("format {}: not one of fp16 bf16 tf32 fp24 fp32 fp64 e4m3 e3m2, nor eEmM "
                   "with E 3..11 and M 2..52",
-                  text));
+                  in_quotes(text)));
 }
 
 }  // namespace cde

@@ -256,7 +256,7 @@ TEST_F(Query, NoPairsHaveNoSpeed) {
 }
 
 TEST_F(Query, WrongUsageIsRefused) {
-  refused({"sphere-cube"}, "no pair 'sphere-cube'; there are: ray-triangle, obb-obb");
+  refused({"teapot"}, "no pair 'teapot'; there are: ray-triangle, obb-obb");
   refused({"ray-triangle", "--algorithm", "mollar"}, "--algorithm is 'mollar'; it must be moller");
   refused({"sphere-sphere", "--algorithm", "badouel"}, "sphere-sphere has no choice of algorithm");
   refused({"sphere-sphere", "--half-space"}, "sphere-sphere has no half-space");
@@ -279,7 +279,7 @@ TEST_F(Query, WrongUsageIsRefused) {
           "--budget is 13; cylinder-cylinder takes at least 14 evaluations");
   refused({"obb-cylinder", "--budget", "29"},
           "--budget is 29; obb-cylinder takes at least 30 evaluations");
-  refused({}, "pair is required");
+  refused({}, "cde query needs PAIR");
 }
 
 TEST_F(Query, BudgetSetsTheWorkOfACylinderPair) {

@@ -49,7 +49,7 @@ class Waves {
       file_.reset();
     } catch (const Error& e) {
       file_.reset();
-      throw Error(ErrorCode::kFile, fmt::format("{}: {}", path_, e.what()));
+      throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(path_), e.what()));
     }
   }
   Waves(const Waves&) = delete;

@@ -3,16 +3,19 @@
 
 #include <fmt/format.h>
 #include <sys/ioctl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 
 #include "busy.hpp"
 #include "cde/error.hpp"
+#include "cde/memory.hpp"
 #include "help.hpp"
 #include "npy.hpp"
 #include "output.hpp"
@@ -93,6 +96,21 @@ std::string pfm(std::span<const float> numbers, Resolution size, unsigned channe
   return text;
 }
 
+/// What a picture may take: three quarters of the machine's memory, and of what a limit on the
+/// address space (ulimit -v) leaves beside the card's models, which reserve their DDR and SRAM.
+std::uint64_t most_memory() {
+  const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  std::uint64_t most = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * page;
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+    std::uint64_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    const std::uint64_t used = pages * page + kModelBytes;
+    most = std::min<std::uint64_t>(most, limit.rlim_cur > used ? limit.rlim_cur - used : 0);
+  }
+  return most / 4 * 3;
+}
+
 std::uint8_t byte(float x) {
   return static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(x, 0.0f, 1.0f)));
 }
@@ -138,9 +156,7 @@ void check_picture_names(const CastOptions& o) {
     const Format is = format_of(w.path);
     const bool fits =
         is == Format::kPng || (is == Format::kPfm && w.pfm) || (is == Format::kNpy && w.npy);
-    if (!fits)
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("{} is '{}'; its name must end in {}", w.option, w.path, w.may_be));
+    if (!fits) wrong_suffix(w.option, w.path, w.may_be);
   }
 }
 
@@ -158,14 +174,12 @@ Picture::Picture(const CastOptions& options, const CastJob& job)
   each += o_.shadows ? 2 * sizeof(Ray) + sizeof(std::size_t) + 1 : 0;
   each += o_.normals.empty() ? 0 : 2 * sizeof(Vector3f) + 3;
   each += o_.depth.empty() ? 0 : sizeof(float);
-  const auto there = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
-                     static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-  const std::uint64_t most = there / 4 * 3;
+  const std::uint64_t most = most_memory();
   if (each * pixels > most) {
     throw Error(
         ErrorCode::kCapacity,
         fmt::format("a picture of {} x {} pixels takes {} MB for what was asked for; the "
-                    "limit on this machine is {} MB (records with -o take none)",
+                    "limit here is {} MB (records with -o take none)",
                     job_.picture->width, job_.picture->height, (each * pixels) >> 20, most >> 20));
   }
   hit_.reserve(pixels);

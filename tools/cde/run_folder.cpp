@@ -7,6 +7,7 @@
 #include <regex>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "cde/output_file.hpp"
 #include "streams.hpp"
 
@@ -46,32 +47,28 @@ bool is_in(const fs::path& file, const fs::path& folder) {
 RunFolder::RunFolder(fs::path path, const Scene& scene, const std::vector<std::string>& beside)
     : path_(std::move(path)) {
   if (path_ == "-") throw Error(ErrorCode::kUsage, "--out is a folder; it cannot be stdout");
-  std::error_code error;
-  made_ = fs::create_directories(path_, error);
-  if (error) throw Error(ErrorCode::kFile, fmt::format("{}: {}", path_.string(), error.message()));
-  try {
-    check_names(scene, beside);
-    if (!made_) look();
-  } catch (...) {
-    take_back();
-    throw;
-  }
+  made_.emplace(path_);
+  check_names(scene, beside);
+  if (!made_->made()) look();
 }
 
 void RunFolder::check_names(const Scene& scene, const std::vector<std::string>& beside) {
   const auto inside = [&](const fs::path& file, const char* what) {
     if (!file.empty() && is_in(file, path_))
-      throw Error(ErrorCode::kUsage, fmt::format("--out is {}, where {} {} is", path_.string(),
-                                                 what, file.filename().string()));
+      throw Error(ErrorCode::kUsage, fmt::format("--out is {}, where {} {} is", printable_name(path_.string()),
+                                                 what, printable_name(file.filename().string())));
   };
   inside(scene.file, "the scene");
-  for (const SceneObject& object : scene.objects) inside(object.file, "its input");
+  for (const SceneObject& object : scene.objects) {
+    inside(object.file, "its input");
+    for (const fs::path& file : object.more_files) inside(file, "its input");
+  }
   for (const std::string& file : beside) {
     if (file.empty() || !is_in(file, path_)) continue;
     const std::string name = fs::path(file).filename();
     if (name == kMarker || is_record_name(name))
       throw Error(ErrorCode::kUsage,
-                  fmt::format("{} has the name of a file that --out is for", file));
+                  fmt::format("{} has the name of a file that --out is for", printable_name(file)));
     beside_.push_back(name);
   }
 }
@@ -89,25 +86,16 @@ void RunFolder::look() {
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} is not empty and not the folder of a run, which has a {}: it is "
                               "left as it is; --out names another",
-                              path_.string(), kMarker));
+                              printable_name(path_.string()), kMarker));
     const bool ours = name == kMarker || is_record_name(name) ||
                       std::find(beside.begin(), beside.end(), name) != beside.end();
     if (!ours || entry.is_directory())
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} is not of the run that {} holds: take it away, or let --out name "
                               "another folder",
-                              entry.path().string(), path_.string()));
+                              printable_name(entry.path().string()), printable_name(path_.string())));
     old_.push_back(entry.path());
   }
-}
-
-RunFolder::~RunFolder() {
-  if (!begun_) take_back();
-}
-
-void RunFolder::take_back() const {
-  std::error_code error;
-  if (made_) fs::remove(path_, error);  // not if there is something in it
 }
 
 void RunFolder::begin(Json json) {
@@ -116,10 +104,11 @@ void RunFolder::begin(Json json) {
     std::error_code error;
     if (file.filename() != kMarker && !fs::remove(file, error) && error)
       throw Error(ErrorCode::kFile,
-                  fmt::format("{}: cannot remove: {}", file.string(), error.message()));
+                  fmt::format("{}: cannot remove: {}", printable_name(file.string()), error.message()));
   }
   sweep_unfinished(path_);
   begun_ = true;
+  made_->keep();
   json["finished"] = false;
   write(json);
 }

@@ -1,10 +1,12 @@
 #pragma once
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "cde/output_file.hpp"
 #include "cde/scene.hpp"
 
 namespace cde::cli {
@@ -18,10 +20,6 @@ class RunFolder {
   /// run's; kUsage if something of the scene is in it, or if one of the `beside` (--report,
   /// --trace) would have the name of a file of the run.
   RunFolder(std::filesystem::path path, const Scene& scene, const std::vector<std::string>& beside);
-  /// Takes the folder away again if the object has made it and there is nothing in it.
-  ~RunFolder();
-  RunFolder(const RunFolder&) = delete;
-  RunFolder& operator=(const RunFolder&) = delete;
 
   /// Removes the run that was there, and from now on there is this one.
   void begin(nlohmann::ordered_json json);
@@ -39,11 +37,11 @@ class RunFolder {
  private:
   void check_names(const Scene& scene, const std::vector<std::string>& beside);
   void look();
-  void take_back() const;
   std::filesystem::path path_;
   std::vector<std::string> beside_;         ///< names in this folder that are the run's, too
   std::vector<std::filesystem::path> old_;  ///< files of the run that was there
-  bool made_ = false, begun_ = false;
+  std::optional<OutputFolder> made_;  ///< taken away again if no run begins
+  bool begun_ = false;
 };
 
 }  // namespace cde::cli
