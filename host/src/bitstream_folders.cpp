@@ -144,7 +144,8 @@ std::optional<std::string> distrust(const fs::path& path) {
   if (::stat(path.c_str(), &status) != 0) return std::nullopt;
   if (!ours(status)) return owner(status);
   if ((status.st_mode & (S_IWGRP | S_IWOTH)) != 0)
-    return fmt::format("can be written by others than its owner (chmod go-w {})", printable_name(path.string()));
+    return fmt::format("can be written by others than its owner (chmod go-w {})",
+                       printable_name(path.string()));
   return std::nullopt;
 }
 
@@ -153,8 +154,8 @@ fs::path share() {
   const auto check = same(share, CDE_SOURCE_FOLDER) ? distrust_source : distrust;
   for (const fs::path& part : {share / "verilator", share / "verilator/bitstream"}) {
     if (const auto why = check(part))
-      throw Error(ErrorCode::kFile,
-                  fmt::format("the bitstream builder is refused: {} {}", printable_name(part.string()), *why));
+      throw Error(ErrorCode::kFile, fmt::format("the bitstream builder is refused: {} {}",
+                                                printable_name(part.string()), *why));
   }
   return share;
 }
@@ -182,7 +183,8 @@ fs::path make_cache() {
   static std::once_flag once;
   if (const auto own = own_cache(); own && folder == last_resort() && folder != *own)
     std::call_once(once, [&] {
-      say(fmt::format("cde: bitstream cache {} cannot be written; {} is used instead (CDE_CACHE "
+      say(
+          fmt::format("cde: bitstream cache {} cannot be written; {} is used instead (CDE_CACHE "
                       "names another)\n",
                       printable_name(own->string()), folder.string()));
     });

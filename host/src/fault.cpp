@@ -64,8 +64,7 @@ ScheduledFault fault_of(std::string_view text) {
   if (halves.size() != 2 || parts.size() > 3) refuse("it must be KIND[:COUNT[:VALUE]]@FRAME");
   fault.bus = fault_named(parts[0]);
   if (!fault.bus && parts[0] != kDdr)
-    refuse(
-        fmt::format("there is no kind {}; it must be one of {}", in_quotes(parts[0]), kinds()));
+    refuse(fmt::format("there is no kind {}; it must be one of {}", in_quotes(parts[0]), kinds()));
   fault.frame = number(halves[1], "FRAME", 0);
   if (parts.size() > 1) {
     const bool all = fault.bus && parts[1] == "all";

@@ -38,10 +38,12 @@ class LocalLink final : public CardLink {
                                             .ddr_latency = options.ddr_latency,
                                             .clock_period_ps = options.clock_period_ps};
     card_ = api_->create(&card_options);
-    if (card_ == nullptr) throw Error(ErrorCode::kDevice,
-                  fmt::format("no memory for the card's models: they reserve {} MB of address space "
-                              "for its DDR and SRAM, and use little of it (ulimit -v)",
-                              kModelBytes >> 20));
+    if (card_ == nullptr)
+      throw Error(
+          ErrorCode::kDevice,
+          fmt::format("no memory for the card's models: they reserve {} MB of address space "
+                      "for its DDR and SRAM, and use little of it (ulimit -v)",
+                      kModelBytes >> 20));
   }
   LocalLink(const LocalLink&) = delete;
   LocalLink& operator=(const LocalLink&) = delete;
@@ -150,7 +152,8 @@ class LocalLink final : public CardLink {
                   "this bitstream has no waves; open the board with BoardConfig::trace");
     }
     if (api_->trace_open(card_, file.c_str()) != 0)
-      throw Error(ErrorCode::kFile, fmt::format("{}: cannot write waves", printable_name(file.string())));
+      throw Error(ErrorCode::kFile,
+                  fmt::format("{}: cannot write waves", printable_name(file.string())));
   }
   void trace_close() override { require_whole_waves(api_->trace_close(card_)); }
   bool flip_ddr(std::uint64_t byte, std::uint8_t mask) override {

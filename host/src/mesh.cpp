@@ -91,8 +91,9 @@ TerrainOptions parse_terrain(std::string_view spec, std::string_view arguments) 
     const std::size_t comma = arguments.find(',');
     if ((comma == std::string_view::npos) != (i == 2) ||
         !text::parse_int(arguments.substr(0, comma), *fields[i])) {
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("{}: expected terrain:QX,QY,SEED, three whole numbers", in_quotes(spec)));
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("{}: expected terrain:QX,QY,SEED, three whole numbers", in_quotes(spec)));
     }
     arguments.remove_prefix(comma == std::string_view::npos ? arguments.size() : comma + 1);
   }
@@ -244,14 +245,14 @@ void save_mesh(const Mesh& mesh, const std::filesystem::path& path) {
   check(mesh, mesh.name);
   constexpr std::size_t kMost = 0x7fffffff;  // PLY's corner numbers are signed in most readers
   if (mesh.vertices.size() > kMost || mesh.faces.size() > kMost) {
-    throw Error(ErrorCode::kCapacity,
-                fmt::format("{}: more than {} vertices or faces", printable_name(path.string()), kMost));
+    throw Error(ErrorCode::kCapacity, fmt::format("{}: more than {} vertices or faces",
+                                                  printable_name(path.string()), kMost));
   }
   if (extension == ".obj") return write_file(path, to_obj(mesh));
   if (extension == ".ply") return write_file(path, to_ply(mesh));
   if (extension == ".stl") return write_file(path, to_stl(mesh));
-  throw Error(ErrorCode::kUsage,
-              fmt::format("{}: meshes are written as .obj, .ply or .stl", printable_name(path.string())));
+  throw Error(ErrorCode::kUsage, fmt::format("{}: meshes are written as .obj, .ply or .stl",
+                                             printable_name(path.string())));
 }
 
 }  // namespace cde

@@ -46,10 +46,10 @@ class ObjReader {
 
   static bool is_ignored(std::string_view keyword) {
     constexpr std::string_view kIgnored[] = {
-        "vn",     "vt",    "vp",       "s",        "mg",   "usemtl",     "usemap",
-        "maplib", "bevel", "c_interp", "d_interp", "lod",  "shadow_obj", "trace_obj", "cstype",
-        "deg",    "bmat",  "step",     "parm",     "trim", "hole",       "scrv",      "sp",
-        "end",    "con",   "ctech",    "stech",    "call", "csh"};
+        "vn",    "vt",       "vp",       "s",    "mg",         "usemtl",    "usemap", "maplib",
+        "bevel", "c_interp", "d_interp", "lod",  "shadow_obj", "trace_obj", "cstype", "deg",
+        "bmat",  "step",     "parm",     "trim", "hole",       "scrv",      "sp",     "end",
+        "con",   "ctech",    "stech",    "call", "csh"};
     for (const auto word : kIgnored) {
       if (word == keyword) return true;
     }

@@ -149,8 +149,7 @@ class PlyReader {
     Element e;
     e.name = text::next_word(rest);
     const std::string_view count = text::next_word(rest);
-    if (!text::parse_int(count, e.count))
-      fail(fmt::format("{} is not a count", in_quotes(count)));
+    if (!text::parse_int(count, e.count)) fail(fmt::format("{} is not a count", in_quotes(count)));
     if (e.name == "tristrips") fail("triangle strips are not supported");
     for (const auto& other : elements_) {
       if (other.name == e.name) fail(fmt::format("element {} stands twice", in_quotes(e.name)));
@@ -266,8 +265,7 @@ class PlyReader {
     if (ascii_) {
       std::int64_t value = 0;
       const std::string_view word = ascii_word(e);
-      if (!text::parse_int(word, value))
-        fail(fmt::format("{} is not an integer", in_quotes(word)));
+      if (!text::parse_int(word, value)) fail(fmt::format("{} is not an integer", in_quotes(word)));
       return value;
     }
     switch (type) {

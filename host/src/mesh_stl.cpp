@@ -82,8 +82,7 @@ class AsciiReader {
     float value = 0.0f;
     if (w.empty()) fail("the file ends where a number should stand: it is truncated");
     const text::Number result = text::parse_float(w, value);
-    if (result == text::Number::kOverflow)
-      fail(fmt::format("{} overflows a float", in_quotes(w)));
+    if (result == text::Number::kOverflow) fail(fmt::format("{} overflows a float", in_quotes(w)));
     if (result != text::Number::kOk) fail(fmt::format("{} is not a number", in_quotes(w)));
     return value;
   }

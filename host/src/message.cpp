@@ -84,7 +84,8 @@ std::string printable_json(std::string_view json) {
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t kLongest = 48;  // characters
   std::string_view rest = text;
-  for (std::size_t n = 0; n < kLongest && !rest.empty(); ++n) rest.remove_prefix(first(rest).length);
+  for (std::size_t n = 0; n < kLongest && !rest.empty(); ++n)
+    rest.remove_prefix(first(rest).length);
   return fmt::format("'{}{}'", printable_name(text.substr(0, text.size() - rest.size())),
                      rest.empty() ? "" : "...");
 }

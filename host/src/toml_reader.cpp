@@ -68,8 +68,9 @@ toml::table parse(std::string_view text, const std::string& file) {
   try {
     return toml::parse(text, file);
   } catch (const toml::parse_error& e) {
-    throw Error(ErrorCode::kFile, fmt::format("{}:{}:{}: {}", printable_name(file), e.source().begin.line,
-                                              e.source().begin.column, e.description()));
+    throw Error(ErrorCode::kFile,
+                fmt::format("{}:{}:{}: {}", printable_name(file), e.source().begin.line,
+                            e.source().begin.column, e.description()));
   }
 }
 
@@ -83,8 +84,8 @@ std::string Table::path(const char* key) const {
 void Table::fail_at(ErrorCode code, const toml::source_position& at, const char* key,
                     const std::string& why) const {
   const std::string path = this->path(key);
-  throw Error(code, fmt::format("{}:{}:{}: {}{}{}", printable_name(*file_), at.line, at.column, path,
-                                path.empty() ? "" : ": ", printable_name(why)));
+  throw Error(code, fmt::format("{}:{}:{}: {}{}{}", printable_name(*file_), at.line, at.column,
+                                path, path.empty() ? "" : ": ", printable_name(why)));
 }
 
 void Table::fail(ErrorCode code, const char* key, const std::string& why) const {

@@ -262,7 +262,7 @@ TEST_F(Query, WrongUsageIsRefused) {
   refused({"sphere-sphere", "--half-space"}, "sphere-sphere has no half-space");
   refused({"sphere-sphere", "--arith", "gates"}, "--arith is 'gates'; it must be host or rtl");
   refused({"sphere-sphere", "--facet-interval", "3"}, "sphere-sphere has no facets");
-  refused({"obb-obb", "--facet-interval", "2"}, "facet interval is 2, expected 1 or 3");
+  refused({"obb-obb", "--facet-interval", "2"}, "--facet-interval is '2'; it must be 1 or 3");
   refused({"sphere-sphere", "--lanes", "0"}, "--lanes is '0'; it must be a whole number, 1 to 256");
   refused({"sphere-sphere", "--lanes", "257"},
           "--lanes is '257'; it must be a whole number, 1 to 256");
@@ -686,7 +686,7 @@ TEST_F(Inventory, TextMarkdownAndUsage) {
   refused({"inventory", "sphere-cube"}, "no pair 'sphere-cube'");
   refused({"inventory", "--latencies", "1,2,3"}, "--latencies is '1,2,3'; it must be");
   refused({"inventory", "--latencies", "0,1,1,1,1"}, "--latencies is '0,1,1,1,1'; it must be");
-  refused({"inventory", "--facet-interval", "2"}, "facet interval is 2, expected 1 or 3");
+  refused({"inventory", "--facet-interval", "2"}, "--facet-interval is '2'; it must be 1 or 3");
   refused({"inventory", "--json", "--markdown"}, "excludes");
 }
 

@@ -60,5 +60,9 @@ int main(int argc, char** argv) {
   cde::cli::add_fp(app);
   cde::cli::add_help(app);                                    // knows those before it
   app.set_help_all_flag("--help-all", "Help of every verb");  // not one of the verbs
-  return cde::cli::exit_status_of([&] { return run(app, {argv + std::min(argc, 1), argv + argc}); }, complain);
+  return cde::cli::exit_status_of(
+      [&] {
+        return run(app, {argv + std::min(argc, 1), argv + argc});
+      },
+      complain);
 }

@@ -17,8 +17,9 @@ namespace cde::cli {
 /// What such a file begins with, and no text does.
 inline constexpr int kNpyFirstByte = 0x93;
 
-/// Rays from a file, of which `name` is what messages say, an array of N x 6, 7 or 8 numbers in binary32 or binary64: ox, oy, oz, dx, dy,
-/// dz, tmin, tmax. Errors: kFile for another array, kBadInput naming the first bad ray.
+/// Rays from a file, of which `name` is what messages say, an array of N x 6, 7 or 8 numbers in
+/// binary32 or binary64: ox, oy, oz, dx, dy, dz, tmin, tmax. Errors: kFile for another array,
+/// kBadInput naming the first bad ray.
 [[nodiscard]] std::vector<Ray> read_rays_npy(std::istream& in, const std::string& name);
 
 }  // namespace cde::cli

@@ -55,8 +55,9 @@ RunFolder::RunFolder(fs::path path, const Scene& scene, const std::vector<std::s
 void RunFolder::check_names(const Scene& scene, const std::vector<std::string>& beside) {
   const auto inside = [&](const fs::path& file, const char* what) {
     if (!file.empty() && is_in(file, path_))
-      throw Error(ErrorCode::kUsage, fmt::format("--out is {}, where {} {} is", printable_name(path_.string()),
-                                                 what, printable_name(file.filename().string())));
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--out is {}, where {} {} is", printable_name(path_.string()), what,
+                              printable_name(file.filename().string())));
   };
   inside(scene.file, "the scene");
   for (const SceneObject& object : scene.objects) {
@@ -90,10 +91,11 @@ void RunFolder::look() {
     const bool ours = name == kMarker || is_record_name(name) ||
                       std::find(beside.begin(), beside.end(), name) != beside.end();
     if (!ours || entry.is_directory())
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("{} is not of the run that {} holds: take it away, or let --out name "
-                              "another folder",
-                              printable_name(entry.path().string()), printable_name(path_.string())));
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("{} is not of the run that {} holds: take it away, or let --out name "
+                      "another folder",
+                      printable_name(entry.path().string()), printable_name(path_.string())));
     old_.push_back(entry.path());
   }
 }
@@ -103,8 +105,8 @@ void RunFolder::begin(Json json) {
   for (const fs::path& file : old_) {
     std::error_code error;
     if (file.filename() != kMarker && !fs::remove(file, error) && error)
-      throw Error(ErrorCode::kFile,
-                  fmt::format("{}: cannot remove: {}", printable_name(file.string()), error.message()));
+      throw Error(ErrorCode::kFile, fmt::format("{}: cannot remove: {}",
+                                                printable_name(file.string()), error.message()));
   }
   sweep_unfinished(path_);
   begun_ = true;

@@ -40,7 +40,7 @@ class RunFolder {
   std::filesystem::path path_;
   std::vector<std::string> beside_;         ///< names in this folder that are the run's, too
   std::vector<std::filesystem::path> old_;  ///< files of the run that was there
-  std::optional<OutputFolder> made_;  ///< taken away again if no run begins
+  std::optional<OutputFolder> made_;        ///< taken away again if no run begins
   bool begun_ = false;
 };
 

@@ -26,11 +26,12 @@ Suffix suffix_of(const std::string& path) {
 
 void wrong_suffix(std::string_view option, const std::string& path, std::string_view may_be) {
   const Suffix name = suffix_of(path);
-  throw Error(ErrorCode::kUsage,
-              name.target.empty()
-                  ? fmt::format("{} is {}; its name must end in {}", option, in_quotes(path), may_be)
-                  : fmt::format("{} is {}, a link to {}, whose name must end in {}", option,
-                                in_quotes(path), in_quotes(name.target), may_be));
+  throw Error(
+      ErrorCode::kUsage,
+      name.target.empty()
+          ? fmt::format("{} is {}; its name must end in {}", option, in_quotes(path), may_be)
+          : fmt::format("{} is {}, a link to {}, whose name must end in {}", option,
+                        in_quotes(path), in_quotes(name.target), may_be));
 }
 
 void check_suffix(std::string_view option, const std::string& path, std::string_view must_be) {

@@ -192,8 +192,7 @@ class Reader {
 
   static void check(const CLI::Option& o, const std::string& name, const std::string& value) {
     const Takes what = takes(o);
-    if (value.empty())
-      usage(fmt::format("{} is empty; it needs a value: {}", name, what.label));
+    if (value.empty()) usage(fmt::format("{} is empty; it needs a value: {}", name, what.label));
     if (!what.check) return;
     const char between = o.get_delimiter();
     for (std::size_t start = 0; start <= value.size();) {

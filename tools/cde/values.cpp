@@ -46,8 +46,8 @@ template <class Fits>
 CLI::Option* check(CLI::Option* option, const std::string& must_be, Fits fits) {
   registered()[option].check = [option, must_be, fits](const std::string& text) {
     if (!fits(text))
-      throw Error(ErrorCode::kUsage, fmt::format("{} is {}; it must be {}", called(option),
-                                                 in_quotes(text), must_be));
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} is {}; it must be {}", called(option), in_quotes(text), must_be));
   };
   return option;
 }
@@ -84,7 +84,7 @@ CLI::Option* known_words(CLI::Option* option, std::vector<std::string> words,
 }
 
 void must_be_known(std::string_view word, const std::vector<std::string>& words,
-                 std::string_view what) {
+                   std::string_view what) {
   if (std::find(words.begin(), words.end(), word) == words.end())
     throw Error(ErrorCode::kUsage,
                 fmt::format("no {} {}; {}", what, in_quotes(word), meant_or_all(word, words)));

@@ -18,12 +18,13 @@ CLI::Option* one_of(CLI::Option* option, std::vector<std::string> words);
 CLI::Option* known_words(CLI::Option* option, std::vector<std::string> words,
                          const std::string& name);
 
-/// The same with a check that names the nearest: `what` is "pair" in "no pair 'x'; did you mean y?".
+/// The same with a check that names the nearest: `what` is "pair" in "no pair 'x'; did you mean
+/// y?".
 CLI::Option* named(CLI::Option* option, std::vector<std::string> words, const std::string& name,
                    const std::string& what);
 /// Error kUsage, as `named` has it, if the word is none of these.
 void must_be_known(std::string_view word, const std::vector<std::string>& words,
-                 std::string_view what);
+                   std::string_view what);
 
 /// Text of a form: `check` throws if it has another. `name` is how the help calls it.
 CLI::Option* text_value(CLI::Option* option, const std::string& name,
@@ -59,7 +60,8 @@ struct Takes {
   Kind kind = Kind::kAnything;
   std::vector<std::string> words;  ///< of kWord
   std::string label;               ///< "FILE", "MHz", "nearest|farthest"; empty for kNothing
-  std::function<void(const std::string&)> check;  ///< throws what is wrong with a value; may be none
+  std::function<void(const std::string&)>
+      check;  ///< throws what is wrong with a value; may be none
 };
 [[nodiscard]] Takes takes(const CLI::Option& option);
 

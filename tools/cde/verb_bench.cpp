@@ -86,8 +86,8 @@ void add_bench(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "bench", "Measure simulation speed and device clocks beside software on the same machine");
   named(verb->add_option("section", a->sections,
-                               "Sections to run (all): rays, fp, pairs, bus, effects"),
-              {"rays", "fp", "pairs", "bus", "effects"}, "SECTION", "section");
+                         "Sections to run (all): rays, fp, pairs, bus, effects"),
+        {"rays", "fp", "pairs", "bus", "effects"}, "SECTION", "section");
   verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   auto* quick = verb->add_flag("--quick", a->options.quick,
                                "Under a minute: default bitstreams, small scenes");

@@ -55,7 +55,10 @@ void collect_rays(const CastOptions& o, CastJob& job) {
   if (!o.rays_file.empty()) job.listed = read_rays(o.rays_file);
   for (const std::string& text : o.rays) job.listed.push_back(parse_ray(text));
   job.rays = job.listed;
-  if (job.rays.empty()) throw Error(ErrorCode::kBadInput, fmt::format("{}: no rays", o.rays_file == "-" ? "stdin" : printable_name(o.rays_file)));
+  if (job.rays.empty())
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("{}: no rays", o.rays_file == "-" ? "stdin" : printable_name(o.rays_file)));
 }
 
 /// Wide cards simulate nearly twice as many tests a second (217 M instead of 117 M on one core),
@@ -106,14 +109,15 @@ CastJob prepare(const CastOptions& o) {
     job.mesh = load_mesh_or_builtin(o.mesh);
   }
   check_files(o, job.mesh.files);
-  if (const auto why = out_of_range(job.mesh, printable_name(o.mesh))) say("cde: warning: {}\n", *why);
+  if (const auto why = out_of_range(job.mesh, printable_name(o.mesh)))
+    say("cde: warning: {}\n", *why);
   collect_rays(o, job);
   job.config.lanes = lanes_of(o, job.rays.size());
   if (o.wants_picture() && !job.picture) usage("a picture needs --camera or --grid");
   if (job.mesh.faces.size() > job.config.ddr_slots) {
     throw Error(ErrorCode::kCapacity,
-                fmt::format("{}: {} triangles do not fit the card's DDR, which holds {}", printable_name(o.mesh),
-                            job.mesh.faces.size(), job.config.ddr_slots));
+                fmt::format("{}: {} triangles do not fit the card's DDR, which holds {}",
+                            printable_name(o.mesh), job.mesh.faces.size(), job.config.ddr_slots));
   }
   return job;
 }
@@ -216,11 +220,11 @@ void run(const CastOptions& o) {
 void add_sources(CLI::App& verb, CastOptions& o) {
   file_value(verb.add_option("mesh", o.mesh, "Mesh file, or terrain[:QX,QY,SEED]")->required(),
              "MESH");
-  file_value(verb.add_option(
-                 "--rays", o.rays_file,
-                 "Rays from a file (- is stdin, either form): CSV, ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line or in "
-                 "the order of a header with these names; or .npy, N x 6, 7 or 8 "
-                 "numbers"),
+  file_value(verb.add_option("--rays", o.rays_file,
+                             "Rays from a file (- is stdin, either form): CSV, "
+                             "ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line or in "
+                             "the order of a header with these names; or .npy, N x 6, 7 or 8 "
+                             "numbers"),
              "FILE");
   text_value(
       verb.add_option("--ray", o.rays, "One ray, same fields; repeatable")->allow_extra_args(false),
@@ -247,12 +251,12 @@ void add_outputs(CLI::App& verb, CastOptions& o) {
              "FILE");
   verb.add_flag("--bits", o.bits, "CSV also shows T and CP as hexadecimal bits");
   named(verb.add_option("--fields", o.fields,
-                              "More of each record, separated by commas, computed by the host and "
-                              "not by the card: u and v (barycentric), normal (of the triangle), "
-                              "side (1 front, -1 back), node (of the mesh file)")
-                  ->delimiter(',')
-                  ->allow_extra_args(false),
-              field_names(), "LIST", "field");
+                        "More of each record, separated by commas, computed by the host and "
+                        "not by the card: u and v (barycentric), normal (of the triangle), "
+                        "side (1 front, -1 back), node (of the mesh file)")
+            ->delimiter(',')
+            ->allow_extra_args(false),
+        field_names(), "LIST", "field");
   file_value(verb.add_option("--shaded", o.shaded, "Picture in sunlight, .png"), "FILE");
   verb.add_flag("--shadows", o.shadows,
                 "With --shaded: a second pass, from every hit to the sun, draws shadows");

@@ -82,8 +82,8 @@ Finding cache() {
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
       if (entry.path().extension() == ".so") ++files, bytes += entry.file_size();
     }
-    return {fmt::format("bitstream cache {}: {} bitstreams, {:.1f} MB", printable_name(folder.string()), files,
-                        static_cast<double>(bytes) / 1e6),
+    return {fmt::format("bitstream cache {}: {} bitstreams, {:.1f} MB",
+                        printable_name(folder.string()), files, static_cast<double>(bytes) / 1e6),
             ""};
   } catch (const std::exception& e) {
     return {e.what(), "set CDE_CACHE to a folder of yours"};

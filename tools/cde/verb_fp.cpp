@@ -154,7 +154,8 @@ class Stream {
 
   [[noreturn]] void malformed(const char* at, const char* stop, const std::string& why) const {
     const std::string_view text(at, static_cast<std::size_t>(stop - at));
-    throw Error(ErrorCode::kBadInput, fmt::format("stdin line {}: {}: {}", line_, why, in_quotes(text)));
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("stdin line {}: {}: {}", line_, why, in_quotes(text)));
   }
 
   void line(const char* at, const char* stop) {
@@ -262,12 +263,14 @@ void add_fp(CLI::App& app) {
                          "that it cannot read, which ends it.");
   text_value(
       verb->add_option(
-          "op", options->op,
-          "add sub mul div sqrt lt le eq min max, to_FORMAT, to_INT[_trunc] and from_INT with INT "
-          "one of i32 ui32 i64 ui64, "
-          "or a TestFloat name (f32_add, f32_to_i32, f32_to_i32_rx_minMag, i32_to_f32), which "
-          "implies the format")
-      ->required(), "OP", [](const std::string& text) { (void)parse_request(text); });
+              "op", options->op,
+              "add sub mul div sqrt lt le eq min max, to_FORMAT, to_INT[_trunc] and from_INT with "
+              "INT "
+              "one of i32 ui32 i64 ui64, "
+              "or a TestFloat name (f32_add, f32_to_i32, f32_to_i32_rx_minMag, i32_to_f32), which "
+              "implies the format")
+          ->required(),
+      "OP", [](const std::string& text) { (void)parse_request(text); });
   text_value(verb->add_option("-f,--format", options->format,
                               "fp16 bf16 tf32 fp24 fp32 fp64 e4m3 e3m2, or eEmM (default fp32)"),
              "FORMAT", [](const std::string& text) { (void)FpFormat::parse(text); });

@@ -406,8 +406,8 @@ void add_inventory(CLI::App& app) {
       "Count the operators of the pipes and read their latencies in the elaborated RTL; the four "
       "ray-triangle algorithms beside the paper's Tables 1 and 2");
   named(verb->add_option("pair", o->pairs,
-                               "Pairs to examine (all): ray-triangle, sphere-sphere, ..."),
-              pair_names(), "PAIR", "pair");
+                         "Pairs to examine (all): ray-triangle, sphere-sphere, ..."),
+        pair_names(), "PAIR", "pair");
   text_value(verb->add_option("--latencies", o->profile,
                               "Clocks of add, mul, div, sqrt and compare for the column `clocks`")
                  ->capture_default_str(),

@@ -447,9 +447,8 @@ void add_query(CLI::App& app) {
       "half-extents rotation by rows 15. A word is decimal, hexfloat, or 0x and the bits. Prints "
       "F,T,CP,n,flags as CSV; flags: empty, bad (the card refuses an operand) or malformed (the "
       "line cannot be read). Blank lines and lines that start with # are skipped");
-  named(
-      verb->add_option("pair", o->pair, "ray-triangle, sphere-sphere, obb-obb, ...")->required(),
-      pair_names(), "PAIR", "pair");
+  named(verb->add_option("pair", o->pair, "ray-triangle, sphere-sphere, obb-obb, ...")->required(),
+        pair_names(), "PAIR", "pair");
   one_of(verb->add_option("--algorithm", o->algorithm, "Of ray-triangle")->capture_default_str(),
          algorithm_names());
   verb->add_flag_callback(
@@ -475,10 +474,12 @@ void add_query(CLI::App& app) {
                           "pairs to the next, 1, or 3 with facet units that are shared; same bits")
              ->capture_default_str(),
          {"1", "3"});
-  known_words(verb->add_option("--budget", o->budget,
-                   "Work for a pair of cylinder-, obb- or triangle-cylinder: M,K1,K2 (directions "
-                   "sampled on a circle, 4, 8 or 16; steps on a circle, steps on a free track, 0 "
-                   "to 64), or a number of evaluations, which is split evenly. 8,8,8 if not given"), {}, "M,K1,K2|N");
+  known_words(verb->add_option(
+                  "--budget", o->budget,
+                  "Work for a pair of cylinder-, obb- or triangle-cylinder: M,K1,K2 (directions "
+                  "sampled on a circle, 4, 8 or 16; steps on a circle, steps on a free track, 0 "
+                  "to 64), or a number of evaluations, which is split evenly. 8,8,8 if not given"),
+              {}, "M,K1,K2|N");
   verb->add_flag("--bits", o->bits, "Print words as 0x and their bits instead of decimals");
   verb->add_flag("--check,!--no-check", o->check,
                  "Compare every answer with the reference, bit for bit (on)");

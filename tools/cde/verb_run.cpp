@@ -175,8 +175,7 @@ void check_files(const Options& o, const Scene& scene) {
     inputs.push_back({fmt::format("object '{}'", printable_name(object.name)), object.file});
   for (const SceneObject& object : scene.objects)
     for (const auto& file : object.more_files)
-      inputs.push_back(
-          {fmt::format("the mesh of object '{}'", printable_name(object.name)), file});
+      inputs.push_back({fmt::format("the mesh of object '{}'", printable_name(object.name)), file});
   check_outputs(
       std::vector<FileUse>{
           {"--report", o.report}, {"--trace", o.trace}, {"--json", o.json ? "-" : ""}},
@@ -278,8 +277,9 @@ class Run {
                                     static_cast<double>(t.tests) / t.simulated / 1e6, t.checked));
       row("check", check_text());
       report_faults();
-      row("results", folder_.begun() ? fmt::format("{}/run.json", printable_name(folder_.path().string()))
-                                     : "none, it has not begun");
+      row("results", folder_.begun()
+                         ? fmt::format("{}/run.json", printable_name(folder_.path().string()))
+                         : "none, it has not begun");
       if (report_) row("report", printable_name(o_.report));
     }
     if (t.mismatches != 0) throw Error(ErrorCode::kMismatch, mismatch_);
@@ -415,7 +415,8 @@ void add_run(CLI::App& app) {
       "run", "Play a scene on the simulated card, checked against the reference; writes run.json");
   file_value(verb->add_option("scene", o->scene, "Scene file, TOML (docs/scenes.md)")->required(),
              "SCENE");
-  known_words(verb->add_option("--frames", o->frames, "Frames A..B, both included (all)"), {}, "A..B");
+  known_words(verb->add_option("--frames", o->frames, "Frames A..B, both included (all)"), {},
+              "A..B");
   folder_value(
       verb->add_option("--out", o->out,
                        "Folder for run.json and records: a new or empty one, or that of an earlier "

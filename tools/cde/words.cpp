@@ -10,8 +10,8 @@
 #include <type_traits>
 
 #include "cde/error.hpp"
-#include "cde/message.hpp"
 #include "cde/fp.hpp"
+#include "cde/message.hpp"
 
 namespace cde::cli {
 namespace {
@@ -135,8 +135,8 @@ std::optional<std::uint64_t> WordText::parse(std::string_view text, std::string&
     case Found::kNumber:
       return word;
     case Found::kTooLarge:
-      why = fmt::format("{} is beyond the largest {} number, {:.8g}", in_quotes(text), format_.name(),
-                        format_.decode(format_.infinity() - 1));
+      why = fmt::format("{} is beyond the largest {} number, {:.8g}", in_quotes(text),
+                        format_.name(), format_.decode(format_.infinity() - 1));
       break;
     case Found::kMalformed:
       why = fmt::format("{} is not a number", in_quotes(text));

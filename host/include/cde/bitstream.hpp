@@ -63,12 +63,12 @@ struct BoardConfig {
 /// <cache key>.so.sha256 beside it has its checksum. They are searched for in $CDE_BITSTREAMS, in
 /// the folder of the installation, or of the build where the program is not an installed one, and
 /// in the user's cache ($CDE_CACHE, else $XDG_CACHE_HOME/cde, else ~/.cache/cde, else, or if that
-/// cannot be written, /tmp/cde-UID). One that is nowhere, or whose file is damaged, is built into the cache by the
-/// script `verilator/bitstream` (of $CDE_SHARE, else of the installation or source tree): half a
-/// minute and more, with progress on stderr. Processes that want the same one wait for each other.
-/// While one is built, SIGINT, SIGTERM and SIGHUP end the build before they do what else they would
-/// (which is their handler's or the end of the process; error kInterrupted where the process goes
-/// on).
+/// cannot be written, /tmp/cde-UID). One that is nowhere, or whose file is damaged, is built into
+/// the cache by the script `verilator/bitstream` (of $CDE_SHARE, else of the installation or source
+/// tree): half a minute and more, with progress on stderr. Processes that want the same one wait
+/// for each other. While one is built, SIGINT, SIGTERM and SIGHUP end the build before they do what
+/// else they would (which is their handler's or the end of the process; error kInterrupted where
+/// the process goes on).
 ///
 /// Folders and files that are loaded belong to the user or to root and can be written by nobody
 /// else; others are passed over with a message on stderr that names them, or, of the cache itself,
