@@ -120,7 +120,8 @@ class FileLock {
       throw Error(ErrorCode::kFile, fmt::format("{}: {}", path.string(), std::strerror(errno)));
     }
     if (::flock(fd_, LOCK_EX | LOCK_NB) == 0) return;
-    say(fmt::format("cde: waiting for another process that builds bitstream {}\n", what));
+    if (!BuildProgress::quiet())
+      say(fmt::format("cde: waiting for another process that builds bitstream {}\n", what));
     while (::flock(fd_, LOCK_EX) != 0 && errno == EINTR) {
     }
   }
@@ -242,6 +243,10 @@ constexpr Field kFields[] = {
 };
 
 }  // namespace
+
+void tell_builds(bool tell) {
+  BuildProgress::set_quiet(!tell);
+}
 
 void check(Arithmetic arithmetic) {
   if (arithmetic != Arithmetic::kHost && arithmetic != Arithmetic::kRtl)

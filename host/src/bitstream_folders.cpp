@@ -9,8 +9,10 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 
 namespace cde::folders {
 namespace {
@@ -62,7 +64,7 @@ fs::path find_share() {
   std::string asked;
   for (const fs::path& place : share_places()) {
     if (has_builder(place)) return place;
-    asked += fmt::format("{}{}", asked.empty() ? "" : ", ", place.string());
+    asked += fmt::format("{}{}", asked.empty() ? "" : ", ", printable_name(place.string()));
   }
   throw Error(ErrorCode::kBuild, fmt::format("no verilator/bitstream in {}; set CDE_SHARE to the "
                                              "folder that holds verilator/ and rtl/",
@@ -85,7 +87,7 @@ std::optional<std::string> distrust_source(const fs::path& path) {
   if (::stat(path.c_str(), &status) != 0) return std::nullopt;
   if (!ours(status) && status.st_uid != CDE_SOURCE_OWNER) return owner(status);
   if ((status.st_mode & S_IWOTH) != 0)
-    return fmt::format("can be written by everybody (chmod o-w {})", path.string());
+    return fmt::format("can be written by everybody (chmod o-w {})", printable_name(path.string()));
   return std::nullopt;
 }
 
@@ -106,9 +108,24 @@ fs::path last_resort() {
   return fs::path("/tmp") / fmt::format("cde-{}", ::geteuid());
 }
 
+/// Where bitstreams are kept if nobody says where, for a user who has such a place.
+std::optional<fs::path> own_cache() {
+  if (auto xdg = absolute_from_environment("XDG_CACHE_HOME")) return *xdg / "cde";
+  if (auto home = absolute_from_environment("HOME")) return *home / ".cache/cde";
+  if (auto home = home_of_user()) return *home / ".cache/cde";
+  return std::nullopt;
+}
+
+/// Whether the folder is there and can be written, or can be made.
+bool can_be_written(fs::path folder) {
+  std::error_code none;
+  while (!fs::exists(folder, none) && folder.has_relative_path()) folder = folder.parent_path();
+  return fs::is_directory(folder, none) && ::access(folder.c_str(), W_OK | X_OK) == 0;
+}
+
 [[noreturn]] void refuse(const fs::path& folder, const std::string& why) {
   throw Error(ErrorCode::kFile, fmt::format("bitstream cache {}: {} (CDE_CACHE names another)",
-                                            folder.string(), why));
+                                            printable_name(folder.string()), why));
 }
 
 void make_private(const fs::path& folder) {
@@ -127,7 +144,8 @@ std::optional<std::string> distrust(const fs::path& path) {
   if (::stat(path.c_str(), &status) != 0) return std::nullopt;
   if (!ours(status)) return owner(status);
   if ((status.st_mode & (S_IWGRP | S_IWOTH)) != 0)
-    return fmt::format("can be written by others than its owner (chmod go-w {})", path.string());
+    return fmt::format("can be written by others than its owner (chmod go-w {})",
+                       printable_name(path.string()));
   return std::nullopt;
 }
 
@@ -136,8 +154,8 @@ fs::path share() {
   const auto check = same(share, CDE_SOURCE_FOLDER) ? distrust_source : distrust;
   for (const fs::path& part : {share / "verilator", share / "verilator/bitstream"}) {
     if (const auto why = check(part))
-      throw Error(ErrorCode::kFile,
-                  fmt::format("the bitstream builder is refused: {} {}", part.string(), *why));
+      throw Error(ErrorCode::kFile, fmt::format("the bitstream builder is refused: {} {}",
+                                                printable_name(part.string()), *why));
   }
   return share;
 }
@@ -156,14 +174,20 @@ std::vector<fs::path> ready_made() {
 
 fs::path cache() {
   if (auto path = from_environment("CDE_CACHE")) return fs::absolute(*path);
-  if (auto xdg = absolute_from_environment("XDG_CACHE_HOME")) return *xdg / "cde";
-  if (auto home = absolute_from_environment("HOME")) return *home / ".cache/cde";
-  if (auto home = home_of_user()) return *home / ".cache/cde";
-  return last_resort();
+  const auto own = own_cache();
+  return own && can_be_written(*own) ? *own : last_resort();
 }
 
 fs::path make_cache() {
   fs::path folder = cache();
+  static std::once_flag once;
+  if (const auto own = own_cache(); own && folder == last_resort() && folder != *own)
+    std::call_once(once, [&] {
+      say(
+          fmt::format("cde: bitstream cache {} cannot be written; {} is used instead (CDE_CACHE "
+                      "names another)\n",
+                      printable_name(own->string()), folder.string()));
+    });
   make_private(folder);
   std::error_code none;
   // In a folder that everybody writes, the name may be somebody's link to another of our folders.

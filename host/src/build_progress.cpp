@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <utility>
 
@@ -14,8 +15,11 @@ namespace {
 constexpr std::string_view kPhase = "phase ";  // of verilator/bitstream
 constexpr const char* kAdvice = "first use of this configuration, kept for the next time";
 
+std::atomic<bool> silent{false};
+
 /// To stderr, which may be closed or full: that is no reason to end.
 void say(const std::string& text) {
+  if (silent) return;
   std::fputs(text.c_str(), stderr);
   std::fflush(stderr);
 }
@@ -52,6 +56,14 @@ void BuildProgress::operator()(std::chrono::duration<double> elapsed, std::strin
                     fitted(fmt::format("cde: {:.0f} s, {}", elapsed.count(), phase_))));
   else if (another)
     say(fmt::format("cde: {:.0f} s, {}\n", elapsed.count(), phase_));
+}
+
+void BuildProgress::set_quiet(bool quiet) {
+  silent = quiet;
+}
+
+bool BuildProgress::quiet() {
+  return silent;
 }
 
 void BuildProgress::end(bool built) {

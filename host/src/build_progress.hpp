@@ -14,6 +14,11 @@ class BuildProgress {
   void operator()(std::chrono::duration<double> elapsed, std::string_view printed);
   void end(bool built);
 
+  /// Whether any of these tells anything; a bitstream that cannot be built is an Error all the
+  /// same.
+  static void set_quiet(bool quiet);
+  [[nodiscard]] static bool quiet();
+
   /// What the builder printed, without the lines that tell its phases.
   [[nodiscard]] static std::string without_phases(std::string_view printed);
 

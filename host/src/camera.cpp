@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "text.hpp"
 
 namespace cde {
@@ -152,7 +153,7 @@ Camera parse_camera(std::string_view text, std::string_view name) {
     if (text::parse_float(field, values[count]) != text::Number::kOk ||
         !std::isfinite(values[count])) {
       throw Error(ErrorCode::kUsage, fmt::format("{}:{}: {} is not a finite number", name,
-                                                 start + 1, text::quoted(field)));
+                                                 start + 1, in_quotes(field)));
     }
     ++count;
     if (comma == std::string_view::npos) {
@@ -195,7 +196,7 @@ Resolution parse_resolution(std::string_view text, std::string_view name) {
   if (x == std::string_view::npos || !text::parse_int(text.substr(0, x), resolution.width) ||
       !text::parse_int(text.substr(x + 1), resolution.height)) {
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: {} is not WIDTHxHEIGHT", name, text::quoted(text)));
+                fmt::format("{}: {} is not WIDTHxHEIGHT", name, in_quotes(text)));
   }
   check(resolution);
   return resolution;

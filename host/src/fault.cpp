@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "text.hpp"
 
 namespace cde {
@@ -48,12 +49,12 @@ std::string kinds() {
 
 ScheduledFault fault_of(std::string_view text) {
   const auto refuse = [&](const std::string& why) {
-    throw Error(ErrorCode::kUsage, fmt::format("fault {}: {}", text::quoted(text), why));
+    throw Error(ErrorCode::kUsage, fmt::format("fault {}: {}", in_quotes(text), why));
   };
   const auto number = [&](std::string_view part, const char* what, std::uint32_t least) {
     std::uint32_t n = 0;
     if (!text::parse_int(part, n) || n < least)
-      refuse(fmt::format("{} is {}; it must be a whole number from {} on", what, text::quoted(part),
+      refuse(fmt::format("{} is {}; it must be a whole number from {} on", what, in_quotes(part),
                          least));
     return n;
   };
@@ -63,8 +64,7 @@ ScheduledFault fault_of(std::string_view text) {
   if (halves.size() != 2 || parts.size() > 3) refuse("it must be KIND[:COUNT[:VALUE]]@FRAME");
   fault.bus = fault_named(parts[0]);
   if (!fault.bus && parts[0] != kDdr)
-    refuse(
-        fmt::format("there is no kind {}; it must be one of {}", text::quoted(parts[0]), kinds()));
+    refuse(fmt::format("there is no kind {}; it must be one of {}", in_quotes(parts[0]), kinds()));
   fault.frame = number(halves[1], "FRAME", 0);
   if (parts.size() > 1) {
     const bool all = fault.bus && parts[1] == "all";
@@ -94,7 +94,7 @@ void check_fault(const ScheduledFault& fault, const BoardConfig& board) {
   throw Error(
       ErrorCode::kUsage,
       fmt::format("fault {}: the functional bus has no such fault; it needs bus = \"cycle\"",
-                  text::quoted(text_of(fault))));
+                  in_quotes(text_of(fault))));
 }
 
 }  // namespace cde

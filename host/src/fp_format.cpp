@@ -9,6 +9,7 @@
 
 #include "cde/error.hpp"
 #include "cde/fp_reference.hpp"
+#include "cde/message.hpp"
 
 namespace cde {
 
@@ -50,11 +51,10 @@ FpFormat FpFormat::parse(std::string_view text) {
       static_cast<std::size_t>(end) == lower.size() && format.exp_bits >= 3 &&
       format.exp_bits <= 11 && format.man_bits >= 2 && format.man_bits <= 52)
     return format;
-  throw Error(
-      ErrorCode::kUsage,
-      fmt::format("format '{}': not one of fp16 bf16 tf32 fp24 fp32 fp64 e4m3 e3m2, nor eEmM "
-                  "with E 3..11 and M 2..52",
-                  text));
+  throw Error(ErrorCode::kUsage,
+              fmt::format("format {}: not one of fp16 bf16 tf32 fp24 fp32 fp64 e4m3 e3m2, nor eEmM "
+                          "with E 3..11 and M 2..52",
+                          in_quotes(text)));
 }
 
 }  // namespace cde

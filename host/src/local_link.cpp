@@ -7,6 +7,8 @@
 #include "bus_time.hpp"
 #include "card_link.hpp"
 #include "cde/error.hpp"
+#include "cde/memory.hpp"
+#include "cde/message.hpp"
 #include "cde/pci.hpp"
 #include "device_loss.hpp"
 #include "waves.hpp"
@@ -36,7 +38,12 @@ class LocalLink final : public CardLink {
                                             .ddr_latency = options.ddr_latency,
                                             .clock_period_ps = options.clock_period_ps};
     card_ = api_->create(&card_options);
-    if (card_ == nullptr) throw Error(ErrorCode::kDevice, "no memory for the card's models");
+    if (card_ == nullptr)
+      throw Error(
+          ErrorCode::kDevice,
+          fmt::format("no memory for the card's models: they reserve {} MB of address space "
+                      "for its DDR and SRAM, and use little of it (ulimit -v)",
+                      kModelBytes >> 20));
   }
   LocalLink(const LocalLink&) = delete;
   LocalLink& operator=(const LocalLink&) = delete;
@@ -145,7 +152,8 @@ class LocalLink final : public CardLink {
                   "this bitstream has no waves; open the board with BoardConfig::trace");
     }
     if (api_->trace_open(card_, file.c_str()) != 0)
-      throw Error(ErrorCode::kFile, fmt::format("{}: cannot write waves", file.string()));
+      throw Error(ErrorCode::kFile,
+                  fmt::format("{}: cannot write waves", printable_name(file.string())));
   }
   void trace_close() override { require_whole_waves(api_->trace_close(card_)); }
   bool flip_ddr(std::uint64_t byte, std::uint8_t mask) override {

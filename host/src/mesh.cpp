@@ -7,10 +7,12 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <iterator>
 #include <optional>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "cde/output_file.hpp"
 #include "cde/terrain.hpp"
 #include "file_io.hpp"
@@ -89,8 +91,9 @@ TerrainOptions parse_terrain(std::string_view spec, std::string_view arguments) 
     const std::size_t comma = arguments.find(',');
     if ((comma == std::string_view::npos) != (i == 2) ||
         !text::parse_int(arguments.substr(0, comma), *fields[i])) {
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("'{}': expected terrain:QX,QY,SEED, three whole numbers", spec));
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("{}: expected terrain:QX,QY,SEED, three whole numbers", in_quotes(spec)));
     }
     arguments.remove_prefix(comma == std::string_view::npos ? arguments.size() : comma + 1);
   }
@@ -141,16 +144,59 @@ std::optional<std::string> out_of_range(const Mesh& mesh, std::string_view what)
                      mesh.faces.size(), *first);
 }
 
+void mesh_readers::add_named_file(Mesh& mesh, const std::filesystem::path& mesh_file,
+                                  std::string name) {
+  const auto add = [&](const std::string& one) {
+    const std::filesystem::path file = mesh_file.parent_path() / one;  // an absolute one replaces
+    std::error_code none;
+    if (!std::filesystem::is_regular_file(file, none)) return;
+    if (std::filesystem::equivalent(file, mesh_file, none)) return;
+    if (std::find(mesh.files.begin(), mesh.files.end(), file) == mesh.files.end())
+      mesh.files.push_back(file);
+  };
+  if (name.find('\0') != std::string::npos) return;
+  add(name);
+  std::replace(name.begin(), name.end(), '\\', '/');
+  add(name);
+}
+
+namespace {
+
+/// A library of materials, which says nothing about shapes, and the textures that it names.
+void add_materials(Mesh& mesh, const std::filesystem::path& mesh_file, const std::string& name) {
+  const std::size_t before = mesh.files.size();
+  mesh_readers::add_named_file(mesh, mesh_file, name);
+  if (mesh.files.size() == before) return;
+  const std::filesystem::path library = mesh.files.back();
+  std::ifstream in(library);
+  for (std::string line; std::getline(in, line);) {
+    std::string_view rest = line;
+    const std::string_view keyword = text::next_word(rest);
+    if (!keyword.starts_with("map_") && keyword != "bump" && keyword != "disp" &&
+        keyword != "decal" && keyword != "refl" && keyword != "norm")
+      continue;
+    // Options stand before the name, which may have blanks.
+    for (rest = text::trim(rest); !rest.empty(); rest = text::trim(rest)) {
+      mesh_readers::add_named_file(mesh, library, std::string(rest));
+      (void)text::next_word(rest);
+    }
+  }
+}
+
+}  // namespace
+
 Mesh load_mesh(const std::filesystem::path& path, std::chrono::seconds deadline) {
-  const std::string name = path.string();
+  const std::string name = printable_name(path.string());
   const std::string extension = lower_extension(path);
   Mesh mesh;
   if (extension == ".obj" || extension == ".ply" || extension == ".stl") {
     const std::string bytes = file_io::read(path);
     if (bytes.empty()) throw Error(ErrorCode::kFile, fmt::format("{}: is empty", name));
-    mesh = extension == ".obj"   ? mesh_readers::read_obj(bytes, name)
+    std::vector<std::string> libraries;
+    mesh = extension == ".obj"   ? mesh_readers::read_obj(bytes, name, libraries)
            : extension == ".ply" ? mesh_readers::read_ply(bytes, name)
                                  : mesh_readers::read_stl(bytes, name);
+    for (const std::string& library : libraries) add_materials(mesh, path, library);
   } else {
     if (file_io::check_regular(path) == 0)
       throw Error(ErrorCode::kFile, fmt::format("{}: is empty", name));
@@ -158,7 +204,7 @@ Mesh load_mesh(const std::filesystem::path& path, std::chrono::seconds deadline)
       throw Error(
           ErrorCode::kFile,
           fmt::format("{}: no mesh format has the extension '{}' (.obj, .ply, .stl, .glb, ...)",
-                      name, extension));
+                      name, printable_name(extension)));
     }
     mesh = mesh_readers::read_by_assimp(path, deadline);
   }
@@ -199,14 +245,14 @@ void save_mesh(const Mesh& mesh, const std::filesystem::path& path) {
   check(mesh, mesh.name);
   constexpr std::size_t kMost = 0x7fffffff;  // PLY's corner numbers are signed in most readers
   if (mesh.vertices.size() > kMost || mesh.faces.size() > kMost) {
-    throw Error(ErrorCode::kCapacity,
-                fmt::format("{}: more than {} vertices or faces", path.string(), kMost));
+    throw Error(ErrorCode::kCapacity, fmt::format("{}: more than {} vertices or faces",
+                                                  printable_name(path.string()), kMost));
   }
   if (extension == ".obj") return write_file(path, to_obj(mesh));
   if (extension == ".ply") return write_file(path, to_ply(mesh));
   if (extension == ".stl") return write_file(path, to_stl(mesh));
-  throw Error(ErrorCode::kUsage,
-              fmt::format("{}: meshes are written as .obj, .ply or .stl", path.string()));
+  throw Error(ErrorCode::kUsage, fmt::format("{}: meshes are written as .obj, .ply or .stl",
+                                             printable_name(path.string())));
 }
 
 }  // namespace cde

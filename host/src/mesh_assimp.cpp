@@ -1,3 +1,5 @@
+#include <assimp/DefaultIOSystem.h>
+#include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
@@ -13,6 +15,7 @@
 #include <cstring>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "mesh_readers.hpp"
 #include "sanitizer.hpp"
 
@@ -112,10 +115,60 @@ bool take_parts(std::string_view& in, std::vector<MeshPart>& parts) {
   return name == names.end();
 }
 
+/// Keeps the names of the files that an importer opens.
+class NotingFiles : public Assimp::DefaultIOSystem {
+ public:
+  explicit NotingFiles(std::vector<std::string>& names) : names_(names) {}
+  Assimp::IOStream* Open(const char* name, const char* mode) override {
+    names_.emplace_back(name);
+    return DefaultIOSystem::Open(name, mode);
+  }
+
+ private:
+  std::vector<std::string>& names_;
+};
+
+/// Textures, which are not opened. What is in the file itself has the name "*N".
+void note_textures(const aiScene& scene, const std::string& path, std::vector<std::string>& names) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
+    for (unsigned type = aiTextureType_NONE; type <= AI_TEXTURE_TYPE_MAX; ++type) {
+      const auto kind = static_cast<aiTextureType>(type);
+      for (unsigned i = 0; i < scene.mMaterials[m]->GetTextureCount(kind); ++i) {
+        aiString name;
+        if (scene.mMaterials[m]->GetTexture(kind, i, &name) == aiReturn_SUCCESS)
+          names.push_back((folder / name.C_Str()).string());
+      }
+    }
+  }
+}
+
+void append_names(std::string& out, const std::vector<std::string>& names) {
+  std::vector<char> all;  // each with a zero behind it
+  for (const std::string& name : names) {
+    all.insert(all.end(), name.begin(), name.end());
+    all.push_back('\0');
+  }
+  append_array(out, all);
+}
+
+bool take_names(std::string_view& in, std::vector<std::string>& names) {
+  std::vector<char> all;
+  if (!take_array(in, all) || (!all.empty() && all.back() != '\0')) return false;
+  for (auto name = all.begin(); name != all.end();) {
+    const auto stop = std::find(name, all.end(), '\0');
+    names.emplace_back(name, stop);
+    name = stop + 1;
+  }
+  return true;
+}
+
 /// In the child: what to send to the parent.
 std::string import(const std::string& path) {
   try {
+    std::vector<std::string> files;
     Assimp::Importer importer;
+    importer.SetIOHandler(new NotingFiles(files));  // which is the importer's from now on
     const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
     if (scene == nullptr) return kMessageFollows + std::string(importer.GetErrorString());
     // The flag is what importers say of files without meshes; some make one of the skeleton then.
@@ -131,6 +184,8 @@ std::string import(const std::string& path) {
     append_array(out, mesh.faces);
     append_array(out, std::vector<std::uint64_t>{mesh.dropped});
     append_parts(out, mesh.parts);
+    note_textures(*scene, path, files);
+    append_names(out, files);
     return out;
   } catch (const std::bad_alloc&) {
     return kMessageFollows + std::string("takes more memory than half of this machine's");
@@ -196,7 +251,7 @@ bool assimp_knows(const std::string& extension) {
 Mesh read_by_assimp(const std::filesystem::path& path, std::chrono::seconds deadline) {
   const std::string name = path.string();
   const auto fail = [&](const std::string& why) {
-    throw Error(ErrorCode::kFile, fmt::format("{}: {}", name, why));
+    throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(name), printable_name(why)));
   };
   int ends[2] = {-1, -1};
   if (::pipe2(ends, O_CLOEXEC) != 0) fail(fmt::format("no pipe: {}", std::strerror(errno)));
@@ -223,11 +278,15 @@ Mesh read_by_assimp(const std::filesystem::path& path, std::chrono::seconds dead
   if (kind == kMessageFollows) fail(std::string(rest));
   Mesh mesh;
   std::vector<std::uint64_t> dropped;
+  std::vector<std::string> files;
   if (!take_array(rest, mesh.vertices) || !take_array(rest, mesh.faces) ||
-      !take_array(rest, dropped) || dropped.size() != 1 || !take_parts(rest, mesh.parts)) {
+      !take_array(rest, dropped) || dropped.size() != 1 || !take_parts(rest, mesh.parts) ||
+      !take_names(rest, files)) {
     fail("the importer's answer is cut short");
   }
   mesh.dropped = dropped[0];
+  for (const std::string& file : files)
+    add_named_file(mesh, path, std::filesystem::absolute(file).string());
   return mesh;
 }
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "mesh_readers.hpp"
 #include "text.hpp"
 
@@ -12,7 +13,8 @@ namespace {
 
 class ObjReader {
  public:
-  ObjReader(std::string_view bytes, const std::string& name) : lines_(bytes), name_(name) {}
+  ObjReader(std::string_view bytes, const std::string& name, std::vector<std::string>& libraries)
+      : lines_(bytes), name_(name), libraries_(libraries) {}
 
   Mesh read() {
     while (auto line = lines_.next()) {
@@ -26,10 +28,12 @@ class ObjReader {
         ++mesh_.dropped;
       } else if (keyword == "o" || keyword == "g") {
         part(rest);
+      } else if (keyword == "mtllib") {
+        library(rest);
       } else if (keyword == "curv" || keyword == "curv2" || keyword == "surf") {
         fail(fmt::format("free-form geometry ('{}') is not supported", keyword));
       } else if (!keyword.empty() && keyword.front() != '#' && !is_ignored(keyword)) {
-        fail(fmt::format("unknown statement {}", text::quoted(keyword)));
+        fail(fmt::format("unknown statement {}", in_quotes(keyword)));
       }
     }
     return std::move(mesh_);
@@ -42,10 +46,10 @@ class ObjReader {
 
   static bool is_ignored(std::string_view keyword) {
     constexpr std::string_view kIgnored[] = {
-        "vn",     "vt",    "vp",       "s",        "mg",   "usemtl",     "mtllib",    "usemap",
-        "maplib", "bevel", "c_interp", "d_interp", "lod",  "shadow_obj", "trace_obj", "cstype",
-        "deg",    "bmat",  "step",     "parm",     "trim", "hole",       "scrv",      "sp",
-        "end",    "con",   "ctech",    "stech",    "call", "csh"};
+        "vn",    "vt",       "vp",       "s",    "mg",         "usemtl",    "usemap", "maplib",
+        "bevel", "c_interp", "d_interp", "lod",  "shadow_obj", "trace_obj", "cstype", "deg",
+        "bmat",  "step",     "parm",     "trim", "hole",       "scrv",      "sp",     "end",
+        "con",   "ctech",    "stech",    "call", "csh"};
     for (const auto word : kIgnored) {
       if (word == keyword) return true;
     }
@@ -71,6 +75,13 @@ class ObjReader {
     mesh_.parts.push_back({std::string(text::trim(rest)), static_cast<std::uint32_t>(faces)});
   }
 
+  /// Several names, or one with blanks: which it is, the folder will tell.
+  void library(std::string_view rest) {
+    libraries_.emplace_back(text::trim(rest));
+    for (auto word = text::next_word(rest); !word.empty(); word = text::next_word(rest))
+      libraries_.emplace_back(word);
+  }
+
   void vertex(std::string_view rest) {
     Eigen::Vector3f v;
     for (int i = 0; i < 3; ++i) {
@@ -78,8 +89,8 @@ class ObjReader {
       if (word.empty()) fail("a vertex needs three coordinates");
       const text::Number result = text::parse_float(word, v[i]);
       if (result == text::Number::kOverflow)
-        fail(fmt::format("{} overflows a float", text::quoted(word)));
-      if (result != text::Number::kOk) fail(fmt::format("{} is not a number", text::quoted(word)));
+        fail(fmt::format("{} overflows a float", in_quotes(word)));
+      if (result != text::Number::kOk) fail(fmt::format("{} is not a number", in_quotes(word)));
     }
     mesh_.vertices.push_back(v);  // what may follow is a weight or a colour
   }
@@ -100,7 +111,7 @@ class ObjReader {
   std::uint32_t corner(std::string_view word) const {
     std::int64_t number = 0;
     if (!text::parse_int(word, number))
-      fail(fmt::format("{} is not a vertex number", text::quoted(word)));
+      fail(fmt::format("{} is not a vertex number", in_quotes(word)));
     const auto count = static_cast<std::int64_t>(mesh_.vertices.size());
     const std::int64_t from_zero = number > 0                       ? number - 1
                                    : number < 0 && number >= -count ? count + number
@@ -113,6 +124,7 @@ class ObjReader {
 
   text::Lines lines_;
   const std::string& name_;
+  std::vector<std::string>& libraries_;
   std::string joined_;
   std::vector<std::uint32_t> corners_;
   Mesh mesh_;
@@ -120,8 +132,9 @@ class ObjReader {
 
 }  // namespace
 
-Mesh read_obj(std::string_view bytes, const std::string& name) {
-  return ObjReader(bytes, name).read();
+Mesh read_obj(std::string_view bytes, const std::string& name,
+              std::vector<std::string>& libraries) {
+  return ObjReader(bytes, name, libraries).read();
 }
 
 }  // namespace cde::mesh_readers

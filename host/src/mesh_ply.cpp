@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "mesh_readers.hpp"
 #include "text.hpp"
 
@@ -120,13 +121,13 @@ class PlyReader {
       } else if (keyword == "property") {
         property(*line);
       } else {
-        fail(fmt::format("unknown header statement {}", text::quoted(keyword)));
+        fail(fmt::format("unknown header statement {}", in_quotes(keyword)));
       }
     }
     if (!has_format) fail("the header has no 'format'");
     for (const auto& e : elements_) {
       if (e.properties.empty())
-        fail(fmt::format("element {} has no properties", text::quoted(e.name)));
+        fail(fmt::format("element {} has no properties", in_quotes(e.name)));
       if (e.name == "vertex") require(e, {Role::kX, Role::kY, Role::kZ}, "x, y and z");
       if (e.name == "face") require(e, {Role::kCorners}, "a list vertex_indices");
     }
@@ -140,7 +141,7 @@ class PlyReader {
     } else if (word == "binary_big_endian") {
       swap_ = std::endian::native != std::endian::big;
     } else if (!ascii_) {
-      fail(fmt::format("unknown format {}", text::quoted(word)));
+      fail(fmt::format("unknown format {}", in_quotes(word)));
     }
   }
 
@@ -148,11 +149,10 @@ class PlyReader {
     Element e;
     e.name = text::next_word(rest);
     const std::string_view count = text::next_word(rest);
-    if (!text::parse_int(count, e.count))
-      fail(fmt::format("{} is not a count", text::quoted(count)));
+    if (!text::parse_int(count, e.count)) fail(fmt::format("{} is not a count", in_quotes(count)));
     if (e.name == "tristrips") fail("triangle strips are not supported");
     for (const auto& other : elements_) {
-      if (other.name == e.name) fail(fmt::format("element {} stands twice", text::quoted(e.name)));
+      if (other.name == e.name) fail(fmt::format("element {} stands twice", in_quotes(e.name)));
     }
     if (e.name == "vertex") {
       if (e.count > 0xffffffffu)
@@ -171,11 +171,11 @@ class PlyReader {
       p.is_list = true;
       word = text::next_word(rest);
       if (!parse_type(word, p.count_type) || is_float(p.count_type)) {
-        fail(fmt::format("{} is not a type to count with", text::quoted(word)));
+        fail(fmt::format("{} is not a type to count with", in_quotes(word)));
       }
       word = text::next_word(rest);
     }
-    if (!parse_type(word, p.type)) fail(fmt::format("{} is not a type", text::quoted(word)));
+    if (!parse_type(word, p.type)) fail(fmt::format("{} is not a type", in_quotes(word)));
     word = text::next_word(rest);
     if (e.name == "vertex" && !p.is_list) {
       p.role = word == "x"   ? Role::kX
@@ -265,8 +265,7 @@ class PlyReader {
     if (ascii_) {
       std::int64_t value = 0;
       const std::string_view word = ascii_word(e);
-      if (!text::parse_int(word, value))
-        fail(fmt::format("{} is not an integer", text::quoted(word)));
+      if (!text::parse_int(word, value)) fail(fmt::format("{} is not an integer", in_quotes(word)));
       return value;
     }
     switch (type) {
@@ -295,8 +294,8 @@ class PlyReader {
       const std::string_view word = ascii_word(e);
       const text::Number result = text::parse_float(word, value);
       if (result == text::Number::kOverflow)
-        fail(fmt::format("{} overflows a float", text::quoted(word)));
-      if (result != text::Number::kOk) fail(fmt::format("{} is not a number", text::quoted(word)));
+        fail(fmt::format("{} overflows a float", in_quotes(word)));
+      if (result != text::Number::kOk) fail(fmt::format("{} is not a number", in_quotes(word)));
       return value;
     }
     if (type == Type::kFloat32) return binary<float>(e);

@@ -15,10 +15,16 @@
 /// and face count.
 namespace cde::mesh_readers {
 
-[[nodiscard]] Mesh read_obj(std::string_view bytes, const std::string& name);
+/// `libraries`: the names of mtllib statements.
+[[nodiscard]] Mesh read_obj(std::string_view bytes, const std::string& name,
+                            std::vector<std::string>& libraries);
 [[nodiscard]] Mesh read_ply(std::string_view bytes, const std::string& name);
 [[nodiscard]] Mesh read_stl(std::string_view bytes, const std::string& name);
 [[nodiscard]] Mesh read_by_assimp(const std::filesystem::path& path, std::chrono::seconds deadline);
+
+/// Adds a file that the mesh `mesh_file` names, if it is there and not in mesh.files yet: a path of
+/// its own, or relative to the mesh's folder, also with Windows' separators.
+void add_named_file(Mesh& mesh, const std::filesystem::path& mesh_file, std::string name);
 
 /// Triangles of the terrain that load_mesh_or_builtin() makes of "terrain[:QX,QY,SEED]". Error
 /// kUsage if it makes none.

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "mesh_readers.hpp"
 #include "text.hpp"
 
@@ -47,7 +48,7 @@ class AsciiReader {
         line_ = {};
         open_ = true;
       } else {
-        fail(fmt::format("expected 'facet' or 'endsolid', not {}", text::quoted(w)));
+        fail(fmt::format("expected 'facet' or 'endsolid', not {}", in_quotes(w)));
       }
     }
     if (open_) fail("the file ends before 'endsolid': it is truncated");
@@ -73,7 +74,7 @@ class AsciiReader {
     const std::string_view w = word();
     if (w.empty())
       fail(fmt::format("the file ends where '{}' should stand: it is truncated", what));
-    if (w != what) fail(fmt::format("expected '{}', not {}", what, text::quoted(w)));
+    if (w != what) fail(fmt::format("expected '{}', not {}", what, in_quotes(w)));
   }
 
   float number() {
@@ -81,9 +82,8 @@ class AsciiReader {
     float value = 0.0f;
     if (w.empty()) fail("the file ends where a number should stand: it is truncated");
     const text::Number result = text::parse_float(w, value);
-    if (result == text::Number::kOverflow)
-      fail(fmt::format("{} overflows a float", text::quoted(w)));
-    if (result != text::Number::kOk) fail(fmt::format("{} is not a number", text::quoted(w)));
+    if (result == text::Number::kOverflow) fail(fmt::format("{} overflows a float", in_quotes(w)));
+    if (result != text::Number::kOk) fail(fmt::format("{} is not a number", in_quotes(w)));
     return value;
   }
 

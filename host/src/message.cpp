@@ -81,6 +81,15 @@ std::string printable_json(std::string_view json) {
   return escaped(json, "\n", Style::kJson);
 }
 
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t kLongest = 48;  // characters
+  std::string_view rest = text;
+  for (std::size_t n = 0; n < kLongest && !rest.empty(); ++n)
+    rest.remove_prefix(first(rest).length);
+  return fmt::format("'{}{}'", printable_name(text.substr(0, text.size() - rest.size())),
+                     rest.empty() ? "" : "...");
+}
+
 std::string valid_utf8(std::string_view text) {
   std::string out;
   out.reserve(text.size());

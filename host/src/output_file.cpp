@@ -36,9 +36,10 @@ struct Slot {
   std::atomic<const char*> name;
   Slot* next;
 };
-std::atomic<Slot*> slots{nullptr};
+using Slots = std::atomic<Slot*>;
+Slots files{nullptr}, folders{nullptr};
 
-void remember(const char* name) {
+void remember(Slots& slots, const char* name) {
   for (Slot* slot = slots.load(); slot != nullptr; slot = slot->next) {
     const char* none = nullptr;
     if (slot->name.compare_exchange_strong(none, name)) return;
@@ -48,7 +49,7 @@ void remember(const char* name) {
   }
 }
 
-void forget(const char* name) {
+void forget(Slots& slots, const char* name) {
   for (Slot* slot = slots.load(); slot != nullptr; slot = slot->next) {
     const char* expected = name;
     if (slot->name.compare_exchange_strong(expected, nullptr)) return;
@@ -218,7 +219,7 @@ void OutputFile::make_temporary(const fs::path& beside) {
   sweep_unfinished(folder, name);
   for (int attempts = 0; attempts < 100; ++attempts) {
     temporary_ = folder / fmt::format("{}{}{}-{}", name, kMark, ::getpid(), random_word());
-    remember(temporary_.c_str());  // first, so that no signal comes between
+    remember(files, temporary_.c_str());  // first, so that no signal comes between
     const int fd = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd >= 0) {
       // Whoever sweeps sees it locked, or has removed it before it was.
@@ -231,7 +232,7 @@ void OutputFile::make_temporary(const fs::path& beside) {
       ::unlink(temporary_.c_str());
     }
     const int number = fd >= 0 ? EEXIST : errno;
-    forget(temporary_.c_str());
+    forget(files, temporary_.c_str());
     if (number == EEXIST) continue;
     temporary_.clear();
     errno = number;
@@ -247,7 +248,7 @@ OutputFile::~OutputFile() {
   if (spool_ != nullptr) std::fclose(spool_);
   if (temporary_.empty()) return;
   ::unlink(temporary_.c_str());
-  forget(temporary_.c_str());
+  forget(files, temporary_.c_str());
 }
 
 void OutputFile::fail(const char* doing) const {
@@ -297,13 +298,59 @@ void OutputFile::commit() {
   } else {
     ::unlink(temporary_.c_str());
   }
-  forget(temporary_.c_str());
+  forget(files, temporary_.c_str());
   temporary_.clear();
 }
 
 void OutputFile::remove_unfinished() noexcept {
-  for (const Slot* slot = slots.load(); slot != nullptr; slot = slot->next)
+  for (const Slot* slot = files.load(); slot != nullptr; slot = slot->next)
     if (const char* name = slot->name.load()) ::unlink(name);
+  // Whatever order they are in: as often as there are some.
+  for (const Slot* pass = folders.load(); pass != nullptr; pass = pass->next)
+    for (const Slot* slot = folders.load(); slot != nullptr; slot = slot->next)
+      if (const char* name = slot->name.load()) ::rmdir(name);
+}
+
+OutputFolder::OutputFolder(const fs::path& path) {
+  std::error_code none;
+  std::vector<fs::path> missing;
+  for (fs::path one = fs::absolute(path).lexically_normal(); !fs::exists(one, none);
+       one = one.parent_path())
+    missing.push_back(one);
+  made_.reserve(missing.size());  // names stay where handlers look for them
+  for (auto one = missing.rbegin(); one != missing.rend(); ++one) {
+    if (!one->has_filename()) continue;  // of "folder/"
+    if (::mkdir(one->c_str(), 0777) != 0) {
+      const int number = errno;
+      if (number == EEXIST && fs::is_directory(*one, none)) continue;
+      take_back();
+      cde::fail(path, "create", number);
+    }
+    made_.push_back(one->string());
+    remember(folders, made_.back().c_str());
+  }
+  if (!fs::is_directory(path, none)) {
+    take_back();
+    cde::fail(path, "create", ENOTDIR);
+  }
+}
+
+OutputFolder::~OutputFolder() {
+  take_back();
+}
+
+/// Not if there is something in it.
+void OutputFolder::take_back() {
+  for (auto one = made_.rbegin(); one != made_.rend(); ++one) {
+    ::rmdir(one->c_str());
+    forget(folders, one->c_str());
+  }
+  made_.clear();
+}
+
+void OutputFolder::keep() {
+  for (const std::string& one : made_) forget(folders, one.c_str());
+  made_.clear();
 }
 
 void write_file(const fs::path& path, std::string_view bytes) {

@@ -7,6 +7,7 @@
 
 #include "card_link.hpp"
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "cde/pci.hpp"
 #include "pci_port.hpp"
 #include "waves.hpp"
@@ -156,7 +157,8 @@ class PciLink final : public CardLink {
                   "this bitstream has no waves; open the board with BoardConfig::trace");
     }
     if (api().trace_open(port_.host(), file.c_str()) != 0)
-      throw Error(ErrorCode::kFile, fmt::format("{}: cannot write waves", file.string()));
+      throw Error(ErrorCode::kFile,
+                  fmt::format("{}: cannot write waves", printable_name(file.string())));
   }
   void trace_close() override { require_whole_waves(api().trace_close(port_.host())); }
   bool flip_ddr(std::uint64_t byte, std::uint8_t mask) override {

@@ -28,7 +28,11 @@ PciPort::PciPort(Bitstream bitstream, const OpenOptions& options, std::uint64_t 
       .seed = 1,
       .profile = {p.arbitration, p.read_latency, p.write_latency, 0, 0}};
   host_ = api_->create(&card_options);
-  if (host_ == nullptr) throw Error(ErrorCode::kDevice, "no memory for the card's models");
+  if (host_ == nullptr)
+    throw Error(ErrorCode::kDevice,
+                fmt::format("no memory for the card's models: they reserve {} MB of address space "
+                            "for its DDR and SRAM, and use little of it (ulimit -v)",
+                            kModelBytes >> 20));
 }
 
 void PciPort::reset() {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "file_io.hpp"
 #include "text.hpp"
 
@@ -70,7 +71,7 @@ float parse_number(const Field& at, std::size_t field, const Place& place) {
   if (result != text::Number::kOk) {
     place.fail(
         ErrorCode::kFile, at.column,
-        fmt::format("{}: {} {}", name, text::quoted(at.text),
+        fmt::format("{}: {} {}", name, in_quotes(at.text),
                     result == text::Number::kOverflow ? "overflows a float" : "is not a number"));
   }
   if (std::isnan(value))
@@ -134,7 +135,7 @@ Columns parse_header(std::string_view line, const Place& place) {
     const auto found = std::find(kFields.begin(), kFields.end(), name);
     if (found == kFields.end())
       place.fail(ErrorCode::kFile, at.column,
-                 fmt::format("unknown column {}; {}", text::quoted(name), kExpectedNames));
+                 fmt::format("unknown column {}; {}", in_quotes(name), kExpectedNames));
     const auto field = static_cast<std::size_t>(found - kFields.begin());
     if (seen[field])
       place.fail(ErrorCode::kFile, at.column,
@@ -172,7 +173,7 @@ std::vector<Ray> parse(std::string_view bytes, std::string_view name) {
 }  // namespace
 
 std::vector<Ray> read_rays_csv(const std::filesystem::path& path) {
-  return parse(file_io::read(path), path.string());
+  return parse(file_io::read(path), printable_name(path.string()));
 }
 
 std::vector<Ray> read_rays_csv(std::istream& in, std::string_view name) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "cde/message.hpp"
 #include "file_io.hpp"
 #include "scene_parts.hpp"
 #include "text.hpp"
@@ -31,7 +32,7 @@ SceneCard read_card(Table t) {
     for (const std::string& text : t.texts("pairs")) {
       const auto pair = pair_named(text);
       if (!pair)
-        t.fail("pairs", fmt::format("there is no pair {}{}", text::quoted(text),
+        t.fail("pairs", fmt::format("there is no pair {}{}", in_quotes(text),
                                     toml_reader::suggestion(text, pair_names())));
       if (std::find(card.pairs.begin(), card.pairs.end(), *pair) == card.pairs.end())
         card.pairs.push_back(*pair);
@@ -79,7 +80,7 @@ struct Names {
     if (found != numbers.end()) return found->second;
     std::vector<std::string> all;
     for (const auto& [known, number] : numbers) all.push_back(known);
-    t.fail(key, fmt::format("there is no object {}{}", text::quoted(name),
+    t.fail(key, fmt::format("there is no object {}{}", in_quotes(name),
                             toml_reader::suggestion(name, all)));
   }
 };
@@ -93,11 +94,11 @@ void check_ancestors(const Scene& scene, std::size_t number, const Table& t) {
     const SceneObject& parent = scene.objects[*above];
     if (!seen.insert(*above).second)
       t.fail("parent", fmt::format("objects {} and {} follow each other in a circle",
-                                   text::quoted(object.name), text::quoted(parent.name)));
+                                   in_quotes(object.name), in_quotes(parent.name)));
     if (has_member_poses(parent))
       t.fail(ErrorCode::kUsage, "parent",
              fmt::format("every shape of {} moves on its own; none of them can be followed",
-                         text::quoted(parent.name)));
+                         in_quotes(parent.name)));
     turned = turned || rotates(parent.motion);
   }
   if (turned && shape_of(object.shapes) == Shape::kAabb)
@@ -132,8 +133,8 @@ Shape common_shape(const Scene& scene, const std::vector<std::size_t>& objects, 
     if (object.shapes.index() != first.shapes.index())
       t.fail(ErrorCode::kUsage, key,
              fmt::format("{} holds {}s and {} {}s; a query takes one shape on each side",
-                         text::quoted(first.name), name(shape_of(first.shapes)),
-                         text::quoted(object.name), name(shape_of(object.shapes))));
+                         in_quotes(first.name), name(shape_of(first.shapes)),
+                         in_quotes(object.name), name(shape_of(object.shapes))));
   }
   return shape_of(first.shapes);
 }
@@ -143,7 +144,7 @@ std::vector<std::size_t> read_group(const Names& names, Table& t, const char* ke
   for (const std::string& name : t.texts(key)) {
     const std::size_t number = names.find(t, key, name);
     if (std::find(group.begin(), group.end(), number) != group.end())
-      t.fail(key, fmt::format("names {} twice", text::quoted(name)));
+      t.fail(key, fmt::format("names {} twice", in_quotes(name)));
     group.push_back(number);
   }
   return group;
@@ -154,7 +155,7 @@ void check_name(const Table& t, const std::string& name) {
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
   if (name.empty() || name.size() > 64 || name.find_first_not_of(kLegal) != std::string::npos)
     t.fail("name", fmt::format("{} becomes part of file names: 1 to 64 of letters, digits, _ and -",
-                               text::quoted(name)));
+                               in_quotes(name)));
 }
 
 SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {

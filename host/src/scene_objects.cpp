@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "cde/camera.hpp"
+#include "cde/message.hpp"
 #include "cde/rays_csv.hpp"
 #include "mesh_readers.hpp"
 #include "scene_parts.hpp"
@@ -298,6 +299,7 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
     Mesh mesh = read_mesh(t, folder, object.file, memory);
     object.source = fmt::format("{}, {} triangles", mesh.name, mesh.faces.size());
     object.shapes = triangles_of(mesh);
+    object.more_files = mesh.files;
     if (auto deform = t.table("deform")) {
       object.deform = read_deformation(*deform, mesh);
       object.mesh = std::move(mesh);
@@ -361,7 +363,7 @@ SceneObject read_object(Table& t, const std::filesystem::path& folder, Memory& m
   SceneObject object;
   object.name = t.text("name");
   if (object.name.empty()) t.fail("name", "is empty");
-  t = t.named(fmt::format("object {}", text::quoted(object.name)));
+  t = t.named(fmt::format("object {}", in_quotes(object.name)));
   t.also_known({"motion", "parent", "deform", "scale"});
   read_source(t, folder, object, memory);
   if (auto motion = t.table("motion")) object.motion = read_motion(*motion, object);

@@ -79,14 +79,4 @@ std::string_view next_word(std::string_view& line) {
   return word;
 }
 
-std::string quoted(std::string_view text) {
-  constexpr std::size_t kLongest = 32;
-  std::string out = "'";
-  for (const char c : text.substr(0, kLongest)) {
-    const auto byte = static_cast<unsigned char>(c);
-    out += (byte < 0x20 || byte == 0x7f) ? '?' : c;
-  }
-  return out + (text.size() > kLongest ? "...'" : "'");
-}
-
 }  // namespace cde::text

@@ -50,7 +50,4 @@ template <typename Table, typename Enum>
   return table[number];
 }
 
-/// Printable and short form of text from a file, for messages.
-[[nodiscard]] std::string quoted(std::string_view text);
-
 }  // namespace cde::text

@@ -68,8 +68,9 @@ toml::table parse(std::string_view text, const std::string& file) {
   try {
     return toml::parse(text, file);
   } catch (const toml::parse_error& e) {
-    throw Error(ErrorCode::kFile, fmt::format("{}:{}:{}: {}", file, e.source().begin.line,
-                                              e.source().begin.column, e.description()));
+    throw Error(ErrorCode::kFile,
+                fmt::format("{}:{}:{}: {}", printable_name(file), e.source().begin.line,
+                            e.source().begin.column, e.description()));
   }
 }
 
@@ -83,8 +84,8 @@ std::string Table::path(const char* key) const {
 void Table::fail_at(ErrorCode code, const toml::source_position& at, const char* key,
                     const std::string& why) const {
   const std::string path = this->path(key);
-  throw Error(code, fmt::format("{}:{}:{}: {}{}{}", *file_, at.line, at.column, path,
-                                path.empty() ? "" : ": ", printable_name(why)));
+  throw Error(code, fmt::format("{}:{}:{}: {}{}{}", printable_name(*file_), at.line, at.column,
+                                path, path.empty() ? "" : ": ", printable_name(why)));
 }
 
 void Table::fail(ErrorCode code, const char* key, const std::string& why) const {
@@ -126,7 +127,7 @@ void Table::finish() const {
     if (std::find(known_.begin(), known_.end(), key.str()) != known_.end()) continue;
     const std::string name(key.str());
     fail_at(ErrorCode::kFile, key.source().begin, "",
-            fmt::format("there is no key {} here{}", text::quoted(name), suggestion(name, known_)));
+            fmt::format("there is no key {} here{}", in_quotes(name), suggestion(name, known_)));
   }
 }
 
@@ -253,7 +254,7 @@ std::vector<Range> Table::number_ranges(const char* key, std::int64_t max) {
         !text::parse_int(std::string_view(range).substr(0, dots), first) ||
         !text::parse_int(std::string_view(range).substr(dots + 2), last))
       fail_at(ErrorCode::kFile, value.source().begin, key,
-              fmt::format("{} is not FIRST..LAST", text::quoted(range)));
+              fmt::format("{} is not FIRST..LAST", in_quotes(range)));
     add(value, first, last);
   }
   std::sort(all.begin(), all.end(),
@@ -279,7 +280,7 @@ std::size_t Table::choice(const char* key, const std::vector<std::string>& words
   const std::string word = text(key);
   const auto found = std::find(words.begin(), words.end(), word);
   if (found == words.end())
-    fail(key, fmt::format("{} is none of {}{}", text::quoted(word), fmt::join(words, ", "),
+    fail(key, fmt::format("{} is none of {}{}", in_quotes(word), fmt::join(words, ", "),
                           suggestion(word, words)));
   return static_cast<std::size_t>(found - words.begin());
 }
@@ -319,7 +320,7 @@ std::string Table::one_of(const std::vector<std::string>& keys) {
       const std::string name(key.str()), meant = suggestion(name, keys);
       if (!meant.empty() && std::find(known_.begin(), known_.end(), name) == known_.end())
         fail_at(ErrorCode::kFile, key.source().begin, "",
-                fmt::format("there is no key {} here{}", text::quoted(name), meant));
+                fmt::format("there is no key {} here{}", in_quotes(name), meant));
     }
     fail(ErrorCode::kFile, "", fmt::format("there must be one of {}", fmt::join(keys, ", ")));
   }

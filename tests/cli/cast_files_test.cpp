@@ -105,7 +105,7 @@ TEST_F(CastFiles, OtherSuffixesAreRefused) {
   refused(with("-o", "x.txt"), "must end in .csv, .npy or .jsonl");
   refused(with("--fields", "u"), "--fields is of records");
   refused(with("--up", "w"), "--up is 'w'; it must be x, y or z");
-  refused({"one.obj", "--grid", "4x2", "-o", "x.csv", "--fields", "u,w"}, "--fields has 'w'");
+  refused({"one.obj", "--grid", "4x2", "-o", "x.csv", "--fields", "u,w"}, "no field 'w'");
   refused({"one.obj", "--grid", "4x2", "-o", "x.npy", "--bits"}, "--bits is of CSV");
   refused({"one.obj", "--ray", "0,0,0,0,0,1", "--shadows"}, "--shadows is of --shaded");
 }

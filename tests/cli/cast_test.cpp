@@ -253,7 +253,7 @@ TEST_F(Cast, BadInputIsRefusedAndNamed) {
     return words;
   };
   const std::string ray = "0,0,0,0,0,1";
-  refused({"cast"}, "mesh is required");
+  refused({"cast"}, "cde cast needs MESH");
   refused({"cats"}, "no verb 'cats'; did you mean cast?");
   refused(with({"one.obj", "--ray", ray, "--no-such-option"}), "--no-such-option");
   refused(with({"missing.obj", "--ray", ray}), "missing.obj");

@@ -257,13 +257,13 @@ TEST_F(Query, NoPairsHaveNoSpeed) {
 }
 
 TEST_F(Query, WrongUsageIsRefused) {
-  refused({"sphere-cube"}, "no pair 'sphere-cube'; there are: ray-triangle, obb-obb");
+  refused({"teapot"}, "no pair 'teapot'; there are: ray-triangle, obb-obb");
   refused({"ray-triangle", "--algorithm", "mollar"}, "--algorithm is 'mollar'; it must be moller");
   refused({"sphere-sphere", "--algorithm", "badouel"}, "sphere-sphere has no choice of algorithm");
   refused({"sphere-sphere", "--half-space"}, "sphere-sphere has no half-space");
   refused({"sphere-sphere", "--arith", "gates"}, "--arith is 'gates'; it must be host or rtl");
   refused({"sphere-sphere", "--facet-interval", "3"}, "sphere-sphere has no facets");
-  refused({"obb-obb", "--facet-interval", "2"}, "facet interval is 2, expected 1 or 3");
+  refused({"obb-obb", "--facet-interval", "2"}, "--facet-interval is '2'; it must be 1 or 3");
   refused({"sphere-sphere", "--lanes", "0"}, "--lanes is '0'; it must be a whole number, 1 to 256");
   refused({"sphere-sphere", "--lanes", "257"},
           "--lanes is '257'; it must be a whole number, 1 to 256");
@@ -280,7 +280,7 @@ TEST_F(Query, WrongUsageIsRefused) {
           "--budget is 13; cylinder-cylinder takes at least 14 evaluations");
   refused({"obb-cylinder", "--budget", "29"},
           "--budget is 29; obb-cylinder takes at least 30 evaluations");
-  refused({}, "pair is required");
+  refused({}, "cde query needs PAIR");
 }
 
 TEST_F(Query, BudgetSetsTheWorkOfACylinderPair) {
@@ -788,7 +788,7 @@ TEST_F(Inventory, TextMarkdownAndUsage) {
   refused({"inventory", "sphere-cube"}, "no pair 'sphere-cube'");
   refused({"inventory", "--latencies", "1,2,3"}, "--latencies is '1,2,3'; it must be");
   refused({"inventory", "--latencies", "0,1,1,1,1"}, "--latencies is '0,1,1,1,1'; it must be");
-  refused({"inventory", "--facet-interval", "2"}, "facet interval is 2, expected 1 or 3");
+  refused({"inventory", "--facet-interval", "2"}, "--facet-interval is '2'; it must be 1 or 3");
   refused({"inventory", "--json", "--markdown"}, "excludes");
 }
 

@@ -139,9 +139,7 @@ void check_picture_names(const CastOptions& o) {
     const Format is = format_of(w.path);
     const bool fits =
         is == Format::kPng || (is == Format::kPfm && w.pfm) || (is == Format::kNpy && w.npy);
-    if (!fits)
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("{} is '{}'; its name must end in {}", w.option, w.path, w.may_be));
+    if (!fits) wrong_suffix(w.option, w.path, w.may_be);
   }
 }
 
@@ -164,7 +162,7 @@ Picture::Picture(const CastOptions& options, const CastJob& job)
     throw Error(
         ErrorCode::kCapacity,
         fmt::format("a picture of {} x {} pixels takes {} MB for what was asked for; the "
-                    "limit on this machine is {} MB (records with -o take none)",
+                    "limit here is {} MB (records with -o take none)",
                     job_.picture->width, job_.picture->height, (each * pixels) >> 20, most >> 20));
   }
   hit_.reserve(pixels);

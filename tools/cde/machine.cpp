@@ -1,11 +1,15 @@
 #include "machine.hpp"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <sys/utsname.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <thread>
+
+#include "cde/memory.hpp"
 
 namespace cde::cli {
 
@@ -23,9 +27,16 @@ nlohmann::ordered_json machine_json() {
 }
 
 std::uint64_t memory_limit() {
-  const auto there = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
-                     static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-  return there / 4 * 3;
+  const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  std::uint64_t most = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * page;
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+    std::uint64_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    const std::uint64_t used = pages * page + kModelBytes;
+    most = std::min<std::uint64_t>(most, limit.rlim_cur > used ? limit.rlim_cur - used : 0);
+  }
+  return most / 4 * 3;
 }
 
 }  // namespace cde::cli

@@ -8,10 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "cde/error.hpp"
 #include "help.hpp"
 #include "output.hpp"
 #include "streams.hpp"
-#include "suggest.hpp"
+#include "typed.hpp"
 #include "verbs.hpp"
 #include "version.hpp"
 
@@ -22,31 +23,19 @@ static void complain(const std::string& message) {
   cde::say(message + "\n");
 }
 
-/// What the parser did not understand; 2, or 0 if it was a question.
-static int explain(const CLI::App& app, const CLI::ParseError& e,
-                   const std::vector<std::string>& words) {
-  if (e.get_exit_code() == 0) return app.exit(e);  // help and version, on stdout
-  if (app.get_subcommands().empty()) {
-    if (const auto verb = cde::cli::unknown_verb(app, words)) {
-      complain(*verb);
-      return 2;
-    }
-    if (words.empty()) {
-      cde::say(app.help());
-      return 2;
-    }
-  }
-  const auto rest = cde::cli::left_over(app);
-  complain(rest ? *rest : e.what());
-  return 2;
-}
-
 /// What the words ask for; the exit status.
-static int run(CLI::App& app, int argc, char** argv) {
+static int run(CLI::App& app, const std::vector<std::string>& words) {
+  if (words.empty()) {
+    cde::say(app.help());
+    return 2;
+  }
+  std::vector<std::string> args = cde::cli::understood(app, words);
+  std::reverse(args.begin(), args.end());  // CLI11 takes them from the back
   try {
-    app.parse(argc, argv);
+    app.parse(args);
   } catch (const CLI::ParseError& e) {
-    return explain(app, e, {argv + std::min(argc, 1), argv + argc});
+    if (e.get_exit_code() == 0) return app.exit(e);  // help and version, on stdout
+    throw cde::Error(cde::ErrorCode::kUsage, e.what());
   }
   return cde::cli::exit_code;
 }
@@ -71,5 +60,9 @@ int main(int argc, char** argv) {
   cde::cli::add_fp(app);
   cde::cli::add_help(app);                                    // knows those before it
   app.set_help_all_flag("--help-all", "Help of every verb");  // not one of the verbs
-  return cde::cli::exit_status_of([&] { return run(app, argc, argv); }, complain);
+  return cde::cli::exit_status_of(
+      [&] {
+        return run(app, {argv + std::min(argc, 1), argv + argc});
+      },
+      complain);
 }

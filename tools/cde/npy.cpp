@@ -2,15 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstring>
-#include <fstream>
+#include <istream>
 #include <iterator>
 #include <regex>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 
 namespace cde::cli {
 namespace {
@@ -22,9 +21,7 @@ constexpr std::string_view kMagic("\x93NUMPY", 6);
   throw Error(code, fmt::format("{}: {}", path, why));
 }
 
-std::string bytes_of(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) fail(path, fmt::format("cannot be opened: {}", std::strerror(errno)));
+std::string bytes_of(std::istream& in, const std::string& path) {
   std::string bytes(std::istreambuf_iterator<char>(in), {});
   if (in.bad()) fail(path, "cannot be read");
   return bytes;
@@ -55,18 +52,19 @@ Array parse(const std::string& path, std::string_view bytes) {
   Array array;
   const std::string type = value("descr", "'([^']*)'");
   if (type != "<f4" && type != "<f8")
-    fail(path, fmt::format("its numbers are '{}'; rays are '<f4' or '<f8'", type));
+    fail(path, fmt::format("its numbers are {}; rays are '<f4' or '<f8'", in_quotes(type)));
   array.wide = type == "<f8";
   if (value("fortran_order", "(True|False)") != "False")
     fail(path, "is in Fortran order; rays are rows in C order");
-  const std::string shape = value("shape", "\\(([0-9, ]*)\\)");
+  const std::string shape = value("shape", "(\\([^)]*\\))");
   int used = 0;
   unsigned long long rows = 0, columns = 0;
-  if (std::sscanf(shape.c_str(), "%19llu, %19llu%n", &rows, &columns, &used) != 2 ||
+  if (shape.find('-') != std::string::npos ||
+      std::sscanf(shape.c_str(), "(%19llu, %19llu)%n", &rows, &columns, &used) != 2 ||
       static_cast<std::size_t>(used) != shape.size() || columns < 6 || columns > 8)
-    fail(path, fmt::format("its shape is ({}); rays are N x 6, 7 or 8: ox, oy, oz, dx, dy, dz, "
+    fail(path, fmt::format("its shape is {}; rays are N x 6, 7 or 8: ox, oy, oz, dx, dy, dz, "
                            "tmin, tmax",
-                           shape));
+                           shape.empty() ? "none" : printable_name(shape)));
   array.rows = rows;
   array.columns = columns;
   array.data = bytes.substr(start + length);
@@ -92,8 +90,8 @@ std::string npy_header(std::string_view type, const std::vector<std::uint64_t>& 
   return all + header;
 }
 
-std::vector<Ray> read_rays_npy(const std::string& path) {
-  const std::string bytes = bytes_of(path);
+std::vector<Ray> read_rays_npy(std::istream& in, const std::string& path) {
+  const std::string bytes = bytes_of(in, path);
   const Array array = parse(path, bytes);
   std::vector<Ray> rays;
   rays.reserve(array.rows);

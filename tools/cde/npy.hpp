@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <iosfwd>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,8 +14,12 @@ namespace cde::cli {
 [[nodiscard]] std::string npy_header(std::string_view type,
                                      const std::vector<std::uint64_t>& shape);
 
-/// Rays from a file, an array of N x 6, 7 or 8 numbers in binary32 or binary64: ox, oy, oz, dx, dy,
-/// dz, tmin, tmax. Errors: kFile for another array, kBadInput naming the first bad ray.
-[[nodiscard]] std::vector<Ray> read_rays_npy(const std::string& path);
+/// What such a file begins with, and no text does.
+inline constexpr int kNpyFirstByte = 0x93;
+
+/// Rays from a file, of which `name` is what messages say, an array of N x 6, 7 or 8 numbers in
+/// binary32 or binary64: ox, oy, oz, dx, dy, dz, tmin, tmax. Errors: kFile for another array,
+/// kBadInput naming the first bad ray.
+[[nodiscard]] std::vector<Ray> read_rays_npy(std::istream& in, const std::string& name);
 
 }  // namespace cde::cli

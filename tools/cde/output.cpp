@@ -18,8 +18,11 @@ namespace {
 
 constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
 
+bool terminal = false;
+
 extern "C" void remove_unfinished(int signal) {
   OutputFile::remove_unfinished();
+  if (terminal) (void)!::write(STDERR_FILENO, "\n", 1);  // behind ^C and a line of progress
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }
@@ -31,6 +34,7 @@ void handle(int signal, void (*handler)(int)) {
 
 void install_removal() {
   static const bool installed = [] {
+    terminal = ::isatty(STDERR_FILENO) != 0;
     for (const int signal : kSignals) handle(signal, remove_unfinished);
     return true;
   }();

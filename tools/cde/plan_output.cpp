@@ -80,7 +80,7 @@ nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
 
 void print_plan(const Scene& scene, const Plan& plan) {
   constexpr std::size_t kName = 28, kChoice = 18;
-  put("{}: {} object{}, {} quer{}, {} frame{}\n", scene.file, scene.objects.size(),
+  put("{}: {} object{}, {} quer{}, {} frame{}\n", printable_name(scene.file), scene.objects.size(),
       scene.objects.size() == 1 ? "" : "s", scene.queries.size(),
       scene.queries.size() == 1 ? "y" : "ies", scene.frames, scene.frames == 1 ? "" : "s");
   for (const bool used : {true, false}) {

@@ -6,10 +6,12 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "cde/error.hpp"
 #include "npy.hpp"
 #include "suffix.hpp"
+#include "values.hpp"
 
 namespace cde::cli {
 namespace {
@@ -46,19 +48,18 @@ RecordFile::Kind RecordFile::kind_of(const std::string& path) {
   if (name.nameless || name.text == ".csv") return Kind::kCsv;
   if (name.text == ".npy") return Kind::kNpy;
   if (name.text == ".jsonl") return Kind::kJsonLines;
-  throw Error(ErrorCode::kUsage,
-              fmt::format("--output is '{}'; its name must end in .csv, .npy or .jsonl", path));
+  wrong_suffix("--output", path, ".csv, .npy or .jsonl");
 }
 
 std::vector<Field> RecordFile::parse(const std::vector<std::string>& fields) {
   std::vector<Field> all;
   for (const std::string& text : fields) {
-    const auto found = std::find(kNames.begin(), kNames.end(), text);
-    if (found == kNames.end())
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("--fields has '{}'; there are: {}", text, fmt::join(kNames, ", ")));
-    const auto field = static_cast<Field>(found - kNames.begin());
-    if (std::find(all.begin(), all.end(), field) == all.end()) all.push_back(field);
+    must_be_known(text, field_names(), "field");
+    const auto field =
+        static_cast<Field>(std::find(kNames.begin(), kNames.end(), text) - kNames.begin());
+    if (std::find(all.begin(), all.end(), field) != all.end())
+      throw Error(ErrorCode::kUsage, fmt::format("--fields has '{}' twice", text));
+    all.push_back(field);
   }
   return all;
 }
@@ -82,7 +83,6 @@ RecordFile::RecordFile(const std::string& path, bool bits, const std::vector<std
       count_(count),
       file_(path) {
   for (const MeshPart& part : mesh_.parts) node_bytes_ = std::max(node_bytes_, part.name.size());
-  if (kind_ == Kind::kCsv || count_) head();
 }
 
 std::string RecordFile::npy_fields() const {
@@ -110,7 +110,9 @@ std::string RecordFile::npy_fields() const {
   return fields + "]";
 }
 
+/// Before the first records, so that a card that fails leaves nothing on stdout.
 void RecordFile::head() {
+  if (std::exchange(has_head_, true)) return;
   if (kind_ == Kind::kNpy) file_.write(npy_header(npy_fields(), {*count_}));
   if (kind_ != Kind::kCsv) return;
   std::string line = "ray,F,T,CPx,CPy,CPz,index";
@@ -217,6 +219,7 @@ void RecordFile::add(std::span<const Record> records) {
     if (kind_ == Kind::kJsonLines) json_line(r);
   }
   written_ += records.size();
+  if (!waits) head();
   if (!waits) file_.write({text_.data(), text_.size()});
 }
 
@@ -226,6 +229,7 @@ void RecordFile::commit() {
     head();
     file_.write({text_.data(), text_.size()});
   }
+  head();
   if (kind_ == Kind::kNpy && *count_ != written_)
     throw Error(ErrorCode::kDevice, fmt::format("{} records came of {}", written_, *count_));
   file_.commit();

@@ -62,6 +62,7 @@ class RecordFile {
   const Mesh& mesh_;
   RayView rays_;
   std::optional<std::uint64_t> count_;  ///< of records, in the header of .npy
+  bool has_head_ = false;
   std::uint64_t written_ = 0;
   std::size_t node_bytes_ = 1;  ///< of the longest name of a node
   OutputFile file_;

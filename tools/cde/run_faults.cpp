@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 
 namespace cde::cli {
 
@@ -18,7 +19,7 @@ std::vector<ScheduledFault> faults_of(const std::vector<std::string>& texts, con
     if (frame < first || frame > last)
       throw Error(ErrorCode::kUsage, fmt::format("--fault {}: frame {} is not among {}..{}, which "
                                                  "are played",
-                                                 text, frame, first, last));
+                                                 in_quotes(text), frame, first, last));
   }
   return faults;
 }

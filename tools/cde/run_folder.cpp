@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "cde/output_file.hpp"
 #include "streams.hpp"
 
@@ -54,14 +55,8 @@ RunFolder::RunFolder(fs::path path, const Scene& scene, const std::vector<std::s
     : path_(std::move(path)) {
   if (path_ == "-") throw Error(ErrorCode::kUsage, "--out is a folder; it cannot be stdout");
   make_and_lock();
-  try {
-    check_names(scene, beside);
-    if (!made_) look();
-  } catch (...) {
-    take_back();
-    unlock();
-    throw;
-  }
+  check_names(scene, beside);
+  if (!made_->made()) look();
 }
 
 void RunFolder::make_and_lock() {
@@ -69,47 +64,50 @@ void RunFolder::make_and_lock() {
     throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(path_.string()), why));
   };
   for (;;) {
-    std::error_code error;
-    made_ = fs::create_directories(path_, error);
-    if (error) fail(error.message());
+    made_.emplace(path_);
     // Not inherited, or a compiler that outlives the command would hold it.
-    lock_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (lock_ < 0 && errno == ENOENT) continue;  // another run has just taken it back
-    if (lock_ < 0) fail(std::strerror(errno));   // NOLINT(concurrency-mt-unsafe)
+    lock_.folder = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (lock_.folder < 0 && errno == ENOENT) continue;  // another run has just taken it back
+    if (lock_.folder < 0) fail(std::strerror(errno));   // NOLINT(concurrency-mt-unsafe)
     // File systems that lock no folders have no other lock to offer either.
-    if (::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-      unlock();
+    if (::flock(lock_.folder, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      made_->keep();  // it is that run's
       throw Error(ErrorCode::kUsage, fmt::format("{} is the folder of a run that goes on: wait for "
                                                  "its end, or let --out name another folder",
                                                  printable_name(path_.string())));
     }
     struct stat locked {
     }, named{};
-    if (::fstat(lock_, &locked) == 0 && ::stat(path_.c_str(), &named) == 0 &&
+    if (::fstat(lock_.folder, &locked) == 0 && ::stat(path_.c_str(), &named) == 0 &&
         locked.st_dev == named.st_dev && locked.st_ino == named.st_ino)
       return;
-    unlock();  // it was taken back and perhaps made again
+    made_->keep();  // it was taken back and perhaps made again, by another run
+    lock_.release();
   }
 }
 
-void RunFolder::unlock() {
-  if (lock_ >= 0) ::close(std::exchange(lock_, -1));
+void RunFolder::Lock::release() {
+  if (folder >= 0) ::close(std::exchange(folder, -1));
 }
 
 void RunFolder::check_names(const Scene& scene, const std::vector<std::string>& beside) {
   const auto inside = [&](const fs::path& file, const char* what) {
     if (!file.empty() && is_in(file, path_))
-      throw Error(ErrorCode::kUsage, fmt::format("--out is {}, where {} {} is", path_.string(),
-                                                 what, file.filename().string()));
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--out is {}, where {} {} is", printable_name(path_.string()), what,
+                              printable_name(file.filename().string())));
   };
   inside(scene.file, "the scene");
-  for (const SceneObject& object : scene.objects) inside(object.file, "its input");
+  for (const SceneObject& object : scene.objects) {
+    inside(object.file, "its input");
+    for (const fs::path& file : object.more_files) inside(file, "its input");
+  }
   for (const std::string& file : beside) {
     if (file.empty() || !is_in(file, path_)) continue;
     const std::string name = fs::path(file).filename();
     if (name == kMarker || is_record_name(name))
       throw Error(ErrorCode::kUsage,
-                  fmt::format("{} has the name of a file that --out is for", file));
+                  fmt::format("{} has the name of a file that --out is for", printable_name(file)));
     beside_.push_back(name);
   }
 }
@@ -127,26 +125,17 @@ void RunFolder::look() {
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} is not empty and not the folder of a run, which has a {}: it is "
                               "left as it is; --out names another",
-                              path_.string(), kMarker));
+                              printable_name(path_.string()), kMarker));
     const bool ours = name == kMarker || is_record_name(name) ||
                       std::find(beside.begin(), beside.end(), name) != beside.end();
     if (!ours || entry.is_directory())
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("{} is not of the run that {} holds: take it away, or let --out name "
-                              "another folder",
-                              entry.path().string(), path_.string()));
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("{} is not of the run that {} holds: take it away, or let --out name "
+                      "another folder",
+                      printable_name(entry.path().string()), printable_name(path_.string())));
     old_.push_back(entry.path());
   }
-}
-
-RunFolder::~RunFolder() {
-  if (!begun_) take_back();
-  unlock();
-}
-
-void RunFolder::take_back() const {
-  std::error_code error;
-  if (made_) fs::remove(path_, error);  // not if there is something in it
 }
 
 void RunFolder::begin(Json json) {
@@ -154,11 +143,12 @@ void RunFolder::begin(Json json) {
   for (const fs::path& file : old_) {
     std::error_code error;
     if (file.filename() != kMarker && !fs::remove(file, error) && error)
-      throw Error(ErrorCode::kFile,
-                  fmt::format("{}: cannot remove: {}", file.string(), error.message()));
+      throw Error(ErrorCode::kFile, fmt::format("{}: cannot remove: {}",
+                                                printable_name(file.string()), error.message()));
   }
   sweep_unfinished(path_);
   begun_ = true;
+  made_->keep();
   json["finished"] = false;
   write(json);
 }

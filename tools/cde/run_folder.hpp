@@ -1,10 +1,12 @@
 #pragma once
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "cde/output_file.hpp"
 #include "cde/scene.hpp"
 
 namespace cde::cli {
@@ -20,10 +22,6 @@ class RunFolder {
   /// of the `beside` (--report,
   /// --trace) would have the name of a file of the run.
   RunFolder(std::filesystem::path path, const Scene& scene, const std::vector<std::string>& beside);
-  /// Takes the folder away again if the object has made it and there is nothing in it.
-  ~RunFolder();
-  RunFolder(const RunFolder&) = delete;
-  RunFolder& operator=(const RunFolder&) = delete;
 
   /// Removes the run that was there, and from now on there is this one.
   void begin(nlohmann::ordered_json json);
@@ -39,16 +37,24 @@ class RunFolder {
   [[nodiscard]] const std::vector<std::string>& beside() const { return beside_; }
 
  private:
+  /// Held by the process that runs into the folder.
+  struct Lock {
+    Lock() = default;
+    ~Lock() { release(); }
+    Lock(const Lock&) = delete;
+    Lock& operator=(const Lock&) = delete;
+    void release();
+    int folder = -1;  ///< opened, or -1
+  };
   void make_and_lock();
-  void unlock();
   void check_names(const Scene& scene, const std::vector<std::string>& beside);
   void look();
-  void take_back() const;
   std::filesystem::path path_;
   std::vector<std::string> beside_;         ///< names in this folder that are the run's, too
   std::vector<std::filesystem::path> old_;  ///< files of the run that was there
-  int lock_ = -1;                           ///< the folder, opened, or -1
-  bool made_ = false, begun_ = false;
+  Lock lock_;                               ///< outlives made_
+  std::optional<OutputFolder> made_;        ///< taken away again if no run begins
+  bool begun_ = false;
 };
 
 }  // namespace cde::cli

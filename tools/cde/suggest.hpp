@@ -1,5 +1,4 @@
 #pragma once
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,12 +12,8 @@ namespace cde::cli {
 [[nodiscard]] std::optional<std::string> nearest_word(std::string_view typed,
                                                       const std::vector<std::string>& known);
 
-/// "no verb 'cats'; did you mean cast? ..." if the first word that is no option is no verb.
-[[nodiscard]] std::optional<std::string> unknown_verb(const CLI::App& app,
-                                                      const std::vector<std::string>& words);
-
-/// "cast has no option --szie; did you mean --size?" about the first thing that a parse left over,
-/// in the order typed; nothing if there is none.
-[[nodiscard]] std::optional<std::string> left_over(const CLI::App& app);
+/// "did you mean cast?", or "there are: cast, query, ..." if nothing is near.
+[[nodiscard]] std::string meant_or_all(std::string_view typed,
+                                       const std::vector<std::string>& known);
 
 }  // namespace cde::cli

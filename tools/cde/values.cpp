@@ -9,7 +9,9 @@
 #include <map>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "cde/pair.hpp"
+#include "suggest.hpp"
 
 namespace cde::cli {
 namespace {
@@ -39,21 +41,21 @@ std::string called(const CLI::Option* option) {
   return all.empty() ? option->get_name() : "--" + all.front();
 }
 
-/// The check runs on the text, before CLI11 makes a number of it, so that there is one message.
+/// On the text, before CLI11 makes a number of it, so that there is one message.
 template <class Fits>
 CLI::Option* check(CLI::Option* option, const std::string& must_be, Fits fits) {
-  return option->check(CLI::Validator(
-      [option, must_be, fits](const std::string& text) {
-        if (!fits(text))
-          throw Error(ErrorCode::kUsage,
-                      fmt::format("{} is '{}'; it must be {}", called(option), text, must_be));
-        return std::string();
-      },
-      ""));
+  registered()[option].check = [option, must_be, fits](const std::string& text) {
+    if (!fits(text))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} is {}; it must be {}", called(option), in_quotes(text), must_be));
+  };
+  return option;
 }
 
 template <class Number>
 bool reads_as(const std::string& text, Number least, Number most) {
+  // CLI11 would take a number that begins with 0 for an octal one.
+  if (std::is_integral_v<Number> && text.size() > 1 && text.front() == '0') return false;
   Number value{};
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc() && stop == text.data() + text.size() && value >= least &&
@@ -67,7 +69,7 @@ std::string in_unit(const std::string& range, const std::string& unit) {
 }  // namespace
 
 CLI::Option* one_of(CLI::Option* option, std::vector<std::string> words) {
-  Takes what{Takes::Kind::kWord, std::move(words), ""};
+  Takes what{Takes::Kind::kWord, std::move(words), "", {}};
   what.label = fmt::format("{}", fmt::join(what.words, "|"));
   const auto known = what.words;
   label(option, std::move(what));
@@ -78,13 +80,34 @@ CLI::Option* one_of(CLI::Option* option, std::vector<std::string> words) {
 
 CLI::Option* known_words(CLI::Option* option, std::vector<std::string> words,
                          const std::string& name) {
-  return label(option, {Takes::Kind::kWord, std::move(words), name});
+  return label(option, {Takes::Kind::kWord, std::move(words), name, {}});
+}
+
+void must_be_known(std::string_view word, const std::vector<std::string>& words,
+                   std::string_view what) {
+  if (std::find(words.begin(), words.end(), word) == words.end())
+    throw Error(ErrorCode::kUsage,
+                fmt::format("no {} {}; {}", what, in_quotes(word), meant_or_all(word, words)));
+}
+
+CLI::Option* named(CLI::Option* option, std::vector<std::string> words, const std::string& name,
+                   const std::string& what) {
+  known_words(option, words, name);
+  registered()[option].check = [words = std::move(words), what](const std::string& text) {
+    must_be_known(text, words, what);
+  };
+  return option;
+}
+
+CLI::Option* text_value(CLI::Option* option, const std::string& name,
+                        std::function<void(const std::string&)> check) {
+  return label(option, {Takes::Kind::kAnything, {}, name, std::move(check)});
 }
 
 CLI::Option* number_in(CLI::Option* option, double least, double most, const std::string& unit) {
   const std::string range = in_unit(fmt::format("{:g} to {:g}", least, most), unit);
   option->description(fmt::format("{} ({})", option->get_description(), range));
-  label(option, {Takes::Kind::kAnything, {}, "NUMBER"});
+  label(option, {Takes::Kind::kAnything, {}, "NUMBER", {}});
   return check(option, range, [least, most](const std::string& text) {
     return reads_as<double>(text, least, most);
   });
@@ -94,18 +117,18 @@ CLI::Option* whole_number_in(CLI::Option* option, std::uint64_t least, std::uint
                              const std::string& unit) {
   const std::string range = in_unit(fmt::format("{} to {}", least, most), unit);
   option->description(fmt::format("{} ({})", option->get_description(), range));
-  label(option, {Takes::Kind::kAnything, {}, "NUMBER"});
+  label(option, {Takes::Kind::kAnything, {}, "NUMBER", {}});
   return check(option, "a whole number, " + range, [least, most](const std::string& text) {
     return reads_as<std::uint64_t>(text, least, most);
   });
 }
 
 CLI::Option* file_value(CLI::Option* option, const std::string& name) {
-  return label(option, {Takes::Kind::kFile, {}, name});
+  return label(option, {Takes::Kind::kFile, {}, name, {}});
 }
 
 CLI::Option* folder_value(CLI::Option* option, const std::string& name) {
-  return label(option, {Takes::Kind::kFolder, {}, name});
+  return label(option, {Takes::Kind::kFolder, {}, name, {}});
 }
 
 CLI::Option* lanes_value(CLI::Option* option, const std::vector<std::string>& more) {
@@ -161,11 +184,11 @@ void deadline_options(CLI::App& verb, std::uint64_t& clocks, double& seconds,
 }
 
 Takes takes(const CLI::Option& option) {
-  if (option.get_items_expected_max() == 0) return {Takes::Kind::kNothing, {}, ""};
+  if (option.get_items_expected_max() == 0) return {Takes::Kind::kNothing, {}, "", {}};
   if (const auto found = registered().find(&option); found != registered().end())
     return found->second;
   const std::string type = option.get_type_name();
-  return {Takes::Kind::kAnything, {}, type.empty() || type == "TEXT" ? "VALUE" : type};
+  return {Takes::Kind::kAnything, {}, type.empty() || type == "TEXT" ? "VALUE" : type, {}};
 }
 
 std::vector<std::string> names(const CLI::Option& option) {

@@ -1,10 +1,13 @@
 #pragma once
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// Values of options. What an option takes is said once: the help, the manual, the completions and
-/// the check all come from it. A value that does not fit is Error kUsage.
+/// the check all come from it. A value that does not fit is Error kUsage, in the order of the words
+/// (typed.hpp).
 namespace cde::cli {
 
 /// One of these words: `--mode MODE` of nearest, farthest, ...
@@ -14,6 +17,18 @@ CLI::Option* one_of(CLI::Option* option, std::vector<std::string> words);
 /// it.
 CLI::Option* known_words(CLI::Option* option, std::vector<std::string> words,
                          const std::string& name);
+
+/// The same with a check that names the nearest: `what` is "pair" in "no pair 'x'; did you mean
+/// y?".
+CLI::Option* named(CLI::Option* option, std::vector<std::string> words, const std::string& name,
+                   const std::string& what);
+/// Error kUsage, as `named` has it, if the word is none of these.
+void must_be_known(std::string_view word, const std::vector<std::string>& words,
+                   std::string_view what);
+
+/// Text of a form: `check` throws if it has another. `name` is how the help calls it.
+CLI::Option* text_value(CLI::Option* option, const std::string& name,
+                        std::function<void(const std::string&)> check);
 
 /// A number between two ends that are both allowed; `unit` may be empty.
 CLI::Option* number_in(CLI::Option* option, double least, double most, const std::string& unit);
@@ -47,6 +62,8 @@ struct Takes {
   Kind kind = Kind::kAnything;
   std::vector<std::string> words;  ///< of kWord
   std::string label;               ///< "FILE", "MHz", "nearest|farthest"; empty for kNothing
+  std::function<void(const std::string&)>
+      check;  ///< throws what is wrong with a value; may be none
 };
 [[nodiscard]] Takes takes(const CLI::Option& option);
 

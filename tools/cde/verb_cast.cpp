@@ -1,7 +1,10 @@
 // cde cast: rays against a mesh on the simulated card, every record checked against the reference.
 #include <fmt/format.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -18,6 +21,7 @@
 #include "output.hpp"
 #include "record_file.hpp"
 #include "streams.hpp"
+#include "suffix.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
 
@@ -29,9 +33,17 @@ namespace {
 }
 
 std::vector<Ray> read_rays(const std::string& path) {
-  if (path == "-") return read_rays_csv(std::cin, "stdin");
-  return std::filesystem::path(path).extension() == ".npy" ? read_rays_npy(path)
-                                                           : read_rays_csv(path);
+  if (path == "-") {
+    // An array begins with a byte that no text does.
+    if (std::cin.peek() == kNpyFirstByte) return read_rays_npy(std::cin, "stdin");
+    return read_rays_csv(std::cin, "stdin");
+  }
+  if (std::filesystem::path(path).extension() != ".npy") return read_rays_csv(path);
+  std::ifstream in(path, std::ios::binary);
+  if (!in)
+    throw Error(ErrorCode::kFile, fmt::format("{}: cannot be opened: {}", printable_name(path),
+                                              std::strerror(errno)));
+  return read_rays_npy(in, printable_name(path));
 }
 
 void collect_rays(const CastOptions& o, CastJob& job) {
@@ -43,7 +55,10 @@ void collect_rays(const CastOptions& o, CastJob& job) {
   if (!o.rays_file.empty()) job.listed = read_rays(o.rays_file);
   for (const std::string& text : o.rays) job.listed.push_back(parse_ray(text));
   job.rays = job.listed;
-  if (job.rays.empty()) throw Error(ErrorCode::kBadInput, fmt::format("{}: no rays", o.rays_file));
+  if (job.rays.empty())
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("{}: no rays", o.rays_file == "-" ? "stdin" : printable_name(o.rays_file)));
 }
 
 /// Wide cards simulate nearly twice as many tests a second (217 M instead of 117 M on one core),
@@ -54,8 +69,10 @@ unsigned lanes_of(const CastOptions& o, std::size_t rays) {
   return o.arithmetic == "host" && o.trace.empty() && rays > 16 ? 64 : 16;
 }
 
-/// All that can be said to be wrong without a mesh.
-void check_options(const CastOptions& o, Mode mode) {
+/// `more` are files that the mesh names.
+void check_files(const CastOptions& o, const std::vector<std::filesystem::path>& more = {}) {
+  std::vector<FileUse> inputs = {{"MESH", o.mesh}, {"--rays", o.rays_file}};
+  for (const auto& file : more) inputs.push_back({"MESH", file});
   check_outputs(
       std::vector<FileUse>{
           {"-o", o.records},
@@ -65,10 +82,16 @@ void check_options(const CastOptions& o, Mode mode) {
           {"--indices", o.indices},
           {"--trace", o.trace},
           {"--json", o.json ? "-" : ""}},
-      std::vector<FileUse>{{"MESH", o.mesh}, {"--rays", o.rays_file}});
+      inputs);
+}
+
+/// All that can be said to be wrong without a mesh.
+void check_options(const CastOptions& o, Mode mode) {
+  check_files(o);
   if (!o.trace.empty() && o.boards > 1) usage("--trace follows one card; leave out --boards");
   if (o.wants_picture() && mode != Mode::kNearest) usage("a picture needs --mode nearest");
   if (o.shadows && o.shaded.empty() && !o.shows_itself) usage("--shadows is of --shaded");
+  check_suffix("--trace", o.trace, ".fst");
   check_picture_names(o);
   RecordFile::check(o.records, o.bits, o.fields);
 }
@@ -82,17 +105,19 @@ CastJob prepare(const CastOptions& o) {
   job.config.box = o.box;
   job.config.trace = !o.trace.empty();
   {
-    const Busy busy("loading " + o.mesh, o.quiet);
+    const Busy busy("loading " + printable_name(o.mesh), o.quiet);
     job.mesh = load_mesh_or_builtin(o.mesh);
   }
-  if (const auto why = out_of_range(job.mesh, o.mesh)) say("cde: warning: {}\n", *why);
+  check_files(o, job.mesh.files);
+  if (const auto why = out_of_range(job.mesh, printable_name(o.mesh)))
+    say("cde: warning: {}\n", *why);
   collect_rays(o, job);
   job.config.lanes = lanes_of(o, job.rays.size());
   if (o.wants_picture() && !job.picture) usage("a picture needs --camera or --grid");
   if (job.mesh.faces.size() > job.config.ddr_slots) {
     throw Error(ErrorCode::kCapacity,
-                fmt::format("{}: {} triangles do not fit the card's DDR, which holds {}", o.mesh,
-                            job.mesh.faces.size(), job.config.ddr_slots));
+                fmt::format("{}: {} triangles do not fit the card's DDR, which holds {}",
+                            printable_name(o.mesh), job.mesh.faces.size(), job.config.ddr_slots));
   }
   return job;
 }
@@ -152,7 +177,7 @@ void print_summary(const CastOptions& o, const CastJob& job, const CastOutcome& 
   const auto row = [](const char* name, const std::string& value) {
     say("{:<16} {}\n", name, value);
   };
-  row("mesh", fmt::format("{}, {} triangles", o.mesh, job.mesh.faces.size()));
+  row("mesh", fmt::format("{}, {} triangles", printable_name(o.mesh), job.mesh.faces.size()));
   row("rays", fmt::format("{} in {} packet{}", job.rays.size(), packets_of(job),
                           packets_of(job) == 1 ? "" : "s"));
   row(o.boards == 1 ? "card" : "cards",
@@ -195,25 +220,25 @@ void run(const CastOptions& o) {
 void add_sources(CLI::App& verb, CastOptions& o) {
   file_value(verb.add_option("mesh", o.mesh, "Mesh file, or terrain[:QX,QY,SEED]")->required(),
              "MESH");
-  file_value(verb.add_option(
-                 "--rays", o.rays_file,
-                 "Rays from a file (- is stdin): CSV, ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line or in "
-                 "the order of a header with these names; or .npy, N x 6, 7 or 8 "
-                 "numbers"),
+  file_value(verb.add_option("--rays", o.rays_file,
+                             "Rays from a file (- is stdin, either form): CSV, "
+                             "ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line or in "
+                             "the order of a header with these names; or .npy, N x 6, 7 or 8 "
+                             "numbers"),
              "FILE");
-  verb.add_option("--ray", o.rays, "One ray, same fields; repeatable")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->type_name("RAY");
-  verb.add_option("--camera", o.camera,
-                  "Picture: ex,ey,ez,tx,ty,tz[,fov]: eye, target, vertical field of view in "
-                  "degrees; without it one that shows the mesh")
-      ->type_name("VIEW");
-  verb.add_option("--grid", o.grid, "Picture straight down, of square pixels")->type_name("WxH");
-  verb.add_option("--size", o.size,
-                  "Size of a picture; 128x96 to 640x480 if not given, the fewer triangles the "
-                  "larger")
-      ->type_name("WxH");
+  text_value(
+      verb.add_option("--ray", o.rays, "One ray, same fields; repeatable")->allow_extra_args(false),
+      "RAY", [](const std::string& text) { (void)parse_ray(text); });
+  text_value(verb.add_option("--camera", o.camera,
+                             "Picture: ex,ey,ez,tx,ty,tz[,fov]: eye, target, vertical field of "
+                             "view in degrees; without it one that shows the mesh"),
+             "VIEW", [](const std::string& text) { (void)parse_camera(text, "--camera"); });
+  text_value(verb.add_option("--grid", o.grid, "Picture straight down, of square pixels"), "WxH",
+             [](const std::string& text) { (void)parse_resolution(text, "--grid"); });
+  text_value(verb.add_option("--size", o.size,
+                             "Size of a picture; 128x96 to 640x480 if not given, the fewer "
+                             "triangles the larger"),
+             "WxH", [](const std::string& text) { (void)parse_resolution(text, "--size"); });
   one_of(verb.add_option("--up", o.up, "Axis that is up in pictures; many formats have y")
              ->capture_default_str(),
          {"x", "y", "z"});
@@ -225,13 +250,13 @@ void add_outputs(CLI::App& verb, CastOptions& o) {
                              ".npy or .jsonl; index is 4294967295 (null in .jsonl) without a hit"),
              "FILE");
   verb.add_flag("--bits", o.bits, "CSV also shows T and CP as hexadecimal bits");
-  known_words(verb.add_option("--fields", o.fields,
-                              "More of each record, separated by commas, computed by the host and "
-                              "not by the card: u and v (barycentric), normal (of the triangle), "
-                              "side (1 front, -1 back), node (of the mesh file)")
-                  ->delimiter(',')
-                  ->allow_extra_args(false),
-              field_names(), "LIST");
+  named(verb.add_option("--fields", o.fields,
+                        "More of each record, separated by commas, computed by the host and "
+                        "not by the card: u and v (barycentric), normal (of the triangle), "
+                        "side (1 front, -1 back), node (of the mesh file)")
+            ->delimiter(',')
+            ->allow_extra_args(false),
+        field_names(), "LIST", "field");
   file_value(verb.add_option("--shaded", o.shaded, "Picture in sunlight, .png"), "FILE");
   verb.add_flag("--shadows", o.shadows,
                 "With --shaded: a second pass, from every hit to the sun, draws shadows");
@@ -292,6 +317,7 @@ void add_cast(CLI::App& app) {
   add_outputs(*verb, *o);
   add_card(*verb, *o);
   verb->callback([o] {
+    tell_builds(!o->quiet);
     const bool rays = !o->rays.empty() || !o->rays_file.empty();
     o->shows_itself = !rays && o->mode == "nearest" && !o->wants_picture() && o->records.empty() &&
                       o->trace.empty() && !o->json;

@@ -75,15 +75,15 @@ Finding cache() {
   try {
     const std::filesystem::path folder = bitstream_cache();
     if (::access(folder.c_str(), W_OK) != 0) {
-      return {fmt::format("bitstream cache {} cannot be written", folder.string()),
+      return {fmt::format("bitstream cache {} cannot be written", printable_name(folder.string())),
               "set CDE_CACHE to a folder of yours"};
     }
     std::uintmax_t files = 0, bytes = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
       if (entry.path().extension() == ".so") ++files, bytes += entry.file_size();
     }
-    return {fmt::format("bitstream cache {}: {} bitstreams, {:.1f} MB", folder.string(), files,
-                        static_cast<double>(bytes) / 1e6),
+    return {fmt::format("bitstream cache {}: {} bitstreams, {:.1f} MB",
+                        printable_name(folder.string()), files, static_cast<double>(bytes) / 1e6),
             ""};
   } catch (const std::exception& e) {
     return {e.what(), "set CDE_CACHE to a folder of yours"};
@@ -92,7 +92,7 @@ Finding cache() {
 
 Finding builder() {
   try {
-    return {fmt::format("builder {}", bitstream_builder().string()), ""};
+    return {fmt::format("builder {}", printable_name(bitstream_builder().string())), ""};
   } catch (const Error& e) {
     return {e.what(), "reinstall, or set CDE_SHARE"};
   }

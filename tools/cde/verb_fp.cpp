@@ -10,6 +10,7 @@
 
 #include "cde/error.hpp"
 #include "cde/fp_unit.hpp"
+#include "cde/message.hpp"
 #include "cde/output_file.hpp"
 #include "line_input.hpp"
 #include "values.hpp"
@@ -92,8 +93,8 @@ Request parse_request(const std::string& text) {
     }
   }
   throw Error(ErrorCode::kUsage,
-              fmt::format("operation '{}': not one of {}, nor a TestFloat name such as f32_add",
-                          text, fmt::join(kOpNames, " ")));
+              fmt::format("operation {}: not one of {}, nor a TestFloat name such as f32_add",
+                          in_quotes(text), fmt::join(kOpNames, " ")));
 }
 
 /// Bits of an integer operand or result of the operation; 0 if it is a number of the format.
@@ -152,8 +153,9 @@ class Stream {
   static constexpr std::size_t kBatch = 65536;  // operations, at most, between two runs of the unit
 
   [[noreturn]] void malformed(const char* at, const char* stop, const std::string& why) const {
-    const std::string text(at, std::min(stop, at + 60));
-    throw Error(ErrorCode::kBadInput, fmt::format("stdin line {}: {}: '{}'", line_, why, text));
+    const std::string_view text(at, static_cast<std::size_t>(stop - at));
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("stdin line {}: {}: {}", line_, why, in_quotes(text)));
   }
 
   void line(const char* at, const char* stop) {
@@ -259,21 +261,26 @@ void add_fp(CLI::App& app) {
                          "by their names with _r_near_even or _r_minMag they do not. Answers what "
                          "it has read before it waits for more, and what stands before a line "
                          "that it cannot read, which ends it.");
-  verb->add_option(
-          "op", options->op,
-          "add sub mul div sqrt lt le eq min max, to_FORMAT, to_INT[_trunc] and from_INT with INT "
-          "one of i32 ui32 i64 ui64, "
-          "or a TestFloat name (f32_add, f32_to_i32, f32_to_i32_rx_minMag, i32_to_f32), which "
-          "implies the format")
-      ->required();
-  verb->add_option("-f,--format", options->format,
-                   "fp16 bf16 tf32 fp24 fp32 fp64 e4m3 e3m2, or eEmM (default fp32)");
-  verb->add_option("-a,--arith", options->arith, "rtl: the gates; host: the host's FPU, same bits")
-      ->check(CLI::IsMember({"rtl", "host"}))
-      ->capture_default_str();
-  verb->add_option("-l,--lanes", options->lanes, "Lanes of the simulated unit")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
+  text_value(
+      verb->add_option(
+              "op", options->op,
+              "add sub mul div sqrt lt le eq min max, to_FORMAT, to_INT[_trunc] and from_INT with "
+              "INT "
+              "one of i32 ui32 i64 ui64, "
+              "or a TestFloat name (f32_add, f32_to_i32, f32_to_i32_rx_minMag, i32_to_f32), which "
+              "implies the format")
+          ->required(),
+      "OP", [](const std::string& text) { (void)parse_request(text); });
+  text_value(verb->add_option("-f,--format", options->format,
+                              "fp16 bf16 tf32 fp24 fp32 fp64 e4m3 e3m2, or eEmM (default fp32)"),
+             "FORMAT", [](const std::string& text) { (void)FpFormat::parse(text); });
+  one_of(verb->add_option("-a,--arith", options->arith,
+                          "rtl: the gates; host: the host's FPU, same bits")
+             ->capture_default_str(),
+         {"rtl", "host"});
+  whole_number_in(verb->add_option("-l,--lanes", options->lanes, "Lanes of the simulated unit")
+                      ->capture_default_str(),
+                  1, 256, "");
   verb->callback([options] { run(*options); });
 }
 

@@ -3,14 +3,11 @@
 
 #include <filesystem>
 
-#include "cde/error.hpp"
 #include "help.hpp"
 #include "manual.hpp"
 #include "output.hpp"
-#include "suggest.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
-#include "words.hpp"
 
 namespace cde::cli {
 namespace {
@@ -40,18 +37,8 @@ void print_help(const CLI::App& app, const std::string& verb) {
   if (verb.empty()) {
     text = app.get_formatter()->make_help(&app, "", CLI::AppFormatMode::Normal);
   } else {
-    std::vector<std::string> known;
-    for (const CLI::App* one : shown_verbs(app)) {
-      known.push_back(one->get_name());
+    for (const CLI::App* one : shown_verbs(app))
       if (one->get_name() == verb) text = one->help();
-    }
-    if (text.empty()) {
-      const auto near = nearest_word(verb, known);
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("no verb {}; {}", cli::quoted(verb),
-                              near ? fmt::format("did you mean {}?", *near)
-                                   : fmt::format("there are: {}", fmt::join(known, ", "))));
-    }
   }
   OutputFile out("-");
   out.write(text);
@@ -65,7 +52,7 @@ void add_help(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("help", "Print what the program or a verb of it does");
   std::vector<std::string> verbs;
   for (const CLI::App* one : shown_verbs(app)) verbs.push_back(one->get_name());
-  known_words(verb->add_option("verb", *verb_name, "A verb (all of the program)"), verbs, "VERB");
+  named(verb->add_option("verb", *verb_name, "A verb (all of the program)"), verbs, "VERB", "verb");
   verb->callback([&app, verb_name] { print_help(app, *verb_name); });
 
   auto folder = std::make_shared<std::string>();

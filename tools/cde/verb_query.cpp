@@ -48,13 +48,9 @@ bool has_ray(Pair pair) {
 }
 
 Pair pair_named(const std::string& text) {
-  std::vector<std::string_view> known;
-  for (unsigned p = 0; p < kPairs; ++p) {
-    known.push_back(name(static_cast<Pair>(p)));
-    if (known.back() == text) return static_cast<Pair>(p);
-  }
-  throw Error(ErrorCode::kUsage,
-              fmt::format("no pair '{}'; there are: {}", text, fmt::join(known, ", ")));
+  const std::vector<std::string> known = pair_names();
+  must_be_known(text, known, "pair");
+  return static_cast<Pair>(std::find(known.begin(), known.end(), text) - known.begin());
 }
 
 /// The largest budget of at most so many evaluations, split evenly: K1 and K2 of two cylinders as
@@ -95,14 +91,18 @@ PairBudget budget_named(const std::string& text, Pair pair) {
     if (std::sscanf(text.c_str(), "%3u,%3u,%3u%n", &budget.samples, &budget.circle, &budget.free,
                     &end) == 3 &&
         is_all(end)) {
-      budget.check();
+      try {
+        budget.check();
+      } catch (const Error& e) {
+        throw Error(e.code(), fmt::format("--{}", e.what()));  // it begins with "budget"
+      }
       return budget;
     }
   }
   throw Error(ErrorCode::kUsage,
-              fmt::format("--budget is '{}'; it must be M,K1,K2 with M 4, 8 or 16, K1 and K2 0 to "
+              fmt::format("--budget is {}; it must be M,K1,K2 with M 4, 8 or 16, K1 and K2 0 to "
                           "64, or the number of evaluations",
-                          text));
+                          in_quotes(text)));
 }
 
 /// Lanes if nobody says how many. Words of 64 bits fill vectors sooner, and clang takes minutes to
@@ -463,9 +463,8 @@ void add_query(CLI::App& app) {
       "half-extents rotation by rows 15. A word is decimal, hexfloat, or 0x and the bits. Prints "
       "F,T,CP,n,flags as CSV; flags: empty, bad (the card refuses an operand) or malformed (the "
       "line cannot be read). Blank lines and lines that start with # are skipped");
-  known_words(
-      verb->add_option("pair", o->pair, "ray-triangle, sphere-sphere, obb-obb, ...")->required(),
-      pair_names(), "PAIR");
+  named(verb->add_option("pair", o->pair, "ray-triangle, sphere-sphere, obb-obb, ...")->required(),
+        pair_names(), "PAIR", "pair");
   one_of(verb->add_option("--algorithm", o->algorithm, "Of ray-triangle")->capture_default_str(),
          algorithm_names());
   verb->add_flag_callback(
@@ -486,15 +485,17 @@ void add_query(CLI::App& app) {
                                    "triangle-aabb and triangle-obb, whose bitstreams of more lanes "
                                    "take minutes to build"),
                   1, 256, "");
-  verb->add_option(
-          "--facet-interval", o->facet_interval,
-          "Of obb-obb, triangle-aabb and triangle-obb: clocks from one row of pairs to the "
-          "next, 1, or 3 with facet units that are shared; same bits")
-      ->capture_default_str();
-  verb->add_option("--budget", o->budget,
-                   "Work for a pair of cylinder-, obb- or triangle-cylinder: M,K1,K2 (directions "
-                   "sampled on a circle, 4, 8 or 16; steps on a circle, steps on a free track, 0 "
-                   "to 64), or a number of evaluations, which is split evenly. 8,8,8 if not given");
+  one_of(verb->add_option("--facet-interval", o->facet_interval,
+                          "Of obb-obb, triangle-aabb and triangle-obb: clocks from one row of "
+                          "pairs to the next, 1, or 3 with facet units that are shared; same bits")
+             ->capture_default_str(),
+         {"1", "3"});
+  known_words(verb->add_option(
+                  "--budget", o->budget,
+                  "Work for a pair of cylinder-, obb- or triangle-cylinder: M,K1,K2 (directions "
+                  "sampled on a circle, 4, 8 or 16; steps on a circle, steps on a free track, 0 "
+                  "to 64), or a number of evaluations, which is split evenly. 8,8,8 if not given"),
+              {}, "M,K1,K2|N");
   verb->add_flag("--bits", o->bits, "Print words as 0x and their bits instead of decimals");
   verb->add_flag("--check,!--no-check", o->check,
                  "Compare every answer with the reference, bit for bit (on)");
@@ -507,7 +508,10 @@ void add_query(CLI::App& app) {
       "FILE.fst");
   verb->add_flag("--json", o->json, "Summary as a line of JSON, the last on stdout");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
-  verb->callback([o] { run(*o); });
+  verb->callback([o] {
+    tell_builds(!o->quiet);
+    run(*o);
+  });
 }
 
 }  // namespace cde::cli

@@ -1,12 +1,13 @@
 // cde reproduce: the paper's figures measured again, as a page.
 #include <fmt/format.h>
 
-#include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "machine.hpp"
 #include "output.hpp"
 #include "page.hpp"
 #include "reproduce.hpp"
 #include "streams.hpp"
+#include "suffix.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
 
@@ -23,6 +24,7 @@ struct Arguments {
 void run(const Arguments& a) {
   if (a.json) Figures::beside_json();
   check_outputs(std::vector<FileUse>{{"--out", a.out}, {"--json", a.json ? "-" : ""}}, {});
+  check_suffix("--out", a.out, ".html");
   if (a.out == "-") Figures::beside_json();
   OutputFile page(a.out);  // a folder that is not there is found out before the work
   const Reproduction r = reproduce(a.options);
@@ -37,7 +39,7 @@ void run(const Arguments& a) {
     }
   }
   say("check: {} of {} records compared with the reference, 0 differ\npage: {}\n",
-      r.records_compared, r.records_compared, a.out);
+      r.records_compared, r.records_compared, printable_name(a.out));
   if (a.json) put_json(reproduction_json(r, machine));
 }
 

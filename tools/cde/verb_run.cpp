@@ -25,6 +25,7 @@
 #include "run_faults.hpp"
 #include "run_folder.hpp"
 #include "streams.hpp"
+#include "suffix.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
 
@@ -60,8 +61,8 @@ Frames frames_of(const std::string& text, const Scene& scene) {
   const auto last =
       dots == std::string::npos ? first : number(std::string_view(text).substr(dots + 2));
   if (!first || !last || *first > *last || *last >= scene.frames)
-    throw Error(ErrorCode::kUsage, fmt::format("--frames is '{}'; it must be A..B within 0..{}",
-                                               text, scene.frames - 1));
+    throw Error(ErrorCode::kUsage, fmt::format("--frames is {}; it must be A..B within 0..{}",
+                                               in_quotes(text), scene.frames - 1));
   return {*first, *last};
 }
 
@@ -174,10 +175,15 @@ void check_files(const Options& o, const Scene& scene) {
   std::vector<FileUse> inputs = {{"SCENE", o.scene}};
   for (const SceneObject& object : scene.objects)
     inputs.push_back({fmt::format("object '{}'", printable_name(object.name)), object.file});
+  for (const SceneObject& object : scene.objects)
+    for (const auto& file : object.more_files)
+      inputs.push_back({fmt::format("the mesh of object '{}'", printable_name(object.name)), file});
   check_outputs(
       std::vector<FileUse>{
           {"--report", o.report}, {"--trace", o.trace}, {"--json", o.json ? "-" : ""}},
       inputs);
+  check_suffix("--report", o.report, ".html");
+  check_suffix("--trace", o.trace, ".fst");
 }
 
 /// A run: what was played so far, and where it goes.
@@ -268,7 +274,7 @@ class Run {
     if (o_.json) put_json(json_);
     const std::size_t played = json_["played"].size();
     if (!o_.quiet) {
-      row("scene", scene_.file);
+      row("scene", printable_name(scene_.file));
       row("frames", fmt::format("{} of {}..{}", played, frames_.first, frames_.last));
       row("tests", fmt::format("{}, {} records, {} hits", t.tests, t.records, t.hits));
       row("modelled time",
@@ -279,9 +285,10 @@ class Run {
                                     static_cast<double>(t.tests) / t.simulated / 1e6, t.checked));
       row("check", check_text());
       report_faults();
-      row("results", folder_.begun() ? fmt::format("{}/run.json", folder_.path().string())
-                                     : "none, it has not begun");
-      if (report_) row("report", o_.report);
+      row("results", folder_.begun()
+                         ? fmt::format("{}/run.json", printable_name(folder_.path().string()))
+                         : "none, it has not begun");
+      if (report_) row("report", printable_name(o_.report));
     }
     if (t.mismatches != 0) throw Error(ErrorCode::kMismatch, mismatch_);
     if (const int signal = Interrupts::signal()) exit_code = 128 + signal;
@@ -343,7 +350,7 @@ class Run {
       player.trace_close();
       waves_whole_ = true;
     } catch (const Error& e) {
-      waves_defect_ = fmt::format("{}: {}", o_.trace, e.what());
+      waves_defect_ = fmt::format("{}: {}", printable_name(o_.trace), e.what());
     }
   }
 
@@ -421,7 +428,8 @@ void add_run(CLI::App& app) {
       "run", "Play a scene on the simulated card, checked against the reference; writes run.json");
   file_value(verb->add_option("scene", o->scene, "Scene file, TOML (docs/scenes.md)")->required(),
              "SCENE");
-  verb->add_option("--frames", o->frames, "Frames A..B, both included (all)");
+  known_words(verb->add_option("--frames", o->frames, "Frames A..B, both included (all)"), {},
+              "A..B");
   folder_value(
       verb->add_option("--out", o->out,
                        "Folder for run.json and records: a new or empty one, or that of an earlier "
@@ -436,14 +444,19 @@ void add_run(CLI::App& app) {
   file_value(verb->add_option("--trace", o->trace,
                               "Waves of the run, FST (- is stdout); kept even if it fails"),
              "FILE.fst");
-  verb->add_option("--fault", o->faults,
-                   "KIND[:COUNT[:VALUE]]@FRAME: lets something go wrong; may be given again")
-      ->allow_extra_args(false);
+  text_value(verb->add_option("--fault", o->faults,
+                              "KIND[:COUNT[:VALUE]]@FRAME: lets something go wrong; may be given "
+                              "again")
+                 ->allow_extra_args(false),
+             "FAULT", [](const std::string& text) { (void)fault_of(text); });
   exact_card_option(*verb, o->exact);
   deadline_options(*verb, o->deadline, o->timeout, "pass");
   verb->add_flag("--json", o->json, "run.json on stdout too");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
-  verb->callback([o] { run(*o); });
+  verb->callback([o] {
+    tell_builds(!o->quiet);
+    run(*o);
+  });
 }
 
 }  // namespace cde::cli

@@ -11,6 +11,7 @@
 
 #include "cde/error.hpp"
 #include "cde/fp.hpp"
+#include "cde/message.hpp"
 
 namespace cde::cli {
 namespace {
@@ -126,7 +127,7 @@ std::optional<std::uint64_t> WordText::parse(std::string_view text, std::string&
     const auto [stop, error] = std::from_chars(text.data() + 2, end, word, 16);
     const std::uint64_t mask = format_.sign_bit() | format_.magnitude_mask();
     if (error == std::errc() && stop == end && word <= mask) return word;
-    why = fmt::format("{} has more than the {} bits of {}", quoted(text), format_.width(),
+    why = fmt::format("{} has more than the {} bits of {}", in_quotes(text), format_.width(),
                       format_.name());
     return std::nullopt;
   }
@@ -134,11 +135,11 @@ std::optional<std::uint64_t> WordText::parse(std::string_view text, std::string&
     case Found::kNumber:
       return word;
     case Found::kTooLarge:
-      why = fmt::format("{} is beyond the largest {} number, {:.8g}", quoted(text), format_.name(),
-                        format_.decode(format_.infinity() - 1));
+      why = fmt::format("{} is beyond the largest {} number, {:.8g}", in_quotes(text),
+                        format_.name(), format_.decode(format_.infinity() - 1));
       break;
     case Found::kMalformed:
-      why = fmt::format("{} is not a number", quoted(text));
+      why = fmt::format("{} is not a number", in_quotes(text));
       if (text.size() > 1 && text.front() == '-' && has_hex_prefix(text.substr(1)) &&
           is_word(text.substr(3)))
         why += ": 0x and digits are the bits of a word, its sign among them; a hexfloat has a 'p'";
@@ -170,14 +171,6 @@ void WordText::append_bits(fmt::memory_buffer& to, std::uint64_t word) const {
 std::string WordText::hexfloat(std::uint64_t word) const {
   if (format_.is_nan(word)) return fmt::format("0x{:0{}x}", word, format_.hex_digits());
   return fmt::format("{:a}", format_.decode(word));
-}
-
-std::string quoted(std::string_view text) {
-  constexpr std::size_t kLongest = 32;
-  std::string out = "'";
-  for (const char c : text.substr(0, kLongest))
-    out += std::isprint(static_cast<unsigned char>(c)) != 0 ? c : '?';
-  return out + (text.size() > kLongest ? "...'" : "'");
 }
 
 }  // namespace cde::cli

@@ -41,7 +41,4 @@ class WordText {
   Found (*number_)(std::string_view, std::uint64_t&) = nullptr;
 };
 
-/// Text from a file in a message: in quotes, short, nothing unprintable.
-[[nodiscard]] std::string quoted(std::string_view text);
-
 }  // namespace cde::cli

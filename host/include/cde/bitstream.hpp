@@ -66,13 +66,13 @@ struct BoardConfig {
 /// Bitstreams are called <cache key>.so, the key covering parameters, RTL, harness, tools and CPU;
 /// <cache key>.so.sha256 beside it has its checksum. They are searched for in $CDE_BITSTREAMS, in
 /// the folder of the installation, or of the build where the program is not an installed one, and
-/// in the user's cache ($CDE_CACHE, else $XDG_CACHE_HOME/cde, else ~/.cache/cde, else
-/// /tmp/cde-UID). One that is nowhere, or whose file is damaged, is built into the cache by the
-/// script `verilator/bitstream` (of $CDE_SHARE, else of the installation or source tree): half a
-/// minute and more, with progress on stderr. Processes that want the same one wait for each other.
-/// While one is built, SIGINT, SIGTERM and SIGHUP end the build before they do what else they would
-/// (which is their handler's or the end of the process; error kInterrupted where the process goes
-/// on).
+/// in the user's cache ($CDE_CACHE, else $XDG_CACHE_HOME/cde, else ~/.cache/cde, else, or if that
+/// cannot be written, /tmp/cde-UID). One that is nowhere, or whose file is damaged, is built into
+/// the cache by the script `verilator/bitstream` (of $CDE_SHARE, else of the installation or source
+/// tree): half a minute and more, with progress on stderr. Processes that want the same one wait
+/// for each other. While one is built, SIGINT, SIGTERM and SIGHUP end the build before they do what
+/// else they would (which is their handler's or the end of the process; error kInterrupted where
+/// the process goes on).
 ///
 /// Folders and files that are loaded belong to the user or to root and can be written by nobody
 /// else; others are passed over with a message on stderr that names them, or, of the cache itself,
@@ -104,6 +104,10 @@ class Bitstream {
   std::filesystem::path path_;
   std::uint64_t config_hash_ = 0;
 };
+
+/// Whether a bitstream that is built says so on stderr, with its phases. It does unless told
+/// otherwise.
+void tell_builds(bool tell);
 
 /// Where the file of a configuration is, building it if need be; Bitstream::open without the
 /// loading.

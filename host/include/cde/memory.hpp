@@ -9,6 +9,10 @@ enum class Memory : std::uint32_t {
   kCycle,  ///< as two modules of DDR-400 do: banks, rows, refresh (docs/architecture.md)
 };
 
+/// Address space that the models of a card reserve for its DDR and SRAM. What is not written takes
+/// no memory.
+inline constexpr std::uint64_t kModelBytes = 55'555'555ull * 36 + 524'288ull * 28;
+
 /// What Memory::kCycle did since the card was opened; Memory::kIdeal counts nothing.
 struct MemoryCounters {
   std::uint64_t bursts = 0;      ///< of 72 bytes, read

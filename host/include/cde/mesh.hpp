@@ -32,6 +32,8 @@ struct Mesh {
       0;  ///< points and lines of the file; they have no area and are not among faces
   std::vector<MeshPart> parts = {};  ///< ascending; objects and groups of OBJ, nodes of what assimp
                                      ///< reads; empty if the file names none
+  std::vector<std::filesystem::path> files = {};  ///< others that the file names and that are
+                                                  ///< there: buffers, materials, textures
 
   /// The corners of one face. `face` must be less than faces.size().
   [[nodiscard]] Triangle triangle(std::size_t face) const {

@@ -12,7 +12,11 @@ namespace cde {
 /// The same without line feeds and tabs: for names that stand within a line.
 [[nodiscard]] std::string printable_name(std::string_view name);
 
-/// The same for a text in JSON, whose strings name such characters as \u001b. Line feeds stay.
+/// A word of a file or of the command line within a message: the same in quotes, and not long.
+[[nodiscard]] std::string in_quotes(std::string_view text);
+
+/// The same as printable() for a text in JSON, whose strings name such characters as \u001b. Line
+/// feeds stay.
 [[nodiscard]] std::string printable_json(std::string_view json);
 
 /// The text with U+FFFD in place of bytes that are no UTF-8, for JSON and pages.

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cde/error.hpp"
 
@@ -42,7 +43,7 @@ class OutputFile {
   [[nodiscard]] const std::string& temporary() const { return temporary_; }
 
   /// Removes whatever is uncommitted in this process. For handlers of signals that end it: calls
-  /// nothing but unlink.
+  /// nothing but unlink and rmdir.
   static void remove_unfinished() noexcept;
 
  private:
@@ -56,6 +57,24 @@ class OutputFile {
   bool stdout_ = false;
   std::FILE* file_ = nullptr;   // what write() fills
   std::FILE* spool_ = nullptr;  // holds the lock of a temporary_ that is not renamed
+};
+
+/// A folder for outputs, made with those above it if they are not there. Those that it made and
+/// that are empty are gone again when it ends without keep(), or by
+/// OutputFile::remove_unfinished().
+class OutputFolder {
+ public:
+  /// Error kFile if it cannot be made.
+  explicit OutputFolder(const std::filesystem::path& path);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+  [[nodiscard]] bool made() const { return !made_.empty(); }
+  void keep();
+
+ private:
+  void take_back();
+  std::vector<std::string> made_;  ///< the innermost last
 };
 
 /// Writes all of a file by OutputFile.

@@ -43,13 +43,14 @@ struct RandomRays {
 
 struct SceneObject {
   std::string name;
-  std::string source;                 ///< where its shapes come from, for messages
-  std::filesystem::path file;         ///< that they were read from, or empty
-  Shapes shapes;                      ///< object's frame, undeformed, those of frame 0
-  std::optional<Mesh> mesh;           ///< of an object that is deformed
-  std::optional<Deformation> deform;  ///< has mesh
-  std::optional<RandomRays> rays;     ///< directions drawn again in every frame
-  Motion motion;                      ///< in the parent's frame
+  std::string source;                             ///< where its shapes come from, for messages
+  std::filesystem::path file;                     ///< that they were read from, or empty
+  std::vector<std::filesystem::path> more_files;  ///< that `file` names (Mesh::files)
+  Shapes shapes;                                  ///< object's frame, undeformed, those of frame 0
+  std::optional<Mesh> mesh;                       ///< of an object that is deformed
+  std::optional<Deformation> deform;              ///< has mesh
+  std::optional<RandomRays> rays;                 ///< directions drawn again in every frame
+  Motion motion;                                  ///< in the parent's frame
   std::optional<std::size_t> parent;  ///< number of another object, whose motion it follows
 };
 

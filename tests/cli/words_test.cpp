@@ -1,0 +1,234 @@
+// What the command line may say: values, their ranges, names, and the order in which it is refused.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <regex>
+#include <sstream>
+
+#include "run_cde.hpp"
+
+namespace cde::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+class CommandLine : public Cli {
+ protected:
+  void refused(const Words& words, const std::string& text) {
+    const Ran ran = cde(words);
+    EXPECT_EQ(ran.status, 2) << fmt::format("{}", fmt::join(words, " "));
+    EXPECT_EQ(ran.err, "cde: " + text + "\n") << fmt::format("{}", fmt::join(words, " "));
+    EXPECT_EQ(ran.out, "");
+    EXPECT_EQ(files(), Words{});
+  }
+};
+
+/// The first word that makes no sense, in words of our own.
+TEST_F(CommandLine, IsRefusedInTheOrderTyped) {
+  struct Case {
+    Words words;
+    std::string text;
+  };
+  const Case cases[] = {
+      {{"cast", "m.obj", "-o", ""}, "-o is empty; it needs a value: FILE"},
+      {{"cast", "m.obj", "--output=", "x.csv"}, "--output is empty; it needs a value: FILE"},
+      {{"cast", ""}, "MESH is empty; it needs a value: MESH"},
+      {{"cast", "m.obj", "-o"}, "-o needs a value: FILE"},
+      {{"cast", "m.obj", "-o", "--json"}, "-o needs a value: FILE; '--json' is an option"},
+      {{"cast", "m.obj", "-qo"}, "-o needs a value: FILE"},
+      {{"cast", "m.obj", "--json=yes"}, "--json takes no value; it is 'yes'"},
+      {{"cast"}, "cde cast needs MESH: Mesh file, or terrain[:QX,QY,SEED]"},
+      {{"--json", "cast"}, "'--json' is an option of `cde cast`: it stands behind the verb"},
+      {{"--bogus", "cast"}, "cde has no option '--bogus'; `cde --help` lists them"},
+      {{"--"}, "a verb is missing; `cde --help` lists them"},
+      {{"cast", "m.obj", "--lanes", "4", "--lanes", "8"}, "--lanes is given twice"},
+      {{"cast", "m.obj", "--output=a.csv", "-o", "b.csv"}, "-o is given twice"},
+      {{"bench", "--quick", "--full"}, "--quick and --full exclude each other"},
+      {{"fp", "add", "-l", "0"}, "--lanes is '0'; it must be a whole number, 1 to 256"},
+      {{"fp", "add", "-a", "x"}, "--arith is 'x'; it must be rtl or host"},
+      {{"cast", "m.obj", "--boards", "010"},
+       "--boards is '010'; it must be a whole number, 1 to 64"},
+      {{"cast", "m.obj", "--size", "0x4", "--clock", "x", "--bogus"},
+       "a picture of 0 x 4 pixels: each side must be 1 to 32768"},
+      {{"cast", "m.obj", "--clock", "x", "--bogus", "--size", "0x4"},
+       "--clock is 'x'; it must be 0.001 to 10000 MHz"},
+      {{"cast", "m.obj", "--bogus", "--clock", "x"},
+       "cde cast has no option '--bogus'; `cde cast --help` lists them"},
+      {{"plan", "a.toml", "b.toml", "--bogus"},
+       "cde plan does not know what to do with 'b.toml'; `cde plan --help` says what it takes"},
+      {{"query", "sphere-shpere"}, "no pair 'sphere-shpere'; did you mean sphere-sphere?"},
+      {{"inventory", "obb-ob"}, "no pair 'obb-ob'; did you mean obb-obb?"},
+      {{"bench", "ray"}, "no section 'ray'; did you mean rays?"},
+      {{"help", "qurey"}, "no verb 'qurey'; did you mean query?"},
+      {{"query", "cylinder-cylinder", "--budget", "8,8,99"},
+       "--budget: K2 is 99, expected 0 to 64"},
+      {{"query", "sphere-sphere", "--format", "tf32"},
+       "--format is 'tf32'; it must be fp16, bf16, fp24, fp32 or fp64"},
+      {{"cast", "m.obj", "--fields", "u,x"}, "no field 'x'; there are: u, v, normal, side, node"},
+      {{"cast", "terrain:3,3,1", "--ray", "0,0,9,0,0,-1", "-o", "-", "--fields", "u,u"},
+       "--fields has 'u' twice"},
+      {{"reproduce", "--out", "x.png"}, "--out is 'x.png'; its name must end in .html"},
+      {{"cast", "terrain:3,3,1", "--ray", "0,0,9,0,0,-1", "--trace", "x.vcd"},
+       "--trace is 'x.vcd'; its name must end in .fst"},
+      {{"cast", "m\n\x1b[31m.obj", "--size"}, "--size needs a value: WxH"},
+      {{"cast", "--\n\x1b[31m"},
+       "cde cast has no option '--\\x0a\\x1b[31m'; `cde cast --help` lists them"},
+      {{"cast", "m\n\x1b.obj"}, "m\\x0a\\x1b.obj: cannot be opened: No such file or directory"},
+      {{"cast", "terrain:3,3,1", "--rays", "m\n\x1b.npy"},
+       "m\\x0a\\x1b.npy: cannot be opened: No such file or directory"},
+      {{"plan", "m\n\x1b.toml"}, "m\\x0a\\x1b.toml: cannot be opened: No such file or directory"},
+  };
+  for (const Case& c : cases) refused(c.words, c.text);
+}
+
+/// Whoever asks gets help, whatever else is wrong.
+TEST_F(CommandLine, HelpIsGivenBesideMistakes) {
+  const std::string text = cde({"help", "cast"}).out;
+  for (const Words& words :
+       {Words{"cast", "--bogus", "--help"}, Words{"cast", "--clock", "x", "-h"},
+        Words{"cast", "-h", "--bogus"}, Words{"cast", "--help"}}) {
+    const Ran ran = cde(words);
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    EXPECT_EQ(ran.out, text);
+  }
+}
+
+/// The ranges that the help tells are those that are checked: its ends are taken, what lies beyond
+/// is refused with the same range. A mistake behind the value tells whether it was taken.
+TEST_F(CommandLine, NumbersAreCheckedAsTheHelpSays) {
+  static const std::regex option(R"(\n  (?:-[a-z], )?(--[a-z-]+) NUMBER((?:\n? {3,}[^\n]*)+))");
+  static const std::regex range(R"(\(([0-9.e+]+) to ([0-9.e+]+)( [A-Za-z]+)?\))");
+  unsigned checked = 0;
+  for (const Words& verb :
+       {Words{"cast", "m.obj"}, Words{"query", "sphere-sphere"}, Words{"run", "s.toml"},
+        Words{"bench"}, Words{"reproduce"}, Words{"inventory"}, Words{"fp", "add"}}) {
+    const std::string text = cde({"help", verb[0]}, {"COLUMNS=120"}).out;
+    for (std::sregex_iterator at(text.begin(), text.end(), option), end; at != end; ++at) {
+      const std::string name = (*at)[1];
+      SCOPED_TRACE(verb[0] + " " + name);
+      const std::string what = std::regex_replace((*at)[2].str(), std::regex(R"(\s+)"), " ");
+      std::smatch found;
+      ASSERT_TRUE(std::regex_search(what, found, range)) << what;
+      ++checked;
+      const double least = std::stod(found[1]), most = std::stod(found[2]);
+      const auto says = [&](const std::string& value) {
+        Words words = verb;
+        words.insert(words.end(), {name, value, "--bogus"});
+        const Ran ran = cde(words);
+        EXPECT_EQ(ran.status, 2);
+        return ran.err;
+      };
+      for (const std::string& taken : {found[1].str(), found[2].str()})
+        EXPECT_NE(says(taken).find("'--bogus'"), std::string::npos) << taken;
+      for (const std::string& beyond :
+           {fmt::format("{}", least == 0 ? -1 : least / 2), fmt::format("{:.0f}", most * 2),
+            std::string("1e-300"), std::string("nan"), std::string("inf"), std::string("1e"),
+            std::string("0x8"), std::string("-1")})
+        EXPECT_NE(says(beyond).find(fmt::format("{} is '{}'; it must be ", name, beyond)),
+                  std::string::npos)
+            << says(beyond);
+      EXPECT_NE(
+          says("x").find(fmt::format("{} to {}{}", found[1].str(), found[2].str(), found[3].str())),
+          std::string::npos)
+          << says("x");
+    }
+  }
+  EXPECT_GE(checked, 10u);
+}
+
+/// The same of words: each that the help lists is taken, another is refused.
+TEST_F(CommandLine, WordsAreCheckedAsTheHelpSays) {
+  static const std::regex option(R"(\n  (?:-[a-z], )?(--[a-z-]+) ((?:[a-z0-9]+\|)+[a-z0-9]+))");
+  unsigned checked = 0;
+  for (const Words& verb : {Words{"cast", "m.obj"}, Words{"query", "sphere-sphere"},
+                            Words{"run", "s.toml"}, Words{"inventory"}, Words{"fp", "add"}}) {
+    const std::string text = cde({"help", verb[0]}, {"COLUMNS=120"}).out;
+    for (std::sregex_iterator at(text.begin(), text.end(), option), end; at != end; ++at) {
+      ++checked;
+      const std::string name = (*at)[1];
+      std::istringstream all((*at)[2].str() + "|zzz");
+      for (std::string word; std::getline(all, word, '|');) {
+        Words words = verb;
+        words.insert(words.end(), {name, word, "--bogus"});
+        const std::string wrong = word == "zzz" ? name + " is 'zzz'; it must be " : "'--bogus'";
+        EXPECT_NE(cde(words).err.find(wrong), std::string::npos) << verb[0] << name << word;
+      }
+    }
+  }
+  EXPECT_GE(checked, 9u);
+}
+
+/// A header without records would look like a result.
+TEST_F(CommandLine, ACardThatFailsLeavesStdoutEmpty) {
+  const Ran ran = cde({"cast", "terrain:3,3,1", "--ray", "0,0,9,0,0,-1", "--lanes", "4", "-q", "-o",
+                       "-", "--deadline", "10"});
+  EXPECT_EQ(ran.status, 4) << ran.err;
+  EXPECT_EQ(ran.out, "");
+}
+
+class NamedFiles : public Cli {};
+
+/// Materials, buffers and textures that a mesh names are inputs, whether the reader opens them or
+/// not.
+TEST_F(NamedFiles, AreNotWrittenOver) {
+  write("one.obj", "mtllib one.mtl\nv 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n");
+  write("one.mtl", "newmtl a\nmap_Kd -bm 0.5 skin.png\n");
+  write("skin.png", "pixels");
+  write("wood.png", "pixels");
+  // Three corners of 12 bytes and three numbers of 2.
+  const std::string corners(
+      "\0\0\0\0\0\0\0\0\0\0\x80\x3f\0\0\x80\x3f\0\0\0\0\0\0\x80\x3f"
+      "\0\0\0\0\0\0\x80\x3f\0\0\x80\x3f\0\0\1\0\2\0",
+      42);
+  write("one.bin", corners);
+  write("one.gltf", R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,
+"material":0}]}],"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],
+"textures":[{"source":0}],"images":[{"uri":"wood.png"}],
+"buffers":[{"uri":"one.bin","byteLength":42}],"bufferViews":[{"buffer":0,"byteLength":36},
+{"buffer":0,"byteOffset":36,"byteLength":6}],"accessors":[{"bufferView":0,"componentType":5126,
+"count":3,"type":"VEC3","min":[0,0,1],"max":[1,1,1]},{"bufferView":1,"componentType":5123,
+"count":3,"type":"SCALAR"}]})");
+  const std::string scene = R"([[object]]
+name = "t"
+mesh = "MESH"
+[[object]]
+name = "rays"
+random_rays = { count = 3 }
+[[query]]
+name = "hit"
+pair = "ray-triangle"
+primaries = "rays"
+secondaries = "t"
+)";
+  const auto before = files();
+  for (const auto& [mesh, file] : {std::pair<std::string, std::string>{"one.obj", "one.mtl"},
+                                   {"one.obj", "skin.png"},
+                                   {"one.gltf", "one.bin"},
+                                   {"one.gltf", "wood.png"}}) {
+    SCOPED_TRACE(mesh + " " + file);
+    const std::string held = read(file);
+    fs::create_directory(folder_ / "scenes");
+    std::string text = scene;
+    write("scenes/s.toml", text.replace(text.find("MESH"), 4, "../" + mesh));
+    const Ran run = cde({"run", "scenes/s.toml", "--out", "r.run", "--report", file});
+    EXPECT_EQ(run.err, fmt::format("cde: --report would write to {}, which the mesh of object 't' "
+                                   "reads\n",
+                                   file));
+    EXPECT_EQ(run.status, 2);
+    EXPECT_EQ(read(file), held);
+    fs::remove_all(folder_ / "scenes");
+  }
+  EXPECT_EQ(files(), before);
+  const Ran picture =
+      cde({"cast", "one.gltf", "--grid", "4x4", "--lanes", "4", "--shaded", "wood.png"});
+  EXPECT_EQ(picture.err, "cde: --shaded would write to wood.png, which MESH reads\n");
+  const Ran skin =
+      cde({"cast", "one.obj", "--grid", "4x4", "--lanes", "4", "--shaded", "skin.png"});
+  EXPECT_EQ(skin.err, "cde: --shaded would write to skin.png, which MESH reads\n");
+  EXPECT_EQ(files(), before);
+}
+
+}  // namespace
+}  // namespace cde::testing
