@@ -97,7 +97,17 @@ std::vector<Ray> Camera::rays(Resolution resolution) const {
 }
 
 Camera camera_for(const Eigen::AlignedBox3f& box, Resolution resolution) {
+  std::vector<Eigen::Vector3f> corners;
+  if (!box.isEmpty())
+    for (int i = 0; i < 8; ++i)
+      corners.emplace_back(box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(i)));
+  return camera_for(corners, resolution);
+}
+
+Camera camera_for(std::span<const Eigen::Vector3f> points, Resolution resolution) {
   check(resolution);
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& point : points) box.extend(point);
   if (box.isEmpty() || !box.sizes().allFinite())
     throw Error(ErrorCode::kUsage, "camera: there is nothing to look at");
   constexpr double kMargin = 1.03;
@@ -112,27 +122,34 @@ Camera camera_for(const Eigen::AlignedBox3f& box, Resolution resolution) {
   const Frame f = frame_of(camera);
   const double half_y = half_height(camera.fov_degrees) / kMargin;
   const double half_x = half_y * resolution.width / resolution.height;
-  // A corner at (x, y, z) of the view frame, from a point `shift` of the plane through the centre,
-  // is in the picture from distance d if |x| <= half_x (d + z), and so in y. The shift that centres
-  // the picture depends on d, so both are iterated.
+  // A point at (x, y, z) of the view frame, from a place `shift` of the plane through the centre, is
+  // in the picture from distance d if |x| <= half_x (d + z), and so in y. The shift that centres the
+  // picture depends on d, so both are iterated; a pass halves what is left, and more.
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
   double distance = 0.0;
-  for (int pass = 0; pass < 64; ++pass) {
-    Eigen::Matrix<double, 3, 8> corners;
-    for (int i = 0; i < 8; ++i) {
-      const Eigen::Vector3d c =
-          box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(i)).cast<double>() - centre;
-      corners.col(i) << c.dot(f.right) - shift.x(), c.dot(f.up) - shift.y(), c.dot(f.forward);
+  const auto view = [&](const Eigen::Vector3f& point) -> Eigen::Vector3d {
+    const Eigen::Vector3d c = point.cast<double>() - centre;
+    return {c.dot(f.right) - shift.x(), c.dot(f.up) - shift.y(), c.dot(f.forward)};
+  };
+  const auto back_off = [&] {
+    distance = 0.0;
+    for (const Eigen::Vector3f& point : points) {
+      const Eigen::Vector3d p = view(point);
+      distance =
+          std::max({distance, std::abs(p.x()) / half_x - p.z(), std::abs(p.y()) / half_y - p.z()});
     }
-    const auto across = corners.row(0).array(), upwards = corners.row(1).array(),
-               depth = corners.row(2).array();
-    distance = std::max((across.abs() / half_x - depth).maxCoeff(),
-                        (upwards.abs() / half_y - depth).maxCoeff());
-    const auto x = across / (distance + depth), y = upwards / (distance + depth);
-    const Eigen::Vector2d middle(x.minCoeff() + x.maxCoeff(), y.minCoeff() + y.maxCoeff());
-    if (!middle.allFinite()) break;  // a single point
-    shift += 0.25 * distance * middle;
+  };
+  for (int pass = 0; pass < 24; ++pass) {
+    back_off();
+    Eigen::AlignedBox2d seen;
+    for (const Eigen::Vector3f& point : points) {
+      const Eigen::Vector3d p = view(point);
+      seen.extend(Eigen::Vector2d(p.head<2>() / (distance + p.z())));
+    }
+    if (!seen.min().allFinite() || !seen.max().allFinite()) break;  // a single point
+    shift += 0.25 * distance * (seen.min() + seen.max());
   }
+  back_off();
   if (!(distance > 0.0)) distance = 1.0;  // a single point
   const Eigen::Vector3d target = centre + shift.x() * f.right + shift.y() * f.up;
   camera.target = target.cast<float>();

@@ -99,6 +99,28 @@ TEST_P(CameraFor, ShowsAllOfTheBoxAndFillsThePicture) {
   EXPECT_NEAR(left, -right_most, 0.05) << "not centred";
 }
 
+/// What is seen is centred, not the box around it: a long thing across the box's diagonal.
+TEST(CameraTest, PointsAreCentred) {
+  const std::vector<Eigen::Vector3f> points{{0, 0, 0}, {10, 0, 4}, {2, 9, 1}, {3, 2, 0}};
+  const Resolution size{640, 480};
+  const Camera camera = camera_for(points, size);
+  const Eigen::Vector3d forward = (camera.target - camera.eye).cast<double>().normalized();
+  const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
+  const Eigen::Vector3d up = right.cross(forward);
+  Eigen::AlignedBox2d seen;
+  for (const Eigen::Vector3f& point : points) {
+    const Eigen::Vector3d c = (point - camera.eye).cast<double>();
+    ASSERT_GT(c.dot(forward), 0.0);
+    seen.extend(Eigen::Vector2d(c.dot(right) / c.dot(forward), c.dot(up) / c.dot(forward)));
+  }
+  const double half_y = std::tan(camera.fov_degrees * 3.14159265358979 / 360.0);
+  EXPECT_NEAR(seen.center().x(), 0.0, 1e-3);
+  EXPECT_NEAR(seen.center().y(), 0.0, 1e-3);
+  const double fills = std::max(seen.max().x() / (half_y * 4 / 3), seen.max().y() / half_y);
+  EXPECT_LT(fills, 1.0);
+  EXPECT_GT(fills, 0.9);
+}
+
 TEST(CameraTest, GridLooksDown) {
   const auto rays = grid_rays({Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(8, 4, 1)}, {4, 2});
   ASSERT_EQ(rays.size(), 8u);

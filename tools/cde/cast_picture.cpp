@@ -114,7 +114,10 @@ void aim(const CastOptions& o, CastJob& job) {
   job.picture = o.size.empty() ? size_for(job.mesh.faces.size()) : parse_resolution(o.size);
   Camera camera;
   if (o.camera.empty()) {
-    camera = camera_for(box, *job.picture);
+    std::vector<Vector3f> turned;
+    if (up != 'z')
+      for (const Vector3f& vertex : job.mesh.vertices) turned.push_back(to_z_up(vertex, up));
+    camera = camera_for(up == 'z' ? job.mesh.vertices : turned, *job.picture);
     camera.eye = from_z_up(camera.eye, up);
     camera.target = from_z_up(camera.target, up);
   } else {

@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -52,7 +53,10 @@ struct Camera {
   [[nodiscard]] PixelRays pixels(Resolution resolution) const;
 };
 
-/// Looks at the box from the south-west and above, as close as shows all of it.
+/// Looks at the points from the south-west and above, as close as shows all of them. Error kUsage
+/// if there is none, or one is not finite.
+[[nodiscard]] Camera camera_for(std::span<const Eigen::Vector3f> points, Resolution resolution);
+/// The same, of a box's corners.
 [[nodiscard]] Camera camera_for(const Eigen::AlignedBox3f& box, Resolution resolution);
 
 /// "ex,ey,ez, tx,ty,tz[,fov]": eye, target, vertical field of view in degrees. Error kUsage, with
