@@ -181,7 +181,7 @@ TEST_F(Query, MalformedLinesAreNamedAndTheOthersAnswered) {
       {"0,0,0,1,1,0,0", "line 2: 7 words, must be 8 (4 of A, 4 of B)"},
       {"0,0,0,1,1,0,0,1,1", "line 2: 9 words, must be 8 (4 of A, 4 of B)"},
       {",", "line 2: 2 words, must be 8"},
-      {std::string("0\0,0,0,1,1,0,0,1", 16), "line 2, word 1: '0?' is not a number"}};
+      {std::string("0\0,0,0,1,1,0,0,1", 16), "line 2, word 1: '0\\x00' is not a number"}};
   for (const auto& [line, message] : cases) {
     const Ran ran = query({"sphere-sphere"}, fmt::format("{0}{1}\n{0}", good, line));
     SCOPED_TRACE(line);
