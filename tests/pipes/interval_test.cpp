@@ -118,10 +118,10 @@ INSTANTIATE_TEST_SUITE_P(
     Fp32, FacetInterval,
     ::testing::Values(Parameter{Pair::kObbObb, Arithmetic::kHost, 100 + 3},
                       Parameter{Pair::kObbObb, Arithmetic::kRtl, 100 + 3},
-                      Parameter{Pair::kTriangleAabb, Arithmetic::kHost, 104 + 1},
-                      Parameter{Pair::kTriangleAabb, Arithmetic::kRtl, 104 + 1},
-                      Parameter{Pair::kTriangleObb, Arithmetic::kHost, 107 + 1},
-                      Parameter{Pair::kTriangleObb, Arithmetic::kRtl, 107 + 1}),
+                      Parameter{Pair::kTriangleAabb, Arithmetic::kHost, 103 + 1},
+                      Parameter{Pair::kTriangleAabb, Arithmetic::kRtl, 103 + 1},
+                      Parameter{Pair::kTriangleObb, Arithmetic::kHost, 106 + 1},
+                      Parameter{Pair::kTriangleObb, Arithmetic::kRtl, 106 + 1}),
     test_name);
 
 template <class Config>

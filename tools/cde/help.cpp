@@ -95,9 +95,9 @@ class Formatter : public CLI::FormatterBase {
       page.line("    " + example.command);
     }
     page.heading("Exit status");
-    for (const Entry& e : exit_statuses()) page.entry(e.name, e.text);
+    for (const HelpEntry& e : exit_statuses()) page.entry(e.name, e.text);
     page.heading("Environment");
-    for (const Entry& e : environment()) page.entry(e.name, e.text);
+    for (const HelpEntry& e : environment()) page.entry(e.name, e.text);
     std::string text = page.text();
     if (mode == CLI::AppFormatMode::All)
       for (const CLI::App* verb : verbs)
@@ -152,8 +152,8 @@ const std::vector<Example>& examples(std::string_view verb) {
   return found == kAll.end() ? kNone : found->second;
 }
 
-const std::vector<Entry>& exit_statuses() {
-  static const std::vector<Entry> kAll = {
+const std::vector<HelpEntry>& exit_statuses() {
+  static const std::vector<HelpEntry> kAll = {
       {"0", "all is well"},
       {"1", "doctor found something wrong"},
       {"2", "an option, a file or another input makes no sense, or an output cannot be written"},
@@ -163,8 +163,8 @@ const std::vector<Entry>& exit_statuses() {
   return kAll;
 }
 
-const std::vector<Entry>& environment() {
-  static const std::vector<Entry> kAll = {
+const std::vector<HelpEntry>& environment() {
+  static const std::vector<HelpEntry> kAll = {
       {"CDE_CACHE", "folder where bitstreams are kept once they are built (~/.cache/cde)"},
       {"CDE_BITSTREAMS", "folder that is searched for bitstreams before all others"},
       {"CDE_SHARE", "folder with rtl/ and verilator/, from which bitstreams are built"},

@@ -14,11 +14,11 @@ struct Example {
 /// Two of each verb, and of the program if `verb` is empty.
 [[nodiscard]] const std::vector<Example>& examples(std::string_view verb);
 
-struct Entry {
+struct HelpEntry {
   std::string name, text;
 };
-[[nodiscard]] const std::vector<Entry>& exit_statuses();
-[[nodiscard]] const std::vector<Entry>& environment();
+[[nodiscard]] const std::vector<HelpEntry>& exit_statuses();
+[[nodiscard]] const std::vector<HelpEntry>& environment();
 
 /// Text broken at blanks into lines of at most `width` characters; a word that is longer has a line
 /// of its own.
