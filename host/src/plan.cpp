@@ -20,7 +20,11 @@ constexpr unsigned kMostLanes = 128;
 /// Lanes of planned cards are few, so that scenes share cards: a build takes longer than what a row
 /// of 16 lanes costs a scene that fills one of them (twice the time of one lane).
 constexpr unsigned kLaneSteps[] = {16, 64, kMostLanes};
-constexpr unsigned kMostLanesOfLargePipes = 16;  // facets, rings, gates: building takes minutes
+/// Of facets and rings, which take longest to build: one vector of the host's. A card of 16 lanes
+/// takes 50 s of processor time to build and one of 8 lanes 30 s, and both simulate 200 boxes among
+/// each other in 1.7 s (40 frames).
+constexpr unsigned kLanesOfLargePipes = 8;
+constexpr unsigned kMostLanesOfGates = 16;
 
 /// What effects cost a simulation: how many times as long a frame of rays and triangles takes.
 /// Medians of `cde bench effects`, which prints them beside its own.
@@ -123,8 +127,8 @@ unsigned lanes_for(const Scene& scene, const std::vector<Pair>& pairs) {
   for (const SceneQuery& q : scene.queries)
     most = std::max(most, std::min<std::uint64_t>(kPacket, count(scene, q.primaries)));
   if (scene.card.arithmetic == Arithmetic::kRtl)
-    return std::min(std::bit_ceil(static_cast<unsigned>(most)), kMostLanesOfLargePipes);
-  if (std::any_of(pairs.begin(), pairs.end(), plan_card::is_large)) return kMostLanesOfLargePipes;
+    return std::min(std::bit_ceil(static_cast<unsigned>(most)), kMostLanesOfGates);
+  if (std::any_of(pairs.begin(), pairs.end(), plan_card::is_large)) return kLanesOfLargePipes;
   return *std::find_if(std::begin(kLaneSteps), std::end(kLaneSteps),
                        [&](unsigned step) { return step >= most || step == kMostLanes; });
 }
