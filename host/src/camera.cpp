@@ -122,9 +122,9 @@ Camera camera_for(std::span<const Eigen::Vector3f> points, Resolution resolution
   const Frame f = frame_of(camera);
   const double half_y = half_height(camera.fov_degrees) / kMargin;
   const double half_x = half_y * resolution.width / resolution.height;
-  // A point at (x, y, z) of the view frame, from a place `shift` of the plane through the centre, is
-  // in the picture from distance d if |x| <= half_x (d + z), and so in y. The shift that centres the
-  // picture depends on d, so both are iterated; a pass halves what is left, and more.
+  // A point at (x, y, z) of the view frame, from a place `shift` of the plane through the centre,
+  // is in the picture from distance d if |x| <= half_x (d + z), and so in y. The shift that centres
+  // the picture depends on d, so both are iterated; a pass halves what is left, and more.
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
   double distance = 0.0;
   const auto view = [&](const Eigen::Vector3f& point) -> Eigen::Vector3d {
