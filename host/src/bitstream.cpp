@@ -25,6 +25,7 @@
 #include "bitstream_folders.hpp"
 #include "build_progress.hpp"
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "process.hpp"
 #include "sanitizer.hpp"
 #include "sha256.hpp"
@@ -33,11 +34,6 @@ namespace cde {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// To stderr, which may be closed or full: that is no reason to end.
-void say(const std::string& message) {
-  std::fputs(message.c_str(), stderr);
-}
 
 void say_once(const std::string& message) {
   static std::mutex mutex;
@@ -106,7 +102,7 @@ Key key_of(const std::string& kind, const std::vector<std::string>& parameters) 
   if (result.status != 0 ||
       std::sscanf(result.output.c_str(), "%16llx %64[0-9a-f]", &hash, key) != 2) {
     throw Error(ErrorCode::kBuild, fmt::format("bitstream {}: {}", joined(kind, parameters),
-                                               last_lines(result.output, 8)));
+                                               printable(last_lines(result.output, 8))));
   }
   return {hash, fmt::format("{}.so", key)};
 }
@@ -117,7 +113,8 @@ class FileLock {
   FileLock(const fs::path& path, const std::string& what)
       : fd_(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
     if (fd_ < 0) {
-      throw Error(ErrorCode::kFile, fmt::format("{}: {}", path.string(), std::strerror(errno)));
+      throw Error(ErrorCode::kFile,
+                  fmt::format("{}: {}", printable_name(path.string()), std::strerror(errno)));
     }
     if (::flock(fd_, LOCK_EX | LOCK_NB) == 0) return;
     if (!BuildProgress::quiet())
@@ -151,9 +148,10 @@ void build(const fs::path& file, const std::string& kind,
                                       ::strsignal(signal)));  // NOLINT(concurrency-mt-unsafe)
   }
   if (result.status != 0) {
-    throw Error(ErrorCode::kBuild,
-                fmt::format("building bitstream {} failed:\n{}", what,
-                            last_lines(BuildProgress::without_phases(result.output), 12)));
+    throw Error(
+        ErrorCode::kBuild,
+        fmt::format("building bitstream {} failed:\n{}", what,
+                    printable(last_lines(BuildProgress::without_phases(result.output), 12))));
   }
 }
 
@@ -171,9 +169,11 @@ std::optional<fs::path> find_whole(const Key& key) {
     std::error_code none;
     if (!fs::exists(file, none)) continue;
     if (const auto why = folders::distrust(folder)) {
-      say_once(fmt::format("cde: bitstream folder {} is refused: it {}\n", folder.string(), *why));
+      say_once(fmt::format("cde: bitstream folder {} is refused: it {}\n",
+                           printable_name(folder.string()), *why));
     } else if (const auto what = defect(file)) {
-      say_once(fmt::format("cde: bitstream {} is not loaded: it {}\n", file.string(), *what));
+      say_once(fmt::format("cde: bitstream {} is not loaded: it {}\n",
+                           printable_name(file.string()), *what));
     } else {
       return file;
     }
@@ -390,17 +390,19 @@ Bitstream Bitstream::load(const fs::path& file, std::uint64_t config_hash) {
   if (!intact(file)) {
     throw Error(ErrorCode::kConfiguration,
                 fmt::format("{} is not a bitstream (missing, cut short, or no shared library)",
-                            file.string()));
+                            printable_name(file.string())));
   }
   const fs::path whole = fs::absolute(file);
   for (const fs::path& part : {whole.parent_path(), whole}) {
     if (const auto why = folders::distrust(part))
       throw Error(ErrorCode::kFile,
-                  fmt::format("{} is refused: {} {}", file.string(), part.string(), *why));
+                  fmt::format("{} is refused: {} {}", printable_name(file.string()),
+                              printable_name(part.string()), *why));
   }
   if (fs::exists(checksum_file(file))) {
     if (const auto why = defect(file))
-      throw Error(ErrorCode::kConfiguration, fmt::format("{} {}", file.string(), *why));
+      throw Error(ErrorCode::kConfiguration,
+                  fmt::format("{} {}", printable_name(file.string()), *why));
   }
   return link(file, config_hash);
 }
@@ -411,7 +413,8 @@ Bitstream Bitstream::link(const fs::path& file, std::uint64_t config_hash) {
   result.config_hash_ = config_hash;
   void* library = ::dlopen(result.path_.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr)
-    throw Error(ErrorCode::kConfiguration, ::dlerror());  // NOLINT(concurrency-mt-unsafe)
+    throw Error(ErrorCode::kConfiguration,
+                printable_name(::dlerror()));  // NOLINT(concurrency-mt-unsafe)
   // LeakSanitizer does not see what thread-local variables of a closed library hold; Verilator's
   // runtime keeps one small buffer there.
   result.library_ = {library, [](void* handle) {
@@ -423,7 +426,8 @@ Bitstream Bitstream::link(const fs::path& file, std::uint64_t config_hash) {
 void* Bitstream::symbol(const char* name) const {
   void* address = ::dlsym(library_.get(), name);
   if (address == nullptr) {
-    throw Error(ErrorCode::kConfiguration, fmt::format("{} exports no {}", path_.string(), name));
+    throw Error(ErrorCode::kConfiguration,
+                fmt::format("{} exports no {}", printable_name(path_.string()), name));
   }
   return address;
 }

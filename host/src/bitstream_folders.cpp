@@ -1,8 +1,10 @@
 #include "bitstream_folders.hpp"
 
 #include <fmt/format.h>
+#include <linux/magic.h>
 #include <pwd.h>
 #include <sys/stat.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <array>
@@ -116,10 +118,15 @@ std::optional<fs::path> own_cache() {
   return std::nullopt;
 }
 
-/// Whether the folder is there and can be written, or can be made.
+/// Whether the folder is there and can be written, or can be made. In /proc and /sys nothing can,
+/// whatever access() says to root.
 bool can_be_written(fs::path folder) {
   std::error_code none;
   while (!fs::exists(folder, none) && folder.has_relative_path()) folder = folder.parent_path();
+  struct statfs system {};
+  if (::statfs(folder.c_str(), &system) != 0 || system.f_type == PROC_SUPER_MAGIC ||
+      system.f_type == SYSFS_MAGIC)
+    return false;
   return fs::is_directory(folder, none) && ::access(folder.c_str(), W_OK | X_OK) == 0;
 }
 
@@ -186,7 +193,7 @@ fs::path make_cache() {
       say(
           fmt::format("cde: bitstream cache {} cannot be written; {} is used instead (CDE_CACHE "
                       "names another)\n",
-                      printable_name(own->string()), folder.string()));
+                      printable_name(own->string()), printable_name(folder.string())));
     });
   make_private(folder);
   std::error_code none;

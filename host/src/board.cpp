@@ -9,6 +9,7 @@
 
 #include "board_impl.hpp"
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "text.hpp"
 
 namespace cde {
@@ -17,7 +18,8 @@ namespace {
 void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t expected_hash,
                     const std::string& file) {
   const auto refuse = [&](const std::string& why) {
-    throw Error(ErrorCode::kConfiguration, fmt::format("bitstream {}: {}", file, why));
+    throw Error(ErrorCode::kConfiguration,
+                fmt::format("bitstream {}: {}", printable_name(file), why));
   };
   const std::uint64_t id = card.read_register(card::kRegId);
   constexpr std::uint64_t kId = std::uint64_t{card::kIdMagic} << 32 | card::kInterfaceVersion;

@@ -12,6 +12,7 @@
 
 #include "bitstream_folders.hpp"
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "cde/output_file.hpp"
 #include "sha256.hpp"
 
@@ -20,9 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// To stderr, which may be closed or full: that is no reason to end.
 void refuse(const fs::path& file, std::string_view why) {
-  std::fputs(fmt::format("cde: {} is not used: it {}\n", file.string(), why).c_str(), stderr);
+  say(fmt::format("cde: {} is not used: it {}\n", printable_name(file.string()), why));
 }
 
 /// As beside a bitstream: a line as of sha256sum.

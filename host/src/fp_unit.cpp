@@ -7,6 +7,7 @@
 #include "abi_fp.h"
 #include "cde/bitstream.hpp"
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 
 namespace cde {
 
@@ -37,13 +38,14 @@ FpUnit::FpUnit(const Bitstream& bitstream) : state_(std::make_unique<State>(bits
   const auto entry = reinterpret_cast<cde_fp_entry_function>(s.bitstream.symbol("cde_fp_entry"));
   s.api = entry();
   if (s.api->version != CDE_FP_ABI_VERSION)
-    throw Error(ErrorCode::kConfiguration,
-                fmt::format("bitstream {} has interface version {}, not {}",
-                            bitstream.path().string(), s.api->version, CDE_FP_ABI_VERSION));
+    throw Error(
+        ErrorCode::kConfiguration,
+        fmt::format("bitstream {} has interface version {}, not {}",
+                    printable_name(bitstream.path().string()), s.api->version, CDE_FP_ABI_VERSION));
   s.unit = s.api->create();
   if (s.unit == nullptr)
-    throw Error(ErrorCode::kDevice,
-                fmt::format("bitstream {}: out of memory", bitstream.path().string()));
+    throw Error(ErrorCode::kDevice, fmt::format("bitstream {}: out of memory",
+                                                printable_name(bitstream.path().string())));
 }
 
 FpUnit::FpUnit(FpFormat format, Arithmetic arithmetic, int lanes, bool flags)

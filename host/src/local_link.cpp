@@ -30,9 +30,10 @@ class LocalLink final : public CardLink {
         bus_(options) {
     api_ = reinterpret_cast<cde_board_entry_fn>(bitstream_.symbol("cde_board_entry"))();
     if (api_->abi != CDE_BOARD_ABI) {
-      throw Error(ErrorCode::kConfiguration,
-                  fmt::format("bitstream {}: C interface version {}, this driver speaks {}",
-                              bitstream_.path().string(), api_->abi, CDE_BOARD_ABI));
+      throw Error(
+          ErrorCode::kConfiguration,
+          fmt::format("bitstream {}: C interface version {}, this driver speaks {}",
+                      printable_name(bitstream_.path().string()), api_->abi, CDE_BOARD_ABI));
     }
     const cde_board_options card_options = {.memory = static_cast<std::uint32_t>(options.memory),
                                             .ddr_latency = options.ddr_latency,

@@ -145,7 +145,7 @@ std::optional<std::string> out_of_range(const Mesh& mesh, std::string_view what)
 }
 
 void mesh_readers::add_named_file(Mesh& mesh, const std::filesystem::path& mesh_file,
-                                  std::string name) {
+                                  const std::string& name) {
   const auto add = [&](const std::string& one) {
     const std::filesystem::path file = mesh_file.parent_path() / one;  // an absolute one replaces
     std::error_code none;
@@ -154,10 +154,12 @@ void mesh_readers::add_named_file(Mesh& mesh, const std::filesystem::path& mesh_
     if (std::find(mesh.files.begin(), mesh.files.end(), file) == mesh.files.end())
       mesh.files.push_back(file);
   };
-  if (name.find('\0') != std::string::npos) return;
-  add(name);
-  std::replace(name.begin(), name.end(), '\\', '/');
-  add(name);
+  for (std::string one : {name, text::percent_decoded(name)}) {
+    if (one.find('\0') != std::string::npos) continue;
+    add(one);
+    std::replace(one.begin(), one.end(), '\\', '/');
+    add(one);
+  }
 }
 
 namespace {
@@ -167,7 +169,7 @@ void add_materials(Mesh& mesh, const std::filesystem::path& mesh_file, const std
   const std::size_t before = mesh.files.size();
   mesh_readers::add_named_file(mesh, mesh_file, name);
   if (mesh.files.size() == before) return;
-  const std::filesystem::path library = mesh.files.back();
+  const std::filesystem::path library = mesh.files[before];  // the name as it stands comes first
   std::ifstream in(library);
   for (std::string line; std::getline(in, line);) {
     std::string_view rest = line;
@@ -242,7 +244,7 @@ Mesh load_mesh_or_builtin(std::string_view spec) {
 
 void save_mesh(const Mesh& mesh, const std::filesystem::path& path) {
   const std::string extension = lower_extension(path);
-  check(mesh, mesh.name);
+  check(mesh, printable_name(mesh.name));
   constexpr std::size_t kMost = 0x7fffffff;  // PLY's corner numbers are signed in most readers
   if (mesh.vertices.size() > kMost || mesh.faces.size() > kMost) {
     throw Error(ErrorCode::kCapacity, fmt::format("{}: more than {} vertices or faces",

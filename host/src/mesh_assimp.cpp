@@ -18,6 +18,7 @@
 #include "cde/message.hpp"
 #include "mesh_readers.hpp"
 #include "sanitizer.hpp"
+#include "text.hpp"
 
 #ifdef CDE_COVERAGE
 extern "C" void __gcov_dump();  // NOLINT(bugprone-reserved-identifier): libgcov's
@@ -115,16 +116,24 @@ bool take_parts(std::string_view& in, std::vector<MeshPart>& parts) {
   return name == names.end();
 }
 
-/// Keeps the names of the files that an importer opens.
+/// Keeps the names of the files that an importer opens. assimp takes the URIs of glTF for names;
+/// where no file is called so, the one that the URI means is opened.
 class NotingFiles : public Assimp::DefaultIOSystem {
  public:
   explicit NotingFiles(std::vector<std::string>& names) : names_(names) {}
+  bool Exists(const char* name) const override {
+    return DefaultIOSystem::Exists(file_of(name).c_str());
+  }
   Assimp::IOStream* Open(const char* name, const char* mode) override {
-    names_.emplace_back(name);
-    return DefaultIOSystem::Open(name, mode);
+    names_.push_back(file_of(name));
+    return DefaultIOSystem::Open(names_.back().c_str(), mode);
   }
 
  private:
+  [[nodiscard]] std::string file_of(const char* name) const {
+    const std::string meant = text::percent_decoded(name);
+    return !DefaultIOSystem::Exists(name) && DefaultIOSystem::Exists(meant.c_str()) ? meant : name;
+  }
   std::vector<std::string>& names_;
 };
 

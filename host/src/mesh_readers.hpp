@@ -23,8 +23,8 @@ namespace cde::mesh_readers {
 [[nodiscard]] Mesh read_by_assimp(const std::filesystem::path& path, std::chrono::seconds deadline);
 
 /// Adds a file that the mesh `mesh_file` names, if it is there and not in mesh.files yet: a path of
-/// its own, or relative to the mesh's folder, also with Windows' separators.
-void add_named_file(Mesh& mesh, const std::filesystem::path& mesh_file, std::string name);
+/// its own, or relative to the mesh's folder, also with Windows' separators, or as a URI (%20).
+void add_named_file(Mesh& mesh, const std::filesystem::path& mesh_file, const std::string& name);
 
 /// Triangles of the terrain that load_mesh_or_builtin() makes of "terrain[:QX,QY,SEED]". Error
 /// kUsage if it makes none.

@@ -9,6 +9,7 @@
 
 #include "abi_pair.h"
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "waves.hpp"
 
 namespace cde {
@@ -74,7 +75,7 @@ PairUnit::PairUnit(const Bitstream& bitstream, const PairConfig& config)
     : state_(std::make_shared<State>(bitstream, config)) {
   State& s = *state_;
   s.api = reinterpret_cast<cde_pair_entry_function>(s.bitstream.symbol("cde_pair_entry"))();
-  const std::string path = bitstream.path().string();
+  const std::string path = printable_name(bitstream.path().string());
   if (s.api->version != CDE_PAIR_ABI_VERSION)
     throw Error(ErrorCode::kConfiguration,
                 fmt::format("bitstream {} has interface version {}, not {}", path, s.api->version,
@@ -183,7 +184,7 @@ void PairUnit::open_trace(const std::string& path) {
   if (!state().config.trace)
     throw Error(ErrorCode::kConfiguration, "the pair_unit was built without trace");
   if (state().api->trace_open(state().unit, path.c_str()) != 0)
-    throw Error(ErrorCode::kFile, fmt::format("{}: cannot be written", path));
+    throw Error(ErrorCode::kFile, fmt::format("{}: cannot be written", printable_name(path)));
 }
 void PairUnit::close_trace() {
   require_whole_waves(state().api->trace_close(state().unit));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "cde/message.hpp"
 #include "cde/pci.hpp"
 
 namespace cde {
@@ -15,7 +16,7 @@ PciPort::PciPort(Bitstream bitstream, const OpenOptions& options, std::uint64_t 
   if (api_->abi != CDE_PCI_ABI) {
     throw Error(ErrorCode::kConfiguration,
                 fmt::format("bitstream {}: C interface version {}, this driver speaks {}",
-                            bitstream_.path().string(), api_->abi, CDE_PCI_ABI));
+                            printable_name(bitstream_.path().string()), api_->abi, CDE_PCI_ABI));
   }
   const HostProfile& p = options.host;
   const cde_pci_options card_options = {

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "plan_card.hpp"
 #include "plan_mover.hpp"
 #include "self_pairs.hpp"
@@ -114,7 +115,7 @@ std::vector<Pair> pairs_of(const Scene& scene) {
       throw Error(ErrorCode::kUsage,
                   fmt::format("{}: query '{}' needs a pipe for {}, but the bitstream asked for has "
                               "pairs = {}; add it, or leave out pairs in [card]",
-                              scene.file, q.name, name(q.pair), join(asked)));
+                              printable_name(scene.file), q.name, name(q.pair), join(asked)));
   }
   return asked;
 }
@@ -164,14 +165,14 @@ void check_capacity(const Scene& scene, const Plan& plan) {
       throw Error(
           ErrorCode::kCapacity,
           fmt::format("{}: query '{}': {} secondaries are {} words, but the card's DDR holds {}",
-                      scene.file, w.name, w.secondaries, w.secondary_words, held));
+                      printable_name(scene.file), w.name, w.secondaries, w.secondary_words, held));
     if (w.most_records > ~std::uint32_t{0})
       throw Error(
           ErrorCode::kCapacity,
           fmt::format("{}: query '{}': mode {} may keep {} records, more than the 2^32 - 1 "
                       "that a card counts; use nearest, farthest or any",
-                      scene.file, w.name, name_of(scene.queries[&w - plan.queries.data()].mode),
-                      w.most_records));
+                      printable_name(scene.file), w.name,
+                      name_of(scene.queries[&w - plan.queries.data()].mode), w.most_records));
   }
 }
 
@@ -404,9 +405,9 @@ Plan plan(const Scene& scene) {
 void use_built_card(const Scene& scene, Plan& plan) {
   const bool small = std::all_of(plan.queries.begin(), plan.queries.end(),
                                  [](const QueryWork& w) { return w.primaries <= kPacket; });
-  if (!small || bitstream_file(plan.board.top(), plan.board.parameters()).built) return;
-  const auto card = plan_card::choose(plan.board, scene.card,
-                                      [&](unsigned lanes) { return rows_of(scene, lanes); });
+  if (!small) return;
+  const auto card =
+      built_card(plan.board, scene.card, [&](unsigned lanes) { return rows_of(scene, lanes); });
   if (!card) return;
   plan.stands_in_for = {plan.board, card->times};
   plan.board = card->board;

@@ -78,16 +78,21 @@ double times(const BoardConfig& card, const BoardConfig& planned, const Rows& ro
   return device * std::max(1.0, row * effects_cost(card) / effects_cost(planned));
 }
 
-std::optional<BuiltCard> choose(const BoardConfig& planned, const SceneCard& asked,
-                                const Rows& rows) {
+}  // namespace cde::plan_card
+
+namespace cde {
+
+std::optional<BuiltCard> built_card(const BoardConfig& planned, const SceneCard& asked,
+                                    const Rows& rows) {
+  if (bitstream_file(planned.top(), planned.parameters()).built) return std::nullopt;
   std::vector<BuiltCard> some;
   for (const std::vector<std::string>& parameters : kept_bitstreams(planned.top())) {
     std::optional<BoardConfig> card = BoardConfig::of(parameters);
     if (!card) continue;
     card->bus = planned.bus;  // the kind of bitstream
-    if (!serves(*card, planned, asked)) continue;
-    const double t = times(*card, planned, rows);
-    if (t <= kMostTimes) some.push_back({*card, t});
+    if (!plan_card::serves(*card, planned, asked)) continue;
+    const double t = plan_card::times(*card, planned, rows);
+    if (t <= plan_card::kMostTimes) some.push_back({*card, t});
   }
   // Equal ones stay in the order of their parameters: the choice does not depend on the folder.
   std::stable_sort(some.begin(), some.end(),
@@ -97,4 +102,4 @@ std::optional<BuiltCard> choose(const BoardConfig& planned, const SceneCard& ask
   return std::nullopt;
 }
 
-}  // namespace cde::plan_card
+}  // namespace cde

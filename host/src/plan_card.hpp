@@ -1,7 +1,4 @@
 #pragma once
-#include <cstdint>
-#include <functional>
-
 #include "cde/plan.hpp"
 
 /// Which cards do a scene's work, and what they cost beside the planned one.
@@ -13,9 +10,6 @@ namespace cde::plan_card {
 /// More than this many times the planned card's time is not worth what its building takes.
 inline constexpr double kMostTimes = 1.3;
 
-/// Clocks that the pipes are fed in a frame, by a card's lanes.
-using Rows = std::function<std::uint64_t(unsigned lanes)>;
-
 /// Whether a card gives the records and, lanes apart, the clocks of the planned one. What the
 /// scene's [card] asks for is kept as it is.
 [[nodiscard]] bool serves(const BoardConfig& card, const BoardConfig& planned,
@@ -24,9 +18,5 @@ using Rows = std::function<std::uint64_t(unsigned lanes)>;
 /// How many times as long a frame takes as on the planned card, estimated from what was measured:
 /// by the simulation or by the device's clocks, whichever is more.
 [[nodiscard]] double times(const BoardConfig& card, const BoardConfig& planned, const Rows& rows);
-
-/// The cheapest built card that serves for at most kMostTimes; nothing if there is none.
-[[nodiscard]] std::optional<BuiltCard> choose(const BoardConfig& planned, const SceneCard& asked,
-                                              const Rows& rows);
 
 }  // namespace cde::plan_card

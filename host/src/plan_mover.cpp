@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 #include "self_pairs.hpp"
 
 namespace cde::plan_mover {
@@ -93,7 +94,7 @@ void choose_secondaries(const Scene& scene, bool resident, Movers& movers) {
                   fmt::format("{}: card, mover = \"card\": query '{}' has {} of secondaries, every "
                               "shape that moves on its own being one, but a card's table holds {}; "
                               "use mover = \"host\"",
-                              scene.file, q.name, objects(n), kMostEntries));
+                              printable_name(scene.file), q.name, objects(n), kMostEntries));
     movers.entries = std::max(movers.entries,
                               static_cast<unsigned>(std::min<std::uint64_t>(n, kMostEntries + 1)));
   }

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "cde/error.hpp"
+#include "cde/message.hpp"
 
 extern char** environ;
 
@@ -63,8 +64,8 @@ pid_t start(const std::vector<std::string>& command, int input, int output) {
   const int failed = ::posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   if (failed != 0)
-    throw Error(ErrorCode::kBuild,
-                fmt::format("cannot run {}: {}", command[0], std::strerror(failed)));
+    throw Error(ErrorCode::kBuild, fmt::format("cannot run {}: {}", printable_name(command[0]),
+                                               std::strerror(failed)));
   return child;
 }
 
@@ -165,7 +166,7 @@ Result attend(const std::vector<std::string>& command,
   }
   if (signal != 0)
     throw Error(signal, fmt::format("ended by {} while {} ran", ::strsignal(signal),  // NOLINT
-                                    command[0]));
+                                    printable_name(command[0])));
   return result;
 }
 

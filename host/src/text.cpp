@@ -79,4 +79,20 @@ std::string_view next_word(std::string_view& line) {
   return word;
 }
 
+std::string percent_decoded(std::string_view uri) {
+  std::string name;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    unsigned char byte = 0;
+    const char* digits = uri.data() + i + 1;
+    if (uri[i] == '%' && i + 2 < uri.size() &&
+        std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2) {
+      name += static_cast<char>(byte);
+      i += 2;
+    } else {
+      name += uri[i];
+    }
+  }
+  return name;
+}
+
 }  // namespace cde::text

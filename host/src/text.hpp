@@ -39,6 +39,9 @@ class Lines {
   std::size_t number_ = 0;
 };
 
+/// A name as a URI has it: %20 is a blank, and so on. A % without two digits behind it stays.
+[[nodiscard]] std::string percent_decoded(std::string_view uri);
+
 /// Takes the next run of non-blank characters off the front of `line`; empty at its end.
 [[nodiscard]] std::string_view next_word(std::string_view& line);
 

@@ -295,7 +295,7 @@ TEST_F(Pages, ChartsCarryTheirFigures) {
     for (double part = 0; fields >> comma >> part;) sum += part;
     EXPECT_NEAR(sum, run["played"][i]["queries"][0]["modelled_seconds"]["total"], 1e-12);
     std::istringstream(gaps[i + 1]) >> at >> comma >> most >> comma >> least;
-    EXPECT_EQ(at, run["played"][i]["seconds"]);
+    EXPECT_EQ(at, run["played"][i]["scene_seconds"]);
     EXPECT_GT(least, 0);
     EXPECT_GE(most, least);
   }
@@ -399,7 +399,7 @@ TEST_F(Pages, QuickReproduction) {
         ASSERT_EQ(entry.contains("spread"), entry["source"] == "software") << entry;
         if (!entry.contains("spread")) continue;
         const json& spread = entry["spread"];
-        EXPECT_GE(spread["samples"], 9);
+        EXPECT_GE(spread["measurements"], 9);
         EXPECT_EQ(spread["median"], entry["seconds"]);
         EXPECT_LE(spread["least"], spread["tenth"]);
         EXPECT_LE(spread["tenth"], spread["median"]);

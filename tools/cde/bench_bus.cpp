@@ -233,7 +233,7 @@ ordered_json bench_bus(const BenchOptions& o) {
   const std::vector<Sweep> all = sweeps(o, kBurst);
   print_sweeps(all, kBurst, o);
   if (o.quick) show("PCI signals and cards of one lane: skipped (--quick)\n");
-  return {{"transfers", json_of(all, kBurst, o)}, {"paper", paper(o)}};
+  return {{"transfers", json_of(all, kBurst, o)}, {"paper_frame", paper(o)}};
 }
 
 }  // namespace cde::cli

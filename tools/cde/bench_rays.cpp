@@ -232,7 +232,7 @@ ordered_json linearity(const BenchOptions& o) {
     list.push_back({{"triangles", count},
                     {"device_cycles", c.cycles},
                     {"cycles_per_row", static_cast<double>(c.cycles) / rows},
-                    {"cast_seconds", seconds},
+                    {"simulation_seconds", seconds},
                     {"tests_per_second_simulated", static_cast<double>(c.pairs) / seconds},
                     {"upload_seconds", upload},
                     {"resident_bytes_per_triangle", bytes}});

@@ -144,6 +144,7 @@ CastOutcome cast_on_card(const CastOptions& o, const CastJob& job, const RayView
       o.trace, [&](const std::string& file) { board.trace_open(file); },
       [&] { board.trace_close(); });
   const Query query{.mode = job.mode,
+                    .pair = Pair::kRayTriangle,
                     .deadline_clocks = o.deadline,
                     .watchdog = std::chrono::duration<double>(o.timeout),
                     .progress = progress};

@@ -244,8 +244,9 @@ Json reproduction_json(const Reproduction& r, const Json& machine) {
                     {"note", entry.note}};
         if (entry.spread) {
           const Spread& x = *entry.spread;
-          one["spread"] = {{"least", x.least},         {"tenth", x.tenth}, {"median", x.median},
-                           {"ninetieth", x.ninetieth}, {"most", x.most},   {"samples", x.samples}};
+          one["spread"] = {{"least", x.least},   {"tenth", x.tenth},
+                           {"median", x.median}, {"ninetieth", x.ninetieth},
+                           {"most", x.most},     {"measurements", x.samples}};
         }
         if (entry.warm) one["same_rays_again"] = true;
         if (entry.split) {

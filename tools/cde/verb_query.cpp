@@ -181,9 +181,11 @@ class Query {
   }
 
   Totals run() {
+    // The first line goes with the answers, so that nothing is written where none follow; ahead of
+    // them to who waits for it before asking.
     out_.append(std::string_view("F,T,CPx,CPy,CPz,nx,ny,nz,flags\n"));
-    flush();
     LineInput input;
+    if (!config_.trace && LineInput::waits()) flush();
     Progress progress("query", o_.quiet);
     const double size = stdin_size();
     const auto take = [this](std::uint64_t number, std::string_view line) { read(number, line); };
@@ -193,6 +195,7 @@ class Query {
       if (!config_.trace || !more) answer();
       if (size > 0) progress(static_cast<double>(input.bytes()) / size);
     }
+    flush();
     return totals_;
   }
 
@@ -403,15 +406,15 @@ nlohmann::ordered_json as_json(const Options& o, const PairConfig& config, const
        {"lanes", config.lanes},
        {"facet_interval", o.facet_interval},
        {"budget", o.budget.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(o.budget)},
-       {"pairs", t.pairs},
+       {"tests", t.pairs},
        {"hits", t.hits},
        {"bad_pairs", t.bad},
        {"malformed_lines", t.malformed},
        {"device_cycles", t.clocks},
        {"simulation_seconds", t.simulation_seconds},
        {"checked", o.check},
-       {"pairs_compared", t.compared},
-       {"pairs_matching", t.compared}});
+       {"records_compared", t.compared},
+       {"records_matching", t.compared}});
   return j;
 }
 

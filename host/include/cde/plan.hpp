@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -60,12 +61,20 @@ struct Plan {
 /// asks for lacks, or for more objects than the card moves), kCapacity (secondaries beyond DDR).
 [[nodiscard]] Plan plan(const Scene& scene);
 
-/// Where the planned card is not built, but one is that gives the same records, for at most 1.3
-/// times the simulation's and the device's time by an estimate, takes that one: `board` and the
-/// rows of `queries` are its own then. Only for scenes whose queries have up to 256 primaries each:
-/// larger ones gain more by a card of their own than its building takes. What the scene's [card]
-/// asks for is kept. Which cards are built is read from the comments beside bitstreams
-/// (kept_bitstreams); what is taken is found again by its key and held against its checksum.
+/// Clocks that the pipes are fed, by a card's lanes.
+using Rows = std::function<std::uint64_t(unsigned lanes)>;
+
+/// Where the planned card is not built, the cheapest of those that are which give the same records
+/// for at most 1.3 times the simulation's and the device's time by an estimate; nothing where there
+/// is none. What `asked` says of lanes and pairs is kept. Which cards are built is read from the
+/// comments beside bitstreams (kept_bitstreams); what is taken is found again by its key and held
+/// against its checksum.
+[[nodiscard]] std::optional<BuiltCard> built_card(const BoardConfig& planned,
+                                                  const SceneCard& asked, const Rows& rows);
+
+/// Takes the built_card of a plan, if there is one: `board` and the rows of `queries` are its own
+/// then. Only for scenes whose queries have up to 256 primaries each: larger ones gain more by a
+/// card of their own than its building takes. What the scene's [card] asks for is kept.
 void use_built_card(const Scene& scene, Plan& plan);
 
 /// How many times as long the simulation of a frame takes with an effect, by its name in a plan,
