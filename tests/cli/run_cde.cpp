@@ -53,7 +53,8 @@ std::set<std::string> keys_of(const std::string& text) {
   };
   // One object over several lines, or a line of its own behind others.
   const std::size_t begin = text.starts_with('{') ? 0 : text.rfind("\n{");
-  if (begin != std::string::npos) (void)nlohmann::json::parse(text.substr(begin), note, false);
+  if (begin == std::string::npos) return keys;
+  if (nlohmann::json::parse(text.substr(begin), note, false).is_discarded()) keys.clear();
   return keys;
 }
 
