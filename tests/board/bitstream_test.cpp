@@ -139,12 +139,13 @@ TEST_F(Bitstreams, NamesInMessagesArePrintable) {
     }
     ADD_FAILURE() << "no error";
   };
-  const fs::path file = copy_of_host_board(odd);
-  const Bitstream board = Bitstream::load(file, 0);
+  const fs::path loaded = copy_of_host_board(odd);
+  const Bitstream board = Bitstream::load(loaded, 0);
   says([&] { (void)board.symbol("cde_nothing"); });
   says([&] { (void)FpUnit(board); });
   says([&] { (void)PairUnit(board, {}); });
-  says([&] { (void)Board::open(rtl_config(), {.file = file}); });
+  says([&] { (void)Board::open(rtl_config(), {.file = loaded}); });
+  const fs::path file = copy_of_host_board(odd + " again");  // not what is mapped
   set("CDE_BITSTREAMS", file.parent_path());
   flip_bit(file, 10'000);
   says([&] { (void)Bitstream::load(file, 0); });

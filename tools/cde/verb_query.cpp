@@ -265,6 +265,7 @@ class Query {
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     waves.close();  // whole, whatever the answers are
     if (o_.check) compare();
+    flush();  // the first line: a stdout that cannot be written is known before lines are judged
     std::size_t pair = 0, unread = 0;
     for (const Row& row : rows_) {
       if (row.valid) {
