@@ -99,7 +99,8 @@ class Card {
             .seconds = split.total(),
             .note = fmt::format("{} record{} to the host", grouped(records.size()),
                                 records.size() == 1 ? "" : "s"),
-            .split = split};
+            .split = split,
+            .time = f.time()};
   }
 
  private:
