@@ -308,12 +308,9 @@ TEST_P(BoxRule, DropsNoCertainHitOfPlainTriangles) {
   }
 }
 
-/// 1234567 as 1,234,567.
+/// 12345 as 12,345.
 std::string grouped(int n) {
-  std::string text = std::to_string(n);
-  for (int at = static_cast<int>(text.size()) - 3; at > 0; at -= 3)
-    text.insert(static_cast<std::size_t>(at), ",");
-  return text;
+  return n < 1000 ? std::to_string(n) : fmt::format("{},{:03}", n / 1000, n % 1000);
 }
 
 /// What the rule drops of rays aimed at the inside of needles, by their height over their length.
@@ -348,11 +345,12 @@ TEST(Needles, CertainHitsAreDroppedAsTheDocsSay) {
         certain_dropped[k] += k == 0 ? of_moller : certain(algorithm, ray, triangle);
       }
     }
-    std::string line = fmt::format("| 2^-{} | {}", width, grouped(sure));
-    for (int k = 0; k < 4; ++k)
-      line += fmt::format(" | {} ({}) of {}", grouped(dropped[k]), certain_dropped[k],
-                          grouped(hits[k]));
-    lines.push_back(line + " |");
+    const auto cell = [&](int k) {
+      return fmt::format("{} ({}) of {}", grouped(dropped[k]), certain_dropped[k],
+                         grouped(hits[k]));
+    };
+    lines.push_back(fmt::format("| 2^-{} | {} | {} | {} | {} | {} |", width, grouped(sure), cell(0),
+                                cell(1), cell(2), cell(3)));
     for (const int n : certain_dropped) EXPECT_LE(n, width <= 8 ? 0 : kPairs / 400);
     EXPECT_GT(sure, kPairs / 10);
   }

@@ -159,7 +159,9 @@ TEST(AllButAlongTheAxis, RaysHitWhatTheyGoThrough) {
   const std::vector<PairResult> expected = reference_of(config, a, b);
   for (std::size_t i = 0; i < expected.size(); ++i) {
     hits += expected[i].f;
-    if (std::abs(number(a[8 * i + 4])) < 0.1f) EXPECT_EQ(expected[i].f, i % 2 == 0) << i;
+    if (std::abs(number(a[8 * i + 4])) < 0.1f) {
+      EXPECT_EQ(expected[i].f, i % 2 == 0) << i;
+    }
   }
   EXPECT_GT(hits, 2000u);
   expect_equal(config, a, b);
