@@ -351,7 +351,7 @@ TEST(Needles, CertainHitsAreDroppedAsTheDocsSay) {
     };
     lines.push_back(fmt::format("| 2^-{} | {} | {} | {} | {} | {} |", width, grouped(sure), cell(0),
                                 cell(1), cell(2), cell(3)));
-    for (const int n : certain_dropped) EXPECT_LE(n, width <= 8 ? 0 : kPairs / 400);
+    for (const int n : certain_dropped) EXPECT_LE(n, width <= 4 ? 0 : kPairs / 400);
     EXPECT_GT(sure, kPairs / 10);
   }
   expect_in_docs("pairs.md", lines);

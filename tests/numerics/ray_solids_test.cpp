@@ -394,14 +394,14 @@ double worst_found(int searches) {
 
 // The bounds are sums of roundings that rays at random come nowhere near; searches come nearer.
 TEST(RaySolidFigures, SearchesForTheWorstFindWhatTheDocsSay) {
-  const int searches = amount(600, 30000);
-  const double sphere = worst_found<SphereCase>(searches),
-               cylinder = worst_found<CylinderCase>(searches);
+  constexpr int kSearches = 600;
+  const double sphere = worst_found<SphereCase>(kSearches),
+               cylinder = worst_found<CylinderCase>(kSearches);
   EXPECT_LE(sphere, reference::kRaySphereBand);
   EXPECT_LE(cylinder, reference::kRayCylinderBand);
   EXPECT_GT(std::min(sphere, cylinder), 7) << "the searches find nothing";
   const auto line = [&](const char* pair, double worst) {
-    return fmt::format("- {}, the worst of {} searches: {:.2f} u", pair, searches, worst);
+    return fmt::format("- {}, the worst of {} searches: {:.2f} u", pair, kSearches, worst);
   };
   expect_in_docs("pairs.md", {line("ray-sphere", sphere), line("ray-cylinder", cylinder)});
 }
