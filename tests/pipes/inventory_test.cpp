@@ -77,7 +77,7 @@ const Pipe kRays[] = {
     {"ray_triangle_pluecker",
      {.multipliers = 54, .dividers = 1, .adders = 22, .subtractors = 27, .comparators = 6}},
     {"ray_triangle_watertight",
-     {.multipliers = 32, .dividers = 3, .adders = 13, .subtractors = 18, .comparators = 8}},
+     {.multipliers = 30, .dividers = 3, .adders = 13, .subtractors = 18, .comparators = 8}},
     {"ray_sphere",
      {.multipliers = 22,
       .dividers = 2,

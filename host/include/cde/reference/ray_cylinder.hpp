@@ -7,8 +7,23 @@
 namespace cde::reference {
 
 /// The answer is that of exact arithmetic for a cylinder whose radius and half height differ by at
-/// most this many u (|o-c| + r + h) (tests/numerics/ray_pairs_test.cpp).
-inline constexpr double kRayCylinderBand = 8;
+/// most this many u (|o-c| + r + h). It is the sum of all roundings at their worst, to first order,
+/// for the nearer root from far away, with W = |o-c|, phi the angle of incidence across the axis
+/// and s = sin phi, c = cos phi, as a distance from the surface:
+///
+///     w                                     W
+///     n, as a turn of the ray               (1.155 + 1) W, as |d x a| <= 1.155 |d| term by term
+///     m                                     (1.155 + 1) W c
+///     B (three products, two sums), B i     (3 + 1) W c
+///     C: m.m, the subtraction               (3 + 1) W c
+///     C i, the quotient, the sum in q       3 W c; i itself cancels from C i / q
+///     e through g and its own sums          4 W s
+///
+/// that is W (3.155 + 13.155 c + 4 s) <= 16.9 W; less for the farther root (15.0 W) and the caps
+/// (10 W). r and h have smaller factors, at most 7.7 and 6, which leaves room for an axis whose
+/// length is off by 2^-21, 8 u in fp32. Rays at random need about half of it, as roundings rarely
+/// agree (tests/numerics/ray_solids_test.cpp).
+inline constexpr double kRayCylinderBand = 17;
 
 /// A stretch of the ray: lo <= t <= hi, if it is there at all.
 template <typename S>
@@ -66,7 +81,7 @@ template <typename S>
 ///     15-16  cq = min(|C i / q|, |q|) with the sign of C i / q     1 div, 1 min/max
 ///            lo, hi = q, cq; exchanged if B has the sign bit
 ///     4-6    s, e: the stretch between the caps                    2 mul, 1 div, 2 sub, 2 cmp
-///     7-13   i < inf, 0 <= D, C <= 0                               3 cmp
+///     8-13   r^2 i < inf, 0 <= D, C <= 0                           3 cmp
 ///     17     enter = max(lo, s), leave = min(hi, e)                2 min/max
 ///     18     enter <= leave; both against tmin and tmax            5 cmp
 ///            t = enter if it is in the interval, else leave
@@ -75,9 +90,11 @@ template <typename S>
 ///
 /// 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 10 cmp, 3 min/max and 21 clocks at one an operator. The
 /// equation is divided by A first, so that D, like t^2, is a ratio of products of two lengths; the
-/// ranges are the sphere's, and so is the reason for the minimum. A = 0, or so small that its
-/// reciprocal overflows: the ray runs along the axis, and the lateral surface bounds nothing if C
-/// <= 0, everything otherwise.
+/// ranges are the sphere's, and so is the reason for the minimum. A = 0, or so small that
+/// r^2 / A overflows: the ray runs along the axis, and the lateral surface bounds nothing if C <=
+/// 0, everything otherwise. (1 / A alone is not enough: (e/A)^2 overflows too then, and the
+/// difference of two infinities was a miss of what the ray goes through.) r is then 2^(bias/2)
+/// times |n|, so that |n| < u |d| if r is less than 2^38 |d| in fp32, LengthRange::ray_ratio.
 template <typename S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_cylinder(const BasicRay<S>& ray, const BasicCylinder<S>& cylinder) {
   if constexpr (!AtSizeOne) return at_size_one<S>(ray, cylinder, ray_cylinder<S, true>);
@@ -90,12 +107,13 @@ template <typename S, bool AtSizeOne = false>
   const S wz = dot<S>(w, axis);
   const S e = dot<S>(sub<S>(w, scale<S>(axis, wz)), n);
   const S i = one / a, ei = e * i;
-  const S discriminant = rr * i - ei * ei;
+  const S rri = rr * i;
+  const S discriminant = rri - ei * ei;
   const S q = -(b * i + move_sign(b, square_root(discriminant)));
   const S ci = c * i;
   const S cq = move_sign(ci, move_sign(q, min_num(magnitude(ci / q), magnitude(q))));
 
-  const Mask<S> slanted = i < inf, backwards = is_negative(b);
+  const Mask<S> slanted = rri < inf, backwards = is_negative(b);
   const RayStretch<S> lateral{select(slanted, select(backwards, cq, q), -inf),
                               select(slanted, select(backwards, q, cq), inf),
                               (slanted && zero <= discriminant) || (!slanted && c <= zero)};

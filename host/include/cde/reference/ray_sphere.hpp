@@ -5,8 +5,20 @@
 namespace cde::reference {
 
 /// The answer is that of exact arithmetic for a sphere whose radius differs by at most this many
-/// u (|o-c| + r) (tests/numerics/ray_pairs_test.cpp).
-inline constexpr double kRaySphereBand = 8;
+/// u (|o-c| + r). It is the sum of all roundings at their worst, to first order, for the nearer
+/// root from far away, with W = |o-c|, phi the angle of incidence and s = sin phi, c = cos phi, as
+/// a distance from the surface:
+///
+///     f                                     W
+///     b (three products, two sums), b i     (3 + 1) W c
+///     cc: f.f, the subtraction              (3 + 1) W c
+///     cc i, the quotient, the sum in tb     3 W c; i itself cancels from cc i / tb
+///     l, by k d, into D                     W s
+///
+/// that is W (1 + 11 c + s) <= 12.1 W; less for the farther root (10.1 W). r has the smaller factor
+/// of 5.5. Rays at random need about half of it, as roundings rarely agree
+/// (tests/numerics/ray_solids_test.cpp).
+inline constexpr double kRaySphereBand = 13;
 
 /// Ray against the surface of a sphere: T is the smallest root of |o + t d - c| = r in
 /// [tmin, tmax], so that a ray which starts inside reports where it leaves.

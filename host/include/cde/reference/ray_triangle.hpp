@@ -197,24 +197,25 @@ inline constexpr double kWatertightBand = 2, kWatertightDepth = 8;
 ///     1-2    kz = argmax |D|, kx = kz+1, ky = kz+2 (cyclic)        2 cmp
 ///     3      Sz = 1 / D_kz                                         1 div
 ///     4      Sx = D_kx Sz, Sy = D_ky Sz                            2 mul
-///     4      Az = Sz A_kz, Bz, Cz                                  3 mul
 ///     5-6    Ax = A_kx - Sx A_kz, Ay = A_ky - Sy A_kz, B, C        6 mul, 6 sub
 ///     7-8    U = Cx By - Cy Bx, V = Ax Cy - Ay Cx, W = Bx Ay - By Ax   6 mul, 3 sub
 ///     9-10   det = (U + V) + W                                     2 add
-///     9-11   T = (U Az + V Bz) + W Cz                              3 mul, 2 add
+///     9-11   Z = (U A_kz + V B_kz) + W C_kz                        3 mul, 2 add
 ///     11     0 <= U, V, W with the sign of det, 0 < |det|          4 cmp
-///     12     t = T / det                                           1 div
-///     13     tmin <= t, t <= tmax                                  2 cmp
+///     12-13  t = (Z / det) Sz                                      1 div, 1 mul
+///     14     tmin <= t, t <= tmax                                  2 cmp
 ///     11     i = 1 / det                                           1 div
 ///     12     b0 = U i, b1 = V i, b2 = W i                          3 mul
 ///     13-15  b0 A + b1 B + b2 C                                    9 mul, 6 add
 ///     16     CP = O + that                                         3 add
 ///     17     the outcome is selected
 ///
-/// 32 mul, 3 div, 13 add, 18 sub, 8 cmp and 17 clocks at one an operator. The first four steps need
-/// the ray alone. det = 0 is a miss; without Box rounding may make a hit of a triangle seen edge-on
-/// or without area. The exchange of kx and ky for D_kz < 0 in the original turns the winding, which
-/// a two-sided test does not look at; it is left out. With Box the point of the rule is o + t D, 3
+/// 30 mul, 3 div, 13 add, 18 sub, 8 cmp and 17 clocks at one an operator. The first four steps need
+/// the ray alone. Sz, which the original multiplies A_kz, B_kz and C_kz by, comes last, so that
+/// nothing but lengths is multiplied before and no product overflows where no other pair's does.
+/// det = 0 is a miss; without Box rounding may make a hit of a triangle seen edge-on or without
+/// area. The exchange of kx and ky for D_kz < 0 in the original turns the winding, which a
+/// two-sided test does not look at; it is left out. With Box the point of the rule is o + t D, 3
 /// mul and 3 add more. 1 / D_kz and 1 / det must not overflow: |D| and the triangle's projected
 /// area above 2^-126.
 template <typename S, bool Box = false, bool AtSizeOne = false>
@@ -230,14 +231,14 @@ template <typename S, bool Box = false, bool AtSizeOne = false>
   const S sx = axis.next(ray.d) * sz, sy = axis.after_next(ray.d) * sz;
   const auto shear = [&](const Vector<S>& p) -> Vector<S> {
     const S along = axis.largest(p);
-    return {axis.next(p) - sx * along, axis.after_next(p) - sy * along, sz * along};
+    return {axis.next(p) - sx * along, axis.after_next(p) - sy * along, along};
   };
   const Vector<S> as = shear(a), bs = shear(b), cs = shear(c);
   const S u = cs.x() * bs.y() - cs.y() * bs.x();
   const S v = as.x() * cs.y() - as.y() * cs.x();
   const S w = bs.x() * as.y() - bs.y() * as.x();
   const S det = (u + v) + w;
-  const S t = ((u * as.z() + v * bs.z()) + w * cs.z()) / det;
+  const S t = (((u * as.z() + v * bs.z()) + w * cs.z()) / det) * sz;
   const S i = one / det;
   const Vector<S> weights = scale<S>({u, v, w}, i);
   const Vector<S> hit{dot<S>(weights, {a.x(), b.x(), c.x()}),
