@@ -5,7 +5,7 @@
 //   sample    w = e x u, c = e x q                               q.w, q.u       one end of the arc (1 - tau) + other end tau
 //   refine    w = e x next, c = w x e
 //   frame     e1 x e2 (triangle)                                 |e1 x e2|^2, e1.e1
-// 26 add, 31 mul, 1 div, 2 sqrt, 4 compare (box); 22 add, 36 mul, 1 div, 2 sqrt, 7 compare (triangle).
+// 29 add, 31 mul, 1 div, 2 sqrt, 6 compare (box); 25 add, 36 mul, 1 div, 2 sqrt, 11 compare (triangle).
 // Latency: LATENCY_FRONT clocks; 0 with ARITH = "host". Throughput: one normal a lane a clock. Stall: none, runs free.
 `include "cylinder.svh"
 module polyhedron_front #(
