@@ -161,10 +161,10 @@ module project_polyhedron #(
     `DF_VSUB(plane, x, drop)
     // No farther than the best of edges and vertex, as the plane of a sliver may be, whose normal is off.
     `DF_MUL(drop_squared, height, height)
-    `DF_LE(within1, drop_squared, least1)
-    `DF_LE(within2, drop_squared, rr2)
-    `DF_SELECT(within, nearer2, within2, within1)
-    `DF_AND(of_plane, above_it, within)
+    `DF_LE(no_farther1, drop_squared, least1)
+    `DF_LE(no_farther2, drop_squared, rr2)
+    `DF_SELECT(no_farther, nearer2, no_farther2, no_farther1)
+    `DF_AND(of_plane, above_it, no_farther)
     `DF_VSELECT(nearest, of_plane, plane, best2)
     `DF_VAT(r_end, nearest, T_X + `LATENCY_PROJECT)
     assign r_o = r_end;
