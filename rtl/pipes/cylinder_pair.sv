@@ -3,8 +3,8 @@
 // points. One pipeline, which a row of pairs goes round once a pass: a normal (front), g for it and its opposite (evaluator), what the
 // pair keeps of that (circle, free), and at the end the witness points. RING rows are in flight, one a stage; what a row keeps lies in
 // memories with a slot a row, read and written by the stages that use it.
-// 257 add, 321 mul, 9 div, 8 sqrt, 34 compare, 18 min/max (cylinder); 200 add, 215 mul, 5 div, 4 sqrt, 33 compare, 16 min/max (box);
-// 257 add, 268 mul, 8 div, 4 sqrt, 48 compare, 21 min/max (triangle). RING, latency at one clock an operator and the default budget: 64,
+// 257 add, 321 mul, 9 div, 8 sqrt, 34 compare, 18 min/max (cylinder); 203 add, 215 mul, 5 div, 4 sqrt, 35 compare, 16 min/max (box);
+// 260 add, 269 mul, 8 div, 4 sqrt, 54 compare, 21 min/max (triangle). RING, latency at one clock an operator and the default budget: 64,
 // 4,298; 64, 5,066; 70, 5,260.
 // Latency: ENTRY + passes * RING + FINISH clocks, latency_o, passes set by budget_i (schedule.hpp). Throughput: RING rows in passes * RING
 // clocks, a row a clock while slots are free. Stall: ready_o, low while the slot that comes by is not about to be free; results come in

@@ -124,6 +124,10 @@ template <typename S>
   Vector<S> f, f2;
   for (int k = 0; k < 3; ++k) f[k] = move_sign(sign, x[k]), f2[k] = move_sign(sign, y[k]);
   const int m = p.index % samples, per_arc = samples / 4, arc = m / per_arc;
+  const Vector<S> middle = add<S>(w, arc < 2 ? u : Vector<S>(-u));
+  const S narrow(0x1p-15);
+  const Mask<S> none = magnitude(qu) <= narrow || magnitude(qw) <= narrow;
+  (arc < 2 ? f : f2) = select<S>(none, middle, arc < 2 ? f : f2);
   const std::array<Vector<S>, 5> ends = {u, f, w, f2, -u};
   const S tau((2.0 * (m % per_arc) + 1) / (2 * per_arc)), rest(1 - static_cast<double>(tau));
   const Vector<S> raw = add<S>(scale<S>(ends[arc], rest), scale<S>(ends[arc + 1], tau));
@@ -148,13 +152,17 @@ template <typename S>
 }
 
 /// The triangle's normal (0) and edges (1, 2, 3). Where the normal drowns in rounding the triangle
-/// is a segment, and any normal of its longer edge at v0 serves.
+/// is a segment, and any normal of its longer edge at v0 serves; of a point, any of B's axis, for
+/// one on that axis has no direction to B's side.
 template <typename S>
 [[nodiscard]] Vector<S> triangle_frame(const Pair<S>& pair, int i) {
   const Vector<S> e1 = pair.reach[0], e2 = pair.reach[1], face = cross<S>(e1, e2);
   const S e11 = dot<S>(e1, e1), e22 = dot<S>(e2, e2), tiny(16 * kUnitRoundoff<S>);
   const Mask<S> flat = dot<S>(face, face) <= (tiny * tiny) * (e11 * e22);
-  const Vector<S> other = perpendicular<S>(select<S>(e11 < e22, e2, e1));
+  const S least(4 * static_cast<double>(std::numeric_limits<S>::min()));
+  const Mask<S> point = e11 < least && e22 < least;
+  const Vector<S> longer = select<S>(e11 < e22, e2, e1);
+  const Vector<S> other = perpendicular<S>(select<S>(point, pair.b, longer));
   if (i == 0) return select<S>(flat, other, face);
   return i == 1 ? e1 : i == 2 ? pair.reach[2] : e2;
 }

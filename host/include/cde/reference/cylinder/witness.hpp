@@ -74,8 +74,9 @@ template <typename S>
 }
 
 /// Nearest point of the triangle, or of the vertex, edge or face that n touches: of its plane if
-/// that lies inside, else of an edge. An edge or a triangle without length or area is selected away
-/// by its NaN, and v0 remains. 63 mul, 54 add or sub, 3 div, 14 cmp or min or max.
+/// that lies inside and is no farther, for the normal of a sliver may lean along it; else of an
+/// edge. An edge or a triangle without length or area is selected away by its NaN, and v0 remains.
+/// 64 mul, 54 add or sub, 3 div, 15 cmp or min or max.
 template <typename S>
 [[nodiscard]] Vector<S> project_triangle(const Vector<S>& x, const Pair<S>& pair,
                                          const Touching<S>& touching) {
@@ -108,8 +109,9 @@ template <typename S>
     const S side = dot<S>(cross<S>(edge, w), pair.face);
     inside = inside && (i == 1 ? side < zero : zero < side);
   }
-  const Vector<S> plane = sub<S>(x, scale<S>(pair.face, dot<S>(x, pair.face)));
-  return select<S>(inside, plane, best);
+  const S height = dot<S>(x, pair.face);
+  const Vector<S> plane = sub<S>(x, scale<S>(pair.face, height));
+  return select<S>(inside && height * height <= least, plane, best);
 }
 
 /// What a witness pass does beside projecting, counted from its number.
