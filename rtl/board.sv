@@ -82,7 +82,7 @@ module board #(
   if (FACET_II != 1 && FACET_II != 3) begin : g_no_interval
     $error("board: FACET_II must be 1 or 3");
   end
-  if (TRANSFORM < 0 || TRANSFORM > 2 || (TRANSFORM != 0 && (OBJECTS < 2 || OBJECTS > 2048 || PRIM_OBJECTS < 2 || PRIM_OBJECTS > 2048))) begin : g_no_objects
+  if (TRANSFORM < 0 || TRANSFORM > 2 || (TRANSFORM != 0 && (OBJECTS < 2 || OBJECTS > 2048 || PRIM_OBJECTS < 2 || PRIM_OBJECTS > 2048))) begin : g_no_transform
     $error("board: TRANSFORM must be 0 to 2, OBJECTS and PRIM_OBJECTS 2 to 2048");
   end
 
@@ -100,7 +100,7 @@ module board #(
   logic [PRIM_W:0] prim_count, new_hits;
   logic [PRIMARIES-1:0] active, prim_bad;
   logic [1:0] issue, retire, ready;
-  logic bubble, stall, sec_pop, sec_bad, record_write;
+  logic bubble, stall, sec_pop, sec_bad, record_write, writeback;
   logic [15:0] latency;
   logic [3:0] ecc_corrected, ecc_failed;
   logic object_write, objects_good, objects_busy, posed;
@@ -205,7 +205,7 @@ module board #(
   end
 
   // ---- Sequencer ----
-  logic flush, clear, issue_parity, fifo_empty, writeback, writeback_parity, writeback_ready;
+  logic flush, clear, issue_parity, fifo_empty, writeback_parity, writeback_ready;
   logic [ROW_W-1:0] clear_row;
   logic [1:0][ROW_W-1:0] issue_row;
   logic [LANES-1:0] clear_mask;

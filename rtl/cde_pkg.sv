@@ -98,51 +98,51 @@ package cde_pkg;
   localparam int SHAPE_CYLINDER = 5;  // c x y z, axis x y z, half height, radius
   localparam int SHAPE_OBB = 6;       // c x y z, half extents, rotation by rows (columns are the axes)
 
-  function int larger(input int a, input int b);  // of two stage times
+  function automatic int larger(input int a, input int b);  // of two stage times
     larger = (a > b) ? a : b;
   endfunction
-  function [63:0] power_of_two(input int exp, input int man, input int e);  // the word of 2^e in a format, 0 where it underflows
+  function automatic [63:0] power_of_two(input int exp, input int man, input int e);  // the word of 2^e in a format, 0 where it underflows
     int biased;
     biased = (1 << (exp - 1)) - 1 + e;
     power_of_two = (biased > 0) ? 64'(biased) << man : (biased + man > 0) ? 64'd1 << (biased + man - 1) : 64'd0;
   endfunction
-  function bit has_ring(input int pair);  // the pipe is a ring with a mouth (cylinder_pair.sv), a budget sets its work
+  function automatic bit has_ring(input int pair);  // the pipe is a ring with a mouth (cylinder_pair.sv), a budget sets its work
     has_ring = pair == int'(PAIR_TRIANGLE_CYLINDER) || pair == int'(PAIR_CYLINDER_CYLINDER) || pair == int'(PAIR_OBB_CYLINDER);
   endfunction
-  function bit any_ring(input int pairs);  // of a set
+  function automatic bit any_ring(input int pairs);  // of a set
     any_ring = 0;
     for (int p = 0; p < PAIRS; p++) if (((pairs >> p) & 1) != 0 && has_ring(p)) any_ring = 1;
   endfunction
-  function int cylinder_body(input int pair);  // what such a pipe's primary is: 0 cylinder, 1 box, 2 triangle (cylinder.svh)
+  function automatic int cylinder_body(input int pair);  // what such a pipe's primary is: 0 cylinder, 1 box, 2 triangle (cylinder.svh)
     cylinder_body = (pair == int'(PAIR_CYLINDER_CYLINDER)) ? 0 : (pair == int'(PAIR_OBB_CYLINDER)) ? 1 : 2;
   endfunction
-  function bit has_box(input int pair);  // BOX is an option of its pipe (ray_box.sv)
+  function automatic bit has_box(input int pair);  // BOX is an option of its pipe (ray_box.sv)
     has_box = pair == int'(PAIR_RAY_TRIANGLE);
   endfunction
-  function bit has_facets(input int pair);  // the pipe is made of facet units, which can take turns (pair_hold.sv)
+  function automatic bit has_facets(input int pair);  // the pipe is made of facet units, which can take turns (pair_hold.sv)
     has_facets = pair == int'(PAIR_OBB_OBB) || pair == int'(PAIR_TRIANGLE_AABB) || pair == int'(PAIR_TRIANGLE_OBB);
   endfunction
-  function bit any_facets(input int pairs);  // of a set
+  function automatic bit any_facets(input int pairs);  // of a set
     any_facets = 0;
     for (int p = 0; p < PAIRS; p++) if (((pairs >> p) & 1) != 0 && has_facets(p)) any_facets = 1;
   endfunction
-  function int shape_words(input int shape);
+  function automatic int shape_words(input int shape);
     shape_words = (shape == SHAPE_RAY || shape == SHAPE_CYLINDER) ? 8 : (shape == SHAPE_TRIANGLE) ? 9 :
         (shape == SHAPE_AABB) ? 6 : (shape == SHAPE_OBB) ? 15 : 4;
   endfunction
-  function int primary_shape(input int pair);  // A
+  function automatic int primary_shape(input int pair);  // A
     primary_shape = (pair == int'(PAIR_RAY_TRIANGLE) || pair == int'(PAIR_RAY_CYLINDER) || pair == int'(PAIR_RAY_SPHERE)) ? SHAPE_RAY :
         (pair == int'(PAIR_SPHERE_SPHERE) || pair == int'(PAIR_SPHERE_OBB)) ? SHAPE_SPHERE :
         (pair == int'(PAIR_CYLINDER_CYLINDER)) ? SHAPE_CYLINDER :
         (pair == int'(PAIR_OBB_OBB) || pair == int'(PAIR_OBB_CYLINDER) || pair == int'(PAIR_OBB_PLANE)) ? SHAPE_OBB : SHAPE_TRIANGLE;
   endfunction
-  function int secondary_shape(input int pair);  // B
+  function automatic int secondary_shape(input int pair);  // B
     secondary_shape = (pair == int'(PAIR_RAY_TRIANGLE)) ? SHAPE_TRIANGLE : (pair == int'(PAIR_TRIANGLE_AABB)) ? SHAPE_AABB :
         (pair == int'(PAIR_OBB_PLANE)) ? SHAPE_PLANE :
         (pair == int'(PAIR_OBB_OBB) || pair == int'(PAIR_TRIANGLE_OBB) || pair == int'(PAIR_SPHERE_OBB)) ? SHAPE_OBB :
         (pair == int'(PAIR_SPHERE_SPHERE) || pair == int'(PAIR_TRIANGLE_SPHERE) || pair == int'(PAIR_RAY_SPHERE)) ? SHAPE_SPHERE : SHAPE_CYLINDER;
   endfunction
-  function bit any_long(input int pairs);  // some pair of a set takes more clocks than a ray or two spheres
+  function automatic bit any_long(input int pairs);  // some pair of a set takes more clocks than a ray or two spheres
     any_long = 0;
     for (int p = 0; p < PAIRS; p++)
       if (((pairs >> p) & 1) != 0 && primary_shape(p) != SHAPE_RAY && !(primary_shape(p) == SHAPE_SPHERE && secondary_shape(p) == SHAPE_SPHERE))
@@ -155,20 +155,20 @@ package cde_pkg;
   localparam int WORD_DIRECTION = 2;   // of a ray: lengths in units of their own
   localparam int WORD_INTERVAL = 3;    // tmin, tmax: lengths in those units
   localparam int WORD_PURE = 4;        // of a unit vector or rotation
-  function int word_kind(input int shape, input int k);
+  function automatic int word_kind(input int shape, input int k);
     word_kind = WORD_COORDINATE;
     if (shape == SHAPE_RAY) word_kind = (k < 3) ? WORD_COORDINATE : (k < 6) ? WORD_DIRECTION : WORD_INTERVAL;
     if ((shape == SHAPE_PLANE && k < 3) || (shape == SHAPE_CYLINDER && k >= 3 && k < 6) || (shape == SHAPE_OBB && k >= 6)) word_kind = WORD_PURE;
     if ((shape == SHAPE_SPHERE && k == 3) || (shape == SHAPE_CYLINDER && k >= 6) || (shape == SHAPE_OBB && k >= 3 && k < 6)) word_kind = WORD_SIZE;
   endfunction
-  function bit is_length(input int shape, input int k);
+  function automatic bit is_length(input int shape, input int k);
     is_length = word_kind(shape, k) == WORD_COORDINATE || word_kind(shape, k) == WORD_SIZE;
   endfunction
-  function int lengths(input int shape);  // how many words of the shape are
+  function automatic int lengths(input int shape);  // how many words of the shape are
     lengths = 0;
     for (int k = 0; k < shape_words(shape); k++) if (is_length(shape, k)) lengths++;
   endfunction
-  function int length_word(input int shape, input int i);  // the i-th of them
+  function automatic int length_word(input int shape, input int i);  // the i-th of them
     int left;
     left = i;
     length_word = 0;
@@ -181,31 +181,31 @@ package cde_pkg;
 
   // The input contract's range of lengths, as exponents of two: no coordinate or size is above 2^length_high, no size, nor the largest
   // component of a ray's direction, below 2^length_low. host/include/cde/reference/check.hpp says why.
-  function int length_high(input int exp);
+  function automatic int length_high(input int exp);
     length_high = (exp < 8) ? ((1 << (exp - 1)) - 2) / 2 : ((1 << (exp - 1)) - 8) / 3;
   endfunction
-  function int length_low(input int exp, input int man);
+  function automatic int length_low(input int exp, input int man);
     length_low = (exp < 8) ? -length_high(exp) : -(((1 << (exp - 1)) - 3 - man) / 3);
   endfunction
   // Whether a pair is brought to the size of one in front of its pipe (length_scale.sv): those that multiply four lengths, and all in
   // formats of fewer than 8 exponent bits.
-  function bit scaled(input int pair, input int exp);
+  function automatic bit scaled(input int pair, input int exp);
     scaled = exp < 8 || (primary_shape(pair) != SHAPE_RAY && primary_shape(pair) != SHAPE_SPHERE && secondary_shape(pair) != SHAPE_PLANE);
   endfunction
-  function int scale_latency(input bit ray, input int lat_mul, input int lat_cmp);  // of length_scale.sv
+  function automatic int scale_latency(input bit ray, input int lat_mul, input int lat_cmp);  // of length_scale.sv
     scale_latency = lat_cmp + unscale_latency(ray, lat_mul, lat_cmp);
   endfunction
-  function int unscale_latency(input bit ray, input int lat_mul, input int lat_cmp);  // of length_unscale.sv
+  function automatic int unscale_latency(input bit ray, input int lat_mul, input int lat_cmp);  // of length_unscale.sv
     unscale_latency = ray ? larger(lat_cmp, lat_mul) : lat_cmp;
   endfunction
 
-  function int ring_entry(input int lat_add, input int lat_mul, input int lat_cmp);  // clocks that cylinder_pair.sv needs for its operands
+  function automatic int ring_entry(input int lat_add, input int lat_mul, input int lat_cmp);  // clocks that cylinder_pair.sv needs for its operands
     ring_entry = scale_latency(0, lat_mul, lat_cmp) + larger(lat_add, lat_mul);
   endfunction
 
   // Words of the largest slot that a set of pairs (bit p: pair p) needs, of primaries or of secondaries; `swap`: either shape may be
   // either.
-  function int slot_words(input int pairs, input bit primary, input bit swap);
+  function automatic int slot_words(input int pairs, input bit primary, input bit swap);
     slot_words = 0;
     for (int p = 0; p < PAIRS; p++)
       if (((pairs >> p) & 1) != 0) begin
@@ -214,7 +214,7 @@ package cde_pkg;
       end
   endfunction
   // Whether some pair of the set has the shape in that role.
-  function bit uses_shape(input int pairs, input int shape, input bit primary, input bit swap);
+  function automatic bit uses_shape(input int pairs, input int shape, input bit primary, input bit swap);
     uses_shape = 0;
     for (int p = 0; p < PAIRS; p++)
       if (((pairs >> p) & 1) != 0) begin
@@ -225,10 +225,10 @@ package cde_pkg;
 
   // Whether the transformer of a card handles the shape, and its clocks: R x is LAT_MUL + 2*LAT_ADD, + t is LAT_ADD; n'.t of a plane
   // waits for R n.
-  function bit moves_shape(input int pairs, input int shape, input bit swap, input int transform);
+  function automatic bit moves_shape(input int pairs, input int shape, input bit swap, input int transform);
     moves_shape = uses_shape(pairs, shape, 0, swap) || (transform == TRANSFORM_BOTH && uses_shape(pairs, shape, 1, swap));
   endfunction
-  function int transform_latency(input int pairs, input bit swap, input int transform, input int lat_add, input int lat_mul);
+  function automatic int transform_latency(input int pairs, input bit swap, input int transform, input int lat_add, input int lat_mul);
     transform_latency = moves_shape(pairs, SHAPE_PLANE, swap, transform) ? 2 * lat_mul + 5 * lat_add : lat_mul + 3 * lat_add;
   endfunction
 

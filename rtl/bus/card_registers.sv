@@ -193,11 +193,11 @@ module card_registers #(
   assign prim_count_o = prim_count_q[PRIM_W:0];
   assign sec_first_o = sec_first_q;
   assign sec_count_o = sec_count_q;
+  logic [PRIMARIES-1:0] present_q;  // primaries below the counter register
   assign active_o = present_q & ~stencil_q[PRIMARIES-1:0];
   assign irq_o = done_q || command_error_q || bus_error_q || sram_full_i;
 
-  logic [PRIMARIES-1:0] present_q;  // primaries below the counter register
-
+  logic [31:0] corrected_q, failed_q;  // words of DDR
   always_ff @(posedge clk_bus_o) begin
     bus_rvalid_o <= read && !rst_i;
     if (read && space_q == SPACE_SRAM) bus_rdata_o <= allowed ? sram_beat_i : '0;
@@ -284,7 +284,6 @@ module card_registers #(
     end
   end
 
-  logic [31:0] corrected_q, failed_q;  // words of DDR
   if (ECC != 0) begin : g_ecc
     always_ff @(posedge clk_engine_i) begin
       if (go_o || rst_i) {corrected_q, failed_q} <= '0;

@@ -193,6 +193,7 @@ module pci_bridge (
   pci_page_table pages (
       .clk_i(clk), .rst_i, .clearing_o(clearing), .write_i(page_write), .entry_i(target_offset[14:3]), .wdata_i(target_wdata),
       .rdata_o(page_rdata), .lookup_i(page), .valid_o(page_valid), .writable_o(page_writable), .frame_o(page_frame));
+  logic [63:0] response_data;
   pci_dma dma (
       .clk_i(clk), .rst_i, .active_o(dma_active), .run_i(run), .clear_i(clear), .ring_base_i(ring_base), .ring_size_i(ring_size),
       .ring_tail_i(ring_tail), .completion_base_i(completion_base), .burst_i(burst_bytes), .head_o(head), .busy_o(busy),
@@ -205,7 +206,6 @@ module pci_bridge (
 
   // ---- Where an access of the host goes; it comes before the DMA's ----
   logic to_card, to_pages, page_read_q, room, forward, response_irq, response_dma;
-  logic [63:0] response_data;
   logic [$clog2(REQUESTS):0] request_room;
   logic [$clog2(RESPONSES):0] response_room;
   assign room = request_room != 0;

@@ -83,6 +83,7 @@ module pci_dma (
   logic [DW-1:0] in_room, in_count, out_room, out_count;
   logic [63:0] in_head, out_head;
   logic data_read, flush;
+  logic [DW-1:0] asked_q;  // words asked for that have not come yet
   assign data_read = purpose_q == PCI_WHERE_DATA;
   assign flush = state_q == FLUSH && asked_q == 0;
   sync_fifo #(.W(64), .DEPTH(DEPTH)) inbound (
@@ -94,7 +95,6 @@ module pci_dma (
 
   // ---- Local bus ----
   logic [28:0] unasked_q;   // words of the descriptor not yet asked for
-  logic [DW-1:0] asked_q;   // words asked for that have not come yet
   logic [31:0] local_q;     // offset of the next request
   logic [5:0] chunk;
   logic local_read;

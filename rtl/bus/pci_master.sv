@@ -81,8 +81,11 @@ module pci_master (
 
   // ---- The transaction ----
   logic wide_q, wide, seen_q, moved_q, aborted_q, ending, transfer, word_done, finish, no_answer, time_over, granted;
+  logic req64_q;
+  logic [1:0] check_q;  // data phases of the last two clocks
   logic [2:0] clocks_q;
   logic [7:0] slice_q;
+  logic [7:0] code;
   assign granted = gnt_i && !frame_i && !irdy_i && !own_o;  // and the bus is idle
   assign wide = seen_q ? wide_q : req64_q && ack64_i;
   assign no_answer = !seen_q && !devsel_i && clocks_q == DEVSEL_CLOCKS;
@@ -96,7 +99,6 @@ module pci_master (
   assign ending = (left == 1 && (wide || half)) || time_over || code_q != PCI_CODE_OK;
   assign finish = state_q == DATA && irdy_o && !frame_o && (transfer || stop_i || aborted_q);
 
-  logic req64_q;
   logic [63:0] next_word;
   assign next_word = word_done ? wdata_i : word_q;
   assign wpop_o = write_i && (state_q == LOAD || (word_done && left != 0));
@@ -202,11 +204,9 @@ module pci_master (
   end
 
   // ---- Parity: PAR is there a clock after the data, PERR# of the target another clock later ----
-  logic [1:0] check_q;  // data phases of the last two clocks
   logic check_wide_q, check_full_q, read_error, write_error;
   logic [31:0] check_addr_q, check_addr2_q;
   logic [9:0] good_q;  // words that are known to be good, of those read
-  logic [7:0] code;
   assign read_error = !write_i && check_q[0] && (parity_error_i || (check_wide_q && parity64_error_i)) && code_q == PCI_CODE_OK;
   assign write_error = write_i && check_q[1] && perr_i && code_q == PCI_CODE_OK;
   assign rvalid_o = !write_i && check_q[0] && check_full_q && !read_error && code_q == PCI_CODE_OK;

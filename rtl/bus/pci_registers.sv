@@ -43,7 +43,7 @@ module pci_registers (
   logic [31:0] fault_addr_q;
   logic [7:0][47:0] count_q;
 
-  function access(input logic [15:0] at);  // is to this register
+  function automatic access(input logic [15:0] at);  // is to this register
     access = {4'b0001, offset_i} == at;
   endfunction
   assign ring_register = access(PCI_REG_RING_BASE) || access(PCI_REG_RING_SIZE) || access(PCI_REG_COMPLETION_BASE) || access(PCI_REG_BURST);
@@ -94,10 +94,10 @@ module pci_registers (
   end
 
   // A value that does not fit reads back as what is kept, and is refused when the ring is to run.
-  function [23:0] address(input logic [63:0] value);
+  function automatic [23:0] address(input logic [63:0] value);
     address = |value[63:24] ? '1 : value[23:0];
   endfunction
-  function [15:0] number(input logic [63:0] value);
+  function automatic [15:0] number(input logic [63:0] value);
     number = |value[63:16] ? '1 : value[15:0];
   endfunction
   always_ff @(posedge clk_i) begin

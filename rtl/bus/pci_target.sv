@@ -94,7 +94,7 @@ module pci_target (
   assign same_read = read_pending_q && read_addr_q == addr_q[15:2] && read_command_q == command_q && read_wide_q == wide_q;
   assign there = (same_read && read_done_q) || read_second_q;
 
-  logic transfer, finish;
+  logic transfer, finish, in_valid_q, in_end_q, low_end_q, low_valid_q;  // in_*, low_*: below
   assign transfer = state_q == TRANSFER && irdy_i;
   assign finish = irdy_i && !frame_i && (state_q == TRANSFER || state_q == BACKOFF);
   assign read_latch = state_q == DECIDE && !config_q && !write_q && !abort && !read_pending_q && !read_second_q && room;
@@ -170,7 +170,7 @@ module pci_target (
   assign config_wdata_o = ad_i[31:0];
 
   // ---- What was written, a clock later, when its parity is known ----
-  logic in_valid_q, in_wide_q, in_memory_q, in_end_q, in_low, low_end_q, low_valid_q, in_error;
+  logic in_wide_q, in_memory_q, in_low, in_error;
   logic [15:2] in_addr_q;
   logic [63:0] in_data_q;
   logic [1:0] in_be_q;  // of the upper and the lower half

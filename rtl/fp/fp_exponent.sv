@@ -40,7 +40,7 @@ module fp_exponent #(
     end
   end else
 `endif
-  begin : g_gates
+  if (1) begin : g_gates
     logic unused_on;
     assign unused_on = on_i;
     localparam logic [CW-1:0] SIGN = CW'(1) << (EXP + MAN);

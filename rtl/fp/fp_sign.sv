@@ -33,7 +33,7 @@ module fp_sign #(
     end
   end else
 `endif
-  begin : g_gates
+  if (1) begin : g_gates
     always_comb begin
       r = '0;
       for (int l = 0; l < LANES; l++)

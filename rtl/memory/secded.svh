@@ -5,7 +5,7 @@
 `define CDE_SECDED_SVH
 `define SECDED_BITS(W) ($clog2((W) + $clog2(W) + 1) + 1)
 `define SECDED_FUNCTIONS(W) \
-  function int secded_position(input int i); \
+  function automatic int secded_position(input int i); \
     int left, p; \
     p = 2; \
     left = i + 1; \
@@ -15,7 +15,7 @@
     end \
     secded_position = p; \
   endfunction \
-  function [W-1:0] secded_mask(input int j); \
+  function automatic [W-1:0] secded_mask(input int j); \
     for (int i = 0; i < W; i++) secded_mask[i] = ((secded_position(i) >> j) & 1) != 0; \
   endfunction
 `endif

@@ -30,6 +30,7 @@
 `define PASS_PHASE(P) P[3:0]
 `define PASS_TRACK(P) P[5:4]
 `define PASS_INDEX(P) P[13:6]
+`define PASS_INDEX_LOW(P) P[7:6]
 // Witness points: projections between what n touches, then between what it nearly touches, of those the last two between the solids. From
 // UNSHIFTED on solids that are clearly apart stay where they are, and after that a pass tries the normal that the one before found.
 `define PROJECTIONS 8'd4

@@ -51,7 +51,7 @@ module update_lanes #(
   logic [LANES-1:0][31:0] f_index[ROWS];                          // F-index buffer: all ones is F = 0
 
   // Sign-magnitude to an ordered unsigned key; both zeros map to the same key.
-  function logic [CW-1:0] key(input logic [CW-1:0] bits);
+  function automatic logic [CW-1:0] key(input logic [CW-1:0] bits);
     key = ((bits & SIGN) != 0) ? SIGN - (bits & ~SIGN) : SIGN + bits;
   endfunction
 
