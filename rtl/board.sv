@@ -7,14 +7,14 @@ module board #(
     parameter int MAN = 23,
     parameter int LANES = 16,       // power of two that divides PRIMARIES
     parameter int PRIMARIES = 256,  // 64, 128, 192 or 256
-    parameter int PAIRS = 1,        // bit p: the card has the pipe of pair p (cde_pkg::PAIR_*)
-    parameter int ALGORITHM = 0,    // of ray-triangle (cde_pkg::ALGORITHM_*)
+    parameter int PAIRS = 1,        // bit p: the card has the pipe of pair p (pairs_pkg::PAIR_*)
+    parameter int ALGORITHM = 0,    // of ray-triangle (pairs_pkg::ALGORITHM_*)
     parameter int BOX = 0,          // of ray-triangle, 1: a hit must lie in the triangle's box
     parameter int SWAP = 0,         // a command can exchange the roles of primary and secondary
     parameter int NORMALS = 0,      // a command can ask for normals
     parameter int PARALLEL = 0,     // two pipes can work on the same secondaries at a time
     parameter int FACET_II = 1,     // of pairs with facets: clocks from one row to the next, 1 or 3
-    parameter int TRANSFORM = 0,    // objects move by a rigid transform: cde_pkg::TRANSFORM_*
+    parameter int TRANSFORM = 0,    // objects move by a rigid transform: pairs_pkg::TRANSFORM_*
     parameter int OBJECTS = 1024,   // entries of their table, 2 to 2,048; PRIM_OBJECTS of that of primaries
     parameter int PRIM_OBJECTS = 64,
     parameter int ECC = 0,          // 1: words in DDR have check bits; single wrong bits are corrected
@@ -28,10 +28,10 @@ module board #(
     parameter int SRAM_RECORDS = 524288,    // seven 2 MB chips, one word of a record each
     parameter logic [63:0] CONFIG_HASH = 0,
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int SEC_WORDS = cde_pkg::slot_words(PAIRS, 0, SWAP != 0),
-    localparam int PRIM_WORDS = cde_pkg::slot_words(PAIRS, 1, SWAP != 0),
+    localparam int SEC_WORDS = pairs_pkg::slot_words(PAIRS, 0, SWAP != 0),
+    localparam int PRIM_WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0),
     localparam int POINTS = (NORMALS != 0) ? 6 : 3,
-    localparam int RECORD_WORDS = cde_pkg::RECORD_WORDS,
+    localparam int RECORD_WORDS = records_pkg::RECORD_WORDS,
     localparam int SRAM_AW = $clog2(SRAM_RECORDS)
 ) (
     input logic clk_i,
@@ -54,8 +54,8 @@ module board #(
     output logic ddr_read_o,  // DDR_WORDS words from an address in words; answers come in order
     output logic [31:0] ddr_read_word_o,
     input logic ddr_valid_i,
-    input logic [cde_pkg::DDR_WORDS-1:0][CW-1:0] ddr_data_i,
-    input logic [cde_pkg::DDR_WORDS-1:0][7:0] ddr_check_i,
+    input logic [records_pkg::DDR_WORDS-1:0][CW-1:0] ddr_data_i,
+    input logic [records_pkg::DDR_WORDS-1:0][7:0] ddr_check_i,
 
     output logic sram_write_o,
     output logic [SRAM_AW-1:0] sram_write_addr_o,
@@ -72,11 +72,11 @@ module board #(
   if (PRIMARIES % 64 != 0 || PRIMARIES > 256) begin : g_illegal
     $error("board: PRIMARIES must be 64, 128, 192 or 256");
   end
-  if (PAIRS <= 0 || PAIRS >= (1 << cde_pkg::PAIRS)) begin : g_no_pairs
-    $error("board: PAIRS must be a set of pairs, 1 to %0d", (1 << cde_pkg::PAIRS) - 1);
+  if (PAIRS <= 0 || PAIRS >= (1 << pairs_pkg::PAIRS)) begin : g_no_pairs
+    $error("board: PAIRS must be a set of pairs, 1 to %0d", (1 << pairs_pkg::PAIRS) - 1);
   end
 
-  if (BOX != 0 && (BOX != 1 || ((PAIRS >> int'(cde_pkg::PAIR_RAY_TRIANGLE)) & 1) == 0)) begin : g_no_box
+  if (BOX != 0 && (BOX != 1 || ((PAIRS >> int'(pairs_pkg::PAIR_RAY_TRIANGLE)) & 1) == 0)) begin : g_no_box
     $error("board: BOX must be 0 or 1, and is of ray-triangle");
   end
   if (FACET_II != 1 && FACET_II != 3) begin : g_no_interval
@@ -122,7 +122,7 @@ module board #(
   assign ddr_write_data_o = wdata;
 
   // ---- Check bits of DDR ----
-  localparam int BEAT = cde_pkg::DDR_WORDS;
+  localparam int BEAT = records_pkg::DDR_WORDS;
   logic ddr_valid;
   logic [BEAT-1:0][CW-1:0] ddr_data;
   logic [3:0] ddr_words;  // of the beat that belong to a slot
@@ -160,7 +160,7 @@ module board #(
   // ---- Secondaries ----
   localparam int RANGES = (TRANSFORM != 0) ? OBJECTS : 0;  // that a pass can have
   localparam int OBJECT_W = (RANGES > 1) ? $clog2(RANGES) : 1;
-  localparam int T_TRANSFORM = cde_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL);
+  localparam int T_TRANSFORM = pairs_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL);
   logic fetch_start, fetch_stop, sec_valid, sec_last, sec_idle;
   logic [SEC_WORDS-1:0][CW-1:0] secondary, unmoved, moved;
   logic [31:0] sec_index;
@@ -245,7 +245,7 @@ module board #(
       .head_i(fifo_head), .lane_i(fifo_lane), .result_i(writeback), .result_primary_i(writeback_primary),
       .result_parity_i(writeback_parity), .result_index_o(result_index), .result_t_o(result_t), .result_point_o(result_point));
   record_fifo #(.LANES(LANES), .ROW_W(ROW_W), .DEPTH(FIFO_DEPTH)) fifo (
-      .clk_i(clk_engine), .rst_i(rst_i | clear | flush), .hits_only_i(mode == cde_pkg::MODE_HITS), .push_i(retire[0] && streaming),
+      .clk_i(clk_engine), .rst_i(rst_i | clear | flush), .hits_only_i(mode == registers_pkg::MODE_HITS), .push_i(retire[0] && streaming),
       .row_i(row), .index_i(index), .unmasked_i(unmasked), .f_i(f), .bad_i(bad), .keep_o(fifo_keep), .write_o(fifo_write),
       .credit_o(credit), .empty_o(fifo_empty), .valid_o(fifo_valid), .ready_i(fifo_ready), .head_o(fifo_head), .row_o(fifo_row),
       .lane_o(fifo_lane), .index_o(fifo_index), .f_o(fifo_f), .bad_o(fifo_bad));
@@ -267,7 +267,7 @@ module board #(
   assign record_there = streaming ? fifo_valid : writeback;
   // The update buffers hold signed gaps for solids.
   logic record_gap;
-  assign record_gap = (PARALLEL != 0 && pair[1] != cde_pkg::NO_PAIR && writeback_primary >= split) ? gap[1] : gap[0];
+  assign record_gap = (PARALLEL != 0 && pair[1] != pairs_pkg::NO_PAIR && writeback_primary >= split) ? gap[1] : gap[0];
   assign record_bad = streaming ? fifo_bad : prim_bad[writeback_primary];
   assign record_f = streaming ? fifo_f : result_index != '1 && (!record_gap || (result_t & SIGN) != 0) && !record_bad;
   assign record_t = record_bad ? QNAN : record_gap ? result_t & ~SIGN : result_t;
@@ -275,14 +275,14 @@ module board #(
   assign record_primary = streaming ? PRIM_W'(32'(fifo_row) * 32'(LANES) + 32'(fifo_lane)) : writeback_primary;
   always_comb begin
     record[2:0] = record_bad ? {3{QNAN}} : result_point[2:0];
-    record[cde_pkg::RECORD_FLAGS] = CW'({record_bad, record_f});
-    record[cde_pkg::RECORD_INDEX] = CW'(record_index);
-    record[cde_pkg::RECORD_T] = record_t;
-    record[cde_pkg::RECORD_PRIMARY] = CW'(record_primary);
+    record[records_pkg::RECORD_FLAGS] = CW'({record_bad, record_f});
+    record[records_pkg::RECORD_INDEX] = CW'(record_index);
+    record[records_pkg::RECORD_T] = record_t;
+    record[records_pkg::RECORD_PRIMARY] = CW'(record_primary);
     if (normals && second_q) begin
       record[2:0] = record_bad ? {3{QNAN}} : result_point[POINTS-1:POINTS-3];
-      record[cde_pkg::RECORD_FLAGS] = CW'({1'b1, record_bad, record_f});
-      record[cde_pkg::RECORD_T] = (record_f && record_gap) ? record_t | SIGN : record_t;
+      record[records_pkg::RECORD_FLAGS] = CW'({1'b1, record_bad, record_f});
+      record[records_pkg::RECORD_T] = (record_f && record_gap) ? record_t | SIGN : record_t;
     end
   end
   always_ff @(posedge clk_engine) begin

@@ -6,14 +6,14 @@ module card #(
     parameter int MAN = 23,
     parameter int LANES = 16,       // power of two that divides PRIMARIES
     parameter int PRIMARIES = 256,  // 64, 128, 192 or 256
-    parameter int PAIRS = 1,        // bit p: the card has the pipe of pair p (cde_pkg::PAIR_*)
-    parameter int ALGORITHM = 0,    // of ray-triangle (cde_pkg::ALGORITHM_*)
+    parameter int PAIRS = 1,        // bit p: the card has the pipe of pair p (pairs_pkg::PAIR_*)
+    parameter int ALGORITHM = 0,    // of ray-triangle (pairs_pkg::ALGORITHM_*)
     parameter int BOX = 0,          // of ray-triangle, 1: a hit must lie in the triangle's box
     parameter int SWAP = 0,         // a command can exchange the roles of primary and secondary
     parameter int NORMALS = 0,      // a command can ask for normals
     parameter int PARALLEL = 0,     // two pipes can work on the same secondaries at a time
     parameter int FACET_II = 1,     // of pairs with facets: clocks from one row to the next, 1 or 3
-    parameter int TRANSFORM = 0,    // objects move by a rigid transform: cde_pkg::TRANSFORM_*
+    parameter int TRANSFORM = 0,    // objects move by a rigid transform: pairs_pkg::TRANSFORM_*
     parameter int OBJECTS = 1024,   // entries of their table, 2 to 2,048; PRIM_OBJECTS of that of primaries
     parameter int PRIM_OBJECTS = 64,
     parameter int ECC = 0,          // 1: words in DDR have check bits; single wrong bits are corrected
@@ -27,7 +27,7 @@ module card #(
     parameter int SRAM_RECORDS = 524288,    // seven 2 MB chips, one word of a record each
     parameter logic [63:0] CONFIG_HASH = 0,
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int RECORD_WORDS = cde_pkg::RECORD_WORDS,
+    localparam int RECORD_WORDS = records_pkg::RECORD_WORDS,
     localparam int SRAM_AW = $clog2(SRAM_RECORDS)
 ) (
     input logic clk_pci_i,
@@ -85,8 +85,8 @@ module card #(
     output logic ddr_read_o,  // DDR_WORDS words from an address in words; answers come in order
     output logic [31:0] ddr_read_word_o,
     input logic ddr_valid_i,
-    input logic [cde_pkg::DDR_WORDS-1:0][CW-1:0] ddr_data_i,
-    input logic [cde_pkg::DDR_WORDS-1:0][7:0] ddr_check_i,
+    input logic [records_pkg::DDR_WORDS-1:0][CW-1:0] ddr_data_i,
+    input logic [records_pkg::DDR_WORDS-1:0][7:0] ddr_check_i,
 
     output logic sram_write_o,
     output logic [SRAM_AW-1:0] sram_write_addr_o,

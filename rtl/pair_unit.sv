@@ -4,8 +4,8 @@
 // passes.
 // Stall: ready_o for cylinder pairs (cylinder_pair.sv) and with FACET_II = 3 (row_interval.sv); the others run free, ready_o = 1.
 module pair_unit #(
-    parameter int PAIR = 0,       // cde_pkg::PAIR_*
-    parameter int ALGORITHM = 0,  // of ray-triangle, cde_pkg::ALGORITHM_*
+    parameter int PAIR = 0,       // pairs_pkg::PAIR_*
+    parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
     parameter int BOX = 0,  // of ray-triangle, 1: a hit must lie in the triangle's box
     parameter int HALF_SPACE = 0,  // of obb-plane, 1: the plane is the solid n.x <= d
     parameter int FACET_II = 1,  // of pairs with facets: clocks from one row to the next, 1 or 3
@@ -20,8 +20,8 @@ module pair_unit #(
     parameter ARITH = "rtl",
     parameter logic [63:0] CONFIG_HASH = 0,
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int A_WORDS = cde_pkg::shape_words(cde_pkg::primary_shape(PAIR)),
-    localparam int B_WORDS = cde_pkg::shape_words(cde_pkg::secondary_shape(PAIR))
+    localparam int A_WORDS = pairs_pkg::shape_words(pairs_pkg::primary_shape(PAIR)),
+    localparam int B_WORDS = pairs_pkg::shape_words(pairs_pkg::secondary_shape(PAIR))
 ) (
     input logic clk_i,
     input logic rst_i,
@@ -64,21 +64,21 @@ module pair_unit #(
     assign {tag, a, b} = {tag_i, a_i, b_i};
   end
   shape_check #(
-      .SHAPE(cde_pkg::primary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
+      .SHAPE(pairs_pkg::primary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
       .ARITH(ARITH)
   ) check_a (.clk_i, .on_i(taken), .words_i(a), .bad_o(bad_a));
   shape_check #(
-      .SHAPE(cde_pkg::secondary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
+      .SHAPE(pairs_pkg::secondary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
       .ARITH(ARITH)
   ) check_b (.clk_i, .on_i(taken), .words_i(b), .bad_o(bad_b));
   assign bad_check = bad_a | bad_b;
 
-  if (cde_pkg::has_ring(PAIR)) begin : g_ring
-    localparam int ENTRY = cde_pkg::larger(T_CHECK, 1 + cde_pkg::ring_entry(LAT_ADD, LAT_MUL, LAT_CMP));
+  if (pairs_pkg::has(pairs_pkg::RING_PAIRS, PAIR)) begin : g_ring
+    localparam int ENTRY = formats_pkg::larger(T_CHECK, 1 + pairs_pkg::ring_entry(LAT_ADD, LAT_MUL, LAT_CMP));
     logic [LANES-1:0][CW-1:0] bad_entry;
     align #(.W(LW), .FROM(T_CHECK), .TO(ENTRY), .ARITH(ARITH)) align_bad (.clk_i, .d_i(bad_check), .q_o(bad_entry));
     cylinder_pair #(
-        .BODY(cde_pkg::cylinder_body(PAIR)), .AHEAD(32'(HELD)), .ENTRY(ENTRY - 32'(HELD)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+        .BODY(pairs_pkg::cylinder_body(PAIR)), .AHEAD(32'(HELD)), .ENTRY(ENTRY - 32'(HELD)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
         .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
     ) pipe (
         .clk_i, .rst_i, .budget_i, .valid_i, .ready_o, .tag_i(tag), .a_i(a), .b_i(b), .bad_i(bad_entry), .valid_o, .tag_o, .bad_o(bad), .f_o(f), .t_o(t),

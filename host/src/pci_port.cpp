@@ -1,8 +1,7 @@
 #include "pci_port.hpp"
+#include "cde/contract/pci.hpp"
 
 #include <fmt/format.h>
-
-#include "cde/pci.hpp"
 
 namespace cde {
 

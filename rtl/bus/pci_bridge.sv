@@ -3,7 +3,7 @@
 // asynchronous FIFOs, requests one way, read data and the card's interrupt line the other.
 //
 // Shared pins come as _i (the wire), _o and _oe; signals that are low when asserted have an _n. All outputs are registers.
-// BAR0: registers of the card (SPACE_REG), registers of the bridge, page table (cde_pkg::PCI_*).
+// BAR0: registers of the card (SPACE_REG), registers of the bridge, page table (pci_pkg::PCI_*).
 // While no FRAME# is asserted and nothing is under way, the PCI side's clock is gated but for the FIFO's synchroniser.
 // Latency, throughput and stalls: those of the modules. `rst_i` is held for at least four clocks of both domains.
 module pci_bridge (
@@ -65,7 +65,7 @@ module pci_bridge (
     input logic [63:0] bus_rdata_i,
     input logic irq_i
 );
-  import cde_pkg::*;
+  import pci_pkg::*;
   localparam int REQUESTS = 16, RESPONSES = 16;
   localparam int REQUEST_W = 1 + 1 + 2 + 32 + 64;
   localparam int RESPONSE_W = 1 + 1 + 64;
@@ -232,7 +232,7 @@ module pci_bridge (
   logic clk_local, local_request_valid, local_request_pop, response_write, unused_settled;
   logic [REQUEST_W-1:0] request, local_request;
   logic [RESPONSE_W-1:0] response;
-  assign request = forward ? {1'b0, target_write, SPACE_REG, 16'b0, target_offset, target_write ? target_wdata : 64'd1} :
+  assign request = forward ? {1'b0, target_write, registers_pkg::SPACE_REG, 16'b0, target_offset, target_write ? target_wdata : 64'd1} :
       {1'b1, local_write, local_space, local_offset, local_data};
   async_fifo #(.W(REQUEST_W), .DEPTH(REQUESTS)) requests (
       .wclk_i(clk), .wrst_i(rst_i), .write_i(room && (forward || local_valid)), .wdata_i(request), .room_o(request_room), .rclk_i(clk_local),

@@ -16,7 +16,7 @@ module pci_config (
     output logic intx_o,    // INTA# is allowed
     output logic [7:0] latency_o,
     output logic [15:0] status_o,
-    output logic [31:cde_pkg::PCI_BAR_BITS] bar_o,
+    output logic [31:pci_pkg::PCI_BAR_BITS] bar_o,
 
     input logic interrupt_i,
     input logic detected_parity_i,
@@ -26,7 +26,7 @@ module pci_config (
     input logic signaled_target_abort_i,
     input logic master_parity_i           // in a transfer of the card's own
 );
-  import cde_pkg::*;
+  import pci_pkg::*;
   logic [15:0] command_q;
   logic [7:0] cache_line_q, latency_q, line_q;
   logic [31:PCI_BAR_BITS] bar_q;

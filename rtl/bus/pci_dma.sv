@@ -1,4 +1,4 @@
-// Scatter-gather DMA: serves a ring of descriptors in host memory (cde_pkg::PCI_DESCRIPTOR_*), moves data between host memory and the
+// Scatter-gather DMA: serves a ring of descriptors in host memory (pci_pkg::PCI_DESCRIPTOR_*), moves data between host memory and the
 // local bus, and writes a completion record for each into a ring of its own.
 //
 // Every host address is a mapped one. All pages of a descriptor are looked up before its first bus cycle, and each burst's again when
@@ -30,7 +30,7 @@ module pci_dma (
     output logic [11:0] page_o,
     input logic page_valid_i,
     input logic page_writable_i,
-    input logic [31:cde_pkg::PCI_PAGE_BITS] page_frame_i,
+    input logic [31:pci_pkg::PCI_PAGE_BITS] page_frame_i,
 
     output logic start_o,
     output logic write_o,
@@ -54,7 +54,7 @@ module pci_dma (
     input logic local_rvalid_i,
     input logic [63:0] local_rdata_i
 );
-  import cde_pkg::*;
+  import pci_pkg::*;
   localparam int DEPTH = 1024;  // words: two bursts of the longest
   localparam int CHUNK = 32;    // words asked for at a time on the local bus
   localparam int DW = $clog2(DEPTH) + 1;

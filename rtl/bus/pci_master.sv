@@ -65,7 +65,7 @@ module pci_master (
     output logic master_abort_o,
     output logic target_abort_o
 );
-  import cde_pkg::*;
+  import pci_pkg::*;
   localparam logic [3:0] MEMORY_READ = 4'h6, MEMORY_WRITE = 4'h7, READ_MULTIPLE = 4'hC, READ_LINE = 4'hE;
   localparam logic [2:0] IDLE = 0, LOAD = 1, REQUEST = 2, ADDRESS = 3, DATA = 4, TURN = 5, SETTLE = 6;
   localparam logic [2:0] DEVSEL_CLOCKS = 4;  // fast to subtractive

@@ -12,9 +12,9 @@ module pci_page_table (
     input logic [11:0] lookup_i,
     output logic valid_o,
     output logic writable_o,
-    output logic [31:cde_pkg::PCI_PAGE_BITS] frame_o
+    output logic [31:pci_pkg::PCI_PAGE_BITS] frame_o
 );
-  import cde_pkg::*;
+  import pci_pkg::*;
   localparam int W = 2 + 32 - PCI_PAGE_FRAME;
   logic [W-1:0] memory[PCI_PAGES];
   logic [W-1:0] entry_q, lookup_q;

@@ -1,4 +1,4 @@
-// Registers of the bridge behind BAR0 (cde_pkg::PCI_REG_*): settings and state of the descriptor ring, interrupt causes, counters.
+// Registers of the bridge behind BAR0 (pci_pkg::PCI_REG_*): settings and state of the descriptor ring, interrupt causes, counters.
 // Ring settings are refused while the ring runs; that, and going with settings out of range, halts it with an interrupt.
 // Latency: writes 1 clock, reads none. Throughput: one access a clock. Stall: none.
 module pci_registers (
@@ -31,7 +31,7 @@ module pci_registers (
     input logic [6:0] count_i,  // events: abort, parity error, disconnect, retry, wait, beat, burst
     input logic bus_busy_i
 );
-  import cde_pkg::*;
+  import pci_pkg::*;
   localparam logic [15:0] RING_MAX = 16'd32768;
   logic run_q, halted_q, stop_q, clear, settings_ok, wanted, refused, ring_register, fault;
   logic [1:0] irq_q;  // completion and halted

@@ -36,7 +36,7 @@ module pci_target (
     output logic target_abort_o,
 
     input logic memory_i,  // the command register's bits
-    input logic [31:cde_pkg::PCI_BAR_BITS] bar_i,
+    input logic [31:pci_pkg::PCI_BAR_BITS] bar_i,
     output logic config_write_o,
     output logic [5:0] config_index_o,
     output logic [3:0] config_enable_o,
@@ -51,7 +51,7 @@ module pci_target (
     input logic rvalid_i,  // answer to the read
     input logic [63:0] rdata_i
 );
-  import cde_pkg::*;
+  import pci_pkg::*;
   localparam logic [3:0] CONFIG_READ = 4'hA, CONFIG_WRITE = 4'hB;
   localparam logic [3:0] MEMORY_READ = 4'h6, MEMORY_WRITE = 4'h7, READ_MULTIPLE = 4'hC, READ_LINE = 4'hE, WRITE_INVALIDATE = 4'hF;
   localparam logic [2:0] IDLE = 0, DECODE = 1, DECIDE = 2, TRANSFER = 3, BACKOFF = 4;

@@ -27,10 +27,10 @@ module cde #(
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int PRIM_WORDS = cde_pkg::slot_words(PAIRS, 1, SWAP != 0),
-    localparam int SEC_WORDS = cde_pkg::slot_words(PAIRS, 0, SWAP != 0),
+    localparam int PRIM_WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0),
+    localparam int SEC_WORDS = pairs_pkg::slot_words(PAIRS, 0, SWAP != 0),
     localparam int POINTS = (NORMALS != 0) ? 6 : 3,
-    localparam int N_PAIRS = cde_pkg::PAIRS,
+    localparam int N_PAIRS = pairs_pkg::PAIRS,
     localparam int ROWS = PRIMARIES / LANES,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
     localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1,
@@ -117,11 +117,11 @@ module cde #(
   // ---- What is in flight ----
   localparam bit MANY = (PAIRS & (PAIRS - 1)) != 0;
   localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_SQRT + LAT_CMP + 4) / 5;
-  localparam int DEEPEST = cde_pkg::any_long(PAIRS) ? 256 : 64;
+  localparam int DEEPEST = (PAIRS & ~pairs_pkg::SHORT_PAIRS) != 0 ? 256 : 64;
   localparam int HISTORY = DEEPEST << $clog2(SLOWEST);
   localparam int PORTS = 1 + PARALLEL;  // pairs in a pass
-  localparam bit RINGS = cde_pkg::any_ring(PAIRS);
-  localparam bit TURNS = FACET_II != 1 && cde_pkg::any_facets(PAIRS);  // rows of some pairs need more than a clock
+  localparam bit RINGS = (PAIRS & pairs_pkg::RING_PAIRS) != 0;
+  localparam bit TURNS = FACET_II != 1 && (PAIRS & pairs_pkg::FACET_PAIRS) != 0;  // rows of some pairs need more than a clock
   localparam bit ISSUE = RINGS || (TURNS && ARITH == "rtl");  // some pipe wants to know when
   logic [PORTS-1:0][3:0] pair;
   for (genvar k = 0; k < PORTS; k++) begin : pair_of
@@ -137,14 +137,14 @@ module cde #(
     assign latency[k] = pipe_latency[k] + 16'(MANY);  // the register in front of each of several pipes
     logic of_ring, late_valid, rested;
     row_interval #(.INTERVAL(TURNS ? FACET_II : 1)) interval (
-        .clk_i, .rst_i, .take_i(valid_i[k] && cde_pkg::has_facets(int'(pair[k]))), .ready_o(rested));
+        .clk_i, .rst_i, .take_i(valid_i[k] && pairs_pkg::has(pairs_pkg::FACET_PAIRS, int'(pair[k]))), .ready_o(rested));
     logic [ROW_W+33:0] tag, late_tag;
     assign tag = {row_i[k], parity_i, index_i, secondary_bad_i};
     issue_history #(.W(ROW_W + 34), .DEPTH(HISTORY)) history (
         .clk_i, .rst_i, .latency_i(of_ring ? 16'd1 : latency[k]), .valid_i(valid_i[k] && !of_ring), .d_i(tag), .valid_o(late_valid), .q_o(late_tag));
     if (RINGS) begin : g_ring  // keeps the order, not the time
       logic [ROW_W+33:0] next_tag;
-      assign of_ring = cde_pkg::has_ring(int'(pair[k]));
+      assign of_ring = pairs_pkg::has(pairs_pkg::RING_PAIRS, int'(pair[k]));
       assign ready_o[k] = rested && (!of_ring || group[0].ring_ready[pair[k]]);
       issue_order #(.W(ROW_W + 34), .DEPTH(1024)) order (
           .clk_i, .rst_i, .push_i(valid_i[k] && of_ring), .d_i(tag), .pop_i(of_ring && group[0].ring_valid[pair[k]]), .q_o(next_tag));
@@ -177,16 +177,16 @@ module cde #(
   end
   for (genvar p = 0; p < N_PAIRS; p++) begin : pipe
     if (MANY && ((PAIRS >> p) & 1) != 0) begin : g_gate
-      clock_gate gate (.clk_i, .enable_i(pair_i[0] == 4'(p) || (PARALLEL != 0 && pair_i[1] == 4'(p)) || (cde_pkg::has_ring(p) && rst_i)), .clk_o(clk_pipe[p]));
+      clock_gate gate (.clk_i, .enable_i(pair_i[0] == 4'(p) || (PARALLEL != 0 && pair_i[1] == 4'(p)) || (pairs_pkg::has(pairs_pkg::RING_PAIRS, p) && rst_i)), .clk_o(clk_pipe[p]));
     end else begin : g_none
       assign clk_pipe[p] = 1'b0;
     end
   end
   for (genvar k = 0; k < 2; k++) begin : of
     if (!MANY) begin : g_one
-      assign gap_o[k] = cde_pkg::primary_shape($clog2(PAIRS)) != cde_pkg::SHAPE_RAY;
+      assign gap_o[k] = pairs_pkg::primary_shape($clog2(PAIRS)) != pairs_pkg::SHAPE_RAY;
     end else begin : g_some
-      assign gap_o[k] = cde_pkg::primary_shape(int'(pair_i[k])) != cde_pkg::SHAPE_RAY;
+      assign gap_o[k] = pairs_pkg::primary_shape(int'(pair_i[k])) != pairs_pkg::SHAPE_RAY;
     end
   end
 
@@ -199,7 +199,7 @@ module cde #(
   logic [PORTS-1:0] result;
   if (PARALLEL != 0) begin : g_results
     logic second;
-    assign second = pair_i[1] != cde_pkg::NO_PAIR && result_primary_i >= split_i;
+    assign second = pair_i[1] != pairs_pkg::NO_PAIR && result_primary_i >= split_i;
     assign result = {result_i && second, result_i && !second};
   end else begin : g_result
     assign result[0] = result_i;
@@ -235,7 +235,7 @@ module cde #(
         .lane_i(GLANE_W'(lane)), .result_index_o(result_index[g]), .result_t_o(result_t[g]), .result_point_o(result_point[g]));
   end
   for (genvar k = 0; k < PORTS; k++) begin : latency_of
-    assign pipe_latency[k] = (k > 0 && pair_i[k] == cde_pkg::NO_PAIR) ? 16'd1 : group[0].latency_pipes[MANY ? int'(pair_i[k]) : $clog2(PAIRS)];
+    assign pipe_latency[k] = (k > 0 && pair_i[k] == pairs_pkg::NO_PAIR) ? 16'd1 : group[0].latency_pipes[MANY ? int'(pair_i[k]) : $clog2(PAIRS)];
   end
   always_comb begin
     new_hits_o = '0;

@@ -75,12 +75,12 @@ module engine_control #(
   logic [1:0] wanted;  // the pairs that have a row here
 
   assign rows = (ROW_W + 1)'((32'(prim_count_i) + 32'(LANES - 1)) / 32'(LANES));
-  assign first_rows = (pair_o[1] == cde_pkg::NO_PAIR) ? rows : (ROW_W + 1)'(32'(split_i) / 32'(LANES));
+  assign first_rows = (pair_o[1] == pairs_pkg::NO_PAIR) ? rows : (ROW_W + 1)'(32'(split_i) / 32'(LANES));
   assign second_rows = rows - first_rows;
   assign longer = (first_rows > second_rows) ? first_rows : second_rows;
   assign busy_o = state_q != IDLE;
   assign flush_o = abort_i || state_q == FLUSH;
-  assign streaming_mode_o = mode_o == cde_pkg::MODE_ALL || mode_o == cde_pkg::MODE_HITS;
+  assign streaming_mode_o = mode_o == registers_pkg::MODE_ALL || mode_o == registers_pkg::MODE_HITS;
 
   assign pose_o = state_q == POSE;
   assign clear_o = state_q == CLEAR && !primaries_busy_i;
@@ -89,7 +89,7 @@ module engine_control #(
 
   assign last_row = (ROW_W + 1)'(row_q) + 1'b1 == longer;
   assign has_credit = !streaming_mode_o || credits_q != 0;
-  assign all_hit = mode_o == cde_pkg::MODE_ANY && missing_q == 0;
+  assign all_hit = mode_o == registers_pkg::MODE_ANY && missing_q == 0;
   assign wanted = {(ROW_W + 1)'(row_q) < second_rows, (ROW_W + 1)'(row_q) < first_rows};
   assign enter = state_q == SWEEP && secondary_valid_i && has_credit && (wanted & ~ready_i) == 0 && !stop_q;
   assign issue_o = wanted & {2{enter}};

@@ -22,9 +22,9 @@ module lane_group #(
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int PRIM_WORDS = cde_pkg::slot_words(PAIRS, 1, SWAP != 0),
-    localparam int SEC_WORDS = cde_pkg::slot_words(PAIRS, 0, SWAP != 0),
-    localparam int N_PAIRS = cde_pkg::PAIRS,
+    localparam int PRIM_WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0),
+    localparam int SEC_WORDS = pairs_pkg::slot_words(PAIRS, 0, SWAP != 0),
+    localparam int N_PAIRS = pairs_pkg::PAIRS,
     localparam int PORTS = 1 + PARALLEL,  // pairs in a pass
     localparam int POINTS = (NORMALS != 0) ? 6 : 3,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
@@ -94,7 +94,7 @@ module lane_group #(
 
   // ---- Pipes; the one that is used is read. Where there are several, each has a register for its operands, so that an idle one
   // does nothing ----
-  if (!cde_pkg::any_ring(PAIRS)) begin : g_no_ring
+  if ((PAIRS & pairs_pkg::RING_PAIRS) == 0) begin : g_no_ring
     logic unused_ring;
     assign unused_ring = &{1'b0, rst_i, budget_i, ring_row_i, ring_secondary_i};
   end
@@ -103,8 +103,8 @@ module lane_group #(
     if (((PAIRS >> p) & 1) != 0) begin : g_there
       logic [LANES-1:0][CW-1:0] f, t;
       logic [2:0][LANES-1:0][CW-1:0] cp, n;
-      localparam int A_WORDS = cde_pkg::shape_words(cde_pkg::primary_shape(p));
-      localparam int B_WORDS = cde_pkg::shape_words(cde_pkg::secondary_shape(p));
+      localparam int A_WORDS = pairs_pkg::shape_words(pairs_pkg::primary_shape(p));
+      localparam int B_WORDS = pairs_pkg::shape_words(pairs_pkg::secondary_shape(p));
       localparam int B_LANES = (SWAP != 0) ? LANES : 1;
       localparam int S_WORDS = (SWAP != 0 && A_WORDS > B_WORDS) ? A_WORDS : B_WORDS;  // of the secondary
       logic [ROW_W-1:0] row;
@@ -112,8 +112,8 @@ module lane_group #(
       logic [S_WORDS-1:0][CW-1:0] secondary;
       logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
       logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b;
-      localparam bit RING = cde_pkg::has_ring(p);
-      localparam int INTERVAL = cde_pkg::has_facets(p) ? FACET_II : 1;
+      localparam bit RING = pairs_pkg::has(pairs_pkg::RING_PAIRS, p);
+      localparam int INTERVAL = pairs_pkg::has(pairs_pkg::FACET_PAIRS, p) ? FACET_II : 1;
       logic of;  // which of the pass's pairs it is
       assign of = PARALLEL != 0 && pair_i[PORTS-1] == 4'(p);
       logic issue, enter;  // to this pipe, with its operands
@@ -163,7 +163,7 @@ module lane_group #(
           end
         end
         cylinder_pair #(
-            .BODY(cde_pkg::cylinder_body(p)), .AHEAD(MANY ? 1 : 0), .ENTRY(cde_pkg::ring_entry(LAT_ADD, LAT_MUL, LAT_CMP)), .EXP(EXP), .MAN(MAN),
+            .BODY(pairs_pkg::cylinder_body(p)), .AHEAD(MANY ? 1 : 0), .ENTRY(pairs_pkg::ring_entry(LAT_ADD, LAT_MUL, LAT_CMP)), .EXP(EXP), .MAN(MAN),
             .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .budget_i, .valid_i(issue),
@@ -176,7 +176,7 @@ module lane_group #(
         assign ring_ready_o[p] = 1'b1;
         assign ring_valid_o[p] = 1'b0;
         scaled_pipe #(
-            .PAIR(p), .ALGORITHM(ALGORITHM), .BOX(cde_pkg::has_box(p) ? BOX : 0), .FACET_II(INTERVAL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD),
+            .PAIR(p), .ALGORITHM(ALGORITHM), .BOX(pairs_pkg::has(pairs_pkg::BOX_PAIRS, p) ? BOX : 0), .FACET_II(INTERVAL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD),
             .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .enter_i(enter), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n),

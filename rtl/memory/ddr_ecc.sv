@@ -6,7 +6,7 @@ module ddr_ecc #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int BEAT = cde_pkg::DDR_WORDS,
+    localparam int BEAT = records_pkg::DDR_WORDS,
     localparam int R = `SECDED_BITS(CW)
 ) (
     input logic clk_i,

@@ -21,7 +21,7 @@ module primary_regfile #(
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
     localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1,
     localparam int PRIM_W = $clog2(PRIMARIES),
-    localparam int WORDS = cde_pkg::slot_words(PAIRS, 1, SWAP != 0)
+    localparam int WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0)
 ) (
     input logic clk_i,       // of the bus, gated
     input logic clk_core_i,
@@ -48,7 +48,7 @@ module primary_regfile #(
 );
   localparam int BEATS = (WORDS * CW + 63) / 64;
   localparam int PADDED = BEATS * 64 / CW;
-  localparam int SHAPES = 7;
+  localparam int SHAPES = pairs_pkg::SHAPES;
   localparam int T_CHECK = LAT_MUL + 3 * LAT_ADD + LAT_CMP;
   if (PRIMARIES % LANES != 0 || (LANES & (LANES - 1)) != 0) begin : g_illegal
     $error("primary_regfile: LANES must be a power of two that divides PRIMARIES");
@@ -75,7 +75,7 @@ module primary_regfile #(
   end
 
   // ---- Commits: from the bus, from the transformer ----
-  if (TRANSFORM == cde_pkg::TRANSFORM_BOTH) begin : g_posed
+  if (TRANSFORM == pairs_pkg::TRANSFORM_BOTH) begin : g_posed
     logic [WORDS-1:0][CW-1:0] mem[PRIMARIES];
     logic [PRIMARIES-1:0] there_q;  // was written
     always_ff @(posedge clk_i) begin
@@ -105,8 +105,8 @@ module primary_regfile #(
       .clk_i(clk_core_i), .rst_i, .commit_i(commit_o), .number_i(committed), .clk_o(clk_check), .busy_o, .judged_o(judged), .number_o(judged_number));
   logic [SHAPES-1:0][PRIMARIES-1:0] verdicts;
   for (genvar shape = 0; shape < SHAPES; shape++) begin : check
-    if (cde_pkg::uses_shape(PAIRS, shape, 1, SWAP != 0)) begin : g_there
-      localparam int N = cde_pkg::shape_words(shape);
+    if (pairs_pkg::uses_shape(PAIRS, shape, 1, SWAP != 0)) begin : g_there
+      localparam int N = pairs_pkg::shape_words(shape);
       logic [N-1:0][0:0][CW-1:0] words;
       logic [0:0][CW-1:0] bad;
       logic bad_judged;
@@ -127,11 +127,11 @@ module primary_regfile #(
   end
   logic [1:0][2:0] shape_now;
   for (genvar k = 0; k < 2; k++) begin : of
-    assign shape_now[k] = 3'(swap_i[k] ? cde_pkg::secondary_shape(int'(pair_i[k])) : cde_pkg::primary_shape(int'(pair_i[k])));
+    assign shape_now[k] = 3'(swap_i[k] ? pairs_pkg::secondary_shape(int'(pair_i[k])) : pairs_pkg::primary_shape(int'(pair_i[k])));
   end
   if (PARALLEL != 0) begin : g_two
     logic [PRIMARIES-1:0] second;
-    assign second = (pair_i[1] != cde_pkg::NO_PAIR) ? {PRIMARIES{1'b1}} << split_i : '0;
+    assign second = (pair_i[1] != pairs_pkg::NO_PAIR) ? {PRIMARIES{1'b1}} << split_i : '0;
     assign bad_o = (verdicts[shape_now[0]] & ~second) | (verdicts[shape_now[1]] & second);
   end else begin : g_one
     logic unused_second;

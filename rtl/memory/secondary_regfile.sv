@@ -18,8 +18,8 @@ module secondary_regfile #(
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int WORDS = cde_pkg::slot_words(PAIRS, 0, SWAP != 0),
-    localparam int BEAT = cde_pkg::DDR_WORDS,
+    localparam int WORDS = pairs_pkg::slot_words(PAIRS, 0, SWAP != 0),
+    localparam int BEAT = records_pkg::DDR_WORDS,
     localparam int OBJECT_W = (OBJECTS > 1) ? $clog2(OBJECTS) : 1
 ) (
     input logic clk_i,
@@ -56,9 +56,9 @@ module secondary_regfile #(
     output logic idle_o             // nothing requested, nothing held
 );
   localparam int AW = $clog2(DEPTH);
-  localparam int SHAPES = 7;
+  localparam int SHAPES = pairs_pkg::SHAPES;
   localparam int T_CHECK = LAT_MUL + 3 * LAT_ADD + LAT_CMP;
-  localparam int T_MOVED = (TRANSFORM != 0) ? 1 + cde_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL) : 0;
+  localparam int T_MOVED = (TRANSFORM != 0) ? 1 + pairs_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL) : 0;
   localparam int T_CHECKED = T_MOVED + T_CHECK;
   // The host back end answers at once: the slot takes its place in the FIFO early, and is counted when it would be there.
   localparam int T_PLACED = (ARITH == "rtl") ? T_CHECKED : (TRANSFORM != 0) ? 1 : 0;
@@ -72,8 +72,8 @@ module secondary_regfile #(
   logic two, second_q, slot_asked, asking, last_asked;
   logic [31:0] word, slot_number;
   logic [OBJECT_W-1:0] object;
-  assign shape = 3'(swap_i ? cde_pkg::primary_shape(int'(pair_i)) : cde_pkg::secondary_shape(int'(pair_i)));
-  assign words = 4'(cde_pkg::shape_words(int'(shape)));
+  assign shape = 3'(swap_i ? pairs_pkg::primary_shape(int'(pair_i)) : pairs_pkg::secondary_shape(int'(pair_i)));
+  assign words = 4'(pairs_pkg::shape_words(int'(shape)));
   assign two = WORDS > BEAT && 32'(words) > BEAT;
   assign ddr_read_o = asking && (asked_q - read_q) != (AW + 1)'(DEPTH);
   assign ddr_word_o = word + (second_q ? BEAT : 0);
@@ -156,8 +156,8 @@ module secondary_regfile #(
   logic [SHAPES-1:0] verdicts;
   align #(.W(WORDS * CW), .FROM(0), .TO(T_CHECK), .ARITH(ARITH)) align_slot (.clk_i, .d_i(unchecked), .q_o(checked_slot));
   for (genvar k = 0; k < SHAPES; k++) begin : check
-    if (cde_pkg::uses_shape(PAIRS, k, 0, SWAP != 0)) begin : g_there
-      localparam int N = cde_pkg::shape_words(k);
+    if (pairs_pkg::uses_shape(PAIRS, k, 0, SWAP != 0)) begin : g_there
+      localparam int N = pairs_pkg::shape_words(k);
       logic [N-1:0][0:0][CW-1:0] shape_words;
       logic [0:0][CW-1:0] verdict;
       assign shape_words = unchecked[N-1:0];

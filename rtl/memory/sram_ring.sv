@@ -6,7 +6,7 @@
 module sram_ring #(
     parameter int CW = 32,
     parameter int RECORDS = 524288,  // power of two
-    localparam int WORDS = cde_pkg::RECORD_WORDS,
+    localparam int WORDS = records_pkg::RECORD_WORDS,
     localparam int AW = $clog2(RECORDS)
 ) (
     input logic clk_i,

@@ -54,10 +54,10 @@ module cylinder_pair #(
   localparam int T_BETTER = T_EVALUATED + LAT_CMP;
   localparam int T_STEPPED = T_BETTER + `LATENCY_STEP;
   localparam int T_SLOPE = T_BETTER + `LATENCY_SLOPE;
-  localparam int T_END = cde_pkg::larger(T_STEPPED, T_EVALUATED + `LATENCY_CYLINDER_WITNESS);
+  localparam int T_END = formats_pkg::larger(T_STEPPED, T_EVALUATED + `LATENCY_CYLINDER_WITNESS);
   localparam int RING = T_END + 1;
-  localparam int RESULT = cde_pkg::larger(2 * LAT_MUL + 2 * LAT_ADD, LAT_CMP);
-  localparam int FINISH = RESULT + cde_pkg::unscale_latency(0, LAT_MUL, LAT_CMP);
+  localparam int RESULT = formats_pkg::larger(2 * LAT_MUL + 2 * LAT_ADD, LAT_CMP);
+  localparam int FINISH = RESULT + pairs_pkg::unscale_latency(0, LAT_MUL, LAT_CMP);
   localparam int INTERVAL = (BODY == `BODY_CYLINDER) ? 67 : (BODY == `BODY_BOX) ? 79 : 75;  // passes with M = K1 = K2 = 8
   localparam int LATENCY = AHEAD + ENTRY + INTERVAL * RING + FINISH;
   localparam int AW = $clog2(RING);
@@ -130,13 +130,13 @@ module cylinder_pair #(
   end
 
   // ---- Operands, brought to the size of one and relative to A's origin ----
-  localparam int SHAPE_A = (BODY == `BODY_CYLINDER) ? cde_pkg::SHAPE_CYLINDER : (BODY == `BODY_BOX) ? cde_pkg::SHAPE_OBB : cde_pkg::SHAPE_TRIANGLE;
-  localparam int T_SCALED = cde_pkg::scale_latency(0, LAT_MUL, LAT_CMP);
+  localparam int SHAPE_A = (BODY == `BODY_CYLINDER) ? pairs_pkg::SHAPE_CYLINDER : (BODY == `BODY_BOX) ? pairs_pkg::SHAPE_OBB : pairs_pkg::SHAPE_TRIANGLE;
+  localparam int T_SCALED = pairs_pkg::scale_latency(0, LAT_MUL, LAT_CMP);
   logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
   logic [7:0][LANES-1:0][CW-1:0] b;
   logic [LANES-1:0][CW-1:0] back, back_in, unused_t_back, back_mem[RING];
   length_scale #(
-      .SHAPE_A(SHAPE_A), .SHAPE_B(cde_pkg::SHAPE_CYLINDER), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
+      .SHAPE_A(SHAPE_A), .SHAPE_B(pairs_pkg::SHAPE_CYLINDER), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
       .ARITH(ARITH)
   ) scale (.clk_i, .on_i(entered), .a_i, .b_i, .a_o(a), .b_o(b), .back_o(back), .t_back_o(unused_t_back));
   align #(.W(LW), .FROM(T_SCALED), .TO(ENTRY), .ARITH(ARITH)) align_back (.clk_i, .d_i(back), .q_o(back_in));

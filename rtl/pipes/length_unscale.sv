@@ -25,7 +25,7 @@ module length_unscale #(
     output logic [2:0][LANES-1:0][CW-1:0] n_o
 );
   /*verilator inline_module*/
-  localparam int LATENCY = cde_pkg::unscale_latency(RAY, LAT_MUL, LAT_CMP);
+  localparam int LATENCY = pairs_pkg::unscale_latency(RAY, LAT_MUL, LAT_CMP);
   localparam int LW = LANES * CW;
   logic [LANES-1:0][CW-1:0] f, t;
   logic [2:0][LANES-1:0][CW-1:0] cp, cp_late;

@@ -16,8 +16,8 @@ module objects #(
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int SEC_WORDS = cde_pkg::slot_words(PAIRS, 0, SWAP != 0),
-    localparam int PRIM_WORDS = cde_pkg::slot_words(PAIRS, 1, SWAP != 0),
+    localparam int SEC_WORDS = pairs_pkg::slot_words(PAIRS, 0, SWAP != 0),
+    localparam int PRIM_WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0),
     localparam int PRIM_W = $clog2(PRIMARIES),
     localparam int OBJECT_W = $clog2(OBJECTS)
 ) (
@@ -57,34 +57,33 @@ module objects #(
     output logic [PRIM_W-1:0] pose_number_o,
     output logic [PRIM_WORDS-1:0][CW-1:0] pose_slot_o
 );
-  import cde_pkg::*;
-  localparam bit BOTH = TRANSFORM == TRANSFORM_BOTH;
+  localparam bit BOTH = TRANSFORM == pairs_pkg::TRANSFORM_BOTH;
   localparam int WORDS = (BOTH && PRIM_WORDS > SEC_WORDS) ? PRIM_WORDS : SEC_WORDS;
 
   // ---- Shapes in the roles of the command ----
   logic [2:0] secondary, command_secondary;
   logic [1:0][2:0] primary;
-  assign command_secondary = 3'(command_swap_i[0] ? primary_shape(int'(command_pair_i[0])) : secondary_shape(int'(command_pair_i[0])));
-  assign secondary = 3'(swap_i ? primary_shape(int'(pair_i)) : secondary_shape(int'(pair_i)));
+  assign command_secondary = 3'(command_swap_i[0] ? pairs_pkg::primary_shape(int'(command_pair_i[0])) : pairs_pkg::secondary_shape(int'(command_pair_i[0])));
+  assign secondary = 3'(swap_i ? pairs_pkg::primary_shape(int'(pair_i)) : pairs_pkg::secondary_shape(int'(pair_i)));
   for (genvar k = 0; k < 2; k++) begin : of
     logic [3:0] pair;
     logic swap;
-    assign pair = (command_pair_i[k] == NO_PAIR) ? command_pair_i[0] : command_pair_i[k];
-    assign swap = (command_pair_i[k] == NO_PAIR) ? command_swap_i[0] : command_swap_i[k];
-    assign primary[k] = 3'(swap ? secondary_shape(int'(pair)) : primary_shape(int'(pair)));
+    assign pair = (command_pair_i[k] == pairs_pkg::NO_PAIR) ? command_pair_i[0] : command_pair_i[k];
+    assign swap = (command_pair_i[k] == pairs_pkg::NO_PAIR) ? command_swap_i[0] : command_swap_i[k];
+    assign primary[k] = 3'(swap ? pairs_pkg::secondary_shape(int'(pair)) : pairs_pkg::primary_shape(int'(pair)));
   end
 
   // ---- Tables ----
   logic write_secondaries, write_primaries, unused_range_write, sec_good, sec_busy, prim_good, prim_busy;
   logic [8:0][CW-1:0] sec_rotation, rotation;
   logic [2:0][CW-1:0] sec_translation, translation;
-  assign write_secondaries = write_i && addr_i < PRIM_OBJECT_TABLE;
-  assign write_primaries = write_i && addr_i >= PRIM_OBJECT_TABLE;
+  assign write_secondaries = write_i && addr_i < registers_pkg::PRIM_OBJECT_TABLE;
+  assign write_primaries = write_i && addr_i >= registers_pkg::PRIM_OBJECT_TABLE;
   object_table #(
-      .ENTRIES(OBJECTS), .EXP(EXP), .MAN(MAN), .PAIRS(PAIRS), .SWAP(SWAP), .CAPACITY(DDR_SLOTS * DDR_WORDS), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .ENTRIES(OBJECTS), .EXP(EXP), .MAN(MAN), .PAIRS(PAIRS), .SWAP(SWAP), .CAPACITY(DDR_SLOTS * records_pkg::DDR_WORDS), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
       .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) table_secondaries (
-      .clk_bus_i, .clk_core_i, .clk_i, .clk_moving_i(clk_moving_o), .rst_i, .write_i(write_secondaries), .addr_i(addr_i - OBJECT_TABLE), .data_i, .range_write_o(unused_range_write),
+      .clk_bus_i, .clk_core_i, .clk_i, .clk_moving_i(clk_moving_o), .rst_i, .write_i(write_secondaries), .addr_i(addr_i - registers_pkg::OBJECT_TABLE), .data_i, .range_write_o(unused_range_write),
       .count_i(objects_i), .shapes_i({2{command_secondary}}), .good_o(sec_good), .busy_o(sec_busy), .range_entry_i, .range_o, .transform_entry_i,
       .rotation_o(sec_rotation), .translation_o(sec_translation));
   assign good_o = sec_good && prim_good;
@@ -108,7 +107,7 @@ module objects #(
 
   // ---- Primaries ----
   if (BOTH) begin : g_primaries
-    localparam int LATENCY = transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL);
+    localparam int LATENCY = pairs_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL);
     localparam int PRIM_OBJECT_W = $clog2(PRIM_OBJECTS);
     logic range_write;
     logic [1:0][31:0] prim_range;
@@ -119,7 +118,7 @@ module objects #(
         .ENTRIES(PRIM_OBJECTS), .EXP(EXP), .MAN(MAN), .PAIRS(PAIRS), .SWAP(SWAP), .PRIMARY(1), .CAPACITY(PRIMARIES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
         .LAT_CMP(LAT_CMP), .ARITH(ARITH)
     ) table_primaries (
-        .clk_bus_i, .clk_core_i, .clk_i, .clk_moving_i(clk_moving_o), .rst_i, .write_i(write_primaries), .addr_i(addr_i - PRIM_OBJECT_TABLE), .data_i, .range_write_o(range_write),
+        .clk_bus_i, .clk_core_i, .clk_i, .clk_moving_i(clk_moving_o), .rst_i, .write_i(write_primaries), .addr_i(addr_i - registers_pkg::PRIM_OBJECT_TABLE), .data_i, .range_write_o(range_write),
         .count_i(prim_objects_i), .shapes_i(primary), .good_o(prim_good), .busy_o(prim_busy), .range_entry_i(prim_range_entry), .range_o(prim_range),
         .transform_entry_i(prim_transform_entry), .rotation_o(prim_rotation), .translation_o(prim_translation));
     primary_poser #(
@@ -127,7 +126,7 @@ module objects #(
         .T_JUDGED(LATENCY + LAT_MUL + 3 * LAT_ADD + LAT_CMP)
     ) poser (
         .clk_i, .clk_bus_i, .rst_i, .primary_write_i, .transform_write_i(write_primaries), .range_write_i(range_write), .objects_i(prim_objects_i),
-        .shapes_i(primary), .split_i(command_pair_i[1] == NO_PAIR ? '0 : split_i), .wanted_o(pose_wanted_o), .pose_i, .done_o(posed_o), .range_entry_o(prim_range_entry), .range_i(prim_range),
+        .shapes_i(primary), .split_i(command_pair_i[1] == pairs_pkg::NO_PAIR ? '0 : split_i), .wanted_o(pose_wanted_o), .pose_i, .done_o(posed_o), .range_entry_o(prim_range_entry), .range_i(prim_range),
         .transform_entry_o(prim_transform_entry), .read_o, .shape_o(pose_shape), .plain_o(pose_plain), .moving_o(pose_moving), .commit_o(pose_commit_o), .number_o(pose_number_o));
     assign rotation = posing_q ? prim_rotation : sec_rotation;
     assign translation = posing_q ? prim_translation : sec_translation;

@@ -190,5 +190,5 @@
 `define DF_HOLD(R, PHASE, A) `DF_TURN_PASSING(R, 0, PHASE, A, A, A)
 `define DF_VHOLD(R, PHASE, A) `DF_VTURN_PASSING(R, 0, PHASE, A, A, A)
 // The word of 2^E, which may be subnormal.
-`define DF_POWER_OF_TWO(E) cde_pkg::power_of_two(EXP, MAN, E)
+`define DF_POWER_OF_TWO(E) formats_pkg::power_of_two(EXP, MAN, E)
 `endif
