@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "board_impl.hpp"
+#include "cde/contract/records.hpp"
 #include "cde/error.hpp"
 #include "text.hpp"
 

@@ -1,4 +1,5 @@
-// Number formats and the codes of operations on them: what rtl/fp, rtl/vector and rtl/pipes share with host/include/cde/contract/formats.hpp.
+// Number formats and the codes of operations on them: what rtl/fp, rtl/vector and rtl/pipes share with
+// host/include/cde/contract/formats.hpp.
 // A format has an exponent of `exp` bits and a fraction of `man`; its words lie in containers of 32 or 64 bits.
 package formats_pkg;
 
@@ -90,13 +91,15 @@ package formats_pkg;
   function automatic logic [63:0] sign_bit(input int exp, input int man);
     sign_bit = 64'd1 << (exp + man);
   endfunction
-  function automatic logic [63:0] power_of_two(input int exp, input int man, input int e);  // the word of 2^e, 0 where it underflows
+  // the word of 2^e, 0 where it underflows
+  function automatic logic [63:0] power_of_two(input int exp, input int man, input int e);
     int biased;
     biased = (1 << (exp - 1)) - 1 + e;
     power_of_two = (biased > 0) ? 64'(biased) << man : (biased + man > 0) ? 64'd1 << (biased + man - 1) : 64'd0;
   endfunction
 
-  // The input contract's range of lengths, as exponents of two: no coordinate or size is above 2^length_high, no size, nor the
+  // The input contract's range of lengths, as exponents of two: no coordinate or size is above 2^length_high, no size,
+  // nor the
   // largest component of a ray's direction, below 2^length_low. host/include/cde/reference/check.hpp says why.
   function automatic int length_high(input int exp);
     length_high = (exp < 8) ? ((1 << (exp - 1)) - 2) / 2 : ((1 << (exp - 1)) - 8) / 3;

@@ -1,5 +1,7 @@
-// Shapes and pairs of shapes: tables, written from code 0 on, and what follows from them. host/include/cde/contract/pairs.hpp is the
-// same in C++. A table is a flat vector that one function reads: in constant functions Yosys takes an index of a packed array for that
+// Shapes and pairs of shapes: tables, written from code 0 on, and what follows from them.
+// host/include/cde/contract/pairs.hpp is the
+// same in C++. A table is a flat vector that one function reads: in constant functions Yosys takes an index of a packed
+// array for that
 // of a bit.
 package pairs_pkg;
 
@@ -88,8 +90,10 @@ package pairs_pkg;
   localparam int BOX_PAIRS = 1 << PAIR_RAY_TRIANGLE;  // BOX is an option of it (ray_box.sv)
   localparam int SHORT_PAIRS =  // it takes few clocks
       1 << PAIR_RAY_TRIANGLE | 1 << PAIR_RAY_CYLINDER | 1 << PAIR_RAY_SPHERE | 1 << PAIR_SPHERE_SPHERE;
-  // It is brought to the size of one in front of its pipe in every format (length_scale.sv): it multiplies four lengths.
-  localparam int SCALED_PAIRS = 1 << PAIR_OBB_OBB | 1 << PAIR_TRIANGLE_AABB | 1 << PAIR_TRIANGLE_OBB | 1 << PAIR_TRIANGLE_SPHERE |
+  // It is brought to the size of one in front of its pipe in every format (length_scale.sv): it multiplies four
+  // lengths.
+  localparam int SCALED_PAIRS = 1 << PAIR_OBB_OBB | 1 << PAIR_TRIANGLE_AABB | 1 << PAIR_TRIANGLE_OBB |
+      1 << PAIR_TRIANGLE_SPHERE |
       1 << PAIR_TRIANGLE_CYLINDER | 1 << PAIR_CYLINDER_CYLINDER | 1 << PAIR_OBB_CYLINDER;
 
   // ---- Ray-triangle algorithms ----
@@ -145,10 +149,12 @@ package pairs_pkg;
   function automatic int secondary_words(input int pair);
     secondary_words = shape_words(secondary_shape(pair));
   endfunction
-  function automatic int cylinder_body(input int pair);  // of a ring's primary: 0 cylinder, 1 box, 2 triangle (cylinder.svh)
+  // of a ring's primary: 0 cylinder, 1 box, 2 triangle (cylinder.svh)
+  function automatic int cylinder_body(input int pair);
     cylinder_body = (primary_shape(pair) == SHAPE_CYLINDER) ? 0 : (primary_shape(pair) == SHAPE_OBB) ? 1 : 2;
   endfunction
-  function automatic bit scaled(input int pair, input int exp);  // in a format; those of few exponent bits scale every pair
+  // in a format; those of few exponent bits scale every pair
+  function automatic bit scaled(input int pair, input int exp);
     scaled = exp < 8 || has(SCALED_PAIRS, pair);
   endfunction
   function automatic int unscale_latency(input bit ray, input int lat_mul, input int lat_cmp);  // of length_unscale.sv
@@ -157,7 +163,8 @@ package pairs_pkg;
   function automatic int scale_latency(input bit ray, input int lat_mul, input int lat_cmp);  // of length_scale.sv
     scale_latency = lat_cmp + unscale_latency(ray, lat_mul, lat_cmp);
   endfunction
-  function automatic int ring_entry(input int lat_add, input int lat_mul, input int lat_cmp);  // clocks that a ring needs for operands
+  // clocks that a ring needs for operands
+  function automatic int ring_entry(input int lat_add, input int lat_mul, input int lat_cmp);
     ring_entry = scale_latency(0, lat_mul, lat_cmp) + ((lat_add > lat_mul) ? lat_add : lat_mul);
   endfunction
 
@@ -180,13 +187,16 @@ package pairs_pkg;
         if ((!primary || swap) && secondary_shape(p) == shape) uses_shape = 1;
       end
   endfunction
-  // Whether the transformer of a card handles the shape, and its clocks: R x is LAT_MUL + 2*LAT_ADD, + t is LAT_ADD; n'.t of a plane
+  // Whether the transformer of a card handles the shape, and its clocks: R x is LAT_MUL + 2*LAT_ADD, + t is LAT_ADD;
+  // n'.t of a plane
   // waits for R n.
   function automatic bit moves_shape(input int pairs, input int shape, input bit swap, input int transform);
-    moves_shape = uses_shape(pairs, shape, 0, swap) || (transform == TRANSFORM_BOTH && uses_shape(pairs, shape, 1, swap));
+    moves_shape = uses_shape(pairs, shape, 0, swap) || (transform == TRANSFORM_BOTH && uses_shape(pairs, shape, 1,
+        swap));
   endfunction
   function automatic int transform_latency(
       input int pairs, input bit swap, input int transform, input int lat_add, input int lat_mul);
-    transform_latency = moves_shape(pairs, SHAPE_PLANE, swap, transform) ? 2 * lat_mul + 5 * lat_add : lat_mul + 3 * lat_add;
+    transform_latency = moves_shape(pairs, SHAPE_PLANE, swap,
+        transform) ? 2 * lat_mul + 5 * lat_add : lat_mul + 3 * lat_add;
   endfunction
 endpackage

@@ -15,7 +15,8 @@ package records_pkg;
     logic f;       // F
   } record_flags_t;
 
-  // ---- Entries of the object tables, in words of the container width. The range takes effect with its second word, the transform
+  // ---- Entries of the object tables, in words of the container width. The range takes effect with its second word,
+  // the transform
   // with its last; both are written in ascending order ----
   localparam int OBJECT_WORDS = 16;        // from entry to entry
   localparam int OBJECT_FIRST = 0;         // first slot

@@ -1,4 +1,5 @@
-// The local bus and the card's registers: spaces, offsets, fields. host/include/cde/contract/registers.hpp is the same in C++.
+// The local bus and the card's registers: spaces, offsets, fields. host/include/cde/contract/registers.hpp is the same
+// in C++.
 package registers_pkg;
 
   // ---- Local bus: one 64-bit beat a clock into one of these spaces ----
@@ -36,10 +37,12 @@ package registers_pkg;
   localparam logic [11:0] REG_FAULT_ADDR = 12'h060;   // fault_t
   localparam logic [11:0] REG_WRITEBACK = 12'h068;    // clocks that wrote the kept records back to SRAM
   localparam logic [11:0] REG_CAPS3 = 12'h070;        // caps3_t
-  localparam logic [11:0] REG_PRIM_SPLIT = 12'h078;   // with a second pair: the first of its primaries, a multiple of the lanes
+  // with a second pair: the first of its primaries, a multiple of the lanes
+  localparam logic [11:0] REG_PRIM_SPLIT = 12'h078;
   localparam logic [11:0] REG_STENCIL = 12'h080;      // primaries/64 registers: 1 masks a primary
   localparam logic [11:0] REG_BUDGET = 12'h0A0;       // budget_t
-  localparam logic [11:0] REG_OBJECT_COUNT = 12'h0A8;  // objects to sweep; 0: the slots of REG_SEC_FIRST and REG_SEC_COUNT
+  // objects to sweep; 0: the slots of REG_SEC_FIRST and REG_SEC_COUNT
+  localparam logic [11:0] REG_OBJECT_COUNT = 12'h0A8;
   localparam logic [11:0] REG_PRIM_OBJECT_COUNT = 12'h0B0;  // objects of primaries; 0: primaries as they were written
   localparam logic [11:0] REG_ECC = 12'h0B8;          // ecc_t
   localparam logic [11:0] REG_CYCLES = 12'h0C0;       // clocks from go to done, without REG_WRITEBACK
@@ -55,7 +58,8 @@ package registers_pkg;
 
   // Object tables, in SPACE_REG above the registers, write only: entries of records_pkg::OBJECT_WORDS words.
   localparam logic [31:0] OBJECT_TABLE = 32'h00040000;       // of secondaries: ranges of slots in DDR
-  localparam logic [31:0] PRIM_OBJECT_TABLE = 32'h00080000;  // of primaries: ranges of their numbers in the register file
+  // of primaries: ranges of their numbers in the register file
+  localparam logic [31:0] PRIM_OBJECT_TABLE = 32'h00080000;
 
   localparam logic [31:0] ID_MAGIC = 32'h43444531;  // "CDE1"
   localparam logic [31:0] INTERFACE_VERSION = 32'd4;

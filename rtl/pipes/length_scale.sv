@@ -43,15 +43,15 @@ module length_scale #(
       localparam int WORD = pairs_pkg::length_word(SHAPE_A, i - N_LENGTHS);
       assign size = a_i[WORD];
     end else begin : g_larger
-      fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("max"), .ARITH(ARITH)) larger (
+      fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MAX), .ARITH(ARITH)) larger (
           .on_i, .a_i(node[2*i].size), .b_i(node[2*i+1].size), .r_o(size));
     end
   end
   logic [LANES-1:0][CW-1:0] largest, down, back;
   align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_largest (.clk_i, .d_i(node[1].size), .q_o(largest));
-  fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("dwn"), .LEAST(LEAST), .ARITH(ARITH)) shift_down (
+  fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_DOWN), .LEAST(LEAST), .ARITH(ARITH)) shift_down (
       .on_i, .a_i(largest), .b_i('0), .r_o(down));
-  fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("upw"), .LEAST(LEAST), .ARITH(ARITH)) shift_back (
+  fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_UP), .LEAST(LEAST), .ARITH(ARITH)) shift_back (
       .on_i, .a_i(largest), .b_i('0), .r_o(back));
   align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_back (.clk_i, .d_i(back), .q_o(back_o));
 
@@ -60,10 +60,10 @@ module length_scale #(
   if (RAY) begin : g_ray
     localparam logic [CW-1:0] ONE = CW'((1 << (EXP - 1)) - 1) << MAN;
     logic [LANES-1:0][CW-1:0] xy, xyz, steepest, t_back;
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("max"), .ARITH(ARITH)) larger_xy (.on_i, .a_i(a_i[3]), .b_i(a_i[4]), .r_o(xy));
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("max"), .ARITH(ARITH)) larger_xyz (.on_i, .a_i(xy), .b_i(a_i[5]), .r_o(xyz));
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MAX), .ARITH(ARITH)) larger_xy (.on_i, .a_i(a_i[3]), .b_i(a_i[4]), .r_o(xy));
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MAX), .ARITH(ARITH)) larger_xyz (.on_i, .a_i(xy), .b_i(a_i[5]), .r_o(xyz));
     align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_steepest (.clk_i, .d_i(xyz), .q_o(steepest));
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("dwn"), .LEAST(LEAST), .ARITH(ARITH)) shift_ray (
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_DOWN), .LEAST(LEAST), .ARITH(ARITH)) shift_ray (
         .on_i, .a_i(steepest), .b_i('0), .r_o(ray_down));
     always_comb begin
       t_scale = '0;
@@ -97,7 +97,7 @@ module length_scale #(
             .clk_i, .a_i(late), .b_i(t_scale), .r_o(scaled), .flags_o());
         align #(.W(LW), .FROM(LAT_CMP + LAT_MUL), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(a_o[k]));
       end else begin : g_length
-        fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("mov"), .ARITH(ARITH)) move (
+        fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH)) move (
             .on_i, .a_i(late), .b_i((KIND == pairs_pkg::WORD_DIRECTION) ? ray_down : down), .r_o(scaled));
         align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(a_o[k]));
       end
@@ -107,7 +107,7 @@ module length_scale #(
     if (pairs_pkg::is_length(SHAPE_B, k)) begin : g_length
       logic [LANES-1:0][CW-1:0] late, scaled;
       align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_word (.clk_i, .d_i(b_i[k]), .q_o(late));
-      fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("mov"), .ARITH(ARITH)) move (.on_i, .a_i(late), .b_i(down), .r_o(scaled));
+      fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH)) move (.on_i, .a_i(late), .b_i(down), .r_o(scaled));
       align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(b_o[k]));
     end else begin : g_pure
       align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_word (.clk_i, .d_i(b_i[k]), .q_o(b_o[k]));

@@ -1,22 +1,27 @@
-// Object table: ENTRIES entries of a range of slots and a rigid transform (records_pkg::OBJECT_*), written by the local bus 64 bits a beat
-// into two block RAMs. Every entry is checked when it is written: its range against the memory that the slots lie in, its rotation to be
-// orthonormal as an OBB's must be, its translation to be finite, and for AABBs the rotation to be the identity. An entry never written is
+// Object table: ENTRIES entries of a range of slots and a rigid transform (records_pkg::OBJECT_*), written by the local
+// bus 64 bits a beat
+// into two block RAMs. Every entry is checked when it is written: its range against the memory that the slots lie in,
+// its rotation to be
+// orthonormal as an OBB's must be, its translation to be finite, and for AABBs the rotation to be the identity. An
+// entry never written is
 // out of contract. The range takes effect with its second word, the transform with its last.
-// Latency: ranges and transforms are read in 1 clock; verdicts of transforms take shape_check's latency (busy_o). Throughput: one beat
+// Latency: ranges and transforms are read in 1 clock; verdicts of transforms take shape_check's latency (busy_o).
+// Throughput: one beat
 // written, one range and one transform read a clock. Stall: none.
 module object_table #(
+    parameter config_pkg::config_t CONFIG,
     parameter int ENTRIES = 1024,  // 2 to 2,048
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int PAIRS = 1,
-    parameter int SWAP = 0,
     parameter int PRIMARY = 0,  // 1: slots of primaries, CAPACITY of them; 0: slots in a memory of CAPACITY words
     parameter int CAPACITY = 1,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
+    localparam int EXP = CONFIG.exp,
+    localparam int MAN = CONFIG.man,
+    localparam int PAIRS = CONFIG.pairs,
+    localparam int SWAP = CONFIG.swap,
+    localparam int LAT_ADD = CONFIG.lat_add,
+    localparam int LAT_MUL = CONFIG.lat_mul,
+    localparam int LAT_CMP = CONFIG.lat_cmp,
+    localparam ARITH = config_pkg::arith(CONFIG.host),
+    localparam int CW = formats_pkg::container(EXP, MAN),
     localparam int ENTRY_W = $clog2(ENTRIES)
 ) (
     input logic clk_bus_i,   // gated: runs while a beat is served
@@ -86,14 +91,20 @@ module object_table #(
   logic [14:0][0:0][CW-1:0] box;  // an OBB with that rotation, at the place of the translation
   logic [0:0][CW-1:0] bad;
   check_clock #(.NUMBER_W(ENTRY_W), .T_CHECK(T_CHECK)) check_time (
-      .clk_i(clk_core_i), .rst_i, .commit_i(commit_q), .number_i(entry_q), .clk_o(clk_check), .busy_o, .judged_o(judged), .number_o(judged_entry));
-  assign box = {words_q[records_pkg::records_pkg::OBJECT_TRANSLATION-1:records_pkg::OBJECT_ROTATION], {3{ONE}}, words_q[records_pkg::OBJECT_END-1:records_pkg::OBJECT_TRANSLATION]};
-  shape_check #(.SHAPE(pairs_pkg::SHAPE_OBB), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check (
+      .clk_i(clk_core_i), .rst_i, .commit_i(commit_q), .number_i(entry_q), .clk_o(clk_check), .busy_o,
+      .judged_o(judged), .number_o(judged_entry));
+  assign box = {words_q[records_pkg::records_pkg::OBJECT_TRANSLATION-1:records_pkg::OBJECT_ROTATION], {3{ONE}},
+      words_q[records_pkg::OBJECT_END-1:records_pkg::OBJECT_TRANSLATION]};
+  shape_check #(.SHAPE(pairs_pkg::SHAPE_OBB), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check (
       .clk_i(clk_check), .on_i(1'b1), .words_i(box), .bad_o(bad));
-  align #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i(clk_check), .d_i(bad[0][0]), .q_o(bad_judged));
+  align #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i(clk_check), .d_i(bad[0][0]),
+      .q_o(bad_judged));
   always_comb begin
     turned = 0;
-    for (int k = 0; k < 9; k++) turned = turned | (((k % 4 == 0) ? words_q[records_pkg::records_pkg::OBJECT_ROTATION+k] ^ ONE : words_q[records_pkg::records_pkg::OBJECT_ROTATION+k] & ~SIGN) != 0);
+    for (int k = 0; k < 9; k++) turned = turned | (((k % 4 == 0) ?
+        words_q[records_pkg::records_pkg::OBJECT_ROTATION+k] ^ ONE :
+            words_q[records_pkg::records_pkg::OBJECT_ROTATION+k] & ~SIGN) != 0);
   end
   always_ff @(posedge clk_check) begin
     if (judged) bad_transform_q[judged_entry] <= bad_judged;

@@ -1,20 +1,24 @@
-// Rigid transform of one slot of any shape that the card's pairs need: points R p + t, directions R d (nothing is added: a minus zero
-// stays one), n' = R n and d' = d + n'.t of a plane, R times the rotation of an OBB, translation of an AABB, whose entry has the
-// identity as R. Sizes and intervals pass as they are. With `plain_i` so does the whole slot. All shapes share one set of vector
+// Rigid transform of one slot of any shape that the card's pairs need: points R p + t, directions R d (nothing is
+// added: a minus zero
+// stays one), n' = R n and d' = d + n'.t of a plane, R times the rotation of an OBB, translation of an AABB, whose
+// entry has the
+// identity as R. Sizes and intervals pass as they are. With `plain_i` so does the whole slot. All shapes share one set
+// of vector
 // units, as many as the largest of them needs: 4 for an OBB, 3 for a triangle, 2 for a ray or cylinder.
 // Latency: pairs_pkg::transform_latency clocks; 0 with ARITH = "host". Throughput: one slot a clock. Stall: none.
 `include "dataflow.svh"
 module transformer #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int PAIRS = 1,
-    parameter int SWAP = 0,
-    parameter int TRANSFORM = 1,  // 1 or 2
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter ARITH = "rtl",
+    parameter config_pkg::config_t CONFIG,
     parameter int WORDS = 9,  // of a slot, at least those of every shape
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    localparam int EXP = CONFIG.exp,
+    localparam int MAN = CONFIG.man,
+    localparam int PAIRS = CONFIG.pairs,
+    localparam int SWAP = CONFIG.swap,
+    localparam int TRANSFORM = CONFIG.transform,
+    localparam int LAT_ADD = CONFIG.lat_add,
+    localparam int LAT_MUL = CONFIG.lat_mul,
+    localparam ARITH = config_pkg::arith(CONFIG.host),
+    localparam int CW = formats_pkg::container(EXP, MAN)
 ) (
     input logic clk_i,
     input logic [2:0] shape_i,
@@ -105,8 +109,10 @@ module transformer #(
   logic [UNITS-1:0][2:0][CW-1:0] direction;
   logic [POINTS-1:0][2:0][CW-1:0] point;
   align #(.W(MOST * CW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_words (.clk_i, .d_i(words), .q_o(late));
-  align #(.W(UNITS * 3 * CW), .FROM(T_ROTATED), .TO(LATENCY), .ARITH(ARITH)) align_direction (.clk_i, .d_i(rotated), .q_o(direction));
-  align #(.W(POINTS * 3 * CW), .FROM(T_MOVED), .TO(LATENCY), .ARITH(ARITH)) align_point (.clk_i, .d_i(moved), .q_o(point));
+  align #(.W(UNITS * 3 * CW), .FROM(T_ROTATED), .TO(LATENCY), .ARITH(ARITH)) align_direction (.clk_i, .d_i(rotated),
+      .q_o(direction));
+  align #(.W(POINTS * 3 * CW), .FROM(T_MOVED), .TO(LATENCY), .ARITH(ARITH)) align_point (.clk_i, .d_i(moved),
+      .q_o(point));
   logic [SHAPES-1:0][MOST-1:0][CW-1:0] of;
   for (genvar k = 0; k < SHAPES; k++) begin : shape
     if (!pairs_pkg::moves_shape(PAIRS, k, SWAP != 0, TRANSFORM)) begin : g_absent
@@ -121,7 +127,8 @@ module transformer #(
       assign of[k] = {late[14:4], distance, direction[0]};
     end else if (k == pairs_pkg::SHAPE_OBB) begin : g_obb
       // Rows of the product, whose columns the units give.
-      assign of[k] = {direction[3][2], direction[2][2], direction[1][2], direction[3][1], direction[2][1], direction[1][1],
+      assign of[k] = {direction[3][2], direction[2][2], direction[1][2], direction[3][1], direction[2][1],
+          direction[1][1],
           direction[3][0], direction[2][0], direction[1][0], late[5:3], point[0]};
     end else begin : g_turned  // ray, cylinder
       assign of[k] = {late[14:6], direction[1], point[0]};

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "cases.hpp"
+#include "cde/contract/records.hpp"
 
 namespace cde::testing {
 namespace {
