@@ -1,7 +1,6 @@
 // The card: local bus, primary and secondary register files, collision detection engine, update engine, record memory.
 // DDR and SRAM chips are outside; the ports name what they need. All of it runs on one core clock; the engine's part is
-// gated
-// while no pass runs. This is wiring; its parameters are those of config.svh, and all but them comes from CONFIG.
+// gated while no pass runs. This is wiring; its parameters are those of config.svh, and all but them comes from CONFIG.
 `include "config.svh"
 module board #(
     `CARD_PARAMETERS,
@@ -72,13 +71,10 @@ module board #(
   card_registers #(.CONFIG(CONFIG)) registers (
       .clk_i, .clk_engine_i(clk_engine), .rst_i, .bus_i(bus_request), .bus_o(bus_response), .irq_o, .clk_bus_o(clk_bus),
       .addr_o(ddr_write_addr_o), .wdata_o(ddr_write_data_o), .prim_write_o(prim_write), .ddr_write_o,
-      .sram_pop_o(sram_pop),
-      .sram_readable_i(sram_readable), .sram_valid_i(sram_beat_valid), .sram_beat_i(sram_beat),
-      .sram_count_i(sram_count),
-      .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .pass_o(command), .active_o(active), .busy_i(busy),
-      .done_i(done),
-      .prim_bad_i(prim_bad), .events_i(events), .latency_i(latency), .object_write_o(object_write),
-      .objects_good_i(objects_good), .objects_busy_i(objects_busy), .posed_i(posed));
+      .sram_pop_o(sram_pop), .sram_readable_i(sram_readable), .sram_valid_i(sram_beat_valid), .sram_beat_i(sram_beat),
+      .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .pass_o(command),
+      .active_o(active), .busy_i(busy), .done_i(done), .prim_bad_i(prim_bad), .events_i(events), .latency_i(latency),
+      .object_write_o(object_write), .objects_good_i(objects_good), .objects_busy_i(objects_busy), .posed_i(posed));
   clock_gate gate (.clk_i, .enable_i(busy | go | rst_i), .clk_o(clk_engine));
 
   // ---- Secondaries ----
@@ -88,9 +84,8 @@ module board #(
   logic [3:0] ddr_words;  // of the beat that belong to a slot
   ddr_check #(.CONFIG(CONFIG)) check_bits (
       .clk_i(clk_engine), .rst_i, .write_data_i(ddr_write_data_o), .write_check_o(ddr_write_check_o),
-      .read_valid_i(ddr_valid_i),
-      .read_data_i(ddr_data_i), .read_check_i(ddr_check_i), .words_i(ddr_words), .valid_o(ddr_valid), .data_o(ddr_data),
-      .corrected_o(ecc_corrected), .failed_o(ecc_failed));
+      .read_valid_i(ddr_valid_i), .read_data_i(ddr_data_i), .read_check_i(ddr_check_i), .words_i(ddr_words),
+      .valid_o(ddr_valid), .data_o(ddr_data), .corrected_o(ecc_corrected), .failed_o(ecc_failed));
   logic [1:0][3:0] pair;  // of the pass
   logic [1:0] swap;
   logic fetch_start, fetch_stop, sec_valid, sec_last, sec_idle, moving, clk_moving;
@@ -101,10 +96,9 @@ module board #(
   secondary_regfile #(.CONFIG(CONFIG)) secondaries (
       .clk_i(clk_engine), .rst_i, .pair_i(pair[0]), .swap_i(swap[0]), .start_i(fetch_start), .stop_i(fetch_stop),
       .pass_i(command), .range_entry_o(range_entry), .range_i(range), .transform_entry_o(transform_entry),
-      .moving_o(moving),
-      .clk_moving_i(clk_moving), .unmoved_o(unmoved), .moved_i(moved), .ddr_read_o, .ddr_word_o(ddr_read_word_o),
-      .ddr_valid_i(ddr_valid), .ddr_data_i(ddr_data), .ddr_words_o(ddr_words), .valid_o(sec_valid), .slot_o(secondary),
-      .bad_o(sec_bad), .index_o(sec_index), .last_o(sec_last), .pop_i(sec_pop),
+      .moving_o(moving), .clk_moving_i(clk_moving), .unmoved_o(unmoved), .moved_i(moved), .ddr_read_o,
+      .ddr_word_o(ddr_read_word_o), .ddr_valid_i(ddr_valid), .ddr_data_i(ddr_data), .ddr_words_o(ddr_words),
+      .valid_o(sec_valid), .slot_o(secondary), .bad_o(sec_bad), .index_o(sec_index), .last_o(sec_last), .pop_i(sec_pop),
       .idle_o(sec_idle));
 
   // ---- Objects ----
@@ -114,12 +108,12 @@ module board #(
   if (CONFIG.transform != pairs_pkg::TRANSFORM_NONE) begin : g_objects
     objects #(.CONFIG(CONFIG)) tables (
         .clk_i(clk_engine), .clk_bus_i(clk_bus), .clk_core_i(clk_i), .rst_i, .write_i(object_write),
-        .addr_i(ddr_write_addr_o),
-        .data_i(ddr_write_data_o), .primary_write_i(prim_write), .command_i(command), .good_o(objects_good),
-        .busy_o(objects_busy), .pair_i(pair[0]), .swap_i(swap[0]), .range_entry_i(range_entry), .range_o(range),
-        .transform_entry_i(transform_entry), .moving_i(moving), .clk_moving_o(clk_moving), .unmoved_i(unmoved),
-        .moved_o(moved), .pose_wanted_o(pose_wanted), .pose_i(pose), .posed_o(posed), .read_o(prim_read),
-        .written_i(prim_written), .pose_commit_o(pose_commit), .pose_number_o(pose_number), .pose_slot_o(pose_slot));
+        .addr_i(ddr_write_addr_o), .data_i(ddr_write_data_o), .primary_write_i(prim_write), .command_i(command),
+        .good_o(objects_good), .busy_o(objects_busy), .pair_i(pair[0]), .swap_i(swap[0]), .range_entry_i(range_entry),
+        .range_o(range), .transform_entry_i(transform_entry), .moving_i(moving), .clk_moving_o(clk_moving),
+        .unmoved_i(unmoved), .moved_o(moved), .pose_wanted_o(pose_wanted), .pose_i(pose), .posed_o(posed),
+        .read_o(prim_read), .written_i(prim_written), .pose_commit_o(pose_commit), .pose_number_o(pose_number),
+        .pose_slot_o(pose_slot));
   end else begin : g_fixed
     logic unused;
     assign unused = &{1'b0, object_write, range_entry, transform_entry, moving, unmoved, pose, prim_written};
@@ -143,16 +137,15 @@ module board #(
   logic [PRIM_W-1:0] writeback_primary;
   engine_control #(.CONFIG(CONFIG)) control (
       .clk_i(clk_engine), .rst_i, .go_i(go), .abort_i(abort), .command_i(command), .mode_o(mode), .pair_o(pair),
-      .swap_o(swap),
-      .primaries_busy_i(prim_busy), .active_i(active), .busy_o(busy), .done_o(done), .flush_o(flush),
+      .swap_o(swap), .primaries_busy_i(prim_busy), .active_i(active), .busy_o(busy), .done_o(done), .flush_o(flush),
       .streaming_mode_o(streaming), .pose_wanted_i(pose_wanted), .pose_o(pose), .posed_i(posed), .clear_o(clear),
       .clear_row_o(clear_row), .clear_mask_o(clear_mask), .fetch_start_o(fetch_start), .fetch_stop_o(fetch_stop),
       .secondary_valid_i(sec_valid), .secondary_last_i(sec_last), .secondary_idle_i(sec_idle),
       .secondary_pop_o(sec_pop), .ready_i(ready), .issue_o(issue), .issue_row_o(issue_row),
       .issue_parity_o(issue_parity), .retire_i(retire), .new_hits_i(new_hits), .credit_i(credit),
-      .fifo_empty_i(fifo_empty),
-      .writeback_o(writeback), .writeback_primary_o(writeback_primary), .writeback_parity_o(writeback_parity),
-      .writeback_ready_i(record_ready), .sram_idle_i(!record_write), .bubble_o(bubble), .stall_o(stall));
+      .fifo_empty_i(fifo_empty), .writeback_o(writeback), .writeback_primary_o(writeback_primary),
+      .writeback_parity_o(writeback_parity), .writeback_ready_i(record_ready), .sram_idle_i(!record_write),
+      .bubble_o(bubble), .stall_o(stall));
 
   // ---- Collision detection engine and output FIFO ----
   logic [ROW_W-1:0] row, fifo_row;
@@ -168,43 +161,36 @@ module board #(
       .prim_addr_i(ddr_write_addr_o), .prim_data_i(ddr_write_data_o), .prim_bad_o(prim_bad), .prim_busy_o(prim_busy),
       .clk_moving_i(clk_moving), .prim_read_i(prim_read), .prim_written_o(prim_written), .pose_i(pose_commit),
       .pose_number_i(pose_number), .pose_slot_i(pose_slot), .pair_i(pair), .swap_i(swap),
-      .split_i(command.split[PRIM_W-1:0]),
-      .budget_i(command.budget), .gap_o(gap), .ready_o(ready), .clear_i(clear), .clear_row_i(clear_row),
-      .clear_mask_i(clear_mask), .valid_i(issue), .row_i(issue_row), .parity_i(issue_parity),
-      .index_i(sec_index),
-      .secondary_i(secondary), .secondary_bad_i(sec_bad), .mode_i(mode), .streaming_i(streaming),
+      .split_i(command.split[PRIM_W-1:0]), .budget_i(command.budget), .gap_o(gap), .ready_o(ready), .clear_i(clear),
+      .clear_row_i(clear_row), .clear_mask_i(clear_mask), .valid_i(issue), .row_i(issue_row), .parity_i(issue_parity),
+      .index_i(sec_index), .secondary_i(secondary), .secondary_bad_i(sec_bad), .mode_i(mode), .streaming_i(streaming),
       .valid_o(retire), .row_o(row), .index_o(index), .new_hits_o(new_hits), .f_o(f), .bad_o(bad),
-      .unmasked_o(unmasked),
-      .latency_o(latency), .push_i(fifo_keep), .write_i(fifo_write), .read_i(streaming && fifo_valid),
-      .head_i(fifo_head),
-      .lane_i(fifo_lane), .result_i(writeback), .result_primary_i(writeback_primary),
-      .result_parity_i(writeback_parity), .result_index_o(result_index), .result_t_o(result_t),
-      .result_point_o(result_point));
+      .unmasked_o(unmasked), .latency_o(latency), .push_i(fifo_keep), .write_i(fifo_write),
+      .read_i(streaming && fifo_valid), .head_i(fifo_head), .lane_i(fifo_lane), .result_i(writeback),
+      .result_primary_i(writeback_primary), .result_parity_i(writeback_parity), .result_index_o(result_index),
+      .result_t_o(result_t), .result_point_o(result_point));
   record_fifo #(.LANES(CONFIG.lanes), .ROW_W(ROW_W), .DEPTH(config_pkg::FIFO_DEPTH)) fifo (
       .clk_i(clk_engine), .rst_i(rst_i | clear | flush), .hits_only_i(mode == registers_pkg::MODE_HITS),
       .push_i(retire[0] && streaming), .row_i(row), .index_i(index), .unmasked_i(unmasked), .f_i(f), .bad_i(bad),
       .keep_o(fifo_keep), .write_o(fifo_write), .credit_o(credit), .empty_o(fifo_empty), .valid_o(fifo_valid),
       .ready_i(record_ready), .head_o(fifo_head), .row_o(fifo_row), .lane_o(fifo_lane), .index_o(fifo_index),
-      .f_o(fifo_f),
-      .bad_o(fifo_bad));
+      .f_o(fifo_f), .bad_o(fifo_bad));
 
   // ---- Records ----
   logic [RECORD_WORDS-1:0][CW-1:0] record;
   logic clk_ring, ring_active;
   record_maker #(.CONFIG(CONFIG)) records (
-      .clk_i(clk_engine), .rst_i, .flush_i(flush), .normals_i(command.normals), .streaming_i(streaming), .second_pair_i(pair[1]),
-      .gap_i(gap), .split_i(command.split[PRIM_W-1:0]), .fifo_valid_i(fifo_valid), .fifo_row_i(fifo_row),
-      .fifo_lane_i(fifo_lane), .fifo_index_i(fifo_index), .fifo_f_i(fifo_f), .fifo_bad_i(fifo_bad),
-      .writeback_i(writeback), .writeback_primary_i(writeback_primary),
-      .writeback_bad_i(prim_bad[writeback_primary]),
-      .result_index_i(result_index), .result_t_i(result_t), .result_point_i(result_point), .ready_o(record_ready),
-      .sram_full_i(sram_full), .sram_count_i(sram_count), .write_o(record_write), .record_o(record));
+      .clk_i(clk_engine), .rst_i, .flush_i(flush), .normals_i(command.normals), .streaming_i(streaming),
+      .second_pair_i(pair[1]), .gap_i(gap), .split_i(command.split[PRIM_W-1:0]), .fifo_valid_i(fifo_valid),
+      .fifo_row_i(fifo_row), .fifo_lane_i(fifo_lane), .fifo_index_i(fifo_index), .fifo_f_i(fifo_f),
+      .fifo_bad_i(fifo_bad), .writeback_i(writeback), .writeback_primary_i(writeback_primary),
+      .writeback_bad_i(prim_bad[writeback_primary]), .result_index_i(result_index), .result_t_i(result_t),
+      .result_point_i(result_point), .ready_o(record_ready), .sram_full_i(sram_full), .sram_count_i(sram_count),
+      .write_o(record_write), .record_o(record));
   clock_gate gate_ring (.clk_i, .enable_i(record_write | sram_pop | ring_active | flush | rst_i), .clk_o(clk_ring));
   sram_ring #(.CW(CW), .RECORDS(CONFIG.sram_records)) ring (
       .clk_i(clk_ring), .active_o(ring_active), .rst_i(rst_i | flush), .write_i(record_write & busy),
-      .record_i(record),
-      .full_o(sram_full), .count_o(sram_count), .last_i(!busy), .readable_o(sram_readable),
-      .beat_valid_o(sram_beat_valid),
-      .beat_o(sram_beat), .beat_pop_i(sram_pop), .sram_write_o, .sram_write_addr_o, .sram_write_data_o, .sram_read_o,
-      .sram_read_addr_o, .sram_read_data_i);
+      .record_i(record), .full_o(sram_full), .count_o(sram_count), .last_i(!busy), .readable_o(sram_readable),
+      .beat_valid_o(sram_beat_valid), .beat_o(sram_beat), .beat_pop_i(sram_pop), .sram_write_o, .sram_write_addr_o,
+      .sram_write_data_o, .sram_read_o, .sram_read_addr_o, .sram_read_data_i);
 endmodule

@@ -84,18 +84,16 @@ module card #(
       .clk_pci_i, .clk_i, .rst_i, .idle_o, .pci_ad_i, .pci_ad_o, .pci_ad_oe, .pci_ad64_oe, .pci_cbe_n_i, .pci_cbe_n_o,
       .pci_cbe_oe, .pci_par_i, .pci_par_o, .pci_par_oe, .pci_par64_i, .pci_par64_o, .pci_par64_oe, .pci_frame_n_i,
       .pci_frame_n_o, .pci_frame_oe, .pci_req64_n_i, .pci_req64_n_o, .pci_req64_oe, .pci_irdy_n_i, .pci_irdy_n_o,
-      .pci_irdy_oe,
-      .pci_trdy_n_i, .pci_trdy_n_o, .pci_trdy_oe, .pci_stop_n_i, .pci_stop_n_o, .pci_stop_oe, .pci_devsel_n_i,
-      .pci_devsel_n_o,
-      .pci_devsel_oe, .pci_ack64_n_i, .pci_ack64_n_o, .pci_ack64_oe, .pci_perr_n_i, .pci_perr_n_o, .pci_perr_oe,
-      .pci_serr_oe,
-      .pci_inta_oe, .pci_idsel_i, .pci_req_n_o, .pci_gnt_n_i, .bus_valid_o(bus_valid), .bus_write_o(bus_write),
-      .bus_space_o(bus_space), .bus_addr_o(bus_addr), .bus_wdata_o(bus_wdata), .bus_ready_i(bus_ready),
-      .bus_rvalid_i(bus_rvalid), .bus_rdata_i(bus_rdata), .irq_i(irq));
+      .pci_irdy_oe, .pci_trdy_n_i, .pci_trdy_n_o, .pci_trdy_oe, .pci_stop_n_i, .pci_stop_n_o, .pci_stop_oe,
+      .pci_devsel_n_i, .pci_devsel_n_o, .pci_devsel_oe, .pci_ack64_n_i, .pci_ack64_n_o, .pci_ack64_oe, .pci_perr_n_i,
+      .pci_perr_n_o, .pci_perr_oe, .pci_serr_oe, .pci_inta_oe, .pci_idsel_i, .pci_req_n_o, .pci_gnt_n_i,
+      .bus_valid_o(bus_valid), .bus_write_o(bus_write), .bus_space_o(bus_space), .bus_addr_o(bus_addr),
+      .bus_wdata_o(bus_wdata), .bus_ready_i(bus_ready), .bus_rvalid_i(bus_rvalid), .bus_rdata_i(bus_rdata),
+      .irq_i(irq));
   board #(.CONFIG(CONFIG)) functions (
       .clk_i, .rst_i, .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_space_i(bus_space), .bus_addr_i(bus_addr),
       .bus_wdata_i(bus_wdata), .bus_ready_o(bus_ready), .bus_rvalid_o(bus_rvalid), .bus_rdata_o(bus_rdata), .irq_o(irq),
       .ddr_write_o, .ddr_write_addr_o, .ddr_write_data_o, .ddr_write_check_o, .ddr_read_o, .ddr_read_word_o,
-      .ddr_valid_i, .ddr_data_i, .ddr_check_i,
-      .sram_write_o, .sram_write_addr_o, .sram_write_data_o, .sram_read_o, .sram_read_addr_o, .sram_read_data_i);
+      .ddr_valid_i, .ddr_data_i, .ddr_check_i, .sram_write_o, .sram_write_addr_o, .sram_write_data_o, .sram_read_o,
+      .sram_read_addr_o, .sram_read_data_i);
 endmodule

@@ -1,9 +1,8 @@
 // One pipe by itself: LANES pairs a clock in, each lane with a primary and a secondary of its own, with the check of
-// the input
-// contract and the handling of bad input. What `cde query`, the regressions and the benchmarks of pairs run on.
+// the input contract and the handling of bad input. What `cde query`, the regressions and the benchmarks of pairs run
+// on.
 // Latency: latency_o clocks. Throughput: LANES pairs in FACET_II clocks; cylinder pairs, LANES pairs in as many clocks
-// as their budget takes
-// passes.
+// as their budget takes passes.
 // Stall: ready_o for cylinder pairs (cylinder_pair.sv) and with FACET_II = 3 (row_interval.sv); the others run free,
 // ready_o = 1.
 module pair_unit #(
@@ -69,13 +68,11 @@ module pair_unit #(
   end
   shape_check #(
       .SHAPE(pairs_pkg::primary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
-      .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
-      .ARITH(ARITH)
+      .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) check_a (.clk_i, .on_i(taken), .words_i(a), .bad_o(bad_a));
   shape_check #(
       .SHAPE(pairs_pkg::secondary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
-      .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
-      .ARITH(ARITH)
+      .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) check_b (.clk_i, .on_i(taken), .words_i(b), .bad_o(bad_b));
   assign bad_check = bad_a | bad_b;
 
@@ -85,12 +82,11 @@ module pair_unit #(
     align #(.W(LW), .FROM(T_CHECK), .TO(ENTRY), .ARITH(ARITH)) align_bad (.clk_i, .d_i(bad_check), .q_o(bad_entry));
     cylinder_pair #(
         .BODY(pairs_pkg::cylinder_body(PAIR)), .AHEAD(32'(HELD)), .ENTRY(ENTRY - 32'(HELD)), .EXP(EXP), .MAN(MAN),
-        .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
-        .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+        .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP),
+        .ARITH(ARITH)
     ) pipe (
         .clk_i, .rst_i, .budget_i, .valid_i, .ready_o, .tag_i(tag), .a_i(a), .b_i(b), .bad_i(bad_entry), .valid_o,
-        .tag_o, .bad_o(bad), .f_o(f), .t_o(t),
-        .cp_o(cp), .n_o(n), .latency_o);
+        .tag_o, .bad_o(bad), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o);
   end else begin : g_free
     logic unused_budget;
     assign unused_budget = &{1'b0, budget_i};
@@ -102,8 +98,8 @@ module pair_unit #(
     logic [2:0][LANES-1:0][CW-1:0] cp_pipe, n_pipe;
     scaled_pipe #(
         .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(BOX), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II), .EXP(EXP),
-        .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
-        .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+        .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
+        .LAT_CMP(LAT_CMP), .ARITH(ARITH)
     ) pipe (.clk_i, .enter_i(taken), .a_i(a), .b_i(b), .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe),
         .latency_o(latency));
     issue_history #(.W(32), .DEPTH(HISTORY)) history_tag (
@@ -112,8 +108,7 @@ module pair_unit #(
     if (ARITH != "rtl") begin : g_late  // the pipe answers at once; its results wait
       issue_history #(.W(9 * LW), .DEPTH(HISTORY)) history (
           .clk_i, .rst_i, .latency_i(rest), .valid_i(taken), .d_i({n_pipe, cp_pipe, t_pipe, f_pipe, bad_check}),
-          .valid_o(unused_valid),
-          .q_o({n, cp, t, f, bad}));
+          .valid_o(unused_valid), .q_o({n, cp, t, f, bad}));
     end else begin : g_early  // the check answers before the pipe
       issue_history #(.W(LW), .DEPTH(HISTORY)) history (
           .clk_i, .rst_i, .latency_i(latency - 16'(T_CHECK)), .valid_i(1'b1), .d_i(bad_check), .valid_o(unused_valid),

@@ -1,14 +1,10 @@
 // The card's end of the local bus: one 64-bit beat a clock into four spaces (registers_pkg::SPACE_*). Holds the
-// registers, checks every
-// access against its space, and forwards beats to the primary register file, DDR and the SRAM ring. The PCI target and
-// the DMA
-// engine are masters of this port; nothing behind it knows which bus the host is on.
+// registers, checks every access against its space, and forwards beats to the primary register file, DDR and the SRAM
+// ring. The PCI target and the DMA engine are masters of this port; nothing behind it knows which bus the host is on.
 // A beat is registered first and served the clock after; everything here but the counters is clocked only while a beat
-// is on its
-// way, so that an idle bus costs nothing.
+// is on its way, so that an idle bus costs nothing.
 // Latency: read data 2 clocks after the beat is taken. Throughput: one beat a clock. Stall: ready_o is low while an
-// SRAM read waits
-// for the ring, and while a control write waits for the verdict on an object.
+// SRAM read waits for the ring, and while a control write waits for the verdict on an object.
 module card_registers #(
     parameter config_pkg::config_t CONFIG,
     localparam int EXP = CONFIG.exp,

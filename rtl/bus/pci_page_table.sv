@@ -1,6 +1,8 @@
-// Page table of the mapped address space: what a driver writes through BAR0 and every address of a descriptor goes through.
+// Page table of the mapped address space: what a driver writes through BAR0 and every address of a descriptor goes
+// through.
 // After reset all entries are cleared, one a clock, before anything is served.
-// Latency: 1 clock from an entry's number to its content. Throughput: one write and two reads a clock. Stall: clearing_o.
+// Latency: 1 clock from an entry's number to its content. Throughput: one write and two reads a clock. Stall:
+// clearing_o.
 module pci_page_table (
     input logic clk_i,
     input logic rst_i,
@@ -26,7 +28,8 @@ module pci_page_table (
   assign {frame_o, writable_o, valid_o} = lookup_q;
   always_ff @(posedge clk_i) begin
     if (write_i || clearing_o)
-      memory[entry] <= clearing_o ? '0 : {wdata_i[31:PCI_PAGE_FRAME], wdata_i[PCI_PAGE_WRITABLE], wdata_i[PCI_PAGE_VALID]};
+      memory[entry] <= clearing_o ? '0 : {wdata_i[31:PCI_PAGE_FRAME], wdata_i[PCI_PAGE_WRITABLE],
+          wdata_i[PCI_PAGE_VALID]};
     entry_q <= memory[entry_i];
     lookup_q <= memory[lookup_i];
     if (clearing_o) cleared_q <= cleared_q + 1;

@@ -1,6 +1,6 @@
-// The parameters of a card, once: what they are, as parameters of a top (for -G), and as the structure that goes down from it
-// (config_pkg::config_t), whose fields are in the order of CARD_CONFIG. Who adds one adds it to the three lists and reads CONFIG where it
-// is needed.
+// The parameters of a card, once: what they are, as parameters of a top (for -G), and as the structure that goes down
+// from it (config_pkg::config_t), whose fields are in the order of CARD_CONFIG. Who adds one adds it to the three lists
+// and reads CONFIG where it is needed.
 //
 //   EXP, MAN      number format
 //   LANES         power of two that divides PRIMARIES
@@ -47,8 +47,9 @@
     parameter int DDR_SLOTS = 55555555, \
     parameter int SRAM_RECORDS = 524288
 
-`define CARD_CONFIG {EXP, MAN, LANES, PRIMARIES, PAIRS, ALGORITHM, BOX, SWAP, NORMALS, PARALLEL, FACET_II, TRANSFORM, OBJECTS, \
-    PRIM_OBJECTS, ECC, LAT_ADD, LAT_MUL, LAT_DIV, LAT_SQRT, LAT_CMP, 32'(ARITH != "rtl"), DDR_SLOTS, SRAM_RECORDS, CONFIG_HASH}
+`define CARD_CONFIG {EXP, MAN, LANES, PRIMARIES, PAIRS, ALGORITHM, BOX, SWAP, NORMALS, PARALLEL, FACET_II, TRANSFORM, \
+    OBJECTS, PRIM_OBJECTS, ECC, LAT_ADD, LAT_MUL, LAT_DIV, LAT_SQRT, LAT_CMP, 32'(ARITH != "rtl"), DDR_SLOTS, \
+    SRAM_RECORDS, CONFIG_HASH}
 
 `define CARD_FIELDS \
     int exp; \

@@ -1,8 +1,6 @@
 // Shapes and pairs of shapes: tables, written from code 0 on, and what follows from them.
-// host/include/cde/contract/pairs.hpp is the
-// same in C++. A table is a flat vector that one function reads: in constant functions Yosys takes an index of a packed
-// array for that
-// of a bit.
+// host/include/cde/contract/pairs.hpp is the same in C++. A table is a flat vector that one function reads: in constant
+// functions Yosys takes an index of a packed array for that of a bit.
 package pairs_pkg;
 
   // ---- Shapes ----
@@ -188,8 +186,7 @@ package pairs_pkg;
       end
   endfunction
   // Whether the transformer of a card handles the shape, and its clocks: R x is LAT_MUL + 2*LAT_ADD, + t is LAT_ADD;
-  // n'.t of a plane
-  // waits for R n.
+  // n'.t of a plane waits for R n.
   function automatic bit moves_shape(input int pairs, input int shape, input bit swap, input int transform);
     moves_shape = uses_shape(pairs, shape, 0, swap) || (transform == TRANSFORM_BOTH && uses_shape(pairs, shape, 1,
         swap));

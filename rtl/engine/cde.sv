@@ -1,15 +1,11 @@
 // Collision detection engine: LANES lanes in groups behind one mouth. Takes a row of LANES primaries against one
-// secondary a clock,
-// and keeps or streams the row's results in order.
+// secondary a clock, and keeps or streams the row's results in order.
 // With ARITH = "host" the datapath is combinational and gets its operands when its results are due, else when they are
-// issued: the
-// same clocks and bits outside.
+// issued: the same clocks and bits outside.
 // One pipe is used in a pass, with PARALLEL at most two, which meet the same secondaries with primaries of their own;
-// the others'
-// clocks stand still.
+// the others' clocks stand still.
 // Latency: that of the pipe. Throughput: one row a clock, a pair with facets one in FACET_II clocks, or what a ring
-// takes. Stall: ready_o; room
-// for results is held by credits outside.
+// takes. Stall: ready_o; room for results is held by credits outside.
 module cde #(
     parameter config_pkg::config_t CONFIG,
     localparam int EXP = CONFIG.exp,
@@ -108,9 +104,9 @@ module cde #(
   logic [PRIM_WORDS-1:0][CW-1:0] prim_slot;
   primary_regfile #(.CONFIG(CONFIG)) primaries (
       .clk_i(clk_bus_i), .clk_core_i, .rst_i, .pair_i, .swap_i, .split_i, .busy_o(prim_busy_o), .write_i(prim_write_i),
-      .write_addr_i(prim_addr_i), .write_data_i(prim_data_i), .bad_o(prim_bad_o),
-      .clk_moving_i, .read_i(prim_read_i), .written_o(prim_written_o), .pose_i, .pose_number_i, .pose_slot_i,
-      .commit_o(prim_commit), .row_o(prim_row), .lane_o(prim_lane), .slot_o(prim_slot));
+      .write_addr_i(prim_addr_i), .write_data_i(prim_data_i), .bad_o(prim_bad_o), .clk_moving_i, .read_i(prim_read_i),
+      .written_o(prim_written_o), .pose_i, .pose_number_i, .pose_slot_i, .commit_o(prim_commit), .row_o(prim_row),
+      .lane_o(prim_lane), .slot_o(prim_slot));
 
   clock_gate gate_prim (.clk_i(clk_core_i), .enable_i(prim_commit), .clk_o(clk_prim));
 
@@ -163,8 +159,7 @@ module cde #(
       logic unused_valid;
       issue_history #(.W(ROW_W + SEC_WORDS * CW), .DEPTH(HISTORY)) history_operands (
           .clk_i, .rst_i, .latency_i(of_ring ? 16'd1 : pipe_latency[k]), .valid_i(valid_i[k] && !of_ring),
-          .d_i({row_i[k], secondary_i}), .valid_o(unused_valid),
-          .q_o({row_in[k], secondary[k]}));
+          .d_i({row_i[k], secondary_i}), .valid_o(unused_valid), .q_o({row_in[k], secondary[k]}));
     end else begin : g_early
       assign row_in[k] = row_i[k];
       assign secondary[k] = secondary_i;
@@ -222,28 +217,23 @@ module cde #(
     assign unused_ring = &{1'b0, ring_ready, ring_valid};
     assign asked = 32'(lane) / 32'(GROUP) == 32'(g);
 `ifndef SYNTHESIS
-    always_ff @(posedge clk_i) assert (latency_pipes == group[0].latency_pipes) else $error("cde: groups of different latency");
+    always_ff @(posedge clk_i)
+      assert (latency_pipes == group[0].latency_pipes) else $error("cde: groups of different latency");
 `endif
     lane_group #(.CONFIG(CONFIG), .LANES(GROUP), .ROWS(ROWS)) lanes (
         .clk_i, .clk_prim_i(clk_prim), .prim_write_i(prim_commit && 32'(prim_lane) / 32'(GROUP) == 32'(g)),
-        .prim_row_i(prim_row),
-        .prim_lane_i(GLANE_W'(prim_lane)), .prim_slot_i(prim_slot), .clear_i, .clear_row_i,
-        .clear_mask_i(clear_mask_i[g*GROUP+:GROUP]),
-        .clear_bad_i(prim_bad_o[32'(clear_row_i)*LANES+g*GROUP+:GROUP]), .pair_i(pair_i[PORTS-1:0]),
-        .gap_i(gap_o[PORTS-1:0]), .swap_i(swap_i[PORTS-1:0]), .clk_pipe_i(clk_pipe), .row_i(row_in),
-        .secondary_i(secondary),
-        .rst_i(RINGS && rst_i), .budget_i(RINGS ? budget_i : '0), .issue_i(ISSUE ? valid_i[PORTS-1:0] : '0),
-        .ring_row_i(RINGS ? row_i[PORTS-1:0] : '0),
+        .prim_row_i(prim_row), .prim_lane_i(GLANE_W'(prim_lane)), .prim_slot_i(prim_slot), .clear_i, .clear_row_i,
+        .clear_mask_i(clear_mask_i[g*GROUP+:GROUP]), .clear_bad_i(prim_bad_o[32'(clear_row_i)*LANES+g*GROUP+:GROUP]),
+        .pair_i(pair_i[PORTS-1:0]), .gap_i(gap_o[PORTS-1:0]), .swap_i(swap_i[PORTS-1:0]), .clk_pipe_i(clk_pipe),
+        .row_i(row_in), .secondary_i(secondary), .rst_i(RINGS && rst_i), .budget_i(RINGS ? budget_i : '0),
+        .issue_i(ISSUE ? valid_i[PORTS-1:0] : '0), .ring_row_i(RINGS ? row_i[PORTS-1:0] : '0),
         .ring_secondary_i(RINGS ? secondary_i : '0), .ring_ready_o(ring_ready), .ring_valid_o(ring_valid),
-        .latency_o(latency_pipes),
-        .valid_i(valid_o[PORTS-1:0]), .row_out_i(row_out), .parity_i(parity), .index_i(index),
-        .secondary_bad_i(secondary_bad), .mode_i, .streaming_i,
-        .new_hits_o(new_hits[g]), .f_o(f_o[g*GROUP+:GROUP]), .bad_o(bad_o[g*GROUP+:GROUP]),
-        .unmasked_o(unmasked_o[g*GROUP+:GROUP]),
+        .latency_o(latency_pipes), .valid_i(valid_o[PORTS-1:0]), .row_out_i(row_out), .parity_i(parity),
+        .index_i(index), .secondary_bad_i(secondary_bad), .mode_i, .streaming_i, .new_hits_o(new_hits[g]),
+        .f_o(f_o[g*GROUP+:GROUP]), .bad_o(bad_o[g*GROUP+:GROUP]), .unmasked_o(unmasked_o[g*GROUP+:GROUP]),
         .push_i, .write_i, .read_i(read_i && asked), .head_i, .result_i(result & {PORTS{asked}}),
-        .result_row_i(result_row), .result_parity_i,
-        .lane_i(GLANE_W'(lane)), .result_index_o(result_index[g]), .result_t_o(result_t[g]),
-        .result_point_o(result_point[g]));
+        .result_row_i(result_row), .result_parity_i, .lane_i(GLANE_W'(lane)), .result_index_o(result_index[g]),
+        .result_t_o(result_t[g]), .result_point_o(result_point[g]));
   end
   for (genvar k = 0; k < PORTS; k++) begin : latency_of
     assign pipe_latency[k] = (k > 0 &&

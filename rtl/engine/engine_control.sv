@@ -1,9 +1,7 @@
 // Sequencer of a pass: pose primaries that moved, clear the update buffers, sweep every secondary over the rows of
-// primaries,
-// let the pipe drain, write the results back, report done. A row enters the pipe when a secondary is there and, in the
-// streaming modes, a credit of the
-// output FIFO is left and its pipe is ready. With a second pair a row of its primaries enters its pipe in the same
-// clock.
+// primaries, let the pipe drain, write the results back, report done. A row enters the pipe when a secondary is there
+// and, in the streaming modes, a credit of the output FIFO is left and its pipe is ready. With a second pair a row of
+// its primaries enters its pipe in the same clock.
 // Throughput: one row a clock without bubbles while secondaries and credits last and pipes are ready.
 module engine_control #(
     parameter config_pkg::config_t CONFIG,
@@ -163,7 +161,8 @@ module engine_control #(
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i)
     if (!rst_i) begin
-      assert (16'($countones(retire_i)) <= in_flight_q) else $error("engine_control: a row left the pipe that never entered");
+      assert (16'($countones(retire_i)) <= in_flight_q)
+      else $error("engine_control: a row left the pipe that never entered");
       assert (!(go_i && busy_o)) else $error("engine_control: go while busy");
     end
 `endif

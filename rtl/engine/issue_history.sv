@@ -1,6 +1,5 @@
 // What entered a datapath the last DEPTH clocks, so that the tag of a result is found again when it leaves: the one
-// delay line beside
-// the pipes, whatever their latencies.
+// delay line beside the pipes, whatever their latencies.
 // Latency: latency_i clocks (1..DEPTH-1). Throughput: one entry a clock. Stall: none.
 module issue_history #(
     parameter int W = 1,

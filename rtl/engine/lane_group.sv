@@ -1,8 +1,7 @@
 // LANES lanes of the collision detection engine with all that belongs to them alone: their part of the primary register
-// file, the
-// pipe, of the update engine and of the output FIFO. Nothing wider than a control bit or one record leaves a group, in
-// silicon as
-// in simulation; not inlined, so that the groups are one function over objects that fit the first-level cache.
+// file, the pipe, of the update engine and of the output FIFO. Nothing wider than a control bit or one record leaves a
+// group, in silicon as in simulation; not inlined, so that the groups are one function over objects that fit the
+// first-level cache.
 // Latency: that of the pipe. Throughput: that of the pipe, at most one row a clock. Stall: none.
 module lane_group #(
     parameter config_pkg::config_t CONFIG,
@@ -175,8 +174,7 @@ module lane_group #(
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .budget_i, .valid_i(issue),
             .ready_o(ring_ready_o[p]), .tag_i('0), .a_i(a), .b_i(b_lanes), .bad_i('0), .valid_o(ring_valid_o[p]),
-            .tag_o(unused_tag),
-            .bad_o(unused_bad), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
+            .tag_o(unused_tag), .bad_o(unused_bad), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
         assign latency_o[p] = (latency > 32'hffff) ? 16'hffff : 16'(latency);
         logic unused;
         assign unused = &{1'b0, unused_tag, unused_bad, enter};
@@ -189,8 +187,7 @@ module lane_group #(
             .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .enter_i(enter), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp),
-            .n_o(n),
-            .latency_o(latency_o[p]));
+            .n_o(n), .latency_o(latency_o[p]));
       end
     end else begin : g_absent
       assign ring_ready_o[p] = 1'b1;
@@ -244,11 +241,9 @@ module lane_group #(
     lane_results #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ROWS(ROWS), .NORMALS(NORMALS)) results (
         .clk_i, .clear_i, .clear_row_i, .clear_mask_i, .clear_bad_i, .gap_i(gap_i[k]), .mode_i, .streaming_i,
         .valid_i(valid_i[k]), .row_i(row_out_i[k]), .parity_i(parity_i[k]), .index_i(index_i[k]),
-        .secondary_bad_i(secondary_bad_i[k]),
-        .f_i(f_pipe), .t_i(t_pipe), .cp_i(cp_pipe), .n_i(n_pipe), .new_hits_o(new_hits[k]), .f_o(f_stream[k]),
-        .bad_o(bad_stream[k]),
-        .unmasked_o(unmasked_stream[k]), .t_o(t[k]), .point_o(point[k]), .result_i(result_i[k]), .result_row_i,
-        .result_lane_i(lane_i),
+        .secondary_bad_i(secondary_bad_i[k]), .f_i(f_pipe), .t_i(t_pipe), .cp_i(cp_pipe), .n_i(n_pipe),
+        .new_hits_o(new_hits[k]), .f_o(f_stream[k]), .bad_o(bad_stream[k]), .unmasked_o(unmasked_stream[k]),
+        .t_o(t[k]), .point_o(point[k]), .result_i(result_i[k]), .result_row_i, .result_lane_i(lane_i),
         .result_parity_i, .result_index_o(kept_index[k]), .result_t_o(kept_t[k]), .result_point_o(kept_point[k]));
   end
 

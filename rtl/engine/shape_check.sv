@@ -1,7 +1,6 @@
 // Input contract of a shape (pairs_pkg::SHAPE_*): every word finite (tmin and tmax only no NaN), coordinates at most
-// 2^length_high, sizes and
-// the largest component of a direction from 2^length_low to that, max above min; unit vectors and rotations to
-// |a.b - (0 or 1)| <= 2^-20, or 16 u in formats too coarse for that.
+// 2^length_high, sizes and the largest component of a direction from 2^length_low to that, max above min; unit vectors
+// and rotations to |a.b - (0 or 1)| <= 2^-20, or 16 u in formats too coarse for that.
 // Latency: LAT_MUL + 3*LAT_ADD + LAT_CMP clocks whatever the shape; 0 with ARITH = "host". Throughput: LANES shapes a
 // clock. Stall: none.
 `include "dataflow.svh"
@@ -42,8 +41,7 @@ module shape_check #(
     end else begin : g_length
       fp_range #(
           .EXP(EXP), .MAN(MAN), .LANES(LANES), .SIGNED(KIND == pairs_pkg::WORD_SIZE),
-          .ZERO(KIND != pairs_pkg::WORD_SIZE), .LOW(LOW),
-          .HIGH(HIGH), .ARITH(ARITH)
+          .ZERO(KIND != pairs_pkg::WORD_SIZE), .LOW(LOW), .HIGH(HIGH), .ARITH(ARITH)
       ) in_range (.on_i, .a_i(words_i[k]), .m_o(legal));
     end
     if (k == 0) begin : g_first

@@ -1,10 +1,8 @@
 // Mouth of the primary register file: PRIMARIES slots written by the local bus 64 bits a beat. The words of a slot
-// gather in a staging
-// register; the beat that brings the last word commits the slot to its lane group. Beside that it is checked as every
-// shape that the
-// card's pairs have for a primary; which verdict counts is the pair's business. With TRANSFORM = 2 a RAM keeps the
-// slots as they were
-// written, and posed ones come back from the transformer to be checked and committed in their place.
+// gather in a staging register; the beat that brings the last word commits the slot to its lane group. Beside that it
+// is checked as every shape that the card's pairs have for a primary; which verdict counts is the pair's business. With
+// TRANSFORM = 2 a RAM keeps the slots as they were written, and posed ones come back from the transformer to be checked
+// and committed in their place.
 // Latency: 1 clock, verdicts shape_check's latency more (busy_o). Throughput: one beat a clock. Stall: none.
 module primary_regfile #(
     parameter config_pkg::config_t CONFIG,

@@ -1,14 +1,10 @@
 // Secondary register file: fetches slots FIRST..FIRST+COUNT-1 from DDR in order, or with TRANSFORM those of the objects
-// in use, 9 words a
-// beat, checks them and holds them in a FIFO. A slot of more than 9 words takes two beats. The head stays until
-// `pop_i`; with DEPTH
-// above the memory latency there is a slot for every clock that asks for one.
+// in use, 9 words a beat, checks them and holds them in a FIFO. A slot of more than 9 words takes two beats. The head
+// stays until `pop_i`; with DEPTH above the memory latency there is a slot for every clock that asks for one.
 // With TRANSFORM every slot goes through the transformer first: what is checked is what meets the primaries, so an
-// overflow on the way
-// is bad input like any other.
+// overflow on the way is bad input like any other.
 // Latency: the memory's, with TRANSFORM 1 clock and the transformer's, and shape_check's. Throughput: one beat a clock.
-// Stall: requests
-// only what the FIFO has room for.
+// Stall: requests only what the FIFO has room for.
 module secondary_regfile #(
     parameter config_pkg::config_t CONFIG,
     localparam int EXP = CONFIG.exp,

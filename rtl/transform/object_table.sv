@@ -1,13 +1,10 @@
 // Object table: ENTRIES entries of a range of slots and a rigid transform (records_pkg::OBJECT_*), written by the local
-// bus 64 bits a beat
-// into two block RAMs. Every entry is checked when it is written: its range against the memory that the slots lie in,
-// its rotation to be
-// orthonormal as an OBB's must be, its translation to be finite, and for AABBs the rotation to be the identity. An
-// entry never written is
-// out of contract. The range takes effect with its second word, the transform with its last.
+// bus 64 bits a beat into two block RAMs. Every entry is checked when it is written: its range against the memory that
+// the slots lie in, its rotation to be orthonormal as an OBB's must be, its translation to be finite, and for AABBs the
+// rotation to be the identity. An entry never written is out of contract. The range takes effect with its second word,
+// the transform with its last.
 // Latency: ranges and transforms are read in 1 clock; verdicts of transforms take shape_check's latency (busy_o).
-// Throughput: one beat
-// written, one range and one transform read a clock. Stall: none.
+// Throughput: one beat written, one range and one transform read a clock. Stall: none.
 module object_table #(
     parameter config_pkg::config_t CONFIG,
     parameter int ENTRIES = 1024,  // 2 to 2,048

@@ -1,7 +1,6 @@
 // What moves objects: the object tables of secondaries and, with TRANSFORM = 2, of primaries, the one transformer that
-// both go through,
-// and the poser of primaries. Secondaries are transformed on their way into the secondary register file, primaries
-// before a pass.
+// both go through, and the poser of primaries. Secondaries are transformed on their way into the secondary register
+// file, primaries before a pass.
 // Latency: 1 clock (the RAMs), then the transformer's. Throughput: one slot a clock. Stall: none.
 module objects #(
     parameter config_pkg::config_t CONFIG,
@@ -89,8 +88,7 @@ module objects #(
       .clk_bus_i, .clk_core_i, .clk_i, .clk_moving_i(clk_moving_o), .rst_i, .write_i(write_secondaries),
       .addr_i(addr_i - registers_pkg::OBJECT_TABLE), .data_i, .range_write_o(unused_range_write),
       .count_i(command_i.objects), .shapes_i({2{command_secondary}}), .good_o(sec_good), .busy_o(sec_busy),
-      .range_entry_i, .range_o, .transform_entry_i,
-      .rotation_o(sec_rotation), .translation_o(sec_translation));
+      .range_entry_i, .range_o, .transform_entry_i, .rotation_o(sec_rotation), .translation_o(sec_translation));
   assign good_o = sec_good && prim_good;
   assign busy_o = sec_busy || prim_busy;
 
@@ -123,15 +121,15 @@ module objects #(
         .clk_bus_i, .clk_core_i, .clk_i, .clk_moving_i(clk_moving_o), .rst_i, .write_i(write_primaries),
         .addr_i(addr_i - registers_pkg::PRIM_OBJECT_TABLE), .data_i, .range_write_o(range_write),
         .count_i(command_i.prim_objects), .shapes_i(primary), .good_o(prim_good), .busy_o(prim_busy),
-        .range_entry_i(prim_range_entry), .range_o(prim_range),
-        .transform_entry_i(prim_transform_entry), .rotation_o(prim_rotation), .translation_o(prim_translation));
+        .range_entry_i(prim_range_entry), .range_o(prim_range), .transform_entry_i(prim_transform_entry),
+        .rotation_o(prim_rotation), .translation_o(prim_translation));
     primary_poser #(
         .PRIMARIES(PRIMARIES), .ENTRIES(PRIM_OBJECTS), .T_COMMIT((ARITH == "rtl") ? LATENCY : 0),
         .T_JUDGED(LATENCY + LAT_MUL + 3 * LAT_ADD + LAT_CMP)
     ) poser (
         .clk_i, .clk_bus_i, .rst_i, .primary_write_i, .transform_write_i(write_primaries), .range_write_i(range_write),
-        .objects_i(command_i.prim_objects),
-        .shapes_i(primary), .split_i(command_pair[1] == pairs_pkg::NO_PAIR ? '0 : split), .wanted_o(pose_wanted_o),
+        .objects_i(command_i.prim_objects), .shapes_i(primary),
+        .split_i(command_pair[1] == pairs_pkg::NO_PAIR ? '0 : split), .wanted_o(pose_wanted_o),
         .pose_i, .done_o(posed_o), .range_entry_o(prim_range_entry), .range_i(prim_range),
         .transform_entry_o(prim_transform_entry), .read_o, .shape_o(pose_shape), .plain_o(pose_plain),
         .moving_o(pose_moving), .commit_o(pose_commit_o), .number_o(pose_number_o));

@@ -1,10 +1,8 @@
 // Rigid transform of one slot of any shape that the card's pairs need: points R p + t, directions R d (nothing is
-// added: a minus zero
-// stays one), n' = R n and d' = d + n'.t of a plane, R times the rotation of an OBB, translation of an AABB, whose
-// entry has the
-// identity as R. Sizes and intervals pass as they are. With `plain_i` so does the whole slot. All shapes share one set
-// of vector
-// units, as many as the largest of them needs: 4 for an OBB, 3 for a triangle, 2 for a ray or cylinder.
+// added: a minus zero stays one), n' = R n and d' = d + n'.t of a plane, R times the rotation of an OBB, translation of
+// an AABB, whose entry has the identity as R. Sizes and intervals pass as they are. With `plain_i` so does the whole
+// slot. All shapes share one set of vector units, as many as the largest of them needs: 4 for an OBB, 3 for a triangle,
+// 2 for a ray or cylinder.
 // Latency: pairs_pkg::transform_latency clocks; 0 with ARITH = "host". Throughput: one slot a clock. Stall: none.
 `include "dataflow.svh"
 module transformer #(
