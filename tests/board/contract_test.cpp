@@ -3,6 +3,7 @@
 // more.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -377,7 +378,8 @@ class Probe {
       out << "  $info(\"@" << i << " %0h\", 64'(" << expected_[i].first << "));\n";
     out << "endmodule\n";
     out.close();
-    std::string command = "cd '" + folder + "' && verilator --lint-only -Wno-fatal";
+    std::string command =
+        "cd '" + folder + "' && verilator --lint-only -Wno-fatal -I'" + contract.string() + "'";
     for (const std::string& package : packages)
       command += " '" + (contract / package).string() + "'";
     command += " contract_probe.sv >said 2>&1";
@@ -546,6 +548,7 @@ TEST(Contract, IsTheSameInBothLanguages) {
   std::size_t constants = 0;
   for (const std::string& file : packages) {
     const std::string name = file.substr(0, file.find('.'));
+    if (!here.contains(name)) continue;  // how modules of the card are joined
     SCOPED_TRACE(file);
     const Package package = read_package(contract / file);
     Calls call(probe, name);
@@ -554,7 +557,6 @@ TEST(Contract, IsTheSameInBothLanguages) {
       shape_functions(call), pair_functions(call), set_functions(call), time_functions(call);
     }
     EXPECT_EQ(call.called(), package.functions);
-    if (!here.contains(name)) continue;  // how modules of the card are joined
     Values values = here.at(name);
     for (const std::string& constant : package.constants) {
       if (const auto table = tables.find(constant); table != tables.end()) {
@@ -580,6 +582,31 @@ TEST(Contract, IsTheSameInBothLanguages) {
   for (const auto& [field, place] : known) ADD_FAILURE() << field << " is not in the packages";
   EXPECT_GT(constants, 200u);
   probe.run(contract, packages);
+}
+
+/// Parameter, structure and what joins them are three lists of one file.
+TEST(Contract, EveryParameterOfACardIsAFieldOfItsConfiguration) {
+  std::stringstream text;
+  text << std::ifstream(fs::path(CDE_CONTRACT_FOLDER) / "config.svh").rdbuf();
+  const std::string all = text.str();
+  const auto names = [&](const char* macro, const char* end, const char* form) {
+    const std::size_t from = all.find(std::string("`define ") + macro);
+    const std::string part = all.substr(from, all.find(end, from) - from);
+    std::vector<std::string> found;
+    const std::regex expression(form);
+    for (std::sregex_iterator m(part.begin(), part.end(), expression), none; m != none; ++m)
+      found.push_back(upper((*m)[1].str()));
+    return found;
+  };
+  auto parameters = names("CARD_PARAMETERS", "\n\n", R"(parameter (?:int )?(\w+) =)");
+  auto values = names("CARD_CONFIG", "}", R"((?:[{ (])([A-Z][A-Z_]+)(?=[,} ]|$))");
+  auto fields = names("CARD_FIELDS", "`endif", R"((?:int|logic \[63:0\]) (\w+);)");
+  ASSERT_GT(parameters.size(), 20u);
+  values.erase(values.begin());  // the macro's own name
+  parameters.emplace_back("CONFIG_HASH");
+  EXPECT_EQ(values, parameters);
+  std::replace(parameters.begin(), parameters.end(), std::string("ARITH"), std::string("HOST"));
+  EXPECT_EQ(fields, parameters);
 }
 
 }  // namespace
