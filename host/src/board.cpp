@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "board_impl.hpp"
+#include "cde/contract/records.hpp"
 #include "cde/error.hpp"
 #include "cde/message.hpp"
 #include "text.hpp"
@@ -32,34 +33,35 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   }
   const std::uint64_t caps = card.read_register(card::kRegCaps);
   const std::uint64_t caps2 = card.read_register(card::kRegCaps2);
-  card.lanes = caps & 0xffff;
-  card.primaries = caps >> 16 & 0xffff;
-  card.pipe_latency = caps2 & 0xffff;
-  card.sram_records = caps2 >> 16 & 0xffffffff;
+  card.lanes = card::kCapsLanes.of(caps);
+  card.primaries = card::kCapsPrimaries.of(caps);
+  card.pipe_latency = card::kCaps2Latency.of(caps2);
+  card.sram_records = card::kCaps2SramRecords.of(caps2);
   card.capacity = card.read_register(card::kRegCapacity);
   const auto field = [&](const char* what, std::uint64_t value, std::uint64_t wanted) {
     if (value != wanted) refuse(fmt::format("{} is {}, but {} was asked for", what, value, wanted));
   };
   field("number of lanes", card.lanes, config.lanes);
-  field("exponent width", caps >> 32 & 0xff, 8);
-  field("fraction width", caps >> 40 & 0xff, 23);
-  field("ray-triangle algorithm", caps >> 48 & 0xff, static_cast<unsigned>(config.algorithm));
-  field("container width", caps2 >> 48 & 0xff, 32);
+  field("exponent width", card::kCapsExp.of(caps), 8);
+  field("fraction width", card::kCapsMan.of(caps), 23);
+  field("ray-triangle algorithm", card::kCapsAlgorithm.of(caps),
+        static_cast<unsigned>(config.algorithm));
+  field("container width", card::kCaps2Container.of(caps2), 32);
   field("DDR capacity", card.capacity, std::uint64_t{config.ddr_slots} * card::kDdrWords * 4);
   field("SRAM ring", card.sram_records, config.sram_records);
   const std::uint64_t caps3 = card.read_register(card::kRegCaps3);
-  card.slot_words = caps3 >> 24 & 0xff;
+  card.slot_words = card::kCaps3PrimWords.of(caps3);
   std::uint64_t pairs = 0;
   for (const Pair pair : config.pairs) pairs |= std::uint64_t{1} << static_cast<unsigned>(pair);
-  field("set of pairs", caps3 & 0x1fff, pairs);
-  field("role swap", caps3 >> 16 & 1, config.swap);
-  field("normals", caps3 >> 17 & 1, config.normals);
-  field("two pairs at a time", caps3 >> 18 & 1, config.parallel);
-  field("box rule", caps3 >> 22 & 1, config.box);
-  field("check bits in DDR", caps3 >> 21 & 1, config.ecc);
-  field("transformer", caps3 >> 19 & 3, static_cast<unsigned>(config.transform));
-  card.objects.entries = caps3 >> 32 & 0xffff;
-  card.primary_objects.entries = caps3 >> 48;
+  field("set of pairs", card::kCaps3Pairs.of(caps3), pairs);
+  field("role swap", card::kCaps3Swap.of(caps3), config.swap);
+  field("normals", card::kCaps3Normals.of(caps3), config.normals);
+  field("two pairs at a time", card::kCaps3Parallel.of(caps3), config.parallel);
+  field("box rule", card::kCaps3Box.of(caps3), config.box);
+  field("check bits in DDR", card::kCaps3Ecc.of(caps3), config.ecc);
+  field("transformer", card::kCaps3Transform.of(caps3), static_cast<unsigned>(config.transform));
+  card.objects.entries = card::kCaps3Objects.of(caps3);
+  card.primary_objects.entries = card::kCaps3PrimObjects.of(caps3);
   card.pairs = config.pairs;
   card.can_swap = config.swap;
   card.has_normals = config.normals;
@@ -103,7 +105,7 @@ void Board::Impl::check_bus(const char* during) {
       ErrorCode::kDevice,
       fmt::format(
           "bus error during {}: access to space {} offset {:#x} refused, status {:#x}, clock {}",
-          during, fault >> 32, fault & 0xffffffff, status, clocks()));
+          during, card::kFaultSpace.of(fault), card::kFaultAddr.of(fault), status, clocks()));
 }
 
 void Board::Impl::reset() {

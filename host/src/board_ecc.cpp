@@ -35,7 +35,7 @@ bool Board::Impl::uncorrectable(std::uint32_t first, std::uint32_t count) {
                             status, clocks()),
                 DeviceFault{.pci_status = link->pci_status(), .clock = clocks()});
   }
-  const bool found = read_register(card::kRegEcc) >> 32 != 0;
+  const bool found = card::kEccFailed.of(read_register(card::kRegEcc)) != 0;
   write_register(card::kRegControl, card::kControlClear);
   return found;
 }

@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "board_impl.hpp"
+#include "cde/contract/records.hpp"
 #include "cde/error.hpp"
 
 namespace cde {

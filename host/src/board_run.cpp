@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "board_impl.hpp"
+#include "cde/contract/records.hpp"
 #include "cde/error.hpp"
 
 namespace cde {
@@ -108,15 +109,15 @@ class Pass {
  private:
   void configure() {
     card_.write_register(card::kRegControl, card::kControlClear);
-    card_.write_register(card::kRegCommand,
-                         static_cast<std::uint64_t>(query_.mode) |
-                             (query_.swap ? card::kCommandSwap : 0) |
-                             (query_.normals ? card::kCommandNormals : 0) |
-                             std::uint64_t{static_cast<unsigned>(*query_.pair)} << 8 | second());
+    card_.write_register(card::kRegCommand, card::kCommandMode(query_.mode) |
+                                                (query_.swap ? card::kCommandSwap : 0) |
+                                                (query_.normals ? card::kCommandNormals : 0) |
+                                                card::kCommandPair(*query_.pair) | second());
     card_.write_register(card::kRegPrimCount, slots_);
     card_.write_register(card::kRegPrimSplit, split_);
-    card_.write_register(card::kRegBudget, query_.budget.free << 16 | query_.budget.circle << 8 |
-                                               query_.budget.samples);
+    card_.write_register(card::kRegBudget, card::kBudgetM(query_.budget.samples) |
+                                               card::kBudgetK1(query_.budget.circle) |
+                                               card::kBudgetK2(query_.budget.free));
     if (card_.objects.entries != 0)
       card_.write_register(card::kRegObjectCount, card_.objects.objects.size());
     if (card_.primary_objects.entries != 0)
@@ -135,7 +136,7 @@ class Pass {
   [[nodiscard]] std::uint64_t second() const {
     if (!query_.second) return 0;
     return card::kCommandSecond | (query_.second->swap ? card::kCommandSecondSwap : 0) |
-           std::uint64_t{static_cast<unsigned>(query_.second->pair)} << 16;
+           card::kCommandSecondPair(query_.second->pair);
   }
 
   /// In the streaming modes records are taken while the engine works, as soon as there are enough
@@ -220,14 +221,15 @@ class Pass {
     c.bad_primaries = card_.read_register(card::kRegBadPrim);
     c.bad_secondaries = card_.read_register(card::kRegBadSec);
     const std::uint64_t ecc = card_.read_register(card::kRegEcc);
-    c.corrected_words = ecc & 0xffffffff;
+    c.corrected_words = card::kEccCorrected.of(ecc);
     c.secondaries = card_.read_register(card::kRegSecondaries);
     c.pairs = c.secondaries * active_;
     c.records = card_.read_register(card::kRegWritten);
     const std::uint64_t status = card_.read_register(card::kRegStatus);
     if (bit(status, card::kStatusBusError)) card_.check_bus("the download of records");
     card_.write_register(card::kRegControl, card::kControlClear);
-    if (ecc >> 32 != 0) uncorrectable(ecc >> 32, status);
+    if (const std::uint64_t failed = card::kEccFailed.of(ecc); failed != 0)
+      uncorrectable(failed, status);
     const auto promise = [&](const char* what, std::uint64_t value, std::uint64_t wanted) {
       if (value != wanted)
         device_error(fmt::format("{} {}, but it must be {}", value, what, wanted), status);
@@ -274,9 +276,8 @@ class Pass {
             .clock = card_.clocks()};
   }
   [[noreturn]] void uncorrectable(std::uint64_t words, std::uint64_t status) {
-    const auto byte =
-        card_.find_uncorrectable((query_.swap ? card::kCommandSwap : 0) |
-                                 std::uint64_t{static_cast<unsigned>(*query_.pair)} << 8);
+    const auto byte = card_.find_uncorrectable((query_.swap ? card::kCommandSwap : 0) |
+                                               card::kCommandPair(*query_.pair));
     device_error(
         fmt::format("{} words of DDR have errors that cannot be corrected, {}", words,
                     byte ? fmt::format("in secondary {} at byte {:#x}",

@@ -6,10 +6,10 @@
 #include "abi.h"
 #include "bus_time.hpp"
 #include "card_link.hpp"
+#include "cde/contract/pci.hpp"
 #include "cde/error.hpp"
 #include "cde/memory.hpp"
 #include "cde/message.hpp"
-#include "cde/pci.hpp"
 #include "device_loss.hpp"
 #include "waves.hpp"
 

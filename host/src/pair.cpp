@@ -10,72 +10,37 @@
 #include "text.hpp"
 
 namespace cde {
-namespace {
-
-struct PairFacts {
-  std::string_view name;
-  Shape primary, secondary;
-};
-constexpr std::array<PairFacts, kPairs> kFacts{
-    {{"ray-triangle", Shape::kRay, Shape::kTriangle},
-     {"obb-obb", Shape::kObb, Shape::kObb},
-     {"triangle-aabb", Shape::kTriangle, Shape::kAabb},
-     {"triangle-obb", Shape::kTriangle, Shape::kObb},
-     {"sphere-sphere", Shape::kSphere, Shape::kSphere},
-     {"triangle-sphere", Shape::kTriangle, Shape::kSphere},
-     {"ray-cylinder", Shape::kRay, Shape::kCylinder},
-     {"triangle-cylinder", Shape::kTriangle, Shape::kCylinder},
-     {"cylinder-cylinder", Shape::kCylinder, Shape::kCylinder},
-     {"obb-cylinder", Shape::kObb, Shape::kCylinder},
-     {"obb-plane", Shape::kObb, Shape::kPlane},
-     {"ray-sphere", Shape::kRay, Shape::kSphere},
-     {"sphere-obb", Shape::kSphere, Shape::kObb}}};
-constexpr std::array<std::string_view, 4> kAlgorithms{"moller", "badouel", "pluecker",
-                                                      "watertight"};
-struct ShapeFacts {
-  std::string_view name;
-  unsigned words;
-};
-constexpr std::array<ShapeFacts, 7> kShapes{{{"ray", 8},
-                                             {"triangle", 9},
-                                             {"sphere", 4},
-                                             {"aabb", 6},
-                                             {"plane", 4},
-                                             {"cylinder", 8},
-                                             {"obb", 15}}};
-
-}  // namespace
-
 std::string_view name(Pair pair) {
-  return text::entry(kFacts, pair, "pair").name;
+  return text::entry(contract::kPairTable, pair, "pair").name;
 }
 std::string_view name(Algorithm algorithm) {
-  return text::entry(kAlgorithms, algorithm, "algorithm");
+  return text::entry(contract::kAlgorithmNames, algorithm, "algorithm");
 }
 std::string_view name(Shape shape) {
-  return text::entry(kShapes, shape, "shape").name;
+  return text::entry(contract::kShapeTable, shape, "shape").name;
 }
 
 std::optional<Pair> pair_named(std::string_view text) {
-  const auto* found = std::find_if(kFacts.begin(), kFacts.end(),
-                                   [text](const PairFacts& f) { return f.name == text; });
-  if (found == kFacts.end()) return std::nullopt;
-  return static_cast<Pair>(found - kFacts.begin());
+  const auto* found = std::find_if(contract::kPairTable.begin(), contract::kPairTable.end(),
+                                   [text](const contract::PairRow& f) { return f.name == text; });
+  if (found == contract::kPairTable.end()) return std::nullopt;
+  return static_cast<Pair>(found - contract::kPairTable.begin());
 }
 std::optional<Algorithm> algorithm_named(std::string_view text) {
-  const auto* found = std::find(kAlgorithms.begin(), kAlgorithms.end(), text);
-  if (found == kAlgorithms.end()) return std::nullopt;
-  return static_cast<Algorithm>(found - kAlgorithms.begin());
+  const auto* found =
+      std::find(contract::kAlgorithmNames.begin(), contract::kAlgorithmNames.end(), text);
+  if (found == contract::kAlgorithmNames.end()) return std::nullopt;
+  return static_cast<Algorithm>(found - contract::kAlgorithmNames.begin());
 }
 
 unsigned words(Shape shape) {
-  return text::entry(kShapes, shape, "shape").words;
+  return text::entry(contract::kShapeTable, shape, "shape").words;
 }
 Shape primary_shape(Pair pair) {
-  return text::entry(kFacts, pair, "pair").primary;
+  return text::entry(contract::kPairTable, pair, "pair").primary;
 }
 Shape secondary_shape(Pair pair) {
-  return text::entry(kFacts, pair, "pair").secondary;
+  return text::entry(contract::kPairTable, pair, "pair").secondary;
 }
 
 void PairBudget::check() const {
@@ -88,12 +53,11 @@ void PairBudget::check() const {
 }
 
 bool has_budget(Pair pair) {
-  return pair == Pair::kCylinderCylinder || pair == Pair::kObbCylinder ||
-         pair == Pair::kTriangleCylinder;
+  return contract::has(contract::kRingPairs, pair);
 }
 
 bool has_facets(Pair pair) {
-  return pair == Pair::kObbObb || pair == Pair::kTriangleAabb || pair == Pair::kTriangleObb;
+  return contract::has(contract::kFacetPairs, pair);
 }
 
 void check_facet_interval(unsigned interval, std::span<const Pair> pairs) {

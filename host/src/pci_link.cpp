@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "card_link.hpp"
+#include "cde/contract/pci.hpp"
 #include "cde/error.hpp"
 #include "cde/message.hpp"
-#include "cde/pci.hpp"
 #include "pci_port.hpp"
 #include "waves.hpp"
 

@@ -1,9 +1,9 @@
 #include "pci_port.hpp"
+#include "cde/contract/pci.hpp"
 
 #include <fmt/format.h>
 
 #include "cde/message.hpp"
-#include "cde/pci.hpp"
 
 namespace cde {
 

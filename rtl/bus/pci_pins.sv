@@ -1,6 +1,7 @@
-// The wires of the bus on their way into the card; in hardware, nothing. Verilator evaluates all logic behind a top-level input at every
-// step, whatever has changed. The harness changes the wires with the falling PCI clock and at no other time, so taking them over
-// there gives the same bits at every rising edge, and costs nothing while that clock rests.
+// The wires of the bus on their way into the card; in hardware, nothing. Verilator evaluates all logic behind a
+// top-level input at every step, whatever has changed. The harness changes the wires with the falling PCI clock and at
+// no other time, so taking them over there gives the same bits at every rising edge, and costs nothing while that clock
+// rests.
 // Latency: none. Throughput: all of them every clock. Stall: none.
 module pci_pins #(
     parameter int W = 1

@@ -21,7 +21,7 @@ module fp_finite #(
     end
   end else
 `endif
-  begin : g_gates
+  if (1) begin : g_gates
     always_comb begin
       m = '0;
       for (int l = 0; l < LANES; l++)

@@ -17,26 +17,26 @@
   localparam logic unused_constants = &{SHIFT_MAX, FRAC, EMAX, QNAN};  // not every module uses each
 
   // All ones if v is negative. neg(a - b) is a < b as long as the difference fits.
-  function [CW-1:0] neg(input [CW-1:0] v);
+  function automatic [CW-1:0] neg(input [CW-1:0] v);
     neg = {CW{v[CW-1]}};
   endfunction
 
   // All ones if v is not zero; v must not have its top bit set unless it is the only one.
-  function [CW-1:0] some(input [CW-1:0] v);
+  function automatic [CW-1:0] some(input [CW-1:0] v);
     some = neg(ONE - ONE - v);
   endfunction
 
-  function [CW-1:0] sel(input [CW-1:0] m, input [CW-1:0] t, input [CW-1:0] f);
+  function automatic [CW-1:0] sel(input [CW-1:0] m, input [CW-1:0] t, input [CW-1:0] f);
     sel = f ^ ((f ^ t) & m);
   endfunction
 
   // Mask of a signalling NaN.
-  function [CW-1:0] snan(input [CW-1:0] v);
+  function automatic [CW-1:0] snan(input [CW-1:0] v);
     snan = neg(INF - (v & MAG)) & neg((v & QUIET) - ONE);
   endfunction
 
   // Leading zeros of v, at most CW - 1.
-  function [CW-1:0] lzc(input [CW-1:0] v);
+  function automatic [CW-1:0] lzc(input [CW-1:0] v);
     integer i;
     begin
       lzc = ONE - ONE;

@@ -1,11 +1,13 @@
-// Hamming code with an overall parity bit (SECDED) of a word: bit i of the data has position secded_position(i), the numbers from 3 on that
-// are no powers of two; check bit j is the parity of the data bits whose position has bit j; the last check bit is the parity of
-// everything else. All zeros is a code word.
+// Hamming code with an overall parity bit (SECDED) of a word: bit i of the data has position secded_position(i), the
+// numbers
+// from 3 on that are no powers of two; check bit j is the parity of the data bits whose position has bit j; the last
+// check
+// bit is the parity of everything else. All zeros is a code word.
 `ifndef CDE_SECDED_SVH
 `define CDE_SECDED_SVH
 `define SECDED_BITS(W) ($clog2((W) + $clog2(W) + 1) + 1)
 `define SECDED_FUNCTIONS(W) \
-  function int secded_position(input int i); \
+  function automatic int secded_position(input int i); \
     int left, p; \
     p = 2; \
     left = i + 1; \
@@ -15,7 +17,7 @@
     end \
     secded_position = p; \
   endfunction \
-  function [W-1:0] secded_mask(input int j); \
+  function automatic [W-1:0] secded_mask(input int j); \
     for (int i = 0; i < W; i++) secded_mask[i] = ((secded_position(i) >> j) & 1) != 0; \
   endfunction
 `endif

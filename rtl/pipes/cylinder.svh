@@ -30,6 +30,7 @@
 `define PASS_PHASE(P) P[3:0]
 `define PASS_TRACK(P) P[5:4]
 `define PASS_INDEX(P) P[13:6]
+`define PASS_INDEX_LOW(P) P[7:6]
 // Witness points: projections between what n touches, then between what it nearly touches, of those the last two between the solids. From
 // UNSHIFTED on solids that are clearly apart stay where they are, and after that a pass tries the normal that the one before found.
 `define PROJECTIONS 8'd4
@@ -40,7 +41,7 @@
 // ---- Latencies of parts ----
 `define LATENCY_NORMALISE (`DF_LAT_DOT + `DF_MAX2(LAT_CMP, LAT_SQRT + LAT_DIV) + LAT_MUL)
 `define LATENCY_RIM (`DF_LAT_CROSS + `DF_LAT_DOT + LAT_SQRT + `DF_MAX2(LAT_CMP, LAT_DIV) + 2 * LAT_MUL)
-`define LATENCY_REACH (cde_pkg::larger(`LATENCY_RIM, `DF_LAT_DOT + 2 * LAT_CMP) + LAT_ADD)
+`define LATENCY_REACH (formats_pkg::larger(`LATENCY_RIM, `DF_LAT_DOT + 2 * LAT_CMP) + LAT_ADD)
 `define LATENCY_EVALUATOR (`LATENCY_REACH + 2 * LAT_ADD)
 // The front's raw normal: cross products and the test for a usable one; of a polyhedron, from a vertex, or the test for a flat triangle.
 `define LATENCY_CYLINDER_RAW (`DF_LAT_CROSS + `DF_MAX2(`DF_LAT_CROSS, `DF_LAT_DOT + LAT_CMP))
@@ -52,13 +53,13 @@
 `define LATENCY_SLOPE (`DF_LAT_CROSS + `DF_LAT_DOT)
 `define LATENCY_TIE (LAT_ADD + `DF_LAT_DOT + LAT_ADD + 2 * LAT_MUL + 2 * LAT_CMP + LAT_ADD)
 `define LATENCY_ENDS ((BODY == `BODY_CYLINDER) ? `LATENCY_SLOPE + LAT_CMP : `DF_MAX2(`LATENCY_SLOPE, LAT_CMP) + 2 * LAT_CMP)
-`define LATENCY_CIRCLE cde_pkg::larger(`LATENCY_ENDS + `LATENCY_TIE, cde_pkg::larger(`LATENCY_SLOPE + 3 * LAT_MUL + 3 * LAT_ADD + LAT_DIV, \
+`define LATENCY_CIRCLE formats_pkg::larger(`LATENCY_ENDS + `LATENCY_TIE, formats_pkg::larger(`LATENCY_SLOPE + 3 * LAT_MUL + 3 * LAT_ADD + LAT_DIV, \
   `LATENCY_ENDS + `DF_LAT_CROSS) + `DF_LAT_DOT + LAT_CMP)
 `define LATENCY_POLE (3 * `DF_LAT_DOT + 4 * LAT_MUL + 3 * LAT_ADD + LAT_CMP + `DF_LAT_DOT + LAT_ADD + LAT_MUL + `DF_MAX2(LAT_SQRT, LAT_MUL) + \
   LAT_DIV + 2 * LAT_CMP + LAT_MUL + LAT_ADD)
 `define LATENCY_NEWTON (4 * LAT_CMP + `DF_LAT_CROSS + `DF_LAT_DOT + 7 * LAT_MUL + 9 * LAT_ADD + LAT_SQRT + LAT_DIV)
 `define LATENCY_FREE `DF_MAX2(`LATENCY_POLE, `LATENCY_NEWTON)
-`define LATENCY_STEP ((BODY == `BODY_CYLINDER) ? cde_pkg::larger(`LATENCY_CIRCLE, `LATENCY_FREE) : `LATENCY_CIRCLE)
+`define LATENCY_STEP ((BODY == `BODY_CYLINDER) ? formats_pkg::larger(`LATENCY_CIRCLE, `LATENCY_FREE) : `LATENCY_CIRCLE)
 `define LATENCY_PROJECT_CYLINDER (LAT_ADD + `DF_LAT_DOT + `DF_MAX2(2 * `DF_LAT_CROSS + LAT_SQRT + LAT_DIV, LAT_CMP) + LAT_CMP + LAT_MUL + 2 * LAT_ADD)
 `define LATENCY_PROJECT_BOX (`DF_LAT_DOT + 2 * LAT_CMP + LAT_MUL + 2 * LAT_ADD)
 `define LATENCY_PROJECT_TRIANGLE (3 * LAT_ADD + 2 * `DF_LAT_DOT + LAT_DIV + LAT_MUL + 5 * LAT_CMP)

@@ -54,10 +54,10 @@ module cylinder_pair #(
   localparam int T_BETTER = T_EVALUATED + LAT_CMP;
   localparam int T_STEPPED = T_BETTER + `LATENCY_STEP;
   localparam int T_SLOPE = T_BETTER + `LATENCY_SLOPE;
-  localparam int T_END = cde_pkg::larger(T_STEPPED, T_EVALUATED + `LATENCY_CYLINDER_WITNESS);
+  localparam int T_END = formats_pkg::larger(T_STEPPED, T_EVALUATED + `LATENCY_CYLINDER_WITNESS);
   localparam int RING = T_END + 1;
-  localparam int RESULT = cde_pkg::larger(2 * LAT_MUL + 2 * LAT_ADD, LAT_CMP);
-  localparam int FINISH = RESULT + cde_pkg::unscale_latency(0, LAT_MUL, LAT_CMP);
+  localparam int RESULT = formats_pkg::larger(2 * LAT_MUL + 2 * LAT_ADD, LAT_CMP);
+  localparam int FINISH = RESULT + pairs_pkg::unscale_latency(0, LAT_MUL, LAT_CMP);
   localparam int INTERVAL = (BODY == `BODY_CYLINDER) ? 67 : (BODY == `BODY_BOX) ? 79 : 75;  // passes with M = K1 = K2 = 8
   localparam int LATENCY = AHEAD + ENTRY + INTERVAL * RING + FINISH;
   localparam int AW = $clog2(RING);
@@ -130,13 +130,13 @@ module cylinder_pair #(
   end
 
   // ---- Operands, brought to the size of one and relative to A's origin ----
-  localparam int SHAPE_A = (BODY == `BODY_CYLINDER) ? cde_pkg::SHAPE_CYLINDER : (BODY == `BODY_BOX) ? cde_pkg::SHAPE_OBB : cde_pkg::SHAPE_TRIANGLE;
-  localparam int T_SCALED = cde_pkg::scale_latency(0, LAT_MUL, LAT_CMP);
+  localparam int SHAPE_A = (BODY == `BODY_CYLINDER) ? pairs_pkg::SHAPE_CYLINDER : (BODY == `BODY_BOX) ? pairs_pkg::SHAPE_OBB : pairs_pkg::SHAPE_TRIANGLE;
+  localparam int T_SCALED = pairs_pkg::scale_latency(0, LAT_MUL, LAT_CMP);
   logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
   logic [7:0][LANES-1:0][CW-1:0] b;
   logic [LANES-1:0][CW-1:0] back, back_in, unused_t_back, back_mem[RING];
   length_scale #(
-      .SHAPE_A(SHAPE_A), .SHAPE_B(cde_pkg::SHAPE_CYLINDER), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
+      .SHAPE_A(SHAPE_A), .SHAPE_B(pairs_pkg::SHAPE_CYLINDER), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
       .ARITH(ARITH)
   ) scale (.clk_i, .on_i(entered), .a_i, .b_i, .a_o(a), .b_o(b), .back_o(back), .t_back_o(unused_t_back));
   align #(.W(LW), .FROM(T_SCALED), .TO(ENTRY), .ARITH(ARITH)) align_back (.clk_i, .d_i(back), .q_o(back_in));
@@ -207,6 +207,8 @@ module cylinder_pair #(
   logic [2:0][LANES-1:0][CW-1:0] hi_y_mem[RING], last_n_mem[RING], last_y_mem[RING], back_y_mem[RING], witness_mem[RING];
   logic [2:0][2:0][LANES-1:0][CW-1:0] axes_start, axes_better, axes_witness;  // A's axes, or the triangle's edges, of unit length
   logic [2:0][LANES-1:0][CW-1:0] face_start, face_witness;  // the triangle's normal
+  logic [2:0][LANES-1:0][CW-1:0] n;  // of this pass (front)
+  logic [3:0] phase_evaluate;
   if (BODY == `BODY_CYLINDER) begin : g_axes
     assign axes_start = `OPERAND9(A_AXIS, 0);
     assign axes_better = `OPERAND9(A_AXIS, T_BETTER);
@@ -215,7 +217,7 @@ module cylinder_pair #(
   end else begin : g_axes  // written by the first passes: the face is word 3
     logic [2:0][LANES-1:0][CW-1:0] axis_mem[4][RING];
     logic [1:0] place;
-    assign place = `PASS_INDEX(pass_mem[`SLOT(T_EVALUATE)])[1:0] - ((BODY == `BODY_TRIANGLE) ? 2'd1 : 2'd0);
+    assign place = `PASS_INDEX_LOW(pass_mem[`SLOT(T_EVALUATE)]) - ((BODY == `BODY_TRIANGLE) ? 2'd1 : 2'd0);
     for (genvar k = 0; k < 3; k++) begin : axis
       assign axes_start[k] = axis_mem[k][`SLOT(0)];
       assign axes_better[k] = axis_mem[k][`SLOT(T_BETTER)];
@@ -228,7 +230,6 @@ module cylinder_pair #(
   end
 
   // ---- Front: the normal ----
-  logic [2:0][LANES-1:0][CW-1:0] n;
   logic [`PASS_W-1:0] pass_start;
   assign pass_start = pass_mem[`SLOT(0)];
   if (BODY == `BODY_CYLINDER) begin : g_front
@@ -239,7 +240,7 @@ module cylinder_pair #(
         .last_n_i(last_n_mem[`SLOT(0)]), .next_i(next_mem[`SLOT(0)]), .best_n_i(best_n_mem[`SLOT(0)]), .n_o(n));
   end else begin : g_front
     logic [2:0][LANES-1:0][CW-1:0] frame;
-    assign frame = operand_mem[`SLOT(0)][A_AXIS+3*32'(`PASS_INDEX(pass_start)[1:0])+:3];
+    assign frame = operand_mem[`SLOT(0)][A_AXIS+3*32'(`PASS_INDEX_LOW(pass_start))+:3];
     polyhedron_front #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) front (
         .clk_i, .pass_i(pass_start), .samples_i(budget_q[7:0]), .axis_i(axes_start), .reach_i(`OPERAND9(A_REACH, 0)), .face_i(face_start),
         .frame_i(frame), .d_i(`OPERAND3(D, 0)), .b_i(`OPERAND3(B, 0)), .b_half_i(`OPERAND(B_HALF, 0)), .b_radius_i(`OPERAND(B_RADIUS, 0)),
@@ -247,7 +248,6 @@ module cylinder_pair #(
   end
 
   // ---- Evaluation of n and -n ----
-  logic [3:0] phase_evaluate;
   logic [1:0] track_evaluate;
   logic pole;
   `DF_SCALAR plus_g_now, minus_g_now, a_kappa_now, b_kappa_now, b_along;
@@ -358,6 +358,8 @@ module cylinder_pair #(
     assign best_n = new_n_late;
     assign best_slope = new_slope_late;
   end
+  `DF_SCALAR ended_g;  // of the witness points, below
+  `DF_VECTOR ended_n, ended_from, ended_move, ended_next;
   always_ff @(posedge clk_i) begin
     if (phase_raised != `PHASE_TOUCH && phase_raised != `PHASE_PROJECT)
       best_g_mem[`SLOT(T_RAISED)] <= best_g;
@@ -366,8 +368,8 @@ module cylinder_pair #(
       best_slope_mem[`SLOT(T_BEST)] <= best_slope;
     end
     if (witness_end) begin
-      best_g_mem[now_q] <= witness_g;
-      best_n_mem[now_q] <= witness_n;
+      best_g_mem[now_q] <= ended_g;
+      best_n_mem[now_q] <= ended_n;
     end
     if (`PASS_PHASE(pass_slope) == `PHASE_SAMPLE) begin
       last_slope_mem[`SLOT(T_SLOPE)] <= slope;
@@ -429,9 +431,9 @@ module cylinder_pair #(
       lo_y_mem[`SLOT(T_STEPPED)] <= new_lo_y;
     end
     if (witness_end) begin
-      next_mem[now_q] <= witness_next;
-      lo_n_mem[now_q] <= witness_from;
-      lo_y_mem[now_q] <= witness_move;
+      next_mem[now_q] <= ended_next;
+      lo_n_mem[now_q] <= ended_from;
+      lo_y_mem[now_q] <= ended_move;
     end
     if (on_circle) begin
       hi_n_mem[`SLOT(T_STEPPED)] <= circle_hi_n;
@@ -464,6 +466,11 @@ module cylinder_pair #(
   `DF_VAT(witness_from, found_from, T_END)
   `DF_VAT(witness_move, found_move, T_END)
   `DF_VAT(witness_next, found_next, T_END)
+  assign ended_g = witness_g;
+  assign ended_n = witness_n;
+  assign ended_from = witness_from;
+  assign ended_move = witness_move;
+  assign ended_next = witness_next;
   `DF_VAT(side_q, better_n, T_END)
   always_ff @(posedge clk_i) begin
     if (phase_end == `PHASE_SIDE) q_mem[now_q] <= side_q;

@@ -145,7 +145,7 @@ module polyhedron_front #(
   // ---- A sample: the arcs' ends are u, f, w, f2, -u, f the one of +-q, +-c between u and w, or the middle where that is u or w ----
   `DF_NEGATIVE(qu_negative, z)
   `DF_NEGATIVE(qw_negative, xx)
-  `DF_LOGIC(differ, qu_negative, qw_negative, "eor")
+  `DF_LOGIC(differ, qu_negative, qw_negative, formats_pkg::WIRE_XOR)
   `DF_VNEG(minus_q, q)
   `DF_VNEG(minus_u, u)
   `DF_VSELECT(f_plus, differ, c, q)

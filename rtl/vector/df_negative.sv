@@ -19,7 +19,7 @@ module df_negative #(
     end
   end else
 `endif
-  begin : g_gates
+  if (1) begin : g_gates
     always_comb begin
       m = '0;
       for (int l = 0; l < LANES; l++) m[l] = {CW{a_i[l][EXP+MAN]}};

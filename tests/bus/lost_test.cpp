@@ -6,8 +6,8 @@
 #include <functional>
 
 #include "../board/cases.hpp"
+#include "cde/contract/pci.hpp"
 #include "cde/error.hpp"
-#include "cde/pci.hpp"
 
 namespace cde::testing {
 namespace {

@@ -774,7 +774,7 @@ TEST_F(Inventory, FollowsTheRtl) {
   };
   change("rtl/pipes/sphere_sphere.sv", "`DF_ADD(reach, a_r, b_r)",
          "`DF_ADD(reach0, a_r, b_r)\n`DF_MUL(reach, reach0, one)");
-  change("rtl/pipes/pair_pipe.sv", "PAIR == int'(cde_pkg::PAIR_RAY_TRIANGLE)", "PAIR == 99");
+  change("rtl/pipes/pair_pipe.sv", "PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE)", "PAIR == 99");
   const Words environment = {"CDE_SHARE=" + share.string()};
   const auto j = nlohmann::json::parse(
       cde({"inventory", "sphere-sphere", "ray-triangle", "--json"}, environment).out);

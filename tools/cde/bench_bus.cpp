@@ -60,8 +60,7 @@ void fill_ring(Board& board, std::size_t records) {
   board.upload(triangles(count));
   board.load(rays());
   board.write_register(card::kRegCommand,
-                       static_cast<std::uint64_t>(Mode::kAll) |
-                           std::uint64_t{static_cast<unsigned>(Pair::kRayTriangle)} << 8);
+                       card::kCommandMode(Mode::kAll) | card::kCommandPair(Pair::kRayTriangle));
   board.write_register(card::kRegPrimCount, kRays);
   board.write_register(card::kRegSecFirst, 0);
   board.write_register(card::kRegSecCount, count);

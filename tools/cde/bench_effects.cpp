@@ -11,6 +11,7 @@
 
 #include "bench.hpp"
 #include "cde/board.hpp"
+#include "cde/contract/records.hpp"
 #include "cde/error.hpp"
 #include "cde/plan.hpp"
 #include "cde/reference.hpp"

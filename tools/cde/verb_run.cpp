@@ -14,6 +14,7 @@
 
 #include "busy.hpp"
 #include "cde/bitstream.hpp"
+#include "cde/contract/records.hpp"
 #include "cde/error.hpp"
 #include "cde/plan.hpp"
 #include "cde/player.hpp"

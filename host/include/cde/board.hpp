@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cde/bitstream.hpp"
-#include "cde/card.hpp"
+#include "cde/contract/registers.hpp"
 #include "cde/host_profile.hpp"
 #include "cde/memory.hpp"
 #include "cde/mesh.hpp"

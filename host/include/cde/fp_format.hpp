@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "cde/contract/formats.hpp"
+
 namespace cde {
 
 /// A binary floating-point format with IEEE 754 encoding: sign, biased exponent, fraction;
@@ -52,13 +54,13 @@ struct NamedFpFormat {
 };
 
 /// The formats with a name, in the order of the conversions of an fp_unit bitstream.
-inline constexpr std::array<NamedFpFormat, 8> kFpFormats{{{"fp16", {5, 10}},
-                                                          {"bf16", {8, 7}},
-                                                          {"tf32", {8, 10}},
-                                                          {"fp24", {7, 16}},
-                                                          {"fp32", {8, 23}},
-                                                          {"fp64", {11, 52}},
-                                                          {"e4m3", {4, 3}},
-                                                          {"e3m2", {3, 2}}}};
+inline constexpr auto kFpFormats = [] {
+  std::array<NamedFpFormat, contract::kFormatTable.size()> formats{};
+  for (std::size_t k = 0; k < formats.size(); ++k) {
+    const contract::FormatRow& row = contract::kFormatTable[k];
+    formats[k] = {row.name, {row.exp_bits, row.man_bits}};
+  }
+  return formats;
+}();
 
 }  // namespace cde

@@ -1,49 +1,10 @@
 #pragma once
 #include <cstdint>
 
+#include "cde/contract/formats.hpp"
 #include "cde/fp_format.hpp"
 
 namespace cde {
-
-/// Operations of an fp_unit bitstream; the numbers are those of verilator/abi_fp.h.
-enum class FpOp : uint32_t {
-  kAdd,
-  kSub,
-  kMul,
-  kDiv,
-  kSqrt,
-  kLt,
-  kLe,
-  kEq,
-  kMin,
-  kMax,
-  kToFp16,
-  kToBf16,
-  kToTf32,
-  kToFp24,
-  kToFp32,
-  kToFp64,
-  kToE4m3,
-  kToE3m2,
-  kFromI32,
-  kFromUi32,
-  kFromI64,
-  kFromUi64,
-  kToI32,
-  kToUi32,
-  kToI64,
-  kToUi64,  ///< nearest even
-  kToI32Trunc,
-  kToUi32Trunc,
-  kToI64Trunc,
-  kToUi64Trunc,  ///< toward zero
-};
-inline constexpr uint32_t kFpOps = 30;
-
-/// Exception flags, with the bit values of Berkeley TestFloat. Underflow is tininess after
-/// rounding, and inexact.
-inline constexpr uint8_t kFpInexact = 1, kFpUnderflow = 2, kFpOverflow = 4, kFpDivideByZero = 8,
-                         kFpInvalid = 16;
 
 /// A result word (a format's word, an integer's two's complement, or 0/1 of a comparison) and its
 /// flags.

@@ -5,18 +5,9 @@
 
 namespace cde {
 
-/// What a word of a slot is, cde_pkg::WORD_*.
-enum class WordKind {
-  kCoordinate,  ///< a length of either sign
-  kSize,        ///< a length above zero
-  kDirection,   ///< of a ray: lengths in units of their own
-  kInterval,    ///< tmin, tmax: lengths in those units
-  kPure         ///< of a unit vector or rotation
-};
-
 /// The lengths that the input contract allows in a number format, as exponents of two: no
 /// coordinate or size is above 2^high; no size, nor the largest component of a ray's direction, is
-/// below 2^low. The same as cde_pkg::length_low and length_high.
+/// below 2^low. The same as formats_pkg::length_low and length_high.
 ///
 /// Rays and triangles multiply three lengths, and two of their differences. Formats of fewer than 8
 /// exponent bits scale every pair (reference/scale.hpp), so that only a size over the largest

@@ -3,29 +3,10 @@
 #include <span>
 #include <string_view>
 
+#include "cde/contract/pairs.hpp"
 #include "cde/primitives.hpp"
 
 namespace cde {
-
-/// The thirteen pairs, primary first; the numbers are those of rtl/cde_pkg.sv.
-enum class Pair : unsigned {
-  kRayTriangle,
-  kObbObb,
-  kTriangleAabb,
-  kTriangleObb,
-  kSphereSphere,
-  kTriangleSphere,
-  kRayCylinder,
-  kTriangleCylinder,
-  kCylinderCylinder,
-  kObbCylinder,
-  kObbPlane,
-  kRaySphere,
-  kSphereObb,
-};
-inline constexpr unsigned kPairs = 13;
-
-enum class Algorithm : unsigned { kMoller, kBadouel, kPluecker, kWatertight };  ///< of ray-triangle
 
 /// What the plane of obb-plane bounds.
 enum class PlaneSide : unsigned {
@@ -39,8 +20,6 @@ enum class PlaneSide : unsigned {
 [[nodiscard]] std::optional<Pair> pair_named(std::string_view text);
 [[nodiscard]] std::optional<Algorithm> algorithm_named(std::string_view text);
 
-/// What a primary or secondary is; the numbers are those of rtl/cde_pkg.sv.
-enum class Shape : unsigned { kRay, kTriangle, kSphere, kAabb, kPlane, kCylinder, kObb };
 [[nodiscard]] std::string_view name(Shape shape);
 /// Words of a slot.
 [[nodiscard]] unsigned words(Shape shape);

@@ -14,7 +14,7 @@
 /// largest exponent is comparators, a multiplication an addition to the exponent.
 namespace cde::reference {
 
-/// Whether a pair's operands are scaled, cde_pkg::scaled: those of pairs that multiply four
+/// Whether a pair's operands are scaled, pairs_pkg::scaled: those of pairs that multiply four
 /// lengths, and of all pairs in formats of fewer than 8 exponent bits.
 [[nodiscard]] constexpr bool is_scaled(Shape a, Shape b, int exponent_bits) {
   return exponent_bits < 8 || (a != Shape::kRay && a != Shape::kSphere && b != Shape::kPlane);
@@ -61,19 +61,10 @@ template <typename S>
 
 namespace scaling {
 
-/// What word `word` of a primitive's slot is, cde_pkg::word_kind.
+/// What word `word` of a primitive's slot is, pairs_pkg::word_kind.
 template <class P>
 [[nodiscard]] constexpr WordKind kind(std::size_t word) {
-  constexpr Shape shape = kShapeOf<P>;
-  if (shape == Shape::kRay)
-    return word < 3 ? WordKind::kCoordinate : word < 6 ? WordKind::kDirection : WordKind::kInterval;
-  if ((shape == Shape::kPlane && word < 3) ||
-      (shape == Shape::kCylinder && word >= 3 && word < 6) || (shape == Shape::kObb && word >= 6))
-    return WordKind::kPure;
-  if ((shape == Shape::kSphere && word == 3) || (shape == Shape::kCylinder && word >= 6) ||
-      (shape == Shape::kObb && word >= 3))
-    return WordKind::kSize;
-  return WordKind::kCoordinate;
+  return contract::word_kind(kShapeOf<P>, word);
 }
 [[nodiscard]] constexpr bool is_length(WordKind kind) {
   return kind == WordKind::kCoordinate || kind == WordKind::kSize;

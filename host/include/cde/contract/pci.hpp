@@ -1,9 +1,8 @@
 #pragma once
 #include <cstdint>
 
-/// The card's PCI side as a driver sees it: the C++ side of the PCI_* constants of rtl/cde_pkg.sv,
-/// under the same names. tests/board holds every constant here against that file; docs/pci.md
-/// describes what they do.
+/// The card's PCI side as a driver sees it: rtl/contract/pci_pkg.sv in C++, under the same names.
+/// tests/board holds every constant here against that file; docs/pci.md describes what they do.
 namespace cde::pci {
 
 // Configuration space.
