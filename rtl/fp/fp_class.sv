@@ -1,5 +1,5 @@
-// Class of a word as a lane mask, without arithmetic: "fin" finite, "nan" a NaN, "pos" a number above zero (+inf too), "nze" not a
-// zero.
+// Class of a word as a lane mask, without arithmetic: "fin" finite, "nan" a NaN, "pos" a number above zero (+inf too),
+// "nze" not a zero.
 // Latency: 0. Throughput: one result a lane a clock. Stall: none.
 module fp_class #(
     parameter int EXP = 8,

@@ -1,6 +1,6 @@
 // One lane of fp_cmp and fp_minmax. Combinational.
-// Minimum and maximum are minimumNumber and maximumNumber of IEEE 754-2019: a NaN loses against a number, -0 is below +0,
-// two NaNs give the canonical NaN, a signalling NaN raises NV.
+// Minimum and maximum are minimumNumber and maximumNumber of IEEE 754-2019: a NaN loses against a number, -0 is below
+// +0, two NaNs give the canonical NaN, a signalling NaN raises NV.
 module fp_cmp_lane #(
     parameter int OP    = 5,  // 5 lt, 6 le, 7 eq, 8 min, 9 max
     parameter int EXP   = 8,

@@ -1,4 +1,5 @@
-// Bit operation of a datapath (dataflow.svh): a sign moved ("xor": a times the sign of b), masks combined ("and", "ior", "eor": exclusive).
+// Bit operation of a datapath (dataflow.svh): a sign moved ("xor": a times the sign of b), masks combined ("and",
+// "ior", "eor": exclusive).
 // Latency: 0 from the later operand. Throughput: one result a lane a clock. Stall: none.
 module df_wire #(
     parameter int EXP = 8,
