@@ -1,6 +1,7 @@
-// A card as power leaves it: in a bitstream built with CDE_RANDOM_START=1 every register starts with a random value, and inputs
-// are random before the first reset. $CDE_RANDOM_SEED says which values, in decimal; without it, or with 0, all start as zeros. In any
-// other bitstream nothing of this is there.
+// A card as power leaves it: in a bitstream built with CDE_RANDOM_START=1 every register starts
+// with a random value, and inputs are random before the first reset. $CDE_RANDOM_SEED says which
+// values, in decimal; without it, or with 0, all start as zeros. In any other bitstream nothing of
+// this is there.
 #pragma once
 #include <verilated.h>
 
@@ -16,7 +17,8 @@ class RandomStart {
     context.randReset(seed() != 0 ? 2 : 0);
     if (seed() != 0) context.randSeed(static_cast<int>(seed()));
   }
-  /// Inputs that nobody drives, for some clocks without a reset. Assertions say nothing about such a card.
+  /// Inputs that nobody drives, for some clocks without a reset. Assertions say nothing about such
+  /// a card.
   template <class Model, class Clock>
   void before_reset(Model& model, Clock clock) {
     if (seed() == 0) return;
