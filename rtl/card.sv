@@ -1,7 +1,8 @@
 // A PCI card: pci_bridge on one side, the board on the other, the local bus between them.
-// Two clocks: PCI's, and the core's for everything else. The ports are those of the two modules. Reset: `rst_i` is one line for both
-// domains, held for at least four clocks of each; with RESET_STAGES = 0 synchronous to both, as in a simulation. Hardware has 2 or more:
-// then it begins at once and each domain leaves it by its own clock, in either order. Constraints: card.sdc.
+// Two clocks: PCI's, and the core's for everything else. The ports are those of the two modules. Reset: `rst_i` is one
+// line for both domains, held for at least four clocks of each; with RESET_STAGES = 0 synchronous to both, as in a
+// simulation. Hardware has 2 or more: then it begins at once and each domain leaves it by its own clock, in either
+// order. Constraints: card.sdc.
 // Latency, throughput and stalls: those of the modules.
 module card #(
     parameter int EXP = 8,
@@ -84,7 +85,8 @@ module card #(
     output logic ddr_write_o,  // 64 bits at a byte offset
     output logic [31:0] ddr_write_addr_o,
     output logic [63:0] ddr_write_data_o,
-    output logic [64/CW-1:0][7:0] ddr_write_check_o,  // with ECC, check bits of the words; as many of the 8 as secded.svh has
+    // with ECC, check bits of the words; as many of the 8 as secded.svh has
+    output logic [64/CW-1:0][7:0] ddr_write_check_o,
     output logic ddr_read_o,  // DDR_WORDS words from an address in words; answers come in order
     output logic [31:0] ddr_read_word_o,
     input logic ddr_valid_i,
@@ -103,22 +105,30 @@ module card #(
   logic [31:0] bus_addr;
   logic [63:0] bus_wdata, bus_rdata;
   pci_bridge #(.RESET_STAGES(RESET_STAGES)) bridge (
-      .clk_pci_i, .clk_i, .rst_i, .rst_o(rst_core), .idle_o, .pci_ad_i, .pci_ad_o, .pci_ad_oe, .pci_ad64_oe, .pci_cbe_n_i, .pci_cbe_n_o,
+      .clk_pci_i, .clk_i, .rst_i, .rst_o(rst_core), .idle_o, .pci_ad_i, .pci_ad_o, .pci_ad_oe, .pci_ad64_oe,
+      .pci_cbe_n_i, .pci_cbe_n_o,
       .pci_cbe_oe, .pci_par_i, .pci_par_o, .pci_par_oe, .pci_par64_i, .pci_par64_o, .pci_par64_oe, .pci_frame_n_i,
-      .pci_frame_n_o, .pci_frame_oe, .pci_req64_n_i, .pci_req64_n_o, .pci_req64_oe, .pci_irdy_n_i, .pci_irdy_n_o, .pci_irdy_oe,
-      .pci_trdy_n_i, .pci_trdy_n_o, .pci_trdy_oe, .pci_stop_n_i, .pci_stop_n_o, .pci_stop_oe, .pci_devsel_n_i, .pci_devsel_n_o,
-      .pci_devsel_oe, .pci_ack64_n_i, .pci_ack64_n_o, .pci_ack64_oe, .pci_perr_n_i, .pci_perr_n_o, .pci_perr_oe, .pci_serr_oe,
+      .pci_frame_n_o, .pci_frame_oe, .pci_req64_n_i, .pci_req64_n_o, .pci_req64_oe, .pci_irdy_n_i, .pci_irdy_n_o,
+      .pci_irdy_oe,
+      .pci_trdy_n_i, .pci_trdy_n_o, .pci_trdy_oe, .pci_stop_n_i, .pci_stop_n_o, .pci_stop_oe, .pci_devsel_n_i,
+      .pci_devsel_n_o,
+      .pci_devsel_oe, .pci_ack64_n_i, .pci_ack64_n_o, .pci_ack64_oe, .pci_perr_n_i, .pci_perr_n_o, .pci_perr_oe,
+      .pci_serr_oe,
       .pci_inta_oe, .pci_idsel_i, .pci_req_n_o, .pci_gnt_n_i, .bus_valid_o(bus_valid), .bus_write_o(bus_write),
       .bus_space_o(bus_space), .bus_addr_o(bus_addr), .bus_wdata_o(bus_wdata), .bus_ready_i(bus_ready),
       .bus_rvalid_i(bus_rvalid), .bus_rdata_i(bus_rdata), .irq_i(irq));
   board #(
-      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .BOX(BOX), .SWAP(SWAP),
+      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .BOX(BOX),
+      .SWAP(SWAP),
       .NORMALS(NORMALS), .PARALLEL(PARALLEL), .FACET_II(FACET_II), .TRANSFORM(TRANSFORM), .OBJECTS(OBJECTS),
-      .PRIM_OBJECTS(PRIM_OBJECTS), .ECC(ECC), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
+      .PRIM_OBJECTS(PRIM_OBJECTS), .ECC(ECC), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+      .LAT_SQRT(LAT_SQRT),
       .LAT_CMP(LAT_CMP), .ARITH(ARITH), .DDR_SLOTS(DDR_SLOTS), .SRAM_RECORDS(SRAM_RECORDS), .CONFIG_HASH(CONFIG_HASH)
   ) functions (
-      .clk_i, .rst_i(rst_core), .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_space_i(bus_space), .bus_addr_i(bus_addr),
+      .clk_i, .rst_i(rst_core), .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_space_i(bus_space),
+      .bus_addr_i(bus_addr),
       .bus_wdata_i(bus_wdata), .bus_ready_o(bus_ready), .bus_rvalid_o(bus_rvalid), .bus_rdata_o(bus_rdata), .irq_o(irq),
-      .ddr_write_o, .ddr_write_addr_o, .ddr_write_data_o, .ddr_write_check_o, .ddr_read_o, .ddr_read_word_o, .ddr_valid_i, .ddr_data_i, .ddr_check_i,
+      .ddr_write_o, .ddr_write_addr_o, .ddr_write_data_o, .ddr_write_check_o, .ddr_read_o, .ddr_read_word_o,
+      .ddr_valid_i, .ddr_data_i, .ddr_check_i,
       .sram_write_o, .sram_write_addr_o, .sram_write_data_o, .sram_read_o, .sram_read_addr_o, .sram_read_data_i);
 endmodule

@@ -82,11 +82,15 @@ module pci_bridge #(
   logic [63:0] ad;
   logic [7:0] cbe_n;
   logic par, par64, frame_n, req64_n, irdy_n, trdy_n, stop_n, devsel_n, ack64_n, perr_n, idsel, gnt_n;
-  pci_pins #(.W(64 + 8 + 12)) pins (
-      .clk_i(clk_pci_i),
-      .wires_i({pci_ad_i, pci_cbe_n_i, pci_par_i, pci_par64_i, pci_frame_n_i, pci_req64_n_i, pci_irdy_n_i, pci_trdy_n_i, pci_stop_n_i,
-                pci_devsel_n_i, pci_ack64_n_i, pci_perr_n_i, pci_idsel_i, pci_gnt_n_i}),
-      .wires_o({ad, cbe_n, par, par64, frame_n, req64_n, irdy_n, trdy_n, stop_n, devsel_n, ack64_n, perr_n, idsel, gnt_n}));
+  logic [83:0] wires, pins;
+  assign wires = {pci_ad_i, pci_cbe_n_i, pci_par_i, pci_par64_i, pci_frame_n_i, pci_req64_n_i, pci_irdy_n_i, pci_trdy_n_i,
+      pci_stop_n_i, pci_devsel_n_i, pci_ack64_n_i, pci_perr_n_i, pci_idsel_i, pci_gnt_n_i};
+`ifdef VERILATOR
+  pci_pins #(.W(84)) taken (.clk_i(clk_pci_i), .wires_i(wires), .wires_o(pins));
+`else
+  assign pins = wires;
+`endif
+  assign {ad, cbe_n, par, par64, frame_n, req64_n, irdy_n, trdy_n, stop_n, devsel_n, ack64_n, perr_n, idsel, gnt_n} = pins;
 
   // ---- Clock of the PCI side ----
   logic clk, active, target_active, master_active, dma_active, registers_active, response_valid, response_settled;

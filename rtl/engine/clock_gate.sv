@@ -1,7 +1,8 @@
-// Clock gate: a clock that passes while it is enabled, without glitches. The enable comes from registers of `clk_i` and counts for
-// the next rising edge. What is behind it costs neither power nor simulation time while it is idle, and its registers stand still:
-// a gate must not be replaced by a wire.
-//   "latch"   a latch that is open while the clock is low, and an AND: simulation; ASIC flows put the library's integrated cell
+// Clock gate: a clock that passes while it is enabled, without glitches. The enable comes from registers of `clk_i` and
+// counts for the next rising edge. What is behind it costs neither power nor simulation time while it is idle, and its
+// registers stand still: a gate must not be replaced by a wire.
+// "latch" a latch that is open while the clock is low, and an AND: simulation; ASIC flows put the library's integrated
+// cell
 //             (ICG) here, as they do for the same form that they infer
 //   "bufgce"  AMD's clock buffer with enable: FPGA, for the few gates of whole units
 //   "enable"  an AND that says `gated_clock`: FPGA, where the tool turns it into enables of the registers behind it
