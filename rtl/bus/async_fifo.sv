@@ -30,7 +30,9 @@ module async_fifo #(
   end
   logic [W-1:0] memory[DEPTH];
   logic [AW:0] wbin_q, wgray_q, rbin_q, rgray_q, wnext, rnext, rbin_seen;
-  logic [AW:0] rgray_w1_q, rgray_w2_q, wgray_r1_q, wgray_r2_q;
+  // Synchronisers; card.sdc names them.
+  (* ASYNC_REG = "TRUE" *) logic [AW:0] rgray_w1_q, rgray_w2_q;
+  (* ASYNC_REG = "TRUE" *) logic [AW:0] wgray_r1_q, wgray_r2_q;
 
   assign wnext = wbin_q + 1;
   always_comb begin

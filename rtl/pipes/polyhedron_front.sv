@@ -2,7 +2,8 @@
 // reference/cylinder/search.hpp). Phases exclude each other and share operators:
 //   vertex    x = b x w, radial = x x b, with w = vertex - d      |x|^2, b.w     b (+-above |x|) + radial (|x| - r)
 //   side      q = e x b                                          |q|^2
-//   sample    w = e x u, c = e x q                               q.w, q.u       one end of the arc (1 - tau) + other end tau
+//   sample    w = e x u, c = e x q                               q.w, q.u       one end of the arc (1 - tau) +
+//                                                                               other end tau
 //   refine    w = e x next, c = w x e
 //   frame     e1 x e2 (triangle)                                 |e1 x e2|^2, e1.e1
 // 29 add, 31 mul, 1 div, 2 sqrt, 6 compare (box); 25 add, 36 mul, 1 div, 2 sqrt, 11 compare (triangle).
@@ -106,7 +107,8 @@ module polyhedron_front #(
     assign unused = &{1'b0, frame_i};
     assign v = (index == 0) ? '0 : (index == 1) ? reach_i[0] : reach_i[1];
     assign u = face_i;
-    assign plain = frame ? ((index == 1) ? reach_i[0] : (index == 2) ? reach_i[2] : reach_i[1]) : (phase == `PHASE_AXIS) ? b_i : next_i;
+    assign plain = frame ? ((index == 1) ? reach_i[0] : (index == 2) ? reach_i[2] : reach_i[1]) : (phase == `PHASE_AXIS)
+        ? b_i : next_i;
   end
 
   // ---- Shared products ----
@@ -142,7 +144,8 @@ module polyhedron_front #(
   `DF_MUL(axial_size, above, rho)
   `DF_MOVE_SIGN(axial, z, axial_size)
 
-  // ---- A sample: the arcs' ends are u, f, w, f2, -u, f the one of +-q, +-c between u and w, or the middle where that is u or w ----
+  // ---- A sample: the arcs' ends are u, f, w, f2, -u, f the one of +-q, +-c between u and w, or the middle where that
+  // is u or w ----
   `DF_NEGATIVE(qu_negative, z)
   `DF_NEGATIVE(qw_negative, xx)
   `DF_LOGIC(differ, qu_negative, qw_negative, formats_pkg::WIRE_XOR)
