@@ -130,8 +130,8 @@ const CaseSet kSets[] = {
      upright,
      0.2,
      0.7,
-     {Tail{1.2e-6, 1, 0, 0}, kExact, Tail{2.4e-3, 4, 3, 0}},
-     {kExact, kExact, Tail{2.4e-3, 3, 3, 0}},
+     {Tail{1.2e-6, 1, 0, 0}, kExact, Tail{6e-4, 1, 1, 0}},
+     {kExact, kExact, Tail{6e-4, 1, 1, 0}},
      {0.0007, 0, 0.0003},
      {0.006, 0.002, 0.0015}},
     {"vertex on a rim",
@@ -140,8 +140,8 @@ const CaseSet kSets[] = {
      on_a_rim,
      0.2,
      0.99,
-     {kExact, kExact, Tail{2.4e-3, 1, 1, 0}},  // four of 20,000
-     {kExact, kExact, Tail{2.4e-3, 1, 1, 0}},
+     {kExact, kExact, kExact},
+     {kExact, kExact, kExact},
      {0, 0, 0},
      {}},
 };
@@ -469,7 +469,7 @@ TEST_P(CylinderWitnesses, LieOnTheBodies) {
   std::printf("%s, everyday: witness points of %d of %d more than 1 tolP off, at most %.2g\n",
               oracle::to_string(pair), beyond, count, worst);
   // A few more of few.
-  EXPECT_LE(beyond, most_of_a_million * count * 1e-6 + (full() ? 0 : 3));
+  EXPECT_LE(beyond, most_of_a_million * count * 1e-6 + (full() ? 0 : 5));
 }
 
 INSTANTIATE_TEST_SUITE_P(Everyday, CylinderWitnesses,
@@ -655,19 +655,19 @@ const std::pair<const char*, std::map<std::string, std::string>> kOperators[] = 
       {"axis", "46 mul, 2 div, 2 sqrt, 30 add, 20 sub, 6 cmp, depth 18"},
       {"vertex", "71 mul, 2 div, 3 sqrt, 43 add, 31 sub, 8 cmp, depth 30"},
       {"side", "56 mul, 2 div, 2 sqrt, 32 add, 23 sub, 7 cmp, depth 24"},
-      {"sample", "95 mul, 2 div, 2 sqrt, 49 add, 32 sub, 12 cmp, 5 min/max, depth 38"},
+      {"sample", "95 mul, 2 div, 2 sqrt, 52 add, 32 sub, 14 cmp, 5 min/max, depth 39"},
       {"refine", "114 mul, 3 div, 2 sqrt, 55 add, 38 sub, 10 cmp, 3 min/max, depth 35"},
       {"touch", "119 mul, 3 div, 2 sqrt, 75 add, 56 sub, 14 cmp, 11 min/max, depth 32"},
       {"project", "125 mul, 4 div, 3 sqrt, 77 add, 56 sub, 15 cmp, 11 min/max, depth 48"}}},
     {"triangle-cylinder",
-     {{"frame", "64 mul, 2 div, 2 sqrt, 28 add, 23 sub, 14 cmp, 6 min/max, depth 18"},
+     {{"frame", "64 mul, 2 div, 2 sqrt, 28 add, 23 sub, 16 cmp, 6 min/max, depth 18"},
       {"axis", "46 mul, 2 div, 2 sqrt, 22 add, 20 sub, 10 cmp, 6 min/max, depth 18"},
       {"vertex", "71 mul, 2 div, 3 sqrt, 29 add, 31 sub, 12 cmp, 6 min/max, depth 28"},
       {"side", "56 mul, 2 div, 2 sqrt, 24 add, 23 sub, 11 cmp, 6 min/max, depth 24"},
-      {"sample", "95 mul, 2 div, 2 sqrt, 41 add, 32 sub, 16 cmp, 11 min/max, depth 38"},
+      {"sample", "95 mul, 2 div, 2 sqrt, 44 add, 32 sub, 18 cmp, 11 min/max, depth 39"},
       {"refine", "114 mul, 3 div, 2 sqrt, 47 add, 38 sub, 14 cmp, 9 min/max, depth 35"},
-      {"touch", "179 mul, 6 div, 2 sqrt, 96 add, 89 sub, 26 cmp, 18 min/max, depth 35"},
-      {"project", "185 mul, 7 div, 3 sqrt, 98 add, 89 sub, 27 cmp, 18 min/max, depth 54"}}},
+      {"touch", "180 mul, 6 div, 2 sqrt, 96 add, 89 sub, 27 cmp, 18 min/max, depth 35"},
+      {"project", "186 mul, 7 div, 3 sqrt, 98 add, 89 sub, 28 cmp, 18 min/max, depth 54"}}},
 };
 
 TEST(CylinderOperators, AreThoseOfTheDocument) {
