@@ -418,83 +418,9 @@ void Board::flip_check(std::uint64_t word, std::uint8_t mask) {
     throw Error(ErrorCode::kUsage, fmt::format("DDR has no check bits of word {}", word));
 }
 
-// ---- Small things of the header ----
-
-namespace {
-constexpr std::array<const char*, 5> kModeNames = {"nearest", "farthest", "any", "all", "hits"};
-}
-
-const char* name_of(Mode mode) {
-  return text::entry(kModeNames, mode, "mode");
-}
-
-std::optional<Mode> mode_named(std::string_view name) {
-  const auto* found = std::find(kModeNames.begin(), kModeNames.end(), name);
-  if (found == kModeNames.end()) return std::nullopt;
-  return static_cast<Mode>(found - kModeNames.begin());
-}
-
-bool same_bits(const Record& a, const Record& b) {
-  const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x); };
-  return a.f == b.f && a.bad == b.bad && a.index == b.index && a.primary == b.primary &&
-         bits(a.t) == bits(b.t) && bits(a.cp.x()) == bits(b.cp.x()) &&
-         bits(a.cp.y()) == bits(b.cp.y()) && bits(a.cp.z()) == bits(b.cp.z()) &&
-         bits(a.n.x()) == bits(b.n.x()) && bits(a.n.y()) == bits(b.n.y()) &&
-         bits(a.n.z()) == bits(b.n.z());
-}
-
 std::string place_on_card(const Board& board, std::uint32_t primary) {
   return fmt::format("clock {} (record read), lane {}, row {}", board.clocks(),
                      primary % board.lanes(), primary / board.lanes());
-}
-
-std::string differing_fields(const Record& a, const Record& b) {
-  std::string names;
-  const auto look = [&](bool same, const char* name) {
-    if (!same) names.append(names.empty() ? "" : ", ").append(name);
-  };
-  const auto word = [&](float x, float y, const char* name) {
-    look(std::bit_cast<std::uint32_t>(x) == std::bit_cast<std::uint32_t>(y), name);
-  };
-  look(a.primary == b.primary, "primary");
-  look(a.f == b.f, "F");
-  look(a.bad == b.bad, "bad");
-  word(a.t, b.t, "T");
-  word(a.cp.x(), b.cp.x(), "CPx");
-  word(a.cp.y(), b.cp.y(), "CPy");
-  word(a.cp.z(), b.cp.z(), "CPz");
-  look(a.index == b.index, "index");
-  word(a.n.x(), b.n.x(), "nx");
-  word(a.n.y(), b.n.y(), "ny");
-  word(a.n.z(), b.n.z(), "nz");
-  return names;
-}
-
-ModelledTime& ModelledTime::operator+=(const ModelledTime& other) {
-  load += other.load;
-  engine += other.engine;
-  write_back += other.write_back;
-  download += other.download;
-  registers += other.registers;
-  return *this;
-}
-
-Counters& Counters::operator+=(const Counters& other) {
-  cycles += other.cycles;
-  writeback += other.writeback;
-  rows += other.rows;
-  stalls += other.stalls;
-  bubbles += other.bubbles;
-  bad_primaries += other.bad_primaries;
-  bad_secondaries += other.bad_secondaries;
-  corrected_words += other.corrected_words;
-  secondaries += other.secondaries;
-  pairs += other.pairs;
-  records += other.records;
-  upload_clocks += other.upload_clocks;
-  total_clocks += other.total_clocks;
-  time += other.time;
-  return *this;
 }
 
 }  // namespace cde

@@ -190,20 +190,6 @@ void PairUnit::close_trace() {
   require_whole_waves(state().api->trace_close(state().unit));
 }
 
-std::string differing_fields(const PairResult& a, const PairResult& b) {
-  std::string names;
-  const auto look = [&](bool same, const char* name) {
-    if (!same) names.append(names.empty() ? "" : ", ").append(name);
-  };
-  look(a.f == b.f, "F");
-  look(a.bad == b.bad, "bad");
-  look(a.t == b.t, "T");
-  constexpr const char *kPoint[] = {"CPx", "CPy", "CPz"}, *kNormal[] = {"nx", "ny", "nz"};
-  for (int k = 0; k < 3; ++k) look(a.cp[k] == b.cp[k], kPoint[k]);
-  for (int k = 0; k < 3; ++k) look(a.n[k] == b.n[k], kNormal[k]);
-  return names;
-}
-
 std::string place_in_unit(PairUnit& unit, std::span<const std::uint64_t> a,
                           std::span<const std::uint64_t> b, std::size_t i) {
   const PairConfig& config = unit.config();

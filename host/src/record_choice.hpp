@@ -1,7 +1,8 @@
 #pragma once
 #include <cstdint>
 
-#include "cde/board.hpp"
+#include "cde/pair.hpp"
+#include "cde/record.hpp"
 #include "cde/reference/ops.hpp"
 
 /// How one record of a primary is chosen among those of its pairs, as the card's update engine

@@ -209,9 +209,9 @@ void Checker::mismatch(const Record* card, const Record* expected) {
   const std::size_t number = (expected != nullptr ? expected : card)->primary;
   if (card != nullptr && expected != nullptr)
     message += fmt::format("  differ in: {}\n", differing_fields(*card, *expected));
-  if (board_ != nullptr)
-    message += fmt::format("  where:     {}\n",
-                           place_on_card(*board_, static_cast<std::uint32_t>(number % packet_)));
+  if (place_)
+    message +=
+        fmt::format("  where:     {}\n", place_(static_cast<std::uint32_t>(number % packet_)));
   for (const Record* r : {card, expected}) {
     if (r == nullptr || r->index >= triangles_.size()) continue;
     const Triangle t = triangles_[r->index];

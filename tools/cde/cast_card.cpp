@@ -37,7 +37,7 @@ class Judge {
     if (job.config.algorithm == Algorithm::kMoller) {
       moller_.emplace(rays, job.mesh, job.mode, Stencil(), packet_, command_,
                       std::span<const Object>(), o.box);
-      moller_->place_on(board);
+      moller_->place_by([&board](std::uint32_t primary) { return place_on_card(board, primary); });
       return;
     }
     command_ += " --algorithm " + o.algorithm;

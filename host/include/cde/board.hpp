@@ -1,7 +1,7 @@
 #pragma once
-#include <bitset>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -11,144 +11,18 @@
 
 #include "cde/bitstream.hpp"
 #include "cde/contract/registers.hpp"
+#include "cde/counters.hpp"
 #include "cde/host_profile.hpp"
 #include "cde/memory.hpp"
-#include "cde/mesh.hpp"
 #include "cde/pair.hpp"
 #include "cde/primitives.hpp"
+#include "cde/query.hpp"
 #include "cde/ray_view.hpp"
+#include "cde/record.hpp"
 #include "cde/transform.hpp"
+#include "cde/triangle_view.hpp"
 
 namespace cde {
-
-/// Which records a pass keeps. Of rays only hits count; of solids every pair has a signed gap, the
-/// distance apart or minus the penetration depth, and T is its size.
-enum class Mode : std::uint8_t {
-  kNearest = card::kModeNearest,    ///< one a primary: the smallest (T or signed gap, index)
-  kFarthest = card::kModeFarthest,  ///< one a primary: the largest, then the smallest index
-  kAny = card::kModeAny,            ///< one a primary: the first hit in stream order; ends early
-  kAll = card::kModeAll,            ///< one a pair, secondary by secondary, primaries ascending
-  kHits = card::kModeHits,          ///< those of kAll that hit
-};
-
-/// "nearest", "farthest", "any", "all", "hits".
-[[nodiscard]] const char* name_of(Mode mode);
-[[nodiscard]] std::optional<Mode> mode_named(std::string_view name);
-
-/// What the card found for a primary, or for a pair.
-struct Record {
-  Eigen::Vector3f cp = Eigen::Vector3f::Zero();  ///< hit or contact point; 0 if none, NaN if bad
-  bool f = false;                                ///< hit
-  bool bad = false;           ///< the primary, or in modes all and hits the secondary, is bad input
-  std::uint32_t index = ~0u;  ///< secondary, in upload order; all ones if none was found
-  float t = std::numeric_limits<float>::infinity();  ///< ray: P(t) is the hit; solids: distance
-                                                     ///< (f = 0) or depth (f = 1); +inf if none,
-                                                     ///< NaN if bad
-  std::uint32_t primary = 0;  ///< its number in the packet, from Board::cast in the whole cast
-  Eigen::Vector3f n = Eigen::Vector3f::Zero();  ///< with Query::normals, of solids: unit, from the
-                                                ///< pair's first shape to its second
-};
-
-/// Bits that differ in nothing: NaN payloads and signs of zero count.
-[[nodiscard]] bool same_bits(const Record& a, const Record& b);
-/// Names of the fields in which they differ in some bit, as a list "T, CPx"; empty if none.
-[[nodiscard]] std::string differing_fields(const Record& a, const Record& b);
-
-/// Triangles in a row, wherever they are; what it looks at must outlive it.
-class TriangleView {
- public:
-  TriangleView(std::span<const Triangle> triangles)  // NOLINT(google-explicit-constructor)
-      : triangles_(triangles) {}
-  TriangleView(const std::vector<Triangle>& triangles)  // NOLINT(google-explicit-constructor)
-      : triangles_(triangles) {}
-  TriangleView(const Mesh& mesh) : mesh_(&mesh) {}  // NOLINT(google-explicit-constructor)
-  [[nodiscard]] std::size_t size() const {
-    return mesh_ != nullptr ? mesh_->faces.size() : triangles_.size();
-  }
-  [[nodiscard]] Triangle operator[](std::size_t i) const {
-    return mesh_ != nullptr ? mesh_->triangle(i) : triangles_[i];
-  }
-
- private:
-  std::span<const Triangle> triangles_;
-  const Mesh* mesh_ = nullptr;
-};
-
-/// Primaries left out of a pass (1 = masked): neither tested, updated nor downloaded.
-using Stencil = std::bitset<256>;
-
-/// Where the modelled time of a packet went: loading it, its pass, its records. Picoseconds, of
-/// both clocks and with the bus, as Board::time_ps() counts them. The parts do not overlap and
-/// nothing is left out.
-struct ModelledTime {
-  std::uint64_t load = 0;        ///< primaries into the register file
-  std::uint64_t engine = 0;      ///< waiting for the pass, up to its interrupt
-  std::uint64_t write_back = 0;  ///< of that wait, clocks that wrote the kept records to SRAM
-  std::uint64_t download = 0;    ///< transfers of records. In modes all and hits the pass goes on
-                                 ///< meanwhile, as far as the ring of records has room
-  std::uint64_t registers = 0;   ///< accesses to registers: settings, go, status, counters
-
-  ModelledTime& operator+=(const ModelledTime& other);
-  [[nodiscard]] std::uint64_t total() const {
-    return load + engine + write_back + download + registers;
-  }
-};
-
-/// What the card counted during passes. One clock is one period of the core clock.
-struct Counters {
-  std::uint64_t cycles = 0;           ///< clocks from go to done, without writeback
-  std::uint64_t writeback = 0;        ///< clocks that wrote the kept records to SRAM
-  std::uint64_t rows = 0;             ///< rows of `lanes` pairs that entered the pipe
-  std::uint64_t stalls = 0;           ///< clocks the pipe waited for room for records, a cylinder
-                                      ///< pipe's ring for a free slot, or facets for their turns
-  std::uint64_t bubbles = 0;          ///< clocks the pipe waited for a triangle
-  std::uint64_t bad_primaries = 0;    ///< rays refused as bad input
-  std::uint64_t corrected_words = 0;  ///< BoardConfig::ecc: words of DDR read with one wrong bit
-  std::uint64_t bad_secondaries = 0;  ///< triangles refused as bad input
-  std::uint64_t secondaries = 0;      ///< triangles swept (mode any may end early)
-  std::uint64_t pairs = 0;            ///< ray-triangle tests: triangles swept times unmasked rays
-  std::uint64_t records = 0;          ///< records written, all of which were downloaded
-  std::uint64_t upload_clocks = 0;    ///< core clocks of loading the rays
-  std::uint64_t total_clocks = 0;     ///< everything: loading, pass, download, register accesses
-  ModelledTime time;                  ///< the same, and where it went
-
-  Counters& operator+=(const Counters& other);
-  /// Time of the passes (cycles and writeback) at a core clock.
-  [[nodiscard]] double modelled_seconds(double clock_hz) const {
-    return static_cast<double>(cycles + writeback) / clock_hz;
-  }
-};
-
-/// Takes records as they come off the card, in order, in pieces of any size.
-using RecordSink = std::function<void(std::span<const Record>)>;
-
-/// A second pair for a pass: its pipe works beside the first one's, on the same secondaries and
-/// with primaries of its own (Board::load_second_shapes).
-struct SecondPair {
-  Pair pair = Pair::kRayTriangle;
-  bool swap = false;
-};
-
-struct Query {
-  Mode mode = Mode::kNearest;
-  std::optional<Pair> pair = {};  ///< which of the card's pipes; by default its only one
-  bool swap = false;              ///< the pair's first shape is uploaded, its second one loaded
-  bool normals = false;           ///< records have n
-  std::optional<SecondPair> second = {};  ///< BoardConfig::parallel; modes nearest, farthest, any
-  PairBudget budget = {};  ///< of pairs with a cylinder that is no ray's (has_budget)
-  Stencil stencil = {};
-  std::uint32_t first_secondary =
-      0;  ///< the pass sweeps the uploaded secondaries from this one on,
-  std::uint32_t secondary_count = 0;  ///< so many of them (0: all behind it); not with objects.
-                                      ///< Records have their numbers in upload order all the same
-  std::uint64_t deadline_clocks =
-      0;  ///< for one pass; 0: several times what the pass can take at worst
-  std::chrono::duration<double> watchdog = std::chrono::hours(1);  ///< wall clock, for one pass
-  std::uint32_t drain_records =
-      65536;  ///< taken off a full ring at a time, rounded up to an even number
-  std::function<void(double)> progress =
-      {};  ///< called now and then with the estimated share done, 0 to 1
-};
 
 struct OpenOptions {
   std::optional<std::filesystem::path> file = {};  ///< this bitstream instead of a search

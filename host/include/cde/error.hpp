@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "cde/bus.hpp"
+#include "cde/device_fault.hpp"
 
 namespace cde {
 

@@ -11,6 +11,7 @@
 #include "cde/bitstream.hpp"
 #include "cde/fp_format.hpp"
 #include "cde/pair.hpp"
+#include "cde/pair_result.hpp"
 
 namespace cde {
 
@@ -35,16 +36,6 @@ struct PairConfig {
 
   /// NAME=VALUE for the builder. Error kUsage if a value is out of range, naming it.
   [[nodiscard]] std::vector<std::string> parameters() const;
-};
-
-/// What a pipe answers for one pair, as words of the format (low bits of a uint64_t).
-struct PairResult {
-  bool f = false;    ///< they meet
-  bool bad = false;  ///< an operand is out of contract: F = 0, the rest NaN
-  std::uint64_t t = 0;
-  std::uint64_t cp[3] = {};
-  std::uint64_t n[3] = {};  ///< zero for rays
-  bool operator==(const PairResult&) const = default;
 };
 
 /// One simulated pipe: a pair_unit bitstream. Not for use by two threads at once. Every call of one
@@ -88,9 +79,6 @@ class PairUnit {
   [[nodiscard]] State& idle() const;   ///< and in a test()
   std::shared_ptr<State> state_;       ///< a test() keeps it over a gap that drops the unit
 };
-
-/// Names of the fields in which two results differ, "F, T, CPx".
-[[nodiscard]] std::string differing_fields(const PairResult& a, const PairResult& b);
 
 /// Where result i of a test() of these pairs without gaps comes out: "clock 12, lane 3, row 1". The
 /// clock is counted from the first row in, which is clock 0. Runs the rows up to there again.

@@ -1,15 +1,18 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "cde/board.hpp"
 #include "cde/primitives.hpp"
+#include "cde/query.hpp"
+#include "cde/ray_view.hpp"
 #include "cde/reference/ops.hpp"
 #include "cde/reference/ray_triangle.hpp"
 #include "cde/transform.hpp"
+#include "cde/triangle_view.hpp"
 
 /// Mirror reference: what the card computes, operation by operation in the same order with the same
 /// roundings, so that every bit must match. The library is compiled without contraction; whoever
@@ -57,9 +60,10 @@ class Checker {
           unsigned packet, std::string command, std::span<const Object> objects = {},
           bool box = false);
 
-  /// What differs is also said to be at a clock, a lane and a row of this board, which the records
-  /// come from and which must outlive the checker.
-  void place_on(const Board& board) { board_ = &board; }
+  /// What differs is also said to be where this says of a primary of a packet, as place_on_card()
+  /// does.
+  using Place = std::function<std::string(std::uint32_t primary)>;
+  void place_by(Place place) { place_ = std::move(place); }
 
   /// Counts the records that are those of the reference and keeps what the first other one differs
   /// in.
@@ -82,7 +86,7 @@ class Checker {
   void mismatch(const Record* card, const Record* expected);
   RayView rays_;
   unsigned packet_;
-  const Board* board_ = nullptr;
+  Place place_;
   TriangleView triangles_;
   Sweep sweep_;
   std::span<const Record> pending_;

@@ -3,7 +3,8 @@
 #include <span>
 
 #include "cde/fp_format.hpp"
-#include "cde/pair_unit.hpp"
+#include "cde/pair.hpp"
+#include "cde/pair_result.hpp"
 
 namespace cde::reference {
 

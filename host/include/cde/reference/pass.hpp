@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "cde/board.hpp"
+#include "cde/query.hpp"
 #include "cde/shapes.hpp"
 
 namespace cde::reference {
