@@ -99,7 +99,7 @@ package formats_pkg;
   endfunction
 
   // The input contract's range of lengths, as exponents of two: no coordinate or size is above 2^length_high, no size,
-  // nor the largest component of a ray's direction, below 2^length_low. host/include/cde/reference/check.hpp says why.
+  // nor the largest component of a ray's direction, below 2^length_low. host/include/cde/geometry/check.hpp says why.
   function automatic int length_high(input int exp);
     length_high = (exp < 8) ? ((1 << (exp - 1)) - 2) / 2 : ((1 << (exp - 1)) - 8) / 3;
   endfunction

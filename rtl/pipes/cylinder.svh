@@ -10,7 +10,7 @@
 `define BODY_BOX 1
 `define BODY_TRIANGLE 2
 
-// ---- Phases of a pass (host/include/cde/reference/cylinder/schedule.hpp) ----
+// ---- Phases of a pass (host/include/cde/reference/pipes/cylinder/schedule.hpp) ----
 `define PHASE_FRAME 4'd0
 `define PHASE_AXIS 4'd1
 `define PHASE_CENTRE 4'd2

@@ -1,4 +1,4 @@
-// A witness pass of a cylinder pair (reference/cylinder/witness.hpp): the point q of A that is, moved by s n, a point
+// A witness pass of a cylinder pair (reference/pipes/cylinder/witness.hpp): the point q of A that is, moved by s n, a point
 // of B, by alternating projection, between the features that n touches (track 0), those that it nearly touches, then
 // the solids. Touch starts from that body's support point which is nearer to the other body, or from the middle of a
 // cap; project goes to B moved by -s n and back to A and on to where flat faces would cross. Solids that are clearly

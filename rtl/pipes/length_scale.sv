@@ -1,7 +1,7 @@
 // A pair brought to the size of one by an exact power of two, so that products of four lengths neither overflow nor
 // underflow, whatever size its operands have: every length times 2^-k, k the largest exponent of the lengths of both. A
 // ray's direction has an exponent kd of its own, and its interval is multiplied by 2^(kd - k). length_unscale.sv brings
-// the answer back. host/include/cde/reference/scale.hpp.
+// the answer back. host/include/cde/reference/pipes/scale.hpp.
 // Latency: LAT_CMP for the largest exponent and LAT_CMP for the shift, with a ray the larger of that and LAT_MUL; 0
 // with ARITH = "host".
 // Throughput: LANES pairs a clock. Stall: none.

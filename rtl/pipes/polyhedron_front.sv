@@ -1,5 +1,5 @@
 // Front of a pass between a box or a triangle and a cylinder: the unit normal that the pass evaluates (front() of
-// reference/cylinder/search.hpp). Phases exclude each other and share operators:
+// reference/pipes/cylinder/search.hpp). Phases exclude each other and share operators:
 //   vertex    x = b x w, radial = x x b, with w = vertex - d      |x|^2, b.w     b (+-above |x|) + radial (|x| - r)
 //   side      q = e x b                                          |q|^2
 //   sample    w = e x u, c = e x q                               q.w, q.u       one end of the arc (1 - tau) +

@@ -1,5 +1,5 @@
 // Finding, building and refusing bitstreams.
-#include "cde/bitstream.hpp"
+#include "cde/bitstream/bitstream.hpp"
 
 #include <pwd.h>
 #include <sys/stat.h>
@@ -12,8 +12,8 @@
 #include <tuple>
 
 #include "cases.hpp"
-#include "cde/fp_unit.hpp"
-#include "cde/pair_unit.hpp"
+#include "cde/card/fp_unit.hpp"
+#include "cde/card/pair_unit.hpp"
 
 namespace cde::testing {
 namespace {

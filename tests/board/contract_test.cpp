@@ -19,10 +19,10 @@
 #include "cde/contract/pci.hpp"
 #include "cde/contract/records.hpp"
 #include "cde/contract/registers.hpp"
-#include "cde/fp_format.hpp"
-#include "cde/length_range.hpp"
-#include "cde/pair.hpp"
-#include "cde/reference/scale.hpp"
+#include "cde/fp/fp_format.hpp"
+#include "cde/geometry/length_range.hpp"
+#include "cde/geometry/pair.hpp"
+#include "cde/reference/pipes/scale.hpp"
 
 namespace cde {
 namespace {

@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <random>
 
-#include "cde/board.hpp"
-#include "cde/error.hpp"
+#include "cde/card/board.hpp"
+#include "cde/support/error.hpp"
 #include "pair_records.hpp"
 
 namespace cde {

@@ -7,7 +7,7 @@
 
 #include "../board/cases.hpp"
 #include "cde/contract/pci.hpp"
-#include "cde/error.hpp"
+#include "cde/support/error.hpp"
 
 namespace cde::testing {
 namespace {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/reference/cylinder/pairs.hpp"
+#include "cde/reference/pipes/cylinder/pairs.hpp"
 #include "counted.hpp"
 #include "cylinder_cases.hpp"
 #include "oracle/oracle.hpp"

@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "cde/bounds.hpp"
-#include "cde/reference/ray_cylinder.hpp"
-#include "cde/reference/ray_sphere.hpp"
-#include "cde/reference/ray_triangle.hpp"
+#include "cde/geometry/bounds.hpp"
+#include "cde/reference/pipes/ray_cylinder.hpp"
+#include "cde/reference/pipes/ray_sphere.hpp"
+#include "cde/reference/pipes/ray_triangle.hpp"
 #include "exact.hpp"
 #include "in_docs.hpp"
 

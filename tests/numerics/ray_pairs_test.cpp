@@ -11,10 +11,10 @@
 #include <random>
 #include <vector>
 
-#include "cde/mesh.hpp"
-#include "cde/reference/ray_cylinder.hpp"
-#include "cde/reference/ray_sphere.hpp"
-#include "cde/reference/ray_triangle.hpp"
+#include "cde/mesh/mesh.hpp"
+#include "cde/reference/pipes/ray_cylinder.hpp"
+#include "cde/reference/pipes/ray_sphere.hpp"
+#include "cde/reference/pipes/ray_triangle.hpp"
 #include "counted.hpp"
 #include "exact.hpp"
 

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "amount.hpp"
-#include "cde/reference/ray_cylinder.hpp"
-#include "cde/reference/ray_sphere.hpp"
+#include "cde/reference/pipes/ray_cylinder.hpp"
+#include "cde/reference/pipes/ray_sphere.hpp"
 #include "exact_solids.hpp"
 #include "in_docs.hpp"
 

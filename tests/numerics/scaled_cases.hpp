@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "cde/fp_format.hpp"
-#include "cde/length_range.hpp"
-#include "cde/pair.hpp"
+#include "cde/fp/fp_format.hpp"
+#include "cde/geometry/length_range.hpp"
+#include "cde/geometry/pair.hpp"
 #include "oracle/cases.hpp"
 
 namespace cde::testing {

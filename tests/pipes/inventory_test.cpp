@@ -50,8 +50,8 @@ TEST(Inventory, CountsWhatIsThere) {
   EXPECT_EQ(design.operators("ray_triangle_moller.no_such_part"), Operators{});
 }
 
-/// What the box rule adds, as reference/ray_box.hpp states it: in gates, as the host asks it of the
-/// lanes that are met by a call. The triangle's part is there once for all lanes.
+/// What the box rule adds, as reference/pipes/ray_box.hpp states it: in gates, as the host asks it
+/// of the lanes that are met by a call. The triangle's part is there once for all lanes.
 TEST(Inventory, TheBoxRuleAddsItsOperators) {
   const Elaboration design(kRtl, "ray_triangle_moller",
                            {"ARITH=rtl", "BOX=1", "LANES=4", "B_LANES=1"});

@@ -19,11 +19,11 @@
 #include <sstream>
 #include <string>
 
-#include "cde/fp_format.hpp"
-#include "cde/pair_unit.hpp"
-#include "cde/reference/cylinder/schedule.hpp"
+#include "cde/card/pair_unit.hpp"
+#include "cde/fp/fp_format.hpp"
 #include "cde/reference/pairs.hpp"
-#include "cde/reference/scale.hpp"
+#include "cde/reference/pipes/cylinder/schedule.hpp"
+#include "cde/reference/pipes/scale.hpp"
 #include "oracle/cases.hpp"
 
 namespace {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/pair_unit.hpp"
+#include "cde/card/pair_unit.hpp"
 #include "cde/reference/pairs.hpp"
 
 namespace {

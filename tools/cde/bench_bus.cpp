@@ -7,10 +7,10 @@
 
 #include "bench.hpp"
 #include "busy.hpp"
-#include "cde/board.hpp"
-#include "cde/camera.hpp"
-#include "cde/error.hpp"
-#include "cde/terrain.hpp"
+#include "cde/card/board.hpp"
+#include "cde/image/camera.hpp"
+#include "cde/mesh/terrain.hpp"
+#include "cde/support/error.hpp"
 #include "json_keys.hpp"
 #include "streams.hpp"
 

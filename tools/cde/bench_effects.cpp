@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "bench.hpp"
-#include "cde/board.hpp"
+#include "cde/card/board.hpp"
 #include "cde/contract/records.hpp"
-#include "cde/error.hpp"
-#include "cde/plan.hpp"
-#include "cde/reference.hpp"
-#include "cde/scene.hpp"
+#include "cde/reference/reference.hpp"
+#include "cde/scene/plan.hpp"
+#include "cde/scene/scene.hpp"
+#include "cde/support/error.hpp"
 #include "output.hpp"
 #include "streams.hpp"
 

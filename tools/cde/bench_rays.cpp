@@ -10,11 +10,11 @@
 
 #include "bench.hpp"
 #include "busy.hpp"
-#include "cde/baseline.hpp"
-#include "cde/board.hpp"
-#include "cde/camera.hpp"
-#include "cde/error.hpp"
-#include "cde/terrain.hpp"
+#include "cde/card/board.hpp"
+#include "cde/image/camera.hpp"
+#include "cde/mesh/terrain.hpp"
+#include "cde/rivals/baseline.hpp"
+#include "cde/support/error.hpp"
 #include "output.hpp"
 #include "streams.hpp"
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "cde/board.hpp"
-#include "cde/camera.hpp"
-#include "cde/mesh.hpp"
-#include "cde/plan.hpp"
+#include "cde/card/board.hpp"
+#include "cde/image/camera.hpp"
+#include "cde/mesh/mesh.hpp"
+#include "cde/scene/plan.hpp"
 
 /// The parts of `cde cast`: what was asked, what is cast, and what came of it.
 namespace cde::cli {

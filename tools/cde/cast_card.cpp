@@ -9,9 +9,9 @@
 
 #include "busy.hpp"
 #include "cast.hpp"
-#include "cde/error.hpp"
-#include "cde/reference.hpp"
 #include "cde/reference/pass.hpp"
+#include "cde/reference/reference.hpp"
+#include "cde/support/error.hpp"
 #include "machine.hpp"
 #include "output.hpp"
 #include "waves.hpp"

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cde/error.hpp"
+#include "cde/support/error.hpp"
 
 namespace cde::cli {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "cde/plan.hpp"
+#include "cde/scene/plan.hpp"
 
 namespace cde::cli {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/host_profile.hpp"
+#include "cde/card/host_profile.hpp"
 #include "time_split.hpp"
 
 /// `cde reproduce`: the paper's Figures 5, 6 and 7 measured again (docs/reproduction.md).

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench.hpp"
-#include "cde/error.hpp"
+#include "cde/support/error.hpp"
 #include "json_keys.hpp"
 #include "machine.hpp"
 #include "streams.hpp"

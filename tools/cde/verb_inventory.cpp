@@ -15,10 +15,10 @@
 #include <thread>
 #include <vector>
 
-#include "cde/bitstream.hpp"
-#include "cde/cache_entry.hpp"
-#include "cde/error.hpp"
-#include "cde/pair_unit.hpp"
+#include "cde/bitstream/bitstream.hpp"
+#include "cde/bitstream/cache_entry.hpp"
+#include "cde/card/pair_unit.hpp"
+#include "cde/support/error.hpp"
 #include "elaborate.hpp"
 #include "json_keys.hpp"
 #include "output.hpp"

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "cde/error.hpp"
-#include "cde/pair_unit.hpp"
+#include "cde/card/pair_unit.hpp"
 #include "cde/reference/pairs.hpp"
+#include "cde/support/error.hpp"
 #include "json_keys.hpp"
 #include "line_input.hpp"
 #include "operand_defect.hpp"

@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "busy.hpp"
-#include "cde/bitstream.hpp"
+#include "cde/bitstream/bitstream.hpp"
 #include "cde/contract/records.hpp"
-#include "cde/error.hpp"
-#include "cde/plan.hpp"
-#include "cde/player.hpp"
+#include "cde/scene/plan.hpp"
+#include "cde/scene/player.hpp"
+#include "cde/support/error.hpp"
 #include "json_keys.hpp"
 #include "machine.hpp"
 #include "output.hpp"

@@ -4,7 +4,7 @@
 #include <string_view>
 
 /// Shapes and pairs of shapes: the tables of rtl/contract/pairs_pkg.sv in C++, in the order of the
-/// codes. What is made of them is in cde/pair.hpp.
+/// codes. What is made of them is in cde/geometry/pair.hpp.
 namespace cde {
 
 /// What a primary or secondary is.
