@@ -1,9 +1,13 @@
 // A PCI card: pci_bridge on one side, the board on the other, the local bus between them.
-// Two clocks: PCI's, and the core's for everything else. The ports are those of the two modules.
+// Two clocks: PCI's, and the core's for everything else. The ports are those of the two modules. Reset: `rst_i` is one
+// line for both domains, held for at least four clocks of each; with RESET_STAGES = 0 synchronous to both, as in a
+// simulation. Hardware has 2 or more: then it begins at once and each domain leaves it by its own clock, in either
+// order. Constraints: card.sdc.
 // Latency, throughput and stalls: those of the modules.
 `include "config.svh"
 module card #(
     `CARD_PARAMETERS,
+    parameter int RESET_STAGES = 0,  // of the reset synchronisers, one a domain: 0, or 2 and more (reset_sync)
     parameter logic [63:0] CONFIG_HASH = 0,
     localparam config_pkg::config_t CONFIG = `CARD_CONFIG,
     localparam int CW = formats_pkg::container(EXP, MAN),
@@ -76,12 +80,13 @@ module card #(
     output logic [SRAM_AW-1:0] sram_read_addr_o,
     input logic [RECORD_WORDS-1:0][CW-1:0] sram_read_data_i  // the clock after sram_read_o
 );
-  logic bus_valid, bus_write, bus_ready, bus_rvalid, irq;
+  logic rst_core, bus_valid, bus_write, bus_ready, bus_rvalid, irq;
   logic [1:0] bus_space;
   logic [31:0] bus_addr;
   logic [63:0] bus_wdata, bus_rdata;
-  pci_bridge bridge (
-      .clk_pci_i, .clk_i, .rst_i, .idle_o, .pci_ad_i, .pci_ad_o, .pci_ad_oe, .pci_ad64_oe, .pci_cbe_n_i, .pci_cbe_n_o,
+  pci_bridge #(.RESET_STAGES(RESET_STAGES)) bridge (
+      .clk_pci_i, .clk_i, .rst_i, .rst_o(rst_core), .idle_o, .pci_ad_i, .pci_ad_o, .pci_ad_oe, .pci_ad64_oe,
+      .pci_cbe_n_i, .pci_cbe_n_o,
       .pci_cbe_oe, .pci_par_i, .pci_par_o, .pci_par_oe, .pci_par64_i, .pci_par64_o, .pci_par64_oe, .pci_frame_n_i,
       .pci_frame_n_o, .pci_frame_oe, .pci_req64_n_i, .pci_req64_n_o, .pci_req64_oe, .pci_irdy_n_i, .pci_irdy_n_o,
       .pci_irdy_oe, .pci_trdy_n_i, .pci_trdy_n_o, .pci_trdy_oe, .pci_stop_n_i, .pci_stop_n_o, .pci_stop_oe,
@@ -91,7 +96,8 @@ module card #(
       .bus_wdata_o(bus_wdata), .bus_ready_i(bus_ready), .bus_rvalid_i(bus_rvalid), .bus_rdata_i(bus_rdata),
       .irq_i(irq));
   board #(.CONFIG(CONFIG)) functions (
-      .clk_i, .rst_i, .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_space_i(bus_space), .bus_addr_i(bus_addr),
+      .clk_i, .rst_i(rst_core), .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_space_i(bus_space),
+      .bus_addr_i(bus_addr),
       .bus_wdata_i(bus_wdata), .bus_ready_o(bus_ready), .bus_rvalid_o(bus_rvalid), .bus_rdata_o(bus_rdata), .irq_o(irq),
       .ddr_write_o, .ddr_write_addr_o, .ddr_write_data_o, .ddr_write_check_o, .ddr_read_o, .ddr_read_word_o,
       .ddr_valid_i, .ddr_data_i, .ddr_check_i, .sram_write_o, .sram_write_addr_o, .sram_write_data_o, .sram_read_o,

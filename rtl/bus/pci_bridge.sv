@@ -6,11 +6,17 @@
 // registers.
 // BAR0: registers of the card (SPACE_REG), registers of the bridge, page table (pci_pkg::PCI_*).
 // While no FRAME# is asserted and nothing is under way, the PCI side's clock is gated but for the FIFO's synchroniser.
-// Latency, throughput and stalls: those of the modules. `rst_i` is held for at least four clocks of both domains.
-module pci_bridge (
+// Reset: `rst_i` is one line for both domains, held for at least four clocks of each. With RESET_STAGES = 0 it is
+// synchronous to both clocks, as in a simulation; hardware has 2 or more, and then it may come from anywhere
+// (reset_sync.sv).
+// Latency, throughput and stalls: those of the modules.
+module pci_bridge #(
+    parameter int RESET_STAGES = 0  // of the reset synchronisers, as in reset_sync
+) (
     input logic clk_pci_i,
     input logic clk_i,
     input logic rst_i,
+    output logic rst_o,  // of the core's domain
     output logic idle_o,  // for a simulator: with these inputs a clock of the PCI side changes nothing
 
     input logic [63:0] pci_ad_i,
@@ -67,26 +73,32 @@ module pci_bridge (
     input logic irq_i
 );
   import pci_pkg::*;
+  logic rst_pci;
+  reset_sync #(.STAGES(RESET_STAGES)) reset_pci (.clk_i(clk_pci_i), .rst_i, .rst_o(rst_pci));
+  reset_sync #(.STAGES(RESET_STAGES)) reset_core (.clk_i, .rst_i, .rst_o);
   localparam int REQUESTS = 16, RESPONSES = 16;
 
   // ---- The wires ----
   logic [63:0] ad;
   logic [7:0] cbe_n;
   logic par, par64, frame_n, req64_n, irdy_n, trdy_n, stop_n, devsel_n, ack64_n, perr_n, idsel, gnt_n;
-  pci_pins #(.W(64 + 8 + 12)) pins (
-      .clk_i(clk_pci_i),
-      .wires_i({pci_ad_i, pci_cbe_n_i, pci_par_i, pci_par64_i, pci_frame_n_i, pci_req64_n_i, pci_irdy_n_i,
-      pci_trdy_n_i, pci_stop_n_i,
-                pci_devsel_n_i, pci_ack64_n_i, pci_perr_n_i, pci_idsel_i, pci_gnt_n_i}),
-      .wires_o({ad, cbe_n, par, par64, frame_n, req64_n, irdy_n, trdy_n, stop_n, devsel_n, ack64_n, perr_n, idsel,
-      gnt_n}));
+  logic [83:0] wires, pins;
+  assign wires = {pci_ad_i, pci_cbe_n_i, pci_par_i, pci_par64_i, pci_frame_n_i, pci_req64_n_i, pci_irdy_n_i,
+      pci_trdy_n_i, pci_stop_n_i, pci_devsel_n_i, pci_ack64_n_i, pci_perr_n_i, pci_idsel_i, pci_gnt_n_i};
+`ifdef VERILATOR
+  pci_pins #(.W(84)) taken (.clk_i(clk_pci_i), .wires_i(wires), .wires_o(pins));
+`else
+  assign pins = wires;
+`endif
+  assign {ad, cbe_n, par, par64, frame_n, req64_n, irdy_n, trdy_n, stop_n, devsel_n, ack64_n, perr_n, idsel, gnt_n} =
+      pins;
 
   // ---- Clock of the PCI side ----
   logic clk, active, target_active, master_active, dma_active, registers_active, response_valid, response_settled;
   logic inta, perr, perr_q, frame, irdy, clearing, request_valid;
   assign frame = !frame_n;
   assign irdy = !irdy_n;
-  assign active = rst_i | frame | irdy | target_active | master_active | dma_active | registers_active |
+  assign active = rst_pci | frame | irdy | target_active | master_active | dma_active | registers_active |
       response_valid | clearing | perr |
       perr_q | pci_serr_oe | (inta != pci_inta_oe) | (pci_par_oe != pci_ad_oe) | (pci_par64_oe != pci_ad64_oe);
   assign idle_o = !active && response_settled;
@@ -101,8 +113,8 @@ module pci_bridge (
   always_ff @(posedge clk) begin
     par_q <= ^{ad[31:0], cbe_n[3:0]};
     par64_q <= ^{ad[63:32], cbe_n[7:4]};
-    pci_par_oe <= pci_ad_oe && !rst_i;
-    pci_par64_oe <= pci_ad64_oe && !rst_i;
+    pci_par_oe <= pci_ad_oe && !rst_pci;
+    pci_par64_oe <= pci_ad64_oe && !rst_pci;
   end
 
   // ---- Configuration space and target ----
@@ -117,14 +129,14 @@ module pci_bridge (
   logic [7:0] latency;
   logic [15:0] pci_status, target_offset;
   pci_config configuration (
-      .clk_i(clk), .rst_i, .write_i(config_write), .index_i(config_index), .enable_i(config_enable),
+      .clk_i(clk), .rst_i(rst_pci), .write_i(config_write), .index_i(config_index), .enable_i(config_enable),
       .wdata_i(config_wdata), .rdata_o(config_rdata), .memory_o(memory), .master_o(master), .parity_o(parity),
       .serr_o(serr), .intx_o(intx), .latency_o(latency), .status_o(pci_status), .bar_o(bar), .interrupt_i(interrupt),
       .detected_parity_i(target_detected | address_parity | master_detected),
       .signaled_serr_i(address_parity & parity & serr), .master_abort_i(master_abort), .target_abort_i(target_abort),
       .signaled_target_abort_i(target_aborts), .master_parity_i(master_parity));
   pci_target target (
-      .clk_i(clk), .rst_i, .active_o(target_active), .ad_i(ad), .cbe_i(cbe_n), .frame_i(frame), .irdy_i(irdy),
+      .clk_i(clk), .rst_i(rst_pci), .active_o(target_active), .ad_i(ad), .cbe_i(cbe_n), .frame_i(frame), .irdy_i(irdy),
       .idsel_i(idsel), .req64_i(!req64_n), .own_i(own), .parity_error_i(parity_error),
       .parity64_error_i(parity64_error), .ad_o(target_ad), .ad_oe_o(target_ad_oe), .ad64_oe_o(target_ad64_oe),
       .oe_o(target_oe), .trdy_o(trdy), .stop_o(stop), .devsel_o(devsel), .ack64_o(ack64), .perr_o(target_perr),
@@ -146,7 +158,7 @@ module pci_bridge (
   logic [31:0] done_addr;
   logic [15:0] retry_limit;
   pci_master initiator (
-      .clk_i(clk), .rst_i, .active_o(master_active), .start_i(start), .write_i(write), .addr_i(addr),
+      .clk_i(clk), .rst_i(rst_pci), .active_o(master_active), .start_i(start), .write_i(write), .addr_i(addr),
       .qwords_i(qwords), .wdata_i(wdata), .wpop_o(wpop), .rvalid_o(rvalid), .rdata_o(rdata), .done_o(done),
       .code_o(done_code), .fault_addr_o(done_addr), .moved_o(moved), .enable_i(master), .parity_i(parity),
       .latency_i(latency), .retry_limit_i(retry_limit), .req_o(master_req), .gnt_i(!gnt_n),
@@ -171,9 +183,9 @@ module pci_bridge (
   assign pci_perr_oe = perr | perr_q;
   assign inta = interrupt & intx;
   always_ff @(posedge clk) begin
-    perr_q <= perr && !rst_i;
-    pci_serr_oe <= address_parity && parity && serr && !rst_i;
-    pci_inta_oe <= inta && !rst_i;
+    perr_q <= perr && !rst_pci;
+    pci_serr_oe <= address_parity && parity && serr && !rst_pci;
+    pci_inta_oe <= inta && !rst_pci;
   end
 
   // ---- Registers, page table, DMA ----
@@ -190,7 +202,7 @@ module pci_bridge (
   logic [1:0] local_space;
   logic [31:0] local_offset;
   pci_registers registers (
-      .clk_i(clk), .rst_i, .write_i(register_write), .offset_i(target_offset[11:0]), .wdata_i(target_wdata),
+      .clk_i(clk), .rst_i(rst_pci), .write_i(register_write), .offset_i(target_offset[11:0]), .wdata_i(target_wdata),
       .rdata_o(register_rdata), .interrupt_o(interrupt), .active_o(registers_active), .run_o(run), .clear_o(clear),
       .ring_base_o(ring_base), .ring_size_o(ring_size), .ring_tail_o(ring_tail), .completion_base_o(completion_base),
       .burst_o(burst_bytes), .retry_limit_o(retry_limit), .head_i(head), .busy_i(busy), .clearing_i(clearing),
@@ -200,12 +212,12 @@ module pci_bridge (
                 waiting, beat, burst}),
       .bus_busy_i(frame | irdy));
   pci_page_table pages (
-      .clk_i(clk), .rst_i, .clearing_o(clearing), .write_i(page_write), .entry_i(target_offset[14:3]),
+      .clk_i(clk), .rst_i(rst_pci), .clearing_o(clearing), .write_i(page_write), .entry_i(target_offset[14:3]),
       .wdata_i(target_wdata), .rdata_o(page_rdata), .lookup_i(page), .valid_o(page_valid), .writable_o(page_writable),
       .frame_o(page_frame));
   logic [63:0] response_data;
   pci_dma dma (
-      .clk_i(clk), .rst_i, .active_o(dma_active), .run_i(run), .clear_i(clear), .ring_base_i(ring_base),
+      .clk_i(clk), .rst_i(rst_pci), .active_o(dma_active), .run_i(run), .clear_i(clear), .ring_base_i(ring_base),
       .ring_size_i(ring_size), .ring_tail_i(ring_tail), .completion_base_i(completion_base), .burst_i(burst_bytes),
       .head_o(head), .busy_o(busy), .completion_o(completion), .fault_o(fault), .code_o(fault_code),
       .where_o(fault_where), .fault_addr_o(fault_addr), .pci_status_i(pci_status), .page_o(page),
@@ -236,7 +248,7 @@ module pci_bridge (
   always_ff @(posedge clk) begin
     page_read_q <= request_valid && to_pages && !target_write && !clearing && !page_read_q;
     if (response_valid && response_irq) card_irq_q <= response_data[0];
-    if (rst_i) begin
+    if (rst_pci) begin
       page_read_q <= 0;
       card_irq_q <= 0;
     end
@@ -252,16 +264,16 @@ module pci_bridge (
       {1'b0, target_write, registers_pkg::SPACE_REG, 16'b0, target_offset, target_write ? target_wdata : 64'd1} :
       {1'b1, local_write, local_space, local_offset, local_data};
   async_fifo #(.W($bits(request)), .DEPTH(REQUESTS)) requests (
-      .wclk_i(clk), .wrst_i(rst_i), .write_i(room && (forward || local_valid)), .wdata_i(request),
-      .room_o(request_room), .rclk_i(clk_local), .rclk_free_i(clk_i), .rrst_i(rst_i), .valid_o(local_request_valid),
+      .wclk_i(clk), .wrst_i(rst_pci), .write_i(room && (forward || local_valid)), .wdata_i(request),
+      .room_o(request_room), .rclk_i(clk_local), .rclk_free_i(clk_i), .rrst_i(rst_o), .valid_o(local_request_valid),
       .rdata_o(local_request), .read_i(local_request_pop), .settled_o(unused_settled));
   async_fifo #(.W($bits(response)), .DEPTH(RESPONSES)) responses (
-      .wclk_i(clk_local), .wrst_i(rst_i), .write_i(response_write), .wdata_i(response), .room_o(response_room),
-      .rclk_i(clk), .rclk_free_i(clk_pci_i), .rrst_i(rst_i), .valid_o(response_valid),
+      .wclk_i(clk_local), .wrst_i(rst_o), .write_i(response_write), .wdata_i(response), .room_o(response_room),
+      .rclk_i(clk), .rclk_free_i(clk_pci_i), .rrst_i(rst_pci), .valid_o(response_valid),
       .rdata_o({response_irq, response_dma, response_data}),
       .read_i(response_valid), .settled_o(response_settled));
   local_master #(.ROOM_W($clog2(RESPONSES) + 1)) local_bus (
-      .clk_i, .rst_i, .clk_o(clk_local), .request_valid_i(local_request_valid), .request_i(local_request),
+      .clk_i, .rst_i(rst_o), .clk_o(clk_local), .request_valid_i(local_request_valid), .request_i(local_request),
       .request_pop_o(local_request_pop), .response_write_o(response_write), .response_o(response),
       .response_room_i(response_room), .bus_o(bus_request), .bus_i(bus_response), .irq_i);
   assign {bus_valid_o, bus_write_o, bus_space_o, bus_addr_o, bus_wdata_o} = bus_request;
@@ -269,7 +281,7 @@ module pci_bridge (
 
 `ifndef SYNTHESIS
   always_ff @(posedge clk)
-    if (!rst_i) begin
+    if (!rst_pci) begin
       assert (!(target_ad_oe && master_ad_oe)) else $error("pci_bridge: target and master drive AD together");
       assert (!(target_rvalid && target_pop && response_valid && !response_irq &&
           !response_dma)) else $error("pci_bridge: two answers");

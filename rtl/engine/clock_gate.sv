@@ -1,11 +1,35 @@
-// Glitch-free clock gate (BUFGCE or an integrated clock-gating cell): the enable is sampled while the clock is low.
-// Idle logic behind it costs neither power nor simulation time.
-module clock_gate (
+// Clock gate: a clock that passes while it is enabled, without glitches. The enable comes from registers of `clk_i` and
+// counts for the next rising edge. What is behind it costs neither power nor simulation time while it is idle, and its
+// registers stand still: a gate must not be replaced by a wire.
+// "latch" a latch that is open while the clock is low, and an AND: simulation; ASIC flows put the library's integrated
+// cell
+//             (ICG) here, as they do for the same form that they infer
+//   "bufgce"  AMD's clock buffer with enable: FPGA, for the few gates of whole units
+//   "enable"  an AND that says `gated_clock`: FPGA, where the tool turns it into enables of the registers behind it
+//             (Vivado: synth_design -gated_clock_conversion auto; Synplify: fix_gated_and_generated_clocks)
+// GATE is chosen once for a chip: by the macro CDE_CLOCK_GATE, which every tool can define, or at an instance.
+// Latency: none. Throughput: a clock a clock. Stall: none.
+`ifndef CDE_CLOCK_GATE
+`define CDE_CLOCK_GATE "latch"
+`endif
+module clock_gate #(
+    parameter GATE = `CDE_CLOCK_GATE
+) (
     input logic clk_i,
     input logic enable_i,
     output logic clk_o
 );
-  logic enable_l;
-  always_latch if (!clk_i) enable_l = enable_i;
-  assign clk_o = clk_i & enable_l;
+  if (GATE == "latch") begin : g_latch
+    logic enable_l;
+    always_latch if (!clk_i) enable_l = enable_i;
+    assign clk_o = clk_i & enable_l;
+  end else if (GATE == "bufgce") begin : g_bufgce
+    BUFGCE buffer (.I(clk_i), .CE(enable_i), .O(clk_o));
+  end else if (GATE == "enable") begin : g_enable
+    (* gated_clock = "true" *) logic gated;
+    assign gated = clk_i & enable_i;
+    assign clk_o = gated;
+  end else begin : g_illegal
+    $error("clock_gate: GATE must be latch, bufgce or enable");
+  end
 endmodule

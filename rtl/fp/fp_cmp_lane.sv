@@ -1,6 +1,6 @@
 // One lane of fp_cmp and fp_minmax. Combinational.
-// Minimum and maximum are minimumNumber and maximumNumber of IEEE 754-2019: a NaN loses against a number, -0 is below +0,
-// two NaNs give the canonical NaN, a signalling NaN raises NV.
+// Minimum and maximum are minimumNumber and maximumNumber of IEEE 754-2019: a NaN loses against a number, -0 is below
+// +0, two NaNs give the canonical NaN, a signalling NaN raises NV.
 module fp_cmp_lane #(
     parameter int OP    = formats_pkg::FP_LT,  // to FP_MAX
     parameter int EXP   = 8,

@@ -23,7 +23,8 @@ module fp_convert_gates #(
   always_ff @(posedge clk_i) a_q <= a_i;
   // Words of a lane (fp_mask.svh); integers are as wide as their container.
   localparam int LI = (KIND == formats_pkg::CONVERT_FROM_INT) ? P : (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64;
-  localparam int LO = (KIND == formats_pkg::CONVERT_TO_INT) ? P : (KIND == formats_pkg::CONVERT_FROM_INT) ? ((1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64) :
+  localparam int LO = (KIND == formats_pkg::CONVERT_TO_INT) ? P :
+      (KIND == formats_pkg::CONVERT_FROM_INT) ? ((1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64) :
       (1 + P + Q <= 32 && Q <= 23) ? 32 : 64;
   for (genvar l = 0; l < LANES; l++) begin : g_lane
     logic [LI-1:0] a;

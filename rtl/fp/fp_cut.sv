@@ -1,4 +1,5 @@
-// Register cut between two stages of a lane: DEPTH 1 is a register, DEPTH 0 a wire; more for signals that pass several cuts.
+// Register cut between two stages of a lane: DEPTH 1 is a register, DEPTH 0 a wire; more for signals that pass several
+// cuts.
 // Latency: DEPTH clocks.
 module fp_cut #(
     parameter int W     = 32,

@@ -1,5 +1,6 @@
 // Conversion from one format to another, to nearest even.
-// Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
+// Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS
+// = 1.
 module fp_cvt #(
     parameter  int EXP_I = 8,      // 3..11, format of the operand
     parameter  int MAN_I = 23,     // 2..52
@@ -18,6 +19,8 @@ module fp_cvt #(
     output logic [LANES-1:0][CO-1:0] flags_o
 );
   /*verilator inline_module*/
-  fp_convert #(.KIND(formats_pkg::CONVERT_FORMAT), .EXP(EXP_I), .MAN(MAN_I), .P(EXP_O), .Q(MAN_O), .CI(CI), .CO(CO), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) convert (
+  fp_convert #(.KIND(formats_pkg::CONVERT_FORMAT), .EXP(EXP_I), .MAN(MAN_I), .P(EXP_O), .Q(MAN_O), .CI(CI), .CO(CO),
+      .LANES(LANES), .LAT(LAT),
+      .ARITH(ARITH), .FLAGS(FLAGS)) convert (
       .clk_i, .a_i, .r_o, .flags_o);
 endmodule

@@ -1,4 +1,5 @@
-// One lane of fp_cvt: normalise | shift | round. EXP, MAN is the format of the operand, EXP_O, MAN_O that of the result.
+// One lane of fp_cvt: normalise | shift | round. EXP, MAN is the format of the operand, EXP_O, MAN_O that of the
+// result.
 // Latency: CUTS clocks, 0..2. Throughput: one a clock. Stall: none.
 module fp_cvt_lane #(
     parameter int EXP   = 8,
@@ -35,7 +36,8 @@ module fp_cvt_lane #(
 
   logic [CW-1:0] rebias_n;
   logic [CO-1:0] m_n, e_n, m, e_r, sign, zero, inf, nan, nv;
-  // Far beyond the result's range the exponent stops at the first that overflows, so that it fits its place in fp_round.
+  // Far beyond the result's range the exponent stops at the first that overflows, so that it fits its place in
+  // fp_round.
   localparam logic [CW-1:0] LIMIT = ONE << EXP_O;
   assign rebias_n = sel(neg(LIMIT - e - REBIAS), LIMIT, e + REBIAS);
   if (CW == CO) begin : g_same

@@ -1,6 +1,7 @@
 // One lane of fp_div: normalise | MAN + 3 steps of restoring division | shift | round.
-// The quotient digit of a step is 1 unless the trial subtraction goes negative; digits are summed as 0 and -1 and completed at
-// the end. Digits start at weight 1 of x / y in (1/2, 2), so that twice the quotient fills the word that fp_round wants.
+// The quotient digit of a step is 1 unless the trial subtraction goes negative; digits are summed as 0 and -1 and
+// completed at the end. Digits start at weight 1 of x / y in (1/2, 2), so that twice the quotient fills the word that
+// fp_round wants.
 // Latency: CUTS clocks, 0..MAN + 5, spread evenly over the MAN + 5 places where a cut may lie. Throughput: one a clock.
 module fp_div_lane #(
     parameter int EXP   = 8,
@@ -22,7 +23,8 @@ module fp_div_lane #(
   localparam int PLACES = MAN + 5;  // before each step, after the last, and in fp_round
   localparam int D_ROUND = (PLACES * CUTS + PLACES / 2) / PLACES - ((PLACES - 1) * CUTS + PLACES / 2) / PLACES;
 
-  logic [CW-1:0] x_n, y_n, ex_n, ey_n, am_n, bm_n, e_n, sign_n, x0_n, y0_n, xi_n, yi_n, zero_n, inf_n, nan_n, nv_n, dz_n;
+  logic [CW-1:0] x_n, y_n, ex_n, ey_n, am_n, bm_n, e_n, sign_n, x0_n, y0_n, xi_n, yi_n, zero_n, inf_n, nan_n, nv_n,
+      dz_n;
   fp_normalise #(.EXP(EXP), .MAN(MAN)) norm_x (.mag_i(am_n), .s_o(x_n), .e_o(ex_n));
   fp_normalise #(.EXP(EXP), .MAN(MAN)) norm_y (.mag_i(bm_n), .s_o(y_n), .e_o(ey_n));
   always_comb begin

@@ -1,5 +1,5 @@
-// Work on the exponents of words, without arithmetic on their significands: how a pair is scaled by a power of two. A shift is a number
-// that is added to the bits of a word: k << MAN, negative ones in two's complement.
+// Work on the exponents of words, without arithmetic on their significands: how a pair is scaled by a power of two. A
+// shift is a number that is added to the bits of a word: k << MAN, negative ones in two's complement.
 //   EXPONENT_MAX  the larger of |a| and |b|, as bits
 //   EXPONENT_DOWN the shift by 2^-k, k the exponent of a, at least LEAST
 //   EXPONENT_UP   the shift by 2^k
@@ -34,7 +34,9 @@ module fp_exponent #(
       r = '0;
       if (on_i)
         for (int l = 0; l < LANES; l++)
-        if (OP == formats_pkg::EXPONENT_DOWN || OP == formats_pkg::EXPONENT_UP) r[l] = $c32("host_fp::shift<", OP, ",", EXP, ",", MAN, ",", STORED, ">(", a_i[l], ")");
+        if (OP == formats_pkg::EXPONENT_DOWN || OP == formats_pkg::EXPONENT_UP) r[l] = $c32("host_fp::shift<", OP, ",",
+            EXP, ",", MAN, ",", STORED, ">(", a_i[l],
+            ")");
         else r[l] = $c32("host_fp::exponent<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l], ")");
     end
   end else

@@ -1,5 +1,6 @@
 // Integer to floating point, to nearest even.
-// Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
+// Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS
+// = 1.
 module fp_from_int #(
     parameter  int EXP   = 8,      // 3..11
     parameter  int MAN   = 23,     // 2..52
@@ -18,6 +19,8 @@ module fp_from_int #(
     output logic [LANES-1:0][CO-1:0] flags_o
 );
   /*verilator inline_module*/
-  fp_convert #(.KIND(formats_pkg::CONVERT_FROM_INT), .EXP(EXP), .MAN(MAN), .P(INT), .Q(UNSIGNED ? 1 : 0), .CI(CI), .CO(CO), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) convert (
+  fp_convert #(.KIND(formats_pkg::CONVERT_FROM_INT), .EXP(EXP), .MAN(MAN), .P(INT), .Q(UNSIGNED ? 1 : 0), .CI(CI),
+      .CO(CO), .LANES(LANES),
+      .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) convert (
       .clk_i, .a_i, .r_o, .flags_o);
 endmodule

@@ -6,7 +6,8 @@ module fp_lanes #(
     parameter  int MAN   = 23,     // 2..52
     parameter  int LANES = 1,      // >= 1
     parameter  int B_LANES = LANES,  // LANES, or 1: b is one value for all lanes
-    parameter  int LAT   = 1,      // >= 1; register cuts while the operation has stages to cut, then delay at the output
+    // >= 1; register cuts while the operation has stages to cut, then delay at the output
+    parameter  int LAT   = 1,
     parameter      ARITH = "rtl",  // "rtl", or "host": combinational, whatever LAT is
     parameter  bit CANON = 1,    // 0: the host back end may give any NaN; for results that only arithmetic reads
     parameter  bit FLAGS = 0,
@@ -25,7 +26,9 @@ module fp_lanes #(
   if (ARITH == "rtl") begin : g_rtl
     logic unused_on;
     assign unused_on = on_i;
-    localparam int MOST = (OP <= formats_pkg::FP_MUL) ? 5 : (OP == formats_pkg::FP_DIV) ? MAN + 5 : (OP == formats_pkg::FP_SQRT) ? MAN + 3 : 0;  // comparisons have nothing to cut
+    // comparisons have nothing to cut
+    localparam int MOST = (OP <= formats_pkg::FP_MUL) ? 5 : (OP == formats_pkg::FP_DIV) ? MAN + 5 :
+        (OP == formats_pkg::FP_SQRT) ? MAN + 3 : 0;  // comparisons have nothing to cut
     localparam int CUTS = (LAT - 1 > MOST) ? MOST : LAT - 1;
     localparam int LW = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64;  // word of a lane of gates (fp_mask.svh)
     logic [LANES-1:0][CW-1:0] r, flags;
@@ -48,8 +51,8 @@ module fp_lanes #(
       logic unused_high;
       assign unused_high = &{1'b0, r_lane, flags_lane};
     end
-    // At most 32 lanes in one object: wider ones spill registers when they are simulated (fp32 add on AVX2, ns a clock: 16 lanes 91,
-    // 32 lanes 140, 64 lanes in one 390).
+    // At most 32 lanes in one object: wider ones spill registers when they are simulated (fp32 add on AVX2, ns a clock:
+    // 16 lanes 91, 32 lanes 140, 64 lanes in one 390).
     localparam int GROUP = (LANES % 32 == 0) ? 32 : LANES;
     localparam int B_GROUP = (B_LANES == 1) ? 1 : GROUP;
     for (genvar g = 0; g < LANES / GROUP; g++) begin : group

@@ -1,9 +1,9 @@
 // Words and helpers that every lane module shares; include inside a module with parameters EXP, MAN and CW.
 // CW is the word of a lane: the format's container, but 64 bits from 24 fraction bits on. In 32 bits there is then no
 // room for the carry, guard and sticky bits beside the significand, nor for exponents past the largest.
-// The masked style: a condition is a word of all ones or all zeros, made from the sign bit of a subtraction, and a choice is a
-// select by mask. Nothing branches and nothing is narrower than a lane, so that a simulator's compiler can turn lanes into
-// vector code; in gates the masks fold to one bit.
+// The masked style: a condition is a word of all ones or all zeros, made from the sign bit of a subtraction, and a
+// choice is a select by mask. Nothing branches and nothing is narrower than a lane, so that a simulator's compiler can
+// turn lanes into vector code; in gates the masks fold to one bit.
   localparam int AB = $clog2(CW);  // bits of a shift amount
   localparam logic [CW-1:0] ONE = 1;
   localparam logic [CW-1:0] SHIFT_MAX = (ONE << AB) - 1;

@@ -1,6 +1,7 @@
-// minimumNumber or maximumNumber of IEEE 754-2019: a NaN loses against a number, -0 is below +0, two NaNs give the canonical
-// NaN, a signalling NaN raises NV.
-// Latency: LAT clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
+// minimumNumber or maximumNumber of IEEE 754-2019: a NaN loses against a number, -0 is below +0, two NaNs give the
+// canonical NaN, a signalling NaN raises NV.
+// Latency: LAT clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none, runs free. Flags
+// {NV,DZ,OF,UF,NX} when FLAGS = 1.
 module fp_minmax #(
     parameter  int EXP   = 8,    // 3..11
     parameter  int MAN   = 23,   // 2..52
@@ -19,6 +20,8 @@ module fp_minmax #(
     output logic [LANES-1:0][CW-1:0] flags_o
 );
   /*verilator inline_module*/
-  fp_lanes #(.OP(MAX ? formats_pkg::FP_MAX : formats_pkg::FP_MIN), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) lanes (
+  fp_lanes #(.OP(MAX ? formats_pkg::FP_MAX : formats_pkg::FP_MIN), .EXP(EXP), .MAN(MAN), .LANES(LANES),
+      .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH),
+      .FLAGS(FLAGS)) lanes (
       .clk_i, .on_i(1'b1), .a_i, .b_i, .r_o(r_o), .flags_o);
 endmodule

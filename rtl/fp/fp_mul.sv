@@ -1,5 +1,6 @@
 // Product.
-// Latency: LAT clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
+// Latency: LAT clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none, runs free. Flags
+// {NV,DZ,OF,UF,NX} when FLAGS = 1.
 module fp_mul #(
     parameter  int EXP   = 8,    // 3..11
     parameter  int MAN   = 23,   // 2..52
@@ -18,6 +19,8 @@ module fp_mul #(
     output logic [LANES-1:0][CW-1:0] flags_o
 );
   /*verilator inline_module*/
-  fp_lanes #(.OP(formats_pkg::FP_MUL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .CANON(CANON), .FLAGS(FLAGS)) lanes (
+  fp_lanes #(.OP(formats_pkg::FP_MUL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT),
+      .ARITH(ARITH), .CANON(CANON),
+      .FLAGS(FLAGS)) lanes (
       .clk_i, .on_i(1'b1), .a_i, .b_i, .r_o(r_o), .flags_o);
 endmodule

@@ -1,5 +1,5 @@
-// One lane of fp_mul: swap | normalise | partial products | sum | shift | round. x is the operand of larger magnitude; only y
-// needs normalising when two subnormals multiply to less than half of the smallest subnormal (bias >= MAN + 2).
+// One lane of fp_mul: swap | normalise | partial products | sum | shift | round. x is the operand of larger magnitude;
+// only y needs normalising when two subnormals multiply to less than half of the smallest subnormal (bias >= MAN + 2).
 // Significands are multiplied as halves of H bits so that nothing is wider than the container.
 // Latency: CUTS clocks, 0..5. Throughput: one a clock. Stall: none.
 module fp_mul_lane #(
@@ -43,8 +43,8 @@ module fp_mul_lane #(
   fp_cut #(CW, D_SWAP) cut_y (.clk_i, .d_i(y_s), .q_o(y));
   fp_cut #(CW, D_SWAP) cut_sign_n (.clk_i, .d_i(sign_s), .q_o(sign_n));
 
-  // Normalise: significands with their leading one at the top; e is the biased exponent of the product less one, for a product
-  // in [1, 2). A zero y is caught by its own mask.
+  // Normalise: significands with their leading one at the top; e is the biased exponent of the product less one, for a
+  // product in [1, 2). A zero y is caught by its own mask.
   logic [CW-1:0] sx_n, sy_n, ex_n, ey_n, e_n, inf_n, nan_n, zero_n;
   logic [CW-1:0] sx, sy, e_p, sign_p, inf_p, nan_p, zero_p;
   fp_normalise #(.EXP(EXP), .MAN(MAN), .COUNT(NORMALISE_X)) norm_x (.mag_i(x), .s_o(sx_n), .e_o(ex_n));

@@ -1,5 +1,5 @@
-// Magnitude to a significand with its leading one at the top of the word and the biased exponent less one, which goes below
-// zero for subnormals. COUNT = 0: subnormals stay as they are. Combinational.
+// Magnitude to a significand with its leading one at the top of the word and the biased exponent less one, which goes
+// below zero for subnormals. COUNT = 0: subnormals stay as they are. Combinational.
 module fp_normalise #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,

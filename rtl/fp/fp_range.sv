@@ -1,5 +1,5 @@
-// Whether the size of a word lies between two powers of two, 2^LOW <= |a| <= 2^HIGH, or with SIGNED 2^LOW <= a <= 2^HIGH, as a lane
-// mask; false for a NaN.
+// Whether the size of a word lies between two powers of two, 2^LOW <= |a| <= 2^HIGH, or with SIGNED 2^LOW <= a <=
+// 2^HIGH, as a lane mask; false for a NaN.
 // Latency: 0. Throughput: one result a lane a clock. Stall: none.
 module fp_range #(
     parameter int EXP = 8,
@@ -20,7 +20,8 @@ module fp_range #(
   localparam int BIAS = (1 << (EXP - 1)) - 1;
   localparam int LEAST = ZERO ? 0 : LOW + BIAS;  // exponents as they stand in a word
   localparam int MOST = HIGH + BIAS;
-  if (LEAST < 0 || (!ZERO && LEAST == 0) || MOST > 2 * BIAS) $error("fp_range: LOW and HIGH must be exponents of normal numbers");
+  if (LEAST < 0 || (!ZERO && LEAST == 0) || MOST > 2 * BIAS)
+      $error("fp_range: LOW and HIGH must be exponents of normal numbers");
   localparam logic [CW-1:0] MASK = SIGNED ? '1 : (CW'(1) << (EXP + MAN)) - 1;
   logic [LANES-1:0][CW-1:0] m;
 `ifdef VERILATOR

@@ -1,6 +1,8 @@
-// Rounding of one lane, shared by product, quotient, root and conversions: shift right | round to nearest even and pack.
-// m_i: significand with weights 2 (top bit), 1, 1/2, ... and a sticky bit at the bottom, value in [1, 4) or anything if a mask
-// says so. e_i: biased exponent of that value less one, two's complement. Masks: zero, infinity, NaN, in rising priority.
+// Rounding of one lane, shared by product, quotient, root and conversions: shift right | round to nearest even and
+// pack.
+// m_i: significand with weights 2 (top bit), 1, 1/2, ... and a sticky bit at the bottom, value in [1, 4) or anything if
+// a mask says so. e_i: biased exponent of that value less one, two's complement. Masks: zero, infinity, NaN, in rising
+// priority.
 // Latency: CUT clocks, 0..1. Throughput: one a clock. Stall: none.
 module fp_round #(
     parameter int EXP   = 8,
@@ -53,8 +55,8 @@ module fp_round #(
     r_o = sel(nan, QNAN, sign | sel(neg(INF - p) | inf, INF, p));
   end
 
-  // Tiny after rounding: below the smallest normal even if rounded at full precision, that is, with the significand shifted by
-  // top_s only and no carry out of the value just below the normal range.
+  // Tiny after rounding: below the smallest normal even if rounded at full precision, that is, with the significand
+  // shifted by top_s only and no carry out of the value just below the normal range.
   if (FLAGS) begin : g_flags
     logic [CW-1:0] full_s, carry_s, uf_s, uf, nv, dz, of, nx, special;
     always_comb begin

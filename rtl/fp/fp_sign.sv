@@ -1,4 +1,5 @@
-// Sign of a word, free of gates: formats_pkg::SIGN_*. NaN is not special.
+// Sign of a word, free of gates: formats_pkg::SIGN_*. NaN is
+// not special.
 // Latency: 0. Throughput: one result a lane a clock. Stall: none.
 module fp_sign #(
     parameter  int EXP   = 8,
@@ -22,7 +23,8 @@ module fp_sign #(
     assign unused_b = &{1'b0, b_i};
   end
 `ifdef VERILATOR
-  // A call a lane, as the arithmetic around it: Verilator would join bit operations of neighbouring lanes, which then vectorise no more.
+  // A call a lane, as the arithmetic around it: Verilator would join bit operations of neighbouring lanes, which then
+  // vectorise no more.
   if (ARITH != "rtl" && CW == 32) begin : g_32
     always_comb begin
       r = '0;

@@ -1,5 +1,6 @@
 // Square root; of a negative number NaN, of -0 the -0.
-// Latency: LAT clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
+// Latency: LAT clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none, runs free. Flags
+// {NV,DZ,OF,UF,NX} when FLAGS = 1.
 module fp_sqrt #(
     parameter  int EXP   = 8,    // 3..11
     parameter  int MAN   = 23,   // 2..52
@@ -15,6 +16,7 @@ module fp_sqrt #(
     output logic [LANES-1:0][CW-1:0] flags_o
 );
   /*verilator inline_module*/
-  fp_lanes #(.OP(formats_pkg::FP_SQRT), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) lanes (
+  fp_lanes #(.OP(formats_pkg::FP_SQRT), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH),
+      .FLAGS(FLAGS)) lanes (
       .clk_i, .on_i(1'b1), .a_i, .b_i(a_i), .r_o(r_o), .flags_o);
 endmodule

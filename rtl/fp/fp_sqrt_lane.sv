@@ -1,6 +1,6 @@
 // One lane of fp_sqrt: normalise | MAN + 1 steps of the restoring root | shift | round.
-// Invariant after step i: r = 2^i (s - root^2), with s in [1, 4) and the root so far; d holds twice the root. Both have MAN + 1
-// fraction bits. The root in [1, 2) is never tiny and never overflows.
+// Invariant after step i: r = 2^i (s - root^2), with s in [1, 4) and the root so far; d holds twice the root. Both have
+// MAN + 1 fraction bits. The root in [1, 2) is never tiny and never overflows.
 // Latency: CUTS clocks, 0..MAN + 3, spread evenly over the MAN + 3 places where a cut may lie. Throughput: one a clock.
 module fp_sqrt_lane #(
     parameter int EXP   = 8,

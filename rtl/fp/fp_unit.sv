@@ -1,5 +1,5 @@
-// Every operation of one format on LANES lanes, for tests, measurements and the `cde fp` command. Each operation has a clock of its
-// own, as behind a clock gate, so that idle operations cost nothing.
+// Every operation of one format on LANES lanes, for tests, measurements and the `cde fp` command. Each operation has a
+// clock of its own, as behind a clock gate, so that idle operations cost nothing.
 // Latency: LAT_* clocks of the operation. Throughput: one result a lane a clock. Stall: none.
 module fp_unit #(
     parameter  int EXP      = 8,      // 3..11
@@ -18,7 +18,7 @@ module fp_unit #(
     parameter  int LAT_CVT  = 1,      // conversions
     localparam int CW       = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
-    input  logic [formats_pkg::FP_OPS-1:0]  clk_i,  // bit k: of operation k, formats_pkg::FP_*
+    input  logic [formats_pkg::FP_OPS-1:0] clk_i,  // bit k: of operation k, formats_pkg::FP_*
     input  logic [LANES-1:0][CW-1:0]       a_i,
     input  logic [B_LANES-1:0][CW-1:0]     b_i,
     input  logic [LANES-1:0][63:0]         n_i,   // integer operands
@@ -35,12 +35,15 @@ module fp_unit #(
         (k == formats_pkg::FP_DIV) ? LAT_DIV : (k == formats_pkg::FP_SQRT) ? LAT_SQRT : LAT_CMP;
     if (OPS[k]) begin : g_on
       logic [LANES-1:0][CW-1:0] r, f;
-      fp_lanes #(.OP(k), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .CANON(CANON != 0),
+      fp_lanes #(.OP(k), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH),
+          .CANON(CANON != 0),
           .FLAGS(FLAGS != 0)) lanes (
           .clk_i(clk_i[k]), .on_i(1'b1), .a_i, .b_i, .r_o(r), .flags_o(f));
       // The host back end is combinational; here it gets the timing of the gates.
-      fp_delay #(.LANES(LANES), .W(CW), .DEPTH(ARITH != "rtl" ? LAT : 0)) delay_r (.clk_i(clk_i[k]), .d_i(r), .q_o(r_o[k]));
-      fp_delay #(.LANES(LANES), .W(CW), .DEPTH(ARITH != "rtl" ? LAT : 0)) delay_f (.clk_i(clk_i[k]), .d_i(f), .q_o(f_o[k]));
+      fp_delay #(.LANES(LANES), .W(CW), .DEPTH(ARITH != "rtl" ? LAT : 0))
+          delay_r (.clk_i(clk_i[k]), .d_i(r), .q_o(r_o[k]));
+      fp_delay #(.LANES(LANES), .W(CW), .DEPTH(ARITH != "rtl" ? LAT : 0))
+          delay_f (.clk_i(clk_i[k]), .d_i(f), .q_o(f_o[k]));
     end else begin : g_off
       assign r_o[k] = '0;
       assign f_o[k] = '0;
@@ -49,23 +52,29 @@ module fp_unit #(
 
   for (genvar k = 0; k < formats_pkg::FP_OPS - formats_pkg::FP_TO_FORMAT; k++) begin : g_convert
     localparam int OP = formats_pkg::FP_TO_FORMAT + k;
-    localparam int EXP_O = formats_pkg::format_exp(k % formats_pkg::FORMATS), MAN_O = formats_pkg::format_man(k % formats_pkg::FORMATS);
+    localparam int EXP_O = formats_pkg::format_exp(k % formats_pkg::FORMATS);
+    localparam int MAN_O = formats_pkg::format_man(k % formats_pkg::FORMATS);
     localparam int INT = ((k / 2) % 2 == 1) ? 64 : 32;
-    localparam int CO = (k < formats_pkg::FORMATS) ? formats_pkg::container(EXP_O, MAN_O) : (OP < formats_pkg::FP_TO_I32) ? CW : INT;
+    localparam int CO = (k < formats_pkg::FORMATS) ? formats_pkg::container(EXP_O, MAN_O) :
+        (OP < formats_pkg::FP_TO_I32) ? CW : INT;
     if (OPS[OP]) begin : g_on
       logic [LANES-1:0][CO-1:0] r, f;
       if (k < formats_pkg::FORMATS) begin : g_cvt
-        fp_cvt #(.EXP_I(EXP), .MAN_I(MAN), .EXP_O(EXP_O), .MAN_O(MAN_O), .LANES(LANES), .LAT(LAT_CVT), .ARITH(ARITH),
+        fp_cvt #(.EXP_I(EXP), .MAN_I(MAN), .EXP_O(EXP_O), .MAN_O(MAN_O), .LANES(LANES), .LAT(LAT_CVT),
+            .ARITH(ARITH),
             .FLAGS(FLAGS != 0)) cvt (.clk_i(clk_i[OP]), .a_i, .r_o(r), .flags_o(f));
       end else if (OP < formats_pkg::FP_TO_I32) begin : g_from_int
         logic [LANES-1:0][INT-1:0] n;
         for (genvar l = 0; l < LANES; l++) begin : g_operand
           assign n[l] = n_i[l][INT-1:0];
         end
-        fp_from_int #(.EXP(EXP), .MAN(MAN), .INT(INT), .UNSIGNED(k % 2 == 1), .LANES(LANES), .LAT(LAT_CVT), .ARITH(ARITH),
+        fp_from_int #(.EXP(EXP), .MAN(MAN), .INT(INT), .UNSIGNED(k % 2 == 1), .LANES(LANES), .LAT(LAT_CVT),
+            .ARITH(ARITH),
             .FLAGS(FLAGS != 0)) from_int (.clk_i(clk_i[OP]), .a_i(n), .r_o(r), .flags_o(f));
       end else begin : g_to_int
-        fp_to_int #(.EXP(EXP), .MAN(MAN), .INT(INT), .UNSIGNED(k % 2 == 1), .TRUNCATE(OP >= formats_pkg::FP_TO_I32_TRUNC), .LANES(LANES), .LAT(LAT_CVT),
+        fp_to_int #(.EXP(EXP), .MAN(MAN), .INT(INT), .UNSIGNED(k % 2 == 1),
+            .TRUNCATE(OP >= formats_pkg::FP_TO_I32_TRUNC), .LANES(LANES),
+            .LAT(LAT_CVT),
             .ARITH(ARITH), .FLAGS(FLAGS != 0)) to_int (.clk_i(clk_i[OP]), .a_i, .r_o(r), .flags_o(f));
       end
       for (genvar l = 0; l < LANES; l++) begin : g_result

@@ -1,6 +1,7 @@
-// Parts of the convex pipes as operators of the dataflow notation. A part is a module that takes its inputs at stage time 0 of its
-// own and gives its outputs at one time, the LATENCY_* below; what needs another time says so. Each part refuses to elaborate if its
-// own stage times do not add up to that. The parts beyond these lines are instantiated by hand, because they belong to generate loops.
+// Parts of the convex pipes as operators of the dataflow notation. A part is a module that takes its inputs at stage
+// time 0 of its own and gives its outputs at one time, the LATENCY_* below; what needs another time says so. Each part
+// refuses to elaborate if its own stage times do not add up to that. The parts beyond these lines are instantiated by
+// hand, because they belong to generate loops.
 `ifndef CDE_CONVEX_SVH
 `define CDE_CONVEX_SVH
 `include "dataflow.svh"
@@ -16,24 +17,28 @@
 `define LATENCY_FACE_FACET (2 * LAT_CMP + LAT_ADD + `DF_LAT_DOT)
 `define LATENCY_EDGE_NORMAL (LAT_MUL + LAT_ADD + `DF_MAX2(LAT_CMP, LAT_SQRT + LAT_DIV) + LAT_MUL)
 // The critical path: across, t, s, rest, t for that s, the vector of nearest points, its square.
-`define LATENCY_EDGE_FACET ((LAT_ADD + LAT_MUL + LAT_ADD) + (LAT_MUL + 2 * LAT_CMP) + (LAT_MUL + LAT_ADD + 2 * LAT_CMP) + LAT_ADD + \
+`define LATENCY_EDGE_FACET ((LAT_ADD + LAT_MUL + LAT_ADD) + (LAT_MUL + 2 * LAT_CMP) + \
+  (LAT_MUL + LAT_ADD + 2 * LAT_CMP) + LAT_ADD + \
   (2 * LAT_MUL + LAT_ADD + 2 * LAT_CMP) + (LAT_MUL + LAT_ADD) + `DF_LAT_DOT)
 `define LATENCY_OBB_FACE (3 * LAT_ADD + `LATENCY_FACE_FACET)
 `define LATENCY_OBB_EDGE (LAT_MUL + 3 * LAT_ADD + LAT_CMP + `LATENCY_EDGE_FACET)
 `define LATENCY_OBB_SUPPORT (`DF_LAT_DOT + 4 * LAT_ADD)
 `define LATENCY_LEAST(COUNT) ($clog2(COUNT) * LAT_CMP)
 `define LATENCY_NEAREST(COUNT) (`LATENCY_LEAST(COUNT) + `LATENCY_PERPENDICULAR)
-`define LATENCY_WITNESS(COUNT) (`FACET_WAIT + 2 * `LATENCY_LEAST(COUNT) + `DF_MAX2(LAT_ADD, LAT_CMP) + LAT_CMP + LAT_MUL + LAT_ADD + \
+`define LATENCY_WITNESS(COUNT) (`FACET_WAIT + 2 * `LATENCY_LEAST(COUNT) + `DF_MAX2(LAT_ADD, LAT_CMP) + LAT_CMP + \
+  LAT_MUL + LAT_ADD + \
   `DF_LAT_DOT)
 `define LATENCY_SETTLE (`DF_MAX2(LAT_ADD, LAT_MUL) + LAT_ADD + 2 * LAT_CMP + LAT_ADD)
-`define LATENCY_POLISH (`DF_MAX2(`DF_MAX2(2 * LAT_CMP + LAT_MUL, LAT_ADD + `DF_LAT_DOT) + LAT_CMP, LAT_ADD + `DF_LAT_DOT + LAT_DIV + LAT_CMP) + \
+`define LATENCY_POLISH (`DF_MAX2(`DF_MAX2(2 * LAT_CMP + LAT_MUL, LAT_ADD + `DF_LAT_DOT) + LAT_CMP, LAT_ADD + \
+  `DF_LAT_DOT + LAT_DIV + LAT_CMP) + \
   LAT_MUL + LAT_ADD)
 
 // ---- Operators ----
 // AB + CD, the sum of two products.
 `define DF_DOT2(R, A, B, C, D) `DF_MUL(R``_ab, A, B) `DF_MUL(R``_cd, C, D) `DF_ADD(R, R``_ab, R``_cd)
 // |x| + |y| + |z|.
-`define DF_NORM1(R, V) `DF_VABS(R``_abs, V) `DF_PICK(R``_x, R``_abs, 0) `DF_PICK(R``_y, R``_abs, 1) `DF_PICK(R``_z, R``_abs, 2) \
+`define DF_NORM1(R, V) `DF_VABS(R``_abs, V) `DF_PICK(R``_x, R``_abs, 0) `DF_PICK(R``_y, R``_abs, 1) \
+  `DF_PICK(R``_z, R``_abs, 2) \
   `DF_ADD(R``_xy, R``_x, R``_y) `DF_ADD(R, R``_xy, R``_z)
 // a.|n|: half the width along n of a box with half extents a.
 `define DF_BOX_RADIUS(R, N, A) `DF_VABS(R``_n, N) `DF_DOT(R, A, R``_n)
@@ -51,11 +56,16 @@
 `define DF_DIRECTION(N, D, M, V) `DF_DOT(N``_squared, V, V) `DF_USABLE(M, N``_squared) `DF_SQRT(D, N``_squared) \
   `DF_CONST(N``_one, ((CW'(1) << (EXP - 1)) - 1) << MAN) `DF_DIV(N``_inverse, N``_one, D) `DF_VSCALE(N, V, N``_inverse)
 // Which component of the unit vector N leads, M_x, M_y or else z: the first beyond 5/16. And that component of V.
-`define DF_LEADING(M, N) `DF_CONST(M``_least, CW'(`DF_POWER_OF_TWO(-2)) | (CW'(1) << (MAN - 2))) `DF_PICK(M``_n_x, N, 0) `DF_PICK(M``_n_y, N, 1) \
-  `DF_ABS(M``_size_x, M``_n_x) `DF_ABS(M``_size_y, M``_n_y) `DF_LT(M``_x, M``_least, M``_size_x) `DF_LT(M``_y, M``_least, M``_size_y)
-`define DF_LEAD(R, M, V) `DF_PICK(R``_v_x, V, 0) `DF_PICK(R``_v_y, V, 1) `DF_PICK(R``_v_z, V, 2) `DF_SELECT3(R, M``_x, M``_y, R``_v_x, R``_v_y, R``_v_z)
-// The side on which a pair of opposite facets has its gap: the sign of the height H or, where that is noise, of ORIENTATION.
-`define DF_SIDE_OF(R, H, TIE, ORIENTATION) `DF_ABS(R``_size, H) `DF_LE(R``_ties, R``_size, TIE) `DF_SELECT(R, R``_ties, ORIENTATION, H)
+`define DF_LEADING(M, N) `DF_CONST(M``_least, CW'(`DF_POWER_OF_TWO(-2)) | (CW'(1) << (MAN - 2))) \
+  `DF_PICK(M``_n_x, N, 0) `DF_PICK(M``_n_y, N, 1) \
+  `DF_ABS(M``_size_x, M``_n_x) `DF_ABS(M``_size_y, M``_n_y) `DF_LT(M``_x, M``_least, M``_size_x) \
+    `DF_LT(M``_y, M``_least, M``_size_y)
+`define DF_LEAD(R, M, V) `DF_PICK(R``_v_x, V, 0) `DF_PICK(R``_v_y, V, 1) `DF_PICK(R``_v_z, V, 2) \
+  `DF_SELECT3(R, M``_x, M``_y, R``_v_x, R``_v_y, R``_v_z)
+// The side on which a pair of opposite facets has its gap: the sign of the height H or, where that is noise, of
+// ORIENTATION.
+`define DF_SIDE_OF(R, H, TIE, ORIENTATION) `DF_ABS(R``_size, H) `DF_LE(R``_ties, R``_size, TIE) \
+  `DF_SELECT(R, R``_ties, ORIENTATION, H)
 // Three vectors as rows of a matrix.
 `define DF_MAT(R, X, Y, Z) localparam int T_``R = `DF_MAX3(T_``X, T_``Y, T_``Z); `DF_MATRIX R; \
   df_align #(.W(3 * LANES * CW), .T_A(T_``X), .T(T_``R), .ARITH(ARITH)) align_x_``R (.clk_i, .a_i(X), .r_o(R[0])); \
@@ -70,28 +80,37 @@
 `define DF_TURNED(R, X) localparam int T_``R = T_``X + `LATENCY_TURNED; `DF_VECTOR R; \
   turned #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) turned_``R (.clk_i, .x_i(X), .r_o(R));
 // V less its part along F; INVERSE is 1 / F.F or 0.
-`define DF_PERPENDICULAR(R, V, F, INVERSE) localparam int T_``R = `DF_MAX3(T_``V, T_``F, T_``INVERSE) + `LATENCY_PERPENDICULAR; \
+`define DF_PERPENDICULAR(R, V, F, INVERSE) localparam int T_``R = `DF_MAX3(T_``V, T_``F, T_``INVERSE) + \
+  `LATENCY_PERPENDICULAR; \
   `DF_VECTOR R; \
-  perpendicular #(`DF_FORMAT, .T_V(T_``V), .T_F(T_``F), .T_INVERSE(T_``INVERSE), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) perpendicular_``R ( \
+  perpendicular #(`DF_FORMAT, .T_V(T_``V), .T_F(T_``F), .T_INVERSE(T_``INVERSE), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) \
+    perpendicular_``R ( \
       .clk_i, .v_i(V), .f_i(F), .inverse_ff_i(INVERSE), .r_o(R));
 // The points x = (v, p): NEAR_V, NEAR_P and FAR_V, FAR_P give R_V, R_P.
 `define DF_POLISH(R_V, R_P, NEAR_V, NEAR_P, FAR_V, FAR_P, TIE) \
-  localparam int T_``R_V = `DF_MAX2(`DF_MAX3(T_``NEAR_V, T_``NEAR_P, T_``TIE), `DF_MAX2(T_``FAR_V, T_``FAR_P)) + `LATENCY_POLISH, T_``R_P = T_``R_V; \
+  localparam int T_``R_V = `DF_MAX2(`DF_MAX3(T_``NEAR_V, T_``NEAR_P, T_``TIE), `DF_MAX2(T_``FAR_V, T_``FAR_P)) + \
+    `LATENCY_POLISH, T_``R_P = T_``R_V; \
   `DF_VECTOR R_V, R_P; \
-  polish #(`DF_FORMAT, .T_NEAR_V(T_``NEAR_V), .T_NEAR_P(T_``NEAR_P), .T_FAR_V(T_``FAR_V), .T_FAR_P(T_``FAR_P), .T_TIE(T_``TIE), \
+  polish #(`DF_FORMAT, .T_NEAR_V(T_``NEAR_V), .T_NEAR_P(T_``NEAR_P), .T_FAR_V(T_``FAR_V), .T_FAR_P(T_``FAR_P), \
+    .T_TIE(T_``TIE), \
       .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP)) polish_``R_V ( \
-      .clk_i, .near_v_i(NEAR_V), .near_p_i(NEAR_P), .far_v_i(FAR_V), .far_p_i(FAR_P), .tie_i(TIE), .v_o(R_V), .p_o(R_P));
+      .clk_i, .near_v_i(NEAR_V), .near_p_i(NEAR_P), .far_v_i(FAR_V), .far_p_i(FAR_P), .tie_i(TIE), .v_o(R_V), \
+        .p_o(R_P));
 
-// The facets' witness FROM: the same point of B, and the point of box A nearest to where it would be S N away. 9 add, 3 mul, 6 min/max.
-`define DF_SETTLE(V, P, FROM_V, FROM_P, S, N, HALF) `DF_VADD(V``_q, FROM_P, FROM_V) `DF_VSCALE(V``_apart, N, S) `DF_VSUB(V``_ideal, V``_q, V``_apart) \
+// The facets' witness FROM: the same point of B, and the point of box A nearest to where it would be S N away. 9 add, 3
+// mul, 6 min/max.
+`define DF_SETTLE(V, P, FROM_V, FROM_P, S, N, HALF) `DF_VADD(V``_q, FROM_P, FROM_V) `DF_VSCALE(V``_apart, N, S) \
+  `DF_VSUB(V``_ideal, V``_q, V``_apart) \
   `DF_VNEG(V``_low, HALF) `DF_VCLAMP(P, V``_ideal, V``_low, HALF) `DF_VSUB(V, V``_q, P)
 
-// ---- Choice between two answers of a pair (S, N, V, P): FACET_* of the facets, and POINT_*, the polished nearest point of B - A with its
-// length D and direction. The point stands if the bodies are apart, D is usable and the gap ALONG its direction is not less than
-// the facets' by more than TIE; so when the distance is so small that the point has no direction left, the facets decide. ----
-`define DF_DECIDE(S, N, V, P, FACET_S, FACET_N, FACET_V, FACET_P, POINT_D, POINT_N, POINT_V, POINT_P, USABLE, ALONG, TIE) \
-  `DF_CONST(S``_zero, 0) `DF_LT(S``_apart, S``_zero, FACET_S) `DF_SUB(S``_tied, FACET_S, TIE) `DF_LE(S``_confirmed, S``_tied, ALONG) \
-  `DF_AND(S``_usable, S``_apart, USABLE) `DF_AND(S``_point, S``_usable, S``_confirmed) \
+// ---- Choice between two answers of a pair (S, N, V, P): FACET_* of the facets, and POINT_*, the polished nearest
+// point of B - A with its length D and direction. The point stands if the bodies are apart, D is FIT and the gap ALONG
+// its direction is not less than the facets' by more than TIE; so when the distance is so small that the point has no
+// direction left, the facets decide. ----
+`define DF_DECIDE(S, N, V, P, FACET_S, FACET_N, FACET_V, FACET_P, POINT_D, POINT_N, POINT_V, POINT_P, FIT, ALONG, TIE) \
+  `DF_CONST(S``_zero, 0) `DF_LT(S``_apart, S``_zero, FACET_S) `DF_SUB(S``_tied, FACET_S, TIE) \
+    `DF_LE(S``_confirmed, S``_tied, ALONG) \
+  `DF_AND(S``_usable, S``_apart, FIT) `DF_AND(S``_point, S``_usable, S``_confirmed) \
   `DF_SELECT(S, S``_point, POINT_D, FACET_S) `DF_VSELECT(N, S``_point, POINT_N, FACET_N) \
   `DF_VSELECT(V, S``_point, POINT_V, FACET_V) `DF_VSELECT(P, S``_point, POINT_P, FACET_P)
 `endif

@@ -1,5 +1,6 @@
-// What the parts of the cylinder pairs share: phases of a pass, latencies of parts, parts as operators. Each part takes its inputs at
-// stage time 0 of its own and gives its outputs at the latency named here; it refuses to elaborate if its stage times do not fit.
+// What the parts of the cylinder pairs share: phases of a pass, latencies of parts, parts as operators. Each part takes
+// its inputs at stage time 0 of its own and gives its outputs at the latency named here; it refuses to elaborate if its
+// stage times do not fit.
 `ifndef CDE_CYLINDER_SVH
 `define CDE_CYLINDER_SVH
 `include "dataflow.svh"
@@ -31,8 +32,9 @@
 `define PASS_TRACK(P) P[5:4]
 `define PASS_INDEX(P) P[13:6]
 `define PASS_INDEX_LOW(P) P[7:6]
-// Witness points: projections between what n touches, then between what it nearly touches, of those the last two between the solids. From
-// UNSHIFTED on solids that are clearly apart stay where they are, and after that a pass tries the normal that the one before found.
+// Witness points: projections between what n touches, then between what it nearly touches, of those the last two
+// between the solids. From UNSHIFTED on solids that are clearly apart stay where they are, and after that a pass tries
+// the normal that the one before found.
 `define PROJECTIONS 8'd4
 `define WIDE_PROJECTIONS 8'd7
 `define UNSHIFTED (`WIDE_PROJECTIONS - 8'd4)
@@ -43,52 +45,72 @@
 `define LATENCY_RIM (`DF_LAT_CROSS + `DF_LAT_DOT + LAT_SQRT + `DF_MAX2(LAT_CMP, LAT_DIV) + 2 * LAT_MUL)
 `define LATENCY_REACH (formats_pkg::larger(`LATENCY_RIM, `DF_LAT_DOT + 2 * LAT_CMP) + LAT_ADD)
 `define LATENCY_EVALUATOR (`LATENCY_REACH + 2 * LAT_ADD)
-// The front's raw normal: cross products and the test for a usable one; of a polyhedron, from a vertex, or the test for a flat triangle.
+// The front's raw normal: cross products and the test for a usable one; of a polyhedron, from a vertex, or the test for
+// a flat triangle.
 `define LATENCY_CYLINDER_RAW (`DF_LAT_CROSS + `DF_MAX2(`DF_LAT_CROSS, `DF_LAT_DOT + LAT_CMP))
 `define LATENCY_POLYHEDRON_RAW (((BODY == `BODY_BOX) ? 3 : 1) * LAT_ADD + `DF_LAT_DOT + `DF_MAX2( \
   `DF_LAT_CROSS + LAT_SQRT + LAT_ADD + LAT_MUL + `DF_MAX3(LAT_MUL, LAT_ADD, LAT_CMP), 2 * LAT_MUL + 2 * LAT_CMP))
-`define LATENCY_FRONT (((BODY == `BODY_CYLINDER) ? `LATENCY_CYLINDER_RAW : `LATENCY_POLYHEDRON_RAW) + `LATENCY_NORMALISE)
-// Circle: the slope of the new normal, which may become an end of the bracket; then Newton's normal and whether it stays in the
-// bracket, or the tie.
+`define LATENCY_FRONT (((BODY == `BODY_CYLINDER) ? `LATENCY_CYLINDER_RAW : `LATENCY_POLYHEDRON_RAW) + \
+  `LATENCY_NORMALISE)
+// Circle: the slope of the new normal, which may become an end of the bracket; then Newton's normal and whether it
+// stays in the bracket, or the tie.
 `define LATENCY_SLOPE (`DF_LAT_CROSS + `DF_LAT_DOT)
 `define LATENCY_TIE (LAT_ADD + `DF_LAT_DOT + LAT_ADD + 2 * LAT_MUL + 2 * LAT_CMP + LAT_ADD)
-`define LATENCY_ENDS ((BODY == `BODY_CYLINDER) ? `LATENCY_SLOPE + LAT_CMP : `DF_MAX2(`LATENCY_SLOPE, LAT_CMP) + 2 * LAT_CMP)
-`define LATENCY_CIRCLE formats_pkg::larger(`LATENCY_ENDS + `LATENCY_TIE, formats_pkg::larger(`LATENCY_SLOPE + 3 * LAT_MUL + 3 * LAT_ADD + LAT_DIV, \
+`define LATENCY_ENDS ((BODY == `BODY_CYLINDER) ? `LATENCY_SLOPE + LAT_CMP : `DF_MAX2(`LATENCY_SLOPE, LAT_CMP) + \
+  2 * LAT_CMP)
+`define LATENCY_CIRCLE formats_pkg::larger(`LATENCY_ENDS + `LATENCY_TIE, \
+  formats_pkg::larger(`LATENCY_SLOPE + 3 * LAT_MUL + 3 * LAT_ADD + LAT_DIV, \
   `LATENCY_ENDS + `DF_LAT_CROSS) + `DF_LAT_DOT + LAT_CMP)
-`define LATENCY_POLE (3 * `DF_LAT_DOT + 4 * LAT_MUL + 3 * LAT_ADD + LAT_CMP + `DF_LAT_DOT + LAT_ADD + LAT_MUL + `DF_MAX2(LAT_SQRT, LAT_MUL) + \
+`define LATENCY_POLE (3 * `DF_LAT_DOT + 4 * LAT_MUL + 3 * LAT_ADD + LAT_CMP + `DF_LAT_DOT + LAT_ADD + LAT_MUL + \
+  `DF_MAX2(LAT_SQRT, LAT_MUL) + \
   LAT_DIV + 2 * LAT_CMP + LAT_MUL + LAT_ADD)
 `define LATENCY_NEWTON (4 * LAT_CMP + `DF_LAT_CROSS + `DF_LAT_DOT + 7 * LAT_MUL + 9 * LAT_ADD + LAT_SQRT + LAT_DIV)
 `define LATENCY_FREE `DF_MAX2(`LATENCY_POLE, `LATENCY_NEWTON)
 `define LATENCY_STEP ((BODY == `BODY_CYLINDER) ? formats_pkg::larger(`LATENCY_CIRCLE, `LATENCY_FREE) : `LATENCY_CIRCLE)
-`define LATENCY_PROJECT_CYLINDER (LAT_ADD + `DF_LAT_DOT + `DF_MAX2(2 * `DF_LAT_CROSS + LAT_SQRT + LAT_DIV, LAT_CMP) + LAT_CMP + LAT_MUL + 2 * LAT_ADD)
+`define LATENCY_PROJECT_CYLINDER (LAT_ADD + `DF_LAT_DOT + `DF_MAX2(2 * `DF_LAT_CROSS + LAT_SQRT + LAT_DIV, LAT_CMP) + \
+  LAT_CMP + LAT_MUL + 2 * LAT_ADD)
 `define LATENCY_PROJECT_BOX (`DF_LAT_DOT + 2 * LAT_CMP + LAT_MUL + 2 * LAT_ADD)
 `define LATENCY_PROJECT_TRIANGLE (3 * LAT_ADD + 2 * `DF_LAT_DOT + LAT_DIV + LAT_MUL + 5 * LAT_CMP)
-`define LATENCY_PROJECT ((BODY == `BODY_CYLINDER) ? `LATENCY_PROJECT_CYLINDER : (BODY == `BODY_BOX) ? `LATENCY_PROJECT_BOX : `LATENCY_PROJECT_TRIANGLE)
-`define LATENCY_CYLINDER_WITNESS (LAT_MUL + LAT_ADD + `DF_MAX2(LAT_ADD, LAT_CMP) + `LATENCY_PROJECT_CYLINDER + `LATENCY_PROJECT + 2 * LAT_ADD + `DF_LAT_DOT + \
+`define LATENCY_PROJECT ((BODY == `BODY_CYLINDER) ? `LATENCY_PROJECT_CYLINDER : (BODY == `BODY_BOX) ? \
+  `LATENCY_PROJECT_BOX : `LATENCY_PROJECT_TRIANGLE)
+`define LATENCY_CYLINDER_WITNESS (LAT_MUL + LAT_ADD + `DF_MAX2(LAT_ADD, LAT_CMP) + `LATENCY_PROJECT_CYLINDER + \
+  `LATENCY_PROJECT + 2 * LAT_ADD + `DF_LAT_DOT + \
   `DF_MAX2(2 * LAT_CMP, LAT_DIV + `DF_MAX2(LAT_CMP, LAT_MUL + LAT_ADD)))
 
 // ---- Operators ----
 // V of unit length; NaN where its square drowns among the subnormal numbers. 6 mul, 2 add, 1 div, 1 sqrt, 1 compare.
-`define DF_NORMALISE(R, V) `DF_DOT(R``_square, V, V) `DF_CONST(R``_least, CW'(3) << MAN) `DF_CONST(R``_one, `DF_POWER_OF_TWO(0)) \
+`define DF_NORMALISE(R, V) `DF_DOT(R``_square, V, V) `DF_CONST(R``_least, CW'(3) << MAN) \
+  `DF_CONST(R``_one, `DF_POWER_OF_TWO(0)) \
   `DF_CONST(R``_nan, (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1))) `DF_LE(R``_usable, R``_least, R``_square) \
-  `DF_SQRT(R``_length, R``_square) `DF_DIV(R``_inverse, R``_one, R``_length) `DF_SELECT(R``_factor, R``_usable, R``_inverse, R``_nan) \
+  `DF_SQRT(R``_length, R``_square) `DF_DIV(R``_inverse, R``_one, R``_length) \
+    `DF_SELECT(R``_factor, R``_usable, R``_inverse, R``_nan) \
   `DF_VSCALE(R, V, R``_factor)
 // A vector perpendicular to V: V x (1 0 0) or V x (0 1 0), whichever is longer. 2 compare.
-`define DF_ACROSS(R, V) `DF_VABS(R``_size, V) `DF_PICK(R``_x, R``_size, 0) `DF_PICK(R``_y, R``_size, 1) `DF_PICK(R``_z, R``_size, 2) \
+`define DF_ACROSS(R, V) `DF_VABS(R``_size, V) `DF_PICK(R``_x, R``_size, 0) `DF_PICK(R``_y, R``_size, 1) \
+  `DF_PICK(R``_z, R``_size, 2) \
   `DF_LE(R``_over_y, R``_y, R``_x) `DF_LE(R``_over_z, R``_z, R``_x) `DF_AND(R``_along_x, R``_over_y, R``_over_z) \
-  `DF_PICK(R``_vx, V, 0) `DF_PICK(R``_vy, V, 1) `DF_PICK(R``_vz, V, 2) `DF_NEG(R``_my, R``_vy) `DF_NEG(R``_mz, R``_vz) `DF_CONST(R``_zero, 0) \
-  `DF_VEC(R``_if, R``_mz, R``_zero, R``_vx) `DF_VEC(R``_else, R``_zero, R``_vz, R``_my) `DF_VSELECT(R, R``_along_x, R``_if, R``_else)
+  `DF_PICK(R``_vx, V, 0) `DF_PICK(R``_vy, V, 1) `DF_PICK(R``_vz, V, 2) `DF_NEG(R``_my, R``_vy) `DF_NEG(R``_mz, R``_vz) \
+    `DF_CONST(R``_zero, 0) \
+  `DF_VEC(R``_if, R``_mz, R``_zero, R``_vx) `DF_VEC(R``_else, R``_zero, R``_vz, R``_my) \
+    `DF_VSELECT(R, R``_along_x, R``_if, R``_else)
 // The rim of a cylinder with axis A and radius RADIUS as N sees it; OFF: its support is the cap's centre.
 `define DF_RIM(R, A, RADIUS, N, OFF) \
-  localparam int T_``R``_width = T_``N + `LATENCY_RIM, T_``R``_side = T_``R``_width, T_``R``_kappa = T_``R``_width, T_``R``_v = T_``R``_width; \
+  localparam int T_``R``_width = T_``N + `LATENCY_RIM, T_``R``_side = T_``R``_width, T_``R``_kappa = T_``R``_width, \
+    T_``R``_v = T_``R``_width; \
   `DF_SCALAR R``_width, R``_kappa; `DF_VECTOR R``_side, R``_v; \
-  cylinder_rim #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) rim_``R ( \
-      .clk_i, .off_i(OFF), .a_i(A), .radius_i(RADIUS), .n_i(N), .width_o(R``_width), .side_o(R``_side), .kappa_o(R``_kappa), .v_o(R``_v));
-// The point of a cylinder that is nearest to X: centre C, axis A, half height HALF, radius; the others as in project_cylinder.sv.
-`define DF_PROJECT_CYLINDER(R, X, C, A, HALF, RADIUS, SIDE, ALONGSIDE, END, RIM) localparam int T_``R = `DF_MAX2(T_``X, T_``C) + `LATENCY_PROJECT_CYLINDER; \
+  cylinder_rim #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), \
+    .LAT_CMP(LAT_CMP)) rim_``R ( \
+      .clk_i, .off_i(OFF), .a_i(A), .radius_i(RADIUS), .n_i(N), .width_o(R``_width), .side_o(R``_side), \
+        .kappa_o(R``_kappa), .v_o(R``_v));
+// The point of a cylinder that is nearest to X: centre C, axis A, half height HALF, radius; the others as in
+// project_cylinder.sv.
+`define DF_PROJECT_CYLINDER(R, X, C, A, HALF, RADIUS, SIDE, ALONGSIDE, END, RIM) localparam int T_``R = \
+  `DF_MAX2(T_``X, T_``C) + `LATENCY_PROJECT_CYLINDER; \
   `DF_VECTOR R; \
-  project_cylinder #(`DF_FORMAT, .T_X(T_``X), .T_C(T_``C), .T_ALONGSIDE(T_``ALONGSIDE), .T_END(T_``END), .T_RIM(T_``RIM), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), \
+  project_cylinder #(`DF_FORMAT, .T_X(T_``X), .T_C(T_``C), .T_ALONGSIDE(T_``ALONGSIDE), .T_END(T_``END), \
+    .T_RIM(T_``RIM), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), \
       .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) project_``R ( \
-      .clk_i, .on_i(`DF_ON), .x_i(X), .c_i(C), .a_i(A), .half_i(HALF), .radius_i(RADIUS), .side_i(SIDE), .alongside_i(ALONGSIDE), .end_i(END), \
+      .clk_i, .on_i(`DF_ON), .x_i(X), .c_i(C), .a_i(A), .half_i(HALF), .radius_i(RADIUS), .side_i(SIDE), \
+        .alongside_i(ALONGSIDE), .end_i(END), \
       .rim_i(RIM), .r_o(R));
 `endif

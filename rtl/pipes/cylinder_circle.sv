@@ -1,12 +1,15 @@
-// A step on a circle of normals perpendicular to e (reference/cylinder/search.hpp): the bracket lo, hi that the pass leaves behind, and
-// the next normal, Newton's where that stays in the bracket, else the tie of the support points of both ends. The pass has evaluated
+// A step on a circle of normals perpendicular to e (reference/cylinder/search.hpp): the bracket lo, hi that the pass
+// leaves behind, and the next normal, Newton's where that stays in the bracket, else the tie of the support points of
+// both ends. The pass has evaluated
 // (n, y, g) and the opposite normal (-n, minus_y, minus_g).
 //   beside   (cylinders) last and best make the bracket, in whichever order
-//   sample   (polyhedra) the sample before and this one make it, or their opposites, if both slopes point inward and no bracket so far
+// sample (polyhedra) the sample before and this one make it, or their opposites, if both slopes point inward and no
+// bracket so far
 //            has a better end
 //   refine   n replaces the end whose slope has its sign
 // 40 add, 62 mul, 1 div, 5 compare, 3 min/max (cylinder); 34 add, 51 mul, 1 div, 10 compare, 5 min/max (box, triangle).
-// Latency: LATENCY_STEP clocks, the slopes LATENCY_SLOPE; 0 with ARITH = "host". Throughput: one step a lane a clock. Stall: none.
+// Latency: LATENCY_STEP clocks, the slopes LATENCY_SLOPE; 0 with ARITH = "host". Throughput: one step a lane a clock.
+// Stall: none.
 `include "cylinder.svh"
 module cylinder_circle #(
     parameter int BODY = `BODY_CYLINDER,
@@ -59,11 +62,13 @@ module cylinder_circle #(
 );
   /*verilator inline_module*/
   logic on;
-  assign on = `PASS_PHASE(pass_i) == `PHASE_BESIDE || `PASS_PHASE(pass_i) == `PHASE_SAMPLE || `PASS_PHASE(pass_i) == `PHASE_REFINE;
+  assign on = `PASS_PHASE(pass_i) == `PHASE_BESIDE || `PASS_PHASE(pass_i) == `PHASE_SAMPLE || `PASS_PHASE(pass_i) ==
+      `PHASE_REFINE;
   `undef DF_ON
   `define DF_ON on
   localparam logic [CW-1:0] MINUS_INFINITY = ((CW'(2) << EXP) - 1) << MAN;
-  // sqrt(16 times the smallest normal number), rounded down to a power of two; weights below it would drown when squared.
+  // sqrt(16 times the smallest normal number), rounded down to a power of two; weights below it would drown when
+  // squared.
   localparam int LEAST_WEIGHT = (EXP > 3) ? -(((1 << (EXP - 1)) - 5) / 2) : 0;
   `DF_CONTROL(refine, `PASS_PHASE(pass_i) == `PHASE_REFINE, 0)
   `DF_CONTROL(first, `PASS_INDEX(pass_i) == 0, 0)
@@ -96,7 +101,8 @@ module cylinder_circle #(
   `DF_VSELECT(refined_hi_y, up, kept_hi_y, y)
   if (BODY == `BODY_CYLINDER) begin : g_beside
     logic unused;
-    assign unused = &{1'b0, first, `PASS_TRACK(pass_i), score_i, last_g_i, last_slope_i, back_g_i, back_y_i, back_slope_i, minus_g_i, minus_y};
+    assign unused = &{1'b0, first, `PASS_TRACK(pass_i), score_i, last_g_i, last_slope_i, back_g_i, back_y_i,
+        back_slope_i, minus_g_i, minus_y};
     `DF_VIN(best_n, best_n_i, 0)
     `DF_VIN(best_y, best_y_i, 0)
     `DF_CROSS(last_t, e, last_n)
@@ -202,7 +208,8 @@ module cylinder_circle #(
   `DF_AND(between, beyond_lo, before_hi)
   `DF_AND(holds, convex, between)
 
-  // ---- The tie: an end that is it already, or support points that are one, leave a sixteenth of the weight to either side ----
+  // ---- The tie: an end that is it already, or support points that are one, leave a sixteenth of the weight to
+  // either side ----
   `DF_CONST(sixteenth, `DF_POWER_OF_TWO(-4))
   `DF_CONST(least_weight, `DF_POWER_OF_TWO(LEAST_WEIGHT))
   `DF_VSUB(apart, lo_y, hi_y)

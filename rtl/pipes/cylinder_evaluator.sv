@@ -1,8 +1,10 @@
-// One evaluation of a cylinder pair (reference/cylinder/evaluator.hpp): for a unit normal n and for -n the gap g of the projections of A and
-// B and a point y of B - A with n.y = g, the rims of the cylinders, and A's support point. Everything is relative to A's origin.
-// 46 add, 56 mul, 2 div, 2 sqrt, 2 compare (cylinder); 46 add, 39 mul, 1 div, 1 sqrt, 1 compare (box); 36 add, 36 mul, 1 div, 1 sqrt,
-// 5 compare, 4 min/max (triangle).
-// Latency: LATENCY_EVALUATOR clocks; 0 with ARITH = "host". Throughput: one evaluation a lane a clock. Stall: none, runs free.
+// One evaluation of a cylinder pair (reference/cylinder/evaluator.hpp): for a unit normal n and for -n the gap g of the
+// projections of A and B and a point y of B - A with n.y = g, the rims of the cylinders, and A's support point.
+// Everything is relative to A's origin.
+// 46 add, 56 mul, 2 div, 2 sqrt, 2 compare (cylinder); 46 add, 39 mul, 1 div, 1 sqrt, 1 compare (box); 36 add, 36 mul,
+// 1 div, 1 sqrt, 5 compare, 4 min/max (triangle).
+// Latency: LATENCY_EVALUATOR clocks; 0 with ARITH = "host". Throughput: one evaluation a lane a clock. Stall: none,
+// runs free.
 `include "cylinder.svh"
 module cylinder_evaluator #(
     parameter int BODY = `BODY_CYLINDER,
@@ -43,7 +45,8 @@ module cylinder_evaluator #(
     output logic [2:0][LANES-1:0][CW-1:0] pa_o  // support point of A
 );
   /*verilator inline_module*/
-  `define CYLINDER_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)
+  `define CYLINDER_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), \
+    .LAT_CMP(LAT_CMP)
   `DF_VIN(n, n_i, 0)
   `DF_VIN(d, d_i, 0)
   `DF_VIN(b, b_i, 0)
@@ -67,7 +70,8 @@ module cylinder_evaluator #(
   `DF_SCALAR high, low;
   `DF_VECTOR at_high, at_low;
   cylinder_reach #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) reach (
-      .clk_i, .n_i, .reach_i, .width_i(a_width), .side_i(a_side), .high_o(high), .low_o(low), .at_high_o(at_high), .at_low_o(at_low));
+      .clk_i, .n_i, .reach_i, .width_i(a_width), .side_i(a_side), .high_o(high), .low_o(low), .at_high_o(at_high),
+      .at_low_o(at_low));
 
   // ---- B ----
   `DF_RIM(b, b, b_radius_i, n, off_b_i)

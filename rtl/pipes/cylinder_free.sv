@@ -1,7 +1,8 @@
-// A step of a free track between two cylinders (reference/cylinder/search.hpp), from the normal that the pass has evaluated, (n, y, g):
-// beside a cap axis (pole), along the steepest ascent t = y - g n by the Newton step of the one-sided derivative, t taken from the
-// other's nearer end or from between parallel axes; else Newton's step on the sphere, (kappa_a va va^T + kappa_b vb vb^T + g) step =
-// y - g n, damped. A step that does not raise g is undone and a quarter of it tried. lo_n is the base, lo_y the step from it, score its g.
+// A step of a free track between two cylinders (reference/cylinder/search.hpp), from the normal that the pass has
+// evaluated, (n, y, g): beside a cap axis (pole), along the steepest ascent t = y - g n by the Newton step of the
+// one-sided derivative, t taken from the other's nearer end or from between parallel axes; else Newton's step on the
+// sphere, (kappa_a va va^T + kappa_b vb vb^T + g) step = y - g n, damped. A step that does not raise g is undone and a
+// quarter of it tried. lo_n is the base, lo_y the step from it, score its g.
 // 63 add, 91 mul, 2 div, 3 sqrt, 6 compare, 7 min/max.
 // Latency: LATENCY_STEP clocks; 0 with ARITH = "host". Throughput: one step a lane a clock. Stall: none, runs free.
 `include "cylinder.svh"

@@ -1,19 +1,22 @@
-// A cylinder, box or triangle against a cylinder: s_K, the largest gap g(n) over the normals that the budget pays for, at most the signed
-// gap s, so that F = 0 is a proof (host/include/cde/reference/cylinder/). F = (s_K <= 0), T = |s_K|, n the normal, CP between the witness
-// points. One pipeline, which a row of pairs goes round once a pass: a normal (front), g for it and its opposite (evaluator), what the
-// pair keeps of that (circle, free), and at the end the witness points. RING rows are in flight, one a stage; what a row keeps lies in
-// memories with a slot a row, read and written by the stages that use it.
-// 257 add, 321 mul, 9 div, 8 sqrt, 34 compare, 18 min/max (cylinder); 200 add, 215 mul, 5 div, 4 sqrt, 33 compare, 16 min/max (box);
-// 257 add, 268 mul, 8 div, 4 sqrt, 48 compare, 21 min/max (triangle). RING, latency at one clock an operator and the default budget: 64,
-// 4,298; 64, 5,066; 70, 5,260.
-// Latency: ENTRY + passes * RING + FINISH clocks, latency_o, passes set by budget_i (schedule.hpp). Throughput: RING rows in passes * RING
-// clocks, a row a clock while slots are free. Stall: ready_o, low while the slot that comes by is not about to be free; results come in
-// the order of entry. With ARITH = "host" a whole pass is computed in the clock in which its row could leave, on the same schedule.
+// A cylinder, box or triangle against a cylinder: s_K, the largest gap g(n) over the normals that the budget pays for,
+// at most the signed gap s, so that F = 0 is a proof (host/include/cde/reference/cylinder/). F = (s_K <= 0), T = |s_K|,
+// n the normal, CP between the witness points. One pipeline, which a row of pairs goes round once a pass: a normal
+// (front), g for it and its opposite (evaluator), what the pair keeps of that (circle, free), and at the end the
+// witness points. RING rows are in flight, one a stage; what a row keeps lies in memories with a slot a row, read and
+// written by the stages that use it.
+// 257 add, 321 mul, 9 div, 8 sqrt, 34 compare, 18 min/max (cylinder); 200 add, 215 mul, 5 div, 4 sqrt, 33 compare, 16
+// min/max (box); 257 add, 268 mul, 8 div, 4 sqrt, 48 compare, 21 min/max (triangle). RING, latency at one clock an
+// operator and the default budget: 64, 4,298; 64, 5,066; 70, 5,260.
+// Latency: ENTRY + passes * RING + FINISH clocks, latency_o, passes set by budget_i (schedule.hpp). Throughput: RING
+// rows in passes * RING clocks, a row a clock while slots are free. Stall: ready_o, low while the slot that comes by is
+// not about to be free; results come in the order of entry. With ARITH = "host" a whole pass is computed in the clock
+// in which its row could leave, on the same schedule.
 `include "cylinder.svh"
 module cylinder_pair #(
     parameter int BODY = `BODY_CYLINDER,
     parameter int AHEAD = 0,  // 0 or 1: clocks from valid_i and ready_o to the row's operands
-    parameter int ENTRY = 5,  // clocks from a row's entry to its first pass: at least scale_latency and LAT_ADD or LAT_MUL
+    // clocks from a row's entry to its first pass: at least scale_latency and LAT_ADD or LAT_MUL
+    parameter int ENTRY = 5,
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
@@ -28,14 +31,16 @@ module cylinder_pair #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic [23:0] budget_i,  // {K2, K1, M}, a byte each: M 4, 8 or 16, K1 and K2 to 64; constant while anything is in flight,
+    // {K2, K1, M}, a byte each: M 4, 8 or 16, K1 and K2 to 64; constant while anything is in flight,
+    input logic [23:0] budget_i,
                                   // and from the clock before a row enters
     input logic valid_i,
     output logic ready_o,
     input logic [31:0] tag_i,
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,  // cylinder, box or triangle
     input logic [7:0][LANES-1:0][CW-1:0] b_i,  // cylinder: c x y z, axis x y z, half height, radius
-    input logic [LANES-1:0][CW-1:0] bad_i,  // lane mask that goes with the row, ENTRY clocks after it; with it if ARITH = "host"
+    // lane mask that goes with the row, ENTRY clocks after it; with it if ARITH = "host"
+    input logic [LANES-1:0][CW-1:0] bad_i,
     output logic valid_o,
     output logic [31:0] tag_o,
     output logic [LANES-1:0][CW-1:0] bad_o,
@@ -46,7 +51,8 @@ module cylinder_pair #(
     output logic [31:0] latency_o
 );
   /*verilator inline_module*/
-  `define CYLINDER_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)
+  `define CYLINDER_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), \
+    .LAT_CMP(LAT_CMP)
   localparam bit GATES = ARITH == "rtl";
   localparam int LW = LANES * CW;
   localparam int T_EVALUATE = `LATENCY_FRONT;
@@ -58,7 +64,8 @@ module cylinder_pair #(
   localparam int RING = T_END + 1;
   localparam int RESULT = formats_pkg::larger(2 * LAT_MUL + 2 * LAT_ADD, LAT_CMP);
   localparam int FINISH = RESULT + pairs_pkg::unscale_latency(0, LAT_MUL, LAT_CMP);
-  localparam int INTERVAL = (BODY == `BODY_CYLINDER) ? 67 : (BODY == `BODY_BOX) ? 79 : 75;  // passes with M = K1 = K2 = 8
+  // passes with M = K1 = K2 = 8
+  localparam int INTERVAL = (BODY == `BODY_CYLINDER) ? 67 : (BODY == `BODY_BOX) ? 79 : 75;
   localparam int LATENCY = AHEAD + ENTRY + INTERVAL * RING + FINISH;
   localparam int AW = $clog2(RING);
   localparam logic [CW-1:0] QNAN = (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1));
@@ -93,9 +100,11 @@ module cylinder_pair #(
   logic [23:0] budget_q;
   always_ff @(posedge clk_i) budget_q <= budget_i;
   cylinder_schedule #(.BODY(BODY)) schedule (
-      .budget_i(budget_q), .pass_i(pass_mem[now_q]), .first_o(first_pass), .next_o(next_pass), .last_o(last), .passes_o(passes));
+      .budget_i(budget_q), .pass_i(pass_mem[now_q]), .first_o(first_pass), .next_o(next_pass), .last_o(last),
+      .passes_o(passes));
   cylinder_schedule #(.BODY(BODY)) schedule_soon (
-      .budget_i(budget_q), .pass_i(pass_mem[after(now_q, (AW + 1)'(MOUTH))]), .first_o(unused_first), .next_o(unused_next), .last_o(soon_last),
+      .budget_i(budget_q), .pass_i(pass_mem[after(now_q, (AW + 1)'(MOUTH))]), .first_o(unused_first),
+      .next_o(unused_next), .last_o(soon_last),
       .passes_o(unused_passes));
   logic unused;
   assign unused = &{1'b0, unused_first, unused_next, unused_passes};
@@ -130,20 +139,23 @@ module cylinder_pair #(
   end
 
   // ---- Operands, brought to the size of one and relative to A's origin ----
-  localparam int SHAPE_A = (BODY == `BODY_CYLINDER) ? pairs_pkg::SHAPE_CYLINDER : (BODY == `BODY_BOX) ? pairs_pkg::SHAPE_OBB : pairs_pkg::SHAPE_TRIANGLE;
+  localparam int SHAPE_A = (BODY == `BODY_CYLINDER) ? pairs_pkg::SHAPE_CYLINDER : (BODY == `BODY_BOX) ?
+      pairs_pkg::SHAPE_OBB : pairs_pkg::SHAPE_TRIANGLE;
   localparam int T_SCALED = pairs_pkg::scale_latency(0, LAT_MUL, LAT_CMP);
   logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
   logic [7:0][LANES-1:0][CW-1:0] b;
   logic [LANES-1:0][CW-1:0] back, back_in, unused_t_back, back_mem[RING];
   length_scale #(
-      .SHAPE_A(SHAPE_A), .SHAPE_B(pairs_pkg::SHAPE_CYLINDER), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
+      .SHAPE_A(SHAPE_A), .SHAPE_B(pairs_pkg::SHAPE_CYLINDER), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL),
+      .LAT_CMP(LAT_CMP),
       .ARITH(ARITH)
   ) scale (.clk_i, .on_i(entered), .a_i, .b_i, .a_o(a), .b_o(b), .back_o(back), .t_back_o(unused_t_back));
   align #(.W(LW), .FROM(T_SCALED), .TO(ENTRY), .ARITH(ARITH)) align_back (.clk_i, .d_i(back), .q_o(back_in));
   always_ff @(posedge clk_i) if (entered) back_mem[now_q] <= back_in;
   `undef DF_ON
   `define DF_ON entered
-  localparam int ORIGIN = 0, D = 3, B = 6, B_REACH = 9, B_HALF = 12, B_RADIUS = 13, A_REACH = 14, A_HALF = 23, A_RADIUS = 26, A_AXIS = 27;
+  localparam int ORIGIN = 0, D = 3, B = 6, B_REACH = 9, B_HALF = 12, B_RADIUS = 13, A_REACH = 14, A_HALF = 23,
+      A_RADIUS = 26, A_AXIS = 27;
   localparam int OPERANDS = 36;
   logic [OPERANDS-1:0][LANES-1:0][CW-1:0] operands, operand_mem[RING];
   `DF_VIN(a_origin, a[2:0], T_SCALED)
@@ -179,7 +191,8 @@ module cylinder_pair #(
     `DF_TRANSPOSE(axes, rotation)
     `DF_MSCALE(reach, axes, half)
     for (genvar k = 0; k < 3; k++) begin : axis
-      df_align #(.W(3 * LW), .T_A(T_reach), .T(ENTRY), .ARITH(ARITH)) align_reach (.clk_i, .a_i(reach[k]), .r_o(operands[A_REACH+3*k+:3]));
+      df_align #(.W(3 * LW), .T_A(T_reach), .T(ENTRY), .ARITH(ARITH))
+          align_reach (.clk_i, .a_i(reach[k]), .r_o(operands[A_REACH+3*k+:3]));
       assign operands[A_AXIS+3*k+:3] = {a_in[12+k], a_in[9+k], a_in[6+k]};
     end
     assign operands[A_HALF+:3] = a_in[5:3];
@@ -188,7 +201,8 @@ module cylinder_pair #(
     `DF_MATRIX_IN(tails, a[2:0], a[2:0], a[5:3], T_SCALED)
     `DF_MATRIX_IN(heads, a[5:3], a[8:6], a[8:6], T_SCALED)
     `DF_MSUB(edges, heads, tails)
-    df_align #(.W(9 * LW), .T_A(T_edges), .T(ENTRY), .ARITH(ARITH)) align_edges (.clk_i, .a_i(edges), .r_o(operands[A_REACH+:9]));
+    df_align #(.W(9 * LW), .T_A(T_edges), .T(ENTRY), .ARITH(ARITH))
+        align_edges (.clk_i, .a_i(edges), .r_o(operands[A_REACH+:9]));
     assign {operands[A_HALF+:3], operands[A_RADIUS], operands[A_AXIS+:9]} = '0;
     logic unused_a;
     assign unused_a = &{1'b0, a_in[A_WORDS-1:3]};
@@ -203,9 +217,12 @@ module cylinder_pair #(
   // ---- State ----
   logic [LANES-1:0][CW-1:0] best_g_mem[RING], best_slope_mem[RING], score_mem[RING], off_mem[RING];
   logic [LANES-1:0][CW-1:0] last_g_mem[RING], last_slope_mem[RING], back_g_mem[RING], back_slope_mem[RING];
-  logic [2:0][LANES-1:0][CW-1:0] best_n_mem[RING], next_mem[RING], q_mem[RING], lo_n_mem[RING], lo_y_mem[RING], hi_n_mem[RING];
-  logic [2:0][LANES-1:0][CW-1:0] hi_y_mem[RING], last_n_mem[RING], last_y_mem[RING], back_y_mem[RING], witness_mem[RING];
-  logic [2:0][2:0][LANES-1:0][CW-1:0] axes_start, axes_better, axes_witness;  // A's axes, or the triangle's edges, of unit length
+  logic [2:0][LANES-1:0][CW-1:0] best_n_mem[RING], next_mem[RING], q_mem[RING], lo_n_mem[RING], lo_y_mem[RING],
+      hi_n_mem[RING];
+  logic [2:0][LANES-1:0][CW-1:0] hi_y_mem[RING], last_n_mem[RING], last_y_mem[RING], back_y_mem[RING],
+      witness_mem[RING];
+  // A's axes, or the triangle's edges, of unit length
+  logic [2:0][2:0][LANES-1:0][CW-1:0] axes_start, axes_better, axes_witness;
   logic [2:0][LANES-1:0][CW-1:0] face_start, face_witness;  // the triangle's normal
   logic [2:0][LANES-1:0][CW-1:0] n;  // of this pass (front)
   logic [3:0] phase_evaluate;
@@ -236,14 +253,17 @@ module cylinder_pair #(
     logic unused_front;
     assign unused_front = &{1'b0, axes_start[2:1], face_start};
     cylinder_front #(`DF_FORMAT, `CYLINDER_LATENCIES) front (
-        .clk_i, .pass_i(pass_start), .a_i(axes_start[0]), .b_i(`OPERAND3(B, 0)), .d_i(`OPERAND3(D, 0)), .q_i(q_mem[`SLOT(0)]),
+        .clk_i, .pass_i(pass_start), .a_i(axes_start[0]), .b_i(`OPERAND3(B, 0)), .d_i(`OPERAND3(D, 0)),
+        .q_i(q_mem[`SLOT(0)]),
         .last_n_i(last_n_mem[`SLOT(0)]), .next_i(next_mem[`SLOT(0)]), .best_n_i(best_n_mem[`SLOT(0)]), .n_o(n));
   end else begin : g_front
     logic [2:0][LANES-1:0][CW-1:0] frame;
     assign frame = operand_mem[`SLOT(0)][A_AXIS+3*32'(`PASS_INDEX_LOW(pass_start))+:3];
     polyhedron_front #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) front (
-        .clk_i, .pass_i(pass_start), .samples_i(budget_q[7:0]), .axis_i(axes_start), .reach_i(`OPERAND9(A_REACH, 0)), .face_i(face_start),
-        .frame_i(frame), .d_i(`OPERAND3(D, 0)), .b_i(`OPERAND3(B, 0)), .b_half_i(`OPERAND(B_HALF, 0)), .b_radius_i(`OPERAND(B_RADIUS, 0)),
+        .clk_i, .pass_i(pass_start), .samples_i(budget_q[7:0]), .axis_i(axes_start), .reach_i(`OPERAND9(A_REACH, 0)),
+        .face_i(face_start),
+        .frame_i(frame), .d_i(`OPERAND3(D, 0)), .b_i(`OPERAND3(B, 0)), .b_half_i(`OPERAND(B_HALF, 0)),
+        .b_radius_i(`OPERAND(B_RADIUS, 0)),
         .q_i(q_mem[`SLOT(0)]), .next_i(next_mem[`SLOT(0)]), .best_n_i(best_n_mem[`SLOT(0)]), .n_o(n));
   end
 
@@ -257,10 +277,13 @@ module cylinder_pair #(
   assign pole = phase_evaluate == `PHASE_POLE;
   cylinder_evaluator #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) evaluator (
       .clk_i, .off_a_i(pole && track_evaluate == 0), .off_b_i(pole && track_evaluate == 1), .n_i(n),
-      .a_i(`OPERAND3(A_AXIS, T_EVALUATE)), .radius_i(`OPERAND(A_RADIUS, T_EVALUATE)), .reach_i(`OPERAND9(A_REACH, T_EVALUATE)),
+      .a_i(`OPERAND3(A_AXIS, T_EVALUATE)), .radius_i(`OPERAND(A_RADIUS, T_EVALUATE)),
+      .reach_i(`OPERAND9(A_REACH, T_EVALUATE)),
       .d_i(`OPERAND3(D, T_EVALUATE)), .b_i(`OPERAND3(B, T_EVALUATE)), .b_reach_i(`OPERAND3(B_REACH, T_EVALUATE)),
-      .b_half_i(`OPERAND(B_HALF, T_EVALUATE)), .b_radius_i(`OPERAND(B_RADIUS, T_EVALUATE)), .plus_g_o(plus_g_now), .plus_y_o(plus_y_now),
-      .minus_g_o(minus_g_now), .minus_y_o(minus_y_now), .a_kappa_o(a_kappa_now), .a_v_o(a_v_now), .a_side_o(a_side), .b_kappa_o(b_kappa_now),
+      .b_half_i(`OPERAND(B_HALF, T_EVALUATE)), .b_radius_i(`OPERAND(B_RADIUS, T_EVALUATE)), .plus_g_o(plus_g_now),
+      .plus_y_o(plus_y_now),
+      .minus_g_o(minus_g_now), .minus_y_o(minus_y_now), .a_kappa_o(a_kappa_now), .a_v_o(a_v_now), .a_side_o(a_side),
+      .b_kappa_o(b_kappa_now),
       .b_v_o(b_v_now), .b_side_o(b_side), .b_along_o(b_along), .pa_o(pa));
 
   // ---- The better orientation ----
@@ -292,7 +315,8 @@ module cylinder_pair #(
       back_y_mem[`SLOT(T_BETTER)] <= late_minus_y;
     end
 
-  // ---- The best so far. Between cylinders the first of equals stays; else, of what is equal up to rounding, that of the least slope. ----
+  // ---- The best so far. Between cylinders the first of equals stays; else, of what is equal up to rounding, that of
+  // the least slope ----
   `DF_SCALAR slope_now, minus_slope_now;
   `DF_IN(slope, slope_now, T_SLOPE)
   `DF_IN(minus_slope, minus_slope_now, T_SLOPE)
@@ -398,9 +422,12 @@ module cylinder_pair #(
       .minus_g_i(late_minus_g), .minus_y_i(late_minus_y), .best_n_i(better_n), .best_y_i(better_y),
       .lo_n_i(lo_n_mem[`SLOT(T_BETTER)]), .lo_y_i(lo_y_mem[`SLOT(T_BETTER)]), .hi_n_i(hi_n_mem[`SLOT(T_BETTER)]),
       .hi_y_i(hi_y_mem[`SLOT(T_BETTER)]), .score_i(score_mem[`SLOT(T_BETTER)]), .last_g_i(last_g_mem[`SLOT(T_BETTER)]),
-      .last_n_i(last_n_mem[`SLOT(T_BETTER)]), .last_y_i(last_y_mem[`SLOT(T_BETTER)]), .last_slope_i(last_slope_mem[`SLOT(T_BETTER)]),
-      .back_g_i(back_g_mem[`SLOT(T_BETTER)]), .back_y_i(back_y_mem[`SLOT(T_BETTER)]), .back_slope_i(back_slope_mem[`SLOT(T_BETTER)]),
-      .slope_o(slope_now), .minus_slope_o(minus_slope_now), .lo_n_o(circle_lo_n), .lo_y_o(circle_lo_y), .hi_n_o(circle_hi_n),
+      .last_n_i(last_n_mem[`SLOT(T_BETTER)]), .last_y_i(last_y_mem[`SLOT(T_BETTER)]),
+      .last_slope_i(last_slope_mem[`SLOT(T_BETTER)]),
+      .back_g_i(back_g_mem[`SLOT(T_BETTER)]), .back_y_i(back_y_mem[`SLOT(T_BETTER)]),
+      .back_slope_i(back_slope_mem[`SLOT(T_BETTER)]),
+      .slope_o(slope_now), .minus_slope_o(minus_slope_now), .lo_n_o(circle_lo_n), .lo_y_o(circle_lo_y),
+      .hi_n_o(circle_hi_n),
       .hi_y_o(circle_hi_y), .score_o(circle_score), .next_o(circle_next));
   logic [3:0] phase_stepped;
   logic on_circle, off_circle;
@@ -412,14 +439,19 @@ module cylinder_pair #(
     `DF_VECTOR free_lo_n, free_lo_y, free_next;
     `DF_SCALAR free_score;
     cylinder_free #(`DF_FORMAT, `CYLINDER_LATENCIES) free (
-        .clk_i, .pass_i(pass_better), .d_i(`OPERAND3(D, T_BETTER)), .a_i(`OPERAND3(A_AXIS, T_BETTER)), .b_i(`OPERAND3(B, T_BETTER)),
-        .a_reach_i(`OPERAND3(A_REACH, T_BETTER)), .b_reach_i(`OPERAND3(B_REACH, T_BETTER)), .a_radius_i(`OPERAND(A_RADIUS, T_BETTER)),
-        .b_radius_i(`OPERAND(B_RADIUS, T_BETTER)), .g_i(better_g), .n_i(better_n), .y_i(better_y), .a_kappa_i(a_kappa), .a_v_i(a_v), .b_kappa_i(b_kappa), .b_v_i(b_v),
-        .lo_n_i(lo_n_mem[`SLOT(T_BETTER)]), .lo_y_i(lo_y_mem[`SLOT(T_BETTER)]), .score_i(score_mem[`SLOT(T_BETTER)]), .lo_n_o(free_lo_n),
+        .clk_i, .pass_i(pass_better), .d_i(`OPERAND3(D, T_BETTER)), .a_i(`OPERAND3(A_AXIS, T_BETTER)),
+        .b_i(`OPERAND3(B, T_BETTER)),
+        .a_reach_i(`OPERAND3(A_REACH, T_BETTER)), .b_reach_i(`OPERAND3(B_REACH, T_BETTER)),
+        .a_radius_i(`OPERAND(A_RADIUS, T_BETTER)),
+        .b_radius_i(`OPERAND(B_RADIUS, T_BETTER)), .g_i(better_g), .n_i(better_n), .y_i(better_y), .a_kappa_i(a_kappa),
+        .a_v_i(a_v), .b_kappa_i(b_kappa), .b_v_i(b_v),
+        .lo_n_i(lo_n_mem[`SLOT(T_BETTER)]), .lo_y_i(lo_y_mem[`SLOT(T_BETTER)]), .score_i(score_mem[`SLOT(T_BETTER)]),
+        .lo_n_o(free_lo_n),
         .lo_y_o(free_lo_y), .score_o(free_score), .next_o(free_next));
     logic unused_score;
     assign unused_score = &{1'b0, circle_score};
-    assign {new_lo_n, new_lo_y, new_next} = on_circle ? {circle_lo_n, circle_lo_y, circle_next} : {free_lo_n, free_lo_y, free_next};
+    assign {new_lo_n, new_lo_y, new_next} = on_circle ? {circle_lo_n, circle_lo_y, circle_next} :
+        {free_lo_n, free_lo_y, free_next};
     assign new_score = free_score;
   end else begin : g_no_free
     assign {new_lo_n, new_lo_y, new_next, new_score} = {circle_lo_n, circle_lo_y, circle_next, circle_score};
@@ -444,7 +476,8 @@ module cylinder_pair #(
 
   // ---- Witness points ----
   localparam int T_WITNESS = T_EVALUATED + `LATENCY_CYLINDER_WITNESS;
-  localparam int T_found_q = T_WITNESS, T_found_w = T_WITNESS, T_found_off = T_WITNESS, T_found_g = T_WITNESS, T_found_n = T_WITNESS;
+  localparam int T_found_q = T_WITNESS, T_found_w = T_WITNESS, T_found_off = T_WITNESS, T_found_g = T_WITNESS,
+      T_found_n = T_WITNESS;
   localparam int T_found_from = T_WITNESS, T_found_move = T_WITNESS, T_found_next = T_WITNESS;
   `DF_VECTOR found_q, found_w, found_n, found_from, found_move, found_next;
   `DF_SCALAR found_off, found_g;
@@ -452,12 +485,16 @@ module cylinder_pair #(
       .clk_i, .pass_i(pass_mem[`SLOT(T_EVALUATED)]), .axis_i(axes_witness), .half_i(`OPERAND3(A_HALF, T_EVALUATED)),
       .radius_i(`OPERAND(A_RADIUS, T_EVALUATED)), .edge_i(`OPERAND9(A_REACH, T_EVALUATED)), .face_i(face_witness),
       .d_i(`OPERAND3(D, T_EVALUATED)), .b_i(`OPERAND3(B, T_EVALUATED)), .b_half_i(`OPERAND(B_HALF, T_EVALUATED)),
-      .b_radius_i(`OPERAND(B_RADIUS, T_EVALUATED)), .a_reach_i(`OPERAND3(A_REACH, T_EVALUATED)), .b_reach_i(`OPERAND3(B_REACH, T_EVALUATED)),
-      .tried_n_i(evaluated_n), .tried_g_i(plus_g_now), .minus_g_i(minus_g_now), .y_i(plus_y_now), .a_kappa_i(a_kappa_now), .a_side_i(a_side),
+      .b_radius_i(`OPERAND(B_RADIUS, T_EVALUATED)), .a_reach_i(`OPERAND3(A_REACH, T_EVALUATED)),
+      .b_reach_i(`OPERAND3(B_REACH, T_EVALUATED)),
+      .tried_n_i(evaluated_n), .tried_g_i(plus_g_now), .minus_g_i(minus_g_now), .y_i(plus_y_now),
+      .a_kappa_i(a_kappa_now), .a_side_i(a_side),
       .b_kappa_i(b_kappa_now), .b_side_i(b_side), .b_along_i(b_along), .pa_i(pa), .g_i(best_g_mem[`SLOT(T_EVALUATED)]),
       .n_i(best_n_mem[`SLOT(T_EVALUATED)]), .q_i(q_mem[`SLOT(T_EVALUATED)]), .w_i(witness_mem[`SLOT(T_EVALUATED)]),
-      .off_i(off_mem[`SLOT(T_EVALUATED)]), .from_i(lo_n_mem[`SLOT(T_EVALUATED)]), .move_i(lo_y_mem[`SLOT(T_EVALUATED)]), .g_o(found_g),
-      .n_o(found_n), .q_o(found_q), .w_o(found_w), .off_o(found_off), .from_o(found_from), .move_o(found_move), .next_o(found_next));
+      .off_i(off_mem[`SLOT(T_EVALUATED)]), .from_i(lo_n_mem[`SLOT(T_EVALUATED)]), .move_i(lo_y_mem[`SLOT(T_EVALUATED)]),
+      .g_o(found_g),
+      .n_o(found_n), .q_o(found_q), .w_o(found_w), .off_o(found_off), .from_o(found_from), .move_o(found_move),
+      .next_o(found_next));
   `DF_VAT(witness_q, found_q, T_END)
   `DF_VAT(witness_w, found_w, T_END)
   `DF_AT(witness_off, found_off, T_END)
@@ -495,29 +532,34 @@ module cylinder_pair #(
   `DF_VADD(cp, origin, middle)
   `DF_SCALAR f_one, t_one, back_end, f_end, t_end, bad_end;
   `DF_VECTOR cp_one, n_one, cp_end, n_end;
-  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_s_n), .LATENCY(RESULT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
+  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_s_n), .LATENCY(RESULT),
+      .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
       .clk_i, .s_i(s), .cp_i(cp), .n_i(s_n), .f_o(f_one), .t_o(t_one), .cp_o(cp_one), .n_o(n_one));
   align #(.W(LW), .FROM(0), .TO(RESULT), .ARITH(ARITH)) align_back_end (.clk_i, .d_i(back_mem[now_q]), .q_o(back_end));
   length_unscale #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unscale (
-      .clk_i, .on_i(leave), .back_i(back_end), .t_back_i('0), .f_i(f_one), .t_i(t_one), .cp_i(cp_one), .n_i(n_one), .f_o(f_end), .t_o(t_end),
+      .clk_i, .on_i(leave), .back_i(back_end), .t_back_i('0), .f_i(f_one), .t_i(t_one), .cp_i(cp_one), .n_i(n_one),
+      .f_o(f_end), .t_o(t_end),
       .cp_o(cp_end), .n_o(n_end));
   assign bad_end = bad_mem[now_q];
   localparam int HISTORY = 1 << $clog2(ENTRY + FINISH + 1);
   if (GATES) begin : g_exit
     issue_history #(.W(32 + LW), .DEPTH(HISTORY)) history (
-        .clk_i, .rst_i, .latency_i(16'(FINISH)), .valid_i(leave), .d_i({bad_end, tag_mem[now_q]}), .valid_o, .q_o({bad_o, tag_o}));
+        .clk_i, .rst_i, .latency_i(16'(FINISH)), .valid_i(leave), .d_i({bad_end, tag_mem[now_q]}), .valid_o,
+        .q_o({bad_o, tag_o}));
     assign {f_o, t_o, cp_o, n_o} = {f_end, t_end, cp_end, n_end};
   end else begin : g_exit  // the results are there at once, and wait
     issue_history #(.W(32 + 9 * LW), .DEPTH(HISTORY)) history (
         .clk_i, .rst_i, .latency_i(16'(ENTRY + FINISH)), .valid_i(leave),
-        .d_i({f_end, t_end, cp_end, n_end, bad_end, tag_mem[now_q]}), .valid_o, .q_o({f_o, t_o, cp_o, n_o, bad_o, tag_o}));
+        .d_i({f_end, t_end, cp_end, n_end, bad_end, tag_mem[now_q]}), .valid_o,
+        .q_o({f_o, t_o, cp_o, n_o, bad_o, tag_o}));
   end
 
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i) begin
     if (!rst_i) begin
       assert (valid_q == '0 || budget_i == budget_q) else $error("cylinder_pair: budget changed with rows in flight");
-      assert (budget_q != 24'h080808 || latency_o == 32'(LATENCY)) else $error("cylinder_pair: INTERVAL is not the default budget's");
+      assert (budget_q != 24'h080808 || latency_o == 32'(LATENCY))
+          else $error("cylinder_pair: INTERVAL is not the default budget's");
       assert (!(entered && valid_q[now_q] && !last)) else $error("cylinder_pair: row entered a slot in use");
     end
   end

@@ -1,6 +1,8 @@
-// Largest and smallest n.x over the primary of a cylinder pair, relative to its origin, and where: the support points. Signs and choices
-// of a vertex are wires. 3 mul, 6 add (cylinder); 9 mul, 14 add (box); 6 mul, 4 add, 4 compare, 4 min/max (triangle).
-// Latency: LATENCY_REACH clocks from n, the rim is given LATENCY_RIM after it; 0 with ARITH = "host". Throughput: one a lane a clock. Stall: none.
+// Largest and smallest n.x over the primary of a cylinder pair, relative to its origin, and where: the support points.
+// Signs and choices of a vertex are wires. 3 mul, 6 add (cylinder); 9 mul, 14 add (box); 6 mul, 4 add, 4 compare, 4
+// min/max (triangle).
+// Latency: LATENCY_REACH clocks from n, the rim is given LATENCY_RIM after it; 0 with ARITH = "host". Throughput: one a
+// lane a clock. Stall: none.
 `include "cylinder.svh"
 module cylinder_reach #(
     parameter int BODY = `BODY_CYLINDER,
@@ -17,7 +19,8 @@ module cylinder_reach #(
 ) (
     input logic clk_i,
     input logic [2:0][LANES-1:0][CW-1:0] n_i,
-    input logic [2:0][2:0][LANES-1:0][CW-1:0] reach_i,  // [0] half height times axis; half extents times axes; v1 - v0, v2 - v0, not used
+    // [0] half height times axis; half extents times axes; v1 - v0, v2 - v0, not used
+    input logic [2:0][2:0][LANES-1:0][CW-1:0] reach_i,
     input logic [LANES-1:0][CW-1:0] width_i,  // the cylinder's rim
     input logic [2:0][LANES-1:0][CW-1:0] side_i,
     output logic [LANES-1:0][CW-1:0] high_o,

@@ -1,6 +1,7 @@
-// A cylinder's rim as a unit normal sees it: x = a x n, m = |x|; width r m, side r x/m x a (from the axis to the support point), radius of
-// curvature of the support function kappa = r/m, across n in the direction v = x/m. a x n, never n - (a.n) a, which loses all its
-// digits beside the axis. Where m <= u, or the rim is switched off, kappa, side and v are 0; switched off, so is the width.
+// A cylinder's rim as a unit normal sees it: x = a x n, m = |x|; width r m, side r x/m x a (from the axis to the
+// support point), radius of curvature of the support function kappa = r/m, across n in the direction v = x/m. a x n,
+// never n - (a.n) a, which loses all its digits beside the axis. Where m <= u, or the rim is switched off, kappa, side
+// and v are 0; switched off, so is the width.
 // 8 add, 23 mul, 1 div, 1 sqrt, 1 compare.
 // Latency: LATENCY_RIM clocks; 0 with ARITH = "host". Throughput: one rim a lane a clock. Stall: none, runs free.
 `include "cylinder.svh"

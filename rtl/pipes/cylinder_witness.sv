@@ -1,11 +1,13 @@
-// A witness pass of a cylinder pair (reference/cylinder/witness.hpp): the point q of A that is, moved by s n, a point of B, by
-// alternating projection, between the features that n touches (track 0), those that it nearly touches, then the solids. Touch starts from
-// that body's support point which is nearer to the other body, or from the middle of a cap; project goes to B moved by -s n and back to A
-// and on to where flat faces would cross. Solids that are clearly apart are projected on where they stand at the end, and the direction
-// between their nearest points becomes n if g does not fall. w is the best point so far, off how far it is from B, squared.
-// 86 add, 78 mul, 3 div, 2 sqrt, 14 compare, 8 min/max (cylinder); 83 add, 77 mul, 2 div, 1 sqrt, 13 compare, 11 min/max (box);
-// 145 add, 137 mul, 5 div, 1 sqrt, 21 compare, 12 min/max (triangle).
-// Latency: LATENCY_CYLINDER_WITNESS clocks; 0 with ARITH = "host". Throughput: one pass a lane a clock. Stall: none, runs free.
+// A witness pass of a cylinder pair (reference/cylinder/witness.hpp): the point q of A that is, moved by s n, a point
+// of B, by alternating projection, between the features that n touches (track 0), those that it nearly touches, then
+// the solids. Touch starts from that body's support point which is nearer to the other body, or from the middle of a
+// cap; project goes to B moved by -s n and back to A and on to where flat faces would cross. Solids that are clearly
+// apart are projected on where they stand at the end, and the direction between their nearest points becomes n if g
+// does not fall. w is the best point so far, off how far it is from B, squared.
+// 86 add, 78 mul, 3 div, 2 sqrt, 14 compare, 8 min/max (cylinder); 83 add, 77 mul, 2 div, 1 sqrt, 13 compare, 11
+// min/max (box); 145 add, 137 mul, 5 div, 1 sqrt, 21 compare, 12 min/max (triangle).
+// Latency: LATENCY_CYLINDER_WITNESS clocks; 0 with ARITH = "host". Throughput: one pass a lane a clock. Stall: none,
+// runs free.
 `include "cylinder.svh"
 module cylinder_witness #(
     parameter int BODY = `BODY_CYLINDER,
@@ -64,7 +66,8 @@ module cylinder_witness #(
   assign on = `PASS_PHASE(pass_i) == `PHASE_TOUCH || `PASS_PHASE(pass_i) == `PHASE_PROJECT;
   `undef DF_ON
   `define DF_ON on
-  // How far off a normal still touches all of an edge, face, cap or line of a side: 64 u, and where n may be off 2^14 u radian.
+  // How far off a normal still touches all of an edge, face, cap or line of a side: 64 u, and where n may be off 2^14 u
+  // radian.
   localparam int TOUCHING = 5 - MAN, WIDE = 13 - MAN;
   logic [7:0] index;
   logic [1:0] track;
@@ -133,8 +136,10 @@ module cylinder_witness #(
   `DF_VSELECT(b_centre, clear, d, b_moved)
 
   // ---- How n touches a cylinder: along a line of its side, all of a cap, or the cap's rim ----
-  `define TOUCHED(C, KAPPA, RADIUS) `DF_ABS(C``_tilt, C``_along) `DF_LE(C``_level, C``_tilt, near) `DF_AND(C``_alongside, C``_level, lines) \
-    `DF_EQ(C``_centred, KAPPA, zero) `DF_MUL(C``_width, KAPPA, near) `DF_LE(C``_inside, RADIUS, C``_width) `DF_OR(C``_flat, C``_centred, C``_inside) \
+  `define TOUCHED(C, KAPPA, RADIUS) `DF_ABS(C``_tilt, C``_along) `DF_LE(C``_level, C``_tilt, near) \
+    `DF_AND(C``_alongside, C``_level, lines) \
+    `DF_EQ(C``_centred, KAPPA, zero) `DF_MUL(C``_width, KAPPA, near) `DF_LE(C``_inside, RADIUS, C``_width) \
+      `DF_OR(C``_flat, C``_centred, C``_inside) \
     `DF_OR(C``_whole, C``_level, C``_flat) `DF_NOT(C``_round, C``_whole) `DF_AND(C``_rim, C``_round, rims)
   `TOUCHED(b, b_kappa, b_radius)
   `DF_NEG(b_facing, b_along)
@@ -147,7 +152,8 @@ module cylinder_witness #(
   // ---- To B from pa or q, to A from B's support point or from there ----
   localparam int T_a_cap = (BODY == `BODY_CYLINDER) ? `DF_LAT_DOT : `DF_CONSTANT;
   localparam int T_cap_a = (BODY == `BODY_CYLINDER) ? `DF_MAX2(T_b_rim, LAT_MUL + LAT_CMP) : `DF_CONSTANT;
-  localparam int T_cap_b = (BODY == `BODY_CYLINDER) ? `DF_MAX3(T_rims, T_b_flat_first, `DF_LAT_DOT + LAT_CMP) : T_b_flat_first;
+  localparam int T_cap_b = (BODY == `BODY_CYLINDER) ? `DF_MAX3(T_rims, T_b_flat_first, `DF_LAT_DOT + LAT_CMP) :
+      T_b_flat_first;
   `DF_SCALAR cap_a, cap_b;
   `DF_VECTOR a_cap;
   `DF_VSELECT(pa_or_cap, cap_a, a_cap, pa)
@@ -190,9 +196,11 @@ module cylinder_witness #(
     assign a_cap = '0;
     assign cap_a = '0;
     assign cap_b = b_flat_first;
-    project_polyhedron #(`DF_FORMAT, .BODY(BODY), .T_X(T_to_a), .T_FEATURE(T_features), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+    project_polyhedron #(`DF_FORMAT, .BODY(BODY), .T_X(T_to_a), .T_FEATURE(T_features), .LAT_ADD(LAT_ADD),
+        .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
         .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) project (
-        .clk_i, .on_i(`DF_ON), .x_i(to_a), .axis_i, .half_i, .edge_i, .face_i, .feature_i(features), .near_i(near), .n_i, .r_o(on_a));
+        .clk_i, .on_i(`DF_ON), .x_i(to_a), .axis_i, .half_i, .edge_i, .face_i, .feature_i(features), .near_i(near),
+        .n_i, .r_o(on_a));
   end
   `undef TOUCHED
 

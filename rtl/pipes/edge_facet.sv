@@ -1,7 +1,8 @@
-// Facet of a box's edge along axis I and an edge q + t f of the other body, low <= t <= 1. n is the edge normal (edge_normal.sv) turned by the
-// sign of `side`; `sign_k` and `sign_l` choose the box's edge, on the side that n points to. Nearest points: solve t in the plane
-// perpendicular to the axis, then s on the box's edge, then t again for that s. gap = -inf where there is no normal. If s is not at an
-// end, v_I is 0; inverse_ff_o is 0 where t is at an end. 11 add, 12 mul, 2 compare, 6 min/max.
+// Facet of a box's edge along axis I and an edge q + t f of the other body, low <= t <= 1. n is the edge normal
+// (edge_normal.sv) turned by the sign of `side`; `sign_k` and `sign_l` choose the box's edge, on the side that n points
+// to. Nearest points: solve t in the plane perpendicular to the axis, then s on the box's edge, then t again for that
+// s. gap = -inf where there is no normal. If s is not at an end, v_I is 0; inverse_ff_o is 0 where t is at an end. 11
+// add, 12 mul, 2 compare, 6 min/max.
 // Latency: LATENCY_EDGE_FACET clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
 `include "convex.svh"
 module edge_facet #(

@@ -1,10 +1,12 @@
-// The signed gap from the COUNT facets of a pair, before polishing. `s` is the largest gap of all. `witness` is the facet whose vector v is
-// nearest to s n, n its own normal if its gap ties with the largest, else the normal of the largest gap: its n, v, p belong to s where the
-// bodies penetrate. Gaps within tie are ties, within wide_tie where the normals are opposite. `start` is the facet nearest the origin, v made perpendicular to the edge that it ends on: where the bodies
-// are apart, the point of B - A to polish. A tree over facets carries only what is used of its result.
-// 5 COUNT + 7 add, 6 COUNT + 7 mul, 4 COUNT - 1 compare. With FACET_II = 3 three facets take turns at the key of the witness.
-// Latency: s and witness LATENCY_WITNESS(COUNT) clocks, start LATENCY_NEAREST(COUNT); 0 with ARITH = "host". Throughput: one pair a lane in
-// FACET_II clocks. Stall: none.
+// The signed gap from the COUNT facets of a pair, before polishing. `s` is the largest gap of all. `witness` is the
+// facet whose vector v is nearest to s n, n its own normal if its gap ties with the largest, else the normal of the
+// largest gap: its n, v, p belong to s where the bodies penetrate. Gaps within tie are ties, within wide_tie where the
+// normals are opposite. `start` is the facet nearest the origin, v made perpendicular to the edge that it ends on:
+// where the bodies are apart, the point of B - A to polish. A tree over facets carries only what is used of its result.
+// 5 COUNT + 7 add, 6 COUNT + 7 mul, 4 COUNT - 1 compare. With FACET_II = 3 three facets take turns at the key of the
+// witness.
+// Latency: s and witness LATENCY_WITNESS(COUNT) clocks, start LATENCY_NEAREST(COUNT); 0 with ARITH = "host".
+// Throughput: one pair a lane in FACET_II clocks. Stall: none.
 `include "convex.svh"
 module facet_choice #(
     parameter int EXP = 8,
@@ -108,10 +110,14 @@ module facet_choice #(
     `DF_VAT(p_key, p, T_OFF2)
     logic [USERS-1:0][LANES-1:0][CW-1:0] squares;
     logic [USERS-1:0][2:0][LANES-1:0][CW-1:0] n_keys, v_keys, p_keys;
-    after_turns #(.W(LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH)) after_square (.clk_i, .d_i(square), .q_o(squares));
-    after_turns #(.W(3 * LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH)) after_n (.clk_i, .d_i(n_key), .q_o(n_keys));
-    after_turns #(.W(3 * LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH)) after_v (.clk_i, .d_i(v_key), .q_o(v_keys));
-    after_turns #(.W(3 * LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH)) after_p (.clk_i, .d_i(p_key), .q_o(p_keys));
+    after_turns #(.W(LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH))
+        after_square (.clk_i, .d_i(square), .q_o(squares));
+    after_turns #(.W(3 * LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH))
+        after_n (.clk_i, .d_i(n_key), .q_o(n_keys));
+    after_turns #(.W(3 * LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH))
+        after_v (.clk_i, .d_i(v_key), .q_o(v_keys));
+    after_turns #(.W(3 * LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH))
+        after_p (.clk_i, .d_i(p_key), .q_o(p_keys));
     for (genvar k = 0; k < USERS; k++) begin : g_user
       assign off2[i+k] = squares[k];
       assign candidate[i+k] = {p_keys[k], v_keys[k], n_keys[k]};
@@ -131,7 +137,8 @@ module facet_choice #(
     assign nearest[i] = {inverse_ff_i[i], f_i[i], p_i[i], v_i[i]};
   end
   least_tree #(`DF_FORMAT, .COUNT(COUNT), .WORDS(10), .LAT_CMP(LAT_CMP)) by_distance (
-      .clk_i, .key_i(d2_i), .payload_i(nearest), .key_o(), .payload_o({nearest_inverse, nearest_f, nearest_p, nearest_v}));
+      .clk_i, .key_i(d2_i), .payload_i(nearest), .key_o(), .payload_o({nearest_inverse, nearest_f, nearest_p,
+      nearest_v}));
   `DF_VIN(near_v, nearest_v, T_TREE)
   `DF_VIN(near_p, nearest_p, T_TREE)
   `DF_VIN(near_f, nearest_f, T_TREE)

@@ -1,7 +1,9 @@
-// A pair brought to the size of one by an exact power of two, so that products of four lengths neither overflow nor underflow, whatever
-// size its operands have: every length times 2^-k, k the largest exponent of the lengths of both. A ray's direction has an exponent kd of
-// its own, and its interval is multiplied by 2^(kd - k). length_unscale.sv brings the answer back. host/include/cde/reference/scale.hpp.
-// Latency: LAT_CMP for the largest exponent and LAT_CMP for the shift, with a ray the larger of that and LAT_MUL; 0 with ARITH = "host".
+// A pair brought to the size of one by an exact power of two, so that products of four lengths neither overflow nor
+// underflow, whatever size its operands have: every length times 2^-k, k the largest exponent of the lengths of both. A
+// ray's direction has an exponent kd of its own, and its interval is multiplied by 2^(kd - k). length_unscale.sv brings
+// the answer back. host/include/cde/reference/scale.hpp.
+// Latency: LAT_CMP for the largest exponent and LAT_CMP for the shift, with a ray the larger of that and LAT_MUL; 0
+// with ARITH = "host".
 // Throughput: LANES pairs a clock. Stall: none.
 module length_scale #(
     parameter int SHAPE_A = 0,  // pairs_pkg::SHAPE_*
@@ -49,9 +51,11 @@ module length_scale #(
   end
   logic [LANES-1:0][CW-1:0] largest, down, back;
   align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_largest (.clk_i, .d_i(node[1].size), .q_o(largest));
-  fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_DOWN), .LEAST(LEAST), .ARITH(ARITH)) shift_down (
+  fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_DOWN), .LEAST(LEAST),
+      .ARITH(ARITH)) shift_down (
       .on_i, .a_i(largest), .b_i('0), .r_o(down));
-  fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_UP), .LEAST(LEAST), .ARITH(ARITH)) shift_back (
+  fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_UP), .LEAST(LEAST),
+      .ARITH(ARITH)) shift_back (
       .on_i, .a_i(largest), .b_i('0), .r_o(back));
   align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_back (.clk_i, .d_i(back), .q_o(back_o));
 
@@ -60,10 +64,13 @@ module length_scale #(
   if (RAY) begin : g_ray
     localparam logic [CW-1:0] ONE = CW'((1 << (EXP - 1)) - 1) << MAN;
     logic [LANES-1:0][CW-1:0] xy, xyz, steepest, t_back;
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MAX), .ARITH(ARITH)) larger_xy (.on_i, .a_i(a_i[3]), .b_i(a_i[4]), .r_o(xy));
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MAX), .ARITH(ARITH)) larger_xyz (.on_i, .a_i(xy), .b_i(a_i[5]), .r_o(xyz));
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MAX), .ARITH(ARITH))
+        larger_xy (.on_i, .a_i(a_i[3]), .b_i(a_i[4]), .r_o(xy));
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MAX), .ARITH(ARITH))
+        larger_xyz (.on_i, .a_i(xy), .b_i(a_i[5]), .r_o(xyz));
     align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_steepest (.clk_i, .d_i(xyz), .q_o(steepest));
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_DOWN), .LEAST(LEAST), .ARITH(ARITH)) shift_ray (
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_DOWN), .LEAST(LEAST),
+        .ARITH(ARITH)) shift_ray (
         .on_i, .a_i(steepest), .b_i('0), .r_o(ray_down));
     always_comb begin
       t_scale = '0;
@@ -95,7 +102,8 @@ module length_scale #(
       if (KIND == pairs_pkg::WORD_INTERVAL) begin : g_interval
         fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH)) multiply (
             .clk_i, .a_i(late), .b_i(t_scale), .r_o(scaled), .flags_o());
-        align #(.W(LW), .FROM(LAT_CMP + LAT_MUL), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(a_o[k]));
+        align #(.W(LW), .FROM(LAT_CMP + LAT_MUL), .TO(LATENCY), .ARITH(ARITH))
+            align_scaled (.clk_i, .d_i(scaled), .q_o(a_o[k]));
       end else begin : g_length
         fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH)) move (
             .on_i, .a_i(late), .b_i((KIND == pairs_pkg::WORD_DIRECTION) ? ray_down : down), .r_o(scaled));
@@ -107,7 +115,8 @@ module length_scale #(
     if (pairs_pkg::is_length(SHAPE_B, k)) begin : g_length
       logic [LANES-1:0][CW-1:0] late, scaled;
       align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_word (.clk_i, .d_i(b_i[k]), .q_o(late));
-      fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH)) move (.on_i, .a_i(late), .b_i(down), .r_o(scaled));
+      fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH))
+          move (.on_i, .a_i(late), .b_i(down), .r_o(scaled));
       align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(b_o[k]));
     end else begin : g_pure
       align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_word (.clk_i, .d_i(b_i[k]), .q_o(b_o[k]));

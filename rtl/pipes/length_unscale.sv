@@ -1,6 +1,7 @@
-// The answer to a pair that length_scale.sv brought to the size of one, at the pair's own size: T and CP times 2^k; a ray's T times
-// 2^(k - kd), rounded once. A ray whose T or CP overflows misses.
-// Latency: LAT_CMP, with a ray the larger of LAT_CMP and LAT_MUL; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
+// The answer to a pair that length_scale.sv brought to the size of one, at the pair's own size: T and CP times 2^k; a
+// ray's T times 2^(k - kd), rounded once. A ray whose T or CP overflows misses.
+// Latency: LAT_CMP, with a ray the larger of LAT_CMP and LAT_MUL; 0 with ARITH = "host". Throughput: LANES pairs a
+// clock. Stall: none.
 module length_unscale #(
     parameter bit RAY = 0,
     parameter int EXP = 8,
@@ -32,7 +33,8 @@ module length_unscale #(
   align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_f (.clk_i, .d_i(f_i), .q_o(f));
   align #(.W(3 * LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_n (.clk_i, .d_i(n_i), .q_o(n_o));
   for (genvar k = 0; k < 3; k++) begin : axis
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH)) move (.on_i, .a_i(cp_i[k]), .b_i(back_i), .r_o(cp[k]));
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH))
+        move (.on_i, .a_i(cp_i[k]), .b_i(back_i), .r_o(cp[k]));
   end
   align #(.W(3 * LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_cp (.clk_i, .d_i(cp), .q_o(cp_late));
   if (RAY) begin : g_ray
@@ -42,18 +44,22 @@ module length_unscale #(
     fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH)) multiply (
         .clk_i, .a_i(t_i), .b_i(t_back_i), .r_o(t), .flags_o());
     align #(.W(LW), .FROM(LAT_MUL), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_late));
-    fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::CLASS_FINITE), .ARITH(ARITH)) is_finite (.a_i(t_late), .m_o(finite));
+    fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::CLASS_FINITE),
+        .ARITH(ARITH)) is_finite (.a_i(t_late), .m_o(finite));
     for (genvar k = 0; k < 3; k++) begin : axis
-      fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::CLASS_FINITE), .ARITH(ARITH)) is_finite (.a_i(cp_i[k]), .m_o(near[k]));
+      fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::CLASS_FINITE), .ARITH(ARITH))
+          is_finite (.a_i(cp_i[k]), .m_o(near[k]));
     end
-    align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_near (.clk_i, .d_i(near[0] & near[1] & near[2]), .q_o(near_late));
+    align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_near (.clk_i, .d_i(near[0] & near[1] & near[2]),
+        .q_o(near_late));
     assign f_o = f & finite & near_late;
     assign t_o = (t_late & f_o) | ({LANES{INF}} & ~f_o);
     assign cp_o = cp_late & {3{f_o}};
   end else begin : g_solid
     logic unused;
     assign unused = &{1'b0, t_back_i};
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH)) move_t (.on_i, .a_i(t_i), .b_i(back_i), .r_o(t));
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH))
+        move_t (.on_i, .a_i(t_i), .b_i(back_i), .r_o(t));
     align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_o));
     assign f_o = f;
     assign cp_o = cp_late;

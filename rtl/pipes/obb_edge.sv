@@ -1,7 +1,9 @@
-// Facet of edge I of box A and edge J of box B, in A's frame (see obb_face.sv), from their edge normal n = e_I x f_J / |e_I x f_J|. `sign_k` is
-// component K of B's turned axis r_J, and so on: with K, L the axes after I and M, O those after J, the support edges follow from
-// n.e_K = -r_JL, n.e_L = r_JK, n.r_M = r_OI, n.r_O = -r_MI; `sign_first` and `sign_second` are those of the latter two, in the order
-// of B's axes. The side is that of n.t or, if |n.t| <= tie, the one where t has the sign of n's leading component. The gap is |n.t| - (sum of a_k |n_k|) - (sum of |n.f_j|), every term projected, also n.f_J, which should be 0.
+// Facet of edge I of box A and edge J of box B, in A's frame (see obb_face.sv), from their edge normal n = e_I x f_J /
+// |e_I x f_J|. `sign_k` is component K of B's turned axis r_J, and so on: with K, L the axes after I and M, O those
+// after J, the support edges follow from n.e_K = -r_JL, n.e_L = r_JK, n.r_M = r_OI, n.r_O = -r_MI; `sign_first` and
+// `sign_second` are those of the latter two, in the order of B's axes. The side is that of n.t or, if |n.t| <= tie, the
+// one where t has the sign of n's leading component. The gap is |n.t| - (sum of a_k |n_k|) - (sum of |n.f_j|), every
+// term projected, also n.f_J, which should be 0.
 // 26 add, 22 mul, 4 compare, 6 min/max.
 // Latency: LATENCY_OBB_EDGE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
 `include "convex.svh"
@@ -122,8 +124,11 @@ module obb_edge #(
   localparam int T_LATE = (T_gap > T_q) ? T_gap : T_q;
   `DF_AT(gap_late, gap, T_LATE)
   if (T_q + `LATENCY_EDGE_FACET != `LATENCY_OBB_EDGE) $error("obb_edge: latency");
-  edge_facet #(`DF_FORMAT, .I(I), .CENTRED(1), .T_GAP(T_LATE - T_q), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) facet (
-      .clk_i, .a_i(a_q), .sign_k_i(sign_k_q), .sign_l_i(sign_l_q), .q_i(q), .f_i(f_q), .inverse_ff_i(inverse_ff_q), .n_k_i(n_k_q),
-      .n_l_i(n_l_q), .inverse2_i(inverse2_q), .valid_i(valid_q), .side_i(side_q), .gap_i(gap_late), .gap_o, .n_o, .v_o, .p_o, .d2_o, .f_o,
+  edge_facet #(`DF_FORMAT, .I(I), .CENTRED(1), .T_GAP(T_LATE - T_q), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .LAT_CMP(LAT_CMP)) facet (
+      .clk_i, .a_i(a_q), .sign_k_i(sign_k_q), .sign_l_i(sign_l_q), .q_i(q), .f_i(f_q), .inverse_ff_i(inverse_ff_q),
+      .n_k_i(n_k_q),
+      .n_l_i(n_l_q), .inverse2_i(inverse2_q), .valid_i(valid_q), .side_i(side_q), .gap_i(gap_late), .gap_o, .n_o, .v_o,
+      .p_o, .d2_o, .f_o,
       .inverse_ff_o);
 endmodule

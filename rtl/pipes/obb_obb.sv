@@ -1,10 +1,12 @@
-// Oriented box against oriented box, in A's frame: A's centre is 0, its axes are e_i, B has centre t, axes r_j and half edges f_j = b_j r_j.
-// The difference B - A has 15 pairs of facets, whose normals are the 15 axes of the separating-axis test: 3 faces of A, 3 faces of B,
-// 9 pairs of edges. The depth is the least overlap on them, the distance the least distance to the 15 facets that face the origin;
-// the nearest point is polished twice. Support features come from axes turned by 16 u, as if no face or edge of one box were
-// parallel to one of the other. F = (s <= 0), T = |s|. 627 add, 569 mul, 15 div, 10 sqrt, 122 compare, 90 min/max.
-// With FACET_II = 3 the edges of B take turns in a unit an edge of A, a face of A and one of B do in a unit, and the facets three by
-// three at the key of the witness: 361 add, 336 mul, 7 div, 4 sqrt, 80 compare, 42 min/max.
+// Oriented box against oriented box, in A's frame: A's centre is 0, its axes are e_i, B has centre t, axes r_j and half
+// edges f_j = b_j r_j.
+// The difference B - A has 15 pairs of facets, whose normals are the 15 axes of the separating-axis test: 3 faces of A,
+// 3 faces of B, 9 pairs of edges. The depth is the least overlap on them, the distance the least distance to the 15
+// facets that face the origin; the nearest point is polished twice. Support features come from axes turned by 16 u, as
+// if no face or edge of one box were parallel to one of the other. F = (s <= 0), T = |s|. 627 add, 569 mul, 15 div, 10
+// sqrt, 122 compare, 90 min/max.
+// With FACET_II = 3 the edges of B take turns in a unit an edge of A, a face of A and one of B do in a unit, and the
+// facets three by three at the key of the witness: 361 add, 336 mul, 7 div, 4 sqrt, 80 compare, 42 min/max.
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none, runs free.
 `include "convex.svh"
 module obb_obb #(
@@ -97,7 +99,8 @@ module obb_obb #(
   // ---- Stage times of the facets ----
   localparam int T_EDGES = T_f + `LATENCY_EDGE_NORMAL;
   localparam int T_FACETS = T_EDGES + `LATENCY_OBB_EDGE + `FACET_WAIT;
-  localparam int T_FACES_B = T_FACETS - `DF_LAT_DOT - `LATENCY_OBB_FACE;  // as late as they can, so that inputs wait, not facets
+  // as late as they can, so that inputs wait, not facets
+  localparam int T_FACES_B = T_FACETS - `DF_LAT_DOT - `LATENCY_OBB_FACE;
   localparam int T_FACES_A = T_FACETS - `LATENCY_OBB_FACE;
   `DF_VAT(a_edges, a, T_EDGES)
   `DF_VAT(t_edges, t, T_EDGES)
@@ -116,7 +119,7 @@ module obb_obb #(
   logic [FACETS-1:0][LANES-1:0][CW-1:0] gap, d2, inverse_ff;
   logic [FACETS-1:0][2:0][LANES-1:0][CW-1:0] n, v, p, along;
 
-  // ---- Faces: of B the pair as B sees it, roles exchanged; a facet's vector and normal turned back into A's frame ----
+  // ---- Faces: of B the pair as B sees it, roles exchanged; a facet's vector and normal turned back into A's frame
   `DF_APPLY(t_from_b, r, t)
   `DF_VNEG(t_back, t_from_b)
   `DF_TRANSPOSE(columns, r)
@@ -160,13 +163,15 @@ module obb_obb #(
     `DF_PICK(height_a, t_faces_b, j)
     `DF_TURN(side_turn, 0, phase_faces, side_faces, height_a, height_a)
     obb_face #(`DF_FORMAT, .I(j), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) face (
-        .clk_i, .a_i(half_extents), .t_i(centre), .f_i(half_edges), .signs_i(signs[j]), .side_i(side_turn), .gap_o(gap_b), .n_o(n_b),
+        .clk_i, .a_i(half_extents), .t_i(centre), .f_i(half_edges), .signs_i(signs[j]), .side_i(side_turn),
+        .gap_o(gap_b), .n_o(n_b),
         .v_o(v_b), .p_o(p_b), .d2_o(d2_b));
     if (TURNS == 1) begin : g_a
       `DF_ROW(signs_b, turned_columns_b, j)
       `DF_VAT(signs_a, signs_b, T_FACES_A)
       obb_face #(`DF_FORMAT, .I(j), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) face_a (
-          .clk_i, .a_i(a_faces_a), .t_i(t_faces_a), .f_i(f_faces_a), .signs_i(signs_a), .side_i(t_faces_a[j]), .gap_o(gap[j]),
+          .clk_i, .a_i(a_faces_a), .t_i(t_faces_a), .f_i(f_faces_a), .signs_i(signs_a), .side_i(t_faces_a[j]),
+          .gap_o(gap[j]),
           .n_o(n[j]), .v_o(v[j]), .p_o(p[j]), .d2_o(d2[j]));
       logic unused;
       assign unused = &{1'b0, n_b, p_b};
@@ -246,16 +251,22 @@ module obb_obb #(
       localparam int K = (i + 1) % 3, L = (i + 2) % 3, FACET = 6 + 3 * i + j;
       logic [LANES-1:0][CW-1:0] n_k, n_l, inverse2, valid, gap_e, d2_e, inverse_ff_e;
       logic [2:0][LANES-1:0][CW-1:0] n_e, v_e, p_e, f_e;
-      edge_normal #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) normal (
-          .clk_i, .f_k_i(f_early[K]), .f_l_i(f_early[L]), .n_k_o(n_k), .n_l_o(n_l), .inverse2_o(inverse2), .valid_o(valid));
+      edge_normal #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
+          .LAT_CMP(LAT_CMP)) normal (
+          .clk_i, .f_k_i(f_early[K]), .f_l_i(f_early[L]), .n_k_o(n_k), .n_l_o(n_l), .inverse2_o(inverse2),
+          .valid_o(valid));
       obb_edge #(`DF_FORMAT, .I(i), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) edges (
-          .clk_i, .a_i(a_edges), .t_i(t_edges), .f_i(f_edges), .edge_i(f_j), .first_i(f_first), .second_i(f_second), .sign_k_i(turned_j[K]),
-          .sign_l_i(turned_j[L]), .sign_first_i(sign_first[i]), .sign_second_i(sign_second[i]), .inverse_ff_i(inverse_edges), .n_k_i(n_k),
-          .n_l_i(n_l), .inverse2_i(inverse2), .tie_i(tie_edges), .valid_i(valid), .gap_o(gap_e), .n_o(n_e), .v_o(v_e), .p_o(p_e), .d2_o(d2_e), .f_o(f_e),
+          .clk_i, .a_i(a_edges), .t_i(t_edges), .f_i(f_edges), .edge_i(f_j), .first_i(f_first), .second_i(f_second),
+          .sign_k_i(turned_j[K]),
+          .sign_l_i(turned_j[L]), .sign_first_i(sign_first[i]), .sign_second_i(sign_second[i]),
+          .inverse_ff_i(inverse_edges), .n_k_i(n_k),
+          .n_l_i(n_l), .inverse2_i(inverse2), .tie_i(tie_edges), .valid_i(valid), .gap_o(gap_e), .n_o(n_e), .v_o(v_e),
+          .p_o(p_e), .d2_o(d2_e), .f_o(f_e),
           .inverse_ff_o(inverse_ff_e));
       facet_results #(`DF_FORMAT, .TURNS(TURNS)) facets (
           .clk_i, .gap_i(gap_e), .n_i(n_e), .v_i(v_e), .p_i(p_e), .d2_i(d2_e), .f_i(f_e), .inverse_ff_i(inverse_ff_e),
-          .gap_o(gap[FACET+:TURNS]), .n_o(n[FACET+:TURNS]), .v_o(v[FACET+:TURNS]), .p_o(p[FACET+:TURNS]), .d2_o(d2[FACET+:TURNS]),
+          .gap_o(gap[FACET+:TURNS]), .n_o(n[FACET+:TURNS]), .v_o(v[FACET+:TURNS]), .p_o(p[FACET+:TURNS]),
+          .d2_o(d2[FACET+:TURNS]),
           .f_o(along[FACET+:TURNS]), .inverse_ff_o(inverse_ff[FACET+:TURNS]));
     end
   end
@@ -268,10 +279,13 @@ module obb_obb #(
   logic [LANES-1:0][CW-1:0] choice_s;
   logic [2:0][LANES-1:0][CW-1:0] choice_n, choice_v, choice_p, choice_start_v, choice_start_p;
   `DF_PHASE_AT(phase_facets, phase_edges, T_FACETS)
-  facet_choice #(`DF_FORMAT, .COUNT(FACETS), .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) choice (
-      .clk_i, .phase_i(phase_facets), .gap_i(gap), .n_i(n), .v_i(v), .p_i(p), .d2_i(d2), .f_i(along), .inverse_ff_i(inverse_ff), .tie_i(tie_facets),
+  facet_choice #(`DF_FORMAT, .COUNT(FACETS), .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .LAT_CMP(LAT_CMP)) choice (
+      .clk_i, .phase_i(phase_facets), .gap_i(gap), .n_i(n), .v_i(v), .p_i(p), .d2_i(d2), .f_i(along),
+      .inverse_ff_i(inverse_ff), .tie_i(tie_facets),
       .wide_tie_i(wide_tie_facets), .s_o(choice_s),
-      .witness_n_o(choice_n), .witness_v_o(choice_v), .witness_p_o(choice_p), .start_v_o(choice_start_v), .start_p_o(choice_start_p));
+      .witness_n_o(choice_n), .witness_v_o(choice_v), .witness_p_o(choice_p), .start_v_o(choice_start_v),
+      .start_p_o(choice_start_p));
   `DF_IN(s_facets, choice_s, T_WITNESS)
   `DF_VIN(n_facets, choice_n, T_WITNESS)
   `DF_VIN(v_witness, choice_v, T_WITNESS)
@@ -308,7 +322,8 @@ module obb_obb #(
   `DF_NORM1(radius_b, on_b)
   `DF_SUB(beyond_a, n_t, radius_a)
   `DF_SUB(gap_along, beyond_a, radius_b)
-  `DF_DECIDE(s, n_local, v_local, p_local, s_facets, n_facets, v_facets, p_facets, d_point, n_point, v_point, p_point, usable, gap_along, tie_facets)
+  `DF_DECIDE(s, n_local, v_local, p_local, s_facets, n_facets, v_facets, p_facets, d_point, n_point, v_point, p_point,
+      usable, gap_along, tie_facets)
 
   // ---- Back to the world ----
   `DF_VSCALE(half_v, v_local, half)
@@ -319,6 +334,7 @@ module obb_obb #(
 
   localparam int LATENCY = `DF_MAX3(T_cp, T_n_world, T_s + LAT_CMP) + 1;
   assign latency_o = 16'(LATENCY);
-  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n_world), .LATENCY(LATENCY), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
+  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n_world), .LATENCY(LATENCY),
+      .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
       .clk_i, .s_i(s), .cp_i(cp), .n_i(n_world), .f_o, .t_o, .cp_o, .n_o);
 endmodule

@@ -1,6 +1,6 @@
-// Oriented box against plane, which has two sides: H = n.c - d, R = sum of e_i |n.u_i|, s = |H| - R, n from the box to the plane. With
-// HALF_SPACE the plane is the solid n.x <= d: s = H - R, n into it. The box's support point takes sign(0) = 0, which is the centroid of the
-// touching edge or face; CP is s/2 beyond it.
+// Oriented box against plane, which has two sides: H = n.c - d, R = sum of e_i |n.u_i|, s = |H| - R, n from the box to
+// the plane. With HALF_SPACE the plane is the solid n.x <= d: s = H - R, n into it. The box's support point takes
+// sign(0) = 0, which is the centroid of the touching edge or face; CP is s/2 beyond it.
 // F = (s <= 0), T = |s|. 24 add, 28 mul, 4 compare.
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
 `include "dataflow.svh"
@@ -71,6 +71,7 @@ module obb_plane #(
 
   localparam int LATENCY = `DF_MAX2(T_cp, T_s + LAT_CMP) + 1;
   assign latency_o = 16'(LATENCY);
-  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
+  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY),
+      .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
       .clk_i, .s_i(s), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
 endmodule

@@ -1,4 +1,5 @@
-// The corner of box B less the corner of box A that is farthest against v, and that corner of A, in A's frame (see obb_face.sv).
+// The corner of box B less the corner of box A that is farthest against v, and that corner of A, in A's frame (see
+// obb_face.sv).
 // 18 add, 9 mul.
 // Latency: LATENCY_OBB_SUPPORT clocks; 0 with ARITH = "host". Throughput: one point a lane a clock. Stall: none.
 `include "convex.svh"

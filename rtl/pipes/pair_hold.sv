@@ -1,6 +1,8 @@
-// Mouth of a pipe whose facet units take turns: with FACET_II = 3 it holds a pair's operands for three clocks and counts them, so that
-// whatever is computed from operands alone stands for three clocks, at every stage. With FACET_II = 1, or ARITH = "host", wires.
-// Latency: FACET_T_IN clocks (convex.svh); 0 with ARITH = "host". Throughput: one pair a lane in FACET_II clocks. Stall: none.
+// Mouth of a pipe whose facet units take turns: with FACET_II = 3 it holds a pair's operands for three clocks and
+// counts them, so that whatever is computed from operands alone stands for three clocks, at every stage. With FACET_II
+// = 1, or ARITH = "host", wires.
+// Latency: FACET_T_IN clocks (convex.svh); 0 with ARITH = "host". Throughput: one pair a lane in FACET_II clocks.
+// Stall: none.
 module pair_hold #(
     parameter int FACET_II = 1,  // 1 or 3
     parameter int A_BITS = 1,

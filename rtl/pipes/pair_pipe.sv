@@ -1,5 +1,6 @@
 // The pipe of a pair (pairs_pkg::PAIR_*) behind one kind of mouth.
-// Latency: that of the pipe, latency_o; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none, runs free.
+// Latency: that of the pipe, latency_o; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none,
+// runs free.
 module pair_pipe #(
     parameter int PAIR = 0,
     parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
@@ -33,14 +34,16 @@ module pair_pipe #(
   /*verilator inline_module*/
   if (HALF_SPACE != 0 && PAIR != int'(pairs_pkg::PAIR_OBB_PLANE)) $error("pair_pipe: HALF_SPACE is of obb-plane");
   if (BOX != 0 && !pairs_pkg::has(pairs_pkg::BOX_PAIRS, PAIR)) $error("pair_pipe: BOX is of ray-triangle");
-  if (FACET_II != 1 && !pairs_pkg::has(pairs_pkg::FACET_PAIRS, PAIR)) $error("pair_pipe: FACET_II is of pairs with facets");
+  if (FACET_II != 1 && !pairs_pkg::has(pairs_pkg::FACET_PAIRS,
+      PAIR)) $error("pair_pipe: FACET_II is of pairs with facets");
   if (!pairs_pkg::has(pairs_pkg::FACET_PAIRS, PAIR)) begin : g_no_facets
     logic unused_enter;
     assign unused_enter = enter_i;
   end
   `define CDE_FORMAT .EXP(EXP), .MAN(MAN), .LANES(LANES), .ARITH(ARITH)
   `define CDE_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)
-  `define CDE_TRIANGLE .B_LANES(B_LANES), .BOX(BOX), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP)
+  `define CDE_TRIANGLE .B_LANES(B_LANES), .BOX(BOX), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), \
+    .LAT_CMP(LAT_CMP)
   logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b;  // a secondary a lane
   for (genvar k = 0; k < B_WORDS; k++) begin : word
     if (B_LANES == LANES) begin : g_own
@@ -55,13 +58,16 @@ module pair_pipe #(
     ray_triangle_moller #(`CDE_FORMAT, `CDE_TRIANGLE) pipe (
         .clk_i, .a_i, .b_i, .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
-  end else if (PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) begin : g_pipe
+  end else if (PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE) &&
+      ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) begin : g_pipe
     ray_triangle_badouel #(`CDE_FORMAT, `CDE_TRIANGLE) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
-  end else if (PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(pairs_pkg::ALGORITHM_PLUECKER)) begin : g_pipe
+  end else if (PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(pairs_pkg::ALGORITHM_PLUECKER)) begin :
+      g_pipe
     ray_triangle_pluecker #(`CDE_FORMAT, `CDE_TRIANGLE) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
-  end else if (PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(pairs_pkg::ALGORITHM_WATERTIGHT)) begin : g_pipe
+  end else if (PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(pairs_pkg::ALGORITHM_WATERTIGHT)) begin :
+      g_pipe
     ray_triangle_watertight #(`CDE_FORMAT, `CDE_TRIANGLE) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
   end else if (PAIR == int'(pairs_pkg::PAIR_RAY_SPHERE)) begin : g_pipe
@@ -76,7 +82,8 @@ module pair_pipe #(
     obb_obb #(`CDE_FORMAT, .FACET_II(FACET_II), `CDE_LATENCIES) pipe (
         .clk_i, .enter_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_OBB_PLANE)) begin : g_pipe
-    obb_plane #(`CDE_FORMAT, .HALF_SPACE(HALF_SPACE != 0), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) pipe (
+    obb_plane #(`CDE_FORMAT, .HALF_SPACE(HALF_SPACE != 0), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP))
+        pipe (
         .clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_SPHERE_OBB)) begin : g_pipe
     sphere_obb #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);

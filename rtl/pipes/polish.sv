@@ -1,7 +1,9 @@
-// One step of polishing. `near` is about the point of B - A nearest the origin, `far` the point least in its direction: if the gap along
-// near.v, near.v.far.v / |near.v|, is less than |near.v| by more than `tie`, the point nearest the origin on the segment between
-// them, else near. v is the point of B - A, p the point of A that it comes from. 16 add, 13 mul, 1 div, 1 compare, 3 min/max.
-// Latency: LATENCY_POLISH clocks from the latest input; 0 with ARITH = "host". Throughput: one point a lane a clock. Stall: none.
+// One step of polishing. `near` is about the point of B - A nearest the origin, `far` the point least in its direction:
+// if the gap along near.v, near.v.far.v / |near.v|, is less than |near.v| by more than `tie`, the point nearest the
+// origin on the segment between them, else near. v is the point of B - A, p the point of A that it comes from. 16 add,
+// 13 mul, 1 div, 1 compare, 3 min/max.
+// Latency: LATENCY_POLISH clocks from the latest input; 0 with ARITH = "host". Throughput: one point a lane a clock.
+// Stall: none.
 `include "convex.svh"
 module polish #(
     parameter int EXP = 8,

@@ -2,7 +2,7 @@
 // reference/cylinder/search.hpp). Phases exclude each other and share operators:
 //   vertex    x = b x w, radial = x x b, with w = vertex - d      |x|^2, b.w     b (+-above |x|) + radial (|x| - r)
 //   side      q = e x b                                          |q|^2
-//   sample    w = e x u, c = e x q                               q.w, q.u       one end of the arc (1 - tau) + other end tau
+// sample w = e x u, c = e x q q.w, q.u one end of the arc (1 - tau) + other end tau
 //   refine    w = e x next, c = w x e
 //   frame     e1 x e2 (triangle)                                 |e1 x e2|^2, e1.e1
 // 26 add, 31 mul, 1 div, 2 sqrt, 4 compare (box); 22 add, 36 mul, 1 div, 2 sqrt, 7 compare (triangle).
@@ -106,7 +106,8 @@ module polyhedron_front #(
     assign unused = &{1'b0, frame_i};
     assign v = (index == 0) ? '0 : (index == 1) ? reach_i[0] : reach_i[1];
     assign u = face_i;
-    assign plain = frame ? ((index == 1) ? reach_i[0] : (index == 2) ? reach_i[2] : reach_i[1]) : (phase == `PHASE_AXIS) ? b_i : next_i;
+    assign plain = frame ? ((index == 1) ? reach_i[0] : (index == 2) ? reach_i[2] : reach_i[1]) : (phase == `PHASE_AXIS)
+        ? b_i : next_i;
   end
 
   // ---- Shared products ----

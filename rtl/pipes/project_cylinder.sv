@@ -1,7 +1,8 @@
-// Nearest point of a solid cylinder, or where masks say so of the rim of a cap or of a line of its side: a round side and a plane that
-// touches it part so slowly that every projection merely halves the error. 19 add, 24 mul, 1 div, 1 sqrt, 1 compare, 3 min/max.
-// Latency: LATENCY_PROJECT_CYLINDER clocks from the later of x and c, the others are early; 0 with ARITH = "host". Throughput: one point a
-// lane a clock. Stall: none, runs free.
+// Nearest point of a solid cylinder, or where masks say so of the rim of a cap or of a line of its side: a round side
+// and a plane that touches it part so slowly that every projection merely halves the error. 19 add, 24 mul, 1 div, 1
+// sqrt, 1 compare, 3 min/max.
+// Latency: LATENCY_PROJECT_CYLINDER clocks from the later of x and c, the others are early; 0 with ARITH = "host".
+// Throughput: one point a lane a clock. Stall: none, runs free.
 `include "cylinder.svh"
 module project_cylinder #(
     parameter int T_X = 0,  // stage times of the inputs
@@ -27,7 +28,8 @@ module project_cylinder #(
     input logic [2:0][LANES-1:0][CW-1:0] a_i,  // axis, half height, radius
     input logic [LANES-1:0][CW-1:0] half_i,
     input logic [LANES-1:0][CW-1:0] radius_i,
-    input logic [2:0][LANES-1:0][CW-1:0] side_i,  // from the axis to the line of the side, or to where n touches the rim
+    // from the axis to the line of the side, or to where n touches the rim
+    input logic [2:0][LANES-1:0][CW-1:0] side_i,
     input logic [LANES-1:0][CW-1:0] alongside_i,  // the side is that line instead of round
     input logic [LANES-1:0][CW-1:0] end_i,  // height of a cap, whose rim alone is the cylinder
     input logic [LANES-1:0][CW-1:0] rim_i,

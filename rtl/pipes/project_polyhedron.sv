@@ -1,8 +1,9 @@
-// Nearest point of the box around the origin, or of the triangle with v0 at the origin: of its plane if that lies inside, else of
-// an edge; an edge or a triangle without length or area is selected away by its NaN, and v0 remains. Or, where `feature` is set,
-// nearest point of the vertex, edge or face that n touches, up to `near` radian.
+// Nearest point of the box around the origin, or of the triangle with v0 at the origin: of its plane if that lies
+// inside, else of an edge; an edge or a triangle without length or area is selected away by its NaN, and v0 remains.
+// Or, where `feature` is set, nearest point of the vertex, edge or face that n touches, up to `near` radian.
 // 18 add, 27 mul, 3 compare, 6 min/max (box); 80 add, 87 mul, 3 div, 11 compare, 7 min/max (triangle).
-// Latency: LATENCY_PROJECT clocks from x; 0 with ARITH = "host". Throughput: one point a lane a clock. Stall: none, runs free.
+// Latency: LATENCY_PROJECT clocks from x; 0 with ARITH = "host". Throughput: one point a lane a clock. Stall: none,
+// runs free.
 `include "cylinder.svh"
 module project_polyhedron #(
     parameter int BODY = `BODY_BOX,

@@ -1,6 +1,8 @@
-// Way out of a ray pipe against a solid: where the ray enters it if that is in [tmin, tmax], else where it leaves it; CP = o + t d.
+// Way out of a ray pipe against a solid: where the ray enters it if that is in [tmin, tmax], else where it leaves it;
+// CP = o + t d.
 // 3 mul, 3 add, 4 compare.
-// Latency: T_ENTER_LEAVE + LAT_CMP + LAT_MUL + LAT_ADD + 1, latency_o; 0 with ARITH = "host". Throughput: LANES pairs a clock.
+// Latency: T_ENTER_LEAVE + LAT_CMP + LAT_MUL + LAT_ADD + 1, latency_o; 0 with ARITH = "host". Throughput: LANES pairs a
+// clock.
 // Stall: none.
 `include "dataflow.svh"
 module ray_crossing #(
@@ -49,7 +51,8 @@ module ray_crossing #(
 
   localparam int LATENCY = T_cp + 1;
   assign latency_o = 16'(LATENCY);
-  ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_cp), .LATENCY(LATENCY), .ARITH(ARITH)) result (
+  ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_cp), .LATENCY(LATENCY),
+      .ARITH(ARITH)) result (
       .clk_i, .hit_i(hit), .t_i(t), .cp_i(cp), .f_o, .t_o, .cp_o);
   `undef DF_CANON
   `define DF_CANON 1

@@ -1,9 +1,11 @@
-// Ray against the surface of a solid cylinder with flat caps: the stretch within the infinite cylinder, A t^2 + 2 B t + C <= 0, and the
-// stretch between the planes of the caps are intersected. n = d x a, m = w x a; all is divided by A first, so that no product has more
-// than two lengths; the discriminant is r^2/A - (e/A)^2, B^2 - AC by Lagrange's identity, with e taken without the part of w along the
-// axis. A = 0 (1/A = inf) and d.a = 0 bound nothing, or leave nothing.
+// Ray against the surface of a solid cylinder with flat caps: the stretch within the infinite cylinder, A t^2 + 2 B t +
+// C <= 0, and the stretch between the planes of the caps are intersected. n = d x a, m = w x a; all is divided by A
+// first, so that no product has more than two lengths; the discriminant is r^2/A - (e/A)^2, B^2 - AC by Lagrange's
+// identity, with e taken without the part of w along the axis. A = 0 (1/A = inf) and d.a = 0 bound nothing, or leave
+// nothing.
 // 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 10 compare, 3 min/max.
-// Latency: latency_o clocks (21 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// Latency: latency_o clocks (21 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock.
+// Stall: none, runs free.
 `include "dataflow.svh"
 module ray_cylinder #(
     parameter int EXP = 8,
@@ -112,7 +114,8 @@ module ray_cylinder #(
   `DF_AND(meets, there, in_order)
 
   ray_crossing #(
-      .EXP(EXP), .MAN(MAN), .LANES(LANES), .T_RAY(0), .T_ENTER_LEAVE(T_enter), .T_MEETS(T_meets), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .EXP(EXP), .MAN(MAN), .LANES(LANES), .T_RAY(0), .T_ENTER_LEAVE(T_enter), .T_MEETS(T_meets), .LAT_ADD(LAT_ADD),
+      .LAT_MUL(LAT_MUL),
       .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) crossing (.clk_i, .ray_i(a_i), .enter_i(enter), .leave_i(leave), .meets_i(meets), .f_o, .t_o, .cp_o, .latency_o);
   `undef DF_CANON

@@ -1,8 +1,10 @@
-// Ray against the surface of a sphere, the discriminant from the centre's distance to the line (Haines et al., Ray Tracing Gems 2019):
-// f = o - c, a = d.d, b = -f.d, k = b/a, l = f + k d, D = r^2 - l.l, q = k + sign(b) sqrt(D/a); the roots are (f.f - r^2)/a/q, no
-// larger than q, and q, in this order when b > 0; no product has more than two lengths. T is the first root in [tmin, tmax]; D < 0 is a miss.
+// Ray against the surface of a sphere, the discriminant from the centre's distance to the line (Haines et al., Ray
+// Tracing Gems 2019): f = o - c, a = d.d, b = -f.d, k = b/a, l = f + k d, D = r^2 - l.l, q = k + sign(b) sqrt(D/a); the
+// roots are (f.f - r^2)/a/q, no larger than q, and q, in this order when b > 0; no product has more than two lengths. T
+// is the first root in [tmin, tmax]; D < 0 is a miss.
 // 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 compare, 1 min/max.
-// Latency: latency_o clocks (20 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// Latency: latency_o clocks (20 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock.
+// Stall: none, runs free.
 `include "dataflow.svh"
 module ray_sphere #(
     parameter int EXP = 8,
@@ -69,7 +71,8 @@ module ray_sphere #(
   `DF_SELECT(far, backwards, ta, tb)
 
   ray_crossing #(
-      .EXP(EXP), .MAN(MAN), .LANES(LANES), .T_RAY(0), .T_ENTER_LEAVE(T_near), .T_MEETS(T_meets), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .EXP(EXP), .MAN(MAN), .LANES(LANES), .T_RAY(0), .T_ENTER_LEAVE(T_near), .T_MEETS(T_meets), .LAT_ADD(LAT_ADD),
+      .LAT_MUL(LAT_MUL),
       .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) crossing (.clk_i, .ray_i(a_i), .enter_i(near), .leave_i(far), .meets_i(meets), .f_o, .t_o, .cp_o, .latency_o);
   `undef DF_CANON

@@ -1,7 +1,8 @@
-// Ray against triangle after Badouel 1990, the paper's equations (1) and (2): N = E1 x E2, t = (N.V0 - N.O)/N.D, P = O + t D, and two
-// barycentric coordinates of P in the plane's dominant projection, compared with N_k unscaled. Two-sided; N.D = 0 (parallel or
-// degenerate) is a miss: T = +inf, CP = 0. 22 mul, 1 div, 10 add, 14 sub, 8 compare.
-// Latency: LATENCY clocks (16 when every operator takes one, with BOX too); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// Ray against triangle after Badouel 1990, the paper's equations (1) and (2): N = E1 x E2, t = (N.V0 - N.O)/N.D, P = O
+// + t D, and two barycentric coordinates of P in the plane's dominant projection, compared with N_k unscaled.
+// Two-sided; N.D = 0 (parallel or degenerate) is a miss: T = +inf, CP = 0. 22 mul, 1 div, 10 add, 14 sub, 8 compare.
+// Latency: LATENCY clocks (16 when every operator takes one, with BOX too); 0 with ARITH = "host". Throughput: LANES
+// pairs a clock. Stall: none, runs free.
 `include "ray_box.svh"
 module ray_triangle_badouel #(
     parameter int EXP = 8,
@@ -98,7 +99,8 @@ module ray_triangle_badouel #(
 
   localparam int LATENCY = `DF_MAX2(T_hit, T_p) + 1;
   assign latency_o = 16'(LATENCY);
-  ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_p), .LATENCY(LATENCY), .FINITE((BOX == 0) ? 1 : 0),
+  ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_p), .LATENCY(LATENCY),
+      .FINITE((BOX == 0) ? 1 : 0),
       .ARITH(ARITH)) result (
       .clk_i, .hit_i(hit), .t_i(t), .cp_i(p), .f_o, .t_o, .cp_o);
   `undef DF_CANON

@@ -1,10 +1,11 @@
-// Ray against triangle, Möller and Trumbore 1997, the paper's equation (3): E1 = V1-V0, E2 = V2-V0, T = O-V0, P = D x E2,
-// Q = T x E1, det = P.E1, u = P.T, v = Q.D, t = (Q.E2)/det, CP = O + t D. u, v and u+v are compared with det unscaled, so
-// the one division is off the hit decision. Two-sided; det = 0 (parallel or degenerate) is a miss: T = +inf, CP = 0.
+// Ray against triangle, Möller and Trumbore 1997, the paper's equation (3): E1 = V1-V0, E2 = V2-V0, T = O-V0, P = D x
+// E2, Q = T x E1, det = P.E1, u = P.T, v = Q.D, t = (Q.E2)/det, CP = O + t D. u, v and u+v are compared with det
+// unscaled, so the one division is off the hit decision. Two-sided; det = 0 (parallel or degenerate) is a miss: T =
+// +inf, CP = 0.
 // 27 multipliers, 1 divider, 12 adders, 15 subtractors, 8 comparators.
 //
-// Latency: LATENCY clocks (10 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none,
-// runs free.
+// Latency: LATENCY clocks (10 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock.
+// Stall: none, runs free.
 `include "ray_box.svh"
 module ray_triangle_moller #(
     parameter int EXP = 8,
@@ -67,22 +68,27 @@ module ray_triangle_moller #(
   `CDE_ALIGN(align_e2, 3 * B_LANES * CW, T_EDGE, T_CROSS, e2, e2_dot)
 
   logic [2:0][LANES-1:0][CW-1:0] tv, tv_dot, p, q;
-  vec_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .SUB(1), .ARITH(ARITH), .CANON(0)) sub_t (
+  vec_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .SUB(1), .ARITH(ARITH),
+      .CANON(0)) sub_t (
       .clk_i, .a_i(a_i[2:0]), .b_i(b_i[2:0]), .r_o(tv));
-  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) cross_p (
+  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .ARITH(ARITH), .CANON(0)) cross_p (
       .clk_i, .on_i(1'b1), .a_i(d_cross), .b_i(e2), .r_o(p));
-  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) cross_q (
+  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .ARITH(ARITH), .CANON(0)) cross_q (
       .clk_i, .on_i(1'b1), .a_i(tv), .b_i(e1), .r_o(q));
   `CDE_ALIGN(align_tv, 3 * LANES * CW, T_EDGE, T_CROSS, tv, tv_dot)
 
   logic [LANES-1:0][CW-1:0] det, u, v, tn;
-  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) dot_det (
+  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH),
+      .CANON(0)) dot_det (
       .clk_i, .on_i(1'b1), .a_i(p), .b_i(e1_dot), .r_o(det));
   vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) dot_u (
       .clk_i, .on_i(1'b1), .a_i(p), .b_i(tv_dot), .r_o(u));
   vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) dot_v (
       .clk_i, .on_i(1'b1), .a_i(q), .b_i(d_dot), .r_o(v));
-  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) dot_t (
+  vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH),
+      .CANON(0)) dot_t (
       .clk_i, .on_i(1'b1), .a_i(q), .b_i(e2_dot), .r_o(tn));
 
   // ---- Inside test against |det|: the sign of det is moved to u, v and u+v ----
@@ -127,7 +133,8 @@ module ray_triangle_moller #(
     fp_finite #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ARITH(ARITH)) finite (.a_i(cp), .m_o(cp_finite));
   end
   `CDE_CLASS(t_zero, formats_pkg::CLASS_NONZERO, t, t_not_zero)
-  logic [LANES-1:0][CW-1:0] in_edges, in_edges_uv, in_uv, in_uv_all, in_range, in_range_all, in_all, finite_all, met_all, hit_select;
+  logic [LANES-1:0][CW-1:0] in_edges, in_edges_uv, in_uv, in_uv_all, in_range, in_range_all, in_all, finite_all,
+      met_all, hit_select;
   assign in_edges = u_lo & u_hi & v_lo & v_hi & det_nz;
   `CDE_ALIGN(align_edges, LANES * CW, T_DOT + LAT_CMP, T_UV_IN, in_edges, in_edges_uv)
   assign in_uv = in_edges_uv & uv_hi;
@@ -153,7 +160,8 @@ module ray_triangle_moller #(
   logic [LANES-1:0][CW-1:0] t_result;
   logic [2:0][LANES-1:0][CW-1:0] cp_result;
   lane_select #(.CW(CW), .LANES(LANES)) select_t (.m_i(hit_select), .a_i(t_select), .b_i({LANES{INF}}), .r_o(t_result));
-  lane_select #(.CW(CW), .LANES(LANES), .WORDS(3)) select_cp (.m_i(hit_select), .a_i(cp_select), .b_i('0), .r_o(cp_result));
+  lane_select #(.CW(CW), .LANES(LANES), .WORDS(3)) select_cp (.m_i(hit_select), .a_i(cp_select), .b_i('0),
+      .r_o(cp_result));
   `CDE_ALIGN(result_f, LANES * CW, T_SELECT, LATENCY, hit_select, f_o)
   `CDE_ALIGN(result_t, LANES * CW, T_SELECT, LATENCY, t_result, t_o)
   `CDE_ALIGN(result_cp, 3 * LANES * CW, T_SELECT, LATENCY, cp_result, cp_o)

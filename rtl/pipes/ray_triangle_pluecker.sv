@@ -1,7 +1,9 @@
-// Ray against triangle by Pluecker coordinates, the paper's equations (4) to (6): w_ij = D.(p_ij x V_i) + (D x O).p_ij tells on which
-// side of the ray the edge p_ij = V_j - V_i runs; W = w01 + w12 + w20, t = (N.(O - V0))/W with N = p20 x p01, CP = O + t D. Two-sided;
-// W = 0 (parallel or degenerate) is a miss: T = +inf, CP = 0. 54 mul, 1 div, 22 add, 27 sub, 6 compare.
-// Latency: LATENCY clocks (13 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// Ray against triangle by Pluecker coordinates, the paper's equations (4) to (6): w_ij = D.(p_ij x V_i) + (D x O).p_ij
+// tells on which side of the ray the edge p_ij = V_j - V_i runs; W = w01 + w12 + w20, t = (N.(O - V0))/W with N = p20 x
+// p01, CP = O + t D. Two-sided; W = 0 (parallel or degenerate) is a miss: T = +inf, CP = 0. 54 mul, 1 div, 22 add, 27
+// sub, 6 compare.
+// Latency: LATENCY clocks (13 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock.
+// Stall: none, runs free.
 `include "ray_box.svh"
 module ray_triangle_pluecker #(
     parameter int EXP = 8,
@@ -59,7 +61,8 @@ module ray_triangle_pluecker #(
   // ---- Inside test ----
   `DF_VEC(sides, w01, w12, w20)
   logic [LANES-1:0][CW-1:0] side;
-  same_side #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_UVW(T_sides), .T_DET(T_sum), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) inside_test (
+  same_side #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_UVW(T_sides), .T_DET(T_sum), .LAT_CMP(LAT_CMP), .ARITH(ARITH))
+      inside_test (
       .clk_i, .uvw_i(sides), .det_i(sum), .inside_o(side));
   `DF_IN(in_edges, side, T_sum + LAT_CMP)
 
@@ -89,7 +92,8 @@ module ray_triangle_pluecker #(
 
   localparam int LATENCY = `DF_MAX2(T_hit, T_cp) + 1;
   assign latency_o = 16'(LATENCY);
-  ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_cp), .LATENCY(LATENCY), .FINITE((BOX == 0) ? 1 : 0),
+  ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_cp), .LATENCY(LATENCY),
+      .FINITE((BOX == 0) ? 1 : 0),
       .ARITH(ARITH)) result (
       .clk_i, .hit_i(hit), .t_i(t), .cp_i(cp), .f_o, .t_o, .cp_o);
   `undef DF_CANON

@@ -1,8 +1,10 @@
-// Ray against triangle after Woop, Benthin and Wald 2013: space is sheared so that the ray runs along its dominant axis, and the edge
-// functions U, V, W are evaluated in the plane across it, each product rounded, so that both triangles at an edge take the same side
-// of it and closed meshes do not leak. T = (U Az + V Bz + W Cz)/det with det = U + V + W; CP is the barycentric point. Two-sided;
-// det = 0, edge-on or without area, is a miss: T = +inf, CP = 0. 32 mul, 3 div, 13 add, 18 sub, 8 compare.
-// Latency: LATENCY clocks (17 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// Ray against triangle after Woop, Benthin and Wald 2013: space is sheared so that the ray runs along its dominant
+// axis, and the edge functions U, V, W are evaluated in the plane across it, each product rounded, so that both
+// triangles at an edge take the same side of it and closed meshes do not leak. T = (U Az + V Bz + W Cz)/det with det =
+// U + V + W; CP is the barycentric point. Two-sided; det = 0, edge-on or without area, is a miss: T = +inf, CP = 0. 32
+// mul, 3 div, 13 add, 18 sub, 8 compare.
+// Latency: LATENCY clocks (17 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock.
+// Stall: none, runs free.
 `include "ray_box.svh"
 module ray_triangle_watertight #(
     parameter int EXP = 8,
@@ -80,7 +82,8 @@ module ray_triangle_watertight #(
   // ---- Inside test ----
   `DF_VEC(weights, u, v, w)
   logic [LANES-1:0][CW-1:0] side;
-  same_side #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_UVW(T_weights), .T_DET(T_det), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) inside_test (
+  same_side #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_UVW(T_weights), .T_DET(T_det), .LAT_CMP(LAT_CMP), .ARITH(ARITH))
+      inside_test (
       .clk_i, .uvw_i(weights), .det_i(det), .inside_o(side));
   `DF_IN(in_edges, side, T_det + LAT_CMP)
 
@@ -118,7 +121,8 @@ module ray_triangle_watertight #(
 
   localparam int LATENCY = `DF_MAX2(T_hit, T_cp) + 1;
   assign latency_o = 16'(LATENCY);
-  ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_cp), .LATENCY(LATENCY), .FINITE(2),
+  ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_cp), .LATENCY(LATENCY),
+      .FINITE(2),
       .ARITH(ARITH)) result (
       .clk_i, .hit_i(hit), .t_i(t), .cp_i(cp), .f_o, .t_o, .cp_o);
   `undef DF_CANON

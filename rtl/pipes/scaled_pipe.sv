@@ -1,7 +1,7 @@
-// The pipe of a pair (pair_pipe.sv), with the pair brought to the size of one in front of it and its answer brought back behind it, where
-// pairs_pkg::scaled says so; elsewhere the pipe alone.
-// Latency: that of the pipe, of length_scale.sv and of length_unscale.sv, latency_o; 0 with ARITH = "host". Throughput: LANES pairs in
-// FACET_II clocks. Stall: none, runs free.
+// The pipe of a pair (pair_pipe.sv), with the pair brought to the size of one in front of it and its answer brought
+// back behind it, where pairs_pkg::scaled says so; elsewhere the pipe alone.
+// Latency: that of the pipe, of length_scale.sv and of length_unscale.sv, latency_o; 0 with ARITH = "host". Throughput:
+// LANES pairs in FACET_II clocks. Stall: none, runs free.
 module scaled_pipe #(
     parameter int PAIR = 0,
     parameter int ALGORITHM = 0,  // these are those of pair_pipe.sv
@@ -43,8 +43,10 @@ module scaled_pipe #(
   logic [2:0][LANES-1:0][CW-1:0] cp, n;
   logic [15:0] latency;
   pair_pipe #(
-      .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(BOX), .HALF_SPACE(HALF_SPACE), .EXP(EXP), .MAN(MAN), .FACET_II(FACET_II), .LANES(LANES),
-      .B_LANES(INNER_B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+      .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(BOX), .HALF_SPACE(HALF_SPACE), .EXP(EXP), .MAN(MAN), .FACET_II(FACET_II),
+      .LANES(LANES),
+      .B_LANES(INNER_B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
+      .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) pipe (.clk_i, .enter_i(enter), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
   if (SCALED) begin : g_scaled
     localparam int SHAPE_A = pairs_pkg::primary_shape(PAIR);
@@ -59,11 +61,14 @@ module scaled_pipe #(
     end
     logic [LANES-1:0][CW-1:0] back, t_back, back_late, t_back_late;
     length_scale #(
-        .SHAPE_A(SHAPE_A), .SHAPE_B(pairs_pkg::secondary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL),
+        .SHAPE_A(SHAPE_A), .SHAPE_B(pairs_pkg::secondary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES),
+        .LAT_MUL(LAT_MUL),
         .LAT_CMP(LAT_CMP), .ARITH(ARITH)
     ) scale (.clk_i, .on_i(1'b1), .a_i, .b_i(b_own), .a_o(a), .b_o(b), .back_o(back), .t_back_o(t_back));
-    length_unscale #(.RAY(RAY), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unscale (
-        .clk_i, .on_i(1'b1), .back_i(back_late), .t_back_i(t_back_late), .f_i(f), .t_i(t), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
+    length_unscale #(.RAY(RAY), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
+        .ARITH(ARITH)) unscale (
+        .clk_i, .on_i(1'b1), .back_i(back_late), .t_back_i(t_back_late), .f_i(f), .t_i(t), .cp_i(cp), .n_i(n), .f_o,
+        .t_o, .cp_o, .n_o);
     localparam int FRONT = pairs_pkg::scale_latency(RAY, LAT_MUL, LAT_CMP);
     assign latency_o = latency + 16'(FRONT + pairs_pkg::unscale_latency(RAY, LAT_MUL, LAT_CMP));
     if (ARITH == "rtl") begin : g_late  // the pipe's own time is a number of its port, not a parameter

@@ -1,5 +1,7 @@
-// Sphere against oriented box, in the box's frame: p is the sphere's centre, q is p limited to the box. Outside, the distance is
-// |p - q|; inside, or so near the surface that |p - q|^2 is subnormal, the face with the least depth counts, ties to the lowest axis.
+// Sphere against oriented box, in the box's frame: p is the sphere's centre, q is p limited to the box. Outside, the
+// distance is
+// |p - q|; inside, or so near the surface that |p - q|^2 is subnormal, the face with the least depth counts, ties to
+// the lowest axis.
 // s = distance - r, n from the sphere to the box, CP = q + (s/2) m with m = -n out of the box. F = (s <= 0), T = |s|.
 // 36 add, 37 mul, 1 div, 1 sqrt, 5 compare, 6 min/max.
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
@@ -97,6 +99,7 @@ module sphere_obb #(
 
   localparam int LATENCY = `DF_MAX2(T_cp, T_s + LAT_CMP) + 1;
   assign latency_o = 16'(LATENCY);
-  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
+  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY),
+      .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
       .clk_i, .s_i(s), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
 endmodule

@@ -1,5 +1,5 @@
-// Sphere against sphere: s = |cB - cA| - (rA + rB), n from A to B, CP = cA + (rA + s/2) n. Centres so close that their squared
-// distance is subnormal take n = (0, 0, 1). F = (s <= 0), T = |s|. 11 add, 10 mul, 1 div, 1 sqrt, 2 compare.
+// Sphere against sphere: s = |cB - cA| - (rA + rB), n from A to B, CP = cA + (rA + s/2) n. Centres so close that their
+// squared distance is subnormal take n = (0, 0, 1). F = (s <= 0), T = |s|. 11 add, 10 mul, 1 div, 1 sqrt, 2 compare.
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
 `include "dataflow.svh"
 module sphere_sphere #(
@@ -53,6 +53,7 @@ module sphere_sphere #(
 
   localparam int LATENCY = T_cp + 1;
   assign latency_o = 16'(LATENCY);
-  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
+  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY),
+      .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
       .clk_i, .s_i(s), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
 endmodule

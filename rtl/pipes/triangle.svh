@@ -6,39 +6,48 @@
 // For stage times that are made of others: a macro that has its arguments twice grows too fast.
 `define LARGER(A, B) formats_pkg::larger(A, B)
 
-// ---- Stage times of the outputs of triangle_parts, from the vertices: edges, 1 / f.f, which edge is longest, normal ----
+// ---- Stage times of the outputs of triangle_parts, from the vertices: edges, 1 / f.f, which edge is longest, normal
 `define TRIANGLE_T_F (LAT_ADD)
 `define TRIANGLE_T_INVERSE (LAT_ADD + `DF_LAT_DOT + `LARGER(LAT_CMP, LAT_DIV))
 `define TRIANGLE_T_LONGEST (LAT_ADD + `DF_LAT_DOT + 3 * LAT_CMP)
-`define TRIANGLE_T_M (`LARGER(`TRIANGLE_T_LONGEST + `DF_LAT_DOT, `LARGER(`TRIANGLE_T_LONGEST, `TRIANGLE_T_INVERSE) + LAT_MUL) + \
+`define TRIANGLE_T_M (`LARGER(`TRIANGLE_T_LONGEST + `DF_LAT_DOT, `LARGER(`TRIANGLE_T_LONGEST, `TRIANGLE_T_INVERSE) + \
+  LAT_MUL) + \
   LAT_MUL + LAT_ADD + `DF_LAT_CROSS + `DF_LAT_DOT + LAT_CMP + LAT_SQRT + LAT_DIV + LAT_MUL)
 
-// The triangle R from the matrix P of its vertices: R_f edges (rows), R_inverse_ff, R_longest0 and R_longest1, R_m and R_flat.
+// The triangle R from the matrix P of its vertices: R_f edges (rows), R_inverse_ff, R_longest0 and R_longest1, R_m and
+// R_flat.
 `define DF_TRIANGLE(R, P) \
   localparam int T_``R``_f = T_``P + `TRIANGLE_T_F, T_``R``_inverse_ff = T_``P + `TRIANGLE_T_INVERSE; \
   localparam int T_``R``_longest0 = T_``P + `TRIANGLE_T_LONGEST, T_``R``_longest1 = T_``R``_longest0; \
   localparam int T_``R``_m = T_``P + `TRIANGLE_T_M, T_``R``_flat = T_``R``_m; \
   `DF_MATRIX R``_f; `DF_VECTOR R``_inverse_ff, R``_m; `DF_SCALAR R``_longest0, R``_longest1, R``_flat; \
-  triangle_parts #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) parts_``R ( \
-      .clk_i, .p_i(P), .f_o(R``_f), .inverse_ff_o(R``_inverse_ff), .longest0_o(R``_longest0), .longest1_o(R``_longest1), .m_o(R``_m), \
+  triangle_parts #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), \
+    .LAT_CMP(LAT_CMP)) parts_``R ( \
+      .clk_i, .p_i(P), .f_o(R``_f), .inverse_ff_o(R``_inverse_ff), .longest0_o(R``_longest0), \
+        .longest1_o(R``_longest1), .m_o(R``_m), \
       .flat_o(R``_flat));
 
 // ---- Stage times of the outputs of point_triangle; W, T: signals seen from the vertices and prefix of a triangle ----
-`define POINT_TRIANGLE_T_EDGE(W, F, INVERSE) (`LARGER(`LARGER(W, F) + `DF_LAT_DOT, INVERSE) + LAT_MUL + 2 * LAT_CMP + LAT_MUL + LAT_ADD + \
+`define POINT_TRIANGLE_T_EDGE(W, F, INVERSE) (`LARGER(`LARGER(W, F) + `DF_LAT_DOT, INVERSE) + LAT_MUL + 2 * LAT_CMP + \
+  LAT_MUL + LAT_ADD + \
   `DF_LAT_DOT + LAT_CMP + `LATENCY_PERPENDICULAR)
 `define POINT_TRIANGLE_T_INSIDE(W, F, M) `LARGER(`LARGER(`LARGER(W, F) + `DF_LAT_CROSS, M) + `DF_LAT_DOT + LAT_CMP, \
   `LARGER(W, M) + `DF_LAT_DOT + LAT_MUL)
-`define POINT_TRIANGLE_T_V(W, F, INVERSE, M) `LARGER(`POINT_TRIANGLE_T_EDGE(W, F, INVERSE), `POINT_TRIANGLE_T_INSIDE(W, F, M))
+`define POINT_TRIANGLE_T_V(W, F, INVERSE, M) `LARGER(`POINT_TRIANGLE_T_EDGE(W, F, INVERSE), \
+  `POINT_TRIANGLE_T_INSIDE(W, F, M))
 
-// The point that is seen as W (matrix, point - vertex) from the vertices of triangle T: R_v from the closest point to it, R_d2 = |R_v|^2,
-// R_h its signed distance from the plane.
+// The point that is seen as W (matrix, point - vertex) from the vertices of triangle T: R_v from the closest point to
+// it, R_d2 = |R_v|^2, R_h its signed distance from the plane.
 `define DF_POINT_TRIANGLE(R, W, T) \
-  localparam int T_``R``_v = `POINT_TRIANGLE_T_V(T_``W, T_``T``_f, T_``T``_inverse_ff, T_``T``_m), T_``R``_d2 = T_``R``_v; \
+  localparam int T_``R``_v = `POINT_TRIANGLE_T_V(T_``W, T_``T``_f, T_``T``_inverse_ff, T_``T``_m), T_``R``_d2 = \
+    T_``R``_v; \
   localparam int T_``R``_h = `DF_MAX2(T_``W, T_``T``_m) + `DF_LAT_DOT; \
   `DF_VECTOR R``_v; `DF_SCALAR R``_d2, R``_h; \
-  point_triangle #(`DF_FORMAT, .T_W(T_``W), .T_F(T_``T``_f), .T_INVERSE(T_``T``_inverse_ff), .T_LONGEST(T_``T``_longest0), .T_M(T_``T``_m), \
+  point_triangle #(`DF_FORMAT, .T_W(T_``W), .T_F(T_``T``_f), .T_INVERSE(T_``T``_inverse_ff), \
+    .T_LONGEST(T_``T``_longest0), .T_M(T_``T``_m), \
       .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) point_``R ( \
-      .clk_i, .w_i(W), .f_i(T``_f), .inverse_ff_i(T``_inverse_ff), .longest0_i(T``_longest0), .longest1_i(T``_longest1), .m_i(T``_m), \
+      .clk_i, .w_i(W), .f_i(T``_f), .inverse_ff_i(T``_inverse_ff), .longest0_i(T``_longest0), \
+        .longest1_i(T``_longest1), .m_i(T``_m), \
       .flat_i(T``_flat), .v_o(R``_v), .d2_o(R``_d2), .h_o(R``_h));
 
 // ---- Triangle against box, in the box's frame: stage times from the vertices ----
@@ -47,28 +56,37 @@
 `define TRIANGLE_BOX_T_M1 (LAT_ADD + `LATENCY_TURNED + `DF_LAT_CROSS)
 `define TRIANGLE_FACE_T_W (`TRIANGLE_T_M + `DF_LAT_DOT + 3 * LAT_CMP + 2 * LAT_ADD)
 `define TRIANGLE_FACE_T `POINT_TRIANGLE_T_V(`TRIANGLE_FACE_T_W, `TRIANGLE_T_F, `TRIANGLE_T_INVERSE, `TRIANGLE_T_M)
-`define TRIANGLE_BOX_T_FACETS `LARGER(`TRIANGLE_FACE_T, `LARGER(`TRIANGLE_BOX_T_M1, `TRIANGLE_T_INVERSE) + `LATENCY_TRIANGLE_BOX_EDGE + `FACET_WAIT)
+`define TRIANGLE_BOX_T_FACETS `LARGER(`TRIANGLE_FACE_T, `LARGER(`TRIANGLE_BOX_T_M1, `TRIANGLE_T_INVERSE) + \
+  `LATENCY_TRIANGLE_BOX_EDGE + `FACET_WAIT)
 `define LATENCY_TRIANGLE_BOX_SUPPORT (`DF_LAT_DOT + LAT_CMP + LAT_ADD)
-`define TRIANGLE_BOX_T_ALONG (`TRIANGLE_BOX_T_FACETS + `LATENCY_NEAREST(13) + 2 * (`LATENCY_TRIANGLE_BOX_SUPPORT + `LATENCY_POLISH) + \
+`define TRIANGLE_BOX_T_ALONG (`TRIANGLE_BOX_T_FACETS + `LATENCY_NEAREST(13) + \
+  2 * (`LATENCY_TRIANGLE_BOX_SUPPORT + `LATENCY_POLISH) + \
   2 * `DF_LAT_DOT + LAT_SQRT + LAT_DIV + LAT_MUL + LAT_CMP + LAT_ADD)
-`define LATENCY_TRIANGLE_BOX (`LARGER(`TRIANGLE_BOX_T_FACETS + `LATENCY_WITNESS(13) + `LATENCY_SETTLE, `TRIANGLE_BOX_T_ALONG + LAT_CMP) + \
+`define LATENCY_TRIANGLE_BOX (`LARGER(`TRIANGLE_BOX_T_FACETS + `LATENCY_WITNESS(13) + `LATENCY_SETTLE, \
+  `TRIANGLE_BOX_T_ALONG + LAT_CMP) + \
   LAT_MUL + LAT_ADD)
 
 // Of the rows of a matrix P: the least P.N, and the row that has it.
-`define DF_ALONG(R, P, N) `DF_APPLY(R``_along, P, N) `DF_PICK(R``_0, R``_along, 0) `DF_PICK(R``_1, R``_along, 1) `DF_PICK(R``_2, R``_along, 2)
+`define DF_ALONG(R, P, N) `DF_APPLY(R``_along, P, N) `DF_PICK(R``_0, R``_along, 0) `DF_PICK(R``_1, R``_along, 1) \
+  `DF_PICK(R``_2, R``_along, 2)
 `define DF_LEAST_ALONG(R, P, N) `DF_ALONG(R, P, N) `DF_LEAST3(R, R``_0, R``_1, R``_2)
-`define DF_LOWEST(R, P, N) `DF_ALONG(R``_of, P, N) `DF_WHICH3(R``_of, R``_of_0, R``_of_1, R``_of_2) `DF_LEAST_ROW(R, R``_of, P)
+`define DF_LOWEST(R, P, N) `DF_ALONG(R``_of, P, N) `DF_WHICH3(R``_of, R``_of_0, R``_of_1, R``_of_2) \
+  `DF_LEAST_ROW(R, R``_of, P)
 // The row that DF_WHICH3 has chosen.
 `define DF_LEAST_ROW(R, WHICH, P) `DF_ROW(R``_0, P, 0) `DF_ROW(R``_1, P, 1) `DF_ROW(R``_2, P, 2) \
   `DF_VSELECT3(R, WHICH``_first, WHICH``_second, R``_0, R``_1, R``_2)
 // The least and the largest component of V.
 `define DF_SPAN(LOW, HIGH, V) `DF_PICK(LOW``_0, V, 0) `DF_PICK(LOW``_1, V, 1) `DF_PICK(LOW``_2, V, 2) \
-  `DF_MIN(LOW``_12, LOW``_1, LOW``_2) `DF_MIN(LOW, LOW``_0, LOW``_12) `DF_MAX(HIGH``_12, LOW``_1, LOW``_2) `DF_MAX(HIGH, LOW``_0, HIGH``_12)
+  `DF_MIN(LOW``_12, LOW``_1, LOW``_2) `DF_MIN(LOW, LOW``_0, LOW``_12) `DF_MAX(HIGH``_12, LOW``_1, LOW``_2) \
+    `DF_MAX(HIGH, LOW``_0, HIGH``_12)
 // How far the rows of P reach from the origin, the largest |p|_1.
-`define DF_REACH(R, P) `DF_ROW(R``_p0, P, 0) `DF_ROW(R``_p1, P, 1) `DF_ROW(R``_p2, P, 2) `DF_NORM1(R``_0, R``_p0) `DF_NORM1(R``_1, R``_p1) \
+`define DF_REACH(R, P) `DF_ROW(R``_p0, P, 0) `DF_ROW(R``_p1, P, 1) `DF_ROW(R``_p2, P, 2) `DF_NORM1(R``_0, R``_p0) \
+  `DF_NORM1(R``_1, R``_p1) \
   `DF_NORM1(R``_2, R``_p2) `DF_MAX(R``_12, R``_1, R``_2) `DF_MAX(R, R``_0, R``_12)
-// Of a projection LOW .. HIGH and a box's RADIUS about 0: the larger of the gaps above and below the box, and its SIDE, a sign.
-`define DF_SIDE(SIDE, GAP, LOW, HIGH, RADIUS, TIE, ORIENTATION) `DF_SUB(GAP``_above, LOW, RADIUS) `DF_NEG(GAP``_top, HIGH) \
+// Of a projection LOW .. HIGH and a box's RADIUS about 0: the larger of the gaps above and below the box, and its SIDE,
+// a sign.
+`define DF_SIDE(SIDE, GAP, LOW, HIGH, RADIUS, TIE, ORIENTATION) `DF_SUB(GAP``_above, LOW, RADIUS) \
+  `DF_NEG(GAP``_top, HIGH) \
   `DF_SUB(GAP``_below, GAP``_top, RADIUS) `DF_MAX(GAP, GAP``_above, GAP``_below) `DF_ADD(SIDE``_h, LOW, HIGH) \
   `DF_SIDE_OF(SIDE, SIDE``_h, TIE, ORIENTATION)
 `endif

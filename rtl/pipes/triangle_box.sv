@@ -1,10 +1,13 @@
-// The signed gap s from a box, half extents a about 0, to a triangle in the box's frame, the unit normal n from box to triangle and the
-// midpoint of the witness points. The difference of the two has 13 pairs of facets: 3 faces of the box, the triangle's face,
-// 9 pairs of edges. The depth is the least overlap on them, the distance the least distance to the facets that face the origin; the
-// nearest point is polished twice. Support features come from edges turned by 16 u (turned.sv).
-// 443 add, 527 mul, 16 div, 11 sqrt, 126 compare, 126 min/max. With FACET_II = 3 the edges of the triangle take turns in a unit an edge
-// of the box, and the facets three by three at the key of the witness: 301 add, 329 mul, 10 div, 5 sqrt, 100 compare, 78 min/max.
-// Latency: LATENCY_TRIANGLE_BOX clocks; 0 with ARITH = "host". Throughput: one pair a lane in FACET_II clocks, for which its operands stand.
+// The signed gap s from a box, half extents a about 0, to a triangle in the box's frame, the unit normal n from box to
+// triangle and the midpoint of the witness points. The difference of the two has 13 pairs of facets: 3 faces of the
+// box, the triangle's face, 9 pairs of edges. The depth is the least overlap on them, the distance the least distance
+// to the facets that face the origin; the nearest point is polished twice. Support features come from edges turned by
+// 16 u (turned.sv).
+// 443 add, 527 mul, 16 div, 11 sqrt, 126 compare, 126 min/max. With FACET_II = 3 the edges of the triangle take turns
+// in a unit an edge of the box, and the facets three by three at the key of the witness: 301 add, 329 mul, 10 div, 5
+// sqrt, 100 compare, 78 min/max.
+// Latency: LATENCY_TRIANGLE_BOX clocks; 0 with ARITH = "host". Throughput: one pair a lane in FACET_II clocks, for
+// which its operands stand.
 // Stall: none.
 `include "triangle.svh"
 module triangle_box #(
@@ -92,19 +95,25 @@ module triangle_box #(
       localparam int FACET = 4 + 3 * i + j;
       logic [LANES-1:0][CW-1:0] gap_e, d2_e, inverse_ff_e;
       logic [2:0][LANES-1:0][CW-1:0] n_e, v_e, p_e, along_e;
-      triangle_box_edge #(`DF_FORMAT, .I(i), .TURNS(TURNS), .J(j), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
+      triangle_box_edge #(`DF_FORMAT, .I(i), .TURNS(TURNS), .J(j), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+          .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
           .LAT_CMP(LAT_CMP)) edges (
-          .clk_i, .phase_i(phase_edges), .a_i(a_edges), .p_i(p_edges), .f_i(f_j), .inverse_ff_i(inverse_j), .turned_i(turned_j),
-          .side_i(m1_edges[i]), .gap_o(gap_e), .n_o(n_e), .v_o(v_e), .p_o(p_e), .d2_o(d2_e), .f_o(along_e), .inverse_ff_o(inverse_ff_e));
+          .clk_i, .phase_i(phase_edges), .a_i(a_edges), .p_i(p_edges), .f_i(f_j), .inverse_ff_i(inverse_j),
+          .turned_i(turned_j),
+          .side_i(m1_edges[i]), .gap_o(gap_e), .n_o(n_e), .v_o(v_e), .p_o(p_e), .d2_o(d2_e), .f_o(along_e),
+          .inverse_ff_o(inverse_ff_e));
       facet_results #(`DF_FORMAT, .TURNS(TURNS)) facets (
-          .clk_i, .gap_i(gap_e), .n_i(n_e), .v_i(v_e), .p_i(p_e), .d2_i(d2_e), .f_i(along_e), .inverse_ff_i(inverse_ff_e),
-          .gap_o(gap[FACET+:TURNS]), .n_o(n[FACET+:TURNS]), .v_o(v[FACET+:TURNS]), .p_o(p_box[FACET+:TURNS]), .d2_o(d2[FACET+:TURNS]),
+          .clk_i, .gap_i(gap_e), .n_i(n_e), .v_i(v_e), .p_i(p_e), .d2_i(d2_e), .f_i(along_e),
+          .inverse_ff_i(inverse_ff_e),
+          .gap_o(gap[FACET+:TURNS]), .n_o(n[FACET+:TURNS]), .v_o(v[FACET+:TURNS]), .p_o(p_box[FACET+:TURNS]),
+          .d2_o(d2[FACET+:TURNS]),
           .f_o(along[FACET+:TURNS]), .inverse_ff_o(inverse_ff[FACET+:TURNS]));
     end
   end
   for (genvar i = 0; i < 3; i++) begin : g_face
     triangle_box_face #(`DF_FORMAT, .I(i), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) face (
-        .clk_i, .a_i(a_faces), .p_i(p_faces), .turned_i({turned_faces[2][i], turned_faces[1][i], turned_faces[0][i]}), .tie_i(tie_faces),
+        .clk_i, .a_i(a_faces), .p_i(p_faces), .turned_i({turned_faces[2][i], turned_faces[1][i], turned_faces[0][i]}),
+        .tie_i(tie_faces),
         .gap_o(gap[i]), .n_o(n[i]), .v_o(v[i]), .p_o(p_box[i]), .d2_o(d2[i]));
     assign along[i] = '0;
     assign inverse_ff[i] = '0;
@@ -112,9 +121,12 @@ module triangle_box #(
   logic [2:0][LANES-1:0][CW-1:0] face_n, face_v, face_p;
   logic [LANES-1:0][CW-1:0] face_gap, face_d2;
   `DF_AT(tie_m, tie, `TRIANGLE_T_M)
-  triangle_face #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) face (
-      .clk_i, .a_i(a), .p_i(p), .m1_i(m1), .f_i(t_f), .inverse_ff_i(t_inverse_ff), .longest0_i(t_longest0), .longest1_i(t_longest1),
-      .m_i(t_m), .flat_i(t_flat), .tie_i(tie_m), .gap_o(face_gap), .n_o(face_n), .v_o(face_v), .p_o(face_p), .d2_o(face_d2));
+  triangle_face #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
+      .LAT_CMP(LAT_CMP)) face (
+      .clk_i, .a_i(a), .p_i(p), .m1_i(m1), .f_i(t_f), .inverse_ff_i(t_inverse_ff), .longest0_i(t_longest0),
+      .longest1_i(t_longest1),
+      .m_i(t_m), .flat_i(t_flat), .tie_i(tie_m), .gap_o(face_gap), .n_o(face_n), .v_o(face_v), .p_o(face_p),
+      .d2_o(face_d2));
   `DF_IN(gap_face, face_gap, `TRIANGLE_FACE_T)
   `DF_IN(d2_face, face_d2, `TRIANGLE_FACE_T)
   `DF_VIN(n_face, face_n, `TRIANGLE_FACE_T)
@@ -141,10 +153,13 @@ module triangle_box #(
   logic [LANES-1:0][CW-1:0] choice_s;
   logic [2:0][LANES-1:0][CW-1:0] choice_n, choice_v, choice_p, choice_start_v, choice_start_p;
   `DF_PHASE_AT(phase_facets, phase_edges, T_FACETS)
-  facet_choice #(`DF_FORMAT, .COUNT(FACETS), .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) choice (
-      .clk_i, .phase_i(phase_facets), .gap_i(gap), .n_i(n), .v_i(v), .p_i(p_box), .d2_i(d2), .f_i(along), .inverse_ff_i(inverse_ff), .tie_i(tie_facets),
+  facet_choice #(`DF_FORMAT, .COUNT(FACETS), .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .LAT_CMP(LAT_CMP)) choice (
+      .clk_i, .phase_i(phase_facets), .gap_i(gap), .n_i(n), .v_i(v), .p_i(p_box), .d2_i(d2), .f_i(along),
+      .inverse_ff_i(inverse_ff), .tie_i(tie_facets),
       .wide_tie_i(wide_tie_facets), .s_o(choice_s),
-      .witness_n_o(choice_n), .witness_v_o(choice_v), .witness_p_o(choice_p), .start_v_o(choice_start_v), .start_p_o(choice_start_p));
+      .witness_n_o(choice_n), .witness_v_o(choice_v), .witness_p_o(choice_p), .start_v_o(choice_start_v),
+      .start_p_o(choice_start_p));
   `DF_IN(s_facets, choice_s, T_WITNESS)
   `DF_VIN(n_facets, choice_n, T_WITNESS)
   `DF_VIN(v_witness, choice_v, T_WITNESS)
@@ -154,7 +169,7 @@ module triangle_box #(
   `DF_VIN(v_start, choice_start_v, T_START)
   `DF_VIN(p_start, choice_start_p, T_START)
 
-  // ---- The nearest point, polished twice, each time towards the points of both bodies farthest against its direction ----
+  // ---- The nearest point, polished twice, each time towards the points of both bodies farthest against its direction
   `DF_VAT(a_start, a_faces, T_START)
   `DF_MAT_AT(q_start, p_faces, T_START)
   `DF_LOWEST(vertex1, q_start, v_start)
@@ -174,7 +189,8 @@ module triangle_box #(
   `DF_BOX_RADIUS(radius, n_point, a_once)
   `DF_SUB(gap_along, low, radius)
   if (T_gap_along != `TRIANGLE_BOX_T_ALONG) $error("triangle_box: stage time");
-  `DF_DECIDE(s, n_box, v_box, p_box_point, s_facets, n_facets, v_facets, p_facets, d_point, n_point, v_point, p_point, usable, gap_along, tie_facets)
+  `DF_DECIDE(s, n_box, v_box, p_box_point, s_facets, n_facets, v_facets, p_facets, d_point, n_point, v_point, p_point,
+      usable, gap_along, tie_facets)
   `DF_VSCALE(half_v, v_box, half)
   `DF_VADD(middle, p_box_point, half_v)
 

@@ -1,6 +1,7 @@
-// Facet of edge I of a box, half extents a about 0, and edge f from vertex J of a triangle, with TURNS = 3 each in its turn. The normal e_I x f is turned so that the triangle
-// lies behind its edge, which is where the difference of the two bodies has this facet: (e_I x f_J).(third vertex - edge) has the
-// sign of component I of f_J x f_J+1, which is side_i. 17 add, 25 mul, 1 div, 1 sqrt, 3 compare, 8 min/max.
+// Facet of edge I of a box, half extents a about 0, and edge f from vertex J of a triangle, with TURNS = 3 each in its
+// turn. The normal e_I x f is turned so that the triangle lies behind its edge, which is where the difference of the
+// two bodies has this facet: (e_I x f_J).(third vertex - edge) has the sign of component I of f_J x f_J+1, which is
+// side_i. 17 add, 25 mul, 1 div, 1 sqrt, 3 compare, 8 min/max.
 // Latency: LATENCY_TRIANGLE_BOX_EDGE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
 `include "triangle.svh"
 module triangle_box_edge #(
@@ -46,8 +47,10 @@ module triangle_box_edge #(
 
   // ---- The edge normal ----
   logic [LANES-1:0][CW-1:0] normal_k, normal_l, normal_inverse2, normal_valid;
-  edge_normal #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) normal (
-      .clk_i, .f_k_i(f[K]), .f_l_i(f[L]), .n_k_o(normal_k), .n_l_o(normal_l), .inverse2_o(normal_inverse2), .valid_o(normal_valid));
+  edge_normal #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
+      .LAT_CMP(LAT_CMP)) normal (
+      .clk_i, .f_k_i(f[K]), .f_l_i(f[L]), .n_k_o(normal_k), .n_l_o(normal_l), .inverse2_o(normal_inverse2),
+      .valid_o(normal_valid));
   localparam int T_N = `LATENCY_EDGE_NORMAL;
   `DF_IN(n_k, normal_k, T_N)
   `DF_IN(n_l, normal_l, T_N)
@@ -91,8 +94,11 @@ module triangle_box_edge #(
   `DF_MOVE_SIGN(sign_l, side, turned_k)
   `DF_AT(sign_k_n, sign_k, T_N)
   `DF_AT(sign_l_n, sign_l, T_N)
-  edge_facet #(`DF_FORMAT, .I(I), .CENTRED(0), .T_GAP(T_gap - T_N), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) facet (
-      .clk_i, .a_i(a_n), .sign_k_i(sign_k_n), .sign_l_i(sign_l_n), .q_i(vertex), .f_i(f_n), .inverse_ff_i(inverse_ff_n), .n_k_i(n_k),
-      .n_l_i(n_l), .inverse2_i(inverse2), .valid_i(valid), .side_i(side_n), .gap_i(gap), .gap_o, .n_o, .v_o, .p_o, .d2_o, .f_o,
+  edge_facet #(`DF_FORMAT, .I(I), .CENTRED(0), .T_GAP(T_gap - T_N), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .LAT_CMP(LAT_CMP)) facet (
+      .clk_i, .a_i(a_n), .sign_k_i(sign_k_n), .sign_l_i(sign_l_n), .q_i(vertex), .f_i(f_n), .inverse_ff_i(inverse_ff_n),
+      .n_k_i(n_k),
+      .n_l_i(n_l), .inverse2_i(inverse2), .valid_i(valid), .side_i(side_n), .gap_i(gap), .gap_o, .n_o, .v_o, .p_o,
+      .d2_o, .f_o,
       .inverse_ff_o);
 endmodule

@@ -1,5 +1,6 @@
-// Facet of face I of a box, half extents a about 0, and the vertex of a triangle nearest to it, on the side with the larger gap, ties the
-// upper one (low + high is within tie of 0). The vertex is the lowest one along the normal by the turned edges, of which component I is given.
+// Facet of face I of a box, half extents a about 0, and the vertex of a triangle nearest to it, on the side with the
+// larger gap, ties the upper one (low + high is within tie of 0). The vertex is the lowest one along the normal by the
+// turned edges, of which component I is given.
 // 8 add, 3 mul, 4 compare, 9 min/max.
 // Latency: LATENCY_TRIANGLE_BOX_FACE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
 `include "triangle.svh"

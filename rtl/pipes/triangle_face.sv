@@ -1,5 +1,6 @@
-// Facet of a triangle's face and the corner of a box, half extents a about 0, that is nearest to it, on the side with the larger gap, ties
-// the side where the leading component of the normal is positive. m1 is the face's normal by turned edges: the corner is chosen by its signs.
+// Facet of a triangle's face and the corner of a box, half extents a about 0, that is nearest to it, on the side with
+// the larger gap, ties the side where the leading component of the normal is positive. m1 is the face's normal by
+// turned edges: the corner is chosen by its signs.
 // 63 add, 83 mul, 12 compare, 11 min/max.
 // Latency: inputs at the stage times that triangle.svh gives, the facet at TRIANGLE_FACE_T; 0 with ARITH = "host".
 // Throughput: one facet a lane a clock. Stall: none.

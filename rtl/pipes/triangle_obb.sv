@@ -1,5 +1,6 @@
-// Triangle against oriented box, in the box's frame (triangle_box.sv). s = signed gap, n from the triangle to the box, CP the midpoint of the
-// witness points. F = (s <= 0), T = |s|. 485 add, 574 mul, 16 div, 11 sqrt, 127 compare, 126 min/max.
+// Triangle against oriented box, in the box's frame (triangle_box.sv). s = signed gap, n from the triangle to the box,
+// CP the midpoint of the witness points. F = (s <= 0), T = |s|. 485 add, 574 mul, 16 div, 11 sqrt, 127 compare, 126
+// min/max.
 // With FACET_II = 3 facets take turns: 343 add, 376 mul, 10 div, 5 sqrt, 101 compare, 78 min/max.
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none, runs free.
 `include "triangle.svh"
@@ -53,7 +54,8 @@ module triangle_obb #(
   logic [2:0][LANES-1:0][CW-1:0] n_gap, middle_gap;
   `DF_PHASE_AT(phase_p, phase, T_p)
   `DF_VAT(half_p, extents, T_p)
-  triangle_box #(`DF_FORMAT, .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) signed_gap (
+  triangle_box #(`DF_FORMAT, .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+      .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) signed_gap (
       .clk_i, .phase_i(phase_p), .a_i(half_p), .p_i(p), .s_o(s_gap), .n_o(n_gap), .middle_o(middle_gap));
   `DF_IN(s, s_gap, T_p + `LATENCY_TRIANGLE_BOX)
   `DF_VIN(n_box, n_gap, T_p + `LATENCY_TRIANGLE_BOX)
@@ -66,6 +68,7 @@ module triangle_obb #(
 
   localparam int LATENCY = `DF_MAX3(T_cp, T_n, T_s + LAT_CMP) + 1;
   assign latency_o = 16'(LATENCY);
-  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
+  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY),
+      .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
       .clk_i, .s_i(s), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
 endmodule

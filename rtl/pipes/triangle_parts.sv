@@ -1,6 +1,7 @@
-// A triangle prepared: edges f_j = p_(j+1) - p_j and 1 / f.f, 0 for an edge without length; the longest edge, 0, else 1, else 2; the unit
-// normal m, in the orientation of f_0 x f_1, from i = e / e.e of the longest edge e and the next edge less its part along e, which is
-// perpendicular to e whatever the triangle's angles, and as long as its height over e whatever its size. A triangle without area
+// A triangle prepared: edges f_j = p_(j+1) - p_j and 1 / f.f, 0 for an edge without length; the longest edge, 0, else
+// 1, else 2; the unit normal m, in the orientation of f_0 x f_1, from i = e / e.e of the longest edge e and the next
+// edge less its part along e, which is perpendicular to e whatever the triangle's angles, and as long as its height
+// over e whatever its size. A triangle without area
 // (flat_o clear) takes the coordinate axis nearest to perpendicular to e instead, one without length m = (0, 0, 1).
 // 27 add, 33 mul, 4 div, 1 sqrt, 10 compare, 2 min/max.
 // Latency: each output at a time of its own, TRIANGLE_T_* of triangle.svh, flat_o with m_o; 0 with ARITH = "host".

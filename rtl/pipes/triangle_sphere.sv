@@ -1,6 +1,7 @@
-// Triangle against sphere, relative to the sphere's centre: the closest point of the triangle over all seven regions, polished twice. The
-// triangle is flat and two-sided: s = distance - r, and when the centre is so near the plane that the direction to it is lost, n is the
-// plane's normal. n points from the triangle to the sphere; CP = pA + (s/2) n, pA the closest point. F = (s <= 0), T = |s|.
+// Triangle against sphere, relative to the sphere's centre: the closest point of the triangle over all seven regions,
+// polished twice. The triangle is flat and two-sided: s = distance - r, and when the centre is so near the plane that
+// the direction to it is lost, n is the plane's normal. n points from the triangle to the sphere; CP = pA + (s/2) n, pA
+// the closest point. F = (s <= 0), T = |s|.
 // 146 add, 171 mul, 7 div, 2 sqrt, 33 compare, 16 min/max.
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
 `include "triangle.svh"
@@ -83,6 +84,7 @@ module triangle_sphere #(
 
   localparam int LATENCY = `DF_MAX2(T_cp, T_s + LAT_CMP) + 1;
   assign latency_o = 16'(LATENCY);
-  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
+  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY),
+      .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
       .clk_i, .s_i(s), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
 endmodule

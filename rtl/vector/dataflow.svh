@@ -1,7 +1,8 @@
-// Dataflow notation: one line an operator, and no delay is ever counted by hand. A signal `x` of a datapath has a stage time, the
-// localparam `T_x`; an operator line declares its result and the result's time, and delays whichever operand is early. Inputs
-// take part by DF_IN, constants fit any time. What is in scope: clk_i, EXP, MAN, LANES, CW, ARITH and the LAT_* of the operators
-// used. Scalars are `logic [LANES-1:0][CW-1:0]`, vectors have three of them in front, masks are all ones or all zeros in a lane.
+// Dataflow notation: one line an operator, and no delay is ever counted by hand. A signal `x` of a datapath has a stage
+// time, the localparam `T_x`; an operator line declares its result and the result's time, and delays whichever operand
+// is early. Inputs take part by DF_IN, constants fit any time. What is in scope: clk_i, EXP, MAN, LANES, CW, ARITH and
+// the LAT_* of the operators used. Scalars are `logic [LANES-1:0][CW-1:0]`, vectors have three of them in front, masks
+// are all ones or all zeros in a lane.
 //
 //   `DF_VSUB(w, b_c, a_c)        w = b_c - a_c         T_w = max(T_b_c, T_a_c) + LAT_ADD
 //   `DF_DOT(dd, w, w)            dd = w.w              T_dd = T_w + LAT_MUL + 2 LAT_ADD
@@ -10,14 +11,14 @@
 `ifndef CDE_DATAFLOW_SVH
 `define CDE_DATAFLOW_SVH
 
-// A condition under which the results of the lines that follow are looked at. Where it is 0 the host's arithmetic leaves the
-// operators out and they give zeros; gates compute all the same. A module that redefines it restores it at its end. (A ring of which
-// one phase at a time is at work: 0.70 of the time of cylinder-cylinder with it, 8 lanes.)
+// A condition under which the results of the lines that follow are looked at. Where it is 0 the host's arithmetic
+// leaves the operators out and they give zeros; gates compute all the same. A module that redefines it restores it at
+// its end. (A ring of which one phase at a time is at work: 0.70 of the time of cylinder-cylinder with it, 8 lanes.)
 `define DF_ON 1'b1
 
-// 0 in a module of which no NaN comes out and whose answers do not depend on a NaN's sign, like those of rays, where a hit is finite:
-// its operators leave the NaN that the host's processor gives. Otherwise it is the canonical one wherever it began. A module that
-// redefines it restores it at its end. (pluecker's 1.2 times as fast, 8 lanes.)
+// 0 in a module of which no NaN comes out and whose answers do not depend on a NaN's sign, like those of rays, where a
+// hit is finite: its operators leave the NaN that the host's processor gives. Otherwise it is the canonical one
+// wherever it began. A module that redefines it restores it at its end. (pluecker's 1.2 times as fast, 8 lanes.)
 `define DF_CANON 1
 
 `define DF_MAX2(A, B) ((A) > (B) ? (A) : (B))
@@ -34,10 +35,13 @@
 `define DF_IN(R, EXPRESSION, TIME) localparam int T_``R = TIME; `DF_SCALAR R; assign R = EXPRESSION;
 `define DF_VIN(R, EXPRESSION, TIME) localparam int T_``R = TIME; `DF_VECTOR R; assign R = EXPRESSION;
 `define DF_CONST(R, WORD) localparam int T_``R = `DF_CONSTANT; `DF_SCALAR R; assign R = {LANES{CW'(WORD)}};
-`define DF_VCONST(R, X, Y, Z) localparam int T_``R = `DF_CONSTANT; `DF_VECTOR R; assign R = {{LANES{CW'(Z)}}, {LANES{CW'(Y)}}, {LANES{CW'(X)}}};
+`define DF_VCONST(R, X, Y, Z) localparam int T_``R = `DF_CONSTANT; `DF_VECTOR R; assign R = \
+  {{LANES{CW'(Z)}}, {LANES{CW'(Y)}}, {LANES{CW'(X)}}};
 `define DF_PICK(R, V, K) localparam int T_``R = T_``V; `DF_SCALAR R; assign R = V[K];
-`define DF_AT(R, A, TIME) localparam int T_``R = TIME; `DF_SCALAR R; df_align #(.W(LANES * CW), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) align_``R (.clk_i, .a_i(A), .r_o(R));
-`define DF_VAT(R, A, TIME) localparam int T_``R = TIME; `DF_VECTOR R; df_align #(.W(3 * LANES * CW), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) align_``R (.clk_i, .a_i(A), .r_o(R));
+`define DF_AT(R, A, TIME) localparam int T_``R = TIME; `DF_SCALAR R; \
+  df_align #(.W(LANES * CW), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) align_``R (.clk_i, .a_i(A), .r_o(R));
+`define DF_VAT(R, A, TIME) localparam int T_``R = TIME; `DF_VECTOR R; \
+  df_align #(.W(3 * LANES * CW), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) align_``R (.clk_i, .a_i(A), .r_o(R));
 `define DF_VEC(R, X, Y, Z) localparam int T_``R = `DF_MAX3(T_``X, T_``Y, T_``Z); `DF_VECTOR R; \
   df_align #(.W(LANES * CW), .T_A(T_``X), .T(T_``R), .ARITH(ARITH)) align_x_``R (.clk_i, .a_i(X), .r_o(R[0])); \
   df_align #(.W(LANES * CW), .T_A(T_``Y), .T(T_``R), .ARITH(ARITH)) align_y_``R (.clk_i, .a_i(Y), .r_o(R[1])); \
@@ -49,8 +53,10 @@
   for (genvar k = 0; k < 3; k++) begin : transpose_``R assign R[k] = {M[2][k], M[1][k], M[0][k]}; end
 
 // ---- Operators ----
-`define DF_BINARY(R, A, B, OPERATION, LATENCY) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LATENCY; `DF_SCALAR R; \
-  df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(OPERATION), .T_A(T_``A), .T_B(T_``B), .LAT(LATENCY)) op_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
+`define DF_BINARY(R, A, B, OPERATION, LATENCY) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LATENCY; \
+  `DF_SCALAR R; \
+  df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(OPERATION), .T_A(T_``A), .T_B(T_``B), .LAT(LATENCY)) \
+    op_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
 `define DF_ADD(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_ADD, LAT_ADD)
 `define DF_SUB(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_SUB, LAT_ADD)
 `define DF_MUL(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_MUL, LAT_MUL)
@@ -65,9 +71,11 @@
 `define DF_BETWEEN(M, LOW, A, HIGH) `DF_LE(M``_low, LOW, A) `DF_LE(M``_high, A, HIGH) `DF_AND(M, M``_low, M``_high)
 
 // ---- Vector operators: three of the above, vec_dot and vec_cross ----
-`define DF_BINARY3(R, A, B, OPERATION, LATENCY) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LATENCY; `DF_VECTOR R; \
+`define DF_BINARY3(R, A, B, OPERATION, LATENCY) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LATENCY; \
+  `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : op_``R \
-    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(OPERATION), .T_A(T_``A), .T_B(T_``B), .LAT(LATENCY)) op (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
+    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(OPERATION), .T_A(T_``A), .T_B(T_``B), .LAT(LATENCY)) \
+      op (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
   end
 `define DF_VADD(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_ADD, LAT_ADD)
 `define DF_VSUB(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_SUB, LAT_ADD)
@@ -81,59 +89,76 @@
 `define DF_VCLAMP(R, A, LOW, HIGH) `DF_VMAX(R``_not_low, A, LOW) `DF_VMIN(R, R``_not_low, HIGH)
 `define DF_VSCALE(R, V, S) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``V, T_``S), 0) + LAT_MUL; `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : op_``R \
-    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_MUL), .T_A(T_``V), .T_B(T_``S), .LAT(LAT_MUL)) op (.clk_i, .on_i(`DF_ON), .a_i(V[k]), .b_i(S), .r_o(R[k])); \
+    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_MUL), .T_A(T_``V), .T_B(T_``S), .LAT(LAT_MUL)) \
+      op (.clk_i, .on_i(`DF_ON), .a_i(V[k]), .b_i(S), .r_o(R[k])); \
   end
-`define DF_DOT(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_MUL + 2 * LAT_ADD; `DF_SCALAR R; \
-  df_dot #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) dot_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
-`define DF_CROSS(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_MUL + LAT_ADD; `DF_VECTOR R; \
-  df_cross #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) cross_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
+`define DF_DOT(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_MUL + 2 * LAT_ADD; \
+  `DF_SCALAR R; \
+  df_dot #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) \
+    dot_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
+`define DF_CROSS(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_MUL + LAT_ADD; \
+  `DF_VECTOR R; \
+  df_cross #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) \
+    cross_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
 // M x, a dot product a row.
 `define DF_APPLY(R, M, X) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``M, T_``X), 0) + `DF_LAT_DOT; `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : row_``R \
-    df_dot #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``M), .T_B(T_``X), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) dot (.clk_i, .on_i(`DF_ON), .a_i(M[k]), .b_i(X), .r_o(R[k])); \
+    df_dot #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``M), .T_B(T_``X), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) \
+      dot (.clk_i, .on_i(`DF_ON), .a_i(M[k]), .b_i(X), .r_o(R[k])); \
   end
 // Row by row: differences, cross and dot products of the rows, rows scaled by the components of a vector.
 `define DF_MSUB(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_ADD; `DF_MATRIX R; \
   for (genvar k = 0; k < 9; k++) begin : op_``R \
-    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_SUB), .T_A(T_``A), .T_B(T_``B), .LAT(LAT_ADD)) op (.clk_i, .on_i(`DF_ON), .a_i(A[k/3][k%3]), .b_i(B[k/3][k%3]), .r_o(R[k/3][k%3])); \
+    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_SUB), .T_A(T_``A), .T_B(T_``B), .LAT(LAT_ADD)) \
+      op (.clk_i, .on_i(`DF_ON), .a_i(A[k/3][k%3]), .b_i(B[k/3][k%3]), .r_o(R[k/3][k%3])); \
   end
 `define DF_MSCALE(R, M, V) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``M, T_``V), 0) + LAT_MUL; `DF_MATRIX R; \
   for (genvar k = 0; k < 9; k++) begin : op_``R \
-    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_MUL), .T_A(T_``M), .T_B(T_``V), .LAT(LAT_MUL)) op (.clk_i, .on_i(`DF_ON), .a_i(M[k/3][k%3]), .b_i(V[k/3]), .r_o(R[k/3][k%3])); \
+    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_MUL), .T_A(T_``M), .T_B(T_``V), .LAT(LAT_MUL)) \
+      op (.clk_i, .on_i(`DF_ON), .a_i(M[k/3][k%3]), .b_i(V[k/3]), .r_o(R[k/3][k%3])); \
   end
 `define DF_MCROSS(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + `DF_LAT_CROSS; `DF_MATRIX R; \
   for (genvar k = 0; k < 3; k++) begin : row_``R \
-    df_cross #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) cross_row (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
+    df_cross #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) \
+      cross_row (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
   end
 `define DF_MDOT(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + `DF_LAT_DOT; `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : row_``R \
-    df_dot #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) dot (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
+    df_dot #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) \
+      dot (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
   end
 
 // ---- Wires: signs, masks, choices ----
-`define DF_SIGN1(R, A, OPERATION) localparam int T_``R = T_``A; `DF_SCALAR R; fp_sign #(`DF_FORMAT, .OP(OPERATION)) sign_``R (.a_i(A), .b_i(A), .r_o(R));
+`define DF_SIGN1(R, A, OPERATION) localparam int T_``R = T_``A; `DF_SCALAR R; fp_sign #(`DF_FORMAT, .OP(OPERATION)) \
+  sign_``R (.a_i(A), .b_i(A), .r_o(R));
 `define DF_ABS(R, A) `DF_SIGN1(R, A, formats_pkg::SIGN_ABS)
 `define DF_NEG(R, A) `DF_SIGN1(R, A, formats_pkg::SIGN_NEG)
 `define DF_VSIGN1(R, A, OPERATION) localparam int T_``R = T_``A; `DF_VECTOR R; \
-  for (genvar k = 0; k < 3; k++) begin : sign_``R fp_sign #(`DF_FORMAT, .OP(OPERATION)) sign (.a_i(A[k]), .b_i(A[k]), .r_o(R[k])); end
+  for (genvar k = 0; k < 3; k++) begin : sign_``R fp_sign #(`DF_FORMAT, .OP(OPERATION)) \
+    sign (.a_i(A[k]), .b_i(A[k]), .r_o(R[k])); end
 `define DF_VABS(R, A) `DF_VSIGN1(R, A, formats_pkg::SIGN_ABS)
 `define DF_VNEG(R, A) `DF_VSIGN1(R, A, formats_pkg::SIGN_NEG)
 `define DF_MNEG(R, A) localparam int T_``R = T_``A; `DF_MATRIX R; \
-  for (genvar k = 0; k < 9; k++) begin : sign_``R fp_sign #(`DF_FORMAT, .OP(formats_pkg::SIGN_NEG)) sign (.a_i(A[k/3][k%3]), .b_i(A[k/3][k%3]), .r_o(R[k/3][k%3])); end
+  for (genvar k = 0; k < 9; k++) begin : sign_``R fp_sign #(`DF_FORMAT, .OP(formats_pkg::SIGN_NEG)) \
+    sign (.a_i(A[k/3][k%3]), .b_i(A[k/3][k%3]), .r_o(R[k/3][k%3])); end
 // The sign bit of X moved onto Y by exclusive or: move_sign(x, y) of the reference.
 `define DF_MOVE_SIGN(R, X, Y) localparam int T_``R = `DF_MAX2(T_``X, T_``Y); `DF_SCALAR R; \
-  df_wire #(`DF_FORMAT, .OP(formats_pkg::WIRE_SIGN), .T_A(T_``Y), .T_B(T_``X)) wire_``R (.clk_i, .a_i(Y), .b_i(X), .r_o(R));
+  df_wire #(`DF_FORMAT, .OP(formats_pkg::WIRE_SIGN), .T_A(T_``Y), .T_B(T_``X)) wire_``R ( \
+      .clk_i, .a_i(Y), .b_i(X), .r_o(R));
 // The same with vectors: component by component, or the sign of one scalar on all.
 `define DF_VMOVE_SIGN(R, X, Y) localparam int T_``R = `DF_MAX2(T_``X, T_``Y); `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : wire_``R \
-    df_wire #(`DF_FORMAT, .OP(formats_pkg::WIRE_SIGN), .T_A(T_``Y), .T_B(T_``X)) move (.clk_i, .a_i(Y[k]), .b_i(X[k]), .r_o(R[k])); \
+    df_wire #(`DF_FORMAT, .OP(formats_pkg::WIRE_SIGN), .T_A(T_``Y), .T_B(T_``X)) move ( \
+        .clk_i, .a_i(Y[k]), .b_i(X[k]), .r_o(R[k])); \
   end
 `define DF_VFLIP(R, X, Y) localparam int T_``R = `DF_MAX2(T_``X, T_``Y); `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : wire_``R \
-    df_wire #(`DF_FORMAT, .OP(formats_pkg::WIRE_SIGN), .T_A(T_``Y), .T_B(T_``X)) move (.clk_i, .a_i(Y[k]), .b_i(X), .r_o(R[k])); \
+    df_wire #(`DF_FORMAT, .OP(formats_pkg::WIRE_SIGN), .T_A(T_``Y), .T_B(T_``X)) move ( \
+        .clk_i, .a_i(Y[k]), .b_i(X), .r_o(R[k])); \
   end
 // The sign bit of A as a mask.
-`define DF_NEGATIVE(M, A) localparam int T_``M = T_``A; `DF_SCALAR M; df_negative #(`DF_FORMAT) negative_``M (.a_i(A), .m_o(M));
+`define DF_NEGATIVE(M, A) localparam int T_``M = T_``A; `DF_SCALAR M; df_negative #(`DF_FORMAT) \
+  negative_``M (.a_i(A), .m_o(M));
 `define DF_LOGIC(M, A, B, OPERATION) localparam int T_``M = `DF_MAX2(T_``A, T_``B); `DF_SCALAR M; \
   df_wire #(`DF_FORMAT, .OP(OPERATION), .T_A(T_``A), .T_B(T_``B)) wire_``M (.clk_i, .a_i(A), .b_i(B), .r_o(M));
 `define DF_AND(M, A, B) `DF_LOGIC(M, A, B, formats_pkg::WIRE_AND)
@@ -141,10 +166,12 @@
 `define DF_NOT(M, A) localparam int T_``M = T_``A; `DF_SCALAR M; assign M = ~A;
 // A where the mask is set, else B.
 `define DF_SELECT(R, M, A, B) localparam int T_``R = `DF_MAX3(T_``M, T_``A, T_``B); `DF_SCALAR R; \
-  df_select #(.CW(CW), .LANES(LANES), .ARITH(ARITH), .T_M(T_``M), .T_A(T_``A), .T_B(T_``B)) select_``R (.clk_i, .m_i(M), .a_i(A), .b_i(B), .r_o(R));
+  df_select #(.CW(CW), .LANES(LANES), .ARITH(ARITH), .T_M(T_``M), .T_A(T_``A), .T_B(T_``B)) \
+    select_``R (.clk_i, .m_i(M), .a_i(A), .b_i(B), .r_o(R));
 `define DF_VSELECT(R, M, A, B) localparam int T_``R = `DF_MAX3(T_``M, T_``A, T_``B); `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : select_``R \
-    df_select #(.CW(CW), .LANES(LANES), .ARITH(ARITH), .T_M(T_``M), .T_A(T_``A), .T_B(T_``B)) select (.clk_i, .m_i(M), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
+    df_select #(.CW(CW), .LANES(LANES), .ARITH(ARITH), .T_M(T_``M), .T_A(T_``A), .T_B(T_``B)) \
+      select (.clk_i, .m_i(M), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
   end
 
 // ---- The dominant axis of a vector: its largest component by magnitude, ties the lowest index ----
@@ -152,34 +179,42 @@
   df_dominant #(`DF_FORMAT, .LAT_CMP(LAT_CMP)) dominant_``M (.clk_i, .a_i(V), .m_o(M));
 // The components of V in cyclic order from the dominant axis M: R[0] on it, R[1] the next one, R[2] the one after.
 `define DF_CYCLE(R, M, V) localparam int T_``R = `DF_MAX2(T_``M, T_``V); `DF_VECTOR R; \
-  df_cycle #(.CW(CW), .LANES(LANES), .ARITH(ARITH), .T_M(T_``M), .T_A(T_``V)) cycle_``R (.clk_i, .m_i(M), .a_i(V), .r_o(R));
+  df_cycle #(.CW(CW), .LANES(LANES), .ARITH(ARITH), .T_M(T_``M), .T_A(T_``V)) \
+    cycle_``R (.clk_i, .m_i(M), .a_i(V), .r_o(R));
 // The same with a mask a component.
 `define DF_VSELECT_EACH(R, M, A, B) localparam int T_``R = `DF_MAX3(T_``M, T_``A, T_``B); `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : select_``R \
-    df_select #(.CW(CW), .LANES(LANES), .ARITH(ARITH), .T_M(T_``M), .T_A(T_``A), .T_B(T_``B)) select (.clk_i, .m_i(M[k]), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
+    df_select #(.CW(CW), .LANES(LANES), .ARITH(ARITH), .T_M(T_``M), .T_A(T_``A), .T_B(T_``B)) \
+      select (.clk_i, .m_i(M[k]), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
   end
 // Three choices: A if FIRST, else B if SECOND, else C.
 `define DF_SELECT3(R, FIRST, SECOND, A, B, C) `DF_SELECT(R``_rest, SECOND, B, C) `DF_SELECT(R, FIRST, A, R``_rest)
 `define DF_VSELECT3(R, FIRST, SECOND, A, B, C) `DF_VSELECT(R``_rest, SECOND, B, C) `DF_VSELECT(R, FIRST, A, R``_rest)
-// Which of three is the least, R_first or R_second or the third, ties to the first (least3 of the reference; 3 compare); and the least.
-`define DF_WHICH3(R, A, B, C) `DF_LE(R``_ab, A, B) `DF_LE(R``_ac, A, C) `DF_LE(R``_second, B, C) `DF_AND(R``_first, R``_ab, R``_ac)
+// Which of three is the least, R_first or R_second or the third, ties to the first (least3 of the reference; 3
+// compare); and the least.
+`define DF_WHICH3(R, A, B, C) `DF_LE(R``_ab, A, B) `DF_LE(R``_ac, A, C) `DF_LE(R``_second, B, C) \
+  `DF_AND(R``_first, R``_ab, R``_ac)
 `define DF_LEAST3(R, A, B, C) `DF_WHICH3(R, A, B, C) `DF_SELECT3(R, R``_first, R``_second, A, B, C)
 
 // ---- Control: one bit for all lanes, and what it chooses ----
 `define DF_CONTROL(C, EXPRESSION, TIME) localparam int T_``C = TIME; logic C; assign C = EXPRESSION;
 // A where the bit is set, else B.
 `define DF_CHOOSE(R, C, A, B) localparam int T_``R = `DF_MAX3(T_``C, T_``A, T_``B); `DF_SCALAR R; \
-  df_choose #(.W(LANES * CW), .ARITH(ARITH), .T_C(T_``C), .T_A(T_``A), .T_B(T_``B)) choose_``R (.clk_i, .c_i(C), .a_i(A), .b_i(B), .r_o(R));
+  df_choose #(.W(LANES * CW), .ARITH(ARITH), .T_C(T_``C), .T_A(T_``A), .T_B(T_``B)) \
+    choose_``R (.clk_i, .c_i(C), .a_i(A), .b_i(B), .r_o(R));
 `define DF_VCHOOSE(R, C, A, B) localparam int T_``R = `DF_MAX3(T_``C, T_``A, T_``B); `DF_VECTOR R; \
-  df_choose #(.W(3 * LANES * CW), .ARITH(ARITH), .T_C(T_``C), .T_A(T_``A), .T_B(T_``B)) choose_``R (.clk_i, .c_i(C), .a_i(A), .b_i(B), .r_o(R));
+  df_choose #(.W(3 * LANES * CW), .ARITH(ARITH), .T_C(T_``C), .T_A(T_``A), .T_B(T_``B)) \
+    choose_``R (.clk_i, .c_i(C), .a_i(A), .b_i(B), .r_o(R));
 // The bit as a lane mask.
 `define DF_FILL(M, C) localparam int T_``M = T_``C; `DF_SCALAR M; assign M = {(LANES * CW) {C}};
 // ---- Units that TURNS = 1 or 3 users share (df_turn.sv), by a phase that counts 0, 1, 2 ----
 `define DF_PHASE_IN(R, EXPRESSION, TIME) localparam int T_``R = TIME; logic [1:0] R; assign R = EXPRESSION;
-`define DF_PHASE_AT(R, A, TIME) localparam int T_``R = TIME; logic [1:0] R; df_align #(.W(2), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) align_``R (.clk_i, .a_i(A), .r_o(R));
+`define DF_PHASE_AT(R, A, TIME) localparam int T_``R = TIME; logic [1:0] R; \
+  df_align #(.W(2), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) align_``R (.clk_i, .a_i(A), .r_o(R));
 // A, B or C by the phase; with TURNS = 1 that of user U. Of PASSING operands B and C wait for their phase.
 `define DF_TURN_OF(R, WORDS, PASSES, U, PHASE, A, B, C) localparam int T_``R = T_``PHASE; \
-  df_turn #(.W(WORDS * LANES * CW), .TURNS(TURNS), .USER(U), .PASSING(PASSES), .T_PHASE(T_``PHASE), .T_A(T_``A), .T_B(T_``B), .T_C(T_``C), \
+  df_turn #(.W(WORDS * LANES * CW), .TURNS(TURNS), .USER(U), .PASSING(PASSES), .T_PHASE(T_``PHASE), .T_A(T_``A), \
+    .T_B(T_``B), .T_C(T_``C), \
       .ARITH(ARITH)) turn_``R (.clk_i, .phase_i(PHASE), .a_i(A), .b_i(B), .c_i(C), .r_o(R));
 `define DF_TURN(R, U, PHASE, A, B, C) `DF_SCALAR R; `DF_TURN_OF(R, 1, 0, U, PHASE, A, B, C)
 `define DF_VTURN(R, U, PHASE, A, B, C) `DF_VECTOR R; `DF_TURN_OF(R, 3, 0, U, PHASE, A, B, C)

@@ -11,5 +11,6 @@ module df_align #(
     output logic [W-1:0] r_o
 );
   /*verilator inline_module*/
-  align #(.W(W), .FROM(T_A < 0 ? (T < 0 ? 0 : T) : T_A), .TO(T < 0 ? 0 : T), .ARITH(ARITH)) delay (.clk_i, .d_i(a_i), .q_o(r_o));
+  align #(.W(W), .FROM(T_A < 0 ? (T < 0 ? 0 : T) : T_A), .TO(T < 0 ? 0 : T), .ARITH(ARITH))
+      delay (.clk_i, .d_i(a_i), .q_o(r_o));
 endmodule

@@ -1,5 +1,6 @@
 // Cross product (vec_cross) of a datapath (dataflow.svh): delays the early operand, then computes.
-// Latency: LAT_MUL + LAT_ADD clocks from the later operand; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none.
+// Latency: LAT_MUL + LAT_ADD clocks from the later operand; 0 with ARITH = "host". Throughput: one result a lane a
+// clock. Stall: none.
 module df_cross #(
     parameter int EXP = 8,
     parameter int MAN = 23,
@@ -23,5 +24,6 @@ module df_cross #(
   logic [2:0][LANES-1:0][CW-1:0] a, b;
   df_align #(.W(3 * LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) align_a (.clk_i, .a_i, .r_o(a));
   df_align #(.W(3 * LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) align_b (.clk_i, .a_i(b_i), .r_o(b));
-  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(CANON)) cell_u (.clk_i, .on_i, .a_i(a), .b_i(b), .r_o);
+  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(CANON))
+      cell_u (.clk_i, .on_i, .a_i(a), .b_i(b), .r_o);
 endmodule

@@ -1,5 +1,6 @@
 // One operator of a datapath (dataflow.svh): delays the early operand, then computes.
-// Latency: LAT clocks from the later operand; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none.
+// Latency: LAT clocks from the later operand; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall:
+// none.
 module df_operator #(
     parameter int EXP = 8,
     parameter int MAN = 23,
@@ -24,8 +25,9 @@ module df_operator #(
   df_align #(.W(LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) align_a (.clk_i, .a_i, .r_o(a));
   df_align #(.W(LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) align_b (.clk_i, .a_i(b_i), .r_o(b));
   if (OP < 0 || OP >= formats_pkg::FP_ARITHMETIC) $error("df_operator: unknown OP");
-  // What fp_add, fp_mul and their like are made of. One cell here and not one a branch: Verilator links the whole tree below an
-  // operator, all branches, before it knows which of them it needs
+  // What fp_add, fp_mul and their like are made of. One cell here and not one a branch: Verilator links the whole tree
+  // below an operator, all branches, before it knows which of them it needs
   // (measured on one edge facet: lint takes 53 MB instead of 300 MB).
-  fp_lanes #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .CANON(CANON)) cell_u (.clk_i, .on_i, .a_i(a), .b_i(b), .r_o, .flags_o());
+  fp_lanes #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .CANON(CANON))
+      cell_u (.clk_i, .on_i, .a_i(a), .b_i(b), .r_o, .flags_o());
 endmodule

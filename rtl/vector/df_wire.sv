@@ -1,4 +1,4 @@
-// Bit operation of a datapath (dataflow.svh): a sign moved or masks combined: formats_pkg::WIRE_*.
+// Bit operation of a datapath (dataflow.svh): a sign moved or masks combined, formats_pkg::WIRE_*.
 // Latency: 0 from the later operand. Throughput: one result a lane a clock. Stall: none.
 module df_wire #(
     parameter int EXP = 8,
@@ -21,7 +21,8 @@ module df_wire #(
   df_align #(.W(LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) align_a (.clk_i, .a_i, .r_o(a));
   df_align #(.W(LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) align_b (.clk_i, .a_i(b_i), .r_o(b));
   if (OP == formats_pkg::WIRE_SIGN) begin : g_sign
-    fp_sign #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::SIGN_XOR), .ARITH(ARITH)) sign (.a_i(a), .b_i(b), .r_o);
+    fp_sign #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::SIGN_XOR), .ARITH(ARITH)) sign (.a_i(a), .b_i(b),
+        .r_o);
   end else if (OP == formats_pkg::WIRE_AND) begin : g_and
     assign r_o = a & b;
   end else if (OP == formats_pkg::WIRE_XOR) begin : g_exclusive

@@ -18,7 +18,8 @@ module vec_add #(
 );
   /*verilator inline_module*/
   for (genvar k = 0; k < 3; k++) begin : axis
-    fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_ADD), .SUB(SUB), .ARITH(ARITH), .CANON(CANON)) add (
+    fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_ADD), .SUB(SUB), .ARITH(ARITH),
+        .CANON(CANON)) add (
         .clk_i, .a_i(a_i[k]), .b_i(b_i[k]), .r_o(r_o[k]), .flags_o());
   end
 endmodule

@@ -10,6 +10,7 @@
 #include "cde/contract/registers.hpp"
 #include "chips.h"
 #include "coverage.h"
+#include "random_start.h"
 #include "verilated.h"
 #include "wave_file.h"
 
@@ -21,9 +22,17 @@ class Card {
   explicit Card(const cde_board_options& o)
       : options_(o),
         context_(new VerilatedContext),
+        random_(*context_),
         model_(new Vmodel(context_.get(), "board")),
         chips_(options_.memory, options_.ddr_latency, options_.clock_period_ps) {
+    random_.before_reset(*model_, [this] {
+      for (const int level : {0, 1}) {
+        model_->clk_i = level;
+        model_->eval();
+      }
+    });
     reset();
+    random_.after_reset();
   }
   ~Card() {
     trace_close();
@@ -121,6 +130,7 @@ class Card {
 
   cde_board_options options_;
   std::unique_ptr<VerilatedContext> context_;
+  RandomStart random_;
   std::unique_ptr<Vmodel> model_;
   WaveFile waves_;
   Chips chips_;

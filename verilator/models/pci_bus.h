@@ -10,6 +10,7 @@
 #include "coverage.h"
 #include "pci_host.h"
 #include "pci_monitor.h"
+#include "random_start.h"
 #include "verilated.h"
 #include "wave_file.h"
 
@@ -22,12 +23,22 @@ class Bus {
       : options_(o),
         kind_(kind),
         context_(new VerilatedContext),
+        random_(*context_),
         model_(new Vmodel(context_.get(), kind)),
         local_(o),
         host_(o),
         next_pci_(o.pci_period_ps),
         next_core_(o.core_period_ps) {
+    random_.before_reset(*model_, [this] {
+      for (const int level : {0, 1}) {
+        model_->clk_i = level;
+        model_->eval();
+        model_->clk_pci_i = level;
+        model_->eval();
+      }
+    });
     reset();
+    random_.after_reset();
   }
   Bus(const Bus&) = delete;
   Bus& operator=(const Bus&) = delete;
@@ -246,6 +257,7 @@ class Bus {
   const cde_pci_options options_;
   const char* kind_;
   std::unique_ptr<VerilatedContext> context_;
+  RandomStart random_;
   std::unique_ptr<Vmodel> model_;
   WaveFile waves_;
   Local local_;

@@ -1,6 +1,6 @@
-// Host back end of every unit: one call of host_fp.h a lane, for simulation only. Combinational: with ARITH = "host" a pipe computes
-// in the clock its result leaves, and the engine hands it its operands that much later, so that the timing outside is that of the
-// gates while nothing inside is stored from clock to clock (see docs/architecture.md).
+// Host back end of every unit: one call of host_fp.h a lane, for simulation only. Combinational: with ARITH = "host" a
+// pipe computes in the clock its result leaves, and the engine hands it its operands that much later, so that the
+// timing outside is that of the gates while nothing inside is stored from clock to clock (see docs/architecture.md).
 // Latency: 0. Throughput: one result a lane a clock. Stall: none.
 module fp_host #(
     parameter int OP = formats_pkg::FP_ADD,
@@ -26,13 +26,15 @@ module fp_host #(
     always_comb begin
       r = '0;
       if (on_i)
-        for (int l = 0; l < LANES; l++) r[l] = $c32("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
+        for (int l = 0; l < LANES; l++) r[l] = $c32("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ">(", a_i[l],
+            ",", b_i[l%B_LANES], ")");
     end
   end else begin : g_64  // uint64_t is named, as Verilator writes constants as unsigned long long
     always_comb begin
       r = '0;
       if (on_i)
-        for (int l = 0; l < LANES; l++) r[l] = $c64("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ",uint64_t>(", a_i[l], ",", b_i[l%B_LANES], ")");
+        for (int l = 0; l < LANES; l++) r[l] = $c64("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ",uint64_t>(",
+            a_i[l], ",", b_i[l%B_LANES], ")");
     end
   end
   if (!FLAGS) begin : g_no_flags
@@ -40,12 +42,14 @@ module fp_host #(
   end else if (CW == 32) begin : g_f32
     always_comb begin
       f = '0;
-      for (int l = 0; l < LANES; l++) f[l] = $c32("host_fp::flags<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l%B_LANES], ")");
+      for (int l = 0; l < LANES; l++) f[l] = $c32("host_fp::flags<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",",
+          b_i[l%B_LANES], ")");
     end
   end else begin : g_f64
     always_comb begin
       f = '0;
-      for (int l = 0; l < LANES; l++) f[l] = $c64("host_fp::flags<", OP, ",", EXP, ",", MAN, ",uint64_t>(", a_i[l], ",", b_i[l%B_LANES], ")");
+      for (int l = 0; l < LANES; l++) f[l] = $c64("host_fp::flags<", OP, ",", EXP, ",", MAN, ",uint64_t>(", a_i[l], ",",
+          b_i[l%B_LANES], ")");
     end
   end
   assign r_o = r;
