@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "cde/reference/pipes/ray_triangle.hpp"
 #include "cde/reference/pipes/transform.hpp"
 #include "cde/support/error.hpp"
 #include "reference/sweep.hpp"
