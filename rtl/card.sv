@@ -4,34 +4,14 @@
 // simulation. Hardware has 2 or more: then it begins at once and each domain leaves it by its own clock, in either
 // order. Constraints: card.sdc.
 // Latency, throughput and stalls: those of the modules.
+`include "config.svh"
 module card #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 16,       // power of two that divides PRIMARIES
-    parameter int PRIMARIES = 256,  // 64, 128, 192 or 256
-    parameter int PAIRS = 1,        // bit p: the card has the pipe of pair p (cde_pkg::PAIR_*)
-    parameter int ALGORITHM = 0,    // of ray-triangle (cde_pkg::ALGORITHM_*)
-    parameter int BOX = 0,          // of ray-triangle, 1: a hit must lie in the triangle's box
-    parameter int SWAP = 0,         // a command can exchange the roles of primary and secondary
-    parameter int NORMALS = 0,      // a command can ask for normals
-    parameter int PARALLEL = 0,     // two pipes can work on the same secondaries at a time
-    parameter int FACET_II = 1,     // of pairs with facets: clocks from one row to the next, 1 or 3
-    parameter int TRANSFORM = 0,    // objects move by a rigid transform: cde_pkg::TRANSFORM_*
-    parameter int OBJECTS = 1024,   // entries of their table, 2 to 2,048; PRIM_OBJECTS of that of primaries
-    parameter int PRIM_OBJECTS = 64,
-    parameter int ECC = 0,          // 1: words in DDR have check bits; single wrong bits are corrected
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    parameter int DDR_SLOTS = 55555555,     // two 1 GB modules of 36-byte beats
-    parameter int SRAM_RECORDS = 524288,    // seven 2 MB chips, one word of a record each
-    parameter int RESET_STAGES = 0,         // of the reset synchronisers, one a domain: 0, or 2 and more (reset_sync)
+    `CARD_PARAMETERS,
+    parameter int RESET_STAGES = 0,  // of the reset synchronisers, one a domain: 0, or 2 and more (reset_sync)
     parameter logic [63:0] CONFIG_HASH = 0,
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int RECORD_WORDS = cde_pkg::RECORD_WORDS,
+    localparam config_pkg::config_t CONFIG = `CARD_CONFIG,
+    localparam int CW = formats_pkg::container(EXP, MAN),
+    localparam int RECORD_WORDS = records_pkg::RECORD_WORDS,
     localparam int SRAM_AW = $clog2(SRAM_RECORDS)
 ) (
     input logic clk_pci_i,
@@ -90,8 +70,8 @@ module card #(
     output logic ddr_read_o,  // DDR_WORDS words from an address in words; answers come in order
     output logic [31:0] ddr_read_word_o,
     input logic ddr_valid_i,
-    input logic [cde_pkg::DDR_WORDS-1:0][CW-1:0] ddr_data_i,
-    input logic [cde_pkg::DDR_WORDS-1:0][7:0] ddr_check_i,
+    input logic [records_pkg::DDR_WORDS-1:0][CW-1:0] ddr_data_i,
+    input logic [records_pkg::DDR_WORDS-1:0][7:0] ddr_check_i,
 
     output logic sram_write_o,
     output logic [SRAM_AW-1:0] sram_write_addr_o,
@@ -109,26 +89,17 @@ module card #(
       .pci_cbe_n_i, .pci_cbe_n_o,
       .pci_cbe_oe, .pci_par_i, .pci_par_o, .pci_par_oe, .pci_par64_i, .pci_par64_o, .pci_par64_oe, .pci_frame_n_i,
       .pci_frame_n_o, .pci_frame_oe, .pci_req64_n_i, .pci_req64_n_o, .pci_req64_oe, .pci_irdy_n_i, .pci_irdy_n_o,
-      .pci_irdy_oe,
-      .pci_trdy_n_i, .pci_trdy_n_o, .pci_trdy_oe, .pci_stop_n_i, .pci_stop_n_o, .pci_stop_oe, .pci_devsel_n_i,
-      .pci_devsel_n_o,
-      .pci_devsel_oe, .pci_ack64_n_i, .pci_ack64_n_o, .pci_ack64_oe, .pci_perr_n_i, .pci_perr_n_o, .pci_perr_oe,
-      .pci_serr_oe,
-      .pci_inta_oe, .pci_idsel_i, .pci_req_n_o, .pci_gnt_n_i, .bus_valid_o(bus_valid), .bus_write_o(bus_write),
-      .bus_space_o(bus_space), .bus_addr_o(bus_addr), .bus_wdata_o(bus_wdata), .bus_ready_i(bus_ready),
-      .bus_rvalid_i(bus_rvalid), .bus_rdata_i(bus_rdata), .irq_i(irq));
-  board #(
-      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .BOX(BOX),
-      .SWAP(SWAP),
-      .NORMALS(NORMALS), .PARALLEL(PARALLEL), .FACET_II(FACET_II), .TRANSFORM(TRANSFORM), .OBJECTS(OBJECTS),
-      .PRIM_OBJECTS(PRIM_OBJECTS), .ECC(ECC), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
-      .LAT_SQRT(LAT_SQRT),
-      .LAT_CMP(LAT_CMP), .ARITH(ARITH), .DDR_SLOTS(DDR_SLOTS), .SRAM_RECORDS(SRAM_RECORDS), .CONFIG_HASH(CONFIG_HASH)
-  ) functions (
+      .pci_irdy_oe, .pci_trdy_n_i, .pci_trdy_n_o, .pci_trdy_oe, .pci_stop_n_i, .pci_stop_n_o, .pci_stop_oe,
+      .pci_devsel_n_i, .pci_devsel_n_o, .pci_devsel_oe, .pci_ack64_n_i, .pci_ack64_n_o, .pci_ack64_oe, .pci_perr_n_i,
+      .pci_perr_n_o, .pci_perr_oe, .pci_serr_oe, .pci_inta_oe, .pci_idsel_i, .pci_req_n_o, .pci_gnt_n_i,
+      .bus_valid_o(bus_valid), .bus_write_o(bus_write), .bus_space_o(bus_space), .bus_addr_o(bus_addr),
+      .bus_wdata_o(bus_wdata), .bus_ready_i(bus_ready), .bus_rvalid_i(bus_rvalid), .bus_rdata_i(bus_rdata),
+      .irq_i(irq));
+  board #(.CONFIG(CONFIG)) functions (
       .clk_i, .rst_i(rst_core), .bus_valid_i(bus_valid), .bus_write_i(bus_write), .bus_space_i(bus_space),
       .bus_addr_i(bus_addr),
       .bus_wdata_i(bus_wdata), .bus_ready_o(bus_ready), .bus_rvalid_o(bus_rvalid), .bus_rdata_o(bus_rdata), .irq_o(irq),
       .ddr_write_o, .ddr_write_addr_o, .ddr_write_data_o, .ddr_write_check_o, .ddr_read_o, .ddr_read_word_o,
-      .ddr_valid_i, .ddr_data_i, .ddr_check_i,
-      .sram_write_o, .sram_write_addr_o, .sram_write_data_o, .sram_read_o, .sram_read_addr_o, .sram_read_data_i);
+      .ddr_valid_i, .ddr_data_i, .ddr_check_i, .sram_write_o, .sram_write_addr_o, .sram_write_data_o, .sram_read_o,
+      .sram_read_addr_o, .sram_read_data_i);
 endmodule

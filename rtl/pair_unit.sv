@@ -1,11 +1,13 @@
-// One pipe by itself: LANES pairs a clock in, each lane with a primary and a secondary of its own, with the check of the input
-// contract and the handling of bad input. What `cde query`, the regressions and the benchmarks of pairs run on.
-// Latency: latency_o clocks. Throughput: LANES pairs in FACET_II clocks; cylinder pairs, LANES pairs in as many clocks as their budget takes
-// passes.
-// Stall: ready_o for cylinder pairs (cylinder_pair.sv) and with FACET_II = 3 (row_interval.sv); the others run free, ready_o = 1.
+// One pipe by itself: LANES pairs a clock in, each lane with a primary and a secondary of its own, with the check of
+// the input contract and the handling of bad input. What `cde query`, the regressions and the benchmarks of pairs run
+// on.
+// Latency: latency_o clocks. Throughput: LANES pairs in FACET_II clocks; cylinder pairs, LANES pairs in as many clocks
+// as their budget takes passes.
+// Stall: ready_o for cylinder pairs (cylinder_pair.sv) and with FACET_II = 3 (row_interval.sv); the others run free,
+// ready_o = 1.
 module pair_unit #(
-    parameter int PAIR = 0,       // cde_pkg::PAIR_*
-    parameter int ALGORITHM = 0,  // of ray-triangle, cde_pkg::ALGORITHM_*
+    parameter int PAIR = 0,       // pairs_pkg::PAIR_*
+    parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
     parameter int BOX = 0,  // of ray-triangle, 1: a hit must lie in the triangle's box
     parameter int HALF_SPACE = 0,  // of obb-plane, 1: the plane is the solid n.x <= d
     parameter int FACET_II = 1,  // of pairs with facets: clocks from one row to the next, 1 or 3
@@ -20,8 +22,8 @@ module pair_unit #(
     parameter ARITH = "rtl",
     parameter logic [63:0] CONFIG_HASH = 0,
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int A_WORDS = cde_pkg::shape_words(cde_pkg::primary_shape(PAIR)),
-    localparam int B_WORDS = cde_pkg::shape_words(cde_pkg::secondary_shape(PAIR))
+    localparam int A_WORDS = pairs_pkg::shape_words(pairs_pkg::primary_shape(PAIR)),
+    localparam int B_WORDS = pairs_pkg::shape_words(pairs_pkg::secondary_shape(PAIR))
 ) (
     input logic clk_i,
     input logic rst_i,
@@ -50,7 +52,8 @@ module pair_unit #(
 
   logic [LANES-1:0][CW-1:0] bad_a, bad_b, bad_check, bad, f, t;
   logic [2:0][LANES-1:0][CW-1:0] cp, n;
-  // The host's arithmetic takes operands from registers: what depends on inputs is simulated on both edges of every clock.
+  // The host's arithmetic takes operands from registers: what depends on inputs is simulated on both edges of every
+  // clock.
   localparam bit HELD = ARITH != "rtl";
   logic [31:0] tag;
   logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
@@ -64,25 +67,26 @@ module pair_unit #(
     assign {tag, a, b} = {tag_i, a_i, b_i};
   end
   shape_check #(
-      .SHAPE(cde_pkg::primary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
-      .ARITH(ARITH)
+      .SHAPE(pairs_pkg::primary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
+      .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) check_a (.clk_i, .on_i(taken), .words_i(a), .bad_o(bad_a));
   shape_check #(
-      .SHAPE(cde_pkg::secondary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
-      .ARITH(ARITH)
+      .SHAPE(pairs_pkg::secondary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
+      .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) check_b (.clk_i, .on_i(taken), .words_i(b), .bad_o(bad_b));
   assign bad_check = bad_a | bad_b;
 
-  if (cde_pkg::has_ring(PAIR)) begin : g_ring
-    localparam int ENTRY = cde_pkg::larger(T_CHECK, 1 + cde_pkg::ring_entry(LAT_ADD, LAT_MUL, LAT_CMP));
+  if (pairs_pkg::has(pairs_pkg::RING_PAIRS, PAIR)) begin : g_ring
+    localparam int ENTRY = formats_pkg::larger(T_CHECK, 1 + pairs_pkg::ring_entry(LAT_ADD, LAT_MUL, LAT_CMP));
     logic [LANES-1:0][CW-1:0] bad_entry;
     align #(.W(LW), .FROM(T_CHECK), .TO(ENTRY), .ARITH(ARITH)) align_bad (.clk_i, .d_i(bad_check), .q_o(bad_entry));
     cylinder_pair #(
-        .BODY(cde_pkg::cylinder_body(PAIR)), .AHEAD(32'(HELD)), .ENTRY(ENTRY - 32'(HELD)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
-        .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+        .BODY(pairs_pkg::cylinder_body(PAIR)), .AHEAD(32'(HELD)), .ENTRY(ENTRY - 32'(HELD)), .EXP(EXP), .MAN(MAN),
+        .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP),
+        .ARITH(ARITH)
     ) pipe (
-        .clk_i, .rst_i, .budget_i, .valid_i, .ready_o, .tag_i(tag), .a_i(a), .b_i(b), .bad_i(bad_entry), .valid_o, .tag_o, .bad_o(bad), .f_o(f), .t_o(t),
-        .cp_o(cp), .n_o(n), .latency_o);
+        .clk_i, .rst_i, .budget_i, .valid_i, .ready_o, .tag_i(tag), .a_i(a), .b_i(b), .bad_i(bad_entry), .valid_o,
+        .tag_o, .bad_o(bad), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o);
   end else begin : g_free
     logic unused_budget;
     assign unused_budget = &{1'b0, budget_i};
@@ -93,25 +97,29 @@ module pair_unit #(
     logic [LANES-1:0][CW-1:0] f_pipe, t_pipe;
     logic [2:0][LANES-1:0][CW-1:0] cp_pipe, n_pipe;
     scaled_pipe #(
-        .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(BOX), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
-        .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-    ) pipe (.clk_i, .enter_i(taken), .a_i(a), .b_i(b), .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe), .latency_o(latency));
+        .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(BOX), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II), .EXP(EXP),
+        .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
+        .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+    ) pipe (.clk_i, .enter_i(taken), .a_i(a), .b_i(b), .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe),
+        .latency_o(latency));
     issue_history #(.W(32), .DEPTH(HISTORY)) history_tag (
         .clk_i, .rst_i, .latency_i(rest), .valid_i(taken), .d_i(tag), .valid_o, .q_o(tag_o));
     logic unused_valid;
     if (ARITH != "rtl") begin : g_late  // the pipe answers at once; its results wait
       issue_history #(.W(9 * LW), .DEPTH(HISTORY)) history (
-          .clk_i, .rst_i, .latency_i(rest), .valid_i(taken), .d_i({n_pipe, cp_pipe, t_pipe, f_pipe, bad_check}), .valid_o(unused_valid),
-          .q_o({n, cp, t, f, bad}));
+          .clk_i, .rst_i, .latency_i(rest), .valid_i(taken), .d_i({n_pipe, cp_pipe, t_pipe, f_pipe, bad_check}),
+          .valid_o(unused_valid), .q_o({n, cp, t, f, bad}));
     end else begin : g_early  // the check answers before the pipe
       issue_history #(.W(LW), .DEPTH(HISTORY)) history (
-          .clk_i, .rst_i, .latency_i(latency - 16'(T_CHECK)), .valid_i(1'b1), .d_i(bad_check), .valid_o(unused_valid), .q_o(bad));
+          .clk_i, .rst_i, .latency_i(latency - 16'(T_CHECK)), .valid_i(1'b1), .d_i(bad_check), .valid_o(unused_valid),
+          .q_o(bad));
       assign {n, cp, t, f} = {n_pipe, cp_pipe, t_pipe, f_pipe};
     end
   end
   assign bad_o = bad;
   assign f_o = f & ~bad;
   lane_select #(.CW(CW), .LANES(LANES)) select_t (.m_i(bad), .a_i({LANES{QNAN}}), .b_i(t), .r_o(t_o));
-  lane_select #(.CW(CW), .LANES(LANES), .WORDS(3)) select_cp (.m_i(bad), .a_i({(3 * LANES) {QNAN}}), .b_i(cp), .r_o(cp_o));
+  lane_select #(.CW(CW), .LANES(LANES), .WORDS(3)) select_cp (.m_i(bad), .a_i({(3 * LANES) {QNAN}}), .b_i(cp),
+      .r_o(cp_o));
   lane_select #(.CW(CW), .LANES(LANES), .WORDS(3)) select_n (.m_i(bad), .a_i({(3 * LANES) {QNAN}}), .b_i(n), .r_o(n_o));
 endmodule

@@ -1,5 +1,5 @@
 /* C interface of an fp_unit bitstream. A unit is single-threaded; operands and results are the low
- * bits of 64-bit words. */
+ * bits of 64-bit words. Operations are those of cde/contract/formats.hpp. */
 #pragma once
 #include <stdint.h>
 
@@ -8,41 +8,6 @@ extern "C" {
 #endif
 
 #define CDE_FP_ABI_VERSION 1u
-
-/* Operations, by the number of their clock in fp_unit.sv. */
-enum cde_fp_op {
-  CDE_FP_ADD,
-  CDE_FP_SUB,
-  CDE_FP_MUL,
-  CDE_FP_DIV,
-  CDE_FP_SQRT,
-  CDE_FP_LT,
-  CDE_FP_LE,
-  CDE_FP_EQ,
-  CDE_FP_MIN,
-  CDE_FP_MAX, /* comparisons answer 1 or 0 */
-  CDE_FP_TO_FP16,
-  CDE_FP_TO_BF16,
-  CDE_FP_TO_TF32,
-  CDE_FP_TO_FP24,
-  CDE_FP_TO_FP32,
-  CDE_FP_TO_FP64,
-  CDE_FP_TO_E4M3,
-  CDE_FP_TO_E3M2,
-  CDE_FP_FROM_I32,
-  CDE_FP_FROM_UI32,
-  CDE_FP_FROM_I64,
-  CDE_FP_FROM_UI64,
-  CDE_FP_TO_I32,
-  CDE_FP_TO_UI32,
-  CDE_FP_TO_I64,
-  CDE_FP_TO_UI64, /* to nearest even */
-  CDE_FP_TO_I32_TRUNC,
-  CDE_FP_TO_UI32_TRUNC,
-  CDE_FP_TO_I64_TRUNC,
-  CDE_FP_TO_UI64_TRUNC, /* toward zero */
-  CDE_FP_OPS
-};
 
 typedef struct cde_fp_unit cde_fp_unit;
 

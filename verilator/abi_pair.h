@@ -1,5 +1,6 @@
 /* C interface of a pair_unit bitstream. A unit is single-threaded. Words are 32 bits for formats of
- * up to 32 bits and 64 for wider ones, little-endian, in the order of the shapes of cde_pkg.sv. */
+ * up to 32 bits and 64 for wider ones, little-endian, in the order of the shapes
+ * (rtl/contract/pairs_pkg.sv). */
 #pragma once
 #include <stdint.h>
 

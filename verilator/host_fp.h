@@ -15,14 +15,34 @@
 #include <limits>
 #include <type_traits>
 
+#include "cde/contract/formats.hpp"
+
 extern "C" __float128 sqrtf128(__float128);  // of glibc's libm
 
 namespace host_fp {
 
+using cde::FpOp;
+using cde::contract::Class;
+using cde::contract::Convert;
+using cde::contract::Exponent;
+using cde::contract::Sign;
+
+/// Codes are parameters of templates, as the models write them: plain numbers.
+template <class Op>
+constexpr unsigned code(Op op) {
+  return static_cast<unsigned>(op);
+}
+template <class Op>
+constexpr bool is(unsigned number, Op op) {
+  return number == code(op);
+}
+
 __extension__ using Quad = __float128;
 __extension__ using QuadBits = unsigned __int128;
 
-constexpr uint32_t kInexact = 1, kUnderflow = 2, kOverflow = 4, kDivideByZero = 8, kInvalid = 16;
+constexpr uint32_t kInexact = cde::kFpInexact, kUnderflow = cde::kFpUnderflow,
+                   kOverflow = cde::kFpOverflow, kDivideByZero = cde::kFpDivideByZero,
+                   kInvalid = cde::kFpInvalid;
 
 /// Choice by mask (all ones or all zeros), never a branch.
 template <class U>
@@ -227,9 +247,6 @@ inline uint32_t binary_flags(Bits a, Bits b) {
   }
 }
 
-/// Operation codes, the OP parameter of fp_lanes.sv.
-enum Code : unsigned { kAdd, kSub, kMul, kDiv, kSqrt, kLt, kLe, kEq, kMin, kMax };
-
 /// minimumNumber and maximumNumber: a number beats a NaN, -0 is below +0.
 template <bool Max, unsigned E, unsigned M, class Bits = typename Format<E, M>::Bits>
 inline Bits minmax(Bits a, Bits b) {
@@ -246,24 +263,24 @@ template <unsigned C, unsigned E, unsigned M, bool Canonical = true,
           class Bits = typename Format<E, M>::Bits>
 inline Bits compute(std::type_identity_t<Bits> a, std::type_identity_t<Bits> b) {
   using T = typename Format<E, M>::Native;
-  if constexpr (C == kAdd)
+  if constexpr (is(C, FpOp::kAdd))
     return binary<Add, E, M, Canonical>(a, b);
-  else if constexpr (C == kSub)
+  else if constexpr (is(C, FpOp::kSub))
     return binary<Sub, E, M, Canonical>(a, b);
-  else if constexpr (C == kMul)
+  else if constexpr (is(C, FpOp::kMul))
     return binary<Mul, E, M, Canonical>(a, b);
-  else if constexpr (C == kDiv)
+  else if constexpr (is(C, FpOp::kDiv))
     return binary<Div, E, M, Canonical>(a, b);
-  else if constexpr (C == kSqrt)
+  else if constexpr (is(C, FpOp::kSqrt))
     return binary<Sqrt, E, M, Canonical>(a, a);
-  else if constexpr (C == kLt)
+  else if constexpr (is(C, FpOp::kLt))
     return Bits{0} - Bits(T(decode<E, M>(a)) < T(decode<E, M>(b)));
-  else if constexpr (C == kLe)
+  else if constexpr (is(C, FpOp::kLe))
     return Bits{0} - Bits(T(decode<E, M>(a)) <= T(decode<E, M>(b)));
-  else if constexpr (C == kEq)
+  else if constexpr (is(C, FpOp::kEq))
     return Bits{0} - Bits(T(decode<E, M>(a)) == T(decode<E, M>(b)));
   else
-    return minmax<C == kMax, E, M>(a, b);
+    return minmax<is(C, FpOp::kMax), E, M>(a, b);
 }
 
 /// The same as a call. An operation in a format that the processor does not have is a hundred
@@ -287,31 +304,31 @@ inline Bits op(std::type_identity_t<Bits> a, std::type_identity_t<Bits> b) {
 template <unsigned C, unsigned E, unsigned M, class Bits = typename Format<E, M>::Bits>
 inline Bits flags(std::type_identity_t<Bits> a, std::type_identity_t<Bits> b) {
   using F = Format<E, M>;
-  if constexpr (C == kAdd)
+  if constexpr (is(C, FpOp::kAdd))
     return binary_flags<Add, E, M>(a, b);
-  else if constexpr (C == kSub)
+  else if constexpr (is(C, FpOp::kSub))
     return binary_flags<Sub, E, M>(a, b);
-  else if constexpr (C == kMul)
+  else if constexpr (is(C, FpOp::kMul))
     return binary_flags<Mul, E, M>(a, b);
-  else if constexpr (C == kDiv)
+  else if constexpr (is(C, FpOp::kDiv))
     return binary_flags<Div, E, M>(a, b);
-  else if constexpr (C == kSqrt)
+  else if constexpr (is(C, FpOp::kSqrt))
     return binary_flags<Sqrt, E, M>(a, a);
-  else if constexpr (C >= kEq)
+  else if constexpr (C >= code(FpOp::kEq))
     return Bits(F::is_snan(a) | F::is_snan(b)) * kInvalid;
   else
     return Bits(F::is_nan(a) | F::is_nan(b)) * kInvalid;
 }
 
-/// rtl/fp/fp_sign.sv: 0 |a|, 1 -a, 2 |a| with the sign of b, 3 a times the sign of b.
+/// rtl/fp/fp_sign.sv.
 template <unsigned C, unsigned E, unsigned M, class Bits>
 inline Bits sign(Bits a, Bits b = Bits{}) {
   constexpr auto kSign = Format<E, M>::kSign;
-  if constexpr (C == 0)
+  if constexpr (is(C, Sign::kAbs))
     return a & ~kSign;
-  else if constexpr (C == 1)
+  else if constexpr (is(C, Sign::kNeg))
     return a ^ kSign;
-  else if constexpr (C == 2)
+  else if constexpr (is(C, Sign::kCopy))
     return (a & ~kSign) | (b & kSign);
   else
     return a ^ (b & kSign);
@@ -332,16 +349,16 @@ inline Bits mask(Condition c) {
     return (Bits)c;
 }
 
-/// rtl/fp/fp_class.sv: 0 finite, 1 NaN, 2 above zero, 3 not a zero.
+/// rtl/fp/fp_class.sv.
 template <unsigned C, unsigned E, unsigned M, class Bits>
 inline Bits classify(Bits a) {
   using F = Format<E, M>;
   const Bits mag = a & F::kMag;
-  if constexpr (C == 0)
+  if constexpr (is(C, Class::kFinite))
     return mask<Bits>(mag < F::kInf);
-  else if constexpr (C == 1)
+  else if constexpr (is(C, Class::kNan))
     return mask<Bits>(mag > F::kInf);
-  else if constexpr (C == 2)
+  else if constexpr (is(C, Class::kPositive))
     return mask<Bits>(a != 0) & mask<Bits>(a <= F::kInf);
   else
     return mask<Bits>(mag != 0);
@@ -364,12 +381,12 @@ inline Bits within(Bits a) {
   return mask<Bits>(x >= (Least << M)) & mask<Bits>(x <= (Most << M));
 }
 
-/// rtl/fp/fp_exponent.sv: 0 the larger of |a| and |b|, 3 a with its exponent moved by b.
+/// rtl/fp/fp_exponent.sv: kMax, kMove.
 template <unsigned C, unsigned E, unsigned M, class Bits>
 inline Bits exponent(Bits a, Bits b) {
   using F = Format<E, M>;
   const Bits x = a & F::kMag;
-  if constexpr (C == 0) {
+  if constexpr (is(C, Exponent::kMax)) {
     const Bits y = b & F::kMag, more = mask<Bits>(x > y);
     return (x & more) | (y & ~more);
   } else {
@@ -377,16 +394,16 @@ inline Bits exponent(Bits a, Bits b) {
     return (moved & F::kMag & ~(Bits{} - (below >> 31))) | (a & F::kSign);
   }
 }
-/// 1 and 2: the shift by 2^-k and by 2^k, k the exponent of a, stored at least as Least.
+/// kDown and kUp, k the exponent of a, stored at least as Least.
 template <unsigned C, unsigned E, unsigned M, unsigned Least, class Bits>
 inline Bits shift(Bits a) {
   using F = Format<E, M>;
-  const Bits k = exponent<0, E, M, Bits>(a & F::kInf, Bits{} + (Least << M));
+  const Bits k = exponent<code(Exponent::kMax), E, M, Bits>(a & F::kInf, Bits{} + (Least << M));
   const Bits one = Bits{} + (unsigned(F::kBias) << M);
-  return C == 1 ? one - k : k - one;
+  return is(C, Exponent::kDown) ? one - k : k - one;
 }
 
-/// cde_pkg::power_of_two: the word of 2^e, which may be subnormal.
+/// formats_pkg::power_of_two: the word of 2^e, which may be subnormal.
 template <unsigned E, unsigned M, class Bits>
 constexpr Bits power_of_two(int e) {
   const int biased = (1 << (E - 1)) - 1 + e, down = biased + int(M) - 1;
@@ -399,12 +416,12 @@ template <unsigned E, unsigned M, class Bits>
 [[gnu::noinline]] Bits in_box(Bits met, const Bits (&td)[3], const Bits (&p)[3],
                               const Bits (&v)[9]) {
   using F = Format<E, M>;
-  const auto add = [](Bits a, Bits b) { return op<kAdd, E, M, true, Bits>(a, b); };
-  const auto sub = [](Bits a, Bits b) { return op<kSub, E, M, true, Bits>(a, b); };
-  const auto mul = [](Bits a, Bits b) { return op<kMul, E, M, true, Bits>(a, b); };
-  const auto min = [](Bits a, Bits b) { return op<kMin, E, M, true, Bits>(a, b); };
-  const auto max = [](Bits a, Bits b) { return op<kMax, E, M, true, Bits>(a, b); };
-  const auto abs = [](Bits a) { return sign<0, E, M, Bits>(a); };
+  const auto add = [](Bits a, Bits b) { return op<code(FpOp::kAdd), E, M, true, Bits>(a, b); };
+  const auto sub = [](Bits a, Bits b) { return op<code(FpOp::kSub), E, M, true, Bits>(a, b); };
+  const auto mul = [](Bits a, Bits b) { return op<code(FpOp::kMul), E, M, true, Bits>(a, b); };
+  const auto min = [](Bits a, Bits b) { return op<code(FpOp::kMin), E, M, true, Bits>(a, b); };
+  const auto max = [](Bits a, Bits b) { return op<code(FpOp::kMax), E, M, true, Bits>(a, b); };
+  const auto abs = [](Bits a) { return sign<code(Sign::kAbs), E, M, Bits>(a); };
   const auto two_to = [](int e) { return power_of_two<E, M, Bits>(e); };
   constexpr int m = M;
   Bits centre[3], size[3], reach[3], e1[3], e2[3];
@@ -422,14 +439,14 @@ template <unsigned E, unsigned M, class Bits>
     const int i = (k + 1) % 3, j = (k + 2) % 3;
     const Bits x = mul(e1[i], e2[j]), y = mul(e1[j], e2[i]);
     const Bits noise = mul(add(add(abs(x), Bits{1} << M), abs(y)), two_to(1 - m));
-    flat &= op<kLe, E, M, true, Bits>(abs(sub(x, y)), noise);
+    flat &= op<code(FpOp::kLe), E, M, true, Bits>(abs(sub(x, y)), noise);
   }
   const Bits margin = mul(add(add(abs(td[0]), abs(td[1])), abs(td[2])), two_to(5 - m));
   Bits accepted = met;
   for (int k = 0; k < 3; ++k) {
     const Bits half = select<Bits>(flat != 0, F::kInf | F::kSign, add(size[k], world));
     const Bits out = sub(abs(sub(p[k], centre[k])), half);
-    accepted &= op<kLt, E, M, true, Bits>(out, margin);
+    accepted &= op<code(FpOp::kLt), E, M, true, Bits>(out, margin);
   }
   return accepted;
 }
@@ -455,13 +472,13 @@ inline W from_integer(Word<N> a) {
   return minus ? -x : x;
 }
 
-/// Conversions: C = 0 format E, M to format P, Q; 1 integer of P bits to E, M; 2 E, M to integer of
-/// P bits. Q of the integer kinds: bit 0 unsigned, bit 1 truncate.
+/// Conversions: format E, M to format P, Q; integer of P bits to E, M; E, M to integer of P bits. Q
+/// of the integer kinds: bit 0 unsigned, bit 1 truncate.
 template <unsigned C, unsigned E, unsigned M, unsigned P, unsigned Q, class B>
 inline auto convert(B a) {
-  if constexpr (C == 0) {
+  if constexpr (is(C, Convert::kFormat)) {
     return encode<P, Q>(typename Format<P, Q>::Wide(decode<E, M>(a)));
-  } else if constexpr (C == 1) {
+  } else if constexpr (is(C, Convert::kFromInt)) {
     if constexpr (Format<E, M>::kDouble && P == 64) {
       return encode<E, M>((Q & 1) != 0 ? double(uint64_t(a)) : double(int64_t(a)));
     } else {
@@ -479,13 +496,13 @@ inline auto convert(B a) {
 
 template <unsigned C, unsigned E, unsigned M, unsigned P, unsigned Q, class B>
 inline uint32_t convert_flags(B a) {
-  if constexpr (C == 0) {
+  if constexpr (is(C, Convert::kFormat)) {
     const typename Format<P, Q>::Wide x = decode<E, M>(a);
     const auto r = encode<P, Q>(x);
     if ((Format<E, M>::is_nan(a) | Format<E, M>::is_inf(a)) != 0)
       return Format<E, M>::is_snan(a) * kInvalid;
     return P == 11 && Q == 52 ? 0 : rounding_flags<P, Q>(r, x, decode<P, Q>(r) != x);
-  } else if constexpr (C == 1) {
+  } else if constexpr (is(C, Convert::kFromInt)) {
     const auto x = from_integer<P, (Q & 1) != 0, typename Format<E, M>::Wide>(a);
     const auto r = convert<C, E, M, P, Q>(a);
     if constexpr (Format<E, M>::kDouble) {

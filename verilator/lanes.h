@@ -43,16 +43,19 @@ template <unsigned C, unsigned E, unsigned M, bool Canonical>
 template <unsigned C, unsigned E, unsigned M, bool Canonical = true>
 requires(1 + E + M <= 32)  // wider words are scalars
     inline Words op(Words a, Words b) {
-  if constexpr (Format<E, M>::kSingle && C <= kEq && C != kSqrt) {
+  if constexpr (Format<E, M>::kSingle && C <= code(FpOp::kEq) && !is(C, FpOp::kSqrt)) {
     const Floats x = (Floats)a, y = (Floats)b;
-    if constexpr (C == kLt) {
+    if constexpr (is(C, FpOp::kLt)) {
       return (Words)(x < y);
-    } else if constexpr (C == kLe) {
+    } else if constexpr (is(C, FpOp::kLe)) {
       return (Words)(x <= y);
-    } else if constexpr (C == kEq) {
+    } else if constexpr (is(C, FpOp::kEq)) {
       return (Words)(x == y);
     } else {
-      const Floats r = C == kAdd ? x + y : C == kSub ? x - y : C == kMul ? x * y : x / y;
+      const Floats r = is(C, FpOp::kAdd)   ? x + y
+                       : is(C, FpOp::kSub) ? x - y
+                       : is(C, FpOp::kMul) ? x * y
+                                           : x / y;
       if constexpr (!Canonical) return (Words)r;
       const Words nan = (Words)(r != r);
       return ((Words)r & ~nan) | (Format<E, M>::kNan & nan);

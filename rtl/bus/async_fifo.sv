@@ -1,7 +1,9 @@
 // FIFO between two clock domains, by Gray-coded pointers and two-stage synchronisers (C. E. Cummings, "Simulation and
 // Synthesis Techniques for Asynchronous FIFO Design", SNUG 2002, style 1). What a side sees of the other is late, never
-// early: the writer may see less room, the reader fewer entries than there are. Both resets are held together for at
-// least three clocks of each side.
+// early:
+// the writer may
+// see less room, the reader fewer entries than there are. Both resets are held together for at least three clocks of
+// each side.
 // A side's clock may be gated; the reader's synchroniser runs on `rclk_free_i`, so that `valid_o` can open the gate.
 // Latency: 3 clocks of the reader from a write to valid_o. Throughput: one entry a clock. Stall: room_o, valid_o.
 module async_fifo #(
@@ -69,8 +71,8 @@ module async_fifo #(
 `ifndef SYNTHESIS
   // By the pointers as they are, not by what a side is told of the other's.
   always_ff @(posedge wclk_i)
-    if (!wrst_i) assert (!(write_i && wbin_q - rbin_q == (AW + 1)'(DEPTH)))
-        else $error("async_fifo: written while full");
+    if (!wrst_i) assert (!(write_i &&
+        wbin_q - rbin_q == (AW + 1)'(DEPTH))) else $error("async_fifo: written while full");
   always_ff @(posedge rclk_i)
     if (!rrst_i) assert (!(read_i && wbin_q == rbin_q)) else $error("async_fifo: read while empty");
 `endif

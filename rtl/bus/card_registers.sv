@@ -1,42 +1,36 @@
-// The card's end of the local bus: one 64-bit beat a clock into four spaces (cde_pkg::SPACE_*). Holds the registers, checks every
-// access against its space, and forwards beats to the primary register file, DDR and the SRAM ring. The PCI target and the DMA
-// engine are masters of this port; nothing behind it knows which bus the host is on.
-// A beat is registered first and served the clock after; everything here but the counters is clocked only while a beat is on its
-// way, so that an idle bus costs nothing.
-// Latency: read data 2 clocks after the beat is taken. Throughput: one beat a clock. Stall: ready_o is low while an SRAM read waits
-// for the ring, and while a control write waits for the verdict on an object.
+// The card's end of the local bus: one 64-bit beat a clock into four spaces (registers_pkg::SPACE_*). Holds the
+// registers, checks every access against its space, and forwards beats to the primary register file, DDR and the SRAM
+// ring. The PCI target and the DMA engine are masters of this port; nothing behind it knows which bus the host is on.
+// A beat is registered first and served the clock after; everything here but the counters is clocked only while a beat
+// is on its way, so that an idle bus costs nothing.
+// Latency: read data 2 clocks after the beat is taken. Throughput: one beat a clock. Stall: ready_o is low while an
+// SRAM read waits for the ring, and while a control write waits for the verdict on an object.
 module card_registers #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 16,
-    parameter int PRIMARIES = 256,
-    parameter int PAIRS = 1,
-    parameter int ALGORITHM = 0,
-    parameter int BOX = 0,
-    parameter int SWAP = 0,
-    parameter int NORMALS = 0,
-    parameter int PARALLEL = 0,
-    parameter int TRANSFORM = 0,
-    parameter int OBJECTS = 1024,
-    parameter int PRIM_OBJECTS = 64,
-    parameter int ECC = 0,
-    parameter int DDR_SLOTS = 55555555,  // of DDR_WORDS words
-    parameter int SRAM_RECORDS = 524288,
-    parameter logic [63:0] CONFIG_HASH = 0,
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int PRIM_W = $clog2(PRIMARIES)
+    parameter config_pkg::config_t CONFIG,
+    localparam int EXP = CONFIG.exp,
+    localparam int MAN = CONFIG.man,
+    localparam int LANES = CONFIG.lanes,
+    localparam int PRIMARIES = CONFIG.primaries,
+    localparam int PAIRS = CONFIG.pairs,
+    localparam int ALGORITHM = CONFIG.algorithm,
+    localparam int BOX = CONFIG.box,
+    localparam int SWAP = CONFIG.swap,
+    localparam int NORMALS = CONFIG.normals,
+    localparam int PARALLEL = CONFIG.parallel,
+    localparam int TRANSFORM = CONFIG.transform,
+    localparam int OBJECTS = CONFIG.objects,
+    localparam int PRIM_OBJECTS = CONFIG.prim_objects,
+    localparam int ECC = CONFIG.ecc,
+    localparam int DDR_SLOTS = CONFIG.ddr_slots,
+    localparam int SRAM_RECORDS = CONFIG.sram_records,
+    localparam logic [63:0] CONFIG_HASH = CONFIG.config_hash,
+    localparam int CW = formats_pkg::container(EXP, MAN)
 ) (
     input logic clk_i,
     input logic clk_engine_i,  // runs from go to done
     input logic rst_i,
-    input logic bus_valid_i,
-    input logic bus_write_i,
-    input logic [1:0] bus_space_i,
-    input logic [31:0] bus_addr_i,
-    input logic [63:0] bus_wdata_i,
-    output logic bus_ready_o,
-    output logic bus_rvalid_o,
-    output logic [63:0] bus_rdata_o,
+    input registers_pkg::bus_request_t bus_i,
+    output registers_pkg::bus_response_t bus_o,
     output logic irq_o,
 
     output logic clk_bus_o,  // gated: runs while a beat is served
@@ -53,52 +47,34 @@ module card_registers #(
 
     output logic go_o,
     output logic abort_o,
-    output logic [2:0] mode_o,
-    output logic [1:0][3:0] pair_o,  // NO_PAIR for a second one that is not wanted
-    output logic [1:0] swap_o,
-    output logic [PRIM_W-1:0] split_o,
-    output logic [23:0] budget_o,
-    output logic normals_o,
-    output logic [PRIM_W:0] prim_count_o,
-    output logic [31:0] sec_first_o,
-    output logic [31:0] sec_count_o,
+    output card_pkg::pass_t pass_o,  // the command, and what goes with it; NO_PAIR for a second one that is not wanted
     output logic [PRIMARIES-1:0] active_o,  // present and not masked
     input logic busy_i,
     input logic done_i,
-    input logic writeback_i,
     input logic [PRIMARIES-1:0] prim_bad_i,
-    input logic [1:0] issue_i,
-    input logic bubble_i,
-    input logic stall_i,
-    input logic secondary_i,
-    input logic secondary_bad_i,
-    input logic record_i,
-    input logic [3:0] ecc_corrected_i,  // words, this clock
-    input logic [3:0] ecc_failed_i,
+    input card_pkg::events_t events_i,
     input logic [15:0] latency_i,
 
     output logic object_write_o,  // into the object tables
-    output logic [31:0] object_count_o,
-    output logic [31:0] prim_object_count_o,
     input logic objects_good_i,
     input logic objects_busy_i,
     input logic posed_i  // wants a clock of the bus
 );
-  import cde_pkg::*;
-  localparam logic [63:0] DDR_BYTES = 64'(DDR_SLOTS) * 64'(DDR_WORDS * CW / 8);
+  logic ready, rvalid_q;
+  logic [63:0] rdata_q;
+  assign bus_o = {ready, rvalid_q, rdata_q};
+  localparam logic [63:0] DDR_BYTES = 64'(DDR_SLOTS) * 64'(records_pkg::DDR_WORDS * CW / 8);
   localparam logic [63:0] CW_BYTES = 64'(CW) / 64'd8;
-  localparam int PRIM_WORDS = slot_words(PAIRS, 1, SWAP != 0);
+  localparam int PRIM_WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0);
   localparam logic [31:0] PRIM_BYTES = 32'(PRIMARIES * ((PRIM_WORDS * CW + 63) / 64) * 8);
   localparam int STENCILS = (PRIMARIES + 63) / 64;
 
-  logic [3:0] pair_q, pair2_q;
-  logic swap_q, normals_q, second_q, swap2_q;
+  registers_pkg::command_t command_q;
+  registers_pkg::budget_t budget_q;
+  registers_pkg::fault_t fault_q;
   logic [31:0] prim_count_q, split_q, sec_first_q, sec_count_q, object_count_q, prim_object_count_q;
-  logic [2:0] mode_q;
-  logic [23:0] budget_q;
   logic [STENCILS*64-1:0] stencil_q;
   logic done_q, command_error_q, bus_error_q;
-  logic [33:0] fault_q;
   logic [63:0] cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q, writeback_q;
 
   // ---- The beat being served ----
@@ -106,14 +82,19 @@ module card_registers #(
   logic [1:0] space_q;
   logic [31:0] addr_q;
   logic [63:0] wdata_q;
-  clock_gate gate (.clk_i, .enable_i(bus_valid_i | valid_q | bus_rvalid_o | done_i | posed_i | rst_i), .clk_o(clk_bus_o));
+  registers_pkg::control_t control;
+  assign control = wdata_q;
+  logic unused_control;
+  assign unused_control = &{1'b0, control.reserved};
+  clock_gate gate (.clk_i, .enable_i(bus_i.valid | valid_q | rvalid_q | done_i | posed_i | rst_i),
+      .clk_o(clk_bus_o));
   always_ff @(posedge clk_bus_o) begin
-    if (bus_ready_o) begin
-      valid_q <= bus_valid_i;
-      write_q <= bus_write_i;
-      space_q <= bus_space_i;
-      addr_q <= bus_addr_i;
-      wdata_q <= bus_wdata_i;
+    if (ready) begin
+      valid_q <= bus_i.valid;
+      write_q <= bus_i.write;
+      space_q <= bus_i.space;
+      addr_q <= bus_i.addr;
+      wdata_q <= bus_i.wdata;
     end
     if (rst_i) valid_q <= 0;
   end
@@ -123,160 +104,207 @@ module card_registers #(
   logic [11:0] offset;
   assign aligned = addr_q[2:0] == 0;
   assign offset = addr_q[11:0];
-  assign in_stencil = addr_q >= 32'(REG_STENCIL) && addr_q < 32'(REG_STENCIL) + 32'(STENCILS * 8);
+  assign in_stencil = addr_q >= 32'(registers_pkg::REG_STENCIL) &&
+      addr_q < 32'(registers_pkg::REG_STENCIL) + 32'(STENCILS * 8);
 
-  localparam logic [31:0] OBJECT_BYTES = 32'(OBJECTS * OBJECT_WORDS * CW / 8), PRIM_OBJECT_BYTES = 32'(PRIM_OBJECTS * OBJECT_WORDS * CW / 8);
+  localparam logic [31:0] OBJECT_BYTES = 32'(OBJECTS * records_pkg::OBJECT_WORDS * CW / 8),
+      PRIM_OBJECT_BYTES = 32'(PRIM_OBJECTS * records_pkg::OBJECT_WORDS * CW / 8);
   logic in_objects;
-  assign in_objects = (TRANSFORM != TRANSFORM_NONE && addr_q >= OBJECT_TABLE && addr_q < OBJECT_TABLE + OBJECT_BYTES) ||
-      (TRANSFORM == TRANSFORM_BOTH && addr_q >= PRIM_OBJECT_TABLE && addr_q < PRIM_OBJECT_TABLE + PRIM_OBJECT_BYTES);
+  assign in_objects = (TRANSFORM != pairs_pkg::TRANSFORM_NONE && addr_q >= registers_pkg::OBJECT_TABLE &&
+      addr_q < registers_pkg::OBJECT_TABLE + OBJECT_BYTES) ||
+      (TRANSFORM == pairs_pkg::TRANSFORM_BOTH && addr_q >= registers_pkg::PRIM_OBJECT_TABLE &&
+          addr_q < registers_pkg::PRIM_OBJECT_TABLE + PRIM_OBJECT_BYTES);
 
   // What an access may touch. Memories and settings are not written while a pass runs.
   always_comb begin
     allowed = 0;
     case (space_q)
-      SPACE_REG:
-        if (!write_q) allowed = addr_q < 32'h100;
+      registers_pkg::SPACE_REG:
+        if (!write_q) allowed = addr_q < registers_pkg::REG_END;
         else
           case (addr_q)
-            32'(REG_CONTROL): allowed = 1;
-            32'(REG_COMMAND), 32'(REG_PRIM_COUNT), 32'(REG_PRIM_SPLIT), 32'(REG_BUDGET), 32'(REG_SEC_FIRST), 32'(REG_SEC_COUNT): allowed = !busy_i;
-            32'(REG_OBJECT_COUNT): allowed = TRANSFORM != TRANSFORM_NONE && !busy_i;
-            32'(REG_PRIM_OBJECT_COUNT): allowed = TRANSFORM == TRANSFORM_BOTH && !busy_i;
+            32'(registers_pkg::REG_CONTROL): allowed = 1;
+            32'(registers_pkg::REG_COMMAND), 32'(registers_pkg::REG_PRIM_COUNT), 32'(registers_pkg::REG_PRIM_SPLIT),
+                32'(registers_pkg::REG_BUDGET), 32'(registers_pkg::REG_SEC_FIRST),
+                    32'(registers_pkg::REG_SEC_COUNT): allowed = !busy_i;
+            32'(registers_pkg::REG_OBJECT_COUNT): allowed = TRANSFORM != pairs_pkg::TRANSFORM_NONE && !busy_i;
+            32'(registers_pkg::REG_PRIM_OBJECT_COUNT): allowed = TRANSFORM == pairs_pkg::TRANSFORM_BOTH && !busy_i;
             default: allowed = (in_stencil || in_objects) && !busy_i;
           endcase
-      SPACE_PRIM: allowed = write_q && !busy_i && addr_q < PRIM_BYTES;
-      SPACE_DDR: allowed = write_q && !busy_i && {32'b0, addr_q} < DDR_BYTES;
-      SPACE_SRAM: allowed = !write_q && sram_readable_i;
+      registers_pkg::SPACE_PRIM: allowed = write_q && !busy_i && addr_q < PRIM_BYTES;
+      registers_pkg::SPACE_DDR: allowed = write_q && !busy_i && {32'b0, addr_q} < DDR_BYTES;
+      registers_pkg::SPACE_SRAM: allowed = !write_q && sram_readable_i;
       default: allowed = 0;
     endcase
     allowed = allowed && aligned;
   end
 
-  assign bus_ready_o = !(valid_q && ((space_q == SPACE_SRAM && allowed && !sram_valid_i) ||
-      (objects_busy_i && space_q == SPACE_REG && write_q && addr_q == 32'(REG_CONTROL))));
-  assign read = valid_q && bus_ready_o && !write_q;
-  assign write_reg = valid_q && bus_ready_o && write_q && allowed && space_q == SPACE_REG;
+  assign ready = !(valid_q && ((space_q == registers_pkg::SPACE_SRAM && allowed && !sram_valid_i) ||
+      (objects_busy_i && space_q == registers_pkg::SPACE_REG && write_q && addr_q == 32'(registers_pkg::REG_CONTROL))));
+  assign read = valid_q && ready && !write_q;
+  assign write_reg = valid_q && ready && write_q && allowed && space_q == registers_pkg::SPACE_REG;
   assign object_write_o = write_reg && in_objects;
-  assign prim_write_o = valid_q && write_q && allowed && space_q == SPACE_PRIM;
-  assign ddr_write_o = valid_q && write_q && allowed && space_q == SPACE_DDR;
-  assign sram_pop_o = read && allowed && space_q == SPACE_SRAM;
+  assign prim_write_o = valid_q && write_q && allowed && space_q == registers_pkg::SPACE_PRIM;
+  assign ddr_write_o = valid_q && write_q && allowed && space_q == registers_pkg::SPACE_DDR;
+  assign sram_pop_o = read && allowed && space_q == registers_pkg::SPACE_SRAM;
 
   // Whether the secondaries lie in DDR; a multiplication, so only while something is written.
   logic [63:0] sec_end;
   logic [3:0] sec_words, sec_shape, sec_shape2;
   logic pair_there, second_ok, budget_ok, secondaries_ok;
-  assign sec_shape = 4'(swap_q ? primary_shape(int'(pair_q)) : secondary_shape(int'(pair_q)));
-  assign sec_words = 4'(shape_words(int'(sec_shape)));
+  assign sec_shape = 4'(command_q.swap ? pairs_pkg::primary_shape(int'(command_q.pair)) :
+      pairs_pkg::secondary_shape(int'(command_q.pair)));
+  assign sec_words = 4'(pairs_pkg::shape_words(int'(sec_shape)));
   assign sec_end = ({31'b0, {1'b0, sec_first_q} + {1'b0, sec_count_q}} * 64'(sec_words)) * CW_BYTES;
-  assign pair_there = ((16'(PAIRS) >> pair_q) & 16'd1) != 0;
-  // A second pair: another pipe that takes the same secondaries and has primaries of its own; only one of them can stream.
-  assign sec_shape2 = 4'(swap2_q ? primary_shape(int'(pair2_q)) : secondary_shape(int'(pair2_q)));
-  assign second_ok = !second_q || (PARALLEL != 0 && ((16'(PAIRS) >> pair2_q) & 16'd1) != 0 && pair2_q != pair_q && sec_shape2 == sec_shape &&
-      mode_q <= MODE_ANY && (SWAP != 0 || !swap2_q) && split_q != 0 && split_q < prim_count_q && split_q % 32'(LANES) == 0);
+  assign pair_there = ((16'(PAIRS) >> command_q.pair) & 16'd1) != 0;
+  // A second pair: another pipe that takes the same secondaries and has primaries of its own; only one of them can
+  // stream.
+  assign sec_shape2 = 4'(command_q.second_swap ? pairs_pkg::primary_shape(int'(command_q.second_pair)) :
+      pairs_pkg::secondary_shape(int'(command_q.second_pair)));
+  assign second_ok = !command_q.second ||
+      (PARALLEL != 0 && ((16'(PAIRS) >> command_q.second_pair) & 16'd1) != 0 &&
+          command_q.second_pair != command_q.pair && sec_shape2 == sec_shape &&
+      command_q.mode <= registers_pkg::MODE_ANY && (SWAP != 0 ||
+          !command_q.second_swap) && split_q != 0 && split_q < prim_count_q && split_q % 32'(LANES) == 0);
   // Work of cylinder pairs; unused by others, and then not looked at.
-  assign budget_ok = !any_ring(PAIRS) || ((budget_q[7:0] == 8'd4 || budget_q[7:0] == 8'd8 || budget_q[7:0] == 8'd16) &&
-      budget_q[15:8] <= 8'd64 && budget_q[23:16] <= 8'd64);
-  assign command_ok = mode_q <= MODE_HITS && pair_there && second_ok && budget_ok && (SWAP != 0 || !swap_q) && (NORMALS != 0 || !normals_q) && prim_count_q != 0 &&
+  assign budget_ok = (PAIRS & pairs_pkg::RING_PAIRS) == 0 || ((budget_q.m == 8'd4 || budget_q.m == 8'd8 ||
+      budget_q.m == 8'd16) &&
+      budget_q.k1 <= registers_pkg::BUDGET_MOST && budget_q.k2 <= registers_pkg::BUDGET_MOST);
+  assign command_ok = command_q.mode <= registers_pkg::MODE_HITS && pair_there && second_ok && budget_ok &&
+      (SWAP != 0 || !command_q.swap) && (NORMALS != 0 || !command_q.normals) && prim_count_q != 0 &&
       prim_count_q <= 32'(PRIMARIES) && secondaries_ok && !busy_i;
-  // Objects in use, of primaries too, are in contract or go is refused; their ranges take the place of the one in the registers.
-  assign secondaries_ok = (TRANSFORM == TRANSFORM_NONE || objects_good_i) && (object_count_q != 0 || (sec_count_q != 0 && sec_end <= DDR_BYTES));
-  assign object_count_o = object_count_q;
-  assign prim_object_count_o = prim_object_count_q;
-  assign go_o = write_reg && addr_q == 32'(REG_CONTROL) && wdata_q[0] && command_ok;
-  assign abort_o = write_reg && addr_q == 32'(REG_CONTROL) && wdata_q[1];
-  assign mode_o = mode_q;
-  assign pair_o = {(PARALLEL != 0 && second_q) ? pair2_q : NO_PAIR, pair_q};
-  assign swap_o = {SWAP != 0 && swap2_q, SWAP != 0 && swap_q};
-  assign split_o = split_q[PRIM_W-1:0];
-  assign budget_o = budget_q;
-  assign normals_o = NORMALS != 0 && normals_q;
-  assign prim_count_o = prim_count_q[PRIM_W:0];
-  assign sec_first_o = sec_first_q;
-  assign sec_count_o = sec_count_q;
+  // Objects in use, of primaries too, are in contract or go is refused; their ranges take the place of the one in the
+  // registers.
+  assign secondaries_ok = (TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i) && (object_count_q != 0 ||
+      (sec_count_q != 0 && sec_end <= DDR_BYTES));
+  assign go_o = write_reg && addr_q == 32'(registers_pkg::REG_CONTROL) && control.go && command_ok;
+  assign abort_o = write_reg && addr_q == 32'(registers_pkg::REG_CONTROL) && control.stop;
+  always_comb begin
+    pass_o.mode = command_q.mode;
+    pass_o.pair = {(PARALLEL != 0 && command_q.second) ? command_q.second_pair : pairs_pkg::NO_PAIR, command_q.pair};
+    pass_o.swap = {SWAP != 0 && command_q.second_swap, SWAP != 0 && command_q.swap};
+    pass_o.normals = NORMALS != 0 && command_q.normals;
+    pass_o.budget = {budget_q.k2, budget_q.k1, budget_q.m};
+    pass_o.split = split_q[7:0];
+    pass_o.primaries = prim_count_q[8:0];
+    pass_o.first = sec_first_q;
+    pass_o.count = sec_count_q;
+    pass_o.objects = object_count_q;
+    pass_o.prim_objects = prim_object_count_q;
+  end
   logic [PRIMARIES-1:0] present_q;  // primaries below the counter register
   assign active_o = present_q & ~stencil_q[PRIMARIES-1:0];
   assign irq_o = done_q || command_error_q || bus_error_q || sram_full_i;
 
-  logic [31:0] corrected_q, failed_q;  // words of DDR
+  registers_pkg::ecc_t ecc_q;  // words of DDR
+  registers_pkg::id_t id;
+  registers_pkg::caps_t caps;
+  registers_pkg::caps2_t caps2;
+  registers_pkg::caps3_t caps3;
+  registers_pkg::status_t status;
+  always_comb begin
+    id.magic = registers_pkg::ID_MAGIC;
+    id.version = registers_pkg::INTERFACE_VERSION;
+    caps = '0;
+    caps.algorithm = 8'(ALGORITHM);
+    caps.man = 8'(MAN);
+    caps.exp = 8'(EXP);
+    caps.primaries = 16'(PRIMARIES);
+    caps.lanes = 16'(LANES);
+    caps2 = '0;
+    caps2.container = 8'(CW);
+    caps2.sram_records = 32'(SRAM_RECORDS);
+    caps2.latency = latency_i;
+    caps3 = '0;
+    caps3.prim_objects = (TRANSFORM == pairs_pkg::TRANSFORM_BOTH) ? 16'(PRIM_OBJECTS) : 16'd0;
+    caps3.objects = (TRANSFORM != pairs_pkg::TRANSFORM_NONE) ? 16'(OBJECTS) : 16'd0;
+    caps3.prim_words = 8'(PRIM_WORDS);
+    caps3.box = 1'(BOX);
+    caps3.ecc = 1'(ECC);
+    caps3.transform = 2'(TRANSFORM);
+    caps3.parallel = 1'(PARALLEL);
+    caps3.normals = 1'(NORMALS);
+    caps3.swap = 1'(SWAP);
+    caps3.pairs = 16'(PAIRS);
+    status = '0;
+    status.busy = busy_i;
+    status.done = done_q;
+    status.command_error = command_error_q;
+    status.bus_error = bus_error_q;
+    status.sram_wait = sram_full_i;
+    status.irq = irq_o;
+    status.ecc_error = ecc_q.failed != 0;
+  end
   always_ff @(posedge clk_bus_o) begin
-    bus_rvalid_o <= read && !rst_i;
-    if (read && space_q == SPACE_SRAM) bus_rdata_o <= allowed ? sram_beat_i : '0;
-    else if (read && !allowed) bus_rdata_o <= '0;
+    rvalid_q <= read && !rst_i;
+    if (read && space_q == registers_pkg::SPACE_SRAM) rdata_q <= allowed ? sram_beat_i : '0;
+    else if (read && !allowed) rdata_q <= '0;
     else if (read) begin
       case (offset)
-        REG_ID: bus_rdata_o <= {ID_MAGIC, INTERFACE_VERSION};
-        REG_CAPS: bus_rdata_o <= {8'b0, 8'(ALGORITHM), 8'(MAN), 8'(EXP), 16'(PRIMARIES), 16'(LANES)};
-        REG_CONFIG_HASH: bus_rdata_o <= CONFIG_HASH;
-        REG_CAPS2: bus_rdata_o <= {8'b0, 8'(CW), 32'(SRAM_RECORDS), latency_i};
-        REG_CAPACITY: bus_rdata_o <= DDR_BYTES;
-        REG_CAPS3: bus_rdata_o <= {TRANSFORM == TRANSFORM_BOTH ? 16'(PRIM_OBJECTS) : 16'd0, TRANSFORM != TRANSFORM_NONE ? 16'(OBJECTS) : 16'd0, 8'(PRIM_WORDS), 1'b0, 1'(BOX), 1'(ECC), 2'(TRANSFORM), 1'(PARALLEL), 1'(NORMALS), 1'(SWAP), 16'(PAIRS)};
-        REG_STATUS: begin
-          bus_rdata_o <= '0;
-          bus_rdata_o[STATUS_BUSY] <= busy_i;
-          bus_rdata_o[STATUS_DONE] <= done_q;
-          bus_rdata_o[STATUS_COMMAND_ERROR] <= command_error_q;
-          bus_rdata_o[STATUS_BUS_ERROR] <= bus_error_q;
-          bus_rdata_o[STATUS_SRAM_WAIT] <= sram_full_i;
-          bus_rdata_o[STATUS_IRQ] <= irq_o;
-          bus_rdata_o[STATUS_ECC_ERROR] <= failed_q != 0;
-        end
-        REG_COMMAND: bus_rdata_o <= {44'b0, pair2_q, 2'b0, swap2_q, second_q, pair_q, 2'b0, normals_q, swap_q, 1'b0, mode_q};
-        REG_PRIM_COUNT: bus_rdata_o <= 64'(prim_count_q);
-        REG_PRIM_SPLIT: bus_rdata_o <= 64'(split_q);
-        REG_BUDGET: bus_rdata_o <= 64'(budget_q);
-        REG_SEC_FIRST: bus_rdata_o <= 64'(sec_first_q);
-        REG_SEC_COUNT: bus_rdata_o <= 64'(sec_count_q);
-        REG_OBJECT_COUNT: bus_rdata_o <= 64'(object_count_q);
-        REG_PRIM_OBJECT_COUNT: bus_rdata_o <= 64'(prim_object_count_q);
-        REG_RECORDS: bus_rdata_o <= 64'(sram_count_i);
-        REG_FAULT_ADDR: bus_rdata_o <= 64'(fault_q);
-        REG_CYCLES: bus_rdata_o <= cycles_q;
-        REG_ROWS: bus_rdata_o <= rows_q;
-        REG_STALLS: bus_rdata_o <= stalls_q;
-        REG_BUBBLES: bus_rdata_o <= bubbles_q;
-        REG_BAD_PRIM: bus_rdata_o <= 64'($countones(prim_bad_i & present_q));
-        REG_BAD_SEC: bus_rdata_o <= bad_sec_q;
-        REG_SECONDARIES: bus_rdata_o <= secondaries_q;
-        REG_WRITTEN: bus_rdata_o <= written_q;
-        REG_ECC: bus_rdata_o <= {failed_q, corrected_q};
-        REG_WRITEBACK: bus_rdata_o <= writeback_q;
-        default: bus_rdata_o <= in_stencil ? stencil_q[64*32'(offset[4:3])+:64] : '0;
+        registers_pkg::REG_ID: rdata_q <= id;
+        registers_pkg::REG_CAPS: rdata_q <= caps;
+        registers_pkg::REG_CONFIG_HASH: rdata_q <= CONFIG_HASH;
+        registers_pkg::REG_CAPS2: rdata_q <= caps2;
+        registers_pkg::REG_CAPACITY: rdata_q <= DDR_BYTES;
+        registers_pkg::REG_CAPS3: rdata_q <= caps3;
+        registers_pkg::REG_STATUS: rdata_q <= status;
+        registers_pkg::REG_COMMAND: rdata_q <= command_q;
+        registers_pkg::REG_PRIM_COUNT: rdata_q <= 64'(prim_count_q);
+        registers_pkg::REG_PRIM_SPLIT: rdata_q <= 64'(split_q);
+        registers_pkg::REG_BUDGET: rdata_q <= budget_q;
+        registers_pkg::REG_SEC_FIRST: rdata_q <= 64'(sec_first_q);
+        registers_pkg::REG_SEC_COUNT: rdata_q <= 64'(sec_count_q);
+        registers_pkg::REG_OBJECT_COUNT: rdata_q <= 64'(object_count_q);
+        registers_pkg::REG_PRIM_OBJECT_COUNT: rdata_q <= 64'(prim_object_count_q);
+        registers_pkg::REG_RECORDS: rdata_q <= 64'(sram_count_i);
+        registers_pkg::REG_FAULT_ADDR: rdata_q <= fault_q;
+        registers_pkg::REG_CYCLES: rdata_q <= cycles_q;
+        registers_pkg::REG_ROWS: rdata_q <= rows_q;
+        registers_pkg::REG_STALLS: rdata_q <= stalls_q;
+        registers_pkg::REG_BUBBLES: rdata_q <= bubbles_q;
+        registers_pkg::REG_BAD_PRIM: rdata_q <= 64'($countones(prim_bad_i & present_q));
+        registers_pkg::REG_BAD_SEC: rdata_q <= bad_sec_q;
+        registers_pkg::REG_SECONDARIES: rdata_q <= secondaries_q;
+        registers_pkg::REG_WRITTEN: rdata_q <= written_q;
+        registers_pkg::REG_ECC: rdata_q <= ecc_q;
+        registers_pkg::REG_WRITEBACK: rdata_q <= writeback_q;
+        default: rdata_q <= in_stencil ? stencil_q[64*32'(offset[4:3])+:64] : '0;
       endcase
     end
 
     if (write_reg && !in_objects) begin
       case (offset)
-        REG_COMMAND: {pair2_q, swap2_q, second_q, pair_q, normals_q, swap_q, mode_q} <= {wdata_q[19:16], wdata_q[13:8], wdata_q[5:4], wdata_q[2:0]};
-        REG_PRIM_SPLIT: split_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
-        REG_BUDGET: budget_q <= |wdata_q[63:24] ? '1 : wdata_q[23:0];
-        REG_PRIM_COUNT: begin
+        registers_pkg::REG_COMMAND: command_q <= wdata_q & registers_pkg::COMMAND_BITS;
+        registers_pkg::REG_PRIM_SPLIT: split_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
+        registers_pkg::REG_BUDGET: budget_q <= {40'b0, |wdata_q[63:24] ? 24'hFFFFFF : wdata_q[23:0]};
+        registers_pkg::REG_PRIM_COUNT: begin
           prim_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
           for (int p = 0; p < PRIMARIES; p++) present_q[p] <= 64'(p) < wdata_q;
         end
-        REG_SEC_FIRST: sec_first_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
-        REG_SEC_COUNT: sec_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
-        REG_CONTROL: begin
-          if (wdata_q[2]) {done_q, command_error_q, bus_error_q} <= '0;
-          if (wdata_q[0]) begin
+        registers_pkg::REG_SEC_FIRST: sec_first_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
+        registers_pkg::REG_SEC_COUNT: sec_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
+        registers_pkg::REG_CONTROL: begin
+          if (control.clear) {done_q, command_error_q, bus_error_q} <= '0;
+          if (control.go) begin
             done_q <= 0;
             command_error_q <= !command_ok;
           end
         end
-        REG_OBJECT_COUNT: object_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
-        REG_PRIM_OBJECT_COUNT: prim_object_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
+        registers_pkg::REG_OBJECT_COUNT: object_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
+        registers_pkg::REG_PRIM_OBJECT_COUNT: prim_object_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
         default: stencil_q[64*32'(offset[4:3])+:64] <= wdata_q;
       endcase
     end
-    if (valid_q && bus_ready_o && !allowed) begin
+    if (valid_q && ready && !allowed) begin
       bus_error_q <= 1;
-      if (!bus_error_q) fault_q <= {space_q, addr_q};
+      if (!bus_error_q) {fault_q.space, fault_q.addr} <= {space_q, addr_q};
     end
     if (done_i) done_q <= 1;
 
     if (rst_i) begin
       {done_q, command_error_q, bus_error_q} <= '0;
-      {pair2_q, swap2_q, second_q, pair_q, normals_q, swap_q, mode_q} <= '0;
-      budget_q <= 24'h080808;
+      command_q <= '0;
+      budget_q <= {40'b0, registers_pkg::BUDGET_RESET};
       {prim_count_q, split_q, sec_first_q, sec_count_q, object_count_q, prim_object_count_q} <= '0;
       stencil_q <= '0;
       present_q <= '0;
@@ -286,29 +314,29 @@ module card_registers #(
 
   if (ECC != 0) begin : g_ecc
     always_ff @(posedge clk_engine_i) begin
-      if (go_o || rst_i) {corrected_q, failed_q} <= '0;
+      if (go_o || rst_i) ecc_q <= '0;
       else begin
-        corrected_q <= corrected_q + 32'(ecc_corrected_i);
-        failed_q <= failed_q + 32'(ecc_failed_i);
+        ecc_q.corrected <= ecc_q.corrected + 32'(events_i.ecc_corrected);
+        ecc_q.failed <= ecc_q.failed + 32'(events_i.ecc_failed);
       end
     end
   end else begin : g_no_ecc
-    assign {corrected_q, failed_q} = '0;
+    assign ecc_q = '0;
     logic unused_ecc;
-    assign unused_ecc = &{1'b0, ecc_corrected_i, ecc_failed_i};
+    assign unused_ecc = &{1'b0, events_i.ecc_corrected, events_i.ecc_failed};
   end
 
   always_ff @(posedge clk_engine_i) begin
     if (go_o || rst_i) {cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q, writeback_q} <= '0;
     else begin
-      cycles_q <= cycles_q + 64'(busy_i && !writeback_i);
-      writeback_q <= writeback_q + 64'(writeback_i);
-      rows_q <= rows_q + 64'($countones(issue_i));
-      stalls_q <= stalls_q + 64'(stall_i);
-      bubbles_q <= bubbles_q + 64'(bubble_i);
-      secondaries_q <= secondaries_q + 64'(secondary_i);
-      bad_sec_q <= bad_sec_q + 64'(secondary_i && secondary_bad_i);
-      written_q <= written_q + 64'(record_i);
+      cycles_q <= cycles_q + 64'(busy_i && !events_i.writeback);
+      writeback_q <= writeback_q + 64'(events_i.writeback);
+      rows_q <= rows_q + 64'($countones(events_i.issue));
+      stalls_q <= stalls_q + 64'(events_i.stall);
+      bubbles_q <= bubbles_q + 64'(events_i.bubble);
+      secondaries_q <= secondaries_q + 64'(events_i.secondary);
+      bad_sec_q <= bad_sec_q + 64'(events_i.secondary && events_i.secondary_bad);
+      written_q <= written_q + 64'(events_i.record);
     end
   end
 endmodule

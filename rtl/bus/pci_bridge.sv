@@ -1,12 +1,14 @@
-// PCI Local Bus 2.3 device, 64 bits and 66 MHz, in front of a local bus: target (pci_target), bus master (pci_master) and
-// scatter-gather DMA (pci_dma) in the PCI clock domain, master of the local bus (local_master) in the core's. The domains meet in two
-// asynchronous FIFOs, requests one way, read data and the card's interrupt line the other.
+// PCI Local Bus 2.3 device, 64 bits and 66 MHz, in front of a local bus: target (pci_target), bus master (pci_master)
+// and scatter-gather DMA (pci_dma) in the PCI clock domain, master of the local bus (local_master) in the core's. The
+// domains meet in two asynchronous FIFOs, requests one way, read data and the card's interrupt line the other.
 //
-// Shared pins come as _i (the wire), _o and _oe; signals that are low when asserted have an _n. All outputs are registers.
-// BAR0: registers of the card (SPACE_REG), registers of the bridge, page table (cde_pkg::PCI_*).
+// Shared pins come as _i (the wire), _o and _oe; signals that are low when asserted have an _n. All outputs are
+// registers.
+// BAR0: registers of the card (SPACE_REG), registers of the bridge, page table (pci_pkg::PCI_*).
 // While no FRAME# is asserted and nothing is under way, the PCI side's clock is gated but for the FIFO's synchroniser.
-// Reset: `rst_i` is one line for both domains, held for at least four clocks of each. With RESET_STAGES = 0 it is synchronous to
-// both clocks, as in a simulation; hardware has 2 or more, and then it may come from anywhere (reset_sync.sv).
+// Reset: `rst_i` is one line for both domains, held for at least four clocks of each. With RESET_STAGES = 0 it is
+// synchronous to both clocks, as in a simulation; hardware has 2 or more, and then it may come from anywhere
+// (reset_sync.sv).
 // Latency, throughput and stalls: those of the modules.
 module pci_bridge #(
     parameter int RESET_STAGES = 0  // of the reset synchronisers, as in reset_sync
@@ -70,34 +72,35 @@ module pci_bridge #(
     input logic [63:0] bus_rdata_i,
     input logic irq_i
 );
-  import cde_pkg::*;
+  import pci_pkg::*;
   logic rst_pci;
   reset_sync #(.STAGES(RESET_STAGES)) reset_pci (.clk_i(clk_pci_i), .rst_i, .rst_o(rst_pci));
   reset_sync #(.STAGES(RESET_STAGES)) reset_core (.clk_i, .rst_i, .rst_o);
   localparam int REQUESTS = 16, RESPONSES = 16;
-  localparam int REQUEST_W = 1 + 1 + 2 + 32 + 64;
-  localparam int RESPONSE_W = 1 + 1 + 64;
 
   // ---- The wires ----
   logic [63:0] ad;
   logic [7:0] cbe_n;
   logic par, par64, frame_n, req64_n, irdy_n, trdy_n, stop_n, devsel_n, ack64_n, perr_n, idsel, gnt_n;
   logic [83:0] wires, pins;
-  assign wires = {pci_ad_i, pci_cbe_n_i, pci_par_i, pci_par64_i, pci_frame_n_i, pci_req64_n_i, pci_irdy_n_i, pci_trdy_n_i,
+  assign wires = {pci_ad_i, pci_cbe_n_i, pci_par_i, pci_par64_i, pci_frame_n_i, pci_req64_n_i, pci_irdy_n_i,
+      pci_trdy_n_i,
       pci_stop_n_i, pci_devsel_n_i, pci_ack64_n_i, pci_perr_n_i, pci_idsel_i, pci_gnt_n_i};
 `ifdef VERILATOR
   pci_pins #(.W(84)) taken (.clk_i(clk_pci_i), .wires_i(wires), .wires_o(pins));
 `else
   assign pins = wires;
 `endif
-  assign {ad, cbe_n, par, par64, frame_n, req64_n, irdy_n, trdy_n, stop_n, devsel_n, ack64_n, perr_n, idsel, gnt_n} = pins;
+  assign {ad, cbe_n, par, par64, frame_n, req64_n, irdy_n, trdy_n, stop_n, devsel_n, ack64_n, perr_n, idsel, gnt_n} =
+      pins;
 
   // ---- Clock of the PCI side ----
   logic clk, active, target_active, master_active, dma_active, registers_active, response_valid, response_settled;
   logic inta, perr, perr_q, frame, irdy, clearing, request_valid;
   assign frame = !frame_n;
   assign irdy = !irdy_n;
-  assign active = rst_pci | frame | irdy | target_active | master_active | dma_active | registers_active | response_valid | clearing | perr |
+  assign active = rst_pci | frame | irdy | target_active | master_active | dma_active | registers_active |
+      response_valid | clearing | perr |
       perr_q | pci_serr_oe | (inta != pci_inta_oe) | (pci_par_oe != pci_ad_oe) | (pci_par64_oe != pci_ad64_oe);
   assign idle_o = !active && response_settled;
   clock_gate gate (.clk_i(clk_pci_i), .enable_i(active), .clk_o(clk));
@@ -127,20 +130,22 @@ module pci_bridge #(
   logic [7:0] latency;
   logic [15:0] pci_status, target_offset;
   pci_config configuration (
-      .clk_i(clk), .rst_i(rst_pci), .write_i(config_write), .index_i(config_index), .enable_i(config_enable), .wdata_i(config_wdata),
-      .rdata_o(config_rdata), .memory_o(memory), .master_o(master), .parity_o(parity), .serr_o(serr), .intx_o(intx), .latency_o(latency),
-      .status_o(pci_status), .bar_o(bar), .interrupt_i(interrupt), .detected_parity_i(target_detected | address_parity | master_detected),
+      .clk_i(clk), .rst_i(rst_pci), .write_i(config_write), .index_i(config_index), .enable_i(config_enable),
+      .wdata_i(config_wdata), .rdata_o(config_rdata), .memory_o(memory), .master_o(master), .parity_o(parity),
+      .serr_o(serr), .intx_o(intx), .latency_o(latency), .status_o(pci_status), .bar_o(bar), .interrupt_i(interrupt),
+      .detected_parity_i(target_detected | address_parity | master_detected),
       .signaled_serr_i(address_parity & parity & serr), .master_abort_i(master_abort), .target_abort_i(target_abort),
       .signaled_target_abort_i(target_aborts), .master_parity_i(master_parity));
   pci_target target (
       .clk_i(clk), .rst_i(rst_pci), .active_o(target_active), .ad_i(ad), .cbe_i(cbe_n), .frame_i(frame), .irdy_i(irdy),
-      .idsel_i(idsel), .req64_i(!req64_n), .own_i(own), .parity_error_i(parity_error), .parity64_error_i(parity64_error),
-      .ad_o(target_ad), .ad_oe_o(target_ad_oe), .ad64_oe_o(target_ad64_oe), .oe_o(target_oe), .trdy_o(trdy), .stop_o(stop),
-      .devsel_o(devsel), .ack64_o(ack64), .perr_o(target_perr), .detected_parity_o(target_detected), .address_parity_o(address_parity),
-      .target_abort_o(target_aborts), .memory_i(memory), .bar_i(bar), .config_write_o(config_write), .config_index_o(config_index),
-      .config_enable_o(config_enable), .config_wdata_o(config_wdata), .config_rdata_i(config_rdata), .request_valid_o(request_valid),
-      .request_write_o(target_write), .request_offset_o(target_offset), .request_wdata_o(target_wdata), .request_pop_i(target_pop),
-      .rvalid_i(target_rvalid), .rdata_i(target_rdata));
+      .idsel_i(idsel), .req64_i(!req64_n), .own_i(own), .parity_error_i(parity_error),
+      .parity64_error_i(parity64_error), .ad_o(target_ad), .ad_oe_o(target_ad_oe), .ad64_oe_o(target_ad64_oe),
+      .oe_o(target_oe), .trdy_o(trdy), .stop_o(stop), .devsel_o(devsel), .ack64_o(ack64), .perr_o(target_perr),
+      .detected_parity_o(target_detected), .address_parity_o(address_parity), .target_abort_o(target_aborts),
+      .memory_i(memory), .bar_i(bar), .config_write_o(config_write), .config_index_o(config_index),
+      .config_enable_o(config_enable), .config_wdata_o(config_wdata), .config_rdata_i(config_rdata),
+      .request_valid_o(request_valid), .request_write_o(target_write), .request_offset_o(target_offset),
+      .request_wdata_o(target_wdata), .request_pop_i(target_pop), .rvalid_i(target_rvalid), .rdata_i(target_rdata));
   assign {pci_trdy_n_o, pci_stop_n_o, pci_devsel_n_o, pci_ack64_n_o} = ~{trdy, stop, devsel, ack64};
   assign {pci_trdy_oe, pci_stop_oe, pci_devsel_oe, pci_ack64_oe} = {4{target_oe}};
 
@@ -154,20 +159,23 @@ module pci_bridge #(
   logic [31:0] done_addr;
   logic [15:0] retry_limit;
   pci_master initiator (
-      .clk_i(clk), .rst_i(rst_pci), .active_o(master_active), .start_i(start), .write_i(write), .addr_i(addr), .qwords_i(qwords), .wdata_i(wdata),
-      .wpop_o(wpop), .rvalid_o(rvalid), .rdata_o(rdata), .done_o(done), .code_o(done_code), .fault_addr_o(done_addr), .moved_o(moved),
-      .enable_i(master), .parity_i(parity), .latency_i(latency), .retry_limit_i(retry_limit), .req_o(master_req), .gnt_i(!gnt_n),
+      .clk_i(clk), .rst_i(rst_pci), .active_o(master_active), .start_i(start), .write_i(write), .addr_i(addr),
+      .qwords_i(qwords), .wdata_i(wdata), .wpop_o(wpop), .rvalid_o(rvalid), .rdata_o(rdata), .done_o(done),
+      .code_o(done_code), .fault_addr_o(done_addr), .moved_o(moved), .enable_i(master), .parity_i(parity),
+      .latency_i(latency), .retry_limit_i(retry_limit), .req_o(master_req), .gnt_i(!gnt_n),
       .ad_i(ad), .frame_i(frame), .irdy_i(irdy), .trdy_i(!trdy_n), .stop_i(!stop_n), .devsel_i(!devsel_n),
-      .ack64_i(!ack64_n), .perr_i(!perr_n), .parity_error_i(parity_error), .parity64_error_i(parity64_error), .own_o(own),
-      .ad_o(master_ad), .cbe_o(master_cbe), .ad_oe_o(master_ad_oe), .ad64_oe_o(master_ad64_oe), .cbe_oe_o(pci_cbe_oe),
-      .frame_o(master_frame), .frame_oe_o(pci_frame_oe), .req64_o(master_req64), .irdy_o(master_irdy), .irdy_oe_o(pci_irdy_oe),
-      .perr_o(master_perr), .burst_o(burst), .beat_o(beat), .wait_o(waiting), .retry_o(retry), .disconnect_o(disconnect),
-      .detected_parity_o(master_detected), .master_parity_o(master_parity), .master_abort_o(master_abort), .target_abort_o(target_abort));
+      .ack64_i(!ack64_n), .perr_i(!perr_n), .parity_error_i(parity_error), .parity64_error_i(parity64_error),
+      .own_o(own), .ad_o(master_ad), .cbe_o(master_cbe), .ad_oe_o(master_ad_oe), .ad64_oe_o(master_ad64_oe),
+      .cbe_oe_o(pci_cbe_oe), .frame_o(master_frame), .frame_oe_o(pci_frame_oe), .req64_o(master_req64),
+      .irdy_o(master_irdy), .irdy_oe_o(pci_irdy_oe), .perr_o(master_perr), .burst_o(burst), .beat_o(beat),
+      .wait_o(waiting), .retry_o(retry), .disconnect_o(disconnect), .detected_parity_o(master_detected),
+      .master_parity_o(master_parity), .master_abort_o(master_abort), .target_abort_o(target_abort));
   assign pci_ad_o = target_ad_oe ? target_ad : master_ad;
   assign pci_ad_oe = target_ad_oe | master_ad_oe;
   assign pci_ad64_oe = target_ad64_oe | master_ad64_oe;
   assign pci_cbe_n_o = master_cbe;
-  assign {pci_frame_n_o, pci_req64_n_o, pci_irdy_n_o, pci_req_n_o} = ~{master_frame, master_req64, master_irdy, master_req};
+  assign {pci_frame_n_o, pci_req64_n_o, pci_irdy_n_o, pci_req_n_o} =
+      ~{master_frame, master_req64, master_irdy, master_req};
   assign pci_req64_oe = pci_frame_oe;
 
   // PERR# is driven high for a clock before it is left alone; SERR# and INTA# are pulled up.
@@ -195,26 +203,31 @@ module pci_bridge #(
   logic [1:0] local_space;
   logic [31:0] local_offset;
   pci_registers registers (
-      .clk_i(clk), .rst_i(rst_pci), .write_i(register_write), .offset_i(target_offset[11:0]), .wdata_i(target_wdata), .rdata_o(register_rdata),
-      .interrupt_o(interrupt), .active_o(registers_active), .run_o(run), .clear_o(clear), .ring_base_o(ring_base), .ring_size_o(ring_size),
-      .ring_tail_o(ring_tail), .completion_base_o(completion_base), .burst_o(burst_bytes), .retry_limit_o(retry_limit), .head_i(head),
-      .busy_i(busy), .clearing_i(clearing), .completion_i(completion), .fault_i(fault), .code_i(fault_code), .where_i(fault_where),
+      .clk_i(clk), .rst_i(rst_pci), .write_i(register_write), .offset_i(target_offset[11:0]), .wdata_i(target_wdata),
+      .rdata_o(register_rdata), .interrupt_o(interrupt), .active_o(registers_active), .run_o(run), .clear_o(clear),
+      .ring_base_o(ring_base), .ring_size_o(ring_size), .ring_tail_o(ring_tail), .completion_base_o(completion_base),
+      .burst_o(burst_bytes), .retry_limit_o(retry_limit), .head_i(head), .busy_i(busy), .clearing_i(clearing),
+      .completion_i(completion), .fault_i(fault), .code_i(fault_code), .where_i(fault_where),
       .fault_addr_i(fault_addr), .card_irq_i(card_irq_q),
-      .count_i({master_abort | target_abort, target_detected | address_parity | master_detected, disconnect, retry, waiting, beat, burst}),
+      .count_i({master_abort | target_abort, target_detected | address_parity | master_detected, disconnect, retry,
+                waiting, beat, burst}),
       .bus_busy_i(frame | irdy));
   pci_page_table pages (
-      .clk_i(clk), .rst_i(rst_pci), .clearing_o(clearing), .write_i(page_write), .entry_i(target_offset[14:3]), .wdata_i(target_wdata),
-      .rdata_o(page_rdata), .lookup_i(page), .valid_o(page_valid), .writable_o(page_writable), .frame_o(page_frame));
+      .clk_i(clk), .rst_i(rst_pci), .clearing_o(clearing), .write_i(page_write), .entry_i(target_offset[14:3]),
+      .wdata_i(target_wdata), .rdata_o(page_rdata), .lookup_i(page), .valid_o(page_valid), .writable_o(page_writable),
+      .frame_o(page_frame));
   logic [63:0] response_data;
   pci_dma dma (
-      .clk_i(clk), .rst_i(rst_pci), .active_o(dma_active), .run_i(run), .clear_i(clear), .ring_base_i(ring_base), .ring_size_i(ring_size),
-      .ring_tail_i(ring_tail), .completion_base_i(completion_base), .burst_i(burst_bytes), .head_o(head), .busy_o(busy),
-      .completion_o(completion), .fault_o(fault), .code_o(fault_code), .where_o(fault_where), .fault_addr_o(fault_addr),
-      .pci_status_i(pci_status), .page_o(page), .page_valid_i(page_valid), .page_writable_i(page_writable), .page_frame_i(page_frame),
-      .start_o(start), .write_o(write), .addr_o(addr), .qwords_o(qwords), .wdata_o(wdata), .wpop_i(wpop), .rvalid_i(rvalid),
-      .rdata_i(rdata), .done_i(done), .done_code_i(done_code), .done_addr_i(done_addr), .moved_i(moved), .local_valid_o(local_valid),
-      .local_write_o(local_write), .local_space_o(local_space), .local_offset_o(local_offset), .local_data_o(local_data),
-      .local_ready_i(local_ready), .local_rvalid_i(local_rvalid), .local_rdata_i(response_data));
+      .clk_i(clk), .rst_i(rst_pci), .active_o(dma_active), .run_i(run), .clear_i(clear), .ring_base_i(ring_base),
+      .ring_size_i(ring_size), .ring_tail_i(ring_tail), .completion_base_i(completion_base), .burst_i(burst_bytes),
+      .head_o(head), .busy_o(busy), .completion_o(completion), .fault_o(fault), .code_o(fault_code),
+      .where_o(fault_where), .fault_addr_o(fault_addr), .pci_status_i(pci_status), .page_o(page),
+      .page_valid_i(page_valid), .page_writable_i(page_writable), .page_frame_i(page_frame),
+      .start_o(start), .write_o(write), .addr_o(addr), .qwords_o(qwords), .wdata_o(wdata), .wpop_i(wpop),
+      .rvalid_i(rvalid), .rdata_i(rdata), .done_i(done), .done_code_i(done_code), .done_addr_i(done_addr),
+      .moved_i(moved), .local_valid_o(local_valid), .local_write_o(local_write), .local_space_o(local_space),
+      .local_offset_o(local_offset), .local_data_o(local_data), .local_ready_i(local_ready),
+      .local_rvalid_i(local_rvalid), .local_rdata_i(response_data));
 
   // ---- Where an access of the host goes; it comes before the DMA's ----
   logic to_card, to_pages, page_read_q, room, forward, response_irq, response_dma;
@@ -228,8 +241,10 @@ module pci_bridge #(
   assign register_write = request_valid && target_write && !to_card && !to_pages;
   assign page_write = request_valid && target_write && to_pages && !clearing;
   assign target_pop = request_valid && (to_card ? room : !to_pages || (target_write ? !clearing : page_read_q));
-  assign target_rvalid = (response_valid && !response_irq && !response_dma) || (target_pop && !target_write && !to_card);
-  assign target_rdata = response_valid && !response_irq && !response_dma ? response_data : to_pages ? page_rdata : register_rdata;
+  assign target_rvalid = (response_valid && !response_irq && !response_dma) ||
+      (target_pop && !target_write && !to_card);
+  assign target_rdata = response_valid && !response_irq && !response_dma ? response_data :
+      to_pages ? page_rdata : register_rdata;
   assign local_rvalid = response_valid && !response_irq && response_dma;
   always_ff @(posedge clk) begin
     page_read_q <= request_valid && to_pages && !target_write && !clearing && !page_read_q;
@@ -242,28 +257,35 @@ module pci_bridge #(
 
   // ---- The core's side ----
   logic clk_local, local_request_valid, local_request_pop, response_write, unused_settled;
-  logic [REQUEST_W-1:0] request, local_request;
-  logic [RESPONSE_W-1:0] response;
-  assign request = forward ? {1'b0, target_write, SPACE_REG, 16'b0, target_offset, target_write ? target_wdata : 64'd1} :
+  card_pkg::local_request_t request, local_request;
+  card_pkg::local_response_t response;
+  registers_pkg::bus_request_t bus_request;
+  registers_pkg::bus_response_t bus_response;
+  assign request = forward ?
+      {1'b0, target_write, registers_pkg::SPACE_REG, 16'b0, target_offset, target_write ? target_wdata : 64'd1} :
       {1'b1, local_write, local_space, local_offset, local_data};
-  async_fifo #(.W(REQUEST_W), .DEPTH(REQUESTS)) requests (
-      .wclk_i(clk), .wrst_i(rst_pci), .write_i(room && (forward || local_valid)), .wdata_i(request), .room_o(request_room), .rclk_i(clk_local),
-      .rclk_free_i(clk_i), .rrst_i(rst_o), .valid_o(local_request_valid), .rdata_o(local_request), .read_i(local_request_pop),
-      .settled_o(unused_settled));
-  async_fifo #(.W(RESPONSE_W), .DEPTH(RESPONSES)) responses (
-      .wclk_i(clk_local), .wrst_i(rst_o), .write_i(response_write), .wdata_i(response), .room_o(response_room), .rclk_i(clk),
-      .rclk_free_i(clk_pci_i), .rrst_i(rst_pci), .valid_o(response_valid), .rdata_o({response_irq, response_dma, response_data}),
+  async_fifo #(.W($bits(request)), .DEPTH(REQUESTS)) requests (
+      .wclk_i(clk), .wrst_i(rst_pci), .write_i(room && (forward || local_valid)), .wdata_i(request),
+      .room_o(request_room), .rclk_i(clk_local), .rclk_free_i(clk_i), .rrst_i(rst_o), .valid_o(local_request_valid),
+      .rdata_o(local_request), .read_i(local_request_pop), .settled_o(unused_settled));
+  async_fifo #(.W($bits(response)), .DEPTH(RESPONSES)) responses (
+      .wclk_i(clk_local), .wrst_i(rst_o), .write_i(response_write), .wdata_i(response), .room_o(response_room),
+      .rclk_i(clk), .rclk_free_i(clk_pci_i), .rrst_i(rst_pci), .valid_o(response_valid),
+      .rdata_o({response_irq, response_dma, response_data}),
       .read_i(response_valid), .settled_o(response_settled));
   local_master #(.ROOM_W($clog2(RESPONSES) + 1)) local_bus (
       .clk_i, .rst_i(rst_o), .clk_o(clk_local), .request_valid_i(local_request_valid), .request_i(local_request),
-      .request_pop_o(local_request_pop), .response_write_o(response_write), .response_o(response), .response_room_i(response_room),
-      .bus_valid_o, .bus_write_o, .bus_space_o, .bus_addr_o, .bus_wdata_o, .bus_ready_i, .bus_rvalid_i, .bus_rdata_i, .irq_i);
+      .request_pop_o(local_request_pop), .response_write_o(response_write), .response_o(response),
+      .response_room_i(response_room), .bus_o(bus_request), .bus_i(bus_response), .irq_i);
+  assign {bus_valid_o, bus_write_o, bus_space_o, bus_addr_o, bus_wdata_o} = bus_request;
+  assign bus_response = {bus_ready_i, bus_rvalid_i, bus_rdata_i};
 
 `ifndef SYNTHESIS
   always_ff @(posedge clk)
     if (!rst_pci) begin
       assert (!(target_ad_oe && master_ad_oe)) else $error("pci_bridge: target and master drive AD together");
-      assert (!(target_rvalid && target_pop && response_valid && !response_irq && !response_dma)) else $error("pci_bridge: two answers");
+      assert (!(target_rvalid && target_pop && response_valid && !response_irq &&
+          !response_dma)) else $error("pci_bridge: two answers");
     end
 `endif
 endmodule

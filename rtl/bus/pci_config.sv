@@ -1,4 +1,5 @@
-// Type 0 configuration space of PCI Local Bus 2.3, chapter 6: identity, command and status, class, latency timer, BAR0, interrupt.
+// Type 0 configuration space of PCI Local Bus 2.3, chapter 6: identity, command and status, class, latency timer, BAR0,
+// interrupt.
 // Latency: reads none, writes 1 clock. Throughput: one access a clock. Stall: none.
 module pci_config (
     input logic clk_i,
@@ -16,7 +17,7 @@ module pci_config (
     output logic intx_o,    // INTA# is allowed
     output logic [7:0] latency_o,
     output logic [15:0] status_o,
-    output logic [31:cde_pkg::PCI_BAR_BITS] bar_o,
+    output logic [31:pci_pkg::PCI_BAR_BITS] bar_o,
 
     input logic interrupt_i,
     input logic detected_parity_i,
@@ -26,7 +27,7 @@ module pci_config (
     input logic signaled_target_abort_i,
     input logic master_parity_i           // in a transfer of the card's own
 );
-  import cde_pkg::*;
+  import pci_pkg::*;
   logic [15:0] command_q;
   logic [7:0] cache_line_q, latency_q, line_q;
   logic [31:PCI_BAR_BITS] bar_q;
@@ -60,8 +61,10 @@ module pci_config (
   localparam logic [15:0] COMMAND_BITS = 16'b0000_0101_0100_0110;
   always_ff @(posedge clk_i) begin
     if (index_i == 6'd1) command_q <= ((command_q & ~strobe[15:0]) | (wdata_i[15:0] & strobe[15:0])) & COMMAND_BITS;
-    if (index_i == 6'd3) {latency_q, cache_line_q} <= ({latency_q, cache_line_q} & ~strobe[15:0]) | (wdata_i[15:0] & strobe[15:0]);
-    if (index_i == 6'd4) bar_q <= (bar_q & ~strobe[31:PCI_BAR_BITS]) | (wdata_i[31:PCI_BAR_BITS] & strobe[31:PCI_BAR_BITS]);
+    if (index_i == 6'd3) {latency_q, cache_line_q} <= ({latency_q,
+        cache_line_q} & ~strobe[15:0]) | (wdata_i[15:0] & strobe[15:0]);
+    if (index_i == 6'd4)
+      bar_q <= (bar_q & ~strobe[31:PCI_BAR_BITS]) | (wdata_i[31:PCI_BAR_BITS] & strobe[31:PCI_BAR_BITS]);
     if (index_i == 6'd15) line_q <= (line_q & ~strobe[7:0]) | (wdata_i[7:0] & strobe[7:0]);
     error_q <= (error_q & ~(index_i == 6'd1 ? {wdata_i[31:27] & strobe[31:27], wdata_i[24] & strobe[24]} : 6'b0)) |
         {detected_parity_i, signaled_serr_i, master_abort_i, target_abort_i, signaled_target_abort_i, master_parity_i};

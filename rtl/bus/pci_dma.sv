@@ -1,11 +1,13 @@
-// Scatter-gather DMA: serves a ring of descriptors in host memory (cde_pkg::PCI_DESCRIPTOR_*), moves data between host memory and the
-// local bus, and writes a completion record for each into a ring of its own.
+// Scatter-gather DMA: serves a ring of descriptors in host memory (pci_pkg::PCI_DESCRIPTOR_*), moves data between host
+// memory and the local bus, and writes a completion record for each into a ring of its own.
 //
-// Every host address is a mapped one. All pages of a descriptor are looked up before its first bus cycle, and each burst's again when
-// it starts; a burst does not cross a page. Towards the card a burst starts when its data has room, towards the host when all of it is
-// there: the master never waits. On an error what has been moved stays moved, the completion record says how much, and the ring halts;
-// if descriptor or record itself cannot be reached, only the registers say so.
-// Latency: 9 clocks of its own for a descriptor and 4 for a burst. Throughput: one word a clock. Stall: FIFO room and the bus.
+// Every host address is a mapped one. All pages of a descriptor are looked up before its first bus cycle, and each
+// burst's again when it starts; a burst does not cross a page. Towards the card a burst starts when its data has room,
+// towards the host when all of it is there: the master never waits. On an error what has been moved stays moved, the
+// completion record says how much, and the ring halts; if descriptor or record itself cannot be reached, only the
+// registers say so.
+// Latency: 9 clocks of its own for a descriptor and 4 for a burst. Throughput: one word a clock. Stall: FIFO room and
+// the bus.
 module pci_dma (
     input logic clk_i,
     input logic rst_i,
@@ -30,7 +32,7 @@ module pci_dma (
     output logic [11:0] page_o,
     input logic page_valid_i,
     input logic page_writable_i,
-    input logic [31:cde_pkg::PCI_PAGE_BITS] page_frame_i,
+    input logic [31:pci_pkg::PCI_PAGE_BITS] page_frame_i,
 
     output logic start_o,
     output logic write_o,
@@ -54,11 +56,12 @@ module pci_dma (
     input logic local_rvalid_i,
     input logic [63:0] local_rdata_i
 );
-  import cde_pkg::*;
+  import pci_pkg::*;
   localparam int DEPTH = 1024;  // words: two bursts of the longest
   localparam int CHUNK = 32;    // words asked for at a time on the local bus
   localparam int DW = $clog2(DEPTH) + 1;
-  localparam logic [3:0] IDLE = 0, LOOKUP = 1, LOOKED = 2, READY = 3, MOVE = 4, DECODE = 5, NEXT_PAGE = 6, DRAIN = 7, FLUSH = 8, RECORD = 9, NEXT = 10;
+  localparam logic [3:0] IDLE = 0, LOOKUP = 1, LOOKED = 2, READY = 3, MOVE = 4, DECODE = 5, NEXT_PAGE = 6, DRAIN = 7,
+      FLUSH = 8, RECORD = 9, NEXT = 10;
 
   // ---- What the engine is doing ----
   logic [3:0] state_q;
@@ -87,11 +90,11 @@ module pci_dma (
   assign data_read = purpose_q == PCI_WHERE_DATA;
   assign flush = state_q == FLUSH && asked_q == 0;
   sync_fifo #(.W(64), .DEPTH(DEPTH)) inbound (
-      .clk_i, .rst_i, .write_i(rvalid_i && data_read), .wdata_i(rdata_i), .room_o(in_room), .count_o(in_count), .rdata_o(in_head),
-      .read_i(local_valid_o && local_ready_i && local_write_o));
+      .clk_i, .rst_i, .write_i(rvalid_i && data_read), .wdata_i(rdata_i), .room_o(in_room), .count_o(in_count),
+      .rdata_o(in_head), .read_i(local_valid_o && local_ready_i && local_write_o));
   sync_fifo #(.W(64), .DEPTH(DEPTH)) outbound (
-      .clk_i, .rst_i(rst_i | flush), .write_i(local_rvalid_i), .wdata_i(local_rdata_i), .room_o(out_room), .count_o(out_count),
-      .rdata_o(out_head), .read_i(wpop_i && data_read));
+      .clk_i, .rst_i(rst_i | flush), .write_i(local_rvalid_i), .wdata_i(local_rdata_i), .room_o(out_room),
+      .count_o(out_count), .rdata_o(out_head), .read_i(wpop_i && data_read));
 
   // ---- Local bus ----
   logic [28:0] unasked_q;   // words of the descriptor not yet asked for
@@ -118,11 +121,13 @@ module pci_dma (
     record_second[PCI_COMPLETION_LAP] = lap_q;
   end
   assign to_page_end = 13'd4096 - {1'b0, mapped_q[11:0]};
-  assign burst = left_q < 32'(burst_i) ? (left_q[12:0] < to_page_end ? left_q[12:0] : to_page_end) : (burst_i < to_page_end ? burst_i : to_page_end);
+  assign burst = left_q < 32'(burst_i) ? (left_q[12:0] < to_page_end ? left_q[12:0] : to_page_end) :
+      (burst_i < to_page_end ? burst_i : to_page_end);
   assign start_o = state_q == MOVE;
   assign write_o = (data_read && to_host_q) || purpose_q == PCI_WHERE_COMPLETION;
   assign addr_o = bus_q;
-  assign qwords_o = purpose_q == PCI_WHERE_DESCRIPTOR ? 10'd4 : purpose_q == PCI_WHERE_COMPLETION ? 10'd2 : burst_q[12:3];
+  assign qwords_o = purpose_q == PCI_WHERE_DESCRIPTOR ? 10'd4 : purpose_q == PCI_WHERE_COMPLETION ? 10'd2 :
+      burst_q[12:3];
   assign wdata_o = data_read ? out_head : word_q ? record_second : record_first;
   assign page_o = mapped_q[23:12];
   assign refused = mapped_q[31:24] != 0 || !page_valid_i || (write_o && !page_writable_i);
@@ -133,7 +138,8 @@ module pci_dma (
   assign busy_o = state_q != IDLE;
   assign active_o = busy_o || (run_i && head_q != ring_tail_i) || clear_i || local_valid_o;
   assign completion_o = state_q == NEXT && irq_q;
-  assign fault_o = (state_q == NEXT && code_q != PCI_CODE_OK) || (flush && in_count == 0 && purpose_q != PCI_WHERE_DATA);
+  assign fault_o = (state_q == NEXT && code_q != PCI_CODE_OK) ||
+      (flush && in_count == 0 && purpose_q != PCI_WHERE_DATA);
   assign code_o = code_q;
   assign where_o = state_q == NEXT ? PCI_WHERE_DATA : purpose_q;
   assign fault_addr_o = fault_q;

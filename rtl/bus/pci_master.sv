@@ -1,12 +1,13 @@
-// PCI bus master: moves `qwords_i` words of 64 bits between the card and consecutive bus addresses, in as many transactions as it
-// takes. All bus signals active high; outputs are registers.
+// PCI bus master: moves `qwords_i` words of 64 bits between the card and consecutive bus addresses, in as many
+// transactions as it takes. All bus signals active high; outputs are registers.
 //
-// Asks for 64-bit transfers and goes on with 32 bits when the target does not answer ACK64#. After a retry, a disconnect or the end of
-// its time slice (latency timer, GNT# gone) it comes back for what is left; a target abort, a master abort (no DEVSEL# within 4 clocks),
-// a data parity error, or more retries in a row than allowed end the command, with the bus address and the number of words that are
-// known to be good. A word read with bad parity does not leave this module.
-// Latency: 3 clocks from start_i to REQ#, 3 from the last data phase to done_o. Throughput: a data phase a clock. Stall: none, data and
-// room are there before start_i.
+// Asks for 64-bit transfers and goes on with 32 bits when the target does not answer ACK64#. After a retry, a
+// disconnect or the end of its time slice (latency timer, GNT# gone) it comes back for what is left; a target abort, a
+// master abort (no DEVSEL# within 4 clocks), a data parity error, or more retries in a row than allowed end the
+// command, with the bus address and the number of words that are known to be good. A word read with bad parity does not
+// leave this module.
+// Latency: 3 clocks from start_i to REQ#, 3 from the last data phase to done_o. Throughput: a data phase a clock.
+// Stall: none, data and room are there before start_i.
 module pci_master (
     input logic clk_i,
     input logic rst_i,
@@ -65,7 +66,7 @@ module pci_master (
     output logic master_abort_o,
     output logic target_abort_o
 );
-  import cde_pkg::*;
+  import pci_pkg::*;
   localparam logic [3:0] MEMORY_READ = 4'h6, MEMORY_WRITE = 4'h7, READ_MULTIPLE = 4'hC, READ_LINE = 4'hE;
   localparam logic [2:0] IDLE = 0, LOAD = 1, REQUEST = 2, ADDRESS = 3, DATA = 4, TURN = 5, SETTLE = 6;
   localparam logic [2:0] DEVSEL_CLOCKS = 4;  // fast to subtractive
@@ -104,7 +105,8 @@ module pci_master (
   assign wpop_o = write_i && (state_q == LOAD || (word_done && left != 0));
   assign own_o = frame_oe_o || irdy_oe_o;
   assign req64_o = req64_q && frame_o;
-  assign active_o = state_q != IDLE || start_i || frame_oe_o || irdy_oe_o || gnt_i != cbe_oe_o || perr_o || check_q != 0;
+  assign active_o = state_q != IDLE || start_i || frame_oe_o || irdy_oe_o || gnt_i != cbe_oe_o || perr_o ||
+      check_q != 0;
 
   always_ff @(posedge clk_i) begin
     case (state_q)
@@ -207,7 +209,8 @@ module pci_master (
   logic check_wide_q, check_full_q, read_error, write_error;
   logic [31:0] check_addr_q, check_addr2_q;
   logic [9:0] good_q;  // words that are known to be good, of those read
-  assign read_error = !write_i && check_q[0] && (parity_error_i || (check_wide_q && parity64_error_i)) && code_q == PCI_CODE_OK;
+  assign read_error = !write_i && check_q[0] && (parity_error_i ||
+      (check_wide_q && parity64_error_i)) && code_q == PCI_CODE_OK;
   assign write_error = write_i && check_q[1] && perr_i && code_q == PCI_CODE_OK;
   assign rvalid_o = !write_i && check_q[0] && check_full_q && !read_error && code_q == PCI_CODE_OK;
   always_ff @(posedge clk_i) begin
@@ -235,7 +238,8 @@ module pci_master (
     end
   end
   // Of a write the words before the one in error are good; PERR# came two data phases after it at most.
-  assign moved_o = !write_i ? good_q : code_o == PCI_CODE_PARITY ? 10'((fault_addr_o[31:3] - addr_i)) : qwords_i - left_q;
+  assign moved_o = !write_i ? good_q : code_o == PCI_CODE_PARITY ? 10'((fault_addr_o[31:3] - addr_i)) :
+      qwords_i - left_q;
 
   always_comb begin
     code = code_q;

@@ -1,6 +1,8 @@
-// Page table of the mapped address space: what a driver writes through BAR0 and every address of a descriptor goes through.
+// Page table of the mapped address space: what a driver writes through BAR0 and every address of a descriptor goes
+// through.
 // After reset all entries are cleared, one a clock, before anything is served.
-// Latency: 1 clock from an entry's number to its content. Throughput: one write and two reads a clock. Stall: clearing_o.
+// Latency: 1 clock from an entry's number to its content. Throughput: one write and two reads a clock. Stall:
+// clearing_o.
 module pci_page_table (
     input logic clk_i,
     input logic rst_i,
@@ -12,9 +14,9 @@ module pci_page_table (
     input logic [11:0] lookup_i,
     output logic valid_o,
     output logic writable_o,
-    output logic [31:cde_pkg::PCI_PAGE_BITS] frame_o
+    output logic [31:pci_pkg::PCI_PAGE_BITS] frame_o
 );
-  import cde_pkg::*;
+  import pci_pkg::*;
   localparam int W = 2 + 32 - PCI_PAGE_FRAME;
   logic [W-1:0] memory[PCI_PAGES];
   logic [W-1:0] entry_q, lookup_q;
@@ -26,7 +28,8 @@ module pci_page_table (
   assign {frame_o, writable_o, valid_o} = lookup_q;
   always_ff @(posedge clk_i) begin
     if (write_i || clearing_o)
-      memory[entry] <= clearing_o ? '0 : {wdata_i[31:PCI_PAGE_FRAME], wdata_i[PCI_PAGE_WRITABLE], wdata_i[PCI_PAGE_VALID]};
+      memory[entry] <= clearing_o ? '0 : {wdata_i[31:PCI_PAGE_FRAME], wdata_i[PCI_PAGE_WRITABLE],
+          wdata_i[PCI_PAGE_VALID]};
     entry_q <= memory[entry_i];
     lookup_q <= memory[lookup_i];
     if (clearing_o) cleared_q <= cleared_q + 1;

@@ -1,5 +1,7 @@
-// Registers of the bridge behind BAR0 (cde_pkg::PCI_REG_*): settings and state of the descriptor ring, interrupt causes, counters.
-// Ring settings are refused while the ring runs; that, and going with settings out of range, halts it with an interrupt.
+// Registers of the bridge behind BAR0 (pci_pkg::PCI_REG_*): settings and state of the descriptor ring, interrupt
+// causes, counters.
+// Ring settings are refused while the ring runs; that, and going with settings out of range, halts it with an
+// interrupt.
 // Latency: writes 1 clock, reads none. Throughput: one access a clock. Stall: none.
 module pci_registers (
     input logic clk_i,
@@ -31,7 +33,7 @@ module pci_registers (
     input logic [6:0] count_i,  // events: abort, parity error, disconnect, retry, wait, beat, burst
     input logic bus_busy_i
 );
-  import cde_pkg::*;
+  import pci_pkg::*;
   localparam logic [15:0] RING_MAX = 16'd32768;
   logic run_q, halted_q, stop_q, clear, settings_ok, wanted, refused, ring_register, fault;
   logic [1:0] irq_q;  // completion and halted
@@ -46,10 +48,12 @@ module pci_registers (
   function automatic access(input logic [15:0] at);  // is to this register
     access = {4'b0001, offset_i} == at;
   endfunction
-  assign ring_register = access(PCI_REG_RING_BASE) || access(PCI_REG_RING_SIZE) || access(PCI_REG_COMPLETION_BASE) || access(PCI_REG_BURST);
+  assign ring_register = access(PCI_REG_RING_BASE) || access(PCI_REG_RING_SIZE) || access(PCI_REG_COMPLETION_BASE) ||
+      access(PCI_REG_BURST);
   assign clear = write_i && access(PCI_REG_CONTROL) && wdata_i[PCI_CONTROL_CLEAR] && !busy_i;
   assign wanted = write_i && access(PCI_REG_CONTROL) && wdata_i[PCI_CONTROL_RUN] && !(halted_q && !clear);
-  assign settings_ok = ring_base_q[4:0] == 0 && completion_base_q[3:0] == 0 && size_q >= 2 && size_q <= RING_MAX && tail_q < size_q;
+  assign settings_ok = ring_base_q[4:0] == 0 && completion_base_q[3:0] == 0 && size_q >= 2 && size_q <= RING_MAX &&
+      tail_q < size_q;
   assign refused = (wanted && !settings_ok && !clear) || (write_i && ring_register && run_q) ||
       (write_i && access(PCI_REG_RING_TAIL) && run_q && wdata_i >= 64'(size_q)) || (stop_q && run_q && !busy_i);
   assign fault = fault_i || refused;
@@ -89,7 +93,8 @@ module pci_registers (
       PCI_REG_BURST: rdata_o = 64'(burst_q);
       PCI_REG_RETRY_LIMIT: rdata_o = 64'(retry_limit_q);
       PCI_REG_FAULT_ADDR: rdata_o = 64'(fault_addr_q);
-      default: rdata_o = (offset_i >= PCI_REG_BURSTS[11:0] && offset_i <= PCI_REG_BUSY[11:0]) ? 64'(count_q[offset_i[5:3]]) : '0;
+      default: rdata_o = (offset_i >= PCI_REG_BURSTS[11:0] &&
+          offset_i <= PCI_REG_BUSY[11:0]) ? 64'(count_q[offset_i[5:3]]) : '0;
     endcase
   end
 
@@ -109,7 +114,8 @@ module pci_registers (
         PCI_REG_RING_BASE: if (!run_q) ring_base_q <= address(wdata_i);
         PCI_REG_RING_SIZE: if (!run_q) size_q <= number(wdata_i);
         PCI_REG_COMPLETION_BASE: if (!run_q) completion_base_q <= address(wdata_i);
-        PCI_REG_BURST: if (!run_q) burst_q <= (wdata_i < 64) ? 13'd64 : (wdata_i > 4096) ? 13'd4096 : {wdata_i[12:3], 3'b0};
+        PCI_REG_BURST: if (!run_q) burst_q <= (wdata_i < 64) ? 13'd64 : (wdata_i > 4096) ? 13'd4096 : {wdata_i[12:3],
+            3'b0};
         default: ;
       endcase
     end

@@ -1,13 +1,18 @@
-// PCI target: configuration space and BAR0 (memory, 32- and 64-bit data phases). All bus signals active high; outputs are registers.
+// PCI target: configuration space and BAR0 (memory, 32- and 64-bit data phases). All bus signals active high; outputs
+// are registers.
 //
-// Writes are posted into a FIFO. Reads are delayed transactions: the first attempt is latched and retried until the FIFO in front of it
-// is served and the data is there; data nobody fetches is dropped after 2^15 clocks. Both leave through one port in order. A unit of
-// access is a register of 64 bits: a 64-bit phase, two 32-bit phases of one burst, or a lone low half, which writes 0 above it.
+// Writes are posted into a FIFO. Reads are delayed transactions: the first attempt is latched and retried until the
+// FIFO in front of it is served and the data is there; data nobody fetches is dropped after 2^15 clocks. Both leave
+// through one port in order. A unit of access is a register of 64 bits: a 64-bit phase, two 32-bit phases of one burst,
+// or a lone low half, which writes 0 above it.
 //   retry                   no room, or read data not there yet
-//   disconnect with data    last room, end of BAR0, a read beyond one register, a burst that is not linear, configuration space
+//   disconnect with data    last room, end of BAR0, a read beyond one register, a burst that is not linear,
+// configuration space
 //   disconnect without data no room in the middle of a burst
-//   target abort            byte enables that are part of a half, an upper half without its lower one, an offset that holds nothing
-// Latency: DEVSEL# medium; TRDY# a clock after it. Throughput: a data phase every 2 clocks, as byte enables are looked at first.
+//   target abort            byte enables that are part of a half, an upper half without its lower one, an offset that
+// holds nothing
+// Latency: DEVSEL# medium; TRDY# a clock after it. Throughput: a data phase every 2 clocks, as byte enables are looked
+// at first.
 module pci_target (
     input logic clk_i,
     input logic rst_i,
@@ -36,7 +41,7 @@ module pci_target (
     output logic target_abort_o,
 
     input logic memory_i,  // the command register's bits
-    input logic [31:cde_pkg::PCI_BAR_BITS] bar_i,
+    input logic [31:pci_pkg::PCI_BAR_BITS] bar_i,
     output logic config_write_o,
     output logic [5:0] config_index_o,
     output logic [3:0] config_enable_o,
@@ -51,9 +56,10 @@ module pci_target (
     input logic rvalid_i,  // answer to the read
     input logic [63:0] rdata_i
 );
-  import cde_pkg::*;
+  import pci_pkg::*;
   localparam logic [3:0] CONFIG_READ = 4'hA, CONFIG_WRITE = 4'hB;
-  localparam logic [3:0] MEMORY_READ = 4'h6, MEMORY_WRITE = 4'h7, READ_MULTIPLE = 4'hC, READ_LINE = 4'hE, WRITE_INVALIDATE = 4'hF;
+  localparam logic [3:0] MEMORY_READ = 4'h6, MEMORY_WRITE = 4'h7, READ_MULTIPLE = 4'hC, READ_LINE = 4'hE,
+      WRITE_INVALIDATE = 4'hF;
   localparam logic [2:0] IDLE = 0, DECODE = 1, DECIDE = 2, TRANSFER = 3, BACKOFF = 4;
   localparam int FIFO_DEPTH = 16;
 
@@ -64,7 +70,8 @@ module pci_target (
   logic [3:0] command_q;
   logic start, config_hit, memory_hit, memory_write;
   assign start = frame_i && !frame_q && !own_i;
-  assign config_hit = idsel_q && (command_q == CONFIG_READ || command_q == CONFIG_WRITE) && addr_q[1:0] == 0 && addr_q[10:8] == 0;
+  assign config_hit = idsel_q && (command_q == CONFIG_READ ||
+      command_q == CONFIG_WRITE) && addr_q[1:0] == 0 && addr_q[10:8] == 0;
   assign memory_write = command_q == MEMORY_WRITE || command_q == WRITE_INVALIDATE;
   assign memory_hit = memory_i && addr_q[31:PCI_BAR_BITS] == bar_i &&
       (memory_write || command_q == MEMORY_READ || command_q == READ_LINE || command_q == READ_MULTIPLE);
@@ -91,7 +98,8 @@ module pci_target (
   logic [63:0] read_data_q;
   logic [15:0] read_age_q;
   logic read_latch, read_take, read_second_q;  // second half of a register that is being read by halves
-  assign same_read = read_pending_q && read_addr_q == addr_q[15:2] && read_command_q == command_q && read_wide_q == wide_q;
+  assign same_read = read_pending_q && read_addr_q == addr_q[15:2] && read_command_q == command_q &&
+      read_wide_q == wide_q;
   assign there = (same_read && read_done_q) || read_second_q;
 
   logic transfer, finish, in_valid_q, in_end_q, low_end_q, low_valid_q;  // in_*, low_*: below
@@ -100,7 +108,8 @@ module pci_target (
   assign read_latch = state_q == DECIDE && !config_q && !write_q && !abort && !read_pending_q && !read_second_q && room;
   assign read_take = transfer && !config_q && !write_q;
   assign target_abort_o = state_q == DECIDE && abort;
-  assign active_o = state_q != IDLE || oe_o || frame_i || frame_q || in_valid_q || in_end_q || low_end_q || low_valid_q || perr_o || read_pending_q || fifo_count != 0;
+  assign active_o = state_q != IDLE || oe_o || frame_i || frame_q || in_valid_q || in_end_q || low_end_q ||
+      low_valid_q || perr_o || read_pending_q || fifo_count != 0;
 
   always_ff @(posedge clk_i) begin
     frame_q <= frame_i;
@@ -134,8 +143,10 @@ module pci_target (
           end else if (config_q || (write_q ? room : there)) begin
             state_q <= TRANSFER;
             trdy_o <= 1;
-            stop_o <= config_q || !linear_q || last_of_bar || (write_q ? fifo_room == 2 && (wide_q || addr_q[2]) : wide_q || addr_q[2]);
-            ad_o <= config_q ? {32'b0, config_rdata_i} : (!wide_q && addr_q[2]) ? {32'b0, read_data_q[63:32]} : read_data_q;
+            stop_o <= config_q || !linear_q || last_of_bar || (write_q ? fifo_room == 2 && (wide_q ||
+                addr_q[2]) : wide_q || addr_q[2]);
+            ad_o <= config_q ? {32'b0, config_rdata_i} : (!wide_q && addr_q[2]) ? {32'b0,
+                read_data_q[63:32]} : read_data_q;
           end else stop_o <= 1;  // retry, or a disconnect if data has moved
         end
         TRANSFER:
@@ -221,8 +232,9 @@ module pci_target (
   logic [15:3] push_addr;
   assign push_addr = read_latch ? addr_q[15:3] : low_alone ? low_addr_q : in_addr_q[15:3];
   sync_fifo #(.W(1 + 13 + 64), .DEPTH(FIFO_DEPTH)) posted (
-      .clk_i, .rst_i, .write_i(push_write | read_latch), .wdata_i({!read_latch, push_addr, push_data}), .room_o(fifo_room),
-      .count_o(fifo_count), .rdata_o({request_write_o, request_offset_o[15:3], request_wdata_o}), .read_i(request_pop_i));
+      .clk_i, .rst_i, .write_i(push_write | read_latch), .wdata_i({!read_latch, push_addr, push_data}),
+      .room_o(fifo_room), .count_o(fifo_count), .rdata_o({request_write_o, request_offset_o[15:3], request_wdata_o}),
+      .read_i(request_pop_i));
   assign request_offset_o[2:0] = '0;
   assign request_valid_o = fifo_count != 0;
 

@@ -1,36 +1,34 @@
-// Collision detection engine: LANES lanes in groups behind one mouth. Takes a row of LANES primaries against one secondary a clock,
-// and keeps or streams the row's results in order.
-// With ARITH = "host" the datapath is combinational and gets its operands when its results are due, else when they are issued: the
-// same clocks and bits outside.
-// One pipe is used in a pass, with PARALLEL at most two, which meet the same secondaries with primaries of their own; the others'
-// clocks stand still.
-// Latency: that of the pipe. Throughput: one row a clock, a pair with facets one in FACET_II clocks, or what a ring takes. Stall: ready_o; room
-// for results is held by credits outside.
+// Collision detection engine: LANES lanes in groups behind one mouth. Takes a row of LANES primaries against one
+// secondary a clock, and keeps or streams the row's results in order.
+// With ARITH = "host" the datapath is combinational and gets its operands when its results are due, else when they are
+// issued: the same clocks and bits outside.
+// One pipe is used in a pass, with PARALLEL at most two, which meet the same secondaries with primaries of their own;
+// the others' clocks stand still.
+// Latency: that of the pipe. Throughput: one row a clock, a pair with facets one in FACET_II clocks, or what a ring
+// takes. Stall: ready_o; room for results is held by credits outside.
 module cde #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 16,
-    parameter int PRIMARIES = 256,
-    parameter int FIFO_DEPTH = 128,
-    parameter int PAIRS = 1,      // bit p: the pipe of pair p is there
-    parameter int ALGORITHM = 0,  // of ray-triangle
-    parameter int BOX = 0,        // of ray-triangle, 1: a hit must lie in the triangle's box
-    parameter int SWAP = 0,
-    parameter int NORMALS = 0,
-    parameter int PARALLEL = 0,
-    parameter int FACET_II = 1,  // of pairs with facets: clocks from one row to the next, 1 or 3
-    parameter int TRANSFORM = 0,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int PRIM_WORDS = cde_pkg::slot_words(PAIRS, 1, SWAP != 0),
-    localparam int SEC_WORDS = cde_pkg::slot_words(PAIRS, 0, SWAP != 0),
+    parameter config_pkg::config_t CONFIG,
+    localparam int EXP = CONFIG.exp,
+    localparam int MAN = CONFIG.man,
+    localparam int LANES = CONFIG.lanes,
+    localparam int PRIMARIES = CONFIG.primaries,
+    localparam int PAIRS = CONFIG.pairs,
+    localparam int SWAP = CONFIG.swap,
+    localparam int NORMALS = CONFIG.normals,
+    localparam int PARALLEL = CONFIG.parallel,
+    localparam int FACET_II = CONFIG.facet_ii,
+    localparam int LAT_ADD = CONFIG.lat_add,
+    localparam int LAT_MUL = CONFIG.lat_mul,
+    localparam int LAT_DIV = CONFIG.lat_div,
+    localparam int LAT_SQRT = CONFIG.lat_sqrt,
+    localparam int LAT_CMP = CONFIG.lat_cmp,
+    localparam ARITH = config_pkg::arith(CONFIG.host),
+    localparam int FIFO_DEPTH = config_pkg::FIFO_DEPTH,
+    localparam int CW = formats_pkg::container(EXP, MAN),
+    localparam int PRIM_WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0),
+    localparam int SEC_WORDS = pairs_pkg::slot_words(PAIRS, 0, SWAP != 0),
     localparam int POINTS = (NORMALS != 0) ? 6 : 3,
-    localparam int N_PAIRS = cde_pkg::PAIRS,
+    localparam int N_PAIRS = pairs_pkg::PAIRS,
     localparam int ROWS = PRIMARIES / LANES,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
     localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1,
@@ -104,24 +102,23 @@ module cde #(
   logic [ROW_W-1:0] prim_row;
   logic [LANE_W-1:0] prim_lane;
   logic [PRIM_WORDS-1:0][CW-1:0] prim_slot;
-  primary_regfile #(
-      .EXP(EXP), .MAN(MAN), .LANES(LANES), .PRIMARIES(PRIMARIES), .PAIRS(PAIRS), .SWAP(SWAP), .PARALLEL(PARALLEL), .TRANSFORM(TRANSFORM),
-      .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-  ) primaries (
-      .clk_i(clk_bus_i), .clk_core_i, .rst_i, .pair_i, .swap_i, .split_i, .busy_o(prim_busy_o), .write_i(prim_write_i), .write_addr_i(prim_addr_i), .write_data_i(prim_data_i), .bad_o(prim_bad_o),
-      .clk_moving_i, .read_i(prim_read_i), .written_o(prim_written_o), .pose_i, .pose_number_i, .pose_slot_i,
-      .commit_o(prim_commit), .row_o(prim_row), .lane_o(prim_lane), .slot_o(prim_slot));
+  primary_regfile #(.CONFIG(CONFIG)) primaries (
+      .clk_i(clk_bus_i), .clk_core_i, .rst_i, .pair_i, .swap_i, .split_i, .busy_o(prim_busy_o), .write_i(prim_write_i),
+      .write_addr_i(prim_addr_i), .write_data_i(prim_data_i), .bad_o(prim_bad_o), .clk_moving_i, .read_i(prim_read_i),
+      .written_o(prim_written_o), .pose_i, .pose_number_i, .pose_slot_i, .commit_o(prim_commit), .row_o(prim_row),
+      .lane_o(prim_lane), .slot_o(prim_slot));
 
   clock_gate gate_prim (.clk_i(clk_core_i), .enable_i(prim_commit), .clk_o(clk_prim));
 
   // ---- What is in flight ----
   localparam bit MANY = (PAIRS & (PAIRS - 1)) != 0;
   localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_SQRT + LAT_CMP + 4) / 5;
-  localparam int DEEPEST = cde_pkg::any_long(PAIRS) ? 256 : 64;
+  localparam int DEEPEST = (PAIRS & ~pairs_pkg::SHORT_PAIRS) != 0 ? 256 : 64;
   localparam int HISTORY = DEEPEST << $clog2(SLOWEST);
   localparam int PORTS = 1 + PARALLEL;  // pairs in a pass
-  localparam bit RINGS = cde_pkg::any_ring(PAIRS);
-  localparam bit TURNS = FACET_II != 1 && cde_pkg::any_facets(PAIRS);  // rows of some pairs need more than a clock
+  localparam bit RINGS = (PAIRS & pairs_pkg::RING_PAIRS) != 0;
+  // rows of some pairs need more than a clock
+  localparam bit TURNS = FACET_II != 1 && (PAIRS & pairs_pkg::FACET_PAIRS) != 0;
   localparam bit ISSUE = RINGS || (TURNS && ARITH == "rtl");  // some pipe wants to know when
   logic [PORTS-1:0][3:0] pair;
   for (genvar k = 0; k < PORTS; k++) begin : pair_of
@@ -137,17 +134,19 @@ module cde #(
     assign latency[k] = pipe_latency[k] + 16'(MANY);  // the register in front of each of several pipes
     logic of_ring, late_valid, rested;
     row_interval #(.INTERVAL(TURNS ? FACET_II : 1)) interval (
-        .clk_i, .rst_i, .take_i(valid_i[k] && cde_pkg::has_facets(int'(pair[k]))), .ready_o(rested));
+        .clk_i, .rst_i, .take_i(valid_i[k] && pairs_pkg::has(pairs_pkg::FACET_PAIRS, int'(pair[k]))), .ready_o(rested));
     logic [ROW_W+33:0] tag, late_tag;
     assign tag = {row_i[k], parity_i, index_i, secondary_bad_i};
     issue_history #(.W(ROW_W + 34), .DEPTH(HISTORY)) history (
-        .clk_i, .rst_i, .latency_i(of_ring ? 16'd1 : latency[k]), .valid_i(valid_i[k] && !of_ring), .d_i(tag), .valid_o(late_valid), .q_o(late_tag));
+        .clk_i, .rst_i, .latency_i(of_ring ? 16'd1 : latency[k]), .valid_i(valid_i[k] && !of_ring), .d_i(tag),
+        .valid_o(late_valid), .q_o(late_tag));
     if (RINGS) begin : g_ring  // keeps the order, not the time
       logic [ROW_W+33:0] next_tag;
-      assign of_ring = cde_pkg::has_ring(int'(pair[k]));
+      assign of_ring = pairs_pkg::has(pairs_pkg::RING_PAIRS, int'(pair[k]));
       assign ready_o[k] = rested && (!of_ring || group[0].ring_ready[pair[k]]);
       issue_order #(.W(ROW_W + 34), .DEPTH(1024)) order (
-          .clk_i, .rst_i, .push_i(valid_i[k] && of_ring), .d_i(tag), .pop_i(of_ring && group[0].ring_valid[pair[k]]), .q_o(next_tag));
+          .clk_i, .rst_i, .push_i(valid_i[k] && of_ring), .d_i(tag), .pop_i(of_ring && group[0].ring_valid[pair[k]]),
+          .q_o(next_tag));
       assign valid_o[k] = of_ring ? group[0].ring_valid[pair[k]] : late_valid;
       assign {row_out[k], parity[k], index[k], secondary_bad[k]} = of_ring ? next_tag : late_tag;
     end else begin : g_no_ring
@@ -159,8 +158,8 @@ module cde #(
     if (ARITH != "rtl") begin : g_late
       logic unused_valid;
       issue_history #(.W(ROW_W + SEC_WORDS * CW), .DEPTH(HISTORY)) history_operands (
-          .clk_i, .rst_i, .latency_i(of_ring ? 16'd1 : pipe_latency[k]), .valid_i(valid_i[k] && !of_ring), .d_i({row_i[k], secondary_i}), .valid_o(unused_valid),
-          .q_o({row_in[k], secondary[k]}));
+          .clk_i, .rst_i, .latency_i(of_ring ? 16'd1 : pipe_latency[k]), .valid_i(valid_i[k] && !of_ring),
+          .d_i({row_i[k], secondary_i}), .valid_o(unused_valid), .q_o({row_in[k], secondary[k]}));
     end else begin : g_early
       assign row_in[k] = row_i[k];
       assign secondary[k] = secondary_i;
@@ -177,16 +176,18 @@ module cde #(
   end
   for (genvar p = 0; p < N_PAIRS; p++) begin : pipe
     if (MANY && ((PAIRS >> p) & 1) != 0) begin : g_gate
-      clock_gate gate (.clk_i, .enable_i(pair_i[0] == 4'(p) || (PARALLEL != 0 && pair_i[1] == 4'(p)) || (cde_pkg::has_ring(p) && rst_i)), .clk_o(clk_pipe[p]));
+      clock_gate gate (.clk_i,
+          .enable_i(pair_i[0] == 4'(p) || (PARALLEL != 0 && pair_i[1] == 4'(p)) ||
+          (pairs_pkg::has(pairs_pkg::RING_PAIRS, p) && rst_i)), .clk_o(clk_pipe[p]));
     end else begin : g_none
       assign clk_pipe[p] = 1'b0;
     end
   end
   for (genvar k = 0; k < 2; k++) begin : of
     if (!MANY) begin : g_one
-      assign gap_o[k] = cde_pkg::primary_shape($clog2(PAIRS)) != cde_pkg::SHAPE_RAY;
+      assign gap_o[k] = pairs_pkg::primary_shape($clog2(PAIRS)) != pairs_pkg::SHAPE_RAY;
     end else begin : g_some
-      assign gap_o[k] = cde_pkg::primary_shape(int'(pair_i[k])) != cde_pkg::SHAPE_RAY;
+      assign gap_o[k] = pairs_pkg::primary_shape(int'(pair_i[k])) != pairs_pkg::SHAPE_RAY;
     end
   end
 
@@ -199,7 +200,7 @@ module cde #(
   logic [PORTS-1:0] result;
   if (PARALLEL != 0) begin : g_results
     logic second;
-    assign second = pair_i[1] != cde_pkg::NO_PAIR && result_primary_i >= split_i;
+    assign second = pair_i[1] != pairs_pkg::NO_PAIR && result_primary_i >= split_i;
     assign result = {result_i && second, result_i && !second};
   end else begin : g_result
     assign result[0] = result_i;
@@ -216,26 +217,27 @@ module cde #(
     assign unused_ring = &{1'b0, ring_ready, ring_valid};
     assign asked = 32'(lane) / 32'(GROUP) == 32'(g);
 `ifndef SYNTHESIS
-    always_ff @(posedge clk_i) assert (latency_pipes == group[0].latency_pipes) else $error("cde: groups of different latency");
+    always_ff @(posedge clk_i)
+      assert (latency_pipes == group[0].latency_pipes) else $error("cde: groups of different latency");
 `endif
-    lane_group #(
-        .EXP(EXP), .MAN(MAN), .LANES(GROUP), .ROWS(ROWS), .FIFO_DEPTH(FIFO_DEPTH), .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .BOX(BOX),
-        .SWAP(SWAP), .NORMALS(NORMALS), .PARALLEL(PARALLEL), .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
-        .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-    ) lanes (
-        .clk_i, .clk_prim_i(clk_prim), .prim_write_i(prim_commit && 32'(prim_lane) / 32'(GROUP) == 32'(g)), .prim_row_i(prim_row),
-        .prim_lane_i(GLANE_W'(prim_lane)), .prim_slot_i(prim_slot), .clear_i, .clear_row_i, .clear_mask_i(clear_mask_i[g*GROUP+:GROUP]),
-        .clear_bad_i(prim_bad_o[32'(clear_row_i)*LANES+g*GROUP+:GROUP]), .pair_i(pair_i[PORTS-1:0]), .gap_i(gap_o[PORTS-1:0]), .swap_i(swap_i[PORTS-1:0]), .clk_pipe_i(clk_pipe), .row_i(row_in), .secondary_i(secondary),
-        .rst_i(RINGS && rst_i), .budget_i(RINGS ? budget_i : '0), .issue_i(ISSUE ? valid_i[PORTS-1:0] : '0), .ring_row_i(RINGS ? row_i[PORTS-1:0] : '0),
+    lane_group #(.CONFIG(CONFIG), .LANES(GROUP), .ROWS(ROWS)) lanes (
+        .clk_i, .clk_prim_i(clk_prim), .prim_write_i(prim_commit && 32'(prim_lane) / 32'(GROUP) == 32'(g)),
+        .prim_row_i(prim_row), .prim_lane_i(GLANE_W'(prim_lane)), .prim_slot_i(prim_slot), .clear_i, .clear_row_i,
+        .clear_mask_i(clear_mask_i[g*GROUP+:GROUP]), .clear_bad_i(prim_bad_o[32'(clear_row_i)*LANES+g*GROUP+:GROUP]),
+        .pair_i(pair_i[PORTS-1:0]), .gap_i(gap_o[PORTS-1:0]), .swap_i(swap_i[PORTS-1:0]), .clk_pipe_i(clk_pipe),
+        .row_i(row_in), .secondary_i(secondary), .rst_i(RINGS && rst_i), .budget_i(RINGS ? budget_i : '0),
+        .issue_i(ISSUE ? valid_i[PORTS-1:0] : '0), .ring_row_i(RINGS ? row_i[PORTS-1:0] : '0),
         .ring_secondary_i(RINGS ? secondary_i : '0), .ring_ready_o(ring_ready), .ring_valid_o(ring_valid),
-        .latency_o(latency_pipes),
-        .valid_i(valid_o[PORTS-1:0]), .row_out_i(row_out), .parity_i(parity), .index_i(index), .secondary_bad_i(secondary_bad), .mode_i, .streaming_i,
-        .new_hits_o(new_hits[g]), .f_o(f_o[g*GROUP+:GROUP]), .bad_o(bad_o[g*GROUP+:GROUP]), .unmasked_o(unmasked_o[g*GROUP+:GROUP]),
-        .push_i, .write_i, .read_i(read_i && asked), .head_i, .result_i(result & {PORTS{asked}}), .result_row_i(result_row), .result_parity_i,
-        .lane_i(GLANE_W'(lane)), .result_index_o(result_index[g]), .result_t_o(result_t[g]), .result_point_o(result_point[g]));
+        .latency_o(latency_pipes), .valid_i(valid_o[PORTS-1:0]), .row_out_i(row_out), .parity_i(parity),
+        .index_i(index), .secondary_bad_i(secondary_bad), .mode_i, .streaming_i, .new_hits_o(new_hits[g]),
+        .f_o(f_o[g*GROUP+:GROUP]), .bad_o(bad_o[g*GROUP+:GROUP]), .unmasked_o(unmasked_o[g*GROUP+:GROUP]),
+        .push_i, .write_i, .read_i(read_i && asked), .head_i, .result_i(result & {PORTS{asked}}),
+        .result_row_i(result_row), .result_parity_i, .lane_i(GLANE_W'(lane)), .result_index_o(result_index[g]),
+        .result_t_o(result_t[g]), .result_point_o(result_point[g]));
   end
   for (genvar k = 0; k < PORTS; k++) begin : latency_of
-    assign pipe_latency[k] = (k > 0 && pair_i[k] == cde_pkg::NO_PAIR) ? 16'd1 : group[0].latency_pipes[MANY ? int'(pair_i[k]) : $clog2(PAIRS)];
+    assign pipe_latency[k] = (k > 0 &&
+        pair_i[k] == pairs_pkg::NO_PAIR) ? 16'd1 : group[0].latency_pipes[MANY ? int'(pair_i[k]) : $clog2(PAIRS)];
   end
   always_comb begin
     new_hits_o = '0;

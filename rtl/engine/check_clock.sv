@@ -1,5 +1,5 @@
-// Clock and time of a check that runs for a while after a commit and is idle otherwise: T_CHECK clocks after the commit of an entry its
-// verdict is there.
+// Clock and time of a check that runs for a while after a commit and is idle otherwise: T_CHECK clocks after the commit
+// of an entry its verdict is there.
 // Latency: T_CHECK clocks from the commit to judged_o. Throughput: one entry a clock. Stall: none.
 module check_clock #(
     parameter int NUMBER_W = 1,
@@ -18,5 +18,6 @@ module check_clock #(
   assign busy_o = commit_i || running_q != 0;
   clock_gate gate (.clk_i, .enable_i(busy_o || rst_i), .clk_o);
   always_ff @(posedge clk_o) running_q <= rst_i ? '0 : commit_i ? 8'(T_CHECK) : running_q - 8'(running_q != 0);
-  align #(.W(NUMBER_W + 1), .FROM(0), .TO(T_CHECK)) align_number (.clk_i(clk_o), .d_i({commit_i, number_i}), .q_o({judged_o, number_o}));
+  align #(.W(NUMBER_W + 1), .FROM(0), .TO(T_CHECK)) align_number (.clk_i(clk_o), .d_i({commit_i, number_i}),
+      .q_o({judged_o, number_o}));
 endmodule

@@ -1,11 +1,13 @@
-// Sequencer of a pass: pose primaries that moved, clear the update buffers, sweep every secondary over the rows of primaries, let the pipe drain, write the
-// results back, report done. A row enters the pipe when a secondary is there and, in the streaming modes, a credit of the
-// output FIFO is left and its pipe is ready. With a second pair a row of its primaries enters its pipe in the same clock.
+// Sequencer of a pass: pose primaries that moved, clear the update buffers, sweep every secondary over the rows of
+// primaries, let the pipe drain, write the results back, report done. A row enters the pipe when a secondary is there
+// and, in the streaming modes, a credit of the output FIFO is left and its pipe is ready. With a second pair a row of
+// its primaries enters its pipe in the same clock.
 // Throughput: one row a clock without bubbles while secondaries and credits last and pipes are ready.
 module engine_control #(
-    parameter int LANES = 16,
-    parameter int PRIMARIES = 256,
-    parameter int FIFO_DEPTH = 128,
+    parameter config_pkg::config_t CONFIG,
+    localparam int LANES = CONFIG.lanes,
+    localparam int PRIMARIES = CONFIG.primaries,
+    localparam int FIFO_DEPTH = config_pkg::FIFO_DEPTH,
     localparam int ROWS = PRIMARIES / LANES,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
     localparam int PRIM_W = $clog2(PRIMARIES)
@@ -14,15 +16,11 @@ module engine_control #(
     input logic rst_i,
     input logic go_i,
     input logic abort_i,
-    input logic [2:0] mode_i,
-    input logic [1:0][3:0] pair_i,  // the first pair, the second or NO_PAIR
-    input logic [1:0] swap_i,
-    input logic [PRIM_W-1:0] split_i,  // where the primaries of the second begin
+    input card_pkg::pass_t command_i,
     output logic [2:0] mode_o,  // of the pass, from go on
     output logic [1:0][3:0] pair_o,
     output logic [1:0] swap_o,
     input logic primaries_busy_i,  // primaries are being checked
-    input logic [PRIM_W:0] prim_count_i,
     input logic [PRIMARIES-1:0] active_i,  // present and not masked
     output logic busy_o,
     output logic done_o,  // one clock
@@ -74,13 +72,13 @@ module engine_control #(
   logic enter, last_row, has_credit, all_hit;
   logic [1:0] wanted;  // the pairs that have a row here
 
-  assign rows = (ROW_W + 1)'((32'(prim_count_i) + 32'(LANES - 1)) / 32'(LANES));
-  assign first_rows = (pair_o[1] == cde_pkg::NO_PAIR) ? rows : (ROW_W + 1)'(32'(split_i) / 32'(LANES));
+  assign rows = (ROW_W + 1)'((32'(command_i.primaries) + 32'(LANES - 1)) / 32'(LANES));
+  assign first_rows = (pair_o[1] == pairs_pkg::NO_PAIR) ? rows : (ROW_W + 1)'(32'(command_i.split) / 32'(LANES));
   assign second_rows = rows - first_rows;
   assign longer = (first_rows > second_rows) ? first_rows : second_rows;
   assign busy_o = state_q != IDLE;
   assign flush_o = abort_i || state_q == FLUSH;
-  assign streaming_mode_o = mode_o == cde_pkg::MODE_ALL || mode_o == cde_pkg::MODE_HITS;
+  assign streaming_mode_o = mode_o == registers_pkg::MODE_ALL || mode_o == registers_pkg::MODE_HITS;
 
   assign pose_o = state_q == POSE;
   assign clear_o = state_q == CLEAR && !primaries_busy_i;
@@ -89,7 +87,7 @@ module engine_control #(
 
   assign last_row = (ROW_W + 1)'(row_q) + 1'b1 == longer;
   assign has_credit = !streaming_mode_o || credits_q != 0;
-  assign all_hit = mode_o == cde_pkg::MODE_ANY && missing_q == 0;
+  assign all_hit = mode_o == registers_pkg::MODE_ANY && missing_q == 0;
   assign wanted = {(ROW_W + 1)'(row_q) < second_rows, (ROW_W + 1)'(row_q) < first_rows};
   assign enter = state_q == SWEEP && secondary_valid_i && has_credit && (wanted & ~ready_i) == 0 && !stop_q;
   assign issue_o = wanted & {2{enter}};
@@ -114,9 +112,9 @@ module engine_control #(
       IDLE: begin
         row_q <= 0;
         if (go_i) begin
-          mode_o <= mode_i;
-          pair_o <= pair_i;
-          swap_o <= swap_i;
+          mode_o <= command_i.mode;
+          pair_o <= command_i.pair;
+          swap_o <= command_i.swap;
           state_q <= pose_wanted_i ? POSE : CLEAR;
           credits_q <= ($clog2(FIFO_DEPTH) + 1)'(FIFO_DEPTH);
           missing_q <= (PRIM_W + 1)'($countones(active_i));
@@ -163,7 +161,8 @@ module engine_control #(
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i)
     if (!rst_i) begin
-      assert (16'($countones(retire_i)) <= in_flight_q) else $error("engine_control: a row left the pipe that never entered");
+      assert (16'($countones(retire_i)) <= in_flight_q)
+      else $error("engine_control: a row left the pipe that never entered");
       assert (!(go_i && busy_o)) else $error("engine_control: go while busy");
     end
 `endif

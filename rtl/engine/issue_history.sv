@@ -1,5 +1,5 @@
-// What entered a datapath the last DEPTH clocks, so that the tag of a result is found again when it leaves: the one delay line beside
-// the pipes, whatever their latencies.
+// What entered a datapath the last DEPTH clocks, so that the tag of a result is found again when it leaves: the one
+// delay line beside the pipes, whatever their latencies.
 // Latency: latency_i clocks (1..DEPTH-1). Throughput: one entry a clock. Stall: none.
 module issue_history #(
     parameter int W = 1,
@@ -32,6 +32,7 @@ module issue_history #(
   end
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i)
-    if (!rst_i && valid_i) assert (latency_i != 0 && latency_i < 16'(DEPTH)) else $error("issue_history: latency must be 1..%0d", DEPTH - 1);
+    if (!rst_i && valid_i) assert (latency_i != 0 &&
+        latency_i < 16'(DEPTH)) else $error("issue_history: latency must be 1..%0d", DEPTH - 1);
 `endif
 endmodule

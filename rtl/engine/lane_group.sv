@@ -1,30 +1,32 @@
-// LANES lanes of the collision detection engine with all that belongs to them alone: their part of the primary register file, the
-// pipe, of the update engine and of the output FIFO. Nothing wider than a control bit or one record leaves a group, in silicon as
-// in simulation; not inlined, so that the groups are one function over objects that fit the first-level cache.
+// LANES lanes of the collision detection engine with all that belongs to them alone: their part of the primary register
+// file, the pipe, of the update engine and of the output FIFO. Nothing wider than a control bit or one record leaves a
+// group, in silicon as in simulation; not inlined, so that the groups are one function over objects that fit the
+// first-level cache.
 // Latency: that of the pipe. Throughput: that of the pipe, at most one row a clock. Stall: none.
 module lane_group #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
+    parameter config_pkg::config_t CONFIG,
     parameter int LANES = 8,
     parameter int ROWS = 32,
-    parameter int FIFO_DEPTH = 128,
-    parameter int PAIRS = 1,      // bit p: the pipe of pair p is there
-    parameter int ALGORITHM = 0,  // of ray-triangle
-    parameter int BOX = 0,        // of ray-triangle, 1: a hit must lie in the triangle's box
-    parameter int SWAP = 0,       // roles of primary and secondary can be exchanged
-    parameter int NORMALS = 0,    // records have normals
-    parameter int PARALLEL = 0,   // two pairs at a time
-    parameter int FACET_II = 1,   // clocks from row to row of pairs with facets
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int PRIM_WORDS = cde_pkg::slot_words(PAIRS, 1, SWAP != 0),
-    localparam int SEC_WORDS = cde_pkg::slot_words(PAIRS, 0, SWAP != 0),
-    localparam int N_PAIRS = cde_pkg::PAIRS,
+    localparam int EXP = CONFIG.exp,
+    localparam int MAN = CONFIG.man,
+    localparam int PAIRS = CONFIG.pairs,
+    localparam int ALGORITHM = CONFIG.algorithm,
+    localparam int BOX = CONFIG.box,
+    localparam int SWAP = CONFIG.swap,
+    localparam int NORMALS = CONFIG.normals,
+    localparam int PARALLEL = CONFIG.parallel,
+    localparam int FACET_II = CONFIG.facet_ii,
+    localparam int LAT_ADD = CONFIG.lat_add,
+    localparam int LAT_MUL = CONFIG.lat_mul,
+    localparam int LAT_DIV = CONFIG.lat_div,
+    localparam int LAT_SQRT = CONFIG.lat_sqrt,
+    localparam int LAT_CMP = CONFIG.lat_cmp,
+    localparam ARITH = config_pkg::arith(CONFIG.host),
+    localparam int FIFO_DEPTH = config_pkg::FIFO_DEPTH,
+    localparam int CW = formats_pkg::container(EXP, MAN),
+    localparam int PRIM_WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0),
+    localparam int SEC_WORDS = pairs_pkg::slot_words(PAIRS, 0, SWAP != 0),
+    localparam int N_PAIRS = pairs_pkg::PAIRS,
     localparam int PORTS = 1 + PARALLEL,  // pairs in a pass
     localparam int POINTS = (NORMALS != 0) ? 6 : 3,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
@@ -75,7 +77,8 @@ module lane_group #(
 
     input logic push_i,
     input logic [FIFO_W-1:0] write_i,
-    input logic read_i /*verilator public_flat_rd*/,  // lane lane_i of FIFO row head_i, else of row result_row_i of the update buffers
+    // lane lane_i of FIFO row head_i, else of row result_row_i of the update buffers
+    input logic read_i /*verilator public_flat_rd*/,
     input logic [FIFO_W-1:0] head_i,
     input logic [PORTS-1:0] result_i /*verilator public_flat_rd*/,
     input logic [ROW_W-1:0] result_row_i,
@@ -92,9 +95,10 @@ module lane_group #(
     always_ff @(posedge clk_prim_i) if (prim_write_i) mem[prim_row_i][prim_lane_i] <= prim_slot_i[k];
   end
 
-  // ---- Pipes; the one that is used is read. Where there are several, each has a register for its operands, so that an idle one
+  // ---- Pipes; the one that is used is read. Where there are several, each has a register for its operands, so that an
+  // idle one
   // does nothing ----
-  if (!cde_pkg::any_ring(PAIRS)) begin : g_no_ring
+  if ((PAIRS & pairs_pkg::RING_PAIRS) == 0) begin : g_no_ring
     logic unused_ring;
     assign unused_ring = &{1'b0, rst_i, budget_i, ring_row_i, ring_secondary_i};
   end
@@ -103,8 +107,8 @@ module lane_group #(
     if (((PAIRS >> p) & 1) != 0) begin : g_there
       logic [LANES-1:0][CW-1:0] f, t;
       logic [2:0][LANES-1:0][CW-1:0] cp, n;
-      localparam int A_WORDS = cde_pkg::shape_words(cde_pkg::primary_shape(p));
-      localparam int B_WORDS = cde_pkg::shape_words(cde_pkg::secondary_shape(p));
+      localparam int A_WORDS = pairs_pkg::shape_words(pairs_pkg::primary_shape(p));
+      localparam int B_WORDS = pairs_pkg::shape_words(pairs_pkg::secondary_shape(p));
       localparam int B_LANES = (SWAP != 0) ? LANES : 1;
       localparam int S_WORDS = (SWAP != 0 && A_WORDS > B_WORDS) ? A_WORDS : B_WORDS;  // of the secondary
       logic [ROW_W-1:0] row;
@@ -112,8 +116,8 @@ module lane_group #(
       logic [S_WORDS-1:0][CW-1:0] secondary;
       logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
       logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b;
-      localparam bit RING = cde_pkg::has_ring(p);
-      localparam int INTERVAL = cde_pkg::has_facets(p) ? FACET_II : 1;
+      localparam bit RING = pairs_pkg::has(pairs_pkg::RING_PAIRS, p);
+      localparam int INTERVAL = pairs_pkg::has(pairs_pkg::FACET_PAIRS, p) ? FACET_II : 1;
       logic of;  // which of the pass's pairs it is
       assign of = PARALLEL != 0 && pair_i[PORTS-1] == 4'(p);
       logic issue, enter;  // to this pipe, with its operands
@@ -163,12 +167,14 @@ module lane_group #(
           end
         end
         cylinder_pair #(
-            .BODY(cde_pkg::cylinder_body(p)), .AHEAD(MANY ? 1 : 0), .ENTRY(cde_pkg::ring_entry(LAT_ADD, LAT_MUL, LAT_CMP)), .EXP(EXP), .MAN(MAN),
-            .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+            .BODY(pairs_pkg::cylinder_body(p)), .AHEAD(MANY ? 1 : 0), .ENTRY(pairs_pkg::ring_entry(LAT_ADD, LAT_MUL,
+            LAT_CMP)), .EXP(EXP), .MAN(MAN),
+            .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
+            .LAT_CMP(LAT_CMP), .ARITH(ARITH)
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .budget_i, .valid_i(issue),
-            .ready_o(ring_ready_o[p]), .tag_i('0), .a_i(a), .b_i(b_lanes), .bad_i('0), .valid_o(ring_valid_o[p]), .tag_o(unused_tag),
-            .bad_o(unused_bad), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
+            .ready_o(ring_ready_o[p]), .tag_i('0), .a_i(a), .b_i(b_lanes), .bad_i('0), .valid_o(ring_valid_o[p]),
+            .tag_o(unused_tag), .bad_o(unused_bad), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
         assign latency_o[p] = (latency > 32'hffff) ? 16'hffff : 16'(latency);
         logic unused;
         assign unused = &{1'b0, unused_tag, unused_bad, enter};
@@ -176,11 +182,12 @@ module lane_group #(
         assign ring_ready_o[p] = 1'b1;
         assign ring_valid_o[p] = 1'b0;
         scaled_pipe #(
-            .PAIR(p), .ALGORITHM(ALGORITHM), .BOX(cde_pkg::has_box(p) ? BOX : 0), .FACET_II(INTERVAL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD),
+            .PAIR(p), .ALGORITHM(ALGORITHM), .BOX(pairs_pkg::has(pairs_pkg::BOX_PAIRS, p) ? BOX : 0),
+            .FACET_II(INTERVAL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD),
             .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
         ) pipe (
-            .clk_i(MANY ? clk_pipe_i[p] : clk_i), .enter_i(enter), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n),
-            .latency_o(latency_o[p]));
+            .clk_i(MANY ? clk_pipe_i[p] : clk_i), .enter_i(enter), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp),
+            .n_o(n), .latency_o(latency_o[p]));
       end
     end else begin : g_absent
       assign ring_ready_o[p] = 1'b1;
@@ -233,9 +240,10 @@ module lane_group #(
     end
     lane_results #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ROWS(ROWS), .NORMALS(NORMALS)) results (
         .clk_i, .clear_i, .clear_row_i, .clear_mask_i, .clear_bad_i, .gap_i(gap_i[k]), .mode_i, .streaming_i,
-        .valid_i(valid_i[k]), .row_i(row_out_i[k]), .parity_i(parity_i[k]), .index_i(index_i[k]), .secondary_bad_i(secondary_bad_i[k]),
-        .f_i(f_pipe), .t_i(t_pipe), .cp_i(cp_pipe), .n_i(n_pipe), .new_hits_o(new_hits[k]), .f_o(f_stream[k]), .bad_o(bad_stream[k]),
-        .unmasked_o(unmasked_stream[k]), .t_o(t[k]), .point_o(point[k]), .result_i(result_i[k]), .result_row_i, .result_lane_i(lane_i),
+        .valid_i(valid_i[k]), .row_i(row_out_i[k]), .parity_i(parity_i[k]), .index_i(index_i[k]),
+        .secondary_bad_i(secondary_bad_i[k]), .f_i(f_pipe), .t_i(t_pipe), .cp_i(cp_pipe), .n_i(n_pipe),
+        .new_hits_o(new_hits[k]), .f_o(f_stream[k]), .bad_o(bad_stream[k]), .unmasked_o(unmasked_stream[k]),
+        .t_o(t[k]), .point_o(point[k]), .result_i(result_i[k]), .result_row_i, .result_lane_i(lane_i),
         .result_parity_i, .result_index_o(kept_index[k]), .result_t_o(kept_t[k]), .result_point_o(kept_point[k]));
   end
 
@@ -243,7 +251,8 @@ module lane_group #(
   logic [CW-1:0] fifo_t;
   logic [POINTS-1:0][CW-1:0] fifo_point;
   record_lanes #(.CW(CW), .LANES(LANES), .DEPTH(FIFO_DEPTH), .POINTS(POINTS)) records (
-      .clk_i, .push_i, .write_i, .t_i(t[0]), .point_i(point[0]), .read_i, .head_i, .lane_i, .t_o(fifo_t), .point_o(fifo_point));
+      .clk_i, .push_i, .write_i, .t_i(t[0]), .point_i(point[0]), .read_i, .head_i, .lane_i, .t_o(fifo_t),
+      .point_o(fifo_point));
   assign f_o = f_stream[0];
   assign bad_o = bad_stream[0];
   assign unmasked_o = unmasked_stream[0];

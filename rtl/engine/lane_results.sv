@@ -1,5 +1,5 @@
-// What becomes of the results of one pair of a pass in one lane group: bad input is answered with F = 0 and NaN, the update engine keeps
-// the best record a primary, and the row is shown to the output FIFO.
+// What becomes of the results of one pair of a pass in one lane group: bad input is answered with F = 0 and NaN, the
+// update engine keeps the best record a primary, and the row is shown to the output FIFO.
 // Latency: combinational to the FIFO, 1 clock to the update buffers. Throughput: one row a clock. Stall: none.
 module lane_results #(
     parameter int EXP = 8,
@@ -77,14 +77,15 @@ module lane_results #(
   end
   for (genvar k = 0; k < POINTS; k++) begin : axis
     logic [LANES-1:0][CW-1:0] masked;
-    lane_select #(.CW(CW), .LANES(LANES)) select_point (.m_i(bad), .a_i({LANES{QNAN}}), .b_i(point_pipe[k]), .r_o(masked));
+    lane_select #(.CW(CW), .LANES(LANES)) select_point (.m_i(bad), .a_i({LANES{QNAN}}), .b_i(point_pipe[k]),
+        .r_o(masked));
     assign point_o[k] = masked;
   end
 
   update_lanes #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ROWS(ROWS), .POINTS(POINTS)) update (
-      .clk_i, .mode_i, .gap_i, .clear_i, .clear_row_i, .clear_mask_i, .valid_i(valid_i && !streaming_i), .row_i, .parity_i,
-      .index_i, .f_i(f), .bad_i(bad), .t_i(t_o), .point_i(point_o), .new_hits_o, .result_i, .result_row_i, .result_lane_i,
-      .result_parity_i, .result_index_o, .result_t_o, .result_point_o);
+      .clk_i, .mode_i, .gap_i, .clear_i, .clear_row_i, .clear_mask_i, .valid_i(valid_i && !streaming_i), .row_i,
+      .parity_i, .index_i, .f_i(f), .bad_i(bad), .t_i(t_o), .point_i(point_o), .new_hits_o, .result_i, .result_row_i,
+      .result_lane_i, .result_parity_i, .result_index_o, .result_t_o, .result_point_o);
   always_comb begin
     f_o = '0;
     bad_o = '0;

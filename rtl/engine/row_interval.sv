@@ -1,5 +1,6 @@
 // Admits a row every INTERVAL clocks at most.
-// Latency: none. Throughput: one row in INTERVAL clocks. Stall: ready_o, low for INTERVAL - 1 clocks after a row was taken.
+// Latency: none. Throughput: one row in INTERVAL clocks. Stall: ready_o, low for INTERVAL - 1 clocks after a row was
+// taken.
 module row_interval #(
     parameter int INTERVAL = 1  // >= 1
 ) (
@@ -17,7 +18,8 @@ module row_interval #(
     always_ff @(posedge clk_i) taken_q <= rst_i ? '0 : (INTERVAL - 1)'({taken_q, take_i});
     assign ready_o = taken_q == '0;
 `ifndef SYNTHESIS
-    always_ff @(posedge clk_i) if (!rst_i) assert (!take_i || ready_o) else $error("row_interval: a row came too early");
+    always_ff @(posedge clk_i) if (!rst_i) assert (!take_i ||
+        ready_o) else $error("row_interval: a row came too early");
 `endif
   end
 endmodule

@@ -1,7 +1,8 @@
-// Input contract of a shape (cde_pkg::SHAPE_*): every word finite (tmin and tmax only no NaN), coordinates at most 2^length_high, sizes and
-// the largest component of a direction from 2^length_low to that, max above min; unit vectors and rotations to
-// |a.b - (0 or 1)| <= 2^-20, or 16 u in formats too coarse for that.
-// Latency: LAT_MUL + 3*LAT_ADD + LAT_CMP clocks whatever the shape; 0 with ARITH = "host". Throughput: LANES shapes a clock. Stall: none.
+// Input contract of a shape (pairs_pkg::SHAPE_*): every word finite (tmin and tmax only no NaN), coordinates at most
+// 2^length_high, sizes and the largest component of a direction from 2^length_low to that, max above min; unit vectors
+// and rotations to |a.b - (0 or 1)| <= 2^-20, or 16 u in formats too coarse for that.
+// Latency: LAT_MUL + 3*LAT_ADD + LAT_CMP clocks whatever the shape; 0 with ARITH = "host". Throughput: LANES shapes a
+// clock. Stall: none.
 `include "dataflow.svh"
 module shape_check #(
     parameter int SHAPE = 0,
@@ -13,7 +14,7 @@ module shape_check #(
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int WORDS = cde_pkg::shape_words(SHAPE)
+    localparam int WORDS = pairs_pkg::shape_words(SHAPE)
 ) (
     input logic clk_i,
     input logic on_i,  // 0: nobody looks at the result
@@ -22,23 +23,25 @@ module shape_check #(
 );
   /*verilator inline_module*/
   localparam int LATENCY = LAT_MUL + 3 * LAT_ADD + LAT_CMP;
-  localparam int LOW = cde_pkg::length_low(EXP, MAN);
-  localparam int HIGH = cde_pkg::length_high(EXP);
+  localparam int LOW = formats_pkg::length_low(EXP, MAN);
+  localparam int HIGH = formats_pkg::length_high(EXP);
 
   // ---- Words by themselves ----
   for (genvar k = 0; k < WORDS; k++) begin : word
-    localparam int KIND = cde_pkg::word_kind(SHAPE, k);
+    localparam int KIND = pairs_pkg::word_kind(SHAPE, k);
     logic [LANES-1:0][CW-1:0] legal, good;  // good: this word and those below
-    if (KIND == cde_pkg::WORD_INTERVAL) begin : g_interval
+    if (KIND == pairs_pkg::WORD_INTERVAL) begin : g_interval
       logic [LANES-1:0][CW-1:0] nan;
-      fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("nan"), .ARITH(ARITH)) is_nan (.a_i(words_i[k]), .m_o(nan));
+      fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::CLASS_NAN),
+          .ARITH(ARITH)) is_nan (.a_i(words_i[k]), .m_o(nan));
       assign legal = ~nan;
-    end else if (KIND == cde_pkg::WORD_PURE) begin : g_pure
-      fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("fin"), .ARITH(ARITH)) is_finite (.a_i(words_i[k]), .m_o(legal));
+    end else if (KIND == pairs_pkg::WORD_PURE) begin : g_pure
+      fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::CLASS_FINITE),
+          .ARITH(ARITH)) is_finite (.a_i(words_i[k]), .m_o(legal));
     end else begin : g_length
       fp_range #(
-          .EXP(EXP), .MAN(MAN), .LANES(LANES), .SIGNED(KIND == cde_pkg::WORD_SIZE), .ZERO(KIND != cde_pkg::WORD_SIZE), .LOW(LOW),
-          .HIGH(HIGH), .ARITH(ARITH)
+          .EXP(EXP), .MAN(MAN), .LANES(LANES), .SIGNED(KIND == pairs_pkg::WORD_SIZE),
+          .ZERO(KIND != pairs_pkg::WORD_SIZE), .LOW(LOW), .HIGH(HIGH), .ARITH(ARITH)
       ) in_range (.on_i, .a_i(words_i[k]), .m_o(legal));
     end
     if (k == 0) begin : g_first
@@ -53,30 +56,34 @@ module shape_check #(
   `DF_IN(all_words, word[WORDS-1].good, 0)
   `DF_AT(late_words, all_words, LATENCY)
   assign words_good = late_words;
-  if (SHAPE == cde_pkg::SHAPE_RAY) begin : g_direction
+  if (SHAPE == pairs_pkg::SHAPE_RAY) begin : g_direction
     logic [2:0][LANES-1:0][CW-1:0] m;
     for (genvar k = 0; k < 3; k++) begin : axis
-      fp_range #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LOW(LOW), .HIGH(HIGH), .ARITH(ARITH)) is_size (.on_i, .a_i(words_i[3+k]), .m_o(m[k]));
+      fp_range #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LOW(LOW), .HIGH(HIGH), .ARITH(ARITH)) is_size (.on_i,
+          .a_i(words_i[3+k]), .m_o(m[k]));
     end
     `DF_IN(moves, m[0] | m[1] | m[2], 0)
     `DF_AT(late, moves, LATENCY)
     assign shape_good = late;
-  end else if (SHAPE == cde_pkg::SHAPE_AABB) begin : g_box
+  end else if (SHAPE == pairs_pkg::SHAPE_AABB) begin : g_box
     `DF_VIN(low, words_i[2:0], 0)
     `DF_VIN(high, words_i[5:3], 0)
-    `DF_BINARY3(ordered, low, high, "clt", LAT_CMP)
+    `DF_BINARY3(ordered, low, high, formats_pkg::FP_LT, LAT_CMP)
     `DF_VAT(late, ordered, LATENCY)
     assign shape_good = late[0] & late[1] & late[2];
-  end else if (SHAPE == cde_pkg::SHAPE_PLANE || SHAPE == cde_pkg::SHAPE_CYLINDER) begin : g_unit
-    localparam int FIRST = (SHAPE == cde_pkg::SHAPE_PLANE) ? 0 : 3;
-    unit_check #(.ONE(1), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unit (
+  end else if (SHAPE == pairs_pkg::SHAPE_PLANE || SHAPE == pairs_pkg::SHAPE_CYLINDER) begin : g_unit
+    localparam int FIRST = (SHAPE == pairs_pkg::SHAPE_PLANE) ? 0 : 3;
+    unit_check #(.ONE(1), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
+        .ARITH(ARITH)) unit (
         .clk_i, .on_i, .a_i(words_i[FIRST+:3]), .b_i(words_i[FIRST+:3]), .good_o(shape_good));
-  end else if (SHAPE == cde_pkg::SHAPE_OBB) begin : g_rotation
+  end else if (SHAPE == pairs_pkg::SHAPE_OBB) begin : g_rotation
     logic [5:0][LANES-1:0][CW-1:0] dot_good;  // of the upper triangle, row by row
     for (genvar i = 0; i < 3; i++) begin : row
       for (genvar j = i; j < 3; j++) begin : column
-        unit_check #(.ONE(i == j), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unit (
-            .clk_i, .on_i, .a_i({words_i[12+i], words_i[9+i], words_i[6+i]}), .b_i({words_i[12+j], words_i[9+j], words_i[6+j]}),
+        unit_check #(.ONE(i == j), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+            .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unit (
+            .clk_i, .on_i, .a_i({words_i[12+i], words_i[9+i], words_i[6+i]}), .b_i({words_i[12+j], words_i[9+j],
+            words_i[6+j]}),
             .good_o(dot_good[i*(5-i)/2+j]));
       end
     end

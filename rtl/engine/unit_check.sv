@@ -1,5 +1,7 @@
-// |a.b - ONE| <= tolerance, false for NaN: the test of unit vectors (ONE = 1) and of perpendicular ones. 3 mul, 2 add, 1 sub, 1 compare.
-// Latency: LAT_MUL + 3*LAT_ADD + LAT_CMP clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none.
+// |a.b - ONE| <= tolerance, false for NaN: the test of unit vectors (ONE = 1) and of perpendicular ones. 3 mul, 2 add,
+// 1 sub, 1 compare.
+// Latency: LAT_MUL + 3*LAT_ADD + LAT_CMP clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall:
+// none.
 `include "dataflow.svh"
 module unit_check #(
     parameter bit ONE = 1,

@@ -20,7 +20,7 @@ module fp_add #(
     output logic [LANES-1:0][CW-1:0] flags_o
 );
   /*verilator inline_module*/
-  fp_lanes #(.OP(SUB ? 1 : 0), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH),
-      .CANON(CANON), .FLAGS(FLAGS)) lanes (
+  fp_lanes #(.OP(SUB ? formats_pkg::FP_SUB : formats_pkg::FP_ADD), .EXP(EXP), .MAN(MAN), .LANES(LANES),
+      .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .CANON(CANON), .FLAGS(FLAGS)) lanes (
       .clk_i, .on_i(1'b1), .a_i, .b_i, .r_o(r_o), .flags_o);
 endmodule

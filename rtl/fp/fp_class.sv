@@ -1,11 +1,10 @@
-// Class of a word as a lane mask, without arithmetic: "fin" finite, "nan" a NaN, "pos" a number above zero (+inf too),
-// "nze" not a zero.
+// Class of a word as a lane mask, without arithmetic: formats_pkg::CLASS_*.
 // Latency: 0. Throughput: one result a lane a clock. Stall: none.
 module fp_class #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
-    parameter OP = "fin",
+    parameter int OP = formats_pkg::CLASS_FINITE,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
@@ -13,7 +12,6 @@ module fp_class #(
     output logic [LANES-1:0][CW-1:0] m_o
 );
   /*verilator inline_module*/
-  localparam int CODE = (OP == "fin") ? 0 : (OP == "nan") ? 1 : (OP == "pos") ? 2 : 3;
   localparam logic [CW-1:0] SIGN = CW'(1) << (EXP + MAN);
   localparam logic [CW-1:0] INF = ((CW'(1) << EXP) - 1) << MAN;
   logic [LANES-1:0][CW-1:0] m;
@@ -21,7 +19,7 @@ module fp_class #(
   if (ARITH != "rtl" && CW == 32) begin : g_32
     always_comb begin
       m = '0;
-      for (int l = 0; l < LANES; l++) m[l] = $c32("host_fp::classify<", CODE, ",", EXP, ",", MAN, ">(", a_i[l], ")");
+      for (int l = 0; l < LANES; l++) m[l] = $c32("host_fp::classify<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ")");
     end
   end else
 `endif
@@ -29,9 +27,9 @@ module fp_class #(
     always_comb begin
       m = '0;
       for (int l = 0; l < LANES; l++)
-        if (CODE == 0) m[l] = {CW{(a_i[l] & ~SIGN) < INF}};
-        else if (CODE == 1) m[l] = {CW{(a_i[l] & ~SIGN) > INF}};
-        else if (CODE == 2) m[l] = {CW{a_i[l] != '0 && a_i[l] <= INF}};
+        if (OP == formats_pkg::CLASS_FINITE) m[l] = {CW{(a_i[l] & ~SIGN) < INF}};
+        else if (OP == formats_pkg::CLASS_NAN) m[l] = {CW{(a_i[l] & ~SIGN) > INF}};
+        else if (OP == formats_pkg::CLASS_POSITIVE) m[l] = {CW{a_i[l] != '0 && a_i[l] <= INF}};
         else m[l] = {CW{(a_i[l] & ~SIGN) != '0}};
     end
   end

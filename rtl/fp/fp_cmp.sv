@@ -6,7 +6,7 @@ module fp_cmp #(
     parameter  int MAN   = 23,   // 2..52
     parameter  int LANES = 1,    // >= 1
     parameter  int LAT   = 1,    // >= 1
-    parameter      OP    = "lt",   // "lt", "le" (signalling), "eq" (quiet)
+    parameter  int OP    = formats_pkg::FP_LT,  // FP_LT, FP_LE (signalling), FP_EQ (quiet)
     parameter      ARITH = "rtl",  // "rtl": gates; "host": the host's FPU, simulation only, combinational
     parameter  bit FLAGS = 0,
     localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
@@ -18,7 +18,6 @@ module fp_cmp #(
     output logic [LANES-1:0][CW-1:0] flags_o
 );
   /*verilator inline_module*/
-  fp_lanes #(.OP(OP == "lt" ? 5 : OP == "le" ? 6 : 7), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH),
-      .FLAGS(FLAGS)) lanes (
+  fp_lanes #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) lanes (
       .clk_i, .on_i(1'b1), .a_i, .b_i, .r_o(m_o), .flags_o);
 endmodule

@@ -2,7 +2,7 @@
 // Minimum and maximum are minimumNumber and maximumNumber of IEEE 754-2019: a NaN loses against a number, -0 is below
 // +0, two NaNs give the canonical NaN, a signalling NaN raises NV.
 module fp_cmp_lane #(
-    parameter int OP    = 5,  // 5 lt, 6 le, 7 eq, 8 min, 9 max
+    parameter int OP    = formats_pkg::FP_LT,  // to FP_MAX
     parameter int EXP   = 8,
     parameter int MAN   = 23,
     parameter bit FLAGS = 0,
@@ -27,21 +27,21 @@ module fp_cmp_lane #(
     a_nan = neg(INF - am);
     b_nan = neg(INF - bm);
   end
-  if (OP <= 7) begin : g_compare
+  if (OP <= formats_pkg::FP_EQ) begin : g_compare
     always_comb begin
       same = ~(below | above | ((as ^ bs) & some(am)));
-      if (OP == 5) r_o = less & ~same & ~(a_nan | b_nan);
-      else if (OP == 6) r_o = (less | same) & ~(a_nan | b_nan);
+      if (OP == formats_pkg::FP_LT) r_o = less & ~same & ~(a_nan | b_nan);
+      else if (OP == formats_pkg::FP_LE) r_o = (less | same) & ~(a_nan | b_nan);
       else r_o = same & ~(a_nan | b_nan);
     end
   end else begin : g_minmax
     always_comb begin
-      same = (OP == 9) ? ~less : less;
+      same = (OP == formats_pkg::FP_MAX) ? ~less : less;
       r_o = sel(a_nan & b_nan, QNAN, sel((same | b_nan) & ~a_nan, a_i, b_i));
     end
   end
   if (FLAGS) begin : g_flags
-    assign flags_o = ((OP <= 6) ? (a_nan | b_nan) : snan(a_i) | snan(b_i)) & (ONE << 4);
+    assign flags_o = ((OP <= formats_pkg::FP_LE) ? (a_nan | b_nan) : snan(a_i) | snan(b_i)) & (ONE << 4);
   end else begin : g_no_flags
     assign flags_o = '0;
   end

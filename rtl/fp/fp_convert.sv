@@ -2,11 +2,11 @@
 // common.
 // Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free.
 module fp_convert #(
-    parameter  int KIND  = 0,      // 0 format to format, 1 from integer, 2 to integer (as in host_fp.h)
-    parameter  int EXP   = 8,      // 3..11; the format; with KIND 0 that of the operand
+    parameter  int KIND  = formats_pkg::CONVERT_FORMAT,  // CONVERT_*
+    parameter  int EXP   = 8,      // 3..11; the format; with CONVERT_FORMAT that of the operand
     parameter  int MAN   = 23,     // 2..52
-    parameter  int P     = 5,      // KIND 0: EXP of the result; else bits of the integer, 32 or 64
-    parameter  int Q     = 10,     // KIND 0: MAN of the result; else bit 0: unsigned, bit 1: truncate
+    parameter  int P     = 5,      // CONVERT_FORMAT: EXP of the result; else bits of the integer, 32 or 64
+    parameter  int Q     = 10,     // CONVERT_FORMAT: MAN of the result; else bit 0: unsigned, bit 1: truncate
     parameter  int CI    = 32,     // containers of operand and result
     parameter  int CO    = 32,
     parameter  int LANES = 1,      // >= 1
@@ -21,10 +21,10 @@ module fp_convert #(
 );
   /*verilator inline_module*/
   if (EXP < 3 || EXP > 11 || MAN < 2 || MAN > 52) $error("fp: EXP must be 3..11 and MAN 2..52");
-  if (KIND == 0 ? (P < 3 || P > 11 || Q < 2 || Q > 52) : (P != 32 && P != 64))
+  if (KIND == formats_pkg::CONVERT_FORMAT ? (P < 3 || P > 11 || Q < 2 || Q > 52) : (P != 32 && P != 64))
       $error("fp: bad format or integer width");
   if (LANES < 1 || LAT < 1) $error("fp: LANES and LAT must be at least 1");
-  localparam int MOST = (ARITH == "rtl") ? (KIND == 2 ? 1 : 2) : 0;
+  localparam int MOST = (ARITH == "rtl") ? (KIND == formats_pkg::CONVERT_TO_INT ? 1 : 2) : 0;
   localparam int CUTS = (LAT - 1 > MOST) ? MOST : LAT - 1;
   logic [LANES-1:0][CO-1:0] r, flags;
   if (ARITH == "rtl") begin : g_rtl

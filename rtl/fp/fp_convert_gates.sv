@@ -2,7 +2,7 @@
 // Latency: 1 + CUTS clocks. Throughput: one result a lane a clock. Stall: none.
 // Not inlined: all that the lanes touch must lie in one C++ object for the compiler to see that they do not alias.
 module fp_convert_gates #(
-    parameter  int KIND  = 0,
+    parameter  int KIND  = formats_pkg::CONVERT_FORMAT,
     parameter  int EXP   = 8,
     parameter  int MAN   = 23,
     parameter  int P     = 5,
@@ -22,8 +22,9 @@ module fp_convert_gates #(
   logic [LANES-1:0][CI-1:0] a_q;
   always_ff @(posedge clk_i) a_q <= a_i;
   // Words of a lane (fp_mask.svh); integers are as wide as their container.
-  localparam int LI = (KIND == 1) ? P : (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64;
-  localparam int LO = (KIND == 2) ? P : (KIND == 1) ? ((1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64) :
+  localparam int LI = (KIND == formats_pkg::CONVERT_FROM_INT) ? P : (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64;
+  localparam int LO = (KIND == formats_pkg::CONVERT_TO_INT) ? P : (KIND == formats_pkg::CONVERT_FROM_INT) ?
+      ((1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64) :
       (1 + P + Q <= 32 && Q <= 23) ? 32 : 64;
   for (genvar l = 0; l < LANES; l++) begin : g_lane
     logic [LI-1:0] a;
@@ -39,10 +40,10 @@ module fp_convert_gates #(
       logic unused_high;
       assign unused_high = &{1'b0, r, flags};
     end
-    if (KIND == 0) begin : g_cvt
+    if (KIND == formats_pkg::CONVERT_FORMAT) begin : g_cvt
       fp_cvt_lane #(.EXP(EXP), .MAN(MAN), .EXP_O(P), .MAN_O(Q), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
           .clk_i, .a_i(a), .r_o(r), .flags_o(flags));
-    end else if (KIND == 1) begin : g_from_int
+    end else if (KIND == formats_pkg::CONVERT_FROM_INT) begin : g_from_int
       fp_from_int_lane #(.EXP(EXP), .MAN(MAN), .CW(P), .UNSIGNED((Q & 1) != 0), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
           .clk_i, .a_i(a), .r_o(r), .flags_o(flags));
     end else begin : g_to_int

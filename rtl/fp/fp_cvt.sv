@@ -19,7 +19,7 @@ module fp_cvt #(
     output logic [LANES-1:0][CO-1:0] flags_o
 );
   /*verilator inline_module*/
-  fp_convert #(.KIND(0), .EXP(EXP_I), .MAN(MAN_I), .P(EXP_O), .Q(MAN_O), .CI(CI), .CO(CO), .LANES(LANES), .LAT(LAT),
-      .ARITH(ARITH), .FLAGS(FLAGS)) convert (
+  fp_convert #(.KIND(formats_pkg::CONVERT_FORMAT), .EXP(EXP_I), .MAN(MAN_I), .P(EXP_O), .Q(MAN_O), .CI(CI), .CO(CO),
+      .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) convert (
       .clk_i, .a_i, .r_o, .flags_o);
 endmodule

@@ -1,31 +1,30 @@
 // Work on the exponents of words, without arithmetic on their significands: how a pair is scaled by a power of two. A
 // shift is a number that is added to the bits of a word: k << MAN, negative ones in two's complement.
-//   "max" the larger of |a| and |b|, as bits
-//   "dwn" the shift by 2^-k, k the exponent of a, at least LEAST
-//   "upw" the shift by 2^k
-//   "mov" a shifted by b; what is below the normal numbers, before or after, becomes a zero of its sign
+//   EXPONENT_MAX  the larger of |a| and |b|, as bits
+//   EXPONENT_DOWN the shift by 2^-k, k the exponent of a, at least LEAST
+//   EXPONENT_UP   the shift by 2^k
+//   EXPONENT_MOVE a shifted by b; what is below the normal numbers, before or after, becomes a zero of its sign
 // Latency: 0. Throughput: one result a lane a clock. Stall: none.
 module fp_exponent #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
-    parameter OP = "max",
+    parameter int OP = formats_pkg::EXPONENT_MAX,
     parameter int LEAST = 0,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic on_i,  // 0: nobody looks at the result of ARITH = "host"
     input logic [LANES-1:0][CW-1:0] a_i,
-    input logic [LANES-1:0][CW-1:0] b_i,  // "max", "mov"
+    input logic [LANES-1:0][CW-1:0] b_i,  // EXPONENT_MAX, EXPONENT_MOVE
     output logic [LANES-1:0][CW-1:0] r_o
 );
   /*verilator inline_module*/
-  if (OP != "max" && OP != "dwn" && OP != "upw" && OP != "mov") $error("fp_exponent: OP must be max, dwn, upw or mov");
+  if (OP < 0 || OP > formats_pkg::EXPONENT_MOVE) $error("fp_exponent: OP must be one of formats_pkg::EXPONENT_*");
   localparam int BIAS = (1 << (EXP - 1)) - 1;
-  localparam int CODE = (OP == "max") ? 0 : (OP == "dwn") ? 1 : (OP == "upw") ? 2 : 3;
   localparam int STORED = LEAST + BIAS;
   logic [LANES-1:0][CW-1:0] r;
-  if (CODE == 1 || CODE == 2) begin : g_one_operand
+  if (OP == formats_pkg::EXPONENT_DOWN || OP == formats_pkg::EXPONENT_UP) begin : g_one_operand
     logic unused_b;
     assign unused_b = &{1'b0, b_i};
   end
@@ -35,9 +34,9 @@ module fp_exponent #(
       r = '0;
       if (on_i)
         for (int l = 0; l < LANES; l++)
-        if (CODE == 1 || CODE == 2) r[l] = $c32("host_fp::shift<", CODE, ",", EXP, ",", MAN, ",", STORED, ">(", a_i[l],
-            ")");
-        else r[l] = $c32("host_fp::exponent<", CODE, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l], ")");
+        if (OP == formats_pkg::EXPONENT_DOWN || OP == formats_pkg::EXPONENT_UP) r[l] =
+            $c32("host_fp::shift<", OP, ",", EXP, ",", MAN, ",", STORED, ">(", a_i[l], ")");
+        else r[l] = $c32("host_fp::exponent<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l], ")");
     end
   end else
 `endif
@@ -56,9 +55,9 @@ module fp_exponent #(
     always_comb begin
       r = '0;
       for (int l = 0; l < LANES; l++)
-        if (CODE == 0) r[l] = larger(a_i[l] & ~SIGN, b_i[l] & ~SIGN);
-        else if (CODE == 1) r[l] = (CW'(BIAS) << MAN) - larger(a_i[l] & INF, CW'(STORED) << MAN);
-        else if (CODE == 2) r[l] = larger(a_i[l] & INF, CW'(STORED) << MAN) - (CW'(BIAS) << MAN);
+        if (OP == formats_pkg::EXPONENT_MAX) r[l] = larger(a_i[l] & ~SIGN, b_i[l] & ~SIGN);
+        else if (OP == formats_pkg::EXPONENT_DOWN) r[l] = (CW'(BIAS) << MAN) - larger(a_i[l] & INF, CW'(STORED) << MAN);
+        else if (OP == formats_pkg::EXPONENT_UP) r[l] = larger(a_i[l] & INF, CW'(STORED) << MAN) - (CW'(BIAS) << MAN);
         else r[l] = (((a_i[l] & ~SIGN) + b_i[l]) & ~SIGN &
                      ~negative(((a_i[l] & ~SIGN) - NORMAL) | ((a_i[l] & ~SIGN) + b_i[l] - NORMAL))) | (a_i[l] & SIGN);
     end

@@ -19,7 +19,7 @@ module fp_from_int #(
     output logic [LANES-1:0][CO-1:0] flags_o
 );
   /*verilator inline_module*/
-  fp_convert #(.KIND(1), .EXP(EXP), .MAN(MAN), .P(INT), .Q(UNSIGNED ? 1 : 0), .CI(CI), .CO(CO), .LANES(LANES),
-      .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) convert (
+  fp_convert #(.KIND(formats_pkg::CONVERT_FROM_INT), .EXP(EXP), .MAN(MAN), .P(INT), .Q(UNSIGNED ? 1 : 0), .CI(CI),
+      .CO(CO), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) convert (
       .clk_i, .a_i, .r_o, .flags_o);
 endmodule

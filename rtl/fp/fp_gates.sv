@@ -4,7 +4,7 @@
 // Not inlined: all that the lanes touch must lie in one C++ object for the compiler to see that they do not alias.
 // The inputs are public so that they stay variables of this object too: then all instances run one function.
 module fp_gates #(
-    parameter  int OP    = 0,  // codes as in fp_lanes
+    parameter  int OP    = formats_pkg::FP_ADD,
     parameter  int EXP   = 8,
     parameter  int MAN   = 23,
     parameter  int LANES = 1,
@@ -27,16 +27,16 @@ module fp_gates #(
     b_q <= b_i;
   end
   for (genvar l = 0; l < LANES; l++) begin : g_lane
-    if (OP <= 1) begin : g_add
-      fp_add_lane #(.EXP(EXP), .MAN(MAN), .SUB(OP == 1), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
+    if (OP <= formats_pkg::FP_SUB) begin : g_add
+      fp_add_lane #(.EXP(EXP), .MAN(MAN), .SUB(OP == formats_pkg::FP_SUB), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
           .clk_i, .a_i(a_q[l]), .b_i(b_q[l%B_LANES]), .r_o(r_o[l]), .flags_o(flags_o[l]));
-    end else if (OP == 2) begin : g_mul
+    end else if (OP == formats_pkg::FP_MUL) begin : g_mul
       fp_mul_lane #(.EXP(EXP), .MAN(MAN), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
           .clk_i, .a_i(a_q[l]), .b_i(b_q[l%B_LANES]), .r_o(r_o[l]), .flags_o(flags_o[l]));
-    end else if (OP == 3) begin : g_div
+    end else if (OP == formats_pkg::FP_DIV) begin : g_div
       fp_div_lane #(.EXP(EXP), .MAN(MAN), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
           .clk_i, .a_i(a_q[l]), .b_i(b_q[l%B_LANES]), .r_o(r_o[l]), .flags_o(flags_o[l]));
-    end else if (OP == 4) begin : g_sqrt
+    end else if (OP == formats_pkg::FP_SQRT) begin : g_sqrt
       fp_sqrt_lane #(.EXP(EXP), .MAN(MAN), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
           .clk_i, .a_i(a_q[l]), .r_o(r_o[l]), .flags_o(flags_o[l]));
     end else begin : g_compare
@@ -44,7 +44,7 @@ module fp_gates #(
           .a_i(a_q[l]), .b_i(b_q[l%B_LANES]), .r_o(r_o[l]), .flags_o(flags_o[l]));
     end
   end
-  if (OP == 4) begin : g_one_operand
+  if (OP == formats_pkg::FP_SQRT) begin : g_one_operand
     logic unused_b;
     assign unused_b = &{1'b0, b_q};
   end

@@ -1,8 +1,7 @@
 // One operation on LANES lanes with the back end that ARITH names: what fp_add, fp_mul and their like have in common.
 // Latency: LAT clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none, runs free.
 module fp_lanes #(
-    // 0 add, 1 sub, 2 mul, 3 div, 4 sqrt, 5 lt, 6 le, 7 eq, 8 min, 9 max (as in host_fp.h)
-    parameter  int OP    = 0,
+    parameter  int OP    = formats_pkg::FP_ADD,  // FP_* up to FP_MAX
     parameter  int EXP   = 8,      // 3..11
     parameter  int MAN   = 23,     // 2..52
     parameter  int LANES = 1,      // >= 1
@@ -28,7 +27,8 @@ module fp_lanes #(
     logic unused_on;
     assign unused_on = on_i;
     // comparisons have nothing to cut
-    localparam int MOST = (OP <= 2) ? 5 : (OP == 3) ? MAN + 5 : (OP == 4) ? MAN + 3 : 0;
+    localparam int MOST = (OP <= formats_pkg::FP_MUL) ? 5 : (OP == formats_pkg::FP_DIV) ? MAN + 5 :
+        (OP == formats_pkg::FP_SQRT) ? MAN + 3 : 0;
     localparam int CUTS = (LAT - 1 > MOST) ? MOST : LAT - 1;
     localparam int LW = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64;  // word of a lane of gates (fp_mask.svh)
     logic [LANES-1:0][CW-1:0] r, flags;

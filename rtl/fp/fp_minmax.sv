@@ -20,7 +20,7 @@ module fp_minmax #(
     output logic [LANES-1:0][CW-1:0] flags_o
 );
   /*verilator inline_module*/
-  fp_lanes #(.OP(MAX ? 9 : 8), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH),
-      .FLAGS(FLAGS)) lanes (
+  fp_lanes #(.OP(MAX ? formats_pkg::FP_MAX : formats_pkg::FP_MIN), .EXP(EXP), .MAN(MAN), .LANES(LANES),
+      .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) lanes (
       .clk_i, .on_i(1'b1), .a_i, .b_i, .r_o(r_o), .flags_o);
 endmodule

@@ -16,6 +16,7 @@ module fp_sqrt #(
     output logic [LANES-1:0][CW-1:0] flags_o
 );
   /*verilator inline_module*/
-  fp_lanes #(.OP(4), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) lanes (
+  fp_lanes #(.OP(formats_pkg::FP_SQRT), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS))
+      lanes (
       .clk_i, .on_i(1'b1), .a_i, .b_i(a_i), .r_o(r_o), .flags_o);
 endmodule

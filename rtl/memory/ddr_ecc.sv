@@ -1,12 +1,13 @@
-// Error correction of what comes from DDR, a word by itself: one wrong bit is corrected, a word with two becomes NaN, which no shape may
-// have, so that nothing is concluded from it. What was corrected is not written back.
+// Error correction of what comes from DDR, a word by itself: one wrong bit is corrected, a word with two becomes NaN,
+// which no shape may have, so that nothing is concluded from it. What was corrected is not written back.
 // Latency: 1 clock. Throughput: one beat a clock. Stall: none.
 `include "secded.svh"
 module ddr_ecc #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int BEAT = cde_pkg::DDR_WORDS,
+    parameter config_pkg::config_t CONFIG,
+    localparam int EXP = CONFIG.exp,
+    localparam int MAN = CONFIG.man,
+    localparam int CW = formats_pkg::container(EXP, MAN),
+    localparam int BEAT = records_pkg::DDR_WORDS,
     localparam int R = `SECDED_BITS(CW)
 ) (
     input logic clk_i,
@@ -24,7 +25,8 @@ module ddr_ecc #(
   logic [BEAT-1:0] corrected, failed;
   for (genvar k = 0; k < BEAT; k++) begin : word
     logic [CW-1:0] decoded;
-    secded_decode #(.W(CW)) decode (.data_i(data_i[k]), .check_i(check_i[k]), .data_o(decoded), .corrected_o(corrected[k]), .failed_o(failed[k]));
+    secded_decode #(.W(CW)) decode (.data_i(data_i[k]), .check_i(check_i[k]), .data_o(decoded),
+        .corrected_o(corrected[k]), .failed_o(failed[k]));
     assign data[k] = failed[k] ? QNAN : decoded;
   end
   always_ff @(posedge clk_i) begin

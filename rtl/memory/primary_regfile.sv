@@ -1,27 +1,29 @@
-// Mouth of the primary register file: PRIMARIES slots written by the local bus 64 bits a beat. The words of a slot gather in a staging
-// register; the beat that brings the last word commits the slot to its lane group. Beside that it is checked as every shape that the
-// card's pairs have for a primary; which verdict counts is the pair's business. With TRANSFORM = 2 a RAM keeps the slots as they were
-// written, and posed ones come back from the transformer to be checked and committed in their place.
+// Mouth of the primary register file: PRIMARIES slots written by the local bus 64 bits a beat. The words of a slot
+// gather in a staging register; the beat that brings the last word commits the slot to its lane group. Beside that it
+// is checked as every shape that the card's pairs have for a primary; which verdict counts is the pair's business. With
+// TRANSFORM = 2 a RAM keeps the slots as they were written, and posed ones come back from the transformer to be checked
+// and committed in their place.
 // Latency: 1 clock, verdicts shape_check's latency more (busy_o). Throughput: one beat a clock. Stall: none.
 module primary_regfile #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 16,
-    parameter int PRIMARIES = 256,
-    parameter int PAIRS = 1,
-    parameter int SWAP = 0,
-    parameter int PARALLEL = 0,
-    parameter int TRANSFORM = 0,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
+    parameter config_pkg::config_t CONFIG,
+    localparam int EXP = CONFIG.exp,
+    localparam int MAN = CONFIG.man,
+    localparam int LANES = CONFIG.lanes,
+    localparam int PRIMARIES = CONFIG.primaries,
+    localparam int PAIRS = CONFIG.pairs,
+    localparam int SWAP = CONFIG.swap,
+    localparam int PARALLEL = CONFIG.parallel,
+    localparam int TRANSFORM = CONFIG.transform,
+    localparam int LAT_ADD = CONFIG.lat_add,
+    localparam int LAT_MUL = CONFIG.lat_mul,
+    localparam int LAT_CMP = CONFIG.lat_cmp,
+    localparam ARITH = config_pkg::arith(CONFIG.host),
+    localparam int CW = formats_pkg::container(EXP, MAN),
     localparam int ROWS = PRIMARIES / LANES,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
     localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1,
     localparam int PRIM_W = $clog2(PRIMARIES),
-    localparam int WORDS = cde_pkg::slot_words(PAIRS, 1, SWAP != 0)
+    localparam int WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0)
 ) (
     input logic clk_i,       // of the bus, gated
     input logic clk_core_i,
@@ -48,11 +50,8 @@ module primary_regfile #(
 );
   localparam int BEATS = (WORDS * CW + 63) / 64;
   localparam int PADDED = BEATS * 64 / CW;
-  localparam int SHAPES = 7;
-  localparam int T_CHECK = LAT_MUL + 3 * LAT_ADD + LAT_CMP;
-  if (PRIMARIES % LANES != 0 || (LANES & (LANES - 1)) != 0) begin : g_illegal
-    $error("primary_regfile: LANES must be a power of two that divides PRIMARIES");
-  end
+  localparam int SHAPES = pairs_pkg::SHAPES;
+  localparam int T_CHECK = config_pkg::check_latency(LAT_ADD, LAT_MUL, LAT_CMP);
 
   logic [31:0] beat;
   logic [PADDED-1:0][CW-1:0] slot, slot_q;
@@ -75,7 +74,7 @@ module primary_regfile #(
   end
 
   // ---- Commits: from the bus, from the transformer ----
-  if (TRANSFORM == cde_pkg::TRANSFORM_BOTH) begin : g_posed
+  if (TRANSFORM == pairs_pkg::TRANSFORM_BOTH) begin : g_posed
     logic [WORDS-1:0][CW-1:0] mem[PRIMARIES];
     logic [PRIMARIES-1:0] there_q;  // was written
     always_ff @(posedge clk_i) begin
@@ -102,19 +101,22 @@ module primary_regfile #(
   logic clk_check, judged;
   logic [PRIM_W-1:0] judged_number;
   check_clock #(.NUMBER_W(PRIM_W), .T_CHECK(T_CHECK)) check_time (
-      .clk_i(clk_core_i), .rst_i, .commit_i(commit_o), .number_i(committed), .clk_o(clk_check), .busy_o, .judged_o(judged), .number_o(judged_number));
+      .clk_i(clk_core_i), .rst_i, .commit_i(commit_o), .number_i(committed), .clk_o(clk_check), .busy_o,
+      .judged_o(judged), .number_o(judged_number));
   logic [SHAPES-1:0][PRIMARIES-1:0] verdicts;
   for (genvar shape = 0; shape < SHAPES; shape++) begin : check
-    if (cde_pkg::uses_shape(PAIRS, shape, 1, SWAP != 0)) begin : g_there
-      localparam int N = cde_pkg::shape_words(shape);
+    if (pairs_pkg::uses_shape(PAIRS, shape, 1, SWAP != 0)) begin : g_there
+      localparam int N = pairs_pkg::shape_words(shape);
       logic [N-1:0][0:0][CW-1:0] words;
       logic [0:0][CW-1:0] bad;
       logic bad_judged;
       assign words = slot_o[N-1:0];
-      shape_check #(.SHAPE(shape), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check_u (
+      shape_check #(.SHAPE(shape), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+          .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check_u (
           .clk_i(clk_check), .on_i(1'b1), .words_i(words), .bad_o(bad));
       // The host back end answers at once; the clocks are those of the gates.
-      align #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i(clk_check), .d_i(bad[0][0]), .q_o(bad_judged));
+      align #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i(clk_check),
+          .d_i(bad[0][0]), .q_o(bad_judged));
       logic [PRIMARIES-1:0] bad_q;
       always_ff @(posedge clk_check) begin
         if (judged) bad_q[judged_number] <= bad_judged;
@@ -127,11 +129,12 @@ module primary_regfile #(
   end
   logic [1:0][2:0] shape_now;
   for (genvar k = 0; k < 2; k++) begin : of
-    assign shape_now[k] = 3'(swap_i[k] ? cde_pkg::secondary_shape(int'(pair_i[k])) : cde_pkg::primary_shape(int'(pair_i[k])));
+    assign shape_now[k] = 3'(swap_i[k] ? pairs_pkg::secondary_shape(int'(pair_i[k])) :
+        pairs_pkg::primary_shape(int'(pair_i[k])));
   end
   if (PARALLEL != 0) begin : g_two
     logic [PRIMARIES-1:0] second;
-    assign second = (pair_i[1] != cde_pkg::NO_PAIR) ? {PRIMARIES{1'b1}} << split_i : '0;
+    assign second = (pair_i[1] != pairs_pkg::NO_PAIR) ? {PRIMARIES{1'b1}} << split_i : '0;
     assign bad_o = (verdicts[shape_now[0]] & ~second) | (verdicts[shape_now[1]] & second);
   end else begin : g_one
     logic unused_second;

@@ -1,25 +1,27 @@
-// Secondary register file: fetches slots FIRST..FIRST+COUNT-1 from DDR in order, or with TRANSFORM those of the objects in use, 9 words a
-// beat, checks them and holds them in a FIFO. A slot of more than 9 words takes two beats. The head stays until `pop_i`; with DEPTH
-// above the memory latency there is a slot for every clock that asks for one.
-// With TRANSFORM every slot goes through the transformer first: what is checked is what meets the primaries, so an overflow on the way
-// is bad input like any other.
-// Latency: the memory's, with TRANSFORM 1 clock and the transformer's, and shape_check's. Throughput: one beat a clock. Stall: requests
-// only what the FIFO has room for.
+// Secondary register file: fetches slots FIRST..FIRST+COUNT-1 from DDR in order, or with TRANSFORM those of the objects
+// in use, 9 words a beat, checks them and holds them in a FIFO. A slot of more than 9 words takes two beats. The head
+// stays until `pop_i`; with DEPTH above the memory latency there is a slot for every clock that asks for one.
+// With TRANSFORM every slot goes through the transformer first: what is checked is what meets the primaries, so an
+// overflow on the way is bad input like any other.
+// Latency: the memory's, with TRANSFORM 1 clock and the transformer's, and shape_check's. Throughput: one beat a clock.
+// Stall: requests only what the FIFO has room for.
 module secondary_regfile #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int DEPTH = 64,  // power of two
-    parameter int PAIRS = 1,
-    parameter int SWAP = 0,
-    parameter int TRANSFORM = 0,
-    parameter int OBJECTS = 0,  // entries of the object table, 0 without TRANSFORM
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int WORDS = cde_pkg::slot_words(PAIRS, 0, SWAP != 0),
-    localparam int BEAT = cde_pkg::DDR_WORDS,
+    parameter config_pkg::config_t CONFIG,
+    localparam int EXP = CONFIG.exp,
+    localparam int MAN = CONFIG.man,
+    localparam int PAIRS = CONFIG.pairs,
+    localparam int SWAP = CONFIG.swap,
+    localparam int TRANSFORM = CONFIG.transform,
+    localparam int LAT_ADD = CONFIG.lat_add,
+    localparam int LAT_MUL = CONFIG.lat_mul,
+    localparam int LAT_CMP = CONFIG.lat_cmp,
+    localparam ARITH = config_pkg::arith(CONFIG.host),
+    localparam int CW = formats_pkg::container(EXP, MAN),
+    localparam int WORDS = pairs_pkg::slot_words(PAIRS, 0, SWAP != 0),
+    localparam int BEAT = records_pkg::DDR_WORDS,
+    localparam int OBJECTS = (TRANSFORM != pairs_pkg::TRANSFORM_NONE) ? CONFIG.objects : 0,  // that a pass can have
+    localparam int T_TRANSFORM = pairs_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL),
+    localparam int DEPTH = (TRANSFORM != pairs_pkg::TRANSFORM_NONE && T_TRANSFORM > 16) ? 256 : 64,  // power of two
     localparam int OBJECT_W = (OBJECTS > 1) ? $clog2(OBJECTS) : 1
 ) (
     input logic clk_i,
@@ -28,9 +30,7 @@ module secondary_regfile #(
     input logic swap_i,
     input logic start_i,
     input logic stop_i,  // ask for nothing more and drop what comes
-    input logic [31:0] first_i,
-    input logic [31:0] count_i,
-    input logic [OBJECT_W:0] objects_i,  // 0: the range first_i, count_i
+    input card_pkg::pass_t pass_i,  // its objects, or its range
 
     // To the object table and the transformer, both outside: primaries use the transformer too.
     output logic [OBJECT_W-1:0] range_entry_o,
@@ -56,11 +56,12 @@ module secondary_regfile #(
     output logic idle_o             // nothing requested, nothing held
 );
   localparam int AW = $clog2(DEPTH);
-  localparam int SHAPES = 7;
-  localparam int T_CHECK = LAT_MUL + 3 * LAT_ADD + LAT_CMP;
-  localparam int T_MOVED = (TRANSFORM != 0) ? 1 + cde_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL) : 0;
+  localparam int SHAPES = pairs_pkg::SHAPES;
+  localparam int T_CHECK = config_pkg::check_latency(LAT_ADD, LAT_MUL, LAT_CMP);
+  localparam int T_MOVED = (TRANSFORM != 0) ? 1 + T_TRANSFORM : 0;
   localparam int T_CHECKED = T_MOVED + T_CHECK;
-  // The host back end answers at once: the slot takes its place in the FIFO early, and is counted when it would be there.
+  // The host back end answers at once: the slot takes its place in the FIFO early, and is counted when it would be
+  // there.
   localparam int T_PLACED = (ARITH == "rtl") ? T_CHECKED : (TRANSFORM != 0) ? 1 : 0;
   logic [WORDS:0][CW-1:0] fifo[DEPTH];  // verdict in front
   logic [AW:0] placed_q, write_q, read_q, asked_q;  // in the FIFO, shown, popped, requested (modulo 2*DEPTH)
@@ -72,16 +73,18 @@ module secondary_regfile #(
   logic two, second_q, slot_asked, asking, last_asked;
   logic [31:0] word, slot_number;
   logic [OBJECT_W-1:0] object;
-  assign shape = 3'(swap_i ? cde_pkg::primary_shape(int'(pair_i)) : cde_pkg::secondary_shape(int'(pair_i)));
-  assign words = 4'(cde_pkg::shape_words(int'(shape)));
+  assign shape = 3'(swap_i ? pairs_pkg::primary_shape(int'(pair_i)) : pairs_pkg::secondary_shape(int'(pair_i)));
+  assign words = 4'(pairs_pkg::shape_words(int'(shape)));
   assign two = WORDS > BEAT && 32'(words) > BEAT;
   assign ddr_read_o = asking && (asked_q - read_q) != (AW + 1)'(DEPTH);
   assign ddr_word_o = word + (second_q ? BEAT : 0);
   assign slot_asked = ddr_read_o && (!two || second_q);
   assign stop = (stop_i || stopping_q) && (!two || second_q == ddr_read_o);  // never after half a slot
   range_walk #(.ENTRIES(OBJECTS)) walk (
-      .clk_i, .rst_i, .start_i, .stop_i(stop), .step_i(slot_asked), .stride_i(words), .objects_i, .first_i, .count_i,
-      .entry_o(range_entry_o), .range_i, .valid_o(asking), .address_o(word), .slot_o(slot_number), .object_o(object), .last_o(last_asked));
+      .clk_i, .rst_i, .start_i, .stop_i(stop), .step_i(slot_asked), .stride_i(words),
+      .objects_i((OBJECT_W + 1)'(pass_i.objects)), .first_i(pass_i.first), .count_i(pass_i.count),
+      .entry_o(range_entry_o), .range_i, .valid_o(asking), .address_o(word), .slot_o(slot_number), .object_o(object),
+      .last_o(last_asked));
 
   // ---- Beats to slots ----
   logic [WORDS-1:0][CW-1:0] arrived;
@@ -138,7 +141,7 @@ module secondary_regfile #(
     logic [31:0] index_q, count_q;
     always_ff @(posedge clk_i) begin
       if (pop_i) index_q <= index_q + 1;
-      if (start_i) count_q <= count_i;
+      if (start_i) count_q <= pass_i.count;
       if (start_i) index_q <= 0;
     end
     assign transform_entry_o = '0;
@@ -154,14 +157,16 @@ module secondary_regfile #(
   // ---- The check ----
   logic [WORDS-1:0][CW-1:0] checked_slot;
   logic [SHAPES-1:0] verdicts;
-  align #(.W(WORDS * CW), .FROM(0), .TO(T_CHECK), .ARITH(ARITH)) align_slot (.clk_i, .d_i(unchecked), .q_o(checked_slot));
+  align #(.W(WORDS * CW), .FROM(0), .TO(T_CHECK), .ARITH(ARITH)) align_slot (.clk_i, .d_i(unchecked),
+      .q_o(checked_slot));
   for (genvar k = 0; k < SHAPES; k++) begin : check
-    if (cde_pkg::uses_shape(PAIRS, k, 0, SWAP != 0)) begin : g_there
-      localparam int N = cde_pkg::shape_words(k);
+    if (pairs_pkg::uses_shape(PAIRS, k, 0, SWAP != 0)) begin : g_there
+      localparam int N = pairs_pkg::shape_words(k);
       logic [N-1:0][0:0][CW-1:0] shape_words;
       logic [0:0][CW-1:0] verdict;
       assign shape_words = unchecked[N-1:0];
-      shape_check #(.SHAPE(k), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check_u (
+      shape_check #(.SHAPE(k), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+          .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check_u (
           .clk_i, .on_i(1'b1), .words_i(shape_words), .bad_o(verdict));
       assign verdicts[k] = verdict[0][0];
     end else begin : g_absent

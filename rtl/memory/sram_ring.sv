@@ -1,12 +1,15 @@
-// Result memory: a ring of records in SRAM, written by the update engine one record a clock, read by the local bus 64 bits a beat.
-// Beats are packed: with words of 32 bits the seventh of a record shares its beat with the first of the next one, so that two
-// records take seven beats. After a pass, and only then, a last record can be alone in that beat, with 0 beside it; the next
-// pass's records begin with a beat. Two records are fetched ahead so that beats follow each other without gaps.
-// Latency: 3 clocks from the first record to the first beat. Throughput: one record in, one beat out a clock. Stall: full_o.
+// Result memory: a ring of records in SRAM, written by the update engine one record a clock, read by the local bus 64
+// bits a beat.
+// Beats are packed: with words of 32 bits the seventh of a record shares its beat with the first of the next one, so
+// that two records take seven beats. After a pass, and only then, a last record can be alone in that beat, with 0
+// beside it; the next pass's records begin with a beat. Two records are fetched ahead so that beats follow each other
+// without gaps.
+// Latency: 3 clocks from the first record to the first beat. Throughput: one record in, one beat out a clock. Stall:
+// full_o.
 module sram_ring #(
     parameter int CW = 32,
     parameter int RECORDS = 524288,  // power of two
-    localparam int WORDS = cde_pkg::RECORD_WORDS,
+    localparam int WORDS = records_pkg::RECORD_WORDS,
     localparam int AW = $clog2(RECORDS)
 ) (
     input logic clk_i,

@@ -10,7 +10,7 @@
 `define BODY_BOX 1
 `define BODY_TRIANGLE 2
 
-// ---- Phases of a pass (host/include/cde/reference/cylinder/schedule.hpp) ----
+// ---- Phases of a pass (host/include/cde/reference/pipes/cylinder/schedule.hpp) ----
 `define PHASE_FRAME 4'd0
 `define PHASE_AXIS 4'd1
 `define PHASE_CENTRE 4'd2
@@ -43,7 +43,7 @@
 // ---- Latencies of parts ----
 `define LATENCY_NORMALISE (`DF_LAT_DOT + `DF_MAX2(LAT_CMP, LAT_SQRT + LAT_DIV) + LAT_MUL)
 `define LATENCY_RIM (`DF_LAT_CROSS + `DF_LAT_DOT + LAT_SQRT + `DF_MAX2(LAT_CMP, LAT_DIV) + 2 * LAT_MUL)
-`define LATENCY_REACH (cde_pkg::larger(`LATENCY_RIM, `DF_LAT_DOT + 2 * LAT_CMP) + LAT_ADD)
+`define LATENCY_REACH (formats_pkg::larger(`LATENCY_RIM, `DF_LAT_DOT + 2 * LAT_CMP) + LAT_ADD)
 `define LATENCY_EVALUATOR (`LATENCY_REACH + 2 * LAT_ADD)
 // The front's raw normal: cross products and the test for a usable one; of a polyhedron, from a vertex, or the test for
 // a flat triangle.
@@ -58,15 +58,15 @@
 `define LATENCY_TIE (LAT_ADD + `DF_LAT_DOT + LAT_ADD + 2 * LAT_MUL + 2 * LAT_CMP + LAT_ADD)
 `define LATENCY_ENDS ((BODY == `BODY_CYLINDER) ? `LATENCY_SLOPE + LAT_CMP : `DF_MAX2(`LATENCY_SLOPE, LAT_CMP) + \
   2 * LAT_CMP)
-`define LATENCY_CIRCLE cde_pkg::larger(`LATENCY_ENDS + `LATENCY_TIE, \
-  cde_pkg::larger(`LATENCY_SLOPE + 3 * LAT_MUL + 3 * LAT_ADD + LAT_DIV, \
+`define LATENCY_CIRCLE formats_pkg::larger(`LATENCY_ENDS + `LATENCY_TIE, \
+  formats_pkg::larger(`LATENCY_SLOPE + 3 * LAT_MUL + 3 * LAT_ADD + LAT_DIV, \
   `LATENCY_ENDS + `DF_LAT_CROSS) + `DF_LAT_DOT + LAT_CMP)
 `define LATENCY_POLE (3 * `DF_LAT_DOT + 4 * LAT_MUL + 3 * LAT_ADD + LAT_CMP + `DF_LAT_DOT + LAT_ADD + LAT_MUL + \
   `DF_MAX2(LAT_SQRT, LAT_MUL) + \
   LAT_DIV + 2 * LAT_CMP + LAT_MUL + LAT_ADD)
 `define LATENCY_NEWTON (4 * LAT_CMP + `DF_LAT_CROSS + `DF_LAT_DOT + 7 * LAT_MUL + 9 * LAT_ADD + LAT_SQRT + LAT_DIV)
 `define LATENCY_FREE `DF_MAX2(`LATENCY_POLE, `LATENCY_NEWTON)
-`define LATENCY_STEP ((BODY == `BODY_CYLINDER) ? cde_pkg::larger(`LATENCY_CIRCLE, `LATENCY_FREE) : `LATENCY_CIRCLE)
+`define LATENCY_STEP ((BODY == `BODY_CYLINDER) ? formats_pkg::larger(`LATENCY_CIRCLE, `LATENCY_FREE) : `LATENCY_CIRCLE)
 `define LATENCY_PROJECT_CYLINDER (LAT_ADD + `DF_LAT_DOT + `DF_MAX2(2 * `DF_LAT_CROSS + LAT_SQRT + LAT_DIV, LAT_CMP) + \
   LAT_CMP + LAT_MUL + 2 * LAT_ADD)
 `define LATENCY_PROJECT_BOX (`DF_LAT_DOT + 2 * LAT_CMP + LAT_MUL + 2 * LAT_ADD)

@@ -1,4 +1,4 @@
-// A step of a free track between two cylinders (reference/cylinder/search.hpp), from the normal that the pass has
+// A step of a free track between two cylinders (reference/pipes/cylinder/search.hpp), from the normal that the pass has
 // evaluated, (n, y, g): beside a cap axis (pole), along the steepest ascent t = y - g n by the Newton step of the
 // one-sided derivative, t taken from the other's nearer end or from between parallel axes; else Newton's step on the
 // sphere, (kappa_a va va^T + kappa_b vb vb^T + g) step = y - g n, damped. A step that does not raise g is undone and a

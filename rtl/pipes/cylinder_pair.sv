@@ -1,11 +1,12 @@
 // A cylinder, box or triangle against a cylinder: s_K, the largest gap g(n) over the normals that the budget pays for,
-// at most the signed gap s, so that F = 0 is a proof (host/include/cde/reference/cylinder/). F = (s_K <= 0), T = |s_K|,
-// n the normal, CP between the witness points. One pipeline, which a row of pairs goes round once a pass: a normal
+// at most the signed gap s, so that F = 0 is a proof (host/include/cde/reference/pipes/cylinder/). F = (s_K <= 0), T =
+// |s_K|, n the normal, CP between the witness points. One pipeline, which a row of pairs goes round once a pass: a
+// normal
 // (front), g for it and its opposite (evaluator), what the pair keeps of that (circle, free), and at the end the
 // witness points. RING rows are in flight, one a stage; what a row keeps lies in memories with a slot a row, read and
 // written by the stages that use it.
-// 257 add, 321 mul, 9 div, 8 sqrt, 34 compare, 18 min/max (cylinder); 200 add, 215 mul, 5 div, 4 sqrt, 33 compare, 16
-// min/max (box); 257 add, 268 mul, 8 div, 4 sqrt, 48 compare, 21 min/max (triangle). RING, latency at one clock an
+// 257 add, 321 mul, 9 div, 8 sqrt, 34 compare, 18 min/max (cylinder); 203 add, 215 mul, 5 div, 4 sqrt, 35 compare, 16
+// min/max (box); 260 add, 269 mul, 8 div, 4 sqrt, 54 compare, 21 min/max (triangle). RING, latency at one clock an
 // operator and the default budget: 64, 4,298; 64, 5,066; 70, 5,260.
 // Latency: ENTRY + passes * RING + FINISH clocks, latency_o, passes set by budget_i (schedule.hpp). Throughput: RING
 // rows in passes * RING clocks, a row a clock while slots are free. Stall: ready_o, low while the slot that comes by is
@@ -60,10 +61,10 @@ module cylinder_pair #(
   localparam int T_BETTER = T_EVALUATED + LAT_CMP;
   localparam int T_STEPPED = T_BETTER + `LATENCY_STEP;
   localparam int T_SLOPE = T_BETTER + `LATENCY_SLOPE;
-  localparam int T_END = cde_pkg::larger(T_STEPPED, T_EVALUATED + `LATENCY_CYLINDER_WITNESS);
+  localparam int T_END = formats_pkg::larger(T_STEPPED, T_EVALUATED + `LATENCY_CYLINDER_WITNESS);
   localparam int RING = T_END + 1;
-  localparam int RESULT = cde_pkg::larger(2 * LAT_MUL + 2 * LAT_ADD, LAT_CMP);
-  localparam int FINISH = RESULT + cde_pkg::unscale_latency(0, LAT_MUL, LAT_CMP);
+  localparam int RESULT = formats_pkg::larger(2 * LAT_MUL + 2 * LAT_ADD, LAT_CMP);
+  localparam int FINISH = RESULT + pairs_pkg::unscale_latency(0, LAT_MUL, LAT_CMP);
   // passes with M = K1 = K2 = 8
   localparam int INTERVAL = (BODY == `BODY_CYLINDER) ? 67 : (BODY == `BODY_BOX) ? 79 : 75;
   localparam int LATENCY = AHEAD + ENTRY + INTERVAL * RING + FINISH;
@@ -139,14 +140,14 @@ module cylinder_pair #(
   end
 
   // ---- Operands, brought to the size of one and relative to A's origin ----
-  localparam int SHAPE_A = (BODY == `BODY_CYLINDER) ? cde_pkg::SHAPE_CYLINDER : (BODY == `BODY_BOX) ?
-      cde_pkg::SHAPE_OBB : cde_pkg::SHAPE_TRIANGLE;
-  localparam int T_SCALED = cde_pkg::scale_latency(0, LAT_MUL, LAT_CMP);
+  localparam int SHAPE_A = (BODY == `BODY_CYLINDER) ? pairs_pkg::SHAPE_CYLINDER : (BODY == `BODY_BOX) ?
+      pairs_pkg::SHAPE_OBB : pairs_pkg::SHAPE_TRIANGLE;
+  localparam int T_SCALED = pairs_pkg::scale_latency(0, LAT_MUL, LAT_CMP);
   logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
   logic [7:0][LANES-1:0][CW-1:0] b;
   logic [LANES-1:0][CW-1:0] back, back_in, unused_t_back, back_mem[RING];
   length_scale #(
-      .SHAPE_A(SHAPE_A), .SHAPE_B(cde_pkg::SHAPE_CYLINDER), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL),
+      .SHAPE_A(SHAPE_A), .SHAPE_B(pairs_pkg::SHAPE_CYLINDER), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL),
       .LAT_CMP(LAT_CMP),
       .ARITH(ARITH)
   ) scale (.clk_i, .on_i(entered), .a_i, .b_i, .a_o(a), .b_o(b), .back_o(back), .t_back_o(unused_t_back));

@@ -47,7 +47,7 @@ module facet_choice #(
   logic [LANES-1:0][CW-1:0] minus_largest;
   logic [2:0][LANES-1:0][CW-1:0] largest_normal;
   for (genvar i = 0; i < COUNT; i++) begin : g_key
-    fp_sign #(`DF_FORMAT, .OP("neg")) sign (.a_i(gap_i[i]), .b_i(gap_i[i]), .r_o(minus_gap[i]));
+    fp_sign #(`DF_FORMAT, .OP(formats_pkg::SIGN_NEG)) sign (.a_i(gap_i[i]), .b_i(gap_i[i]), .r_o(minus_gap[i]));
   end
   least_tree #(`DF_FORMAT, .COUNT(COUNT), .WORDS(3), .LAT_CMP(LAT_CMP)) by_gap (
       .clk_i, .key_i(minus_gap), .payload_i(n_i), .key_o(minus_largest), .payload_o(largest_normal));

@@ -27,11 +27,13 @@ module gap_result #(
   logic [LANES-1:0][CW-1:0] f, t, zero;
   logic [2:0][LANES-1:0][CW-1:0] n, nan;
   assign zero = '0;
-  fp_cmp #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_CMP), .OP("le"), .ARITH(ARITH))
+  fp_cmp #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_CMP), .OP(formats_pkg::FP_LE), .ARITH(ARITH))
       cmp_s (.clk_i, .a_i(s_i), .b_i(zero), .m_o(f), .flags_o());
-  fp_sign #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("abs"), .ARITH(ARITH)) abs_s (.a_i(s_i), .b_i(s_i), .r_o(t));
+  fp_sign #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::SIGN_ABS), .ARITH(ARITH))
+      abs_s (.a_i(s_i), .b_i(s_i), .r_o(t));
   for (genvar k = 0; k < 3; k++) begin : g_canonical
-    fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("nan"), .ARITH(ARITH)) class_n (.a_i(n_i[k]), .m_o(nan[k]));
+    fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::CLASS_NAN), .ARITH(ARITH))
+        class_n (.a_i(n_i[k]), .m_o(nan[k]));
     lane_select #(.CW(CW), .LANES(LANES)) select_n (.m_i(nan[k]), .a_i({LANES{QNAN}}), .b_i(n_i[k]), .r_o(n[k]));
   end
   align #(.W(LANES * CW), .FROM(T_S + LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_f (.clk_i, .d_i(f), .q_o(f_o));

@@ -1,12 +1,12 @@
 // A pair brought to the size of one by an exact power of two, so that products of four lengths neither overflow nor
 // underflow, whatever size its operands have: every length times 2^-k, k the largest exponent of the lengths of both. A
 // ray's direction has an exponent kd of its own, and its interval is multiplied by 2^(kd - k). length_unscale.sv brings
-// the answer back. host/include/cde/reference/scale.hpp.
+// the answer back. host/include/cde/reference/pipes/scale.hpp.
 // Latency: LAT_CMP for the largest exponent and LAT_CMP for the shift, with a ray the larger of that and LAT_MUL; 0
 // with ARITH = "host".
 // Throughput: LANES pairs a clock. Stall: none.
 module length_scale #(
-    parameter int SHAPE_A = 0,  // cde_pkg::SHAPE_*
+    parameter int SHAPE_A = 0,  // pairs_pkg::SHAPE_*
     parameter int SHAPE_B = 0,
     parameter int EXP = 8,
     parameter int MAN = 23,
@@ -15,8 +15,8 @@ module length_scale #(
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int A_WORDS = cde_pkg::shape_words(SHAPE_A),
-    localparam int B_WORDS = cde_pkg::shape_words(SHAPE_B)
+    localparam int A_WORDS = pairs_pkg::shape_words(SHAPE_A),
+    localparam int B_WORDS = pairs_pkg::shape_words(SHAPE_B)
 ) (
     input logic clk_i,
     input logic on_i,  // 0: nobody looks at the result
@@ -28,32 +28,34 @@ module length_scale #(
     output logic [LANES-1:0][CW-1:0] t_back_o  // of a ray, the number 2^(k - kd)
 );
   /*verilator inline_module*/
-  localparam bit RAY = SHAPE_A == cde_pkg::SHAPE_RAY;
-  localparam int LATENCY = cde_pkg::scale_latency(RAY, LAT_MUL, LAT_CMP);
+  localparam bit RAY = SHAPE_A == pairs_pkg::SHAPE_RAY;
+  localparam int LATENCY = pairs_pkg::scale_latency(RAY, LAT_MUL, LAT_CMP);
   localparam int LW = LANES * CW;
-  localparam int LEAST = cde_pkg::length_low(EXP, MAN);
+  localparam int LEAST = formats_pkg::length_low(EXP, MAN);
 
   // ---- The largest, a tree: node i of 2i and 2i + 1, the words from N_LENGTHS on ----
-  localparam int N_A = cde_pkg::lengths(SHAPE_A);
-  localparam int N_LENGTHS = N_A + cde_pkg::lengths(SHAPE_B);
+  localparam int N_A = pairs_pkg::lengths(SHAPE_A);
+  localparam int N_LENGTHS = N_A + pairs_pkg::lengths(SHAPE_B);
   for (genvar i = 2 * N_LENGTHS - 1; i > 0; i--) begin : node
     logic [LANES-1:0][CW-1:0] size;
     if (i >= N_LENGTHS + N_A) begin : g_b
-      localparam int WORD = cde_pkg::length_word(SHAPE_B, i - N_LENGTHS - N_A);  // not a call of every clock
+      localparam int WORD = pairs_pkg::length_word(SHAPE_B, i - N_LENGTHS - N_A);  // not a call of every clock
       assign size = b_i[WORD];
     end else if (i >= N_LENGTHS) begin : g_a
-      localparam int WORD = cde_pkg::length_word(SHAPE_A, i - N_LENGTHS);
+      localparam int WORD = pairs_pkg::length_word(SHAPE_A, i - N_LENGTHS);
       assign size = a_i[WORD];
     end else begin : g_larger
-      fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("max"), .ARITH(ARITH)) larger (
+      fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MAX), .ARITH(ARITH)) larger (
           .on_i, .a_i(node[2*i].size), .b_i(node[2*i+1].size), .r_o(size));
     end
   end
   logic [LANES-1:0][CW-1:0] largest, down, back;
   align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_largest (.clk_i, .d_i(node[1].size), .q_o(largest));
-  fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("dwn"), .LEAST(LEAST), .ARITH(ARITH)) shift_down (
+  fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_DOWN), .LEAST(LEAST), .ARITH(ARITH))
+      shift_down (
       .on_i, .a_i(largest), .b_i('0), .r_o(down));
-  fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("upw"), .LEAST(LEAST), .ARITH(ARITH)) shift_back (
+  fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_UP), .LEAST(LEAST), .ARITH(ARITH))
+      shift_back (
       .on_i, .a_i(largest), .b_i('0), .r_o(back));
   align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_back (.clk_i, .d_i(back), .q_o(back_o));
 
@@ -62,12 +64,13 @@ module length_scale #(
   if (RAY) begin : g_ray
     localparam logic [CW-1:0] ONE = CW'((1 << (EXP - 1)) - 1) << MAN;
     logic [LANES-1:0][CW-1:0] xy, xyz, steepest, t_back;
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("max"), .ARITH(ARITH))
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MAX), .ARITH(ARITH))
         larger_xy (.on_i, .a_i(a_i[3]), .b_i(a_i[4]), .r_o(xy));
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("max"), .ARITH(ARITH))
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MAX), .ARITH(ARITH))
         larger_xyz (.on_i, .a_i(xy), .b_i(a_i[5]), .r_o(xyz));
     align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_steepest (.clk_i, .d_i(xyz), .q_o(steepest));
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("dwn"), .LEAST(LEAST), .ARITH(ARITH)) shift_ray (
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_DOWN), .LEAST(LEAST), .ARITH(ARITH))
+        shift_ray (
         .on_i, .a_i(steepest), .b_i('0), .r_o(ray_down));
     always_comb begin
       t_scale = '0;
@@ -86,9 +89,9 @@ module length_scale #(
 
   // ---- The words ----
   for (genvar k = 0; k < A_WORDS; k++) begin : word_a
-    localparam int KIND = cde_pkg::word_kind(SHAPE_A, k);
+    localparam int KIND = pairs_pkg::word_kind(SHAPE_A, k);
     logic [LANES-1:0][CW-1:0] late, scaled;
-    if (KIND == cde_pkg::WORD_PURE) begin : g_pure
+    if (KIND == pairs_pkg::WORD_PURE) begin : g_pure
       assign late = '0;
       assign scaled = '0;
       logic unused_word;
@@ -96,23 +99,23 @@ module length_scale #(
       align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_word (.clk_i, .d_i(a_i[k]), .q_o(a_o[k]));
     end else begin : g_scaled
       align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_word (.clk_i, .d_i(a_i[k]), .q_o(late));
-      if (KIND == cde_pkg::WORD_INTERVAL) begin : g_interval
+      if (KIND == pairs_pkg::WORD_INTERVAL) begin : g_interval
         fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH)) multiply (
             .clk_i, .a_i(late), .b_i(t_scale), .r_o(scaled), .flags_o());
         align #(.W(LW), .FROM(LAT_CMP + LAT_MUL), .TO(LATENCY), .ARITH(ARITH))
             align_scaled (.clk_i, .d_i(scaled), .q_o(a_o[k]));
       end else begin : g_length
-        fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("mov"), .ARITH(ARITH)) move (
-            .on_i, .a_i(late), .b_i((KIND == cde_pkg::WORD_DIRECTION) ? ray_down : down), .r_o(scaled));
+        fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH)) move (
+            .on_i, .a_i(late), .b_i((KIND == pairs_pkg::WORD_DIRECTION) ? ray_down : down), .r_o(scaled));
         align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(a_o[k]));
       end
     end
   end
   for (genvar k = 0; k < B_WORDS; k++) begin : word_b
-    if (cde_pkg::is_length(SHAPE_B, k)) begin : g_length
+    if (pairs_pkg::is_length(SHAPE_B, k)) begin : g_length
       logic [LANES-1:0][CW-1:0] late, scaled;
       align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_word (.clk_i, .d_i(b_i[k]), .q_o(late));
-      fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("mov"), .ARITH(ARITH))
+      fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH))
           move (.on_i, .a_i(late), .b_i(down), .r_o(scaled));
       align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(b_o[k]));
     end else begin : g_pure

@@ -26,14 +26,14 @@ module length_unscale #(
     output logic [2:0][LANES-1:0][CW-1:0] n_o
 );
   /*verilator inline_module*/
-  localparam int LATENCY = cde_pkg::unscale_latency(RAY, LAT_MUL, LAT_CMP);
+  localparam int LATENCY = pairs_pkg::unscale_latency(RAY, LAT_MUL, LAT_CMP);
   localparam int LW = LANES * CW;
   logic [LANES-1:0][CW-1:0] f, t;
   logic [2:0][LANES-1:0][CW-1:0] cp, cp_late;
   align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_f (.clk_i, .d_i(f_i), .q_o(f));
   align #(.W(3 * LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_n (.clk_i, .d_i(n_i), .q_o(n_o));
   for (genvar k = 0; k < 3; k++) begin : axis
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("mov"), .ARITH(ARITH))
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH))
         move (.on_i, .a_i(cp_i[k]), .b_i(back_i), .r_o(cp[k]));
   end
   align #(.W(3 * LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_cp (.clk_i, .d_i(cp), .q_o(cp_late));
@@ -44,9 +44,10 @@ module length_unscale #(
     fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH)) multiply (
         .clk_i, .a_i(t_i), .b_i(t_back_i), .r_o(t), .flags_o());
     align #(.W(LW), .FROM(LAT_MUL), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_late));
-    fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("fin"), .ARITH(ARITH)) is_finite (.a_i(t_late), .m_o(finite));
+    fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::CLASS_FINITE), .ARITH(ARITH))
+        is_finite (.a_i(t_late), .m_o(finite));
     for (genvar k = 0; k < 3; k++) begin : axis
-      fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("fin"), .ARITH(ARITH))
+      fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::CLASS_FINITE), .ARITH(ARITH))
           is_finite (.a_i(cp_i[k]), .m_o(near[k]));
     end
     align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_near (.clk_i, .d_i(near[0] & near[1] & near[2]),
@@ -57,7 +58,7 @@ module length_unscale #(
   end else begin : g_solid
     logic unused;
     assign unused = &{1'b0, t_back_i};
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("mov"), .ARITH(ARITH))
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH))
         move_t (.on_i, .a_i(t_i), .b_i(back_i), .r_o(t));
     align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_o));
     assign f_o = f;

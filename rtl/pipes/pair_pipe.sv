@@ -1,9 +1,9 @@
-// The pipe of a pair (cde_pkg::PAIR_*) behind one kind of mouth.
+// The pipe of a pair (pairs_pkg::PAIR_*) behind one kind of mouth.
 // Latency: that of the pipe, latency_o; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none,
 // runs free.
 module pair_pipe #(
     parameter int PAIR = 0,
-    parameter int ALGORITHM = 0,  // of ray-triangle, cde_pkg::ALGORITHM_*
+    parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
     parameter int BOX = 0,  // of ray-triangle, 1: a hit must lie in the triangle's box (ray_box.sv)
     parameter int HALF_SPACE = 0,  // of obb-plane, 1: the plane is the solid n.x <= d
     parameter int EXP = 8,
@@ -18,8 +18,8 @@ module pair_pipe #(
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int A_WORDS = cde_pkg::shape_words(cde_pkg::primary_shape(PAIR)),
-    localparam int B_WORDS = cde_pkg::shape_words(cde_pkg::secondary_shape(PAIR))
+    localparam int A_WORDS = pairs_pkg::shape_words(pairs_pkg::primary_shape(PAIR)),
+    localparam int B_WORDS = pairs_pkg::shape_words(pairs_pkg::secondary_shape(PAIR))
 ) (
     input logic clk_i,
     input logic enter_i,  // a pair comes; used with FACET_II = 3
@@ -32,10 +32,11 @@ module pair_pipe #(
     output logic [15:0] latency_o
 );
   /*verilator inline_module*/
-  if (HALF_SPACE != 0 && PAIR != int'(cde_pkg::PAIR_OBB_PLANE)) $error("pair_pipe: HALF_SPACE is of obb-plane");
-  if (BOX != 0 && !cde_pkg::has_box(PAIR)) $error("pair_pipe: BOX is of ray-triangle");
-  if (FACET_II != 1 && !cde_pkg::has_facets(PAIR)) $error("pair_pipe: FACET_II is of pairs with facets");
-  if (!cde_pkg::has_facets(PAIR)) begin : g_no_facets
+  if (HALF_SPACE != 0 && PAIR != int'(pairs_pkg::PAIR_OBB_PLANE)) $error("pair_pipe: HALF_SPACE is of obb-plane");
+  if (BOX != 0 && !pairs_pkg::has(pairs_pkg::BOX_PAIRS, PAIR)) $error("pair_pipe: BOX is of ray-triangle");
+  if (FACET_II != 1 && !pairs_pkg::has(pairs_pkg::FACET_PAIRS, PAIR))
+      $error("pair_pipe: FACET_II is of pairs with facets");
+  if (!pairs_pkg::has(pairs_pkg::FACET_PAIRS, PAIR)) begin : g_no_facets
     logic unused_enter;
     assign unused_enter = enter_i;
   end
@@ -51,46 +52,47 @@ module pair_pipe #(
       assign b[k] = {LANES{b_i[k][0]}};
     end
   end
-  if (PAIR == int'(cde_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(cde_pkg::ALGORITHM_MOLLER)) begin : g_pipe
+  if (PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(pairs_pkg::ALGORITHM_MOLLER)) begin : g_pipe
     logic unused_b;
     assign unused_b = &{1'b0, b};
     ray_triangle_moller #(`CDE_FORMAT, `CDE_TRIANGLE) pipe (
         .clk_i, .a_i, .b_i, .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
-  end else if (PAIR == int'(cde_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(cde_pkg::ALGORITHM_BADOUEL)) begin : g_pipe
+  end else if (PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) begin :
+      g_pipe
     ray_triangle_badouel #(`CDE_FORMAT, `CDE_TRIANGLE) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
-  end else if (PAIR == int'(cde_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(cde_pkg::ALGORITHM_PLUECKER)) begin :
+  end else if (PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(pairs_pkg::ALGORITHM_PLUECKER)) begin :
       g_pipe
     ray_triangle_pluecker #(`CDE_FORMAT, `CDE_TRIANGLE) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
-  end else if (PAIR == int'(cde_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(cde_pkg::ALGORITHM_WATERTIGHT)) begin :
+  end else if (PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(pairs_pkg::ALGORITHM_WATERTIGHT)) begin :
       g_pipe
     ray_triangle_watertight #(`CDE_FORMAT, `CDE_TRIANGLE) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
-  end else if (PAIR == int'(cde_pkg::PAIR_RAY_SPHERE)) begin : g_pipe
+  end else if (PAIR == int'(pairs_pkg::PAIR_RAY_SPHERE)) begin : g_pipe
     ray_sphere #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
-  end else if (PAIR == int'(cde_pkg::PAIR_RAY_CYLINDER)) begin : g_pipe
+  end else if (PAIR == int'(pairs_pkg::PAIR_RAY_CYLINDER)) begin : g_pipe
     ray_cylinder #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
-  end else if (PAIR == int'(cde_pkg::PAIR_SPHERE_SPHERE)) begin : g_pipe
+  end else if (PAIR == int'(pairs_pkg::PAIR_SPHERE_SPHERE)) begin : g_pipe
     sphere_sphere #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
-  end else if (PAIR == int'(cde_pkg::PAIR_OBB_OBB)) begin : g_pipe
+  end else if (PAIR == int'(pairs_pkg::PAIR_OBB_OBB)) begin : g_pipe
     obb_obb #(`CDE_FORMAT, .FACET_II(FACET_II), `CDE_LATENCIES) pipe (
         .clk_i, .enter_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
-  end else if (PAIR == int'(cde_pkg::PAIR_OBB_PLANE)) begin : g_pipe
+  end else if (PAIR == int'(pairs_pkg::PAIR_OBB_PLANE)) begin : g_pipe
     obb_plane #(`CDE_FORMAT, .HALF_SPACE(HALF_SPACE != 0), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP))
         pipe (
         .clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
-  end else if (PAIR == int'(cde_pkg::PAIR_SPHERE_OBB)) begin : g_pipe
+  end else if (PAIR == int'(pairs_pkg::PAIR_SPHERE_OBB)) begin : g_pipe
     sphere_obb #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
-  end else if (PAIR == int'(cde_pkg::PAIR_TRIANGLE_SPHERE)) begin : g_pipe
+  end else if (PAIR == int'(pairs_pkg::PAIR_TRIANGLE_SPHERE)) begin : g_pipe
     triangle_sphere #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
-  end else if (PAIR == int'(cde_pkg::PAIR_TRIANGLE_OBB)) begin : g_pipe
+  end else if (PAIR == int'(pairs_pkg::PAIR_TRIANGLE_OBB)) begin : g_pipe
     triangle_obb #(`CDE_FORMAT, .FACET_II(FACET_II), `CDE_LATENCIES) pipe (
         .clk_i, .enter_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
-  end else if (PAIR == int'(cde_pkg::PAIR_TRIANGLE_AABB)) begin : g_pipe
+  end else if (PAIR == int'(pairs_pkg::PAIR_TRIANGLE_AABB)) begin : g_pipe
     triangle_aabb #(`CDE_FORMAT, .FACET_II(FACET_II), `CDE_LATENCIES) pipe (
         .clk_i, .enter_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else begin : g_illegal

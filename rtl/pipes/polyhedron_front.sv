@@ -1,11 +1,12 @@
 // Front of a pass between a box or a triangle and a cylinder: the unit normal that the pass evaluates (front() of
-// reference/cylinder/search.hpp). Phases exclude each other and share operators:
+// reference/pipes/cylinder/search.hpp). Phases exclude each other and share operators:
 //   vertex    x = b x w, radial = x x b, with w = vertex - d      |x|^2, b.w     b (+-above |x|) + radial (|x| - r)
 //   side      q = e x b                                          |q|^2
-// sample w = e x u, c = e x q q.w, q.u one end of the arc (1 - tau) + other end tau
+//   sample    w = e x u, c = e x q                               q.w, q.u       one end of the arc (1 - tau) +
+//                                                                               other end tau
 //   refine    w = e x next, c = w x e
 //   frame     e1 x e2 (triangle)                                 |e1 x e2|^2, e1.e1
-// 26 add, 31 mul, 1 div, 2 sqrt, 4 compare (box); 22 add, 36 mul, 1 div, 2 sqrt, 7 compare (triangle).
+// 29 add, 31 mul, 1 div, 2 sqrt, 6 compare (box); 25 add, 36 mul, 1 div, 2 sqrt, 11 compare (triangle).
 // Latency: LATENCY_FRONT clocks; 0 with ARITH = "host". Throughput: one normal a lane a clock. Stall: none, runs free.
 `include "cylinder.svh"
 module polyhedron_front #(
@@ -143,16 +144,30 @@ module polyhedron_front #(
   `DF_MUL(axial_size, above, rho)
   `DF_MOVE_SIGN(axial, z, axial_size)
 
-  // ---- A sample: the arcs' ends are u, f, w, f2, -u, f the one of +-q, +-c between u and w ----
+  // ---- A sample: the arcs' ends are u, f, w, f2, -u, f the one of +-q, +-c between u and w, or the middle where that
+  // is u or w ----
   `DF_NEGATIVE(qu_negative, z)
   `DF_NEGATIVE(qw_negative, xx)
-  `DF_LOGIC(differ, qu_negative, qw_negative, "eor")
+  `DF_LOGIC(differ, qu_negative, qw_negative, formats_pkg::WIRE_XOR)
   `DF_VNEG(minus_q, q)
   `DF_VNEG(minus_u, u)
   `DF_VSELECT(f_plus, differ, c, q)
   `DF_VSELECT(f2_plus, differ, minus_q, c)
-  `DF_VFLIP(f, z, f_plus)
-  `DF_VFLIP(f2, z, f2_plus)
+  `DF_VFLIP(f_kink, z, f_plus)
+  `DF_VFLIP(f2_kink, z, f2_plus)
+  `undef DF_ON
+  `define DF_ON (phase == `PHASE_SAMPLE)
+  `DF_CONST(narrow, `DF_POWER_OF_TWO(-15))
+  `DF_ABS(qu_size, z)
+  `DF_ABS(qw_size, xx)
+  `DF_LE(at_w, qu_size, narrow)
+  `DF_LE(at_u, qw_size, narrow)
+  `DF_OR(no_width, at_w, at_u)
+  `DF_CONTROL(ahead, arc_now < 2, 0)
+  `DF_VCHOOSE(aside, ahead, u, minus_u)
+  `DF_VADD(middle, x, aside)
+  `DF_VSELECT(f, no_width, middle, f_kink)
+  `DF_VSELECT(f2, no_width, middle, f2_kink)
   `DF_VCHOOSE(from2, arc2, x, f2)
   `DF_VCHOOSE(from1, arc1, f, from2)
   `DF_VCHOOSE(from, arc0, u, from1)
@@ -203,7 +218,13 @@ module polyhedron_front #(
     `DF_LE(drowned, xx, bound)
     `DF_LT(shorter, z, e22)
     `DF_VSELECT(longer, shorter, e2, e1)
-    `DF_ACROSS(other, longer)
+    // A point has no edge, and needs a normal of B's axis.
+    `DF_CONST(least, CW'(3) << MAN)
+    `DF_LT(e1_none, z, least)
+    `DF_LT(e2_none, e22, least)
+    `DF_AND(point, e1_none, e2_none)
+    `DF_VSELECT(longer_or_b, point, b, longer)
+    `DF_ACROSS(other, longer_or_b)
     `DF_VSELECT(face_n, vanish, other, x)
     `DF_VCHOOSE(framed_n, first, face_n, raw_n)
     `DF_AT(drowned_late, drowned, T_vanish)

@@ -1,7 +1,8 @@
 // Nearest point of the box around the origin, or of the triangle with v0 at the origin: of its plane if that lies
-// inside, else of an edge; an edge or a triangle without length or area is selected away by its NaN, and v0 remains.
-// Or, where `feature` is set, nearest point of the vertex, edge or face that n touches, up to `near` radian.
-// 18 add, 27 mul, 3 compare, 6 min/max (box); 80 add, 87 mul, 3 div, 11 compare, 7 min/max (triangle).
+// inside and is no farther, else of an edge; an edge or a triangle without length or area is selected away by its NaN,
+// and v0 remains. Or, where `feature` is set, nearest point of the vertex, edge or face that n touches, up to `near`
+// radian.
+// 18 add, 27 mul, 3 compare, 6 min/max (box); 80 add, 88 mul, 3 div, 13 compare, 7 min/max (triangle).
 // Latency: LATENCY_PROJECT clocks from x; 0 with ARITH = "host". Throughput: one point a lane a clock. Stall: none,
 // runs free.
 `include "cylinder.svh"
@@ -82,13 +83,13 @@ module project_polyhedron #(
     `DF_MSUB(w, xs, from)
     `DF_MDOT(we, w, edges)
     `DF_MDOT(ee, edges, edges)
-    `DF_BINARY3(ratio, we, ee, "div", LAT_DIV)
+    `DF_BINARY3(ratio, we, ee, formats_pkg::FP_DIV, LAT_DIV)
     `DF_VCLAMP(t, ratio, v0, ones)
     `DF_MSCALE(part, edges, t)
     localparam int T_p = T_part + LAT_ADD;
     `DF_MATRIX p;
     for (genvar k = 0; k < 9; k++) begin : on_edge
-      df_operator #(`DF_FORMAT, .OP("add"), .T_A(0), .T_B(T_part), .LAT(LAT_ADD)) op (
+      df_operator #(`DF_FORMAT, .OP(formats_pkg::FP_ADD), .T_A(0), .T_B(T_part), .LAT(LAT_ADD)) op (
           .clk_i, .on_i(`DF_ON), .a_i(from[k/3][k%3]), .b_i(part[k/3][k%3]), .r_o(p[k/3][k%3]));
     end
     `DF_MSUB(r, xs, p)
@@ -160,7 +161,13 @@ module project_polyhedron #(
     `DF_DOT(height, x, face)
     `DF_VSCALE(drop, face, height)
     `DF_VSUB(plane, x, drop)
-    `DF_VSELECT(nearest, above_it, plane, best2)
+    // No farther than the best of edges and vertex, as the plane of a sliver may be, whose normal is off.
+    `DF_MUL(drop_squared, height, height)
+    `DF_LE(no_farther1, drop_squared, least1)
+    `DF_LE(no_farther2, drop_squared, rr2)
+    `DF_SELECT(no_farther, nearer2, no_farther2, no_farther1)
+    `DF_AND(of_plane, above_it, no_farther)
+    `DF_VSELECT(nearest, of_plane, plane, best2)
     `DF_VAT(r_end, nearest, T_X + `LATENCY_PROJECT)
     assign r_o = r_end;
   end

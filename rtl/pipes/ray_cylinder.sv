@@ -1,8 +1,8 @@
 // Ray against the surface of a solid cylinder with flat caps: the stretch within the infinite cylinder, A t^2 + 2 B t +
 // C <= 0, and the stretch between the planes of the caps are intersected. n = d x a, m = w x a; all is divided by A
 // first, so that no product has more than two lengths; the discriminant is r^2/A - (e/A)^2, B^2 - AC by Lagrange's
-// identity, with e taken without the part of w along the axis. A = 0 (1/A = inf) and d.a = 0 bound nothing, or leave
-// nothing.
+// identity, with e taken without the part of w along the axis. Along the axis (A = 0, or so little that r^2/A = inf)
+// and across it (d.a = 0) nothing is bounded, or nothing is left.
 // 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 10 compare, 3 min/max.
 // Latency: latency_o clocks (21 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock.
 // Stall: none, runs free.
@@ -79,7 +79,7 @@ module ray_cylinder #(
   `DF_NEGATIVE(backwards, bb)
   `DF_SELECT(first, backwards, cq, q)
   `DF_SELECT(last, backwards, q, cq)
-  `DF_LT(slanted, ia, inf)
+  `DF_LT(slanted, rri, inf)
   `DF_SELECT(lateral_low, slanted, first, minus_inf)
   `DF_SELECT(lateral_high, slanted, last, inf)
   `DF_LE(line_meets, zero, discriminant)

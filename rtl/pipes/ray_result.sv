@@ -40,12 +40,12 @@ module ray_result #(
     if (FINITE == 2 || (FINITE == 1 && k < 3)) begin : g_look
       logic [LANES-1:0][CW-1:0] x;
       assign x = (k < 3) ? cp[k%3] : t;
-      `CDE_CLASS(finite, "fin", x, is_finite[k])
+      `CDE_CLASS(finite, formats_pkg::CLASS_FINITE, x, is_finite[k])
     end else begin : g_known
       assign is_finite[k] = '1;
     end
   end
-  `CDE_CLASS(t_zero, "nze", t, not_zero)
+  `CDE_CLASS(t_zero, formats_pkg::CLASS_NONZERO, t, not_zero)
   `undef CDE_CLASS
   `DF_IN(finite_cp, is_finite[0] & is_finite[1] & is_finite[2], T_CP)
   `DF_IN(finite_t, is_finite[3], T_T)

@@ -98,27 +98,27 @@ module ray_triangle_moller #(
   assign zero = '0;
   `define CDE_SIGN(NAME, OPERATION, A, B, R) \
     fp_sign #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(OPERATION), .ARITH(ARITH)) NAME (.a_i(A), .b_i(B), .r_o(R));
-  `CDE_SIGN(abs_det, "abs", det, zero, det_abs)
-  `CDE_SIGN(flip_u, "xor", u, det, u_flip)
-  `CDE_SIGN(flip_v, "xor", v, det, v_flip)
+  `CDE_SIGN(abs_det, formats_pkg::SIGN_ABS, det, zero, det_abs)
+  `CDE_SIGN(flip_u, formats_pkg::SIGN_XOR, u, det, u_flip)
+  `CDE_SIGN(flip_v, formats_pkg::SIGN_XOR, v, det, v_flip)
   `CDE_ALIGN(align_det, LANES * CW, T_DOT, T_UV, det, det_uv)
-  `CDE_SIGN(abs_det_uv, "abs", det_uv, zero, det_abs_uv)
-  `CDE_SIGN(flip_uv, "xor", uv, det_uv, uv_flip)
+  `CDE_SIGN(abs_det_uv, formats_pkg::SIGN_ABS, det_uv, zero, det_abs_uv)
+  `CDE_SIGN(flip_uv, formats_pkg::SIGN_XOR, uv, det_uv, uv_flip)
   logic [LANES-1:0][CW-1:0] u_lo, u_hi, v_lo, v_hi, det_nz, uv_hi, t_lo, t_hi;
-  `CDE_CMP(cmp_u_lo, "le", zero, u_flip, u_lo)
-  `CDE_CMP(cmp_u_hi, "le", u_flip, det_abs, u_hi)
-  `CDE_CMP(cmp_v_lo, "le", zero, v_flip, v_lo)
-  `CDE_CMP(cmp_v_hi, "le", v_flip, det_abs, v_hi)
-  `CDE_CMP(cmp_det, "lt", zero, det_abs, det_nz)
-  `CDE_CMP(cmp_uv, "le", uv_flip, det_abs_uv, uv_hi)
+  `CDE_CMP(cmp_u_lo, formats_pkg::FP_LE, zero, u_flip, u_lo)
+  `CDE_CMP(cmp_u_hi, formats_pkg::FP_LE, u_flip, det_abs, u_hi)
+  `CDE_CMP(cmp_v_lo, formats_pkg::FP_LE, zero, v_flip, v_lo)
+  `CDE_CMP(cmp_v_hi, formats_pkg::FP_LE, v_flip, det_abs, v_hi)
+  `CDE_CMP(cmp_det, formats_pkg::FP_LT, zero, det_abs, det_nz)
+  `CDE_CMP(cmp_uv, formats_pkg::FP_LE, uv_flip, det_abs_uv, uv_hi)
 
   // ---- Distance and point ----
   logic [LANES-1:0][CW-1:0] t, t_select, t_finite, t_not_zero, cp_finite;
   logic [2:0][LANES-1:0][CW-1:0] td, cp, cp_select;
   fp_div #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_DIV), .ARITH(ARITH), .CANON(0)) div_t (
       .clk_i, .a_i(tn), .b_i(det), .r_o(t), .flags_o());
-  `CDE_CMP(cmp_t_lo, "le", tmin_t, t, t_lo)
-  `CDE_CMP(cmp_t_hi, "le", t, tmax_t, t_hi)
+  `CDE_CMP(cmp_t_lo, formats_pkg::FP_LE, tmin_t, t, t_lo)
+  `CDE_CMP(cmp_t_hi, formats_pkg::FP_LE, t, tmax_t, t_hi)
   vec_scale #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(0)) scale_d (
       .clk_i, .a_i(d_t), .s_i(t), .r_o(td));
   vec_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .ARITH(ARITH), .CANON(0)) add_cp (
@@ -132,7 +132,7 @@ module ray_triangle_moller #(
   end else begin : g_look
     fp_finite #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ARITH(ARITH)) finite (.a_i(cp), .m_o(cp_finite));
   end
-  `CDE_CLASS(t_zero, "nze", t, t_not_zero)
+  `CDE_CLASS(t_zero, formats_pkg::CLASS_NONZERO, t, t_not_zero)
   logic [LANES-1:0][CW-1:0] in_edges, in_edges_uv, in_uv, in_uv_all, in_range, in_range_all, in_all, finite_all,
       met_all, hit_select;
   assign in_edges = u_lo & u_hi & v_lo & v_hi & det_nz;

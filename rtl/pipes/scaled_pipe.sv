@@ -1,5 +1,5 @@
 // The pipe of a pair (pair_pipe.sv), with the pair brought to the size of one in front of it and its answer brought
-// back behind it, where cde_pkg::scaled says so; elsewhere the pipe alone.
+// back behind it, where pairs_pkg::scaled says so; elsewhere the pipe alone.
 // Latency: that of the pipe, of length_scale.sv and of length_unscale.sv, latency_o; 0 with ARITH = "host". Throughput:
 // LANES pairs in FACET_II clocks. Stall: none, runs free.
 module scaled_pipe #(
@@ -19,8 +19,8 @@ module scaled_pipe #(
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int A_WORDS = cde_pkg::shape_words(cde_pkg::primary_shape(PAIR)),
-    localparam int B_WORDS = cde_pkg::shape_words(cde_pkg::secondary_shape(PAIR))
+    localparam int A_WORDS = pairs_pkg::shape_words(pairs_pkg::primary_shape(PAIR)),
+    localparam int B_WORDS = pairs_pkg::shape_words(pairs_pkg::secondary_shape(PAIR))
 ) (
     input logic clk_i,
     input logic enter_i,
@@ -33,7 +33,7 @@ module scaled_pipe #(
     output logic [15:0] latency_o
 );
   /*verilator inline_module*/
-  localparam bit SCALED = cde_pkg::scaled(PAIR, EXP);
+  localparam bit SCALED = pairs_pkg::scaled(PAIR, EXP);
   localparam int INNER_B = SCALED ? LANES : B_LANES;
   localparam int LW = LANES * CW;
   logic enter;
@@ -49,8 +49,8 @@ module scaled_pipe #(
       .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) pipe (.clk_i, .enter_i(enter), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
   if (SCALED) begin : g_scaled
-    localparam int SHAPE_A = cde_pkg::primary_shape(PAIR);
-    localparam bit RAY = SHAPE_A == cde_pkg::SHAPE_RAY;
+    localparam int SHAPE_A = pairs_pkg::primary_shape(PAIR);
+    localparam bit RAY = SHAPE_A == pairs_pkg::SHAPE_RAY;
     logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_own;  // a secondary a lane
     for (genvar k = 0; k < B_WORDS; k++) begin : word
       if (B_LANES == LANES) begin : g_own
@@ -61,7 +61,7 @@ module scaled_pipe #(
     end
     logic [LANES-1:0][CW-1:0] back, t_back, back_late, t_back_late;
     length_scale #(
-        .SHAPE_A(SHAPE_A), .SHAPE_B(cde_pkg::secondary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES),
+        .SHAPE_A(SHAPE_A), .SHAPE_B(pairs_pkg::secondary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES),
         .LAT_MUL(LAT_MUL),
         .LAT_CMP(LAT_CMP), .ARITH(ARITH)
     ) scale (.clk_i, .on_i(1'b1), .a_i, .b_i(b_own), .a_o(a), .b_o(b), .back_o(back), .t_back_o(t_back));
@@ -69,8 +69,8 @@ module scaled_pipe #(
         .ARITH(ARITH)) unscale (
         .clk_i, .on_i(1'b1), .back_i(back_late), .t_back_i(t_back_late), .f_i(f), .t_i(t), .cp_i(cp), .n_i(n), .f_o,
         .t_o, .cp_o, .n_o);
-    localparam int FRONT = cde_pkg::scale_latency(RAY, LAT_MUL, LAT_CMP);
-    assign latency_o = latency + 16'(FRONT + cde_pkg::unscale_latency(RAY, LAT_MUL, LAT_CMP));
+    localparam int FRONT = pairs_pkg::scale_latency(RAY, LAT_MUL, LAT_CMP);
+    assign latency_o = latency + 16'(FRONT + pairs_pkg::unscale_latency(RAY, LAT_MUL, LAT_CMP));
     if (ARITH == "rtl") begin : g_late  // the pipe's own time is a number of its port, not a parameter
       localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_SQRT + LAT_CMP + 4) / 5;
       logic unused_valid;

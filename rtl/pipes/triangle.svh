@@ -4,7 +4,7 @@
 `include "convex.svh"
 
 // For stage times that are made of others: a macro that has its arguments twice grows too fast.
-`define LARGER(A, B) cde_pkg::larger(A, B)
+`define LARGER(A, B) formats_pkg::larger(A, B)
 
 // ---- Stage times of the outputs of triangle_parts, from the vertices: edges, 1 / f.f, which edge is longest, normal
 `define TRIANGLE_T_F (LAT_ADD)

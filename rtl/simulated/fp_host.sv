@@ -3,7 +3,7 @@
 // timing outside is that of the gates while nothing inside is stored from clock to clock (see docs/architecture.md).
 // Latency: 0. Throughput: one result a lane a clock. Stall: none.
 module fp_host #(
-    parameter int OP = 0,      // code of host_fp.h: 0 add, 1 sub, 2 mul, 3 div, 4 sqrt, 5 lt, 6 le, 7 eq, 8 min, 9 max
+    parameter int OP = formats_pkg::FP_ADD,
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,

@@ -1,22 +1,24 @@
-// Object table: ENTRIES entries of a range of slots and a rigid transform (cde_pkg::OBJECT_*), written by the local bus 64 bits a beat
-// into two block RAMs. Every entry is checked when it is written: its range against the memory that the slots lie in, its rotation to be
-// orthonormal as an OBB's must be, its translation to be finite, and for AABBs the rotation to be the identity. An entry never written is
-// out of contract. The range takes effect with its second word, the transform with its last.
-// Latency: ranges and transforms are read in 1 clock; verdicts of transforms take shape_check's latency (busy_o). Throughput: one beat
-// written, one range and one transform read a clock. Stall: none.
+// Object table: ENTRIES entries of a range of slots and a rigid transform (records_pkg::OBJECT_*), written by the local
+// bus 64 bits a beat into two block RAMs. Every entry is checked when it is written: its range against the memory that
+// the slots lie in, its rotation to be orthonormal as an OBB's must be, its translation to be finite, and for AABBs the
+// rotation to be the identity. An entry never written is out of contract. The range takes effect with its second word,
+// the transform with its last.
+// Latency: ranges and transforms are read in 1 clock; verdicts of transforms take shape_check's latency (busy_o).
+// Throughput: one beat written, one range and one transform read a clock. Stall: none.
 module object_table #(
+    parameter config_pkg::config_t CONFIG,
     parameter int ENTRIES = 1024,  // 2 to 2,048
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int PAIRS = 1,
-    parameter int SWAP = 0,
     parameter int PRIMARY = 0,  // 1: slots of primaries, CAPACITY of them; 0: slots in a memory of CAPACITY words
     parameter int CAPACITY = 1,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
+    localparam int EXP = CONFIG.exp,
+    localparam int MAN = CONFIG.man,
+    localparam int PAIRS = CONFIG.pairs,
+    localparam int SWAP = CONFIG.swap,
+    localparam int LAT_ADD = CONFIG.lat_add,
+    localparam int LAT_MUL = CONFIG.lat_mul,
+    localparam int LAT_CMP = CONFIG.lat_cmp,
+    localparam ARITH = config_pkg::arith(CONFIG.host),
+    localparam int CW = formats_pkg::container(EXP, MAN),
     localparam int ENTRY_W = $clog2(ENTRIES)
 ) (
     input logic clk_bus_i,   // gated: runs while a beat is served
@@ -40,10 +42,8 @@ module object_table #(
     output logic [8:0][CW-1:0] rotation_o,
     output logic [2:0][CW-1:0] translation_o
 );
-  import cde_pkg::*;
-  localparam int SHAPES = 7;
-  localparam int BEATS = OBJECT_WORDS * CW / 64;
-  localparam int USED = (OBJECT_END * CW + 63) / 64;  // beats that hold words
+  localparam int BEATS = records_pkg::OBJECT_WORDS * CW / 64;
+  localparam int USED = (records_pkg::OBJECT_END * CW + 63) / 64;  // beats that hold words
   localparam int T_CHECK = LAT_MUL + 3 * LAT_ADD + LAT_CMP;
   localparam logic [CW-1:0] ONE = CW'((1 << (EXP - 1)) - 1) << MAN;
   localparam logic [CW-1:0] SIGN = CW'(1) << (EXP + MAN);
@@ -54,7 +54,7 @@ module object_table #(
   // ---- Words gather in a staging register ----
   logic [31:0] beat;
   logic [ENTRY_W-1:0] entry, entry_q;
-  logic [OBJECT_END-1:0][CW-1:0] words, words_q;
+  logic [records_pkg::OBJECT_END-1:0][CW-1:0] words, words_q;
   logic [1:0][31:0] range;
   logic transform_write, commit_q;
   assign beat = (addr_i >> 3) % 32'(BEATS);
@@ -62,9 +62,9 @@ module object_table #(
   for (genvar b = 0; b < USED; b++) begin : gather
     assign words[b*64/CW+:64/CW] = (beat == 32'(b)) ? data_i : words_q[b*64/CW+:64/CW];
   end
-  assign range = {words[OBJECT_COUNT][31:0], words[OBJECT_FIRST][31:0]};
-  assign range_write_o = write_i && beat == 32'(OBJECT_COUNT * CW / 64);
-  assign transform_write = write_i && beat == 32'((OBJECT_END - 1) * CW / 64);
+  assign range = {words[records_pkg::OBJECT_COUNT][31:0], words[records_pkg::OBJECT_FIRST][31:0]};
+  assign range_write_o = write_i && beat == 32'(records_pkg::OBJECT_COUNT * CW / 64);
+  assign transform_write = write_i && beat == 32'((records_pkg::OBJECT_END - 1) * CW / 64);
   always_ff @(posedge clk_bus_i) begin
     commit_q <= transform_write && !rst_i;
     if (write_i) words_q <= words;
@@ -76,7 +76,7 @@ module object_table #(
   logic [11:0][CW-1:0] transforms[ENTRIES];
   always_ff @(posedge clk_bus_i) begin
     if (range_write_o) ranges[entry] <= range;
-    if (transform_write) transforms[entry] <= words[OBJECT_END-1:OBJECT_ROTATION];
+    if (transform_write) transforms[entry] <= words[records_pkg::OBJECT_END-1:records_pkg::OBJECT_ROTATION];
   end
   always_ff @(posedge clk_i) range_o <= ranges[range_entry_i];
   always_ff @(posedge clk_moving_i) {translation_o, rotation_o} <= transforms[transform_entry_i];
@@ -88,14 +88,20 @@ module object_table #(
   logic [14:0][0:0][CW-1:0] box;  // an OBB with that rotation, at the place of the translation
   logic [0:0][CW-1:0] bad;
   check_clock #(.NUMBER_W(ENTRY_W), .T_CHECK(T_CHECK)) check_time (
-      .clk_i(clk_core_i), .rst_i, .commit_i(commit_q), .number_i(entry_q), .clk_o(clk_check), .busy_o, .judged_o(judged), .number_o(judged_entry));
-  assign box = {words_q[OBJECT_TRANSLATION-1:OBJECT_ROTATION], {3{ONE}}, words_q[OBJECT_END-1:OBJECT_TRANSLATION]};
-  shape_check #(.SHAPE(SHAPE_OBB), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check (
+      .clk_i(clk_core_i), .rst_i, .commit_i(commit_q), .number_i(entry_q), .clk_o(clk_check), .busy_o,
+      .judged_o(judged), .number_o(judged_entry));
+  assign box = {words_q[records_pkg::OBJECT_TRANSLATION-1:records_pkg::OBJECT_ROTATION], {3{ONE}},
+      words_q[records_pkg::OBJECT_END-1:records_pkg::OBJECT_TRANSLATION]};
+  shape_check #(.SHAPE(pairs_pkg::SHAPE_OBB), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check (
       .clk_i(clk_check), .on_i(1'b1), .words_i(box), .bad_o(bad));
-  align #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i(clk_check), .d_i(bad[0][0]), .q_o(bad_judged));
+  align #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i(clk_check), .d_i(bad[0][0]),
+      .q_o(bad_judged));
   always_comb begin
     turned = 0;
-    for (int k = 0; k < 9; k++) turned = turned | (((k % 4 == 0) ? words_q[OBJECT_ROTATION+k] ^ ONE : words_q[OBJECT_ROTATION+k] & ~SIGN) != 0);
+    for (int k = 0; k < 9; k++) turned = turned | (((k % 4 == 0) ?
+        words_q[records_pkg::OBJECT_ROTATION+k] ^ ONE :
+            words_q[records_pkg::OBJECT_ROTATION+k] & ~SIGN) != 0);
   end
   always_ff @(posedge clk_check) begin
     if (judged) bad_transform_q[judged_entry] <= bad_judged;
@@ -103,10 +109,10 @@ module object_table #(
     if (rst_i) bad_transform_q <= '1;
   end
 
-  logic [SHAPES-1:0][ENTRIES-1:0] bad_shape;
-  for (genvar k = 0; k < SHAPES; k++) begin : shape
-    if (uses_shape(PAIRS, k, PRIMARY != 0, SWAP != 0)) begin : g_there
-      localparam int SLOTS = (PRIMARY != 0) ? CAPACITY : CAPACITY / shape_words(k);
+  logic [pairs_pkg::SHAPES-1:0][ENTRIES-1:0] bad_shape;
+  for (genvar k = 0; k < pairs_pkg::SHAPES; k++) begin : shape
+    if (pairs_pkg::uses_shape(PAIRS, k, PRIMARY != 0, SWAP != 0)) begin : g_there
+      localparam int SLOTS = (PRIMARY != 0) ? CAPACITY : CAPACITY / pairs_pkg::shape_words(k);
       logic [ENTRIES-1:0] bad_range_q;
       logic [32:0] stop;
       assign stop = {1'b0, range[0]} + {1'b0, range[1]};
@@ -114,7 +120,7 @@ module object_table #(
         if (range_write_o) bad_range_q[entry] <= range[1] == 0 || stop > 33'(SLOTS);
         if (rst_i) bad_range_q <= '1;
       end
-      assign bad_shape[k] = bad_range_q | bad_transform_q | ((k == SHAPE_AABB) ? turned_q : '0);
+      assign bad_shape[k] = bad_range_q | bad_transform_q | ((k == pairs_pkg::SHAPE_AABB) ? turned_q : '0);
     end else begin : g_absent
       assign bad_shape[k] = '1;
     end

@@ -1,23 +1,25 @@
-// What moves objects: the object tables of secondaries and, with TRANSFORM = 2, of primaries, the one transformer that both go through,
-// and the poser of primaries. Secondaries are transformed on their way into the secondary register file, primaries before a pass.
+// What moves objects: the object tables of secondaries and, with TRANSFORM = 2, of primaries, the one transformer that
+// both go through, and the poser of primaries. Secondaries are transformed on their way into the secondary register
+// file, primaries before a pass.
 // Latency: 1 clock (the RAMs), then the transformer's. Throughput: one slot a clock. Stall: none.
 module objects #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int PRIMARIES = 256,
-    parameter int PAIRS = 1,
-    parameter int SWAP = 0,
-    parameter int TRANSFORM = 1,  // 1: secondaries, 2: primaries too
-    parameter int OBJECTS = 1024,
-    parameter int PRIM_OBJECTS = 64,
-    parameter int DDR_SLOTS = 55555555,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int SEC_WORDS = cde_pkg::slot_words(PAIRS, 0, SWAP != 0),
-    localparam int PRIM_WORDS = cde_pkg::slot_words(PAIRS, 1, SWAP != 0),
+    parameter config_pkg::config_t CONFIG,
+    localparam int EXP = CONFIG.exp,
+    localparam int MAN = CONFIG.man,
+    localparam int PRIMARIES = CONFIG.primaries,
+    localparam int PAIRS = CONFIG.pairs,
+    localparam int SWAP = CONFIG.swap,
+    localparam int TRANSFORM = CONFIG.transform,
+    localparam int OBJECTS = CONFIG.objects,
+    localparam int PRIM_OBJECTS = CONFIG.prim_objects,
+    localparam int LAT_ADD = CONFIG.lat_add,
+    localparam int LAT_MUL = CONFIG.lat_mul,
+    localparam int LAT_CMP = CONFIG.lat_cmp,
+    localparam ARITH = config_pkg::arith(CONFIG.host),
+    localparam int DDR_SLOTS = CONFIG.ddr_slots,
+    localparam int CW = formats_pkg::container(EXP, MAN),
+    localparam int SEC_WORDS = pairs_pkg::slot_words(PAIRS, 0, SWAP != 0),
+    localparam int PRIM_WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0),
     localparam int PRIM_W = $clog2(PRIMARIES),
     localparam int OBJECT_W = $clog2(OBJECTS)
 ) (
@@ -30,11 +32,7 @@ module objects #(
     input logic [63:0] data_i,
     input logic primary_write_i,
 
-    input logic [31:0] objects_i,
-    input logic [31:0] prim_objects_i,
-    input logic [1:0][3:0] command_pair_i,  // of the command register
-    input logic [1:0] command_swap_i,
-    input logic [PRIM_W-1:0] split_i,
+    input card_pkg::pass_t command_i,  // what a pass that starts now would do
     output logic good_o,  // for the command: every entry in use is in contract
     output logic busy_o,  // that is not known yet
 
@@ -57,36 +55,40 @@ module objects #(
     output logic [PRIM_W-1:0] pose_number_o,
     output logic [PRIM_WORDS-1:0][CW-1:0] pose_slot_o
 );
-  import cde_pkg::*;
-  localparam bit BOTH = TRANSFORM == TRANSFORM_BOTH;
+  logic [1:0][3:0] command_pair;
+  logic [1:0] command_swap;
+  logic [PRIM_W-1:0] split;
+  assign command_pair = command_i.pair;
+  assign command_swap = command_i.swap;
+  assign split = command_i.split[PRIM_W-1:0];
+  localparam bit BOTH = TRANSFORM == pairs_pkg::TRANSFORM_BOTH;
   localparam int WORDS = (BOTH && PRIM_WORDS > SEC_WORDS) ? PRIM_WORDS : SEC_WORDS;
 
   // ---- Shapes in the roles of the command ----
   logic [2:0] secondary, command_secondary;
   logic [1:0][2:0] primary;
-  assign command_secondary = 3'(command_swap_i[0] ? primary_shape(int'(command_pair_i[0])) : secondary_shape(int'(command_pair_i[0])));
-  assign secondary = 3'(swap_i ? primary_shape(int'(pair_i)) : secondary_shape(int'(pair_i)));
+  assign command_secondary = 3'(command_swap[0] ? pairs_pkg::primary_shape(int'(command_pair[0])) :
+      pairs_pkg::secondary_shape(int'(command_pair[0])));
+  assign secondary = 3'(swap_i ? pairs_pkg::primary_shape(int'(pair_i)) : pairs_pkg::secondary_shape(int'(pair_i)));
   for (genvar k = 0; k < 2; k++) begin : of
     logic [3:0] pair;
     logic swap;
-    assign pair = (command_pair_i[k] == NO_PAIR) ? command_pair_i[0] : command_pair_i[k];
-    assign swap = (command_pair_i[k] == NO_PAIR) ? command_swap_i[0] : command_swap_i[k];
-    assign primary[k] = 3'(swap ? secondary_shape(int'(pair)) : primary_shape(int'(pair)));
+    assign pair = (command_pair[k] == pairs_pkg::NO_PAIR) ? command_pair[0] : command_pair[k];
+    assign swap = (command_pair[k] == pairs_pkg::NO_PAIR) ? command_swap[0] : command_swap[k];
+    assign primary[k] = 3'(swap ? pairs_pkg::secondary_shape(int'(pair)) : pairs_pkg::primary_shape(int'(pair)));
   end
 
   // ---- Tables ----
   logic write_secondaries, write_primaries, unused_range_write, sec_good, sec_busy, prim_good, prim_busy;
   logic [8:0][CW-1:0] sec_rotation, rotation;
   logic [2:0][CW-1:0] sec_translation, translation;
-  assign write_secondaries = write_i && addr_i < PRIM_OBJECT_TABLE;
-  assign write_primaries = write_i && addr_i >= PRIM_OBJECT_TABLE;
-  object_table #(
-      .ENTRIES(OBJECTS), .EXP(EXP), .MAN(MAN), .PAIRS(PAIRS), .SWAP(SWAP), .CAPACITY(DDR_SLOTS * DDR_WORDS), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-      .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-  ) table_secondaries (
-      .clk_bus_i, .clk_core_i, .clk_i, .clk_moving_i(clk_moving_o), .rst_i, .write_i(write_secondaries), .addr_i(addr_i - OBJECT_TABLE), .data_i, .range_write_o(unused_range_write),
-      .count_i(objects_i), .shapes_i({2{command_secondary}}), .good_o(sec_good), .busy_o(sec_busy), .range_entry_i, .range_o, .transform_entry_i,
-      .rotation_o(sec_rotation), .translation_o(sec_translation));
+  assign write_secondaries = write_i && addr_i < registers_pkg::PRIM_OBJECT_TABLE;
+  assign write_primaries = write_i && addr_i >= registers_pkg::PRIM_OBJECT_TABLE;
+  object_table #(.CONFIG(CONFIG), .ENTRIES(OBJECTS), .CAPACITY(DDR_SLOTS * records_pkg::DDR_WORDS)) table_secondaries (
+      .clk_bus_i, .clk_core_i, .clk_i, .clk_moving_i(clk_moving_o), .rst_i, .write_i(write_secondaries),
+      .addr_i(addr_i - registers_pkg::OBJECT_TABLE), .data_i, .range_write_o(unused_range_write),
+      .count_i(command_i.objects), .shapes_i({2{command_secondary}}), .good_o(sec_good), .busy_o(sec_busy),
+      .range_entry_i, .range_o, .transform_entry_i, .rotation_o(sec_rotation), .translation_o(sec_translation));
   assign good_o = sec_good && prim_good;
   assign busy_o = sec_busy || prim_busy;
 
@@ -97,45 +99,48 @@ module objects #(
   clock_gate gate (.clk_i(clk_core_i), .enable_i(moving_i | pose_moving), .clk_o(clk_moving_o));
   always_ff @(posedge clk_moving_o) begin
     posing_q <= pose_i;
-    plain_q <= pose_i ? pose_plain : objects_i == 0;
+    plain_q <= pose_i ? pose_plain : command_i.objects == 0;
     shape_q <= pose_i ? pose_shape : secondary;
   end
-  transformer #(
-      .EXP(EXP), .MAN(MAN), .PAIRS(PAIRS), .SWAP(SWAP), .TRANSFORM(TRANSFORM), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .WORDS(WORDS)
+  transformer #(.CONFIG(CONFIG), .WORDS(WORDS)
   ) transform (
-      .clk_i(clk_moving_o), .shape_i(shape_q), .plain_i(plain_q), .rotation_i(rotation), .translation_i(translation), .slot_i(slot), .slot_o(moved));
+      .clk_i(clk_moving_o), .shape_i(shape_q), .plain_i(plain_q), .rotation_i(rotation), .translation_i(translation),
+      .slot_i(slot), .slot_o(moved));
   assign moved_o = moved[SEC_WORDS-1:0];
 
   // ---- Primaries ----
   if (BOTH) begin : g_primaries
-    localparam int LATENCY = transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL);
+    localparam int LATENCY = pairs_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL);
     localparam int PRIM_OBJECT_W = $clog2(PRIM_OBJECTS);
     logic range_write;
     logic [1:0][31:0] prim_range;
     logic [8:0][CW-1:0] prim_rotation;
     logic [2:0][CW-1:0] prim_translation;
     logic [PRIM_OBJECT_W-1:0] prim_range_entry, prim_transform_entry;
-    object_table #(
-        .ENTRIES(PRIM_OBJECTS), .EXP(EXP), .MAN(MAN), .PAIRS(PAIRS), .SWAP(SWAP), .PRIMARY(1), .CAPACITY(PRIMARIES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-        .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-    ) table_primaries (
-        .clk_bus_i, .clk_core_i, .clk_i, .clk_moving_i(clk_moving_o), .rst_i, .write_i(write_primaries), .addr_i(addr_i - PRIM_OBJECT_TABLE), .data_i, .range_write_o(range_write),
-        .count_i(prim_objects_i), .shapes_i(primary), .good_o(prim_good), .busy_o(prim_busy), .range_entry_i(prim_range_entry), .range_o(prim_range),
-        .transform_entry_i(prim_transform_entry), .rotation_o(prim_rotation), .translation_o(prim_translation));
+    object_table #(.CONFIG(CONFIG), .ENTRIES(PRIM_OBJECTS), .PRIMARY(1), .CAPACITY(PRIMARIES)) table_primaries (
+        .clk_bus_i, .clk_core_i, .clk_i, .clk_moving_i(clk_moving_o), .rst_i, .write_i(write_primaries),
+        .addr_i(addr_i - registers_pkg::PRIM_OBJECT_TABLE), .data_i, .range_write_o(range_write),
+        .count_i(command_i.prim_objects), .shapes_i(primary), .good_o(prim_good), .busy_o(prim_busy),
+        .range_entry_i(prim_range_entry), .range_o(prim_range), .transform_entry_i(prim_transform_entry),
+        .rotation_o(prim_rotation), .translation_o(prim_translation));
     primary_poser #(
         .PRIMARIES(PRIMARIES), .ENTRIES(PRIM_OBJECTS), .T_COMMIT((ARITH == "rtl") ? LATENCY : 0),
         .T_JUDGED(LATENCY + LAT_MUL + 3 * LAT_ADD + LAT_CMP)
     ) poser (
-        .clk_i, .clk_bus_i, .rst_i, .primary_write_i, .transform_write_i(write_primaries), .range_write_i(range_write), .objects_i(prim_objects_i),
-        .shapes_i(primary), .split_i(command_pair_i[1] == NO_PAIR ? '0 : split_i), .wanted_o(pose_wanted_o), .pose_i, .done_o(posed_o), .range_entry_o(prim_range_entry), .range_i(prim_range),
-        .transform_entry_o(prim_transform_entry), .read_o, .shape_o(pose_shape), .plain_o(pose_plain), .moving_o(pose_moving), .commit_o(pose_commit_o), .number_o(pose_number_o));
+        .clk_i, .clk_bus_i, .rst_i, .primary_write_i, .transform_write_i(write_primaries), .range_write_i(range_write),
+        .objects_i(command_i.prim_objects), .shapes_i(primary),
+        .split_i(command_pair[1] == pairs_pkg::NO_PAIR ? '0 : split), .wanted_o(pose_wanted_o),
+        .pose_i, .done_o(posed_o), .range_entry_o(prim_range_entry), .range_i(prim_range),
+        .transform_entry_o(prim_transform_entry), .read_o, .shape_o(pose_shape), .plain_o(pose_plain),
+        .moving_o(pose_moving), .commit_o(pose_commit_o), .number_o(pose_number_o));
     assign rotation = posing_q ? prim_rotation : sec_rotation;
     assign translation = posing_q ? prim_translation : sec_translation;
     assign slot = posing_q ? (WORDS * CW)'(written_i) : (WORDS * CW)'(unmoved_i);
     assign pose_slot_o = moved[PRIM_WORDS-1:0];
   end else begin : g_secondaries
     logic unused;
-    assign unused = &{1'b0, primary, primary_write_i, prim_objects_i, split_i, posing_q, written_i, write_primaries};
+    assign unused = &{1'b0, primary, primary_write_i, command_i.prim_objects, split, posing_q, written_i,
+        write_primaries};
     assign {prim_good, prim_busy} = 2'b10;
     assign {pose_wanted_o, posed_o, pose_commit_o} = '0;
     assign read_o = '0;

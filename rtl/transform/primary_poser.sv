@@ -1,8 +1,9 @@
-// Poses the primaries of a pass before it: every slot of every primary object goes from the RAM of primaries as they were written through
-// the transformer into the lanes. Only what was written since the last time makes it necessary: a transform or a primary poses the
-// objects again; a range, the number of objects, a shape or the split also restore all primaries first, as some may have left their
-// object. Where objects overlap, the last one counts.
-// Latency: n + T_DONE + 1 clocks for n slots of objects, PRIMARIES + 2 more with a restore, until the verdicts on what was posed are there.
+// Poses the primaries of a pass before it: every slot of every primary object goes from the RAM of primaries as they
+// were written through the transformer into the lanes. Only what was written since the last time makes it necessary: a
+// transform or a primary poses the objects again; a range, the number of objects, a shape or the split also restore all
+// primaries first, as some may have left their object. Where objects overlap, the last one counts.
+// Latency: n + T_DONE + 1 clocks for n slots of objects, PRIMARIES + 2 more with a restore, until the verdicts on what
+// was posed are there.
 // Throughput: one slot a clock. Stall: none.
 module primary_poser #(
     parameter int PRIMARIES = 256,
@@ -69,8 +70,9 @@ module primary_poser #(
   assign start = pose_i && !walking && !on_its_way[0] && (state_q == REST || (state_q == RESTORE && objects_i != 0));
   range_walk #(.ENTRIES(ENTRIES)) walk (
       .clk_i, .rst_i(rst_i || !pose_i), .start_i(start), .stop_i(1'b0), .step_i(walking), .stride_i(4'd1),
-      .objects_i((start ? by_object : state_q == OBJECTS) ? (ENTRY_W + 1)'(objects_i) : '0), .first_i(32'd0), .count_i(32'(PRIMARIES)),
-      .entry_o(range_entry_o), .range_i, .valid_o(walking), .address_o(address), .slot_o(slot), .object_o(object), .last_o(last));
+      .objects_i((start ? by_object : state_q == OBJECTS) ? (ENTRY_W + 1)'(objects_i) : '0), .first_i(32'd0),
+      .count_i(32'(PRIMARIES)), .entry_o(range_entry_o), .range_i, .valid_o(walking), .address_o(address),
+      .slot_o(slot), .object_o(object), .last_o(last));
   always_ff @(posedge clk_i) begin
     on_its_way <= T_DONE'({on_its_way, walking});
     if (start) state_q <= by_object ? OBJECTS : RESTORE;
@@ -79,7 +81,8 @@ module primary_poser #(
       on_its_way <= '0;
     end
   end
-  assign done_o = pose_i && !walking && on_its_way == '0 && (state_q == OBJECTS || (state_q == RESTORE && objects_i == 0));
+  assign done_o = pose_i && !walking && on_its_way == '0 && (state_q == OBJECTS ||
+      (state_q == RESTORE && objects_i == 0));
   assign transform_entry_o = object;
   assign read_o = PRIM_W'(slot);
 

@@ -1,20 +1,22 @@
-// Rigid transform of one slot of any shape that the card's pairs need: points R p + t, directions R d (nothing is added: a minus zero
-// stays one), n' = R n and d' = d + n'.t of a plane, R times the rotation of an OBB, translation of an AABB, whose entry has the
-// identity as R. Sizes and intervals pass as they are. With `plain_i` so does the whole slot. All shapes share one set of vector
-// units, as many as the largest of them needs: 4 for an OBB, 3 for a triangle, 2 for a ray or cylinder.
-// Latency: cde_pkg::transform_latency clocks; 0 with ARITH = "host". Throughput: one slot a clock. Stall: none.
+// Rigid transform of one slot of any shape that the card's pairs need: points R p + t, directions R d (nothing is
+// added: a minus zero stays one), n' = R n and d' = d + n'.t of a plane, R times the rotation of an OBB, translation of
+// an AABB, whose entry has the identity as R. Sizes and intervals pass as they are. With `plain_i` so does the whole
+// slot. All shapes share one set of vector units, as many as the largest of them needs: 4 for an OBB, 3 for a triangle,
+// 2 for a ray or cylinder.
+// Latency: pairs_pkg::transform_latency clocks; 0 with ARITH = "host". Throughput: one slot a clock. Stall: none.
 `include "dataflow.svh"
 module transformer #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int PAIRS = 1,
-    parameter int SWAP = 0,
-    parameter int TRANSFORM = 1,  // 1 or 2
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter ARITH = "rtl",
+    parameter config_pkg::config_t CONFIG,
     parameter int WORDS = 9,  // of a slot, at least those of every shape
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    localparam int EXP = CONFIG.exp,
+    localparam int MAN = CONFIG.man,
+    localparam int PAIRS = CONFIG.pairs,
+    localparam int SWAP = CONFIG.swap,
+    localparam int TRANSFORM = CONFIG.transform,
+    localparam int LAT_ADD = CONFIG.lat_add,
+    localparam int LAT_MUL = CONFIG.lat_mul,
+    localparam ARITH = config_pkg::arith(CONFIG.host),
+    localparam int CW = formats_pkg::container(EXP, MAN)
 ) (
     input logic clk_i,
     input logic [2:0] shape_i,
@@ -25,15 +27,15 @@ module transformer #(
     output logic [WORDS-1:0][CW-1:0] slot_o
 );
   localparam int LANES = 1;
-  localparam int SHAPES = 7;
-  localparam int MOST = 15;
-  localparam int LATENCY = cde_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL);
-  localparam bit TRIANGLE = cde_pkg::moves_shape(PAIRS, cde_pkg::SHAPE_TRIANGLE, SWAP != 0, TRANSFORM);
-  localparam bit AABB = cde_pkg::moves_shape(PAIRS, cde_pkg::SHAPE_AABB, SWAP != 0, TRANSFORM);
-  localparam bit OBB = cde_pkg::moves_shape(PAIRS, cde_pkg::SHAPE_OBB, SWAP != 0, TRANSFORM);
-  localparam bit PLANE = cde_pkg::moves_shape(PAIRS, cde_pkg::SHAPE_PLANE, SWAP != 0, TRANSFORM);
-  localparam bit TURNED = cde_pkg::moves_shape(PAIRS, cde_pkg::SHAPE_RAY, SWAP != 0, TRANSFORM) ||
-      cde_pkg::moves_shape(PAIRS, cde_pkg::SHAPE_CYLINDER, SWAP != 0, TRANSFORM);
+  localparam int SHAPES = pairs_pkg::SHAPES;
+  localparam int MOST = pairs_pkg::SHAPE_MOST_WORDS;
+  localparam int LATENCY = pairs_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL);
+  localparam bit TRIANGLE = pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_TRIANGLE, SWAP != 0, TRANSFORM);
+  localparam bit AABB = pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_AABB, SWAP != 0, TRANSFORM);
+  localparam bit OBB = pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_OBB, SWAP != 0, TRANSFORM);
+  localparam bit PLANE = pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_PLANE, SWAP != 0, TRANSFORM);
+  localparam bit TURNED = pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_RAY, SWAP != 0, TRANSFORM) ||
+      pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_CYLINDER, SWAP != 0, TRANSFORM);
   localparam int UNITS = OBB ? 4 : TRIANGLE ? 3 : (TURNED || AABB) ? 2 : 1;
   localparam int POINTS = TRIANGLE ? 3 : AABB ? 2 : 1;
   localparam int T_ROTATED = LAT_MUL + 2 * LAT_ADD;
@@ -57,7 +59,7 @@ module transformer #(
   for (genvar u = 0; u < UNITS; u++) begin : unit
     logic [2:0][CW-1:0] field;
     if (OBB && u > 0) begin : g_column
-      assign field = (shape_i == 3'(cde_pkg::SHAPE_OBB)) ? {words[11+u], words[8+u], words[5+u]} : words[3*u+:3];
+      assign field = (shape_i == 3'(pairs_pkg::SHAPE_OBB)) ? {words[11+u], words[8+u], words[5+u]} : words[3*u+:3];
     end else begin : g_field
       assign field = words[3*u+:3];
     end
@@ -69,7 +71,7 @@ module transformer #(
       logic [2:0][CW-1:0] p;
       if (AABB) begin : g_box
         `DF_VAT(x_late, x, T_ROTATED)
-        assign p = (rotated_shape == 3'(cde_pkg::SHAPE_AABB)) ? x_late : rx;
+        assign p = (rotated_shape == 3'(pairs_pkg::SHAPE_AABB)) ? x_late : rx;
       end else begin : g_turned
         assign p = rx;
       end
@@ -88,7 +90,7 @@ module transformer #(
     `DF_DOT(along, n, t)
     `DF_ADD(sum, d, along)
     if (T_sum != LATENCY) begin : g_late
-      $error("transformer: cde_pkg::transform_latency is not that of the plane");
+      $error("transformer: pairs_pkg::transform_latency is not that of the plane");
     end
     assign distance = sum;
   end else begin : g_no_plane
@@ -96,7 +98,7 @@ module transformer #(
     assign distance = '0;
     assign unused_distance = &{1'b0, distance};
     if (T_MOVED != LATENCY) begin : g_late
-      $error("transformer: cde_pkg::transform_latency is not that of the points");
+      $error("transformer: pairs_pkg::transform_latency is not that of the points");
     end
   end
 
@@ -105,23 +107,26 @@ module transformer #(
   logic [UNITS-1:0][2:0][CW-1:0] direction;
   logic [POINTS-1:0][2:0][CW-1:0] point;
   align #(.W(MOST * CW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_words (.clk_i, .d_i(words), .q_o(late));
-  align #(.W(UNITS * 3 * CW), .FROM(T_ROTATED), .TO(LATENCY), .ARITH(ARITH)) align_direction (.clk_i, .d_i(rotated), .q_o(direction));
-  align #(.W(POINTS * 3 * CW), .FROM(T_MOVED), .TO(LATENCY), .ARITH(ARITH)) align_point (.clk_i, .d_i(moved), .q_o(point));
+  align #(.W(UNITS * 3 * CW), .FROM(T_ROTATED), .TO(LATENCY), .ARITH(ARITH)) align_direction (.clk_i, .d_i(rotated),
+      .q_o(direction));
+  align #(.W(POINTS * 3 * CW), .FROM(T_MOVED), .TO(LATENCY), .ARITH(ARITH)) align_point (.clk_i, .d_i(moved),
+      .q_o(point));
   logic [SHAPES-1:0][MOST-1:0][CW-1:0] of;
   for (genvar k = 0; k < SHAPES; k++) begin : shape
-    if (!cde_pkg::moves_shape(PAIRS, k, SWAP != 0, TRANSFORM)) begin : g_absent
+    if (!pairs_pkg::moves_shape(PAIRS, k, SWAP != 0, TRANSFORM)) begin : g_absent
       assign of[k] = '0;
-    end else if (k == cde_pkg::SHAPE_TRIANGLE) begin : g_triangle
+    end else if (k == pairs_pkg::SHAPE_TRIANGLE) begin : g_triangle
       assign of[k] = {late[14:9], point[2], point[1], point[0]};
-    end else if (k == cde_pkg::SHAPE_AABB) begin : g_aabb
+    end else if (k == pairs_pkg::SHAPE_AABB) begin : g_aabb
       assign of[k] = {late[14:6], point[1], point[0]};
-    end else if (k == cde_pkg::SHAPE_SPHERE) begin : g_sphere
+    end else if (k == pairs_pkg::SHAPE_SPHERE) begin : g_sphere
       assign of[k] = {late[14:3], point[0]};
-    end else if (k == cde_pkg::SHAPE_PLANE) begin : g_plane
+    end else if (k == pairs_pkg::SHAPE_PLANE) begin : g_plane
       assign of[k] = {late[14:4], distance, direction[0]};
-    end else if (k == cde_pkg::SHAPE_OBB) begin : g_obb
+    end else if (k == pairs_pkg::SHAPE_OBB) begin : g_obb
       // Rows of the product, whose columns the units give.
-      assign of[k] = {direction[3][2], direction[2][2], direction[1][2], direction[3][1], direction[2][1], direction[1][1],
+      assign of[k] = {direction[3][2], direction[2][2], direction[1][2], direction[3][1], direction[2][1],
+          direction[1][1],
           direction[3][0], direction[2][0], direction[1][0], late[5:3], point[0]};
     end else begin : g_turned  // ray, cylinder
       assign of[k] = {late[14:6], direction[1], point[0]};

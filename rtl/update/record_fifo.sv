@@ -1,6 +1,7 @@
-// Output FIFO of the streaming result modes (all, hits): takes a row of results, gives one record a clock, lanes in ascending order.
-// Room is promised ahead by credits: `credit_o` counts the rows that have left, so the pipe mouth never overfills it. T and CP lie
-// beside the lanes that made them (record_lanes); this is the control, and the bits of every lane.
+// Output FIFO of the streaming result modes (all, hits): takes a row of results, gives one record a clock, lanes in
+// ascending order.
+// Room is promised ahead by credits: `credit_o` counts the rows that have left, so the pipe mouth never overfills it. T
+// and CP lie beside the lanes that made them (record_lanes); this is the control, and the bits of every lane.
 // Latency: 1 clock. Throughput: one row in, one record out a clock. Stall: holds while ready_i is low.
 module record_fifo #(
     parameter int LANES = 16,
@@ -74,6 +75,7 @@ module record_fifo #(
 
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i)
-    if (!rst_i) assert (!(keep_o && write_q - read_q == (AW + 1)'(DEPTH))) else $error("record_fifo: overfilled despite credits");
+    if (!rst_i) assert (!(keep_o &&
+        write_q - read_q == (AW + 1)'(DEPTH))) else $error("record_fifo: overfilled despite credits");
 `endif
 endmodule

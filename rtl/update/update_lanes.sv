@@ -1,9 +1,11 @@
-// Update engine of one lane group: keeps the best record a primary. Per row the old T is read from one stencil-T buffer and the better
-// of old and new is written to the other within one clock (paper section 3.3); `parity_i` says which is which and alternates with
-// every secondary. F, index and CP change only where a new hit is better. Masked primaries are never updated.
-// nearest: smallest (T, index); farthest: largest T, then smallest index; any: the first hit in stream order. For rays only hits count.
-// For solids (`gap_i`) every pair has a signed gap s, -T when they meet: nearest keeps the smallest s, farthest the largest, and the
-// T buffers hold s.
+// Update engine of one lane group: keeps the best record a primary. Per row the old T is read from one stencil-T buffer
+// and the better of old and new is written to the other within one clock (paper section 3.3); `parity_i` says which is
+// which and alternates with every secondary. F, index and CP change only where a new hit is better. Masked primaries
+// are never updated.
+// nearest: smallest (T, index); farthest: largest T, then smallest index; any: the first hit in stream order. For rays
+// only hits count.
+// For solids (`gap_i`) every pair has a signed gap s, -T when they meet: nearest keeps the smallest s, farthest the
+// largest, and the T buffers hold s.
 // Latency: 1 clock. Throughput: one row a clock. Stall: none.
 module update_lanes #(
     parameter int EXP = 8,
@@ -60,7 +62,7 @@ module update_lanes #(
   logic any_hit;
   assign mask = unmasked[row_i];
   // What may be kept: hits; of solids, but for mode any, every pair.
-  assign candidate = f_i | ~(bad_i | {(LANES * CW) {!gap_i || mode_i == cde_pkg::MODE_ANY}});
+  assign candidate = f_i | ~(bad_i | {(LANES * CW) {!gap_i || mode_i == registers_pkg::MODE_ANY}});
   assign hit = candidate & mask;
   always_comb begin
     t_value = t_i;
@@ -78,10 +80,10 @@ module update_lanes #(
       for (int l = 0; l < LANES; l++) begin
         first_hit[l] = hit[l][0] && f_index[row_i][l] == '1;
         if (hit[l][0]) begin
-          if (mode_i == cde_pkg::MODE_ANY) better[l] = {CW{first_hit[l]}};
+          if (mode_i == registers_pkg::MODE_ANY) better[l] = {CW{first_hit[l]}};
           else if (first_hit[l]) better[l] = '1;
           else if (key(t_value[l]) == key(t_old[l])) better[l] = {CW{index_i < f_index[row_i][l]}};
-          else better[l] = {CW{(key(t_value[l]) < key(t_old[l])) == (mode_i == cde_pkg::MODE_NEAREST)}};
+          else better[l] = {CW{(key(t_value[l]) < key(t_old[l])) == (mode_i == registers_pkg::MODE_NEAREST)}};
         end
         if (better[l][0]) t_new[l] = t_value[l];
       end

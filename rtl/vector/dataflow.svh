@@ -57,16 +57,16 @@
   `DF_SCALAR R; \
   df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(OPERATION), .T_A(T_``A), .T_B(T_``B), .LAT(LATENCY)) \
     op_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
-`define DF_ADD(R, A, B) `DF_BINARY(R, A, B, "add", LAT_ADD)
-`define DF_SUB(R, A, B) `DF_BINARY(R, A, B, "sub", LAT_ADD)
-`define DF_MUL(R, A, B) `DF_BINARY(R, A, B, "mul", LAT_MUL)
-`define DF_DIV(R, A, B) `DF_BINARY(R, A, B, "div", LAT_DIV)
-`define DF_SQRT(R, A) `DF_BINARY(R, A, A, "sqr", LAT_SQRT)
-`define DF_MIN(R, A, B) `DF_BINARY(R, A, B, "min", LAT_CMP)
-`define DF_MAX(R, A, B) `DF_BINARY(R, A, B, "max", LAT_CMP)
-`define DF_LT(M, A, B) `DF_BINARY(M, A, B, "clt", LAT_CMP)
-`define DF_LE(M, A, B) `DF_BINARY(M, A, B, "cle", LAT_CMP)
-`define DF_EQ(M, A, B) `DF_BINARY(M, A, B, "ceq", LAT_CMP)
+`define DF_ADD(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_ADD, LAT_ADD)
+`define DF_SUB(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_SUB, LAT_ADD)
+`define DF_MUL(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_MUL, LAT_MUL)
+`define DF_DIV(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_DIV, LAT_DIV)
+`define DF_SQRT(R, A) `DF_BINARY(R, A, A, formats_pkg::FP_SQRT, LAT_SQRT)
+`define DF_MIN(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_MIN, LAT_CMP)
+`define DF_MAX(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_MAX, LAT_CMP)
+`define DF_LT(M, A, B) `DF_BINARY(M, A, B, formats_pkg::FP_LT, LAT_CMP)
+`define DF_LE(M, A, B) `DF_BINARY(M, A, B, formats_pkg::FP_LE, LAT_CMP)
+`define DF_EQ(M, A, B) `DF_BINARY(M, A, B, formats_pkg::FP_EQ, LAT_CMP)
 // LOW <= A <= HIGH, two comparisons.
 `define DF_BETWEEN(M, LOW, A, HIGH) `DF_LE(M``_low, LOW, A) `DF_LE(M``_high, A, HIGH) `DF_AND(M, M``_low, M``_high)
 
@@ -77,19 +77,19 @@
     df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(OPERATION), .T_A(T_``A), .T_B(T_``B), .LAT(LATENCY)) \
       op (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
   end
-`define DF_VADD(R, A, B) `DF_BINARY3(R, A, B, "add", LAT_ADD)
-`define DF_VSUB(R, A, B) `DF_BINARY3(R, A, B, "sub", LAT_ADD)
-`define DF_VMIN(R, A, B) `DF_BINARY3(R, A, B, "min", LAT_CMP)
-`define DF_VMAX(R, A, B) `DF_BINARY3(R, A, B, "max", LAT_CMP)
-`define DF_VMUL(R, A, B) `DF_BINARY3(R, A, B, "mul", LAT_MUL)
-`define DF_VLT(M, A, B) `DF_BINARY3(M, A, B, "clt", LAT_CMP)
-`define DF_VEQ(M, A, B) `DF_BINARY3(M, A, B, "ceq", LAT_CMP)
+`define DF_VADD(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_ADD, LAT_ADD)
+`define DF_VSUB(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_SUB, LAT_ADD)
+`define DF_VMIN(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_MIN, LAT_CMP)
+`define DF_VMAX(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_MAX, LAT_CMP)
+`define DF_VMUL(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_MUL, LAT_MUL)
+`define DF_VLT(M, A, B) `DF_BINARY3(M, A, B, formats_pkg::FP_LT, LAT_CMP)
+`define DF_VEQ(M, A, B) `DF_BINARY3(M, A, B, formats_pkg::FP_EQ, LAT_CMP)
 // A limited to LOW .. HIGH: max, then min; a NaN gives LOW.
 `define DF_CLAMP(R, A, LOW, HIGH) `DF_MAX(R``_not_low, A, LOW) `DF_MIN(R, R``_not_low, HIGH)
 `define DF_VCLAMP(R, A, LOW, HIGH) `DF_VMAX(R``_not_low, A, LOW) `DF_VMIN(R, R``_not_low, HIGH)
 `define DF_VSCALE(R, V, S) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``V, T_``S), 0) + LAT_MUL; `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : op_``R \
-    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP("mul"), .T_A(T_``V), .T_B(T_``S), .LAT(LAT_MUL)) \
+    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_MUL), .T_A(T_``V), .T_B(T_``S), .LAT(LAT_MUL)) \
       op (.clk_i, .on_i(`DF_ON), .a_i(V[k]), .b_i(S), .r_o(R[k])); \
   end
 `define DF_DOT(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_MUL + 2 * LAT_ADD; \
@@ -109,12 +109,12 @@
 // Row by row: differences, cross and dot products of the rows, rows scaled by the components of a vector.
 `define DF_MSUB(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_ADD; `DF_MATRIX R; \
   for (genvar k = 0; k < 9; k++) begin : op_``R \
-    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP("sub"), .T_A(T_``A), .T_B(T_``B), .LAT(LAT_ADD)) \
+    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_SUB), .T_A(T_``A), .T_B(T_``B), .LAT(LAT_ADD)) \
       op (.clk_i, .on_i(`DF_ON), .a_i(A[k/3][k%3]), .b_i(B[k/3][k%3]), .r_o(R[k/3][k%3])); \
   end
 `define DF_MSCALE(R, M, V) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``M, T_``V), 0) + LAT_MUL; `DF_MATRIX R; \
   for (genvar k = 0; k < 9; k++) begin : op_``R \
-    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP("mul"), .T_A(T_``M), .T_B(T_``V), .LAT(LAT_MUL)) \
+    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_MUL), .T_A(T_``M), .T_B(T_``V), .LAT(LAT_MUL)) \
       op (.clk_i, .on_i(`DF_ON), .a_i(M[k/3][k%3]), .b_i(V[k/3]), .r_o(R[k/3][k%3])); \
   end
 `define DF_MCROSS(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + `DF_LAT_CROSS; `DF_MATRIX R; \
@@ -131,35 +131,38 @@
 // ---- Wires: signs, masks, choices ----
 `define DF_SIGN1(R, A, OPERATION) localparam int T_``R = T_``A; `DF_SCALAR R; fp_sign #(`DF_FORMAT, .OP(OPERATION)) \
   sign_``R (.a_i(A), .b_i(A), .r_o(R));
-`define DF_ABS(R, A) `DF_SIGN1(R, A, "abs")
-`define DF_NEG(R, A) `DF_SIGN1(R, A, "neg")
+`define DF_ABS(R, A) `DF_SIGN1(R, A, formats_pkg::SIGN_ABS)
+`define DF_NEG(R, A) `DF_SIGN1(R, A, formats_pkg::SIGN_NEG)
 `define DF_VSIGN1(R, A, OPERATION) localparam int T_``R = T_``A; `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : sign_``R fp_sign #(`DF_FORMAT, .OP(OPERATION)) \
     sign (.a_i(A[k]), .b_i(A[k]), .r_o(R[k])); end
-`define DF_VABS(R, A) `DF_VSIGN1(R, A, "abs")
-`define DF_VNEG(R, A) `DF_VSIGN1(R, A, "neg")
+`define DF_VABS(R, A) `DF_VSIGN1(R, A, formats_pkg::SIGN_ABS)
+`define DF_VNEG(R, A) `DF_VSIGN1(R, A, formats_pkg::SIGN_NEG)
 `define DF_MNEG(R, A) localparam int T_``R = T_``A; `DF_MATRIX R; \
-  for (genvar k = 0; k < 9; k++) begin : sign_``R fp_sign #(`DF_FORMAT, .OP("neg")) \
+  for (genvar k = 0; k < 9; k++) begin : sign_``R fp_sign #(`DF_FORMAT, .OP(formats_pkg::SIGN_NEG)) \
     sign (.a_i(A[k/3][k%3]), .b_i(A[k/3][k%3]), .r_o(R[k/3][k%3])); end
 // The sign bit of X moved onto Y by exclusive or: move_sign(x, y) of the reference.
 `define DF_MOVE_SIGN(R, X, Y) localparam int T_``R = `DF_MAX2(T_``X, T_``Y); `DF_SCALAR R; \
-  df_wire #(`DF_FORMAT, .OP("xor"), .T_A(T_``Y), .T_B(T_``X)) wire_``R (.clk_i, .a_i(Y), .b_i(X), .r_o(R));
+  df_wire #(`DF_FORMAT, .OP(formats_pkg::WIRE_SIGN), .T_A(T_``Y), .T_B(T_``X)) \
+    wire_``R (.clk_i, .a_i(Y), .b_i(X), .r_o(R));
 // The same with vectors: component by component, or the sign of one scalar on all.
 `define DF_VMOVE_SIGN(R, X, Y) localparam int T_``R = `DF_MAX2(T_``X, T_``Y); `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : wire_``R \
-    df_wire #(`DF_FORMAT, .OP("xor"), .T_A(T_``Y), .T_B(T_``X)) move (.clk_i, .a_i(Y[k]), .b_i(X[k]), .r_o(R[k])); \
+    df_wire #(`DF_FORMAT, .OP(formats_pkg::WIRE_SIGN), .T_A(T_``Y), .T_B(T_``X)) \
+      move (.clk_i, .a_i(Y[k]), .b_i(X[k]), .r_o(R[k])); \
   end
 `define DF_VFLIP(R, X, Y) localparam int T_``R = `DF_MAX2(T_``X, T_``Y); `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : wire_``R \
-    df_wire #(`DF_FORMAT, .OP("xor"), .T_A(T_``Y), .T_B(T_``X)) move (.clk_i, .a_i(Y[k]), .b_i(X), .r_o(R[k])); \
+    df_wire #(`DF_FORMAT, .OP(formats_pkg::WIRE_SIGN), .T_A(T_``Y), .T_B(T_``X)) \
+      move (.clk_i, .a_i(Y[k]), .b_i(X), .r_o(R[k])); \
   end
 // The sign bit of A as a mask.
 `define DF_NEGATIVE(M, A) localparam int T_``M = T_``A; `DF_SCALAR M; df_negative #(`DF_FORMAT) \
   negative_``M (.a_i(A), .m_o(M));
 `define DF_LOGIC(M, A, B, OPERATION) localparam int T_``M = `DF_MAX2(T_``A, T_``B); `DF_SCALAR M; \
   df_wire #(`DF_FORMAT, .OP(OPERATION), .T_A(T_``A), .T_B(T_``B)) wire_``M (.clk_i, .a_i(A), .b_i(B), .r_o(M));
-`define DF_AND(M, A, B) `DF_LOGIC(M, A, B, "and")
-`define DF_OR(M, A, B) `DF_LOGIC(M, A, B, "ior")
+`define DF_AND(M, A, B) `DF_LOGIC(M, A, B, formats_pkg::WIRE_AND)
+`define DF_OR(M, A, B) `DF_LOGIC(M, A, B, formats_pkg::WIRE_OR)
 `define DF_NOT(M, A) localparam int T_``M = T_``A; `DF_SCALAR M; assign M = ~A;
 // A where the mask is set, else B.
 `define DF_SELECT(R, M, A, B) localparam int T_``R = `DF_MAX3(T_``M, T_``A, T_``B); `DF_SCALAR R; \
@@ -222,5 +225,5 @@
 `define DF_HOLD(R, PHASE, A) `DF_TURN_PASSING(R, 0, PHASE, A, A, A)
 `define DF_VHOLD(R, PHASE, A) `DF_VTURN_PASSING(R, 0, PHASE, A, A, A)
 // The word of 2^E, which may be subnormal.
-`define DF_POWER_OF_TWO(E) cde_pkg::power_of_two(EXP, MAN, E)
+`define DF_POWER_OF_TWO(E) formats_pkg::power_of_two(EXP, MAN, E)
 `endif

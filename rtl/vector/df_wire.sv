@@ -1,11 +1,10 @@
-// Bit operation of a datapath (dataflow.svh): a sign moved ("xor": a times the sign of b), masks combined ("and",
-// "ior", "eor": exclusive).
+// Bit operation of a datapath (dataflow.svh): a sign moved or masks combined: formats_pkg::WIRE_*.
 // Latency: 0 from the later operand. Throughput: one result a lane a clock. Stall: none.
 module df_wire #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
-    parameter OP = "and",
+    parameter int OP = formats_pkg::WIRE_AND,
     parameter int T_A = 0,
     parameter int T_B = 0,
     parameter ARITH = "rtl",
@@ -21,13 +20,14 @@ module df_wire #(
   logic [LANES-1:0][CW-1:0] a, b;
   df_align #(.W(LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) align_a (.clk_i, .a_i, .r_o(a));
   df_align #(.W(LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) align_b (.clk_i, .a_i(b_i), .r_o(b));
-  if (OP == "xor") begin : g_sign
-    fp_sign #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP("xor"), .ARITH(ARITH)) sign (.a_i(a), .b_i(b), .r_o);
-  end else if (OP == "and") begin : g_and
+  if (OP == formats_pkg::WIRE_SIGN) begin : g_sign
+    fp_sign #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::SIGN_XOR), .ARITH(ARITH))
+        sign (.a_i(a), .b_i(b), .r_o);
+  end else if (OP == formats_pkg::WIRE_AND) begin : g_and
     assign r_o = a & b;
-  end else if (OP == "eor") begin : g_exclusive
+  end else if (OP == formats_pkg::WIRE_XOR) begin : g_exclusive
     assign r_o = a ^ b;
-  end else if (OP == "ior") begin : g_or
+  end else if (OP == formats_pkg::WIRE_OR) begin : g_or
     assign r_o = a | b;
   end else begin : g_illegal
     $error("df_wire: unknown OP");

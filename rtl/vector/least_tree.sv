@@ -35,7 +35,8 @@ module least_tree #(
           logic [LANES-1:0][CW-1:0] take;
           align #(.W((WORDS + 1) * LANES * CW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_high (
               .clk_i, .d_i(g_level[level-1].g_node[2*k+1].best), .q_o(high));
-          fp_cmp #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_CMP), .OP("lt"), .ARITH(ARITH)) cmp_keys (
+          fp_cmp #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_CMP), .OP(formats_pkg::FP_LT), .ARITH(ARITH))
+              cmp_keys (
               .clk_i, .a_i(g_level[level-1].g_node[2*k+1].best[0]), .b_i(g_level[level-1].g_node[2*k].best[0]),
               .m_o(take), .flags_o());
           lane_select #(.CW(CW), .LANES(LANES), .WORDS(WORDS + 1)) select (.m_i(take), .a_i(high), .b_i(low),

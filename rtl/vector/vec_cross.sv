@@ -21,13 +21,14 @@ module vec_cross #(
   for (genvar k = 0; k < 3; k++) begin : axis
     localparam int Y = (k + 1) % 3, Z = (k + 2) % 3;
     logic [LANES-1:0][CW-1:0] yz, zy;
-    fp_lanes #(.OP(2), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL), .ARITH(ARITH), .CANON(0))
-        mul_yz (
+    fp_lanes #(.OP(formats_pkg::FP_MUL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL),
+        .ARITH(ARITH), .CANON(0)) mul_yz (
         .clk_i, .on_i, .a_i(a_i[Y]), .b_i(b_i[Z]), .r_o(yz), .flags_o());
-    fp_lanes #(.OP(2), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL), .ARITH(ARITH), .CANON(0))
-        mul_zy (
+    fp_lanes #(.OP(formats_pkg::FP_MUL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL),
+        .ARITH(ARITH), .CANON(0)) mul_zy (
         .clk_i, .on_i, .a_i(a_i[Z]), .b_i(b_i[Y]), .r_o(zy), .flags_o());
-    fp_lanes #(.OP(1), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .ARITH(ARITH), .CANON(CANON)) sub (
+    fp_lanes #(.OP(formats_pkg::FP_SUB), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .ARITH(ARITH),
+        .CANON(CANON)) sub (
         .clk_i, .on_i, .a_i(yz), .b_i(zy), .r_o(r_o[k]), .flags_o());
   end
 endmodule

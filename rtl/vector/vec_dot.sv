@@ -20,15 +20,17 @@ module vec_dot #(
   /*verilator inline_module*/
   for (genvar k = 0; k < 3; k++) begin : axis
     logic [LANES-1:0][CW-1:0] p;
-    fp_lanes #(.OP(2), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL), .ARITH(ARITH), .CANON(0))
-        mul (
+    fp_lanes #(.OP(formats_pkg::FP_MUL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL),
+        .ARITH(ARITH), .CANON(0)) mul (
         .clk_i, .on_i, .a_i(a_i[k]), .b_i(b_i[k]), .r_o(p), .flags_o());
   end
   logic [LANES-1:0][CW-1:0] xy, z;
-  fp_lanes #(.OP(0), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .ARITH(ARITH), .CANON(0)) add_xy (
+  fp_lanes #(.OP(formats_pkg::FP_ADD), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .ARITH(ARITH), .CANON(0))
+      add_xy (
       .clk_i, .on_i, .a_i(axis[0].p), .b_i(axis[1].p), .r_o(xy), .flags_o());
   align #(.W(LANES * CW), .FROM(LAT_MUL), .TO(LAT_MUL + LAT_ADD), .ARITH(ARITH))
       align_z (.clk_i, .d_i(axis[2].p), .q_o(z));
-  fp_lanes #(.OP(0), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .ARITH(ARITH), .CANON(CANON)) add_xyz (
+  fp_lanes #(.OP(formats_pkg::FP_ADD), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .ARITH(ARITH), .CANON(CANON))
+      add_xyz (
       .clk_i, .on_i, .a_i(xy), .b_i(z), .r_o(r_o), .flags_o());
 endmodule

@@ -1,5 +1,5 @@
 // Finding, building and refusing bitstreams.
-#include "cde/bitstream.hpp"
+#include "cde/bitstream/bitstream.hpp"
 
 #include <pwd.h>
 #include <sys/stat.h>
@@ -12,6 +12,8 @@
 #include <tuple>
 
 #include "cases.hpp"
+#include "cde/card/fp_unit.hpp"
+#include "cde/card/pair_unit.hpp"
 
 namespace cde::testing {
 namespace {
@@ -120,6 +122,47 @@ TEST_F(Bitstreams, FilesThatAreNone) {
   const Bitstream board = Bitstream::load(host, 0);
   expect(ErrorCode::kConfiguration, "exports no cde_nothing",
          [&] { (void)board.symbol("cde_nothing"); });
+}
+
+/// Names within messages cannot move the cursor, or begin a line that looks like another message.
+TEST_F(Bitstreams, NamesInMessagesArePrintable) {
+  const std::string odd = "a\x1b[2Jb\ncde: built";
+  const auto says = [&](const std::function<void()>& statement) {
+    try {
+      statement();
+    } catch (const Error& e) {
+      const std::string text = e.what();
+      EXPECT_EQ(text.find('\x1b'), std::string::npos) << text;
+      EXPECT_EQ(text.find("\ncde"), std::string::npos) << text;
+      EXPECT_NE(text.find("a\\x1b[2Jb\\x0acde: built"), std::string::npos) << text;
+      return;
+    }
+    ADD_FAILURE() << "no error";
+  };
+  const fs::path loaded = copy_of_host_board(odd);
+  const Bitstream board = Bitstream::load(loaded, 0);
+  says([&] { (void)board.symbol("cde_nothing"); });
+  says([&] { (void)FpUnit(board); });
+  says([&] { (void)PairUnit(board, {}); });
+  says([&] { (void)Board::open(rtl_config(), {.file = loaded}); });
+  const fs::path file = copy_of_host_board(odd + " again");  // not what is mapped
+  set("CDE_BITSTREAMS", file.parent_path());
+  flip_bit(file, 10'000);
+  says([&] { (void)Bitstream::load(file, 0); });
+  const std::string damaged = loaded_from().second;
+  EXPECT_NE(damaged.find("a\\x1b[2Jb\\x0acde: built"), std::string::npos) << damaged;
+  EXPECT_EQ(damaged.find('\x1b'), std::string::npos) << damaged;
+  fs::permissions(file, fs::perms::others_write, fs::perm_options::add);
+  says([&] { (void)Bitstream::load(file, 0); });
+  fs::resize_file(file, 100);
+  says([&] { (void)Bitstream::load(file, 0); });
+  // What the cache's path has.
+  set("CDE_BITSTREAMS", "/nowhere");
+  std::ofstream(folder_ / odd / "file");
+  set("CDE_CACHE", folder_ / odd / "file");
+  says([&] { (void)bitstream_cache(); });
+  set("CDE_SHARE", folder_ / odd);
+  says([&] { (void)bitstream_hash("board", {}); });
 }
 
 TEST_F(Bitstreams, DamagedReadyMadeOneIsPassedOver) {

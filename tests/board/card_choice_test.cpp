@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "cases.hpp"
-#include "cde/plan.hpp"
+#include "cde/scene/plan.hpp"
 
 namespace cde::testing {
 namespace {

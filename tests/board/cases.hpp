@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "cde/board.hpp"
-#include "cde/error.hpp"
-#include "cde/reference.hpp"
+#include "cde/card/board.hpp"
+#include "cde/reference/reference.hpp"
+#include "cde/support/error.hpp"
 
 namespace cde::testing {
 

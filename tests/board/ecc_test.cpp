@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "cases.hpp"
-#include "cde/error.hpp"
+#include "cde/support/error.hpp"
 
 namespace cde::testing {
 namespace {

@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "cases.hpp"
-#include "cde/fp_unit.hpp"
-#include "cde/pair_unit.hpp"
+#include "cde/card/fp_unit.hpp"
+#include "cde/card/pair_unit.hpp"
 #include "cde/reference/pairs.hpp"
 
 namespace cde::testing {

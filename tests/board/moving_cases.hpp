@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cases.hpp"
-#include "cde/reference/transform.hpp"
+#include "cde/reference/pipes/transform.hpp"
 #include "pair_records.hpp"
 
 /// Boards with a transformer, random shapes and objects, and passes that are held against the

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-#include "cde/board.hpp"
+#include "cde/card/board.hpp"
 #include "cde/reference/pairs.hpp"
 
 /// Records of any pair as the mirror references have them.

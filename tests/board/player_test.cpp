@@ -1,13 +1,13 @@
 // Scenes whose objects the card's transformer moves: every record against the reference, and the
 // words that a frame costs.
-#include "cde/player.hpp"
+#include "cde/scene/player.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <numeric>
 
-#include "cde/error.hpp"
+#include "cde/support/error.hpp"
 
 namespace cde::testing {
 namespace {

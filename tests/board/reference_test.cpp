@@ -1,6 +1,6 @@
 // The reference itself: the vector code against the template, the template against cases worked out
 // by hand.
-#include "cde/reference.hpp"
+#include "cde/reference/reference.hpp"
 
 #include <cmath>
 

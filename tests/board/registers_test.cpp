@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "cases.hpp"
+#include "cde/contract/records.hpp"
 
 namespace cde::testing {
 namespace {
@@ -26,7 +27,7 @@ class Registers : public ::testing::Test {
   void expect_refused(Space space, std::uint32_t offset) {
     SCOPED_TRACE(fmt::format("space {} offset {:#x}", static_cast<int>(space), offset));
     EXPECT_NE(status() & bit(kStatusBusError), 0u);
-    EXPECT_EQ(board_.read_register(kRegFaultAddr), std::uint64_t{space} << 32 | offset);
+    EXPECT_EQ(board_.read_register(kRegFaultAddr), kFaultSpace(space) | kFaultAddr(offset));
     clear();
     EXPECT_EQ(status() & bit(kStatusBusError), 0u);
   }

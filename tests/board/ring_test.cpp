@@ -1,5 +1,6 @@
 // The record ring under pressure: full, drained slowly, left by an exception, aborted, out of time.
 #include "cases.hpp"
+#include "cde/contract/records.hpp"
 
 namespace cde::testing {
 namespace {

@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "cde/error.hpp"
-#include "cde/player.hpp"
+#include "cde/scene/player.hpp"
+#include "cde/support/error.hpp"
 
 namespace cde::testing {
 namespace {

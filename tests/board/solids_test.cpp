@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <random>
 
-#include "cde/board.hpp"
-#include "cde/error.hpp"
+#include "cde/card/board.hpp"
+#include "cde/support/error.hpp"
 #include "pair_records.hpp"
 
 namespace cde {
@@ -367,12 +367,14 @@ TEST(SolidsDriver, RefusesSecondPairsThatDoNotFit) {
     board.write_register(card::kRegControl, card::kControlGo);
     return (board.read_register(card::kRegStatus) >> card::kStatusCommandError & 1) != 0;
   };
-  const std::uint64_t good = card::kCommandSecondSwap | 5 << 16;
+  const std::uint64_t good =
+      card::kCommandSecondSwap | card::kCommandSecondPair(Pair::kTriangleSphere);
   for (const std::uint64_t split : {0u, 7u, 44u, 48u, ~0u})
     EXPECT_TRUE(command(split, good)) << split;
   EXPECT_TRUE(command(40, good | card::kModeAll));
-  EXPECT_TRUE(command(40, card::kCommandSecondSwap | 4 << 16)) << "no such pipe";
-  EXPECT_TRUE(command(40, 5 << 16)) << "other secondaries";
+  EXPECT_TRUE(command(40, card::kCommandSecondSwap | card::kCommandSecondPair(Pair::kSphereSphere)))
+      << "no such pipe";
+  EXPECT_TRUE(command(40, card::kCommandSecondPair(Pair::kTriangleSphere))) << "other secondaries";
   EXPECT_FALSE(command(40, good));
   board.wait(100000);
 }

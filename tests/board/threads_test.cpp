@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "cases.hpp"
-#include "cde/player.hpp"
+#include "cde/scene/player.hpp"
 
 namespace cde::testing {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "bus_card.hpp"
-#include "cde/host_profile.hpp"
+#include "cde/card/host_profile.hpp"
 
 namespace cde::testing {
 namespace {

@@ -6,7 +6,7 @@
 #include <ostream>
 #include <stdexcept>
 
-#include "cde/host_profile.hpp"
+#include "cde/card/host_profile.hpp"
 
 namespace cde::pci {
 

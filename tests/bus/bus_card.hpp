@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "abi_pci.h"
-#include "cde/bitstream.hpp"
-#include "cde/card.hpp"
-#include "cde/pci.hpp"
+#include "cde/bitstream/bitstream.hpp"
+#include "cde/contract/pci.hpp"
+#include "cde/contract/registers.hpp"
 
 /// What tests print of a code: its name.
 namespace cde::pci {

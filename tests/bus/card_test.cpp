@@ -5,6 +5,7 @@
 
 #include "../board/cases.hpp"
 #include "bus_card.hpp"
+#include "cde/contract/records.hpp"
 
 namespace cde::testing {
 namespace {
@@ -159,7 +160,8 @@ TEST(PciCardTest, TransferOutsideASpaceIsReported) {
             pci::kCodeOk);
   card.pass(1'000'000);
   EXPECT_EQ(card.read(card::kRegStatus) >> card::kStatusBusError & 1, 1u);
-  EXPECT_EQ(card.read(card::kRegFaultAddr), std::uint64_t{card::kSpaceDdr} << 32 | 36'000);
+  EXPECT_EQ(card.read(card::kRegFaultAddr),
+            card::kFaultSpace(card::kSpaceDdr) | card::kFaultAddr(36'000));
 }
 
 }  // namespace

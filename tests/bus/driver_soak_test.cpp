@@ -9,7 +9,7 @@
 #include <map>
 
 #include "../board/cases.hpp"
-#include "cde/error.hpp"
+#include "cde/support/error.hpp"
 
 namespace cde::testing {
 namespace {

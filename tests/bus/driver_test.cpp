@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "../board/cases.hpp"
-#include "cde/error.hpp"
+#include "cde/support/error.hpp"
 
 namespace cde::testing {
 namespace {

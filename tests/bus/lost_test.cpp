@@ -6,8 +6,8 @@
 #include <functional>
 
 #include "../board/cases.hpp"
-#include "cde/error.hpp"
-#include "cde/pci.hpp"
+#include "cde/contract/pci.hpp"
+#include "cde/support/error.hpp"
 
 namespace cde::testing {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "../board/cases.hpp"
-#include "cde/terrain.hpp"
+#include "cde/mesh/terrain.hpp"
 
 namespace cde::testing {
 namespace {

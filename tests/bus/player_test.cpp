@@ -1,10 +1,10 @@
 // Scenes on the card behind PCI while its bus goes wrong: right records, or one clear error.
-#include "cde/player.hpp"
+#include "cde/scene/player.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "cde/error.hpp"
+#include "cde/support/error.hpp"
 
 namespace cde::testing {
 namespace {

@@ -9,8 +9,8 @@
 #include <tuple>
 #include <vector>
 
-#include "cde/player.hpp"
-#include "cde/scene.hpp"
+#include "cde/scene/player.hpp"
+#include "cde/scene/scene.hpp"
 
 namespace cde::testing {
 namespace {

@@ -1,8 +1,10 @@
 // The files of cde cast: pictures and records in all their formats, rays from arrays.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -11,6 +13,7 @@
 namespace cde::testing {
 namespace {
 
+namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
 /// Two triangles that share an edge, in objects of their own; corners of the second go the other
@@ -266,6 +269,25 @@ TEST_F(CastFiles, ShadowsAreASecondPass) {
   EXPECT_EQ(dark["records"], 48 * 32 + plain["hits"].get<int>());
   EXPECT_EQ(dark["records_matching"], dark["records"]);
   EXPECT_EQ(dark["hits"], plain["hits"]) << "of pixels";
+}
+
+/// What does not fit the address space is refused by its size before anything is cast, and not by
+/// an allocation that fails.
+TEST_F(CastFiles, APictureTooLargeForTheMemoryNamesItsSize) {
+  const auto limited = [&](const std::string& words) {
+    return shell("ulimit -v 4000000 && \"$CDE\" cast terrain:3,3,1 -q " + words);
+  };
+  if (limited("--size 8x8 --shaded sun.png").status != 0)
+    GTEST_SKIP() << "the command does not run in 4 GB of address space (a sanitizer's shadow)";
+  fs::remove(folder_ / "sun.png");
+  for (const std::string picture : {"--size 16384x16384 --shaded sun.png",
+                                    "--grid 16384x16384 --image depth.pfm --indices i.npy"}) {
+    const Ran ran = limited(picture);
+    EXPECT_EQ(ran.status, 2) << ran.err;
+    EXPECT_EQ(ran.err.find("cde: a picture of 16384 x 16384 pixels takes "), 0u) << ran.err;
+    EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
+    EXPECT_EQ(files(), Words{});
+  }
 }
 
 /// Another algorithm is another card and another reference; what is hit is the same.

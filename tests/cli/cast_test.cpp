@@ -54,6 +54,47 @@ TEST_F(Cast, CsvOnStdoutIsAllThatIsThere) {
   EXPECT_EQ(files(), Words{"one.obj"});
 }
 
+/// No card of 4 lanes without waves is built, but one with them.
+TEST_F(Cast, BuiltCardStandsIn) {
+  write("one.obj", kTriangle);
+  const Words environment = {"CDE_CACHE=" + (folder_ / "cache").string()};
+  Words words = {"cast", "one.obj", "--ray", "0.25,0.25,0,0,0,2", "--lanes", "4", "--json"};
+  const Ran ran = cde(words, environment);
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(ran.err.find("cde: card board ARITH=host LANES=4 BOX=1 TRACE=1 is built and stands in "
+                         "for board ARITH=host LANES=4 BOX=1, estimated at 1.10 times its time; "
+                         "--exact-card builds that one\n"),
+            0u)
+      << ran.err;
+  EXPECT_FALSE(exists("cache")) << "nothing was built";
+  const auto j = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(j["parameters"], (Words{"ARITH=host", "LANES=4", "BOX=1", "TRACE=1"}));
+  EXPECT_EQ(j["stands_in_for"]["parameters"], (Words{"ARITH=host", "LANES=4", "BOX=1"}));
+  EXPECT_NEAR(j["stands_in_for"]["estimated_times"].get<double>(), 1.1, 1e-9);
+  EXPECT_EQ(j["records_matching"], 1);
+  EXPECT_EQ(j["hits"], 1);
+  words.emplace_back("-q");
+  EXPECT_EQ(cde(words, environment).err, "");
+  // A cache that is none shows that a card is to be built.
+  write("cache", "");
+  words.back() = "--exact-card";
+  const Ran exact = cde(words, environment);
+  EXPECT_EQ(exact.status, 2);
+  EXPECT_EQ(exact.out, "");
+  EXPECT_NE(exact.err.find("is not a folder"), std::string::npos) << exact.err;
+  // What is asked for is kept: algorithm, box rule, and lanes where they are said.
+  for (const Words& other : {Words{"--no-box"}, Words{"--algorithm", "badouel"}}) {
+    words.pop_back();
+    words.insert(words.end(), other.begin(), other.end());
+    const Ran built = cde(words, environment);
+    EXPECT_EQ(built.status, 2) << built.err;
+    EXPECT_EQ(built.err.find("stands in"), std::string::npos) << built.err;
+  }
+  // Where nobody says how many lanes, the default card is there.
+  const Ran standard = cde({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--json"}, environment);
+  EXPECT_EQ(nlohmann::json::parse(standard.out)["stands_in_for"], nullptr);
+}
+
 /// A ray in a sliver's plane: the plain pipe's hit is in empty space.
 TEST_F(Cast, SaysWhetherItHasTheBoxRule) {
   write("one.obj", kTriangle);
@@ -463,6 +504,18 @@ TEST_F(Doctor, SaysWhatIsWrongAndWhatToDo) {
   EXPECT_EQ(ran.status, 1);
   EXPECT_NE(ran.out.find("no-such-compiler is missing"), std::string::npos) << ran.out;
   EXPECT_NE(ran.out.find("apt-get install clang"), std::string::npos) << ran.out;
+  // A home that cannot be made is as good as none.
+  const fs::path spare = fmt::format("/tmp/cde-{}", ::geteuid());
+  for (const std::string home : {"/dev/null/home", "/proc/home"}) {
+    ran = cde({"doctor"}, {"CDE_CACHE=", "XDG_CACHE_HOME=", "HOME=" + home});
+    EXPECT_EQ(ran.err, fmt::format("cde: bitstream cache {}/.cache/cde cannot be written; {} is "
+                                   "used instead (CDE_CACHE names another)\n",
+                                   home, spare.string()));
+    EXPECT_NE(ran.out.find("bitstream cache " + spare.string() + ":"), std::string::npos)
+        << ran.out;
+  }
+  std::error_code not_empty;
+  fs::remove(spare, not_empty);
   ran = cde({"doctor"}, {"CDE_CACHE=/proc/no-folder"});
   EXPECT_EQ(ran.status, 1);
   EXPECT_NE(ran.out.find("set CDE_CACHE"), std::string::npos) << ran.out;

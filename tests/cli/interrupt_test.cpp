@@ -82,6 +82,23 @@ TEST_F(Building, SignalToTheCommandAlone) {
   }
 }
 
+/// A run that never began leaves neither its folder nor its page.
+TEST_F(Building, SignalBeforeARunLeavesNoFolder) {
+  write("s.toml",
+        "[card]\nlanes = 2\n[[object]]\nname = \"t\"\nmesh = \"terrain:3,3,1\"\n[[object]]\n"
+        "name = \"rays\"\nrandom_rays = { count = 2 }\n[[query]]\nname = \"q\"\n"
+        "pair = \"ray-triangle\"\nprimaries = \"rays\"\nsecondaries = \"t\"\n");
+  const pid_t child = start({"run", "s.toml", "--out", "new/r.run", "--report", "page.html"},
+                            {"CDE_CACHE=" + (folder_ / "cache").string()});
+  const bool began = wait_for_compiler(child);
+  ::kill(child, SIGINT);
+  const Ran ran = finish(child);
+  ASSERT_TRUE(began) << ran.err;
+  EXPECT_EQ(ran.status, 128 + SIGINT) << ran.err;
+  expect_nothing_left();
+  EXPECT_EQ(files(), (std::vector<std::string>{"cache", "s.toml"}));
+}
+
 TEST_F(Building, SignalToTheBuilderAlone) {
   for (const int signal : {SIGINT, SIGTERM}) {
     SCOPED_TRACE(signal);

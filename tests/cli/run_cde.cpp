@@ -8,6 +8,9 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
 
 namespace cde::testing {
 namespace {
@@ -26,6 +29,34 @@ std::string bytes_of(const fs::path& path) {
 }
 
 }  // namespace
+
+const std::set<std::string>& documented_keys() {
+  static const std::set<std::string> keys = [] {
+    std::set<std::string> found;
+    std::istringstream lines(bytes_of(fs::path(CDE_SOURCE_DIR) / "docs/json.md"));
+    for (std::string line; std::getline(lines, line);) {
+      static const std::regex key("`([A-Za-z_0-9]+)`");
+      if (!line.starts_with('|')) continue;
+      for (std::sregex_iterator at(line.begin(), line.end(), key), end; at != end; ++at)
+        found.insert((*at)[1]);
+    }
+    return found;
+  }();
+  return keys;
+}
+
+std::set<std::string> keys_of(const std::string& text) {
+  std::set<std::string> keys;
+  const auto note = [&](int, nlohmann::json::parse_event_t event, nlohmann::json& value) {
+    if (event == nlohmann::json::parse_event_t::key) keys.insert(value.get<std::string>());
+    return true;
+  };
+  // One object over several lines, or a line of its own behind others.
+  const std::size_t begin = text.starts_with('{') ? 0 : text.rfind("\n{");
+  if (begin == std::string::npos) return keys;
+  if (nlohmann::json::parse(text.substr(begin), note, false).is_discarded()) keys.clear();
+  return keys;
+}
 
 FileLimit::FileLimit(std::uint64_t bytes) {
   ::getrlimit(RLIMIT_FSIZE, &before_);
@@ -94,7 +125,11 @@ bool Cli::wait_for_file(pid_t child) const {
 }
 
 Ran Cli::cde(const std::vector<std::string>& words, const std::vector<std::string>& environment) {
-  return finish(start(words, environment));
+  Ran ran = finish(start(words, environment));
+  if (std::find(words.begin(), words.end(), "--json") == words.end()) return ran;
+  for (const std::string& key : keys_of(ran.out))
+    EXPECT_TRUE(documented_keys().contains(key)) << "docs/json.md does not have " << key;
+  return ran;
 }
 
 std::string Cli::write(const std::string& name, const std::string& text) const {

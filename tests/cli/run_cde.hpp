@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,11 @@ struct Ran {
   int status = -1;  ///< exit status, 128 + signal
   std::string out, err;
 };
+
+/// Keys of JSON that docs/json.md explains.
+[[nodiscard]] const std::set<std::string>& documented_keys();
+/// All keys of the objects in a text of JSON, the last line of what may have others before it.
+[[nodiscard]] std::set<std::string> keys_of(const std::string& text);
 
 /// While it lives, no file that the command writes grows beyond this.
 class FileLimit {
@@ -33,7 +39,8 @@ class Cli : public ::testing::Test {
   void SetUp() override;
   void TearDown() override;
 
-  /// Runs `cde` with these words, and these NAME=VALUE added to the environment.
+  /// Runs `cde` with these words, and these NAME=VALUE added to the environment. With --json, the
+  /// keys that it prints must be documented.
   [[nodiscard]] Ran cde(const std::vector<std::string>& words,
                         const std::vector<std::string>& environment = {});
   /// Runs a script of bash, in which "$CDE" is the command.

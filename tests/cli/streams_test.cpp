@@ -132,7 +132,7 @@ TEST_F(Streams, ResultsAreOnStdout) {
   const Ran query = shell("\"$CDE\" query sphere-sphere --json < pairs");
   EXPECT_EQ(query.err, "");
   EXPECT_EQ(std::count(query.out.begin(), query.out.end(), '\n'), 3) << query.out;
-  EXPECT_EQ(nlohmann::json::parse(query.out.substr(query.out.find('{')))["pairs"], 1);
+  EXPECT_EQ(nlohmann::json::parse(query.out.substr(query.out.find('{')))["tests"], 1);
   const Ran bench = cde({"bench", "fp", "--quick"});
   EXPECT_NE(bench.out.find("gate-level units alone"), std::string::npos) << bench.out;
   EXPECT_EQ(bench.err, "");

@@ -190,6 +190,15 @@ TEST_F(NamedFiles, AreNotWrittenOver) {
 {"buffer":0,"byteOffset":36,"byteLength":6}],"accessors":[{"bufferView":0,"componentType":5126,
 "count":3,"type":"VEC3","min":[0,0,1],"max":[1,1,1]},{"bufferView":1,"componentType":5123,
 "count":3,"type":"SCALAR"}]})");
+  // The same with names that a URI encodes.
+  write("two c.bin", corners);
+  write("two w.png", "pixels");
+  std::string encoded = read("one.gltf");
+  encoded.replace(encoded.find("one.bin"), 7, "two%20c.bin");
+  encoded.replace(encoded.find("wood.png"), 8, "two%20w%2Epng");
+  write("two.gltf", encoded);
+  write("three.obj", "mtllib three%20m.mtl\nv 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n");
+  write("three m.mtl", "newmtl a\nmap_Kd two%20w.png\n");
   const std::string scene = R"([[object]]
 name = "t"
 mesh = "MESH"
@@ -206,6 +215,10 @@ secondaries = "t"
   for (const auto& [mesh, file] : {std::pair<std::string, std::string>{"one.obj", "one.mtl"},
                                    {"one.obj", "skin.png"},
                                    {"one.gltf", "one.bin"},
+                                   {"two.gltf", "two c.bin"},
+                                   {"two.gltf", "two w.png"},
+                                   {"three.obj", "three m.mtl"},
+                                   {"three.obj", "two w.png"},
                                    {"one.gltf", "wood.png"}}) {
     SCOPED_TRACE(mesh + " " + file);
     const std::string held = read(file);

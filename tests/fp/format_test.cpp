@@ -1,11 +1,11 @@
-#include "cde/fp_format.hpp"
+#include "cde/fp/fp_format.hpp"
 
 #include <gtest/gtest.h>
 
 #include <bit>
 #include <cmath>
 
-#include "cde/error.hpp"
+#include "cde/support/error.hpp"
 #include "operands.hpp"
 
 namespace cde::testing {

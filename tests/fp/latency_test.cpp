@@ -1,7 +1,7 @@
 // The latency is exact: a unit that streams different operands every clock gives each result that
 // many clocks later. apply() reads a result LAT clocks after its operands and not a clock before or
 // after, so one slip would give a neighbour's result.
-#include "cde/error.hpp"
+#include "cde/support/error.hpp"
 #include "operands.hpp"
 #include "unit_check.hpp"
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "cde/fp_format.hpp"
+#include "cde/fp/fp_format.hpp"
 
 namespace cde::testing {
 

@@ -1,6 +1,6 @@
 // The reference itself: against the host's FPU with its flags, and against a search for the nearest
 // word in the tiny formats.
-#include "cde/fp_reference.hpp"
+#include "cde/fp/fp_reference.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,9 +5,9 @@
 #include <compare>
 #include <cstdio>
 
-#include "cde/fp.hpp"
-#include "cde/fp_reference.hpp"
-#include "cde/reference/ops.hpp"
+#include "cde/fp/fp.hpp"
+#include "cde/fp/fp_reference.hpp"
+#include "cde/geometry/ops.hpp"
 #include "operands.hpp"
 
 namespace cde::testing {

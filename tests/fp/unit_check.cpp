@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "cde/error.hpp"
+#include "cde/support/error.hpp"
 
 namespace cde::testing {
 

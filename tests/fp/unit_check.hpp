@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/fp_unit.hpp"
+#include "cde/card/fp_unit.hpp"
 
 namespace cde::testing {
 

@@ -3,8 +3,8 @@
 #include <random>
 #include <sstream>
 
-#include "cde/mesh.hpp"
-#include "cde/rays_csv.hpp"
+#include "cde/image/rays_csv.hpp"
+#include "cde/mesh/mesh.hpp"
 #include "testing.hpp"
 
 // Damaged, hostile and absent files: every one is an error that names the file, or a mesh that

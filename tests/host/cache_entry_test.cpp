@@ -1,5 +1,5 @@
 // Texts in the cache beside the bitstreams: what is read back, and what is not.
-#include "cde/cache_entry.hpp"
+#include "cde/bitstream/cache_entry.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -1,9 +1,9 @@
-#include "cde/camera.hpp"
+#include "cde/image/camera.hpp"
 
 #include <cmath>
 #include <limits>
 
-#include "cde/primitives.hpp"
+#include "cde/geometry/primitives.hpp"
 #include "testing.hpp"
 
 namespace cde {

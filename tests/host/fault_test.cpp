@@ -1,5 +1,5 @@
 // Faults that are ordered for a frame of a scene, as text.
-#include "cde/fault.hpp"
+#include "cde/card/fault.hpp"
 
 #include "testing.hpp"
 

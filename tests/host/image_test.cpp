@@ -1,4 +1,4 @@
-#include "cde/image.hpp"
+#include "cde/image/image.hpp"
 
 #include <png.h>
 
@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "cde/terrain.hpp"
+#include "cde/mesh/terrain.hpp"
 #include "testing.hpp"
 
 namespace cde {

@@ -6,10 +6,10 @@
 
 #include <cstdio>
 
-#include "cde/error.hpp"
-#include "cde/plan.hpp"
-#include "cde/ray_view.hpp"
-#include "cde/scene.hpp"
+#include "cde/image/ray_view.hpp"
+#include "cde/scene/plan.hpp"
+#include "cde/scene/scene.hpp"
+#include "cde/support/error.hpp"
 
 namespace cde::testing {
 namespace {

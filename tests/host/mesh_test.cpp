@@ -1,4 +1,4 @@
-#include "cde/mesh.hpp"
+#include "cde/mesh/mesh.hpp"
 
 #include <fmt/format.h>
 #include <sys/wait.h>
@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <map>
 
-#include "cde/terrain.hpp"
+#include "cde/mesh/terrain.hpp"
 #include "testing.hpp"
 
 namespace cde {

@@ -1,5 +1,5 @@
 // Text that may come from files, before it is shown.
-#include "cde/message.hpp"
+#include "cde/support/message.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // Poses: rigid, continuous, reproducible.
-#include "cde/motion.hpp"
+#include "cde/geometry/motion.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "cde/reference/check.hpp"
-#include "cde/scene.hpp"
+#include "cde/geometry/check.hpp"
+#include "cde/scene/scene.hpp"
 
 namespace cde {
 namespace {

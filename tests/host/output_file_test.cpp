@@ -1,5 +1,5 @@
 // Files that are written: whole or not at all, and nothing beside them is harmed.
-#include "cde/output_file.hpp"
+#include "cde/support/output_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

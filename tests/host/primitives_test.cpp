@@ -1,13 +1,13 @@
 // The input contract of every primitive, in words (defect) and as the card decides it (bad), and
 // the order of the words in a slot.
-#include "cde/primitives.hpp"
+#include "cde/geometry/primitives.hpp"
 
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <random>
 
-#include "cde/reference/check.hpp"
+#include "cde/geometry/check.hpp"
 #include "testing.hpp"
 
 namespace cde {

@@ -1,4 +1,4 @@
-#include "cde/rays_csv.hpp"
+#include "cde/image/rays_csv.hpp"
 
 #include <fmt/format.h>
 

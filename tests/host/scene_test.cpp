@@ -1,12 +1,12 @@
 // Scene files: what they say, and that whatever is wrong is named with its line and key.
-#include "cde/scene.hpp"
+#include "cde/scene/scene.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <string>
 
-#include "cde/plan.hpp"
+#include "cde/scene/plan.hpp"
 #include "testing.hpp"
 
 namespace cde::testing {

@@ -1,4 +1,4 @@
-#include "cde/terrain.hpp"
+#include "cde/mesh/terrain.hpp"
 
 #include <bit>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <string>
 
-#include "cde/error.hpp"
+#include "cde/support/error.hpp"
 
 namespace cde::testing {
 

@@ -6,9 +6,9 @@
 #include <limits>
 #include <string>
 
-#include "cde/reference/check.hpp"
-#include "cde/reference/ops.hpp"
-#include "cde/reference/scale.hpp"
+#include "cde/geometry/check.hpp"
+#include "cde/geometry/ops.hpp"
+#include "cde/reference/pipes/scale.hpp"
 
 /// A scalar that counts the operators of a mirror reference and how many of them stand one behind
 /// another: computes like float, and every operator adds to Counted::tally.

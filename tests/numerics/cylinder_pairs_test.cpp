@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/reference/cylinder/pairs.hpp"
+#include "cde/reference/pipes/cylinder/pairs.hpp"
 #include "counted.hpp"
 #include "cylinder_cases.hpp"
 #include "oracle/oracle.hpp"
@@ -130,8 +130,8 @@ const CaseSet kSets[] = {
      upright,
      0.2,
      0.7,
-     {Tail{1.2e-6, 1, 0, 0}, kExact, Tail{2.4e-3, 4, 3, 0}},
-     {kExact, kExact, Tail{2.4e-3, 3, 3, 0}},
+     {Tail{1.2e-6, 1, 0, 0}, kExact, Tail{6e-4, 1, 1, 0}},
+     {kExact, kExact, Tail{6e-4, 1, 1, 0}},
      {0.0007, 0, 0.0003},
      {0.006, 0.002, 0.0015}},
     {"vertex on a rim",
@@ -140,8 +140,8 @@ const CaseSet kSets[] = {
      on_a_rim,
      0.2,
      0.99,
-     {kExact, kExact, Tail{2.4e-3, 1, 1, 0}},  // four of 20,000
-     {kExact, kExact, Tail{2.4e-3, 1, 1, 0}},
+     {kExact, kExact, Tail{5e-4, 1, 1, 0}},  // two of 20,000
+     {kExact, kExact, Tail{5e-4, 1, 1, 0}},
      {0, 0, 0},
      {}},
 };
@@ -166,6 +166,16 @@ struct Row {
 bool full() {
   const char* text = std::getenv("CDE_FULL");
   return text != nullptr && std::string(text) == "1";
+}
+
+/// How far the farther witness point, CP -+ s n/2, is from its body, in tolP.
+double off_bodies(const oracle::Shape& a, const oracle::Shape& b, const Outcome<float>& outcome) {
+  const double half = signed_gap_of(outcome) / 2;
+  const Vec n = outcome.n.cast<double>(), cp = outcome.cp.cast<double>();
+  const double tolerance =
+      kTolT * oracle::scene_size(a, b) + 4 * 0x1p-24 * oracle::largest_coordinate(a, b);
+  return std::max(oracle::distance(cp - half * n, a), oracle::distance(cp + half * n, b)) /
+         tolerance;
 }
 
 int kind(oracle::Pair pair) {
@@ -228,18 +238,14 @@ void Survey::judge(const oracle::Case& c) {
   }
 }
 
-/// The witness points, CP -+ s n/2, and n, of which a gap within 1e-13 S says enough if the pair is
+/// The witness points, and n, of which a gap within 1e-13 S says enough if the pair is
 /// clearly apart.
 void Survey::judge_default(const oracle::Case& c, const oracle::Gap& gap,
                            const Outcome<float>& outcome) {
   const auto a = c.shape_a(), b = c.shape_b();
-  const double size = oracle::scene_size(a, b), s = signed_gap_of(outcome);
-  const Vec n = outcome.n.cast<double>(), cp = outcome.cp.cast<double>();
-  const double tolerance = kTolT * size + 4 * 0x1p-24 * oracle::largest_coordinate(a, b);
-  off_.push_back(
-      std::max(oracle::distance(cp - 0.5 * s * n, a), oracle::distance(cp + 0.5 * s * n, b)) /
-      tolerance);
-  if (gap.lo < 0.01 * size || std::string(set_.name) != "upright") return;
+  const Vec n = outcome.n.cast<double>();
+  off_.push_back(off_bodies(a, b, outcome));
+  if (gap.lo < 0.01 * oracle::scene_size(a, b) || std::string(set_.name) != "upright") return;
   const oracle::Gap exact = oracle::signed_gap(a, b, {1e-13, 1000000});
   turned_.push_back((n.normalized() - exact.n).norm());
 }
@@ -400,6 +406,81 @@ TEST(CylinderRegression, NormalWhereTheGapIsFlat) {
   EXPECT_FALSE(got.f);
   EXPECT_NEAR((got.n.cast<double>() - exact.n).norm(), 0, 2e-6);
 }
+
+/// Edges and faces that stand upright, deep inside: all samples are to lie where the gap may have
+/// two maxima, none between a kink and itself.
+TEST(CylinderRegression, TriangleWithASecondMaximum) {
+  const std::vector<double> triangles[] = {{2, 9, 0, 2, 1, 0, 2, 1, -1},
+                                           {3, -8, -1, 3, 0, -1, 3, 0, 0},
+                                           {0, -3.5, -3, 0, -2.5, -4, 0, 3.5, 4}};
+  const std::vector<double> cylinders[] = {
+      {6, 4, -1, 0, 0, -1, 1, 5}, {-1, -3, 1, 0, 0, -1, 2, 5}, {-1, -3, 0, 0, 0, -1, 3, 4}};
+  for (int i = 0; i < 3; ++i) {
+    const oracle::Case c{oracle::Pair::kTriangleCylinder, 0, 0, "deep", triangles[i], cylinders[i]};
+    const oracle::Gap exact = oracle::signed_gap(c.shape_a(), c.shape_b(), {1e-13, 1000000});
+    const Outcome<float> got = answer<float>(c.pair, c.a, c.b, {});
+    EXPECT_NEAR(signed_gap_of(got), exact.lo, 1e-6) << i;
+    EXPECT_NEAR((got.n.cast<double>() - exact.n).norm(), 0, 1e-5) << i;
+  }
+}
+
+/// A triangle that is a point, on the axis: the nearest side is as far in all directions.
+TEST(CylinderRegression, PointOnTheAxis) {
+  const std::vector<double> cylinder = {0, 9, 14, 0, 0, -1, 4, 1};
+  const std::vector<double> point = {0, 9, 11.5, 0, 9, 11.5, 0, 9, 11.5};
+  const Outcome<float> got = answer<float>(oracle::Pair::kTriangleCylinder, point, cylinder, {});
+  EXPECT_TRUE(got.f);
+  EXPECT_EQ(got.t, 1);
+  EXPECT_EQ(got.n.z(), 0);
+  EXPECT_NEAR((got.cp + 0.5F * got.n - Eigen::Vector3f(0, 9, 11.5F)).norm(), 0, 1e-5);
+}
+
+/// A sliver whose normal leans along it by rounding, and with it the plane.
+TEST(CylinderRegression, WitnessOfASliver) {
+  const std::vector<double> triangle = {23.3295059f, 21.9699345f, -12.1292601f,
+                                        15.883009f,  17.2394485f, -6.54605389f,
+                                        23.0407219f, 21.7864799f, -11.9127369f};
+  const std::vector<double> cylinder = {
+      19.7317524f, 19.9230728f, -10.9602737f, -0.268247277f, -0.0769273415f, -0.960273683f, 1, 3};
+  const oracle::Case c{oracle::Pair::kTriangleCylinder, 0, 0, "sliver", triangle, cylinder};
+  const Outcome<float> got = answer<float>(c.pair, c.a, c.b, {});
+  const Vec n = got.n.cast<double>(), cp = got.cp.cast<double>();
+  const double half = signed_gap_of(got) / 2;
+  EXPECT_LE(oracle::distance(cp - half * n, c.shape_a()), 3e-5);
+  EXPECT_LE(oracle::distance(cp + half * n, c.shape_b()), 3e-5);
+}
+
+// ---- Witness points of what people build ----
+
+class CylinderWitnesses : public ::testing::TestWithParam<std::tuple<oracle::Pair, double>> {};
+
+/// How many of a million everyday pairs have one beyond tolP. No oracle: a distance says it.
+TEST_P(CylinderWitnesses, LieOnTheBodies) {
+  const auto [pair, most_of_a_million] = GetParam();
+  const int count = full() ? 1000000 : 20000;
+  int beyond = 0;
+  double worst = 0;
+  for (int i = 0; i < count; ++i) {
+    const oracle::Case c = oracle::everyday(pair, kSeed, static_cast<std::uint64_t>(i));
+    const oracle::Shape a = c.shape_a(), b = c.shape_b();
+    const double off = off_bodies(a, b, answer<float>(pair, c.a, c.b, {}));
+    beyond += !(off <= 1), worst = std::max(worst, off);
+  }
+  std::printf("%s, everyday: witness points of %d of %d more than 1 tolP off, at most %.2g\n",
+              oracle::to_string(pair), beyond, count, worst);
+  // A few more of few.
+  EXPECT_LE(beyond, most_of_a_million * count * 1e-6 + (full() ? 0 : 5));
+}
+
+INSTANTIATE_TEST_SUITE_P(Everyday, CylinderWitnesses,
+                         ::testing::Values(std::tuple(oracle::Pair::kCylinderCylinder, 400.0),
+                                           std::tuple(oracle::Pair::kObbCylinder, 150.0),
+                                           std::tuple(oracle::Pair::kTriangleCylinder, 60.0)),
+                         [](const auto& info) {
+                           std::string name = oracle::to_string(std::get<0>(info.param));
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
 
 // ---- Formats ----
 
@@ -574,19 +655,19 @@ const std::pair<const char*, std::map<std::string, std::string>> kOperators[] = 
       {"axis", "46 mul, 2 div, 2 sqrt, 30 add, 20 sub, 6 cmp, depth 18"},
       {"vertex", "71 mul, 2 div, 3 sqrt, 43 add, 31 sub, 8 cmp, depth 30"},
       {"side", "56 mul, 2 div, 2 sqrt, 32 add, 23 sub, 7 cmp, depth 24"},
-      {"sample", "95 mul, 2 div, 2 sqrt, 49 add, 32 sub, 12 cmp, 5 min/max, depth 38"},
+      {"sample", "95 mul, 2 div, 2 sqrt, 52 add, 32 sub, 14 cmp, 5 min/max, depth 39"},
       {"refine", "114 mul, 3 div, 2 sqrt, 55 add, 38 sub, 10 cmp, 3 min/max, depth 35"},
       {"touch", "119 mul, 3 div, 2 sqrt, 75 add, 56 sub, 14 cmp, 11 min/max, depth 32"},
       {"project", "125 mul, 4 div, 3 sqrt, 77 add, 56 sub, 15 cmp, 11 min/max, depth 48"}}},
     {"triangle-cylinder",
-     {{"frame", "64 mul, 2 div, 2 sqrt, 28 add, 23 sub, 14 cmp, 6 min/max, depth 18"},
+     {{"frame", "64 mul, 2 div, 2 sqrt, 28 add, 23 sub, 16 cmp, 6 min/max, depth 18"},
       {"axis", "46 mul, 2 div, 2 sqrt, 22 add, 20 sub, 10 cmp, 6 min/max, depth 18"},
       {"vertex", "71 mul, 2 div, 3 sqrt, 29 add, 31 sub, 12 cmp, 6 min/max, depth 28"},
       {"side", "56 mul, 2 div, 2 sqrt, 24 add, 23 sub, 11 cmp, 6 min/max, depth 24"},
-      {"sample", "95 mul, 2 div, 2 sqrt, 41 add, 32 sub, 16 cmp, 11 min/max, depth 38"},
+      {"sample", "95 mul, 2 div, 2 sqrt, 44 add, 32 sub, 18 cmp, 11 min/max, depth 39"},
       {"refine", "114 mul, 3 div, 2 sqrt, 47 add, 38 sub, 14 cmp, 9 min/max, depth 35"},
-      {"touch", "179 mul, 6 div, 2 sqrt, 96 add, 89 sub, 26 cmp, 18 min/max, depth 35"},
-      {"project", "185 mul, 7 div, 3 sqrt, 98 add, 89 sub, 27 cmp, 18 min/max, depth 54"}}},
+      {"touch", "180 mul, 6 div, 2 sqrt, 96 add, 89 sub, 27 cmp, 18 min/max, depth 35"},
+      {"project", "186 mul, 7 div, 3 sqrt, 98 add, 89 sub, 28 cmp, 18 min/max, depth 54"}}},
 };
 
 TEST(CylinderOperators, AreThoseOfTheDocument) {

@@ -9,10 +9,10 @@
 #include <memory>
 #include <random>
 
-#include "cde/board.hpp"
-#include "cde/bounds.hpp"
-#include "cde/mesh.hpp"
-#include "cde/terrain.hpp"
+#include "cde/card/board.hpp"
+#include "cde/geometry/bounds.hpp"
+#include "cde/mesh/mesh.hpp"
+#include "cde/mesh/terrain.hpp"
 #include "exact.hpp"
 
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 #include <boost/multiprecision/cpp_int.hpp>
 
-#include "cde/primitives.hpp"
+#include "cde/geometry/primitives.hpp"
 
 /// Ray against triangle in exact rational arithmetic: the oracle of meaning, with nothing in common
 /// with the pipe but the geometry. Solves O + t D = V0 + u E1 + v E2 by Cramer's rule on the 3x3

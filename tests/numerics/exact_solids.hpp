@@ -4,7 +4,7 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <optional>
 
-#include "cde/primitives.hpp"
+#include "cde/geometry/primitives.hpp"
 
 /// Ray against sphere and cylinder with 168 bits of precision: the oracle of meaning. The formulas
 /// are not those of the pipes: textbook quadratics in the plane across the axis, which lose half of

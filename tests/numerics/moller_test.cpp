@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
-#include "cde/board.hpp"
-#include "cde/bounds.hpp"
+#include "cde/card/board.hpp"
+#include "cde/geometry/bounds.hpp"
 #include "exact.hpp"
 
 namespace {

@@ -1,6 +1,7 @@
 // The box rule of ray and triangle, and what every ray pair promises of a hit: triangles without
 // area, rays in a triangle's plane, hits that the rule drops, how far outside of its box an
 // accepted hit may lie; finite T and CP, and no -0.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -8,13 +9,15 @@
 #include <cmath>
 #include <cstdio>
 #include <random>
+#include <string>
 #include <vector>
 
-#include "cde/bounds.hpp"
-#include "cde/reference/ray_cylinder.hpp"
-#include "cde/reference/ray_sphere.hpp"
-#include "cde/reference/ray_triangle.hpp"
+#include "cde/geometry/bounds.hpp"
+#include "cde/reference/pipes/ray_cylinder.hpp"
+#include "cde/reference/pipes/ray_sphere.hpp"
+#include "cde/reference/pipes/ray_triangle.hpp"
 #include "exact.hpp"
+#include "in_docs.hpp"
 
 namespace cde::testing {
 namespace {
@@ -303,6 +306,55 @@ TEST_P(BoxRule, DropsNoCertainHitOfPlainTriangles) {
       EXPECT_LE(dropped, hits / 200);
     }
   }
+}
+
+/// 12345 as 12,345.
+std::string grouped(int n) {
+  return n < 1000 ? std::to_string(n) : fmt::format("{},{:03}", n / 1000, n % 1000);
+}
+
+/// What the rule drops of rays aimed at the inside of needles, by their height over their length.
+TEST(Needles, CertainHitsAreDroppedAsTheDocsSay) {
+  constexpr int kPairs = 10000;
+  std::vector<std::string> lines;
+  for (const int width : {4, 8, 10, 12, 14, 16}) {
+    int hits[4] = {}, dropped[4] = {}, certain_dropped[4] = {}, sure = 0;
+    Random random;
+    for (int i = 0; i < kPairs; ++i) {
+      BasicRay<double> exact{random.vector(), random.vector(), 0,
+                             std::numeric_limits<double>::infinity()};
+      const Vector3d e1 = random.vector();
+      const Vector3d across = e1.cross(random.vector()).normalized();
+      const double along = random.unit(), height = std::ldexp(e1.norm(), -width) * random.sign();
+      const Vector3d e2 = along * e1 + height * across;
+      const double u = random.unit(), v = random.unit() * (1 - u);
+      const Vector3d v0 =
+          exact.o + random.between(0.04, 4) * exact.d.normalized() - u * e1 - v * e2;
+      const auto ray = primitive_cast<float>(exact);
+      const auto triangle = primitive_cast<float>(BasicTriangle<double>{v0, v0 + e1, v0 + e2});
+      if (reference::bad(ray) || reference::bad(triangle)) continue;
+      for (int k = 0; k < 4; ++k) {
+        const Algorithm& algorithm = kAlgorithms[k];
+        if (!algorithm.plain(ray, triangle).f) continue;
+        ++hits[k];
+        const bool drops = !algorithm.boxed(ray, triangle).f;
+        const bool of_moller = k == 0 && certain(algorithm, ray, triangle);
+        sure += of_moller;
+        if (!drops) continue;
+        ++dropped[k];
+        certain_dropped[k] += k == 0 ? of_moller : certain(algorithm, ray, triangle);
+      }
+    }
+    const auto cell = [&](int k) {
+      return fmt::format("{} ({}) of {}", grouped(dropped[k]), certain_dropped[k],
+                         grouped(hits[k]));
+    };
+    lines.push_back(fmt::format("| 2^-{} | {} | {} | {} | {} | {} |", width, grouped(sure), cell(0),
+                                cell(1), cell(2), cell(3)));
+    for (const int n : certain_dropped) EXPECT_LE(n, width <= 4 ? 0 : kPairs / 400);
+    EXPECT_GT(sure, kPairs / 10);
+  }
+  expect_in_docs("pairs.md", lines);
 }
 
 TEST(FlatTriangle, IsFlatAtEveryScale) {

@@ -4,16 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
 #include <random>
 #include <vector>
 
-#include "cde/mesh.hpp"
-#include "cde/reference/ray_cylinder.hpp"
-#include "cde/reference/ray_sphere.hpp"
-#include "cde/reference/ray_triangle.hpp"
+#include "cde/mesh/mesh.hpp"
+#include "cde/reference/pipes/ray_cylinder.hpp"
+#include "cde/reference/pipes/ray_sphere.hpp"
+#include "cde/reference/pipes/ray_triangle.hpp"
 #include "counted.hpp"
 #include "exact.hpp"
 
@@ -417,8 +418,9 @@ TEST(Leaks, NoneInAnyFormat) {
 // ---- Watertight against its source ----
 
 /// Woop, Benthin and Wald 2013, appendix A, two-sided, with the exchange of kx and ky that the
-/// mirror leaves out and their own test of the signs.
-reference::Outcome<float> woop(const Ray& ray, const Triangle& triangle) {
+/// mirror leaves out and their own test of the signs. Their T takes Sz first, the mirror's last:
+/// `reach` is what both are rounded against.
+reference::Outcome<float> woop(const Ray& ray, const Triangle& triangle, float& reach) {
   int kz = 0;
   for (int k = 1; k < 3; ++k)
     if (std::abs(ray.d[k]) > std::abs(ray.d[kz])) kz = k;
@@ -434,6 +436,7 @@ reference::Outcome<float> woop(const Ray& ray, const Triangle& triangle) {
   if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return r;
   const float det = u + v + w;
   if (det == 0) return r;
+  reach = std::abs(sz) * std::max({std::abs(a[kz]), std::abs(b[kz]), std::abs(c[kz])});
   const float t = (u * (sz * a[kz]) + v * (sz * b[kz]) + w * (sz * c[kz])) / det;
   if (t < ray.tmin || t > ray.tmax) return r;
   r.f = true, r.t = t;
@@ -445,10 +448,13 @@ TEST(Watertight, IsTheAlgorithmOfItsAuthors) {
   int hits = 0;
   for (int i = 0; i < 20000; ++i) {
     const auto [ray, triangle] = make(random, {"", 0, 1, 4});
-    const auto expected = woop(ray, triangle),
+    float reach = 0;
+    const auto expected = woop(ray, triangle, reach),
                got = reference::ray_triangle_watertight(ray, triangle);
     ASSERT_EQ(got.f, expected.f);
-    ASSERT_EQ(got.t, expected.t);
+    if (got.f) {
+      ASSERT_LE(std::abs(got.t - expected.t), 0x1p-20f * reach);
+    }
     hits += got.f;
   }
   EXPECT_GT(hits, 6000);
@@ -559,7 +565,7 @@ TEST(Operators, AreThoseOfTheHeaders) {
        {.add = 22, .sub = 27, .mul = 54, .div = 1, .cmp = 6, .depth = 12}},
       {"ray-triangle watertight",
        count(reference::ray_triangle_watertight<C>, ray, triangle),
-       {.add = 13, .sub = 18, .mul = 32, .div = 3, .cmp = 8, .depth = 16}},
+       {.add = 13, .sub = 18, .mul = 30, .div = 3, .cmp = 8, .depth = 16}},
       {"ray-sphere",
        count(reference::ray_sphere<C>, ray, sphere),
        {.add = 15, .sub = 5, .mul = 22, .div = 2, .sqrt = 1, .cmp = 5, .minmax = 1, .depth = 19}},

@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "cde/fp.hpp"
-#include "cde/fp_format.hpp"
-#include "cde/length_range.hpp"
-#include "cde/pair.hpp"
+#include "cde/fp/fp.hpp"
+#include "cde/fp/fp_format.hpp"
+#include "cde/geometry/length_range.hpp"
+#include "cde/geometry/pair.hpp"
 #include "cde/reference/pairs.hpp"
-#include "cde/reference/scale.hpp"
+#include "cde/reference/pipes/scale.hpp"
 #include "oracle/certificate.hpp"
 #include "scaled_cases.hpp"
 

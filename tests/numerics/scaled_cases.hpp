@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "cde/fp_format.hpp"
-#include "cde/length_range.hpp"
-#include "cde/pair.hpp"
+#include "cde/fp/fp_format.hpp"
+#include "cde/geometry/length_range.hpp"
+#include "cde/geometry/pair.hpp"
 #include "oracle/cases.hpp"
 
 namespace cde::testing {
@@ -77,6 +77,24 @@ inline LengthRange room(const oracle::Case& c, Shape a, Shape b, Kind of, Length
   while (std::ldexp(least_size, down) < std::ldexp(1, range.low)) ++down;
   while (std::ldexp(least_size, down - 1) >= std::ldexp(1, range.low)) --down;
   return {down, up};
+}
+
+/// By how much a ray's solid can be scaled against the ray's direction within a range of their
+/// ratio (LengthRange::ray_ratio).
+inline LengthRange room_apart(const oracle::Case& c, Shape target, LengthRange range) {
+  double largest = 0, least_size = std::ldexp(1, 900), direction = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    largest = std::max(largest, std::abs(c.a[k]));
+    direction = std::max(direction, std::abs(c.a[3 + k]));
+  }
+  for (std::size_t k = 0; k < c.b.size(); ++k) {
+    if (kind(target, k) != Kind::kLength) continue;
+    largest = std::max(largest, std::abs(c.b[k]));
+    if (is_size(target, k)) least_size = std::min(least_size, c.b[k]);
+  }
+  // Up to 2^ilogb(x) <= |x| < 2^(ilogb(x) + 1).
+  return {range.low - std::ilogb(least_size) + std::ilogb(direction) + 1,
+          range.high - std::ilogb(largest) + std::ilogb(direction) - 1};
 }
 
 /// The lengths over which a pair's answers scale exactly: all that are allowed, but for rays of

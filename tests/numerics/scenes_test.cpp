@@ -11,16 +11,16 @@
 #include <string>
 
 #include "amount.hpp"
-#include "cde/reference/convex/obb_obb.hpp"
-#include "cde/reference/convex/obb_plane.hpp"
-#include "cde/reference/convex/sphere_obb.hpp"
-#include "cde/reference/convex/sphere_sphere.hpp"
-#include "cde/reference/convex/triangle_box.hpp"
-#include "cde/reference/convex/triangle_sphere.hpp"
-#include "cde/reference/cylinder/pairs.hpp"
-#include "cde/reference/ray_cylinder.hpp"
-#include "cde/reference/ray_sphere.hpp"
-#include "cde/reference/ray_triangle.hpp"
+#include "cde/reference/pipes/convex/obb_obb.hpp"
+#include "cde/reference/pipes/convex/obb_plane.hpp"
+#include "cde/reference/pipes/convex/sphere_obb.hpp"
+#include "cde/reference/pipes/convex/sphere_sphere.hpp"
+#include "cde/reference/pipes/convex/triangle_box.hpp"
+#include "cde/reference/pipes/convex/triangle_sphere.hpp"
+#include "cde/reference/pipes/cylinder/pairs.hpp"
+#include "cde/reference/pipes/ray_cylinder.hpp"
+#include "cde/reference/pipes/ray_sphere.hpp"
+#include "cde/reference/pipes/ray_triangle.hpp"
 #include "oracle/oracle.hpp"
 
 namespace cde::testing {

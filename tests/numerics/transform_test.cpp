@@ -6,9 +6,9 @@
 #include <bit>
 #include <random>
 
-#include "cde/reference/check.hpp"
+#include "cde/geometry/check.hpp"
 #include "cde/reference/pairs.hpp"
-#include "cde/reference/transform.hpp"
+#include "cde/reference/pipes/transform.hpp"
 
 namespace cde {
 namespace {

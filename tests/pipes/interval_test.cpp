@@ -9,9 +9,9 @@
 #include <random>
 #include <string>
 
-#include "cde/error.hpp"
-#include "cde/pair_unit.hpp"
+#include "cde/card/pair_unit.hpp"
 #include "cde/reference/pairs.hpp"
+#include "cde/support/error.hpp"
 #include "oracle/cases.hpp"
 
 namespace cde {

@@ -1,7 +1,7 @@
 // Latency and throughput of the Möller pipe as the card states them.
 #include <gtest/gtest.h>
 
-#include "cde/board.hpp"
+#include "cde/card/board.hpp"
 
 namespace {
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "cde/fp_format.hpp"
-#include "cde/length_range.hpp"
-#include "cde/pair_unit.hpp"
+#include "cde/card/pair_unit.hpp"
+#include "cde/fp/fp_format.hpp"
+#include "cde/geometry/length_range.hpp"
 #include "cde/reference/pairs.hpp"
 #include "numerics/scaled_cases.hpp"
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/pair_unit.hpp"
+#include "cde/card/pair_unit.hpp"
 #include "cde/reference/pairs.hpp"
 
 namespace {
@@ -140,6 +140,30 @@ TEST_P(Extremes, HitsAreFiniteAndNeverAtMinusZero) {
   EXPECT_GT(hits, 600u);
   EXPECT_LT(hits, 5400u) << "none is out of range";
   EXPECT_GT(zeros, 100u);
+  expect_equal(config, a, b);
+}
+
+/// Every tilt from a cylinder's axis down to nothing, where r^2 / A overflows long before 1 / A
+/// does.
+TEST(AllButAlongTheAxis, RaysHitWhatTheyGoThrough) {
+  const PairConfig config{.pair = Pair::kRayCylinder};
+  std::mt19937 random(kSeed);
+  Words a, b;
+  for (int i = 0; i < 6000; ++i) {
+    const float tilt = std::ldexp(1.0f, -static_cast<int>(random() % 150));
+    push(a, {i % 2 == 0 ? 0.5f : 2.5f, i % 3 == 0 ? 1.0f : 0.0f, -4, i % 5 < 2 ? tilt : 0,
+             i % 5 < 3 ? -tilt : tilt, 1, 0, kInf});
+    push(b, {0, 0, 0, 0, 0, 1, 1, 2});
+  }
+  std::size_t hits = 0;
+  const std::vector<PairResult> expected = reference_of(config, a, b);
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    hits += expected[i].f;
+    if (std::abs(number(a[8 * i + 4])) < 0.1f) {
+      EXPECT_EQ(expected[i].f, i % 2 == 0) << i;
+    }
+  }
+  EXPECT_GT(hits, 2000u);
   expect_equal(config, a, b);
 }
 

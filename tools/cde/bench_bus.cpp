@@ -7,10 +7,10 @@
 
 #include "bench.hpp"
 #include "busy.hpp"
-#include "cde/board.hpp"
-#include "cde/camera.hpp"
-#include "cde/error.hpp"
-#include "cde/terrain.hpp"
+#include "cde/card/board.hpp"
+#include "cde/image/camera.hpp"
+#include "cde/mesh/terrain.hpp"
+#include "cde/support/error.hpp"
 #include "json_keys.hpp"
 #include "streams.hpp"
 
@@ -60,8 +60,7 @@ void fill_ring(Board& board, std::size_t records) {
   board.upload(triangles(count));
   board.load(rays());
   board.write_register(card::kRegCommand,
-                       static_cast<std::uint64_t>(Mode::kAll) |
-                           std::uint64_t{static_cast<unsigned>(Pair::kRayTriangle)} << 8);
+                       card::kCommandMode(Mode::kAll) | card::kCommandPair(Pair::kRayTriangle));
   board.write_register(card::kRegPrimCount, kRays);
   board.write_register(card::kRegSecFirst, 0);
   board.write_register(card::kRegSecCount, count);
@@ -233,7 +232,7 @@ ordered_json bench_bus(const BenchOptions& o) {
   const std::vector<Sweep> all = sweeps(o, kBurst);
   print_sweeps(all, kBurst, o);
   if (o.quick) show("PCI signals and cards of one lane: skipped (--quick)\n");
-  return {{"transfers", json_of(all, kBurst, o)}, {"paper", paper(o)}};
+  return {{"transfers", json_of(all, kBurst, o)}, {"paper_frame", paper(o)}};
 }
 
 }  // namespace cde::cli

@@ -10,11 +10,12 @@
 #include <vector>
 
 #include "bench.hpp"
-#include "cde/board.hpp"
-#include "cde/error.hpp"
-#include "cde/plan.hpp"
-#include "cde/reference.hpp"
-#include "cde/scene.hpp"
+#include "cde/card/board.hpp"
+#include "cde/contract/records.hpp"
+#include "cde/reference/reference.hpp"
+#include "cde/scene/plan.hpp"
+#include "cde/scene/scene.hpp"
+#include "cde/support/error.hpp"
 #include "output.hpp"
 #include "streams.hpp"
 
@@ -79,16 +80,16 @@ void all_but_waves(BoardConfig& c) {
   c.bus = Bus::kCycle;
 }
 
-constexpr const char* kEverything = "everything";
+constexpr const char* kEverything = "everything, waves too, none written";
 constexpr Variant kPlanned = {"planned", "", [](BoardConfig&) {}};
 constexpr Variant kVariants[] = {
     {"pipe alone", "", [](BoardConfig& c) { c = BoardConfig{.lanes = c.lanes, .box = c.box}; },
      When::kAlways},
     {"no box rule", "", [](BoardConfig& c) { c.box = false; }},
-    {"  (beside it) box rule", "box rule", [](BoardConfig&) {}, When::kNotQuick, true},
+    {"box rule, beside no box rule", "box rule", [](BoardConfig&) {}, When::kNotQuick, true},
     {"all 13 pipes", "pipes", all_pipes},
-    {"two pipes", "", two_pipes},
-    {"  (beside it) both at a time", "two pairs at a time",
+    {"two pipes and exchange of roles", "", two_pipes},
+    {"two pipes, both at a time, beside one", "two pairs at a time",
      [](BoardConfig& c) {
        two_pipes(c);
        c.parallel = true;
@@ -98,14 +99,14 @@ constexpr Variant kVariants[] = {
      [](BoardConfig& c) { c.transform = Transformer::kSecondaries; }},
     {"transformer, both", "transformer", [](BoardConfig& c) { c.transform = Transformer::kBoth; }},
     {"normals", "normals", [](BoardConfig& c) { c.normals = true; }},
-    {"exchange of roles", "exchange of roles", [](BoardConfig& c) { c.swap = true; }},
+    {"exchange of roles (SWAP)", "exchange of roles", [](BoardConfig& c) { c.swap = true; }},
     {"check bits", "ecc", [](BoardConfig& c) { c.ecc = true; }},
     {"bus cycle by cycle", "bus timing", [](BoardConfig& c) { c.bus = Bus::kCycle; }},
     {"memory cycle by cycle", "memory timing", [](BoardConfig&) {}, When::kNotQuick, false,
      Memory::kCycle},
-    {"waves, none written", "trace", [](BoardConfig& c) { c.trace = true; }},
+    {"waves compiled in, none written", "trace", [](BoardConfig& c) { c.trace = true; }},
     {"gates", "gates", [](BoardConfig& c) { c.arithmetic = Arithmetic::kRtl; }, When::kAlways},
-    {"everything but waves", "", all_but_waves},
+    {"everything but waves, roles and normals too", "", all_but_waves},
     {kEverything, "",
      [](BoardConfig& c) {
        all_but_waves(c);
@@ -211,9 +212,14 @@ class Card {
     return static_cast<double>(counters_.total_clocks) / pass - 1;
   }
 
+  void print_markdown() const {
+    show("| {} | {:.2f} | {:.2f} to {:.2f} | {} |\n", variant_.name, slower(), least(slower_),
+         most(slower_), counters_.cycles);
+  }
+
   void print() const {
     const std::optional<double> known = simulation_cost(variant_.effect);
-    show("{:<28}{:>7.3f}{:>15}{:>9.3f}{:>12.4f}{:>10.2f}{:>11}{:>9}{:>9}\n", variant_.name,
+    show("{:<44}{:>7.3f}{:>15}{:>9.3f}{:>12.4f}{:>10.2f}{:>11}{:>9}{:>9}\n", variant_.name,
          slower(), fmt::format("{:.2f} to {:.2f}", least(slower_), most(slower_)),
          median(slower_wall_), median(wall_), 100 * bus(), counters_.cycles,
          build_seconds_ ? fmt::format("{:.0f}", *build_seconds_) : "-",
@@ -232,7 +238,7 @@ class Card {
             {"slower_most", most(slower_)},
             {"slower_wall", median(slower_wall_)},
             {"frame_seconds", median(seconds_)},
-            {"frame_wall_seconds", median(wall_)},
+            {"wall_seconds", median(wall_)},
             {"frame_over_pass", bus()},
             {"frame_over_pass_clocks", bus_clocks()},
             {"device_cycles", counters_.cycles},
@@ -304,14 +310,18 @@ ordered_json bench_effects(const BenchOptions& o) {
   const Workload w = make_workload(o);
   const int rounds = o.quick ? 3 : 9;
   std::vector<Card> cards = open_cards(o, w);
-  show(
-      "\n{} rays x {} triangles, nearest, {} lanes, fp32, one thread. The planned card: {}."
-      "\nThe others are the planned card and one thing more. Times slower by processor time, "
-      "and (wall) by wall time: medians of {} rounds, each beside the planned card in turn.\n"
-      "{:<28}{:>7}{:>15}{:>9}{:>12}{:>10}{:>11}{:>9}{:>9}\n",
-      w.rays.size(), w.triangles.size(), w.planned.lanes, fmt::join(w.planned.parameters(), " "),
-      rounds, "card", "slower", "least to most", "(wall)", "frame, s", "bus, %", "cycles",
-      "built, s", "in plans");
+  if (o.markdown)
+    show("| card | times the planned card | least to most | clocks of the pass |\n{}\n",
+         "| --- | --- | --- | --- |");
+  else
+    show(
+        "\n{} rays x {} triangles, nearest, {} lanes, fp32, one thread. The planned card: {}."
+        "\nThe others are the planned card and one thing more. Times slower by processor time, "
+        "and (wall) by wall time: medians of {} rounds, each beside the planned card in turn.\n"
+        "{:<44}{:>7}{:>15}{:>9}{:>12}{:>10}{:>11}{:>9}{:>9}\n",
+        w.rays.size(), w.triangles.size(), w.planned.lanes, fmt::join(w.planned.parameters(), " "),
+        rounds, "card", "slower", "least to most", "(wall)", "frame, s", "bus, %", "cycles",
+        "built, s", "in plans");
   std::optional<Progress> progress("effects, every card in turn");
   for (Card& c : cards) c.frame(), c.pass();  // caches warm
   for (int round = 0; round < rounds; ++round) {
@@ -325,13 +335,16 @@ ordered_json bench_effects(const BenchOptions& o) {
   progress.reset();
   ordered_json list = ordered_json::array();
   for (const Card& c : cards) {
-    c.print();
+    o.markdown ? c.print_markdown() : c.print();
     list.push_back(c.json(o.clock_hz));
   }
-  show(
-      "bus: processor time of a frame (rays, registers, pass, records) over its pass alone, "
-      "fastest of each; "
-      "built: by this run\nall records of all frames are those of the reference\n");
+  if (o.markdown)
+    show("\n");
+  else
+    show(
+        "bus: processor time of a frame (rays, registers, pass, records) over its pass alone, "
+        "fastest of each; "
+        "built: by this run\nall records of all frames are those of the reference\n");
   return {{"rays", w.rays.size()},
           {"triangles", w.triangles.size()},
           {"lanes", w.planned.lanes},

@@ -19,8 +19,8 @@
 #include <string_view>
 
 #include "bench.hpp"
-#include "cde/error.hpp"
-#include "cde/primitives.hpp"
+#include "cde/geometry/primitives.hpp"
+#include "cde/support/error.hpp"
 
 namespace cde::cli {
 namespace {

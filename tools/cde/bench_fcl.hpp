@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "cde/pair_unit.hpp"
+#include "cde/card/pair_unit.hpp"
 
 namespace cde::cli {
 

@@ -6,7 +6,7 @@
 
 #include "bench.hpp"
 #include "busy.hpp"
-#include "cde/fp_unit.hpp"
+#include "cde/card/fp_unit.hpp"
 #include "streams.hpp"
 
 namespace cde::cli {

@@ -13,10 +13,10 @@
 #include "bench.hpp"
 #include "bench_fcl.hpp"
 #include "busy.hpp"
-#include "cde/error.hpp"
-#include "cde/fp_format.hpp"
-#include "cde/pair_unit.hpp"
-#include "cde/primitives.hpp"
+#include "cde/card/pair_unit.hpp"
+#include "cde/fp/fp_format.hpp"
+#include "cde/geometry/primitives.hpp"
+#include "cde/support/error.hpp"
 #include "streams.hpp"
 #include "verbs.hpp"
 
@@ -210,9 +210,9 @@ nlohmann::ordered_json budgets_json(const std::vector<Priced>& rows, double cloc
     json.push_back({{"samples", m},
                     {"circle", k1},
                     {"free", k2},
-                    {"pairs_per_second_simulated", r.pairs_per_second},
-                    {"clocks_per_row", r.clocks_per_row},
-                    {"modelled_pairs_per_second", kLanes * clock_hz / r.clocks_per_row},
+                    {"tests_per_second_simulated", r.pairs_per_second},
+                    {"cycles_per_row", r.clocks_per_row},
+                    {"modelled_tests_per_second", kLanes * clock_hz / r.clocks_per_row},
                     {"shortfall_p99", r.p99},
                     {"shortfall_max", r.worst}});
   }
@@ -286,10 +286,10 @@ nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm al
   if (ray_triangle) row["algorithm"] = name(algorithm);
   row["absent"] = !card;
   if (card) {
-    row["pairs_per_second_simulated"] = card->pairs_per_second;
+    row["tests_per_second_simulated"] = card->pairs_per_second;
     row["latency_clocks"] = card->latency;
-    row["clocks_per_row"] = card->clocks_per_row;
-    row["modelled_pairs_per_second"] = kLanes * o.clock_hz / card->clocks_per_row;
+    row["cycles_per_row"] = card->clocks_per_row;
+    row["modelled_tests_per_second"] = kLanes * o.clock_hz / card->clocks_per_row;
     row["hit_share"] = static_cast<double>(card->hits) / kCases;
   }
   if (card && has_budget(pair))

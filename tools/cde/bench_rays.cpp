@@ -10,11 +10,11 @@
 
 #include "bench.hpp"
 #include "busy.hpp"
-#include "cde/baseline.hpp"
-#include "cde/board.hpp"
-#include "cde/camera.hpp"
-#include "cde/error.hpp"
-#include "cde/terrain.hpp"
+#include "cde/card/board.hpp"
+#include "cde/image/camera.hpp"
+#include "cde/mesh/terrain.hpp"
+#include "cde/rivals/baseline.hpp"
+#include "cde/support/error.hpp"
 #include "output.hpp"
 #include "streams.hpp"
 
@@ -232,7 +232,7 @@ ordered_json linearity(const BenchOptions& o) {
     list.push_back({{"triangles", count},
                     {"device_cycles", c.cycles},
                     {"cycles_per_row", static_cast<double>(c.cycles) / rows},
-                    {"cast_seconds", seconds},
+                    {"simulation_seconds", seconds},
                     {"tests_per_second_simulated", static_cast<double>(c.pairs) / seconds},
                     {"upload_seconds", upload},
                     {"resident_bytes_per_triangle", bytes}});

@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "cde/board.hpp"
-#include "cde/camera.hpp"
-#include "cde/mesh.hpp"
+#include "cde/card/board.hpp"
+#include "cde/image/camera.hpp"
+#include "cde/mesh/mesh.hpp"
+#include "cde/scene/plan.hpp"
 
 /// The parts of `cde cast`: what was asked, what is cast, and what came of it.
 namespace cde::cli {
@@ -21,6 +22,7 @@ struct CastOptions {
   double clock_mhz = 100, timeout = 3600;
   std::uint64_t deadline = 0;
   bool box = true, json = false, check = true, bits = false, quiet = false, shadows = false;
+  bool exact = false;  ///< no built card stands in
 
   /// Nothing but the mesh is said: a picture is what the help promises.
   bool shows_itself = false;
@@ -38,6 +40,7 @@ struct CastJob {
   std::optional<Resolution> picture;
   Mode mode = Mode::kNearest;
   BoardConfig config;
+  std::optional<BuiltCard> stands_in_for = {};  ///< the card that `config` is used instead of
 };
 
 struct CastOutcome {

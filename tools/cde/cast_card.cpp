@@ -9,9 +9,9 @@
 
 #include "busy.hpp"
 #include "cast.hpp"
-#include "cde/error.hpp"
-#include "cde/reference.hpp"
 #include "cde/reference/pass.hpp"
+#include "cde/reference/reference.hpp"
+#include "cde/support/error.hpp"
 #include "machine.hpp"
 #include "output.hpp"
 #include "waves.hpp"
@@ -37,7 +37,7 @@ class Judge {
     if (job.config.algorithm == Algorithm::kMoller) {
       moller_.emplace(rays, job.mesh, job.mode, Stencil(), packet_, command_,
                       std::span<const Object>(), o.box);
-      moller_->place_on(board);
+      moller_->place_by([&board](std::uint32_t primary) { return place_on_card(board, primary); });
       return;
     }
     command_ += " --algorithm " + o.algorithm;
@@ -144,6 +144,7 @@ CastOutcome cast_on_card(const CastOptions& o, const CastJob& job, const RayView
       o.trace, [&](const std::string& file) { board.trace_open(file); },
       [&] { board.trace_close(); });
   const Query query{.mode = job.mode,
+                    .pair = Pair::kRayTriangle,
                     .deadline_clocks = o.deadline,
                     .watchdog = std::chrono::duration<double>(o.timeout),
                     .progress = progress};

@@ -12,7 +12,7 @@
 #include <limits>
 
 #include "busy.hpp"
-#include "cde/error.hpp"
+#include "cde/support/error.hpp"
 #include "help.hpp"
 #include "machine.hpp"
 #include "npy.hpp"

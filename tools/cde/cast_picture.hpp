@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cast.hpp"
-#include "cde/image.hpp"
+#include "cde/image/image.hpp"
 
 namespace cde::cli {
 

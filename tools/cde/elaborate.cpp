@@ -12,6 +12,8 @@
 #include <iterator>
 #include <string_view>
 
+#include "cde/contract/formats.hpp"
+
 extern char** environ;
 
 namespace cde::rtl {
@@ -126,7 +128,9 @@ Elaboration::Elaboration(const fs::path& rtl, const std::string& top,
       xml.parent_path(),   "--top-module", top};
   for (const std::string& parameter : parameters) command.push_back(parameter_switch(parameter));
   command.push_back(rtl.parent_path() / "verilator/waivers.vlt");
-  command.push_back(rtl / "cde_pkg.sv");
+  std::ifstream packages(rtl / "contract/packages.f");
+  for (std::string package; std::getline(packages, package);)
+    command.push_back(rtl / "contract" / package);
   std::vector<fs::path> folders = {rtl};
   std::error_code missing;  // Verilator names what it does not find
   for (const auto& entry : fs::directory_iterator(rtl, missing))
@@ -217,25 +221,25 @@ Operators Elaboration::operators(const std::string& instance) const {
     // Every operator is an fp_lanes of some OP, alone or inside fp_add, fp_mul and their like.
     if (what == "fp_lanes") {
       const auto at = module.constants.find("OP");
-      switch (at == module.constants.end() ? 0 : at->second) {
-        case 0:
+      switch (static_cast<FpOp>(at == module.constants.end() ? 0 : at->second)) {
+        case FpOp::kAdd:
           ++count.adders;
           break;
-        case 1:
+        case FpOp::kSub:
           ++count.subtractors;
           break;
-        case 2:
+        case FpOp::kMul:
           ++count.multipliers;
           break;
-        case 3:
+        case FpOp::kDiv:
           ++count.dividers;
           break;
-        case 4:
+        case FpOp::kSqrt:
           ++count.square_roots;
           break;
-        case 5:
-        case 6:
-        case 7:
+        case FpOp::kLt:
+        case FpOp::kLe:
+        case FpOp::kEq:
           ++count.comparators;
           break;
         default:

@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "cde/board.hpp"
+#include "cde/card/board.hpp"
 
 /// What several verbs say in JSON, under the same keys in all of them.
 namespace cde::cli {

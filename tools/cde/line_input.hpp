@@ -1,5 +1,6 @@
 #pragma once
 #include <fmt/format.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -8,13 +9,19 @@
 #include <string_view>
 #include <vector>
 
-#include "cde/error.hpp"
+#include "cde/support/error.hpp"
 
 namespace cde::cli {
 
 /// Lines of stdin, as many as a read gives: whoever writes one and waits gets the answer.
 class LineInput {
  public:
+  /// Whether a read of stdin would wait for whoever writes it.
+  [[nodiscard]] static bool waits() {
+    pollfd in{STDIN_FILENO, POLLIN, 0};
+    return ::poll(&in, 1, 0) == 0;
+  }
+
   /// Calls line(number, text) for every whole line of the next read. False at the end. Error
   /// kBadInput if a line does not fit the buffer.
   template <class Line>

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <thread>
 
-#include "cde/memory.hpp"
+#include "cde/card/memory.hpp"
 
 namespace cde::cli {
 

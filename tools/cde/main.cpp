@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/error.hpp"
+#include "cde/support/error.hpp"
 #include "help.hpp"
 #include "output.hpp"
 #include "streams.hpp"

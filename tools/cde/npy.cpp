@@ -8,8 +8,8 @@
 #include <iterator>
 #include <regex>
 
-#include "cde/error.hpp"
-#include "cde/message.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
 
 namespace cde::cli {
 namespace {

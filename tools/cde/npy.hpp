@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cde/primitives.hpp"
+#include "cde/geometry/primitives.hpp"
 
 /// Arrays of NumPy, format 1.0, little endian as every host of this project.
 namespace cde::cli {

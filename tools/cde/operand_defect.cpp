@@ -9,9 +9,9 @@
 #include <string_view>
 #include <type_traits>
 
-#include "cde/error.hpp"
-#include "cde/fp.hpp"
-#include "cde/reference/check.hpp"
+#include "cde/fp/fp.hpp"
+#include "cde/geometry/check.hpp"
+#include "cde/support/error.hpp"
 
 // reference::bad decides; what stands here finds the words for it.
 namespace cde::cli {

@@ -3,8 +3,8 @@
 #include <span>
 #include <string>
 
-#include "cde/fp_format.hpp"
-#include "cde/pair_unit.hpp"
+#include "cde/card/pair_unit.hpp"
+#include "cde/fp/fp_format.hpp"
 
 namespace cde::cli {
 

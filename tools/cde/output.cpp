@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "cde/message.hpp"
+#include "cde/support/message.hpp"
 
 namespace cde::cli {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "cde/output_file.hpp"
+#include "cde/support/output_file.hpp"
 
 /// Signals while files are written, and progress on a terminal.
 namespace cde::cli {

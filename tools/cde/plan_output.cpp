@@ -29,34 +29,32 @@ std::string sentence(const Effect& e) {
   return e.cost.empty() ? e.why : fmt::format("{} [{}]", e.why, e.cost);
 }
 
-nlohmann::ordered_json stand_in_json(const Plan& plan) {
-  if (!plan.stands_in_for) return nullptr;
-  return {{"parameters", plan.stands_in_for->board.parameters()},
-          {"estimated_times", plan.stands_in_for->times}};
-}
-
 std::string card_text(const BoardConfig& card) {
   return fmt::format("{} {}", card.top(), fmt::join(card.parameters(), " "));
 }
 
 }  // namespace
 
-std::string stand_in_text(const Plan& plan) {
-  if (!plan.stands_in_for) return "";
+nlohmann::ordered_json stand_in_json(const std::optional<BuiltCard>& planned) {
+  if (!planned) return {{"stands_in_for", nullptr}};
+  return {{"stands_in_for",
+           {{"parameters", planned->board.parameters()}, {"estimated_times", planned->times}}}};
+}
+
+std::string stand_in_text(const BoardConfig& used, const BuiltCard& planned) {
   return fmt::format(
       "card {} is built and stands in for {}, estimated at {:.2f} times its time; --exact-card "
       "builds that one",
-      card_text(plan.board), card_text(plan.stands_in_for->board), plan.stands_in_for->times);
+      card_text(used), card_text(planned.board), planned.times);
 }
 
 nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
   const std::vector<std::string> parameters = plan.board.parameters();
   const BitstreamFile file = bitstream_file(plan.board.top(), parameters);
-  nlohmann::ordered_json j = {{"parameters", parameters},
-                              {"bitstream", file.path.string()},
-                              {"built", file.built},
-                              {"stands_in_for", stand_in_json(plan)},
-                              {"clock_hz", scene.card.clock_hz}};
+  nlohmann::ordered_json j = {
+      {"parameters", parameters}, {"bitstream", file.path.string()}, {"built", file.built}};
+  j.update(stand_in_json(plan.stands_in_for));
+  j["clock_hz"] = scene.card.clock_hz;
   for (const Effect& e : plan.effects)
     j["effects"].push_back({{"name", e.name},
                             {"used", e.used},
@@ -113,11 +111,12 @@ void print_plan(const Scene& scene, const Plan& plan) {
         kName);
   }
   const BitstreamFile file = bitstream_file(plan.board.top(), plan.board.parameters());
-  put("\nbitstream  {}\n           {} ({})\n", card_text(plan.board), file.path.string(),
+  put("\nbitstream  {}\n           {} ({})\n", card_text(plan.board),
+      printable_name(file.path.string()),
       file.built ? "built" : "not built; the first run builds it");
   if (!plan.stands_in_for) return;
   put("           ");
-  print_wrapped(stand_in_text(plan), 11);
+  print_wrapped(stand_in_text(plan.board, *plan.stands_in_for), 11);
 }
 
 }  // namespace cde::cli

@@ -1,7 +1,9 @@
 #pragma once
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 
-#include "cde/plan.hpp"
+#include "cde/scene/plan.hpp"
 
 namespace cde::cli {
 
@@ -11,7 +13,9 @@ namespace cde::cli {
 /// The same for people, on stdout.
 void print_plan(const Scene& scene, const Plan& plan);
 
-/// One line about the built card that is used instead of the planned one; empty if none is.
-[[nodiscard]] std::string stand_in_text(const Plan& plan);
+/// One line about the built card that is used instead of the planned one.
+[[nodiscard]] std::string stand_in_text(const BoardConfig& used, const BuiltCard& planned);
+/// "stands_in_for": the planned card and the estimate, or null if the card that is used is it.
+[[nodiscard]] nlohmann::ordered_json stand_in_json(const std::optional<BuiltCard>& planned);
 
 }  // namespace cde::cli

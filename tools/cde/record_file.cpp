@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "cde/error.hpp"
+#include "cde/support/error.hpp"
 #include "npy.hpp"
 #include "suffix.hpp"
 #include "values.hpp"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "cde/board.hpp"
-#include "cde/mesh.hpp"
+#include "cde/card/board.hpp"
+#include "cde/mesh/mesh.hpp"
 #include "output.hpp"
 
 namespace cde::cli {

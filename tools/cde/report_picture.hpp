@@ -1,6 +1,6 @@
 #pragma once
-#include "cde/camera.hpp"
-#include "cde/image.hpp"
+#include "cde/image/camera.hpp"
+#include "cde/image/image.hpp"
 #include "report_scene.hpp"
 
 /// The still picture of a report: what the 3-D view shows first, for readers without scripts.

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/scene.hpp"
+#include "cde/scene/scene.hpp"
 
 /// What a report shows of a scene: geometry as it lay in the frames, in the world's frame.
 namespace cde::cli {

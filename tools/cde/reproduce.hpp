@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/host_profile.hpp"
+#include "cde/card/host_profile.hpp"
 #include "time_split.hpp"
 
 /// `cde reproduce`: the paper's Figures 5, 6 and 7 measured again (docs/reproduction.md).
@@ -30,6 +30,7 @@ struct Entry {
   double seconds = 0;  ///< of software the median
   std::string note;
   std::optional<TimeSplit> split = {};  ///< of the card
+  ModelledTime time = {};               ///< the same as a run has it
   std::optional<Spread> spread = {};    ///< of software
   bool warm = false;                    ///< the same rays again and again: no frame is like that
 };

@@ -6,13 +6,13 @@
 
 #include "bench.hpp"
 #include "busy.hpp"
-#include "cde/baseline.hpp"
-#include "cde/camera.hpp"
-#include "cde/error.hpp"
-#include "cde/motion.hpp"
-#include "cde/reference.hpp"
+#include "cde/geometry/motion.hpp"
+#include "cde/image/camera.hpp"
+#include "cde/mesh/terrain.hpp"
 #include "cde/reference/pass.hpp"
-#include "cde/terrain.hpp"
+#include "cde/reference/reference.hpp"
+#include "cde/rivals/baseline.hpp"
+#include "cde/support/error.hpp"
 #include "page.hpp"
 #include "reproduce.hpp"
 #include "rivals.hpp"
@@ -99,7 +99,8 @@ class Card {
             .seconds = split.total(),
             .note = fmt::format("{} record{} to the host", grouped(records.size()),
                                 records.size() == 1 ? "" : "s"),
-            .split = split};
+            .split = split,
+            .time = f.time()};
   }
 
  private:

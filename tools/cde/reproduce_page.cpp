@@ -244,14 +244,12 @@ Json reproduction_json(const Reproduction& r, const Json& machine) {
                     {"note", entry.note}};
         if (entry.spread) {
           const Spread& x = *entry.spread;
-          one["spread"] = {{"least", x.least},         {"tenth", x.tenth}, {"median", x.median},
-                           {"ninetieth", x.ninetieth}, {"most", x.most},   {"samples", x.samples}};
+          one["spread"] = {{"least", x.least},   {"tenth", x.tenth},
+                           {"median", x.median}, {"ninetieth", x.ninetieth},
+                           {"most", x.most},     {"measurements", x.samples}};
         }
         if (entry.warm) one["same_rays_again"] = true;
-        if (entry.split) {
-          for (std::size_t k = 0; k < kTimeParts.size(); ++k)
-            one["modelled_seconds"][kTimeParts[k]] = parts(*entry.split)[k];
-        }
+        if (entry.split) one["modelled_seconds"] = time_json(entry.time);
         entries.push_back(std::move(one));
       }
       list.push_back(

@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "cde/mesh.hpp"
-#include "cde/primitives.hpp"
+#include "cde/geometry/primitives.hpp"
+#include "cde/mesh/mesh.hpp"
 
 /// Software that `cde reproduce` measures beside the card, on one thread; the ray-triangle rivals
-/// are in cde/baseline.hpp.
+/// are in cde/rivals/baseline.hpp.
 namespace cde::cli {
 
 /// Spheres by component, for the kernels: plain arrays only, so that no inline function compiled

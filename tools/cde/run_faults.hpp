@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/player.hpp"
+#include "cde/scene/player.hpp"
 
 /// `cde run --fault`.
 namespace cde::cli {

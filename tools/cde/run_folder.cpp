@@ -13,9 +13,9 @@
 #include <regex>
 #include <utility>
 
-#include "cde/error.hpp"
-#include "cde/message.hpp"
-#include "cde/output_file.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "cde/support/output_file.hpp"
 #include "streams.hpp"
 
 namespace cde::cli {

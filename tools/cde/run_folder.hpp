@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "cde/output_file.hpp"
-#include "cde/scene.hpp"
+#include "cde/scene/scene.hpp"
+#include "cde/support/output_file.hpp"
 
 namespace cde::cli {
 

@@ -9,8 +9,8 @@
 #include <iostream>
 #include <new>
 
-#include "cde/error.hpp"
-#include "cde/output_file.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/output_file.hpp"
 
 namespace cde::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "cde/message.hpp"
+#include "cde/support/message.hpp"
 
 /// What the command prints: results on stdout, messages on stderr. Nothing else writes to either,
 /// but OutputFile to stdout.

@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
-#include "cde/error.hpp"
-#include "cde/message.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
 
 namespace cde::cli {
 

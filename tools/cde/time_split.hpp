@@ -1,7 +1,7 @@
 #pragma once
 #include <array>
 
-#include "cde/player.hpp"
+#include "cde/scene/player.hpp"
 
 /// Where the modelled time of a frame goes. Everything that shows such a split takes it from here.
 namespace cde::cli {

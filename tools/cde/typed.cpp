@@ -8,8 +8,8 @@
 #include <set>
 #include <string_view>
 
-#include "cde/error.hpp"
-#include "cde/message.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
 #include "help.hpp"
 #include "suggest.hpp"
 #include "values.hpp"

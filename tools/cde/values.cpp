@@ -8,9 +8,9 @@
 #include <cmath>
 #include <map>
 
-#include "cde/error.hpp"
-#include "cde/message.hpp"
-#include "cde/pair.hpp"
+#include "cde/geometry/pair.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
 #include "suggest.hpp"
 
 namespace cde::cli {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bench.hpp"
+#include "cde/support/error.hpp"
 #include "json_keys.hpp"
 #include "machine.hpp"
 #include "streams.hpp"
@@ -56,14 +57,18 @@ nlohmann::ordered_json machine() {
 }
 
 void run(const BenchOptions& o, const std::vector<std::string>& wanted, bool json) {
+  if (o.markdown && wanted != std::vector<std::string>{"effects"})
+    throw Error(ErrorCode::kUsage, "--markdown is of section effects alone: cde bench effects");
   if (json) Figures::beside_json();
   nlohmann::ordered_json all = program_json();
   all.update({{"clock_hz", o.clock_hz},
               {"clock_is", "an assumption about the device, not a measurement"},
               {"machine", machine()}});
-  for (const auto& [key, value] : all["machine"].items())
-    show("{:<22} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
-  show("{:<22} {:g} MHz, assumed\n", "clock", o.clock_hz / 1e6);
+  if (!o.markdown) {
+    for (const auto& [key, value] : all["machine"].items())
+      show("{:<22} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+    show("{:<22} {:g} MHz, assumed\n", "clock", o.clock_hz / 1e6);
+  }
   for (const Section& s : kSections) {
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), s.name) == wanted.end())
       continue;
@@ -94,6 +99,8 @@ void add_bench(CLI::App& app) {
                          "Sections to run (all): rays, fp, pairs, bus, effects"),
         {"rays", "fp", "pairs", "bus", "effects"}, "SECTION", "section");
   verb->add_flag("--json", a->json, "Figures as JSON on stdout");
+  verb->add_flag("--markdown", a->options.markdown,
+                 "Of effects alone: the table as docs/scenes.md has it");
   auto* quick = verb->add_flag("--quick", a->options.quick,
                                "Under a minute: default bitstreams, small scenes");
   verb->add_flag("--full", a->options.full, "Up to 10 million triangles, every format")

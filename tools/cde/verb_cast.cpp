@@ -14,11 +14,12 @@
 #include "busy.hpp"
 #include "cast.hpp"
 #include "cast_picture.hpp"
-#include "cde/error.hpp"
-#include "cde/rays_csv.hpp"
+#include "cde/image/rays_csv.hpp"
+#include "cde/support/error.hpp"
 #include "json_keys.hpp"
 #include "npy.hpp"
 #include "output.hpp"
+#include "plan_output.hpp"
 #include "record_file.hpp"
 #include "streams.hpp"
 #include "suffix.hpp"
@@ -67,6 +68,23 @@ void collect_rays(const CastOptions& o, CastJob& job) {
 unsigned lanes_of(const CastOptions& o, std::size_t rays) {
   if (o.lanes != "auto") return static_cast<unsigned>(std::stoul(o.lanes));
   return o.arithmetic == "host" && o.trace.empty() && rays > 16 ? 64 : 16;
+}
+
+/// A card that is built instead of one that is not, where what that costs is less than what
+/// building takes: at most 0.3 times a minute or so of simulation.
+void use_built_card(const CastOptions& o, CastJob& job) {
+  constexpr double kMostTests = 1e10;
+  const std::uint64_t rays = job.rays.size(), triangles = job.mesh.faces.size();
+  if (o.exact || static_cast<double>(rays) * static_cast<double>(triangles) > kMostTests) return;
+  SceneCard asked;
+  if (o.lanes != "auto") asked.lanes = job.config.lanes;
+  const auto card = built_card(job.config, asked, [&](unsigned lanes) {
+    return ((rays / 256) * (256 / lanes) + (rays % 256 + lanes - 1) / lanes) * triangles;
+  });
+  if (!card) return;
+  job.stands_in_for = {job.config, card->times};
+  job.config = card->board;
+  if (!o.quiet) say("cde: {}\n", stand_in_text(job.config, *job.stands_in_for));
 }
 
 /// `more` are files that the mesh names.
@@ -119,6 +137,7 @@ CastJob prepare(const CastOptions& o) {
                 fmt::format("{}: {} triangles do not fit the card's DDR, which holds {}",
                             printable_name(o.mesh), job.mesh.faces.size(), job.config.ddr_slots));
   }
+  use_built_card(o, job);
   return job;
 }
 
@@ -155,6 +174,7 @@ nlohmann::ordered_json as_json(const CastOptions& o, const CastJob& job, const C
             {"boards", o.boards}});
   j.update(card_json(job.config));
   j.update(bitstream_json(r.bitstream, r.config_hash));
+  j.update(stand_in_json(job.stands_in_for));
   j.update({{"clock_hz", o.clock_mhz * 1e6}, {"modelled_pass_seconds", r.modelled_seconds}});
   j.update(counters_json(r.counters));
   j.update(
@@ -300,6 +320,7 @@ void add_card(CLI::App& verb, CastOptions& o) {
   verb.add_flag("--box,!--no-box", o.box,
                 "A hit must lie in the triangle's box, so that none is far from its triangle (on)");
   verb.add_flag("--check,!--no-check", o.check, "Compare every record with the reference (on)");
+  exact_card_option(verb, o.exact);
   clock_option(verb, o.clock_mhz);
   deadline_options(verb, o.deadline, o.timeout, "packet");
 }

@@ -9,11 +9,11 @@
 #include <functional>
 #include <string>
 
-#include "cde/board.hpp"
-#include "cde/camera.hpp"
-#include "cde/error.hpp"
-#include "cde/reference.hpp"
-#include "cde/terrain.hpp"
+#include "cde/card/board.hpp"
+#include "cde/image/camera.hpp"
+#include "cde/mesh/terrain.hpp"
+#include "cde/reference/reference.hpp"
+#include "cde/support/error.hpp"
 #include "streams.hpp"
 #include "verbs.hpp"
 

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "cde/error.hpp"
-#include "cde/fp_unit.hpp"
-#include "cde/message.hpp"
-#include "cde/output_file.hpp"
+#include "cde/card/fp_unit.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "cde/support/output_file.hpp"
 #include "line_input.hpp"
 #include "values.hpp"
 #include "verbs.hpp"

@@ -15,10 +15,10 @@
 #include <thread>
 #include <vector>
 
-#include "cde/bitstream.hpp"
-#include "cde/cache_entry.hpp"
-#include "cde/error.hpp"
-#include "cde/pair_unit.hpp"
+#include "cde/bitstream/bitstream.hpp"
+#include "cde/bitstream/cache_entry.hpp"
+#include "cde/card/pair_unit.hpp"
+#include "cde/support/error.hpp"
 #include "elaborate.hpp"
 #include "json_keys.hpp"
 #include "output.hpp"
@@ -400,10 +400,11 @@ nlohmann::ordered_json as_json(const std::vector<Pipe>& pipes, const Profile& pr
     }
     if (const Published* p = published(pipe.algorithm);
         p != nullptr && pipe.pair == Pair::kRayTriangle)
-      j["paper"] = {
-          {"inputs", p->inputs},           {"outputs", p->outputs},         {"latency", p->latency},
-          {"multipliers", p->multipliers}, {"dividers", p->dividers},       {"adders", p->adders},
-          {"subtractors", p->subtractors}, {"comparators", p->comparators}, {"ands", p->ands}};
+      j["paper"] = {{"inputs", p->inputs},           {"output_words", p->outputs},
+                    {"latency_levels", p->latency},  {"multipliers", p->multipliers},
+                    {"dividers", p->dividers},       {"adders", p->adders},
+                    {"subtractors", p->subtractors}, {"comparators", p->comparators},
+                    {"mask_ands", p->ands}};
     all.push_back(j);
   }
   nlohmann::ordered_json j = program_json();

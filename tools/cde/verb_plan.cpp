@@ -5,7 +5,7 @@
 #include <string>
 
 #include "busy.hpp"
-#include "cde/plan.hpp"
+#include "cde/scene/plan.hpp"
 #include "json_keys.hpp"
 #include "plan_output.hpp"
 #include "streams.hpp"

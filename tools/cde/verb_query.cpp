@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "cde/error.hpp"
-#include "cde/pair_unit.hpp"
+#include "cde/card/pair_unit.hpp"
 #include "cde/reference/pairs.hpp"
+#include "cde/support/error.hpp"
 #include "json_keys.hpp"
 #include "line_input.hpp"
 #include "operand_defect.hpp"
@@ -181,9 +181,11 @@ class Query {
   }
 
   Totals run() {
+    // The first line goes with the answers, so that nothing is written where none follow; ahead of
+    // them to who waits for it before asking.
     out_.append(std::string_view("F,T,CPx,CPy,CPz,nx,ny,nz,flags\n"));
-    flush();
     LineInput input;
+    if (!config_.trace && LineInput::waits()) flush();
     Progress progress("query", o_.quiet);
     const double size = stdin_size();
     const auto take = [this](std::uint64_t number, std::string_view line) { read(number, line); };
@@ -193,6 +195,7 @@ class Query {
       if (!config_.trace || !more) answer();
       if (size > 0) progress(static_cast<double>(input.bytes()) / size);
     }
+    flush();
     return totals_;
   }
 
@@ -262,6 +265,7 @@ class Query {
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     waves.close();  // whole, whatever the answers are
     if (o_.check) compare();
+    flush();  // the first line: a stdout that cannot be written is known before lines are judged
     std::size_t pair = 0, unread = 0;
     for (const Row& row : rows_) {
       if (row.valid) {
@@ -403,15 +407,15 @@ nlohmann::ordered_json as_json(const Options& o, const PairConfig& config, const
        {"lanes", config.lanes},
        {"facet_interval", o.facet_interval},
        {"budget", o.budget.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(o.budget)},
-       {"pairs", t.pairs},
+       {"tests", t.pairs},
        {"hits", t.hits},
        {"bad_pairs", t.bad},
        {"malformed_lines", t.malformed},
        {"device_cycles", t.clocks},
        {"simulation_seconds", t.simulation_seconds},
        {"checked", o.check},
-       {"pairs_compared", t.compared},
-       {"pairs_matching", t.compared}});
+       {"records_compared", t.compared},
+       {"records_matching", t.compared}});
   return j;
 }
 

@@ -1,7 +1,7 @@
 // cde reproduce: the paper's figures measured again, as a page.
 #include <fmt/format.h>
 
-#include "cde/message.hpp"
+#include "cde/support/message.hpp"
 #include "machine.hpp"
 #include "output.hpp"
 #include "page.hpp"

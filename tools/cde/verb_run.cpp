@@ -13,10 +13,11 @@
 #include <vector>
 
 #include "busy.hpp"
-#include "cde/bitstream.hpp"
-#include "cde/error.hpp"
-#include "cde/plan.hpp"
-#include "cde/player.hpp"
+#include "cde/bitstream/bitstream.hpp"
+#include "cde/contract/records.hpp"
+#include "cde/scene/plan.hpp"
+#include "cde/scene/player.hpp"
+#include "cde/support/error.hpp"
 #include "json_keys.hpp"
 #include "machine.hpp"
 #include "output.hpp"
@@ -326,7 +327,7 @@ class Run {
     for (const auto& file : files) file->commit();
     if (report_) report_->frame(frame, answers);
     Json j = {{"frame", frame},
-              {"seconds", seconds(scene_, frame)},
+              {"scene_seconds", seconds(scene_, frame)},
               {"wall_seconds", wall.count()},
               {"files", written},
               {"queries", Json::array()}};
@@ -415,7 +416,8 @@ void run(const Options& o) {
   Plan made = plan(scene);
   if (!o.exact) use_built_card(scene, made);
   Run run(o, scene, made, check);
-  if (made.stands_in_for && !o.quiet) say("cde: {}\n", stand_in_text(made));
+  if (made.stands_in_for && !o.quiet)
+    say("cde: {}\n", stand_in_text(made.board, *made.stands_in_for));
   run.play(made);
   run.report();
 }

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "cde/error.hpp"
-#include "cde/output_file.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/output_file.hpp"
 #include "streams.hpp"
 
 namespace cde::cli {

@@ -9,9 +9,9 @@
 #include <limits>
 #include <type_traits>
 
-#include "cde/error.hpp"
-#include "cde/fp.hpp"
-#include "cde/message.hpp"
+#include "cde/fp/fp.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
 
 namespace cde::cli {
 namespace {

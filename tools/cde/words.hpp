@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "cde/fp_format.hpp"
+#include "cde/fp/fp_format.hpp"
 
 /// Numbers as text, and as words of a format that the pipes compute in.
 namespace cde::cli {

@@ -6,6 +6,8 @@
 
 #include "Vmodel.h"
 #include "abi.h"
+#include "cde/contract/records.hpp"
+#include "cde/contract/registers.hpp"
 #include "chips.h"
 #include "coverage.h"
 #include "random_start.h"
@@ -14,7 +16,6 @@
 
 namespace {
 
-constexpr unsigned kSpaceSram = 3;
 /// One card: the Verilated board, its clock and the chips around it.
 class Card {
  public:
@@ -71,7 +72,8 @@ class Card {
     model_->bus_space_i = space;
     for (uint64_t limit = clocks_ + max_clocks; got < beats && clocks_ < limit;) {
       model_->bus_valid_i = asked < beats;
-      model_->bus_addr_i = space == kSpaceSram ? 0 : offset + static_cast<uint32_t>(8 * asked);
+      model_->bus_addr_i =
+          space == cde::card::kSpaceSram ? 0 : offset + static_cast<uint32_t>(8 * asked);
       asked += tick() && model_->bus_valid_i;
       if (model_->bus_rvalid_o) std::memcpy(data + 8 * got++, &model_->bus_rdata_o, 8);
     }
@@ -141,7 +143,7 @@ Card* card(void* p) {
 
 const cde_board_api kApi = {
     CDE_BOARD_ABI,
-    8 * sizeof(Vmodel::sram_write_data_o) / 7,
+    8 * sizeof(Vmodel::sram_write_data_o) / cde::card::kRecordWords,
     CDE_CONFIG_HASH,
 #include "params.inc"
     ,

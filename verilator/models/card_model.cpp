@@ -1,5 +1,7 @@
 // Harness of the `card` top module: the host on the PCI side, DDR and SRAM chips on the other.
 // Exports the C interface of abi_pci.h.
+#include "cde/contract/records.hpp"
+#include "cde/contract/registers.hpp"
 #include "chips.h"
 #include "pci_api.h"
 
@@ -23,24 +25,23 @@ class BoardSide {
   }
   [[nodiscard]] uint64_t hung() const { return chips_.hung(); }
   void* memory(uint32_t space, uint64_t& bytes) {
-    SparseMemory* const m = space == kDdr                  ? &chips_.ddr()
-                            : space == kSram               ? &chips_.sram()
-                            : space == CDE_PCI_SPACE_CHECK ? chips_.check()
-                                                           : nullptr;
+    SparseMemory* const m = space == cde::card::kSpaceDdr    ? &chips_.ddr()
+                            : space == cde::card::kSpaceSram ? &chips_.sram()
+                            : space == CDE_PCI_SPACE_CHECK   ? chips_.check()
+                                                             : nullptr;
     if (m == nullptr) return nullptr;
     bytes = m->bytes();
     return m->at(0, bytes);
   }
 
  private:
-  static constexpr uint32_t kDdr = 2, kSram = 3;
   Chips chips_;
 };
 
-constexpr cde_pci_api kApi =
-    pci::Api<BoardSide>::table(8 * sizeof(Vmodel::sram_write_data_o) / 7, CDE_CONFIG_HASH,
+constexpr cde_pci_api kApi = pci::Api<BoardSide>::table(
+    8 * sizeof(Vmodel::sram_write_data_o) / cde::card::kRecordWords, CDE_CONFIG_HASH,
 #include "params.inc"
-    );
+);
 
 }  // namespace
 

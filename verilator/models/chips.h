@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "Vmodel.h"
+#include "cde/contract/records.hpp"
 #include "ddr_timing.h"
 #include "parameters.h"
 #include "sparse_memory.h"
@@ -20,7 +21,7 @@ class Chips {
         period_ps_(clock_period_ps),
         ddr_(kDdrBytes + 64),
         check_(kEcc ? kDdrBytes / 4 + 64 : 1),
-        sram_(kSramBytes * (kRecord / 28)) {}
+        sram_(kSramBytes * (kWordBytes / 4)) {}
 
   void reset() {
     asked_ = answered_;
@@ -51,14 +52,15 @@ class Chips {
     if (const uint8_t* p = ddr_.at(oldest.word * kWordBytes, sizeof(m.ddr_data_i)))
       std::memcpy(&m.ddr_data_i, p, sizeof(m.ddr_data_i));
     if (kEcc)
-      if (const uint8_t* p = check_.at(oldest.word, 9)) std::memcpy(&m.ddr_check_i, p, 9);
+      if (const uint8_t* p = check_.at(oldest.word, kDdrWords))
+        std::memcpy(&m.ddr_check_i, p, kDdrWords);
   }
   void at(const Vmodel& m) {
     if (m.ddr_read_o) reads_[asked_++ % kReads] = {due(m.ddr_read_word_o), m.ddr_read_word_o};
     if (m.ddr_write_o)
       if (uint8_t* p = ddr_.at(m.ddr_write_addr_o, 8)) std::memcpy(p, &m.ddr_write_data_o, 8);
     if (kEcc && m.ddr_write_o) {
-      constexpr uint64_t kWords = 72 / sizeof(m.ddr_data_i);
+      constexpr uint64_t kWords = 8 / kWordBytes;
       if (uint8_t* p = check_.at(m.ddr_write_addr_o / 8 * kWords, kWords))
         std::memcpy(p, &m.ddr_write_check_o, kWords);
     }
@@ -78,15 +80,17 @@ class Chips {
   };
   [[nodiscard]] uint64_t due(uint64_t word) {
     if (ideal_) return clock_ + latency_;
-    const uint64_t ready = timing_.read(clock_ * period_ps_, word * kWordBytes, 9 * kWordBytes);
+    const uint64_t ready =
+        timing_.read(clock_ * period_ps_, word * kWordBytes, kDdrWords * kWordBytes);
     return (ready + period_ps_ - 1) / period_ps_;
   }
 
+  static constexpr unsigned kDdrWords = cde::card::kDdrWords;
   static constexpr uint64_t kReads = 256;  // more than the card asks for ahead
-  static constexpr uint64_t kWordBytes = sizeof(Vmodel::ddr_data_i) / 9;
+  static constexpr uint64_t kWordBytes = sizeof(Vmodel::ddr_data_i) / kDdrWords;
   static constexpr uint32_t kUntilReset = ~0u;
   static constexpr uint64_t kDdrBytes = 2'000'000'000;
-  static constexpr uint64_t kSramBytes = 7 * 2097152;
+  static constexpr uint64_t kSramBytes = cde::card::kRecordWords * 2097152;
   static constexpr uint64_t kRecord = sizeof(Vmodel::sram_write_data_o);
   static constexpr bool kEcc = parameter("ECC", 0) != 0;  // a byte of check bits a word
   const bool ideal_;

@@ -11,38 +11,44 @@
 
 #include "Vmodel.h"
 #include "abi_fp.h"
+#include "cde/contract/formats.hpp"
 #include "coverage.h"
 #include "parameters.h"
 #include "verilated.h"
 
 namespace {
 
+using cde::FpOp;
+constexpr uint32_t code(FpOp op) {
+  return static_cast<uint32_t>(op);
+}
+
 constexpr unsigned kExp = parameter("EXP", 8), kMan = parameter("MAN", 23),
                    kLanes = parameter("LANES", 16), kBLanes = parameter("B_LANES", kLanes);
 // Operations a clock. Where all lanes share one b it is one operation, in a lane that moves on
 // every clock, while the other lanes keep operands of earlier clocks.
 constexpr unsigned kRow = kBLanes == kLanes ? kLanes : 1;
-constexpr uint32_t kOps = uint32_t(parameter("OPS", -1)) & ((1u << CDE_FP_OPS) - 1);
-constexpr unsigned kArithmetic = CDE_FP_MAX + 1;
+constexpr uint32_t kOps = uint32_t(parameter("OPS", -1)) & ((1u << cde::kFpOps) - 1);
+constexpr unsigned kArithmetic = cde::kFpArithmetic;
 using Container = std::conditional_t<(1 + kExp + kMan <= 32), uint32_t, uint64_t>;
 
 constexpr uint32_t latency_of(uint32_t op) {
-  if (op <= CDE_FP_SUB) return parameter("LAT_ADD", 1);
-  if (op == CDE_FP_MUL) return parameter("LAT_MUL", 1);
-  if (op == CDE_FP_DIV) return parameter("LAT_DIV", 1);
-  if (op == CDE_FP_SQRT) return parameter("LAT_SQRT", 1);
-  if (op <= CDE_FP_MAX) return parameter("LAT_CMP", 1);
+  if (op <= code(FpOp::kSub)) return parameter("LAT_ADD", 1);
+  if (op == code(FpOp::kMul)) return parameter("LAT_MUL", 1);
+  if (op == code(FpOp::kDiv)) return parameter("LAT_DIV", 1);
+  if (op == code(FpOp::kSqrt)) return parameter("LAT_SQRT", 1);
+  if (op <= code(FpOp::kMax)) return parameter("LAT_CMP", 1);
   return parameter("LAT_CVT", 1);
 }
 
 bool present(uint32_t op) {
-  return op < CDE_FP_OPS && ((kOps >> op) & 1) != 0;
+  return op < cde::kFpOps && ((kOps >> op) & 1) != 0;
 }
 bool integer_operand(uint32_t op) {
-  return op >= CDE_FP_FROM_I32 && op <= CDE_FP_FROM_UI64;
+  return op >= code(FpOp::kFromI32) && op <= code(FpOp::kFromUi64);
 }
 bool comparison(uint32_t op) {
-  return op >= CDE_FP_LT && op <= CDE_FP_EQ;
+  return op >= code(FpOp::kLt) && op <= code(FpOp::kEq);
 }
 
 }  // namespace
@@ -119,7 +125,7 @@ uint32_t latency(const cde_fp_unit*, uint32_t op) {
 int apply(cde_fp_unit* u, uint32_t op, const uint64_t* a, const uint64_t* b, uint64_t* r,
           uint8_t* flags, uint64_t n) {
   if (!present(op)) return 1;
-  const bool binary = op < kArithmetic && op != CDE_FP_SQRT;
+  const bool binary = op < kArithmetic && op != code(FpOp::kSqrt);
   const uint64_t rows = (n + kRow - 1) / kRow, lat = latency_of(op);
   const auto size = [n](uint64_t row) { return std::min<uint64_t>(kRow, n - row * kRow); };
   for (uint64_t t = 0; t + 1 < rows + lat; t++) {

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <vector>
 
+#include "cde/contract/registers.hpp"
 #include "pci_api.h"
 
 namespace {
@@ -24,8 +25,8 @@ class LocalMemory {
   bool hang(uint32_t) { return false; }  // there is no DDR
   [[nodiscard]] uint64_t hung() const { return 0; }
   void* memory(uint32_t space, uint64_t& bytes) {
-    bytes = space < 4 ? kBytes : 0;
-    return space < 4 ? spaces_[space].data() : nullptr;
+    bytes = space < cde::card::kSpaces ? kBytes : 0;
+    return space < cde::card::kSpaces ? spaces_[space].data() : nullptr;
   }
 
   void before(Vmodel& m) {
@@ -54,7 +55,7 @@ class LocalMemory {
   struct Answer {
     uint64_t due, data;
   };
-  std::vector<uint64_t> spaces_[4];
+  std::vector<uint64_t> spaces_[cde::card::kSpaces];
   std::vector<Answer> answers_;
   uint64_t seed_, clock_ = 0;
   bool irq_ = false;

@@ -4,11 +4,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "cde/contract/pci.hpp"
 #include "sparse_memory.h"
 
 namespace pci {
 
-constexpr uint64_t kPageBytes = 4096;
+constexpr uint64_t kPageBytes = 1 << cde::pci::kPageBits;
 constexpr uint32_t kNoFrame = ~0u;
 
 class HostMemory {

@@ -1,9 +1,9 @@
 // Casts two rays at a terrain on a simulated card and compares the answers with the reference. With
 // an argument, the card's bitstream must lie in that folder.
-#include <cde/board.hpp>
-#include <cde/error.hpp>
-#include <cde/reference.hpp>
-#include <cde/terrain.hpp>
+#include <cde/card/board.hpp>
+#include <cde/mesh/terrain.hpp>
+#include <cde/reference/reference.hpp>
+#include <cde/support/error.hpp>
 #include <cstdio>
 #include <vector>
 

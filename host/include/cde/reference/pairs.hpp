@@ -2,8 +2,9 @@
 #include <cstdint>
 #include <span>
 
-#include "cde/fp_format.hpp"
-#include "cde/pair_unit.hpp"
+#include "cde/fp/fp_format.hpp"
+#include "cde/geometry/pair.hpp"
+#include "cde/query/pair_result.hpp"
 
 namespace cde::reference {
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "cde/board.hpp"
-#include "cde/shapes.hpp"
+#include "cde/geometry/shapes.hpp"
+#include "cde/query/query.hpp"
 
 namespace cde::reference {
 

@@ -1,0 +1,51 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cde/bitstream/bitstream.hpp"
+#include "cde/fp/fp_format.hpp"
+#include "cde/fp/fp_reference.hpp"
+
+namespace cde {
+
+/// Parameters of an fp_unit bitstream as `NAME=VALUE`.
+[[nodiscard]] std::vector<std::string> fp_unit_parameters(FpFormat format, Arithmetic arithmetic,
+                                                          int lanes, bool flags);
+
+/// The simulated floating-point units of one format: an fp_unit bitstream. Not for use by two
+/// threads at once. Every call of one that was moved from is an Error kUsage.
+class FpUnit {
+ public:
+  /// Of a loaded bitstream. Error kConfiguration if it is not an fp_unit of this version.
+  explicit FpUnit(const Bitstream& bitstream);
+  /// The unit of that configuration, built on first use.
+  FpUnit(FpFormat format, Arithmetic arithmetic, int lanes = 16, bool flags = true);
+  ~FpUnit();
+  FpUnit(FpUnit&&) noexcept;
+  FpUnit& operator=(FpUnit&&) noexcept;
+
+  [[nodiscard]] FpFormat format() const;
+  [[nodiscard]] int lanes() const;
+  /// Clocks from operands to result; Error kConfiguration if the bitstream lacks the operation.
+  [[nodiscard]] int latency(FpOp op) const;
+
+  /// r[i] = op(a[i], b[i]), streamed one row of lanes a clock. b is empty for operations of one
+  /// operand, flags may be empty; otherwise all have the size of a (Error kUsage). Comparisons
+  /// answer 0 or 1.
+  void apply(FpOp op, std::span<const uint64_t> a, std::span<const uint64_t> b,
+             std::span<uint64_t> r, std::span<uint8_t> flags = {});
+
+  /// Simulated operations a second of processor time, all lanes busy and new operands every clock,
+  /// measured for about that long.
+  [[nodiscard]] double measure(FpOp op, double seconds);
+
+ private:
+  struct State;
+  [[nodiscard]] State& state() const;  ///< kUsage if it was moved from
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace cde

@@ -1,0 +1,25 @@
+#pragma once
+#include <cstdint>
+
+namespace cde {
+
+/// Some bits of a word of 64: a field of a packed structure of rtl/contract.
+struct Field {
+  unsigned low = 0, bits = 1;
+
+  [[nodiscard]] constexpr std::uint64_t mask() const {
+    return (bits < 64 ? (std::uint64_t{1} << bits) - 1 : ~std::uint64_t{0}) << low;
+  }
+  /// Its value in a word.
+  [[nodiscard]] constexpr std::uint64_t of(std::uint64_t word) const {
+    return (word & mask()) >> low;
+  }
+  /// The word that has this value in it, and zeros.
+  template <typename T>
+  [[nodiscard]] constexpr std::uint64_t operator()(T value) const {
+    return static_cast<std::uint64_t>(value) << low & mask();
+  }
+  bool operator==(const Field&) const = default;
+};
+
+}  // namespace cde

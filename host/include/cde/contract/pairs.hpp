@@ -1,0 +1,132 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+/// Shapes and pairs of shapes: the tables of rtl/contract/pairs_pkg.sv in C++, in the order of the
+/// codes. What is made of them is in cde/geometry/pair.hpp.
+namespace cde {
+
+/// What a primary or secondary is.
+enum class Shape : unsigned { kRay, kTriangle, kSphere, kAabb, kPlane, kCylinder, kObb };
+inline constexpr unsigned kShapes = 7;
+
+/// What a word of a slot is.
+enum class WordKind : unsigned {
+  kCoordinate,  ///< a length of either sign
+  kSize,        ///< a length above zero
+  kDirection,   ///< of a ray: lengths in units of their own
+  kInterval,    ///< tmin, tmax: lengths in those units
+  kPure,        ///< of a unit vector or rotation
+  kNone = 7     ///< the shape has no such word
+};
+
+/// The thirteen pairs, primary first.
+enum class Pair : unsigned {
+  kRayTriangle,
+  kObbObb,
+  kTriangleAabb,
+  kTriangleObb,
+  kSphereSphere,
+  kTriangleSphere,
+  kRayCylinder,
+  kTriangleCylinder,
+  kCylinderCylinder,
+  kObbCylinder,
+  kObbPlane,
+  kRaySphere,
+  kSphereObb,
+};
+inline constexpr unsigned kPairs = 13;
+inline constexpr unsigned kPairCodes = 16;
+inline constexpr unsigned kNoPair = 15;  ///< no pair's code
+
+enum class Algorithm : unsigned { kMoller, kBadouel, kPluecker, kWatertight };  ///< of ray-triangle
+inline constexpr unsigned kAlgorithms = 4;
+
+/// What objects move: parameter TRANSFORM of a card.
+inline constexpr unsigned kTransformNone = 0;
+inline constexpr unsigned kTransformSecondaries = 1;
+inline constexpr unsigned kTransformBoth = 2;
+
+namespace contract {
+
+inline constexpr unsigned kMostWords = 15;  ///< of a shape
+struct ShapeRow {
+  std::string_view name;
+  unsigned words;
+  std::string_view kinds;  ///< of its words: c coordinate, s size, d direction, i interval, p pure
+};
+inline constexpr std::array<ShapeRow, kShapes> kShapeTable{{{"ray", 8, "cccdddii"},
+                                                            {"triangle", 9, "ccccccccc"},
+                                                            {"sphere", 4, "cccs"},
+                                                            {"aabb", 6, "cccccc"},
+                                                            {"plane", 4, "pppc"},
+                                                            {"cylinder", 8, "cccpppss"},
+                                                            {"obb", 15, "cccsssppppppppp"}}};
+
+struct PairRow {
+  std::string_view name;
+  Shape primary, secondary;
+};
+inline constexpr std::array<PairRow, kPairs> kPairTable{
+    {{"ray-triangle", Shape::kRay, Shape::kTriangle},
+     {"obb-obb", Shape::kObb, Shape::kObb},
+     {"triangle-aabb", Shape::kTriangle, Shape::kAabb},
+     {"triangle-obb", Shape::kTriangle, Shape::kObb},
+     {"sphere-sphere", Shape::kSphere, Shape::kSphere},
+     {"triangle-sphere", Shape::kTriangle, Shape::kSphere},
+     {"ray-cylinder", Shape::kRay, Shape::kCylinder},
+     {"triangle-cylinder", Shape::kTriangle, Shape::kCylinder},
+     {"cylinder-cylinder", Shape::kCylinder, Shape::kCylinder},
+     {"obb-cylinder", Shape::kObb, Shape::kCylinder},
+     {"obb-plane", Shape::kObb, Shape::kPlane},
+     {"ray-sphere", Shape::kRay, Shape::kSphere},
+     {"sphere-obb", Shape::kSphere, Shape::kObb}}};
+inline constexpr std::array<std::string_view, kAlgorithms> kAlgorithmNames{
+    "moller", "badouel", "pluecker", "watertight"};
+
+/// Sets of pairs, bit p: pair p.
+constexpr std::uint32_t set_of(std::initializer_list<Pair> pairs) {
+  std::uint32_t set = 0;
+  for (const Pair pair : pairs) set |= 1u << static_cast<unsigned>(pair);
+  return set;
+}
+constexpr bool has(std::uint32_t set, Pair pair) {
+  return (set >> static_cast<unsigned>(pair) & 1) != 0;
+}
+/// The pipe is a ring; a budget sets its work.
+inline constexpr std::uint32_t kRingPairs =
+    set_of({Pair::kTriangleCylinder, Pair::kCylinderCylinder, Pair::kObbCylinder});
+/// It is made of facet units, which can take turns.
+inline constexpr std::uint32_t kFacetPairs =
+    set_of({Pair::kObbObb, Pair::kTriangleAabb, Pair::kTriangleObb});
+/// The box rule is an option of it.
+inline constexpr std::uint32_t kBoxPairs = set_of({Pair::kRayTriangle});
+/// It takes few clocks.
+inline constexpr std::uint32_t kShortPairs =
+    set_of({Pair::kRayTriangle, Pair::kRayCylinder, Pair::kRaySphere, Pair::kSphereSphere});
+/// It multiplies four lengths, and so is brought to the size of one in every format.
+inline constexpr std::uint32_t kScaledPairs =
+    kRingPairs | kFacetPairs | set_of({Pair::kTriangleSphere});
+
+constexpr WordKind word_kind(Shape shape, std::size_t word) {
+  const std::string_view kinds = kShapeTable[static_cast<std::size_t>(shape)].kinds;
+  switch (word < kinds.size() ? kinds[word] : ' ') {
+    case 'c':
+      return WordKind::kCoordinate;
+    case 's':
+      return WordKind::kSize;
+    case 'd':
+      return WordKind::kDirection;
+    case 'i':
+      return WordKind::kInterval;
+    case 'p':
+      return WordKind::kPure;
+    default:
+      return WordKind::kNone;
+  }
+}
+
+}  // namespace contract
+}  // namespace cde

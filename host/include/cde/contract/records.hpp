@@ -1,0 +1,34 @@
+#pragma once
+#include <cstdint>
+
+/// Slots and records, in words of the container width: rtl/contract/records_pkg.sv in C++, under
+/// the same names.
+namespace cde::card {
+
+/// A slot is the words of its shape, packed in DDR, and padded to whole beats in the primary
+/// register file; a card's primary slot has the words of its largest primary.
+inline constexpr unsigned kDdrWords = 9;  ///< words of a DDR beat
+
+/// On the bus a record of words of 32 bits takes three beats and a half.
+inline constexpr unsigned kRecordWords = 7;
+inline constexpr unsigned kRecordCp = 0;  ///< 3 words
+inline constexpr unsigned kRecordFlags = 3;
+inline constexpr unsigned kRecordIndex = 4;  ///< secondary index, all ones if none
+inline constexpr unsigned kRecordT = 5;
+inline constexpr unsigned kRecordPrimary = 6;
+
+/// Bit numbers of the flags word.
+inline constexpr unsigned kFlagF = 0;
+inline constexpr unsigned kFlagBad = 1;
+inline constexpr unsigned kFlagNormal = 2;  ///< second record: n in CP's words, the signed gap in T
+
+/// An entry of an object table is a range and a transform. The range takes effect with its second
+/// word, the transform with its last; both are written in ascending order.
+inline constexpr unsigned kObjectWords = 16;        ///< from entry to entry
+inline constexpr unsigned kObjectFirst = 0;         ///< first slot
+inline constexpr unsigned kObjectCount = 1;         ///< slots
+inline constexpr unsigned kObjectRotation = 2;      ///< 9 words, row by row
+inline constexpr unsigned kObjectTranslation = 11;  ///< 3 words
+inline constexpr unsigned kObjectEnd = 14;          ///< words in use
+
+}  // namespace cde::card

@@ -1,0 +1,109 @@
+#pragma once
+#include <cstdint>
+
+#include "cde/contract/field.hpp"
+
+/// The local bus and the card's registers: rtl/contract/registers_pkg.sv in C++, under the same
+/// names. tests/board holds every constant and field here against that file.
+namespace cde::card {
+
+/// Spaces of the local bus; a beat is 64 bits.
+enum Space : std::uint32_t {
+  kSpaceReg = 0,   ///< registers, 64 bits at 8-byte offsets
+  kSpacePrim = 1,  ///< primary register file, kPrimWords words a slot, write only
+  kSpaceDdr = 2,   ///< secondary memory, packed slots, write only
+  kSpaceSram = 3,  ///< record stream: every beat read takes the next words of the ring
+};
+inline constexpr unsigned kSpaces = 4;
+
+/// Register offsets in bytes.
+enum Register : std::uint32_t {
+  kRegId = 0x000,               ///< [63:32] kIdMagic, [31:0] kInterfaceVersion
+  kRegCaps = 0x008,             ///< kCaps* fields
+  kRegConfigHash = 0x010,       ///< hash of parameters and RTL sources
+  kRegCaps2 = 0x018,            ///< kCaps2* fields
+  kRegCapacity = 0x020,         ///< bytes of DDR
+  kRegControl = 0x028,          ///< write: kControl* bits
+  kRegStatus = 0x030,           ///< kStatus* bits
+  kRegCommand = 0x038,          ///< kCommand* fields
+  kRegPrimCount = 0x040,        ///< primaries in the register file
+  kRegSecFirst = 0x048,         ///< first secondary slot
+  kRegSecCount = 0x050,         ///< number of secondaries
+  kRegRecords = 0x058,          ///< records waiting in the SRAM ring
+  kRegFaultAddr = 0x060,        ///< of the first refused access: kFault* fields
+  kRegWriteback = 0x068,        ///< clocks that wrote the kept records back to SRAM
+  kRegCaps3 = 0x070,            ///< kCaps3* fields
+  kRegPrimSplit = 0x078,        ///< with a second pair: the first of its primaries
+  kRegStencil = 0x080,          ///< primaries/64 registers: 1 masks a primary
+  kRegBudget = 0x0A0,           ///< work for a cylinder pair: kBudget* fields
+  kRegEcc = 0x0B8,              ///< words of secondaries read from DDR in a pass: kEcc* fields
+  kRegObjectCount = 0x0A8,      ///< objects to sweep; 0: the slots of kRegSecFirst and kRegSecCount
+  kRegPrimObjectCount = 0x0B0,  ///< objects of primaries; 0: primaries as they were written
+  kRegCycles = 0x0C0,           ///< clocks from go to done, without kRegWriteback
+  kRegRows = 0x0C8,             ///< rows issued to the pipe (one row is `lanes` pairs)
+  kRegStalls = 0x0D0,       ///< clocks the pipe mouth waited for output space, or for a slot of a
+                            ///< cylinder pipe
+  kRegBubbles = 0x0D8,      ///< clocks the pipe mouth waited for a secondary
+  kRegBadPrim = 0x0E0,      ///< primaries refused as bad input
+  kRegBadSec = 0x0E8,       ///< secondaries refused as bad input
+  kRegSecondaries = 0x0F0,  ///< secondaries swept
+  kRegWritten = 0x0F8,      ///< records written to SRAM
+  kRegEnd = 0x100,
+};
+
+/// Object tables, in kSpaceReg above the registers, write only: entries of kObjectWords words
+/// (records.hpp).
+inline constexpr std::uint32_t kObjectTable = 0x40000;      ///< of secondaries
+inline constexpr std::uint32_t kPrimObjectTable = 0x80000;  ///< of primaries
+
+inline constexpr std::uint32_t kIdMagic = 0x43444531;
+inline constexpr std::uint32_t kInterfaceVersion = 4;
+
+/// Bits of kRegControl.
+inline constexpr std::uint64_t kControlGo = 1;
+inline constexpr std::uint64_t kControlAbort = 2;
+inline constexpr std::uint64_t kControlClear = 4;  ///< errors and done
+
+/// Bit numbers of kRegStatus.
+enum Status : unsigned {
+  kStatusBusy = 0,
+  kStatusDone = 1,
+  kStatusCommandError = 2,  ///< go refused: mode, pair, count or range out of bounds
+  kStatusBusError = 3,      ///< access outside a space, to a read-only register, or while busy
+  kStatusSramWait = 4,      ///< the SRAM ring is full and the engine waits for the host
+  kStatusIrq = 5,           ///< done, an error, or a full ring wants the host
+  kStatusEccError = 6,      ///< words of DDR with errors that cannot be corrected were read in this
+                            ///< pass
+};
+
+/// Result modes, kRegCommand[2:0].
+enum ModeCode : std::uint32_t {
+  kModeNearest = 0,
+  kModeFarthest = 1,
+  kModeAny = 2,
+  kModeAll = 3,
+  kModeHits = 4,
+};
+
+/// Fields of registers.
+inline constexpr Field kIdVersion{0, 32}, kIdMagicField{32, 32};
+inline constexpr Field kCapsLanes{0, 16}, kCapsPrimaries{16, 16}, kCapsExp{32, 8}, kCapsMan{40, 8},
+    kCapsAlgorithm{48, 8};
+inline constexpr Field kCaps2Latency{0, 16}, kCaps2SramRecords{16, 32}, kCaps2Container{48, 8};
+inline constexpr Field kCaps3Pairs{0, 16}, kCaps3Swap{16}, kCaps3Normals{17}, kCaps3Parallel{18},
+    kCaps3Transform{19, 2}, kCaps3Ecc{21}, kCaps3Box{22}, kCaps3PrimWords{24, 8},
+    kCaps3Objects{32, 16}, kCaps3PrimObjects{48, 16};
+inline constexpr Field kFaultAddr{0, 32}, kFaultSpace{32, 2};
+inline constexpr Field kBudgetM{0, 8}, kBudgetK1{8, 8}, kBudgetK2{16, 8};
+inline constexpr std::uint32_t kBudgetReset = 0x080808;
+inline constexpr unsigned kBudgetMost = 64;                       ///< of K1 and K2
+inline constexpr Field kEccCorrected{0, 32}, kEccFailed{32, 32};  ///< words
+inline constexpr Field kCommandMode{0, 3}, kCommandPair{8, 4}, kCommandSecondPair{16, 4};
+/// Bits of kRegCommand beside mode and pair codes.
+inline constexpr std::uint64_t kCommandSwap = 1 << 4;
+inline constexpr std::uint64_t kCommandNormals = 1 << 5;
+inline constexpr std::uint64_t kCommandSecond = 1 << 12;
+inline constexpr std::uint64_t kCommandSecondSwap = 1 << 13;
+inline constexpr std::uint64_t kCommandBits = 0xF3F37;  ///< those of its fields
+
+}  // namespace cde::card

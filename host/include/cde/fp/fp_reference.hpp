@@ -1,0 +1,30 @@
+#pragma once
+#include <cstdint>
+
+#include "cde/contract/formats.hpp"
+#include "cde/fp/fp_format.hpp"
+
+namespace cde {
+
+/// A result word (a format's word, an integer's two's complement, or 0/1 of a comparison) and its
+/// flags.
+struct FpResult {
+  uint64_t word = 0;
+  uint8_t flags = 0;
+  bool operator==(const FpResult&) const = default;
+};
+
+/// Operands of the operation: 1 or 2.
+[[nodiscard]] int fp_operands(FpOp op);
+
+/// The operation by definition: the exact value as a wide integer, rounded once to nearest even.
+/// Independent of the RTL. NaN results are canonical. min and max are minimumNumber and
+/// maximumNumber of IEEE 754-2019. lt and le signal on any NaN, eq on a signalling one. To integer:
+/// out of range saturates, NaN gives the largest integer, both with invalid alone; an inexact
+/// result is flagged. Operands beyond the format's width are ignored.
+[[nodiscard]] FpResult fp_reference(FpOp op, FpFormat format, uint64_t a, uint64_t b = 0);
+
+/// Conversion between any two formats.
+[[nodiscard]] FpResult fp_convert(FpFormat from, FpFormat to, uint64_t a);
+
+}  // namespace cde

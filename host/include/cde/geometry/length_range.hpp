@@ -1,0 +1,43 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace cde {
+
+/// The lengths that the input contract allows in a number format, as exponents of two: no
+/// coordinate or size is above 2^high; no size, nor the largest component of a ray's direction, is
+/// below 2^low. The same as formats_pkg::length_low and length_high.
+///
+/// Rays and triangles multiply three lengths, and two of their differences. Formats of fewer than 8
+/// exponent bits scale every pair (reference/pipes/scale.hpp), so that only a size over the largest
+/// coordinate has to be a normal number.
+struct LengthRange {
+  int low = 0, high = 0;
+
+  /// 2^-34 to 2^40 in fp32.
+  [[nodiscard]] static constexpr LengthRange of(int exponent_bits, int fraction_bits) {
+    const int half = 1 << (exponent_bits - 1);  // the bias and one
+    if (exponent_bits < 8) return {-((half - 2) / 2), (half - 2) / 2};
+    return {-((half - 3 - fraction_bits) / 3), (half - 8) / 3};
+  }
+
+  /// How many times the largest component of a ray's direction its solid's lengths may be, as
+  /// exponents of two: no size below 2^low times it, no coordinate or size above 2^high times it.
+  /// 2^-60 to 2^38 in fp32. T is about such a ratio. Its square must be a normal number, and of a
+  /// cylinder's radius over the direction's part across the axis too, unless that part is below
+  /// the rounding. Not checked: it is a pair's, not an operand's. Formats of fewer than 8 exponent
+  /// bits bring both to the size of one and have no such limit.
+  [[nodiscard]] static constexpr LengthRange ray_ratio(int exponent_bits, int fraction_bits) {
+    const int root = 1 << (exponent_bits - 2);  // of the largest number, as an exponent
+    return {4 - root, root - fraction_bits - 3};
+  }
+
+  /// Why a word cannot be a coordinate ("center.x is 1e+20, must be at most 2^40 in size").
+  [[nodiscard]] std::optional<std::string> not_coordinate(std::string_view word,
+                                                          double value) const;
+  /// Why a number cannot be a size ("radius is 1e-20, must be 2^-34 to 2^40").
+  [[nodiscard]] std::optional<std::string> not_size(std::string_view word, double value) const;
+};
+
+}  // namespace cde

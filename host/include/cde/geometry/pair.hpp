@@ -1,0 +1,74 @@
+#pragma once
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "cde/contract/pairs.hpp"
+#include "cde/geometry/primitives.hpp"
+
+namespace cde {
+
+/// What the plane of obb-plane bounds.
+enum class PlaneSide : unsigned {
+  kSurface,    ///< the plane itself, with two sides
+  kHalfSpace,  ///< the points with n.x <= d
+};
+
+/// "ray-triangle", "obb-obb" and so on.
+[[nodiscard]] std::string_view name(Pair pair);
+[[nodiscard]] std::string_view name(Algorithm algorithm);
+[[nodiscard]] std::optional<Pair> pair_named(std::string_view text);
+[[nodiscard]] std::optional<Algorithm> algorithm_named(std::string_view text);
+
+[[nodiscard]] std::string_view name(Shape shape);
+/// Words of a slot.
+[[nodiscard]] unsigned words(Shape shape);
+
+[[nodiscard]] Shape primary_shape(Pair pair);
+[[nodiscard]] Shape secondary_shape(Pair pair);
+[[nodiscard]] inline unsigned primary_words(Pair pair) {
+  return words(primary_shape(pair));
+}
+[[nodiscard]] inline unsigned secondary_words(Pair pair) {
+  return words(secondary_shape(pair));
+}
+/// Two solids: T is the size of a signed gap. Otherwise a ray is the primary.
+[[nodiscard]] inline bool is_solid(Pair pair) {
+  return primary_shape(pair) != Shape::kRay;
+}
+
+template <class P>
+inline constexpr Shape kShapeOf = [] {
+  using S = typename P::Scalar;
+  if constexpr (std::is_same_v<P, BasicRay<S>>) return Shape::kRay;
+  if constexpr (std::is_same_v<P, BasicTriangle<S>>) return Shape::kTriangle;
+  if constexpr (std::is_same_v<P, BasicSphere<S>>) return Shape::kSphere;
+  if constexpr (std::is_same_v<P, BasicAabb<S>>) return Shape::kAabb;
+  if constexpr (std::is_same_v<P, BasicPlane<S>>) return Shape::kPlane;
+  if constexpr (std::is_same_v<P, BasicCylinder<S>>) return Shape::kCylinder;
+  if constexpr (std::is_same_v<P, BasicObb<S>>) return Shape::kObb;
+}();
+
+/// How much work a pair of cylinder-cylinder, obb-cylinder or triangle-cylinder gets; the others
+/// always take the same. More finds more of the gap (docs/pairs_cylinder.md).
+struct PairBudget {
+  unsigned samples = 8;  ///< M: directions sampled on each circle (box, triangle): 4, 8 or 16
+  unsigned circle = 8;   ///< K1: steps on each circle, at most 64
+  unsigned free = 8;     ///< K2: steps on each free track (cylinder-cylinder), at most 64
+
+  /// Error kUsage if a value is out of range, naming it.
+  void check() const;
+  bool operator==(const PairBudget&) const = default;
+};
+
+/// Whether the pair takes a budget.
+[[nodiscard]] bool has_budget(Pair pair);
+
+/// Whether the pair's pipe is made of facet units, which can take turns: obb-obb, triangle-aabb,
+/// triangle-obb.
+[[nodiscard]] bool has_facets(Pair pair);
+/// `interval`: clocks from one row of such pairs to the next, 1 or 3. Error kUsage if it is
+/// neither, or 3 where none of the pairs has facets.
+void check_facet_interval(unsigned interval, std::span<const Pair> pairs);
+
+}  // namespace cde

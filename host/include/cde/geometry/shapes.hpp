@@ -1,0 +1,22 @@
+#pragma once
+#include <variant>
+#include <vector>
+
+#include "cde/geometry/pair.hpp"
+#include "cde/geometry/primitives.hpp"
+
+namespace cde {
+
+/// Shapes of one kind in a row; the alternatives are in the order of Shape.
+using Shapes =
+    std::variant<std::vector<Ray>, std::vector<Triangle>, std::vector<Sphere>, std::vector<Aabb>,
+                 std::vector<Plane>, std::vector<Cylinder>, std::vector<Obb>>;
+
+[[nodiscard]] inline Shape shape_of(const Shapes& shapes) {
+  return static_cast<Shape>(shapes.index());
+}
+[[nodiscard]] inline std::size_t size(const Shapes& shapes) {
+  return std::visit([](const auto& list) { return list.size(); }, shapes);
+}
+
+}  // namespace cde

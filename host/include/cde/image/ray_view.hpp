@@ -1,0 +1,71 @@
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <span>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "cde/geometry/primitives.hpp"
+#include "cde/image/camera.hpp"
+
+namespace cde {
+
+/// Rays in a row: some that are there, which must outlive this, or those of a picture, each made
+/// when it is asked for, so that a picture of any size takes no memory.
+class RayView {
+ public:
+  RayView() : RayView(std::span<const Ray>()) {}
+  RayView(std::span<const Ray> rays)  // NOLINT(google-explicit-constructor)
+      : rays_(rays), size_(rays.size()) {}
+  RayView(const std::vector<Ray>& rays)  // NOLINT(google-explicit-constructor)
+      : RayView(std::span(rays)) {}
+  RayView(const PixelRays& rays)  // NOLINT(google-explicit-constructor)
+      : rays_(rays), size_(rays.size()) {}
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  [[nodiscard]] Ray operator[](std::size_t i) const {
+    const auto* given = std::get_if<std::span<const Ray>>(&rays_);
+    Ray ray = given != nullptr ? (*given)[first_ + i] : std::get<PixelRays>(rays_)[first_ + i];
+    if (turn_) {
+      ray.o = (*turn_)(ray.o);
+      ray.d = (*turn_)(ray.d);
+    }
+    return ray;
+  }
+  /// `count` of them from `first` on.
+  [[nodiscard]] RayView subview(std::size_t first, std::size_t count) const {
+    RayView some = *this;
+    some.first_ += first;
+    some.size_ = std::min(count, size_ - first);
+    return some;
+  }
+  /// The same with origins and directions as this makes them.
+  [[nodiscard]] RayView turned(std::function<Eigen::Vector3f(const Eigen::Vector3f&)> turn) const {
+    RayView other = *this;
+    if (turn_) {
+      turn = [first = turn_, second = std::move(turn)](const Eigen::Vector3f& v) {
+        return second((*first)(v));
+      };
+    }
+    other.turn_ = std::make_shared<const Turn>(std::move(turn));
+    return other;
+  }
+  [[nodiscard]] std::vector<Ray> copy() const {
+    std::vector<Ray> rays;
+    rays.reserve(size_);
+    for (std::size_t i = 0; i < size_; ++i) rays.push_back((*this)[i]);
+    return rays;
+  }
+
+ private:
+  using Turn = std::function<Eigen::Vector3f(const Eigen::Vector3f&)>;
+  std::variant<std::span<const Ray>, PixelRays> rays_;
+  std::size_t first_ = 0, size_;
+  std::shared_ptr<const Turn> turn_;
+};
+
+}  // namespace cde

@@ -1,0 +1,85 @@
+#pragma once
+#include <Eigen/Geometry>
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cde/geometry/primitives.hpp"
+
+namespace cde {
+
+/// Faces of a mesh that belong to one object, group or node of its file: from `first_face` to the
+/// next part.
+struct MeshPart {
+  std::string name;  ///< as the file has it
+  std::uint32_t first_face = 0;
+};
+
+/// Indexed triangles. Face i is triangle i of the card: the index of a hit record counts faces in
+/// this order.
+struct Mesh {
+  std::vector<Eigen::Vector3f> vertices;  ///< world frame, finite
+  std::vector<std::array<std::uint32_t, 3>>
+      faces;         ///< corner numbers, each less than vertices.size()
+  std::string name;  ///< for messages: the file's name without folder, or "terrain"
+  std::size_t dropped =
+      0;  ///< points and lines of the file; they have no area and are not among faces
+  std::vector<MeshPart> parts = {};  ///< ascending; objects and groups of OBJ, nodes of what assimp
+                                     ///< reads; empty if the file names none
+  std::vector<std::filesystem::path> files = {};  ///< others that the file names and that are
+                                                  ///< there: buffers, materials, textures
+
+  /// The corners of one face. `face` must be less than faces.size().
+  [[nodiscard]] Triangle triangle(std::size_t face) const {
+    const auto& f = faces[face];
+    return {vertices[f[0]], vertices[f[1]], vertices[f[2]]};
+  }
+};
+
+/// Smallest box around the vertices that a face uses; empty for a mesh without faces.
+[[nodiscard]] Eigen::AlignedBox3f bounds(const Mesh& mesh);
+
+/// Reads OBJ, PLY (ascii, binary of either byte order) and STL (ascii, binary), and through assimp
+/// every other format that it knows (GLB, glTF, OFF, COLLADA, 3DS, ...; node transforms applied).
+/// The extension names the format.
+///
+/// Faces keep the file's order; polygons become triangles in place; triangles without area are
+/// kept. No corner is moved, and coordinates are the floats nearest to the text of the file. OBJ
+/// and PLY keep the file's vertices; formats without shared vertices get them where all 96 bits
+/// agree.
+///
+/// assimp 5.2 dies or hangs on some damaged files (about one in a hundred PLYs with a few wrong
+/// bytes), so it runs in a child process, which `deadline` of processor time, rounded up to
+/// seconds, ends.
+///
+/// Errors: kFile, naming file and line or byte (missing, unreadable, directory, empty, malformed,
+/// truncated, corner number out of range); kBadInput (NaN or infinite vertex, by its number from 0
+/// in the mesh; no triangles).
+[[nodiscard]] Mesh load_mesh(const std::filesystem::path& path,
+                             std::chrono::seconds deadline = std::chrono::seconds(120));
+
+/// What the command line calls a mesh: "terrain", "terrain:QX,QY,SEED" (terrain.hpp), otherwise a
+/// path. A file that is called terrain is reached as ./terrain.
+[[nodiscard]] Mesh load_mesh_or_builtin(std::string_view spec);
+
+/// Writes .obj (shortest text that reads back to the same floats), .ply or .stl (binary little
+/// endian). The file appears whole or not at all. Errors: kUsage (other extension), kFile (cannot
+/// be written), kCapacity (faces do not fit the format's 32-bit count).
+void save_mesh(const Mesh& mesh, const std::filesystem::path& path);
+
+/// Throws kBadInput, beginning with `what`, if a vertex is not finite, a corner number is out of
+/// range, or there is no face.
+void check(const Mesh& mesh, std::string_view what);
+
+/// Which triangles of a checked mesh the card will flag as bad input, as coordinates of theirs are
+/// out of range (length_range.hpp): how many, the first one, its word and the range; nothing if
+/// there are none. A line without its end.
+[[nodiscard]] std::optional<std::string> out_of_range(const Mesh& mesh, std::string_view what);
+
+}  // namespace cde

@@ -1,0 +1,20 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+namespace cde {
+
+/// What a pipe answers for one pair, as words of the format (low bits of a uint64_t).
+struct PairResult {
+  bool f = false;    ///< they meet
+  bool bad = false;  ///< an operand is out of contract: F = 0, the rest NaN
+  std::uint64_t t = 0;
+  std::uint64_t cp[3] = {};
+  std::uint64_t n[3] = {};  ///< zero for rays
+  bool operator==(const PairResult&) const = default;
+};
+
+/// Names of the fields in which two results differ, "F, T, CPx".
+[[nodiscard]] std::string differing_fields(const PairResult& a, const PairResult& b);
+
+}  // namespace cde

@@ -1,0 +1,274 @@
+#pragma once
+#include <array>
+
+#include "cde/reference/pipes/convex/closest_point.hpp"
+
+/// Facet units of the box pairs. Body P is a box, in its own frame: centre 0, half extents a, axes
+/// e_i. Body Q is another box or a triangle. The difference Q - P is a convex polytope; each of its
+/// facets belongs to a face of one body and a vertex of the other, or to an edge of each. A unit
+/// answers, for one facet: the gap of the two projections on its normal (a lower bound of the
+/// signed gap for any normal, so the bodies are apart if and only if some facet's gap is positive),
+/// and the point of the facet nearest the origin, as a point of P and the vector to a point of Q.
+///
+/// Normals point from P to Q. Index i is an axis, k = i+1 and l = i+2 the next two, modulo 3.
+namespace cde::reference::convex {
+
+/// Support features come from shapes turned a little, x' = x + turn x x, by 16 u: when a
+/// face or edge of one body is parallel to one of the other, every facet then takes the same side,
+/// as if the bodies were in general position. The geometry itself is not turned. Without it aligned
+/// boxes get facets that leave a hole where the closest point is.
+template <typename S>
+[[nodiscard]] Vector<S> turn() {
+  const double angle = 16 * kUnitRoundoff<S>;
+  return {static_cast<S>(angle), static_cast<S>(0.618 * angle), static_cast<S>(-0.755 * angle)};
+}
+
+/// x turned; only the signs of the result may be used. 6 add 6 mul.
+template <typename S>
+[[nodiscard]] Vector<S> turned(const Vector<S>& x) {
+  return add<S>(x, cross<S>(turn<S>(), x));
+}
+
+/// The first component of a unit vector that is beyond 5/16, a number that no turn by multiples of
+/// 15 degrees has in it. Its sign tells n from -n, also of vectors all but equal.
+template <typename S>
+inline const S kBeyond = static_cast<S>(0.3125);
+template <typename S>
+struct Leading {
+  Mask<S> x, y;  ///< else z
+
+  [[nodiscard]] S of(const Vector<S>& n) const { return select(x, n.x(), select(y, n.y(), n.z())); }
+};
+
+/// 2 comparisons.
+template <typename S>
+[[nodiscard]] Leading<S> leading_component(const Vector<S>& n) {
+  return {kBeyond<S> < magnitude(n.x()), kBeyond<S> < magnitude(n.y())};
+}
+
+/// Of n and -n the one whose leading component is positive counts as positive. 2 comparisons.
+template <typename S>
+[[nodiscard]] S orientation(const Vector<S>& n) {
+  return leading_component(n).of(n);
+}
+
+/// Positive if n and t agree in the sign of n's leading component.
+template <typename S>
+[[nodiscard]] S along(const Vector<S>& t, const Vector<S>& n) {
+  const Leading<S> l = leading_component(n);
+  return move_sign(l.of(t), l.of(n));
+}
+
+/// A pair of opposite facets has the gap of the one on the side of h's sign, where h is the height
+/// of Q's centre over P's. Where h is 0 but for rounding, both have it, and `orientation` chooses:
+/// the sign of a zero would send facets of one plane to different sides, and leave holes in it.
+/// 1 comparison.
+template <typename S>
+[[nodiscard]] S side_of(S h, S tie, S orientation) {
+  return select(magnitude(h) <= tie, orientation, h);
+}
+
+/// One facet of Q - P.
+template <typename S>
+struct Facet {
+  S gap;            ///< of the projections on n; -inf if the facet has no normal
+  Vector<S> n;      ///< unit, P to Q
+  Difference<S> x;  ///< nearest point of the facet
+  S d2;             ///< |x.v|²
+  Vector<S> edge;   ///< edge of Q
+  S inverse_ff;     ///< 1 / edge², or 0 if the nearest point is not between the ends of that edge
+};
+
+/// The box's corner farthest in the direction whose signs are given. Wires.
+template <typename S>
+[[nodiscard]] Vector<S> corner(const Vector<S>& signs, const Vector<S>& a) {
+  return {move_sign(signs.x(), a.x()), move_sign(signs.y(), a.y()), move_sign(signs.z(), a.z())};
+}
+
+/// x limited to the box. 6 min/max.
+template <typename S>
+[[nodiscard]] Vector<S> clamp_to_box(const Vector<S>& x, const Vector<S>& a) {
+  return {clamp(x.x(), -a.x(), a.x()), clamp(x.y(), -a.y(), a.y()), clamp(x.z(), -a.z(), a.z())};
+}
+
+/// a.|n|: half the box's width along n. 2 add 3 mul.
+template <typename S>
+[[nodiscard]] S box_radius(const Vector<S>& n, const Vector<S>& a) {
+  return dot<S>(a, Vector<S>(magnitude(n.x()), magnitude(n.y()), magnitude(n.z())));
+}
+
+/// Face i of the box, on the side of `side`'s sign, and the vertex q of Q. The gap is the caller's.
+/// 5 add 3 mul, 4 min/max.
+template <typename S>
+[[nodiscard]] Facet<S> face_facet(int i, const Vector<S>& a, S side, const Vector<S>& q, S gap) {
+  const int k = (i + 1) % 3, l = (i + 2) % 3;
+  Facet<S> facet;
+  facet.gap = gap;
+  facet.n = Vector<S>::Zero();
+  facet.n[i] = move_sign(side, S{1});
+  facet.x.p[i] = move_sign(side, a[i]);
+  facet.x.p[k] = clamp(q[k], -a[k], a[k]);
+  facet.x.p[l] = clamp(q[l], -a[l], a[l]);
+  facet.x.v = sub<S>(q, facet.x.p);
+  facet.d2 = dot<S>(facet.x.v, facet.x.v);
+  facet.edge = Vector<S>::Zero();
+  facet.inverse_ff = S{0};
+  return facet;
+}
+
+/// e_i x f, of unit length.
+template <typename S>
+struct EdgeNormal {
+  S k, l;      ///< components; component i is 0
+  S inverse2;  ///< 1 / |e_i x f|², 0 if there is no normal
+  Mask<S> valid;
+};
+
+/// 1 add 5 mul 1 div 1 sqrt.
+template <typename S>
+[[nodiscard]] EdgeNormal<S> edge_normal(int i, const Vector<S>& f) {
+  const int k = (i + 1) % 3, l = (i + 2) % 3;
+  const S squared = f[k] * f[k] + f[l] * f[l];
+  const auto valid = usable(squared);
+  const S inverse = reciprocal_or_zero<S>(valid, square_root(squared));
+  return {-(f[l] * inverse), f[k] * inverse, inverse * inverse, valid};
+}
+
+/// n.x for such a normal. 1 add 2 mul.
+template <typename S>
+[[nodiscard]] S project(int i, const EdgeNormal<S>& n, const Vector<S>& x) {
+  return n.k * x[(i + 1) % 3] + n.l * x[(i + 2) % 3];
+}
+
+/// The box's edge along axis i through `at` (component i unused), |s| <= a_i, and the edge q + t f,
+/// low <= t <= 1, of Q: solves t in the plane perpendicular to the axis, then s, then t again for
+/// that s. `inverse2` is 1 / (f_k² + f_l²), `inverse_ff` 1 / f.f. Fills in what belongs to the
+/// nearest points. If s is not at an end, component i of v is 0. 11 add 12 mul, 2 cmp, 4 min/max.
+template <typename S>
+void segment_segment(Facet<S>& facet, int i, S a, const Vector<S>& at, const Vector<S>& q,
+                     const Vector<S>& f, S low, S inverse2, S inverse_ff) {
+  const int k = (i + 1) % 3, l = (i + 2) % 3;
+  const S wk = q[k] - at[k], wl = q[l] - at[l];
+  const S across = wk * f[k] + wl * f[l];
+  const S t1 = clamp(-(across * inverse2), low, S{1});
+  const S s1 = q[i] + t1 * f[i];
+  const S s = clamp(s1, -a, a);
+  const S rest = q[i] - s;
+  const S t2 = -((across + rest * f[i]) * inverse_ff);
+  const S t = clamp(t2, low, S{1});
+  Vector<S>& v = facet.x.v;
+  v[i] = select(s1 == s, S{0}, rest + t * f[i]);
+  v[k] = wk + t * f[k], v[l] = wl + t * f[l];
+  facet.x.p[i] = s, facet.x.p[k] = at[k], facet.x.p[l] = at[l];
+  facet.d2 = dot<S>(v, v);
+  facet.edge = f;
+  facet.inverse_ff = select(t2 == t, inverse_ff, S{0});
+}
+
+/// Edge i of the box and the edge q + t f of Q, where n is e_i x f or the opposite of it. `signs`
+/// chooses the box's edge, on the side that n points to.
+template <typename S>
+[[nodiscard]] Facet<S> edge_facet(int i, const Vector<S>& a, const Vector<S>& signs,
+                                  const Vector<S>& q, const Vector<S>& f, S low, S inverse_ff,
+                                  const EdgeNormal<S>& n, S side, S gap) {
+  Facet<S> facet;
+  facet.gap = select(n.valid, gap, -std::numeric_limits<S>::infinity());
+  facet.n[i] = S{0};
+  facet.n[(i + 1) % 3] = move_sign(side, n.k);
+  facet.n[(i + 2) % 3] = move_sign(side, n.l);
+  segment_segment<S>(facet, i, a[i], corner<S>(signs, a), q, f, low, n.inverse2, inverse_ff);
+  return facet;
+}
+
+/// A facet and the key by which it is chosen.
+template <typename S>
+struct Chosen {
+  S key;
+  Facet<S> facet;
+};
+
+/// The one with the lesser key, ties to `low`. 1 comparison.
+template <typename S>
+[[nodiscard]] Chosen<S> lesser(const Chosen<S>& low, const Chosen<S>& high) {
+  const auto take = high.key < low.key;
+  const Facet<S>&l = low.facet, &h = high.facet;
+  Chosen<S> r;
+  r.key = select(take, high.key, low.key);
+  r.facet.gap = select(take, h.gap, l.gap);
+  r.facet.n = select<S>(take, h.n, l.n);
+  r.facet.x.v = select<S>(take, h.x.v, l.x.v);
+  r.facet.x.p = select<S>(take, h.x.p, l.x.p);
+  r.facet.d2 = select(take, h.d2, l.d2);
+  r.facet.edge = select<S>(take, h.edge, l.edge);
+  r.facet.inverse_ff = select(take, h.inverse_ff, l.inverse_ff);
+  return r;
+}
+
+/// The facet with the least key: a balanced tree over neighbours, (0,1), (2,3), ..., where an odd
+/// last one goes up unchanged; ties to the lowest index. N - 1 comparisons. Each tree needs to
+/// carry only what is used of its result.
+template <typename S, std::size_t N>
+[[nodiscard]] Facet<S> least(const std::array<Chosen<S>, N>& all) {
+  if constexpr (N == 1) {
+    return all[0].facet;
+  } else {
+    std::array<Chosen<S>, (N + 1) / 2> half;
+    for (std::size_t i = 0; i < N / 2; ++i) half[i] = lesser(all[2 * i], all[2 * i + 1]);
+    if constexpr (N % 2 == 1) half[N / 2] = all[N - 1];
+    return least(half);
+  }
+}
+
+/// The same point of Q, and the point of the box nearest to where it would be s n away. Where faces
+/// are all but parallel, points far apart on a facet are equally near the origin.
+/// 9 add 3 mul, 6 min/max.
+template <typename S>
+[[nodiscard]] Difference<S> settle(const Difference<S>& x, S s, const Vector<S>& n,
+                                   const Vector<S>& a) {
+  const Vector<S> q = add<S>(x.p, x.v);
+  const Vector<S> p = clamp_to_box<S>(sub<S>(q, scale<S>(n, s)), a);
+  return {sub<S>(q, p), p};
+}
+
+/// The signed gap from all facets of a pair, `a` the half extents of P.
+///
+/// The largest gap gives s, and its facet the normal if the bodies penetrate. Where faces are
+/// parallel, or the bodies concentric, several facets share it or nearly so, and only one of them
+/// is where the origin projects to. So the witness points are those of the facet whose vector v is
+/// nearest to s n: n its own normal if its gap ties with the largest, else the normal of the
+/// largest gap. If the bodies are apart, the facet with the least distance gives the nearest
+/// points, which are polished.
+///
+/// `support(v)` is the point of Q - P farthest against v, `gap_along(n)` the gap of the projections
+/// on a unit n.
+template <typename S, std::size_t N, typename Support, typename Gap>
+[[nodiscard]] SignedGap<S> answer(const std::array<Facet<S>, N>& facets, const Vector<S>& a, S tie,
+                                  const Support& support, const Gap& gap_along) {
+  std::array<Chosen<S>, N> by_gap, by_witness, by_distance;
+  for (std::size_t i = 0; i < N; ++i) {
+    by_gap[i] = {-facets[i].gap, facets[i]};
+    by_distance[i] = {facets[i].d2, facets[i]};
+  }
+  const Facet<S> largest = least(by_gap);
+  const S s = largest.gap;
+  const S tied = s - tie;
+  const Leading<S> leading = leading_component(largest.n);
+  const S lead = leading.of(largest.n);
+  const S nearly = s - S{4} * tie;
+  for (std::size_t i = 0; i < N; ++i) {
+    Facet<S> f = facets[i];
+    const auto opposite = is_negative(move_sign(lead, leading.of(f.n)));
+    f.n = select<S>(select(opposite, nearly, tied) <= f.gap, f.n, largest.n);
+    const Vector<S> off = sub<S>(f.x.v, scale<S>(f.n, s));
+    by_witness[i] = {dot<S>(off, off), f};
+  }
+  const Facet<S> witness = least(by_witness);
+  const Facet<S> near = least(by_distance);
+  const Difference<S> start{perpendicular<S>(near.x.v, near.edge, near.inverse_ff), near.x.p};
+  const Difference<S> once = polish<S>(start, support(start.v), tie);
+  const Difference<S> polished = polish<S>(once, support(once.v), tie);
+  return decide<S>({s, witness.n, settle<S>(witness.x, s, witness.n, a)}, polished, S{0} < s, tie,
+                   gap_along);
+}
+
+}  // namespace cde::reference::convex

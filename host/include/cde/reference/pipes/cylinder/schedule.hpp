@@ -1,0 +1,119 @@
+#pragma once
+#include <array>
+
+#include "cde/reference/pipes/cylinder/evaluator.hpp"
+
+/// Which pass of a pair does what: counters, no arithmetic.
+namespace cde::reference::cylinder {
+
+/// How much work a pair gets. One pass is one evaluation of g and one clock of the pipe.
+struct Budget {
+  int samples = 8;  ///< M: directions sampled on each circle (box, triangle): 4, 8 or 16
+  int circle = 8;   ///< K1: steps on each circle
+  int free = 8;     ///< K2: Newton steps on each free track (cylinder-cylinder)
+};
+
+enum class Phase {
+  kFrame,    ///< box, triangle: face normals and edges
+  kAxis,     ///< box, triangle: B's axis
+  kCentre,   ///< cylinder: the centre line, and its part perpendicular to each axis
+  kVertex,   ///< box, triangle: from each vertex to the nearest point of B's surface
+  kCap,      ///< circle: the direction nearest the other cylinder's axis
+  kSide,     ///< circle: perpendicular to both axes
+  kBeside,   ///< circle: just beside that, and the bracket is complete
+  kSample,   ///< circle: fixed directions
+  kRefine,   ///< circle: a step inside the bracket
+  kPole,     ///< free track: a cap axis
+  kStart,    ///< free track: the normal beside it, or the best so far
+  kNewton,   ///< free track: a step
+  kTouch,    ///< the best normal again: witness points; track 0 by the features it touches
+  kProject,  ///< witness points: alternating projections; track 1 of all it nearly touches
+  kDone
+};
+
+/// Steps of alternating projection at the end, between the features that the normal touches, then
+/// between those that it nearly touches; the last two of them between the solids.
+inline constexpr std::array<int, 2> kProjections = {4, 7};
+
+/// The one of the second steps from which on solids that are clearly apart stay where they are.
+inline constexpr int kUnshifted = kProjections[1] - 4;
+
+struct Pass {
+  Phase phase;
+  int track;  ///< circle or free track
+  int index;  ///< within the phase
+};
+
+/// Counts through a schedule: `take` answers whether the pass is one of the next `count`.
+class Countdown {
+ public:
+  explicit Countdown(int k) : left_(k) {}
+  bool take(int count) {
+    if (left_ < count) return true;
+    left_ -= count;
+    return false;
+  }
+  [[nodiscard]] int left() const { return left_; }
+
+ private:
+  int left_;
+};
+
+/// The witness points' passes, after the search's.
+[[nodiscard]] inline Pass witness_pass(Countdown k) {
+  for (int t = 0; t < 2; ++t) {
+    if (k.take(1)) return {Phase::kTouch, t, 0};
+    if (k.take(kProjections[t])) return {Phase::kProject, t, k.left()};
+  }
+  return {Phase::kDone, 0, 0};
+}
+
+/// Cylinder-cylinder: 3 + 2 (3 + K1) + 2 (2 + K2) + 1 + K2 evaluations.
+[[nodiscard]] inline Pass cylinder_pass(const Budget& budget, Countdown k) {
+  if (k.take(3)) return {Phase::kCentre, 0, k.left()};
+  for (int t = 0; t < 2; ++t) {
+    if (k.take(1)) return {Phase::kCap, t, 0};
+    if (k.take(1)) return {Phase::kSide, t, 0};
+    if (k.take(1)) return {Phase::kBeside, t, 0};
+    if (k.take(budget.circle)) return {Phase::kRefine, t, k.left()};
+  }
+  for (int t = 0; t < 3; ++t) {
+    if (t < 2 && k.take(1)) return {Phase::kPole, t, 0};
+    if (k.take(1)) return {Phase::kStart, t, 0};
+    if (k.take(budget.free)) return {Phase::kNewton, t, k.left()};
+  }
+  return witness_pass(k);
+}
+
+/// 12 (box) or 8 (triangle) + 3 (2 + M + K1) evaluations.
+[[nodiscard]] inline Pass polyhedron_pass(bool box, const Budget& budget, Countdown k) {
+  if (k.take(box ? 3 : 4)) return {Phase::kFrame, 0, k.left()};
+  if (k.take(1)) return {Phase::kAxis, 0, 0};
+  if (k.take(box ? 8 : 3)) return {Phase::kVertex, 0, k.left()};
+  for (int t = 0; t < 3; ++t) {
+    if (k.take(1)) return {Phase::kSide, t, 0};
+    if (k.take(budget.samples + 1)) return {Phase::kSample, t, k.left()};
+    if (k.take(budget.circle)) return {Phase::kRefine, t, k.left()};
+  }
+  return witness_pass(k);
+}
+
+/// Pass k of a pair, 0 the first.
+[[nodiscard]] inline Pass pass(Body body, const Budget& budget, int k) {
+  return body == Body::kCylinder ? cylinder_pass(budget, Countdown(k))
+                                 : polyhedron_pass(body == Body::kBox, budget, Countdown(k));
+}
+
+/// Evaluations of g that the search takes.
+[[nodiscard]] inline int evaluations(Body body, const Budget& budget) {
+  int k = 0;
+  while (pass(body, budget, k).phase != Phase::kTouch) ++k;
+  return k;
+}
+
+/// Passes until the pair leaves: two more evaluations and the projections.
+[[nodiscard]] inline int passes(Body body, const Budget& budget) {
+  return evaluations(body, budget) + 2 + kProjections[0] + kProjections[1];
+}
+
+}  // namespace cde::reference::cylinder

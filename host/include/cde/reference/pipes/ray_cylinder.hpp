@@ -1,0 +1,129 @@
+#pragma once
+#include <limits>
+
+#include "cde/geometry/ops.hpp"
+#include "cde/reference/pipes/ray_outcome.hpp"
+
+namespace cde::reference {
+
+/// The answer is that of exact arithmetic for a cylinder whose radius and half height differ by at
+/// most this many u (|o-c| + r + h). It is the sum of all roundings at their worst, to first order,
+/// for the nearer root from far away, with W = |o-c|, phi the angle of incidence across the axis
+/// and s = sin phi, c = cos phi, as a distance from the surface:
+///
+///     w                                     W
+///     n, as a turn of the ray               (1.155 + 1) W, as |d x a| <= 1.155 |d| term by term
+///     m                                     (1.155 + 1) W c
+///     B (three products, two sums), B i     (3 + 1) W c
+///     C: m.m, the subtraction               (3 + 1) W c
+///     C i, the quotient, the sum in q       3 W c; i itself cancels from C i / q
+///     e through g and its own sums          4 W s
+///
+/// that is W (3.155 + 13.155 c + 4 s) <= 16.9 W; less for the farther root (15.0 W) and the caps
+/// (10 W). r and h have smaller factors, at most 7.7 and 6, which leaves room for an axis whose
+/// length is off by 2^-21, 8 u in fp32. Rays at random need about half of it, as roundings rarely
+/// agree (tests/numerics/ray_solids_test.cpp).
+inline constexpr double kRayCylinderBand = 17;
+
+/// A stretch of the ray: lo <= t <= hi, if it is there at all.
+template <typename S>
+struct RayStretch {
+  S lo, hi;
+  Mask<S> there;
+};
+
+/// The stretch between the planes of the caps, -h <= wz + t dz <= h.
+///
+///     1      i = 1 / dz                                            1 div
+///     1      -h - wz, h - wz                                       2 sub
+///     2      s = (-h - wz) i, e = (h - wz) i                       2 mul
+///            exchanged if dz has the sign bit
+///     2      flat = not |i| < inf; |wz| <= h                       2 cmp
+///
+/// flat: dz is 0, or so small that its reciprocal overflows; then all of the ray or nothing of it.
+template <typename S>
+[[nodiscard]] RayStretch<S> between_caps(S wz, S dz, S h, Mask<S>& flat) {
+  const S inf = std::numeric_limits<S>::infinity();
+  const S i = S(1) / dz;
+  const S s = (-h - wz) * i, e = (h - wz) * i;
+  const Mask<S> down = is_negative(dz);
+  flat = !(magnitude(i) < inf);
+  return {select(flat, -inf, select(down, e, s)), select(flat, inf, select(down, s, e)),
+          !flat || magnitude(wz) <= h};
+}
+
+/// Ray against the surface of a solid cylinder with flat caps: T is the smallest t in [tmin, tmax]
+/// where the ray enters or leaves it. The solid is what lies between the caps' planes and within
+/// the infinite cylinder; the ray's stretches in both are intersected.
+///
+/// The lateral surface is A t^2 + 2 B t + C = 0 with n = d x a, m = w x a; its discriminant is
+/// r^2 A - e^2 with e = w.n, which is B^2 - AC by Lagrange's identity without its cancellation. e
+/// takes w without its part along the axis, g: when the ray nearly runs along the axis, n is small
+/// and its rounding error may lie along the axis, where w can be long.
+///
+///     1      w = o - c                                             3 sub
+///     1-2    n = d x a                                             6 mul, 3 sub
+///     2-3    m = w x a                                             6 mul, 3 sub
+///     1-3    dz = d.a                                              3 mul, 2 add
+///     2-4    wz = w.a                                              3 mul, 2 add
+///     1      rr = r r                                              1 mul
+///     3-5    A = n.n                                               3 mul, 2 add
+///     4-6    B = m.n, mm = m.m                                     6 mul, 4 add
+///     5-6    g = w - wz a                                          3 mul, 3 sub
+///     6      i = 1 / A                                             1 div
+///     7-9    e = g.n                                               3 mul, 2 add
+///     7      C = mm - rr                                           1 sub
+///     7-8    rr i, B i, C i                                        3 mul
+///     10-11  (e i) (e i)                                           2 mul
+///     12     D = rr i - that                                       1 sub
+///     13     root = sqrt(D)                                        1 sqrt
+///     14     q = -(B i + root with the sign of B)                  1 add
+///     15-16  cq = min(|C i / q|, |q|) with the sign of C i / q     1 div, 1 min/max
+///            lo, hi = q, cq; exchanged if B has the sign bit
+///     4-6    s, e: the stretch between the caps                    2 mul, 1 div, 2 sub, 2 cmp
+///     8-13   r^2 i < inf, 0 <= D, C <= 0                           3 cmp
+///     17     enter = max(lo, s), leave = min(hi, e)                2 min/max
+///     18     enter <= leave; both against tmin and tmax            5 cmp
+///            t = enter if it is in the interval, else leave
+///     19-20  CP = o + t d                                          3 mul, 3 add
+///     21     the outcome is selected
+///
+/// 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 10 cmp, 3 min/max and 21 clocks at one an operator. The
+/// equation is divided by A first, so that D, like t^2, is a ratio of products of two lengths; the
+/// ranges are the sphere's, and so is the reason for the minimum. A = 0, or so small that
+/// r^2 / A overflows: the ray runs along the axis, and the lateral surface bounds nothing if C <=
+/// 0, everything otherwise. (1 / A alone is not enough: (e/A)^2 overflows too then, and the
+/// difference of two infinities was a miss of what the ray goes through.) r is then 2^(bias/2)
+/// times |n|, so that |n| < u |d| if r is less than 2^38 |d| in fp32, LengthRange::ray_ratio.
+template <typename S, bool AtSizeOne = false>
+[[nodiscard]] Outcome<S> ray_cylinder(const BasicRay<S>& ray, const BasicCylinder<S>& cylinder) {
+  if constexpr (!AtSizeOne) return at_size_one<S>(ray, cylinder, ray_cylinder<S, true>);
+  const S zero(0), one(1), inf = std::numeric_limits<S>::infinity();
+  const Vector<S>& axis = cylinder.axis;
+  const Vector<S> w = sub<S>(ray.o, cylinder.c);
+  const Vector<S> n = cross<S>(ray.d, axis), m = cross<S>(w, axis);
+  const S rr = cylinder.radius * cylinder.radius;
+  const S a = dot<S>(n, n), b = dot<S>(m, n), c = dot<S>(m, m) - rr;
+  const S wz = dot<S>(w, axis);
+  const S e = dot<S>(sub<S>(w, scale<S>(axis, wz)), n);
+  const S i = one / a, ei = e * i;
+  const S rri = rr * i;
+  const S discriminant = rri - ei * ei;
+  const S q = -(b * i + move_sign(b, square_root(discriminant)));
+  const S ci = c * i;
+  const S cq = move_sign(ci, move_sign(q, min_num(magnitude(ci / q), magnitude(q))));
+
+  const Mask<S> slanted = rri < inf, backwards = is_negative(b);
+  const RayStretch<S> lateral{select(slanted, select(backwards, cq, q), -inf),
+                              select(slanted, select(backwards, q, cq), inf),
+                              (slanted && zero <= discriminant) || (!slanted && c <= zero)};
+  Mask<S> flat{};
+  const RayStretch<S> slab = between_caps(wz, dot<S>(ray.d, axis), cylinder.half_height, flat);
+  const S enter = max_num(lateral.lo, slab.lo), leave = min_num(lateral.hi, slab.hi);
+  const Mask<S> meets = lateral.there && slab.there && (slanted || !flat) && enter <= leave;
+  const Mask<S> enter_in = in_interval(ray, enter), leave_in = in_interval(ray, leave);
+  const S t = select(enter_in, enter, leave);
+  return ray_outcome<S>(meets && (enter_in || leave_in), t, point_at(ray, t));
+}
+
+}  // namespace cde::reference

@@ -1,0 +1,101 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "cde/geometry/transform.hpp"
+#include "cde/reference/pipes/convex/frame.hpp"
+
+/// What the card's transformer (rtl/transform/transformer.sv) makes of a primitive. Points are
+/// R p + t, directions R d without a sum (-0 stays); intervals, radii and extents pass as they are.
+/// The result is what the input contract (check.hpp) is held against: it can overflow, and the
+/// corners of a box can fall together when it goes far.
+namespace cde::reference {
+
+/// R p + t: 9 mul 9 add.
+template <typename S>
+[[nodiscard]] Vector<S> transformed_point(const BasicTransform<S>& m, const Vector<S>& p) {
+  return add<S>(convex::to_world<S>(m.rotation, p), m.translation);
+}
+
+template <typename S>
+[[nodiscard]] BasicTriangle<S> transformed(const BasicTransform<S>& m, const BasicTriangle<S>& x) {
+  return {transformed_point<S>(m, x.v0), transformed_point<S>(m, x.v1),
+          transformed_point<S>(m, x.v2)};
+}
+
+template <typename S>
+[[nodiscard]] BasicRay<S> transformed(const BasicTransform<S>& m, const BasicRay<S>& x) {
+  return {transformed_point<S>(m, x.o), convex::to_world<S>(m.rotation, x.d), x.tmin, x.tmax};
+}
+
+template <typename S>
+[[nodiscard]] BasicSphere<S> transformed(const BasicTransform<S>& m, const BasicSphere<S>& x) {
+  return {transformed_point<S>(m, x.c), x.r};
+}
+
+template <typename S>
+[[nodiscard]] BasicCylinder<S> transformed(const BasicTransform<S>& m, const BasicCylinder<S>& x) {
+  return {transformed_point<S>(m, x.c), convex::to_world<S>(m.rotation, x.axis), x.half_height,
+          x.radius};
+}
+
+/// n' = R n, d' = d + n'.t: 12 mul 9 add.
+template <typename S>
+[[nodiscard]] BasicPlane<S> transformed(const BasicTransform<S>& m, const BasicPlane<S>& x) {
+  const Vector<S> n = convex::to_world<S>(m.rotation, x.n);
+  return {n, x.d + dot<S>(n, m.translation)};
+}
+
+/// R times the box's own rotation, column by column: 36 mul 27 add.
+template <typename S>
+[[nodiscard]] BasicObb<S> transformed(const BasicTransform<S>& m, const BasicObb<S>& x) {
+  BasicObb<S> moved{transformed_point<S>(m, x.c), x.half, {}};
+  for (int k = 0; k < 3; ++k)
+    moved.rotation.col(k) = convex::to_world<S>(m.rotation, x.rotation.col(k));
+  return moved;
+}
+
+/// Translation only: the card refuses an object of AABBs whose rotation is not the identity.
+template <typename S>
+[[nodiscard]] BasicAabb<S> transformed(const BasicTransform<S>& m, const BasicAabb<S>& x) {
+  return {add<S>(x.min, m.translation), add<S>(x.max, m.translation)};
+}
+
+/// Primitives as a pass meets them, and where each of them lies.
+template <typename P>
+struct Swept {
+  std::vector<P> shapes;
+  std::vector<std::uint32_t> slots;
+};
+
+/// Secondaries in the order of a sweep: the range of each object in turn, transformed; without
+/// objects all of them as they are. Ranges must lie within `shapes`, a span, vector or
+/// TriangleView.
+template <typename Shapes>
+[[nodiscard]] auto swept(const Shapes& shapes, std::span<const Object> objects) {
+  Swept<std::remove_cvref_t<decltype(shapes[0])>> all;
+  for (const Object& object : objects) {
+    for (std::uint32_t i = object.first; i < object.first + object.count; ++i) {
+      all.shapes.push_back(transformed(object.transform, shapes[i]));
+      all.slots.push_back(i);
+    }
+  }
+  for (std::uint32_t i = 0; objects.empty() && i < shapes.size(); ++i) {
+    all.shapes.push_back(shapes[i]);
+    all.slots.push_back(i);
+  }
+  return all;
+}
+
+/// Primaries as they lie in the register file after posing: those in no object as they are, those
+/// in several as the last of these has them.
+template <typename P>
+[[nodiscard]] std::vector<P> posed(std::span<const P> shapes, std::span<const Object> objects) {
+  std::vector<P> all(shapes.begin(), shapes.end());
+  for (const Object& object : objects)
+    for (std::uint32_t i = object.first; i < object.first + object.count; ++i)
+      all[i] = transformed(object.transform, shapes[i]);
+  return all;
+}
+
+}  // namespace cde::reference

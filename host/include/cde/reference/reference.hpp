@@ -1,0 +1,95 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cde/geometry/primitives.hpp"
+#include "cde/geometry/transform.hpp"
+#include "cde/image/ray_view.hpp"
+#include "cde/mesh/triangle_view.hpp"
+#include "cde/query/query.hpp"
+
+/// Mirror reference: what the card computes, operation by operation in the same order with the same
+/// roundings, so that every bit must match. The library is compiled without contraction; whoever
+/// includes the template must do the same (-ffp-contract=off), as an FMA rounds once where the
+/// hardware rounds twice. The templates are in reference/, one header a pair of primitives.
+namespace cde::reference {
+
+/// ray_triangle_moller for one pair of the card, as the record that mode all writes. `box`, here
+/// and below: the card has the box rule.
+[[nodiscard]] Record record_of(const Ray& ray, const Triangle& triangle, std::uint32_t primary,
+                               std::uint32_t index, bool box = false);
+
+/// The records of a cast, computed in software; see Board::cast. Fast enough for large scenes (the
+/// misses, nearly all pairs, are sorted out by vector code), the hits go through the template.
+class Sweep {
+ public:
+  /// Up to `packet` rays meet all triangles at a time, or those of the objects (Board::set_objects;
+  /// kUsage if their ranges do not lie within the triangles). Rays and triangles must outlive the
+  /// sweep.
+  Sweep(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil = {},
+        unsigned packet = 256, std::span<const Object> objects = {}, bool box = false);
+  ~Sweep();
+  Sweep(const Sweep&) = delete;
+  Sweep& operator=(const Sweep&) = delete;
+
+  /// The next records in the card's order; empty at the end. Valid until the next call.
+  [[nodiscard]] std::span<const Record> next();
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// All of them at once.
+[[nodiscard]] std::vector<Record> cast(const RayView& rays, const TriangleView& triangles,
+                                       Mode mode = Mode::kNearest, const Stencil& stencil = {},
+                                       std::span<const Object> objects = {}, bool box = false);
+
+/// Compares records of the card with the reference as they arrive.
+class Checker {
+ public:
+  /// `command` is the start of a command that repeats the query, e.g. "cde cast terrain --lanes
+  /// 16". Rays and triangles must outlive the checker.
+  Checker(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
+          unsigned packet, std::string command, std::span<const Object> objects = {},
+          bool box = false);
+
+  /// What differs is also said to be where this says of a primary of a packet, as place_on_card()
+  /// does.
+  using Place = std::function<std::string(std::uint32_t primary)>;
+  void place_by(Place place) { place_ = std::move(place); }
+
+  /// Counts the records that are those of the reference and keeps what the first other one differs
+  /// in.
+  void compare(std::span<const Record> records);
+  /// To be called behind the last record: one that the card left out is compared, too, and differs.
+  void compare_end();
+
+  /// The same, but these throw kMismatch at the first difference.
+  void check(std::span<const Record> records);
+  void finish();
+
+  /// Records compared so far, and those of them that match in every bit.
+  [[nodiscard]] std::uint64_t compared() const { return compared_; }
+  [[nodiscard]] std::uint64_t matching() const { return matching_; }
+  /// Of the first record that differs its inputs in hexfloat, both outputs, and the command that
+  /// repeats it; empty if all match.
+  [[nodiscard]] const std::string& difference() const { return difference_; }
+
+ private:
+  void mismatch(const Record* card, const Record* expected);
+  RayView rays_;
+  unsigned packet_;
+  Place place_;
+  TriangleView triangles_;
+  Sweep sweep_;
+  std::span<const Record> pending_;
+  std::uint64_t compared_ = 0, matching_ = 0;
+  std::string command_, difference_;
+};
+
+}  // namespace cde::reference

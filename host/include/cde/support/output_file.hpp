@@ -1,0 +1,112 @@
+#pragma once
+#include <cstdio>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cde/support/error.hpp"
+
+namespace cde {
+
+/// Every file that cde writes is one of these: the library's pictures and meshes as well as the
+/// command's records, pages and waves.
+///
+/// A regular file, or one that is not there yet, is written under another name in the same folder
+/// and renamed by commit(), so that a reader sees the old file or the whole new one; the mode of
+/// the old one stays. Of a symbolic link the target is written, and the link stays. What is there
+/// and is no regular file (a device, a FIFO, a descriptor of this process such as /dev/stdout) is
+/// opened and written to as it comes. "-" is stdout.
+///
+/// The other name is NAME.cde-PID-RANDOM, and locked. Left uncommitted the file is removed; what a
+/// process that was killed left behind is swept away by the next one that writes the same NAME.
+class OutputFile {
+ public:
+  enum class Use {
+    kBytes,   ///< write() fills it
+    kByName,  ///< somebody else opens temporary() and fills it
+  };
+
+  /// Error kFile if it cannot be written: no such folder, a folder itself, no permission.
+  explicit OutputFile(const std::filesystem::path& path, Use use = Use::kBytes);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  /// Error kFile, and StdoutError of stdout.
+  void write(std::string_view bytes);
+  void flush();  ///< for those who wait at the other end of a pipe
+  void commit();
+
+  /// The name of a regular file until commit(), for writers that open files themselves.
+  [[nodiscard]] const std::string& temporary() const { return temporary_; }
+
+  /// Removes whatever is uncommitted in this process. For handlers of signals that end it: calls
+  /// nothing but unlink and rmdir.
+  static void remove_unfinished() noexcept;
+
+ private:
+  void make_temporary(const std::filesystem::path& beside);
+  void spill();
+  [[noreturn]] void fail(const char* doing) const;
+
+  std::filesystem::path path_, target_;  // as it was named, and with links followed
+  std::string temporary_;                // empty: what is written goes where it belongs at once
+  bool replaces_ = false;                // commit() renames temporary_ to target_
+  bool stdout_ = false;
+  std::FILE* file_ = nullptr;   // what write() fills
+  std::FILE* spool_ = nullptr;  // holds the lock of a temporary_ that is not renamed
+};
+
+/// A folder for outputs, made with those above it if they are not there. Those that it made and
+/// that are empty are gone again when it ends without keep(), or by
+/// OutputFile::remove_unfinished().
+class OutputFolder {
+ public:
+  /// Error kFile if it cannot be made.
+  explicit OutputFolder(const std::filesystem::path& path);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+  [[nodiscard]] bool made() const { return !made_.empty(); }
+  void keep();
+
+ private:
+  void take_back();
+  std::vector<std::string> made_;  ///< the innermost last
+};
+
+/// Writes all of a file by OutputFile.
+void write_file(const std::filesystem::path& path, std::string_view bytes);
+
+/// stdout cannot be written.
+class StdoutError : public Error {
+ public:
+  explicit StdoutError(int number);
+  [[nodiscard]] int number() const noexcept { return number_; }  ///< as in errno
+
+ private:
+  int number_;
+};
+
+/// A file that a command reads or writes, and the option that names it. An empty path is none; "-"
+/// is stdin or stdout.
+struct FileUse {
+  std::string option;
+  std::filesystem::path path;
+};
+
+/// Error kUsage, naming both options, if two outputs are one file, or an output is an input: the
+/// same inode, however it is named. /dev/null may be any number of outputs, a terminal input and
+/// output. Error kFile if an output cannot be one: its folder is missing, or it is a folder.
+void check_outputs(std::span<const FileUse> outputs, std::span<const FileUse> inputs);
+
+/// Whether a name in a folder is one that OutputFile gives to unfinished files.
+[[nodiscard]] bool is_unfinished_name(std::string_view name);
+
+/// Removes unfinished files from a folder, of every NAME or of the one given, which no process
+/// works on any more.
+void sweep_unfinished(const std::filesystem::path& folder, std::string_view name = {});
+
+}  // namespace cde

@@ -1,0 +1,90 @@
+#include "cde/bitstream/cache_entry.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "bitstream/folders.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "cde/support/output_file.hpp"
+#include "support/sha256.hpp"
+
+namespace cde {
+namespace {
+
+namespace fs = std::filesystem;
+
+void refuse(const fs::path& file, std::string_view why) {
+  say(fmt::format("cde: {} is not used: it {}\n", printable_name(file.string()), why));
+}
+
+/// As beside a bitstream: a line as of sha256sum.
+fs::path checksum_file(const fs::path& file) {
+  return fs::path(file) += ".sha256";
+}
+
+std::optional<std::string> text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return std::nullopt;
+  return std::string(std::istreambuf_iterator<char>(in), {});
+}
+
+/// Whatever the umask: what others may write would not be read.
+void write_private(const fs::path& file, std::string_view text) {
+  OutputFile out(file);
+  ::chmod(out.temporary().c_str(), S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH);
+  out.write(text);
+  out.commit();
+}
+
+}  // namespace
+
+std::string cache_key(const std::vector<std::string>& parts) {
+  std::string all;
+  for (const std::string& part : parts) all += fmt::format("{} {}\n", part.size(), part);
+  return sha256(all).substr(0, 24);
+}
+
+std::optional<std::string> read_cache_entry(const std::string& name) {
+  const fs::path folder = folders::cache(), file = folder / name;
+  std::error_code none;
+  if (!fs::exists(file, none)) return std::nullopt;
+  for (const fs::path& part : {folder, file, checksum_file(file)}) {
+    if (const auto why = folders::distrust(part)) {
+      refuse(part, *why);
+      return std::nullopt;
+    }
+  }
+  const auto text = text_of(file), sum = text_of(checksum_file(file));
+  if (!text || !sum) {
+    refuse(file, text ? "has no checksum beside it" : "cannot be read");
+    return std::nullopt;
+  }
+  if (sum->substr(0, sum->find(' ')) != sha256(*text)) {
+    refuse(file, "is damaged: its checksum is another");
+    return std::nullopt;
+  }
+  return text;
+}
+
+void write_cache_entry(const std::string& name, std::string_view text) {
+  try {
+    const fs::path file = folders::make_cache() / name;
+    std::error_code none;
+    fs::remove(file, none);  // one that was refused keeps neither its owner nor its mode
+    fs::remove(checksum_file(file), none);
+    write_private(checksum_file(file), fmt::format("{}  {}\n", sha256(text), name));
+    write_private(file, text);
+  } catch (const Error&) {
+    // As it was before: nothing is kept.
+  }
+}
+
+}  // namespace cde

@@ -1,0 +1,207 @@
+#include "bitstream/folders.hpp"
+
+#include <fmt/format.h>
+#include <linux/magic.h>
+#include <pwd.h>
+#include <sys/stat.h>
+#include <sys/vfs.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <mutex>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+
+namespace cde::folders {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::optional<fs::path> from_environment(const char* name) {
+  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
+  if (value == nullptr || *value == '\0') return std::nullopt;
+  return fs::path(value);
+}
+
+/// The XDG base directory specification: a path that is not absolute is ignored. So is such a home.
+std::optional<fs::path> absolute_from_environment(const char* name) {
+  const auto path = from_environment(name);
+  return path && path->is_absolute() ? path : std::nullopt;
+}
+
+bool has_builder(const fs::path& share) {
+  std::error_code none;
+  return fs::exists(share / "verilator/bitstream", none);
+}
+
+bool same(const fs::path& a, const fs::path& b) {
+  std::error_code none;
+  return fs::equivalent(a, b, none);
+}
+
+/// An installation has the versions of the compilers beside its builder, a source tree has not.
+bool is_installation(const fs::path& share) {
+  std::error_code none;
+  return !same(share, CDE_SOURCE_FOLDER) && fs::exists(share / "verilator/toolchain", none);
+}
+
+/// Programs of the build tree have nothing to do with what is installed above or beside it.
+std::vector<fs::path> share_places() {
+  std::error_code none;
+  const fs::path program = fs::read_symlink("/proc/self/exe", none);
+  const fs::path build = fs::weakly_canonical(CDE_BINARY_FOLDER, none);
+  if (!program.lexically_relative(build).empty() &&
+      *program.lexically_relative(build).begin() != "..")
+    return {CDE_SOURCE_FOLDER};
+  return {(program.parent_path() / CDE_BINDIR_TO_SHARE).lexically_normal(), CDE_SOURCE_FOLDER,
+          CDE_INSTALLED_SHARE};
+}
+
+fs::path find_share() {
+  if (auto path = from_environment("CDE_SHARE")) return fs::absolute(*path);
+  std::string asked;
+  for (const fs::path& place : share_places()) {
+    if (has_builder(place)) return place;
+    asked += fmt::format("{}{}", asked.empty() ? "" : ", ", printable_name(place.string()));
+  }
+  throw Error(ErrorCode::kBuild, fmt::format("no verilator/bitstream in {}; set CDE_SHARE to the "
+                                             "folder that holds verilator/ and rtl/",
+                                             asked));
+}
+
+std::string owner(const struct stat& status) {
+  return fmt::format("belongs to user {}, who is neither root nor user {}, who runs this",
+                     status.st_uid, ::geteuid());
+}
+
+bool ours(const struct stat& status) {
+  return status.st_uid == 0 || status.st_uid == ::geteuid();
+}
+
+/// Whoever configured the build ran the source tree's scripts: its owner of then is trusted with
+/// them, and its group, but nobody who made a tree of that name since.
+std::optional<std::string> distrust_source(const fs::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return std::nullopt;
+  if (!ours(status) && status.st_uid != CDE_SOURCE_OWNER) return owner(status);
+  if ((status.st_mode & S_IWOTH) != 0)
+    return fmt::format("can be written by everybody (chmod o-w {})", printable_name(path.string()));
+  return std::nullopt;
+}
+
+/// The home folder that the system knows for the user, if there is one.
+std::optional<fs::path> home_of_user() {
+  std::array<char, 4096> text{};
+  passwd entry{};
+  passwd* found = nullptr;
+  if (::getpwuid_r(::geteuid(), &entry, text.data(), text.size(), &found) != 0 ||
+      found == nullptr || found->pw_dir == nullptr)
+    return std::nullopt;
+  const fs::path home = found->pw_dir;
+  std::error_code none;
+  return home.is_absolute() && fs::is_directory(home, none) ? std::optional(home) : std::nullopt;
+}
+
+fs::path last_resort() {
+  return fs::path("/tmp") / fmt::format("cde-{}", ::geteuid());
+}
+
+/// Where bitstreams are kept if nobody says where, for a user who has such a place.
+std::optional<fs::path> own_cache() {
+  if (auto xdg = absolute_from_environment("XDG_CACHE_HOME")) return *xdg / "cde";
+  if (auto home = absolute_from_environment("HOME")) return *home / ".cache/cde";
+  if (auto home = home_of_user()) return *home / ".cache/cde";
+  return std::nullopt;
+}
+
+/// Whether the folder is there and can be written, or can be made. In /proc and /sys nothing can,
+/// whatever access() says to root.
+bool can_be_written(fs::path folder) {
+  std::error_code none;
+  while (!fs::exists(folder, none) && folder.has_relative_path()) folder = folder.parent_path();
+  struct statfs system {};
+  if (::statfs(folder.c_str(), &system) != 0 || system.f_type == PROC_SUPER_MAGIC ||
+      system.f_type == SYSFS_MAGIC)
+    return false;
+  return fs::is_directory(folder, none) && ::access(folder.c_str(), W_OK | X_OK) == 0;
+}
+
+[[noreturn]] void refuse(const fs::path& folder, const std::string& why) {
+  throw Error(ErrorCode::kFile, fmt::format("bitstream cache {}: {} (CDE_CACHE names another)",
+                                            printable_name(folder.string()), why));
+}
+
+void make_private(const fs::path& folder) {
+  if (folder.has_parent_path() && folder.parent_path() != folder) {
+    std::error_code none;
+    if (!fs::exists(folder.parent_path(), none)) make_private(folder.parent_path());
+  }
+  if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
+    refuse(folder, fmt::format("cannot be made: {}", std::strerror(errno)));
+}
+
+}  // namespace
+
+std::optional<std::string> distrust(const fs::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return std::nullopt;
+  if (!ours(status)) return owner(status);
+  if ((status.st_mode & (S_IWGRP | S_IWOTH)) != 0)
+    return fmt::format("can be written by others than its owner (chmod go-w {})",
+                       printable_name(path.string()));
+  return std::nullopt;
+}
+
+fs::path share() {
+  fs::path share = find_share();
+  const auto check = same(share, CDE_SOURCE_FOLDER) ? distrust_source : distrust;
+  for (const fs::path& part : {share / "verilator", share / "verilator/bitstream"}) {
+    if (const auto why = check(part))
+      throw Error(ErrorCode::kFile, fmt::format("the bitstream builder is refused: {} {}",
+                                                printable_name(part.string()), *why));
+  }
+  return share;
+}
+
+std::vector<fs::path> ready_made() {
+  std::vector<fs::path> folders;
+  if (auto path = from_environment("CDE_BITSTREAMS")) folders.push_back(fs::absolute(*path));
+  const fs::path share = find_share();
+  if (is_installation(share)) {
+    folders.push_back((share / CDE_SHARE_TO_BITSTREAMS).lexically_normal());
+  } else if (same(share, CDE_SOURCE_FOLDER)) {
+    folders.emplace_back(CDE_BITSTREAM_FOLDER);
+  }
+  return folders;
+}
+
+fs::path cache() {
+  if (auto path = from_environment("CDE_CACHE")) return fs::absolute(*path);
+  const auto own = own_cache();
+  return own && can_be_written(*own) ? *own : last_resort();
+}
+
+fs::path make_cache() {
+  fs::path folder = cache();
+  static std::once_flag once;
+  if (const auto own = own_cache(); own && folder == last_resort() && folder != *own)
+    std::call_once(once, [&] {
+      say(
+          fmt::format("cde: bitstream cache {} cannot be written; {} is used instead (CDE_CACHE "
+                      "names another)\n",
+                      printable_name(own->string()), printable_name(folder.string())));
+    });
+  make_private(folder);
+  std::error_code none;
+  // In a folder that everybody writes, the name may be somebody's link to another of our folders.
+  if (folder == last_resort() && fs::is_symlink(folder, none)) refuse(folder, "is a link");
+  if (!fs::is_directory(folder, none)) refuse(folder, "is not a folder");
+  if (const auto why = distrust(folder)) refuse(folder, *why);
+  return folder;
+}
+
+}  // namespace cde::folders

@@ -1,0 +1,426 @@
+#include "cde/card/board.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <utility>
+
+#include "card/board_impl.hpp"
+#include "cde/contract/records.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "support/text.hpp"
+
+namespace cde {
+namespace {
+
+void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t expected_hash,
+                    const std::string& file) {
+  const auto refuse = [&](const std::string& why) {
+    throw Error(ErrorCode::kConfiguration,
+                fmt::format("bitstream {}: {}", printable_name(file), why));
+  };
+  const std::uint64_t id = card.read_register(card::kRegId);
+  constexpr std::uint64_t kId = std::uint64_t{card::kIdMagic} << 32 | card::kInterfaceVersion;
+  if (id != kId)
+    refuse(fmt::format("the card calls itself {:#018x}, this driver expects {:#018x}", id, kId));
+  const std::uint64_t hash = card.read_register(card::kRegConfigHash);
+  if (hash != expected_hash) {
+    refuse(fmt::format("configuration hash is {:016x}, but what was asked for has {:016x}", hash,
+                       expected_hash));
+  }
+  const std::uint64_t caps = card.read_register(card::kRegCaps);
+  const std::uint64_t caps2 = card.read_register(card::kRegCaps2);
+  card.lanes = card::kCapsLanes.of(caps);
+  card.primaries = card::kCapsPrimaries.of(caps);
+  card.pipe_latency = card::kCaps2Latency.of(caps2);
+  card.sram_records = card::kCaps2SramRecords.of(caps2);
+  card.capacity = card.read_register(card::kRegCapacity);
+  const auto field = [&](const char* what, std::uint64_t value, std::uint64_t wanted) {
+    if (value != wanted) refuse(fmt::format("{} is {}, but {} was asked for", what, value, wanted));
+  };
+  field("number of lanes", card.lanes, config.lanes);
+  field("exponent width", card::kCapsExp.of(caps), 8);
+  field("fraction width", card::kCapsMan.of(caps), 23);
+  field("ray-triangle algorithm", card::kCapsAlgorithm.of(caps),
+        static_cast<unsigned>(config.algorithm));
+  field("container width", card::kCaps2Container.of(caps2), 32);
+  field("DDR capacity", card.capacity, std::uint64_t{config.ddr_slots} * card::kDdrWords * 4);
+  field("SRAM ring", card.sram_records, config.sram_records);
+  const std::uint64_t caps3 = card.read_register(card::kRegCaps3);
+  card.slot_words = card::kCaps3PrimWords.of(caps3);
+  std::uint64_t pairs = 0;
+  for (const Pair pair : config.pairs) pairs |= std::uint64_t{1} << static_cast<unsigned>(pair);
+  field("set of pairs", card::kCaps3Pairs.of(caps3), pairs);
+  field("role swap", card::kCaps3Swap.of(caps3), config.swap);
+  field("normals", card::kCaps3Normals.of(caps3), config.normals);
+  field("two pairs at a time", card::kCaps3Parallel.of(caps3), config.parallel);
+  field("box rule", card::kCaps3Box.of(caps3), config.box);
+  field("check bits in DDR", card::kCaps3Ecc.of(caps3), config.ecc);
+  field("transformer", card::kCaps3Transform.of(caps3), static_cast<unsigned>(config.transform));
+  card.objects.entries = card::kCaps3Objects.of(caps3);
+  card.primary_objects.entries = card::kCaps3PrimObjects.of(caps3);
+  card.pairs = config.pairs;
+  card.can_swap = config.swap;
+  card.has_normals = config.normals;
+  card.parallel = config.parallel;
+  card.facet_interval = config.facet_interval;
+  if (card.primaries == 0 || card.primaries > Stencil().size())
+    refuse("number of primaries is out of range");
+}
+
+}  // namespace
+
+// ---- Bus accesses ----
+
+void Board::Impl::write(card::Space space, std::uint32_t offset, const void* data,
+                        std::uint64_t beats) {
+  if (space == card::kSpaceDdr || space == card::kSpacePrim || offset >= card::kObjectTable)
+    words_uploaded += 2 * beats;
+  link->write(space, offset, data, beats);
+}
+
+std::uint64_t Board::Impl::read_register(std::uint32_t offset) {
+  std::uint64_t value = 0;
+  const std::uint64_t start = link->time_ps();
+  link->read(card::kSpaceReg, offset, &value, 1);
+  register_ps += link->time_ps() - start;
+  return value;
+}
+
+void Board::Impl::write_register(std::uint32_t offset, std::uint64_t value) {
+  const std::uint64_t start = link->time_ps();
+  link->write(card::kSpaceReg, offset, &value, 1);
+  register_ps += link->time_ps() - start;
+}
+
+void Board::Impl::check_bus(const char* during) {
+  const std::uint64_t status = read_register(card::kRegStatus);
+  if ((status >> card::kStatusBusError & 1) == 0) return;
+  const std::uint64_t fault = read_register(card::kRegFaultAddr);
+  write_register(card::kRegControl, card::kControlClear);
+  throw Error(
+      ErrorCode::kDevice,
+      fmt::format(
+          "bus error during {}: access to space {} offset {:#x} refused, status {:#x}, clock {}",
+          during, card::kFaultSpace.of(fault), card::kFaultAddr.of(fault), status, clocks()));
+}
+
+void Board::Impl::reset() {
+  loaded = second_loaded = 0;
+  for (ObjectTable* table : {&objects, &primary_objects}) table->assign({});
+  link->reset();
+}
+
+void Board::Impl::recover() {
+  for (Packet& packet : packets_) packet.written = false;
+  for (ObjectTable* table : {&objects, &primary_objects})
+    table->assign(std::vector(table->objects));
+  link->reset();
+}
+
+void Board::Impl::prepare() {
+  if (!packets_[0].written) write_packet(packets_[0]);
+  if (second_loaded != 0 && !packets_[1].written) write_packet(packets_[1]);
+  prepare_objects();
+}
+
+// ---- Opening ----
+
+Board::Board(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Board::Board(Board&&) noexcept = default;
+Board& Board::operator=(Board&&) noexcept = default;
+Board::~Board() = default;
+
+Board::Impl& Board::card() const {
+  if (!impl_) throw Error(ErrorCode::kUsage, "this board is none: it was moved from");
+  return *impl_;
+}
+
+Board::Impl& Board::idle_card() const {
+  Impl& it = card();
+  if (it.passing)
+    throw Error(ErrorCode::kUsage,
+                "the board is in a pass, whose sink and progress may not give it other work");
+  return it;
+}
+
+Board Board::open(const BoardConfig& config, const OpenOptions& options) {
+  if (options.memory != Memory::kIdeal && options.memory != Memory::kCycle)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("there is no memory {}", static_cast<std::uint32_t>(options.memory)));
+  if (options.ddr_latency < 1 || options.ddr_latency > 10000) {
+    throw Error(ErrorCode::kUsage, fmt::format("ddr_latency is {}; it must be 1 to 10000 clocks",
+                                               options.ddr_latency));
+  }
+  if (options.bus_burst < 64 || options.bus_burst > 4096 || options.bus_burst % 8 != 0) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("bus_burst is {}; it must be 64 to 4096 bytes, a multiple of 8",
+                            options.bus_burst));
+  }
+  if (options.clock_period_ps < 100 || options.clock_period_ps > 1'000'000) {
+    throw Error(ErrorCode::kUsage, fmt::format("clock_period_ps is {}; it must be 100 to 1000000",
+                                               options.clock_period_ps));
+  }
+  check_watchdog(options.watchdog);
+  const std::vector<std::string> parameters = config.parameters();
+  Bitstream bitstream =
+      options.file ? Bitstream::load(*options.file, options.config_hash
+                                                        ? *options.config_hash
+                                                        : bitstream_hash(config.top(), parameters))
+                   : Bitstream::open(config.top(), parameters);
+  const std::uint64_t expected = options.config_hash.value_or(bitstream.config_hash());
+  const std::string file = bitstream.path().string();
+
+  auto impl =
+      std::make_shared<Impl>(config.bus == Bus::kCycle ? pci_link(std::move(bitstream), options)
+                                                       : local_link(std::move(bitstream), options),
+                             file, options);
+  check_identity(*impl, config, expected, file);
+  return Board(std::move(impl));
+}
+
+// ---- Algorithm 1, before the pass ----
+
+namespace {
+
+void check_shapes(Shape shape, std::size_t count,
+                  const std::function<std::optional<std::string>(std::size_t)>& defect) {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (const auto why = defect(i))
+      throw Error(ErrorCode::kBadInput, fmt::format("{} {}: {}", name(shape), i, *why));
+  }
+}
+
+}  // namespace
+
+void Board::upload(const TriangleView& triangles, bool validate) {
+  upload_words(
+      Shape::kTriangle, triangles.size(),
+      [&](std::size_t i, float* words) { to_words(triangles[i], slot<Triangle>(words)); },
+      [&](std::size_t i) { return validate ? defect(triangles[i]) : std::nullopt; });
+}
+
+void Board::upload_words(Shape shape, std::size_t count, const Words& words,
+                         const std::function<std::optional<std::string>(std::size_t)>& defect) {
+  idle_card().link->alive();
+  if (count == 0) throw Error(ErrorCode::kUsage, fmt::format("no {}s to upload", name(shape)));
+  if (count > capacity(shape)) {
+    throw Error(ErrorCode::kCapacity,
+                fmt::format("{} {}s do not fit the card's DDR, which holds {}", count, name(shape),
+                            capacity(shape)));
+  }
+  check_shapes(shape, count, defect);
+  const std::uint64_t start = clocks();
+  card().secondaries = 0;
+  card().write_slots(shape, 0, count, words);
+  card().upload_clocks = clocks() - start;
+  card().secondaries = static_cast<std::uint32_t>(count);
+  card().secondary_shape = shape;
+}
+
+void Board::update_words(Shape shape, std::size_t first, std::size_t count, const Words& words,
+                         const std::function<std::optional<std::string>(std::size_t)>& defect) {
+  idle_card().link->alive();
+  if (card().secondaries == 0 || shape != card().secondary_shape) {
+    throw Error(ErrorCode::kUsage, fmt::format("no {}s were uploaded to the board", name(shape)));
+  }
+  if (first > card().secondaries || count > card().secondaries - first) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}s {} to {} are not among the {} uploaded", name(shape), first,
+                            first + count - 1, card().secondaries));
+  }
+  check_shapes(shape, count, defect);
+  const std::uint64_t start = clocks();
+  const std::uint32_t there = std::exchange(card().secondaries, 0);  // none if this fails
+  card().write_slots(shape, first, count, words);
+  card().upload_clocks = clocks() - start;
+  card().secondaries = there;
+}
+
+void Board::Impl::write_slots(Shape shape, std::size_t first, std::size_t count,
+                              const std::function<void(std::size_t, float*)>& words) {
+  constexpr std::size_t kChunk = 1024;
+  const std::size_t slot_words = cde::words(shape);
+  const bool odd = slot_words % 2 != 0;
+  // Where a chunk begins or ends within a beat, the other word of that beat goes along.
+  std::vector<float> buffer((kChunk + 1) * slot_words + 2);
+  for (std::size_t done = 0; done < count;) {
+    const std::size_t slot = first + done;
+    const std::size_t n = std::min(kChunk, count - done);
+    const std::size_t before = odd ? slot % 2 : 0, after = odd ? (slot + n) % 2 : 0;
+    float* const shapes = &buffer[before];
+    for (std::size_t i = 0; i < n; ++i) words(done + i, shapes + i * slot_words);
+    if (odd) {
+      if (seams_.size() < (slot + n + 1) / 2) seams_.resize((slot + n + 1) / 2);
+      for (std::size_t i = 0; i < n; ++i) {
+        const bool second = (slot + i) % 2 != 0;
+        seams_[(slot + i) / 2][second] = shapes[second ? i * slot_words : (i + 1) * slot_words - 1];
+      }
+      if (before != 0) buffer[0] = seams_[slot / 2][0];
+      if (after != 0) shapes[n * slot_words] = seams_[(slot + n) / 2][1];
+    }
+    write(card::kSpaceDdr, static_cast<std::uint32_t>((slot * slot_words - before) * 4),
+          buffer.data(), (before + n * slot_words + after) / 2);
+    done += n;
+  }
+  check_bus("the upload of secondaries");
+}
+
+void Board::load(std::span<const Ray> rays) {
+  load_shapes(rays);
+}
+
+void Board::Impl::load(std::uint32_t first, Shape shape, std::size_t count,
+                       const std::function<void(std::size_t, float*)>& words) {
+  if (first >= primaries) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("the first pair's primaries fill all {} rows of the register file",
+                            primaries / lanes));
+  }
+  if (count == 0 || first + count > primaries) {
+    throw Error(ErrorCode::kUsage, fmt::format("a packet has 1 to {} {}s, not {}",
+                                               primaries - first, name(shape), count));
+  }
+  if (cde::words(shape) > slot_words) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("a {} does not fit a primary slot of this card, which has {} words",
+                            name(shape), slot_words));
+  }
+  if (first == 0) loaded = 0;
+  second_loaded = 0;
+  const std::size_t stride = (slot_words + 1) / 2 * 2;
+  Packet& packet = packets_[first == 0 ? 0 : 1];
+  packet.offset = static_cast<std::uint32_t>(first * stride * 4);
+  packet.words.assign(count * stride, 0);
+  for (std::size_t i = 0; i < count; ++i) words(i, &packet.words[i * stride]);
+  write_packet(packet);
+}
+
+void Board::Impl::write_packet(Packet& packet) {
+  packet.written = false;
+  write(card::kSpacePrim, packet.offset, packet.words.data(), packet.words.size() / 2);
+  check_bus("the upload of primaries");
+  packet.written = true;
+}
+
+void Board::load_words(Shape shape, std::size_t count, const Words& words) {
+  idle_card().link->alive();
+  const std::uint64_t start = clocks(), start_ps = time_ps();
+  card().load(0, shape, count, words);
+  card().load_clocks = clocks() - start;
+  card().load_ps = time_ps() - start_ps;
+  card().loaded = static_cast<std::uint32_t>(count);
+  card().primary_shape = shape;
+}
+
+void Board::load_second_words(Shape shape, std::size_t count, const Words& words) {
+  idle_card().link->alive();
+  if (!card().parallel) throw Error(ErrorCode::kUsage, "this card works on one pair at a time");
+  if (card().loaded == 0)
+    throw Error(ErrorCode::kUsage, "the first pair's primaries are loaded before the second's");
+  const std::uint64_t start = clocks(), start_ps = time_ps();
+  card().load(card().split(), shape, count, words);
+  card().load_clocks += clocks() - start;
+  card().load_ps += time_ps() - start_ps;
+  card().second_loaded = static_cast<std::uint32_t>(count);
+  card().second_shape = shape;
+}
+
+// ---- The rest of the interface ----
+
+void Board::reset() {
+  idle_card().reset();
+}
+
+void Board::trace_open(const std::filesystem::path& file) {
+  card().link->trace_open(file);
+}
+
+void Board::trace_close() {
+  card().link->trace_close();
+}
+
+unsigned Board::lanes() const {
+  return card().lanes;
+}
+unsigned Board::primaries() const {
+  return card().primaries;
+}
+std::uint64_t Board::capacity(Shape shape) const {
+  return card().capacity / (4 * words(shape));
+}
+std::uint64_t Board::sram_records() const {
+  return card().sram_records;
+}
+unsigned Board::pipe_latency() const {
+  return card().pipe_latency;
+}
+std::uint64_t Board::upload_clocks() const {
+  return card().upload_clocks;
+}
+std::uint64_t Board::words_uploaded() const {
+  return card().words_uploaded;
+}
+const std::filesystem::path& Board::bitstream() const {
+  return card().bitstream;
+}
+std::uint64_t Board::config_hash() const {
+  return card().link->config_hash();
+}
+
+std::uint64_t Board::read_register(std::uint32_t offset) {
+  return card().read_register(offset);
+}
+void Board::write_register(std::uint32_t offset, std::uint64_t value) {
+  card().write_register(offset, value);
+}
+void Board::bus_write(card::Space space, std::uint32_t offset,
+                      std::span<const std::uint64_t> beats) {
+  card().link->write(space, offset, beats.data(), beats.size());
+}
+void Board::bus_read(card::Space space, std::uint32_t offset, std::span<std::uint64_t> beats) {
+  card().link->read(space, offset, beats.data(), beats.size());
+}
+std::uint64_t Board::wait(std::uint64_t max_clocks) {
+  return card().link->run(max_clocks);
+}
+std::uint64_t Board::clocks() const {
+  return card().clocks();
+}
+std::uint64_t Board::time_ps() const {
+  return card().link->time_ps();
+}
+BusCounters Board::bus_counters() const {
+  BusCounters c = card().link->counters();
+  c.pass_retries = card().pass_retries;
+  return c;
+}
+MemoryCounters Board::memory_counters() const {
+  return card().link->memory_counters();
+}
+std::string Board::bus_violation() const {
+  return card().link->violation();
+}
+void Board::inject(BusFault fault, std::uint32_t count, std::uint32_t value) {
+  card().link->inject(fault, count, value);
+}
+void Board::flip_ddr(std::uint64_t byte, std::uint8_t mask) {
+  if (byte >= card().capacity || !card().link->flip_ddr(byte, mask))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("DDR has {} bytes, no byte {}", card().capacity, byte));
+}
+void Board::flip_check(std::uint64_t word, std::uint8_t mask) {
+  if (mask > 0x7f) throw Error(ErrorCode::kUsage, "a word has check bits 0 to 6");
+  if (word >= card().capacity / 4 || !card().link->flip_check(word, mask))
+    throw Error(ErrorCode::kUsage, fmt::format("DDR has no check bits of word {}", word));
+}
+
+std::string place_on_card(const Board& board, std::uint32_t primary) {
+  return fmt::format("clock {} (record read), lane {}, row {}", board.clocks(),
+                     primary % board.lanes(), primary / board.lanes());
+}
+
+}  // namespace cde

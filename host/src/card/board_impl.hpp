@@ -1,0 +1,129 @@
+#pragma once
+#include <fmt/format.h>
+
+#include <array>
+#include <chrono>
+
+#include "card/bus_time.hpp"
+#include "card/card_link.hpp"
+#include "cde/card/board.hpp"
+#include "cde/support/error.hpp"
+
+namespace cde {
+
+/// An object table of the card, and what the driver wrote into it.
+struct ObjectTable {
+  const char* slots;     ///< what the ranges are of, for messages
+  std::uint32_t offset;  ///< in kSpaceReg
+  unsigned entries = 0;  ///< 0: the card has none
+  std::vector<Object> objects = {};
+  std::vector<std::uint32_t> placed = {};  ///< first slot of each range, as written; ~0: not yet
+  std::vector<bool> posed = {};            ///< whose transform has been written
+
+  /// These, of which nothing has been written.
+  void assign(std::vector<Object> all) {
+    objects = std::move(all);
+    placed.assign(objects.size(), ~0u);
+    posed.assign(objects.size(), false);
+  }
+};
+
+/// State of a Board, and single accesses to its card. Private to the driver.
+class Board::Impl {
+ public:
+  Impl(std::unique_ptr<CardLink> way, std::filesystem::path file, const OpenOptions& options)
+      : link(std::move(way)),
+        bitstream(std::move(file)),
+        bus(options),
+        period_ps(options.clock_period_ps),
+        ddr_latency(options.ddr_latency),
+        pass_retry_limit(options.bus_retries) {}
+
+  /// Over the link, and counted if it is shapes or objects.
+  void write(card::Space space, std::uint32_t offset, const void* data, std::uint64_t beats);
+  [[nodiscard]] std::uint64_t read_register(std::uint32_t offset);
+  void write_register(std::uint32_t offset, std::uint64_t value);
+  [[nodiscard]] std::uint64_t clocks() const { return link->clocks(); }
+
+  /// Hardware reset: what is not in DDR is gone.
+  void reset();
+  /// The same, but the next pass writes primaries and objects again.
+  void recover();
+
+  /// Throws kDevice with the fault address if an access was refused, after clearing it.
+  void check_bus(const char* during);
+
+  /// Primaries into the register file from slot `first` on. Error kUsage if they do not fit.
+  void load(std::uint32_t first, Shape shape, std::size_t count,
+            const std::function<void(std::size_t, float*)>& words);
+  /// Slot of the second pair's first primary: rows are not shared.
+  [[nodiscard]] std::uint32_t split() const { return (loaded + lanes - 1) / lanes * lanes; }
+
+  /// Shapes into DDR from slot `first` on, through a small buffer.
+  void write_slots(Shape shape, std::size_t first, std::size_t count,
+                   const std::function<void(std::size_t, float*)>& words);
+  void set_objects(ObjectTable& table, std::span<const Object> all);
+  void move_object(ObjectTable& table, std::size_t number, const Transform& transform);
+  /// What a pass needs: primaries and objects as they were given, if a fault kept them from the
+  /// card; objects that fit, ranges of primaries where these lie.
+  void prepare();
+  /// Byte of DDR where a secondary begins that has a word with more wrong bits than check bits
+  /// correct, found by passes over half of what is left at a time; `command` as the pass that met
+  /// it had. Nothing if it is not met again.
+  [[nodiscard]] std::optional<std::uint64_t> find_uncorrectable(std::uint64_t command);
+  /// Secondaries of a pass.
+  [[nodiscard]] std::uint64_t swept(const Query& query) const;
+
+  std::unique_ptr<CardLink> link;
+  std::filesystem::path bitstream;
+  BusTime bus;              ///< of either kind of link, for deadlines
+  std::uint64_t period_ps;  ///< of the core clock
+  unsigned ddr_latency;
+  unsigned pass_retry_limit;
+  unsigned lanes = 0, primaries = 0, pipe_latency = 0;
+  std::uint64_t capacity = 0, sram_records = 0;  ///< bytes of DDR
+  std::uint32_t secondaries = 0;                 ///< uploaded
+  std::uint32_t loaded = 0;                      ///< primaries in the register file
+  std::uint32_t second_loaded = 0;  ///< those of the second pair, behind them on the next full row
+  Shape secondary_shape = Shape::kTriangle, primary_shape = Shape::kRay, second_shape = Shape::kRay;
+  std::vector<Pair> pairs;
+  bool can_swap = false, has_normals = false, parallel = false;
+  unsigned slot_words = 0;      ///< of a primary
+  unsigned facet_interval = 1;  ///< clocks from row to row of pairs with facets
+  bool passing = false;         ///< in Board::run, which its sink and progress may not ask for more
+  std::uint64_t pass_retries = 0;
+  std::uint64_t register_ps = 0;  ///< spent in read_register() and write_register()
+  std::uint64_t load_ps = 0;      ///< spent in the last load of primaries
+  std::uint64_t upload_clocks = 0, load_clocks = 0, words_uploaded = 0;
+  ObjectTable objects{"secondaries", card::kObjectTable};
+  ObjectTable primary_objects{"primaries", card::kPrimObjectTable};
+
+ private:
+  /// Primaries as the card has them, or is to have them.
+  struct Packet {
+    std::uint32_t offset = 0;  ///< in kSpacePrim
+    std::vector<float> words = {};
+    bool written = false;
+  };
+  void write_packet(Packet& packet);
+  void prepare_objects();
+  [[nodiscard]] bool uncorrectable(std::uint32_t first, std::uint32_t count);
+  std::array<Packet, 2> packets_;  ///< of the first and of the second pair
+  /// Error kUsage if the object does not fit what lies in the card, as far as something does.
+  void check_object(const ObjectTable& table, std::size_t number, const Object& object) const;
+  void write_object(ObjectTable& table, std::size_t number);  ///< its range, if it changed
+  void write_transform(ObjectTable& table, std::size_t number);
+  /// Shapes of an odd number of words share beats of DDR, which is written by whole beats: the last
+  /// word of an even slot and the first one of the next, for every such two slots.
+  std::vector<std::array<float, 2>> seams_;
+};
+
+/// Error kUsage unless it is a time; infinity is one. Comparisons with NaN are false, so a watchdog
+/// of NaN would never bite.
+inline void check_watchdog(std::chrono::duration<double> watchdog) {
+  if (!(watchdog.count() >= 0))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("watchdog is {} s; it must be at least 0", watchdog.count()));
+}
+
+}  // namespace cde

@@ -1,0 +1,501 @@
+// A pass: invokeCDE and downloadSRAM.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "card/board_impl.hpp"
+#include "cde/contract/records.hpp"
+#include "cde/support/error.hpp"
+
+namespace cde {
+namespace {
+
+/// Of so many ring entries: two share their middle beat.
+constexpr std::uint64_t beats_of(std::uint64_t entries) {
+  return (card::kRecordWords * entries + 1) / 2;
+}
+
+bool bit(std::uint64_t status, unsigned number) {
+  return (status >> number & 1) != 0;
+}
+
+Record decode(const std::uint32_t* word) {
+  Record r;
+  for (int k = 0; k < 3; ++k)
+    r.cp[k] = std::bit_cast<float>(word[card::kRecordCp + static_cast<unsigned>(k)]);
+  r.f = bit(word[card::kRecordFlags], card::kFlagF);
+  r.bad = bit(word[card::kRecordFlags], card::kFlagBad);
+  r.index = word[card::kRecordIndex];
+  r.t = std::bit_cast<float>(word[card::kRecordT]);
+  r.primary = word[card::kRecordPrimary];
+  return r;
+}
+
+/// One pass from go to the last record.
+class Pass {
+ public:
+  Pass(Board::Impl& card, const Query& query, const RecordSink& sink)
+      : card_(card),
+        query_(query),
+        sink_(sink),
+        swept_(card.swept(query)),
+        started_(card.clocks()),
+        registers_before_(card.register_ps),
+        wall_start_(std::chrono::steady_clock::now()) {
+    split_ = card.split();
+    const unsigned second = query.second ? card.second_loaded : 0;
+    slots_ = second != 0 ? split_ + second : card.loaded;
+    stencil_ = query.stencil;
+    for (unsigned p = card.loaded; p < card.primaries; ++p) {
+      // Slots between the two pairs' primaries are empty; the query's bits count without them.
+      const unsigned number = p - split_ + card.loaded;
+      stencil_[p] = p < split_ || number >= card.primaries || query.stencil[number];
+    }
+    for (unsigned p = 0; p < slots_; ++p) active_ += stencil_[p] ? 0u : 1u;
+    const std::uint64_t rows = (std::max(card.loaded, second) + card.lanes - 1) / card.lanes;
+    // A ring takes a row in as many clocks as a pair takes passes, and each takes its length: no
+    // more than kRing clocks.
+    constexpr std::uint64_t kRing = 1024;
+    const bool ring = has_budget(*query.pair) || (query.second && has_budget(query.second->pair));
+    const bool facets = has_facets(*query.pair) || (query.second && has_facets(query.second->pair));
+    const std::uint64_t clocks_a_row =
+        ring     ? 40 + 3 * (query.budget.samples + query.budget.circle + query.budget.free)
+        : facets ? card.facet_interval
+                 : 1;
+    const std::uint64_t rows_total = rows * swept_ * clocks_a_row;
+    streaming_ = query.mode == Mode::kAll || query.mode == Mode::kHits;
+    const std::uint64_t records = streaming_ ? active_ * swept_ : active_;
+    expected_clocks_ = rows_total + (streaming_ && query.mode == Mode::kAll ? records : 0) + 1;
+    // Twice the worst: every row, every record written and read back, the memory's latency a slot,
+    // and whatever the accesses to registers take.
+    constexpr std::uint64_t kAccessesPs = 100'000'000;
+    const std::uint64_t worst = rows_total + 2 * (2 + beats_of(1) + record_clocks()) * records +
+                                swept_ * (card.ddr_latency / 32 + 2) + 8192 + card.pipe_latency +
+                                (ring ? clocks_a_row * kRing : 0) + kAccessesPs / card.period_ps;
+    ring_entries_ = query.normals ? 2 : 1;
+    deadline_ = query.deadline_clocks != 0 ? query.deadline_clocks : 2 * worst;
+  }
+
+  /// Query::drain_records, an even number of them: the beat that two records share is there when
+  /// both are.
+  [[nodiscard]] std::uint64_t off_full_ring() const {
+    return std::max<std::uint64_t>(2, query_.drain_records + query_.drain_records % 2ull);
+  }
+
+  /// Core clocks that a record takes over the bus, in transfers as short as they may be.
+  [[nodiscard]] std::uint64_t record_clocks() const {
+    const std::uint64_t together =
+        std::min<std::uint64_t>({off_full_ring(), card_.sram_records, 1024});
+    const std::uint64_t ps =
+        card_.bus.transfer(static_cast<std::uint32_t>(8 * beats_of(together)), true).clocks.ps() +
+        3 * card_.bus.read().ps();
+    return ps / (together * card_.period_ps) + 1;
+  }
+
+  Counters execute() {
+    configure();
+    try {
+      card_.write_register(card::kRegControl, card::kControlGo);
+      wait_until_done();
+      drain(card_.read_register(card::kRegRecords));
+      return finish();
+    } catch (...) {
+      abort();
+      throw;
+    }
+  }
+
+ private:
+  void configure() {
+    card_.write_register(card::kRegControl, card::kControlClear);
+    card_.write_register(card::kRegCommand, card::kCommandMode(query_.mode) |
+                                                (query_.swap ? card::kCommandSwap : 0) |
+                                                (query_.normals ? card::kCommandNormals : 0) |
+                                                card::kCommandPair(*query_.pair) | second());
+    card_.write_register(card::kRegPrimCount, slots_);
+    card_.write_register(card::kRegPrimSplit, split_);
+    card_.write_register(card::kRegBudget, card::kBudgetM(query_.budget.samples) |
+                                               card::kBudgetK1(query_.budget.circle) |
+                                               card::kBudgetK2(query_.budget.free));
+    if (card_.objects.entries != 0)
+      card_.write_register(card::kRegObjectCount, card_.objects.objects.size());
+    if (card_.primary_objects.entries != 0)
+      card_.write_register(card::kRegPrimObjectCount, card_.primary_objects.objects.size());
+    card_.write_register(card::kRegSecFirst, query_.first_secondary);
+    card_.write_register(card::kRegSecCount,
+                         card_.objects.objects.empty() ? swept_ : card_.secondaries);
+    for (unsigned base = 0; base < card_.primaries; base += 64) {
+      std::uint64_t mask = 0;
+      for (unsigned p = 0; p < 64; ++p) mask |= std::uint64_t{stencil_[base + p]} << p;
+      card_.write_register(card::kRegStencil + base / 8, mask);
+    }
+  }
+
+  /// Its part of the command.
+  [[nodiscard]] std::uint64_t second() const {
+    if (!query_.second) return 0;
+    return card::kCommandSecond | (query_.second->swap ? card::kCommandSecondSwap : 0) |
+           card::kCommandSecondPair(query_.second->pair);
+  }
+
+  /// In the streaming modes records are taken while the engine works, as soon as there are enough
+  /// for long bursts.
+  void wait_until_done() {
+    // Short enough to notice the watchdog and to find records, long enough not to matter.
+    constexpr std::uint64_t kSlice = 16384, kStreamSlice = 4096, kEnough = 1024;
+    for (;;) {
+      const std::uint64_t spent = card_.clocks() - started_;
+      if (spent >= deadline_) timeout(fmt::format("deadline of {} clocks", deadline_));
+      const std::uint64_t asleep = card_.link->time_ps();
+      card_.link->run(std::min(streaming_ ? kStreamSlice : kSlice, deadline_ - spent));
+      waited_ps_ += card_.link->time_ps() - asleep;
+      bool full = false;
+      if (card_.link->interrupt()) {
+        const std::uint64_t status = card_.read_register(card::kRegStatus);
+        if (bit(status, card::kStatusCommandError)) device_error("command refused", status);
+        if (bit(status, card::kStatusBusError)) card_.check_bus("a pass");
+        if (bit(status, card::kStatusDone)) return;
+        full = bit(status, card::kStatusSramWait);
+      }
+      if (full || streaming_) {
+        const std::uint64_t waiting = card_.read_register(card::kRegRecords);
+        if (full)
+          drain(std::min(off_full_ring(), waiting));
+        else if (waiting >= kEnough)
+          drain(waiting - waiting % 2);
+      }
+      const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_start_;
+      if (wall > query_.watchdog) timeout(fmt::format("watchdog of {} s", query_.watchdog.count()));
+      if (query_.progress) {
+        query_.progress(std::min(1.0, static_cast<double>(card_.clocks() - started_) /
+                                          static_cast<double>(expected_clocks_)));
+      }
+    }
+  }
+
+  /// Takes as many ring entries, which are there. With normals a record is two.
+  void drain(std::uint64_t wanted) {
+    constexpr std::uint64_t kChunk = 8192;
+    while (wanted != 0) {
+      const std::uint64_t n = std::min(wanted, kChunk);
+      const std::uint64_t before = card_.link->time_ps();
+      words_.resize(2 * beats_of(n));
+      card_.link->read(card::kSpaceSram, 0, words_.data(), beats_of(n));
+      download_ps_ += card_.link->time_ps() - before;
+      records_.clear();
+      for (std::uint64_t i = 0; i < n; ++i) take(&words_[card::kRecordWords * i]);
+      received_ += n;
+      wanted -= n;
+      if (!records_.empty()) sink_(records_);
+    }
+  }
+
+  void take(const std::uint32_t* entry) {
+    const bool normal = bit(entry[card::kRecordFlags], card::kFlagNormal);
+    if (normal != half_.has_value())
+      device_error("a record without its normal", card_.read_register(card::kRegStatus));
+    if (normal) {
+      half_->n = decode(entry).cp;
+      records_.push_back(*half_);
+      half_.reset();
+      return;
+    }
+    Record r = decode(entry);
+    if (r.index != ~0u) r.index += query_.first_secondary;  // the card counts from there
+    if (query_.second && r.primary >= split_) r.primary -= split_ - card_.loaded;
+    if (query_.normals) {
+      half_ = r;
+    } else {
+      records_.push_back(r);
+    }
+  }
+
+  Counters finish() {
+    Counters c;
+    c.cycles = card_.read_register(card::kRegCycles);
+    c.writeback = card_.read_register(card::kRegWriteback);
+    c.rows = card_.read_register(card::kRegRows);
+    c.stalls = card_.read_register(card::kRegStalls);
+    c.bubbles = card_.read_register(card::kRegBubbles);
+    c.bad_primaries = card_.read_register(card::kRegBadPrim);
+    c.bad_secondaries = card_.read_register(card::kRegBadSec);
+    const std::uint64_t ecc = card_.read_register(card::kRegEcc);
+    c.corrected_words = card::kEccCorrected.of(ecc);
+    c.secondaries = card_.read_register(card::kRegSecondaries);
+    c.pairs = c.secondaries * active_;
+    c.records = card_.read_register(card::kRegWritten);
+    const std::uint64_t status = card_.read_register(card::kRegStatus);
+    if (bit(status, card::kStatusBusError)) card_.check_bus("the download of records");
+    card_.write_register(card::kRegControl, card::kControlClear);
+    if (const std::uint64_t failed = card::kEccFailed.of(ecc); failed != 0)
+      uncorrectable(failed, status);
+    const auto promise = [&](const char* what, std::uint64_t value, std::uint64_t wanted) {
+      if (value != wanted)
+        device_error(fmt::format("{} {}, but it must be {}", value, what, wanted), status);
+    };
+    promise("records downloaded", received_, c.records);
+    if (query_.mode != Mode::kAny) promise("secondaries swept", c.secondaries, swept_);
+    const std::uint64_t each = ring_entries_;
+    if (query_.mode == Mode::kAll) promise("records", received_, c.secondaries * active_ * each);
+    if (!streaming_) promise("records", received_, active_ * each);
+    c.records = received_ / each;
+    c.upload_clocks = card_.load_clocks;
+    c.total_clocks = card_.clocks() - started_ + card_.load_clocks;
+    c.time = {.load = card_.load_ps,
+              .engine = waited_ps_,
+              .write_back = std::min(waited_ps_, c.writeback * card_.period_ps),
+              .download = download_ps_,
+              .registers = card_.register_ps - registers_before_};
+    c.time.engine -= c.time.write_back;
+    return c;
+  }
+
+  [[nodiscard]] std::string state() {
+    return fmt::format(
+        "status {:#x}, {} of {} secondaries swept, {} rows issued, {} records waiting, clock {}",
+        card_.read_register(card::kRegStatus), card_.read_register(card::kRegSecondaries), swept_,
+        card_.read_register(card::kRegRows), card_.read_register(card::kRegRecords),
+        card_.clocks());
+  }
+  [[noreturn]] void timeout(const std::string& what) {
+    throw Error(ErrorCode::kTimeout,
+                fmt::format("the card did not finish within its {}: {}", what, state()),
+                fault_at(0));
+  }
+  [[noreturn]] void device_error(const std::string& what, std::uint64_t status,
+                                 std::uint64_t address = 0) {
+    throw Error(
+        ErrorCode::kDevice,
+        fmt::format("{} (mode {}, status {:#x}): {}", what, name_of(query_.mode), status, state()),
+        fault_at(address));
+  }
+  [[nodiscard]] DeviceFault fault_at(std::uint64_t address) {
+    return {.pci_status = card_.link->pci_status(),
+            .address = static_cast<std::uint32_t>(address),
+            .clock = card_.clocks()};
+  }
+  [[noreturn]] void uncorrectable(std::uint64_t words, std::uint64_t status) {
+    const auto byte = card_.find_uncorrectable((query_.swap ? card::kCommandSwap : 0) |
+                                               card::kCommandPair(*query_.pair));
+    device_error(
+        fmt::format("{} words of DDR have errors that cannot be corrected, {}", words,
+                    byte ? fmt::format("in secondary {} at byte {:#x}",
+                                       *byte / (4 * cde::words(card_.secondary_shape)), *byte)
+                         : "but were read without them afterwards"),
+        status, byte.value_or(0));
+  }
+
+  /// Leaves the card idle and its ring empty. A card that does not come to an end is reset, and the
+  /// next pass writes again what that takes; one that is lost stays so.
+  void abort() noexcept {
+    try {
+      if (!card_.link->lost() && !stopped()) card_.recover();
+    } catch (const Error&) {
+      // Lost, and every later call says so.
+    }
+  }
+  [[nodiscard]] bool stopped() {
+    constexpr unsigned kAsks = 1000;
+    constexpr std::uint64_t kStop = card::kControlAbort | card::kControlClear;
+    try {
+      card_.write_register(card::kRegControl, kStop);
+      for (unsigned i = 0; i < kAsks; ++i) {
+        if (bit(card_.read_register(card::kRegStatus), card::kStatusBusy)) continue;
+        card_.write_register(card::kRegControl, kStop);
+        return true;
+      }
+    } catch (const Error&) {
+      if (card_.link->lost()) throw;
+    }
+    return false;
+  }
+
+  Board::Impl& card_;
+  const Query& query_;
+  const RecordSink& sink_;
+  std::uint64_t swept_;  // secondaries
+  std::uint64_t started_;
+  std::uint64_t registers_before_, waited_ps_ = 0, download_ps_ = 0;
+  std::chrono::steady_clock::time_point wall_start_;
+  std::uint64_t deadline_ = 0, expected_clocks_ = 0, received_ = 0;
+  unsigned active_ = 0, slots_ = 0, split_ = 0;  // of primaries
+  Stencil stencil_;
+  std::uint64_t ring_entries_ = 1;  // of a record
+  bool streaming_ = false;
+  std::vector<std::uint32_t> words_;
+  std::vector<Record> records_;
+  std::optional<Record> half_;  // waits for its normal
+};
+
+}  // namespace
+
+namespace {
+
+void check_shapes(const Board::Impl& card, Pair pair, bool swap, Shape loaded) {
+  Shape primary = primary_shape(pair), secondary = secondary_shape(pair);
+  if (swap) std::swap(primary, secondary);
+  if (primary != loaded || secondary != card.secondary_shape)
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("{} needs {}s loaded and {}s uploaded, but these are {}s and {}s", name(pair),
+                    name(primary), name(secondary), name(loaded), name(card.secondary_shape)));
+}
+
+void check_second(const Board::Impl& card, const Query& q) {
+  const auto require = [](bool ok, const std::string& why) {
+    if (!ok) throw Error(ErrorCode::kUsage, why);
+  };
+  const Pair pair = q.second->pair;
+  require(card.parallel, "this card works on one pair at a time");
+  require(pair != *q.pair, fmt::format("the card has one pipe for {}, not two", name(pair)));
+  require(std::find(card.pairs.begin(), card.pairs.end(), pair) != card.pairs.end(),
+          fmt::format("this card has no pipe for {}", name(pair)));
+  require(!q.second->swap || card.can_swap, "this card cannot exchange primaries and secondaries");
+  require(q.mode != Mode::kAll && q.mode != Mode::kHits,
+          "two pairs at a time keep one record a primary: mode nearest, farthest or any");
+  require(!q.normals || is_solid(pair), "rays have no normals");
+  require(card.second_loaded != 0, "no primaries were loaded for the second pair");
+  check_shapes(card, pair, q.second->swap, card.second_shape);
+}
+
+/// The query with its pair, which must be one of the card's and fit what was loaded and uploaded.
+Query complete(const Board::Impl& card, const Query& query) {
+  if (card.secondaries == 0)
+    throw Error(ErrorCode::kUsage, "no secondaries were uploaded to the board");
+  if (card.loaded == 0) throw Error(ErrorCode::kUsage, "no primaries were loaded into the board");
+  Query q = query;
+  (void)name_of(q.mode);  // or it is none
+  check_watchdog(q.watchdog);
+  if (q.first_secondary != 0 || q.secondary_count != 0) {
+    if (!card.objects.objects.empty())
+      throw Error(ErrorCode::kUsage,
+                  "a pass sweeps objects or a range of the secondaries, not both");
+    if (q.first_secondary >= card.secondaries ||
+        q.secondary_count > card.secondaries - q.first_secondary)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("a sweep of {} secondaries from {} on reaches beyond the {} uploaded",
+                              q.secondary_count, q.first_secondary, card.secondaries));
+  }
+  if (!q.pair) {
+    if (card.pairs.size() != 1)
+      throw Error(ErrorCode::kUsage, "the card has several pipes; the query must name its pair");
+    q.pair = card.pairs.front();
+  }
+  if (std::find(card.pairs.begin(), card.pairs.end(), *q.pair) == card.pairs.end())
+    throw Error(ErrorCode::kUsage, fmt::format("this card has no pipe for {}", name(*q.pair)));
+  if (q.swap && !card.can_swap)
+    throw Error(ErrorCode::kUsage, "this card cannot exchange primaries and secondaries");
+  if (q.normals && (!card.has_normals || !is_solid(*q.pair)))
+    throw Error(ErrorCode::kUsage,
+                is_solid(*q.pair) ? "this card has no normals" : "rays have no normals");
+  check_shapes(card, *q.pair, q.swap, card.primary_shape);
+  if (q.second) check_second(card, q);
+  q.budget.check();
+  return q;
+}
+
+void require_sink(const RecordSink& sink) {
+  if (!sink) throw Error(ErrorCode::kUsage, "records need a sink, and this one is empty");
+}
+
+/// Sets a flag for as long as it lives.
+class Passing {
+ public:
+  explicit Passing(bool& flag) : flag_(flag) { flag_ = true; }
+  ~Passing() { flag_ = false; }
+  Passing(const Passing&) = delete;
+  Passing& operator=(const Passing&) = delete;
+
+ private:
+  bool& flag_;
+};
+
+}  // namespace
+
+Counters Board::run(const Query& query, const RecordSink& sink) {
+  idle_card().link->alive();
+  require_sink(sink);
+  const std::shared_ptr<Impl> kept = impl_;  // whatever becomes of this board meanwhile
+  Impl& it = *kept;
+  const auto present = [&kept] {
+    if (kept.use_count() == 1)
+      throw Error(ErrorCode::kUsage, "the board was destroyed by the sink or progress of its pass");
+  };
+  Query whole = complete(it, query);
+  if (query.progress) {
+    whole.progress = [&](double share) {
+      query.progress(share);
+      present();
+    };
+  }
+  const Passing passing(it.passing);
+  // A pass gives the same records every time: if some are lost on the bus it is run again, and
+  // those that `sink` has are left out.
+  std::uint64_t delivered = 0;
+  for (unsigned failures = 0;;) {
+    std::uint64_t known = delivered;
+    const RecordSink rest = [&](std::span<const Record> some) {
+      const std::uint64_t skipped = std::min<std::uint64_t>(known, some.size());
+      known -= skipped;
+      delivered += some.size() - skipped;
+      if (skipped == some.size()) return;
+      sink(some.subspan(skipped));
+      present();
+    };
+    try {
+      it.prepare();
+      return Pass(it, whole, rest).execute();
+    } catch (const Error& error) {
+      if (!error.fault() || !error.fault()->repeatable || ++failures > it.pass_retry_limit) throw;
+      ++it.pass_retries;
+    }
+  }
+}
+
+std::vector<Record> Board::run(const Query& query, Counters* counters) {
+  std::vector<Record> records;
+  const Counters c = run(query, [&](std::span<const Record> some) {
+    records.insert(records.end(), some.begin(), some.end());
+  });
+  if (counters != nullptr) *counters = c;
+  return records;
+}
+
+Counters Board::cast(const RayView& rays, const Query& query, const RecordSink& sink) {
+  if (rays.size() > 0xffffffff)
+    throw Error(ErrorCode::kCapacity, fmt::format("{} rays are more than 2^32 - 1", rays.size()));
+  idle_card().link->alive();
+  require_sink(sink);
+  (void)name_of(query.mode);
+  const std::size_t packet = primaries();
+  Counters total;
+  Query each = query;
+  std::vector<Record> renumbered;
+  for (std::size_t first = 0; first < rays.size(); first += packet) {
+    const std::vector<Ray> some = rays.subview(first, packet).copy();
+    if (query.progress) {
+      each.progress = [&](double share) {
+        query.progress((static_cast<double>(first) + share * static_cast<double>(some.size())) /
+                       static_cast<double>(rays.size()));
+      };
+    }
+    load(some);
+    total += run(each, [&](std::span<const Record> records) {
+      renumbered.assign(records.begin(), records.end());
+      for (Record& r : renumbered) r.primary += static_cast<std::uint32_t>(first);
+      sink(renumbered);
+    });
+  }
+  return total;
+}
+
+std::vector<Record> Board::cast(const RayView& rays, const Query& query) {
+  std::vector<Record> records;
+  cast(rays, query, [&](std::span<const Record> some) {
+    records.insert(records.end(), some.begin(), some.end());
+  });
+  return records;
+}
+
+}  // namespace cde

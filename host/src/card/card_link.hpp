@@ -1,0 +1,75 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "cde/card/board.hpp"
+
+namespace cde {
+
+/// A driver that waits for an interrupt asks whether it was lost: after so many core clocks, then
+/// at intervals that double.
+inline constexpr std::uint64_t kFirstAskClocks = 1024;
+/// Bytes that a driver has mapped, and so transfers at a time.
+inline constexpr std::uint32_t kMappedBytes = 1u << 20;
+
+/// The way from the driver to a card: accesses to its four spaces over whichever bus it is plugged
+/// into, and its interrupt. Times are the card's: core clocks since power-on. Private to the
+/// driver.
+class CardLink {
+ public:
+  virtual ~CardLink() = default;
+
+  /// `beats` transfers of 64 bits at byte offset, offset + 8, ... (SRAM: the offset stays 0). What
+  /// the card refuses shows in its status register. Error kDevice if the bus does not transfer
+  /// them.
+  virtual void write(card::Space space, std::uint32_t offset, const void* data,
+                     std::uint64_t beats) = 0;
+  virtual void read(card::Space space, std::uint32_t offset, void* data, std::uint64_t beats) = 0;
+
+  /// Lets the card work until its interrupt, at most so many core clocks; returns those spent.
+  virtual std::uint64_t run(std::uint64_t max_clocks) = 0;
+  [[nodiscard]] virtual bool interrupt() = 0;
+  [[nodiscard]] virtual std::uint64_t clocks() const = 0;
+  /// Modelled time since power-on, of bus and core.
+  [[nodiscard]] virtual std::uint64_t time_ps() const = 0;
+  [[nodiscard]] virtual BusCounters counters() const = 0;
+  [[nodiscard]] virtual MemoryCounters memory_counters() const = 0;
+  /// Ends the state of a lost device, too; an Error if it stays lost.
+  virtual void reset() = 0;
+  /// Throws what happened if the device is lost.
+  virtual void alive() const = 0;
+  [[nodiscard]] virtual bool lost() const = 0;
+  /// Status register of the card's configuration space; 0 where there is none.
+  [[nodiscard]] virtual std::uint16_t pci_status() = 0;
+  /// The first rule of PCI that was broken; empty if none.
+  [[nodiscard]] virtual std::string violation() const = 0;
+  /// Error kUsage if this kind of bus has no such fault.
+  virtual void inject(BusFault fault, std::uint32_t count, std::uint32_t value) = 0;
+
+  /// Error kUsage if the bitstream has no waves, kFile if the file cannot be written.
+  virtual void trace_open(const std::filesystem::path& file) = 0;
+  virtual void trace_close() = 0;
+  /// Bits of a byte of DDR, or of the check bits of a word; false where there are none.
+  virtual bool flip_ddr(std::uint64_t byte, std::uint8_t mask) = 0;
+  virtual bool flip_check(std::uint64_t word, std::uint8_t mask) = 0;
+
+  /// Of the loaded bitstream, whatever its card says.
+  [[nodiscard]] virtual std::uint64_t config_hash() const = 0;
+};
+
+/// The local bus itself, driven by the harness; the time that PCI would take is computed
+/// (bus_time.hpp) and counts from a card that the host has set up. Errors: kConfiguration if the
+/// bitstream speaks another interface, kDevice if there is no memory for the card.
+[[nodiscard]] std::unique_ptr<CardLink> local_link(Bitstream bitstream, const OpenOptions& options);
+
+/// A card behind PCI: registers by single accesses, all else by the card's DMA engine through pages
+/// that this maps for it. Transfers that fail for a passing reason are repeated up to
+/// OpenOptions::bus_retries times in a row; what cannot be repeated without losing records (the
+/// record stream) and what goes on failing is an Error kDevice with a DeviceFault. When the card
+/// answers no more, or its bus or DMA engine hangs, every call throws until reset(). Errors of
+/// opening as local_link().
+[[nodiscard]] std::unique_ptr<CardLink> pci_link(Bitstream bitstream, const OpenOptions& options);
+
+}  // namespace cde

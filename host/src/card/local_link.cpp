@@ -1,0 +1,291 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "abi.h"
+#include "card/bus_time.hpp"
+#include "card/card_link.hpp"
+#include "card/device_loss.hpp"
+#include "card/waves.hpp"
+#include "cde/card/memory.hpp"
+#include "cde/contract/pci.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+
+namespace cde {
+namespace {
+
+constexpr std::uint64_t kAccessClocks = 1000;  // no single access takes this long
+
+/// Beats go over the local bus as fast as the card takes them; what they would take on PCI is
+/// added to the modelled time. While a pass runs, its clocks go on in that time; clocks in which
+/// the card has nothing to do are not simulated.
+class LocalLink final : public CardLink {
+ public:
+  LocalLink(Bitstream bitstream, const OpenOptions& options)
+      : bitstream_(std::move(bitstream)),
+        period_ps_(options.clock_period_ps),
+        retries_(options.bus_retries),
+        bus_(options) {
+    api_ = reinterpret_cast<cde_board_entry_fn>(bitstream_.symbol("cde_board_entry"))();
+    if (api_->abi != CDE_BOARD_ABI) {
+      throw Error(
+          ErrorCode::kConfiguration,
+          fmt::format("bitstream {}: C interface version {}, this driver speaks {}",
+                      printable_name(bitstream_.path().string()), api_->abi, CDE_BOARD_ABI));
+    }
+    const cde_board_options card_options = {.memory = static_cast<std::uint32_t>(options.memory),
+                                            .ddr_latency = options.ddr_latency,
+                                            .clock_period_ps = options.clock_period_ps};
+    card_ = api_->create(&card_options);
+    if (card_ == nullptr)
+      throw Error(
+          ErrorCode::kDevice,
+          fmt::format("no memory for the card's models: they reserve {} MB of address space "
+                      "for its DDR and SRAM, and use little of it (ulimit -v)",
+                      kModelBytes >> 20));
+  }
+  LocalLink(const LocalLink&) = delete;
+  LocalLink& operator=(const LocalLink&) = delete;
+  ~LocalLink() override { api_->destroy(card_); }
+
+  void write(card::Space space, std::uint32_t offset, const void* data,
+             std::uint64_t beats) override {
+    const auto put = [&](const std::uint8_t* from, std::uint64_t done, std::uint64_t n) {
+      clocked([&] {
+        transferred(api_->write(card_, space, offset + static_cast<std::uint32_t>(8 * done),
+                                from + 8 * done, n, n * 4 + kAccessClocks),
+                    n, "written to", space, offset);
+      });
+    };
+    const auto* bytes = static_cast<const std::uint8_t*>(data);
+    if (is_register(space, offset, beats)) {
+      answered(offset, "register write");
+      access(bus_.write(beats));
+      put(bytes, 0, beats);
+      follow(offset, bytes, beats);
+      posted_ = true;
+    } else {
+      counters_.bytes_to_card += 8 * beats;
+      in_pieces(beats, false, [&](std::uint64_t done, std::uint64_t n) { put(bytes, done, n); });
+    }
+  }
+  void read(card::Space space, std::uint32_t offset, void* data, std::uint64_t beats) override {
+    auto* bytes = static_cast<std::uint8_t*>(data);
+    const auto get = [&](std::uint64_t done, std::uint64_t n) {
+      const std::uint64_t at = space == card::kSpaceSram ? 0 : 8 * done;
+      clocked([&] {
+        transferred(api_->read(card_, space, offset + static_cast<std::uint32_t>(at),
+                               bytes + 8 * done, n, n * 4 + kAccessClocks),
+                    n, "read from", space, offset);
+      });
+    };
+    if (is_register(space, offset, beats)) {
+      answered(offset, "register read");
+      access(bus_.read(beats));
+      get(0, beats);
+      posted_ = false;
+      for (std::uint64_t i = 0; i < beats; ++i)
+        if (offset + 8 * i == card::kRegStatus) watch(bytes + 8 * i);
+    } else {
+      counters_.bytes_to_host += 8 * beats;
+      in_pieces(beats, true, get);
+    }
+  }
+
+  /// As the driver of a card behind PCI waits.
+  std::uint64_t run(std::uint64_t max_clocks) override {
+    loss_.alive();
+    const std::uint64_t start = now_, end = now_ + max_clocks * period_ps_;
+    std::uint64_t status = 0;  // read behind a write that may clear what is seen now
+    if (posted_ && interrupt()) read(card::kSpaceReg, card::kRegStatus, &status, 1);
+    for (std::uint64_t slice = kFirstAskClocks; now_ < end && !interrupt(); slice *= 2) {
+      const std::uint64_t left = (end - now_ + period_ps_ - 1) / period_ps_;
+      const std::uint64_t spent = api_->run(card_, std::min(slice, left));
+      now_ += spent * period_ps_;
+      core_ = now_;
+      charge(interrupt() ? BusTime::interrupt() : polled());
+    }
+    return (now_ - start) / period_ps_;
+  }
+  bool interrupt() override { return api_->interrupt(card_) != 0; }
+  [[nodiscard]] std::uint64_t clocks() const override { return now_ / period_ps_; }
+  [[nodiscard]] std::uint64_t time_ps() const override { return now_; }
+  [[nodiscard]] BusCounters counters() const override {
+    BusCounters c = counters_;
+    c.pci_clocks = now_ / BusTime::kPciPs;
+    c.faults[static_cast<std::size_t>(BusFault::kNoAnswer)] = unanswered_;
+    return c;
+  }
+  [[nodiscard]] MemoryCounters memory_counters() const override {
+    cde_memory_counters c{};
+    api_->memory(card_, &c);
+    return {.bursts = c.bursts, .row_misses = c.row_misses, .refreshes = c.refreshes};
+  }
+  void reset() override {
+    api_->reset(card_);
+    running_ = false;
+    if (unanswering_ == kUntilReset) unanswering_ = 0;
+    loss_.reset();
+    answered(0, "read of configuration space");
+  }
+  void alive() const override { loss_.alive(); }
+  [[nodiscard]] bool lost() const override { return loss_.lost(); }
+  [[nodiscard]] std::uint16_t pci_status() override { return 0; }
+  [[nodiscard]] std::string violation() const override { return {}; }
+  void inject(BusFault fault, std::uint32_t count, std::uint32_t) override {
+    if (!on_functional_bus(fault)) {
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("the functional bus has no fault '{}'; open the board with "
+                              "Bus::kCycle",
+                              name_of(fault)));
+    }
+    if (fault == BusFault::kNoAnswer)
+      unanswering_ = count;
+    else
+      api_->ddr_hang(card_, count);
+  }
+
+  void trace_open(const std::filesystem::path& file) override {
+    if (std::strstr(api_->parameters, "TRACE=1") == nullptr) {
+      throw Error(ErrorCode::kUsage,
+                  "this bitstream has no waves; open the board with BoardConfig::trace");
+    }
+    if (api_->trace_open(card_, file.c_str()) != 0)
+      throw Error(ErrorCode::kFile,
+                  fmt::format("{}: cannot write waves", printable_name(file.string())));
+  }
+  void trace_close() override { require_whole_waves(api_->trace_close(card_)); }
+  bool flip_ddr(std::uint64_t byte, std::uint8_t mask) override {
+    return api_->ddr_flip(card_, byte, mask) == 0;
+  }
+  bool flip_check(std::uint64_t word, std::uint8_t mask) override {
+    return api_->check_flip(card_, word, mask) == 0;
+  }
+  [[nodiscard]] std::uint64_t config_hash() const override { return api_->config_hash; }
+
+ private:
+  static bool is_register(card::Space space, std::uint32_t offset, std::uint64_t beats) {
+    return space == card::kSpaceReg && offset + 8 * beats <= pci::kRegisters;
+  }
+
+  // ---- Time ----
+
+  /// Time of the bus, in which a pass goes on.
+  void charge(const BusTime::Clocks& bus) {
+    counters_.pci_busy += bus.busy;
+    counters_.pci_data += bus.data;
+    elapse(bus.ps());
+  }
+  void elapse(std::uint64_t ps) {
+    now_ += ps;
+    if (!running_) core_ = now_;
+    if (core_ >= now_) return;
+    const std::uint64_t clocks = (now_ - core_) / period_ps_;
+    api_->advance(card_, clocks);
+    core_ += clocks * period_ps_;
+  }
+  /// Calls that clock the core: time that a pass has had.
+  template <class F>
+  void clocked(const F& call) {
+    const std::uint64_t before = api_->clocks(card_);
+    call();
+    if (running_) core_ += (api_->clocks(card_) - before) * period_ps_;
+  }
+  /// What a card that does not answer does to an access of the host, or to the first one of a
+  /// transfer: repeated as behind PCI, then the card is lost.
+  void answered(std::uint32_t offset, const char* what) {
+    loss_.alive();
+    for (unsigned i = 0; unanswering_ != 0; ++i) {
+      if (unanswering_ != kUntilReset) --unanswering_;
+      ++unanswered_;
+      charge(bus_.poll());
+      if (i == retries_) {
+        loss_.lose(ErrorCode::kDevice,
+                   fmt::format("{} at offset {:#x}: the card does not answer", what, offset),
+                   {.code = pci::kCodeMasterAbort,
+                    .pci_status = 0xffff,
+                    .address = offset,
+                    .clock = clocks()});
+      }
+      ++counters_.access_retries;
+    }
+  }
+  void access(const BusTime::Clocks& clocks) {
+    ++counters_.register_accesses;
+    charge(clocks);
+  }
+  BusTime::Clocks polled() {
+    ++counters_.register_accesses;
+    return bus_.poll();
+  }
+
+  /// A pass begins with a control write and is over when the status says so.
+  void follow(std::uint32_t offset, const std::uint8_t* data, std::uint64_t beats) {
+    if (offset > card::kRegControl || offset + 8 * beats <= card::kRegControl) return;
+    std::uint64_t value = 0;
+    std::memcpy(&value, data + (card::kRegControl - offset), sizeof value);
+    if ((value & card::kControlGo) != 0 && !running_) {
+      running_ = true;
+      core_ = now_;
+    }
+  }
+  void watch(const std::uint8_t* data) {
+    std::uint64_t status = 0;
+    std::memcpy(&status, data, sizeof status);
+    running_ = running_ && (status >> card::kStatusBusy & 1) != 0;
+  }
+
+  /// A transfer in as many pieces as the driver of a card behind PCI makes of it.
+  template <class F>
+  void in_pieces(std::uint64_t beats, bool to_host, const F& move) {
+    constexpr std::uint64_t kPiece = kMappedBytes / 8;
+    for (std::uint64_t done = 0; done < beats;) {
+      const std::uint64_t n = std::min(kPiece, beats - done);
+      answered(pci::kRegIrqMask, "register write");
+      const BusTime::Transfer t = bus_.transfer(static_cast<std::uint32_t>(8 * n), to_host);
+      counters_.register_accesses += t.accesses;
+      ++counters_.transfers;
+      elapse(t.lead * BusTime::kPciPs);
+      move(done, n);
+      BusTime::Clocks rest = t.clocks;
+      rest.all -= t.lead;
+      charge(rest);
+      now_ = std::max(now_, core_);
+      done += n;
+    }
+  }
+
+  void transferred(std::uint64_t done, std::uint64_t wanted, const char* what, card::Space space,
+                   std::uint32_t offset) {
+    if (done == wanted) return;
+    loss_.lose(ErrorCode::kDevice,
+               fmt::format("local bus hangs: {} of {} beats {} space {} offset {:#x}", done, wanted,
+                           what, static_cast<int>(space), offset),
+               {.address = offset, .clock = clocks()});
+  }
+
+  Bitstream bitstream_;
+  std::uint32_t period_ps_;
+  unsigned retries_;
+  BusTime bus_;
+  std::uint64_t now_ = 0;   // modelled time
+  std::uint64_t core_ = 0;  // up to which a pass has been simulated; now and then a little ahead
+  bool running_ = false;    // a pass
+  bool posted_ = false;     // a register was written, and none read since
+  DeviceLoss loss_;
+  std::uint32_t unanswering_ = 0;  // transactions of the host that the card will not answer
+  std::uint64_t unanswered_ = 0;   // those that it did not
+  BusCounters counters_;
+  const cde_board_api* api_ = nullptr;
+  void* card_ = nullptr;
+};
+
+}  // namespace
+
+std::unique_ptr<CardLink> local_link(Bitstream bitstream, const OpenOptions& options) {
+  return std::make_unique<LocalLink>(std::move(bitstream), options);
+}
+
+}  // namespace cde

@@ -1,0 +1,206 @@
+#include "cde/card/pair_unit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <utility>
+
+#include "abi_pair.h"
+#include "card/waves.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+
+namespace cde {
+
+std::vector<std::string> PairConfig::parameters() const {
+  const auto in_range = [](std::string_view what, unsigned value, unsigned low, unsigned high) {
+    if (value < low || value > high)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} is {}, expected {} to {}", what, value, low, high));
+  };
+  check(arithmetic);
+  (void)name(pair);
+  (void)name(algorithm);
+  in_range("plane", static_cast<unsigned>(plane), 0, 1);
+  in_range("lanes", lanes, 1, 256);
+  for (const unsigned latency :
+       {latency_add, latency_mul, latency_div, latency_sqrt, latency_compare})
+    in_range("latency of an operator", latency, 1, 64);
+  if (algorithm != Algorithm::kMoller && pair != Pair::kRayTriangle)
+    throw Error(ErrorCode::kUsage, fmt::format("{} has no choice of algorithm", name(pair)));
+  if (box && pair != Pair::kRayTriangle)
+    throw Error(ErrorCode::kUsage, fmt::format("{} has no box rule", name(pair)));
+  if (plane != PlaneSide::kSurface && pair != Pair::kObbPlane)
+    throw Error(ErrorCode::kUsage, fmt::format("{} has no half-space", name(pair)));
+  check_facet_interval(facet_interval, {&pair, 1});
+  std::vector<std::string> p{
+      fmt::format("PAIR={}", static_cast<unsigned>(pair)), fmt::format("EXP={}", format.exp_bits),
+      fmt::format("MAN={}", format.man_bits), fmt::format("LANES={}", lanes),
+      fmt::format("ARITH={}", arithmetic == Arithmetic::kRtl ? "rtl" : "host")};
+  if (pair == Pair::kRayTriangle)
+    p.push_back(fmt::format("ALGORITHM={}", static_cast<unsigned>(algorithm)));
+  if (box) p.emplace_back("BOX=1");
+  if (plane == PlaneSide::kHalfSpace) p.emplace_back("HALF_SPACE=1");
+  const auto add = [&p](std::string_view key, unsigned value) {
+    if (value != 1) p.push_back(fmt::format("{}={}", key, value));
+  };
+  add("FACET_II", facet_interval);
+  add("LAT_ADD", latency_add);
+  add("LAT_MUL", latency_mul);
+  add("LAT_DIV", latency_div);
+  add("LAT_SQRT", latency_sqrt);
+  add("LAT_CMP", latency_compare);
+  if (trace) p.emplace_back("TRACE=1");
+  return p;
+}
+
+struct PairUnit::State {
+  Bitstream bitstream;
+  PairConfig config;
+  const cde_pair_api* api = nullptr;
+  cde_pair_unit* unit = nullptr;
+  bool testing = false;
+
+  State(const Bitstream& b, const PairConfig& c) : bitstream(b), config(c) {}
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() {
+    if (unit != nullptr) api->destroy(unit);
+  }
+};
+
+PairUnit::PairUnit(const Bitstream& bitstream, const PairConfig& config)
+    : state_(std::make_shared<State>(bitstream, config)) {
+  State& s = *state_;
+  s.api = reinterpret_cast<cde_pair_entry_function>(s.bitstream.symbol("cde_pair_entry"))();
+  const std::string path = printable_name(bitstream.path().string());
+  if (s.api->version != CDE_PAIR_ABI_VERSION)
+    throw Error(ErrorCode::kConfiguration,
+                fmt::format("bitstream {} has interface version {}, not {}", path, s.api->version,
+                            CDE_PAIR_ABI_VERSION));
+  if (s.api->lanes != config.lanes || s.api->a_words != primary_words(config.pair) ||
+      s.api->b_words != secondary_words(config.pair) ||
+      s.api->config_hash != s.bitstream.config_hash())
+    throw Error(
+        ErrorCode::kConfiguration,
+        fmt::format("bitstream {} is not the {} unit that was asked for", path, name(config.pair)));
+  s.unit = s.api->create();
+  if (s.unit == nullptr)
+    throw Error(ErrorCode::kDevice, fmt::format("bitstream {}: out of memory", path));
+}
+
+PairUnit::PairUnit(const PairConfig& config)
+    : PairUnit(Bitstream::open("pair_unit", config.parameters()), config) {}
+
+PairUnit::~PairUnit() = default;
+PairUnit::PairUnit(PairUnit&&) noexcept = default;
+PairUnit& PairUnit::operator=(PairUnit&&) noexcept = default;
+
+PairUnit::State& PairUnit::state() const {
+  if (!state_) throw Error(ErrorCode::kUsage, "this PairUnit is none: it was moved from");
+  return *state_;
+}
+
+PairUnit::State& PairUnit::idle() const {
+  if (state().testing)
+    throw Error(ErrorCode::kUsage, "this PairUnit is in a test(): its gap cannot give it work");
+  return state();
+}
+
+const PairConfig& PairUnit::config() const {
+  return state().config;
+}
+unsigned PairUnit::latency() const {
+  return state().api->latency(state().unit);
+}
+void PairUnit::set_budget(const PairBudget& budget) {
+  if (!has_budget(state().config.pair))
+    throw Error(ErrorCode::kUsage, fmt::format("{} takes no budget", name(state().config.pair)));
+  budget.check();
+  idle().api->set_budget(state().unit, budget.free << 16 | budget.circle << 8 | budget.samples);
+}
+void PairUnit::reset() {
+  idle().api->reset(state().unit);
+}
+
+namespace {
+
+/// Words between the driver's 64 bits and the unit's own width.
+template <class Word>
+std::uint64_t run(const cde_pair_api& api, cde_pair_unit* unit, std::span<const std::uint64_t> a,
+                  std::span<const std::uint64_t> b, std::span<PairResult> results,
+                  uint32_t (*gap)(void*), void* context) {
+  std::vector<Word> wa(a.begin(), a.end()), wb(b.begin(), b.end());
+  const auto out = std::make_unique_for_overwrite<Word[]>(results.size() * CDE_PAIR_RESULT_WORDS);
+  const std::uint64_t clocks =
+      api.test(unit, wa.data(), wb.data(), out.get(), results.size(), gap, context);
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const Word* w = &out[i * CDE_PAIR_RESULT_WORDS];
+    PairResult& r = results[i];
+    r.f = w[CDE_PAIR_F] != 0;
+    r.bad = w[CDE_PAIR_BAD] != 0;
+    r.t = w[CDE_PAIR_T];
+    for (int k = 0; k < 3; ++k) {
+      r.cp[k] = w[CDE_PAIR_CP + k];
+      r.n[k] = w[CDE_PAIR_N + k];
+    }
+  }
+  return clocks;
+}
+
+}  // namespace
+
+std::uint64_t PairUnit::test(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
+                             std::span<PairResult> results, const std::function<unsigned()>& gap) {
+  (void)idle();
+  const std::shared_ptr<State> kept = state_;
+  const cde_pair_api& api = *kept->api;
+  if (a.size() != results.size() * api.a_words || b.size() != results.size() * api.b_words)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("PairUnit::test: {} pairs need {} and {} operand words, not {} and {}",
+                            results.size(), results.size() * api.a_words,
+                            results.size() * api.b_words, a.size(), b.size()));
+  if (results.empty()) return 0;
+  auto* context = const_cast<std::function<unsigned()>*>(&gap);
+  uint32_t (*call)(void*) = nullptr;
+  if (gap) call = [](void* f) { return uint32_t{(*static_cast<std::function<unsigned()>*>(f))()}; };
+  kept->testing = true;
+  try {
+    const std::uint64_t clocks =
+        api.word_bytes == 4 ? run<std::uint32_t>(api, kept->unit, a, b, results, call, context)
+                            : run<std::uint64_t>(api, kept->unit, a, b, results, call, context);
+    kept->testing = false;
+    return clocks;
+  } catch (...) {
+    api.reset(kept->unit);  // rows in flight would be taken for the next test's
+    kept->testing = false;
+    throw;
+  }
+}
+
+void PairUnit::open_trace(const std::string& path) {
+  if (!state().config.trace)
+    throw Error(ErrorCode::kConfiguration, "the pair_unit was built without trace");
+  if (state().api->trace_open(state().unit, path.c_str()) != 0)
+    throw Error(ErrorCode::kFile, fmt::format("{}: cannot be written", printable_name(path)));
+}
+void PairUnit::close_trace() {
+  require_whole_waves(state().api->trace_close(state().unit));
+}
+
+std::string place_in_unit(PairUnit& unit, std::span<const std::uint64_t> a,
+                          std::span<const std::uint64_t> b, std::size_t i) {
+  const PairConfig& config = unit.config();
+  const std::size_t a_words = primary_words(config.pair), b_words = secondary_words(config.pair);
+  const std::size_t row = i / config.lanes,
+                    count = std::min(a.size() / a_words, (row + 1) * config.lanes);
+  if (i >= count || b.size() < count * b_words)
+    throw Error(ErrorCode::kUsage, fmt::format("there is no pair {}", i));
+  std::vector<PairResult> again(count);
+  const std::uint64_t clock = unit.test(a.first(count * a_words), b.first(count * b_words), again);
+  return fmt::format("clock {}, lane {}, row {}", clock, i % config.lanes, row);
+}
+
+}  // namespace cde

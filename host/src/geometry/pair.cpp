@@ -1,0 +1,74 @@
+#include "cde/geometry/pair.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "cde/support/error.hpp"
+#include "support/text.hpp"
+
+namespace cde {
+std::string_view name(Pair pair) {
+  return text::entry(contract::kPairTable, pair, "pair").name;
+}
+std::string_view name(Algorithm algorithm) {
+  return text::entry(contract::kAlgorithmNames, algorithm, "algorithm");
+}
+std::string_view name(Shape shape) {
+  return text::entry(contract::kShapeTable, shape, "shape").name;
+}
+
+std::optional<Pair> pair_named(std::string_view text) {
+  const auto* found = std::find_if(contract::kPairTable.begin(), contract::kPairTable.end(),
+                                   [text](const contract::PairRow& f) { return f.name == text; });
+  if (found == contract::kPairTable.end()) return std::nullopt;
+  return static_cast<Pair>(found - contract::kPairTable.begin());
+}
+std::optional<Algorithm> algorithm_named(std::string_view text) {
+  const auto* found =
+      std::find(contract::kAlgorithmNames.begin(), contract::kAlgorithmNames.end(), text);
+  if (found == contract::kAlgorithmNames.end()) return std::nullopt;
+  return static_cast<Algorithm>(found - contract::kAlgorithmNames.begin());
+}
+
+unsigned words(Shape shape) {
+  return text::entry(contract::kShapeTable, shape, "shape").words;
+}
+Shape primary_shape(Pair pair) {
+  return text::entry(contract::kPairTable, pair, "pair").primary;
+}
+Shape secondary_shape(Pair pair) {
+  return text::entry(contract::kPairTable, pair, "pair").secondary;
+}
+
+void PairBudget::check() const {
+  if (samples != 4 && samples != 8 && samples != 16)
+    throw Error(ErrorCode::kUsage, fmt::format("budget: M is {}, expected 4, 8 or 16", samples));
+  for (const auto& [what, value] : {std::pair{"K1", circle}, std::pair{"K2", free}})
+    if (value > 64)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("budget: {} is {}, expected 0 to 64", what, value));
+}
+
+bool has_budget(Pair pair) {
+  return contract::has(contract::kRingPairs, pair);
+}
+
+bool has_facets(Pair pair) {
+  return contract::has(contract::kFacetPairs, pair);
+}
+
+void check_facet_interval(unsigned interval, std::span<const Pair> pairs) {
+  if (interval != 1 && interval != 3)
+    throw Error(ErrorCode::kUsage, fmt::format("facet interval is {}, expected 1 or 3", interval));
+  if (interval != 1 && std::none_of(pairs.begin(), pairs.end(), has_facets)) {
+    std::string names;
+    for (const Pair pair : pairs) names.append(names.empty() ? "" : ", ").append(name(pair));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("facet interval is {}, but {} has no facets", interval, names));
+  }
+}
+
+}  // namespace cde

@@ -1,0 +1,260 @@
+#include "cde/mesh/mesh.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include "cde/mesh/terrain.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "cde/support/output_file.hpp"
+#include "mesh/readers.hpp"
+#include "support/file_io.hpp"
+#include "support/text.hpp"
+
+namespace cde {
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "the binary writers copy words as they lie in memory");
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+template <typename T>
+void append_raw(std::string& out, const T& value) {
+  char raw[sizeof(T)];
+  std::memcpy(raw, &value, sizeof(T));
+  out.append(raw, sizeof(T));
+}
+
+void append_raw(std::string& out, const Eigen::Vector3f& v) {
+  for (int i = 0; i < 3; ++i) append_raw(out, v[i]);
+}
+
+std::string to_obj(const Mesh& mesh) {
+  std::string out;
+  auto at = std::back_inserter(out);
+  for (const auto& v : mesh.vertices) fmt::format_to(at, "v {} {} {}\n", v.x(), v.y(), v.z());
+  for (const auto& f : mesh.faces)
+    fmt::format_to(at, "f {} {} {}\n", f[0] + 1ull, f[1] + 1ull, f[2] + 1ull);
+  return out;
+}
+
+std::string to_ply(const Mesh& mesh) {
+  std::string out = fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float "
+      "y\nproperty float z\n"
+      "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      mesh.vertices.size(), mesh.faces.size());
+  out.reserve(out.size() + 12 * mesh.vertices.size() + 13 * mesh.faces.size());
+  for (const auto& v : mesh.vertices) append_raw(out, v);
+  for (const auto& f : mesh.faces) {
+    out.push_back(3);
+    append_raw(out, f);
+  }
+  return out;
+}
+
+std::string to_stl(const Mesh& mesh) {
+  std::string out(80, ' ');
+  append_raw(out, static_cast<std::uint32_t>(mesh.faces.size()));
+  out.reserve(84 + 50 * mesh.faces.size());
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    const Triangle t = mesh.triangle(i);
+    // Eigen leaves a zero vector as it is, which is what STL wants for a facet without area.
+    const Eigen::Vector3d normal =
+        (t.v1 - t.v0).cast<double>().cross((t.v2 - t.v0).cast<double>()).normalized();
+    append_raw(out, Eigen::Vector3f(normal.cast<float>()));
+    append_raw(out, t.v0);
+    append_raw(out, t.v1);
+    append_raw(out, t.v2);
+    append_raw(out, std::uint16_t{0});
+  }
+  return out;
+}
+
+TerrainOptions parse_terrain(std::string_view spec, std::string_view arguments) {
+  TerrainOptions options;
+  std::uint32_t* const fields[] = {&options.quads_x, &options.quads_y, &options.seed};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t comma = arguments.find(',');
+    if ((comma == std::string_view::npos) != (i == 2) ||
+        !text::parse_int(arguments.substr(0, comma), *fields[i])) {
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("{}: expected terrain:QX,QY,SEED, three whole numbers", in_quotes(spec)));
+    }
+    arguments.remove_prefix(comma == std::string_view::npos ? arguments.size() : comma + 1);
+  }
+  return options;
+}
+
+}  // namespace
+
+Eigen::AlignedBox3f bounds(const Mesh& mesh) {
+  Eigen::AlignedBox3f box;
+  for (const auto& face : mesh.faces) {
+    for (const auto corner : face) box.extend(mesh.vertices[corner]);
+  }
+  return box;
+}
+
+void check(const Mesh& mesh, std::string_view what) {
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const auto& v = mesh.vertices[i];
+    if (!std::isfinite(v.x()) || !std::isfinite(v.y()) || !std::isfinite(v.z())) {
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("{}: vertex {} is ({}, {}, {}), which is not finite", what, i, v.x(),
+                              v.y(), v.z()));
+    }
+  }
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    for (const auto corner : mesh.faces[i]) {
+      if (corner >= mesh.vertices.size()) {
+        throw Error(ErrorCode::kBadInput, fmt::format("{}: face {} names vertex {} of {}", what, i,
+                                                      corner, mesh.vertices.size()));
+      }
+    }
+  }
+  if (mesh.faces.empty()) throw Error(ErrorCode::kBadInput, fmt::format("{}: no triangles", what));
+}
+
+std::optional<std::string> out_of_range(const Mesh& mesh, std::string_view what) {
+  std::size_t far = 0;
+  std::optional<std::string> first;
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    const auto& f = mesh.faces[i];
+    const auto why =
+        defect(Triangle{mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]});
+    if (why && far++ == 0) first = fmt::format("triangle {}: {}", i, *why);
+  }
+  if (!first) return std::nullopt;
+  return fmt::format("{}: {} of {} triangles are bad input, the first {}", what, far,
+                     mesh.faces.size(), *first);
+}
+
+void mesh_readers::add_named_file(Mesh& mesh, const std::filesystem::path& mesh_file,
+                                  const std::string& name) {
+  const auto add = [&](const std::string& one) {
+    const std::filesystem::path file = mesh_file.parent_path() / one;  // an absolute one replaces
+    std::error_code none;
+    if (!std::filesystem::is_regular_file(file, none)) return;
+    if (std::filesystem::equivalent(file, mesh_file, none)) return;
+    if (std::find(mesh.files.begin(), mesh.files.end(), file) == mesh.files.end())
+      mesh.files.push_back(file);
+  };
+  for (std::string one : {name, text::percent_decoded(name)}) {
+    if (one.find('\0') != std::string::npos) continue;
+    add(one);
+    std::replace(one.begin(), one.end(), '\\', '/');
+    add(one);
+  }
+}
+
+namespace {
+
+/// A library of materials, which says nothing about shapes, and the textures that it names.
+void add_materials(Mesh& mesh, const std::filesystem::path& mesh_file, const std::string& name) {
+  const std::size_t before = mesh.files.size();
+  mesh_readers::add_named_file(mesh, mesh_file, name);
+  if (mesh.files.size() == before) return;
+  const std::filesystem::path library = mesh.files[before];  // the name as it stands comes first
+  std::ifstream in(library);
+  for (std::string line; std::getline(in, line);) {
+    std::string_view rest = line;
+    const std::string_view keyword = text::next_word(rest);
+    if (!keyword.starts_with("map_") && keyword != "bump" && keyword != "disp" &&
+        keyword != "decal" && keyword != "refl" && keyword != "norm")
+      continue;
+    // Options stand before the name, which may have blanks.
+    for (rest = text::trim(rest); !rest.empty(); rest = text::trim(rest)) {
+      mesh_readers::add_named_file(mesh, library, std::string(rest));
+      (void)text::next_word(rest);
+    }
+  }
+}
+
+}  // namespace
+
+Mesh load_mesh(const std::filesystem::path& path, std::chrono::seconds deadline) {
+  const std::string name = printable_name(path.string());
+  const std::string extension = lower_extension(path);
+  Mesh mesh;
+  if (extension == ".obj" || extension == ".ply" || extension == ".stl") {
+    const std::string bytes = file_io::read(path);
+    if (bytes.empty()) throw Error(ErrorCode::kFile, fmt::format("{}: is empty", name));
+    std::vector<std::string> libraries;
+    mesh = extension == ".obj"   ? mesh_readers::read_obj(bytes, name, libraries)
+           : extension == ".ply" ? mesh_readers::read_ply(bytes, name)
+                                 : mesh_readers::read_stl(bytes, name);
+    for (const std::string& library : libraries) add_materials(mesh, path, library);
+  } else {
+    if (file_io::check_regular(path) == 0)
+      throw Error(ErrorCode::kFile, fmt::format("{}: is empty", name));
+    if (!mesh_readers::assimp_knows(extension)) {
+      throw Error(
+          ErrorCode::kFile,
+          fmt::format("{}: no mesh format has the extension '{}' (.obj, .ply, .stl, .glb, ...)",
+                      name, printable_name(extension)));
+    }
+    mesh = mesh_readers::read_by_assimp(path, deadline);
+  }
+  if (mesh.faces.empty() && mesh.dropped > 0) {
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("{}: no triangles, only {} points and lines", name, mesh.dropped));
+  }
+  check(mesh, name);
+  mesh.vertices.shrink_to_fit();
+  mesh.faces.shrink_to_fit();
+  mesh.name = path.filename().string();
+  return mesh;
+}
+
+namespace {
+
+std::optional<TerrainOptions> terrain_of(std::string_view spec) {
+  constexpr std::string_view kTerrain = "terrain";
+  if (spec == kTerrain) return TerrainOptions{};
+  if (!spec.starts_with("terrain:")) return std::nullopt;
+  return parse_terrain(spec, spec.substr(kTerrain.size() + 1));
+}
+
+}  // namespace
+
+std::uint64_t mesh_readers::builtin_triangles(std::string_view spec) {
+  const TerrainOptions options = terrain_of(spec).value();
+  return std::uint64_t{2} * options.quads_x * options.quads_y;
+}
+
+Mesh load_mesh_or_builtin(std::string_view spec) {
+  const auto terrain = terrain_of(spec);
+  return terrain ? make_terrain(*terrain) : load_mesh(spec);
+}
+
+void save_mesh(const Mesh& mesh, const std::filesystem::path& path) {
+  const std::string extension = lower_extension(path);
+  check(mesh, printable_name(mesh.name));
+  constexpr std::size_t kMost = 0x7fffffff;  // PLY's corner numbers are signed in most readers
+  if (mesh.vertices.size() > kMost || mesh.faces.size() > kMost) {
+    throw Error(ErrorCode::kCapacity, fmt::format("{}: more than {} vertices or faces",
+                                                  printable_name(path.string()), kMost));
+  }
+  if (extension == ".obj") return write_file(path, to_obj(mesh));
+  if (extension == ".ply") return write_file(path, to_ply(mesh));
+  if (extension == ".stl") return write_file(path, to_stl(mesh));
+  throw Error(ErrorCode::kUsage, fmt::format("{}: meshes are written as .obj, .ply or .stl",
+                                             printable_name(path.string())));
+}
+
+}  // namespace cde

@@ -1,0 +1,337 @@
+#include <fmt/format.h>
+
+#include <bit>
+#include <cstring>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "mesh/readers.hpp"
+#include "support/text.hpp"
+
+// PLY 1.0, ascii and binary of either byte order. Elements other than vertex and face, and
+// properties other than x, y, z and vertex_indices, are read past. Every count of the header is
+// held against the bytes there are before memory is taken.
+namespace cde::mesh_readers {
+namespace {
+
+enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+
+constexpr std::size_t size_of(Type type) {
+  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[static_cast<std::size_t>(type)];
+}
+
+bool parse_type(std::string_view word, Type& type) {
+  constexpr std::pair<std::string_view, Type> kNames[] = {
+      {"char", Type::kInt8},      {"int8", Type::kInt8},       {"uchar", Type::kUint8},
+      {"uint8", Type::kUint8},    {"short", Type::kInt16},     {"int16", Type::kInt16},
+      {"ushort", Type::kUint16},  {"uint16", Type::kUint16},   {"int", Type::kInt32},
+      {"int32", Type::kInt32},    {"uint", Type::kUint32},     {"uint32", Type::kUint32},
+      {"float", Type::kFloat32},  {"float32", Type::kFloat32}, {"double", Type::kFloat64},
+      {"float64", Type::kFloat64}};
+  for (const auto& [name, value] : kNames) {
+    if (name == word) {
+      type = value;
+      return true;
+    }
+  }
+  return false;
+}
+
+constexpr bool is_float(Type type) {
+  return type == Type::kFloat32 || type == Type::kFloat64;
+}
+
+/// What a property of the file is to us.
+enum class Role { kSkip, kX, kY, kZ, kCorners };
+
+struct Property {
+  Type type = Type::kInt8;
+  bool is_list = false;
+  Type count_type = Type::kUint8;
+  Role role = Role::kSkip;
+};
+
+struct Element {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<Property> properties;
+
+  /// Bytes of a binary row whose lists are all empty.
+  [[nodiscard]] std::size_t smallest_row() const {
+    std::size_t bytes = 0;
+    for (const auto& p : properties) bytes += size_of(p.is_list ? p.count_type : p.type);
+    return bytes;
+  }
+};
+
+class PlyReader {
+ public:
+  PlyReader(std::string_view bytes, const std::string& name)
+      : bytes_(bytes), lines_(bytes), name_(name) {}
+
+  Mesh read() {
+    header();
+    body_ = lines_.rest();
+    for (const auto& element : elements_) {
+      if (element.name == "face" && mesh_.vertices.size() != vertex_count_)
+        fail("faces stand before vertices");
+      // A row takes at least two characters a property in ascii, but for the last of the file.
+      const std::size_t smallest = ascii_ ? 2 * element.properties.size() : element.smallest_row();
+      if (element.count > (body_.size() + 1) / smallest) {
+        fail(fmt::format(
+            "{} {} rows are announced, but only {} bytes follow: truncated, or the count is wrong",
+            element.count, element.name, body_.size()));
+      }
+      if (element.name == "vertex") mesh_.vertices.reserve(element.count);
+      if (element.name == "face") mesh_.faces.reserve(element.count);
+      for (row_ = 0; row_ < element.count; ++row_) read_row(element);
+    }
+    if (ascii_ ? !text::trim(body_).empty() &&
+                     body_.find_first_not_of(" \t\r\n") != std::string_view::npos
+               : !body_.empty()) {
+      fail(fmt::format("{} bytes are left after the last row", body_.size()));
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& why) const {
+    const auto at = bytes_.size() - body_.size();
+    if (body_.data() == nullptr || ascii_) {
+      throw Error(ErrorCode::kFile, fmt::format("{}:{}: {}", name_, lines_.number(), why));
+    }
+    throw Error(ErrorCode::kFile, fmt::format("{}: byte {}: {}", name_, at, why));
+  }
+
+  void header() {
+    if (lines_.next() != "ply") fail("a PLY file begins with the line 'ply'");
+    bool has_format = false;
+    for (;;) {
+      auto line = lines_.next();
+      if (!line) fail("the header has no 'end_header'");
+      const std::string_view keyword = text::next_word(*line);
+      if (keyword == "end_header") break;
+      if (keyword == "comment" || keyword == "obj_info" || keyword.empty()) continue;
+      if (keyword == "format") {
+        format(*line);
+        has_format = true;
+      } else if (keyword == "element") {
+        element(*line);
+      } else if (keyword == "property") {
+        property(*line);
+      } else {
+        fail(fmt::format("unknown header statement {}", in_quotes(keyword)));
+      }
+    }
+    if (!has_format) fail("the header has no 'format'");
+    for (const auto& e : elements_) {
+      if (e.properties.empty())
+        fail(fmt::format("element {} has no properties", in_quotes(e.name)));
+      if (e.name == "vertex") require(e, {Role::kX, Role::kY, Role::kZ}, "x, y and z");
+      if (e.name == "face") require(e, {Role::kCorners}, "a list vertex_indices");
+    }
+  }
+
+  void format(std::string_view rest) {
+    const std::string_view word = text::next_word(rest);
+    ascii_ = word == "ascii";
+    if (word == "binary_little_endian") {
+      swap_ = std::endian::native != std::endian::little;
+    } else if (word == "binary_big_endian") {
+      swap_ = std::endian::native != std::endian::big;
+    } else if (!ascii_) {
+      fail(fmt::format("unknown format {}", in_quotes(word)));
+    }
+  }
+
+  void element(std::string_view rest) {
+    Element e;
+    e.name = text::next_word(rest);
+    const std::string_view count = text::next_word(rest);
+    if (!text::parse_int(count, e.count)) fail(fmt::format("{} is not a count", in_quotes(count)));
+    if (e.name == "tristrips") fail("triangle strips are not supported");
+    for (const auto& other : elements_) {
+      if (other.name == e.name) fail(fmt::format("element {} stands twice", in_quotes(e.name)));
+    }
+    if (e.name == "vertex") {
+      if (e.count > 0xffffffffu)
+        fail(fmt::format("{} vertices are more than 32 bits count", e.count));
+      vertex_count_ = e.count;
+    }
+    elements_.push_back(std::move(e));
+  }
+
+  void property(std::string_view rest) {
+    if (elements_.empty()) fail("a property stands before the first element");
+    Element& e = elements_.back();
+    Property p;
+    std::string_view word = text::next_word(rest);
+    if (word == "list") {
+      p.is_list = true;
+      word = text::next_word(rest);
+      if (!parse_type(word, p.count_type) || is_float(p.count_type)) {
+        fail(fmt::format("{} is not a type to count with", in_quotes(word)));
+      }
+      word = text::next_word(rest);
+    }
+    if (!parse_type(word, p.type)) fail(fmt::format("{} is not a type", in_quotes(word)));
+    word = text::next_word(rest);
+    if (e.name == "vertex" && !p.is_list) {
+      p.role = word == "x"   ? Role::kX
+               : word == "y" ? Role::kY
+               : word == "z" ? Role::kZ
+                             : Role::kSkip;
+    } else if (e.name == "face" && p.is_list && !is_float(p.type) &&
+               (word == "vertex_indices" || word == "vertex_index")) {
+      p.role = Role::kCorners;
+    }
+    e.properties.push_back(p);
+  }
+
+  void require(const Element& e, std::initializer_list<Role> roles, const char* what) const {
+    for (const Role role : roles) {
+      int found = 0;
+      for (const auto& p : e.properties) found += p.role == role ? 1 : 0;
+      if (found != 1) fail(fmt::format("element {} needs {}, once each", e.name, what));
+    }
+  }
+
+  void read_row(const Element& e) {
+    if (ascii_) next_ascii_row(e);
+    Eigen::Vector3f vertex;
+    for (const auto& p : e.properties) {
+      const std::int64_t count = p.is_list ? integer(e, p.count_type) : 1;
+      if (count < 0) fail(fmt::format("{} row {}: a list of {} entries", e.name, row_, count));
+      if (p.role == Role::kCorners) {
+        corners(e, p, count);
+      } else if (p.role == Role::kSkip) {
+        skip(e, p, static_cast<std::uint64_t>(count));
+      } else {
+        vertex[static_cast<int>(p.role) - static_cast<int>(Role::kX)] = real(e, p.type);
+      }
+    }
+    if (ascii_ && !text::trim(line_).empty())
+      fail(fmt::format("{} row {} has too many values", e.name, row_));
+    if (e.name == "vertex") mesh_.vertices.push_back(vertex);
+  }
+
+  void corners(const Element& e, const Property& p, std::int64_t count) {
+    corners_.clear();
+    for (std::int64_t i = 0; i < count; ++i) {
+      const std::int64_t corner = integer(e, p.type);
+      if (corner < 0 || static_cast<std::uint64_t>(corner) >= vertex_count_) {
+        fail(fmt::format("face {}: vertex number {} is out of range: {} vertices", row_, corner,
+                         vertex_count_));
+      }
+      corners_.push_back(static_cast<std::uint32_t>(corner));
+    }
+    if (!append_polygon(mesh_, corners_))
+      fail(fmt::format("face {}: concave polygon of {} corners (limit 1024)", row_, count));
+  }
+
+  // --- one value, ascii or binary
+
+  void next_ascii_row(const Element& e) {
+    text::Lines& lines = lines_;
+    do {
+      const auto line = lines.next();
+      if (!line)
+        fail(fmt::format("the file ends at {} row {} of {}: it is truncated", e.name, row_,
+                         e.count));
+      line_ = *line;
+    } while (text::trim(line_).empty());
+    body_ = lines.rest();
+  }
+
+  std::string_view ascii_word(const Element& e) {
+    const std::string_view word = text::next_word(line_);
+    if (word.empty()) fail(fmt::format("{} row {} has too few values", e.name, row_));
+    return word;
+  }
+
+  template <typename T>
+  T binary(const Element& e) {
+    if (body_.size() < sizeof(T))
+      fail(fmt::format("the file ends in {} row {} of {}: it is truncated", e.name, row_, e.count));
+    std::array<char, sizeof(T)> raw;
+    std::memcpy(raw.data(), body_.data(), sizeof(T));
+    body_.remove_prefix(sizeof(T));
+    if (swap_) std::reverse(raw.begin(), raw.end());
+    return std::bit_cast<T>(raw);
+  }
+
+  std::int64_t integer(const Element& e, Type type) {
+    if (ascii_) {
+      std::int64_t value = 0;
+      const std::string_view word = ascii_word(e);
+      if (!text::parse_int(word, value)) fail(fmt::format("{} is not an integer", in_quotes(word)));
+      return value;
+    }
+    switch (type) {
+      case Type::kInt8:
+        return binary<std::int8_t>(e);
+      case Type::kUint8:
+        return binary<std::uint8_t>(e);
+      case Type::kInt16:
+        return binary<std::int16_t>(e);
+      case Type::kUint16:
+        return binary<std::uint16_t>(e);
+      case Type::kInt32:
+        return binary<std::int32_t>(e);
+      case Type::kUint32:
+        return binary<std::uint32_t>(e);
+      case Type::kFloat32:
+      case Type::kFloat64:
+        break;
+    }
+    fail("an integer was expected");
+  }
+
+  float real(const Element& e, Type type) {
+    if (ascii_) {
+      float value = 0.0f;
+      const std::string_view word = ascii_word(e);
+      const text::Number result = text::parse_float(word, value);
+      if (result == text::Number::kOverflow)
+        fail(fmt::format("{} overflows a float", in_quotes(word)));
+      if (result != text::Number::kOk) fail(fmt::format("{} is not a number", in_quotes(word)));
+      return value;
+    }
+    if (type == Type::kFloat32) return binary<float>(e);
+    if (type == Type::kFloat64) return static_cast<float>(binary<double>(e));
+    return static_cast<float>(integer(e, type));
+  }
+
+  void skip(const Element& e, const Property& p, std::uint64_t count) {
+    if (ascii_) {
+      for (std::uint64_t i = 0; i < count; ++i) (void)ascii_word(e);
+      return;
+    }
+    if (count > body_.size() / size_of(p.type)) {
+      fail(fmt::format("the file ends in {} row {} of {}: it is truncated", e.name, row_, e.count));
+    }
+    body_.remove_prefix(count * size_of(p.type));
+  }
+
+  std::string_view bytes_;
+  text::Lines lines_;
+  const std::string& name_;
+  bool ascii_ = false;
+  bool swap_ = false;
+  std::vector<Element> elements_;
+  std::uint64_t vertex_count_ = 0;
+  std::uint64_t row_ = 0;
+  std::string_view body_;  // what is not yet read, behind the header
+  std::string_view line_;  // what is not yet read of an ascii row
+  std::vector<std::uint32_t> corners_;
+  Mesh mesh_;
+};
+
+}  // namespace
+
+Mesh read_ply(std::string_view bytes, const std::string& name) {
+  return PlyReader(bytes, name).read();
+}
+
+}  // namespace cde::mesh_readers

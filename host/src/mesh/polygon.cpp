@@ -1,0 +1,116 @@
+#include <bit>
+#include <cmath>
+
+#include "mesh/readers.hpp"
+
+namespace cde::mesh_readers {
+namespace {
+
+using Point = Eigen::Vector2d;
+
+double cross(const Point& a, const Point& b, const Point& c) {
+  return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+}
+
+/// The polygon seen along its Newell normal's largest component, counter-clockwise.
+std::vector<Point> project(const Mesh& mesh, std::span<const std::uint32_t> corners) {
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  const Eigen::Vector3d origin = mesh.vertices[corners[0]].cast<double>();
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector3d a = mesh.vertices[corners[i]].cast<double>() - origin;
+    const Eigen::Vector3d b =
+        mesh.vertices[corners[(i + 1) % corners.size()]].cast<double>() - origin;
+    normal += a.cross(b);
+  }
+  Eigen::Index axis = 0;
+  normal.cwiseAbs().maxCoeff(&axis);
+  const Eigen::Index u = (axis + 1) % 3;
+  const Eigen::Index v = (axis + 2) % 3;
+  const double sign = normal[axis] < 0.0 ? -1.0 : 1.0;
+  std::vector<Point> points;
+  points.reserve(corners.size());
+  for (const auto corner : corners) {
+    const Eigen::Vector3d p = mesh.vertices[corner].cast<double>() - origin;
+    points.emplace_back(sign * p[u], p[v]);
+  }
+  return points;
+}
+
+bool is_convex(const std::vector<Point>& p) {
+  const std::size_t n = p.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    if (cross(p[i], p[(i + 1) % n], p[(i + 2) % n]) < 0.0) return false;
+  }
+  return true;
+}
+
+/// An ear: a convex corner whose triangle holds no other corner of the polygon.
+bool is_ear(const std::vector<Point>& p, const std::vector<std::size_t>& ring, std::size_t at) {
+  const std::size_t n = ring.size();
+  const Point& a = p[ring[(at + n - 1) % n]];
+  const Point& b = p[ring[at]];
+  const Point& c = p[ring[(at + 1) % n]];
+  if (cross(a, b, c) <= 0.0) return false;
+  for (const std::size_t k : ring) {
+    const Point& q = p[k];
+    if (q == a || q == b || q == c) continue;
+    if (cross(a, b, q) >= 0.0 && cross(b, c, q) >= 0.0 && cross(c, a, q) >= 0.0) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool append_polygon(Mesh& mesh, std::span<const std::uint32_t> corners) {
+  constexpr std::size_t kMostConcaveCorners = 1024;  // ear clipping takes cubic time at worst
+  if (corners.size() < 3) {
+    ++mesh.dropped;
+    return true;
+  }
+  if (corners.size() == 3) {
+    mesh.faces.push_back({corners[0], corners[1], corners[2]});
+    return true;
+  }
+  const std::vector<Point> points = project(mesh, corners);
+  std::vector<std::size_t> ring(corners.size());
+  for (std::size_t i = 0; i < ring.size(); ++i) ring[i] = i;
+  if (!is_convex(points)) {
+    if (corners.size() > kMostConcaveCorners) return false;
+    for (std::size_t at = 0, tried = 0; ring.size() > 3 && tried < ring.size();) {
+      const std::size_t n = ring.size();
+      if (!is_ear(points, ring, at % n)) {
+        ++at;
+        ++tried;
+        continue;
+      }
+      at %= n;
+      mesh.faces.push_back(
+          {corners[ring[(at + n - 1) % n]], corners[ring[at]], corners[ring[(at + 1) % n]]});
+      ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(at));
+      tried = 0;
+    }
+  }
+  // What is left is convex, or flat or crossing itself, where no triangulation is right.
+  for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
+    mesh.faces.push_back({corners[ring[0]], corners[ring[i]], corners[ring[i + 1]]});
+  }
+  return true;
+}
+
+std::size_t VertexPool::Hash::operator()(const Bits& b) const noexcept {
+  std::uint64_t h = (std::uint64_t{b.x} << 32 | b.y) * 0x9e3779b97f4a7c15u;
+  h = (h ^ h >> 29 ^ b.z) * 0xbf58476d1ce4e5b9u;
+  return h ^ h >> 32;
+}
+
+std::uint32_t VertexPool::add(const Eigen::Vector3f& vertex) {
+  const Bits bits{std::bit_cast<std::uint32_t>(vertex.x()),
+                  std::bit_cast<std::uint32_t>(vertex.y()),
+                  std::bit_cast<std::uint32_t>(vertex.z())};
+  const auto [at, is_new] =
+      numbers_.try_emplace(bits, static_cast<std::uint32_t>(vertices_.size()));
+  if (is_new) vertices_.push_back(vertex);
+  return at->second;
+}
+
+}  // namespace cde::mesh_readers

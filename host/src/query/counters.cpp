@@ -1,0 +1,32 @@
+#include "cde/query/counters.hpp"
+
+namespace cde {
+
+ModelledTime& ModelledTime::operator+=(const ModelledTime& other) {
+  load += other.load;
+  engine += other.engine;
+  write_back += other.write_back;
+  download += other.download;
+  registers += other.registers;
+  return *this;
+}
+
+Counters& Counters::operator+=(const Counters& other) {
+  cycles += other.cycles;
+  writeback += other.writeback;
+  rows += other.rows;
+  stalls += other.stalls;
+  bubbles += other.bubbles;
+  bad_primaries += other.bad_primaries;
+  bad_secondaries += other.bad_secondaries;
+  corrected_words += other.corrected_words;
+  secondaries += other.secondaries;
+  pairs += other.pairs;
+  records += other.records;
+  upload_clocks += other.upload_clocks;
+  total_clocks += other.total_clocks;
+  time += other.time;
+  return *this;
+}
+
+}  // namespace cde

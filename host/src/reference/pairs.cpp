@@ -1,0 +1,98 @@
+#include "cde/reference/pairs.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+
+#include "cde/fp/fp.hpp"
+#include "cde/support/error.hpp"
+#include "reference/dispatch.hpp"
+
+namespace cde::reference {
+
+namespace {
+
+template <class S>
+S from_word(std::uint64_t word) {
+  if constexpr (std::is_same_v<S, float>)
+    return std::bit_cast<float>(static_cast<std::uint32_t>(word));
+  else if constexpr (std::is_same_v<S, double>)
+    return std::bit_cast<double>(word);
+  else
+    return S::from_bits(static_cast<typename S::Bits>(word));
+}
+
+template <class S>
+std::uint64_t to_word(S x) {
+  x = canonical(x);
+  if constexpr (std::is_same_v<S, float>)
+    return std::bit_cast<std::uint32_t>(x);
+  else if constexpr (std::is_same_v<S, double>)
+    return std::bit_cast<std::uint64_t>(x);
+  else
+    return x.bits();
+}
+
+template <class P>
+P shape(const std::uint64_t* words) {
+  P p;
+  visit_words(p, [&words](const char*, int, auto& word) {
+    word = from_word<typename P::Scalar>(*words++);
+  });
+  return p;
+}
+
+template <class S, class A, class B, class Test>
+void sweep(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
+           std::span<PairResult> results, Test test) {
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const Outcome<S> o = test(shape<A>(&a[i * A::kWords]), shape<B>(&b[i * B::kWords]));
+    PairResult& r = results[i];
+    r.f = o.f;
+    r.bad = o.bad;
+    r.t = to_word(o.t);
+    for (int k = 0; k < 3; ++k) {
+      r.cp[k] = to_word<S>(o.cp[k]);
+      r.n[k] = to_word<S>(o.n[k]);
+    }
+  }
+}
+
+template <class S>
+void test_pairs_in(Pair pair, Algorithm algorithm, bool box, PlaneSide plane,
+                   const PairBudget& budget, std::span<const std::uint64_t> a,
+                   std::span<const std::uint64_t> b, std::span<PairResult> r) {
+  with_pair<S>(pair, algorithm, box, plane, budget,
+               [&]<class A, class B>(Kinds<A, B>, auto test) { sweep<S, A, B>(a, b, r, test); });
+}
+
+}  // namespace
+
+bool has_pair(Pair pair, Algorithm algorithm) {
+  return pair == Pair::kRayTriangle || algorithm == Algorithm::kMoller;
+}
+
+void test_pairs(Pair pair, Algorithm algorithm, FpFormat format, std::span<const std::uint64_t> a,
+                std::span<const std::uint64_t> b, std::span<PairResult> results, PlaneSide plane,
+                const PairBudget& budget, bool box) {
+  budget.check();
+  if (a.size() != results.size() * primary_words(pair) ||
+      b.size() != results.size() * secondary_words(pair))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} pairs of {} need {} and {} words, not {} and {}", results.size(),
+                            name(pair), results.size() * primary_words(pair),
+                            results.size() * secondary_words(pair), a.size(), b.size()));
+  if (format == FpFormat{8, 23})
+    return test_pairs_in<float>(pair, algorithm, box, plane, budget, a, b, results);
+  if (format == FpFormat{11, 52})
+    return test_pairs_in<double>(pair, algorithm, box, plane, budget, a, b, results);
+  if (format == FpFormat{5, 10})
+    return test_pairs_in<Fp<5, 10>>(pair, algorithm, box, plane, budget, a, b, results);
+  if (format == FpFormat{8, 7})
+    return test_pairs_in<Fp<8, 7>>(pair, algorithm, box, plane, budget, a, b, results);
+  if (format == FpFormat{7, 16})
+    return test_pairs_in<Fp<7, 16>>(pair, algorithm, box, plane, budget, a, b, results);
+  throw Error(ErrorCode::kUsage, fmt::format("pairs have no reference in {}", format.name()));
+}
+
+}  // namespace cde::reference

@@ -1,0 +1,263 @@
+#include "cde/reference/reference.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "cde/reference/pipes/transform.hpp"
+#include "cde/support/error.hpp"
+#include "reference/sweep.hpp"
+
+namespace cde::reference {
+
+Record record_of(const Ray& ray, const Triangle& triangle, std::uint32_t primary,
+                 std::uint32_t index, bool box) {
+  const Outcome<float> outcome =
+      box ? ray_triangle_moller<float, true>(ray, triangle) : ray_triangle_moller(ray, triangle);
+  Record r;
+  r.f = outcome.f;
+  r.bad = outcome.bad;
+  r.t = outcome.t;
+  r.cp = outcome.cp;
+  r.index = outcome.f ? index : ~0u;
+  r.primary = primary;
+  return r;
+}
+
+/// One packet at a time: a reduction gives all records of the packet at once, a stream those of one
+/// triangle.
+class Sweep::Impl {
+ public:
+  Impl(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
+       unsigned packet, std::span<const Object> objects, bool box)
+      : packet_(packet),
+        rays_(rays),
+        triangles_(triangles),
+        stencil_(stencil),
+        mode_(mode),
+        box_(box) {
+    (void)name_of(mode);  // or it is none
+    if (packet == 0 || packet > RayBlock::kRays)
+      throw Error(ErrorCode::kUsage, fmt::format("a packet of {} rays", packet));
+    for (const Object& object : objects)
+      if (object.first > triangles.size() || object.count > triangles.size() - object.first)
+        throw Error(ErrorCode::kUsage,
+                    fmt::format("an object of {} triangles from {} on reaches beyond the {}",
+                                object.count, object.first, triangles.size()));
+    if (!objects.empty()) {
+      swept_ = swept(triangles, objects);
+      triangles_ = TriangleView(swept_.shapes);
+    }
+    begin_packet();
+  }
+
+  std::span<const Record> next() {
+    records_.clear();
+    const bool streaming = mode_ == Mode::kAll || mode_ == Mode::kHits;
+    while (records_.empty() && first_ < rays_.size()) {
+      if (!streaming) {
+        reduce();
+      } else {
+        if (triangle_ < triangles_.size()) stream(static_cast<std::uint32_t>(triangle_));
+        if (++triangle_ < triangles_.size()) continue;
+      }
+      first_ += packet_;
+      begin_packet();
+    }
+    return records_;
+  }
+
+ private:
+  void begin_packet() {
+    triangle_ = 0;
+    block_ = {};
+    if (first_ >= rays_.size()) return;
+    packet_rays_ = rays_.subview(first_, packet_).copy();
+    for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
+      const Ray& ray = packet_rays_[i];
+      block_.ox[i] = ray.o.x(), block_.oy[i] = ray.o.y(), block_.oz[i] = ray.o.z();
+      block_.dx[i] = ray.d.x(), block_.dy[i] = ray.d.y(), block_.dz[i] = ray.d.z();
+    }
+    block_.count = static_cast<unsigned>(packet_rays_.size());
+  }
+
+  [[nodiscard]] std::uint32_t number(std::size_t place) const {
+    return static_cast<std::uint32_t>(first_ + place);
+  }
+
+  /// Where the triangle lies that comes at this place of the sweep.
+  [[nodiscard]] std::uint32_t slot(std::uint32_t index) const {
+    return swept_.slots.empty() ? index : swept_.slots[index];
+  }
+
+  /// Calls visit(place, record) for every unmasked ray of the packet that hits the triangle.
+  template <typename Visit>
+  void for_hits(std::uint32_t index, Visit visit) {
+    const Triangle triangle = triangles_[index];
+    if (!inside(block_, triangle, mask_)) return;
+    for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
+      if (mask_[i] == 0 || stencil_[i]) continue;
+      const Record record = record_of(packet_rays_[i], triangle, number(i), slot(index), box_);
+      if (record.f) visit(i, record);
+    }
+  }
+
+  void stream(std::uint32_t index) {
+    if (mode_ == Mode::kHits) {
+      for_hits(index, [&](std::size_t, const Record& record) { records_.push_back(record); });
+      return;
+    }
+    const Triangle triangle = triangles_[index];
+    for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
+      if (!stencil_[i])
+        records_.push_back(record_of(packet_rays_[i], triangle, number(i), slot(index), box_));
+    }
+  }
+
+  /// Comparisons of numbers, so that the two zeros tie, as the card's do; T of a hit is no NaN.
+  [[nodiscard]] bool better(const Record& candidate, const Record& best) const {
+    if (!best.f) return true;
+    if (mode_ == Mode::kAny) return false;
+    if (candidate.t == best.t) return candidate.index < best.index;
+    return mode_ == Mode::kNearest ? candidate.t < best.t : candidate.t > best.t;
+  }
+
+  void reduce() {
+    std::vector<Record> best(packet_rays_.size());
+    for (std::size_t i = 0; i < best.size(); ++i) {
+      best[i].primary = number(i);
+      if (defect(packet_rays_[i])) {
+        best[i].bad = true;
+        best[i].t = canonical_nan<float>();
+        best[i].cp.setConstant(best[i].t);
+      }
+    }
+    for (std::size_t index = 0; index < triangles_.size(); ++index) {
+      for_hits(static_cast<std::uint32_t>(index), [&](std::size_t i, const Record& record) {
+        if (better(record, best[i])) best[i] = record;
+      });
+    }
+    for (std::size_t i = 0; i < best.size(); ++i) {
+      if (!stencil_[i]) records_.push_back(best[i]);
+    }
+  }
+
+  RayBlock block_;  // aligned for vectors, so it comes first
+  std::size_t packet_, first_ = 0, triangle_ = 0;
+  RayView rays_;
+  std::vector<Ray> packet_rays_;
+  TriangleView triangles_;
+  std::vector<Record> records_;
+  Stencil stencil_;
+  Swept<Triangle> swept_;  // of the objects; empty without
+  Mode mode_;
+  bool box_;
+  std::array<std::uint8_t, RayBlock::kRays> mask_{};
+};
+
+Sweep::Sweep(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
+             unsigned packet, std::span<const Object> objects, bool box)
+    : impl_(std::make_unique<Impl>(rays, triangles, mode, stencil, packet, objects, box)) {}
+Sweep::~Sweep() = default;
+std::span<const Record> Sweep::next() {
+  return impl_->next();
+}
+
+std::vector<Record> cast(const RayView& rays, const TriangleView& triangles, Mode mode,
+                         const Stencil& stencil, std::span<const Object> objects, bool box) {
+  Sweep sweep(rays, triangles, mode, stencil, 256, objects, box);
+  std::vector<Record> records;
+  for (auto some = sweep.next(); !some.empty(); some = sweep.next())
+    records.insert(records.end(), some.begin(), some.end());
+  return records;
+}
+
+// ---- Comparison ----
+
+namespace {
+
+std::string hex(const Eigen::Vector3f& v) {
+  return fmt::format("{:a},{:a},{:a}", v.x(), v.y(), v.z());
+}
+
+std::string text(const Record& r) {
+  return fmt::format("ray {} F={}{} T={:a} ({:08x}) CP={} ({:08x} {:08x} {:08x}) index={}",
+                     r.primary, r.f ? 1 : 0, r.bad ? " bad" : "", r.t,
+                     std::bit_cast<std::uint32_t>(r.t), hex(r.cp),
+                     std::bit_cast<std::uint32_t>(r.cp.x()), std::bit_cast<std::uint32_t>(r.cp.y()),
+                     std::bit_cast<std::uint32_t>(r.cp.z()), static_cast<std::int32_t>(r.index));
+}
+
+}  // namespace
+
+Checker::Checker(const RayView& rays, const TriangleView& triangles, Mode mode,
+                 const Stencil& stencil, unsigned packet, std::string command,
+                 std::span<const Object> objects, bool box)
+    : rays_(rays),
+      packet_(packet),
+      triangles_(triangles),
+      sweep_(rays, triangles, mode, stencil, packet, objects, box),
+      command_(std::move(command)) {}
+
+void Checker::mismatch(const Record* card, const Record* expected) {
+  const std::uint64_t place = compared_++;
+  if (!difference_.empty()) return;
+  std::string message = fmt::format("record {} differs from the reference\n", place);
+  message += fmt::format("  card:      {}\n", card != nullptr ? text(*card) : "no record");
+  message += fmt::format("  reference: {}\n", expected != nullptr ? text(*expected) : "no record");
+  const std::size_t number = (expected != nullptr ? expected : card)->primary;
+  if (card != nullptr && expected != nullptr)
+    message += fmt::format("  differ in: {}\n", differing_fields(*card, *expected));
+  if (place_)
+    message +=
+        fmt::format("  where:     {}\n", place_(static_cast<std::uint32_t>(number % packet_)));
+  for (const Record* r : {card, expected}) {
+    if (r == nullptr || r->index >= triangles_.size()) continue;
+    const Triangle t = triangles_[r->index];
+    message += fmt::format("  triangle {}: {} {} {}\n", r->index, hex(t.v0), hex(t.v1), hex(t.v2));
+  }
+  if (number < rays_.size()) {
+    const Ray ray = rays_[number];
+    const std::string fields =
+        fmt::format("{},{},{:a},{:a}", hex(ray.o), hex(ray.d), ray.tmin, ray.tmax);
+    message +=
+        fmt::format("  ray {}: {}\n  repeat with: {} --ray={}", number, fields, command_, fields);
+  }
+  difference_ = std::move(message);
+}
+
+void Checker::compare(std::span<const Record> records) {
+  for (const Record& record : records) {
+    if (pending_.empty()) pending_ = sweep_.next();
+    if (pending_.empty()) {
+      mismatch(&record, nullptr);
+      continue;
+    }
+    if (same_bits(record, pending_.front())) {
+      ++compared_;
+      ++matching_;
+    } else {
+      mismatch(&record, &pending_.front());
+    }
+    pending_ = pending_.subspan(1);
+  }
+}
+
+void Checker::compare_end() {
+  if (pending_.empty()) pending_ = sweep_.next();
+  if (!pending_.empty()) mismatch(nullptr, &pending_.front());
+}
+
+void Checker::check(std::span<const Record> records) {
+  for (std::size_t i = 0; i < records.size() && difference_.empty(); ++i)
+    compare(records.subspan(i, 1));
+  if (!difference_.empty()) throw Error(ErrorCode::kMismatch, difference_);
+}
+
+void Checker::finish() {
+  compare_end();
+  if (!difference_.empty()) throw Error(ErrorCode::kMismatch, difference_);
+}
+
+}  // namespace cde::reference

@@ -1,0 +1,22 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "cde/geometry/primitives.hpp"
+
+namespace cde::reference {
+
+/// A packet of rays by component, for vector code. Private to the reference.
+struct RayBlock {
+  static constexpr unsigned kRays = 256;
+  alignas(64) std::array<float, kRays> ox{}, oy{}, oz{}, dx{}, dy{}, dz{};
+  unsigned count = 0;  ///< rays in use, rounded up to whole vectors of the rest being zero
+};
+
+/// Which rays pass the inside test of the triangle, one byte each (the interval is not looked at,
+/// nor whether inputs are bad). Returns whether any does.
+[[nodiscard]] bool inside(const RayBlock& rays, const Triangle& triangle,
+                          std::array<std::uint8_t, RayBlock::kRays>& mask);
+
+}  // namespace cde::reference

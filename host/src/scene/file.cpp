@@ -1,0 +1,258 @@
+// A scene file as a whole: run options, [card], [[query]], and how objects refer to each other.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "cde/support/message.hpp"
+#include "scene/parts.hpp"
+#include "support/file_io.hpp"
+#include "support/text.hpp"
+
+namespace cde {
+namespace {
+
+using toml_reader::Table;
+using toml_reader::Tables;
+
+std::vector<std::string> pair_names() {
+  std::vector<std::string> names;
+  for (unsigned i = 0; i < kPairs; ++i) names.emplace_back(name(static_cast<Pair>(i)));
+  return names;
+}
+
+const std::vector<std::string> kModes = {"nearest", "farthest", "any", "all", "hits"};
+
+SceneCard read_card(Table t) {
+  SceneCard card;
+  if (t.has("lanes")) card.lanes = t.integer<unsigned>("lanes", {}, 1, 256);
+  t.also_known({"lanes", "pairs"});
+  if (t.has("pairs")) {
+    for (const std::string& text : t.texts("pairs")) {
+      const auto pair = pair_named(text);
+      if (!pair)
+        t.fail("pairs", fmt::format("there is no pair {}{}", in_quotes(text),
+                                    toml_reader::suggestion(text, pair_names())));
+      if (std::find(card.pairs.begin(), card.pairs.end(), *pair) == card.pairs.end())
+        card.pairs.push_back(*pair);
+    }
+  }
+  card.arithmetic = static_cast<Arithmetic>(t.choice("arithmetic", {"host", "rtl"}, 0));
+  card.algorithm = static_cast<Algorithm>(
+      t.choice("algorithm", {"moller", "badouel", "pluecker", "watertight"}, 0));
+  card.box = t.flag("box", true);
+  card.clock_hz = 1e6 * t.number("clock_mhz", 100.0, {.min = 0, .max = 1e6, .above = true});
+  card.cycle_bus = t.choice("bus", {"functional", "cycle"}, 0) == 1;
+  std::vector<std::string> hosts;
+  hosts.reserve(std::size(kHostProfiles));
+  for (const HostProfile& p : kHostProfiles) hosts.emplace_back(p.name);
+  card.host = kHostProfiles.at(t.choice("host", hosts, 0));
+  card.burst = t.integer<unsigned>("burst", 4096, 64, 4096);
+  if (card.burst % 8 != 0)
+    t.fail("burst", fmt::format("is {}; it must be a multiple of 8 bytes", card.burst));
+  card.narrow = t.flag("narrow", false);
+  card.cycle_memory = t.choice("memory", {"ideal", "cycle"}, 0) == 1;
+  card.ecc = t.flag("ecc", false);
+  card.trace = t.flag("trace", false);
+  card.mover = static_cast<Mover>(t.choice("mover", {"auto", "host", "card"}, 0));
+  if (auto latency = t.table("latency")) {
+    const auto clocks = [&](const char* key) { return latency->integer<unsigned>(key, 1, 1, 16); };
+    card.latency_add = clocks("add");
+    card.latency_mul = clocks("mul");
+    card.latency_div = clocks("div");
+    card.latency_sqrt = clocks("sqrt");
+    card.latency_compare = clocks("compare");
+    latency->finish();
+  }
+  if (card.lanes && (*card.lanes & (*card.lanes - 1)) != 0)
+    t.fail("lanes", fmt::format("is {}; it must be a power of two from 1 to 256", *card.lanes));
+  t.finish();
+  return card;
+}
+
+/// Objects by name, and the places where they stand in the file.
+struct Names {
+  std::map<std::string, std::size_t> numbers;
+
+  [[nodiscard]] std::size_t find(const Table& t, const char* key, const std::string& name) const {
+    const auto found = numbers.find(name);
+    if (found != numbers.end()) return found->second;
+    std::vector<std::string> all;
+    for (const auto& [known, number] : numbers) all.push_back(known);
+    t.fail(key, fmt::format("there is no object {}{}", in_quotes(name),
+                            toml_reader::suggestion(name, all)));
+  }
+};
+
+/// Follows parents up; what a parent asks of the objects below it is checked here.
+void check_ancestors(const Scene& scene, std::size_t number, const Table& t) {
+  std::set<std::size_t> seen = {number};
+  const SceneObject& object = scene.objects[number];
+  bool turned = rotates(object.motion);
+  for (auto above = object.parent; above; above = scene.objects[*above].parent) {
+    const SceneObject& parent = scene.objects[*above];
+    if (!seen.insert(*above).second)
+      t.fail("parent", fmt::format("objects {} and {} follow each other in a circle",
+                                   in_quotes(object.name), in_quotes(parent.name)));
+    if (has_member_poses(parent))
+      t.fail(ErrorCode::kUsage, "parent",
+             fmt::format("every shape of {} moves on its own; none of them can be followed",
+                         in_quotes(parent.name)));
+    turned = turned || rotates(parent.motion);
+  }
+  if (turned && shape_of(object.shapes) == Shape::kAabb)
+    t.fail(ErrorCode::kUsage, t.has("motion") ? "motion" : "parent",
+           "an AABB cannot be rotated, it would become an OBB; use obb, or a motion without "
+           "rotation");
+}
+
+void read_objects(Scene& scene, Tables tables, const std::filesystem::path& folder, Names& names) {
+  std::vector<std::string> parents;
+  scene_parts::Memory memory;
+  for (Table& t : tables) {
+    SceneObject object = scene_parts::read_object(t, folder, memory);
+    parents.push_back(t.text("parent", ""));
+    t.finish();
+    if (!names.numbers.emplace(object.name, scene.objects.size()).second)
+      t.fail("name", "there is another object of that name");
+    scene.objects.push_back(std::move(object));
+  }
+  for (std::size_t i = 0; i < parents.size(); ++i)
+    if (tables[i].has("parent"))
+      scene.objects[i].parent = names.find(tables[i], "parent", parents[i]);
+  for (std::size_t i = 0; i < parents.size(); ++i) check_ancestors(scene, i, tables[i]);
+}
+
+/// The one shape of these objects.
+Shape common_shape(const Scene& scene, const std::vector<std::size_t>& objects, const Table& t,
+                   const char* key) {
+  const SceneObject& first = scene.objects[objects.front()];
+  for (const std::size_t number : objects) {
+    const SceneObject& object = scene.objects[number];
+    if (object.shapes.index() != first.shapes.index())
+      t.fail(ErrorCode::kUsage, key,
+             fmt::format("{} holds {}s and {} {}s; a query takes one shape on each side",
+                         in_quotes(first.name), name(shape_of(first.shapes)),
+                         in_quotes(object.name), name(shape_of(object.shapes))));
+  }
+  return shape_of(first.shapes);
+}
+
+std::vector<std::size_t> read_group(const Names& names, Table& t, const char* key) {
+  std::vector<std::size_t> group;
+  for (const std::string& name : t.texts(key)) {
+    const std::size_t number = names.find(t, key, name);
+    if (std::find(group.begin(), group.end(), number) != group.end())
+      t.fail(key, fmt::format("names {} twice", in_quotes(name)));
+    group.push_back(number);
+  }
+  return group;
+}
+
+void check_name(const Table& t, const std::string& name) {
+  constexpr std::string_view kLegal =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+  if (name.empty() || name.size() > 64 || name.find_first_not_of(kLegal) != std::string::npos)
+    t.fail("name", fmt::format("{} becomes part of file names: 1 to 64 of letters, digits, _ and -",
+                               in_quotes(name)));
+}
+
+SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
+  SceneQuery q;
+  q.name = t.text("name");
+  check_name(t, q.name);
+  t = t.named(fmt::format("query '{}'", q.name));
+  q.pair = static_cast<Pair>(t.choice("pair", pair_names()));
+  q.primaries = read_group(names, t, "primaries");
+  q.secondaries = read_group(names, t, "secondaries");
+  const Shape primary = common_shape(scene, q.primaries, t, "primaries");
+  const Shape secondary = common_shape(scene, q.secondaries, t, "secondaries");
+  if (primary == primary_shape(q.pair) && secondary == secondary_shape(q.pair)) {
+    q.swap = false;
+  } else if (primary == secondary_shape(q.pair) && secondary == primary_shape(q.pair)) {
+    q.swap = true;
+  } else {
+    t.fail(ErrorCode::kUsage, "pair",
+           fmt::format("{} takes {}s and {}s, but the primaries are {}s and the secondaries {}s",
+                       name(q.pair), name(primary_shape(q.pair)), name(secondary_shape(q.pair)),
+                       name(primary), name(secondary)));
+  }
+  q.mode = *mode_named(kModes[t.choice("mode", kModes, 0)]);
+  q.normals = t.flag("normals", false);
+  q.self = t.flag("self", false);
+  if (q.normals && !is_solid(q.pair)) t.fail(ErrorCode::kUsage, "normals", "rays have no normals");
+  if (auto budget = t.table("budget")) {
+    if (!has_budget(q.pair))
+      t.fail(ErrorCode::kUsage, "budget",
+             fmt::format("{} always takes the same work; only pairs with a cylinder that is no "
+                         "ray's have a budget",
+                         name(q.pair)));
+    q.budget.samples = budget->integer<unsigned>("samples", q.budget.samples, 4, 16);
+    q.budget.circle = budget->integer<unsigned>("circle", q.budget.circle, 0, 64);
+    q.budget.free = budget->integer<unsigned>("free", q.budget.free, 0, 64);
+    budget->finish();
+    try {
+      q.budget.check();
+    } catch (const Error& e) {
+      t.fail("budget", e.what());
+    }
+  }
+  std::size_t primaries = 0;
+  for (const std::size_t number : q.primaries) primaries += size(scene.objects[number].shapes);
+  q.mask = t.number_ranges("mask", static_cast<std::int64_t>(primaries) - 1);
+  if (count(q.mask) == primaries) t.fail(ErrorCode::kUsage, "mask", "leaves out every primary");
+  constexpr std::uint64_t kPacket = 256;
+  const std::uint64_t packets = (primaries + kPacket - 1) / kPacket;
+  const auto most = t.integer<std::uint64_t>("packets", packets, 1, 1 << 24);
+  if (packets > most)
+    t.fail(ErrorCode::kUsage, "packets",
+           fmt::format("{} primaries overflow {} packet{} of {} and need {}: as many passes",
+                       primaries, most, most == 1 ? "" : "s", kPacket, packets));
+  t.finish();
+  return q;
+}
+
+}  // namespace
+
+Scene parse_scene(std::string_view text, const std::string& name) {
+  const toml::table document = toml_reader::parse(text, name);
+  const std::filesystem::path folder = std::filesystem::path(name).parent_path();
+  Table t(name, document, "");
+  Scene scene;
+  scene.file = name;
+  scene.title = t.text("title", "");
+  scene.frames = t.integer<std::uint32_t>("frames", 1, 1, 1'000'000);
+  scene.rate = t.number("rate", 30.0, {.min = 1e-6, .max = 1e6});
+  scene.check = static_cast<Check>(t.choice("check", {"all", "sample", "none"}, 0));
+  if (auto report = t.table("report")) {
+    scene.results = static_cast<Results>(report->choice("results", {"none", "csv", "binary"}, 1));
+    scene.bits = report->flag("bits", false);
+    scene.only_hits = report->flag("only_hits", false);
+    report->finish();
+  }
+  if (auto card = t.table("card")) scene.card = read_card(*card);
+  t.also_known({"object", "query"});
+  for (const char* key : {"object", "query"}) {
+    if (!t.has(key)) {
+      t.finish();  // a misspelt one is worth its own message
+      t.fail(ErrorCode::kFile, "", fmt::format("there is no [[{}]]", key));
+    }
+  }
+  Names names;
+  read_objects(scene, t.tables("object"), folder, names);
+  std::set<std::string> query_names;
+  for (Table& query : t.tables("query")) {
+    scene.queries.push_back(read_query(scene, names, query));
+    if (!query_names.insert(scene.queries.back().name).second)
+      query.fail("name", "there is another query of that name");
+  }
+  t.finish();
+  return scene;
+}
+
+Scene load_scene(const std::filesystem::path& path) {
+  return parse_scene(file_io::read(path), path.string());
+}
+
+}  // namespace cde

@@ -1,0 +1,374 @@
+// [[object]]: where its shapes come from, and how they deform.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "cde/image/camera.hpp"
+#include "cde/image/rays_csv.hpp"
+#include "cde/support/message.hpp"
+#include "mesh/readers.hpp"
+#include "scene/parts.hpp"
+#include "support/text.hpp"
+
+namespace cde::scene_parts {
+namespace {
+
+using toml_reader::kPositive;
+using toml_reader::Table;
+
+constexpr std::int64_t kMostShapes = 1 << 24;
+constexpr double kDegree = std::numbers::pi / 180;
+const std::vector<std::string> kShapeNames = {"ray",   "triangle", "sphere", "aabb",
+                                              "plane", "cylinder", "obb"};
+
+Eigen::Vector3f narrow(const Eigen::Vector3d& v) {
+  return v.cast<float>();
+}
+
+/// A direction of any length, made one of unit length.
+Eigen::Vector3d unit(Table& t, const char* key,
+                     const std::optional<Eigen::Vector3d>& fallback = {}) {
+  const Eigen::Vector3d v = t.vector(key, fallback);
+  if (!(v.norm() > 1e-30)) t.fail(key, "has no direction");
+  return v / v.norm();
+}
+
+float size_of(Table& t, const char* key) {
+  return static_cast<float>(t.number(key, {}, kPositive));
+}
+
+// ---- Primitives written out ----
+
+void read(Table& t, Ray& ray) {
+  ray.o = narrow(t.vector("origin"));
+  ray.d = narrow(t.vector("direction"));
+  toml_reader::Limits any;
+  any.infinite = true;
+  ray.tmin = static_cast<float>(t.number("tmin", 0.0, any));
+  ray.tmax = static_cast<float>(t.number("tmax", std::numeric_limits<double>::infinity(), any));
+}
+
+void read(Table& t, Triangle& triangle) {
+  triangle = {narrow(t.vector("v0")), narrow(t.vector("v1")), narrow(t.vector("v2"))};
+}
+
+void read(Table& t, Sphere& sphere) {
+  sphere.c = narrow(t.vector("center"));
+  sphere.r = size_of(t, "radius");
+}
+
+void read(Table& t, Aabb& box) {
+  box = {narrow(t.vector("min")), narrow(t.vector("max"))};
+}
+
+void read(Table& t, Plane& plane) {
+  plane.n = narrow(unit(t, "normal"));
+  plane.d = static_cast<float>(t.number("d"));
+}
+
+void read(Table& t, Cylinder& cylinder) {
+  cylinder.c = narrow(t.vector("center"));
+  cylinder.axis = narrow(unit(t, "axis"));
+  cylinder.half_height = size_of(t, "half_height");
+  cylinder.radius = size_of(t, "radius");
+}
+
+void read(Table& t, Obb& box) {
+  box.c = narrow(t.vector("center"));
+  box.half = narrow(t.vector("half"));
+  const bool turned = t.has("axis") || t.has("degrees");
+  const Eigen::Vector3d axis = unit(t, "axis", Eigen::Vector3d(0, 0, 1));
+  const double degrees = t.number("degrees", turned ? std::optional<double>{} : 0.0);
+  box.rotation = Eigen::AngleAxisd(degrees * kDegree, axis).toRotationMatrix().cast<float>();
+}
+
+template <class P>
+Shapes read_shapes(toml_reader::Tables tables) {
+  std::vector<P> shapes;
+  for (Table& t : tables) {
+    P shape;
+    read(t, shape);
+    t.finish();
+    if (const auto why = defect(shape)) t.fail(*why);
+    shapes.push_back(shape);
+  }
+  return shapes;
+}
+
+template <std::size_t I = 0>
+Shapes read_shapes_of(std::size_t shape, toml_reader::Tables tables) {
+  if constexpr (I < std::variant_size_v<Shapes>) {
+    using P = typename std::variant_alternative_t<I, Shapes>::value_type;
+    return I == shape ? read_shapes<P>(std::move(tables))
+                      : read_shapes_of<I + 1>(shape, std::move(tables));
+  } else {
+    throw Error(ErrorCode::kUsage, "no such shape");
+  }
+}
+
+// ---- Primitives drawn at random ----
+
+struct Scatter {
+  std::uint64_t seed;
+  Eigen::Vector3d min, max;
+  double smallest, largest;
+  std::uint64_t i = 0, stream = 0;
+
+  double unit() { return random_unit(seed, 16 + stream++, i); }
+  float size() { return static_cast<float>(smallest + (largest - smallest) * unit()); }
+  Eigen::Vector3f point() {
+    Eigen::Vector3f p;
+    for (int k = 0; k < 3; ++k) p[k] = static_cast<float>(min[k] + (max[k] - min[k]) * unit());
+    return p;
+  }
+  Eigen::Vector3f direction() { return random_direction(seed, 16 + stream++, i).cast<float>(); }
+  Eigen::Matrix3f rotation() {
+    const Eigen::Vector3d axis = random_direction(seed, 16 + stream++, i);
+    return Eigen::AngleAxisd(2 * std::numbers::pi * unit(), axis).toRotationMatrix().cast<float>();
+  }
+};
+
+void draw(Scatter& s, Ray& ray) {
+  ray = {s.point(), s.direction()};
+}
+void draw(Scatter& s, Triangle& triangle) {
+  const Eigen::Vector3f c = s.point();
+  for (Eigen::Vector3f* v : {&triangle.v0, &triangle.v1, &triangle.v2})
+    *v = c + s.size() * s.direction();
+}
+void draw(Scatter& s, Sphere& sphere) {
+  sphere.c = s.point();
+  sphere.r = s.size();
+}
+void draw(Scatter& s, Aabb& box) {
+  const Eigen::Vector3f c = s.point();
+  for (int k = 0; k < 3; ++k) {
+    const float half = s.size();
+    box.min[k] = c[k] - half, box.max[k] = c[k] + half;
+  }
+}
+void draw(Scatter& s, Plane& plane) {
+  plane.n = s.direction();
+  plane.d = plane.n.dot(s.point());
+}
+void draw(Scatter& s, Cylinder& cylinder) {
+  cylinder.c = s.point();
+  cylinder.axis = s.direction();
+  cylinder.half_height = s.size();
+  cylinder.radius = s.size();
+}
+void draw(Scatter& s, Obb& box) {
+  box.c = s.point();
+  for (int k = 0; k < 3; ++k) box.half[k] = s.size();
+  box.rotation = s.rotation();
+}
+
+template <std::size_t I = 0>
+Shapes scattered(std::size_t shape, Scatter s, std::uint32_t count, const Table& t) {
+  if constexpr (I < std::variant_size_v<Shapes>) {
+    if (I != shape) return scattered<I + 1>(shape, s, count, t);
+    std::variant_alternative_t<I, Shapes> list(count);
+    for (s.i = 0; s.i < count; ++s.i) {
+      s.stream = 0;
+      draw(s, list[s.i]);
+      if (const auto why = defect(list[s.i])) t.fail(fmt::format("shape {}: {}", s.i, *why));
+    }
+    return list;
+  } else {
+    throw Error(ErrorCode::kUsage, "no such shape");
+  }
+}
+
+Shapes read_scatter(Table t, std::string& source, Memory& memory) {
+  const std::size_t shape = t.choice("shape", kShapeNames);
+  const auto count = t.integer<std::uint32_t>("count", {}, 1, kMostShapes);
+  memory.add(t, "count", static_cast<Shape>(shape), count);
+  Scatter s{t.integer<std::uint64_t>("seed", 1, 0, std::numeric_limits<std::int64_t>::max()),
+            t.vector("min"), t.vector("max"), 1, 1};
+  for (int k = 0; k < 3; ++k)
+    if (!(s.min[k] <= s.max[k])) t.fail("max", "must be at least min on every axis");
+  const bool sized = kShapeNames[shape] != "ray" && kShapeNames[shape] != "plane";
+  if (sized) {
+    const std::vector<double> sizes = t.numbers("size", 2);
+    s.smallest = sizes[0], s.largest = sizes[1];
+    if (!(s.smallest > 0 && s.largest >= s.smallest))
+      t.fail("size", "must be [SMALLEST, LARGEST], both > 0");
+  }
+  t.finish();
+  source = fmt::format("{} random {}s, seed {}", count, kShapeNames[shape], s.seed);
+  return scattered(shape, s, count, t);
+}
+
+// ---- Rays ----
+
+Shapes read_camera(Table t, std::string& source, Memory& memory) {
+  Camera camera{narrow(t.vector("eye")), narrow(t.vector("target")),
+                narrow(t.vector("up", Eigen::Vector3d::UnitZ())),
+                static_cast<float>(t.number("fov", 40.0, {.min = 0, .max = 180, .above = true}))};
+  const Resolution size{t.integer<std::uint32_t>("width", {}, 1, 4096),
+                        t.integer<std::uint32_t>("height", {}, 1, 4096)};
+  t.finish();
+  memory.add(t, "width", Shape::kRay, size.pixels());
+  source = fmt::format("camera of {} x {} rays", size.width, size.height);
+  try {
+    return camera.rays(size);
+  } catch (const Error& e) {
+    t.fail(e.what());
+  }
+}
+
+RandomRays read_random_rays(Table t, Memory& memory) {
+  RandomRays rays;
+  rays.count = t.integer<std::uint32_t>("count", {}, 1, kMostShapes);
+  memory.add(t, "count", Shape::kRay, rays.count);
+  rays.seed = t.integer<std::uint64_t>("seed", 1, 0, std::numeric_limits<std::int64_t>::max());
+  rays.axis = unit(t, "axis", Eigen::Vector3d(0, 0, -1));
+  rays.half_angle = kDegree * t.number("half_angle", 180.0, {.min = 0, .max = 180});
+  rays.redraw = t.flag("redraw", true);
+  t.finish();
+  return rays;
+}
+
+// ---- Meshes ----
+
+std::vector<Triangle> triangles_of(const Mesh& mesh) {
+  std::vector<Triangle> triangles;
+  triangles.reserve(mesh.faces.size());
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) triangles.push_back(mesh.triangle(i));
+  return triangles;
+}
+
+Mesh read_mesh(Table& t, const std::filesystem::path& folder, std::filesystem::path& file,
+               Memory& memory) {
+  const std::string spec = t.text("mesh");
+  const bool builtin = spec == "terrain" || spec.starts_with("terrain:");
+  if (!builtin) file = folder / spec;
+  const double scale = t.number("scale", 1.0, kPositive);
+  const auto attempt = [&](const auto& what) {
+    try {
+      return what();
+    } catch (const Error& e) {
+      t.fail(e.code(), "mesh", e.what());
+    }
+  };
+  if (builtin)
+    memory.add(t, "mesh", Shape::kTriangle,
+               attempt([&] { return mesh_readers::builtin_triangles(spec); }));
+  Mesh mesh = attempt([&] {
+    Mesh made = builtin ? load_mesh_or_builtin(spec) : load_mesh(file);
+    for (Eigen::Vector3f& v : made.vertices) v = (v.cast<double>() * scale).cast<float>();
+    check(made, made.name);
+    if (const auto why = out_of_range(made, made.name)) throw Error(ErrorCode::kBadInput, *why);
+    return made;
+  });
+  if (!builtin) memory.add(t, "mesh", Shape::kTriangle, mesh.faces.size());
+  return mesh;
+}
+
+Deformation read_deformation(Table t, const Mesh& mesh) {
+  Deformation d;
+  d.kind = static_cast<Deformation::Kind>(t.choice("kind", {"random", "wave"}));
+  const auto most = static_cast<double>(mesh.vertices.size() - 1);
+  std::vector<double> range = {0, most};
+  if (t.has("vertices")) range = t.numbers("vertices", 2);
+  if (!(range[0] >= 0 && range[0] <= range[1] && range[1] <= most &&
+        range[0] == std::floor(range[0]) && range[1] == std::floor(range[1])))
+    t.fail("vertices", fmt::format("must be [FIRST, LAST], whole numbers within 0..{}", most));
+  d.first = static_cast<std::uint32_t>(range[0]);
+  d.last = static_cast<std::uint32_t>(range[1]);
+  d.amplitude = t.vector("amplitude");
+  if (d.kind == Deformation::Kind::kRandom) {
+    d.seed = t.integer<std::uint64_t>("seed", 1, 0, std::numeric_limits<std::int64_t>::max());
+  } else {
+    d.period = t.number("period", {}, kPositive);
+    d.wavelength = t.number("wavelength", {}, kPositive);
+    d.direction = unit(t, "direction", Eigen::Vector3d(1, 0, 0));
+  }
+  t.finish();
+  return d;
+}
+
+void read_source(Table& t, const std::filesystem::path& folder, SceneObject& object,
+                 Memory& memory) {
+  std::vector<std::string> sources = kShapeNames;
+  sources.insert(sources.end(), {"mesh", "random", "camera", "random_rays", "rays_csv"});
+  const std::string source = t.one_of(sources);
+  const char* key = source.c_str();
+  if (source == "mesh") {
+    Mesh mesh = read_mesh(t, folder, object.file, memory);
+    object.source = fmt::format("{}, {} triangles", mesh.name, mesh.faces.size());
+    object.shapes = triangles_of(mesh);
+    object.more_files = mesh.files;
+    if (auto deform = t.table("deform")) {
+      object.deform = read_deformation(*deform, mesh);
+      object.mesh = std::move(mesh);
+    }
+  } else if (source == "random") {
+    object.shapes = read_scatter(*t.table(key), object.source, memory);
+  } else if (source == "camera") {
+    object.shapes = read_camera(*t.table(key), object.source, memory);
+  } else if (source == "random_rays") {
+    object.rays = read_random_rays(*t.table(key), memory);
+    object.shapes = std::vector<Ray>(object.rays->count);
+    object.source = fmt::format("{} random rays{}, seed {}", object.rays->count,
+                                object.rays->redraw ? " a frame" : "", object.rays->seed);
+  } else if (source == "rays_csv") {
+    const std::string file = t.text(key);
+    object.file = folder / file;
+    try {
+      object.shapes = read_rays_csv(object.file);
+    } catch (const Error& e) {
+      t.fail(e.code(), key, e.what());
+    }
+    if (size(object.shapes) == 0) t.fail(key, fmt::format("{} has no rays", file));
+    object.source = fmt::format("{}, {} rays", file, size(object.shapes));
+  } else {
+    const auto shape = static_cast<std::size_t>(
+        std::find(kShapeNames.begin(), kShapeNames.end(), source) - kShapeNames.begin());
+    object.shapes = read_shapes_of(shape, t.tables(key));
+    object.source = fmt::format("{} {}s", size(object.shapes), source);
+  }
+  if (t.has("deform") && !object.deform)
+    t.fail(ErrorCode::kUsage, "deform", "moves the vertices of a mesh; this object has none");
+}
+
+/// The file, what is posed, what lies on either side of the card and what the reference has of it.
+constexpr std::uint64_t kCopies = 5;
+
+}  // namespace
+
+void Memory::add(const Table& t, const char* key, const std::string& what, std::uint64_t bytes) {
+  constexpr std::uint64_t kMega = 1 << 20;
+  bytes_ += bytes;
+  if (bytes_ <= kMost) return;
+  t.fail(
+      ErrorCode::kCapacity, key,
+      fmt::format("{} take {} MB to play, with the objects before {} MB; the limit of a scene "
+                  "is {} MB",
+                  what, (bytes + kMega - 1) / kMega, (bytes_ + kMega - 1) / kMega, kMost / kMega));
+}
+
+void Memory::add(const Table& t, const char* key, Shape shape, std::uint64_t count) {
+  add(t, key, fmt::format("{} {}s", count, name(shape)), kCopies * 4 * words(shape) * count);
+}
+
+void Memory::add_poses(const Table& t, std::uint64_t count) {
+  // A pose in use, the one before, and the centre that it is made from.
+  add(t, "motion", fmt::format("poses of {} shapes", count),
+      (2 * sizeof(Transform) + sizeof(Eigen::Vector3d)) * count);
+}
+
+SceneObject read_object(Table& t, const std::filesystem::path& folder, Memory& memory) {
+  SceneObject object;
+  object.name = t.text("name");
+  if (object.name.empty()) t.fail("name", "is empty");
+  t = t.named(fmt::format("object {}", in_quotes(object.name)));
+  t.also_known({"motion", "parent", "deform", "scale"});
+  read_source(t, folder, object, memory);
+  if (auto motion = t.table("motion")) object.motion = read_motion(*motion, object);
+  if (has_member_poses(object)) memory.add_poses(t, size(object.shapes));
+  return object;
+}
+
+}  // namespace cde::scene_parts

@@ -1,0 +1,418 @@
+#include "cde/scene/plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <optional>
+#include <span>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "scene/plan_card.hpp"
+#include "scene/plan_mover.hpp"
+#include "scene/self_pairs.hpp"
+
+namespace cde {
+namespace {
+
+constexpr std::uint64_t kPacket = 256;
+constexpr unsigned kMostLanes = 128;
+/// Lanes of planned cards are few, so that scenes share cards: a build takes longer than what a row
+/// of 16 lanes costs a scene that fills one of them (twice the time of one lane).
+constexpr unsigned kLaneSteps[] = {16, 64, kMostLanes};
+/// Of facets and rings, which take longest to build: one vector of the host's. A card of 16 lanes
+/// takes 50 s of processor time to build and one of 8 lanes 30 s, and both simulate 200 boxes among
+/// each other in 1.7 s (40 frames).
+constexpr unsigned kLanesOfLargePipes = 8;
+constexpr unsigned kMostLanesOfGates = 16;
+
+/// What effects cost a simulation: how many times as long a frame of rays and triangles takes.
+/// Medians of `cde bench effects`, which prints them beside its own.
+struct Cost {
+  std::string_view effect;
+  double times;
+};
+constexpr Cost kCosts[] = {
+    {"pipes", 2.1},
+    {"gates", 11.0},
+    {"transformer", 1.6},
+    {"box rule", 1.0},
+    {"normals", 1.0},
+    {"exchange of roles", 1.2},
+    {"two pairs at a time", 1.1},
+    {"bus timing", 1.3},
+    {"memory timing", 1.0},
+    {"ecc", 1.6},
+    {"trace", 1.1},
+};
+
+std::uint64_t count(const Scene& scene, const std::vector<std::size_t>& objects) {
+  std::uint64_t n = 0;
+  for (const std::size_t i : objects) n += size(scene.objects[i].shapes);
+  return n;
+}
+
+/// What the passes of a query test, and the rows that takes.
+void add_passes(const Scene& scene, const SceneQuery& q, unsigned lanes, QueryWork& w) {
+  const SelfPairs self(scene, q);
+  for (std::uint64_t first = 0; first < w.primaries; first += kPacket) {
+    const std::uint64_t n = std::min(kPacket, w.primaries - first);
+    std::uint64_t masked = 0;
+    for (std::uint64_t p = first; !q.mask.empty() && p < first + n; ++p)
+      masked += contains(q.mask, p) ? 1 : 0;
+    if (masked == n) continue;
+    for (const SelfPairs::Sweep& sweep : self.sweeps(first, n, false)) {
+      ++w.passes;
+      w.tests += (n - masked) * sweep.count;
+      w.rows += (n + lanes - 1) / lanes * sweep.count;
+    }
+  }
+  const bool stream = q.mode == Mode::kAll || q.mode == Mode::kHits;
+  const std::uint64_t active = w.primaries - w.masked;
+  w.most_records = stream ? active * w.secondaries - self.left_out() : active;
+  w.self_pairs = self.any();
+}
+
+QueryWork work_of(const Scene& scene, const SceneQuery& q, unsigned lanes) {
+  QueryWork w;
+  w.name = q.name;
+  w.primaries = count(scene, q.primaries);
+  w.secondaries = count(scene, q.secondaries);
+  w.masked = count(q.mask);
+  w.packets = (w.primaries + kPacket - 1) / kPacket;
+  add_passes(scene, q, lanes, w);
+  const unsigned slot = words(shape_of(scene.objects[q.secondaries.front()].shapes));
+  w.secondary_words = w.secondaries * slot;
+  w.primary_words = w.primaries * words(shape_of(scene.objects[q.primaries.front()].shapes));
+  return w;
+}
+
+/// Clocks that the pipes are fed in a frame.
+std::uint64_t rows_of(const Scene& scene, unsigned lanes) {
+  std::uint64_t sum = 0;
+  for (const SceneQuery& q : scene.queries) sum += work_of(scene, q, lanes).rows;
+  return sum;
+}
+
+std::string join(std::span<const Pair> pairs) {
+  std::string text;
+  for (const Pair pair : pairs) text += fmt::format("{}{}", text.empty() ? "" : ", ", name(pair));
+  return text;
+}
+
+std::vector<Pair> pairs_of(const Scene& scene) {
+  std::vector<Pair> pairs;
+  for (const SceneQuery& q : scene.queries) {
+    if (std::find(pairs.begin(), pairs.end(), q.pair) == pairs.end()) pairs.push_back(q.pair);
+  }
+  std::sort(pairs.begin(), pairs.end());
+  if (scene.card.pairs.empty()) return pairs;
+  std::vector<Pair> asked = scene.card.pairs;
+  std::sort(asked.begin(), asked.end());
+  for (const SceneQuery& q : scene.queries) {
+    if (std::find(asked.begin(), asked.end(), q.pair) == asked.end())
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{}: query '{}' needs a pipe for {}, but the bitstream asked for has "
+                              "pairs = {}; add it, or leave out pairs in [card]",
+                              printable_name(scene.file), q.name, name(q.pair), join(asked)));
+  }
+  return asked;
+}
+
+/// Enough lanes for the largest packet in one row, of a few steps, and no more than can be built
+/// soon. Gates take minutes and eleven times as long: of them no more than there are primaries.
+unsigned lanes_for(const Scene& scene, const std::vector<Pair>& pairs) {
+  if (scene.card.lanes) return *scene.card.lanes;
+  std::uint64_t most = 1;
+  for (const SceneQuery& q : scene.queries)
+    most = std::max(most, std::min<std::uint64_t>(kPacket, count(scene, q.primaries)));
+  if (scene.card.arithmetic == Arithmetic::kRtl)
+    return std::min(std::bit_ceil(static_cast<unsigned>(most)), kMostLanesOfGates);
+  if (std::any_of(pairs.begin(), pairs.end(), plan_card::is_large)) return kLanesOfLargePipes;
+  return *std::find_if(std::begin(kLaneSteps), std::end(kLaneSteps),
+                       [&](unsigned step) { return step >= most || step == kMostLanes; });
+}
+
+BoardConfig board_of(const Scene& scene) {
+  BoardConfig b;
+  b.pairs = pairs_of(scene);
+  b.lanes = lanes_for(scene, b.pairs);
+  b.arithmetic = scene.card.arithmetic;
+  b.algorithm = scene.card.algorithm;
+  b.box = scene.card.box &&
+          std::find(b.pairs.begin(), b.pairs.end(), Pair::kRayTriangle) != b.pairs.end();
+  b.trace = scene.card.trace;
+  b.bus = scene.card.cycle_bus ? Bus::kCycle : Bus::kFunctional;
+  b.ecc = scene.card.ecc;
+  for (const SceneQuery& q : scene.queries) {
+    b.swap = b.swap || q.swap;
+    b.normals = b.normals || q.normals;
+  }
+  b.latency_add = scene.card.latency_add;
+  b.latency_mul = scene.card.latency_mul;
+  b.latency_div = scene.card.latency_div;
+  b.latency_sqrt = scene.card.latency_sqrt;
+  b.latency_compare = scene.card.latency_compare;
+  (void)b.parameters();  // complains about values
+  return b;
+}
+
+void check_capacity(const Scene& scene, const Plan& plan) {
+  const std::uint64_t held = std::uint64_t{plan.board.ddr_slots} * words(Shape::kTriangle);
+  for (const QueryWork& w : plan.queries) {
+    if (w.secondary_words > held)
+      throw Error(
+          ErrorCode::kCapacity,
+          fmt::format("{}: query '{}': {} secondaries are {} words, but the card's DDR holds {}",
+                      printable_name(scene.file), w.name, w.secondaries, w.secondary_words, held));
+    if (w.most_records > ~std::uint32_t{0})
+      throw Error(
+          ErrorCode::kCapacity,
+          fmt::format("{}: query '{}': mode {} may keep {} records, more than the 2^32 - 1 "
+                      "that a card counts; use nearest, farthest or any",
+                      printable_name(scene.file), w.name,
+                      name_of(scene.queries[&w - plan.queries.data()].mode), w.most_records));
+  }
+}
+
+// ---- Effects ----
+
+std::uint64_t total(const Plan& plan, std::uint64_t QueryWork::*field) {
+  std::uint64_t sum = 0;
+  for (const QueryWork& w : plan.queries) sum += w.*field;
+  return sum;
+}
+
+Effect pipes(const Scene& scene, const Plan& plan) {
+  Effect e{"pipes", true, join(plan.board.pairs), "", ""};
+  e.why = scene.card.pairs.empty() ? "the pairs of the queries" : "asked for in [card]";
+  if (plan.board.pairs.size() < kPairs) {
+    e.why += fmt::format("; the other {} are left out", kPairs - plan.board.pairs.size());
+    e.cost = fmt::format("with all {}, {}", kPairs, simulation_text("pipes"));
+  }
+  return e;
+}
+
+Effect box_rule(const Scene& scene, const Plan& plan) {
+  const bool rays = std::find(plan.board.pairs.begin(), plan.board.pairs.end(),
+                              Pair::kRayTriangle) != plan.board.pairs.end();
+  return {"box rule", plan.board.box, plan.board.box ? "built in" : "none",
+          !rays ? "no rays meet triangles"
+          : scene.card.box
+              ? "a ray's hit must lie in the triangle's box"
+              : "the plain pipe is asked for: a hit may be far from an edge-on triangle",
+          simulation_text("box rule")};
+}
+
+Effect lanes(const Scene& scene, const Plan& plan) {
+  const unsigned n = plan.board.lanes;
+  Effect e{"lanes", true, fmt::format("{}", n), "", ""};
+  std::uint64_t most = 0;
+  for (const QueryWork& w : plan.queries) most = std::max(most, std::min(kPacket, w.primaries));
+  if (scene.card.lanes)
+    e.why = "asked for in [card]";
+  else if (n >= most)
+    e.why = fmt::format("the largest packet has {} primaries: one row a secondary{}", most,
+                        n >= 2 * most ? "; cards of 16, 64 and 128 lanes are shared" : "");
+  else
+    e.why = fmt::format(
+        "the largest packet has {} primaries, and a card of {} is built with at most "
+        "{} lanes unless the scene says otherwise",
+        most,
+        std::any_of(plan.board.pairs.begin(), plan.board.pairs.end(), plan_card::is_large)
+            ? "these pipes"
+        : plan.board.arithmetic == Arithmetic::kRtl ? "gates"
+                                                    : "any pipes",
+        n);
+  const auto rows = [&](unsigned lanes) { return rows_of(scene, lanes); };
+  e.cost = fmt::format("{} rows a frame", rows(n));
+  if (n > 1) e.cost += fmt::format("; {} with {} lanes", rows(n / 2), n / 2);
+  if (n < kPacket) e.cost += fmt::format("; {} with {}", rows(n * 2), n * 2);
+  return e;
+}
+
+Effect arithmetic(const Plan& plan) {
+  const bool gates = plan.board.arithmetic == Arithmetic::kRtl;
+  return {"gates", gates, gates ? "rtl" : "host",
+          gates ? "asked for in [card]" : "the host's arithmetic gives the same bits and clocks",
+          simulation_text("gates")};
+}
+
+Effect modes(const Scene& scene, const Plan& plan) {
+  Effect e{"result mode", true, "", "", ""};
+  for (std::size_t i = 0; i < plan.queries.size(); ++i) {
+    const SceneQuery& q = scene.queries[i];
+    const QueryWork& w = plan.queries[i];
+    const char* sep = i == 0 ? "" : "; ";
+    e.choice += fmt::format("{}{} {}", sep, q.name, name_of(q.mode));
+    const bool stream = q.mode == Mode::kAll || q.mode == Mode::kHits;
+    e.why +=
+        fmt::format("{}{} {} records a frame", sep, stream ? "at most" : "keeps", w.most_records);
+    const std::uint64_t bytes = 28 * (q.normals ? 2 : 1) * (w.primaries - w.masked) * w.secondaries;
+    e.cost += q.mode == Mode::kAll
+                  ? fmt::format("{}{} bytes a frame", sep, bytes)
+                  : fmt::format("{}mode all would write {} bytes a frame", sep, bytes);
+  }
+  return e;
+}
+
+Effect normals(const Scene& scene, const Plan& plan) {
+  Effect e{"normals", plan.board.normals, plan.board.normals ? "second records" : "none", "", ""};
+  std::uint64_t records = 0;
+  for (std::size_t i = 0; i < plan.queries.size(); ++i)
+    if (is_solid(scene.queries[i].pair)) records += plan.queries[i].most_records;
+  e.why = e.used         ? "a query asks for them"
+          : records == 0 ? "rays have none"
+                         : "no query asks for them";
+  e.cost = simulation_text(e.name);
+  if (records != 0)
+    e.cost += fmt::format("; at most {} further records a frame, a clock each to write", records);
+  return e;
+}
+
+Effect masks(const Plan& plan) {
+  const std::uint64_t masked = total(plan, &QueryWork::masked);
+  Effect e{"masks", masked != 0, fmt::format("{} primaries", masked), "", ""};
+  std::uint64_t saved = 0;
+  for (const QueryWork& w : plan.queries) saved += w.masked * w.secondaries;
+  e.why = masked != 0 ? "the queries leave these out" : "no query leaves primaries out";
+  e.cost = masked != 0 ? fmt::format("saves {} tests a frame", saved) : "0 tests a frame";
+  return e;
+}
+
+Effect self_pairs(const Scene& scene, const Plan& plan) {
+  Effect e{"pairs with itself", false, "left out", "", ""};
+  for (std::size_t i = 0; i < plan.queries.size(); ++i) {
+    const QueryWork& w = plan.queries[i];
+    if (!w.self_pairs) continue;
+    const Mode mode = scene.queries[i].mode;
+    const bool stream = mode == Mode::kAll || mode == Mode::kHits;
+    const char* sep = e.why.empty() ? "" : "; ";
+    e.why += fmt::format("{}{} has an object on both sides: no shape meets itself{}", sep, w.name,
+                         stream ? ", and each pair counts once" : "");
+    const std::uint64_t all = (w.primaries - w.masked) * w.secondaries;
+    e.cost += fmt::format("{}{} of {} tests in {} passes instead of {}", sep, w.tests, all,
+                          w.passes, w.packets);
+  }
+  return e;
+}
+
+Effect roles(const Plan& plan) {
+  return {"exchange of roles", plan.board.swap, plan.board.swap ? "built in" : "none",
+          plan.board.swap ? "a query has the pair's second shape as primaries"
+                          : "every query has the pair's first shape as primaries",
+          simulation_text("exchange of roles")};
+}
+
+Effect residence(const Plan& plan) {
+  Effect e{"re-upload of secondaries", !plan.resident, plan.resident ? "none" : "every pass", "",
+           ""};
+  const std::uint64_t all = total(plan, &QueryWork::secondary_words);
+  e.why = plan.resident ? "all queries have the same secondaries, which stay in DDR"
+                        : "queries have different secondaries, and DDR holds those of one";
+  e.cost = fmt::format("{}{} words a frame", plan.resident ? "would be " : "", all);
+  return e;
+}
+
+std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
+                               const std::vector<Effect>& movers) {
+  const bool trace = plan.board.trace, cycle = plan.board.bus == Bus::kCycle;
+  const bool banks = scene.card.cycle_memory;
+  std::vector<Effect> effects = {
+      pipes(scene, plan),
+      box_rule(scene, plan),
+      lanes(scene, plan),
+      arithmetic(plan),
+      modes(scene, plan),
+      normals(scene, plan),
+      masks(plan),
+      roles(plan),
+      residence(plan),
+      {"two pairs at a time", false, "none", "queries run one after another",
+       simulation_text("two pairs at a time")},
+      {"bus timing", cycle, cycle ? "cycle" : "functional",
+       fmt::format("{}; host {}, {} bits, bursts of {} bytes",
+                   cycle ? "asked for: PCI clock by clock"
+                         : "what PCI would take is computed, not simulated",
+                   scene.card.host.name, scene.card.narrow ? 32 : 64, scene.card.burst),
+       simulation_text("bus timing")},
+      {"memory timing", banks, banks ? "cycle" : "ideal",
+       banks ? "asked for: DDR-400 with banks, rows and refresh"
+             : "a slot a clock behind a fixed latency",
+       simulation_text("memory timing")},
+      {"ecc", plan.board.ecc, plan.board.ecc ? "check bits in DDR" : "none",
+       plan.board.ecc ? "asked for" : "not asked for", simulation_text("ecc")},
+      {"trace", trace, trace ? "waves can be written" : "none",
+       trace ? "asked for" : "not asked for",
+       simulation_text("trace") + " even while none are written"},
+  };
+  if (std::any_of(plan.queries.begin(), plan.queries.end(),
+                  [](const QueryWork& w) { return w.self_pairs; }))
+    effects.insert(effects.begin() + 7, self_pairs(scene, plan));
+  effects.insert(effects.begin() + 4, movers.begin(), movers.end());
+  return effects;
+}
+
+/// The transformer and its tables.
+void add_movers(const Scene& scene, const plan_mover::Movers& movers, Plan& plan) {
+  plan.card_moves = movers.secondaries;
+  plan.card_moves_primaries = movers.primaries;
+  const auto any = [](const std::vector<bool>& some) {
+    return std::find(some.begin(), some.end(), true) != some.end();
+  };
+  if (any(movers.secondaries)) {
+    plan.board.transform = Transformer::kSecondaries;
+    while (plan.board.objects < movers.entries) plan.board.objects *= 2;
+  }
+  if (any(movers.primaries)) plan.board.transform = Transformer::kBoth;
+  for (std::size_t q = 0; q < plan.queries.size(); ++q) {
+    for (const std::size_t i : scene.queries[q].secondaries)
+      plan.queries[q].moved_words +=
+          plan_mover::words_a_frame(scene, scene.objects[i], movers.secondaries[i]);
+    if (movers.primary_words) plan.queries[q].primary_words = q == 0 ? *movers.primary_words : 0;
+  }
+}
+
+}  // namespace
+
+std::optional<double> simulation_cost(std::string_view effect) {
+  for (const Cost& c : kCosts)
+    if (c.effect == effect) return c.times;
+  return std::nullopt;
+}
+
+std::string simulation_text(std::string_view effect) {
+  const std::optional<double> times = simulation_cost(effect);
+  return times ? fmt::format("simulation takes {:.1f} times as long (cde bench effects)", *times)
+               : "not measured";
+}
+
+Plan plan(const Scene& scene) {
+  Plan plan;
+  plan.board = board_of(scene);
+  for (const SceneQuery& q : scene.queries) {
+    plan.queries.push_back(work_of(scene, q, plan.board.lanes));
+    plan.resident = plan.resident && q.secondaries == scene.queries.front().secondaries;
+  }
+  check_capacity(scene, plan);
+  const plan_mover::Movers movers = plan_mover::choose(scene, plan.resident);
+  add_movers(scene, movers, plan);
+  plan.effects = effects_of(scene, plan, movers.effects);
+  return plan;
+}
+
+void use_built_card(const Scene& scene, Plan& plan) {
+  const bool small = std::all_of(plan.queries.begin(), plan.queries.end(),
+                                 [](const QueryWork& w) { return w.primaries <= kPacket; });
+  if (!small) return;
+  const auto card =
+      built_card(plan.board, scene.card, [&](unsigned lanes) { return rows_of(scene, lanes); });
+  if (!card) return;
+  plan.stands_in_for = {plan.board, card->times};
+  plan.board = card->board;
+  for (std::size_t i = 0; i < plan.queries.size(); ++i)
+    plan.queries[i].rows = work_of(scene, scene.queries[i], plan.board.lanes).rows;
+}
+
+}  // namespace cde

@@ -1,0 +1,200 @@
+#include "scene/plan_mover.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "scene/self_pairs.hpp"
+
+namespace cde::plan_mover {
+namespace {
+
+constexpr unsigned kMostEntries = 2048;  // that an object table can have
+constexpr std::uint64_t kPacket = 256;
+
+using Group = std::vector<std::size_t>;  // numbers of objects
+using Side = Group SceneQuery::*;
+
+/// Every object that is on this side of some query, ascending.
+Group used(const Scene& scene, Side side) {
+  Group all;
+  for (const SceneQuery& q : scene.queries)
+    all.insert(all.end(), (q.*side).begin(), (q.*side).end());
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+Group moving(const Scene& scene, const Group& objects) {
+  Group some;
+  for (const std::size_t i : objects)
+    if (!is_still(scene, scene.objects[i])) some.push_back(i);
+  return some;
+}
+
+std::uint64_t slot_words(const SceneObject& object) {
+  return words(shape_of(object.shapes));
+}
+
+/// Entries of an object table: one, or one a shape where every shape moves on its own.
+std::uint64_t entries(const SceneObject& object) {
+  return has_member_poses(object) ? size(object.shapes) : 1;
+}
+
+/// Of a query that sweeps these: those that the card does not move have an entry too.
+std::uint64_t entries(const Scene& scene, const Group& objects, const std::vector<bool>& by_card) {
+  std::uint64_t sum = 0;
+  for (const std::size_t i : objects) sum += by_card[i] ? entries(scene.objects[i]) : 1;
+  return sum;
+}
+
+std::string objects(std::uint64_t n) {
+  return fmt::format("{} object{}", n, n == 1 ? "" : "s");
+}
+
+struct Sums {
+  std::uint64_t host = 0, card = 0, chosen = 0;  ///< words a frame of objects that move
+  std::uint64_t entries = 0;                     ///< of all that move
+};
+
+Sums sums_of(const Scene& scene, const Group& moving, const std::vector<bool>& by_card) {
+  Sums sums;
+  for (const std::size_t i : moving) {
+    const SceneObject& object = scene.objects[i];
+    sums.host += words_a_frame(scene, object, false);
+    sums.card += words_a_frame(scene, object, true);
+    sums.chosen += words_a_frame(scene, object, by_card[i]);
+    sums.entries += entries(object);
+  }
+  return sums;
+}
+
+/// Whether a query keeps a record a primary and leaves out pairs: its passes sweep what lies
+/// before, among and behind the packet's own shapes, which objects of the card do not allow.
+bool sweeps_ranges(const Scene& scene) {
+  return std::any_of(scene.queries.begin(), scene.queries.end(), [&](const SceneQuery& q) {
+    return q.mode != Mode::kAll && q.mode != Mode::kHits && SelfPairs(scene, q).any();
+  });
+}
+
+void choose_secondaries(const Scene& scene, bool resident, Movers& movers) {
+  const Group move = moving(scene, used(scene, &SceneQuery::secondaries));
+  const bool asked = scene.card.mover == Mover::kCard;
+  std::vector<bool>& by_card = movers.secondaries;
+  for (const std::size_t i : move)
+    by_card[i] = asked || words_a_frame(scene, scene.objects[i], true) <
+                              words_a_frame(scene, scene.objects[i], false);
+  const bool cheaper = std::any_of(by_card.begin(), by_card.end(), [](bool b) { return b; });
+  for (const SceneQuery& q : scene.queries) {
+    const std::uint64_t n = entries(scene, q.secondaries, by_card);
+    if (asked && n > kMostEntries)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{}: card, mover = \"card\": query '{}' has {} of secondaries, every "
+                              "shape that moves on its own being one, but a card's table holds {}; "
+                              "use mover = \"host\"",
+                              printable_name(scene.file), q.name, objects(n), kMostEntries));
+    movers.entries = std::max(movers.entries,
+                              static_cast<unsigned>(std::min<std::uint64_t>(n, kMostEntries + 1)));
+  }
+  Effect e{"transformer", false, "none", "", ""};
+  if (move.empty()) {
+    e.why = "no secondary moves as a rigid body";
+    e.cost = simulation_text(e.name);
+  } else if (scene.card.mover == Mover::kHost) {
+    e.why = "mover = \"host\": what moves is posed by the host and uploaded again";
+  } else if (asked) {
+    e.why = "asked for: mover = \"card\"";
+  } else if (scene.frames == 1) {
+    e.why = "in a single frame everything is uploaded once";
+  } else if (!resident) {
+    e.why = "queries have different secondaries, which are uploaded again for each of them";
+  } else if (sweeps_ranges(scene)) {
+    e.why = "a query leaves out pairs of a thing with itself, and for that sweeps parts of DDR";
+  } else if (!cheaper) {
+    e.why = "uploading what moves again takes no more words";
+  } else if (movers.entries > kMostEntries) {
+    e.why = fmt::format("more objects than the {} of a card's table", kMostEntries);
+  } else {
+    e.why = "moving an object takes 12 words";
+    e.used = true;
+  }
+  e.used = e.used || (asked && !move.empty());
+  if (!e.used) by_card.assign(by_card.size(), false);
+  const Sums sums = sums_of(scene, move, by_card);
+  if (e.used) {
+    e.choice = "secondaries";
+    e.cost = fmt::format("{} words a frame; the host would upload {}", sums.chosen, sums.host);
+  } else if (!move.empty()) {
+    e.cost = fmt::format("uploads {} words a frame; a transformer would take {} for {}", sums.host,
+                         sums.card, objects(sums.entries));
+  }
+  movers.effects.push_back(e);
+}
+
+/// Why primaries do not stay in the register file from frame to frame; empty if they do.
+std::string against_staying(const Scene& scene) {
+  const Group& all = scene.queries.front().primaries;
+  std::uint64_t count = 0;
+  for (const std::size_t i : all) count += size(scene.objects[i].shapes);
+  for (const SceneQuery& q : scene.queries)
+    if (q.primaries != all) return "queries have different primaries, which are loaded for each";
+  if (count > kPacket) return "they are loaded packet by packet";
+  for (const std::size_t i : all)
+    if (!deforming(scene.objects[i]).empty()) return "they are other ones in every frame";
+  return "";
+}
+
+/// The same of moving them on the card, which is 12 words each of `objects`.
+std::string against_moving(const Scene& scene, std::uint64_t objects, std::uint64_t load) {
+  const unsigned most = BoardConfig{}.primary_objects;
+  if (objects == 0) return "no primary moves as a rigid body";
+  if (scene.card.mover == Mover::kHost) return "mover = \"host\"";
+  if (scene.frames == 1) return "in a single frame everything is loaded once";
+  if (objects > most) return fmt::format("more objects than the {} of a card's table", most);
+  if (12 * objects >= load) return "loading them again takes no more words";
+  return "";
+}
+
+void choose_primaries(const Scene& scene, Movers& movers) {
+  const Group move = moving(scene, used(scene, &SceneQuery::primaries));
+  std::uint64_t load = 0, n = 0;
+  for (const std::size_t i : scene.queries.front().primaries)
+    load += size(scene.objects[i].shapes) * slot_words(scene.objects[i]);
+  for (const std::size_t i : move) n += entries(scene.objects[i]);
+  const std::string load_again = against_staying(scene);
+  Effect e{"transformer of primaries", false, "none", "", ""};
+  e.why = load_again.empty() ? against_moving(scene, n, load) : load_again;
+  if (e.why.empty()) {
+    e.used = true;
+    e.choice = objects(n);
+    e.why = "they stay in the register file";
+    e.cost = fmt::format("{} words a frame; the host would load {}", 12 * n, load);
+    for (const std::size_t i : move) movers.primaries[i] = true;
+  }
+  if (load_again.empty() && (e.used || n == 0)) movers.primary_words = 12 * n;
+  if (!e.used) e.cost = movers.primary_words ? "0 words a frame" : "loaded in every pass";
+  movers.effects.push_back(e);
+}
+
+}  // namespace
+
+std::uint64_t words_a_frame(const Scene& scene, const SceneObject& object, bool by_card) {
+  std::uint64_t deformed = 0;
+  for (const Range& range : deforming(object)) deformed += range.count;
+  deformed *= slot_words(object);
+  if (is_still(scene, object)) return deformed;
+  return by_card ? deformed + 12 * entries(object) : size(object.shapes) * slot_words(object);
+}
+
+Movers choose(const Scene& scene, bool resident) {
+  Movers movers;
+  movers.secondaries.assign(scene.objects.size(), false);
+  movers.primaries = movers.secondaries;
+  choose_secondaries(scene, resident, movers);
+  choose_primaries(scene, movers);
+  return movers;
+}
+
+}  // namespace cde::plan_mover

@@ -1,0 +1,410 @@
+#include "cde/scene/player.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "cde/reference/pass.hpp"
+#include "cde/support/error.hpp"
+#include "query/record_choice.hpp"
+#include "scene/player_faults.hpp"
+#include "scene/player_objects.hpp"
+#include "scene/self_pairs.hpp"
+
+namespace cde {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::size_t kPacket = 256;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::string text(const Record* r) {
+  if (r == nullptr) return "no record";
+  const auto hex = [](const Eigen::Vector3f& v) {
+    return fmt::format("{:a},{:a},{:a}", v.x(), v.y(), v.z());
+  };
+  return fmt::format("primary {} F={}{} T={:a} CP={} n={} index={}", r->primary, r->f ? 1 : 0,
+                     r->bad ? " bad" : "", r->t, hex(r->cp), hex(r->n),
+                     static_cast<std::int32_t>(r->index));
+}
+
+std::string words_of(const Shapes& shapes, std::size_t i) {
+  return std::visit(
+      [i](const auto& list) {
+        std::string words;
+        for (const float w : to_words(list[i]))
+          words += fmt::format("{}{:a}", words.empty() ? "" : ",", w);
+        return words;
+      },
+      shapes);
+}
+
+/// A command that asks a pair of the same pipe alone.
+std::string question(const SceneQuery& query, const SceneCard& card, const std::string& primary,
+                     const std::string& secondary) {
+  std::string options = fmt::format("cde query {}", name(query.pair));
+  if (query.pair == Pair::kRayTriangle)
+    options += fmt::format(" --algorithm {}{}", name(card.algorithm), card.box ? "" : " --no-box");
+  if (card.arithmetic == Arithmetic::kRtl) options += " --arith rtl";
+  if (has_budget(query.pair))
+    options += fmt::format(" --budget {},{},{}", query.budget.samples, query.budget.circle,
+                           query.budget.free);
+  return fmt::format("echo '{} | {}' | {}", query.swap ? secondary : primary,
+                     query.swap ? primary : secondary, options);
+}
+
+/// Some of the shapes.
+Shapes picked(const Shapes& shapes, const std::vector<std::uint32_t>& numbers) {
+  return std::visit(
+      [&](const auto& list) -> Shapes {
+        std::decay_t<decltype(list)> some;
+        for (const std::uint32_t i : numbers) some.push_back(list[i]);
+        return some;
+      },
+      shapes);
+}
+
+/// Compares the records of one packet with the reference as they arrive; those of primaries that
+/// are not in the sample go by.
+class PassCheck {
+ public:
+  PassCheck(const SceneQuery& query, const SceneCard& card, const Board& board,
+            const SelfPairs& self, const Shapes& primaries, std::vector<std::uint32_t> numbers,
+            const Shapes& secondaries)
+      : query_(query),
+        card_(card),
+        board_(board),
+        primaries_(primaries),
+        secondaries_(secondaries),
+        numbers_(std::move(numbers)),
+        pass_({.pair = query.pair,
+               .algorithm = card.algorithm,
+               .box = card.box,
+               .swap = query.swap,
+               .mode = query.mode,
+               .normals = query.normals,
+               .budget = query.budget,
+               .counts = self.any() ? counting(self) : nullptr},
+              picked(primaries, numbers_), numbers_, secondaries) {}
+
+  void check(std::span<const Record> records, QueryFrame& result) {
+    for (const Record& record : records) {
+      if (!std::binary_search(numbers_.begin(), numbers_.end(), record.primary)) continue;
+      if (pending_.empty()) pending_ = pass_.next();
+      const Record* expected = pending_.empty() ? nullptr : pending_.data();
+      ++result.compared;
+      if (expected == nullptr || !same_bits(record, *expected)) differ(&record, expected, result);
+      if (expected != nullptr) pending_ = pending_.subspan(1);
+    }
+  }
+
+  void finish(QueryFrame& result) {
+    if (pending_.empty()) pending_ = pass_.next();
+    for (; !pending_.empty(); pending_ = pass_.next())
+      for (const Record& expected : pending_) differ(nullptr, &expected, result);
+  }
+
+ private:
+  void differ(const Record* card, const Record* expected, QueryFrame& result) const {
+    if (++result.mismatches > 1) return;
+    std::string& message = result.first_mismatch;
+    message = fmt::format("  card:      {}\n  reference: {}\n", text(card), text(expected));
+    const std::uint32_t primary = (expected != nullptr ? expected : card)->primary;
+    if (card != nullptr && expected != nullptr)
+      message += fmt::format("  differ in: {}\n", differing_fields(*card, *expected));
+    message += fmt::format("  where:     {}\n", place_on_card(board_, primary % kPacket));
+    if (primary < size(primaries_))
+      message += fmt::format("  primary {}: {}\n", primary, words_of(primaries_, primary));
+    for (const Record* r : {card, expected}) {
+      if (r == nullptr || r->index >= size(secondaries_)) continue;
+      const std::string secondary = words_of(secondaries_, r->index);
+      message += fmt::format("  secondary {}: {}\n", r->index, secondary);
+      if (primary < size(primaries_))
+        message += fmt::format("  that pair: {}\n",
+                               question(query_, card_, words_of(primaries_, primary), secondary));
+    }
+  }
+
+  static std::function<bool(std::uint32_t, std::uint32_t)> counting(const SelfPairs& self) {
+    return [&self](std::uint32_t p, std::uint32_t s) { return self.counts(p, s); };
+  }
+
+  const SceneQuery& query_;
+  const SceneCard& card_;
+  const Board& board_;
+  const Shapes& primaries_;
+  const Shapes& secondaries_;
+  std::vector<std::uint32_t> numbers_;
+  reference::Pass pass_;
+  std::span<const Record> pending_;
+};
+
+/// One record a primary, chosen among the records of several passes.
+class Chosen {
+ public:
+  Chosen(const SceneQuery& query, const Shapes& primaries,
+         const std::vector<std::uint32_t>& numbers)
+      : query_(query) {
+    std::visit(
+        [&](const auto& list) {
+          for (const std::uint32_t n : numbers)
+            best_.push_back(unanswered(list[n], n, query.normals));
+        },
+        primaries);
+  }
+  /// Records in ascending order of secondaries.
+  void take(const Record& record) {
+    const auto best =
+        std::lower_bound(best_.begin(), best_.end(), record.primary,
+                         [](const Record& r, std::uint32_t number) { return r.primary < number; });
+    if (better(query_.pair, query_.mode, record, *best)) *best = record;
+  }
+  [[nodiscard]] std::span<const Record> records() const { return best_; }
+
+ private:
+  const SceneQuery& query_;
+  std::vector<Record> best_;  // primaries ascending
+};
+
+}  // namespace
+
+class Player::Impl {
+ public:
+  Impl(const Scene& scene, const Plan& plan, PlayOptions options)
+      : scene_(scene),
+        options_(std::move(options)),
+        board_(Board::open(plan.board, options_of(scene))),
+        secondaries_(board_, scene, plan),
+        primaries_(board_, scene, plan),
+        faults_(board_, options_.faults) {
+    if (!options_.trace.empty()) board_.trace_open(options_.trace);
+  }
+  void trace_close() {
+    if (!options_.trace.empty()) board_.trace_close();
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  std::vector<QueryFrame> play(std::uint32_t frame, const Sink& sink) {
+    faults_.start(frame);
+    std::vector<QueryFrame> results;
+    for (std::size_t q = 0; q < scene_.queries.size(); ++q) results.push_back(run(frame, q, sink));
+    return results;
+  }
+
+  [[nodiscard]] const std::vector<bool>& injected() const { return faults_.done(); }
+  [[nodiscard]] const Board& board() const { return board_; }
+
+ private:
+  static OpenOptions options_of(const Scene& scene) {
+    OpenOptions o;
+    o.memory = scene.card.cycle_memory ? Memory::kCycle : Memory::kIdeal;
+    o.clock_period_ps =
+        static_cast<std::uint32_t>(std::clamp(1e12 / scene.card.clock_hz, 1.0, 4e9));
+    o.host = scene.card.host;
+    o.bus_burst = scene.card.burst;
+    o.narrow_bus = scene.card.narrow;
+    return o;
+  }
+
+  QueryFrame run(std::uint32_t frame, std::size_t number, const Sink& sink) {
+    const SceneQuery& q = scene_.queries[number];
+    QueryFrame result;
+    const auto start = Clock::now();
+    const std::uint64_t before = board_.clocks(), before_ps = board_.time_ps();
+    const std::uint64_t written = board_.words_uploaded();
+    secondaries_.show(q.secondaries, frame);
+    result.secondary_words = board_.words_uploaded() - written;
+    result.secondary_clocks = board_.clocks() - before;
+    result.secondary_ps = board_.time_ps() - before_ps;
+    result.pass_seconds = seconds_since(start);
+    const SelfPairs self(scene_, q);
+    const Shapes& there = secondaries_.placed();
+    faults_.flip(frame, size(there) * words(shape_of(there)));
+    const std::uint64_t shown_ps = board_.time_ps();
+    primaries_.show(q.primaries, frame);
+    result.primary_ps = board_.time_ps() - shown_ps;
+    const std::size_t packets = (size(primaries_.placed()) + kPacket - 1) / kPacket;
+    for (std::size_t packet = 0; packet < packets; ++packet) {
+      const auto progress = [&](double share) {
+        if (options_.progress)
+          options_.progress(frame,
+                            (static_cast<double>(packet) + share) / static_cast<double>(packets));
+      };
+      progress(0);
+      run_packet({frame, number, packet, self, progress, sink}, result);
+    }
+    return result;
+  }
+
+  /// What one packet is about.
+  struct Packet {
+    std::uint32_t frame;
+    std::size_t query, number;
+    const SelfPairs& self;
+    const std::function<void(double)>& progress;
+    const Sink& sink;
+    std::size_t active = 0;  // primaries that are not masked
+  };
+
+  void run_packet(Packet packet, QueryFrame& result) {
+    const SceneQuery& q = scene_.queries[packet.query];
+    const Shapes& primaries = primaries_.placed();
+    const std::size_t first = packet.number * kPacket;
+    const std::size_t count = std::min(kPacket, size(primaries) - first);
+    Query query{.mode = q.mode,
+                .pair = q.pair,
+                .swap = q.swap,
+                .normals = q.normals,
+                .budget = q.budget,
+                .deadline_clocks = options_.deadline_clocks,
+                .watchdog = options_.watchdog};
+    std::vector<std::uint32_t> active;
+    for (std::size_t p = 0; p < count; ++p) {
+      const auto n = static_cast<std::uint32_t>(first + p);
+      query.stencil[p] = contains(q.mask, n);
+      if (!query.stencil[p]) active.push_back(n);
+    }
+    if (active.empty()) return;  // no work for the card
+    packet.active = active.size();
+    std::optional<PassCheck> check;
+    if (options_.check != Check::kNone)
+      check.emplace(q, scene_.card, board_, packet.self, primaries, sampled(active, packet.frame),
+                    secondaries_.placed());
+    const auto deliver = [&](std::span<const Record> records) {
+      for (const Record& r : records) result.hits += r.f ? 1 : 0;
+      result.counters.records += records.size();
+      const auto checking = Clock::now();
+      if (check) check->check(records, result);
+      result.check_seconds += seconds_since(checking);
+      if (packet.sink) packet.sink(packet.query, records);
+    };
+    const auto sweeps = packet.self.sweeps(first, count, secondaries_.moved_by_card());
+    if (!sweeps.empty()) load(first, count, result);
+    if (!packet.self.any() || q.mode == Mode::kAll || q.mode == Mode::kHits) {
+      for (const SelfPairs::Sweep& sweep : sweeps) pass(packet, query, sweep, deliver, result);
+    } else {
+      Chosen chosen(q, primaries, active);
+      for (const SelfPairs::Sweep& sweep : sweeps)
+        pass(
+            packet, query, sweep,
+            [&](std::span<const Record> some) {
+              for (const Record& r : some) chosen.take(r);
+            },
+            result);
+      deliver(chosen.records());
+    }
+    const auto checking = Clock::now();
+    if (check) check->finish(result);
+    result.check_seconds += seconds_since(checking);
+  }
+
+  void load(std::size_t first, std::size_t count, QueryFrame& result) {
+    const auto start = Clock::now();
+    const std::uint64_t before = board_.clocks(), before_ps = board_.time_ps();
+    const std::uint64_t words = board_.words_uploaded();
+    primaries_.load(first, count);
+    result.pass_seconds += seconds_since(start);
+    result.primary_ps += board_.time_ps() - before_ps;
+    result.primary_words += board_.words_uploaded() - words;
+    const std::uint64_t loading = board_.clocks() - before;
+    result.primary_clocks += loading;
+    result.counters.upload_clocks += loading;
+    result.counters.total_clocks += loading;
+  }
+
+  /// One pass of the packet that is loaded; `take` gets the records of pairs that count.
+  void pass(const Packet& packet, Query query, const SelfPairs::Sweep& sweep,
+            const RecordSink& take, QueryFrame& result) {
+    if (!secondaries_.moved_by_card()) {
+      query.first_secondary = static_cast<std::uint32_t>(sweep.first);
+      query.secondary_count = static_cast<std::uint32_t>(sweep.count);
+    }
+    if (sweep.pairwise) query.mode = query.mode == Mode::kAny ? Mode::kHits : Mode::kAll;
+    if (options_.progress) {
+      query.progress = [&](double share) {
+        packet.progress(
+            (static_cast<double>(sweep.first) + share * static_cast<double>(sweep.count)) /
+            static_cast<double>(size(secondaries_.placed())));
+      };
+    }
+    const bool pairwise = query.mode == Mode::kAll || query.mode == Mode::kHits;
+    const auto first = static_cast<std::uint32_t>(packet.number * kPacket);
+    const auto start = Clock::now();
+    double host = 0;
+    std::uint64_t seen = 0;
+    std::vector<Record> renumbered;
+    Counters c = board_.run(query, [&](std::span<const Record> records) {
+      const auto received = Clock::now();
+      result.card_records += records.size();
+      renumbered.clear();
+      for (Record r : records) {
+        r.primary += first;
+        // A bad secondary's number is not in its record, but all records are there, in order.
+        const std::uint64_t secondary =
+            query.mode == Mode::kAll ? sweep.first + seen++ / packet.active : r.index;
+        if (pairwise && !packet.self.counts(r.primary, static_cast<std::uint32_t>(secondary)))
+          continue;
+        renumbered.push_back(r);
+      }
+      if (!renumbered.empty()) take(renumbered);
+      host += seconds_since(received);
+    });
+    result.pass_seconds += seconds_since(start) - host;
+    // The board counts its last load in every pass, and the records that it wrote.
+    c.total_clocks -= c.upload_clocks;
+    c.upload_clocks = 0;
+    c.records = 0;
+    result.counters += c;
+    ++result.passes;
+    result.download_clocks += c.total_clocks - std::min(c.total_clocks, c.cycles + c.writeback);
+  }
+
+  /// The primaries whose records are compared, ascending.
+  [[nodiscard]] std::vector<std::uint32_t> sampled(std::vector<std::uint32_t> active,
+                                                   std::uint32_t frame) const {
+    if (options_.check != Check::kSample || active.size() <= kSampledPrimaries) return active;
+    for (std::uint64_t i = 0; i < kSampledPrimaries; ++i) {
+      const std::uint64_t left = active.size() - i;
+      std::swap(active[i], active[i + random_bits(active[0], frame, i) % left]);
+    }
+    active.resize(kSampledPrimaries);
+    std::sort(active.begin(), active.end());
+    return active;
+  }
+
+  const Scene& scene_;
+  PlayOptions options_;
+  Board board_;
+  player::Secondaries secondaries_;
+  player::Primaries primaries_;
+  player::Faults faults_;
+};
+
+Player::Player(const Scene& scene, const Plan& plan, PlayOptions options) {
+  for (const ScheduledFault& fault : options.faults) check_fault(fault, plan.board);
+  impl_ = std::make_unique<Impl>(scene, plan, std::move(options));
+}
+Player::~Player() = default;
+
+std::vector<QueryFrame> Player::play(std::uint32_t frame, const Sink& sink) {
+  return impl_->play(frame, sink);
+}
+
+const std::vector<bool>& Player::injected() const {
+  return impl_->injected();
+}
+
+void Player::trace_close() {
+  impl_->trace_close();
+}
+
+const Board& Player::board() const {
+  return impl_->board();
+}
+
+}  // namespace cde

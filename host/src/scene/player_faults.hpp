@@ -1,0 +1,30 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "cde/card/board.hpp"
+#include "cde/card/fault.hpp"
+
+/// Faults at their time. Private to the player.
+namespace cde::player {
+
+class Faults {
+ public:
+  Faults(Board& board, std::vector<ScheduledFault> all)
+      : board_(&board), all_(std::move(all)), done_(all_.size(), false) {}
+
+  /// Those on the bus, at the start of a frame.
+  void start(std::uint32_t frame);
+  /// Those in DDR, of which passes read this many words. Error kUsage if that is too few.
+  void flip(std::uint32_t frame, std::uint64_t words);
+
+  [[nodiscard]] const std::vector<bool>& done() const { return done_; }
+
+ private:
+  void flip(const ScheduledFault& fault, std::uint64_t stream, std::uint64_t words);
+  Board* board_;
+  std::vector<ScheduledFault> all_;
+  std::vector<bool> done_;
+};
+
+}  // namespace cde::player

@@ -1,0 +1,330 @@
+#include "scene/toml_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cde/support/message.hpp"
+#include "support/text.hpp"
+
+namespace cde::toml_reader {
+namespace {
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string type_name(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::table:
+      return "a table";
+    case toml::node_type::array:
+      return "an array";
+    case toml::node_type::string:
+      return "a text";
+    case toml::node_type::integer:
+    case toml::node_type::floating_point:
+      return "a number";
+    case toml::node_type::boolean:
+      return "true or false";
+    default:
+      return "a date or time";
+  }
+}
+
+std::string range_text(const Limits& limits) {
+  const Limits all;
+  if (limits.min <= all.min && limits.max >= all.max) return "a number of fp32";
+  if (limits.max >= all.max) return fmt::format("{} {}", limits.above ? ">" : ">=", limits.min);
+  return fmt::format("{} {} and <= {}", limits.above ? ">" : ">=", limits.min, limits.max);
+}
+
+}  // namespace
+
+std::string suggestion(std::string_view word, const std::vector<std::string>& candidates) {
+  const std::string* best = nullptr;
+  std::size_t least = std::max<std::size_t>(2, word.size() / 2) + 1;
+  if (word.size() > 64) return "";
+  for (const std::string& candidate : candidates) {
+    const std::size_t d = edit_distance(word, candidate);
+    if (d < least && d < candidate.size()) least = d, best = &candidate;
+  }
+  return best != nullptr ? fmt::format(" (did you mean '{}'?)", *best) : "";
+}
+
+toml::table parse(std::string_view text, const std::string& file) {
+  try {
+    return toml::parse(text, file);
+  } catch (const toml::parse_error& e) {
+    throw Error(ErrorCode::kFile,
+                fmt::format("{}:{}:{}: {}", printable_name(file), e.source().begin.line,
+                            e.source().begin.column, e.description()));
+  }
+}
+
+// ---- Messages ----
+
+std::string Table::path(const char* key) const {
+  if (where_.empty()) return key;
+  return *key == '\0' ? where_ : fmt::format("{}, {}", where_, key);
+}
+
+void Table::fail_at(ErrorCode code, const toml::source_position& at, const char* key,
+                    const std::string& why) const {
+  const std::string path = this->path(key);
+  throw Error(code, fmt::format("{}:{}:{}: {}{}{}", printable_name(*file_), at.line, at.column,
+                                path, path.empty() ? "" : ": ", printable_name(why)));
+}
+
+void Table::fail(ErrorCode code, const char* key, const std::string& why) const {
+  const toml::node* node = *key != '\0' ? table_->get(key) : nullptr;
+  fail_at(code, (node != nullptr ? *node : *table_).source().begin, key, why);
+}
+
+void Table::wrong_type(const char* key, const toml::node& node, const char* wanted) const {
+  fail_at(ErrorCode::kFile, node.source().begin, key,
+          fmt::format("must be {}, not {}", wanted, type_name(node)));
+}
+
+std::string Table::place() const {
+  const auto& at = table_->source().begin;
+  return fmt::format("{}:{}:{}", *file_, at.line, at.column);
+}
+
+void Table::also_known(const std::vector<std::string>& keys) {
+  known_.insert(known_.end(), keys.begin(), keys.end());
+}
+
+const toml::node* Table::find(const char* key, bool optional) {
+  known_.emplace_back(key);
+  const toml::node* node = table_->get(key);
+  if (node == nullptr && !optional) {
+    std::string near;
+    for (const auto& [other, value] : *table_) {
+      if (std::find(known_.begin(), known_.end(), other.str()) == known_.end() &&
+          !suggestion(other.str(), {key}).empty())
+        near = fmt::format("; '{}' is no key", other.str());
+    }
+    fail(ErrorCode::kFile, "", fmt::format("the key '{}' is missing{}", key, near));
+  }
+  return node;
+}
+
+void Table::finish() const {
+  for (const auto& [key, value] : *table_) {
+    if (std::find(known_.begin(), known_.end(), key.str()) != known_.end()) continue;
+    const std::string name(key.str());
+    fail_at(ErrorCode::kFile, key.source().begin, "",
+            fmt::format("there is no key {} here{}", in_quotes(name), suggestion(name, known_)));
+  }
+}
+
+// ---- Values ----
+
+std::string Table::text(const char* key, std::optional<std::string> fallback) {
+  const toml::node* node = find(key, fallback.has_value());
+  if (node == nullptr) return *fallback;
+  const auto* value = node->as_string();
+  if (value == nullptr) wrong_type(key, *node, "a text");
+  return value->get();
+}
+
+bool Table::flag(const char* key, bool fallback) {
+  const toml::node* node = find(key, true);
+  if (node == nullptr) return fallback;
+  const auto* value = node->as_boolean();
+  if (value == nullptr) wrong_type(key, *node, "true or false");
+  return value->get();
+}
+
+double Table::number_of(const char* key, const toml::node& node, const Limits& limits) const {
+  if (!node.is_number()) wrong_type(key, node, "a number");
+  const double value = *node.value<double>();
+  const bool legal =
+      std::isinf(value)
+          ? limits.infinite
+          : value <= limits.max && (limits.above ? value > limits.min : value >= limits.min);
+  if (!legal || std::isnan(value))
+    fail_at(ErrorCode::kBadInput, node.source().begin, key,
+            fmt::format("is {}; it must be {}", value, range_text(limits)));
+  return value;
+}
+
+double Table::number(const char* key, std::optional<double> fallback, const Limits& limits) {
+  const toml::node* node = find(key, fallback.has_value());
+  return node != nullptr ? number_of(key, *node, limits) : *fallback;
+}
+
+std::optional<std::int64_t> Table::whole(const char* key, bool optional, std::int64_t min,
+                                         std::int64_t max) {
+  const toml::node* node = find(key, optional);
+  if (node == nullptr) return std::nullopt;
+  const auto* value = node->as_integer();
+  if (value == nullptr) wrong_type(key, *node, "a whole number");
+  if (value->get() < min || value->get() > max)
+    fail(key, fmt::format("is {}; it must be {} to {}", value->get(), min, max));
+  return value->get();
+}
+
+Eigen::Vector3d Table::vector_of(const char* key, const toml::node& node) const {
+  const toml::array* array = node.as_array();
+  if (array == nullptr) wrong_type(key, node, "an array of 3 numbers");
+  if (array->size() != 3)
+    fail_at(ErrorCode::kFile, node.source().begin, key,
+            fmt::format("must be an array of 3 numbers, not of {}", array->size()));
+  Eigen::Vector3d v;
+  for (int k = 0; k < 3; ++k) v[k] = number_of(key, (*array)[static_cast<std::size_t>(k)], {});
+  return v;
+}
+
+Eigen::Vector3d Table::vector(const char* key, std::optional<Eigen::Vector3d> fallback) {
+  const toml::node* node = find(key, fallback.has_value());
+  return node != nullptr ? vector_of(key, *node) : *fallback;
+}
+
+std::vector<double> Table::numbers(const char* key, std::size_t count) {
+  const toml::node* node = find(key, false);
+  const toml::array* array = node->as_array();
+  if (array == nullptr || array->size() != count)
+    wrong_type(key, *node, fmt::format("an array of {} numbers", count).c_str());
+  std::vector<double> values;
+  for (const toml::node& value : *array) values.push_back(number_of(key, value, {}));
+  return values;
+}
+
+std::vector<Eigen::Vector3d> Table::vectors(const char* key) {
+  const toml::node* node = find(key, false);
+  const toml::array* array = node->as_array();
+  if (array == nullptr) wrong_type(key, *node, "an array of points");
+  if (array->empty()) fail(key, "is empty");
+  std::vector<Eigen::Vector3d> values;
+  for (const toml::node& value : *array) values.push_back(vector_of(key, value));
+  return values;
+}
+
+std::vector<std::string> Table::texts(const char* key) {
+  const toml::node* node = find(key, false);
+  const char* const wanted = "a text or an array of texts";
+  if (const auto* one = node->as_string()) return {one->get()};
+  const toml::array* array = node->as_array();
+  if (array == nullptr) wrong_type(key, *node, wanted);
+  if (array->empty()) fail(key, "is empty");
+  std::vector<std::string> values;
+  for (const toml::node& value : *array) {
+    if (value.as_string() == nullptr) wrong_type(key, value, wanted);
+    values.push_back(value.as_string()->get());
+  }
+  return values;
+}
+
+std::vector<Range> Table::number_ranges(const char* key, std::int64_t max) {
+  const toml::node* node = find(key, true);
+  if (node == nullptr) return {};
+  const toml::array* array = node->as_array();
+  if (array == nullptr) wrong_type(key, *node, "an array of numbers and \"FIRST..LAST\"");
+  std::vector<Range> all;
+  const auto add = [&](const toml::node& at, std::int64_t first, std::int64_t last) {
+    if (first < 0 || last < first || last > max)
+      fail_at(ErrorCode::kBadInput, at.source().begin, key,
+              fmt::format("{}..{} must be ascending and within 0..{}", first, last, max));
+    all.push_back({static_cast<std::size_t>(first), static_cast<std::size_t>(last - first + 1)});
+  };
+  for (const toml::node& value : *array) {
+    if (const auto* number = value.as_integer()) {
+      add(value, number->get(), number->get());
+      continue;
+    }
+    if (value.as_string() == nullptr) wrong_type(key, value, "a number or \"FIRST..LAST\"");
+    const std::string& range = value.as_string()->get();
+    const std::size_t dots = range.find("..");
+    std::int64_t first = 0, last = 0;
+    if (dots == std::string::npos ||
+        !text::parse_int(std::string_view(range).substr(0, dots), first) ||
+        !text::parse_int(std::string_view(range).substr(dots + 2), last))
+      fail_at(ErrorCode::kFile, value.source().begin, key,
+              fmt::format("{} is not FIRST..LAST", in_quotes(range)));
+    add(value, first, last);
+  }
+  std::sort(all.begin(), all.end(),
+            [](const Range& a, const Range& b) { return a.first < b.first; });
+  std::vector<Range> merged;
+  for (const Range& range : all) {
+    if (merged.empty() || range.first > merged.back().first + merged.back().count) {
+      merged.push_back(range);
+      continue;
+    }
+    Range& before = merged.back();
+    before.count = std::max(before.count, range.first + range.count - before.first);
+  }
+  return merged;
+}
+
+std::size_t Table::choice(const char* key, const std::vector<std::string>& words,
+                          std::optional<std::size_t> fallback) {
+  if (fallback && !has(key)) {
+    (void)find(key, true);
+    return *fallback;
+  }
+  const std::string word = text(key);
+  const auto found = std::find(words.begin(), words.end(), word);
+  if (found == words.end())
+    fail(key, fmt::format("{} is none of {}{}", in_quotes(word), fmt::join(words, ", "),
+                          suggestion(word, words)));
+  return static_cast<std::size_t>(found - words.begin());
+}
+
+std::optional<Table> Table::table(const char* key) {
+  const toml::node* node = find(key, true);
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_table()) wrong_type(key, *node, "a table");
+  return Table(*file_, *node->as_table(), path(key));
+}
+
+Tables Table::tables(const char* key) {
+  const toml::node* node = find(key, true);
+  if (node == nullptr) return {};
+  if (node->is_table()) return {Table(*file_, *node->as_table(), path(key))};
+  const toml::array* array = node->as_array();
+  if (array == nullptr) wrong_type(key, *node, "a table or an array of tables");
+  if (array->empty()) fail(key, "is empty");
+  Tables all;
+  for (const toml::node& value : *array) {
+    if (!value.is_table()) wrong_type(key, value, "a table");
+    all.emplace_back(*file_, *value.as_table(), fmt::format("{} {}", path(key), all.size()));
+  }
+  return all;
+}
+
+std::string Table::one_of(const std::vector<std::string>& keys) {
+  also_known(keys);
+  std::vector<std::string> there;
+  for (const std::string& key : keys)
+    if (has(key.c_str())) there.push_back(key);
+  if (there.size() > 1)
+    fail(ErrorCode::kFile, there[1].c_str(),
+         fmt::format("excludes '{}'; there must be one of {}", there[0], fmt::join(keys, ", ")));
+  if (there.empty()) {
+    for (const auto& [key, value] : *table_) {
+      const std::string name(key.str()), meant = suggestion(name, keys);
+      if (!meant.empty() && std::find(known_.begin(), known_.end(), name) == known_.end())
+        fail_at(ErrorCode::kFile, key.source().begin, "",
+                fmt::format("there is no key {} here{}", in_quotes(name), meant));
+    }
+    fail(ErrorCode::kFile, "", fmt::format("there must be one of {}", fmt::join(keys, ", ")));
+  }
+  return there[0];
+}
+
+}  // namespace cde::toml_reader

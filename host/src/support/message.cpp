@@ -1,0 +1,109 @@
+#include "cde/support/message.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <cstdio>
+
+namespace cde {
+namespace {
+
+struct Character {
+  std::size_t length = 1;
+  std::uint32_t code = 0;
+  bool valid = false;
+};
+
+/// The first character of a text that is not empty, as Unicode's table 3-7 has well-formed UTF-8.
+/// One that is not has the length of the longest part that could begin one.
+Character first(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const std::uint32_t lead = byte(0);
+  if (lead < 0x80) return {1, lead, true};
+  const std::size_t length = lead >= 0xc2 && lead <= 0xdf   ? 2
+                             : lead >= 0xe0 && lead <= 0xef ? 3
+                             : lead >= 0xf0 && lead <= 0xf4 ? 4
+                                                            : 1;
+  if (length == 1) return {};
+  std::uint32_t code = lead & (0x7fu >> length);
+  for (std::size_t i = 1; i < length; ++i) {
+    if (i == text.size()) return {i, 0, false};
+    std::uint32_t low = 0x80, high = 0xbf;
+    if (i == 1) {
+      if (lead == 0xe0) low = 0xa0;
+      if (lead == 0xed) high = 0x9f;
+      if (lead == 0xf0) low = 0x90;
+      if (lead == 0xf4) high = 0x8f;
+    }
+    if (byte(i) < low || byte(i) > high) return {i, 0, false};
+    code = code << 6 | (byte(i) & 0x3fu);
+  }
+  return {length, code, true};
+}
+
+bool controls(std::uint32_t code) {
+  return code < 0x20 || (code >= 0x7f && code <= 0x9f) || code == 0x200e || code == 0x200f ||
+         (code >= 0x202a && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
+}
+
+enum class Style { kText, kJson };
+
+std::string escaped(std::string_view text, std::string_view allowed, Style style = Style::kText) {
+  std::string out;
+  out.reserve(text.size());
+  while (!text.empty()) {
+    const Character c = first(text);
+    const std::string_view bytes = text.substr(0, c.length);
+    if (!c.valid)
+      for (const char b : bytes) out += fmt::format("\\x{:02x}", static_cast<unsigned char>(b));
+    else if (!controls(c.code) || allowed.find(bytes) != std::string_view::npos)
+      out += bytes;
+    else if (c.code <= 0xff && style == Style::kText)
+      out += fmt::format("\\x{:02x}", c.code);
+    else
+      out += fmt::format("\\u{:04x}", c.code);
+    text.remove_prefix(c.length);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string printable(std::string_view text) {
+  return escaped(text, "\n\t");
+}
+
+std::string printable_name(std::string_view name) {
+  return escaped(name, "");
+}
+
+std::string printable_json(std::string_view json) {
+  return escaped(json, "\n", Style::kJson);
+}
+
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t kLongest = 48;  // characters
+  std::string_view rest = text;
+  for (std::size_t n = 0; n < kLongest && !rest.empty(); ++n)
+    rest.remove_prefix(first(rest).length);
+  return fmt::format("'{}{}'", printable_name(text.substr(0, text.size() - rest.size())),
+                     rest.empty() ? "" : "...");
+}
+
+std::string valid_utf8(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  while (!text.empty()) {
+    const Character c = first(text);
+    out += c.valid ? text.substr(0, c.length) : "\xef\xbf\xbd";
+    text.remove_prefix(c.length);
+  }
+  return out;
+}
+
+void say(std::string_view text) {
+  const std::string shown = printable(text);
+  (void)std::fwrite(shown.data(), 1, shown.size(), stderr);
+}
+
+}  // namespace cde

@@ -1,0 +1,408 @@
+#include "cde/support/output_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <charconv>
+#include <climits>
+#include <cstring>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "cde/support/message.hpp"
+
+namespace cde {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kMark = ".cde-";  // NAME.cde-PID-RANDOM
+constexpr std::size_t kRandom = 6;
+constexpr std::string_view kRandomDigits = "abcdefghijklmnopqrstuvwxyz0123456789";
+
+/// Names that remove_unfinished() takes away. Slots are never freed, so that a handler can walk
+/// along them at any time.
+struct Slot {
+  std::atomic<const char*> name;
+  Slot* next;
+};
+using Slots = std::atomic<Slot*>;
+Slots files{nullptr}, folders{nullptr};
+
+void remember(Slots& slots, const char* name) {
+  for (Slot* slot = slots.load(); slot != nullptr; slot = slot->next) {
+    const char* none = nullptr;
+    if (slot->name.compare_exchange_strong(none, name)) return;
+  }
+  Slot* const slot = new Slot{name, slots.load()};
+  while (!slots.compare_exchange_weak(slot->next, slot)) {
+  }
+}
+
+void forget(Slots& slots, const char* name) {
+  for (Slot* slot = slots.load(); slot != nullptr; slot = slot->next) {
+    const char* expected = name;
+    if (slot->name.compare_exchange_strong(expected, nullptr)) return;
+  }
+}
+
+[[noreturn]] void fail(const fs::path& path, const char* doing, int number) {
+  throw Error(ErrorCode::kFile, fmt::format("{}: cannot {}: {}", printable_name(path.string()),
+                                            doing, std::strerror(number)));
+}
+
+/// Where a name leads.
+struct Target {
+  fs::path path;                  ///< no link
+  std::optional<int> descriptor;  ///< of this process, as /dev/stdout and /dev/fd/N are
+  std::optional<struct stat> info;
+};
+
+std::optional<struct stat> info_of(int descriptor) {
+  struct stat info {};
+  if (::fstat(descriptor, &info) != 0) return std::nullopt;
+  return info;
+}
+
+/// Follows the links of the last part by hand: those in /proc/self/fd are no paths, and a link to
+/// what is not there yet says where it is to be.
+Target follow(const fs::path& named) {
+  constexpr int kMostLinks = 40;
+  fs::path path = named;
+  for (int links = 0; links < kMostLinks; ++links) {
+    if (!path.has_filename()) fail(named, "write", path.empty() ? ENOENT : EISDIR);
+    std::error_code error;
+    const fs::path folder =
+        fs::canonical(path.has_parent_path() ? path.parent_path() : fs::path("."), error);
+    if (error) fail(named, "create", error.value());
+    const std::string name = path.filename();
+    if (folder == fs::path("/proc") / std::to_string(::getpid()) / "fd") {
+      int number = 0;
+      const auto [stop, bad] = std::from_chars(name.data(), name.data() + name.size(), number);
+      if (bad != std::errc() || stop != name.data() + name.size()) fail(named, "write", ENOENT);
+      const auto info = info_of(number);
+      if (!info) fail(named, "write", EBADF);
+      return {folder / name, number, info};
+    }
+    path = folder / name;
+    struct stat info {};
+    if (::lstat(path.c_str(), &info) != 0) {
+      if (errno == ENOENT) return {path, std::nullopt, std::nullopt};
+      fail(named, "write", errno);
+    }
+    if (!S_ISLNK(info.st_mode)) {
+      if (S_ISDIR(info.st_mode)) fail(named, "write", EISDIR);
+      return {path, std::nullopt, info};
+    }
+    const fs::path link = fs::read_symlink(path, error);
+    if (error) fail(named, "write", error.value());
+    path = folder / link;  // an absolute one replaces the folder
+  }
+  fail(named, "write", ELOOP);
+}
+
+/// NAME of NAME.cde-PID-RANDOM: no longer than leaves room for the rest.
+std::string_view stem(std::string_view name) {
+  constexpr std::size_t kMost = NAME_MAX - kMark.size() - 10 - 1 - kRandom;
+  return name.substr(0, kMost);
+}
+
+struct Unfinished {
+  std::string_view name;
+  pid_t process = 0;
+};
+
+std::optional<Unfinished> unfinished(std::string_view file) {
+  const std::size_t mark = file.rfind(kMark);
+  if (mark == std::string_view::npos) return std::nullopt;
+  const std::string_view rest = file.substr(mark + kMark.size());
+  const std::size_t dash = rest.find('-');
+  if (dash == std::string_view::npos || rest.size() - dash - 1 != kRandom) return std::nullopt;
+  if (rest.find_first_not_of(kRandomDigits, dash + 1) != std::string_view::npos)
+    return std::nullopt;
+  pid_t process = 0;
+  const auto [stop, bad] = std::from_chars(rest.data(), rest.data() + dash, process);
+  if (bad != std::errc() || stop != rest.data() + dash || process <= 0) return std::nullopt;
+  return Unfinished{file.substr(0, mark), process};
+}
+
+/// Removes an unfinished file if it is ours and nobody works on it: its process has ended, and so
+/// has its lock, which also one in another container holds that sees the same folder.
+void sweep(const fs::path& file, pid_t process) {
+  if (::kill(process, 0) == 0 || errno != ESRCH) return;
+  const int fd = ::open(file.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0) return;
+  const auto info = info_of(fd);
+  if (info && S_ISREG(info->st_mode) && info->st_uid == ::geteuid() &&
+      ::flock(fd, LOCK_EX | LOCK_NB) == 0)
+    ::unlink(file.c_str());
+  ::close(fd);
+}
+
+std::string random_word() {
+  static thread_local std::random_device source;
+  std::uniform_int_distribution<std::size_t> digit(0, kRandomDigits.size() - 1);
+  std::string word;
+  for (std::size_t i = 0; i < kRandom; ++i) word += kRandomDigits[digit(source)];
+  return word;
+}
+
+bool is_null(const struct stat& info) {
+  return S_ISCHR(info.st_mode) && info.st_rdev == makedev(1, 3);
+}
+
+Target target_of(const FileUse& use, int standard) {
+  if (use.path == "-") return {{}, standard, info_of(standard)};
+  return follow(use.path);
+}
+
+/// An input is only looked at: whether it can be read is for its reader to say.
+std::optional<Target> input_target(const FileUse& use) {
+  if (use.path == "-") return target_of(use, STDIN_FILENO);
+  struct stat info {};
+  if (::stat(use.path.c_str(), &info) != 0) return std::nullopt;
+  return Target{use.path, std::nullopt, info};
+}
+
+bool same_file(const Target& a, const Target& b) {
+  if (!a.info || !b.info) return !a.info && !b.info && !a.descriptor && a.path == b.path;
+  if (S_ISCHR(a.info->st_mode) && S_ISCHR(b.info->st_mode))
+    return a.info->st_rdev == b.info->st_rdev;
+  return a.info->st_dev == b.info->st_dev && a.info->st_ino == b.info->st_ino;
+}
+
+}  // namespace
+
+StdoutError::StdoutError(int number)
+    : Error(ErrorCode::kFile, fmt::format("stdout: cannot write: {}", std::strerror(number))),
+      number_(number) {}
+
+OutputFile::OutputFile(const fs::path& path, Use use) : path_(path) {
+  Target target;
+  if (path == "-")
+    target.descriptor = STDOUT_FILENO;
+  else
+    target = follow(path);
+  target_ = target.path;
+  stdout_ = target.descriptor == STDOUT_FILENO;
+  if (stdout_) {
+    file_ = stdout;
+  } else if (target.descriptor) {
+    const int fd = ::fcntl(*target.descriptor, F_DUPFD_CLOEXEC, 0);
+    if (fd < 0 || (file_ = ::fdopen(fd, "w")) == nullptr) fail("write");
+  } else if (target.info && !S_ISREG(target.info->st_mode)) {
+    const int fd = ::open(target_.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC);
+    if (fd < 0 || (file_ = ::fdopen(fd, "w")) == nullptr) fail("write");
+  } else {
+    // A rename asks for no permission of the file that it replaces.
+    if (target.info && ::access(target_.c_str(), W_OK) != 0) fail("write");
+    replaces_ = true;
+    make_temporary(target_);
+    return;
+  }
+  if (use == Use::kByName) make_temporary(fs::temp_directory_path() / "cde-output");
+}
+
+void OutputFile::make_temporary(const fs::path& beside) {
+  const fs::path folder = beside.parent_path();
+  const std::string name(stem(beside.filename().native()));
+  sweep_unfinished(folder, name);
+  for (int attempts = 0; attempts < 100; ++attempts) {
+    temporary_ = folder / fmt::format("{}{}{}-{}", name, kMark, ::getpid(), random_word());
+    remember(files, temporary_.c_str());  // first, so that no signal comes between
+    const int fd = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd >= 0) {
+      // Whoever sweeps sees it locked, or has removed it before it was.
+      struct stat info {};
+      (void)::flock(fd, LOCK_EX);
+      const bool there = ::fstat(fd, &info) == 0 && info.st_nlink != 0;
+      std::FILE*& to = replaces_ ? file_ : spool_;
+      if (there && (to = ::fdopen(fd, "w")) != nullptr) return;
+      ::close(fd);
+      ::unlink(temporary_.c_str());
+    }
+    const int number = fd >= 0 ? EEXIST : errno;
+    forget(files, temporary_.c_str());
+    if (number == EEXIST) continue;
+    temporary_.clear();
+    errno = number;
+    fail("create");
+  }
+  temporary_.clear();
+  errno = EEXIST;
+  fail("create");
+}
+
+OutputFile::~OutputFile() {
+  if (file_ != nullptr && file_ != stdout) std::fclose(file_);
+  if (spool_ != nullptr) std::fclose(spool_);
+  if (temporary_.empty()) return;
+  ::unlink(temporary_.c_str());
+  forget(files, temporary_.c_str());
+}
+
+void OutputFile::fail(const char* doing) const {
+  if (stdout_) throw StdoutError(errno);
+  cde::fail(path_, doing, errno);
+}
+
+void OutputFile::write(std::string_view bytes) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail("write");
+}
+
+void OutputFile::flush() {
+  if (std::fflush(file_) != 0) fail("write");
+}
+
+/// What somebody wrote under temporary_ goes to a target that is no regular file.
+void OutputFile::spill() {
+  std::FILE* const from = std::fopen(temporary_.c_str(), "rbe");
+  if (from == nullptr) fail("write");
+  std::array<char, 1 << 16> block;
+  std::size_t got = 0;
+  try {
+    while ((got = std::fread(block.data(), 1, block.size(), from)) != 0) write({block.data(), got});
+    if (std::ferror(from) != 0) fail("write");
+  } catch (...) {
+    std::fclose(from);
+    throw;
+  }
+  std::fclose(from);
+}
+
+void OutputFile::commit() {
+  if (!replaces_ && !temporary_.empty()) spill();
+  flush();
+  std::FILE* const file = file_;
+  file_ = nullptr;
+  if (file != stdout && std::fclose(file) != 0) fail("write");
+  if (temporary_.empty()) return;
+  if (replaces_) {
+    struct stat old {};
+    if (::lstat(target_.c_str(), &old) == 0) {
+      ::chmod(temporary_.c_str(), old.st_mode & 0777);
+      // Only root can give a file away, and not on every file system.
+      if (::geteuid() == 0) (void)!::chown(temporary_.c_str(), old.st_uid, old.st_gid);
+    }
+    if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail("write");
+  } else {
+    ::unlink(temporary_.c_str());
+  }
+  forget(files, temporary_.c_str());
+  temporary_.clear();
+}
+
+void OutputFile::remove_unfinished() noexcept {
+  for (const Slot* slot = files.load(); slot != nullptr; slot = slot->next)
+    if (const char* name = slot->name.load()) ::unlink(name);
+  // Whatever order they are in: as often as there are some.
+  for (const Slot* pass = folders.load(); pass != nullptr; pass = pass->next)
+    for (const Slot* slot = folders.load(); slot != nullptr; slot = slot->next)
+      if (const char* name = slot->name.load()) ::rmdir(name);
+}
+
+OutputFolder::OutputFolder(const fs::path& path) {
+  std::error_code none;
+  std::vector<fs::path> missing;
+  for (fs::path one = fs::absolute(path).lexically_normal(); !fs::exists(one, none);
+       one = one.parent_path())
+    missing.push_back(one);
+  made_.reserve(missing.size());  // names stay where handlers look for them
+  for (auto one = missing.rbegin(); one != missing.rend(); ++one) {
+    if (!one->has_filename()) continue;  // of "folder/"
+    if (::mkdir(one->c_str(), 0777) != 0) {
+      const int number = errno;
+      if (number == EEXIST && fs::is_directory(*one, none)) continue;
+      take_back();
+      cde::fail(path, "create", number);
+    }
+    made_.push_back(one->string());
+    remember(folders, made_.back().c_str());
+  }
+  if (!fs::is_directory(path, none)) {
+    take_back();
+    cde::fail(path, "create", ENOTDIR);
+  }
+}
+
+OutputFolder::~OutputFolder() {
+  take_back();
+}
+
+/// Not if there is something in it.
+void OutputFolder::take_back() {
+  for (auto one = made_.rbegin(); one != made_.rend(); ++one) {
+    ::rmdir(one->c_str());
+    forget(folders, one->c_str());
+  }
+  made_.clear();
+}
+
+void OutputFolder::keep() {
+  for (const std::string& one : made_) forget(folders, one.c_str());
+  made_.clear();
+}
+
+void write_file(const fs::path& path, std::string_view bytes) {
+  OutputFile file(path);
+  file.write(bytes);
+  file.commit();
+}
+
+void check_outputs(std::span<const FileUse> outputs, std::span<const FileUse> inputs) {
+  struct Checked {
+    const FileUse* use;
+    Target target;
+  };
+  const auto shown = [](const FileUse& use, const char* standard) {
+    return use.path == "-" ? standard : printable_name(use.path.string());
+  };
+  std::vector<Checked> read, written;
+  for (const FileUse& input : inputs) {
+    if (input.path.empty()) continue;
+    if (auto target = input_target(input)) read.push_back({&input, std::move(*target)});
+  }
+  for (const FileUse& output : outputs) {
+    if (output.path.empty()) continue;
+    Target target = target_of(output, STDOUT_FILENO);
+    const bool discards = target.info && is_null(*target.info);
+    for (const Checked& other : written)
+      if (!discards && same_file(target, other.target))
+        throw Error(ErrorCode::kUsage, fmt::format("{} and {} both write to {}", other.use->option,
+                                                   output.option, shown(output, "stdout")));
+    const bool talks =
+        target.info && (S_ISCHR(target.info->st_mode) || S_ISSOCK(target.info->st_mode));
+    for (const Checked& other : read)
+      if (!talks && same_file(target, other.target))
+        throw Error(ErrorCode::kUsage,
+                    fmt::format("{} would write to {}, which {} reads", output.option,
+                                shown(output, "stdout"), other.use->option));
+    written.push_back({&output, std::move(target)});
+  }
+}
+
+bool is_unfinished_name(std::string_view name) {
+  return unfinished(name).has_value();
+}
+
+void sweep_unfinished(const fs::path& folder, std::string_view name) {
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string file = entry->path().filename();
+    const auto found = unfinished(file);
+    if (found && (name.empty() || found->name == stem(name))) sweep(entry->path(), found->process);
+  }
+}
+
+}  // namespace cde

@@ -1,0 +1,173 @@
+#include "support/process.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <mutex>
+#include <utility>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+
+extern char** environ;
+
+namespace cde::process {
+namespace {
+
+/// A file descriptor that is closed with it.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() { close(); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  [[nodiscard]] int get() const { return fd_; }
+  void close() {
+    if (fd_ >= 0) ::close(std::exchange(fd_, -1));
+  }
+
+ private:
+  int fd_;
+};
+
+std::array<int, 2> new_pipe() {
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0)
+    throw Error(ErrorCode::kBuild, fmt::format("pipe: {}", std::strerror(errno)));
+  return ends;
+}
+
+/// Starts a program with these as its stdin, and as its stdout and stderr.
+pid_t start(const std::vector<std::string>& command, int input, int output) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  if (input >= 0)
+    posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+  else
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
+  std::vector<char*> argv;
+  argv.reserve(command.size() + 1);
+  for (const std::string& word : command) argv.push_back(const_cast<char*>(word.c_str()));
+  argv.push_back(nullptr);
+  pid_t child = 0;
+  const int failed = ::posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failed != 0)
+    throw Error(ErrorCode::kBuild, fmt::format("cannot run {}: {}", printable_name(command[0]),
+                                               std::strerror(failed)));
+  return child;
+}
+
+/// The exit status, as a shell has it.
+int wait_for(pid_t child) {
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+/// Reads all that comes; `turn` is called after each read and every 200 ms.
+std::string read_all(int fd, const std::function<void(std::string_view)>& turn) {
+  std::string text;
+  for (;;) {
+    pollfd ready{fd, POLLIN, 0};
+    const int events = ::poll(&ready, 1, 200);
+    if (events > 0) {
+      std::array<char, 4096> buffer{};
+      const ssize_t n = ::read(fd, buffer.data(), buffer.size());
+      if (n == 0 || (n < 0 && errno != EINTR)) return text;
+      if (n > 0) text.append(buffer.data(), static_cast<std::size_t>(n));
+    }
+    turn(text);
+  }
+}
+
+/// While any of these live, signals that would end the process are noted instead; the last one to
+/// go puts back what was before. Signals that are ignored stay so.
+class Signals {
+ public:
+  Signals() {
+    const std::scoped_lock lock(mutex);
+    if (users++ != 0) return;
+    came = 0;
+    for (std::size_t i = 0; i < kSignals.size(); ++i) {
+      ::sigaction(kSignals[i], nullptr, &before[i]);
+      if (before[i].sa_handler == SIG_IGN) continue;
+      struct sigaction action {};
+      action.sa_handler = [](int signal) { came = signal; };
+      ::sigaction(kSignals[i], &action, nullptr);
+    }
+  }
+  ~Signals() {
+    const std::scoped_lock lock(mutex);
+    if (--users != 0) return;
+    for (std::size_t i = 0; i < kSignals.size(); ++i) {
+      if (before[i].sa_handler != SIG_IGN) ::sigaction(kSignals[i], &before[i], nullptr);
+    }
+    if (const int signal = came.exchange(0)) ::raise(signal);
+  }
+  Signals(const Signals&) = delete;
+  Signals& operator=(const Signals&) = delete;
+  [[nodiscard]] static int signal() { return came; }
+
+ private:
+  static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
+  static inline std::mutex mutex;
+  static inline int users = 0;
+  static inline std::array<struct sigaction, kSignals.size()> before{};
+  static inline std::atomic<int> came = 0;
+  static_assert(std::atomic<int>::is_always_lock_free, "set in a signal handler");
+};
+
+}  // namespace
+
+Result run(const std::vector<std::string>& command) {
+  const auto ends = new_pipe();
+  const Descriptor from(ends[0]);
+  Descriptor to(ends[1]);
+  const pid_t child = start(command, -1, to.get());
+  to.close();
+  Result result;
+  result.output = read_all(from.get(), [](std::string_view) {});
+  result.status = wait_for(child);
+  return result;
+}
+
+Result attend(const std::vector<std::string>& command,
+              const std::function<void(Seconds, std::string_view)>& watch) {
+  Result result;
+  int signal = 0;
+  {
+    const Signals signals;
+    const auto ends = new_pipe(), life = new_pipe();
+    const Descriptor from(ends[0]);
+    Descriptor to(ends[1]), input(life[0]), alive(life[1]);
+    const pid_t child = start(command, input.get(), to.get());
+    to.close();
+    input.close();
+    const auto began = std::chrono::steady_clock::now();
+    result.output = read_all(from.get(), [&](std::string_view so_far) {
+      if (Signals::signal() != 0) alive.close();
+      watch(std::chrono::steady_clock::now() - began, so_far);
+    });
+    result.status = wait_for(child);
+    signal = Signals::signal();
+  }
+  if (signal != 0)
+    throw Error(signal, fmt::format("ended by {} while {} ran", ::strsignal(signal),  // NOLINT
+                                    printable_name(command[0])));
+  return result;
+}
+
+}  // namespace cde::process

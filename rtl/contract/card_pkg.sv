@@ -1,0 +1,44 @@
+// What goes between the modules of a card; software sees none of it.
+package card_pkg;
+  // What the registers ask of a pass. Mode, pairs and swaps are kept by the sequencer from go on.
+  typedef struct packed {
+    logic [31:0] prim_objects;  // objects of primaries; 0: primaries as they were written
+    logic [31:0] objects;       // objects to sweep; 0: the slots of `first` and `count`
+    logic [31:0] first;         // secondary slot
+    logic [31:0] count;         // secondaries
+    logic [8:0] primaries;      // in the register file
+    logic [7:0] split;          // the first primary of the second pair
+    logic [23:0] budget;        // of cylinder pairs
+    logic normals;
+    logic [1:0] swap;           // of roles, of each pair
+    logic [7:0] pair;           // the second one or NO_PAIR, the first
+    logic [2:0] mode;
+  } pass_t;
+
+  // What happens in a clock of a pass, to be counted.
+  typedef struct packed {
+    logic [3:0] ecc_failed;     // words
+    logic [3:0] ecc_corrected;
+    logic record;               // is written to SRAM
+    logic writeback;            // the clock is one of the write-back
+    logic secondary_bad;
+    logic secondary;            // is swept
+    logic stall;
+    logic bubble;
+    logic [1:0] issue;          // rows
+  } events_t;
+
+  // Between PCI's clock and the core's: requests for the local bus, in order, and what comes back.
+  typedef struct packed {
+    logic tag;           // 1: of the DMA engine, 0: of an access of the host
+    logic write;
+    logic [1:0] space;
+    logic [31:0] offset;
+    logic [63:0] data;   // of a write; of a read the number of beats
+  } local_request_t;
+  typedef struct packed {
+    logic irq;  // the interrupt line changed: data
+    logic tag;  // of the request
+    logic [63:0] data;
+  } local_response_t;
+endpackage

@@ -1,0 +1,79 @@
+// The parameters of a card, once: what they are, as parameters of a top (for -G), and as the structure that goes down
+// from it (config_pkg::config_t), whose fields are in the order of CARD_CONFIG. Who adds one adds it to the three lists
+// and reads CONFIG where it is needed.
+//
+//   EXP, MAN      number format
+//   LANES         power of two that divides PRIMARIES
+//   PRIMARIES     64, 128, 192 or 256
+//   PAIRS         bit p: the card has the pipe of pair p (pairs_pkg::PAIR_*)
+//   ALGORITHM     of ray-triangle (pairs_pkg::ALGORITHM_*)
+//   BOX           of ray-triangle, 1: a hit must lie in the triangle's box
+//   SWAP          a command can exchange the roles of primary and secondary
+//   NORMALS       a command can ask for normals
+//   PARALLEL      two pipes can work on the same secondaries at a time
+//   FACET_II      of pairs with facets: clocks from one row to the next, 1 or 3
+//   TRANSFORM     objects move by a rigid transform: pairs_pkg::TRANSFORM_*
+//   OBJECTS       entries of their table, 2 to 2,048; PRIM_OBJECTS of that of primaries
+//   ECC           1: words in DDR have check bits; single wrong bits are corrected
+//   LAT_*         clocks of the operators
+//   ARITH         "rtl", gates, or "host", the simulating processor's own arithmetic; in the structure `host`, 0 or 1
+//   DDR_SLOTS     beats of DDR; as many as two 1 GB modules of 36-byte beats have
+//   SRAM_RECORDS  power of two; seven 2 MB chips, one word of a record each
+//   CONFIG_HASH   of parameters and RTL sources
+`ifndef CDE_CONFIG_SVH
+`define CDE_CONFIG_SVH
+`define CARD_PARAMETERS \
+    parameter int EXP = 8, \
+    parameter int MAN = 23, \
+    parameter int LANES = 16, \
+    parameter int PRIMARIES = 256, \
+    parameter int PAIRS = 1, \
+    parameter int ALGORITHM = 0, \
+    parameter int BOX = 0, \
+    parameter int SWAP = 0, \
+    parameter int NORMALS = 0, \
+    parameter int PARALLEL = 0, \
+    parameter int FACET_II = 1, \
+    parameter int TRANSFORM = 0, \
+    parameter int OBJECTS = 1024, \
+    parameter int PRIM_OBJECTS = 64, \
+    parameter int ECC = 0, \
+    parameter int LAT_ADD = 1, \
+    parameter int LAT_MUL = 1, \
+    parameter int LAT_DIV = 1, \
+    parameter int LAT_SQRT = 1, \
+    parameter int LAT_CMP = 1, \
+    parameter ARITH = "rtl", \
+    parameter int DDR_SLOTS = 55555555, \
+    parameter int SRAM_RECORDS = 524288
+
+`define CARD_CONFIG {EXP, MAN, LANES, PRIMARIES, PAIRS, ALGORITHM, BOX, SWAP, NORMALS, PARALLEL, FACET_II, TRANSFORM, \
+    OBJECTS, PRIM_OBJECTS, ECC, LAT_ADD, LAT_MUL, LAT_DIV, LAT_SQRT, LAT_CMP, 32'(ARITH != "rtl"), DDR_SLOTS, \
+    SRAM_RECORDS, CONFIG_HASH}
+
+`define CARD_FIELDS \
+    int exp; \
+    int man; \
+    int lanes; \
+    int primaries; \
+    int pairs; \
+    int algorithm; \
+    int box; \
+    int swap; \
+    int normals; \
+    int parallel; \
+    int facet_ii; \
+    int transform; \
+    int objects; \
+    int prim_objects; \
+    int ecc; \
+    int lat_add; \
+    int lat_mul; \
+    int lat_div; \
+    int lat_sqrt; \
+    int lat_cmp; \
+    int host; \
+    int ddr_slots; \
+    int sram_records; \
+    logic [63:0] config_hash;
+`endif

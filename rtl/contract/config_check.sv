@@ -1,0 +1,26 @@
+// Refuses a configuration that no card can have. Elaboration only.
+module config_check #(
+    parameter config_pkg::config_t CONFIG
+);
+  if (CONFIG.primaries % 64 != 0 || CONFIG.primaries > 256) begin : g_primaries
+    $error("board: PRIMARIES must be 64, 128, 192 or 256");
+  end
+  if (CONFIG.primaries % CONFIG.lanes != 0 || (CONFIG.lanes & (CONFIG.lanes - 1)) != 0) begin : g_lanes
+    $error("board: LANES must be a power of two that divides PRIMARIES");
+  end
+  if (CONFIG.pairs <= 0 || CONFIG.pairs >= (1 << pairs_pkg::PAIRS)) begin : g_pairs
+    $error("board: PAIRS must be a set of pairs, 1 to %0d", (1 << pairs_pkg::PAIRS) - 1);
+  end
+  if (CONFIG.box != 0 && (CONFIG.box != 1 || (CONFIG.pairs & pairs_pkg::BOX_PAIRS) == 0)) begin : g_box
+    $error("board: BOX must be 0 or 1, and is of ray-triangle");
+  end
+  if (CONFIG.facet_ii != 1 && CONFIG.facet_ii != 3) begin : g_interval
+    $error("board: FACET_II must be 1 or 3");
+  end
+  if (CONFIG.transform < pairs_pkg::TRANSFORM_NONE || CONFIG.transform > pairs_pkg::TRANSFORM_BOTH ||
+      (CONFIG.transform != pairs_pkg::TRANSFORM_NONE &&
+       (CONFIG.objects < 2 || CONFIG.objects > 2048 || CONFIG.prim_objects < 2 ||
+           CONFIG.prim_objects > 2048))) begin : g_objects
+    $error("board: TRANSFORM must be 0 to 2, OBJECTS and PRIM_OBJECTS 2 to 2048");
+  end
+endmodule

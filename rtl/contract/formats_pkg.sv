@@ -1,0 +1,114 @@
+// Number formats and the codes of operations on them: what rtl/fp, rtl/vector and rtl/pipes share with
+// host/include/cde/contract/formats.hpp.
+// A format has an exponent of `exp` bits and a fraction of `man`; its words lie in containers of 32 or 64 bits.
+package formats_pkg;
+
+  // ---- Operations (parameter OP of fp_lanes and of what is made of it; the number of their clock in fp_unit) ----
+  localparam int FP_ADD = 0;
+  localparam int FP_SUB = 1;
+  localparam int FP_MUL = 2;
+  localparam int FP_DIV = 3;
+  localparam int FP_SQRT = 4;  // of a
+  localparam int FP_LT = 5;    // comparisons answer all ones or all zeros; lt and le signal a quiet NaN, eq does not
+  localparam int FP_LE = 6;
+  localparam int FP_EQ = 7;
+  localparam int FP_MIN = 8;
+  localparam int FP_MAX = 9;
+  localparam int FP_ARITHMETIC = 10;  // the ones above; conversions follow
+  localparam int FP_TO_FORMAT = 10;   // FP_TO_FORMAT + k: to format k of FORMAT_*
+  localparam int FP_FROM_I32 = 18;
+  localparam int FP_FROM_UI32 = 19;
+  localparam int FP_FROM_I64 = 20;
+  localparam int FP_FROM_UI64 = 21;
+  localparam int FP_TO_I32 = 22;  // to nearest even
+  localparam int FP_TO_UI32 = 23;
+  localparam int FP_TO_I64 = 24;
+  localparam int FP_TO_UI64 = 25;
+  localparam int FP_TO_I32_TRUNC = 26;  // toward zero
+  localparam int FP_TO_UI32_TRUNC = 27;
+  localparam int FP_TO_I64_TRUNC = 28;
+  localparam int FP_TO_UI64_TRUNC = 29;
+  localparam int FP_OPS = 30;
+
+  // Kinds of conversions (parameter KIND of fp_convert).
+  localparam int CONVERT_FORMAT = 0;
+  localparam int CONVERT_FROM_INT = 1;
+  localparam int CONVERT_TO_INT = 2;
+
+  // ---- Work on bits, free of arithmetic ----
+  localparam int SIGN_ABS = 0;   // of fp_sign: |a|
+  localparam int SIGN_NEG = 1;   // -a
+  localparam int SIGN_COPY = 2;  // |a| with the sign of b
+  localparam int SIGN_XOR = 3;   // a times the sign of b
+  localparam int CLASS_FINITE = 0;    // of fp_class
+  localparam int CLASS_NAN = 1;
+  localparam int CLASS_POSITIVE = 2;  // a number above zero, +inf too
+  localparam int CLASS_NONZERO = 3;
+  localparam int EXPONENT_MAX = 0;   // of fp_exponent: the larger of |a| and |b|, as bits
+  localparam int EXPONENT_DOWN = 1;  // the shift by 2^-k, k the exponent of a
+  localparam int EXPONENT_UP = 2;    // the shift by 2^k
+  localparam int EXPONENT_MOVE = 3;  // a shifted by b
+  localparam int WIRE_SIGN = 0;  // of df_wire: a times the sign of b
+  localparam int WIRE_AND = 1;   // of masks
+  localparam int WIRE_OR = 2;
+  localparam int WIRE_XOR = 3;
+
+  // ---- Exceptions, bit numbers ----
+  localparam int FLAG_INEXACT = 0;
+  localparam int FLAG_UNDERFLOW = 1;
+  localparam int FLAG_OVERFLOW = 2;
+  localparam int FLAG_DIVIDE_BY_ZERO = 3;
+  localparam int FLAG_INVALID = 4;
+
+  // ---- Formats with names, in the order of their conversions ----
+  localparam int FORMAT_FP16 = 0;
+  localparam int FORMAT_BF16 = 1;
+  localparam int FORMAT_TF32 = 2;
+  localparam int FORMAT_FP24 = 3;
+  localparam int FORMAT_FP32 = 4;
+  localparam int FORMAT_FP64 = 5;
+  localparam int FORMAT_E4M3 = 6;
+  localparam int FORMAT_E3M2 = 7;
+  localparam int FORMATS = 8;
+  localparam logic [0:6*FORMATS-1] FORMAT_EXPS = {6'd5, 6'd8, 6'd8, 6'd7, 6'd8, 6'd11, 6'd4, 6'd3};
+  localparam logic [0:6*FORMATS-1] FORMAT_MANS = {6'd10, 6'd7, 6'd10, 6'd16, 6'd23, 6'd52, 6'd3, 6'd2};
+
+  function automatic int format_exp(input int format);
+    format_exp = int'(FORMAT_EXPS[6*format+:6]);
+  endfunction
+  function automatic int format_man(input int format);
+    format_man = int'(FORMAT_MANS[6*format+:6]);
+  endfunction
+  function automatic int container(input int exp, input int man);  // bits of the word that holds one
+    container = (1 + exp + man <= 32) ? 32 : 64;
+  endfunction
+  function automatic logic [63:0] infinity(input int exp, input int man);
+    infinity = ((64'd1 << exp) - 1) << man;
+  endfunction
+  function automatic logic [63:0] quiet_nan(input int exp, input int man);  // the canonical one
+    quiet_nan = infinity(exp, man) | (64'd1 << (man - 1));
+  endfunction
+  function automatic logic [63:0] sign_bit(input int exp, input int man);
+    sign_bit = 64'd1 << (exp + man);
+  endfunction
+  // the word of 2^e, 0 where it underflows
+  function automatic logic [63:0] power_of_two(input int exp, input int man, input int e);
+    int biased;
+    biased = (1 << (exp - 1)) - 1 + e;
+    power_of_two = (biased > 0) ? 64'(biased) << man : (biased + man > 0) ? 64'd1 << (biased + man - 1) : 64'd0;
+  endfunction
+
+  // The input contract's range of lengths, as exponents of two: no coordinate or size is above 2^length_high, no size,
+  // nor the largest component of a ray's direction, below 2^length_low. host/include/cde/geometry/check.hpp says why.
+  function automatic int length_high(input int exp);
+    length_high = (exp < 8) ? ((1 << (exp - 1)) - 2) / 2 : ((1 << (exp - 1)) - 8) / 3;
+  endfunction
+  function automatic int length_low(input int exp, input int man);
+    length_low = (exp < 8) ? -length_high(exp) : -(((1 << (exp - 1)) - 3 - man) / 3);
+  endfunction
+
+  // ---- Stage times ----
+  function automatic int larger(input int a, input int b);
+    larger = (a > b) ? a : b;
+  endfunction
+endpackage

@@ -1,0 +1,199 @@
+// Shapes and pairs of shapes: tables, written from code 0 on, and what follows from them.
+// host/include/cde/contract/pairs.hpp is the same in C++. A table is a flat vector that one function reads: in constant
+// functions Yosys takes an index of a packed array for that of a bit.
+package pairs_pkg;
+
+  // ---- Shapes ----
+  localparam int SHAPE_RAY = 0;       // o x y z, d x y z, tmin, tmax
+  localparam int SHAPE_TRIANGLE = 1;  // v0 x y z, v1, v2
+  localparam int SHAPE_SPHERE = 2;    // c x y z, r
+  localparam int SHAPE_AABB = 3;      // min x y z, max
+  localparam int SHAPE_PLANE = 4;     // n x y z, d
+  localparam int SHAPE_CYLINDER = 5;  // c x y z, axis x y z, half height, radius
+  localparam int SHAPE_OBB = 6;       // c x y z, half extents, rotation by rows (columns are the axes)
+  localparam int SHAPES = 7;
+  localparam int SHAPE_MOST_WORDS = 15;  // of the largest
+  localparam logic [0:4*SHAPES-1] SHAPE_WORDS = {4'd8, 4'd9, 4'd4, 4'd6, 4'd4, 4'd8, 4'd15};
+
+  // What a word of a shape is.
+  localparam int WORD_COORDINATE = 0;  // a length of either sign
+  localparam int WORD_SIZE = 1;        // a length above zero
+  localparam int WORD_DIRECTION = 2;   // of a ray: lengths in units of their own
+  localparam int WORD_INTERVAL = 3;    // tmin, tmax: lengths in those units
+  localparam int WORD_PURE = 4;        // of a unit vector or rotation
+  localparam int WORD_NONE = 7;        // the shape has no such word
+  localparam logic [0:3*SHAPE_MOST_WORDS*SHAPES-1] WORD_KINDS = {
+    {{3{3'(WORD_COORDINATE)}}, {3{3'(WORD_DIRECTION)}}, {2{3'(WORD_INTERVAL)}}, {7{3'(WORD_NONE)}}},  // ray
+    {{9{3'(WORD_COORDINATE)}}, {6{3'(WORD_NONE)}}},                                                   // triangle
+    {{3{3'(WORD_COORDINATE)}}, {1{3'(WORD_SIZE)}}, {11{3'(WORD_NONE)}}},                              // sphere
+    {{6{3'(WORD_COORDINATE)}}, {9{3'(WORD_NONE)}}},                                                   // aabb
+    {{3{3'(WORD_PURE)}}, {1{3'(WORD_COORDINATE)}}, {11{3'(WORD_NONE)}}},                              // plane
+    {{3{3'(WORD_COORDINATE)}}, {3{3'(WORD_PURE)}}, {2{3'(WORD_SIZE)}}, {7{3'(WORD_NONE)}}},           // cylinder
+    {{3{3'(WORD_COORDINATE)}}, {3{3'(WORD_SIZE)}}, {9{3'(WORD_PURE)}}}};                              // obb
+
+  // ---- Pairs: the number is the code of the command register and a bit of the parameter PAIRS of a card ----
+  localparam logic [3:0] PAIR_RAY_TRIANGLE = 4'd0;
+  localparam logic [3:0] PAIR_OBB_OBB = 4'd1;
+  localparam logic [3:0] PAIR_TRIANGLE_AABB = 4'd2;
+  localparam logic [3:0] PAIR_TRIANGLE_OBB = 4'd3;
+  localparam logic [3:0] PAIR_SPHERE_SPHERE = 4'd4;
+  localparam logic [3:0] PAIR_TRIANGLE_SPHERE = 4'd5;
+  localparam logic [3:0] PAIR_RAY_CYLINDER = 4'd6;
+  localparam logic [3:0] PAIR_TRIANGLE_CYLINDER = 4'd7;
+  localparam logic [3:0] PAIR_CYLINDER_CYLINDER = 4'd8;
+  localparam logic [3:0] PAIR_OBB_CYLINDER = 4'd9;
+  localparam logic [3:0] PAIR_OBB_PLANE = 4'd10;
+  localparam logic [3:0] PAIR_RAY_SPHERE = 4'd11;
+  localparam logic [3:0] PAIR_SPHERE_OBB = 4'd12;
+  localparam int PAIRS = 13;
+  localparam logic [3:0] NO_PAIR = 4'd15;
+  localparam int PAIR_CODES = 16;
+
+  // Their shapes, A and B; codes that no pair has, NO_PAIR among them, are filled up.
+  localparam logic [0:3*PAIR_CODES-1] PRIMARY_SHAPES = {
+    3'(SHAPE_RAY),       // ray-triangle
+    3'(SHAPE_OBB),       // obb-obb
+    3'(SHAPE_TRIANGLE),  // triangle-aabb
+    3'(SHAPE_TRIANGLE),  // triangle-obb
+    3'(SHAPE_SPHERE),    // sphere-sphere
+    3'(SHAPE_TRIANGLE),  // triangle-sphere
+    3'(SHAPE_RAY),       // ray-cylinder
+    3'(SHAPE_TRIANGLE),  // triangle-cylinder
+    3'(SHAPE_CYLINDER),  // cylinder-cylinder
+    3'(SHAPE_OBB),       // obb-cylinder
+    3'(SHAPE_OBB),       // obb-plane
+    3'(SHAPE_RAY),       // ray-sphere
+    3'(SHAPE_SPHERE),    // sphere-obb
+    {3{3'(SHAPE_TRIANGLE)}}};
+  localparam logic [0:3*PAIR_CODES-1] SECONDARY_SHAPES = {
+    3'(SHAPE_TRIANGLE),  // ray-triangle
+    3'(SHAPE_OBB),       // obb-obb
+    3'(SHAPE_AABB),      // triangle-aabb
+    3'(SHAPE_OBB),       // triangle-obb
+    3'(SHAPE_SPHERE),    // sphere-sphere
+    3'(SHAPE_SPHERE),    // triangle-sphere
+    3'(SHAPE_CYLINDER),  // ray-cylinder
+    3'(SHAPE_CYLINDER),  // triangle-cylinder
+    3'(SHAPE_CYLINDER),  // cylinder-cylinder
+    3'(SHAPE_CYLINDER),  // obb-cylinder
+    3'(SHAPE_PLANE),     // obb-plane
+    3'(SHAPE_SPHERE),    // ray-sphere
+    3'(SHAPE_OBB),       // sphere-obb
+    {3{3'(SHAPE_CYLINDER)}}};
+  // Sets of pairs (bit p: pair p), as the parameter PAIRS of a card is one.
+  localparam int RING_PAIRS =  // the pipe is a ring with a mouth (cylinder_pair.sv), a budget sets its work
+      1 << PAIR_TRIANGLE_CYLINDER | 1 << PAIR_CYLINDER_CYLINDER | 1 << PAIR_OBB_CYLINDER;
+  localparam int FACET_PAIRS =  // it is made of facet units, which can take turns (pair_hold.sv)
+      1 << PAIR_OBB_OBB | 1 << PAIR_TRIANGLE_AABB | 1 << PAIR_TRIANGLE_OBB;
+  localparam int BOX_PAIRS = 1 << PAIR_RAY_TRIANGLE;  // BOX is an option of it (ray_box.sv)
+  localparam int SHORT_PAIRS =  // it takes few clocks
+      1 << PAIR_RAY_TRIANGLE | 1 << PAIR_RAY_CYLINDER | 1 << PAIR_RAY_SPHERE | 1 << PAIR_SPHERE_SPHERE;
+  // It is brought to the size of one in front of its pipe in every format (length_scale.sv): it multiplies four
+  // lengths.
+  localparam int SCALED_PAIRS = 1 << PAIR_OBB_OBB | 1 << PAIR_TRIANGLE_AABB | 1 << PAIR_TRIANGLE_OBB |
+      1 << PAIR_TRIANGLE_SPHERE |
+      1 << PAIR_TRIANGLE_CYLINDER | 1 << PAIR_CYLINDER_CYLINDER | 1 << PAIR_OBB_CYLINDER;
+
+  // ---- Ray-triangle algorithms ----
+  localparam logic [7:0] ALGORITHM_MOLLER = 8'd0;
+  localparam logic [7:0] ALGORITHM_BADOUEL = 8'd1;
+  localparam logic [7:0] ALGORITHM_PLUECKER = 8'd2;
+  localparam logic [7:0] ALGORITHM_WATERTIGHT = 8'd3;
+  localparam int ALGORITHMS = 4;
+
+  // ---- What objects move (parameter TRANSFORM of a card) ----
+  localparam int TRANSFORM_NONE = 0;         // there is no transformer
+  localparam int TRANSFORM_SECONDARIES = 1;  // for secondaries
+  localparam int TRANSFORM_BOTH = 2;         // for primaries too
+
+  // ---- Of a shape ----
+  function automatic int shape_words(input int shape);
+    shape_words = int'(SHAPE_WORDS[4*shape+:4]);
+  endfunction
+  function automatic int word_kind(input int shape, input int k);
+    word_kind = int'(WORD_KINDS[3*(SHAPE_MOST_WORDS*shape+k)+:3]);
+  endfunction
+  function automatic bit is_length(input int shape, input int k);
+    is_length = word_kind(shape, k) == WORD_COORDINATE || word_kind(shape, k) == WORD_SIZE;
+  endfunction
+  function automatic int lengths(input int shape);  // how many words of the shape are
+    lengths = 0;
+    for (int k = 0; k < shape_words(shape); k++) if (is_length(shape, k)) lengths++;
+  endfunction
+  function automatic int length_word(input int shape, input int i);  // the i-th of them
+    int left;
+    left = i;
+    length_word = 0;
+    for (int k = 0; k < shape_words(shape); k++)
+      if (is_length(shape, k)) begin
+        if (left == 0) length_word = k;
+        left--;
+      end
+  endfunction
+
+  // ---- Of a pair ----
+  function automatic bit has(input int pairs, input int pair);  // a set has the pair
+    has = ((pairs >> pair) & 1) != 0;
+  endfunction
+  function automatic int primary_shape(input int pair);  // A
+    primary_shape = int'(PRIMARY_SHAPES[3*pair+:3]);
+  endfunction
+  function automatic int secondary_shape(input int pair);  // B
+    secondary_shape = int'(SECONDARY_SHAPES[3*pair+:3]);
+  endfunction
+  function automatic int primary_words(input int pair);
+    primary_words = shape_words(primary_shape(pair));
+  endfunction
+  function automatic int secondary_words(input int pair);
+    secondary_words = shape_words(secondary_shape(pair));
+  endfunction
+  // of a ring's primary: 0 cylinder, 1 box, 2 triangle (cylinder.svh)
+  function automatic int cylinder_body(input int pair);
+    cylinder_body = (primary_shape(pair) == SHAPE_CYLINDER) ? 0 : (primary_shape(pair) == SHAPE_OBB) ? 1 : 2;
+  endfunction
+  // in a format; those of few exponent bits scale every pair
+  function automatic bit scaled(input int pair, input int exp);
+    scaled = exp < 8 || has(SCALED_PAIRS, pair);
+  endfunction
+  function automatic int unscale_latency(input bit ray, input int lat_mul, input int lat_cmp);  // of length_unscale.sv
+    unscale_latency = (ray && lat_mul > lat_cmp) ? lat_mul : lat_cmp;
+  endfunction
+  function automatic int scale_latency(input bit ray, input int lat_mul, input int lat_cmp);  // of length_scale.sv
+    scale_latency = lat_cmp + unscale_latency(ray, lat_mul, lat_cmp);
+  endfunction
+  // clocks that a ring needs for operands
+  function automatic int ring_entry(input int lat_add, input int lat_mul, input int lat_cmp);
+    ring_entry = scale_latency(0, lat_mul, lat_cmp) + ((lat_add > lat_mul) ? lat_add : lat_mul);
+  endfunction
+
+  // ---- Of a set of pairs ----
+  // Words of the largest slot that it needs, of primaries or of secondaries; `swap`: either shape may be either.
+  function automatic int slot_words(input int pairs, input bit primary, input bit swap);
+    slot_words = 0;
+    for (int p = 0; p < PAIRS; p++)
+      if (has(pairs, p)) begin
+        if ((primary || swap) && primary_words(p) > slot_words) slot_words = primary_words(p);
+        if ((!primary || swap) && secondary_words(p) > slot_words) slot_words = secondary_words(p);
+      end
+  endfunction
+  // Whether some pair of the set has the shape in that role.
+  function automatic bit uses_shape(input int pairs, input int shape, input bit primary, input bit swap);
+    uses_shape = 0;
+    for (int p = 0; p < PAIRS; p++)
+      if (has(pairs, p)) begin
+        if ((primary || swap) && primary_shape(p) == shape) uses_shape = 1;
+        if ((!primary || swap) && secondary_shape(p) == shape) uses_shape = 1;
+      end
+  endfunction
+  // Whether the transformer of a card handles the shape, and its clocks: R x is LAT_MUL + 2*LAT_ADD, + t is LAT_ADD;
+  // n'.t of a plane waits for R n.
+  function automatic bit moves_shape(input int pairs, input int shape, input bit swap, input int transform);
+    moves_shape = uses_shape(pairs, shape, 0, swap) || (transform == TRANSFORM_BOTH && uses_shape(pairs, shape, 1,
+        swap));
+  endfunction
+  function automatic int transform_latency(
+      input int pairs, input bit swap, input int transform, input int lat_add, input int lat_mul);
+    transform_latency = moves_shape(pairs, SHAPE_PLANE, swap,
+        transform) ? 2 * lat_mul + 5 * lat_add : lat_mul + 3 * lat_add;
+  endfunction
+endpackage

@@ -1,0 +1,153 @@
+// The local bus and the card's registers: spaces, offsets, fields. host/include/cde/contract/registers.hpp is the same
+// in C++.
+package registers_pkg;
+
+  // ---- Local bus: one 64-bit beat a clock into one of these spaces ----
+  localparam logic [1:0] SPACE_REG = 2'd0;   // register file, 64-bit registers at 8-byte offsets
+  localparam logic [1:0] SPACE_PRIM = 2'd1;  // primary register file, whole beats a slot, write only
+  localparam logic [1:0] SPACE_DDR = 2'd2;   // secondary memory, packed slots, write only
+  localparam logic [1:0] SPACE_SRAM = 2'd3;  // record stream: every beat read takes the next words of the ring
+  localparam int SPACES = 4;
+  typedef struct packed {
+    logic valid;
+    logic write;
+    logic [1:0] space;  // SPACE_*
+    logic [31:0] addr;  // byte offset
+    logic [63:0] wdata;
+  } bus_request_t;
+  typedef struct packed {
+    logic ready;   // the request is taken
+    logic rvalid;  // rdata is that of the oldest read not yet answered
+    logic [63:0] rdata;
+  } bus_response_t;
+
+  // ---- Registers (byte offsets) ----
+  localparam logic [11:0] REG_ID = 12'h000;           // id_t
+  localparam logic [11:0] REG_CAPS = 12'h008;         // caps_t
+  localparam logic [11:0] REG_CONFIG_HASH = 12'h010;  // hash of parameters and RTL sources
+  localparam logic [11:0] REG_CAPS2 = 12'h018;        // caps2_t
+  localparam logic [11:0] REG_CAPACITY = 12'h020;     // bytes of DDR
+  localparam logic [11:0] REG_CONTROL = 12'h028;      // control_t, write only
+  localparam logic [11:0] REG_STATUS = 12'h030;       // status_t
+  localparam logic [11:0] REG_COMMAND = 12'h038;      // command_t
+  localparam logic [11:0] REG_PRIM_COUNT = 12'h040;   // counter register: primaries in the register file
+  localparam logic [11:0] REG_SEC_FIRST = 12'h048;    // first secondary slot
+  localparam logic [11:0] REG_SEC_COUNT = 12'h050;    // counter register: number of secondaries
+  localparam logic [11:0] REG_RECORDS = 12'h058;      // records waiting in the SRAM ring
+  localparam logic [11:0] REG_FAULT_ADDR = 12'h060;   // fault_t
+  localparam logic [11:0] REG_WRITEBACK = 12'h068;    // clocks that wrote the kept records back to SRAM
+  localparam logic [11:0] REG_CAPS3 = 12'h070;        // caps3_t
+  // with a second pair: the first of its primaries, a multiple of the lanes
+  localparam logic [11:0] REG_PRIM_SPLIT = 12'h078;
+  localparam logic [11:0] REG_STENCIL = 12'h080;      // primaries/64 registers: 1 masks a primary
+  localparam logic [11:0] REG_BUDGET = 12'h0A0;       // budget_t
+  // objects to sweep; 0: the slots of REG_SEC_FIRST and REG_SEC_COUNT
+  localparam logic [11:0] REG_OBJECT_COUNT = 12'h0A8;
+  localparam logic [11:0] REG_PRIM_OBJECT_COUNT = 12'h0B0;  // objects of primaries; 0: primaries as they were written
+  localparam logic [11:0] REG_ECC = 12'h0B8;          // ecc_t
+  localparam logic [11:0] REG_CYCLES = 12'h0C0;       // clocks from go to done, without REG_WRITEBACK
+  localparam logic [11:0] REG_ROWS = 12'h0C8;         // rows issued to the pipe (one row = LANES pairs)
+  // Clocks the pipe mouth waited for output space, for a slot of a cylinder pipe, or for a facet pipe's interval.
+  localparam logic [11:0] REG_STALLS = 12'h0D0;
+  localparam logic [11:0] REG_BUBBLES = 12'h0D8;      // clocks the pipe mouth waited for a secondary
+  localparam logic [11:0] REG_BAD_PRIM = 12'h0E0;     // primaries refused as bad input
+  localparam logic [11:0] REG_BAD_SEC = 12'h0E8;      // secondaries refused as bad input
+  localparam logic [11:0] REG_SECONDARIES = 12'h0F0;  // secondaries swept
+  localparam logic [11:0] REG_WRITTEN = 12'h0F8;      // records written to SRAM
+  localparam logic [31:0] REG_END = 32'h00000100;
+
+  // Object tables, in SPACE_REG above the registers, write only: entries of records_pkg::OBJECT_WORDS words.
+  localparam logic [31:0] OBJECT_TABLE = 32'h00040000;       // of secondaries: ranges of slots in DDR
+  // of primaries: ranges of their numbers in the register file
+  localparam logic [31:0] PRIM_OBJECT_TABLE = 32'h00080000;
+
+  localparam logic [31:0] ID_MAGIC = 32'h43444531;  // "CDE1"
+  localparam logic [31:0] INTERFACE_VERSION = 32'd4;
+
+  // ---- Fields, from bit 63 down ----
+  typedef struct packed {
+    logic [31:0] magic;    // ID_MAGIC
+    logic [31:0] version;  // INTERFACE_VERSION
+  } id_t;
+  typedef struct packed {
+    logic [7:0] reserved;
+    logic [7:0] algorithm;  // of ray-triangle
+    logic [7:0] man;
+    logic [7:0] exp;
+    logic [15:0] primaries;
+    logic [15:0] lanes;
+  } caps_t;
+  typedef struct packed {
+    logic [7:0] reserved;
+    logic [7:0] container;      // bits
+    logic [31:0] sram_records;
+    logic [15:0] latency;       // of the pipe
+  } caps2_t;
+  typedef struct packed {
+    logic [15:0] prim_objects;  // entries of the object tables
+    logic [15:0] objects;
+    logic [7:0] prim_words;     // words of a primary slot
+    logic reserved;
+    logic box;                  // box rule of ray-triangle
+    logic ecc;                  // check bits in DDR
+    logic [1:0] transform;      // pairs_pkg::TRANSFORM_*
+    logic parallel;             // two pairs at a time
+    logic normals;
+    logic swap;                 // roles can be swapped
+    logic [15:0] pairs;         // in the card
+  } caps3_t;
+  typedef struct packed {
+    logic [60:0] reserved;
+    logic clear;  // errors and done
+    logic stop;   // ends the pass, what is in flight is dropped
+    logic go;
+  } control_t;
+  typedef struct packed {
+    logic [56:0] reserved;
+    logic ecc_error;      // words of DDR with errors that cannot be corrected were read in this pass
+    logic irq;            // done, an error, or a full ring wants the host
+    logic sram_wait;      // the SRAM ring is full and the engine waits for the host
+    logic bus_error;      // access outside a space, to a read-only register, or while busy
+    logic command_error;  // go refused: mode, pair, count or range out of bounds
+    logic done;
+    logic busy;
+  } status_t;
+  typedef struct packed {
+    logic [43:0] reserved3;
+    logic [3:0] second_pair;  // its code
+    logic [1:0] reserved2;
+    logic second_swap;
+    logic second;             // there is a second pair
+    logic [3:0] pair;         // pairs_pkg::PAIR_*
+    logic [1:0] reserved1;
+    logic normals;
+    logic swap;               // of roles
+    logic reserved0;
+    logic [2:0] mode;         // MODE_*
+  } command_t;
+  localparam logic [63:0] COMMAND_BITS = 64'h00000000000F3F37;  // those of its fields
+  typedef struct packed {
+    logic [39:0] reserved;
+    logic [7:0] k2;  // work for a cylinder pair: steps on each free track,
+    logic [7:0] k1;  // steps on each circle,
+    logic [7:0] m;   // directions sampled
+  } budget_t;
+  localparam logic [23:0] BUDGET_RESET = 24'h080808;
+  localparam logic [7:0] BUDGET_MOST = 8'd64;  // of K1 and K2
+  typedef struct packed {
+    logic [29:0] reserved;
+    logic [1:0] space;
+    logic [31:0] addr;  // offset of the first refused access
+  } fault_t;
+  typedef struct packed {
+    logic [31:0] failed;     // words of secondaries read from DDR in a pass with more errors than can be corrected
+    logic [31:0] corrected;  // words with one
+  } ecc_t;
+
+  // ---- Result modes ----
+  localparam logic [2:0] MODE_NEAREST = 3'd0;   // smallest (T, index) a primary
+  localparam logic [2:0] MODE_FARTHEST = 3'd1;  // largest T, then smallest index
+  localparam logic [2:0] MODE_ANY = 3'd2;       // first hit in stream order; stops when every primary has one
+  localparam logic [2:0] MODE_ALL = 3'd3;       // every pair's record
+  localparam logic [2:0] MODE_HITS = 3'd4;      // records with F = 1 only
+endpackage

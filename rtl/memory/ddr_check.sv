@@ -1,0 +1,51 @@
+// Check bits of DDR, where a card has them: made for what is written, used on what is read, and counted by the words of
+// a beat that belong to a slot.
+// Latency: none for writes; reads 1 clock with ECC, else none. Throughput: one beat a clock each way. Stall: none.
+`include "secded.svh"
+module ddr_check #(
+    parameter config_pkg::config_t CONFIG,
+    localparam int CW = formats_pkg::container(CONFIG.exp, CONFIG.man),
+    localparam int BEAT = records_pkg::DDR_WORDS
+) (
+    input logic clk_i,
+    input logic rst_i,
+    input logic [63:0] write_data_i,
+    output logic [64/CW-1:0][7:0] write_check_o,
+    input logic read_valid_i,
+    input logic [BEAT-1:0][CW-1:0] read_data_i,
+    input logic [BEAT-1:0][7:0] read_check_i,
+    input logic [3:0] words_i,  // of the beat that is shown
+    output logic valid_o,
+    output logic [BEAT-1:0][CW-1:0] data_o,
+    output logic [3:0] corrected_o,  // words, this clock
+    output logic [3:0] failed_o
+);
+  if (CONFIG.ecc != 0) begin : g_ecc
+    localparam int R = `SECDED_BITS(CW);
+    logic [BEAT-1:0][R-1:0] check;
+    logic [BEAT-1:0] corrected, failed, mine;
+    for (genvar k = 0; k < 64 / CW; k++) begin : written
+      logic [R-1:0] bits;
+      secded_encode #(.W(CW)) encode (.data_i(write_data_i[k*CW+:CW]), .check_o(bits));
+      assign write_check_o[k] = 8'(bits);
+    end
+    for (genvar k = 0; k < BEAT; k++) begin : word
+      assign check[k] = read_check_i[k][R-1:0];
+      assign mine[k] = valid_o && 4'(k) < words_i;
+    end
+    ddr_ecc #(.CONFIG(CONFIG)) correct (
+        .clk_i, .rst_i, .valid_i(read_valid_i), .data_i(read_data_i), .check_i(check), .valid_o, .data_o,
+        .corrected_o(corrected), .failed_o(failed));
+    assign corrected_o = 4'($countones(corrected & mine));
+    assign failed_o = 4'($countones(failed & mine));
+    logic unused_check;
+    assign unused_check = &{1'b0, read_check_i};
+  end else begin : g_no_ecc
+    assign write_check_o = '0;
+    assign valid_o = read_valid_i;
+    assign data_o = read_data_i;
+    assign {corrected_o, failed_o} = '0;
+    logic unused_check;
+    assign unused_check = &{1'b0, clk_i, rst_i, write_data_i, read_check_i, words_i};
+  end
+endmodule

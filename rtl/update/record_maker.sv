@@ -1,0 +1,81 @@
+// Records, one a clock: from the update buffers at the end of a pass, from the output FIFO during it. With normals a
+// second one follows each: n in the words of CP, the signed gap in T.
+// Latency: 1 clock. Throughput: one record a clock. Stall: ready_o is low while the ring is full, and for the first of
+// two records.
+module record_maker #(
+    parameter config_pkg::config_t CONFIG,
+    localparam int CW = formats_pkg::container(CONFIG.exp, CONFIG.man),
+    localparam int WORDS = records_pkg::RECORD_WORDS,
+    localparam int POINTS = (CONFIG.normals != 0) ? 6 : 3,
+    localparam int ROW_W = config_pkg::index_bits(CONFIG.primaries / CONFIG.lanes),
+    localparam int LANE_W = config_pkg::index_bits(CONFIG.lanes),
+    localparam int PRIM_W = $clog2(CONFIG.primaries)
+) (
+    input logic clk_i,
+    input logic rst_i,
+    input logic flush_i,  // what waits is dropped
+    input logic normals_i,
+    input logic streaming_i,
+    input logic [3:0] second_pair_i,    // of the pass
+    input logic [1:0] gap_i,          // the pair is one of solids: T is the size of a signed gap
+    input logic [PRIM_W-1:0] split_i,
+
+    input logic fifo_valid_i,
+    input logic [ROW_W-1:0] fifo_row_i,
+    input logic [LANE_W-1:0] fifo_lane_i,
+    input logic [31:0] fifo_index_i,
+    input logic fifo_f_i,
+    input logic fifo_bad_i,
+    input logic writeback_i,
+    input logic [PRIM_W-1:0] writeback_primary_i,
+    input logic writeback_bad_i,
+    input logic [31:0] result_index_i,  // of either
+    input logic [CW-1:0] result_t_i,
+    input logic [POINTS-1:0][CW-1:0] result_point_i,
+    output logic ready_o,
+
+    input logic sram_full_i,
+    input logic [31:0] sram_count_i,
+    output logic write_o,
+    output logic [WORDS-1:0][CW-1:0] record_o
+);
+  localparam logic [CW-1:0] SIGN = CW'(formats_pkg::sign_bit(CONFIG.exp, CONFIG.man));
+  localparam logic [CW-1:0] QNAN = CW'(formats_pkg::quiet_nan(CONFIG.exp, CONFIG.man));
+  records_pkg::record_flags_t flags;
+  logic [WORDS-1:0][CW-1:0] record;
+  logic record_f, record_bad, record_gap, record_there, second_q;
+  logic sram_room;  // counting the record on its way
+  logic [CW-1:0] record_t;
+  logic [31:0] record_index;
+  logic [PRIM_W-1:0] record_primary;
+  assign sram_room = !sram_full_i && !(write_o && sram_count_i + 1 == 32'(CONFIG.sram_records));
+  assign ready_o = sram_room && (!normals_i || second_q);
+  assign record_there = streaming_i ? fifo_valid_i : writeback_i;
+  // The update buffers hold signed gaps for solids.
+  assign record_gap = (CONFIG.parallel != 0 && second_pair_i != pairs_pkg::NO_PAIR && writeback_primary_i >= split_i) ?
+      gap_i[1] : gap_i[0];
+  assign flags = {normals_i && second_q, record_bad, record_f};
+  assign record_bad = streaming_i ? fifo_bad_i : writeback_bad_i;
+  assign record_f = streaming_i ? fifo_f_i :
+      result_index_i != '1 && (!record_gap || (result_t_i & SIGN) != 0) && !record_bad;
+  assign record_t = record_bad ? QNAN : record_gap ? result_t_i & ~SIGN : result_t_i;
+  assign record_index = !streaming_i ? result_index_i : (fifo_f_i || (record_gap && !fifo_bad_i)) ? fifo_index_i : '1;
+  assign record_primary = streaming_i ? PRIM_W'(32'(fifo_row_i) * 32'(CONFIG.lanes) + 32'(fifo_lane_i)) :
+      writeback_primary_i;
+  always_comb begin
+    record[records_pkg::RECORD_CP+:3] = record_bad ? {3{QNAN}} : result_point_i[2:0];
+    record[records_pkg::RECORD_FLAGS] = CW'(flags);
+    record[records_pkg::RECORD_INDEX] = CW'(record_index);
+    record[records_pkg::RECORD_T] = record_t;
+    record[records_pkg::RECORD_PRIMARY] = CW'(record_primary);
+    if (flags.normal) begin
+      record[records_pkg::RECORD_CP+:3] = record_bad ? {3{QNAN}} : result_point_i[POINTS-1:POINTS-3];
+      record[records_pkg::RECORD_T] = (record_f && record_gap) ? record_t | SIGN : record_t;
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    write_o <= !rst_i && !flush_i && record_there && sram_room;
+    if (record_there) record_o <= record;
+    second_q <= !rst_i && !flush_i && (record_there && sram_room ? normals_i && !second_q : second_q);
+  end
+endmodule
