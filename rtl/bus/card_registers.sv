@@ -199,9 +199,7 @@ module card_registers #(
   registers_pkg::ecc_t ecc_q;  // words of DDR
   registers_pkg::id_t id;
   registers_pkg::caps_t caps;
-  registers_pkg::caps2_t caps2;
   registers_pkg::caps3_t caps3;
-  registers_pkg::status_t status;
   always_comb begin
     id.magic = registers_pkg::ID_MAGIC;
     id.version = registers_pkg::INTERFACE_VERSION;
@@ -211,10 +209,6 @@ module card_registers #(
     caps.exp = 8'(EXP);
     caps.primaries = 16'(PRIMARIES);
     caps.lanes = 16'(LANES);
-    caps2 = '0;
-    caps2.container = 8'(CW);
-    caps2.sram_records = 32'(SRAM_RECORDS);
-    caps2.latency = latency_i;
     caps3 = '0;
     caps3.prim_objects = (TRANSFORM == pairs_pkg::TRANSFORM_BOTH) ? 16'(PRIM_OBJECTS) : 16'd0;
     caps3.objects = (TRANSFORM != pairs_pkg::TRANSFORM_NONE) ? 16'(OBJECTS) : 16'd0;
@@ -226,15 +220,25 @@ module card_registers #(
     caps3.normals = 1'(NORMALS);
     caps3.swap = 1'(SWAP);
     caps3.pairs = 16'(PAIRS);
-    status = '0;
-    status.busy = busy_i;
-    status.done = done_q;
-    status.command_error = command_error_q;
-    status.bus_error = bus_error_q;
-    status.sram_wait = sram_full_i;
-    status.irq = irq_o;
-    status.ecc_error = ecc_q.failed != 0;
   end
+  // What changes is put together where it is read: simulation would do it in every clock.
+  function automatic registers_pkg::caps2_t caps2_of(input logic [15:0] latency);
+    caps2_of = '0;
+    caps2_of.container = 8'(CW);
+    caps2_of.sram_records = 32'(SRAM_RECORDS);
+    caps2_of.latency = latency;
+  endfunction
+  function automatic registers_pkg::status_t status_of(input logic busy, input logic done, input logic command_error,
+      input logic bus_error, input logic sram_wait, input logic irq, input logic ecc_error);
+    status_of = '0;
+    status_of.busy = busy;
+    status_of.done = done;
+    status_of.command_error = command_error;
+    status_of.bus_error = bus_error;
+    status_of.sram_wait = sram_wait;
+    status_of.irq = irq;
+    status_of.ecc_error = ecc_error;
+  endfunction
   always_ff @(posedge clk_bus_o) begin
     rvalid_q <= read && !rst_i;
     if (read && space_q == registers_pkg::SPACE_SRAM) rdata_q <= allowed ? sram_beat_i : '0;
@@ -244,10 +248,11 @@ module card_registers #(
         registers_pkg::REG_ID: rdata_q <= id;
         registers_pkg::REG_CAPS: rdata_q <= caps;
         registers_pkg::REG_CONFIG_HASH: rdata_q <= CONFIG_HASH;
-        registers_pkg::REG_CAPS2: rdata_q <= caps2;
+        registers_pkg::REG_CAPS2: rdata_q <= caps2_of(latency_i);
         registers_pkg::REG_CAPACITY: rdata_q <= DDR_BYTES;
         registers_pkg::REG_CAPS3: rdata_q <= caps3;
-        registers_pkg::REG_STATUS: rdata_q <= status;
+        registers_pkg::REG_STATUS:
+          rdata_q <= status_of(busy_i, done_q, command_error_q, bus_error_q, sram_full_i, irq_o, ecc_q.failed != 0);
         registers_pkg::REG_COMMAND: rdata_q <= command_q;
         registers_pkg::REG_PRIM_COUNT: rdata_q <= 64'(prim_count_q);
         registers_pkg::REG_PRIM_SPLIT: rdata_q <= 64'(split_q);

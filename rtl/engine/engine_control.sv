@@ -113,8 +113,9 @@ module engine_control #(
         row_q <= 0;
         if (go_i) begin
           mode_o <= command_i.mode;
-          pair_o <= command_i.pair;
-          swap_o <= command_i.swap;
+          // What the card cannot do is a constant here, and what follows from it.
+          pair_o <= {(CONFIG.parallel != 0) ? command_i.pair[7:4] : pairs_pkg::NO_PAIR, command_i.pair[3:0]};
+          swap_o <= {2{CONFIG.swap != 0}} & command_i.swap;
           state_q <= pose_wanted_i ? POSE : CLEAR;
           credits_q <= ($clog2(FIFO_DEPTH) + 1)'(FIFO_DEPTH);
           missing_q <= (PRIM_W + 1)'($countones(active_i));

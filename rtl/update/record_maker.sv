@@ -43,18 +43,19 @@ module record_maker #(
   localparam logic [CW-1:0] QNAN = CW'(formats_pkg::quiet_nan(CONFIG.exp, CONFIG.man));
   records_pkg::record_flags_t flags;
   logic [WORDS-1:0][CW-1:0] record;
-  logic record_f, record_bad, record_gap, record_there, second_q;
+  logic normals, record_f, record_bad, record_gap, record_there, second_q;
   logic sram_room;  // counting the record on its way
   logic [CW-1:0] record_t;
   logic [31:0] record_index;
   logic [PRIM_W-1:0] record_primary;
   assign sram_room = !sram_full_i && !(write_o && sram_count_i + 1 == 32'(CONFIG.sram_records));
-  assign ready_o = sram_room && (!normals_i || second_q);
+  assign normals = CONFIG.normals != 0 && normals_i;  // a constant where the card has none
+  assign ready_o = sram_room && (!normals || second_q);
   assign record_there = streaming_i ? fifo_valid_i : writeback_i;
   // The update buffers hold signed gaps for solids.
   assign record_gap = (CONFIG.parallel != 0 && second_pair_i != pairs_pkg::NO_PAIR && writeback_primary_i >= split_i) ?
       gap_i[1] : gap_i[0];
-  assign flags = {normals_i && second_q, record_bad, record_f};
+  assign flags = {normals && second_q, record_bad, record_f};
   assign record_bad = streaming_i ? fifo_bad_i : writeback_bad_i;
   assign record_f = streaming_i ? fifo_f_i :
       result_index_i != '1 && (!record_gap || (result_t_i & SIGN) != 0) && !record_bad;
@@ -76,6 +77,6 @@ module record_maker #(
   always_ff @(posedge clk_i) begin
     write_o <= !rst_i && !flush_i && record_there && sram_room;
     if (record_there) record_o <= record;
-    second_q <= !rst_i && !flush_i && (record_there && sram_room ? normals_i && !second_q : second_q);
+    second_q <= !rst_i && !flush_i && (record_there && sram_room ? normals && !second_q : second_q);
   end
 endmodule
