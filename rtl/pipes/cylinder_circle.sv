@@ -1,6 +1,6 @@
-// A step on a circle of normals perpendicular to e (reference/pipes/cylinder/search.hpp): the bracket lo, hi that the pass
-// leaves behind, and the next normal, Newton's where that stays in the bracket, else the tie of the support points of
-// both ends. The pass has evaluated
+// A step on a circle of normals perpendicular to e (reference/pipes/cylinder/search.hpp): the bracket lo, hi that the
+// pass leaves behind, and the next normal, Newton's where that stays in the bracket, else the tie of the support points
+// of both ends. The pass has evaluated
 // (n, y, g) and the opposite normal (-n, minus_y, minus_g).
 //   beside   (cylinders) last and best make the bracket, in whichever order
 // sample (polyhedra) the sample before and this one make it, or their opposites, if both slopes point inward and no

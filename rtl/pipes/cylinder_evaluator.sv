@@ -1,5 +1,5 @@
-// One evaluation of a cylinder pair (reference/pipes/cylinder/evaluator.hpp): for a unit normal n and for -n the gap g of the
-// projections of A and B and a point y of B - A with n.y = g, the rims of the cylinders, and A's support point.
+// One evaluation of a cylinder pair (reference/pipes/cylinder/evaluator.hpp): for a unit normal n and for -n the gap g
+// of the projections of A and B and a point y of B - A with n.y = g, the rims of the cylinders, and A's support point.
 // Everything is relative to A's origin.
 // 46 add, 56 mul, 2 div, 2 sqrt, 2 compare (cylinder); 46 add, 39 mul, 1 div, 1 sqrt, 1 compare (box); 36 add, 36 mul,
 // 1 div, 1 sqrt, 5 compare, 4 min/max (triangle).

@@ -1,6 +1,7 @@
 // A cylinder, box or triangle against a cylinder: s_K, the largest gap g(n) over the normals that the budget pays for,
-// at most the signed gap s, so that F = 0 is a proof (host/include/cde/reference/pipes/cylinder/). F = (s_K <= 0), T = |s_K|,
-// n the normal, CP between the witness points. One pipeline, which a row of pairs goes round once a pass: a normal
+// at most the signed gap s, so that F = 0 is a proof (host/include/cde/reference/pipes/cylinder/). F = (s_K <= 0), T =
+// |s_K|, n the normal, CP between the witness points. One pipeline, which a row of pairs goes round once a pass: a
+// normal
 // (front), g for it and its opposite (evaluator), what the pair keeps of that (circle, free), and at the end the
 // witness points. RING rows are in flight, one a stage; what a row keeps lies in memories with a slot a row, read and
 // written by the stages that use it.

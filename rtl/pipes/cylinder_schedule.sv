@@ -1,4 +1,5 @@
-// The pass after a pass of a cylinder pair (pass() of reference/pipes/cylinder/schedule.hpp), stepped instead of counted.
+// The pass after a pass of a cylinder pair (pass() of reference/pipes/cylinder/schedule.hpp), stepped instead of
+// counted.
 // Combinational.
 `include "cylinder.svh"
 module cylinder_schedule #(

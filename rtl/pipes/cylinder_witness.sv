@@ -1,7 +1,7 @@
-// A witness pass of a cylinder pair (reference/pipes/cylinder/witness.hpp): the point q of A that is, moved by s n, a point
-// of B, by alternating projection, between the features that n touches (track 0), those that it nearly touches, then
-// the solids. Touch starts from that body's support point which is nearer to the other body, or from the middle of a
-// cap; project goes to B moved by -s n and back to A and on to where flat faces would cross. Solids that are clearly
+// A witness pass of a cylinder pair (reference/pipes/cylinder/witness.hpp): the point q of A that is, moved by s n, a
+// point of B, by alternating projection, between the features that n touches (track 0), those that it nearly touches,
+// then the solids. Touch starts from that body's support point which is nearer to the other body, or from the middle of
+// a cap; project goes to B moved by -s n and back to A and on to where flat faces would cross. Solids that are clearly
 // apart are projected on where they stand at the end, and the direction between their nearest points becomes n if g
 // does not fall. w is the best point so far, off how far it is from B, squared.
 // 86 add, 78 mul, 3 div, 2 sqrt, 14 compare, 8 min/max (cylinder); 83 add, 77 mul, 2 div, 1 sqrt, 13 compare, 11

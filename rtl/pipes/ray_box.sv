@@ -1,7 +1,7 @@
-// Box rule of ray and triangle (reference/pipes/ray_box.hpp): what is met counts only if P = o + t d lies in the triangle's
-// box, (|P_k - c_k| - h_k) < 64 u |t d|_1 on every axis. A NaN or an infinite P is outside, and nothing is in the box
-// of a triangle without area. The triangle's part is computed once for all lanes if it is broadcast. Without BOX:
-// a wire.
+// Box rule of ray and triangle (reference/pipes/ray_box.hpp): what is met counts only if P = o + t d lies in the
+// triangle's box, (|P_k - c_k| - h_k) < 64 u |t d|_1 on every axis. A NaN or an infinite P is outside, and nothing is
+// in the box of a triangle without area. The triangle's part is computed once for all lanes if it is broadcast. Without
+// BOX: a wire.
 // 1 mul, 2 add, 6 sub, 3 compare a ray, and those of triangle_bounds.sv a triangle.
 // Latency: to stage time RAY_T_IN_BOX (ray_box.svh); 0 with ARITH = "host". Throughput: LANES pairs a clock.
 // Stall: none.

@@ -90,7 +90,7 @@ module object_table #(
   check_clock #(.NUMBER_W(ENTRY_W), .T_CHECK(T_CHECK)) check_time (
       .clk_i(clk_core_i), .rst_i, .commit_i(commit_q), .number_i(entry_q), .clk_o(clk_check), .busy_o,
       .judged_o(judged), .number_o(judged_entry));
-  assign box = {words_q[records_pkg::records_pkg::OBJECT_TRANSLATION-1:records_pkg::OBJECT_ROTATION], {3{ONE}},
+  assign box = {words_q[records_pkg::OBJECT_TRANSLATION-1:records_pkg::OBJECT_ROTATION], {3{ONE}},
       words_q[records_pkg::OBJECT_END-1:records_pkg::OBJECT_TRANSLATION]};
   shape_check #(.SHAPE(pairs_pkg::SHAPE_OBB), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
       .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check (
@@ -100,8 +100,8 @@ module object_table #(
   always_comb begin
     turned = 0;
     for (int k = 0; k < 9; k++) turned = turned | (((k % 4 == 0) ?
-        words_q[records_pkg::records_pkg::OBJECT_ROTATION+k] ^ ONE :
-            words_q[records_pkg::records_pkg::OBJECT_ROTATION+k] & ~SIGN) != 0);
+        words_q[records_pkg::OBJECT_ROTATION+k] ^ ONE :
+            words_q[records_pkg::OBJECT_ROTATION+k] & ~SIGN) != 0);
   end
   always_ff @(posedge clk_check) begin
     if (judged) bad_transform_q[judged_entry] <= bad_judged;
