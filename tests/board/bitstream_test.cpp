@@ -259,8 +259,8 @@ TEST_F(Bitstreams, WhatBelongsToOthersIsNotLoaded) {
 TEST_F(Bitstreams, InstalledFoldersOnlyInAnInstallation) {
   const fs::path source = bitstream_builder().parent_path().parent_path(),
                  clone = folder_ / "share/clone";
-  fs::create_directories(clone);
-  for (const char* part : {"rtl", "verilator"})
+  fs::create_directories(clone / "host/include/cde");
+  for (const char* part : {"rtl", "verilator", "host/include/cde/contract"})
     fs::copy(source / part, clone / part, fs::copy_options::recursive);
   copy_of_host_board("lib/cde/bitstreams");
   unset("CDE_BITSTREAMS");

@@ -383,10 +383,9 @@ TEST_F(Cast, InterruptWhileCastingLeavesNothing) {
 /// ends with status 3, keeps no file, and the command that it names finds the same difference.
 TEST_F(Cast, FaultyCardIsFoundOut) {
   const fs::path share = folder_ / "share";
-  for (const char* part : {"rtl", "verilator"}) {
-    fs::create_directories(share);
+  fs::create_directories(share / "host/include/cde");
+  for (const char* part : {"rtl", "verilator", "host/include/cde/contract"})
     fs::copy(fs::path(CDE_SOURCE_DIR) / part, share / part, fs::copy_options::recursive);
-  }
   const fs::path pipe = share / "rtl/pipes/ray_triangle_moller.sv";
   std::stringstream text;
   text << std::ifstream(pipe).rdbuf();

@@ -563,8 +563,8 @@ TEST_F(Query, AnswersWhileTheInputIsOpen) {
 /// the command that it names finds the same difference.
 TEST_F(Query, FaultyPipeIsFoundOut) {
   const fs::path share = folder_ / "share";
-  fs::create_directories(share);
-  for (const char* part : {"rtl", "verilator"})
+  fs::create_directories(share / "host/include/cde");
+  for (const char* part : {"rtl", "verilator", "host/include/cde/contract"})
     fs::copy(fs::path(CDE_SOURCE_DIR) / part, share / part, fs::copy_options::recursive);
   const fs::path pipe = share / "rtl/pipes/sphere_sphere.sv";
   std::stringstream text;
@@ -761,8 +761,8 @@ TEST_F(Inventory, FacetsInTurnAreFewerUnits) {
 /// pipe.
 TEST_F(Inventory, FollowsTheRtl) {
   const fs::path share = folder_ / "share";
-  fs::create_directories(share);
-  for (const char* part : {"rtl", "verilator"})
+  fs::create_directories(share / "host/include/cde");
+  for (const char* part : {"rtl", "verilator", "host/include/cde/contract"})
     fs::copy(fs::path(CDE_SOURCE_DIR) / part, share / part, fs::copy_options::recursive);
   const auto change = [&](const char* file, const std::string& from, const std::string& to) {
     std::stringstream text;

@@ -350,8 +350,8 @@ TEST_F(RunScene, Waves) {
 /// run.json counts the mismatches, and the command that is named finds the same again.
 TEST_F(RunScene, FaultyCardIsFoundOut) {
   const fs::path share = folder_ / "share";
-  fs::create_directories(share);
-  for (const char* part : {"rtl", "verilator"})
+  fs::create_directories(share / "host/include/cde");
+  for (const char* part : {"rtl", "verilator", "host/include/cde/contract"})
     fs::copy(fs::path(CDE_SOURCE_DIR) / part, share / part, fs::copy_options::recursive);
   const fs::path pipe = share / "rtl/pipes/ray_triangle_moller.sv";
   std::stringstream text;

@@ -167,7 +167,8 @@ const std::vector<HelpEntry>& environment() {
   static const std::vector<HelpEntry> kAll = {
       {"CDE_CACHE", "folder where bitstreams are kept once they are built (~/.cache/cde)"},
       {"CDE_BITSTREAMS", "folder that is searched for bitstreams before all others"},
-      {"CDE_SHARE", "folder with rtl/ and verilator/, from which bitstreams are built"},
+      {"CDE_SHARE",
+       "folder with rtl/, verilator/ and host/include/, from which bitstreams are built"},
       {"CDE_CLANG", "compiler of bitstreams (clang++)"},
       {"CDE_MARCH", "processor that bitstreams are compiled for, as -march has it (native)"},
       {"CDE_ASSERT", "1: bitstreams with the assertions of the RTL"},
