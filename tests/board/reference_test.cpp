@@ -1,6 +1,7 @@
 // The reference itself: the vector code against the template, the template against cases worked out
 // by hand.
 #include "cde/reference/reference.hpp"
+#include "cde/reference/pipes/ray_triangle.hpp"
 
 #include <cmath>
 

@@ -160,6 +160,22 @@ TEST_F(RunScene, TheCardMovesObjects) {
     EXPECT_EQ(read(fmt::format("moving.run/{}", file)), read(fmt::format("host.run/{}", file)));
 }
 
+// A ray that starts beyond the range is bad input, and its record is no hit: a run says so, once.
+TEST_F(RunScene, SaysWhatHasLeftTheRange) {
+  std::string text = flight("lanes = 16");
+  const std::string points = "[90, 60, 250]";
+  text.replace(text.find(points), points.size(), "[1e30, 60, 250]");
+  write("far.toml", text);
+  const Ran ran = cde({"run", "far.toml", "-q"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  const std::string said =
+      "query 'hit': 300 of its primaries and 0 of its secondaries are bad input";
+  const std::size_t at = ran.err.find(said);
+  ASSERT_NE(at, std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("beyond 2^40"), std::string::npos) << ran.err;
+  EXPECT_EQ(ran.err.find(said, at + 1), std::string::npos) << ran.err;
+}
+
 TEST_F(RunScene, FaultsInDdrAreCorrectedOrFoundOut) {
   write("ecc.toml", flight("lanes = 4\necc = true"));
   Ran ran = cde({"run", "ecc.toml", "--fault", "ddr:20@1", "--fault", "ddr@2", "--frames", "0..2"});

@@ -13,6 +13,7 @@
 
 #include "busy.hpp"
 #include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
 #include "help.hpp"
 #include "machine.hpp"
 #include "npy.hpp"
@@ -313,7 +314,7 @@ void Picture::write() const {
     terminal_file.write(as_text(image, columns, may_colour(STDOUT_FILENO)));
     terminal_file.commit();
   }
-  say("{:<16} {}, {} x {}\n", "picture", path, image.size.width, image.size.height);
+  say("{:<16} {}, {} x {}\n", "picture", printable_name(path), image.size.width, image.size.height);
 }
 
 std::string as_text(const Image& image, unsigned columns, bool colour) {

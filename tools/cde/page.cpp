@@ -1,5 +1,6 @@
 #include "page.hpp"
 
+#include "cde/support/message.hpp"
 #include "streams.hpp"
 
 #include <fmt/format.h>
@@ -24,7 +25,7 @@ std::string policy_hash(const PageAsset& asset) {
 
 std::string escaped(std::string_view text) {
   std::string html;
-  for (const char c : valid_utf8(text)) {
+  for (const char c : printable(valid_utf8(text))) {
     switch (c) {
       case '&':
         html += "&amp;";

@@ -156,10 +156,10 @@ std::vector<std::string> algorithm_names() {
 }
 
 CLI::Option* clock_option(CLI::App& verb, double& mhz) {
-  // A clock's period is whole picoseconds in 32 bits.
+  // What Board::open() takes: a period of 100 to 1,000,000 ps.
   return number_in(verb.add_option("--clock", mhz, "Core clock assumed for modelled times")
                        ->capture_default_str(),
-                   0.001, 10000, "MHz");
+                   1, 10000, "MHz");
 }
 
 void exact_card_option(CLI::App& verb, bool& exact) {

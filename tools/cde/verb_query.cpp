@@ -19,6 +19,7 @@
 #include "operand_defect.hpp"
 #include "output.hpp"
 #include "streams.hpp"
+#include "suffix.hpp"
 #include "values.hpp"
 #include "verbs.hpp"
 #include "waves.hpp"
@@ -441,6 +442,7 @@ void print_summary(const Options& o, const PairConfig& config, const Totals& t) 
 }
 
 void run(const Options& o) {
+  check_suffix("--trace", o.trace, ".fst");
   if (!o.trace.empty())
     check_outputs(std::vector<FileUse>{{"--trace", o.trace}, {"the answers", "-"}},
                   std::vector<FileUse>{{"stdin", "-"}});

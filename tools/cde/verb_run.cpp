@@ -9,12 +9,14 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "busy.hpp"
 #include "cde/bitstream/bitstream.hpp"
 #include "cde/contract/records.hpp"
+#include "cde/geometry/length_range.hpp"
 #include "cde/scene/plan.hpp"
 #include "cde/scene/player.hpp"
 #include "cde/support/error.hpp"
@@ -136,6 +138,7 @@ class RecordFile {
 
 struct Totals {
   std::uint64_t records = 0, compared = 0, mismatches = 0, corrected = 0, hits = 0, tests = 0;
+  std::uint64_t bad = 0;  // primaries and secondaries, each as often as it was refused
   double modelled = 0, simulated = 0, checked = 0;
 
   void add(const Json& q) {
@@ -284,6 +287,8 @@ class Run {
                       scene_.card.clock_hz / 1e6, bus_name(scene_), memory_name(scene_)));
       row("simulation", fmt::format("{:.3g} s, {:.4g} M tests/s; reference {:.3g} s", t.simulated,
                                     static_cast<double>(t.tests) / t.simulated / 1e6, t.checked));
+      if (t.bad != 0)
+        row("bad input", fmt::format("{} primaries and secondaries, see above", t.bad));
       row("check", check_text());
       report_faults();
       row("results", folder_.begun()
@@ -334,14 +339,34 @@ class Run {
     for (std::size_t q = 0; q < answers.size(); ++q) {
       j["queries"].push_back(query_json(scene_.queries[q].name, answers[q]));
       totals_.add(j["queries"].back());
+      warn_of_bad(scene_.queries[q].name, frame, answers[q].counters);
       if (answers[q].mismatches == 0 || !mismatch_.empty()) continue;
       mismatch_ = fmt::format(
           "frame {}, query '{}': {} of {} records differ from the reference, the first:\n{}"
-          "  repeat with: cde run {} --frames {}..{} --check {}",
+          "{}  repeat with: cde run {} --frames {}..{} --check {}{}",
           frame, scene_.queries[q].name, answers[q].mismatches, answers[q].compared,
-          answers[q].first_mismatch, shell_word(scene_.file), frame, frame, name_of(check_));
+          answers[q].first_mismatch,
+          o_.faults.empty() ? "" : "  faults were injected; that pair by itself has none of them\n",
+          shell_word(scene_.file), frame, frame, name_of(check_), fault_words());
     }
     json_["played"].push_back(std::move(j));
+  }
+
+  [[nodiscard]] std::string fault_words() const {
+    std::string words;
+    for (const std::string& fault : o_.faults) words += " --fault " + shell_word(fault);
+    return words;
+  }
+
+  /// Says once a query what the input contract refuses: a body that has left the range is no miss.
+  void warn_of_bad(const std::string& query, std::uint32_t frame, const Counters& c) {
+    const std::uint64_t bad = c.bad_primaries + c.bad_secondaries;
+    totals_.bad += bad;
+    if (bad == 0 || !warned_.insert(query).second) return;
+    const LengthRange range = LengthRange::of(8, 23);
+    say("cde: frame {}, query '{}': {} of its primaries and {} of its secondaries are bad input, "
+        "not finite or beyond 2^{} in size; their records say so and are no hits\n",
+        frame, query, c.bad_primaries, c.bad_secondaries, range.high);
   }
 
   /// Whatever came of the run: frames played are kept, waves are wanted most when it failed.
@@ -395,6 +420,7 @@ class Run {
   std::optional<Report> report_;
   Totals totals_;
   std::string mismatch_;
+  std::set<std::string> warned_;  // names of queries
   bool waves_whole_ = false;
   std::string waves_defect_;
 };

@@ -121,6 +121,7 @@ class PassCheck {
       message += fmt::format("  primary {}: {}\n", primary, words_of(primaries_, primary));
     for (const Record* r : {card, expected}) {
       if (r == nullptr || r->index >= size(secondaries_)) continue;
+      if (r == expected && card != nullptr && card->index == r->index) continue;  // as above
       const std::string secondary = words_of(secondaries_, r->index);
       message += fmt::format("  secondary {}: {}\n", r->index, secondary);
       if (primary < size(primaries_))
