@@ -442,10 +442,10 @@ void print_summary(const Options& o, const PairConfig& config, const Totals& t) 
 }
 
 void run(const Options& o) {
-  check_suffix("--trace", o.trace, ".fst");
   if (!o.trace.empty())
     check_outputs(std::vector<FileUse>{{"--trace", o.trace}, {"the answers", "-"}},
                   std::vector<FileUse>{{"stdin", "-"}});
+  check_suffix("--trace", o.trace, ".fst");
   const PairConfig config = configuration(o);
   const Totals totals = Query(o, config).run();
   if (o.json)
