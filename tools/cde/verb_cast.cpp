@@ -16,6 +16,7 @@
 #include "cast_picture.hpp"
 #include "cde/image/rays_csv.hpp"
 #include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
 #include "json_keys.hpp"
 #include "npy.hpp"
 #include "output.hpp"
@@ -54,7 +55,8 @@ void collect_rays(const CastOptions& o, CastJob& job) {
   if (!listed) return aim(o, job);
   if (!o.size.empty()) usage("--size is of pictures; the rays are given one by one");
   if (!o.rays_file.empty()) job.listed = read_rays(o.rays_file);
-  for (const std::string& text : o.rays) job.listed.push_back(parse_ray(text, "--ray " + text));
+  for (const std::string& text : o.rays)
+    job.listed.push_back(parse_ray(text, "--ray " + printable_name(text)));
   job.rays = job.listed;
   if (job.rays.empty())
     throw Error(
@@ -248,7 +250,8 @@ void add_sources(CLI::App& verb, CastOptions& o) {
              "FILE");
   text_value(
       verb.add_option("--ray", o.rays, "One ray, same fields; repeatable")->allow_extra_args(false),
-      "RAY", [](const std::string& text) { (void)parse_ray(text, "--ray " + text); });
+      "RAY",
+      [](const std::string& text) { (void)parse_ray(text, "--ray " + printable_name(text)); });
   text_value(verb.add_option("--camera", o.camera,
                              "Picture: ex,ey,ez,tx,ty,tz[,fov]: eye, target, vertical field of "
                              "view in degrees; without it one that shows the mesh"),

@@ -364,9 +364,12 @@ class Run {
     totals_.bad += bad;
     if (bad == 0 || !warned_.insert(query).second) return;
     const LengthRange range = LengthRange::of(8, 23);
-    say("cde: frame {}, query '{}': {} of its primaries and {} of its secondaries are bad input, "
-        "not finite or beyond 2^{} in size; their records say so and are no hits\n",
-        frame, query, c.bad_primaries, c.bad_secondaries, range.high);
+    say("cde: frame {}, query '{}': {} of its primaries and {} of its secondaries are bad input "
+        "(not "
+        "finite, beyond 2^{} or, a size, below 2^{}, or not of unit length); their records say so "
+        "and "
+        "are no hits\n",
+        frame, query, c.bad_primaries, c.bad_secondaries, range.high, range.low);
   }
 
   /// Whatever came of the run: frames played are kept, waves are wanted most when it failed.
