@@ -8,7 +8,8 @@ cde=$1 document=$2 examples=0 failures=0
 comparable() { grep -v -e '^simulation ' -e '^cde: building ' | sort; }
 while IFS= read -r number; do
   command=$(sed -n "${number}s/^    \$ build\/cde //p" "$document")
-  wanted=$(tail -n "+$((number + 1))" "$document" | sed -n '/^    [^$]/!q; s/^    //p')
+  # Reads to the end: who leaves a pipe early may end its writer with SIGPIPE.
+  wanted=$(awk -v after="$number" 'NR <= after || over { next } /^    [^$]/ { print substr($0, 5); next } { over = 1 }' "$document")
   got=$(eval "\"$cde\" $command" 2>&1)
   examples=$((examples + 1))
   diff <(comparable <<<"$wanted") <(comparable <<<"$got") || { echo "$document:$number: cde $command prints something else" >&2; failures=$((failures + 1)); }
