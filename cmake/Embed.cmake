@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # cde_embed(OUTPUT.cpp NAME=FILE ...)
 #
 # Writes a C++ source that defines `const PageAsset NAME` (tools/cde/page.hpp) for every FILE: its text and the SHA-256 of

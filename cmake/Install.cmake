@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # What `cmake --install` lays down: the library and headers, the cde command, the RTL and the bitstream builder (which
 # expects rtl/ beside verilator/), those of the default bitstreams that are built, and the package for find_package(cde).
 # It works from any state of the build: the library and the command are built if they are not, the bitstreams, minutes of

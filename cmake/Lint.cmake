@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Static checks as targets, and the fast ones as tests. tools/lint does the work. Faults planted in a copy of the sources by
 # tools/mutate: that its table fits the sources is a test, the faults themselves are one of tools/test --full.
 set(lint ${CMAKE_COMMAND} -E env CDE_BUILD=${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR}/tools/lint)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Writes version.cpp (tools/cde/version.hpp) in every build, and touches it only if something in it is new.
 #
 #   cmake -DOUTPUT=version.cpp -DSOURCE=ROOT -DVERSION=1.2.3 -DCOMPILER="GNU 12" -DTOOLCHAIN=FILE -P Version.cmake

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The card: local bus, primary and secondary register files, collision detection engine, update engine, record memory.
 // DDR and SRAM chips are outside; the ports name what they need. All of it runs on one core clock; the engine's part is
 // gated while no pass runs. This is wiring; its parameters are those of config.svh, and all but them comes from CONFIG.

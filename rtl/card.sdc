@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Timing constraints of card.sv: its clocks, and every path between them. SDC as OpenSTA, Vivado (as XDC) and others read it; the
 # periods are those of the driver's defaults, other boards change them here. `tools/lint lines` holds the names against the RTL.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A PCI card: pci_bridge on one side, the board on the other, the local bus between them.
 // Two clocks: PCI's, and the core's for everything else. The ports are those of the two modules. Reset: `rst_i` is one
 // line for both domains, held for at least four clocks of each; with RESET_STAGES = 0 synchronous to both, as in a

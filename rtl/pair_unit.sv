@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One pipe by itself: LANES pairs a clock in, each lane with a primary and a secondary of its own, with the check of
 // the input contract and the handling of bad input. What `cde query`, the regressions and the benchmarks of pairs run
 // on.

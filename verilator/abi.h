@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* C interface of a board bitstream: a shared library with one Verilated `board` and the models of
    the chips around it. The only symbol is cde_board_entry(). One handle is one card; handles are
    independent and may live in different threads, a single handle must not be used by two threads at

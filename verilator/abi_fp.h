@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* C interface of an fp_unit bitstream. A unit is single-threaded; operands and results are the low
  * bits of 64-bit words. Operations are those of cde/contract/formats.hpp. */
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* What both C interfaces of a card, abi.h and abi_pci.h, say of its DDR. */
 #ifndef CDE_ABI_MEMORY_H
 #define CDE_ABI_MEMORY_H

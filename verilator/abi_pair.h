@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* C interface of a pair_unit bitstream. A unit is single-threaded. Words are 32 bits for formats of
  * up to 32 bits and 64 for wider ones, little-endian, in the order of the shapes
  * (rtl/contract/pairs_pkg.sv). */

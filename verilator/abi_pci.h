@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* C interface of a card behind PCI: a shared library with a Verilated `card` (or `pci_bridge` with
    a memory on its local bus), and the host bridge, arbiter and host memory it is plugged into. The
    only symbol is cde_pci_entry(). One handle is one host with one card; handles are independent and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Coverage of the RTL. A harness calls cde_write_coverage when it destroys its model: in a
 // bitstream built with CDE_RTL_COVERAGE=1 that writes the model's counters, in any other it does
 // nothing.

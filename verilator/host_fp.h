@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The host back end of rtl/fp (ARITH = "host"): the operation of one lane on the host's FPU,
 // bit-identical to the gates.
 //

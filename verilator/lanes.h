@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Eight lanes at a time: the vector statements that `reroll` writes. Operations of host_fp.h on
 // vectors of 32-bit words, lane by lane the bits of the scalar ones.
 #pragma once

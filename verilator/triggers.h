@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// The trigger vector of the generated model, one bit a clock in one word, in place of Verilator's
 /// array of bools: that one is written a byte at a time and read several at a time, which stalls
 /// the processor at every evaluation (measured: a third of the time spent in eval(), 30 of 560 ns a

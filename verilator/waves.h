@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /// What reroll_waves makes of Verilator's code for waves: lanes that lie side by side, declared or
 /// dumped by one call.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // FIFO between two clock domains, by Gray-coded pointers and two-stage synchronisers (C. E. Cummings, "Simulation and
 // Synthesis Techniques for Asynchronous FIFO Design", SNUG 2002, style 1). What a side sees of the other is late, never
 // early:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The card's end of the local bus: one 64-bit beat a clock into four spaces (registers_pkg::SPACE_*). Holds the
 // registers, checks every access against its space, and forwards beats to the primary register file, DDR and the SRAM
 // ring. The PCI target and the DMA engine are masters of this port; nothing behind it knows which bus the host is on.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Master of the local bus in the core's clock domain: serves requests that come out of the request FIFO in order, and
 // sends what is read, and changes of the card's interrupt line, into the response FIFO.
 // A request is a write of one beat, or a read of as many beats as its data word says, at ascending offsets.

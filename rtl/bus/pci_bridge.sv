@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // PCI Local Bus 2.3 device, 64 bits and 66 MHz, in front of a local bus: target (pci_target), bus master (pci_master)
 // and scatter-gather DMA (pci_dma) in the PCI clock domain, master of the local bus (local_master) in the core's. The
 // domains meet in two asynchronous FIFOs, requests one way, read data and the card's interrupt line the other.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Scatter-gather DMA: serves a ring of descriptors in host memory (pci_pkg::PCI_DESCRIPTOR_*), moves data between host
 // memory and the local bus, and writes a completion record for each into a ring of its own.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // PCI bus master: moves `qwords_i` words of 64 bits between the card and consecutive bus addresses, in as many
 // transactions as it takes. All bus signals active high; outputs are registers.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Page table of the mapped address space: what a driver writes through BAR0 and every address of a descriptor goes
 // through.
 // After reset all entries are cleared, one a clock, before anything is served.

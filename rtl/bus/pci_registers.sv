@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Registers of the bridge behind BAR0 (pci_pkg::PCI_REG_*): settings and state of the descriptor ring, interrupt
 // causes, counters.
 // Ring settings are refused while the ring runs; that, and going with settings out of range, halts it with an

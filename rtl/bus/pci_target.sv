@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // PCI target: configuration space and BAR0 (memory, 32- and 64-bit data phases). All bus signals active high; outputs
 // are registers.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reset of one clock domain out of a reset that belongs to none: it begins at once, with or without a clock, and ends
 // with this domain's clock, so that all its registers leave it at the same edge. `rst_i` must not glitch.
 // Without STAGES it is a wire, for a reset that is synchronous to the domain already, as a simulation's is.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // FIFO in one clock domain; the head shows at once.
 // Latency: 1 clock. Throughput: one entry in, one out a clock. Stall: room_o, count_o.
 module sync_fifo #(

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What goes between the modules of a card; software sees none of it.
 package card_pkg;
   // What the registers ask of a pass. Mode, pairs and swaps are kept by the sequencer from go on.

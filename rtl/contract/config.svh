@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The parameters of a card, once: what they are, as parameters of a top (for -G), and as the structure that goes down
 // from it (config_pkg::config_t), whose fields are in the order of CARD_CONFIG. Who adds one adds it to the three lists
 // and reads CONFIG where it is needed.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Refuses a configuration that no card can have. Elaboration only.
 module config_check #(
     parameter config_pkg::config_t CONFIG

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The configuration of a card as one structure: config.svh has its fields. And what follows from it in more than one
 // module.
 `include "config.svh"

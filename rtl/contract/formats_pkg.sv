@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Number formats and the codes of operations on them: what rtl/fp, rtl/vector and rtl/pipes share with
 // host/include/cde/contract/formats.hpp.
 // A format has an exponent of `exp` bits and a fraction of `man`; its words lie in containers of 32 or 64 bits.

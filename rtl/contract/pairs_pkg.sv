@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Shapes and pairs of shapes: tables, written from code 0 on, and what follows from them.
 // host/include/cde/contract/pairs.hpp is the same in C++. A table is a flat vector that one function reads: in constant
 // functions Yosys takes an index of a packed array for that of a bit.

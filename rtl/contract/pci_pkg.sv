@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The card's PCI side: what a driver reads and writes through the bus (docs/pci.md). host/include/cde/contract/pci.hpp
 // is the same in C++.
 package pci_pkg;

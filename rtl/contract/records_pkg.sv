@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Slots and records, in words of the container width; host/include/cde/contract/records.hpp is the same in C++.
 package records_pkg;
   localparam int DDR_WORDS = 9;  // words of a DDR beat, 288 bits in fp32; slots are packed, a word each of the shape

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The local bus and the card's registers: spaces, offsets, fields. host/include/cde/contract/registers.hpp is the same
 // in C++.
 package registers_pkg;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Collision detection engine: LANES lanes in groups behind one mouth. Takes a row of LANES primaries against one
 // secondary a clock, and keeps or streams the row's results in order.
 // With ARITH = "host" the datapath is combinational and gets its operands when its results are due, else when they are

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Clock and time of a check that runs for a while after a commit and is idle otherwise: T_CHECK clocks after the commit
 // of an entry its verdict is there.
 // Latency: T_CHECK clocks from the commit to judged_o. Throughput: one entry a clock. Stall: none.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Clock gate: a clock that passes while it is enabled, without glitches. The enable comes from registers of `clk_i` and
 // counts for the next rising edge. What is behind it costs neither power nor simulation time while it is idle, and its
 // registers stand still: a gate must not be replaced by a wire.

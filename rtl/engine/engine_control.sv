@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sequencer of a pass: pose primaries that moved, clear the update buffers, sweep every secondary over the rows of
 // primaries, let the pipe drain, write the results back, report done. A row enters the pipe when a secondary is there
 // and, in the streaming modes, a credit of the output FIFO is left and its pipe is ready. With a second pair a row of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What entered a pipe that keeps the order but not the time: tags leave in the order they came.
 // Latency: 1 clock. Throughput: one tag a clock in and one out. Stall: none; never more than DEPTH - 1 inside.
 module issue_order #(

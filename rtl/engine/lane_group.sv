@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // LANES lanes of the collision detection engine with all that belongs to them alone: their part of the primary register
 // file, the pipe, of the update engine and of the output FIFO. Nothing wider than a control bit or one record leaves a
 // group, in silicon as in simulation; not inlined, so that the groups are one function over objects that fit the

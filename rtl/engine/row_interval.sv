@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Admits a row every INTERVAL clocks at most.
 // Latency: none. Throughput: one row in INTERVAL clocks. Stall: ready_o, low for INTERVAL - 1 clocks after a row was
 // taken.

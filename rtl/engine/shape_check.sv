@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Input contract of a shape (pairs_pkg::SHAPE_*): every word finite (tmin and tmax only no NaN), coordinates at most
 // 2^length_high, sizes and the largest component of a direction from 2^length_low to that, max above min; unit vectors
 // and rotations to |a.b - (0 or 1)| <= 2^-20, or 16 u in formats too coarse for that.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // |a.b - ONE| <= tolerance, false for NaN: the test of unit vectors (ONE = 1) and of perpendicular ones. 3 mul, 2 add,
 // 1 sub, 1 compare.
 // Latency: LAT_MUL + 3*LAT_ADD + LAT_CMP clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall:

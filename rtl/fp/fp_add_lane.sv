@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One lane of fp_add: swap | align | add | count zeros | normalise | round. A significand is left aligned, its hidden
 // bit at CW-3, so that the carry of the sum lies at CW-2 and guard and sticky bits fill the rest of the container.
 // Latency: CUTS clocks, 0..5. Throughput: one a clock. Stall: none.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Class of a word as a lane mask, without arithmetic: formats_pkg::CLASS_*.
 // Latency: 0. Throughput: one result a lane a clock. Stall: none.
 module fp_class #(

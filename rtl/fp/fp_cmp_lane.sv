@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One lane of fp_cmp and fp_minmax. Combinational.
 // Minimum and maximum are minimumNumber and maximumNumber of IEEE 754-2019: a NaN loses against a number, -0 is below
 // +0, two NaNs give the canonical NaN, a signalling NaN raises NV.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A conversion on LANES lanes with the back end that ARITH names: what fp_cvt, fp_from_int and fp_to_int have in
 // common.
 // Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free.

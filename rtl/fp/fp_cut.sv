@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Register cut between two stages of a lane: DEPTH 1 is a register, DEPTH 0 a wire; more for signals that pass several
 // cuts.
 // Latency: DEPTH clocks.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Conversion from one format to another, to nearest even.
 // Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS
 // = 1.

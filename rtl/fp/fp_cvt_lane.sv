@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One lane of fp_cvt: normalise | shift | round. EXP, MAN is the format of the operand, EXP_O, MAN_O that of the
 // result.
 // Latency: CUTS clocks, 0..2. Throughput: one a clock. Stall: none.

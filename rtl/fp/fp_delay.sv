@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Delay line of lane words. Latency: DEPTH clocks (0 = a wire). Throughput: one a clock. Stall: none.
 module fp_delay #(
     parameter  int LANES = 1,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One lane of fp_div: normalise | MAN + 3 steps of restoring division | shift | round.
 // The quotient digit of a step is 1 unless the trial subtraction goes negative; digits are summed as 0 and -1 and
 // completed at the end. Digits start at weight 1 of x / y in (1/2, 2), so that twice the quotient fills the word that

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Work on the exponents of words, without arithmetic on their significands: how a pair is scaled by a power of two. A
 // shift is a number that is added to the bits of a word: k << MAN, negative ones in two's complement.
 //   EXPONENT_MAX  the larger of |a| and |b|, as bits

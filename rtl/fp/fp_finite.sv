@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whether all three components of a vector are finite, as a lane mask, without arithmetic.
 // Latency: 0. Throughput: one result a lane a clock. Stall: none.
 module fp_finite #(

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One lane of fp_from_int: magnitude, count zeros, normalise | shift | round.
 // Latency: CUTS clocks, 0..2. Throughput: one a clock. Stall: none.
 module fp_from_int_lane #(

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Gate back end of the binary units: lanes of one operation behind their input registers. CW is the word of a lane
 // (fp_mask.svh).
 // Latency: 1 + CUTS clocks. Throughput: one result a lane a clock. Stall: none.

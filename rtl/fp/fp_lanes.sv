@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One operation on LANES lanes with the back end that ARITH names: what fp_add, fp_mul and their like have in common.
 // Latency: LAT clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none, runs free.
 module fp_lanes #(

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Words and helpers that every lane module shares; include inside a module with parameters EXP, MAN and CW.
 // CW is the word of a lane: the format's container, but 64 bits from 24 fraction bits on. In 32 bits there is then no
 // room for the carry, guard and sticky bits beside the significand, nor for exponents past the largest.

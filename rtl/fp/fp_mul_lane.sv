@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One lane of fp_mul: swap | normalise | partial products | sum | shift | round. x is the operand of larger magnitude;
 // only y needs normalising when two subnormals multiply to less than half of the smallest subnormal (bias >= MAN + 2).
 // Significands are multiplied as halves of H bits so that nothing is wider than the container.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Magnitude to a significand with its leading one at the top of the word and the biased exponent less one, which goes
 // below zero for subnormals. COUNT = 0: subnormals stay as they are. Combinational.
 module fp_normalise #(

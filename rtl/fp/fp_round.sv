@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rounding of one lane, shared by product, quotient, root and conversions: shift right | round to nearest even and
 // pack.
 // m_i: significand with weights 2 (top bit), 1, 1/2, ... and a sticky bit at the bottom, value in [1, 4) or anything if

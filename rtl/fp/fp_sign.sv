@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sign of a word, free of gates: formats_pkg::SIGN_*. NaN is not special.
 // Latency: 0. Throughput: one result a lane a clock. Stall: none.
 module fp_sign #(

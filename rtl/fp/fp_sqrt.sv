@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Square root; of a negative number NaN, of -0 the -0.
 // Latency: LAT clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none, runs free. Flags
 // {NV,DZ,OF,UF,NX} when FLAGS = 1.

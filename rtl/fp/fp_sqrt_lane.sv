@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One lane of fp_sqrt: normalise | MAN + 1 steps of the restoring root | shift | round.
 // Invariant after step i: r = 2^i (s - root^2), with s in [1, 4) and the root so far; d holds twice the root. Both have
 // MAN + 1 fraction bits. The root in [1, 2) is never tiny and never overflows.

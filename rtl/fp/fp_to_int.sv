@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Floating point to integer. Out of range saturates and NaN gives the largest integer, with NV.
 // Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS
 // = 1.

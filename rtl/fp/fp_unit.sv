@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every operation of one format on LANES lanes, for tests, measurements and the `cde fp` command. Each operation has a
 // clock of its own, as behind a clock gate, so that idle operations cost nothing.
 // Latency: LAT_* clocks of the operation. Throughput: one result a lane a clock. Stall: none.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Check bits of DDR, where a card has them: made for what is written, used on what is read, and counted by the words of
 // a beat that belong to a slot.
 // Latency: none for writes; reads 1 clock with ECC, else none. Throughput: one beat a clock each way. Stall: none.

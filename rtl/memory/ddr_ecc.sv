@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Error correction of what comes from DDR, a word by itself: one wrong bit is corrected, a word with two becomes NaN,
 // which no shape may have, so that nothing is concluded from it. What was corrected is not written back.
 // Latency: 1 clock. Throughput: one beat a clock. Stall: none.

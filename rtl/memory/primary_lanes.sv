@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Primary register file of one lane group: WORDS words a slot for ROWS rows of LANES primaries (a block RAM a lane in
 // hardware).
 // Latency: 0 (reads are combinational, the operators behind register them). Throughput: one slot written, one row read

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Mouth of the primary register file: PRIMARIES slots written by the local bus 64 bits a beat. The words of a slot
 // gather in a staging register; the beat that brings the last word commits the slot to its lane group. Beside that it
 // is checked as every shape that the card's pairs have for a primary; which verdict counts is the pair's business. With

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Hamming code with an overall parity bit (SECDED) of a word: bit i of the data has position secded_position(i), the
 // numbers
 // from 3 on that are no powers of two; check bit j is the parity of the data bits whose position has bit j; the last

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Check bits of a word (secded.svh).
 // Latency: 0. Throughput: one word a clock. Stall: none.
 `include "secded.svh"

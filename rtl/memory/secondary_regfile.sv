@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Secondary register file: fetches slots FIRST..FIRST+COUNT-1 from DDR in order, or with TRANSFORM those of the objects
 // in use, 9 words a beat, checks them and holds them in a FIFO. A slot of more than 9 words takes two beats. The head
 // stays until `pop_i`; with DEPTH above the memory latency there is a slot for every clock that asks for one.

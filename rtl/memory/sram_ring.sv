@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Result memory: a ring of records in SRAM, written by the update engine one record a clock, read by the local bus 64
 // bits a beat.
 // Beats are packed: with words of 32 bits the seventh of a record shares its beat with the first of the next one, so

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Parts of the convex pipes as operators of the dataflow notation. A part is a module that takes its inputs at stage
 // time 0 of its own and gives its outputs at one time, the LATENCY_* below; what needs another time says so. Each part
 // refuses to elaborate if its own stage times do not add up to that. The parts beyond these lines are instantiated by

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the parts of the cylinder pairs share: phases of a pass, latencies of parts, parts as operators. Each part takes
 // its inputs at stage time 0 of its own and gives its outputs at the latency named here; it refuses to elaborate if its
 // stage times do not fit.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A step on a circle of normals perpendicular to e (reference/pipes/cylinder/search.hpp): the bracket lo, hi that the
 // pass leaves behind, and the next normal, Newton's where that stays in the bracket, else the tie of the support points
 // of both ends. The pass has evaluated

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One evaluation of a cylinder pair (reference/pipes/cylinder/evaluator.hpp): for a unit normal n and for -n the gap g
 // of the projections of A and B and a point y of B - A with n.y = g, the rims of the cylinders, and A's support point.
 // Everything is relative to A's origin.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A step of a free track between two cylinders (reference/pipes/cylinder/search.hpp), from the normal that the pass has
 // evaluated, (n, y, g): beside a cap axis (pole), along the steepest ascent t = y - g n by the Newton step of the
 // one-sided derivative, t taken from the other's nearer end or from between parallel axes; else Newton's step on the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Front of a pass between two cylinders: the unit normal that the pass evaluates (front() of
 // reference/pipes/cylinder/search.hpp). The phases that need c x x or (c x x) x c, a step on a circle among them, share
 // the cross products. 13 add, 24 mul, 1 div, 1 sqrt, 4 compare.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A cylinder, box or triangle against a cylinder: s_K, the largest gap g(n) over the normals that the budget pays for,
 // at most the signed gap s, so that F = 0 is a proof (host/include/cde/reference/pipes/cylinder/). F = (s_K <= 0), T =
 // |s_K|, n the normal, CP between the witness points. One pipeline, which a row of pairs goes round once a pass: a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Largest and smallest n.x over the primary of a cylinder pair, relative to its origin, and where: the support points.
 // Signs and choices of a vertex are wires. 3 mul, 6 add (cylinder); 9 mul, 14 add (box); 6 mul, 4 add, 4 compare, 4
 // min/max (triangle).

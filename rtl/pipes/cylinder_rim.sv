@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A cylinder's rim as a unit normal sees it: x = a x n, m = |x|; width r m, side r x/m x a (from the axis to the
 // support point), radius of curvature of the support function kappa = r/m, across n in the direction v = x/m. a x n,
 // never n - (a.n) a, which loses all its digits beside the axis. Where m <= u, or the rim is switched off, kappa, side

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The pass after a pass of a cylinder pair (pass() of reference/pipes/cylinder/schedule.hpp), stepped instead of
 // counted.
 // Combinational.

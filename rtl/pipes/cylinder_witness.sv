@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A witness pass of a cylinder pair (reference/pipes/cylinder/witness.hpp): the point q of A that is, moved by s n, a
 // point of B, by alternating projection, between the features that n touches (track 0), those that it nearly touches,
 // then the solids. Touch starts from that body's support point which is nearer to the other body, or from the middle of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Facet of a box's edge along axis I and an edge q + t f of the other body, low <= t <= 1. n is the edge normal
 // (edge_normal.sv) turned by the sign of `side`; `sign_k` and `sign_l` choose the box's edge, on the side that n points
 // to. Nearest points: solve t in the plane perpendicular to the axis, then s on the box's edge, then t again for that

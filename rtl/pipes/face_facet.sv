@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Facet of a box's face I (see obb_obb.sv for the frame): the face on the side of `side`'s sign and the vertex q of the
 // other body. n is the face's normal, p the point of the face nearest to q, v = q - p, d2 = v.v. 5 add, 3 mul, 4
 // min/max.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The signed gap from the COUNT facets of a pair, before polishing. `s` is the largest gap of all. `witness` is the
 // facet whose vector v is nearest to s n, n its own normal if its gap ties with the largest, else the normal of the
 // largest gap: its n, v, p belong to s where the bodies penetrate. Gaps within tie are ties, within wide_tie where the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Way out of a convex pipe: F = (s <= 0), T = |s|, a NaN in n made the canonical one (a wire may have flipped its
 // sign), all outputs registered together. 1 compare.
 // Latency: to stage time LATENCY; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.

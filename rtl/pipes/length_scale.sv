@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A pair brought to the size of one by an exact power of two, so that products of four lengths neither overflow nor
 // underflow, whatever size its operands have: every length times 2^-k, k the largest exponent of the lengths of both. A
 // ray's direction has an exponent kd of its own, and its interval is multiplied by 2^(kd - k). length_unscale.sv brings

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The answer to a pair that length_scale.sv brought to the size of one, at the pair's own size: T and CP times 2^k; a
 // ray's T times 2^(k - kd), rounded once. A ray whose T or CP overflows misses.
 // Latency: LAT_CMP, with a ray the larger of LAT_CMP and LAT_MUL; 0 with ARITH = "host". Throughput: LANES pairs a

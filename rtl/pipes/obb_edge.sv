@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Facet of edge I of box A and edge J of box B, in A's frame (see obb_face.sv), from their edge normal n = e_I x f_J /
 // |e_I x f_J|. `sign_k` is component K of B's turned axis r_J, and so on: with K, L the axes after I and M, O those
 // after J, the support edges follow from n.e_K = -r_JL, n.e_L = r_JK, n.r_M = r_OI, n.r_O = -r_MI; `sign_first` and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Oriented box against oriented box, in A's frame: A's centre is 0, its axes are e_i, B has centre t, axes r_j and half
 // edges f_j = b_j r_j.
 // The difference B - A has 15 pairs of facets, whose normals are the 15 axes of the separating-axis test: 3 faces of A,

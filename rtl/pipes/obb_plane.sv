@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Oriented box against plane, which has two sides: H = n.c - d, R = sum of e_i |n.u_i|, s = |H| - R, n from the box to
 // the plane. With HALF_SPACE the plane is the solid n.x <= d: s = H - R, n into it. The box's support point takes
 // sign(0) = 0, which is the centroid of the touching edge or face; CP is s/2 beyond it.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The corner of box B less the corner of box A that is farthest against v, and that corner of A, in A's frame (see
 // obb_face.sv).
 // 18 add, 9 mul.

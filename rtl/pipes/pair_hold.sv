@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Mouth of a pipe whose facet units take turns: with FACET_II = 3 it holds a pair's operands for three clocks and
 // counts them, so that whatever is computed from operands alone stands for three clocks, at every stage. With FACET_II
 // = 1, or ARITH = "host", wires.

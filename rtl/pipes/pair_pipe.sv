@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The pipe of a pair (pairs_pkg::PAIR_*) behind one kind of mouth.
 // Latency: that of the pipe, latency_o; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none,
 // runs free.

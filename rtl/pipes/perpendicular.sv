@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A vector made perpendicular to an edge f that it ends on: v - (v.f / f.f) f, with 0 for 1 / f.f where it ends on no
 // edge.
 // 5 add, 7 mul.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The vector v from the closest point of a triangle (triangle_parts.sv) to a point, |v|^2, and the point's signed
 // distance h from the plane.
 // The three segments, and the face if the point lies over its inside; the regions are selected at the end, ties to the

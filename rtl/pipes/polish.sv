@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One step of polishing. `near` is about the point of B - A nearest the origin, `far` the point least in its direction:
 // if the gap along near.v, near.v.far.v / |near.v|, is less than |near.v| by more than `tie`, the point nearest the
 // origin on the segment between them, else near. v is the point of B - A, p the point of A that it comes from. 16 add,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Front of a pass between a box or a triangle and a cylinder: the unit normal that the pass evaluates (front() of
 // reference/pipes/cylinder/search.hpp). Phases exclude each other and share operators:
 //   vertex    x = b x w, radial = x x b, with w = vertex - d      |x|^2, b.w     b (+-above |x|) + radial (|x| - r)

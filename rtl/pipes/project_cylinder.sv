@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Nearest point of a solid cylinder, or where masks say so of the rim of a cap or of a line of its side: a round side
 // and a plane that touches it part so slowly that every projection merely halves the error. 19 add, 24 mul, 1 div, 1
 // sqrt, 1 compare, 3 min/max.

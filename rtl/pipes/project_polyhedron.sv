@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Nearest point of the box around the origin, or of the triangle with v0 at the origin: of its plane if that lies
 // inside and is no farther, else of an edge; an edge or a triangle without length or area is selected away by its NaN,
 // and v0 remains. Or, where `feature` is set, nearest point of the vertex, edge or face that n touches, up to `near`

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Box rule of ray and triangle (reference/pipes/ray_box.hpp): what is met counts only if P = o + t d lies in the
 // triangle's box, (|P_k - c_k| - h_k) < 64 u |t d|_1 on every axis. A NaN or an infinite P is outside, and nothing is
 // in the box of a triangle without area. The triangle's part is computed once for all lanes if it is broadcast. Without

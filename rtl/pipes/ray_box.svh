@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stage times of the box rule of ray and triangle (ray_box.sv), and its place in a pipe. What is in scope: BOX,
 // B_LANES, LAT_* and what dataflow.svh needs; b_i has the triangles, all lanes the same one if B_LANES is 1.
 `ifndef CDE_RAY_BOX_SVH

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Way out of a ray pipe against a solid: where the ray enters it if that is in [tmin, tmax], else where it leaves it;
 // CP = o + t d.
 // 3 mul, 3 add, 4 compare.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ray against the surface of a solid cylinder with flat caps: the stretch within the infinite cylinder, A t^2 + 2 B t +
 // C <= 0, and the stretch between the planes of the caps are intersected. n = d x a, m = w x a; all is divided by A
 // first, so that no product has more than two lengths; the discriminant is r^2/A - (e/A)^2, B^2 - AC by Lagrange's

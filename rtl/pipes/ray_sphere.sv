@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ray against the surface of a sphere, the discriminant from the centre's distance to the line (Haines et al., Ray
 // Tracing Gems 2019): f = o - c, a = d.d, b = -f.d, k = b/a, l = f + k d, D = r^2 - l.l, q = k + sign(b) sqrt(D/a); the
 // roots are (f.f - r^2)/a/q, no larger than q, and q, in this order when b > 0; no product has more than two lengths. T

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ray against triangle after Badouel 1990, the paper's equations (1) and (2): N = E1 x E2, t = (N.V0 - N.O)/N.D, P = O
 // + t D, and two barycentric coordinates of P in the plane's dominant projection, compared with N_k unscaled.
 // Two-sided; N.D = 0 (parallel or degenerate) is a miss: T = +inf, CP = 0. 22 mul, 1 div, 10 add, 14 sub, 8 compare.

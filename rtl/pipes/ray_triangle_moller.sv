@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ray against triangle, Möller and Trumbore 1997, the paper's equation (3): E1 = V1-V0, E2 = V2-V0, T = O-V0, P = D x
 // E2, Q = T x E1, det = P.E1, u = P.T, v = Q.D, t = (Q.E2)/det, CP = O + t D. u, v and u+v are compared with det
 // unscaled, so the one division is off the hit decision. Two-sided; det = 0 (parallel or degenerate) is a miss: T =

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ray against triangle by Pluecker coordinates, the paper's equations (4) to (6): w_ij = D.(p_ij x V_i) + (D x O).p_ij
 // tells on which side of the ray the edge p_ij = V_j - V_i runs; W = w01 + w12 + w20, t = (N.(O - V0))/W with N = p20 x
 // p01, CP = O + t D. Two-sided; W = 0 (parallel or degenerate) is a miss: T = +inf, CP = 0. 54 mul, 1 div, 22 add, 27

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ray against triangle after Woop, Benthin and Wald 2013: space is sheared so that the ray runs along its dominant
 // axis, and the edge functions U, V, W are evaluated in the plane across it, each product rounded, so that both
 // triangles at an edge take the same side of it and closed meshes do not leak. T = (U Az + V Bz + W Cz)/det/D_kz with

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sphere against oriented box, in the box's frame: p is the sphere's centre, q is p limited to the box. Outside, the
 // distance is
 // |p - q|; inside, or so near the surface that |p - q|^2 is subnormal, the face with the least depth counts, ties to

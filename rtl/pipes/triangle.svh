@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Parts of the convex pipes with a triangle, as operators of the dataflow notation; as convex.svh.
 `ifndef CDE_TRIANGLE_SVH
 `define CDE_TRIANGLE_SVH

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Triangle against axis-aligned box, relative to the box's lower corner first and then to its centre, so that the
 // centre is never rounded in world coordinates (triangle_box.sv). s = signed gap, n from the triangle to the box, CP
 // the midpoint of the witness points.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The box of a triangle for the box rule (reference/pipes/ray_box.hpp): centre c and half size h on every axis, h with
 // the margin 8 u max(|c| + h); -infinity, which holds no point, if the triangle's normal is nothing but rounding:
 // |N_k| <= 4 u (|p| + e + |q|) for both products p, q of every component, e the least normal number.

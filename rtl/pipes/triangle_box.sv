@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The signed gap s from a box, half extents a about 0, to a triangle in the box's frame, the unit normal n from box to
 // triangle and the midpoint of the witness points. The difference of the two has 13 pairs of facets: 3 faces of the
 // box, the triangle's face, 9 pairs of edges. The depth is the least overlap on them, the distance the least distance

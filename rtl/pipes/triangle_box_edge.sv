@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Facet of edge I of a box, half extents a about 0, and edge f from vertex J of a triangle, with TURNS = 3 each in its
 // turn. The normal e_I x f is turned so that the triangle lies behind its edge, which is where the difference of the
 // two bodies has this facet: (e_I x f_J).(third vertex - edge) has the sign of component I of f_J x f_J+1, which is

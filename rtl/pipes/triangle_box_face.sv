@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Facet of face I of a box, half extents a about 0, and the vertex of a triangle nearest to it, on the side with the
 // larger gap, ties the upper one (low + high is within tie of 0). The vertex is the lowest one along the normal by the
 // turned edges, of which component I is given.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Facet of a triangle's face and the corner of a box, half extents a about 0, that is nearest to it, on the side with
 // the larger gap, ties the side where the leading component of the normal is positive. m1 is the face's normal by
 // turned edges: the corner is chosen by its signs.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Triangle against oriented box, in the box's frame (triangle_box.sv). s = signed gap, n from the triangle to the box,
 // CP the midpoint of the witness points. F = (s <= 0), T = |s|. 485 add, 574 mul, 16 div, 11 sqrt, 127 compare, 126
 // min/max.

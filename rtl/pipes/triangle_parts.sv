@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A triangle prepared: edges f_j = p_(j+1) - p_j and 1 / f.f, 0 for an edge without length; the longest edge, 0, else
 // 1, else 2; the unit normal m, in the orientation of f_0 x f_1, from i = e / e.e of the longest edge e and the next
 // edge less its part along e, which is perpendicular to e whatever the triangle's angles, and as long as its height

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Triangle against sphere, relative to the sphere's centre: the closest point of the triangle over all seven regions,
 // polished twice. The triangle is flat and two-sided: s = distance - r, and when the centre is so near the plane that
 // the direction to it is lost, n is the plane's normal. n points from the triangle to the sphere; CP = pA + (s/2) n, pA

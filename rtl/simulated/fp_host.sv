@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Host back end of every unit: one call of host_fp.h a lane, for simulation only. Combinational: with ARITH = "host" a
 // pipe computes in the clock its result leaves, and the engine hands it its operands that much later, so that the
 // timing outside is that of the gates while nothing inside is stored from clock to clock (see docs/architecture.md).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The wires of the bus on their way into the card, of which hardware has nothing. Verilator evaluates all logic behind
 // a top-level input at every step, whatever has changed. The harness changes the wires with the falling PCI clock and
 // at no other time, so taking them over there gives the same bits at every rising edge, and costs nothing while that

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Object table: ENTRIES entries of a range of slots and a rigid transform (records_pkg::OBJECT_*), written by the local
 // bus 64 bits a beat into two block RAMs. Every entry is checked when it is written: its range against the memory that
 // the slots lie in, its rotation to be orthonormal as an OBB's must be, its translation to be finite, and for AABBs the

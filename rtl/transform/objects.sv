@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What moves objects: the object tables of secondaries and, with TRANSFORM = 2, of primaries, the one transformer that
 // both go through, and the poser of primaries. Secondaries are transformed on their way into the secondary register
 // file, primaries before a pass.

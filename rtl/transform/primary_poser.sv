@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Poses the primaries of a pass before it: every slot of every primary object goes from the RAM of primaries as they
 // were written through the transformer into the lanes. Only what was written since the last time makes it necessary: a
 // transform or a primary poses the objects again; a range, the number of objects, a shape or the split also restore all

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Steps through slots, one a clock: those of one range, or of the ranges of an object table's entries 0 to objects_i -
 // 1, one after the other without a gap, however short they are. The table's read port is kept one entry ahead.
 // Latency: 1 clock from start_i to the first slot. Throughput: one slot a clock. Stall: a slot stays until step_i.

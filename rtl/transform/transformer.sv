@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rigid transform of one slot of any shape that the card's pairs need: points R p + t, directions R d (nothing is
 // added: a minus zero stays one), n' = R n and d' = d + n'.t of a plane, R times the rotation of an OBB, translation of
 // an AABB, whose entry has the identity as R. Sizes and intervals pass as they are. With `plain_i` so does the whole

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lowest set bit of a vector, as one-hot and as index. Combinational.
 module first_set #(
     parameter int N = 16,  // power of two

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Output FIFO of the streaming result modes (all, hits): takes a row of results, gives one record a clock, lanes in
 // ascending order.
 // Room is promised ahead by credits: `credit_o` counts the rows that have left, so the pipe mouth never overfills it. T

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What record_fifo keeps of one lane group: T, CP and, with normals, n of the rows in the FIFO.
 // Latency: 1 clock. Throughput: one row written, one lane read a clock. Stall: none.
 module record_lanes #(

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Records, one a clock: from the update buffers at the end of a pass, from the output FIFO during it. With normals a
 // second one follows each: n in the words of CP, the signed gap in T.
 // Latency: 1 clock. Throughput: one record a clock. Stall: ready_o is low while the ring is full, and for the first of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Update engine of one lane group: keeps the best record a primary. Per row the old T is read from one stencil-T buffer
 // and the better of old and new is written to the other within one clock (paper section 3.3); `parity_i` says which is
 // which and alternates with every secondary. F, index and CP change only where a new hit is better. Masked primaries

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Carries a value from stage time FROM to stage time TO: the delay line of a datapath, with its depth derived, not
 // counted. Datapaths of the host back end have no stages, so there it is a wire.
 // Latency: TO - FROM clocks; 0 with ARITH = "host". Throughput: one value a clock. Stall: none.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Carries a valid bit from stage time FROM to stage time TO; reset clears every stage.
 // Latency: TO - FROM clocks. Throughput: one bit a clock. Stall: none.
 module align_valid #(

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Dataflow notation: one line an operator, and no delay is ever counted by hand. A signal `x` of a datapath has a stage
 // time, the localparam `T_x`; an operator line declares its result and the result's time, and delays whichever operand
 // is early. Inputs take part by DF_IN, constants fit any time. What is in scope: clk_i, EXP, MAN, LANES, CW, ARITH and

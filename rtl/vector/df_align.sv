@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A value of stage time T_A at stage time T: align, but constants (T_A < 0) fit any time.
 // Latency: T - T_A clocks, 0 for constants and with ARITH = "host". Throughput: one value a clock. Stall: none.
 module df_align #(

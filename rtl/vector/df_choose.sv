@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Choice of a datapath (dataflow.svh) that is the same in every lane: a where the control bit is set, else b.
 // Latency: 0 from the latest operand. Throughput: one result a clock. Stall: none.
 module df_choose #(

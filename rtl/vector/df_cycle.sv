@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Components of a vector in cyclic order from a dominant axis (df_dominant) of a datapath (dataflow.svh).
 // Latency: 0 from the later operand. Throughput: one result a lane a clock. Stall: none.
 module df_cycle #(

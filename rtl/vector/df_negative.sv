@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The sign bit of a word as a lane mask. Combinational.
 module df_negative #(
     parameter int EXP = 8,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One operator of a datapath (dataflow.svh): delays the early operand, then computes.
 // Latency: LAT clocks from the later operand; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall:
 // none.

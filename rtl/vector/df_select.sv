@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Choice of a datapath (dataflow.svh): a where the lane mask is set, else b.
 // Latency: 0 from the latest operand. Throughput: one result a lane a clock. Stall: none.
 module df_select #(

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Operand of a unit of a datapath (dataflow.svh) that TURNS users share: that of user 0, 1 or 2, whose turn it is by
 // the phase. Operands stand for all phases, or with PASSING are there in phase 0 only, whence b and c wait 1 and 2
 // clocks. With TURNS = 1 the unit is its user's own.

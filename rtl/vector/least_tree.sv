@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The payload with the least key: a balanced tree over neighbours, (0,1), (2,3), ..., where an odd last one goes up
 // unchanged; ties, and comparisons with a NaN key, go to the lower index. COUNT - 1 compare.
 // Latency: $clog2(COUNT) * LAT_CMP clocks; 0 with ARITH = "host". Throughput: one choice a lane a clock. Stall: none.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sum of two 3-vectors, a + b, or difference, a - b, one rounding a component (3 adders or subtractors).
 // Latency: LAT_ADD clocks; 0 with ARITH = "host". Throughput: one vector a lane a clock. Stall: none.
 module vec_add #(

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Cross product a x b, each component the difference of two rounded products (6 multipliers, 3 subtractors).
 // Latency: LAT_MUL + LAT_ADD clocks; 0 with ARITH = "host". Throughput: one vector a lane a clock. Stall: none.
 module vec_cross #(

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Dot product, (x*u + y*v) + z*w with one rounding an operation (3 multipliers, 2 adders).
 // Latency: LAT_MUL + 2*LAT_ADD clocks; 0 with ARITH = "host". Throughput: one value a lane a clock. Stall: none.
 module vec_dot #(

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A 3-vector times a scalar, s * a (3 multipliers).
 // Latency: LAT_MUL clocks; 0 with ARITH = "host". Throughput: one vector a lane a clock. Stall: none.
 module vec_scale #(

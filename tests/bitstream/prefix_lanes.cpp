@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Prints the outputs of prefix_lanes for 200 random inputs, one line each.
 #include <cstdio>
 #include <random>

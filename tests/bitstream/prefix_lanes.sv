@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Chains over lanes, and lanes that do not depend on each other: what the test of `reroll` simulates with and without it.
 module prefix_lanes #(parameter int LANES = 16) (
     input logic clk_i,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Finding, building and refusing bitstreams.
 #include "cde/bitstream/bitstream.hpp"
 

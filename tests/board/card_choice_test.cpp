@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Built cards that stand in for the planned one.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // rtl/contract and host/include/cde/contract are the same: Verilator says what every constant,
 // every field and every function of the packages is, and each must have its like in C++, and none
 // more.

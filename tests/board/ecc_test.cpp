@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Check bits in DDR: what a flipped bit does with and without them.
 #include <fmt/format.h>
 

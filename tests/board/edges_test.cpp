@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The driver at its edges: boards that were moved from, that their own sink destroys or gives other
 // work, values that no enumeration has, empty sinks. All of it is an Error of its own kind, before
 // anything is sent to the card, and the card goes on.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Casts end to end: result modes, stencils, packet sizes, clocks, refusals of the driver.
 #include <fmt/format.h>
 

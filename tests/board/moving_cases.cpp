@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "moving_cases.hpp"
 
 #include <Eigen/Geometry>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ray against triangle, pair by pair on the board, every bit against the mirror reference.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Scenes whose objects the card's transformer moves: every record against the reference, and the
 // words that a frame costs.
 #include "cde/scene/player.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which record of a primary is kept, where the choice hangs on one thing: hits that come one after
 // the other, equal T, T of either zero.
 #include <algorithm>

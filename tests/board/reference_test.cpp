@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The reference itself: the vector code against the template, the template against cases worked out
 // by hand.
 #include "cde/reference/reference.hpp"

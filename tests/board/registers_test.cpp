@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The card attacked over its local bus: what is refused must set its error, name the access, and
 // change nothing.
 #include <fmt/format.h>

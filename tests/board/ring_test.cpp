@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The record ring under pressure: full, drained slowly, left by an exception, aborted, out of time.
 #include "cases.hpp"
 #include "cde/contract/records.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pairs of a thing with itself, and pairs that a query meets from both sides: what the player
 // leaves out, held against a choice by hand among the records of all pairs.
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Cards with other pipes than ray-triangle, and with several: every record against the mirror
 // references, in every mode, with roles exchanged, with normals, one pipe after the other without
 // loading anything again.

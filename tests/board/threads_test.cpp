@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Boards in threads, and software beside them. The preset `tsan` runs these with ThreadSanitizer in
 // the driver and the tests; the models in the bitstreams are not instrumented.
 #include <gtest/gtest.h>

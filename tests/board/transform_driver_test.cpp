@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The driver's objects: what it writes, what it refuses, and shapes that leave their contract when
 // they move.
 #include <cstring>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The object tables over the local bus, below the driver: what the card refuses, and that nothing
 // hangs it.
 #include <cstring>

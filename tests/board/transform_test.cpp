@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Objects: the card's object tables and its transformer, every record against the reference that
 // moves the shapes first.
 #include "moving_cases.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the bus gives: peak, the published figures that the profile of 2001 is fitted to, and a
 // table.
 #include <cstdio>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The whole card over PCI: what the driver of the functional bus gets, bit for bit and clock for
 // clock.
 #include <cstring>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Configuration space and BAR0 as a host sees them: identity, sizing, every width of access,
 // refusals.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // DMA both ways: sizes, alignments, page boundaries, the ring's laps, the address check.
 #include <algorithm>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The driver under random faults of every kind: random scenes, motions and modes, every record
 // against the reference; each pass ends in right records or in one clear error, and then in right
 // records. 40 faults of every kind by default, CDE_FULL=1: 10,000.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The driver on the PCI card: the records of the functional bus, faults and all.
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a host can do to the card in the middle of a transfer: each fault in both directions, 32 and
 // 64 bits. Those PCI recovers from must not show in the data; the others end in a record that says
 // how much was moved, and a halted ring.

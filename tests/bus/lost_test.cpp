@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Cards that do not answer and engines that hang, through the public interface: right records after
 // a retry, or one clear error, and right records after reset().
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // DDR with the timing of banks, rows and refresh: the records of ideal memory, in nearly its time.
 #include <fmt/format.h>
 #include <gtest/gtest.h>

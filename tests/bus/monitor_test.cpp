@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The protocol checker itself: legal transactions pass, and each rule broken in one of them is
 // named.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Scenes on the card behind PCI while its bus goes wrong: right records, or one clear error.
 #include "cde/scene/player.hpp"
 

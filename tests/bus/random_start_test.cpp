@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Cards as power leaves them: every register random and inputs random before the reset
 // (verilator/models/random_start.h). What comes out is what a card that starts as zeros gives,
 // clock for clock, on both buses.

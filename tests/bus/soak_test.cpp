@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Random traffic, random faults, and a scoreboard: every byte of host memory, of the card's memory,
 // of its registers and of the page table is where it should be, none lost, doubled or wrong;
 // nothing hangs. 20,000 bus transactions by default, CDE_FULL=1: 1,000,000 and 10,000 faults.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Modelled time of the functional bus, which computes what PCI takes, against that of the card
 // whose PCI signals are simulated clock by clock: the same records, and times within 5 %.
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cde bench: the figures are there and make sense; how large they are is the machine's affair.
 #include <algorithm>
 #include <nlohmann/json.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The files of cde cast: pictures and records in all their formats, rays from arrays.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cde cast and cde doctor.
 #include <fmt/format.h>
 #include <signal.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the command says of itself: help, versions, suggestions, manual pages, completions.
 #include <fmt/format.h>
 

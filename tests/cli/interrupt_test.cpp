@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A signal while a bitstream is built: the build ends with the command, whoever it was sent to.
 #include <signal.h>
 #include <sys/wait.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cde inventory: what it keeps of earlier times, and when it does not trust that.
 #include <sys/stat.h>
 

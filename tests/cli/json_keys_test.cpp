@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // JSON of the verbs: one key for a quantity in all of them, and each key explained.
 #include <filesystem>
 #include <fstream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where the command writes: devices, pipes, links, stdout; what it does not write over; what a
 // killed one leaves behind.
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cde query and cde inventory.
 #include <fcntl.h>
 #include <fmt/format.h>

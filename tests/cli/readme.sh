@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Runs every `$ build/cde ...` example of a document and compares what it prints with what the document shows, line by line in any
 # order (data and summary go to different streams). Lines about wall time differ from run to run and are left out.
 #

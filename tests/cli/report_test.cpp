@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The pages: cde run --report and cde reproduce.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The folder of `cde run` holds one run and is nobody else's.
 #include <fmt/format.h>
 #include <signal.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cde run and cde plan.
 #include <fmt/format.h>
 #include <signal.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What goes to stdout and what to stderr, and what happens when one of them cannot be written.
 #include <fmt/format.h>
 #include <signal.h>

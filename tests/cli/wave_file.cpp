@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The reader is the one that belongs to the writer in Verilator's runtime, and is read as it is.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wall"

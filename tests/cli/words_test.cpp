@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the command line may say: values, their ranges, names, and the order in which it is refused.
 #include <fmt/format.h>
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # cde fp: TestFloat's line format, names and errors. Usage: cli.sh CDE
 set -euo pipefail
 cde=$1

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every operand of the tiny formats, every fp16 square root and conversion, all special values
 // crossed, rounding boundaries.
 #include "operands.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cde/fp/fp_format.hpp"
 
 #include <gtest/gtest.h>

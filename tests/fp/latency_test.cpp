@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The latency is exact: a unit that streams different operands every clock gives each result that
 // many clocks later. apply() reads a result LAT clocks after its operands and not a clock before or
 // after, so one slip would give a neighbour's result.

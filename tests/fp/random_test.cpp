@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Random operands on every bitstream against the reference: results and flags of both back ends.
 #include "operands.hpp"
 #include "unit_check.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The reference itself: against the host's FPU with its flags, and against a search for the nearest
 // word in the tiny formats.
 #include "cde/fp/fp_reference.hpp"

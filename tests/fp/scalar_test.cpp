@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The software scalar Fp<E, M> against the reference of the floating-point units.
 #include <gtest/gtest.h>
 

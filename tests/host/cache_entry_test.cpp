@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Texts in the cache beside the bitstreams: what is read back, and what is not.
 #include "cde/bitstream/cache_entry.hpp"
 

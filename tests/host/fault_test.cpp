@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Faults that are ordered for a frame of a scene, as text.
 #include "cde/card/fault.hpp"
 

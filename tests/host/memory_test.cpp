@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Small inputs that ask for much: counted before anything is allocated, and refused with the size
 // and the limit, or never held in memory as a whole.
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Text that may come from files, before it is shown.
 #include "cde/support/message.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Poses: rigid, continuous, reproducible.
 #include "cde/geometry/motion.hpp"
 

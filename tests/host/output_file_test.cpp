@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files that are written: whole or not at all, and nothing beside them is harmed.
 #include "cde/support/output_file.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The input contract of every primitive, in words (defect) and as the card decides it (bad), and
 // the order of the words in a slot.
 #include "cde/geometry/primitives.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Scene files: what they say, and that whatever is wrong is named with its line and key.
 #include "cde/scene/scene.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The seven convex pairs with a closed form, judged by certificate: the mirror reference is what
 // the hardware computes, so its errors are the pipes' errors. Tolerances are those of the contract,
 // 16 u S for s and 16 u S + 4 u L for the witness points; nothing here widens them.

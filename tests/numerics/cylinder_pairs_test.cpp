@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the mirror references of the three cylinder pairs answer, against the certified oracle: the
 // shortfall of s_K per budget, that it never lies above s, witness points, degenerate operands,
 // every format, and the operators that the evaluator is made of.

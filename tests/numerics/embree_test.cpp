@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Closest hits of whole meshes against Embree. The two may name different triangles only where both
 // answers lie within rounding of each other (a shared edge, coincident triangles) or where exact
 // arithmetic shows the decision to be open; every such ray is counted.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Figures that a test measures and a page of docs/ states.
 #include <gtest/gtest.h>

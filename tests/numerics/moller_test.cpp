@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the card says about rays and triangles against exact arithmetic. A decision that the error
 // bound of bounds.hpp leaves open is excused and counted; every other must be right, and T and CP
 // must lie within their bounds.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The box rule of ray and triangle, and what every ray pair promises of a hit: triangles without
 // area, rays in a triangle's plane, hits that the rule drops, how far outside of its box an
 // accepted hit may lie; finite T and CP, and no -0.

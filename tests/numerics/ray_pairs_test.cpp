@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the four ray-triangle mirror references answer, against exact rational arithmetic; leaks of
 // closed meshes; and the operators that each ray pipe is made of. Moeller's bound has a test of its
 // own (moller_test.cpp).

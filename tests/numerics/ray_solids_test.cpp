@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the mirror references of ray-sphere and ray-cylinder answer, against 168-bit arithmetic. An
 // answer must be that of a solid whose sizes are off by at most the band; what the band leaves
 // open is counted. Rays at random are judged by a band of 8, half of what all roundings together

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Cases of the oracle's generators at other sizes: their lengths times a power of two.
 #include <algorithm>

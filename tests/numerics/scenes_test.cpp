@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // All thirteen pairs on what people build (oracle::everyday): F right outside the band, T and the
 // witness points within tolerance. Each pair has tests of its own for more than that; this one is
 // where a pair that is right on random numbers and wrong on whole ones shows.

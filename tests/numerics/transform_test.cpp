@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a transform is worth: every word that the card's transformer computes, and answers of pairs
 // whose shapes it moved, against the same motion in double precision.
 #include <gtest/gtest.h>

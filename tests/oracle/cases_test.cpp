@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The generated operands are valid, reproducible, and near where the decisions are.
 #include "oracle/cases.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The checker of certificates passes what is right and names what is wrong.
 #include "oracle/certificate.hpp"
 

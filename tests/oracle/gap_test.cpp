@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The certified signed gap: known answers, invariants, and intervals that contain the truth.
 #include "oracle/gap.hpp"
 

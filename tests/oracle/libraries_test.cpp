@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The oracles against FCL and CGAL, which share nothing with them.
 #include <gtest/gtest.h>
 

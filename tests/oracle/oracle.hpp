@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Independent oracles for the thirteen pairs: what the answers mean, by arithmetic and algorithms
 /// that share nothing with the pipes or their reference. CMake target `cde_oracle`.

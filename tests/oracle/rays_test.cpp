@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Exact answers of rays: known ones, and margins that mean what they say.
 #include "oracle/rays.hpp"
 

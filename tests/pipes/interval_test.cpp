@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pipes whose facet units take turns, a row in three clocks: every result against the mirror
 // reference bit for bit, and every clock.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Latency and throughput of the Möller pipe as the card states them.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every pipe against its mirror reference, bit for bit: cases of the oracle's generators (half of
 // them near the decision), random words, and bad input; rows with and without gaps; both back ends,
 // every format, operators of one clock and of several.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pipes at every size that the contract allows, and one step beyond: against their references, with
 // both back ends.
 #include <gtest/gtest.h>

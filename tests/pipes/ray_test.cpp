@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ray pipes bit for bit where random operands hardly come: ties of the dominant axis, and hits that
 // would lie at infinity or at -0.
 #include <gtest/gtest.h>

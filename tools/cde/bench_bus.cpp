@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cde bench bus: what the bus between host and card gives in modelled time, on PCI signals and
 // computed, and a frame of the paper on its profile.
 #include <fmt/format.h>

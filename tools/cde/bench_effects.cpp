@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Section effects of cde bench: what each part of the card that a scene leaves out would have cost
 // its simulation.
 #include <fmt/format.h>

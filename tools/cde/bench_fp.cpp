@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Section fp of cde bench: the gate-level floating-point units alone, simulated operations a second
 // on one core.
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Section pairs of cde bench: every pipe by itself, simulated pairs a second on one core, beside
 // FCL on the same pairs in the same run.
 #include <fmt/format.h>

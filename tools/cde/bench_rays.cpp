@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cde bench rays: the simulated card against software that does the same brute force on one thread.
 #include <fmt/format.h>
 #include <unistd.h>

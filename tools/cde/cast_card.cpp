@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cde cast on its cards: one, or several that share the rays.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cde cast: where the rays of a picture come from, and what becomes of its records.
 #include "cast_picture.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The parts of a report's page that people read: view, charts, tables.
 #include <fmt/format.h>
 

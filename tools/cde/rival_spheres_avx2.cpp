@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Compiled for AVX2, eight spheres at a time.
 #include "rival_spheres.hpp"
 

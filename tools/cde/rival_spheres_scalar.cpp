@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Compiled without vectors.
 #include "rival_spheres.hpp"
 

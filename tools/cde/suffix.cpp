@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "suffix.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cde bench: measurements, each beside the rivals it is to be compared with, in the same run.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cde doctor: is everything here that the command needs, and does the card compute?
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cde fp: operations of the simulated floating-point units on operands from stdin, in the line
 // format of Berkeley TestFloat.
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cde plan: what a scene needs of the card, and what it leaves out.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cde query: pairs of primitives from stdin through one simulated pipe, every answer checked
 // against the reference.
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cde reproduce: the paper's figures measured again, as a page.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cde run: plays the frames of a scene on the simulated card and compares what it answers with the
 // reference.
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Harness of the `board` top module: clock, DDR and SRAM models, local-bus master, waves. Exports
 // the C interface of abi.h.
 #include <cstring>

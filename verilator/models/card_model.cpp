@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Harness of the `card` top module: the host on the PCI side, DDR and SRAM chips on the other.
 // Exports the C interface of abi_pci.h.
 #include "cde/contract/records.hpp"

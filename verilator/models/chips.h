@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The memory chips of the board: DDR and SRAM on the ports of board.sv.
 #pragma once
 #include <array>

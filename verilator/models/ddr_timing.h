@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // When a DDR SDRAM answers: two 1 GB modules of DDR-400 side by side, 144 bits wide, open pages.
 // Times are picoseconds of the card's own time; requests are served in order, each as soon as its
 // bank and the data bus allow, so a bank opens its row while another one's data are on the bus.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Harness of the `fp_unit` top module: clocks the operation that is asked for and no other. Exports
 // the C interface of abi_fp.h.
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Verilator's writer of FST files, as it is but for two things that it leaves out: it looks at no
 // result of what it writes, and it maps temporary files into memory, which ends the process with
 // SIGBUS where their disk is full. Here failures are noted for wave_file.h, and what is temporary

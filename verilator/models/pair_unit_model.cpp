@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Harness of the `pair_unit` top module: clock, operands and results row by row, waves. Exports the
 // C interface of abi_pair.h.
 #include <cstring>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The parameters of the bitstream being built, as the builder writes them.
 #pragma once
 #include <cstddef>

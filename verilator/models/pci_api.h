@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The C interface of abi_pci.h over a pci::Bus<Local>.
 #pragma once
 #include <cstring>

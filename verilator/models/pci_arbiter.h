@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Arbiter of two masters, the host and the card: takes turns when both ask, stays with the last one
 // when nobody does, and leaves a clock between two grants on an idle bus.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Harness of the `pci_bridge` top module: the host on the PCI side, a memory with random stalls on
 // the local bus. Exports the C interface of abi_pci.h.
 #include <cstring>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A card in its host: the Verilated model, whose top has the ports of pci_bridge.sv, the host on
 // the same wires, the protocol checker, and both clocks in picoseconds. `Local` is what else the
 // model's core side needs each clock (chips, or a memory on the local bus).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The host: bridge (initiator and target), arbiter, memory, parity of what it drives.
 #pragma once
 #include "pci_arbiter.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The host bridge as a target: host memory for the card's transactions, with the latencies of a
 // profile and with faults. Every clock() sees the wires as they are before the edge and sets what
 // is driven after it.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The host bridge as a bus master: one transaction of the CPU at a time. Every clock() sees the
 // wires as they are before the edge and sets what is driven after it.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Memory of the host: 4 KiB pages whose frames are scattered over the bus address space, as an
 // operating system hands them out.
 #pragma once

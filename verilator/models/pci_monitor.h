@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Protocol checker of a PCI bus with two agents: looks at the wires and at who drives them once a
 // clock, and keeps the first rule that is broken. Rules are those of PCI Local Bus 2.3,
 // sections 2.1 (signal types), 3.3 (transactions and their termination), 3.4 (arbitration) and 3.7

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The shared wires of a PCI bus: what each agent drives, and what results.
 #pragma once
 #include <cstdint>

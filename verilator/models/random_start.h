@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A card as power leaves it: in a bitstream built with CDE_RANDOM_START=1 every register starts
 // with a random value, and inputs are random before the first reset. $CDE_RANDOM_SEED says which
 // values, in decimal; without it, or with 0, all start as zeros. In any other bitstream nothing of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Between fst_writer.cpp, which writes waves, and wave_file.h, which wants to know whether they
 // were written.
 #pragma once

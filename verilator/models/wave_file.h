@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Waves of a model, in a bitstream that was built with them (TRACE=1); in any other it opens none.
 #pragma once
 #include <cstdint>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where in DDR a word is wrong in more bits than its check bits correct: the card only counts them.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Objects: ranges of shapes that move by a rigid transform in the card's object tables.
 #include <fmt/format.h>
 

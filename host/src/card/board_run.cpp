@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A pass: invokeCDE and downloadSRAM.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cde/card/pair_unit.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A card behind PCI: what a kernel driver does with it.
 #include <fmt/format.h>
 

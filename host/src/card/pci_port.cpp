@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "card/pci_port.hpp"
 #include "cde/contract/pci.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cde/fp/fp_reference.hpp"
 
 #include <fmt/format.h>

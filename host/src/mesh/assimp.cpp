@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/material.h>
 #include <assimp/postprocess.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cde/query/pair_result.hpp"
 
 namespace cde {

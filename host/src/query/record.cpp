@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cde/query/record.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The inside test of ray_triangle_moller (reference.hpp) for a packet of rays, in a form that
 // compilers turn into vector code: the same operations on every ray, no branch. tests/board holds
 // it against the template bit for bit.

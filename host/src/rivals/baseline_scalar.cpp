@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Compiled without vectorisation: one pair at a time, what a careful programmer writes by hand.
 #include "rivals/baseline_kernel.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A scene file as a whole: run options, [card], [[query]], and how objects refer to each other.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // [[object]]: where its shapes come from, and how they deform.
 #include <fmt/format.h>
 

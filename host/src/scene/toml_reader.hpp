@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // toml++ asserts of a few bad files what its next lines report as their error; in a build with
 // assertions such a file would end the program.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Casts two rays at a terrain on a simulated card and compares the answers with the reference. With
 // an argument, the card's bitstream must lie in that folder.
 #include <cde/card/board.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every chart can be saved: as an SVG that opens alone, and its figures as CSV. Without scripts there are no buttons.
 "use strict";
 (() => {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The 3-D view of a run. Without scripts or WebGL the still picture that is in the page stays.
 "use strict";
 (() => {
