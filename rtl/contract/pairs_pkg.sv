@@ -65,7 +65,7 @@ package pairs_pkg;
     3'(SHAPE_OBB),       // obb-plane
     3'(SHAPE_RAY),       // ray-sphere
     3'(SHAPE_SPHERE),    // sphere-obb
-    {3{3'(SHAPE_TRIANGLE)}}};
+    {PAIR_CODES-PAIRS{3'(SHAPE_TRIANGLE)}}};
   localparam logic [0:3*PAIR_CODES-1] SECONDARY_SHAPES = {
     3'(SHAPE_TRIANGLE),  // ray-triangle
     3'(SHAPE_OBB),       // obb-obb
@@ -80,7 +80,7 @@ package pairs_pkg;
     3'(SHAPE_PLANE),     // obb-plane
     3'(SHAPE_SPHERE),    // ray-sphere
     3'(SHAPE_OBB),       // sphere-obb
-    {3{3'(SHAPE_CYLINDER)}}};
+    {PAIR_CODES-PAIRS{3'(SHAPE_CYLINDER)}}};
   // Sets of pairs (bit p: pair p), as the parameter PAIRS of a card is one.
   localparam int RING_PAIRS =  // the pipe is a ring with a mouth (cylinder_pair.sv), a budget sets its work
       1 << PAIR_TRIANGLE_CYLINDER | 1 << PAIR_CYLINDER_CYLINDER | 1 << PAIR_OBB_CYLINDER;

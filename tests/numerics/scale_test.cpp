@@ -197,7 +197,7 @@ std::vector<Parameter> parameters() {
         const auto algorithm = static_cast<Algorithm>(a);
         if (!reference::has_pair(pair, algorithm)) continue;
         all.push_back({pair, algorithm, PlaneSide::kSurface, format});
-        if (pair == Pair::kObbPlane)
+        if (secondary_shape(pair) == Shape::kPlane)
           all.push_back({pair, algorithm, PlaneSide::kHalfSpace, format});
       }
   return all;

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "cde/contract/pairs.hpp"
+
 namespace cde::rtl {
 
 static std::ostream& operator<<(std::ostream& out, const Operators& o) {
@@ -283,8 +285,8 @@ INSTANTIATE_TEST_SUITE_P(Cylinders, RingInventory, ::testing::ValuesIn(kRings),
 
 TEST(Inventory, WhatCannotBeElaboratedSaysWhy) {
   try {
-    const Elaboration design(kRtl, "pair_pipe", {"PAIR=13"});
-    FAIL() << "there are thirteen pairs, 0 to 12";
+    const Elaboration design(kRtl, "pair_pipe", {"PAIR=" + std::to_string(cde::kPairs)});
+    FAIL() << "this code is no pair's";
   } catch (const ElaborationError& error) {
     EXPECT_NE(std::string(error.what()).find("no pipe for this pair"), std::string::npos)
         << error.what();

@@ -472,7 +472,10 @@ std::vector<PairConfig> pipes() {
       const PairConfig config{.pair = static_cast<Pair>(p), .algorithm = static_cast<Algorithm>(a)};
       if (cde::reference::has_pair(config.pair, config.algorithm)) all.push_back(config);
     }
-  all.push_back({.pair = Pair::kObbPlane, .plane = cde::PlaneSide::kHalfSpace});
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (secondary_shape(all[i].pair) == cde::Shape::kPlane &&
+        all[i].plane == cde::PlaneSide::kSurface)
+      all.push_back({.pair = all[i].pair, .plane = cde::PlaneSide::kHalfSpace});
   return all;
 }
 

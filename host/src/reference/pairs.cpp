@@ -6,8 +6,8 @@
 #include <bit>
 
 #include "cde/fp/fp.hpp"
+#include "cde/reference/pipes/dispatch.hpp"
 #include "cde/support/error.hpp"
-#include "reference/dispatch.hpp"
 
 namespace cde::reference {
 

@@ -22,7 +22,7 @@ enum class WordKind : unsigned {
   kNone = 7     ///< the shape has no such word
 };
 
-/// The thirteen pairs, primary first.
+/// The pairs, primary first.
 enum class Pair : unsigned {
   kRayTriangle,
   kObbObb,

@@ -15,7 +15,7 @@
 #include "cde/reference/pipes/ray_triangle.hpp"
 #include "cde/support/error.hpp"
 
-/// From a pair's number to its reference. Private to the library.
+/// From a pair's number to its reference.
 namespace cde::reference {
 
 /// The shapes that a pair tests, first and second.
