@@ -233,8 +233,9 @@ TEST(Inventory, BehindThePairsMouthNothingIsAddedOrLost) {
 TEST(Inventory, SlowComparisonsElaborate) {
   for (unsigned p = 0; p < cde::kPairs; ++p) {
     if (((cde::contract::kRingPairs | cde::contract::kFacetPairs) >> p & 1) != 0) continue;
-    EXPECT_NO_THROW(Elaboration(kRtl, "pair_pipe", {"PAIR=" + std::to_string(p), "ARITH=host",
-                                                    "LAT_CMP=64", "LAT_SQRT=64"}))
+    EXPECT_NO_THROW(
+        Elaboration(kRtl, "pair_pipe",
+                    {"PAIR=" + std::to_string(p), "ARITH=host", "LAT_CMP=64", "LAT_SQRT=64"}))
         << p;
   }
 }
