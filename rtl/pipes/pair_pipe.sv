@@ -87,6 +87,10 @@ module pair_pipe #(
     obb_plane #(`CDE_FORMAT, .HALF_SPACE(HALF_SPACE != 0), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP))
         pipe (
         .clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
+  end else if (PAIR == int'(pairs_pkg::PAIR_SPHERE_PLANE)) begin : g_pipe
+    sphere_plane #(`CDE_FORMAT, .HALF_SPACE(HALF_SPACE != 0), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP))
+        pipe (
+        .clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_SPHERE_OBB)) begin : g_pipe
     sphere_obb #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_TRIANGLE_SPHERE)) begin : g_pipe

@@ -181,6 +181,8 @@ unsigned pipe_latency(const PairConfig& config) {
       return 19 + kOutput;
     case Pair::kObbPlane:
       return 11 + kOutput;
+    case Pair::kSpherePlane:
+      return 9 + kOutput;
     case Pair::kObbObb:
       return 99 + kOutput;
     case Pair::kTriangleObb:
