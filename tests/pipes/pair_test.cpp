@@ -21,7 +21,7 @@
 #include <string>
 
 #include "cde/card/pair_unit.hpp"
-#include "cde/fp/fp_format.hpp"
+#include "cde/fp/scalars.hpp"
 #include "cde/reference/pairs.hpp"
 #include "cde/reference/pipes/cylinder/schedule.hpp"
 #include "cde/reference/pipes/scale.hpp"
@@ -516,8 +516,8 @@ std::vector<Parameter> cylinder_pairs() {
 std::vector<Parameter> other_formats() {
   std::vector<Parameter> all;
   for (const PairConfig& pipe : pipes())
-    for (const cde::FpFormat format :
-         {cde::FpFormat{5, 10}, cde::FpFormat{8, 7}, cde::FpFormat{7, 16}, cde::FpFormat{11, 52}}) {
+    for (const cde::FpFormat format : cde::kPairFormats) {
+      if (format == cde::FpFormat{}) continue;
       Parameter other{pipe, 2000, 20000};
       other.format = format;
       other.lanes = 1;
