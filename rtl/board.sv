@@ -19,7 +19,7 @@ module board #(
 
     input logic bus_valid_i,
     input logic bus_write_i,
-    input logic [1:0] bus_space_i,
+    input logic [registers_pkg::SPACE_BITS-1:0] bus_space_i,
     input logic [31:0] bus_addr_i,
     input logic [63:0] bus_wdata_i,
     output logic bus_ready_o,

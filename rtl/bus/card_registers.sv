@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The card's end of the local bus: one 64-bit beat a clock into four spaces (registers_pkg::SPACE_*). Holds the
+// The card's end of the local bus: one 64-bit beat a clock into a space (registers_pkg::SPACE_*). Holds the
 // registers, checks every access against its space, and forwards beats to the primary register file, DDR and the SRAM
 // ring. The PCI target and the DMA engine are masters of this port; nothing behind it knows which bus the host is on.
 // A beat is registered first and served the clock after; everything here but the counters is clocked only while a beat
@@ -80,7 +80,7 @@ module card_registers #(
 
   // ---- The beat being served ----
   logic valid_q, write_q, write_reg, read, aligned, allowed, in_stencil, command_ok;
-  logic [1:0] space_q;
+  logic [registers_pkg::SPACE_BITS-1:0] space_q;
   logic [31:0] addr_q;
   logic [63:0] wdata_q;
   registers_pkg::control_t control;

@@ -33,7 +33,7 @@ package card_pkg;
   typedef struct packed {
     logic tag;           // 1: of the DMA engine, 0: of an access of the host
     logic write;
-    logic [1:0] space;
+    logic [2:0] space;
     logic [31:0] offset;
     logic [63:0] data;   // of a write; of a read the number of beats
   } local_request_t;

@@ -181,6 +181,7 @@ Values registers() {
       {"MODE_ALL", kModeAll},
       {"MODE_HITS", kModeHits},
       {"SPACES", kSpaces},
+      {"SPACE_BITS", kSpaceBits},
       {"REG_END", kRegEnd},
       {"COMMAND_BITS", kCommandBits},
       {"BUDGET_RESET", kBudgetReset},
