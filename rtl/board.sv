@@ -83,6 +83,17 @@ module board #(
   logic ddr_valid;
   logic [BEAT-1:0][CW-1:0] ddr_data;
   logic [3:0] ddr_words;  // of the beat that belong to a slot
+  // Readers of DDR: the secondaries, and a place for a second unit.
+  logic [1:0] reader_asks, reader_ready, reader_valid;
+  logic [1:0][31:0] reader_word;
+  logic [1:0][3:0] reader_words;
+  assign {reader_asks[1], reader_word[1], reader_words[1]} = '0;
+  logic unused_reader;
+  assign unused_reader = &{1'b0, reader_ready[1], reader_valid[1]};
+  ddr_readers #(.READERS(2), .USED(2'b01)) readers (
+      .clk_i(clk_engine), .rst_i, .read_i(reader_asks), .word_i(reader_word), .ready_o(reader_ready),
+      .valid_o(reader_valid), .words_i(reader_words), .read_o(ddr_read_o), .word_o(ddr_read_word_o),
+      .valid_i(ddr_valid), .words_o(ddr_words));
   ddr_check #(.CONFIG(CONFIG)) check_bits (
       .clk_i(clk_engine), .rst_i, .write_data_i(ddr_write_data_o), .write_check_o(ddr_write_check_o),
       .read_valid_i(ddr_valid_i), .read_data_i(ddr_data_i), .read_check_i(ddr_check_i), .words_i(ddr_words),
@@ -97,8 +108,9 @@ module board #(
   secondary_regfile #(.CONFIG(CONFIG)) secondaries (
       .clk_i(clk_engine), .rst_i, .pair_i(pair[0]), .swap_i(swap[0]), .start_i(fetch_start), .stop_i(fetch_stop),
       .pass_i(command), .range_entry_o(range_entry), .range_i(range), .transform_entry_o(transform_entry),
-      .moving_o(moving), .clk_moving_i(clk_moving), .unmoved_o(unmoved), .moved_i(moved), .ddr_read_o,
-      .ddr_word_o(ddr_read_word_o), .ddr_valid_i(ddr_valid), .ddr_data_i(ddr_data), .ddr_words_o(ddr_words),
+      .moving_o(moving), .clk_moving_i(clk_moving), .unmoved_o(unmoved), .moved_i(moved), .ddr_read_o(reader_asks[0]),
+      .ddr_word_o(reader_word[0]), .ddr_ready_i(reader_ready[0]), .ddr_valid_i(reader_valid[0]), .ddr_data_i(ddr_data),
+      .ddr_words_o(reader_words[0]),
       .valid_o(sec_valid), .slot_o(secondary), .bad_o(sec_bad), .index_o(sec_index), .last_o(sec_last), .pop_i(sec_pop),
       .idle_o(sec_idle));
 
