@@ -139,7 +139,12 @@ module board #(
     assign pose_slot = '0;
   end
 
-  // ---- Sequencer ----
+  // ---- Sequencer: the units that do passes ----
+  logic [card_pkg::UNITS-1:0] unit_valid, unit_ready, unit_abort, unit_busy, unit_done;
+  pass_dispatch dispatch (
+      .clk_i(clk_engine), .rst_i, .go_i(go), .unit_i(command.unit), .abort_i(abort), .busy_o(busy), .done_o(done),
+      .valid_o(unit_valid), .ready_i(unit_ready), .abort_o(unit_abort), .busy_i(unit_busy), .done_i(unit_done));
+  localparam int ENGINE = int'(card_pkg::UNIT_ENGINE);
   logic [2:0] mode;
   logic streaming, prim_busy, flush, clear, issue_parity, fifo_empty, writeback_parity, record_ready;
   logic [ROW_W-1:0] clear_row;
@@ -149,8 +154,9 @@ module board #(
   logic [PRIM_W:0] new_hits;
   logic [PRIM_W-1:0] writeback_primary;
   engine_control #(.CONFIG(CONFIG)) control (
-      .clk_i(clk_engine), .rst_i, .go_i(go), .abort_i(abort), .command_i(command), .mode_o(mode), .pair_o(pair),
-      .swap_o(swap), .primaries_busy_i(prim_busy), .active_i(active), .busy_o(busy), .done_o(done), .flush_o(flush),
+      .clk_i(clk_engine), .rst_i, .go_i(unit_valid[ENGINE]), .ready_o(unit_ready[ENGINE]), .abort_i(unit_abort[ENGINE]),
+      .command_i(command), .mode_o(mode), .pair_o(pair), .swap_o(swap), .primaries_busy_i(prim_busy),
+      .active_i(active), .busy_o(unit_busy[ENGINE]), .done_o(unit_done[ENGINE]), .flush_o(flush),
       .streaming_mode_o(streaming), .pose_wanted_i(pose_wanted), .pose_o(pose), .posed_i(posed), .clear_o(clear),
       .clear_row_o(clear_row), .clear_mask_o(clear_mask), .fetch_start_o(fetch_start), .fetch_stop_o(fetch_stop),
       .secondary_valid_i(sec_valid), .secondary_last_i(sec_last), .secondary_idle_i(sec_idle),

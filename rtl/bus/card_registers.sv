@@ -181,6 +181,7 @@ module card_registers #(
   assign go_o = write_reg && addr_q == 32'(registers_pkg::REG_CONTROL) && control.go && command_ok;
   assign abort_o = write_reg && addr_q == 32'(registers_pkg::REG_CONTROL) && control.stop;
   always_comb begin
+    pass_o.unit = card_pkg::UNIT_ENGINE;
     pass_o.mode = command_q.mode;
     pass_o.pair = {(PARALLEL != 0 && command_q.second) ? command_q.second_pair : pairs_pkg::NO_PAIR, command_q.pair};
     pass_o.swap = {SWAP != 0 && command_q.second_swap, SWAP != 0 && command_q.swap};

@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // What goes between the modules of a card; software sees none of it.
 package card_pkg;
+  // Who does a pass. A command has no field for it yet: every pass is the engine's.
+  localparam int UNIT_BITS = 2;
+  localparam logic [1:0] UNIT_ENGINE = 2'd0;  // engine_control and what it leads
+  localparam int UNITS = 1;
+
   // What the registers ask of a pass. Mode, pairs and swaps are kept by the sequencer from go on.
   typedef struct packed {
+    logic [1:0] unit;           // UNIT_*
     logic [31:0] prim_objects;  // objects of primaries; 0: primaries as they were written
     logic [31:0] objects;       // objects to sweep; 0: the slots of `first` and `count`
     logic [31:0] first;         // secondary slot

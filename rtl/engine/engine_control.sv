@@ -15,7 +15,8 @@ module engine_control #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic go_i,
+    input logic go_i,      // a pass, taken when ready_o is high too
+    output logic ready_o,
     input logic abort_i,
     input card_pkg::pass_t command_i,
     output logic [2:0] mode_o,  // of the pass, from go on
@@ -78,6 +79,7 @@ module engine_control #(
   assign second_rows = rows - first_rows;
   assign longer = (first_rows > second_rows) ? first_rows : second_rows;
   assign busy_o = state_q != IDLE;
+  assign ready_o = !busy_o;
   assign flush_o = abort_i || state_q == FLUSH;
   assign streaming_mode_o = mode_o == registers_pkg::MODE_ALL || mode_o == registers_pkg::MODE_HITS;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Several readers of DDR at its one read port: requests take turns, an answer goes to who asked for it.
-// A reader holds its request until ready_o, or takes it back. Of those that ask, the first one behind the one served last is next, round
-// and round: nobody waits for more than one request of each other reader. DDR answers in order, at any time; whose the
-// answers are waits in a queue.
+// A reader holds its request until ready_o, or takes it back. Of those that ask, the first one behind the one served
+// last is next, round and round: nobody waits for more than one request of each other reader. DDR answers in order, at
+// any time; whose the answers are waits in a queue.
 // Bit r of USED: reader r is there. The requests of others are not looked at, and where there is one reader alone all
 // of this is wires and its requests are always taken.
 // Latency: none, of requests and of answers. Throughput: one of each a clock. Stall: ready_o, also while DEPTH answers
