@@ -59,6 +59,16 @@ package registers_pkg;
   localparam logic [11:0] REG_WRITTEN = 12'h0F8;      // records written to SRAM
   localparam logic [31:0] REG_END = 32'h00000100;
 
+  // ---- Counters of a pass: their registers, 64 bits each, unit by unit in the order in which a unit brings them
+  // (card_pkg::COUNT_BITS); further ones go behind the other registers, below REG_END ----
+  localparam int COUNTERS = 8;
+  localparam logic [0:12*COUNTERS-1] COUNTER_REGISTERS = {
+    REG_CYCLES, REG_WRITEBACK, REG_ROWS, REG_STALLS, REG_BUBBLES, REG_SECONDARIES, REG_BAD_SEC, REG_WRITTEN};
+  localparam int ENGINE_COUNTERS = 8;  // the first ones
+  function automatic logic [11:0] counter_register(input int counter);
+    counter_register = COUNTER_REGISTERS[12*counter+:12];
+  endfunction
+
   // Object tables, in SPACE_REG above the registers, write only: entries of records_pkg::OBJECT_WORDS words.
   localparam logic [31:0] OBJECT_TABLE = 32'h00040000;       // of secondaries: ranges of slots in DDR
   // of primaries: ranges of their numbers in the register file

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <iterator>
 
 #include "cde/contract/field.hpp"
 
@@ -52,6 +53,14 @@ enum Register : std::uint32_t {
   kRegWritten = 0x0F8,      ///< records written to SRAM
   kRegEnd = 0x100,
 };
+
+/// Registers of the counters of a pass, unit by unit in the order in which a unit brings them.
+inline constexpr Register kCounterRegisters[] = {
+    kRegCycles,  kRegWriteback,   kRegRows,   kRegStalls,
+    kRegBubbles, kRegSecondaries, kRegBadSec, kRegWritten,
+};
+inline constexpr unsigned kCounters = std::size(kCounterRegisters);
+inline constexpr unsigned kEngineCounters = 8;  ///< the first ones
 
 /// Object tables, in kSpaceReg above the registers, write only: entries of kObjectWords words
 /// (records.hpp).
