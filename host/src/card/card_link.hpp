@@ -15,7 +15,7 @@ inline constexpr std::uint64_t kFirstAskClocks = 1024;
 /// Bytes that a driver has mapped, and so transfers at a time.
 inline constexpr std::uint32_t kMappedBytes = 1u << 20;
 
-/// The way from the driver to a card: accesses to its four spaces over whichever bus it is plugged
+/// The way from the driver to a card: accesses to its spaces over whichever bus it is plugged
 /// into, and its interrupt. Times are the card's: core clocks since power-on. Private to the
 /// driver.
 class CardLink {
