@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The operators of a pipe, counted in the elaborated design, against the paper's Table 2.
-#include "elaborate.hpp"
+#include "rtl/elaborate.hpp"
 
 #include <gtest/gtest.h>
 
