@@ -326,6 +326,6 @@ module card_registers #(
   end
 
   pass_counters counters (
-      .clk_i(clk_engine_i), .clear_i(go_o | rst_i), .counts_i, .clk_bus_i(clk_bus_o), .read_i(read),
+      .clk_i(clk_engine_i), .rst_i, .clear_i(go_o), .counts_i, .clk_bus_i(clk_bus_o), .read_i(read),
       .there_i(allowed && space_q == registers_pkg::SPACE_REG), .offset_i(offset), .rdata_o(count));
 endmodule

@@ -7,6 +7,7 @@ module pass_counters #(
     localparam int COUNTERS = registers_pkg::COUNTERS
 ) (
     input logic clk_i,
+    input logic rst_i,
     input logic clear_i,
     input logic [COUNTERS-1:0][card_pkg::COUNT_BITS-1:0] counts_i,  // events of this clock
 
@@ -20,7 +21,7 @@ module pass_counters #(
   for (genvar c = 0; c < COUNTERS; c++) begin : counter
     localparam logic [11:0] REGISTER = registers_pkg::counter_register(c);
     logic [63:0] count_q, answer_q;
-    always_ff @(posedge clk_i) count_q <= clear_i ? '0 : count_q + 64'(counts_i[c]);
+    always_ff @(posedge clk_i) count_q <= (clear_i | rst_i) ? '0 : count_q + 64'(counts_i[c]);
     always_ff @(posedge clk_bus_i) if (read_i) answer_q <= (there_i && offset_i == REGISTER) ? count_q : '0;
     assign answers[c] = answer_q;
   end

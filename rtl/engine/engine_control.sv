@@ -109,7 +109,7 @@ module engine_control #(
     {1'b0, secondary_pop_o},                      // SECONDARIES
     {1'b0, bubble},                               // BUBBLES
     {1'b0, stall},                                // STALLS
-    2'($countones(issue_o)),                      // ROWS
+    {&issue_o, ^issue_o},                         // ROWS, none to two
     {1'b0, writeback_o},                          // WRITEBACK
     {1'b0, busy_o && !writeback_o}};              // CYCLES
 

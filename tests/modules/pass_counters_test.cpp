@@ -20,10 +20,12 @@ TEST(PassCounters, EveryCounterIsAtItsRegister) {
   Dice dice;
   std::array<std::uint64_t, kCounters> counts = {};
   std::array<unsigned, kCounters> reads = {};
-  unsigned elsewhere = 0, refused = 0, passes = 0;
+  unsigned elsewhere = 0, refused = 0, passes = 0, resets = 0;
   for (int clock = 0; clock < 20'000; ++clock) {
-    counters.clear_i = clock == 0 || dice.once_in(1000);
+    counters.rst_i = clock == 0 || dice.once_in(2000);
+    counters.clear_i = dice.once_in(1000);
     passes += counters.clear_i;
+    resets += counters.rst_i;
     counters.counts_i = static_cast<SData>(dice.below(1u << 2 * kCounters));
     counters.read_i = dice.once_in(2);
     counters.there_i = !dice.once_in(8);
@@ -44,8 +46,9 @@ TEST(PassCounters, EveryCounterIsAtItsRegister) {
       elsewhere += c == kCounters;
     }
     for (unsigned c = 0; c < kCounters; ++c)
-      counts.at(c) =
-          counters.clear_i != 0 ? 0 : counts.at(c) + (unsigned{counters.counts_i} >> 2 * c & 3);
+      counts.at(c) = counters.clear_i != 0 || counters.rst_i != 0
+                         ? 0
+                         : counts.at(c) + (unsigned{counters.counts_i} >> 2 * c & 3);
   }
   counters.final();
   for (unsigned c = 0; c < kCounters; ++c) {
@@ -55,6 +58,7 @@ TEST(PassCounters, EveryCounterIsAtItsRegister) {
   EXPECT_GT(elsewhere, 1000u);
   EXPECT_GT(refused, 100u);
   EXPECT_GT(passes, 10u);
+  EXPECT_GT(resets, 3u);
 }
 
 /// A counter has one register, and what is not in the table is no counter.
