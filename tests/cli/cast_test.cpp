@@ -17,7 +17,7 @@
 #include <sstream>
 
 #include "run_cde.hpp"
-#include "wave_file.hpp"
+#include "wave/wave_file.hpp"
 
 namespace cde::testing {
 namespace {
@@ -258,7 +258,7 @@ TEST_F(Cast, Waves) {
   EXPECT_EQ(files(), (Words{"one.obj", "waves.fst"}));
   // Every signal of the pipe, lane by lane, of control and of the bus; of parameters, memories and
   // the insides of operators none.
-  const std::map<std::string, unsigned> signals = wave_signals(folder_ / "waves.fst");
+  const std::map<std::string, unsigned> signals = wave::signals(folder_ / "waves.fst");
   const std::string pipe =
       "board.board.engine.group[0].lanes.pair[0].g_there.g_free.pipe.pipe.g_pipe.pipe.";
   for (const std::string& name :
@@ -270,7 +270,7 @@ TEST_F(Cast, Waves) {
     for (const char* part : {"LAT_ADD", ".T_", "cell_u", "mem["})
       EXPECT_EQ(name.find(part), std::string::npos) << name;
   const std::string one = fmt::format("{:032b}", 0x3f800000);
-  EXPECT_TRUE(wave_values(folder_ / "waves.fst", signals.at(pipe + "t_o[0]")).count(one));
+  EXPECT_TRUE(wave::values(folder_ / "waves.fst", signals.at(pipe + "t_o[0]")).count(one));
   // They are wanted most when the cast fails.
   fs::remove(folder_ / "waves.fst");
   ran = cde({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--lanes", "4", "--trace", "waves.fst",

@@ -17,7 +17,7 @@
 #include <sstream>
 
 #include "run_cde.hpp"
-#include "wave_file.hpp"
+#include "wave/wave_file.hpp"
 
 namespace cde::testing {
 namespace {
@@ -618,13 +618,13 @@ TEST_F(Query, FaultyPipeIsFoundOut) {
 /// Words of a port, [word][lane], at a time of the waves.
 class Ports {
  public:
-  explicit Ports(fs::path file) : file_(std::move(file)), signals_(wave_signals(file_)) {}
+  explicit Ports(fs::path file) : file_(std::move(file)), signals_(wave::signals(file_)) {}
   [[nodiscard]] std::uint64_t at(const std::string& port, std::uint64_t time) {
     auto& values = seen_[port];
     if (values.empty()) {
       const auto signal = signals_.find("pair_unit." + port);
       if (signal == signals_.end()) throw std::runtime_error("no signal " + port);
-      values = wave_changes(file_, signal->second);
+      values = wave::changes(file_, signal->second);
     }
     auto value = values.upper_bound(time);
     if (value == values.begin()) throw std::runtime_error(port + " has no value yet");
@@ -698,7 +698,7 @@ TEST_F(Query, WavesAreWholeOrAnError) {
   }
   ran = query({"sphere-sphere", "-q", "--trace", "w.fst"}, "");
   EXPECT_EQ(ran.status, 0) << ran.err;
-  EXPECT_TRUE(wave_signals(folder_ / "w.fst").count("pair_unit.valid_i"));
+  EXPECT_TRUE(wave::signals(folder_ / "w.fst").count("pair_unit.valid_i"));
   refused({"sphere-sphere", "--trace", "none/w.fst"}, "none");
   refused({"sphere-sphere", "--trace", "-"}, "--trace and the answers both write to stdout");
   refused({"sphere-sphere", "--trace", "stdin"}, "which stdin reads");

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "cde/support/error.hpp"
-#include "help.hpp"
-#include "output.hpp"
-#include "streams.hpp"
-#include "typed.hpp"
-#include "verbs.hpp"
-#include "version.hpp"
+#include "command/help.hpp"
+#include "command/typed.hpp"
+#include "output/output.hpp"
+#include "output/streams.hpp"
+#include "output/version.hpp"
+#include "verbs/verbs.hpp"
 
 /// "cde: message" on stderr; the message may have text of files.
 static void complain(const std::string& message) {

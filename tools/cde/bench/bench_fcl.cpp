@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/bench_fcl.hpp"
+
+#ifdef CDE_FCL
+#include <fcl/geometry/shape/box.h>
+#include <fcl/geometry/shape/cylinder.h>
+#include <fcl/geometry/shape/plane.h>
+#include <fcl/geometry/shape/sphere.h>
+#include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/detail/gjk_solver_libccd.h>
+#include <fcl/narrowphase/distance.h>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <string_view>
+
+#include "bench/bench.hpp"
+#include "cde/geometry/primitives.hpp"
+#include "cde/support/error.hpp"
+
+namespace cde::cli {
+namespace {
+
+using Object = fcl::CollisionObjectd;
+using Solver = fcl::detail::GJKSolver_libccdd;
+
+constexpr std::size_t kMostStops = 50;  // more, and FCL counts as having no such query
+
+template <template <class> class P>
+P<double> primitive(std::span<const float> words) {
+  return primitive_cast<double>(from_words<P<float>>(words.template first<P<float>::kWords>()));
+}
+
+Object object(std::string_view shape, std::span<const float> words) {
+  const Eigen::Matrix3d upright = Eigen::Matrix3d::Identity();
+  if (shape == "sphere") {
+    const auto s = primitive<BasicSphere>(words);
+    return {std::make_shared<fcl::Sphered>(s.r), upright, s.c};
+  }
+  if (shape == "aabb") {
+    const auto s = primitive<BasicAabb>(words);
+    return {std::make_shared<fcl::Boxd>(s.max - s.min), upright, (s.min + s.max) / 2};
+  }
+  if (shape == "cylinder") {
+    const auto s = primitive<BasicCylinder>(words);
+    const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), s.axis);
+    return {std::make_shared<fcl::Cylinderd>(s.radius, 2 * s.half_height), turn.toRotationMatrix(),
+            s.c};
+  }
+  if (shape == "plane") {
+    const auto s = primitive<BasicPlane>(words);
+    return {std::make_shared<fcl::Planed>(s.n, s.d), upright, Eigen::Vector3d::Zero()};
+  }
+  const auto s = primitive<BasicObb>(words);
+  return {std::make_shared<fcl::Boxd>(2 * s.half), s.rotation, s.c};
+}
+
+enum class Call { kCollide, kDistance };
+
+/// FCL has triangles as parts of meshes: one by itself goes to the function that its meshes use.
+class Pairs {
+ public:
+  Pairs(Pair pair, std::span<const float> a, std::span<const float> b) {
+    const std::string_view both = name(pair);
+    const std::string_view shape_a = both.substr(0, both.find('-')),
+                           shape_b = both.substr(both.find('-') + 1);
+    const std::size_t a_words = primary_words(pair), b_words = secondary_words(pair);
+    for (std::size_t i = 0; i < a.size() / a_words; ++i) {
+      const auto words = a.subspan(i * a_words, a_words);
+      if (shape_a == "triangle")
+        triangles_.push_back(primitive<BasicTriangle>(words));
+      else
+        a_.push_back(object(shape_a, words));
+      b_.push_back(object(shape_b, b.subspan(i * b_words, b_words)));
+    }
+    plane_ = shape_b == "plane";
+    // Signed distances of spheres end in a failed assertion of FCL as soon as they overlap.
+    request_.enable_signed_distance =
+        triangles_.empty() && shape_a != "sphere" && shape_b != "sphere";
+    request_.enable_nearest_points = true;
+  }
+  [[nodiscard]] std::size_t size() const { return b_.size(); }
+  [[nodiscard]] bool has(Call call) const { return call == Call::kCollide || !plane_; }
+  [[nodiscard]] bool has_signed_distance() const { return request_.enable_signed_distance; }
+
+  /// Whether they touch, 1 or 0; -1 if FCL's solver gives up.
+  [[nodiscard]] signed char ask(Call call, std::size_t i) const {
+    try {
+      if (!triangles_.empty()) return ask_triangle(call, i) ? 1 : 0;
+      if (call == Call::kCollide) {
+        fcl::CollisionResultd result;
+        const fcl::CollisionRequestd request(1, true);
+        return fcl::collide(&a_[i], &b_[i], request, result) > 0 ? 1 : 0;
+      }
+      fcl::DistanceResultd result;
+      return fcl::distance(&a_[i], &b_[i], request_, result) <= 0 ? 1 : 0;
+    } catch (const std::exception&) {
+      return -1;
+    }
+  }
+
+ private:
+  [[nodiscard]] bool ask_triangle(Call call, std::size_t i) const {
+    const fcl::CollisionGeometryd* geometry = b_[i].collisionGeometry().get();
+    switch (geometry->getNodeType()) {
+      case fcl::GEOM_SPHERE:
+        return ask_triangle(call, static_cast<const fcl::Sphered&>(*geometry), i);
+      case fcl::GEOM_CYLINDER:
+        return ask_triangle(call, static_cast<const fcl::Cylinderd&>(*geometry), i);
+      default:
+        return ask_triangle(call, static_cast<const fcl::Boxd&>(*geometry), i);
+    }
+  }
+  template <class Shape>
+  [[nodiscard]] bool ask_triangle(Call call, const Shape& shape, std::size_t i) const {
+    const BasicTriangle<double>& t = triangles_[i];
+    fcl::Vector3d p, q;
+    double depth = 0;
+    if (call == Call::kCollide)
+      return solver_.shapeTriangleIntersect(shape, b_[i].getTransform(), t.v0, t.v1, t.v2, &p,
+                                            &depth, &q);
+    return !solver_.shapeTriangleDistance(shape, b_[i].getTransform(), t.v0, t.v1, t.v2, &depth, &p,
+                                          &q);
+  }
+
+  std::vector<BasicTriangle<double>> triangles_;
+  std::vector<Object> a_, b_;
+  bool plane_ = false;
+  fcl::DistanceRequestd request_;
+  Solver solver_;
+};
+
+/// Runs `work` in a child process, which hands over what it finds by calling its argument. Returns
+/// all of it, up to the end or the child's death.
+template <class Value, class Work>
+std::vector<Value> in_child(const Work& work) {
+  const auto fail = [](const char* what) {
+    throw Error(ErrorCode::kFile, std::string(what) + ": " + std::strerror(errno));
+  };
+  int ends[2];
+  if (::pipe(ends) != 0) fail("pipe");
+  const pid_t child = ::fork();
+  if (child < 0) fail("fork");
+  if (child == 0) {
+    ::close(ends[0]);
+    ::close(STDERR_FILENO);  // the assertion's message
+    work([&](Value value) {
+      if (::write(ends[1], &value, sizeof value) != sizeof value) ::_exit(1);
+    });
+    ::_exit(0);
+  }
+  ::close(ends[1]);
+  std::vector<Value> values;
+  Value value;
+  while (::read(ends[0], &value, sizeof value) == sizeof value) values.push_back(value);
+  ::close(ends[0]);
+  ::waitpid(child, nullptr, 0);
+  return values;
+}
+
+/// FCL's answer to each pair, -1 for those that it gives up or stops the program at; nothing if
+/// the latter are too many.
+std::vector<signed char> answers(const Pairs& pairs, Call call) {
+  std::vector<signed char> all;
+  std::size_t stops = 0;
+  while (all.size() < pairs.size()) {
+    const auto some = in_child<signed char>([&](const auto& put) {
+      for (std::size_t i = all.size(); i < pairs.size(); ++i) put(pairs.ask(call, i));
+    });
+    all.insert(all.end(), some.begin(), some.end());
+    if (all.size() == pairs.size()) break;
+    all.push_back(-1);
+    if (++stops > kMostStops) return {};
+  }
+  return all;
+}
+
+std::optional<double> rate(const Pairs& pairs, Call call, const std::vector<signed char>& answers,
+                           double seconds) {
+  std::vector<std::size_t> sound;
+  for (std::size_t i = 0; i < answers.size(); ++i)
+    if (answers[i] >= 0) sound.push_back(i);
+  if (sound.empty()) return std::nullopt;
+  const auto measured = in_child<double>([&](const auto& put) {
+    const double start = thread_seconds();
+    double asked = 0, elapsed = 0;
+    volatile signed char answer = 0;
+    do {
+      for (const std::size_t i : sound) answer = pairs.ask(call, i);
+      asked += static_cast<double>(sound.size());
+      elapsed = thread_seconds() - start;
+    } while (elapsed < seconds);
+    (void)answer;
+    put(asked / elapsed);
+  });
+  if (measured.empty()) return std::nullopt;
+  return measured.front();
+}
+
+}  // namespace
+
+bool has_fcl() {
+  return true;
+}
+
+FclRates measure_fcl(Pair pair, std::span<const float> a, std::span<const float> b,
+                     double seconds) {
+  FclRates rates;
+  if (name(pair).starts_with("ray-")) return rates;
+  const Pairs pairs(pair, a, b);
+  const auto stops = [](const std::vector<signed char>& all) {
+    return static_cast<std::size_t>(std::count(all.begin(), all.end(), -1));
+  };
+  rates.hits = answers(pairs, Call::kCollide);
+  rates.collide_stops = stops(rates.hits);
+  rates.collide = rate(pairs, Call::kCollide, rates.hits, seconds);
+  if (!pairs.has(Call::kDistance)) return rates;
+  const auto distances = answers(pairs, Call::kDistance);
+  rates.distance_stops = stops(distances);
+  rates.distance = rate(pairs, Call::kDistance, distances, seconds);
+  rates.distance_signed = pairs.has_signed_distance();
+  return rates;
+}
+
+}  // namespace cde::cli
+
+#else
+
+namespace cde::cli {
+
+bool has_fcl() {
+  return false;
+}
+
+FclRates measure_fcl(Pair, std::span<const float>, std::span<const float>, double) {
+  return {};
+}
+
+}  // namespace cde::cli
+
+#endif

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Section fp of cde bench: the gate-level floating-point units alone, simulated operations a second
+// on one core.
+#include <fmt/format.h>
+
+#include <array>
+
+#include "bench/bench.hpp"
+#include "cde/card/fp_unit.hpp"
+#include "output/busy.hpp"
+#include "output/streams.hpp"
+
+namespace cde::cli {
+namespace {
+
+struct Operation {
+  const char* name;
+  FpOp op;
+  unsigned clock;  ///< bit of the OPS parameter of fp_unit
+};
+constexpr std::array kOperations = {
+    Operation{"add", FpOp::kAdd, 0}, Operation{"mul", FpOp::kMul, 2},
+    Operation{"div", FpOp::kDiv, 3}, Operation{"sqrt", FpOp::kSqrt, 4}};
+
+/// One operation in a bitstream of its own, so that nothing else is simulated.
+double measure(FpFormat format, const Operation& operation, int lanes, double seconds) {
+  std::vector<std::string> parameters = fp_unit_parameters(format, Arithmetic::kRtl, lanes, false);
+  parameters.push_back(fmt::format("OPS={}", 1u << operation.clock));
+  FpUnit unit(Bitstream::open("fp_unit", parameters));
+  const Busy busy(fmt::format("{} lanes of {}, {}", lanes, format.name(), operation.name));
+  return unit.measure(operation.op, seconds);
+}
+
+}  // namespace
+
+nlohmann::ordered_json bench_fp(const BenchOptions& o) {
+  std::vector<const char*> formats = {"fp32"};
+  if (o.full) formats = {"fp32", "fp16", "bf16", "tf32", "fp24", "fp64", "e4m3", "e3m2"};
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  show(
+      "\ngate-level units alone, latency 1, no flags, one core, processor time\n{:<7}{:>6}{:>16}\n",
+      "format", "lanes", "M operations/s");
+  for (const char* name : formats) {
+    const FpFormat format = FpFormat::parse(name);
+    // The best number of lanes depends on the operation and the processor; wider words fill its
+    // vectors sooner.
+    std::vector<int> counts = {32, 64, 128};
+    if (o.quick) counts = {64};
+    if (std::string(name) != "fp32") counts = {std::string(name) == "fp64" ? 16 : 64};
+    for (const Operation& operation : kOperations)
+      for (const int lanes : counts) {
+        if (o.quick && operation.clock > 2) continue;
+        const double rate = measure(format, operation, lanes, o.quick ? 0.2 : 1.0);
+        show("{:<7}{:>6}{:>16.1f}  {}\n", name, lanes, rate / 1e6, operation.name);
+        rows.push_back({{"format", name},
+                        {"operation", operation.name},
+                        {"arithmetic", "rtl"},
+                        {"lanes", lanes},
+                        {"operations_per_second_simulated", rate}});
+      }
+  }
+  return {
+      {"what", "simulated operations a second of processor time, gate level, latency 1, flags off"},
+      {"units", rows}};
+}
+
+}  // namespace cde::cli

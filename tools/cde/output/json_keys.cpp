@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output/json_keys.hpp"
+
+#include <fmt/format.h>
+
+#include "output/version.hpp"
+
+namespace cde::cli {
+
+using Json = nlohmann::ordered_json;
+
+Json program_json() {
+  return {{"version", kVersion}, {"commit", kCommit}};
+}
+
+Json card_json(const BoardConfig& config) {
+  return {{"lanes", config.lanes},
+          {"arithmetic", config.arithmetic == Arithmetic::kRtl ? "rtl" : "host"},
+          {"format", "fp32"},
+          {"algorithm", name(config.algorithm)},
+          {"box", config.box},
+          {"parameters", config.parameters()}};
+}
+
+Json bitstream_json(const std::filesystem::path& file, std::uint64_t config_hash) {
+  return {{"bitstream", file.string()}, {"config_hash", fmt::format("{:016x}", config_hash)}};
+}
+
+Json counters_json(const Counters& c) {
+  return {{"tests", c.pairs},
+          {"rows", c.rows},
+          {"device_cycles", c.cycles},
+          {"stall_cycles", c.stalls},
+          {"bubble_cycles", c.bubbles},
+          {"writeback_cycles", c.writeback},
+          {"secondaries", c.secondaries},
+          {"bad_primaries", c.bad_primaries},
+          {"bad_secondaries", c.bad_secondaries},
+          {"corrected_words", c.corrected_words}};
+}
+
+Json time_json(const ModelledTime& t, std::uint64_t before) {
+  const auto seconds = [](std::uint64_t ps) { return static_cast<double>(ps) * 1e-12; };
+  return {{"upload", seconds(before + t.load)},  {"compute", seconds(t.engine)},
+          {"write_back", seconds(t.write_back)}, {"download", seconds(t.download)},
+          {"registers", seconds(t.registers)},   {"total", seconds(before + t.total())}};
+}
+
+}  // namespace cde::cli

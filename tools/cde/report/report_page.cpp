@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+// The parts of a report's page that people read: view, charts, tables.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "output/streams.hpp"
+#include "report/chart.hpp"
+#include "report/page.hpp"
+#include "report/report.hpp"
+
+namespace cde::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostBars = 600;
+constexpr std::size_t kMostRows = 1'000;
+
+std::string text_of(const Json& value) {
+  return value.is_string() ? value.get<std::string>() : json_text(value, -1);
+}
+
+Cell figure(std::uint64_t number) {
+  return Cell::figure(grouped(number));
+}
+
+/// Everything the modelled times rest on.
+std::vector<std::vector<Cell>> assumptions(const Scene& scene, const Json& run) {
+  const SceneCard& card = scene.card;
+  const Json& board = run["plan"];
+  std::vector<std::vector<Cell>> rows = {
+      {"core clock", fmt::format("{:g} MHz, {}", card.clock_hz / 1e6,
+                                 text_of(run.value("clock_is", Json("assumed"))))},
+      {"bus", text_of(run["bus"])},
+      {"memory of the card", text_of(run["memory"])},
+      {"number format", "fp32 (IEEE 754 binary32), round to nearest even"},
+      {"arithmetic", card.arithmetic == Arithmetic::kHost
+                         ? "computed by this processor, bit for bit what the gates give"
+                         : "gates"},
+      {"latency of operators",
+       fmt::format("add {}, mul {}, div {}, sqrt {}, compare {} clocks", card.latency_add,
+                   card.latency_mul, card.latency_div, card.latency_sqrt, card.latency_compare)}};
+  for (const Json& effect : board.value("effects", Json::array())) {
+    const std::string name = effect.value("name", "");
+    if (effect.value("used", false) || name == "lanes")
+      rows.push_back(
+          {name, fmt::format("{} ({})", effect.value("choice", ""), effect.value("why", ""))});
+  }
+  return rows;
+}
+
+/// The wall times are this machine's, and say nothing about the card.
+std::vector<std::vector<Cell>> machine_rows(const Json& run) {
+  std::vector<std::vector<Cell>> rows;
+  for (const auto& [key, value] : run["machine"].items()) rows.push_back({key, text_of(value)});
+  rows.push_back({"simulation of the card", duration(run["totals"]["simulation_seconds"])});
+  rows.push_back({"reference in software", duration(run["totals"]["reference_seconds"])});
+  return rows;
+}
+
+}  // namespace
+
+std::string Report::view_html() const {
+  if (!picture_) return "<p>No frame was played.</p>\n";
+  const std::string alt =
+      fmt::format("The scene in frame {} with rays, hits and contacts.", played_.front().number);
+  std::string html = fmt::format(
+      "<section aria-label=\"3-D view\">\n<figure><div class=\"stage\" id=\"stage\"><img "
+      "src=\"data:image/png;base64,{}\" width=\"{}\" height=\"{}\" alt=\"{}\">"
+      "<svg class=\"scale\" id=\"scale\" width=\"200\" height=\"34\" role=\"img\" hidden><path/>"
+      "<text x=\"196\" y=\"16\" text-anchor=\"end\"></text></svg>"
+      "<svg class=\"axes\" id=\"axes\" width=\"84\" height=\"84\" role=\"img\" "
+      "aria-label=\"Directions of "
+      "the axes x, y and z\" hidden></svg><p class=\"readout\" id=\"readout\"></p></div>\n",
+      base64({reinterpret_cast<const std::uint8_t*>(picture_->data()), picture_->size()}),
+      kPictureSize.width, kPictureSize.height, alt);
+  html +=
+      "<div class=\"controls\" id=\"controls\" hidden><button id=\"play\" "
+      "type=\"button\">Play</button><input id=\"frame\" type=\"range\" min=\"0\" value=\"0\" "
+      "aria-label=\"Frame\"><output id=\"frame-text\" for=\"frame\"></output>"
+      "<label><input id=\"show-rays\" type=\"checkbox\" checked>rays</label>"
+      "<label><input id=\"show-hits\" type=\"checkbox\" checked>hits</label>"
+      "<label>up <select id=\"up\"><option>x</option><option>y</option><option selected>z</option>"
+      "</select></label><button id=\"reset\" type=\"button\">Reset view</button></div>\n";
+  html += legend_html();
+  html +=
+      "<figcaption>Rays that hit are orange up to the last hit found; of others only the start is "
+      "drawn, blue. Red: hits of rays. Green: contacts of solids, with the normal where the query "
+      "asked for it; there white lines join the closest points of the nearest pairs that miss. "
+      "Drag turns, Shift and drag moves, the wheel zooms.";
+  for (const std::string& note : notes()) html.append(" ").append(escaped(note));
+  return html + "</figcaption></figure>\n</section>\n";
+}
+
+std::string Report::charts_html() const {
+  if (played_.empty()) return "";
+  const std::size_t group = (played_.size() + kMostBars - 1) / kMostBars;
+  const std::size_t bars = (played_.size() + group - 1) / group;
+  std::vector<std::uint32_t> numbers;
+  std::vector<Series> modelled, wall = {{"simulated card", 4, {}}, {"reference", 5, {}}};
+  for (std::size_t k = 0; k < kTimeParts.size(); ++k)
+    modelled.push_back({kTimeParts[k], static_cast<int>(k), {}});
+  for (std::size_t b = 0; b < bars; ++b) {
+    const std::size_t first = b * group, last = std::min(first + group, played_.size());
+    const auto mean = [&](auto value) {
+      double sum = 0;
+      for (std::size_t i = first; i < last; ++i) sum += value(played_[i]);
+      return sum / static_cast<double>(last - first);
+    };
+    numbers.push_back(played_[first].number);
+    for (std::size_t k = 0; k < modelled.size(); ++k)
+      modelled[k].values.push_back(mean([k](const Played& p) { return parts(p.modelled)[k]; }));
+    wall[0].values.push_back(mean([](const Played& p) { return p.card_seconds; }));
+    wall[1].values.push_back(mean([](const Played& p) { return p.reference_seconds; }));
+  }
+  const std::string means =
+      group == 1 ? "" : fmt::format(" Each bar is the mean of {} frames.", group);
+  return fmt::format(
+      "<section id=\"split\"><h2>Modelled time of a frame</h2>\n<p>What the card would take, from "
+      "its clocks at {:g} MHz; the assumptions are in the table below.{}</p>\n{}</section>\n"
+      "<section><h2>Wall time of the simulation</h2>\n<p>What this machine took to simulate the "
+      "card and to compute the reference. It says nothing about the card.{}</p>\n{}</section>\n",
+      scene_.card.clock_hz / 1e6, means,
+      stacked_bars("Modelled time of every frame by part", "frame", numbers, modelled), means,
+      stacked_bars("Wall time of every frame", "frame", numbers, wall));
+}
+
+/// Over the frames: of solids the signed gap, of rays T.
+std::string Report::gaps_html() const {
+  const std::size_t group = (played_.size() + kMostBars - 1) / kMostBars;
+  std::string html =
+      "<section id=\"gaps\"><h2>Gap against time</h2>\n<p>Of solids the distance, or below 0 the "
+      "depth; of "
+      "rays T of the hits, in lengths of the ray's direction. Least and most of the records of a "
+      "frame; where there is none the line has a hole.</p>\n";
+  for (std::size_t q = 0; q < scene_.queries.size(); ++q) {
+    const SceneQuery& query = scene_.queries[q];
+    Line least{.name = "least", .colour = 1, .x = {}, .y = {}};
+    Line most{.name = "most", .colour = 4, .x = {}, .y = {}};
+    bool any = false;
+    for (std::size_t first = 0; first < played_.size(); first += group) {
+      float low = NAN, high = NAN;
+      for (std::size_t i = first; i < std::min(first + group, played_.size()); ++i) {
+        low = std::fmin(low, played_[i].gaps[q][0]);
+        high = std::fmax(high, played_[i].gaps[q][1]);
+      }
+      for (Line* line : {&least, &most}) line->x.push_back(seconds(scene_, played_[first].number));
+      least.y.push_back(low), most.y.push_back(high);
+      any = any || std::isfinite(low);
+    }
+    html += fmt::format("<h3>{} ({})</h3>\n", escaped(query.name), name(query.pair));
+    html += any ? linear_lines(query.name + ", gap against time", "seconds", {most, least})
+                : std::string("<p>No record has a gap.</p>\n");
+  }
+  return html + "</section>\n";
+}
+
+std::string Report::tables_html(const Json& run) const {
+  std::vector<std::vector<Cell>> queries;
+  for (std::size_t q = 0; q < scene_.queries.size(); ++q) {
+    const SceneQuery& query = scene_.queries[q];
+    std::array<std::uint64_t, 5> sums{};
+    for (const Json& frame : run["played"]) {
+      const Json& answer = frame["queries"][q];
+      std::size_t k = 0;
+      sums[k++] += answer["counters"]["tests"].get<std::uint64_t>();
+      for (const char* key : {"records", "hits", "records_compared", "mismatches"})
+        sums[k++] += answer[key].get<std::uint64_t>();
+    }
+    std::vector<Cell> row = {query.name, name(query.pair), name_of(query.mode)};
+    for (const std::uint64_t sum : sums) row.push_back(figure(sum));
+    queries.push_back(std::move(row));
+  }
+  std::string html = "<section><h2>Answers and checks</h2>\n";
+  if (run["check"] == "none") html += "<p>The check was skipped: no record was compared.</p>\n";
+  html += table("All frames that were played",
+                {"query", "pair", "mode", "tests", "records", "hits", "compared with the reference",
+                 "differ"},
+                queries);
+  html += "</section>\n<section><h2>Assumptions</h2>\n";
+  html += table("Modelled times rest on", {}, assumptions(scene_, run));
+  html += table("Wall times are of", {}, machine_rows(run));
+  std::vector<std::vector<Cell>> frames;
+  for (std::size_t i = 0; i < std::min(played_.size(), kMostRows); ++i) {
+    const Played& p = played_[i];
+    std::vector<Cell> row = {fmt::format("{}", p.number), figure(p.records), figure(p.hits)};
+    for (const double part : parts(p.modelled)) row.push_back(Cell::figure(duration(part)));
+    row.push_back(Cell::figure(duration(p.modelled.total())));
+    frames.push_back(std::move(row));
+  }
+  std::vector<std::string> head = {"frame", "records", "hits"};
+  head.insert(head.end(), kTimeParts.begin(), kTimeParts.end());
+  head.emplace_back("total");
+  html += fmt::format(
+      "<details><summary>Figures of the chart</summary>{}</details></section>\n",
+      table(played_.size() > kMostRows ? "Modelled; the first 1,000 frames, run.json has all"
+                                       : "Modelled",
+            head, frames));
+  return html;
+}
+
+}  // namespace cde::cli

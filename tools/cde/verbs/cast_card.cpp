@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde cast on its cards: one, or several that share the rays.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <future>
+#include <span>
+
+#include "cde/reference/pass.hpp"
+#include "cde/reference/reference.hpp"
+#include "cde/support/error.hpp"
+#include "output/busy.hpp"
+#include "output/machine.hpp"
+#include "output/output.hpp"
+#include "verbs/cast.hpp"
+#include "wave/waves.hpp"
+
+namespace cde::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::size_t kPacket = 256;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Holds the records of a card against the reference, whichever algorithm it has. Of the plain
+/// Moller card there is a fast one, which also prints what differs.
+class Judge {
+ public:
+  Judge(const CastOptions& o, const CastJob& job, const RayView& rays, const Board& board)
+      : job_(job), rays_(rays), board_(board), packet_(board.primaries()) {
+    command_ = fmt::format("cde cast {} --mode {} --lanes {} --arith {}{}", shell_word(o.mesh),
+                           o.mode, job.config.lanes, o.arithmetic, o.box ? "" : " --no-box");
+    if (job.config.algorithm == Algorithm::kMoller) {
+      moller_.emplace(rays, job.mesh, job.mode, Stencil(), packet_, command_,
+                      std::span<const Object>(), o.box);
+      moller_->place_by([&board](std::uint32_t primary) { return place_on_card(board, primary); });
+      return;
+    }
+    command_ += " --algorithm " + o.algorithm;
+    std::vector<Triangle> triangles;
+    triangles.reserve(job.mesh.faces.size());
+    for (std::size_t i = 0; i < job.mesh.faces.size(); ++i)
+      triangles.push_back(job.mesh.triangle(i));
+    triangles_ = std::move(triangles);
+  }
+
+  void compare(std::span<const Record> records) {
+    if (moller_) return moller_->compare(records);
+    for (const Record& r : records) {
+      const Record* expected = next();
+      ++compared_;
+      if (expected != nullptr && same_bits(r, *expected))
+        ++matching_;
+      else
+        differ(&r, expected);
+    }
+  }
+  void end() {
+    if (moller_) return moller_->compare_end();
+    if (const Record* expected = next()) differ(nullptr, expected);
+  }
+  void report(CastOutcome& to) const {
+    to.compared = moller_ ? moller_->compared() : compared_;
+    to.matching = moller_ ? moller_->matching() : matching_;
+    to.difference = moller_ ? moller_->difference() : difference_;
+  }
+
+ private:
+  /// The reference's next record; null at the end.
+  const Record* next() {
+    while (pending_.empty()) {
+      if (pass_) pending_ = pass_->next();
+      if (!pending_.empty()) break;
+      if (first_ >= rays_.size()) return nullptr;
+      const std::size_t count = std::min<std::size_t>(packet_, rays_.size() - first_);
+      std::vector<std::uint32_t> numbers(count);
+      for (std::size_t i = 0; i < count; ++i) numbers[i] = static_cast<std::uint32_t>(first_ + i);
+      pass_.emplace(
+          reference::PassQuery{
+              .algorithm = job_.config.algorithm, .box = job_.config.box, .mode = job_.mode},
+          rays_.subview(first_, count).copy(), std::move(numbers), triangles_);
+      first_ += count;
+    }
+    const Record* r = &pending_.front();
+    pending_ = pending_.subspan(1);
+    return r;
+  }
+
+  static std::string text(const Record* r) {
+    if (r == nullptr) return "no record";
+    return fmt::format("ray {} F {} T {:a} CP {:a} {:a} {:a} index {}", r->primary, r->f ? 1 : 0,
+                       r->t, r->cp.x(), r->cp.y(), r->cp.z(), r->index);
+  }
+
+  void differ(const Record* card, const Record* expected) {
+    if (!difference_.empty()) return;
+    const Record& any = card != nullptr ? *card : *expected;
+    std::string again = command_;
+    if (any.primary < rays_.size()) {
+      const Ray r = rays_[any.primary];
+      again += fmt::format(" --ray={:a},{:a},{:a},{:a},{:a},{:a},{:a},{:a}", r.o.x(), r.o.y(),
+                           r.o.z(), r.d.x(), r.d.y(), r.d.z(), r.tmin, r.tmax);
+    }
+    difference_ = fmt::format(
+        "ray {}: the card's record differs from the reference\n  card      {}\n  reference {}\n"
+        "  differ in {}\n  where     {}\nrepeat with: {}",
+        any.primary, text(card), text(expected),
+        card != nullptr && expected != nullptr ? differing_fields(*card, *expected) : "all",
+        place_on_card(board_, any.primary % packet_), again);
+  }
+
+  const CastJob& job_;
+  RayView rays_;
+  const Board& board_;
+  unsigned packet_;
+  std::string command_, difference_;
+  std::optional<reference::Checker> moller_;
+  Shapes triangles_;
+  std::optional<reference::Pass> pass_;
+  std::span<const Record> pending_;
+  std::size_t first_ = 0;
+  std::uint64_t compared_ = 0, matching_ = 0;
+};
+
+/// These rays on a card of their own; `take` gets the checked records in order.
+CastOutcome cast_on_card(const CastOptions& o, const CastJob& job, const RayView& rays,
+                         const std::function<void(double)>& progress, const RecordSink& take) {
+  Board board = Board::open(
+      job.config,
+      {.clock_period_ps = static_cast<std::uint32_t>(std::max(1.0, 1e6 / o.clock_mhz))});
+  {
+    const Busy busy("uploading triangles", o.quiet || !progress);
+    board.upload(job.mesh, false);  // load_mesh has checked it
+  }
+  std::optional<Judge> judge;
+  if (o.check) judge.emplace(o, job, rays, board);
+
+  CastOutcome result;
+  Waves waves(
+      o.trace, [&](const std::string& file) { board.trace_open(file); },
+      [&] { board.trace_close(); });
+  const Query query{.mode = job.mode,
+                    .pair = Pair::kRayTriangle,
+                    .deadline_clocks = o.deadline,
+                    .watchdog = std::chrono::duration<double>(o.timeout),
+                    .progress = progress};
+  double host_seconds = 0;
+  const auto start = Clock::now();
+  result.counters = board.cast(rays, query, [&](std::span<const Record> records) {
+    const auto received = Clock::now();
+    if (judge) judge->compare(records);
+    for (const Record& r : records) result.hits += r.f ? 1 : 0;
+    take(records);
+    host_seconds += seconds_since(received);
+  });
+  result.simulation_seconds = seconds_since(start) - host_seconds;
+  {
+    const Busy busy("writing waves", o.quiet || o.trace.empty());
+    waves.close();
+  }
+  if (judge) {
+    judge->end();
+    judge->report(result);
+  }
+  result.modelled_seconds = result.counters.modelled_seconds(o.clock_mhz * 1e6);
+  result.upload_clocks = board.upload_clocks();
+  result.bitstream = board.bitstream().string();
+  result.config_hash = board.config_hash();
+  return result;
+}
+
+/// What several cards take: each a DDR with the mesh, and all but the first one keep their records
+/// until it is their turn. Where nobody knows how many there will be, they are counted as they
+/// come.
+class SharedMemory {
+ public:
+  SharedMemory(const CastOptions& o, const CastJob& job, std::size_t boards, std::size_t waiting)
+      : boards_(boards), spare_(job.mode == Mode::kHits ? 2 : 1) {
+    const std::uint64_t triangles = job.mesh.faces.size();
+    cards_ = boards * triangles * 4 * words(Shape::kTriangle);
+    if (o.check && job.config.algorithm != Algorithm::kMoller)  // the Judge's copy
+      cards_ += boards * triangles * sizeof(Triangle);
+    // 2^32 rays and 2^26 triangles of 64 bytes: their product may leave 64 bits, its size does not.
+    const double each = job.mode == Mode::kHits  ? 0.0
+                        : job.mode == Mode::kAll ? static_cast<double>(triangles)
+                                                 : 1.0;
+    check(static_cast<double>(waiting) * each * sizeof(Record));
+  }
+  /// So many more records wait. Error kCapacity if they are too many.
+  void add(std::size_t records) {
+    check(static_cast<double>(bytes_ += records * sizeof(Record) * spare_));
+  }
+
+ private:
+  void check(double waiting) const {
+    const double all = static_cast<double>(cards_) + waiting;
+    if (all <= static_cast<double>(memory_limit())) return;
+    throw Error(ErrorCode::kCapacity,
+                fmt::format("{} cards take {} MB, and records that wait for those of the cards "
+                            "before them {:.0f} MB; the limit on this machine is {} MB (fewer "
+                            "--boards take less, of one card no records wait)",
+                            boards_, cards_ >> 20, waiting / (1 << 20), memory_limit() >> 20));
+  }
+  std::size_t boards_;
+  unsigned spare_;  // a list that grows without being told how long it will be has room to spare
+  std::uint64_t cards_ = 0;
+  std::atomic<std::uint64_t> bytes_ = 0;
+};
+
+/// Whole packets of the rays shared out over `o.boards` cards, each in a thread; records in the
+/// order of one card.
+CastOutcome cast_on_cards(const CastOptions& o, const CastJob& job,
+                          const std::function<void(double)>& progress, const RecordSink& take) {
+  const std::size_t packets = (job.rays.size() + kPacket - 1) / kPacket;
+  struct Share {
+    std::size_t first = 0, size = 0;
+    std::vector<Record> records;
+    std::future<CastOutcome> outcome;
+  };
+  std::vector<Share> shares(std::min<std::size_t>(o.boards, packets));
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    shares[i].first = std::min(job.rays.size(), packets * i / shares.size() * kPacket);
+    shares[i].size =
+        std::min(job.rays.size(), packets * (i + 1) / shares.size() * kPacket) - shares[i].first;
+  }
+  SharedMemory memory(o, job, shares.size(), job.rays.size() - shares.front().size);
+  (void)Bitstream::open(job.config.top(),
+                        job.config.parameters());  // built once, before all want it
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    Share& share = shares[i];
+    if (i != 0 && job.mode != Mode::kHits)
+      share.records.reserve(share.size * (job.mode == Mode::kAll ? job.mesh.faces.size() : 1));
+    const auto keep = [&memory, &share](std::span<const Record> records) {
+      memory.add(records.size());
+      share.records.insert(share.records.end(), records.begin(), records.end());
+    };
+    // It is the first card's turn from the beginning, and nobody else's before it has ended.
+    const RecordSink sink = i == 0 ? take : RecordSink(keep);
+    share.outcome = std::async(std::launch::async, [&, i, sink] {
+      return cast_on_card(o, job, job.rays.subview(share.first, share.size),
+                          i == 0 ? progress : std::function<void(double)>(), sink);
+    });
+  }
+  CastOutcome all;
+  for (Share& share : shares) {
+    const CastOutcome one = share.outcome.get();
+    for (Record& r : share.records) r.primary += static_cast<std::uint32_t>(share.first);
+    if (!share.records.empty()) take(share.records);
+    std::vector<Record>().swap(share.records);
+    all.counters += one.counters;
+    all.hits += one.hits;
+    all.compared += one.compared;
+    all.matching += one.matching;
+    if (all.difference.empty()) all.difference = one.difference;
+    all.upload_clocks += one.upload_clocks;
+    all.modelled_seconds = std::max(all.modelled_seconds, one.modelled_seconds);
+    all.simulation_seconds = std::max(all.simulation_seconds, one.simulation_seconds);
+    all.bitstream = one.bitstream;
+    all.config_hash = one.config_hash;
+  }
+  return all;
+}
+
+}  // namespace
+
+CastOutcome cast_rays(const CastOptions& o, const CastJob& job, const std::string& what,
+                      const RecordSink& take) {
+  Progress bar(what, o.quiet);
+  const auto progress = [&](double share) { bar(share); };
+  return o.boards > 1 ? cast_on_cards(o, job, progress, take)
+                      : cast_on_card(o, job, job.rays, progress, take);
+}
+
+}  // namespace cde::cli

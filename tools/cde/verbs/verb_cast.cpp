@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde cast: rays against a mesh on the simulated card, every record checked against the reference.
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cde/image/rays_csv.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "command/values.hpp"
+#include "output/busy.hpp"
+#include "output/json_keys.hpp"
+#include "output/npy.hpp"
+#include "output/output.hpp"
+#include "output/streams.hpp"
+#include "output/suffix.hpp"
+#include "verbs/cast.hpp"
+#include "verbs/cast_picture.hpp"
+#include "verbs/plan_output.hpp"
+#include "verbs/record_file.hpp"
+#include "verbs/verbs.hpp"
+
+namespace cde::cli {
+namespace {
+
+[[noreturn]] void usage(const std::string& message) {
+  throw Error(ErrorCode::kUsage, message);
+}
+
+std::vector<Ray> read_rays(const std::string& path) {
+  if (path == "-") {
+    // An array begins with a byte that no text does.
+    if (std::cin.peek() == kNpyFirstByte) return read_rays_npy(std::cin, "stdin");
+    return read_rays_csv(std::cin, "stdin");
+  }
+  if (std::filesystem::path(path).extension() != ".npy") return read_rays_csv(path);
+  std::ifstream in(path, std::ios::binary);
+  if (!in)
+    throw Error(ErrorCode::kFile, fmt::format("{}: cannot be opened: {}", printable_name(path),
+                                              std::strerror(errno)));
+  return read_rays_npy(in, printable_name(path));
+}
+
+void collect_rays(const CastOptions& o, CastJob& job) {
+  const bool listed = !o.rays_file.empty() || !o.rays.empty();
+  if (listed + !o.camera.empty() + !o.grid.empty() > 1)
+    usage("--rays or --ray, --camera and --grid exclude each other");
+  if (!listed) return aim(o, job);
+  if (!o.size.empty()) usage("--size is of pictures; the rays are given one by one");
+  if (!o.rays_file.empty()) job.listed = read_rays(o.rays_file);
+  for (const std::string& text : o.rays)
+    job.listed.push_back(parse_ray(text, "--ray " + printable_name(text)));
+  job.rays = job.listed;
+  if (job.rays.empty())
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("{}: no rays", o.rays_file == "-" ? "stdin" : printable_name(o.rays_file)));
+}
+
+/// Wide cards simulate nearly twice as many tests a second (217 M instead of 117 M on one core),
+/// but their gates take minutes to compile, their waves are four times as large, and a few rays do
+/// not fill them.
+unsigned lanes_of(const CastOptions& o, std::size_t rays) {
+  if (o.lanes != "auto") return static_cast<unsigned>(std::stoul(o.lanes));
+  return o.arithmetic == "host" && o.trace.empty() && rays > 16 ? 64 : 16;
+}
+
+/// A card that is built instead of one that is not, where what that costs is less than what
+/// building takes: at most 0.3 times a minute or so of simulation.
+void use_built_card(const CastOptions& o, CastJob& job) {
+  constexpr double kMostTests = 1e10;
+  const std::uint64_t rays = job.rays.size(), triangles = job.mesh.faces.size();
+  if (o.exact || static_cast<double>(rays) * static_cast<double>(triangles) > kMostTests) return;
+  SceneCard asked;
+  if (o.lanes != "auto") asked.lanes = job.config.lanes;
+  const auto card = built_card(job.config, asked, [&](unsigned lanes) {
+    return ((rays / 256) * (256 / lanes) + (rays % 256 + lanes - 1) / lanes) * triangles;
+  });
+  if (!card) return;
+  job.stands_in_for = {job.config, card->times};
+  job.config = card->board;
+  if (!o.quiet) say("cde: {}\n", stand_in_text(job.config, *job.stands_in_for));
+}
+
+/// `more` are files that the mesh names.
+void check_files(const CastOptions& o, const std::vector<std::filesystem::path>& more = {}) {
+  std::vector<FileUse> inputs = {{"MESH", o.mesh}, {"--rays", o.rays_file}};
+  for (const auto& file : more) inputs.push_back({"MESH", file});
+  check_outputs(
+      std::vector<FileUse>{
+          {"-o", o.records},
+          {"--image", o.depth},
+          {"--shaded", o.shaded.empty() && o.shows_itself ? own_picture_name(o.mesh) : o.shaded},
+          {"--normals", o.normals},
+          {"--indices", o.indices},
+          {"--trace", o.trace},
+          {"--json", o.json ? "-" : ""}},
+      inputs);
+}
+
+/// All that can be said to be wrong without a mesh.
+void check_options(const CastOptions& o, Mode mode) {
+  check_files(o);
+  if (!o.trace.empty() && o.boards > 1) usage("--trace follows one card; leave out --boards");
+  if (o.wants_picture() && mode != Mode::kNearest) usage("a picture needs --mode nearest");
+  if (o.shadows && o.shaded.empty() && !o.shows_itself) usage("--shadows is of --shaded");
+  check_suffix("--trace", o.trace, ".fst");
+  check_picture_names(o);
+  RecordFile::check(o.records, o.bits, o.fields);
+}
+
+CastJob prepare(const CastOptions& o) {
+  CastJob job;
+  job.mode = *mode_named(o.mode);
+  check_options(o, job.mode);
+  job.config.arithmetic = o.arithmetic == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost;
+  job.config.algorithm = *algorithm_named(o.algorithm);
+  job.config.box = o.box;
+  job.config.trace = !o.trace.empty();
+  {
+    const Busy busy("loading " + printable_name(o.mesh), o.quiet);
+    job.mesh = load_mesh_or_builtin(o.mesh);
+  }
+  check_files(o, job.mesh.files);
+  if (const auto why = out_of_range(job.mesh, printable_name(o.mesh)))
+    say("cde: warning: {}\n", *why);
+  collect_rays(o, job);
+  job.config.lanes = lanes_of(o, job.rays.size());
+  if (o.wants_picture() && !job.picture) usage("a picture needs --camera or --grid");
+  if (job.mesh.faces.size() > job.config.ddr_slots) {
+    throw Error(ErrorCode::kCapacity,
+                fmt::format("{}: {} triangles do not fit the card's DDR, which holds {}",
+                            printable_name(o.mesh), job.mesh.faces.size(), job.config.ddr_slots));
+  }
+  use_built_card(o, job);
+  return job;
+}
+
+/// Records that come of the job, where the mode says so.
+std::optional<std::uint64_t> records_of(const CastJob& job) {
+  if (job.mode == Mode::kHits) return std::nullopt;
+  return job.rays.size() * (job.mode == Mode::kAll ? job.mesh.faces.size() : 1);
+}
+
+/// The second pass of a picture, to the sun. Its clocks and records are counted with the first.
+void cast_shadows(const CastOptions& o, Picture& picture, CastOutcome& all) {
+  picture.look_at_sun([&](const CastJob& job, const RecordSink& take) {
+    const CastOutcome sun = cast_rays(o, job, "casting shadows", take);
+    all.counters += sun.counters;
+    all.compared += sun.compared;
+    all.matching += sun.matching;
+    all.modelled_seconds += sun.modelled_seconds;
+    all.simulation_seconds += sun.simulation_seconds;
+    if (all.difference.empty()) all.difference = sun.difference;
+  });
+}
+
+std::size_t packets_of(const CastJob& job) {
+  return (job.rays.size() + 255) / 256;
+}
+
+nlohmann::ordered_json as_json(const CastOptions& o, const CastJob& job, const CastOutcome& r) {
+  nlohmann::ordered_json j = program_json();
+  j.update({{"mesh", o.mesh},
+            {"triangles", job.mesh.faces.size()},
+            {"rays", job.rays.size()},
+            {"packets", packets_of(job)},
+            {"mode", o.mode},
+            {"boards", o.boards}});
+  j.update(card_json(job.config));
+  j.update(bitstream_json(r.bitstream, r.config_hash));
+  j.update(stand_in_json(job.stands_in_for));
+  j.update({{"clock_hz", o.clock_mhz * 1e6}, {"modelled_pass_seconds", r.modelled_seconds}});
+  j.update(counters_json(r.counters));
+  j.update(
+      {{"secondary_upload_clocks", r.upload_clocks},
+       {"primary_upload_clocks", r.counters.upload_clocks},
+       {"total_clocks", r.counters.total_clocks},
+       {"simulation_seconds", r.simulation_seconds},
+       {"tests_per_second_simulated", static_cast<double>(r.counters.pairs) / r.simulation_seconds},
+       {"hits", r.hits},
+       {"records", r.counters.records},
+       {"records_compared", r.compared},
+       {"records_matching", r.matching},
+       {"mismatches", r.compared - r.matching},
+       {"checked", o.check}});
+  return j;
+}
+
+void print_summary(const CastOptions& o, const CastJob& job, const CastOutcome& r) {
+  const Counters& c = r.counters;
+  const auto row = [](const char* name, const std::string& value) {
+    say("{:<16} {}\n", name, value);
+  };
+  row("mesh", fmt::format("{}, {} triangles", printable_name(o.mesh), job.mesh.faces.size()));
+  row("rays", fmt::format("{} in {} packet{}", job.rays.size(), packets_of(job),
+                          packets_of(job) == 1 ? "" : "s"));
+  row(o.boards == 1 ? "card" : "cards",
+      fmt::format("{}{} lanes, {} arithmetic, fp32, {}{}, mode {}",
+                  o.boards == 1 ? "" : fmt::format("{} x ", o.boards), job.config.lanes,
+                  o.arithmetic, o.algorithm == "moller" ? "" : o.algorithm + ", ",
+                  o.box ? "box rule" : "no box rule", o.mode));
+  row("device cycles", fmt::format("{} and {} of write-back, {} stalls, {} bubbles", c.cycles,
+                                   c.writeback, c.stalls, c.bubbles));
+  row("modelled time", fmt::format("{:.6g} ms at {:g} MHz, without bus transfers",
+                                   1e3 * r.modelled_seconds, o.clock_mhz));
+  row("simulation", fmt::format("{:.3g} s, {:.4g} M tests/s", r.simulation_seconds,
+                                static_cast<double>(c.pairs) / r.simulation_seconds / 1e6));
+  row("hits", fmt::format("{} in {} records", r.hits, c.records));
+  row("check",
+      o.check ? fmt::format("{} of {} records match the reference", r.matching, c.records) : "off");
+}
+
+void run(const CastOptions& o) {
+  const CastJob job = prepare(o);
+  std::optional<Picture> picture;
+  if (o.wants_picture() || o.shows_itself) picture.emplace(o, job);
+  std::optional<RecordFile> records;
+  if (!o.records.empty())
+    records.emplace(o.records, o.bits, o.fields, job.mesh, job.rays, records_of(job));
+  CastOutcome result = cast_rays(o, job, "casting", [&](std::span<const Record> some) {
+    if (records) records->add(some);
+    if (picture) picture->add(some);
+  });
+  if (picture && result.difference.empty()) cast_shadows(o, *picture, result);
+  if (result.difference.empty()) {  // wrong records leave neither files nor pictures
+    if (picture) picture->write();
+    if (records) records->commit();
+  }
+  if (o.json) put_json(as_json(o, job, result));
+  if (!o.quiet) print_summary(o, job, result);
+  if (!result.difference.empty()) throw Error(ErrorCode::kMismatch, result.difference);
+}
+
+void add_sources(CLI::App& verb, CastOptions& o) {
+  file_value(verb.add_option("mesh", o.mesh, "Mesh file, or terrain[:QX,QY,SEED]")->required(),
+             "MESH");
+  file_value(verb.add_option("--rays", o.rays_file,
+                             "Rays from a file (- is stdin, either form): CSV, "
+                             "ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line or in "
+                             "the order of a header with these names; or .npy, N x 6, 7 or 8 "
+                             "numbers"),
+             "FILE");
+  text_value(
+      verb.add_option("--ray", o.rays, "One ray, same fields; repeatable")->allow_extra_args(false),
+      "RAY",
+      [](const std::string& text) { (void)parse_ray(text, "--ray " + printable_name(text)); });
+  text_value(verb.add_option("--camera", o.camera,
+                             "Picture: ex,ey,ez,tx,ty,tz[,fov]: eye, target, vertical field of "
+                             "view in degrees; without it one that shows the mesh"),
+             "VIEW", [](const std::string& text) { (void)parse_camera(text, "--camera"); });
+  text_value(verb.add_option("--grid", o.grid, "Picture straight down, of square pixels"), "WxH",
+             [](const std::string& text) { (void)parse_resolution(text, "--grid"); });
+  text_value(verb.add_option("--size", o.size,
+                             "Size of a picture; 128x96 to 640x480 if not given, the fewer "
+                             "triangles the larger"),
+             "WxH", [](const std::string& text) { (void)parse_resolution(text, "--size"); });
+  one_of(verb.add_option("--up", o.up, "Axis that is up in pictures; many formats have y")
+             ->capture_default_str(),
+         {"x", "y", "z"});
+}
+
+void add_outputs(CLI::App& verb, CastOptions& o) {
+  file_value(verb.add_option("-o,--output", o.records,
+                             "Records: ray,F,T,CPx,CPy,CPz,index as .csv (- is stdout, as CSV), "
+                             ".npy or .jsonl; index is 4294967295 (null in .jsonl) without a hit"),
+             "FILE");
+  verb.add_flag("--bits", o.bits, "CSV also shows T and CP as hexadecimal bits");
+  named(verb.add_option("--fields", o.fields,
+                        "More of each record, separated by commas, computed by the host and "
+                        "not by the card: u and v (barycentric), normal (of the triangle), "
+                        "side (1 front, -1 back), node (of the mesh file)")
+            ->delimiter(',')
+            ->allow_extra_args(false),
+        field_names(), "LIST", "field");
+  file_value(verb.add_option("--shaded", o.shaded, "Picture in sunlight, .png"), "FILE");
+  verb.add_flag("--shadows", o.shadows,
+                "With --shaded: a second pass, from every hit to the sun, draws shadows");
+  file_value(verb.add_option("--image", o.depth,
+                             "Depths: .png (16 bits, near is bright), .pfm or .npy (T, inf is no "
+                             "hit)"),
+             "FILE");
+  file_value(verb.add_option("--normals", o.normals, "Normals towards the eye: .png, .pfm or .npy"),
+             "FILE");
+  file_value(verb.add_option("--indices", o.indices,
+                             "Numbers of triangles: .png (a colour each) "
+                             "or .npy"),
+             "FILE");
+  file_value(verb.add_option("--trace", o.trace, "Waves of the cast; kept even if the cast fails"),
+             "FILE.fst");
+  verb.add_flag("--json", o.json, "Summary as JSON on stdout");
+  verb.add_flag("-q,--quiet", o.quiet, "No summary and no progress");
+}
+
+void add_card(CLI::App& verb, CastOptions& o) {
+  one_of(verb.add_option("--mode", o.mode, "Records to keep: one a ray, or all pairs, or all hits")
+             ->capture_default_str(),
+         {"nearest", "farthest", "any", "all", "hits"});
+  one_of(verb.add_option("--algorithm", o.algorithm, "Test of a ray and a triangle")
+             ->capture_default_str(),
+         algorithm_names());
+  lanes_value(verb.add_option("--lanes", o.lanes,
+                              "Pairs a clock, a power of two to 256; auto is 64, but 16 with rtl "
+                              "arithmetic, waves, or at most 16 rays")
+                  ->capture_default_str(),
+              {"auto"});
+  whole_number_in(
+      verb.add_option("--boards", o.boards,
+                      "Cards that share the rays, each simulated in a thread; clocks are summed")
+          ->capture_default_str(),
+      1, 64, "");
+  one_of(verb.add_option("--arith", o.arithmetic,
+                         "The processor's arithmetic, fast, or gates; same bits, same clocks")
+             ->capture_default_str(),
+         {"host", "rtl"});
+  verb.add_flag("--box,!--no-box", o.box,
+                "A hit must lie in the triangle's box, so that none is far from its triangle (on)");
+  verb.add_flag("--check,!--no-check", o.check, "Compare every record with the reference (on)");
+  exact_card_option(verb, o.exact);
+  clock_option(verb, o.clock_mhz);
+  deadline_options(verb, o.deadline, o.timeout, "packet");
+}
+
+}  // namespace
+
+void add_cast(CLI::App& app) {
+  auto o = std::make_shared<CastOptions>();
+  CLI::App* verb = app.add_subcommand(
+      "cast",
+      "Cast rays at a mesh on the simulated card; without rays, a picture of the mesh. With "
+      "nothing but the mesh, the picture is written as NAME.cast.png in this folder, and shown if "
+      "stdout is a terminal");
+  add_sources(*verb, *o);
+  add_outputs(*verb, *o);
+  add_card(*verb, *o);
+  verb->callback([o] {
+    tell_builds(!o->quiet);
+    const bool rays = !o->rays.empty() || !o->rays_file.empty();
+    o->shows_itself = !rays && o->mode == "nearest" && !o->wants_picture() && o->records.empty() &&
+                      o->trace.empty() && !o->json;
+    run(*o);
+  });
+}
+
+}  // namespace cde::cli

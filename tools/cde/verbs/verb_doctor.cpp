@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde doctor: is everything here that the command needs, and does the card compute?
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <string>
+
+#include "cde/card/board.hpp"
+#include "cde/image/camera.hpp"
+#include "cde/mesh/terrain.hpp"
+#include "cde/reference/reference.hpp"
+#include "cde/support/error.hpp"
+#include "output/streams.hpp"
+#include "verbs/verbs.hpp"
+
+namespace cde::cli {
+namespace {
+
+/// Finding of one examination; `advice` is empty if all is well.
+struct Finding {
+  std::string what, advice;
+};
+
+/// First line that a fixed command prints, or nothing.
+std::string first_line(const std::string& command) {
+  std::FILE* pipe = ::popen((command + " 2>/dev/null").c_str(), "r");
+  if (pipe == nullptr) return {};
+  std::array<char, 256> line{};
+  const bool got = std::fgets(line.data(), line.size(), pipe) != nullptr;
+  const bool fine = ::pclose(pipe) == 0;
+  std::string text = got && fine ? line.data() : "";
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text;
+}
+
+Finding verilator() {
+  const std::string version = first_line("verilator --version");
+  if (version.empty()) return {"verilator is missing", "apt-get install verilator"};
+  return {version, ""};
+}
+
+Finding compiler() {
+  const char* chosen = std::getenv("CDE_CLANG");  // NOLINT(concurrency-mt-unsafe)
+  const std::string name = chosen != nullptr ? chosen : "clang++";
+  const std::string version =
+      name.find_first_of("'\n") == std::string::npos ? first_line("'" + name + "' --version") : "";
+  if (version.empty())
+    return {name + " is missing", "apt-get install clang, or set CDE_CLANG to the compiler's name"};
+  return {version, ""};
+}
+
+Finding processor() {
+  std::ifstream in("/proc/cpuinfo");
+  std::string model = "unknown processor", flags;
+  for (std::string line; std::getline(in, line) && flags.empty();) {
+    const auto value = [&] { return line.substr(std::min(line.size(), line.find(':') + 2)); };
+    if (line.starts_with("model name")) model = value();
+    if (line.starts_with("flags")) flags = value() + " ";
+  }
+  std::string found;
+  for (const char* flag : {"avx2", "avx512f", "avx512dq", "avx512vl"}) {
+    if (flags.find(fmt::format(" {} ", flag)) != std::string::npos)
+      found += fmt::format(" {}", flag);
+  }
+  return {fmt::format("{};{}", model,
+                      found.empty() ? " no wide vectors, so the simulation is slow" : found),
+          ""};
+}
+
+Finding cache() {
+  try {
+    const std::filesystem::path folder = bitstream_cache();
+    if (::access(folder.c_str(), W_OK) != 0) {
+      return {fmt::format("bitstream cache {} cannot be written", printable_name(folder.string())),
+              "set CDE_CACHE to a folder of yours"};
+    }
+    std::uintmax_t files = 0, bytes = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      if (entry.path().extension() == ".so") ++files, bytes += entry.file_size();
+    }
+    return {fmt::format("bitstream cache {}: {} bitstreams, {:.1f} MB",
+                        printable_name(folder.string()), files, static_cast<double>(bytes) / 1e6),
+            ""};
+  } catch (const std::exception& e) {
+    return {e.what(), "set CDE_CACHE to a folder of yours"};
+  }
+}
+
+Finding builder() {
+  try {
+    return {fmt::format("builder {}", printable_name(bitstream_builder().string())), ""};
+  } catch (const Error& e) {
+    return {e.what(), "reinstall, or set CDE_SHARE"};
+  }
+}
+
+Finding small_cast(Arithmetic arithmetic) {
+  const char* name = arithmetic == Arithmetic::kHost ? "host" : "rtl";
+  try {
+    const Mesh mesh = make_terrain({.quads_x = 16, .quads_y = 16});
+    const std::vector<Ray> rays = grid_rays(bounds(mesh), {20, 20});
+    Board board = Board::open({.arithmetic = arithmetic});
+    board.upload(mesh);
+    reference::Checker checker(rays, mesh, Mode::kAll, {}, board.primaries(),
+                               fmt::format("cde cast terrain:16,16,1 --mode all --arith {}", name));
+    board.cast(rays, {.mode = Mode::kAll},
+               [&](std::span<const Record> records) { checker.check(records); });
+    checker.finish();
+    return {fmt::format("{} arithmetic: {} of {} records match the reference", name,
+                        checker.compared(), rays.size() * mesh.faces.size()),
+            ""};
+  } catch (const Error& e) {
+    const bool differs = e.code() == ErrorCode::kMismatch;
+    return {fmt::format("{} arithmetic: {}", name, e.what()),
+            differs ? "the bitstream computes wrongly: remove it from the cache, or report this"
+                    : "see the message"};
+  }
+}
+
+void run() {
+  bool fine = true;
+  const std::pair<const char*, std::function<Finding()>> examinations[] = {
+      {"verilator", verilator},
+      {"compiler", compiler},
+      {"processor", processor},
+      {"builder", builder},
+      {"cache", cache},
+      {"card, host", [] { return small_cast(Arithmetic::kHost); }},
+      {"card, rtl", [] { return small_cast(Arithmetic::kRtl); }}};
+  for (const auto& [name, examine] : examinations) {
+    const Finding finding = examine();
+    put("{:<4} {:<10} {}\n", finding.advice.empty() ? "ok" : "BAD", name, finding.what);
+    if (!finding.advice.empty()) {
+      put("     {:<10} -> {}\n", "", finding.advice);
+      fine = false;
+    }
+  }
+  if (!fine) exit_code = 1;
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& app) {
+  app.add_subcommand(
+         "doctor",
+         "Examine tools, caches and both arithmetic back ends; exit 1 if something is wrong")
+      ->callback(run);
+}
+
+}  // namespace cde::cli

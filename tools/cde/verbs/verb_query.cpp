@@ -1,0 +1,524 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde query: pairs of primitives from stdin through one simulated pipe, every answer checked
+// against the reference.
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cde/card/pair_unit.hpp"
+#include "cde/reference/pairs.hpp"
+#include "cde/support/error.hpp"
+#include "command/line_input.hpp"
+#include "command/values.hpp"
+#include "command/words.hpp"
+#include "output/json_keys.hpp"
+#include "output/output.hpp"
+#include "output/streams.hpp"
+#include "output/suffix.hpp"
+#include "verbs/operand_defect.hpp"
+#include "verbs/verbs.hpp"
+#include "wave/waves.hpp"
+
+namespace cde::cli {
+namespace {
+
+constexpr std::size_t kBatch = 65536;  // pairs, at most, between two runs of the unit
+constexpr std::size_t kTraced = 4096;  // and of all, where there are waves of them
+
+struct Options {
+  std::string pair, algorithm = "moller", format = "fp32", arithmetic = "host", budget, trace;
+  std::optional<unsigned> lanes;
+  std::optional<bool> box;
+  unsigned facet_interval = PairConfig{}.facet_interval;
+  bool half_space = false, bits = false, check = true, json = false, quiet = false;
+};
+
+struct Totals {
+  std::uint64_t pairs = 0, hits = 0, bad = 0, malformed = 0, clocks = 0, compared = 0;
+  double simulation_seconds = 0;
+};
+
+bool has_ray(Pair pair) {
+  return name(pair).starts_with("ray-");
+}
+
+Pair pair_named(const std::string& text) {
+  const std::vector<std::string> known = pair_names();
+  must_be_known(text, known, "pair");
+  return static_cast<Pair>(std::find(known.begin(), known.end(), text) - known.begin());
+}
+
+/// The largest budget of at most so many evaluations, split evenly: K1 and K2 of two cylinders as
+/// equal as they can be; M = 8 of a box or triangle once K1 can be 8 too, else 4.
+PairBudget split(unsigned evaluations, Pair pair) {
+  const bool cylinders = pair == Pair::kCylinderCylinder;
+  const unsigned fixed = cylinders ? 14 : pair == Pair::kObbCylinder ? 18 : 14;
+  const unsigned least = cylinders ? fixed : fixed + 3 * 4;
+  if (evaluations < least)
+    throw Error(ErrorCode::kUsage, fmt::format("--budget is {}; {} takes at least {} evaluations",
+                                               evaluations, name(pair), least));
+  const unsigned rest = evaluations - fixed;
+  PairBudget budget;
+  if (cylinders) {
+    budget.circle = std::min(rest / 5 + (rest % 5 == 2 ? 1 : 0), 64u);
+    budget.free = std::min(rest / 5 + (rest % 5 >= 3 ? 1 : 0), 64u);
+  } else {
+    budget.samples = rest / 3 >= 16 ? 8 : 4;
+    budget.circle = std::min(rest / 3 - budget.samples, 64u);
+  }
+  return budget;
+}
+
+/// M,K1,K2: directions sampled on a circle, steps on each circle, steps on each free track; or the
+/// evaluations in all.
+PairBudget budget_named(const std::string& text, Pair pair) {
+  if (!has_budget(pair))
+    throw Error(ErrorCode::kUsage, fmt::format("--budget is of cylinder-cylinder, obb-cylinder and "
+                                               "triangle-cylinder; {} always takes the same work",
+                                               name(pair)));
+  const auto is_all = [&text](int end) { return static_cast<std::size_t>(end) == text.size(); };
+  PairBudget budget;
+  unsigned evaluations = 0;
+  int end = 0;
+  if (text.find_first_not_of("0123456789,") == std::string::npos) {
+    if (std::sscanf(text.c_str(), "%4u%n", &evaluations, &end) == 1 && is_all(end))
+      return split(evaluations, pair);
+    if (std::sscanf(text.c_str(), "%3u,%3u,%3u%n", &budget.samples, &budget.circle, &budget.free,
+                    &end) == 3 &&
+        is_all(end)) {
+      try {
+        budget.check();
+      } catch (const Error& e) {
+        throw Error(e.code(), fmt::format("--{}", e.what()));  // it begins with "budget"
+      }
+      return budget;
+    }
+  }
+  throw Error(ErrorCode::kUsage,
+              fmt::format("--budget is {}; it must be M,K1,K2 with M 4, 8 or 16, K1 and K2 0 to "
+                          "64, or the number of evaluations",
+                          in_quotes(text)));
+}
+
+/// Lanes if nobody says how many. Words of 64 bits fill vectors sooner, and clang takes minutes to
+/// build facets of more than one such lane.
+unsigned default_lanes(Pair pair, FpFormat format) {
+  return has_facets(pair) && format.width() > 32 ? 1 : PairConfig{}.lanes;
+}
+
+PairConfig configuration(const Options& o) {
+  PairConfig config{.pair = pair_named(o.pair),
+                    .algorithm = *algorithm_named(o.algorithm),
+                    .box = o.box.value_or(pair_named(o.pair) == Pair::kRayTriangle),
+                    .plane = o.half_space ? PlaneSide::kHalfSpace : PlaneSide::kSurface,
+                    .format = FpFormat::parse(o.format),
+                    .facet_interval = o.facet_interval};
+  config.lanes = o.lanes.value_or(default_lanes(config.pair, config.format));
+  config.arithmetic = o.arithmetic == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost;
+  config.trace = !o.trace.empty();
+  if (!o.budget.empty()) (void)budget_named(o.budget, config.pair);
+  (void)config.parameters();  // complains about values before anything slow
+  return config;
+}
+
+/// How much of stdin there is to read, if it is a file.
+double stdin_size() {
+  struct stat file {};
+  return ::fstat(STDIN_FILENO, &file) == 0 && S_ISREG(file.st_mode)
+             ? static_cast<double>(file.st_size)
+             : 0;
+}
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
+
+/// Takes a word off the front of a line: up to a comma or blank, with the blanks and the one comma
+/// behind it. False at the end. Between two commas, and behind a last one, is an empty word. A | is
+/// a word, also without blanks around it.
+class Words {
+ public:
+  explicit Words(std::string_view line) : rest_(line) { skip_blanks(); }
+  bool next(std::string_view& word) {
+    if (rest_.empty() && !comma_) return false;
+    std::size_t length = 0;
+    while (length < rest_.size() && rest_[length] != ',' && rest_[length] != '|' &&
+           !is_blank(rest_[length]))
+      ++length;
+    if (rest_.starts_with('|')) length = 1;
+    word = rest_.substr(0, length);
+    rest_.remove_prefix(length);
+    skip_blanks();
+    comma_ = !rest_.empty() && rest_.front() == ',';
+    if (comma_) rest_.remove_prefix(1), skip_blanks();
+    return true;
+  }
+
+ private:
+  void skip_blanks() {
+    while (!rest_.empty() && is_blank(rest_.front())) rest_.remove_prefix(1);
+  }
+  std::string_view rest_;
+  bool comma_ = false;
+};
+
+class Query {
+ public:
+  Query(const Options& o, const PairConfig& config)
+      : o_(o), config_(config), text_(config_.format), unit_(config_) {
+    if (!o_.budget.empty()) {
+      budget_ = budget_named(o_.budget, config_.pair);
+      unit_.set_budget(budget_);
+    }
+    if (o_.check && !reference::has_pair(config_.pair, config_.algorithm))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} has no reference to compare with: use --no-check", o_.pair));
+  }
+
+  Totals run() {
+    // The first line goes with the answers, so that nothing is written where none follow; ahead of
+    // them to who waits for it before asking.
+    out_.append(std::string_view("F,T,CPx,CPy,CPz,nx,ny,nz,flags\n"));
+    LineInput input;
+    if (!config_.trace && LineInput::waits()) flush();
+    Progress progress("query", o_.quiet);
+    const double size = stdin_size();
+    const auto take = [this](std::uint64_t number, std::string_view line) { read(number, line); };
+    for (bool more = true; more;) {
+      more = input.next(take);
+      // Waves are of one run, whose clocks do not depend on how the lines came.
+      if (!config_.trace || !more) answer();
+      if (size > 0) progress(static_cast<double>(input.bytes()) / size);
+    }
+    flush();
+    return totals_;
+  }
+
+ private:
+  void read(std::uint64_t number, std::string_view line) {
+    Words words(line);
+    const std::size_t a_words = primary_words(config_.pair),
+                      b_words = secondary_words(config_.pair);
+    const std::size_t most = a_words + b_words, short_ray = has_ray(config_.pair) ? most - 2 : most;
+    values_.clear();
+    std::string why;
+    std::size_t count = 0, before_bar = 0;
+    bool bar = false;
+    for (std::string_view word; words.next(word);) {
+      if (word == "|" && !bar) {
+        bar = true;
+        before_bar = count;
+        continue;
+      }
+      if (count == 0 && word.starts_with('#')) return;
+      ++count;
+      if (count > most || !why.empty()) continue;
+      std::string problem;
+      if (const auto value = text_.parse(word, problem))
+        values_.push_back(*value);
+      else
+        why = fmt::format("line {}, word {}: {}", number, count, problem);
+    }
+    if (count == 0) return;
+    if (count != most && count != short_ray)
+      why = fmt::format("line {}: {} words, must be {}{} ({} of A, {} of B)", number, count,
+                        short_ray == most ? "" : fmt::format("{} or ", short_ray), most,
+                        short_ray == most ? fmt::to_string(a_words)
+                                          : fmt::format("{} or {}", a_words - 2, a_words),
+                        b_words);
+    else if (bar && why.empty() && before_bar + b_words != count)
+      why = fmt::format("line {}: {} words before the |, of {} in all; A has {}", number,
+                        before_bar, count, count - b_words);
+    if (!why.empty()) {
+      ++totals_.malformed;
+      rows_.push_back({number, false});
+      unread_.push_back(std::move(why));
+    } else {
+      // A ray without an interval has all of it: tmin = 0, tmax = +inf.
+      if (count < most) values_.insert(values_.begin() + 6, {0, config_.format.infinity()});
+      const auto middle = values_.begin() + static_cast<std::ptrdiff_t>(a_words);
+      a_.insert(a_.end(), values_.begin(), middle);
+      b_.insert(b_.end(), middle, values_.end());
+      rows_.push_back({number, true});
+    }
+    if (config_.trace && rows_.size() > kTraced)
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("line {}: --trace takes at most {} pairs", number, kTraced));
+    if (rows_.size() == kBatch) answer();
+  }
+
+  void answer() {
+    if (rows_.empty() && !config_.trace) return;
+    Waves waves(
+        o_.trace, [this](const std::string& file) { unit_.open_trace(file); },
+        [this] { unit_.close_trace(); });
+    const std::size_t pairs = a_.size() / primary_words(config_.pair);
+    results_.resize(pairs);
+    const auto start = std::chrono::steady_clock::now();
+    totals_.clocks += unit_.test(a_, b_, results_);
+    totals_.simulation_seconds +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    waves.close();  // whole, whatever the answers are
+    if (o_.check) compare();
+    flush();  // the first line: a stdout that cannot be written is known before lines are judged
+    std::size_t pair = 0, unread = 0;
+    for (const Row& row : rows_) {
+      if (row.valid) {
+        write(row.line, pair++);
+      } else {
+        say("cde: {}\n", unread_[unread++]);
+        write({.t = nan(), .cp = {nan(), nan(), nan()}, .n = {nan(), nan(), nan()}}, "malformed");
+      }
+    }
+    totals_.pairs += pairs;
+    flush();
+    rows_.clear(), unread_.clear(), a_.clear(), b_.clear();
+  }
+
+  void compare() {
+    expected_.resize(results_.size());
+    reference::test_pairs(config_.pair, config_.algorithm, config_.format, a_, b_, expected_,
+                          config_.plane, budget_, config_.box);
+    totals_.compared += results_.size();
+    const auto [got, wanted] = std::mismatch(results_.begin(), results_.end(), expected_.begin());
+    if (got != results_.end()) report(static_cast<std::size_t>(got - results_.begin()));
+  }
+
+  [[noreturn]] void report(std::size_t i) {
+    std::uint64_t line = 0;
+    for (std::size_t k = 0, valid = 0; valid <= i; ++k) {
+      valid += rows_[k].valid ? 1 : 0;
+      line = rows_[k].line;
+    }
+    const auto listed = [this](std::span<const std::uint64_t> words) {
+      std::string list;
+      for (const std::uint64_t word : words)
+        list += (list.empty() ? "" : ",") + text_.hexfloat(word);
+      return list;
+    };
+    const auto shown = [&](const PairResult& r) {
+      return fmt::format("F {}, T {}, CP {}, n {}{}", r.f ? 1 : 0, text_.hexfloat(r.t),
+                         listed(r.cp), listed(r.n), r.bad ? ", bad" : "");
+    };
+    const std::string a = listed(operand(a_, i, primary_words(config_.pair))),
+                      b = listed(operand(b_, i, secondary_words(config_.pair)));
+    // All lanes get the pair, whichever it was in.
+    throw Error(
+        ErrorCode::kMismatch,
+        fmt::format(
+            "line {}: the card's answer differs from the reference\n"
+            "  A         {}\n  B         {}\n  card      {}\n  reference {}\n"
+            "  differ in {}\n  where     {}\n"
+            "repeat with: yes {},{} | head -n {} | cde query {} --algorithm {} "
+            "--format {} --arith {} --lanes {}{}",
+            line, a, b, shown(results_[i]), shown(expected_[i]),
+            differing_fields(results_[i], expected_[i]), place_in_unit(unit_, a_, b_, i), a, b,
+            config_.lanes, o_.pair, o_.algorithm, o_.format, o_.arithmetic, config_.lanes,
+            std::string(o_.half_space ? " --half-space" : "") +
+                (config_.pair == Pair::kRayTriangle && !config_.box ? " --no-box" : "") +
+                (o_.facet_interval == 1 ? std::string()
+                                        : fmt::format(" --facet-interval {}", o_.facet_interval)) +
+                (o_.budget.empty() ? std::string() : " --budget " + o_.budget)));
+  }
+
+  static std::span<const std::uint64_t> operand(std::span<const std::uint64_t> all, std::size_t i,
+                                                std::size_t words) {
+    return all.subspan(i * words, words);
+  }
+
+  void write(std::uint64_t line, std::size_t i) {
+    const PairResult& r = results_[i];
+    totals_.hits += r.f ? 1 : 0;
+    if (r.bad) {
+      ++totals_.bad;
+      const std::string why =
+          operand_defect(config_.pair, config_.format, operand(a_, i, primary_words(config_.pair)),
+                         operand(b_, i, secondary_words(config_.pair)));
+      say("cde: line {}: {}\n", line,
+          why.empty() ? "the card refuses the pair, and the reference sees no reason" : why);
+    }
+    write(r, r.bad ? "bad" : "");
+  }
+
+  void write(const PairResult& r, std::string_view flags) {
+    out_.push_back(r.f ? '1' : '0');
+    const auto put = [this](std::uint64_t word) {
+      out_.push_back(',');
+      if (o_.bits)
+        text_.append_bits(out_, word);
+      else
+        text_.append_decimal(out_, word);
+    };
+    put(r.t);
+    for (const std::uint64_t word : r.cp) put(word);
+    if (has_ray(config_.pair)) {
+      out_.append(std::string_view(",,,"));
+    } else {
+      for (const std::uint64_t word : r.n) put(word);
+    }
+    out_.push_back(',');
+    out_.append(flags);
+    out_.push_back('\n');
+  }
+
+  void flush() {
+    stdout_.write({out_.data(), out_.size()});
+    stdout_.flush();
+    out_.clear();
+  }
+
+  [[nodiscard]] std::uint64_t nan() const { return config_.format.canonical_nan(); }
+
+  struct Row {
+    std::uint64_t line;
+    bool valid;  ///< the next pair of the batch; else a line that could not be read
+  };
+
+  const Options& o_;
+  PairConfig config_;
+  WordText text_;
+  PairUnit unit_;
+  PairBudget budget_;
+  Totals totals_;
+  std::vector<std::uint64_t> values_, a_, b_;
+  std::vector<Row> rows_;
+  std::vector<std::string> unread_;  ///< messages of the lines that could not be read
+  std::vector<PairResult> results_, expected_;
+  fmt::memory_buffer out_;
+  OutputFile stdout_{"-"};
+};
+
+nlohmann::ordered_json as_json(const Options& o, const PairConfig& config, const Totals& t) {
+  nlohmann::ordered_json j = program_json();
+  j.update(
+      {{"pair", o.pair},
+       {"algorithm",
+        o.pair == "ray-triangle" ? nlohmann::ordered_json(o.algorithm) : nlohmann::ordered_json()},
+       {"box", config.pair == Pair::kRayTriangle ? nlohmann::ordered_json(config.box)
+                                                 : nlohmann::ordered_json()},
+       {"half_space", o.half_space},
+       {"format", o.format},
+       {"arithmetic", o.arithmetic},
+       {"lanes", config.lanes},
+       {"facet_interval", o.facet_interval},
+       {"budget", o.budget.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(o.budget)},
+       {"tests", t.pairs},
+       {"hits", t.hits},
+       {"bad_pairs", t.bad},
+       {"malformed_lines", t.malformed},
+       {"device_cycles", t.clocks},
+       {"simulation_seconds", t.simulation_seconds},
+       {"checked", o.check},
+       {"records_compared", t.compared},
+       {"records_matching", t.compared}});
+  return j;
+}
+
+void print_summary(const Options& o, const PairConfig& config, const Totals& t) {
+  const auto row = [](const char* name, const std::string& value) {
+    say("{:<16} {}\n", name, value);
+  };
+  row("pair", fmt::format("{}{}, {}, {} arithmetic, {} lanes", o.pair,
+                          o.pair == "ray-triangle"
+                              ? fmt::format(" by {}{}", o.algorithm, config.box ? ", box rule" : "")
+                          : o.half_space ? " of a half-space"
+                                         : "",
+                          o.format, o.arithmetic, config.lanes));
+  row("pairs", fmt::format("{}, {} bad, and {} malformed line{}", t.pairs, t.bad, t.malformed,
+                           t.malformed == 1 ? "" : "s"));
+  row("hits", fmt::to_string(t.hits));
+  row("device cycles", fmt::to_string(t.clocks));
+  if (t.pairs != 0)  // none take no time
+    row("simulation", fmt::format("{:.3g} s, {:.4g} M pairs/s", t.simulation_seconds,
+                                  static_cast<double>(t.pairs) / t.simulation_seconds / 1e6));
+  row("check",
+      o.check ? fmt::format("{} of {} answers match the reference", t.compared, t.pairs) : "off");
+}
+
+void run(const Options& o) {
+  if (!o.trace.empty())
+    check_outputs(std::vector<FileUse>{{"--trace", o.trace}, {"the answers", "-"}},
+                  std::vector<FileUse>{{"stdin", "-"}});
+  check_suffix("--trace", o.trace, ".fst");
+  const PairConfig config = configuration(o);
+  const Totals totals = Query(o, config).run();
+  if (o.json)
+    put_json(as_json(o, config, totals), -1);
+  else if (!o.quiet)
+    print_summary(o, config, totals);
+  if (totals.bad + totals.malformed != 0) exit_code = exit_status(ErrorCode::kBadInput);
+}
+
+}  // namespace
+
+void add_query(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand(
+      "query",
+      "Test pairs of primitives in one simulated pipe. Reads a pair a line from stdin, the words "
+      "of "
+      "A and then of B, separated by commas or blanks, with a | between A and B if that helps: "
+      "ray o d [tmin tmax] 6 or 8, triangle 9, "
+      "sphere c r 4, aabb min max 6, plane n d 4, cylinder c axis half-height radius 8, obb c "
+      "half-extents rotation by rows 15. A word is decimal, hexfloat, or 0x and the bits. Prints "
+      "F,T,CP,n,flags as CSV; flags: empty, bad (the card refuses an operand) or malformed (the "
+      "line cannot be read). Blank lines and lines that start with # are skipped");
+  named(verb->add_option("pair", o->pair, "ray-triangle, sphere-sphere, obb-obb, ...")->required(),
+        pair_names(), "PAIR", "pair");
+  one_of(verb->add_option("--algorithm", o->algorithm, "Of ray-triangle")->capture_default_str(),
+         algorithm_names());
+  verb->add_flag_callback(
+      "--box", [o] { o->box = true; },
+      "Of ray-triangle: a hit must lie in the triangle's box (on)");
+  verb->add_flag_callback(
+      "--no-box", [o] { o->box = false; }, "The plain pipe");
+  verb->add_flag("--half-space", o->half_space,
+                 "Of pairs with a plane: it bounds the solid half-space n.x <= d");
+  one_of(verb->add_option("--format", o->format, "Format of the words")->capture_default_str(),
+         pair_formats());
+  one_of(
+      verb->add_option("--arith", o->arithmetic, "host (the FPU, fast) or rtl (gates); same bits")
+          ->capture_default_str(),
+      {"host", "rtl"});
+  whole_number_in(verb->add_option("--lanes", o->lanes,
+                                   "Pairs a clock; 8 if not given, or 1 in fp64 for obb-obb, "
+                                   "triangle-aabb and triangle-obb, whose bitstreams of more lanes "
+                                   "take minutes to build"),
+                  1, 256, "");
+  one_of(verb->add_option("--facet-interval", o->facet_interval,
+                          "Of obb-obb, triangle-aabb and triangle-obb: clocks from one row of "
+                          "pairs to the next, 1, or 3 with facet units that are shared; same bits")
+             ->capture_default_str(),
+         {"1", "3"});
+  known_words(verb->add_option(
+                  "--budget", o->budget,
+                  "Work for a pair of cylinder-, obb- or triangle-cylinder: M,K1,K2 (directions "
+                  "sampled on a circle, 4, 8 or 16; steps on a circle, steps on a free track, 0 "
+                  "to 64), or a number of evaluations, which is split evenly. 8,8,8 if not given"),
+              {}, "M,K1,K2|N");
+  verb->add_flag("--bits", o->bits, "Print words as 0x and their bits instead of decimals");
+  verb->add_flag("--check,!--no-check", o->check,
+                 "Compare every answer with the reference, bit for bit (on)");
+  file_value(
+      verb->add_option("--trace", o->trace,
+                       fmt::format("Waves of the pipe, FST, while all pairs, at most {}, go "
+                                   "through: answers come when stdin has ended. Kept even if an "
+                                   "answer differs",
+                                   kTraced)),
+      "FILE.fst");
+  verb->add_flag("--json", o->json, "Summary as a line of JSON, the last on stdout");
+  verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
+  verb->callback([o] {
+    tell_builds(!o->quiet);
+    run(*o);
+  });
+}
+
+}  // namespace cde::cli

@@ -1,0 +1,494 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde run: plays the frames of a scene on the simulated card and compares what it answers with the
+// reference.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "cde/bitstream/bitstream.hpp"
+#include "cde/contract/records.hpp"
+#include "cde/geometry/length_range.hpp"
+#include "cde/scene/plan.hpp"
+#include "cde/scene/player.hpp"
+#include "cde/support/error.hpp"
+#include "command/values.hpp"
+#include "output/busy.hpp"
+#include "output/json_keys.hpp"
+#include "output/machine.hpp"
+#include "output/output.hpp"
+#include "output/streams.hpp"
+#include "output/suffix.hpp"
+#include "report/report.hpp"
+#include "verbs/plan_output.hpp"
+#include "verbs/run_faults.hpp"
+#include "verbs/run_folder.hpp"
+#include "verbs/verbs.hpp"
+
+namespace cde::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string scene, frames, out, check, trace, report;
+  std::vector<std::string> faults;
+  double timeout = 3600;
+  std::uint64_t deadline = 0;
+  bool exact = false, json = false, quiet = false;
+};
+
+struct Frames {
+  std::uint32_t first = 0, last = 0;
+};
+
+/// "A..B", both included, or "A".
+Frames frames_of(const std::string& text, const Scene& scene) {
+  if (text.empty()) return {0, scene.frames - 1};
+  const auto number = [&](std::string_view part) -> std::optional<std::uint32_t> {
+    std::uint32_t n = 0;
+    const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), n);
+    if (error != std::errc() || stop != part.data() + part.size()) return std::nullopt;
+    return n;
+  };
+  const std::size_t dots = text.find("..");
+  const auto first = number(std::string_view(text).substr(0, dots));
+  const auto last =
+      dots == std::string::npos ? first : number(std::string_view(text).substr(dots + 2));
+  if (!first || !last || *first > *last || *last >= scene.frames)
+    throw Error(ErrorCode::kUsage, fmt::format("--frames is {}; it must be A..B within 0..{}",
+                                               in_quotes(text), scene.frames - 1));
+  return {*first, *last};
+}
+
+std::string bus_name(const Scene& scene) {
+  const SceneCard& c = scene.card;
+  return fmt::format("{} (host {}, {} bits, bursts of {} bytes)",
+                     c.cycle_bus ? "cycle" : "functional", c.host.name, c.narrow ? 32 : 64,
+                     c.burst);
+}
+const char* memory_name(const Scene& scene) {
+  return scene.card.cycle_memory ? "cycle" : "ideal";
+}
+
+/// The card's words, as docs/scenes.md lays them out.
+void append_binary(fmt::memory_buffer& to, const Record& r, bool normals) {
+  const auto word = [&](std::uint32_t w) {
+    for (int i = 0; i < 4; ++i) to.push_back(static_cast<char>(w >> (8 * i) & 255));
+  };
+  const auto vector = [&](const Eigen::Vector3f& v) {
+    for (const float x : {v.x(), v.y(), v.z()}) word(std::bit_cast<std::uint32_t>(x));
+  };
+  vector(r.cp);
+  word((r.f ? 1u << card::kFlagF : 0u) | (r.bad ? 1u << card::kFlagBad : 0u));
+  word(r.index);
+  word(std::bit_cast<std::uint32_t>(r.t));
+  word(r.primary);
+  if (normals) vector(r.n);
+}
+
+/// Records of one query in one frame.
+class RecordFile {
+ public:
+  RecordFile(const fs::path& path, const Scene& scene, const SceneQuery& query)
+      : file_(path), scene_(scene), normals_(query.normals) {
+    if (scene.results != Results::kCsv) return;
+    std::string header = "primary,F,bad,T,CPx,CPy,CPz,index";
+    if (normals_) header += ",nx,ny,nz";
+    if (scene.bits) header += ",T_bits,CPx_bits,CPy_bits,CPz_bits";
+    file_.write(header + "\n");
+  }
+
+  void add(std::span<const Record> records) {
+    text_.clear();
+    for (const Record& r : records) {
+      if (scene_.only_hits && !r.f) continue;
+      if (scene_.results == Results::kBinary) {
+        append_binary(text_, r, normals_);
+        continue;
+      }
+      auto to = std::back_inserter(text_);
+      fmt::format_to(to, "{},{},{},{},{},{},{},{}", r.primary, r.f ? 1 : 0, r.bad ? 1 : 0, r.t,
+                     r.cp.x(), r.cp.y(), r.cp.z(), r.index);
+      if (normals_) fmt::format_to(to, ",{},{},{}", r.n.x(), r.n.y(), r.n.z());
+      if (scene_.bits) {
+        for (const float x : {r.t, r.cp.x(), r.cp.y(), r.cp.z()})
+          fmt::format_to(to, ",{:08x}", std::bit_cast<std::uint32_t>(x));
+      }
+      text_.push_back('\n');
+    }
+    file_.write({text_.data(), text_.size()});
+  }
+  void commit() { file_.commit(); }
+
+ private:
+  OutputFile file_;
+  const Scene& scene_;
+  bool normals_;
+  fmt::memory_buffer text_;
+};
+
+struct Totals {
+  std::uint64_t records = 0, compared = 0, mismatches = 0, corrected = 0, hits = 0, tests = 0;
+  std::uint64_t bad = 0;  // primaries and secondaries, each as often as it was refused
+  double modelled = 0, simulated = 0, checked = 0;
+
+  void add(const Json& q) {
+    records += q["records"].get<std::uint64_t>();
+    compared += q["records_compared"].get<std::uint64_t>();
+    mismatches += q["mismatches"].get<std::uint64_t>();
+    corrected += q["counters"]["corrected_words"].get<std::uint64_t>();
+    hits += q["hits"].get<std::uint64_t>();
+    tests += q["counters"]["tests"].get<std::uint64_t>();
+    modelled += q["modelled_seconds"]["total"].get<double>();
+    simulated += q["simulation_seconds"].get<double>();
+    checked += q["reference_seconds"].get<double>();
+  }
+};
+
+Json query_json(const std::string& name, const QueryFrame& f) {
+  Json counters = counters_json(f.counters);
+  counters.update({{"card_records", f.card_records},
+                   {"secondary_words", f.secondary_words},
+                   {"primary_words", f.primary_words},
+                   {"secondary_upload_clocks", f.secondary_clocks},
+                   {"primary_upload_clocks", f.primary_clocks},
+                   {"download_clocks", f.download_clocks}});
+  return {{"query", name},
+          {"passes", f.passes},
+          {"records", f.counters.records},
+          {"hits", f.hits},
+          {"records_compared", f.compared},
+          {"records_matching", f.compared - std::min(f.compared, f.mismatches)},
+          {"mismatches", f.mismatches},
+          {"counters", counters},
+          {"modelled_seconds", time_json(f.time())},
+          {"simulation_seconds", f.pass_seconds},
+          {"reference_seconds", f.check_seconds}};
+}
+
+void check_files(const Options& o, const Scene& scene) {
+  std::vector<FileUse> inputs = {{"SCENE", o.scene}};
+  for (const SceneObject& object : scene.objects)
+    inputs.push_back({fmt::format("object '{}'", printable_name(object.name)), object.file});
+  for (const SceneObject& object : scene.objects)
+    for (const auto& file : object.more_files)
+      inputs.push_back({fmt::format("the mesh of object '{}'", printable_name(object.name)), file});
+  check_outputs(
+      std::vector<FileUse>{
+          {"--report", o.report}, {"--trace", o.trace}, {"--json", o.json ? "-" : ""}},
+      inputs);
+  check_suffix("--report", o.report, ".html");
+  check_suffix("--trace", o.trace, ".fst");
+}
+
+/// A run: what was played so far, and where it goes.
+class Run {
+ public:
+  Run(const Options& o, Scene& scene, const Plan& plan, Check check)
+      : o_(o),
+        scene_(scene),
+        check_(check),
+        frames_(frames_of(o.frames, scene)),
+        faults_(faults_of(o.faults, plan, frames_.first, frames_.last)),
+        folder_(o.out.empty() ? fs::path(scene.file).stem().string() + ".run" : o.out, scene,
+                {o.report, o.trace}) {
+    check_files(o, scene);
+    json_ = program_json();
+    json_.update(card_json(plan.board));
+    json_.update(Json{{"bitstream", nullptr}, {"config_hash", nullptr}});  // until it is loaded
+    json_.update({{"scene", scene.file},
+                  {"title", scene.title},
+                  {"frames", {frames_.first, frames_.last}},
+                  {"rate", scene.rate},
+                  {"check", name_of(check)},
+                  {"clock_hz", scene.card.clock_hz},
+                  {"clock_is", "an assumption about the device, not a measurement"},
+                  {"bus", bus_name(scene)},
+                  {"memory", memory_name(scene)},
+                  {"machine", machine_json()},
+                  {"plan", plan_json(scene, plan)},
+                  {"files_beside", folder_.beside()},
+                  {"played", Json::array()}});
+    if (!o.report.empty()) {
+      page_.emplace(o.report);
+      report_.emplace(scene);
+    }
+  }
+
+  void play(const Plan& plan) {
+    std::optional<Interrupts> interrupts;  // once there is a card: building one ends at a signal
+    std::optional<OutputFile> waves;
+    if (!o_.trace.empty()) waves.emplace(o_.trace, OutputFile::Use::kByName);
+    try {
+      (void)bitstream_path(plan.board.top(), plan.board.parameters());  // which tells of itself
+      std::optional<Busy> uploading(std::in_place, "uploading the scene", o_.quiet);
+      std::optional<Progress> bar;
+      Player player(
+          scene_, plan,
+          {.check = check_,
+           .trace = waves ? waves->temporary() : "",
+           .watchdog = std::chrono::duration<double>(o_.timeout),
+           .deadline_clocks = o_.deadline,
+           .faults = faults_,
+           .progress = [&](std::uint32_t frame, double share) {
+             if (Interrupts::signal() != 0) throw Stopped();
+             if (bar)
+               (*bar)((frame - frames_.first + share) / (frames_.last - frames_.first + 1.0));
+           }});
+      uploading.reset();
+      interrupts.emplace();
+      bar.emplace("playing", o_.quiet);
+      json_["plan"]["bitstream"] = player.board().bitstream().string();
+      json_["plan"]["built"] = true;
+      json_.update(bitstream_json(player.board().bitstream(), player.board().config_hash()));
+      folder_.begin(json_);
+      try {
+        for (std::uint32_t f = frames_.first; f <= frames_.last && totals_.mismatches == 0; ++f)
+          play_frame(player, f);
+      } catch (...) {
+        count_faults(player);
+        end_waves(player);
+        throw;
+      }
+      count_faults(player);
+      end_waves(player);
+    } catch (const Stopped&) {
+    } catch (const Error& e) {
+      json_["error"] = e.what();
+      finish(waves);
+      report_faults();
+      if (!waves_defect_.empty()) say("cde: {}\n", waves_defect_);
+      throw;
+    }
+    finish(waves);
+    if (!waves_defect_.empty()) throw Error(ErrorCode::kFile, waves_defect_);
+  }
+
+  void report() const {
+    const Totals& t = totals_;
+    if (o_.json) put_json(json_);
+    const std::size_t played = json_["played"].size();
+    if (!o_.quiet) {
+      row("scene", printable_name(scene_.file));
+      row("frames", fmt::format("{} of {}..{}", played, frames_.first, frames_.last));
+      row("tests", fmt::format("{}, {} records, {} hits", t.tests, t.records, t.hits));
+      row("modelled time",
+          fmt::format("{:.6g} ms a frame at {:g} MHz, bus {}, memory {}",
+                      played == 0 ? 0 : 1e3 * t.modelled / static_cast<double>(played),
+                      scene_.card.clock_hz / 1e6, bus_name(scene_), memory_name(scene_)));
+      row("simulation", fmt::format("{:.3g} s, {:.4g} M tests/s; reference {:.3g} s", t.simulated,
+                                    static_cast<double>(t.tests) / t.simulated / 1e6, t.checked));
+      if (t.bad != 0)
+        row("bad input", fmt::format("{} primaries and secondaries, see above", t.bad));
+      row("check", check_text());
+      report_faults();
+      row("results", folder_.begun()
+                         ? fmt::format("{}/run.json", printable_name(folder_.path().string()))
+                         : "none, it has not begun");
+      if (report_) row("report", printable_name(o_.report));
+    }
+    if (t.mismatches != 0) throw Error(ErrorCode::kMismatch, mismatch_);
+    if (const int signal = Interrupts::signal()) exit_code = 128 + signal;
+  }
+
+ private:
+  struct Stopped {};
+
+  static void row(const char* name, const std::string& value) { say("{:<16} {}\n", name, value); }
+
+  void count_faults(const Player& player) {
+    if (!faults_.empty()) json_["faults"] = faults_json(faults_, player, totals_.corrected);
+  }
+  void report_faults() const {
+    if (!o_.quiet && json_.contains("faults")) row("faults", faults_text(json_["faults"]));
+  }
+
+  void play_frame(Player& player, std::uint32_t frame) {
+    std::vector<std::unique_ptr<RecordFile>> files;
+    Json written = Json::array();
+    if (scene_.results != Results::kNone) {
+      for (const SceneQuery& q : scene_.queries) {
+        const std::string name = RunFolder::record_name(q.name, frame, scene_.results);
+        files.push_back(std::make_unique<RecordFile>(folder_.path() / name, scene_, q));
+        written.push_back(name);
+      }
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const std::vector<QueryFrame> answers =
+        player.play(frame, [&](std::size_t query, std::span<const Record> records) {
+          if (!files.empty()) files[query]->add(records);
+          if (report_) report_->records(query, records);
+        });
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+    for (const auto& file : files) file->commit();
+    if (report_) report_->frame(frame, answers);
+    Json j = {{"frame", frame},
+              {"scene_seconds", seconds(scene_, frame)},
+              {"wall_seconds", wall.count()},
+              {"files", written},
+              {"queries", Json::array()}};
+    for (std::size_t q = 0; q < answers.size(); ++q) {
+      j["queries"].push_back(query_json(scene_.queries[q].name, answers[q]));
+      totals_.add(j["queries"].back());
+      warn_of_bad(scene_.queries[q].name, frame, answers[q].counters);
+      if (answers[q].mismatches == 0 || !mismatch_.empty()) continue;
+      mismatch_ = fmt::format(
+          "frame {}, query '{}': {} of {} records differ from the reference, the first:\n{}"
+          "{}  repeat with: cde run {} --frames {}..{} --check {}{}",
+          frame, scene_.queries[q].name, answers[q].mismatches, answers[q].compared,
+          answers[q].first_mismatch,
+          o_.faults.empty() ? "" : "  faults were injected; that pair by itself has none of them\n",
+          shell_word(scene_.file), frame, frame, name_of(check_), fault_words());
+    }
+    json_["played"].push_back(std::move(j));
+  }
+
+  [[nodiscard]] std::string fault_words() const {
+    std::string words;
+    for (const std::string& fault : o_.faults) words += " --fault " + shell_word(fault);
+    return words;
+  }
+
+  /// Says once a query what the input contract refuses: a body that has left the range is no miss.
+  void warn_of_bad(const std::string& query, std::uint32_t frame, const Counters& c) {
+    const std::uint64_t bad = c.bad_primaries + c.bad_secondaries;
+    totals_.bad += bad;
+    if (bad == 0 || !warned_.insert(query).second) return;
+    const LengthRange range = LengthRange::of(8, 23);
+    say("cde: frame {}, query '{}': {} of its primaries and {} of its secondaries are bad input "
+        "(not "
+        "finite, beyond 2^{} or, a size, below 2^{}, or not of unit length); their records say so "
+        "and "
+        "are no hits\n",
+        frame, query, c.bad_primaries, c.bad_secondaries, range.high, range.low);
+  }
+
+  /// Whatever came of the run: frames played are kept, waves are wanted most when it failed.
+  /// Waves are kept if they are whole.
+  void end_waves(Player& player) {
+    try {
+      player.trace_close();
+      waves_whole_ = true;
+    } catch (const Error& e) {
+      waves_defect_ = fmt::format("{}: {}", printable_name(o_.trace), e.what());
+    }
+  }
+
+  void finish(std::optional<OutputFile>& waves) {
+    if (waves && waves_whole_) waves->commit();
+    const Totals& t = totals_;
+    json_["finished"] = json_["played"].size() == frames_.last - frames_.first + 1;
+    if (const int signal = Interrupts::signal()) json_["stopped_by_signal"] = signal;
+    json_["totals"] = {{"tests", t.tests},
+                       {"records", t.records},
+                       {"hits", t.hits},
+                       {"records_compared", t.compared},
+                       {"records_matching", t.compared - std::min(t.compared, t.mismatches)},
+                       {"mismatches", t.mismatches},
+                       {"modelled_seconds", {{"total", t.modelled}}},
+                       {"simulation_seconds", t.simulated},
+                       {"reference_seconds", t.checked}};
+    if (!folder_.begun()) return;  // what was there stays
+    folder_.write(json_);
+    if (!report_) return;
+    page_->write(report_->html(json_));
+    page_->commit();
+  }
+
+  [[nodiscard]] std::string check_text() const {
+    const Totals& t = totals_;
+    if (check_ == Check::kNone) return "skipped: no record was compared with the reference";
+    const char* sample = check_ == Check::kSample ? ", a sample" : "";
+    return fmt::format("{} of {} records compared with the reference{}, {} differ", t.compared,
+                       t.records, sample, t.mismatches);
+  }
+
+  const Options& o_;
+  const Scene& scene_;
+  Check check_;
+  Frames frames_;
+  std::vector<ScheduledFault> faults_;
+  RunFolder folder_;
+  Json json_;
+  std::optional<OutputFile> page_;
+  std::optional<Report> report_;
+  Totals totals_;
+  std::string mismatch_;
+  std::set<std::string> warned_;  // names of queries
+  bool waves_whole_ = false;
+  std::string waves_defect_;
+};
+
+void run(const Options& o) {
+  Scene scene = [&] {
+    const Busy busy("loading " + o.scene, o.quiet);
+    return load_scene(o.scene);
+  }();
+  Check check = scene.check;
+  if (!o.check.empty()) {
+    const auto asked = check_named(o.check);
+    if (!asked)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--check is '{}'; it must be all, sample or none", o.check));
+    check = *asked;
+  }
+  if (!o.trace.empty()) scene.card.trace = true;
+  Plan made = plan(scene);
+  if (!o.exact) use_built_card(scene, made);
+  Run run(o, scene, made, check);
+  if (made.stands_in_for && !o.quiet)
+    say("cde: {}\n", stand_in_text(made.board, *made.stands_in_for));
+  run.play(made);
+  run.report();
+}
+
+}  // namespace
+
+void add_run(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand(
+      "run", "Play a scene on the simulated card, checked against the reference; writes run.json");
+  file_value(verb->add_option("scene", o->scene, "Scene file, TOML (docs/scenes.md)")->required(),
+             "SCENE");
+  known_words(verb->add_option("--frames", o->frames, "Frames A..B, both included (all)"), {},
+              "A..B");
+  folder_value(
+      verb->add_option("--out", o->out,
+                       "Folder for run.json and records: a new or empty one, or that of an earlier "
+                       "run, which is removed (SCENE.run)"),
+      "FOLDER");
+  one_of(
+      verb->add_option("--check", o->check, "Records to compare, instead of what the scene says"),
+      {"all", "sample", "none"});
+  file_value(verb->add_option("--report", o->report,
+                              "Page about the run, one HTML file that loads nothing (- is stdout)"),
+             "FILE.html");
+  file_value(verb->add_option("--trace", o->trace,
+                              "Waves of the run, FST (- is stdout); kept even if it fails"),
+             "FILE.fst");
+  text_value(verb->add_option("--fault", o->faults,
+                              "KIND[:COUNT[:VALUE]]@FRAME: lets something go wrong; may be given "
+                              "again")
+                 ->allow_extra_args(false),
+             "FAULT", [](const std::string& text) { (void)fault_of(text); });
+  exact_card_option(*verb, o->exact);
+  deadline_options(*verb, o->deadline, o->timeout, "pass");
+  verb->add_flag("--json", o->json, "run.json on stdout too");
+  verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
+  verb->callback([o] {
+    tell_builds(!o->quiet);
+    run(*o);
+  });
+}
+
+}  // namespace cde::cli
