@@ -64,15 +64,17 @@ module board #(
   logic [15:0] latency;
   logic object_write, objects_good, objects_busy, posed;
   card_pkg::pass_t command;  // what a pass that starts now would do
-  logic [registers_pkg::ENGINE_COUNTERS-1:0][card_pkg::COUNT_BITS-1:0] engine_counts;
-  card_pkg::ecc_events_t ecc_events;
+  card_pkg::events_t events;
+  logic [1:0] issue;
+  logic bubble, stall, sec_pop, sec_bad, writeback, record_write;
+  logic [3:0] ecc_corrected, ecc_failed;
+  assign events = {ecc_failed, ecc_corrected, record_write, writeback, sec_bad, sec_pop, stall, bubble, issue};
   card_registers #(.CONFIG(CONFIG)) registers (
       .clk_i, .clk_engine_i(clk_engine), .rst_i, .bus_i(bus_request), .bus_o(bus_response), .irq_o, .clk_bus_o(clk_bus),
       .addr_o(ddr_write_addr_o), .wdata_o(ddr_write_data_o), .prim_write_o(prim_write), .ddr_write_o,
       .sram_pop_o(sram_pop), .sram_readable_i(sram_readable), .sram_valid_i(sram_beat_valid), .sram_beat_i(sram_beat),
       .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .pass_o(command),
-      .active_o(active), .busy_i(busy), .done_i(done), .prim_bad_i(prim_bad),
-      .counts_i(engine_counts), .ecc_i(ecc_events), .latency_i(latency),
+      .active_o(active), .busy_i(busy), .done_i(done), .prim_bad_i(prim_bad), .events_i(events), .latency_i(latency),
       .object_write_o(object_write), .objects_good_i(objects_good), .objects_busy_i(objects_busy), .posed_i(posed));
   clock_gate gate (.clk_i, .enable_i(busy | go | rst_i), .clk_o(clk_engine));
 
@@ -95,10 +97,10 @@ module board #(
   ddr_check #(.CONFIG(CONFIG)) check_bits (
       .clk_i(clk_engine), .rst_i, .write_data_i(ddr_write_data_o), .write_check_o(ddr_write_check_o),
       .read_valid_i(ddr_valid_i), .read_data_i(ddr_data_i), .read_check_i(ddr_check_i), .words_i(ddr_words),
-      .valid_o(ddr_valid), .data_o(ddr_data), .events_o(ecc_events));
+      .valid_o(ddr_valid), .data_o(ddr_data), .corrected_o(ecc_corrected), .failed_o(ecc_failed));
   logic [1:0][3:0] pair;  // of the pass
   logic [1:0] swap;
-  logic fetch_start, fetch_stop, sec_pop, sec_valid, sec_bad, sec_last, sec_idle, moving, clk_moving;
+  logic fetch_start, fetch_stop, sec_valid, sec_last, sec_idle, moving, clk_moving;
   logic [SEC_WORDS-1:0][CW-1:0] secondary, unmoved, moved;
   logic [31:0] sec_index;
   logic [OBJECT_W-1:0] range_entry, transform_entry;
@@ -144,12 +146,11 @@ module board #(
       .valid_o(unit_valid), .ready_i(unit_ready), .abort_o(unit_abort), .busy_i(unit_busy), .done_i(unit_done));
   localparam int ENGINE = int'(card_pkg::UNIT_ENGINE);
   logic [2:0] mode;
-  logic streaming, prim_busy, flush, clear, issue_parity, fifo_empty, writeback, writeback_parity, record_ready;
-  logic record_write;
+  logic streaming, prim_busy, flush, clear, issue_parity, fifo_empty, writeback_parity, record_ready;
   logic [ROW_W-1:0] clear_row;
   logic [1:0][ROW_W-1:0] issue_row;
   logic [CONFIG.lanes-1:0] clear_mask;
-  logic [1:0] issue, retire, ready, credit, gap;
+  logic [1:0] retire, ready, credit, gap;
   logic [PRIM_W:0] new_hits;
   logic [PRIM_W-1:0] writeback_primary;
   engine_control #(.CONFIG(CONFIG)) control (
@@ -158,12 +159,12 @@ module board #(
       .active_i(active), .busy_o(unit_busy[ENGINE]), .done_o(unit_done[ENGINE]), .flush_o(flush),
       .streaming_mode_o(streaming), .pose_wanted_i(pose_wanted), .pose_o(pose), .posed_i(posed), .clear_o(clear),
       .clear_row_o(clear_row), .clear_mask_o(clear_mask), .fetch_start_o(fetch_start), .fetch_stop_o(fetch_stop),
-      .secondary_valid_i(sec_valid), .secondary_bad_i(sec_bad), .secondary_last_i(sec_last),
-      .secondary_idle_i(sec_idle), .secondary_pop_o(sec_pop), .ready_i(ready), .issue_o(issue), .issue_row_o(issue_row),
+      .secondary_valid_i(sec_valid), .secondary_last_i(sec_last), .secondary_idle_i(sec_idle),
+      .secondary_pop_o(sec_pop), .ready_i(ready), .issue_o(issue), .issue_row_o(issue_row),
       .issue_parity_o(issue_parity), .retire_i(retire), .new_hits_i(new_hits), .credit_i(credit),
       .fifo_empty_i(fifo_empty), .writeback_o(writeback), .writeback_primary_o(writeback_primary),
-      .writeback_parity_o(writeback_parity), .writeback_ready_i(record_ready), .record_write_i(record_write),
-      .counts_o(engine_counts));
+      .writeback_parity_o(writeback_parity), .writeback_ready_i(record_ready), .sram_idle_i(!record_write),
+      .bubble_o(bubble), .stall_o(stall));
 
   // ---- Collision detection engine and output FIFO ----
   logic [ROW_W-1:0] row, fifo_row;

@@ -22,15 +22,21 @@ package card_pkg;
     logic [2:0] mode;
   } pass_t;
 
-  // What a unit counts of its passes: an array of as many events of a clock as it has counters in
-  // registers_pkg::COUNTER_REGISTERS, each so many bits.
-  localparam int COUNT_BITS = 2;
-
-  // Words of DDR, of a clock.
+  // What happens in a clock of a pass of the engine, to be counted.
   typedef struct packed {
-    logic [3:0] failed;
-    logic [3:0] corrected;
-  } ecc_events_t;
+    logic [3:0] ecc_failed;     // words
+    logic [3:0] ecc_corrected;
+    logic record;               // is written to SRAM
+    logic writeback;            // the clock is one of the write-back
+    logic secondary_bad;
+    logic secondary;            // is swept
+    logic stall;
+    logic bubble;
+    logic [1:0] issue;          // rows
+  } events_t;
+  // What another unit counts of its passes: an array of as many events of a clock as it has counters in
+  // registers_pkg::COUNTER_REGISTERS, each so many bits (pass_counters.sv).
+  localparam int COUNT_BITS = 2;
 
   // Between PCI's clock and the core's: requests for the local bus, in order, and what comes back.
   typedef struct packed {

@@ -59,8 +59,8 @@ package registers_pkg;
   localparam logic [11:0] REG_WRITTEN = 12'h0F8;      // records written to SRAM
   localparam logic [31:0] REG_END = 32'h00000100;
 
-  // ---- Counters of a pass: their registers, 64 bits each, unit by unit in the order in which a unit brings them
-  // (card_pkg::COUNT_BITS); further ones go behind the other registers, below REG_END ----
+  // ---- Counters of a pass: their registers, 64 bits each, unit by unit. Those of the engine are in card_registers; a
+  // further unit brings its own (pass_counters.sv), in this order and behind the other registers, below REG_END ----
   localparam int COUNTERS = 8;
   localparam logic [0:12*COUNTERS-1] COUNTER_REGISTERS = {
     REG_CYCLES, REG_WRITEBACK, REG_ROWS, REG_STALLS, REG_BUBBLES, REG_SECONDARIES, REG_BAD_SEC, REG_WRITTEN};
