@@ -293,9 +293,13 @@ TEST_F(Query, WrongUsageIsRefused) {
   refused({"cylinder-cylinder", "--budget", "4,8,65"}, "budget: K2 is 65, expected 0 to 64");
   refused({"cylinder-cylinder", "--budget", "4,8,8,"}, "--budget is '4,8,8,'; it must be M,K1,K2");
   refused({"cylinder-cylinder", "--budget", "13"},
-          "--budget is 13; cylinder-cylinder takes at least 14 evaluations");
+          "--budget is 13; cylinder-cylinder takes 14 to 334 evaluations");
   refused({"obb-cylinder", "--budget", "29"},
-          "--budget is 29; obb-cylinder takes at least 30 evaluations");
+          "--budget is 29; obb-cylinder takes 30 to 258 evaluations");
+  refused({"obb-cylinder", "--budget", "259"},
+          "--budget is 259; obb-cylinder takes 30 to 258 evaluations");
+  refused({"triangle-cylinder", "--budget", "99999"},
+          "--budget is 99999; triangle-cylinder takes 26 to 254 evaluations");
   refused({}, "cde query needs PAIR");
 }
 
