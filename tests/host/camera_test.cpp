@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <ostream>
 
 #include "cde/geometry/primitives.hpp"
 #include "testing.hpp"
@@ -62,6 +63,8 @@ struct Framing {
   const char* name;
   Eigen::Vector3f low, high;
   Resolution size;
+
+  friend void PrintTo(const Framing& f, std::ostream* out) { *out << f.name; }
 };
 
 class CameraFor : public ::testing::TestWithParam<Framing> {};
