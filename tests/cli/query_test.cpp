@@ -113,6 +113,33 @@ TEST_F(Query, ABarBetweenAAndB) {
   EXPECT_EQ(ray.out, kHeader + "1,2,0,0,0,,,,\n0,inf,0,0,0,,,,\n");
 }
 
+/// A builder that fails says first what was wrong, and then much else.
+TEST_F(Query, AFailedBuildNamesItsCauseAndItsLog) {
+  std::filesystem::create_directories(folder_ / "share/verilator");
+  std::filesystem::create_directories(folder_ / "share/rtl");
+  const std::string builder = write("share/verilator/bitstream", R"(#!/bin/bash
+[[ $1 == hash ]] && { echo 0123456789abcdef 0123456789abcdef01234567; exit; }
+echo "compiling a great deal" >&2
+echo "%Error: lane.sv:12:3: no such signal" >&2
+echo "   12 |   signul <= 0;" >&2
+for k in {1..40}; do echo "... included from file $k" >&2; done
+exit 1
+)");
+  std::filesystem::permissions(folder_ / builder, std::filesystem::perms::owner_all);
+  const Ran ran = query({"sphere-sphere", "-q"}, "0,0,0,1,2,0,0,1\n",
+                        {"CDE_BITSTREAMS=/nowhere", "CDE_CACHE=" + (folder_ / "cache").string(),
+                         "CDE_SHARE=" + (folder_ / "share").string()});
+  EXPECT_EQ(ran.status, 2) << ran.err;
+  EXPECT_NE(ran.err.find("failed:\n%Error: lane.sv:12:3: no such signal\n   12 |   signul <= 0;\n"),
+            std::string::npos)
+      << ran.err;
+  EXPECT_EQ(ran.err.find("included from"), std::string::npos) << ran.err;
+  const std::string log = "cache/0123456789abcdef01234567.log";
+  EXPECT_NE(ran.err.find(log), std::string::npos) << ran.err;
+  ASSERT_TRUE(exists(log));
+  EXPECT_NE(read(log).find("included from file 40"), std::string::npos);
+}
+
 /// A header without answers would look like a result.
 TEST_F(Query, NothingIsWrittenWhereNoAnswerFollows) {
   const std::string cache = "CDE_CACHE=" + (folder_ / "cache").string();

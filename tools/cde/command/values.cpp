@@ -160,7 +160,8 @@ std::vector<std::string> algorithm_names() {
 void scene_option(CLI::App& verb, std::string& file) {
   check(file_value(verb.add_option("scene", file, "Scene file, TOML (docs/scenes.md)")->required(),
                    "SCENE"),
-        "a file; standard input is /dev/stdin (cde run: with --out, for the folder has no scene to be "
+        "a file; standard input is /dev/stdin (cde run: with --out, for the folder has no scene to "
+        "be "
         "named after)",
         [](const std::string& text) { return text != "-"; });
 }
