@@ -19,7 +19,7 @@ module board #(
 
     input logic bus_valid_i,
     input logic bus_write_i,
-    input logic [1:0] bus_space_i,
+    input logic [registers_pkg::SPACE_BITS-1:0] bus_space_i,
     input logic [31:0] bus_addr_i,
     input logic [63:0] bus_wdata_i,
     output logic bus_ready_o,
@@ -64,17 +64,15 @@ module board #(
   logic [15:0] latency;
   logic object_write, objects_good, objects_busy, posed;
   card_pkg::pass_t command;  // what a pass that starts now would do
-  card_pkg::events_t events;
-  logic [1:0] issue;
-  logic bubble, stall, sec_pop, sec_bad, writeback, record_write;
-  logic [3:0] ecc_corrected, ecc_failed;
-  assign events = {ecc_failed, ecc_corrected, record_write, writeback, sec_bad, sec_pop, stall, bubble, issue};
+  logic [registers_pkg::ENGINE_COUNTERS-1:0][card_pkg::COUNT_BITS-1:0] engine_counts;
+  card_pkg::ecc_events_t ecc_events;
   card_registers #(.CONFIG(CONFIG)) registers (
       .clk_i, .clk_engine_i(clk_engine), .rst_i, .bus_i(bus_request), .bus_o(bus_response), .irq_o, .clk_bus_o(clk_bus),
       .addr_o(ddr_write_addr_o), .wdata_o(ddr_write_data_o), .prim_write_o(prim_write), .ddr_write_o,
       .sram_pop_o(sram_pop), .sram_readable_i(sram_readable), .sram_valid_i(sram_beat_valid), .sram_beat_i(sram_beat),
       .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .pass_o(command),
-      .active_o(active), .busy_i(busy), .done_i(done), .prim_bad_i(prim_bad), .events_i(events), .latency_i(latency),
+      .active_o(active), .busy_i(busy), .done_i(done), .prim_bad_i(prim_bad),
+      .counts_i(engine_counts), .ecc_i(ecc_events), .latency_i(latency),
       .object_write_o(object_write), .objects_good_i(objects_good), .objects_busy_i(objects_busy), .posed_i(posed));
   clock_gate gate (.clk_i, .enable_i(busy | go | rst_i), .clk_o(clk_engine));
 
@@ -83,13 +81,24 @@ module board #(
   logic ddr_valid;
   logic [BEAT-1:0][CW-1:0] ddr_data;
   logic [3:0] ddr_words;  // of the beat that belong to a slot
+  // Readers of DDR: the secondaries, and a place for a second unit.
+  logic [1:0] reader_asks, reader_ready, reader_valid;
+  logic [1:0][31:0] reader_word;
+  logic [1:0][3:0] reader_words;
+  assign {reader_asks[1], reader_word[1], reader_words[1]} = '0;
+  logic unused_reader;
+  assign unused_reader = &{1'b0, reader_ready[1], reader_valid[1]};
+  ddr_readers #(.READERS(2), .USED(2'b01)) readers (
+      .clk_i(clk_engine), .rst_i, .read_i(reader_asks), .word_i(reader_word), .ready_o(reader_ready),
+      .valid_o(reader_valid), .words_i(reader_words), .read_o(ddr_read_o), .word_o(ddr_read_word_o),
+      .valid_i(ddr_valid), .words_o(ddr_words));
   ddr_check #(.CONFIG(CONFIG)) check_bits (
       .clk_i(clk_engine), .rst_i, .write_data_i(ddr_write_data_o), .write_check_o(ddr_write_check_o),
       .read_valid_i(ddr_valid_i), .read_data_i(ddr_data_i), .read_check_i(ddr_check_i), .words_i(ddr_words),
-      .valid_o(ddr_valid), .data_o(ddr_data), .corrected_o(ecc_corrected), .failed_o(ecc_failed));
+      .valid_o(ddr_valid), .data_o(ddr_data), .events_o(ecc_events));
   logic [1:0][3:0] pair;  // of the pass
   logic [1:0] swap;
-  logic fetch_start, fetch_stop, sec_valid, sec_last, sec_idle, moving, clk_moving;
+  logic fetch_start, fetch_stop, sec_pop, sec_valid, sec_bad, sec_last, sec_idle, moving, clk_moving;
   logic [SEC_WORDS-1:0][CW-1:0] secondary, unmoved, moved;
   logic [31:0] sec_index;
   logic [OBJECT_W-1:0] range_entry, transform_entry;
@@ -97,8 +106,9 @@ module board #(
   secondary_regfile #(.CONFIG(CONFIG)) secondaries (
       .clk_i(clk_engine), .rst_i, .pair_i(pair[0]), .swap_i(swap[0]), .start_i(fetch_start), .stop_i(fetch_stop),
       .pass_i(command), .range_entry_o(range_entry), .range_i(range), .transform_entry_o(transform_entry),
-      .moving_o(moving), .clk_moving_i(clk_moving), .unmoved_o(unmoved), .moved_i(moved), .ddr_read_o,
-      .ddr_word_o(ddr_read_word_o), .ddr_valid_i(ddr_valid), .ddr_data_i(ddr_data), .ddr_words_o(ddr_words),
+      .moving_o(moving), .clk_moving_i(clk_moving), .unmoved_o(unmoved), .moved_i(moved), .ddr_read_o(reader_asks[0]),
+      .ddr_word_o(reader_word[0]), .ddr_ready_i(reader_ready[0]), .ddr_valid_i(reader_valid[0]), .ddr_data_i(ddr_data),
+      .ddr_words_o(reader_words[0]),
       .valid_o(sec_valid), .slot_o(secondary), .bad_o(sec_bad), .index_o(sec_index), .last_o(sec_last), .pop_i(sec_pop),
       .idle_o(sec_idle));
 
@@ -127,26 +137,33 @@ module board #(
     assign pose_slot = '0;
   end
 
-  // ---- Sequencer ----
+  // ---- Sequencer: the units that do passes ----
+  logic [card_pkg::UNITS-1:0] unit_valid, unit_ready, unit_abort, unit_busy, unit_done;
+  pass_dispatch dispatch (
+      .clk_i(clk_engine), .rst_i, .go_i(go), .unit_i(command.unit), .abort_i(abort), .busy_o(busy), .done_o(done),
+      .valid_o(unit_valid), .ready_i(unit_ready), .abort_o(unit_abort), .busy_i(unit_busy), .done_i(unit_done));
+  localparam int ENGINE = int'(card_pkg::UNIT_ENGINE);
   logic [2:0] mode;
-  logic streaming, prim_busy, flush, clear, issue_parity, fifo_empty, writeback_parity, record_ready;
+  logic streaming, prim_busy, flush, clear, issue_parity, fifo_empty, writeback, writeback_parity, record_ready;
+  logic record_write;
   logic [ROW_W-1:0] clear_row;
   logic [1:0][ROW_W-1:0] issue_row;
   logic [CONFIG.lanes-1:0] clear_mask;
-  logic [1:0] retire, ready, credit, gap;
+  logic [1:0] issue, retire, ready, credit, gap;
   logic [PRIM_W:0] new_hits;
   logic [PRIM_W-1:0] writeback_primary;
   engine_control #(.CONFIG(CONFIG)) control (
-      .clk_i(clk_engine), .rst_i, .go_i(go), .abort_i(abort), .command_i(command), .mode_o(mode), .pair_o(pair),
-      .swap_o(swap), .primaries_busy_i(prim_busy), .active_i(active), .busy_o(busy), .done_o(done), .flush_o(flush),
+      .clk_i(clk_engine), .rst_i, .go_i(unit_valid[ENGINE]), .ready_o(unit_ready[ENGINE]), .abort_i(unit_abort[ENGINE]),
+      .command_i(command), .mode_o(mode), .pair_o(pair), .swap_o(swap), .primaries_busy_i(prim_busy),
+      .active_i(active), .busy_o(unit_busy[ENGINE]), .done_o(unit_done[ENGINE]), .flush_o(flush),
       .streaming_mode_o(streaming), .pose_wanted_i(pose_wanted), .pose_o(pose), .posed_i(posed), .clear_o(clear),
       .clear_row_o(clear_row), .clear_mask_o(clear_mask), .fetch_start_o(fetch_start), .fetch_stop_o(fetch_stop),
-      .secondary_valid_i(sec_valid), .secondary_last_i(sec_last), .secondary_idle_i(sec_idle),
-      .secondary_pop_o(sec_pop), .ready_i(ready), .issue_o(issue), .issue_row_o(issue_row),
+      .secondary_valid_i(sec_valid), .secondary_bad_i(sec_bad), .secondary_last_i(sec_last),
+      .secondary_idle_i(sec_idle), .secondary_pop_o(sec_pop), .ready_i(ready), .issue_o(issue), .issue_row_o(issue_row),
       .issue_parity_o(issue_parity), .retire_i(retire), .new_hits_i(new_hits), .credit_i(credit),
       .fifo_empty_i(fifo_empty), .writeback_o(writeback), .writeback_primary_o(writeback_primary),
-      .writeback_parity_o(writeback_parity), .writeback_ready_i(record_ready), .sram_idle_i(!record_write),
-      .bubble_o(bubble), .stall_o(stall));
+      .writeback_parity_o(writeback_parity), .writeback_ready_i(record_ready), .record_write_i(record_write),
+      .counts_o(engine_counts));
 
   // ---- Collision detection engine and output FIFO ----
   logic [ROW_W-1:0] row, fifo_row;

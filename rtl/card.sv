@@ -82,7 +82,7 @@ module card #(
     input logic [RECORD_WORDS-1:0][CW-1:0] sram_read_data_i  // the clock after sram_read_o
 );
   logic rst_core, bus_valid, bus_write, bus_ready, bus_rvalid, irq;
-  logic [1:0] bus_space;
+  logic [registers_pkg::SPACE_BITS-1:0] bus_space;
   logic [31:0] bus_addr;
   logic [63:0] bus_wdata, bus_rdata;
   pci_bridge #(.RESET_STAGES(RESET_STAGES)) bridge (

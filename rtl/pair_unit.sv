@@ -10,7 +10,7 @@ module pair_unit #(
     parameter int PAIR = 0,       // pairs_pkg::PAIR_*
     parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
     parameter int BOX = 0,  // of ray-triangle, 1: a hit must lie in the triangle's box
-    parameter int HALF_SPACE = 0,  // of obb-plane, 1: the plane is the solid n.x <= d
+    parameter int HALF_SPACE = 0,  // of pairs with a plane, 1: the plane is the solid n.x <= d
     parameter int FACET_II = 1,  // of pairs with facets: clocks from one row to the next, 1 or 3
     parameter int EXP = 8,
     parameter int MAN = 23,

@@ -35,7 +35,8 @@ typedef struct cde_board_api {
 
   /* `beats` transfers of 64 bits on the local bus, one a clock, at byte offset, offset + 8, ...
      (SRAM: the offset stays 0). Returns the beats transferred: fewer only if `max_clocks` ran out
-     first. */
+     first, or there is no such number on the bus (card::kSpaceBits); a space that the card does not
+     have is refused by the card. */
   uint64_t (*write)(void* card, uint32_t space, uint32_t offset, const void* data, uint64_t beats,
                     uint64_t max_clocks);
   uint64_t (*read)(void* card, uint32_t space, uint32_t offset, void* data, uint64_t beats,

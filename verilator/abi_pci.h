@@ -86,7 +86,8 @@ enum {
 };
 #define CDE_PCI_UNTIL_RESET 0xFFFFFFFFu
 
-#define CDE_PCI_SPACE_CHECK 4u /* of local_memory: check bits of DDR, a byte a word */
+/* Of local_memory, beside the spaces of the local bus: check bits of DDR, a byte a word. */
+#define CDE_PCI_SPACE_CHECK 0x100u
 
 typedef struct cde_pci_counters {
   uint64_t clocks;     /* of the PCI clock since creation */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The card's end of the local bus: one 64-bit beat a clock into four spaces (registers_pkg::SPACE_*). Holds the
+// The card's end of the local bus: one 64-bit beat a clock into a space (registers_pkg::SPACE_*). Holds the
 // registers, checks every access against its space, and forwards beats to the primary register file, DDR and the SRAM
 // ring. The PCI target and the DMA engine are masters of this port; nothing behind it knows which bus the host is on.
 // A beat is registered first and served the clock after; everything here but the counters is clocked only while a beat
@@ -53,7 +53,8 @@ module card_registers #(
     input logic busy_i,
     input logic done_i,
     input logic [PRIMARIES-1:0] prim_bad_i,
-    input card_pkg::events_t events_i,
+    input logic [registers_pkg::COUNTERS-1:0][card_pkg::COUNT_BITS-1:0] counts_i,  // of all units
+    input card_pkg::ecc_events_t ecc_i,
     input logic [15:0] latency_i,
 
     output logic object_write_o,  // into the object tables
@@ -62,8 +63,8 @@ module card_registers #(
     input logic posed_i  // wants a clock of the bus
 );
   logic ready, rvalid_q;
-  logic [63:0] rdata_q;
-  assign bus_o = {ready, rvalid_q, rdata_q};
+  logic [63:0] rdata_q, count;  // of a read one of them is 0
+  assign bus_o = {ready, rvalid_q, rdata_q | count};
   localparam logic [63:0] DDR_BYTES = 64'(DDR_SLOTS) * 64'(records_pkg::DDR_WORDS * CW / 8);
   localparam logic [63:0] CW_BYTES = 64'(CW) / 64'd8;
   localparam int PRIM_WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0);
@@ -76,11 +77,10 @@ module card_registers #(
   logic [31:0] prim_count_q, split_q, sec_first_q, sec_count_q, object_count_q, prim_object_count_q;
   logic [STENCILS*64-1:0] stencil_q;
   logic done_q, command_error_q, bus_error_q;
-  logic [63:0] cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q, writeback_q;
 
   // ---- The beat being served ----
   logic valid_q, write_q, write_reg, read, aligned, allowed, in_stencil, command_ok;
-  logic [1:0] space_q;
+  logic [registers_pkg::SPACE_BITS-1:0] space_q;
   logic [31:0] addr_q;
   logic [63:0] wdata_q;
   registers_pkg::control_t control;
@@ -181,6 +181,7 @@ module card_registers #(
   assign go_o = write_reg && addr_q == 32'(registers_pkg::REG_CONTROL) && control.go && command_ok;
   assign abort_o = write_reg && addr_q == 32'(registers_pkg::REG_CONTROL) && control.stop;
   always_comb begin
+    pass_o.unit = card_pkg::UNIT_ENGINE;
     pass_o.mode = command_q.mode;
     pass_o.pair = {(PARALLEL != 0 && command_q.second) ? command_q.second_pair : pairs_pkg::NO_PAIR, command_q.pair};
     pass_o.swap = {SWAP != 0 && command_q.second_swap, SWAP != 0 && command_q.swap};
@@ -264,16 +265,8 @@ module card_registers #(
         registers_pkg::REG_PRIM_OBJECT_COUNT: rdata_q <= 64'(prim_object_count_q);
         registers_pkg::REG_RECORDS: rdata_q <= 64'(sram_count_i);
         registers_pkg::REG_FAULT_ADDR: rdata_q <= fault_q;
-        registers_pkg::REG_CYCLES: rdata_q <= cycles_q;
-        registers_pkg::REG_ROWS: rdata_q <= rows_q;
-        registers_pkg::REG_STALLS: rdata_q <= stalls_q;
-        registers_pkg::REG_BUBBLES: rdata_q <= bubbles_q;
         registers_pkg::REG_BAD_PRIM: rdata_q <= 64'($countones(prim_bad_i & present_q));
-        registers_pkg::REG_BAD_SEC: rdata_q <= bad_sec_q;
-        registers_pkg::REG_SECONDARIES: rdata_q <= secondaries_q;
-        registers_pkg::REG_WRITTEN: rdata_q <= written_q;
         registers_pkg::REG_ECC: rdata_q <= ecc_q;
-        registers_pkg::REG_WRITEBACK: rdata_q <= writeback_q;
         default: rdata_q <= in_stencil ? stencil_q[64*32'(offset[4:3])+:64] : '0;
       endcase
     end
@@ -322,27 +315,17 @@ module card_registers #(
     always_ff @(posedge clk_engine_i) begin
       if (go_o || rst_i) ecc_q <= '0;
       else begin
-        ecc_q.corrected <= ecc_q.corrected + 32'(events_i.ecc_corrected);
-        ecc_q.failed <= ecc_q.failed + 32'(events_i.ecc_failed);
+        ecc_q.corrected <= ecc_q.corrected + 32'(ecc_i.corrected);
+        ecc_q.failed <= ecc_q.failed + 32'(ecc_i.failed);
       end
     end
   end else begin : g_no_ecc
     assign ecc_q = '0;
     logic unused_ecc;
-    assign unused_ecc = &{1'b0, events_i.ecc_corrected, events_i.ecc_failed};
+    assign unused_ecc = &{1'b0, ecc_i.corrected, ecc_i.failed};
   end
 
-  always_ff @(posedge clk_engine_i) begin
-    if (go_o || rst_i) {cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q, writeback_q} <= '0;
-    else begin
-      cycles_q <= cycles_q + 64'(busy_i && !events_i.writeback);
-      writeback_q <= writeback_q + 64'(events_i.writeback);
-      rows_q <= rows_q + 64'($countones(events_i.issue));
-      stalls_q <= stalls_q + 64'(events_i.stall);
-      bubbles_q <= bubbles_q + 64'(events_i.bubble);
-      secondaries_q <= secondaries_q + 64'(events_i.secondary);
-      bad_sec_q <= bad_sec_q + 64'(events_i.secondary && events_i.secondary_bad);
-      written_q <= written_q + 64'(events_i.record);
-    end
-  end
+  pass_counters counters (
+      .clk_i(clk_engine_i), .clear_i(go_o | rst_i), .counts_i, .clk_bus_i(clk_bus_o), .read_i(read),
+      .there_i(allowed && space_q == registers_pkg::SPACE_REG), .offset_i(offset), .rdata_o(count));
 endmodule

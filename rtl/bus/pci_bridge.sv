@@ -65,7 +65,7 @@ module pci_bridge #(
 
     output logic bus_valid_o,
     output logic bus_write_o,
-    output logic [1:0] bus_space_o,
+    output logic [registers_pkg::SPACE_BITS-1:0] bus_space_o,
     output logic [31:0] bus_addr_o,
     output logic [63:0] bus_wdata_o,
     input logic bus_ready_i,
@@ -201,7 +201,7 @@ module pci_bridge #(
   logic [11:0] page;
   logic [31:PCI_PAGE_BITS] page_frame;
   logic local_valid, local_write, local_ready, local_rvalid;
-  logic [1:0] local_space;
+  logic [registers_pkg::SPACE_BITS-1:0] local_space;
   logic [31:0] local_offset;
   pci_registers registers (
       .clk_i(clk), .rst_i(rst_pci), .write_i(register_write), .offset_i(target_offset[11:0]), .wdata_i(target_wdata),

@@ -50,7 +50,7 @@ module pci_dma (
 
     output logic local_valid_o,  // a request for the local bus: a word to be written, or a number of words to be read
     output logic local_write_o,
-    output logic [1:0] local_space_o,
+    output logic [registers_pkg::SPACE_BITS-1:0] local_space_o,
     output logic [31:0] local_offset_o,
     output logic [63:0] local_data_o,
     input logic local_ready_i,
@@ -74,7 +74,7 @@ module pci_dma (
   logic [31:3] bus_q;     // where it is
   logic [31:0] host_q, bytes_q, left_q;  // of the descriptor: address, bytes, bytes still to be moved
   logic [31:0] offset_q;
-  logic [1:0] space_q;
+  logic [registers_pkg::SPACE_BITS-1:0] space_q;
   logic to_host_q, irq_q, bad_flags_q;
   logic [1:0] fetched_q;
   logic [7:0] code_q;
@@ -247,10 +247,11 @@ module pci_dma (
       end
       if (fetched_q == 1) begin
         offset_q <= rdata_i[31:0];
-        space_q <= rdata_i[PCI_DESCRIPTOR_SPACE+:2];
+        space_q <= rdata_i[PCI_DESCRIPTOR_SPACE+:registers_pkg::SPACE_BITS];
         to_host_q <= rdata_i[PCI_DESCRIPTOR_TO_HOST];
         irq_q <= rdata_i[PCI_DESCRIPTOR_IRQ];
-        bad_flags_q <= |rdata_i[63:42] || |rdata_i[39:34];
+        bad_flags_q <= |rdata_i[63:PCI_DESCRIPTOR_IRQ+1] ||
+            |rdata_i[PCI_DESCRIPTOR_TO_HOST-1:PCI_DESCRIPTOR_SPACE+registers_pkg::SPACE_BITS];
       end
     end
     if (wpop_i && purpose_q == PCI_WHERE_COMPLETION) word_q <= 1;

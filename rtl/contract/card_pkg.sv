@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // What goes between the modules of a card; software sees none of it.
 package card_pkg;
+  // Who does a pass. A command has no field for it yet: every pass is the engine's.
+  localparam int UNIT_BITS = 2;
+  localparam logic [1:0] UNIT_ENGINE = 2'd0;  // engine_control and what it leads
+  localparam int UNITS = 1;
+
   // What the registers ask of a pass. Mode, pairs and swaps are kept by the sequencer from go on.
   typedef struct packed {
+    logic [1:0] unit;           // UNIT_*
     logic [31:0] prim_objects;  // objects of primaries; 0: primaries as they were written
     logic [31:0] objects;       // objects to sweep; 0: the slots of `first` and `count`
     logic [31:0] first;         // secondary slot
@@ -16,24 +22,21 @@ package card_pkg;
     logic [2:0] mode;
   } pass_t;
 
-  // What happens in a clock of a pass, to be counted.
+  // What a unit counts of its passes: an array of as many events of a clock as it has counters in
+  // registers_pkg::COUNTER_REGISTERS, each so many bits.
+  localparam int COUNT_BITS = 2;
+
+  // Words of DDR, of a clock.
   typedef struct packed {
-    logic [3:0] ecc_failed;     // words
-    logic [3:0] ecc_corrected;
-    logic record;               // is written to SRAM
-    logic writeback;            // the clock is one of the write-back
-    logic secondary_bad;
-    logic secondary;            // is swept
-    logic stall;
-    logic bubble;
-    logic [1:0] issue;          // rows
-  } events_t;
+    logic [3:0] failed;
+    logic [3:0] corrected;
+  } ecc_events_t;
 
   // Between PCI's clock and the core's: requests for the local bus, in order, and what comes back.
   typedef struct packed {
     logic tag;           // 1: of the DMA engine, 0: of an access of the host
     logic write;
-    logic [1:0] space;
+    logic [2:0] space;
     logic [31:0] offset;
     logic [63:0] data;   // of a write; of a read the number of beats
   } local_request_t;

@@ -46,7 +46,8 @@ package pairs_pkg;
   localparam logic [3:0] PAIR_OBB_PLANE = 4'd10;
   localparam logic [3:0] PAIR_RAY_SPHERE = 4'd11;
   localparam logic [3:0] PAIR_SPHERE_OBB = 4'd12;
-  localparam int PAIRS = 13;
+  localparam logic [3:0] PAIR_SPHERE_PLANE = 4'd13;
+  localparam int PAIRS = 14;
   localparam logic [3:0] NO_PAIR = 4'd15;
   localparam int PAIR_CODES = 16;
 
@@ -65,7 +66,8 @@ package pairs_pkg;
     3'(SHAPE_OBB),       // obb-plane
     3'(SHAPE_RAY),       // ray-sphere
     3'(SHAPE_SPHERE),    // sphere-obb
-    {3{3'(SHAPE_TRIANGLE)}}};
+    3'(SHAPE_SPHERE),    // sphere-plane
+    {PAIR_CODES-PAIRS{3'(SHAPE_TRIANGLE)}}};
   localparam logic [0:3*PAIR_CODES-1] SECONDARY_SHAPES = {
     3'(SHAPE_TRIANGLE),  // ray-triangle
     3'(SHAPE_OBB),       // obb-obb
@@ -80,7 +82,8 @@ package pairs_pkg;
     3'(SHAPE_PLANE),     // obb-plane
     3'(SHAPE_SPHERE),    // ray-sphere
     3'(SHAPE_OBB),       // sphere-obb
-    {3{3'(SHAPE_CYLINDER)}}};
+    3'(SHAPE_PLANE),     // sphere-plane
+    {PAIR_CODES-PAIRS{3'(SHAPE_CYLINDER)}}};
   // Sets of pairs (bit p: pair p), as the parameter PAIRS of a card is one.
   localparam int RING_ROWS = 1024;  // more than a ring can have in flight
   localparam int RING_PAIRS =  // the pipe is a ring with a mouth (cylinder_pair.sv), a budget sets its work
@@ -89,7 +92,8 @@ package pairs_pkg;
       1 << PAIR_OBB_OBB | 1 << PAIR_TRIANGLE_AABB | 1 << PAIR_TRIANGLE_OBB;
   localparam int BOX_PAIRS = 1 << PAIR_RAY_TRIANGLE;  // BOX is an option of it (ray_box.sv)
   localparam int SHORT_PAIRS =  // it takes few clocks
-      1 << PAIR_RAY_TRIANGLE | 1 << PAIR_RAY_CYLINDER | 1 << PAIR_RAY_SPHERE | 1 << PAIR_SPHERE_SPHERE;
+      1 << PAIR_RAY_TRIANGLE | 1 << PAIR_RAY_CYLINDER | 1 << PAIR_RAY_SPHERE | 1 << PAIR_SPHERE_SPHERE |
+      1 << PAIR_SPHERE_PLANE;
   // It is brought to the size of one in front of its pipe in every format (length_scale.sv): it multiplies four
   // lengths.
   localparam int SCALED_PAIRS = 1 << PAIR_OBB_OBB | 1 << PAIR_TRIANGLE_AABB | 1 << PAIR_TRIANGLE_OBB |

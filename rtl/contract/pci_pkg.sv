@@ -62,7 +62,7 @@ package pci_pkg;
   // unused.
   // Addresses and bytes are multiples of 8.
   localparam int PCI_DESCRIPTOR_BYTES = 32;
-  localparam int PCI_DESCRIPTOR_SPACE = 32;   // of word 1: 2 bits, SPACE_*
+  localparam int PCI_DESCRIPTOR_SPACE = 32;   // of word 1: registers_pkg::SPACE_BITS bits, SPACE_*
   localparam int PCI_DESCRIPTOR_TO_HOST = 40;
   localparam int PCI_DESCRIPTOR_IRQ = 41;     // interrupt on completion
   // Completion record, 2 words: [31:0] fault address, [63:35] bytes done / 8; then the fields below. Each word says

@@ -3,16 +3,18 @@
 // in C++.
 package registers_pkg;
 
-  // ---- Local bus: one 64-bit beat a clock into one of these spaces ----
-  localparam logic [1:0] SPACE_REG = 2'd0;   // register file, 64-bit registers at 8-byte offsets
-  localparam logic [1:0] SPACE_PRIM = 2'd1;  // primary register file, whole beats a slot, write only
-  localparam logic [1:0] SPACE_DDR = 2'd2;   // secondary memory, packed slots, write only
-  localparam logic [1:0] SPACE_SRAM = 2'd3;  // record stream: every beat read takes the next words of the ring
+  // ---- Local bus: one 64-bit beat a clock into one of these spaces. Numbers from SPACES on are nobody's: the card
+  // refuses them like any other bad access, whatever is in front of it hands them on ----
+  localparam int SPACE_BITS = 3;
+  localparam logic [2:0] SPACE_REG = 3'd0;   // register file, 64-bit registers at 8-byte offsets
+  localparam logic [2:0] SPACE_PRIM = 3'd1;  // primary register file, whole beats a slot, write only
+  localparam logic [2:0] SPACE_DDR = 3'd2;   // secondary memory, packed slots, write only
+  localparam logic [2:0] SPACE_SRAM = 3'd3;  // record stream: every beat read takes the next words of the ring
   localparam int SPACES = 4;
   typedef struct packed {
     logic valid;
     logic write;
-    logic [1:0] space;  // SPACE_*
+    logic [2:0] space;  // SPACE_*
     logic [31:0] addr;  // byte offset
     logic [63:0] wdata;
   } bus_request_t;
@@ -56,6 +58,16 @@ package registers_pkg;
   localparam logic [11:0] REG_SECONDARIES = 12'h0F0;  // secondaries swept
   localparam logic [11:0] REG_WRITTEN = 12'h0F8;      // records written to SRAM
   localparam logic [31:0] REG_END = 32'h00000100;
+
+  // ---- Counters of a pass: their registers, 64 bits each, unit by unit in the order in which a unit brings them
+  // (card_pkg::COUNT_BITS); further ones go behind the other registers, below REG_END ----
+  localparam int COUNTERS = 8;
+  localparam logic [0:12*COUNTERS-1] COUNTER_REGISTERS = {
+    REG_CYCLES, REG_WRITEBACK, REG_ROWS, REG_STALLS, REG_BUBBLES, REG_SECONDARIES, REG_BAD_SEC, REG_WRITTEN};
+  localparam int ENGINE_COUNTERS = 8;  // the first ones
+  function automatic logic [11:0] counter_register(input int counter);
+    counter_register = COUNTER_REGISTERS[12*counter+:12];
+  endfunction
 
   // Object tables, in SPACE_REG above the registers, write only: entries of records_pkg::OBJECT_WORDS words.
   localparam logic [31:0] OBJECT_TABLE = 32'h00040000;       // of secondaries: ranges of slots in DDR
@@ -136,8 +148,8 @@ package registers_pkg;
   localparam logic [23:0] BUDGET_RESET = 24'h080808;
   localparam logic [7:0] BUDGET_MOST = 8'd64;  // of K1 and K2
   typedef struct packed {
-    logic [29:0] reserved;
-    logic [1:0] space;
+    logic [28:0] reserved;
+    logic [2:0] space;
     logic [31:0] addr;  // offset of the first refused access
   } fault_t;
   typedef struct packed {

@@ -15,7 +15,8 @@ module engine_control #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic go_i,
+    input logic go_i,      // a pass, taken when ready_o is high too
+    output logic ready_o,
     input logic abort_i,
     input card_pkg::pass_t command_i,
     output logic [2:0] mode_o,  // of the pass, from go on
@@ -39,6 +40,7 @@ module engine_control #(
     output logic fetch_start_o,
     output logic fetch_stop_o,
     input logic secondary_valid_i,
+    input logic secondary_bad_i,
     input logic secondary_last_i,
     input logic secondary_idle_i,
     output logic secondary_pop_o,
@@ -56,10 +58,10 @@ module engine_control #(
     output logic [PRIM_W-1:0] writeback_primary_o,
     output logic writeback_parity_o,
     input logic writeback_ready_i,
-    input logic sram_idle_i,
+    input logic record_write_i,  // a record is written to SRAM
 
-    output logic bubble_o,
-    output logic stall_o
+    // Events of the clock, for the counters of the card in their order.
+    output logic [registers_pkg::ENGINE_COUNTERS-1:0][card_pkg::COUNT_BITS-1:0] counts_o
 );
   typedef enum logic [2:0] {IDLE, POSE, CLEAR, SWEEP, DRAIN, WRITEBACK, FLUSH} state_e;
   state_e state_q;
@@ -78,6 +80,7 @@ module engine_control #(
   assign second_rows = rows - first_rows;
   assign longer = (first_rows > second_rows) ? first_rows : second_rows;
   assign busy_o = state_q != IDLE;
+  assign ready_o = !busy_o;
   assign flush_o = abort_i || state_q == FLUSH;
   assign streaming_mode_o = mode_o == registers_pkg::MODE_ALL || mode_o == registers_pkg::MODE_HITS;
 
@@ -97,13 +100,23 @@ module engine_control #(
   assign secondary_pop_o = enter && last_row;
   assign fetch_start_o = clear_o && row_q == 0 && !abort_i;
   assign fetch_stop_o = state_q == SWEEP && stop_q || abort_i;
-  assign bubble_o = state_q == SWEEP && !secondary_valid_i && !stop_q;
-  assign stall_o = state_q == SWEEP && secondary_valid_i && !stop_q && !enter;
+  logic bubble, stall;
+  assign bubble = state_q == SWEEP && !secondary_valid_i && !stop_q;
+  assign stall = state_q == SWEEP && secondary_valid_i && !stop_q && !enter;
+  assign counts_o = {
+    {1'b0, record_write_i},                       // WRITTEN
+    {1'b0, secondary_pop_o && secondary_bad_i},   // BAD_SEC
+    {1'b0, secondary_pop_o},                      // SECONDARIES
+    {1'b0, bubble},                               // BUBBLES
+    {1'b0, stall},                                // STALLS
+    2'($countones(issue_o)),                      // ROWS
+    {1'b0, writeback_o},                          // WRITEBACK
+    {1'b0, busy_o && !writeback_o}};              // CYCLES
 
   first_set #(.N(PRIMARIES)) next_primary (.set_i(pending_q), .first_o(lowest), .index_o(writeback_primary_o));
   assign writeback_o = state_q == WRITEBACK && pending_q != 0;
   assign writeback_parity_o = parity_q;
-  assign done_o = state_q == WRITEBACK && pending_q == 0 && fifo_empty_i && sram_idle_i;
+  assign done_o = state_q == WRITEBACK && pending_q == 0 && fifo_empty_i && !record_write_i;
 
   always_ff @(posedge clk_i) begin
     in_flight_q <= in_flight_q + 16'($countones(issue_o)) - 16'($countones(retire_i));

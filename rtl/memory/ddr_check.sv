@@ -18,8 +18,7 @@ module ddr_check #(
     input logic [3:0] words_i,  // of the beat that is shown
     output logic valid_o,
     output logic [BEAT-1:0][CW-1:0] data_o,
-    output logic [3:0] corrected_o,  // words, this clock
-    output logic [3:0] failed_o
+    output card_pkg::ecc_events_t events_o
 );
   if (CONFIG.ecc != 0) begin : g_ecc
     localparam int R = `SECDED_BITS(CW);
@@ -37,15 +36,15 @@ module ddr_check #(
     ddr_ecc #(.CONFIG(CONFIG)) correct (
         .clk_i, .rst_i, .valid_i(read_valid_i), .data_i(read_data_i), .check_i(check), .valid_o, .data_o,
         .corrected_o(corrected), .failed_o(failed));
-    assign corrected_o = 4'($countones(corrected & mine));
-    assign failed_o = 4'($countones(failed & mine));
+    assign events_o.corrected = 4'($countones(corrected & mine));
+    assign events_o.failed = 4'($countones(failed & mine));
     logic unused_check;
     assign unused_check = &{1'b0, read_check_i};
   end else begin : g_no_ecc
     assign write_check_o = '0;
     assign valid_o = read_valid_i;
     assign data_o = read_data_i;
-    assign {corrected_o, failed_o} = '0;
+    assign events_o = '0;
     logic unused_check;
     assign unused_check = &{1'b0, clk_i, rst_i, write_data_i, read_check_i, words_i};
   end

@@ -5,7 +5,7 @@
 // With TRANSFORM every slot goes through the transformer first: what is checked is what meets the primaries, so an
 // overflow on the way is bad input like any other.
 // Latency: the memory's, with TRANSFORM 1 clock and the transformer's, and shape_check's. Throughput: one beat a clock.
-// Stall: requests only what the FIFO has room for.
+// Stall: requests only what the FIFO has room for, and holds what is not taken.
 module secondary_regfile #(
     parameter config_pkg::config_t CONFIG,
     localparam int EXP = CONFIG.exp,
@@ -44,6 +44,7 @@ module secondary_regfile #(
 
     output logic ddr_read_o,
     output logic [31:0] ddr_word_o,  // address in words
+    input logic ddr_ready_i,  // the request is taken
     input logic ddr_valid_i,
     input logic [BEAT-1:0][CW-1:0] ddr_data_i,
     output logic [3:0] ddr_words_o,  // of the beat that belong to a slot
@@ -71,7 +72,7 @@ module secondary_regfile #(
   // ---- Requests, a beat each ----
   logic [3:0] words;
   logic [2:0] shape;
-  logic two, second_q, slot_asked, asking, last_asked;
+  logic two, second_q, taken, slot_asked, asking, last_asked;
   logic [31:0] word, slot_number;
   logic [OBJECT_W-1:0] object;
   assign shape = 3'(swap_i ? pairs_pkg::primary_shape(int'(pair_i)) : pairs_pkg::secondary_shape(int'(pair_i)));
@@ -79,8 +80,9 @@ module secondary_regfile #(
   assign two = WORDS > BEAT && 32'(words) > BEAT;
   assign ddr_read_o = asking && (asked_q - read_q) != (AW + 1)'(DEPTH);
   assign ddr_word_o = word + (second_q ? BEAT : 0);
-  assign slot_asked = ddr_read_o && (!two || second_q);
-  assign stop = (stop_i || stopping_q) && (!two || second_q == ddr_read_o);  // never after half a slot
+  assign taken = ddr_read_o && ddr_ready_i;
+  assign slot_asked = taken && (!two || second_q);
+  assign stop = (stop_i || stopping_q) && (!two || second_q == taken);  // never after half a slot
   range_walk #(.ENTRIES(OBJECTS)) walk (
       .clk_i, .rst_i, .start_i, .stop_i(stop), .step_i(slot_asked), .stride_i(words),
       .objects_i((OBJECT_W + 1)'(pass_i.objects)), .first_i(pass_i.first), .count_i(pass_i.count),
@@ -186,7 +188,7 @@ module secondary_regfile #(
       placed_q <= placed_q + 1;
     end
     if (on_its_way[T_CHECKED]) write_q <= write_q + 1;
-    if (ddr_read_o) second_q <= two && !second_q;
+    if (taken) second_q <= two && !second_q;
     if (slot_asked) asked_q <= asked_q + 1;
     if (pop_i) read_q <= read_q + 1;
     if (stop) dropping_q <= 1;

@@ -6,7 +6,7 @@ module pair_pipe #(
     parameter int PAIR = 0,
     parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
     parameter int BOX = 0,  // of ray-triangle, 1: a hit must lie in the triangle's box (ray_box.sv)
-    parameter int HALF_SPACE = 0,  // of obb-plane, 1: the plane is the solid n.x <= d
+    parameter int HALF_SPACE = 0,  // of pairs with a plane, 1: the plane is the solid n.x <= d
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int FACET_II = 1,  // of pairs with facets: clocks from one pair of a lane to the next, 1 or 3
@@ -33,7 +33,8 @@ module pair_pipe #(
     output logic [15:0] latency_o
 );
   /*verilator inline_module*/
-  if (HALF_SPACE != 0 && PAIR != int'(pairs_pkg::PAIR_OBB_PLANE)) $error("pair_pipe: HALF_SPACE is of obb-plane");
+  if (HALF_SPACE != 0 && pairs_pkg::secondary_shape(PAIR) != pairs_pkg::SHAPE_PLANE)
+      $error("pair_pipe: HALF_SPACE is of pairs with a plane");
   if (BOX != 0 && !pairs_pkg::has(pairs_pkg::BOX_PAIRS, PAIR)) $error("pair_pipe: BOX is of ray-triangle");
   if (FACET_II != 1 && !pairs_pkg::has(pairs_pkg::FACET_PAIRS, PAIR))
       $error("pair_pipe: FACET_II is of pairs with facets");
@@ -84,6 +85,10 @@ module pair_pipe #(
         .clk_i, .enter_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_OBB_PLANE)) begin : g_pipe
     obb_plane #(`CDE_FORMAT, .HALF_SPACE(HALF_SPACE != 0), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP))
+        pipe (
+        .clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
+  end else if (PAIR == int'(pairs_pkg::PAIR_SPHERE_PLANE)) begin : g_pipe
+    sphere_plane #(`CDE_FORMAT, .HALF_SPACE(HALF_SPACE != 0), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP))
         pipe (
         .clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_SPHERE_OBB)) begin : g_pipe

@@ -52,7 +52,7 @@ module sphere_sphere #(
   `DF_VSCALE(offset, n, along)
   `DF_VADD(cp, a_c, offset)
 
-  localparam int LATENCY = T_cp + 1;
+  localparam int LATENCY = `DF_MAX2(T_cp, T_s + LAT_CMP) + 1;
   assign latency_o = 16'(LATENCY);
   gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY),
       .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (

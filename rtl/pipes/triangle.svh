@@ -11,9 +11,11 @@
 `define TRIANGLE_T_F (LAT_ADD)
 `define TRIANGLE_T_INVERSE (LAT_ADD + `DF_LAT_DOT + `LARGER(LAT_CMP, LAT_DIV))
 `define TRIANGLE_T_LONGEST (LAT_ADD + `DF_LAT_DOT + 3 * LAT_CMP)
-`define TRIANGLE_T_M (`LARGER(`TRIANGLE_T_LONGEST + `DF_LAT_DOT, `LARGER(`TRIANGLE_T_LONGEST, `TRIANGLE_T_INVERSE) + \
-  LAT_MUL) + \
-  LAT_MUL + LAT_ADD + `DF_LAT_CROSS + `DF_LAT_DOT + LAT_CMP + LAT_SQRT + LAT_DIV + LAT_MUL)
+`define TRIANGLE_T_I (`LARGER(`TRIANGLE_T_LONGEST, `TRIANGLE_T_INVERSE) + LAT_MUL)
+// A face's normal or, of a triangle without area, a line's.
+`define TRIANGLE_T_M (`LARGER(`LARGER(`TRIANGLE_T_LONGEST + `DF_LAT_DOT, `TRIANGLE_T_I) + \
+  LAT_MUL + LAT_ADD + `DF_LAT_CROSS, `LARGER(`TRIANGLE_T_LONGEST + LAT_CMP, `TRIANGLE_T_I)) + \
+  `DF_LAT_DOT + LAT_CMP + LAT_SQRT + LAT_DIV + LAT_MUL)
 
 // The triangle R from the matrix P of its vertices: R_f edges (rows), R_inverse_ff, R_longest0 and R_longest1, R_m and
 // R_flat.

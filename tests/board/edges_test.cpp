@@ -207,7 +207,7 @@ TEST_F(Edges, WhatNoEnumerationHasIsRefusedFirst) {
     expect_in("mode", refused([&] { (void)board->cast(scene.rays, q); }));
     expect_in("mode", refused([&] { (void)name_of(q.mode); }));
   }
-  for (const unsigned pair : {13u, 40u, 99u, 1u << 31}) {
+  for (const unsigned pair : {kPairs, 40u, 99u, 1u << 31}) {
     const auto none = static_cast<Pair>(pair);
     expect_in("pair", refused([&] { (void)board->run({.pair = none}); }));
     Query q = query;

@@ -97,6 +97,27 @@ TEST_F(Registers, BeyondTheMemories) {
   EXPECT_EQ(status(), 0u);
 }
 
+TEST_F(Registers, SpacesThatTheCardDoesNotHave) {
+  start(kModeNearest, 8, 0, 20);  // what the registers and the record ring must not lose
+  board_.wait(100'000);
+  const std::uint64_t command = board_.read_register(kRegCommand);
+  ASSERT_EQ(board_.read_register(kRegRecords), 8u);
+  clear();
+  unsigned spaces = 0;
+  for (std::uint32_t space = kSpaces; space < 1u << kSpaceBits; ++space, ++spaces)
+    for (const std::uint32_t offset : {std::uint32_t{0}, std::uint32_t{kRegCommand}, 0xfffffff8u}) {
+      expect_write_refused(static_cast<Space>(space), offset);
+      expect_read_refused(static_cast<Space>(space), offset);
+    }
+  EXPECT_EQ(spaces, 4u);
+  EXPECT_EQ(board_.read_register(kRegCommand), command);
+  EXPECT_EQ(board_.read_register(kRegRecords), 8u);
+  std::vector<std::uint64_t> beats(8 / 2 * 7);
+  board_.bus_read(kSpaceSram, 0, beats);
+  EXPECT_EQ(status(), 0u);
+  cast_and_compare(board_, scene_, {});
+}
+
 TEST_F(Registers, EmptyRing) {
   expect_read_refused(kSpaceSram, 0);
   EXPECT_EQ(board_.read_register(kRegRecords), 0u);
@@ -203,7 +224,7 @@ TEST_F(Registers, RandomAccessesNeverHangTheCard) {
   Random random;
   for (int round = 0; round < 20; ++round) {
     for (int i = 0; i < 200; ++i) {
-      const auto space = static_cast<Space>(random.below(4));
+      const auto space = static_cast<Space>(random.below(1 << kSpaceBits));
       const std::uint32_t offset = random.below(4) == 0 ? random.bits() : random.below(0x110);
       std::uint64_t beat = random.below(2) == 0
                                ? random.below(300)

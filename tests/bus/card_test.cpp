@@ -165,5 +165,30 @@ TEST(PciCardTest, TransferOutsideASpaceIsReported) {
             card::kFaultSpace(card::kSpaceDdr) | card::kFaultAddr(36'000));
 }
 
+/// The bridge knows no spaces: a number that the card does not have comes to the card, which
+/// refuses it.
+TEST(PciCardTest, SpacesThatTheCardDoesNotHave) {
+  PciCard card("ideal");
+  const std::vector<std::uint8_t> before(64, 0xC3);
+  for (std::uint32_t number = card::kSpaces; number < 1u << card::kSpaceBits; ++number) {
+    SCOPED_TRACE(number);
+    for (const bool to_host : {false, true}) {
+      card.put(PciCard::kTriangles, before);
+      EXPECT_EQ(
+          card.transfer(PciCard::kTriangles, 64, static_cast<card::Space>(number), 0x1230, to_host)
+              .code,
+          pci::kCodeOk);
+      card.pass(1'000'000);
+      EXPECT_EQ(card.read(card::kRegStatus), 1u << card::kStatusBusError | 1u << card::kStatusIrq);
+      EXPECT_EQ(card.read(card::kRegFaultAddr),
+                card::kFaultSpace(number) | card::kFaultAddr(0x1230));
+      EXPECT_EQ(card.get(PciCard::kTriangles, 64),
+                to_host ? std::vector<std::uint8_t>(64, 0) : before);
+      card.write(card::kRegControl, card::kControlClear);
+      EXPECT_EQ(card.read(card::kRegStatus), 0u);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace cde::testing

@@ -112,11 +112,12 @@ TEST(PciDma, SpacesAndScatteredPages) {
   card.map(40, 10);
   card.map(41, 7);
   card.map(42, 10);
-  const auto a = numbers.bytes(4096), b = numbers.bytes(4096);
-  card.put(10 * 4096, a);
-  card.put(7 * 4096, b);
-  for (const card::Space space :
-       {card::kSpaceReg, card::kSpacePrim, card::kSpaceDdr, card::kSpaceSram}) {
+  // The bridge hands on every number that the bus has; each is a memory of its own here.
+  for (std::uint32_t number = 0; number < 1u << card::kSpaceBits; ++number) {
+    const auto space = static_cast<card::Space>(number);
+    const auto a = numbers.bytes(4096), b = numbers.bytes(4096);
+    card.put(10 * 4096, a);
+    card.put(7 * 4096, b);
     ASSERT_EQ(card.transfer(40 * 4096, 3 * 4096, space, 0x4000, false).code, pci::kCodeOk);
     card.pass(10'000'000);
     const auto local = card.local(space).subspan(0x4000);
@@ -137,8 +138,13 @@ TEST(PciDma, RefusedDescriptors) {
   };
   pci::Descriptor flags = make(kData, 64);
   flags.local |= 1ull << 50;
+  pci::Descriptor beside_space = make(kData, 64), below_direction = beside_space;
+  beside_space.local |= 1ull << (pci::kDescriptorSpace + card::kSpaceBits);
+  below_direction.local |= 1ull << (pci::kDescriptorToHost - 1);
   std::vector<Case> cases = {{make(kData, 0), pci::kCodeLength, kData},
-                             {flags, pci::kCodeAlignment, kData}};
+                             {flags, pci::kCodeAlignment, kData},
+                             {beside_space, pci::kCodeAlignment, kData},
+                             {below_direction, pci::kCodeAlignment, kData}};
   for (const std::uint32_t odd : {1u, 4u, 7u, 12u, 4095u}) {
     cases.push_back({make(kData, odd), pci::kCodeLength, kData});
     cases.push_back({make(kData + odd, 64), pci::kCodeAlignment, kData + odd});

@@ -12,8 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/fp/fp.hpp"
-#include "cde/fp/fp_format.hpp"
+#include "cde/fp/scalars.hpp"
 #include "cde/geometry/length_range.hpp"
 #include "cde/geometry/pair.hpp"
 #include "cde/reference/pairs.hpp"
@@ -189,15 +188,14 @@ TEST_P(Scaling, SizesMayHaveAnyRatio) {
 
 std::vector<Parameter> parameters() {
   std::vector<Parameter> all;
-  for (const FpFormat format :
-       {FpFormat{5, 10}, FpFormat{8, 7}, FpFormat{7, 16}, FpFormat{8, 23}, FpFormat{11, 52}})
+  for (const FpFormat format : kPairFormats)
     for (unsigned p = 0; p < kPairs; ++p)
       for (unsigned a = 0; a < 4; ++a) {
         const auto pair = static_cast<Pair>(p);
         const auto algorithm = static_cast<Algorithm>(a);
         if (!reference::has_pair(pair, algorithm)) continue;
         all.push_back({pair, algorithm, PlaneSide::kSurface, format});
-        if (pair == Pair::kObbPlane)
+        if (secondary_shape(pair) == Shape::kPlane)
           all.push_back({pair, algorithm, PlaneSide::kHalfSpace, format});
       }
   return all;

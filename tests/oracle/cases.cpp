@@ -7,28 +7,8 @@
 namespace cde::oracle {
 namespace {
 
-struct PairEntry {
-  const char* name;
-  ShapeKind a, b;
-};
-
-const PairEntry& entry(Pair pair) {
-  using enum ShapeKind;
-  static constexpr std::array<PairEntry, 13> kEntries = {
-      {{"ray-triangle", kRay, kTriangle},
-       {"obb-obb", kObb, kObb},
-       {"triangle-aabb", kTriangle, kAabb},
-       {"triangle-obb", kTriangle, kObb},
-       {"sphere-sphere", kSphere, kSphere},
-       {"triangle-sphere", kTriangle, kSphere},
-       {"ray-cylinder", kRay, kCylinder},
-       {"triangle-cylinder", kTriangle, kCylinder},
-       {"cylinder-cylinder", kCylinder, kCylinder},
-       {"obb-cylinder", kObb, kCylinder},
-       {"obb-plane", kObb, kPlane},
-       {"ray-sphere", kRay, kSphere},
-       {"sphere-obb", kSphere, kObb}}};
-  return kEntries.at(static_cast<std::size_t>(pair));
+const contract::PairRow& row(Pair pair) {
+  return contract::kPairTable.at(static_cast<std::size_t>(pair));
 }
 
 using Words = std::vector<double>;
@@ -75,13 +55,13 @@ struct Move {
 }  // namespace
 
 const char* to_string(Pair pair) {
-  return entry(pair).name;
+  return row(pair).name.data();  // a literal
 }
 ShapeKind primary(Pair pair) {
-  return entry(pair).a;
+  return row(pair).primary;
 }
 ShapeKind secondary(Pair pair) {
-  return entry(pair).b;
+  return row(pair).secondary;
 }
 
 std::string Case::describe() const {

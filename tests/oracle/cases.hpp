@@ -6,32 +6,19 @@
 #include <string>
 #include <vector>
 
+#include "cde/contract/pairs.hpp"
 #include "format.hpp"
 #include "shapes.hpp"
 
 namespace cde::oracle {
 
-/// The thirteen pairs; the first named is the primary A.
-enum class Pair {
-  kRayTriangle,
-  kObbObb,
-  kTriangleAabb,
-  kTriangleObb,
-  kSphereSphere,
-  kTriangleSphere,
-  kRayCylinder,
-  kTriangleCylinder,
-  kCylinderCylinder,
-  kObbCylinder,
-  kObbPlane,
-  kRaySphere,
-  kSphereObb
-};
-inline constexpr std::array kPairs = {
-    Pair::kRayTriangle,      Pair::kObbObb,         Pair::kTriangleAabb, Pair::kTriangleObb,
-    Pair::kSphereSphere,     Pair::kTriangleSphere, Pair::kRayCylinder,  Pair::kTriangleCylinder,
-    Pair::kCylinderCylinder, Pair::kObbCylinder,    Pair::kObbPlane,     Pair::kRaySphere,
-    Pair::kSphereObb};
+/// Which pairs there are, and of what shapes, the contract says; what they mean is said here.
+using cde::Pair;
+inline constexpr std::array kPairs = [] {
+  std::array<Pair, cde::kPairs> all{};
+  for (unsigned p = 0; p < all.size(); ++p) all.at(p) = static_cast<Pair>(p);
+  return all;
+}();
 
 /// "ray-triangle", "obb-obb", ...
 [[nodiscard]] const char* to_string(Pair pair);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Independent oracles for the thirteen pairs: what the answers mean, by arithmetic and algorithms
+/// Independent oracles for the pairs: what the answers mean, by arithmetic and algorithms
 /// that share nothing with the pipes or their reference. CMake target `cde_oracle`.
 ///
 ///   #include "oracle/oracle.hpp"
@@ -19,7 +19,7 @@
 ///
 /// shapes.hpp       shapes in binary64, support functions, distances, the measures S and L
 /// gap.hpp          the signed gap as a certified interval, by branch and bound over normals
-/// certificate.hpp  check(): conditions c1, c2, c3 and F for the ten convex pairs
+/// certificate.hpp  check(): conditions c1, c2, c3 and F for the pairs of solids
 /// rays.hpp         exact answers of the three ray pairs, with how near each is to flipping
 /// fcl.hpp          signed distances of FCL 0.7
 /// cgal.hpp         exact predicates and distances of CGAL

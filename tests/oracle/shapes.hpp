@@ -4,6 +4,8 @@
 #include <span>
 #include <variant>
 
+#include "cde/contract/pairs.hpp"
+
 /// The shapes of the oracles, in binary64. They stand apart from the library's own primitives on
 /// purpose: nothing here shares code with what it judges. Operands of at most 53 bits are exact.
 /// World frame, one length unit throughout.
@@ -57,7 +59,7 @@ struct Ray {
 /// Whatever has a signed gap.
 using Shape = std::variant<Triangle, Sphere, Aabb, Plane, Cylinder, Obb>;
 
-enum class ShapeKind { kRay, kTriangle, kSphere, kAabb, kPlane, kCylinder, kObb };
+using ShapeKind = cde::Shape;  // their names and numbers; what they are is said above
 
 /// Words of a slot: ray 8, triangle 9, sphere 4, AABB 6, plane 4, cylinder 8, OBB 15.
 [[nodiscard]] std::size_t word_count(ShapeKind kind);

@@ -21,7 +21,7 @@
 #include <string>
 
 #include "cde/card/pair_unit.hpp"
-#include "cde/fp/fp_format.hpp"
+#include "cde/fp/scalars.hpp"
 #include "cde/reference/pairs.hpp"
 #include "cde/reference/pipes/cylinder/schedule.hpp"
 #include "cde/reference/pipes/scale.hpp"
@@ -181,6 +181,8 @@ unsigned pipe_latency(const PairConfig& config) {
       return 19 + kOutput;
     case Pair::kObbPlane:
       return 11 + kOutput;
+    case Pair::kSpherePlane:
+      return 9 + kOutput;
     case Pair::kObbObb:
       return 99 + kOutput;
     case Pair::kTriangleObb:
@@ -472,7 +474,10 @@ std::vector<PairConfig> pipes() {
       const PairConfig config{.pair = static_cast<Pair>(p), .algorithm = static_cast<Algorithm>(a)};
       if (cde::reference::has_pair(config.pair, config.algorithm)) all.push_back(config);
     }
-  all.push_back({.pair = Pair::kObbPlane, .plane = cde::PlaneSide::kHalfSpace});
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (secondary_shape(all[i].pair) == cde::Shape::kPlane &&
+        all[i].plane == cde::PlaneSide::kSurface)
+      all.push_back({.pair = all[i].pair, .plane = cde::PlaneSide::kHalfSpace});
   return all;
 }
 
@@ -511,8 +516,8 @@ std::vector<Parameter> cylinder_pairs() {
 std::vector<Parameter> other_formats() {
   std::vector<Parameter> all;
   for (const PairConfig& pipe : pipes())
-    for (const cde::FpFormat format :
-         {cde::FpFormat{5, 10}, cde::FpFormat{8, 7}, cde::FpFormat{7, 16}, cde::FpFormat{11, 52}}) {
+    for (const cde::FpFormat format : cde::kPairFormats) {
+      if (format == cde::FpFormat{}) continue;
       Parameter other{pipe, 2000, 20000};
       other.format = format;
       other.lanes = 1;

@@ -54,6 +54,7 @@ class Card {
   uint64_t write(uint32_t space, uint32_t offset, const uint8_t* data, uint64_t beats,
                  uint64_t max_clocks) {
     uint64_t done = 0;
+    if (space >> cde::card::kSpaceBits != 0) return 0;
     model_->bus_valid_i = 1;
     model_->bus_write_i = 1;
     model_->bus_space_i = space;
@@ -69,6 +70,7 @@ class Card {
   uint64_t read(uint32_t space, uint32_t offset, uint8_t* data, uint64_t beats,
                 uint64_t max_clocks) {
     uint64_t asked = 0, got = 0;
+    if (space >> cde::card::kSpaceBits != 0) return 0;
     model_->bus_write_i = 0;
     model_->bus_space_i = space;
     for (uint64_t limit = clocks_ + max_clocks; got < beats && clocks_ < limit;) {

@@ -9,7 +9,7 @@
 
 namespace {
 
-/// Four spaces of memory. A beat is taken on three clocks of four, read data comes 1 to 8 clocks
+/// Every space is a memory. A beat is taken on three clocks of four, read data comes 1 to 8 clocks
 /// later, in order.
 class LocalMemory {
  public:
@@ -26,8 +26,8 @@ class LocalMemory {
   bool hang(uint32_t) { return false; }  // there is no DDR
   [[nodiscard]] uint64_t hung() const { return 0; }
   void* memory(uint32_t space, uint64_t& bytes) {
-    bytes = space < cde::card::kSpaces ? kBytes : 0;
-    return space < cde::card::kSpaces ? spaces_[space].data() : nullptr;
+    bytes = space < kSpaces ? kBytes : 0;
+    return space < kSpaces ? spaces_[space].data() : nullptr;
   }
 
   void before(Vmodel& m) {
@@ -52,11 +52,12 @@ class LocalMemory {
   void after(Vmodel&) {}
 
  private:
+  static constexpr uint32_t kSpaces = 1u << cde::card::kSpaceBits;  // of the bus, not of a card
   static constexpr uint64_t kBytes = 4 << 20;
   struct Answer {
     uint64_t due, data;
   };
-  std::vector<uint64_t> spaces_[cde::card::kSpaces];
+  std::vector<uint64_t> spaces_[kSpaces];
   std::vector<Answer> answers_;
   uint64_t seed_, clock_ = 0;
   bool irq_ = false;

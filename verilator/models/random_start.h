@@ -10,6 +10,8 @@
 #include <cstdlib>
 #include <random>
 
+#include "cde/contract/registers.hpp"
+
 #ifdef CDE_RANDOM_START
 class RandomStart {
  public:
@@ -67,7 +69,7 @@ class RandomStart {
     if constexpr (requires { m.bus_wdata_i; }) {
       fill(1, m.bus_valid_i);
       fill(1, m.bus_write_i);
-      fill(2, m.bus_space_i);
+      fill(cde::card::kSpaceBits, m.bus_space_i);
       fill(32, m.bus_addr_i);
       fill(64, m.bus_wdata_i);
     }

@@ -20,7 +20,7 @@ inline constexpr std::uint32_t kMappedBytes = 1u << 20;
 /// Of kSpaceReg, what is reached by single accesses whatever the bus; the rest by transfers.
 inline constexpr std::uint32_t kRegisterWindow = pci::kRegisters;
 
-/// The way from the driver to a card: accesses to its four spaces over whichever bus it is plugged
+/// The way from the driver to a card: accesses to its spaces over whichever bus it is plugged
 /// into, and its interrupt. Times are the card's: core clocks since power-on. Private to the
 /// driver.
 class CardLink {

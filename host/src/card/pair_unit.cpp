@@ -33,7 +33,7 @@ std::vector<std::string> PairConfig::parameters() const {
     throw Error(ErrorCode::kUsage, fmt::format("{} has no choice of algorithm", name(pair)));
   if (box && pair != Pair::kRayTriangle)
     throw Error(ErrorCode::kUsage, fmt::format("{} has no box rule", name(pair)));
-  if (plane != PlaneSide::kSurface && pair != Pair::kObbPlane)
+  if (plane != PlaneSide::kSurface && secondary_shape(pair) != Shape::kPlane)
     throw Error(ErrorCode::kUsage, fmt::format("{} has no half-space", name(pair)));
   check_facet_interval(facet_interval, {&pair, 1});
   std::vector<std::string> p{

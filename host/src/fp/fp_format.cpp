@@ -52,10 +52,11 @@ FpFormat FpFormat::parse(std::string_view text) {
       static_cast<std::size_t>(end) == lower.size() && format.exp_bits >= 3 &&
       format.exp_bits <= 11 && format.man_bits >= 2 && format.man_bits <= 52)
     return format;
+  std::string names;
+  for (const NamedFpFormat& f : kFpFormats) names.append(f.name).append(" ");
   throw Error(ErrorCode::kUsage,
-              fmt::format("format {}: not one of fp16 bf16 tf32 fp24 fp32 fp64 e4m3 e3m2, nor eEmM "
-                          "with E 3..11 and M 2..52",
-                          in_quotes(text)));
+              fmt::format("format {}: not one of {}nor eEmM with E 3..11 and M 2..52",
+                          in_quotes(text), names.insert(names.size() - 1, ",")));
 }
 
 }  // namespace cde

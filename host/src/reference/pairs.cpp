@@ -5,10 +5,10 @@
 
 #include <bit>
 
-#include "cde/fp/fp.hpp"
+#include "cde/fp/scalars.hpp"
 #include "cde/reference/pipes/cylinder/schedule.hpp"
+#include "cde/reference/pipes/dispatch.hpp"
 #include "cde/support/error.hpp"
-#include "reference/dispatch.hpp"
 
 namespace cde::reference {
 
@@ -109,17 +109,11 @@ void test_pairs(Pair pair, Algorithm algorithm, FpFormat format, std::span<const
                 fmt::format("{} pairs of {} need {} and {} words, not {} and {}", results.size(),
                             name(pair), results.size() * primary_words(pair),
                             results.size() * secondary_words(pair), a.size(), b.size()));
-  if (format == FpFormat{8, 23})
-    return test_pairs_in<float>(pair, algorithm, box, plane, budget, a, b, results);
-  if (format == FpFormat{11, 52})
-    return test_pairs_in<double>(pair, algorithm, box, plane, budget, a, b, results);
-  if (format == FpFormat{5, 10})
-    return test_pairs_in<Fp<5, 10>>(pair, algorithm, box, plane, budget, a, b, results);
-  if (format == FpFormat{8, 7})
-    return test_pairs_in<Fp<8, 7>>(pair, algorithm, box, plane, budget, a, b, results);
-  if (format == FpFormat{7, 16})
-    return test_pairs_in<Fp<7, 16>>(pair, algorithm, box, plane, budget, a, b, results);
-  throw Error(ErrorCode::kUsage, fmt::format("pairs have no reference in {}", format.name()));
+  const auto in_scalar = [&]<class S>() {
+    test_pairs_in<S>(pair, algorithm, box, plane, budget, a, b, results);
+  };
+  if (!with_scalar(format, in_scalar))
+    throw Error(ErrorCode::kUsage, fmt::format("pairs have no reference in {}", format.name()));
 }
 
 }  // namespace cde::reference

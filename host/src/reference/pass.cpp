@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "cde/contract/records.hpp"
+#include "cde/reference/pipes/dispatch.hpp"
 #include "cde/reference/reference.hpp"
 #include "cde/support/error.hpp"
 #include "query/record_choice.hpp"
-#include "reference/dispatch.hpp"
 
 namespace cde::reference {
 

@@ -10,7 +10,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "cde/fp/fp.hpp"
+#include "cde/fp/scalars.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 
@@ -109,16 +109,16 @@ WordText::Found WordText::number(std::string_view text, std::uint64_t& word) {
   return Found::kNumber;
 }
 
+std::vector<std::string> pair_formats() {
+  std::vector<std::string> names;
+  for (const FpFormat format : kPairFormats) names.push_back(format.name());
+  return names;
+}
+
 WordText::WordText(FpFormat format) : format_(format) {
-  if (format == FpFormat{8, 23}) number_ = number<float>;
-  if (format == FpFormat{11, 52}) number_ = number<double>;
-  if (format == FpFormat{5, 10}) number_ = number<Fp16>;
-  if (format == FpFormat{8, 7}) number_ = number<Bf16>;
-  if (format == FpFormat{7, 16}) number_ = number<Fp24>;
-  if (number_ == nullptr)
-    throw Error(
-        ErrorCode::kUsage,
-        fmt::format("--format is {}; it must be fp16, bf16, fp24, fp32 or fp64", format.name()));
+  if (with_scalar(format, [this]<class S>() { number_ = number<S>; })) return;
+  throw Error(ErrorCode::kUsage, fmt::format("--format is {}; it must be one of {}", format.name(),
+                                             fmt::join(pair_formats(), ", ")));
 }
 
 std::optional<std::uint64_t> WordText::parse(std::string_view text, std::string& why) const {

@@ -6,15 +6,19 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cde/fp/fp_format.hpp"
 
 /// Numbers as text, and as words of a format that the pipes compute in.
 namespace cde::cli {
 
+/// Names of the formats that pairs are computed in.
+[[nodiscard]] std::vector<std::string> pair_formats();
+
 class WordText {
  public:
-  /// Error kUsage for a format other than fp16, bf16, fp24, fp32 and fp64.
+  /// Error kUsage for a format that pairs are not computed in (kPairFormats).
   explicit WordText(FpFormat format);
 
   [[nodiscard]] FpFormat format() const { return format_; }

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "cde/fp/fp.hpp"
+#include "cde/fp/scalars.hpp"
 #include "cde/geometry/check.hpp"
 #include "cde/support/error.hpp"
 
@@ -147,11 +147,8 @@ Why defect_of_shape(std::string_view shape, std::span<const std::uint64_t> words
 }
 
 Why defect_in(FpFormat format, std::string_view shape, std::span<const std::uint64_t> words) {
-  if (format == FpFormat{8, 23}) return defect_of_shape<float>(shape, words);
-  if (format == FpFormat{11, 52}) return defect_of_shape<double>(shape, words);
-  if (format == FpFormat{5, 10}) return defect_of_shape<Fp16>(shape, words);
-  if (format == FpFormat{8, 7}) return defect_of_shape<Bf16>(shape, words);
-  if (format == FpFormat{7, 16}) return defect_of_shape<Fp24>(shape, words);
+  Why why;
+  if (with_scalar(format, [&]<class S>() { why = defect_of_shape<S>(shape, words); })) return why;
   throw Error(ErrorCode::kUsage, fmt::format("no primitives in {}", format.name()));
 }
 

@@ -11,7 +11,7 @@ namespace cde::cli {
 
 /// Why the card refuses a pair: which operand, which field, what it is and what it must be, in the
 /// arithmetic of the format ("sphere B: radius is -1, must be > 0"). Empty if it does not. Operand
-/// words are in slot order. Error kUsage for a format other than fp16, bf16, fp24, fp32 and fp64.
+/// words are in slot order. Error kUsage for one that is none of kPairFormats.
 [[nodiscard]] std::string operand_defect(Pair pair, FpFormat format,
                                          std::span<const std::uint64_t> a,
                                          std::span<const std::uint64_t> b);

@@ -484,9 +484,9 @@ void add_query(CLI::App& app) {
   verb->add_flag_callback(
       "--no-box", [o] { o->box = false; }, "The plain pipe");
   verb->add_flag("--half-space", o->half_space,
-                 "Of obb-plane: the plane bounds the solid half-space n.x <= d");
+                 "Of pairs with a plane: it bounds the solid half-space n.x <= d");
   one_of(verb->add_option("--format", o->format, "Format of the words")->capture_default_str(),
-         {"fp16", "bf16", "fp24", "fp32", "fp64"});
+         pair_formats());
   one_of(
       verb->add_option("--arith", o->arithmetic, "host (the FPU, fast) or rtl (gates); same bits")
           ->capture_default_str(),

@@ -22,7 +22,7 @@ struct PairConfig {
   Algorithm algorithm = Algorithm::kMoller;  ///< of ray-triangle only
   bool box = false;  ///< of ray-triangle only: a hit must lie in the triangle's box
                      ///< (reference/pipes/ray_box.hpp)
-  PlaneSide plane = PlaneSide::kSurface;  ///< of obb-plane only
+  PlaneSide plane = PlaneSide::kSurface;  ///< of pairs with a plane
   FpFormat format = {8, 23};
   unsigned lanes = 8;  ///< pairs a clock, 1 to 256
   Arithmetic arithmetic = Arithmetic::kHost;

@@ -22,7 +22,7 @@ enum class WordKind : unsigned {
   kNone = 7     ///< the shape has no such word
 };
 
-/// The thirteen pairs, primary first.
+/// The pairs, primary first.
 enum class Pair : unsigned {
   kRayTriangle,
   kObbObb,
@@ -37,8 +37,9 @@ enum class Pair : unsigned {
   kObbPlane,
   kRaySphere,
   kSphereObb,
+  kSpherePlane,
 };
-inline constexpr unsigned kPairs = 13;
+inline constexpr unsigned kPairs = 14;
 inline constexpr unsigned kPairCodes = 16;
 inline constexpr unsigned kNoPair = 15;  ///< no pair's code
 
@@ -83,7 +84,8 @@ inline constexpr std::array<PairRow, kPairs> kPairTable{
      {"obb-cylinder", Shape::kObb, Shape::kCylinder},
      {"obb-plane", Shape::kObb, Shape::kPlane},
      {"ray-sphere", Shape::kRay, Shape::kSphere},
-     {"sphere-obb", Shape::kSphere, Shape::kObb}}};
+     {"sphere-obb", Shape::kSphere, Shape::kObb},
+     {"sphere-plane", Shape::kSphere, Shape::kPlane}}};
 inline constexpr std::array<std::string_view, kAlgorithms> kAlgorithmNames{
     "moller", "badouel", "pluecker", "watertight"};
 
@@ -107,7 +109,8 @@ inline constexpr std::uint32_t kFacetPairs =
 inline constexpr std::uint32_t kBoxPairs = set_of({Pair::kRayTriangle});
 /// It takes few clocks.
 inline constexpr std::uint32_t kShortPairs =
-    set_of({Pair::kRayTriangle, Pair::kRayCylinder, Pair::kRaySphere, Pair::kSphereSphere});
+    set_of({Pair::kRayTriangle, Pair::kRayCylinder, Pair::kRaySphere, Pair::kSphereSphere,
+            Pair::kSpherePlane});
 /// It multiplies four lengths, and so is brought to the size of one in every format.
 inline constexpr std::uint32_t kScaledPairs =
     kRingPairs | kFacetPairs | set_of({Pair::kTriangleSphere});

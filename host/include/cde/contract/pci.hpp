@@ -75,7 +75,7 @@ struct Descriptor {
   std::uint64_t unused[2] = {0, 0};
 };
 inline constexpr unsigned kDescriptorBytes = 32;
-inline constexpr unsigned kDescriptorSpace = 32;  ///< 2 bits, card::Space
+inline constexpr unsigned kDescriptorSpace = 32;  ///< card::kSpaceBits bits, card::Space
 inline constexpr unsigned kDescriptorToHost = 40;
 inline constexpr unsigned kDescriptorIrq = 41;  ///< interrupt on completion
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <iterator>
 
 #include "cde/contract/field.hpp"
 
@@ -15,7 +16,8 @@ enum Space : std::uint32_t {
   kSpaceDdr = 2,   ///< secondary memory, packed slots, write only
   kSpaceSram = 3,  ///< record stream: every beat read takes the next words of the ring
 };
-inline constexpr unsigned kSpaces = 4;
+inline constexpr unsigned kSpaces = 4;     ///< the card refuses numbers from here on
+inline constexpr unsigned kSpaceBits = 3;  ///< of a number
 
 /// Register offsets in bytes.
 enum Register : std::uint32_t {
@@ -51,6 +53,14 @@ enum Register : std::uint32_t {
   kRegWritten = 0x0F8,      ///< records written to SRAM
   kRegEnd = 0x100,
 };
+
+/// Registers of the counters of a pass, unit by unit in the order in which a unit brings them.
+inline constexpr Register kCounterRegisters[] = {
+    kRegCycles,  kRegWriteback,   kRegRows,   kRegStalls,
+    kRegBubbles, kRegSecondaries, kRegBadSec, kRegWritten,
+};
+inline constexpr unsigned kCounters = std::size(kCounterRegisters);
+inline constexpr unsigned kEngineCounters = 8;  ///< the first ones
 
 /// Object tables, in kSpaceReg above the registers, write only: entries of kObjectWords words
 /// (records.hpp).
@@ -94,7 +104,7 @@ inline constexpr Field kCaps2Latency{0, 16}, kCaps2SramRecords{16, 32}, kCaps2Co
 inline constexpr Field kCaps3Pairs{0, 16}, kCaps3Swap{16}, kCaps3Normals{17}, kCaps3Parallel{18},
     kCaps3Transform{19, 2}, kCaps3Ecc{21}, kCaps3Box{22}, kCaps3PrimWords{24, 8},
     kCaps3Objects{32, 16}, kCaps3PrimObjects{48, 16};
-inline constexpr Field kFaultAddr{0, 32}, kFaultSpace{32, 2};
+inline constexpr Field kFaultAddr{0, 32}, kFaultSpace{32, kSpaceBits};
 inline constexpr Field kBudgetM{0, 8}, kBudgetK1{8, 8}, kBudgetK2{16, 8};
 inline constexpr std::uint32_t kBudgetReset = 0x080808;
 inline constexpr unsigned kBudgetMost = 64;                       ///< of K1 and K2

@@ -9,7 +9,7 @@
 
 namespace cde {
 
-/// What the plane of obb-plane bounds.
+/// What the plane of a pair bounds.
 enum class PlaneSide : unsigned {
   kSurface,    ///< the plane itself, with two sides
   kHalfSpace,  ///< the points with n.x <= d

@@ -11,9 +11,9 @@ namespace cde::reference {
 
 /// What the pipe of a pair answers, in the words of a format: the mirror references behind one
 /// call. a and b are operand words in slot order, `primary_words` and `secondary_words` a pair;
-/// `algorithm` and `box` are of ray-triangle, `plane` is of obb-plane.
-/// Error kUsage if sizes do not fit together, or for a format other than fp16, bf16, fp24, fp32 and
-/// fp64, or for a budget out of range. Pairs that take no budget ignore it.
+/// `algorithm` and `box` are of ray-triangle, `plane` is of pairs with one.
+/// Error kUsage if sizes do not fit together, or for a format that is none of kPairFormats
+/// (fp/scalars.hpp), or for a budget out of range. Pairs that take no budget ignore it.
 void test_pairs(Pair pair, Algorithm algorithm, FpFormat format, std::span<const std::uint64_t> a,
                 std::span<const std::uint64_t> b, std::span<PairResult> results,
                 PlaneSide plane = PlaneSide::kSurface, const PairBudget& budget = {},

@@ -6,6 +6,7 @@
 #include "cde/reference/pipes/convex/obb_obb.hpp"
 #include "cde/reference/pipes/convex/obb_plane.hpp"
 #include "cde/reference/pipes/convex/sphere_obb.hpp"
+#include "cde/reference/pipes/convex/sphere_plane.hpp"
 #include "cde/reference/pipes/convex/sphere_sphere.hpp"
 #include "cde/reference/pipes/convex/triangle_box.hpp"
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
@@ -15,7 +16,7 @@
 #include "cde/reference/pipes/ray_triangle.hpp"
 #include "cde/support/error.hpp"
 
-/// From a pair's number to its reference. Private to the library.
+/// From a pair's number to its reference.
 namespace cde::reference {
 
 /// The shapes that a pair tests, first and second.
@@ -39,6 +40,9 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
   use(Kinds<A, Can>(), [budget](const A& x, const Can& y) { return FUNCTION<S>(x, y, budget); })
 #define CDE_TEST(A, B, FUNCTION) \
   use(Kinds<A, B>(), [](const A& x, const B& y) { return FUNCTION<S>(x, y); })
+#define CDE_PLANE(A, FUNCTION)   \
+  use(Kinds<A, BasicPlane<S>>(), \
+      [plane](const A& x, const BasicPlane<S>& y) { return FUNCTION<S>(x, y, plane); })
 #define CDE_RAY(FUNCTION)                                                                  \
   box ? use(Kinds<R, T>(), [](const R& x, const T& y) { return FUNCTION<S, true>(x, y); }) \
       : use(Kinds<R, T>(), [](const R& x, const T& y) { return FUNCTION<S, false>(x, y); })
@@ -69,9 +73,9 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
     case Pair::kRayCylinder:
       return CDE_TEST(R, Can, ray_cylinder);
     case Pair::kObbPlane:
-      return use(Kinds<Box, BasicPlane<S>>(), [plane](const Box& x, const BasicPlane<S>& y) {
-        return obb_plane<S>(x, y, plane);
-      });
+      return CDE_PLANE(Box, obb_plane);
+    case Pair::kSpherePlane:
+      return CDE_PLANE(Ball, sphere_plane);
     case Pair::kRaySphere:
       return CDE_TEST(R, Ball, ray_sphere);
     case Pair::kSphereObb:
@@ -83,6 +87,7 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
     case Pair::kObbCylinder:
       return CDE_SEARCH(Box, obb_cylinder);
   }
+#undef CDE_PLANE
 #undef CDE_TEST
 #undef CDE_SEARCH
 #undef CDE_RAY

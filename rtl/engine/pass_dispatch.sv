@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hands a pass to the unit that does it (card_pkg::UNIT_*). A request waits for its unit: the pass is the unit's in the
+// clock in which valid_o and ready_i meet, and from the clock after the unit is busy until it says that it is done or,
+// aborted, has become idle. There is one pass at a time. An abort goes to all units, which share the record ring, and
+// drops a request that still waits; without a pass it is harmless, and with a go it comes before it.
+// With one unit, which is ready whenever it is not busy, all of this is wires.
+// Latency: none. Stall: ready_i.
+module pass_dispatch #(
+    parameter int UNITS = card_pkg::UNITS  // 1 to 2^UNIT_BITS
+) (
+    input logic clk_i,
+    input logic rst_i,
+    input logic go_i,  // not while busy_o
+    input logic [card_pkg::UNIT_BITS-1:0] unit_i,  // of the pass that starts
+    input logic abort_i,
+    output logic busy_o,
+    output logic done_o,  // one clock
+
+    output logic [UNITS-1:0] valid_o,
+    input logic [UNITS-1:0] ready_i,
+    output logic [UNITS-1:0] abort_o,
+    input logic [UNITS-1:0] busy_i,
+    input logic [UNITS-1:0] done_i
+);
+  if (UNITS < 1 || UNITS > (1 << card_pkg::UNIT_BITS)) begin : g_units
+    $error("pass_dispatch: UNITS must be 1 to %0d", 1 << card_pkg::UNIT_BITS);
+  end
+  assign abort_o = {UNITS{abort_i}};
+  assign done_o = |done_i;
+  if (UNITS == 1) begin : g_one
+    assign valid_o = go_i;
+    assign busy_o = busy_i[0];
+    logic unused_one;
+    assign unused_one = &{1'b0, clk_i, rst_i, unit_i, ready_i};
+  end else begin : g_several
+    logic waiting_q, asked;
+    logic [card_pkg::UNIT_BITS-1:0] unit_q, unit_asked;
+    assign asked = go_i || (waiting_q && !abort_i);
+    assign unit_asked = go_i ? unit_i : unit_q;
+    assign valid_o = asked ? UNITS'(1) << unit_asked : '0;
+    assign busy_o = waiting_q || busy_i != 0;
+    always_ff @(posedge clk_i) begin
+      waiting_q <= !rst_i && asked && (valid_o & ready_i) == 0;
+      if (go_i) unit_q <= unit_i;
+    end
+  end
+
+`ifndef SYNTHESIS
+  always_ff @(posedge clk_i)
+    if (!rst_i) begin
+      assert (!(go_i && busy_o)) else $error("pass_dispatch: go while busy");
+      assert (!(go_i && 32'(unit_i) >= UNITS)) else $error("pass_dispatch: a pass for a unit that is not there");
+      assert ((busy_i & (busy_i - 1'b1)) == 0) else $error("pass_dispatch: two units busy with one pass");
+      assert (!(UNITS == 1 && go_i && ready_i == 0)) else $error("pass_dispatch: the only unit is not ready");
+    end
+`endif
+endmodule

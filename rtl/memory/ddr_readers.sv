@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// Several readers of DDR at its one read port: requests take turns, an answer goes to who asked for it.
+// A reader holds its request until ready_o, or takes it back. Of those that ask, the first one behind the one served
+// last is next, round and round: nobody waits for more than one request of each other reader. DDR answers in order, at
+// any time; whose the answers are waits in a queue.
+// Bit r of USED: reader r is there. The requests of others are not looked at, and where there is one reader alone all
+// of this is wires and its requests are always taken.
+// Latency: none, of requests and of answers. Throughput: one of each a clock. Stall: ready_o, also while DEPTH answers
+// are owed.
+module ddr_readers #(
+    parameter int READERS = 2,  // 2 and more
+    parameter logic [READERS-1:0] USED = '1,
+    parameter int DEPTH = 256,  // power of two
+    localparam int W = config_pkg::index_bits(READERS)
+) (
+    input logic clk_i,
+    input logic rst_i,
+    input logic [READERS-1:0] read_i,
+    input logic [READERS-1:0][31:0] word_i,  // address in words
+    output logic [READERS-1:0] ready_o,
+    output logic [READERS-1:0] valid_o,      // the beat that DDR shows is this one's
+    input logic [READERS-1:0][3:0] words_i,  // of that beat are used
+
+    output logic read_o,
+    output logic [31:0] word_o,
+    input logic valid_i,
+    output logic [3:0] words_o
+);
+  if (READERS < 2 || USED == 0) begin : g_readers
+    $error("ddr_readers: READERS must be 2 or more, and one of them USED");
+  end
+  if ((USED & (USED - 1'b1)) == 0) begin : g_alone
+    localparam int R = $clog2(USED);
+    assign read_o = read_i[R];
+    assign word_o = word_i[R];
+    assign ready_o = USED;
+    assign valid_o = valid_i ? USED : '0;
+    assign words_o = words_i[R];
+    logic unused_others;
+    assign unused_others = &{1'b0, clk_i, rst_i, read_i, word_i, words_i};
+  end else begin : g_shared
+    localparam int D = $clog2(DEPTH);
+    logic [READERS-1:0] asking, behind, behind_q, chosen;  // behind the one served last
+    logic [W-1:0] turn, owner;
+    logic [W-1:0] owners[DEPTH];
+    logic [D:0] asked_q, answered_q;
+    logic room;
+    assign room = asked_q - answered_q != (D + 1)'(DEPTH);
+    assign asking = room ? read_i & USED : '0;
+    assign behind = asking & behind_q;
+    assign chosen = (behind != 0) ? behind : asking;
+    always_comb begin
+      turn = '0;
+      for (int r = READERS - 1; r >= 0; r--) if (chosen[r]) turn = W'(r);
+    end
+    assign read_o = asking != 0;
+    assign word_o = word_i[turn];
+    assign ready_o = read_o ? READERS'(1) << turn : '0;
+    assign owner = owners[answered_q[D-1:0]];
+    assign valid_o = valid_i ? READERS'(1) << owner : '0;
+    assign words_o = words_i[owner];
+    always_ff @(posedge clk_i) begin
+      if (read_o) begin
+        owners[asked_q[D-1:0]] <= turn;
+        asked_q <= asked_q + 1'b1;
+        behind_q <= ~((READERS'(2) << turn) - 1'b1);
+      end
+      if (valid_i) answered_q <= answered_q + 1'b1;
+      if (rst_i) begin
+        {asked_q, answered_q} <= '0;
+        behind_q <= '1;
+      end
+    end
+`ifndef SYNTHESIS
+    always_ff @(posedge clk_i)
+      if (!rst_i) begin
+        assert (!(valid_i && asked_q == answered_q)) else $error("ddr_readers: data nobody asked for");
+      end
+`endif
+  end
+endmodule

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sphere against plane, which has two sides: H = n.c - d, s = |H| - r, n from the sphere to the plane. With HALF_SPACE
+// the plane is the solid n.x <= d: s = H - r, n into it. CP = c + (r + s/2) n. F = (s <= 0), T = |s|.
+// 8 add, 7 mul, 1 compare.
+// Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+`include "dataflow.svh"
+module sphere_plane #(
+    parameter int EXP = 8,
+    parameter int MAN = 23,
+    parameter int LANES = 1,
+    parameter bit HALF_SPACE = 0,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+) (
+    input logic clk_i,
+    input logic [3:0][LANES-1:0][CW-1:0] a_i,  // sphere: c x y z, r
+    input logic [3:0][LANES-1:0][CW-1:0] b_i,  // plane: n x y z, d
+    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
+    output logic [LANES-1:0][CW-1:0] t_o,
+    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
+    output logic [2:0][LANES-1:0][CW-1:0] n_o,
+    output logic [15:0] latency_o  // constant: LATENCY, also with ARITH = "host"
+);
+  /*verilator inline_module*/
+  localparam logic [CW-1:0] ONE = ((CW'(1) << (EXP - 1)) - 1) << MAN;
+  localparam logic [CW-1:0] HALF = ONE - (CW'(1) << MAN);
+
+  `DF_VIN(c, a_i[2:0], 0)
+  `DF_IN(r, a_i[3], 0)
+  `DF_VIN(plane_n, b_i[2:0], 0)
+  `DF_IN(plane_d, b_i[3], 0)
+  `DF_CONST(half, HALF)
+
+  `DF_DOT(on_n, plane_n, c)
+  `DF_SUB(height, on_n, plane_d)
+  // Which side of the plane the sphere is on: its sign. A half-space is always below.
+  localparam int T_up = HALF_SPACE ? `DF_CONSTANT : T_height;
+  `DF_SCALAR up;
+  assign up = HALF_SPACE ? {LANES{ONE}} : height;
+  `DF_MOVE_SIGN(distance, up, height)
+  `DF_SUB(s, distance, r)
+
+  // Away from the sphere's side of the plane.
+  `DF_VFLIP(n_up, up, plane_n)
+  `DF_VNEG(n, n_up)
+  `DF_MUL(s_half, s, half)
+  `DF_ADD(along, r, s_half)
+  `DF_VSCALE(offset, n, along)
+  `DF_VADD(cp, c, offset)
+
+  localparam int LATENCY = `DF_MAX2(T_cp, T_s + LAT_CMP) + 1;
+  assign latency_o = 16'(LATENCY);
+  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY),
+      .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
+      .clk_i, .s_i(s), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
+endmodule

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+// Readers that share DDR's read port: random requests that are held or taken back, and a memory
+// that answers when it likes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <deque>
+#include <optional>
+
+#include "DdrReaderAlone.h"
+#include "DdrReaders.h"
+#include "clocked.hpp"
+
+namespace cde::testing {
+namespace {
+
+constexpr unsigned kReaders = 4, kNobody = 2, kUsed = 0b1011, kDepth = 8;  // as CMakeLists.txt has
+
+/// A request that DDR owes an answer to.
+struct Asked {
+  unsigned reader;
+  std::uint32_t word;
+  unsigned due;
+};
+
+/// Readers and memory around the module, and what must be true of it in every clock.
+class Traffic {
+ public:
+  /// Of 16 clocks a reader begins to ask in `asks`; DDR answers an old enough request in `answers`.
+  void run(unsigned clocks, unsigned asks, unsigned answers) {
+    for (const unsigned end = clock_ + clocks; clock_ < end; ++clock_) one(asks, answers);
+  }
+  void reset() {
+    readers_->rst_i = 1;
+    readers_->valid_i = 0;
+    readers_.clock();
+    readers_->rst_i = 0;
+    asked_.clear();
+    waited_ = {};
+  }
+  /// Nobody asks, all answers come.
+  void drain() {
+    wanted_ = {};
+    for (unsigned i = 0; !asked_.empty() && i < 1000; ++i, ++clock_) one(0, 16);
+    EXPECT_TRUE(asked_.empty());
+    EXPECT_EQ(answered_, taken_);
+  }
+
+  std::array<unsigned, kReaders> taken_ = {}, answered_ = {}, longest_ = {};
+  unsigned contended_ = 0, full_ = 0, withdrawn_ = 0, idle_ = 0;
+
+ private:
+  void one(unsigned asks, unsigned answers) {
+    drive(asks, answers);
+    readers_.settle();
+    check_answer();
+    check_request();
+    readers_.clock();
+  }
+
+  void drive(unsigned asks, unsigned answers) {
+    readers_->read_i = 0;
+    readers_->words_i = 0;
+    for (unsigned r = 0; r < kReaders; ++r) {
+      if (wanted_.at(r) && dice_.once_in(64)) {
+        wanted_.at(r).reset();
+        waited_.at(r) = 0;
+        ++withdrawn_;
+      }
+      if (!wanted_.at(r) && dice_.below(16) < asks) wanted_.at(r) = next_++;
+      readers_->read_i |= static_cast<CData>(wanted_.at(r).has_value() << r);
+      readers_->word_i[r] = wanted_.at(r).value_or(0xdead0000u + r);
+      words_.at(r) = dice_.below(10);
+      readers_->words_i |= static_cast<SData>(words_.at(r) << 4 * r);
+    }
+    readers_->valid_i =
+        !asked_.empty() && asked_.front().due <= clock_ && dice_.below(16) < answers;
+  }
+
+  void check_answer() {
+    if (readers_->valid_i == 0) {
+      EXPECT_EQ(readers_->valid_o, 0u);
+      return;
+    }
+    const Asked oldest = asked_.front();
+    EXPECT_EQ(readers_->valid_o, 1u << oldest.reader) << "clock " << clock_;
+    EXPECT_EQ(readers_->words_o, words_.at(oldest.reader));
+    ++answered_.at(oldest.reader);
+    popped_ = true;
+  }
+
+  void check_request() {
+    const unsigned asking = readers_->read_i & kUsed;
+    const bool room = asked_.size() < kDepth;
+    full_ += !room;
+    idle_ += asking == 0;
+    contended_ += (asking & (asking - 1)) != 0;
+    EXPECT_EQ(readers_->read_o, asking != 0 && room) << "clock " << clock_;
+    if (readers_->read_o == 0) {
+      EXPECT_EQ(readers_->ready_o, 0u);
+    } else {
+      const unsigned ready = readers_->ready_o;
+      ASSERT_TRUE(ready != 0 && (ready & (ready - 1)) == 0 && (ready & ~asking) == 0) << ready;
+      const auto r = static_cast<unsigned>(__builtin_ctz(ready));
+      EXPECT_EQ(readers_->word_o, *wanted_.at(r));
+      for (unsigned other = 0; other < kReaders; ++other)
+        if (other != r && (asking >> other & 1) != 0)
+          longest_.at(other) = std::max(longest_.at(other), ++waited_.at(other));
+      asked_.push_back({r, *wanted_.at(r), clock_ + 1 + dice_.below(6)});
+      wanted_.at(r).reset();
+      waited_.at(r) = 0;
+      ++taken_.at(r);
+    }
+    if (popped_) asked_.pop_front();
+    popped_ = false;
+  }
+
+  Clocked<DdrReaders> readers_;
+  Dice dice_;
+  std::array<std::optional<std::uint32_t>, kReaders> wanted_;
+  std::array<unsigned, kReaders> waited_ = {}, words_ = {};  // requests of others taken meanwhile
+  std::deque<Asked> asked_;
+  std::uint32_t next_ = 0x1000;
+  unsigned clock_ = 0;
+  bool popped_ = false;
+};
+
+TEST(DdrReaders, NothingIsLostAndNobodyStarves) {
+  Traffic traffic;
+  traffic.reset();
+  for (const auto& [asks, answers] :
+       {std::pair{16u, 16u}, {16u, 4u}, {3u, 16u}, {8u, 8u}, {1u, 2u}, {16u, 1u}})
+    traffic.run(4000, asks, answers);
+  traffic.drain();
+  for (unsigned r = 0; r < kReaders; ++r) {
+    SCOPED_TRACE(r);
+    if (r == kNobody) {
+      EXPECT_EQ(traffic.taken_.at(r), 0u);
+      continue;
+    }
+    EXPECT_GT(traffic.taken_.at(r), 2000u);
+    EXPECT_EQ(traffic.longest_.at(r), 2u) << "requests of others before one of this reader";
+  }
+  EXPECT_GT(traffic.contended_, 10'000u);
+  EXPECT_GT(traffic.full_, 1000u);
+  EXPECT_GT(traffic.withdrawn_, 500u);
+  EXPECT_GT(traffic.idle_, 100u);
+}
+
+/// What was owed before a reset is nobody's after it.
+TEST(DdrReaders, ResetForgetsWhatIsOwed) {
+  Traffic traffic;
+  for (int i = 0; i < 20; ++i) {
+    traffic.reset();
+    traffic.run(30, 16, 3);
+  }
+  traffic.reset();
+  traffic.answered_ = traffic.taken_;
+  traffic.run(500, 8, 8);
+  traffic.drain();
+}
+
+TEST(DdrReaders, OneAloneIsAlwaysTaken) {
+  Clocked<DdrReaderAlone> readers;
+  Dice dice;
+  unsigned read = 0, valid = 0;
+  for (int i = 0; i < 1000; ++i) {
+    readers->rst_i = dice.once_in(50);
+    readers->read_i = static_cast<CData>(dice.below(4));
+    readers->word_i = QData{dice.below(1u << 31)} << 32 | dice.below(1u << 31);
+    readers->words_i = static_cast<CData>(dice.below(256));
+    readers->valid_i = dice.once_in(2);
+    readers.settle();
+    EXPECT_EQ(readers->ready_o, 2u);
+    EXPECT_EQ(readers->read_o, readers->read_i >> 1);
+    EXPECT_EQ(readers->word_o, readers->word_i >> 32);
+    EXPECT_EQ(readers->valid_o, readers->valid_i << 1);
+    EXPECT_EQ(readers->words_o, readers->words_i >> 4);
+    read += readers->read_o;
+    valid += readers->valid_i;
+    readers.clock();
+  }
+  EXPECT_TRUE(read > 300 && read < 700 && valid > 300 && valid < 700);
+}
+
+}  // namespace
+}  // namespace cde::testing

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Counters that units bring: random events, read at the registers of the table in the middle of it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+
+#include "PassCounters.h"
+#include "cde/contract/registers.hpp"
+#include "clocked.hpp"
+
+namespace cde::testing {
+namespace {
+
+using namespace card;
+
+TEST(PassCounters, EveryCounterIsAtItsRegister) {
+  VerilatedContext context;
+  PassCounters counters(&context);
+  Dice dice;
+  std::array<std::uint64_t, kCounters> counts = {};
+  std::array<unsigned, kCounters> reads = {};
+  unsigned elsewhere = 0, refused = 0, passes = 0;
+  for (int clock = 0; clock < 20'000; ++clock) {
+    counters.clear_i = clock == 0 || dice.once_in(1000);
+    passes += counters.clear_i;
+    counters.counts_i = static_cast<SData>(dice.below(1u << 2 * kCounters));
+    counters.read_i = dice.once_in(2);
+    counters.there_i = !dice.once_in(8);
+    counters.offset_i = static_cast<SData>(8 * dice.below(kRegEnd / 8 + 8));
+    counters.clk_i = counters.clk_bus_i = 0;
+    counters.eval();
+    counters.clk_i = counters.clk_bus_i = 1;
+    counters.eval();
+    if (counters.read_i != 0) {
+      const auto* const found =
+          std::find(std::begin(kCounterRegisters), std::end(kCounterRegisters), counters.offset_i);
+      const auto c = static_cast<std::size_t>(found - std::begin(kCounterRegisters));
+      const bool there = c < kCounters && counters.there_i != 0;
+      ASSERT_EQ(counters.rdata_o, there ? counts.at(c) : 0u)
+          << "clock " << clock << ", offset " << counters.offset_i;
+      if (there) ++reads.at(c);
+      refused += c < kCounters && !there;
+      elsewhere += c == kCounters;
+    }
+    for (unsigned c = 0; c < kCounters; ++c)
+      counts.at(c) =
+          counters.clear_i != 0 ? 0 : counts.at(c) + (unsigned{counters.counts_i} >> 2 * c & 3);
+  }
+  counters.final();
+  for (unsigned c = 0; c < kCounters; ++c) {
+    EXPECT_GT(reads.at(c), 100u) << c;
+    EXPECT_GT(counts.at(c), 0u) << c;
+  }
+  EXPECT_GT(elsewhere, 1000u);
+  EXPECT_GT(refused, 100u);
+  EXPECT_GT(passes, 10u);
+}
+
+/// A counter has one register, and what is not in the table is no counter.
+TEST(PassCounters, NoRegisterIsListedTwice) {
+  std::array<std::uint32_t, kCounters> offsets = {};
+  std::copy(std::begin(kCounterRegisters), std::end(kCounterRegisters), offsets.begin());
+  std::sort(offsets.begin(), offsets.end());
+  EXPECT_EQ(std::adjacent_find(offsets.begin(), offsets.end()), offsets.end());
+  for (const std::uint32_t offset : offsets) EXPECT_TRUE(offset % 8 == 0 && offset < kRegEnd);
+}
+
+}  // namespace
+}  // namespace cde::testing
