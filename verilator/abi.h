@@ -7,13 +7,14 @@
 #define CDE_ABI_H
 #include <stdint.h>
 
+#include "abi_head.h"
 #include "abi_memory.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-#define CDE_BOARD_ABI 2u
+#define CDE_BOARD_ABI 3u
 
 typedef struct cde_board_options {
   uint32_t memory;          /* CDE_MEMORY_* */
@@ -22,7 +23,7 @@ typedef struct cde_board_options {
 } cde_board_options;
 
 typedef struct cde_board_api {
-  uint32_t abi;
+  cde_abi_head head;
   uint32_t container_bits; /* width of a word in slots and records: 32 or 64 */
   uint64_t config_hash;    /* what the register must show */
   const char* parameters;  /* NAME=VALUE lines of the elaborated configuration */

@@ -4,16 +4,18 @@
 #pragma once
 #include <stdint.h>
 
+#include "abi_head.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-#define CDE_FP_ABI_VERSION 1u
+#define CDE_FP_ABI 2u
 
 typedef struct cde_fp_unit cde_fp_unit;
 
 typedef struct cde_fp_api {
-  uint32_t version; /* CDE_FP_ABI_VERSION */
+  cde_abi_head head;
   uint32_t exp_bits, man_bits, lanes;
   uint32_t flags;               /* 1 if the bitstream computes flags */
   uint32_t operations;          /* bit op: the operation is there */
@@ -32,7 +34,7 @@ typedef struct cde_fp_api {
   double (*measure)(cde_fp_unit*, uint32_t op, uint64_t clocks);
 } cde_fp_api;
 
-typedef const cde_fp_api* (*cde_fp_entry_function)(void);
+typedef const cde_fp_api* (*cde_fp_entry_fn)(void);
 
 #ifdef __cplusplus
 }

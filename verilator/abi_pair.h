@@ -5,11 +5,13 @@
 #pragma once
 #include <stdint.h>
 
+#include "abi_head.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-#define CDE_PAIR_ABI_VERSION 2u
+#define CDE_PAIR_ABI 3u
 
 typedef struct cde_pair_unit cde_pair_unit;
 
@@ -24,7 +26,7 @@ enum {
 };
 
 typedef struct cde_pair_api {
-  uint32_t version; /* CDE_PAIR_ABI_VERSION */
+  cde_abi_head head;
   uint32_t word_bytes, lanes, a_words, b_words;
   uint64_t config_hash;
   const char* parameters;         /* NAME=VALUE lines */
@@ -46,7 +48,7 @@ typedef struct cde_pair_api {
   int (*trace_close)(cde_pair_unit*); /* 0, or errno: what is missing from the file */
 } cde_pair_api;
 
-typedef const cde_pair_api* (*cde_pair_entry_function)(void);
+typedef const cde_pair_api* (*cde_pair_entry_fn)(void);
 
 #ifdef __cplusplus
 }

@@ -8,6 +8,7 @@
 #define CDE_ABI_PCI_H
 #include <stdint.h>
 
+#include "abi_head.h"
 #include "abi_memory.h"
 
 #ifdef __cplusplus
@@ -101,7 +102,7 @@ typedef struct cde_pci_counters {
 } cde_pci_counters;
 
 typedef struct cde_pci_api {
-  uint32_t abi;
+  cde_abi_head head;
   uint32_t container_bits; /* width of a word in slots and records: 32 or 64; 0 without a board */
   uint64_t config_hash;    /* of parameters and RTL */
   const char* parameters;  /* NAME=VALUE lines of the elaborated configuration */

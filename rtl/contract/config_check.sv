@@ -3,7 +3,7 @@
 module config_check #(
     parameter config_pkg::config_t CONFIG
 );
-  if (CONFIG.primaries % 64 != 0 || CONFIG.primaries > 256) begin : g_primaries
+  if (CONFIG.primaries % 64 != 0 || CONFIG.primaries > records_pkg::MOST_PRIMARIES) begin : g_primaries
     $error("board: PRIMARIES must be 64, 128, 192 or 256");
   end
   if (CONFIG.primaries % CONFIG.lanes != 0 || (CONFIG.lanes & (CONFIG.lanes - 1)) != 0) begin : g_lanes

@@ -85,6 +85,7 @@ package pairs_pkg;
     3'(SHAPE_PLANE),     // sphere-plane
     {PAIR_CODES-PAIRS{3'(SHAPE_CYLINDER)}}};
   // Sets of pairs (bit p: pair p), as the parameter PAIRS of a card is one.
+  localparam int RING_ROWS = 1024;  // more than a ring can have in flight
   localparam int RING_PAIRS =  // the pipe is a ring with a mouth (cylinder_pair.sv), a budget sets its work
       1 << PAIR_TRIANGLE_CYLINDER | 1 << PAIR_CYLINDER_CYLINDER | 1 << PAIR_OBB_CYLINDER;
   localparam int FACET_PAIRS =  // it is made of facet units, which can take turns (pair_hold.sv)

@@ -2,6 +2,7 @@
 // Slots and records, in words of the container width; host/include/cde/contract/records.hpp is the same in C++.
 package records_pkg;
   localparam int DDR_WORDS = 9;  // words of a DDR beat, 288 bits in fp32; slots are packed, a word each of the shape
+  localparam int MOST_PRIMARIES = 256;  // slots of the primary register file, at most
 
   localparam int RECORD_WORDS = 7;
   localparam int RECORD_CP = 0;       // 3 words

@@ -145,7 +145,7 @@ module cde #(
       logic [ROW_W+33:0] next_tag;
       assign of_ring = pairs_pkg::has(pairs_pkg::RING_PAIRS, int'(pair[k]));
       assign ready_o[k] = rested && (!of_ring || group[0].ring_ready[pair[k]]);
-      issue_order #(.W(ROW_W + 34), .DEPTH(1024)) order (
+      issue_order #(.W(ROW_W + 34), .DEPTH(pairs_pkg::RING_ROWS)) order (
           .clk_i, .rst_i, .push_i(valid_i[k] && of_ring), .d_i(tag), .pop_i(of_ring && group[0].ring_valid[pair[k]]),
           .q_o(next_tag));
       assign valid_o[k] = of_ring ? group[0].ring_valid[pair[k]] : late_valid;

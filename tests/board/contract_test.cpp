@@ -96,6 +96,7 @@ Values pairs() {
               {"PAIRS", kPairs},
               {"NO_PAIR", kNoPair},
               {"PAIR_CODES", kPairCodes},
+              {"RING_ROWS", kRingRows},
               {"RING_PAIRS", kRingPairs},
               {"FACET_PAIRS", kFacetPairs},
               {"BOX_PAIRS", kBoxPairs},
@@ -121,6 +122,7 @@ Values pairs() {
 Values records() {
   using namespace card;
   return {{"DDR_WORDS", kDdrWords},
+          {"MOST_PRIMARIES", kMostPrimaries},
           {"RECORD_WORDS", kRecordWords},
           {"RECORD_CP", kRecordCp},
           {"RECORD_FLAGS", kRecordFlags},

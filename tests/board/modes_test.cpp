@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Casts end to end: result modes, stencils, packet sizes, clocks, refusals of the driver.
 #include <fmt/format.h>
+#include <ostream>
 
 #include "cases.hpp"
 
@@ -10,6 +11,8 @@ namespace {
 struct Kind {
   const char* name;
   BoardConfig (*config)();
+
+  friend void PrintTo(const Kind& k, std::ostream* out) { *out << k.name; }
 };
 const auto kKindName = [](const auto& info) { return info.param.name; };
 

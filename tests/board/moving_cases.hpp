@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <initializer_list>
+#include <ostream>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,6 +22,8 @@ struct MovingBoard {
   std::vector<Pair> pairs;
   unsigned lanes;
   unsigned slower = 0;  ///< clocks more for an operator
+
+  friend void PrintTo(const MovingBoard& m, std::ostream* out) { *out << m.name; }
 };
 BoardConfig config_of(const MovingBoard& kind, Transformer transform = Transformer::kBoth);
 inline const MovingBoard kMany{

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ray against triangle, pair by pair on the board, every bit against the mirror reference.
 #include <fmt/format.h>
+#include <ostream>
 
 #include "cases.hpp"
 
@@ -12,6 +13,8 @@ struct Kind {
   BoardConfig (*config)();
   std::size_t packets;  ///< of 256 x `triangles` pairs
   std::size_t triangles;
+
+  friend void PrintTo(const Kind& k, std::ostream* out) { *out << k.name; }
 };
 
 class Pairs : public ::testing::TestWithParam<Kind> {};

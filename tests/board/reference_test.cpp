@@ -5,6 +5,7 @@
 #include "cde/reference/pipes/ray_triangle.hpp"
 
 #include <cmath>
+#include <ostream>
 
 #include "cases.hpp"
 
@@ -72,6 +73,8 @@ struct Known {
   bool f;
   float t;
   Eigen::Vector3f cp;
+
+  friend void PrintTo(const Known& k, std::ostream* out) { *out << k.name; }
 };
 
 constexpr float kInf = std::numeric_limits<float>::infinity();

@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "../printed.hpp"
 #include "cde/scene/player.hpp"
 #include "cde/support/error.hpp"
 

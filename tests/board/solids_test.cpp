@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <random>
 
+#include "../printed.hpp"
 #include "cde/card/board.hpp"
 #include "cde/support/error.hpp"
 #include "pair_records.hpp"

@@ -92,7 +92,8 @@ Bitstream bitstream(const BusOptions& options) {
 BusCard::BusCard(const BusOptions& options)
     : bitstream_(bitstream(options)),
       api_(reinterpret_cast<cde_pci_entry_fn>(bitstream_.symbol("cde_pci_entry"))()) {
-  if (api_->abi != CDE_PCI_ABI) throw std::runtime_error("another version of abi_pci.h");
+  if (api_->head.version != CDE_PCI_ABI || api_->head.size != sizeof *api_)
+    throw std::runtime_error("another version of abi_pci.h");
   const cde_pci_options o = {.core_period_ps = options.core_period_ps,
                              .pci_period_ps = 15'000,
                              .memory = CDE_MEMORY_IDEAL,

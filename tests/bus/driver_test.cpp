@@ -2,6 +2,7 @@
 // The driver on the PCI card: the records of the functional bus, faults and all.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <ostream>
 
 #include "../board/cases.hpp"
 #include "cde/support/error.hpp"
@@ -48,6 +49,8 @@ struct Fault {
   const char* name;
   BusFault fault;
   std::uint32_t value;
+
+  friend void PrintTo(const Fault& f, std::ostream* out) { *out << f.name; }
 };
 class PciFaults : public ::testing::TestWithParam<Fault> {};
 

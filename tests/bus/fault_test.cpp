@@ -11,6 +11,10 @@ namespace {
 
 struct Setting {
   bool to_host, narrow;
+
+  friend void PrintTo(const Setting& s, std::ostream* out) {
+    *out << (s.to_host ? "to the host" : "to the card") << (s.narrow ? ", 32 bits" : ", 64 bits");
+  }
 };
 std::string name_of(const ::testing::TestParamInfo<Setting>& info) {
   return std::string(info.param.to_host ? "ToHost" : "ToCard") + (info.param.narrow ? "32" : "64");

@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "../board/cases.hpp"
+#include "../printed.hpp"
 #include "cde/contract/pci.hpp"
 #include "cde/support/error.hpp"
 

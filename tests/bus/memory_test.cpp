@@ -12,6 +12,10 @@ namespace {
 struct Setting {
   Bus bus;
   bool ecc;
+
+  friend void PrintTo(const Setting& s, std::ostream* out) {
+    *out << (s.bus == Bus::kCycle ? "PCI" : "functional bus") << (s.ecc ? ", check bits" : "");
+  }
 };
 
 class MemoryTimes : public ::testing::TestWithParam<Setting> {

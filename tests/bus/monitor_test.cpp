@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -111,6 +112,8 @@ struct Broken {
   bool write;
   std::function<void(Trace&)> spoil;
   const char* complaint;
+
+  friend void PrintTo(const Broken& b, std::ostream* out) { *out << b.name; }
 };
 
 class PciMonitorRule : public ::testing::TestWithParam<Broken> {};

@@ -10,6 +10,7 @@
 #include <tuple>
 #include <vector>
 
+#include "../printed.hpp"
 #include "cde/scene/player.hpp"
 #include "cde/scene/scene.hpp"
 

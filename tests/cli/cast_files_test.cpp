@@ -103,6 +103,9 @@ TEST_F(CastFiles, OtherSuffixesAreRefused) {
     words.insert(words.end(), {option, value});
     return words;
   };
+  EXPECT_EQ(cast({"one.obj", "--grid", "4x2", "-o", "x.CSV", "-q"}).status, 0);
+  EXPECT_TRUE(read("x.CSV").starts_with("ray,F,T,")) << "in capitals it is the same suffix";
+  std::filesystem::remove(folder_ / "x.CSV");
   refused(with("--image", "x.jpg"), "--image is 'x.jpg'; its name must end in .png, .pfm or .npy");
   refused(with("--shaded", "x.npy"), "--shaded is 'x.npy'; its name must end in .png");
   refused(with("--indices", "x.pfm"), "must end in .png or .npy");
@@ -188,8 +191,9 @@ TEST_F(CastFiles, ArrayOfHits) {
 
 std::string array_of(const std::string& type, const std::string& shape, const std::string& data,
                      const std::string& fortran = "False") {
+  const std::string descr = type.starts_with('[') ? type : "'" + type + "'";
   std::string header =
-      fmt::format("{{'descr': '{}', 'fortran_order': {}, 'shape': {}, }}", type, fortran, shape);
+      fmt::format("{{'descr': {}, 'fortran_order': {}, 'shape': {}, }}", descr, fortran, shape);
   header.append(127 - 10 - header.size(), ' ').push_back('\n');
   std::string all("\x93NUMPY\x01\x00", 8);
   all += static_cast<char>(header.size());
@@ -220,6 +224,8 @@ TEST_F(CastFiles, RaysFromArrays) {
   };
   bad("0,0,0,0,0,1\n", "bad.npy: is not a NumPy array");
   bad(array_of("<i4", "(1, 6)", std::string(24, '\0')), "its numbers are '<i4'");
+  bad(array_of("[('x', '<f4'), ('y', '<f8')]", "(1,)", std::string(12, '\0')),
+      "its elements are structures, [('x', '<f4'), ('y', '<f8')]");
   bad(array_of("<f4", "(6,)", std::string(24, '\0')), "its shape is (6,)");
   bad(array_of("<f4", "(1, 5)", std::string(20, '\0')), "its shape is (1, 5)");
   bad(array_of("<f4", "(2, 6)", std::string(24, '\0')), "24 bytes behind its header");

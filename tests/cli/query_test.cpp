@@ -113,6 +113,33 @@ TEST_F(Query, ABarBetweenAAndB) {
   EXPECT_EQ(ray.out, kHeader + "1,2,0,0,0,,,,\n0,inf,0,0,0,,,,\n");
 }
 
+/// A builder that fails says first what was wrong, and then much else.
+TEST_F(Query, AFailedBuildNamesItsCauseAndItsLog) {
+  std::filesystem::create_directories(folder_ / "share/verilator");
+  std::filesystem::create_directories(folder_ / "share/rtl");
+  const std::string builder = write("share/verilator/bitstream", R"(#!/bin/bash
+[[ $1 == hash ]] && { echo 0123456789abcdef 0123456789abcdef01234567; exit; }
+echo "compiling a great deal" >&2
+echo "%Error: lane.sv:12:3: no such signal" >&2
+echo "   12 |   signul <= 0;" >&2
+for k in {1..40}; do echo "... included from file $k" >&2; done
+exit 1
+)");
+  std::filesystem::permissions(folder_ / builder, std::filesystem::perms::owner_all);
+  const Ran ran = query({"sphere-sphere", "-q"}, "0,0,0,1,2,0,0,1\n",
+                        {"CDE_BITSTREAMS=/nowhere", "CDE_CACHE=" + (folder_ / "cache").string(),
+                         "CDE_SHARE=" + (folder_ / "share").string()});
+  EXPECT_EQ(ran.status, 2) << ran.err;
+  EXPECT_NE(ran.err.find("failed:\n%Error: lane.sv:12:3: no such signal\n   12 |   signul <= 0;\n"),
+            std::string::npos)
+      << ran.err;
+  EXPECT_EQ(ran.err.find("included from"), std::string::npos) << ran.err;
+  const std::string log = "cache/0123456789abcdef01234567.log";
+  EXPECT_NE(ran.err.find(log), std::string::npos) << ran.err;
+  ASSERT_TRUE(exists(log));
+  EXPECT_NE(read(log).find("included from file 40"), std::string::npos);
+}
+
 /// A header without answers would look like a result.
 TEST_F(Query, NothingIsWrittenWhereNoAnswerFollows) {
   const std::string cache = "CDE_CACHE=" + (folder_ / "cache").string();
@@ -293,9 +320,13 @@ TEST_F(Query, WrongUsageIsRefused) {
   refused({"cylinder-cylinder", "--budget", "4,8,65"}, "budget: K2 is 65, expected 0 to 64");
   refused({"cylinder-cylinder", "--budget", "4,8,8,"}, "--budget is '4,8,8,'; it must be M,K1,K2");
   refused({"cylinder-cylinder", "--budget", "13"},
-          "--budget is 13; cylinder-cylinder takes at least 14 evaluations");
+          "--budget is 13; cylinder-cylinder takes 14 to 334 evaluations");
   refused({"obb-cylinder", "--budget", "29"},
-          "--budget is 29; obb-cylinder takes at least 30 evaluations");
+          "--budget is 29; obb-cylinder takes 30 to 258 evaluations");
+  refused({"obb-cylinder", "--budget", "259"},
+          "--budget is 259; obb-cylinder takes 30 to 258 evaluations");
+  refused({"triangle-cylinder", "--budget", "99999"},
+          "--budget is 99999; triangle-cylinder takes 26 to 254 evaluations");
   refused({}, "cde query needs PAIR");
 }
 

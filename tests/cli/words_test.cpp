@@ -58,6 +58,8 @@ TEST_F(CommandLine, IsRefusedInTheOrderTyped) {
        "cde cast has no option '--bogus'; `cde cast --help` lists them"},
       {{"plan", "a.toml", "b.toml", "--bogus"},
        "cde plan does not know what to do with 'b.toml'; `cde plan --help` says what it takes"},
+      {{"run", "-"}, "scene is '-'; it must be a file; standard input is /dev/stdin"},
+      {{"plan", "-"}, "scene is '-'; it must be a file; standard input is /dev/stdin"},
       {{"query", "sphere-shpere"}, "no pair 'sphere-shpere'; did you mean sphere-sphere?"},
       {{"inventory", "obb-ob"}, "no pair 'obb-ob'; did you mean obb-obb?"},
       {{"bench", "ray"}, "no section 'ray'; did you mean rays?"},

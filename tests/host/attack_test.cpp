@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstring>
+#include <ostream>
 #include <random>
 #include <sstream>
 
@@ -116,6 +117,8 @@ struct BadText {
   const char* bytes;
   ErrorCode code;
   const char* message;
+
+  friend void PrintTo(const BadText& b, std::ostream* out) { *out << b.name; }
 };
 
 const std::string kPly =

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <ostream>
 
 #include "cde/geometry/primitives.hpp"
 #include "testing.hpp"
@@ -62,6 +63,8 @@ struct Framing {
   const char* name;
   Eigen::Vector3f low, high;
   Resolution size;
+
+  friend void PrintTo(const Framing& f, std::ostream* out) { *out << f.name; }
 };
 
 class CameraFor : public ::testing::TestWithParam<Framing> {};
@@ -141,6 +144,8 @@ TEST(CameraTest, Parsers) {
                           "1,2,inf,4,5,6", "1,2,3,4,5,6,", "a,2,3,4,5,6"}) {
     expect_error(ErrorCode::kUsage, "camera", [&] { (void)parse_camera(bad); });
   }
+  expect_error(ErrorCode::kUsage, "of 180 degrees, must be above 0 and below 180",
+               [] { (void)parse_camera("1,2,3,4,5,6,180"); });
   EXPECT_EQ(parse_resolution("640x480").width, 640u);
   for (const char* bad :
        {"", "640", "x", "640x", "x480", "0x4", "4x0", "-4x4", "99999x4", "4x4x4", "4 x4"}) {

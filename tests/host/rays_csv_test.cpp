@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <ostream>
 #include <sstream>
 
 #include "testing.hpp"
@@ -82,6 +83,8 @@ struct BadRay {
   const char* text;
   ErrorCode code;
   const char* message;
+
+  friend void PrintTo(const BadRay& b, std::ostream* out) { *out << b.name; }
 };
 
 class BadRays : public ::testing::TestWithParam<BadRay> {};

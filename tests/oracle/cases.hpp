@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,9 @@ inline constexpr std::array kPairs = [] {
 
 /// "ray-triangle", "obb-obb", ...
 [[nodiscard]] const char* to_string(Pair pair);
+inline void PrintTo(Pair pair, std::ostream* out) {
+  *out << to_string(pair);
+}
 [[nodiscard]] ShapeKind primary(Pair pair);
 [[nodiscard]] ShapeKind secondary(Pair pair);
 [[nodiscard]] inline bool has_ray(Pair pair) {

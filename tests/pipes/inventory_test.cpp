@@ -73,6 +73,8 @@ TEST(Inventory, TheBoxRuleAddsItsOperators) {
 struct Pipe {
   const char* module;
   Operators stated;
+
+  friend void PrintTo(const Pipe& p, std::ostream* out) { *out << p.module; }
 };
 const Pipe kRays[] = {
     {"ray_triangle_badouel",
@@ -166,6 +168,8 @@ struct Turns {
   const char* module;
   Operators stated;
   unsigned latency, latency_of_one;  ///< with an interval of 3, of 1
+
+  friend void PrintTo(const Turns& t, std::ostream* out) { *out << t.module; }
 };
 const Turns kTurns[] = {{"obb_obb",
                          {.multipliers = 336,
@@ -246,6 +250,8 @@ struct Ring {
   const char* parameter;
   Operators stated;
   unsigned rows, latency;
+
+  friend void PrintTo(const Ring& r, std::ostream* out) { *out << r.pair; }
 };
 const Ring kRings[] = {{"cylinder_cylinder",
                         "PAIR=8",

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "../printed.hpp"
 #include "cde/card/pair_unit.hpp"
 #include "cde/fp/fp_format.hpp"
 #include "cde/geometry/length_range.hpp"

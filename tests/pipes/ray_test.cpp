@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "../printed.hpp"
 #include "cde/card/pair_unit.hpp"
 #include "cde/reference/pairs.hpp"
 

@@ -145,7 +145,7 @@ Card* card(void* p) {
 }
 
 const cde_board_api kApi = {
-    CDE_BOARD_ABI,
+    {CDE_BOARD_ABI, sizeof(cde_board_api)},
     8 * sizeof(Vmodel::sram_write_data_o) / cde::card::kRecordWords,
     CDE_CONFIG_HASH,
 #include "params.inc"

@@ -178,7 +178,7 @@ double measure(cde_fp_unit* u, uint32_t op, uint64_t clocks) {
   return processor_seconds() - start;
 }
 
-constexpr cde_fp_api kApi{CDE_FP_ABI_VERSION,
+constexpr cde_fp_api kApi{{CDE_FP_ABI, sizeof(cde_fp_api)},
                           kExp,
                           kMan,
                           kLanes,

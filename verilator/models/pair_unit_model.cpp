@@ -128,7 +128,7 @@ uint64_t test(cde_pair_unit* unit, const void* a, const void* b, void* results, 
 }
 
 const cde_pair_api kApi = {
-    CDE_PAIR_ABI_VERSION,
+    {CDE_PAIR_ABI, sizeof(cde_pair_api)},
     kWord,
     kLanes,
     kAWords,

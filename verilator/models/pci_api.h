@@ -41,7 +41,7 @@ struct Api {
   static constexpr cde_pci_api table(uint32_t container_bits, uint64_t config_hash,
                                      const char* parameters) {
     return {
-        CDE_PCI_ABI,
+        {CDE_PCI_ABI, sizeof(cde_pci_api)},
         container_bits,
         config_hash,
         parameters,

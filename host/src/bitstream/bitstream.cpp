@@ -19,6 +19,7 @@
 #include <iterator>
 #include <mutex>
 #include <optional>
+#include <regex>
 #include <set>
 #include <sstream>
 #include <type_traits>
@@ -63,6 +64,33 @@ std::string last_lines(std::string_view text, int lines) {
   }
   if (begin == std::string_view::npos || begin == 0) return std::string(text);
   return std::string(text.substr(begin + 1));
+}
+
+/// What a builder's output says of a failure: its first errors, as Verilator and compilers name
+/// them, each with the line that follows; its last lines if it names none.
+std::string causes(const std::string& text) {
+  constexpr int kMost = 4;
+  static const std::regex error("^%Error|(^|: )(fatal )?error: ");
+  std::string found;
+  int errors = 0;
+  std::istringstream lines(text);
+  for (std::string line, after; errors < kMost && std::getline(lines, line);) {
+    if (!std::regex_search(line, error)) continue;
+    ++errors;
+    found += line + '\n';
+    if (std::getline(lines, after)) found += after + '\n';
+  }
+  return errors != 0 ? last_lines(found, 2 * kMost) : last_lines(text, 12);
+}
+
+/// The output of a build that failed, kept beside where its bitstream would lie; what to say of it.
+std::string keep_log(const fs::path& file, const std::string& output) {
+  const fs::path log = fs::path(file).replace_extension(".log");
+  std::ofstream out(log, std::ios::binary | std::ios::trunc);
+  out << output;
+  out.close();
+  if (!out) return "";
+  return fmt::format("\nall of what the builder said: {}", printable_name(log.string()));
 }
 
 /// Beside a bitstream, written by its builder: comments, and a line as of sha256sum.
@@ -143,16 +171,19 @@ void build(const fs::path& file, const std::string& kind,
       command,
       [&](process::Seconds elapsed, std::string_view so_far) { progress(elapsed, so_far); });
   progress.end(result.status == 0);
+  if (result.status == 0) {
+    std::error_code none;
+    fs::remove(fs::path(file).replace_extension(".log"), none);  // of a build that failed before
+  }
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     if (result.status == 128 + signal)
       throw Error(signal, fmt::format("building bitstream {} was ended: {}", what,
                                       ::strsignal(signal)));  // NOLINT(concurrency-mt-unsafe)
   }
   if (result.status != 0) {
-    throw Error(
-        ErrorCode::kBuild,
-        fmt::format("building bitstream {} failed:\n{}", what,
-                    printable(last_lines(BuildProgress::without_phases(result.output), 12))));
+    const std::string said = BuildProgress::without_phases(result.output);
+    throw Error(ErrorCode::kBuild, fmt::format("building bitstream {} failed:\n{}{}", what,
+                                               printable(causes(said)), keep_log(file, said)));
   }
 }
 

@@ -161,9 +161,11 @@ Board Board::open(const BoardConfig& config, const OpenOptions& options) {
                 fmt::format("bus_burst is {}; it must be 64 to 4096 bytes, a multiple of 8",
                             options.bus_burst));
   }
-  if (options.clock_period_ps < 100 || options.clock_period_ps > 1'000'000) {
-    throw Error(ErrorCode::kUsage, fmt::format("clock_period_ps is {}; it must be 100 to 1000000",
-                                               options.clock_period_ps));
+  constexpr auto kLeastPs = static_cast<std::uint32_t>(1e6 / kMostClockMhz),
+                 kMostPs = static_cast<std::uint32_t>(1e6 / kLeastClockMhz);
+  if (options.clock_period_ps < kLeastPs || options.clock_period_ps > kMostPs) {
+    throw Error(ErrorCode::kUsage, fmt::format("clock_period_ps is {}; it must be {} to {}",
+                                               options.clock_period_ps, kLeastPs, kMostPs));
   }
   check_watchdog(options.watchdog);
   const std::vector<std::string> parameters = config.parameters();

@@ -34,7 +34,7 @@ bool Board::Impl::uncorrectable(std::uint32_t first, std::uint32_t count) {
                 fmt::format("words of DDR have errors that cannot be corrected, and a pass that "
                             "looks for them did not end (status {:#x}, clock {})",
                             status, clocks()),
-                DeviceFault{.pci_status = link->pci_status(), .clock = clocks()});
+                link->fault());
   }
   const bool found = card::kEccFailed.of(read_register(card::kRegEcc)) != 0;
   write_register(card::kRegControl, card::kControlClear);

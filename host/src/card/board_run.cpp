@@ -6,7 +6,9 @@
 #include <bit>
 
 #include "card/board_impl.hpp"
+#include "cde/contract/pairs.hpp"
 #include "cde/contract/records.hpp"
+#include "cde/reference/pairs.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde {
@@ -55,15 +57,12 @@ class Pass {
     }
     for (unsigned p = 0; p < slots_; ++p) active_ += stencil_[p] ? 0u : 1u;
     const std::uint64_t rows = (std::max(card.loaded, second) + card.lanes - 1) / card.lanes;
-    // A ring takes a row in as many clocks as a pair takes passes, and each takes its length: no
-    // more than kRing clocks.
-    constexpr std::uint64_t kRing = 1024;
-    const bool ring = has_budget(*query.pair) || (query.second && has_budget(query.second->pair));
+    // A ring takes a row in as many clocks as a pair takes passes, each of which takes its length.
+    const std::uint64_t passes =
+        std::max(reference::passes(*query.pair, query.budget),
+                 query.second ? reference::passes(query.second->pair, query.budget) : 0u);
     const bool facets = has_facets(*query.pair) || (query.second && has_facets(query.second->pair));
-    const std::uint64_t clocks_a_row =
-        ring     ? 40 + 3 * (query.budget.samples + query.budget.circle + query.budget.free)
-        : facets ? card.facet_interval
-                 : 1;
+    const std::uint64_t clocks_a_row = passes != 0 ? passes : facets ? card.facet_interval : 1;
     const std::uint64_t rows_total = rows * swept_ * clocks_a_row;
     streaming_ = query.mode == Mode::kAll || query.mode == Mode::kHits;
     const std::uint64_t records = streaming_ ? active_ * swept_ : active_;
@@ -73,7 +72,7 @@ class Pass {
     constexpr std::uint64_t kAccessesPs = 100'000'000;
     const std::uint64_t worst = rows_total + 2 * (2 + beats_of(1) + record_clocks()) * records +
                                 swept_ * (card.ddr_latency / 32 + 2) + 8192 + card.pipe_latency +
-                                (ring ? clocks_a_row * kRing : 0) + kAccessesPs / card.period_ps;
+                                passes * contract::kRingRows + kAccessesPs / card.period_ps;
     ring_entries_ = query.normals ? 2 : 1;
     deadline_ = query.deadline_clocks != 0 ? query.deadline_clocks : 2 * worst;
   }
@@ -272,9 +271,9 @@ class Pass {
         fault_at(address));
   }
   [[nodiscard]] DeviceFault fault_at(std::uint64_t address) {
-    return {.pci_status = card_.link->pci_status(),
-            .address = static_cast<std::uint32_t>(address),
-            .clock = card_.clocks()};
+    DeviceFault fault = card_.link->fault();
+    fault.address = static_cast<std::uint32_t>(address);
+    return fault;
   }
   [[noreturn]] void uncorrectable(std::uint64_t words, std::uint64_t status) {
     const auto byte = card_.find_uncorrectable((query_.swap ? card::kCommandSwap : 0) |

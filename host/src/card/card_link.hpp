@@ -6,6 +6,8 @@
 #include <string>
 
 #include "cde/card/board.hpp"
+#include "cde/contract/pci.hpp"
+#include "cde/support/device_fault.hpp"
 
 namespace cde {
 
@@ -14,6 +16,9 @@ namespace cde {
 inline constexpr std::uint64_t kFirstAskClocks = 1024;
 /// Bytes that a driver has mapped, and so transfers at a time.
 inline constexpr std::uint32_t kMappedBytes = 1u << 20;
+
+/// Of kSpaceReg, what is reached by single accesses whatever the bus; the rest by transfers.
+inline constexpr std::uint32_t kRegisterWindow = pci::kRegisters;
 
 /// The way from the driver to a card: accesses to its spaces over whichever bus it is plugged
 /// into, and its interrupt. Times are the card's: core clocks since power-on. Private to the
@@ -42,9 +47,9 @@ class CardLink {
   /// Throws what happened if the device is lost.
   virtual void alive() const = 0;
   [[nodiscard]] virtual bool lost() const = 0;
-  /// Status register of the card's configuration space; 0 where there is none.
-  [[nodiscard]] virtual std::uint16_t pci_status() = 0;
-  /// The first rule of PCI that was broken; empty if none.
+  /// For the report of a failure: what the bus has noted of it, and the clock.
+  [[nodiscard]] virtual DeviceFault fault() = 0;
+  /// The first rule of the bus that was broken; empty if none.
   [[nodiscard]] virtual std::string violation() const = 0;
   /// Error kUsage if this kind of bus has no such fault.
   virtual void inject(BusFault fault, std::uint32_t count, std::uint32_t value) = 0;
@@ -58,6 +63,13 @@ class CardLink {
 
   /// Of the loaded bitstream, whatever its card says.
   [[nodiscard]] virtual std::uint64_t config_hash() const = 0;
+
+ protected:
+  /// What goes as a single access, not as a transfer.
+  [[nodiscard]] static bool is_register(card::Space space, std::uint32_t offset,
+                                        std::uint64_t beats) {
+    return space == card::kSpaceReg && offset + 8 * beats <= kRegisterWindow;
+  }
 };
 
 /// The local bus itself, driven by the harness; the time that PCI would take is computed

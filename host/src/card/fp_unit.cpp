@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "abi_fp.h"
+#include "card/abi_table.hpp"
 #include "cde/bitstream/bitstream.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
@@ -36,13 +37,7 @@ std::vector<std::string> fp_unit_parameters(FpFormat format, Arithmetic arithmet
 
 FpUnit::FpUnit(const Bitstream& bitstream) : state_(std::make_unique<State>(bitstream)) {
   State& s = *state_;
-  const auto entry = reinterpret_cast<cde_fp_entry_function>(s.bitstream.symbol("cde_fp_entry"));
-  s.api = entry();
-  if (s.api->version != CDE_FP_ABI_VERSION)
-    throw Error(
-        ErrorCode::kConfiguration,
-        fmt::format("bitstream {} has interface version {}, not {}",
-                    printable_name(bitstream.path().string()), s.api->version, CDE_FP_ABI_VERSION));
+  s.api = abi_table<cde_fp_entry_fn>(s.bitstream, "cde_fp_entry", CDE_FP_ABI);
   s.unit = s.api->create();
   if (s.unit == nullptr)
     throw Error(ErrorCode::kDevice, fmt::format("bitstream {}: out of memory",

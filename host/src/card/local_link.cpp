@@ -5,14 +5,12 @@
 #include <cstring>
 
 #include "abi.h"
+#include "card/abi_table.hpp"
 #include "card/bus_time.hpp"
 #include "card/card_link.hpp"
 #include "card/device_loss.hpp"
-#include "card/waves.hpp"
-#include "cde/card/memory.hpp"
 #include "cde/contract/pci.hpp"
 #include "cde/support/error.hpp"
-#include "cde/support/message.hpp"
 
 namespace cde {
 namespace {
@@ -29,23 +27,12 @@ class LocalLink final : public CardLink {
         period_ps_(options.clock_period_ps),
         retries_(options.bus_retries),
         bus_(options) {
-    api_ = reinterpret_cast<cde_board_entry_fn>(bitstream_.symbol("cde_board_entry"))();
-    if (api_->abi != CDE_BOARD_ABI) {
-      throw Error(
-          ErrorCode::kConfiguration,
-          fmt::format("bitstream {}: C interface version {}, this driver speaks {}",
-                      printable_name(bitstream_.path().string()), api_->abi, CDE_BOARD_ABI));
-    }
+    api_ = abi_table<cde_board_entry_fn>(bitstream_, "cde_board_entry", CDE_BOARD_ABI);
     const cde_board_options card_options = {.memory = static_cast<std::uint32_t>(options.memory),
                                             .ddr_latency = options.ddr_latency,
                                             .clock_period_ps = options.clock_period_ps};
     card_ = api_->create(&card_options);
-    if (card_ == nullptr)
-      throw Error(
-          ErrorCode::kDevice,
-          fmt::format("no memory for the card's models: they reserve {} MB of address space "
-                      "for its DDR and SRAM, and use little of it (ulimit -v)",
-                      kModelBytes >> 20));
+    if (card_ == nullptr) no_memory_for_models();
   }
   LocalLink(const LocalLink&) = delete;
   LocalLink& operator=(const LocalLink&) = delete;
@@ -133,7 +120,7 @@ class LocalLink final : public CardLink {
   }
   void alive() const override { loss_.alive(); }
   [[nodiscard]] bool lost() const override { return loss_.lost(); }
-  [[nodiscard]] std::uint16_t pci_status() override { return 0; }
+  [[nodiscard]] DeviceFault fault() override { return {.clock = clocks()}; }
   [[nodiscard]] std::string violation() const override { return {}; }
   void inject(BusFault fault, std::uint32_t count, std::uint32_t) override {
     if (!on_functional_bus(fault)) {
@@ -149,13 +136,8 @@ class LocalLink final : public CardLink {
   }
 
   void trace_open(const std::filesystem::path& file) override {
-    if (std::strstr(api_->parameters, "TRACE=1") == nullptr) {
-      throw Error(ErrorCode::kUsage,
-                  "this bitstream has no waves; open the board with BoardConfig::trace");
-    }
-    if (api_->trace_open(card_, file.c_str()) != 0)
-      throw Error(ErrorCode::kFile,
-                  fmt::format("{}: cannot write waves", printable_name(file.string())));
+    require_waves(api_->parameters);
+    require_opened(api_->trace_open(card_, file.c_str()), file);
   }
   void trace_close() override { require_whole_waves(api_->trace_close(card_)); }
   bool flip_ddr(std::uint64_t byte, std::uint8_t mask) override {
@@ -167,10 +149,6 @@ class LocalLink final : public CardLink {
   [[nodiscard]] std::uint64_t config_hash() const override { return api_->config_hash; }
 
  private:
-  static bool is_register(card::Space space, std::uint32_t offset, std::uint64_t beats) {
-    return space == card::kSpaceReg && offset + 8 * beats <= pci::kRegisters;
-  }
-
   // ---- Time ----
 
   /// Time of the bus, in which a pass goes on.

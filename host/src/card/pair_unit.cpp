@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "abi_pair.h"
-#include "card/waves.hpp"
+#include "card/abi_table.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 
@@ -75,12 +75,8 @@ struct PairUnit::State {
 PairUnit::PairUnit(const Bitstream& bitstream, const PairConfig& config)
     : state_(std::make_shared<State>(bitstream, config)) {
   State& s = *state_;
-  s.api = reinterpret_cast<cde_pair_entry_function>(s.bitstream.symbol("cde_pair_entry"))();
+  s.api = abi_table<cde_pair_entry_fn>(s.bitstream, "cde_pair_entry", CDE_PAIR_ABI);
   const std::string path = printable_name(bitstream.path().string());
-  if (s.api->version != CDE_PAIR_ABI_VERSION)
-    throw Error(ErrorCode::kConfiguration,
-                fmt::format("bitstream {} has interface version {}, not {}", path, s.api->version,
-                            CDE_PAIR_ABI_VERSION));
   if (s.api->lanes != config.lanes || s.api->a_words != primary_words(config.pair) ||
       s.api->b_words != secondary_words(config.pair) ||
       s.api->config_hash != s.bitstream.config_hash())

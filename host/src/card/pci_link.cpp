@@ -6,12 +6,11 @@
 #include <cstring>
 #include <vector>
 
+#include "card/abi_table.hpp"
 #include "card/card_link.hpp"
 #include "card/pci_port.hpp"
-#include "card/waves.hpp"
 #include "cde/contract/pci.hpp"
 #include "cde/support/error.hpp"
-#include "cde/support/message.hpp"
 
 namespace cde {
 namespace {
@@ -26,8 +25,7 @@ constexpr std::uint32_t kPageBytes = 1u << pci::kPageBits;
 constexpr std::uint32_t kRingPage = 0, kCompletionPage = 1, kDataPage = 2;
 constexpr std::uint32_t kDataBytes = kMappedBytes, kDataPages = kDataBytes / kPageBytes;
 constexpr unsigned kDescriptors = 16;
-// How long the driver waits for an interrupt before it asks the card: the first time, and at most.
-constexpr std::uint64_t kFirstAskClocks = 1024, kLastAskClocks = 65536;
+constexpr std::uint64_t kLastAskClocks = 65536;  // at most so long without an interrupt
 // Retries in a row until a transfer fails: 2 ms where a retry takes 8 clocks, a fifth of the time
 // after which the engine counts as hung.
 constexpr std::uint32_t kRetryLimit = 1u << 14;
@@ -142,7 +140,9 @@ class PciLink final : public CardLink {
   }
   void alive() const override { port_.alive(); }
   [[nodiscard]] bool lost() const override { return port_.lost(); }
-  [[nodiscard]] std::uint16_t pci_status() override { return port_.pci_status(); }
+  [[nodiscard]] DeviceFault fault() override {
+    return {.pci_status = port_.pci_status(), .clock = clocks()};
+  }
   [[nodiscard]] std::string violation() const override {
     const char* const rule = api().violation(port_.host());
     return rule != nullptr ? rule : "";
@@ -153,13 +153,8 @@ class PciLink final : public CardLink {
   }
 
   void trace_open(const std::filesystem::path& file) override {
-    if (std::strstr(api().parameters, "TRACE=1") == nullptr) {
-      throw Error(ErrorCode::kUsage,
-                  "this bitstream has no waves; open the board with BoardConfig::trace");
-    }
-    if (api().trace_open(port_.host(), file.c_str()) != 0)
-      throw Error(ErrorCode::kFile,
-                  fmt::format("{}: cannot write waves", printable_name(file.string())));
+    require_waves(api().parameters);
+    require_opened(api().trace_open(port_.host(), file.c_str()), file);
   }
   void trace_close() override { require_whole_waves(api().trace_close(port_.host())); }
   bool flip_ddr(std::uint64_t byte, std::uint8_t mask) override {
@@ -191,9 +186,6 @@ class PciLink final : public CardLink {
     if (memory == nullptr || byte >= bytes) return false;
     memory[byte] ^= mask;
     return true;
-  }
-  static bool is_register(card::Space space, std::uint32_t offset, std::uint64_t beats) {
-    return space == card::kSpaceReg && offset + 8 * beats <= pci::kRegisters;
   }
 
   // ---- Set-up ----

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "card/pci_port.hpp"
-#include "cde/contract/pci.hpp"
 
 #include <fmt/format.h>
 
-#include "cde/support/message.hpp"
+#include "card/abi_table.hpp"
+#include "cde/contract/pci.hpp"
 
 namespace cde {
 
@@ -13,12 +13,7 @@ PciPort::PciPort(Bitstream bitstream, const OpenOptions& options, std::uint64_t 
       period_ps_(options.clock_period_ps),
       retries_(options.bus_retries),
       watchdog_(options.watchdog) {
-  api_ = reinterpret_cast<cde_pci_entry_fn>(bitstream_.symbol("cde_pci_entry"))();
-  if (api_->abi != CDE_PCI_ABI) {
-    throw Error(ErrorCode::kConfiguration,
-                fmt::format("bitstream {}: C interface version {}, this driver speaks {}",
-                            printable_name(bitstream_.path().string()), api_->abi, CDE_PCI_ABI));
-  }
+  api_ = abi_table<cde_pci_entry_fn>(bitstream_, "cde_pci_entry", CDE_PCI_ABI);
   const HostProfile& p = options.host;
   const cde_pci_options card_options = {
       .core_period_ps = period_ps_,
@@ -30,11 +25,7 @@ PciPort::PciPort(Bitstream bitstream, const OpenOptions& options, std::uint64_t 
       .seed = 1,
       .profile = {p.arbitration, p.read_latency, p.write_latency, 0, 0}};
   host_ = api_->create(&card_options);
-  if (host_ == nullptr)
-    throw Error(ErrorCode::kDevice,
-                fmt::format("no memory for the card's models: they reserve {} MB of address space "
-                            "for its DDR and SRAM, and use little of it (ulimit -v)",
-                            kModelBytes >> 20));
+  if (host_ == nullptr) no_memory_for_models();
 }
 
 void PciPort::reset() {

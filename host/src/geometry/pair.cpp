@@ -7,6 +7,7 @@
 #include <array>
 #include <string>
 
+#include "cde/contract/registers.hpp"
 #include "cde/support/error.hpp"
 #include "support/text.hpp"
 
@@ -48,9 +49,9 @@ void PairBudget::check() const {
   if (samples != 4 && samples != 8 && samples != 16)
     throw Error(ErrorCode::kUsage, fmt::format("budget: M is {}, expected 4, 8 or 16", samples));
   for (const auto& [what, value] : {std::pair{"K1", circle}, std::pair{"K2", free}})
-    if (value > 64)
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("budget: {} is {}, expected 0 to 64", what, value));
+    if (value > card::kBudgetMost)
+      throw Error(ErrorCode::kUsage, fmt::format("budget: {} is {}, expected 0 to {}", what, value,
+                                                 card::kBudgetMost));
 }
 
 bool has_budget(Pair pair) {

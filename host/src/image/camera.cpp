@@ -52,9 +52,9 @@ Frame frame_of(const Camera& camera) {
 
 double half_height(float fov_degrees) {
   if (!(fov_degrees > 0.0f && fov_degrees < 180.0f)) {
-    throw Error(
-        ErrorCode::kUsage,
-        fmt::format("camera: field of view of {} degrees, must be between 0 and 180", fov_degrees));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("camera: field of view of {} degrees, must be above 0 and below 180",
+                            fov_degrees));
   }
   return std::tan(fov_degrees * std::numbers::pi / 360.0);
 }

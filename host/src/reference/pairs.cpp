@@ -6,6 +6,7 @@
 #include <bit>
 
 #include "cde/fp/scalars.hpp"
+#include "cde/reference/pipes/cylinder/schedule.hpp"
 #include "cde/reference/pipes/dispatch.hpp"
 #include "cde/support/error.hpp"
 
@@ -68,6 +69,31 @@ void test_pairs_in(Pair pair, Algorithm algorithm, bool box, PlaneSide plane,
 }
 
 }  // namespace
+
+namespace {
+
+cylinder::Body body_of(Pair pair) {
+  const Shape primary = primary_shape(pair);
+  return primary == Shape::kCylinder ? cylinder::Body::kCylinder
+         : primary == Shape::kObb    ? cylinder::Body::kBox
+                                     : cylinder::Body::kTriangle;
+}
+cylinder::Budget signed_budget(const PairBudget& budget) {
+  return {static_cast<int>(budget.samples), static_cast<int>(budget.circle),
+          static_cast<int>(budget.free)};
+}
+
+}  // namespace
+
+unsigned evaluations(Pair pair, const PairBudget& budget) {
+  if (!has_budget(pair)) return 0;
+  return static_cast<unsigned>(cylinder::evaluations(body_of(pair), signed_budget(budget)));
+}
+
+unsigned passes(Pair pair, const PairBudget& budget) {
+  if (!has_budget(pair)) return 0;
+  return static_cast<unsigned>(cylinder::passes(body_of(pair), signed_budget(budget)));
+}
 
 bool has_pair(Pair pair, Algorithm algorithm) {
   return pair == Pair::kRayTriangle || algorithm == Algorithm::kMoller;

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "cde/contract/records.hpp"
 #include "cde/reference/pipes/dispatch.hpp"
 #include "cde/reference/reference.hpp"
 #include "cde/support/error.hpp"
@@ -27,7 +28,7 @@ class MollerPass : public Pass::Impl {
              const std::vector<Triangle>& triangles)
       : rays_(std::move(rays)),
         numbers_(std::move(numbers)),
-        sweep_(rays_, triangles, mode, {}, 256, {}, box) {}
+        sweep_(rays_, triangles, mode, {}, card::kMostPrimaries, {}, box) {}
 
   std::span<const Record> next() override {
     const std::span<const Record> some = sweep_.next();
@@ -134,7 +135,7 @@ std::unique_ptr<Pass::Impl> any_pass(const PassQuery& query, Shapes&& primaries,
 Pass::Pass(const PassQuery& query, Shapes primaries, std::vector<std::uint32_t> numbers,
            const Shapes& secondaries) {
   (void)name_of(query.mode);  // or it is none
-  if (size(primaries) > 256 || size(primaries) != numbers.size())
+  if (size(primaries) > card::kMostPrimaries || size(primaries) != numbers.size())
     throw Error(ErrorCode::kUsage, fmt::format("a pass of {} primaries with {} numbers",
                                                size(primaries), numbers.size()));
   if (query.pair == Pair::kRayTriangle && query.algorithm == Algorithm::kMoller && !query.swap &&

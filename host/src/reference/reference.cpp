@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "cde/contract/records.hpp"
 #include "cde/reference/pipes/ray_triangle.hpp"
 #include "cde/reference/pipes/transform.hpp"
 #include "cde/support/error.hpp"
@@ -168,7 +169,7 @@ std::span<const Record> Sweep::next() {
 
 std::vector<Record> cast(const RayView& rays, const TriangleView& triangles, Mode mode,
                          const Stencil& stencil, std::span<const Object> objects, bool box) {
-  Sweep sweep(rays, triangles, mode, stencil, 256, objects, box);
+  Sweep sweep(rays, triangles, mode, stencil, card::kMostPrimaries, objects, box);
   std::vector<Record> records;
   for (auto some = sweep.next(); !some.empty(); some = sweep.next())
     records.insert(records.end(), some.begin(), some.end());

@@ -4,13 +4,14 @@
 #include <cstdint>
 #include <span>
 
+#include "cde/contract/records.hpp"
 #include "cde/geometry/primitives.hpp"
 
 namespace cde::reference {
 
 /// A packet of rays by component, for vector code. Private to the reference.
 struct RayBlock {
-  static constexpr unsigned kRays = 256;
+  static constexpr unsigned kRays = card::kMostPrimaries;
   alignas(64) std::array<float, kRays> ox{}, oy{}, oz{}, dx{}, dy{}, dz{};
   unsigned count = 0;  ///< rays in use, rounded up to whole vectors of the rest being zero
 };

@@ -6,6 +6,8 @@
 #include <map>
 #include <set>
 
+#include "cde/contract/records.hpp"
+#include "cde/contract/registers.hpp"
 #include "cde/support/message.hpp"
 #include "scene/parts.hpp"
 #include "support/file_io.hpp"
@@ -43,7 +45,7 @@ SceneCard read_card(Table t) {
   card.algorithm = static_cast<Algorithm>(
       t.choice("algorithm", {"moller", "badouel", "pluecker", "watertight"}, 0));
   card.box = t.flag("box", true);
-  card.clock_hz = 1e6 * t.number("clock_mhz", 100.0, {.min = 1, .max = 10000});
+  card.clock_hz = 1e6 * t.number("clock_mhz", 100.0, {.min = kLeastClockMhz, .max = kMostClockMhz});
   card.cycle_bus = t.choice("bus", {"functional", "cycle"}, 0) == 1;
   std::vector<std::string> hosts;
   hosts.reserve(std::size(kHostProfiles));
@@ -190,8 +192,8 @@ SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
                          "ray's have a budget",
                          name(q.pair)));
     q.budget.samples = budget->integer<unsigned>("samples", q.budget.samples, 4, 16);
-    q.budget.circle = budget->integer<unsigned>("circle", q.budget.circle, 0, 64);
-    q.budget.free = budget->integer<unsigned>("free", q.budget.free, 0, 64);
+    q.budget.circle = budget->integer<unsigned>("circle", q.budget.circle, 0, card::kBudgetMost);
+    q.budget.free = budget->integer<unsigned>("free", q.budget.free, 0, card::kBudgetMost);
     budget->finish();
     try {
       q.budget.check();
@@ -203,7 +205,7 @@ SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
   for (const std::size_t number : q.primaries) primaries += size(scene.objects[number].shapes);
   q.mask = t.number_ranges("mask", static_cast<std::int64_t>(primaries) - 1);
   if (count(q.mask) == primaries) t.fail(ErrorCode::kUsage, "mask", "leaves out every primary");
-  constexpr std::uint64_t kPacket = 256;
+  constexpr std::uint64_t kPacket = card::kMostPrimaries;
   const std::uint64_t packets = (primaries + kPacket - 1) / kPacket;
   const auto most = t.integer<std::uint64_t>("packets", packets, 1, 1 << 24);
   if (packets > most)

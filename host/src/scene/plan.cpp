@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "cde/contract/records.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "scene/plan_card.hpp"
@@ -17,7 +18,7 @@
 namespace cde {
 namespace {
 
-constexpr std::uint64_t kPacket = 256;
+constexpr std::uint64_t kPacket = card::kMostPrimaries;
 constexpr unsigned kMostLanes = 128;
 /// Lanes of planned cards are few, so that scenes share cards: a build takes longer than what a row
 /// of 16 lanes costs a scene that fills one of them (twice the time of one lane).
@@ -248,12 +249,12 @@ Effect modes(const Scene& scene, const Plan& plan) {
     const char* sep = i == 0 ? "" : "; ";
     e.choice += fmt::format("{}{} {}", sep, q.name, name_of(q.mode));
     const bool stream = q.mode == Mode::kAll || q.mode == Mode::kHits;
-    e.why +=
-        fmt::format("{}{} {} records a frame", sep, stream ? "at most" : "keeps", w.most_records);
+    e.why += fmt::format("{}{} {} {} records a frame", sep, q.name,
+                         stream ? "writes at most" : "keeps", w.most_records);
     const std::uint64_t bytes = 28 * (q.normals ? 2 : 1) * (w.primaries - w.masked) * w.secondaries;
-    e.cost += q.mode == Mode::kAll
-                  ? fmt::format("{}{} bytes a frame", sep, bytes)
-                  : fmt::format("{}mode all would write {} bytes a frame", sep, bytes);
+    e.cost += q.mode == Mode::kAll ? fmt::format("{}{} writes {} bytes a frame", sep, q.name, bytes)
+                                   : fmt::format("{}in mode all {} would write {} bytes a frame",
+                                                 sep, q.name, bytes);
   }
   return e;
 }
@@ -293,8 +294,9 @@ Effect self_pairs(const Scene& scene, const Plan& plan) {
     e.why += fmt::format("{}{} has an object on both sides: no shape meets itself{}", sep, w.name,
                          stream ? ", and each pair counts once" : "");
     const std::uint64_t all = (w.primaries - w.masked) * w.secondaries;
-    e.cost += fmt::format("{}{} of {} tests in {} passes instead of {}", sep, w.tests, all,
-                          w.passes, w.packets);
+    e.cost += fmt::format("{}{} of {} tests are left, in {} pass{}", sep, w.tests, all, w.passes,
+                          w.passes == 1 ? "" : "es");
+    if (w.passes != w.packets) e.cost += fmt::format(" instead of {}", w.packets);
   }
   return e;
 }
@@ -385,8 +387,8 @@ std::optional<double> simulation_cost(std::string_view effect) {
 
 std::string simulation_text(std::string_view effect) {
   const std::optional<double> times = simulation_cost(effect);
-  return times ? fmt::format("simulation takes {:.1f} times as long (cde bench effects)", *times)
-               : "not measured";
+  if (!times) return "not measured";
+  return fmt::format("a simulation with it takes {:.1f} times as long (cde bench effects)", *times);
 }
 
 Plan plan(const Scene& scene) {

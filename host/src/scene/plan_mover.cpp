@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "cde/contract/records.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "scene/self_pairs.hpp"
@@ -13,7 +14,7 @@ namespace cde::plan_mover {
 namespace {
 
 constexpr unsigned kMostEntries = 2048;  // that an object table can have
-constexpr std::uint64_t kPacket = 256;
+constexpr std::uint64_t kPacket = card::kMostPrimaries;
 
 using Group = std::vector<std::size_t>;  // numbers of objects
 using Side = Group SceneQuery::*;

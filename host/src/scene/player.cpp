@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "cde/contract/records.hpp"
 #include "cde/reference/pass.hpp"
 #include "cde/support/error.hpp"
 #include "query/record_choice.hpp"
@@ -17,7 +18,7 @@ namespace cde {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::size_t kPacket = 256;
+constexpr std::size_t kPacket = card::kMostPrimaries;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();

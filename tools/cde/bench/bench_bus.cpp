@@ -127,11 +127,14 @@ void print_sweeps(const std::vector<Sweep>& all, std::uint32_t burst, const Benc
       burst, o.clock_hz / 1e6, "bytes");
   for (const Sweep& s : all)
     show(" {:>22}", fmt::format("{} {}", s.host->name, name_of_bus(s.bus)));
+  show("\n{:>10}", "");
+  for (std::size_t i = 0; i < all.size(); ++i) show(" {:>22}", "to card  to host");
   show("\n");
   for (std::size_t i = 0; i < kSizes.size(); ++i) {
     show("{:>10}", kSizes[i]);
     for (const Sweep& s : all)
-      show(" {:>22}", fmt::format("{:.1f} {:.1f}", s.rates[i].up / 1e6, s.rates[i].down / 1e6));
+      show(" {:>22}",
+           fmt::format("{:>7.1f}  {:>7.1f}", s.rates[i].up / 1e6, s.rates[i].down / 1e6));
     show("\n");
   }
   show("{:>10}", "wall s");

@@ -8,6 +8,7 @@
 #include "bench/bench.hpp"
 #include "bench/reproduce.hpp"
 #include "bench/rivals.hpp"
+#include "cde/contract/records.hpp"
 #include "cde/geometry/motion.hpp"
 #include "cde/image/camera.hpp"
 #include "cde/mesh/terrain.hpp"
@@ -24,7 +25,7 @@ namespace {
 
 /// The bus signals of PCI, clock by clock: modelled times need no model of the bus.
 constexpr Bus kBus = Bus::kCycle;
-constexpr std::size_t kPacket = 256;
+constexpr std::size_t kPacket = card::kMostPrimaries;
 constexpr std::size_t kFreshRays = std::size_t{1} << 20;
 
 /// Processor times of work(0), work(1) and so on: at least nine samples and a fifth of a second.

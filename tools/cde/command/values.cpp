@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 
+#include "cde/card/board.hpp"
 #include "cde/geometry/pair.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
@@ -156,11 +157,19 @@ std::vector<std::string> algorithm_names() {
   return all;
 }
 
+void scene_option(CLI::App& verb, std::string& file) {
+  check(file_value(verb.add_option("scene", file, "Scene file, TOML (docs/scenes.md)")->required(),
+                   "SCENE"),
+        "a file; standard input is /dev/stdin (cde run: with --out, for the folder has no scene to "
+        "be "
+        "named after)",
+        [](const std::string& text) { return text != "-"; });
+}
+
 CLI::Option* clock_option(CLI::App& verb, double& mhz) {
-  // What Board::open() takes: a period of 100 to 1,000,000 ps.
   return number_in(verb.add_option("--clock", mhz, "Core clock assumed for modelled times")
                        ->capture_default_str(),
-                   1, 10000, "MHz");
+                   kLeastClockMhz, kMostClockMhz, "MHz");
 }
 
 void exact_card_option(CLI::App& verb, bool& exact) {

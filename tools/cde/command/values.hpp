@@ -51,6 +51,8 @@ CLI::Option* lanes_value(CLI::Option* option, const std::vector<std::string>& mo
 
 /// The clock that modelled times assume, MHz.
 CLI::Option* clock_option(CLI::App& verb, double& mhz);
+/// The scene that a verb reads.
+void scene_option(CLI::App& verb, std::string& file);
 /// No built card in the place of the planned one.
 void exact_card_option(CLI::App& verb, bool& exact);
 /// The pass's deadline in device clocks and the watchdog of the simulation in seconds.

@@ -52,6 +52,10 @@ Array parse(const std::string& path, std::string_view bytes) {
   };
   Array array;
   const std::string type = value("descr", "'([^']*)'");
+  if (const std::string fields = value("descr", "(\\[[^\\]]*\\])"); type.empty() && !fields.empty())
+    fail(path, fmt::format("its elements are structures, {}; rays are rows of numbers, '<f4' or "
+                           "'<f8'",
+                           printable(fields)));
   if (type != "<f4" && type != "<f8")
     fail(path, fmt::format("its numbers are {}; rays are '<f4' or '<f8'", in_quotes(type)));
   array.wide = type == "<f8";

@@ -22,7 +22,10 @@ Suffix suffix_of(const std::string& path) {
   // Links one by one: the file that the last one names need not be there yet.
   for (int links = 0; links < 40 && fs::is_symlink(fs::symlink_status(name, failed)); ++links)
     name = name.parent_path() / fs::read_symlink(name, failed);
-  return {name.extension().string(), false, name == fs::path(path) ? "" : name.string()};
+  std::string text = name.extension().string();
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return {text, false, name == fs::path(path) ? "" : name.string()};
 }
 
 void wrong_suffix(std::string_view option, const std::string& path, std::string_view may_be) {

@@ -5,8 +5,8 @@
 
 namespace cde::cli {
 
-/// The suffix of an output's name (".csv"), of a symbolic link that of its target; empty for what
-/// has no name to go by: "-", a device, a FIFO, a descriptor such as /dev/stdout.
+/// The suffix of an output's name (".csv", also of "A.CSV"), of a symbolic link that of its target;
+/// empty for what has no name to go by: "-", a device, a FIFO, a descriptor such as /dev/stdout.
 struct Suffix {
   std::string text;
   bool nameless = false;

@@ -8,6 +8,7 @@
 #include <future>
 #include <span>
 
+#include "cde/contract/records.hpp"
 #include "cde/reference/pass.hpp"
 #include "cde/reference/reference.hpp"
 #include "cde/support/error.hpp"
@@ -21,7 +22,7 @@ namespace cde::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::size_t kPacket = 256;
+constexpr std::size_t kPacket = card::kMostPrimaries;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();

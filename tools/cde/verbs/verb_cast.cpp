@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "cde/contract/records.hpp"
 #include "cde/image/rays_csv.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
@@ -30,6 +31,8 @@
 
 namespace cde::cli {
 namespace {
+
+constexpr std::uint64_t kPacket = card::kMostPrimaries;
 
 [[noreturn]] void usage(const std::string& message) {
   throw Error(ErrorCode::kUsage, message);
@@ -82,7 +85,8 @@ void use_built_card(const CastOptions& o, CastJob& job) {
   SceneCard asked;
   if (o.lanes != "auto") asked.lanes = job.config.lanes;
   const auto card = built_card(job.config, asked, [&](unsigned lanes) {
-    return ((rays / 256) * (256 / lanes) + (rays % 256 + lanes - 1) / lanes) * triangles;
+    return ((rays / kPacket) * (kPacket / lanes) + (rays % kPacket + lanes - 1) / lanes) *
+           triangles;
   });
   if (!card) return;
   job.stands_in_for = {job.config, card->times};
@@ -164,7 +168,7 @@ void cast_shadows(const CastOptions& o, Picture& picture, CastOutcome& all) {
 }
 
 std::size_t packets_of(const CastJob& job) {
-  return (job.rays.size() + 255) / 256;
+  return (job.rays.size() + kPacket - 1) / kPacket;
 }
 
 nlohmann::ordered_json as_json(const CastOptions& o, const CastJob& job, const CastOutcome& r) {

@@ -24,8 +24,7 @@ void add_plan(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "plan",
       "Print what a scene needs of the card, what it leaves out and why, and the bitstream");
-  file_value(verb->add_option("scene", o->scene, "Scene file, TOML (docs/scenes.md)")->required(),
-             "SCENE");
+  scene_option(*verb, o->scene);
   verb->add_flag("--json", o->json, "The plan as JSON on stdout");
   exact_card_option(*verb, o->exact);
   verb->callback([o] {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cde/card/pair_unit.hpp"
+#include "cde/contract/registers.hpp"
 #include "cde/reference/pairs.hpp"
 #include "cde/support/error.hpp"
 #include "command/line_input.hpp"
@@ -56,22 +57,25 @@ Pair pair_named(const std::string& text) {
 }
 
 /// The largest budget of at most so many evaluations, split evenly: K1 and K2 of two cylinders as
-/// equal as they can be; M = 8 of a box or triangle once K1 can be 8 too, else 4.
+/// equal as they can be; M = 8 of a box or triangle once K1 can be 8 too, else 4, and 16
+/// where M = 8 and the largest K1 leave more.
 PairBudget split(unsigned evaluations, Pair pair) {
+  constexpr unsigned kMost = card::kBudgetMost;
   const bool cylinders = pair == Pair::kCylinderCylinder;
-  const unsigned fixed = cylinders ? 14 : pair == Pair::kObbCylinder ? 18 : 14;
-  const unsigned least = cylinders ? fixed : fixed + 3 * 4;
-  if (evaluations < least)
-    throw Error(ErrorCode::kUsage, fmt::format("--budget is {}; {} takes at least {} evaluations",
-                                               evaluations, name(pair), least));
-  const unsigned rest = evaluations - fixed;
+  const auto takes = [pair](const PairBudget& b) { return reference::evaluations(pair, b); };
+  const unsigned least = takes({.samples = 4, .circle = 0, .free = 0});
+  const unsigned most = takes({.samples = 16, .circle = kMost, .free = kMost});
+  if (evaluations < least || evaluations > most)
+    throw Error(ErrorCode::kUsage, fmt::format("--budget is {}; {} takes {} to {} evaluations",
+                                               evaluations, name(pair), least, most));
+  const unsigned rest = evaluations - takes({.samples = 0, .circle = 0, .free = 0});
   PairBudget budget;
   if (cylinders) {
-    budget.circle = std::min(rest / 5 + (rest % 5 == 2 ? 1 : 0), 64u);
-    budget.free = std::min(rest / 5 + (rest % 5 >= 3 ? 1 : 0), 64u);
+    budget.circle = std::min(rest / 5 + (rest % 5 == 2 ? 1 : 0), kMost);
+    budget.free = std::min(rest / 5 + (rest % 5 >= 3 ? 1 : 0), kMost);
   } else {
-    budget.samples = rest / 3 >= 16 ? 8 : 4;
-    budget.circle = std::min(rest / 3 - budget.samples, 64u);
+    budget.samples = rest / 3 > 8 + kMost ? 16 : rest / 3 >= 16 ? 8 : 4;
+    budget.circle = std::min(rest / 3 - budget.samples, kMost);
   }
   return budget;
 }
@@ -88,7 +92,7 @@ PairBudget budget_named(const std::string& text, Pair pair) {
   unsigned evaluations = 0;
   int end = 0;
   if (text.find_first_not_of("0123456789,") == std::string::npos) {
-    if (std::sscanf(text.c_str(), "%4u%n", &evaluations, &end) == 1 && is_all(end))
+    if (std::sscanf(text.c_str(), "%9u%n", &evaluations, &end) == 1 && is_all(end))
       return split(evaluations, pair);
     if (std::sscanf(text.c_str(), "%3u,%3u,%3u%n", &budget.samples, &budget.circle, &budget.free,
                     &end) == 3 &&
@@ -103,8 +107,8 @@ PairBudget budget_named(const std::string& text, Pair pair) {
   }
   throw Error(ErrorCode::kUsage,
               fmt::format("--budget is {}; it must be M,K1,K2 with M 4, 8 or 16, K1 and K2 0 to "
-                          "64, or the number of evaluations",
-                          in_quotes(text)));
+                          "{}, or the number of evaluations",
+                          in_quotes(text), card::kBudgetMost));
 }
 
 /// Lanes if nobody says how many. Words of 64 bits fill vectors sooner, and clang takes minutes to

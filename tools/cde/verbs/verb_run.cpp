@@ -458,8 +458,7 @@ void add_run(CLI::App& app) {
   auto o = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand(
       "run", "Play a scene on the simulated card, checked against the reference; writes run.json");
-  file_value(verb->add_option("scene", o->scene, "Scene file, TOML (docs/scenes.md)")->required(),
-             "SCENE");
+  scene_option(*verb, o->scene);
   known_words(verb->add_option("--frames", o->frames, "Frames A..B, both included (all)"), {},
               "A..B");
   folder_value(

@@ -25,6 +25,9 @@
 
 namespace cde {
 
+/// Core clocks that can be assumed; a period is whole picoseconds.
+inline constexpr double kLeastClockMhz = 1, kMostClockMhz = 10'000;
+
 struct OpenOptions {
   std::optional<std::filesystem::path> file = {};  ///< this bitstream instead of a search
   std::optional<std::uint64_t> config_hash =
@@ -32,7 +35,7 @@ struct OpenOptions {
   Memory memory = Memory::kIdeal;
   std::uint32_t ddr_latency = 20;          ///< Memory::kIdeal: clocks from request to data, 1 to
                                            ///< 10000
-  std::uint32_t clock_period_ps = 10'000;  ///< of the core clock
+  std::uint32_t clock_period_ps = 10'000;  ///< of the core clock, 1 to 10,000 MHz
   HostProfile host = kHostProfiles[0];     ///< "ideal"; the host's part of modelled times
   std::uint32_t bus_burst = 4096;          ///< bytes of a DMA burst, 64 to 4096, a multiple of 8
   unsigned bus_retries = 4;                ///< of a failed transfer, access or pass, in a row

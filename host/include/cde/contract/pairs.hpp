@@ -99,6 +99,7 @@ constexpr bool has(std::uint32_t set, Pair pair) {
   return (set >> static_cast<unsigned>(pair) & 1) != 0;
 }
 /// The pipe is a ring; a budget sets its work.
+inline constexpr unsigned kRingRows = 1024;  ///< more than a ring can have in flight
 inline constexpr std::uint32_t kRingPairs =
     set_of({Pair::kTriangleCylinder, Pair::kCylinderCylinder, Pair::kObbCylinder});
 /// It is made of facet units, which can take turns.

@@ -6,13 +6,14 @@
 #include <functional>
 #include <optional>
 
+#include "cde/contract/records.hpp"
 #include "cde/geometry/pair.hpp"
 #include "cde/query/record.hpp"
 
 namespace cde {
 
 /// Primaries left out of a pass (1 = masked): neither tested, updated nor downloaded.
-using Stencil = std::bitset<256>;
+using Stencil = std::bitset<card::kMostPrimaries>;
 
 /// A second pair for a pass: its pipe works beside the first one's, on the same secondaries and
 /// with primaries of its own (Board::load_second_shapes).

@@ -19,6 +19,12 @@ void test_pairs(Pair pair, Algorithm algorithm, FpFormat format, std::span<const
                 PlaneSide plane = PlaneSide::kSurface, const PairBudget& budget = {},
                 bool box = false);
 
+/// Work that a budget sets. Evaluations: of the gap, each for a direction. Passes: as often a row
+/// goes round the pipe, and as many clocks it takes from the next one's; those that find the
+/// witness points, too. Both are 0 for pairs that take no budget, whatever it is.
+[[nodiscard]] unsigned evaluations(Pair pair, const PairBudget& budget);
+[[nodiscard]] unsigned passes(Pair pair, const PairBudget& budget);
+
 /// Whether there is a reference for this pair and algorithm.
 [[nodiscard]] bool has_pair(Pair pair, Algorithm algorithm);
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cde/contract/records.hpp"
 #include "cde/geometry/primitives.hpp"
 #include "cde/geometry/transform.hpp"
 #include "cde/image/ray_view.hpp"
@@ -32,7 +33,8 @@ class Sweep {
   /// kUsage if their ranges do not lie within the triangles). Rays and triangles must outlive the
   /// sweep.
   Sweep(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil = {},
-        unsigned packet = 256, std::span<const Object> objects = {}, bool box = false);
+        unsigned packet = card::kMostPrimaries, std::span<const Object> objects = {},
+        bool box = false);
   ~Sweep();
   Sweep(const Sweep&) = delete;
   Sweep& operator=(const Sweep&) = delete;

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "card/abi_table.hpp"
+
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "cde/card/memory.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+
+namespace cde {
+
+void check_table(const Bitstream& bitstream, const cde_abi_head& head, const cde_abi_head& built) {
+  if (head.version == built.version && head.size == built.size) return;
+  const std::string what =
+      head.version != built.version
+          ? fmt::format("C interface version {}, this driver speaks {}", head.version,
+                        built.version)
+          : fmt::format("its table of functions takes {} bytes, this driver's {}", head.size,
+                        built.size);
+  throw Error(ErrorCode::kConfiguration,
+              fmt::format("bitstream {}: {}; it was built from other sources",
+                          printable_name(bitstream.path().string()), what));
+}
+
+void no_memory_for_models() {
+  throw Error(ErrorCode::kDevice,
+              fmt::format("no memory for the card's models: they reserve {} MB of address space "
+                          "for its DDR and SRAM, and use little of it (ulimit -v)",
+                          kModelBytes >> 20));
+}
+
+void require_waves(std::string_view parameters) {
+  if (parameters.find("TRACE=1") == std::string_view::npos) {
+    throw Error(ErrorCode::kUsage,
+                "this bitstream has no waves; open the board with BoardConfig::trace");
+  }
+}
+
+void require_opened(int answer, const std::filesystem::path& file) {
+  if (answer != 0)
+    throw Error(ErrorCode::kFile,
+                fmt::format("{}: cannot write waves", printable_name(file.string())));
+}
+
+void require_whole_waves(int error) {
+  if (error == 0) return;
+  throw Error(ErrorCode::kFile,
+              fmt::format("the waves are not whole: {}",
+                          std::strerror(error)));  // NOLINT(concurrency-mt-unsafe)
+}
+
+}  // namespace cde

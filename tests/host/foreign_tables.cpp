@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// A library that has the entries of every kind of bitstream, and tables with no more than a head
+// and a `create` that finds no memory: what a driver meets that was built from other sources.
+#include <cstdint>
+
+#include "abi.h"
+#include "abi_fp.h"
+#include "abi_pair.h"
+#include "abi_pci.h"
+
+namespace {
+
+template <class Api>
+Api table(std::uint32_t version) {
+  Api api{};
+  api.head = {version + CDE_LATER, static_cast<std::uint32_t>(sizeof api + CDE_LONGER)};
+  return api;
+}
+
+}  // namespace
+
+extern "C" {
+const cde_board_api* cde_board_entry() {
+  static const cde_board_api api = [] {
+    auto made = table<cde_board_api>(CDE_BOARD_ABI);
+    made.create = [](const cde_board_options*) -> void* { return nullptr; };
+    return made;
+  }();
+  return &api;
+}
+const cde_pci_api* cde_pci_entry() {
+  static const cde_pci_api api = [] {
+    auto made = table<cde_pci_api>(CDE_PCI_ABI);
+    made.create = [](const cde_pci_options*) -> void* { return nullptr; };
+    return made;
+  }();
+  return &api;
+}
+const cde_pair_api* cde_pair_entry() {
+  static const cde_pair_api api = table<cde_pair_api>(CDE_PAIR_ABI);
+  return &api;
+}
+const cde_fp_api* cde_fp_entry() {
+  static const cde_fp_api api = [] {
+    auto made = table<cde_fp_api>(CDE_FP_ABI);
+    made.create = []() -> cde_fp_unit* { return nullptr; };
+    return made;
+  }();
+  return &api;
+}
+}

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bitstreams whose table of functions is not the driver's are refused before any of it is called.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+#include <string>
+
+#include "cde/bitstream/bitstream.hpp"
+#include "cde/card/board.hpp"
+#include "cde/card/fp_unit.hpp"
+#include "cde/card/pair_unit.hpp"
+#include "cde/support/error.hpp"
+
+namespace cde {
+namespace {
+
+using Openers = std::map<std::string, std::function<void(const std::string&)>>;
+
+const Openers& openers() {
+  static const Openers all = {
+      {"board", [](const std::string& file) { (void)Board::open({}, {.file = file}); }},
+      {"card",
+       [](const std::string& file) { (void)Board::open({.bus = Bus::kCycle}, {.file = file}); }},
+      {"pair_unit", [](const std::string& file) { PairUnit(Bitstream::load(file, 0), {}); }},
+      {"fp_unit", [](const std::string& file) { FpUnit{Bitstream::load(file, 0)}; }}};
+  return all;
+}
+
+/// What opening a file as each kind of bitstream is refused with.
+void expect_errors(const std::string& file, const std::map<std::string, std::string>& texts,
+                   ErrorCode code) {
+  for (const auto& [kind, text] : texts) {
+    try {
+      openers().at(kind)(file);
+      ADD_FAILURE() << kind << " was opened";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), code) << kind << ": " << e.what();
+      EXPECT_NE(std::string(e.what()).find(text), std::string::npos) << kind << ": " << e.what();
+    }
+  }
+}
+
+TEST(Tables, OfAnotherVersion) {
+  const std::string text = "this driver speaks ";
+  expect_errors(CDE_LATER_TABLES,
+                {{"board", text}, {"card", text}, {"pair_unit", text}, {"fp_unit", text}},
+                ErrorCode::kConfiguration);
+}
+
+TEST(Tables, OfAnotherSize) {
+  const std::string text = " bytes, this driver's ";
+  expect_errors(CDE_LONGER_TABLES,
+                {{"board", text}, {"card", text}, {"pair_unit", text}, {"fp_unit", text}},
+                ErrorCode::kConfiguration);
+}
+
+/// The same library with the driver's own numbers is taken, and called.
+TEST(Tables, OfTheSameVersionAndSizeAreCalled) {
+  expect_errors(CDE_OWN_TABLES,
+                {{"board", "no memory for the card's models"},
+                 {"card", "no memory for the card's models"},
+                 {"fp_unit", "out of memory"}},
+                ErrorCode::kDevice);
+  expect_errors(CDE_OWN_TABLES, {{"pair_unit", "is not the ray-triangle unit"}},
+                ErrorCode::kConfiguration);
+}
+
+}  // namespace
+}  // namespace cde

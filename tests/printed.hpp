@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <ostream>
+#include <string>
+
+#include "cde/bitstream/bitstream.hpp"
+#include "cde/card/pair_unit.hpp"
+#include "cde/geometry/pair.hpp"
+#include "cde/query/record.hpp"
+
+/// How GoogleTest writes parameters that are the library's types; structures of a test have a
+/// PrintTo of their own. Without one it prints their bytes, which the test `names` refuses.
+namespace cde {
+
+inline void PrintTo(Pair pair, std::ostream* out) {
+  *out << name(pair);
+}
+inline void PrintTo(Algorithm algorithm, std::ostream* out) {
+  *out << name(algorithm);
+}
+inline void PrintTo(Mode mode, std::ostream* out) {
+  *out << name_of(mode);
+}
+inline void PrintTo(Bus bus, std::ostream* out) {
+  *out << (bus == Bus::kCycle ? "PCI" : "functional bus");
+}
+inline void PrintTo(Arithmetic arithmetic, std::ostream* out) {
+  *out << (arithmetic == Arithmetic::kRtl ? "rtl" : "host");
+}
+inline void PrintTo(const PairConfig& config, std::ostream* out) {
+  std::string text;
+  for (const std::string& parameter : config.parameters())
+    text += (text.empty() ? "" : " ") + parameter;
+  *out << text;
+}
+
+}  // namespace cde
