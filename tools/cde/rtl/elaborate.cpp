@@ -141,8 +141,14 @@ Elaboration::Elaboration(const fs::path& rtl, const std::string& top,
     command.insert(command.end(), {"-y", folder.string(), "-I" + folder.string()});
   }
   command.push_back(top + ".sv");
-  if (run(command, log) != 0)
-    throw ElaborationError("verilator cannot elaborate " + top + ":\n" + text_of(log));
+  if (run(command, log) != 0) {
+    const std::string said = text_of(log);
+    if (said.find("Invalid option: --xml-only") != std::string::npos)
+      throw ElaborationError(
+          "this version of verilator has no --xml-only, from whose output operators are counted: put "
+          "an older one, such as 5.006 or 5.032, on PATH");
+    throw ElaborationError("verilator cannot elaborate " + top + ":\n" + said);
+  }
   read(text_of(xml));
 }
 

@@ -38,10 +38,25 @@ std::string first_line(const std::string& command) {
   return text;
 }
 
+/// How models are built: verilator/bitstream decides it by the same list.
+std::string mode_of(const std::string& version) {
+  const char* plain = std::getenv("CDE_PLAIN");  // NOLINT(concurrency-mt-unsafe)
+  if (plain != nullptr && std::string_view(plain) == "1") return "models are plain (CDE_PLAIN)";
+  try {
+    std::ifstream known(bitstream_builder().parent_path() / "accelerator/versions");
+    for (std::string line; std::getline(known, line);)
+      if (!line.empty() && line.front() != '#' && version.starts_with("Verilator " + line + " "))
+        return "models are accelerated";
+  } catch (const Error&) {
+    return "no builder";  // which a finding of its own says
+  }
+  return "models are plain, so slower: the accelerator does not know this version";
+}
+
 Finding verilator() {
   const std::string version = first_line("verilator --version");
   if (version.empty()) return {"verilator is missing", "apt-get install verilator"};
-  return {version, ""};
+  return {fmt::format("{}; {}", version, mode_of(version)), ""};
 }
 
 Finding compiler() {
