@@ -56,7 +56,10 @@ std::string mode_of(const std::string& version) {
 Finding verilator() {
   const std::string version = first_line("verilator --version");
   if (version.empty()) return {"verilator is missing", "apt-get install verilator"};
-  return {fmt::format("{}; {}", version, mode_of(version)), ""};
+  const bool numbered = version.starts_with("Verilator");
+  return {
+      fmt::format("{}{}; {}", numbered ? "" : "Verilator of no number,", version, mode_of(version)),
+      ""};
 }
 
 Finding compiler() {
