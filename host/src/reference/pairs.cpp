@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <bit>
-
 #include "cde/fp/scalars.hpp"
 #include "cde/reference/pipes/cylinder/schedule.hpp"
 #include "cde/reference/pipes/dispatch.hpp"
@@ -13,27 +11,6 @@
 namespace cde::reference {
 
 namespace {
-
-template <class S>
-S from_word(std::uint64_t word) {
-  if constexpr (std::is_same_v<S, float>)
-    return std::bit_cast<float>(static_cast<std::uint32_t>(word));
-  else if constexpr (std::is_same_v<S, double>)
-    return std::bit_cast<double>(word);
-  else
-    return S::from_bits(static_cast<typename S::Bits>(word));
-}
-
-template <class S>
-std::uint64_t to_word(S x) {
-  x = canonical(x);
-  if constexpr (std::is_same_v<S, float>)
-    return std::bit_cast<std::uint32_t>(x);
-  else if constexpr (std::is_same_v<S, double>)
-    return std::bit_cast<std::uint64_t>(x);
-  else
-    return x.bits();
-}
 
 template <class P>
 P shape(const std::uint64_t* words) {
@@ -52,10 +29,10 @@ void sweep(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
     PairResult& r = results[i];
     r.f = o.f;
     r.bad = o.bad;
-    r.t = to_word(o.t);
+    r.t = to_word(canonical(o.t));
     for (int k = 0; k < 3; ++k) {
-      r.cp[k] = to_word<S>(o.cp[k]);
-      r.n[k] = to_word<S>(o.n[k]);
+      r.cp[k] = to_word<S>(canonical<S>(o.cp[k]));
+      r.n[k] = to_word<S>(canonical<S>(o.n[k]));
     }
   }
 }

@@ -46,16 +46,6 @@ S narrow(double nearest, const std::string_view text) {
   return S(rounded_to_odd(std::string(text)));
 }
 
-template <class S>
-std::uint64_t word_of(S x) {
-  if constexpr (std::is_same_v<S, float>)
-    return std::bit_cast<std::uint32_t>(x);
-  else if constexpr (std::is_same_v<S, double>)
-    return std::bit_cast<std::uint64_t>(x);
-  else
-    return x.bits();
-}
-
 bool is_word(std::string_view digits) {
   for (const char c : digits)
     if (std::isxdigit(static_cast<unsigned char>(c)) == 0) return false;
@@ -105,7 +95,7 @@ WordText::Found WordText::number(std::string_view text, std::uint64_t& word) {
   if (isinf(value) && std::isalpha(static_cast<unsigned char>(digits.front())) == 0)
     return Found::kTooLarge;
   if (negative && !isnan(value)) value = -value;
-  word = word_of(value);
+  word = to_word(value);
   return Found::kNumber;
 }
 

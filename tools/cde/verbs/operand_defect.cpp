@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <optional>
 #include <string_view>
@@ -19,16 +18,6 @@ namespace cde::cli {
 namespace {
 
 using Why = std::optional<std::string>;
-
-template <class S>
-S scalar(std::uint64_t word) {
-  if constexpr (std::is_same_v<S, float>)
-    return std::bit_cast<float>(static_cast<std::uint32_t>(word));
-  else if constexpr (std::is_same_v<S, double>)
-    return std::bit_cast<double>(word);
-  else
-    return S::from_bits(static_cast<typename S::Bits>(word));
-}
 
 /// "radius", "center.x", "rotation[1][2]".
 template <class Field>
@@ -128,8 +117,9 @@ template <class P>
 Why defect_of(std::span<const std::uint64_t> words) {
   P primitive;
   std::size_t i = 0;
-  visit_words(primitive,
-              [&](const char*, int, auto& word) { word = scalar<typename P::Scalar>(words[i++]); });
+  visit_words(primitive, [&](const char*, int, auto& word) {
+    word = from_word<typename P::Scalar>(words[i++]);
+  });
   if (!reference::bad(primitive)) return std::nullopt;
   if (auto why = bad_word(primitive)) return why;
   return bad_whole(primitive);

@@ -2,8 +2,10 @@
 #pragma once
 #include <array>
 #include <bit>
+#include <cstdint>
 #include <limits>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "cde/fp/fp.hpp"
@@ -24,6 +26,27 @@ inline constexpr auto kPairFormats = []<std::size_t... k>(std::index_sequence<k.
   return std::array{kFormatOf<std::tuple_element_t<k, PairScalars>>...};
 }
 (std::make_index_sequence<std::tuple_size_v<PairScalars>>());
+
+template <class S>
+S from_word(std::uint64_t word) {
+  if constexpr (std::is_same_v<S, float>)
+    return std::bit_cast<float>(static_cast<std::uint32_t>(word));
+  else if constexpr (std::is_same_v<S, double>)
+    return std::bit_cast<double>(word);
+  else
+    return S::from_bits(static_cast<typename S::Bits>(word));
+}
+
+/// A NaN as it is.
+template <class S>
+std::uint64_t to_word(S x) {
+  if constexpr (std::is_same_v<S, float>)
+    return std::bit_cast<std::uint32_t>(x);
+  else if constexpr (std::is_same_v<S, double>)
+    return std::bit_cast<std::uint64_t>(x);
+  else
+    return x.bits();
+}
 
 /// Calls use.operator()<S>() with the scalar of the format; false if pairs are not computed in it.
 template <class Use>
