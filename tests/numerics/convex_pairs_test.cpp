@@ -26,7 +26,7 @@
 #include "cde/reference/pipes/convex/triangle_box.hpp"
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
 #include "convex_cases.hpp"
-#include "counted.hpp"
+#include "convex_operators.hpp"
 #include "in_docs.hpp"
 #include "oracle/build_shape.hpp"
 #include "oracle/oracle.hpp"
@@ -653,61 +653,6 @@ TEST(ConvexPairDirected, BadInputIsFlagged) {
   expect_bad(reference::triangle_aabb(sheet, inverted));
 }
 
-template <template <class> class A, template <class> class B, class Pipe>
-Tally operators(Pair pair, Pipe pipe) {
-  const oracle::Case c = oracle::generate(pair, kSeed, 0);
-  const auto a = primitive<A, Counted>({c.a.begin(), c.a.end()});
-  const auto b = primitive<B, Counted>({c.b.begin(), c.b.end()});
-  Counted::tally = {};
-  (void)pipe(a, b);
-  return Counted::tally;
-}
-
-Tally operators(Pair pair) {
-  namespace convex = reference::convex;
-  switch (pair) {
-    case Pair::kSphereSphere:
-      return operators<BasicSphere, BasicSphere>(pair, convex::sphere_sphere<Counted>);
-    case Pair::kTriangleSphere:
-      return operators<BasicTriangle, BasicSphere>(pair, convex::triangle_sphere<Counted>);
-    case Pair::kSphereObb:
-      return operators<BasicSphere, BasicObb>(pair, convex::sphere_obb<Counted>);
-    case Pair::kObbPlane:
-      return operators<BasicObb, BasicPlane>(pair, [](const auto& a, const auto& b) {
-        return convex::obb_plane(a, b, PlaneSide::kSurface);
-      });
-    case Pair::kSpherePlane:
-      return operators<BasicSphere, BasicPlane>(pair, [](const auto& a, const auto& b) {
-        return convex::sphere_plane(a, b, PlaneSide::kSurface);
-      });
-    case Pair::kObbObb:
-      return operators<BasicObb, BasicObb>(pair, convex::obb_obb<Counted>);
-    case Pair::kTriangleObb:
-      return operators<BasicTriangle, BasicObb>(pair, convex::triangle_obb<Counted>);
-    default:
-      return operators<BasicTriangle, BasicAabb>(pair, convex::triangle_aabb<Counted>);
-  }
-}
-
-// Operators of a pair, all unrolled, as a pipe has them that takes a pair a clock; the depth is in
-// operators. A change, better or worse, is to be acknowledged here and in docs/pairs_convex.md.
-TEST(ConvexPairOperators, AreAsDocumented) {
-  const std::pair<Pair, const char*> stated[] = {
-      {Pair::kSphereSphere, "10 mul, 1 div, 1 sqrt, 7 add, 4 sub, 2 cmp, depth 10"},
-      {Pair::kTriangleSphere,
-       "171 mul, 7 div, 2 sqrt, 87 add, 59 sub, 33 cmp, 16 min/max, depth 66"},
-      {Pair::kSphereObb, "37 mul, 1 div, 1 sqrt, 26 add, 10 sub, 5 cmp, 6 min/max, depth 19"},
-      {Pair::kObbPlane, "28 mul, 22 add, 2 sub, 4 cmp, depth 11"},
-      {Pair::kSpherePlane, "7 mul, 6 add, 2 sub, 1 cmp, depth 9"},
-      {Pair::kObbObb, "569 mul, 15 div, 10 sqrt, 334 add, 293 sub, 122 cmp, 90 min/max, depth 99"},
-      {Pair::kTriangleObb,
-       "574 mul, 16 div, 11 sqrt, 296 add, 189 sub, 127 cmp, 126 min/max, depth 101"},
-      {Pair::kTriangleAabb,
-       "532 mul, 16 div, 11 sqrt, 269 add, 201 sub, 127 cmp, 126 min/max, depth 98"}};
-  for (const auto& [pair, text] : stated)
-    EXPECT_EQ(operators(pair).text(), text) << oracle::to_string(pair);
-}
-
 // ---- The tables of docs/pairs_convex.md ----
 
 std::string with_commas(int n) {
@@ -726,7 +671,7 @@ TEST(ConvexPairTables, AccuracyAndCostAreThoseOfTheDocs) {
     for (const DirectedFamily family : kDirectedFamilies)
       for (int i = 0; i < kDirected; ++i) add(directed_case(pair, family, kSeed, i));
     EXPECT_EQ(all.failed, 0);
-    const Tally n = operators(pair);
+    const Tally n = convex_operators(pair);
     lines.push_back(
         fmt::format("| {} | {:.2f} | {:.2f} | {:.2f} | {} | {} | {} | {} | {} | {} | {} |",
                     oracle::to_string(pair), all.c1, all.c2, all.witness, with_commas(all.in_band),

@@ -11,7 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "cde/contract/pairs.hpp"
+#include "cde/geometry/pair.hpp"
+#include "numerics/convex_operators.hpp"
 
 namespace cde::rtl {
 
@@ -100,55 +101,28 @@ const Pipe kRays[] = {
       .comparators = 10,
       .min_max = 3}}};
 
-const Pipe kConvex[] = {
-    {"sphere_sphere",
-     {.multipliers = 10,
-      .dividers = 1,
-      .square_roots = 1,
-      .adders = 7,
-      .subtractors = 4,
-      .comparators = 2}},
-    {"triangle_sphere",
-     {.multipliers = 171,
-      .dividers = 7,
-      .square_roots = 2,
-      .adders = 87,
-      .subtractors = 59,
-      .comparators = 33,
-      .min_max = 16}},
-    {"sphere_obb",
-     {.multipliers = 37,
-      .dividers = 1,
-      .square_roots = 1,
-      .adders = 26,
-      .subtractors = 10,
-      .comparators = 5,
-      .min_max = 6}},
-    {"obb_plane", {.multipliers = 28, .adders = 22, .subtractors = 2, .comparators = 4}},
-    {"obb_obb",
-     {.multipliers = 569,
-      .dividers = 15,
-      .square_roots = 10,
-      .adders = 334,
-      .subtractors = 293,
-      .comparators = 122,
-      .min_max = 90}},
-    {"triangle_obb",
-     {.multipliers = 574,
-      .dividers = 16,
-      .square_roots = 11,
-      .adders = 296,
-      .subtractors = 189,
-      .comparators = 127,
-      .min_max = 126}},
-    {"triangle_aabb",
-     {.multipliers = 532,
-      .dividers = 16,
-      .square_roots = 11,
-      .adders = 269,
-      .subtractors = 201,
-      .comparators = 127,
-      .min_max = 126}}};
+/// The pipes of the convex pairs have what is counted in their references.
+std::vector<Pipe> convex() {
+  static std::vector<std::string> modules;  // whose names the pipes point to
+  std::vector<Pipe> all;
+  const auto count = [](int n) { return static_cast<unsigned>(n); };
+  modules.reserve(kPairs);
+  for (const Pair pair : cde::testing::convex_pairs()) {
+    std::string& module = modules.emplace_back(name(pair));
+    std::replace(module.begin(), module.end(), '-', '_');
+    const cde::testing::Tally n = cde::testing::convex_operators(pair);
+    all.push_back({module.c_str(),
+                   {.multipliers = count(n.mul),
+                    .dividers = count(n.div),
+                    .square_roots = count(n.sqrt),
+                    .adders = count(n.add),
+                    .subtractors = count(n.sub),
+                    .comparators = count(n.cmp),
+                    .min_max = count(n.minmax)}});
+  }
+  return all;
+}
+const std::vector<Pipe> kConvex = convex();
 
 class PipeInventory : public ::testing::TestWithParam<Pipe> {};
 
@@ -211,7 +185,7 @@ TEST_P(FacetsInTurn, AreFewerUnits) {
   EXPECT_EQ(gates.constant(module, "LATENCY"), GetParam().latency);
   // Host arithmetic is that of all facets at once, on the clocks of the gates.
   const Elaboration host(kRtl, module, {"ARITH=host", "FACET_II=3"});
-  const auto whole = std::find_if(std::begin(kConvex), std::end(kConvex),
+  const auto whole = std::find_if(kConvex.begin(), kConvex.end(),
                                   [&](const Pipe& p) { return p.module == std::string(module); });
   EXPECT_EQ(without_ands(host.operators(module)), whole->stated);
   EXPECT_EQ(host.constant(module, "LATENCY"), GetParam().latency);

@@ -25,6 +25,7 @@
 #include "cde/reference/pairs.hpp"
 #include "cde/reference/pipes/cylinder/schedule.hpp"
 #include "cde/reference/pipes/scale.hpp"
+#include "numerics/convex_operators.hpp"
 #include "oracle/cases.hpp"
 
 namespace {
@@ -154,13 +155,12 @@ std::string difference(cde::PairUnit& unit, const Operands& o, std::size_t i, co
          differing_fields(got, expected) + "\n  where     " + place_in_unit(unit, o.a, o.b, i);
 }
 
-/// Clocks of the pipe with operators of one clock, as the references state them; 0 where they do
-/// not.
+/// Clocks of the pipe with operators of one clock, as the references have them; 0 of rings.
 unsigned pipe_latency(const PairConfig& config) {
   constexpr unsigned kRayTriangle[] = {10, 16, 13, 17};  // by Algorithm
   constexpr unsigned kBoxed[] = {13, 16, 13, 19};        // with the box rule
-  // Beside the depth in operators, as pairs_convex.md has it: the output register, and what parts
-  // of a facet wait for each other where a triangle meets a box.
+  // Beside the depth in operators: the output register, and what parts of a facet wait for each
+  // other where a triangle meets a box.
   constexpr unsigned kOutput = 1, kMeet = 4;
   const bool one_clock = config.latency_add == 1 && config.latency_mul == 1 &&
                          config.latency_div == 1 && config.latency_sqrt == 1 &&
@@ -173,24 +173,13 @@ unsigned pipe_latency(const PairConfig& config) {
       return 20;
     case Pair::kRayCylinder:
       return 21;
-    case Pair::kSphereSphere:
-      return 10 + kOutput;
-    case Pair::kTriangleSphere:
-      return 66 + kOutput;
-    case Pair::kSphereObb:
-      return 19 + kOutput;
-    case Pair::kObbPlane:
-      return 11 + kOutput;
-    case Pair::kSpherePlane:
-      return 9 + kOutput;
-    case Pair::kObbObb:
-      return 99 + kOutput;
-    case Pair::kTriangleObb:
-      return 101 + kMeet + kOutput;
-    case Pair::kTriangleAabb:
-      return 98 + kMeet + kOutput;
-    default:
+    case Pair::kTriangleCylinder:
+    case Pair::kCylinderCylinder:
+    case Pair::kObbCylinder:
       return 0;
+    default:
+      return static_cast<unsigned>(cde::testing::convex_operators(config.pair).depth) + kOutput +
+             (config.pair == Pair::kTriangleObb || config.pair == Pair::kTriangleAabb ? kMeet : 0);
   }
 }
 
