@@ -13,7 +13,7 @@
 namespace cde {
 
 inline void PrintTo(Pair pair, std::ostream* out) {
-  *out << name(pair);
+  *out << contract::kPairTable.at(static_cast<std::size_t>(pair)).name;
 }
 inline void PrintTo(Algorithm algorithm, std::ostream* out) {
   *out << name(algorithm);

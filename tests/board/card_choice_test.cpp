@@ -103,7 +103,7 @@ TEST_F(CardChoice, ParametersAreReadBack) {
                                                {"LANES=8", "LANES=8"},
                                                {"NO_SUCH=1"},
                                                {"BOX=2"},
-                                               {"PAIRS=8192"},
+                                               {fmt::format("PAIRS={}", 1u << kPairs)},
                                                {""}})
     EXPECT_FALSE(BoardConfig::of(none)) << fmt::format("{}", fmt::join(none, " "));
 }

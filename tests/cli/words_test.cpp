@@ -58,8 +58,14 @@ TEST_F(CommandLine, IsRefusedInTheOrderTyped) {
        "cde cast has no option '--bogus'; `cde cast --help` lists them"},
       {{"plan", "a.toml", "b.toml", "--bogus"},
        "cde plan does not know what to do with 'b.toml'; `cde plan --help` says what it takes"},
-      {{"run", "-"}, "scene is '-'; it must be a file; standard input is /dev/stdin"},
-      {{"plan", "-"}, "scene is '-'; it must be a file; standard input is /dev/stdin"},
+      {{"run", "-"},
+       "scene is '-'; it must be a file; standard input is /dev/stdin (cde run: with --out, for "
+       "the "
+       "folder has no scene to be named after)"},
+      {{"plan", "-"},
+       "scene is '-'; it must be a file; standard input is /dev/stdin (cde run: with --out, for "
+       "the "
+       "folder has no scene to be named after)"},
       {{"query", "sphere-shpere"}, "no pair 'sphere-shpere'; did you mean sphere-sphere?"},
       {{"inventory", "obb-ob"}, "no pair 'obb-ob'; did you mean obb-obb?"},
       {{"bench", "ray"}, "no section 'ray'; did you mean rays?"},

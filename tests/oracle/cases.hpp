@@ -8,6 +8,7 @@
 
 #include "cde/contract/pairs.hpp"
 #include "format.hpp"
+#include "printed.hpp"
 #include "shapes.hpp"
 
 namespace cde::oracle {
@@ -22,9 +23,6 @@ inline constexpr std::array kPairs = [] {
 
 /// "ray-triangle", "obb-obb", ...
 [[nodiscard]] const char* to_string(Pair pair);
-inline void PrintTo(Pair pair, std::ostream* out) {
-  *out << to_string(pair);
-}
 [[nodiscard]] ShapeKind primary(Pair pair);
 [[nodiscard]] ShapeKind secondary(Pair pair);
 [[nodiscard]] inline bool has_ray(Pair pair) {
