@@ -146,8 +146,7 @@ Elaboration::Elaboration(const fs::path& rtl, const std::string& top,
     if (said.find("Invalid option: --xml-only") != std::string::npos)
       throw ElaborationError(
           "this version of verilator has no --xml-only, from whose output operators are counted: "
-          "put "
-          "an older one, such as 5.006 or 5.032, on PATH");
+          "put an older one, such as 5.006 or 5.032, on PATH");
     throw ElaborationError("verilator cannot elaborate " + top + ":\n" + said);
   }
   read(text_of(xml));
