@@ -12,6 +12,7 @@
 #include <fstream>
 #include <tuple>
 
+#include "../expect_error.hpp"
 #include "cases.hpp"
 #include "cde/card/fp_unit.hpp"
 #include "cde/card/pair_unit.hpp"
@@ -68,16 +69,6 @@ class Bitstreams : public ::testing::Test {
     bytes.seekp(static_cast<std::streamoff>(at));
     bytes.put(static_cast<char>(byte ^ 0x10));
   }
-  static void expect(ErrorCode code, const std::string& text,
-                     const std::function<void()>& statement) {
-    try {
-      statement();
-      ADD_FAILURE() << "no error with '" << text << "'";
-    } catch (const Error& e) {
-      EXPECT_EQ(static_cast<int>(e.code()), static_cast<int>(code)) << e.what();
-      EXPECT_NE(std::string(e.what()).find(text), std::string::npos) << e.what();
-    }
-  }
 
   fs::path folder_;
   std::vector<std::pair<const char*, std::optional<std::string>>> before_;
@@ -95,34 +86,35 @@ TEST_F(Bitstreams, ReadyMadeOneIsFoundWithoutBuilding) {
 
 TEST_F(Bitstreams, WrongConfigurationIsRefused) {
   const fs::path host = bitstream_path("board", host_config().parameters());
-  expect(ErrorCode::kConfiguration, "configuration hash is",
-         [&] { (void)Board::open(rtl_config(), {.file = host}); });
-  expect(ErrorCode::kConfiguration, "configuration hash is",
-         [&] { (void)Board::open(host_config(), {.config_hash = 1}); });
+  expect_error(ErrorCode::kConfiguration, "configuration hash is",
+               [&] { (void)Board::open(rtl_config(), {.file = host}); });
+  expect_error(ErrorCode::kConfiguration, "configuration hash is",
+               [&] { (void)Board::open(host_config(), {.config_hash = 1}); });
   const std::uint64_t hash = bitstream_hash("board", host_config().parameters());
-  expect(ErrorCode::kConfiguration, "number of lanes is 16, but 32",
-         [&] { (void)Board::open({.lanes = 32}, {.file = host, .config_hash = hash}); });
+  expect_error(ErrorCode::kConfiguration, "number of lanes is 16, but 32",
+               [&] { (void)Board::open({.lanes = 32}, {.file = host, .config_hash = hash}); });
   EXPECT_NO_THROW((void)Board::open(host_config(), {.file = host, .config_hash = hash}));
 }
 
 TEST_F(Bitstreams, FilesThatAreNone) {
   const fs::path host = bitstream_path("board", host_config().parameters());
-  expect(ErrorCode::kConfiguration, "not a bitstream",
-         [&] { (void)Bitstream::load(folder_ / "none.so", 0); });
-  expect(ErrorCode::kConfiguration, "not a bitstream", [&] { (void)Bitstream::load(folder_, 0); });
+  expect_error(ErrorCode::kConfiguration, "not a bitstream",
+               [&] { (void)Bitstream::load(folder_ / "none.so", 0); });
+  expect_error(ErrorCode::kConfiguration, "not a bitstream",
+               [&] { (void)Bitstream::load(folder_, 0); });
   std::ofstream(folder_ / "text.so") << "int main() {}\n";
-  expect(ErrorCode::kConfiguration, "not a bitstream",
-         [&] { (void)Bitstream::load(folder_ / "text.so", 0); });
+  expect_error(ErrorCode::kConfiguration, "not a bitstream",
+               [&] { (void)Bitstream::load(folder_ / "text.so", 0); });
   for (const int percent : {0, 1, 50, 99}) {
     fs::copy_file(host, folder_ / "cut.so", fs::copy_options::overwrite_existing);
     fs::resize_file(folder_ / "cut.so",
                     fs::file_size(host) * static_cast<std::uintmax_t>(percent) / 100);
-    expect(ErrorCode::kConfiguration, "not a bitstream",
-           [&] { (void)Bitstream::load(folder_ / "cut.so", 0); });
+    expect_error(ErrorCode::kConfiguration, "not a bitstream",
+                 [&] { (void)Bitstream::load(folder_ / "cut.so", 0); });
   }
   const Bitstream board = Bitstream::load(host, 0);
-  expect(ErrorCode::kConfiguration, "exports no cde_nothing",
-         [&] { (void)board.symbol("cde_nothing"); });
+  expect_error(ErrorCode::kConfiguration, "exports no cde_nothing",
+               [&] { (void)board.symbol("cde_nothing"); });
 }
 
 /// Names within messages cannot move the cursor, or begin a line that looks like another message.
@@ -190,8 +182,8 @@ TEST_F(Bitstreams, FlippedBitsAreNotLoaded) {
     EXPECT_NE(folder, folder_ / name);
     EXPECT_NE(said.find(file.string() + " is not loaded: it is damaged"), std::string::npos)
         << said;
-    expect(ErrorCode::kConfiguration, at == 0 ? "is not a bitstream" : "is damaged",
-           [&] { (void)Bitstream::load(file, 0); });
+    expect_error(ErrorCode::kConfiguration, at == 0 ? "is not a bitstream" : "is damaged",
+                 [&] { (void)Bitstream::load(file, 0); });
     flip_bit(file, at);
     EXPECT_EQ(loaded_from().first, folder_ / name) << "whole again";
   }
@@ -221,7 +213,8 @@ TEST_F(Bitstreams, WhatOthersCanWriteIsNotLoaded) {
     EXPECT_NE(said.find(file.string() + " is not loaded: it can be written by others"),
               std::string::npos)
         << said;
-    expect(ErrorCode::kFile, "can be written by others", [&] { (void)Bitstream::load(file, 0); });
+    expect_error(ErrorCode::kFile, "can be written by others",
+                 [&] { (void)Bitstream::load(file, 0); });
     fs::permissions(file, who, fs::perm_options::remove);
     fs::permissions(file.parent_path(), who, fs::perm_options::add);
     std::tie(folder, said) = loaded_from();
@@ -230,7 +223,8 @@ TEST_F(Bitstreams, WhatOthersCanWriteIsNotLoaded) {
                         " is refused: it can be written by others"),
               std::string::npos)
         << said;
-    expect(ErrorCode::kFile, "can be written by others", [&] { (void)Bitstream::load(file, 0); });
+    expect_error(ErrorCode::kFile, "can be written by others",
+                 [&] { (void)Bitstream::load(file, 0); });
   }
 }
 
@@ -252,7 +246,7 @@ TEST_F(Bitstreams, WhatBelongsToOthersIsNotLoaded) {
   fs::create_directories(folder_ / "foreign");
   ASSERT_EQ(::chown((folder_ / "foreign").c_str(), 4242, 4242), 0);
   set("CDE_CACHE", folder_ / "foreign");
-  expect(ErrorCode::kFile, "foreign: belongs to user 4242", [] { (void)bitstream_cache(); });
+  expect_error(ErrorCode::kFile, "foreign: belongs to user 4242", [] { (void)bitstream_cache(); });
 }
 
 /// ../../lib/cde/bitstreams is an installation's folder: beside a clone it is anybody's. The
@@ -274,9 +268,9 @@ TEST_F(Bitstreams, InstalledFoldersOnlyInAnInstallation) {
   EXPECT_FALSE(bitstream_file("board", host_config().parameters()).built);
 
   fs::permissions(clone / "verilator/bitstream", fs::perms::others_write, fs::perm_options::add);
-  expect(ErrorCode::kFile,
-         "the bitstream builder is refused: " + (clone / "verilator/bitstream").string(),
-         [] { (void)bitstream_builder(); });
+  expect_error(ErrorCode::kFile,
+               "the bitstream builder is refused: " + (clone / "verilator/bitstream").string(),
+               [] { (void)bitstream_builder(); });
 }
 
 TEST_F(Bitstreams, CacheIsAPrivateFolder) {
@@ -305,11 +299,11 @@ TEST_F(Bitstreams, CacheIsAPrivateFolder) {
 
   fs::permissions(folder_ / "home/.cache/cde", fs::perms::others_write, fs::perm_options::add);
   set("HOME", folder_ / "home");
-  expect(ErrorCode::kFile, "home/.cache/cde: can be written by others",
-         [] { (void)bitstream_cache(); });
+  expect_error(ErrorCode::kFile, "home/.cache/cde: can be written by others",
+               [] { (void)bitstream_cache(); });
   std::ofstream(folder_ / "file") << "";
   set("CDE_CACHE", folder_ / "file");
-  expect(ErrorCode::kFile, "is not a folder", [] { (void)bitstream_cache(); });
+  expect_error(ErrorCode::kFile, "is not a folder", [] { (void)bitstream_cache(); });
 }
 
 /// The first use of a configuration by two processes at once: one build, both get it; then its file
@@ -354,23 +348,24 @@ TEST_F(Bitstreams, BuiltOnFirstUseAndWhenDamaged) {
 
 TEST_F(Bitstreams, BuilderThatCannotWork) {
   const auto unbuilt = BoardConfig{.lanes = 2}.parameters();
-  expect(ErrorCode::kBuild, "unknown kind 'nothing'", [] { (void)Bitstream::open("nothing", {}); });
-  expect(ErrorCode::kBuild, "NO_SUCH_PARAMETER",
-         [] { (void)Bitstream::open("board", {"NO_SUCH_PARAMETER=1"}); });
-  expect(ErrorCode::kBuild, "parameter 'a b; echo' is not NAME=VALUE",
-         [] { (void)Bitstream::open("board", {"a b; echo"}); });
+  expect_error(ErrorCode::kBuild, "unknown kind 'nothing'",
+               [] { (void)Bitstream::open("nothing", {}); });
+  expect_error(ErrorCode::kBuild, "NO_SUCH_PARAMETER",
+               [] { (void)Bitstream::open("board", {"NO_SUCH_PARAMETER=1"}); });
+  expect_error(ErrorCode::kBuild, "parameter 'a b; echo' is not NAME=VALUE",
+               [] { (void)Bitstream::open("board", {"a b; echo"}); });
   set("CDE_CLANG", "no-such-compiler");
-  expect(ErrorCode::kBuild, "no-such-compiler not found",
-         [&] { (void)Bitstream::open("board", unbuilt); });
+  expect_error(ErrorCode::kBuild, "no-such-compiler not found",
+               [&] { (void)Bitstream::open("board", unbuilt); });
   set("CDE_CLANG", "clang++");
   set("CDE_SHARE", folder_ / "nowhere");
-  expect(ErrorCode::kBuild, "cannot run", [&] { (void)Bitstream::open("board", unbuilt); });
+  expect_error(ErrorCode::kBuild, "cannot run", [&] { (void)Bitstream::open("board", unbuilt); });
 }
 
 TEST_F(Bitstreams, UnwritableCacheIsNamed) {
   set("CDE_CACHE", "/proc/no-folder");
-  expect(ErrorCode::kFile, "/proc/no-folder",
-         [] { (void)Bitstream::open("board", BoardConfig{.lanes = 2}.parameters()); });
+  expect_error(ErrorCode::kFile, "/proc/no-folder",
+               [] { (void)Bitstream::open("board", BoardConfig{.lanes = 2}.parameters()); });
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <ostream>
 
+#include "../expect_error.hpp"
 #include "cases.hpp"
 
 namespace cde::testing {
@@ -130,39 +131,32 @@ TEST(Driver, RefusesWhatMakesNoSense) {
   Board board = Board::open(small_config());
   Random random;
   const Scene scene = beam(random, 4, 1001);
-  const auto expect = [](ErrorCode code, const std::string& text, auto statement) {
-    try {
-      statement();
-      ADD_FAILURE() << "no error with '" << text << "'";
-    } catch (const Error& e) {
-      EXPECT_EQ(static_cast<int>(e.code()), static_cast<int>(code)) << e.what();
-      EXPECT_NE(std::string(e.what()).find(text), std::string::npos) << e.what();
-    }
-  };
-  expect(ErrorCode::kUsage, "no secondaries", [&] { (void)board.run({}); });
-  expect(ErrorCode::kUsage, "no triangles", [&] { board.upload(std::span<const Triangle>()); });
-  expect(ErrorCode::kCapacity, "1001 triangles do not fit the card's DDR, which holds 1000",
-         [&] { board.upload(scene.triangles); });
+  expect_error(ErrorCode::kUsage, "no secondaries", [&] { (void)board.run({}); });
+  expect_error(ErrorCode::kUsage, "no triangles",
+               [&] { board.upload(std::span<const Triangle>()); });
+  expect_error(ErrorCode::kCapacity, "1001 triangles do not fit the card's DDR, which holds 1000",
+               [&] { board.upload(scene.triangles); });
   std::vector<Triangle> some(scene.triangles.begin(), scene.triangles.begin() + 100);
   some[77].v1.y() = std::numeric_limits<float>::quiet_NaN();
-  expect(ErrorCode::kBadInput, "triangle 77: v1.y", [&] { board.upload(some); });
+  expect_error(ErrorCode::kBadInput, "triangle 77: v1.y", [&] { board.upload(some); });
   board.upload(std::span(scene.triangles).first(1000));
-  expect(ErrorCode::kUsage, "no primaries", [&] { (void)board.run({}); });
-  expect(ErrorCode::kUsage, "1 to 256 rays, not 0", [&] { board.load({}); });
-  expect(ErrorCode::kUsage, "1 to 256 rays, not 257",
-         [&] { board.load(std::vector<Ray>(257, scene.rays[0])); });
-  expect(ErrorCode::kUsage, "lanes is 3", [] { (void)Board::open({.lanes = 3}); });
-  expect(ErrorCode::kUsage, "latency_div is 0", [] { (void)Board::open({.latency_div = 0}); });
-  expect(ErrorCode::kUsage, "sram_records is 100",
-         [] { (void)Board::open({.sram_records = 100}); });
-  expect(ErrorCode::kUsage, "ddr_latency is 0",
-         [] { (void)Board::open(small_config(), {.ddr_latency = 0}); });
-  expect(ErrorCode::kUsage, "no waves", [&] { board.trace_open("/tmp/x.fst"); });
+  expect_error(ErrorCode::kUsage, "no primaries", [&] { (void)board.run({}); });
+  expect_error(ErrorCode::kUsage, "1 to 256 rays, not 0", [&] { board.load({}); });
+  expect_error(ErrorCode::kUsage, "1 to 256 rays, not 257",
+               [&] { board.load(std::vector<Ray>(257, scene.rays[0])); });
+  expect_error(ErrorCode::kUsage, "lanes is 3", [] { (void)Board::open({.lanes = 3}); });
+  expect_error(ErrorCode::kUsage, "latency_div is 0",
+               [] { (void)Board::open({.latency_div = 0}); });
+  expect_error(ErrorCode::kUsage, "sram_records is 100",
+               [] { (void)Board::open({.sram_records = 100}); });
+  expect_error(ErrorCode::kUsage, "ddr_latency is 0",
+               [] { (void)Board::open(small_config(), {.ddr_latency = 0}); });
+  expect_error(ErrorCode::kUsage, "no waves", [&] { board.trace_open("/tmp/x.fst"); });
   // The board still works.
   Scene good{scene.rays, {scene.triangles.begin(), scene.triangles.begin() + 1000}};
   EXPECT_EQ(cast_and_compare(board, good, {}).size(), 4u);
   board.reset();
-  expect(ErrorCode::kUsage, "no primaries", [&] { (void)board.run({}); });
+  expect_error(ErrorCode::kUsage, "no primaries", [&] { (void)board.run({}); });
   board.load(good.rays);
   EXPECT_EQ(board.run(Query{}).size(), 4u) << "triangles stay over a reset";
 }

@@ -3,6 +3,7 @@
 // they move.
 #include <cstring>
 
+#include "../expect_error.hpp"
 #include "moving_cases.hpp"
 
 namespace cde::testing {
@@ -182,17 +183,6 @@ TEST(ObjectDriver, PartOfTheSecondariesIsUploadedAgain) {
   boxes[3] = shape<Obb>(random);
   board.update_shapes(3, std::span<const Obb>(boxes).subspan(3, 1));
   check_pass(board, Pair::kObbPlane, true, planes, boxes, {}, {}, {Mode::kAll});
-}
-
-template <class Statement>
-void expect_error(ErrorCode code, const std::string& text, Statement statement) {
-  try {
-    statement();
-    ADD_FAILURE() << "no error with '" << text << "'";
-  } catch (const Error& e) {
-    EXPECT_EQ(static_cast<int>(e.code()), static_cast<int>(code)) << e.what();
-    EXPECT_NE(std::string(e.what()).find(text), std::string::npos) << e.what();
-  }
 }
 
 TEST(ObjectDriver, RefusesWhatMakesNoSense) {

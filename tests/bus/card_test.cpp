@@ -11,16 +11,6 @@
 namespace cde::testing {
 namespace {
 
-BoardConfig small() {
-  return {.lanes = 4,
-          .latency_add = 2,
-          .latency_mul = 3,
-          .latency_div = 9,
-          .latency_compare = 2,
-          .ddr_slots = 1000,
-          .sram_records = 64};
-}
-
 template <class P>
 std::vector<std::uint8_t> words_of(const std::vector<P>& shapes) {
   std::vector<float> words(shapes.size() * P::kWords);
@@ -36,7 +26,7 @@ struct PciCard : BusCard {
   static constexpr std::uint32_t kTriangles = 2 * 4096, kRays = 32 * 4096, kRecords = 40 * 4096;
 
   explicit PciCard(const std::string& profile,
-                   std::vector<std::string> parameters = small().parameters())
+                   std::vector<std::string> parameters = small_config().parameters())
       : BusCard({.kind = "card", .parameters = std::move(parameters), .profile = profile}) {
     enumerate();
     map_range(0, 63);
@@ -103,7 +93,7 @@ TEST(PciCardTest, ShowsWhatItIs) {
   PciCard card("ideal");
   EXPECT_EQ(card.read(card::kRegId), std::uint64_t{card::kIdMagic} << 32 | card::kInterfaceVersion);
   EXPECT_EQ(card.read(card::kRegConfigHash), card.api().config_hash);
-  EXPECT_EQ(card.read(card::kRegConfigHash), bitstream_hash("card", small().parameters()));
+  EXPECT_EQ(card.read(card::kRegConfigHash), bitstream_hash("card", small_config().parameters()));
   EXPECT_EQ(card.read(card::kRegCapacity), 36'000u);
   EXPECT_EQ(card.api().container_bits, 32u);
 }
@@ -137,7 +127,7 @@ void expect_same(Board& board, PciCard& card) {
 }
 
 TEST(PciCardTest, SameRecordsAndClocksAsTheFunctionalBus) {
-  Board board = Board::open(small());
+  Board board = Board::open(small_config());
   for (const char* const profile : {"ideal", "p64-2001"}) {
     SCOPED_TRACE(profile);
     PciCard card(profile);
@@ -147,8 +137,8 @@ TEST(PciCardTest, SameRecordsAndClocksAsTheFunctionalBus) {
 
 /// Each domain leaves the reset by its own clock (rtl/bus/reset_sync.sv).
 TEST(PciCardTest, SameWithResetSynchronisers) {
-  Board board = Board::open(small());
-  std::vector<std::string> parameters = small().parameters();
+  Board board = Board::open(small_config());
+  std::vector<std::string> parameters = small_config().parameters();
   parameters.emplace_back("RESET_STAGES=2");
   PciCard card("ideal", parameters);
   expect_same(board, card);

@@ -383,21 +383,7 @@ TEST_F(Cast, InterruptWhileCastingLeavesNothing) {
 /// A card with a fault: without the third edge's comparison, hits lie outside triangles. The cast
 /// ends with status 3, keeps no file, and the command that it names finds the same difference.
 TEST_F(Cast, FaultyCardIsFoundOut) {
-  const fs::path share = folder_ / "share";
-  fs::create_directories(share / "host/include/cde");
-  for (const char* part : {"rtl", "verilator", "host/include/cde/contract"})
-    fs::copy(fs::path(CDE_SOURCE_DIR) / part, share / part, fs::copy_options::recursive);
-  const fs::path pipe = share / "rtl/pipes/ray_triangle_moller.sv";
-  std::stringstream text;
-  text << std::ifstream(pipe).rdbuf();
-  std::string rtl = text.str();
-  const std::string right = "in_edges_uv & uv_hi", wrong = "in_edges_uv";
-  const auto at = rtl.find(right);
-  ASSERT_NE(at, std::string::npos);
-  std::ofstream(pipe) << rtl.replace(at, right.size(), wrong);
-
-  const Words environment = {"CDE_SHARE=" + share.string(),
-                             "CDE_CACHE=" + (folder_ / "cache").string(), "CDE_WERROR=0"};
+  const Words environment = faulty_card();
   const Ran ran =
       cde({"cast", "terrain:3,3,1", "--grid", "9x9", "--lanes", "4", "--json", "-o", "hits.csv"},
           environment);

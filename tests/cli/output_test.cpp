@@ -20,7 +20,7 @@ using Words = std::vector<std::string>;
 
 const char* const kTriangle = "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n";
 const char* const kCsv = "ray,F,T,CPx,CPy,CPz,index\n0,1,0.5,0.25,0.25,1,0\n";
-const char* const kScene = R"(frames = 2
+const std::string kScene = R"(frames = 2
 [card]
 lanes = 4
 [[object]]
@@ -29,12 +29,7 @@ mesh = "one.obj"
 [[object]]
 name = "rays"
 rays_csv = "rays.csv"
-[[query]]
-name = "hit"
-pair = "ray-triangle"
-primaries = "rays"
-secondaries = "triangles"
-)";
+)" + hit_query("triangles");
 
 class Outputs : public Cli {
  protected:

@@ -207,7 +207,7 @@ class Pages : public Cli {
   }
 };
 
-const char* const kScene = R"(title = "A </script> & <b>title</b>\u0001"
+const std::string kScene = R"(title = "A </script> & <b>title</b>\u0001"
 frames = 5
 [card]
 lanes = 16
@@ -219,12 +219,7 @@ deform = { kind = "wave", vertices = [20, 45], amplitude = [0, 0, 5], period = 1
 name = "rays"
 random_rays = { count = 30, seed = 7 }
 motion = { kind = "still", position = [60, 45, 300] }
-[[query]]
-name = "hit"
-pair = "ray-triangle"
-primaries = "rays"
-secondaries = "terrain"
-)";
+)" + hit_query("terrain");
 
 TEST_F(Pages, ReportSaysWhatRunJsonSays) {
   write("scene.toml", kScene);

@@ -31,6 +31,12 @@ std::string bytes_of(const fs::path& path) {
 
 }  // namespace
 
+std::string hit_query(const std::string& secondaries) {
+  return "[[query]]\nname = \"hit\"\npair = \"ray-triangle\"\nprimaries = \"rays\"\nsecondaries = "
+         "\"" +
+         secondaries + "\"\n";
+}
+
 const std::set<std::string>& documented_keys() {
   static const std::set<std::string> keys = [] {
     std::set<std::string> found;
@@ -140,6 +146,24 @@ std::string Cli::write(const std::string& name, const std::string& text) const {
 
 std::string Cli::read(const std::string& name) const {
   return bytes_of(folder_ / name);
+}
+
+std::vector<std::string> Cli::faulty_card() const {
+  const fs::path share = folder_ / "share";
+  fs::create_directories(share / "host/include/cde");
+  for (const char* part : {"rtl", "verilator", "host/include/cde/contract"})
+    fs::copy(fs::path(CDE_SOURCE_DIR) / part, share / part, fs::copy_options::recursive);
+  const fs::path pipe = share / "rtl/pipes/ray_triangle_moller.sv";
+  std::stringstream text;
+  text << std::ifstream(pipe).rdbuf();
+  std::string rtl = text.str();
+  const std::string right = "in_edges_uv & uv_hi", wrong = "in_edges_uv";
+  const auto at = rtl.find(right);
+  if (at == std::string::npos) throw std::runtime_error(pipe.string() + " has no " + right);
+  std::ofstream(pipe) << rtl.replace(at, right.size(), wrong);
+
+  return {"CDE_SHARE=" + share.string(), "CDE_CACHE=" + (folder_ / "cache").string(),
+          "CDE_WERROR=0"};
 }
 
 std::vector<std::string> Cli::files() const {

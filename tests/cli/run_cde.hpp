@@ -17,6 +17,9 @@ struct Ran {
   std::string out, err;
 };
 
+/// The end of a scene's text: a query of an object "rays" for what another one has.
+[[nodiscard]] std::string hit_query(const std::string& secondaries);
+
 /// Keys of JSON that docs/json.md explains.
 [[nodiscard]] const std::set<std::string>& documented_keys();
 /// All keys of the objects in a text of JSON, the last line of what may have others before it.
@@ -59,6 +62,8 @@ class Cli : public ::testing::Test {
   [[nodiscard]] bool exists(const std::string& name) const {
     return std::filesystem::exists(folder_ / name);
   }
+  /// A card with a fault, as an environment: a hit needs to lie within two edges of three.
+  [[nodiscard]] std::vector<std::string> faulty_card() const;
   /// Names in the folder, sorted.
   [[nodiscard]] std::vector<std::string> files() const;
 

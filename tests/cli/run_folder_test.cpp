@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-const char* const kScene = R"(frames = 4
+const std::string kScene = R"(frames = 4
 [card]
 lanes = 4
 [[object]]
@@ -25,12 +25,7 @@ mesh = "terrain:3,3,1"
 name = "rays"
 random_rays = { count = 3, seed = 7 }
 motion = { kind = "still", position = [15, 15, 300] }
-[[query]]
-name = "hit"
-pair = "ray-triangle"
-primaries = "rays"
-secondaries = "terrain"
-)";
+)" + hit_query("terrain");
 
 class Folders : public Cli {
  protected:

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
 /// Rays that are drawn again, terrain vertices that move: 16 lanes, the bitstream of other tests.
-const char* const kFlight = R"(frames = 4
+const std::string kFlight = R"(frames = 4
 [card]
 lanes = 16
 [[object]]
@@ -33,12 +33,7 @@ random_rays = { count = 300, seed = 7 }
 kind = "path"
 points = [[20, 20, 300], [90, 60, 250]]
 duration = 0.1
-[[query]]
-name = "hit"
-pair = "ray-triangle"
-primaries = "rays"
-secondaries = "terrain"
-)";
+)" + hit_query("terrain");
 
 /// kFlight with another [card] and more text at its end.
 std::string flight(const std::string& card, const std::string& more = "") {
@@ -366,20 +361,7 @@ TEST_F(RunScene, Waves) {
 /// A card with a fault: hits lie outside triangles. The run stops after the frame with status 3,
 /// run.json counts the mismatches, and the command that is named finds the same again.
 TEST_F(RunScene, FaultyCardIsFoundOut) {
-  const fs::path share = folder_ / "share";
-  fs::create_directories(share / "host/include/cde");
-  for (const char* part : {"rtl", "verilator", "host/include/cde/contract"})
-    fs::copy(fs::path(CDE_SOURCE_DIR) / part, share / part, fs::copy_options::recursive);
-  const fs::path pipe = share / "rtl/pipes/ray_triangle_moller.sv";
-  std::stringstream text;
-  text << std::ifstream(pipe).rdbuf();
-  std::string rtl = text.str();
-  const std::string right = "in_edges_uv & uv_hi", wrong = "in_edges_uv";
-  const auto at = rtl.find(right);
-  ASSERT_NE(at, std::string::npos);
-  std::ofstream(pipe) << rtl.replace(at, right.size(), wrong);
-  const Words environment = {"CDE_SHARE=" + share.string(),
-                             "CDE_CACHE=" + (folder_ / "cache").string(), "CDE_WERROR=0"};
+  const Words environment = faulty_card();
   std::string scene = kFlight;
   scene.replace(scene.find("lanes = 16"), 10, "lanes = 4");
   write("small.toml", scene);

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const kScene = R"(frames = 2
+const std::string kScene = R"(frames = 2
 [card]
 lanes = 4
 [[object]]
@@ -23,12 +23,7 @@ mesh = "one.obj"
 [[object]]
 name = "rays"
 random_rays = { count = 3, seed = 7 }
-[[query]]
-name = "hit"
-pair = "ray-triangle"
-primaries = "rays"
-secondaries = "triangles"
-)";
+)" + hit_query("triangles");
 
 /// A script, and the status of it when nothing is in its way.
 struct Command {
@@ -183,9 +178,9 @@ TEST_F(Streams, ControlCharactersOfFilesAreShownAsNumbers) {
   scene = kScene;
   scene.replace(scene.find("\"hit\""), 5, "\"" + evil + "\"");
   write("query.toml", scene);
-  write("key.toml", "\"" + evil + "\" = 1\n" + std::string(kScene));
-  write("raw.toml", "title = \"\x1b[31m\"\n" + std::string(kScene));
-  write("title.toml", "title = \"" + evil + "\"\n" + std::string(kScene));
+  write("key.toml", "\"" + evil + "\" = 1\n" + kScene);
+  write("raw.toml", "title = \"\x1b[31m\"\n" + kScene);
+  write("title.toml", "title = \"" + evil + "\"\n" + kScene);
   for (const char* file :
        {"mesh.toml", "object.toml", "query.toml", "key.toml", "raw.toml", "title.toml"}) {
     for (const char* verb : {"plan", "run"}) {

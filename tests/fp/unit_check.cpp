@@ -21,13 +21,7 @@ FpUnit load(const TestUnit& unit) {
 }
 
 const char* op_name(FpOp op) {
-  constexpr std::array<const char*, kFpOps> kNames{
-      "add",      "sub",       "mul",          "div",           "sqrt",         "lt",
-      "le",       "eq",        "min",          "max",           "to_fp16",      "to_bf16",
-      "to_tf32",  "to_fp24",   "to_fp32",      "to_fp64",       "to_e4m3",      "to_e3m2",
-      "from_i32", "from_ui32", "from_i64",     "from_ui64",     "to_i32",       "to_ui32",
-      "to_i64",   "to_ui64",   "to_i32_trunc", "to_ui32_trunc", "to_i64_trunc", "to_ui64_trunc"};
-  return kNames.at(static_cast<std::size_t>(op));
+  return kFpOpNames.at(static_cast<std::size_t>(op));
 }
 
 UnitCheck::~UnitCheck() {

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <string>
 
-#include "cde/support/error.hpp"
+#include "../expect_error.hpp"
 
 namespace cde::testing {
 
@@ -49,19 +49,6 @@ inline std::string bytes_of(const std::filesystem::path& path) {
 
 inline std::filesystem::path small_mesh(const std::string& name) {
   return std::filesystem::path(CDE_MESHES) / name;
-}
-
-/// The statement throws Error of this code, and its message holds this text.
-template <typename Statement>
-void expect_error(ErrorCode code, const std::string& text, Statement statement) {
-  try {
-    statement();
-    ADD_FAILURE() << "no error; expected one with '" << text << "'";
-  } catch (const Error& e) {
-    EXPECT_EQ(static_cast<int>(e.code()), static_cast<int>(code)) << e.what();
-    EXPECT_NE(std::string(e.what()).find(text), std::string::npos)
-        << "message: " << e.what() << "\nlacks: " << text;
-  }
 }
 
 }  // namespace cde::testing

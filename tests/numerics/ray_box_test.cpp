@@ -9,7 +9,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdio>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -19,6 +18,7 @@
 #include "cde/reference/pipes/ray_triangle.hpp"
 #include "exact.hpp"
 #include "in_docs.hpp"
+#include "random.hpp"
 
 namespace cde::testing {
 namespace {
@@ -27,30 +27,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using reference::Outcome;
 
-constexpr unsigned kSeed = 20070129;
 constexpr double kU = 0x1p-24;
-
-class Random {
- public:
-  explicit Random(unsigned seed = kSeed) : bits_(seed) {}
-  double unit() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
-  double between(double lo, double hi) { return lo + (hi - lo) * unit(); }
-  double sign() { return (bits_() & 1) != 0 ? 1 : -1; }
-  bool chance(double share) { return unit() < share; }
-  double decades(double lo, double hi) { return std::pow(10.0, between(lo, hi)); }
-  Vector3d vector() { return {between(-1, 1), between(-1, 1), between(-1, 1)}; }
-  int integer(int lo, int hi) {
-    return lo + static_cast<int>(bits_() % static_cast<unsigned>(hi - lo + 1));
-  }
-  Vector3d integers(int most) {
-    return {double(integer(-most, most)), double(integer(-most, most)),
-            double(integer(-most, most))};
-  }
-  std::uint32_t word() { return static_cast<std::uint32_t>(bits_()); }
-
- private:
-  std::mt19937_64 bits_;
-};
 
 struct Algorithm {
   const char* name;
@@ -152,7 +129,7 @@ TEST_P(BoxRule, NoTriangleWithoutAreaIsHit) {
     boxed += GetParam().boxed(ray, triangle).f;
   }
   std::printf("%s, without area: seed %u, %d exact cases, plain pipe %d hits, with the rule %d\n",
-              GetParam().name, kSeed, kCases, plain, boxed);
+              GetParam().name, Random::kSeed, kCases, plain, boxed);
   EXPECT_EQ(boxed, 0);
 }
 
@@ -190,7 +167,7 @@ TEST_P(BoxRule, RaysInThePlaneHitTheBoxOrNothing) {
       "%s, edge-on: seed %u, %d cases, plain pipe %d hits up to %.3g sizes outside of the box, "
       "with "
       "the rule %d up to %.3g sizes, %.2f of the margin\n",
-      GetParam().name, kSeed, kCases, plain, far_plain, boxed, far_boxed, worst);
+      GetParam().name, Random::kSeed, kCases, plain, far_plain, boxed, far_boxed, worst);
   EXPECT_LE(worst, 1);
   EXPECT_GE(plain, boxed);
 }
@@ -296,7 +273,7 @@ TEST_P(BoxRule, DropsNoCertainHitOfPlainTriangles) {
     std::printf(
         "%s, %s: seed %u, %d pairs, %d hits, the rule drops %d, %d of them certain; accepted ones "
         "at most %.2f of the margin outside\n",
-        GetParam().name, scene.name, kSeed, kPairs, hits, dropped, sure, worst);
+        GetParam().name, scene.name, Random::kSeed, kPairs, hits, dropped, sure, worst);
     EXPECT_LE(worst, 1);
     // Only pluecker's T is another, with another sign now and then where it is noise.
     EXPECT_LE(more, !own_t ? 0 : scene.grazing != 0 ? hits / 4 : hits / 100);
@@ -523,7 +500,7 @@ TEST_P(BoxRule, TiesOfTheDominantAxisAreRight) {
     }
   }
   std::printf("%s, ties: seed %u, 6000 pairs, %d with a tied normal, %d hits, %d certain\n",
-              GetParam().name, kSeed, dominant, hits, sure);
+              GetParam().name, Random::kSeed, dominant, hits, sure);
   EXPECT_GT(sure, 300);
   EXPECT_GT(dominant, 3000);
 }

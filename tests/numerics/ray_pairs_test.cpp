@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <random>
 #include <vector>
 
 #include "cde/mesh/mesh.hpp"
@@ -18,6 +17,7 @@
 #include "cde/reference/pipes/ray_triangle.hpp"
 #include "counted.hpp"
 #include "exact.hpp"
+#include "random.hpp"
 
 namespace cde::testing {
 namespace {
@@ -25,22 +25,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr unsigned kSeed = 20070129;
 constexpr float kInf = std::numeric_limits<float>::infinity();
-
-class Random {
- public:
-  double unit() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
-  double between(double lo, double hi) { return lo + (hi - lo) * unit(); }
-  double sign() { return (bits_() & 1) != 0 ? 1 : -1; }
-  bool chance(double share) { return unit() < share; }
-  double decades(double lo, double hi) { return std::pow(10.0, between(lo, hi)); }
-  Vector3d vector() { return {between(-1, 1), between(-1, 1), between(-1, 1)}; }
-  std::size_t below(std::size_t n) { return bits_() % n; }
-
- private:
-  std::mt19937_64 bits_{kSeed};
-};
 
 // ---- Against exact arithmetic ----
 
@@ -245,8 +230,8 @@ void expect_right(const Algorithm& algorithm, const Scene& scene, int pairs, con
       "%s %s %s: seed %u, %d pairs, %.1f %% hit, wrong outside the band %d, open %d (%.2f %%), of "
       "them %d decided otherwise than exact arithmetic; furthest wrong F at %.2f of the band, T "
       "off by %.2f of its bound, CP by %.2f\n",
-      algorithm.name, format, scene.name, kSeed, r.pairs, 100.0 * r.hits / r.pairs, r.wrong, r.open,
-      100.0 * r.open / r.pairs, r.open_wrong, r.worst_edge, r.worst_depth, r.worst_point);
+      algorithm.name, format, scene.name, Random::kSeed, r.pairs, 100.0 * r.hits / r.pairs, r.wrong,
+      r.open, 100.0 * r.open / r.pairs, r.open_wrong, r.worst_edge, r.worst_depth, r.worst_point);
   EXPECT_EQ(r.wrong, 0);
   EXPECT_LE(r.worst_depth, 1);
   EXPECT_LE(r.worst_point, 1);
@@ -329,8 +314,8 @@ TEST(Leaks, IcosphereFromInside) {
     for (const auto& [name, run] : kAll) leaked[name] += leaks(mesh, ray, run);
   }
   for (const auto& [name, n] : leaked)
-    std::printf("icosphere, seed %u, %d rays at edges and vertices: %s leaks %d (%.2f %%)\n", kSeed,
-                kRays, name.c_str(), n, 100.0 * n / kRays);
+    std::printf("icosphere, seed %u, %d rays at edges and vertices: %s leaks %d (%.2f %%)\n",
+                Random::kSeed, kRays, name.c_str(), n, 100.0 * n / kRays);
   EXPECT_EQ(leaked["watertight"], 0);
   EXPECT_EQ(leaked["watertight_box"], 0);
   EXPECT_GT(leaked["moller"], 0) << "the rays are too easy to tell";
@@ -370,7 +355,7 @@ TEST(Leaks, SphereFarFromTheOrigin) {
     for (const auto& [name, run] : kAll) leaked[name] += leaks(mesh, ray, run);
   }
   for (const auto& [name, n] : leaked)
-    std::printf("sphere far from the origin, seed %u, %d rays: %s leaks %d\n", kSeed, kRays,
+    std::printf("sphere far from the origin, seed %u, %d rays: %s leaks %d\n", Random::kSeed, kRays,
                 name.c_str(), n);
   EXPECT_EQ(leaked["watertight"], 0);
   EXPECT_EQ(leaked["watertight_box"], 0);

@@ -12,7 +12,6 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
-#include <random>
 #include <span>
 #include <vector>
 
@@ -21,37 +20,20 @@
 #include "cde/reference/pipes/ray_sphere.hpp"
 #include "exact_solids.hpp"
 #include "in_docs.hpp"
+#include "random.hpp"
 
 namespace cde::testing {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr unsigned kSeed = 20070129;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUsualBand = 8;
 
-class Random {
- public:
-  double unit() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
-  double between(double lo, double hi) { return lo + (hi - lo) * unit(); }
-  double sign() { return (bits_() & 1) != 0 ? 1 : -1; }
-  bool chance(double share) { return unit() < share; }
-  /// Magnitudes spread evenly over the decades.
-  double decades(double lo, double hi) { return std::pow(10.0, between(lo, hi)); }
-  Vector3d direction() {
-    for (;;) {
-      const Vector3d v(between(-1, 1), between(-1, 1), between(-1, 1));
-      if (v.norm() < 1 && v.norm() > 0.1) return v.normalized();
-    }
-  }
-  /// 1, or off by 10^finest to 10^-2.
-  double almost_one(double finest) { return chance(0.2) ? 1 : 1 + sign() * decades(finest, -2); }
-  Vector3d across(const Vector3d& axis) { return axis.cross(direction()).normalized(); }
-
- private:
-  std::mt19937_64 bits_{kSeed};
-};
+/// 1, or off by 10^finest to 10^-2.
+double almost_one(Random& random, double finest) {
+  return random.chance(0.2) ? 1 : 1 + random.sign() * random.decades(finest, -2);
+}
 
 struct Scene {
   const char* name;
@@ -103,7 +85,7 @@ struct SphereCase {
       miss = scene.size * (1 + random.sign() * random.decades(scene.finest, -1));
     Vector3d from = sphere.c + distance * out, at = sphere.c + miss * random.across(out);
     if (scene.tangent) {
-      from = sphere.c + scene.size * random.almost_one(scene.finest) * out;
+      from = sphere.c + scene.size * almost_one(random, scene.finest) * out;
       const Vector3d along = random.across(out);
       at = from + distance * (along + random.sign() * random.decades(-7, -1) * out);
     }
@@ -144,7 +126,7 @@ struct CylinderCase {
     if (scene.tangent) {
       const Vector3d foot =
           cylinder.c + random.between(-1, 1) * cylinder.half_height * cylinder.axis;
-      from = foot + cylinder.radius * random.almost_one(scene.finest) * side;
+      from = foot + cylinder.radius * almost_one(random, scene.finest) * side;
       const Vector3d along = random.across(side);
       const Vector3d rim = from + distance * along;
       at = rim + distance * random.sign() * random.decades(-7, -1) * side;
@@ -227,8 +209,9 @@ void expect_right(const Scene& scene, int pairs, const char* format) {
       "them %d decided otherwise than exact arithmetic; %d more underflow; surface missed by %.2f "
       "u (band %g), CP "
       "off by %.2f u\n",
-      Case::kName, format, scene.name, kSeed, r.pairs, 100.0 * r.hits / r.pairs, r.wrong, r.open,
-      100.0 * r.open / r.pairs, r.open_wrong, r.underflows, r.residual, kUsualBand, r.point);
+      Case::kName, format, scene.name, Random::kSeed, r.pairs, 100.0 * r.hits / r.pairs, r.wrong,
+      r.open, 100.0 * r.open / r.pairs, r.open_wrong, r.underflows, r.residual, kUsualBand,
+      r.point);
   EXPECT_EQ(r.wrong, 0);
   EXPECT_LE(r.underflows, (std::numeric_limits<S>::min_exponent > -100 ? 0.2 : 0) * r.pairs);
   EXPECT_LE(r.residual, kUsualBand);
@@ -512,8 +495,8 @@ TEST(RaySphere, TenThousandRadiiAwayTheTextbookIsWrong) {
     textbook += (discriminant >= 0 && -b + std::sqrt(discriminant) >= 0) != truth;
     pipe += reference::ray_sphere(ray, sphere).f != truth;
   }
-  std::printf("seed %u, %d pairs: textbook wrong in %.2f %%, pipe in %.2f %%\n", kSeed, kPairs,
-              100.0 * textbook / kPairs, 100.0 * pipe / kPairs);
+  std::printf("seed %u, %d pairs: textbook wrong in %.2f %%, pipe in %.2f %%\n", Random::kSeed,
+              kPairs, 100.0 * textbook / kPairs, 100.0 * pipe / kPairs);
   EXPECT_GT(textbook, 4 * pipe);
 }
 

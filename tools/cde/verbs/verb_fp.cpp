@@ -20,13 +20,6 @@
 namespace cde::cli {
 namespace {
 
-constexpr std::array<const char*, kFpOps> kOpNames{
-    "add",      "sub",       "mul",          "div",           "sqrt",         "lt",
-    "le",       "eq",        "min",          "max",           "to_fp16",      "to_bf16",
-    "to_tf32",  "to_fp24",   "to_fp32",      "to_fp64",       "to_e4m3",      "to_e3m2",
-    "from_i32", "from_ui32", "from_i64",     "from_ui64",     "to_i32",       "to_ui32",
-    "to_i64",   "to_ui64",   "to_i32_trunc", "to_ui32_trunc", "to_i64_trunc", "to_ui64_trunc"};
-
 struct Request {
   FpOp op = FpOp::kAdd;
   std::optional<FpFormat> format;  // given by a TestFloat name
@@ -34,9 +27,9 @@ struct Request {
 };
 
 std::optional<FpOp> op_by_name(const std::string& name) {
-  const auto at = std::find(kOpNames.begin(), kOpNames.end(), name);
-  if (at == kOpNames.end()) return std::nullopt;
-  return static_cast<FpOp>(at - kOpNames.begin());
+  const auto at = std::find(kFpOpNames.begin(), kFpOpNames.end(), name);
+  if (at == kFpOpNames.end()) return std::nullopt;
+  return static_cast<FpOp>(at - kFpOpNames.begin());
 }
 
 std::optional<FpFormat> format_by_name(const std::string& name) {
@@ -95,7 +88,7 @@ Request parse_request(const std::string& text) {
   }
   throw Error(ErrorCode::kUsage,
               fmt::format("operation {}: not one of {}, nor a TestFloat name such as f32_add",
-                          in_quotes(text), fmt::join(kOpNames, " ")));
+                          in_quotes(text), fmt::join(kFpOpNames, " ")));
 }
 
 /// Bits of an integer operand or result of the operation; 0 if it is a number of the format.

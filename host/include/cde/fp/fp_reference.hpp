@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <cstdint>
 
 #include "cde/contract/formats.hpp"
@@ -14,6 +15,14 @@ struct FpResult {
   uint8_t flags = 0;
   bool operator==(const FpResult&) const = default;
 };
+
+/// What the command line and messages call them, by code.
+inline constexpr std::array<const char*, kFpOps> kFpOpNames{
+    "add",      "sub",       "mul",          "div",           "sqrt",         "lt",
+    "le",       "eq",        "min",          "max",           "to_fp16",      "to_bf16",
+    "to_tf32",  "to_fp24",   "to_fp32",      "to_fp64",       "to_e4m3",      "to_e3m2",
+    "from_i32", "from_ui32", "from_i64",     "from_ui64",     "to_i32",       "to_ui32",
+    "to_i64",   "to_ui64",   "to_i32_trunc", "to_ui32_trunc", "to_i64_trunc", "to_ui64_trunc"};
 
 /// Operands of the operation: 1 or 2.
 [[nodiscard]] int fp_operands(FpOp op);
