@@ -20,5 +20,6 @@ void add_plan(CLI::App& app);
 void add_query(CLI::App& app);
 void add_reproduce(CLI::App& app);
 void add_run(CLI::App& app);
+void add_wave(CLI::App& app);
 
 }  // namespace cde::cli

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "wave/fst_api.hpp"
+
+namespace cde::testing {
+
+/// Writes FST files by Verilator's own writer, in units of ns.
+class Writer {
+ public:
+  explicit Writer(const std::filesystem::path& file);
+  ~Writer();
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+
+  void scope(const std::string& name);
+  void up();
+  fstHandle signal(const std::string& name, unsigned width);
+  fstHandle alias(const std::string& name, unsigned width, fstHandle of);
+  void comment(const std::string& text);
+  void time(std::uint64_t t);
+  void set(fstHandle signal, std::uint64_t value);
+  void set(fstHandle signal, const std::string& bits);
+
+ private:
+  void* fst_;
+  std::vector<unsigned> widths_ = {0};
+};
+
+/// What can be changed in the sample.
+struct Sample {
+  unsigned late = 0;           ///< units by which all is later
+  unsigned wrong_at = 0;       ///< cycle in which t is one word larger; 0 for none
+  unsigned cycles = 20;
+};
+
+/// A small card: scope top with clk (10 ns, rising at 5, 15, ...), count [7:0], which counts its
+/// cycles, valid and ready of a handshake, data [63:0], two words of fp32, of which the lower is half of the
+/// count and the upper a NaN in cycle 7, state [2:0], x until cycle 3, and core.count, another name of count.
+void write_sample(const std::filesystem::path& file, const Sample& sample = {});
+
+/// Many signals s0, s1, ... of 32 bits in scopes of a hundred, with a clock.
+void write_large(const std::filesystem::path& file, unsigned signals, unsigned cycles,
+                 unsigned changes_a_cycle);
+
+}  // namespace cde::testing

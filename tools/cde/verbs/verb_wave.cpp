@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde wave: asks wave files (FST).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "command/values.hpp"
+#include "verbs/verbs.hpp"
+#include "wave/guarded.hpp"
+#include "wave/request.hpp"
+
+namespace cde::cli {
+namespace {
+
+struct Command {
+  const char* name;
+  void (*run)(const wave::Request&);
+  std::vector<std::string> options;  ///< those it takes, beside --json
+};
+
+const std::vector<Command>& commands() {
+  static const std::vector<Command> kAll = {
+      {"info", wave::info, {"--clock"}},
+      {"ls", wave::list, {"--max"}},
+      {"at", wave::values_at, {"--clock", "--as", "--max"}},
+      {"show",
+       wave::show,
+       {"--from", "--to", "--around", "--window", "--columns", "--ascii", "--clock", "--as",
+        "--max"}},
+  };
+  return kAll;
+}
+
+const Command& command_named(const std::string& name) {
+  const auto& all = commands();
+  return *std::find_if(all.begin(), all.end(), [&](const Command& c) { return c.name == name; });
+}
+
+/// An option that is given and that the command would not heed is an error.
+void check_options(const CLI::App& verb, const Command& command) {
+  for (const CLI::Option* o : verb.get_options()) {
+    if (o->get_positional() || o->count() == 0) continue;
+    const std::string name = names(*o).back();
+    if (name != "--json" && std::find(command.options.begin(), command.options.end(), name) ==
+                                command.options.end())
+      throw Error(ErrorCode::kUsage, fmt::format("cde wave {} does not take {}; it takes {}",
+                                                 command.name, name,
+                                                 fmt::join(command.options, ", ")));
+  }
+}
+
+void add_options(CLI::App& verb, wave::Request& r) {
+  text_value(verb.add_option("--as", r.form,
+                             "How values are written where no :FORM behind the signal says it: hex, "
+                             "dec, signed, bin, fp32, fp16, bf16, tf32, fp64, ... or eEmM; /32 "
+                             "behind it is the bits of a lane")
+                 ->capture_default_str(),
+             "FORM", [](const std::string& text) {
+               if (!wave::parse_form(text))
+                 throw Error(ErrorCode::kUsage,
+                             fmt::format("no form {}; there are: {}, and eEmM", in_quotes(text),
+                                         fmt::join(wave::form_names(), ", ")));
+             });
+  text_value(verb.add_option("--clock", r.clock,
+                             "Signal whose rising edges are cycles (the outermost clk, clk_i, "
+                             "clock, aclk or i_clk)"),
+             "SIGNAL", {});
+  text_value(verb.add_option("--from", r.from, "First time: 120ns, cyc:7, start, end-3cyc, ..."),
+             "TIME", {});
+  text_value(verb.add_option("--to", r.to, "Last time"), "TIME", {});
+  text_value(verb.add_option("--around", r.around, "Middle of a window, e.g. fail"), "TIME", {});
+  whole_number_in(verb.add_option("--window", r.window,
+                                  "Cycles of the clock before and behind --around; without a clock "
+                                  "units of the file; 10 if it is not given"),
+                  1, 1000000000, "");
+  whole_number_in(verb.add_option("--columns", r.columns, "Width of the picture (the terminal's)"),
+                  40, 10000, "");
+  verb.add_flag("--ascii", r.ascii, "Draw with ASCII alone");
+  whole_number_in(verb.add_option("--max", r.max, "Most lines, 0 for all")->capture_default_str(), 0,
+                  1000000000, "");
+  verb.add_flag("--json", r.json, "JSON on stdout");
+}
+
+}  // namespace
+
+void add_wave(CLI::App& app) {
+  auto r = std::make_shared<wave::Request>();
+  CLI::App* verb = app.add_subcommand(
+      "wave",
+      "Ask a wave file (FST). info: what it is; ls FILE [GLOB]: its signals; at FILE TIME SIGNAL "
+      "...: values at a time");
+  std::vector<std::string> words;
+  for (const Command& c : commands()) words.emplace_back(c.name);
+  named(verb->add_option("command", r->command, "What is asked")->required(), words, "COMMAND",
+        "command of cde wave");
+  file_value(verb->add_option("file", r->file, "Wave file, FST, of --trace or any other")
+                 ->required(),
+             "FILE");
+  verb->add_option("words", r->words,
+                   "What the command takes: a pattern, a time, signals as NAME, NAME[3], NAME:fp32");
+  add_options(*verb, *r);
+  verb->callback([r, verb] {
+    const Command& command = command_named(r->command);
+    check_options(*verb, command);
+    const int status = wave::guarded(r->file, [&] { command.run(*r); });
+    if (status >= 0) exit_code = status;
+  });
+}
+
+}  // namespace cde::cli

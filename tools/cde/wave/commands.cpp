@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde wave info, ls, at; and what all commands share.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "output/json_keys.hpp"
+#include "output/streams.hpp"
+#include "wave/request.hpp"
+
+namespace cde::wave {
+
+using Json = nlohmann::ordered_json;
+
+Form Request::default_form() const {
+  return parse_form(form).value_or(Form{});
+}
+
+Json begin_json(const Request& r) {
+  Json j = {{"schema", "cde.wave." + r.command + ".1"}};
+  j.update(cli::program_json());
+  j["file"] = r.file;
+  return j;
+}
+
+std::string Lines::rest() const {
+  return more() == 0 ? "" : fmt::format("... {} more (--max 0 prints all)\n", more());
+}
+
+std::vector<View> views(const Request& r, Trace& trace, std::size_t first_word) {
+  std::vector<View> all;
+  for (std::size_t i = first_word; i < r.words.size(); ++i)
+    for (View& v : views(trace, r.words[i], r.default_form())) all.push_back(std::move(v));
+  if (all.empty()) throw Error(ErrorCode::kUsage, "a signal is missing: cde wave " + r.command);
+  return all;
+}
+
+std::vector<std::uint32_t> handles(const std::vector<View>& views) {
+  std::vector<std::uint32_t> all;
+  for (const View& v : views) all.push_back(v.signal.handle);
+  return all;
+}
+
+Window window(const Request& r, Trace& trace, Times& times) {
+  Window w{trace.start(), trace.end()};
+  if (!r.around.empty()) {
+    if (!r.from.empty() || !r.to.empty())
+      throw Error(ErrorCode::kUsage, "--around and --from or --to exclude each other");
+    const std::uint64_t middle = times.parse(r.around), n = r.window == 0 ? 10 : r.window;
+    if (times.clock_if_any() != nullptr && !times.edges().empty()) {
+      const auto& edges = times.edges();
+      const std::uint64_t c = times.cycle(middle).value_or(0), last = edges.size() - 1;
+      if (c > n) w.from = edges[c - n];
+      if (last - c > n) w.to = edges[c + n + 1];
+    } else {
+      w.from = middle - std::min(n, middle - w.from);
+      w.to = middle + std::min(n, w.to - middle);
+    }
+    return w;
+  }
+  if (r.window != 0) throw Error(ErrorCode::kUsage, "--window needs --around");
+  if (!r.from.empty()) w.from = times.parse(r.from);
+  if (!r.to.empty()) w.to = times.parse(r.to);
+  if (w.from > w.to)
+    throw Error(ErrorCode::kUsage, fmt::format("--from {} is behind --to {}", times.text(w.from),
+                                               times.text(w.to)));
+  return w;
+}
+
+void info(const Request& r) {
+  Trace trace(r.file);
+  Times times(trace, r.clock);
+  const Signal* const clock = times.clock_if_any();
+  std::size_t aliases = trace.signals().size() - std::min<std::size_t>(trace.signals().size(),
+                                                                       trace.handles());
+  if (r.json) {
+    Json j = begin_json(r);
+    j.update({{"bytes", trace.structure().bytes},
+              {"writer", trace.writer()},
+              {"date", trace.date()},
+              {"seconds_a_unit", std::pow(10.0, trace.scale())},
+              {"from", trace.start()},
+              {"to", trace.end()},
+              {"scopes", trace.scopes()},
+              {"signals", trace.signals().size()},
+              {"aliases", aliases},
+              {"blocks", trace.structure().sections.size()},
+              {"clock", clock != nullptr ? Json(clock->name) : Json()},
+              {"cycles", clock != nullptr ? Json(times.edges().size()) : Json()},
+              {"comments", trace.comments()}});
+    return cli::put_json(j);
+  }
+  std::string text;
+  const auto line = [&](std::string_view key, const std::string& value) {
+    text += fmt::format("{:<10} {}\n", key, printable_name(value));
+  };
+  line("file", fmt::format("{}, {} bytes", r.file, trace.structure().bytes));
+  line("writer", fmt::format("{}, {}", trace.writer(), trace.date()));
+  line("time", fmt::format("{} to {}, in units of 1e{} s", times.text(trace.start()),
+                           times.text(trace.end()), trace.scale()));
+  line("signals", fmt::format("{} in {} scopes, {} of them other names of the same",
+                              trace.signals().size(), trace.scopes(), aliases));
+  line("blocks", fmt::to_string(trace.structure().sections.size()));
+  line("clock", clock == nullptr ? "none found; --clock SIGNAL names it"
+                                 : fmt::format("{}, {} cycles", clock->name, times.edges().size()));
+  for (const std::string& comment : trace.comments()) line("comment", comment);
+  cli::put(text);
+}
+
+void list(const Request& r) {
+  if (r.words.size() > 1)
+    throw Error(ErrorCode::kUsage, "cde wave ls takes one pattern; in quotes if it has * or ?");
+  Trace trace(r.file);
+  Lines lines(r.max);
+  Json signals = Json::array();
+  fmt::memory_buffer text;
+  std::vector<const Signal*> found;
+  const std::string pattern = r.words.empty() ? "*" : r.words.front();
+  for (const Signal& s : trace.signals())
+    if (matches(pattern, s.name) || matches("*." + pattern, s.name) ||
+        matches(pattern + ".*", s.name))
+      found.push_back(&s);
+  if (found.empty()) (void)find_signal(trace, pattern);  // says what is near
+  std::size_t longest = 4;
+  for (std::size_t i = 0; i < found.size() && (r.max == 0 || i < r.max); ++i)
+    longest = std::max(longest, found[i]->name.size());
+  for (const Signal* s : found) {
+    if (!lines.next()) continue;
+    const std::string range = s->ranged ? fmt::format("[{}:{}]", s->left, s->right) : "";
+    if (r.json)
+      signals.push_back({{"name", s->name},
+                         {"width", s->width},
+                         {"range", range},
+                         {"kind", s->kind},
+                         {"direction", s->direction}});
+    else
+      fmt::format_to(std::back_inserter(text), "{:<{}}  {:>5}  {} {}{}{}\n", s->name, longest,
+                     s->width, s->kind, s->direction, range.empty() ? "" : " ", range);
+  }
+  if (r.json) {
+    Json j = begin_json(r);
+    j.update({{"signals", signals}, {"more", lines.more()}});
+    return cli::put_json(j);
+  }
+  cli::put(fmt::to_string(text) + lines.rest());
+}
+
+void values_at(const Request& r) {
+  if (r.words.size() < 2)
+    throw Error(ErrorCode::kUsage, "cde wave at needs a time and signals: cde wave at FILE TIME SIGNAL ...");
+  Trace trace(r.file);
+  Times times(trace, r.clock);
+  const std::uint64_t time = times.parse(r.words.front());
+  const std::vector<View> all = views(r, trace, 1);
+  std::vector<std::string> values(trace.handles() + std::size_t{1});
+  trace.stream(handles(all), time, time, [&](auto, std::uint32_t handle, std::string_view value) {
+    values[handle] = value;
+    return true;
+  });
+  Lines lines(r.max);
+  Json list = Json::array();
+  std::string text = fmt::format("at {}\n", times.text(time));
+  std::size_t longest = 0;
+  for (std::size_t i = 0; i < all.size() && (r.max == 0 || i < r.max); ++i)
+    longest = std::max(longest, all[i].label.size());
+  for (const View& v : all) {
+    if (!lines.next()) continue;
+    const std::string& value = values[v.signal.handle];
+    if (r.json)
+      list.push_back({{"name", v.label}, {"value", v.text(value)}, {"bits", v.bits(value)}});
+    else
+      text += fmt::format("{:<{}}  {}\n", v.label, longest, v.text(value));
+  }
+  if (r.json) {
+    Json j = begin_json(r);
+    j.update({{"time", time}, {"at", times.text(time)}, {"values", list}, {"more", lines.more()}});
+    return cli::put_json(j);
+  }
+  cli::put(text + lines.rest());
+}
+
+}  // namespace cde::wave

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "wave/time.hpp"
+#include "wave/trace.hpp"
+#include "wave/value.hpp"
+
+/// What `cde wave` is asked for, and what each of its commands prints.
+namespace cde::wave {
+
+struct Request {
+  std::string command, file;
+  std::vector<std::string> words;  ///< behind the file
+  std::string clock, form = "hex", from, to, around, on, when, align = "event", output, format;
+  std::vector<std::string> ignore;
+  std::uint64_t window = 0, max = 100, columns = 0, ulp = 0;
+  double eps = 0;
+  bool json = false, ascii = false, first = false, last = false, count = false;
+
+  [[nodiscard]] Form default_form() const;
+};
+
+void info(const Request& request);
+void list(const Request& request);
+void values_at(const Request& request);
+void show(const Request& request);
+void find(const Request& request);
+void diff(const Request& request);
+void export_waves(const Request& request);
+void statistics(const Request& request);
+
+/// A window of time: --from and --to, or --around and --window, which counts cycles if there is a
+/// clock, else units of the file; else all of the file.
+struct Window {
+  std::uint64_t from, to;
+};
+[[nodiscard]] Window window(const Request& request, Trace& trace, Times& times);
+
+/// The views of all words.
+[[nodiscard]] std::vector<View> views(const Request& request, Trace& trace,
+                                      std::size_t first_word);
+/// Their handles.
+[[nodiscard]] std::vector<std::uint32_t> handles(const std::vector<View>& views);
+
+/// `schema`, version and commit; the schema is "cde.wave.COMMAND.1".
+[[nodiscard]] nlohmann::ordered_json begin_json(const Request& request);
+
+/// Lines with a limit of --max, and how many more there are. A limit of 0 is none.
+class Lines {
+ public:
+  explicit Lines(std::uint64_t most) : most_(most) {}
+  /// Whether the next line is printed; it counts.
+  [[nodiscard]] bool next() { return ++seen_ <= most_ || most_ == 0; }
+  [[nodiscard]] std::uint64_t more() const { return most_ == 0 || seen_ <= most_ ? 0 : seen_ - most_; }
+  [[nodiscard]] std::uint64_t seen() const { return seen_; }
+  /// "... 12 more (--max 0 prints all)", or nothing.
+  [[nodiscard]] std::string rest() const;
+
+ private:
+  std::uint64_t most_, seen_ = 0;
+};
+
+}  // namespace cde::wave

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cde/fp/fp_format.hpp"
+#include "wave/trace.hpp"
+
+namespace cde::wave {
+
+/// How a value is written.
+struct Form {
+  enum class Kind { kHex, kUnsigned, kSigned, kBinary, kFloat };
+  Kind kind = Kind::kHex;
+  FpFormat format;    ///< of kFloat
+  unsigned lane = 0;  ///< bits of a lane; 0: those of the format, or all
+};
+
+/// "hex", "dec", "signed", "bin", or a format of numbers; with "/32" the bits of a lane. Nothing if it
+/// is none of these.
+[[nodiscard]] std::optional<Form> parse_form(std::string_view text);
+/// Words that parse_form takes, for help.
+[[nodiscard]] std::vector<std::string> form_names();
+
+/// The value of bits 0, 1, x, z in a format; nothing if one of them is x or z.
+[[nodiscard]] std::optional<double> number(std::string_view bits, const FpFormat& format);
+/// The word of at most 64 bits, and nothing likewise.
+[[nodiscard]] std::optional<std::uint64_t> word(std::string_view bits);
+
+/// A signal, or some bits of it, as they are asked for: NAME, NAME[3], NAME[7:4], NAME:fp32 and
+/// NAME[3]:fp32, lane 3.
+struct View {
+  Signal signal;
+  std::string label;              ///< as it was asked for, with its whole name
+  unsigned first = 0, width = 0;  ///< characters of a value that are taken
+  Form form;
+
+  [[nodiscard]] std::string_view bits(std::string_view value) const;
+  [[nodiscard]] std::string text(std::string_view value) const;
+};
+
+/// Signals that a pattern of `*` and `?` names, in the order of the file; a pattern without dots may
+/// match a name in any scope.
+[[nodiscard]] bool matches(std::string_view pattern, std::string_view name);
+
+/// The signal of a name, whole or without outer scopes. Error kUsage if there is none, with near ones,
+/// or if several match.
+[[nodiscard]] const Signal& find_signal(Trace& trace, std::string_view name);
+
+/// What a word of the command line asks for; several if it is a pattern. `form` is for words that
+/// name none. Error kUsage.
+[[nodiscard]] std::vector<View> views(Trace& trace, const std::string& word, const Form& form);
+[[nodiscard]] View view(Trace& trace, const std::string& word, const Form& form);
+
+}  // namespace cde::wave
