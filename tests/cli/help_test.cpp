@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
 const Words kVerbs = {"cast",      "query",     "run",    "plan", "bench",
-                      "reproduce", "inventory", "doctor", "fp",   "help"};
+                      "reproduce", "inventory", "wave",   "doctor", "fp", "help"};
 
 std::string contents(const fs::path& path) {
   std::ostringstream text;

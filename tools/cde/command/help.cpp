@@ -139,6 +139,13 @@ const std::vector<Example>& examples(std::string_view verb) {
       {"inventory",
        {{"cde inventory sphere-sphere obb-obb", "Two pairs"},
         {"cde inventory --markdown > inventory.md", "All pipes as tables for a document"}}},
+      {"wave",
+       {{"cde wave show waves.fst clk_i 't_o[0]:fp32' --around cyc:40 --window 5",
+         "Waves of a clock and a lane as text, five cycles before and behind cycle 40"},
+        {"cde wave find waves.fst 'isnan(t_o[3]:fp32)' --on 'posedge clk_i' --first",
+         "The first clock edge at which lane 3 is NaN"},
+        {"cde wave diff before.fst after.fst --align cycle --as fp32 --ulp 1",
+         "Where the signals of two runs part"}}},
       {"doctor",
        {{"cde doctor", "See whether everything is here that the command needs"},
         {"CDE_CLANG=clang++-16 cde doctor", "The same for another compiler of bitstreams"}}},
@@ -156,7 +163,7 @@ const std::vector<Example>& examples(std::string_view verb) {
 const std::vector<HelpEntry>& exit_statuses() {
   static const std::vector<HelpEntry> kAll = {
       {"0", "all is well"},
-      {"1", "doctor found something wrong"},
+      {"1", "doctor found something wrong, wave find nothing, or wave diff a difference"},
       {"2", "an option, a file or another input makes no sense, or an output cannot be written"},
       {"3", "the card's records differ from the reference"},
       {"4", "a deadline passed, or the card failed otherwise"},

@@ -17,7 +17,7 @@ namespace {
 
 struct Command {
   const char* name;
-  void (*run)(const wave::Request&);
+  int (*run)(const wave::Request&);
   std::vector<std::string> options;  ///< those it takes, beside --json
 };
 
@@ -30,6 +30,11 @@ const std::vector<Command>& commands() {
        wave::show,
        {"--from", "--to", "--around", "--window", "--columns", "--ascii", "--clock", "--as",
         "--max"}},
+      {"find",
+       wave::find,
+       {"--on", "--when", "--first", "--last", "--count", "--from", "--to", "--around", "--window",
+        "--clock", "--max"}},
+      {"diff", wave::diff, {"--align", "--as", "--ulp", "--eps", "--ignore", "--clock", "--max"}},
   };
   return kAll;
 }
@@ -79,6 +84,29 @@ void add_options(CLI::App& verb, wave::Request& r) {
   whole_number_in(verb.add_option("--columns", r.columns, "Width of the picture (the terminal's)"),
                   40, 10000, "");
   verb.add_flag("--ascii", r.ascii, "Draw with ASCII alone");
+  text_value(verb.add_option("--on", r.on,
+                             "find: look only at these edges, 'posedge SIGNAL', negedge or edge, and "
+                             "at the values just before them, as a flip-flop sees them"),
+             "EDGE", {});
+  text_value(verb.add_option("--when", r.when, "find: only where this is true as well"),
+             "EXPRESSION", {});
+  verb.add_flag("--first", r.first, "find: the first place alone");
+  verb.add_flag("--last", r.last, "find: the last place alone");
+  verb.add_flag("--count", r.count, "find: how many places there are");
+  one_of(verb.add_option("--align", r.align,
+                         "diff: compare what is at the same times, before the same rising edges of "
+                         "the clocks, or change by change of each signal, whenever it comes")
+             ->capture_default_str(),
+         {"time", "cycle", "event"});
+  whole_number_in(verb.add_option("--ulp", r.ulp,
+                                  "diff: numbers of the format --as that are so many words apart "
+                                  "are the same"),
+                  0, 1000000000000, "");
+  number_in(verb.add_option("--eps", r.eps, "diff: so are those that differ by so much"), 0, 1e300,
+            "");
+  text_value(verb.add_option("--ignore", r.ignore,
+                             "diff: leave out signals of this pattern; may be given several times"),
+             "GLOB", {});
   whole_number_in(verb.add_option("--max", r.max, "Most lines, 0 for all")->capture_default_str(), 0,
                   1000000000, "");
   verb.add_flag("--json", r.json, "JSON on stdout");
@@ -90,8 +118,9 @@ void add_wave(CLI::App& app) {
   auto r = std::make_shared<wave::Request>();
   CLI::App* verb = app.add_subcommand(
       "wave",
-      "Ask a wave file (FST). info: what it is; ls FILE [GLOB]: its signals; at FILE TIME SIGNAL "
-      "...: values at a time");
+      "Ask a wave file (FST). info FILE: what it is; ls FILE [GLOB]: its signals; at FILE TIME SIGNAL "
+      "...: values at a time; show FILE SIGNAL ...: waves drawn as text; find FILE EXPRESSION: where "
+      "it is true; diff A B: where signals of two files part first");
   std::vector<std::string> words;
   for (const Command& c : commands()) words.emplace_back(c.name);
   named(verb->add_option("command", r->command, "What is asked")->required(), words, "COMMAND",
@@ -100,12 +129,13 @@ void add_wave(CLI::App& app) {
                  ->required(),
              "FILE");
   verb->add_option("words", r->words,
-                   "What the command takes: a pattern, a time, signals as NAME, NAME[3], NAME:fp32");
+                   "What the command takes: a pattern, a time, an expression, the other file; signals as "
+                   "NAME, NAME[3], NAME[7:4], NAME:fp32, or NAME[3]:fp32, which is lane 3");
   add_options(*verb, *r);
   verb->callback([r, verb] {
     const Command& command = command_named(r->command);
     check_options(*verb, command);
-    const int status = wave::guarded(r->file, [&] { command.run(*r); });
+    const int status = wave::guarded(r->file, [&] { exit_code = command.run(*r); });
     if (status >= 0) exit_code = status;
   });
 }

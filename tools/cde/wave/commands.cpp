@@ -70,7 +70,7 @@ Window window(const Request& r, Trace& trace, Times& times) {
   return w;
 }
 
-void info(const Request& r) {
+int info(const Request& r) {
   Trace trace(r.file);
   Times times(trace, r.clock);
   const Signal* const clock = times.clock_if_any();
@@ -91,7 +91,8 @@ void info(const Request& r) {
               {"clock", clock != nullptr ? Json(clock->name) : Json()},
               {"cycles", clock != nullptr ? Json(times.edges().size()) : Json()},
               {"comments", trace.comments()}});
-    return cli::put_json(j);
+    cli::put_json(j);
+    return 0;
   }
   std::string text;
   const auto line = [&](std::string_view key, const std::string& value) {
@@ -108,9 +109,10 @@ void info(const Request& r) {
                                  : fmt::format("{}, {} cycles", clock->name, times.edges().size()));
   for (const std::string& comment : trace.comments()) line("comment", comment);
   cli::put(text);
+  return 0;
 }
 
-void list(const Request& r) {
+int list(const Request& r) {
   if (r.words.size() > 1)
     throw Error(ErrorCode::kUsage, "cde wave ls takes one pattern; in quotes if it has * or ?");
   Trace trace(r.file);
@@ -143,12 +145,14 @@ void list(const Request& r) {
   if (r.json) {
     Json j = begin_json(r);
     j.update({{"signals", signals}, {"more", lines.more()}});
-    return cli::put_json(j);
+    cli::put_json(j);
+    return 0;
   }
   cli::put(fmt::to_string(text) + lines.rest());
+  return 0;
 }
 
-void values_at(const Request& r) {
+int values_at(const Request& r) {
   if (r.words.size() < 2)
     throw Error(ErrorCode::kUsage, "cde wave at needs a time and signals: cde wave at FILE TIME SIGNAL ...");
   Trace trace(r.file);
@@ -177,9 +181,11 @@ void values_at(const Request& r) {
   if (r.json) {
     Json j = begin_json(r);
     j.update({{"time", time}, {"at", times.text(time)}, {"values", list}, {"more", lines.more()}});
-    return cli::put_json(j);
+    cli::put_json(j);
+    return 0;
   }
   cli::put(text + lines.rest());
+  return 0;
 }
 
 }  // namespace cde::wave

@@ -15,7 +15,7 @@ namespace cde::wave {
 struct Request {
   std::string command, file;
   std::vector<std::string> words;  ///< behind the file
-  std::string clock, form = "hex", from, to, around, on, when, align = "event", output, format;
+  std::string clock, form = "hex", from, to, around, on, when, align = "time";
   std::vector<std::string> ignore;
   std::uint64_t window = 0, max = 100, columns = 0, ulp = 0;
   double eps = 0;
@@ -24,14 +24,13 @@ struct Request {
   [[nodiscard]] Form default_form() const;
 };
 
-void info(const Request& request);
-void list(const Request& request);
-void values_at(const Request& request);
-void show(const Request& request);
-void find(const Request& request);
-void diff(const Request& request);
-void export_waves(const Request& request);
-void statistics(const Request& request);
+/// Each returns the exit status.
+[[nodiscard]] int info(const Request& request);
+[[nodiscard]] int list(const Request& request);
+[[nodiscard]] int values_at(const Request& request);
+[[nodiscard]] int show(const Request& request);
+[[nodiscard]] int find(const Request& request);
+[[nodiscard]] int diff(const Request& request);
 
 /// A window of time: --from and --to, or --around and --window, which counts cycles if there is a
 /// clock, else units of the file; else all of the file.

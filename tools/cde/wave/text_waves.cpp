@@ -204,12 +204,15 @@ void show_json(const Request& r, Trace& trace, const Window& w, const std::vecto
 
 }  // namespace
 
-void show(const Request& r) {
+int show(const Request& r) {
   Trace trace(r.file);
   Times times(trace, r.clock);
   std::vector<View> all = views(r, trace, 0);
   const Window w = window(r, trace, times);
-  if (r.json) return show_json(r, trace, w, all);
+  if (r.json) {
+    show_json(r, trace, w, all);
+    return 0;
+  }
   Lines lines(r.max);
   std::size_t drawn = 0;
   while (drawn < all.size() && lines.next()) ++drawn;
@@ -241,6 +244,7 @@ void show(const Request& r) {
     }
   }
   cli::put(text + lines.rest());
+  return 0;
 }
 
 }  // namespace cde::wave

@@ -1,0 +1,805 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "wave/expression.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "command/suggest.hpp"
+
+namespace cde::wave {
+namespace {
+
+/// Bits of up to 64 as words, of more as characters; or a real number.
+struct Value {
+  unsigned width = 1;
+  bool is_signed = false, real = false;
+  std::uint64_t v = 0, x = 0;  ///< a bit is unknown where x is 1: z if v is 1 as well
+  double d = 0;
+  std::string wide;
+
+  [[nodiscard]] bool unknown() const {
+    return real ? x != 0 : wide.empty() ? x != 0 : wide.find_first_of("xz") != std::string::npos;
+  }
+};
+
+std::uint64_t mask(unsigned width) {
+  return width >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << width) - 1;
+}
+
+Value of_bits(std::string_view bits, bool is_signed) {
+  Value r;
+  r.width = static_cast<unsigned>(bits.size());
+  r.is_signed = is_signed;
+  if (bits.size() > 64) {
+    r.wide = bits;
+    return r;
+  }
+  for (const char c : bits) {
+    r.v = r.v << 1 | (c == '1' || c == 'z' ? 1u : 0u);
+    r.x = r.x << 1 | (c == '0' || c == '1' ? 0u : 1u);
+  }
+  return r;
+}
+
+Value of_bool(bool value) {
+  Value r;
+  r.v = value ? 1 : 0;
+  return r;
+}
+Value of_real(double value) {
+  Value r;
+  r.real = true;
+  r.d = value;
+  return r;
+}
+Value unknown_of(unsigned width, bool real = false) {
+  Value r;
+  r.width = width;
+  r.x = mask(width);
+  r.real = real;
+  return r;
+}
+
+std::string characters(const Value& a) {
+  if (!a.wide.empty()) return a.wide;
+  std::string text;
+  for (unsigned i = a.width; i-- > 0;) text.push_back("01xz"[(a.x >> i & 1) * 2 + (a.v >> i & 1)]);
+  return text;
+}
+
+Value extended(Value a, unsigned width) {
+  if (a.real || a.width >= width) return a;
+  if (width > 64) {
+    std::string text = characters(a);
+    const char fill = a.is_signed || text[0] == 'x' || text[0] == 'z' ? text[0] : '0';
+    text.insert(0, width - text.size(), a.is_signed ? fill : '0');
+    return of_bits(text, a.is_signed);
+  }
+  const std::uint64_t more = mask(width) & ~mask(a.width), top = std::uint64_t{1} << (a.width - 1);
+  if (a.is_signed && (a.v & top) != 0) a.v |= more;
+  if (a.is_signed && (a.x & top) != 0) a.x |= more;
+  a.width = width;
+  return a;
+}
+
+double as_real(const Value& a) {
+  if (a.real) return a.d;
+  if (a.is_signed && a.width < 65 && (a.v >> (a.width - 1) & 1) != 0)
+    return static_cast<double>(static_cast<std::int64_t>(a.v | ~mask(a.width)));
+  return static_cast<double>(a.v);
+}
+
+enum class Truth { kNo, kYes, kUnknown };
+Truth truth(const Value& a) {
+  if (a.real) return a.x != 0 ? Truth::kUnknown : a.d != 0 ? Truth::kYes : Truth::kNo;
+  if (!a.wide.empty())
+    return a.wide.find('1') != std::string::npos ? Truth::kYes
+           : a.unknown()                         ? Truth::kUnknown
+                                                 : Truth::kNo;
+  if ((a.v & ~a.x) != 0) return Truth::kYes;
+  return a.x != 0 ? Truth::kUnknown : Truth::kNo;
+}
+Value of_truth(Truth t) {
+  return t == Truth::kUnknown ? unknown_of(1) : of_bool(t == Truth::kYes);
+}
+Truth inverse(Truth t) {
+  return t == Truth::kUnknown ? t : t == Truth::kYes ? Truth::kNo : Truth::kYes;
+}
+
+bool identical(const Value& a, const Value& b) {
+  if (a.real || b.real)
+    return a.x == b.x && std::bit_cast<std::uint64_t>(a.d) == std::bit_cast<std::uint64_t>(b.d);
+  return a.wide == b.wide && a.v == b.v && a.x == b.x;
+}
+
+struct Node {
+  enum class Kind { kConstant, kView, kUnary, kBinary, kChoice, kCall, kJoin };
+  Kind kind = Kind::kConstant;
+  std::string op;
+  std::size_t at = 0;
+  std::vector<std::unique_ptr<Node>> kids;
+  unsigned width = 1;
+  bool is_signed = false, real = false;
+  Value constant;
+  std::size_t view = 0;
+  Value last;  ///< of what looks back
+  bool has_last = false;
+};
+using Tree = std::unique_ptr<Node>;
+
+constexpr std::array<std::string_view, 12> kFunctions = {
+    "isnan", "isinf", "isunknown", "changed", "rose",      "fell",
+    "prev",  "past",  "signed",    "unsigned", "countones", "abs"};
+
+bool is_comparison(std::string_view op) {
+  return op == "==" || op == "!=" || op == "===" || op == "!==" || op == "<" || op == "<=" ||
+         op == ">" || op == ">=";
+}
+bool is_logical(std::string_view op) {
+  return op == "&&" || op == "||";
+}
+bool is_shift(std::string_view op) {
+  return op == "<<" || op == ">>" || op == ">>>";
+}
+
+Value equality(const Value& a, const Value& b, bool exact) {
+  if (a.real || b.real) {
+    if (a.unknown() || b.unknown()) return unknown_of(1);
+    return of_bool(as_real(a) == as_real(b));
+  }
+  if (!a.wide.empty() || !b.wide.empty()) {
+    if (exact) return of_bool(a.wide == b.wide);
+    bool open = false;
+    for (std::size_t i = 0; i < a.wide.size(); ++i) {
+      const bool known = (a.wide[i] == '0' || a.wide[i] == '1') && (b.wide[i] == '0' || b.wide[i] == '1');
+      if (!known) open = true;
+      else if (a.wide[i] != b.wide[i]) return of_bool(false);
+    }
+    return open ? unknown_of(1) : of_bool(true);
+  }
+  if (exact) return of_bool(a.v == b.v && a.x == b.x);
+  const std::uint64_t open = a.x | b.x;
+  if (((a.v ^ b.v) & ~open) != 0) return of_bool(false);
+  return open != 0 ? unknown_of(1) : of_bool(true);
+}
+
+Value order(const std::string& op, const Value& a, const Value& b) {
+  if (a.unknown() || b.unknown()) return unknown_of(1);
+  const auto by = [&](auto l, auto r) {
+    return of_bool(op == "<" ? l < r : op == "<=" ? l <= r : op == ">" ? l > r : l >= r);
+  };
+  if (a.real || b.real) return by(as_real(a), as_real(b));
+  if (a.is_signed && b.is_signed)
+    return by(static_cast<std::int64_t>(extended(a, 64).v), static_cast<std::int64_t>(extended(b, 64).v));
+  return by(a.v, b.v);
+}
+
+Value bitwise(char op, const Value& a, const Value& b) {
+  Value r;
+  r.width = a.width;
+  r.is_signed = a.is_signed && b.is_signed;
+  const std::uint64_t one_a = a.v & ~a.x, one_b = b.v & ~b.x, zero_a = ~a.v & ~a.x,
+                      zero_b = ~b.v & ~b.x, all = mask(a.width);
+  std::uint64_t one = 0, zero = 0;
+  if (op == '&') {
+    one = one_a & one_b;
+    zero = zero_a | zero_b;
+  } else if (op == '|') {
+    one = one_a | one_b;
+    zero = zero_a & zero_b;
+  } else {
+    one = (one_a & zero_b) | (zero_a & one_b);
+    zero = (one_a & one_b) | (zero_a & zero_b);
+  }
+  r.v = one & all;
+  r.x = ~(one | zero) & all;
+  return r;
+}
+
+Value arithmetic(const Node& n, const Value& a, const Value& b) {
+  if (a.unknown() || b.unknown()) return unknown_of(n.width, n.real);
+  const char op = n.op[0];
+  if (n.real) {
+    const double l = as_real(a), r = as_real(b);
+    return of_real(op == '+' ? l + r : op == '-' ? l - r : op == '*' ? l * r : op == '/' ? l / r : std::fmod(l, r));
+  }
+  Value v;
+  v.width = n.width;
+  v.is_signed = n.is_signed;
+  if (op == '+') v.v = a.v + b.v;
+  if (op == '-') v.v = a.v - b.v;
+  if (op == '*') v.v = a.v * b.v;
+  if (op == '/' || op == '%') {
+    if (b.v == 0) return unknown_of(n.width);
+    if (n.is_signed) {
+      const auto l = static_cast<std::int64_t>(extended(a, 64).v),
+                 r = static_cast<std::int64_t>(extended(b, 64).v);
+      // The smallest number by -1 overflows.
+      if (r == -1) v.v = op == '/' ? 0 - static_cast<std::uint64_t>(l) : 0;
+      else v.v = static_cast<std::uint64_t>(op == '/' ? l / r : l % r);
+    } else {
+      v.v = op == '/' ? a.v / b.v : a.v % b.v;
+    }
+  }
+  v.v &= mask(n.width);
+  return v;
+}
+
+Value shift(const Node& n, const Value& a, const Value& by) {
+  if (a.unknown() || by.unknown()) return unknown_of(n.width);
+  Value r = a;
+  const bool fill = n.op == ">>>" && n.is_signed && (a.v >> (a.width - 1) & 1) != 0;
+  const std::uint64_t all = mask(a.width);
+  if (by.v >= a.width) r.v = fill ? all : 0;
+  else if (n.op == "<<") r.v = a.v << by.v & all;
+  else r.v = (a.v | (fill ? ~all : 0)) >> by.v;
+  if (fill && by.v < a.width && by.v > 0) r.v |= all & ~(all >> by.v);
+  r.v &= all;
+  return r;
+}
+
+Value reduction(const std::string& op, const Value& a) {
+  const std::string bits = characters(a);
+  Value r = of_bits(bits.substr(0, 1), false);
+  for (std::size_t i = 1; i < bits.size(); ++i)
+    r = bitwise(op.back(), r, of_bits(std::string_view(bits).substr(i, 1), false));
+  return op[0] == '~' ? of_truth(inverse(truth(r))) : of_truth(truth(r));
+}
+
+}  // namespace
+
+struct Expression::Parsed {
+  std::vector<View> views;
+  std::vector<Value> values;
+  Tree root;
+  bool looks_back = false;
+
+  Value value(Node& n);
+  Value unary(Node& n);
+  Value binary(Node& n);
+  Value call(Node& n);
+};
+
+Value Expression::Parsed::value(Node& n) {
+  switch (n.kind) {
+    case Node::Kind::kConstant: return n.constant;
+    case Node::Kind::kView: return values[n.view];
+    case Node::Kind::kUnary: return unary(n);
+    case Node::Kind::kBinary: return binary(n);
+    case Node::Kind::kCall: return call(n);
+    case Node::Kind::kChoice: {
+      const Truth t = truth(value(*n.kids[0]));
+      Value a = extended(value(*n.kids[1]), n.width), b = extended(value(*n.kids[2]), n.width);
+      if (n.real && !a.real) a = a.unknown() ? unknown_of(1, true) : of_real(as_real(a));
+      if (n.real && !b.real) b = b.unknown() ? unknown_of(1, true) : of_real(as_real(b));
+      if (t == Truth::kUnknown && !identical(a, b)) return unknown_of(n.width, n.real);
+      return t == Truth::kNo ? b : a;
+    }
+    case Node::Kind::kJoin: {
+      std::string bits;
+      for (const Tree& kid : n.kids) bits += characters(value(*kid));
+      return of_bits(bits, false);
+    }
+  }
+  return {};
+}
+
+Value Expression::Parsed::unary(Node& n) {
+  Value a = value(*n.kids[0]);
+  if (n.op == "!") return of_truth(inverse(truth(a)));
+  if (n.op == "+" || n.op == "-") {
+    if (a.real) return a.unknown() ? a : of_real(n.op == "-" ? -a.d : a.d);
+    a = extended(a, n.width);
+    if (a.unknown()) return unknown_of(n.width);
+    if (n.op == "-") a.v = (0 - a.v) & mask(n.width);
+    return a;
+  }
+  if (n.op == "~") {
+    a = extended(a, n.width);
+    a.v = ~a.v & mask(n.width) & ~a.x;
+    return a;
+  }
+  return reduction(n.op, a);
+}
+
+Value Expression::Parsed::binary(Node& n) {
+  Value a = value(*n.kids[0]), b = value(*n.kids[1]);  // both: what looks back sees every step
+  if (is_logical(n.op)) {
+    const Truth l = truth(a), r = truth(b), decided = n.op == "&&" ? Truth::kNo : Truth::kYes;
+    if (l == decided || r == decided) return of_truth(decided);
+    return l == Truth::kUnknown || r == Truth::kUnknown ? unknown_of(1) : of_truth(inverse(decided));
+  }
+  if (is_shift(n.op)) return shift(n, extended(a, n.width), b);
+  const unsigned width = is_comparison(n.op) ? std::max(a.width, b.width) : n.width;
+  const bool both = a.is_signed && b.is_signed;
+  a.is_signed = a.is_signed && both;
+  b.is_signed = b.is_signed && both;
+  if (!a.real && !b.real) {
+    a = extended(a, width);
+    b = extended(b, width);
+  }
+  if (n.op == "==" || n.op == "===") return equality(a, b, n.op == "===");
+  if (n.op == "!=" || n.op == "!==")
+    return of_truth(inverse(truth(equality(a, b, n.op == "!=="))));
+  if (is_comparison(n.op)) return order(n.op, a, b);
+  if (n.op == "&" || n.op == "|" || n.op == "^") return bitwise(n.op[0], a, b);
+  return arithmetic(n, a, b);
+}
+
+Value Expression::Parsed::call(Node& n) {
+  const Value a = value(*n.kids[0]);
+  if (n.op == "isnan") return a.unknown() ? unknown_of(1) : of_bool(std::isnan(a.d));
+  if (n.op == "isinf") return a.unknown() ? unknown_of(1) : of_bool(std::isinf(a.d));
+  if (n.op == "isunknown") return of_bool(a.unknown());
+  if (n.op == "signed" || n.op == "unsigned") {
+    Value r = a;
+    r.is_signed = n.op == "signed";
+    return r;
+  }
+  if (n.op == "abs") {
+    if (a.unknown()) return unknown_of(n.width, n.real);
+    if (a.real) return of_real(std::fabs(a.d));
+    Value r = a;
+    if (a.is_signed && as_real(a) < 0) r.v = (0 - a.v) & mask(a.width);
+    return r;
+  }
+  if (n.op == "countones") {
+    const std::string bits = characters(a);
+    Value r;
+    r.width = 32;
+    r.v = static_cast<std::uint64_t>(std::count(bits.begin(), bits.end(), '1'));
+    return r;
+  }
+  const Value before = n.has_last ? n.last : unknown_of(a.width, a.real);
+  const bool had = n.has_last;
+  n.last = a;
+  n.has_last = true;
+  if (n.op == "changed") return of_bool(had && !identical(a, before));
+  if (n.op == "prev" || n.op == "past") return before;
+  const auto low = [](const Value& of) {
+    return of.wide.empty() ? ((of.x & 1) != 0 ? 'x' : (of.v & 1) != 0 ? '1' : '0') : of.wide.back();
+  };
+  const char wanted = n.op == "rose" ? '1' : '0';
+  return of_bool(had && low(a) == wanted && low(before) != wanted);
+}
+
+namespace {
+
+class Parser {
+ public:
+  Parser(Trace& trace, const std::string& text, const std::string& option,
+         Expression::Parsed& to)
+      : trace_(trace), text_(text), option_(option), to_(to) {}
+
+  Tree parse() {
+    Tree root = choice();
+    skip();
+    if (at_ < text_.size()) fail(at_, "an operator or the end is expected here");
+    return root;
+  }
+
+ private:
+  [[noreturn]] void fail(std::size_t at, const std::string& what) const {
+    const std::string shown = printable_name(text_);
+    // What is not printable is longer when it is printed.
+    const std::size_t column = printable_name(text_.substr(0, at)).size();
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: {}\n  {}\n  {}^", option_, what, shown, std::string(column, ' ')));
+  }
+  void skip() {
+    while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_])) != 0) ++at_;
+  }
+  bool take(std::string_view token) {
+    skip();
+    if (!std::string_view(text_).substr(at_).starts_with(token)) return false;
+    at_ += token.size();
+    return true;
+  }
+  /// The longest operator here that is one of a level.
+  std::string operator_of(std::initializer_list<std::string_view> level) {
+    constexpr std::array<std::string_view, 24> kAll = {"===", "!==", ">>>", "&&", "||", "==", "!=", "<=",
+                                                       ">=",  "<<",  ">>",  "~&", "~|", "~^", "^~", "&",
+                                                       "|",   "^",   "<",   ">",  "+",  "-",  "*",  "/"};
+    skip();
+    for (const std::string_view op : kAll) {
+      if (!std::string_view(text_).substr(at_).starts_with(op)) continue;
+      if (std::find(level.begin(), level.end(), op) == level.end()) return "";
+      at_ += op.size();
+      return std::string(op);
+    }
+    if (at_ < text_.size() && text_[at_] == '%' && std::find(level.begin(), level.end(), "%") != level.end()) {
+      ++at_;
+      return "%";
+    }
+    return "";
+  }
+
+  Tree make(Node::Kind kind, std::string op, std::size_t at, std::vector<Tree> kids) {
+    auto n = std::make_unique<Node>();
+    n->kind = kind;
+    n->op = std::move(op);
+    n->at = at;
+    n->kids = std::move(kids);
+    return n;
+  }
+  template <class... Kids>
+  static std::vector<Tree> list(Kids&&... kids) {
+    std::vector<Tree> all;
+    (all.push_back(std::forward<Kids>(kids)), ...);
+    return all;
+  }
+
+  /// A context gives operands its width before they are computed, as in SystemVerilog.
+  static void widen(Node& n, unsigned width) {
+    if (n.real || n.width >= width || width > 64) return;
+    const bool passes =
+        (n.kind == Node::Kind::kBinary && !is_comparison(n.op) && !is_logical(n.op)) ||
+        (n.kind == Node::Kind::kUnary && (n.op == "-" || n.op == "+" || n.op == "~")) ||
+        n.kind == Node::Kind::kChoice;
+    if (!passes) return;
+    n.width = width;
+    for (std::size_t i = n.kind == Node::Kind::kChoice ? 1 : 0; i < n.kids.size(); ++i)
+      if (i == 0 || !is_shift(n.op)) widen(*n.kids[i], width);
+  }
+  void narrow_enough(const Node& n) {
+    if (!n.real && n.width > 64)
+      fail(n.at, fmt::format("this has {} bits; only ===, !==, ==, !=, changed, isunknown, reductions "
+                             "and logical operators take more than 64", n.width));
+  }
+  void no_real(const Node& n, const std::string& op) {
+    if (n.real) fail(n.at, fmt::format("{} takes bits, and this is a floating-point number", op));
+  }
+
+  Tree binary(std::string op, std::size_t at, Tree a, Tree b) {
+    const bool real = a->real || b->real, comparison = is_comparison(op);
+    const unsigned width = std::max(a->width, b->width);
+    const bool any_width = op == "==" || op == "!=" || op == "===" || op == "!==" || is_logical(op);
+    if (!any_width) {
+      narrow_enough(*a);
+      narrow_enough(*b);
+    }
+    if (op == "&" || op == "|" || op == "^" || is_shift(op) || op == "===" || op == "!==") {
+      no_real(*a, op);
+      no_real(*b, op);
+    }
+    if (real) {
+      narrow_enough(*a);
+      narrow_enough(*b);
+    }
+    Tree n = make(Node::Kind::kBinary, op, at, {});
+    if (!comparison && !is_logical(op)) {
+      n->real = real;
+      n->width = real ? 1 : is_shift(op) ? a->width : width;
+      n->is_signed = is_shift(op) ? a->is_signed : a->is_signed && b->is_signed;
+    }
+    if (!is_logical(op) && !real) {
+      widen(*a, width);
+      if (!is_shift(op)) widen(*b, width);
+    }
+    n->kids = list(std::move(a), std::move(b));
+    return n;
+  }
+
+  Tree choice() {
+    if (++depth_ > 200) fail(at_, "this is nested too deeply");
+    Tree condition = level(0);
+    skip();
+    const std::size_t at = at_;
+    if (take("?")) {
+      Tree a = choice();
+      if (!take(":")) fail(at_, "the : of ? : is expected here");
+      Tree b = choice();
+      Tree n = make(Node::Kind::kChoice, "?", at, {});
+      n->real = a->real || b->real;
+      n->width = n->real ? 1 : std::max(a->width, b->width);
+      n->is_signed = a->is_signed && b->is_signed;
+      n->kids = list(std::move(condition), std::move(a), std::move(b));
+      condition = std::move(n);
+    }
+    --depth_;
+    return condition;
+  }
+
+  Tree level(unsigned l) {
+    static const std::array<std::initializer_list<std::string_view>, 10> kLevels = {
+        {{"||"}, {"&&"}, {"|"}, {"^"}, {"&"}, {"==", "!=", "===", "!=="}, {"<", "<=", ">", ">="},
+         {"<<", ">>", ">>>"}, {"+", "-"}, {"*", "/", "%"}}};
+    if (l == kLevels.size()) return unary();
+    Tree a = level(l + 1);
+    for (;;) {
+      skip();
+      const std::size_t at = at_;
+      std::string op = operator_of(kLevels.at(l));
+      if (op.empty()) return a;
+      a = binary(std::move(op), at, std::move(a), level(l + 1));
+    }
+  }
+
+  Tree unary() {
+    if (++depth_ > 200) fail(at_, "this is nested too deeply");
+    skip();
+    const std::size_t at = at_;
+    Tree n;
+    for (const std::string_view op : {"~&", "~|", "~^", "!", "~", "-", "+", "&", "|", "^"}) {
+      if (!take(op)) continue;
+      Tree a = unary();
+      n = make(Node::Kind::kUnary, std::string(op), at, {});
+      if (op == "-" || op == "+" || op == "~") {
+        narrow_enough(*a);
+        if (op == "~") no_real(*a, "~");
+        n->width = a->width;
+        n->is_signed = a->is_signed;
+        n->real = a->real;
+      } else if (op != "!") {
+        no_real(*a, std::string(op));
+      }
+      n->kids = list(std::move(a));
+      break;
+    }
+    if (!n) n = primary();
+    --depth_;
+    return n;
+  }
+
+  Tree primary() {
+    skip();
+    const std::size_t at = at_;
+    if (at_ >= text_.size()) fail(at_, "something is missing here");
+    if (take("(")) {
+      Tree n = choice();
+      if (!take(")")) fail(at_, fmt::format("the ) of the ( in column {} is expected here", at + 1));
+      return n;
+    }
+    if (take("{")) {
+      Tree n = make(Node::Kind::kJoin, "{", at, {});
+      n->width = 0;
+      do {
+        Tree part = choice();
+        no_real(*part, "{}");
+        n->width += part->width;
+        n->kids.push_back(std::move(part));
+      } while (take(","));
+      if (!take("}")) fail(at_, "a , or } is expected here");
+      return n;
+    }
+    const char c = text_[at_];
+    if (std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '\'') return literal();
+    if (std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '$' || c == '\\')
+      return word();
+    fail(at_, "a signal, a number, a function or ( is expected here");
+  }
+
+  Tree constant(std::size_t at, Value v) {
+    Tree n = make(Node::Kind::kConstant, "", at, {});
+    n->width = v.width;
+    n->is_signed = v.is_signed;
+    n->real = v.real;
+    n->constant = std::move(v);
+    return n;
+  }
+
+  Tree literal() {
+    const std::size_t at = at_;
+    const std::string_view rest = std::string_view(text_).substr(at_);
+    std::size_t digits = 0;
+    while (digits < rest.size() && std::isdigit(static_cast<unsigned char>(rest[digits])) != 0) ++digits;
+    if (digits < rest.size() && rest[digits] == '\'') return sized(at, digits);
+    if (rest.starts_with("0x")) fail(at, "numbers in hexadecimal are written 32'h1f, or 'h1f");
+    double real = 0;
+    const auto read = std::from_chars(rest.data(), rest.data() + rest.size(), real);
+    const auto length = static_cast<std::size_t>(read.ptr - rest.data());
+    if (length > digits) {
+      if (read.ec != std::errc()) fail(at, "this number is too large or too small");
+      at_ += length;
+      return constant(at, of_real(real));
+    }
+    std::uint64_t whole = 0;
+    if (std::from_chars(rest.data(), rest.data() + digits, whole).ec != std::errc())
+      fail(at, "this number has more than 64 bits");
+    at_ += digits;
+    Value v;
+    v.width = whole > 0x7fffffff ? 64 : 32;
+    v.is_signed = whole <= 0x7fffffff;
+    v.v = whole;
+    return constant(at, v);
+  }
+
+  /// 8'hff, 'b01x, 4'sd7, '0, '1.
+  Tree sized(std::size_t at, std::size_t digits) {
+    std::size_t width = 32;
+    if (digits != 0) {
+      const auto read = std::from_chars(text_.data() + at, text_.data() + at + digits, width);
+      if (read.ec != std::errc() || width == 0 || width > 65536)
+        fail(at, "a width must be 1 to 65536 bits");
+    }
+    at_ = at + digits + 1;
+    bool is_signed = false;
+    if (at_ < text_.size() && (text_[at_] == 's' || text_[at_] == 'S')) {
+      is_signed = true;
+      ++at_;
+    }
+    const char base = at_ < text_.size() ? static_cast<char>(std::tolower(static_cast<unsigned char>(text_[at_]))) : ' ';
+    const unsigned each = base == 'h' ? 4 : base == 'o' ? 3 : base == 'b' ? 1 : 0;
+    if (each == 0 && base != 'd') fail(at_, "a base is expected here: h, d, o or b");
+    const std::size_t first = ++at_;
+    std::string bits;
+    std::string number;
+    for (; at_ < text_.size(); ++at_) {
+      const char c = static_cast<char>(std::tolower(static_cast<unsigned char>(text_[at_])));
+      if (c == '_') continue;
+      if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '?') break;
+      if (each == 0) {
+        if (std::isdigit(static_cast<unsigned char>(c)) == 0) fail(at_, "this is no digit of this base");
+        number.push_back(c);
+      } else if (c == 'x' || c == 'z' || c == '?') {
+        bits.append(each, c == 'x' ? 'x' : 'z');
+      } else {
+        const int digit = c >= 'a' ? c - 'a' + 10 : c - '0';
+        if (digit >= 1 << each) fail(at_, "this is no digit of this base");
+        for (unsigned i = each; i-- > 0;) bits.push_back((digit >> i & 1) != 0 ? '1' : '0');
+      }
+    }
+    if (each == 0) {
+      std::uint64_t v = 0;
+      const auto read = std::from_chars(number.data(), number.data() + number.size(), v);
+      if (number.empty() || read.ec != std::errc()) fail(first, "a number of up to 64 bits is expected here");
+      for (unsigned i = 64; i-- > 0;) bits.push_back((v >> i & 1) != 0 ? '1' : '0');
+    }
+    if (bits.empty()) fail(first, "digits are expected here");
+    if (bits.size() < width) {
+      const char top = bits[0] == 'x' || bits[0] == 'z' ? bits[0] : '0';
+      bits.insert(0, width - bits.size(), top);
+    }
+    const std::size_t over = bits.size() - width;
+    if (bits.find_first_not_of('0') < over) {
+      if (digits != 0) fail(at, fmt::format("this does not fit into {} bits", width));
+      width = bits.size() - bits.find_first_not_of('0');
+    }
+    return constant(at, of_bits(std::string_view(bits).substr(bits.size() - width), is_signed));
+  }
+
+  Tree word() {
+    const std::size_t at = at_;
+    std::string name;
+    if (text_[at_] == '\\') {  // an escaped name goes to the next space
+      for (++at_; at_ < text_.size() && text_[at_] != ' '; ++at_) name.push_back(text_[at_]);
+      return signal(at, name);
+    }
+    while (at_ < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[at_])) != 0 ||
+                                  text_[at_] == '_' || text_[at_] == '.' || text_[at_] == '$'))
+      name.push_back(text_[at_++]);
+    const std::size_t behind = at_;
+    skip();
+    if (at_ < text_.size() && text_[at_] == '(') return function(at, name);
+    at_ = behind;
+    if (name == "inf") return constant(at, of_real(std::numeric_limits<double>::infinity()));
+    while (at_ < text_.size() && text_[at_] == '[') {
+      const std::size_t stop = text_.find(']', at_);
+      if (stop == std::string::npos) fail(at_, "the ] of this [ is missing");
+      name += text_.substr(at_, stop + 1 - at_);
+      at_ = stop + 1;
+    }
+    // The : of ? : is none of a form.
+    if (at_ < text_.size() && text_[at_] == ':') {
+      std::size_t stop = at_ + 1;
+      while (stop < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[stop])) != 0)) ++stop;
+      if (stop < text_.size() && text_[stop] == '/' &&
+          std::isdigit(static_cast<unsigned char>(text_[std::min(stop + 1, text_.size() - 1)])) != 0)
+        for (++stop; stop < text_.size() && std::isdigit(static_cast<unsigned char>(text_[stop])) != 0;) ++stop;
+      if (parse_form(std::string_view(text_).substr(at_ + 1, stop - at_ - 1))) {
+        name += text_.substr(at_, stop - at_);
+        at_ = stop;
+      }
+    }
+    return signal(at, name);
+  }
+
+  Tree signal(std::size_t at, const std::string& name) {
+    View v;
+    try {
+      v = view(trace_, name, Form{});
+    } catch (const Error& e) {
+      fail(at, e.what());
+    }
+    if (v.signal.text) fail(at, "a signal of text has no value to compute with");
+    Tree n = make(Node::Kind::kView, "", at, {});
+    n->real = v.signal.real || v.form.kind == Form::Kind::kFloat;
+    if (n->real && !v.signal.real && v.width > 64)
+      fail(at, fmt::format("this has several lanes; {}[N]:{} is one of them", v.signal.name,
+                           v.form.format.name()));
+    const auto own = static_cast<unsigned>(v.form.format.width());
+    if (n->real && !v.signal.real && v.width != own &&
+        v.width != static_cast<unsigned>(contract::container(v.form.format.exp_bits, v.form.format.man_bits)))
+      fail(at, fmt::format("this has several lanes; {}[N]:{} is one of them", v.signal.name,
+                           v.form.format.name()));
+    n->is_signed = v.form.kind == Form::Kind::kSigned;
+    n->width = n->real ? 1 : v.width;
+    n->view = to_.views.size();
+    to_.views.push_back(v);
+    to_.values.push_back(unknown_of(std::min(n->width, 64u), n->real));
+    return n;
+  }
+
+  Tree function(std::size_t at, std::string name) {
+    if (name.starts_with('$')) name.erase(0, 1);
+    if (std::find(kFunctions.begin(), kFunctions.end(), name) == kFunctions.end())
+      fail(at, fmt::format("no function {}; {}", in_quotes(name),
+                           cli::meant_or_all(name, {kFunctions.begin(), kFunctions.end()})));
+    (void)take("(");
+    Tree a = choice();
+    if (!take(")")) fail(at_, fmt::format("the ) of {}( is expected here", name));
+    if ((name == "isnan" || name == "isinf") && !a->real)
+      fail(a->at, fmt::format("{} takes a floating-point number: NAME:fp32, or another format", name));
+    if (name == "signed" || name == "unsigned" || name == "countones") no_real(*a, name);
+    if (name == "rose" || name == "fell") no_real(*a, name);
+    Tree n = make(Node::Kind::kCall, name, at, {});
+    if (name == "signed" || name == "unsigned" || name == "abs" || name == "prev" || name == "past") {
+      n->width = a->width;
+      n->real = a->real;
+      n->is_signed = name == "signed" || (name != "unsigned" && a->is_signed);
+    }
+    if (name == "countones") n->width = 32;
+    if (name == "abs") narrow_enough(*a);
+    to_.looks_back = to_.looks_back || name == "changed" || name == "rose" || name == "fell" ||
+                     name == "prev" || name == "past";
+    n->kids = list(std::move(a));
+    return n;
+  }
+
+  Trace& trace_;
+  const std::string& text_;
+  const std::string& option_;
+  Expression::Parsed& to_;
+  std::size_t at_ = 0;
+  unsigned depth_ = 0;
+};
+
+}  // namespace
+
+Expression::Expression(Trace& trace, const std::string& text, const std::string& option)
+    : parsed_(std::make_unique<Parsed>()) {
+  parsed_->root = Parser(trace, text, option, *parsed_).parse();
+}
+Expression::~Expression() = default;
+Expression::Expression(Expression&&) noexcept = default;
+
+const std::vector<View>& Expression::views() const {
+  return parsed_->views;
+}
+bool Expression::looks_back() const {
+  return parsed_->looks_back;
+}
+
+void Expression::set(std::uint32_t handle, std::string_view text) {
+  for (std::size_t i = 0; i < parsed_->views.size(); ++i) {
+    const View& v = parsed_->views[i];
+    if (v.signal.handle != handle) continue;
+    Value& to = parsed_->values[i];
+    const std::string_view bits = v.bits(text);
+    if (v.signal.real) {
+      const char* const stop = text.data() + text.size();
+      double d = 0;
+      to = std::from_chars(text.data(), stop, d).ec == std::errc() ? of_real(d) : unknown_of(1, true);
+    } else if (v.form.kind == Form::Kind::kFloat) {
+      const auto d = number(bits, v.form.format);
+      to = d ? of_real(*d) : unknown_of(1, true);
+    } else {
+      to = of_bits(bits, v.form.kind == Form::Kind::kSigned);
+    }
+  }
+}
+
+bool Expression::evaluate() {
+  return truth(parsed_->value(*parsed_->root)) == Truth::kYes;
+}
+
+}  // namespace cde::wave
