@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sample.hpp"
 
+#include <fmt/format.h>
+
 #include <bit>
 #include <random>
 
@@ -78,9 +80,9 @@ void write_large(const std::filesystem::path& file, unsigned signals, unsigned c
   for (unsigned i = 0; i < signals; ++i) {
     if (i % 100 == 0) {
       if (i != 0) w.up();
-      w.scope("unit" + std::to_string(i / 100));
+      w.scope(fmt::format("unit{}", i / 100));
     }
-    all.push_back(w.signal("s" + std::to_string(i) + " [31:0]", 32));
+    all.push_back(w.signal(fmt::format("s{} [31:0]", i), 32));
   }
   w.up();
   w.up();

@@ -2,6 +2,8 @@
 // cde wave as a user runs it, on a file whose every value is known.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -65,7 +67,7 @@ TEST_F(Wave, LsListsNamesWidthsAndKinds) {
             "top.count           8  wire  [7:0]\n"
             "top.core.count      8  wire input [7:0]\n");
   EXPECT_EQ(out({"ls", "a.fst", "--max", "2"}),
-            "top.clk        1  wire \ntop.count      8  wire  [7:0]\n... 5 more (--max 0 prints all)\n");
+            "top.clk        1  wire\ntop.count      8  wire  [7:0]\n... 5 more (--max 0 prints all)\n");
   EXPECT_NE(error({"ls", "a.fst", "cuont"}).find("did you mean"), std::string::npos);
 }
 
@@ -130,11 +132,32 @@ TEST_F(Wave, ValueAtAnyTimeIsThatOfAWalkThroughTheFile) {
 }
 
 TEST_F(Wave, ShowDrawsWaves) {
-  EXPECT_EQ(out({"show", "a.fst", "clk", "count:dec", "valid", "--from", "cyc:3", "--to", "cyc:6", "--columns", "49"}),
+  const std::vector<std::string> words = {"show",  "a.fst", "clk",   "count:dec", "valid",     "state",
+                                          "--from", "cyc:3", "--to", "cyc:6",     "--columns", "49"};
+  EXPECT_EQ(out(words),
             "top  35ns to 65ns\n"
-            "      ╷35ns               ╷49ns               \n"
+            "      ╷35ns               ╷49ns\n"
             "      ──────┐      ┌──────┐      ┌──────┐      ┌─\n"
-            "clk         └──────┘      └──────┘      └──────┘ \n");
+            "clk         └──────┘      └──────┘      └──────┘\n"
+            "count  3           ╳4            ╳5            ╳6\n"
+            "      ─────────────┐             ┌───────────────\n"
+            "valid              └─────────────┘\n"
+            "state  0           ╳1            ╳2            ╳0\n");
+  std::vector<std::string> ascii = words;
+  ascii.emplace_back("--ascii");
+  const std::string text = out(ascii);
+  EXPECT_TRUE(std::all_of(text.begin(), text.end(), [](char c) { return c == '\n' || (c >= ' ' && c <= '~'); }));
+  EXPECT_NE(text.find("clk         \\______/      \\______/"), std::string::npos) << text;
+  // More changes than columns, and values before there are any.
+  EXPECT_NE(out({"show", "a.fst", "clk", "--columns", "40"}).find("▒▒▒"), std::string::npos);
+  EXPECT_NE(out({"show", "a.fst", "valid", "--to", "20ns"}).find("░░░"), std::string::npos);
+  const auto j = json({"show", "a.fst", "count:dec", "--around", "fail", "--window", "1"});
+  EXPECT_EQ(j["signals"][0]["changes"].size(), 4u);
+  EXPECT_EQ(j["from"], 65);
+  EXPECT_EQ(j["to"], 95);
+  (void)error({"show", "a.fst", "clk", "--around", "fail", "--from", "0"});
+  (void)error({"show", "a.fst", "clk", "--from", "20ns", "--to", "10ns"});
+  (void)error({"show", "a.fst", "clk", "--window", "3"});
 }
 
 TEST_F(Wave, FindFollowsSystemVerilog) {
@@ -144,18 +167,18 @@ TEST_F(Wave, FindFollowsSystemVerilog) {
   EXPECT_EQ(out({"find", "a.fst", "count == 10", "--on", "posedge clk"}), "115ns  cyc:11  count=0a\n");
   const std::vector<std::pair<std::string, std::string>> counts = {
       {"count >= 8'd4 && count < 6", "1"},  // becomes true once
-      {"changed(count)", "19"},             // its first value comes at 5 ns
+      {"changed(count)", "20"},             // the first from x, at 5 ns
       {"rose(clk)", "20"},
-      {"fell(valid)", "4"},
+      {"fell(valid)", "5"},  // the first from x
       {"valid && !ready", "5"},
       {"state === 3'bxxx", "1"},
-      {"state == 2", "6"},
+      {"state == 2", "5"},
       {"data[0]:fp32 > 4.0 && data[0]:fp32 <= 5", "1"},
-      {"count[3:2] == 2'b01", "2"},
+      {"count[3:2] == 2'b01", "1"},
       {"{valid, ready} == 2'b11", "10"},
       {"(count + 8'd250) == 0", "0"},
       {"count + 8'd250 == 8'd0", "1"},  // 8 bits, as all operands have
-      {"^count", "8"},
+      {"^count", "7"},
       {"-3 < 2 && count == 5", "1"},
       {"count % 4 == 3", "5"},
       {"count == (ready ? 8'd7 : 8'd8)", "1"},
@@ -176,7 +199,7 @@ TEST_F(Wave, FindFollowsSystemVerilog) {
 TEST_F(Wave, AWrongExpressionIsShownWithAMarkUnderThePlace) {
   const std::vector<std::pair<std::string, std::size_t>> wrong = {
       {"count == ", 9},       {"count == 8'hfg", 13}, {"(count", 6},     {"cuont == 1", 0},
-      {"count ** 2", 7},      {"isnan(count)", 6},    {"foo(count)", 0}, {"count == 8'd3 clk", 15},
+      {"count ** 2", 7},      {"isnan(count)", 6},    {"foo(count)", 0}, {"count == 8'd3 clk", 14},
       {"count[9]", 0},        {"data:fp32 > 1", 0},   {"4'hff == count", 0}, {"~data[0]:fp32", 1},
       {"count == 0x1f", 9},   {"count ? 1", 9}};
   for (const auto& [expression, column] : wrong) {
@@ -212,6 +235,16 @@ TEST_F(Wave, DiffNamesTheFirstDivergenceOfEachSignal) {
   }
   EXPECT_NE(error({"diff", "a.fst", "b.fst", "--ulp", "1"}).find("--as fp32"), std::string::npos);
   EXPECT_NE(error({"diff", "a.fst", "nothing.fst"}).find("nothing.fst"), std::string::npos);
+}
+
+TEST_F(Wave, ManySignalsAreListedInTheirOrderAndFoundByPatterns) {
+  write_large(folder_ / "large.fst", 1000, 300, 50);
+  const auto j = json({"ls", "large.fst", "--max", "0"});
+  ASSERT_EQ(j["signals"].size(), 1001u);
+  EXPECT_EQ(j["signals"][1000]["name"], "top.unit9.s999");
+  EXPECT_EQ(json({"ls", "large.fst", "unit3"})["signals"].size(), 100u);
+  EXPECT_EQ(json({"at", "large.fst", "end", "s99?"})["values"].size(), 10u);
+  EXPECT_EQ(json({"diff", "large.fst", "large.fst"})["compared"], 1001);
 }
 
 TEST_F(Wave, TheManualShowsWhatTheCommandPrints) {

@@ -30,6 +30,17 @@ std::string Lines::rest() const {
   return more() == 0 ? "" : fmt::format("... {} more (--max 0 prints all)\n", more());
 }
 
+std::string without_spaces(std::string_view text) {
+  std::string trimmed;
+  trimmed.reserve(text.size());
+  for (const char c : text) {
+    if (c == '\n')
+      while (trimmed.ends_with(' ')) trimmed.pop_back();
+    trimmed.push_back(c);
+  }
+  return trimmed;
+}
+
 std::vector<View> views(const Request& r, Trace& trace, std::size_t first_word) {
   std::vector<View> all;
   for (std::size_t i = first_word; i < r.words.size(); ++i)
@@ -123,7 +134,7 @@ int list(const Request& r) {
   const std::string pattern = r.words.empty() ? "*" : r.words.front();
   for (const Signal& s : trace.signals())
     if (matches(pattern, s.name) || matches("*." + pattern, s.name) ||
-        matches(pattern + ".*", s.name))
+        matches(pattern + ".*", s.name) || matches("*." + pattern + ".*", s.name))
       found.push_back(&s);
   if (found.empty()) (void)find_signal(trace, pattern);  // says what is near
   std::size_t longest = 4;
@@ -148,7 +159,7 @@ int list(const Request& r) {
     cli::put_json(j);
     return 0;
   }
-  cli::put(fmt::to_string(text) + lines.rest());
+  cli::put(without_spaces(fmt::to_string(text) + lines.rest()));
   return 0;
 }
 

@@ -48,6 +48,9 @@ struct Window {
 /// `schema`, version and commit; the schema is "cde.wave.COMMAND.1".
 [[nodiscard]] nlohmann::ordered_json begin_json(const Request& request);
 
+/// Without spaces at the ends of lines.
+[[nodiscard]] std::string without_spaces(std::string_view text);
+
 /// Lines with a limit of --max, and how many more there are. A limit of 0 is none.
 class Lines {
  public:

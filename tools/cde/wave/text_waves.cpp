@@ -243,7 +243,7 @@ int show(const Request& r) {
       text += label(name) + bus_line(p.rows[i], g) + "\n";
     }
   }
-  cli::put(text + lines.rest());
+  cli::put(without_spaces(text + lines.rest()));
   return 0;
 }
 
