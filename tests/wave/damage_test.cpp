@@ -29,8 +29,9 @@ TEST_F(Damage, WhatIsNoFstIsToldApart) {
   write("cut.fst", whole_.substr(0, whole_.size() - 1));
   std::filesystem::create_directory(folder_ / "folder");
   const std::vector<std::pair<std::string, std::string>> all = {
-      {"empty.fst", "is empty"}, {"text.vcd", "vcd2fst"},  {"other.fst", "no FST"}, {"short.fst", "cut off"},
-      {"cut.fst", "cut off"},    {"folder", "no regular"}, {"none.fst", "No such file"}};
+      {"empty.fst", "is empty"},   {"text.vcd", "vcd2fst"}, {"other.fst", "no FST"},
+      {"short.fst", "cut off"},    {"cut.fst", "cut off"},  {"folder", "no regular"},
+      {"none.fst", "No such file"}};
   for (const auto& [name, message] : all) {
     const Ran ran = cde({"wave", "info", name});
     EXPECT_EQ(ran.status, 2) << name;
@@ -55,7 +56,8 @@ TEST_F(Damage, FlippedBytesNeverCrashIt) {
     std::string bytes = whole_;
     for (unsigned k = 1 + random() % 3; k > 0; --k) {
       // Half of them behind the header, which is long and mostly text.
-      const std::size_t at = random() % 2 == 0 ? random() % bytes.size() : 330 + random() % (bytes.size() - 330);
+      const std::size_t at =
+          random() % 2 == 0 ? random() % bytes.size() : 330 + random() % (bytes.size() - 330);
       bytes[at] = static_cast<char>(random());
     }
     write("bad.fst", bytes);

@@ -33,14 +33,15 @@ class Writer {
 
 /// What can be changed in the sample.
 struct Sample {
-  unsigned late = 0;           ///< units by which all is later
-  unsigned wrong_at = 0;       ///< cycle in which t is one word larger; 0 for none
+  unsigned late = 0;      ///< units by which all is later
+  unsigned wrong_at = 0;  ///< cycle in which t is one word larger; 0 for none
   unsigned cycles = 20;
 };
 
 /// A small card: scope top with clk (10 ns, rising at 5, 15, ...), count [7:0], which counts its
-/// cycles, valid and ready of a handshake, data [63:0], two words of fp32, of which the lower is half of the
-/// count and the upper a NaN in cycle 7, state [2:0], x until cycle 3, and core.count, another name of count.
+/// cycles, valid and ready of a handshake, data [63:0], two words of fp32, of which the lower is
+/// half of the count and the upper a NaN in cycle 7, state [2:0], x until cycle 3, and core.count,
+/// another name of count.
 void write_sample(const std::filesystem::path& file, const Sample& sample = {});
 
 /// Many signals s0, s1, ... of 32 bits in scopes of a hundred, with a clock.

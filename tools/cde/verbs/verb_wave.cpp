@@ -49,26 +49,27 @@ void check_options(const CLI::App& verb, const Command& command) {
   for (const CLI::Option* o : verb.get_options()) {
     if (o->get_positional() || o->count() == 0) continue;
     const std::string name = names(*o).back();
-    if (name != "--json" && std::find(command.options.begin(), command.options.end(), name) ==
-                                command.options.end())
-      throw Error(ErrorCode::kUsage, fmt::format("cde wave {} does not take {}; it takes {}",
-                                                 command.name, name,
-                                                 fmt::join(command.options, ", ")));
+    if (name != "--json" &&
+        std::find(command.options.begin(), command.options.end(), name) == command.options.end())
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("cde wave {} does not take {}; it takes {}", command.name, name,
+                              fmt::join(command.options, ", ")));
   }
 }
 
 void add_options(CLI::App& verb, wave::Request& r) {
-  text_value(verb.add_option("--as", r.form,
-                             "How values are written where no :FORM behind the signal says it: hex, "
-                             "dec, signed, bin, fp32, fp16, bf16, tf32, fp64, ... or eEmM; /32 "
-                             "behind it is the bits of a lane")
-                 ->capture_default_str(),
-             "FORM", [](const std::string& text) {
-               if (!wave::parse_form(text))
-                 throw Error(ErrorCode::kUsage,
-                             fmt::format("no form {}; there are: {}, and eEmM", in_quotes(text),
-                                         fmt::join(wave::form_names(), ", ")));
-             });
+  text_value(
+      verb.add_option("--as", r.form,
+                      "How values are written where no :FORM behind the signal says it: hex, "
+                      "dec, signed, bin, fp32, fp16, bf16, tf32, fp64, ... or eEmM; /32 "
+                      "behind it is the bits of a lane")
+          ->capture_default_str(),
+      "FORM", [](const std::string& text) {
+        if (!wave::parse_form(text))
+          throw Error(ErrorCode::kUsage,
+                      fmt::format("no form {}; there are: {}, and eEmM", in_quotes(text),
+                                  fmt::join(wave::form_names(), ", ")));
+      });
   text_value(verb.add_option("--clock", r.clock,
                              "Signal whose rising edges are cycles (the outermost clk, clk_i, "
                              "clock, aclk or i_clk)"),
@@ -84,10 +85,11 @@ void add_options(CLI::App& verb, wave::Request& r) {
   whole_number_in(verb.add_option("--columns", r.columns, "Width of the picture (the terminal's)"),
                   40, 10000, "");
   verb.add_flag("--ascii", r.ascii, "Draw with ASCII alone");
-  text_value(verb.add_option("--on", r.on,
-                             "find: look only at these edges, 'posedge SIGNAL', negedge or edge, and "
-                             "at the values just before them, as a flip-flop sees them"),
-             "EDGE", {});
+  text_value(
+      verb.add_option("--on", r.on,
+                      "find: look only at these edges, 'posedge SIGNAL', negedge or edge, and "
+                      "at the values just before them, as a flip-flop sees them"),
+      "EDGE", {});
   text_value(verb.add_option("--when", r.when, "find: only where this is true as well"),
              "EXPRESSION", {});
   verb.add_flag("--first", r.first, "find: the first place alone");
@@ -107,8 +109,8 @@ void add_options(CLI::App& verb, wave::Request& r) {
   text_value(verb.add_option("--ignore", r.ignore,
                              "diff: leave out signals of this pattern; may be given several times"),
              "GLOB", {});
-  whole_number_in(verb.add_option("--max", r.max, "Most lines, 0 for all")->capture_default_str(), 0,
-                  1000000000, "");
+  whole_number_in(verb.add_option("--max", r.max, "Most lines, 0 for all")->capture_default_str(),
+                  0, 1000000000, "");
   verb.add_flag("--json", r.json, "JSON on stdout");
 }
 
@@ -116,21 +118,24 @@ void add_options(CLI::App& verb, wave::Request& r) {
 
 void add_wave(CLI::App& app) {
   auto r = std::make_shared<wave::Request>();
-  CLI::App* verb = app.add_subcommand(
-      "wave",
-      "Ask a wave file (FST). info FILE: what it is; ls FILE [GLOB]: its signals; at FILE TIME SIGNAL "
-      "...: values at a time; show FILE SIGNAL ...: waves drawn as text; find FILE EXPRESSION: where "
-      "it is true; diff A B: where signals of two files part first");
+  CLI::App* verb =
+      app.add_subcommand("wave",
+                         "Ask a wave file (FST). info FILE: what it is; ls FILE [GLOB]: its "
+                         "signals; at FILE TIME SIGNAL "
+                         "...: values at a time; show FILE SIGNAL ...: waves drawn as text; find "
+                         "FILE EXPRESSION: where "
+                         "it is true; diff A B: where signals of two files part first");
   std::vector<std::string> words;
   for (const Command& c : commands()) words.emplace_back(c.name);
   named(verb->add_option("command", r->command, "What is asked")->required(), words, "COMMAND",
         "command of cde wave");
-  file_value(verb->add_option("file", r->file, "Wave file, FST, of --trace or any other")
-                 ->required(),
-             "FILE");
-  verb->add_option("words", r->words,
-                   "What the command takes: a pattern, a time, an expression, the other file; signals as "
-                   "NAME, NAME[3], NAME[7:4], NAME:fp32, or NAME[3]:fp32, which is lane 3");
+  file_value(
+      verb->add_option("file", r->file, "Wave file, FST, of --trace or any other")->required(),
+      "FILE");
+  verb->add_option(
+      "words", r->words,
+      "What the command takes: a pattern, a time, an expression, the other file; signals as "
+      "NAME, NAME[3], NAME[7:4], NAME:fp32, or NAME[3]:fp32, which is lane 3");
   add_options(*verb, *r);
   verb->callback([r, verb] {
     const Command& command = command_named(r->command);

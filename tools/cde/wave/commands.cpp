@@ -76,8 +76,8 @@ Window window(const Request& r, Trace& trace, Times& times) {
   if (!r.from.empty()) w.from = times.parse(r.from);
   if (!r.to.empty()) w.to = times.parse(r.to);
   if (w.from > w.to)
-    throw Error(ErrorCode::kUsage, fmt::format("--from {} is behind --to {}", times.text(w.from),
-                                               times.text(w.to)));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--from {} is behind --to {}", times.text(w.from), times.text(w.to)));
   return w;
 }
 
@@ -85,8 +85,8 @@ int info(const Request& r) {
   Trace trace(r.file);
   Times times(trace, r.clock);
   const Signal* const clock = times.clock_if_any();
-  std::size_t aliases = trace.signals().size() - std::min<std::size_t>(trace.signals().size(),
-                                                                       trace.handles());
+  std::size_t aliases =
+      trace.signals().size() - std::min<std::size_t>(trace.signals().size(), trace.handles());
   if (r.json) {
     Json j = begin_json(r);
     j.update({{"bytes", trace.structure().bytes},
@@ -165,7 +165,8 @@ int list(const Request& r) {
 
 int values_at(const Request& r) {
   if (r.words.size() < 2)
-    throw Error(ErrorCode::kUsage, "cde wave at needs a time and signals: cde wave at FILE TIME SIGNAL ...");
+    throw Error(ErrorCode::kUsage,
+                "cde wave at needs a time and signals: cde wave at FILE TIME SIGNAL ...");
   Trace trace(r.file);
   Times times(trace, r.clock);
   const std::uint64_t time = times.parse(r.words.front());

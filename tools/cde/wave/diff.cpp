@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <condition_variable>
 #include <cmath>
+#include <condition_variable>
 #include <deque>
 #include <map>
 #include <mutex>
@@ -140,9 +140,11 @@ class Equal {
     if (v.form.kind != Form::Kind::kFloat || v.signal.real || v.signal.text) return false;
     if (a.size() != b.size()) return false;
     const auto own = static_cast<std::size_t>(v.form.format.width());
-    const std::size_t lane = v.form.lane != 0      ? v.form.lane
-                             : a.size() % own == 0 ? own
-                                                   : static_cast<std::size_t>(contract::container(v.form.format.exp_bits, v.form.format.man_bits));
+    const std::size_t lane = v.form.lane != 0 ? v.form.lane
+                             : a.size() % own == 0
+                                 ? own
+                                 : static_cast<std::size_t>(contract::container(
+                                       v.form.format.exp_bits, v.form.format.man_bits));
     if (lane < own || a.size() % lane != 0) return false;
     for (std::size_t at = 0; at < a.size(); at += lane)
       if (!lanes(v.form.format, a.substr(at, lane), b.substr(at, lane))) return false;
@@ -173,9 +175,8 @@ class Comparison {
       by_event();
     else
       by_time();
-    std::stable_sort(found.begin(), found.end(), [](const Divergence& x, const Divergence& y) {
-      return x.time_a < y.time_a;
-    });
+    std::stable_sort(found.begin(), found.end(),
+                     [](const Divergence& x, const Divergence& y) { return x.time_a < y.time_a; });
   }
 
   std::vector<Pair> pairs;
@@ -214,8 +215,13 @@ class Comparison {
       p.b = whole(t);
       if (s.width != t.width) {
         p.done = true;
-        found.push_back({pairs.size(), a_.start(), b_.start(), "", "",
-                         fmt::format("{} bits, {} bits", s.width, t.width), {}});
+        found.push_back({pairs.size(),
+                         a_.start(),
+                         b_.start(),
+                         "",
+                         "",
+                         fmt::format("{} bits, {} bits", s.width, t.width),
+                         {}});
       }
       of_a_[s.handle].push_back(pairs.size());
       of_b_[t.handle].push_back(pairs.size());
@@ -233,7 +239,9 @@ class Comparison {
     v.form = r_.default_form();
     const auto own = static_cast<unsigned>(v.form.format.width());
     if (v.form.kind == Form::Kind::kFloat && v.form.lane == 0 && s.width % own != 0 &&
-        (s.width == 0 || s.width % static_cast<unsigned>(contract::container(v.form.format.exp_bits, v.form.format.man_bits)) != 0))
+        (s.width == 0 || s.width % static_cast<unsigned>(contract::container(
+                                       v.form.format.exp_bits, v.form.format.man_bits)) !=
+                             0))
       v.form = Form{};
     return v;
   }
@@ -270,12 +278,14 @@ class Comparison {
   /// At the same times. The shorter file ends the comparison.
   void by_time() {
     Puller a(a_, handles(true)), b(b_, handles(false));
-    const std::uint64_t start = std::max(a_.start(), b_.start()), end = std::min(a_.end(), b_.end());
+    const std::uint64_t start = std::max(a_.start(), b_.start()),
+                        end = std::min(a_.end(), b_.end());
     std::vector<std::size_t> touched;
     for (;;) {
       const Change *x = a.peek(), *y = b.peek();
       if (x == nullptr && y == nullptr) break;
-      const std::uint64_t time = std::min(x != nullptr ? x->time : UINT64_MAX, y != nullptr ? y->time : UINT64_MAX);
+      const std::uint64_t time =
+          std::min(x != nullptr ? x->time : UINT64_MAX, y != nullptr ? y->time : UINT64_MAX);
       if (time > end) break;
       for (; x != nullptr && x->time == time; a.pop(), x = a.peek()) take(*x, true, touched);
       for (; y != nullptr && y->time == time; b.pop(), y = b.peek()) take(*y, false, touched);
@@ -303,7 +313,8 @@ class Comparison {
   }
   /// Takes what happens before the next rising edge; `step` has what happens with it.
   std::optional<std::uint64_t> to_edge(Puller& p, bool of_a, std::uint32_t clock, char& state,
-                                       std::vector<Change>& step, std::vector<std::size_t>& touched) {
+                                       std::vector<Change>& step,
+                                       std::vector<std::size_t>& touched) {
     for (const Change& c : step)
       if (c.handle != clock) take(c, of_a, touched);
     step.clear();
@@ -392,8 +403,8 @@ int diff(const Request& r) {
                 "--ulp and --eps need the format of the numbers, e.g. --as fp32");
   Trace a(r.file), b(r.words.front());
   if (a.scale() != b.scale())
-    throw Error(ErrorCode::kUsage,
-                fmt::format("the files count time in units of 1e{} s and 1e{} s", a.scale(), b.scale()));
+    throw Error(ErrorCode::kUsage, fmt::format("the files count time in units of 1e{} s and 1e{} s",
+                                               a.scale(), b.scale()));
   Comparison c(r, a, b);
   c.run();
   const Times times(a, "");

@@ -137,7 +137,7 @@ struct Node {
 using Tree = std::unique_ptr<Node>;
 
 constexpr std::array<std::string_view, 12> kFunctions = {
-    "isnan", "isinf", "isunknown", "changed", "rose",      "fell",
+    "isnan", "isinf", "isunknown", "changed",  "rose",      "fell",
     "prev",  "past",  "signed",    "unsigned", "countones", "abs"};
 
 bool is_comparison(std::string_view op) {
@@ -160,9 +160,12 @@ Value equality(const Value& a, const Value& b, bool exact) {
     if (exact) return of_bool(a.wide == b.wide);
     bool open = false;
     for (std::size_t i = 0; i < a.wide.size(); ++i) {
-      const bool known = (a.wide[i] == '0' || a.wide[i] == '1') && (b.wide[i] == '0' || b.wide[i] == '1');
-      if (!known) open = true;
-      else if (a.wide[i] != b.wide[i]) return of_bool(false);
+      const bool known =
+          (a.wide[i] == '0' || a.wide[i] == '1') && (b.wide[i] == '0' || b.wide[i] == '1');
+      if (!known)
+        open = true;
+      else if (a.wide[i] != b.wide[i])
+        return of_bool(false);
     }
     return open ? unknown_of(1) : of_bool(true);
   }
@@ -179,7 +182,8 @@ Value order(const std::string& op, const Value& a, const Value& b) {
   };
   if (a.real || b.real) return by(as_real(a), as_real(b));
   if (a.is_signed && b.is_signed)
-    return by(static_cast<std::int64_t>(extended(a, 64).v), static_cast<std::int64_t>(extended(b, 64).v));
+    return by(static_cast<std::int64_t>(extended(a, 64).v),
+              static_cast<std::int64_t>(extended(b, 64).v));
   return by(a.v, b.v);
 }
 
@@ -210,7 +214,11 @@ Value arithmetic(const Node& n, const Value& a, const Value& b) {
   const char op = n.op[0];
   if (n.real) {
     const double l = as_real(a), r = as_real(b);
-    return of_real(op == '+' ? l + r : op == '-' ? l - r : op == '*' ? l * r : op == '/' ? l / r : std::fmod(l, r));
+    return of_real(op == '+'   ? l + r
+                   : op == '-' ? l - r
+                   : op == '*' ? l * r
+                   : op == '/' ? l / r
+                               : std::fmod(l, r));
   }
   Value v;
   v.width = n.width;
@@ -224,8 +232,10 @@ Value arithmetic(const Node& n, const Value& a, const Value& b) {
       const auto l = static_cast<std::int64_t>(extended(a, 64).v),
                  r = static_cast<std::int64_t>(extended(b, 64).v);
       // The smallest number by -1 overflows.
-      if (r == -1) v.v = op == '/' ? 0 - static_cast<std::uint64_t>(l) : 0;
-      else v.v = static_cast<std::uint64_t>(op == '/' ? l / r : l % r);
+      if (r == -1)
+        v.v = op == '/' ? 0 - static_cast<std::uint64_t>(l) : 0;
+      else
+        v.v = static_cast<std::uint64_t>(op == '/' ? l / r : l % r);
     } else {
       v.v = op == '/' ? a.v / b.v : a.v % b.v;
     }
@@ -239,9 +249,12 @@ Value shift(const Node& n, const Value& a, const Value& by) {
   Value r = a;
   const bool fill = n.op == ">>>" && n.is_signed && (a.v >> (a.width - 1) & 1) != 0;
   const std::uint64_t all = mask(a.width);
-  if (by.v >= a.width) r.v = fill ? all : 0;
-  else if (n.op == "<<") r.v = a.v << by.v & all;
-  else r.v = (a.v | (fill ? ~all : 0)) >> by.v;
+  if (by.v >= a.width)
+    r.v = fill ? all : 0;
+  else if (n.op == "<<")
+    r.v = a.v << by.v & all;
+  else
+    r.v = (a.v | (fill ? ~all : 0)) >> by.v;
   if (fill && by.v < a.width && by.v > 0) r.v |= all & ~(all >> by.v);
   r.v &= all;
   return r;
@@ -271,11 +284,16 @@ struct Expression::Parsed {
 
 Value Expression::Parsed::value(Node& n) {
   switch (n.kind) {
-    case Node::Kind::kConstant: return n.constant;
-    case Node::Kind::kView: return values[n.view];
-    case Node::Kind::kUnary: return unary(n);
-    case Node::Kind::kBinary: return binary(n);
-    case Node::Kind::kCall: return call(n);
+    case Node::Kind::kConstant:
+      return n.constant;
+    case Node::Kind::kView:
+      return values[n.view];
+    case Node::Kind::kUnary:
+      return unary(n);
+    case Node::Kind::kBinary:
+      return binary(n);
+    case Node::Kind::kCall:
+      return call(n);
     case Node::Kind::kChoice: {
       const Truth t = truth(value(*n.kids[0]));
       Value a = extended(value(*n.kids[1]), n.width), b = extended(value(*n.kids[2]), n.width);
@@ -316,7 +334,8 @@ Value Expression::Parsed::binary(Node& n) {
   if (is_logical(n.op)) {
     const Truth l = truth(a), r = truth(b), decided = n.op == "&&" ? Truth::kNo : Truth::kYes;
     if (l == decided || r == decided) return of_truth(decided);
-    return l == Truth::kUnknown || r == Truth::kUnknown ? unknown_of(1) : of_truth(inverse(decided));
+    return l == Truth::kUnknown || r == Truth::kUnknown ? unknown_of(1)
+                                                        : of_truth(inverse(decided));
   }
   if (is_shift(n.op)) return shift(n, extended(a, n.width), b);
   const unsigned width = is_comparison(n.op) ? std::max(a.width, b.width) : n.width;
@@ -328,8 +347,7 @@ Value Expression::Parsed::binary(Node& n) {
     b = extended(b, width);
   }
   if (n.op == "==" || n.op == "===") return equality(a, b, n.op == "===");
-  if (n.op == "!=" || n.op == "!==")
-    return of_truth(inverse(truth(equality(a, b, n.op == "!=="))));
+  if (n.op == "!=" || n.op == "!==") return of_truth(inverse(truth(equality(a, b, n.op == "!=="))));
   if (is_comparison(n.op)) return order(n.op, a, b);
   if (n.op == "&" || n.op == "|" || n.op == "^") return bitwise(n.op[0], a, b);
   return arithmetic(n, a, b);
@@ -376,8 +394,7 @@ namespace {
 
 class Parser {
  public:
-  Parser(Trace& trace, const std::string& text, const std::string& option,
-         Expression::Parsed& to)
+  Parser(Trace& trace, const std::string& text, const std::string& option, Expression::Parsed& to)
       : trace_(trace), text_(text), option_(option), to_(to) {}
 
   Tree parse() {
@@ -406,9 +423,9 @@ class Parser {
   }
   /// The longest operator here that is one of a level.
   std::string operator_of(std::initializer_list<std::string_view> level) {
-    constexpr std::array<std::string_view, 24> kAll = {"===", "!==", ">>>", "&&", "||", "==", "!=", "<=",
-                                                       ">=",  "<<",  ">>",  "~&", "~|", "~^", "^~", "&",
-                                                       "|",   "^",   "<",   ">",  "+",  "-",  "*",  "/"};
+    constexpr std::array<std::string_view, 24> kAll = {
+        "===", "!==", ">>>", "&&", "||", "==", "!=", "<=", ">=", "<<", ">>", "~&",
+        "~|",  "~^",  "^~",  "&",  "|",  "^",  "<",  ">",  "+",  "-",  "*",  "/"};
     skip();
     for (const std::string_view op : kAll) {
       if (!std::string_view(text_).substr(at_).starts_with(op)) continue;
@@ -416,7 +433,8 @@ class Parser {
       at_ += op.size();
       return std::string(op);
     }
-    if (at_ < text_.size() && text_[at_] == '%' && std::find(level.begin(), level.end(), "%") != level.end()) {
+    if (at_ < text_.size() && text_[at_] == '%' &&
+        std::find(level.begin(), level.end(), "%") != level.end()) {
       ++at_;
       return "%";
     }
@@ -452,8 +470,10 @@ class Parser {
   }
   void narrow_enough(const Node& n) {
     if (!n.real && n.width > 64)
-      fail(n.at, fmt::format("this has {} bits; only ===, !==, ==, !=, changed, isunknown, reductions "
-                             "and logical operators take more than 64", n.width));
+      fail(n.at,
+           fmt::format("this has {} bits; only ===, !==, ==, !=, changed, isunknown, reductions "
+                       "and logical operators take more than 64",
+                       n.width));
   }
   void no_real(const Node& n, const std::string& op) {
     if (n.real) fail(n.at, fmt::format("{} takes bits, and this is a floating-point number", op));
@@ -511,8 +531,16 @@ class Parser {
 
   Tree level(unsigned l) {
     static const std::array<std::initializer_list<std::string_view>, 10> kLevels = {
-        {{"||"}, {"&&"}, {"|"}, {"^"}, {"&"}, {"==", "!=", "===", "!=="}, {"<", "<=", ">", ">="},
-         {"<<", ">>", ">>>"}, {"+", "-"}, {"*", "/", "%"}}};
+        {{"||"},
+         {"&&"},
+         {"|"},
+         {"^"},
+         {"&"},
+         {"==", "!=", "===", "!=="},
+         {"<", "<=", ">", ">="},
+         {"<<", ">>", ">>>"},
+         {"+", "-"},
+         {"*", "/", "%"}}};
     if (l == kLevels.size()) return unary();
     Tree a = level(l + 1);
     for (;;) {
@@ -556,7 +584,8 @@ class Parser {
     if (at_ >= text_.size()) fail(at_, "something is missing here");
     if (take("(")) {
       Tree n = choice();
-      if (!take(")")) fail(at_, fmt::format("the ) of the ( in column {} is expected here", at + 1));
+      if (!take(")"))
+        fail(at_, fmt::format("the ) of the ( in column {} is expected here", at + 1));
       return n;
     }
     if (take("{")) {
@@ -591,7 +620,8 @@ class Parser {
     const std::size_t at = at_;
     const std::string_view rest = std::string_view(text_).substr(at_);
     std::size_t digits = 0;
-    while (digits < rest.size() && std::isdigit(static_cast<unsigned char>(rest[digits])) != 0) ++digits;
+    while (digits < rest.size() && std::isdigit(static_cast<unsigned char>(rest[digits])) != 0)
+      ++digits;
     if (digits < rest.size() && rest[digits] == '\'') return sized(at, digits);
     if (rest.starts_with("0x")) fail(at, "numbers in hexadecimal are written 32'h1f, or 'h1f");
     double real = 0;
@@ -627,7 +657,9 @@ class Parser {
       is_signed = true;
       ++at_;
     }
-    const char base = at_ < text_.size() ? static_cast<char>(std::tolower(static_cast<unsigned char>(text_[at_]))) : ' ';
+    const char base = at_ < text_.size()
+                          ? static_cast<char>(std::tolower(static_cast<unsigned char>(text_[at_])))
+                          : ' ';
     const unsigned each = base == 'h' ? 4 : base == 'o' ? 3 : base == 'b' ? 1 : 0;
     if (each == 0 && base != 'd') fail(at_, "a base is expected here: h, d, o or b");
     const std::size_t first = ++at_;
@@ -638,7 +670,8 @@ class Parser {
       if (c == '_') continue;
       if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '?') break;
       if (each == 0) {
-        if (std::isdigit(static_cast<unsigned char>(c)) == 0) fail(at_, "this is no digit of this base");
+        if (std::isdigit(static_cast<unsigned char>(c)) == 0)
+          fail(at_, "this is no digit of this base");
         number.push_back(c);
       } else if (c == 'x' || c == 'z' || c == '?') {
         bits.append(each, c == 'x' ? 'x' : 'z');
@@ -651,7 +684,8 @@ class Parser {
     if (each == 0) {
       std::uint64_t v = 0;
       const auto read = std::from_chars(number.data(), number.data() + number.size(), v);
-      if (number.empty() || read.ec != std::errc()) fail(first, "a number of up to 64 bits is expected here");
+      if (number.empty() || read.ec != std::errc())
+        fail(first, "a number of up to 64 bits is expected here");
       for (unsigned i = 64; i-- > 0;) bits.push_back((v >> i & 1) != 0 ? '1' : '0');
     }
     if (bits.empty()) fail(first, "digits are expected here");
@@ -691,10 +725,14 @@ class Parser {
     // The : of ? : is none of a form.
     if (at_ < text_.size() && text_[at_] == ':') {
       std::size_t stop = at_ + 1;
-      while (stop < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[stop])) != 0)) ++stop;
+      while (stop < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[stop])) != 0))
+        ++stop;
       if (stop < text_.size() && text_[stop] == '/' &&
-          std::isdigit(static_cast<unsigned char>(text_[std::min(stop + 1, text_.size() - 1)])) != 0)
-        for (++stop; stop < text_.size() && std::isdigit(static_cast<unsigned char>(text_[stop])) != 0;) ++stop;
+          std::isdigit(static_cast<unsigned char>(text_[std::min(stop + 1, text_.size() - 1)])) !=
+              0)
+        for (++stop;
+             stop < text_.size() && std::isdigit(static_cast<unsigned char>(text_[stop])) != 0;)
+          ++stop;
       if (parse_form(std::string_view(text_).substr(at_ + 1, stop - at_ - 1))) {
         name += text_.substr(at_, stop - at_);
         at_ = stop;
@@ -718,7 +756,8 @@ class Parser {
                            v.form.format.name()));
     const auto own = static_cast<unsigned>(v.form.format.width());
     if (n->real && !v.signal.real && v.width != own &&
-        v.width != static_cast<unsigned>(contract::container(v.form.format.exp_bits, v.form.format.man_bits)))
+        v.width != static_cast<unsigned>(
+                       contract::container(v.form.format.exp_bits, v.form.format.man_bits)))
       fail(at, fmt::format("this has several lanes; {}[N]:{} is one of them", v.signal.name,
                            v.form.format.name()));
     n->is_signed = v.form.kind == Form::Kind::kSigned;
@@ -738,11 +777,13 @@ class Parser {
     Tree a = choice();
     if (!take(")")) fail(at_, fmt::format("the ) of {}( is expected here", name));
     if ((name == "isnan" || name == "isinf") && !a->real)
-      fail(a->at, fmt::format("{} takes a floating-point number: NAME:fp32, or another format", name));
+      fail(a->at,
+           fmt::format("{} takes a floating-point number: NAME:fp32, or another format", name));
     if (name == "signed" || name == "unsigned" || name == "countones") no_real(*a, name);
     if (name == "rose" || name == "fell") no_real(*a, name);
     Tree n = make(Node::Kind::kCall, name, at, {});
-    if (name == "signed" || name == "unsigned" || name == "abs" || name == "prev" || name == "past") {
+    if (name == "signed" || name == "unsigned" || name == "abs" || name == "prev" ||
+        name == "past") {
       n->width = a->width;
       n->real = a->real;
       n->is_signed = name == "signed" || (name != "unsigned" && a->is_signed);
@@ -788,7 +829,8 @@ void Expression::set(std::uint32_t handle, std::string_view text) {
     if (v.signal.real) {
       const char* const stop = text.data() + text.size();
       double d = 0;
-      to = std::from_chars(text.data(), stop, d).ec == std::errc() ? of_real(d) : unknown_of(1, true);
+      to = std::from_chars(text.data(), stop, d).ec == std::errc() ? of_real(d)
+                                                                   : unknown_of(1, true);
     } else if (v.form.kind == Form::Kind::kFloat) {
       const auto d = number(bits, v.form.format);
       to = d ? of_real(*d) : unknown_of(1, true);

@@ -10,8 +10,8 @@
 
 namespace cde::wave {
 
-/// An expression over signals, in the manner of SystemVerilog: four states, widths and signs as there,
-/// and floating-point numbers where a signal has the form of one (NAME:fp32).
+/// An expression over signals, in the manner of SystemVerilog: four states, widths and signs as
+/// there, and floating-point numbers where a signal has the form of one (NAME:fp32).
 class Expression {
  public:
   /// Error kUsage, with a caret under the place, if it makes no sense. `option` names it.
@@ -24,8 +24,8 @@ class Expression {
   [[nodiscard]] const std::vector<View>& views() const;
   /// A new value of a signal, by its handle.
   void set(std::uint32_t handle, std::string_view value);
-  /// Whether it is true now: a known bit of it is 1. What looks back (changed, rose, fell, prev) looks
-  /// at the last time that this was called.
+  /// Whether it is true now: a known bit of it is 1. What looks back (changed, rose, fell, prev)
+  /// looks at the last time that this was called.
   [[nodiscard]] bool evaluate();
   /// Whether it has something that looks back.
   [[nodiscard]] bool looks_back() const;

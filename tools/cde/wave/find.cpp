@@ -34,9 +34,8 @@ struct Event {
                               in_quotes(text)));
     const Signal& s = find_signal(trace, text.substr(text.find_first_not_of(' ', space)));
     if (s.width != 1)
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("--on: {} has {} bits; an edge is of one", printable_name(s.name),
-                              s.width));
+      throw Error(ErrorCode::kUsage, fmt::format("--on: {} has {} bits; an edge is of one",
+                                                 printable_name(s.name), s.width));
     handle = s.handle;
     name = s.name;
   }
@@ -53,8 +52,7 @@ struct Match {
 /// Follows the changes and says when the expression is true.
 class Search {
  public:
-  Search(const Request& r, Trace& trace)
-      : r_(r), what_(trace, r.words.front(), "the expression") {
+  Search(const Request& r, Trace& trace) : r_(r), what_(trace, r.words.front(), "the expression") {
     if (!r.when.empty()) when_.emplace(trace, r.when, "--when");
     if (!r.on.empty()) on_.emplace(trace, r.on);
     for (const View& v : what_.views()) note(v);
@@ -120,7 +118,8 @@ class Search {
     waiting_.clear();
     if (on_) return true;
     const bool now = evaluate();
-    const bool begins_to_be = now && (!was_ || what_.looks_back() || (when_ && when_->looks_back()));
+    const bool begins_to_be =
+        now && (!was_ || what_.looks_back() || (when_ && when_->looks_back()));
     was_ = now;
     return begins_to_be ? record(texts()) : true;
   }
@@ -187,13 +186,12 @@ int find(const Request& r) {
       values.push_back({{"name", v.label}, {"value", m.values[i]}});
     }
     if (r.json) {
-      list.push_back({{"time", m.time},
-                      {"at", times.text(m.time)},
-                      {"cycle", cycle},
-                      {"values", values}});
+      list.push_back(
+          {{"time", m.time}, {"at", times.text(m.time)}, {"cycle", cycle}, {"values", values}});
     } else {
       text += fmt::format("{}{}{}\n", times.text(m.time),
-                          cycle.is_null() ? "" : fmt::format("  cyc:{}", cycle.dump()), printable_name(shown));
+                          cycle.is_null() ? "" : fmt::format("  cyc:{}", cycle.dump()),
+                          printable_name(shown));
     }
   }
   const std::uint64_t more =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reader and writer of FST files are those of Verilator's runtime, compiled as they are, but that what
-// ends the process, prints or waits for the end of a file that has ended throws instead.
+// Reader and writer of FST files are those of Verilator's runtime, compiled as they are, but that
+// what ends the process, prints or waits for the end of a file that has ended throws instead.
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>

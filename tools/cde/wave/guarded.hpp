@@ -6,9 +6,9 @@
 namespace cde::wave {
 
 /// Runs `work` in a child of this process, which then goes on in place of it: in the child this
-/// returns, or throws, as `work` does. In the parent it returns the exit status of the child, once that
-/// has ended. If the child ends while it works, because the reader of Verilator's runtime crashed on a
-/// corrupt file, that is Error kFile in the parent, naming `file`.
+/// returns, or throws, as `work` does. In the parent it returns the exit status of the child, once
+/// that has ended. If the child ends while it works, because the reader of Verilator's runtime
+/// crashed on a corrupt file, that is Error kFile in the parent, naming `file`.
 ///
 /// -1 in the child.
 [[nodiscard]] int guarded(const std::string& file, const std::function<void()>& work);

@@ -40,8 +40,7 @@ struct Window {
 [[nodiscard]] Window window(const Request& request, Trace& trace, Times& times);
 
 /// The views of all words.
-[[nodiscard]] std::vector<View> views(const Request& request, Trace& trace,
-                                      std::size_t first_word);
+[[nodiscard]] std::vector<View> views(const Request& request, Trace& trace, std::size_t first_word);
 /// Their handles.
 [[nodiscard]] std::vector<std::uint32_t> handles(const std::vector<View>& views);
 
@@ -57,7 +56,9 @@ class Lines {
   explicit Lines(std::uint64_t most) : most_(most) {}
   /// Whether the next line is printed; it counts.
   [[nodiscard]] bool next() { return ++seen_ <= most_ || most_ == 0; }
-  [[nodiscard]] std::uint64_t more() const { return most_ == 0 || seen_ <= most_ ? 0 : seen_ - most_; }
+  [[nodiscard]] std::uint64_t more() const {
+    return most_ == 0 || seen_ <= most_ ? 0 : seen_ - most_;
+  }
   [[nodiscard]] std::uint64_t seen() const { return seen_; }
   /// "... 12 more (--max 0 prints all)", or nothing.
   [[nodiscard]] std::string rest() const;

@@ -88,8 +88,9 @@ void check_kind(const Mapped& file) {
   if (file.size() == 0) file.fail("is empty; it must be an FST file");
   const auto* const b = file.bytes();
   if (b[0] == FST_BL_ZWRAPPER && file.size() > 17 && file.word(1) <= file.size())
-    file.fail("is an FST that is packed in gzip as a whole, which is not read here; "
-              "`fst2vcd FILE | vcd2fst - OTHER` unpacks it");
+    file.fail(
+        "is an FST that is packed in gzip as a whole, which is not read here; "
+        "`fst2vcd FILE | vcd2fst - OTHER` unpacks it");
   if (b[0] == FST_BL_HDR && file.size() < kHeaderLength + 1)
     file.fail(fmt::format("is cut off: {} bytes are no whole header of an FST", file.size()));
   if (b[0] == FST_BL_HDR && file.word(1) == kHeaderLength) return;
@@ -164,8 +165,7 @@ Section check_changes(const Mapped& file, std::uint64_t block, std::uint64_t len
   const std::uint64_t frame_large = varint(file, block, at, table_at),
                       frame = varint(file, block, at, table_at),
                       frame_signals = varint(file, block, at, table_at);
-  if (frame > table_at - at || frame_large > kMostExpansion * frame + 64 ||
-      frame_signals > handles)
+  if (frame > table_at - at || frame_large > kMostExpansion * frame + 64 || frame_signals > handles)
     file.corrupt(block, "has values that do not fit");
   at += frame;
   const std::uint64_t signals = varint(file, block, at, table_at);
@@ -217,23 +217,32 @@ Structure check_structure(const std::filesystem::path& path) {
       case FST_BL_VCDATA_DYN_ALIAS2:
         found.sections.push_back(check_changes(file, block, length, handles));
         break;
-      case FST_BL_GEOM: check_geometry(file, block, length, handles); widths = true; break;
+      case FST_BL_GEOM:
+        check_geometry(file, block, length, handles);
+        widths = true;
+        break;
       case FST_BL_HIER:
       case FST_BL_HIER_LZ4:
-      case FST_BL_HIER_LZ4DUO: check_hierarchy(file, block, length); names = true; break;
+      case FST_BL_HIER_LZ4DUO:
+        check_hierarchy(file, block, length);
+        names = true;
+        break;
       case FST_BL_HDR:
         if (block != 0) file.corrupt(block, "is a second header");
         break;
-      case FST_BL_BLACKOUT: break;
-      default: file.corrupt(block, fmt::format("is of kind {}, which there is not", type));
+      case FST_BL_BLACKOUT:
+        break;
+      default:
+        file.corrupt(block, fmt::format("is of kind {}, which there is not", type));
     }
     block += 1 + length;
   }
   if (!found.closed)
     file.fail("was not closed by its writer: the simulation still runs, or was killed");
   if (!names || !widths || found.sections.empty())
-    file.fail(fmt::format("is cut off or corrupt: it has no {}",
-                          !names ? "names" : !widths ? "widths" : "changes"));
+    file.fail(fmt::format("is cut off or corrupt: it has no {}", !names    ? "names"
+                                                                 : !widths ? "widths"
+                                                                           : "changes"));
   return found;
 }
 

@@ -18,8 +18,8 @@ struct Structure {
   bool closed = true;             ///< the writer has come to its end
 };
 
-/// Reads the frame of every block: its length, the lengths of what is in it, and how large that says
-/// to become when it is decompressed. Error kFile for a file that is no FST, is cut off, or
+/// Reads the frame of every block: its length, the lengths of what is in it, and how large that
+/// says to become when it is decompressed. Error kFile for a file that is no FST, is cut off, or
 /// contradicts itself: Verilator's reader believes all of these numbers.
 [[nodiscard]] Structure check_structure(const std::filesystem::path& file);
 

@@ -32,10 +32,10 @@ using Row = std::vector<Cell>;
 
 /// Characters of UTF-8.
 std::size_t length(std::string_view text) {
-  return static_cast<std::size_t>(std::count_if(
-      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0u) != 0x80u; }));
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xc0u) != 0x80u;
+  }));
 }
-
 
 /// Two lines of a signal of one bit.
 std::pair<std::string, std::string> bit_lines(const Row& row, const Glyphs& g, bool ascii) {
@@ -230,8 +230,10 @@ int show(const Request& r) {
     if (text.size() > names) text = g.cut + text.substr(text.size() - names + 1);
     return text + std::string(names - std::min(names, length(text)), ' ') + " ";
   };
-  std::string text = fmt::format("{}{} to {}\n", scope == 0 ? "" : printable_name(all.front().label.substr(0, scope - 1)) + "  ",
-                                 times.text(w.from), times.text(w.to));
+  std::string text =
+      fmt::format("{}{} to {}\n",
+                  scope == 0 ? "" : printable_name(all.front().label.substr(0, scope - 1)) + "  ",
+                  times.text(w.from), times.text(w.to));
   text += label("") + ruler(times, w, p.span, columns, r.ascii) + "\n";
   for (std::size_t i = 0; i < all.size(); ++i) {
     const std::string name = all[i].label.substr(scope);

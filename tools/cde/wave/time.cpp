@@ -37,8 +37,8 @@ std::string Times::text(std::uint64_t time) const {
   const auto unit = std::find_if(kUnits.begin(), kUnits.end() - 1,
                                  [&](const Unit& u) { return u.exponent <= top; });
   const int point = unit->exponent - scale;  // digits behind the point
-  if (point <= 0) return digits + std::string(static_cast<std::size_t>(-point), '0') +
-                         std::string(unit->name);
+  if (point <= 0)
+    return digits + std::string(static_cast<std::size_t>(-point), '0') + std::string(unit->name);
   const auto behind = static_cast<std::size_t>(point);
   if (digits.size() <= behind) digits.insert(0, behind + 1 - digits.size(), '0');
   std::string fraction = digits.substr(digits.size() - behind);
@@ -54,8 +54,8 @@ std::optional<double> Times::length(const std::string& text) const {
   if (read.ec != std::errc() || !(value >= 0) || !std::isfinite(value)) return std::nullopt;
   const std::string_view unit(read.ptr, static_cast<std::size_t>(stop - read.ptr));
   if (unit.empty()) return value;
-  const auto found = std::find_if(kUnits.begin(), kUnits.end(),
-                                  [&](const Unit& u) { return u.name == unit; });
+  const auto found =
+      std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& u) { return u.name == unit; });
   if (found == kUnits.end()) return std::nullopt;
   // Powers of ten of up to 22 are exact, so that whole units stay whole.
   const int power = found->exponent - trace_.scale();
@@ -66,9 +66,7 @@ const Signal* Times::clock_if_any() {
   if (!clock_.empty()) return &find_signal(trace_, clock_);
   constexpr std::array<std::string_view, 5> kNames = {"clk_i", "clk", "clock", "aclk", "i_clk"};
   const Signal* best = nullptr;
-  const auto depth = [](const Signal& s) {
-    return std::count(s.name.begin(), s.name.end(), '.');
-  };
+  const auto depth = [](const Signal& s) { return std::count(s.name.begin(), s.name.end(), '.'); };
   for (const Signal& s : trace_.signals()) {
     if (s.width != 1) continue;
     const std::string_view own = std::string_view(s.name).substr(s.name.rfind('.') + 1);
@@ -82,8 +80,7 @@ const Signal& Times::clock() {
   const Signal* const found = clock_if_any();
   if (found == nullptr) usage("cycles need a clock, and no signal looks like one: --clock SIGNAL");
   if (found->width != 1)
-    usage(fmt::format("{} has {} bits and is no clock", printable_name(found->name),
-                      found->width));
+    usage(fmt::format("{} has {} bits and is no clock", printable_name(found->name), found->width));
   return *found;
 }
 
@@ -140,9 +137,10 @@ std::uint64_t Times::base(const std::string& text, const std::string& whole) {
   }
   const auto found = length(text);
   if (!found || *found > 1.8e19)
-    usage(fmt::format("no time {}; it must be a number, in units of the file or with fs, ps, ns, "
-                      "us, ms or s, cyc:N, start, end or fail, and perhaps +N or -N behind it",
-                      in_quotes(whole)));
+    usage(
+        fmt::format("no time {}; it must be a number, in units of the file or with fs, ps, ns, "
+                    "us, ms or s, cyc:N, start, end or fail, and perhaps +N or -N behind it",
+                    in_quotes(whole)));
   return static_cast<std::uint64_t>(*found + 0.5);
 }
 

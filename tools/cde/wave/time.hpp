@@ -11,14 +11,15 @@ namespace cde::wave {
 /// Times of a file as text, both ways.
 class Times {
  public:
-  /// `clock` is the signal whose rising edges are cycles; if it is empty, the one that looks like it.
+  /// `clock` is the signal whose rising edges are cycles; if it is empty, the one that looks like
+  /// it.
   Times(Trace& trace, std::string clock) : trace_(trace), clock_(std::move(clock)) {}
 
   /// "12.5ns"; exact.
   [[nodiscard]] std::string text(std::uint64_t time) const;
   /// A number in units of the file or with fs, ps, ns, us, ms or s; cyc:N, the rising edge N of the
-  /// clock, from 0; start, end; fail, if a comment `fail TIME` is in the file. Behind it may be +N or
-  /// -N with a unit or cyc. Error kUsage, also for what is outside of the file.
+  /// clock, from 0; start, end; fail, if a comment `fail TIME` is in the file. Behind it may be +N
+  /// or -N with a unit or cyc. Error kUsage, also for what is outside of the file.
   [[nodiscard]] std::uint64_t parse(const std::string& text);
   /// The signal that counts cycles. Error kUsage if none was named and none looks like it.
   [[nodiscard]] const Signal& clock();

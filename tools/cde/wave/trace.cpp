@@ -15,10 +15,10 @@ namespace cde::wave {
 namespace {
 
 constexpr std::array<const char*, FST_VT_MAX + 1> kKinds = {
-    "event",    "integer", "parameter", "real",    "real parameter", "reg",   "supply0", "supply1",
-    "time",     "tri",     "triand",    "trior",   "trireg",         "tri0",  "tri1",    "wand",
-    "wire",     "wor",     "port",      "array",   "realtime",       "text",  "bit",     "logic",
-    "int",      "shortint", "longint",  "byte",    "enum",           "shortreal"};
+    "event", "integer",  "parameter", "real",  "real parameter", "reg",      "supply0", "supply1",
+    "time",  "tri",      "triand",    "trior", "trireg",         "tri0",     "tri1",    "wand",
+    "wire",  "wor",      "port",      "array", "realtime",       "text",     "bit",     "logic",
+    "int",   "shortint", "longint",   "byte",  "enum",           "shortreal"};
 constexpr std::array<const char*, FST_VD_MAX + 1> kDirections = {"",      "input",  "output",
                                                                  "inout", "buffer", "linkage"};
 

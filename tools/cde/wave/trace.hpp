@@ -47,8 +47,8 @@ class Trace {
 
   /// Whether to go on.
   using Visit = std::function<bool(std::uint64_t, std::uint32_t, std::string_view)>;
-  /// The values that signals have at `from`, then their changes up to and with `to`, in the order of
-  /// time. Bits are characters 0, 1, x, z, the most significant first; reals are decimal text. A
+  /// The values that signals have at `from`, then their changes up to and with `to`, in the order
+  /// of time. Bits are characters 0, 1, x, z, the most significant first; reals are decimal text. A
   /// value that a signal does not have yet is x.
   void stream(std::span<const std::uint32_t> handles, std::uint64_t from, std::uint64_t to,
               const Visit& visit);

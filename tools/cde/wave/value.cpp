@@ -75,8 +75,10 @@ std::string decimal_of(std::string_view bits, const FpFormat& format) {
 
 std::string one_text(std::string_view bits, const Form& form) {
   switch (form.kind) {
-    case Form::Kind::kBinary: return std::string(bits);
-    case Form::Kind::kUnsigned: return known(bits) ? decimal(bits) : "x";
+    case Form::Kind::kBinary:
+      return std::string(bits);
+    case Form::Kind::kUnsigned:
+      return known(bits) ? decimal(bits) : "x";
     case Form::Kind::kSigned: {
       if (!known(bits)) return "x";
       if (bits.front() == '0') return decimal(bits);
@@ -89,7 +91,8 @@ std::string one_text(std::string_view bits, const Form& form) {
     case Form::Kind::kFloat:
       return decimal_of(bits.substr(bits.size() - static_cast<std::size_t>(form.format.width())),
                         form.format);
-    case Form::Kind::kHex: break;
+    case Form::Kind::kHex:
+      break;
   }
   return hexadecimal(bits);
 }
@@ -142,8 +145,7 @@ void narrow(View& v, const std::string& index, const std::string& word) {
                                  : std::from_chars_result{a.ptr, std::errc::invalid_argument};
     fits = b.ec == std::errc() && b.ptr == stop;
   }
-  if (!fits)
-    usage(fmt::format("{}: the index must be [N] or [LEFT:RIGHT]", in_quotes(word)));
+  if (!fits) usage(fmt::format("{}: the index must be [N] or [LEFT:RIGHT]", in_quotes(word)));
   if (v.signal.real || v.signal.text)
     usage(fmt::format("{}: a signal of kind {} has no bits", in_quotes(word), v.signal.kind));
   const unsigned lane = range ? 0 : lane_bits(v.form, v.width);
@@ -172,9 +174,10 @@ void check_form(const View& v, const std::string& word) {
   const unsigned lane = lane_bits(v.form, v.width);
   if (lane == 0) return;
   if (v.width % lane != 0)
-    usage(fmt::format("{}: {} bits are no whole number of lanes of {}; NAME[LEFT:RIGHT] takes some "
-                      "of them",
-                      in_quotes(word), v.width, lane));
+    usage(
+        fmt::format("{}: {} bits are no whole number of lanes of {}; NAME[LEFT:RIGHT] takes some "
+                    "of them",
+                    in_quotes(word), v.width, lane));
   if (v.form.kind == Form::Kind::kFloat && lane < static_cast<unsigned>(v.form.format.width()))
     usage(fmt::format("{}: {} has {} bits and not {}", in_quotes(word), v.form.format.name(),
                       v.form.format.width(), lane));
@@ -187,8 +190,7 @@ std::string no_signal(Trace& trace, std::string_view name) {
     whole.insert(s.name);
     inner.insert(s.name.substr(s.name.rfind('.') + 1));
   }
-  const auto near =
-      cli::nearest_word(name, std::vector<std::string>(whole.begin(), whole.end()));
+  const auto near = cli::nearest_word(name, std::vector<std::string>(whole.begin(), whole.end()));
   std::vector<std::string> offered;
   if (near) offered.push_back(*near);
   const auto near_last =
@@ -236,9 +238,12 @@ std::optional<Form> parse_form(std::string_view text) {
       return std::nullopt;
   }
   if (name == "hex") return form;
-  if (name == "dec") form.kind = Form::Kind::kUnsigned;
-  else if (name == "signed") form.kind = Form::Kind::kSigned;
-  else if (name == "bin") form.kind = Form::Kind::kBinary;
+  if (name == "dec")
+    form.kind = Form::Kind::kUnsigned;
+  else if (name == "signed")
+    form.kind = Form::Kind::kSigned;
+  else if (name == "bin")
+    form.kind = Form::Kind::kBinary;
   else {
     try {
       form.format = FpFormat::parse(name);
@@ -269,7 +274,8 @@ std::string View::text(std::string_view value) const {
     return own.size() < static_cast<std::size_t>(lane) ? std::string("x") : one_text(own, form);
   std::string text;
   for (std::size_t at = own.size(); at >= lane; at -= lane)
-    text += fmt::format("{}{}", text.empty() ? "{" : " ", one_text(own.substr(at - lane, lane), form));
+    text +=
+        fmt::format("{}{}", text.empty() ? "{" : " ", one_text(own.substr(at - lane, lane), form));
   return text + "}";
 }
 
@@ -307,8 +313,8 @@ const Signal& find_signal(Trace& trace, std::string_view name) {
   }
   if (found == nullptr) usage(no_signal(trace, name));
   if (other != nullptr)
-    usage(printable_name(fmt::format("{} may be {} or {}; name more of its scopes",
-                                     in_quotes(name), found->name, other->name)));
+    usage(printable_name(fmt::format("{} may be {} or {}; name more of its scopes", in_quotes(name),
+                                     found->name, other->name)));
   return *found;
 }
 

@@ -18,8 +18,8 @@ struct Form {
   unsigned lane = 0;  ///< bits of a lane; 0: those of the format, or all
 };
 
-/// "hex", "dec", "signed", "bin", or a format of numbers; with "/32" the bits of a lane. Nothing if it
-/// is none of these.
+/// "hex", "dec", "signed", "bin", or a format of numbers; with "/32" the bits of a lane. Nothing if
+/// it is none of these.
 [[nodiscard]] std::optional<Form> parse_form(std::string_view text);
 /// Words that parse_form takes, for help.
 [[nodiscard]] std::vector<std::string> form_names();
@@ -41,12 +41,12 @@ struct View {
   [[nodiscard]] std::string text(std::string_view value) const;
 };
 
-/// Signals that a pattern of `*` and `?` names, in the order of the file; a pattern without dots may
-/// match a name in any scope.
+/// Signals that a pattern of `*` and `?` names, in the order of the file; a pattern without dots
+/// may match a name in any scope.
 [[nodiscard]] bool matches(std::string_view pattern, std::string_view name);
 
-/// The signal of a name, whole or without outer scopes. Error kUsage if there is none, with near ones,
-/// or if several match.
+/// The signal of a name, whole or without outer scopes. Error kUsage if there is none, with near
+/// ones, or if several match.
 [[nodiscard]] const Signal& find_signal(Trace& trace, std::string_view name);
 
 /// What a word of the command line asks for; several if it is a pattern. `form` is for words that
