@@ -7,17 +7,10 @@
 // Stall: none.
 `include "dataflow.svh"
 module ray_crossing #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
+    `DF_PARAMETERS,
     parameter int T_RAY = 0,  // stage times of the inputs
     parameter int T_ENTER_LEAVE = 0,
-    parameter int T_MEETS = 0,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    parameter int T_MEETS = 0
 ) (
     input logic clk_i,
     input logic [7:0][LANES-1:0][CW-1:0] ray_i,  // o x y z, d x y z, tmin, tmax

@@ -9,17 +9,9 @@
 // Stall: none, runs free.
 `include "ray_box.svh"
 module ray_triangle_moller #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
+    `DF_PARAMETERS,
     parameter int B_LANES = LANES,  // secondaries a clock: 1 (broadcast to all lanes) or LANES
-    parameter int BOX = 0,          // 1: a hit must lie in the triangle's box (ray_box.sv)
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    parameter int BOX = 0          // 1: a hit must lie in the triangle's box (ray_box.sv)
 ) (
     input logic clk_i,
     input logic [7:0][LANES-1:0][CW-1:0] a_i,    // ray: o x y z, d x y z, tmin, tmax

@@ -7,17 +7,9 @@
 // Stall: none, runs free.
 `include "ray_box.svh"
 module ray_triangle_pluecker #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
+    `DF_PARAMETERS,
     parameter int B_LANES = LANES,  // triangles that differ: LANES, or 1, all lanes have the same
-    parameter int BOX = 0,  // 1: a hit must lie in the triangle's box (ray_box.sv)
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    parameter int BOX = 0  // 1: a hit must lie in the triangle's box (ray_box.sv)
 ) (
     input logic clk_i,
     input logic [7:0][LANES-1:0][CW-1:0] a_i,  // ray: o x y z, d x y z, tmin, tmax
@@ -62,7 +54,7 @@ module ray_triangle_pluecker #(
   // ---- Inside test ----
   `DF_VEC(sides, w01, w12, w20)
   logic [LANES-1:0][CW-1:0] side;
-  same_side #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_UVW(T_sides), .T_DET(T_sum), .LAT_CMP(LAT_CMP), .ARITH(ARITH))
+  same_side #(`DF_SAME, .T_UVW(T_sides), .T_DET(T_sum))
       inside_test (
       .clk_i, .uvw_i(sides), .det_i(sum), .inside_o(side));
   `DF_IN(in_edges, side, T_sum + LAT_CMP)

@@ -8,17 +8,9 @@
 // Stall: none, runs free.
 `include "ray_box.svh"
 module ray_triangle_watertight #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
+    `DF_PARAMETERS,
     parameter int B_LANES = LANES,  // triangles that differ: LANES, or 1, all lanes have the same
-    parameter int BOX = 0,  // 1: a hit must lie in the triangle's box (ray_box.sv)
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    parameter int BOX = 0  // 1: a hit must lie in the triangle's box (ray_box.sv)
 ) (
     input logic clk_i,
     input logic [7:0][LANES-1:0][CW-1:0] a_i,  // ray: o x y z, d x y z, tmin, tmax
@@ -82,7 +74,7 @@ module ray_triangle_watertight #(
   // ---- Inside test ----
   `DF_VEC(weights, u, v, w)
   logic [LANES-1:0][CW-1:0] side;
-  same_side #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_UVW(T_weights), .T_DET(T_det), .LAT_CMP(LAT_CMP), .ARITH(ARITH))
+  same_side #(`DF_SAME, .T_UVW(T_weights), .T_DET(T_det))
       inside_test (
       .clk_i, .uvw_i(weights), .det_i(det), .inside_o(side));
   `DF_IN(in_edges, side, T_det + LAT_CMP)

@@ -8,16 +8,7 @@
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
 `include "dataflow.svh"
 module sphere_obb #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `DF_PARAMETERS
 ) (
     input logic clk_i,
     input logic [3:0][LANES-1:0][CW-1:0] a_i,  // sphere: c x y z, r
@@ -100,7 +91,6 @@ module sphere_obb #(
 
   localparam int LATENCY = `DF_MAX2(T_cp, T_s + LAT_CMP) + 1;
   assign latency_o = 16'(LATENCY);
-  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY),
-      .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
+  gap_result #(`DF_SAME, .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY)) result (
       .clk_i, .s_i(s), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
 endmodule

@@ -6,17 +6,8 @@
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none, runs free.
 `include "triangle.svh"
 module triangle_obb #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int FACET_II = 1,  // 1 or 3
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `DF_PARAMETERS,
+    parameter int FACET_II = 1  // 1 or 3
 ) (
     input logic clk_i,
     input logic enter_i,  // a pair comes; used with FACET_II = 3
@@ -55,8 +46,7 @@ module triangle_obb #(
   logic [2:0][LANES-1:0][CW-1:0] n_gap, middle_gap;
   `DF_PHASE_AT(phase_p, phase, T_p)
   `DF_VAT(half_p, extents, T_p)
-  triangle_box #(`DF_FORMAT, .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
-      .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) signed_gap (
+  triangle_box #(`DF_SAME, .FACET_II(FACET_II)) signed_gap (
       .clk_i, .phase_i(phase_p), .a_i(half_p), .p_i(p), .s_o(s_gap), .n_o(n_gap), .middle_o(middle_gap));
   `DF_IN(s, s_gap, T_p + `LATENCY_TRIANGLE_BOX)
   `DF_VIN(n_box, n_gap, T_p + `LATENCY_TRIANGLE_BOX)
@@ -69,7 +59,6 @@ module triangle_obb #(
 
   localparam int LATENCY = `DF_MAX3(T_cp, T_n, T_s + LAT_CMP) + 1;
   assign latency_o = 16'(LATENCY);
-  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY),
-      .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
+  gap_result #(`DF_SAME, .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY)) result (
       .clk_i, .s_i(s), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
 endmodule

@@ -12,6 +12,23 @@
 `ifndef CDE_DATAFLOW_SVH
 `define CDE_DATAFLOW_SVH
 
+// What has to be in scope, as the parameters of a module: the format, the number of lanes, clocks of each kind of
+// operator, and who computes. A module that has no operator of a kind does not look at its latency.
+`define DF_PARAMETERS \
+    parameter int EXP = 8, \
+    parameter int MAN = 23, \
+    parameter int LANES = 1, \
+    parameter int LAT_ADD = 1, \
+    parameter int LAT_MUL = 1, \
+    parameter int LAT_DIV = 1, \
+    parameter int LAT_SQRT = 1, \
+    parameter int LAT_CMP = 1, \
+    parameter ARITH = "rtl", \
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+// Those of a part: the ones of the module that it is in.
+`define DF_SAME .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), \
+    .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+
 // A condition under which the results of the lines that follow are looked at. Where it is 0 the host's arithmetic
 // leaves the operators out and they give zeros; gates compute all the same. A module that redefines it restores it at
 // its end. (A ring of which one phase at a time is at work: 0.70 of the time of cylinder-cylinder with it, 8 lanes.)
