@@ -88,11 +88,13 @@
 // LOW <= A <= HIGH, two comparisons.
 `define DF_BETWEEN(M, LOW, A, HIGH) `DF_LE(M``_low, LOW, A) `DF_LE(M``_high, A, HIGH) `DF_AND(M, M``_low, M``_high)
 
-// ---- Vector operators: three of the above, vec_dot and vec_cross ----
+// ---- Vector operators: three of the above, vec_dot and vec_cross. B may be shared: one vector for all lanes ----
+`define DF_LANES(SCALAR) ($bits(SCALAR) / CW)
 `define DF_BINARY3(R, A, B, OPERATION, LATENCY) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LATENCY; \
   `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : op_``R \
-    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(OPERATION), .T_A(T_``A), .T_B(T_``B), .LAT(LATENCY)) \
+    df_operator #(`DF_FORMAT, .B_LANES(`DF_LANES(B[k])), .CANON(`DF_CANON), .OP(OPERATION), .T_A(T_``A), .T_B(T_``B), \
+      .LAT(LATENCY)) \
       op (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
   end
 `define DF_VADD(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_ADD, LAT_ADD)
@@ -102,6 +104,14 @@
 `define DF_VMUL(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_MUL, LAT_MUL)
 `define DF_VLT(M, A, B) `DF_BINARY3(M, A, B, formats_pkg::FP_LT, LAT_CMP)
 `define DF_VEQ(M, A, B) `DF_BINARY3(M, A, B, formats_pkg::FP_EQ, LAT_CMP)
+// Vectors that all lanes share, or, where B_LANES is LANES, do not.
+`define DF_SHARED_VECTOR logic [2:0][B_LANES-1:0][CW-1:0]
+`define DF_SHARED_VIN(R, EXPRESSION, TIME) localparam int T_``R = TIME; `DF_SHARED_VECTOR R; assign R = EXPRESSION;
+`define DF_SHARED_VSUB(R, A, B) localparam int T_``R = `DF_MAX2(T_``A, T_``B) + LAT_ADD; `DF_SHARED_VECTOR R; \
+  for (genvar k = 0; k < 3; k++) begin : op_``R \
+    df_operator #(.EXP(EXP), .MAN(MAN), .LANES(B_LANES), .ARITH(ARITH), .CANON(`DF_CANON), .OP(formats_pkg::FP_SUB), \
+      .T_A(T_``A), .T_B(T_``B), .LAT(LAT_ADD)) op (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
+  end
 // A limited to LOW .. HIGH: max, then min; a NaN gives LOW.
 `define DF_CLAMP(R, A, LOW, HIGH) `DF_MAX(R``_not_low, A, LOW) `DF_MIN(R, R``_not_low, HIGH)
 `define DF_VCLAMP(R, A, LOW, HIGH) `DF_VMAX(R``_not_low, A, LOW) `DF_VMIN(R, R``_not_low, HIGH)
@@ -112,12 +122,12 @@
   end
 `define DF_DOT(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_MUL + 2 * LAT_ADD; \
   `DF_SCALAR R; \
-  df_dot #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) \
-    dot_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
+  df_dot #(`DF_FORMAT, .B_LANES(`DF_LANES(B[0])), .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), \
+    .LAT_MUL(LAT_MUL)) dot_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
 `define DF_CROSS(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_MUL + LAT_ADD; \
   `DF_VECTOR R; \
-  df_cross #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) \
-    cross_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
+  df_cross #(`DF_FORMAT, .B_LANES(`DF_LANES(B[0])), .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), \
+    .LAT_MUL(LAT_MUL)) cross_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
 // M x, a dot product a row.
 `define DF_APPLY(R, M, X) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``M, T_``X), 0) + `DF_LAT_DOT; `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : row_``R \
