@@ -5,7 +5,7 @@
 // hand, because they belong to generate loops.
 `ifndef CDE_CONVEX_SVH
 `define CDE_CONVEX_SVH
-`include "dataflow.svh"
+`include "pipe.svh"
 
 // ---- Facet units that take turns: FACET_II = 1 or 3 clocks from pair to pair, pair_hold.sv ----
 `define FACET_TURNS ((ARITH == "rtl") ? FACET_II : 1)

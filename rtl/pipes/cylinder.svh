@@ -4,7 +4,7 @@
 // stage times do not fit.
 `ifndef CDE_CYLINDER_SVH
 `define CDE_CYLINDER_SVH
-`include "dataflow.svh"
+`include "pipe.svh"
 
 // ---- BODY: what the primary is ----
 `define BODY_CYLINDER 0

@@ -2,7 +2,7 @@
 // The pipe of a pair (pairs_pkg::PAIR_*) behind one kind of mouth.
 // Latency: that of the pipe, latency_o; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none,
 // runs free.
-`include "dataflow.svh"
+`include "pipe.svh"
 module pair_pipe #(
     `DF_PARAMETERS,
     parameter int PAIR = 0,
@@ -18,11 +18,7 @@ module pair_pipe #(
     input logic enter_i,  // a pair comes; used with FACET_II = 3
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b_i,
-    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
-    output logic [LANES-1:0][CW-1:0] t_o,
-    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
-    output logic [2:0][LANES-1:0][CW-1:0] n_o,  // zero for rays
-    output logic [15:0] latency_o
+    `GAP_OUTPUTS
 );
   /*verilator inline_module*/
   if (HALF_SPACE != 0 && pairs_pkg::secondary_shape(PAIR) != pairs_pkg::SHAPE_PLANE)

@@ -3,7 +3,7 @@
 // B_LANES, LAT_* and what dataflow.svh needs; b_i has the triangles, all lanes the same one if B_LANES is 1.
 `ifndef CDE_RAY_BOX_SVH
 `define CDE_RAY_BOX_SVH
-`include "dataflow.svh"
+`include "pipe.svh"
 
 // Of what triangle_bounds.sv says of a triangle that comes at stage time 0: centre and half size of its box.
 `define RAY_T_CENTRE (2 * LAT_CMP + LAT_ADD + LAT_MUL)

@@ -7,17 +7,14 @@
 // 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 10 compare, 3 min/max.
 // Latency: latency_o clocks (21 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock.
 // Stall: none, runs free.
-`include "dataflow.svh"
+`include "pipe.svh"
 module ray_cylinder #(
     `DF_PARAMETERS
 ) (
     input logic clk_i,
     input logic [7:0][LANES-1:0][CW-1:0] a_i,  // ray: o x y z, d x y z, tmin, tmax
     input logic [7:0][LANES-1:0][CW-1:0] b_i,  // cylinder: c x y z, axis x y z, half height, radius
-    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
-    output logic [LANES-1:0][CW-1:0] t_o,
-    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
-    output logic [15:0] latency_o  // constant: the latency, also with ARITH = "host"
+    `RAY_OUTPUTS
 );
   /*verilator inline_module*/
   `undef DF_CANON

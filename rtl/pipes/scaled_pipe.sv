@@ -3,7 +3,7 @@
 // back behind it, where pairs_pkg::scaled says so; elsewhere the pipe alone.
 // Latency: that of the pipe, of length_scale.sv and of length_unscale.sv, latency_o; 0 with ARITH = "host". Throughput:
 // LANES pairs in FACET_II clocks. Stall: none, runs free.
-`include "dataflow.svh"
+`include "pipe.svh"
 module scaled_pipe #(
     `DF_PARAMETERS,
     parameter int PAIR = 0,
@@ -19,11 +19,7 @@ module scaled_pipe #(
     input logic enter_i,
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b_i,
-    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
-    output logic [LANES-1:0][CW-1:0] t_o,
-    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
-    output logic [2:0][LANES-1:0][CW-1:0] n_o,
-    output logic [15:0] latency_o
+    `GAP_OUTPUTS
 );
   /*verilator inline_module*/
   localparam bit SCALED = pairs_pkg::scaled(PAIR, EXP);

@@ -14,11 +14,7 @@ module triangle_aabb #(
     input logic enter_i,  // a pair comes; used with FACET_II = 3
     input logic [8:0][LANES-1:0][CW-1:0] a_i,  // triangle: v0 x y z, v1, v2
     input logic [5:0][LANES-1:0][CW-1:0] b_i,  // AABB: min x y z, max
-    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
-    output logic [LANES-1:0][CW-1:0] t_o,
-    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
-    output logic [2:0][LANES-1:0][CW-1:0] n_o,
-    output logic [15:0] latency_o  // constant: LATENCY, also with ARITH = "host"
+    `GAP_OUTPUTS
 );
   /*verilator inline_module*/
   localparam logic [CW-1:0] HALF = ((CW'(1) << (EXP - 1)) - 2) << MAN;
@@ -53,8 +49,5 @@ module triangle_aabb #(
   `DF_VADD(cp, low, from_corner)
   `DF_VNEG(n, n_box)
 
-  localparam int LATENCY = `DF_MAX3(T_cp, T_n, T_s + LAT_CMP) + 1;
-  assign latency_o = 16'(LATENCY);
-  gap_result #(`DF_SAME, .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY)) result (
-      .clk_i, .s_i(s), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
+  `GAP_RESULT(s, cp, n)
 endmodule
