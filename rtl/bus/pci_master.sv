@@ -68,7 +68,6 @@ module pci_master (
     output logic target_abort_o
 );
   import pci_pkg::*;
-  localparam logic [3:0] MEMORY_READ = 4'h6, MEMORY_WRITE = 4'h7, READ_MULTIPLE = 4'hC, READ_LINE = 4'hE;
   localparam logic [2:0] IDLE = 0, LOAD = 1, REQUEST = 2, ADDRESS = 3, DATA = 4, TURN = 5, SETTLE = 6;
   localparam logic [2:0] DEVSEL_CLOCKS = 4;  // fast to subtractive
 
@@ -185,7 +184,8 @@ module pci_master (
 
   // ---- Address, data and byte enables ----
   logic [3:0] command;
-  assign command = write_i ? MEMORY_WRITE : left_q == 1 ? MEMORY_READ : left_q <= 4 ? READ_LINE : READ_MULTIPLE;
+  assign command = write_i ? PCI_MEMORY_WRITE : left_q == 1 ? PCI_MEMORY_READ :
+      left_q <= 4 ? PCI_READ_LINE : PCI_READ_MULTIPLE;
   always_ff @(posedge clk_i) begin
     if (state_q == REQUEST) begin
       ad_o <= {32'b0, addr_q};

@@ -58,9 +58,6 @@ module pci_target (
     input logic [63:0] rdata_i
 );
   import pci_pkg::*;
-  localparam logic [3:0] CONFIG_READ = 4'hA, CONFIG_WRITE = 4'hB;
-  localparam logic [3:0] MEMORY_READ = 4'h6, MEMORY_WRITE = 4'h7, READ_MULTIPLE = 4'hC, READ_LINE = 4'hE,
-      WRITE_INVALIDATE = 4'hF;
   localparam logic [2:0] IDLE = 0, DECODE = 1, DECIDE = 2, TRANSFER = 3, BACKOFF = 4;
   localparam int FIFO_DEPTH = 16;
 
@@ -71,11 +68,12 @@ module pci_target (
   logic [3:0] command_q;
   logic start, config_hit, memory_hit, memory_write;
   assign start = frame_i && !frame_q && !own_i;
-  assign config_hit = idsel_q && (command_q == CONFIG_READ ||
-      command_q == CONFIG_WRITE) && addr_q[1:0] == 0 && addr_q[10:8] == 0;
-  assign memory_write = command_q == MEMORY_WRITE || command_q == WRITE_INVALIDATE;
+  assign config_hit = idsel_q && (command_q == PCI_CONFIG_READ ||
+      command_q == PCI_CONFIG_WRITE) && addr_q[1:0] == 0 && addr_q[10:8] == 0;
+  assign memory_write = command_q == PCI_MEMORY_WRITE || command_q == PCI_WRITE_INVALIDATE;
   assign memory_hit = memory_i && addr_q[31:PCI_BAR_BITS] == bar_i &&
-      (memory_write || command_q == MEMORY_READ || command_q == READ_LINE || command_q == READ_MULTIPLE);
+      (memory_write || command_q == PCI_MEMORY_READ || command_q == PCI_READ_LINE ||
+      command_q == PCI_READ_MULTIPLE);
   assign address_parity_o = state_q == DECODE && (parity_error_i || (req64_q && parity64_error_i));
 
   // ---- What this data phase gets ----

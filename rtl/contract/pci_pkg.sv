@@ -18,6 +18,15 @@ package pci_pkg;
   localparam int PCI_PAGE_WRITABLE = 1;                       // device to host allowed,
   localparam int PCI_PAGE_FRAME = 12;                         // [31:12] bus address of the page
 
+  // Bus commands, C/BE# of an address phase (PCI 3.0, 3.1.1); those of the card and those that it answers
+  localparam logic [3:0] PCI_MEMORY_READ = 4'h6;
+  localparam logic [3:0] PCI_MEMORY_WRITE = 4'h7;
+  localparam logic [3:0] PCI_CONFIG_READ = 4'hA;
+  localparam logic [3:0] PCI_CONFIG_WRITE = 4'hB;
+  localparam logic [3:0] PCI_READ_MULTIPLE = 4'hC;
+  localparam logic [3:0] PCI_READ_LINE = 4'hE;
+  localparam logic [3:0] PCI_WRITE_INVALIDATE = 4'hF;
+
   // Registers of the bridge (byte offsets in BAR0, 64 bits each)
   localparam logic [15:0] PCI_REG_CONTROL = 16'h1000;         // write: PCI_CONTROL_* bits; reads 0
   // PCI_STATUS_* bits, [15:8] code that halted the ring, [23:16] where

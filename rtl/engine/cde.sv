@@ -92,8 +92,13 @@ module cde #(
     output logic [CW-1:0] result_t_o,
     output logic [POINTS-1:0][CW-1:0] result_point_o
 );
-  // One AVX2 register wide where the host computes; the gates' own objects want all lanes in one.
-  localparam int GROUP = (ARITH != "rtl" && LANES > 8) ? 8 : LANES;
+  // One vector register wide where the simulating processor computes; the gates' own objects want all lanes in one.
+`ifdef CDE_GROUP_LANES
+  localparam int MOST = `CDE_GROUP_LANES;
+`else
+  localparam int MOST = 8;
+`endif
+  localparam int GROUP = (ARITH != "rtl" && LANES > MOST) ? MOST : LANES;
   localparam int GROUPS = LANES / GROUP;
   localparam int GLANE_W = (GROUP > 1) ? $clog2(GROUP) : 1;
   localparam int HITS_W = $clog2(GROUP + 1) + PARALLEL;

@@ -5,7 +5,7 @@
 // hand, because they belong to generate loops.
 `ifndef CDE_CONVEX_SVH
 `define CDE_CONVEX_SVH
-`include "dataflow.svh"
+`include "pipe.svh"
 
 // ---- Facet units that take turns: FACET_II = 1 or 3 clocks from pair to pair, pair_hold.sv ----
 `define FACET_TURNS ((ARITH == "rtl") ? FACET_II : 1)
@@ -79,12 +79,12 @@
 
 // ---- Parts ----
 `define DF_TURNED(R, X) localparam int T_``R = T_``X + `LATENCY_TURNED; `DF_VECTOR R; \
-  turned #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) turned_``R (.clk_i, .x_i(X), .r_o(R));
+  turned #(`DF_SAME) turned_``R (.clk_i, .x_i(X), .r_o(R));
 // V less its part along F; INVERSE is 1 / F.F or 0.
 `define DF_PERPENDICULAR(R, V, F, INVERSE) localparam int T_``R = `DF_MAX3(T_``V, T_``F, T_``INVERSE) + \
   `LATENCY_PERPENDICULAR; \
   `DF_VECTOR R; \
-  perpendicular #(`DF_FORMAT, .T_V(T_``V), .T_F(T_``F), .T_INVERSE(T_``INVERSE), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) \
+  perpendicular #(`DF_SAME, .T_V(T_``V), .T_F(T_``F), .T_INVERSE(T_``INVERSE)) \
     perpendicular_``R ( \
       .clk_i, .v_i(V), .f_i(F), .inverse_ff_i(INVERSE), .r_o(R));
 // The points x = (v, p): NEAR_V, NEAR_P and FAR_V, FAR_P give R_V, R_P.
@@ -92,9 +92,8 @@
   localparam int T_``R_V = `DF_MAX2(`DF_MAX3(T_``NEAR_V, T_``NEAR_P, T_``TIE), `DF_MAX2(T_``FAR_V, T_``FAR_P)) + \
     `LATENCY_POLISH, T_``R_P = T_``R_V; \
   `DF_VECTOR R_V, R_P; \
-  polish #(`DF_FORMAT, .T_NEAR_V(T_``NEAR_V), .T_NEAR_P(T_``NEAR_P), .T_FAR_V(T_``FAR_V), .T_FAR_P(T_``FAR_P), \
-    .T_TIE(T_``TIE), \
-      .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP)) polish_``R_V ( \
+  polish #(`DF_SAME, .T_NEAR_V(T_``NEAR_V), .T_NEAR_P(T_``NEAR_P), .T_FAR_V(T_``FAR_V), .T_FAR_P(T_``FAR_P), \
+      .T_TIE(T_``TIE)) polish_``R_V ( \
       .clk_i, .near_v_i(NEAR_V), .near_p_i(NEAR_P), .far_v_i(FAR_V), .far_p_i(FAR_P), .tie_i(TIE), .v_o(R_V), \
         .p_o(R_P));
 

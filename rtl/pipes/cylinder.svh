@@ -4,7 +4,7 @@
 // stage times do not fit.
 `ifndef CDE_CYLINDER_SVH
 `define CDE_CYLINDER_SVH
-`include "dataflow.svh"
+`include "pipe.svh"
 
 // ---- BODY: what the primary is ----
 `define BODY_CYLINDER 0
@@ -99,8 +99,7 @@
   localparam int T_``R``_width = T_``N + `LATENCY_RIM, T_``R``_side = T_``R``_width, T_``R``_kappa = T_``R``_width, \
     T_``R``_v = T_``R``_width; \
   `DF_SCALAR R``_width, R``_kappa; `DF_VECTOR R``_side, R``_v; \
-  cylinder_rim #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), \
-    .LAT_CMP(LAT_CMP)) rim_``R ( \
+  cylinder_rim #(`DF_SAME) rim_``R ( \
       .clk_i, .off_i(OFF), .a_i(A), .radius_i(RADIUS), .n_i(N), .width_o(R``_width), .side_o(R``_side), \
         .kappa_o(R``_kappa), .v_o(R``_v));
 // The point of a cylinder that is nearest to X: centre C, axis A, half height HALF, radius; the others as in
@@ -108,9 +107,8 @@
 `define DF_PROJECT_CYLINDER(R, X, C, A, HALF, RADIUS, SIDE, ALONGSIDE, END, RIM) localparam int T_``R = \
   `DF_MAX2(T_``X, T_``C) + `LATENCY_PROJECT_CYLINDER; \
   `DF_VECTOR R; \
-  project_cylinder #(`DF_FORMAT, .T_X(T_``X), .T_C(T_``C), .T_ALONGSIDE(T_``ALONGSIDE), .T_END(T_``END), \
-    .T_RIM(T_``RIM), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), \
-      .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) project_``R ( \
+  project_cylinder #(`DF_SAME, .T_X(T_``X), .T_C(T_``C), .T_ALONGSIDE(T_``ALONGSIDE), .T_END(T_``END), \
+      .T_RIM(T_``RIM)) project_``R ( \
       .clk_i, .on_i(`DF_ON), .x_i(X), .c_i(C), .a_i(A), .half_i(HALF), .radius_i(RADIUS), .side_i(SIDE), \
         .alongside_i(ALONGSIDE), .end_i(END), \
       .rim_i(RIM), .r_o(R));

@@ -8,17 +8,8 @@
 // runs free.
 `include "cylinder.svh"
 module cylinder_evaluator #(
-    parameter int BODY = `BODY_CYLINDER,
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `DF_PARAMETERS,
+    parameter int BODY = `BODY_CYLINDER
 ) (
     input logic clk_i,
     input logic off_a_i,  // that rim counts as the centre of its cap
@@ -46,8 +37,6 @@ module cylinder_evaluator #(
     output logic [2:0][LANES-1:0][CW-1:0] pa_o  // support point of A
 );
   /*verilator inline_module*/
-  `define CYLINDER_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), \
-    .LAT_CMP(LAT_CMP)
   `DF_VIN(n, n_i, 0)
   `DF_VIN(d, d_i, 0)
   `DF_VIN(b, b_i, 0)
@@ -70,7 +59,7 @@ module cylinder_evaluator #(
   localparam int T_high = `LATENCY_REACH, T_low = `LATENCY_REACH, T_at_high = `LATENCY_REACH, T_at_low = `LATENCY_REACH;
   `DF_SCALAR high, low;
   `DF_VECTOR at_high, at_low;
-  cylinder_reach #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) reach (
+  cylinder_reach #(`DF_SAME, .BODY(BODY)) reach (
       .clk_i, .n_i, .reach_i, .width_i(a_width), .side_i(a_side), .high_o(high), .low_o(low), .at_high_o(at_high),
       .at_low_o(at_low));
 
@@ -110,5 +99,4 @@ module cylinder_evaluator #(
   assign {plus_g_o, plus_y_o, minus_g_o, minus_y_o} = {plus_g_end, plus_y_end, minus_g_end, minus_y_end};
   assign {a_kappa_o, a_v_o, a_side_o} = {a_kappa_end, a_v_end, a_side_end};
   assign {b_kappa_o, b_v_o, b_side_o, b_along_o, pa_o} = {b_kappa_end, b_v_end, b_side_end, along_end, pa_end};
-  `undef CYLINDER_LATENCIES
 endmodule

@@ -15,20 +15,11 @@
 // in which its row could leave, on the same schedule.
 `include "cylinder.svh"
 module cylinder_pair #(
+    `DF_PARAMETERS,
     parameter int BODY = `BODY_CYLINDER,
     parameter int AHEAD = 0,  // 0 or 1: clocks from valid_i and ready_o to the row's operands
     // clocks from a row's entry to its first pass: at least scale_latency and LAT_ADD or LAT_MUL
     parameter int ENTRY = 5,
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
     localparam int A_WORDS = (BODY == `BODY_CYLINDER) ? 8 : (BODY == `BODY_BOX) ? 15 : 9
 ) (
     input logic clk_i,
@@ -53,8 +44,6 @@ module cylinder_pair #(
     output logic [31:0] latency_o
 );
   /*verilator inline_module*/
-  `define CYLINDER_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), \
-    .LAT_CMP(LAT_CMP)
   localparam bit GATES = ARITH == "rtl";
   localparam int LW = LANES * CW;
   localparam int T_EVALUATE = `LATENCY_FRONT;
@@ -147,11 +136,8 @@ module cylinder_pair #(
   logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
   logic [7:0][LANES-1:0][CW-1:0] b;
   logic [LANES-1:0][CW-1:0] back, back_in, unused_t_back, back_mem[RING];
-  length_scale #(
-      .SHAPE_A(SHAPE_A), .SHAPE_B(pairs_pkg::SHAPE_CYLINDER), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL),
-      .LAT_CMP(LAT_CMP),
-      .ARITH(ARITH)
-  ) scale (.clk_i, .on_i(entered), .a_i, .b_i, .a_o(a), .b_o(b), .back_o(back), .t_back_o(unused_t_back));
+  length_scale #(`DF_SAME, .SHAPE_A(SHAPE_A), .SHAPE_B(pairs_pkg::SHAPE_CYLINDER)) scale (
+      .clk_i, .on_i(entered), .a_i, .b_i, .a_o(a), .b_o(b), .back_o(back), .t_back_o(unused_t_back));
   align #(.W(LW), .FROM(T_SCALED), .TO(ENTRY), .ARITH(ARITH)) align_back (.clk_i, .d_i(back), .q_o(back_in));
   always_ff @(posedge clk_i) if (entered) back_mem[now_q] <= back_in;
   `undef DF_ON
@@ -254,14 +240,14 @@ module cylinder_pair #(
   if (BODY == `BODY_CYLINDER) begin : g_front
     logic unused_front;
     assign unused_front = &{1'b0, axes_start[2:1], face_start};
-    cylinder_front #(`DF_FORMAT, `CYLINDER_LATENCIES) front (
+    cylinder_front #(`DF_SAME) front (
         .clk_i, .pass_i(pass_start), .a_i(axes_start[0]), .b_i(`OPERAND3(B, 0)), .d_i(`OPERAND3(D, 0)),
         .q_i(q_mem[`SLOT(0)]),
         .last_n_i(last_n_mem[`SLOT(0)]), .next_i(next_mem[`SLOT(0)]), .best_n_i(best_n_mem[`SLOT(0)]), .n_o(n));
   end else begin : g_front
     logic [2:0][LANES-1:0][CW-1:0] frame;
     assign frame = operand_mem[`SLOT(0)][A_AXIS+3*32'(`PASS_INDEX_LOW(pass_start))+:3];
-    polyhedron_front #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) front (
+    polyhedron_front #(`DF_SAME, .BODY(BODY)) front (
         .clk_i, .pass_i(pass_start), .samples_i(budget_q[7:0]), .axis_i(axes_start), .reach_i(`OPERAND9(A_REACH, 0)),
         .face_i(face_start),
         .frame_i(frame), .d_i(`OPERAND3(D, 0)), .b_i(`OPERAND3(B, 0)), .b_half_i(`OPERAND(B_HALF, 0)),
@@ -277,7 +263,7 @@ module cylinder_pair #(
   assign phase_evaluate = `PASS_PHASE(pass_mem[`SLOT(T_EVALUATE)]);
   assign track_evaluate = `PASS_TRACK(pass_mem[`SLOT(T_EVALUATE)]);
   assign pole = phase_evaluate == `PHASE_POLE;
-  cylinder_evaluator #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) evaluator (
+  cylinder_evaluator #(`DF_SAME, .BODY(BODY)) evaluator (
       .clk_i, .off_a_i(pole && track_evaluate == 0), .off_b_i(pole && track_evaluate == 1), .n_i(n),
       .a_i(`OPERAND3(A_AXIS, T_EVALUATE)), .radius_i(`OPERAND(A_RADIUS, T_EVALUATE)),
       .reach_i(`OPERAND9(A_REACH, T_EVALUATE)),
@@ -418,7 +404,7 @@ module cylinder_pair #(
   assign e = (BODY == `BODY_CYLINDER && track == 1) ? `OPERAND3(B, T_BETTER) : axes_better[track];
   `DF_VECTOR circle_lo_n, circle_lo_y, circle_hi_n, circle_hi_y, circle_next, new_lo_n, new_lo_y, new_next;
   `DF_SCALAR circle_score, new_score;
-  cylinder_circle #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) circle (
+  cylinder_circle #(`DF_SAME, .BODY(BODY)) circle (
       .clk_i, .refine_next_i(`PASS_PHASE(next_pass) == `PHASE_REFINE), .pass_i(pass_better), .e_i(e), .g_i(late_g),
       .n_i(plus_n), .y_i(late_y), .a_kappa_i(a_kappa), .a_v_i(a_v), .b_kappa_i(b_kappa), .b_v_i(b_v),
       .minus_g_i(late_minus_g), .minus_y_i(late_minus_y), .best_n_i(better_n), .best_y_i(better_y),
@@ -440,7 +426,7 @@ module cylinder_pair #(
   if (BODY == `BODY_CYLINDER) begin : g_free
     `DF_VECTOR free_lo_n, free_lo_y, free_next;
     `DF_SCALAR free_score;
-    cylinder_free #(`DF_FORMAT, `CYLINDER_LATENCIES) free (
+    cylinder_free #(`DF_SAME) free (
         .clk_i, .pass_i(pass_better), .d_i(`OPERAND3(D, T_BETTER)), .a_i(`OPERAND3(A_AXIS, T_BETTER)),
         .b_i(`OPERAND3(B, T_BETTER)),
         .a_reach_i(`OPERAND3(A_REACH, T_BETTER)), .b_reach_i(`OPERAND3(B_REACH, T_BETTER)),
@@ -483,7 +469,7 @@ module cylinder_pair #(
   localparam int T_found_from = T_WITNESS, T_found_move = T_WITNESS, T_found_next = T_WITNESS;
   `DF_VECTOR found_q, found_w, found_n, found_from, found_move, found_next;
   `DF_SCALAR found_off, found_g;
-  cylinder_witness #(`DF_FORMAT, .BODY(BODY), `CYLINDER_LATENCIES) witness (
+  cylinder_witness #(`DF_SAME, .BODY(BODY)) witness (
       .clk_i, .pass_i(pass_mem[`SLOT(T_EVALUATED)]), .axis_i(axes_witness), .half_i(`OPERAND3(A_HALF, T_EVALUATED)),
       .radius_i(`OPERAND(A_RADIUS, T_EVALUATED)), .edge_i(`OPERAND9(A_REACH, T_EVALUATED)), .face_i(face_witness),
       .d_i(`OPERAND3(D, T_EVALUATED)), .b_i(`OPERAND3(B, T_EVALUATED)), .b_half_i(`OPERAND(B_HALF, T_EVALUATED)),
@@ -534,11 +520,10 @@ module cylinder_pair #(
   `DF_VADD(cp, origin, middle)
   `DF_SCALAR f_one, t_one, back_end, f_end, t_end, bad_end;
   `DF_VECTOR cp_one, n_one, cp_end, n_end;
-  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_s_n), .LATENCY(RESULT),
-      .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
+  gap_result #(`DF_SAME, .T_S(T_s), .T_CP(T_cp), .T_N(T_s_n), .LATENCY(RESULT)) result (
       .clk_i, .s_i(s), .cp_i(cp), .n_i(s_n), .f_o(f_one), .t_o(t_one), .cp_o(cp_one), .n_o(n_one));
   align #(.W(LW), .FROM(0), .TO(RESULT), .ARITH(ARITH)) align_back_end (.clk_i, .d_i(back_mem[now_q]), .q_o(back_end));
-  length_unscale #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unscale (
+  length_unscale #(`DF_SAME) unscale (
       .clk_i, .on_i(leave), .back_i(back_end), .t_back_i('0), .f_i(f_one), .t_i(t_one), .cp_i(cp_one), .n_i(n_one),
       .f_o(f_end), .t_o(t_end),
       .cp_o(cp_end), .n_o(n_end));
@@ -570,7 +555,6 @@ module cylinder_pair #(
   `undef OPERAND
   `undef OPERAND3
   `undef OPERAND9
-  `undef CYLINDER_LATENCIES
   `undef DF_ON
   `define DF_ON 1'b1
 endmodule

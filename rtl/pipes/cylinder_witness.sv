@@ -11,17 +11,8 @@
 // runs free.
 `include "cylinder.svh"
 module cylinder_witness #(
-    parameter int BODY = `BODY_CYLINDER,
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `DF_PARAMETERS,
+    parameter int BODY = `BODY_CYLINDER
 ) (
     input logic clk_i,
     input logic [`PASS_W-1:0] pass_i,
@@ -197,9 +188,7 @@ module cylinder_witness #(
     assign a_cap = '0;
     assign cap_a = '0;
     assign cap_b = b_flat_first;
-    project_polyhedron #(`DF_FORMAT, .BODY(BODY), .T_X(T_to_a), .T_FEATURE(T_features), .LAT_ADD(LAT_ADD),
-        .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
-        .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) project (
+    project_polyhedron #(`DF_SAME, .BODY(BODY), .T_X(T_to_a), .T_FEATURE(T_features)) project (
         .clk_i, .on_i(`DF_ON), .x_i(to_a), .axis_i, .half_i, .edge_i, .face_i, .feature_i(features), .near_i(near),
         .n_i, .r_o(on_a));
   end

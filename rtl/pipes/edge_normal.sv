@@ -4,16 +4,7 @@
 // Latency: LATENCY_EDGE_NORMAL clocks; 0 with ARITH = "host". Throughput: one normal a lane a clock. Stall: none.
 `include "convex.svh"
 module edge_normal #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `DF_PARAMETERS
 ) (
     input logic clk_i,
     input logic [LANES-1:0][CW-1:0] f_k_i,

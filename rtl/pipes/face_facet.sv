@@ -5,15 +5,8 @@
 // Latency: LATENCY_FACE_FACET clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
 `include "convex.svh"
 module face_facet #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int I = 0,  // axis, 0..2
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `DF_PARAMETERS,
+    parameter int I = 0  // axis, 0..2
 ) (
     input logic clk_i,
     input logic [2:0][LANES-1:0][CW-1:0] a_i,  // half extents

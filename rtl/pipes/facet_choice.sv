@@ -10,16 +10,9 @@
 // Throughput: one pair a lane in FACET_II clocks. Stall: none.
 `include "convex.svh"
 module facet_choice #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
+    `DF_PARAMETERS,
     parameter int COUNT = 2,     // >= 2
-    parameter int FACET_II = 1,  // 1 or 3
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    parameter int FACET_II = 1  // 1 or 3
 ) (
     input logic clk_i,
     input logic [1:0] phase_i,  // facets and tie are there in phase 0

@@ -2,17 +2,13 @@
 // Way out of a convex pipe: F = (s <= 0), T = |s|, a NaN in n made the canonical one (a wire may have flipped its
 // sign), all outputs registered together. 1 compare.
 // Latency: to stage time LATENCY; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
+`include "dataflow.svh"
 module gap_result #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
+    `DF_PARAMETERS,
     parameter int T_S = 0,  // stage times of the inputs
     parameter int T_CP = 0,
     parameter int T_N = 0,
-    parameter int LATENCY = 1,  // of the outputs: at least T_S + LAT_CMP
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    parameter int LATENCY = 1  // of the outputs: at least T_S + LAT_CMP
 ) (
     input logic clk_i,
     input logic [LANES-1:0][CW-1:0] s_i,

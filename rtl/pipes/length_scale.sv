@@ -6,16 +6,11 @@
 // Latency: LAT_CMP for the largest exponent and LAT_CMP for the shift, with a ray the larger of that and LAT_MUL; 0
 // with ARITH = "host".
 // Throughput: LANES pairs a clock. Stall: none.
+`include "dataflow.svh"
 module length_scale #(
+    `DF_PARAMETERS,
     parameter int SHAPE_A = 0,  // pairs_pkg::SHAPE_*
     parameter int SHAPE_B = 0,
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
     localparam int A_WORDS = pairs_pkg::shape_words(SHAPE_A),
     localparam int B_WORDS = pairs_pkg::shape_words(SHAPE_B)
 ) (

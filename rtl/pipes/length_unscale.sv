@@ -3,15 +3,10 @@
 // ray's T times 2^(k - kd), rounded once. A ray whose T or CP overflows misses.
 // Latency: LAT_CMP, with a ray the larger of LAT_CMP and LAT_MUL; 0 with ARITH = "host". Throughput: LANES pairs a
 // clock. Stall: none.
+`include "dataflow.svh"
 module length_unscale #(
-    parameter bit RAY = 0,
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `DF_PARAMETERS,
+    parameter bit RAY = 0
 ) (
     input logic clk_i,
     input logic on_i,  // 0: nobody looks at the result

@@ -9,15 +9,8 @@
 // Latency: LATENCY_OBB_EDGE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
 `include "convex.svh"
 module obb_edge #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int I = 0,  // 0..2
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `DF_PARAMETERS,
+    parameter int I = 0  // 0..2
 ) (
     input logic clk_i,
     input logic [2:0][LANES-1:0][CW-1:0] a_i,
@@ -125,8 +118,7 @@ module obb_edge #(
   localparam int T_LATE = (T_gap > T_q) ? T_gap : T_q;
   `DF_AT(gap_late, gap, T_LATE)
   if (T_q + `LATENCY_EDGE_FACET != `LATENCY_OBB_EDGE) $error("obb_edge: latency");
-  edge_facet #(`DF_FORMAT, .I(I), .CENTRED(1), .T_GAP(T_LATE - T_q), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-      .LAT_CMP(LAT_CMP)) facet (
+  edge_facet #(`DF_SAME, .I(I), .CENTRED(1), .T_GAP(T_LATE - T_q)) facet (
       .clk_i, .a_i(a_q), .sign_k_i(sign_k_q), .sign_l_i(sign_l_q), .q_i(q), .f_i(f_q), .inverse_ff_i(inverse_ff_q),
       .n_k_i(n_k_q),
       .n_l_i(n_l_q), .inverse2_i(inverse2_q), .valid_i(valid_q), .side_i(side_q), .gap_i(gap_late), .gap_o, .n_o, .v_o,

@@ -11,27 +11,14 @@
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none, runs free.
 `include "convex.svh"
 module obb_obb #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int FACET_II = 1,  // 1 or 3
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `DF_PARAMETERS,
+    parameter int FACET_II = 1  // 1 or 3
 ) (
     input logic clk_i,
     input logic enter_i,  // a pair comes; used with FACET_II = 3
     input logic [14:0][LANES-1:0][CW-1:0] a_i,  // OBB: c x y z, half extents, rotation by rows
     input logic [14:0][LANES-1:0][CW-1:0] b_i,
-    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
-    output logic [LANES-1:0][CW-1:0] t_o,
-    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
-    output logic [2:0][LANES-1:0][CW-1:0] n_o,
-    output logic [15:0] latency_o  // constant: LATENCY, also with ARITH = "host"
+    `GAP_OUTPUTS
 );
   /*verilator inline_module*/
   localparam int FACETS = 15;
@@ -163,14 +150,14 @@ module obb_obb #(
     `DF_AT(side, side_faces, T_FACETS)
     `DF_PICK(height_a, t_faces_b, j)
     `DF_TURN(side_turn, 0, phase_faces, side_faces, height_a, height_a)
-    obb_face #(`DF_FORMAT, .I(j), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) face (
+    obb_face #(`DF_SAME, .I(j)) face (
         .clk_i, .a_i(half_extents), .t_i(centre), .f_i(half_edges), .signs_i(signs[j]), .side_i(side_turn),
         .gap_o(gap_b), .n_o(n_b),
         .v_o(v_b), .p_o(p_b), .d2_o(d2_b));
     if (TURNS == 1) begin : g_a
       `DF_ROW(signs_b, turned_columns_b, j)
       `DF_VAT(signs_a, signs_b, T_FACES_A)
-      obb_face #(`DF_FORMAT, .I(j), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) face_a (
+      obb_face #(`DF_SAME, .I(j)) face_a (
           .clk_i, .a_i(a_faces_a), .t_i(t_faces_a), .f_i(f_faces_a), .signs_i(signs_a), .side_i(t_faces_a[j]),
           .gap_o(gap[j]),
           .n_o(n[j]), .v_o(v[j]), .p_o(p[j]), .d2_o(d2[j]));
@@ -252,11 +239,10 @@ module obb_obb #(
       localparam int K = (i + 1) % 3, L = (i + 2) % 3, FACET = 6 + 3 * i + j;
       logic [LANES-1:0][CW-1:0] n_k, n_l, inverse2, valid, gap_e, d2_e, inverse_ff_e;
       logic [2:0][LANES-1:0][CW-1:0] n_e, v_e, p_e, f_e;
-      edge_normal #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
-          .LAT_CMP(LAT_CMP)) normal (
+      edge_normal #(`DF_SAME) normal (
           .clk_i, .f_k_i(f_early[K]), .f_l_i(f_early[L]), .n_k_o(n_k), .n_l_o(n_l), .inverse2_o(inverse2),
           .valid_o(valid));
-      obb_edge #(`DF_FORMAT, .I(i), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) edges (
+      obb_edge #(`DF_SAME, .I(i)) edges (
           .clk_i, .a_i(a_edges), .t_i(t_edges), .f_i(f_edges), .edge_i(f_j), .first_i(f_first), .second_i(f_second),
           .sign_k_i(turned_j[K]),
           .sign_l_i(turned_j[L]), .sign_first_i(sign_first[i]), .sign_second_i(sign_second[i]),
@@ -280,8 +266,7 @@ module obb_obb #(
   logic [LANES-1:0][CW-1:0] choice_s;
   logic [2:0][LANES-1:0][CW-1:0] choice_n, choice_v, choice_p, choice_start_v, choice_start_p;
   `DF_PHASE_AT(phase_facets, phase_edges, T_FACETS)
-  facet_choice #(`DF_FORMAT, .COUNT(FACETS), .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-      .LAT_CMP(LAT_CMP)) choice (
+  facet_choice #(`DF_SAME, .COUNT(FACETS), .FACET_II(FACET_II)) choice (
       .clk_i, .phase_i(phase_facets), .gap_i(gap), .n_i(n), .v_i(v), .p_i(p), .d2_i(d2), .f_i(along),
       .inverse_ff_i(inverse_ff), .tie_i(tie_facets),
       .wide_tie_i(wide_tie_facets), .s_o(choice_s),
@@ -301,7 +286,7 @@ module obb_obb #(
   `DF_VAT(t_start, t_faces_a, T_START)
   `DF_MAT_AT(f_start, f_faces_a, T_START)
   logic [2:0][LANES-1:0][CW-1:0] support1_v, support1_p, support2_v, support2_p;
-  obb_support #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) support1 (
+  obb_support #(`DF_SAME) support1 (
       .clk_i, .v_i(v_start), .a_i(a_start), .t_i(t_start), .f_i(f_start), .v_o(support1_v), .p_o(support1_p));
   `DF_VIN(v_far1, support1_v, T_START + `LATENCY_OBB_SUPPORT)
   `DF_VIN(p_far1, support1_p, T_START + `LATENCY_OBB_SUPPORT)
@@ -309,7 +294,7 @@ module obb_obb #(
   `DF_VAT(a_once, a_start, T_v_once)
   `DF_VAT(t_once, t_start, T_v_once)
   `DF_MAT_AT(f_once, f_start, T_v_once)
-  obb_support #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) support2 (
+  obb_support #(`DF_SAME) support2 (
       .clk_i, .v_i(v_once), .a_i(a_once), .t_i(t_once), .f_i(f_once), .v_o(support2_v), .p_o(support2_p));
   `DF_VIN(v_far2, support2_v, T_v_once + `LATENCY_OBB_SUPPORT)
   `DF_VIN(p_far2, support2_p, T_v_once + `LATENCY_OBB_SUPPORT)
@@ -333,9 +318,5 @@ module obb_obb #(
   `DF_VADD(cp, a_c, middle_world)
   `DF_APPLY(n_world, a_rotation, n_local)
 
-  localparam int LATENCY = `DF_MAX3(T_cp, T_n_world, T_s + LAT_CMP) + 1;
-  assign latency_o = 16'(LATENCY);
-  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n_world), .LATENCY(LATENCY),
-      .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
-      .clk_i, .s_i(s), .cp_i(cp), .n_i(n_world), .f_o, .t_o, .cp_o, .n_o);
+  `GAP_RESULT(s, cp, n_world)
 endmodule

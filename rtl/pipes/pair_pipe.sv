@@ -2,23 +2,15 @@
 // The pipe of a pair (pairs_pkg::PAIR_*) behind one kind of mouth.
 // Latency: that of the pipe, latency_o; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none,
 // runs free.
+`include "pipe.svh"
 module pair_pipe #(
+    `DF_PARAMETERS,
     parameter int PAIR = 0,
     parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
     parameter int BOX = 0,  // of ray-triangle, 1: a hit must lie in the triangle's box (ray_box.sv)
     parameter int HALF_SPACE = 0,  // of pairs with a plane, 1: the plane is the solid n.x <= d
-    parameter int EXP = 8,
-    parameter int MAN = 23,
     parameter int FACET_II = 1,  // of pairs with facets: clocks from one pair of a lane to the next, 1 or 3
-    parameter int LANES = 1,
     parameter int B_LANES = LANES,  // secondaries a clock: 1 (broadcast to all lanes) or LANES
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
     localparam int A_WORDS = pairs_pkg::shape_words(pairs_pkg::primary_shape(PAIR)),
     localparam int B_WORDS = pairs_pkg::shape_words(pairs_pkg::secondary_shape(PAIR))
 ) (
@@ -26,11 +18,7 @@ module pair_pipe #(
     input logic enter_i,  // a pair comes; used with FACET_II = 3
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b_i,
-    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
-    output logic [LANES-1:0][CW-1:0] t_o,
-    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
-    output logic [2:0][LANES-1:0][CW-1:0] n_o,  // zero for rays
-    output logic [15:0] latency_o
+    `GAP_OUTPUTS
 );
   /*verilator inline_module*/
   if (HALF_SPACE != 0 && pairs_pkg::secondary_shape(PAIR) != pairs_pkg::SHAPE_PLANE)
@@ -42,10 +30,6 @@ module pair_pipe #(
     logic unused_enter;
     assign unused_enter = enter_i;
   end
-  `define CDE_FORMAT .EXP(EXP), .MAN(MAN), .LANES(LANES), .ARITH(ARITH)
-  `define CDE_LATENCIES .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)
-  `define CDE_TRIANGLE .B_LANES(B_LANES), .BOX(BOX), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), \
-    .LAT_CMP(LAT_CMP)
   logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b;  // a secondary a lane
   for (genvar k = 0; k < B_WORDS; k++) begin : word
     if (B_LANES == LANES) begin : g_own
@@ -57,54 +41,52 @@ module pair_pipe #(
   if (PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(pairs_pkg::ALGORITHM_MOLLER)) begin : g_pipe
     logic unused_b;
     assign unused_b = &{1'b0, b};
-    ray_triangle_moller #(`CDE_FORMAT, `CDE_TRIANGLE) pipe (
+    ray_triangle_moller #(`DF_SAME, .B_LANES(B_LANES), .BOX(BOX)) pipe (
         .clk_i, .a_i, .b_i, .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
   end else if (PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) begin :
       g_pipe
-    ray_triangle_badouel #(`CDE_FORMAT, `CDE_TRIANGLE) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
+    ray_triangle_badouel #(`DF_SAME, .B_LANES(B_LANES), .BOX(BOX)) pipe (
+        .clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
   end else if (PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(pairs_pkg::ALGORITHM_PLUECKER)) begin :
       g_pipe
-    ray_triangle_pluecker #(`CDE_FORMAT, `CDE_TRIANGLE) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
+    ray_triangle_pluecker #(`DF_SAME, .B_LANES(B_LANES), .BOX(BOX)) pipe (
+        .clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
   end else if (PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE) && ALGORITHM == int'(pairs_pkg::ALGORITHM_WATERTIGHT)) begin :
       g_pipe
-    ray_triangle_watertight #(`CDE_FORMAT, `CDE_TRIANGLE) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
+    ray_triangle_watertight #(`DF_SAME, .B_LANES(B_LANES), .BOX(BOX)) pipe (
+        .clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
   end else if (PAIR == int'(pairs_pkg::PAIR_RAY_SPHERE)) begin : g_pipe
-    ray_sphere #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
+    ray_sphere #(`DF_SAME) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
   end else if (PAIR == int'(pairs_pkg::PAIR_RAY_CYLINDER)) begin : g_pipe
-    ray_cylinder #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
+    ray_cylinder #(`DF_SAME) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .latency_o);
     assign n_o = '0;
   end else if (PAIR == int'(pairs_pkg::PAIR_SPHERE_SPHERE)) begin : g_pipe
-    sphere_sphere #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
+    sphere_sphere #(`DF_SAME) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_OBB_OBB)) begin : g_pipe
-    obb_obb #(`CDE_FORMAT, .FACET_II(FACET_II), `CDE_LATENCIES) pipe (
+    obb_obb #(`DF_SAME, .FACET_II(FACET_II)) pipe (
         .clk_i, .enter_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_OBB_PLANE)) begin : g_pipe
-    obb_plane #(`CDE_FORMAT, .HALF_SPACE(HALF_SPACE != 0), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP))
-        pipe (
+    obb_plane #(`DF_SAME, .HALF_SPACE(HALF_SPACE != 0)) pipe (
         .clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_SPHERE_PLANE)) begin : g_pipe
-    sphere_plane #(`CDE_FORMAT, .HALF_SPACE(HALF_SPACE != 0), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP))
-        pipe (
+    sphere_plane #(`DF_SAME, .HALF_SPACE(HALF_SPACE != 0)) pipe (
         .clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_SPHERE_OBB)) begin : g_pipe
-    sphere_obb #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
+    sphere_obb #(`DF_SAME) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_TRIANGLE_SPHERE)) begin : g_pipe
-    triangle_sphere #(`CDE_FORMAT, `CDE_LATENCIES) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
+    triangle_sphere #(`DF_SAME) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_TRIANGLE_OBB)) begin : g_pipe
-    triangle_obb #(`CDE_FORMAT, .FACET_II(FACET_II), `CDE_LATENCIES) pipe (
+    triangle_obb #(`DF_SAME, .FACET_II(FACET_II)) pipe (
         .clk_i, .enter_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_TRIANGLE_AABB)) begin : g_pipe
-    triangle_aabb #(`CDE_FORMAT, .FACET_II(FACET_II), `CDE_LATENCIES) pipe (
+    triangle_aabb #(`DF_SAME, .FACET_II(FACET_II)) pipe (
         .clk_i, .enter_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else begin : g_illegal
     $error("pair_pipe: no pipe for this pair and algorithm");
   end
-  `undef CDE_FORMAT
-  `undef CDE_LATENCIES
-  `undef CDE_TRIANGLE
 endmodule

@@ -6,16 +6,10 @@
 // clock. Stall: none.
 `include "convex.svh"
 module perpendicular #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
+    `DF_PARAMETERS,
     parameter int T_V = 0,  // stage times of the inputs
     parameter int T_F = 0,
-    parameter int T_INVERSE = 0,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    parameter int T_INVERSE = 0
 ) (
     input logic clk_i,
     input logic [2:0][LANES-1:0][CW-1:0] v_i,

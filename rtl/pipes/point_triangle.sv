@@ -10,19 +10,12 @@
 // Throughput: one point a lane a clock. Stall: none.
 `include "triangle.svh"
 module point_triangle #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
+    `DF_PARAMETERS,
     parameter int T_W = 0,  // stage times of the inputs
     parameter int T_F = 0,
     parameter int T_INVERSE = 0,
     parameter int T_LONGEST = 0,
-    parameter int T_M = 0,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    parameter int T_M = 0
 ) (
     input logic clk_i,
     input logic [2:0][2:0][LANES-1:0][CW-1:0] w_i,  // point - vertex, a row a vertex

@@ -7,20 +7,12 @@
 // Stall: none.
 `include "convex.svh"
 module polish #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
+    `DF_PARAMETERS,
     parameter int T_NEAR_V = 0,  // stage times of the inputs
     parameter int T_NEAR_P = 0,
     parameter int T_FAR_V = 0,
     parameter int T_FAR_P = 0,
-    parameter int T_TIE = 0,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    parameter int T_TIE = 0
 ) (
     input logic clk_i,
     input logic [2:0][LANES-1:0][CW-1:0] near_v_i,

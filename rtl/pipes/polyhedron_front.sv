@@ -11,17 +11,8 @@
 // Latency: LATENCY_FRONT clocks; 0 with ARITH = "host". Throughput: one normal a lane a clock. Stall: none, runs free.
 `include "cylinder.svh"
 module polyhedron_front #(
-    parameter int BODY = `BODY_BOX,
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `DF_PARAMETERS,
+    parameter int BODY = `BODY_BOX
 ) (
     input logic clk_i,
     input logic [`PASS_W-1:0] pass_i,

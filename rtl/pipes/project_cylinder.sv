@@ -6,21 +6,12 @@
 // Throughput: one point a lane a clock. Stall: none, runs free.
 `include "cylinder.svh"
 module project_cylinder #(
+    `DF_PARAMETERS,
     parameter int T_X = 0,  // stage times of the inputs
     parameter int T_C = 0,
     parameter int T_ALONGSIDE = 0,
     parameter int T_END = 0,
-    parameter int T_RIM = 0,
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    parameter int T_RIM = 0
 ) (
     input logic clk_i,
     input logic on_i,  // 0: nobody looks at the result

@@ -8,19 +8,10 @@
 // runs free.
 `include "cylinder.svh"
 module project_polyhedron #(
+    `DF_PARAMETERS,
     parameter int BODY = `BODY_BOX,
     parameter int T_X = 0,  // stage time of x and feature; the others have stage time 0
-    parameter int T_FEATURE = 0,
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    parameter int T_FEATURE = 0
 ) (
     input logic clk_i,
     input logic on_i,  // 0: nobody looks at the result

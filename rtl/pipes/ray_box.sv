@@ -8,19 +8,12 @@
 // Stall: none.
 `include "ray_box.svh"
 module ray_box #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
+    `DF_PARAMETERS,
     parameter int B_LANES = LANES,  // triangles a clock: 1 (broadcast to all lanes) or LANES
     parameter int BOX = 0,          // 1: the rule
     parameter int T_MET = 0,        // stage times of the inputs; triangles come at 0
     parameter int T_TD = 0,
-    parameter int T_P = 0,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    parameter int T_P = 0
 ) (
     input logic clk_i,
     input logic [8:0][B_LANES-1:0][CW-1:0] b_i,   // triangle: v0 x y z, v1, v2

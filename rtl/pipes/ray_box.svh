@@ -3,7 +3,7 @@
 // B_LANES, LAT_* and what dataflow.svh needs; b_i has the triangles, all lanes the same one if B_LANES is 1.
 `ifndef CDE_RAY_BOX_SVH
 `define CDE_RAY_BOX_SVH
-`include "dataflow.svh"
+`include "pipe.svh"
 
 // Of what triangle_bounds.sv says of a triangle that comes at stage time 0: centre and half size of its box.
 `define RAY_T_CENTRE (2 * LAT_CMP + LAT_ADD + LAT_MUL)
@@ -18,7 +18,7 @@
   `DF_SCALAR HIT; \
   logic [8:0][B_LANES-1:0][CW-1:0] triangle_``HIT; \
   for (genvar k = 0; k < 9; k++) begin : triangle_of_``HIT assign triangle_``HIT[k] = b_i[k][B_LANES-1:0]; end \
-  ray_box #(`DF_FORMAT, .B_LANES(B_LANES), .BOX(BOX), .T_MET(T_``MET), .T_TD(T_``TD), .T_P(T_``P), \
-      .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) box_``HIT (.clk_i, .b_i(triangle_``HIT), \
+  ray_box #(`DF_SAME, .B_LANES(B_LANES), .BOX(BOX), .T_MET(T_``MET), .T_TD(T_``TD), .T_P(T_``P)) box_``HIT ( \
+      .clk_i, .b_i(triangle_``HIT), \
       .met_i(MET), .td_i(TD), .p_i(P), .hit_o(HIT));
 `endif

@@ -5,29 +5,19 @@
 // Latency: T_ENTER_LEAVE + LAT_CMP + LAT_MUL + LAT_ADD + 1, latency_o; 0 with ARITH = "host". Throughput: LANES pairs a
 // clock.
 // Stall: none.
-`include "dataflow.svh"
+`include "pipe.svh"
 module ray_crossing #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
+    `DF_PARAMETERS,
     parameter int T_RAY = 0,  // stage times of the inputs
     parameter int T_ENTER_LEAVE = 0,
-    parameter int T_MEETS = 0,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    parameter int T_MEETS = 0
 ) (
     input logic clk_i,
     input logic [7:0][LANES-1:0][CW-1:0] ray_i,  // o x y z, d x y z, tmin, tmax
     input logic [LANES-1:0][CW-1:0] enter_i,     // ray parameters
     input logic [LANES-1:0][CW-1:0] leave_i,
     input logic [LANES-1:0][CW-1:0] meets_i,  // lane mask: the ray's line meets the solid
-    output logic [LANES-1:0][CW-1:0] f_o,     // lane mask
-    output logic [LANES-1:0][CW-1:0] t_o,
-    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
-    output logic [15:0] latency_o  // constant, also with ARITH = "host"
+    `RAY_OUTPUTS
 );
   /*verilator inline_module*/
   `undef DF_CANON
@@ -50,11 +40,7 @@ module ray_crossing #(
   `DF_VSCALE(td, d, t)
   `DF_VADD(cp, o, td)
 
-  localparam int LATENCY = T_cp + 1;
-  assign latency_o = 16'(LATENCY);
-  ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_cp), .LATENCY(LATENCY),
-      .ARITH(ARITH)) result (
-      .clk_i, .hit_i(hit), .t_i(t), .cp_i(cp), .f_o, .t_o, .cp_o);
+  `RAY_RESULT(hit, t, cp, 1)
   `undef DF_CANON
   `define DF_CANON 1
 endmodule

@@ -7,26 +7,14 @@
 // 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 10 compare, 3 min/max.
 // Latency: latency_o clocks (21 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock.
 // Stall: none, runs free.
-`include "dataflow.svh"
+`include "pipe.svh"
 module ray_cylinder #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `DF_PARAMETERS
 ) (
     input logic clk_i,
     input logic [7:0][LANES-1:0][CW-1:0] a_i,  // ray: o x y z, d x y z, tmin, tmax
     input logic [7:0][LANES-1:0][CW-1:0] b_i,  // cylinder: c x y z, axis x y z, half height, radius
-    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
-    output logic [LANES-1:0][CW-1:0] t_o,
-    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
-    output logic [15:0] latency_o  // constant: the latency, also with ARITH = "host"
+    `RAY_OUTPUTS
 );
   /*verilator inline_module*/
   `undef DF_CANON
@@ -114,11 +102,8 @@ module ray_cylinder #(
   `DF_AND(there, both, moves)
   `DF_AND(meets, there, in_order)
 
-  ray_crossing #(
-      .EXP(EXP), .MAN(MAN), .LANES(LANES), .T_RAY(0), .T_ENTER_LEAVE(T_enter), .T_MEETS(T_meets), .LAT_ADD(LAT_ADD),
-      .LAT_MUL(LAT_MUL),
-      .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-  ) crossing (.clk_i, .ray_i(a_i), .enter_i(enter), .leave_i(leave), .meets_i(meets), .f_o, .t_o, .cp_o, .latency_o);
+  ray_crossing #(`DF_SAME, .T_RAY(0), .T_ENTER_LEAVE(T_enter), .T_MEETS(T_meets)) crossing (
+      .clk_i, .ray_i(a_i), .enter_i(enter), .leave_i(leave), .meets_i(meets), .f_o, .t_o, .cp_o, .latency_o);
   `undef DF_CANON
   `define DF_CANON 1
 endmodule

@@ -4,16 +4,12 @@
 // Latency: to stage time LATENCY; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
 `include "dataflow.svh"
 module ray_result #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
+    `DF_PARAMETERS,
     parameter int T_HIT = 0,  // stage times of the inputs
     parameter int T_T = 0,
     parameter int T_CP = 0,
     parameter int LATENCY = 1,  // of the outputs: after all inputs
-    parameter int FINITE = 1,   // 0: hits are known to be finite; 1: cp is o + t d, and looked at; 2: cp and t are
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    parameter int FINITE = 1    // 0: hits are known to be finite; 1: cp is o + t d, and looked at; 2: cp and t are
 ) (
     input logic clk_i,
     input logic [LANES-1:0][CW-1:0] hit_i,  // lane mask

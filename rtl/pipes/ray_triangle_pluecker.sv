@@ -7,34 +7,18 @@
 // Stall: none, runs free.
 `include "ray_box.svh"
 module ray_triangle_pluecker #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int B_LANES = LANES,  // triangles that differ: LANES, or 1, all lanes have the same
-    parameter int BOX = 0,  // 1: a hit must lie in the triangle's box (ray_box.sv)
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `RAY_TRIANGLE_PARAMETERS
 ) (
     input logic clk_i,
     input logic [7:0][LANES-1:0][CW-1:0] a_i,  // ray: o x y z, d x y z, tmin, tmax
     input logic [8:0][LANES-1:0][CW-1:0] b_i,  // triangle: v0 x y z, v1, v2
-    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
-    output logic [LANES-1:0][CW-1:0] t_o,
-    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
-    output logic [15:0] latency_o  // constant: the latency, also with ARITH = "host"
+    `RAY_OUTPUTS
 );
   /*verilator inline_module*/
   `undef DF_CANON
   `define DF_CANON 0
 
-  `DF_VIN(o, a_i[2:0], 0)
-  `DF_VIN(d, a_i[5:3], 0)
-  `DF_IN(tmin, a_i[6], 0)
-  `DF_IN(tmax, a_i[7], 0)
+  `RAY_IN
   `DF_VIN(v0, b_i[2:0], 0)
   `DF_VIN(v1, b_i[5:3], 0)
   `DF_VIN(v2, b_i[8:6], 0)
@@ -62,7 +46,7 @@ module ray_triangle_pluecker #(
   // ---- Inside test ----
   `DF_VEC(sides, w01, w12, w20)
   logic [LANES-1:0][CW-1:0] side;
-  same_side #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_UVW(T_sides), .T_DET(T_sum), .LAT_CMP(LAT_CMP), .ARITH(ARITH))
+  same_side #(`DF_SAME, .T_UVW(T_sides), .T_DET(T_sum))
       inside_test (
       .clk_i, .uvw_i(sides), .det_i(sum), .inside_o(side));
   `DF_IN(in_edges, side, T_sum + LAT_CMP)
@@ -91,12 +75,7 @@ module ray_triangle_pluecker #(
   `DF_VADD(cp, o, td)
   `RAY_BOX(hit, met, td, cp)
 
-  localparam int LATENCY = `DF_MAX2(T_hit, T_cp) + 1;
-  assign latency_o = 16'(LATENCY);
-  ray_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_HIT(T_hit), .T_T(T_t), .T_CP(T_cp), .LATENCY(LATENCY),
-      .FINITE((BOX == 0) ? 1 : 0),
-      .ARITH(ARITH)) result (
-      .clk_i, .hit_i(hit), .t_i(t), .cp_i(cp), .f_o, .t_o, .cp_o);
+  `RAY_RESULT(hit, t, cp, (BOX == 0) ? 1 : 0)
   `undef DF_CANON
   `define DF_CANON 1
 endmodule

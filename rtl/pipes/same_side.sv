@@ -4,14 +4,9 @@
 // Latency: LAT_CMP clocks from det; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
 `include "dataflow.svh"
 module same_side #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
+    `DF_PARAMETERS,
     parameter int T_UVW = 0,  // stage times of the inputs
-    parameter int T_DET = 0,  // at least T_UVW
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    parameter int T_DET = 0  // at least T_UVW
 ) (
     input logic clk_i,
     input logic [2:0][LANES-1:0][CW-1:0] uvw_i,

@@ -3,23 +3,15 @@
 // back behind it, where pairs_pkg::scaled says so; elsewhere the pipe alone.
 // Latency: that of the pipe, of length_scale.sv and of length_unscale.sv, latency_o; 0 with ARITH = "host". Throughput:
 // LANES pairs in FACET_II clocks. Stall: none, runs free.
+`include "pipe.svh"
 module scaled_pipe #(
+    `DF_PARAMETERS,
     parameter int PAIR = 0,
     parameter int ALGORITHM = 0,  // these are those of pair_pipe.sv
     parameter int BOX = 0,
     parameter int HALF_SPACE = 0,
-    parameter int EXP = 8,
-    parameter int MAN = 23,
     parameter int FACET_II = 1,
-    parameter int LANES = 1,
     parameter int B_LANES = LANES,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
     localparam int A_WORDS = pairs_pkg::shape_words(pairs_pkg::primary_shape(PAIR)),
     localparam int B_WORDS = pairs_pkg::shape_words(pairs_pkg::secondary_shape(PAIR))
 ) (
@@ -27,11 +19,7 @@ module scaled_pipe #(
     input logic enter_i,
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b_i,
-    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
-    output logic [LANES-1:0][CW-1:0] t_o,
-    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
-    output logic [2:0][LANES-1:0][CW-1:0] n_o,
-    output logic [15:0] latency_o
+    `GAP_OUTPUTS
 );
   /*verilator inline_module*/
   localparam bit SCALED = pairs_pkg::scaled(PAIR, EXP);
@@ -43,12 +31,9 @@ module scaled_pipe #(
   logic [LANES-1:0][CW-1:0] f, t;
   logic [2:0][LANES-1:0][CW-1:0] cp, n;
   logic [15:0] latency;
-  pair_pipe #(
-      .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(BOX), .HALF_SPACE(HALF_SPACE), .EXP(EXP), .MAN(MAN), .FACET_II(FACET_II),
-      .LANES(LANES),
-      .B_LANES(INNER_B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
-      .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-  ) pipe (.clk_i, .enter_i(enter), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
+  pair_pipe #(`DF_SAME, .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(BOX), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II),
+      .B_LANES(INNER_B)) pipe (
+      .clk_i, .enter_i(enter), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
   if (SCALED) begin : g_scaled
     localparam int SHAPE_A = pairs_pkg::primary_shape(PAIR);
     localparam bit RAY = SHAPE_A == pairs_pkg::SHAPE_RAY;
@@ -61,13 +46,9 @@ module scaled_pipe #(
       end
     end
     logic [LANES-1:0][CW-1:0] back, t_back, back_late, t_back_late;
-    length_scale #(
-        .SHAPE_A(SHAPE_A), .SHAPE_B(pairs_pkg::secondary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES),
-        .LAT_MUL(LAT_MUL),
-        .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-    ) scale (.clk_i, .on_i(1'b1), .a_i, .b_i(b_own), .a_o(a), .b_o(b), .back_o(back), .t_back_o(t_back));
-    length_unscale #(.RAY(RAY), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
-        .ARITH(ARITH)) unscale (
+    length_scale #(`DF_SAME, .SHAPE_A(SHAPE_A), .SHAPE_B(pairs_pkg::secondary_shape(PAIR))) scale (
+        .clk_i, .on_i(1'b1), .a_i, .b_i(b_own), .a_o(a), .b_o(b), .back_o(back), .t_back_o(t_back));
+    length_unscale #(`DF_SAME, .RAY(RAY)) unscale (
         .clk_i, .on_i(1'b1), .back_i(back_late), .t_back_i(t_back_late), .f_i(f), .t_i(t), .cp_i(cp), .n_i(n), .f_o,
         .t_o, .cp_o, .n_o);
     localparam int FRONT = pairs_pkg::scale_latency(RAY, LAT_MUL, LAT_CMP);

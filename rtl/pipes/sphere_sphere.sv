@@ -2,27 +2,14 @@
 // Sphere against sphere: s = |cB - cA| - (rA + rB), n from A to B, CP = cA + (rA + s/2) n. Centres so close that their
 // squared distance is subnormal take n = (0, 0, 1). F = (s <= 0), T = |s|. 11 add, 10 mul, 1 div, 1 sqrt, 2 compare.
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
-`include "dataflow.svh"
+`include "pipe.svh"
 module sphere_sphere #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `DF_PARAMETERS
 ) (
     input logic clk_i,
     input logic [3:0][LANES-1:0][CW-1:0] a_i,  // sphere: c x y z, r
     input logic [3:0][LANES-1:0][CW-1:0] b_i,
-    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
-    output logic [LANES-1:0][CW-1:0] t_o,
-    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
-    output logic [2:0][LANES-1:0][CW-1:0] n_o,
-    output logic [15:0] latency_o  // constant: LATENCY, also with ARITH = "host"
+    `GAP_OUTPUTS
 );
   /*verilator inline_module*/
   localparam logic [CW-1:0] ONE = ((CW'(1) << (EXP - 1)) - 1) << MAN;
@@ -52,9 +39,5 @@ module sphere_sphere #(
   `DF_VSCALE(offset, n, along)
   `DF_VADD(cp, a_c, offset)
 
-  localparam int LATENCY = `DF_MAX2(T_cp, T_s + LAT_CMP) + 1;
-  assign latency_o = 16'(LATENCY);
-  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY),
-      .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
-      .clk_i, .s_i(s), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
+  `GAP_RESULT(s, cp, n)
 endmodule

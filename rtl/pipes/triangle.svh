@@ -24,8 +24,7 @@
   localparam int T_``R``_longest0 = T_``P + `TRIANGLE_T_LONGEST, T_``R``_longest1 = T_``R``_longest0; \
   localparam int T_``R``_m = T_``P + `TRIANGLE_T_M, T_``R``_flat = T_``R``_m; \
   `DF_MATRIX R``_f; `DF_VECTOR R``_inverse_ff, R``_m; `DF_SCALAR R``_longest0, R``_longest1, R``_flat; \
-  triangle_parts #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), \
-    .LAT_CMP(LAT_CMP)) parts_``R ( \
+  triangle_parts #(`DF_SAME) parts_``R ( \
       .clk_i, .p_i(P), .f_o(R``_f), .inverse_ff_o(R``_inverse_ff), .longest0_o(R``_longest0), \
         .longest1_o(R``_longest1), .m_o(R``_m), \
       .flat_o(R``_flat));
@@ -46,9 +45,8 @@
     T_``R``_v; \
   localparam int T_``R``_h = `DF_MAX2(T_``W, T_``T``_m) + `DF_LAT_DOT; \
   `DF_VECTOR R``_v; `DF_SCALAR R``_d2, R``_h; \
-  point_triangle #(`DF_FORMAT, .T_W(T_``W), .T_F(T_``T``_f), .T_INVERSE(T_``T``_inverse_ff), \
-    .T_LONGEST(T_``T``_longest0), .T_M(T_``T``_m), \
-      .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) point_``R ( \
+  point_triangle #(`DF_SAME, .T_W(T_``W), .T_F(T_``T``_f), .T_INVERSE(T_``T``_inverse_ff), \
+      .T_LONGEST(T_``T``_longest0), .T_M(T_``T``_m)) point_``R ( \
       .clk_i, .w_i(W), .f_i(T``_f), .inverse_ff_i(T``_inverse_ff), .longest0_i(T``_longest0), \
         .longest1_i(T``_longest1), .m_i(T``_m), \
       .flat_i(T``_flat), .v_o(R``_v), .d2_o(R``_d2), .h_o(R``_h));

@@ -7,27 +7,14 @@
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none, runs free.
 `include "triangle.svh"
 module triangle_aabb #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int FACET_II = 1,  // 1 or 3
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `DF_PARAMETERS,
+    parameter int FACET_II = 1  // 1 or 3
 ) (
     input logic clk_i,
     input logic enter_i,  // a pair comes; used with FACET_II = 3
     input logic [8:0][LANES-1:0][CW-1:0] a_i,  // triangle: v0 x y z, v1, v2
     input logic [5:0][LANES-1:0][CW-1:0] b_i,  // AABB: min x y z, max
-    output logic [LANES-1:0][CW-1:0] f_o,  // lane mask
-    output logic [LANES-1:0][CW-1:0] t_o,
-    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
-    output logic [2:0][LANES-1:0][CW-1:0] n_o,
-    output logic [15:0] latency_o  // constant: LATENCY, also with ARITH = "host"
+    `GAP_OUTPUTS
 );
   /*verilator inline_module*/
   localparam logic [CW-1:0] HALF = ((CW'(1) << (EXP - 1)) - 2) << MAN;
@@ -53,8 +40,7 @@ module triangle_aabb #(
   logic [2:0][LANES-1:0][CW-1:0] n_gap, middle_gap;
   `DF_PHASE_AT(phase_p, phase, T_p)
   `DF_VAT(half_p, extents, T_p)
-  triangle_box #(`DF_FORMAT, .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
-      .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP)) signed_gap (
+  triangle_box #(`DF_SAME, .FACET_II(FACET_II)) signed_gap (
       .clk_i, .phase_i(phase_p), .a_i(half_p), .p_i(p), .s_o(s_gap), .n_o(n_gap), .middle_o(middle_gap));
   `DF_IN(s, s_gap, T_p + `LATENCY_TRIANGLE_BOX)
   `DF_VIN(n_box, n_gap, T_p + `LATENCY_TRIANGLE_BOX)
@@ -63,9 +49,5 @@ module triangle_aabb #(
   `DF_VADD(cp, low, from_corner)
   `DF_VNEG(n, n_box)
 
-  localparam int LATENCY = `DF_MAX3(T_cp, T_n, T_s + LAT_CMP) + 1;
-  assign latency_o = 16'(LATENCY);
-  gap_result #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .T_S(T_s), .T_CP(T_cp), .T_N(T_n), .LATENCY(LATENCY),
-      .LAT_CMP(LAT_CMP), .ARITH(ARITH)) result (
-      .clk_i, .s_i(s), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
+  `GAP_RESULT(s, cp, n)
 endmodule

@@ -7,14 +7,7 @@
 // Stall: none.
 `include "ray_box.svh"
 module triangle_bounds #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `DF_PARAMETERS
 ) (
     input logic clk_i,
     input logic [8:0][LANES-1:0][CW-1:0] b_i,  // v0 x y z, v1, v2

@@ -12,17 +12,8 @@
 // Stall: none.
 `include "triangle.svh"
 module triangle_box #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int FACET_II = 1,  // 1 or 3
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `DF_PARAMETERS,
+    parameter int FACET_II = 1  // 1 or 3
 ) (
     input logic clk_i,
     input logic [1:0] phase_i,  // of the pair, used with FACET_II = 3
@@ -96,9 +87,7 @@ module triangle_box #(
       localparam int FACET = 4 + 3 * i + j;
       logic [LANES-1:0][CW-1:0] gap_e, d2_e, inverse_ff_e;
       logic [2:0][LANES-1:0][CW-1:0] n_e, v_e, p_e, along_e;
-      triangle_box_edge #(`DF_FORMAT, .I(i), .TURNS(TURNS), .J(j), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-          .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
-          .LAT_CMP(LAT_CMP)) edges (
+      triangle_box_edge #(`DF_SAME, .I(i), .TURNS(TURNS), .J(j)) edges (
           .clk_i, .phase_i(phase_edges), .a_i(a_edges), .p_i(p_edges), .f_i(f_j), .inverse_ff_i(inverse_j),
           .turned_i(turned_j),
           .side_i(m1_edges[i]), .gap_o(gap_e), .n_o(n_e), .v_o(v_e), .p_o(p_e), .d2_o(d2_e), .f_o(along_e),
@@ -112,7 +101,7 @@ module triangle_box #(
     end
   end
   for (genvar i = 0; i < 3; i++) begin : g_face
-    triangle_box_face #(`DF_FORMAT, .I(i), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) face (
+    triangle_box_face #(`DF_SAME, .I(i)) face (
         .clk_i, .a_i(a_faces), .p_i(p_faces), .turned_i({turned_faces[2][i], turned_faces[1][i], turned_faces[0][i]}),
         .tie_i(tie_faces),
         .gap_o(gap[i]), .n_o(n[i]), .v_o(v[i]), .p_o(p_box[i]), .d2_o(d2[i]));
@@ -122,8 +111,7 @@ module triangle_box #(
   logic [2:0][LANES-1:0][CW-1:0] face_n, face_v, face_p;
   logic [LANES-1:0][CW-1:0] face_gap, face_d2;
   `DF_AT(tie_m, tie, `TRIANGLE_T_M)
-  triangle_face #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
-      .LAT_CMP(LAT_CMP)) face (
+  triangle_face #(`DF_SAME) face (
       .clk_i, .a_i(a), .p_i(p), .m1_i(m1), .f_i(t_f), .inverse_ff_i(t_inverse_ff), .longest0_i(t_longest0),
       .longest1_i(t_longest1),
       .m_i(t_m), .flat_i(t_flat), .tie_i(tie_m), .gap_o(face_gap), .n_o(face_n), .v_o(face_v), .p_o(face_p),
@@ -154,8 +142,7 @@ module triangle_box #(
   logic [LANES-1:0][CW-1:0] choice_s;
   logic [2:0][LANES-1:0][CW-1:0] choice_n, choice_v, choice_p, choice_start_v, choice_start_p;
   `DF_PHASE_AT(phase_facets, phase_edges, T_FACETS)
-  facet_choice #(`DF_FORMAT, .COUNT(FACETS), .FACET_II(FACET_II), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-      .LAT_CMP(LAT_CMP)) choice (
+  facet_choice #(`DF_SAME, .COUNT(FACETS), .FACET_II(FACET_II)) choice (
       .clk_i, .phase_i(phase_facets), .gap_i(gap), .n_i(n), .v_i(v), .p_i(p_box), .d2_i(d2), .f_i(along),
       .inverse_ff_i(inverse_ff), .tie_i(tie_facets),
       .wide_tie_i(wide_tie_facets), .s_o(choice_s),

@@ -6,19 +6,10 @@
 // Latency: LATENCY_TRIANGLE_BOX_EDGE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
 `include "triangle.svh"
 module triangle_box_edge #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
+    `DF_PARAMETERS,
     parameter int I = 0,  // axis, 0..2
     parameter int TURNS = 1,  // 1 or 3
-    parameter int J = 0,  // vertex, 0..2; with TURNS = 1
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    parameter int J = 0  // vertex, 0..2; with TURNS = 1
 ) (
     input logic clk_i,
     input logic [1:0] phase_i,
@@ -48,8 +39,7 @@ module triangle_box_edge #(
 
   // ---- The edge normal ----
   logic [LANES-1:0][CW-1:0] normal_k, normal_l, normal_inverse2, normal_valid;
-  edge_normal #(`DF_FORMAT, .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
-      .LAT_CMP(LAT_CMP)) normal (
+  edge_normal #(`DF_SAME) normal (
       .clk_i, .f_k_i(f[K]), .f_l_i(f[L]), .n_k_o(normal_k), .n_l_o(normal_l), .inverse2_o(normal_inverse2),
       .valid_o(normal_valid));
   localparam int T_N = `LATENCY_EDGE_NORMAL;
@@ -95,8 +85,7 @@ module triangle_box_edge #(
   `DF_MOVE_SIGN(sign_l, side, turned_k)
   `DF_AT(sign_k_n, sign_k, T_N)
   `DF_AT(sign_l_n, sign_l, T_N)
-  edge_facet #(`DF_FORMAT, .I(I), .CENTRED(0), .T_GAP(T_gap - T_N), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-      .LAT_CMP(LAT_CMP)) facet (
+  edge_facet #(`DF_SAME, .I(I), .CENTRED(0), .T_GAP(T_gap - T_N)) facet (
       .clk_i, .a_i(a_n), .sign_k_i(sign_k_n), .sign_l_i(sign_l_n), .q_i(vertex), .f_i(f_n), .inverse_ff_i(inverse_ff_n),
       .n_k_i(n_k),
       .n_l_i(n_l), .inverse2_i(inverse2), .valid_i(valid), .side_i(side_n), .gap_i(gap), .gap_o, .n_o, .v_o, .p_o,

@@ -6,15 +6,8 @@
 // Latency: LATENCY_TRIANGLE_BOX_FACE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
 `include "triangle.svh"
 module triangle_box_face #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int I = 0,  // axis, 0..2
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `DF_PARAMETERS,
+    parameter int I = 0  // axis, 0..2
 ) (
     input logic clk_i,
     input logic [2:0][LANES-1:0][CW-1:0] a_i,
@@ -53,7 +46,7 @@ module triangle_box_face #(
 
   `DF_VAT(a_q, a, T_q)
   `DF_AT(side_q, side, T_q)
-  face_facet #(`DF_FORMAT, .I(I), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP)) facet (
+  face_facet #(`DF_SAME, .I(I)) facet (
       .clk_i, .a_i(a_q), .side_i(side_q), .q_i(q), .n_o, .v_o, .p_o, .d2_o);
   if (T_q + `LATENCY_FACE_FACET != `LATENCY_TRIANGLE_BOX_FACE) $error("triangle_box_face: latency");
   `DF_AT(gap_out, gap, `LATENCY_TRIANGLE_BOX_FACE)

@@ -4,13 +4,7 @@
 // Latency: LATENCY_TURNED clocks; 0 with ARITH = "host". Throughput: one vector a lane a clock. Stall: none.
 `include "convex.svh"
 module turned #(
-    parameter int EXP = 8,
-    parameter int MAN = 23,
-    parameter int LANES = 1,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter ARITH = "rtl",
-    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+    `DF_PARAMETERS
 ) (
     input logic clk_i,
     input logic [2:0][LANES-1:0][CW-1:0] x_i,

@@ -12,6 +12,23 @@
 `ifndef CDE_DATAFLOW_SVH
 `define CDE_DATAFLOW_SVH
 
+// What has to be in scope, as the parameters of a module: the format, the number of lanes, clocks of each kind of
+// operator, and who computes. A module that has no operator of a kind does not look at its latency.
+`define DF_PARAMETERS \
+    parameter int EXP = 8, \
+    parameter int MAN = 23, \
+    parameter int LANES = 1, \
+    parameter int LAT_ADD = 1, \
+    parameter int LAT_MUL = 1, \
+    parameter int LAT_DIV = 1, \
+    parameter int LAT_SQRT = 1, \
+    parameter int LAT_CMP = 1, \
+    parameter ARITH = "rtl", \
+    localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
+// Those of a part: the ones of the module that it is in.
+`define DF_SAME .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), \
+    .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+
 // A condition under which the results of the lines that follow are looked at. Where it is 0 the host's arithmetic
 // leaves the operators out and they give zeros; gates compute all the same. A module that redefines it restores it at
 // its end. (A ring of which one phase at a time is at work: 0.70 of the time of cylinder-cylinder with it, 8 lanes.)
@@ -71,11 +88,13 @@
 // LOW <= A <= HIGH, two comparisons.
 `define DF_BETWEEN(M, LOW, A, HIGH) `DF_LE(M``_low, LOW, A) `DF_LE(M``_high, A, HIGH) `DF_AND(M, M``_low, M``_high)
 
-// ---- Vector operators: three of the above, vec_dot and vec_cross ----
+// ---- Vector operators: three of the above, vec_dot and vec_cross. B may be shared: one vector for all lanes ----
+`define DF_LANES(SCALAR) ($bits(SCALAR) / CW)
 `define DF_BINARY3(R, A, B, OPERATION, LATENCY) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LATENCY; \
   `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : op_``R \
-    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(OPERATION), .T_A(T_``A), .T_B(T_``B), .LAT(LATENCY)) \
+    df_operator #(`DF_FORMAT, .B_LANES(`DF_LANES(B[k])), .CANON(`DF_CANON), .OP(OPERATION), .T_A(T_``A), .T_B(T_``B), \
+      .LAT(LATENCY)) \
       op (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
   end
 `define DF_VADD(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_ADD, LAT_ADD)
@@ -85,6 +104,14 @@
 `define DF_VMUL(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_MUL, LAT_MUL)
 `define DF_VLT(M, A, B) `DF_BINARY3(M, A, B, formats_pkg::FP_LT, LAT_CMP)
 `define DF_VEQ(M, A, B) `DF_BINARY3(M, A, B, formats_pkg::FP_EQ, LAT_CMP)
+// Vectors that all lanes share, or, where B_LANES is LANES, do not.
+`define DF_SHARED_VECTOR logic [2:0][B_LANES-1:0][CW-1:0]
+`define DF_SHARED_VIN(R, EXPRESSION, TIME) localparam int T_``R = TIME; `DF_SHARED_VECTOR R; assign R = EXPRESSION;
+`define DF_SHARED_VSUB(R, A, B) localparam int T_``R = `DF_MAX2(T_``A, T_``B) + LAT_ADD; `DF_SHARED_VECTOR R; \
+  for (genvar k = 0; k < 3; k++) begin : op_``R \
+    df_operator #(.EXP(EXP), .MAN(MAN), .LANES(B_LANES), .ARITH(ARITH), .CANON(`DF_CANON), .OP(formats_pkg::FP_SUB), \
+      .T_A(T_``A), .T_B(T_``B), .LAT(LAT_ADD)) op (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
+  end
 // A limited to LOW .. HIGH: max, then min; a NaN gives LOW.
 `define DF_CLAMP(R, A, LOW, HIGH) `DF_MAX(R``_not_low, A, LOW) `DF_MIN(R, R``_not_low, HIGH)
 `define DF_VCLAMP(R, A, LOW, HIGH) `DF_VMAX(R``_not_low, A, LOW) `DF_VMIN(R, R``_not_low, HIGH)
@@ -95,12 +122,12 @@
   end
 `define DF_DOT(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_MUL + 2 * LAT_ADD; \
   `DF_SCALAR R; \
-  df_dot #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) \
-    dot_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
+  df_dot #(`DF_FORMAT, .B_LANES(`DF_LANES(B[0])), .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), \
+    .LAT_MUL(LAT_MUL)) dot_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
 `define DF_CROSS(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_MUL + LAT_ADD; \
   `DF_VECTOR R; \
-  df_cross #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) \
-    cross_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
+  df_cross #(`DF_FORMAT, .B_LANES(`DF_LANES(B[0])), .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), \
+    .LAT_MUL(LAT_MUL)) cross_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
 // M x, a dot product a row.
 `define DF_APPLY(R, M, X) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``M, T_``X), 0) + `DF_LAT_DOT; `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : row_``R \

@@ -6,6 +6,7 @@ module df_cross #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
+    parameter int B_LANES = LANES,  // 1: b is one for all lanes
     parameter int T_A = 0,
     parameter int T_B = 0,
     parameter int LAT_ADD = 1,
@@ -17,14 +18,15 @@ module df_cross #(
     input logic clk_i,
     input logic on_i,
     input logic [2:0][LANES-1:0][CW-1:0] a_i,
-    input logic [2:0][LANES-1:0][CW-1:0] b_i,
+    input logic [2:0][B_LANES-1:0][CW-1:0] b_i,
     output logic [2:0][LANES-1:0][CW-1:0] r_o
 );
   /*verilator inline_module*/
   localparam int T = (T_A > T_B) ? T_A : T_B;
-  logic [2:0][LANES-1:0][CW-1:0] a, b;
+  logic [2:0][LANES-1:0][CW-1:0] a;
+  logic [2:0][B_LANES-1:0][CW-1:0] b;
   df_align #(.W(3 * LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) align_a (.clk_i, .a_i, .r_o(a));
-  df_align #(.W(3 * LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) align_b (.clk_i, .a_i(b_i), .r_o(b));
-  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH), .CANON(CANON))
-      cell_u (.clk_i, .on_i, .a_i(a), .b_i(b), .r_o);
+  df_align #(.W(3 * B_LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) align_b (.clk_i, .a_i(b_i), .r_o(b));
+  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+      .ARITH(ARITH), .CANON(CANON)) cell_u (.clk_i, .on_i, .a_i(a), .b_i(b), .r_o);
 endmodule

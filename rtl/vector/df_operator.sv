@@ -6,6 +6,7 @@ module df_operator #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
+    parameter int B_LANES = LANES,  // 1: b is one for all lanes
     parameter int OP = formats_pkg::FP_ADD,  // FP_* up to FP_MAX; FP_SQRT of a_i
     parameter int T_A = 0,
     parameter int T_B = 0,
@@ -17,18 +18,19 @@ module df_operator #(
     input logic clk_i,
     input logic on_i,
     input logic [LANES-1:0][CW-1:0] a_i,
-    input logic [LANES-1:0][CW-1:0] b_i,
+    input logic [B_LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] r_o
 );
   /*verilator inline_module*/
   localparam int T = (T_A > T_B) ? T_A : T_B;
-  logic [LANES-1:0][CW-1:0] a, b;
+  logic [LANES-1:0][CW-1:0] a;
+  logic [B_LANES-1:0][CW-1:0] b;
   df_align #(.W(LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) align_a (.clk_i, .a_i, .r_o(a));
-  df_align #(.W(LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) align_b (.clk_i, .a_i(b_i), .r_o(b));
+  df_align #(.W(B_LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) align_b (.clk_i, .a_i(b_i), .r_o(b));
   if (OP < 0 || OP >= formats_pkg::FP_ARITHMETIC) $error("df_operator: unknown OP");
   // What fp_add, fp_mul and their like are made of. One cell here and not one a branch: Verilator links the whole tree
   // below an operator, all branches, before it knows which of them it needs
   // (measured on one edge facet: lint takes 53 MB instead of 300 MB).
-  fp_lanes #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .CANON(CANON))
+  fp_lanes #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .CANON(CANON))
       cell_u (.clk_i, .on_i, .a_i(a), .b_i(b), .r_o, .flags_o());
 endmodule

@@ -160,6 +160,11 @@ BoardConfig small_config() {
           .ddr_slots = 1000,
           .sram_records = 64};
 }
+BoardConfig pci_config() {
+  BoardConfig c = small_config();
+  c.bus = Bus::kCycle;
+  return c;
+}
 
 BoardConfig rich_config(Bus bus) {
   return {.lanes = 4,

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "board_configs.hpp"
 #include "cde/card/board.hpp"
 #include "cde/reference/reference.hpp"
 #include "cde/support/error.hpp"
@@ -48,14 +49,6 @@ Scene cloud(Random& random, std::size_t rays, std::size_t triangles);
 /// end on the hit and one ulp beside it, degenerate triangles, zeros of both signs, subnormal, huge
 /// and special values in every slot.
 Scene directed();
-
-/// Boards that the tests share in kind; each call opens a fresh one.
-BoardConfig host_config();
-BoardConfig rtl_config();
-BoardConfig small_config();  ///< 4 lanes, slow operators, 1,000 triangles, ring of 64 records
-/// 4 lanes, ray-triangle and triangle-sphere at a time, objects, check bits, 1,000 triangles, ring
-/// of 64 records: a card on which every call of Board has a meaning.
-BoardConfig rich_config(Bus bus);
 
 /// Runs a cast on the board and compares every record with the reference; returns the records.
 std::vector<Record> cast_and_compare(Board& board, const Scene& scene, const Query& query,

@@ -8,6 +8,7 @@
 
 #include <numeric>
 
+#include "board_configs.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde::testing {
@@ -261,14 +262,8 @@ class PlayerFlips : public ::testing::Test {
  protected:
   Player open(bool ecc, const char* fault) {
     Plan p = plan(scene_);
-    p.board = BoardConfig{.lanes = 4,
-                          .latency_add = 2,
-                          .latency_mul = 3,
-                          .latency_div = 9,
-                          .latency_compare = 2,
-                          .ddr_slots = 1000,
-                          .sram_records = 64,
-                          .ecc = ecc};
+    p.board = small_config();
+    p.board.ecc = ecc;
     return {scene_, p, {.faults = {fault_of(fault)}}};
   }
   Scene scene_ = parse_scene("frames = 4\n" + terrain("ground", "") + kRays +

@@ -8,7 +8,7 @@
 namespace cde::testing {
 namespace {
 
-constexpr std::uint32_t kConfigRead = 0xA, kConfigWrite = 0xB, kMemoryRead = 6, kMemoryWrite = 7;
+using namespace pci;
 constexpr std::uint32_t kSignaledTargetAbort = 1u << 27, kDetectedParity = 1u << 31,
                         kSignaledSerr = 1u << 30;
 

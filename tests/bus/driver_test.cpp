@@ -10,11 +10,6 @@
 namespace cde::testing {
 namespace {
 
-BoardConfig pci_config() {
-  BoardConfig c = small_config();
-  c.bus = Bus::kCycle;
-  return c;
-}
 OpenOptions options(const char* host, std::uint32_t burst = 4096) {
   OpenOptions o;
   o.host = *host_profile(host);

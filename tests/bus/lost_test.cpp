@@ -14,12 +14,6 @@
 namespace cde::testing {
 namespace {
 
-BoardConfig pci_config() {
-  BoardConfig c = small_config();
-  c.bus = Bus::kCycle;
-  return c;
-}
-
 struct Raised {
   ErrorCode code;
   std::string what;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "../board/board_configs.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde::testing {
@@ -35,14 +36,7 @@ class PlayerFaults : public ::testing::Test {
   /// The bitstream of the driver's tests: a small DDR, a ring of 64 records.
   static Plan planned(const Scene& scene) {
     Plan p = plan(scene);
-    p.board = {.lanes = 4,
-               .latency_add = 2,
-               .latency_mul = 3,
-               .latency_div = 9,
-               .latency_compare = 2,
-               .ddr_slots = 1000,
-               .sram_records = 64,
-               .bus = Bus::kCycle};
+    p.board = pci_config();
     return p;
   }
   Player& open(std::vector<ScheduledFault> faults) {

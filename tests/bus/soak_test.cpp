@@ -183,7 +183,7 @@ class Soak {
         break;
       default: {
         cde_pci_transaction t{};
-        t.command = 7;
+        t.command = pci::kMemoryWrite;
         t.address = BusCard::kBar + offset;
         t.dwords = 2;
         t.bad_data_parity = 1 + numbers_.below(2);

@@ -157,7 +157,7 @@ std::vector<std::string> Cli::faulty_card() const {
   std::stringstream text;
   text << std::ifstream(pipe).rdbuf();
   std::string rtl = text.str();
-  const std::string right = "in_edges_uv & uv_hi", wrong = "in_edges_uv";
+  const std::string right = "in_edges_uv & in_uv", wrong = "in_edges_uv";
   const auto at = rtl.find(right);
   if (at == std::string::npos) throw std::runtime_error(pipe.string() + " has no " + right);
   std::ofstream(pipe) << rtl.replace(at, right.size(), wrong);

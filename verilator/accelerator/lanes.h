@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eight lanes at a time: the vector statements that `reroll` writes. Operations of host_fp.h on
+// CDE_LANE_WORDS lanes at a time, 8 or 16: the vector statements that `reroll` writes. Operations of host_fp.h on
 // vectors of 32-bit words, lane by lane the bits of the scalar ones.
 #pragma once
 #include "host_fp.h"
@@ -7,9 +7,9 @@
 
 namespace lanes {
 
-constexpr unsigned kLanes = 8;
-typedef uint32_t Words __attribute__((ext_vector_type(8)));
-typedef float Floats __attribute__((ext_vector_type(8)));
+constexpr unsigned kLanes = CDE_LANE_WORDS;
+typedef uint32_t Words __attribute__((ext_vector_type(CDE_LANE_WORDS)));
+typedef float Floats __attribute__((ext_vector_type(CDE_LANE_WORDS)));
 
 template <std::size_t N>
 inline Words get(const VlWide<N>& from, unsigned word) {

@@ -3,6 +3,8 @@
 #pragma once
 #include <cstdint>
 
+#include "cde/contract/pci.hpp"
+
 namespace pci {
 
 /// Control signals, as bits; the wires are low when asserted.
@@ -26,16 +28,7 @@ constexpr uint32_t kTargetSignals = kTrdy | kStop | kDevsel | kAck64;
 constexpr uint32_t kSustained = kFrame | kReq64 | kIrdy | kTargetSignals | kPerr;
 constexpr uint32_t kControls = kSustained | kPar | kPar64;
 
-/// Commands, C/BE# of the address phase.
-enum Command : uint8_t {
-  kConfigRead = 0xA,
-  kConfigWrite = 0xB,
-  kMemoryRead = 0x6,
-  kMemoryWrite = 0x7,
-  kReadMultiple = 0xC,
-  kReadLine = 0xE,
-  kWriteInvalidate = 0xF,
-};
+using namespace cde::pci;  // the commands
 constexpr bool is_write(uint8_t command) {
   return (command & 1) != 0 && command != 0xD;
 }

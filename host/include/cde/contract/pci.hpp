@@ -27,6 +27,18 @@ inline constexpr unsigned kPageValid = 0;     ///< bit of an entry
 inline constexpr unsigned kPageWritable = 1;  ///< bit of an entry: device to host is allowed
 inline constexpr unsigned kPageFrame = 12;    ///< [31:12] bus address of the page
 
+/// Bus commands, C/BE# of an address phase (PCI 3.0, 3.1.1); those of the card and those that it
+/// answers.
+enum Command : std::uint8_t {
+  kMemoryRead = 0x6,
+  kMemoryWrite = 0x7,
+  kConfigRead = 0xA,
+  kConfigWrite = 0xB,
+  kReadMultiple = 0xC,
+  kReadLine = 0xE,
+  kWriteInvalidate = 0xF,
+};
+
 /// Registers of the bridge, offsets in BAR0, 64 bits each.
 enum Register : std::uint32_t {
   kRegControl = 0x1000,         ///< write: kControl* bits; reads 0
