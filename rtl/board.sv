@@ -46,7 +46,6 @@ module board #(
     input logic [RECORD_WORDS-1:0][CW-1:0] sram_read_data_i  // the clock after sram_read_o
 );
   localparam int ROW_W = config_pkg::index_bits(CONFIG.primaries / CONFIG.lanes);
-  localparam int LANE_W = config_pkg::index_bits(CONFIG.lanes);
   localparam int PRIM_W = $clog2(CONFIG.primaries);
   localparam int FIFO_W = $clog2(config_pkg::FIFO_DEPTH);
   localparam int OBJECT_W = (CONFIG.transform != pairs_pkg::TRANSFORM_NONE) ? $clog2(CONFIG.objects) : 1;
@@ -65,10 +64,13 @@ module board #(
   logic object_write, objects_good, objects_busy, posed;
   card_pkg::pass_t command;  // what a pass that starts now would do
   card_pkg::events_t events;
-  logic [1:0] issue;
-  logic bubble, stall, sec_pop, sec_bad, writeback, record_write;
+  card_pkg::issue_t issue;
+  card_pkg::writeback_t writeback;
+  card_pkg::streamed_t streamed;
+  logic bubble, stall, sec_pop, sec_bad, record_write;
   logic [3:0] ecc_corrected, ecc_failed;
-  assign events = {ecc_failed, ecc_corrected, record_write, writeback, sec_bad, sec_pop, stall, bubble, issue};
+  assign events = {ecc_failed, ecc_corrected, record_write, writeback.valid, sec_bad, sec_pop, stall, bubble,
+      issue.valid};
   card_registers #(.CONFIG(CONFIG)) registers (
       .clk_i, .clk_engine_i(clk_engine), .rst_i, .bus_i(bus_request), .bus_o(bus_response), .irq_o, .clk_bus_o(clk_bus),
       .addr_o(ddr_write_addr_o), .wdata_o(ddr_write_data_o), .prim_write_o(prim_write), .ddr_write_o,
@@ -84,15 +86,18 @@ module board #(
   logic [BEAT-1:0][CW-1:0] ddr_data;
   logic [3:0] ddr_words;  // of the beat that belong to a slot
   // Readers of DDR: the secondaries, and a place for a second unit.
-  logic [1:0] reader_asks, reader_ready, reader_valid;
-  logic [1:0][31:0] reader_word;
+  card_pkg::ddr_request_t [1:0] readers_ask;
+  card_pkg::ddr_request_t ddr_request;
+  logic [1:0] reader_ready, reader_valid;
   logic [1:0][3:0] reader_words;
-  assign {reader_asks[1], reader_word[1], reader_words[1]} = '0;
+  assign readers_ask[1] = '0;
+  assign reader_words[1] = '0;
+  assign {ddr_read_o, ddr_read_word_o} = ddr_request;
   logic unused_reader;
   assign unused_reader = &{1'b0, reader_ready[1], reader_valid[1]};
   ddr_readers #(.READERS(2), .USED(2'b01)) readers (
-      .clk_i(clk_engine), .rst_i, .read_i(reader_asks), .word_i(reader_word), .ready_o(reader_ready),
-      .valid_o(reader_valid), .words_i(reader_words), .read_o(ddr_read_o), .word_o(ddr_read_word_o),
+      .clk_i(clk_engine), .rst_i, .readers_i(readers_ask), .ready_o(reader_ready),
+      .valid_o(reader_valid), .words_i(reader_words), .request_o(ddr_request),
       .valid_i(ddr_valid), .words_o(ddr_words));
   ddr_check #(.CONFIG(CONFIG)) check_bits (
       .clk_i(clk_engine), .rst_i, .write_data_i(ddr_write_data_o), .write_check_o(ddr_write_check_o),
@@ -108,8 +113,8 @@ module board #(
   secondary_regfile #(.CONFIG(CONFIG)) secondaries (
       .clk_i(clk_engine), .rst_i, .pair_i(pair[0]), .swap_i(swap[0]), .start_i(fetch_start), .stop_i(fetch_stop),
       .pass_i(command), .range_entry_o(range_entry), .range_i(range), .transform_entry_o(transform_entry),
-      .moving_o(moving), .clk_moving_i(clk_moving), .unmoved_o(unmoved), .moved_i(moved), .ddr_read_o(reader_asks[0]),
-      .ddr_word_o(reader_word[0]), .ddr_ready_i(reader_ready[0]), .ddr_valid_i(reader_valid[0]), .ddr_data_i(ddr_data),
+      .moving_o(moving), .clk_moving_i(clk_moving), .unmoved_o(unmoved), .moved_i(moved), .ddr_o(readers_ask[0]),
+      .ddr_ready_i(reader_ready[0]), .ddr_valid_i(reader_valid[0]), .ddr_data_i(ddr_data),
       .ddr_words_o(reader_words[0]),
       .valid_o(sec_valid), .slot_o(secondary), .bad_o(sec_bad), .index_o(sec_index), .last_o(sec_last), .pop_i(sec_pop),
       .idle_o(sec_idle));
@@ -146,13 +151,11 @@ module board #(
       .valid_o(unit_valid), .ready_i(unit_ready), .abort_o(unit_abort), .busy_i(unit_busy), .done_i(unit_done));
   localparam int ENGINE = int'(card_pkg::UNIT_ENGINE);
   logic [2:0] mode;
-  logic streaming, prim_busy, flush, clear, issue_parity, fifo_empty, writeback_parity, record_ready;
+  logic streaming, prim_busy, flush, clear, fifo_empty, record_ready;
   logic [ROW_W-1:0] clear_row;
-  logic [1:0][ROW_W-1:0] issue_row;
   logic [CONFIG.lanes-1:0] clear_mask;
   logic [1:0] retire, ready, credit, gap;
   logic [PRIM_W:0] new_hits;
-  logic [PRIM_W-1:0] writeback_primary;
   engine_control #(.CONFIG(CONFIG)) control (
       .clk_i(clk_engine), .rst_i, .go_i(unit_valid[ENGINE]), .ready_o(unit_ready[ENGINE]), .abort_i(unit_abort[ENGINE]),
       .command_i(command), .mode_o(mode), .pair_o(pair), .swap_o(swap), .primaries_busy_i(prim_busy),
@@ -160,19 +163,17 @@ module board #(
       .streaming_mode_o(streaming), .pose_wanted_i(pose_wanted), .pose_o(pose), .posed_i(posed), .clear_o(clear),
       .clear_row_o(clear_row), .clear_mask_o(clear_mask), .fetch_start_o(fetch_start), .fetch_stop_o(fetch_stop),
       .secondary_valid_i(sec_valid), .secondary_last_i(sec_last), .secondary_idle_i(sec_idle),
-      .secondary_pop_o(sec_pop), .ready_i(ready), .issue_o(issue), .issue_row_o(issue_row),
-      .issue_parity_o(issue_parity), .retire_i(retire), .new_hits_i(new_hits), .credit_i(credit),
-      .fifo_empty_i(fifo_empty), .writeback_o(writeback), .writeback_primary_o(writeback_primary),
-      .writeback_parity_o(writeback_parity), .writeback_ready_i(record_ready), .sram_idle_i(!record_write),
+      .secondary_pop_o(sec_pop), .ready_i(ready), .issue_o(issue), .retire_i(retire), .new_hits_i(new_hits),
+      .credit_i(credit),
+      .fifo_empty_i(fifo_empty), .writeback_o(writeback), .writeback_ready_i(record_ready), .sram_idle_i(!record_write),
       .bubble_o(bubble), .stall_o(stall));
 
   // ---- Collision detection engine and output FIFO ----
-  logic [ROW_W-1:0] row, fifo_row;
-  logic [31:0] index, fifo_index, result_index;
+  logic [ROW_W-1:0] row;
+  logic [31:0] index, result_index;
   logic [CONFIG.lanes-1:0] f, bad, unmasked;
-  logic fifo_keep, fifo_valid, fifo_f, fifo_bad;
+  logic fifo_keep;
   logic [FIFO_W-1:0] fifo_write, fifo_head;
-  logic [LANE_W-1:0] fifo_lane;
   logic [CW-1:0] result_t;
   logic [POINTS-1:0][CW-1:0] result_point;
   cde #(.CONFIG(CONFIG)) engine (
@@ -181,30 +182,26 @@ module board #(
       .clk_moving_i(clk_moving), .prim_read_i(prim_read), .prim_written_o(prim_written), .pose_i(pose_commit),
       .pose_number_i(pose_number), .pose_slot_i(pose_slot), .pair_i(pair), .swap_i(swap),
       .split_i(command.split[PRIM_W-1:0]), .budget_i(command.budget), .gap_o(gap), .ready_o(ready), .clear_i(clear),
-      .clear_row_i(clear_row), .clear_mask_i(clear_mask), .valid_i(issue), .row_i(issue_row), .parity_i(issue_parity),
+      .clear_row_i(clear_row), .clear_mask_i(clear_mask), .issue_i(issue),
       .index_i(sec_index), .secondary_i(secondary), .secondary_bad_i(sec_bad), .mode_i(mode), .streaming_i(streaming),
       .valid_o(retire), .row_o(row), .index_o(index), .new_hits_o(new_hits), .f_o(f), .bad_o(bad),
       .unmasked_o(unmasked), .latency_o(latency), .push_i(fifo_keep), .write_i(fifo_write),
-      .read_i(streaming && fifo_valid), .head_i(fifo_head), .lane_i(fifo_lane), .result_i(writeback),
-      .result_primary_i(writeback_primary), .result_parity_i(writeback_parity), .result_index_o(result_index),
+      .head_i(fifo_head), .streamed_i(streamed), .result_i(writeback), .result_index_o(result_index),
       .result_t_o(result_t), .result_point_o(result_point));
   record_fifo #(.LANES(CONFIG.lanes), .ROW_W(ROW_W), .DEPTH(config_pkg::FIFO_DEPTH)) fifo (
       .clk_i(clk_engine), .rst_i(rst_i | clear | flush), .hits_only_i(mode == registers_pkg::MODE_HITS),
       .push_i(retire[0] && streaming), .row_i(row), .index_i(index), .unmasked_i(unmasked), .f_i(f), .bad_i(bad),
-      .keep_o(fifo_keep), .write_o(fifo_write), .credit_o(credit), .empty_o(fifo_empty), .valid_o(fifo_valid),
-      .ready_i(record_ready), .head_o(fifo_head), .row_o(fifo_row), .lane_o(fifo_lane), .index_o(fifo_index),
-      .f_o(fifo_f), .bad_o(fifo_bad));
+      .keep_o(fifo_keep), .write_o(fifo_write), .credit_o(credit), .empty_o(fifo_empty),
+      .ready_i(record_ready), .head_o(fifo_head), .streamed_o(streamed));
 
   // ---- Records ----
   logic [RECORD_WORDS-1:0][CW-1:0] record;
   logic clk_ring, ring_active;
   record_maker #(.CONFIG(CONFIG)) records (
       .clk_i(clk_engine), .rst_i, .flush_i(flush), .normals_i(command.normals), .streaming_i(streaming),
-      .second_pair_i(pair[1]), .gap_i(gap), .split_i(command.split[PRIM_W-1:0]), .fifo_valid_i(fifo_valid),
-      .fifo_row_i(fifo_row), .fifo_lane_i(fifo_lane), .fifo_index_i(fifo_index), .fifo_f_i(fifo_f),
-      .fifo_bad_i(fifo_bad), .writeback_i(writeback), .writeback_primary_i(writeback_primary),
-      .writeback_bad_i(prim_bad[writeback_primary]), .result_index_i(result_index), .result_t_i(result_t),
-      .result_point_i(result_point), .ready_o(record_ready), .sram_full_i(sram_full), .sram_count_i(sram_count),
+      .second_pair_i(pair[1]), .gap_i(gap), .split_i(command.split[PRIM_W-1:0]), .streamed_i(streamed),
+      .writeback_i(writeback), .writeback_bad_i(prim_bad[writeback.primary[PRIM_W-1:0]]), .result_index_i(result_index),
+      .result_t_i(result_t), .result_point_i(result_point), .ready_o(record_ready), .sram_full_i(sram_full), .sram_count_i(sram_count),
       .write_o(record_write), .record_o(record));
   clock_gate gate_ring (.clk_i, .enable_i(record_write | sram_pop | ring_active | flush | rst_i), .clk_o(clk_ring));
   sram_ring #(.CW(CW), .RECORDS(CONFIG.sram_records)) ring (

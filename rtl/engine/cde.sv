@@ -62,9 +62,7 @@ module cde #(
     input logic [23:0] budget_i,  // of cylinder pairs
     output logic [1:0] gap_o,  // it is a pair of solids
     output logic [1:0] ready_o,  // the pair's pipe takes a row
-    input logic [1:0] valid_i,
-    input logic [1:0][ROW_W-1:0] row_i,
-    input logic parity_i,
+    input card_pkg::issue_t issue_i,
     input logic [31:0] index_i,
     input logic [SEC_WORDS-1:0][CW-1:0] secondary_i,
     input logic secondary_bad_i,
@@ -82,12 +80,9 @@ module cde #(
 
     input logic push_i,
     input logic [FIFO_W-1:0] write_i,
-    input logic read_i,  // T and CP of one lane, out of the FIFO
     input logic [FIFO_W-1:0] head_i,
-    input logic [LANE_W-1:0] lane_i,
-    input logic result_i,  // T, CP and index of one primary, out of the update buffers
-    input logic [PRIM_W-1:0] result_primary_i,
-    input logic result_parity_i,
+    input card_pkg::streamed_t streamed_i,   // T and CP of its lane, out of the FIFO
+    input card_pkg::writeback_t result_i,  // T, CP and index of its primary, out of the update buffers
     output logic [31:0] result_index_o,
     output logic [CW-1:0] result_t_o,
     output logic [POINTS-1:0][CW-1:0] result_point_o
@@ -102,6 +97,9 @@ module cde #(
   localparam int GROUPS = LANES / GROUP;
   localparam int GLANE_W = (GROUP > 1) ? $clog2(GROUP) : 1;
   localparam int HITS_W = $clog2(GROUP + 1) + PARALLEL;
+
+  logic [1:0][ROW_W-1:0] row;
+  assign row = {issue_i.row[1][ROW_W-1:0], issue_i.row[0][ROW_W-1:0]};
 
   // ---- Primaries from the bus ----
   logic prim_commit, clk_prim;
@@ -140,18 +138,20 @@ module cde #(
     assign latency[k] = pipe_latency[k] + 16'(MANY);  // the register in front of each of several pipes
     logic of_ring, late_valid, rested;
     row_interval #(.INTERVAL(TURNS ? FACET_II : 1)) interval (
-        .clk_i, .rst_i, .take_i(valid_i[k] && pairs_pkg::has(pairs_pkg::FACET_PAIRS, int'(pair[k]))), .ready_o(rested));
+        .clk_i, .rst_i, .take_i(issue_i.valid[k] && pairs_pkg::has(pairs_pkg::FACET_PAIRS, int'(pair[k]))),
+        .ready_o(rested));
     logic [ROW_W+33:0] tag, late_tag;
-    assign tag = {row_i[k], parity_i, index_i, secondary_bad_i};
+    assign tag = {row[k], issue_i.parity, index_i, secondary_bad_i};
     issue_history #(.W(ROW_W + 34), .DEPTH(HISTORY)) history (
-        .clk_i, .rst_i, .latency_i(of_ring ? 16'd1 : latency[k]), .valid_i(valid_i[k] && !of_ring), .d_i(tag),
+        .clk_i, .rst_i, .latency_i(of_ring ? 16'd1 : latency[k]), .valid_i(issue_i.valid[k] && !of_ring), .d_i(tag),
         .valid_o(late_valid), .q_o(late_tag));
     if (RINGS) begin : g_ring  // keeps the order, not the time
       logic [ROW_W+33:0] next_tag;
       assign of_ring = pairs_pkg::has(pairs_pkg::RING_PAIRS, int'(pair[k]));
       assign ready_o[k] = rested && (!of_ring || group[0].ring_ready[pair[k]]);
       issue_order #(.W(ROW_W + 34), .DEPTH(pairs_pkg::RING_ROWS)) order (
-          .clk_i, .rst_i, .push_i(valid_i[k] && of_ring), .d_i(tag), .pop_i(of_ring && group[0].ring_valid[pair[k]]),
+          .clk_i, .rst_i, .push_i(issue_i.valid[k] && of_ring), .d_i(tag),
+          .pop_i(of_ring && group[0].ring_valid[pair[k]]),
           .q_o(next_tag));
       assign valid_o[k] = of_ring ? group[0].ring_valid[pair[k]] : late_valid;
       assign {row_out[k], parity[k], index[k], secondary_bad[k]} = of_ring ? next_tag : late_tag;
@@ -164,10 +164,10 @@ module cde #(
     if (ARITH != "rtl") begin : g_late
       logic unused_valid;
       issue_history #(.W(ROW_W + SEC_WORDS * CW), .DEPTH(HISTORY)) history_operands (
-          .clk_i, .rst_i, .latency_i(of_ring ? 16'd1 : pipe_latency[k]), .valid_i(valid_i[k] && !of_ring),
-          .d_i({row_i[k], secondary_i}), .valid_o(unused_valid), .q_o({row_in[k], secondary[k]}));
+          .clk_i, .rst_i, .latency_i(of_ring ? 16'd1 : pipe_latency[k]), .valid_i(issue_i.valid[k] && !of_ring),
+          .d_i({row[k], secondary_i}), .valid_o(unused_valid), .q_o({row_in[k], secondary[k]}));
     end else begin : g_early
-      assign row_in[k] = row_i[k];
+      assign row_in[k] = row[k];
       assign secondary[k] = secondary_i;
     end
   end
@@ -176,7 +176,7 @@ module cde #(
   assign index_o = index[0];
   if (PARALLEL == 0) begin : g_single
     logic unused_second;
-    assign unused_second = &{1'b0, valid_i[1], row_i[1], pair_i[1], swap_i[1], split_i};
+    assign unused_second = &{1'b0, issue_i.valid[1], row[1], pair_i[1], swap_i[1], split_i};
     assign valid_o[1] = 1'b0;
     assign ready_o[1] = 1'b1;
   end
@@ -200,16 +200,16 @@ module cde #(
   // ---- Lanes ----
   logic [LANE_W-1:0] result_lane, lane;
   logic [ROW_W-1:0] result_row;
-  assign result_row = ROW_W'(32'(result_primary_i) / 32'(LANES));
-  assign result_lane = LANE_W'(32'(result_primary_i) % 32'(LANES));
-  assign lane = result_i ? result_lane : lane_i;
+  assign result_row = ROW_W'(32'(result_i.primary) / 32'(LANES));
+  assign result_lane = LANE_W'(32'(result_i.primary) % 32'(LANES));
+  assign lane = result_i.valid ? result_lane : streamed_i.lane[LANE_W-1:0];
   logic [PORTS-1:0] result;
   if (PARALLEL != 0) begin : g_results
     logic second;
-    assign second = pair_i[1] != pairs_pkg::NO_PAIR && result_primary_i >= split_i;
-    assign result = {result_i && second, result_i && !second};
+    assign second = pair_i[1] != pairs_pkg::NO_PAIR && result_i.primary[PRIM_W-1:0] >= split_i;
+    assign result = {result_i.valid && second, result_i.valid && !second};
   end else begin : g_result
-    assign result[0] = result_i;
+    assign result[0] = result_i.valid;
   end
   logic [HITS_W-1:0] new_hits[GROUPS];
   logic [31:0] result_index[GROUPS];
@@ -232,13 +232,15 @@ module cde #(
         .clear_mask_i(clear_mask_i[g*GROUP+:GROUP]), .clear_bad_i(prim_bad_o[32'(clear_row_i)*LANES+g*GROUP+:GROUP]),
         .pair_i(pair_i[PORTS-1:0]), .gap_i(gap_o[PORTS-1:0]), .swap_i(swap_i[PORTS-1:0]), .clk_pipe_i(clk_pipe),
         .row_i(row_in), .secondary_i(secondary), .rst_i(RINGS && rst_i), .budget_i(RINGS ? budget_i : '0),
-        .issue_i(ISSUE ? valid_i[PORTS-1:0] : '0), .ring_row_i(RINGS ? row_i[PORTS-1:0] : '0),
+        .issue_i(ISSUE ? issue_i.valid[PORTS-1:0] : '0), .ring_row_i(RINGS ? row[PORTS-1:0] : '0),
         .ring_secondary_i(RINGS ? secondary_i : '0), .ring_ready_o(ring_ready), .ring_valid_o(ring_valid),
         .latency_o(latency_pipes), .valid_i(valid_o[PORTS-1:0]), .row_out_i(row_out), .parity_i(parity),
         .index_i(index), .secondary_bad_i(secondary_bad), .mode_i, .streaming_i, .new_hits_o(new_hits[g]),
         .f_o(f_o[g*GROUP+:GROUP]), .bad_o(bad_o[g*GROUP+:GROUP]), .unmasked_o(unmasked_o[g*GROUP+:GROUP]),
-        .push_i, .write_i, .read_i(read_i && asked), .head_i, .result_i(result & {PORTS{asked}}),
-        .result_row_i(result_row), .result_parity_i, .lane_i(GLANE_W'(lane)), .result_index_o(result_index[g]),
+        .push_i, .write_i, .read_i(streaming_i && streamed_i.valid && asked), .head_i,
+        .result_i(result & {PORTS{asked}}),
+        .result_row_i(result_row), .result_parity_i(result_i.parity), .lane_i(GLANE_W'(lane)),
+        .result_index_o(result_index[g]),
         .result_t_o(result_t[g]), .result_point_o(result_point[g]));
   end
   for (genvar k = 0; k < PORTS; k++) begin : latency_of
@@ -252,7 +254,7 @@ module cde #(
     result_point_o = '0;
     for (int g = 0; g < GROUPS; g++) new_hits_o = new_hits_o + (PRIM_W + 1)'(new_hits[g]);
     // Zeros while nothing is read; the condition is for simulation.
-    if (result_i || read_i) for (int g = 0; g < GROUPS; g++) begin
+    if (result_i.valid || (streaming_i && streamed_i.valid)) for (int g = 0; g < GROUPS; g++) begin
       result_index_o = result_index_o | result_index[g];
       result_t_o = result_t_o | result_t[g];
       result_point_o = result_point_o | result_point[g];

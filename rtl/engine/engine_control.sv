@@ -45,17 +45,13 @@ module engine_control #(
     output logic secondary_pop_o,
 
     input logic [1:0] ready_i,   // the pair's pipe takes a row
-    output logic [1:0] issue_o,  // to the pipe of the first pair, of the second
-    output logic [1:0][ROW_W-1:0] issue_row_o,
-    output logic issue_parity_o,
+    output card_pkg::issue_t issue_o,
     input logic [1:0] retire_i,       // a row left the pipe
     input logic [PRIM_W:0] new_hits_i,
     input logic [1:0] credit_i,
     input logic fifo_empty_i,
 
-    output logic writeback_o,  // writeback_primary_o is to be written to SRAM
-    output logic [PRIM_W-1:0] writeback_primary_o,
-    output logic writeback_parity_o,
+    output card_pkg::writeback_t writeback_o,
     input logic writeback_ready_i,
     input logic sram_idle_i,
 
@@ -64,7 +60,8 @@ module engine_control #(
 );
   typedef enum logic [2:0] {IDLE, POSE, CLEAR, SWEEP, DRAIN, WRITEBACK, FLUSH} state_e;
   state_e state_q;
-  logic [ROW_W-1:0] row_q;
+  logic [ROW_W-1:0] row_q, second_row;
+  logic [PRIM_W-1:0] primary;
   logic [ROW_W:0] rows, first_rows, second_rows, longer;  // rows in use
   logic parity_q, stop_q;
   logic [PRIMARIES-1:0] pending_q, lowest;
@@ -93,22 +90,24 @@ module engine_control #(
   assign all_hit = mode_o == registers_pkg::MODE_ANY && missing_q == 0;
   assign wanted = {(ROW_W + 1)'(row_q) < second_rows, (ROW_W + 1)'(row_q) < first_rows};
   assign enter = state_q == SWEEP && secondary_valid_i && has_credit && (wanted & ~ready_i) == 0 && !stop_q;
-  assign issue_o = wanted & {2{enter}};
-  assign issue_row_o = {row_q + ROW_W'(first_rows), row_q};
-  assign issue_parity_o = parity_q;
+  assign issue_o.valid = wanted & {2{enter}};
+  assign second_row = row_q + ROW_W'(first_rows);
+  assign issue_o.row = {card_pkg::ROW_BITS'(second_row), card_pkg::ROW_BITS'(row_q)};
+  assign issue_o.parity = parity_q;
   assign secondary_pop_o = enter && last_row;
   assign fetch_start_o = clear_o && row_q == 0 && !abort_i;
   assign fetch_stop_o = state_q == SWEEP && stop_q || abort_i;
   assign bubble_o = state_q == SWEEP && !secondary_valid_i && !stop_q;
   assign stall_o = state_q == SWEEP && secondary_valid_i && !stop_q && !enter;
 
-  first_set #(.N(PRIMARIES)) next_primary (.set_i(pending_q), .first_o(lowest), .index_o(writeback_primary_o));
-  assign writeback_o = state_q == WRITEBACK && pending_q != 0;
-  assign writeback_parity_o = parity_q;
+  first_set #(.N(PRIMARIES)) next_primary (.set_i(pending_q), .first_o(lowest), .index_o(primary));
+  assign writeback_o.valid = state_q == WRITEBACK && pending_q != 0;
+  assign writeback_o.primary = card_pkg::PRIMARY_BITS'(primary);
+  assign writeback_o.parity = parity_q;
   assign done_o = state_q == WRITEBACK && pending_q == 0 && fifo_empty_i && sram_idle_i;
 
   always_ff @(posedge clk_i) begin
-    in_flight_q <= in_flight_q + 16'($countones(issue_o)) - 16'($countones(retire_i));
+    in_flight_q <= in_flight_q + 16'($countones(issue_o.valid)) - 16'($countones(retire_i));
     credits_q <= credits_q + ($clog2(FIFO_DEPTH) + 1)'(credit_i) - ($clog2(FIFO_DEPTH) + 1)'(enter && streaming_mode_o);
     missing_q <= missing_q - new_hits_i;
     case (state_q)
@@ -148,7 +147,7 @@ module engine_control #(
         state_q <= WRITEBACK;
       end
       WRITEBACK: begin
-        if (writeback_o && writeback_ready_i) pending_q <= pending_q & ~lowest;
+        if (writeback_o.valid && writeback_ready_i) pending_q <= pending_q & ~lowest;
         if (done_o) state_q <= IDLE;
       end
       FLUSH: if (in_flight_q == 0 && secondary_idle_i) state_q <= IDLE;

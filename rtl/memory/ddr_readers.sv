@@ -15,14 +15,12 @@ module ddr_readers #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic [READERS-1:0] read_i,
-    input logic [READERS-1:0][31:0] word_i,  // address in words
+    input card_pkg::ddr_request_t [READERS-1:0] readers_i,
     output logic [READERS-1:0] ready_o,
     output logic [READERS-1:0] valid_o,      // the beat that DDR shows is this one's
     input logic [READERS-1:0][3:0] words_i,  // of that beat are used
 
-    output logic read_o,
-    output logic [31:0] word_o,
+    output card_pkg::ddr_request_t request_o,
     input logic valid_i,
     output logic [3:0] words_o
 );
@@ -31,13 +29,12 @@ module ddr_readers #(
   end
   if ((USED & (USED - 1'b1)) == 0) begin : g_alone
     localparam int R = $clog2(USED);
-    assign read_o = read_i[R];
-    assign word_o = word_i[R];
+    assign request_o = readers_i[R];
     assign ready_o = USED;
     assign valid_o = valid_i ? USED : '0;
     assign words_o = words_i[R];
     logic unused_others;
-    assign unused_others = &{1'b0, clk_i, rst_i, read_i, word_i, words_i};
+    assign unused_others = &{1'b0, clk_i, rst_i, readers_i, words_i};
   end else begin : g_shared
     localparam int D = $clog2(DEPTH);
     logic [READERS-1:0] asking, behind, behind_q, chosen;  // behind the one served last
@@ -46,21 +43,21 @@ module ddr_readers #(
     logic [D:0] asked_q, answered_q;
     logic room;
     assign room = asked_q - answered_q != (D + 1)'(DEPTH);
-    assign asking = room ? read_i & USED : '0;
+    for (genvar r = 0; r < READERS; r++) begin : reader assign asking[r] = room && USED[r] && readers_i[r].valid; end
     assign behind = asking & behind_q;
     assign chosen = (behind != 0) ? behind : asking;
     always_comb begin
       turn = '0;
       for (int r = READERS - 1; r >= 0; r--) if (chosen[r]) turn = W'(r);
     end
-    assign read_o = asking != 0;
-    assign word_o = word_i[turn];
-    assign ready_o = read_o ? READERS'(1) << turn : '0;
+    assign request_o.valid = asking != 0;
+    assign request_o.word = readers_i[turn].word;
+    assign ready_o = request_o.valid ? READERS'(1) << turn : '0;
     assign owner = owners[answered_q[D-1:0]];
     assign valid_o = valid_i ? READERS'(1) << owner : '0;
     assign words_o = words_i[owner];
     always_ff @(posedge clk_i) begin
-      if (read_o) begin
+      if (request_o.valid) begin
         owners[asked_q[D-1:0]] <= turn;
         asked_q <= asked_q + 1'b1;
         behind_q <= ~((READERS'(2) << turn) - 1'b1);

@@ -42,8 +42,7 @@ module secondary_regfile #(
     output logic [WORDS-1:0][CW-1:0] unmoved_o,      // the slot, the clock after, as its transform
     input logic [WORDS-1:0][CW-1:0] moved_i,         // behind the transformer
 
-    output logic ddr_read_o,
-    output logic [31:0] ddr_word_o,  // address in words
+    output card_pkg::ddr_request_t ddr_o,
     input logic ddr_ready_i,  // the request is taken
     input logic ddr_valid_i,
     input logic [BEAT-1:0][CW-1:0] ddr_data_i,
@@ -78,9 +77,9 @@ module secondary_regfile #(
   assign shape = 3'(swap_i ? pairs_pkg::primary_shape(int'(pair_i)) : pairs_pkg::secondary_shape(int'(pair_i)));
   assign words = 4'(pairs_pkg::shape_words(int'(shape)));
   assign two = WORDS > BEAT && 32'(words) > BEAT;
-  assign ddr_read_o = asking && (asked_q - read_q) != (AW + 1)'(DEPTH);
-  assign ddr_word_o = word + (second_q ? BEAT : 0);
-  assign taken = ddr_read_o && ddr_ready_i;
+  assign ddr_o.valid = asking && (asked_q - read_q) != (AW + 1)'(DEPTH);
+  assign ddr_o.word = word + (second_q ? BEAT : 0);
+  assign taken = ddr_o.valid && ddr_ready_i;
   assign slot_asked = taken && (!two || second_q);
   assign stop = (stop_i || stopping_q) && (!two || second_q == taken);  // never after half a slot
   range_walk #(.ENTRIES(OBJECTS)) walk (

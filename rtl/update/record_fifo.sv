@@ -25,14 +25,9 @@ module record_fifo #(
     output logic [1:0] credit_o,  // rows given back this clock
     output logic empty_o,
 
-    output logic valid_o,
     input logic ready_i,
     output logic [AW-1:0] head_o,
-    output logic [ROW_W-1:0] row_o,
-    output logic [LANE_W-1:0] lane_o,
-    output logic [31:0] index_o,
-    output logic f_o,
-    output logic bad_o
+    output card_pkg::streamed_t streamed_o
 );
   logic [AW:0] write_q, read_q;
   logic [ROW_W-1:0] row_mem[DEPTH];
@@ -40,6 +35,7 @@ module record_fifo #(
   logic [LANES-1:0] want_mem[DEPTH], f_mem[DEPTH], bad_mem[DEPTH];
 
   logic [LANES-1:0] want, done_q, pending, lowest;
+  logic [LANE_W-1:0] lane;
   logic emit, leave;
   assign want = hits_only_i ? unmasked_i & f_i : unmasked_i;
   assign keep_o = push_i && |want;
@@ -47,15 +43,16 @@ module record_fifo #(
   assign head_o = read_q[AW-1:0];
   assign empty_o = write_q == read_q;
   assign pending = want_mem[head_o] & ~done_q;
-  first_set #(.N(LANES)) first (.set_i(pending), .first_o(lowest), .index_o(lane_o));
-  assign valid_o = !empty_o;
-  assign emit = valid_o && ready_i;
+  first_set #(.N(LANES)) first (.set_i(pending), .first_o(lowest), .index_o(lane));
+  assign emit = !empty_o && ready_i;
   assign leave = emit && (pending & ~lowest) == 0;
   assign credit_o = 2'(leave) + 2'(push_i && !keep_o);
-  assign row_o = row_mem[head_o];
-  assign index_o = index_mem[head_o];
-  assign f_o = f_mem[head_o][lane_o];
-  assign bad_o = bad_mem[head_o][lane_o];
+  assign streamed_o.valid = !empty_o;
+  assign streamed_o.bad = bad_mem[head_o][lane];
+  assign streamed_o.f = f_mem[head_o][lane];
+  assign streamed_o.index = index_mem[head_o];
+  assign streamed_o.row = card_pkg::ROW_BITS'(row_mem[head_o]);
+  assign streamed_o.lane = card_pkg::LANE_BITS'(lane);
 
   always_ff @(posedge clk_i) begin
     if (keep_o) begin

@@ -8,8 +8,6 @@ module record_maker #(
     localparam int CW = formats_pkg::container(CONFIG.exp, CONFIG.man),
     localparam int WORDS = records_pkg::RECORD_WORDS,
     localparam int POINTS = (CONFIG.normals != 0) ? 6 : 3,
-    localparam int ROW_W = config_pkg::index_bits(CONFIG.primaries / CONFIG.lanes),
-    localparam int LANE_W = config_pkg::index_bits(CONFIG.lanes),
     localparam int PRIM_W = $clog2(CONFIG.primaries)
 ) (
     input logic clk_i,
@@ -21,14 +19,8 @@ module record_maker #(
     input logic [1:0] gap_i,          // the pair is one of solids: T is the size of a signed gap
     input logic [PRIM_W-1:0] split_i,
 
-    input logic fifo_valid_i,
-    input logic [ROW_W-1:0] fifo_row_i,
-    input logic [LANE_W-1:0] fifo_lane_i,
-    input logic [31:0] fifo_index_i,
-    input logic fifo_f_i,
-    input logic fifo_bad_i,
-    input logic writeback_i,
-    input logic [PRIM_W-1:0] writeback_primary_i,
+    input card_pkg::streamed_t streamed_i,
+    input card_pkg::writeback_t writeback_i,
     input logic writeback_bad_i,
     input logic [31:0] result_index_i,  // of either
     input logic [CW-1:0] result_t_i,
@@ -52,18 +44,20 @@ module record_maker #(
   assign sram_room = !sram_full_i && !(write_o && sram_count_i + 1 == 32'(CONFIG.sram_records));
   assign normals = CONFIG.normals != 0 && normals_i;  // a constant where the card has none
   assign ready_o = sram_room && (!normals || second_q);
-  assign record_there = streaming_i ? fifo_valid_i : writeback_i;
+  assign record_there = streaming_i ? streamed_i.valid : writeback_i.valid;
   // The update buffers hold signed gaps for solids.
-  assign record_gap = (CONFIG.parallel != 0 && second_pair_i != pairs_pkg::NO_PAIR && writeback_primary_i >= split_i) ?
+  assign record_gap = (CONFIG.parallel != 0 && second_pair_i != pairs_pkg::NO_PAIR &&
+      writeback_i.primary[PRIM_W-1:0] >= split_i) ?
       gap_i[1] : gap_i[0];
   assign flags = {normals && second_q, record_bad, record_f};
-  assign record_bad = streaming_i ? fifo_bad_i : writeback_bad_i;
-  assign record_f = streaming_i ? fifo_f_i :
+  assign record_bad = streaming_i ? streamed_i.bad : writeback_bad_i;
+  assign record_f = streaming_i ? streamed_i.f :
       result_index_i != '1 && (!record_gap || (result_t_i & SIGN) != 0) && !record_bad;
   assign record_t = record_bad ? QNAN : record_gap ? result_t_i & ~SIGN : result_t_i;
-  assign record_index = !streaming_i ? result_index_i : (fifo_f_i || (record_gap && !fifo_bad_i)) ? fifo_index_i : '1;
-  assign record_primary = streaming_i ? PRIM_W'(32'(fifo_row_i) * 32'(CONFIG.lanes) + 32'(fifo_lane_i)) :
-      writeback_primary_i;
+  assign record_index = !streaming_i ? result_index_i :
+      (streamed_i.f || (record_gap && !streamed_i.bad)) ? streamed_i.index : '1;
+  assign record_primary = streaming_i ? PRIM_W'(32'(streamed_i.row) * 32'(CONFIG.lanes) + 32'(streamed_i.lane)) :
+      writeback_i.primary[PRIM_W-1:0];
   always_comb begin
     record[records_pkg::RECORD_CP+:3] = record_bad ? {3{QNAN}} : result_point_i[2:0];
     record[records_pkg::RECORD_FLAGS] = CW'(flags);
