@@ -330,16 +330,16 @@ std::vector<View> views(Trace& trace, const std::string& text, const Form& form)
     common.form = *own;
   }
   std::vector<const Signal*> found;
-  // Elements of arrays have brackets in their names.
-  for (const Signal& s : trace.signals())
-    if (s.name == w.name) {
-      found.push_back(&s);
-      break;
-    }
+  // Elements of arrays have brackets in their names; else brackets are an index.
+  const bool whole = std::any_of(
+      trace.signals().begin(), trace.signals().end(),
+      [&](const Signal& s) { return matches(w.name, s.name) || matches("*." + w.name, s.name); });
   const std::size_t bracket = w.name.rfind('[');
-  if (found.empty() && bracket != std::string::npos && w.name.ends_with(']')) {
+  if (!whole && bracket != std::string::npos && w.name.ends_with(']')) {
     w.index = w.name.substr(bracket + 1, w.name.size() - bracket - 2);
     w.name.resize(bracket);
+    if (w.index.empty())
+      usage(fmt::format("{}: the index must be [N] or [LEFT:RIGHT]", in_quotes(text)));
   }
   if (found.empty() && w.name.find_first_of("*?") != std::string::npos) {
     for (const Signal& s : trace.signals())
@@ -354,7 +354,7 @@ std::vector<View> views(Trace& trace, const std::string& text, const Form& form)
     v.signal = *s;
     v.width = s->width;
     v.label = s->name;
-    if (!w.index.empty() || text.find("[]") != std::string::npos) {
+    if (!w.index.empty()) {
       narrow(v, w.index, text);
       v.label += "[" + w.index + "]";
     }
