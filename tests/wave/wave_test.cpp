@@ -270,6 +270,25 @@ TEST_F(Wave, ElementsOfArraysHaveBracketsInTheirNames) {
   EXPECT_NE(error({"at", "array.fst", "0", "row[]"}).find("the index must be"), std::string::npos);
 }
 
+TEST_F(Wave, ANameWithoutScopesIsTheOutermostOfItsName) {
+  {
+    Writer w(folder_ / "scopes.fst");
+    w.scope("top");
+    for (const char* scope : {"p", "q"}) {
+      w.scope(scope);
+      (void)w.signal("x", 1);
+      (void)w.signal("y", 1);
+      w.up();
+    }
+    const fstHandle x = w.signal("x", 1);
+    w.time(0);
+    w.set(x, 1);
+    w.time(1);
+  }
+  EXPECT_EQ(out({"at", "scopes.fst", "0", "x", "q.y"}), "at 0\ntop.x    1\ntop.q.y  x\n");
+  EXPECT_NE(error({"at", "scopes.fst", "0", "y"}).find("top.p.y or top.q.y"), std::string::npos);
+}
+
 TEST_F(Wave, ManySignalsAreListedInTheirOrderAndFoundByPatterns) {
   write_large(folder_ / "large.fst", 1000, 300, 50);
   const auto j = json({"ls", "large.fst", "--max", "0"});

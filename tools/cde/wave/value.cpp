@@ -301,15 +301,20 @@ bool matches(std::string_view pattern, std::string_view name) {
 
 const Signal& find_signal(Trace& trace, std::string_view name) {
   const Signal* found = nullptr;
-  const Signal* other = nullptr;
+  const Signal* other = nullptr;  // another one, as far outside
+  std::ptrdiff_t depth = 0;
   for (const Signal& s : trace.signals()) {
     if (s.name == name) return s;
     const std::size_t more = s.name.size() - std::min(s.name.size(), name.size());
     if (more < 2 || s.name[more - 1] != '.' || !s.name.ends_with(name)) continue;
-    if (found == nullptr)
+    const auto scopes = std::count(s.name.begin(), s.name.end(), '.');
+    if (found == nullptr || scopes < depth) {
       found = &s;
-    else if (s.handle != found->handle && other == nullptr)
+      other = nullptr;
+      depth = scopes;
+    } else if (scopes == depth && s.handle != found->handle && other == nullptr) {
       other = &s;
+    }
   }
   if (found == nullptr) usage(no_signal(trace, name));
   if (other != nullptr)
