@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// CDE_LANE_WORDS lanes at a time, 8 or 16: the vector statements that `reroll` writes. Operations of host_fp.h on
-// vectors of 32-bit words, lane by lane the bits of the scalar ones.
+// CDE_LANE_WORDS lanes at a time, 8 or 16: the vector statements that `reroll` writes. Operations
+// of host_fp.h on vectors of 32-bit words, lane by lane the bits of the scalar ones.
 #pragma once
 #include "host_fp.h"
 #include "triggers.h"

@@ -259,7 +259,8 @@ void add_sources(CLI::App& verb, CastOptions& o) {
       [](const std::string& text) { (void)parse_ray(text, "--ray " + printable_name(text)); });
   text_value(verb.add_option("--camera", o.camera,
                              "Picture: ex,ey,ez,tx,ty,tz[,fov]: eye, target, vertical field of "
-                             "view in degrees; without it one that shows the mesh"),
+                             "view, above 0 and below 180 degrees (40); without it one that shows "
+                             "the mesh"),
              "VIEW", [](const std::string& text) { (void)parse_camera(text, "--camera"); });
   text_value(verb.add_option("--grid", o.grid, "Picture straight down, of square pixels"), "WxH",
              [](const std::string& text) { (void)parse_resolution(text, "--grid"); });
