@@ -336,9 +336,10 @@ std::vector<View> views(Trace& trace, const std::string& text, const Form& form)
   }
   std::vector<const Signal*> found;
   // Elements of arrays have brackets in their names; else brackets are an index.
+  const std::string inner = "*." + w.name;
   const bool whole = std::any_of(
       trace.signals().begin(), trace.signals().end(),
-      [&](const Signal& s) { return matches(w.name, s.name) || matches("*." + w.name, s.name); });
+      [&](const Signal& s) { return matches(w.name, s.name) || matches(inner, s.name); });
   const std::size_t bracket = w.name.rfind('[');
   if (!whole && bracket != std::string::npos && w.name.ends_with(']')) {
     w.index = w.name.substr(bracket + 1, w.name.size() - bracket - 2);
@@ -347,8 +348,9 @@ std::vector<View> views(Trace& trace, const std::string& text, const Form& form)
       usage(fmt::format("{}: the index must be [N] or [LEFT:RIGHT]", in_quotes(text)));
   }
   if (found.empty() && w.name.find_first_of("*?") != std::string::npos) {
+    const std::string inside = "*." + w.name;  // perhaps shorter than before
     for (const Signal& s : trace.signals())
-      if (matches(w.name, s.name) || matches("*." + w.name, s.name)) found.push_back(&s);
+      if (matches(w.name, s.name) || matches(inside, s.name)) found.push_back(&s);
     if (found.empty()) usage(no_signal(trace, w.name));
   } else if (found.empty()) {
     found.push_back(&find_signal(trace, w.name));
