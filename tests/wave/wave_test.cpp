@@ -248,6 +248,47 @@ TEST_F(Wave, DiffNamesTheFirstDivergenceOfEachSignal) {
   EXPECT_NE(error({"diff", "a.fst", "nothing.fst"}).find("nothing.fst"), std::string::npos);
 }
 
+TEST_F(Wave, ElementsOfArraysHaveBracketsInTheirNames) {
+  {
+    Writer w(folder_ / "array.fst");
+    w.scope("top");
+    const fstHandle zero = w.signal("row[0] [31:0]", 32), one = w.signal("row[1] [31:0]", 32);
+    w.time(0);
+    w.set(zero, 0x3f800000);
+    w.set(one, 0x40000000);
+    w.time(10);
+  }
+  EXPECT_EQ(
+      out({"at", "array.fst", "0", "row[1]:fp32", "row[*]:fp32", "row[0][31:24]", "row[0][30]"}),
+      "at 0\n"
+      "top.row[1]         2\n"
+      "top.row[0]         1\n"
+      "top.row[1]         2\n"
+      "top.row[0][31:24]  3f\n"
+      "top.row[0][30]     0\n");
+  EXPECT_EQ(out({"find", "array.fst", "row[1]:fp32 == 2 * row[0]:fp32", "--count"}), "1\n");
+  EXPECT_NE(error({"at", "array.fst", "0", "row[]"}).find("the index must be"), std::string::npos);
+}
+
+TEST_F(Wave, ANameWithoutScopesIsTheOutermostOfItsName) {
+  {
+    Writer w(folder_ / "scopes.fst");
+    w.scope("top");
+    for (const char* scope : {"p", "q"}) {
+      w.scope(scope);
+      (void)w.signal("x", 1);
+      (void)w.signal("y", 1);
+      w.up();
+    }
+    const fstHandle x = w.signal("x", 1);
+    w.time(0);
+    w.set(x, 1);
+    w.time(1);
+  }
+  EXPECT_EQ(out({"at", "scopes.fst", "0", "x", "q.y"}), "at 0\ntop.x    1\ntop.q.y  x\n");
+  EXPECT_NE(error({"at", "scopes.fst", "0", "y"}).find("top.p.y or top.q.y"), std::string::npos);
+}
+
 TEST_F(Wave, ManySignalsAreListedInTheirOrderAndFoundByPatterns) {
   write_large(folder_ / "large.fst", 1000, 300, 50);
   const auto j = json({"ls", "large.fst", "--max", "0"});

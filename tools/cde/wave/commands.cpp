@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "cde/support/error.hpp"
@@ -132,9 +133,11 @@ int list(const Request& r) {
   fmt::memory_buffer text;
   std::vector<const Signal*> found;
   const std::string pattern = r.words.empty() ? "*" : r.words.front();
+  const std::array<std::string, 4> forms = {pattern, "*." + pattern, pattern + ".*",
+                                            "*." + pattern + ".*"};
   for (const Signal& s : trace.signals())
-    if (matches(pattern, s.name) || matches("*." + pattern, s.name) ||
-        matches(pattern + ".*", s.name) || matches("*." + pattern + ".*", s.name))
+    if (std::any_of(forms.begin(), forms.end(),
+                    [&](const std::string& form) { return matches(form, s.name); }))
       found.push_back(&s);
   if (found.empty()) (void)find_signal(trace, pattern);  // says what is near
   std::size_t longest = 4;

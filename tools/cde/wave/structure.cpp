@@ -238,7 +238,9 @@ Structure check_structure(const std::filesystem::path& path) {
     block += 1 + length;
   }
   if (!found.closed)
-    file.fail("was not closed by its writer: the simulation still runs, or was killed");
+    file.fail(
+        "has no changes, or was not closed by its writer: the simulation still runs, or was "
+        "killed");
   if (!names || !widths || found.sections.empty())
     file.fail(fmt::format("is cut off or corrupt: it has no {}", !names    ? "names"
                                                                  : !widths ? "widths"

@@ -301,15 +301,20 @@ bool matches(std::string_view pattern, std::string_view name) {
 
 const Signal& find_signal(Trace& trace, std::string_view name) {
   const Signal* found = nullptr;
-  const Signal* other = nullptr;
+  const Signal* other = nullptr;  // another one, as far outside
+  std::ptrdiff_t depth = 0;
   for (const Signal& s : trace.signals()) {
     if (s.name == name) return s;
     const std::size_t more = s.name.size() - std::min(s.name.size(), name.size());
     if (more < 2 || s.name[more - 1] != '.' || !s.name.ends_with(name)) continue;
-    if (found == nullptr)
+    const auto scopes = std::count(s.name.begin(), s.name.end(), '.');
+    if (found == nullptr || scopes < depth) {
       found = &s;
-    else if (s.handle != found->handle && other == nullptr)
+      other = nullptr;
+      depth = scopes;
+    } else if (scopes == depth && s.handle != found->handle && other == nullptr) {
       other = &s;
+    }
   }
   if (found == nullptr) usage(no_signal(trace, name));
   if (other != nullptr)
@@ -330,20 +335,22 @@ std::vector<View> views(Trace& trace, const std::string& text, const Form& form)
     common.form = *own;
   }
   std::vector<const Signal*> found;
-  // Elements of arrays have brackets in their names.
-  for (const Signal& s : trace.signals())
-    if (s.name == w.name) {
-      found.push_back(&s);
-      break;
-    }
+  // Elements of arrays have brackets in their names; else brackets are an index.
+  const std::string inner = "*." + w.name;
+  const bool whole = std::any_of(
+      trace.signals().begin(), trace.signals().end(),
+      [&](const Signal& s) { return matches(w.name, s.name) || matches(inner, s.name); });
   const std::size_t bracket = w.name.rfind('[');
-  if (found.empty() && bracket != std::string::npos && w.name.ends_with(']')) {
+  if (!whole && bracket != std::string::npos && w.name.ends_with(']')) {
     w.index = w.name.substr(bracket + 1, w.name.size() - bracket - 2);
     w.name.resize(bracket);
+    if (w.index.empty())
+      usage(fmt::format("{}: the index must be [N] or [LEFT:RIGHT]", in_quotes(text)));
   }
   if (found.empty() && w.name.find_first_of("*?") != std::string::npos) {
+    const std::string inside = "*." + w.name;  // perhaps shorter than before
     for (const Signal& s : trace.signals())
-      if (matches(w.name, s.name) || matches("*." + w.name, s.name)) found.push_back(&s);
+      if (matches(w.name, s.name) || matches(inside, s.name)) found.push_back(&s);
     if (found.empty()) usage(no_signal(trace, w.name));
   } else if (found.empty()) {
     found.push_back(&find_signal(trace, w.name));
@@ -354,7 +361,7 @@ std::vector<View> views(Trace& trace, const std::string& text, const Form& form)
     v.signal = *s;
     v.width = s->width;
     v.label = s->name;
-    if (!w.index.empty() || text.find("[]") != std::string::npos) {
+    if (!w.index.empty()) {
       narrow(v, w.index, text);
       v.label += "[" + w.index + "]";
     }
