@@ -90,7 +90,7 @@ int info(const Request& r) {
       trace.signals().size() - std::min<std::size_t>(trace.signals().size(), trace.handles());
   if (r.json) {
     Json j = begin_json(r);
-    j.update({{"bytes", trace.structure().bytes},
+    j.update({{"file_bytes", trace.structure().bytes},
               {"writer", trace.writer()},
               {"date", trace.date()},
               {"seconds_a_unit", std::pow(10.0, trace.scale())},
@@ -150,7 +150,7 @@ int list(const Request& r) {
       signals.push_back({{"name", s->name},
                          {"width", s->width},
                          {"range", range},
-                         {"kind", s->kind},
+                         {"type", s->kind},
                          {"direction", s->direction}});
     else
       fmt::format_to(std::back_inserter(text), "{:<{}}  {:>5}  {} {}{}{}\n", s->name, longest,
