@@ -201,8 +201,8 @@ module board #(
       .clk_i(clk_engine), .rst_i, .flush_i(flush), .normals_i(command.normals), .streaming_i(streaming),
       .second_pair_i(pair[1]), .gap_i(gap), .split_i(command.split[PRIM_W-1:0]), .streamed_i(streamed),
       .writeback_i(writeback), .writeback_bad_i(prim_bad[writeback.primary[PRIM_W-1:0]]), .result_index_i(result_index),
-      .result_t_i(result_t), .result_point_i(result_point), .ready_o(record_ready), .sram_full_i(sram_full), .sram_count_i(sram_count),
-      .write_o(record_write), .record_o(record));
+      .result_t_i(result_t), .result_point_i(result_point), .ready_o(record_ready), .sram_full_i(sram_full),
+      .sram_count_i(sram_count), .write_o(record_write), .record_o(record));
   clock_gate gate_ring (.clk_i, .enable_i(record_write | sram_pop | ring_active | flush | rst_i), .clk_o(clk_ring));
   sram_ring #(.CW(CW), .RECORDS(CONFIG.sram_records)) ring (
       .clk_i(clk_ring), .active_o(ring_active), .rst_i(rst_i | flush), .write_i(record_write & busy),

@@ -44,13 +44,11 @@ package card_pkg;
     logic [31:0] word;  // address in words
   } ddr_request_t;
 
-  localparam int ROW_BITS = 8;      // of a row of primaries, of a lane and of a primary, whatever the card has of them
-  localparam int LANE_BITS = 8;
-  localparam int PRIMARY_BITS = 8;
+  // Rows of primaries, lanes and primaries have 8 bits, whatever the card has of them.
   // Rows of primaries that meet the secondary in a clock: of the second pair, of the first.
   typedef struct packed {
     logic parity;  // of the pass
-    logic [1:0][ROW_BITS-1:0] row;
+    logic [1:0][7:0] row;
     logic [1:0] valid;
   } issue_t;
   // A result that the output FIFO shows; T and CP are still with the lane.
@@ -59,14 +57,14 @@ package card_pkg;
     logic bad;
     logic f;
     logic [31:0] index;
-    logic [ROW_BITS-1:0] row;
-    logic [LANE_BITS-1:0] lane;
+    logic [7:0] row;
+    logic [7:0] lane;
   } streamed_t;
   // A primary whose result in the update buffers is to be written to SRAM.
   typedef struct packed {
     logic valid;
     logic parity;  // of the pass
-    logic [PRIMARY_BITS-1:0] primary;
+    logic [7:0] primary;
   } writeback_t;
 
   // Between PCI's clock and the core's: requests for the local bus, in order, and what comes back.

@@ -92,7 +92,7 @@ module engine_control #(
   assign enter = state_q == SWEEP && secondary_valid_i && has_credit && (wanted & ~ready_i) == 0 && !stop_q;
   assign issue_o.valid = wanted & {2{enter}};
   assign second_row = row_q + ROW_W'(first_rows);
-  assign issue_o.row = {card_pkg::ROW_BITS'(second_row), card_pkg::ROW_BITS'(row_q)};
+  assign issue_o.row = {8'(second_row), 8'(row_q)};
   assign issue_o.parity = parity_q;
   assign secondary_pop_o = enter && last_row;
   assign fetch_start_o = clear_o && row_q == 0 && !abort_i;
@@ -102,7 +102,7 @@ module engine_control #(
 
   first_set #(.N(PRIMARIES)) next_primary (.set_i(pending_q), .first_o(lowest), .index_o(primary));
   assign writeback_o.valid = state_q == WRITEBACK && pending_q != 0;
-  assign writeback_o.primary = card_pkg::PRIMARY_BITS'(primary);
+  assign writeback_o.primary = 8'(primary);
   assign writeback_o.parity = parity_q;
   assign done_o = state_q == WRITEBACK && pending_q == 0 && fifo_empty_i && sram_idle_i;
 

@@ -51,8 +51,8 @@ module record_fifo #(
   assign streamed_o.bad = bad_mem[head_o][lane];
   assign streamed_o.f = f_mem[head_o][lane];
   assign streamed_o.index = index_mem[head_o];
-  assign streamed_o.row = card_pkg::ROW_BITS'(row_mem[head_o]);
-  assign streamed_o.lane = card_pkg::LANE_BITS'(lane);
+  assign streamed_o.row = 8'(row_mem[head_o]);
+  assign streamed_o.lane = 8'(lane);
 
   always_ff @(posedge clk_i) begin
     if (keep_o) begin
