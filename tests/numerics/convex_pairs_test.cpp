@@ -26,8 +26,8 @@
 #include "cde/reference/pipes/convex/triangle_box.hpp"
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
 #include "convex_cases.hpp"
-#include "convex_operators.hpp"
 #include "in_docs.hpp"
+#include "operators.hpp"
 #include "oracle/build_shape.hpp"
 #include "oracle/oracle.hpp"
 #include "oracle/random.hpp"
@@ -671,7 +671,7 @@ TEST(ConvexPairTables, AccuracyAndCostAreThoseOfTheDocs) {
     for (const DirectedFamily family : kDirectedFamilies)
       for (int i = 0; i < kDirected; ++i) add(directed_case(pair, family, kSeed, i));
     EXPECT_EQ(all.failed, 0);
-    const Tally n = convex_operators(pair);
+    const Tally n = operators(pair);
     lines.push_back(
         fmt::format("| {} | {:.2f} | {:.2f} | {:.2f} | {} | {} | {} | {} | {} | {} | {} |",
                     oracle::to_string(pair), all.c1, all.c2, all.witness, with_commas(all.in_band),

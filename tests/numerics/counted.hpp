@@ -7,7 +7,6 @@
 #include <limits>
 #include <string>
 
-#include "cde/geometry/check.hpp"
 #include "cde/geometry/ops.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
@@ -135,20 +134,6 @@ class Counted {
   float value_ = 0;
   int depth_ = 0;
 };
-
-/// The operators of one call, without those of the input checks, which stand beside the pipe.
-template <typename Reference, typename A, typename B>
-[[nodiscard]] Tally count(Reference reference, const A& a, const B& b) {
-  Counted::tally = {};
-  (void)reference::bad(a);
-  (void)reference::bad(b);
-  const Tally checks = Counted::tally;
-  Counted::tally = {};
-  (void)reference(a, b);
-  Tally all = Counted::tally;
-  all.add -= checks.add, all.sub -= checks.sub, all.mul -= checks.mul, all.cmp -= checks.cmp;
-  return all;
-}
 
 }  // namespace cde::testing
 

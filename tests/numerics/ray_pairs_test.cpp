@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the four ray-triangle mirror references answer, against exact rational arithmetic; leaks of
-// closed meshes; and the operators that each ray pipe is made of. Moeller's bound has a test of its
-// own (moller_test.cpp).
+// closed meshes; the operators in the docs. Moeller's bound has a test of its own
+// (moller_test.cpp).
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -15,8 +16,9 @@
 #include "cde/reference/pipes/ray_cylinder.hpp"
 #include "cde/reference/pipes/ray_sphere.hpp"
 #include "cde/reference/pipes/ray_triangle.hpp"
-#include "counted.hpp"
 #include "exact.hpp"
+#include "in_docs.hpp"
+#include "operators.hpp"
 #include "random.hpp"
 
 namespace cde::testing {
@@ -528,47 +530,19 @@ TEST_P(EveryAlgorithm, FlagsBadInputInEveryWord) {
   }
 }
 
-// ---- Operators ----
+// ---- The table of docs/pairs.md ----
 
-/// The counts that the headers state; depth is the clocks at one an operator, without the selection
-/// of the outcome.
-TEST(Operators, AreThoseOfTheHeaders) {
-  using C = Counted;
-  const BasicRay<C> ray{{C(0.1f), C(0.2f), C(5)}, {C(0.1f), C(0), C(-2)}};
-  const BasicTriangle<C> triangle{{C(0), C(0), C(0)}, {C(1), C(0), C(0)}, {C(0), C(1), C(0)}};
-  const BasicSphere<C> sphere{{C(0), C(0), C(0)}, C(1)};
-  const BasicCylinder<C> cylinder{{C(0), C(0), C(0)}, {C(0), C(0), C(1)}, C(1), C(1)};
-  const std::tuple<const char*, Tally, Tally> pipes[] = {
-      {"ray-triangle moller",
-       count([](const auto& r, const auto& t) { return reference::ray_triangle_moller(r, t); }, ray,
-             triangle),
-       {.add = 12, .sub = 15, .mul = 27, .div = 1, .cmp = 8, .depth = 9}},
-      {"ray-triangle badouel",
-       count(reference::ray_triangle_badouel<C>, ray, triangle),
-       {.add = 10, .sub = 14, .mul = 22, .div = 1, .cmp = 8, .depth = 15}},
-      {"ray-triangle pluecker",
-       count(reference::ray_triangle_pluecker<C>, ray, triangle),
-       {.add = 22, .sub = 27, .mul = 54, .div = 1, .cmp = 6, .depth = 12}},
-      {"ray-triangle watertight",
-       count(reference::ray_triangle_watertight<C>, ray, triangle),
-       {.add = 13, .sub = 18, .mul = 30, .div = 3, .cmp = 8, .depth = 16}},
-      {"ray-sphere",
-       count(reference::ray_sphere<C>, ray, sphere),
-       {.add = 15, .sub = 5, .mul = 22, .div = 2, .sqrt = 1, .cmp = 5, .minmax = 1, .depth = 19}},
-      {"ray-cylinder",
-       count(reference::ray_cylinder<C>, ray, cylinder),
-       {.add = 16,
-        .sub = 16,
-        .mul = 44,
-        .div = 3,
-        .sqrt = 1,
-        .cmp = 10,
-        .minmax = 3,
-        .depth = 20}}};
-  for (const auto& [name, got, stated] : pipes) {
-    std::printf("%-24s %s\n", name, got.text().c_str());
-    EXPECT_EQ(got, stated) << name << ": " << stated.text();
+TEST(Operators, AreThoseOfTheDocs) {
+  std::string multipliers = "| multipliers |", dividers = "| dividers |",
+              adders = "| adders, subtractors |", comparators = "| comparators |",
+              clocks = "| clocks at one an operator |";
+  for (unsigned a = 0; a < kAlgorithms; ++a) {
+    const Tally n = operators(Pair::kRayTriangle, static_cast<cde::Algorithm>(a));
+    multipliers += fmt::format(" {} |", n.mul), dividers += fmt::format(" {} |", n.div);
+    adders += fmt::format(" {}, {} |", n.add, n.sub), comparators += fmt::format(" {} |", n.cmp);
+    clocks += fmt::format(" {} |", n.depth + 1);  // and the selection of the outcome
   }
+  expect_in_docs("pairs.md", {multipliers, dividers, adders, comparators, clocks});
 }
 
 }  // namespace

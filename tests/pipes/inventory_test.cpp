@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The operators of a pipe, counted in the elaborated design, against the paper's Table 2.
+// The operators of a pipe, counted in the elaborated design, against those of its mirror reference
+// and the paper's Table 2.
 #include "rtl/elaborate.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +13,7 @@
 #include <vector>
 
 #include "cde/geometry/pair.hpp"
-#include "numerics/convex_operators.hpp"
+#include "numerics/operators.hpp"
 
 namespace cde::rtl {
 
@@ -69,83 +70,69 @@ TEST(Inventory, TheBoxRuleAddsItsOperators) {
   EXPECT_EQ(design.constant("ray_triangle_moller", "LATENCY"), 13u);
 }
 
-/// The operators that host/include/cde/reference/ states for a pipe; tests/numerics holds the
-/// references against the same figures.
+/// A pipe that takes a pair a clock, and what it is of.
 struct Pipe {
-  const char* module;
-  Operators stated;
+  std::string module;
+  Pair pair;
+  Algorithm algorithm = Algorithm::kMoller;
 
   friend void PrintTo(const Pipe& p, std::ostream* out) { *out << p.module; }
 };
-const Pipe kRays[] = {
-    {"ray_triangle_badouel",
-     {.multipliers = 22, .dividers = 1, .adders = 10, .subtractors = 14, .comparators = 8}},
-    {"ray_triangle_pluecker",
-     {.multipliers = 54, .dividers = 1, .adders = 22, .subtractors = 27, .comparators = 6}},
-    {"ray_triangle_watertight",
-     {.multipliers = 30, .dividers = 3, .adders = 13, .subtractors = 18, .comparators = 8}},
-    {"ray_sphere",
-     {.multipliers = 22,
-      .dividers = 2,
-      .square_roots = 1,
-      .adders = 15,
-      .subtractors = 5,
-      .comparators = 5,
-      .min_max = 1}},
-    {"ray_cylinder",
-     {.multipliers = 44,
-      .dividers = 3,
-      .square_roots = 1,
-      .adders = 16,
-      .subtractors = 16,
-      .comparators = 10,
-      .min_max = 3}}};
-
-/// The pipes of the convex pairs have what is counted in their references.
-std::vector<Pipe> convex() {
-  static std::vector<std::string> modules;  // whose names the pipes point to
+std::vector<Pipe> pipes() {
   std::vector<Pipe> all;
-  const auto count = [](int n) { return static_cast<unsigned>(n); };
-  modules.reserve(kPairs);
-  for (const Pair pair : cde::testing::convex_pairs()) {
-    std::string& module = modules.emplace_back(name(pair));
+  for (unsigned p = 0; p < kPairs; ++p) {
+    const auto pair = static_cast<Pair>(p);
+    if (has_budget(pair)) continue;
+    std::string module(name(pair));
     std::replace(module.begin(), module.end(), '-', '_');
-    const cde::testing::Tally n = cde::testing::convex_operators(pair);
-    all.push_back({module.c_str(),
-                   {.multipliers = count(n.mul),
-                    .dividers = count(n.div),
-                    .square_roots = count(n.sqrt),
-                    .adders = count(n.add),
-                    .subtractors = count(n.sub),
-                    .comparators = count(n.cmp),
-                    .min_max = count(n.minmax)}});
+    if (pair != Pair::kRayTriangle) {
+      all.push_back({module, pair});
+      continue;
+    }
+    for (unsigned a = 0; a < kAlgorithms; ++a) {
+      const auto algorithm = static_cast<Algorithm>(a);
+      all.push_back({module + "_" + std::string(name(algorithm)), pair, algorithm});
+    }
   }
   return all;
 }
-const std::vector<Pipe> kConvex = convex();
+
+/// What the mirror reference computes with.
+Operators counted(Pair pair, Algorithm algorithm = Algorithm::kMoller) {
+  const cde::testing::Tally n = cde::testing::operators(pair, algorithm);
+  const auto count = [](int k) { return static_cast<unsigned>(k); };
+  return {.multipliers = count(n.mul),
+          .dividers = count(n.div),
+          .square_roots = count(n.sqrt),
+          .adders = count(n.add),
+          .subtractors = count(n.sub),
+          .comparators = count(n.cmp),
+          .min_max = count(n.minmax)};
+}
 
 class PipeInventory : public ::testing::TestWithParam<Pipe> {};
 
-TEST_P(PipeInventory, IsWhatTheReferenceStates) {
+TEST_P(PipeInventory, IsWhatTheReferenceComputesWith) {
   // Host arithmetic has the same operators and is sooner elaborated.
   const Elaboration design(kRtl, GetParam().module, {"ARITH=host"});
-  EXPECT_EQ(without_ands(design.operators(GetParam().module)), GetParam().stated);
+  EXPECT_EQ(without_ands(design.operators(GetParam().module)),
+            counted(GetParam().pair, GetParam().algorithm));
 }
 
-INSTANTIATE_TEST_SUITE_P(Rays, PipeInventory, ::testing::ValuesIn(kRays),
-                         [](const auto& info) { return std::string(info.param.module); });
-INSTANTIATE_TEST_SUITE_P(Convex, PipeInventory, ::testing::ValuesIn(kConvex),
-                         [](const auto& info) { return std::string(info.param.module); });
+INSTANTIATE_TEST_SUITE_P(Pipes, PipeInventory, ::testing::ValuesIn(pipes()),
+                         [](const auto& info) { return info.param.module; });
 
 /// The gates of pipes whose facets take turns, and the clocks they answer in.
 struct Turns {
   const char* module;
+  Pair pair;
   Operators stated;
   unsigned latency, latency_of_one;  ///< with an interval of 3, of 1
 
   friend void PrintTo(const Turns& t, std::ostream* out) { *out << t.module; }
 };
 const Turns kTurns[] = {{"obb_obb",
+                         Pair::kObbObb,
                          {.multipliers = 336,
                           .dividers = 7,
                           .square_roots = 4,
@@ -156,6 +143,7 @@ const Turns kTurns[] = {{"obb_obb",
                          103,
                          100},
                         {"triangle_obb",
+                         Pair::kTriangleObb,
                          {.multipliers = 376,
                           .dividers = 10,
                           .square_roots = 5,
@@ -166,6 +154,7 @@ const Turns kTurns[] = {{"obb_obb",
                          107,
                          106},
                         {"triangle_aabb",
+                         Pair::kTriangleAabb,
                          {.multipliers = 334,
                           .dividers = 10,
                           .square_roots = 5,
@@ -185,9 +174,7 @@ TEST_P(FacetsInTurn, AreFewerUnits) {
   EXPECT_EQ(gates.constant(module, "LATENCY"), GetParam().latency);
   // Host arithmetic is that of all facets at once, on the clocks of the gates.
   const Elaboration host(kRtl, module, {"ARITH=host", "FACET_II=3"});
-  const auto whole = std::find_if(kConvex.begin(), kConvex.end(),
-                                  [&](const Pipe& p) { return p.module == std::string(module); });
-  EXPECT_EQ(without_ands(host.operators(module)), whole->stated);
+  EXPECT_EQ(without_ands(host.operators(module)), counted(GetParam().pair));
   EXPECT_EQ(host.constant(module, "LATENCY"), GetParam().latency);
   const Elaboration one(kRtl, module, {"ARITH=host"});
   EXPECT_EQ(one.constant(module, "LATENCY"), GetParam().latency_of_one);

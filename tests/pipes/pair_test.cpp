@@ -25,7 +25,7 @@
 #include "cde/reference/pairs.hpp"
 #include "cde/reference/pipes/cylinder/schedule.hpp"
 #include "cde/reference/pipes/scale.hpp"
-#include "numerics/convex_operators.hpp"
+#include "numerics/operators.hpp"
 #include "oracle/cases.hpp"
 
 namespace {
@@ -157,8 +157,7 @@ std::string difference(cde::PairUnit& unit, const Operands& o, std::size_t i, co
 
 /// Clocks of the pipe with operators of one clock, as the references have them; 0 of rings.
 unsigned pipe_latency(const PairConfig& config) {
-  constexpr unsigned kRayTriangle[] = {10, 16, 13, 17};  // by Algorithm
-  constexpr unsigned kBoxed[] = {13, 16, 13, 19};        // with the box rule
+  constexpr unsigned kBoxRule[] = {3, 0, 0, 2};  // clocks that it adds, by Algorithm
   // Beside the depth in operators: the output register, and what parts of a facet wait for each
   // other where a triangle meets a box.
   constexpr unsigned kOutput = 1, kMeet = 4;
@@ -166,21 +165,12 @@ unsigned pipe_latency(const PairConfig& config) {
                          config.latency_div == 1 && config.latency_sqrt == 1 &&
                          config.latency_compare == 1;
   if (!one_clock) return 0;
-  switch (config.pair) {
-    case Pair::kRayTriangle:
-      return (config.box ? kBoxed : kRayTriangle)[static_cast<unsigned>(config.algorithm)];
-    case Pair::kRaySphere:
-      return 20;
-    case Pair::kRayCylinder:
-      return 21;
-    case Pair::kTriangleCylinder:
-    case Pair::kCylinderCylinder:
-    case Pair::kObbCylinder:
-      return 0;
-    default:
-      return static_cast<unsigned>(cde::testing::convex_operators(config.pair).depth) + kOutput +
-             (config.pair == Pair::kTriangleObb || config.pair == Pair::kTriangleAabb ? kMeet : 0);
-  }
+  if (has_budget(config.pair)) return 0;
+  const bool meets = config.pair == Pair::kTriangleObb || config.pair == Pair::kTriangleAabb;
+  const bool box = config.pair == Pair::kRayTriangle && config.box;
+  return static_cast<unsigned>(cde::testing::operators(config.pair, config.algorithm).depth) +
+         kOutput + (meets ? kMeet : 0) +
+         (box ? kBoxRule[static_cast<unsigned>(config.algorithm)] : 0);
 }
 
 /// That and, where the pair is scaled, three clocks for the largest exponent and the two shifts.

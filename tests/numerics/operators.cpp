@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "convex_operators.hpp"
+#include "operators.hpp"
 
 #include <stdexcept>
 
@@ -10,6 +10,9 @@
 #include "cde/reference/pipes/convex/sphere_sphere.hpp"
 #include "cde/reference/pipes/convex/triangle_box.hpp"
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
+#include "cde/reference/pipes/ray_cylinder.hpp"
+#include "cde/reference/pipes/ray_sphere.hpp"
+#include "cde/reference/pipes/ray_triangle.hpp"
 
 namespace cde::testing {
 namespace {
@@ -31,19 +34,34 @@ Tally count(Pipe pipe) {
   return Counted::tally;
 }
 
-}  // namespace
-
-std::vector<Pair> convex_pairs() {
-  std::vector<Pair> all;
-  for (unsigned p = 0; p < kPairs; ++p)
-    if (const auto pair = static_cast<Pair>(p); is_solid(pair) && !has_budget(pair))
-      all.push_back(pair);
-  return all;
+Tally of_ray_triangle(Algorithm algorithm) {
+  switch (algorithm) {
+    case Algorithm::kMoller:
+      return count<BasicRay, BasicTriangle>([](const auto& ray, const auto& triangle) {
+        return reference::ray_triangle_moller<Counted, false, true>(ray, triangle);
+      });
+    case Algorithm::kBadouel:
+      return count<BasicRay, BasicTriangle>(reference::ray_triangle_badouel<Counted, false, true>);
+    case Algorithm::kPluecker:
+      return count<BasicRay, BasicTriangle>(reference::ray_triangle_pluecker<Counted, false, true>);
+    case Algorithm::kWatertight:
+      return count<BasicRay, BasicTriangle>(
+          reference::ray_triangle_watertight<Counted, false, true>);
+  }
+  throw std::logic_error("not an algorithm of ray-triangle");
 }
 
-Tally convex_operators(Pair pair) {
+}  // namespace
+
+Tally operators(Pair pair, Algorithm algorithm) {
   namespace convex = reference::convex;
   switch (pair) {
+    case Pair::kRayTriangle:
+      return of_ray_triangle(algorithm);
+    case Pair::kRaySphere:
+      return count<BasicRay, BasicSphere>(reference::ray_sphere<Counted, true>);
+    case Pair::kRayCylinder:
+      return count<BasicRay, BasicCylinder>(reference::ray_cylinder<Counted, true>);
     case Pair::kSphereSphere:
       return count<BasicSphere, BasicSphere>(convex::sphere_sphere<Counted>);
     case Pair::kTriangleSphere:
@@ -65,7 +83,7 @@ Tally convex_operators(Pair pair) {
     case Pair::kTriangleAabb:
       return count<BasicTriangle, BasicAabb>(convex::triangle_aabb<Counted>);
     default:
-      throw std::logic_error("not a convex pair with a closed form");
+      throw std::logic_error("a pair with a budget has no closed form");
   }
 }
 
