@@ -11,9 +11,16 @@
 extern "C" {
 #endif
 
-#define CDE_PAIR_ABI 3u
+#define CDE_PAIR_ABI 4u
 
 typedef struct cde_pair_unit cde_pair_unit;
+
+/* An operator of the pipe. */
+typedef struct cde_pair_operator {
+  const char* path;   /* in the hierarchy, with the names of generate blocks, as %m has it */
+  uint32_t operation; /* formats_pkg::FP_* */
+  uint32_t latency;   /* clocks from operands to result */
+} cde_pair_operator;
 
 /* Words of a result: F and bad as 0 or 1, T, CP x y z, n x y z. */
 enum {
@@ -46,6 +53,15 @@ typedef struct cde_pair_api {
   void (*reset)(cde_pair_unit*);
   int (*trace_open)(cde_pair_unit*, const char* path); /* 0 when opened; waves need TRACE=1 */
   int (*trace_close)(cde_pair_unit*); /* 0, or errno: what is missing from the file */
+  /* Operators of a unit that was built with TAP=1; none of others. */
+  uint32_t (*operators)(const cde_pair_unit*);
+  const cde_pair_operator* (*operator_at)(const cde_pair_unit*, uint32_t index);
+  /* From here on test() tells `seen`, with its context, what is at the operands and at the result
+   * of each operator in each clock; clock 0 is that of the first row in. Null: no more. */
+  void (*watch)(cde_pair_unit*,
+                void (*seen)(void* context, uint32_t index, uint64_t clock, uint64_t a, uint64_t b,
+                             uint64_t result),
+                void* context);
 } cde_pair_api;
 
 typedef const cde_pair_api* (*cde_pair_entry_fn)(void);

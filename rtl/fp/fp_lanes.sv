@@ -75,4 +75,8 @@ module fp_lanes #(
     logic unused_clk;
     assign unused_clk = clk_i;
   end
+`ifdef CDE_TAP
+  operator_tap #(.OP(OP), .CW(CW), .LAT(ARITH == "rtl" ? LAT : 0)) tap (
+      .clk_i, .a_i(a_i[0]), .b_i(b_i[0]), .r_i(r_o[0]));
+`endif
 endmodule

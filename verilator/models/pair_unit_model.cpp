@@ -4,6 +4,8 @@
 #include <cstring>
 #include <memory>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "Vmodel.h"
 #include "abi_pair.h"
@@ -12,14 +14,29 @@
 #include "verilated.h"
 #include "wave_file.h"
 
+/// An operator that the model has told of.
+struct Operator {
+  std::string path;
+  uint32_t operation, latency;
+};
+
 struct cde_pair_unit {
   std::unique_ptr<VerilatedContext> context{new VerilatedContext};
   std::unique_ptr<Vmodel> model{new Vmodel(context.get(), "pair_unit")};
   WaveFile waves;
-  uint64_t clocks = 0;
+  uint64_t clocks = 0, start = 0;
   uint32_t budget = 0x080808;
+  std::vector<Operator> operators;
+  std::vector<cde_pair_operator> shown;  // the same, in C
+  void (*seen)(void*, uint32_t, uint64_t, uint64_t, uint64_t, uint64_t) = nullptr;
+  void* seen_context = nullptr;
 
-  cde_pair_unit() { reset(); }
+  static inline thread_local cde_pair_unit* evaluated = nullptr;
+
+  cde_pair_unit() {
+    reset();
+    for (const Operator& o : operators) shown.push_back({o.path.c_str(), o.operation, o.latency});
+  }
   ~cde_pair_unit() {
     trace_close();
     Verilated::threadContextp(context.get());
@@ -38,6 +55,7 @@ struct cde_pair_unit {
   }
 
   void eval() {
+    evaluated = this;
     model->eval();
     waves.dump(2 * clocks + model->clk_i);
   }
@@ -92,7 +110,7 @@ uint64_t test(cde_pair_unit* unit, const void* a, const void* b, void* results, 
   const auto* pa = static_cast<const uint8_t*>(a);
   const auto* pb = static_cast<const uint8_t*>(b);
   auto* out = static_cast<uint8_t*>(results);
-  const uint64_t start = unit->clocks, rows = (n + kLanes - 1) / kLanes;
+  const uint64_t start = unit->start = unit->clocks, rows = (n + kLanes - 1) / kLanes;
   const auto size = [&](uint64_t row) {
     return row + 1 < rows || n % kLanes == 0 ? kLanes : n % kLanes;
   };
@@ -152,9 +170,32 @@ const cde_pair_api kApi = {
     [](cde_pair_unit* unit) { unit->reset(); },
     [](cde_pair_unit* unit, const char* path) { return unit->trace_open(path); },
     [](cde_pair_unit* unit) { return unit->trace_close(); },
+    [](const cde_pair_unit* unit) { return static_cast<uint32_t>(unit->shown.size()); },
+    [](const cde_pair_unit* unit, uint32_t index) { return &unit->shown[index]; },
+    [](cde_pair_unit* unit, void (*seen)(void*, uint32_t, uint64_t, uint64_t, uint64_t, uint64_t),
+       void* context) {
+      unit->seen = seen;
+      unit->seen_context = context;
+    },
 };
 
 }  // namespace
+
+#ifdef CDE_TAP
+// What rtl/simulated/operator_tap.sv calls. All operators of a unit are there after its first
+// clock.
+extern "C" int cde_tap_open(const char* path, int operation, int latency) {
+  cde_pair_unit& unit = *cde_pair_unit::evaluated;
+  unit.operators.push_back(
+      {path, static_cast<uint32_t>(operation), static_cast<uint32_t>(latency)});
+  return static_cast<int>(unit.operators.size()) - 1;
+}
+extern "C" void cde_tap(int tap, unsigned long long a, unsigned long long b, unsigned long long r) {
+  const cde_pair_unit& unit = *cde_pair_unit::evaluated;
+  if (unit.seen != nullptr)
+    unit.seen(unit.seen_context, static_cast<uint32_t>(tap), unit.clocks - unit.start, a, b, r);
+}
+#endif
 
 extern "C" __attribute__((visibility("default"))) const cde_pair_api* cde_pair_entry() {
   return &kApi;

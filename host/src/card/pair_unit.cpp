@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <exception>
 #include <utility>
 
 #include "abi_pair.h"
@@ -25,7 +26,7 @@ std::vector<std::string> PairConfig::parameters() const {
   (void)name(pair);
   (void)name(algorithm);
   in_range("plane", static_cast<unsigned>(plane), 0, 1);
-  in_range("lanes", lanes, 1, 256);
+  in_range("lanes", lanes, 1, tap ? 1 : 256);
   for (const unsigned latency :
        {latency_add, latency_mul, latency_div, latency_sqrt, latency_compare})
     in_range("latency of an operator", latency, 1, 64);
@@ -54,6 +55,7 @@ std::vector<std::string> PairConfig::parameters() const {
   add("LAT_SQRT", latency_sqrt);
   add("LAT_CMP", latency_compare);
   if (trace) p.emplace_back("TRACE=1");
+  if (tap) p.emplace_back("TAP=1");
   return p;
 }
 
@@ -175,6 +177,48 @@ std::uint64_t PairUnit::test(std::span<const std::uint64_t> a, std::span<const s
     kept->testing = false;
     throw;
   }
+}
+
+std::vector<PairOperator> PairUnit::operators() const {
+  const State& s = state();
+  std::vector<PairOperator> all;
+  const std::uint32_t count = s.api->operators(s.unit);
+  all.reserve(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const cde_pair_operator& o = *s.api->operator_at(s.unit, i);
+    all.push_back({o.path, static_cast<FpOp>(o.operation), o.latency});
+  }
+  return all;
+}
+
+std::uint64_t PairUnit::watch(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
+                              std::span<PairResult> results,
+                              const std::function<void(const OperatorWords&)>& seen) {
+  State& s = idle();
+  if (!s.config.tap)
+    throw Error(ErrorCode::kConfiguration, "the pair_unit was built without taps of its operators");
+  // Nothing may be thrown through the model: what `seen` throws is kept until it is done.
+  struct Watch {
+    const std::function<void(const OperatorWords&)>& seen;
+    std::exception_ptr failed = nullptr;
+  } watch{seen};
+  s.api->watch(
+      s.unit,
+      [](void* context, std::uint32_t which, std::uint64_t clock, std::uint64_t x, std::uint64_t y,
+         std::uint64_t result) {
+        auto& w = *static_cast<Watch*>(context);
+        if (w.failed) return;
+        try {
+          w.seen({which, clock, x, y, result});
+        } catch (...) {
+          w.failed = std::current_exception();
+        }
+      },
+      &watch);
+  const std::shared_ptr<void> end(nullptr, [&s](void*) { s.api->watch(s.unit, nullptr, nullptr); });
+  const std::uint64_t clocks = test(a, b, results);
+  if (watch.failed) std::rethrow_exception(watch.failed);
+  return clocks;
 }
 
 void PairUnit::open_trace(const std::string& path) {

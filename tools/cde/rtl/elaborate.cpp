@@ -12,6 +12,7 @@
 #include <fstream>
 #include <iterator>
 #include <string_view>
+#include <utility>
 
 #include "cde/contract/formats.hpp"
 
@@ -44,6 +45,15 @@ class Scratch {
 std::string text_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// A module without its body. Nobody looks below an operator, and Verilator links all branches of
+/// each before it knows which it needs (obb-obb with gates: 34 s with their bodies, 5 without).
+void write_head_of(const fs::path& module, const fs::path& to) {
+  const std::string text = text_of(module);
+  const std::size_t end = text.find("\n);\n");
+  if (end == std::string::npos) return;
+  std::ofstream(to) << text.substr(0, end) << "\n);\nendmodule\n";
 }
 
 /// Exit status of a program that writes to `log`.
@@ -112,6 +122,17 @@ struct Packed {
   bool has_low = false;
 };
 
+/// The name of an instance behind those of the generate blocks that it is in. A loop is a block of
+/// its name, with one of its name and number in it.
+std::string scoped(const std::vector<std::string>& blocks, std::string_view name) {
+  std::string all;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const bool loop = i + 1 < blocks.size() && blocks[i + 1].starts_with(blocks[i] + "[");
+    if (!loop && !blocks[i].empty()) all.append(blocks[i]).append(".");
+  }
+  return all.append(name);
+}
+
 bool is_within(const std::string& path, const std::string& instance) {
   return path.starts_with(instance) &&
          (path.size() == instance.size() || path[instance.size()] == '.');
@@ -132,6 +153,8 @@ Elaboration::Elaboration(const fs::path& rtl, const std::string& top,
   std::ifstream packages(rtl / "contract/packages.f");
   for (std::string package; std::getline(packages, package);)
     command.push_back(rtl / "contract" / package);
+  write_head_of(rtl / "fp/fp_gates.sv", scratch / "fp_gates.sv");
+  if (top != "fp_gates") command.insert(command.end(), {"-y", xml.parent_path()});
   std::vector<fs::path> folders = {rtl};
   std::error_code missing;  // Verilator names what it does not find
   for (const auto& entry : fs::directory_iterator(rtl, missing))
@@ -158,6 +181,7 @@ void Elaboration::read(const std::string& xml) {
   std::string parameter;              // whose value comes next
   std::map<unsigned, Packed> packed;  // type -> element type and range
   unsigned open_type = 0;
+  std::vector<std::string> blocks;  // that are open
   for (std::size_t at = 0; at < xml.size();) {
     const std::size_t stop = std::min(xml.find('\n', at), xml.size());
     std::string_view line(xml.data() + at, stop - at);
@@ -167,11 +191,22 @@ void Elaboration::read(const std::string& xml) {
     if (tag == "<cell") {
       instances_.push_back(
           {std::string(attribute(line, "hier")), std::string(attribute(line, "submodname"))});
+      by_path_.emplace(instances_.back().path, instances_.size() - 1);
+    } else if (tag == "<file") {
+      files_.emplace(attribute(line, "id"), attribute(line, "filename"));
     } else if (tag == "<module") {
       module = &modules_[std::string(attribute(line, "name"))];
       module->source_name = attribute(line, "origName");
+      blocks.clear();
     } else if (tag == "</module") {
       module = nullptr;
+    } else if (tag == "<begin" && !line.ends_with("/>")) {
+      blocks.emplace_back(attribute(line, "name"));
+    } else if (tag == "</begin" && !blocks.empty()) {
+      blocks.pop_back();
+    } else if (tag == "<instance" && module != nullptr) {
+      module->parts[scoped(blocks, attribute(line, "name"))] = {
+          std::string(attribute(line, "defName")), std::string(attribute(line, "loc"))};
     } else if (tag == "<var" && module != nullptr) {
       const std::string name(attribute(line, "name"));
       const bool is_constant =
@@ -211,10 +246,9 @@ void Elaboration::read(const std::string& xml) {
 }
 
 const Elaboration::Module* Elaboration::find(const std::string& instance) const {
-  const auto at = std::find_if(instances_.begin(), instances_.end(),
-                               [&](const Instance& i) { return i.path == instance; });
-  if (at == instances_.end()) return nullptr;
-  const auto module = modules_.find(at->module);
+  const auto at = by_path_.find(instance);
+  if (at == by_path_.end()) return nullptr;
+  const auto module = modules_.find(instances_[at->second].module);
   return module == modules_.end() ? nullptr : &module->second;
 }
 
@@ -257,6 +291,31 @@ Operators Elaboration::operators(const std::string& instance) const {
     if (path == instance || what == "df_wire") count.mask_ands += module.ands;
   }
   return count;
+}
+
+std::vector<Place> Elaboration::places(const std::string& path) const {
+  std::vector<Place> places;
+  if (instances_.empty()) return places;
+  auto module = modules_.find(instances_[0].module);
+  std::string scopes;  // generate blocks since the last instance
+  for (std::size_t at = std::min(path.find('.'), path.size() - 1) + 1; at < path.size();) {
+    const std::size_t stop = std::min(path.find('.', at), path.size());
+    scopes.append(scopes.empty() ? "" : ".").append(path, at, stop - at);
+    at = stop + 1;
+    if (module == modules_.end()) break;
+    const auto part = module->second.parts.find(scopes);
+    if (part == module->second.parts.end()) continue;  // a generate block
+    const auto& [name, location] = part->second;
+    module = modules_.find(name);
+    Place place{.instance = std::exchange(scopes, {}), .module = {}, .file = {}};
+    if (module != modules_.end()) place.module = module->second.source_name;
+    const std::size_t comma = std::min(location.find(','), location.size());
+    const auto file = files_.find(location.substr(0, comma));
+    if (file != files_.end()) place.file = fs::path(file->second).filename();
+    if (comma < location.size()) place.line = decimal(std::string_view(location).substr(comma + 1));
+    places.push_back(std::move(place));
+  }
+  return places;
 }
 
 std::string Elaboration::module_of(const std::string& instance) const {

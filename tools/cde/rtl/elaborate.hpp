@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 /// The RTL as Verilator elaborates it, without a simulation: operators are counted and constants
@@ -20,6 +21,14 @@ struct Operators {
            comparators = 0, min_max = 0;
   unsigned mask_ands = 0;  ///< ANDs of two lane masks: in the pipe's own text, and df_wire
   bool operator==(const Operators&) const = default;
+};
+
+/// A line of the RTL, and the instance that it makes.
+struct Place {
+  std::string instance;  ///< its name, behind those of the generate blocks that it is in
+  std::string module;    ///< what it is an instance of, as its source names it
+  std::string file;      ///< name without folders
+  unsigned line = 0;
 };
 
 /// What Verilator said, or why it could not be run.
@@ -39,6 +48,9 @@ class Elaboration {
 
   /// Operators in an instance and all below it; none if there is no such instance.
   [[nodiscard]] Operators operators(const std::string& instance) const;
+  /// The lines that make an instance, from below the top module down to it. `path` begins with the
+  /// top module and has the names of generate blocks in it, as %m has; it may go on below.
+  [[nodiscard]] std::vector<Place> places(const std::string& path) const;
   /// Module of an instance, as its source names it; empty if there is no such instance.
   [[nodiscard]] std::string module_of(const std::string& instance) const;
   /// A parameter or localparam of an instance; nothing if it has none of that name.
@@ -54,6 +66,11 @@ class Elaboration {
     std::map<std::string, unsigned> constants;
     std::map<std::string, unsigned> types;  ///< of ports and signals
     unsigned ands = 0;
+    struct Part {
+      std::string module;    ///< as Verilator calls it, with its parameters
+      std::string location;  ///< file's letters and line, as Verilator writes them
+    };
+    std::unordered_map<std::string, Part> parts;  ///< instances, with their generate blocks
   };
   void read(const std::string& xml);
   [[nodiscard]] const Module* find(const std::string& instance) const;
@@ -62,6 +79,8 @@ class Elaboration {
     std::string path, module;  ///< those of a generate loop share a path
   };
   std::vector<Instance> instances_;
+  std::unordered_map<std::string, std::size_t> by_path_;  ///< the first instance of a path
+  std::map<std::string, std::string> files_;
   std::map<std::string, Module> modules_;
   std::map<unsigned, unsigned> widths_;  ///< of types
 };

@@ -24,6 +24,8 @@
 #include "output/streams.hpp"
 #include "output/suffix.hpp"
 #include "verbs/operand_defect.hpp"
+#include "verbs/operand_line.hpp"
+#include "verbs/pair_options.hpp"
 #include "verbs/verbs.hpp"
 #include "wave/waves.hpp"
 
@@ -33,104 +35,15 @@ namespace {
 constexpr std::size_t kBatch = 65536;  // pairs, at most, between two runs of the unit
 constexpr std::size_t kTraced = 4096;  // and of all, where there are waves of them
 
-struct Options {
-  std::string pair, algorithm = "moller", format = "fp32", arithmetic = "host", budget, trace;
-  std::optional<unsigned> lanes;
-  std::optional<bool> box;
-  unsigned facet_interval = PairConfig{}.facet_interval;
-  bool half_space = false, bits = false, check = true, json = false, quiet = false;
+struct Options : PairOptions {
+  std::string trace;
+  bool bits = false, check = true, json = false, quiet = false;
 };
 
 struct Totals {
   std::uint64_t pairs = 0, hits = 0, bad = 0, malformed = 0, clocks = 0, compared = 0;
   double simulation_seconds = 0;
 };
-
-bool has_ray(Pair pair) {
-  return name(pair).starts_with("ray-");
-}
-
-Pair pair_named(const std::string& text) {
-  const std::vector<std::string> known = pair_names();
-  must_be_known(text, known, "pair");
-  return static_cast<Pair>(std::find(known.begin(), known.end(), text) - known.begin());
-}
-
-/// The largest budget of at most so many evaluations, split evenly: K1 and K2 of two cylinders as
-/// equal as they can be; M = 8 of a box or triangle once K1 can be 8 too, else 4, and 16
-/// where M = 8 and the largest K1 leave more.
-PairBudget split(unsigned evaluations, Pair pair) {
-  constexpr unsigned kMost = card::kBudgetMost;
-  const bool cylinders = pair == Pair::kCylinderCylinder;
-  const auto takes = [pair](const PairBudget& b) { return reference::evaluations(pair, b); };
-  const unsigned least = takes({.samples = 4, .circle = 0, .free = 0});
-  const unsigned most = takes({.samples = 16, .circle = kMost, .free = kMost});
-  if (evaluations < least || evaluations > most)
-    throw Error(ErrorCode::kUsage, fmt::format("--budget is {}; {} takes {} to {} evaluations",
-                                               evaluations, name(pair), least, most));
-  const unsigned rest = evaluations - takes({.samples = 0, .circle = 0, .free = 0});
-  PairBudget budget;
-  if (cylinders) {
-    budget.circle = std::min(rest / 5 + (rest % 5 == 2 ? 1 : 0), kMost);
-    budget.free = std::min(rest / 5 + (rest % 5 >= 3 ? 1 : 0), kMost);
-  } else {
-    budget.samples = rest / 3 > 8 + kMost ? 16 : rest / 3 >= 16 ? 8 : 4;
-    budget.circle = std::min(rest / 3 - budget.samples, kMost);
-  }
-  return budget;
-}
-
-/// M,K1,K2: directions sampled on a circle, steps on each circle, steps on each free track; or the
-/// evaluations in all.
-PairBudget budget_named(const std::string& text, Pair pair) {
-  if (!has_budget(pair))
-    throw Error(ErrorCode::kUsage, fmt::format("--budget is of cylinder-cylinder, obb-cylinder and "
-                                               "triangle-cylinder; {} always takes the same work",
-                                               name(pair)));
-  const auto is_all = [&text](int end) { return static_cast<std::size_t>(end) == text.size(); };
-  PairBudget budget;
-  unsigned evaluations = 0;
-  int end = 0;
-  if (text.find_first_not_of("0123456789,") == std::string::npos) {
-    if (std::sscanf(text.c_str(), "%9u%n", &evaluations, &end) == 1 && is_all(end))
-      return split(evaluations, pair);
-    if (std::sscanf(text.c_str(), "%3u,%3u,%3u%n", &budget.samples, &budget.circle, &budget.free,
-                    &end) == 3 &&
-        is_all(end)) {
-      try {
-        budget.check();
-      } catch (const Error& e) {
-        throw Error(e.code(), fmt::format("--{}", e.what()));  // it begins with "budget"
-      }
-      return budget;
-    }
-  }
-  throw Error(ErrorCode::kUsage,
-              fmt::format("--budget is {}; it must be M,K1,K2 with M 4, 8 or 16, K1 and K2 0 to "
-                          "{}, or the number of evaluations",
-                          in_quotes(text), card::kBudgetMost));
-}
-
-/// Lanes if nobody says how many. Words of 64 bits fill vectors sooner, and clang takes minutes to
-/// build facets of more than one such lane.
-unsigned default_lanes(Pair pair, FpFormat format) {
-  return has_facets(pair) && format.width() > 32 ? 1 : PairConfig{}.lanes;
-}
-
-PairConfig configuration(const Options& o) {
-  PairConfig config{.pair = pair_named(o.pair),
-                    .algorithm = *algorithm_named(o.algorithm),
-                    .box = o.box.value_or(pair_named(o.pair) == Pair::kRayTriangle),
-                    .plane = o.half_space ? PlaneSide::kHalfSpace : PlaneSide::kSurface,
-                    .format = FpFormat::parse(o.format),
-                    .facet_interval = o.facet_interval};
-  config.lanes = o.lanes.value_or(default_lanes(config.pair, config.format));
-  config.arithmetic = o.arithmetic == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost;
-  config.trace = !o.trace.empty();
-  if (!o.budget.empty()) (void)budget_named(o.budget, config.pair);
-  (void)config.parameters();  // complains about values before anything slow
-  return config;
-}
 
 /// How much of stdin there is to read, if it is a file.
 double stdin_size() {
@@ -140,45 +53,12 @@ double stdin_size() {
              : 0;
 }
 
-bool is_blank(char c) {
-  return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
-}
-
-/// Takes a word off the front of a line: up to a comma or blank, with the blanks and the one comma
-/// behind it. False at the end. Between two commas, and behind a last one, is an empty word. A | is
-/// a word, also without blanks around it.
-class Words {
- public:
-  explicit Words(std::string_view line) : rest_(line) { skip_blanks(); }
-  bool next(std::string_view& word) {
-    if (rest_.empty() && !comma_) return false;
-    std::size_t length = 0;
-    while (length < rest_.size() && rest_[length] != ',' && rest_[length] != '|' &&
-           !is_blank(rest_[length]))
-      ++length;
-    if (rest_.starts_with('|')) length = 1;
-    word = rest_.substr(0, length);
-    rest_.remove_prefix(length);
-    skip_blanks();
-    comma_ = !rest_.empty() && rest_.front() == ',';
-    if (comma_) rest_.remove_prefix(1), skip_blanks();
-    return true;
-  }
-
- private:
-  void skip_blanks() {
-    while (!rest_.empty() && is_blank(rest_.front())) rest_.remove_prefix(1);
-  }
-  std::string_view rest_;
-  bool comma_ = false;
-};
-
 class Query {
  public:
   Query(const Options& o, const PairConfig& config)
       : o_(o), config_(config), text_(config_.format), unit_(config_) {
     if (!o_.budget.empty()) {
-      budget_ = budget_named(o_.budget, config_.pair);
+      budget_ = budget_of(o_);
       unit_.set_budget(budget_);
     }
     if (o_.check && !reference::has_pair(config_.pair, config_.algorithm))
@@ -207,50 +87,17 @@ class Query {
 
  private:
   void read(std::uint64_t number, std::string_view line) {
-    Words words(line);
-    const std::size_t a_words = primary_words(config_.pair),
-                      b_words = secondary_words(config_.pair);
-    const std::size_t most = a_words + b_words, short_ray = has_ray(config_.pair) ? most - 2 : most;
-    values_.clear();
     std::string why;
-    std::size_t count = 0, before_bar = 0;
-    bool bar = false;
-    for (std::string_view word; words.next(word);) {
-      if (word == "|" && !bar) {
-        bar = true;
-        before_bar = count;
-        continue;
-      }
-      if (count == 0 && word.starts_with('#')) return;
-      ++count;
-      if (count > most || !why.empty()) continue;
-      std::string problem;
-      if (const auto value = text_.parse(word, problem))
-        values_.push_back(*value);
-      else
-        why = fmt::format("line {}, word {}: {}", number, count, problem);
-    }
-    if (count == 0) return;
-    if (count != most && count != short_ray)
-      why = fmt::format("line {}: {} words, must be {}{} ({} of A, {} of B)", number, count,
-                        short_ray == most ? "" : fmt::format("{} or ", short_ray), most,
-                        short_ray == most ? fmt::to_string(a_words)
-                                          : fmt::format("{} or {}", a_words - 2, a_words),
-                        b_words);
-    else if (bar && why.empty() && before_bar + b_words != count)
-      why = fmt::format("line {}: {} words before the |, of {} in all; A has {}", number,
-                        before_bar, count, count - b_words);
-    if (!why.empty()) {
-      ++totals_.malformed;
-      rows_.push_back({number, false});
-      unread_.push_back(std::move(why));
-    } else {
-      // A ray without an interval has all of it: tmin = 0, tmax = +inf.
-      if (count < most) values_.insert(values_.begin() + 6, {0, config_.format.infinity()});
-      const auto middle = values_.begin() + static_cast<std::ptrdiff_t>(a_words);
-      a_.insert(a_.end(), values_.begin(), middle);
-      b_.insert(b_.end(), middle, values_.end());
-      rows_.push_back({number, true});
+    switch (read_operands(config_.pair, text_, fmt::format("line {}", number), line, a_, b_, why)) {
+      case OperandLine::kNothing:
+        return;
+      case OperandLine::kMalformed:
+        ++totals_.malformed;
+        rows_.push_back({number, false});
+        unread_.push_back(std::move(why));
+        break;
+      case OperandLine::kPair:
+        rows_.push_back({number, true});
     }
     if (config_.trace && rows_.size() > kTraced)
       throw Error(ErrorCode::kBadInput,
@@ -316,20 +163,14 @@ class Query {
     // All lanes get the pair, whichever it was in.
     throw Error(
         ErrorCode::kMismatch,
-        fmt::format(
-            "line {}: the card's answer differs from the reference\n"
-            "  A         {}\n  B         {}\n  card      {}\n  reference {}\n"
-            "  differ in {}\n  where     {}\n"
-            "repeat with: yes {},{} | head -n {} | cde query {} --algorithm {} "
-            "--format {} --arith {} --lanes {}{}",
-            line, a, b, shown(results_[i]), shown(expected_[i]),
-            differing_fields(results_[i], expected_[i]), place_in_unit(unit_, a_, b_, i), a, b,
-            config_.lanes, o_.pair, o_.algorithm, o_.format, o_.arithmetic, config_.lanes,
-            std::string(o_.half_space ? " --half-space" : "") +
-                (config_.pair == Pair::kRayTriangle && !config_.box ? " --no-box" : "") +
-                (o_.facet_interval == 1 ? std::string()
-                                        : fmt::format(" --facet-interval {}", o_.facet_interval)) +
-                (o_.budget.empty() ? std::string() : " --budget " + o_.budget)));
+        fmt::format("line {}: the card's answer differs from the reference\n"
+                    "  A         {}\n  B         {}\n  card      {}\n  reference {}\n"
+                    "  differ in {}\n  where     {}\n"
+                    "repeat with: yes {},{} | head -n {} | cde query {}\n"
+                    "explain it:  cde explain {} '{} | {}'",
+                    line, a, b, shown(results_[i]), shown(expected_[i]),
+                    differing_fields(results_[i], expected_[i]), place_in_unit(unit_, a_, b_, i), a,
+                    b, config_.lanes, words_of(o_, config_), words_of(o_, config_, false), a, b));
   }
 
   static std::span<const std::uint64_t> operand(std::span<const std::uint64_t> all, std::size_t i,
@@ -391,7 +232,7 @@ class Query {
   PairUnit unit_;
   PairBudget budget_;
   Totals totals_;
-  std::vector<std::uint64_t> values_, a_, b_;
+  std::vector<std::uint64_t> a_, b_;
   std::vector<Row> rows_;
   std::vector<std::string> unread_;  ///< messages of the lines that could not be read
   std::vector<PairResult> results_, expected_;
@@ -451,7 +292,8 @@ void run(const Options& o) {
     check_outputs(std::vector<FileUse>{{"--trace", o.trace}, {"the answers", "-"}},
                   std::vector<FileUse>{{"stdin", "-"}});
   check_suffix("--trace", o.trace, ".fst");
-  const PairConfig config = configuration(o);
+  PairConfig config = configuration(o);
+  config.trace = !o.trace.empty();
   const Totals totals = Query(o, config).run();
   if (o.json)
     put_json(as_json(o, config, totals), -1);
@@ -474,39 +316,7 @@ void add_query(CLI::App& app) {
       "half-extents rotation by rows 15. A word is decimal, hexfloat, or 0x and the bits. Prints "
       "F,T,CP,n,flags as CSV; flags: empty, bad (the card refuses an operand) or malformed (the "
       "line cannot be read). Blank lines and lines that start with # are skipped");
-  named(verb->add_option("pair", o->pair, "ray-triangle, sphere-sphere, obb-obb, ...")->required(),
-        pair_names(), "PAIR", "pair");
-  one_of(verb->add_option("--algorithm", o->algorithm, "Of ray-triangle")->capture_default_str(),
-         algorithm_names());
-  verb->add_flag_callback(
-      "--box", [o] { o->box = true; },
-      "Of ray-triangle: a hit must lie in the triangle's box (on)");
-  verb->add_flag_callback(
-      "--no-box", [o] { o->box = false; }, "The plain pipe");
-  verb->add_flag("--half-space", o->half_space,
-                 "Of pairs with a plane: it bounds the solid half-space n.x <= d");
-  one_of(verb->add_option("--format", o->format, "Format of the words")->capture_default_str(),
-         pair_formats());
-  one_of(
-      verb->add_option("--arith", o->arithmetic, "host (the FPU, fast) or rtl (gates); same bits")
-          ->capture_default_str(),
-      {"host", "rtl"});
-  whole_number_in(verb->add_option("--lanes", o->lanes,
-                                   "Pairs a clock; 8 if not given, or 1 in fp64 for obb-obb, "
-                                   "triangle-aabb and triangle-obb, whose bitstreams of more lanes "
-                                   "take minutes to build"),
-                  1, 256, "");
-  one_of(verb->add_option("--facet-interval", o->facet_interval,
-                          "Of obb-obb, triangle-aabb and triangle-obb: clocks from one row of "
-                          "pairs to the next, 1, or 3 with facet units that are shared; same bits")
-             ->capture_default_str(),
-         {"1", "3"});
-  known_words(verb->add_option(
-                  "--budget", o->budget,
-                  "Work for a pair of cylinder-, obb- or triangle-cylinder: M,K1,K2 (directions "
-                  "sampled on a circle, 4, 8 or 16; steps on a circle, steps on a free track, 0 "
-                  "to 64), or a number of evaluations, which is split evenly. 8,8,8 if not given"),
-              {}, "M,K1,K2|N");
+  add_pair_options(*verb, *o);
   verb->add_flag("--bits", o->bits, "Print words as 0x and their bits instead of decimals");
   verb->add_flag("--check,!--no-check", o->check,
                  "Compare every answer with the reference, bit for bit (on)");

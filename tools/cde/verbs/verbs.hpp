@@ -13,6 +13,7 @@ inline int exit_code = 0;
 void add_bench(CLI::App& app);
 void add_cast(CLI::App& app);
 void add_doctor(CLI::App& app);
+void add_explain(CLI::App& app);
 void add_fp(CLI::App& app);
 void add_help(CLI::App& app);
 void add_inventory(CLI::App& app);

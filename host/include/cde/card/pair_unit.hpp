@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cde/bitstream/bitstream.hpp"
+#include "cde/contract/formats.hpp"
 #include "cde/fp/fp_format.hpp"
 #include "cde/geometry/pair.hpp"
 #include "cde/query/pair_result.hpp"
@@ -34,9 +35,26 @@ struct PairConfig {
   unsigned latency_sqrt = 1;
   unsigned latency_compare = 1;
   bool trace = false;  ///< waves can be written (and everything runs slower)
+  bool tap = false;    ///< operators tell what they do (PairUnit::watch); of one lane
 
   /// NAME=VALUE for the builder. Error kUsage if a value is out of range, naming it.
   [[nodiscard]] std::vector<std::string> parameters() const;
+};
+
+/// An operator of a pipe, an instance of rtl/fp/fp_lanes.sv.
+struct PairOperator {
+  std::string path;  ///< in the hierarchy, with the names of generate blocks: "TOP.pair_unit..."
+  FpOp operation;    ///< up to kMax
+  unsigned latency = 0;  ///< clocks from operands to result; 0 of host arithmetic
+};
+
+/// What is at an operator in one clock, which is counted from the first row of a test().
+struct OperatorWords {
+  std::uint32_t which = 0;  ///< index in PairUnit::operators()
+  std::uint64_t clock = 0;
+  std::uint64_t a = 0, b = 0;  ///< operands; the second one of a square root is the first again
+  std::uint64_t result = 0;    ///< of the operands that came `latency` clocks before; a mask is 0
+                               ///< or all ones
 };
 
 /// One simulated pipe: a pair_unit bitstream. Not for use by two threads at once. Every call of one
@@ -65,6 +83,14 @@ class PairUnit {
   /// unit; it may not give the unit other work (kUsage), but may move or destroy it.
   std::uint64_t test(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
                      std::span<PairResult> results, const std::function<unsigned()>& gap = {});
+
+  /// The pipe's operators in the order in which the model was made; none unless built with `tap`.
+  [[nodiscard]] std::vector<PairOperator> operators() const;
+  /// test() with a look at every operator in every clock, also of those between the rows, in no
+  /// order within a clock. Error kConfiguration if the unit was built without `tap`.
+  std::uint64_t watch(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
+                      std::span<PairResult> results,
+                      const std::function<void(const OperatorWords&)>& seen);
 
   /// Reset in mid-stream: what is in flight is gone.
   void reset();

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// What an operator takes and gives in each clock, told to the model's harness, where CDE_TAP is defined (TAP=1 of the
+// builder): of lane 0. r_i is the result of the operands that came LAT clocks before.
+// Latency: none. Throughput: one operation a clock. Stall: none.
+module operator_tap #(
+    parameter int OP = formats_pkg::FP_ADD,
+    parameter int CW = 32,
+    parameter int LAT = 1  // 0: combinational
+) (
+    input logic clk_i,
+    input logic [CW-1:0] a_i,
+    input logic [CW-1:0] b_i,
+    input logic [CW-1:0] r_i
+);
+`ifdef CDE_TAP
+  import "DPI-C" function int cde_tap_open(input string path, input int op, input int latency);
+  import "DPI-C" function void cde_tap(input int index, input longint unsigned a, input longint unsigned b,
+                                       input longint unsigned r);
+  int index;
+  string path;
+  initial begin
+    path = $sformatf("%m");
+    index = cde_tap_open(path, OP, LAT);
+  end
+  always @(posedge clk_i) cde_tap(index, 64'(a_i), 64'(b_i), 64'(r_i));
+`else
+  logic unused;
+  assign unused = &{1'b0, clk_i, a_i, b_i, r_i, OP != LAT};
+`endif
+endmodule

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde explain: from a pair to the line of RTL where a pipe parts from its reference.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+#include "run_cde.hpp"
+
+namespace cde::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class Explain : public Cli {
+ protected:
+  /// RTL with a text of one file replaced, as an environment.
+  std::vector<std::string> planted(const std::string& file, const std::string& from,
+                                   const std::string& to) {
+    const fs::path share = folder_ / "share", source = CDE_SOURCE_DIR;
+    fs::create_directories(share / "host/include/cde");
+    const auto all = fs::copy_options::recursive;
+    for (const char* part : {"rtl", "verilator", "host/include/cde/contract"})
+      fs::copy(source / part, share / part, all);
+    std::ifstream in(share / file);
+    std::string text{std::istreambuf_iterator<char>(in), {}};
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from << " is not in " << file;
+    if (at == std::string::npos) return {};
+    line_ =
+        1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(at), '\n'));
+    text.replace(at, from.size(), to);
+    std::ofstream(share / file) << text;
+    return {"CDE_SHARE=" + share.string()};
+  }
+  /// The places of an explanation, "FILE:LINE" of the pipe's own text, the likeliest first.
+  static std::vector<std::string> lines(const Ran& ran) {
+    std::vector<std::string> all;
+    const json j = json::parse(ran.out);
+    for (const auto& difference : j["first_differences"])
+      for (const auto& source : difference["sources"])
+        for (const auto& place : source)
+          all.push_back(place["file"].get<std::string>() + ":" +
+                        std::to_string(place["line"].get<int>()));
+    return all;
+  }
+  int line_ = 0;
+};
+
+TEST_F(Explain, AGoodPipeIsFoundWholeAndTheSame) {
+  const Ran ran = cde({"explain", "sphere-sphere", "0 0 0 1 | 1.5 0 0 1"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.out.find("The card's answer is the reference's."), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("sphere_sphere.sv:"), std::string::npos) << ran.out;
+  const Ran short_form = cde({"explain", "sphere-sphere", "0,0,0,1,1.5,0,0,1", "--json"});
+  const json j = json::parse(short_form.out);
+  EXPECT_TRUE(j["same"].get<bool>());
+  EXPECT_GT(j["operations"].get<int>(), 20);
+  EXPECT_EQ(j["operations"], j["operations_found"]);
+  EXPECT_TRUE(j["first_differences"].empty());
+}
+
+TEST_F(Explain, TheManualShowsWhatTheCommandPrints) {
+  std::ifstream in(fs::path(CDE_SOURCE_DIR) / "docs/explain.md");
+  const std::string manual{std::istreambuf_iterator<char>(in), {}};
+  const Ran ran = cde({"explain", "sphere-sphere", "0 0 0 1 | 1.5 0 0 1", "--max", "3"});
+  std::string indented;
+  std::istringstream lines(ran.out);
+  for (std::string line; std::getline(lines, line);)
+    indented += (line.empty() ? "" : "    ") + line + '\n';
+  EXPECT_NE(manual.find(indented), std::string::npos) << indented;
+}
+
+TEST_F(Explain, AnotherOperationIsFoundAtItsLine) {
+  const auto fault =
+      planted("rtl/pipes/ray_triangle_moller.sv", "`DF_VSUB(s, o, v0)", "`DF_VADD(s, o, v0)");
+  const Ran ran = cde({"explain", "ray-triangle", "0.6 0.3 5 0 0 -1 | 0.5 0.1 0 1.5 0 0 0.5 1 0",
+                       "--arith", "host", "--no-box", "--json"},
+                      fault);
+  EXPECT_EQ(ran.status, 1) << ran.err;
+  const auto found = lines(ran);
+  ASSERT_FALSE(found.empty()) << ran.out;
+  EXPECT_EQ(found[0], "ray_triangle_moller.sv:" + std::to_string(line_));
+}
+
+TEST_F(Explain, AWrongOperandIsFoundAtItsLine) {
+  const auto fault =
+      planted("rtl/pipes/ray_triangle_moller.sv", "`DF_DOT(u, p, s)", "`DF_DOT(u, p, e1)");
+  const Ran ran = cde({"explain", "ray-triangle", "0.6 0.3 5 0 0 -1 | 0.5 0.1 0 1.5 0 0 0.5 1 0",
+                       "--arith", "host", "--no-box", "--json"},
+                      fault);
+  EXPECT_EQ(ran.status, 1) << ran.err;
+  const auto found = lines(ran);
+  ASSERT_FALSE(found.empty()) << ran.out;
+  EXPECT_EQ(found[0], "ray_triangle_moller.sv:" + std::to_string(line_));
+}
+
+TEST_F(Explain, WhatMakesNoSenseIsRefused) {
+  const auto refused = [this](const std::vector<std::string>& words, const char* text) {
+    const Ran ran = cde(words);
+    EXPECT_EQ(ran.status, 2) << ran.out;
+    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
+    EXPECT_EQ(ran.out, "");
+  };
+  refused({"explain", "sphere-sphere", "0 0 0 1"}, "4 words, must be 8");
+  refused({"explain", "sphere-sphere", "0 0 0 one 0 0 0 1"}, "word 4");
+  refused({"explain", "sphere-sphere", " "}, "missing");
+  refused({"explain", "cylinder-cylinder", "0 0 0 0 0 1 1 1 | 0 0 3 0 0 1 1 1"}, "ring");
+  refused({"explain", "spheer-sphere", "0"}, "sphere-sphere");
+}
+
+TEST_F(Explain, AnOperandOutOfContractSaysNothingOfOperators) {
+  const Ran ran = cde({"explain", "sphere-sphere", "0 0 0 -1 | 1.5 0 0 1"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.out.find("Both sides refuse the pair"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.err.find("radius"), std::string::npos) << ran.err;
+}
+
+}  // namespace
+}  // namespace cde::testing

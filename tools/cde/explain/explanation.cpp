@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "explain/explanation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "cde/bitstream/bitstream.hpp"
+#include "cde/support/error.hpp"
+#include "pairs/random_pairs.hpp"
+
+namespace cde::explain {
+namespace {
+
+// Pairs before and behind the one to be explained. They are what seats are learnt from, and without
+// neighbours an operand of another row would not be seen: inputs stay on the port.
+constexpr std::size_t kBefore = 40, kBehind = 24;
+constexpr std::uint64_t kSeed = 20261123;
+
+/// The words of random pairs in the format, with the asked one in their midst.
+struct Rows {
+  std::vector<std::uint64_t> a, b;
+};
+Rows rows_around(const PairConfig& config, std::span<const std::uint64_t> a,
+                 std::span<const std::uint64_t> b) {
+  cli::RandomPairs random(kSeed);
+  Rows rows;
+  const auto add = [&] {
+    std::vector<float> fa, fb;
+    random.pair(config.pair, fa, fb);
+    const auto word = [&config](float x) { return config.format.encode(x); };
+    std::transform(fa.begin(), fa.end(), std::back_inserter(rows.a), word);
+    std::transform(fb.begin(), fb.end(), std::back_inserter(rows.b), word);
+  };
+  for (std::size_t i = 0; i < kBefore; ++i) add();
+  rows.a.insert(rows.a.end(), a.begin(), a.end());
+  rows.b.insert(rows.b.end(), b.begin(), b.end());
+  for (std::size_t i = 0; i < kBehind; ++i) add();
+  return rows;
+}
+
+/// The RTL as it is elaborated for the configuration.
+rtl::Elaboration design_of(const PairConfig& config) {
+  PairConfig plain = config;
+  plain.tap = false;
+  const std::filesystem::path rtl = bitstream_builder().parent_path().parent_path() / "rtl";
+  try {
+    return {rtl, "pair_unit", plain.parameters()};
+  } catch (const rtl::ElaborationError& e) {
+    throw Error(ErrorCode::kBuild, e.what());
+  }
+}
+
+/// Lines of an operator, from inside the pipe on. The cell of an operator that a line of dataflow
+/// makes (df_operator.sv, fp_add.sv, ...) says nothing.
+Source source_of(const rtl::Elaboration& design, std::string path) {
+  const std::size_t top = path.find("pair_unit.", 1);  // Verilator's own name comes first
+  path.erase(0, top == std::string::npos ? 0 : top);
+  path.resize(path.size() - std::string_view(".tap").size());
+  Source source{design.places(path)};
+  std::erase_if(source.places, [](const rtl::Place& p) {
+    return p.file == "pair_unit.sv" || p.file == "scaled_pipe.sv" || p.file == "pair_pipe.sv" ||
+           (p.module == "fp_lanes" && (p.instance == "cell_u" || p.instance == "lanes"));
+  });
+  return source;
+}
+
+}  // namespace
+
+std::string Source::name() const {
+  std::string all;
+  for (const rtl::Place& p : places)
+    if (p.instance != "cell_u") all += fmt::format("{}{}", all.empty() ? "" : ".", p.instance);
+  if (all.ends_with(".op")) all.resize(all.size() - 3);
+  return all;
+}
+
+std::string Source::line() const {
+  std::string line = "?";
+  for (const rtl::Place& p : places) {
+    if (p.file.starts_with("df_") || p.file.starts_with("vec_")) break;
+    line = fmt::format("{}:{}", p.file, p.line);
+  }
+  return line;
+}
+
+std::string Source::text() const {
+  std::string all;
+  for (const rtl::Place& p : places)
+    all += fmt::format("{}{}:{} {}", all.empty() ? "" : ", ", p.file, p.line, p.instance);
+  return all;
+}
+
+Explanation explain(const PairConfig& asked, std::span<const std::uint64_t> a,
+                    std::span<const std::uint64_t> b) {
+  Explanation e;
+  e.config = asked;
+  e.config.lanes = 1;
+  e.config.tap = true;
+  if (has_budget(asked.pair))
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("{} goes round a ring, which explain does not follow: trace it with cde "
+                    "query --trace",
+                    name(asked.pair)));
+  PairUnit unit(e.config);
+  const Rows rows = rows_around(e.config, a, b);
+  const Observed card = observe(unit, rows.a, rows.b);
+  const std::size_t count = card.results.size();
+  std::vector<PairRecording> recordings;
+  std::vector<std::size_t> learnt;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t aw = primary_words(asked.pair), bw = secondary_words(asked.pair);
+    recordings.push_back(record(e.config, std::span(rows.a).subspan(i * aw, aw),
+                                std::span(rows.b).subspan(i * bw, bw), {}));
+    if (i != kBefore && !recordings.back().result.bad) learnt.push_back(i);
+  }
+  e.recording = recordings[kBefore];
+  e.card = card.results[kBefore];
+  e.reference = e.recording.result;
+  e.operators = card.operators;
+  if (e.reference.bad || learnt.empty()) return e;
+  const std::vector<Seat> seats = learn(card, recordings, learnt);
+  e.operations = compare(card, e.recording, kBefore, seats, recordings, learnt);
+  const rtl::Elaboration design = design_of(e.config);
+  for (const PairOperator& o : card.operators) e.sources.push_back(source_of(design, o.path));
+  const auto source = [&](std::int32_t which) {
+    return e.sources[static_cast<std::size_t>(which)];
+  };
+  for (const Compared& c : e.operations) {
+    e.found += c.seat.which >= 0 ? 1 : 0;
+    if (!c.first) continue;
+    Finding finding{c, {}};
+    if (c.seat.which >= 0) finding.sources.push_back(source(c.seat.which));
+    for (const std::int32_t other : c.others) finding.sources.push_back(source(other));
+    e.findings.push_back(std::move(finding));
+  }
+  return e;
+}
+
+}  // namespace cde::explain

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "cde/card/pair_unit.hpp"
+
+/// The options that say which pipe a verb runs.
+namespace cde::cli {
+
+struct PairOptions {
+  std::string pair, algorithm = "moller", format = "fp32", arithmetic = "host", budget;
+  std::optional<unsigned> lanes;
+  std::optional<bool> box;
+  unsigned facet_interval = PairConfig{}.facet_interval;
+  bool half_space = false;
+};
+
+/// PAIR and the options; --lanes only where `lanes` says so.
+void add_pair_options(CLI::App& verb, PairOptions& options, bool lanes = true);
+
+/// The pipe that they are of. Error kUsage for what does not fit together.
+[[nodiscard]] PairConfig configuration(const PairOptions& options);
+
+/// --budget, or what a pair takes without it. Error kUsage if it cannot be read, or the pair takes
+/// none.
+[[nodiscard]] PairBudget budget_of(const PairOptions& options);
+
+/// PAIR and options as a command line has them, for another run of the same pipe.
+[[nodiscard]] std::string words_of(const PairOptions& options, const PairConfig& config,
+                                   bool lanes = true);
+
+}  // namespace cde::cli
