@@ -77,6 +77,6 @@ module fp_lanes #(
   end
 `ifdef CDE_TAP
   operator_tap #(.OP(OP), .CW(CW), .LAT(ARITH == "rtl" ? LAT : 0)) tap (
-      .clk_i, .a_i(a_i[0]), .b_i(b_i[0]), .r_i(r_o[0]));
+      .clk_i, .on_i(ARITH == "rtl" || on_i), .a_i(a_i[0]), .b_i(b_i[0]), .r_i(r_o[0]));
 `endif
 endmodule

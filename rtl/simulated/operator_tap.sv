@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What an operator takes and gives in each clock, told to the model's harness, where CDE_TAP is defined (TAP=1 of the
-// builder): of lane 0. r_i is the result of the operands that came LAT clocks before.
+// builder): of lane 0. r_i is the result of the operands that came LAT clocks before; where on_i is 0 nobody looks at
+// it, and all words are told as ones.
 // Latency: none. Throughput: one operation a clock. Stall: none.
 module operator_tap #(
     parameter int OP = formats_pkg::FP_ADD,
@@ -8,6 +9,7 @@ module operator_tap #(
     parameter int LAT = 1  // 0: combinational
 ) (
     input logic clk_i,
+    input logic on_i,
     input logic [CW-1:0] a_i,
     input logic [CW-1:0] b_i,
     input logic [CW-1:0] r_i
@@ -22,9 +24,9 @@ module operator_tap #(
     path = $sformatf("%m");
     index = cde_tap_open(path, OP, LAT);
   end
-  always @(posedge clk_i) cde_tap(index, 64'(a_i), 64'(b_i), 64'(r_i));
+  always @(posedge clk_i) cde_tap(index, on_i ? 64'(a_i) : '1, on_i ? 64'(b_i) : '1, on_i ? 64'(r_i) : '1);
 `else
   logic unused;
-  assign unused = &{1'b0, clk_i, a_i, b_i, r_i, OP != LAT};
+  assign unused = &{1'b0, clk_i, on_i, a_i, b_i, r_i, OP != LAT};
 `endif
 endmodule

@@ -95,7 +95,8 @@ TEST_F(Explain, WhatMakesNoSenseIsRefused) {
   refused({"explain", "sphere-sphere", "0 0 0 1"}, "4 words, must be 8");
   refused({"explain", "sphere-sphere", "0 0 0 one 0 0 0 1"}, "word 4");
   refused({"explain", "sphere-sphere", " "}, "missing");
-  refused({"explain", "cylinder-cylinder", "0 0 0 0 0 1 1 1 | 0 0 3 0 0 1 1 1"}, "ring");
+  refused({"explain", "sphere-sphere", "0 0 0 1 0 0 3 1", "--budget", "4,4,4"},
+          "always takes the same work");
   refused({"explain", "spheer-sphere", "0"}, "sphere-sphere");
 }
 

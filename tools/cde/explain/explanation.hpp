@@ -42,9 +42,9 @@ struct Explanation {
   [[nodiscard]] bool same() const { return card == reference; }
 };
 
-/// Runs one pair, in the midst of others, through the pipe alone. Error kUsage for a configuration
-/// with a budget, whose references are no straight-line code; kBuild if the RTL cannot be read.
+/// Runs one pair, in the midst of others, through the pipe alone. Error kBuild if the RTL cannot be
+/// read.
 [[nodiscard]] Explanation explain(const PairConfig& config, std::span<const std::uint64_t> a,
-                                  std::span<const std::uint64_t> b);
+                                  std::span<const std::uint64_t> b, const PairBudget& budget);
 
 }  // namespace cde::explain

@@ -3,52 +3,103 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 
 namespace cde::explain {
 namespace {
 
-constexpr std::size_t kCommon = 48;  // an operation that stands in more places says nothing
-constexpr unsigned kEnough = 60;     // percent of the pairs that make a seat
+constexpr unsigned kEnough = 60;         // percent of the pairs that make a seat
+constexpr std::size_t kSeeds = 3;        // pairs whose operands are looked for everywhere
+constexpr std::size_t kAlike = 200;      // operations of a pair with the same operands, at most
+constexpr std::size_t kCandidates = 96;  // seats that are tried for an operation
+constexpr std::size_t kSought = 20;      // missing operations for which others are looked at
 
 bool compares(FpOp op) {
   return op == FpOp::kLt || op == FpOp::kLe || op == FpOp::kEq;
 }
 
-/// Any NaN is the canonical one.
 std::uint64_t canonical_word(const FpFormat& format, std::uint64_t word) {
   return format.is_nan(word) ? format.canonical_nan() : word;
 }
 
+/// The operands of an operation, in no order.
 struct Operands {
   std::uint64_t low, high;
+  Operands(std::uint64_t a, std::uint64_t b) : low(std::min(a, b)), high(std::max(a, b)) {}
   bool operator==(const Operands&) const = default;
 };
-Operands operands(const FpFormat& format, std::uint64_t a, std::uint64_t b) {
-  const std::uint64_t x = canonical_word(format, a), y = canonical_word(format, b);
-  return {std::min(x, y), std::max(x, y)};
-}
 struct Hash {
   std::size_t operator()(const Operands& o) const {
     return (o.low * 0x9e3779b97f4a7c15u) ^ (o.high * 0xc2b2ae3d27d4eb4fu);
   }
 };
 
-struct At {
-  std::int32_t which;
-  std::uint32_t clock;
-};
-
-/// The result that belongs to the operands of a clock; nothing behind the end.
-const OperatorWords* result_of(const Observed& card, std::int32_t which, std::size_t clock) {
-  const auto& words = card.words[static_cast<std::size_t>(which)];
-  const std::size_t at = clock + card.operators[static_cast<std::size_t>(which)].latency;
-  return at < words.size() ? &words[at] : nullptr;
+/// An operation of the reference in the words that a track has.
+Operation expected(const Observed& card, const PairRecording& pair, std::size_t k) {
+  const Step& step = pair.steps[static_cast<std::size_t>(pair.operators[k])];
+  const auto word = [&card](std::uint64_t w) { return canonical_word(card.format, w); };
+  return {step.operation, word(step.a), word(step.b),
+          compares(step.operation) ? step.result : word(step.result)};
 }
 
-bool same_operation(FpOp card, FpOp reference) {
-  return card == reference;
+/// What an operator did with the operands of a clock; nothing if its result came after the end.
+std::optional<Operation> done(const Observed& card, std::int32_t which, std::size_t clock) {
+  const auto w = static_cast<std::size_t>(which);
+  const Track& track = card.tracks[w];
+  const std::size_t end = clock + card.operators[w].latency;
+  if (end >= track.result.size()) return std::nullopt;
+  return Operation{card.operators[w].operation, track.a[clock], track.b[clock], track.result[end]};
+}
+
+Verdict judge(const Operation& card, const Operation& reference) {
+  if (Operands(card.a, card.b) != Operands(reference.a, reference.b)) return Verdict::kOperands;
+  return card.operation == reference.operation && card.result == reference.result
+             ? Verdict::kSame
+             : Verdict::kResult;
+}
+
+/// Whether operands are ones that few other operations have.
+bool tells(const Operation& o) {
+  return (o.a << 1) != 0 && (o.b << 1) != 0;
+}
+
+/// Whether an operation has operands that would have been found: other ones for most pairs.
+bool tells(const Observed& card, std::size_t operation, std::span<const PairRecording> pairs,
+           std::span<const std::size_t> rows) {
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> seen;
+  for (const std::size_t row : rows) {
+    const Operation o = expected(card, pairs[row], operation);
+    if (tells(o)) seen.emplace_back(o.a, o.b);
+  }
+  std::sort(seen.begin(), seen.end());
+  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+  return seen.size() * 100 >= kEnough * rows.size();
+}
+
+/// Where operands of the k-th operation of a pair stand, as long as there are not too many places.
+using Places = std::vector<std::vector<std::pair<std::int32_t, unsigned>>>;
+void find_places(const Observed& card, const PairRecording& pair, std::size_t row, Places& places) {
+  std::unordered_map<Operands, std::vector<std::uint32_t>, Hash> operations;
+  for (std::size_t k = 0; k < pair.operators.size(); ++k) {
+    const Operation o = expected(card, pair, k);
+    operations[{o.a, o.b}].push_back(static_cast<std::uint32_t>(k));
+  }
+  const std::size_t entry = row * card.interval;
+  for (std::size_t which = 0; which < card.tracks.size(); ++which) {
+    const Track& track = card.tracks[which];
+    for (std::size_t t = entry; t < track.a.size(); ++t) {
+      const auto found = operations.find({track.a[t], track.b[t]});
+      if (found == operations.end() || found->second.size() > kAlike) continue;
+      const std::pair place(static_cast<std::int32_t>(which), static_cast<unsigned>(t - entry));
+      for (const std::uint32_t k : found->second)
+        if (auto& of = places[k];
+            of.size() < kCandidates && std::find(of.begin(), of.end(), place) == of.end())
+          of.push_back(place);
+    }
+  }
 }
 
 /// The operators that a step depends on through wires alone.
@@ -62,44 +113,64 @@ void parents(const std::vector<Step>& steps, std::int32_t step, std::vector<std:
   }
 }
 
-/// Operators of the card that may be one which nobody has found: of its kind, of no seat, and with
-/// one of its operands at the same time after most pairs; those of the fewest clocks first.
+/// Steps that the answer depends on: those behind T, CP and n, and behind comparisons that nobody
+/// asks, one of which is F.
+std::vector<char> that_matter(const PairRecording& pair) {
+  const auto index = [](std::int32_t step) { return static_cast<std::size_t>(step); };
+  std::vector<char> used(pair.steps.size()), matter(pair.steps.size());
+  for (const Step& step : pair.steps)
+    for (const std::int32_t from : step.from)
+      if (from >= 0) used[index(from)] = 1;
+  for (const std::int32_t output : pair.outputs)
+    if (output >= 0) matter[index(output)] = 1;
+  for (std::size_t i = pair.steps.size(); i-- > 0;) {
+    const Step& step = pair.steps[i];
+    if (step.is_operator && compares(step.operation) && used[i] == 0) matter[i] = 1;
+    if (matter[i] == 0) continue;
+    for (const std::int32_t from : step.from)
+      if (from >= 0) matter[index(from)] = 1;
+  }
+  return matter;
+}
+
+/// Clocks behind a pair's entry at which an operator has one of its operands, and not of zeros
+/// alone, after most pairs; the best of them.
+std::optional<unsigned> half_seat(const Observed& card, std::size_t which, std::size_t operation,
+                                  std::span<const PairRecording> pairs,
+                                  std::span<const std::size_t> rows) {
+  const Track& track = card.tracks[which];
+  const std::size_t last = rows.back() * card.interval;
+  std::map<unsigned, unsigned> votes;
+  for (const std::size_t row : rows) {
+    const Operation o = expected(card, pairs[row], operation);
+    const std::size_t entry = row * card.interval;
+    const auto is_one = [&o](std::uint64_t w) { return w << 1 != 0 && (w == o.a || w == o.b); };
+    for (std::size_t t = entry; t + last < track.a.size() + entry; ++t)
+      if (is_one(track.a[t]) || is_one(track.b[t])) ++votes[static_cast<unsigned>(t - entry)];
+  }
+  const auto best = std::max_element(
+      votes.begin(), votes.end(), [](const auto& x, const auto& y) { return x.second < y.second; });
+  if (best == votes.end() || best->second * 100 < kEnough * rows.size()) return std::nullopt;
+  return best->first;
+}
+
+/// Operators of the card that may be one which was not found: of no seat, with one of its operands
+/// at the same time after most pairs. Those of its kind first, then by their clocks.
 std::vector<std::int32_t> strangers(const Observed& card, std::size_t operation,
                                     const std::vector<bool>& seated,
                                     std::span<const PairRecording> pairs,
                                     std::span<const std::size_t> rows) {
-  std::vector<std::pair<unsigned, std::int32_t>> found;  // offset, operator
-  for (std::size_t which = 0; which < card.operators.size(); ++which) {
-    if (seated[which]) continue;
-    const auto& words = card.words[which];
-    std::map<unsigned, unsigned> votes;
-    for (const std::size_t row : rows) {
-      const PairRecording& pair = pairs[row];
-      const Step& step = pair.steps[static_cast<std::size_t>(pair.operators[operation])];
-      const std::uint64_t a = canonical_word(card.format, step.a),
-                          b = canonical_word(card.format, step.b);
-      const std::size_t entry = row * card.interval;
-      const std::size_t end = std::min(words.size(), entry + words.size() - rows.size());
-      for (std::size_t t = entry; t < end; ++t)
-        if ((words[t].a == a || words[t].b == b || words[t].a == b || words[t].b == a) &&
-            (words[t].a | words[t].b) << 1 != 0)
-          ++votes[static_cast<unsigned>(t - entry)];
-    }
-    const auto best =
-        std::max_element(votes.begin(), votes.end(),
-                         [](const auto& x, const auto& y) { return x.second < y.second; });
-    if (best == votes.end() || best->second * 100 < kEnough * rows.size()) continue;
-    const bool kind =
-        same_operation(card.operators[which].operation,
-                       pairs[rows[0]]
-                           .steps[static_cast<std::size_t>(pairs[rows[0]].operators[operation])]
-                           .operation);
-    found.emplace_back(best->first + (kind ? 0 : 1u << 20), static_cast<std::int32_t>(which));
-  }
+  const FpOp kind = expected(card, pairs[rows[0]], operation).operation;
+  std::vector<std::tuple<bool, unsigned, std::int32_t>> found;
+  for (std::size_t which = 0; which < card.operators.size(); ++which)
+    if (!seated[which])
+      if (const auto offset = half_seat(card, which, operation, pairs, rows))
+        found.emplace_back(card.operators[which].operation != kind, *offset,
+                           static_cast<std::int32_t>(which));
   std::sort(found.begin(), found.end());
   std::vector<std::int32_t> list;
   list.reserve(found.size());
-  for (const auto& [offset, which] : found) list.push_back(which);
+  for (const auto& entry : found) list.push_back(std::get<2>(entry));
   return list;
 }
 
@@ -111,109 +182,92 @@ Observed observe(PairUnit& unit, std::span<const std::uint64_t> a,
   card.format = unit.config().format;
   card.operators = unit.operators();
   card.interval = unit.config().facet_interval;
-  card.words.resize(card.operators.size());
+  card.tracks.resize(card.operators.size());
   card.results.resize(a.size() / primary_words(unit.config().pair));
   unit.watch(a, b, card.results, [&card](const OperatorWords& seen) {
-    OperatorWords w = seen;
-    w.a = canonical_word(card.format, w.a);
-    w.b = canonical_word(card.format, w.b);
-    w.result = compares(card.operators[w.which].operation) ? (w.result != 0 ? 1 : 0)
-                                                           : canonical_word(card.format, w.result);
-    card.words[w.which].push_back(w);
+    Track& track = card.tracks[seen.which];
+    const FpOp op = card.operators[seen.which].operation;
+    track.a.push_back(canonical_word(card.format, seen.a));
+    track.b.push_back(op == FpOp::kSqrt ? track.a.back() : canonical_word(card.format, seen.b));
+    track.result.push_back(compares(op) ? (seen.result != 0 ? 1 : 0)
+                                        : canonical_word(card.format, seen.result));
   });
   return card;
 }
 
 std::vector<Seat> learn(const Observed& card, std::span<const PairRecording> pairs,
                         std::span<const std::size_t> rows) {
-  std::unordered_map<Operands, std::vector<At>, Hash> where;
-  for (std::size_t which = 0; which < card.words.size(); ++which) {
-    const auto& words = card.words[which];
-    for (std::size_t t = 0; t < words.size(); ++t) {
-      auto& list = where[operands(card.format, words[t].a, words[t].b)];
-      if (list.size() <= kCommon)
-        list.push_back({static_cast<std::int32_t>(which), static_cast<std::uint32_t>(t)});
-    }
-  }
   const std::size_t count = pairs[rows[0]].operators.size();
+  Places places(count);
+  for (std::size_t s = 0; s < std::min(kSeeds, rows.size()); ++s) {
+    const std::size_t row = rows[s * rows.size() / kSeeds];
+    find_places(card, pairs[row], row, places);
+  }
   std::vector<Seat> seats(count);
   std::vector<bool> taken(card.operators.size());
   for (std::size_t k = 0; k < count; ++k) {
-    std::map<std::pair<std::int32_t, unsigned>, Seat> votes;
-    for (const std::size_t row : rows) {
-      const Step& step = pairs[row].steps[static_cast<std::size_t>(pairs[row].operators[k])];
-      const auto found = where.find(operands(card.format, step.a, step.b));
-      if (found == where.end() || found->second.size() > kCommon) continue;
-      const std::size_t entry = row * card.interval;
-      for (const At at : found->second) {
-        const OperatorWords* result = result_of(card, at.which, at.clock);
-        if (at.clock < entry || result == nullptr) continue;
-        const auto offset = static_cast<unsigned>(at.clock - entry);
-        Seat& seat = votes[{at.which, offset}];
-        seat.which = at.which;
-        seat.offset = offset;
-        ++seat.operands;
-        const bool same =
-            same_operation(card.operators[static_cast<std::size_t>(at.which)].operation,
-                           step.operation) &&
-            result->result ==
-                (compares(step.operation) ? step.result : canonical_word(card.format, step.result));
-        if (same) ++seat.agree;
+    const auto rank = [&taken](const Seat& s) {
+      return std::tuple(s.agree, s.operands,
+                        s.which >= 0 && !taken[static_cast<std::size_t>(s.which)]);
+    };
+    for (const auto& [which, offset] : places[k]) {
+      Seat seat{which, offset, 0, 0};
+      for (const std::size_t row : rows) {
+        const auto did = done(card, which, row * card.interval + offset);
+        if (!did) continue;
+        const Verdict verdict = judge(*did, expected(card, pairs[row], k));
+        if (verdict == Verdict::kSame) ++seat.agree;
+        if (verdict == Verdict::kSame || (verdict == Verdict::kResult && tells(*did)))
+          ++seat.operands;
       }
-    }
-    for (const auto& [place, seat] : votes) {
-      if (seat.operands * 100 < kEnough * rows.size()) continue;
-      const auto rank = [&](const Seat& s) {
-        return std::tuple(s.agree, s.operands,
-                          s.which >= 0 && !taken[static_cast<std::size_t>(s.which)]);
-      };
-      if (seats[k].which < 0 || rank(seat) > rank(seats[k])) seats[k] = seat;
+      if (seat.operands * 100 >= kEnough * rows.size() &&
+          (seats[k].which < 0 || rank(seat) > rank(seats[k])))
+        seats[k] = seat;
     }
     if (seats[k].which >= 0) taken[static_cast<std::size_t>(seats[k].which)] = true;
   }
   return seats;
 }
 
-std::vector<Compared> compare(const Observed& card, const PairRecording& pair, std::size_t row,
-                              std::span<const Seat> seats, std::span<const PairRecording> pairs,
-                              std::span<const std::size_t> learnt_from) {
+std::vector<Compared> compare(const Observed& card, std::span<const PairRecording> pairs,
+                              std::size_t row, std::span<const Seat> seats,
+                              std::span<const std::size_t> learnt_from, bool ring) {
+  const PairRecording& pair = pairs[row];
   std::vector<bool> seated(card.operators.size());
   for (const Seat& seat : seats)
     if (seat.which >= 0) seated[static_cast<std::size_t>(seat.which)] = true;
   std::vector<Compared> all(pair.operators.size());
   std::vector<char> same(pair.steps.size(), 1);  // of steps; those of the input check are taken so
+  const std::vector<char> matter = that_matter(pair);
+  std::size_t sought = 0;
   for (std::size_t k = 0; k < all.size(); ++k) {
     Compared& c = all[k];
-    const auto at = static_cast<std::size_t>(pair.operators[k]);
-    const Step& step = pair.steps[at];
+    const std::int32_t at = pair.operators[k];
     c.operation = k;
     c.seat = seats[k];
     if (c.seat.which >= 0) {
-      const std::size_t clock = row * card.interval + c.seat.offset;
-      const auto which = static_cast<std::size_t>(c.seat.which);
-      const OperatorWords* result = result_of(card, c.seat.which, clock);
-      c.card = card.words[which][clock];
-      if (result != nullptr) c.card.result = result->result;
-      const bool operands_same =
-          operands(card.format, c.card.a, c.card.b) == operands(card.format, step.a, step.b);
-      const bool result_same =
-          result != nullptr && same_operation(card.operators[which].operation, step.operation) &&
-          c.card.result ==
-              (compares(step.operation) ? step.result : canonical_word(card.format, step.result));
-      c.verdict = !operands_same ? Verdict::kOperands
-                  : result_same  ? Verdict::kSame
-                                 : Verdict::kResult;
+      if (const auto did = done(card, c.seat.which, row * card.interval + c.seat.offset)) {
+        c.card = *did;
+        c.verdict = judge(c.card, expected(card, pair, k));
+      }
     }
-    same[at] = c.verdict == Verdict::kSame ? 1 : 0;
+    if (c.verdict == Verdict::kMissing &&
+        (matter[static_cast<std::size_t>(at)] == 0 || !tells(card, k, pairs, learnt_from)))
+      c.verdict = Verdict::kUnknown;
+    const auto all_of_them = learnt_from.size();
+    if (ring && c.seat.which >= 0 && c.seat.agree != all_of_them &&
+        (c.seat.agree != 0 || c.seat.operands != all_of_them))
+      c.verdict = Verdict::kUnknown;
+    const bool differs = c.verdict != Verdict::kSame && c.verdict != Verdict::kUnknown;
+    same[static_cast<std::size_t>(at)] = differs ? 0 : 1;
     std::vector<std::int32_t> from;
-    parents(pair.steps, static_cast<std::int32_t>(at), from);
-    c.first = c.verdict != Verdict::kSame && std::all_of(from.begin(), from.end(), [&](auto p) {
+    parents(pair.steps, at, from);
+    c.first = differs && std::all_of(from.begin(), from.end(), [&](auto p) {
                 return same[static_cast<std::size_t>(p)] != 0;
               });
+    if (c.first && c.verdict == Verdict::kMissing && sought++ < kSought)
+      c.others = strangers(card, k, seated, pairs, learnt_from);
   }
-  for (Compared& c : all)
-    if (c.first && c.verdict == Verdict::kMissing)
-      c.others = strangers(card, c.operation, seated, pairs, learnt_from);
   return all;
 }
 

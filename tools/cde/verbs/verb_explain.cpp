@@ -167,6 +167,8 @@ class Report {
         return "the operands are right, the result is not";
       case Verdict::kOperands:
         return "an operand is another";
+      case Verdict::kUnknown:
+        return "not known";
       case Verdict::kMissing:
         return "no operator of the card has these operands";
     }
@@ -202,8 +204,9 @@ class Report {
   void print_findings() const {
     if (e_.same()) {
       const auto differing =
-          std::count_if(e_.findings.begin(), e_.findings.end(),
-                        [](const Finding& f) { return f.compared.verdict != Verdict::kMissing; });
+          std::count_if(e_.findings.begin(), e_.findings.end(), [&](const Finding& f) {
+            return !has_budget(e_.config.pair) && f.compared.verdict != Verdict::kMissing;
+          });
       put("The card's answer is the reference's{}.\n",
           differing == 0 ? "" : ", though they part on the way");
       if (differing == 0) return;
@@ -268,7 +271,7 @@ void run(const Options& o) {
     case OperandLine::kPair:
       break;
   }
-  const Explanation e = explain::explain(config, a, b);
+  const Explanation e = explain::explain(config, a, b, budget_of(o));
   const Report report(o, e);
   if (o.json)
     report.print_json();

@@ -52,7 +52,8 @@ struct PairOperator {
 struct OperatorWords {
   std::uint32_t which = 0;  ///< index in PairUnit::operators()
   std::uint64_t clock = 0;
-  std::uint64_t a = 0, b = 0;  ///< operands; the second one of a square root is the first again
+  std::uint64_t a = 0, b = 0;  ///< operands; b of a square root says nothing. All ones while
+                               ///< nobody looks at the result, as in host arithmetic
   std::uint64_t result = 0;    ///< of the operands that came `latency` clocks before; a mask is 0
                                ///< or all ones
 };
