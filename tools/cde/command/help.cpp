@@ -142,7 +142,7 @@ const std::vector<Example>& examples(std::string_view verb) {
       {"explain",
        {{"cde explain sphere-sphere '0 0 0 1 | 1.5 0 0 1'",
          "Every operator of the pipe beside the reference's, with its clock and line"},
-        {"cde explain ray-triangle '0 0 5 0 0 -1 | -1 -1 0 1 -1 0 0 1 0' --arith host --max 0",
+        {"cde explain ray-triangle '0 0 5 0 0 -1 | -1 -1 0 1 -1 0 0 1 0' --arith host --json",
          "Only whether they part, and where; built sooner than gates"}}},
       {"wave",
        {{"cde wave show waves.fst clk_i 't_o[0]:fp32' --around cyc:40 --window 5",

@@ -67,6 +67,23 @@ Source source_of(const rtl::Elaboration& design, std::string path) {
   return source;
 }
 
+/// Findings that say most first. Operations that were not found say nothing if the answers are the
+/// same, nor does anything of a ring then; otherwise those for which no operator of the card is
+/// left go if there is anything else: the box rule of host arithmetic is no operators, for one.
+void rank(Explanation& e) {
+  const auto missing = [](const Finding& f) { return f.compared.verdict == Verdict::kMissing; };
+  const auto nowhere = [](const Finding& f) { return f.sources.empty(); };
+  if (e.same()) {
+    const bool ring = has_budget(e.config.pair);
+    std::erase_if(e.findings, [&](const Finding& f) { return ring || missing(f); });
+    return;
+  }
+  std::stable_partition(e.findings.begin(), e.findings.end(),
+                        [&](const Finding& f) { return !missing(f); });
+  if (!std::all_of(e.findings.begin(), e.findings.end(), nowhere))
+    std::erase_if(e.findings, nowhere);
+}
+
 }  // namespace
 
 std::string Source::name() const {
@@ -136,10 +153,7 @@ Explanation explain(const PairConfig& asked, std::span<const std::uint64_t> a,
     for (const std::int32_t other : c.others) finding.sources.push_back(source(other));
     e.findings.push_back(std::move(finding));
   }
-  // Of a ring many operations are not found on good RTL either.
-  if (has_budget(asked.pair))
-    std::stable_partition(e.findings.begin(), e.findings.end(),
-                          [](const Finding& f) { return f.compared.verdict != Verdict::kMissing; });
+  rank(e);
   return e;
 }
 

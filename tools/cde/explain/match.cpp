@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
@@ -226,6 +227,13 @@ std::vector<Seat> learn(const Observed& card, std::span<const PairRecording> pai
     }
     if (seats[k].which >= 0) taken[static_cast<std::size_t>(seats[k].which)] = true;
   }
+  // Who has the operands but another result is no seat if another operation agrees about it: both
+  // take the same operands, as a difference and the smaller of two corners do.
+  std::set<std::pair<std::int32_t, unsigned>> agreed;
+  for (const Seat& s : seats)
+    if (s.agree * 100 >= kEnough * rows.size()) agreed.insert({s.which, s.offset});
+  for (Seat& s : seats)
+    if (s.agree * 100 < kEnough * rows.size() && agreed.contains({s.which, s.offset})) s = Seat{};
   return seats;
 }
 

@@ -186,7 +186,7 @@ class Report {
     for (const std::size_t i : order_) {
       const Compared& c = e_.operations[i];
       if (c.seat.which < 0) continue;
-      if (shown == o_.most && !c.first) {
+      if (o_.most != 0 && shown >= o_.most && !c.first) {
         ++left_out;
         continue;
       }
@@ -203,13 +203,9 @@ class Report {
 
   void print_findings() const {
     if (e_.same()) {
-      const auto differing =
-          std::count_if(e_.findings.begin(), e_.findings.end(), [&](const Finding& f) {
-            return !has_budget(e_.config.pair) && f.compared.verdict != Verdict::kMissing;
-          });
       put("The card's answer is the reference's{}.\n",
-          differing == 0 ? "" : ", though they part on the way");
-      if (differing == 0) return;
+          e_.findings.empty() ? "" : ", though they part on the way");
+      if (e_.findings.empty()) return;
     } else if (e_.findings.empty()) {
       put("No operation differs: what is wrong is behind the operators, in a selection or sign on "
           "the way to the outputs of the pipe.\n");
@@ -278,7 +274,7 @@ void run(const Options& o) {
   else
     report.print();
   if (e.reference.bad) say("cde: {}\n", operand_defect(config.pair, config.format, a, b));
-  if (!e.same()) exit_code = 1;
+  if (!e.same()) exit_code = exit_status(ErrorCode::kMismatch);
 }
 
 }  // namespace
@@ -292,14 +288,15 @@ void add_explain(CLI::App& app) {
       "operation of the mirror reference, with its clock and its line of RTL. Where they part "
       "while "
       "all before is the same is where a wrong answer begins. Which operator does what is learnt "
-      "from other pairs that go through with it. Exit status 1 if the answers differ");
+      "from other pairs that go through with it. Exit status 3 if the answers differ");
   add_pair_options(*verb, *o, false);
   known_words(verb->add_option("words", o->words, "Words of A and of B, as cde query reads them")
                   ->required(),
               {}, "WORDS");
-  whole_number_in(verb->add_option("--max", o->most, "Operations that are listed, by their clock")
-                      ->capture_default_str(),
-                  0, 1000000, "");
+  whole_number_in(
+      verb->add_option("--max", o->most, "Operations that are listed, by their clock; 0 for all")
+          ->capture_default_str(),
+      0, 1000000, "");
   verb->add_flag("--json", o->json, "The places where the sides part, as JSON");
   verb->callback([o] { run(*o); });
 }
