@@ -14,7 +14,7 @@
 extern "C" {
 #endif
 
-#define CDE_BOARD_ABI 3u
+#define CDE_BOARD_ABI 4u
 
 typedef struct cde_board_options {
   uint32_t memory;          /* CDE_MEMORY_* */
@@ -52,7 +52,7 @@ typedef struct cde_board_api {
 
   /* Waves: 0, or -1 if the bitstream has no tracing or the file cannot be written. Closed by
    * destroy as well. */
-  int (*trace_open)(void* card, const char* path);
+  int (*trace_open)(void* card, const cde_trace* what);
   int (*trace_close)(void* card); /* 0, or errno: what is missing from the file */
 
   /* Back doors for tests: flips bits of a DDR byte as a fault would, or of the check bits of a

@@ -11,4 +11,15 @@ typedef struct cde_abi_head {
   uint32_t size;    /* bytes of the table */
 } cde_abi_head;
 
+/* Which waves are written. Times are of the time axis of the file. */
+typedef struct cde_trace {
+  const char* path;
+  uint64_t from, to; /* first and last time, counted from now */
+  uint64_t
+      ddr_word;    /* waves begin where the card asks DDR for this word, CDE_TRACE_NOW: at `from` */
+  uint64_t length; /* and end so much later */
+} cde_trace;
+
+#define CDE_TRACE_NOW UINT64_MAX
+
 #endif

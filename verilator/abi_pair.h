@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-#define CDE_PAIR_ABI 4u
+#define CDE_PAIR_ABI 5u
 
 typedef struct cde_pair_unit cde_pair_unit;
 
@@ -51,7 +51,8 @@ typedef struct cde_pair_api {
                    uint32_t (*gap)(void*), void* gap_context);
   /* Reset in mid-stream: what is in flight is gone. */
   void (*reset)(cde_pair_unit*);
-  int (*trace_open)(cde_pair_unit*, const char* path); /* 0 when opened; waves need TRACE=1 */
+  /* 0 when opened; waves need TRACE=1. There is no DDR. */
+  int (*trace_open)(cde_pair_unit*, const cde_trace* what);
   int (*trace_close)(cde_pair_unit*); /* 0, or errno: what is missing from the file */
   /* Operators of a unit that was built with TAP=1; none of others. */
   uint32_t (*operators)(const cde_pair_unit*);

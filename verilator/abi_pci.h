@@ -15,7 +15,7 @@
 extern "C" {
 #endif
 
-#define CDE_PCI_ABI 3u
+#define CDE_PCI_ABI 4u
 
 /* What a host adds to the card's own clocks; docs/pci.md has the figures and where they come from.
  */
@@ -138,7 +138,7 @@ typedef struct cde_pci_api {
 
   /* Waves: 0, or -1 if the bitstream has no tracing or the file cannot be written. Closed by
      destroy as well. */
-  int (*trace_open)(void* host, const char* path);
+  int (*trace_open)(void* host, const cde_trace* what);
   int (*trace_close)(void* host); /* 0, or errno: what is missing from the file */
 
   /* Back doors for tests. Memory behind a space of the local bus, NULL where there is none; the

@@ -55,7 +55,7 @@ module fp_add_lane #(
     sub_a = neg((x ^ y) << (CW - 1 - EXP - MAN));
     sign_a = x & SIGN;
     inf_a = ~neg(xmag_a - INF);
-    nan_a = neg(INF - xmag_a) | (inf_a & sub_a & ~neg((y & MAG) - INF));
+    nan_a = neg(INF - xmag_a) | (sub_a & ~neg((y & MAG) - INF));
   end
   fp_cut #(CW, D_ALIGN) cut_xs (.clk_i, .d_i(xs_a), .q_o(xs));
   fp_cut #(CW, D_ALIGN) cut_ys (.clk_i, .d_i(ys_a), .q_o(ys));

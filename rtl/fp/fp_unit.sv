@@ -17,18 +17,22 @@ module fp_unit #(
     parameter  int LAT_SQRT = 1,
     parameter  int LAT_CMP  = 1,      // comparisons, min, max
     parameter  int LAT_CVT  = 1,      // conversions
-    localparam int CW       = (1 + EXP + MAN <= 32) ? 32 : 64
+    localparam int CW       = (1 + EXP + MAN <= 32) ? 32 : 64,
+    localparam int CONVERSIONS = formats_pkg::FP_OPS - formats_pkg::FP_TO_FORMAT
 ) (
     input  logic [formats_pkg::FP_OPS-1:0]  clk_i,  // bit k: of operation k, formats_pkg::FP_*
     input  logic [LANES-1:0][CW-1:0]       a_i,
     input  logic [B_LANES-1:0][CW-1:0]     b_i,
     input  logic [LANES-1:0][63:0]         n_i,   // integer operands
-    output logic [9:0][LANES-1:0][CW-1:0]  r_o,
-    output logic [9:0][LANES-1:0][CW-1:0]  f_o,   // their flags
+    output logic [formats_pkg::FP_ARITHMETIC-1:0][LANES-1:0][CW-1:0]  r_o,
+    output logic [formats_pkg::FP_ARITHMETIC-1:0][LANES-1:0][CW-1:0]  f_o,   // their flags
     // Conversions, from FP_TO_FORMAT on.
-    output logic [19:0][LANES-1:0][63:0]   x_o,
-    output logic [19:0][LANES-1:0][31:0]   g_o    // their flags
+    output logic [CONVERSIONS-1:0][LANES-1:0][63:0]  x_o,
+    output logic [CONVERSIONS-1:0][LANES-1:0][31:0]  g_o    // their flags
 );
+  if (formats_pkg::FP_FROM_I32 != formats_pkg::FP_TO_FORMAT + formats_pkg::FORMATS) begin : g_codes
+    $error("fp_unit: conversions from integers must follow those to formats");
+  end
   logic unused_inputs;  // of operations that OPS leaves out
   assign unused_inputs = &{1'b0, clk_i, a_i, b_i, n_i};
   for (genvar k = 0; k < formats_pkg::FP_ARITHMETIC; k++) begin : g_op
@@ -51,11 +55,14 @@ module fp_unit #(
     end
   end
 
-  for (genvar k = 0; k < formats_pkg::FP_OPS - formats_pkg::FP_TO_FORMAT; k++) begin : g_convert
+  for (genvar k = 0; k < CONVERSIONS; k++) begin : g_convert
     localparam int OP = formats_pkg::FP_TO_FORMAT + k;
     localparam int EXP_O = formats_pkg::format_exp(k % formats_pkg::FORMATS), MAN_O =
         formats_pkg::format_man(k % formats_pkg::FORMATS);
-    localparam int INT = ((k / 2) % 2 == 1) ? 64 : 32;
+    // Those with integers are in groups of four: i32, ui32, i64, ui64.
+    localparam int GROUP = k - formats_pkg::FORMATS;
+    localparam int INT = ((GROUP / 2) % 2 == 1) ? 64 : 32;
+    localparam bit UNSIGNED = GROUP % 2 == 1;
     localparam int CO = (k < formats_pkg::FORMATS) ? formats_pkg::container(EXP_O, MAN_O) :
         (OP < formats_pkg::FP_TO_I32) ? CW : INT;
     if (OPS[OP]) begin : g_on
@@ -68,11 +75,11 @@ module fp_unit #(
         for (genvar l = 0; l < LANES; l++) begin : g_operand
           assign n[l] = n_i[l][INT-1:0];
         end
-        fp_from_int #(.EXP(EXP), .MAN(MAN), .INT(INT), .UNSIGNED(k % 2 == 1), .LANES(LANES), .LAT(LAT_CVT),
+        fp_from_int #(.EXP(EXP), .MAN(MAN), .INT(INT), .UNSIGNED(UNSIGNED), .LANES(LANES), .LAT(LAT_CVT),
             .ARITH(ARITH),
             .FLAGS(FLAGS != 0)) from_int (.clk_i(clk_i[OP]), .a_i(n), .r_o(r), .flags_o(f));
       end else begin : g_to_int
-        fp_to_int #(.EXP(EXP), .MAN(MAN), .INT(INT), .UNSIGNED(k % 2 == 1),
+        fp_to_int #(.EXP(EXP), .MAN(MAN), .INT(INT), .UNSIGNED(UNSIGNED),
             .TRUNCATE(OP >= formats_pkg::FP_TO_I32_TRUNC), .LANES(LANES), .LAT(LAT_CVT),
             .ARITH(ARITH), .FLAGS(FLAGS != 0)) to_int (.clk_i(clk_i[OP]), .a_i, .r_o(r), .flags_o(f));
       end

@@ -582,7 +582,8 @@ TEST(Contract, IsTheSameInBothLanguages) {
         EXPECT_TRUE(call.called().contains(table->second)) << constant;
         continue;
       }
-      EXPECT_TRUE(values.contains(constant)) << constant << " is not in C++";
+      EXPECT_TRUE(values.contains(constant))
+          << constant << " is not in C++, or not in the lists of this test";
       probe.expect(name + "::" + constant, values[constant]);
       values.erase(constant);
       ++constants;
@@ -593,7 +594,8 @@ TEST(Contract, IsTheSameInBothLanguages) {
       probe.expect("$bits(" + name + "::" + type + ")", bits);
     for (const auto& [field, place] : package.fields) {
       if (inside.contains(field.substr(0, field.find('.')))) continue;
-      EXPECT_TRUE(known.contains(field)) << field << " is not in C++";
+      EXPECT_TRUE(known.contains(field))
+          << field << " is not in C++, or not in the list of this test";
       EXPECT_EQ(known[field], place) << field;
       known.erase(field);
     }

@@ -69,7 +69,7 @@ TEST_F(Registers, ReadOnlyAndUnmapped) {
     }
   }
   expect_write_refused(kSpaceReg, kRegBudget + 8);  // unmapped
-  for (const std::uint32_t offset : {0x100u, 0x1000u, 0x80000000u, 0xfffffff8u}) {
+  for (const std::uint32_t offset : {std::uint32_t{kRegEnd}, 0x1000u, 0x80000000u, 0xfffffff8u}) {
     expect_write_refused(kSpaceReg, offset);
     expect_read_refused(kSpaceReg, offset);
   }

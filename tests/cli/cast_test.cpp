@@ -384,9 +384,9 @@ TEST_F(Cast, InterruptWhileCastingLeavesNothing) {
 /// ends with status 3, keeps no file, and the command that it names finds the same difference.
 TEST_F(Cast, FaultyCardIsFoundOut) {
   const Words environment = faulty_card();
-  const Ran ran =
-      cde({"cast", "terrain:3,3,1", "--grid", "9x9", "--lanes", "4", "--json", "-o", "hits.csv"},
-          environment);
+  const Ran ran = cde({"cast", "terrain:3,3,1", "--grid", "9x9", "--lanes", "4", "--json", "-o",
+                       "hits.csv", "--no-bundle"},
+                      environment);
   EXPECT_EQ(ran.status, 3) << ran.err;
   EXPECT_FALSE(exists("hits.csv"));
   const auto j = nlohmann::json::parse(ran.out);
@@ -412,7 +412,8 @@ TEST_F(Cast, FaultyCardIsFoundOut) {
   EXPECT_EQ(4 * std::stoul(match[3]) + std::stoul(match[2]), std::stoul(match[4])) << ran.err;
   ASSERT_TRUE(std::regex_search(ran.err, match, std::regex("repeat with: cde (.*)"))) << ran.err;
   std::istringstream words(match[1]);
-  const Words again{std::istream_iterator<std::string>(words), {}};
+  Words again{std::istream_iterator<std::string>(words), {}};
+  again.push_back("--no-bundle");
   EXPECT_EQ(cde(again, environment).status, 3);
   EXPECT_EQ(cde(again).status, 0) << "the right card";
   Words unchecked = again;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde explain: from a pair to the line of RTL where a pipe parts from its reference.
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -8,6 +7,7 @@
 #include <sstream>
 #include <string>
 
+#include "planted.hpp"
 #include "run_cde.hpp"
 
 namespace cde::testing {
@@ -18,39 +18,19 @@ using nlohmann::json;
 
 class Explain : public Cli {
  protected:
-  /// RTL with a text of one file replaced, as an environment.
-  std::vector<std::string> planted(const std::string& file, const std::string& from,
-                                   const std::string& to) {
-    const fs::path share = folder_ / "share", source = CDE_SOURCE_DIR;
-    fs::create_directories(share / "host/include/cde");
-    const auto all = fs::copy_options::recursive;
-    for (const char* part : {"rtl", "verilator", "host/include/cde/contract"})
-      fs::copy(source / part, share / part, all);
-    std::ifstream in(share / file);
-    std::string text{std::istreambuf_iterator<char>(in), {}};
-    const std::size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from << " is not in " << file;
-    if (at == std::string::npos) return {};
-    line_ =
-        1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(at), '\n'));
-    text.replace(at, from.size(), to);
-    std::ofstream(share / file) << text;
-    return {"CDE_SHARE=" + share.string()};
-  }
   /// Plants a fault in moller's pipe: the first place that is named is its line.
   void expect_found(const std::string& from, const std::string& to) {
-    const auto fault = planted("rtl/pipes/ray_triangle_moller.sv", from, to);
+    const Planted fault(folder_, "rtl/pipes/ray_triangle_moller.sv", from, to);
     const Ran ran = cde({"explain", "ray-triangle", "0.6 0.3 5 0 0 -1 | 0.5 0.1 0 1.5 0 0 0.5 1 0",
                          "--arith", "host", "--no-box", "--json"},
-                        fault);
+                        fault.environment());
     ASSERT_EQ(ran.status, 3) << ran.err;
     const json found = json::parse(ran.out)["first_differences"];
     ASSERT_FALSE(found.empty()) << ran.out;
     const json& place = found[0]["sources"][0][0];
     EXPECT_EQ(place["file"], "ray_triangle_moller.sv");
-    EXPECT_EQ(place["line"], line_);
+    EXPECT_EQ(place["line"], fault.line());
   }
-  int line_ = 0;
 };
 
 TEST_F(Explain, AGoodPipeIsFoundWholeAndTheSame) {

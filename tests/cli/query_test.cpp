@@ -609,7 +609,7 @@ TEST_F(Query, FaultyPipeIsFoundOut) {
   const Words environment = {"CDE_SHARE=" + share.string(),
                              "CDE_CACHE=" + (folder_ / "cache").string()};
 
-  const Words words = {"sphere-sphere", "--lanes", "2"};
+  const Words words = {"sphere-sphere", "--lanes", "2", "--no-bundle"};
   const std::string input = "# the first has CP = cA\n0,0,0,1,0,0,0,1\n\n0,0,0,1,1.5,0,0,1\n";
   const Ran ran = query(words, input, environment);
   EXPECT_EQ(ran.status, 3) << ran.err;
@@ -633,7 +633,8 @@ TEST_F(Query, FaultyPipeIsFoundOut) {
       << ran.err;
   EXPECT_EQ(match[2], "2");
   std::istringstream in(match[3]);
-  const Words again{std::istream_iterator<std::string>(in), {}};
+  Words again{std::istream_iterator<std::string>(in), {}};
+  again.push_back("--no-bundle");
   const std::string pairs = match[1].str() + "\n" + match[1].str() + "\n";
   EXPECT_EQ(query(again, pairs, environment).status, 3);
   EXPECT_EQ(query({"sphere-sphere"}, pairs).status, 0) << "the right pipe";
@@ -732,7 +733,8 @@ TEST_F(Query, WavesAreWholeOrAnError) {
   EXPECT_TRUE(wave::signals(folder_ / "w.fst").count("pair_unit.valid_i"));
   refused({"sphere-sphere", "--trace", "none/w.fst"}, "none");
   refused({"sphere-sphere", "--trace", "-"}, "--trace and the answers both write to stdout");
-  refused({"sphere-sphere", "--trace", "stdin"}, "which stdin reads");
+  fs::create_hard_link(folder_ / "stdin", folder_ / "stdin.fst");
+  refused({"sphere-sphere", "--trace", "stdin.fst"}, "which stdin reads");
 }
 
 // ---- Inventory ----

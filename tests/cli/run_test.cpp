@@ -365,7 +365,7 @@ TEST_F(RunScene, FaultyCardIsFoundOut) {
   std::string scene = kFlight;
   scene.replace(scene.find("lanes = 16"), 10, "lanes = 4");
   write("small.toml", scene);
-  const Ran ran = cde({"run", "small.toml"}, environment);
+  const Ran ran = cde({"run", "small.toml", "--no-bundle"}, environment);
   EXPECT_EQ(ran.status, 3) << ran.err;
   EXPECT_NE(ran.err.find("frame 0, query 'hit': "), std::string::npos) << ran.err;
   EXPECT_NE(ran.err.find("differ from the reference, the first:\n  card:      primary "),
@@ -393,11 +393,12 @@ TEST_F(RunScene, FaultyCardIsFoundOut) {
       << ran.err;
   const std::string wrong_pipe = fmt::format("export {}; ", fmt::join(environment, " "));
   const std::string alone = match[1].str() + "\"$CDE\" " + match[2].str();
-  EXPECT_EQ(shell(wrong_pipe + alone + " --lanes 1").status, 3) << alone;
+  EXPECT_EQ(shell(wrong_pipe + alone + " --lanes 1 --no-bundle").status, 3) << alone;
   EXPECT_EQ(shell(alone).status, 0) << alone;
   ASSERT_TRUE(std::regex_search(ran.err, match, std::regex("repeat with: cde (.*)"))) << ran.err;
   std::istringstream words(match[1]);
-  const Words again{std::istream_iterator<std::string>(words), {}};
+  Words again{std::istream_iterator<std::string>(words), {}};
+  again.push_back("--no-bundle");
   EXPECT_EQ(cde(again, environment).status, 3);
   EXPECT_EQ(cde(again).status, 0) << "the right card";
   EXPECT_EQ(cde({"run", "small.toml", "--check", "none"}, environment).status, 0);

@@ -64,7 +64,9 @@ TEST_F(Damage, FlippedBytesNeverCrashIt) {
     const Ran ran = i % 2 == 0 ? cde({"wave", "find", "bad.fst", "changed(count)"})
                                : cde({"wave", "diff", "a.fst", "bad.fst", "--max", "3"});
     ASSERT_TRUE(ran.status <= 2) << i << " " << ran.status << ran.err;
-    EXPECT_EQ(ran.status == 2, ran.err.starts_with("cde: ") && ran.out.empty()) << i << ran.err;
+    if (ran.status == 2) {
+      EXPECT_TRUE(ran.err.starts_with("cde: ") && ran.out.empty()) << ran.err;
+    }
     ++(ran.status == 2 ? refused : read);
   }
   EXPECT_GT(refused, 20u);

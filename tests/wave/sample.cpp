@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <cstdlib>
 #include <random>
 
 namespace cde::testing {
@@ -37,6 +38,9 @@ void Writer::comment(const std::string& text) {
 void Writer::time(std::uint64_t t) {
   fstWriterEmitTimeChange(fst_, t);
 }
+void Writer::block() {
+  fstWriterFlushContext(fst_);
+}
 void Writer::set(fstHandle signal, std::uint64_t value) {
   fstWriterEmitValueChange64(fst_, signal, widths_.at(signal), value);
 }
@@ -69,6 +73,14 @@ void write_sample(const std::filesystem::path& file, const Sample& sample) {
     w.set(data, std::uint64_t{high} << 32 | low);
     if (cycle >= 3) w.set(state, cycle % 3);
   }
+}
+
+void write_structure(const std::filesystem::path& folder) {
+  std::filesystem::copy_file(std::string(CDE_SOURCE_DIR) + "/tests/wave/top.sv", folder / "top.sv");
+  const std::string command =
+      "cd '" + folder.string() +
+      "' && verilator -O0 --xml-only --xml-output top.xml --top-module top top.sv >log 2>&1";
+  if (std::system(command.c_str()) != 0) throw std::runtime_error("verilator: no structure");
 }
 
 void write_large(const std::filesystem::path& file, unsigned signals, unsigned cycles,

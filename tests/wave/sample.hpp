@@ -23,6 +23,8 @@ class Writer {
   fstHandle alias(const std::string& name, unsigned width, fstHandle of);
   void comment(const std::string& text);
   void time(std::uint64_t t);
+  /// A block ends here.
+  void block();
   void set(fstHandle signal, std::uint64_t value);
   void set(fstHandle signal, const std::string& bits);
 
@@ -44,8 +46,17 @@ struct Sample {
 /// another name of count.
 void write_sample(const std::filesystem::path& file, const Sample& sample = {});
 
+/// Copies the design that these waves could be of (top.sv) into a folder, and has Verilator write
+/// its structure there, top.xml.
+void write_structure(const std::filesystem::path& folder);
+
 /// Many signals s0, s1, ... of 32 bits in scopes of a hundred, with a clock.
 void write_large(const std::filesystem::path& file, unsigned signals, unsigned cycles,
                  unsigned changes_a_cycle);
+
+/// A PCI bus as a card's bridge sees it, clock of 30 ns: a write of three words, a read that is
+/// retried, a read of the card's that is disconnected, a target abort, a master abort, a write of
+/// the card's with a parity error, a read of the configuration space, and one that is not over.
+void write_pci(const std::filesystem::path& file);
 
 }  // namespace cde::testing

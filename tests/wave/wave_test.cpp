@@ -22,6 +22,7 @@ class Wave : public Cli {
     write_sample(folder_ / "a.fst");
     write_sample(folder_ / "b.fst", {.late = 0, .wrong_at = 9});
     write_sample(folder_ / "late.fst", {.late = 3, .wrong_at = 9});
+    write_pci(folder_ / "pci.fst");
   }
   /// stdout of a command that must end well.
   std::string out(const std::vector<std::string>& words) {
@@ -300,6 +301,7 @@ TEST_F(Wave, ManySignalsAreListedInTheirOrderAndFoundByPatterns) {
 }
 
 TEST_F(Wave, TheManualShowsWhatTheCommandPrints) {
+  write_structure(folder_);
   std::ifstream manual(std::string(CDE_SOURCE_DIR) + "/docs/waves.md");
   std::string command, expected;
   unsigned checked = 0;

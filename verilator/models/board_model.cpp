@@ -96,7 +96,9 @@ class Card {
   const cde_memory_counters& memory() const { return chips_.counters(); }
   uint64_t clocks() const { return clocks_; }
 
-  int trace_open(const char* path) { return waves_.open(*context_, *model_, path); }
+  int trace_open(const cde_trace& what) {
+    return waves_.open(*context_, *model_, what, clocks_ * options_.clock_period_ps);
+  }
   int trace_close() { return waves_.close(); }
 
   int ddr_flip(uint64_t byte, uint8_t mask) { return flip(&chips_.ddr(), byte, mask); }
@@ -127,8 +129,10 @@ class Card {
 
   void eval() {
     model_->eval();
-    waves_.dump(clocks_ * options_.clock_period_ps +
-                (model_->clk_i ? options_.clock_period_ps / 2 : 0));
+    const uint64_t now =
+        clocks_ * options_.clock_period_ps + (model_->clk_i ? options_.clock_period_ps / 2 : 0);
+    if (Chips::asks(*model_, waves_.awaited_word())) waves_.begin(now);
+    waves_.dump(now);
   }
 
   cde_board_options options_;
@@ -171,7 +175,7 @@ const cde_board_api kApi = {
     [](void* p) { return static_cast<int>(card(p)->interrupt()); },
     [](void* p) { return card(p)->clocks(); },
     [](void* p, cde_memory_counters* c) { *c = card(p)->memory(); },
-    [](void* p, const char* path) { return card(p)->trace_open(path); },
+    [](void* p, const cde_trace* what) { return card(p)->trace_open(*what); },
     [](void* p) { return card(p)->trace_close(); },
     [](void* p, uint64_t byte, uint8_t mask) { return card(p)->ddr_flip(byte, mask); },
     [](void* p, uint64_t word, uint8_t mask) { return card(p)->check_flip(word, mask); },

@@ -15,6 +15,7 @@ class BoardSide {
   explicit BoardSide(const cde_pci_options& o)
       : chips_(o.memory, o.ddr_latency, o.core_period_ps) {}
   void reset() { chips_.reset(); }
+  static bool asks(const Vmodel& m, uint64_t word) { return Chips::asks(m, word); }
   void before(Vmodel& m) { chips_.before(m); }
   void at(Vmodel& m) { chips_.at(m); }
   void after(Vmodel& m) { chips_.after(m); }

@@ -56,6 +56,10 @@ class Chips {
       if (const uint8_t* p = check_.at(oldest.word, kDdrWords))
         std::memcpy(&m.ddr_check_i, p, kDdrWords);
   }
+  /// Whether the card asks DDR for this word now.
+  [[nodiscard]] static bool asks(const Vmodel& m, uint64_t word) {
+    return m.ddr_read_o && word - m.ddr_read_word_o < kDdrWords;
+  }
   void at(const Vmodel& m) {
     if (m.ddr_read_o) reads_[asked_++ % kReads] = {due(m.ddr_read_word_o), m.ddr_read_word_o};
     if (m.ddr_write_o)

@@ -29,7 +29,7 @@ constexpr unsigned kExp = parameter("EXP", 8), kMan = parameter("MAN", 23),
 // Operations a clock. Where all lanes share one b it is one operation, in a lane that moves on
 // every clock, while the other lanes keep operands of earlier clocks.
 constexpr unsigned kRow = kBLanes == kLanes ? kLanes : 1;
-constexpr uint32_t kOps = uint32_t(parameter("OPS", -1)) & ((1u << cde::kFpOps) - 1);
+constexpr uint32_t kOps = uint32_t(parameter("OPS", -1)) & (~0u >> (32 - cde::kFpOps));
 constexpr unsigned kArithmetic = cde::kFpArithmetic;
 using Container = std::conditional_t<(1 + kExp + kMan <= 32), uint32_t, uint64_t>;
 

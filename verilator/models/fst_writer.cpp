@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Verilator's writer of FST files, as it is but for two things that it leaves out: it looks at no
-// result of what it writes, and it maps temporary files into memory, which ends the process with
-// SIGBUS where their disk is full. Here failures are noted for wave_file.h, and what is temporary
-// lies in memory.
+// Verilator's writer of FST files, as it is but for three things: it looks at no result of what it
+// writes, it maps temporary files into memory, which ends the process with SIGBUS where their disk
+// is full, and it leaves no comments. Here failures are noted for wave_file.h, what is temporary
+// lies in memory, and there are comments.
 #include "verilated_fst_c.h"
 
 #include <errno.h>
@@ -41,9 +41,10 @@ FILE* memory_file() {
 
 FILE* checked_open(const char* name, const char* mode) {
   const char* const dot = strrchr(name, '.');
-  if (dot != nullptr && strcmp(dot, ".hier") == 0) return memory_file();
+  const bool writes = mode[0] == 'w';
+  if (writes && dot != nullptr && strcmp(dot, ".hier") == 0) return memory_file();
   FILE* const file = fopen(name, mode);
-  return noted(file == nullptr, file);
+  return noted(writes && file == nullptr, file);
 }
 
 size_t checked_write(const void* from, size_t size, size_t count, FILE* file) {
@@ -100,3 +101,19 @@ void* checked_map(size_t length, int protection, int flags, int fd) {
 #define mmap(address, length, protection, flags, fd, offset) \
   checked_map(length, protection, flags, fd)
 #include "verilated_fst_c.cpp"
+
+namespace {
+
+// The context of the writer of FST is private; an explicit instantiation may name it.
+void* context_of(VerilatedFst& writer);
+template <void* VerilatedFst::*Context>
+struct Private {
+  friend void* context_of(VerilatedFst& writer) { return writer.*Context; }
+};
+template struct Private<&VerilatedFst::m_fst>;
+
+}  // namespace
+
+void comment_waves(VerilatedFstC& file, const char* text) {
+  fstWriterSetComment(context_of(*file.spTrace()), text);
+}

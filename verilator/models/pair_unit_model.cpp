@@ -68,7 +68,7 @@ struct cde_pair_unit {
     eval();
   }
 
-  int trace_open(const char* path) { return waves.open(*context, *model, path); }
+  int trace_open(const cde_trace& what) { return waves.open(*context, *model, what, 2 * clocks); }
   int trace_close() { return waves.close(); }
 };
 
@@ -168,7 +168,7 @@ const cde_pair_api kApi = {
     },
     test,
     [](cde_pair_unit* unit) { unit->reset(); },
-    [](cde_pair_unit* unit, const char* path) { return unit->trace_open(path); },
+    [](cde_pair_unit* unit, const cde_trace* what) { return unit->trace_open(*what); },
     [](cde_pair_unit* unit) { return unit->trace_close(); },
     [](const cde_pair_unit* unit) { return static_cast<uint32_t>(unit->shown.size()); },
     [](const cde_pair_unit* unit, uint32_t index) { return &unit->shown[index]; },

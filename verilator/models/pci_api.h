@@ -66,7 +66,7 @@ struct Api {
         [](void* p, cde_memory_counters* c) { *c = card(p).local().counters(); },
         fault,
         [](void* p) { return card(p).violation(); },
-        [](void* p, const char* path) { return card(p).trace_open(path); },
+        [](void* p, const cde_trace* what) { return card(p).trace_open(*what); },
         [](void* p) { return card(p).trace_close(); },
         [](void* p, uint32_t space, uint64_t* bytes) -> void* {
           return card(p).local().memory(space, *bytes);

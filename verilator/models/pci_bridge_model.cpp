@@ -23,7 +23,8 @@ class LocalMemory {
   }
   void interrupt(bool level) { irq_ = level; }
   [[nodiscard]] static cde_memory_counters counters() { return {}; }
-  bool hang(uint32_t) { return false; }  // there is no DDR
+  static bool asks(const Vmodel&, uint64_t) { return false; }  // there is no DDR
+  bool hang(uint32_t) { return false; }
   [[nodiscard]] uint64_t hung() const { return 0; }
   void* memory(uint32_t space, uint64_t& bytes) {
     bytes = space < kSpaces ? kBytes : 0;

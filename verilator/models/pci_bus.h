@@ -137,11 +137,14 @@ class Bus {
   Local& local() { return local_; }
   void evaluate_all(bool on) { evaluate_all_ = on; }
 
-  int trace_open(const char* path) { return waves_.open(*context_, *model_, path); }
+  int trace_open(const cde_trace& what) { return waves_.open(*context_, *model_, what, now_); }
   int trace_close() { return waves_.close(); }
 
  private:
   static constexpr uint32_t kBar0 = 0x10;
+  /// In waves, of an edge of PCI's clock that is also one of the core's; room for both falling
+  /// ones.
+  static constexpr uint64_t kBeforeCore = 4;
 
   /// The clock at which to give up what begins now.
   [[nodiscard]] uint64_t patience() const { return counters_.clocks + 1'000'000; }
@@ -165,10 +168,10 @@ class Bus {
   void core_edge() {
     local_.before(*model_);
     model_->clk_i = 0;
-    eval(0);
+    eval(std::max(now_ - options_.core_period_ps / 2, between(last_wave_, now_)));
     local_.at(*model_);
     model_->clk_i = 1;
-    eval(0);
+    eval(now_);
     local_.after(*model_);
   }
 
@@ -189,7 +192,7 @@ class Bus {
       if (w.inta != interrupt_) see_interrupt(w.inta);
     }
     model_->clk_pci_i = 1;
-    eval(0);
+    eval(next_core_ == now_ ? now_ - kBeforeCore : now_);
     settle();
   }
 
@@ -219,7 +222,7 @@ class Bus {
     model_->pci_idsel_i = host_.idsel();
     model_->pci_gnt_n_i = !host_.grant_card();
     model_->clk_pci_i = 0;
-    eval(options_.pci_period_ps / 2);
+    eval(std::min(now_ + options_.pci_period_ps / 2, between(last_wave_, next_core_)));
   }
 
   Drive read_drive() const {
@@ -250,9 +253,16 @@ class Bus {
     return d;
   }
 
-  void eval(uint32_t after_ps) {
+  static uint64_t between(uint64_t a, uint64_t b) { return b > a ? a + (b - a) / 2 : a; }
+
+  /// Waves have rising edges at their times. Falling ones, which are evaluated right after them or
+  /// before the next, lie somewhere between those of either clock: the writer drops what is not
+  /// later than what it has.
+  void eval(uint64_t wave_time) {
     model_->eval();
-    waves_.dump(now_ + after_ps);
+    last_wave_ = std::max(wave_time, last_wave_ + 1);
+    if (Local::asks(*model_, waves_.awaited_word())) waves_.begin(last_wave_);
+    waves_.dump(last_wave_);
   }
 
   const cde_pci_options options_;
@@ -267,7 +277,7 @@ class Bus {
   Drive card_;
   Wires wires_;
   cde_pci_counters counters_{};
-  uint64_t now_ = 0, next_pci_, next_core_;
+  uint64_t now_ = 0, next_pci_, next_core_, last_wave_ = 0;
   uint32_t base_ = 0;
   bool interrupt_ = false, interrupt_lost_ = false, evaluate_all_ = false, stuck_ = false;
 };

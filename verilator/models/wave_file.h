@@ -2,9 +2,13 @@
 // Waves of a model, in a bitstream that was built with them (TRACE=1); in any other it opens none.
 #pragma once
 #include <cstdint>
+#include <cstdio>
 #include <memory>
+#include <string>
 
 #include "Vmodel.h"
+#include "abi_head.h"
+#include "parameters.h"
 #include "verilated.h"
 #ifdef CDE_TRACE
 #include "verilated_fst_c.h"
@@ -12,21 +16,38 @@
 
 class WaveFile {
  public:
-  /// 0, or -1 if `path` cannot be written. Ends the file that was open before.
-  int open(VerilatedContext& context, Vmodel& model, const char* path) {
+  /// 0, or -1 if the file cannot be written. Ends the file that was open before. `now` is the time
+  /// that those of `what` are counted from.
+  int open(VerilatedContext& context, Vmodel& model, const cde_trace& what, uint64_t now) {
     close();
     error_ = 0;
+    what_ = what;
+    what_.path = nullptr;  // the caller's
+    what_.from = later(now, what.from);
+    what_.to = later(now, what.to);
+    waiting_ = what.ddr_word != CDE_TRACE_NOW;
     const Noted noted(error_);
     context.traceEverOn(true);
     if (!file_) {
       file_ = std::make_unique<VerilatedFstC>();
       model.trace(file_.get(), 99);
     }
-    file_->open(path);
-    return file_->isOpen() ? 0 : -1;
+    file_->open(what.path);
+    if (!file_->isOpen()) return -1;
+    comment_waves(*file_, origin().c_str());
+    return 0;
   }
+  /// The word of DDR that waves wait for has been asked for.
+  void begin(uint64_t time) {
+    if (!waiting_) return;
+    waiting_ = false;
+    what_.from = time;
+    what_.to = later(time, what_.length);
+  }
+  [[nodiscard]] uint64_t awaited_word() const { return waiting_ ? what_.ddr_word : CDE_TRACE_NOW; }
   void dump(uint64_t time) {
     if (!file_ || !file_->isOpen() || error_ != 0) return;
+    if (waiting_ || time < what_.from || time > what_.to) return;
     const Noted noted(error_);
     file_->dump(time);
   }
@@ -40,6 +61,20 @@ class WaveFile {
   }
 
  private:
+  static uint64_t later(uint64_t time, uint64_t by) {
+    return by > UINT64_MAX - time ? UINT64_MAX : time + by;
+  }
+
+  /// What the waves are of: "bitstream KIND NAME=VALUE ... configuration=0123456789abcdef".
+  static std::string origin() {
+    std::string text = "bitstream " CDE_KIND " ";
+    for (const char c : std::string_view(kParameters)) text.push_back(c == '\n' ? ' ' : c);
+    char hash[32];
+    std::snprintf(hash, sizeof hash, "configuration=%016llx",
+                  static_cast<unsigned long long>(CDE_CONFIG_HASH));
+    return text + hash;
+  }
+
   /// While it lives, the writer notes what fails.
   class Noted {
    public:
@@ -50,6 +85,8 @@ class WaveFile {
   };
 
   std::unique_ptr<VerilatedFstC> file_;
+  cde_trace what_ = {};
+  bool waiting_ = false;
   int error_ = 0;
 };
 
@@ -57,7 +94,9 @@ class WaveFile {
 
 class WaveFile {
  public:
-  int open(VerilatedContext&, Vmodel&, const char*) { return -1; }
+  int open(VerilatedContext&, Vmodel&, const cde_trace&, uint64_t) { return -1; }
+  void begin(uint64_t) {}
+  [[nodiscard]] uint64_t awaited_word() const { return CDE_TRACE_NOW; }
   void dump(uint64_t) {}
   int close() { return 0; }
 };

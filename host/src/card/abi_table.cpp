@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <limits>
 
 #include "cde/card/memory.hpp"
 #include "cde/support/error.hpp"
@@ -36,6 +37,22 @@ void require_waves(std::string_view parameters) {
     throw Error(ErrorCode::kUsage,
                 "this bitstream has no waves; open the board with BoardConfig::trace");
   }
+}
+
+cde_trace wanted_waves(const std::filesystem::path& file, const TraceOptions& which,
+                       std::optional<std::uint64_t> ddr_word, std::uint64_t clock) {
+  // A clock of the axis begins with its low half, and its last time is before the next one.
+  const auto time = [&](std::uint64_t clocks) {
+    return clocks > std::numeric_limits<std::uint64_t>::max() / clock - 1
+               ? std::numeric_limits<std::uint64_t>::max()
+               : clocks * clock;
+  };
+  const std::uint64_t end = time(which.to);
+  return {.path = file.c_str(),
+          .from = time(which.from),
+          .to = end > std::numeric_limits<std::uint64_t>::max() - clock ? end : end + clock - 1,
+          .ddr_word = ddr_word.value_or(CDE_TRACE_NOW),
+          .length = time(which.clocks)};
 }
 
 void require_opened(int answer, const std::filesystem::path& file) {

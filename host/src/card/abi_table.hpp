@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <string_view>
 
 #include "abi_head.h"
 #include "cde/bitstream/bitstream.hpp"
 #include "cde/card/board.hpp"
+#include "cde/card/trace.hpp"
 
 namespace cde {
 
@@ -26,6 +29,10 @@ template <class Entry>
 [[noreturn]] void no_memory_for_models();
 /// Error kUsage if the bitstream has no waves, by its parameters.
 void require_waves(std::string_view parameters);
+/// What a model's trace_open takes; `clock` is the length of one on the time axis. It points into
+/// `file`.
+[[nodiscard]] cde_trace wanted_waves(const std::filesystem::path& file, const TraceOptions& which,
+                                     std::optional<std::uint64_t> ddr_word, std::uint64_t clock);
 /// Error kFile unless trace_open's answer is 0.
 void require_opened(int answer, const std::filesystem::path& file);
 /// What a bitstream's trace_close answers: 0, or the errno of what could not be written.

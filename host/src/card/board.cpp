@@ -338,8 +338,10 @@ void Board::reset() {
   idle_card().reset();
 }
 
-void Board::trace_open(const std::filesystem::path& file) {
-  card().link->trace_open(file);
+void Board::trace_open(const std::filesystem::path& file, const TraceOptions& which) {
+  std::optional<std::uint64_t> word;
+  if (which.secondary) word = *which.secondary * std::uint64_t{words(card().secondary_shape)};
+  card().link->trace_open(file, which, word);
 }
 
 void Board::trace_close() {

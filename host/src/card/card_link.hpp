@@ -54,8 +54,10 @@ class CardLink {
   /// Error kUsage if this kind of bus has no such fault.
   virtual void inject(BusFault fault, std::uint32_t count, std::uint32_t value) = 0;
 
-  /// Error kUsage if the bitstream has no waves, kFile if the file cannot be written.
-  virtual void trace_open(const std::filesystem::path& file) = 0;
+  /// Error kUsage if the bitstream has no waves, kFile if the file cannot be
+  /// written. `ddr_word` is where TraceOptions::secondary lies.
+  virtual void trace_open(const std::filesystem::path& file, const TraceOptions& which,
+                          std::optional<std::uint64_t> ddr_word) = 0;
   virtual void trace_close() = 0;
   /// Bits of a byte of DDR, or of the check bits of a word; false where there are none.
   virtual bool flip_ddr(std::uint64_t byte, std::uint8_t mask) = 0;

@@ -135,9 +135,11 @@ class LocalLink final : public CardLink {
       api_->ddr_hang(card_, count);
   }
 
-  void trace_open(const std::filesystem::path& file) override {
+  void trace_open(const std::filesystem::path& file, const TraceOptions& which,
+                  std::optional<std::uint64_t> ddr_word) override {
     require_waves(api_->parameters);
-    require_opened(api_->trace_open(card_, file.c_str()), file);
+    const cde_trace wanted = wanted_waves(file, which, ddr_word, period_ps_);
+    require_opened(api_->trace_open(card_, &wanted), file);
   }
   void trace_close() override { require_whole_waves(api_->trace_close(card_)); }
   bool flip_ddr(std::uint64_t byte, std::uint8_t mask) override {

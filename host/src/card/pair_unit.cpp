@@ -221,11 +221,13 @@ std::uint64_t PairUnit::watch(std::span<const std::uint64_t> a, std::span<const 
   return clocks;
 }
 
-void PairUnit::open_trace(const std::string& path) {
+void PairUnit::open_trace(const std::string& path, const TraceOptions& which) {
   if (!state().config.trace)
     throw Error(ErrorCode::kConfiguration, "the pair_unit was built without trace");
-  if (state().api->trace_open(state().unit, path.c_str()) != 0)
-    throw Error(ErrorCode::kFile, fmt::format("{}: cannot be written", printable_name(path)));
+  constexpr std::uint64_t kClock = 2;  // both halves of a clock are times of their own
+  const std::filesystem::path file = path;
+  const cde_trace wanted = wanted_waves(file, which, std::nullopt, kClock);
+  require_opened(state().api->trace_open(state().unit, &wanted), file);
 }
 void PairUnit::close_trace() {
   require_whole_waves(state().api->trace_close(state().unit));

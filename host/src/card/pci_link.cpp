@@ -152,9 +152,11 @@ class PciLink final : public CardLink {
       throw Error(ErrorCode::kUsage, fmt::format("no fault {}", static_cast<unsigned>(fault)));
   }
 
-  void trace_open(const std::filesystem::path& file) override {
+  void trace_open(const std::filesystem::path& file, const TraceOptions& which,
+                  std::optional<std::uint64_t> ddr_word) override {
     require_waves(api().parameters);
-    require_opened(api().trace_open(port_.host(), file.c_str()), file);
+    const cde_trace wanted = wanted_waves(file, which, ddr_word, period_ps_);
+    require_opened(api().trace_open(port_.host(), &wanted), file);
   }
   void trace_close() override { require_whole_waves(api().trace_close(port_.host())); }
   bool flip_ddr(std::uint64_t byte, std::uint8_t mask) override {

@@ -210,6 +210,9 @@ void Checker::mismatch(const Record* card, const Record* expected) {
   message += fmt::format("  card:      {}\n", card != nullptr ? text(*card) : "no record");
   message += fmt::format("  reference: {}\n", expected != nullptr ? text(*expected) : "no record");
   const std::size_t number = (expected != nullptr ? expected : card)->primary;
+  first_.emplace();
+  if (card != nullptr) first_->card = *card;
+  if (expected != nullptr) first_->reference = *expected;
   if (card != nullptr && expected != nullptr)
     message += fmt::format("  differ in: {}\n", differing_fields(*card, *expected));
   if (place_)
@@ -218,10 +221,14 @@ void Checker::mismatch(const Record* card, const Record* expected) {
   for (const Record* r : {card, expected}) {
     if (r == nullptr || r->index >= triangles_.size()) continue;
     const Triangle t = triangles_[r->index];
+    const auto words = to_words(t);
+    first_->secondaries.emplace_back(r->index, std::vector<float>(words.begin(), words.end()));
     message += fmt::format("  triangle {}: {} {} {}\n", r->index, hex(t.v0), hex(t.v1), hex(t.v2));
   }
   if (number < rays_.size()) {
     const Ray ray = rays_[number];
+    const auto words = to_words(ray);
+    first_->primary.assign(words.begin(), words.end());
     const std::string fields =
         fmt::format("{},{},{:a},{:a}", hex(ray.o), hex(ray.d), ray.tmin, ray.tmax);
     message +=

@@ -34,15 +34,20 @@ std::string text(const Record* r) {
                      static_cast<std::int32_t>(r->index));
 }
 
-std::string words_of(const Shapes& shapes, std::size_t i) {
+std::vector<float> numbers_of(const Shapes& shapes, std::size_t i) {
   return std::visit(
       [i](const auto& list) {
-        std::string words;
-        for (const float w : to_words(list[i]))
-          words += fmt::format("{}{:a}", words.empty() ? "" : ",", w);
-        return words;
+        const auto words = to_words(list[i]);
+        return std::vector<float>(words.begin(), words.end());
       },
       shapes);
+}
+
+std::string words_of(const Shapes& shapes, std::size_t i) {
+  std::string words;
+  for (const float w : numbers_of(shapes, i))
+    words += fmt::format("{}{:a}", words.empty() ? "" : ",", w);
+  return words;
 }
 
 /// A command that asks a pair of the same pipe alone.
@@ -113,17 +118,23 @@ class PassCheck {
  private:
   void differ(const Record* card, const Record* expected, QueryFrame& result) const {
     if (++result.mismatches > 1) return;
+    Difference& difference = result.first_difference.emplace();
+    if (card != nullptr) difference.card = *card;
+    if (expected != nullptr) difference.reference = *expected;
     std::string& message = result.first_mismatch;
     message = fmt::format("  card:      {}\n  reference: {}\n", text(card), text(expected));
     const std::uint32_t primary = (expected != nullptr ? expected : card)->primary;
     if (card != nullptr && expected != nullptr)
       message += fmt::format("  differ in: {}\n", differing_fields(*card, *expected));
     message += fmt::format("  where:     {}\n", place_on_card(board_, primary % kPacket));
-    if (primary < size(primaries_))
+    if (primary < size(primaries_)) {
+      difference.primary = numbers_of(primaries_, primary);
       message += fmt::format("  primary {}: {}\n", primary, words_of(primaries_, primary));
+    }
     for (const Record* r : {card, expected}) {
       if (r == nullptr || r->index >= size(secondaries_)) continue;
       if (r == expected && card != nullptr && card->index == r->index) continue;  // as above
+      difference.secondaries.emplace_back(r->index, numbers_of(secondaries_, r->index));
       const std::string secondary = words_of(secondaries_, r->index);
       message += fmt::format("  secondary {}: {}\n", r->index, secondary);
       if (primary < size(primaries_))
@@ -184,10 +195,11 @@ class Player::Impl {
         secondaries_(board_, scene, plan),
         primaries_(board_, scene, plan),
         faults_(board_, options_.faults) {
-    if (!options_.trace.empty()) board_.trace_open(options_.trace);
+    if (!options_.waves_of) trace_open();
   }
   void trace_close() {
-    if (!options_.trace.empty()) board_.trace_close();
+    if (traced_) board_.trace_close();
+    traced_ = false;
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -212,6 +224,12 @@ class Player::Impl {
     o.bus_burst = scene.card.burst;
     o.narrow_bus = scene.card.narrow;
     return o;
+  }
+
+  void trace_open() {
+    if (options_.trace.empty()) return;
+    board_.trace_open(options_.trace, options_.waves);
+    traced_ = true;
   }
 
   QueryFrame run(std::uint32_t frame, std::size_t number, const Sink& sink) {
@@ -287,6 +305,10 @@ class Player::Impl {
       if (packet.sink) packet.sink(packet.query, records);
     };
     const auto sweeps = packet.self.sweeps(first, count, secondaries_.moved_by_card());
+    const auto& waves = options_.waves_of;
+    const bool here = waves && waves->frame == packet.frame && waves->query == packet.query &&
+                      waves->number == packet.number;
+    if (here) trace_open();
     if (!sweeps.empty()) load(first, count, result);
     if (!packet.self.any() || q.mode == Mode::kAll || q.mode == Mode::kHits) {
       for (const SelfPairs::Sweep& sweep : sweeps) pass(packet, query, sweep, deliver, result);
@@ -304,6 +326,7 @@ class Player::Impl {
     const auto checking = Clock::now();
     if (check) check->finish(result);
     result.check_seconds += seconds_since(checking);
+    if (here) trace_close();
   }
 
   void load(std::size_t first, std::size_t count, QueryFrame& result) {
@@ -386,6 +409,7 @@ class Player::Impl {
   player::Secondaries secondaries_;
   player::Primaries primaries_;
   player::Faults faults_;
+  bool traced_ = false;
 };
 
 Player::Player(const Scene& scene, const Plan& plan, PlayOptions options) {

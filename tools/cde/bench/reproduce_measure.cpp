@@ -18,7 +18,7 @@
 #include "cde/support/error.hpp"
 #include "output/busy.hpp"
 #include "output/streams.hpp"
-#include "report/page.hpp"
+#include "page/page.hpp"
 
 namespace cde::cli {
 namespace {

@@ -7,8 +7,8 @@
 #include "bench/reproduce.hpp"
 #include "output/json_keys.hpp"
 #include "output/streams.hpp"
-#include "report/chart.hpp"
-#include "report/page.hpp"
+#include "page/chart.hpp"
+#include "page/page.hpp"
 
 namespace cde::cli {
 namespace {

@@ -166,7 +166,8 @@ const std::vector<Example>& examples(std::string_view verb) {
 const std::vector<HelpEntry>& exit_statuses() {
   static const std::vector<HelpEntry> kAll = {
       {"0", "all is well"},
-      {"1", "doctor found something wrong, wave find nothing, or wave diff a difference"},
+      {"1",
+       "doctor found something wrong, wave find or wave tx nothing, or wave diff a difference"},
       {"2", "an option, a file or another input makes no sense, or an output cannot be written"},
       {"3", "the card's records differ from the reference"},
       {"4", "a deadline passed, or the card failed otherwise"},

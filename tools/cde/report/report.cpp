@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "output/streams.hpp"
-#include "report/page.hpp"
+#include "page/page.hpp"
 
 namespace cde::cli {
 namespace {

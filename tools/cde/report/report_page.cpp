@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "output/streams.hpp"
-#include "report/chart.hpp"
-#include "report/page.hpp"
+#include "page/chart.hpp"
+#include "page/page.hpp"
 #include "report/report.hpp"
 
 namespace cde::cli {

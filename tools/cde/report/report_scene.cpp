@@ -9,7 +9,7 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "report/page.hpp"
+#include "page/page.hpp"
 
 namespace cde::cli {
 namespace {

@@ -90,37 +90,14 @@ std::string parameter_switch(const std::string& parameter) {
   return number ? text : text.append("\"");
 }
 
-/// `name="VALUE"` of an element; empty if it has none.
-std::string_view attribute(std::string_view element, std::string_view name) {
-  std::string key(1, ' ');
-  key.append(name).append("=\"");
-  const std::size_t at = element.find(key);
-  if (at == std::string_view::npos) return {};
-  const std::string_view rest = element.substr(at + key.size());
-  return rest.substr(0, rest.find('"'));
+/// A parameter's value as unsigned; nothing if it has unknown bits or is no number.
+std::optional<unsigned> constant_value(const Element& element) {
+  const std::string bits = constant_bits(element);
+  if (bits.empty() || bits.find_first_not_of("01") != std::string::npos) return std::nullopt;
+  std::uint64_t value = 0;
+  for (const char c : bits) value = value << 1 | (c == '1' ? 1u : 0u);
+  return static_cast<unsigned>(value);
 }
-
-unsigned decimal(std::string_view text) {
-  return static_cast<unsigned>(std::strtoul(std::string(text).c_str(), nullptr, 10));
-}
-
-/// A constant as Verilator writes it, 32'sh1f.
-std::optional<unsigned> constant_value(std::string_view element) {
-  const std::string_view text = attribute(element, "name");
-  constexpr std::string_view kQuote = "&apos;";
-  const std::size_t quote = text.find(kQuote), base = text.find('h', quote);
-  if (quote == std::string_view::npos || base == std::string_view::npos) return std::nullopt;
-  const std::string digits(text.substr(base + 1));
-  if (digits.empty() || digits.find_first_not_of("0123456789abcdef") != std::string::npos)
-    return std::nullopt;
-  return static_cast<unsigned>(std::strtoull(digits.c_str(), nullptr, 16));
-}
-
-/// A packed array type: the type of its elements, and its range.
-struct Packed {
-  unsigned element = 0, low = 0, high = 0;
-  bool has_low = false;
-};
 
 /// The name of an instance behind those of the generate blocks that it is in. A loop is a block of
 /// its name, with one of its name and number in it.
@@ -140,21 +117,25 @@ bool is_within(const std::string& path, const std::string& instance) {
 
 }  // namespace
 
-Elaboration::Elaboration(const fs::path& rtl, const std::string& top,
-                         const std::vector<std::string>& parameters) {
+std::string elaborated(const fs::path& rtl, const std::string& top,
+                       const std::vector<std::string>& parameters, Gates gates,
+                       const std::vector<std::string>& switches) {
   const Scratch scratch;
   const fs::path xml = scratch / "design.xml", log = scratch / "verilator.log";
   std::vector<std::string> command = {
       "verilator",         "--xml-only",   "-Wno-fatal", "-Werror-USERERROR",
       "-Werror-USERFATAL", "--xml-output", xml.string(), "-Mdir",
       xml.parent_path(),   "--top-module", top};
+  command.insert(command.end(), switches.begin(), switches.end());
   for (const std::string& parameter : parameters) command.push_back(parameter_switch(parameter));
   command.push_back(rtl.parent_path() / "verilator/waivers.vlt");
   std::ifstream packages(rtl / "contract/packages.f");
   for (std::string package; std::getline(packages, package);)
     command.push_back(rtl / "contract" / package);
-  write_head_of(rtl / "fp/fp_gates.sv", scratch / "fp_gates.sv");
-  if (top != "fp_gates") command.insert(command.end(), {"-y", xml.parent_path()});
+  if (gates == Gates::kHidden && top != "fp_gates") {
+    write_head_of(rtl / "fp/fp_gates.sv", scratch / "fp_gates.sv");
+    command.insert(command.end(), {"-y", xml.parent_path()});
+  }
   std::vector<fs::path> folders = {rtl};
   std::error_code missing;  // Verilator names what it does not find
   for (const auto& entry : fs::directory_iterator(rtl, missing))
@@ -172,77 +153,47 @@ Elaboration::Elaboration(const fs::path& rtl, const std::string& top,
           "put an older one, such as 5.006 or 5.032, on PATH");
     throw ElaborationError("verilator cannot elaborate " + top + ":\n" + said);
   }
-  read(text_of(xml));
+  return text_of(xml);
 }
 
-// Verilator writes one element a line; nothing else is assumed of the layout.
-void Elaboration::read(const std::string& xml) {
-  Module* module = nullptr;
-  std::string parameter;              // whose value comes next
-  std::map<unsigned, Packed> packed;  // type -> element type and range
-  unsigned open_type = 0;
-  std::vector<std::string> blocks;  // that are open
-  for (std::size_t at = 0; at < xml.size();) {
-    const std::size_t stop = std::min(xml.find('\n', at), xml.size());
-    std::string_view line(xml.data() + at, stop - at);
-    at = stop + 1;
-    line.remove_prefix(std::min(line.find('<'), line.size()));
-    const std::string_view tag = line.substr(0, line.find_first_of(" >"));
-    if (tag == "<cell") {
-      instances_.push_back(
-          {std::string(attribute(line, "hier")), std::string(attribute(line, "submodname"))});
-      by_path_.emplace(instances_.back().path, instances_.size() - 1);
-    } else if (tag == "<file") {
-      files_.emplace(attribute(line, "id"), attribute(line, "filename"));
-    } else if (tag == "<module") {
-      module = &modules_[std::string(attribute(line, "name"))];
-      module->source_name = attribute(line, "origName");
-      blocks.clear();
-    } else if (tag == "</module") {
-      module = nullptr;
-    } else if (tag == "<begin" && !line.ends_with("/>")) {
-      blocks.emplace_back(attribute(line, "name"));
-    } else if (tag == "</begin" && !blocks.empty()) {
-      blocks.pop_back();
-    } else if (tag == "<instance" && module != nullptr) {
-      module->parts[scoped(blocks, attribute(line, "name"))] = {
-          std::string(attribute(line, "defName")), std::string(attribute(line, "loc"))};
-    } else if (tag == "<var" && module != nullptr) {
-      const std::string name(attribute(line, "name"));
-      const bool is_constant =
-          !attribute(line, "param").empty() || !attribute(line, "localparam").empty();
-      parameter = is_constant ? name : "";
-      if (!is_constant) module->types.emplace(name, decimal(attribute(line, "dtype_id")));
-    } else if (tag == "<const" && !parameter.empty() && module != nullptr) {
-      if (const auto value = constant_value(line)) module->constants.emplace(parameter, *value);
-    } else if (tag == "<and" && module != nullptr) {
-      ++module->ands;
-    } else if (tag == "<basicdtype") {
-      const unsigned left = decimal(attribute(line, "left")),
-                     right = decimal(attribute(line, "right"));
-      widths_[decimal(attribute(line, "id"))] = (left > right ? left - right : right - left) + 1;
-    } else if (tag == "<packarraydtype") {
-      open_type = decimal(attribute(line, "id"));
-      packed[open_type].element = decimal(attribute(line, "sub_dtype_id"));
-    } else if (tag == "<const" && open_type != 0) {
-      Packed& type = packed[open_type];
-      (type.has_low ? type.low : type.high) = constant_value(line).value_or(0);
-      type.has_low = true;
-    } else if (tag == "</packarraydtype") {
-      open_type = 0;
-    }
-    if (tag != "<var") parameter.clear();
+Elaboration::Elaboration(const fs::path& rtl, const std::string& top,
+                         const std::vector<std::string>& parameters) {
+  try {
+    netlist_.emplace(elaborated(rtl, top, parameters, Gates::kHidden));
+  } catch (const NetlistError& e) {
+    throw ElaborationError("what verilator says of " + top + " is not understood: " + e.what());
   }
-  // A type may stand before the type of its elements.
-  for (bool found = true; found;) {
-    found = false;
-    for (const auto& [id, type] : packed) {
-      const auto element = widths_.find(type.element);
-      if (element == widths_.end()) continue;
-      const unsigned width = element->second * (type.high - type.low + 1);
-      found = widths_.emplace(id, width).second || found;
-    }
+  for (const Element* cell : netlist_->cells().children()) read_cells(*cell);
+  for (const Element* e : netlist_->netlist().children()) {
+    if (e->tag() != "module") continue;
+    Module& module = modules_[e->text("name")];
+    module.source_name = e->text("origName");
+    std::vector<std::string> blocks;
+    for (const Element* child : e->children()) read_body(*child, module, blocks);
   }
+}
+
+void Elaboration::read_cells(const Element& cell) {
+  instances_.push_back({cell.text("hier"), cell.text("submodname")});
+  by_path_.emplace(instances_.back().path, instances_.size() - 1);
+  for (const Element* child : cell.children()) read_cells(*child);
+}
+
+void Elaboration::read_body(const Element& e, Module& module, std::vector<std::string>& blocks) {
+  const std::string_view tag = e.tag();
+  if (tag == "instance") {
+    module.parts[scoped(blocks, e.text("name"))] = {e.text("defName"), netlist_->line(e)};
+  } else if (tag == "var" && e.attribute("param").empty() && e.attribute("localparam").empty()) {
+    module.types.emplace(e.text("name"), e.number("dtype_id"));
+  } else if (tag == "var" && e.child(0) != nullptr) {
+    if (const auto value = constant_value(*e.child(0)))
+      module.constants.emplace(e.text("name"), *value);
+  } else if (tag == "and") {
+    ++module.ands;
+  }
+  if (tag == "begin") blocks.push_back(e.text("name"));
+  for (const Element* child : e.children()) read_body(*child, module, blocks);
+  if (tag == "begin") blocks.pop_back();
 }
 
 const Elaboration::Module* Elaboration::find(const std::string& instance) const {
@@ -305,14 +256,12 @@ std::vector<Place> Elaboration::places(const std::string& path) const {
     if (module == modules_.end()) break;
     const auto part = module->second.parts.find(scopes);
     if (part == module->second.parts.end()) continue;  // a generate block
-    const auto& [name, location] = part->second;
+    const auto& [name, line] = part->second;
     module = modules_.find(name);
     Place place{.instance = std::exchange(scopes, {}), .module = {}, .file = {}};
     if (module != modules_.end()) place.module = module->second.source_name;
-    const std::size_t comma = std::min(location.find(','), location.size());
-    const auto file = files_.find(location.substr(0, comma));
-    if (file != files_.end()) place.file = fs::path(file->second).filename();
-    if (comma < location.size()) place.line = decimal(std::string_view(location).substr(comma + 1));
+    place.file = fs::path(line.file).filename();
+    place.line = line.line;
     places.push_back(std::move(place));
   }
   return places;
@@ -337,8 +286,8 @@ std::optional<unsigned> Elaboration::bits(const std::string& instance,
   if (module == nullptr) return std::nullopt;
   const auto type = module->types.find(signal);
   if (type == module->types.end()) return std::nullopt;
-  const auto width = widths_.find(type->second);
-  return width == widths_.end() ? std::nullopt : std::optional(width->second);
+  const std::uint64_t width = netlist_->type(type->second).width;
+  return width == 0 ? std::nullopt : std::optional(static_cast<unsigned>(width));
 }
 
 }  // namespace cde::rtl

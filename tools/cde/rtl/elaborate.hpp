@@ -8,6 +8,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "rtl/netlist.hpp"
+
 /// The RTL as Verilator elaborates it, without a simulation: operators are counted and constants
 /// read in the very design that a bitstream is built from.
 namespace cde::rtl {
@@ -37,12 +39,22 @@ class ElaborationError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What is below the operators of gates.
+enum class Gates { kHidden, kWhole };
+
+/// Verilator's XML of module `top` of the RTL in folder `rtl`, whose waivers are in
+/// `rtl`/../verilator. Parameters are NAME=VALUE, as the builder of bitstreams takes them; switches
+/// are Verilator's. Takes a second or more; with whole gates as long as Verilator takes for the
+/// bitstream.
+[[nodiscard]] std::string elaborated(const std::filesystem::path& rtl, const std::string& top,
+                                     const std::vector<std::string>& parameters, Gates gates,
+                                     const std::vector<std::string>& switches = {});
+
 /// One elaborated design. Instances are called by their path in the hierarchy, from the top module
 /// on and without the names of generate blocks: "pair_pipe.pipe".
 class Elaboration {
  public:
-  /// Module `top` of the RTL in folder `rtl`, whose waivers are in `rtl`/../verilator. Parameters
-  /// are NAME=VALUE, as the builder of bitstreams takes them. Takes Verilator a second or more.
+  /// Of what elaborated() gives with hidden gates.
   Elaboration(const std::filesystem::path& rtl, const std::string& top,
               const std::vector<std::string>& parameters = {});
 
@@ -67,12 +79,13 @@ class Elaboration {
     std::map<std::string, unsigned> types;  ///< of ports and signals
     unsigned ands = 0;
     struct Part {
-      std::string module;    ///< as Verilator calls it, with its parameters
-      std::string location;  ///< file's letters and line, as Verilator writes them
+      std::string module;  ///< as Verilator calls it, with its parameters
+      Line line;
     };
     std::unordered_map<std::string, Part> parts;  ///< instances, with their generate blocks
   };
-  void read(const std::string& xml);
+  void read_cells(const Element& cells);
+  void read_body(const Element& element, Module& module, std::vector<std::string>& blocks);
   [[nodiscard]] const Module* find(const std::string& instance) const;
 
   struct Instance {
@@ -80,9 +93,8 @@ class Elaboration {
   };
   std::vector<Instance> instances_;
   std::unordered_map<std::string, std::size_t> by_path_;  ///< the first instance of a path
-  std::map<std::string, std::string> files_;
   std::map<std::string, Module> modules_;
-  std::map<unsigned, unsigned> widths_;  ///< of types
+  std::optional<Netlist> netlist_;
 };
 
 }  // namespace cde::rtl

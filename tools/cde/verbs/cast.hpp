@@ -10,12 +10,16 @@
 #include "cde/image/camera.hpp"
 #include "cde/mesh/mesh.hpp"
 #include "cde/scene/plan.hpp"
+#include "verbs/bundle.hpp"
+#include "verbs/trace_options.hpp"
 
 /// The parts of `cde cast`: what was asked, what is cast, and what came of it.
 namespace cde::cli {
 
 struct CastOptions {
-  std::string mesh, rays_file, camera, grid, size, records, depth, shaded, normals, indices, trace;
+  std::string mesh, rays_file, camera, grid, size, records, depth, shaded, normals, indices;
+  TraceRequest trace;
+  BundleRequest bundle;
   std::vector<std::string> rays;
   std::vector<std::string> fields;  ///< more columns of the records
   std::string mode = "nearest", arithmetic = "host", algorithm = "moller", lanes = "auto", up = "z";
@@ -47,16 +51,24 @@ struct CastJob {
 struct CastOutcome {
   Counters counters;
   std::uint64_t hits = 0, compared = 0, matching = 0, upload_clocks = 0;
-  std::string difference;       ///< of the first record that does not match
-  double modelled_seconds = 0;  ///< of the passes, on the card that takes longest
+  std::string difference;                      ///< of the first record that does not match
+  std::optional<Difference> first_difference;  ///< the same as data
+  double modelled_seconds = 0;                 ///< of the passes, on the card that takes longest
   double simulation_seconds = 0;
   std::string bitstream;
   std::uint64_t config_hash = 0;
 };
 
+/// A cast with waves was stopped by a signal; the waves until then are kept.
+struct CastStopped {};
+
 /// The job's rays on cards of its configuration, every record compared if `check`; `take` gets them
 /// in the order of one card. `what` is what the progress says.
 [[nodiscard]] CastOutcome cast_rays(const CastOptions& options, const CastJob& job,
                                     const std::string& what, const RecordSink& take);
+
+/// Packs the record that differs, from the packet that it is of, cast again.
+void bundle_cast(Bundle& bundle, const CastOptions& options, const CastJob& job,
+                 const CastOutcome& outcome);
 
 }  // namespace cde::cli

@@ -69,6 +69,7 @@ class Judge {
     to.compared = moller_ ? moller_->compared() : compared_;
     to.matching = moller_ ? moller_->matching() : matching_;
     to.difference = moller_ ? moller_->difference() : difference_;
+    to.first_difference = moller_ ? moller_->first_difference() : first_difference_;
   }
 
  private:
@@ -98,9 +99,26 @@ class Judge {
                        r->t, r->cp.x(), r->cp.y(), r->cp.z(), r->index);
   }
 
+  void keep(const Record* card, const Record* expected) {
+    first_difference_.emplace();
+    if (card != nullptr) first_difference_->card = *card;
+    if (expected != nullptr) first_difference_->reference = *expected;
+    if (first_difference_->number() < rays_.size()) {
+      const auto words = to_words(rays_[first_difference_->number()]);
+      first_difference_->primary.assign(words.begin(), words.end());
+    }
+    for (const auto& r : {first_difference_->reference, first_difference_->card}) {
+      if (!r || r->index >= job_.mesh.faces.size()) continue;
+      const auto words = to_words(job_.mesh.triangle(r->index));
+      first_difference_->secondaries.emplace_back(r->index,
+                                                  std::vector<float>(words.begin(), words.end()));
+    }
+  }
+
   void differ(const Record* card, const Record* expected) {
     if (!difference_.empty()) return;
     const Record& any = card != nullptr ? *card : *expected;
+    keep(card, expected);
     std::string again = command_;
     if (any.primary < rays_.size()) {
       const Ray r = rays_[any.primary];
@@ -120,6 +138,7 @@ class Judge {
   const Board& board_;
   unsigned packet_;
   std::string command_, difference_;
+  std::optional<Difference> first_difference_;
   std::optional<reference::Checker> moller_;
   Shapes triangles_;
   std::optional<reference::Pass> pass_;
@@ -127,6 +146,38 @@ class Judge {
   std::size_t first_ = 0;
   std::uint64_t compared_ = 0, matching_ = 0;
 };
+
+/// A card with waves, which has the mesh.
+Board traced_board(const CastJob& job) {
+  BoardConfig config = job.config;
+  config.trace = true;
+  Board board = Board::open(config);
+  board.upload(job.mesh, false);
+  return board;
+}
+
+Query query_of(const CastOptions& o, const CastJob& job) {
+  return {.mode = job.mode,
+          .pair = Pair::kRayTriangle,
+          .deadline_clocks = o.deadline,
+          .watchdog = std::chrono::duration<double>(o.timeout)};
+}
+
+std::string pack_hang(const CastOptions& o, const CastJob& job, const RayView& rays,
+                      const Error& error, std::uint64_t clock) {
+  HangFailure f{.message = error.what(), .repeat = "", .clock = clock};
+  f.rerun = [&](const std::string& file, const TraceOptions& which) {
+    Board board = traced_board(job);
+    board.trace_open(file, which);
+    try {
+      (void)board.cast(rays, query_of(o, job), [](std::span<const Record>) {});
+    } catch (const Error& e) {
+      if (!is_hang(e)) throw;
+    }
+    board.trace_close();
+  };
+  return packed(o.bundle, o.quiet, [&](Bundle& bundle) { bundle_hang(bundle, f); });
+}
 
 /// These rays on a card of their own; `take` gets the checked records in order.
 CastOutcome cast_on_card(const CastOptions& o, const CastJob& job, const RayView& rays,
@@ -143,25 +194,41 @@ CastOutcome cast_on_card(const CastOptions& o, const CastJob& job, const RayView
 
   CastOutcome result;
   Waves waves(
-      o.trace, [&](const std::string& file) { board.trace_open(file); },
+      o.trace.file, [&](const std::string& file) { board.trace_open(file, o.trace.options()); },
       [&] { board.trace_close(); });
-  const Query query{.mode = job.mode,
-                    .pair = Pair::kRayTriangle,
-                    .deadline_clocks = o.deadline,
-                    .watchdog = std::chrono::duration<double>(o.timeout),
-                    .progress = progress};
+  std::optional<Interrupts> interrupts;
+  if (o.trace.wanted()) interrupts.emplace();
+  const std::uint64_t began = board.clocks();
+  std::uint64_t seen = 0, before = 0;  // since when the card was not seen to go on
+  double seen_share = -1;
+  const std::function<void(double)> noting = [&](double share) {
+    if (o.trace.wanted() && Interrupts::signal() != 0) throw CastStopped();
+    if (share != seen_share) seen = before;
+    seen_share = share;
+    before = board.clocks() - began;
+    if (progress) progress(share);
+  };
+  Query query = query_of(o, job);
+  query.progress = noting;
   double host_seconds = 0;
   const auto start = Clock::now();
-  result.counters = board.cast(rays, query, [&](std::span<const Record> records) {
+  const RecordSink sink = [&](std::span<const Record> records) {
     const auto received = Clock::now();
     if (judge) judge->compare(records);
     for (const Record& r : records) result.hits += r.f ? 1 : 0;
     take(records);
     host_seconds += seconds_since(received);
-  });
+  };
+  try {
+    result.counters = board.cast(rays, query, sink);
+  } catch (const Error& e) {
+    if (!is_hang(e) || o.deadline != 0) throw;
+    waves.close();
+    throw Error(e.code(), e.what() + pack_hang(o, job, rays, e, seen), e.fault());
+  }
   result.simulation_seconds = seconds_since(start) - host_seconds;
   {
-    const Busy busy("writing waves", o.quiet || o.trace.empty());
+    const Busy busy("writing waves", o.quiet || !o.trace.wanted());
     waves.close();
   }
   if (judge) {
@@ -257,7 +324,12 @@ CastOutcome cast_on_cards(const CastOptions& o, const CastJob& job,
     all.hits += one.hits;
     all.compared += one.compared;
     all.matching += one.matching;
-    if (all.difference.empty()) all.difference = one.difference;
+    if (all.difference.empty() && !one.difference.empty()) {
+      all.difference = one.difference;
+      all.first_difference = one.first_difference;
+      for (auto* r : {&all.first_difference->card, &all.first_difference->reference})
+        if (*r) (*r)->primary += static_cast<std::uint32_t>(share.first);
+    }
     all.upload_clocks += one.upload_clocks;
     all.modelled_seconds = std::max(all.modelled_seconds, one.modelled_seconds);
     all.simulation_seconds = std::max(all.simulation_seconds, one.simulation_seconds);
@@ -267,7 +339,54 @@ CastOutcome cast_on_cards(const CastOptions& o, const CastJob& job,
   return all;
 }
 
+/// Casts one packet on a card with waves; its records of one primary.
+std::vector<Record> cast_traced(const CastOptions& o, const CastJob& job, std::size_t packet,
+                                std::uint32_t primary, const std::string& file,
+                                const TraceOptions& which) {
+  Board board = traced_board(job);
+  board.trace_open(file, which);
+  const std::size_t first = packet * kPacket, count = std::min(kPacket, job.rays.size() - first);
+  std::vector<Record> found;
+  (void)board.cast(job.rays.subview(first, count), query_of(o, job),
+                   [&](std::span<const Record> records) {
+                     std::copy_if(records.begin(), records.end(), std::back_inserter(found),
+                                  [&](const Record& r) { return r.primary == primary; });
+                   });
+  board.trace_close();
+  return found;
+}
+
 }  // namespace
+
+void bundle_cast(Bundle& bundle, const CastOptions& o, const CastJob& job,
+                 const CastOutcome& outcome) {
+  const Difference& d = *outcome.first_difference;
+  const std::size_t packet = d.number() / kPacket;
+  const auto place = static_cast<std::uint32_t>(d.number() % kPacket);
+  CardFailure f;
+  f.pipe.algorithm = job.config.algorithm;
+  f.pipe.box = job.config.box;
+  f.pipe.arithmetic = job.config.arithmetic;
+  f.pipe.lanes = job.config.lanes;
+  f.mode = job.mode;
+  f.difference = d;
+  f.place = place;
+  const std::size_t rays = std::min(kPacket, job.rays.size() - packet * kPacket);
+  f.clocks = (rays + job.config.lanes - 1) / job.config.lanes * job.mesh.faces.size();
+  f.message = outcome.difference;
+  const std::size_t repeat = outcome.difference.find("repeat with: ");
+  if (repeat != std::string::npos)
+    f.repeat = outcome.difference.substr(repeat + std::string_view("repeat with: ").size());
+  f.rerun = [&](const std::string& file, const TraceOptions& which) {
+    const std::vector<Record> again = cast_traced(o, job, packet, place, file, which);
+    if (!d.card) return again.empty() || job.mode == Mode::kAll || job.mode == Mode::kHits;
+    return std::any_of(again.begin(), again.end(), [&](Record r) {
+      r.primary = d.card->primary;
+      return same_bits(r, *d.card);
+    });
+  };
+  bundle_card(bundle, f);
+}
 
 CastOutcome cast_rays(const CastOptions& o, const CastJob& job, const std::string& what,
                       const RecordSink& take) {

@@ -73,7 +73,7 @@ void collect_rays(const CastOptions& o, CastJob& job) {
 /// not fill them.
 unsigned lanes_of(const CastOptions& o, std::size_t rays) {
   if (o.lanes != "auto") return static_cast<unsigned>(std::stoul(o.lanes));
-  return o.arithmetic == "host" && o.trace.empty() && rays > 16 ? 64 : 16;
+  return o.arithmetic == "host" && !o.trace.wanted() && rays > 16 ? 64 : 16;
 }
 
 /// A card that is built instead of one that is not, where what that costs is less than what
@@ -105,7 +105,7 @@ void check_files(const CastOptions& o, const std::vector<std::filesystem::path>&
           {"--shaded", o.shaded.empty() && o.shows_itself ? own_picture_name(o.mesh) : o.shaded},
           {"--normals", o.normals},
           {"--indices", o.indices},
-          {"--trace", o.trace},
+          {"--trace", o.trace.file},
           {"--json", o.json ? "-" : ""}},
       inputs);
 }
@@ -113,10 +113,10 @@ void check_files(const CastOptions& o, const std::vector<std::filesystem::path>&
 /// All that can be said to be wrong without a mesh.
 void check_options(const CastOptions& o, Mode mode) {
   check_files(o);
-  if (!o.trace.empty() && o.boards > 1) usage("--trace follows one card; leave out --boards");
+  if (o.trace.wanted() && o.boards > 1) usage("--trace follows one card; leave out --boards");
   if (o.wants_picture() && mode != Mode::kNearest) usage("a picture needs --mode nearest");
   if (o.shadows && o.shaded.empty() && !o.shows_itself) usage("--shadows is of --shaded");
-  check_suffix("--trace", o.trace, ".fst");
+  o.trace.check();
   check_picture_names(o);
   RecordFile::check(o.records, o.bits, o.fields);
 }
@@ -128,7 +128,7 @@ CastJob prepare(const CastOptions& o) {
   job.config.arithmetic = o.arithmetic == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost;
   job.config.algorithm = *algorithm_named(o.algorithm);
   job.config.box = o.box;
-  job.config.trace = !o.trace.empty();
+  job.config.trace = o.trace.wanted();
   {
     const Busy busy("loading " + printable_name(o.mesh), o.quiet);
     job.mesh = load_mesh_or_builtin(o.mesh);
@@ -241,7 +241,9 @@ void run(const CastOptions& o) {
   }
   if (o.json) put_json(as_json(o, job, result));
   if (!o.quiet) print_summary(o, job, result);
-  if (!result.difference.empty()) throw Error(ErrorCode::kMismatch, result.difference);
+  if (result.difference.empty()) return;
+  const auto fill = [&](Bundle& bundle) { bundle_cast(bundle, o, job, result); };
+  throw Error(ErrorCode::kMismatch, result.difference + packed(o.bundle, o.quiet, fill));
 }
 
 void add_sources(CLI::App& verb, CastOptions& o) {
@@ -299,8 +301,9 @@ void add_outputs(CLI::App& verb, CastOptions& o) {
                              "Numbers of triangles: .png (a colour each) "
                              "or .npy"),
              "FILE");
-  file_value(verb.add_option("--trace", o.trace, "Waves of the cast; kept even if the cast fails"),
-             "FILE.fst");
+  add_bundle_options(verb, o.bundle);
+  add_trace_options(verb, o.trace,
+                    "Waves of the cast, FST; kept even if the cast fails or is stopped");
   verb.add_flag("--json", o.json, "Summary as JSON on stdout");
   verb.add_flag("-q,--quiet", o.quiet, "No summary and no progress");
 }
@@ -350,8 +353,13 @@ void add_cast(CLI::App& app) {
     tell_builds(!o->quiet);
     const bool rays = !o->rays.empty() || !o->rays_file.empty();
     o->shows_itself = !rays && o->mode == "nearest" && !o->wants_picture() && o->records.empty() &&
-                      o->trace.empty() && !o->json;
-    run(*o);
+                      !o->trace.wanted() && !o->json;
+    try {
+      run(*o);
+    } catch (const CastStopped&) {
+      say("cde: stopped; {} has the waves until then\n", printable_name(o->trace.file));
+      exit_code = 128 + Interrupts::signal();
+    }
   });
 }
 

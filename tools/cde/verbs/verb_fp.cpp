@@ -7,6 +7,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cde/card/fp_unit.hpp"
@@ -100,7 +101,7 @@ int result_digits(FpOp op, FpFormat format) {
   if (op >= FpOp::kLt && op <= FpOp::kEq) return 1;
   if (op >= FpOp::kToI32)
     return (static_cast<unsigned>(op) - static_cast<unsigned>(FpOp::kToI32)) % 4 < 2 ? 8 : 16;
-  if (op >= FpOp::kToFp16 && op <= FpOp::kToE3m2)
+  if (op >= FpOp::kToFp16 && op < FpOp::kFromI32)
     return kFpFormats.at(static_cast<std::size_t>(op) - static_cast<std::size_t>(FpOp::kToFp16))
         .format.hex_digits();
   return format.hex_digits();
@@ -265,8 +266,10 @@ void add_fp(CLI::App& app) {
               "implies the format")
           ->required(),
       "OP", [](const std::string& text) { (void)parse_request(text); });
+  std::vector<std::string_view> formats;
+  for (const NamedFpFormat& f : kFpFormats) formats.push_back(f.name);
   text_value(verb->add_option("-f,--format", options->format,
-                              "fp16 bf16 tf32 fp24 fp32 fp64 e4m3 e3m2, or eEmM (default fp32)"),
+                              fmt::format("{}, or eEmM (default fp32)", fmt::join(formats, " "))),
              "FORMAT", [](const std::string& text) { (void)FpFormat::parse(text); });
   one_of(verb->add_option("-a,--arith", options->arith,
                           "rtl: the gates; host: the host's FPU, same bits")

@@ -23,9 +23,11 @@
 #include "output/output.hpp"
 #include "output/streams.hpp"
 #include "output/suffix.hpp"
+#include "verbs/bundle.hpp"
 #include "verbs/operand_defect.hpp"
 #include "verbs/operand_line.hpp"
 #include "verbs/pair_options.hpp"
+#include "verbs/trace_options.hpp"
 #include "verbs/verbs.hpp"
 #include "wave/waves.hpp"
 
@@ -36,7 +38,8 @@ constexpr std::size_t kBatch = 65536;  // pairs, at most, between two runs of th
 constexpr std::size_t kTraced = 4096;  // and of all, where there are waves of them
 
 struct Options : PairOptions {
-  std::string trace;
+  TraceRequest trace;
+  BundleRequest bundle;
   bool bits = false, check = true, json = false, quiet = false;
 };
 
@@ -108,7 +111,8 @@ class Query {
   void answer() {
     if (rows_.empty() && !config_.trace) return;
     Waves waves(
-        o_.trace, [this](const std::string& file) { unit_.open_trace(file); },
+        o_.trace.file,
+        [this](const std::string& file) { unit_.open_trace(file, o_.trace.options()); },
         [this] { unit_.close_trace(); });
     const std::size_t pairs = a_.size() / primary_words(config_.pair);
     results_.resize(pairs);
@@ -161,16 +165,30 @@ class Query {
     const std::string a = listed(operand(a_, i, primary_words(config_.pair))),
                       b = listed(operand(b_, i, secondary_words(config_.pair)));
     // All lanes get the pair, whichever it was in.
-    throw Error(
-        ErrorCode::kMismatch,
-        fmt::format("line {}: the card's answer differs from the reference\n"
-                    "  A         {}\n  B         {}\n  card      {}\n  reference {}\n"
-                    "  differ in {}\n  where     {}\n"
-                    "repeat with: yes {},{} | head -n {} | cde query {}\n"
-                    "explain it:  cde explain {} '{} | {}'",
-                    line, a, b, shown(results_[i]), shown(expected_[i]),
-                    differing_fields(results_[i], expected_[i]), place_in_unit(unit_, a_, b_, i), a,
-                    b, config_.lanes, words_of(o_, config_), words_of(o_, config_, false), a, b));
+    const std::string options = words_of(o_, config_, false),
+                      repeat = fmt::format("yes {},{} | head -n {} | cde query {}", a, b,
+                                           config_.lanes, words_of(o_, config_)),
+                      message = fmt::format(
+                          "line {}: the card's answer differs from the reference\n"
+                          "  A         {}\n  B         {}\n  card      {}\n  reference {}\n"
+                          "  differ in {}\n  where     {}\n"
+                          "repeat with: {}\nexplain it:  cde explain {} '{} | {}'",
+                          line, a, b, shown(results_[i]), shown(expected_[i]),
+                          differing_fields(results_[i], expected_[i]),
+                          place_in_unit(unit_, a_, b_, i), repeat, options, a, b);
+    const auto fill = [&](Bundle& bundle) {
+      bundle_pair(bundle, {.config = config_,
+                           .budget = budget_,
+                           .options = options,
+                           .a = a_,
+                           .b = b_,
+                           .at = i,
+                           .card = results_[i],
+                           .reference = expected_[i],
+                           .message = message,
+                           .repeat = repeat});
+    };
+    throw Error(ErrorCode::kMismatch, message + packed(o_.bundle, o_.quiet, fill));
   }
 
   static std::span<const std::uint64_t> operand(std::span<const std::uint64_t> all, std::size_t i,
@@ -288,12 +306,12 @@ void print_summary(const Options& o, const PairConfig& config, const Totals& t) 
 }
 
 void run(const Options& o) {
-  if (!o.trace.empty())
-    check_outputs(std::vector<FileUse>{{"--trace", o.trace}, {"the answers", "-"}},
+  o.trace.check();
+  if (o.trace.wanted())
+    check_outputs(std::vector<FileUse>{{"--trace", o.trace.file}, {"the answers", "-"}},
                   std::vector<FileUse>{{"stdin", "-"}});
-  check_suffix("--trace", o.trace, ".fst");
   PairConfig config = configuration(o);
-  config.trace = !o.trace.empty();
+  config.trace = o.trace.wanted();
   const Totals totals = Query(o, config).run();
   if (o.json)
     put_json(as_json(o, config, totals), -1);
@@ -320,13 +338,12 @@ void add_query(CLI::App& app) {
   verb->add_flag("--bits", o->bits, "Print words as 0x and their bits instead of decimals");
   verb->add_flag("--check,!--no-check", o->check,
                  "Compare every answer with the reference, bit for bit (on)");
-  file_value(
-      verb->add_option("--trace", o->trace,
-                       fmt::format("Waves of the pipe, FST, while all pairs, at most {}, go "
-                                   "through: answers come when stdin has ended. Kept even if an "
-                                   "answer differs",
-                                   kTraced)),
-      "FILE.fst");
+  add_trace_options(*verb, o->trace,
+                    fmt::format("Waves of the pipe, FST, while all pairs, at most {}, go "
+                                "through: answers come when stdin has ended. Kept even if an "
+                                "answer differs",
+                                kTraced));
+  add_bundle_options(*verb, o->bundle);
   verb->add_flag("--json", o->json, "Summary as a line of JSON, the last on stdout");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
   verb->callback([o] {

@@ -9,7 +9,7 @@
 #include "output/output.hpp"
 #include "output/streams.hpp"
 #include "output/suffix.hpp"
-#include "report/page.hpp"
+#include "page/page.hpp"
 #include "verbs/verbs.hpp"
 
 namespace cde::cli {

@@ -29,8 +29,10 @@
 #include "output/suffix.hpp"
 #include "report/report.hpp"
 #include "verbs/plan_output.hpp"
+#include "verbs/run_bundle.hpp"
 #include "verbs/run_faults.hpp"
 #include "verbs/run_folder.hpp"
+#include "verbs/trace_options.hpp"
 #include "verbs/verbs.hpp"
 
 namespace cde::cli {
@@ -40,7 +42,9 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string scene, frames, out, check, trace, report;
+  std::string scene, frames, out, check, report;
+  TraceRequest trace;
+  BundleRequest bundle;
   std::vector<std::string> faults;
   double timeout = 3600;
   std::uint64_t deadline = 0;
@@ -185,10 +189,10 @@ void check_files(const Options& o, const Scene& scene) {
       inputs.push_back({fmt::format("the mesh of object '{}'", printable_name(object.name)), file});
   check_outputs(
       std::vector<FileUse>{
-          {"--report", o.report}, {"--trace", o.trace}, {"--json", o.json ? "-" : ""}},
+          {"--report", o.report}, {"--trace", o.trace.file}, {"--json", o.json ? "-" : ""}},
       inputs);
   check_suffix("--report", o.report, ".html");
-  check_suffix("--trace", o.trace, ".fst");
+  o.trace.check();
 }
 
 /// A run: what was played so far, and where it goes.
@@ -201,7 +205,7 @@ class Run {
         frames_(frames_of(o.frames, scene)),
         faults_(faults_of(o.faults, plan, frames_.first, frames_.last)),
         folder_(o.out.empty() ? fs::path(scene.file).stem().string() + ".run" : o.out, scene,
-                {o.report, o.trace}) {
+                {o.report, o.trace.file}) {
     check_files(o, scene);
     json_ = program_json();
     json_.update(card_json(plan.board));
@@ -228,7 +232,7 @@ class Run {
   void play(const Plan& plan) {
     std::optional<Interrupts> interrupts;  // once there is a card: building one ends at a signal
     std::optional<OutputFile> waves;
-    if (!o_.trace.empty()) waves.emplace(o_.trace, OutputFile::Use::kByName);
+    if (o_.trace.wanted()) waves.emplace(o_.trace.file, OutputFile::Use::kByName);
     try {
       (void)bitstream_path(plan.board.top(), plan.board.parameters());  // which tells of itself
       std::optional<Busy> uploading(std::in_place, "uploading the scene", o_.quiet);
@@ -237,15 +241,19 @@ class Run {
           scene_, plan,
           {.check = check_,
            .trace = waves ? waves->temporary() : "",
+           .waves = o_.trace.options(),
            .watchdog = std::chrono::duration<double>(o_.timeout),
            .deadline_clocks = o_.deadline,
            .faults = faults_,
            .progress = [&](std::uint32_t frame, double share) {
              if (Interrupts::signal() != 0) throw Stopped();
+             note_progress(frame, share);
              if (bar)
                (*bar)((frame - frames_.first + share) / (frames_.last - frames_.first + 1.0));
            }});
       uploading.reset();
+      player_ = &player;
+      began_ = player.board().clocks();
       interrupts.emplace();
       bar.emplace("playing", o_.quiet);
       json_["plan"]["bitstream"] = player.board().bitstream().string();
@@ -268,9 +276,11 @@ class Run {
       finish(waves);
       report_faults();
       if (!waves_defect_.empty()) say("cde: {}\n", waves_defect_);
-      throw;
+      if (!is_hang(e) || !faults_.empty() || o_.deadline != 0) throw;
+      throw Error(e.code(), e.what() + pack_hang(plan, e), e.fault());
     }
     finish(waves);
+    if (failure_.difference && faults_.empty()) pack(plan);
     if (!waves_defect_.empty()) throw Error(ErrorCode::kFile, waves_defect_);
   }
 
@@ -297,12 +307,60 @@ class Run {
                          : "none, it has not begun");
       if (report_) row("report", printable_name(o_.report));
     }
-    if (t.mismatches != 0) throw Error(ErrorCode::kMismatch, mismatch_);
+    if (t.mismatches != 0) throw Error(ErrorCode::kMismatch, mismatch_ + packed_);
     if (const int signal = Interrupts::signal()) exit_code = 128 + signal;
   }
 
  private:
   struct Stopped {};
+
+  void note_progress(std::uint32_t frame, double share) {
+    if (frame != frame_ || share != share_) seen_ = before_;
+    frame_ = frame;
+    share_ = share;
+    if (player_ != nullptr) before_ = player_->board().clocks() - began_;
+  }
+  [[nodiscard]] PlayOptions options_again() const {
+    return {.check = Check::kNone,
+            .watchdog = std::chrono::duration<double>(o_.timeout),
+            .deadline_clocks = o_.deadline};
+  }
+
+  std::string pack_hang(const Plan& plan, const Error& error) {
+    HangFailure f{.message = error.what(),
+                  .repeat = fmt::format("cde run {} --frames {}..{}", shell_word(scene_.file),
+                                        frames_.first, frame_),
+                  .clock = seen_};
+    f.rerun = [&](const std::string& file, const TraceOptions& which) {
+      Plan traced = plan;
+      traced.board.trace = true;
+      PlayOptions options = options_again();
+      options.trace = file;
+      options.waves = which;
+      Player player(scene_, traced, options);
+      try {
+        for (std::uint32_t frame = frames_.first; frame <= frame_; ++frame) player.play(frame);
+      } catch (const Error& e) {
+        if (!is_hang(e)) throw;
+      }
+      player.trace_close();
+    };
+    return packed(o_.bundle, o_.quiet, [&](Bundle& bundle) { bundle_hang(bundle, f); });
+  }
+
+  void pack(const Plan& plan) {
+    packed_ = packed(o_.bundle, o_.quiet, [&](Bundle& bundle) {
+      bundle_run(bundle, {.scene = scene_,
+                          .plan = plan,
+                          .options = options_again(),
+                          .first = frames_.first,
+                          .frame = failure_.frame,
+                          .query = failure_.query,
+                          .difference = *failure_.difference,
+                          .message = mismatch_,
+                          .repeat = failure_.repeat});
+    });
+  }
 
   static void row(const char* name, const std::string& value) { say("{:<16} {}\n", name, value); }
 
@@ -342,13 +400,17 @@ class Run {
       totals_.add(j["queries"].back());
       warn_of_bad(scene_.queries[q].name, frame, answers[q].counters);
       if (answers[q].mismatches == 0 || !mismatch_.empty()) continue;
+      const std::string repeat =
+          fmt::format("cde run {} --frames {}..{} --check {}{}", shell_word(scene_.file), frame,
+                      frame, name_of(check_), fault_words());
       mismatch_ = fmt::format(
           "frame {}, query '{}': {} of {} records differ from the reference, the first:\n{}"
-          "{}  repeat with: cde run {} --frames {}..{} --check {}{}",
+          "{}  repeat with: {}",
           frame, scene_.queries[q].name, answers[q].mismatches, answers[q].compared,
           answers[q].first_mismatch,
           o_.faults.empty() ? "" : "  faults were injected; that pair by itself has none of them\n",
-          shell_word(scene_.file), frame, frame, name_of(check_), fault_words());
+          repeat);
+      failure_ = {frame, q, answers[q].first_difference, repeat};
     }
     json_["played"].push_back(std::move(j));
   }
@@ -380,7 +442,7 @@ class Run {
       player.trace_close();
       waves_whole_ = true;
     } catch (const Error& e) {
-      waves_defect_ = fmt::format("{}: {}", printable_name(o_.trace), e.what());
+      waves_defect_ = fmt::format("{}: {}", printable_name(o_.trace.file), e.what());
     }
   }
 
@@ -423,7 +485,18 @@ class Run {
   std::optional<OutputFile> page_;
   std::optional<Report> report_;
   Totals totals_;
-  std::string mismatch_;
+  std::string mismatch_, packed_;
+  // Where the card was last seen to go on.
+  const Player* player_ = nullptr;
+  std::uint64_t began_ = 0, seen_ = 0, before_ = 0;
+  std::uint32_t frame_ = 0;
+  double share_ = -1;
+  struct Failure {
+    std::uint32_t frame = 0;
+    std::size_t query = 0;
+    std::optional<Difference> difference;
+    std::string repeat;
+  } failure_;
   std::set<std::string> warned_;  // names of queries
   bool waves_whole_ = false;
   std::string waves_defect_;
@@ -442,7 +515,7 @@ void run(const Options& o) {
                   fmt::format("--check is '{}'; it must be all, sample or none", o.check));
     check = *asked;
   }
-  if (!o.trace.empty()) scene.card.trace = true;
+  if (o.trace.wanted()) scene.card.trace = true;
   Plan made = plan(scene);
   if (!o.exact) use_built_card(scene, made);
   Run run(o, scene, made, check);
@@ -472,9 +545,8 @@ void add_run(CLI::App& app) {
   file_value(verb->add_option("--report", o->report,
                               "Page about the run, one HTML file that loads nothing (- is stdout)"),
              "FILE.html");
-  file_value(verb->add_option("--trace", o->trace,
-                              "Waves of the run, FST (- is stdout); kept even if it fails"),
-             "FILE.fst");
+  add_bundle_options(*verb, o->bundle);
+  add_trace_options(*verb, o->trace, "Waves of the run, FST (- is stdout); kept even if it fails");
   text_value(verb->add_option("--fault", o->faults,
                               "KIND[:COUNT[:VALUE]]@FRAME: lets something go wrong; may be given "
                               "again")

@@ -3,14 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <functional>
 #include <memory>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "cde/support/output_file.hpp"
 #include "command/values.hpp"
 #include "verbs/verbs.hpp"
 #include "wave/guarded.hpp"
 #include "wave/request.hpp"
+#include "wave/tui_terminal.hpp"
 
 namespace cde::cli {
 namespace {
@@ -35,6 +39,23 @@ const std::vector<Command>& commands() {
        {"--on", "--when", "--first", "--last", "--count", "--from", "--to", "--around", "--window",
         "--clock", "--max"}},
       {"diff", wave::diff, {"--align", "--as", "--ulp", "--eps", "--ignore", "--clock", "--max"}},
+      {"stat", wave::statistics, {"--from", "--to", "--around", "--window", "--clock", "--max"}},
+      {"export",
+       wave::export_waves,
+       {"--output", "--format", "--on", "--from", "--to", "--around", "--window", "--columns",
+        "--clock", "--as"}},
+      {"serve",
+       wave::serve,
+       {"--output", "--from", "--to", "--around", "--window", "--clock", "--as", "--structure",
+        "--max"}},
+      {"tui",
+       wave::terminal_viewer,
+       {"--diff", "--from", "--to", "--around", "--window", "--ascii", "--clock", "--as"}},
+      {"tx",
+       wave::transaction_table,
+       {"--where", "--histogram", "--csv", "--from", "--to", "--around", "--window", "--columns",
+        "--ascii", "--clock", "--max"}},
+      {"why", wave::why, {"--depth", "--structure", "--as", "--clock", "--max"}},
   };
   return kAll;
 }
@@ -109,22 +130,63 @@ void add_options(CLI::App& verb, wave::Request& r) {
   text_value(verb.add_option("--ignore", r.ignore,
                              "diff: leave out signals of this pattern; may be given several times"),
              "GLOB", {});
-  whole_number_in(verb.add_option("--max", r.max, "Most lines, 0 for all")->capture_default_str(),
+  file_value(verb.add_option("-o,--output", r.output,
+                             "serve: the page, an HTML file; export: the file to write; its name "
+                             "ends in .vcd, .csv, .json (WaveDrom), .svg, .fst or .gtkw (GTKWave), "
+                             "or --format says what it is (stdout)"),
+             "FILE");
+  one_of(verb.add_option("--format", r.format, "export: what is written, whatever its name"),
+         {"vcd", "csv", "wavedrom", "svg", "fst", "gtkw"});
+  text_value(verb.add_option("--where", r.where,
+                             "tx: those alone for which this is true, e.g. 'words > 4 && outcome "
+                             "!= done' or master=card"),
+             "CONDITION", {});
+  text_value(verb.add_option("--histogram", r.histogram,
+                             "tx: how often a field has which value, e.g. latency"),
+             "FIELD", {});
+  verb.add_flag("--csv", r.csv, "tx: CSV on stdout");
+  whole_number_in(verb.add_option("--depth", r.depth, "why: registers that are looked through")
+                      ->capture_default_str(),
+                  0, 1000, "");
+  file_value(
+      verb.add_option("--structure", r.structure,
+                      "why, serve: the design of the waves, as `verilator -O0 --xml-only` writes "
+                      "it; "
+                      "waves of a card name theirs"),
+      "FILE");
+  whole_number_in(verb.add_option("--max", r.max,
+                                  "Most lines, 0 for all; serve: most megabytes of the page (32)")
+                      ->capture_default_str(),
                   0, 1000000000, "");
+  file_value(
+      verb.add_option("--diff", r.other, "tui: a second file beside; what differs is marked"),
+      "FILE");
   verb.add_flag("--json", r.json, "JSON on stdout");
+}
+
+/// Of an output whose writer has crashed.
+void remove_remains(const std::filesystem::path& output) {
+  if (!output.has_filename() || output == "-") return;
+  const auto folder = output.has_parent_path() ? output.parent_path() : ".";
+  sweep_unfinished(folder, output.filename().native());
 }
 
 }  // namespace
 
 void add_wave(CLI::App& app) {
   auto r = std::make_shared<wave::Request>();
-  CLI::App* verb =
-      app.add_subcommand("wave",
-                         "Ask a wave file (FST). info FILE: what it is; ls FILE [GLOB]: its "
-                         "signals; at FILE TIME SIGNAL "
-                         "...: values at a time; show FILE SIGNAL ...: waves drawn as text; find "
-                         "FILE EXPRESSION: where "
-                         "it is true; diff A B: where signals of two files part first");
+  CLI::App* verb = app.add_subcommand(
+      "wave",
+      "Ask a wave file (FST). info FILE: what it is; ls FILE [GLOB]: its "
+      "signals; at FILE TIME SIGNAL "
+      "...: values at a time; show FILE SIGNAL ...: waves drawn as text; find "
+      "FILE EXPRESSION: where "
+      "it is true; diff A B: where signals of two files part first; stat FILE [SIGNAL "
+      "...]: how busy signals, handshakes and pipes are; export FILE [SIGNAL "
+      "...] --output FILE: other kinds of files; tx FILE [KIND ...]: "
+      "transactions of a card; why FILE SIGNAL@TIME: what made a signal have its value; serve FILE "
+      "[SIGNAL ...] --output PAGE.html: a page to look at them; tui FILE [SIGNAL ...]: a viewer on "
+      "the terminal");
   std::vector<std::string> words;
   for (const Command& c : commands()) words.emplace_back(c.name);
   named(verb->add_option("command", r->command, "What is asked")->required(), words, "COMMAND",
@@ -140,8 +202,19 @@ void add_wave(CLI::App& app) {
   verb->callback([r, verb] {
     const Command& command = command_named(r->command);
     check_options(*verb, command);
-    const int status = wave::guarded(r->file, [&] { exit_code = command.run(*r); });
-    if (status >= 0) exit_code = status;
+    if (r->command == "serve" && verb->get_option("--max")->count() == 0) r->max = 32;
+    try {
+      // A viewer that crashes leaves the terminal to the process that waits for it.
+      const wave::tui::Terminal terminal;
+      std::function<void()> crashed;
+      if (r->command == "tui") crashed = [&] { terminal.restore(); };
+      const int status = wave::guarded(
+          r->file, [&] { exit_code = command.run(*r); }, crashed);
+      if (status >= 0) exit_code = status;
+    } catch (const Error&) {
+      remove_remains(r->output);
+      throw;
+    }
   });
 }
 

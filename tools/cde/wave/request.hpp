@@ -16,10 +16,17 @@ struct Request {
   std::string command, file;
   std::vector<std::string> words;  ///< behind the file
   std::string clock, form = "hex", from, to, around, on, when, align = "time";
+  std::string where, histogram;
   std::vector<std::string> ignore;
+  std::string output;       ///< file of export or serve
+  std::string format;       ///< of export
+  std::string other;        ///< second file of tui
+  std::string structure;    ///< file of Verilator's XML
+  std::uint64_t depth = 3;  ///< registers that why looks through
   std::uint64_t window = 0, max = 100, columns = 0, ulp = 0;
   double eps = 0;
   bool json = false, ascii = false, first = false, last = false, count = false;
+  bool csv = false;
 
   [[nodiscard]] Form default_form() const;
 };
@@ -31,6 +38,14 @@ struct Request {
 [[nodiscard]] int show(const Request& request);
 [[nodiscard]] int find(const Request& request);
 [[nodiscard]] int diff(const Request& request);
+[[nodiscard]] int statistics(const Request& request);
+[[nodiscard]] int export_waves(const Request& request);
+[[nodiscard]] int serve(const Request& request);
+[[nodiscard]] int terminal_viewer(const Request& request);
+[[nodiscard]] int transaction_table(const Request& request);
+[[nodiscard]] int why(const Request& request);
+/// What it prints.
+[[nodiscard]] std::string why_text(const Request& request);
 
 /// A window of time: --from and --to, or --around and --window, which counts cycles if there is a
 /// clock, else units of the file; else all of the file.

@@ -17,6 +17,8 @@ class Times {
 
   /// "12.5ns"; exact.
   [[nodiscard]] std::string text(std::uint64_t time) const;
+  /// A number, perhaps with a unit, in units of the file; nothing if it is none.
+  [[nodiscard]] std::optional<double> length(const std::string& text) const;
   /// A number in units of the file or with fs, ps, ns, us, ms or s; cyc:N, the rising edge N of the
   /// clock, from 0; start, end; fail, if a comment `fail TIME` is in the file. Behind it may be +N
   /// or -N with a unit or cyc. Error kUsage, also for what is outside of the file.
@@ -33,8 +35,6 @@ class Times {
  private:
   [[nodiscard]] std::uint64_t base(const std::string& text, const std::string& whole);
   [[nodiscard]] std::uint64_t edge(std::uint64_t number, const std::string& whole);
-  /// A number with a unit in units of the file.
-  [[nodiscard]] std::optional<double> length(const std::string& text) const;
 
   Trace& trace_;
   std::string clock_;

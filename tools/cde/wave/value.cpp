@@ -65,10 +65,10 @@ std::string decimal_of(std::string_view bits, const FpFormat& format) {
   const double value = format.decode(*w);
   if (format == FpFormat{11, 52}) return fmt::format("{}", value);
   for (int digits = 1; digits < 17; ++digits) {
-    std::string text = fmt::format("{:.{}g}", value, digits);
+    const std::string text = fmt::format("{:.{}g}", value, digits);
     double back = 0;
     std::from_chars(text.data(), text.data() + text.size(), back);
-    if (format.encode(back) == *w) return text;
+    if (format.encode(back) == *w) return fmt::format("{}", back);  // 30, not 3e+01
   }
   return fmt::format("{}", value);
 }

@@ -13,6 +13,7 @@
 #include "cde/bitstream/bitstream.hpp"
 #include "cde/card/host_profile.hpp"
 #include "cde/card/memory.hpp"
+#include "cde/card/trace.hpp"
 #include "cde/contract/registers.hpp"
 #include "cde/geometry/pair.hpp"
 #include "cde/geometry/primitives.hpp"
@@ -171,9 +172,9 @@ class Board {
   /// has no such fault.
   void inject(BusFault fault, std::uint32_t count = 1, std::uint32_t value = 1);
 
-  /// Waves of everything from now on; BoardConfig::trace must be set. Error kUsage without it,
+  /// Waves from now on; BoardConfig::trace must be set. Error kUsage without it,
   /// kFile if the file cannot be written.
-  void trace_open(const std::filesystem::path& file);
+  void trace_open(const std::filesystem::path& file, const TraceOptions& which = {});
   /// Error kFile if not all of the waves could be written; the file is then of no use.
   void trace_close();
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cde/bitstream/bitstream.hpp"
+#include "cde/card/trace.hpp"
 #include "cde/contract/formats.hpp"
 #include "cde/fp/fp_format.hpp"
 #include "cde/geometry/pair.hpp"
@@ -95,9 +96,10 @@ class PairUnit {
 
   /// Reset in mid-stream: what is in flight is gone.
   void reset();
-  /// Error kConfiguration if the bitstream was built without trace, kFile if the file cannot be
-  /// written.
-  void open_trace(const std::string& path);
+  /// Waves, of TraceOptions but for `secondary`, which a unit does not have. Error kConfiguration
+  /// if the bitstream was built without trace, kFile if the file cannot
+  /// be written.
+  void open_trace(const std::string& path, const TraceOptions& which = {});
   /// Error kFile if not all of the waves could be written; the file is then of no use.
   void close_trace();
 

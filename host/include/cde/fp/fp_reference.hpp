@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <string_view>
 
 #include "cde/contract/formats.hpp"
 #include "cde/fp/fp_format.hpp"
@@ -23,6 +24,20 @@ inline constexpr std::array<const char*, kFpOps> kFpOpNames{
     "to_tf32",  "to_fp24",   "to_fp32",      "to_fp64",       "to_e4m3",      "to_e3m2",
     "from_i32", "from_ui32", "from_i64",     "from_ui64",     "to_i32",       "to_ui32",
     "to_i64",   "to_ui64",   "to_i32_trunc", "to_ui32_trunc", "to_i64_trunc", "to_ui64_trunc"};
+static_assert(
+    [] {
+      constexpr auto kFirst = static_cast<std::size_t>(FpOp::kToFp16);
+      if (static_cast<std::size_t>(FpOp::kFromI32) != kFirst + kFpFormats.size()) return false;
+      for (std::size_t k = 0; k < kFpFormats.size(); ++k) {
+        const std::string_view name = kFpOpNames[kFirst + k];
+        if (!name.starts_with("to_") || name.substr(3) != kFpFormats[k].name) return false;
+      }
+      return true;
+    }(),
+    "each format with a name has a conversion, FpOp::kToNAME and \"to_name\", in the same order");
+static_assert(
+    static_cast<std::uint32_t>(FpOp::kToUi64Trunc) + 1 == kFpOps && kFpOps <= 32,
+    "kFpOps counts the operations; the parameter OPS of fp_unit has a bit for 32 of them");
 
 /// Operands of the operation: 1 or 2.
 [[nodiscard]] int fp_operands(FpOp op);

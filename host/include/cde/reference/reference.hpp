@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "cde/geometry/transform.hpp"
 #include "cde/image/ray_view.hpp"
 #include "cde/mesh/triangle_view.hpp"
+#include "cde/query/difference.hpp"
 #include "cde/query/query.hpp"
 
 /// Mirror reference: what the card computes, operation by operation in the same order with the same
@@ -82,6 +84,8 @@ class Checker {
   /// Of the first record that differs its inputs in hexfloat, both outputs, and the command that
   /// repeats it; empty if all match.
   [[nodiscard]] const std::string& difference() const { return difference_; }
+  /// The same as data; nothing if all match.
+  [[nodiscard]] const std::optional<Difference>& first_difference() const { return first_; }
 
  private:
   void mismatch(const Record* card, const Record* expected);
@@ -93,6 +97,7 @@ class Checker {
   std::span<const Record> pending_;
   std::uint64_t compared_ = 0, matching_ = 0;
   std::string command_, difference_;
+  std::optional<Difference> first_;
 };
 
 }  // namespace cde::reference

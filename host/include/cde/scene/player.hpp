@@ -4,11 +4,13 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "cde/card/board.hpp"
 #include "cde/card/fault.hpp"
+#include "cde/query/difference.hpp"
 #include "cde/scene/plan.hpp"
 #include "cde/scene/scene.hpp"
 
@@ -16,7 +18,15 @@ namespace cde {
 
 struct PlayOptions {
   Check check = Check::kAll;
-  std::filesystem::path trace = {};  ///< waves of everything; needs a board with trace
+  std::filesystem::path trace = {};  ///< waves; needs a board with trace
+  TraceOptions waves = {};           ///< which ones
+  /// Waves begin with this packet of a query in a frame, before its primaries are loaded, and end
+  /// with the packet; without it with the first frame. `waves` counts from there.
+  struct Packet {
+    std::uint32_t frame = 0;
+    std::size_t query = 0, number = 0;
+  };
+  std::optional<Packet> waves_of = {};
   std::chrono::duration<double> watchdog = std::chrono::hours(1);  ///< wall clock, for one pass
   std::uint64_t deadline_clocks = 0;  ///< for one pass; 0: several times what it can take at worst
   std::vector<ScheduledFault> faults = {};  ///< each once, when its frame is played
@@ -46,6 +56,7 @@ struct QueryFrame {
   std::uint64_t compared = 0;          ///< records compared with the reference
   std::uint64_t mismatches = 0;        ///< of them, and records missing or too many
   std::string first_mismatch;          ///< what differed first, for people; empty if nothing did
+  std::optional<Difference> first_difference;  ///< the same as data
   double pass_seconds = 0;   ///< wall time of the simulated card: uploads, passes, downloads
   double check_seconds = 0;  ///< of the reference
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/chart.hpp"
+#include "page/chart.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "report/page.hpp"
+#include "page/page.hpp"
 
 namespace cde::cli {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/page.hpp"
+#include "page/page.hpp"
 
 #include "cde/support/message.hpp"
 #include "output/streams.hpp"
@@ -108,7 +108,7 @@ std::string duration(double seconds) {
 }
 
 std::string page(std::string_view title, std::string_view body, const nlohmann::ordered_json& data,
-                 const std::vector<const PageAsset*>& scripts) {
+                 const std::vector<const PageAsset*>& scripts, const PageAsset& style) {
   std::string allowed = "'none'";
   if (!scripts.empty()) allowed.clear();
   for (const PageAsset* script : scripts)
@@ -119,8 +119,8 @@ std::string page(std::string_view title, std::string_view body, const nlohmann::
       "style-src {}; img-src data:; base-uri 'none'; form-action 'none'\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<meta name=\"color-scheme\" content=\"light dark\">\n<title>{}</title>\n",
-      allowed, policy_hash(kPageStyle), escaped(title));
-  html += fmt::format("<style>{}</style>\n</head>\n<body>\n", kPageStyle.text);
+      allowed, policy_hash(style), escaped(title));
+  html += fmt::format("<style>{}</style>\n</head>\n<body>\n", style.text);
   html += body;
   if (!data.is_null()) {
     html += "<script type=\"application/json\" id=\"data\">";

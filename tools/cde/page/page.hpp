@@ -11,7 +11,7 @@
 /// apply but the scripts and the style sheet that were built into the command.
 namespace cde::cli {
 
-/// A file of tools/cde/report/pages (or of a package) as it was when the command was built.
+/// A file of a folder of pages (or of a package) as it was when the command was built.
 struct PageAsset {
   std::string_view text;
   std::string_view sha256;  ///< of the text, hexadecimal
@@ -57,6 +57,7 @@ struct Cell {
 /// none. Scripts run in the order given.
 [[nodiscard]] std::string page(std::string_view title, std::string_view body,
                                const nlohmann::ordered_json& data,
-                               const std::vector<const PageAsset*>& scripts);
+                               const std::vector<const PageAsset*>& scripts,
+                               const PageAsset& style = kPageStyle);
 
 }  // namespace cde::cli

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a failure leaves: a folder with waves around it and the line where both sides part.
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "planted.hpp"
+#include "run_cde.hpp"
+
+namespace cde::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class Bundles : public Cli {
+ protected:
+  Ran shell_in(const Planted& fault, const std::string& script) {
+    std::string exports;
+    for (const std::string& variable : fault.environment()) exports += "export " + variable + "\n";
+    return shell(exports + script);
+  }
+  json bundle(const std::string& folder = "cde-failure") {
+    for (const char* name : {"fail.txt", "fail.json", "waves.fst", "waves.gtkw"})
+      EXPECT_TRUE(exists(folder + "/" + name)) << name;
+    EXPECT_FALSE(exists(folder + "/whole.fst"));
+    const json j = json::parse(read(folder + "/fail.json"));
+    for (const std::string& key : keys_of(j.dump()))
+      EXPECT_TRUE(documented_keys().contains(key)) << "docs/json.md does not have " << key;
+    return j;
+  }
+};
+
+const char* const kPair = "0.6 0.3 5 0 0 -1 | 0.5 0.1 0 1.5 0 0 0.5 1 0\n";
+
+TEST_F(Bundles, APairThatAPipeAnswersWrong) {
+  const Planted fault(folder_, "rtl/pipes/ray_triangle_moller.sv", "`DF_DOT(u, p, s)",
+                      "`DF_DOT(u, p, e1)");
+  std::string pairs;
+  for (int i = 0; i < 20; ++i) pairs += kPair;
+  write("pairs", pairs);
+  const std::string query = "< pairs \"$CDE\" query ray-triangle -q";
+  const Ran ran = shell_in(fault, query);
+  EXPECT_EQ(ran.status, 3) << ran.err;
+  EXPECT_NE(ran.err.find("packed in:   cde-failure\n"), std::string::npos) << ran.err;
+  const json j = bundle();
+  EXPECT_EQ(j["failure"], "mismatch");
+  EXPECT_EQ(j["pair"], "ray-triangle");
+  EXPECT_EQ(j["happened_again"], true);
+  EXPECT_EQ(j["differs_alone"], true);
+  const json& place = j["first_differences"][0]["sources"][0][0];
+  EXPECT_EQ(place["file"], "ray_triangle_moller.sv");
+  EXPECT_EQ(place["line"], fault.line());
+  EXPECT_FALSE(j["near_lines"].empty());
+  EXPECT_NE(read("cde-failure/fail.txt").find("ray_triangle_moller.sv:"), std::string::npos);
+  // The wrong answer stands at the time that the waves call fail, and the command in it runs.
+  const std::string signal = j["wrong_signal"];
+  const Ran at =
+      cde({"wave", "at", "cde-failure/waves.fst", "fail", signal, "pair_unit.valid_o", "--json"},
+          fault.environment());
+  ASSERT_EQ(at.status, 0) << at.err;
+  const json values = json::parse(at.out)["values"];
+  EXPECT_EQ(values[0]["value"], j["card_answer"]["F"] == true ? "ffffffff" : "00000000");
+  EXPECT_EQ(values[1]["value"], "1");
+  // What is there stays.
+  EXPECT_EQ(shell_in(fault, query + " --bundle cde-failure").status, 3);
+  EXPECT_TRUE(exists("cde-failure-2/fail.txt"));
+  EXPECT_EQ(shell_in(fault, query + " --no-bundle").status, 3);
+  EXPECT_FALSE(exists("cde-failure-3"));
+  const Ran nowhere = shell_in(fault, query + " --bundle none/there");
+  EXPECT_EQ(nowhere.status, 3);
+  EXPECT_NE(nowhere.err.find("not packed:  none/there"), std::string::npos) << nowhere.err;
+}
+
+const char* const kTwice =
+    "v 0 0 1\nv 2 0 1\nv 0 2 1\nf 1 2 3\nf 1 2 3\nv 0 0 0\nv 2 0 0\nv 0 2 0\nf 4 5 6\n";
+
+TEST_F(Bundles, ARecordThatIsKeptWrong) {
+  const Planted fault(folder_, "rtl/update/update_lanes.sv", "{CW{index_i < f_index[row_i][l]}}",
+                      "{CW{index_i > f_index[row_i][l]}}");
+  write("twice.obj", kTwice);
+  const Ran ran = cde({"cast", "twice.obj", "--ray", "0.5,0.5,5,0,0,-1", "-q", "--exact-card"},
+                      fault.environment());
+  EXPECT_EQ(ran.status, 3) << ran.err;
+  const json j = bundle();
+  EXPECT_EQ(j["happened_again"], true);
+  EXPECT_EQ(j["differs_alone"], false);
+  EXPECT_EQ(j["stage"], "in what keeps the better answer");
+  EXPECT_TRUE(j["wrong_signal"].get<std::string>().ends_with("update.better[0]"));
+  EXPECT_EQ(j["cause_lines"][0]["file"], "update_lanes.sv");
+  const std::string page = read("cde-failure/fail.txt");
+  EXPECT_NE(page.find("the pipe says that primary 0 and secondary 1 meet, as the reference"),
+            std::string::npos)
+      << page;
+}
+
+TEST_F(Bundles, ACardThatHangs) {
+  const Planted fault(folder_, "rtl/engine/engine_control.sv",
+                      "assign done_o = state_q == WRITEBACK && pending_q == 0",
+                      "assign done_o = state_q == WRITEBACK && pending_q == 3");
+  write("twice.obj", kTwice);
+  const Ran ran = cde({"cast", "twice.obj", "--ray", "0.5,0.5,5,0,0,-1", "-q", "--exact-card"},
+                      fault.environment());
+  EXPECT_EQ(ran.status, 4) << ran.err;
+  EXPECT_NE(ran.err.find("packed in:   cde-failure\n"), std::string::npos) << ran.err;
+  EXPECT_EQ(bundle()["failure"], "timeout");
+  const std::string page = read("cde-failure/fail.txt");
+  EXPECT_NE(page.find("What had not ended:"), std::string::npos) << page;
+  EXPECT_NE(page.find("record of primary 0"), std::string::npos) << page;
+}
+
+/// A deadline that was asked for is no failure of the card.
+TEST_F(Bundles, ADeadlineIsNotPacked) {
+  write("twice.obj", kTwice);
+  EXPECT_EQ(
+      cde({"cast", "twice.obj", "--ray", "0.5,0.5,5,0,0,-1", "-q", "--deadline", "10"}).status, 4);
+  EXPECT_FALSE(exists("cde-failure"));
+}
+
+}  // namespace
+}  // namespace cde::testing

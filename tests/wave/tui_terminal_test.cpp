@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+// `cde wave tui` on a terminal, that of tmux: what it shows, and what it leaves behind.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "run_cde.hpp"
+#include "sample.hpp"
+
+namespace cde::testing {
+namespace {
+
+using std::chrono::milliseconds;
+
+class TuiTerminal : public Cli {
+ protected:
+  void SetUp() override {
+    Cli::SetUp();
+    write_sample(folder_ / "a.fst");
+    if (shell("command -v tmux").status != 0) GTEST_SKIP() << "tmux is not installed";
+  }
+  void TearDown() override {
+    (void)tmux("kill-server");
+    Cli::TearDown();
+  }
+  Ran tmux(const std::string& words) {
+    return shell(fmt::format("unset TMUX; tmux -S '{}' -f /dev/null {}", socket(), words));
+  }
+  /// Opens a shell in which the command runs; its status, and whether the terminal echoes, are
+  /// printed behind it.
+  void open(const std::string& words, unsigned columns = 80, unsigned rows = 24,
+            const std::string& environment = "LC_ALL=C.UTF-8") {
+    write("run.sh", fmt::format("cd '{}'\nexport {}\necho before\n\"{}\" wave tui {}\necho "
+                                "\"status $?\"\nstty -a | grep -ow -e '-\\?icanon' -e '-\\?echo'\n"
+                                "echo after\nsleep 1000\n",
+                                folder_.string(), environment, CDE_COMMAND, words));
+    const Ran ran = tmux(fmt::format("new-session -d -x {} -y {} 'bash \"{}\"'", columns, rows,
+                                     (folder_ / "run.sh").string()));
+    ASSERT_EQ(ran.status, 0) << ran.err;
+  }
+  std::string screen() { return tmux("capture-pane -p").out; }
+  /// Waits until the screen has this; what it had last.
+  std::string wait_for(const std::string& text) {
+    std::string seen;
+    for (unsigned i = 0; i < 200; ++i) {
+      seen = screen();
+      if (seen.find(text) != std::string::npos) return seen;
+      std::this_thread::sleep_for(milliseconds(50));
+    }
+    ADD_FAILURE() << text << " is not on the screen:\n" << seen;
+    return seen;
+  }
+  void keys(const std::string& words) { EXPECT_EQ(tmux("send-keys " + words).status, 0); }
+  /// The shell's screen is back, with its cursor and modes.
+  void expect_restored(const std::string& status) {
+    const std::string seen = wait_for("after");
+    EXPECT_NE(seen.find("before"), std::string::npos) << seen;
+    EXPECT_NE(seen.find(status), std::string::npos) << seen;
+    EXPECT_NE(seen.find("\nicanon\necho\n"), std::string::npos) << seen;
+    EXPECT_EQ(tmux("display-message -p '#{cursor_flag} #{alternate_on}'").out, "1 0\n");
+  }
+  /// Sends a signal to the command, or to its child, which has the screen.
+  void send(const std::string& signal, bool child) {
+    const Ran ran = shell(fmt::format(
+        "pid=$(tmux -S '{}' display-message -p '#{{pane_pid}}')\n"
+        "for level in {}; do read -r pid _ < /proc/$pid/task/$pid/children; done; kill -{} $pid",
+        socket(), child ? "1 2" : "1", signal));
+    EXPECT_EQ(ran.status, 0) << ran.err;
+  }
+  [[nodiscard]] std::string socket() const {
+    return (folder_ / fmt::format("socket{}", server_)).string();
+  }
+  unsigned server_ = 0;  ///< one that has ended takes its time
+};
+
+TEST_F(TuiTerminal, ShowsMovesAndQuits) {
+  open("a.fst clk count:dec valid data:fp32 --around fail --window 3");
+  std::string seen = wait_for("A 75ns cyc:7");
+  EXPECT_NE(seen.find("{3.5 nan}"), std::string::npos) << seen;
+  EXPECT_NE(seen.find("▁╱▔"), std::string::npos) << seen;
+  keys("j w");
+  seen = wait_for("A 85ns cyc:8");
+  EXPECT_NE(seen.find("signal 2 of 4"), std::string::npos) << seen;
+  keys("F1");
+  wait_for("zoom in and out");
+  keys("Escape");
+  wait_for("A 85ns");
+  keys("Right");
+  wait_for("A 86ns");
+  keys("f 'count:dec == 10' Enter");
+  wait_for("A 105ns cyc:10");
+  keys("q");
+  expect_restored("status 0");
+}
+
+TEST_F(TuiTerminal, FollowsTheSizeOfTheTerminal) {
+  open("a.fst");
+  wait_for("A 75ns cyc:7");
+  EXPECT_EQ(tmux("resize-window -x 30 -y 10").status, 0);
+  wait_for("too small");
+  EXPECT_EQ(tmux("resize-window -x 120 -y 40").status, 0);
+  const std::string seen = wait_for(" 0 to 195ns");
+  EXPECT_EQ(seen.find("too small"), std::string::npos) << seen;
+  keys("C-c");
+  expect_restored("status 0");
+}
+
+/// Signals to the command, to its child, a crash and the end by force: the terminal is as before.
+TEST_F(TuiTerminal, LeavesAWorkingTerminal) {
+  const std::vector<std::tuple<std::string, bool, std::string>> ways = {
+      {"TERM", false, "status 143"}, {"INT", false, "status 130"}, {"HUP", false, "status 129"},
+      {"TERM", true, "status 143"},  {"KILL", true, "status 137"}, {"SEGV", true, "status 2"},
+  };
+  for (const auto& [signal, child, status] : ways) {
+    SCOPED_TRACE(signal + (child ? " to the child" : ""));
+    open("a.fst");
+    wait_for("A 75ns cyc:7");
+    send(signal, child);
+    expect_restored(status);
+    (void)tmux("kill-server");
+    ++server_;
+  }
+}
+
+TEST_F(TuiTerminal, StopsAndGoesOn) {
+  write("job.sh", fmt::format("set -m\ncd '{}'\nexport LC_ALL=C.UTF-8\n\"{}\" wave tui a.fst\necho "
+                              "stopped\nread -r\nfg\necho \"status $?\"\nsleep 1000\n",
+                              folder_.string(), CDE_COMMAND));
+  ASSERT_EQ(
+      tmux(fmt::format("new-session -d -x 80 -y 24 'bash \"{}\"'", (folder_ / "job.sh").string()))
+          .status,
+      0);
+  wait_for("A 75ns cyc:7");
+  keys("C-z");
+  EXPECT_EQ(wait_for("stopped").find("75ns"), std::string::npos);
+  keys("Enter");
+  wait_for("A 75ns cyc:7");
+  keys("q");
+  wait_for("status 0");
+}
+
+TEST_F(TuiTerminal, TerminalsOfAllKinds) {
+  for (const char* environment : {"LC_ALL=C", "TERM=vt100 LC_ALL=C", "NO_COLOR=1 LC_ALL=C.UTF-8"}) {
+    SCOPED_TRACE(environment);
+    open("a.fst --around fail --window 3", 80, 24, environment);
+    std::string seen = wait_for("A 75ns cyc:7");
+    const bool utf8 = seen.find("▔") != std::string::npos;
+    EXPECT_EQ(utf8, std::string(environment).find("UTF-8") != std::string::npos) << seen;
+    if (!utf8) {
+      EXPECT_NE(seen.find("/---"), std::string::npos) << seen;
+    }
+    keys("q");
+    seen = wait_for("after");
+    EXPECT_EQ(seen.find("75ns"), std::string::npos) << seen;
+    EXPECT_NE(seen.find("status 0\nicanon\necho\n"), std::string::npos) << seen;
+    (void)tmux("kill-server");
+    ++server_;
+  }
+  open("a.fst", 80, 24, "TERM=no-such-terminal");
+  EXPECT_NE(wait_for("status 2").find("is not known here"), std::string::npos);
+}
+
+TEST_F(Cli, WaveTuiNeedsATerminal) {
+  write_sample(folder_ / "a.fst");
+  const Ran ran = shell("\"$CDE\" wave tui a.fst < /dev/null");
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_EQ(ran.out, "");
+  EXPECT_NE(ran.err.find("cde wave tui needs a terminal"), std::string::npos) << ran.err;
+  const Ran json = cde({"wave", "tui", "a.fst", "--json"});
+  EXPECT_EQ(json.status, 2);
+  EXPECT_NE(json.err.find("no --json"), std::string::npos) << json.err;
+  const Ran other = cde({"wave", "show", "a.fst", "clk", "--diff", "a.fst"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.err.find("does not take --diff"), std::string::npos) << other.err;
+}
+
+}  // namespace
+}  // namespace cde::testing

@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde wave why: causes in waves whose every value is known, of designs whose structure Verilator
+// writes in the test.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <set>
+
+#include "run_cde.hpp"
+#include "sample.hpp"
+
+namespace cde::testing {
+namespace {
+
+using Json = nlohmann::json;
+
+class Why : public Cli {
+ protected:
+  void SetUp() override {
+    Cli::SetUp();
+    write_sample(folder_ / "a.fst");
+  }
+  /// Verilator's XML of a design of one file.
+  void structure(const std::string& name, const std::string& source) {
+    write(name + ".sv", source);
+    const Ran ran = shell("verilator -O0 --xml-only -Wno-fatal --xml-output " + name + ".xml " +
+                          "--top-module " + name + " " + name + ".sv");
+    ASSERT_EQ(ran.status, 0) << ran.err;
+  }
+  Json why(const std::string& waves, const std::string& what, const std::string& xml,
+           const std::vector<std::string>& options = {}) {
+    std::vector<std::string> words = {"wave", "why", waves, what, "--json"};
+    if (!xml.empty()) words.insert(words.end(), {"--structure", xml});
+    words.insert(words.end(), options.begin(), options.end());
+    const Ran ran = cde(words);
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    return ran.status == 0 ? Json::parse(ran.out) : Json();
+  }
+  std::string error(const std::string& waves, const std::string& what, const std::string& xml) {
+    std::vector<std::string> words = {"wave", "why", waves, what};
+    if (!xml.empty()) words.insert(words.end(), {"--structure", xml});
+    const Ran ran = cde(words);
+    EXPECT_EQ(ran.status, 2) << ran.out << ran.err;
+    EXPECT_EQ(ran.out, "");
+    EXPECT_EQ(ran.err.find("crashed"), std::string::npos) << ran.err;
+    return ran.err;
+  }
+  /// "name=value@time:line" of the causes of a statement.
+  static std::vector<std::string> causes(const Json& statement) {
+    std::vector<std::string> all;
+    for (const Json& c : statement["causes"]) {
+      std::string text = fmt::format(
+          "{}{}={}@{}", c["condition"] == true ? "if " : "", c["name"].get<std::string>(),
+          c["bits"].is_null() ? "?" : c["bits"].get<std::string>(), c["time"].dump());
+      if (!c["statements"].empty()) text += fmt::format(":{}", c["statements"][0]["line"].dump());
+      all.push_back(std::move(text));
+    }
+    return all;
+  }
+  using Texts = std::vector<std::string>;
+};
+
+TEST_F(Why, LogicIsFollowedAtTheSameTimeAndRegistersToJustBeforeTheirEdge) {
+  write_structure(folder_);
+  const Json j = why("a.fst", "state@cyc:9", "top.xml", {"--depth", "1"});
+  EXPECT_EQ(j["schema"], "cde.wave.why.1");
+  EXPECT_EQ(j["top_scope"], "top");
+  const Json& root = j["cone"];
+  EXPECT_EQ(root["value"], "0");
+  ASSERT_EQ(root["statements"].size(), 1u);
+  const Json& taken = root["statements"][0];
+  EXPECT_EQ(taken["taken_time"], 95);
+  EXPECT_EQ(taken["line"], 25);
+  EXPECT_EQ(taken["register"], true);
+  EXPECT_EQ(taken["source_text"], "if (count >= 8'd2) state <= 3'((count + 8'd1) % 8'd3);");
+  EXPECT_EQ(causes(taken), Texts{"top.count=00001000@94:21"});
+  EXPECT_TRUE(taken["causes"][0]["statements"][0]["causes"].empty()) << "that is a second register";
+  const Json through = why("a.fst", "state@cyc:9", "top.xml", {"--depth", "2"});
+  EXPECT_EQ(causes(through["cone"]["statements"][0]["causes"][0]["statements"][0]),
+            Texts{"top.count=00000111@84:21"});
+}
+
+TEST_F(Why, WhatIsNotInTheWavesIsWalkedThrough) {
+  write_structure(folder_);
+  const Json high = why("a.fst", "data[63:32]:fp32@cyc:7", "top.xml")["cone"];
+  EXPECT_EQ(high["value"], "nan");
+  EXPECT_EQ(high["driven_name"], "top.core.data_o[63:32]");
+  ASSERT_EQ(high["statements"].size(), 1u);
+  EXPECT_EQ(high["statements"][0]["line"], 9);
+  const Json& late = high["statements"][0]["causes"][0];
+  EXPECT_EQ(late["name"], "top.core.late");
+  EXPECT_EQ(late["in_waves"], false);
+  EXPECT_TRUE(late["value"].is_null());
+  EXPECT_EQ(causes(late["statements"][0]), Texts{"top.core.count=00000111@75:21"});
+  // The whole has both lines, and its lower half the other.
+  const Json all = why("a.fst", "data@cyc:7", "top.xml")["cone"]["statements"];
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0]["line"], 9);
+  EXPECT_EQ(all[1]["line"], 10);
+  EXPECT_EQ(why("a.fst", "data[3]@cyc:7", "top.xml")["cone"]["statements"][0]["line"], 10);
+  // It can be asked for itself.
+  EXPECT_EQ(why("a.fst", "top.core.late@cyc:7", "top.xml")["cone"]["statements"][0]["line"], 8);
+}
+
+TEST_F(Why, ALineEachAndNoMoreThanAskedFor) {
+  write_structure(folder_);
+  const Ran ran = cde({"wave", "why", "a.fst", "count@cyc:7", "--structure", "top.xml", "--max",
+                       "2", "--depth", "9"});
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_EQ(ran.out,
+            "top.count is 07 at 75ns, cyc:7\n"
+            "names below are of top\n"
+            "signal   value  taken  line       source\n"
+            "count    07     75ns   top.sv:21  always_ff @(posedge clk) count <= count + 8'd1;\n"
+            "  count  06     65ns   top.sv:21  always_ff @(posedge clk) count <= count + 8'd1;\n"
+            "... 1 more (--max 0 prints all)\n");
+  EXPECT_EQ(why("a.fst", "count@cyc:7", "top.xml", {"--depth", "9", "--max", "0"})["more"], 0);
+}
+
+/// Conditions, cases, structures, memories, functions and loops of generate.
+constexpr const char* kRich = R"(
+typedef struct packed { logic v; logic [2:0] d; } s_t;
+module part #(parameter int W = 4) (input logic clk, input logic [W-1:0] a, output logic [W-1:0] q);
+  always_ff @(posedge clk) q <= a;
+endmodule
+module rich (input logic clk, input logic rst, input logic en, input logic [3:0] x,
+             output logic [3:0] y);
+  typedef enum logic [1:0] {IDLE, RUN, STOP} state_t;
+  state_t state;
+  s_t s;
+  logic [3:0] mem [4];
+  logic [3:0] sum, pick;
+  function automatic logic [3:0] twice(input logic [3:0] v); return v + v; endfunction
+  always_ff @(posedge clk or posedge rst)
+    if (rst) s <= '0;
+    else if (en) s <= s_t'(x);
+  always_ff @(posedge clk)
+    case (state)
+      IDLE: if (s.v) state <= RUN;
+      RUN: state <= STOP;
+      default: state <= IDLE;
+    endcase
+  always_ff @(posedge clk) if (en) mem[x[1:0]] <= x;
+  assign sum = twice({1'b0, s.d});
+  always_comb begin
+    pick = sum;
+    if (en) pick = mem[2];
+  end
+  for (genvar g = 0; g < 2; g++) begin : half
+    part #(2) part (.clk, .a(pick[2*g+:2]), .q(y[2*g+:2]));
+  end
+endmodule
+)";
+
+/// Its waves: rises at 10, 20, ...; at 12 reset; en from 15 to 25, when x is 1010 goes into s and
+/// mem[2]; state is RUN from 30 on, and STOP from 40.
+class Rich : public Why {
+ protected:
+  void SetUp() override {
+    Why::SetUp();
+    structure("rich", kRich);
+    Writer w(folder_ / "rich.fst");
+    w.scope("bench");
+    w.scope("dut");
+    const fstHandle clk = w.signal("clk", 1), rst = w.signal("rst", 1), en = w.signal("en", 1),
+                    x = w.signal("x [3:0]", 4), y = w.signal("y [3:0]", 4),
+                    state = w.signal("state [1:0]", 2), mem2 = w.signal("mem[2] [3:0]", 4),
+                    pick = w.signal("pick [3:0]", 4);
+    w.scope("s");
+    const fstHandle v = w.signal("v", 1), d = w.signal("d [2:0]", 3);
+    w.up();
+    w.scope("half[0]");
+    w.scope("part");
+    w.signal("q [1:0]", 2);
+    w.up();
+    w.up();
+    w.up();
+    w.up();
+    for (unsigned t = 0; t <= 60; ++t) {
+      w.time(t);
+      if (t % 10 == 5 || t == 0) w.set(clk, 0);
+      if (t == 0 || t == 14) w.set(rst, 0);
+      if (t == 12) w.set(rst, 1);
+      if (t == 0 || t == 25) w.set(en, 0);
+      if (t == 15) w.set(en, 1);
+      if (t == 0) w.set(x, 3), w.set(state, 0), w.set(mem2, 0), w.set(y, 0), w.set(pick, 0);
+      if (t == 15) w.set(x, 10);
+      if (t == 25) w.set(x, 4), w.set(pick, 4);
+      if (t != 0 && t % 10 == 0) w.set(clk, 1);
+      if (t == 12) w.set(v, 0), w.set(d, 0);
+      if (t == 20) w.set(v, 1), w.set(d, 2), w.set(mem2, 10), w.set(pick, 10);
+      if (t == 30) w.set(state, 1), w.set(y, 4);
+      if (t == 40) w.set(state, 2);
+    }
+  }
+};
+
+TEST_F(Rich, BranchesThatWereNotTakenAreLeftOut) {
+  const Json run = why("rich.fst", "state@30", "rich.xml", {"--depth", "1"})["cone"];
+  ASSERT_EQ(run["statements"].size(), 1u);
+  EXPECT_EQ(run["statements"][0]["line"], 19);
+  EXPECT_EQ(causes(run["statements"][0]),
+            (Texts{"if bench.dut.state=00@29", "if bench.dut.s.v=1@29:16"}));
+  EXPECT_EQ(why("rich.fst", "state@40", "rich.xml")["cone"]["statements"][0]["line"], 20);
+  // pick is a copy of mem[2] while en is 1, and else of the sum.
+  const Json with = why("rich.fst", "pick@20", "rich.xml")["cone"]["statements"];
+  ASSERT_EQ(with.size(), 1u);
+  EXPECT_EQ(with[0]["line"], 27);
+  EXPECT_EQ(causes(with[0])[0], "bench.dut.mem[2]=1010@20:23");
+  const Json without = why("rich.fst", "pick@26", "rich.xml")["cone"]["statements"];
+  ASSERT_EQ(without.size(), 1u);
+  EXPECT_EQ(without[0]["line"], 26);
+  EXPECT_EQ(causes(without[0]), Texts{"bench.dut.sum=?@26:24"});
+  EXPECT_EQ(causes(without[0]["causes"][0]["statements"][0]), Texts{"bench.dut.s.d=010@26:16"});
+}
+
+TEST_F(Rich, ARegisterThatKeptItsValueSaysSinceWhenAndWhy) {
+  const Json kept = why("rich.fst", "s.d@45", "rich.xml")["cone"]["statements"];
+  ASSERT_EQ(kept.size(), 2u);
+  EXPECT_EQ(kept[0]["kept"], true);
+  EXPECT_EQ(kept[0]["taken_time"], 40);
+  EXPECT_EQ(causes(kept[0]), (Texts{"if bench.dut.rst=0@39", "if bench.dut.en=0@39"}));
+  EXPECT_EQ(kept[1]["taken_time"], 20);
+  EXPECT_EQ(causes(kept[1]),
+            (Texts{"bench.dut.x[2:0]=010@19", "if bench.dut.rst=0@19", "if bench.dut.en=1@19"}));
+  // An asynchronous reset is there at its own edge.
+  const Json reset = why("rich.fst", "s.v@13", "rich.xml")["cone"]["statements"];
+  ASSERT_EQ(reset.size(), 1u);
+  EXPECT_EQ(reset[0]["line"], 15);
+  EXPECT_EQ(reset[0]["taken_time"], 12);
+}
+
+TEST_F(Rich, MemoriesAreWrittenWhereTheIndexWas) {
+  const Json written = why("rich.fst", "mem[2]@50", "rich.xml", {"--depth", "1"})["cone"];
+  const Json& last = written["statements"].back();
+  EXPECT_EQ(last["taken_time"], 20);
+  EXPECT_EQ(causes(last)[0], "bench.dut.x=1010@19");
+  // mem[3] is not in the waves: found edge by edge, at 10, with x = 3? Not so: en was 0.
+  const Json other = why("rich.fst", "bench.dut.mem[3]@50", "rich.xml")["cone"];
+  EXPECT_EQ(other["in_waves"], false);
+  EXPECT_EQ(other["remark"], "assigned before, when is not known");
+}
+
+TEST_F(Rich, GenerateBlocksAndPortsAreWires) {
+  const Json y = why("rich.fst", "y[3:2]@30", "rich.xml", {"--depth", "1"})["cone"];
+  EXPECT_EQ(y["driven_name"], "bench.dut.half[1].part.q");
+  EXPECT_EQ(y["statements"][0]["line"], 4);
+  EXPECT_EQ(causes(y["statements"][0]), Texts{"bench.dut.half[1].part.a=01@29:26"});
+  EXPECT_EQ(y["statements"][0]["causes"][0]["driven_name"], "bench.dut.pick[3:2]");
+  EXPECT_EQ(why("rich.fst", "y@30", "rich.xml")["cone"]["statements"][0]["causes"].size(), 2u);
+}
+
+TEST_F(Why, WhatMakesNoSenseIsSaid) {
+  write_structure(folder_);
+  structure("other",
+            "module other(input logic nothing, output logic of_it); assign of_it = nothing;"
+            " endmodule\n");
+  EXPECT_NE(error("a.fst", "count@75ns", "").find("--structure"), std::string::npos);
+  EXPECT_NE(error("a.fst", "cuont@75ns", "top.xml").find("did you mean"), std::string::npos);
+  EXPECT_NE(error("a.fst", "count@9us", "top.xml").find("outside"), std::string::npos);
+  for (const std::string what : {"count", "@75ns", "count@", "count@@", "count@foo", ""})
+    (void)error("a.fst", what, "top.xml");
+  EXPECT_NE(error("a.fst", "count@75ns", "other.xml").find("no scope"), std::string::npos);
+  EXPECT_NE(error("a.fst", "count@75ns", "top.sv").find("no structure"), std::string::npos);
+  EXPECT_NE(error("a.fst", "count@75ns", "none.xml").find("none.xml"), std::string::npos);
+  EXPECT_NE(error("a.fst", "count@75ns", ".").find("cannot be read"), std::string::npos);
+  EXPECT_EQ(cde({"wave", "why", "a.fst"}).status, 2);
+  EXPECT_EQ(cde({"wave", "find", "a.fst", "clk", "--depth", "2"}).status, 2);
+}
+
+TEST_F(Why, WavesOfAnotherBitstreamAreRefused) {
+  write_structure(folder_);
+  const auto waves = [&](const std::string& comment) {
+    Writer w(folder_ / "card.fst");
+    w.comment(comment);
+    w.scope("top");
+    const fstHandle clk = w.signal("clk", 1), count = w.signal("count [7:0]", 8);
+    w.time(0);
+    w.set(clk, 0);
+    w.set(count, 0);
+    w.time(10);
+    w.set(clk, 1);
+  };
+  waves("bitstream board LANES=4 TRACE=1 TAP=0 configuration=0123456789abcdef");
+  EXPECT_NE(error("card.fst", "count@5", "top.xml").find("another design: board"),
+            std::string::npos);
+  EXPECT_NE(error("card.fst", "count@5", "").find("configuration 0123456789abcdef"),
+            std::string::npos);
+  waves("bitstream top TRACE=1 configuration=0123456789abcdef");
+  EXPECT_EQ(why("card.fst", "count@5", "top.xml")["cone"]["value"], "00");
+  // What no writer of ours writes names nothing.
+  for (const std::string comment : {"bitstream", "bitstream ../../x configuration=0123456789abcdef",
+                                    "bitstream board LANES=4;reboot configuration=0123456789abcdef",
+                                    "bitstream board configuration=zz"}) {
+    waves(comment);
+    EXPECT_NE(error("card.fst", "count@5", "").find("does not say"), std::string::npos) << comment;
+  }
+}
+
+TEST_F(Why, DamagedStructuresNeverCrashIt) {
+  write_structure(folder_);
+  const std::string whole = read("top.xml");
+  for (std::size_t n = 0; n < whole.size() - 20; n += 611) {
+    write("cut.xml", whole.substr(0, n));
+    EXPECT_NE(error("a.fst", "data@75", "cut.xml").find("is no structure"), std::string::npos) << n;
+  }
+  std::mt19937 random(14);
+  unsigned good = 0;
+  for (unsigned i = 0; i < 90; ++i) {
+    std::string bytes = whole;
+    for (unsigned k = 1 + random() % 4; k > 0; --k) {
+      const std::size_t at = random() % bytes.size();
+      // Numbers and letters are what a structure is made of: widths, types, names.
+      bytes[at] = "0123456789abcdefghijklmno<>/\" "[random() % 30];
+    }
+    write("bad.xml", bytes);
+    const Ran ran = cde({"wave", "why", "a.fst", "data@75", "--structure", "bad.xml"});
+    ASSERT_TRUE(ran.status == 0 || ran.status == 2) << i << ran.err;
+    ASSERT_EQ(ran.err.find("crashed"), std::string::npos) << i << ran.err;
+    good += ran.status == 0 ? 1 : 0;
+  }
+  EXPECT_GT(good, 20u);
+  write(
+      "deep.xml", "<verilator_xml>" + [] {
+        std::string all;
+        for (int i = 0; i < 100000; ++i) all += "<a>";
+        return all;
+      }());
+  EXPECT_NE(error("a.fst", "data@75", "deep.xml").find("too deep"), std::string::npos);
+}
+
+/// A card's waves name their bitstream, and need no other word.
+TEST_F(Why, ACardsWavesNameTheirStructure) {
+  write("pairs", "0,0,0,1,1.5,0,0,1\n");
+  const Ran query = shell("\"$CDE\" query sphere-sphere --lanes 8 --trace c.fst -q < pairs");
+  ASSERT_EQ(query.status, 0) << query.err;
+  const Ran when =
+      cde({"wave", "find", "c.fst", "pair_unit.pair_unit.t_o[0]:fp32 == 0.5", "--first"});
+  const std::string at = when.out.substr(0, when.out.find(' '));
+  const Json j = why("c.fst", "pair_unit.pair_unit.t_o[0]:fp32@" + at, "", {"--max", "400"});
+  EXPECT_EQ(j["cone"]["value"], "0.5");
+  std::set<std::string> files;
+  const std::function<void(const Json&)> walk = [&](const Json& node) {
+    for (const Json& s : node["statements"]) {
+      const std::string file = s["source_file"];
+      files.insert(file.substr(file.rfind('/') + 1));
+      EXPECT_NE(s["source_text"], "") << s["source_file"] << s["line"];
+      for (const Json& c : s["causes"]) walk(c);
+    }
+  };
+  walk(j["cone"]);
+  for (const char* file : {"lane_select.sv", "scaled_pipe.sv", "sphere_sphere.sv", "pair_unit.sv"})
+    EXPECT_TRUE(files.contains(file)) << file;
+  // The second time Verilator is not asked.
+  const Ran again =
+      cde({"wave", "why", "c.fst", "pair_unit.pair_unit.t_o[0]@end"}, {"PATH=/nowhere"});
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(again.err, "");
+}
+
+}  // namespace
+}  // namespace cde::testing

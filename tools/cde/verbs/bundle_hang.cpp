@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// A card that did not end what it was asked: the last things that happened on it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <deque>
+
+#include "cde/support/error.hpp"
+#include "verbs/bundle.hpp"
+#include "wave/time.hpp"
+#include "wave/trace.hpp"
+#include "wave/transaction.hpp"
+
+namespace cde::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The card is looked at now and then: where it stopped is within so many clocks.
+constexpr std::uint64_t kAhead = 400, kBehind = 20'000;
+constexpr std::size_t kLast = 16;  // transactions that are listed
+
+}  // namespace
+
+bool is_hang(const Error& error) {
+  return error.code() == ErrorCode::kTimeout || error.code() == ErrorCode::kDevice;
+}
+
+void bundle_hang(Bundle& bundle, const HangFailure& f) {
+  bundle.add("What failed", f.message);
+  bundle.json().update({{"failure", "timeout"},
+                        {"repeat_command", f.repeat.empty() ? nlohmann::ordered_json()
+                                                            : nlohmann::ordered_json(f.repeat)}});
+  const fs::path whole = bundle.folder() / "whole.fst";
+  f.rerun(whole.string(),
+          {.from = f.clock > kAhead ? f.clock - kAhead : 0, .to = f.clock + kBehind});
+  std::deque<wave::Transaction> last, open;
+  std::uint64_t fail = 0;
+  std::string text;
+  {
+    wave::Trace trace(whole);
+    const wave::Times times(trace, "");
+    fail = trace.start();
+    wave::each_transaction(trace, {}, trace.start(), trace.end(), [&](const wave::Transaction& t) {
+      auto& list = t.outcome == "open" ? open : last;
+      if (&list == &last) fail = std::max(fail, t.end);
+      list.push_back(t);
+      if (list.size() > kLast) list.pop_front();
+      return true;
+    });
+    const auto lines = [&](const char* heading, const std::deque<wave::Transaction>& list) {
+      if (list.empty()) return;
+      text += fmt::format("{}\n", heading);
+      for (const wave::Transaction& t : list)
+        text += fmt::format("  {:>12}  {:<9}  {:<8}  {}\n", times.text(t.begin), t.kind, t.outcome,
+                            t.label);
+    };
+    lines("The last that ended:", last);
+    lines("What had not ended:", open);
+  }
+  bundle.add("On the card", text.empty() ? "Nothing happened in these clocks.\n" : text);
+  keep_waves(bundle, whole, {.fail = fail, .before = kAhead, .behind = kAhead});
+  std::error_code none;
+  fs::remove(whole, none);
+}
+
+}  // namespace cde::cli

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "verbs/run_bundle.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "cde/contract/records.hpp"
+
+namespace cde::cli {
+namespace {
+
+constexpr std::size_t kPacket = card::kMostPrimaries;
+
+/// Plays the frames with waves of the packet; whether the record is the same.
+bool play(const RunFailure& f, std::uint32_t first, const std::string& file,
+          const TraceOptions& which) {
+  Plan plan = f.plan;
+  plan.board.trace = true;
+  PlayOptions options = f.options;
+  options.trace = file;
+  options.waves = which;
+  options.waves_of = {f.frame, f.query, f.difference.number() / kPacket};
+  Player player(f.scene, plan, options);
+  const auto& wanted = f.difference.card;
+  bool found = false, there = false;
+  for (std::uint32_t frame = first; frame <= f.frame; ++frame)
+    (void)player.play(frame, [&](std::size_t query, std::span<const Record> records) {
+      if (frame != f.frame || query != f.query) return;
+      for (const Record& r : records) {
+        const bool same_place =
+            r.primary == f.difference.number() &&
+            (!f.difference.reference || r.index == f.difference.reference->index);
+        there = there || same_place;
+        found = found || (wanted && same_bits(r, *wanted));
+      }
+    });
+  player.trace_close();
+  return wanted ? found : !there;
+}
+
+}  // namespace
+
+void bundle_run(Bundle& bundle, const RunFailure& r) {
+  const SceneQuery& query = r.scene.queries[r.query];
+  CardFailure f;
+  const BoardConfig& board = r.plan.board;
+  f.pipe.pair = query.pair;
+  f.pipe.algorithm = board.algorithm;
+  f.pipe.box = query.pair == Pair::kRayTriangle && board.box;
+  f.pipe.arithmetic = board.arithmetic;
+  f.pipe.facet_interval = has_facets(query.pair) ? board.facet_interval : 1;
+  f.pipe.lanes = board.lanes;
+  if (has_budget(query.pair))
+    f.budget =
+        fmt::format("{},{},{}", query.budget.samples, query.budget.circle, query.budget.free);
+  f.swap = query.swap;
+  f.mode = query.mode;
+  f.difference = r.difference;
+  f.place = r.difference.number() % kPacket;
+  const auto work = std::find_if(r.plan.queries.begin(), r.plan.queries.end(),
+                                 [&](const QueryWork& w) { return w.name == query.name; });
+  f.clocks = work == r.plan.queries.end() ? 0 : work->secondaries * (kPacket / board.lanes);
+  f.message = r.message;
+  f.repeat = r.repeat;
+  f.rerun = [&r](const std::string& file, const TraceOptions& which) {
+    if (play(r, r.frame, file, which)) return true;
+    if (r.first == r.frame) return false;
+    std::filesystem::remove(file);
+    return play(r, r.first, file, which);
+  };
+  bundle.json().update({{"scene", r.scene.file}, {"frame", r.frame}, {"query", query.name}});
+  bundle_card(bundle, f);
+}
+
+}  // namespace cde::cli

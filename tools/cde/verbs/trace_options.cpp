@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "verbs/trace_options.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "command/values.hpp"
+#include "output/suffix.hpp"
+
+namespace cde::cli {
+namespace {
+
+TraceOptions window_of(const std::string& text) {
+  TraceOptions window;
+  const std::size_t colon = text.find(':');
+  const auto number = [&](std::size_t first, std::size_t last, std::uint64_t& to) {
+    if (first == last) return true;  // as it is
+    const auto [end, error] = std::from_chars(text.data() + first, text.data() + last, to);
+    return error == std::errc() && end == text.data() + last;
+  };
+  if (colon == std::string::npos || text.size() == 1 || !number(0, colon, window.from) ||
+      !number(colon + 1, text.size(), window.to) || window.from > window.to)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} is no window of clocks; FROM:TO, FROM: and :TO are, FROM not above "
+                            "TO, e.g. 1000:1200",
+                            in_quotes(text)));
+  return window;
+}
+
+}  // namespace
+
+void TraceRequest::check() const {
+  check_suffix("--trace", file, ".fst");
+  if (wanted()) return;
+  if (!window.empty()) throw Error(ErrorCode::kUsage, "--trace-window is of --trace");
+}
+
+TraceOptions TraceRequest::options() const {
+  return window.empty() ? TraceOptions() : window_of(window);
+}
+
+void add_trace_options(CLI::App& verb, TraceRequest& request, const std::string& what) {
+  file_value(verb.add_option("--trace", request.file, what), "FILE.fst");
+  text_value(verb.add_option("--trace-window", request.window,
+                             "Waves of these clocks alone, FROM:TO, counted from where waves "
+                             "without it begin; outside of them nothing is written"),
+             "FROM:TO", [](const std::string& text) { (void)window_of(text); });
+}
+
+}  // namespace cde::cli

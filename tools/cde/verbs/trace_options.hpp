@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "cde/card/trace.hpp"
+
+namespace cde::cli {
+
+/// What verbs that simulate are asked about waves.
+struct TraceRequest {
+  std::string file, window;
+
+  [[nodiscard]] bool wanted() const { return !file.empty(); }
+  /// Error kUsage if something is asked of waves and no waves are.
+  void check() const;
+  [[nodiscard]] TraceOptions options() const;
+};
+
+/// --trace and --trace-window; `what` is the help of --trace.
+void add_trace_options(CLI::App& verb, TraceRequest& request, const std::string& what);
+
+}  // namespace cde::cli

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <string>
+#include <vector>
+
+#include "wave/design.hpp"
+
+namespace cde::wave {
+
+/// Lines of the statements that give signals their value, and those that give these theirs, `steps`
+/// statements far, the nearest first; ports and plain wires between modules are no step. At most
+/// `most` lines. Signals that the design does not have are passed over.
+[[nodiscard]] std::vector<Place> fed_by(const Design& design,
+                                        const std::vector<std::string>& signals, unsigned steps,
+                                        std::size_t most);
+
+}  // namespace cde::wave

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "wave/scope_views.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace cde::wave {
+namespace {
+
+/// A form for all is not one for signals that it does not fit.
+Form fitting(const Form& form, const Signal& s) {
+  if (form.kind != Form::Kind::kFloat && form.lane == 0) return form;
+  const auto own = static_cast<unsigned>(form.format.width());
+  const auto container =
+      static_cast<unsigned>(contract::container(form.format.exp_bits, form.format.man_bits));
+  const bool fits =
+      form.lane != 0 ? s.width % form.lane == 0 : s.width % own == 0 || s.width % container == 0;
+  return fits && s.width != 0 ? form : Form{};
+}
+
+}  // namespace
+
+std::vector<View> views_in_scopes(const Request& r, Trace& trace, bool once) {
+  std::vector<View> all;
+  std::set<std::uint32_t> seen;
+  const std::vector<std::string> words = r.words.empty() ? std::vector<std::string>{"*"} : r.words;
+  for (const std::string& word : words) {
+    // A plain name is a scope here, or a signal below; so is a pattern with a form behind it.
+    std::vector<std::string> forms = {word + ".*", "*." + word + ".*"};
+    if (word.find_first_of("*?") != std::string::npos) {
+      forms.push_back(word);
+      forms.push_back("*." + word);
+    }
+    bool any = false;
+    for (const Signal& s : trace.signals()) {
+      if (std::none_of(forms.begin(), forms.end(),
+                       [&](const std::string& f) { return matches(f, s.name); }))
+        continue;
+      any = true;
+      if (once && !seen.insert(s.handle).second) continue;
+      View v;
+      v.signal = s;
+      v.label = s.name;
+      v.width = s.width;
+      v.form = fitting(r.default_form(), s);
+      all.push_back(std::move(v));
+    }
+    if (any) continue;
+    for (View& v : views(trace, word, r.default_form())) all.push_back(std::move(v));
+  }
+  return all;
+}
+
+}  // namespace cde::wave

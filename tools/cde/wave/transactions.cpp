@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "wave/transaction.hpp"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "wave/decoder.hpp"
+
+namespace cde::wave {
+namespace {
+
+/// Puts transactions into the order of their begins: decoders tell them when they end.
+class Order {
+ public:
+  Order(std::uint64_t from, std::uint64_t to, const std::function<bool(const Transaction&)>& take)
+      : from_(from), to_(to), take_(take) {}
+
+  void add(std::size_t kind, Transaction t) {
+    if (t.begin > to_ || t.end < from_) return;
+    waiting_.emplace(std::tuple{t.begin, kind, t.end}, std::move(t));
+  }
+  /// Gives those that began before a time; nothing that comes later will have.
+  void give(std::uint64_t before) {
+    while (!stopped_ && !waiting_.empty() && std::get<0>(waiting_.begin()->first) < before) {
+      const auto first = waiting_.extract(waiting_.begin());
+      stopped_ = !take_(first.mapped());
+    }
+  }
+  void give_all() { give(UINT64_MAX); }
+  [[nodiscard]] bool many() const { return waiting_.size() > 1024; }
+  [[nodiscard]] bool stopped() const { return stopped_; }
+
+ private:
+  std::uint64_t from_, to_;
+  const std::function<bool(const Transaction&)>& take_;
+  std::multimap<std::tuple<std::uint64_t, std::size_t, std::uint64_t>, Transaction> waiting_;
+  bool stopped_ = false;
+};
+
+/// Hands the changes of a file to decoders: the edges of a time first, with the values from before
+/// it, as flip-flops see them.
+class Conductor {
+ public:
+  Conductor(Trace& trace, Order& order, std::uint64_t to) : trace_(trace), order_(order), to_(to) {
+    wires_.resize(trace.handles() + std::size_t{1});
+    clocks_.resize(wires_.size());
+    levels_.resize(wires_.size(), 'x');
+  }
+
+  void add(std::unique_ptr<Decoder> decoder) {
+    for (const auto& input : decoder->inputs()) {
+      wires_[input.handle].push_back(input.wire.get());
+      handles_.push_back(input.handle);
+    }
+    const Place& place = decoder->place();
+    for (unsigned c = 0; c < place.of->clocks.size(); ++c) {
+      const std::uint32_t handle = place.signals.at(place.of->clocks[c])->handle;
+      clocks_[handle].push_back({decoder.get(), c});
+      handles_.push_back(handle);
+    }
+    decoders_.push_back(std::move(decoder));
+  }
+
+  void run() {
+    if (handles_.empty()) return;
+    std::uint64_t now = trace_.start();
+    bool go_on = true;
+    trace_.stream(handles_, now, trace_.end(),
+                  [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
+                    if (time != now) {
+                      go_on = step(now);
+                      if (!go_on) return false;
+                      now = time;
+                    }
+                    waiting_.push_back({handle, text_.size(), value.size()});
+                    text_ += value;
+                    return true;
+                  });
+    if (go_on && step(now))
+      for (const auto& d : decoders_) d->finish(trace_.end());
+    order_.give_all();
+  }
+
+ private:
+  struct Change {
+    std::uint32_t handle;
+    std::size_t at, length;
+  };
+  struct Listener {
+    Decoder* decoder;
+    unsigned clock;
+  };
+
+  /// All changes of a time are there; false: enough is known.
+  bool step(std::uint64_t time) {
+    bool edge = false;
+    for (const Change& c : waiting_) {
+      if (clocks_[c.handle].empty()) continue;
+      const char level = c.length == 0 ? 'x' : text_[c.at + c.length - 1];
+      if (levels_[c.handle] == '0' && level == '1') {
+        edge = true;
+        for (const Listener& l : clocks_[c.handle]) l.decoder->edge(l.clock, time);
+      }
+      levels_[c.handle] = level;
+    }
+    for (const Change& c : waiting_)
+      for (Wire* w : wires_[c.handle]) w->bits.assign(text_, c.at, c.length);
+    waiting_.clear();
+    text_.clear();
+    if (!edge || (time <= to_ && !order_.many())) return true;
+    std::uint64_t open = time;
+    for (const auto& d : decoders_) open = std::min(open, d->oldest().value_or(time));
+    order_.give(open);
+    return !order_.stopped() && open <= to_;
+  }
+
+  Trace& trace_;
+  Order& order_;
+  std::uint64_t to_;
+  std::vector<std::unique_ptr<Decoder>> decoders_;
+  std::vector<std::vector<Wire*>> wires_;      ///< of each handle
+  std::vector<std::vector<Listener>> clocks_;  ///< likewise
+  std::string levels_;
+  std::vector<std::uint32_t> handles_;
+  std::vector<Change> waiting_;
+  std::string text_;
+};
+
+}  // namespace
+
+const std::vector<std::string>& transaction_kinds() {
+  static const std::vector<std::string> kAll = [] {
+    std::vector<std::string> names;
+    for (const KindSignals& k : card_signals()) names.emplace_back(k.kind);
+    return names;
+  }();
+  return kAll;
+}
+
+void each_transaction(Trace& trace, const std::vector<std::string>& kinds, std::uint64_t from,
+                      std::uint64_t to, const std::function<bool(const Transaction&)>& take) {
+  const Places places(trace);
+  Order order(from, to, take);
+  Conductor conductor(trace, order, to);
+  for (std::size_t k = 0; k < card_signals().size(); ++k) {
+    const KindSignals& kind = card_signals()[k];
+    if (!kinds.empty() && std::find(kinds.begin(), kinds.end(), kind.kind) == kinds.end()) continue;
+    for (const Place& place : places.of(kind)) {
+      const Decoder::Take add = [&order, k](Transaction t) { order.add(k, std::move(t)); };
+      auto decoder = bus_decoder(place, add);
+      if (!decoder) decoder = engine_decoder(place, add);
+      if (!decoder) decoder = answer_decoder(place, add);
+      conductor.add(std::move(decoder));
+    }
+  }
+  conductor.run();
+}
+
+std::vector<Transaction> transactions(Trace& trace, const std::vector<std::string>& kinds,
+                                      std::uint64_t from, std::uint64_t to) {
+  std::vector<Transaction> all;
+  each_transaction(trace, kinds, from, to, [&](const Transaction& t) {
+    all.push_back(t);
+    return true;
+  });
+  return all;
+}
+
+}  // namespace cde::wave

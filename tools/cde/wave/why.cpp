@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde wave why: what made a signal have its value.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "output/streams.hpp"
+#include "wave/cone.hpp"
+#include "wave/request.hpp"
+
+namespace cde::wave {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostValue = 24;   // characters of a line
+constexpr std::size_t kMostColumn = 56;  // of the names' column
+
+/// What SIGNAL@TIME asks for.
+struct Asked {
+  Slice slice;
+  Form form;
+  std::uint64_t time = 0;
+};
+
+/// The design's bits of a signal of the waves, under any of its names.
+std::optional<Slice> slice_of(Trace& trace, const Design& design, const Signal& signal) {
+  if (const auto found = design.find(signal.name)) return found;
+  for (const Signal& other : trace.signals()) {
+    if (other.handle != signal.handle || other.width != signal.width) continue;
+    if (const auto found = design.find(other.name)) return found;
+  }
+  return std::nullopt;
+}
+
+/// A signal that the waves do not have, in full or below the top module.
+std::optional<Slice> hidden(const Design& design, const std::string& name) {
+  const auto found = design.find(name);
+  return found ? found : design.find(design.prefix() + "." + name);
+}
+
+Asked asked(const Request& r, Trace& trace, Times& times, const Design& design) {
+  const std::string& word = r.words.front();
+  const std::size_t sign = word.rfind('@');
+  if (sign == std::string::npos || sign == 0 || sign + 1 == word.size())
+    throw Error(ErrorCode::kUsage, fmt::format("{} is no SIGNAL@TIME", in_quotes(word)));
+  Asked a;
+  a.time = times.parse(word.substr(sign + 1));
+  const std::string name = word.substr(0, sign);
+  const std::size_t colon = name.rfind(':');
+  a.form = r.default_form();
+  std::string plain = name;
+  if (colon != std::string::npos && name.find(']', colon) == std::string::npos) {
+    if (const auto form = parse_form(name.substr(colon + 1))) {
+      a.form = *form;
+      plain = name.substr(0, colon);
+    }
+  }
+  View v;
+  try {
+    v = view(trace, name, r.default_form());
+  } catch (const Error&) {
+    const auto found = hidden(design, plain);
+    if (!found) throw;
+    a.slice = *found;
+    return a;
+  }
+  const auto found = slice_of(trace, design, v.signal);
+  if (!found || found->width != v.signal.width)
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format(
+            "{} is in the waves, but {}: the design is {}", printable_name(v.signal.name),
+            found ? fmt::format("has {} bits in the design", found->width) : "not in the design",
+            printable_name(design.prefix())));
+  a.slice = *found;
+  a.slice.low += v.signal.width - v.first - v.width;
+  a.slice.width = v.width;
+  return a;
+}
+
+/// A form of numbers is one for signals that it fits.
+std::string text_of(const Node& n, const Form& form) {
+  if (!n.in_waves) return "not in the waves";
+  if (n.value.empty()) return "?";
+  View v;
+  v.width = v.signal.width = static_cast<unsigned>(n.value.size());
+  v.form = form;
+  const auto own = static_cast<unsigned>(form.format.width());
+  if (form.kind == Form::Kind::kFloat && v.width % std::max(own, 1u) != 0 &&
+      (form.lane == 0 || v.width % form.lane != 0))
+    v.form = Form{};
+  return v.text(n.value);
+}
+
+std::string shortened(const std::string& text) {
+  return text.size() <= kMostValue ? text : text.substr(0, kMostValue - 3) + "...";
+}
+
+/// Scope that all names have in common, with the dot behind it.
+std::string common_scope(const std::vector<std::string>& names) {
+  std::string scope = names.front();
+  for (const std::string& name : names) {
+    std::size_t n = 0;
+    while (n < scope.size() && n < name.size() && scope[n] == name[n]) ++n;
+    scope.resize(n);
+  }
+  const std::size_t dot = scope.rfind('.');
+  return dot == std::string::npos ? "" : scope.substr(0, dot + 1);
+}
+
+/// The tree as lines.
+class Picture {
+ public:
+  Picture(const Cone& cone, const Design& design, const Times& times, const Form& form)
+      : nodes_(cone.nodes()), design_(design), times_(times), form_(form) {
+    std::vector<std::string> names;
+    for (const Node& n : nodes_) names.push_back(design.name(n.slice));
+    for (const Node& n : nodes_) names.push_back(design.name(n.driven));
+    scope_ = common_scope(names);
+    rows(0, 0);
+  }
+
+  [[nodiscard]] const std::string& scope() const { return scope_; }
+  [[nodiscard]] std::string text() const {
+    std::size_t name = 6, value = 5, clock = 5, place = 4;
+    for (const Row& r : rows_) {
+      name = std::max(name, std::min(r.name.size(), kMostColumn));
+      value = std::max(value, r.value.size());
+      clock = std::max(clock, r.clock.size());
+      place = std::max(place, r.place.size());
+    }
+    std::string all = fmt::format("{:<{}}  {:<{}}  {:<{}}  {:<{}}  {}\n", "signal", name, "value",
+                                  value, "taken", clock, "line", place, "source");
+    for (const Row& r : rows_)
+      all += fmt::format("{:<{}}  {:<{}}  {:<{}}  {:<{}}  {}\n", r.name, name, r.value, value,
+                         r.clock, clock, r.place, place, r.source);
+    return without_spaces(all);
+  }
+
+ private:
+  struct Row {
+    std::string name, value, clock, place, source;
+  };
+
+  /// As the statement calls it; and what it is wired to, if that is in another instance.
+  [[nodiscard]] std::string name_of(const Node& node, bool root) const {
+    std::string name =
+        root ? design_.name(node.slice).substr(scope_.size()) : design_.local_name(node.slice);
+    if (node.slice.unit == node.driven.unit) return name;
+    const std::string here = design_.instance(node.slice), whole = design_.name(node.driven);
+    const std::string there = whole.substr(whole.starts_with(here) ? here.size() : scope_.size());
+    return there == name ? name : name + " <- " + there;
+  }
+
+  /// Of a statement that is not the first: what it is to those before.
+  [[nodiscard]] static const char* label(const Node& node, const Node::Statement& s) {
+    if (node.statements.front().kept) return "since";
+    return s.driver.sure ? "and" : "or";
+  }
+
+  void rows(std::size_t n, std::size_t depth) {
+    const Node& node = nodes_[n];
+    Row row;
+    row.name = std::string(2 * depth, ' ') + (node.condition ? "if " : "") +
+               printable_name(name_of(node, depth == 0));
+    row.value = shortened(text_of(node, form_));
+    if (node.again) row.source = "(as elsewhere)";
+    if (!node.remark.empty()) row.source = fmt::format("({})", node.remark);
+    bool first = true;
+    for (const Node::Statement& s : node.statements) {
+      if (!first)
+        row = Row{std::string(2 * depth, ' ') +
+                      (s.driver.sure && !node.statements.front().kept ? "and" : "or"),
+                  "", "", "", ""};
+      first = false;
+      row.clock = s.edge ? times_.text(*s.edge) : "";
+      row.place = printable_name(s.driver.place.name());
+      row.source =
+          s.kept ? "(kept: no statement was executed)" : printable_name(s.driver.place.text);
+      rows_.push_back(row);
+      for (const std::size_t cause : s.causes) rows(cause, depth + 1);
+    }
+    if (first) rows_.push_back(std::move(row));
+  }
+
+  const std::vector<Node>& nodes_;
+  const Design& design_;
+  const Times& times_;
+  const Form form_;
+  std::string scope_;
+  std::vector<Row> rows_;
+};
+
+Json json_of(const Cone& cone, const Design& design, const Times& times, const Form& form,
+             std::size_t n) {
+  const Node& node = cone.nodes()[n];
+  Json j = {{"name", design.name(node.slice)}};
+  if (node.driven != node.slice) j["driven_name"] = design.name(node.driven);
+  j.update({{"time", node.time},
+            {"at", times.text(node.time)},
+            {"in_waves", node.in_waves},
+            {"value", node.value.empty() ? Json() : Json(text_of(node, form))},
+            {"bits", node.value.empty() ? Json() : Json(node.value)},
+            {"condition", node.condition},
+            {"repeated", node.again},
+            {"remark", node.remark}});
+  Json statements = Json::array();
+  for (const Node::Statement& s : node.statements) {
+    Json causes = Json::array();
+    for (const std::size_t cause : s.causes)
+      causes.push_back(json_of(cone, design, times, form, cause));
+    statements.push_back({{"source_file", s.driver.place.file},
+                          {"line", s.driver.place.line},
+                          {"source_text", s.driver.place.text},
+                          {"register", s.driver.kind == Driver::Kind::kRegister},
+                          {"certain", s.driver.sure},
+                          {"kept", s.kept},
+                          {"taken_time", s.edge ? Json(*s.edge) : Json()},
+                          {"taken_at", s.edge ? Json(times.text(*s.edge)) : Json()},
+                          {"causes", causes}});
+  }
+  j["statements"] = statements;
+  return j;
+}
+
+}  // namespace
+
+std::string why_text(const Request& r) {
+  if (r.words.size() != 1)
+    throw Error(ErrorCode::kUsage,
+                "cde wave why takes one signal and time: cde wave why FILE SIGNAL@TIME");
+  Trace trace(r.file);
+  Times times(trace, r.clock);
+  const Design design = Design::of(trace, r.structure);
+  const Asked a = asked(r, trace, times, design);
+  Lines lines(r.max);
+  const Cone cone(trace, times, design, a.slice, a.time, static_cast<unsigned>(r.depth), lines);
+  if (r.json) {
+    Json j = begin_json(r);
+    j.update({{"top_scope", design.prefix()},
+              {"depth", r.depth},
+              {"cone", json_of(cone, design, times, a.form, 0)},
+              {"more", lines.more()}});
+    return cli::json_text(j) + '\n';
+  }
+  const Picture picture(cone, design, times, a.form);
+  const Node& root = cone.nodes().front();
+  std::string cycle;
+  if (times.clock_if_any() != nullptr)
+    if (const auto number = times.cycle(a.time)) cycle = fmt::format(", cyc:{}", *number);
+  std::string text = fmt::format("{} is {} at {}{}\n", printable_name(design.name(root.slice)),
+                                 text_of(root, a.form), times.text(a.time), cycle);
+  if (cone.nodes().size() > 1 && !picture.scope().empty())
+    text += fmt::format("names below are of {}\n",
+                        printable_name(picture.scope().substr(0, picture.scope().size() - 1)));
+  return text + picture.text() + lines.rest();
+}
+
+int why(const Request& r) {
+  cli::put(why_text(r));
+  return 0;
+}
+
+}  // namespace cde::wave
