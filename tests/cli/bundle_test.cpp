@@ -61,7 +61,7 @@ TEST_F(Bundles, APairThatAPipeAnswersWrong) {
           fault.environment());
   ASSERT_EQ(at.status, 0) << at.err;
   const json values = json::parse(at.out)["values"];
-  EXPECT_EQ(values[0]["value"], j["card_answer"]["F"] == true ? "ffffffff" : "00000000");
+  EXPECT_EQ(values[0]["value"], j["card_answer"]["F"] == true ? "true" : "0");
   EXPECT_EQ(values[1]["value"], "1");
   // What is there stays.
   EXPECT_EQ(shell_in(fault, query + " --bundle cde-failure").status, 3);

@@ -91,7 +91,7 @@ TEST_F(TraceWindow, AScopeIsWrittenAsWithAllAroundIt) {
     return nlohmann::json::parse(ran.out)["signals"].size();
   };
   const std::vector<Words> wanted = {
-      {"update"}, {"engine.issue"}, {"*.row_i"}, {"update", "state_q"}};
+      {"control"}, {"engine.primaries"}, {"*.row_i"}, {"fifo", "state_q"}};
   for (const Words& globs : wanted) {
     Words options;
     for (const std::string& glob : globs) options.insert(options.end(), {"--trace-scope", glob});
@@ -106,8 +106,8 @@ TEST_F(TraceWindow, AScopeIsWrittenAsWithAllAroundIt) {
     EXPECT_EQ(diff.status, 0) << diff.out << diff.err;
   }
   refused({"cast", "terrain:3,3,1", "--lanes", "4", "--exact-card", "-q", "--trace", "none.fst",
-           "--trace-scope", "update", "--trace-scope", "updat?e"},
-          "waves of 'updat?e': the card has no signal or scope of that name");
+           "--trace-scope", "control", "--trace-scope", "contr?"},
+          "waves of 'contr?': the card has no signal or scope of that name");
 }
 
 TEST_F(TraceWindow, ThatMakesNoSenseIsRefused) {

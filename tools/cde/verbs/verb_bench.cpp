@@ -24,11 +24,9 @@ struct Section {
   const char* name;
   nlohmann::ordered_json (*measure)(const BenchOptions&);
 };
-constexpr Section kSections[] = {{"rays", bench_rays},
-                                 {"fp", bench_fp},
-                                 {"pairs", bench_pairs},
-                                 {"bus", bench_bus},
-                                 {"effects", bench_effects}};
+constexpr Section kSections[] = {{"rays", bench_rays},       {"fp", bench_fp},
+                                 {"pairs", bench_pairs},     {"bus", bench_bus},
+                                 {"effects", bench_effects}, {"waves", bench_waves}};
 
 std::string field_of(const char* file, const std::string& field) {
   std::ifstream in(file);
@@ -97,8 +95,8 @@ void add_bench(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "bench", "Measure simulation speed and device clocks beside software on the same machine");
   named(verb->add_option("section", a->sections,
-                         "Sections to run (all): rays, fp, pairs, bus, effects"),
-        {"rays", "fp", "pairs", "bus", "effects"}, "SECTION", "section");
+                         "Sections to run (all): rays, fp, pairs, bus, effects, waves"),
+        {"rays", "fp", "pairs", "bus", "effects", "waves"}, "SECTION", "section");
   verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   verb->add_flag("--markdown", a->options.markdown,
                  "Of effects alone: the table as docs/scenes.md has it");
