@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <deque>
 #include <set>
 #include <system_error>
 
@@ -36,6 +37,7 @@ constexpr unsigned kMostFolders = 1000;
 constexpr std::uint64_t kCauses = 200;                     // lines of why.txt
 constexpr std::size_t kMostOperators = 3, kMostNear = 24;  // whose operands are looked at
 constexpr unsigned kSteps = 3;
+constexpr std::size_t kMostPlaces = 6;
 constexpr std::size_t kMostLines = 10, kMostCauses = 24;  // lines of fail.txt
 
 fs::path new_folder(const std::string& wanted) {
@@ -81,48 +83,150 @@ bool is_wiring(const std::string& file) {
   return file.starts_with("df_") || file.starts_with("vec_") || kAround.contains(file);
 }
 
-/// Lines that the operands of the first operators come from, a few statements far.
+/// Signals of an operator that parts which may have come to it wrong: the operand that is another,
+/// both of one that is not certain. Of one with the right operands its own result, if it is that
+/// operation: then its inside is wrong.
+std::vector<std::string> suspects(const explain::Explanation& e, const explain::Finding& f) {
+  const explain::Compared& c = f.compared;
+  std::vector<std::string> signals;
+  const auto add = [&](std::int32_t which, const char* port) {
+    const std::string& path = e.operators[static_cast<std::size_t>(which)].path;
+    const std::size_t top = path.find("pair_unit.", 1);  // behind Verilator's own name
+    if (top != std::string::npos)
+      signals.push_back(path.substr(top, path.rfind('.') - top) + port);
+  };
+  if (c.seat.which < 0)
+    for (const std::int32_t which : c.others)
+      for (const char* port : {".a_i", ".b_i"}) add(which, port);
+  if (c.seat.which < 0) return signals;
+  const explain::Step& wanted =
+      e.recording.steps[static_cast<std::size_t>(e.recording.operators[c.operation])];
+  if (c.verdict == explain::Verdict::kResult) {
+    const bool same_order = c.card.a == wanted.a;
+    if (same_order && c.card.operation == wanted.operation) add(c.seat.which, ".r_o");
+    return signals;
+  }
+  const auto is_wanted = [&](std::uint64_t word) { return word == wanted.a || word == wanted.b; };
+  const bool neither = is_wanted(c.card.a) == is_wanted(c.card.b);
+  if (neither || !is_wanted(c.card.a)) add(c.seat.which, ".a_i");
+  if (neither || !is_wanted(c.card.b)) add(c.seat.which, ".b_i");
+  return signals;
+}
+
+/// Lines that what is wrong at the first operators comes from, a few statements far.
 Json near_lines(const explain::Explanation& e) {
   std::vector<std::string> signals;
-  for (std::size_t i = 0; i < e.findings.size() && i < kMostOperators; ++i) {
-    const explain::Compared& c = e.findings[i].compared;
-    std::vector<std::int32_t> operators = c.others;
-    if (c.seat.which >= 0) operators = {c.seat.which};
-    for (const std::int32_t which : operators) {
-      const std::string& path = e.operators[static_cast<std::size_t>(which)].path;
-      const std::size_t top = path.find("pair_unit.", 1);  // behind Verilator's own name
-      if (top == std::string::npos) continue;
-      for (const char* port : {".a_i", ".b_i"})
-        signals.push_back(path.substr(top, path.rfind('.') - top) + port);
-    }
-  }
+  for (std::size_t i = 0; i < e.findings.size() && i < kMostOperators; ++i)
+    for (std::string& signal : suspects(e, e.findings[i])) signals.push_back(std::move(signal));
   if (signals.empty()) return Json::array();
   PairConfig plain = e.config;
   plain.tap = false;
   const wave::Design design = wave::Design::of_bitstream("pair_unit", plain.parameters());
   Json lines = Json::array();
-  for (const wave::Place& p : wave::fed_by(design, signals, kSteps, 4 * kMostNear)) {
+  for (const auto& [p, drivers] : wave::fed_by(design, signals, kSteps, 4 * kMostNear)) {
     const std::string file = fs::path(p.file).filename().string();
     if (is_wiring(file) || lines.size() == kMostNear) continue;
-    lines.push_back({{"file", file}, {"line", p.line}, {"source_text", p.text}});
+    lines.push_back(
+        {{"file", file}, {"line", p.line}, {"drivers", drivers}, {"source_text", p.text}});
   }
   return lines;
 }
 
-/// Lines of the statements of a cone, the nearest to its root first.
+/// The cause whose bits a statement gives its signal as they are; nothing if it is none.
+const Json* handed_on(const Json& node, const Json& statement) {
+  const Json& bits = node["bits"];
+  const Json* found = nullptr;
+  for (const Json& cause : statement["causes"]) {
+    const Json& own = cause["bits"];
+    if (cause["condition"].get<bool>() || !own.is_string() || !bits.is_string() ||
+        own.get_ref<const std::string&>().size() != bits.get_ref<const std::string&>().size())
+      continue;
+    if (found != nullptr || own != bits) return nullptr;
+    found = &cause;
+  }
+  return found;
+}
+
+/// Lines of the statements of a cone, the nearest to its root first. Those that hand on what another
+/// signal has are no step, nor are the parts that a line of dataflow is made of.
 Json lines_of(const Json& cone) {
+  struct Waiting {
+    const Json* node;
+    unsigned drivers;
+  };
   Json lines = Json::array();
-  std::vector<const Json*> nodes = {&cone};
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    for (const Json& statement : (*nodes[i])["statements"]) {
-      const Json line = {
-          {"file", fs::path(statement["source_file"].get<std::string>()).filename().string()},
-          {"line", statement["line"]}};
-      if (line["file"] != "" && std::find(lines.begin(), lines.end(), line) == lines.end())
-        lines.push_back(line);
-      for (const Json& cause : statement["causes"]) nodes.push_back(&cause);
+  std::set<std::pair<std::string, int>> seen;
+  std::deque<Waiting> waiting = {{&cone, 1}};
+  while (!waiting.empty()) {
+    const Waiting now = waiting.front();
+    waiting.pop_front();
+    for (const Json& statement : (*now.node)["statements"]) {
+      const std::string file =
+          fs::path(statement["source_file"].get<std::string>()).filename().string();
+      const int line = statement["line"];
+      const Json* const same = handed_on(*now.node, statement);
+      if (!file.empty() && seen.emplace(file, line).second)
+        lines.push_back({{"file", file},
+                         {"line", line},
+                         {"drivers", now.drivers},
+                         {"handed_on", same != nullptr},
+                         {"source_text", statement["source_text"]}});
+      if (same != nullptr) waiting.push_front({same, now.drivers});
+      for (const Json& cause : statement["causes"]) {
+        if (&cause == same) continue;
+        if (same == nullptr && is_wiring(file))
+          waiting.push_front({&cause, now.drivers});
+        else
+          waiting.push_back({&cause, now.drivers + 1});
+      }
     }
+  }
   return lines;
+}
+
+/// What a reader looks at first, the likeliest lines first: of a pipe that is wrong by itself where
+/// it parts and what feeds that; of the card, or if no operator parts, what made the signal wrong.
+Json places_to_look_at(const Json& j) {
+  Json places = Json::array();
+  const auto add = [&](const Json& line, const char* reason) {
+    const bool known = std::any_of(places.begin(), places.end(), [&](const Json& p) {
+      return p["file"] == line["file"] && p["line"] == line["line"];
+    });
+    if (known || places.size() == kMostPlaces) return;
+    Json place = {{"file", line["file"]}, {"line", line["line"]}, {"reason", reason}};
+    if (line.contains("source_text")) place["source_text"] = line["source_text"];
+    places.push_back(std::move(place));
+  };
+  if (j.value("differs_alone", false)) {
+    for (const Json& difference : j["first_differences"])
+      if (!difference["sources"].empty()) {
+        // The line in the text of a pipe, not of what all pipes are made of.
+        const Json* own = nullptr;
+        for (const Json& line : difference["sources"][0])
+          if (own == nullptr || !is_wiring(line["file"])) own = &line;
+        if (own != nullptr) add(*own, "an operator that parts");
+      }
+    for (const Json& line : j["near_lines"]) add(line, "feeds it");
+  }
+  if (!places.empty() || !j.contains("cause_lines")) return places;
+  // Wires and what only hands a word on come last.
+  for (const bool wires : {false, true})
+    for (const Json& line : j["cause_lines"])
+      if (wires == (line["handed_on"].get<bool>() || is_wiring(line["file"])))
+        add(line, "made the signal wrong");
+  return places;
+}
+
+std::string text_of_places(const Json& places) {
+  std::string text;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Json& p = places[i];
+    text += fmt::format("  {}. {}:{}, {}\n", i + 1, p["file"].get<std::string>(),
+                        p["line"].get<int>(), p["reason"].get<std::string>());
+    if (p.contains("source_text"))
+      text += fmt::format("     {}\n", p["source_text"].get<std::string>());
+  }
+  return text;
 }
 
 /// The first lines of a text.
@@ -156,8 +260,8 @@ Bundle::Bundle(const std::string& folder) : folder_(new_folder(folder)) {
 }
 
 void Bundle::add(std::string_view heading, std::string_view text) {
-  page_ += fmt::format("{}{}\n{:=<{}}\n\n{}{}", page_.empty() ? "" : "\n", heading, "",
-                       heading.size(), text, text.ends_with('\n') ? "" : "\n");
+  sections_.push_back(fmt::format("{}\n{:=<{}}\n\n{}{}", heading, "", heading.size(), text,
+                                  text.ends_with('\n') ? "" : "\n"));
 }
 
 void Bundle::write(const std::string& name, std::string_view text) {
@@ -165,8 +269,14 @@ void Bundle::write(const std::string& name, std::string_view text) {
 }
 
 void Bundle::finish() {
+  const Json places = places_to_look_at(json_);
+  if (!places.empty()) {
+    json_["places"] = places;
+    add("Where to look first", text_of_places(places));
+    std::rotate(sections_.begin() + 1, sections_.end() - 1, sections_.end());  // behind the message
+  }
   write("fail.json", json_text(json_) + '\n');
-  write("fail.txt", page_);
+  write("fail.txt", fmt::format("{}", fmt::join(sections_, "\n")));
 }
 
 std::string packed(const BundleRequest& request, bool quiet,
@@ -249,32 +359,49 @@ bool bundle_explanation(Bundle& bundle, const explain::Explanation& e, const std
     for (const Json& line : j["near_lines"])
       near += fmt::format("  {}:{}  {}\n", line["file"].get<std::string>(), line["line"].get<int>(),
                           line["source_text"].get<std::string>());
-    if (!near.empty()) text += fmt::format("\nTheir operands come from\n{}", near);
+    if (!near.empty()) text += fmt::format("\nWhat is wrong there comes from\n{}", near);
   }
   text += fmt::format("\nAll operations are in explain.txt; again:\n\n    {}\n", again);
   bundle.add("Where they part", text);
   return !e.same();
 }
 
-void bundle_causes(Bundle& bundle, const std::string& signal) {
+wave::Origin made_at(const fs::path& file, const std::string& signal, std::uint64_t time) {
+  try {
+    wave::Trace trace(file);
+    wave::Times times(trace, "");
+    const wave::Design design = wave::Design::of(trace, "");
+    const wave::Slice slice = wave::slice_named(trace, design, signal, signal, wave::Form{});
+    return wave::origin_of(trace, times, design, slice, time);
+  } catch (const Error&) {  // its causes are not found either, and that is told
+    return {signal, time};
+  }
+}
+
+void bundle_causes(Bundle& bundle, const std::string& signal, const wave::Origin& made) {
   wave::Request request;
   request.file = (bundle.folder() / "waves.fst").string();
-  request.words = {signal + "@fail"};
+  const std::string asked = fmt::format("{}@{}", made.signal, made.time);
+  request.words = {asked};
   request.max = kCauses;
+  Json& j = bundle.json();
   std::string text;
   try {
     text = wave::why_text(request);
     request.json = true;
-    bundle.json()["cause_lines"] = lines_of(Json::parse(wave::why_text(request))["cone"]);
+    const Json why = Json::parse(wave::why_text(request));
+    j["cause_lines"] = lines_of(why["cone"]);
+    j["made_signal"] = why["cone"]["name"];
+    j["made_at"] = why["cone"]["at"];
   } catch (const Error& e) {
-    text = fmt::format("{} has no causes that could be found: {}\n", signal, e.what());
+    text = fmt::format("{} has no causes that could be found: {}\n", asked, e.what());
   }
-  bundle.json()["wrong_signal"] = signal;
+  j["wrong_signal"] = signal;
   bundle.write("why.txt", text);
   bundle.add("What made the signal wrong",
-             fmt::format("{}\nFurther back, in this folder:\n\n    cde wave why waves.fst {} "
-                         "--depth 10\n",
-                         beginning(text), shell_word(signal + "@fail")));
+             fmt::format("{} is wrong; where its word was made:\n\n{}\nFurther back, in this "
+                         "folder:\n\n    cde wave why waves.fst {} --depth 10\n",
+                         signal, beginning(text), shell_word(asked)));
 }
 
 Json result_json(const FpFormat& format, const PairResult& r) {

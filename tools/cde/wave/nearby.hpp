@@ -7,11 +7,17 @@
 
 namespace cde::wave {
 
+/// A line, and how many statements it is from the signals.
+struct Near {
+  Place place;
+  unsigned drivers = 0;
+};
+
 /// Lines of the statements that give signals their value, and those that give these theirs, `steps`
 /// statements far, the nearest first; ports and plain wires between modules are no step. At most
 /// `most` lines. Signals that the design does not have are passed over.
-[[nodiscard]] std::vector<Place> fed_by(const Design& design,
-                                        const std::vector<std::string>& signals, unsigned steps,
-                                        std::size_t most);
+[[nodiscard]] std::vector<Near> fed_by(const Design& design,
+                                       const std::vector<std::string>& signals, unsigned steps,
+                                       std::size_t most);
 
 }  // namespace cde::wave

@@ -9,6 +9,7 @@
 #include "cde/support/message.hpp"
 #include "output/streams.hpp"
 #include "wave/cone.hpp"
+#include "wave/origin.hpp"
 #include "wave/request.hpp"
 
 namespace cde::wave {
@@ -59,26 +60,7 @@ Asked asked(const Request& r, Trace& trace, Times& times, const Design& design) 
       plain = name.substr(0, colon);
     }
   }
-  View v;
-  try {
-    v = view(trace, name, r.default_form());
-  } catch (const Error&) {
-    const auto found = hidden(design, plain);
-    if (!found) throw;
-    a.slice = *found;
-    return a;
-  }
-  const auto found = slice_of(trace, design, v.signal);
-  if (!found || found->width != v.signal.width)
-    throw Error(
-        ErrorCode::kUsage,
-        fmt::format(
-            "{} is in the waves, but {}: the design is {}", printable_name(v.signal.name),
-            found ? fmt::format("has {} bits in the design", found->width) : "not in the design",
-            printable_name(design.prefix())));
-  a.slice = *found;
-  a.slice.low += v.signal.width - v.first - v.width;
-  a.slice.width = v.width;
+  a.slice = slice_named(trace, design, name, plain, r.default_form());
   return a;
 }
 
@@ -228,6 +210,28 @@ Json json_of(const Cone& cone, const Design& design, const Times& times, const F
 }
 
 }  // namespace
+
+Slice slice_named(Trace& trace, const Design& design, const std::string& name,
+                  const std::string& plain, const Form& form) {
+  View v;
+  try {
+    v = view(trace, name, form);
+  } catch (const Error&) {
+    if (const auto found = hidden(design, plain)) return *found;
+    throw;
+  }
+  auto found = slice_of(trace, design, v.signal);
+  if (!found || found->width != v.signal.width)
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format(
+            "{} is in the waves, but {}: the design is {}", printable_name(v.signal.name),
+            found ? fmt::format("has {} bits in the design", found->width) : "not in the design",
+            printable_name(design.prefix())));
+  found->low += v.signal.width - v.first - v.width;
+  found->width = v.width;
+  return *found;
+}
 
 std::string why_text(const Request& r) {
   if (r.words.size() != 1)
