@@ -34,7 +34,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr unsigned kMostFolders = 1000;
-constexpr std::uint64_t kCauses = 200;                     // lines of why.txt
+constexpr std::uint64_t kCauses = 400, kMostNodes = 3000;  // lines of why.txt, and that are read
+constexpr unsigned kDepth = 16;  // registers, most of which hand on a word
 constexpr std::size_t kMostOperators = 3, kMostNear = 24;  // whose operands are looked at
 constexpr unsigned kSteps = 3;
 constexpr std::size_t kMostPlaces = 6;
@@ -78,9 +79,14 @@ std::string lines_of(const explain::Explanation& e) {
 /// What a line of dataflow is made of, and what is around a pipe.
 bool is_wiring(const std::string& file) {
   static const std::set<std::string> kAround = {"align.sv",     "lane_select.sv", "fp_lanes.sv",
-                                                "fp_host.sv",   "fp_delay.sv",    "pair_pipe.sv",
-                                                "pair_unit.sv", "scaled_pipe.sv"};
+                                                "fp_host.sv",   "fp_delay.sv",    "fp_gates.sv",
+                                                "pair_pipe.sv", "pair_unit.sv",   "scaled_pipe.sv"};
   return file.starts_with("df_") || file.starts_with("vec_") || kAround.contains(file);
+}
+
+/// What computes in a pipe, below the parts of a line of dataflow.
+bool is_operator(const std::string& file) {
+  return file == "fp_lanes.sv" || file == "fp_host.sv" || file == "fp_gates.sv";
 }
 
 /// Signals of an operator that parts which may have come to it wrong: the operand that is another,
@@ -132,24 +138,10 @@ Json near_lines(const explain::Explanation& e) {
   return lines;
 }
 
-/// The cause whose bits a statement gives its signal as they are; nothing if it is none.
-const Json* handed_on(const Json& node, const Json& statement) {
-  const Json& bits = node["bits"];
-  const Json* found = nullptr;
-  for (const Json& cause : statement["causes"]) {
-    const Json& own = cause["bits"];
-    if (cause["condition"].get<bool>() || !own.is_string() || !bits.is_string() ||
-        own.get_ref<const std::string&>().size() != bits.get_ref<const std::string&>().size())
-      continue;
-    if (found != nullptr || own != bits) return nullptr;
-    found = &cause;
-  }
-  return found;
-}
-
 /// Lines of the statements of a cone, the nearest to its root first. Those that hand on what another
-/// signal has are no step, nor are the parts that a line of dataflow is made of.
-Json lines_of(const Json& cone) {
+/// signal has are no step, nor are the parts that a line of dataflow is made of. Operators that are
+/// known to be right end it.
+Json lines_of(const Json& cone, bool operators) {
   struct Waiting {
     const Json* node;
     unsigned drivers;
@@ -163,22 +155,22 @@ Json lines_of(const Json& cone) {
     for (const Json& statement : (*now.node)["statements"]) {
       const std::string file =
           fs::path(statement["source_file"].get<std::string>()).filename().string();
+      if (!operators && is_operator(file)) continue;
       const int line = statement["line"];
-      const Json* const same = handed_on(*now.node, statement);
+      const Json& causes = statement["causes"];
+      const bool handed_on = statement["handed_on"].is_number();
+      const std::size_t same = handed_on ? statement["handed_on"].get<std::size_t>() : causes.size();
       if (!file.empty() && seen.emplace(file, line).second)
         lines.push_back({{"file", file},
                          {"line", line},
                          {"drivers", now.drivers},
-                         {"handed_on", same != nullptr},
+                         {"handed_on", handed_on},
                          {"source_text", statement["source_text"]}});
-      if (same != nullptr) waiting.push_front({same, now.drivers});
-      for (const Json& cause : statement["causes"]) {
-        if (&cause == same) continue;
-        if (same == nullptr && is_wiring(file))
-          waiting.push_front({&cause, now.drivers});
+      for (std::size_t i = 0; i < causes.size(); ++i)
+        if (i == same || (!handed_on && is_wiring(file)))
+          waiting.push_front({&causes[i], now.drivers});
         else
-          waiting.push_back({&cause, now.drivers + 1});
-      }
+          waiting.push_back({&causes[i], now.drivers + 1});
     }
   }
   return lines;
@@ -384,13 +376,17 @@ void bundle_causes(Bundle& bundle, const std::string& signal, const wave::Origin
   const std::string asked = fmt::format("{}@{}", made.signal, made.time);
   request.words = {asked};
   request.max = kCauses;
+  request.depth = kDepth;
   Json& j = bundle.json();
   std::string text;
   try {
     text = wave::why_text(request);
     request.json = true;
+    request.max = kMostNodes;
     const Json why = Json::parse(wave::why_text(request));
-    j["cause_lines"] = lines_of(why["cone"]);
+    // Of a pipe no operator of which parts it is the wires in between.
+    const bool wires = j.value("differs_alone", false) && j["first_differences"].empty();
+    j["cause_lines"] = lines_of(why["cone"], !wires);
     j["made_signal"] = why["cone"]["name"];
     j["made_at"] = why["cone"]["at"];
   } catch (const Error& e) {

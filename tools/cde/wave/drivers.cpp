@@ -115,8 +115,7 @@ class Drivers {
     for (auto d = v.drives.rbegin(); d != v.drives.rend(); ++d) {
       const Drive& drive = body.drives[*d];
       if (settled != 0 && drive.process == settled) continue;
-      const Values turn = values_in_turn(drive);
-      const Context c{all_, wanted_.unit, drive.scope, turn ? &turn : values_};
+      const Context c{all_, wanted_.unit, drive.scope, values_, turn_of(drive)};
       std::vector<Overlap> overlaps;
       collect_overlaps(c, *drive.target, wanted_, overlaps);
       if (overlaps.empty()) continue;
@@ -159,33 +158,28 @@ class Drivers {
                   std::make_move_iterator(backwards.rend()));
   }
 
-  /// Values in that turn of a loop in which a statement assigns the wanted bits, which say what the
-  /// loop's variable is then; nothing if there is none.
-  [[nodiscard]] Values values_in_turn(const Drive& drive) const {
-    if (values_ == nullptr) return nullptr;
-    std::optional<Slice> index;
-    std::vector<Slice> read;
-    collect_sources({all_, wanted_.unit, drive.scope, values_}, *drive.target, read);
-    for (const Slice& s : read) {
-      if (!all_.variable(s).in_process || !(*values_)(s).empty()) continue;
-      if (index && index->variable != s.variable) return nullptr;
-      index = all_.whole(s.unit, s.variable);
+  /// That turn of a loop in which a statement assigns the wanted bits; nothing if it is in none.
+  [[nodiscard]] std::optional<Turn> turn_of(const Drive& drive) const {
+    if (values_ == nullptr) return std::nullopt;
+    Context c{all_, wanted_.unit, drive.scope, values_};
+    std::optional<Turn> turn;
+    std::vector<const Element*> read = {drive.target};
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      read.insert(read.end(), read[i]->children().begin(), read[i]->children().end());
+      if (!is_reference(*read[i])) continue;
+      const auto s = all_.referred(wanted_.unit, drive.scope, *read[i]);
+      if (!s || !all_.variable(*s).local) continue;
+      if (turn && turn->variable != s->variable) return std::nullopt;
+      turn = Turn{s->variable, 0};
     }
-    for (std::uint64_t turn = 0; index && turn < kMostTurns; ++turn) {
-      const Values values = [this, index = *index, turn](const Slice& s) {
-        if (s.unit != index.unit || s.variable != index.variable) return (*values_)(s);
-        std::string bits;
-        for (std::uint64_t i = s.width; i-- > 0;)
-          bits += s.low + i < 64 && (turn >> (s.low + i) & 1) != 0 ? '1' : '0';
-        return bits;
-      };
+    for (; turn && turn->number < kMostTurns; ++turn->number) {
       std::vector<Overlap> overlaps;
-      collect_overlaps({all_, wanted_.unit, drive.scope, &values}, *drive.target, wanted_,
-                       overlaps);
+      c.turn = turn;
+      collect_overlaps(c, *drive.target, wanted_, overlaps);
       if (overlaps.size() == 1 && overlaps[0].exact && overlaps[0].width == wanted_.width)
-        return values;
+        return turn;
     }
-    return nullptr;
+    return std::nullopt;
   }
 
   /// Something that is assigned, and where it stands.

@@ -2,10 +2,7 @@
 #include "wave/origin.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <set>
-
-#include "wave/cone.hpp"
 
 namespace cde::wave {
 namespace {
@@ -20,22 +17,25 @@ bool tells(const std::string& bits) {
          bits.find('0') != std::string::npos && bits.find('1') != std::string::npos;
 }
 
-/// What the first node has its word from; nothing if it was made there. What is not in the waves is
-/// looked through.
-const Node* handed_on(const Cone& cone) {
-  const auto& nodes = cone.nodes();
-  std::vector<std::size_t> waiting = {0};
-  for (std::size_t i = 0; i < waiting.size(); ++i)
-    for (const Node::Statement& s : nodes[waiting[i]].statements)
-      for (const std::size_t n : s.causes) {
-        if (nodes[n].condition) continue;
-        if (nodes[n].value == nodes[0].value) return &nodes[n];
-        if (nodes[n].value.empty() && !nodes[n].again) waiting.push_back(n);
-      }
-  return nullptr;
-}
-
 }  // namespace
+
+std::optional<std::size_t> handed_on(const std::vector<Node>& nodes, const std::string& bits,
+                                     const Node::Statement& statement) {
+  if (bits.empty()) return std::nullopt;
+  std::optional<std::size_t> found, hidden;
+  for (const std::size_t n : statement.causes) {
+    const Node& cause = nodes[n];
+    if (cause.condition || cause.slice.width != bits.size()) continue;
+    auto& one = cause.value.empty() ? hidden : found;
+    if (one || (!cause.value.empty() && cause.value != bits)) return std::nullopt;
+    one = n;
+  }
+  if (found && hidden) return std::nullopt;
+  if (!hidden) return found;
+  for (const Node::Statement& behind : nodes[*hidden].statements)
+    if (handed_on(nodes, bits, behind)) return hidden;
+  return std::nullopt;
+}
 
 Origin origin_of(Trace& trace, Times& times, const Design& design, const Slice& signal,
                  std::uint64_t time) {
@@ -44,10 +44,21 @@ Origin origin_of(Trace& trace, Times& times, const Design& design, const Slice& 
   for (unsigned hop = 0; hop < kMostHops && seen.emplace(slice, time).second; ++hop) {
     Lines lines(kLines);
     const Cone cone(trace, times, design, slice, time, 1, lines);
-    const Node* const before = tells(cone.nodes().front().value) ? handed_on(cone) : nullptr;
-    if (before == nullptr) break;
-    slice = before->slice;
-    time = before->time;
+    const auto& nodes = cone.nodes();
+    const std::string bits = nodes.front().value;
+    if (!tells(bits)) break;
+    // To the next signal that is in the waves.
+    std::size_t at = 0;
+    do {
+      std::optional<std::size_t> before;
+      for (const Node::Statement& s : nodes[at].statements)
+        if (!before) before = handed_on(nodes, bits, s);
+      if (!before) break;
+      at = *before;
+    } while (nodes[at].value.empty());
+    if (nodes[at].value.empty()) break;
+    slice = nodes[at].slice;
+    time = nodes[at].time;
   }
   return {design.name(slice), time};
 }

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "wave/cone.hpp"
 #include "wave/design.hpp"
 #include "wave/time.hpp"
 #include "wave/value.hpp"
@@ -13,6 +16,13 @@ namespace cde::wave {
 /// design has, as `plain`. Error kUsage if it is neither.
 [[nodiscard]] Slice slice_named(Trace& trace, const Design& design, const std::string& name,
                                 const std::string& plain, const Form& form);
+
+/// The cause of a statement whose bits the statement gives its signal as they are, where those are
+/// `bits`; nothing if it is none. A signal that is not in the waves has the bits of what it is made
+/// of.
+[[nodiscard]] std::optional<std::size_t> handed_on(const std::vector<Node>& nodes,
+                                                   const std::string& bits,
+                                                   const Node::Statement& statement);
 
 /// A signal at a time.
 struct Origin {

@@ -177,9 +177,11 @@ class Picture {
   std::vector<Row> rows_;
 };
 
+/// `handed` are the bits that a node hands on which is not in the waves.
 Json json_of(const Cone& cone, const Design& design, const Times& times, const Form& form,
-             std::size_t n) {
+             std::size_t n, const std::string& handed = "") {
   const Node& node = cone.nodes()[n];
+  const std::string& bits = node.value.empty() ? handed : node.value;
   Json j = {{"name", design.name(node.slice)}};
   if (node.driven != node.slice) j["driven_name"] = design.name(node.driven);
   j.update({{"time", node.time},
@@ -192,15 +194,19 @@ Json json_of(const Cone& cone, const Design& design, const Times& times, const F
             {"remark", node.remark}});
   Json statements = Json::array();
   for (const Node::Statement& s : node.statements) {
-    Json causes = Json::array();
-    for (const std::size_t cause : s.causes)
-      causes.push_back(json_of(cone, design, times, form, cause));
+    Json causes = Json::array(), as_it_is;
+    const auto same = handed_on(cone.nodes(), bits, s);
+    for (const std::size_t cause : s.causes) {
+      if (cause == same) as_it_is = causes.size();
+      causes.push_back(json_of(cone, design, times, form, cause, cause == same ? bits : ""));
+    }
     statements.push_back({{"source_file", s.driver.place.file},
                           {"line", s.driver.place.line},
                           {"source_text", s.driver.place.text},
                           {"register", s.driver.kind == Driver::Kind::kRegister},
                           {"certain", s.driver.sure},
                           {"kept", s.kept},
+                          {"handed_on", as_it_is},
                           {"taken_time", s.edge ? Json(*s.edge) : Json()},
                           {"taken_at", s.edge ? Json(times.text(*s.edge)) : Json()},
                           {"causes", causes}});
