@@ -79,9 +79,24 @@ std::string lines_of(const explain::Explanation& e) {
 /// What a line of dataflow is made of, and what is around a pipe.
 bool is_wiring(const std::string& file) {
   static const std::set<std::string> kAround = {"align.sv",     "lane_select.sv", "fp_lanes.sv",
-                                                "fp_host.sv",   "fp_delay.sv",    "fp_gates.sv",
+                                                "fp_host.sv",   "fp_delay.sv",    "fp_gates.sv",  "fp_sign.sv",
                                                 "pair_pipe.sv", "pair_unit.sv",   "scaled_pipe.sv"};
   return file.starts_with("df_") || file.starts_with("vec_") || kAround.contains(file);
+}
+
+std::string name_of(const wave::Place& place) {
+  return fs::path(place.file).filename().string();
+}
+
+/// The cell of an operator in the design of a unit; empty if it is in none.
+std::string cell_of(const explain::Explanation& e, std::int32_t which) {
+  const std::string& path = e.operators[static_cast<std::size_t>(which)].path;
+  const std::size_t top = path.find("pair_unit.", 1);  // behind Verilator's own name
+  return top == std::string::npos ? "" : path.substr(top, path.rfind('.') - top);
+}
+
+const explain::Step& step_of(const explain::Explanation& e, const explain::Compared& c) {
+  return e.recording.steps[static_cast<std::size_t>(e.recording.operators[c.operation])];
 }
 
 /// What computes in a pipe, below the parts of a line of dataflow.
@@ -89,52 +104,68 @@ bool is_operator(const std::string& file) {
   return file == "fp_lanes.sv" || file == "fp_host.sv" || file == "fp_gates.sv";
 }
 
+/// The check of operands, about which both sides agree where answers are compared.
+bool is_check(const std::string& file) {
+  return file == "shape_check.sv";
+}
+
 /// Signals of an operator that parts which may have come to it wrong: the operand that is another,
-/// both of one that is not certain. Of one with the right operands its own result, if it is that
-/// operation: then its inside is wrong.
-std::vector<std::string> suspects(const explain::Explanation& e, const explain::Finding& f) {
-  const explain::Compared& c = f.compared;
+/// both of one that is not certain.
+std::vector<std::string> operands(const explain::Explanation& e, const explain::Compared& c) {
   std::vector<std::string> signals;
   const auto add = [&](std::int32_t which, const char* port) {
-    const std::string& path = e.operators[static_cast<std::size_t>(which)].path;
-    const std::size_t top = path.find("pair_unit.", 1);  // behind Verilator's own name
-    if (top != std::string::npos)
-      signals.push_back(path.substr(top, path.rfind('.') - top) + port);
+    if (const std::string cell = cell_of(e, which); !cell.empty()) signals.push_back(cell + port);
   };
-  if (c.seat.which < 0)
+  if (c.seat.which < 0) {
     for (const std::int32_t which : c.others)
       for (const char* port : {".a_i", ".b_i"}) add(which, port);
-  if (c.seat.which < 0) return signals;
-  const explain::Step& wanted =
-      e.recording.steps[static_cast<std::size_t>(e.recording.operators[c.operation])];
-  if (c.verdict == explain::Verdict::kResult) {
-    const bool same_order = c.card.a == wanted.a;
-    if (same_order && c.card.operation == wanted.operation) add(c.seat.which, ".r_o");
-    return signals;
+  } else if (c.verdict == explain::Verdict::kOperands) {
+    const explain::Step& wanted = step_of(e, c);
+    const auto is_wanted = [&](std::uint64_t word) { return word == wanted.a || word == wanted.b; };
+    const bool neither = is_wanted(c.card.a) == is_wanted(c.card.b);
+    if (neither || !is_wanted(c.card.a)) add(c.seat.which, ".a_i");
+    if (neither || !is_wanted(c.card.b)) add(c.seat.which, ".b_i");
   }
-  const auto is_wanted = [&](std::uint64_t word) { return word == wanted.a || word == wanted.b; };
-  const bool neither = is_wanted(c.card.a) == is_wanted(c.card.b);
-  if (neither || !is_wanted(c.card.a)) add(c.seat.which, ".a_i");
-  if (neither || !is_wanted(c.card.b)) add(c.seat.which, ".b_i");
   return signals;
 }
 
-/// Lines that what is wrong at the first operators comes from, a few statements far.
+/// The result of an operator that does the right operation with the right operands: its inside is
+/// wrong then. Nothing for others.
+std::vector<std::string> results(const explain::Explanation& e, const explain::Compared& c) {
+  if (c.seat.which < 0 || c.verdict != explain::Verdict::kResult) return {};
+  const explain::Step& wanted = step_of(e, c);
+  const std::string cell = cell_of(e, c.seat.which);
+  if (cell.empty() || c.card.a != wanted.a || c.card.operation != wanted.operation) return {};
+  return {cell + ".r_o"};
+}
+
+/// Lines that what is wrong at the first operators comes from, a few statements far: between them
+/// and the operators before, which are right, or inside of them.
 Json near_lines(const explain::Explanation& e) {
-  std::vector<std::string> signals;
-  for (std::size_t i = 0; i < e.findings.size() && i < kMostOperators; ++i)
-    for (std::string& signal : suspects(e, e.findings[i])) signals.push_back(std::move(signal));
-  if (signals.empty()) return Json::array();
+  std::vector<std::string> before, inside;
+  for (std::size_t i = 0; i < e.findings.size() && i < kMostOperators; ++i) {
+    for (std::string& signal : operands(e, e.findings[i].compared))
+      before.push_back(std::move(signal));
+    for (std::string& signal : results(e, e.findings[i].compared))
+      inside.push_back(std::move(signal));
+  }
+  if (before.empty() && inside.empty()) return Json::array();
   PairConfig plain = e.config;
   plain.tap = false;
   const wave::Design design = wave::Design::of_bitstream("pair_unit", plain.parameters());
   Json lines = Json::array();
-  for (const auto& [p, drivers] : wave::fed_by(design, signals, kSteps, 4 * kMostNear)) {
-    const std::string file = fs::path(p.file).filename().string();
-    if (is_wiring(file) || lines.size() == kMostNear) continue;
-    lines.push_back(
-        {{"file", file}, {"line", p.line}, {"drivers", drivers}, {"source_text", p.text}});
-  }
+  const auto add = [&](const std::vector<std::string>& signals, const wave::Passing& passing) {
+    for (const auto& [p, drivers] :
+         wave::fed_by(design, signals, kSteps, 4 * kMostNear, passing)) {
+      const std::string file = name_of(p);
+      if (is_wiring(file) || lines.size() == kMostNear) continue;
+      lines.push_back(
+          {{"file", file}, {"line", p.line}, {"drivers", drivers}, {"source_text", p.text}});
+    }
+  };
+  add(before, {.wire = [](const wave::Place& p) { return is_wiring(name_of(p)); },
+               .end = [](const wave::Place& p) { return is_operator(name_of(p)); }});
+  add(inside, {});
   return lines;
 }
 
@@ -155,7 +186,7 @@ Json lines_of(const Json& cone, bool operators) {
     for (const Json& statement : (*now.node)["statements"]) {
       const std::string file =
           fs::path(statement["source_file"].get<std::string>()).filename().string();
-      if (!operators && is_operator(file)) continue;
+      if (!operators && (is_operator(file) || is_check(file))) continue;
       const int line = statement["line"];
       const Json& causes = statement["causes"];
       const bool handed_on = statement["handed_on"].is_number();
@@ -186,18 +217,22 @@ Json places_to_look_at(const Json& j) {
     });
     if (known || places.size() == kMostPlaces) return;
     Json place = {{"file", line["file"]}, {"line", line["line"]}, {"reason", reason}};
-    if (line.contains("source_text")) place["source_text"] = line["source_text"];
+    for (const char* key : {"drivers", "source_text"})
+      if (line.contains(key)) place[key] = line[key];
     places.push_back(std::move(place));
   };
   if (j.value("differs_alone", false)) {
-    for (const Json& difference : j["first_differences"])
-      if (!difference["sources"].empty()) {
-        // The line in the text of a pipe, not of what all pipes are made of.
-        const Json* own = nullptr;
-        for (const Json& line : difference["sources"][0])
-          if (own == nullptr || !is_wiring(line["file"])) own = &line;
-        if (own != nullptr) add(*own, "an operator that parts");
-      }
+    for (const Json& difference : j["first_differences"]) {
+      if (difference["sources"].empty()) continue;
+      // The line in the text of a pipe, not of what all pipes are made of.
+      const Json* own = nullptr;
+      for (const Json& line : difference["sources"][0])
+        if (own == nullptr || !is_wiring(line["file"])) own = &line;
+      if (own != nullptr) add(*own, "an operator that parts");
+      // What is next to the first stands before other operators.
+      for (const Json& line : j["near_lines"])
+        if (places.size() == 1) add(line, "feeds it");
+    }
     for (const Json& line : j["near_lines"]) add(line, "feeds it");
   }
   if (!places.empty() || !j.contains("cause_lines")) return places;

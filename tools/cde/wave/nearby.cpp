@@ -13,7 +13,7 @@ constexpr std::size_t kMostSlices = 4000;
 }  // namespace
 
 std::vector<Near> fed_by(const Design& design, const std::vector<std::string>& signals,
-                         unsigned steps, std::size_t most) {
+                         unsigned steps, std::size_t most, const Passing& passing) {
   struct Waiting {
     Slice slice;
     unsigned step;
@@ -35,7 +35,9 @@ std::vector<Near> fed_by(const Design& design, const std::vector<std::string>& s
     const Waiting now = waiting.front();
     waiting.pop_front();
     for (const Driver& d : design.drivers(now.slice, nullptr)) {
-      const bool wire = d.kind == Driver::Kind::kWire || d.kind == Driver::Kind::kPort;
+      if (passing.end && passing.end(d.place)) continue;
+      const bool wire = d.kind == Driver::Kind::kWire || d.kind == Driver::Kind::kPort ||
+                        (passing.wire && passing.wire(d.place));
       if (!wire && now.step == steps) continue;
       const bool known = std::any_of(places.begin(), places.end(), [&](const Near& n) {
         return n.place.file == d.place.file && n.place.line == d.place.line;
