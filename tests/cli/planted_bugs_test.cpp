@@ -28,8 +28,8 @@ using nlohmann::json;
 
 constexpr unsigned kPairs = 400;
 constexpr std::uint64_t kSeed = 20261124;
-constexpr std::size_t kPlaces = 3;   // that a reader looks at
-constexpr unsigned kDrivers = 3;     // statements behind them
+constexpr std::size_t kPlaces = 3;  // that a reader looks at
+constexpr unsigned kDrivers = 3;    // statements behind them
 constexpr std::size_t kBugs = 24, kFiles = 22, kLines = 20;
 
 const fs::path kFolder = fs::path(CDE_SOURCE_DIR) / "tests/cli";

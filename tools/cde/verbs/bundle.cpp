@@ -78,9 +78,9 @@ std::string lines_of(const explain::Explanation& e) {
 
 /// What a line of dataflow is made of, and what is around a pipe.
 bool is_wiring(const std::string& file) {
-  static const std::set<std::string> kAround = {"align.sv",     "lane_select.sv", "fp_lanes.sv",
-                                                "fp_host.sv",   "fp_delay.sv",    "fp_gates.sv",  "fp_sign.sv",
-                                                "pair_pipe.sv", "pair_unit.sv",   "scaled_pipe.sv"};
+  static const std::set<std::string> kAround = {
+      "align.sv",    "lane_select.sv", "fp_lanes.sv",  "fp_host.sv",   "fp_delay.sv",
+      "fp_gates.sv", "fp_sign.sv",     "pair_pipe.sv", "pair_unit.sv", "scaled_pipe.sv"};
   return file.starts_with("df_") || file.starts_with("vec_") || kAround.contains(file);
 }
 
@@ -155,8 +155,7 @@ Json near_lines(const explain::Explanation& e) {
   const wave::Design design = wave::Design::of_bitstream("pair_unit", plain.parameters());
   Json lines = Json::array();
   const auto add = [&](const std::vector<std::string>& signals, const wave::Passing& passing) {
-    for (const auto& [p, drivers] :
-         wave::fed_by(design, signals, kSteps, 4 * kMostNear, passing)) {
+    for (const auto& [p, drivers] : wave::fed_by(design, signals, kSteps, 4 * kMostNear, passing)) {
       const std::string file = name_of(p);
       if (is_wiring(file) || lines.size() == kMostNear) continue;
       lines.push_back(
@@ -169,9 +168,9 @@ Json near_lines(const explain::Explanation& e) {
   return lines;
 }
 
-/// Lines of the statements of a cone, the nearest to its root first. Those that hand on what another
-/// signal has are no step, nor are the parts that a line of dataflow is made of. Operators that are
-/// known to be right end it.
+/// Lines of the statements of a cone, the nearest to its root first. Those that hand on what
+/// another signal has are no step, nor are the parts that a line of dataflow is made of. Operators
+/// that are known to be right end it.
 Json lines_of(const Json& cone, bool operators) {
   struct Waiting {
     const Json* node;
@@ -190,7 +189,8 @@ Json lines_of(const Json& cone, bool operators) {
       const int line = statement["line"];
       const Json& causes = statement["causes"];
       const bool handed_on = statement["handed_on"].is_number();
-      const std::size_t same = handed_on ? statement["handed_on"].get<std::size_t>() : causes.size();
+      const std::size_t same =
+          handed_on ? statement["handed_on"].get<std::size_t>() : causes.size();
       if (!file.empty() && seen.emplace(file, line).second)
         lines.push_back({{"file", file},
                          {"line", line},

@@ -27,7 +27,7 @@ using wave::Transaction;
 /// Passes up to so many clocks are traced as a whole, with what their primaries and records take.
 constexpr std::uint64_t kWhole = 6000;
 constexpr std::uint64_t kWindow = 600;
-constexpr std::uint64_t kAhead = 200;  // clocks of waves before what is wrong was made
+constexpr std::uint64_t kAhead = 200;   // clocks of waves before what is wrong was made
 constexpr std::uint64_t kEnd = 12'000;  // from the least clock at which a sweep can end
 
 struct Waves {

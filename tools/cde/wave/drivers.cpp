@@ -198,8 +198,7 @@ class Drivers {
     };
     const Overlap& o = piece.overlaps[0];
     const std::string now = (*values_)(wanted_), value = evaluate(c, *piece.value);
-    return known(now) && known(value) && now.size() == o.width &&
-           value.size() >= o.low + o.width &&
+    return known(now) && known(value) && now.size() == o.width && value.size() >= o.low + o.width &&
            value.substr(value.size() - o.low - o.width, o.width) != now;
   }
   /// Verilator makes one assignment of several that lie side by side: what is in different lines is
