@@ -195,7 +195,7 @@ Json lines_of(const Json& cone, bool operators) {
         lines.push_back({{"file", file},
                          {"line", line},
                          {"drivers", now.drivers},
-                         {"handed_on", handed_on},
+                         {"is_wire", handed_on || is_wiring(file)},
                          {"source_text", statement["source_text"]}});
       for (std::size_t i = 0; i < causes.size(); ++i)
         if (i == same || (!handed_on && is_wiring(file)))
@@ -239,8 +239,7 @@ Json places_to_look_at(const Json& j) {
   // Wires and what only hands a word on come last.
   for (const bool wires : {false, true})
     for (const Json& line : j["cause_lines"])
-      if (wires == (line["handed_on"].get<bool>() || is_wiring(line["file"])))
-        add(line, "made the signal wrong");
+      if (line["is_wire"] == wires) add(line, "made the signal wrong");
   return places;
 }
 
