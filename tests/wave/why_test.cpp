@@ -361,5 +361,48 @@ TEST_F(Why, ACardsWavesNameTheirStructure) {
   EXPECT_EQ(again.err, "");
 }
 
+const char* const kTurns = R"(module turns(input logic [1:0] pick, input logic [7:0] x,
+    output logic [1:0][7:0] y);
+  always_comb begin
+    y = '0;
+    for (int l = 0; l < 2; l++) begin
+      if (pick[l]) y[l] = x;
+      else if (x == 8'd3) y[l] = 8'd7;
+      else y[l] = 8'd9;
+    end
+  end
+endmodule
+)";
+
+/// Verilator makes one assignment of an if and its else, and of a loop only one turn assigns an
+/// element.
+TEST_F(Why, OfALoopTheTurnAndOfItsIfTheBranchThatWasTaken) {
+  structure("turns", kTurns);
+  {
+    Writer w(folder_ / "turns.fst");
+    w.scope("turns");
+    const fstHandle pick = w.signal("pick [1:0]", 2), x = w.signal("x [7:0]", 8),
+                    y = w.signal("y [15:0]", 16);
+    w.up();
+    w.time(0);
+    w.set(pick, 1), w.set(x, 5), w.set(y, 9 << 8 | 5);
+    w.time(10);
+    w.set(x, 3), w.set(y, 7 << 8 | 3);
+    w.time(20);
+  }
+  const auto taken = [this](const std::string& what, int line) {
+    SCOPED_TRACE(what);
+    const Json statements = why("turns.fst", what, "turns.xml")["cone"]["statements"];
+    EXPECT_EQ(statements.size(), 1u) << statements;
+    EXPECT_EQ(statements.at(0)["line"], line);
+    return statements.at(0);
+  };
+  EXPECT_TRUE(taken("y[15:8]@5", 8)["handed_on"].is_null());
+  (void)taken("y[15:8]@15", 7);
+  const Json as_it_is = taken("y[7:0]@5", 6);
+  ASSERT_TRUE(as_it_is["handed_on"].is_number()) << as_it_is;
+  EXPECT_EQ(as_it_is["causes"][as_it_is["handed_on"].get<std::size_t>()]["name"], "turns.x");
+}
+
 }  // namespace
 }  // namespace cde::testing

@@ -67,6 +67,16 @@ Source source_of(const rtl::Elaboration& design, std::string path) {
   return source;
 }
 
+/// Operators that check operands do no operation of the reference, though they have its operands:
+/// they are no candidates if there are others.
+void leave_out_checks(std::vector<std::int32_t>& operators, const std::vector<Source>& sources) {
+  const auto checks = [&sources](std::int32_t which) {
+    const auto& places = sources[static_cast<std::size_t>(which)].places;
+    return !places.empty() && places.front().file == "shape_check.sv";
+  };
+  if (!std::all_of(operators.begin(), operators.end(), checks)) std::erase_if(operators, checks);
+}
+
 /// Findings that say most first. Operations that were not found say nothing if the answers are the
 /// same, nor does anything of a ring then; otherwise those for which no operator of the card is
 /// left go if there is anything else: the box rule of host arithmetic is no operators, for one.
@@ -145,7 +155,8 @@ Explanation explain(const PairConfig& asked, std::span<const std::uint64_t> a,
   const auto source = [&](std::int32_t which) {
     return e.sources[static_cast<std::size_t>(which)];
   };
-  for (const Compared& c : e.operations) {
+  for (Compared& c : e.operations) {
+    leave_out_checks(c.others, e.sources);
     e.found += c.seat.which >= 0 ? 1 : 0;
     if (!c.first) continue;
     Finding finding{c, {}};

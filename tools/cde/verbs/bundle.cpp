@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <deque>
 #include <set>
 #include <system_error>
 
@@ -33,9 +34,11 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr unsigned kMostFolders = 1000;
-constexpr std::uint64_t kCauses = 200;                     // lines of why.txt
+constexpr std::uint64_t kCauses = 400, kMostNodes = 3000;  // lines of why.txt, and that are read
+constexpr unsigned kDepth = 16;  // registers, most of which hand on a word
 constexpr std::size_t kMostOperators = 3, kMostNear = 24;  // whose operands are looked at
 constexpr unsigned kSteps = 3;
+constexpr std::size_t kMostPlaces = 6;
 constexpr std::size_t kMostLines = 10, kMostCauses = 24;  // lines of fail.txt
 
 fs::path new_folder(const std::string& wanted) {
@@ -75,54 +78,181 @@ std::string lines_of(const explain::Explanation& e) {
 
 /// What a line of dataflow is made of, and what is around a pipe.
 bool is_wiring(const std::string& file) {
-  static const std::set<std::string> kAround = {"align.sv",     "lane_select.sv", "fp_lanes.sv",
-                                                "fp_host.sv",   "fp_delay.sv",    "pair_pipe.sv",
-                                                "pair_unit.sv", "scaled_pipe.sv"};
+  static const std::set<std::string> kAround = {
+      "align.sv",    "lane_select.sv", "fp_lanes.sv",  "fp_host.sv",   "fp_delay.sv",
+      "fp_gates.sv", "fp_sign.sv",     "pair_pipe.sv", "pair_unit.sv", "scaled_pipe.sv"};
   return file.starts_with("df_") || file.starts_with("vec_") || kAround.contains(file);
 }
 
-/// Lines that the operands of the first operators come from, a few statements far.
-Json near_lines(const explain::Explanation& e) {
+std::string name_of(const wave::Place& place) {
+  return fs::path(place.file).filename().string();
+}
+
+/// The cell of an operator in the design of a unit; empty if it is in none.
+std::string cell_of(const explain::Explanation& e, std::int32_t which) {
+  const std::string& path = e.operators[static_cast<std::size_t>(which)].path;
+  const std::size_t top = path.find("pair_unit.", 1);  // behind Verilator's own name
+  return top == std::string::npos ? "" : path.substr(top, path.rfind('.') - top);
+}
+
+const explain::Step& step_of(const explain::Explanation& e, const explain::Compared& c) {
+  return e.recording.steps[static_cast<std::size_t>(e.recording.operators[c.operation])];
+}
+
+/// What computes in a pipe, below the parts of a line of dataflow.
+bool is_operator(const std::string& file) {
+  return file == "fp_lanes.sv" || file == "fp_host.sv" || file == "fp_gates.sv";
+}
+
+/// The check of operands, about which both sides agree where answers are compared.
+bool is_check(const std::string& file) {
+  return file == "shape_check.sv";
+}
+
+/// Signals of an operator that parts which may have come to it wrong: the operand that is another,
+/// both of one that is not certain.
+std::vector<std::string> operands(const explain::Explanation& e, const explain::Compared& c) {
   std::vector<std::string> signals;
-  for (std::size_t i = 0; i < e.findings.size() && i < kMostOperators; ++i) {
-    const explain::Compared& c = e.findings[i].compared;
-    std::vector<std::int32_t> operators = c.others;
-    if (c.seat.which >= 0) operators = {c.seat.which};
-    for (const std::int32_t which : operators) {
-      const std::string& path = e.operators[static_cast<std::size_t>(which)].path;
-      const std::size_t top = path.find("pair_unit.", 1);  // behind Verilator's own name
-      if (top == std::string::npos) continue;
-      for (const char* port : {".a_i", ".b_i"})
-        signals.push_back(path.substr(top, path.rfind('.') - top) + port);
-    }
+  const auto add = [&](std::int32_t which, const char* port) {
+    if (const std::string cell = cell_of(e, which); !cell.empty()) signals.push_back(cell + port);
+  };
+  if (c.seat.which < 0) {
+    for (const std::int32_t which : c.others)
+      for (const char* port : {".a_i", ".b_i"}) add(which, port);
+  } else if (c.verdict == explain::Verdict::kOperands) {
+    const explain::Step& wanted = step_of(e, c);
+    const auto is_wanted = [&](std::uint64_t word) { return word == wanted.a || word == wanted.b; };
+    const bool neither = is_wanted(c.card.a) == is_wanted(c.card.b);
+    if (neither || !is_wanted(c.card.a)) add(c.seat.which, ".a_i");
+    if (neither || !is_wanted(c.card.b)) add(c.seat.which, ".b_i");
   }
-  if (signals.empty()) return Json::array();
+  return signals;
+}
+
+/// The result of an operator that does the right operation with the right operands: its inside is
+/// wrong then. Nothing for others.
+std::vector<std::string> results(const explain::Explanation& e, const explain::Compared& c) {
+  if (c.seat.which < 0 || c.verdict != explain::Verdict::kResult) return {};
+  const explain::Step& wanted = step_of(e, c);
+  const std::string cell = cell_of(e, c.seat.which);
+  if (cell.empty() || c.card.a != wanted.a || c.card.operation != wanted.operation) return {};
+  return {cell + ".r_o"};
+}
+
+/// Lines that what is wrong at the first operators comes from, a few statements far: between them
+/// and the operators before, which are right, or inside of them.
+Json near_lines(const explain::Explanation& e) {
+  std::vector<std::string> before, inside;
+  for (std::size_t i = 0; i < e.findings.size() && i < kMostOperators; ++i) {
+    for (std::string& signal : operands(e, e.findings[i].compared))
+      before.push_back(std::move(signal));
+    for (std::string& signal : results(e, e.findings[i].compared))
+      inside.push_back(std::move(signal));
+  }
+  if (before.empty() && inside.empty()) return Json::array();
   PairConfig plain = e.config;
   plain.tap = false;
   const wave::Design design = wave::Design::of_bitstream("pair_unit", plain.parameters());
   Json lines = Json::array();
-  for (const wave::Place& p : wave::fed_by(design, signals, kSteps, 4 * kMostNear)) {
-    const std::string file = fs::path(p.file).filename().string();
-    if (is_wiring(file) || lines.size() == kMostNear) continue;
-    lines.push_back({{"file", file}, {"line", p.line}, {"source_text", p.text}});
+  const auto add = [&](const std::vector<std::string>& signals, const wave::Passing& passing) {
+    for (const auto& [p, drivers] : wave::fed_by(design, signals, kSteps, 4 * kMostNear, passing)) {
+      const std::string file = name_of(p);
+      if (is_wiring(file) || lines.size() == kMostNear) continue;
+      lines.push_back(
+          {{"file", file}, {"line", p.line}, {"drivers", drivers}, {"source_text", p.text}});
+    }
+  };
+  add(before, {.wire = [](const wave::Place& p) { return is_wiring(name_of(p)); },
+               .end = [](const wave::Place& p) { return is_operator(name_of(p)); }});
+  add(inside, {});
+  return lines;
+}
+
+/// Lines of the statements of a cone, the nearest to its root first. Those that hand on what
+/// another signal has are no step, nor are the parts that a line of dataflow is made of. Operators
+/// that are known to be right end it.
+Json lines_of(const Json& cone, bool operators) {
+  struct Waiting {
+    const Json* node;
+    unsigned drivers;
+  };
+  Json lines = Json::array();
+  std::set<std::pair<std::string, int>> seen;
+  std::deque<Waiting> waiting = {{&cone, 1}};
+  while (!waiting.empty()) {
+    const Waiting now = waiting.front();
+    waiting.pop_front();
+    for (const Json& statement : (*now.node)["statements"]) {
+      const std::string file =
+          fs::path(statement["source_file"].get<std::string>()).filename().string();
+      if (!operators && (is_operator(file) || is_check(file))) continue;
+      const int line = statement["line"];
+      const Json& causes = statement["causes"];
+      const bool handed_on = statement["handed_on"].is_number();
+      const std::size_t same =
+          handed_on ? statement["handed_on"].get<std::size_t>() : causes.size();
+      if (!file.empty() && seen.emplace(file, line).second)
+        lines.push_back({{"file", file},
+                         {"line", line},
+                         {"drivers", now.drivers},
+                         {"is_wire", handed_on || is_wiring(file)},
+                         {"source_text", statement["source_text"]}});
+      for (std::size_t i = 0; i < causes.size(); ++i)
+        if (i == same || (!handed_on && is_wiring(file)))
+          waiting.push_front({&causes[i], now.drivers});
+        else
+          waiting.push_back({&causes[i], now.drivers + 1});
+    }
   }
   return lines;
 }
 
-/// Lines of the statements of a cone, the nearest to its root first.
-Json lines_of(const Json& cone) {
-  Json lines = Json::array();
-  std::vector<const Json*> nodes = {&cone};
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    for (const Json& statement : (*nodes[i])["statements"]) {
-      const Json line = {
-          {"file", fs::path(statement["source_file"].get<std::string>()).filename().string()},
-          {"line", statement["line"]}};
-      if (line["file"] != "" && std::find(lines.begin(), lines.end(), line) == lines.end())
-        lines.push_back(line);
-      for (const Json& cause : statement["causes"]) nodes.push_back(&cause);
+/// What a reader looks at first, the likeliest lines first: of a pipe that is wrong by itself where
+/// it parts and what feeds that; of the card, or if no operator parts, what made the signal wrong.
+Json places_to_look_at(const Json& j) {
+  Json places = Json::array();
+  const auto add = [&](const Json& line, const char* reason) {
+    const bool known = std::any_of(places.begin(), places.end(), [&](const Json& p) {
+      return p["file"] == line["file"] && p["line"] == line["line"];
+    });
+    if (known || places.size() == kMostPlaces) return;
+    Json place = {{"file", line["file"]}, {"line", line["line"]}, {"reason", reason}};
+    for (const char* key : {"drivers", "source_text"})
+      if (line.contains(key)) place[key] = line[key];
+    places.push_back(std::move(place));
+  };
+  if (j.value("differs_alone", false)) {
+    for (const Json& difference : j["first_differences"]) {
+      if (difference["sources"].empty()) continue;
+      // The line in the text of a pipe, not of what all pipes are made of.
+      const Json* own = nullptr;
+      for (const Json& line : difference["sources"][0])
+        if (own == nullptr || !is_wiring(line["file"])) own = &line;
+      if (own != nullptr) add(*own, "an operator that parts");
+      // What is next to the first stands before other operators.
+      for (const Json& line : j["near_lines"])
+        if (places.size() == 1) add(line, "feeds it");
     }
-  return lines;
+    for (const Json& line : j["near_lines"]) add(line, "feeds it");
+  }
+  if (!places.empty() || !j.contains("cause_lines")) return places;
+  // Wires and what only hands a word on come last.
+  for (const bool wires : {false, true})
+    for (const Json& line : j["cause_lines"])
+      if (line["is_wire"] == wires) add(line, "made the signal wrong");
+  return places;
+}
+
+std::string text_of_places(const Json& places) {
+  std::string text;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Json& p = places[i];
+    text += fmt::format("  {}. {}:{}, {}\n", i + 1, p["file"].get<std::string>(),
+                        p["line"].get<int>(), p["reason"].get<std::string>());
+    if (p.contains("source_text"))
+      text += fmt::format("     {}\n", p["source_text"].get<std::string>());
+  }
+  return text;
 }
 
 /// The first lines of a text.
@@ -156,8 +286,8 @@ Bundle::Bundle(const std::string& folder) : folder_(new_folder(folder)) {
 }
 
 void Bundle::add(std::string_view heading, std::string_view text) {
-  page_ += fmt::format("{}{}\n{:=<{}}\n\n{}{}", page_.empty() ? "" : "\n", heading, "",
-                       heading.size(), text, text.ends_with('\n') ? "" : "\n");
+  sections_.push_back(fmt::format("{}\n{:=<{}}\n\n{}{}", heading, "", heading.size(), text,
+                                  text.ends_with('\n') ? "" : "\n"));
 }
 
 void Bundle::write(const std::string& name, std::string_view text) {
@@ -165,8 +295,14 @@ void Bundle::write(const std::string& name, std::string_view text) {
 }
 
 void Bundle::finish() {
+  const Json places = places_to_look_at(json_);
+  if (!places.empty()) {
+    json_["places"] = places;
+    add("Where to look first", text_of_places(places));
+    std::rotate(sections_.begin() + 1, sections_.end() - 1, sections_.end());  // behind the message
+  }
   write("fail.json", json_text(json_) + '\n');
-  write("fail.txt", page_);
+  write("fail.txt", fmt::format("{}", fmt::join(sections_, "\n")));
 }
 
 std::string packed(const BundleRequest& request, bool quiet,
@@ -249,32 +385,53 @@ bool bundle_explanation(Bundle& bundle, const explain::Explanation& e, const std
     for (const Json& line : j["near_lines"])
       near += fmt::format("  {}:{}  {}\n", line["file"].get<std::string>(), line["line"].get<int>(),
                           line["source_text"].get<std::string>());
-    if (!near.empty()) text += fmt::format("\nTheir operands come from\n{}", near);
+    if (!near.empty()) text += fmt::format("\nWhat is wrong there comes from\n{}", near);
   }
   text += fmt::format("\nAll operations are in explain.txt; again:\n\n    {}\n", again);
   bundle.add("Where they part", text);
   return !e.same();
 }
 
-void bundle_causes(Bundle& bundle, const std::string& signal) {
+wave::Origin made_at(const fs::path& file, const std::string& signal, std::uint64_t time) {
+  try {
+    wave::Trace trace(file);
+    wave::Times times(trace, "");
+    const wave::Design design = wave::Design::of(trace, "");
+    const wave::Slice slice = wave::slice_named(trace, design, signal, signal, wave::Form{});
+    return wave::origin_of(trace, times, design, slice, time);
+  } catch (const Error&) {  // its causes are not found either, and that is told
+    return {signal, time};
+  }
+}
+
+void bundle_causes(Bundle& bundle, const std::string& signal, const wave::Origin& made) {
   wave::Request request;
   request.file = (bundle.folder() / "waves.fst").string();
-  request.words = {signal + "@fail"};
+  const std::string asked = fmt::format("{}@{}", made.signal, made.time);
+  request.words = {asked};
   request.max = kCauses;
+  request.depth = kDepth;
+  Json& j = bundle.json();
   std::string text;
   try {
     text = wave::why_text(request);
     request.json = true;
-    bundle.json()["cause_lines"] = lines_of(Json::parse(wave::why_text(request))["cone"]);
+    request.max = kMostNodes;
+    const Json why = Json::parse(wave::why_text(request));
+    // Of a pipe no operator of which parts it is the wires in between.
+    const bool wires = j.value("differs_alone", false) && j["first_differences"].empty();
+    j["cause_lines"] = lines_of(why["cone"], !wires);
+    j["made_signal"] = why["cone"]["name"];
+    j["made_at"] = why["cone"]["at"];
   } catch (const Error& e) {
-    text = fmt::format("{} has no causes that could be found: {}\n", signal, e.what());
+    text = fmt::format("{} has no causes that could be found: {}\n", asked, e.what());
   }
-  bundle.json()["wrong_signal"] = signal;
+  j["wrong_signal"] = signal;
   bundle.write("why.txt", text);
   bundle.add("What made the signal wrong",
-             fmt::format("{}\nFurther back, in this folder:\n\n    cde wave why waves.fst {} "
-                         "--depth 10\n",
-                         beginning(text), shell_word(signal + "@fail")));
+             fmt::format("{} is wrong; where its word was made:\n\n{}\nFurther back, in this "
+                         "folder:\n\n    cde wave why waves.fst {} --depth 10\n",
+                         signal, beginning(text), shell_word(asked)));
 }
 
 Json result_json(const FpFormat& format, const PairResult& r) {

@@ -15,6 +15,7 @@
 #include "cde/query/difference.hpp"
 #include "cde/support/error.hpp"
 #include "explain/explanation.hpp"
+#include "wave/origin.hpp"
 
 /// What a failure leaves: one folder with the waves around it, where card and reference part, and
 /// the commands that repeat it.
@@ -44,7 +45,7 @@ class Bundle {
  private:
   std::filesystem::path folder_;
   nlohmann::ordered_json json_;
-  std::string page_;
+  std::vector<std::string> sections_;  ///< of fail.txt
 };
 
 /// Runs `fill`, and says in a line to be put behind the error where the failure is packed, or why
@@ -107,9 +108,14 @@ void bundle_hang(Bundle& bundle, const HangFailure& failure);
 bool bundle_explanation(Bundle& bundle, const explain::Explanation& explanation,
                         const std::string& options, const std::string& words);
 
-/// What made `signal` have its value at the failure, with its lines: why.txt. `signal` as `cde wave
-/// why` takes it.
-void bundle_causes(Bundle& bundle, const std::string& signal);
+/// Where the word that `signal` has at a time of the waves in `file` was made; where it is, if that
+/// is not known.
+[[nodiscard]] wave::Origin made_at(const std::filesystem::path& file, const std::string& signal,
+                                   std::uint64_t time);
+
+/// What made `signal` have its value at the failure, with its lines: why.txt. `made` says where
+/// it was made, in waves.fst. `signal` as `cde wave why` takes it.
+void bundle_causes(Bundle& bundle, const std::string& signal, const wave::Origin& made);
 
 /// Words as hexfloats.
 [[nodiscard]] nlohmann::ordered_json result_json(const FpFormat& format, const PairResult& result);

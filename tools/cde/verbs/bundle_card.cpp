@@ -27,6 +27,7 @@ using wave::Transaction;
 /// Passes up to so many clocks are traced as a whole, with what their primaries and records take.
 constexpr std::uint64_t kWhole = 6000;
 constexpr std::uint64_t kWindow = 600;
+constexpr std::uint64_t kAhead = 200;   // clocks of waves before what is wrong was made
 constexpr std::uint64_t kEnd = 12'000;  // from the least clock at which a sweep can end
 
 struct Waves {
@@ -185,7 +186,8 @@ class Tracker {
       if (t.kind != "record" || number_of(t, "primary") != f_.place) continue;
       const std::string index = field_of(t, "index");
       if (wanted && wanted->f && index != "none" && number_of(t, "index") != wanted->index &&
-          waves_.all.size() > 1 && field_of(t, "normal") == "0" && many_records())
+          waves_.all.size() > 1 && field_of(t, "normal") == "0" && many_records() &&
+          !is_of_no_pair(t))
         continue;  // of another secondary
       const std::vector<float> distance = numbers_in(field_of(t, "T"));
       const bool same =
@@ -199,6 +201,17 @@ class Tracker {
     }
     if (waves_.whole && wanted)
       text += fmt::format("  --> no record of primary {} was written\n", f_.place);
+  }
+  /// Whether its secondary is one whose pair has another distance than the record.
+  [[nodiscard]] bool is_of_no_pair(const Transaction& record) const {
+    const std::vector<float> distance = numbers_in(field_of(record, "T"));
+    const auto index = number_of(record, "index");
+    for (const auto& [secondary, words] : f_.difference.secondaries) {
+      if (secondary != index || distance.empty()) continue;
+      const float t = std::bit_cast<float>(static_cast<std::uint32_t>(expected(words).t));
+      return differing_word(std::span(&t, 1), distance).has_value();
+    }
+    return false;
   }
   [[nodiscard]] bool many_records() const {
     return std::count_if(waves_.all.begin(), waves_.all.end(), [this](const Transaction& t) {
@@ -351,20 +364,25 @@ void bundle_card(Bundle& bundle, const CardFailure& f) {
     bundle.json()["stage"] = stage->name;
   }
   bundle.add("On the card", text);
-  std::uint64_t fail = 0;
-  {
-    wave::Trace trace(whole_file);
-    fail = stage ? stage->time : trace.start() + (trace.end() - trace.start()) / 2;
-  }
-  WaveWindow window{.fail = fail, .before = 200, .behind = 60};
+  WaveWindow window{.before = kAhead, .behind = 60};
+  std::optional<wave::Origin> made;
   if (stage && !stage->signal.empty()) {
     window.shown = {stage->signal};
     window.first = {stage->signal};
+    made = made_at(whole_file, stage->signal, stage->time);
+  }
+  {
+    wave::Trace trace(whole_file);
+    window.fail = stage ? stage->time : trace.start() + (trace.end() - trace.start()) / 2;
+    // A word that was made long before is in the waves, too.
+    wave::Times times(trace, "");
+    if (made && made->time < window.fail && times.clock_if_any() != nullptr)
+      window.before += *times.cycle(window.fail) - times.cycle(made->time).value_or(0);
   }
   keep_waves(bundle, whole_file, window);
   std::error_code none;
   fs::remove(whole_file, none);
-  if (stage && !stage->signal.empty()) bundle_causes(bundle, stage->signal);
+  if (made) bundle_causes(bundle, stage->signal, *made);
 }
 
 }  // namespace cde::cli

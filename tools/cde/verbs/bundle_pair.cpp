@@ -183,7 +183,10 @@ void bundle_pair(Bundle& bundle, const PairFailure& f) {
   bundle_waves(bundle, f);
   const explain::Explanation e = explain::explain(f.config, a, b, f.budget);
   (void)bundle_explanation(bundle, e, f.options, words);
-  bundle_causes(bundle, differing_signal(f));
+  const std::string wrong = differing_signal(f);
+  bundle_causes(bundle, wrong,
+                made_at(bundle.folder() / "waves.fst", wrong,
+                        bundle.json()["wave_window"]["fail_time"].get<std::uint64_t>()));
 }
 
 }  // namespace cde::cli

@@ -103,7 +103,7 @@ class Cone {
   Times& times_;
   const Design& design_;
   Sampled waves_;
-  unsigned depth_, steps_ = 400;  ///< steps: edges that may yet be looked at for what is hidden
+  unsigned depth_, steps_ = 2000;  ///< steps: edges that may yet be looked at for what is hidden
   Lines& lines_;
   std::vector<Node> nodes_;
   std::map<std::pair<Slice, std::uint64_t>, std::size_t> seen_;

@@ -11,6 +11,7 @@ namespace {
 using rtl::Element;
 
 constexpr std::uint64_t kAll = ~std::uint64_t{0};
+constexpr std::uint64_t kMostTurns = 256;  // of a loop
 
 /// 1, 0, or x if it is not known.
 char holds(const Context& c, const Element& condition) {
@@ -114,7 +115,7 @@ class Drivers {
     for (auto d = v.drives.rbegin(); d != v.drives.rend(); ++d) {
       const Drive& drive = body.drives[*d];
       if (settled != 0 && drive.process == settled) continue;
-      const Context c{all_, wanted_.unit, drive.scope, values_};
+      const Context c{all_, wanted_.unit, drive.scope, values_, turn_of(drive)};
       std::vector<Overlap> overlaps;
       collect_overlaps(c, *drive.target, wanted_, overlaps);
       if (overlaps.empty()) continue;
@@ -139,8 +140,12 @@ class Drivers {
         covers = covers || (o.exact && o.width == wanted_.width);
       }
       for (const Piece& piece : pieces(c, drive, overlaps)) {
+        if (drive.edges == nullptr && covers && is_other(c, piece)) continue;
         Driver own = driver;
         own.place = place_of(design_, all_.netlist, piece.at);
+        own.sure = own.sure && piece.sure;
+        for (const Element* condition : piece.conditions)
+          collect_sources(c, *condition, own.controls);
         for (const Overlap& o : piece.overlaps)
           collect_sources(c, *piece.value, o.low, o.width, own.sources);
         if (is_through(drive, own, covers)) own.kind = Driver::Kind::kWire;
@@ -153,12 +158,49 @@ class Drivers {
                   std::make_move_iterator(backwards.rend()));
   }
 
+  /// That turn of a loop in which a statement assigns the wanted bits; nothing if it is in none.
+  [[nodiscard]] std::optional<Turn> turn_of(const Drive& drive) const {
+    if (values_ == nullptr) return std::nullopt;
+    Context c{all_, wanted_.unit, drive.scope, values_};
+    std::optional<Turn> turn;
+    std::vector<const Element*> read = {drive.target};
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      read.insert(read.end(), read[i]->children().begin(), read[i]->children().end());
+      if (!is_reference(*read[i])) continue;
+      const auto s = all_.referred(wanted_.unit, drive.scope, *read[i]);
+      if (!s || !all_.variable(*s).local) continue;
+      if (turn && turn->variable != s->variable) return std::nullopt;
+      turn = Turn{s->variable, 0};
+    }
+    for (; turn && turn->number < kMostTurns; ++turn->number) {
+      std::vector<Overlap> overlaps;
+      c.turn = turn;
+      collect_overlaps(c, *drive.target, wanted_, overlaps);
+      if (overlaps.size() == 1 && overlaps[0].exact && overlaps[0].width == wanted_.width)
+        return turn;
+    }
+    return std::nullopt;
+  }
+
   /// Something that is assigned, and where it stands.
   struct Piece {
     const Element* value = nullptr;
     const Element* at = nullptr;
     std::vector<Overlap> overlaps;
+    std::vector<const Element*> conditions = {};  ///< under which it is the one
+    bool sure = true;                             ///< with values: it is
   };
+  /// Whether a piece is known to have another value than the wanted bits have now.
+  [[nodiscard]] bool is_other(const Context& c, const Piece& piece) const {
+    if (values_ == nullptr || piece.overlaps.size() != 1) return false;
+    const auto known = [](const std::string& bits) {
+      return !bits.empty() && bits.find_first_not_of("01") == std::string::npos;
+    };
+    const Overlap& o = piece.overlaps[0];
+    const std::string now = (*values_)(wanted_), value = evaluate(c, *piece.value);
+    return known(now) && known(value) && now.size() == o.width && value.size() >= o.low + o.width &&
+           value.substr(value.size() - o.low - o.width, o.width) != now;
+  }
   /// Verilator makes one assignment of several that lie side by side: what is in different lines is
   /// taken apart again.
   [[nodiscard]] std::vector<Piece> pieces(const Context& c, const Drive& drive,
@@ -168,13 +210,40 @@ class Drivers {
     if (value->tag() == "concat")
       for (const Overlap& o : overlaps) take_apart(c, *value, o, all);
     if (all.size() == 1 && overlaps.size() == 1) return all;
+    if (value->tag() == "cond") {
+      Context unknown = c;
+      unknown.values = nullptr;
+      branches(unknown, {value, drive.statement, overlaps}, all);
+    }
     std::set<std::pair<std::string, unsigned>> lines;
     for (const Piece& p : all) {
       const rtl::Line line = all_.netlist.line(*p.at);
       lines.emplace(line.file, line.line);
     }
-    if (lines.size() > 1) return all;
-    return {{value, drive.statement, overlaps}};
+    if (lines.size() <= 1) return {{value, drive.statement, overlaps}};
+    if (value->tag() == "cond") {
+      all.clear();
+      branches(c, {value, drive.statement, overlaps}, all);
+    }
+    return all;
+  }
+  /// Verilator makes one assignment of those of an if and its else, too. With values only the
+  /// branch that is taken.
+  void branches(const Context& c, const Piece& piece, std::vector<Piece>& all) const {
+    const Element& e = *piece.value;
+    if (e.tag() != "cond" || e.child(2) == nullptr) {
+      all.push_back(piece);
+      return;
+    }
+    const char h = c.values == nullptr ? 'x' : holds(c, *e.child(0));
+    for (const std::size_t branch : {1u, 2u}) {
+      if (h == (branch == 1 ? '0' : '1')) continue;
+      Piece own = piece;
+      own.value = own.at = e.child(branch);
+      own.conditions.push_back(e.child(0));
+      own.sure = piece.sure && h != 'x';
+      branches(c, own, all);
+    }
   }
   void take_apart(const Context& c, const Element& e, const Overlap& o,
                   std::vector<Piece>& all) const {

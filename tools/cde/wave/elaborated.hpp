@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,11 +45,18 @@ struct Design::Elaborated {
                                               const rtl::Element& reference) const;
 };
 
+/// A turn of a loop: its variable, and what that is.
+struct Turn {
+  std::uint32_t variable = 0;
+  std::uint64_t number = 0;
+};
+
 /// Where a statement or an expression stands.
 struct Context {
   const Design::Elaborated& all;
   std::uint32_t unit = 0, scope = 0;
   const Values* values = nullptr;
+  std::optional<Turn> turn = {};
 };
 
 /// Value of an expression, as far as those of its signals are known: bits as in Values.

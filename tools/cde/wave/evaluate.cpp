@@ -103,6 +103,8 @@ std::string computed(std::string_view tag, const std::string& a, const std::stri
     value = *l + *r;
   else if (tag == "sub")
     value = *l - *r;
+  else if (tag == "mul")
+    value = *l * *r;
   else if (tag == "shiftl")
     value = *r < 64 ? *l << *r : 0;
   else
@@ -136,7 +138,7 @@ std::string operation(const Context& c, const Element& e) {
   if (tag == "extend") return resized(a, width);
   if (tag == "extends") return a.empty() ? a : resized(a, width, a[0]);
   if (tag == "concat") return a.empty() || b.empty() ? std::string() : a + b;
-  if (tag == "add" || tag == "sub" || tag == "shiftl" || tag == "shiftr")
+  if (tag == "add" || tag == "sub" || tag == "mul" || tag == "shiftl" || tag == "shiftr")
     return computed(tag, a, b, width);
   return e.child(1) != nullptr ? compared(tag, a, b) : std::string();
 }
@@ -157,12 +159,22 @@ std::optional<Slice> selected(const Context& c, const Element& e) {
   return inner;
 }
 
+/// Bits of a loop's variable, if it is known which turn it is.
+std::string in_turn(const Context& c, const Slice& slice) {
+  if (!c.turn || c.turn->variable != slice.variable) return {};
+  std::string bits;
+  for (std::uint64_t i = slice.low + slice.width; i-- > slice.low;)
+    bits += i < 64 && (c.turn->number >> i & 1) != 0 ? '1' : '0';
+  return bits;
+}
+
 }  // namespace
 
 std::string evaluate(const Context& c, const Element& e) {
   if (e.tag() == "const") return rtl::constant_bits(e);
   if (const auto slice = selected(c, e)) {
-    if (c.all.variable(*slice).local || c.values == nullptr || slice->width > kMostBits) return {};
+    if (c.values == nullptr || slice->width > kMostBits) return {};
+    if (c.all.variable(*slice).local) return in_turn(c, *slice);
     return (*c.values)(*slice);
   }
   if (e.child(0) == nullptr || e.tag() == "funcref") return {};

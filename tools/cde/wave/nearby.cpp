@@ -12,15 +12,15 @@ constexpr std::size_t kMostSlices = 4000;
 
 }  // namespace
 
-std::vector<Place> fed_by(const Design& design, const std::vector<std::string>& signals,
-                          unsigned steps, std::size_t most) {
+std::vector<Near> fed_by(const Design& design, const std::vector<std::string>& signals,
+                         unsigned steps, std::size_t most, const Passing& passing) {
   struct Waiting {
     Slice slice;
     unsigned step;
   };
   std::deque<Waiting> waiting;
   std::set<Slice> seen;
-  std::vector<Place> places;
+  std::vector<Near> places;
   // Slices of one step before those of the next: wires go in front.
   const auto add = [&](const Slice& slice, unsigned step, bool wire) {
     if (seen.size() >= kMostSlices || !seen.insert(slice).second) return;
@@ -35,14 +35,17 @@ std::vector<Place> fed_by(const Design& design, const std::vector<std::string>& 
     const Waiting now = waiting.front();
     waiting.pop_front();
     for (const Driver& d : design.drivers(now.slice, nullptr)) {
-      const bool wire = d.kind == Driver::Kind::kWire || d.kind == Driver::Kind::kPort;
+      if (passing.end && passing.end(d.place)) continue;
+      const bool wire = d.kind == Driver::Kind::kWire || d.kind == Driver::Kind::kPort ||
+                        (passing.wire && passing.wire(d.place));
       if (!wire && now.step == steps) continue;
-      const bool known = std::any_of(places.begin(), places.end(), [&](const Place& p) {
-        return p.file == d.place.file && p.line == d.place.line;
+      const bool known = std::any_of(places.begin(), places.end(), [&](const Near& n) {
+        return n.place.file == d.place.file && n.place.line == d.place.line;
       });
-      if (!known && d.place.line != 0 && places.size() < most) places.push_back(d.place);
+      const unsigned step = now.step + (wire ? 0 : 1);
+      if (!known && d.place.line != 0 && places.size() < most) places.push_back({d.place, step});
       for (const auto* all : {&d.sources, &d.controls})
-        for (const Slice& s : *all) add(s, now.step + (wire ? 0 : 1), wire);
+        for (const Slice& s : *all) add(s, step, wire);
     }
   }
   return places;

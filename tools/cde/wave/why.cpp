@@ -10,6 +10,7 @@
 #include "cde/support/message.hpp"
 #include "output/streams.hpp"
 #include "wave/cone.hpp"
+#include "wave/origin.hpp"
 #include "wave/request.hpp"
 
 namespace cde::wave {
@@ -60,26 +61,7 @@ Asked asked(const Request& r, Trace& trace, Times& times, const Design& design) 
       plain = name.substr(0, colon);
     }
   }
-  View v;
-  try {
-    v = view(trace, name, r.default_form());
-  } catch (const Error&) {
-    const auto found = hidden(design, plain);
-    if (!found) throw;
-    a.slice = *found;
-    return a;
-  }
-  const auto found = slice_of(trace, design, v.signal);
-  if (!found || found->width != v.signal.width)
-    throw Error(
-        ErrorCode::kUsage,
-        fmt::format(
-            "{} is in the waves, but {}: the design is {}", printable_name(v.signal.name),
-            found ? fmt::format("has {} bits in the design", found->width) : "not in the design",
-            printable_name(design.prefix())));
-  a.slice = *found;
-  a.slice.low += v.signal.width - v.first - v.width;
-  a.slice.width = v.width;
+  a.slice = slice_named(trace, design, name, plain, r.default_form());
   return a;
 }
 
@@ -218,9 +200,11 @@ class Picture {
   std::vector<Row> rows_;
 };
 
+/// `handed` are the bits that a node hands on which is not in the waves.
 Json json_of(const Cone& cone, const Design& design, const Times& times, const Texts& texts,
-             std::size_t n) {
+             std::size_t n, const std::string& handed = "") {
   const Node& node = cone.nodes()[n];
+  const std::string& bits = node.value.empty() ? handed : node.value;
   Json j = {{"name", design.name(node.slice)}};
   if (node.driven != node.slice) j["driven_name"] = design.name(node.driven);
   j.update({{"time", node.time},
@@ -233,15 +217,19 @@ Json json_of(const Cone& cone, const Design& design, const Times& times, const T
             {"remark", node.remark}});
   Json statements = Json::array();
   for (const Node::Statement& s : node.statements) {
-    Json causes = Json::array();
-    for (const std::size_t cause : s.causes)
-      causes.push_back(json_of(cone, design, times, texts, cause));
+    Json causes = Json::array(), as_it_is;
+    const auto same = handed_on(cone.nodes(), bits, s);
+    for (const std::size_t cause : s.causes) {
+      if (cause == same) as_it_is = causes.size();
+      causes.push_back(json_of(cone, design, times, texts, cause, cause == same ? bits : ""));
+    }
     statements.push_back({{"source_file", s.driver.place.file},
                           {"line", s.driver.place.line},
                           {"source_text", s.driver.place.text},
                           {"register", s.driver.kind == Driver::Kind::kRegister},
                           {"certain", s.driver.sure},
                           {"kept", s.kept},
+                          {"handed_on", as_it_is},
                           {"taken_time", s.edge ? Json(*s.edge) : Json()},
                           {"taken_at", s.edge ? Json(times.text(*s.edge)) : Json()},
                           {"causes", causes}});
@@ -251,6 +239,28 @@ Json json_of(const Cone& cone, const Design& design, const Times& times, const T
 }
 
 }  // namespace
+
+Slice slice_named(Trace& trace, const Design& design, const std::string& name,
+                  const std::string& plain, const Form& form) {
+  View v;
+  try {
+    v = view(trace, name, form);
+  } catch (const Error&) {
+    if (const auto found = hidden(design, plain)) return *found;
+    throw;
+  }
+  auto found = slice_of(trace, design, v.signal);
+  if (!found || found->width != v.signal.width)
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format(
+            "{} is in the waves, but {}: the design is {}", printable_name(v.signal.name),
+            found ? fmt::format("has {} bits in the design", found->width) : "not in the design",
+            printable_name(design.prefix())));
+  found->low += v.signal.width - v.first - v.width;
+  found->width = v.width;
+  return *found;
+}
 
 std::string why_text(const Request& r) {
   if (r.words.size() != 1)
