@@ -92,6 +92,25 @@ const std::vector<KindSignals>& card_signals() {
   return kAll;
 }
 
+const KindSignals& tested_signals() {
+  static const KindSignals kTested = {
+      "tested",
+      "pairs of a primary as they arrive at the update engine",
+      {"control.clk_i"},
+      {"control.retire_i", "control.go_i", "control.ready_o", "control.busy_o"},
+      {"engine.row_out[#]", "engine.index[#]", "engine.group[#].lanes.port[#].results.f[#]",
+       "engine.group[#].lanes.port[#].results.bad[#]",
+       "engine.group[#].lanes.port[#].results.streaming_i",
+       "engine.group[#].lanes.port[#].results.update.mask[#]",
+       "engine.group[#].lanes.port[#].results.update.hit[#]",
+       "engine.group[#].lanes.port[#].results.update.better[#]",
+       "engine.group[#].lanes.port[#].results.update.t_value[#]",
+       "engine.group[#].lanes.port[#].results.update.t_old[#]"},
+      {},
+      {}};
+  return kTested;
+}
+
 namespace {
 
 /// Whether a name is a pattern with # for numbers, which it has then.
