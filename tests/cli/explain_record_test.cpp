@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde explain --from-record and --from-test: how a record came about, and the line of a failing
 // test.
-#include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 
 #include "planted.hpp"
@@ -14,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Rays down at four triangles: 3 at z 3, 2 at z 2, 1 at z 3, 0 at z 1, and one behind at z 0.
+/// Rays go down on triangles at z 1, 3, 2 and again 3; the last one is elsewhere.
 const char* const kStack =
     "v 0 0 1\nv 4 0 1\nv 0 4 1\nf 1 2 3\n"
     "v 0 0 3\nv 4 0 3\nv 0 4 3\nf 4 5 6\n"
@@ -22,7 +24,7 @@ const char* const kStack =
     "f 4 5 6\n"
     "v 9 9 0\nv 10 9 0\nv 9 10 0\nf 10 11 12\n";
 
-/// One ray a query and mode; the third one misses, the fourth is masked.
+/// The second ray begins between them, the third one misses, the fourth is masked.
 std::string scene(const std::string& mode) {
   return "frames = 2\n[card]\nlanes = 4\n"
          "[[object]]\nname = \"stack\"\nmesh = \"stack.obj\"\n"
@@ -147,8 +149,20 @@ TEST_F(ExplainRecord, AsTextItEndsWithTheWinnerAndItsPair) {
             std::string::npos);
 }
 
+TEST_F(ExplainRecord, TheManualShowsWhatTheCommandPrints) {
+  write("stack.toml", scene("nearest"));
+  std::ifstream in(std::filesystem::path(CDE_SOURCE_DIR) / "docs/explain.md");
+  const std::string manual{std::istreambuf_iterator<char>(in), {}};
+  const std::string all = text("stack.toml:q:0:0");
+  std::istringstream lines(all.substr(0, all.find("ray-triangle --algorithm")));
+  std::string indented = "    $ cde explain --from-record stack.toml:q:0:0\n";
+  for (std::string line; std::getline(lines, line);)
+    indented += (line.empty() ? "" : "    ") + line + '\n';
+  EXPECT_NE(manual.find(indented), std::string::npos) << indented;
+}
+
 TEST_F(ExplainRecord, ARunIsNamedByItsFolder) {
-  ASSERT_EQ(cde({"run", "nearest.toml", "-o", "out", "-q", "--frames", "0..1"}).status, 0);
+  ASSERT_EQ(cde({"run", "nearest.toml", "--out", "out", "-q", "--frames", "0..1"}).status, 0);
   EXPECT_EQ(told("out:q:1:1")["candidates"].size(), 2u);
 }
 

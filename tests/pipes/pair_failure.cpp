@@ -30,7 +30,8 @@ std::string words_of(const FailedPair& p, std::size_t i) {
       std::array<char, 40> word{};
       std::snprintf(word.data(), word.size(), "0x%0*llx", p.config.format.hex_digits(),
                     static_cast<unsigned long long>(all[i * n + k]));
-      text += (text.empty() || text.ends_with(' ') ? "" : " ") + std::string(word.data());
+      if (!text.empty() && !text.ends_with(' ')) text += ' ';
+      text += word.data();
     }
   };
   words(p.a, primary_words(p.config.pair));
@@ -57,7 +58,10 @@ std::string options_of(const FailedPair& p, bool lanes) {
 
 std::string quoted(const std::string& path) {
   std::string text = "'";
-  for (const char c : path) text += c == '\'' ? "'\\''" : std::string(1, c);
+  for (const char c : path) {
+    if (c == '\'') text += "'\\'";
+    text += c;
+  }
   return text + "'";
 }
 

@@ -193,11 +193,11 @@ class Text {
       return;
     }
     const bool gap = is_solid(s_.asked().pair) && s_.asked().mode != Mode::kAny;
+    if (s_.chosen_by_host)
+      put("\nSome pairs of a thing with itself do not count: the host chooses among the records of "
+          "several passes. Passes whose records are of pairs are not listed.\n");
     put("\nOn the card {}{}{}\n", candidates(count), gap ? "; T is the signed gap" : "",
         count == 0 ? "." : ", in the order in which they came to the update engine:");
-    if (s_.chosen_by_host)
-      put("Some pairs of a thing with itself do not count: the host chooses among the records of "
-          "several passes. Passes whose records are of pairs are not listed.\n");
   }
 
   void list() {
