@@ -193,6 +193,22 @@ TEST(Reference, DoubleAgreesWithFloatOnExactCases) {
   EXPECT_EQ(std::bit_cast<std::uint64_t>(bad.t), 0x7ff8000000000000u);
 }
 
+TEST(Checker, HasThePairsOfADifferenceForExplain) {
+  const Scene scene{{{{0.25f, 0.25f, 0}, {0, 0, 1}}}, {kPlain}};
+  auto records = reference::cast(scene.rays, scene.triangles);
+  reference::Checker right(scene.rays, scene.triangles, Mode::kNearest, {}, 256, "");
+  right.compare(records);
+  EXPECT_EQ(explain_lines(right), "");
+  records[0].t = 2;
+  reference::Checker wrong(scene.rays, scene.triangles, Mode::kNearest, {}, 256, "");
+  wrong.compare(records);
+  EXPECT_EQ(explain_lines(wrong),
+            "\n  explain: cde explain ray-triangle --format fp32 --arith rtl --algorithm moller "
+            "--no-box '0x3e800000 0x3e800000 0x00000000 0x00000000 0x00000000 0x3f800000 "
+            "0x00000000 0x7f800000 | 0x00000000 0x00000000 0x3f800000 0x3f800000 0x00000000 "
+            "0x3f800000 0x00000000 0x3f800000 0x3f800000'");
+}
+
 TEST(Checker, NamesTheDifferenceAndHowToRepeatIt) {
   Random random;
   const Scene scene = beam(random, 10, 20);

@@ -176,6 +176,16 @@ TEST_F(ExplainRecord, WhatTheUpdateEngineKeepsWrongIsNamed) {
   EXPECT_EQ(j["reference_records_of_it"][0]["index"], 1);
   EXPECT_EQ(j["explained"]["index"], 3);
   EXPECT_EQ(j["explained"]["same"], true);
+  // The same by the folder of the run that found it.
+  std::string traced = scene("nearest");
+  traced.insert(traced.find("lanes"), "trace = true\n");
+  write("traced.toml", traced);
+  ASSERT_EQ(
+      cde({"run", "traced.toml", "--out", "out", "-q", "--no-bundle"}, fault.environment()).status,
+      3);
+  const json again = told("out:q:0:0", 3, fault.environment());
+  EXPECT_EQ(again["candidates"], j["candidates"]);
+  EXPECT_EQ(again["first_frame"], 0);
 }
 
 TEST_F(ExplainRecord, WhatThePipeMissesIsLacking) {
