@@ -191,7 +191,9 @@ std::string explain_lines(const reference::Checker& checker) {
   if (a.empty()) return lines;
   for (const auto& [index, triangle] : checker.first_difference()->secondaries) {
     const std::vector<std::uint64_t> b = words(triangle);
-    lines += "\n  " + explain_line({{.lanes = 1, .arithmetic = Arithmetic::kRtl}, a, b, 0});
+    const std::string line =
+        "\n  " + explain_line({{.lanes = 1, .arithmetic = Arithmetic::kRtl}, a, b, 0});
+    if (lines != line) lines += line;  // both sides may name one triangle
   }
   return lines;
 }
