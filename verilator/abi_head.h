@@ -18,6 +18,7 @@ typedef struct cde_trace {
   uint64_t
       ddr_word;    /* waves begin where the card asks DDR for this word, CDE_TRACE_NOW: at `from` */
   uint64_t length; /* and end so much later */
+  const char* scopes; /* patterns of scopes and signals, one a line; empty: all */
 } cde_trace;
 
 #define CDE_TRACE_NOW UINT64_MAX

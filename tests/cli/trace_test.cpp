@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// --trace-window and a signal while waves are written.
+// --trace-window, --trace-scope and a signal while waves are written.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <signal.h>
@@ -25,10 +25,11 @@ class TraceWindow : public Cli {
     return nlohmann::json::parse(ran.out, nullptr, false);
   }
   void refused(Words words, const std::string& text) {
+    const Words before = files();
     const Ran ran = cde(words);
     EXPECT_EQ(ran.status, 2);
     EXPECT_EQ(ran.err, "cde: " + text + "\n");
-    EXPECT_TRUE(files().empty());
+    EXPECT_EQ(files(), before);
   }
 };
 
@@ -73,6 +74,42 @@ TEST_F(TraceWindow, OfACastIsItsClocks) {
   EXPECT_LT(window["file_bytes"], all["file_bytes"]);
 }
 
+/// Ports of what is inside are other names of signals around it, which are not written.
+TEST_F(TraceWindow, AScopeIsWrittenAsWithAllAroundIt) {
+  const auto traced = [&](const std::string& file, const Words& more) {
+    Words words = {"cast", "terrain:3,3,1", "--grid", "4x4",     "--lanes",
+                   "4",    "--exact-card",  "-q",     "--trace", file};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ran ran = cde(words);
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    return info(file);
+  };
+  const nlohmann::json all = traced("all.fst", {});
+  const auto listed = [&](const std::string& glob) {
+    const Ran ran = cde({"wave", "ls", "all.fst", glob, "--json", "--max", "0"});
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    return nlohmann::json::parse(ran.out)["signals"].size();
+  };
+  const std::vector<Words> wanted = {
+      {"update"}, {"engine.issue"}, {"*.row_i"}, {"update", "state_q"}};
+  for (const Words& globs : wanted) {
+    Words options;
+    for (const std::string& glob : globs) options.insert(options.end(), {"--trace-scope", glob});
+    SCOPED_TRACE(fmt::format("{}", fmt::join(globs, " ")));
+    const nlohmann::json some = traced("some.fst", options);
+    std::size_t signals = 0;
+    for (const std::string& glob : globs) signals += listed(glob);
+    EXPECT_EQ(some["signals"], signals);
+    EXPECT_LT(some["file_bytes"], all["file_bytes"]);
+    EXPECT_EQ(some["comments"], all["comments"]);
+    const Ran diff = cde({"wave", "diff", "all.fst", "some.fst"});
+    EXPECT_EQ(diff.status, 0) << diff.out << diff.err;
+  }
+  refused({"cast", "terrain:3,3,1", "--lanes", "4", "--exact-card", "-q", "--trace", "none.fst",
+           "--trace-scope", "update", "--trace-scope", "updat?e"},
+          "waves of 'updat?e': the card has no signal or scope of that name");
+}
+
 TEST_F(TraceWindow, ThatMakesNoSenseIsRefused) {
   for (const char* bad :
        {"7:5", "7", ":", "a:b", "1:2:3", "-1:5", "1.5:7", "99999999999999999999:"})
@@ -82,6 +119,7 @@ TEST_F(TraceWindow, ThatMakesNoSenseIsRefused) {
                         bad));
   refused({"query", "sphere-sphere", "--trace-window", "5:7"}, "--trace-window is of --trace");
   refused({"cast", "terrain:3,3,1", "--trace-window", "5:7"}, "--trace-window is of --trace");
+  refused({"cast", "terrain:3,3,1", "--trace-scope", "update"}, "--trace-scope is of --trace");
 }
 
 /// Waves are wanted most when something takes too long.

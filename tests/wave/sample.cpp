@@ -35,6 +35,16 @@ fstHandle Writer::alias(const std::string& name, unsigned width, fstHandle of) {
 void Writer::comment(const std::string& text) {
   fstWriterSetComment(fst_, text.c_str());
 }
+void Writer::names(const std::vector<std::pair<std::string, std::string>>& values) {
+  std::vector<const char*> names, bits;
+  for (const auto& [name, value] : values) {
+    names.push_back(name.c_str());
+    bits.push_back(value.c_str());
+  }
+  fstWriterEmitEnumTableRef(
+      fst_, fstWriterCreateEnumTable(fst_, "names", static_cast<std::uint32_t>(values.size()), 0,
+                                     names.data(), bits.data()));
+}
 void Writer::time(std::uint64_t t) {
   fstWriterEmitTimeChange(fst_, t);
 }

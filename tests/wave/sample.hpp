@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "wave/fst_api.hpp"
@@ -22,6 +23,8 @@ class Writer {
   fstHandle signal(const std::string& name, unsigned width);
   fstHandle alias(const std::string& name, unsigned width, fstHandle of);
   void comment(const std::string& text);
+  /// What the values of the next signal are called: name, bits.
+  void names(const std::vector<std::pair<std::string, std::string>>& values);
   void time(std::uint64_t t);
   /// A block ends here.
   void block();

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Verilator's writer of FST files, as it is but for three things: it looks at no result of what it
+// Verilator's writer of FST files, as it is but for four things: it looks at no result of what it
 // writes, it maps temporary files into memory, which ends the process with SIGBUS where their disk
-// is full, and it leaves no comments. Here failures are noted for wave_file.h, what is temporary
-// lies in memory, and there are comments.
+// is full, it leaves no comments, and it writes all signals (or ends in an invalid access, where
+// dumpvars() leaves some out). Here failures are noted for wave_file.h, what is temporary lies in
+// memory, and there are comments and selections.
 #include "verilated_fst_c.h"
 
 #include <errno.h>
 #include <fcntl.h>
+#include <fnmatch.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -19,6 +21,8 @@
 #include <iterator>
 #include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "wave_errors.h"
 
@@ -88,6 +92,101 @@ void* checked_map(size_t length, int protection, int flags, int fd) {
   return noted(too_short || memory == MAP_FAILED, memory);
 }
 
+/// Leaves out what nobody asked for: its scopes are written when a signal in them is.
+class Selection {
+ public:
+  explicit Selection(const char* patterns = "") {
+    std::istringstream lines(patterns);
+    for (std::string line; std::getline(lines, line);) {
+      std::string pattern;
+      for (const char c : line) {
+        if (c == '[' || c == '\\') pattern += '\\';  // fnmatch knows more than * and ?
+        pattern += c;
+      }
+      patterns_.push_back({pattern, "*." + pattern});
+    }
+  }
+  void enter(void*, fstScopeType type, const char* name, const char*) {
+    const bool all = inside();
+    path_.push_back({type, name, false, false});
+    path_.back().wanted = named("") || all;
+  }
+  void leave(void* file) {
+    if (path_.back().written) fstWriterSetUpscope(file);
+    path_.pop_back();
+  }
+  void names(void*, fstEnumHandle table) { table_ = table; }
+  /// A signal that is left out has a handle above all others, which the library does not write; an
+  /// alias of it may be wanted nevertheless.
+  fstHandle declare(void* file, fstVarType type, fstVarDir direction, uint32_t bits,
+                    const char* name, fstHandle alias) {
+    const fstEnumHandle table = std::exchange(table_, 0);
+    const std::string stem(name, strcspn(name, " "));
+    if (!named(stem) && !inside()) {
+      if (alias != 0) return alias;
+      aliases_.push_back(0);
+      return kLeftOut - static_cast<fstHandle>(aliases_.size() - 1);
+    }
+    for (Scope& scope : path_) {
+      if (!scope.written) fstWriterSetScope(file, scope.type, scope.name.c_str(), nullptr);
+      scope.written = true;
+    }
+    if (table != 0) fstWriterEmitEnumTableRef(file, table);
+    fstHandle& same = alias > kLeftOut / 2 ? aliases_[kLeftOut - alias] : alias;
+    const fstHandle handle = fstWriterCreateVar(file, type, direction, bits, name, same);
+    if (same == 0) same = handle;
+    return handle;
+  }
+  /// What is written for a signal once all have been declared.
+  [[nodiscard]] fstHandle resolved(fstHandle handle) const {
+    if (handle <= kLeftOut / 2) return handle;
+    const fstHandle alias = aliases_[kLeftOut - handle];
+    return alias != 0 ? alias : kLeftOut;
+  }
+  /// The first pattern that names nothing, or -1.
+  [[nodiscard]] int without_effect() const {
+    for (std::size_t i = 0; i < patterns_.size(); ++i)
+      if (!patterns_[i].used) return static_cast<int>(i);
+    return -1;
+  }
+
+ private:
+  static constexpr fstHandle kLeftOut = UINT32_MAX;
+  struct Pattern {
+    std::string whole, inner;
+    bool used = false;
+  };
+  struct Scope {
+    fstScopeType type;
+    std::string name;
+    bool wanted, written;
+  };
+  [[nodiscard]] bool inside() const {
+    return patterns_.empty() || (!path_.empty() && path_.back().wanted);
+  }
+  /// Whether a pattern names the scope that was entered last, or a signal in it.
+  bool named(const std::string& signal) {
+    if (patterns_.empty()) return true;
+    std::string name;
+    for (const Scope& scope : path_) name += (name.empty() ? "" : ".") + scope.name;
+    if (!signal.empty()) name += (name.empty() ? "" : ".") + signal;
+    bool any = false;
+    for (Pattern& p : patterns_) {
+      if (fnmatch(p.whole.c_str(), name.c_str(), 0) != 0 &&
+          fnmatch(p.inner.c_str(), name.c_str(), 0) != 0)
+        continue;
+      any = p.used = true;
+    }
+    return any;
+  }
+
+  std::vector<Pattern> patterns_;
+  std::vector<Scope> path_;
+  std::vector<fstHandle> aliases_;  // of signals that were left out: one that was not, or 0
+  fstEnumHandle table_ = 0;
+};
+thread_local Selection selection;
+
 }  // namespace
 
 #define tmpfile() memory_file()
@@ -100,20 +199,58 @@ void* checked_map(size_t length, int protection, int flags, int fd) {
 #define fclose(file) checked_close(file)
 #define mmap(address, length, protection, flags, fd, offset) \
   checked_map(length, protection, flags, fd)
+
+// What the writer declares goes through the selection. The first argument tells its calls (m_fst)
+// from the definitions in the library of FST, which it includes and which shall stay as they are.
+#define fstWriterSetScope(file, ...) SET_SCOPE_##file, __VA_ARGS__)
+#define SET_SCOPE_void fstWriterSetScope(void
+#define SET_SCOPE_m_fst selection.enter(m_fst
+#define fstWriterSetUpscope(file) SET_UPSCOPE_##file)
+#define SET_UPSCOPE_void fstWriterSetUpscope(void
+#define SET_UPSCOPE_m_fst selection.leave(m_fst
+#define fstWriterEmitEnumTableRef(file, ...) TABLE_REF_##file, __VA_ARGS__)
+#define TABLE_REF_void fstWriterEmitEnumTableRef(void
+#define TABLE_REF_m_fst selection.names(m_fst
+#define fstWriterCreateVar(file, ...) CREATE_VAR_##file, __VA_ARGS__)
+#define CREATE_VAR_void fstWriterCreateVar(void
+#define CREATE_VAR_ctx fstWriterCreateVar(ctx
+#define CREATE_VAR_m_fst selection.declare(m_fst
 #include "verilated_fst_c.cpp"
+#undef fstWriterSetScope
+#undef fstWriterSetUpscope
+#undef fstWriterEmitEnumTableRef
+#undef fstWriterCreateVar
 
 namespace {
 
-// The context of the writer of FST is private; an explicit instantiation may name it.
+// What the writer of FST keeps is private; an explicit instantiation may name it.
 void* context_of(VerilatedFst& writer);
-template <void* VerilatedFst::*Context>
+fstHandle*& handles_of(VerilatedFst& writer);
+uint32_t codes_of(VerilatedFst& writer);
+template <auto Context, auto Handles, auto Codes>
 struct Private {
   friend void* context_of(VerilatedFst& writer) { return writer.*Context; }
+  friend fstHandle*& handles_of(VerilatedFst& writer) { return writer.*Handles; }
+  friend uint32_t codes_of(VerilatedFst& writer) { return (writer.*Codes)(); }
 };
-template struct Private<&VerilatedFst::m_fst>;
+template struct Private<&VerilatedFst::m_fst, &VerilatedFst::m_symbolp,
+                        &VerilatedTrace<VerilatedFst, VerilatedFstBuffer>::nextCode>;
 
 }  // namespace
 
 void comment_waves(VerilatedFstC& file, const char* text) {
   fstWriterSetComment(context_of(*file.spTrace()), text);
+}
+
+int open_waves(VerilatedFstC& file, const char* path, const char* patterns) {
+  // Handles are those of the file that was open before, which may have had other signals.
+  fstHandle*& handles = handles_of(*file.spTrace());
+  delete[] handles;
+  handles = nullptr;
+  selection = Selection(patterns);
+  file.open(path);
+  if (!file.isOpen()) return -1;
+  for (uint32_t code = 0; code < codes_of(*file.spTrace()); ++code)
+    handles[code] = selection.resolved(handles[code]);
+  return selection.without_effect();
 }

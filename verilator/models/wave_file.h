@@ -8,6 +8,7 @@
 
 #include "Vmodel.h"
 #include "abi_head.h"
+#include "cde/contract/records.hpp"
 #include "parameters.h"
 #include "verilated.h"
 #ifdef CDE_TRACE
@@ -16,13 +17,13 @@
 
 class WaveFile {
  public:
-  /// 0, or -1 if the file cannot be written. Ends the file that was open before. `now` is the time
-  /// that those of `what` are counted from.
+  /// 0, -1 if the file cannot be written, or -2 - i if pattern i of `what` names nothing. Ends the
+  /// file that was open before. `now` is the time that those of `what` are counted from.
   int open(VerilatedContext& context, Vmodel& model, const cde_trace& what, uint64_t now) {
     close();
     error_ = 0;
     what_ = what;
-    what_.path = nullptr;  // the caller's
+    what_.path = what_.scopes = nullptr;  // the caller's
     what_.from = later(now, what.from);
     what_.to = later(now, what.to);
     waiting_ = what.ddr_word != CDE_TRACE_NOW;
@@ -32,9 +33,11 @@ class WaveFile {
       file_ = std::make_unique<VerilatedFstC>();
       model.trace(file_.get(), 99);
     }
-    file_->open(what.path);
+    const int unused = open_waves(*file_, what.path, what.scopes);
     if (!file_->isOpen()) return -1;
+    if (unused >= 0) return file_->close(), -2 - unused;
     comment_waves(*file_, origin().c_str());
+    comment_waves(*file_, forms().c_str());
     return 0;
   }
   /// The word of DDR that waves wait for has been asked for.
@@ -73,6 +76,22 @@ class WaveFile {
     std::snprintf(hash, sizeof hash, "configuration=%016llx",
                   static_cast<unsigned long long>(CDE_CONFIG_HASH));
     return text + hash;
+  }
+
+  /// How a viewer is to write values: the first pattern that names a signal counts. What is an
+  /// array of words of the card's format holds numbers, or conditions, which are words of ones.
+  static std::string forms() {
+    constexpr unsigned kExp = parameter("EXP", 8), kMan = parameter("MAN", 23);
+    constexpr unsigned kOwn = 1 + kExp + kMan, kWord = kOwn <= 32 ? 32 : 64;
+    const std::string format = "e" + std::to_string(kExp) + "m" + std::to_string(kMan);
+    const std::string words = (kOwn == kWord ? "" : "/" + std::to_string(kWord)) + "*1";
+    const auto record = [](unsigned word, const char* form) {
+      return " *record[" + std::to_string(word) + "]=" + form;
+    };
+    return "forms *index*=dec *count*=dec *sram_*=hex *range[*]=dec" +
+           record(cde::card::kRecordFlags, "hex") + record(cde::card::kRecordIndex, "dec") +
+           record(cde::card::kRecordPrimary, "dec") + " *result_t=" + format + words +
+           " *record_t=" + format + words + " *]=" + format + "|mask" + words;
   }
 
   /// While it lives, the writer notes what fails.

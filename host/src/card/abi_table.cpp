@@ -39,8 +39,9 @@ void require_waves(std::string_view parameters) {
   }
 }
 
-cde_trace wanted_waves(const std::filesystem::path& file, const TraceOptions& which,
-                       std::optional<std::uint64_t> ddr_word, std::uint64_t clock) {
+void open_waves(const std::filesystem::path& file, const TraceOptions& which,
+                std::optional<std::uint64_t> ddr_word, std::uint64_t clock,
+                const std::function<int(const cde_trace*)>& open) {
   // A clock of the axis begins with its low half, and its last time is before the next one.
   const auto time = [&](std::uint64_t clocks) {
     return clocks > std::numeric_limits<std::uint64_t>::max() / clock - 1
@@ -48,17 +49,22 @@ cde_trace wanted_waves(const std::filesystem::path& file, const TraceOptions& wh
                : clocks * clock;
   };
   const std::uint64_t end = time(which.to);
-  return {.path = file.c_str(),
-          .from = time(which.from),
-          .to = end > std::numeric_limits<std::uint64_t>::max() - clock ? end : end + clock - 1,
-          .ddr_word = ddr_word.value_or(CDE_TRACE_NOW),
-          .length = time(which.clocks)};
-}
-
-void require_opened(int answer, const std::filesystem::path& file) {
-  if (answer != 0)
+  const std::string scopes = fmt::format("{}", fmt::join(which.scopes, "\n"));
+  const cde_trace wanted = {
+      .path = file.c_str(),
+      .from = time(which.from),
+      .to = end > std::numeric_limits<std::uint64_t>::max() - clock ? end : end + clock - 1,
+      .ddr_word = ddr_word.value_or(CDE_TRACE_NOW),
+      .length = time(which.clocks),
+      .scopes = scopes.c_str()};
+  const int answer = open(&wanted);
+  if (answer == -1)
     throw Error(ErrorCode::kFile,
                 fmt::format("{}: cannot write waves", printable_name(file.string())));
+  if (answer != 0)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("waves of {}: the card has no signal or scope of that name",
+                            in_quotes(which.scopes.at(static_cast<std::size_t>(-2 - answer)))));
 }
 
 void require_whole_waves(int error) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string_view>
 
@@ -29,12 +30,11 @@ template <class Entry>
 [[noreturn]] void no_memory_for_models();
 /// Error kUsage if the bitstream has no waves, by its parameters.
 void require_waves(std::string_view parameters);
-/// What a model's trace_open takes; `clock` is the length of one on the time axis. It points into
-/// `file`.
-[[nodiscard]] cde_trace wanted_waves(const std::filesystem::path& file, const TraceOptions& which,
-                                     std::optional<std::uint64_t> ddr_word, std::uint64_t clock);
-/// Error kFile unless trace_open's answer is 0.
-void require_opened(int answer, const std::filesystem::path& file);
+/// Asks a model for waves; `clock` is the length of one on the time axis, `open` its trace_open.
+/// Error kFile if the file cannot be written, kUsage if there is no such signal.
+void open_waves(const std::filesystem::path& file, const TraceOptions& which,
+                std::optional<std::uint64_t> ddr_word, std::uint64_t clock,
+                const std::function<int(const cde_trace*)>& open);
 /// What a bitstream's trace_close answers: 0, or the errno of what could not be written.
 void require_whole_waves(int error);
 

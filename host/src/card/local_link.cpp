@@ -138,8 +138,8 @@ class LocalLink final : public CardLink {
   void trace_open(const std::filesystem::path& file, const TraceOptions& which,
                   std::optional<std::uint64_t> ddr_word) override {
     require_waves(api_->parameters);
-    const cde_trace wanted = wanted_waves(file, which, ddr_word, period_ps_);
-    require_opened(api_->trace_open(card_, &wanted), file);
+    open_waves(file, which, ddr_word, period_ps_,
+               [this](const cde_trace* wanted) { return api_->trace_open(card_, wanted); });
   }
   void trace_close() override { require_whole_waves(api_->trace_close(card_)); }
   bool flip_ddr(std::uint64_t byte, std::uint8_t mask) override {

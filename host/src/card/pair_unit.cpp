@@ -225,9 +225,9 @@ void PairUnit::open_trace(const std::string& path, const TraceOptions& which) {
   if (!state().config.trace)
     throw Error(ErrorCode::kConfiguration, "the pair_unit was built without trace");
   constexpr std::uint64_t kClock = 2;  // both halves of a clock are times of their own
-  const std::filesystem::path file = path;
-  const cde_trace wanted = wanted_waves(file, which, std::nullopt, kClock);
-  require_opened(state().api->trace_open(state().unit, &wanted), file);
+  open_waves(path, which, std::nullopt, kClock, [this](const cde_trace* wanted) {
+    return state().api->trace_open(state().unit, wanted);
+  });
 }
 void PairUnit::close_trace() {
   require_whole_waves(state().api->trace_close(state().unit));

@@ -155,8 +155,8 @@ class PciLink final : public CardLink {
   void trace_open(const std::filesystem::path& file, const TraceOptions& which,
                   std::optional<std::uint64_t> ddr_word) override {
     require_waves(api().parameters);
-    const cde_trace wanted = wanted_waves(file, which, ddr_word, period_ps_);
-    require_opened(api().trace_open(port_.host(), &wanted), file);
+    open_waves(file, which, ddr_word, period_ps_,
+               [this](const cde_trace* wanted) { return api().trace_open(port_.host(), wanted); });
   }
   void trace_close() override { require_whole_waves(api().trace_close(port_.host())); }
   bool flip_ddr(std::uint64_t byte, std::uint8_t mask) override {

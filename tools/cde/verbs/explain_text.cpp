@@ -136,12 +136,20 @@ class Report {
     return fmt::format("{} ulp apart", apart);
   }
 
-  [[nodiscard]] static const char* verdict(const Compared& c) {
+  /// Operands are compared without their order, as sums and products have none.
+  [[nodiscard]] bool exchanged(const Compared& c) const {
+    const Step& step = step_of(c);
+    return step.operation != FpOp::kSqrt && c.card.a == step.b && c.card.b == step.a &&
+           step.a != step.b;
+  }
+
+  [[nodiscard]] const char* verdict(const Compared& c) const {
     switch (c.verdict) {
       case Verdict::kSame:
         return "same";
       case Verdict::kResult:
-        return "the operands are right, the result is not";
+        return exchanged(c) ? "the operands are exchanged"
+                            : "the operands are right, the result is not";
       case Verdict::kOperands:
         return "an operand is another";
       case Verdict::kUnknown:

@@ -36,10 +36,13 @@ void TraceRequest::check() const {
   check_suffix("--trace", file, ".fst");
   if (wanted()) return;
   if (!window.empty()) throw Error(ErrorCode::kUsage, "--trace-window is of --trace");
+  if (!scopes.empty()) throw Error(ErrorCode::kUsage, "--trace-scope is of --trace");
 }
 
 TraceOptions TraceRequest::options() const {
-  return window.empty() ? TraceOptions() : window_of(window);
+  TraceOptions which = window.empty() ? TraceOptions() : window_of(window);
+  which.scopes = scopes;
+  return which;
 }
 
 void add_trace_options(CLI::App& verb, TraceRequest& request, const std::string& what) {
@@ -48,6 +51,11 @@ void add_trace_options(CLI::App& verb, TraceRequest& request, const std::string&
                              "Waves of these clocks alone, FROM:TO, counted from where waves "
                              "without it begin; outside of them nothing is written"),
              "FROM:TO", [](const std::string& text) { (void)window_of(text); });
+  verb.add_option("--trace-scope", request.scopes,
+                  "Waves of the scopes and signals alone that a pattern of * and ? names; may be "
+                  "given more than once")
+      ->type_name("GLOB")
+      ->allow_extra_args(false);
 }
 
 }  // namespace cde::cli

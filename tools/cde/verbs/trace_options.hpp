@@ -2,6 +2,7 @@
 #pragma once
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 #include "cde/card/trace.hpp"
 
@@ -10,6 +11,7 @@ namespace cde::cli {
 /// What verbs that simulate are asked about waves.
 struct TraceRequest {
   std::string file, window;
+  std::vector<std::string> scopes;
 
   [[nodiscard]] bool wanted() const { return !file.empty(); }
   /// Error kUsage if something is asked of waves and no waves are.
@@ -17,7 +19,7 @@ struct TraceRequest {
   [[nodiscard]] TraceOptions options() const;
 };
 
-/// --trace and --trace-window; `what` is the help of --trace.
+/// --trace, --trace-window and --trace-scope; `what` is the help of --trace.
 void add_trace_options(CLI::App& verb, TraceRequest& request, const std::string& what);
 
 }  // namespace cde::cli

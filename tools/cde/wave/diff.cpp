@@ -137,6 +137,7 @@ class Equal {
 
   [[nodiscard]] bool operator()(const View& v, std::string_view a, std::string_view b) const {
     if (a == b) return true;
+    if (ulp_ == 0 && eps_ == 0) return false;  // 0 and -0 differ
     if (v.form.kind != Form::Kind::kFloat || v.signal.real || v.signal.text) return false;
     if (a.size() != b.size()) return false;
     const auto own = static_cast<std::size_t>(v.form.format.width());
@@ -147,17 +148,22 @@ class Equal {
                                        v.form.format.exp_bits, v.form.format.man_bits));
     if (lane < own || a.size() % lane != 0) return false;
     for (std::size_t at = 0; at < a.size(); at += lane)
-      if (!lanes(v.form.format, a.substr(at, lane), b.substr(at, lane))) return false;
+      if (!lanes(v.form, a.substr(at, lane), b.substr(at, lane))) return false;
     return true;
   }
 
  private:
-  [[nodiscard]] bool lanes(const FpFormat& f, std::string_view a, std::string_view b) const {
+  [[nodiscard]] bool lanes(const Form& form, std::string_view a, std::string_view b) const {
     if (a == b) return true;
+    const auto ones = [](std::string_view bits) {
+      return bits.find('0') == std::string_view::npos;
+    };
+    if (form.mask && (ones(a) || ones(b))) return false;
+    const FpFormat& f = form.format;
     const auto own = static_cast<std::size_t>(f.width());
     const auto x = word(a.substr(a.size() - own)), y = word(b.substr(b.size() - own));
     if (!x || !y || f.is_nan(*x) != f.is_nan(*y)) return false;
-    if (f.is_nan(*x)) return ulp_ != 0 || eps_ != 0;
+    if (f.is_nan(*x)) return true;
     return ulps(*x, *y, f) <= ulp_ || std::fabs(f.decode(*x) - f.decode(*y)) <= eps_;
   }
   std::uint64_t ulp_;
@@ -168,6 +174,10 @@ class Comparison {
  public:
   Comparison(const Request& r, Trace& a, Trace& b) : r_(r), a_(a), b_(b), equal_(r) { match(); }
 
+  [[nodiscard]] bool any_numbers() const {
+    return std::any_of(pairs.begin(), pairs.end(),
+                       [](const Pair& p) { return p.a.form.kind == Form::Kind::kFloat; });
+  }
   void run() {
     if (r_.align == "cycle")
       by_cycle();
@@ -211,8 +221,8 @@ class Comparison {
       const Signal& t = *other->second;
       if (!seen.emplace(std::pair{s.handle, t.handle}, true).second) continue;  // another name
       Pair p;
-      p.a = whole(s);
-      p.b = whole(t);
+      p.a = whole(a_, s);
+      p.b = whole(b_, t);
       if (s.width != t.width) {
         p.done = true;
         found.push_back({pairs.size(),
@@ -231,18 +241,12 @@ class Comparison {
     if (common == 0)
       throw Error(ErrorCode::kUsage, "the files have no signal in common: no name is in both");
   }
-  [[nodiscard]] View whole(const Signal& s) const {
+  [[nodiscard]] View whole(Trace& trace, const Signal& s) const {
     View v;
     v.signal = s;
     v.label = s.name;
     v.width = s.width;
-    v.form = r_.default_form();
-    const auto own = static_cast<unsigned>(v.form.format.width());
-    if (v.form.kind == Form::Kind::kFloat && v.form.lane == 0 && s.width % own != 0 &&
-        (s.width == 0 || s.width % static_cast<unsigned>(contract::container(
-                                       v.form.format.exp_bits, v.form.format.man_bits)) !=
-                             0))
-      v.form = Form{};
+    v.form = default_form(trace, s, r_.default_form());
     return v;
   }
   [[nodiscard]] std::vector<std::uint32_t> handles(bool of_a) const {
@@ -398,14 +402,14 @@ class Comparison {
 int diff(const Request& r) {
   if (r.words.size() != 1)
     throw Error(ErrorCode::kUsage, "cde wave diff takes two files: cde wave diff A B");
-  if ((r.ulp != 0 || r.eps != 0) && r.default_form().kind != Form::Kind::kFloat)
-    throw Error(ErrorCode::kUsage,
-                "--ulp and --eps need the format of the numbers, e.g. --as fp32");
   Trace a(r.file), b(r.words.front());
   if (a.scale() != b.scale())
     throw Error(ErrorCode::kUsage, fmt::format("the files count time in units of 1e{} s and 1e{} s",
                                                a.scale(), b.scale()));
   Comparison c(r, a, b);
+  if ((r.ulp != 0 || r.eps != 0) && !c.any_numbers())
+    throw Error(ErrorCode::kUsage,
+                "--ulp and --eps need the format of the numbers, e.g. --as fp32");
   c.run();
   const Times times(a, "");
   Lines lines(r.max);

@@ -15,7 +15,7 @@ namespace cde::wave {
 struct Request {
   std::string command, file;
   std::vector<std::string> words;  ///< behind the file
-  std::string clock, form = "hex", from, to, around, on, when, align = "time";
+  std::string clock, form = "auto", from, to, around, on, when, align = "time";
   std::string where, histogram;
   std::vector<std::string> ignore;
   std::string output;       ///< file of export or serve

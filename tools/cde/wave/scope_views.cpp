@@ -5,21 +5,6 @@
 #include <set>
 
 namespace cde::wave {
-namespace {
-
-/// A form for all is not one for signals that it does not fit.
-Form fitting(const Form& form, const Signal& s) {
-  if (form.kind != Form::Kind::kFloat && form.lane == 0) return form;
-  const auto own = static_cast<unsigned>(form.format.width());
-  const auto container =
-      static_cast<unsigned>(contract::container(form.format.exp_bits, form.format.man_bits));
-  const bool fits =
-      form.lane != 0 ? s.width % form.lane == 0 : s.width % own == 0 || s.width % container == 0;
-  return fits && s.width != 0 ? form : Form{};
-}
-
-}  // namespace
-
 std::vector<View> views_in_scopes(const Request& r, Trace& trace, bool once) {
   std::vector<View> all;
   std::set<std::uint32_t> seen;
@@ -42,7 +27,7 @@ std::vector<View> views_in_scopes(const Request& r, Trace& trace, bool once) {
       v.signal = s;
       v.label = s.name;
       v.width = s.width;
-      v.form = fitting(r.default_form(), s);
+      v.form = default_form(trace, s, r.default_form());
       all.push_back(std::move(v));
     }
     if (any) continue;

@@ -29,16 +29,6 @@ std::vector<View> shown_views(const Request& r, Trace& trace) {
   return r.words.empty() ? views(trace, "*", r.default_form()) : views(r, trace, 0);
 }
 
-/// As parse_form reads it.
-std::string form_name(const Form& form) {
-  std::string name = "hex";
-  if (form.kind == Form::Kind::kUnsigned) name = "dec";
-  if (form.kind == Form::Kind::kSigned) name = "signed";
-  if (form.kind == Form::Kind::kBinary) name = "bin";
-  if (form.kind == Form::Kind::kFloat) name = form.format.name();
-  return form.lane == 0 ? name : fmt::format("{}/{}", name, form.lane);
-}
-
 [[noreturn]] void too_large(const Request& r, const std::string& what) {
   throw Error(ErrorCode::kUsage,
               fmt::format("{}, and --max is {} MB: name fewer signals, take a smaller window "
@@ -129,6 +119,7 @@ Json views_json(const std::vector<View>& shown, const std::map<std::uint32_t, st
               {"form", form_name(v.form)},
               {"kind", fmt::format("{}{}{}", v.signal.kind, *v.signal.direction != 0 ? " " : "",
                                    v.signal.direction)}};
+    if (v.form.kind == Form::Kind::kNames) j["names"] = *v.form.names;
     if (v.signal.ranged) j["range"] = fmt::format("[{}:{}]", v.signal.left, v.signal.right);
     if (v.first != 0 || v.width != v.signal.width) j["bits"] = {v.first, v.width};
     if (v.signal.real || v.signal.text) j["text"] = true;

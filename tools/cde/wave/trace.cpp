@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <utility>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
@@ -59,6 +60,22 @@ void name_signal(Signal& s, const std::string& scope, std::string_view name) {
 }
 
 struct Stop {};  ///< ends Verilator's reader from within
+
+/// "NAME COUNT name ... bits ...", all escaped; null if it is none.
+std::shared_ptr<const Names> table_of(const char* text) {
+  const std::unique_ptr<fstETab, void (*)(fstETab*)> table(
+      fstUtilityExtractEnumTableFromString(text), fstUtilityFreeEnumTable);
+  if (!table) return nullptr;
+  auto names = std::make_shared<Names>();
+  for (std::uint32_t i = 0; i < table->elem_count; ++i)
+    if (table->literal_arr[i] != nullptr && table->val_arr[i] != nullptr) {
+      const std::string_view bits = table->val_arr[i];
+      if (!bits.empty())
+        names->emplace(bits.substr(std::min(bits.find_first_not_of('0'), bits.size() - 1)),
+                       table->literal_arr[i]);
+    }
+  return names;
+}
 
 }  // namespace
 
@@ -118,6 +135,8 @@ void Trace::read_names() {
   widths_.assign(handles() + std::size_t{1}, 1);
   std::string scope;
   std::vector<std::size_t> outer;
+  std::map<std::uint64_t, std::shared_ptr<const Names>> tables;
+  std::shared_ptr<const Names> names;  // of the next signal
   try {
     while (const fstHier* const h = fstReaderIterateHier(reader_.get())) {
       if (h->htyp == FST_HT_SCOPE) {
@@ -131,6 +150,12 @@ void Trace::read_names() {
       } else if (h->htyp == FST_HT_ATTRBEGIN && h->u.attr.typ == FST_AT_MISC &&
                  h->u.attr.subtype == FST_MT_COMMENT) {
         comments_.emplace_back(h->u.attr.name);
+      } else if (h->htyp == FST_HT_ATTRBEGIN && h->u.attr.typ == FST_AT_MISC &&
+                 h->u.attr.subtype == FST_MT_ENUMTABLE) {
+        if (h->u.attr.name_length != 0)
+          tables[h->u.attr.arg] = table_of(h->u.attr.name);
+        else if (const auto known = tables.find(h->u.attr.arg); known != tables.end())
+          names = known->second;
       }
       if (h->htyp != FST_HT_VAR) continue;
       const auto& v = h->u.var;
@@ -144,6 +169,7 @@ void Trace::read_names() {
                v.typ == FST_VT_VCD_REALTIME || v.typ == FST_VT_SV_SHORTREAL;
       s.text = v.typ == FST_VT_GEN_STRING;
       s.width = s.real ? 64 : v.length;
+      s.names = std::exchange(names, nullptr);
       widths_[s.handle] = s.width;
       name_signal(s, scope, {v.name, v.name_length});
     }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,14 +16,18 @@
 /// Reads wave files (FST), those of `--trace` and others. Error kFile for what is none.
 namespace cde::wave {
 
+/// What values are called: bits without zeros in front, name.
+using Names = std::map<std::string, std::string, std::less<>>;
+
 struct Signal {
   std::string name;          ///< scopes and name, with dots between
   std::uint32_t handle = 0;  ///< signals with one handle are names of one thing
   unsigned width = 0;        ///< bits; 64 of a real
   int left = 0, right = 0;   ///< of its range as it was declared, e.g. [7:0]
   bool ranged = false, real = false, text = false;
-  const char* kind = "";       ///< "wire", "logic", ...
-  const char* direction = "";  ///< "input", "output", ... or empty
+  const char* kind = "";                    ///< "wire", "logic", ...
+  const char* direction = "";               ///< "input", "output", ... or empty
+  std::shared_ptr<const Names> names = {};  ///< of an enumeration
 };
 
 /// A file of waves. Nothing of the changes is kept: they are streamed.

@@ -23,16 +23,6 @@ std::string without_spaces_around(std::string text) {
   return text;
 }
 
-/// A form that is no word of these is that of a signal's label.
-std::string name_of(const Form& form) {
-  for (const std::string& name : form_names()) {
-    const Form f = parse_form(name).value_or(Form{});
-    if (f.kind == form.kind && (f.kind != Form::Kind::kFloat || f.format == form.format))
-      return form.lane == 0 ? name : fmt::format("{}/{}", name, form.lane);
-  }
-  return form.format.name();
-}
-
 }  // namespace
 
 bool Viewer::press(Key k) {
@@ -430,7 +420,7 @@ void Viewer::list_key(Key k) {
 void Viewer::next_form() {
   if (list_.empty()) return;
   const View& v = list_[chosen_].wave.view();
-  const auto now = std::find(kForms.begin(), kForms.end(), name_of(v.form));
+  const auto now = std::find(kForms.begin(), kForms.end(), form_name(v.form));
   // The next one that fits the width.
   for (std::size_t step = 1; step <= kForms.size(); ++step) {
     const std::size_t at =
@@ -460,10 +450,12 @@ void Viewer::set_form(const std::string& text) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("{} has {} bits and not {}", v.label, v.width, form->format.width()));
   }
-  row.wave.set_form(*form);
-  if (row.other && row.other->view().signal.width == v.signal.width) row.other->set_form(*form);
+  const Form shown =
+      form->kind == Form::Kind::kFile ? default_form(trace_, v.signal, *form) : *form;
+  row.wave.set_form(shown);
+  if (row.other && row.other->view().signal.width == v.signal.width) row.other->set_form(shown);
   lay_out();
-  say(fmt::format("{} as {}", v.label, name_of(*form)));
+  say(fmt::format("{} as {}", v.label, form_name(*form)));
 }
 
 void Viewer::remove_row() {

@@ -266,7 +266,13 @@ std::size_t widest(const View& v) {
       return v.width * 3 / 10 + 2;
     case Form::Kind::kFloat:
       return 10 + 7 * (v.width / std::max(1u, static_cast<unsigned>(v.form.format.width())) - 1);
+    case Form::Kind::kNames: {
+      std::size_t most = (v.width + 3) / 4;
+      for (const auto& [bits, name] : *v.form.names) most = std::max(most, name.size());
+      return most;
+    }
     case Form::Kind::kHex:
+    case Form::Kind::kFile:
       break;
   }
   return (v.width + 3) / 4;

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <charconv>
 #include <set>
+#include <sstream>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
@@ -18,6 +19,8 @@ namespace {
 [[noreturn]] void usage(const std::string& what) {
   throw Error(ErrorCode::kUsage, what);
 }
+
+constexpr std::string_view kMask = "|mask";
 
 std::string hexadecimal(std::string_view bits) {
   std::string text;
@@ -51,6 +54,11 @@ std::string decimal(std::string_view bits) {
   std::string text = fmt::format("{}", digits.back());
   for (std::size_t i = digits.size() - 1; i-- > 0;) text += fmt::format("{:09}", digits[i]);
   return text;
+}
+
+/// Without zeros in front, as Names has them.
+std::string_view significant(std::string_view bits) {
+  return bits.substr(std::min(bits.find_first_not_of('0'), bits.size() - 1));
 }
 
 bool known(std::string_view bits) {
@@ -88,10 +96,16 @@ std::string one_text(std::string_view bits, const Form& form) {
       while (at-- > 0) magnitude[at] = magnitude[at] == '0' ? '1' : '0';
       return fmt::format("-{}", decimal(magnitude));
     }
+    case Form::Kind::kNames: {
+      const auto name = form.names->find(significant(bits));
+      return name != form.names->end() ? name->second : hexadecimal(bits);
+    }
     case Form::Kind::kFloat:
+      if (form.mask && bits.find_first_not_of('1') == std::string_view::npos) return "true";
       return decimal_of(bits.substr(bits.size() - static_cast<std::size_t>(form.format.width())),
                         form.format);
     case Form::Kind::kHex:
+    case Form::Kind::kFile:
       break;
   }
   return hexadecimal(bits);
@@ -208,6 +222,27 @@ std::string no_signal(Trace& trace, std::string_view name) {
              : printable_name(text + fmt::format("; did you mean {}?", fmt::join(offered, " or ")));
 }
 
+/// What PATTERN=FORM or PATTERN=FORM*WORDS says of a signal.
+std::optional<Form> form_by(std::string_view rule, const Signal& signal) {
+  const std::size_t sign = rule.rfind('=');
+  if (sign == std::string_view::npos || !matches(rule.substr(0, sign), signal.name))
+    return std::nullopt;
+  rule.remove_prefix(sign + 1);
+  const std::size_t star = rule.find('*');
+  const auto form = parse_form(rule.substr(0, star));
+  if (!form || form->kind == Form::Kind::kFile) return std::nullopt;
+  const unsigned lane = lane_bits(*form, signal.width);
+  unsigned words = 0;
+  if (star != std::string_view::npos) {
+    const auto [end, error] =
+        std::from_chars(rule.data() + star + 1, rule.data() + rule.size(), words);
+    if (error != std::errc() || end != rule.data() + rule.size() || words > signal.width ||
+        std::max(lane, 1u) * words != signal.width)
+      return std::nullopt;
+  }
+  return fitting(*form, signal.width);
+}
+
 }  // namespace
 
 std::optional<std::uint64_t> word(std::string_view bits) {
@@ -238,15 +273,18 @@ std::optional<Form> parse_form(std::string_view text) {
       return std::nullopt;
   }
   if (name == "hex") return form;
-  if (name == "dec")
+  if (name == "auto")
+    form.kind = Form::Kind::kFile;
+  else if (name == "dec")
     form.kind = Form::Kind::kUnsigned;
   else if (name == "signed")
     form.kind = Form::Kind::kSigned;
   else if (name == "bin")
     form.kind = Form::Kind::kBinary;
   else {
+    form.mask = name.ends_with(kMask);
     try {
-      form.format = FpFormat::parse(name);
+      form.format = FpFormat::parse(name.substr(0, name.size() - (form.mask ? kMask.size() : 0)));
     } catch (const Error&) {
       return std::nullopt;
     }
@@ -256,9 +294,44 @@ std::optional<Form> parse_form(std::string_view text) {
 }
 
 std::vector<std::string> form_names() {
-  std::vector<std::string> all = {"hex", "dec", "signed", "bin"};
+  std::vector<std::string> all = {"auto", "hex", "dec", "signed", "bin"};
   for (const NamedFpFormat& f : kFpFormats) all.emplace_back(f.name);
   return all;
+}
+
+std::string form_name(const Form& form) {
+  std::string name = "hex";
+  if (form.kind == Form::Kind::kFile) name = "auto";
+  if (form.kind == Form::Kind::kNames) name = "names";
+  if (form.kind == Form::Kind::kUnsigned) name = "dec";
+  if (form.kind == Form::Kind::kSigned) name = "signed";
+  if (form.kind == Form::Kind::kBinary) name = "bin";
+  if (form.kind == Form::Kind::kFloat)
+    name = fmt::format("{}{}", form.format.name(), form.mask ? kMask : "");
+  return form.lane == 0 ? name : fmt::format("{}/{}", name, form.lane);
+}
+
+Form fitting(const Form& form, unsigned width) {
+  const unsigned lane = lane_bits(form, width);
+  return lane == 0 || (width != 0 && width % lane == 0) ? form : Form{};
+}
+
+Form default_form(Trace& trace, const Signal& signal, const Form& asked) {
+  if (asked.kind != Form::Kind::kFile) return fitting(asked, signal.width);
+  if (signal.names != nullptr) {
+    Form form;
+    form.kind = Form::Kind::kNames;
+    form.names = signal.names;
+    return form;
+  }
+  for (const std::string& comment : trace.comments()) {
+    std::istringstream words(comment);
+    std::string word;
+    if (signal.real || signal.text || !(words >> word) || word != "forms") continue;
+    while (words >> word)
+      if (const auto form = form_by(word, signal)) return *form;
+  }
+  return {};
 }
 
 std::string_view View::bits(std::string_view value) const {
@@ -325,14 +398,13 @@ const Signal& find_signal(Trace& trace, std::string_view name) {
 
 std::vector<View> views(Trace& trace, const std::string& text, const Form& form) {
   Word w = split(text);
-  View common;
-  common.form = form;
+  Form wanted = form;
   if (!w.form.empty()) {
     const auto own = parse_form(w.form);
     if (!own)
       usage(fmt::format("{}: no form {}; there are: {}, and eEmM", in_quotes(text),
                         in_quotes(w.form), fmt::join(form_names(), ", ")));
-    common.form = *own;
+    wanted = *own;
   }
   std::vector<const Signal*> found;
   // Elements of arrays have brackets in their names; else brackets are an index.
@@ -357,18 +429,18 @@ std::vector<View> views(Trace& trace, const std::string& text, const Form& form)
   }
   std::vector<View> all;
   for (const Signal* s : found) {
-    View v = common;
+    View v;
     v.signal = *s;
     v.width = s->width;
+    v.form = wanted.kind == Form::Kind::kFile ? default_form(trace, *s, wanted) : wanted;
     v.label = s->name;
     if (!w.index.empty()) {
       narrow(v, w.index, text);
       v.label += "[" + w.index + "]";
     }
     // A form for all is not one for signals that it does not fit.
-    if (w.form.empty()) {
-      if (const unsigned lane = lane_bits(v.form, v.width); lane != 0 && v.width % lane != 0)
-        v.form = Form{};
+    if (w.form.empty() || wanted.kind == Form::Kind::kFile) {
+      v.form = fitting(v.form, v.width);
     } else if (found.size() > 1) {
       if (const unsigned lane = lane_bits(v.form, v.width); lane != 0 && v.width % lane != 0)
         continue;

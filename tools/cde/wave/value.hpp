@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,15 +13,26 @@ namespace cde::wave {
 
 /// How a value is written.
 struct Form {
-  enum class Kind { kHex, kUnsigned, kSigned, kBinary, kFloat };
-  Kind kind = Kind::kHex;
-  FpFormat format;    ///< of kFloat
-  unsigned lane = 0;  ///< bits of a lane; 0: those of the format, or all
+  enum class Kind { kHex, kUnsigned, kSigned, kBinary, kFloat, kNames, kFile };
+  Kind kind = Kind::kHex;  ///< kFile: what the file says, which default_form() looks up
+  FpFormat format;         ///< of kFloat
+  unsigned lane = 0;       ///< bits of a lane; 0: those of the format, or all
+  bool mask = false;       ///< of kFloat: a word of ones, which no operator makes, is a condition
+  std::shared_ptr<const Names> names = {};  ///< of kNames
 };
 
-/// "hex", "dec", "signed", "bin", or a format of numbers; with "/32" the bits of a lane. Nothing if
-/// it is none of these.
+/// "auto" (kFile), "hex", "dec", "signed", "bin", or a format of numbers, with "|mask" one that may
+/// be a condition; with "/32" the bits of a lane. Nothing if it is none of these.
 [[nodiscard]] std::optional<Form> parse_form(std::string_view text);
+/// As parse_form reads it; "names" for kNames.
+[[nodiscard]] std::string form_name(const Form& form);
+/// The form, or hex if such lanes do not fit into as many bits.
+[[nodiscard]] Form fitting(const Form& form, unsigned width);
+/// How the file says that a signal is written: by the names of its values, or as its comment
+/// `forms PATTERN=FORM PATTERN=FORM*WORDS ...` says of the first pattern that names it and, with
+/// WORDS, whose so many words it is wide; else hex. Any other form than kFile is the answer itself,
+/// where it fits.
+[[nodiscard]] Form default_form(Trace& trace, const Signal& signal, const Form& asked);
 /// Words that parse_form takes, for help.
 [[nodiscard]] std::vector<std::string> form_names();
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <unordered_map>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
@@ -82,19 +83,41 @@ Asked asked(const Request& r, Trace& trace, Times& times, const Design& design) 
   return a;
 }
 
-/// A form of numbers is one for signals that it fits.
-std::string text_of(const Node& n, const Form& form) {
-  if (!n.in_waves) return "not in the waves";
-  if (n.value.empty()) return "?";
-  View v;
-  v.width = v.signal.width = static_cast<unsigned>(n.value.size());
-  v.form = form;
-  const auto own = static_cast<unsigned>(form.format.width());
-  if (form.kind == Form::Kind::kFloat && v.width % std::max(own, 1u) != 0 &&
-      (form.lane == 0 || v.width % form.lane != 0))
-    v.form = Form{};
-  return v.text(n.value);
-}
+/// Writes values in the form that was asked for, or as the file says of each signal.
+class Texts {
+ public:
+  Texts(Trace& trace, const Design& design, const Form& form)
+      : trace_(trace), design_(design), form_(form) {
+    if (form.kind != Form::Kind::kFile) return;
+    for (const Signal& s : trace.signals()) named_.try_emplace(s.name, &s);
+  }
+  [[nodiscard]] std::string of(const Node& n) const {
+    if (!n.in_waves) return "not in the waves";
+    if (n.value.empty()) return "?";
+    View v;
+    v.width = v.signal.width = static_cast<unsigned>(n.value.size());
+    v.form = fitting(form_of(n), v.width);
+    return v.text(n.value);
+  }
+
+ private:
+  [[nodiscard]] Form form_of(const Node& n) const {
+    if (form_.kind != Form::Kind::kFile) return form_;
+    std::string name = design_.name(n.slice);
+    auto found = named_.find(name);
+    if (found == named_.end())
+      found = named_.find(name.erase(std::min(name.rfind('['), name.size())));
+    if (found == named_.end()) return {};
+    const Form form = default_form(trace_, *found->second, form_);
+    return form.kind == Form::Kind::kNames && n.value.size() != found->second->width ? Form{}
+                                                                                     : form;
+  }
+
+  Trace& trace_;
+  const Design& design_;
+  const Form form_;
+  std::unordered_map<std::string_view, const Signal*> named_;
+};
 
 std::string shortened(const std::string& text) {
   return text.size() <= kMostValue ? text : text.substr(0, kMostValue - 3) + "...";
@@ -115,8 +138,8 @@ std::string common_scope(const std::vector<std::string>& names) {
 /// The tree as lines.
 class Picture {
  public:
-  Picture(const Cone& cone, const Design& design, const Times& times, const Form& form)
-      : nodes_(cone.nodes()), design_(design), times_(times), form_(form) {
+  Picture(const Cone& cone, const Design& design, const Times& times, const Texts& texts)
+      : nodes_(cone.nodes()), design_(design), times_(times), texts_(texts) {
     std::vector<std::string> names;
     for (const Node& n : nodes_) names.push_back(design.name(n.slice));
     for (const Node& n : nodes_) names.push_back(design.name(n.driven));
@@ -167,7 +190,7 @@ class Picture {
     Row row;
     row.name = std::string(2 * depth, ' ') + (node.condition ? "if " : "") +
                printable_name(name_of(node, depth == 0));
-    row.value = shortened(text_of(node, form_));
+    row.value = shortened(texts_.of(node));
     if (node.again) row.source = "(as elsewhere)";
     if (!node.remark.empty()) row.source = fmt::format("({})", node.remark);
     bool first = true;
@@ -190,12 +213,12 @@ class Picture {
   const std::vector<Node>& nodes_;
   const Design& design_;
   const Times& times_;
-  const Form form_;
+  const Texts& texts_;
   std::string scope_;
   std::vector<Row> rows_;
 };
 
-Json json_of(const Cone& cone, const Design& design, const Times& times, const Form& form,
+Json json_of(const Cone& cone, const Design& design, const Times& times, const Texts& texts,
              std::size_t n) {
   const Node& node = cone.nodes()[n];
   Json j = {{"name", design.name(node.slice)}};
@@ -203,7 +226,7 @@ Json json_of(const Cone& cone, const Design& design, const Times& times, const F
   j.update({{"time", node.time},
             {"at", times.text(node.time)},
             {"in_waves", node.in_waves},
-            {"value", node.value.empty() ? Json() : Json(text_of(node, form))},
+            {"value", node.value.empty() ? Json() : Json(texts.of(node))},
             {"bits", node.value.empty() ? Json() : Json(node.value)},
             {"condition", node.condition},
             {"repeated", node.again},
@@ -212,7 +235,7 @@ Json json_of(const Cone& cone, const Design& design, const Times& times, const F
   for (const Node::Statement& s : node.statements) {
     Json causes = Json::array();
     for (const std::size_t cause : s.causes)
-      causes.push_back(json_of(cone, design, times, form, cause));
+      causes.push_back(json_of(cone, design, times, texts, cause));
     statements.push_back({{"source_file", s.driver.place.file},
                           {"line", s.driver.place.line},
                           {"source_text", s.driver.place.text},
@@ -237,23 +260,24 @@ std::string why_text(const Request& r) {
   Times times(trace, r.clock);
   const Design design = Design::of(trace, r.structure);
   const Asked a = asked(r, trace, times, design);
+  const Texts texts(trace, design, a.form);
   Lines lines(r.max);
   const Cone cone(trace, times, design, a.slice, a.time, static_cast<unsigned>(r.depth), lines);
   if (r.json) {
     Json j = begin_json(r);
     j.update({{"top_scope", design.prefix()},
               {"depth", r.depth},
-              {"cone", json_of(cone, design, times, a.form, 0)},
+              {"cone", json_of(cone, design, times, texts, 0)},
               {"more", lines.more()}});
     return cli::json_text(j) + '\n';
   }
-  const Picture picture(cone, design, times, a.form);
+  const Picture picture(cone, design, times, texts);
   const Node& root = cone.nodes().front();
   std::string cycle;
   if (times.clock_if_any() != nullptr)
     if (const auto number = times.cycle(a.time)) cycle = fmt::format(", cyc:{}", *number);
   std::string text = fmt::format("{} is {} at {}{}\n", printable_name(design.name(root.slice)),
-                                 text_of(root, a.form), times.text(a.time), cycle);
+                                 texts.of(root), times.text(a.time), cycle);
   if (cone.nodes().size() > 1 && !picture.scope().empty())
     text += fmt::format("names below are of {}\n",
                         printable_name(picture.scope().substr(0, picture.scope().size() - 1)));

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace cde {
 
@@ -14,6 +16,9 @@ struct TraceOptions {
   /// Waves begin where the card fetches this secondary from its DDR, instead of `from`, ...
   std::optional<std::uint32_t> secondary = {};
   std::uint64_t clocks = 400;  ///< ... and last for so many clocks, instead of until `to`
+  /// Patterns of * and ? that name signals or scopes, as `cde wave ls` lists them, with or without
+  /// the scopes around them. Nothing else is written; none: all.
+  std::vector<std::string> scopes = {};
 };
 
 }  // namespace cde

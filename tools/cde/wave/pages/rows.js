@@ -16,7 +16,8 @@ const cdeRows = (() => {
       this.whole = !view.bits;
       [this.first, this.width] = view.bits || [0, track.width];
       this.isText = !!track.texts;
-      this.form = parseForm(view.form, formats) || { name: "hex", kind: "hex", lane: 0 };
+      this.named = view.names ? { name: "names", kind: "names", lane: 0, names: view.names } : null;
+      this.form = this.named || parseForm(view.form, formats) || { name: "hex", kind: "hex", lane: 0 };
       this.isBit = this.width === 1 && !this.isText;
       this.level = 2;
       this.lanes = null;  // rows of the lanes, while they are shown

@@ -81,18 +81,18 @@ const cdeValues = (() => {
     return low - 1;
   }
 
-  // Forms: hex, dec, signed, bin, or a format of numbers; /N behind it is the bits of a lane.
+  // Forms: hex, dec, signed, bin, or a format of numbers, with |mask one that may be a condition; /N behind it is the bits of a lane.
   function parseForm(text, formats) {
-    const [, name, lane] = /^([a-z0-9]+)(?:\/([1-9]\d{0,5}))?$/i.exec(text.trim()) || [];
+    const [, name, mask, lane] = /^([a-z0-9]+)(\|mask)?(?:\/([1-9]\d{0,5}))?$/i.exec(text.trim()) || [];
     if (!name) return null;
     const form = { name: text.trim().toLowerCase(), kind: name.toLowerCase(), lane: lane ? Number(lane) : 0 };
-    if (["hex", "dec", "signed", "bin"].includes(form.kind)) return form;
+    if (["hex", "dec", "signed", "bin"].includes(form.kind)) return mask ? null : form;
     let sizes = formats[form.kind];
     const free = /^e(\d+)m(\d+)$/.exec(form.kind);
     if (!sizes && free) sizes = [Number(free[1]), Number(free[2])];
     if (!sizes || sizes[0] < 3 || sizes[0] > 11 || sizes[1] < 2 || sizes[1] > 52) return null;
     const [exponent, fraction] = sizes;
-    return { ...form, kind: "number", exponent, fraction, own: 1 + exponent + fraction, bias: 2 ** (exponent - 1) - 1 };
+    return { ...form, kind: "number", mask: !!mask, exponent, fraction, own: 1 + exponent + fraction, bias: 2 ** (exponent - 1) - 1 };
   }
   // Bits of a lane of such a form, or 0.
   function laneBits(form, width) {
@@ -170,6 +170,8 @@ const cdeValues = (() => {
   }
   function one(bits, form) {
     if (form.kind === "bin") return bits;
+    if (form.kind === "names") return form.names[bits.replace(/^0+(?=.)/, "")] || hexadecimal(bits);
+    if (form.mask && /^1+$/.test(bits)) return "true";
     if (form.kind === "number") return number(bits.slice(bits.length - form.own), form);
     if (form.kind === "hex") return hexadecimal(bits);
     if (!/^[01]+$/.test(bits)) return "x";

@@ -264,6 +264,7 @@
   const FORMS = ["hex", "dec", "signed", "bin", ...Object.keys(data.formats)];
   function fillForms(row) {
     const names = FORMS.filter((name) => cdeRows.fits(parseForm(name, data.formats), row.width));
+    if (row.named) names.unshift("names");
     if (!names.includes(row.form.name)) names.push(row.form.name);
     const key = names.join();
     if (formBox.dataset.names !== key) {
@@ -282,7 +283,7 @@
       own.focus();
       return;
     }
-    const form = parseForm(name, data.formats);
+    const form = name === "names" ? row.named : parseForm(name, data.formats);
     if (form && cdeRows.fits(form, row.width)) {
       row.setForm(form);
       rows.update();
