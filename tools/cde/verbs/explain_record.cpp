@@ -244,8 +244,11 @@ class Text {
       side_wins("card", s_.card);
       side_wins("reference", s_.reference);
     }
+    const bool one = s_.candidates == 1;
     put("The reference's sweep: {} of {} pairs {}.", s_.candidates, s_.swept,
-        s_.of_pairs() ? "have a record" : "are candidates");
+        s_.of_pairs() ? one ? "has a record" : "have a record"
+        : one         ? "is a candidate"
+                      : "are candidates");
     const Balance b = balance_of(s_);
     const auto numbers = [this](const std::vector<std::uint32_t>& list) {
       std::string text;

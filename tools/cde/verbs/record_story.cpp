@@ -135,8 +135,9 @@ class Teller {
     PlayOptions options;
     options.check = named_.failed ? Check::kAll : Check::kNone;
     options.made_of = [&](const PlayOptions::Made& made) { take(made); };
-    return play_packet({s_.scene, plan_, options, s_.frame, s_.query, s_.primary}, first, waves, {},
-                       [&](std::span<const Record> records) {
+    const TraceOptions which = {.scopes = wave::tested_scopes()};
+    return play_packet({s_.scene, plan_, options, s_.frame, s_.query, s_.primary}, first, waves,
+                       which, [&](std::span<const Record> records) {
                          for (const Record& r : records)
                            if (r.primary == s_.primary) s_.card.push_back(r);
                        });

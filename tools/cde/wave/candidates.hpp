@@ -2,6 +2,8 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "wave/trace.hpp"
 
@@ -26,5 +28,8 @@ using TakeTested = std::function<void(const Tested&)>;
 /// engine; of passes whose records are of pairs (modes all and hits) none. Error kUsage, naming
 /// signals, if the waves lack what this is read from.
 void each_tested(Trace& trace, std::uint64_t primary, const TakeTested& take);
+
+/// What waves need to have for it, as TraceOptions::scopes.
+[[nodiscard]] std::vector<std::string> tested_scopes();
 
 }  // namespace cde::wave

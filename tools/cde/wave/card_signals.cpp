@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "wave/candidates.hpp"
+
 namespace cde::wave {
 
 const std::vector<KindSignals>& card_signals() {
@@ -109,6 +111,15 @@ const KindSignals& tested_signals() {
       {},
       {}};
   return kTested;
+}
+
+std::vector<std::string> tested_scopes() {
+  std::vector<std::string> patterns;
+  const KindSignals& kind = tested_signals();
+  for (const auto* names : {&kind.clocks, &kind.signals, &kind.arrays})
+    patterns.insert(patterns.end(), names->begin(), names->end());
+  for (std::string& p : patterns) std::replace(p.begin(), p.end(), '#', '*');
+  return patterns;
 }
 
 namespace {
