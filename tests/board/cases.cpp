@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cases.hpp"
+#include "pair_failure.hpp"
 
 #include <bit>
 #include <cmath>
@@ -178,17 +179,42 @@ BoardConfig rich_config(Bus bus) {
           .ecc = true};
 }
 
+std::string explain_lines(const reference::Checker& checker) {
+  std::string lines;
+  if (!checker.first_difference()) return lines;
+  const auto words = [](const std::vector<float>& from) {
+    std::vector<std::uint64_t> to;
+    for (const float x : from) to.push_back(std::bit_cast<std::uint32_t>(x));
+    return to;
+  };
+  const std::vector<std::uint64_t> a = words(checker.first_difference()->primary);
+  if (a.empty()) return lines;
+  for (const auto& [index, triangle] : checker.first_difference()->secondaries) {
+    const std::vector<std::uint64_t> b = words(triangle);
+    const std::string line =
+        "\n  " + explain_line({{.lanes = 1, .arithmetic = Arithmetic::kRtl}, a, b, 0});
+    if (lines != line) lines += line;  // both sides may name one triangle
+  }
+  return lines;
+}
+
 std::vector<Record> cast_and_compare(Board& board, const Scene& scene, const Query& query,
                                      Counters* counters) {
   board.upload(scene.triangles, false);
   reference::Checker checker(scene.rays, scene.triangles, query.mode, query.stencil,
                              board.primaries(), "cde cast ...");
   std::vector<Record> records;
-  const Counters c = board.cast(scene.rays, query, [&](std::span<const Record> some) {
-    checker.check(some);
-    records.insert(records.end(), some.begin(), some.end());
-  });
-  checker.finish();
+  Counters c;
+  try {
+    c = board.cast(scene.rays, query, [&](std::span<const Record> some) {
+      checker.check(some);
+      records.insert(records.end(), some.begin(), some.end());
+    });
+    checker.finish();
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::kMismatch) throw;
+    throw Error(e.code(), e.what() + explain_lines(checker));
+  }
   EXPECT_EQ(checker.compared(), records.size());
   if (counters != nullptr) *counters = c;
   return records;

@@ -50,6 +50,10 @@ Scene cloud(Random& random, std::size_t rays, std::size_t triangles);
 /// and special values in every slot.
 Scene directed();
 
+/// Pairs of the first record that differs, a line each, as `cde explain --from-test` takes them: in
+/// gates, which have the bits of both arithmetics.
+std::string explain_lines(const reference::Checker& checker);
+
 /// Runs a cast on the board and compares every record with the reference; returns the records.
 std::vector<Record> cast_and_compare(Board& board, const Scene& scene, const Query& query,
                                      Counters* counters = nullptr);

@@ -2,6 +2,7 @@
 // The reference itself: the vector code against the template, the template against cases worked out
 // by hand.
 #include "cde/reference/reference.hpp"
+#include "cde/reference/pass.hpp"
 #include "cde/reference/pipes/ray_triangle.hpp"
 
 #include <cmath>
@@ -64,6 +65,39 @@ TEST(Reference, VectorCodeEqualsTheTemplate) {
       }
     }
   }
+}
+
+/// One primary's pairs, in whatever mode: what is kept last is its record.
+TEST(Reference, TheSweepOfAPrimaryEndsWithItsRecord) {
+  Random random;
+  const Scene scene = beam(random, 20, 60);
+  for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll, Mode::kHits}) {
+    SCOPED_TRACE(name_of(mode));
+    const std::vector<Record> all = reference::cast(scene.rays, scene.triangles, mode, {});
+    for (std::uint32_t i = 0; i < scene.rays.size(); ++i) {
+      const auto swept =
+          reference::sweep({.mode = mode}, Shapes(scene.rays), i, Shapes(scene.triangles));
+      std::vector<Record> own, kept;
+      for (const Record& r : all)
+        if (r.primary == i) own.push_back(r);
+      expect_same(swept.records, own);
+      ASSERT_EQ(swept.pairs.size(), scene.triangles.size());
+      for (const reference::SweptPair& p : swept.pairs) {
+        EXPECT_EQ(p.candidate, p.record.f || mode == Mode::kAll);
+        if (p.kept) kept.assign(1, p.record);
+      }
+      const bool streams = mode == Mode::kAll || mode == Mode::kHits;
+      EXPECT_EQ(kept.empty(), streams || !own[0].f);
+      if (!kept.empty()) expect_same(kept, own);
+    }
+  }
+  // Pairs that do not count are as if they were not there.
+  const auto odd =
+      reference::sweep({.counts = [](std::uint32_t, std::uint32_t s) { return s % 2 == 1; }},
+                       Shapes(scene.rays), 0, Shapes(scene.triangles));
+  ASSERT_EQ(odd.pairs.size(), 30u);
+  for (std::size_t i = 0; i < odd.pairs.size(); ++i) EXPECT_EQ(odd.pairs[i].secondary, 2 * i + 1);
+  EXPECT_THROW((void)reference::sweep({}, Shapes(scene.rays), 20, Shapes(scene.triangles)), Error);
 }
 
 struct Known {
@@ -157,6 +191,22 @@ TEST(Reference, DoubleAgreesWithFloatOnExactCases) {
                                                           V(0, 0, 1), V(1, 0, 1), V(0, 1, 1));
   EXPECT_TRUE(bad.bad);
   EXPECT_EQ(std::bit_cast<std::uint64_t>(bad.t), 0x7ff8000000000000u);
+}
+
+TEST(Checker, HasThePairsOfADifferenceForExplain) {
+  const Scene scene{{{{0.25f, 0.25f, 0}, {0, 0, 1}}}, {kPlain}};
+  auto records = reference::cast(scene.rays, scene.triangles);
+  reference::Checker right(scene.rays, scene.triangles, Mode::kNearest, {}, 256, "");
+  right.compare(records);
+  EXPECT_EQ(explain_lines(right), "");
+  records[0].t = 2;
+  reference::Checker wrong(scene.rays, scene.triangles, Mode::kNearest, {}, 256, "");
+  wrong.compare(records);
+  EXPECT_EQ(explain_lines(wrong),
+            "\n  explain: cde explain ray-triangle --format fp32 --arith rtl --algorithm moller "
+            "--no-box '0x3e800000 0x3e800000 0x00000000 0x00000000 0x00000000 0x3f800000 "
+            "0x00000000 0x7f800000 | 0x00000000 0x00000000 0x3f800000 0x3f800000 0x00000000 "
+            "0x3f800000 0x00000000 0x3f800000 0x3f800000'");
 }
 
 TEST(Checker, NamesTheDifferenceAndHowToRepeatIt) {

@@ -14,6 +14,7 @@
 #include "cde/reference/pairs.hpp"
 #include "cde/support/error.hpp"
 #include "oracle/cases.hpp"
+#include "pair_failure.hpp"
 
 namespace cde {
 namespace {
@@ -81,9 +82,10 @@ TEST_P(FacetInterval, TakesARowInThreeClocks) {
   EXPECT_GT(bad, 0);
 
   EXPECT_EQ(unit.test(o.a, o.b, got), (rows - 1) * kInterval + p.clocks());
-  EXPECT_EQ(std::mismatch(got.begin(), got.end(), expected.begin()).first - got.begin(),
-            static_cast<std::ptrdiff_t>(count))
-      << "the first pair that differs";
+  const auto differs = static_cast<std::size_t>(
+      std::mismatch(got.begin(), got.end(), expected.begin()).first - got.begin());
+  EXPECT_EQ(differs, count) << "the first pair that differs\n"
+                            << testing::told_and_packed({config, o.a, o.b, differs});
 
   // Rows that come too early wait at the mouth, late ones make a pause.
   std::mt19937 random(1);

@@ -27,6 +27,7 @@
 #include "cde/reference/pipes/scale.hpp"
 #include "numerics/operators.hpp"
 #include "oracle/cases.hpp"
+#include "pair_failure.hpp"
 
 namespace {
 
@@ -34,6 +35,10 @@ using cde::Algorithm;
 using cde::Pair;
 using cde::PairConfig;
 using cde::PairResult;
+using cde::testing::explain_line;
+using cde::testing::FailedPair;
+using cde::testing::pack_failure;
+using cde::testing::query_line;
 
 constexpr std::uint64_t kSeed = 20261121;
 
@@ -107,36 +112,6 @@ Operands operands(const PairConfig& config, std::size_t first, std::size_t count
   return o;
 }
 
-/// A command line that asks the pair of the same pipe.
-std::string describe(const PairConfig& config, const Operands& o, std::size_t i,
-                     const cde::PairBudget& budget = {}) {
-  std::string text = "echo '";
-  const auto words = [&](const std::vector<std::uint64_t>& all, unsigned n) {
-    for (unsigned k = 0; k < n; ++k) {
-      char word[40];
-      std::snprintf(word, sizeof word, "0x%0*llx ", config.format.hex_digits(),
-                    static_cast<unsigned long long>(all[i * n + k]));
-      text += word;
-    }
-  };
-  words(o.a, primary_words(config.pair));
-  text += "| ";
-  words(o.b, secondary_words(config.pair));
-  text += "' | cde query " + std::string(name(config.pair)) + " --format " + config.format.name() +
-          " --arith " + (config.arithmetic == cde::Arithmetic::kRtl ? "rtl" : "host") +
-          " --lanes " + std::to_string(config.lanes);
-  if (config.pair == Pair::kRayTriangle)
-    text += " --algorithm " + std::string(name(config.algorithm)) +
-            (config.box ? " --box" : " --no-box");
-  if (config.plane == cde::PlaneSide::kHalfSpace) text += " --half-space";
-  if (config.facet_interval != 1)
-    text += " --facet-interval " + std::to_string(config.facet_interval);
-  if (cde::has_budget(config.pair) && budget != cde::PairBudget{})
-    text += " --budget " + std::to_string(budget.samples) + "," + std::to_string(budget.circle) +
-            "," + std::to_string(budget.free);
-  return text;
-}
-
 std::string describe(const PairResult& r) {
   char text[200];
   std::snprintf(text, sizeof text, "F %d bad %d T %llx CP %llx %llx %llx n %llx %llx %llx", r.f,
@@ -147,12 +122,21 @@ std::string describe(const PairResult& r) {
   return text;
 }
 
-/// What is said of pair i, which differs: how to ask again, which fields, and where.
+/// What is said of pair i, which differs: how to ask again, which fields, where, and how to have it
+/// explained.
 std::string difference(cde::PairUnit& unit, const Operands& o, std::size_t i, const PairResult& got,
                        const PairResult& expected, const cde::PairBudget& budget = {}) {
-  return "  " + describe(unit.config(), o, i, budget) + "\n  pipe      " + describe(got) +
-         "\n  reference " + describe(expected) + "\n  differ in " +
-         differing_fields(got, expected) + "\n  where     " + place_in_unit(unit, o.a, o.b, i);
+  const FailedPair pair{unit.config(), o.a, o.b, i, budget};
+  return "  " + query_line(pair) + "\n  pipe      " + describe(got) + "\n  reference " +
+         describe(expected) + "\n  differ in " + differing_fields(got, expected) +
+         "\n  where     " + place_in_unit(unit, o.a, o.b, i) + "\n  " + explain_line(pair) + "\n";
+}
+
+/// The same of a test that fails, with what is packed of it.
+std::string failure(cde::PairUnit& unit, const Operands& o, std::size_t i, const PairResult& got,
+                    const PairResult& expected, const cde::PairBudget& budget = {}) {
+  return difference(unit, o, i, got, expected, budget) +
+         pack_failure({unit.config(), o.a, o.b, i, budget});
 }
 
 /// Clocks of the pipe with operators of one clock, as the references have them; 0 of rings.
@@ -269,7 +253,7 @@ void PairPipe::compare(cde::PairUnit& unit, std::size_t first, std::size_t count
     bad_ += expected[i].bad;
     if (got[i] == expected[i]) continue;
     if (++wrong_ <= 3)
-      ADD_FAILURE() << "case " << first + i << "\n" << difference(unit, o, i, got[i], expected[i]);
+      ADD_FAILURE() << "case " << first + i << "\n" << failure(unit, o, i, got[i], expected[i]);
   }
   (void)unit.test(o.a, o.b, stalled, [this] { return gaps_() % 3 == 0 ? gaps_() % 4 : 0u; });
   EXPECT_TRUE(stalled == got) << "gaps between rows change results";
@@ -309,7 +293,7 @@ TEST(PairRegression, PointsTooNearForADirection) {
     cde::reference::test_pairs(line.pair, config.algorithm, fp16, a, b, expected);
     cde::PairUnit unit(config);
     (void)unit.test(a, b, got);
-    EXPECT_EQ(got[0], expected[0]) << difference(unit, {a, b}, 0, got[0], expected[0]);
+    EXPECT_EQ(got[0], expected[0]) << failure(unit, {a, b}, 0, got[0], expected[0]);
     EXPECT_FALSE(expected[0].f || expected[0].bad);
   }
 }
@@ -367,6 +351,8 @@ TEST(PairFailure, SaysWhatAndWhereAndHowToAskAgain) {
     EXPECT_NE(answer.find(t), std::string::npos) << answer;
     EXPECT_EQ(answer.substr(answer.size() - 2), "0\n") << answer;
     EXPECT_FALSE(expected[i].bad) << "or there is little to answer";
+    EXPECT_NE(text.find("\n  explain: cde explain " + std::string(name(config.pair))),
+              std::string::npos);
   }
 }
 
@@ -430,8 +416,7 @@ TEST_P(CylinderBudget, SetsTheWorkOfAPair) {
     unit.set_budget(budget);
     EXPECT_EQ(unit.test(o.a, o.b, got), stated);
     if (const auto [g, e] = std::mismatch(got.begin(), got.end(), expected.begin()); g != got.end())
-      ADD_FAILURE() << difference(unit, o, static_cast<std::size_t>(g - got.begin()), *g, *e,
-                                  budget);
+      ADD_FAILURE() << failure(unit, o, static_cast<std::size_t>(g - got.begin()), *g, *e, budget);
     EXPECT_FALSE(got == before) << "another budget finds other gaps";
     std::mt19937 random(1);
     (void)unit.test(o.a, o.b, stalled,

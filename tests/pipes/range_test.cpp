@@ -16,6 +16,7 @@
 #include "cde/geometry/length_range.hpp"
 #include "cde/reference/pairs.hpp"
 #include "numerics/scaled_cases.hpp"
+#include "pair_failure.hpp"
 
 namespace cde::testing {
 namespace {
@@ -50,7 +51,8 @@ class Range : public ::testing::TestWithParam<PairConfig> {
       ++wrong;
       ADD_FAILURE() << "pair " << i << ": F " << got[i].f << " " << expected[i].f << " bad "
                     << got[i].bad << " " << expected[i].bad << std::hex << " T " << got[i].t << " "
-                    << expected[i].t;
+                    << expected[i].t << std::dec << "\n"
+                    << testing::told_and_packed({config, o.a, o.b, i});
     }
     return got;
   }

@@ -17,6 +17,7 @@
 #include "../printed.hpp"
 #include "cde/card/pair_unit.hpp"
 #include "cde/reference/pairs.hpp"
+#include "pair_failure.hpp"
 
 namespace {
 
@@ -48,7 +49,8 @@ void expect_equal(const PairConfig& config, const Words& a, const Words& b) {
   std::vector<PairResult> got(expected.size());
   (void)unit.test(a, b, got);
   for (std::size_t i = 0; i < got.size(); ++i)
-    ASSERT_EQ(got[i], expected[i]) << "pair " << i << " of " << name(config.pair);
+    ASSERT_EQ(got[i], expected[i]) << "pair " << i << "\n"
+                                   << cde::testing::told_and_packed({config, a, b, i});
 }
 
 /// The same pairs with axes j and k exchanged in every vector but the interval.

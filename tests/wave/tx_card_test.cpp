@@ -8,6 +8,7 @@
 #include <set>
 
 #include "run_cde.hpp"
+#include "wave/candidates.hpp"
 #include "wave/card_signals.hpp"
 #include "wave/filter.hpp"
 #include "wave/trace.hpp"
@@ -109,6 +110,32 @@ void expect_signals(const std::filesystem::path& file, const std::set<std::strin
     EXPECT_EQ(places.missing(kind), Words()) << kind.kind;
     EXPECT_EQ(places.of(kind).size(), 1u) << kind.kind;
   }
+  EXPECT_EQ(places.missing(wave::tested_signals()), Words());
+  EXPECT_EQ(places.of(wave::tested_signals()).size(), 1u);
+}
+
+/// What arrives at the update engine primary by primary is what rows of tests tell of all of them.
+void expect_tested(const std::filesystem::path& file, const std::vector<Transaction>& tests) {
+  std::size_t arrived = 0, kept = 0, hits = 0, wanted = 0;
+  for (const Transaction& t : tests)
+    if (wave::field_of(t, "pass") == "0") wanted += number(t, "tests");
+  for (std::uint64_t primary = 0; primary < 10; ++primary) {
+    Trace trace(file);
+    std::uint64_t last = 0;
+    wave::each_tested(trace, primary, [&](const wave::Tested& t) {
+      EXPECT_EQ(t.pass, 0u) << "records of the second pass are of pairs";
+      EXPECT_GT(t.clock, last);
+      EXPECT_EQ(t.candidate, t.f) << "of rays";
+      EXPECT_LE(t.kept, t.candidate);
+      last = t.clock;
+      ++arrived;
+      kept += t.kept ? 1 : 0;
+      hits += t.f ? 1 : 0;
+    });
+  }
+  EXPECT_EQ(arrived, wanted);
+  EXPECT_EQ(kept, sum(tests, "kept"));
+  EXPECT_EQ(2 * hits, sum(tests, "hits"));
 }
 
 /// What the engine did, whatever bus it is on.
@@ -176,6 +203,7 @@ TEST_F(TxCard, TheEngineBehindTheFunctionalBusIsWhatTheDriverCounts) {
   expect_signals(folder_ / "w.fst", {"pci", "dma"});
   expect_engine(counters, all("pass"), all("primary"), all("secondary"), all("test"),
                 all("record"));
+  expect_tested(folder_ / "w.fst", all("test"));
   EXPECT_TRUE(all("pci").empty());
   EXPECT_TRUE(all("dma").empty());
   const auto bus = all("bus");

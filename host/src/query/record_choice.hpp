@@ -10,12 +10,17 @@
 /// does. Private to the library.
 namespace cde {
 
+/// Whether a record of a pair may be kept: of rays hits, of solids, but for mode any, every pair.
+[[nodiscard]] inline bool is_candidate(Pair pair, Mode mode, const Record& r) {
+  return !r.bad && r.index != ~0u && (r.f || (is_solid(pair) && mode != Mode::kAny));
+}
+
 /// Whether a record of a pair replaces the best one so far (index ~0: there is none) of the same
 /// primary, in ascending order of secondaries: of solids the signed gap decides. The two zeros tie.
 [[nodiscard]] inline bool better(Pair pair, Mode mode, const Record& r, const Record& best) {
-  const bool solid = is_solid(pair);
-  if (r.bad || r.index == ~0u || (!r.f && (!solid || mode == Mode::kAny))) return false;
+  if (!is_candidate(pair, mode, r)) return false;
   if (best.index == ~0u) return true;
+  const bool solid = is_solid(pair);
   const auto gap = [solid](const Record& of) { return solid && of.f ? -of.t : of.t; };
   if (mode == Mode::kNearest) return gap(r) < gap(best);
   return mode == Mode::kFarthest && gap(r) > gap(best);

@@ -163,6 +163,38 @@ Pass::~Pass() = default;
 Pass::Pass(Pass&&) noexcept = default;
 Pass& Pass::operator=(Pass&&) noexcept = default;
 
+SweptPrimary sweep(const PassQuery& query, const Shapes& primaries, std::uint32_t number,
+                   const Shapes& secondaries) {
+  const Shapes one = std::visit(
+      [number](const auto& list) -> Shapes {
+        if (number >= list.size())
+          throw Error(ErrorCode::kUsage, fmt::format("primary {} of {}", number, list.size()));
+        return std::decay_t<decltype(list)>{list[number]};
+      },
+      primaries);
+  SweptPrimary all;
+  Pass asked(query, one, {number}, secondaries);
+  for (auto some = asked.next(); !some.empty(); some = asked.next())
+    all.records.insert(all.records.end(), some.begin(), some.end());
+  PassQuery every = query;
+  every.mode = Mode::kAll;
+  Pass pass(every, one, {number}, secondaries);
+  const bool pairs = query.mode == Mode::kAll || query.mode == Mode::kHits;
+  Record best =
+      std::visit([&](const auto& list) { return unanswered(list[0], number, query.normals); }, one);
+  std::uint32_t secondary = 0;
+  for (auto some = pass.next(); !some.empty(); some = pass.next())
+    for (const Record& r : some) {
+      while (query.counts && !query.counts(number, secondary)) ++secondary;
+      SweptPair& swept = all.pairs.emplace_back(SweptPair{.secondary = secondary++, .record = r});
+      swept.candidate =
+          pairs ? query.mode == Mode::kAll || r.f : is_candidate(query.pair, query.mode, r);
+      swept.kept = !pairs && better(query.pair, query.mode, r, best);
+      if (swept.kept) best = r;
+    }
+  return all;
+}
+
 std::span<const Record> Pass::next() {
   if (!impl_) throw Error(ErrorCode::kUsage, "this pass is none: it was moved from");
   return impl_->next();

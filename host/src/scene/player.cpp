@@ -34,15 +34,6 @@ std::string text(const Record* r) {
                      static_cast<std::int32_t>(r->index));
 }
 
-std::vector<float> numbers_of(const Shapes& shapes, std::size_t i) {
-  return std::visit(
-      [i](const auto& list) {
-        const auto words = to_words(list[i]);
-        return std::vector<float>(words.begin(), words.end());
-      },
-      shapes);
-}
-
 std::string words_of(const Shapes& shapes, std::size_t i) {
   std::string words;
   for (const float w : numbers_of(shapes, i))
@@ -75,6 +66,12 @@ Shapes picked(const Shapes& shapes, const std::vector<std::uint32_t>& numbers) {
       shapes);
 }
 
+/// Which pairs count; empty if all do.
+std::function<bool(std::uint32_t, std::uint32_t)> counting(const SelfPairs& self) {
+  if (!self.any()) return nullptr;
+  return [&self](std::uint32_t p, std::uint32_t s) { return self.counts(p, s); };
+}
+
 /// Compares the records of one packet with the reference as they arrive; those of primaries that
 /// are not in the sample go by.
 class PassCheck {
@@ -95,7 +92,7 @@ class PassCheck {
                .mode = query.mode,
                .normals = query.normals,
                .budget = query.budget,
-               .counts = self.any() ? counting(self) : nullptr},
+               .counts = counting(self)},
               picked(primaries, numbers_), numbers_, secondaries) {}
 
   void check(std::span<const Record> records, QueryFrame& result) {
@@ -141,10 +138,6 @@ class PassCheck {
         message += fmt::format("  that pair: {}\n",
                                question(query_, card_, words_of(primaries_, primary), secondary));
     }
-  }
-
-  static std::function<bool(std::uint32_t, std::uint32_t)> counting(const SelfPairs& self) {
-    return [&self](std::uint32_t p, std::uint32_t s) { return self.counts(p, s); };
   }
 
   const SceneQuery& query_;
@@ -308,6 +301,8 @@ class Player::Impl {
     const auto& waves = options_.waves_of;
     const bool here = waves && waves->frame == packet.frame && waves->query == packet.query &&
                       waves->number == packet.number;
+    if (here && options_.made_of)
+      options_.made_of({primaries, secondaries_.placed(), counting(packet.self)});
     if (here) trace_open();
     if (!sweeps.empty()) load(first, count, result);
     if (!packet.self.any() || q.mode == Mode::kAll || q.mode == Mode::kHits) {

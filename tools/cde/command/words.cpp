@@ -159,6 +159,15 @@ void WordText::append_bits(fmt::memory_buffer& to, std::uint64_t word) const {
   fmt::format_to(std::back_inserter(to), "0x{:0{}x}", word, format_.hex_digits());
 }
 
+std::string WordText::decimal_and_bits(std::uint64_t word) const {
+  fmt::memory_buffer b;
+  append_decimal(b, word);
+  b.append(std::string_view(" ("));
+  append_bits(b, word);
+  b.push_back(')');
+  return fmt::to_string(b);
+}
+
 std::string WordText::hexfloat(std::uint64_t word) const {
   if (format_.is_nan(word)) return fmt::format("0x{:0{}x}", word, format_.hex_digits());
   return fmt::format("{:a}", format_.decode(word));

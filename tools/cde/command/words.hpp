@@ -34,6 +34,9 @@ class WordText {
   void append_decimal(fmt::memory_buffer& to, std::uint64_t word) const;
   void append_bits(fmt::memory_buffer& to, std::uint64_t word) const;
 
+  /// Both: "1.5 (0x3fc00000)".
+  [[nodiscard]] std::string decimal_and_bits(std::uint64_t word) const;
+
   /// Exact, and `parse` reads it back: a hexfloat, or the word if it is a NaN.
   [[nodiscard]] std::string hexfloat(std::uint64_t word) const;
 

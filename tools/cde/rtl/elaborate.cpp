@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "cde/contract/formats.hpp"
+#include "output/scratch.hpp"
 
 extern char** environ;
 
@@ -22,25 +23,6 @@ namespace cde::rtl {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A folder of its own for Verilator's files, removed at the end.
-class Scratch {
- public:
-  Scratch() : path_((fs::temp_directory_path() / "cde-elaborate-XXXXXX").string()) {
-    if (::mkdtemp(path_.data()) == nullptr)
-      throw ElaborationError(path_ + ": cannot create: " + std::generic_category().message(errno));
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  [[nodiscard]] fs::path operator/(const char* name) const { return fs::path(path_) / name; }
-
- private:
-  std::string path_;
-};
 
 std::string text_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -120,7 +102,7 @@ bool is_within(const std::string& path, const std::string& instance) {
 std::string elaborated(const fs::path& rtl, const std::string& top,
                        const std::vector<std::string>& parameters, Gates gates,
                        const std::vector<std::string>& switches) {
-  const Scratch scratch;
+  const Scratch scratch("cde-elaborate");
   const fs::path xml = scratch / "design.xml", log = scratch / "verilator.log";
   std::vector<std::string> command = {
       "verilator",         "--xml-only",   "-Wno-fatal", "-Werror-USERERROR",

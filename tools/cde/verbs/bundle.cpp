@@ -442,4 +442,15 @@ Json result_json(const FpFormat& format, const PairResult& r) {
   return {{"F", r.f}, {"bad_input", r.bad}, {"T", text.hexfloat(r.t)}, {"CP", cp}, {"normal", n}};
 }
 
+Json record_json(const std::optional<Record>& r) {
+  if (!r) return nullptr;
+  return {{"F", r->f},
+          {"bad_input", r->bad},
+          {"T", fmt::format("{:a}", r->t)},
+          {"CP",
+           {fmt::format("{:a}", r->cp.x()), fmt::format("{:a}", r->cp.y()),
+            fmt::format("{:a}", r->cp.z())}},
+          {"index", r->index == ~0u ? Json() : Json(r->index)}};
+}
+
 }  // namespace cde::cli

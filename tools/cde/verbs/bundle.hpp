@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -119,5 +120,6 @@ void bundle_causes(Bundle& bundle, const std::string& signal, const wave::Origin
 
 /// Words as hexfloats.
 [[nodiscard]] nlohmann::ordered_json result_json(const FpFormat& format, const PairResult& result);
+[[nodiscard]] nlohmann::ordered_json record_json(const std::optional<Record>& record);
 
 }  // namespace cde::cli

@@ -13,6 +13,7 @@
 #include "command/values.hpp"
 #include "verbs/bundle.hpp"
 #include "verbs/pair_options.hpp"
+#include "verbs/scene_pair.hpp"
 #include "wave/trace.hpp"
 #include "wave/transaction.hpp"
 #include "wave/value.hpp"
@@ -220,13 +221,10 @@ class Tracker {
   }
 
   [[nodiscard]] PairResult expected(std::span<const float> secondary) const {
-    std::vector<std::uint64_t> a, b;
-    for (const float w : f_.difference.primary) a.push_back(std::bit_cast<std::uint32_t>(w));
-    for (const float w : secondary) b.push_back(std::bit_cast<std::uint32_t>(w));
-    if (f_.swap) std::swap(a, b);
+    const PairWords pair = pair_words(f_.difference.primary, secondary, f_.swap);
     std::vector<PairResult> result(1);
-    reference::test_pairs(pipe_.pair, pipe_.algorithm, pipe_.format, a, b, result, pipe_.plane,
-                          budget_, pipe_.box);
+    reference::test_pairs(pipe_.pair, pipe_.algorithm, pipe_.format, pair.a, pair.b, result,
+                          pipe_.plane, budget_, pipe_.box);
     return result[0];
   }
   [[nodiscard]] std::uint64_t row() const { return f_.place / pipe_.lanes; }
@@ -265,12 +263,6 @@ std::vector<TraceOptions> windows_of(const CardFailure& f, std::optional<std::ui
   return windows;
 }
 
-std::string words_text(std::span<const float> words) {
-  std::string text;
-  for (const float w : words) text += fmt::format("{}{:a}", text.empty() ? "" : ",", w);
-  return text;
-}
-
 /// Explains the pairs of the records until one is wrong; that one, if any.
 std::optional<std::uint32_t> explained(Bundle& bundle, const CardFailure& f, const PairOptions& o,
                                        const PairConfig& pipe) {
@@ -278,14 +270,10 @@ std::optional<std::uint32_t> explained(Bundle& bundle, const CardFailure& f, con
   std::string words;
   std::optional<std::uint32_t> wrong;
   for (const auto& [index, secondary] : f.difference.secondaries) {
-    std::span<const float> first = f.difference.primary, second = secondary;
-    if (f.swap) std::swap(first, second);
-    std::vector<std::uint64_t> a, b;
-    for (const float w : first) a.push_back(std::bit_cast<std::uint32_t>(w));
-    for (const float w : second) b.push_back(std::bit_cast<std::uint32_t>(w));
-    explain::Explanation e = explain::explain(pipe, a, b, budget_of(o));
+    const PairWords pair = pair_words(f.difference.primary, secondary, f.swap);
+    explain::Explanation e = explain::explain(pipe, pair.a, pair.b, budget_of(o));
     if (kept && e.same()) continue;
-    words = fmt::format("{} | {}", words_text(first), words_text(second));
+    words = pair.text();
     kept = std::move(e);
     if (kept->same()) continue;
     wrong = index;
@@ -299,17 +287,6 @@ Json hexfloats(std::span<const float> words) {
   Json all = Json::array();
   for (const float w : words) all.push_back(fmt::format("{:a}", w));
   return all;
-}
-
-Json record_json(const std::optional<Record>& r) {
-  if (!r) return nullptr;
-  return {{"F", r->f},
-          {"bad_input", r->bad},
-          {"T", fmt::format("{:a}", r->t)},
-          {"CP",
-           {fmt::format("{:a}", r->cp.x()), fmt::format("{:a}", r->cp.y()),
-            fmt::format("{:a}", r->cp.z())}},
-          {"index", r->index == ~0u ? Json() : Json(r->index)}};
 }
 
 /// Does it again and follows the primary; the waves that show it are left in `file`.
@@ -334,13 +311,7 @@ std::optional<Stage> followed(Bundle& bundle, const CardFailure& f, const PairBu
 }  // namespace
 
 void bundle_card(Bundle& bundle, const CardFailure& f) {
-  PairOptions o;
-  o.pair = name(f.pipe.pair);
-  o.algorithm = name(f.pipe.algorithm);
-  o.arithmetic = f.pipe.arithmetic == Arithmetic::kRtl ? "rtl" : "host";
-  o.budget = f.budget;
-  o.box = f.pipe.box;
-  o.facet_interval = f.pipe.facet_interval;
+  const PairOptions o = options_of({f.pipe, f.budget});
   const PairBudget budget = budget_of(o);
   bundle.add("What failed", f.message);
   bundle.json().update(

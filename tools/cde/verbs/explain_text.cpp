@@ -98,14 +98,7 @@ class Report {
 
   static unsigned clock_of(const Compared& c) { return c.seat.which < 0 ? 0 : c.seat.offset; }
 
-  [[nodiscard]] std::string value(std::uint64_t word) const {
-    fmt::memory_buffer b;
-    text_.append_decimal(b, word);
-    b.append(std::string_view(" ("));
-    text_.append_bits(b, word);
-    b.push_back(')');
-    return fmt::to_string(b);
-  }
+  [[nodiscard]] std::string value(std::uint64_t word) const { return text_.decimal_and_bits(word); }
   [[nodiscard]] std::string outcome(FpOp op, std::uint64_t word) const {
     return is_comparison(op) ? word != 0 ? "yes" : "no" : value(word);
   }

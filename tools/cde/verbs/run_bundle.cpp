@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "cde/contract/records.hpp"
+#include "verbs/scene_pair.hpp"
 
 namespace cde::cli {
 namespace {
@@ -16,45 +17,51 @@ constexpr std::size_t kPacket = card::kMostPrimaries;
 /// Plays the frames with waves of the packet; whether the record is the same.
 bool play(const RunFailure& f, std::uint32_t first, const std::string& file,
           const TraceOptions& which) {
-  Plan plan = f.plan;
-  plan.board.trace = true;
-  PlayOptions options = f.options;
-  options.trace = file;
-  options.waves = which;
-  options.waves_of = {f.frame, f.query, f.difference.number() / kPacket};
-  Player player(f.scene, plan, options);
   const auto& wanted = f.difference.card;
   bool found = false, there = false;
-  for (std::uint32_t frame = first; frame <= f.frame; ++frame)
-    (void)player.play(frame, [&](std::size_t query, std::span<const Record> records) {
-      if (frame != f.frame || query != f.query) return;
-      for (const Record& r : records) {
-        const bool same_place =
-            r.primary == f.difference.number() &&
-            (!f.difference.reference || r.index == f.difference.reference->index);
-        there = there || same_place;
-        found = found || (wanted && same_bits(r, *wanted));
-      }
-    });
-  player.trace_close();
+  (void)play_packet({f.scene, f.plan, f.options, f.frame, f.query, f.difference.number()}, first,
+                    file, which, [&](std::span<const Record> records) {
+                      for (const Record& r : records) {
+                        const bool same_place =
+                            r.primary == f.difference.number() &&
+                            (!f.difference.reference || r.index == f.difference.reference->index);
+                        there = there || same_place;
+                        found = found || (wanted && same_bits(r, *wanted));
+                      }
+                    });
   return wanted ? found : !there;
 }
 
 }  // namespace
 
+QueryFrame play_packet(const PacketAgain& p, std::uint32_t first, const std::string& file,
+                       const TraceOptions& which, const RecordSink& sink) {
+  Plan plan = p.plan;
+  plan.board.trace = true;
+  PlayOptions options = p.options;
+  options.trace = file;
+  options.waves = which;
+  options.waves_of = {p.frame, p.query, p.primary / kPacket};
+  Player player(p.scene, plan, options);
+  QueryFrame last;
+  for (std::uint32_t frame = first; frame <= p.frame; ++frame)
+    last = player
+               .play(frame,
+                     [&](std::size_t query, std::span<const Record> records) {
+                       if (frame == p.frame && query == p.query) sink(records);
+                     })
+               .at(p.query);
+  player.trace_close();
+  return last;
+}
+
 void bundle_run(Bundle& bundle, const RunFailure& r) {
   const SceneQuery& query = r.scene.queries[r.query];
   CardFailure f;
   const BoardConfig& board = r.plan.board;
-  f.pipe.pair = query.pair;
-  f.pipe.algorithm = board.algorithm;
-  f.pipe.box = query.pair == Pair::kRayTriangle && board.box;
-  f.pipe.arithmetic = board.arithmetic;
-  f.pipe.facet_interval = has_facets(query.pair) ? board.facet_interval : 1;
-  f.pipe.lanes = board.lanes;
-  if (has_budget(query.pair))
-    f.budget =
-        fmt::format("{},{},{}", query.budget.samples, query.budget.circle, query.budget.free);
+  const PassPipe pipe = pipe_of(query, board);
+  f.pipe = pipe.config;
+  f.budget = pipe.budget;
   f.swap = query.swap;
   f.mode = query.mode;
   f.difference = r.difference;

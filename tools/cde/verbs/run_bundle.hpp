@@ -8,6 +8,20 @@
 
 namespace cde::cli {
 
+/// The packet of a primary in a frame of a scene.
+struct PacketAgain {
+  const Scene& scene;
+  const Plan& plan;
+  const PlayOptions& options;
+  std::uint32_t frame = 0;
+  std::size_t query = 0;
+  std::uint32_t primary = 0;
+};
+/// Plays the frames from `first` to that one on a card that writes waves of the packet. `sink`
+/// takes all records of the query in the frame, and what it was comes back.
+QueryFrame play_packet(const PacketAgain& packet, std::uint32_t first, const std::string& file,
+                       const TraceOptions& which, const RecordSink& sink);
+
 /// A record of a scene that differs.
 struct RunFailure {
   const Scene& scene;

@@ -33,15 +33,6 @@ bool is_record_name(const std::string& name) {
   return std::regex_match(name, form);
 }
 
-/// What run.json says, or null if there is none of a run.
-Json marker_in(const fs::path& folder) {
-  std::ifstream in(folder / kMarker);
-  if (!in) return nullptr;
-  Json json = Json::parse(in, nullptr, false);
-  const bool ours = json.is_object() && json.contains("scene") && json.contains("played");
-  return ours ? json : Json();
-}
-
 /// Whether a file is directly in the folder; false if its own folder is not there.
 bool is_in(const fs::path& file, const fs::path& folder) {
   std::error_code error;
@@ -114,7 +105,7 @@ void RunFolder::check_names(const Scene& scene, const std::vector<std::string>& 
 }
 
 void RunFolder::look() {
-  const Json marker = marker_in(path_);
+  const Json marker = run_in(path_);
   std::vector<std::string> beside = beside_;
   if (marker.is_object() && marker.contains(kBeside))
     for (const Json& name : marker[kBeside])
@@ -156,6 +147,14 @@ void RunFolder::begin(Json json) {
 
 void RunFolder::write(const Json& json) const {
   write_file(path_ / kMarker, json_text(json) + "\n");
+}
+
+Json RunFolder::run_in(const fs::path& folder) {
+  std::ifstream in(folder / kMarker);
+  if (!in) return nullptr;
+  Json json = Json::parse(in, nullptr, false);
+  const bool ours = json.is_object() && json.contains("scene") && json.contains("played");
+  return ours ? json : Json();
 }
 
 std::string RunFolder::record_name(std::string_view query, std::uint32_t frame, Results results) {

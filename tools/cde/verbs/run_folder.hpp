@@ -31,6 +31,8 @@ class RunFolder {
   /// run.json. Once the run has begun.
   void write(const nlohmann::ordered_json& json) const;
 
+  /// run.json of a folder; null if it is not that of a run.
+  [[nodiscard]] static nlohmann::ordered_json run_in(const std::filesystem::path& folder);
   [[nodiscard]] static std::string record_name(std::string_view query, std::uint32_t frame,
                                                Results results);
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde explain: one pair through one pipe, every operator beside the mirror reference's.
+// cde explain: one pair through one pipe, every operator beside the mirror reference's; or what a
+// record of a scene, or a line of a failing test, is about.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -13,10 +14,13 @@
 #include "output/json_keys.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
+#include "verbs/explain_line.hpp"
+#include "verbs/explain_record.hpp"
 #include "verbs/explain_text.hpp"
 #include "verbs/operand_defect.hpp"
 #include "verbs/operand_line.hpp"
 #include "verbs/pair_options.hpp"
+#include "verbs/record_story.hpp"
 #include "verbs/verbs.hpp"
 
 namespace cde::cli {
@@ -24,15 +28,15 @@ namespace {
 
 struct Options : PairOptions {
   std::vector<std::string> words;
+  std::string record, line;
   unsigned most = 100;
-  bool json = false;
+  bool json = false, exact = false;
 };
 
-void run(const Options& o) {
+void explain_pair(const Options& o, const std::string& line) {
   const PairConfig config = configuration(o);
   std::vector<std::uint64_t> a, b;
   std::string why;
-  const std::string line = fmt::format("{}", fmt::join(o.words, " "));
   switch (read_operands(config.pair, WordText(config.format), "the pair", line, a, b, why)) {
     case OperandLine::kNothing:
       throw Error(ErrorCode::kUsage, "the words of a pair are missing");
@@ -58,6 +62,43 @@ void run(const Options& o) {
   if (!e.same()) exit_code = exit_status(ErrorCode::kMismatch);
 }
 
+/// What says which pair it is: PAIR and WORDS, or one option that says it all.
+void check_words(const CLI::App& verb, const Options& o) {
+  if (!o.record.empty() && !o.line.empty())
+    throw Error(ErrorCode::kUsage, "--from-record and --from-test exclude each other");
+  const std::string from = !o.record.empty() ? "--from-record"
+                           : !o.line.empty() ? "--from-test"
+                                             : "";
+  if (from.empty()) {
+    if (o.exact) throw Error(ErrorCode::kUsage, "--exact-card needs --from-record");
+    if (o.pair.empty() || o.words.empty())
+      throw Error(ErrorCode::kUsage,
+                  o.pair.empty() ? "PAIR and the words of a pair are missing, or --from-record or "
+                                   "--from-test"
+                                 : "the words of a pair are missing");
+    return;
+  }
+  for (const CLI::Option* option : verb.get_options()) {
+    const std::string name = option->get_name();
+    const bool meant = name == "--help" || name == "--max" || name == "--json" || name == from ||
+                       (name == "--exact-card" && !o.record.empty());
+    if (option->count() != 0 && !meant)
+      throw Error(ErrorCode::kUsage, fmt::format("{} says which pair it is, without {}", from,
+                                                 name.starts_with("--") ? name : "other words"));
+  }
+}
+
+void run(const CLI::App& verb, const Options& o) {
+  check_words(verb, o);
+  if (!o.record.empty())
+    return explain_record({.name = o.record, .most = o.most, .exact = o.exact, .json = o.json});
+  if (o.line.empty()) return explain_pair(o, fmt::format("{}", fmt::join(o.words, " ")));
+  const NamedPair named = pair_in_line(o.line);
+  Options pair = o;
+  static_cast<PairOptions&>(pair) = named.options;
+  explain_pair(pair, named.words);
+}
+
 }  // namespace
 
 void add_explain(CLI::App& app) {
@@ -71,15 +112,28 @@ void add_explain(CLI::App& app) {
       "all before is the same is where a wrong answer begins. Which operator does what is learnt "
       "from other pairs that go through with it. Exit status 3 if the answers differ");
   add_pair_options(*verb, *o, false);
-  known_words(verb->add_option("words", o->words, "Words of A and of B, as cde query reads them")
-                  ->required(),
+  verb->get_option("pair")->required(false);
+  known_words(verb->add_option("words", o->words, "Words of A and of B, as cde query reads them"),
               {}, "WORDS");
+  text_value(verb->add_option(
+                 "--from-record", o->record,
+                 "Instead of a pair, a record: the scene or the folder of a run, query, frame, "
+                 "primary. The frame is played again, with waves of the record's packet: what came "
+                 "to the update engine for the primary, what was kept and why, beside the "
+                 "reference's sweep; then the pair that tells most of it"),
+             "RUN:QUERY:FRAME:PRIMARY", [](const std::string& text) { (void)record_named(text); });
+  known_words(verb->add_option("--from-test", o->line,
+                               "Instead of a pair, a line that a failing test or cde query has "
+                               "printed, with the command in it"),
+              {}, "LINE");
+  exact_card_option(*verb, o->exact);
   whole_number_in(
-      verb->add_option("--max", o->most, "Operations that are listed, by their clock; 0 for all")
+      verb->add_option("--max", o->most,
+                       "Operations that are listed, by their clock, and candidates; 0 for all")
           ->capture_default_str(),
       0, 1000000, "");
   verb->add_flag("--json", o->json, "The places where the sides part, as JSON");
-  verb->callback([o] { run(*o); });
+  verb->callback([o, verb] { run(*verb, *o); });
 }
 
 }  // namespace cde::cli

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "wave/candidates.hpp"
+
 namespace cde::wave {
 
 const std::vector<KindSignals>& card_signals() {
@@ -90,6 +92,34 @@ const std::vector<KindSignals>& card_signals() {
        {"clocks", "pass", "primary", "index", "F", "T", "CP", "normal"}},
   };
   return kAll;
+}
+
+const KindSignals& tested_signals() {
+  static const KindSignals kTested = {
+      "tested",
+      "pairs of a primary as they arrive at the update engine",
+      {"control.clk_i"},
+      {"control.retire_i", "control.go_i", "control.ready_o", "control.busy_o"},
+      {"engine.row_out[#]", "engine.index[#]", "engine.group[#].lanes.port[#].results.f[#]",
+       "engine.group[#].lanes.port[#].results.bad[#]",
+       "engine.group[#].lanes.port[#].results.streaming_i",
+       "engine.group[#].lanes.port[#].results.update.mask[#]",
+       "engine.group[#].lanes.port[#].results.update.hit[#]",
+       "engine.group[#].lanes.port[#].results.update.better[#]",
+       "engine.group[#].lanes.port[#].results.update.t_value[#]",
+       "engine.group[#].lanes.port[#].results.update.t_old[#]"},
+      {},
+      {}};
+  return kTested;
+}
+
+std::vector<std::string> tested_scopes() {
+  std::vector<std::string> patterns;
+  const KindSignals& kind = tested_signals();
+  for (const auto* names : {&kind.clocks, &kind.signals, &kind.arrays})
+    patterns.insert(patterns.end(), names->begin(), names->end());
+  for (std::string& p : patterns) std::replace(p.begin(), p.end(), '#', '*');
+  return patterns;
 }
 
 namespace {

@@ -29,6 +29,9 @@ struct KindSignals {
 /// In the order in which kinds are told.
 [[nodiscard]] const std::vector<KindSignals>& card_signals();
 
+/// What the update engine is seen by: no transactions, but found in the same way.
+[[nodiscard]] const KindSignals& tested_signals();
+
 /// An element of an array of signals.
 struct Element {
   std::vector<unsigned> indices;  ///< those of the name's #

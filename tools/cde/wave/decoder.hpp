@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "wave/candidates.hpp"
 #include "wave/card_signals.hpp"
 #include "wave/transaction.hpp"
 #include "wave/value.hpp"
@@ -68,6 +69,7 @@ class Decoder {
  protected:
   virtual void at_edge(unsigned clock) = 0;
 
+  [[nodiscard]] const Wire& listen(const Signal& signal);
   [[nodiscard]] const Wire& wire(std::string_view name);
   /// One of the table that a card need not have.
   [[nodiscard]] const Wire* wire_if_any(std::string_view name);
@@ -83,8 +85,6 @@ class Decoder {
   std::uint64_t now_ = 0, edges_ = 0;
 
  private:
-  const Wire& listen(const Signal& signal);
-
   Take take_;
   Place place_;
   std::vector<Input> inputs_;
@@ -110,5 +110,8 @@ void field(Transaction& t, std::string_view name, const Value& value) {
 [[nodiscard]] std::unique_ptr<Decoder> bus_decoder(const Place& place, Decoder::Take take);
 [[nodiscard]] std::unique_ptr<Decoder> engine_decoder(const Place& place, Decoder::Take take);
 [[nodiscard]] std::unique_ptr<Decoder> answer_decoder(const Place& place, Decoder::Take take);
+/// Of what arrives at the update engine for a primary; the place is of tested_signals.
+[[nodiscard]] std::unique_ptr<Decoder> tested_decoder(const Place& place, std::uint64_t primary,
+                                                      TakeTested take);
 
 }  // namespace cde::wave

@@ -27,6 +27,7 @@ class EngineDecoder : public Decoder {
   }
   /// The one that runs, or ran last.
   [[nodiscard]] std::string pass() const { return passes_ == 0 ? "" : fmt::to_string(passes_ - 1); }
+  [[nodiscard]] std::uint64_t passes() const { return passes_; }
   [[nodiscard]] bool busy() const { return busy_.on(); }
 
  private:

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "wave/transaction.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <map>
 #include <tuple>
 
+#include "cde/support/error.hpp"
+#include "wave/candidates.hpp"
 #include "wave/decoder.hpp"
 
 namespace cde::wave {
@@ -154,6 +159,19 @@ void each_transaction(Trace& trace, const std::vector<std::string>& kinds, std::
       conductor.add(std::move(decoder));
     }
   }
+  conductor.run();
+}
+
+void each_tested(Trace& trace, std::uint64_t primary, const TakeTested& take) {
+  const Places places(trace);
+  const std::vector<Place> found = places.of(tested_signals());
+  if (found.empty())
+    throw Error(ErrorCode::kUsage, fmt::format("the waves lack {}",
+                                               fmt::join(places.missing(tested_signals()), ", ")));
+  const std::function<bool(const Transaction&)> none = [](const Transaction&) { return true; };
+  Order order(0, UINT64_MAX, none);
+  Conductor conductor(trace, order, UINT64_MAX);
+  for (const Place& place : found) conductor.add(tested_decoder(place, primary, take));
   conductor.run();
 }
 

@@ -47,4 +47,22 @@ class Pass {
   std::unique_ptr<Impl> impl_;
 };
 
+/// A pair of a primary, and what a pass that keeps one record a primary does with it.
+struct SweptPair {
+  std::uint32_t secondary = 0;
+  Record record;           ///< of the pair
+  bool candidate = false;  ///< it may be kept
+  bool kept = false;       ///< it is better than all before it
+};
+
+/// All of one primary, in the card's order: why a record is what it is.
+struct SweptPrimary {
+  std::vector<SweptPair> pairs;  ///< that count. In modes all and hits candidates are those that
+                                 ///< have records, and nothing is kept
+  std::vector<Record> records;   ///< of the primary in a Pass of the query
+};
+/// Errors as Pass.
+[[nodiscard]] SweptPrimary sweep(const PassQuery& query, const Shapes& primaries,
+                                 std::uint32_t number, const Shapes& secondaries);
+
 }  // namespace cde::reference

@@ -27,6 +27,13 @@ struct PlayOptions {
     std::size_t query = 0, number = 0;
   };
   std::optional<Packet> waves_of = {};
+  /// What that packet is made of, told before it is loaded: all primaries and secondaries of its
+  /// query as they stand before the pipes, and which pairs count (empty: all).
+  struct Made {
+    const Shapes &primaries, &secondaries;
+    std::function<bool(std::uint32_t primary, std::uint32_t secondary)> counts;
+  };
+  std::function<void(const Made&)> made_of = {};
   std::chrono::duration<double> watchdog = std::chrono::hours(1);  ///< wall clock, for one pass
   std::uint64_t deadline_clocks = 0;  ///< for one pass; 0: several times what it can take at worst
   std::vector<ScheduledFault> faults = {};  ///< each once, when its frame is played

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pair_failure.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <system_error>
+
+namespace cde::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kRowsAround = 4;
+constexpr int kMismatch = 3;  // exit status
+
+/// "0x3f800000 0x0 | ...", of pair i.
+std::string words_of(const FailedPair& p, std::size_t i) {
+  std::string text;
+  const auto words = [&](std::span<const std::uint64_t> all, unsigned n) {
+    for (unsigned k = 0; k < n; ++k) {
+      std::array<char, 40> word{};
+      std::snprintf(word.data(), word.size(), "0x%0*llx", p.config.format.hex_digits(),
+                    static_cast<unsigned long long>(all[i * n + k]));
+      if (!text.empty() && !text.ends_with(' ')) text += ' ';
+      text += word.data();
+    }
+  };
+  words(p.a, primary_words(p.config.pair));
+  text += " | ";
+  words(p.b, secondary_words(p.config.pair));
+  return text;
+}
+
+/// PAIR and the options of its pipe. There is none for operators of several clocks: the same bits.
+std::string options_of(const FailedPair& p, bool lanes) {
+  const PairConfig& c = p.config;
+  std::string text = std::string(name(c.pair)) + " --format " + c.format.name() + " --arith " +
+                     (c.arithmetic == Arithmetic::kRtl ? "rtl" : "host");
+  if (lanes) text += " --lanes " + std::to_string(c.lanes);
+  if (c.pair == Pair::kRayTriangle)
+    text += " --algorithm " + std::string(name(c.algorithm)) + (c.box ? " --box" : " --no-box");
+  if (c.plane == PlaneSide::kHalfSpace) text += " --half-space";
+  if (c.facet_interval != 1) text += " --facet-interval " + std::to_string(c.facet_interval);
+  if (has_budget(c.pair) && p.budget != PairBudget{})
+    text += " --budget " + std::to_string(p.budget.samples) + "," +
+            std::to_string(p.budget.circle) + "," + std::to_string(p.budget.free);
+  return text;
+}
+
+std::string quoted(const std::string& path) {
+  std::string text = "'";
+  for (const char c : path) {
+    if (c == '\'') text += "'\\'";
+    text += c;
+  }
+  return text + "'";
+}
+
+/// "Fp32_PairPipe.EqualsItsReference_sphere_sphere" of the running test.
+std::string test_name() {
+  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+  if (test == nullptr) return "";
+  std::string text = std::string(test->test_suite_name()) + "." + test->name();
+  std::replace(text.begin(), text.end(), '/', '_');
+  return text;
+}
+
+fs::path failures() {
+  const char* asked = std::getenv("CDE_FAILURES");
+  return asked != nullptr && *asked != '\0' ? asked : CDE_FAILURES_DIR;
+}
+
+struct Ran {
+  int status = -1;
+  std::string said;
+};
+Ran run(const std::string& command) {
+  Ran ran;
+  std::FILE* out = ::popen(command.c_str(), "r");
+  if (out == nullptr) return ran;
+  std::array<char, 256> piece{};
+  while (std::fgets(piece.data(), piece.size(), out) != nullptr) ran.said += piece.data();
+  const int status = ::pclose(out);
+  if (WIFEXITED(status)) ran.status = WEXITSTATUS(status);
+  return ran;
+}
+
+/// Pairs [first, end) through `cde query`, from a file that is removed again.
+Ran query(const FailedPair& p, std::size_t first, std::size_t end, const fs::path& folder) {
+  const fs::path rows = folder.string() + "." + std::to_string(::getpid()) + ".rows";
+  std::ofstream to(rows);
+  for (std::size_t i = first; i < end; ++i) to << words_of(p, i) << '\n';
+  to.close();
+  Ran ran = run("'" CDE_COMMAND "' query " + options_of(p, true) + " -q --bundle " +
+                quoted(folder.string()) + " < " + quoted(rows.string()) + " 2>&1 >/dev/null");
+  std::error_code none;
+  fs::remove(rows, none);
+  return ran;
+}
+
+}  // namespace
+
+std::string query_line(const FailedPair& p) {
+  return "echo '" + words_of(p, p.at) + "' | cde query " + options_of(p, true);
+}
+
+std::string explain_line(const FailedPair& p) {
+  return "explain: cde explain " + options_of(p, false) + " '" + words_of(p, p.at) + "'";
+}
+
+std::string pack_failure(const FailedPair& p) {
+  static std::string last;
+  const std::string test = test_name();
+  if (test == last) return "";
+  last = test;
+  std::error_code error;
+  if (::access(CDE_COMMAND, X_OK) != 0)
+    return "  not packed: no command " CDE_COMMAND "; " + query_line(p) + "\n";
+  fs::create_directories(failures(), error);
+  if (error) return "  not packed: " + failures().string() + ": " + error.message() + "\n";
+  const std::size_t lanes = p.config.lanes, row = p.at / lanes,
+                    pairs = p.a.size() / primary_words(p.config.pair);
+  const std::size_t first = row > kRowsAround ? (row - kRowsAround) * lanes : 0,
+                    end = std::min(pairs, (row + kRowsAround + 1) * lanes);
+  const fs::path folder = failures() / test;
+  Ran ran = query(p, first, end, folder);
+  if (ran.status != kMismatch && first > 0) ran = query(p, 0, end, folder);
+  const std::size_t packed = ran.said.rfind("packed");
+  if (ran.status != kMismatch || packed == std::string::npos)
+    return "  not packed: cde query answers these pairs as the reference does, or not at all: " +
+           query_line(p) + "\n" + ran.said;
+  // "packed in:   FOLDER" or "not packed:  WHY"
+  const std::size_t line = ran.said.rfind('\n', packed) + 1;
+  return "  " + ran.said.substr(line, ran.said.find('\n', line) - line) + "\n";
+}
+
+std::string told_and_packed(const FailedPair& p) {
+  return "  " + query_line(p) + "\n  " + explain_line(p) + "\n" + pack_failure(p);
+}
+
+}  // namespace cde::testing

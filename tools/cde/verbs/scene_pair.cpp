@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "verbs/scene_pair.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <utility>
+
+#include "command/words.hpp"
+
+namespace cde::cli {
+
+PassPipe pipe_of(const SceneQuery& query, const BoardConfig& board) {
+  PassPipe pipe;
+  PairConfig& c = pipe.config;
+  c.pair = query.pair;
+  c.algorithm = board.algorithm;
+  c.box = query.pair == Pair::kRayTriangle && board.box;
+  c.arithmetic = board.arithmetic;
+  c.facet_interval = has_facets(query.pair) ? board.facet_interval : 1;
+  c.lanes = board.lanes;
+  if (has_budget(query.pair))
+    pipe.budget =
+        fmt::format("{},{},{}", query.budget.samples, query.budget.circle, query.budget.free);
+  return pipe;
+}
+
+PairOptions options_of(const PassPipe& pipe) {
+  PairOptions o;
+  const PairConfig& c = pipe.config;
+  o.pair = name(c.pair);
+  o.algorithm = name(c.algorithm);
+  o.arithmetic = c.arithmetic == Arithmetic::kRtl ? "rtl" : "host";
+  o.budget = pipe.budget;
+  o.box = c.box;
+  o.facet_interval = c.facet_interval;
+  return o;
+}
+
+std::string PairWords::text() const {
+  const WordText words(FpFormat{});
+  std::string all;
+  for (const auto* side : {&a, &b}) {
+    if (side == &b) all += " | ";
+    for (std::size_t i = 0; i < side->size(); ++i)
+      all += fmt::format("{}{}", i == 0 ? "" : ",", words.hexfloat((*side)[i]));
+  }
+  return all;
+}
+
+PairWords pair_words(std::span<const float> primary, std::span<const float> secondary, bool swap) {
+  PairWords words;
+  for (const float w : primary) words.a.push_back(std::bit_cast<std::uint32_t>(w));
+  for (const float w : secondary) words.b.push_back(std::bit_cast<std::uint32_t>(w));
+  if (swap) std::swap(words.a, words.b);
+  return words;
+}
+
+}  // namespace cde::cli
