@@ -45,8 +45,9 @@ class Forms : public Cli {
     more.emplace_back("--json");
     const Ran ran = cde(more);
     EXPECT_EQ(ran.status, 0) << ran.err;
+    const nlohmann::json answer = nlohmann::json::parse(ran.out);
     nlohmann::json all;
-    for (const auto& v : nlohmann::json::parse(ran.out)["values"]) all.push_back(v["value"]);
+    for (const auto& v : answer["values"]) all.push_back(v["value"]);
     return all;
   }
 };
