@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde inventory: what it keeps of earlier times, and when it does not trust that.
+// cde inventory: its figures, what it keeps of earlier times, and when it does not trust that.
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -14,6 +14,7 @@ namespace cde::testing {
 namespace {
 
 namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
 
 /// With a cache of its own and a Verilator that counts how often it elaborates.
 class InventoryCache : public Cli {
@@ -71,6 +72,113 @@ TEST_F(InventoryCache, TheSameRtlIsElaboratedOnce) {
   EXPECT_NE(damaged.err.find(file.string() + " is not used: it is damaged"), std::string::npos)
       << damaged.err;
   EXPECT_EQ(elaborated(), 2u);
+}
+
+class Inventory : public Cli {};
+
+TEST_F(Inventory, JsonHasThePapersFiguresAndOurs) {
+  const Ran ran = cde({"inventory", "ray-triangle", "sphere-sphere", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto j = nlohmann::json::parse(ran.out);
+  ASSERT_EQ(j["pipes"].size(), 5u) << "four algorithms and sphere-sphere";
+  const auto& moller = j["pipes"][1];
+  EXPECT_EQ(moller["algorithm"], "moller");
+  EXPECT_EQ(moller["module"], "ray_triangle_moller");
+  for (const char* same : {"multipliers", "dividers", "adders", "subtractors", "comparators"})
+    EXPECT_EQ(moller["operators"][same], moller["paper"][same]) << same;
+  EXPECT_EQ(moller["operators"]["multipliers"], 27);
+  EXPECT_EQ(moller["latency_levels"], moller["paper"]["latency_levels"]);
+  EXPECT_EQ(moller["latency_levels"], 10);
+  EXPECT_EQ(moller["latency_clocks"], 37) << "add 3, mul 3, div 12, cmp 1";
+  EXPECT_EQ(moller["input_words"]["primary"], 8);
+  EXPECT_EQ(moller["input_words"]["secondary"], 9);
+  EXPECT_EQ(moller["output_words"], 5);
+  const auto& spheres = j["pipes"][4];
+  EXPECT_EQ(spheres["pair"], "sphere-sphere");
+  EXPECT_FALSE(spheres.contains("paper"));
+  EXPECT_EQ(spheres["operators"]["square_roots"], 1);
+  EXPECT_EQ(spheres["output_words"], 8) << "and a normal";
+  EXPECT_EQ(spheres["initiation_interval"], 1);
+}
+
+TEST_F(Inventory, EveryKindOfPipeHasALatencyAndAnInterval) {
+  const Ran ran = cde({"inventory", "ray-sphere", "ray-cylinder", "sphere-obb", "obb-plane",
+                       "obb-cylinder", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto j = nlohmann::json::parse(ran.out);
+  ASSERT_EQ(j["pipes"].size(), 5u);
+  for (const auto& pipe : j["pipes"]) {
+    EXPECT_GE(pipe["latency_levels"], 10) << pipe["pair"];
+    EXPECT_GT(pipe["latency_clocks"], pipe["latency_levels"]) << pipe["pair"];
+    EXPECT_EQ(pipe["initiation_interval"] > 1, pipe["pair"] == "obb-cylinder") << pipe["pair"];
+  }
+}
+
+/// Pairs without facets take a row a clock whatever the interval.
+TEST_F(Inventory, FacetsInTurnAreFewerUnits) {
+  const Ran ran = cde({"inventory", "obb-obb", "sphere-sphere", "--facet-interval", "3", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto j = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(j["pipes"][0]["pair"], "obb-obb");
+  EXPECT_EQ(j["pipes"][0]["initiation_interval"], 3);
+  EXPECT_EQ(j["pipes"][0]["operators"]["square_roots"], 4) << "of nine edge normals, three units";
+  EXPECT_EQ(j["pipes"][0]["latency_levels"], 100 + 3);
+  EXPECT_EQ(j["pipes"][1]["initiation_interval"], 1);
+}
+
+/// The figures are those of the RTL that is there: one with an operator more, and one without its
+/// pipe.
+TEST_F(Inventory, FollowsTheRtl) {
+  const fs::path share = folder_ / "share";
+  fs::create_directories(share / "host/include/cde");
+  for (const char* part : {"rtl", "verilator", "host/include/cde/contract"})
+    fs::copy(fs::path(CDE_SOURCE_DIR) / part, share / part, fs::copy_options::recursive);
+  const auto change = [&](const char* file, const std::string& from, const std::string& to) {
+    std::stringstream text;
+    text << std::ifstream(share / file).rdbuf();
+    std::string rtl = text.str();
+    const auto at = rtl.find(from);
+    ASSERT_NE(at, std::string::npos);
+    std::ofstream(share / file) << rtl.replace(at, from.size(), to);
+  };
+  change("rtl/pipes/sphere_sphere.sv", "`DF_ADD(reach, a_r, b_r)",
+         "`DF_ADD(reach0, a_r, b_r)\n`DF_MUL(reach, reach0, one)");
+  change("rtl/pipes/pair_pipe.sv", "PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE)", "PAIR == 99");
+  const Words environment = {"CDE_SHARE=" + share.string()};
+  const auto j = nlohmann::json::parse(
+      cde({"inventory", "sphere-sphere", "ray-triangle", "--json"}, environment).out);
+  const auto& spheres = j["pipes"].back();
+  EXPECT_EQ(spheres["operators"]["multipliers"], 11);
+  EXPECT_EQ(spheres["operators"]["subtractors"], 4);
+  EXPECT_EQ(j["pipes"][1]["algorithm"], "moller");
+  EXPECT_EQ(j["pipes"][1]["absent"], true);
+  EXPECT_EQ(j["pipes"][1]["paper"]["multipliers"], 27);
+
+  change("rtl/pipes/sphere_sphere.sv", "`DF_VSUB(w, b_c, a_c)", "`DF_VSUB(w, b_c, no_such)");
+  const Ran broken = cde({"inventory", "sphere-sphere"}, environment);
+  EXPECT_EQ(broken.status, 2);
+  EXPECT_NE(broken.err.find("no_such"), std::string::npos) << broken.err;
+}
+
+TEST_F(Inventory, TextMarkdownAndUsage) {
+  const Ran text = cde({"inventory", "sphere-sphere", "--latencies", "2,4,9,8,1"});
+  EXPECT_EQ(text.status, 0) << text.err;
+  EXPECT_NE(text.out.find("add 2, mul 4, div 9, sqrt 8, cmp 1"), std::string::npos) << text.out;
+  EXPECT_EQ(text.out.find('|'), std::string::npos);
+  const Ran markdown = cde({"inventory", "sphere-sphere", "--markdown"});
+  EXPECT_NE(markdown.out.find("| sphere-sphere |  10 |   1 |    1 |   7 |   4 |   2 |       0 |"),
+            std::string::npos)
+      << markdown.out;
+  const auto refused = [this](const Words& words, const char* message) {
+    const Ran ran = cde(words);
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_NE(ran.err.find(message), std::string::npos) << ran.err;
+  };
+  refused({"inventory", "sphere-cube"}, "no pair 'sphere-cube'");
+  refused({"inventory", "--latencies", "1,2,3"}, "--latencies is '1,2,3'; it must be");
+  refused({"inventory", "--latencies", "0,1,1,1,1"}, "--latencies is '0,1,1,1,1'; it must be");
+  refused({"inventory", "--facet-interval", "2"}, "--facet-interval is '2'; it must be 1 or 3");
+  refused({"inventory", "--json", "--markdown"}, "exclude each other");
 }
 
 }  // namespace
