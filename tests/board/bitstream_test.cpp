@@ -13,6 +13,7 @@
 #include <tuple>
 
 #include "../expect_error.hpp"
+#include "../rtl_copy.hpp"
 #include "cases.hpp"
 #include "cde/card/fp_unit.hpp"
 #include "cde/card/pair_unit.hpp"
@@ -254,9 +255,7 @@ TEST_F(Bitstreams, WhatBelongsToOthersIsNotLoaded) {
 TEST_F(Bitstreams, InstalledFoldersOnlyInAnInstallation) {
   const fs::path source = bitstream_builder().parent_path().parent_path(),
                  clone = folder_ / "share/clone";
-  fs::create_directories(clone / "host/include/cde");
-  for (const char* part : {"rtl", "verilator", "host/include/cde/contract"})
-    fs::copy(source / part, clone / part, fs::copy_options::recursive);
+  copy_rtl(source, clone);
   copy_of_host_board("lib/cde/bitstreams");
   unset("CDE_BITSTREAMS");
   set("CDE_SHARE", clone);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "planted.hpp"
 #include "run_cde.hpp"
 
 namespace cde::testing {
@@ -129,22 +130,10 @@ TEST_F(Inventory, FacetsInTurnAreFewerUnits) {
 /// The figures are those of the RTL that is there: one with an operator more, and one without its
 /// pipe.
 TEST_F(Inventory, FollowsTheRtl) {
-  const fs::path share = folder_ / "share";
-  fs::create_directories(share / "host/include/cde");
-  for (const char* part : {"rtl", "verilator", "host/include/cde/contract"})
-    fs::copy(fs::path(CDE_SOURCE_DIR) / part, share / part, fs::copy_options::recursive);
-  const auto change = [&](const char* file, const std::string& from, const std::string& to) {
-    std::stringstream text;
-    text << std::ifstream(share / file).rdbuf();
-    std::string rtl = text.str();
-    const auto at = rtl.find(from);
-    ASSERT_NE(at, std::string::npos);
-    std::ofstream(share / file) << rtl.replace(at, from.size(), to);
-  };
-  change("rtl/pipes/sphere_sphere.sv", "`DF_ADD(reach, a_r, b_r)",
-         "`DF_ADD(reach0, a_r, b_r)\n`DF_MUL(reach, reach0, one)");
-  change("rtl/pipes/pair_pipe.sv", "PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE)", "PAIR == 99");
-  const Words environment = {"CDE_SHARE=" + share.string()};
+  Planted rtl(folder_, "rtl/pipes/sphere_sphere.sv", "`DF_ADD(reach, a_r, b_r)",
+              "`DF_ADD(reach0, a_r, b_r)\n`DF_MUL(reach, reach0, one)");
+  rtl.change("rtl/pipes/pair_pipe.sv", "PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE)", "PAIR == 99");
+  const Words& environment = rtl.environment();
   const auto j = nlohmann::json::parse(
       cde({"inventory", "sphere-sphere", "ray-triangle", "--json"}, environment).out);
   const auto& spheres = j["pipes"].back();
@@ -154,7 +143,7 @@ TEST_F(Inventory, FollowsTheRtl) {
   EXPECT_EQ(j["pipes"][1]["absent"], true);
   EXPECT_EQ(j["pipes"][1]["paper"]["multipliers"], 27);
 
-  change("rtl/pipes/sphere_sphere.sv", "`DF_VSUB(w, b_c, a_c)", "`DF_VSUB(w, b_c, no_such)");
+  rtl.change("rtl/pipes/sphere_sphere.sv", "`DF_VSUB(w, b_c, a_c)", "`DF_VSUB(w, b_c, no_such)");
   const Ran broken = cde({"inventory", "sphere-sphere"}, environment);
   EXPECT_EQ(broken.status, 2);
   EXPECT_NE(broken.err.find("no_such"), std::string::npos) << broken.err;

@@ -12,12 +12,15 @@ class Planted {
   /// In `folder`/share. A text that is not there is a failure of the test.
   Planted(const std::filesystem::path& folder, const std::string& file, const std::string& from,
           const std::string& to);
+  /// Replaces another text of the copy.
+  void change(const std::string& file, const std::string& from, const std::string& to);
   /// In which `cde` builds from the copy; warnings of Verilator are none.
   [[nodiscard]] const std::vector<std::string>& environment() const { return environment_; }
-  /// Line of the file at which the text begins.
+  /// Line of its file at which the last text that was replaced begins.
   [[nodiscard]] int line() const { return line_; }
 
  private:
+  std::filesystem::path share_;
   std::vector<std::string> environment_;
   int line_ = 0;
 };

@@ -16,6 +16,7 @@
 #include <regex>
 #include <sstream>
 
+#include "planted.hpp"
 #include "run_cde.hpp"
 #include "wave/wave_file.hpp"
 
@@ -594,20 +595,10 @@ TEST_F(Query, AnswersWhileTheInputIsOpen) {
 /// A card whose sphere-sphere pipe puts CP on the wrong side. The query ends with status 3, and
 /// the command that it names finds the same difference.
 TEST_F(Query, FaultyPipeIsFoundOut) {
-  const fs::path share = folder_ / "share";
-  fs::create_directories(share / "host/include/cde");
-  for (const char* part : {"rtl", "verilator", "host/include/cde/contract"})
-    fs::copy(fs::path(CDE_SOURCE_DIR) / part, share / part, fs::copy_options::recursive);
-  const fs::path pipe = share / "rtl/pipes/sphere_sphere.sv";
-  std::stringstream text;
-  text << std::ifstream(pipe).rdbuf();
-  std::string rtl = text.str();
-  const std::string right = "`DF_VADD(cp, a_c, offset)", wrong = "`DF_VSUB(cp, a_c, offset)";
-  const auto at = rtl.find(right);
-  ASSERT_NE(at, std::string::npos);
-  std::ofstream(pipe) << rtl.replace(at, right.size(), wrong);
-  const Words environment = {"CDE_SHARE=" + share.string(),
-                             "CDE_CACHE=" + (folder_ / "cache").string()};
+  const Planted fault(folder_, "rtl/pipes/sphere_sphere.sv", "`DF_VADD(cp, a_c, offset)",
+                      "`DF_VSUB(cp, a_c, offset)");
+  Words environment = fault.environment();
+  environment.push_back("CDE_CACHE=" + (folder_ / "cache").string());
 
   const Words words = {"sphere-sphere", "--lanes", "2", "--no-bundle"};
   const std::string input = "# the first has CP = cA\n0,0,0,1,0,0,0,1\n\n0,0,0,1,1.5,0,0,1\n";

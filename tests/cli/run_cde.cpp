@@ -13,6 +13,8 @@
 #include <regex>
 #include <sstream>
 
+#include "planted.hpp"
+
 namespace cde::testing {
 namespace {
 
@@ -149,21 +151,11 @@ std::string Cli::read(const std::string& name) const {
 }
 
 std::vector<std::string> Cli::faulty_card() const {
-  const fs::path share = folder_ / "share";
-  fs::create_directories(share / "host/include/cde");
-  for (const char* part : {"rtl", "verilator", "host/include/cde/contract"})
-    fs::copy(fs::path(CDE_SOURCE_DIR) / part, share / part, fs::copy_options::recursive);
-  const fs::path pipe = share / "rtl/pipes/ray_triangle_moller.sv";
-  std::stringstream text;
-  text << std::ifstream(pipe).rdbuf();
-  std::string rtl = text.str();
-  const std::string right = "in_edges_uv & in_uv", wrong = "in_edges_uv";
-  const auto at = rtl.find(right);
-  if (at == std::string::npos) throw std::runtime_error(pipe.string() + " has no " + right);
-  std::ofstream(pipe) << rtl.replace(at, right.size(), wrong);
-
-  return {"CDE_SHARE=" + share.string(), "CDE_CACHE=" + (folder_ / "cache").string(),
-          "CDE_WERROR=0"};
+  const Planted fault(folder_, "rtl/pipes/ray_triangle_moller.sv", "in_edges_uv & in_uv",
+                      "in_edges_uv");
+  std::vector<std::string> environment = fault.environment();
+  environment.push_back("CDE_CACHE=" + (folder_ / "cache").string());
+  return environment;
 }
 
 std::vector<std::string> Cli::files() const {

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <filesystem>
+
+namespace cde::testing {
+
+/// Copies what bitstreams are made of to `share`, over what is there. Only its owner can write the
+/// copy, whatever the source's modes (those of an unpacked archive, or of a umask of 002): the
+/// driver refuses a builder that others can write.
+inline void copy_rtl(const std::filesystem::path& source, const std::filesystem::path& share) {
+  namespace fs = std::filesystem;
+  fs::create_directories(share / "host/include/cde");
+  for (const char* part : {"rtl", "verilator", "host/include/cde/contract"})
+    fs::copy(source / part, share / part,
+             fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+  for (const char* part : {"verilator", "verilator/bitstream"})
+    fs::permissions(share / part, fs::perms::group_write | fs::perms::others_write,
+                    fs::perm_options::remove);
+}
+
+}  // namespace cde::testing
