@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-#define CDE_PAIR_ABI 5u
+#define CDE_PAIR_ABI 6u
 
 typedef struct cde_pair_unit cde_pair_unit;
 
@@ -32,6 +32,18 @@ enum {
   CDE_PAIR_RESULT_WORDS = 9
 };
 
+/* What test() returns of a unit that does not go on. The longest a pipe takes for a row is some
+ * 100,000 clocks, a ring with the greatest budget and operators of 64 clocks. */
+#define CDE_PAIR_STUCK UINT64_MAX
+enum { CDE_PAIR_PATIENCE = 1000000 };
+
+/* How far the last test() came: rows taken and answered, the clock, counted from the first row, of
+ * the last of them, and whether the answer to another row than the next stands there. */
+typedef struct cde_pair_progress {
+  uint64_t taken, answered, clock;
+  uint32_t disordered;
+} cde_pair_progress;
+
 typedef struct cde_pair_api {
   cde_abi_head head;
   uint32_t word_bytes, lanes, a_words, b_words;
@@ -46,9 +58,12 @@ typedef struct cde_pair_api {
   /* n pairs, a row of lanes a clock while the unit is ready: operands as a_words (b_words) words a
    * pair, results as CDE_PAIR_RESULT_WORDS words a pair. Before each row `gap`, called with
    * gap_context, says how many idle clocks to put in; null is none. Returns the clocks from the
-   * first row in to the last result out. */
+   * first row in to the last result out, or CDE_PAIR_STUCK: for CDE_PAIR_PATIENCE clocks, those of
+   * gaps not counted, no row was taken and none answered, or the answer to another row than the
+   * next came; a reset is needed. */
   uint64_t (*test)(cde_pair_unit*, const void* a, const void* b, void* results, uint64_t n,
                    uint32_t (*gap)(void*), void* gap_context);
+  cde_pair_progress (*progress)(const cde_pair_unit*);
   /* Reset in mid-stream: what is in flight is gone. */
   void (*reset)(cde_pair_unit*);
   /* 0 when opened; waves need TRACE=1. There is no DDR. */

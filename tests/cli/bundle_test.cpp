@@ -110,6 +110,33 @@ TEST_F(Bundles, ACardThatHangs) {
   EXPECT_NE(page.find("record of primary 0"), std::string::npos) << page;
 }
 
+/// A pipe that keeps its last row's answer for itself, and one that answers another row first.
+TEST_F(Bundles, APipeThatHangs) {
+  write("rows", "0,0,0,1,0,0,0,1\n0,0,0,1,1.5,0,0,1\nno pair\n0,0,0,1,5,0,0,1\n");
+  const std::string query = "\"$CDE\" query sphere-sphere --lanes 1 -q ";
+  const Planted fault(folder_, "rtl/engine/issue_history.sv", "valid_mem[then_o];",
+                      "valid_mem[then_o] && q_o != W'(2);");
+  const Ran ran = shell_in(fault, query + "< rows");
+  EXPECT_EQ(ran.status, 4) << ran.err;
+  EXPECT_EQ(ran.out, "") << "no answer was compared, so none is written, and no header";
+  EXPECT_NE(ran.err.find("lines 1 to 4: pair_unit: 3 of 3 rows of 1 pairs were taken and 2 "
+                         "answered, the last at clock 12; nothing went on for 1000000 clocks"),
+            std::string::npos)
+      << ran.err;
+  EXPECT_NE(ran.err.find("packed in:   cde-failure\n"), std::string::npos) << ran.err;
+  const json j = bundle();
+  EXPECT_EQ(j["failure"], "timeout");
+  EXPECT_EQ(shell_in(fault, "cd cde-failure && " + query + "--no-bundle < pairs.txt").status, 4);
+  const Ran at = cde({"wave", "at", "cde-failure/waves.fst", "fail", "pair_unit.tag_o", "--json"},
+                     fault.environment());
+  EXPECT_EQ(json::parse(at.out)["values"][0]["value"], "1") << "the last row that was answered";
+
+  const Planted other(folder_, "rtl/pair_unit.sv", ".d_i(tag)", ".d_i(tag ^ 32'd1)");
+  const Ran exchanged = shell_in(other, query + "--no-bundle < rows");
+  EXPECT_EQ(exchanged.status, 4) << exchanged.err;
+  EXPECT_NE(exchanged.err.find("and 0 answered, the last at clock 2; then came an answer that"), std::string::npos) << exchanged.err;
+}
+
 /// A deadline that was asked for is no failure of the card.
 TEST_F(Bundles, ADeadlineIsNotPacked) {
   write("twice.obj", kTwice);

@@ -25,6 +25,7 @@ struct cde_pair_unit {
   std::unique_ptr<Vmodel> model{new Vmodel(context.get(), "pair_unit")};
   WaveFile waves;
   uint64_t clocks = 0, start = 0;
+  cde_pair_progress progress{};
   uint32_t budget = 0x080808;
   std::vector<Operator> operators;
   std::vector<cde_pair_operator> shown;  // the same, in C
@@ -50,8 +51,7 @@ struct cde_pair_unit {
     model->budget_i = budget;
     for (int i = 0; i < 4; ++i) tick();
     model->rst_i = 0;
-    model->clk_i = 0;
-    eval();
+    model->eval();  // the waves have this time already
   }
 
   void eval() {
@@ -114,14 +114,20 @@ uint64_t test(cde_pair_unit* unit, const void* a, const void* b, void* results, 
   const auto size = [&](uint64_t row) {
     return row + 1 < rows || n % kLanes == 0 ? kLanes : n % kLanes;
   };
-  uint64_t in = 0, got = 0;
+  cde_pair_progress& seen = unit->progress = {};
+  uint64_t& in = seen.taken;
+  uint64_t& got = seen.answered;
+  uint64_t last = start;  // clock since which nothing went on
   bool offered = false;  // a row stands at the mouth until it is taken
   uint32_t wait = rows != 0 && gap != nullptr ? gap(gap_context) : 0;
   while (got < rows) {
     // Results of the row that entered a latency ago are there before the clock that takes the next.
     if (m.valid_o) {
-      gather(m, out + got * kLanes * CDE_PAIR_RESULT_WORDS * kWord, size(m.tag_o));
+      seen.disordered = m.tag_o != static_cast<uint32_t>(got) || got == in;
+      if (seen.disordered != 0) return CDE_PAIR_STUCK;
+      gather(m, out + got * kLanes * CDE_PAIR_RESULT_WORDS * kWord, size(got));
       ++got;
+      last = unit->clocks;
       if (got == rows) break;
     }
     if (!offered && in < rows && wait == 0) {
@@ -134,10 +140,14 @@ uint64_t test(cde_pair_unit* unit, const void* a, const void* b, void* results, 
     if (offered && m.ready_o) {
       offered = false;
       ++in;
+      last = unit->clocks;
       wait = in < rows && gap != nullptr ? gap(gap_context) : 0;
     } else if (wait != 0) {
       --wait;
+      if (got == in) last = unit->clocks;  // nothing to wait for but the gap
     }
+    seen.clock = last - start;
+    if (unit->clocks - last > CDE_PAIR_PATIENCE) return CDE_PAIR_STUCK;
     unit->tick();
   }
   m.valid_i = 0;
@@ -167,6 +177,7 @@ const cde_pair_api kApi = {
       unit->reset();
     },
     test,
+    [](const cde_pair_unit* unit) { return unit->progress; },
     [](cde_pair_unit* unit) { unit->reset(); },
     [](cde_pair_unit* unit, const cde_trace* what) { return unit->trace_open(*what); },
     [](cde_pair_unit* unit) { return unit->trace_close(); },

@@ -126,6 +126,22 @@ void PairUnit::reset() {
 
 namespace {
 
+[[noreturn]] void throw_stuck(const cde_pair_api& api, const cde_pair_unit* unit,
+                              std::size_t pairs) {
+  const cde_pair_progress p = api.progress(unit);
+  DeviceFault fault;
+  fault.clock = p.clock;
+  throw Error(ErrorCode::kTimeout,
+              fmt::format("pair_unit: {} of {} rows of {} pairs were taken and {} answered, the "
+                          "last at clock {}; {}",
+                          p.taken, (pairs + api.lanes - 1) / api.lanes, api.lanes, p.answered,
+                          p.clock,
+                          p.disordered != 0
+                              ? "then came an answer that is not to the next row"
+                              : fmt::format("nothing went on for {} clocks", +CDE_PAIR_PATIENCE)),
+              fault);
+}
+
 /// Words between the driver's 64 bits and the unit's own width.
 template <class Word>
 std::uint64_t run(const cde_pair_api& api, cde_pair_unit* unit, std::span<const std::uint64_t> a,
@@ -135,6 +151,7 @@ std::uint64_t run(const cde_pair_api& api, cde_pair_unit* unit, std::span<const 
   const auto out = std::make_unique_for_overwrite<Word[]>(results.size() * CDE_PAIR_RESULT_WORDS);
   const std::uint64_t clocks =
       api.test(unit, wa.data(), wb.data(), out.get(), results.size(), gap, context);
+  if (clocks == CDE_PAIR_STUCK) throw_stuck(api, unit, results.size());
   for (std::size_t i = 0; i < results.size(); ++i) {
     const Word* w = &out[i * CDE_PAIR_RESULT_WORDS];
     PairResult& r = results[i];

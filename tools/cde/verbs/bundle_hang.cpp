@@ -32,14 +32,14 @@ void bundle_hang(Bundle& bundle, const HangFailure& f) {
                         {"repeat_command", f.repeat.empty() ? nlohmann::ordered_json()
                                                             : nlohmann::ordered_json(f.repeat)}});
   const fs::path whole = bundle.folder() / "whole.fst";
-  f.rerun(whole.string(),
-          {.from = f.clock > kAhead ? f.clock - kAhead : 0, .to = f.clock + kBehind});
+  const std::uint64_t from = f.clock > kAhead ? f.clock - kAhead : 0;
+  f.rerun(whole.string(), {.from = from, .to = f.clock + kBehind});
   std::deque<wave::Transaction> last, open;
   std::uint64_t fail = 0;
   std::string text;
   {
     wave::Trace trace(whole);
-    const wave::Times times(trace, "");
+    wave::Times times(trace, "");
     fail = trace.start();
     wave::each_transaction(trace, {}, trace.start(), trace.end(), [&](const wave::Transaction& t) {
       auto& list = t.outcome == "open" ? open : last;
@@ -57,9 +57,24 @@ void bundle_hang(Bundle& bundle, const HangFailure& f) {
     };
     lines("The last that ended:", last);
     lines("What had not ended:", open);
+    if (f.unit) {
+      const auto& edges = times.edges();
+      const std::uint64_t ticks = f.clock - from;  // an answer stands there after so many edges
+      fail = edges.at(std::min<std::uint64_t>(ticks == 0 ? 0 : ticks - 1, edges.size() - 1));
+    }
   }
-  bundle.add("On the card", text.empty() ? "Nothing happened in these clocks.\n" : text);
-  keep_waves(bundle, whole, {.fail = fail, .before = kAhead, .behind = kAhead});
+  if (!f.repeat.empty())
+    bundle.add("Again", fmt::format("{}\n\n    {}\n",
+                                    f.unit ? "In this folder:" : "Repeat with:", f.repeat));
+  if (!f.unit)
+    bundle.add("On the card", text.empty() ? "Nothing happened in these clocks.\n" : text);
+  keep_waves(bundle, whole,
+             {.fail = fail,
+              .before = kAhead,
+              .behind = kAhead,
+              .shown = f.shown,
+              .first = f.shown,
+              .what = "the last that went on"});
   std::error_code none;
   fs::remove(whole, none);
 }

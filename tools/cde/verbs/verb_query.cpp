@@ -117,7 +117,12 @@ class Query {
     const std::size_t pairs = a_.size() / primary_words(config_.pair);
     results_.resize(pairs);
     const auto start = std::chrono::steady_clock::now();
-    totals_.clocks += unit_.test(a_, b_, results_);
+    try {
+      totals_.clocks += unit_.test(a_, b_, results_);
+    } catch (const Error& e) {
+      if (is_hang(e)) report(e);
+      throw;
+    }
     totals_.simulation_seconds +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     waves.close();  // whole, whatever the answers are
@@ -152,12 +157,6 @@ class Query {
       valid += rows_[k].valid ? 1 : 0;
       line = rows_[k].line;
     }
-    const auto listed = [this](std::span<const std::uint64_t> words) {
-      std::string list;
-      for (const std::uint64_t word : words)
-        list += (list.empty() ? "" : ",") + text_.hexfloat(word);
-      return list;
-    };
     const auto shown = [&](const PairResult& r) {
       return fmt::format("F {}, T {}, CP {}, n {}{}", r.f ? 1 : 0, text_.hexfloat(r.t),
                          listed(r.cp), listed(r.n), r.bad ? ", bad" : "");
@@ -189,6 +188,49 @@ class Query {
                            .repeat = repeat});
     };
     throw Error(ErrorCode::kMismatch, message + packed(o_.bundle, o_.quiet, fill));
+  }
+
+  /// The unit stopped in the middle of these pairs.
+  [[noreturn]] void report(const Error& stuck) {
+    const std::string message =
+        fmt::format("lines {} to {}: {}", rows_.front().line, rows_.back().line, stuck.what());
+    const std::uint64_t clock = stuck.fault()->clock;
+    const auto fill = [&](Bundle& bundle) {
+      std::string pairs;
+      for (std::size_t i = 0; i < results_.size(); ++i)
+        pairs += listed(operand(a_, i, primary_words(config_.pair))) + " | " +
+                 listed(operand(b_, i, secondary_words(config_.pair))) + "\n";
+      bundle.write("pairs.txt", pairs);
+      bundle.json().update({{"pair", name(config_.pair)}, {"parameters", config_.parameters()}});
+      HangFailure f{.message = message,
+                    .repeat = fmt::format("cde query {} < pairs.txt", words_of(o_, config_)),
+                    .clock = clock,
+                    .unit = true,
+                    .shown = {"pair_unit.clk_i", "pair_unit.valid_i", "pair_unit.ready_o",
+                              "pair_unit.tag_i", "pair_unit.valid_o", "pair_unit.tag_o"}};
+      f.rerun = [&](const std::string& file, const TraceOptions& which) {
+        PairConfig config = config_;
+        config.trace = true;
+        PairUnit unit(config);
+        if (has_budget(config.pair)) unit.set_budget(budget_);
+        std::vector<PairResult> results(results_.size());
+        unit.open_trace(file, which);
+        try {
+          (void)unit.test(a_, b_, results);
+        } catch (const Error& e) {
+          if (!is_hang(e)) throw;
+        }
+        unit.close_trace();
+      };
+      bundle_hang(bundle, f);
+    };
+    throw Error(stuck.code(), message + packed(o_.bundle, o_.quiet, fill), stuck.fault());
+  }
+
+  [[nodiscard]] std::string listed(std::span<const std::uint64_t> words) const {
+    std::string list;
+    for (const std::uint64_t word : words) list += (list.empty() ? "" : ",") + text_.hexfloat(word);
+    return list;
   }
 
   static std::span<const std::uint64_t> operand(std::span<const std::uint64_t> all, std::size_t i,

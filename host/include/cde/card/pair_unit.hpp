@@ -82,7 +82,9 @@ class PairUnit {
   /// pair (Error kUsage if sizes do not fit together). A row of lanes enters a clock, after as many
   /// idle clocks as `gap` says, as soon as the unit is ready for it. Returns the clocks from the
   /// first row in to the last result out. What `gap` throws comes out of the call, which resets the
-  /// unit; it may not give the unit other work (kUsage), but may move or destroy it.
+  /// unit; it may not give the unit other work (kUsage), but may move or destroy it. Error
+  /// kTimeout, whose fault() has the clock of this call since which the unit did not go on, if rows
+  /// are neither taken nor answered any more, or not in their order; that resets it too.
   std::uint64_t test(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
                      std::span<PairResult> results, const std::function<unsigned()>& gap = {});
 

@@ -12,7 +12,7 @@ struct DeviceFault {
                                  ///< it does not answer, 0: Bus::kFunctional otherwise
   std::uint32_t address = 0;     ///< mapped or bus address of a transfer, offset of an access in
                                  ///< BAR0 or configuration space, byte of DDR
-  std::uint64_t clock = 0;       ///< core clocks since power-on
+  std::uint64_t clock = 0;       ///< core clocks since power-on, of a PairUnit since the first row
   bool repeatable = false;       ///< the card is well: the pass can be run again
 };
 
