@@ -16,6 +16,7 @@
 #include <regex>
 #include <sstream>
 
+#include "planted.hpp"
 #include "run_cde.hpp"
 #include "wave/wave_file.hpp"
 
@@ -384,7 +385,7 @@ TEST_F(Cast, InterruptWhileCastingLeavesNothing) {
 /// A card with a fault: without the third edge's comparison, hits lie outside triangles. The cast
 /// ends with status 3, keeps no file, and the command that it names finds the same difference.
 TEST_F(Cast, FaultyCardIsFoundOut) {
-  const Words environment = faulty_card();
+  const Words environment = faulty_card(folder_);
   const Ran ran = cde({"cast", "terrain:3,3,1", "--grid", "9x9", "--lanes", "4", "--json", "-o",
                        "hits.csv", "--no-bundle"},
                       environment);

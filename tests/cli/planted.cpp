@@ -32,4 +32,12 @@ void Planted::change(const std::string& file, const std::string& from, const std
   std::ofstream(share_ / file) << text;
 }
 
+std::vector<std::string> faulty_card(const fs::path& folder) {
+  const Planted fault(folder, "rtl/pipes/ray_triangle_moller.sv", "in_edges_uv & in_uv",
+                      "in_edges_uv");
+  std::vector<std::string> environment = fault.environment();
+  environment.push_back("CDE_CACHE=" + (folder / "cache").string());
+  return environment;
+}
+
 }  // namespace cde::testing

@@ -25,4 +25,8 @@ class Planted {
   int line_ = 0;
 };
 
+/// A card with a fault, as an environment with a cache of its own: a hit needs to lie within two
+/// edges of three.
+[[nodiscard]] std::vector<std::string> faulty_card(const std::filesystem::path& folder);
+
 }  // namespace cde::testing

@@ -13,8 +13,6 @@
 #include <regex>
 #include <sstream>
 
-#include "planted.hpp"
-
 namespace cde::testing {
 namespace {
 
@@ -148,14 +146,6 @@ std::string Cli::write(const std::string& name, const std::string& text) const {
 
 std::string Cli::read(const std::string& name) const {
   return bytes_of(folder_ / name);
-}
-
-std::vector<std::string> Cli::faulty_card() const {
-  const Planted fault(folder_, "rtl/pipes/ray_triangle_moller.sv", "in_edges_uv & in_uv",
-                      "in_edges_uv");
-  std::vector<std::string> environment = fault.environment();
-  environment.push_back("CDE_CACHE=" + (folder_ / "cache").string());
-  return environment;
 }
 
 std::vector<std::string> Cli::files() const {

@@ -62,8 +62,6 @@ class Cli : public ::testing::Test {
   [[nodiscard]] bool exists(const std::string& name) const {
     return std::filesystem::exists(folder_ / name);
   }
-  /// A card with a fault, as an environment: a hit needs to lie within two edges of three.
-  [[nodiscard]] std::vector<std::string> faulty_card() const;
   /// Names in the folder, sorted.
   [[nodiscard]] std::vector<std::string> files() const;
 

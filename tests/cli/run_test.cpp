@@ -10,6 +10,7 @@
 #include <regex>
 #include <sstream>
 
+#include "planted.hpp"
 #include "run_cde.hpp"
 
 namespace cde::testing {
@@ -361,7 +362,7 @@ TEST_F(RunScene, Waves) {
 /// A card with a fault: hits lie outside triangles. The run stops after the frame with status 3,
 /// run.json counts the mismatches, and the command that is named finds the same again.
 TEST_F(RunScene, FaultyCardIsFoundOut) {
-  const Words environment = faulty_card();
+  const Words environment = faulty_card(folder_);
   std::string scene = kFlight;
   scene.replace(scene.find("lanes = 16"), 10, "lanes = 4");
   write("small.toml", scene);
