@@ -11,6 +11,14 @@
 namespace cde::wave {
 namespace {
 
+struct PciCycle {
+  Open open;
+  std::uint64_t words = 0, bytes = 0, waits = 0, first = 0;
+  std::uint64_t last = 0, last_edge = 0;  ///< time and number of its last clock
+  bool answered = false, wide_asked = false, wide = false, stopped = false, wanted_more = false,
+       target_abort = false, parity = false;
+};
+
 /// PCI 2.3: the address phase is the first clock with FRAME#; data moves in clocks with IRDY# and
 /// TRDY#; a target ends it by STOP#, without DEVSEL# if it aborts; the last data phase is one
 /// without FRAME#.
@@ -63,17 +71,9 @@ class PciDecoder : public Decoder {
   }
 
  private:
-  struct Cycle {
-    Open open;
-    std::uint64_t words = 0, bytes = 0, waits = 0, first = 0;
-    std::uint64_t last = 0, last_edge = 0;  ///< time and number of its last clock
-    bool answered = false, wide_asked = false, wide = false, stopped = false, wanted_more = false,
-         target_abort = false, parity = false;
-  };
-
   void address() {
     if (ended_) tell();
-    Cycle& c = now_it_is_.emplace();
+    PciCycle& c = now_it_is_.emplace();
     c.open = begin();
     c.last = now_;
     c.last_edge = edges_;
@@ -103,7 +103,7 @@ class PciDecoder : public Decoder {
   }
 
   void data(bool frame, bool irdy) {
-    Cycle& c = *now_it_is_;
+    PciCycle& c = *now_it_is_;
     const bool devsel = devsel_n_.off(), trdy = trdy_n_.off(), stop = stop_n_.off();
     c.last = now_;
     c.last_edge = edges_;
@@ -126,14 +126,14 @@ class PciDecoder : public Decoder {
     if (!frame && irdy && (trdy || stop)) over();
   }
 
-  static std::string outcome(const Cycle& c) {
+  static std::string outcome(const PciCycle& c) {
     if (c.parity) return "parity";
     if (!c.answered) return "master-abort";
     if (c.target_abort) return "target-abort";
     if (c.stopped && c.words == 0) return "retry";
     return c.stopped && c.wanted_more ? "disconnect" : "done";
   }
-  static void describe(Cycle& c) {
+  static void describe(PciCycle& c) {
     Transaction& t = c.open.t;
     const std::string width = c.wide ? "64" : "32";
     field(t, "words", c.words);
@@ -151,7 +151,7 @@ class PciDecoder : public Decoder {
   }
   /// It ended at an edge that is past.
   void tell() {
-    Cycle c = std::move(*ended_);
+    PciCycle c = std::move(*ended_);
     ended_.reset();
     describe(c);
     end_at(c.open, outcome(c), c.last, c.last_edge);
@@ -159,7 +159,7 @@ class PciDecoder : public Decoder {
 
   const Wire &frame_n_, &irdy_n_, &trdy_n_, &stop_n_, &devsel_n_, &req64_n_, &ack64_n_, &perr_n_,
       &cbe_n_, &ad_, &own_;
-  std::optional<Cycle> now_it_is_, ended_;
+  std::optional<PciCycle> now_it_is_, ended_;
   bool was_frame_ = false;
 };
 

@@ -87,16 +87,17 @@ std::string Sampled::bits(const Slice& s, std::uint64_t time) {
 const Sampled::Changes& Sampled::changes(std::uint32_t handle, std::size_t bit,
                                          std::size_t stretch) {
   const auto [at, fresh] = changes_.try_emplace({handle, bit, stretch});
-  if (!fresh) return at->second;
+  Changes& all = at->second;
+  if (!fresh) return all;
   char before = 'x';
   trace_.stream(std::array{handle}, stretches_[stretch].from, stretches_[stretch].to,
                 [&](std::uint64_t time, std::uint32_t, std::string_view value) {
                   const char now = bit < value.size() ? value[bit] : 'x';
-                  if (now != before && before != 'x') at->second.emplace_back(time, now);
+                  if (now != before && before != 'x') all.emplace_back(time, now);
                   before = now;
                   return true;
                 });
-  return at->second;
+  return all;
 }
 
 std::optional<std::uint64_t> Sampled::last_edge(const ClockEdge& edge, std::uint64_t time) {

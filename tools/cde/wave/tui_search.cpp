@@ -180,7 +180,7 @@ void Viewer::match_backward() {
     });
     return;
   }
-  begin_search(expression_, [this, what, on, k = last]() mutable {
+  begin_search(expression_, [this, what = what, on = on, k = last]() mutable {
     const Stretch block = tracks_.blocks()[k];
     // What was before the block tells whether it became true where it begins.
     const std::uint64_t from = k == 0 ? block.begin : block.begin - 1;
