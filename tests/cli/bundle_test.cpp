@@ -129,12 +129,15 @@ TEST_F(Bundles, APipeThatHangs) {
   EXPECT_EQ(shell_in(fault, "cd cde-failure && " + query + "--no-bundle < pairs.txt").status, 4);
   const Ran at = cde({"wave", "at", "cde-failure/waves.fst", "fail", "pair_unit.tag_o", "--json"},
                      fault.environment());
-  EXPECT_EQ(json::parse(at.out)["values"][0]["value"], "1") << "the last row that was answered";
+  EXPECT_EQ(json::parse(at.out)["values"][0]["value"], "00000001")
+      << "the last row that was answered";
 
   const Planted other(folder_, "rtl/pair_unit.sv", ".d_i(tag)", ".d_i(tag ^ 32'd1)");
   const Ran exchanged = shell_in(other, query + "--no-bundle < rows");
   EXPECT_EQ(exchanged.status, 4) << exchanged.err;
-  EXPECT_NE(exchanged.err.find("and 0 answered, the last at clock 2; then came an answer that"), std::string::npos) << exchanged.err;
+  EXPECT_NE(exchanged.err.find("and 0 answered, the last at clock 2; then came an answer that"),
+            std::string::npos)
+      << exchanged.err;
 }
 
 /// A deadline that was asked for is no failure of the card.

@@ -39,7 +39,7 @@ void bundle_hang(Bundle& bundle, const HangFailure& f) {
   std::string text;
   {
     wave::Trace trace(whole);
-    wave::Times times(trace, "");
+    const wave::Times times(trace, "");
     fail = trace.start();
     wave::each_transaction(trace, {}, trace.start(), trace.end(), [&](const wave::Transaction& t) {
       auto& list = t.outcome == "open" ? open : last;
@@ -58,9 +58,9 @@ void bundle_hang(Bundle& bundle, const HangFailure& f) {
     lines("The last that ended:", last);
     lines("What had not ended:", open);
     if (f.unit) {
-      const auto& edges = times.edges();
-      const std::uint64_t ticks = f.clock - from;  // an answer stands there after so many edges
-      fail = edges.at(std::min<std::uint64_t>(ticks == 0 ? 0 : ticks - 1, edges.size() - 1));
+      // Rising edges are at odd times; after so many an answer stands there.
+      const std::uint64_t edges = std::max<std::uint64_t>(f.clock - from, 1);
+      fail = std::min((trace.start() | 1) + 2 * (edges - 1), trace.end());
     }
   }
   if (!f.repeat.empty())
