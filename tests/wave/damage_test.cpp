@@ -84,9 +84,9 @@ TEST_F(Damage, FlippedBytesNeverCrashIt) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(static_cast<std::mt19937::result_type>(seed));
   // Where the command was built with sanitizers: what they say of it, and not of the runtime's
-  // reader, which works in a child for that reason.
+  // reader, which works in a child for that reason, and is left in mid-work where it fails.
   const Words sanitizers = {
-      "ASAN_OPTIONS=log_path=" + (folder_ / "report").string(),
+      "ASAN_OPTIONS=detect_leaks=0:log_path=" + (folder_ / "report").string(),
       "UBSAN_OPTIONS=print_stacktrace=1:log_path=" + (folder_ / "report").string()};
   write_pci(folder_ / "pci.fst");
   const std::string card = read("pci.fst");

@@ -118,7 +118,7 @@ uint64_t test(cde_pair_unit* unit, const void* a, const void* b, void* results, 
   uint64_t& in = seen.taken;
   uint64_t& got = seen.answered;
   uint64_t last = start;  // clock since which nothing went on
-  bool offered = false;  // a row stands at the mouth until it is taken
+  bool offered = false;   // a row stands at the mouth until it is taken
   uint32_t wait = rows != 0 && gap != nullptr ? gap(gap_context) : 0;
   while (got < rows) {
     // Results of the row that entered a latency ago are there before the clock that takes the next.

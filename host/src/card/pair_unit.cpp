@@ -131,15 +131,15 @@ namespace {
   const cde_pair_progress p = api.progress(unit);
   DeviceFault fault;
   fault.clock = p.clock;
-  throw Error(ErrorCode::kTimeout,
-              fmt::format("pair_unit: {} of {} rows of {} pairs were taken and {} answered, the "
-                          "last at clock {}; {}",
-                          p.taken, (pairs + api.lanes - 1) / api.lanes, api.lanes, p.answered,
-                          p.clock,
-                          p.disordered != 0
-                              ? "then came an answer that is not to the next row"
-                              : fmt::format("nothing went on for {} clocks", +CDE_PAIR_PATIENCE)),
-              fault);
+  throw Error(
+      ErrorCode::kTimeout,
+      fmt::format("pair_unit: {} of {} rows of {} pairs were taken and {} answered, the "
+                  "last at clock {}; {}",
+                  p.taken, (pairs + api.lanes - 1) / api.lanes, api.lanes, p.answered, p.clock,
+                  p.disordered != 0
+                      ? "then came an answer that is not to the next row"
+                      : fmt::format("nothing went on for {} clocks", +CDE_PAIR_PATIENCE)),
+      fault);
 }
 
 /// Words between the driver's 64 bits and the unit's own width.

@@ -358,11 +358,11 @@ void keep_waves(Bundle& bundle, const fs::path& whole, const WaveWindow& window)
   std::string words;
   for (const std::string& word : window.first)
     words += fmt::format("{}{}", words.empty() ? "" : " ", shell_word(word));
-  bundle.add("Waves",
-             fmt::format("waves.fst, {} to {}; {} is at {}. In this folder:\n\n"
-                         "    cde wave show waves.fst {} --around fail --window 12\n"
-                         "    gtkwave waves.fst waves.gtkw\n",
-                         times.text(from), times.text(to), window.what, times.text(window.fail), words));
+  bundle.add("Waves", fmt::format("waves.fst, {} to {}; {} is at {}. In this folder:\n\n"
+                                  "    cde wave show waves.fst {} --around fail --window 12\n"
+                                  "    gtkwave waves.fst waves.gtkw\n",
+                                  times.text(from), times.text(to), window.what,
+                                  times.text(window.fail), words));
 }
 
 bool bundle_explanation(Bundle& bundle, const explain::Explanation& e, const std::string& options,

@@ -62,7 +62,7 @@ struct WaveWindow {
   std::uint64_t fail = 0;  ///< in units of the file
   std::uint64_t before = 40, behind = 10;
   std::vector<std::string> shown = {};
-  std::vector<std::string> first = {};  ///< of them, for a command to look at the waves
+  std::vector<std::string> first = {};    ///< of them, for a command to look at the waves
   std::string what = "the wrong answer";  ///< that is at `fail`
 };
 void keep_waves(Bundle& bundle, const std::filesystem::path& whole, const WaveWindow& window);
@@ -98,7 +98,7 @@ void bundle_card(Bundle& bundle, const CardFailure& failure);
 struct HangFailure {
   std::string message, repeat;
   std::uint64_t clock = 0;  ///< since which it was not seen to go on, counted as `rerun` counts
-  bool unit = false;  ///< `clock` is exact, and there are no transactions: a unit, not a card
+  bool unit = false;        ///< `clock` is exact, and there are no transactions: a unit, not a card
   std::vector<std::string> shown = {};  ///< what is looked at first
   /// Does it again on a card with waves, which go to a file.
   std::function<void(const std::string& file, const TraceOptions& which)> rerun = {};

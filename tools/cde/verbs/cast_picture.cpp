@@ -148,7 +148,7 @@ void check_picture_names(const CastOptions& o) {
   }
 }
 
-Picture::Picture(const CastOptions& options, const CastJob& job)
+CastPicture::CastPicture(const CastOptions& options, const CastJob& job)
     : o_(options),
       job_(job),
       shaded_(!o_.shaded.empty() || o_.shows_itself),
@@ -176,7 +176,7 @@ Picture::Picture(const CastOptions& options, const CastJob& job)
   if (shaded_) point_.reserve(pixels);
 }
 
-void Picture::add(std::span<const Record> records) {
+void CastPicture::add(std::span<const Record> records) {
   for (const Record& r : records) {
     hit_.push_back(r.f ? 1 : 0);
     if (shaded_ || !o_.depth.empty()) t_.push_back(r.t);
@@ -185,11 +185,11 @@ void Picture::add(std::span<const Record> records) {
   }
 }
 
-PixelHits Picture::hits() const {
+PixelHits CastPicture::hits() const {
   return {*job_.picture, job_.rays, hit_, t_, index_, point_};
 }
 
-void Picture::look_at_sun(const CastAgain& cast) {
+void CastPicture::look_at_sun(const CastAgain& cast) {
   if (!o_.shadows) return;
   CastJob job{job_.mesh, {}, {}, job_.picture, Mode::kAny, job_.config};
   // A shadow that starts on its own triangle would be noise of the last bit.
@@ -211,7 +211,7 @@ void Picture::look_at_sun(const CastAgain& cast) {
   });
 }
 
-Image Picture::sunlit() const {
+Image CastPicture::sunlit() const {
   const Busy busy("drawing", o_.quiet);
   const char up = up_of(o_);
   ShadeOptions look;
@@ -228,7 +228,7 @@ Image Picture::sunlit() const {
   return shade({*job_.picture, rays, hit_, t_, index_, points}, mesh, look);
 }
 
-Vector3f Picture::normal(std::size_t i) const {
+Vector3f CastPicture::normal(std::size_t i) const {
   if (hit_[i] == 0) return Vector3f::Zero();
   const Triangle t = job_.mesh.triangle(index_[i]);
   const Vector3f n =
@@ -236,7 +236,7 @@ Vector3f Picture::normal(std::size_t i) const {
   return n.dot(job_.rays[i].d) > 0 ? Vector3f(-n) : n;
 }
 
-void Picture::write_depth() const {
+void CastPicture::write_depth() const {
   const Resolution size = *job_.picture;
   switch (format_of(o_.depth)) {
     case Format::kPng:
@@ -249,7 +249,7 @@ void Picture::write_depth() const {
   }
 }
 
-void Picture::write_normals() const {
+void CastPicture::write_normals() const {
   const Resolution size = *job_.picture;
   std::vector<float> numbers;
   numbers.reserve(3 * size.pixels());
@@ -271,7 +271,7 @@ void Picture::write_normals() const {
   }
 }
 
-void Picture::write_indices() const {
+void CastPicture::write_indices() const {
   const Resolution size = *job_.picture;
   if (format_of(o_.indices) == Format::kNpy) {
     return write_file(o_.indices, npy_header("<u4", {size.height, size.width}) +
@@ -298,7 +298,7 @@ std::string own_picture_name(const std::string& mesh) {
   return std::filesystem::path(name).stem().string() + ".cast.png";
 }
 
-void Picture::write() const {
+void CastPicture::write() const {
   if (!o_.depth.empty()) write_depth();
   if (!o_.normals.empty()) write_normals();
   if (!o_.indices.empty()) write_indices();

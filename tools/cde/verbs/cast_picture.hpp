@@ -25,10 +25,10 @@ void check_picture_names(const CastOptions& options);
 using CastAgain = std::function<void(const CastJob& job, const RecordSink& take)>;
 
 /// Records become the pictures that were asked for.
-class Picture {
+class CastPicture {
  public:
   /// Error kCapacity if the machine has no memory for pictures of that size.
-  Picture(const CastOptions& options, const CastJob& job);
+  CastPicture(const CastOptions& options, const CastJob& job);
   void add(std::span<const Record> records);
   /// From each hit a ray to the sun, with --shadows.
   void look_at_sun(const CastAgain& cast);

@@ -155,7 +155,7 @@ std::optional<std::uint64_t> records_of(const CastJob& job) {
 }
 
 /// The second pass of a picture, to the sun. Its clocks and records are counted with the first.
-void cast_shadows(const CastOptions& o, Picture& picture, CastOutcome& all) {
+void cast_shadows(const CastOptions& o, CastPicture& picture, CastOutcome& all) {
   picture.look_at_sun([&](const CastJob& job, const RecordSink& take) {
     const CastOutcome sun = cast_rays(o, job, "casting shadows", take);
     all.counters += sun.counters;
@@ -225,7 +225,7 @@ void print_summary(const CastOptions& o, const CastJob& job, const CastOutcome& 
 
 void run(const CastOptions& o) {
   const CastJob job = prepare(o);
-  std::optional<Picture> picture;
+  std::optional<CastPicture> picture;
   if (o.wants_picture() || o.shows_itself) picture.emplace(o, job);
   std::optional<RecordFile> records;
   if (!o.records.empty())

@@ -13,7 +13,7 @@ namespace {
 /// Rows enter and leave the pipe of a pair in one order.
 class TestDecoder : public EngineDecoder {
  public:
-  TestDecoder(const Place& place, Take take)
+  TestDecoder(const SignalPlace& place, Take take)
       : EngineDecoder(place, std::move(take)),
         retire_(wire("control.retire_i")),
         flush_(wire("control.flush_o")),
@@ -133,7 +133,7 @@ class TestDecoder : public EngineDecoder {
 
 class RecordDecoder : public EngineDecoder {
  public:
-  RecordDecoder(const Place& place, Take take)
+  RecordDecoder(const SignalPlace& place, Take take)
       : EngineDecoder(place, std::move(take)),
         there_(wire("records.record_there")),
         room_(wire("records.sram_room")),
@@ -211,7 +211,7 @@ class RecordDecoder : public EngineDecoder {
 
 }  // namespace
 
-std::unique_ptr<Decoder> answer_decoder(const Place& place, Decoder::Take take) {
+std::unique_ptr<Decoder> answer_decoder(const SignalPlace& place, Decoder::Take take) {
   if (place.of->kind == "test") return std::make_unique<TestDecoder>(place, std::move(take));
   if (place.of->kind == "record") return std::make_unique<RecordDecoder>(place, std::move(take));
   return nullptr;

@@ -24,7 +24,7 @@ struct PciCycle {
 /// without FRAME#.
 class PciDecoder : public Decoder {
  public:
-  PciDecoder(const Place& place, Take take)
+  PciDecoder(const SignalPlace& place, Take take)
       : Decoder(place, std::move(take)),
         frame_n_(wire("frame_n")),
         irdy_n_(wire("irdy_n")),
@@ -168,7 +168,7 @@ class PciDecoder : public Decoder {
 /// a later clock.
 class LocalBusDecoder : public Decoder {
  public:
-  LocalBusDecoder(const Place& place, Take take)
+  LocalBusDecoder(const SignalPlace& place, Take take)
       : Decoder(place, std::move(take)),
         valid_(wire("bus_i.valid")),
         write_(wire("bus_i.write")),
@@ -287,7 +287,7 @@ class LocalBusDecoder : public Decoder {
 
 class DmaDecoder : public Decoder {
  public:
-  DmaDecoder(const Place& place, Take take)
+  DmaDecoder(const SignalPlace& place, Take take)
       : Decoder(place, std::move(take)),
         fetched_(wire("fetched_q")),
         busy_(wire("busy_o")),
@@ -385,7 +385,7 @@ class DmaDecoder : public Decoder {
 
 }  // namespace
 
-std::unique_ptr<Decoder> bus_decoder(const Place& place, Decoder::Take take) {
+std::unique_ptr<Decoder> bus_decoder(const SignalPlace& place, Decoder::Take take) {
   if (place.of->kind == "pci") return std::make_unique<PciDecoder>(place, std::move(take));
   if (place.of->kind == "dma") return std::make_unique<DmaDecoder>(place, std::move(take));
   if (place.of->kind == "bus") return std::make_unique<LocalBusDecoder>(place, std::move(take));

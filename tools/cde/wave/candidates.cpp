@@ -16,7 +16,7 @@ namespace {
 /// Listens to the lane of its primary alone: a card has many.
 class TestedDecoder : public EngineDecoder {
  public:
-  TestedDecoder(const Place& place, std::uint64_t primary, TakeTested take)
+  TestedDecoder(const SignalPlace& place, std::uint64_t primary, TakeTested take)
       : EngineDecoder(place, {}),
         tell_(std::move(take)),
         retire_(wire("control.retire_i")),
@@ -78,7 +78,7 @@ class TestedDecoder : public EngineDecoder {
 
 }  // namespace
 
-std::unique_ptr<Decoder> tested_decoder(const Place& place, std::uint64_t primary,
+std::unique_ptr<Decoder> tested_decoder(const SignalPlace& place, std::uint64_t primary,
                                         TakeTested take) {
   return std::make_unique<TestedDecoder>(place, primary, std::move(take));
 }

@@ -144,11 +144,11 @@ bool fits(std::string_view pattern, std::string_view name, std::vector<unsigned>
 
 }  // namespace
 
-Places::Places(Trace& trace) : trace_(trace) {
+SignalPlaces::SignalPlaces(Trace& trace) : trace_(trace) {
   for (const Signal& s : trace.signals()) by_name_.emplace(s.name, &s);
 }
 
-std::vector<std::string> Places::scopes(const KindSignals& kind) const {
+std::vector<std::string> SignalPlaces::scopes(const KindSignals& kind) const {
   std::vector<std::string> found;
   const std::string end = fmt::format(".{}", kind.signals.front());
   for (const Signal& s : trace_.signals())
@@ -156,9 +156,9 @@ std::vector<std::string> Places::scopes(const KindSignals& kind) const {
   return found;
 }
 
-Place Places::place(const KindSignals& kind, const std::string& scope,
-                    std::vector<std::string>& missing) const {
-  Place p{&kind, scope, {}, {}};
+SignalPlace SignalPlaces::place(const KindSignals& kind, const std::string& scope,
+                                std::vector<std::string>& missing) const {
+  SignalPlace p{&kind, scope, {}, {}};
   const auto look = [&](std::string_view name, bool needed) {
     const auto at = by_name_.find(fmt::format("{}.{}", scope, name));
     if (at != by_name_.end())
@@ -187,17 +187,17 @@ Place Places::place(const KindSignals& kind, const std::string& scope,
   return p;
 }
 
-std::vector<Place> Places::of(const KindSignals& kind) const {
-  std::vector<Place> found;
+std::vector<SignalPlace> SignalPlaces::of(const KindSignals& kind) const {
+  std::vector<SignalPlace> found;
   for (const std::string& scope : scopes(kind)) {
     std::vector<std::string> missing;
-    Place p = place(kind, scope, missing);
+    SignalPlace p = place(kind, scope, missing);
     if (missing.empty()) found.push_back(std::move(p));
   }
   return found;
 }
 
-std::vector<std::string> Places::missing(const KindSignals& kind) const {
+std::vector<std::string> SignalPlaces::missing(const KindSignals& kind) const {
   std::vector<std::string> least;
   bool first = true;
   for (const std::string& scope : scopes(kind)) {

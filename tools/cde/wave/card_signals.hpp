@@ -39,7 +39,7 @@ struct Element {
 };
 
 /// A scope that has the signals of a kind.
-struct Place {
+struct SignalPlace {
   const KindSignals* of;
   std::string scope;
   std::map<std::string_view, const Signal*> signals;        ///< clocks and optional ones too
@@ -47,19 +47,19 @@ struct Place {
 };
 
 /// Where a file has the signals of kinds, and what it lacks.
-class Places {
+class SignalPlaces {
  public:
-  explicit Places(Trace& trace);
+  explicit SignalPlaces(Trace& trace);
 
   /// Scopes that have all signals of a kind.
-  [[nodiscard]] std::vector<Place> of(const KindSignals& kind) const;
+  [[nodiscard]] std::vector<SignalPlace> of(const KindSignals& kind) const;
   /// What the scope that has the most of them lacks; all of them if no scope has the first.
   [[nodiscard]] std::vector<std::string> missing(const KindSignals& kind) const;
 
  private:
   [[nodiscard]] std::vector<std::string> scopes(const KindSignals& kind) const;
-  [[nodiscard]] Place place(const KindSignals& kind, const std::string& scope,
-                            std::vector<std::string>& missing) const;
+  [[nodiscard]] SignalPlace place(const KindSignals& kind, const std::string& scope,
+                                  std::vector<std::string>& missing) const;
 
   Trace& trace_;
   std::map<std::string_view, const Signal*> by_name_;

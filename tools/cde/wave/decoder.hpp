@@ -43,7 +43,7 @@ struct Open {
 class Decoder {
  public:
   using Take = std::function<void(Transaction)>;
-  Decoder(const Place& place, Take take) : take_(std::move(take)), place_(place) {}
+  Decoder(const SignalPlace& place, Take take) : take_(std::move(take)), place_(place) {}
   virtual ~Decoder() = default;
   Decoder(const Decoder&) = delete;
   Decoder& operator=(const Decoder&) = delete;
@@ -64,7 +64,7 @@ class Decoder {
     std::unique_ptr<Wire> wire;
   };
   [[nodiscard]] const std::vector<Input>& inputs() const { return inputs_; }
-  [[nodiscard]] const Place& place() const { return place_; }
+  [[nodiscard]] const SignalPlace& place() const { return place_; }
 
  protected:
   virtual void at_edge(unsigned clock) = 0;
@@ -86,7 +86,7 @@ class Decoder {
 
  private:
   Take take_;
-  Place place_;
+  SignalPlace place_;
   std::vector<Input> inputs_;
 };
 
@@ -107,11 +107,11 @@ void field(Transaction& t, std::string_view name, const Value& value) {
 [[nodiscard]] std::string space_name(const Wire& space);
 
 /// The decoder of a place, if it is one of these; `take` gets its transactions as they end.
-[[nodiscard]] std::unique_ptr<Decoder> bus_decoder(const Place& place, Decoder::Take take);
-[[nodiscard]] std::unique_ptr<Decoder> engine_decoder(const Place& place, Decoder::Take take);
-[[nodiscard]] std::unique_ptr<Decoder> answer_decoder(const Place& place, Decoder::Take take);
+[[nodiscard]] std::unique_ptr<Decoder> bus_decoder(const SignalPlace& place, Decoder::Take take);
+[[nodiscard]] std::unique_ptr<Decoder> engine_decoder(const SignalPlace& place, Decoder::Take take);
+[[nodiscard]] std::unique_ptr<Decoder> answer_decoder(const SignalPlace& place, Decoder::Take take);
 /// Of what arrives at the update engine for a primary; the place is of tested_signals.
-[[nodiscard]] std::unique_ptr<Decoder> tested_decoder(const Place& place, std::uint64_t primary,
-                                                      TakeTested take);
+[[nodiscard]] std::unique_ptr<Decoder> tested_decoder(const SignalPlace& place,
+                                                      std::uint64_t primary, TakeTested take);
 
 }  // namespace cde::wave

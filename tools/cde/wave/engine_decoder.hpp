@@ -11,7 +11,7 @@ namespace cde::wave {
 /// Counts the passes, from 0 in the file.
 class EngineDecoder : public Decoder {
  public:
-  EngineDecoder(const Place& place, Take take)
+  EngineDecoder(const SignalPlace& place, Take take)
       : Decoder(place, std::move(take)),
         go_(wire("control.go_i")),
         ready_(wire("control.ready_o")),

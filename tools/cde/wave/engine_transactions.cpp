@@ -23,7 +23,7 @@ std::string pair_text(std::uint64_t code) {
 
 class PassDecoder : public EngineDecoder {
  public:
-  PassDecoder(const Place& place, Take take)
+  PassDecoder(const SignalPlace& place, Take take)
       : EngineDecoder(place, std::move(take)),
         done_(wire("control.done_o")),
         abort_(wire("control.abort_i")),
@@ -116,7 +116,7 @@ class PassDecoder : public EngineDecoder {
 /// A primary is told when the pass that it is for has begun and says whether it is in contract.
 class PrimaryDecoder : public EngineDecoder {
  public:
-  PrimaryDecoder(const Place& place, Take take)
+  PrimaryDecoder(const SignalPlace& place, Take take)
       : EngineDecoder(place, std::move(take)),
         commit_(wire("engine.primaries.commit")),
         write_(wire("engine.primaries.write_i")),
@@ -215,7 +215,7 @@ class PrimaryDecoder : public EngineDecoder {
 
 class SecondaryDecoder : public EngineDecoder {
  public:
-  SecondaryDecoder(const Place& place, Take take)
+  SecondaryDecoder(const SignalPlace& place, Take take)
       : EngineDecoder(place, std::move(take)),
         pop_(wire("control.secondary_pop_o")),
         valid_(wire("control.secondary_valid_i")),
@@ -312,7 +312,7 @@ class SecondaryDecoder : public EngineDecoder {
 
 }  // namespace
 
-std::unique_ptr<Decoder> engine_decoder(const Place& place, Decoder::Take take) {
+std::unique_ptr<Decoder> engine_decoder(const SignalPlace& place, Decoder::Take take) {
   if (place.of->kind == "pass") return std::make_unique<PassDecoder>(place, std::move(take));
   if (place.of->kind == "primary") return std::make_unique<PrimaryDecoder>(place, std::move(take));
   if (place.of->kind == "secondary")

@@ -101,7 +101,7 @@ struct Candidate {
   Name name;
   std::string prefix;
   bool used = false;
-  [[nodiscard]] Wire wire() const { return {signal->handle, own, name.low}; }
+  [[nodiscard]] HandshakeWire wire() const { return {signal->handle, own, name.low}; }
 };
 
 /// How well two directions fit: the two wires of a handshake run against each other.

@@ -10,7 +10,7 @@
 namespace cde::wave {
 
 /// A signal of one bit as a handshake has it.
-struct Wire {
+struct HandshakeWire {
   std::uint32_t handle = 0;
   std::string name;  ///< in its scope
   bool low = false;  ///< active low, by its name
@@ -18,10 +18,10 @@ struct Wire {
 
 /// Two signals of a scope, or three of PCI, that say together when something is handed over.
 struct Handshake {
-  std::string name;      ///< "top.core.valid_i/ready_o", where the file has it first
-  std::string protocol;  ///< "valid/ready", "req/ack", "pci"
-  Wire valid, ready;     ///< who has something, who takes it; of PCI irdy and trdy
-  Wire frame;            ///< of PCI
+  std::string name;            ///< "top.core.valid_i/ready_o", where the file has it first
+  std::string protocol;        ///< "valid/ready", "req/ack", "pci"
+  HandshakeWire valid, ready;  ///< who has something, who takes it; of PCI irdy and trdy
+  HandshakeWire frame;         ///< of PCI
   std::uint32_t clock = 0;
   std::string clock_name;
   /// Whether a handshake of another number is behind this one: there are modules between them, each

@@ -72,7 +72,7 @@ Measure::Domain& Measure::domain(std::uint32_t clock) {
   return domains_.emplace_back(Domain{clock, 0, {}, {}});
 }
 /// '0', '1' or 'x' of a wire, whatever its polarity.
-char Measure::level(const Wire& w) const {
+char Measure::level(const HandshakeWire& w) const {
   const char c = now_[w.handle];
   return !w.low || c == 'x' ? c : c == '1' ? '0' : '1';
 }

@@ -91,7 +91,7 @@ class Measure {
   };
   void sample(std::uint32_t handle) { now_[handle] = 'x'; }
   Domain& domain(std::uint32_t clock);
-  [[nodiscard]] char level(const Wire& w) const;
+  [[nodiscard]] char level(const HandshakeWire& w) const;
   void step(std::uint64_t time, bool begins);
   void cycle(Domain& d, std::uint64_t time);
   void handshake(std::size_t i, std::uint64_t time, std::uint64_t number);

@@ -58,7 +58,7 @@ class Conductor {
       wires_[input.handle].push_back(input.wire.get());
       handles_.push_back(input.handle);
     }
-    const Place& place = decoder->place();
+    const SignalPlace& place = decoder->place();
     for (unsigned c = 0; c < place.of->clocks.size(); ++c) {
       const std::uint32_t handle = place.signals.at(place.of->clocks[c])->handle;
       clocks_[handle].push_back({decoder.get(), c});
@@ -145,13 +145,13 @@ const std::vector<std::string>& transaction_kinds() {
 
 void each_transaction(Trace& trace, const std::vector<std::string>& kinds, std::uint64_t from,
                       std::uint64_t to, const std::function<bool(const Transaction&)>& take) {
-  const Places places(trace);
+  const SignalPlaces places(trace);
   Order order(from, to, take);
   Conductor conductor(trace, order, to);
   for (std::size_t k = 0; k < card_signals().size(); ++k) {
     const KindSignals& kind = card_signals()[k];
     if (!kinds.empty() && std::find(kinds.begin(), kinds.end(), kind.kind) == kinds.end()) continue;
-    for (const Place& place : places.of(kind)) {
+    for (const SignalPlace& place : places.of(kind)) {
       const Decoder::Take add = [&order, k](Transaction t) { order.add(k, std::move(t)); };
       auto decoder = bus_decoder(place, add);
       if (!decoder) decoder = engine_decoder(place, add);
@@ -163,15 +163,15 @@ void each_transaction(Trace& trace, const std::vector<std::string>& kinds, std::
 }
 
 void each_tested(Trace& trace, std::uint64_t primary, const TakeTested& take) {
-  const Places places(trace);
-  const std::vector<Place> found = places.of(tested_signals());
+  const SignalPlaces places(trace);
+  const std::vector<SignalPlace> found = places.of(tested_signals());
   if (found.empty())
     throw Error(ErrorCode::kUsage, fmt::format("the waves lack {}",
                                                fmt::join(places.missing(tested_signals()), ", ")));
   const std::function<bool(const Transaction&)> none = [](const Transaction&) { return true; };
   Order order(0, UINT64_MAX, none);
   Conductor conductor(trace, order, UINT64_MAX);
-  for (const Place& place : found) conductor.add(tested_decoder(place, primary, take));
+  for (const SignalPlace& place : found) conductor.add(tested_decoder(place, primary, take));
   conductor.run();
 }
 

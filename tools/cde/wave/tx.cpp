@@ -43,7 +43,7 @@ struct There {
 };
 
 There there(Trace& trace, const std::vector<std::string>& asked) {
-  const Places places(trace);
+  const SignalPlaces places(trace);
   There found;
   for (const KindSignals& k : card_signals()) {
     if (!places.of(k).empty()) {
