@@ -104,7 +104,7 @@ std::uint64_t with(const std::vector<Transaction>& all, const std::string& field
 /// A signal that has another name fails this, instead of giving an empty table.
 void expect_signals(const std::filesystem::path& file, const std::set<std::string_view>& without) {
   Trace trace(file);
-  const wave::Places places(trace);
+  const wave::SignalPlaces places(trace);
   for (const wave::KindSignals& kind : wave::card_signals()) {
     if (without.contains(kind.kind)) continue;
     EXPECT_EQ(places.missing(kind), Words()) << kind.kind;
