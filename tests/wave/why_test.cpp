@@ -4,10 +4,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <set>
+#include <sstream>
 
 #include "run_cde.hpp"
 #include "sample.hpp"
@@ -15,6 +18,7 @@
 namespace cde::testing {
 namespace {
 
+namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 class Why : public Cli {
@@ -30,10 +34,12 @@ class Why : public Cli {
                           "--top-module " + name + " " + name + ".sv");
     ASSERT_EQ(ran.status, 0) << ran.err;
   }
+  /// The file of that name in the form that is tested.
+  [[nodiscard]] virtual std::string file(const std::string& xml) const { return xml; }
   Json why(const std::string& waves, const std::string& what, const std::string& xml,
            const std::vector<std::string>& options = {}) {
     std::vector<std::string> words = {"wave", "why", waves, what, "--json"};
-    if (!xml.empty()) words.insert(words.end(), {"--structure", xml});
+    if (!xml.empty()) words.insert(words.end(), {"--structure", file(xml)});
     words.insert(words.end(), options.begin(), options.end());
     const Ran ran = cde(words);
     EXPECT_EQ(ran.status, 0) << ran.err;
@@ -63,8 +69,28 @@ class Why : public Cli {
   using Texts = std::vector<std::string>;
 };
 
-TEST_F(Why, LogicIsFollowedAtTheSameTimeAndRegistersToJustBeforeTheirEdge) {
-  write_structure(folder_);
+/// A structure in both forms: as the Verilator that is here writes it, and as one writes it that
+/// has no --xml-only any more (structures/make).
+class Forms : public Why, public ::testing::WithParamInterface<const char*> {
+ protected:
+  [[nodiscard]] std::string file(const std::string& xml) const override {
+    return xml.substr(0, xml.rfind(".xml")) + GetParam();
+  }
+  /// Of NAME.sv, which lies beside this file.
+  void structure(const std::string& name) {
+    const fs::path folder = fs::path(CDE_SOURCE_DIR) / "tests/wave";
+    std::stringstream source;
+    source << std::ifstream(folder / (name + ".sv")).rdbuf();
+    Why::structure(name, source.str());
+    for (const char* part : {".tree.json", ".tree.meta.json"})
+      fs::copy_file(folder / "structures" / (name + part), folder_ / (name + part));
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Structure, Forms, ::testing::Values(".xml", ".tree.json"),
+                         [](const auto& form) { return form.index == 0 ? "Xml" : "Json"; });
+
+TEST_P(Forms, LogicIsFollowedAtTheSameTimeAndRegistersToJustBeforeTheirEdge) {
+  structure("top");
   const Json j = why("a.fst", "state@cyc:9", "top.xml", {"--depth", "1"});
   EXPECT_EQ(j["schema"], "cde.wave.why.1");
   EXPECT_EQ(j["top_scope"], "top");
@@ -83,8 +109,8 @@ TEST_F(Why, LogicIsFollowedAtTheSameTimeAndRegistersToJustBeforeTheirEdge) {
             Texts{"top.count=00000111@84:21"});
 }
 
-TEST_F(Why, WhatIsNotInTheWavesIsWalkedThrough) {
-  write_structure(folder_);
+TEST_P(Forms, WhatIsNotInTheWavesIsWalkedThrough) {
+  structure("top");
   const Json high = why("a.fst", "data[63:32]:fp32@cyc:7", "top.xml")["cone"];
   EXPECT_EQ(high["value"], "nan");
   EXPECT_EQ(high["driven_name"], "top.core.data_o[63:32]");
@@ -105,10 +131,10 @@ TEST_F(Why, WhatIsNotInTheWavesIsWalkedThrough) {
   EXPECT_EQ(why("a.fst", "top.core.late@cyc:7", "top.xml")["cone"]["statements"][0]["line"], 8);
 }
 
-TEST_F(Why, ALineEachAndNoMoreThanAskedFor) {
-  write_structure(folder_);
-  const Ran ran = cde({"wave", "why", "a.fst", "count@cyc:7", "--structure", "top.xml", "--max",
-                       "2", "--depth", "9"});
+TEST_P(Forms, ALineEachAndNoMoreThanAskedFor) {
+  structure("top");
+  const Ran ran = cde({"wave", "why", "a.fst", "count@cyc:7", "--structure", file("top.xml"),
+                       "--max", "2", "--depth", "9"});
   EXPECT_EQ(ran.status, 0);
   EXPECT_EQ(ran.out,
             "top.count is 07 at 75ns, cyc:7\n"
@@ -120,48 +146,14 @@ TEST_F(Why, ALineEachAndNoMoreThanAskedFor) {
   EXPECT_EQ(why("a.fst", "count@cyc:7", "top.xml", {"--depth", "9", "--max", "0"})["more"], 0);
 }
 
-/// Conditions, cases, structures, memories, functions and loops of generate.
-constexpr const char* kRich = R"(
-typedef struct packed { logic v; logic [2:0] d; } s_t;
-module part #(parameter int W = 4) (input logic clk, input logic [W-1:0] a, output logic [W-1:0] q);
-  always_ff @(posedge clk) q <= a;
-endmodule
-module rich (input logic clk, input logic rst, input logic en, input logic [3:0] x,
-             output logic [3:0] y);
-  typedef enum logic [1:0] {IDLE, RUN, STOP} state_t;
-  state_t state;
-  s_t s;
-  logic [3:0] mem [4];
-  logic [3:0] sum, pick;
-  function automatic logic [3:0] twice(input logic [3:0] v); return v + v; endfunction
-  always_ff @(posedge clk or posedge rst)
-    if (rst) s <= '0;
-    else if (en) s <= s_t'(x);
-  always_ff @(posedge clk)
-    case (state)
-      IDLE: if (s.v) state <= RUN;
-      RUN: state <= STOP;
-      default: state <= IDLE;
-    endcase
-  always_ff @(posedge clk) if (en) mem[x[1:0]] <= x;
-  assign sum = twice({1'b0, s.d});
-  always_comb begin
-    pick = sum;
-    if (en) pick = mem[2];
-  end
-  for (genvar g = 0; g < 2; g++) begin : half
-    part #(2) part (.clk, .a(pick[2*g+:2]), .q(y[2*g+:2]));
-  end
-endmodule
-)";
-
-/// Its waves: rises at 10, 20, ...; at 12 reset; en from 15 to 25, when x is 1010 goes into s and
-/// mem[2]; state is RUN from 30 on, and STOP from 40.
-class Rich : public Why {
+/// Conditions, cases, structures, memories, functions and loops of generate (rich.sv). Its waves:
+/// rises at 10, 20, ...; at 12 reset; en from 15 to 25, when x is 1010 goes into s and mem[2];
+/// state is RUN from 30 on, and STOP from 40.
+class Rich : public Forms {
  protected:
   void SetUp() override {
-    Why::SetUp();
-    structure("rich", kRich);
+    Forms::SetUp();
+    structure("rich");
     Writer w(folder_ / "rich.fst");
     w.scope("bench");
     w.scope("dut");
@@ -198,7 +190,7 @@ class Rich : public Why {
   }
 };
 
-TEST_F(Rich, BranchesThatWereNotTakenAreLeftOut) {
+TEST_P(Rich, BranchesThatWereNotTakenAreLeftOut) {
   const Json run = why("rich.fst", "state@30", "rich.xml", {"--depth", "1"})["cone"];
   ASSERT_EQ(run["statements"].size(), 1u);
   EXPECT_EQ(run["statements"][0]["line"], 19);
@@ -217,7 +209,7 @@ TEST_F(Rich, BranchesThatWereNotTakenAreLeftOut) {
   EXPECT_EQ(causes(without[0]["causes"][0]["statements"][0]), Texts{"bench.dut.s.d=010@26:16"});
 }
 
-TEST_F(Rich, ARegisterThatKeptItsValueSaysSinceWhenAndWhy) {
+TEST_P(Rich, ARegisterThatKeptItsValueSaysSinceWhenAndWhy) {
   const Json kept = why("rich.fst", "s.d@45", "rich.xml")["cone"]["statements"];
   ASSERT_EQ(kept.size(), 2u);
   EXPECT_EQ(kept[0]["kept"], true);
@@ -233,7 +225,7 @@ TEST_F(Rich, ARegisterThatKeptItsValueSaysSinceWhenAndWhy) {
   EXPECT_EQ(reset[0]["taken_time"], 12);
 }
 
-TEST_F(Rich, MemoriesAreWrittenWhereTheIndexWas) {
+TEST_P(Rich, MemoriesAreWrittenWhereTheIndexWas) {
   const Json written = why("rich.fst", "mem[2]@50", "rich.xml", {"--depth", "1"})["cone"];
   const Json& last = written["statements"].back();
   EXPECT_EQ(last["taken_time"], 20);
@@ -244,7 +236,7 @@ TEST_F(Rich, MemoriesAreWrittenWhereTheIndexWas) {
   EXPECT_EQ(other["remark"], "assigned before, when is not known");
 }
 
-TEST_F(Rich, GenerateBlocksAndPortsAreWires) {
+TEST_P(Rich, GenerateBlocksAndPortsAreWires) {
   const Json y = why("rich.fst", "y[3:2]@30", "rich.xml", {"--depth", "1"})["cone"];
   EXPECT_EQ(y["driven_name"], "bench.dut.half[1].part.q");
   EXPECT_EQ(y["statements"][0]["line"], 4);
@@ -332,6 +324,40 @@ TEST_F(Why, DamagedStructuresNeverCrashIt) {
   EXPECT_NE(error("a.fst", "data@75", "deep.xml").find("too deep"), std::string::npos);
 }
 
+TEST_P(Forms, DamagedJsonNeverCrashesIt) {
+  structure("top");
+  const std::string tree = read("top.tree.json"), meta = read("top.tree.meta.json");
+  if (std::string(GetParam()) == ".xml") {
+    fs::remove(folder_ / "top.tree.meta.json");
+    EXPECT_NE(error("a.fst", "data@75", "top.tree.json").find("top.tree.meta.json"),
+              std::string::npos);
+    return;
+  }
+  write("bad.tree.meta.json", meta);
+  for (std::size_t n = 0; n < tree.size() - 20; n += 611) {
+    write("bad.tree.json", tree.substr(0, n));
+    EXPECT_NE(error("a.fst", "data@75", "bad.tree.json").find("is no structure"), std::string::npos)
+        << n;
+  }
+  std::mt19937 random(15);
+  unsigned good = 0;
+  for (unsigned i = 0; i < 90; ++i) {
+    std::string bytes = tree;
+    for (unsigned k = 1 + random() % 4; k > 0; --k)
+      bytes[random() % bytes.size()] = "0123456789ABCDEFGHIJ(){}[]:,\" "[random() % 30];
+    write("bad.tree.json", bytes);
+    const Ran ran = cde({"wave", "why", "a.fst", "data@75", "--structure", "bad.tree.json"});
+    ASSERT_TRUE(ran.status == 0 || ran.status == 2) << i << ran.err;
+    ASSERT_EQ(ran.err.find("crashed"), std::string::npos) << i << ran.err;
+    good += ran.status == 0 ? 1 : 0;
+  }
+  EXPECT_GT(good, 20u);
+  write("bad.tree.json", std::string(100000, '['));
+  EXPECT_NE(error("a.fst", "data@75", "bad.tree.json").find("too deep"), std::string::npos);
+  write("bad.tree.json", "{}");
+  EXPECT_NE(error("a.fst", "data@75", "bad.tree.json").find("--json-only"), std::string::npos);
+}
+
 /// A card's waves name their bitstream, and need no other word.
 TEST_F(Why, ACardsWavesNameTheirStructure) {
   write("pairs", "0,0,0,1,1.5,0,0,1\n");
@@ -361,23 +387,13 @@ TEST_F(Why, ACardsWavesNameTheirStructure) {
   EXPECT_EQ(again.err, "");
 }
 
-const char* const kTurns = R"(module turns(input logic [1:0] pick, input logic [7:0] x,
-    output logic [1:0][7:0] y);
-  always_comb begin
-    y = '0;
-    for (int l = 0; l < 2; l++) begin
-      if (pick[l]) y[l] = x;
-      else if (x == 8'd3) y[l] = 8'd7;
-      else y[l] = 8'd9;
-    end
-  end
-endmodule
-)";
+INSTANTIATE_TEST_SUITE_P(Structure, Rich, ::testing::Values(".xml", ".tree.json"),
+                         [](const auto& form) { return form.index == 0 ? "Xml" : "Json"; });
 
 /// Verilator makes one assignment of an if and its else, and of a loop only one turn assigns an
 /// element.
-TEST_F(Why, OfALoopTheTurnAndOfItsIfTheBranchThatWasTaken) {
-  structure("turns", kTurns);
+TEST_P(Forms, OfALoopTheTurnAndOfItsIfTheBranchThatWasTaken) {
+  structure("turns");
   {
     Writer w(folder_ / "turns.fst");
     w.scope("turns");
@@ -397,9 +413,9 @@ TEST_F(Why, OfALoopTheTurnAndOfItsIfTheBranchThatWasTaken) {
     EXPECT_EQ(statements.at(0)["line"], line);
     return statements.at(0);
   };
-  EXPECT_TRUE(taken("y[15:8]@5", 8)["handed_on"].is_null());
-  (void)taken("y[15:8]@15", 7);
-  const Json as_it_is = taken("y[7:0]@5", 6);
+  EXPECT_TRUE(taken("y[15:8]@5", 9)["handed_on"].is_null());
+  (void)taken("y[15:8]@15", 8);
+  const Json as_it_is = taken("y[7:0]@5", 7);
   ASSERT_TRUE(as_it_is["handed_on"].is_number()) << as_it_is;
   EXPECT_EQ(as_it_is["causes"][as_it_is["handed_on"].get<std::size_t>()]["name"], "turns.x");
 }

@@ -10,12 +10,14 @@
 #include <cerrno>
 #include <cstdlib>
 #include <fstream>
+#include <initializer_list>
 #include <iterator>
 #include <string_view>
 #include <utility>
 
 #include "cde/contract/formats.hpp"
 #include "output/scratch.hpp"
+#include "rtl/json_tree.hpp"
 
 extern char** environ;
 
@@ -103,11 +105,11 @@ std::string elaborated(const fs::path& rtl, const std::string& top,
                        const std::vector<std::string>& parameters, Gates gates,
                        const std::vector<std::string>& switches) {
   const Scratch scratch("cde-elaborate");
-  const fs::path xml = scratch / "design.xml", log = scratch / "verilator.log";
-  std::vector<std::string> command = {
-      "verilator",         "--xml-only",   "-Wno-fatal", "-Werror-USERERROR",
-      "-Werror-USERFATAL", "--xml-output", xml.string(), "-Mdir",
-      xml.parent_path(),   "--top-module", top};
+  const fs::path xml = scratch / "design.xml", json = scratch / "design.tree.json",
+                 meta = scratch / "design.tree.meta.json", log = scratch / "verilator.log";
+  std::vector<std::string> command = {"-Wno-fatal", "-Werror-USERERROR", "-Werror-USERFATAL",
+                                      "-Mdir",      xml.parent_path(),   "--top-module",
+                                      top};
   command.insert(command.end(), switches.begin(), switches.end());
   for (const std::string& parameter : parameters) command.push_back(parameter_switch(parameter));
   command.push_back(rtl.parent_path() / "verilator/waivers.vlt");
@@ -127,15 +129,20 @@ std::string elaborated(const fs::path& rtl, const std::string& top,
     command.insert(command.end(), {"-y", folder.string(), "-I" + folder.string()});
   }
   command.push_back(top + ".sv");
-  if (run(command, log) != 0) {
-    const std::string said = text_of(log);
-    if (said.find("Invalid option: --xml-only") != std::string::npos)
-      throw ElaborationError(
-          "this version of verilator has no --xml-only, from whose output operators are counted: "
-          "put an older one, such as 5.006 or 5.032, on PATH");
-    throw ElaborationError("verilator cannot elaborate " + top + ":\n" + said);
+  // Newer versions have the one, older ones the other, and some have both.
+  const auto written = [&](std::initializer_list<std::string> form) {
+    std::vector<std::string> all = {"verilator"};
+    all.insert(all.end(), form);
+    all.insert(all.end(), command.begin(), command.end());
+    return run(all, log) == 0;
+  };
+  if (written({"--xml-only", "--xml-output", xml})) return text_of(xml);
+  if (text_of(log).find("Invalid option: --xml-only") != std::string::npos) {
+    fs::remove(log);
+    if (written({"--json-only", "--json-only-output", json, "--json-only-meta-output", meta}))
+      return xml_of_json(text_of(json), text_of(meta));
   }
-  return text_of(xml);
+  throw ElaborationError("verilator cannot elaborate " + top + ":\n" + text_of(log));
 }
 
 Elaboration::Elaboration(const fs::path& rtl, const std::string& top,

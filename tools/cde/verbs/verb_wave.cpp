@@ -150,8 +150,8 @@ void add_options(CLI::App& verb, wave::Request& r) {
                   0, 1000, "");
   file_value(
       verb.add_option("--structure", r.structure,
-                      "why, serve: the design of the waves, as `verilator -O0 --xml-only` writes "
-                      "it; "
+                      "why, serve: the design of the waves, as `verilator -O0 --xml-only` or "
+                      "--json-only writes it (FILE.tree.json, with its .tree.meta.json beside it); "
                       "waves of a card name theirs"),
       "FILE");
   whole_number_in(verb.add_option("--max", r.max,

@@ -17,6 +17,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "rtl/elaborate.hpp"
+#include "rtl/json_tree.hpp"
 #include "wave/elaborated.hpp"
 
 namespace cde::wave {
@@ -65,6 +66,19 @@ std::string text_of(const fs::path& file) {
   if (!in || !fs::is_regular_file(file))
     throw Error(ErrorCode::kFile, fmt::format("{}: cannot be read", printable_name(file.string())));
   return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// A structure that was named, in the form of --xml-only.
+std::string structure_text(const std::string& file) {
+  constexpr std::string_view kJson = ".json";
+  if (!file.ends_with(kJson)) return text_of(file);
+  const std::string meta = file.substr(0, file.size() - kJson.size()) + ".meta.json";
+  try {
+    return rtl::xml_of_json(text_of(file), text_of(meta));
+  } catch (const rtl::NetlistError& e) {
+    throw Error(ErrorCode::kFile,
+                fmt::format("{}: is no structure: {}", printable_name(file), printable(e.what())));
+  }
 }
 
 /// Sources and XML in one text for the cache: the lines that are shown are those that were
@@ -256,13 +270,14 @@ Design Design::of(Trace& trace, const std::string& structure) {
     if (!origin)
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} does not say what design it is of: name its structure with "
-                              "--structure FILE.xml, which `verilator -O0 --xml-only` writes",
+                              "--structure FILE, which `verilator -O0 --xml-only` or --json-only "
+                              "writes",
                               printable_name(waves)));
     std::optional<Design> design = design_of(*origin, waves, true);
     design->choose_prefix(trace);
     return std::move(*design);
   }
-  Design design(text_of(structure), structure);
+  Design design(structure_text(structure), structure);
   if (origin) check_origin(*design.all_, *origin, waves);
   design.choose_prefix(trace);
   return design;
