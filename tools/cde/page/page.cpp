@@ -3,6 +3,7 @@
 
 #include "cde/support/message.hpp"
 #include "output/streams.hpp"
+#include "output/xml_text.hpp"
 
 #include <fmt/format.h>
 
@@ -25,26 +26,7 @@ std::string policy_hash(const PageAsset& asset) {
 }  // namespace
 
 std::string escaped(std::string_view text) {
-  std::string html;
-  for (const char c : printable(valid_utf8(text))) {
-    switch (c) {
-      case '&':
-        html += "&amp;";
-        break;
-      case '<':
-        html += "&lt;";
-        break;
-      case '>':
-        html += "&gt;";
-        break;
-      case '"':
-        html += "&quot;";
-        break;
-      default:
-        html += c;
-    }
-  }
-  return html;
+  return xml_text(printable(valid_utf8(text)));
 }
 
 std::string base64(std::span<const std::uint8_t> bytes) {

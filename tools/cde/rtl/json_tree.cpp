@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "output/xml_text.hpp"
 #include "rtl/netlist.hpp"
 
 namespace cde::rtl {
@@ -31,23 +32,6 @@ constexpr std::array<std::string_view, 6> kLeftOut = {"childDTypep", "attrsp", "
 constexpr std::array<std::pair<std::string_view, int>, 5> kWidths = {
     {{"byte", 8}, {"shortint", 16}, {"int", 32}, {"integer", 32}, {"longint", 64}}};
 
-std::string escaped(std::string_view text) {
-  std::string all;
-  for (const char c : text) {
-    if (c == '<')
-      all += "&lt;";
-    else if (c == '>')
-      all += "&gt;";
-    else if (c == '&')
-      all += "&amp;";
-    else if (c == '"')
-      all += "&quot;";
-    else
-      all += c;
-  }
-  return all;
-}
-
 class Writer {
  public:
   Writer(const Json& tree, const Json& meta) : tree_(tree) {
@@ -56,8 +40,8 @@ class Writer {
     note(tree, 0);
     out_ = "<verilator_xml><files>";
     for (const auto& [id, file] : meta.at("files").items())
-      out_ += fmt::format("<file id=\"{}\" filename=\"{}\"/>", escaped(id),
-                          escaped(text(file, "filename")));
+      out_ += fmt::format("<file id=\"{}\" filename=\"{}\"/>", xml_text(id),
+                          xml_text(text(file, "filename")));
     out_ += "</files><cells>";
     const Json* top = nullptr;
     for (const Json& module : tree.at("modulesp"))
@@ -109,7 +93,7 @@ class Writer {
       throw NetlistError("instances are too deep in each other, or too many");
     out_ +=
         fmt::format("<cell loc=\"{}\" name=\"{}\" submodname=\"{}\" hier=\"{}\">", place(location),
-                    escaped(name), escaped(text(module, "name")), escaped(path));
+                    xml_text(name), xml_text(text(module, "name")), xml_text(path));
     cells_in(module, path, depth);
     out_ += "</cell>";
   }
@@ -129,7 +113,7 @@ class Writer {
   /// c,12:7,12:19 as c,12,7,12,19.
   static std::string place(std::string location) {
     std::replace(location.begin(), location.end(), ':', ',');
-    return escaped(location);
+    return xml_text(location);
   }
   static std::string tag_of(const std::string& type) {
     for (const auto& [node, tag] : kTags)
@@ -140,7 +124,7 @@ class Writer {
   }
 
   void add(std::string_view name, std::string_view value) {
-    out_ += fmt::format(" {}=\"{}\"", name, escaped(value));
+    out_ += fmt::format(" {}=\"{}\"", name, xml_text(value));
   }
   void add_type(const Json& node, std::string_view name, const char* key) {
     const auto id = ids_.find(text(node, key));

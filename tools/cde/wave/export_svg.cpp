@@ -9,6 +9,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
+#include "output/xml_text.hpp"
 #include "wave/export.hpp"
 #include "wave/export_names.hpp"
 #include "wave/request.hpp"
@@ -32,23 +33,6 @@ constexpr std::string_view kStyle = R"(
   .grid{stroke:#2a313c}.band{fill:#1a2029}.wave{stroke:#5db0ff}.bus{fill:#172b40;stroke:#5db0ff}.odd{fill:#451d20;stroke:#ff7b7b}
   .busy{fill:#5db0ff}.unknown{fill:#5a2327;stroke:#ff7b7b}.fail{stroke:#ff7b7b}.failed{fill:#ff7b7b}}
 )";
-
-std::string escaped(std::string_view text) {
-  std::string all;
-  for (const char c : text) {
-    if (c == '&')
-      all += "&amp;";
-    else if (c == '<')
-      all += "&lt;";
-    else if (c == '>')
-      all += "&gt;";
-    else if (c == '"')
-      all += "&quot;";
-    else
-      all += c;
-  }
-  return all;
-}
 
 /// Characters, not bytes.
 std::size_t letters(std::string_view text) {
@@ -107,8 +91,8 @@ class Picture {
         options_.width, height_, kStyle);
     text_ += fmt::format(
         "<text class=\"title\" x=\"10\" y=\"18\">{}</text>\n",
-        escaped(printable_name(fmt::format("{}, {} to {}", trace_.file().filename().string(),
-                                           times_.text(w_.from), times_.text(w_.to)))));
+        xml_text(printable_name(fmt::format("{}, {} to {}", trace_.file().filename().string(),
+                                            times_.text(w_.from), times_.text(w_.to)))));
     bands();
     ruler();
     names();
@@ -201,12 +185,12 @@ class Picture {
       if (own != scope && !own.empty())
         text_ +=
             fmt::format("<text class=\"scope\" x=\"10\" y=\"{:.1f}\">{}</text>\n", tops_[i] - 6,
-                        escaped(printable_name(shortened(
+                        xml_text(printable_name(shortened(
                             own, static_cast<std::size_t>((options_.width - 30) / kLetter)))));
       scope = own;
       text_ += fmt::format("<text x=\"20\" y=\"{:.1f}\"><title>{}</title>{}</text>\n",
-                           tops_[i] + kRow / 2 + 4, escaped(printable_name(views_[i].label)),
-                           escaped(shortened(printable_name(name_of(views_[i])), most)));
+                           tops_[i] + kRow / 2 + 4, xml_text(printable_name(views_[i].label)),
+                           xml_text(shortened(printable_name(name_of(views_[i])), most)));
     }
   }
 
@@ -304,7 +288,7 @@ class Picture {
     const std::string shown = shortened(printable_name(text), room);
     if (!shown.empty())
       text_ += fmt::format("<text class=\"value\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n",
-                           begin + kEdge + 2, middle + 4, escaped(shown));
+                           begin + kEdge + 2, middle + 4, xml_text(shown));
   }
 
   void marker() {
