@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -356,6 +357,32 @@ TEST_P(Forms, DamagedJsonNeverCrashesIt) {
   EXPECT_NE(error("a.fst", "data@75", "bad.tree.json").find("too deep"), std::string::npos);
   write("bad.tree.json", "{}");
   EXPECT_NE(error("a.fst", "data@75", "bad.tree.json").find("--json-only"), std::string::npos);
+}
+
+/// One that has no --xml-only: what it writes instead, here that of another design, is read.
+TEST_F(Why, AVerilatorWithoutXmlIsAskedForJson) {
+  write("pairs", "0,0,0,1,1.5,0,0,1\n");
+  ASSERT_EQ(shell("\"$CDE\" query sphere-sphere --lanes 8 --trace c.fst -q < pairs").status, 0);
+  const std::string stored = std::string(CDE_SOURCE_DIR) + "/tests/wave/structures/top.tree";
+  const Ran real = shell("command -v verilator");
+  fs::create_directory(folder_ / "bin");
+  write("bin/verilator",
+        "#!/bin/bash\nfor word; do\n"
+        "  [[ $word != --xml-only ]] || { echo '%Error: Invalid option: --xml-only'; exit 1; }\n"
+        "  [[ ${before-} != --json-only-output ]] || cp '" +
+            stored +
+            ".json' \"$word\"\n"
+            "  [[ ${before-} != --json-only-meta-output ]] || cp '" +
+            stored +
+            ".meta.json' \"$word\"\n"
+            "  before=$word\ndone\n[[ \" $* \" == *' --json-only '* ]] || exec " +
+            real.out.substr(0, real.out.find('\n')) + " \"$@\"\n");
+  fs::permissions(folder_ / "bin/verilator", fs::perms::owner_all);
+  const Ran ran = cde({"wave", "why", "c.fst", "pair_unit.pair_unit.t_o[0]@end"},
+                      {"PATH=" + (folder_ / "bin").string() + ":" + std::getenv("PATH"),
+                       "CDE_CACHE=" + (folder_ / "cache").string()});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_NE(ran.err.find("is no structure of c.fst: no scope"), std::string::npos) << ran.err;
 }
 
 /// A card's waves name their bitstream, and need no other word.
