@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What rtl/contract/ says of formats, operations, pairs and algorithms, read from its text."""
+import functools
+import pathlib
+import re
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+class Bad(Exception):
+    """A wrong input: one line that names what is allowed."""
+
+
+def listed(words):
+    return ", ".join(words)
+
+
+class Contract:
+    """Tables of formats_pkg and pairs_pkg."""
+
+    def __init__(self, formats, pairs):
+        self.formats = self._formats(formats)
+        self._pairs(pairs)
+
+    @staticmethod
+    def _codes(text, prefix):
+        """NAME -> number of `localparam ... PREFIX_NAME = number;`"""
+        found = re.findall(rf"^ *localparam [^=\n]*?\b{prefix}_([A-Z0-9_]+) = (?:\d+'d)?(\d+);", text, re.M)
+        return {name: int(code) for name, code in found}
+
+    @staticmethod
+    def _numbers(text, name):
+        body = re.search(rf"\b{name} = \{{([^}}]*)\}};", text)
+        if not body:
+            raise Bad(f"rtl/contract/ has no table {name}")
+        return [int(n) for n in re.findall(r"\d+'d(\d+)", body.group(1))]
+
+    def _formats(self, text):
+        names = self._codes(text, "FORMAT")
+        exps, mans = self._numbers(text, "FORMAT_EXPS"), self._numbers(text, "FORMAT_MANS")
+        return {name.lower(): (exps[k], mans[k]) for name, k in names.items()}
+
+    def _pairs(self, text):
+        shapes = self._codes(text, "SHAPE")
+        words = self._numbers(text, "SHAPE_WORDS")
+        self.shape_words = {name: words[code] for name, code in shapes.items() if code < len(words)}
+        self.algorithms = {name.lower(): code for name, code in self._codes(text, "ALGORITHM").items()}
+        self.pairs, self.pair_words = {}, {}
+        roles = []
+        for table in ("PRIMARY_SHAPES", "SECONDARY_SHAPES"):
+            body = text[text.index(table + " = {"):].split("};")[0]
+            roles.append(re.findall(r"^ *3'\(SHAPE_([A-Z]+)\)", body, re.M))
+        for name, code in self._codes(text, "PAIR").items():
+            if code >= len(roles[0]):  # PAIR_CODES
+                continue
+            word = name.lower().replace("_", "-")
+            self.pairs[word] = code
+            self.pair_words[word] = (self.shape_words[roles[0][code]], self.shape_words[roles[1][code]])
+        ring = re.search(r"\bRING_PAIRS =[^;]*;", text).group(0)
+        self.rings = {name.lower().replace("_", "-") for name in re.findall(r"PAIR_([A-Z_]+)", ring.split("\n", 1)[1])}
+
+    def format(self, word):
+        """Exponent and fraction of a format: a name, or e4m11 for any."""
+        if word in self.formats:
+            return self.formats[word]
+        spelled = re.fullmatch(r"e(\d+)m(\d+)", word)
+        if spelled:
+            exp, man = int(spelled.group(1)), int(spelled.group(2))
+            if 3 <= exp <= 11 and 2 <= man <= 52:
+                return exp, man
+        raise Bad(f"{word} is no format: {listed(self.formats)}, or eEmM with E of 3 to 11 and M of 2 to 52")
+
+
+@functools.lru_cache(maxsize=None)
+def contract():
+    folder = ROOT / "rtl" / "contract"
+    return Contract((folder / "formats_pkg.sv").read_text(), (folder / "pairs_pkg.sv").read_text())

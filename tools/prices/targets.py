@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Devices: how a design is synthesised and placed for each, what its cells are, how much of them there is."""
+import dataclasses
+import re
+
+from contract import Bad, listed
+
+# Kinds of cells that a table counts.
+COLUMNS = ("lut", "carry", "ff", "dsp", "ram", "lutram", "mux")
+NO_CELL = r"\$scopeinfo|VCC|GND"
+
+
+@dataclasses.dataclass(frozen=True)
+class Target:
+    name: str
+    device: str             # as its maker calls it
+    synthesis: str          # Yosys command
+    cells: dict             # column -> pattern of the names of cells
+    router: str = ""        # tool that places and routes, "" for area alone
+    route: tuple = ()       # its options but seed and files
+    has: dict = dataclasses.field(default_factory=dict)  # what the device has, by column of `used`
+
+    def count(self, types):
+        """Cells by column; a type that is in none is an error."""
+        counted = dict.fromkeys(COLUMNS, 0)
+        for name, number in types.items():
+            if re.fullmatch(NO_CELL, name):
+                continue
+            column = next((c for c, pattern in self.cells.items() if re.fullmatch(pattern, name)), None)
+            if column is None:
+                raise Bad(f"{self.name}: cell {name} is in no column of tools/prices/targets.py")
+            counted[column] += number
+        return counted
+
+    def used(self, row):
+        """What a design takes of the device: on ECP5 a carry cell takes the places of two LUTs, a LUT as RAM those of six."""
+        if self.name != "ecp5-85":
+            return {"logic": row["lut"], "ff": row["ff"], "dsp": row["dsp"], "ram": row["ram"]}
+        return {"logic": row["lut"] + 2 * row["carry"] + 6 * row["lutram"], "ff": row["ff"], "dsp": row["dsp"], "ram": row["ram"]}
+
+
+XILINX = {"lut": r"LUT[1-6]|INV", "carry": r"CARRY4|MUXCY", "ff": r"FD[A-Z]+(_1)?", "dsp": r"DSP48E1|MULT18X18S?",
+          "ram": r"RAMB.*", "lutram": r"RAM(16|32|64|128|256)X.*|RAM(16|32|64)M.*|SRL.*", "mux": r"MUXF[5-9]|XORCY"}
+
+TARGETS = {t.name: t for t in (
+    Target("ecp5-85", "Lattice LFE5U-85F, speed grade 6", "synth_ecp5",
+           {"lut": r"LUT4", "carry": r"CCU2C", "ff": r"TRELLIS_FF", "dsp": r"MULT18X18D|ALU54B", "ram": r"DP16KD|PDPW16KD",
+            "lutram": r"TRELLIS_DPR16X4", "mux": r"PFUMX|L6MUX21"},
+           "nextpnr-ecp5", ("--85k", "--package", "CABGA756", "--speed", "6", "--freq", "200", "--lpf-allow-unconstrained"),
+           {"logic": 83640, "ff": 83640, "dsp": 156, "ram": 208}),
+    # -dsp of synth_ice40 gives wrong products, and the device has none.
+    Target("hx8k", "Lattice iCE40 HX8K", "synth_ice40",
+           {"lut": r"SB_LUT4", "carry": r"SB_CARRY", "ff": r"SB_DFF[A-Z]*", "ram": r"SB_RAM40_4K.*"},
+           "nextpnr-ice40", ("--hx8k", "--package", "ct256", "--freq", "100"),
+           {"logic": 7680, "ff": 7680, "ram": 32}),
+    Target("xc7", "AMD 7 series", "synth_xilinx -family xc7 -flatten -noiopad -noclkbuf", XILINX),
+    Target("virtex2p", "AMD Virtex-II Pro", "synth_xilinx -family xc2vp -flatten -noiopad -noclkbuf", XILINX),
+)}
+
+
+def target(name):
+    if name not in TARGETS:
+        raise Bad(f"{name} is no target: {listed(TARGETS)}")
+    return TARGETS[name]
