@@ -142,7 +142,8 @@ def measure(design, seeds, any_version=False, keep=None, say=lambda text: None):
         commands = script(design).replace("{files}", " ".join(includes + files_of(design)))
         (folder / "run.ys").write_text(commands.replace("; ", "\n") + "\n")
         call([tool("yosys")[0], "-q", "-T", "-s", "run.ys"], folder, "yosys.log")
-        hashes = sources.digests(sources.closure(modules_in((folder / "modules.txt").read_text())))
+        read = sources.closure(modules_in((folder / "modules.txt").read_text()), folder)
+        hashes = sources.digests(read, folder)  # of the copy: the tree may change meanwhile
         row = target.count(cells_in((folder / "cells.json").read_text()))
         say(f"synthesised in {time.monotonic() - began:.0f} s")
         fmax, ends = {}, {}

@@ -20,14 +20,13 @@ def digest(text, length=12):
     return hashlib.sha256(text.encode()).hexdigest()[:length]
 
 
-def digests(files):
+def digests(files, root=ROOT):
     """file -> hash of what it says, "-" for one that is not there."""
-    return {name: digest_of(name) for name in sorted(files)}
+    return {name: digest_of(root / name) for name in sorted(files)}
 
 
 @functools.lru_cache(maxsize=None)
-def digest_of(name):
-    path = ROOT / name
+def digest_of(path):
     return digest(bare(path.read_text())) if path.is_file() else "-"
 
 
@@ -52,7 +51,7 @@ def hardware():
     return packages + sorted(p for p in _tree().values() if p.endswith(".sv") and p not in packages)
 
 
-def closure(modules):
+def closure(modules, root=ROOT):
     """Files of those modules, with the packages and includes that their texts name, and so on."""
     tree, files = _tree(), set()
     waiting = []
@@ -65,7 +64,7 @@ def closure(modules):
         if name in files:
             continue
         files.add(name)
-        text = bare((ROOT / name).read_text())
+        text = bare((root / name).read_text())
         wanted = [f"{package}.sv" for package in re.findall(r"\b(\w+_pkg)\s*::", text)]
         wanted += [include.rsplit("/", 1)[-1] for include in re.findall(r'`include "([^"]+)"', text)]
         waiting += [tree[w] for w in wanted if w in tree]

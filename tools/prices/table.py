@@ -54,8 +54,8 @@ def plan(text, name="plan"):
 
 # ---- The table ----
 class Table:
-    def __init__(self, path=TABLE):
-        self.path = pathlib.Path(path)
+    def __init__(self, path=None):
+        self.path = pathlib.Path(path or TABLE)
         self.rows, self.sources = {}, {}
         if self.path.exists():
             self._read()

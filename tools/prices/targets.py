@@ -7,6 +7,7 @@ from contract import Bad, listed
 
 # Kinds of cells that a table counts.
 COLUMNS = ("lut", "carry", "ff", "dsp", "ram", "lutram", "mux")
+ROUTABLE = 0.85
 NO_CELL = r"\$scopeinfo|VCC|GND"
 
 
@@ -34,20 +35,29 @@ class Target:
 
     def used(self, row):
         """What a design takes of the device: on ECP5 a carry cell takes the places of two LUTs, a LUT as RAM those of six."""
-        if self.name != "ecp5-85":
-            return {"logic": row["lut"], "ff": row["ff"], "dsp": row["dsp"], "ram": row["ram"]}
-        return {"logic": row["lut"] + 2 * row["carry"] + 6 * row["lutram"], "ff": row["ff"], "dsp": row["dsp"], "ram": row["ram"]}
+        logic = row["lut"] + 2 * row["carry"] + 6 * row["lutram"] if self.cells is ECP5 else row["lut"]
+        return {"logic": logic, "ff": row["ff"], "dsp": row["dsp"], "ram": row["ram"]}
+
+    def lanes(self, row):
+        """How many of a lane the device has place for, and what runs out first; a part of logic is left to the router and to the rest of a card."""
+        room = {what: (ROUTABLE if what in ("logic", "ff") else 1) * has / used
+                for what, used in self.used(row).items() for has in (self.has.get(what, 0),) if used}
+        least = min(room, key=room.get)
+        return int(room[least]) * row["lanes"], least
 
 
 XILINX = {"lut": r"LUT[1-6]|INV", "carry": r"CARRY4|MUXCY", "ff": r"FD[A-Z]+(_1)?", "dsp": r"DSP48E1|MULT18X18S?",
           "ram": r"RAMB.*", "lutram": r"RAM(16|32|64|128|256)X.*|RAM(16|32|64)M.*|SRL.*", "mux": r"MUXF[5-9]|XORCY"}
 
+ECP5 = {"lut": r"LUT4", "carry": r"CCU2C", "ff": r"TRELLIS_FF", "dsp": r"MULT18X18D|ALU54B", "ram": r"DP16KD|PDPW16KD",
+        "lutram": r"TRELLIS_DPR16X4", "mux": r"PFUMX|L6MUX21"}
+LFE5U_85 = {"logic": 83640, "ff": 83640, "dsp": 156, "ram": 208}
+
 TARGETS = {t.name: t for t in (
-    Target("ecp5-85", "Lattice LFE5U-85F, speed grade 6", "synth_ecp5",
-           {"lut": r"LUT4", "carry": r"CCU2C", "ff": r"TRELLIS_FF", "dsp": r"MULT18X18D|ALU54B", "ram": r"DP16KD|PDPW16KD",
-            "lutram": r"TRELLIS_DPR16X4", "mux": r"PFUMX|L6MUX21"},
-           "nextpnr-ecp5", ("--85k", "--package", "CABGA756", "--speed", "6", "--freq", "200", "--lpf-allow-unconstrained"),
-           {"logic": 83640, "ff": 83640, "dsp": 156, "ram": 208}),
+    Target("ecp5-85", "Lattice LFE5U-85F, speed grade 6", "synth_ecp5", ECP5,
+           "nextpnr-ecp5", ("--85k", "--package", "CABGA756", "--speed", "6", "--freq", "200", "--lpf-allow-unconstrained"), LFE5U_85),
+    # Without multiplexers of LUTs, which make a design faster and larger (fp32 sum at 6 clocks: 699 LUT4 and 52 MHz, 610 and 45).
+    Target("ecp5-area", "Lattice LFE5U-85F, for few LUTs", "synth_ecp5 -nowidelut", ECP5, has=LFE5U_85),
     # -dsp of synth_ice40 gives wrong products, and the device has none.
     Target("hx8k", "Lattice iCE40 HX8K", "synth_ice40",
            {"lut": r"SB_LUT4", "carry": r"SB_CARRY", "ff": r"SB_DFF[A-Z]*", "ram": r"SB_RAM40_4K.*"},
