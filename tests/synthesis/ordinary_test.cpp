@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The adder and multiplier in the ordinary style (tools/prices/ordinary/), whose area rtl/fp is compared with, compute what
-// fp_add and fp_mul compute: every pair of operands of small formats, and hard and random ones of the others.
+// The adder and multiplier in the ordinary style (tools/prices/ordinary/), whose area rtl/fp is
+// compared with, compute what fp_add and fp_mul compute: every pair of operands of small formats,
+// and hard and random ones of the others.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -46,8 +47,10 @@ std::vector<std::uint32_t> hard_operands(Format format) {
   const std::uint32_t sign = 1U << (format.width() - 1);
   const std::uint32_t most = (1U << format.exp) - 1;
   std::vector<std::uint32_t> operands;
-  for (const std::uint32_t e : {0U, 1U, 2U, most / 2 - 1, most / 2, most / 2 + 1, most - 2, most - 1, most})
-    for (const std::uint32_t f : {0U, 1U, 2U, fraction / 2, fraction / 2 + 1, fraction / 2 + 2, fraction - 1, fraction})
+  for (const std::uint32_t e :
+       {0U, 1U, 2U, most / 2 - 1, most / 2, most / 2 + 1, most - 2, most - 1, most})
+    for (const std::uint32_t f :
+         {0U, 1U, 2U, fraction / 2, fraction / 2 + 1, fraction / 2 + 2, fraction - 1, fraction})
       for (const std::uint32_t s : {0U, sign}) operands.push_back(s | e << format.man | f);
   return operands;
 }
@@ -69,7 +72,9 @@ void compare_many(Format format) {
         b = (b & ~exponents) | (((a & exponents) + ((dice() % 4) << format.man)) & exponents);
         break;
       case 2:  // a product about the smallest normal
-        b = (b & ~exponents) | (((1U << (format.exp - 1 + format.man)) - (a & exponents) - ((dice() % format.width()) << format.man)) & exponents);
+        b = (b & ~exponents) | (((1U << (format.exp - 1 + format.man)) - (a & exponents) -
+                                 ((dice() % format.width()) << format.man)) &
+                                exponents);
         break;
       case 3:  // hard ones with any
         b = hard[dice() % hard.size()];
@@ -81,11 +86,23 @@ void compare_many(Format format) {
   }
 }
 
-TEST(Ordinary, EveryPairOfE4m3) { compare_all<OrdinaryE4m3>({4, 3}); }
-TEST(Ordinary, EveryPairOfE3m2) { compare_all<OrdinaryE3m2>({3, 2}); }
-TEST(Ordinary, Fp16) { compare_many<OrdinaryFp16>({5, 10}); }
-TEST(Ordinary, Bf16) { compare_many<OrdinaryBf16>({8, 7}); }
-TEST(Ordinary, Fp24) { compare_many<OrdinaryFp24>({7, 16}); }
-TEST(Ordinary, Fp32) { compare_many<OrdinaryFp32>({8, 23}); }
+TEST(Ordinary, EveryPairOfE4m3) {
+  compare_all<OrdinaryE4m3>({4, 3});
+}
+TEST(Ordinary, EveryPairOfE3m2) {
+  compare_all<OrdinaryE3m2>({3, 2});
+}
+TEST(Ordinary, Fp16) {
+  compare_many<OrdinaryFp16>({5, 10});
+}
+TEST(Ordinary, Bf16) {
+  compare_many<OrdinaryBf16>({8, 7});
+}
+TEST(Ordinary, Fp24) {
+  compare_many<OrdinaryFp24>({7, 16});
+}
+TEST(Ordinary, Fp32) {
+  compare_many<OrdinaryFp32>({8, 23});
+}
 
 }  // namespace

@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import tempfile
+import threading
 import time
 
 from contract import ROOT, Bad
@@ -117,14 +118,43 @@ def frequency_in(report):
     return round(next(iter(report["fmax"].values()))["achieved"], 2), ends
 
 
+_running = set()
+_stopped = threading.Event()
+
+
+class Stopped(Exception):
+    """The tools were ended by stop()."""
+
+
+def stop():
+    """Ends all tools that run; none starts after it."""
+    _stopped.set()
+    for process in list(_running):
+        process.terminate()
+
+
 def call(command, folder, log):
     """Runs a tool, as a polite neighbour."""
+    polite = ["nice", "-n", "5", *command] if shutil.which("nice") else command
     with open(folder / log, "w", encoding="utf-8") as out:
-        done = subprocess.run(["nice", *command] if shutil.which("nice") else command, cwd=folder, stdout=out, stderr=subprocess.STDOUT, check=False)
-    if done.returncode != 0:
+        process = subprocess.Popen(polite, cwd=folder, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
+        _running.add(process)
+        try:
+            if _stopped.is_set():
+                process.terminate()
+            status = process.wait()
+        except BaseException:
+            process.terminate()
+            process.wait()
+            raise
+        finally:
+            _running.discard(process)
+    if _stopped.is_set():
+        raise Stopped
+    if status != 0:
         lines = [line for line in (folder / log).read_text(errors="replace").splitlines() if line.strip()]
         wrong = [line for line in lines if "ERROR" in line or "error:" in line] or lines[-1:] or ["it said nothing"]
-        raise Bad(f"{pathlib.Path(command[0]).name} failed, status {done.returncode}: {wrong[0]}")
+        raise Bad(f"{pathlib.Path(command[0]).name} failed, status {status}: {wrong[0]}")
 
 
 def measure(design, seeds, any_version=False, keep=None, say=lambda text: None):
