@@ -73,9 +73,11 @@ def files_of(design):
 
 def script(design):
     """Commands for Yosys; the list of files is apart, as it is long and says nothing."""
+    # Marks of where a cell comes from, which nextpnr-ice40 0.4 takes for cells.
+    unmarked = "delete t:$scopeinfo; " if targets.TARGETS[design.target].router == "nextpnr-ice40" else ""
     return ("read_slang --threads 1 --keep-hierarchy -D SYNTHESIS {files} --top bench bench.sv; tee -q -o modules.txt ls; "
             "hierarchy -check -top bench; setattr -mod -set keep_hierarchy 1 measured*; "
-            f"{targets.TARGETS[design.target].synthesis} -top bench; tee -q -o cells.json stat -json; write_json netlist.json")
+            f"{targets.TARGETS[design.target].synthesis} -top bench; tee -q -o cells.json stat -json; {unmarked}write_json netlist.json")
 
 
 def flow_text(design):

@@ -63,8 +63,8 @@ TARGETS = {t.name: t for t in (
            {"lut": r"SB_LUT4", "carry": r"SB_CARRY", "ff": r"SB_DFF[A-Z]*", "ram": r"SB_RAM40_4K.*"},
            "nextpnr-ice40", ("--hx8k", "--package", "ct256", "--freq", "100"),
            {"logic": 7680, "ff": 7680, "ram": 32}),
-    Target("xc7", "AMD 7 series", "synth_xilinx -family xc7 -flatten -noiopad -noclkbuf", XILINX),
-    Target("virtex2p", "AMD Virtex-II Pro", "synth_xilinx -family xc2vp -flatten -noiopad -noclkbuf", XILINX),
+    Target("xc7", "AMD 7 series", "synth_xilinx -family xc7 -flatten -nowidelut -noiopad -noclkbuf", XILINX),
+    Target("virtex2p", "AMD Virtex-II Pro", "synth_xilinx -family xc2vp -flatten -nowidelut -noiopad -noclkbuf", XILINX),
 )}
 
 
