@@ -201,24 +201,26 @@ class Comparison {
   }
 
   void match() {
-    std::map<std::string_view, const Signal*> there;
-    for (const Signal& s : b_.signals()) there.emplace(s.name, &s);
+    // Several of one name are set side by side in the order of the files.
+    std::map<std::string_view, std::deque<const Signal*>> there;
+    for (const Signal& s : b_.signals()) there[s.name].push_back(&s);
     of_a_.resize(a_.handles() + std::size_t{1});
     of_b_.resize(b_.handles() + std::size_t{1});
     std::map<std::pair<std::uint32_t, std::uint32_t>, bool> seen;
     std::size_t common = 0;
     for (const Signal& s : a_.signals()) {
       const auto other = there.find(s.name);
-      if (other == there.end()) {
+      if (other == there.end() || other->second.empty()) {
         ++only_a;
         continue;
       }
       ++common;
+      const Signal& t = *other->second.front();
+      other->second.pop_front();
       if (is_ignored(s.name)) {
         ++ignored;
         continue;
       }
-      const Signal& t = *other->second;
       if (!seen.emplace(std::pair{s.handle, t.handle}, true).second) continue;  // another name
       Pair p;
       p.a = whole(a_, s);
