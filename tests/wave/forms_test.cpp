@@ -157,6 +157,25 @@ TEST_F(OtherKinds, SignalsOfOneNameAreComparedInTheirOrder) {
   EXPECT_EQ(ran.status, 0) << ran.out;
 }
 
+TEST_F(OtherKinds, RealsMayBeNear) {
+  for (const bool other : {false, true}) {
+    Writer w(folder_ / (other ? "y.fst" : "x.fst"));
+    w.scope("top");
+    const fstHandle r = w.signal("r", 8, FST_VT_VCD_REAL), t = w.signal("t", 32);
+    w.up();
+    w.time(0);
+    w.real(r, other ? 1.0000001 : 1);
+    w.set(t, 0x3f800000);
+    w.time(10);
+    w.set(t, 0);
+  }
+  const auto status = [&](const char* eps) {
+    return cde({"wave", "diff", "x.fst", "y.fst", "--as", "fp32", "--eps", eps}).status;
+  };
+  EXPECT_EQ(status("1e-6"), 0);
+  EXPECT_EQ(status("1e-8"), 1);
+}
+
 TEST_F(OtherKinds, WordsThatMakeNoSenseAreRefused) {
   EXPECT_EQ(cde({"wave", "info", "k.fst", "more"}).status, 2);
   EXPECT_EQ(cde({"wave", "find", "k.fst", "b && && wire"}).status, 2);

@@ -58,6 +58,10 @@ void Writer::set(fstHandle signal, const std::string& bits) {
   fstWriterEmitValueChange(fst_, signal, bits.c_str());
 }
 
+void Writer::real(fstHandle signal, double value) {
+  fstWriterEmitValueChange(fst_, signal, &value);
+}
+
 void write_sample(const std::filesystem::path& file, const Sample& sample) {
   Writer w(file);
   w.comment("fail 75");

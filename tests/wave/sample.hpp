@@ -30,6 +30,7 @@ class Writer {
   void block();
   void set(fstHandle signal, std::uint64_t value);
   void set(fstHandle signal, const std::string& bits);
+  void real(fstHandle signal, double value);
 
  private:
   void* fst_;
