@@ -56,6 +56,21 @@ std::string options_of(const FailedPair& p, bool lanes) {
   return text;
 }
 
+/// Pairs [first, end) through `cde query`, from a file that is removed again.
+Ran query(const FailedPair& p, std::size_t first, std::size_t end, const fs::path& folder) {
+  const fs::path rows = folder.string() + "." + std::to_string(::getpid()) + ".rows";
+  std::ofstream to(rows);
+  for (std::size_t i = first; i < end; ++i) to << words_of(p, i) << '\n';
+  to.close();
+  Ran ran = run_shell("'" CDE_COMMAND "' query " + options_of(p, true) + " -q --bundle " +
+                      quoted(folder.string()) + " < " + quoted(rows.string()) + " 2>&1 >/dev/null");
+  std::error_code none;
+  fs::remove(rows, none);
+  return ran;
+}
+
+}  // namespace
+
 std::string quoted(const std::string& path) {
   std::string text = "'";
   for (const char c : path) {
@@ -65,7 +80,6 @@ std::string quoted(const std::string& path) {
   return text + "'";
 }
 
-/// "Fp32_PairPipe.EqualsItsReference_sphere_sphere" of the running test.
 std::string test_name() {
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
   if (test == nullptr) return "";
@@ -74,16 +88,12 @@ std::string test_name() {
   return text;
 }
 
-fs::path failures() {
+fs::path failures_folder() {
   const char* asked = std::getenv("CDE_FAILURES");
   return asked != nullptr && *asked != '\0' ? asked : CDE_FAILURES_DIR;
 }
 
-struct Ran {
-  int status = -1;
-  std::string said;
-};
-Ran run(const std::string& command) {
+Ran run_shell(const std::string& command) {
   Ran ran;
   std::FILE* out = ::popen(command.c_str(), "r");
   if (out == nullptr) return ran;
@@ -93,21 +103,6 @@ Ran run(const std::string& command) {
   if (WIFEXITED(status)) ran.status = WEXITSTATUS(status);
   return ran;
 }
-
-/// Pairs [first, end) through `cde query`, from a file that is removed again.
-Ran query(const FailedPair& p, std::size_t first, std::size_t end, const fs::path& folder) {
-  const fs::path rows = folder.string() + "." + std::to_string(::getpid()) + ".rows";
-  std::ofstream to(rows);
-  for (std::size_t i = first; i < end; ++i) to << words_of(p, i) << '\n';
-  to.close();
-  Ran ran = run("'" CDE_COMMAND "' query " + options_of(p, true) + " -q --bundle " +
-                quoted(folder.string()) + " < " + quoted(rows.string()) + " 2>&1 >/dev/null");
-  std::error_code none;
-  fs::remove(rows, none);
-  return ran;
-}
-
-}  // namespace
 
 std::string query_line(const FailedPair& p) {
   return "echo '" + words_of(p, p.at) + "' | cde query " + options_of(p, true);
@@ -125,13 +120,13 @@ std::string pack_failure(const FailedPair& p) {
   std::error_code error;
   if (::access(CDE_COMMAND, X_OK) != 0)
     return "  not packed: no command " CDE_COMMAND "; " + query_line(p) + "\n";
-  fs::create_directories(failures(), error);
-  if (error) return "  not packed: " + failures().string() + ": " + error.message() + "\n";
+  fs::create_directories(failures_folder(), error);
+  if (error) return "  not packed: " + failures_folder().string() + ": " + error.message() + "\n";
   const std::size_t lanes = p.config.lanes, row = p.at / lanes,
                     pairs = p.a.size() / primary_words(p.config.pair);
   const std::size_t first = row > kRowsAround ? (row - kRowsAround) * lanes : 0,
                     end = std::min(pairs, (row + kRowsAround + 1) * lanes);
-  const fs::path folder = failures() / test;
+  const fs::path folder = failures_folder() / test;
   Ran ran = query(p, first, end, folder);
   if (ran.status != kMismatch && first > 0) ran = query(p, 0, end, folder);
   const std::size_t packed = ran.said.rfind("packed");

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 
@@ -31,5 +32,19 @@ struct FailedPair {
 
 /// Both lines, and what came of packing it.
 [[nodiscard]] std::string told_and_packed(const FailedPair& pair);
+
+// ---- What packs a failure, of pairs or of cards (failing_test.cpp) ----
+
+/// "Fp32_PairPipe.EqualsItsReference_sphere_sphere" of the running test.
+[[nodiscard]] std::string test_name();
+/// $CDE_FAILURES, or failures/ of the build.
+[[nodiscard]] std::filesystem::path failures_folder();
+/// As one word of a shell.
+[[nodiscard]] std::string quoted(const std::string& path);
+struct Ran {
+  int status = -1;   ///< exit status; -1 if a signal ended it
+  std::string said;  ///< on its stdout
+};
+[[nodiscard]] Ran run_shell(const std::string& command);
 
 }  // namespace cde::testing

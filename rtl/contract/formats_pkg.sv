@@ -83,6 +83,24 @@ package formats_pkg;
   function automatic int container(input int exp, input int man);  // bits of the word that holds one
     container = (1 + exp + man <= 32) ? 32 : 64;
   endfunction
+`ifdef SYNTHESIS
+  localparam bit LEAST_WORDS = 1;  // of gates, unless a parameter says so
+`else
+  localparam bit LEAST_WORDS = 0;
+`endif
+  // Bits of a lane of gates (rtl/fp/fp_mask.svh). For simulation that of a vector register's lanes; the least are the
+  // word and its sign, and a significand with carry, hidden, guard, round and sticky bits.
+  function automatic int lane_word(input int exp, input int man, input bit least);
+    lane_word = least ? larger(1 + exp + man, man + 6) : (1 + exp + man <= 32 && man <= 23) ? 32 : 64;
+  endfunction
+  // Bits of an exponent on its way, in two's complement: the least hold those of all products and quotients.
+  function automatic int lane_exponent(input int exp, input int man, input bit least);
+    lane_exponent = least ? $clog2(3 * (1 << (exp - 1)) + 2 * man + 4) + 1 : lane_word(exp, man, least);
+  endfunction
+  // The bit of weight 2 of a significand that is to be rounded: the top, or with guard and sticky bits at the bottom.
+  function automatic int round_top(input int exp, input int man, input bit least);
+    round_top = least ? man + 3 : lane_word(exp, man, least) - 1;
+  endfunction
   function automatic logic [63:0] infinity(input int exp, input int man);
     infinity = ((64'd1 << exp) - 1) << man;
   endfunction

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// One lane of fp_add: swap | align | add | count zeros | normalise | round. A significand is left aligned, its hidden
-// bit at CW-3, so that the carry of the sum lies at CW-2 and guard and sticky bits fill the rest of the container.
-// Latency: CUTS clocks, 0..5. Throughput: one a clock. Stall: none.
+// One lane of fp_add: swap | difference of exponents | align | add | count zeros | normalise | round | pack. The carry of
+// the sum lies at bit CARRY, the hidden bit of an operand below it, guard and sticky bits fill what is left.
+// Latency: CUTS clocks, 0..7. Throughput: one a clock. Stall: none.
 module fp_add_lane #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,
+    parameter bit LEAST = 0,
     parameter bit SUB   = 0,
     parameter int CUTS  = 0,
     parameter bit FLAGS = 0,
-    localparam int CW   = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64
+    localparam int CW   = formats_pkg::lane_word(EXP, MAN, LEAST),
+    localparam int EW   = formats_pkg::lane_exponent(EXP, MAN, LEAST)
 ) (
     input  logic          clk_i,
     input  logic [CW-1:0] a_i,
@@ -18,12 +20,15 @@ module fp_add_lane #(
 );
   /*verilator inline_module*/
 `include "fp_mask.svh"
-  localparam int GUARD = CW - 3 - MAN;
+  localparam int CARRY = LEAST ? MAN + 4 : CW - 2;
+  localparam int GUARD = CARRY - 1 - MAN;
   localparam int D_SWAP = (CUTS >= 5) ? 1 : 0;
+  localparam int D_DIFF = (CUTS >= 6) ? 1 : 0;
   localparam int D_ALIGN = (CUTS >= 2) ? 1 : 0;
   localparam int D_SUM = (CUTS == 1 || CUTS >= 3) ? 1 : 0;
   localparam int D_COUNT = (CUTS >= 2) ? 1 : 0;
   localparam int D_SHIFT = (CUTS >= 4) ? 1 : 0;
+  localparam int D_PACK = (CUTS >= 7) ? 1 : 0;
 
   // Swap: x is the operand of larger magnitude.
   logic [CW-1:0] b_s, less_s, x_s, y_s, x, y;
@@ -36,99 +41,121 @@ module fp_add_lane #(
   fp_cut #(CW, D_SWAP) cut_x (.clk_i, .d_i(x_s), .q_o(x));
   fp_cut #(CW, D_SWAP) cut_y (.clk_i, .d_i(y_s), .q_o(y));
 
-  // Align: y is shifted right, what falls off is kept as a sticky bit. The hidden bit is 1 unless the exponent is 0.
-  logic [CW-1:0] ex_a, ey_a, hx_a, hy_a, d_a, sh_a, xs_a, ys_a, yl_a, xmag_a, e_a, sub_a, sign_a, inf_a, nan_a;
-  logic [CW-1:0] xs, ys, e_al, sub, sign_al, inf_al, nan_al;
+  // Difference of exponents; significands. The hidden bit is 1 unless the exponent is 0.
+  logic [EW-1:0] ex_d, ey_d, hx_d, hy_d, e_d, n_d, n, e_a;
+  logic [CW-1:0] xmag_d, xs_d, ys_d, sub_d, sign_d, inf_d, nan_d, xs_a, yl_a, sub_a, sign_a, inf_a, nan_a;
   always_comb begin
-    xmag_a = x & MAG;
-    ex_a = xmag_a >> MAN;
-    ey_a = (y & MAG) >> MAN;
-    hx_a = (ex_a + EMAX) >> EXP;
-    hy_a = (ey_a + EMAX) >> EXP;
-    xs_a = ((x & FRAC) | (hx_a << MAN)) << GUARD;
-    yl_a = ((y & FRAC) | (hy_a << MAN)) << GUARD;
-    e_a = ex_a - hx_a;  // biased exponent less one
-    d_a = e_a - (ey_a - hy_a);
-    d_a = (d_a | neg(SHIFT_MAX - d_a)) & SHIFT_MAX;
-    sh_a = yl_a >> d_a[AB-1:0];
-    ys_a = sh_a | (some(yl_a ^ (sh_a << d_a[AB-1:0])) & ONE);
-    sub_a = neg((x ^ y) << (CW - 1 - EXP - MAN));
-    sign_a = x & SIGN;
-    inf_a = ~neg(xmag_a - INF);
-    nan_a = neg(INF - xmag_a) | (sub_a & ~neg((y & MAG) - INF));
+    xmag_d = x & MAG;
+    ex_d = EW'(xmag_d >> MAN);
+    ey_d = EW'((y & MAG) >> MAN);
+    hx_d = hidden(ex_d);
+    hy_d = hidden(ey_d);
+    xs_d = ((x & FRAC) | (CW'(hx_d) << MAN)) << GUARD;
+    ys_d = ((y & FRAC) | (CW'(hy_d) << MAN)) << GUARD;
+    e_d = ex_d - hx_d;  // biased exponent less one
+    n_d = at_most(e_d - (ey_d - hy_d));
+    sub_d = neg((x ^ y) << (CW - 1 - EXP - MAN));
+    sign_d = x & SIGN;
+    inf_d = special(xmag_d);
+    nan_d = is_nan(xmag_d) | (sub_d & special(y & MAG));
   end
+  fp_cut #(CW, D_DIFF) cut_xs_a (.clk_i, .d_i(xs_d), .q_o(xs_a));
+  fp_cut #(CW, D_DIFF) cut_yl_a (.clk_i, .d_i(ys_d), .q_o(yl_a));
+  fp_cut #(EW, D_DIFF) cut_n (.clk_i, .d_i(n_d), .q_o(n));
+  fp_cut #(EW, D_DIFF) cut_e_a (.clk_i, .d_i(e_d), .q_o(e_a));
+  fp_cut #(CW, D_DIFF) cut_sub_a (.clk_i, .d_i(sub_d), .q_o(sub_a));
+  fp_cut #(CW, D_DIFF) cut_sign_a (.clk_i, .d_i(sign_d), .q_o(sign_a));
+  fp_cut #(CW, D_DIFF) cut_inf_a (.clk_i, .d_i(inf_d), .q_o(inf_a));
+  fp_cut #(CW, D_DIFF) cut_nan_a (.clk_i, .d_i(nan_d), .q_o(nan_a));
+
+  // Align: y is shifted right, what falls off is kept as a sticky bit.
+  logic [CW-1:0] ys_a, xs, ys, sub, sign_al, inf_al, nan_al;
+  logic [EW-1:0] e_al;
+  assign ys_a = (yl_a >> n[AB-1:0]) | (lost(yl_a, n[AB-1:0]) & ONE);
   fp_cut #(CW, D_ALIGN) cut_xs (.clk_i, .d_i(xs_a), .q_o(xs));
   fp_cut #(CW, D_ALIGN) cut_ys (.clk_i, .d_i(ys_a), .q_o(ys));
-  fp_cut #(CW, D_ALIGN) cut_e_al (.clk_i, .d_i(e_a), .q_o(e_al));
+  fp_cut #(EW, D_ALIGN) cut_e_al (.clk_i, .d_i(e_a), .q_o(e_al));
   fp_cut #(CW, D_ALIGN) cut_sub (.clk_i, .d_i(sub_a), .q_o(sub));
   fp_cut #(CW, D_ALIGN) cut_sign_al (.clk_i, .d_i(sign_a), .q_o(sign_al));
   fp_cut #(CW, D_ALIGN) cut_inf_al (.clk_i, .d_i(inf_a), .q_o(inf_al));
   fp_cut #(CW, D_ALIGN) cut_nan_al (.clk_i, .d_i(nan_a), .q_o(nan_al));
 
-  // Add. An exact zero has the sign of both operands if they agree, and is +0 if they differ.
-  logic [CW-1:0] sum_s, sign_s, sum, e_sum, sign_sum, inf_sum, nan_sum;
-  always_comb begin
-    sum_s = xs + ((ys ^ sub) - sub);
-    sign_s = sign_al & ~(~some(sum_s) & sub);
+  // Add. In gates the one that completes a negative comes in as the carry of a bit below the lowest.
+  logic [CW-1:0] sum_s, sum, sub_sum, sign_sum, inf_sum, nan_sum;
+  logic [EW-1:0] e_sum;
+  if (LEAST) begin : g_carry_in
+    logic [CW:0] sum_2;
+    assign sum_2 = {xs, 1'b1} + {ys ^ sub, sub[0]};
+    assign sum_s = sum_2[CW:1];
+    logic unused_low;
+    assign unused_low = sum_2[0];
+  end else begin : g_negative
+    assign sum_s = xs + ((ys ^ sub) - sub);
   end
   fp_cut #(CW, D_SUM) cut_sum (.clk_i, .d_i(sum_s), .q_o(sum));
-  fp_cut #(CW, D_SUM) cut_e_sum (.clk_i, .d_i(e_al), .q_o(e_sum));
-  fp_cut #(CW, D_SUM) cut_sign_sum (.clk_i, .d_i(sign_s), .q_o(sign_sum));
+  fp_cut #(EW, D_SUM) cut_e_sum (.clk_i, .d_i(e_al), .q_o(e_sum));
+  fp_cut #(CW, D_SUM) cut_sub_sum (.clk_i, .d_i(sub), .q_o(sub_sum));
+  fp_cut #(CW, D_SUM) cut_sign_sum (.clk_i, .d_i(sign_al), .q_o(sign_sum));
   fp_cut #(CW, D_SUM) cut_inf_sum (.clk_i, .d_i(inf_al), .q_o(inf_sum));
   fp_cut #(CW, D_SUM) cut_nan_sum (.clk_i, .d_i(nan_al), .q_o(nan_sum));
 
-  // Count the zeros to shift out: k = 0 after a carry, and never more than the exponent allows.
-  logic [CW-1:0] n_c, lim_c, k_c, k, sum_c, e_c, sign_c, inf_c, nan_c;
-  always_comb begin
-    n_c = lzc(sum << 1);
-    lim_c = e_sum + ONE;
-    k_c = sel(neg(lim_c - n_c), lim_c, n_c);
+  // Count the zeros to shift out: 0 after a carry, and never more than the exponent allows. An exact zero has the sign of
+  // both operands if they agree, and is +0 if they differ.
+  logic [EW-1:0] lim_c, e_c;
+  logic [CW-1:0] k_c, k, sum_c, zero_c, zero_n, sign_c, sign_n, inf_c, nan_c;
+  assign lim_c = e_sum + E_ONE;
+  if (LEAST) begin : g_stop
+    // A one where the exponent is used up ends the count.
+    logic [CW-1:0] stop_c;
+    assign stop_c = ((ONE << (CW - 1)) >> lim_c[AB-1:0]) & ~{CW{|(lim_c >> AB)}};
+    assign k_c = lzc((sum << (CW - 1 - CARRY)) | stop_c);
+  end else begin : g_limit
+    logic [CW-1:0] n_c;
+    assign n_c = lzc(sum << (CW - 1 - CARRY));
+    assign k_c = sel(neg(CW'(lim_c) - n_c), CW'(lim_c), n_c);
   end
+  assign zero_c = ~some(sum);
+  assign sign_c = sign_sum & ~(zero_c & sub_sum);
   fp_cut #(CW, D_COUNT) cut_k (.clk_i, .d_i(k_c), .q_o(k));
   fp_cut #(CW, D_COUNT) cut_sum_c (.clk_i, .d_i(sum), .q_o(sum_c));
-  fp_cut #(CW, D_COUNT) cut_e_c (.clk_i, .d_i(e_sum), .q_o(e_c));
-  fp_cut #(CW, D_COUNT) cut_sign_c (.clk_i, .d_i(sign_sum), .q_o(sign_c));
+  fp_cut #(CW, D_COUNT) cut_zero_n (.clk_i, .d_i(zero_c), .q_o(zero_n));
+  fp_cut #(EW, D_COUNT) cut_e_c (.clk_i, .d_i(lim_c), .q_o(e_c));
+  fp_cut #(CW, D_COUNT) cut_sign_n (.clk_i, .d_i(sign_c), .q_o(sign_n));
   fp_cut #(CW, D_COUNT) cut_inf_c (.clk_i, .d_i(inf_sum), .q_o(inf_c));
   fp_cut #(CW, D_COUNT) cut_nan_c (.clk_i, .d_i(nan_sum), .q_o(nan_c));
 
-  // Normalise: hidden bit to CW-2. ef is the biased exponent less one, so that adding the hidden bit completes it.
-  logic [CW-1:0] norm_n, ef_n, zero_n, norm, ef, zero, sign, inf, nan;
-  always_comb begin
-    norm_n = sum_c << k[AB-1:0];
-    ef_n = e_c + ONE - k;
-    zero_n = ~some(sum_c);
-  end
-  fp_cut #(CW, D_SHIFT) cut_norm (.clk_i, .d_i(norm_n), .q_o(norm));
-  fp_cut #(CW, D_SHIFT) cut_ef (.clk_i, .d_i(ef_n), .q_o(ef));
+  // Normalise: hidden bit to CARRY. ef is the biased exponent less one, so that adding the hidden bit completes it.
+  logic [CW-1:0] norm, zero, sign, inf, nan;
+  logic [EW-1:0] ef;
+  fp_cut #(CW, D_SHIFT) cut_norm (.clk_i, .d_i(sum_c << k[AB-1:0]), .q_o(norm));
+  fp_cut #(EW, D_SHIFT) cut_ef (.clk_i, .d_i(e_c - EW'(k)), .q_o(ef));
   fp_cut #(CW, D_SHIFT) cut_zero (.clk_i, .d_i(zero_n), .q_o(zero));
-  fp_cut #(CW, D_SHIFT) cut_sign (.clk_i, .d_i(sign_c), .q_o(sign));
+  fp_cut #(CW, D_SHIFT) cut_sign (.clk_i, .d_i(sign_n), .q_o(sign));
   fp_cut #(CW, D_SHIFT) cut_inf (.clk_i, .d_i(inf_c), .q_o(inf));
   fp_cut #(CW, D_SHIFT) cut_nan (.clk_i, .d_i(nan_c), .q_o(nan));
 
-  // Round to nearest even; the carry of the significand runs into the exponent, and overflow stops at infinity.
-  localparam logic [CW-1:0] HALF = (ONE << GUARD) - 1;
-  logic [CW-1:0] p;
-  always_comb begin
-    p = ((ef << MAN) + ((norm + HALF + ((norm >> (GUARD + 1)) & ONE)) >> (GUARD + 1))) & ~zero;
-    r_o = sel(nan, QNAN, sign | sel(neg(INF - p) | inf, INF, p));
-  end
+  logic unused_bits;
+  assign unused_bits = &{1'b0, n, k};
+
+  // Round and pack.
+  logic [CW-1:0] past, inexact;
+  fp_pack #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .DROP(GUARD + 1), .CUT(D_PACK)) pack (
+      .clk_i, .norm_i(norm), .ef_i(ef), .sign_i(sign), .zero_i(zero), .inf_i(inf), .nan_i(nan), .r_o, .past_o(past),
+      .inexact_o(inexact));
 
   // A sum is never inexact and tiny at once: what lies below the normal range is exact.
   if (FLAGS) begin : g_flags
-    logic [CW-1:0] nv_a, nv_al, nv_sum, nv_c, nv, of, nx;
+    logic [CW-1:0] nv_d, nv, specials, nx;
+    assign nv_d = snan(x) | snan(y) | (~is_nan(xmag_d) & nan_d);
+    fp_cut #(CW, D_DIFF + D_ALIGN + D_SUM + D_COUNT + D_SHIFT + D_PACK) cut_nv (.clk_i, .d_i(nv_d), .q_o(nv));
+    fp_cut #(CW, D_PACK) cut_specials (.clk_i, .d_i(zero | inf | nan), .q_o(specials));
     always_comb begin
-      nv_a = snan(x) | snan(y) | (~neg(INF - xmag_a) & nan_a);
-    end
-    fp_cut #(CW, D_ALIGN) cut_nv_al (.clk_i, .d_i(nv_a), .q_o(nv_al));
-    fp_cut #(CW, D_SUM) cut_nv_sum (.clk_i, .d_i(nv_al), .q_o(nv_sum));
-    fp_cut #(CW, D_COUNT) cut_nv_c (.clk_i, .d_i(nv_sum), .q_o(nv_c));
-    fp_cut #(CW, D_SHIFT) cut_nv (.clk_i, .d_i(nv_c), .q_o(nv));
-    always_comb begin
-      of = ~neg(p - INF) & ~inf & ~nan;
-      nx = (some(norm & ((ONE << (GUARD + 1)) - ONE)) & ~zero & ~inf & ~nan) | of;
-      flags_o = (nv & CW'(16)) | (of & CW'(4)) | (nx & ONE);
+      nx = (inexact & ~specials) | past;
+      flags_o = (nv & CW'(16)) | (past & CW'(4)) | (nx & ONE);
     end
   end else begin : g_no_flags
+    logic unused_flags;
+    assign unused_flags = &{1'b0, past, inexact};
     assign flags_o = '0;
   end
 endmodule

@@ -6,8 +6,10 @@ module fp_cmp_lane #(
     parameter int OP    = formats_pkg::FP_LT,  // to FP_MAX
     parameter int EXP   = 8,
     parameter int MAN   = 23,
+    parameter bit LEAST = 0,
     parameter bit FLAGS = 0,
-    localparam int CW   = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64
+    localparam int CW   = formats_pkg::lane_word(EXP, MAN, LEAST),
+    localparam int EW   = CW
 ) (
     input  logic [CW-1:0] a_i,
     input  logic [CW-1:0] b_i,
@@ -25,8 +27,8 @@ module fp_cmp_lane #(
     below = neg(am - bm);
     above = neg(bm - am);
     less = sel(as, ~bs | above, below & ~bs);  // total order, -0 below +0
-    a_nan = neg(INF - am);
-    b_nan = neg(INF - bm);
+    a_nan = is_nan(am);
+    b_nan = is_nan(bm);
   end
   if (OP <= formats_pkg::FP_EQ) begin : g_compare
     always_comb begin

@@ -23,10 +23,9 @@ module fp_convert_gates #(
   logic [LANES-1:0][CI-1:0] a_q;
   always_ff @(posedge clk_i) a_q <= a_i;
   // Words of a lane (fp_mask.svh); integers are as wide as their container.
-  localparam int LI = (KIND == formats_pkg::CONVERT_FROM_INT) ? P : (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64;
+  localparam int LI = (KIND == formats_pkg::CONVERT_FROM_INT) ? P : formats_pkg::lane_word(EXP, MAN, 0);
   localparam int LO = (KIND == formats_pkg::CONVERT_TO_INT) ? P : (KIND == formats_pkg::CONVERT_FROM_INT) ?
-      ((1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64) :
-      (1 + P + Q <= 32 && Q <= 23) ? 32 : 64;
+      formats_pkg::lane_word(EXP, MAN, 0) : formats_pkg::lane_word(P, Q, 0);
   for (genvar l = 0; l < LANES; l++) begin : g_lane
     logic [LI-1:0] a;
     logic [LO-1:0] r, flags;

@@ -9,8 +9,10 @@ module fp_cvt_lane #(
     parameter int MAN_O = 10,
     parameter int CUTS  = 0,
     parameter bit FLAGS = 0,
-    localparam int CW   = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64,
-    localparam int CO   = (1 + EXP_O + MAN_O <= 32 && MAN_O <= 23) ? 32 : 64
+    localparam bit LEAST = 0,
+    localparam int CW   = formats_pkg::lane_word(EXP, MAN, LEAST),
+    localparam int EW   = CW,
+    localparam int CO   = formats_pkg::lane_word(EXP_O, MAN_O, LEAST)
 ) (
     input  logic          clk_i,
     input  logic [CW-1:0] a_i,
@@ -22,12 +24,12 @@ module fp_cvt_lane #(
   localparam int D_NORM = (CUTS >= 1) ? 1 : 0;
   localparam logic [CW-1:0] REBIAS = (ONE << (EXP_O - 1)) - (ONE << (EXP - 1));
   logic [CW-1:0] mag, s, e, zero_n, inf_n, nan_n, nv_n;
-  fp_normalise #(.EXP(EXP), .MAN(MAN)) norm (.mag_i(mag), .s_o(s), .e_o(e));
+  fp_normalise #(.EXP(EXP), .MAN(MAN)) norm (.clk_i, .mag_i(mag), .s_o(s), .e_o(e));
   always_comb begin
     mag = a_i & MAG;
     zero_n = ~some(mag);
-    inf_n = ~neg(mag - INF);
-    nan_n = neg(INF - mag);
+    inf_n = special(mag);
+    nan_n = is_nan(mag);
   end
   if (FLAGS) begin : g_flags
     assign nv_n = snan(a_i);

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// One lane of fp_div: normalise | MAN + 3 steps of restoring division | shift | round.
-// The quotient digit of a step is 1 unless the trial subtraction goes negative; digits are summed as 0 and -1 and
-// completed at the end. Digits start at weight 1 of x / y in (1/2, 2), so that twice the quotient fills the word that
-// fp_round wants.
-// Latency: CUTS clocks, 0..MAN + 5, spread evenly over the MAN + 5 places where a cut may lie. Throughput: one a clock.
+// One lane of fp_div: count zeros | normalise | MAN + 3 steps of restoring division | count | shift | round | pack.
+// The quotient digit of a step is 1 unless the trial subtraction goes negative. Digits start at weight 1 of x / y in
+// (1/2, 2), so that twice the quotient fills the word that fp_round wants.
+// Latency: CUTS clocks, 0..MAN + 8, spread evenly over the MAN + 8 places where a cut may lie. Throughput: one a clock.
 module fp_div_lane #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,
+    parameter bit LEAST = 0,
     parameter int CUTS  = 0,
     parameter bit FLAGS = 0,
-    localparam int CW   = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64
+    localparam int CW   = formats_pkg::lane_word(EXP, MAN, LEAST),
+    localparam int EW   = formats_pkg::lane_exponent(EXP, MAN, LEAST)
 ) (
     input  logic          clk_i,
     input  logic [CW-1:0] a_i,
@@ -19,31 +20,42 @@ module fp_div_lane #(
 );
   /*verilator inline_module*/
 `include "fp_mask.svh"
-  localparam logic [CW-1:0] BIAS = EMAX >> 1;
+  localparam logic [EW-1:0] BIAS = EW'(EMAX >> 1);
   localparam int STEPS = MAN + 3;
-  localparam int PLACES = MAN + 5;  // before each step, after the last, and in fp_round
-  localparam int D_ROUND = (PLACES * CUTS + PLACES / 2) / PLACES - ((PLACES - 1) * CUTS + PLACES / 2) / PLACES;
+  localparam int TOP = formats_pkg::round_top(EXP, MAN, LEAST);
+  // Places of cuts: between count and shift of the operands, before each step, after the last, and three in fp_round.
+  localparam int PLACES = STEPS + 5;
+  function automatic int cut(input int place);
+    cut = ((place + 1) * CUTS + PLACES / 2) / PLACES - (place * CUTS + PLACES / 2) / PLACES;
+  endfunction
+  localparam int D_LZC = cut(0);
+  localparam int D_LAST = cut(STEPS + 1);
+  localparam int D_COUNT = cut(STEPS + 2);
+  localparam int D_SHIFT = cut(STEPS + 3);
+  localparam int D_PACK = cut(STEPS + 4);
 
-  logic [CW-1:0] x_n, y_n, ex_n, ey_n, am_n, bm_n, e_n, sign_n, x0_n, y0_n, xi_n, yi_n, zero_n, inf_n, nan_n, nv_n,
-      dz_n;
-  fp_normalise #(.EXP(EXP), .MAN(MAN)) norm_x (.mag_i(am_n), .s_o(x_n), .e_o(ex_n));
-  fp_normalise #(.EXP(EXP), .MAN(MAN)) norm_y (.mag_i(bm_n), .s_o(y_n), .e_o(ey_n));
+  logic [CW-1:0] x_n, y_n, am_n, bm_n, sign_n, x0_n, y0_n, xi_n, yi_n, zero_n, inf_n, nan_n, nv_n, dz_n;
+  logic [EW-1:0] ex_n, ey_n, e_n;
+  fp_normalise #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .CUT(D_LZC)) norm_x (
+      .clk_i, .mag_i(am_n), .s_o(x_n), .e_o(ex_n));
+  fp_normalise #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .CUT(D_LZC)) norm_y (
+      .clk_i, .mag_i(bm_n), .s_o(y_n), .e_o(ey_n));
+  assign e_n = ex_n - ey_n + BIAS - (E_ONE << 1);
   always_comb begin
     am_n = a_i & MAG;
     bm_n = b_i & MAG;
     sign_n = (a_i ^ b_i) & SIGN;
-    e_n = ex_n - ey_n + BIAS - (ONE << 1);
     x0_n = ~some(am_n);
     y0_n = ~some(bm_n);
-    xi_n = ~neg(am_n - INF);
-    yi_n = ~neg(bm_n - INF);
+    xi_n = special(am_n);
+    yi_n = special(bm_n);
     zero_n = x0_n | yi_n;
     inf_n = xi_n | y0_n;
-    nan_n = neg(INF - am_n) | neg(INF - bm_n) | (x0_n & y0_n) | (xi_n & yi_n);
+    nan_n = is_nan(am_n) | is_nan(bm_n) | (x0_n & y0_n) | (xi_n & yi_n);
   end
   if (FLAGS) begin : g_flags
     always_comb begin
-      nv_n = snan(a_i) | snan(b_i) | (nan_n & ~neg(INF - am_n) & ~neg(INF - bm_n));
+      nv_n = snan(a_i) | snan(b_i) | (nan_n & ~is_nan(am_n) & ~is_nan(bm_n));
       dz_n = y0_n & ~x0_n & ~xi_n;
     end
   end else begin : g_no_flags
@@ -52,7 +64,7 @@ module fp_div_lane #(
   end
 
   for (genvar i = 0; i < STEPS; i++) begin : g_step
-    localparam int D = ((i + 1) * CUTS + PLACES / 2) / PLACES - (i * CUTS + PLACES / 2) / PLACES;
+    localparam int D = cut(i + 1);
     logic [CW-1:0] r_d, y_d, q_d, r, y, q, t, m, r_next, q_next;
     if (i == 0) begin : g_first
       assign r_d = x_n >> (CW - 1 - MAN);
@@ -69,27 +81,28 @@ module fp_div_lane #(
     always_comb begin
       t = (i == 0) ? r - y : r + r - y;
       m = neg(t);
-      r_next = t + (y & m);
-      q_next = q + q + m;
+      r_next = (i == 0) ? sel(m, r, t) : sel(m, r + r, t);
+      q_next = (q << 1) | (~m & ONE);
     end
   end
 
-  localparam int D_LAST = ((STEPS + 1) * CUTS + PLACES / 2) / PLACES - (STEPS * CUTS + PLACES / 2) / PLACES;
   logic [CW-1:0] rest, digits;
   fp_cut #(CW, D_LAST) cut_rest (.clk_i, .d_i(g_step[STEPS-1].r_next), .q_o(rest));
   fp_cut #(CW, D_LAST) cut_digits (.clk_i, .d_i(g_step[STEPS-1].q_next), .q_o(digits));
 
-  logic [CW-1:0] quotient, e, sign, zero, inf, nan, nv, dz;
-  localparam int D = CUTS - D_ROUND;
-  fp_cut #(CW, D) delay_e (.clk_i, .d_i(e_n), .q_o(e));
+  logic [CW-1:0] quotient, sign, zero, inf, nan, nv, dz;
+  logic [EW-1:0] e;
+  localparam int D = CUTS - D_COUNT - D_SHIFT - D_PACK;
+  fp_cut #(EW, D - D_LZC) delay_e (.clk_i, .d_i(e_n), .q_o(e));
   fp_cut #(CW, D) delay_sign (.clk_i, .d_i(sign_n), .q_o(sign));
   fp_cut #(CW, D) delay_zero (.clk_i, .d_i(zero_n), .q_o(zero));
   fp_cut #(CW, D) delay_inf (.clk_i, .d_i(inf_n), .q_o(inf));
   fp_cut #(CW, D) delay_nan (.clk_i, .d_i(nan_n), .q_o(nan));
   fp_cut #(CW, D) delay_nv (.clk_i, .d_i(nv_n), .q_o(nv));
   fp_cut #(CW, D) delay_dz (.clk_i, .d_i(dz_n), .q_o(dz));
-  assign quotient = ((digits + (ONE << STEPS) - ONE) << (CW - STEPS)) | (some(rest) & ONE);
-  fp_round #(.EXP(EXP), .MAN(MAN), .CUT(D_ROUND), .FLAGS(FLAGS)) round (
+  assign quotient = (digits << (TOP + 1 - STEPS)) | (some(rest) & ONE);
+  fp_round #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .CUT_COUNT(D_COUNT), .CUT(D_SHIFT), .CUT_PACK(D_PACK),
+      .FLAGS(FLAGS)) round (
       .clk_i, .m_i(quotient), .e_i(e), .sign_i(sign), .zero_i(zero), .inf_i(inf), .nan_i(nan), .nv_i(nv), .dz_i(dz),
       .r_o, .flags_o);
 endmodule

@@ -8,7 +8,9 @@ module fp_from_int_lane #(
     parameter bit UNSIGNED = 0,
     parameter int CUTS     = 0,
     parameter bit FLAGS    = 0,
-    localparam int CO      = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64
+    localparam bit LEAST   = 0,
+    localparam int EW      = CW,
+    localparam int CO      = formats_pkg::lane_word(EXP, MAN, LEAST)
 ) (
     input  logic          clk_i,
     input  logic [CW-1:0] a_i,

@@ -10,9 +10,10 @@ module fp_gates #(
     parameter  int MAN   = 23,
     parameter  int LANES = 1,
     parameter  int B_LANES = LANES,  // LANES, or 1: b is one value for all lanes
+    parameter  bit LEAST = 0,        // 1: words no wider than the format needs
     parameter  int CUTS  = 0,
     parameter  bit FLAGS = 0,
-    localparam int CW    = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64
+    localparam int CW    = formats_pkg::lane_word(EXP, MAN, LEAST)
 ) (
     input  logic                     clk_i,
     input  logic [LANES-1:0][CW-1:0] a_i /*verilator public_flat_rd*/,
@@ -29,19 +30,19 @@ module fp_gates #(
   end
   for (genvar l = 0; l < LANES; l++) begin : g_lane
     if (OP <= formats_pkg::FP_SUB) begin : g_add
-      fp_add_lane #(.EXP(EXP), .MAN(MAN), .SUB(OP == formats_pkg::FP_SUB), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
+      fp_add_lane #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .SUB(OP == formats_pkg::FP_SUB), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
           .clk_i, .a_i(a_q[l]), .b_i(b_q[l%B_LANES]), .r_o(r_o[l]), .flags_o(flags_o[l]));
     end else if (OP == formats_pkg::FP_MUL) begin : g_mul
-      fp_mul_lane #(.EXP(EXP), .MAN(MAN), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
+      fp_mul_lane #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
           .clk_i, .a_i(a_q[l]), .b_i(b_q[l%B_LANES]), .r_o(r_o[l]), .flags_o(flags_o[l]));
     end else if (OP == formats_pkg::FP_DIV) begin : g_div
-      fp_div_lane #(.EXP(EXP), .MAN(MAN), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
+      fp_div_lane #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
           .clk_i, .a_i(a_q[l]), .b_i(b_q[l%B_LANES]), .r_o(r_o[l]), .flags_o(flags_o[l]));
     end else if (OP == formats_pkg::FP_SQRT) begin : g_sqrt
-      fp_sqrt_lane #(.EXP(EXP), .MAN(MAN), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
+      fp_sqrt_lane #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
           .clk_i, .a_i(a_q[l]), .r_o(r_o[l]), .flags_o(flags_o[l]));
     end else begin : g_compare
-      fp_cmp_lane #(.OP(OP), .EXP(EXP), .MAN(MAN), .FLAGS(FLAGS)) lane (
+      fp_cmp_lane #(.OP(OP), .EXP(EXP), .MAN(MAN), .LEAST(LEAST), .FLAGS(FLAGS)) lane (
           .a_i(a_q[l]), .b_i(b_q[l%B_LANES]), .r_o(r_o[l]), .flags_o(flags_o[l]));
     end
   end

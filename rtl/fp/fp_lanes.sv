@@ -12,6 +12,7 @@ module fp_lanes #(
     parameter      ARITH = "rtl",  // "rtl", or "host": combinational, whatever LAT is
     parameter  bit CANON = 1,    // 0: the host back end may give any NaN; for results that only arithmetic reads
     parameter  bit FLAGS = 0,
+    parameter  bit LEAST = formats_pkg::LEAST_WORDS,  // of gates, 1: words no wider than the format needs
     localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input  logic                     clk_i,
@@ -28,10 +29,10 @@ module fp_lanes #(
     logic unused_on;
     assign unused_on = on_i;
     // comparisons have nothing to cut
-    localparam int MOST = (OP <= formats_pkg::FP_MUL) ? 5 : (OP == formats_pkg::FP_DIV) ? MAN + 5 :
-        (OP == formats_pkg::FP_SQRT) ? MAN + 3 : 0;
+    localparam int MOST = (OP <= formats_pkg::FP_SUB) ? 7 : (OP == formats_pkg::FP_MUL) ? 8 :
+        (OP == formats_pkg::FP_DIV) ? MAN + 8 : (OP == formats_pkg::FP_SQRT) ? MAN + 6 : 0;
     localparam int CUTS = (LAT - 1 > MOST) ? MOST : LAT - 1;
-    localparam int LW = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64;  // word of a lane of gates (fp_mask.svh)
+    localparam int LW = formats_pkg::lane_word(EXP, MAN, LEAST);
     logic [LANES-1:0][CW-1:0] r, flags;
     logic [LANES-1:0][LW-1:0] a_lane, r_lane, flags_lane;
     logic [B_LANES-1:0][LW-1:0] b_lane;
@@ -40,6 +41,18 @@ module fp_lanes #(
       assign b_lane = b_i;
       assign r = r_lane;
       assign flags = flags_lane;
+    end else if (LW < CW) begin : g_narrower
+      localparam bit MASKS = OP >= formats_pkg::FP_LT && OP <= formats_pkg::FP_EQ;  // results are all ones or all zeros
+      logic unused_high;
+      assign unused_high = &{1'b0, a_i, b_i};
+      for (genvar l = 0; l < LANES; l++) begin : g_lane
+        assign a_lane[l] = a_i[l][LW-1:0];
+        assign r[l] = {{CW - LW{MASKS & r_lane[l][LW-1]}}, r_lane[l]};
+        assign flags[l] = {{CW - LW{1'b0}}, flags_lane[l]};
+      end
+      for (genvar l = 0; l < B_LANES; l++) begin : g_b
+        assign b_lane[l] = b_i[l][LW-1:0];
+      end
     end else begin : g_wider
       for (genvar l = 0; l < LANES; l++) begin : g_lane
         assign a_lane[l] = {{LW - CW{1'b0}}, a_i[l]};
@@ -57,7 +70,8 @@ module fp_lanes #(
     localparam int GROUP = (LANES % 32 == 0) ? 32 : LANES;
     localparam int B_GROUP = (B_LANES == 1) ? 1 : GROUP;
     for (genvar g = 0; g < LANES / GROUP; g++) begin : group
-      fp_gates #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(GROUP), .B_LANES(B_GROUP), .CUTS(CUTS), .FLAGS(FLAGS)) gates (
+      fp_gates #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(GROUP), .B_LANES(B_GROUP), .LEAST(LEAST), .CUTS(CUTS),
+          .FLAGS(FLAGS)) gates (
           .clk_i, .a_i(a_lane[g*GROUP+:GROUP]), .b_i(b_lane[((B_LANES==1)?0:g*GROUP)+:B_GROUP]),
           .r_o(r_lane[g*GROUP+:GROUP]), .flags_o(flags_lane[g*GROUP+:GROUP]));
     end

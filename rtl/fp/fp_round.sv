@@ -1,20 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rounding of one lane, shared by product, quotient, root and conversions: shift right | round to nearest even and
+// Rounding of one lane, shared by product, quotient, root and conversions: count | shift right | round to nearest even |
 // pack.
-// m_i: significand with weights 2 (top bit), 1, 1/2, ... and a sticky bit at the bottom, value in [1, 4) or anything if
+// m_i: significand with weights 2 (bit TOP), 1, 1/2, ... and a sticky bit at the bottom, value in [1, 4) or anything if
 // a mask says so. e_i: biased exponent of that value less one, two's complement. Masks: zero, infinity, NaN, in rising
 // priority.
-// Latency: CUT clocks, 0..1. Throughput: one a clock. Stall: none.
+// Latency: CUT_COUNT + CUT + CUT_PACK clocks, each 0..1. Throughput: one a clock. Stall: none.
 module fp_round #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,
+    parameter bit LEAST = 0,
+    parameter int CUT_COUNT = 0,
     parameter int CUT   = 0,
+    parameter int CUT_PACK = 0,
     parameter bit FLAGS = 0,
-    localparam int CW   = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64
+    localparam int CW   = formats_pkg::lane_word(EXP, MAN, LEAST),
+    localparam int EW   = formats_pkg::lane_exponent(EXP, MAN, LEAST)
 ) (
     input  logic          clk_i,
     input  logic [CW-1:0] m_i,
-    input  logic [CW-1:0] e_i,
+    input  logic [EW-1:0] e_i,
     input  logic [CW-1:0] sign_i,
     input  logic [CW-1:0] zero_i,
     input  logic [CW-1:0] inf_i,
@@ -26,57 +30,70 @@ module fp_round #(
 );
   /*verilator inline_module*/
 `include "fp_mask.svh"
-  localparam int DROP = CW - 2 - MAN;  // bits below the last place
-  localparam logic [CW-1:0] HALF = (ONE << (DROP - 1)) - 1;
-  localparam logic [CW-1:0] REST = (ONE << DROP) - 1;
+  localparam int TOP = formats_pkg::round_top(EXP, MAN, LEAST);
+  localparam int DROP = TOP - 1 - MAN;  // bits below the last place
 
-  // Leading one to CW-2; below the normal range further right, so that the hidden bit becomes 0.
-  logic [CW-1:0] top_s, e_s, tiny_s, n_s, norm_s, ef_s, norm, ef, sign, zero, inf, nan;
+  // Count: how far right, so that the leading one gets to TOP - 1, and below the normal range further, so that the hidden
+  // bit becomes 0.
+  logic [EW-1:0] top_c, e_c, tiny_c, n_c, n, ef_c, ef_s, ef;
+  logic [CW-1:0] m, sign_s, zero_s, inf_s, nan_s, norm_s, norm, sign, zero, inf, nan;
   always_comb begin
-    top_s = m_i >> (CW - 1);
-    e_s = e_i + top_s;
-    tiny_s = neg(e_s);
-    n_s = top_s - (e_s & tiny_s);
-    n_s = (n_s | neg(SHIFT_MAX - n_s)) & SHIFT_MAX;
-    norm_s = m_i >> n_s[AB-1:0];
-    norm_s = norm_s | (some(m_i ^ (norm_s << n_s[AB-1:0])) & ONE);
-    ef_s = e_s & ~tiny_s;
+    top_c = EW'(m_i >> TOP);
+    e_c = e_i + top_c;
+    tiny_c = negative(e_c);
+    n_c = at_most(top_c - (e_c & tiny_c));
+    ef_c = e_c & ~tiny_c;
   end
+  fp_cut #(CW, CUT_COUNT) cut_m (.clk_i, .d_i(m_i), .q_o(m));
+  fp_cut #(EW, CUT_COUNT) cut_n (.clk_i, .d_i(n_c), .q_o(n));
+  fp_cut #(EW, CUT_COUNT) cut_ef_s (.clk_i, .d_i(ef_c), .q_o(ef_s));
+  fp_cut #(CW, CUT_COUNT) cut_sign_s (.clk_i, .d_i(sign_i), .q_o(sign_s));
+  fp_cut #(CW, CUT_COUNT) cut_zero_s (.clk_i, .d_i(zero_i), .q_o(zero_s));
+  fp_cut #(CW, CUT_COUNT) cut_inf_s (.clk_i, .d_i(inf_i), .q_o(inf_s));
+  fp_cut #(CW, CUT_COUNT) cut_nan_s (.clk_i, .d_i(nan_i), .q_o(nan_s));
+
+  // Shift right.
+  logic unused_bits;
+  assign unused_bits = &{1'b0, n};
+  assign norm_s = (m >> n[AB-1:0]) | (lost(m, n[AB-1:0]) & ONE);
   fp_cut #(CW, CUT) cut_norm (.clk_i, .d_i(norm_s), .q_o(norm));
-  fp_cut #(CW, CUT) cut_ef (.clk_i, .d_i(ef_s), .q_o(ef));
-  fp_cut #(CW, CUT) cut_sign (.clk_i, .d_i(sign_i), .q_o(sign));
-  fp_cut #(CW, CUT) cut_zero (.clk_i, .d_i(zero_i), .q_o(zero));
-  fp_cut #(CW, CUT) cut_inf (.clk_i, .d_i(inf_i), .q_o(inf));
-  fp_cut #(CW, CUT) cut_nan (.clk_i, .d_i(nan_i), .q_o(nan));
+  fp_cut #(EW, CUT) cut_ef (.clk_i, .d_i(ef_s), .q_o(ef));
+  fp_cut #(CW, CUT) cut_sign (.clk_i, .d_i(sign_s), .q_o(sign));
+  fp_cut #(CW, CUT) cut_zero (.clk_i, .d_i(zero_s), .q_o(zero));
+  fp_cut #(CW, CUT) cut_inf (.clk_i, .d_i(inf_s), .q_o(inf));
+  fp_cut #(CW, CUT) cut_nan (.clk_i, .d_i(nan_s), .q_o(nan));
 
-  // The hidden bit completes the exponent, a carry runs into it, and overflow stops at infinity.
-  logic [CW-1:0] p;
-  always_comb begin
-    p = ((ef << MAN) + ((norm + HALF + ((norm >> DROP) & ONE)) >> DROP)) & ~zero;
-    r_o = sel(nan, QNAN, sign | sel(neg(INF - p) | inf, INF, p));
-  end
+  // Round and pack.
+  logic [CW-1:0] past, inexact;
+  fp_pack #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .DROP(DROP), .CUT(CUT_PACK)) pack (
+      .clk_i, .norm_i(norm), .ef_i(ef), .sign_i(sign), .zero_i(zero), .inf_i(inf), .nan_i(nan), .r_o, .past_o(past),
+      .inexact_o(inexact));
 
   // Tiny after rounding: below the smallest normal even if rounded at full precision, that is, with the significand
-  // shifted by top_s only and no carry out of the value just below the normal range.
+  // shifted by top_c only and no carry out of the value just below the normal range.
   if (FLAGS) begin : g_flags
-    logic [CW-1:0] full_s, carry_s, uf_s, uf, nv, dz, of, nx, special;
+    localparam logic [CW-1:0] HALF = (ONE << (DROP - 1)) - 1;
+    localparam int DELAY = CUT_COUNT + CUT + CUT_PACK;
+    logic [EW-1:0] next_c;
+    logic [CW-1:0] full_c, carry_c, uf_c, uf, nv, dz, special_c, specials, nx;
     always_comb begin
-      full_s = (m_i >> top_s[0]) | (m_i & ONE);
-      carry_s = neg(full_s + HALF + ((full_s >> DROP) & ONE));
-      uf_s = tiny_s & ~(carry_s & ~neg(e_s + ONE));
+      full_c = (m_i >> top_c[0]) | (m_i & ONE);
+      carry_c = neg((full_c + HALF + ((full_c >> DROP) & ONE)) << (CW - 1 - TOP));
+      next_c = e_c + E_ONE;
+      uf_c = {CW{tiny_c[EW-1]}} & ~(carry_c & {CW{~next_c[EW-1]}});
+      special_c = zero_i | inf_i | nan_i;
     end
-    fp_cut #(CW, CUT) cut_uf (.clk_i, .d_i(uf_s), .q_o(uf));
-    fp_cut #(CW, CUT) cut_nv (.clk_i, .d_i(nv_i), .q_o(nv));
-    fp_cut #(CW, CUT) cut_dz (.clk_i, .d_i(dz_i), .q_o(dz));
+    fp_cut #(CW, DELAY) cut_uf (.clk_i, .d_i(uf_c), .q_o(uf));
+    fp_cut #(CW, DELAY) cut_nv (.clk_i, .d_i(nv_i), .q_o(nv));
+    fp_cut #(CW, DELAY) cut_dz (.clk_i, .d_i(dz_i), .q_o(dz));
+    fp_cut #(CW, DELAY) cut_special (.clk_i, .d_i(special_c), .q_o(specials));
     always_comb begin
-      special = zero | inf | nan;
-      of = ~neg(p - INF) & ~special;
-      nx = (some(norm & REST) & ~special) | of;
-      flags_o = (nv & CW'(16)) | (dz & CW'(8)) | (of & CW'(4)) | (nx & uf & CW'(2)) | (nx & ONE);
+      nx = (inexact & ~specials) | past;
+      flags_o = (nv & CW'(16)) | (dz & CW'(8)) | (past & CW'(4)) | (nx & uf & CW'(2)) | (nx & ONE);
     end
   end else begin : g_no_flags
     logic unused_masks;
-    assign unused_masks = &{1'b0, nv_i, dz_i};
+    assign unused_masks = &{1'b0, nv_i, dz_i, past, inexact};
     assign flags_o = '0;
   end
 endmodule

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// One lane of fp_sqrt: normalise | MAN + 1 steps of the restoring root | shift | round.
+// One lane of fp_sqrt: count zeros | normalise | MAN + 1 steps of the restoring root | count | shift | round | pack.
 // Invariant after step i: r = 2^i (s - root^2), with s in [1, 4) and the root so far; d holds twice the root. Both have
 // MAN + 1 fraction bits. The root in [1, 2) is never tiny and never overflows.
-// Latency: CUTS clocks, 0..MAN + 3, spread evenly over the MAN + 3 places where a cut may lie. Throughput: one a clock.
+// Latency: CUTS clocks, 0..MAN + 6, spread evenly over the MAN + 6 places where a cut may lie. Throughput: one a clock.
 module fp_sqrt_lane #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,
+    parameter bit LEAST = 0,
     parameter int CUTS  = 0,
     parameter bit FLAGS = 0,
-    localparam int CW   = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64
+    localparam int CW   = formats_pkg::lane_word(EXP, MAN, LEAST),
+    localparam int EW   = formats_pkg::lane_exponent(EXP, MAN, LEAST)
 ) (
     input  logic          clk_i,
     input  logic [CW-1:0] a_i,
@@ -17,32 +19,43 @@ module fp_sqrt_lane #(
 );
   /*verilator inline_module*/
 `include "fp_mask.svh"
-  localparam logic [CW-1:0] BIAS = EMAX >> 1;
+  localparam logic [EW-1:0] BIAS = EW'(EMAX >> 1);
   localparam int STEPS = MAN + 1;
-  localparam int PLACES = MAN + 3;  // before each step, after the last, and in fp_round
-  localparam int D_ROUND = (PLACES * CUTS + PLACES / 2) / PLACES - ((PLACES - 1) * CUTS + PLACES / 2) / PLACES;
+  localparam int TOP = formats_pkg::round_top(EXP, MAN, LEAST);
+  // Places of cuts: between count and shift of the operand, before each step, after the last, and three in fp_round.
+  localparam int PLACES = STEPS + 5;
+  function automatic int cut(input int place);
+    cut = ((place + 1) * CUTS + PLACES / 2) / PLACES - (place * CUTS + PLACES / 2) / PLACES;
+  endfunction
+  localparam int D_LZC = cut(0);
+  localparam int D_LAST = cut(STEPS + 1);
+  localparam int D_COUNT = cut(STEPS + 2);
+  localparam int D_SHIFT = cut(STEPS + 3);
+  localparam int D_PACK = cut(STEPS + 4);
 
-  // The exponent is halved downwards; an odd one leaves a factor of 2 in s. An offset of 128 keeps it positive.
-  logic [CW-1:0] mag_n, s_n, e_n, v_n, half_n, sign_n, minus_n, zero_n, inf_n, nan_n, nv_n;
-  fp_normalise #(.EXP(EXP), .MAN(MAN)) norm (.mag_i(mag_n), .s_o(s_n), .e_o(e_n));
+  // The exponent is halved downwards; an odd one leaves a factor of 2 in s. An even offset keeps it positive.
+  localparam logic [EW-1:0] OFFSET = E_ONE << $clog2(MAN + 4);
+  logic [CW-1:0] mag_n, s_n, sign_n, minus_n, zero_n, inf_n, nan_n, nv_n;
+  logic [EW-1:0] e_n, v_n, half_n;
+  fp_normalise #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .CUT(D_LZC)) norm (.clk_i, .mag_i(mag_n), .s_o(s_n), .e_o(e_n));
+  assign v_n = e_n + E_ONE + BIAS + OFFSET;
+  assign half_n = (v_n >> 1) - (OFFSET >> 1) - E_ONE;
   always_comb begin
     mag_n = a_i & MAG;
     sign_n = a_i & SIGN;
     minus_n = neg(a_i << (CW - 1 - EXP - MAN));
-    v_n = e_n + ONE + BIAS + (ONE << 7);
-    half_n = (v_n >> 1) - (ONE << 6) - ONE;
     zero_n = ~some(mag_n);
-    inf_n = ~neg(mag_n - INF);
-    nan_n = neg(INF - mag_n) | (minus_n & ~zero_n);
+    inf_n = special(mag_n);
+    nan_n = is_nan(mag_n) | (minus_n & ~zero_n);
   end
   if (FLAGS) begin : g_flags
-    assign nv_n = snan(a_i) | (nan_n & ~neg(INF - mag_n));
+    assign nv_n = snan(a_i) | (nan_n & ~is_nan(mag_n));
   end else begin : g_no_flags
     assign nv_n = '0;
   end
 
   for (genvar i = 0; i < STEPS; i++) begin : g_step
-    localparam int D = ((i + 1) * CUTS + PLACES / 2) / PLACES - (i * CUTS + PLACES / 2) / PLACES;
+    localparam int D = cut(i + 1);
     localparam logic [CW-1:0] BIT = ONE << (STEPS - 1 - i);
     logic [CW-1:0] r_d, d_d, r, d, trial, t, m, r_next, d_next;
     if (i == 0) begin : g_first
@@ -58,26 +71,27 @@ module fp_sqrt_lane #(
       trial = d | BIT;
       t = r + r - trial;
       m = neg(t);
-      r_next = t + (trial & m);
+      r_next = sel(m, r + r, t);
       d_next = d | (~m & (BIT << 1));
     end
   end
 
-  localparam int D_LAST = ((STEPS + 1) * CUTS + PLACES / 2) / PLACES - (STEPS * CUTS + PLACES / 2) / PLACES;
   logic [CW-1:0] rest, twice;
   fp_cut #(CW, D_LAST) cut_rest (.clk_i, .d_i(g_step[STEPS-1].r_next), .q_o(rest));
   fp_cut #(CW, D_LAST) cut_twice (.clk_i, .d_i(g_step[STEPS-1].d_next), .q_o(twice));
 
-  logic [CW-1:0] root, e, sign, zero, inf, nan, nv;
-  localparam int D = CUTS - D_ROUND;
-  fp_cut #(CW, D) delay_e (.clk_i, .d_i(half_n), .q_o(e));
+  logic [CW-1:0] root, sign, zero, inf, nan, nv;
+  logic [EW-1:0] e;
+  localparam int D = CUTS - D_COUNT - D_SHIFT - D_PACK;
+  fp_cut #(EW, D - D_LZC) delay_e (.clk_i, .d_i(half_n), .q_o(e));
   fp_cut #(CW, D) delay_sign (.clk_i, .d_i(sign_n), .q_o(sign));
   fp_cut #(CW, D) delay_zero (.clk_i, .d_i(zero_n), .q_o(zero));
   fp_cut #(CW, D) delay_inf (.clk_i, .d_i(inf_n), .q_o(inf));
   fp_cut #(CW, D) delay_nan (.clk_i, .d_i(nan_n), .q_o(nan));
   fp_cut #(CW, D) delay_nv (.clk_i, .d_i(nv_n), .q_o(nv));
-  assign root = (twice << (CW - 4 - MAN)) | (some(rest) & ONE);
-  fp_round #(.EXP(EXP), .MAN(MAN), .CUT(D_ROUND), .FLAGS(FLAGS)) round (
+  assign root = (twice << (TOP - 3 - MAN)) | (some(rest) & ONE);
+  fp_round #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .CUT_COUNT(D_COUNT), .CUT(D_SHIFT), .CUT_PACK(D_PACK),
+      .FLAGS(FLAGS)) round (
       .clk_i, .m_i(root), .e_i(e), .sign_i(sign), .zero_i(zero), .inf_i(inf), .nan_i(nan), .nv_i(nv), .dz_i('0),
       .r_o, .flags_o);
 endmodule

@@ -10,7 +10,8 @@ module fp_to_int_lane #(
     parameter bit TRUNCATE = 0,   // 0: to nearest even; 1: toward zero
     parameter int CUTS     = 0,
     parameter bit FLAGS    = 0,
-    localparam int CI      = (1 + EXP + MAN <= 32 && MAN <= 23) ? 32 : 64
+    localparam bit LEAST   = 0,
+    localparam int CI      = formats_pkg::lane_word(EXP, MAN, LEAST)
 ) (
     input  logic           clk_i,
     input  logic [CI-1:0]  a_i,
@@ -19,13 +20,15 @@ module fp_to_int_lane #(
 );
   /*verilator inline_module*/
   localparam int CW = (INT > CI) ? INT : CI;  // the work width
+  localparam int EW = CW;
 `include "fp_mask.svh"
   localparam int D_SHIFT = (CUTS >= 1) ? 1 : 0;
   localparam int TOP_EXPONENT = (1 << (EXP - 1)) + CW - 3;
   localparam logic [CW-1:0] TOP = CW'(TOP_EXPONENT);  // biased exponent less one that needs no shift
   logic [CI-1:0] s_i, e_i;
   logic [CW-1:0] a, s, e, nan_n, minus_n, n, far_n, whole_n, high_n, q_n, tail_n, over_n;
-  fp_normalise #(.EXP(EXP), .MAN(MAN)) norm (.mag_i({{CI - EXP - MAN{1'b0}}, a_i[EXP+MAN-1:0]}), .s_o(s_i), .e_o(e_i));
+  fp_normalise #(.EXP(EXP), .MAN(MAN)) norm (
+      .clk_i, .mag_i({{CI - EXP - MAN{1'b0}}, a_i[EXP+MAN-1:0]}), .s_o(s_i), .e_o(e_i));
   if (CW == CI) begin : g_same
     assign a = a_i;
     assign s = s_i;
@@ -37,10 +40,10 @@ module fp_to_int_lane #(
   end
   // q: the integer part; tail: the half bit and a sticky bit below it.
   always_comb begin
-    nan_n = neg(INF - (a & MAG));
+    nan_n = is_nan(a & MAG);
     minus_n = neg(a << (CW - 1 - EXP - MAN)) & ~nan_n;
     n = TOP - e;                   // right shift
-    over_n = neg(n) | ~neg((a & MAG) - INF);
+    over_n = neg(n) | special(a & MAG);
     far_n = neg(SHIFT_MAX + ONE - n);  // below one half
     whole_n = neg(n - ONE);        // no fraction
     n = (n - ONE) & ~whole_n;

@@ -10,6 +10,7 @@ module fp_unit #(
     parameter      ARITH    = "rtl",  // "rtl" or "host"
     parameter  int CANON    = 1,      // 0 or 1, of arithmetic as in fp_lanes
     parameter  int FLAGS    = 1,      // 0 or 1
+    parameter  int LEAST    = 0,      // 0 or 1, of arithmetic as in fp_lanes
     parameter  int OPS      = -1,     // bit k: clock k's operation is there
     parameter  int LAT_ADD  = 1,      // add, sub
     parameter  int LAT_MUL  = 1,
@@ -42,7 +43,7 @@ module fp_unit #(
       logic [LANES-1:0][CW-1:0] r, f;
       fp_lanes #(.OP(k), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH),
           .CANON(CANON != 0),
-          .FLAGS(FLAGS != 0)) lanes (
+          .FLAGS(FLAGS != 0), .LEAST(LEAST != 0)) lanes (
           .clk_i(clk_i[k]), .on_i(1'b1), .a_i, .b_i, .r_o(r), .flags_o(f));
       // The host back end is combinational; here it gets the timing of the gates.
       fp_delay #(.LANES(LANES), .W(CW), .DEPTH(ARITH != "rtl" ? LAT : 0))

@@ -45,7 +45,7 @@ std::uint64_t number(auto value) {
 // ---- The constants in C++, by the names of the packages ----
 
 Values formats() {
-  Values v = {{"FP_OPS", kFpOps}, {"FP_ARITHMETIC", kFpArithmetic}, {"FORMATS", kFpFormats.size()}};
+  Values v = {{"LEAST_WORDS", 0}, {"FP_OPS", kFpOps}, {"FP_ARITHMETIC", kFpArithmetic}, {"FORMATS", kFpFormats.size()}};
   constexpr const char* kOps[] = {"ADD", "SUB", "MUL", "DIV", "SQRT",
                                   "LT",  "LE",  "EQ",  "MIN", "MAX"};
   for (unsigned k = 0; k < kFpArithmetic; ++k) v["FP_" + std::string(kOps[k])] = k;
@@ -436,6 +436,19 @@ class Calls {
   std::set<std::string> called_;
 };
 
+/// Words of a lane of gates, which software does not know.
+void lane_functions(Calls& call, int exp, int man) {
+  const int word = 1 + exp + man <= 32 && man <= 23 ? 32 : 64;
+  int bits = 1;  // that hold the largest exponent of a quotient and its sign
+  while ((1 << (bits - 1)) < 3 * (1 << (exp - 1)) + 2 * man + 4) ++bits;
+  call("lane_word", {exp, man, 0}, word);
+  call("lane_word", {exp, man, 1}, man + std::max(1 + exp, 6));
+  call("lane_exponent", {exp, man, 0}, word);
+  call("lane_exponent", {exp, man, 1}, bits);
+  call("round_top", {exp, man, 0}, word - 1);
+  call("round_top", {exp, man, 1}, man + 3);
+}
+
 void format_functions(Calls& call) {
   for (std::size_t k = 0; k < kFpFormats.size(); ++k) {
     call("format_exp", {static_cast<int>(k)}, kFpFormats.at(k).format.exp_bits);
@@ -445,6 +458,7 @@ void format_functions(Calls& call) {
     call("length_high", {exp}, LengthRange::of(exp, 2).high);
     for (const int man : {2, 3, 7, 10, 16, 20, 23, 24, 52}) {
       const FpFormat format{exp, man};
+      lane_functions(call, exp, man);
       call("container", {exp, man}, contract::container(exp, man));
       call("infinity", {exp, man}, format.infinity());
       call("quiet_nan", {exp, man}, format.canonical_nan());

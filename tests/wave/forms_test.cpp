@@ -87,5 +87,99 @@ TEST_F(Forms, PicturesAndPagesWriteThemToo) {
   EXPECT_EQ(diff.status, 0) << diff.err;
 }
 
+/// What other simulators write: events, signed kinds, names that keep their backslash.
+class OtherKinds : public Cli {
+ protected:
+  void SetUp() override {
+    Cli::SetUp();
+    Writer w(folder_ / "k.fst");
+    w.scope("top");
+    const fstHandle i = w.signal("i", 32, FST_VT_VCD_INTEGER),
+                    b = w.signal("b", 8, FST_VT_SV_BYTE), ev = w.signal("ev", 1, FST_VT_VCD_EVENT),
+                    odd = w.signal("\\odd+name!", 4), wire = w.signal("wire", 8),
+                    twin = w.signal("twin", 4), other_twin = w.signal("twin", 4);
+    w.scope("u[1]");
+    const fstHandle inner = w.signal("q [3:0]", 4);
+    w.up();
+    w.up();
+    for (std::uint64_t t = 0; t < 8; ++t) {
+      w.time(10 * t);
+      w.set(i, (t - 4) & 0xffffffff);
+      w.set(b, (t % 2 == 0 ? 0x80 : 0x7f));
+      w.set(wire, 0xf0 + t);
+      w.set(odd, t);
+      w.set(inner, t);
+      w.set(twin, t);
+      w.set(other_twin, 7 - t);
+      if (t == 2 || t == 3 || t == 6) w.set(ev, 1);
+    }
+  }
+  std::string count(const std::string& expression, std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"wave", "find", "k.fst", expression, "--count"});
+    return cde(more).out;
+  }
+};
+
+TEST_F(OtherKinds, IntegersHaveTheSignOfTheirKind) {
+  EXPECT_EQ(count("i < 0 && changed(i)"), "3\n");  // of -4 to 3; at 0 nothing has changed yet
+  EXPECT_EQ(count("i == -4"), "1\n");
+  EXPECT_EQ(count("b < 0"), "4\n");
+  EXPECT_EQ(count("unsigned(b) > 127"), "4\n");
+  EXPECT_EQ(count("wire < 0"), "0\n");
+  EXPECT_EQ(count("i[31:0] < 0"), "1\n") << "all its bits are the signal";
+  EXPECT_EQ(count("b[7:4] < 0"), "0\n") << "a part has no sign";
+}
+
+TEST_F(OtherKinds, EventsAreInstants) {
+  EXPECT_EQ(count("ev"), "3\n");
+  EXPECT_EQ(count("changed(ev)"), "3\n");
+  EXPECT_EQ(count("ev && i >= 0"), "1\n");
+  EXPECT_EQ(count("ev", {"--from", "21"}), "2\n");
+  EXPECT_EQ(count("ev", {"--from", "20"}), "3\n");
+  const Ran ran = cde({"wave", "stat", "k.fst", "ev", "--json"});
+  const nlohmann::json answer = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(answer["signals"][0]["changes"], 3) << ran.out;
+}
+
+TEST_F(OtherKinds, ANameMayKeepItsBackslash) {
+  EXPECT_EQ(count("\\odd+name! == 3"), "1\n");
+  EXPECT_EQ(count("\\top.\\odd+name! == 3"), "1\n");
+}
+
+TEST_F(OtherKinds, InstancesMayHaveIndices) {
+  EXPECT_EQ(count("u[1].q == 3"), "1\n");
+  EXPECT_EQ(count("top.u[1].q[3:1] == 3"), "1\n");
+  EXPECT_EQ(count("\\u[1].q [3:1] == 3"), "1\n");
+}
+
+TEST_F(OtherKinds, SignalsOfOneNameAreComparedInTheirOrder) {
+  const Ran ran = cde({"wave", "diff", "k.fst", "k.fst"});
+  EXPECT_EQ(ran.status, 0) << ran.out;
+}
+
+TEST_F(OtherKinds, RealsMayBeNear) {
+  for (const bool other : {false, true}) {
+    Writer w(folder_ / (other ? "y.fst" : "x.fst"));
+    w.scope("top");
+    const fstHandle r = w.signal("r", 8, FST_VT_VCD_REAL), t = w.signal("t", 32);
+    w.up();
+    w.time(0);
+    w.real(r, other ? 1.0000001 : 1);
+    w.set(t, 0x3f800000);
+    w.time(10);
+    w.set(t, 0);
+  }
+  const auto status = [&](const char* eps) {
+    return cde({"wave", "diff", "x.fst", "y.fst", "--as", "fp32", "--eps", eps}).status;
+  };
+  EXPECT_EQ(status("1e-6"), 0);
+  EXPECT_EQ(status("1e-8"), 1);
+}
+
+TEST_F(OtherKinds, WordsThatMakeNoSenseAreRefused) {
+  EXPECT_EQ(cde({"wave", "info", "k.fst", "more"}).status, 2);
+  EXPECT_EQ(cde({"wave", "find", "k.fst", "b && && wire"}).status, 2);
+}
+
 }  // namespace
 }  // namespace cde::testing

@@ -25,9 +25,9 @@ void Writer::scope(const std::string& name) {
 void Writer::up() {
   fstWriterSetUpscope(fst_);
 }
-fstHandle Writer::signal(const std::string& name, unsigned width) {
+fstHandle Writer::signal(const std::string& name, unsigned width, fstVarType kind) {
   widths_.push_back(width);
-  return fstWriterCreateVar(fst_, FST_VT_VCD_WIRE, FST_VD_IMPLICIT, width, name.c_str(), 0);
+  return fstWriterCreateVar(fst_, kind, FST_VD_IMPLICIT, width, name.c_str(), 0);
 }
 fstHandle Writer::alias(const std::string& name, unsigned width, fstHandle of) {
   return fstWriterCreateVar(fst_, FST_VT_VCD_WIRE, FST_VD_INPUT, width, name.c_str(), of);
@@ -56,6 +56,10 @@ void Writer::set(fstHandle signal, std::uint64_t value) {
 }
 void Writer::set(fstHandle signal, const std::string& bits) {
   fstWriterEmitValueChange(fst_, signal, bits.c_str());
+}
+
+void Writer::real(fstHandle signal, double value) {
+  fstWriterEmitValueChange(fst_, signal, &value);
 }
 
 void write_sample(const std::filesystem::path& file, const Sample& sample) {

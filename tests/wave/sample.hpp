@@ -20,7 +20,7 @@ class Writer {
 
   void scope(const std::string& name);
   void up();
-  fstHandle signal(const std::string& name, unsigned width);
+  fstHandle signal(const std::string& name, unsigned width, fstVarType kind = FST_VT_VCD_WIRE);
   fstHandle alias(const std::string& name, unsigned width, fstHandle of);
   void comment(const std::string& text);
   /// What the values of the next signal are called: name, bits.
@@ -30,6 +30,7 @@ class Writer {
   void block();
   void set(fstHandle signal, std::uint64_t value);
   void set(fstHandle signal, const std::string& bits);
+  void real(fstHandle signal, double value);
 
  private:
   void* fst_;

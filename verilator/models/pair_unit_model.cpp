@@ -68,7 +68,11 @@ struct cde_pair_unit {
     eval();
   }
 
-  int trace_open(const cde_trace& what) { return waves.open(*context, *model, what, 2 * clocks); }
+  int trace_open(const cde_trace& what) {
+    const int opened = waves.open(*context, *model, what, 2 * clocks);
+    waves.dump(2 * clocks + model->clk_i);  // so that the first rising edge is one
+    return opened;
+  }
   int trace_close() { return waves.close(); }
 };
 

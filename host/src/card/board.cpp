@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
+#include <cstdlib>
 #include <utility>
 
 #include "card/board_impl.hpp"
@@ -16,6 +18,14 @@
 
 namespace cde {
 namespace {
+
+/// The file for the waves of the next board of this process, if $CDE_WAVES asks for any.
+std::optional<std::filesystem::path> next_waves() {
+  static std::atomic<unsigned> boards = 0;
+  const char* folder = std::getenv("CDE_WAVES");
+  if (folder == nullptr || *folder == '\0') return std::nullopt;
+  return std::filesystem::path(folder) / fmt::format("board-{}.fst", boards++);
+}
 
 void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t expected_hash,
                     const std::string& file) {
@@ -168,21 +178,27 @@ Board Board::open(const BoardConfig& config, const OpenOptions& options) {
                                                options.clock_period_ps, kLeastPs, kMostPs));
   }
   check_watchdog(options.watchdog);
-  const std::vector<std::string> parameters = config.parameters();
+  const std::optional<std::filesystem::path> waves = options.file ? std::nullopt : next_waves();
+  BoardConfig wanted = config;
+  wanted.trace = config.trace || waves;
+  const std::vector<std::string> parameters = wanted.parameters();
   Bitstream bitstream =
       options.file ? Bitstream::load(*options.file, options.config_hash
                                                         ? *options.config_hash
                                                         : bitstream_hash(config.top(), parameters))
                    : Bitstream::open(config.top(), parameters);
-  const std::uint64_t expected = options.config_hash.value_or(bitstream.config_hash());
+  const std::uint64_t expected =
+      waves ? bitstream.config_hash() : options.config_hash.value_or(bitstream.config_hash());
   const std::string file = bitstream.path().string();
 
   auto impl =
       std::make_shared<Impl>(config.bus == Bus::kCycle ? pci_link(std::move(bitstream), options)
                                                        : local_link(std::move(bitstream), options),
                              file, options);
-  check_identity(*impl, config, expected, file);
-  return Board(std::move(impl));
+  check_identity(*impl, wanted, expected, file);
+  Board board(std::move(impl));
+  if (waves) board.trace_open(*waves);
+  return board;
 }
 
 // ---- Algorithm 1, before the pass ----

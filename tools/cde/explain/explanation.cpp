@@ -44,7 +44,7 @@ Rows rows_around(const PairConfig& config, std::span<const std::uint64_t> a,
 /// The RTL as it is elaborated for the configuration.
 rtl::Elaboration design_of(const PairConfig& config) {
   PairConfig plain = config;
-  plain.tap = false;
+  plain.tap = plain.trace = false;
   const std::filesystem::path rtl = bitstream_builder().parent_path().parent_path() / "rtl";
   try {
     return {rtl, "pair_unit", plain.parameters()};

@@ -151,7 +151,7 @@ Json near_lines(const explain::Explanation& e) {
   }
   if (before.empty() && inside.empty()) return Json::array();
   PairConfig plain = e.config;
-  plain.tap = false;
+  plain.tap = plain.trace = false;
   const wave::Design design = wave::Design::of_bitstream("pair_unit", plain.parameters());
   Json lines = Json::array();
   const auto add = [&](const std::vector<std::string>& signals, const wave::Passing& passing) {

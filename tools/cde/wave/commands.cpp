@@ -83,6 +83,10 @@ Window window(const Request& r, Trace& trace, Times& times) {
 }
 
 int info(const Request& r) {
+  if (!r.words.empty())
+    throw Error(ErrorCode::kUsage,
+                fmt::format("cde wave info takes a file alone; {} is one word too many",
+                            in_quotes(r.words.front())));
   Trace trace(r.file);
   Times times(trace, r.clock);
   const Signal* const clock = times.clock_if_any();
@@ -153,7 +157,7 @@ int list(const Request& r) {
                          {"type", s->kind},
                          {"direction", s->direction}});
     else
-      fmt::format_to(std::back_inserter(text), "{:<{}}  {:>5}  {} {}{}{}\n", s->name, longest,
+      fmt::format_to(std::back_inserter(text), "{:<{}}  {:>5}  {} {}{}{}\n", printable_name(s->name), longest,
                      s->width, s->kind, s->direction, range.empty() ? "" : " ", range);
   }
   if (r.json) {
@@ -191,7 +195,7 @@ int values_at(const Request& r) {
     if (r.json)
       list.push_back({{"name", v.label}, {"value", v.text(value)}, {"bits", v.bits(value)}});
     else
-      text += fmt::format("{:<{}}  {}\n", v.label, longest, v.text(value));
+      text += fmt::format("{:<{}}  {}\n", printable_name(v.label), longest, v.text(value));
   }
   if (r.json) {
     Json j = begin_json(r);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <condition_variable>
 #include <deque>
@@ -138,7 +139,8 @@ class Equal {
   [[nodiscard]] bool operator()(const View& v, std::string_view a, std::string_view b) const {
     if (a == b) return true;
     if (ulp_ == 0 && eps_ == 0) return false;  // 0 and -0 differ
-    if (v.form.kind != Form::Kind::kFloat || v.signal.real || v.signal.text) return false;
+    if (v.signal.real) return near_reals(a, b);
+    if (v.form.kind != Form::Kind::kFloat || v.signal.text) return false;
     if (a.size() != b.size()) return false;
     const auto own = static_cast<std::size_t>(v.form.format.width());
     const std::size_t lane = v.form.lane != 0 ? v.form.lane
@@ -153,6 +155,13 @@ class Equal {
   }
 
  private:
+  [[nodiscard]] bool near_reals(std::string_view a, std::string_view b) const {
+    double x = 0, y = 0;
+    if (std::from_chars(a.data(), a.data() + a.size(), x).ec != std::errc() ||
+        std::from_chars(b.data(), b.data() + b.size(), y).ec != std::errc())
+      return false;
+    return std::fabs(x - y) <= eps_;
+  }
   [[nodiscard]] bool lanes(const Form& form, std::string_view a, std::string_view b) const {
     if (a == b) return true;
     const auto ones = [](std::string_view bits) {
@@ -201,24 +210,26 @@ class Comparison {
   }
 
   void match() {
-    std::map<std::string_view, const Signal*> there;
-    for (const Signal& s : b_.signals()) there.emplace(s.name, &s);
+    // Several of one name are set side by side in the order of the files.
+    std::map<std::string_view, std::deque<const Signal*>> there;
+    for (const Signal& s : b_.signals()) there[s.name].push_back(&s);
     of_a_.resize(a_.handles() + std::size_t{1});
     of_b_.resize(b_.handles() + std::size_t{1});
     std::map<std::pair<std::uint32_t, std::uint32_t>, bool> seen;
     std::size_t common = 0;
     for (const Signal& s : a_.signals()) {
       const auto other = there.find(s.name);
-      if (other == there.end()) {
+      if (other == there.end() || other->second.empty()) {
         ++only_a;
         continue;
       }
       ++common;
-      if (is_ignored(s.name)) {
+      const Signal& t = *other->second.front();
+      other->second.pop_front();
+      if (s.event || is_ignored(s.name)) {
         ++ignored;
         continue;
       }
-      const Signal& t = *other->second;
       if (!seen.emplace(std::pair{s.handle, t.handle}, true).second) continue;  // another name
       Pair p;
       p.a = whole(a_, s);

@@ -107,8 +107,8 @@ int export_waves(const Request& r) {
               {"signals", count}});
     cli::put_json(j);
   } else if (output != "-") {
-    cli::put(fmt::format("{}: {}, {} signals, {} to {}\n", printable_name(output), format, count,
-                         times.text(w.from), times.text(w.to)));
+    cli::say("{}: {}, {} signals, {} to {}\n", printable_name(output), format, count,
+             times.text(w.from), times.text(w.to));
   }
   return 0;
 }

@@ -37,6 +37,12 @@ constexpr std::array<std::string_view, 12> kFunctions = {
     "isnan", "isinf", "isunknown", "changed",  "rose",      "fell",
     "prev",  "past",  "signed",    "unsigned", "countones", "abs"};
 
+/// Parts of a signal have no sign in SystemVerilog.
+bool signed_view(const View& v) {
+  return v.form.kind == Form::Kind::kSigned ||
+         (v.form.kind == Form::Kind::kHex && v.signal.is_signed && v.width == v.signal.width);
+}
+
 bool is_comparison(std::string_view op) {
   return op == "==" || op == "!=" || op == "===" || op == "!==" || op == "<" || op == "<=" ||
          op == ">" || op == ">=";
@@ -337,10 +343,11 @@ class Parser {
     skip();
     const std::size_t at = at_;
     Tree n;
-    for (const std::string_view op : {"~&", "~|", "~^", "!", "~", "-", "+", "&", "|", "^"}) {
-      if (!take(op)) continue;
+    for (const std::string_view op : {"~&", "~|", "~^", "^~", "!", "~", "-", "+", "&", "|", "^"}) {
+      const std::string_view rest = std::string_view(text_).substr(at_);
+      if (rest.starts_with("&&") || rest.starts_with("||") || !take(op)) continue;
       Tree a = unary();
-      n = make(Node::Kind::kUnary, std::string(op), at, {});
+      n = make(Node::Kind::kUnary, op == "^~" ? "~^" : std::string(op), at, {});
       if (op == "-" || op == "+" || op == "~") {
         narrow_enough(*a);
         if (op == "~") no_real(*a, "~");
@@ -486,7 +493,17 @@ class Parser {
     std::string name;
     if (text_[at_] == '\\') {  // an escaped name goes to the next space
       for (++at_; at_ < text_.size() && text_[at_] != ' '; ++at_) name.push_back(text_[at_]);
-      return signal(at, name);
+      // Some writers leave the backslash in the name.
+      std::string index;
+      if (at_ + 1 < text_.size() && text_[at_ + 1] == '[') {
+        const std::size_t stop = text_.find(']', at_);
+        if (stop == std::string::npos) fail(at_ + 1, "the ] of this [ is missing");
+        index = text_.substr(at_ + 1, stop - at_);
+        at_ = stop + 1;
+      }
+      const auto ends = [&](const Signal& s) { return s.name.ends_with('\\' + name); };
+      const auto& all = trace_.signals();
+      return signal(at, std::any_of(all.begin(), all.end(), ends) ? '\\' + name + index : name + index);
     }
     while (at_ < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[at_])) != 0 ||
                                   text_[at_] == '_' || text_[at_] == '.' || text_[at_] == '$'))
@@ -496,11 +513,16 @@ class Parser {
     if (at_ < text_.size() && text_[at_] == '(') return function(at, name);
     at_ = behind;
     if (name == "inf") return constant(at, of_real(std::numeric_limits<double>::infinity()));
+    // An index, or that of an instance in the middle of a name.
     while (at_ < text_.size() && text_[at_] == '[') {
       const std::size_t stop = text_.find(']', at_);
       if (stop == std::string::npos) fail(at_, "the ] of this [ is missing");
       name += text_.substr(at_, stop + 1 - at_);
       at_ = stop + 1;
+      if (at_ >= text_.size() || text_[at_] != '.') continue;
+      while (at_ < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[at_])) != 0 ||
+                                    text_[at_] == '_' || text_[at_] == '.' || text_[at_] == '$'))
+        name.push_back(text_[at_++]);
     }
     // The : of ? : is none of a form.
     if (at_ < text_.size() && text_[at_] == ':') {
@@ -540,7 +562,7 @@ class Parser {
                        contract::container(v.form.format.exp_bits, v.form.format.man_bits)))
       fail(at, fmt::format("this has several lanes; {}[N]:{} is one of them", v.signal.name,
                            v.form.format.name()));
-    n->is_signed = v.form.kind == Form::Kind::kSigned;
+    n->is_signed = signed_view(v);
     n->width = n->real ? 1 : v.width;
     n->view = to_.views.size();
     to_.views.push_back(v);
@@ -615,9 +637,19 @@ void Expression::set(std::uint32_t handle, std::string_view text) {
       const auto d = number(bits, v.form.format);
       to = d ? of_real(*d) : unknown_of(1, true);
     } else {
-      to = of_bits(bits, v.form.kind == Form::Kind::kSigned);
+      to = of_bits(bits, signed_view(v));
     }
   }
+}
+
+bool Expression::end_instant() {
+  bool any = false;
+  for (std::size_t i = 0; i < parsed_->views.size(); ++i) {
+    if (!parsed_->views[i].signal.event) continue;
+    any = true;
+    parsed_->values[i] = of_bits("0", false);
+  }
+  return any;
 }
 
 bool Expression::evaluate() {

@@ -24,6 +24,8 @@ class Expression {
   [[nodiscard]] const std::vector<View>& views() const;
   /// A new value of a signal, by its handle.
   void set(std::uint32_t handle, std::string_view value);
+  /// Events of it are over: 0 from now on. Whether it has any.
+  bool end_instant();
   /// Whether it is true now: a known bit of it is 1. What looks back (changed, rose, fell, prev)
   /// looks at the last time that this was called.
   [[nodiscard]] bool evaluate();

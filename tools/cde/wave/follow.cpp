@@ -82,10 +82,18 @@ bool Follow::step(const Found& found) {
   }
   waiting_.clear();
   begun_ = true;
-  if (on_) return go_on;
+  if (on_) {
+    (void)what_.end_instant();
+    if (when_) (void)when_->end_instant();
+    return go_on;
+  }
   const bool now = evaluate(), begins = now && (!was_ || looks_back());
   was_ = now;
-  return begins ? found(now_) : true;
+  const bool goes_on = begins ? found(now_) : true;
+  // An event is over behind its instant.
+  const bool events = what_.end_instant(), more = when_ && when_->end_instant();
+  if (events || more) was_ = evaluate();
+  return goes_on;
 }
 
 bool Follow::evaluate() {

@@ -28,7 +28,7 @@ struct Activity {
   }
   void change(std::uint64_t time, std::string_view whole) {
     const std::string_view now = view.bits(whole);
-    if (now == value) return;
+    if (now == value && !view.signal.event) return;
     ++changes;
     if (bits && now.size() == value.size()) {
       // Without branches: of large files this is most of the work.
@@ -49,7 +49,7 @@ struct Activity {
       quiet = time - last;
       quiet_from = last;
     }
-    if (view.width == 1 && value == "1") high += time - last;
+    if (view.width == 1 && value == "1" && !view.signal.event) high += time - last;
   }
 };
 

@@ -156,7 +156,7 @@ int serve(const Request& r) {
   if (r.output.empty())
     throw Error(ErrorCode::kUsage, "the page needs a name: cde wave serve FILE --output PAGE.html");
   check_outputs(std::vector<FileUse>{{"--output", r.output}, {"--json", r.json ? "-" : ""}},
-                std::vector<FileUse>{{"the waves", r.file}});
+                std::vector<FileUse>{{"FILE", r.file}});
   Trace trace(r.file);
   Times times(trace, r.clock);
   const Window w = window(r, trace, times);

@@ -133,6 +133,7 @@ void Trace::read_names() {
   std::vector<Signal> found;
   found.reserve(std::min<std::uint64_t>(fstReaderGetVarCount(reader_.get()), 1u << 20));
   widths_.assign(handles() + std::size_t{1}, 1);
+  events_.assign(widths_.size(), false);
   std::string scope;
   std::vector<std::size_t> outer;
   std::map<std::uint64_t, std::shared_ptr<const Names>> tables;
@@ -168,6 +169,11 @@ void Trace::read_names() {
       s.real = v.typ == FST_VT_VCD_REAL || v.typ == FST_VT_VCD_REAL_PARAMETER ||
                v.typ == FST_VT_VCD_REALTIME || v.typ == FST_VT_SV_SHORTREAL;
       s.text = v.typ == FST_VT_GEN_STRING;
+      s.event = v.typ == FST_VT_VCD_EVENT;
+      s.is_signed = v.typ == FST_VT_VCD_INTEGER || v.typ == FST_VT_SV_INT ||
+                    v.typ == FST_VT_SV_SHORTINT || v.typ == FST_VT_SV_LONGINT ||
+                    v.typ == FST_VT_SV_BYTE;
+      events_[s.handle] = s.event;
       s.width = s.real ? 64 : v.length;
       s.names = std::exchange(names, nullptr);
       widths_[s.handle] = s.width;
@@ -188,6 +194,7 @@ struct Receiver {
   const Trace::Visit& visit;
   std::span<const std::uint32_t> handles;
   const std::vector<unsigned>& widths;
+  const std::vector<bool>& events;
   std::vector<std::optional<std::string>> first;  ///< of each handle, up to `from`
   bool flushed = false;
 
@@ -195,12 +202,16 @@ struct Receiver {
     flushed = true;
     for (const std::uint32_t handle : handles) {
       auto& value = first[handle];
-      if (!value) value = std::string(widths[handle], 'x');
+      if (!value) value = events[handle] ? "0" : std::string(widths[handle], 'x');
       if (!visit(from, handle, *value)) throw Stop();
       value.reset();
     }
   }
   void take(std::uint64_t time, std::uint32_t handle, std::string_view value) {
+    if (events[handle]) {
+      if (time < from) return;
+      value = "1";
+    }
     if (time <= from) {
       first[handle] = std::string(value);
       return;
@@ -235,7 +246,7 @@ void Trace::stream(std::span<const std::uint32_t> wanted, std::uint64_t from, st
   for (const Section& s : structure_.sections)
     if (s.begin <= from) first = std::min(from, s.end);
   fstReaderSetLimitTimeRange(reader_.get(), first, to);
-  Receiver receiver{from, to, visit, once, widths_, {}, false};
+  Receiver receiver{from, to, visit, once, widths_, events_, {}, false};
   receiver.first.resize(handles() + std::size_t{1});
   try {
     fstReaderIterBlocks2(reader_.get(), on_change, on_text, &receiver, nullptr);

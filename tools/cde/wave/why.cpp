@@ -249,6 +249,9 @@ Slice slice_named(Trace& trace, const Design& design, const std::string& name,
     if (const auto found = hidden(design, plain)) return *found;
     throw;
   }
+  if (v.signal.real || v.signal.event)
+    throw Error(ErrorCode::kUsage, fmt::format("{} is of kind {}; why follows bits",
+                                               printable_name(v.signal.name), v.signal.kind));
   auto found = slice_of(trace, design, v.signal);
   if (!found || found->width != v.signal.width)
     throw Error(

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// Packs a failing test of cards: it is run again, alone and with waves of every board that it
+// opens, into build/failures/TEST, or $CDE_FAILURES/TEST. Linked into an executable of tests, it
+// listens there.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <system_error>
+
+#include "pair_failure.hpp"
+
+namespace cde::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr long kLongMs = 20'000;           ///< waves of a longer test are too many to look at
+constexpr const char* kWavesTake = "600";  ///< seconds at most, a card with waves to build included
+
+/// Waves of boards, of which GTKWave is to show everything.
+std::size_t describe_waves(const fs::path& folder) {
+  std::size_t files = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() != ".fst") continue;
+    ++files;
+    fs::path save = entry.path();
+    save.replace_extension(".gtkw");
+    if (::access(CDE_COMMAND, X_OK) == 0)
+      (void)run_shell("'" CDE_COMMAND "' wave export " + quoted(entry.path().string()) +
+                      " --output " + quoted(save.string()) + " 2>&1");
+  }
+  return files;
+}
+
+class Packs : public ::testing::EmptyTestEventListener {
+  void OnTestStart(const ::testing::TestInfo&) override { said_.clear(); }
+  void OnTestPartResult(const ::testing::TestPartResult& part) override {
+    if (!part.failed()) return;
+    said_ += std::string(part.file_name() != nullptr ? part.file_name() : "?") + ":" +
+             std::to_string(part.line_number()) + ": " + part.message() + "\n";
+  }
+  void OnTestEnd(const ::testing::TestInfo& test) override {
+    if (!test.result()->Failed() || std::getenv("CDE_WAVES") != nullptr) return;
+    std::printf("%s\n", pack(test).c_str());
+  }
+
+  std::string pack(const ::testing::TestInfo& test) const {
+    if (test.result()->elapsed_time() > kLongMs)
+      return "not packed: the test takes " + std::to_string(test.result()->elapsed_time() / 1000) +
+             " s; CDE_WAVES=FOLDER runs it with waves";
+    std::error_code error;
+    const std::string name = std::string(test.test_suite_name()) + "." + test.name();
+    const fs::path folder = failures_folder() / test_name();
+    fs::remove_all(folder, error);
+    fs::create_directories(folder, error);
+    if (error) return "not packed: " + folder.string() + ": " + error.message();
+    const fs::path self = fs::read_symlink("/proc/self/exe", error);
+    const std::string again = quoted(self.string()) + " --gtest_filter=" + quoted(name);
+    const Ran ran = run_shell("CDE_WAVES=" + quoted(folder.string()) + " timeout " + kWavesTake +
+                              " " + again + " 2>&1");
+    const std::size_t files = describe_waves(folder);
+    std::ofstream text(folder / "fail.txt");
+    text << name << " failed\n\n"
+         << said_ << "\nagain, with waves of its boards from their start:\n  CDE_WAVES=FOLDER "
+         << again << "\n\nwhat the test said then (exit status " << ran.status << "):\n"
+         << ran.said;
+    text.close();
+    if (ran.status == 0)
+      return "packed in: " + folder.string() + ", but run again with waves the test passes";
+    return "packed in: " + folder.string() + ", waves of " + std::to_string(files) +
+           (files == 1 ? " board" : " boards");
+  }
+
+  std::string said_;
+};
+
+// GoogleTest owns it.
+[[maybe_unused]] const bool kListens = [] {
+  ::testing::UnitTest::GetInstance()->listeners().Append(new Packs);
+  return true;
+}();
+
+}  // namespace
+}  // namespace cde::testing
