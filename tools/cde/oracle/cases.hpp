@@ -7,9 +7,8 @@
 #include <vector>
 
 #include "cde/contract/pairs.hpp"
-#include "format.hpp"
-#include "printed.hpp"
-#include "shapes.hpp"
+#include "oracle/format.hpp"
+#include "oracle/shapes.hpp"
 
 namespace cde::oracle {
 

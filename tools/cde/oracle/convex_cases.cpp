@@ -3,9 +3,9 @@
 #include <array>
 #include <cmath>
 
-#include "build_shape.hpp"
-#include "cases.hpp"
-#include "gap.hpp"
+#include "oracle/build_shape.hpp"
+#include "oracle/cases.hpp"
+#include "oracle/gap.hpp"
 
 // Operands of the ten convex pairs: build both shapes about the origin in frames that the family
 // chooses, round them, then place B, again by the family's rule.

@@ -4,9 +4,9 @@
 #include <limits>
 #include <numbers>
 
-#include "build_shape.hpp"
-#include "cases.hpp"
-#include "rays.hpp"
+#include "oracle/build_shape.hpp"
+#include "oracle/cases.hpp"
+#include "oracle/rays.hpp"
 
 // Operands of the three ray pairs. The target is built and rounded first, then the ray is aimed at
 // it by the family's rule.

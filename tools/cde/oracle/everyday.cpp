@@ -6,9 +6,9 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "build_shape.hpp"
-#include "cases.hpp"
-#include "scene.hpp"
+#include "oracle/build_shape.hpp"
+#include "oracle/cases.hpp"
+#include "oracle/scene.hpp"
 
 // Operands as people write them: whole numbers, equal coordinates, one thing upon another. What is
 // rare among random numbers, ties above all, is the rule here.
