@@ -85,6 +85,11 @@ Case generate(Pair pair, std::uint64_t seed, std::uint64_t index, const Format& 
                        : detail::convex_case(pair, seed, index, format);
 }
 
+Case hard(Pair pair, std::uint64_t seed, std::uint64_t index, const Format& format) {
+  return has_ray(pair) ? detail::hard_ray_case(pair, seed, index, format)
+                       : detail::hard_convex_case(pair, seed, index, format);
+}
+
 Shape moved(const Shape& shape, const Vec& by) {
   return std::visit(Move{by}, shape);
 }
