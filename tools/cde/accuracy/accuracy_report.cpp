@@ -44,12 +44,14 @@ struct Columns {
   }
 };
 
-/// A quantile; what the oracle cannot tell from nothing is below what it can.
+/// A quantile; what the oracle cannot tell from nothing is below what it can, and nothing if that
+/// is hardly more.
 std::string quantile(const ErrorCounts& errors, double share, const ErrorCounts& oracle) {
   if (errors.count() == 0) return "-";
   const double value = share == 1 ? errors.largest() : errors.quantile(share);
   const double width = oracle.quantile(std::min(share, 0.99));
-  return value < width ? "<" + compact(width) : compact(value);
+  if (value >= width) return compact(value);
+  return width < 0.01 ? "0" : fmt::format("<{}", compact(width));
 }
 
 /// As many of so many, and how many a million that makes at least and at most.
@@ -152,12 +154,11 @@ std::string compact(double value) {
   if (value >= 0.00995 && value < 99999.5) {
     text = value >= 99.95 ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value);
   } else {
-    text = fmt::format("{:.1e}", value);  // "1.2e+05"
-    const std::size_t e = text.find('e');
-    std::string exponent = text.substr(e + 2);
-    exponent.erase(0, std::min(exponent.find_first_not_of('0'), exponent.size() - 1));
-    text = text.substr(0, e + 1) + (text[e + 1] == '-' ? "-" : "") + exponent;
-    if (const std::size_t zero = text.find(".0e"); zero != std::string::npos) text.erase(zero, 2);
+    const std::string digits = fmt::format("{:.1e}", value);  // "1.2e+05"
+    const std::size_t e = digits.find('e');
+    const std::string_view mantissa = std::string_view(digits).substr(0, e);
+    text = fmt::format("{}e{}", mantissa.ends_with(".0") ? mantissa.substr(0, 1) : mantissa,
+                       std::stoi(digits.substr(e + 1)));
   }
   return text;
 }
@@ -176,8 +177,9 @@ std::string accuracy_tables(const std::vector<AccuracyRow>& rows, bool by_family
     decisions.lines.push_back(decisions_line(name, all, &row.price));
     if (!by_family) continue;
     for (const auto& [family, tally] : row.measured.families) {
-      if (tally.leak_rays == 0) errors.lines.push_back(errors_line("  " + family, tally));
-      decisions.lines.push_back(decisions_line("  " + family, tally, nullptr));
+      if (tally.leak_rays == 0)
+        errors.lines.push_back(errors_line(fmt::format("  {}", family), tally));
+      decisions.lines.push_back(decisions_line(fmt::format("  {}", family), tally, nullptr));
     }
   }
   return errors.text(markdown) + "\n" + decisions.text(markdown);

@@ -40,7 +40,7 @@ Scene scene_in(FpFormat format, const Mesh& mesh, std::span<const Ray> rays) {
   scene.scaled_by = scaling_into(format, largest);
   const oracle::Format rounds{format.exp_bits, format.man_bits};
   const auto rounded = [&](const Eigen::Vector3f& v, bool length) -> Vec {
-    const Vec exact = length ? std::ldexp(1, scene.scaled_by) * v.cast<double>() : v.cast<double>();
+    const Vec exact = std::ldexp(1, length ? scene.scaled_by : 0) * v.cast<double>();
     return exact.unaryExpr([&](double x) { return rounds.round(x); });
   };
   const auto append = [&](std::vector<std::uint64_t>& words, const std::vector<double>& numbers) {
@@ -197,7 +197,8 @@ std::vector<PictureAccuracy> picture_accuracy(const Mesh& mesh, std::span<const 
       of_words = truths(scene, progress, from, from + 1 / steps);
     }
     const double u = std::ldexp(1, -1 - pipe.format.man_bits);
-    PictureAccuracy row{.pipe = pipe, .rays = rays.size(), .triangles = mesh.faces.size()};
+    PictureAccuracy row;
+    row.pipe = pipe, row.rays = rays.size(), row.triangles = mesh.faces.size();
     row.scaled_by = scene.scaled_by;
     for (std::size_t i = 0; i < rays.size(); ++i) {
       progress(from + (1 + static_cast<double>(i) / static_cast<double>(rays.size())) / steps);

@@ -15,7 +15,8 @@
 namespace cde::cli {
 namespace {
 
-constexpr oracle::Format kDrawnIn{11, 52};
+// Fractions of binary64; its exponents would be beyond the contract of all other formats.
+constexpr oracle::Format kDrawnIn{8, 52};
 constexpr double kBand = 16;  // in u S
 
 oracle::Format oracle_format(FpFormat format) {
@@ -107,7 +108,7 @@ std::string AccuracyPipe::name() const {
   std::string text(cde::name(pair));
   if (pair == Pair::kRayTriangle)
     text += fmt::format(" {}{}", cde::name(algorithm), box ? " box" : "");
-  text += " " + format.name();
+  text += fmt::format(" {}", format.name());
   if (has_budget(pair))
     text += fmt::format(" {},{},{}", budget.samples, budget.circle, budget.free);
   return text;
@@ -117,7 +118,7 @@ std::string AccuracyPipe::options() const {
   std::string text(cde::name(pair));
   if (pair == Pair::kRayTriangle)
     text += fmt::format(" --algorithm {} {}", cde::name(algorithm), box ? "--box" : "--no-box");
-  text += " --format " + format.name();
+  text += fmt::format(" --format {}", format.name());
   if (has_budget(pair))
     text += fmt::format(" --budget {},{},{}", budget.samples, budget.circle, budget.free);
   return text;

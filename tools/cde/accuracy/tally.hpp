@@ -59,8 +59,8 @@ struct DrawnCases {
   std::vector<oracle::Case> cases;
   std::vector<std::uint64_t> a, b;
 };
-/// Cases of a family from the first on, drawn in binary64 and rounded, so that every format has the
-/// same ones.
+/// Cases of a family from the first on, drawn with the fractions of binary64 and the exponents of
+/// binary32, and rounded, so that every format has the same ones.
 [[nodiscard]] DrawnCases drawn(const AccuracyPipe& pipe, const oracle::Family& family,
                                std::uint64_t seed, std::uint64_t count);
 /// What the mirror reference, and so the card, answers.

@@ -136,7 +136,7 @@ class Kept {
     return fmt::format("{}; {}{}; facet interval {}; {}", pipe.name(), pipe.format.name(),
                        pipe.box ? ", box" : "", pipe.facet_interval, profile.text());
   }
-  static std::array<unsigned*, 14> figures(Pipe& p) {
+  static std::array<unsigned*, 15> figures(Pipe& p) {
     Operators& o = p.operators;
     return {&o.multipliers, &o.dividers, &o.square_roots,    &o.adders,   &o.subtractors,
             &o.comparators, &o.min_max,  &o.mask_ands,       &p.a_words,  &p.b_words,
