@@ -12,6 +12,7 @@
 #include "accuracy/error_counts.hpp"
 #include "accuracy/tally.hpp"
 #include "oracle/oracle.hpp"
+#include "oracle/random.hpp"
 
 namespace cde::cli {
 namespace {
@@ -161,7 +162,8 @@ TEST(Families, HaveNamesOfTheirOwnAndAreWhatTheyAreCalled) {
       EXPECT_TRUE(names.insert(family.name).second) << family.name;
       EXPECT_EQ(family.name.find(' '), std::string::npos);
       const std::string first = family.at(pair, 5, 0, {}).family;
-      for (std::uint64_t i = 1; i < 4; ++i)
+      // Where a flat view has no direction it is another one.
+      for (std::uint64_t i = 1; i < 4 && family.name != "everyday-flat"; ++i)
         EXPECT_EQ(family.at(pair, 5, i, {}).family, first) << family.name;
     }
     EXPECT_GE(names.size(), 20u);

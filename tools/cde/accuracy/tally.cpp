@@ -18,6 +18,7 @@ namespace {
 // Fractions of binary64; its exponents would be beyond the contract of all other formats.
 constexpr oracle::Format kDrawnIn{8, 52};
 constexpr double kBand = 16;  // in u S
+constexpr double kOracleRounding = 4 * 0x1p-53;
 
 oracle::Format oracle_format(FpFormat format) {
   return {format.exp_bits, format.man_bits};
@@ -63,10 +64,11 @@ void judge_solids(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& wo
       counts->add(std::numeric_limits<double>::infinity());
     return;
   }
-  tally.t.add(v.error_c2 / unit);
-  tally.t_ulps.add(v.error_c2 / ulp(format, v.gap.middle()));
+  const double error_t = std::max(0.0, v.error_c2 - slack);
+  tally.t.add(error_t / unit);
+  tally.t_ulps.add(error_t / ulp(format, v.gap.middle()));
   tally.cp.add(std::max(v.witness_a, v.witness_b) / (v.tolerance_p / kBand));
-  tally.n.add(v.error_c1 / unit);
+  tally.n.add(std::max(0.0, v.error_c1 - slack) / unit);
 }
 
 void judge_ray(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& words,
