@@ -142,7 +142,7 @@ TEST_F(Accuracy, WhatIsNotKnownIsNamed) {
 /// A mesh whose picture is known: few bits see it otherwise.
 TEST_F(Accuracy, PixelsOfAPicture) {
   const Ran ran = accuracy({"--mesh", "terrain:12,12,1", "--grid", "16x16", "--box", "on",
-                            "--algorithms", "watertight", "--formats", "bf16,fp64", "--json"});
+                            "--algorithms", "badouel", "--formats", "bf16,fp64", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const Json pictures = Json::parse(ran.out).at("pictures");
   ASSERT_EQ(pictures.size(), 2u);

@@ -55,9 +55,14 @@ void judge_solids(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& wo
                                .gap = {std::max(1e-13, u / 64), 30000},
                                .lower_bound = oracle::has_cylinder(pipe.pair)};
   const oracle::Verdict v = oracle::check(words.shape_a(), words.shape_b(), result, options);
-  const double tolerance = v.tolerance_t, unit = u * v.scale;
-  decide(tally, answer.f, v.gap.hi<-tolerance, v.gap.lo> tolerance, v.gap.middle() <= 0);
-  tally.oracle.add((v.gap.hi - v.gap.lo) / 2 / unit);
+  // The oracle computes in binary64, and far from the world's origin no middle of a box or triangle
+  // is exact there.
+  const double slack =
+      kOracleRounding * oracle::largest_coordinate(words.shape_a(), words.shape_b());
+  const double tolerance = v.tolerance_t + slack, unit = u * v.scale;
+  const bool certain_hit = -v.gap.hi > tolerance, certain_miss = v.gap.lo > tolerance;
+  decide(tally, answer.f, certain_hit, certain_miss, v.gap.middle() <= 0);
+  tally.oracle.add(((v.gap.hi - v.gap.lo) / 2 + slack) / unit);
   if (v.failure == oracle::Failure::kNotFinite) {
     ++tally.not_numbers;
     for (ErrorCounts* counts : {&tally.t, &tally.t_ulps, &tally.cp, &tally.n})
