@@ -182,7 +182,17 @@ std::string accuracy_tables(const std::vector<AccuracyRow>& rows, bool by_family
       decisions.lines.push_back(decisions_line(fmt::format("  {}", family), tally, nullptr));
     }
   }
-  return errors.text(markdown) + "\n" + decisions.text(markdown);
+  Columns simulation{{"simulated pipes", "arith", "lanes", "answers", "as reference", "s/M tests"},
+                     {}};
+  for (const AccuracyRow& row : rows)
+    for (const Simulated& s : row.simulated)
+      simulation.lines.push_back({row.measured.pipe.name(), name_of(s.arithmetic),
+                                  fmt::to_string(s.lanes), fmt::to_string(s.compared), "all",
+                                  compact(s.seconds_per_million())});
+  std::string text = errors.text(markdown);
+  for (const Columns& more : {decisions, simulation})
+    if (!more.lines.empty()) text.append("\n").append(more.text(markdown));
+  return text;
 }
 
 std::string picture_table(const std::vector<PictureAccuracy>& rows, bool markdown) {

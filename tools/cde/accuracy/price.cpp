@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "cde/bitstream/bitstream.hpp"
+#include "cde/contract/pairs.hpp"
 #include "cde/reference/pairs.hpp"
 #include "cde/support/error.hpp"
 #include "output/streams.hpp"
@@ -18,24 +19,23 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Operators and clocks depend on a format by nothing but whether pairs are scaled, so two formats
-/// stand for all.
-FpFormat stands_in(FpFormat format) {
-  return format.exp_bits < 8 ? FpFormat{5, 10} : FpFormat{8, 23};
+/// Clocks in which a pair is brought to the size of one, and its answer back (length_scale.sv,
+/// length_unscale.sv), around the pipe that is the same in all formats. A ring has them in it.
+unsigned scaling_clocks(const AccuracyPipe& pipe) {
+  const bool scaled = pipe.format.exp_bits < 8 || contract::has(contract::kScaledPairs, pipe.pair);
+  return scaled && !has_budget(pipe.pair) ? 3 : 0;
 }
 
 void add_figures(std::vector<Price>& prices, const std::vector<AccuracyPipe>& pipes) {
   std::vector<rtl::Pipe> wanted;
   std::vector<std::size_t> which;
   for (const AccuracyPipe& p : pipes) {
-    const FpFormat format = stands_in(p.format);
     std::size_t k = 0;
     while (k < wanted.size() && !(wanted[k].pair == p.pair && wanted[k].algorithm == p.algorithm &&
-                                  wanted[k].box == p.box && wanted[k].format == format))
+                                  wanted[k].box == p.box))
       ++k;
     if (k == wanted.size())
-      wanted.push_back(
-          {.pair = p.pair, .algorithm = p.algorithm, .absent = "", .format = format, .box = p.box});
+      wanted.push_back({.pair = p.pair, .algorithm = p.algorithm, .absent = "", .box = p.box});
     which.push_back(k);
   }
   try {
@@ -51,7 +51,7 @@ void add_figures(std::vector<Price>& prices, const std::vector<AccuracyPipe>& pi
     Price& price = prices[i];
     price.operators = o.adders + o.subtractors + o.multipliers + o.dividers + o.square_roots +
                       o.comparators + o.min_max;
-    price.latency = pipe.latency, price.interval = pipe.interval;
+    price.latency = pipe.latency + scaling_clocks(pipes[i]), price.interval = pipe.interval;
     if (!has_budget(pipe.pair)) continue;
     // A row goes round as often as its budget says.
     const unsigned passes = reference::passes(pipe.pair, pipes[i].budget),

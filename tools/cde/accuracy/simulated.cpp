@@ -12,13 +12,17 @@
 
 namespace cde::cli {
 
+const char* name_of(Arithmetic arithmetic) {
+  return arithmetic == Arithmetic::kRtl ? "rtl" : "host";
+}
+
 nlohmann::ordered_json Simulated::to_json() const {
-  return {{"arithmetic", arithmetic == Arithmetic::kRtl ? "rtl" : "host"},
+  return {{"arithmetic", name_of(arithmetic)},
           {"lanes", lanes},
           {"records_compared", compared},
           {"records_matching", compared},
           {"simulation_seconds", seconds},
-          {"simulation_seconds_per_million", 1e6 * seconds / static_cast<double>(compared)}};
+          {"simulation_seconds_per_million", seconds_per_million()}};
 }
 
 Simulated simulated(const AccuracyPipe& pipe, Arithmetic arithmetic, std::uint64_t seed,
@@ -56,12 +60,11 @@ Simulated simulated(const AccuracyPipe& pipe, Arithmetic arithmetic, std::uint64
     list(c.a, primary_words(pipe.pair));
     words += "| ";
     list(c.b, secondary_words(pipe.pair));
-    throw Error(
-        ErrorCode::kMismatch,
-        fmt::format("{}, family {}, case {}: the card's answer differs from the reference "
-                    "in {}\nrepeat with: echo '{}' | cde query {} --arith {}",
-                    pipe.name(), families[k].name, i, differing_fields(got[i], expected[i]), words,
-                    pipe.options(), arithmetic == Arithmetic::kRtl ? "rtl" : "host"));
+    throw Error(ErrorCode::kMismatch,
+                fmt::format("{}, family {}, case {}: the card's answer differs from the reference "
+                            "in {}\nrepeat with: echo '{}' | cde query {} --arith {}",
+                            pipe.name(), families[k].name, i, differing_fields(got[i], expected[i]),
+                            words, pipe.options(), name_of(arithmetic)));
   }
   return result;
 }

@@ -14,8 +14,13 @@ struct Simulated {
   unsigned lanes = 0;
   std::uint64_t compared = 0;  ///< answers, all of them those of the reference
   double seconds = 0;          ///< that the simulation took here
+  [[nodiscard]] double seconds_per_million() const {
+    return 1e6 * seconds / static_cast<double>(compared);
+  }
   [[nodiscard]] nlohmann::ordered_json to_json() const;
 };
+/// "host" or "rtl", as --arith has them.
+[[nodiscard]] const char* name_of(Arithmetic arithmetic);
 
 /// The first cases of every family, so many in all, through the pipe's bitstream, which is built on
 /// first use. Error kMismatch for the first answer that is not the reference's, with the words and

@@ -14,7 +14,6 @@
 
 #include "cde/bitstream/bitstream.hpp"
 #include "cde/bitstream/cache_entry.hpp"
-#include "cde/contract/formats.hpp"
 #include "cde/support/error.hpp"
 #include "output/output.hpp"
 
@@ -29,14 +28,14 @@ std::string path(const Pipe& pipe) {
 Elaboration elaborate(const Pipe& pipe, const Profile& p) {
   const std::filesystem::path folder = bitstream_builder().parent_path().parent_path() / "rtl";
   // Host arithmetic has the same operators and states the same latency, and is sooner elaborated;
-  // but only gates share facet units.
+  // but only gates share facet units, and have operators of the box rule.
   return {folder,
           has_budget(pipe.pair) ? "pair_unit" : "pair_pipe",
           {fmt::format("PAIR={}", static_cast<unsigned>(pipe.pair)),
            fmt::format("ALGORITHM={}", static_cast<unsigned>(pipe.algorithm)),
-           fmt::format("ARITH={}", pipe.facet_interval == 1 ? "host" : "rtl"),
+           fmt::format("ARITH={}", pipe.facet_interval == 1 && !pipe.box ? "host" : "rtl"),
            fmt::format("FACET_II={}", pipe.facet_interval), fmt::format("BOX={}", pipe.box ? 1 : 0),
-           fmt::format("EXP={}", pipe.format.exp_bits), fmt::format("MAN={}", pipe.format.man_bits),
+
            fmt::format("LAT_ADD={}", p.add), fmt::format("LAT_MUL={}", p.mul),
            fmt::format("LAT_DIV={}", p.div), fmt::format("LAT_SQRT={}", p.sqrt),
            fmt::format("LAT_CMP={}", p.cmp)}};
@@ -60,11 +59,7 @@ void examine(Pipe& pipe, const Profile& profile, std::atomic<std::size_t>& done)
   try {
     const Elaboration e = elaborate(pipe, {});
     ++done;
-    const unsigned container =
-        static_cast<unsigned>(contract::container(pipe.format.exp_bits, pipe.format.man_bits));
-    const auto words = [&](const char* port) {
-      return e.bits(path(pipe), port).value_or(0) / container;
-    };
+    const auto words = [&](const char* port) { return e.bits(path(pipe), port).value_or(0) / 32; };
     pipe.module = e.module_of(path(pipe));
     pipe.operators = e.operators(path(pipe));
     pipe.a_words = words("a_i");
@@ -133,8 +128,8 @@ class Kept {
  private:
   using Json = nlohmann::ordered_json;
   static std::string key(const Pipe& pipe, const Profile& profile) {
-    return fmt::format("{}; {}{}; facet interval {}; {}", pipe.name(), pipe.format.name(),
-                       pipe.box ? ", box" : "", pipe.facet_interval, profile.text());
+    return fmt::format("{}{}; facet interval {}; {}", pipe.name(), pipe.box ? ", box" : "",
+                       pipe.facet_interval, profile.text());
   }
   static std::array<unsigned*, 15> figures(Pipe& p) {
     Operators& o = p.operators;

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "cde/fp/fp_format.hpp"
 #include "cde/geometry/pair.hpp"
 #include "rtl/elaborate.hpp"
 
@@ -21,13 +20,12 @@ struct Profile {
   }
 };
 
-/// A pipe as it is elaborated with one lane.
+/// A pipe as it is elaborated with one lane in fp32.
 struct Pipe {
   Pair pair;
   Algorithm algorithm;
   std::string absent;           ///< why there is none; the rest is empty then
   unsigned facet_interval = 1;  ///< that was asked for
-  FpFormat format = {};         ///< that it computes in
   bool box = false;             ///< it has the box rule
   std::string module = {};
   Operators operators = {};
