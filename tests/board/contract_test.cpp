@@ -45,7 +45,10 @@ std::uint64_t number(auto value) {
 // ---- The constants in C++, by the names of the packages ----
 
 Values formats() {
-  Values v = {{"LEAST_WORDS", 0}, {"FP_OPS", kFpOps}, {"FP_ARITHMETIC", kFpArithmetic}, {"FORMATS", kFpFormats.size()}};
+  Values v = {{"LEAST_WORDS", 0},
+              {"FP_OPS", kFpOps},
+              {"FP_ARITHMETIC", kFpArithmetic},
+              {"FORMATS", kFpFormats.size()}};
   constexpr const char* kOps[] = {"ADD", "SUB", "MUL", "DIV", "SQRT",
                                   "LT",  "LE",  "EQ",  "MIN", "MAX"};
   for (unsigned k = 0; k < kFpArithmetic; ++k) v["FP_" + std::string(kOps[k])] = k;

@@ -312,8 +312,8 @@ TEST_F(Query, WrongUsageIsRefused) {
   refused({"sphere-sphere", "--lanes", "257"},
           "--lanes is '257'; it must be a whole number, 1 to 256");
   refused({"sphere-sphere", "--format", "fp7"}, "--format is 'fp7'");
-  refused({"sphere-sphere", "--format", "tf32"},
-          "--format is 'tf32'; it must be fp16, bf16, fp24, fp32 or fp64");
+  refused({"sphere-sphere", "--format", "e4m3"},
+          "--format is 'e4m3'; it must be fp16, bf16, tf32, fp24, fp32 or fp64");
   refused({"sphere-sphere", "--budget", "4,8,8"}, "--budget is of cylinder-cylinder");
   refused({"cylinder-cylinder", "--budget", "4,8"}, "--budget is '4,8'; it must be M,K1,K2");
   refused({"cylinder-cylinder", "--budget", "0,8,8"}, "budget: M is 0, expected 4, 8 or 16");

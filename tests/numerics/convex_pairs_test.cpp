@@ -31,6 +31,7 @@
 #include "oracle/build_shape.hpp"
 #include "oracle/oracle.hpp"
 #include "oracle/random.hpp"
+#include "printed.hpp"
 
 namespace cde::testing {
 namespace {

@@ -18,6 +18,7 @@
 #include "cylinder_cases.hpp"
 #include "oracle/oracle.hpp"
 #include "oracle/random.hpp"
+#include "printed.hpp"
 
 namespace cde::testing {
 namespace {

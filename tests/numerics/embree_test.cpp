@@ -14,7 +14,7 @@
 #include "cde/geometry/bounds.hpp"
 #include "cde/mesh/mesh.hpp"
 #include "cde/mesh/terrain.hpp"
-#include "exact.hpp"
+#include "oracle/exact.hpp"
 
 namespace {
 

@@ -16,9 +16,9 @@
 #include "cde/reference/pipes/ray_cylinder.hpp"
 #include "cde/reference/pipes/ray_sphere.hpp"
 #include "cde/reference/pipes/ray_triangle.hpp"
-#include "exact.hpp"
 #include "in_docs.hpp"
 #include "operators.hpp"
+#include "oracle/exact.hpp"
 #include "random.hpp"
 
 namespace cde::testing {

@@ -23,8 +23,8 @@
 #include "cde/reference/pipes/ray_cylinder.hpp"
 #include "cde/reference/pipes/ray_sphere.hpp"
 #include "cde/reference/pipes/ray_triangle.hpp"
-#include "exact.hpp"
 #include "exact_solids.hpp"
+#include "oracle/exact.hpp"
 #include "oracle/random.hpp"
 #include "scaled_cases.hpp"
 

@@ -18,6 +18,7 @@
 #include "cde/reference/pairs.hpp"
 #include "cde/reference/pipes/scale.hpp"
 #include "oracle/certificate.hpp"
+#include "printed.hpp"
 #include "scaled_cases.hpp"
 
 namespace cde::testing {

@@ -14,6 +14,7 @@
 #include "amount.hpp"
 #include "cde/reference/pipes/dispatch.hpp"
 #include "oracle/oracle.hpp"
+#include "printed.hpp"
 
 namespace cde::testing {
 namespace {

@@ -14,6 +14,7 @@
 #include "oracle/gap.hpp"
 #include "oracle/random.hpp"
 #include "oracle/rays.hpp"
+#include "printed.hpp"
 
 namespace cde::oracle {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "shapes.hpp"
+#include "oracle/shapes.hpp"
 
 namespace cde::oracle {
 

@@ -13,6 +13,7 @@
 #include "oracle/build_shape.hpp"
 #include "oracle/cases.hpp"
 #include "oracle/random.hpp"
+#include "printed.hpp"
 
 namespace cde::oracle {
 namespace {

@@ -13,6 +13,7 @@
 #include "oracle/fcl.hpp"
 #include "oracle/gap.hpp"
 #include "oracle/rays.hpp"
+#include "printed.hpp"
 
 namespace cde::oracle {
 namespace {

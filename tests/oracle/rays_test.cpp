@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "oracle/random.hpp"
+#include "printed.hpp"
 
 namespace cde::oracle {
 namespace {

@@ -15,6 +15,7 @@
 #include "cde/support/error.hpp"
 #include "oracle/cases.hpp"
 #include "pair_failure.hpp"
+#include "printed.hpp"
 
 namespace cde {
 namespace {

@@ -28,6 +28,7 @@
 #include "numerics/operators.hpp"
 #include "oracle/cases.hpp"
 #include "pair_failure.hpp"
+#include "printed.hpp"
 
 namespace {
 

@@ -94,10 +94,10 @@ class OtherKinds : public Cli {
     Cli::SetUp();
     Writer w(folder_ / "k.fst");
     w.scope("top");
-    const fstHandle i = w.signal("i", 32, FST_VT_VCD_INTEGER),
-                    b = w.signal("b", 8, FST_VT_SV_BYTE), ev = w.signal("ev", 1, FST_VT_VCD_EVENT),
-                    odd = w.signal("\\odd+name!", 4), wire = w.signal("wire", 8),
-                    twin = w.signal("twin", 4), other_twin = w.signal("twin", 4);
+    const fstHandle i = w.signal("i", 32, FST_VT_VCD_INTEGER), b = w.signal("b", 8, FST_VT_SV_BYTE),
+                    ev = w.signal("ev", 1, FST_VT_VCD_EVENT), odd = w.signal("\\odd+name!", 4),
+                    wire = w.signal("wire", 8), twin = w.signal("twin", 4),
+                    other_twin = w.signal("twin", 4);
     w.scope("u[1]");
     const fstHandle inner = w.signal("q [3:0]", 4);
     w.up();

@@ -4,39 +4,24 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
-#include <chrono>
 #include <cstdio>
-#include <fstream>
-#include <future>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
-#include "cde/bitstream/bitstream.hpp"
-#include "cde/bitstream/cache_entry.hpp"
-#include "cde/card/pair_unit.hpp"
 #include "cde/support/error.hpp"
 #include "command/values.hpp"
 #include "output/json_keys.hpp"
-#include "output/output.hpp"
 #include "output/streams.hpp"
-#include "rtl/elaborate.hpp"
+#include "rtl/pipe_figures.hpp"
 #include "verbs/verbs.hpp"
 
 namespace cde::cli {
 namespace {
 
-/// Clocks of an operator.
-struct Profile {
-  unsigned add = 1, mul = 1, div = 1, sqrt = 1, cmp = 1;
-  [[nodiscard]] std::string text() const {
-    return fmt::format("add {}, mul {}, div {}, sqrt {}, cmp {}", add, mul, div, sqrt, cmp);
-  }
-};
+using rtl::Pipe;
+using rtl::Profile;
 
 struct Options {
   std::vector<std::string> pairs;
@@ -44,167 +29,6 @@ struct Options {
   unsigned facet_interval = 1;
   bool json = false, markdown = false;
 };
-
-/// A pipe as it is elaborated with one lane in fp32.
-struct Pipe {
-  Pair pair;
-  Algorithm algorithm;
-  std::string absent;           ///< why there is none; the rest is empty then
-  unsigned facet_interval = 1;  ///< that was asked for
-  std::string module = {};
-  rtl::Operators operators = {};
-  unsigned a_words = 0, b_words = 0, outputs = 0;  ///< words of 32 bits, F as one
-  unsigned latency = 0, latency_profile = 0;       ///< clocks; the first at one an operator
-  unsigned interval = 1;                           ///< clocks from a row to the next
-
-  [[nodiscard]] std::string name() const {
-    return pair == Pair::kRayTriangle ? fmt::format("{}, {}", cde::name(pair), cde::name(algorithm))
-                                      : std::string(cde::name(pair));
-  }
-};
-
-/// Its place in the elaborated design: a cylinder pipe, which is a ring, is in a unit of its own.
-std::string path(const Pipe& pipe) {
-  return has_budget(pipe.pair) ? "pair_unit.pipe" : "pair_pipe.pipe";
-}
-
-rtl::Elaboration elaborate(const Pipe& pipe, const Profile& p) {
-  const std::filesystem::path rtl = bitstream_builder().parent_path().parent_path() / "rtl";
-  // Host arithmetic has the same operators and states the same latency, and is sooner elaborated;
-  // but only gates share facet units.
-  return {rtl,
-          has_budget(pipe.pair) ? "pair_unit" : "pair_pipe",
-          {fmt::format("PAIR={}", static_cast<unsigned>(pipe.pair)),
-           fmt::format("ALGORITHM={}", static_cast<unsigned>(pipe.algorithm)),
-           fmt::format("ARITH={}", pipe.facet_interval == 1 ? "host" : "rtl"),
-           fmt::format("FACET_II={}", pipe.facet_interval), fmt::format("LAT_ADD={}", p.add),
-           fmt::format("LAT_MUL={}", p.mul), fmt::format("LAT_DIV={}", p.div),
-           fmt::format("LAT_SQRT={}", p.sqrt), fmt::format("LAT_CMP={}", p.cmp)}};
-}
-
-/// The pipe's own, or that of the module which every ray pipe of a solid ends in.
-std::optional<unsigned> latency(const rtl::Elaboration& e, const Pipe& pipe) {
-  const auto own = e.constant(path(pipe), "LATENCY");
-  return own ? own : e.constant(path(pipe) + ".crossing", "LATENCY");
-}
-
-unsigned required(const std::optional<unsigned>& value, const Pipe& pipe, const char* what) {
-  if (!value)
-    throw Error(ErrorCode::kBuild, fmt::format("{}: the pipe has no {}", pipe.name(), what));
-  return *value;
-}
-
-/// Error kBuild if the RTL cannot be elaborated for any other reason than that there is no pipe.
-/// Two elaborations, each counted in `done`.
-void examine(Pipe& pipe, const Profile& profile, std::atomic<std::size_t>& done) {
-  try {
-    const rtl::Elaboration e = elaborate(pipe, {});
-    ++done;
-    const auto words = [&](const char* port) { return e.bits(path(pipe), port).value_or(0) / 32; };
-    pipe.module = e.module_of(path(pipe));
-    pipe.operators = e.operators(path(pipe));
-    pipe.a_words = words("a_i");
-    pipe.b_words = words("b_i");
-    pipe.outputs = words("f_o") + words("t_o") + words("cp_o") + words("n_o");
-    pipe.latency = required(latency(e, pipe), pipe, "localparam LATENCY");
-    pipe.interval = e.constant(path(pipe), "INTERVAL").value_or(pipe.facet_interval);
-    pipe.latency_profile =
-        required(latency(elaborate(pipe, profile), pipe), pipe, "localparam LATENCY");
-  } catch (const rtl::ElaborationError& error) {
-    const std::string what = error.what();
-    if (what.find(rtl::kNoPipe) == std::string::npos) throw Error(ErrorCode::kBuild, what);
-    pipe.absent = rtl::kNoPipe;
-    ++done;
-  }
-  ++done;
-}
-
-// ---- Figures of earlier times ----
-
-/// Figures of pipes, kept in the cache for as long as neither the RTL nor what reads it changes.
-class Kept {
- public:
-  Kept() {
-    try {
-      // Like bitstreams: RTL, Verilator and how it is run; and this very program, which counts.
-      const BitstreamFile rtl = bitstream_file("pair_unit", {});
-      std::ifstream program("/proc/self/exe", std::ios::binary);
-      const std::string code(std::istreambuf_iterator<char>(program), {});
-      if (code.empty()) return;
-      name_ = cache_key({rtl.path.stem().string(), code}) + ".inventory.json";
-      if (const auto text = read_cache_entry(name_)) all_ = Json::parse(*text, nullptr, false);
-    } catch (const Error&) {
-      // Elaboration says what is missing.
-    }
-    if (!all_.is_object()) all_ = Json::object();
-  }
-
-  /// Whether the pipe's figures were there.
-  bool fill(Pipe& pipe, const Profile& profile) const {
-    const auto at = all_.find(key(pipe, profile));
-    if (at == all_.end()) return false;
-    try {
-      const Json& j = *at;
-      j.at("absent").get_to(pipe.absent);
-      j.at("module").get_to(pipe.module);
-      std::size_t i = 0;
-      for (unsigned* figure : figures(pipe)) j.at("figures").at(i++).get_to(*figure);
-    } catch (const Json::exception&) {
-      return false;
-    }
-    return true;
-  }
-  void keep(Pipe& pipe, const Profile& profile) {
-    Json list = Json::array();
-    for (const unsigned* figure : figures(pipe)) list.push_back(*figure);
-    all_[key(pipe, profile)] = {
-        {"absent", pipe.absent}, {"module", pipe.module}, {"figures", list}};
-  }
-  void write() const {
-    if (!name_.empty()) write_cache_entry(name_, all_.dump());
-  }
-
- private:
-  using Json = nlohmann::ordered_json;
-  static std::string key(const Pipe& pipe, const Profile& profile) {
-    return fmt::format("{}; facet interval {}; {}", pipe.name(), pipe.facet_interval,
-                       profile.text());
-  }
-  static std::array<unsigned*, 14> figures(Pipe& p) {
-    rtl::Operators& o = p.operators;
-    return {&o.multipliers, &o.dividers, &o.square_roots,    &o.adders,  &o.subtractors,
-            &o.comparators, &o.min_max,  &o.mask_ands,       &p.a_words, &p.b_words,
-            &p.outputs,     &p.latency,  &p.latency_profile, &p.interval};
-  }
-
-  std::string name_;
-  Json all_ = Json::object();
-};
-
-/// As many at a time as there are processors, but those that are kept.
-void examine_all(std::vector<Pipe>& wanted, const Profile& profile) {
-  Kept kept;
-  std::vector<Pipe*> pipes;
-  for (Pipe& pipe : wanted)
-    if (!kept.fill(pipe, profile)) pipes.push_back(&pipe);
-  if (pipes.empty()) return;
-  std::atomic<std::size_t> next = 0, done = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < pipes.size(); i = next++) examine(*pipes[i], profile, done);
-  };
-  std::vector<std::future<void>> workers;
-  for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i)
-    workers.push_back(std::async(std::launch::async, work));
-  {
-    Progress progress("elaborating the pipes");
-    for (auto& worker : workers)
-      while (worker.wait_for(std::chrono::milliseconds(200)) != std::future_status::ready)
-        progress(static_cast<double>(done) / (2.0 * static_cast<double>(pipes.size())));
-  }
-  for (auto& worker : workers) worker.get();
-  for (Pipe* pipe : pipes) kept.keep(*pipe, profile);
-  kept.write();
-}
 
 /// What the paper's Tables 1 and 2 say of an algorithm: "Hardware-Accelerated Ray-Triangle
 /// Intersection Testing for High-Performance Collision Detection", Journal of WSCG 15, 2007.

@@ -10,6 +10,7 @@ namespace cde::cli {
 /// Set by a verb that ran but found a difference or nothing (exit 1) instead of throwing.
 inline int exit_code = 0;
 
+void add_accuracy(CLI::App& app);
 void add_bench(CLI::App& app);
 void add_cast(CLI::App& app);
 void add_doctor(CLI::App& app);

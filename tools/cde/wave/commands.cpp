@@ -157,8 +157,9 @@ int list(const Request& r) {
                          {"type", s->kind},
                          {"direction", s->direction}});
     else
-      fmt::format_to(std::back_inserter(text), "{:<{}}  {:>5}  {} {}{}{}\n", printable_name(s->name), longest,
-                     s->width, s->kind, s->direction, range.empty() ? "" : " ", range);
+      fmt::format_to(std::back_inserter(text), "{:<{}}  {:>5}  {} {}{}{}\n",
+                     printable_name(s->name), longest, s->width, s->kind, s->direction,
+                     range.empty() ? "" : " ", range);
   }
   if (r.json) {
     Json j = begin_json(r);

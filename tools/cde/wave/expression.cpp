@@ -503,7 +503,8 @@ class Parser {
       }
       const auto ends = [&](const Signal& s) { return s.name.ends_with('\\' + name); };
       const auto& all = trace_.signals();
-      return signal(at, std::any_of(all.begin(), all.end(), ends) ? '\\' + name + index : name + index);
+      return signal(at,
+                    std::any_of(all.begin(), all.end(), ends) ? '\\' + name + index : name + index);
     }
     while (at_ < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[at_])) != 0 ||
                                   text_[at_] == '_' || text_[at_] == '.' || text_[at_] == '$'))

@@ -25,8 +25,8 @@ struct Signal {
   unsigned width = 0;        ///< bits; 64 of a real
   int left = 0, right = 0;   ///< of its range as it was declared, e.g. [7:0]
   bool ranged = false, real = false, text = false;
-  bool is_signed = false;  ///< as its kind is in SystemVerilog
-  bool event = false;      ///< 1 in the instants in which it is triggered, else 0
+  bool is_signed = false;                   ///< as its kind is in SystemVerilog
+  bool event = false;                       ///< 1 in the instants in which it is triggered, else 0
   const char* kind = "";                    ///< "wire", "logic", ...
   const char* direction = "";               ///< "input", "output", ... or empty
   std::shared_ptr<const Names> names = {};  ///< of an enumeration
@@ -56,8 +56,8 @@ class Trace {
   using Visit = std::function<bool(std::uint64_t, std::uint32_t, std::string_view)>;
   /// The values that signals have at `from`, then their changes up to and with `to`, in the order
   /// of time. Bits are characters 0, 1, x, z, the most significant first; reals are decimal text. A
-  /// value that a signal does not have yet is x. An event is told of when it is triggered, as 1, and
-  /// is 0 at `from` unless it is then.
+  /// value that a signal does not have yet is x. An event is told of when it is triggered, as 1,
+  /// and is 0 at `from` unless it is then.
   void stream(std::span<const std::uint32_t> handles, std::uint64_t from, std::uint64_t to,
               const Visit& visit);
 

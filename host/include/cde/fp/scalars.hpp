@@ -15,7 +15,7 @@
 /// kFormatTable becomes one by its scalar here.
 namespace cde {
 
-using PairScalars = std::tuple<Fp16, Bf16, Fp24, float, double>;
+using PairScalars = std::tuple<Fp16, Bf16, Tf32, Fp24, float, double>;
 
 template <class S>
 inline constexpr FpFormat kFormatOf{

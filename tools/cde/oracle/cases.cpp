@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cases.hpp"
+#include "oracle/cases.hpp"
 
 #include <cstdio>
 #include <stdexcept>
@@ -83,6 +83,11 @@ std::string Case::describe() const {
 Case generate(Pair pair, std::uint64_t seed, std::uint64_t index, const Format& format) {
   return has_ray(pair) ? detail::ray_case(pair, seed, index, format)
                        : detail::convex_case(pair, seed, index, format);
+}
+
+Case hard(Pair pair, std::uint64_t seed, std::uint64_t index, const Format& format) {
+  return has_ray(pair) ? detail::hard_ray_case(pair, seed, index, format)
+                       : detail::hard_convex_case(pair, seed, index, format);
 }
 
 Shape moved(const Shape& shape, const Vec& by) {

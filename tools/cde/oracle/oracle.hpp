@@ -21,8 +21,6 @@
 /// gap.hpp          the signed gap as a certified interval, by branch and bound over normals
 /// certificate.hpp  check(): conditions c1, c2, c3 and F for the pairs of solids
 /// rays.hpp         exact answers of the three ray pairs, with how near each is to flipping
-/// fcl.hpp          signed distances of FCL 0.7
-/// cgal.hpp         exact predicates and distances of CGAL
 /// cases.hpp        generate(pair, seed, i): operands near the decision and of directed families;
 ///                  everyday(pair, seed, i): what people build, where ties are the rule
 /// scene.hpp        random scenes of bodies at rest on a floor and on each other
@@ -30,8 +28,8 @@
 /// Cost of signed_gap at the default tolerance of 1e-8 S, one thread of an AMD EPYC, mean over
 /// 20,000 cases of generate(): 8 us for sphere-OBB, 20 to 35 us for boxes and triangles, 110 to 125
 /// us for cylinders, below 1 us for the rest. All of these cases converged.
-#include "cases.hpp"
-#include "certificate.hpp"
-#include "gap.hpp"
-#include "rays.hpp"
-#include "shapes.hpp"
+#include "oracle/cases.hpp"
+#include "oracle/certificate.hpp"
+#include "oracle/gap.hpp"
+#include "oracle/rays.hpp"
+#include "oracle/shapes.hpp"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "build_shape.hpp"
+#include "oracle/build_shape.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
 
-#include "cases.hpp"
+#include "oracle/cases.hpp"
 
 namespace cde::oracle {
 namespace {

@@ -3,9 +3,9 @@
 #include <array>
 #include <cmath>
 
-#include "build_shape.hpp"
-#include "cases.hpp"
-#include "gap.hpp"
+#include "oracle/build_shape.hpp"
+#include "oracle/cases.hpp"
+#include "oracle/gap.hpp"
 
 // Operands of the ten convex pairs: build both shapes about the origin in frames that the family
 // chooses, round them, then place B, again by the family's rule.
@@ -229,13 +229,72 @@ const char* offset(Draft& d) {
   return "offset";
 }
 
-}  // namespace
+// ---- Hard cases ----
 
-Case detail::convex_case(Pair pair, std::uint64_t seed, std::uint64_t index, const Format& format) {
-  static constexpr std::array kFamilies = {
-      generic_random, deep,   aligned,       concentric,         containment, thin,     no_area,
-      half_turn,      tilted, parallel_axes, perpendicular_axes, cap_axis,    mismatch, offset};
-  Draft d{Random(seed, static_cast<std::uint64_t>(pair), index),
+/// Up to a tenth of the scene from contact, where formats of few bits tell hits from misses.
+const char* close_by(Draft& d) {
+  d.build();
+  const Vec direction = d.random.direction();
+  const double gap = d.random.either_sign(d.random.decades(1e-4, 1e-1));
+  d.b = approach(d.a, d.b, direction, gap * d.size());
+  return "close";
+}
+
+const char* touching(Draft& d) {
+  d.build();
+  d.b = approach(d.a, d.b, d.random.direction(), 0);
+  return "touching";
+}
+
+/// Face to face but for a rotation by 1e-9 to 1e-2.
+const char* hair_turn(Draft& d) {
+  const double angle = d.random.decades(1e-9, 1e-2);
+  const Frame slightly = tilt(d.random, angle);
+  d.frames({d.random.rotation(), slightly});
+  d.build();
+  const Vec n = d.random.flipped(d.frame_a.col(d.random.below(3)));
+  d.b = against(d.a, d.b, n, d.small_gap());
+  return "hair turn";
+}
+
+const char* coaxial(Draft& d) {
+  d.frames({d.random.rotation(), Frame::Identity()});
+  d.build();
+  const Vec n = d.random.flipped(d.frame_a.col(2));
+  d.b = against(d.a, d.b, n, d.random.chance(0.7) ? d.small_gap() : -0.3 * d.size());
+  return "coaxial";
+}
+
+const char* huge_and_tiny(Draft& d) {
+  const double scale = std::ldexp(1, d.random.chance(0.5) ? 20 : -20);
+  (d.random.chance(0.5) ? d.build_a : d.build_b).scale = scale;
+  d.build();
+  d.near_contact();
+  return "huge and tiny";
+}
+
+/// So many times their size from the world's origin.
+const char* far_off(Draft& d, double distance, const char* family) {
+  d.build();
+  d.random.chance(0.5) ? d.near_contact() : d.beside(0, 0.6);
+  const Vec by = distance * d.random.direction();
+  d.a = moved(d.a, by);
+  d.b = moved(d.b, by);
+  return family;
+}
+const char* far_1e3(Draft& d) {
+  return far_off(d, 1e3, "far 1e3");
+}
+const char* far_1e5(Draft& d) {
+  return far_off(d, 1e5, "far 1e5");
+}
+const char* far_1e7(Draft& d) {
+  return far_off(d, 1e7, "far 1e7");
+}
+
+Draft blank(Pair pair, std::uint64_t seed, std::uint64_t stream, std::uint64_t index,
+            const Format& format) {
+  Draft d{Random(seed, stream + static_cast<std::uint64_t>(pair), index),
           format,
           primary(pair),
           secondary(pair),
@@ -246,6 +305,27 @@ Case detail::convex_case(Pair pair, std::uint64_t seed, std::uint64_t index, con
           {},
           {}};
   d.frames({d.random.rotation(), d.random.rotation()});
+  return d;
+}
+
+}  // namespace
+
+Case detail::hard_convex_case(Pair pair, std::uint64_t seed, std::uint64_t index,
+                              const Format& format) {
+  static constexpr std::array kFamilies = {close_by,      touching, hair_turn, coaxial,
+                                           huge_and_tiny, far_1e3,  far_1e5,   far_1e7};
+  static_assert(kFamilies.size() == kHardConvexFamilies);
+  Draft d = blank(pair, seed, 1000, index, format);
+  const char* family = kFamilies[index % kFamilies.size()](d);
+  return {pair, seed, index, family, to_words(d.a, format), to_words(d.b, format)};
+}
+
+Case detail::convex_case(Pair pair, std::uint64_t seed, std::uint64_t index, const Format& format) {
+  static constexpr std::array kFamilies = {
+      generic_random, deep,   aligned,       concentric,         containment, thin,     no_area,
+      half_turn,      tilted, parallel_axes, perpendicular_axes, cap_axis,    mismatch, offset};
+  static_assert(kFamilies.size() == kConvexFamilies);
+  Draft d = blank(pair, seed, 0, index, format);
   const char* family =
       index % 2 == 0 ? generic_near_contact(d) : kFamilies[index / 2 % kFamilies.size()](d);
   return {pair, seed, index, family, to_words(d.a, format), to_words(d.b, format)};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "shapes.hpp"
+#include "oracle/shapes.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>

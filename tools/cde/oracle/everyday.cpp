@@ -6,9 +6,9 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "build_shape.hpp"
-#include "cases.hpp"
-#include "scene.hpp"
+#include "oracle/build_shape.hpp"
+#include "oracle/cases.hpp"
+#include "oracle/scene.hpp"
 
 // Operands as people write them: whole numbers, equal coordinates, one thing upon another. What is
 // rare among random numbers, ties above all, is the rule here.
@@ -354,6 +354,8 @@ Case everyday(Pair pair, std::uint64_t seed, std::uint64_t index, const Format& 
   static constexpr std::array<Family, 8> kRays = {ray_in_a_scene, ray_aligned, ray_tied,
                                                   ray_in_a_scene, ray_flat,    ray_tied,
                                                   ray_flat,       ray_scaled};
+  static_assert(kConvex.size() == detail::kEverydayFamilies &&
+                kRays.size() == detail::kEverydayFamilies);
   // A stream of its own for every pair, apart from those of generate().
   Pieces p{.random = Random(seed, 500 + static_cast<std::uint64_t>(pair), index),
            .format = format,

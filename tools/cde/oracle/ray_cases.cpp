@@ -4,9 +4,9 @@
 #include <limits>
 #include <numbers>
 
-#include "build_shape.hpp"
-#include "cases.hpp"
-#include "rays.hpp"
+#include "oracle/build_shape.hpp"
+#include "oracle/cases.hpp"
+#include "oracle/rays.hpp"
 
 // Operands of the three ray pairs. The target is built and rounded first, then the ray is aimed at
 // it by the family's rule.
@@ -278,13 +278,64 @@ const char* thin(RayDraft& d) {
   return "thin";
 }
 
-}  // namespace
+// ---- Hard cases ----
 
-Case detail::ray_case(Pair pair, std::uint64_t seed, std::uint64_t index, const Format& format) {
-  static constexpr std::array kFamilies = {aimed,     anywhere,   from_inside,     at_bounds,
-                                           intervals, along_axes, degenerate_view, tangent,
-                                           far_away,  any_length, offset,          thin};
-  RayDraft d{Random(seed, static_cast<std::uint64_t>(pair), index),
+/// Almost along the surface: in a triangle's plane but for an angle of 1e-6 to 1e-1, or into a
+/// solid that little of its size past the silhouette.
+const char* grazing(RayDraft& d) {
+  d.make_target();
+  const double slight = d.random.decades(1e-6, 1e-1);
+  if (const auto* t = std::get_if<Triangle>(&d.target)) {
+    const Vec normal = (t->v1 - t->v0).cross(t->v2 - t->v0).normalized();
+    const Vec along = normal.cross(d.random.direction()).normalized();
+    const double away = d.random.uniform(1, 6);
+    const Vec at = d.inner_point();
+    d.aim(at - away * (along + d.random.either_sign(slight) * normal), at);
+    return "grazing";
+  }
+  const Vec from = d.eye();
+  Vec point, out;
+  d.rim_point(from, point, out);
+  d.aim(from, point - slight * out);
+  return "grazing";
+}
+
+const char* sliver(RayDraft& d) {
+  d.build.thin = d.random.decades(1e-6, 1e-2);
+  d.build.plate = d.random.chance(0.5);
+  aimed(d);
+  return "sliver";
+}
+
+const char* huge_and_tiny(RayDraft& d) {
+  d.build.scale = std::ldexp(1, d.random.chance(0.5) ? 20 : -20);
+  d.make_target();
+  const double away = std::max(1.0, d.build.scale) * d.random.uniform(2, 8);
+  const Vec from = center(d.target) + away * d.random.direction();
+  d.aim(from, d.inner_point());
+  return "huge and tiny";
+}
+
+const char* far_off(RayDraft& d, double distance, const char* family) {
+  d.random.chance(0.5) ? aimed(d) : anywhere(d);
+  const Vec by = distance * d.random.direction();
+  d.target = rounded(d.kind, moved(d.target, by), d.format);
+  d.ray.o += by;
+  return family;
+}
+const char* far_1e3(RayDraft& d) {
+  return far_off(d, 1e3, "far 1e3");
+}
+const char* far_1e5(RayDraft& d) {
+  return far_off(d, 1e5, "far 1e5");
+}
+const char* far_1e7(RayDraft& d) {
+  return far_off(d, 1e7, "far 1e7");
+}
+
+RayDraft blank(Pair pair, std::uint64_t seed, std::uint64_t stream, std::uint64_t index,
+               const Format& format) {
+  RayDraft d{Random(seed, stream + static_cast<std::uint64_t>(pair), index),
              format,
              secondary(pair),
              {},
@@ -292,12 +343,37 @@ Case detail::ray_case(Pair pair, std::uint64_t seed, std::uint64_t index, const 
              {},
              {}};
   d.frame = d.random.rotation();
+  return d;
+}
+
+Case made_whole(RayDraft& d, Pair pair, std::uint64_t seed, std::uint64_t index,
+                const char* family) {
+  // Rounding may have left no direction: two points that are one.
+  if (d.made(pair, seed, index, family).ray().d.isZero(0)) d.ray.d = Vec::UnitX();
+  return d.made(pair, seed, index, family);
+}
+
+}  // namespace
+
+Case detail::hard_ray_case(Pair pair, std::uint64_t seed, std::uint64_t index,
+                           const Format& format) {
+  static constexpr std::array kFamilies = {grazing, sliver,  huge_and_tiny,
+                                           far_1e3, far_1e5, far_1e7};
+  static_assert(kFamilies.size() == kHardRayFamilies);
+  RayDraft d = blank(pair, seed, 1000, index, format);
+  const char* family = kFamilies[index % kFamilies.size()](d);
+  return made_whole(d, pair, seed, index, family);
+}
+
+Case detail::ray_case(Pair pair, std::uint64_t seed, std::uint64_t index, const Format& format) {
+  static constexpr std::array kFamilies = {aimed,     anywhere,   from_inside,     at_bounds,
+                                           intervals, along_axes, degenerate_view, tangent,
+                                           far_away,  any_length, offset,          thin};
+  static_assert(kFamilies.size() == kRayFamilies);
+  RayDraft d = blank(pair, seed, 0, index, format);
   const char* family =
       index % 2 == 0 ? past_the_edge(d) : kFamilies[index / 2 % kFamilies.size()](d);
-  const Case made = d.made(pair, seed, index, family);
-  // Rounding may have left no direction: two points that are one.
-  if (made.ray().d.isZero(0)) d.ray.d = Vec::UnitX();
-  return d.made(pair, seed, index, family);
+  return made_whole(d, pair, seed, index, family);
 }
 
 }  // namespace cde::oracle

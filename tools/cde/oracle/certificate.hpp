@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "gap.hpp"
+#include "oracle/gap.hpp"
 
 namespace cde::oracle {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "format.hpp"
-#include "random.hpp"
-#include "shapes.hpp"
+#include "oracle/format.hpp"
+#include "oracle/random.hpp"
+#include "oracle/shapes.hpp"
 
 namespace cde::oracle {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "rays.hpp"
+#include "oracle/rays.hpp"
 
 #include <algorithm>
 #include <boost/multiprecision/cpp_bin_float.hpp>
@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "numerics/exact.hpp"
+#include "oracle/exact.hpp"
 
 namespace cde::oracle {
 namespace {

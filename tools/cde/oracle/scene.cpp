@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene.hpp"
+#include "oracle/scene.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "cases.hpp"
+#include "oracle/cases.hpp"
 
 namespace cde::oracle {
 namespace {

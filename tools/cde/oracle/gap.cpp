@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gap.hpp"
+#include "oracle/gap.hpp"
 
 #include <algorithm>
 #include <array>

@@ -3,8 +3,8 @@
 #include <utility>
 #include <vector>
 
-#include "build_shape.hpp"
-#include "shapes.hpp"
+#include "oracle/build_shape.hpp"
+#include "oracle/shapes.hpp"
 
 /// Scenes as people make them: boxes, cylinders, spheres and triangles on a floor, snapped to a
 /// grid, turned by multiples of 15 and 90 degrees, at rest on the floor or on each other.

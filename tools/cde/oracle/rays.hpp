@@ -2,8 +2,8 @@
 #pragma once
 #include <string>
 
-#include "cases.hpp"
-#include "shapes.hpp"
+#include "oracle/cases.hpp"
+#include "oracle/shapes.hpp"
 
 namespace cde::oracle {
 

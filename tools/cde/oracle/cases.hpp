@@ -7,9 +7,8 @@
 #include <vector>
 
 #include "cde/contract/pairs.hpp"
-#include "format.hpp"
-#include "printed.hpp"
-#include "shapes.hpp"
+#include "oracle/format.hpp"
+#include "oracle/shapes.hpp"
 
 namespace cde::oracle {
 
@@ -72,6 +71,14 @@ struct Case {
 [[nodiscard]] Case everyday(Pair pair, std::uint64_t seed, std::uint64_t index,
                             const Format& format = {});
 
+/// Case `index` of what is hard for an arithmetic of few bits; the families take turns. Convex
+/// pairs: close (signed gap of +-1e-4 to +-0.1 of the scene), touching, hair turn (face to face but
+/// for a rotation by 1e-9 to 1e-2), coaxial, huge and tiny (sizes 2^20 apart), and 1e3, 1e5 and 1e7
+/// away from the world's origin. Rays: grazing, sliver, huge and tiny, and as far away. Like
+/// generate(), a function of the four arguments, exact in the format.
+[[nodiscard]] Case hard(Pair pair, std::uint64_t seed, std::uint64_t index,
+                        const Format& format = {});
+
 /// The shape translated.
 [[nodiscard]] Shape moved(const Shape& shape, const Vec& by);
 
@@ -84,6 +91,13 @@ namespace detail {
                                const Format& format);
 [[nodiscard]] Case ray_case(Pair pair, std::uint64_t seed, std::uint64_t index,
                             const Format& format);
+[[nodiscard]] Case hard_convex_case(Pair pair, std::uint64_t seed, std::uint64_t index,
+                                    const Format& format);
+[[nodiscard]] Case hard_ray_case(Pair pair, std::uint64_t seed, std::uint64_t index,
+                                 const Format& format);
+// Directed families of generate(), which take turns at odd indices, and families of the others.
+inline constexpr std::uint64_t kConvexFamilies = 14, kRayFamilies = 12, kEverydayFamilies = 8,
+                               kHardConvexFamilies = 8, kHardRayFamilies = 6;
 }  // namespace detail
 
 }  // namespace cde::oracle

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde accuracy: the same figures for the same seed, sweeps that go on, and what it refuses.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "run_cde.hpp"
+
+namespace cde::testing {
+namespace {
+
+using Words = std::vector<std::string>;
+using Json = nlohmann::ordered_json;
+
+class Accuracy : public Cli {
+ protected:
+  Ran accuracy(Words words) {
+    words.insert(words.begin(), {"accuracy", "--no-operators", "-q"});
+    return cde(words);
+  }
+  /// The pipes that it says something of.
+  Json pipes(Words words) {
+    words.emplace_back("--json");
+    const Ran ran = accuracy(std::move(words));
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    return ran.status == 0 ? Json::parse(ran.out).at("configurations") : Json::array();
+  }
+};
+
+TEST_F(Accuracy, TheSameSeedGivesTheSameFigures) {
+  const Words some = {"--pair",       "sphere-sphere,ray-triangle",
+                      "--formats",    "fp16,fp32",
+                      "--cases",      "60",
+                      "--algorithms", "moller",
+                      "--by-family"};
+  Words other = some;
+  other.insert(other.end(), {"--seed", "2"});
+  const Ran first = accuracy(some), again = accuracy(some), seeded = accuracy(other);
+  ASSERT_EQ(first.status, 0) << first.err;
+  EXPECT_EQ(first.out, again.out);
+  EXPECT_NE(first.out, seeded.out);
+  std::istringstream lines(first.out);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 120u) << line;
+  for (const char* text :
+       {"sphere-sphere fp16", "ray-triangle moller box fp32", "  near-contact", "  mesh-edges"})
+    EXPECT_NE(first.out.find(text), std::string::npos) << text;
+}
+
+TEST_F(Accuracy, MoreBitsAreNearerTheTruth) {
+  const Json all = pipes({"--pair", "obb-plane", "--formats", "fp16,fp32,fp64", "--cases", "200"});
+  ASSERT_EQ(all.size(), 3u);
+  const auto differ = [&](std::size_t i) {
+    const Json& t = all[i].at("all_families");
+    return t.at("undecided").get<int>() + t.at("refused").get<int>();
+  };
+  EXPECT_EQ(all[0].at("format"), "fp16");
+  EXPECT_GT(differ(0), differ(1));
+  EXPECT_GT(differ(1), differ(2));
+  for (const Json& pipe : all) {
+    EXPECT_EQ(pipe.at("all_families").at("cases"), 200);
+    EXPECT_EQ(pipe.at("all_families").at("false_hits").at("count"), 0);
+    int cases = 0;
+    for (const Json& family : pipe.at("families")) cases += family.at("cases").get<int>();
+    EXPECT_EQ(cases, 200);
+    EXPECT_TRUE(pipe.at("price").at("luts").is_null() || pipe.at("price").at("luts") > 0);
+    EXPECT_TRUE(pipe.at("price").at("latency_levels").is_null()) << "nobody asked";
+  }
+}
+
+/// A run that was ended anywhere, in the middle of a line too, goes on to the same file and table.
+TEST_F(Accuracy, ASweepGoesOnWhereItEnded) {
+  const Words some = {"--pair", "sphere-plane,ray-sphere", "--formats", "bf16,fp32", "--cases",
+                      "90"};
+  const auto with = [&](const std::string& file) {
+    Words words = some;
+    words.insert(words.end(), {"--resume", file});
+    return accuracy(words);
+  };
+  const Ran whole = with("whole.jsonl");
+  ASSERT_EQ(whole.status, 0) << whole.err;
+  const std::string lines = read("whole.jsonl");
+  for (const double share : {0.0, 0.001, 0.3, 0.77, 1.0}) {
+    write("part.jsonl", lines.substr(0, static_cast<std::size_t>(share * lines.size())));
+    const Ran rest = with("part.jsonl");
+    EXPECT_EQ(rest.status, share == 0.001 ? 2 : 0) << rest.err;
+    if (share == 0.001) {
+      EXPECT_NE(rest.err.find("not a file of cde accuracy --resume"), std::string::npos)
+          << rest.err;
+      continue;
+    }
+    EXPECT_EQ(read("part.jsonl"), lines) << share;
+    EXPECT_EQ(rest.out, whole.out);
+  }
+  Words other = some;
+  other.insert(other.end(), {"--seed", "7", "--resume", "whole.jsonl"});
+  const Ran refused = accuracy(other);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("is of a sweep with seed 1, this one has 7"), std::string::npos)
+      << refused.err;
+  EXPECT_EQ(read("whole.jsonl"), lines);
+}
+
+TEST_F(Accuracy, ShardsMakeUpTheWhole) {
+  const Words some = {"--pair", "sphere-sphere", "--formats", "fp16,bf16,fp32", "--cases", "60"};
+  std::string parts;
+  for (const char* shard : {"1/2", "2/2"}) {
+    Words words = some;
+    const std::string file = std::string("shard") + shard[0];
+    words.insert(words.end(), {"--shard", shard, "--resume", file});
+    ASSERT_EQ(accuracy(words).status, 0);
+    parts += read(file);
+  }
+  write("both", parts);
+  Words words = some;
+  words.insert(words.end(), {"--resume", "both"});
+  const Ran both = accuracy(words);
+  EXPECT_EQ(both.status, 0) << both.err;
+  EXPECT_EQ(both.out, accuracy(some).out);
+  EXPECT_EQ(read("both"), parts) << "nothing was left to measure";
+}
+
+TEST_F(Accuracy, WhatIsNotKnownIsNamed) {
+  const auto refused = [&](const Words& words, const std::string& text) {
+    const Ran ran = accuracy(words);
+    EXPECT_EQ(ran.status, 2) << text;
+    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
+    EXPECT_EQ(ran.out, "");
+  };
+  refused({"--pair", "sphere-shpere"}, "no pair 'sphere-shpere'; did you mean sphere-sphere?");
+  refused({"--formats", "fp32,fp8"}, "no format 'fp8'; ");
+  refused({"--algorithms", "mollar"}, "no algorithm 'mollar'; did you mean moller?");
+  refused({"--pair", "obb-obb", "--families", "grazing"}, "no family 'grazing'; there are: near-");
+  refused({"--pair", "obb-obb", "--budgets", "8,8,8"}, "none of the pairs takes one");
+  refused({"--budgets", "4,0"}, "--budget is '4,0'; it must be M,K1,K2");
+  refused({"--cases", "0"}, "--cases is '0'; it must be a whole number, 1 to 100000000");
+  refused({"--shard", "3/2"}, "--shard is '3/2'; it must be I/N");
+  refused({"--mesh", "none.obj"}, "none.obj");
+  write("other", "{\"schema\":\"something else\"}\n");
+  refused({"--pair", "sphere-sphere", "--resume", "other"}, "other");
+}
+
+/// A mesh whose picture is known: few bits see it otherwise.
+TEST_F(Accuracy, PixelsOfAPicture) {
+  const Ran ran = accuracy({"--mesh", "terrain:12,12,1", "--grid", "16x16", "--box", "on",
+                            "--algorithms", "badouel", "--formats", "bf16,fp64", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const Json pictures = Json::parse(ran.out).at("pictures");
+  ASSERT_EQ(pictures.size(), 2u);
+  const auto wrong = [&](std::size_t i) {
+    return pictures[i].at("of_scene").at("wrong_pixels").get<int>();
+  };
+  EXPECT_GT(wrong(0), 0);
+  EXPECT_EQ(wrong(1), 0);
+  EXPECT_EQ(pictures[1].at("hits"), 256);
+  EXPECT_LT(pictures[1].at("of_scene").at("depth_error").at("largest").get<double>(), 1e-13);
+}
+
+}  // namespace
+}  // namespace cde::testing

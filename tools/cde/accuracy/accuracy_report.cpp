@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "accuracy/accuracy_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace cde::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Cells = std::vector<std::string>;
+
+/// Columns of text; the first is set to the left, the others to the right.
+struct Columns {
+  Cells heads;
+  std::vector<Cells> lines;
+
+  [[nodiscard]] std::string text(bool markdown) const {
+    std::vector<std::size_t> widths;
+    for (std::size_t c = 0; c < heads.size(); ++c) {
+      widths.push_back(heads[c].size());
+      for (const Cells& line : lines) widths[c] = std::max(widths[c], line[c].size());
+    }
+    std::string out;
+    const auto add = [&](const Cells& line) {
+      std::string row = markdown ? "|" : "";
+      for (std::size_t c = 0; c < line.size(); ++c)
+        row += markdown ? fmt::format(" {} |", line[c])
+               : c == 0 ? fmt::format("{:<{}}", line[c], widths[c])
+                        : fmt::format(" {:>{}}", line[c], widths[c]);
+      out += row + "\n";
+    };
+    add(heads);
+    if (markdown) {
+      out += "| ---";
+      for (std::size_t c = 1; c < heads.size(); ++c) out += " | ---:";
+      out += " |\n";
+    }
+    for (const Cells& line : lines) add(line);
+    return out;
+  }
+};
+
+/// A quantile; what the oracle cannot tell from nothing is below what it can, and nothing if that
+/// is hardly more.
+std::string quantile(const ErrorCounts& errors, double share, const ErrorCounts& oracle) {
+  if (errors.count() == 0) return "-";
+  const double value = share == 1 ? errors.largest() : errors.quantile(share);
+  const double width = oracle.quantile(std::min(share, 0.99));
+  if (value >= width) return compact(value);
+  return width < 0.01 ? "0" : fmt::format("<{}", compact(width));
+}
+
+/// As many of so many, and how many a million that makes at least and at most.
+std::string per_million(std::uint64_t found, std::uint64_t all) {
+  if (all == 0) return "-";
+  const Interval95 share = wilson(found, all);
+  return fmt::format("{}..{}", compact(1e6 * share.low), compact(1e6 * share.high));
+}
+
+std::string percent(std::uint64_t part, std::uint64_t all) {
+  return all == 0
+             ? "-"
+             : fmt::format("{:.1f}", 100.0 * static_cast<double>(part) / static_cast<double>(all));
+}
+
+template <class T>
+std::string or_dash(const std::optional<T>& value) {
+  return value ? compact(static_cast<double>(*value)) : "-";
+}
+
+Cells errors_line(const std::string& name, const Tally& t) {
+  static const ErrorCounts kExact;  // of ulps and certificates the oracle's width is no part
+  return {name,
+          fmt::to_string(t.cases),
+          percent(t.refused, t.cases),
+          quantile(t.t, 0.5, t.oracle),
+          quantile(t.t, 0.99, t.oracle),
+          quantile(t.t, 0.999, t.oracle),
+          quantile(t.t, 1, t.oracle),
+          quantile(t.t_ulps, 0.5, kExact),
+          quantile(t.t_ulps, 0.99, kExact),
+          quantile(t.cp, 0.99, kExact),
+          quantile(t.cp, 1, kExact),
+          quantile(t.n, 1, kExact)};
+}
+
+Cells decisions_line(const std::string& name, const Tally& t, const Price* price) {
+  Cells line = {name,
+                fmt::to_string(t.false_hits),
+                per_million(t.false_hits, t.judged()),
+                fmt::to_string(t.false_misses),
+                per_million(t.false_misses, t.judged()),
+                percent(t.undecided, t.judged()),
+                t.leak_rays == 0 ? "-" : fmt::format("{}/{}", t.leaks, t.leak_rays)};
+  if (price == nullptr) {
+    line.insert(line.end(), 6, "");
+    return line;
+  }
+  line.insert(line.end(), {or_dash(price->latency), or_dash(price->interval),
+                           or_dash(price->operators), or_dash(price->clocks_per_million()),
+                           or_dash(price->luts), or_dash(price->fmax_mhz)});
+  return line;
+}
+
+Json errors_json(const ErrorCounts& errors) {
+  const auto at = [&](double share) {
+    const double value = share == 1 ? errors.largest() : errors.quantile(share);
+    return errors.count() == 0 || !std::isfinite(value) ? Json() : Json(value);
+  };
+  return {{"count", errors.count()},
+          {"median", at(0.5)},
+          {"p99", at(0.99)},
+          {"p999", at(0.999)},
+          {"largest", at(1)}};
+}
+
+Json share_json(std::uint64_t found, std::uint64_t all) {
+  const Interval95 share = wilson(found, all);
+  Json json = {{"count", found}, {"per_million", Json()}, {"interval_95", Json()}};
+  if (all == 0) return json;
+  json["per_million"] = 1e6 * static_cast<double>(found) / static_cast<double>(all);
+  json["interval_95"] = {1e6 * share.low, 1e6 * share.high};
+  return json;
+}
+
+Json tally_json(const Tally& t) {
+  return {{"cases", t.cases},
+          {"refused", t.refused},
+          {"not_numbers", t.not_numbers},
+          {"hits", t.hits},
+          {"undecided", t.undecided},
+          {"undecided_differ", t.undecided_differ},
+          {"false_hits", share_json(t.false_hits, t.judged())},
+          {"false_misses", share_json(t.false_misses, t.judged())},
+          {"leak_rays", t.leak_rays},
+          {"leaks", share_json(t.leaks, t.leak_rays)},
+          {"t_error_u", errors_json(t.t)},
+          {"t_error_ulps", errors_json(t.t_ulps)},
+          {"cp_error_u", errors_json(t.cp)},
+          {"n_error_u", errors_json(t.n)},
+          {"oracle_u", errors_json(t.oracle)}};
+}
+
+}  // namespace
+
+std::string compact(double value) {
+  if (std::isinf(value)) return "inf";
+  if (value == 0) return "0";
+  std::string text;
+  if (value >= 0.00995 && value < 99999.5) {
+    text = value >= 99.95 ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value);
+  } else {
+    const std::string digits = fmt::format("{:.1e}", value);  // "1.2e+05"
+    const std::size_t e = digits.find('e');
+    const std::string_view mantissa = std::string_view(digits).substr(0, e);
+    text = fmt::format("{}e{}", mantissa.ends_with(".0") ? mantissa.substr(0, 1) : mantissa,
+                       std::stoi(digits.substr(e + 1)));
+  }
+  return text;
+}
+
+std::string accuracy_tables(const std::vector<AccuracyRow>& rows, bool by_family, bool markdown) {
+  Columns errors{{"errors, in u S", "cases", "refused%", "T p50", "p99", "p99.9", "max", "ulps p50",
+                  "p99", "CP p99", "max", "n max"},
+                 {}};
+  Columns decisions{{"decisions, prices", "hits", "false/M", "misses", "false/M", "band%", "leaks",
+                     "clocks", "II", "ops", "clk/M", "LUT", "MHz"},
+                    {}};
+  for (const AccuracyRow& row : rows) {
+    const std::string name = row.measured.pipe.name();
+    const Tally all = row.measured.all();
+    errors.lines.push_back(errors_line(name, all));
+    decisions.lines.push_back(decisions_line(name, all, &row.price));
+    if (!by_family) continue;
+    for (const auto& [family, tally] : row.measured.families) {
+      if (tally.leak_rays == 0)
+        errors.lines.push_back(errors_line(fmt::format("  {}", family), tally));
+      decisions.lines.push_back(decisions_line(fmt::format("  {}", family), tally, nullptr));
+    }
+  }
+  Columns simulation{{"simulated pipes", "arith", "lanes", "answers", "as reference", "s/M tests"},
+                     {}};
+  for (const AccuracyRow& row : rows)
+    for (const Simulated& s : row.simulated)
+      simulation.lines.push_back({row.measured.pipe.name(), name_of(s.arithmetic),
+                                  fmt::to_string(s.lanes), fmt::to_string(s.compared), "all",
+                                  compact(s.seconds_per_million())});
+  std::string text = errors.text(markdown);
+  for (const Columns& more : {decisions, simulation})
+    if (!more.lines.empty()) text.append("\n").append(more.text(markdown));
+  return text;
+}
+
+std::string picture_table(const std::vector<PictureAccuracy>& rows, bool markdown) {
+  Columns table{{"pixels", "rays", "hits", "wrong", "wrong/M", "hit", "miss", "other", "ties",
+                 "by pipe", "depth p50", "p99", "max", "refused"},
+                {}};
+  for (const PictureAccuracy& row : rows) {
+    const PixelCounts& c = row.of_scene;
+    const auto depth = [&](double share) {
+      return c.depth.count() == 0
+                 ? std::string("-")
+                 : compact(share == 1 ? c.depth.largest() : c.depth.quantile(share));
+    };
+    table.lines.push_back({row.pipe.name(), fmt::to_string(row.rays), fmt::to_string(row.hits),
+                           fmt::to_string(c.wrong()), per_million(c.wrong(), row.rays),
+                           fmt::to_string(c.false_hits), fmt::to_string(c.false_misses),
+                           fmt::to_string(c.other), fmt::to_string(c.ties),
+                           fmt::to_string(row.of_words.wrong()), depth(0.5), depth(0.99), depth(1),
+                           fmt::to_string(row.refused)});
+  }
+  return table.text(markdown);
+}
+
+Json accuracy_json(const std::vector<AccuracyRow>& rows) {
+  Json all = Json::array();
+  for (const AccuracyRow& row : rows) {
+    const AccuracyPipe& pipe = row.measured.pipe;
+    const bool triangle = pipe.pair == Pair::kRayTriangle;
+    Json json = {
+        {"pair", name(pipe.pair)},
+        {"format", pipe.format.name()},
+        {"algorithm", triangle ? Json(name(pipe.algorithm)) : Json()},
+        {"box", triangle ? Json(pipe.box) : Json()},
+        {"budget", has_budget(pipe.pair) ? Json(fmt::format("{},{},{}", pipe.budget.samples,
+                                                            pipe.budget.circle, pipe.budget.free))
+                                         : Json()}};
+    json["price"] = row.price.to_json();
+    json["all_families"] = tally_json(row.measured.all());
+    json["families"] = Json::array();
+    for (const auto& [family, tally] : row.measured.families) {
+      Json part = {{"family", family}};
+      part.update(tally_json(tally));
+      json["families"].push_back(part);
+    }
+    json["simulated"] = Json::array();
+    for (const Simulated& s : row.simulated) json["simulated"].push_back(s.to_json());
+    all.push_back(json);
+  }
+  return all;
+}
+
+}  // namespace cde::cli

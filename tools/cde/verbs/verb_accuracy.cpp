@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde accuracy: what formats, algorithms and budgets are worth, beside what they cost.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "accuracy/accuracy_report.hpp"
+#include "accuracy/picture.hpp"
+#include "accuracy/price.hpp"
+#include "accuracy/simulated.hpp"
+#include "accuracy/sweep.hpp"
+#include "cde/image/camera.hpp"
+#include "cde/mesh/mesh.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "cde/support/output_file.hpp"
+#include "command/values.hpp"
+#include "command/words.hpp"
+#include "output/json_keys.hpp"
+#include "output/machine.hpp"
+#include "output/output.hpp"
+#include "output/streams.hpp"
+#include "verbs/pair_options.hpp"
+#include "verbs/verbs.hpp"
+
+namespace cde::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::vector<std::string> pairs, formats, algorithms, budgets, families;
+  std::string box = "both", shard = "1/1", resume, output, mesh, grid = "64x48", camera;
+  std::uint64_t cases = 2400, seed = 1, check = 0;
+  bool json = false, markdown = false, by_family = false, operators = true, quiet = false;
+};
+
+bool wanted(const std::vector<std::string>& list, std::string_view word) {
+  return list.empty() || std::ranges::find(list, word) != list.end();
+}
+
+void add_ray_triangle(std::vector<AccuracyPipe>& pipes, const Options& o, FpFormat format) {
+  for (const std::string& algorithm : algorithm_names()) {
+    if (!wanted(o.algorithms, algorithm)) continue;
+    for (const bool box : {false, true})
+      if (o.box == "both" || (o.box == "on") == box)
+        pipes.push_back({.algorithm = *algorithm_named(algorithm), .box = box, .format = format});
+  }
+}
+
+/// Of a pair one format after the other; of each the algorithms, or the budgets.
+std::vector<AccuracyPipe> pipes_of(const Options& o) {
+  std::vector<AccuracyPipe> pipes;
+  bool budget_used = o.budgets.empty();
+  for (const std::string& name : pair_names()) {
+    if (!wanted(o.pairs, name)) continue;
+    const Pair pair = *pair_named(name);
+    for (const std::string& word : pair_formats()) {
+      if (!wanted(o.formats, word)) continue;
+      const FpFormat format = FpFormat::parse(word);
+      if (pair == Pair::kRayTriangle) {
+        add_ray_triangle(pipes, o, format);
+      } else if (has_budget(pair) && !o.budgets.empty()) {
+        budget_used = true;
+        for (const std::string& budget : o.budgets) {
+          PairOptions of;
+          of.pair = name, of.budget = budget;
+          pipes.push_back({.pair = pair, .format = format, .budget = budget_of(of)});
+        }
+      } else {
+        pipes.push_back({.pair = pair, .format = format});
+      }
+    }
+  }
+  if (!budget_used)
+    throw Error(ErrorCode::kUsage,
+                "--budgets is of cylinder-cylinder, obb-cylinder and triangle-cylinder; none of "
+                "the pairs takes one");
+  return pipes;
+}
+
+std::pair<unsigned, unsigned> parse_shard(const std::string& text) {
+  unsigned shard = 0, shards = 0;
+  int end = 0;
+  if (std::sscanf(text.c_str(), "%4u/%4u%n", &shard, &shards, &end) != 2 ||
+      static_cast<std::size_t>(end) != text.size() || shard < 1 || shard > shards)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--shard is {}; it must be I/N, part I of N, from 1/N to N/N",
+                            in_quotes(text)));
+  return {shard, shards};
+}
+
+/// Before anything slow: a family is one of some pair, and of one that is asked for.
+void check_families(const Options& o, const std::vector<AccuracyPipe>& pipes) {
+  const std::vector<std::string> known = family_names(pipes);
+  for (const std::string& family : o.families)
+    if (std::ranges::find(known, family) == known.end())
+      throw Error(ErrorCode::kUsage, fmt::format("no family {}; there are: {}", in_quotes(family),
+                                                 fmt::join(known, ", ")));
+}
+
+void write(const Options& o, const std::string& text) {
+  OutputFile file(o.output.empty() ? "-" : o.output);
+  file.write(text);
+  file.commit();
+}
+
+void say_what(const Options& o, const Json& machine, const std::string& what) {
+  if (o.quiet || o.json) return;
+  say("cde: {}, seed {}, {}\n", what, o.seed, machine.value("processor", std::string()));
+}
+
+Json head_json(const char* schema) {
+  Json all = program_json();
+  all["schema"] = schema;
+  all["machine"] = machine_json();
+  return all;
+}
+
+void run_pairs(const Options& o) {
+  const auto [shard, shards] = parse_shard(o.shard);
+  const SweepOptions options{.pipes = pipes_of(o),
+                             .families = o.families,
+                             .seed = o.seed,
+                             .cases = o.cases,
+                             .shard = shard,
+                             .shards = shards,
+                             .resume = o.resume,
+                             .quiet = o.quiet};
+  check_families(o, options.pipes);
+  Json all = head_json("cde.accuracy.1");
+  say_what(o, all["machine"], fmt::format("{} cases a line", o.cases));
+  std::vector<AccuracyRow> rows;
+  for (Measured& measured : sweep(options)) rows.push_back({std::move(measured), {}, {}});
+  std::vector<AccuracyPipe> pipes;
+  for (const AccuracyRow& row : rows) pipes.push_back(row.measured.pipe);
+  const std::vector<Price> prices = prices_of(pipes, o.operators);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].price = prices[i];
+    if (o.check == 0) continue;
+    for (const Arithmetic arithmetic : {Arithmetic::kHost, Arithmetic::kRtl})
+      rows[i].simulated.push_back(simulated(pipes[i], arithmetic, o.seed, o.check));
+  }
+  if (o.json) {
+    all.update({{"seed", o.seed},
+                {"cases", o.cases},
+                {"band_u", 16},
+                {"lanes", 1},
+                {"configurations", accuracy_json(rows)}});
+    write(o, json_text(all) + "\n");
+  } else {
+    write(o, accuracy_tables(rows, o.by_family, o.markdown));
+  }
+}
+
+void run_picture(const Options& o) {
+  Options of = o;
+  of.pairs = {std::string(name(Pair::kRayTriangle))};
+  const std::vector<AccuracyPipe> pipes = pipes_of(of);
+  const Resolution size = parse_resolution(o.grid, "--grid");
+  const Mesh mesh = load_mesh_or_builtin(o.mesh);
+  const Eigen::AlignedBox3f box = bounds(mesh);
+  const std::vector<Ray> rays = o.camera.empty()     ? grid_rays(box, size)
+                                : o.camera == "auto" ? camera_for(box, size).rays(size)
+                                                     : parse_camera(o.camera).rays(size);
+  Json all = head_json("cde.accuracy.picture.1");
+  say_what(o, all["machine"],
+           fmt::format("{}, {} triangles, {} rays", printable_name(o.mesh), mesh.faces.size(),
+                       rays.size()));
+  const std::vector<PictureAccuracy> rows = picture_accuracy(mesh, rays, pipes, o.quiet);
+  if (o.json) {
+    all.update({{"mesh", o.mesh}, {"band_u", 16}, {"pictures", picture_json(rows)}});
+    write(o, json_text(all) + "\n");
+  } else {
+    write(o, picture_table(rows, o.markdown));
+  }
+}
+
+void run(const Options& o) {
+  check_outputs(std::vector<FileUse>{{"--output", o.output}, {"--resume", o.resume}},
+                std::vector<FileUse>{});
+  if (o.mesh.empty())
+    run_pairs(o);
+  else
+    run_picture(o);
+}
+
+CLI::Option* list(CLI::Option* option, char between = ',') {
+  return option->delimiter(between)->allow_extra_args(false);
+}
+
+void add_choices(CLI::App& verb, Options& o) {
+  named(list(verb.add_option("--pair", o.pairs, "Pairs (all), separated by commas")), pair_names(),
+        "LIST", "pair");
+  named(list(verb.add_option("--formats", o.formats, "Formats (all)")), pair_formats(), "LIST",
+        "format");
+  named(list(verb.add_option("--algorithms", o.algorithms, "Of ray-triangle (all)")),
+        algorithm_names(), "LIST", "algorithm");
+  one_of(verb.add_option("--box", o.box, "Of ray-triangle: with the box rule, without, or both")
+             ->capture_default_str(),
+         {"both", "on", "off"});
+  known_words(list(verb.add_option("--budgets", o.budgets,
+                                   "Of cylinder pairs, as cde query has them, separated by "
+                                   "colons: 4,0,0:8,8,8 (8,8,8)"),
+                   ':'),
+              {}, "LIST");
+  known_words(list(verb.add_option("--families", o.families,
+                                   "Families of cases (all); a wrong name lists them")),
+              {}, "LIST");
+  whole_number_in(verb.add_option("--cases", o.cases, "Cases a pipe, shared out to its families")
+                      ->capture_default_str(),
+                  1, 100'000'000, "");
+  whole_number_in(verb.add_option("--seed", o.seed, "Of the cases")->capture_default_str(), 0,
+                  1'000'000'000'000, "");
+}
+
+}  // namespace
+
+void add_accuracy(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand(
+      "accuracy",
+      "Measure how far pipes are from the truth, and what they cost. Each case goes through the "
+      "mirror reference, which is the card bit by bit, and is judged by exact or certified "
+      "arithmetic; with --mesh the cases are the pixels of a picture");
+  add_choices(*verb, *o);
+  verb->add_flag("--by-family", o->by_family, "A line a family too");
+  whole_number_in(verb->add_option("--check", o->check,
+                                   "So many cases go through the simulated pipe too, by the "
+                                   "host's arithmetic and by gates, which are built first")
+                      ->capture_default_str(),
+                  0, 1'000'000, "");
+  verb->add_flag("--operators,!--no-operators", o->operators,
+                 "Count operators and clocks in the RTL: seconds a pipe the first time (on)");
+  file_value(verb->add_option("--resume", o->resume,
+                              "Finished parts, in JSON lines: what is there is not measured again"),
+             "FILE");
+  text_value(
+      verb->add_option("--shard", o->shard, "Part I of N of the pipes")->capture_default_str(),
+      "I/N", [](const std::string& text) { (void)parse_shard(text); });
+  file_value(
+      verb->add_option("--mesh", o->mesh,
+                       "A picture of this mesh instead: a file, terrain or terrain:X,Y,SEED"),
+      "MESH");
+  text_value(verb->add_option("--grid", o->grid, "Rays of the picture")->capture_default_str(),
+             "WxH", [](const std::string& text) { (void)parse_resolution(text, "--grid"); });
+  known_words(verb->add_option("--camera", o->camera,
+                               "Rays of a camera, eye,target[,angle], instead of straight down"),
+              {"auto"}, "EX,EY,EZ,TX,TY,TZ[,FOV]|auto");
+  auto* json = verb->add_flag("--json", o->json, "All figures as JSON");
+  verb->add_flag("--markdown", o->markdown, "Tables in Markdown")->excludes(json);
+  file_value(verb->add_option("-o,--output", o->output, "Where to write (stdout)"), "FILE");
+  verb->add_flag("-q,--quiet", o->quiet, "No progress");
+  verb->callback([o] { run(*o); });
+}
+
+}  // namespace cde::cli
