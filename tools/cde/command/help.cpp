@@ -188,6 +188,7 @@ const std::vector<HelpEntry>& environment() {
        "folder with rtl/, verilator/ and host/include/, from which bitstreams are built"},
       {"CDE_CLANG", "compiler of bitstreams (clang++)"},
       {"CDE_MARCH", "processor that bitstreams are compiled for, as -march has it (native)"},
+      {"CDE_WAVES", "folder: every card that a program opens writes waves, board-N.fst"},
       {"CDE_ASSERT", "1: bitstreams with the assertions of the RTL"},
       {"NO_COLOR", "not empty: no colours, on a terminal either"}};
   return kAll;
