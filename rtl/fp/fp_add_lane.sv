@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One lane of fp_add: swap | difference of exponents | align | add | count zeros | normalise | round | pack. The carry of
-// the sum lies at bit CARRY, the hidden bit of an operand below it, guard and sticky bits fill what is left.
+// One lane of fp_add: swap | difference of exponents | align | add | count zeros | normalise | round | pack. The carry
+// of the sum lies at bit CARRY, the hidden bit of an operand below it, guard and sticky bits fill what is left.
 // Latency: CUTS clocks, 0..7. Throughput: one a clock. Stall: none.
 module fp_add_lane #(
     parameter int EXP   = 8,
@@ -99,8 +99,8 @@ module fp_add_lane #(
   fp_cut #(CW, D_SUM) cut_inf_sum (.clk_i, .d_i(inf_al), .q_o(inf_sum));
   fp_cut #(CW, D_SUM) cut_nan_sum (.clk_i, .d_i(nan_al), .q_o(nan_sum));
 
-  // Count the zeros to shift out: 0 after a carry, and never more than the exponent allows. An exact zero has the sign of
-  // both operands if they agree, and is +0 if they differ.
+  // Count the zeros to shift out: 0 after a carry, and never more than the exponent allows. An exact zero has the sign
+  // of both operands if they agree, and is +0 if they differ.
   logic [EW-1:0] lim_c, e_c;
   logic [CW-1:0] k_c, k, sum_c, zero_c, zero_n, sign_c, sign_n, inf_c, nan_c;
   assign lim_c = e_sum + E_ONE;

@@ -30,7 +30,8 @@ module fp_gates #(
   end
   for (genvar l = 0; l < LANES; l++) begin : g_lane
     if (OP <= formats_pkg::FP_SUB) begin : g_add
-      fp_add_lane #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .SUB(OP == formats_pkg::FP_SUB), .CUTS(CUTS), .FLAGS(FLAGS)) lane (
+      fp_add_lane #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .SUB(OP == formats_pkg::FP_SUB), .CUTS(CUTS),
+          .FLAGS(FLAGS)) lane (
           .clk_i, .a_i(a_q[l]), .b_i(b_q[l%B_LANES]), .r_o(r_o[l]), .flags_o(flags_o[l]));
     end else if (OP == formats_pkg::FP_MUL) begin : g_mul
       fp_mul_lane #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .CUTS(CUTS), .FLAGS(FLAGS)) lane (

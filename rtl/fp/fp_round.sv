@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rounding of one lane, shared by product, quotient, root and conversions: count | shift right | round to nearest even |
-// pack.
+// Rounding of one lane, shared by product, quotient, root and conversions: count | shift right | round to nearest even
+// | pack.
 // m_i: significand with weights 2 (bit TOP), 1, 1/2, ... and a sticky bit at the bottom, value in [1, 4) or anything if
 // a mask says so. e_i: biased exponent of that value less one, two's complement. Masks: zero, infinity, NaN, in rising
 // priority.
@@ -33,8 +33,8 @@ module fp_round #(
   localparam int TOP = formats_pkg::round_top(EXP, MAN, LEAST);
   localparam int DROP = TOP - 1 - MAN;  // bits below the last place
 
-  // Count: how far right, so that the leading one gets to TOP - 1, and below the normal range further, so that the hidden
-  // bit becomes 0.
+  // Count: how far right, so that the leading one gets to TOP - 1, and below the normal range further, so that the
+  // hidden bit becomes 0.
   logic [EW-1:0] top_c, e_c, tiny_c, n_c, n, ef_c, ef_s, ef;
   logic [CW-1:0] m, sign_s, zero_s, inf_s, nan_s, norm_s, norm, sign, zero, inf, nan;
   always_comb begin
