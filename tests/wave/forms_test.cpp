@@ -138,7 +138,7 @@ TEST_F(OtherKinds, EventsAreInstants) {
   EXPECT_EQ(count("ev", {"--from", "20"}), "3\n");
   const Ran ran = cde({"wave", "stat", "k.fst", "ev", "--json"});
   const nlohmann::json answer = nlohmann::json::parse(ran.out);
-  EXPECT_EQ(answer["signals"][0]["changes"], 3) << ran.out;
+  EXPECT_EQ(answer["signals"][0]["change_count"], 3) << ran.out;
 }
 
 TEST_F(OtherKinds, ANameMayKeepItsBackslash) {
