@@ -178,7 +178,8 @@ Board Board::open(const BoardConfig& config, const OpenOptions& options) {
                                                options.clock_period_ps, kLeastPs, kMostPs));
   }
   check_watchdog(options.watchdog);
-  const std::optional<std::filesystem::path> waves = options.file ? std::nullopt : next_waves();
+  const std::optional<std::filesystem::path> waves =
+      options.file || options.config_hash ? std::nullopt : next_waves();
   BoardConfig wanted = config;
   wanted.trace = config.trace || waves;
   const std::vector<std::string> parameters = wanted.parameters();
@@ -187,8 +188,7 @@ Board Board::open(const BoardConfig& config, const OpenOptions& options) {
                                                         ? *options.config_hash
                                                         : bitstream_hash(config.top(), parameters))
                    : Bitstream::open(config.top(), parameters);
-  const std::uint64_t expected =
-      waves ? bitstream.config_hash() : options.config_hash.value_or(bitstream.config_hash());
+  const std::uint64_t expected = options.config_hash.value_or(bitstream.config_hash());
   const std::string file = bitstream.path().string();
 
   auto impl =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sum in the ordinary style, to compare areas with: rtl/fp/fp_add.sv bit by bit, without flags. Every word is as wide as
-// its contents: a significand of MAN+4 bits with carry, guard, round and sticky.
+// Sum in the ordinary style, to compare areas with: rtl/fp/fp_add.sv bit by bit, without flags. Every word is as
+// wide as its contents: a significand of MAN+4 bits with carry, guard, round and sticky.
 // Latency: 1 clock, the input registers. Throughput: one a clock. Stall: none.
 module ordinary_add #(
     parameter  int EXP = 8,   // 3..11

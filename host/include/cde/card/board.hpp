@@ -71,8 +71,8 @@ class Board {
   /// initializeDevice: finds or builds the bitstream, loads it, resets the card, and refuses it
   /// (kConfiguration) unless interface version, configuration hash, lanes, format and algorithm are
   /// those asked for. Also kBuild (bitstream.hpp) and kDevice (no memory for the card).
-  /// With $CDE_WAVES, a folder that is there, cards that are searched for are ones with waves and
-  /// write them from the start to board-N.fst, N counting from 0 in the process; kFile if that
+  /// With $CDE_WAVES, a folder that is there, cards of no given file or hash are ones with waves
+  /// and write them from the start to board-N.fst, N counting from 0 in the process; kFile if that
   /// cannot be written.
   [[nodiscard]] static Board open(const BoardConfig& config, const OpenOptions& options = {});
 
