@@ -101,6 +101,10 @@ package formats_pkg;
   function automatic int round_top(input int exp, input int man, input bit least);
     round_top = least ? man + 3 : lane_word(exp, man, least) - 1;
   endfunction
+  // How many of a lane's cuts are at one of the places where it can have some: as evenly spread as can be.
+  function automatic int cuts_at(input int cuts, input int places, input int place);
+    cuts_at = ((place + 1) * cuts + places / 2) / places - (place * cuts + places / 2) / places;
+  endfunction
   function automatic logic [63:0] infinity(input int exp, input int man);
     infinity = ((64'd1 << exp) - 1) << man;
   endfunction

@@ -25,14 +25,11 @@ module fp_div_lane #(
   localparam int TOP = formats_pkg::round_top(EXP, MAN, LEAST);
   // Places of cuts: between count and shift of the operands, before each step, after the last, and three in fp_round.
   localparam int PLACES = STEPS + 5;
-  function automatic int cut(input int place);
-    cut = ((place + 1) * CUTS + PLACES / 2) / PLACES - (place * CUTS + PLACES / 2) / PLACES;
-  endfunction
-  localparam int D_LZC = cut(0);
-  localparam int D_LAST = cut(STEPS + 1);
-  localparam int D_COUNT = cut(STEPS + 2);
-  localparam int D_SHIFT = cut(STEPS + 3);
-  localparam int D_PACK = cut(STEPS + 4);
+  localparam int D_LZC = formats_pkg::cuts_at(CUTS, PLACES, 0);
+  localparam int D_LAST = formats_pkg::cuts_at(CUTS, PLACES, STEPS + 1);
+  localparam int D_COUNT = formats_pkg::cuts_at(CUTS, PLACES, STEPS + 2);
+  localparam int D_SHIFT = formats_pkg::cuts_at(CUTS, PLACES, STEPS + 3);
+  localparam int D_PACK = formats_pkg::cuts_at(CUTS, PLACES, STEPS + 4);
 
   logic [CW-1:0] x_n, y_n, am_n, bm_n, sign_n, x0_n, y0_n, xi_n, yi_n, zero_n, inf_n, nan_n, nv_n, dz_n;
   logic [EW-1:0] ex_n, ey_n, e_n;
@@ -64,7 +61,7 @@ module fp_div_lane #(
   end
 
   for (genvar i = 0; i < STEPS; i++) begin : g_step
-    localparam int D = cut(i + 1);
+    localparam int D = formats_pkg::cuts_at(CUTS, PLACES, i + 1);
     logic [CW-1:0] r_d, y_d, q_d, r, y, q, t, m, r_next, q_next;
     if (i == 0) begin : g_first
       assign r_d = x_n >> (CW - 1 - MAN);

@@ -24,14 +24,11 @@ module fp_sqrt_lane #(
   localparam int TOP = formats_pkg::round_top(EXP, MAN, LEAST);
   // Places of cuts: between count and shift of the operand, before each step, after the last, and three in fp_round.
   localparam int PLACES = STEPS + 5;
-  function automatic int cut(input int place);
-    cut = ((place + 1) * CUTS + PLACES / 2) / PLACES - (place * CUTS + PLACES / 2) / PLACES;
-  endfunction
-  localparam int D_LZC = cut(0);
-  localparam int D_LAST = cut(STEPS + 1);
-  localparam int D_COUNT = cut(STEPS + 2);
-  localparam int D_SHIFT = cut(STEPS + 3);
-  localparam int D_PACK = cut(STEPS + 4);
+  localparam int D_LZC = formats_pkg::cuts_at(CUTS, PLACES, 0);
+  localparam int D_LAST = formats_pkg::cuts_at(CUTS, PLACES, STEPS + 1);
+  localparam int D_COUNT = formats_pkg::cuts_at(CUTS, PLACES, STEPS + 2);
+  localparam int D_SHIFT = formats_pkg::cuts_at(CUTS, PLACES, STEPS + 3);
+  localparam int D_PACK = formats_pkg::cuts_at(CUTS, PLACES, STEPS + 4);
 
   // The exponent is halved downwards; an odd one leaves a factor of 2 in s. An even offset keeps it positive.
   localparam logic [EW-1:0] OFFSET = E_ONE << $clog2(MAN + 4);
@@ -55,7 +52,7 @@ module fp_sqrt_lane #(
   end
 
   for (genvar i = 0; i < STEPS; i++) begin : g_step
-    localparam int D = cut(i + 1);
+    localparam int D = formats_pkg::cuts_at(CUTS, PLACES, i + 1);
     localparam logic [CW-1:0] BIT = ONE << (STEPS - 1 - i);
     logic [CW-1:0] r_d, d_d, r, d, trial, t, m, r_next, d_next;
     if (i == 0) begin : g_first
