@@ -13,7 +13,7 @@ namespace cde::explain {
 namespace {
 
 constexpr unsigned kEnough = 60;         // percent of the pairs that make a seat
-constexpr std::size_t kSeeds = 3;        // pairs whose operands are looked for everywhere
+constexpr std::size_t kSeeds = 3;  // pairs whose operands of an operation are looked for everywhere
 constexpr std::size_t kAlike = 200;      // operations of a pair with the same operands, at most
 constexpr std::size_t kCandidates = 96;  // seats that are tried for an operation
 constexpr std::size_t kSought = 20;      // missing operations for which others are looked at
@@ -80,11 +80,12 @@ bool tells(const Observed& card, std::size_t operation, std::span<const PairReco
   return seen.size() * 100 >= kEnough * rows.size();
 }
 
-/// Where operands of the k-th operation of a pair stand, as long as there are not too many places.
+/// Where the operands of these operations of a pair stand, as long as there are not too many places.
 using Places = std::vector<std::vector<std::pair<std::int32_t, unsigned>>>;
-void find_places(const Observed& card, const PairRecording& pair, std::size_t row, Places& places) {
+void find_places(const Observed& card, const PairRecording& pair, std::size_t row,
+                 std::span<const std::size_t> sought, Places& places) {
   std::unordered_map<Operands, std::vector<std::uint32_t>, Hash> operations;
-  for (std::size_t k = 0; k < pair.operators.size(); ++k) {
+  for (const std::size_t k : sought) {
     const Operation o = expected(card, pair, k);
     operations[{o.a, o.b}].push_back(static_cast<std::uint32_t>(k));
   }
@@ -101,6 +102,33 @@ void find_places(const Observed& card, const PairRecording& pair, std::size_t ro
           of.push_back(place);
     }
   }
+}
+
+/// Where each operation may be done. Its operands are looked for in pairs where they are no zeros,
+/// which stand everywhere: what is a zero in most pairs has been found among other zeros.
+Places possible_places(const Observed& card, std::span<const PairRecording> pairs,
+                       std::span<const std::size_t> rows) {
+  const std::size_t count = pairs[rows[0]].operators.size();
+  Places places(count);
+  std::vector<std::size_t> seeds(count), sought;
+  // Rows that are far from each other come first.
+  std::vector<std::size_t> order;
+  for (std::size_t s = 0; s < kSeeds; ++s)
+    for (std::size_t i = s; i < rows.size(); i += kSeeds) order.push_back(rows[i]);
+  for (const std::size_t row : order) {
+    sought.clear();
+    for (std::size_t k = 0; k < count; ++k)
+      if (seeds[k] < kSeeds && tells(expected(card, pairs[row], k))) {
+        ++seeds[k];
+        sought.push_back(k);
+      }
+    if (!sought.empty()) find_places(card, pairs[row], row, sought, places);
+  }
+  sought.clear();
+  for (std::size_t k = 0; k < count; ++k)
+    if (seeds[k] == 0) sought.push_back(k);
+  if (!sought.empty()) find_places(card, pairs[rows[0]], rows[0], sought, places);
+  return places;
 }
 
 /// The operators that a step depends on through wires alone.
@@ -199,11 +227,7 @@ Observed observe(PairUnit& unit, std::span<const std::uint64_t> a,
 std::vector<Seat> learn(const Observed& card, std::span<const PairRecording> pairs,
                         std::span<const std::size_t> rows) {
   const std::size_t count = pairs[rows[0]].operators.size();
-  Places places(count);
-  for (std::size_t s = 0; s < std::min(kSeeds, rows.size()); ++s) {
-    const std::size_t row = rows[s * rows.size() / kSeeds];
-    find_places(card, pairs[row], row, places);
-  }
+  const Places places = possible_places(card, pairs, rows);
   std::vector<Seat> seats(count);
   std::vector<bool> taken(card.operators.size());
   for (std::size_t k = 0; k < count; ++k) {
@@ -213,15 +237,19 @@ std::vector<Seat> learn(const Observed& card, std::span<const PairRecording> pai
     };
     for (const auto& [which, offset] : places[k]) {
       Seat seat{which, offset, 0, 0};
+      std::size_t telling = 0, told = 0;  // pairs whose operands are no zeros, and those with them
       for (const std::size_t row : rows) {
         const auto did = done(card, which, row * card.interval + offset);
         if (!did) continue;
-        const Verdict verdict = judge(*did, expected(card, pairs[row], k));
+        const Operation reference = expected(card, pairs[row], k);
+        const Verdict verdict = judge(*did, reference);
         if (verdict == Verdict::kSame) ++seat.agree;
         if (verdict == Verdict::kSame || (verdict == Verdict::kResult && tells(*did)))
           ++seat.operands;
+        telling += tells(reference) ? 1 : 0;
+        told += tells(reference) && verdict <= Verdict::kResult ? 1 : 0;
       }
-      if (seat.operands * 100 >= kEnough * rows.size() &&
+      if (seat.operands * 100 >= kEnough * rows.size() && told * 100 >= kEnough * telling &&
           (seats[k].which < 0 || rank(seat) > rank(seats[k])))
         seats[k] = seat;
     }

@@ -5,8 +5,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <map>
-#include <tuple>
+#include <array>
+#include <compare>
+#include <deque>
+#include <set>
 
 #include "cde/support/error.hpp"
 #include "wave/candidates.hpp"
@@ -15,6 +17,72 @@
 namespace cde::wave {
 namespace {
 
+/// Transactions that wait for their turn, all rows of a pass until it ends: what many of them say is
+/// kept once, the rest in one piece.
+class Parcels {
+ public:
+  using Key = std::array<std::uint64_t, 4>;  ///< begin, kind, end, number
+
+  void add(std::size_t kind, Transaction t) {
+    Parcel parcel{{t.begin, kind, t.end, number_++}, t.stalls.value_or(kNone), nullptr, {}};
+    std::string& words = parcel.words;
+    std::size_t size = t.label.size() + t.outcome.size() + 2;
+    for (const auto& [name, value] : t.fields) size += value.size() + 1;
+    words.reserve(size);  // no more than it takes
+    words.append(t.label).append(1, '\0').append(t.outcome).append(1, '\0');
+    Common common{std::move(t.kind), std::move(t.scope), {}};
+    for (auto& [name, value] : t.fields) {
+      common.names.push_back(std::move(name));
+      words.append(value).append(1, '\0');
+    }
+    parcel.common = &*common_.insert(std::move(common)).first;
+    heap_.push_back(std::move(parcel));
+    std::push_heap(heap_.begin(), heap_.end(), later);
+  }
+  [[nodiscard]] std::size_t size() const { return heap_.size(); }
+  [[nodiscard]] std::uint64_t first_begin() const { return heap_.front().key[0]; }
+  [[nodiscard]] Transaction take_first() {
+    std::pop_heap(heap_.begin(), heap_.end(), later);
+    const Parcel parcel = std::move(heap_.back());
+    heap_.pop_back();
+    Transaction t;
+    t.kind = parcel.common->kind;
+    t.scope = parcel.common->scope;
+    t.begin = parcel.key[0];
+    t.end = parcel.key[2];
+    if (parcel.stalls != kNone) t.stalls = parcel.stalls;
+    const char* word = parcel.words.c_str();
+    const auto next = [&word] {
+      std::string text(word);
+      word += text.size() + 1;
+      return text;
+    };
+    t.label = next();
+    t.outcome = next();
+    for (const std::string& name : parcel.common->names) t.fields.emplace_back(name, next());
+    return t;
+  }
+
+ private:
+  static constexpr std::uint64_t kNone = UINT64_MAX;
+  struct Common {
+    std::string kind, scope;
+    std::vector<std::string> names;  ///< of the fields
+    auto operator<=>(const Common&) const = default;
+  };
+  struct Parcel {
+    Key key;
+    std::uint64_t stalls;
+    const Common* common;
+    std::string words;  ///< label, outcome, values of the fields, each with a zero behind it
+  };
+  static bool later(const Parcel& a, const Parcel& b) { return a.key > b.key; }
+
+  std::deque<Parcel> heap_;
+  std::set<Common> common_;
+  std::uint64_t number_ = 0;
+};
+
 /// Puts transactions into the order of their begins: decoders tell them when they end.
 class Order {
  public:
@@ -22,15 +90,12 @@ class Order {
       : from_(from), to_(to), take_(take) {}
 
   void add(std::size_t kind, Transaction t) {
-    if (t.begin > to_ || t.end < from_) return;
-    waiting_.emplace(std::tuple{t.begin, kind, t.end}, std::move(t));
+    if (t.begin <= to_ && t.end >= from_) waiting_.add(kind, std::move(t));
   }
   /// Gives those that began before a time; nothing that comes later will have.
   void give(std::uint64_t before) {
-    while (!stopped_ && !waiting_.empty() && std::get<0>(waiting_.begin()->first) < before) {
-      const auto first = waiting_.extract(waiting_.begin());
-      stopped_ = !take_(first.mapped());
-    }
+    while (!stopped_ && waiting_.size() != 0 && waiting_.first_begin() < before)
+      stopped_ = !take_(waiting_.take_first());
   }
   void give_all() { give(UINT64_MAX); }
   [[nodiscard]] bool many() const { return waiting_.size() > 1024; }
@@ -39,7 +104,7 @@ class Order {
  private:
   std::uint64_t from_, to_;
   const std::function<bool(const Transaction&)>& take_;
-  std::multimap<std::tuple<std::uint64_t, std::size_t, std::uint64_t>, Transaction> waiting_;
+  Parcels waiting_;
   bool stopped_ = false;
 };
 
