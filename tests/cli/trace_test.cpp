@@ -56,6 +56,13 @@ TEST_F(TraceWindow, OfAQueryIsItsClocks) {
   EXPECT_EQ(traced({"--trace-window", "5:"}).first["to"], all["to"]);
 }
 
+TEST_F(TraceWindow, ThatTheRunDoesNotComeToIsSaid) {
+  const Ran ran = shell(
+      "echo '0,0,0,1,3,0,0,1' | \"$CDE\" query sphere-sphere -q --trace w.fst --trace-window 9000:");
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.err.find("w.fst has no clock of the run"), std::string::npos) << ran.err;
+}
+
 TEST_F(TraceWindow, OfACastIsItsClocks) {
   const auto traced = [&](const Words& more) {
     Words words = {"cast", "terrain:3,3,1", "--grid", "4x4",     "--lanes",

@@ -171,6 +171,7 @@ TEST_F(Wave, ShowDrawsWaves) {
 TEST_F(Wave, FindFollowsSystemVerilog) {
   EXPECT_EQ(out({"find", "a.fst", "isnan(data[1]:fp32)"}), "75ns  cyc:7  data[1]=nan\n");
   EXPECT_EQ(out({"find", "a.fst", "count == 8'h0a", "--first"}), "105ns  cyc:10  count=0a\n");
+  EXPECT_EQ(out({"find", "a.fst", "count == 1_0", "--first"}), "105ns  cyc:10  count=0a\n");
   // Edge k sees what was written by edge k - 1.
   EXPECT_EQ(out({"find", "a.fst", "count == 10", "--on", "posedge clk"}),
             "115ns  cyc:11  count=0a\n");

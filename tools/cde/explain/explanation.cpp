@@ -4,11 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
+#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cde/bitstream/bitstream.hpp"
+#include "cde/bitstream/cache_entry.hpp"
 #include "cde/support/error.hpp"
 #include "pairs/random_pairs.hpp"
+#include "rtl/kept.hpp"
 
 namespace cde::explain {
 namespace {
@@ -65,6 +68,47 @@ Source source_of(const rtl::Elaboration& design, std::string path) {
            (p.module == "fp_lanes" && (p.instance == "cell_u" || p.instance == "lanes"));
   });
   return source;
+}
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Source& source) {
+  Json list = Json::array();
+  for (const rtl::Place& p : source.places) list.push_back({p.instance, p.module, p.file, p.line});
+  return list;
+}
+Source from_json(const Json& list) {
+  Source source;
+  for (const Json& p : list)
+    source.places.push_back({p.at(0).get<std::string>(), p.at(1).get<std::string>(),
+                             p.at(2).get<std::string>(), p.at(3).get<unsigned>()});
+  return source;
+}
+
+/// Lines of the card's operators, from the cache if the RTL was elaborated for them before, which
+/// takes a second or more.
+std::vector<Source> sources_of(const PairConfig& config,
+                               const std::vector<PairOperator>& operators) {
+  const auto name = rtl::kept_name("pair_unit", config.parameters(), ".places.json");
+  std::vector<Source> sources;
+  if (const auto text = name ? read_cache_entry(*name) : std::nullopt) {
+    const Json kept = Json::parse(*text, nullptr, false);
+    try {
+      for (const Json& list : kept) sources.push_back(from_json(list));
+    } catch (const Json::exception&) {
+      sources.clear();
+    }
+    if (sources.size() == operators.size()) return sources;
+    sources.clear();
+  }
+  const rtl::Elaboration design = design_of(config);
+  Json kept = Json::array();
+  for (const PairOperator& o : operators) {
+    sources.push_back(source_of(design, o.path));
+    kept.push_back(to_json(sources.back()));
+  }
+  if (name) write_cache_entry(*name, kept.dump());
+  return sources;
 }
 
 /// Operators that check operands do no operation of the reference, though they have its operands:
@@ -150,8 +194,7 @@ Explanation explain(const PairConfig& asked, std::span<const std::uint64_t> a,
   if (e.reference.bad || learnt.empty()) return e;
   const std::vector<Seat> seats = learn(card, recordings, learnt);
   e.operations = compare(card, recordings, kBefore, seats, learnt, has_budget(asked.pair));
-  const rtl::Elaboration design = design_of(e.config);
-  for (const PairOperator& o : card.operators) e.sources.push_back(source_of(design, o.path));
+  e.sources = sources_of(e.config, card.operators);
   const auto source = [&](std::int32_t which) {
     return e.sources[static_cast<std::size_t>(which)];
   };

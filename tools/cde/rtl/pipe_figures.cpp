@@ -5,9 +5,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <fstream>
 #include <future>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <thread>
@@ -16,6 +14,7 @@
 #include "cde/bitstream/cache_entry.hpp"
 #include "cde/support/error.hpp"
 #include "output/output.hpp"
+#include "rtl/kept.hpp"
 
 namespace cde::rtl {
 namespace {
@@ -86,16 +85,9 @@ void examine(Pipe& pipe, const Profile& profile, std::atomic<std::size_t>& done)
 class Kept {
  public:
   Kept() {
-    try {
-      // Like bitstreams: RTL, Verilator and how it is run; and this very program, which counts.
-      const BitstreamFile rtl = bitstream_file("pair_unit", {});
-      std::ifstream program("/proc/self/exe", std::ios::binary);
-      const std::string code(std::istreambuf_iterator<char>(program), {});
-      if (code.empty()) return;
-      name_ = cache_key({rtl.path.stem().string(), code}) + ".inventory.json";
+    if (const auto name = kept_name("pair_unit", {}, ".inventory.json")) {
+      name_ = *name;
       if (const auto text = read_cache_entry(name_)) all_ = Json::parse(*text, nullptr, false);
-    } catch (const Error&) {
-      // Elaboration says what is missing.
     }
     if (!all_.is_object()) all_ = Json::object();
   }

@@ -411,18 +411,22 @@ class Parser {
       ++digits;
     if (digits < rest.size() && rest[digits] == '\'') return sized(at, digits);
     if (rest.starts_with("0x")) fail(at, "numbers in hexadecimal are written 32'h1f, or 'h1f");
+    // 1_000 is 1000, as in SystemVerilog.
+    const std::size_t end = std::min(rest.find_first_not_of("0123456789_"), rest.size());
+    std::string number(rest.substr(0, end));
+    std::erase(number, '_');
     double real = 0;
     const auto read = std::from_chars(rest.data(), rest.data() + rest.size(), real);
     const auto length = static_cast<std::size_t>(read.ptr - rest.data());
-    if (length > digits) {
+    if (length > end) {
       if (read.ec != std::errc()) fail(at, "this number is too large or too small");
       at_ += length;
       return constant(at, of_real(real));
     }
     std::uint64_t whole = 0;
-    if (std::from_chars(rest.data(), rest.data() + digits, whole).ec != std::errc())
+    if (std::from_chars(number.data(), number.data() + number.size(), whole).ec != std::errc())
       fail(at, "this number has more than 64 bits");
-    at_ += digits;
+    at_ += end;
     Value v;
     v.width = whole > 0x7fffffff ? 64 : 32;
     v.is_signed = whole <= 0x7fffffff;

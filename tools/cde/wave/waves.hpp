@@ -2,6 +2,7 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/output_file.hpp"
 #include "output/streams.hpp"
+#include "wave/trace.hpp"
 
 namespace cde::cli {
 
@@ -42,6 +44,7 @@ class Waves {
       close_();
       file_->commit();
       file_.reset();
+      tell_if_empty();
     } catch (const Error& e) {
       file_.reset();
       throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(path_), e.what()));
@@ -49,6 +52,15 @@ class Waves {
   }
 
  private:
+  /// A window that the run never came to leaves a file without a clock.
+  void tell_if_empty() const {
+    if (!std::filesystem::is_regular_file(path_)) return;
+    const wave::Trace trace(path_);
+    if (trace.start() == trace.end())
+      say("cde: {} has no clock of the run: it ended before the window of --trace-window\n",
+          printable_name(path_));
+  }
+
   std::string path_;
   std::function<void()> close_;
   std::optional<OutputFile> file_;
