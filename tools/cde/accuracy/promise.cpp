@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "accuracy/promise.hpp"
+
+#include <fmt/format.h>
+
+#include "cde/geometry/pair.hpp"
+#include "cde/reference/pipes/ray_cylinder.hpp"
+#include "cde/reference/pipes/ray_sphere.hpp"
+#include "cde/reference/pipes/ray_triangle.hpp"
+
+namespace cde::cli {
+namespace {
+
+constexpr double kSolids = 16;  // u S (oracle/certificate.hpp)
+
+Promise of_triangle(const AccuracyPipe& pipe) {
+  switch (pipe.algorithm) {
+    case Algorithm::kMoller:
+      return {"F beyond moller_bound (fp32)", {}, false};
+    case Algorithm::kBadouel:
+      return {fmt::format("F beyond {} u (L + slim/4) / cos", reference::kBadouelBand), {}, false};
+    case Algorithm::kPluecker:
+      return {fmt::format("F beyond {} u L / cos", reference::kPlueckerBand), {}, false};
+    case Algorithm::kWatertight:
+      return {fmt::format("F beyond {} u R / cos, no leak", reference::kWatertightBand), {}, true};
+  }
+  return {};
+}
+
+}  // namespace
+
+Promise promise_of(const AccuracyPipe& pipe) {
+  if (pipe.variant != Variant::kCard) return {"nothing", {}, false};
+  if (pipe.pair == Pair::kRayTriangle) return of_triangle(pipe);
+  if (pipe.pair == Pair::kRaySphere)
+    return {fmt::format("T and F, {} u S", reference::kRaySphereBand), reference::kRaySphereBand,
+            true};
+  if (pipe.pair == Pair::kRayCylinder)
+    return {fmt::format("T and F, {} u S", reference::kRayCylinderBand),
+            reference::kRayCylinderBand, true};
+  if (has_budget(pipe.pair)) return {fmt::format("F = 0, {} u S", kSolids), {}, false};
+  return {fmt::format("T and F, {} u S", kSolids), kSolids, true};
+}
+
+std::string kept(const Promise& promise, const Tally& found) {
+  const std::uint64_t wrong = (promise.decides ? found.false_hits + found.false_misses : 0) +
+                              (promise.text.ends_with("no leak") ? found.leaks : 0);
+  if (wrong != 0) return fmt::format("{} wrong", wrong);
+  if (promise.t && found.t.largest() > *promise.t)
+    return fmt::format("T by {:.3g} u S", found.t.largest());
+  return "yes";
+}
+
+}  // namespace cde::cli

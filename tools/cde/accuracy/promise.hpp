@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <optional>
+#include <string>
+
+#include "accuracy/tally.hpp"
+
+namespace cde::cli {
+
+/// What docs/pairs*.md promise of a pipe, beside which a sweep stands.
+struct Promise {
+  std::string text;
+  std::optional<double> t;  ///< most that T may be off, in u S; none: not promised in these units
+  bool decides = false;     ///< F is right beyond 16 u S
+};
+/// Constants are those beside the references (kRaySphereBand, ...).
+[[nodiscard]] Promise promise_of(const AccuracyPipe& pipe);
+
+/// "kept", "16.2 u S", "3 wrong F", of what was found.
+[[nodiscard]] std::string kept(const Promise& promise, const Tally& found);
+
+}  // namespace cde::cli
