@@ -58,6 +58,7 @@ int main(int argc, char** argv) {
   cde::cli::add_reproduce(app);
   cde::cli::add_inventory(app);
   cde::cli::add_accuracy(app);
+  cde::cli::add_advise(app);
   cde::cli::add_explain(app);
   cde::cli::add_wave(app);
   cde::cli::add_doctor(app);

@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include "command/words.hpp"
+
 namespace cde::cli {
 namespace {
 
@@ -97,12 +99,20 @@ Cells decisions_line(const std::string& name, const Tally& t, const Price* price
                 percent(t.undecided, t.judged()),
                 t.leak_rays == 0 ? "-" : fmt::format("{}/{}", t.leaks, t.leak_rays)};
   if (price == nullptr) {
-    line.insert(line.end(), 6, "");
+    line.insert(line.end(), 8, "");
     return line;
   }
-  line.insert(line.end(), {or_dash(price->latency), or_dash(price->interval),
-                           or_dash(price->operators), or_dash(price->clocks_per_million()),
-                           or_dash(price->luts), or_dash(price->fmax_mhz)});
+  const PipeFigures& f = price->figures;
+  const auto& lane = price->lane;
+  // What is estimated is marked.
+  const std::string luts =
+      lane ? fmt::format("{}{}", lane->estimated ? "~" : "", compact(lane->cells.lut)) : "-";
+  const std::optional<double> seconds = price->seconds(1e6);
+  line.insert(line.end(),
+              {or_dash(f.latency), or_dash(f.interval),
+               f.operators ? compact(f.operators->total()) : "-", or_dash(f.clocks_per_million()),
+               luts, or_dash(price->mhz()), price->mhz() ? fmt::to_string(price->lanes()) : "-",
+               seconds ? compact(1e3 * *seconds) : "-"});
   return line;
 }
 
@@ -127,7 +137,21 @@ Json share_json(std::uint64_t found, std::uint64_t all) {
   return json;
 }
 
-Json tally_json(const Tally& t) {
+Json worst_json(const AccuracyPipe& pipe, const std::optional<WorstCase>& worst) {
+  if (!worst) return {};
+  const WordText text(pipe.format);
+  Json a = Json::array(), b = Json::array();
+  for (const std::uint64_t word : worst->a) a.push_back(text.hexfloat(word));
+  for (const std::uint64_t word : worst->b) b.push_back(text.hexfloat(word));
+  return {{"family", worst->family},
+          {"case_index", worst->index},
+          {"error_u", std::isfinite(worst->size) ? Json(worst->size) : Json()},
+          {"a_words", a},
+          {"b_words", b},
+          {"repeat_command", pipe.repeat_command(worst->a, worst->b)}};
+}
+
+Json tally_json(const AccuracyPipe& pipe, const Tally& t) {
   return {{"cases", t.cases},
           {"refused", t.refused},
           {"not_numbers", t.not_numbers},
@@ -142,7 +166,9 @@ Json tally_json(const Tally& t) {
           {"t_error_ulps", errors_json(t.t_ulps)},
           {"cp_error_u", errors_json(t.cp)},
           {"n_error_u", errors_json(t.n)},
-          {"oracle_u", errors_json(t.oracle)}};
+          {"oracle_u", errors_json(t.oracle)},
+          {"worst_t", worst_json(pipe, t.worst_t)},
+          {"worst_decision", worst_json(pipe, t.worst_decision)}};
 }
 
 }  // namespace
@@ -168,7 +194,7 @@ std::string accuracy_tables(const std::vector<AccuracyRow>& rows, bool by_family
                   "p99", "CP p99", "max", "n max"},
                  {}};
   Columns decisions{{"decisions, prices", "hits", "false/M", "misses", "false/M", "band%", "leaks",
-                     "clocks", "II", "ops", "clk/M", "LUT", "MHz"},
+                     "clocks", "II", "ops", "clk/M", "LUT", "MHz", "lanes", "ms/M"},
                     {}};
   for (const AccuracyRow& row : rows) {
     const std::string name = row.measured.pipe.name();
@@ -182,6 +208,17 @@ std::string accuracy_tables(const std::vector<AccuracyRow>& rows, bool by_family
       decisions.lines.push_back(decisions_line(fmt::format("  {}", family), tally, nullptr));
     }
   }
+  Columns worst{{"worst cases", "T, case", "in u S", "decision, case", "in u S"}, {}};
+  for (const AccuracyRow& row : rows) {
+    if (!by_family) break;
+    for (const auto& [family, t] : row.measured.families) {
+      Cells line = {fmt::format("{} {}", row.measured.pipe.name(), family)};
+      for (const auto* w : {&t.worst_t, &t.worst_decision})
+        line.insert(line.end(),
+                    {*w ? fmt::to_string((*w)->index) : "-", *w ? compact((*w)->size) : "-"});
+      worst.lines.push_back(line);
+    }
+  }
   Columns simulation{{"simulated pipes", "arith", "lanes", "answers", "as reference", "s/M tests"},
                      {}};
   for (const AccuracyRow& row : rows)
@@ -190,7 +227,7 @@ std::string accuracy_tables(const std::vector<AccuracyRow>& rows, bool by_family
                                   fmt::to_string(s.lanes), fmt::to_string(s.compared), "all",
                                   compact(s.seconds_per_million())});
   std::string text = errors.text(markdown);
-  for (const Columns& more : {decisions, simulation})
+  for (const Columns& more : {decisions, worst, simulation})
     if (!more.lines.empty()) text.append("\n").append(more.text(markdown));
   return text;
 }
@@ -230,11 +267,11 @@ Json accuracy_json(const std::vector<AccuracyRow>& rows) {
                                                             pipe.budget.circle, pipe.budget.free))
                                          : Json()}};
     json["price"] = row.price.to_json();
-    json["all_families"] = tally_json(row.measured.all());
+    json["all_families"] = tally_json(pipe, row.measured.all());
     json["families"] = Json::array();
     for (const auto& [family, tally] : row.measured.families) {
       Json part = {{"family", family}};
-      part.update(tally_json(tally));
+      part.update(tally_json(pipe, tally));
       json["families"].push_back(part);
     }
     json["simulated"] = Json::array();

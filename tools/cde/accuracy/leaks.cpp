@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "accuracy/tally.hpp"
@@ -132,9 +133,18 @@ Tally measured_leaks(const AccuracyPipe& pipe, const std::string& family, std::u
     }
     ++tally.leak_rays;
     if (std::any_of(results.begin(), results.end(), [](const auto& r) { return r.f; })) continue;
-    const bool inside = std::any_of(triangles.begin(), triangles.end(),
-                                    [&](const auto& t) { return oracle::cast(c.ray, t).hit; });
-    tally.leaks += inside ? 1 : 0;
+    // Of the triangles that are met, the one that is met most clearly.
+    std::optional<std::size_t> met;
+    double margin = -1;
+    for (std::size_t k = 0; k < triangles.size(); ++k) {
+      const oracle::RayAnswer exact = oracle::cast(c.ray, triangles[k]);
+      if (exact.hit && exact.margin > margin) met = k, margin = exact.margin;
+    }
+    if (!met) continue;
+    ++tally.leaks;
+    const auto* words = &b[*met * b.size() / faces.size()];
+    keep_worst(tally.worst_decision,
+               {family, i, margin / format.u(), ray, {words, words + b.size() / faces.size()}});
   }
   return tally;
 }

@@ -4,12 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <cmath>
 #include <vector>
 
-#include "cde/bitstream/bitstream.hpp"
 #include "cde/contract/pairs.hpp"
 #include "cde/reference/pairs.hpp"
 #include "cde/support/error.hpp"
@@ -28,7 +25,102 @@ unsigned scaling_clocks(const AccuracyPipe& pipe) {
   return scaled && !has_budget(pipe.pair) ? 3 : 0;
 }
 
-void add_figures(std::vector<Price>& prices, const std::vector<AccuracyPipe>& pipes) {
+PipeFigures figures_of(const AccuracyPipe& pipe, const rtl::Pipe& in_rtl) {
+  const rtl::Operators& o = in_rtl.operators;
+  PipeFigures figures;
+  figures.operators = {.add = o.adders + o.subtractors,
+                       .mul = o.multipliers,
+                       .div = o.dividers,
+                       .sqrt = o.square_roots,
+                       .cmp = o.comparators + o.min_max};
+  figures.latency = in_rtl.latency + scaling_clocks(pipe), figures.interval = in_rtl.interval;
+  if (!has_budget(pipe.pair)) return figures;
+  // A row goes round as often as its budget says.
+  const unsigned passes = reference::passes(pipe.pair, pipe.budget),
+                 usual = reference::passes(pipe.pair, {});
+  figures.interval = passes;
+  figures.latency = in_rtl.latency + (passes - usual) * in_rtl.ring;
+  return figures;
+}
+
+PricedPipe priced(const AccuracyPipe& pipe, const PipeFigures& figures) {
+  return {pipe.pair, pipe.algorithm, pipe.box, pipe.format, figures.operators};
+}
+
+template <class T>
+Json known(const std::optional<T>& value) {
+  return value ? Json(*value) : Json();
+}
+
+}  // namespace
+
+std::optional<double> PipeFigures::clocks_per_million() const {
+  if (!latency || !interval) return std::nullopt;
+  return 1e6 * *interval + *latency - *interval;
+}
+
+unsigned Price::lanes() const {
+  if (target.assumed_mhz) return 1;
+  return lane ? lane->fit.lanes : 0;
+}
+
+std::optional<double> Price::mhz() const {
+  if (target.assumed_mhz) return target.assumed_mhz;
+  return lane ? std::optional(lane->mhz) : std::nullopt;
+}
+
+std::optional<double> Price::seconds(double tests, unsigned on_lanes) const {
+  if (!mhz() || on_lanes == 0 || !figures.latency || !figures.interval) return std::nullopt;
+  const double rows = std::ceil(tests / on_lanes),
+               latency = static_cast<double>(*figures.latency) * (lane ? lane->longest : 1);
+  return ((rows - 1) * *figures.interval + latency) / (1e6 * *mhz());
+}
+
+std::string Price::clock_is() const {
+  if (target.assumed_mhz)
+    return fmt::format("{:g} MHz, an assumption about the device, not a measurement",
+                       *target.assumed_mhz);
+  if (!lane) return "not known: " + why_not;
+  return fmt::format(
+      "{:.1f} MHz on {}, {}", lane->mhz, target.name,
+      lane->estimated ? "estimated: the least of its operators" : "measured of the whole lane");
+}
+
+Json Price::to_json() const {
+  const PipeFigures& f = figures;
+  Json by_kind;
+  if (f.operators)
+    by_kind = {{"add", f.operators->add},
+               {"mul", f.operators->mul},
+               {"div", f.operators->div},
+               {"sqrt", f.operators->sqrt},
+               {"compare", f.operators->cmp}};
+  const auto of_lane = [&](auto member) { return lane ? Json((*lane).*member) : Json(); };
+  const auto cells = [&](double CellCounts::*member) {
+    return lane ? Json(lane->cells.*member) : Json();
+  };
+  return {{"latency_levels", known(f.latency)},
+          {"initiation_interval", known(f.interval)},
+          {"operator_count", f.operators ? Json(f.operators->total()) : Json()},
+          {"operators_by_kind", by_kind},
+          {"modelled_clocks_per_million", known(f.clocks_per_million())},
+          {"luts", cells(&CellCounts::lut)},
+          {"carries", cells(&CellCounts::carry)},
+          {"registers", cells(&CellCounts::ff)},
+          {"dsps", cells(&CellCounts::dsp)},
+          {"fmax_mhz", of_lane(&LanePrice::mhz)},
+          {"area_of", lane ? Json(target.name) : Json()},
+          {"estimated", of_lane(&LanePrice::estimated)},
+          {"lanes_that_fit", lane ? Json(lane->fit.lanes) : Json()},
+          {"lanes_limit", lane ? Json(lane->fit.limit) : Json()},
+          {"clock_is", clock_is()},
+          {"modelled_lanes", lanes()},
+          {"modelled_seconds_per_million", known(seconds(1e6))}};
+}
+
+std::vector<PipeFigures> figures_of(const std::vector<AccuracyPipe>& pipes, bool elaborate) {
+  std::vector<PipeFigures> all(pipes.size());
+  if (!elaborate) return all;
   std::vector<rtl::Pipe> wanted;
   std::vector<std::size_t> which;
   for (const AccuracyPipe& p : pipes) {
@@ -44,102 +136,45 @@ void add_figures(std::vector<Price>& prices, const std::vector<AccuracyPipe>& pi
     rtl::examine_all(wanted, {});
   } catch (const Error& e) {
     say("cde: clocks and operators are not known: {}\n", e.what());
-    return;
+    return all;
   }
-  for (std::size_t i = 0; i < pipes.size(); ++i) {
-    const rtl::Pipe& pipe = wanted[which[i]];
-    if (!pipe.absent.empty()) continue;
-    const rtl::Operators& o = pipe.operators;
-    Price& price = prices[i];
-    price.operators = o.adders + o.subtractors + o.multipliers + o.dividers + o.square_roots +
-                      o.comparators + o.min_max;
-    price.latency = pipe.latency + scaling_clocks(pipes[i]), price.interval = pipe.interval;
-    if (!has_budget(pipe.pair)) continue;
-    // A row goes round as often as its budget says.
-    const unsigned passes = reference::passes(pipe.pair, pipes[i].budget),
-                   usual = reference::passes(pipe.pair, {});
-    price.interval = passes;
-    price.latency = pipe.latency + (passes - usual) * pipe.ring;
-  }
-}
-
-std::optional<double> number(const Json& row, const char* key) {
-  const auto at = row.find(key);
-  return at == row.end() || !at->is_number() ? std::nullopt : std::optional(at->get<double>());
-}
-
-/// Of a row's clock rates, one a seed, that in the middle; nothing of a target whose area alone is
-/// known.
-std::optional<double> median_rate(const Json& row) {
-  std::vector<double> rates;
-  const auto all = row.find("fmax");
-  if (all == row.end() || !all->is_object()) return std::nullopt;
-  for (const Json& rate : *all)
-    if (rate.is_number()) rates.push_back(rate.get<double>());
-  if (rates.empty()) return std::nullopt;
-  std::sort(rates.begin(), rates.end());
-  return rates[(rates.size() - 1) / 2];
-}
-
-/// Rows are of pipes without the box rule.
-bool is_of(const Json& row, const AccuracyPipe& pipe) {
-  const auto is = [&](const char* key, const Json& value) {
-    const auto at = row.find(key);
-    return at != row.end() && *at == value;
-  };
-  if (!is("what", name(pipe.pair)) || !is("style", "cde") || !is("format", pipe.format.name()))
-    return false;
-  return pipe.pair != Pair::kRayTriangle || (is("algorithm", name(pipe.algorithm)) && !pipe.box);
-}
-
-void add_area(std::vector<Price>& prices, const std::vector<AccuracyPipe>& pipes) {
-  const std::filesystem::path file =
-      bitstream_builder().parent_path().parent_path() / "docs" / "prices.json";
-  std::ifstream in(file);
-  if (!in) return;
-  const std::string text(std::istreambuf_iterator<char>(in), {});
-  const Json all = Json::parse(text, nullptr, false);
-  const Json rows = all.is_object() ? all.value("rows", Json()) : all;
-  if (!rows.is_array())
-    throw Error(ErrorCode::kFile, fmt::format("{}: no list of rows", file.string()));
   for (std::size_t i = 0; i < pipes.size(); ++i)
-    for (const Json& row : rows) {
-      if (!row.is_object() || !is_of(row, pipes[i])) continue;
-      prices[i].luts = number(row, "lut"), prices[i].dsps = number(row, "dsp");
-      prices[i].fmax_mhz = median_rate(row);
-      prices[i].target = row.value("target", std::string());
-      break;
-    }
+    if (wanted[which[i]].absent.empty()) all[i] = figures_of(pipes[i], wanted[which[i]]);
+  return all;
 }
 
-template <class T>
-Json known(const std::optional<T>& value) {
-  return value ? Json(*value) : Json();
+Price price_of(const AccuracyPipe& pipe, const PipeFigures& figures, const Target& target,
+               const PriceTable& table) {
+  Price price{.figures = figures, .target = target};
+  if (target.assumed_mhz) {
+    price.why_not = "the clock is assumed";
+    return price;
+  }
+  LanePriceOr found = table.lane(priced(pipe, figures), target.name);
+  price.lane = std::move(found.price), price.why_not = std::move(found.why_not);
+  return price;
 }
 
-}  // namespace
-
-std::optional<double> Price::clocks_per_million() const {
-  if (!latency || !interval) return std::nullopt;
-  return 1e6 * *interval + *latency - *interval;
-}
-
-Json Price::to_json() const {
-  return {{"latency_levels", known(latency)},
-          {"initiation_interval", known(interval)},
-          {"operator_count", known(operators)},
-          {"modelled_clocks_per_million", known(clocks_per_million())},
-          {"luts", known(luts)},
-          {"dsps", known(dsps)},
-          {"fmax_mhz", known(fmax_mhz)},
-          {"area_of", target.empty() ? Json() : Json(target)}};
-}
-
-std::vector<Price> prices_of(const std::vector<AccuracyPipe>& pipes, bool elaborate) {
-  std::vector<Price> prices(pipes.size());
-  if (elaborate) add_figures(prices, pipes);
-  add_area(prices, pipes);
-  return prices;
+CardClock clock_on(const Target& target, const std::vector<AccuracyPipe>& pipes,
+                   const OperatorClocks& clocks) {
+  if (target.assumed_mhz)
+    return {*target.assumed_mhz, "an assumption about the device, not a measurement"};
+  const PriceTable table = PriceTable::of_project();
+  const std::vector<PipeFigures> figures = figures_of(pipes, true);
+  CardClock least{0, ""};
+  for (std::size_t i = 0; i < pipes.size(); ++i) {
+    const LanePriceOr found = table.lane(priced(pipes[i], figures[i]), target.name, clocks);
+    if (!found.price)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--target {}: no clock of {}: {}; {}", target.name, pipes[i].name(),
+                              found.why_not, table.rows_of(target.name)));
+    if (!least.is.empty() && found.price->mhz >= least.mhz) continue;
+    least = {found.price->mhz,
+             fmt::format("of {} on {}, {}", pipes[i].name(), target.name,
+                         found.price->estimated ? "estimated: the least of its operators"
+                                                : "measured of the whole lane")};
+  }
+  return least;
 }
 
 }  // namespace cde::cli

@@ -5,27 +5,57 @@
 #include <string>
 #include <vector>
 
+#include "accuracy/price_table.hpp"
 #include "accuracy/tally.hpp"
 
 /// What a pipe costs, beside what it is worth.
 namespace cde::cli {
 
-/// Of one lane, operators of one clock. What nobody measured is empty.
-struct Price {
+/// Of one lane, operators of one clock. What nobody counted is empty.
+struct PipeFigures {
   std::optional<unsigned> latency;   ///< clocks from operands to the answer
   std::optional<unsigned> interval;  ///< clocks from a row of pairs to the next
-  std::optional<unsigned> operators;
-  std::optional<double> luts, dsps, fmax_mhz;
-  std::string target;  ///< what area and clock are of; empty if they were not measured
+  std::optional<OperatorCounts> operators;
 
   /// Clocks of a million tests on one lane.
   [[nodiscard]] std::optional<double> clocks_per_million() const;
+};
+
+/// What lanes of a pipe take on a target.
+struct Price {
+  PipeFigures figures = {};
+  Target target = {};
+  std::optional<LanePrice> lane = {};  ///< none of an assumed clock, and where nothing was measured
+  std::string why_not = {};            ///< then why
+
+  /// Lanes that the times below are of: those that fit; one where the clock is assumed. 0: none.
+  [[nodiscard]] unsigned lanes() const;
+  [[nodiscard]] std::optional<double> mhz() const;
+  /// Modelled seconds of so many tests on those lanes, without transfers; none if it is not priced
+  /// or does not fit. The latency counts as if every operator had the clocks of the longest.
+  [[nodiscard]] std::optional<double> seconds(double tests) const {
+    return seconds(tests, lanes());
+  }
+  [[nodiscard]] std::optional<double> seconds(double tests, unsigned on_lanes) const;
+  /// "83.1 MHz on ecp5-85, estimated from its operators".
+  [[nodiscard]] std::string clock_is() const;
+
   [[nodiscard]] nlohmann::ordered_json to_json() const;
 };
 
-/// Of each of them. Clocks and operators are read in the RTL if `elaborate` says so (seconds a pipe
-/// the first time; kept in the cache), area and Fmax from docs/prices.json beside the RTL, if it is
-/// there and has a row for the pipe. Error kFile for one that cannot be read.
-[[nodiscard]] std::vector<Price> prices_of(const std::vector<AccuracyPipe>& pipes, bool elaborate);
+/// Read in the RTL if `elaborate` says so: seconds a pipe the first time, kept in the cache.
+[[nodiscard]] std::vector<PipeFigures> figures_of(const std::vector<AccuracyPipe>& pipes,
+                                                  bool elaborate);
+[[nodiscard]] Price price_of(const AccuracyPipe& pipe, const PipeFigures& figures,
+                             const Target& target, const PriceTable& table);
+
+/// The clock of a card: the least of its pipes' lanes on the target, at these clocks of operators.
+struct CardClock {
+  double mhz = 100;
+  std::string is;  ///< where it is from
+};
+/// Error kUsage if a pipe is not priced, naming what there is.
+[[nodiscard]] CardClock clock_on(const Target& target, const std::vector<AccuracyPipe>& pipes,
+                                 const OperatorClocks& clocks);
 
 }  // namespace cde::cli

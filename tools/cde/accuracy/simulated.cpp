@@ -8,7 +8,6 @@
 #include <span>
 
 #include "cde/support/error.hpp"
-#include "command/words.hpp"
 
 namespace cde::cli {
 
@@ -52,19 +51,14 @@ Simulated simulated(const AccuracyPipe& pipe, Arithmetic arithmetic, std::uint64
     const auto differs = std::mismatch(got.begin(), got.end(), expected.begin()).first;
     if (differs == got.end()) continue;
     const auto i = static_cast<std::size_t>(differs - got.begin());
-    const WordText text(pipe.format);
-    std::string words;
-    const auto list = [&](std::span<const std::uint64_t> all, std::size_t n) {
-      for (const std::uint64_t word : all.subspan(i * n, n)) words += text.hexfloat(word) + ' ';
-    };
-    list(c.a, primary_words(pipe.pair));
-    words += "| ";
-    list(c.b, secondary_words(pipe.pair));
+    const std::size_t a_words = primary_words(pipe.pair), b_words = secondary_words(pipe.pair);
     throw Error(ErrorCode::kMismatch,
                 fmt::format("{}, family {}, case {}: the card's answer differs from the reference "
-                            "in {}\nrepeat with: echo '{}' | cde query {} --arith {}",
+                            "in {}\nrepeat with: {} --arith {}",
                             pipe.name(), families[k].name, i, differing_fields(got[i], expected[i]),
-                            words, pipe.options(), name_of(arithmetic)));
+                            pipe.repeat_command(std::span(c.a).subspan(i * a_words, a_words),
+                                                std::span(c.b).subspan(i * b_words, b_words)),
+                            name_of(arithmetic)));
   }
   return result;
 }

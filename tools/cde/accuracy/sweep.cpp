@@ -50,7 +50,7 @@ class PartFile {
  public:
   explicit PartFile(const SweepOptions& o) : path_(o.resume) {
     if (path_.empty()) return;
-    const Json head = {{"schema", "cde.accuracy.parts.1"},
+    const Json head = {{"schema", "cde.accuracy.parts.2"},
                        {"version", kVersion},
                        {"commit", kCommit},
                        {"seed", o.seed},

@@ -2,6 +2,8 @@
 #pragma once
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,6 +28,21 @@ struct AccuracyPipe {
   [[nodiscard]] std::string name() const;
   /// The same for `cde query`, behind its name.
   [[nodiscard]] std::string options() const;
+  /// "echo 'WORDS OF A | WORDS OF B' | cde query PAIR OPTIONS" with words as hexfloats, as
+  /// `cde explain --from-test` reads it, too.
+  [[nodiscard]] std::string repeat_command(std::span<const std::uint64_t> a,
+                                           std::span<const std::uint64_t> b) const;
+};
+
+/// The case that an error, or a wrong decision, is largest of.
+struct WorstCase {
+  std::string family;
+  std::uint64_t index = 0;  ///< in the family
+  double size = 0;          ///< in u S; of a decision what must be displaced to make it right
+  std::vector<std::uint64_t> a, b;
+
+  [[nodiscard]] nlohmann::ordered_json to_json() const;
+  [[nodiscard]] static WorstCase from_json(const nlohmann::ordered_json& json);
 };
 
 /// What was found of so many cases. u is the unit roundoff of the format, S the size of the pair
@@ -45,6 +62,7 @@ struct Tally {
   ErrorCounts cp;      ///< witness points off their shapes in u (S + L/4), a ray's CP in u
   ErrorCounts n;       ///< |g(n) - s| in u S
   ErrorCounts oracle;  ///< how far the truth may be from the oracle's answer, in u S
+  std::optional<WorstCase> worst_t, worst_decision;  ///< the first of those that are as large
 
   void add(const Tally& other);
   /// Cases whose F was judged: all but those refused, and rays of meshes.
@@ -66,9 +84,15 @@ struct DrawnCases {
 /// What the mirror reference, and so the card, answers.
 [[nodiscard]] std::vector<PairResult> answers(const AccuracyPipe& pipe, const DrawnCases& cases);
 
+/// How far an answer is off, in u S: T, if it was judged, and a decision that is wrong.
+struct Judged {
+  std::optional<double> t, decision;
+};
 /// Adds what an answer is worth.
-void judge(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& words,
-           const PairResult& answer);
+Judged judge(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& words,
+             const PairResult& answer);
+/// The larger one is kept, of equals the one that is there.
+void keep_worst(std::optional<WorstCase>& kept, const WorstCase& found);
 
 [[nodiscard]] Tally measured(const AccuracyPipe& pipe, const oracle::Family& family,
                              std::uint64_t seed, std::uint64_t count);

@@ -56,6 +56,7 @@ struct ReproduceOptions {
   bool quick = false;   ///< a small terrain, few spheres
   unsigned lanes = 16;  ///< of the best card
   double clock_hz = 100e6;
+  std::string clock_is = "an assumption about the device, not a measurement";
 };
 
 struct Reproduction {

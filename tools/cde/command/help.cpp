@@ -144,6 +144,12 @@ const std::vector<Example>& examples(std::string_view verb) {
          "Errors and wrong decisions of two pairs in two formats, family by family"},
         {"cde accuracy --cases 100000 --resume parts.jsonl --json -o accuracy.json",
          "Everything, in a run that may be stopped and started again"}}},
+      {"advise",
+       {{"cde advise --max-error 1e-3 --no-leaks --max-wrong 1000 --time 2ms",
+         "The cheapest ray-triangle pipe that is as good and takes a million tests in 2 ms"},
+        {"cde advise --pair obb-obb --max-error 1e-2 --time 10ms --target hx8k --from "
+         "accuracy.json",
+         "Of a sweep of one's own, on another device"}}},
       {"explain",
        {{"cde explain sphere-sphere '0 0 0 1 | 1.5 0 0 1'",
          "Every operator of the pipe beside the reference's, with its clock and line"},
@@ -172,7 +178,8 @@ const std::vector<HelpEntry>& exit_statuses() {
   static const std::vector<HelpEntry> kAll = {
       {"0", "all is well"},
       {"1",
-       "doctor found something wrong, wave find or wave tx nothing, or wave diff a difference"},
+       "doctor found something wrong, wave find, wave tx or advise nothing, or wave diff a "
+       "difference"},
       {"2", "an option, a file or another input makes no sense, or an output cannot be written"},
       {"3", "the card's records differ from the reference"},
       {"4", "a deadline passed, or the card failed otherwise"},
@@ -186,6 +193,7 @@ const std::vector<HelpEntry>& environment() {
       {"CDE_BITSTREAMS", "folder that is searched for bitstreams before all others"},
       {"CDE_SHARE",
        "folder with rtl/, verilator/ and host/include/, from which bitstreams are built"},
+      {"CDE_PRICES", "table of measured prices instead of docs/prices.json"},
       {"CDE_CLANG", "compiler of bitstreams (clang++)"},
       {"CDE_MARCH", "processor that bitstreams are compiled for, as -march has it (native)"},
       {"CDE_WAVES", "folder: every card that a program opens writes waves, board-N.fst"},

@@ -6,88 +6,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "page/chart_parts.hpp"
 #include "page/page.hpp"
 
 namespace cde::cli {
+
+using namespace chart;
+
 namespace {
-
-constexpr double kTop = 10, kHeight = 220;  // pixels: above the plot, of the plot
-
-std::string start(std::string_view kind, std::string_view label, double height) {
-  return fmt::format(
-      "<div class=\"chart {}\"><svg width=\"100%\" height=\"{:g}\" role=\"img\" "
-      "aria-label=\"{}\">\n",
-      kind, height, escaped(label));
-}
-
-/// A line across the plot with its label left of it, in the margin that the style sheet leaves.
-std::string level(double y, std::string_view text) {
-  return fmt::format(
-      "<line class=\"grid\" x1=\"0\" x2=\"100%\" y1=\"{0:.1f}\" y2=\"{0:.1f}\"/>"
-      "<text class=\"tick\" x=\"-8\" y=\"{1:.1f}\" text-anchor=\"end\">{2}</text>\n",
-      y, y + 4, escaped(text));
-}
-
-/// 1, 2 or 5 times a power of ten such that `most` takes two to five steps.
-double step_for(double most) {
-  const double power = std::pow(10, std::floor(std::log10(most)));
-  for (const double factor : {0.2, 0.5, 1.0})
-    if (most / (factor * power) <= 5) return factor * power;
-  return 2 * power;
-}
-
-/// A round value and its unit: "20 ms".
-std::string tick(double seconds) {
-  constexpr const char* kUnits[] = {"ns", "µs", "ms", "s"};
-  const int unit =
-      std::clamp(static_cast<int>(std::floor(std::log10(seconds) + 1e-9) + 9) / 3, 0, 3);
-  return fmt::format("{:.3g} {}", seconds * std::pow(10, 9 - 3 * unit), kUnits[unit]);
-}
-
-/// A logarithmic axis of whole decades.
-struct Decades {
-  int low = 0, high = 0;
-
-  Decades(double least, double most) {
-    low = static_cast<int>(std::floor(std::log10(least) + 1e-9));
-    high = std::max(low + 1, static_cast<int>(std::ceil(std::log10(most) - 1e-9)));
-  }
-  [[nodiscard]] double share(double value) const {
-    return std::clamp((std::log10(value) - low) / (high - low), 0.0, 1.0);
-  }
-};
-
-std::string key(int colour, std::string_view text, bool dashed = false) {
-  return fmt::format(
-      "<li><svg width=\"14\" height=\"12\" aria-hidden=\"true\"><rect class=\"s{}{}\" y=\"{}\" "
-      "width=\"14\" height=\"{}\"/></svg>{}</li>\n",
-      colour, dashed ? " dashed" : "", dashed ? 5 : 0, dashed ? 3 : 12, escaped(text));
-}
-
-/// A line of CSV; what would end a field is quoted.
-std::string row(const std::vector<std::string>& fields) {
-  std::string text;
-  for (const std::string& field : fields) {
-    if (!text.empty()) text += ',';
-    if (field.find_first_of(",\"\r\n") == std::string::npos) {
-      text += field;
-      continue;
-    }
-    text += '"';
-    for (const char c : field) text.append(c == '"' ? 2 : 1, c);
-    text += '"';
-  }
-  return text + "\n";
-}
-std::string figure(double value) {
-  return std::isfinite(value) ? fmt::format("{}", value) : std::string();
-}
-
-/// The chart with its figures in CSV, which the page's script offers to save.
-std::string with_figures(const std::string& chart, const std::string& csv) {
-  return fmt::format("<figure class=\"plot\">{}<pre class=\"figures\" hidden>\n{}</pre></figure>\n",
-                     chart, escaped(csv));
-}
 
 /// Lines over the x of the first.
 std::string lines_csv(std::string_view x_name, const std::vector<Line>& lines,

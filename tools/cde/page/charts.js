@@ -7,7 +7,7 @@
   const shape = { fill: "", stroke: "none", "stroke-width": "1px", "stroke-dasharray": "none", "stroke-linecap": "butt", opacity: "1" };
   const letters = { ...shape, "font-size": "", "font-weight": "400", "paint-order": "normal", "stroke-linejoin": "miter" };
   const looks = { rect: shape, circle: shape, line: shape, text: letters, tspan: letters };
-  const meaning = new Set(["class", "role", "aria-label", "aria-hidden"]);
+  const meaning = new Set(["class", "role", "aria-label", "aria-hidden", "data-of", "tabindex"]);
 
   // Names are anything; XML has no control characters.
   const clean = (text) => text.replace(/[^\t\n\r\x20-\ud7ff\ue000-\ufffd\u{10000}-\u{10ffff}]/gu, "\ufffd");

@@ -11,6 +11,7 @@
 #include "cde/mesh/mesh.hpp"
 #include "cde/scene/plan.hpp"
 #include "verbs/bundle.hpp"
+#include "verbs/clock_target.hpp"
 #include "verbs/trace_options.hpp"
 
 /// The parts of `cde cast`: what was asked, what is cast, and what came of it.
@@ -24,7 +25,9 @@ struct CastOptions {
   std::vector<std::string> fields;  ///< more columns of the records
   std::string mode = "nearest", arithmetic = "host", algorithm = "moller", lanes = "auto", up = "z";
   unsigned boards = 1;
-  double clock_mhz = 100, timeout = 3600;
+  ClockOptions clock;
+  std::string clock_is;  ///< where the clock is from
+  double timeout = 3600;
   std::uint64_t deadline = 0;
   bool box = true, json = false, check = true, bits = false, quiet = false, shadows = false;
   bool exact = false;  ///< no built card stands in

@@ -184,7 +184,7 @@ CastOutcome cast_on_card(const CastOptions& o, const CastJob& job, const RayView
                          const std::function<void(double)>& progress, const RecordSink& take) {
   Board board = Board::open(
       job.config,
-      {.clock_period_ps = static_cast<std::uint32_t>(std::max(1.0, 1e6 / o.clock_mhz))});
+      {.clock_period_ps = static_cast<std::uint32_t>(std::max(1.0, 1e6 / o.clock.mhz))});
   {
     const Busy busy("uploading triangles", o.quiet || !progress);
     board.upload(job.mesh, false);  // load_mesh has checked it
@@ -235,7 +235,7 @@ CastOutcome cast_on_card(const CastOptions& o, const CastJob& job, const RayView
     judge->end();
     judge->report(result);
   }
-  result.modelled_seconds = result.counters.modelled_seconds(o.clock_mhz * 1e6);
+  result.modelled_seconds = result.counters.modelled_seconds(o.clock.mhz * 1e6);
   result.upload_clocks = board.upload_clocks();
   result.bitstream = board.bitstream().string();
   result.config_hash = board.config_hash();

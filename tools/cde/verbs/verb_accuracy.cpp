@@ -7,9 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "accuracy/accuracy_page.hpp"
 #include "accuracy/accuracy_report.hpp"
+#include "accuracy/kept.hpp"
 #include "accuracy/picture.hpp"
 #include "accuracy/price.hpp"
+#include "accuracy/profiles.hpp"
 #include "accuracy/simulated.hpp"
 #include "accuracy/sweep.hpp"
 #include "cde/image/camera.hpp"
@@ -23,6 +26,8 @@
 #include "output/machine.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
+#include "output/suffix.hpp"
+#include "verbs/clock_target.hpp"
 #include "verbs/pair_options.hpp"
 #include "verbs/verbs.hpp"
 
@@ -34,8 +39,10 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::vector<std::string> pairs, formats, algorithms, budgets, families;
   std::string box = "both", shard = "1/1", resume, output, mesh, grid = "64x48", camera;
-  std::uint64_t cases = 2400, seed = 1, check = 0;
+  std::string target = "ecp5-85", page, from;
+  std::uint64_t cases = 2400, seed = 1, check = 0, profile_cases = 0;
   bool json = false, markdown = false, by_family = false, operators = true, quiet = false;
+  bool short_json = false;
 };
 
 bool wanted(const std::vector<std::string>& list, std::string_view word) {
@@ -120,6 +127,45 @@ Json head_json(const char* schema) {
   return all;
 }
 
+/// The page of a sweep, whose file is open before the work.
+void write_page(OutputFile& file, const Options& o, const Json& sweep, const std::string& where) {
+  const Target target = parse_target(o.target);
+  file.write(accuracy_html(sweep_of(sweep, where, target), target));
+  file.commit();
+  if (!o.quiet) say("page: {}\n", printable_name(o.page));
+}
+
+/// A line a configuration, and without the families: a table to keep.
+std::string short_json(Json all) {
+  const Json configurations = std::move(all["configurations"]);
+  all["configurations"] = Json::array();
+  std::string text = json_text(all, -1);
+  text.resize(text.rfind("[]") + 1);
+  for (std::size_t i = 0; i < configurations.size(); ++i) {
+    Json one = configurations[i];
+    one["families"] = Json::array();
+    text += (i == 0 ? "\n" : ",\n") + json_text(one, -1);
+  }
+  return text + "]}\n";
+}
+
+std::vector<AccuracyRow> measured_rows(const Options& o, const SweepOptions& options) {
+  std::vector<AccuracyRow> rows;
+  for (Measured& measured : sweep(options)) rows.push_back({std::move(measured), {}, {}});
+  std::vector<AccuracyPipe> pipes;
+  for (const AccuracyRow& row : rows) pipes.push_back(row.measured.pipe);
+  const std::vector<PipeFigures> figures = figures_of(pipes, o.operators);
+  const Target target = parse_target(o.target);
+  const PriceTable table = PriceTable::of_project();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].price = price_of(pipes[i], figures[i], target, table);
+    if (o.check == 0) continue;
+    for (const Arithmetic arithmetic : {Arithmetic::kHost, Arithmetic::kRtl})
+      rows[i].simulated.push_back(simulated(pipes[i], arithmetic, o.seed, o.check));
+  }
+  return rows;
+}
+
 void run_pairs(const Options& o) {
   const auto [shard, shards] = parse_shard(o.shard);
   const SweepOptions options{.pipes = pipes_of(o),
@@ -131,29 +177,34 @@ void run_pairs(const Options& o) {
                              .resume = o.resume,
                              .quiet = o.quiet};
   check_families(o, options.pipes);
-  Json all = head_json("cde.accuracy.1");
+  std::optional<OutputFile> page;
+  if (!o.page.empty()) page.emplace(o.page);
+  Json all = head_json(kSweepSchema);
   say_what(o, all["machine"], fmt::format("{} cases a line", o.cases));
-  std::vector<AccuracyRow> rows;
-  for (Measured& measured : sweep(options)) rows.push_back({std::move(measured), {}, {}});
-  std::vector<AccuracyPipe> pipes;
-  for (const AccuracyRow& row : rows) pipes.push_back(row.measured.pipe);
-  const std::vector<Price> prices = prices_of(pipes, o.operators);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    rows[i].price = prices[i];
-    if (o.check == 0) continue;
-    for (const Arithmetic arithmetic : {Arithmetic::kHost, Arithmetic::kRtl})
-      rows[i].simulated.push_back(simulated(pipes[i], arithmetic, o.seed, o.check));
-  }
-  if (o.json) {
-    all.update({{"seed", o.seed},
-                {"cases", o.cases},
-                {"band_u", 16},
-                {"lanes", 1},
-                {"configurations", accuracy_json(rows)}});
-    write(o, json_text(all) + "\n");
-  } else {
+  const std::vector<AccuracyRow> rows = measured_rows(o, options);
+  all.update({{"seed", o.seed},
+              {"cases", o.cases},
+              {"band_u", 16},
+              {"lanes", 1},
+              {"profiles", Json::array()},
+              {"configurations", accuracy_json(rows)}});
+  if (o.profile_cases > 0)
+    all["profiles"] = profiles_json(profiles(options.pipes, o.seed, o.profile_cases, o.quiet));
+  if (page) write_page(*page, o, all, "this sweep");
+  if (o.json)
+    write(o, o.short_json ? short_json(all) : json_text(all) + "\n");
+  else if (o.page != "-")
     write(o, accuracy_tables(rows, o.by_family, o.markdown));
-  }
+}
+
+/// The page of a sweep that was kept.
+void run_kept(const Options& o) {
+  if (o.page.empty())
+    throw Error(ErrorCode::kUsage,
+                "--from makes a page of a sweep that was kept; --page FILE is "
+                "missing");
+  OutputFile page(o.page);
+  write_page(page, o, read_sweep(o.from, parse_target(o.target)).json, printable_name(o.from));
 }
 
 void run_picture(const Options& o) {
@@ -180,9 +231,13 @@ void run_picture(const Options& o) {
 }
 
 void run(const Options& o) {
-  check_outputs(std::vector<FileUse>{{"--output", o.output}, {"--resume", o.resume}},
-                std::vector<FileUse>{});
-  if (o.mesh.empty())
+  check_outputs(
+      std::vector<FileUse>{{"--output", o.output}, {"--resume", o.resume}, {"--page", o.page}},
+      std::vector<FileUse>{{"--from", o.from}});
+  check_suffix("--page", o.page, ".html");
+  if (!o.from.empty())
+    run_kept(o);
+  else if (o.mesh.empty())
     run_pairs(o);
   else
     run_picture(o);
@@ -215,6 +270,24 @@ void add_choices(CLI::App& verb, Options& o) {
                   1, 100'000'000, "");
   whole_number_in(verb.add_option("--seed", o.seed, "Of the cases")->capture_default_str(), 0,
                   1'000'000'000'000, "");
+}
+
+void add_page(CLI::App& verb, Options& o) {
+  auto* page = file_value(verb.add_option("--page", o.page,
+                                          "All figures as a page with charts too, one HTML file "
+                                          "that loads nothing (- is stdout)"),
+                          "FILE.html");
+  file_value(
+      verb.add_option("--from", o.from, "The page of a sweep that --json kept: nothing is measured")
+          ->needs(page),
+      "FILE");
+  whole_number_in(verb.add_option("--profiles", o.profile_cases,
+                                  "Rays a point of ray-triangle's errors against grazing angle, "
+                                  "size, distance and aspect; 0: none")
+                      ->capture_default_str(),
+                  0, 1'000'000, "");
+  target_option(verb, o.target, "Device that prices are of, or a clock without one")
+      ->capture_default_str();
 }
 
 }  // namespace
@@ -251,6 +324,9 @@ void add_accuracy(CLI::App& app) {
                                "Rays of a camera, eye,target[,angle], instead of straight down"),
               {"auto"}, "EX,EY,EZ,TX,TY,TZ[,FOV]|auto");
   auto* json = verb->add_flag("--json", o->json, "All figures as JSON");
+  verb->add_flag("--short", o->short_json, "JSON without the families, a line a configuration")
+      ->needs(json);
+  add_page(*verb, *o);
   verb->add_flag("--markdown", o->markdown, "Tables in Markdown")->excludes(json);
   file_value(verb->add_option("-o,--output", o->output, "Where to write (stdout)"), "FILE");
   verb->add_flag("-q,--quiet", o->quiet, "No progress");

@@ -182,7 +182,9 @@ nlohmann::ordered_json as_json(const CastOptions& o, const CastJob& job, const C
   j.update(card_json(job.config));
   j.update(bitstream_json(r.bitstream, r.config_hash));
   j.update(stand_in_json(job.stands_in_for));
-  j.update({{"clock_hz", o.clock_mhz * 1e6}, {"modelled_pass_seconds", r.modelled_seconds}});
+  j.update({{"clock_hz", o.clock.mhz * 1e6},
+            {"clock_is", o.clock_is},
+            {"modelled_pass_seconds", r.modelled_seconds}});
   j.update(counters_json(r.counters));
   j.update(
       {{"secondary_upload_clocks", r.upload_clocks},
@@ -214,8 +216,9 @@ void print_summary(const CastOptions& o, const CastJob& job, const CastOutcome& 
                   o.box ? "box rule" : "no box rule", o.mode));
   row("device cycles", fmt::format("{} and {} of write-back, {} stalls, {} bubbles", c.cycles,
                                    c.writeback, c.stalls, c.bubbles));
-  row("modelled time", fmt::format("{:.6g} ms at {:g} MHz, without bus transfers",
-                                   1e3 * r.modelled_seconds, o.clock_mhz));
+  row("modelled time",
+      fmt::format("{:.6g} ms at {:g} MHz{}, without bus transfers", 1e3 * r.modelled_seconds,
+                  o.clock.mhz, o.clock.target.empty() ? "" : " " + o.clock_is));
   row("simulation", fmt::format("{:.3g} s, {:.4g} M tests/s", r.simulation_seconds,
                                 static_cast<double>(c.pairs) / r.simulation_seconds / 1e6));
   row("hits", fmt::format("{} in {} records", r.hits, c.records));
@@ -223,8 +226,10 @@ void print_summary(const CastOptions& o, const CastJob& job, const CastOutcome& 
       o.check ? fmt::format("{} of {} records match the reference", r.matching, c.records) : "off");
 }
 
-void run(const CastOptions& o) {
+void run(const CastOptions& asked) {
+  CastOptions o = asked;
   const CastJob job = prepare(o);
+  o.clock_is = settle_clock(o.clock, job.config);
   std::optional<CastPicture> picture;
   if (o.wants_picture() || o.shows_itself) picture.emplace(o, job);
   std::optional<RecordFile> records;
@@ -333,7 +338,7 @@ void add_card(CLI::App& verb, CastOptions& o) {
                 "A hit must lie in the triangle's box, so that none is far from its triangle (on)");
   verb.add_flag("--check,!--no-check", o.check, "Compare every record with the reference (on)");
   exact_card_option(verb, o.exact);
-  clock_option(verb, o.clock_mhz);
+  clock_options(verb, o.clock);
   deadline_options(verb, o.deadline, o.timeout, "packet");
 }
 

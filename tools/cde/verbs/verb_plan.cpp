@@ -10,6 +10,7 @@
 #include "output/busy.hpp"
 #include "output/json_keys.hpp"
 #include "output/streams.hpp"
+#include "verbs/clock_target.hpp"
 #include "verbs/plan_output.hpp"
 #include "verbs/verbs.hpp"
 
@@ -17,7 +18,7 @@ namespace cde::cli {
 
 void add_plan(CLI::App& app) {
   struct Options {
-    std::string scene;
+    std::string scene, target;
     bool json = false, exact = false;
   };
   auto o = std::make_shared<Options>();
@@ -26,20 +27,24 @@ void add_plan(CLI::App& app) {
       "Print what a scene needs of the card, what it leaves out and why, and the bitstream");
   scene_option(*verb, o->scene);
   verb->add_flag("--json", o->json, "The plan as JSON on stdout");
+  scene_target_option(*verb, o->target);
   exact_card_option(*verb, o->exact);
   verb->callback([o] {
-    const Scene scene = [&] {
+    Scene scene = [&] {
       const Busy busy("loading " + o->scene);
       return load_scene(o->scene);
     }();
     Plan made = plan(scene);
     if (!o->exact) use_built_card(scene, made);
+    const std::string clock_is = settle_clock(o->target, scene, made.board);
     if (!o->json) {
       print_plan(scene, made);
+      if (!o->target.empty()) put("clock      {:g} MHz, {}\n", scene.card.clock_hz / 1e6, clock_is);
       return;
     }
     nlohmann::ordered_json j = program_json();
     j.update(plan_json(scene, made));
+    j["clock_is"] = clock_is;
     put_json(j);
   });
 }

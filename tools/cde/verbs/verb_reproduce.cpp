@@ -10,6 +10,7 @@
 #include "output/streams.hpp"
 #include "output/suffix.hpp"
 #include "page/page.hpp"
+#include "verbs/clock_target.hpp"
 #include "verbs/verbs.hpp"
 
 namespace cde::cli {
@@ -18,7 +19,7 @@ namespace {
 struct Arguments {
   ReproduceOptions options;
   std::string out = "reproduction.html";
-  double clock_mhz = 100;
+  ClockOptions clock;
   bool json = false;
 };
 
@@ -57,9 +58,12 @@ void add_reproduce(CLI::App& app) {
                  "A small terrain and few spheres, to see that it works");
   lanes_value(verb->add_option("--lanes", a->options.lanes, "Lanes of the best card")
                   ->capture_default_str());
-  clock_option(*verb, a->clock_mhz);
+  clock_options(*verb, a->clock);
   verb->callback([a] {
-    a->options.clock_hz = a->clock_mhz * 1e6;
+    // All of its cards have these two pipes.
+    a->options.clock_is =
+        settle_clock(a->clock, BoardConfig{.pairs = {Pair::kRayTriangle, Pair::kSphereSphere}});
+    a->options.clock_hz = a->clock.mhz * 1e6;
     run(*a);
   });
 }

@@ -28,6 +28,7 @@
 #include "output/streams.hpp"
 #include "output/suffix.hpp"
 #include "report/report.hpp"
+#include "verbs/clock_target.hpp"
 #include "verbs/plan_output.hpp"
 #include "verbs/run_bundle.hpp"
 #include "verbs/run_faults.hpp"
@@ -42,7 +43,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string scene, frames, out, check, report;
+  std::string scene, frames, out, check, report, target;
   TraceRequest trace;
   BundleRequest bundle;
   std::vector<std::string> faults;
@@ -198,7 +199,7 @@ void check_files(const Options& o, const Scene& scene) {
 /// A run: what was played so far, and where it goes.
 class Run {
  public:
-  Run(const Options& o, Scene& scene, const Plan& plan, Check check)
+  Run(const Options& o, Scene& scene, const Plan& plan, Check check, const std::string& clock_is)
       : o_(o),
         scene_(scene),
         check_(check),
@@ -216,7 +217,7 @@ class Run {
                   {"rate", scene.rate},
                   {"check", name_of(check)},
                   {"clock_hz", scene.card.clock_hz},
-                  {"clock_is", "an assumption about the device, not a measurement"},
+                  {"clock_is", clock_is},
                   {"bus", bus_name(scene)},
                   {"memory", memory_name(scene)},
                   {"machine", machine_json()},
@@ -518,7 +519,8 @@ void run(const Options& o) {
   if (o.trace.wanted()) scene.card.trace = true;
   Plan made = plan(scene);
   if (!o.exact) use_built_card(scene, made);
-  Run run(o, scene, made, check);
+  const std::string clock_is = settle_clock(o.target, scene, made.board);
+  Run run(o, scene, made, check, clock_is);
   if (made.stands_in_for && !o.quiet)
     say("cde: {}\n", stand_in_text(made.board, *made.stands_in_for));
   run.play(made);
@@ -552,6 +554,7 @@ void add_run(CLI::App& app) {
                               "again")
                  ->allow_extra_args(false),
              "FAULT", [](const std::string& text) { (void)fault_of(text); });
+  scene_target_option(*verb, o->target);
   exact_card_option(*verb, o->exact);
   deadline_options(*verb, o->deadline, o->timeout, "pass");
   verb->add_flag("--json", o->json, "run.json on stdout too");

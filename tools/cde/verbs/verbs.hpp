@@ -11,6 +11,7 @@ namespace cde::cli {
 inline int exit_code = 0;
 
 void add_accuracy(CLI::App& app);
+void add_advise(CLI::App& app);
 void add_bench(CLI::App& app);
 void add_cast(CLI::App& app);
 void add_doctor(CLI::App& app);

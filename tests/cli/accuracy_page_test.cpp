@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+// The price list of cde accuracy, and the prices in it.
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "pages.hpp"
+#include "price_rows.hpp"
+
+namespace cde::testing {
+namespace {
+
+using nlohmann::json;
+using Words = std::vector<std::string>;
+
+class AccuracyPage : public Pages {
+ protected:
+  void SetUp() override {
+    Pages::SetUp();
+    write("prices.json", some_prices().dump());
+  }
+  Ran priced(Words words) {
+    words.insert(words.begin(), "accuracy");
+    words.emplace_back("-q");
+    return cde(words, {"CDE_PRICES=prices.json"});
+  }
+};
+
+const Words kSome = {"--pair", "ray-triangle,sphere-sphere", "--formats", "fp16,fp32", "--cases",
+                     "120"};
+
+/// Measured and estimated prices are what the rows say, and no sum has both.
+TEST_F(AccuracyPage, PricesAreOfTheTable) {
+  Words words = kSome;
+  words.emplace_back("--json");
+  const Ran ran = priced(words);
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  std::set<std::string> kinds;
+  for (const json& one : json::parse(ran.out).at("configurations")) {
+    const json& price = one.at("price");
+    const std::string format = one.at("format");
+    const bool whole = one.at("algorithm") == "moller" && one.at("box") == false;
+    SCOPED_TRACE(one.at("pair").get<std::string>() + " " + format + price.dump());
+    if (format == "fp32" && !whole) {
+      EXPECT_TRUE(price.at("luts").is_null());
+      EXPECT_TRUE(price.at("modelled_seconds_per_million").is_null());
+      EXPECT_NE(price.at("clock_is").get<std::string>().find("no row of"), std::string::npos);
+      kinds.insert("none");
+      continue;
+    }
+    EXPECT_EQ(price.at("area_of"), "ecp5-85");
+    ASSERT_EQ(price.at("estimated"), !whole);
+    if (whole) {
+      const bool small = format == "fp16";
+      EXPECT_EQ(price.at("luts"), small ? 20000 : 90000);
+      EXPECT_EQ(price.at("fmax_mhz"), small ? 110 : 100) << "the median of three seeds";
+      // 85 % of 83,640 logic cells, of which a carry takes two.
+      EXPECT_EQ(price.at("lanes_that_fit"), small ? 3 : 0);
+      EXPECT_EQ(price.at("lanes_limit"), "logic");
+      kinds.insert(small ? "measured" : "too large");
+      if (!small) EXPECT_TRUE(price.at("modelled_seconds_per_million").is_null());
+      continue;
+    }
+    const json& n = price.at("operators_by_kind");
+    const double luts = 300 * n.at("add").get<double>() + 200 * n.at("mul").get<double>() +
+                        900 * n.at("div").get<double>() + 700 * n.at("sqrt").get<double>() +
+                        60 * n.at("compare").get<double>();
+    EXPECT_EQ(price.at("luts"), luts) << "the fastest rows";
+    EXPECT_EQ(price.at("dsps"), n.at("mul"));
+    const double fit =
+        std::floor(0.85 * 83640 /
+                   (luts + 20 * n.at("add").get<double>() + 20 * n.at("mul").get<double>() +
+                    20 * n.at("div").get<double>() + 20 * n.at("sqrt").get<double>() +
+                    20 * n.at("compare").get<double>()));
+    const double by_products = std::floor(156 / n.at("mul").get<double>());
+    EXPECT_EQ(price.at("lanes_that_fit"), std::min(fit, by_products));
+    EXPECT_EQ(price.at("fmax_mhz"), n.at("div") > 0 ? 120 : n.at("sqrt") > 0 ? 125 : 130);
+    const double lanes = price.at("lanes_that_fit"), mhz = price.at("fmax_mhz");
+    EXPECT_NEAR(price.at("modelled_seconds_per_million").get<double>(), 1 / (lanes * mhz),
+                0.01 / (lanes * mhz));
+    kinds.insert("estimated");
+  }
+  EXPECT_EQ(kinds, (std::set<std::string>{"none", "measured", "too large", "estimated"}));
+}
+
+TEST_F(AccuracyPage, TablesOfPricesThatAreNone) {
+  const auto refused = [&](const std::string& text, const std::string& says) {
+    write("prices.json", text);
+    const Ran ran = priced({"--pair", "sphere-sphere", "--formats", "fp16", "--cases", "20"});
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_NE(ran.err.find("prices.json: " + says), std::string::npos) << ran.err;
+  };
+  refused("no JSON", "no table of prices");
+  refused("[]", "no table of prices");
+  refused(R"({"rows": [{"what": "add"}]})", "row 1: ");
+  json bad = some_prices();
+  bad["rows"][3]["lut"] = "many";
+  refused(bad.dump(), "row 4: ");
+}
+
+TEST_F(AccuracyPage, FromAFreshSweepAndFromAKeptOne) {
+  Words words = kSome;
+  words.insert(words.end(), {"--profiles", "30", "--page", "p.html", "--json"});
+  const Ran fresh = priced(words);
+  ASSERT_EQ(fresh.status, 0) << fresh.err;
+  write("kept.json", fresh.out);
+  ASSERT_EQ(priced({"--from", "kept.json", "--page", "q.html"}).status, 0);
+  const std::string html = read("p.html");
+  EXPECT_EQ(html, read("q.html"));
+  expect_sound(html, 2);
+  EXPECT_LT(html.size(), 3u << 20);
+  // Two charts of accuracy against time, decisions and families a pair; four profiles a format.
+  EXPECT_EQ(count(html, "<figure class=\"plot\">"), 2u * 4 + 2u * 4);
+  EXPECT_EQ(count(html, "<section data-choice=\"pair\""), 2u);
+  for (const char* text :
+       {"measured", "estimated", "not priced", "modelled time of a million tests", "echo &#39;",
+        "| cde query ray-triangle --algorithm"})
+    EXPECT_NE(html.find(text), std::string::npos) << text;
+  EXPECT_EQ(count(html, "nan%") + count(html, "inf%") + count(html, "\"nan\""), 0u);
+  const json data = json::parse(between(html, "id=\"data\">", "</script>").at(0));
+  EXPECT_EQ(data.at("entries").size(), json::parse(fresh.out).at("configurations").size());
+}
+
+TEST_F(AccuracyPage, ChartsAreSavedAndMarksShowTheirFigures) {
+  const std::string program = browser();
+  if (program.empty()) GTEST_SKIP() << "no Chromium: the scripts of the page were not run";
+  Words words = kSome;
+  words.insert(words.end(), {"--profiles", "30", "--page", "p.html"});
+  ASSERT_EQ(priced(words).status, 0);
+  const json told = clicked(program, read("p.html"));
+  expect_saved(told, 16);
+  ASSERT_GT(told["chosen"].size(), 20u);
+  for (const json& text : told["chosen"]) {
+    EXPECT_NE(text.get<std::string>().find("cde accuracy --pair"), std::string::npos) << text;
+    EXPECT_NE(text.get<std::string>().find("wrong decisions"), std::string::npos) << text;
+  }
+  ASSERT_EQ(told["choices"].size(), 2u);
+  EXPECT_EQ(told["choices"][0]["options"], json({"ray-triangle", "sphere-sphere"}));
+  EXPECT_EQ(told["choices"][0]["before"], json({"ray-triangle", "fp32"})) << "one of each";
+  EXPECT_EQ(told["choices"][0]["after"], json({"sphere-sphere", "fp32"}));
+}
+
+TEST_F(AccuracyPage, WhatCannotBeAPage) {
+  const auto refused = [&](const Words& words, const std::string& text) {
+    const Ran ran = priced(words);
+    EXPECT_EQ(ran.status, 2) << text;
+    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
+    EXPECT_FALSE(exists("p.html"));
+  };
+  refused({"--page", "p.txt"}, "--page is 'p.txt'; its name must end in .html");
+  refused({"--from", "none.json", "--page", "p.html"}, "none.json");
+  write("other.json", R"({"schema": "cde.accuracy.1"})");
+  refused({"--from", "other.json", "--page", "p.html"}, "not a sweep of cde.accuracy.2");
+  write("broken.json", R"({"schema": "cde.accuracy.2", "seed": 1, "cases": 2,
+                           "configurations": [{"pair": "obb-obb", "format": "fp32"}]})");
+  refused({"--from", "broken.json", "--page", "p.html"}, "broken.json: configuration 1: ");
+  write("none.txt", "{");
+  refused({"--from", "none.txt", "--page", "p.html"}, "none.txt: no JSON");
+  refused({"--target", "ecp5-85f"}, "--target is 'ecp5-85f'; it must be ecp5-85, hx8k or assumed");
+  refused({"--target", "assumed:0MHz"}, "--target is 'assumed:0MHz'");
+}
+
+/// The worst case of a pipe is the worst of its families, and its command repeats it.
+TEST_F(AccuracyPage, WorstCases) {
+  Words words = {"--pair", "ray-triangle", "--formats", "fp32", "--algorithms",   "badouel",
+                 "--box",  "off",          "--cases",   "600",  "--no-operators", "--json"};
+  const Ran ran = priced(words);
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const json one = json::parse(ran.out).at("configurations").at(0), &all = one.at("all_families");
+  for (const char* key : {"worst_t", "worst_decision"}) {
+    double most = -1;
+    json of;
+    for (const json& family : one.at("families")) {
+      const json& worst = family.at(key);
+      if (worst.is_null()) continue;
+      EXPECT_EQ(worst.at("family"), family.at("family"));
+      EXPECT_LT(worst.at("case_index"), family.at("cases"));
+      if (worst.at("error_u") <= most) continue;
+      most = worst.at("error_u"), of = worst;
+    }
+    EXPECT_EQ(all.at(key), of) << key;
+  }
+  const json& worst = all.at("worst_t");
+  EXPECT_EQ(worst.at("error_u"), all.at("t_error_u").at("largest"));
+  EXPECT_EQ(worst.at("a_words").size(), 8u);
+  EXPECT_EQ(worst.at("b_words").size(), 9u);
+  ASSERT_FALSE(all.at("worst_decision").is_null());
+  // The words as the command has them are those of the list.
+  const std::string command = worst.at("repeat_command");
+  for (const json& word : worst.at("a_words"))
+    EXPECT_NE(command.find(word.get<std::string>()), std::string::npos);
+  EXPECT_NE(command.find("' | cde query ray-triangle --algorithm badouel --no-box --format fp32"),
+            std::string::npos)
+      << command;
+}
+
+/// A modelled clock is that of the rows of a card's operators, or it is refused.
+TEST_F(AccuracyPage, ClocksOfCards) {
+  json rows = some_prices();
+  for (const char* what : {"add", "mul", "div", "lt"})
+    rows["rows"].push_back(price_row(what, "fp32", "1", 500, 4, *what == 'd' ? 40 : 60));
+  write("one.json", rows.dump());
+  const Words cast = {"cast", "terrain:3,3,1", "--grid", "4x4", "--lanes", "16", "--json", "-q"};
+  const auto with = [&](const Words& more, const std::string& table) {
+    Words words = cast;
+    words.insert(words.end(), more.begin(), more.end());
+    return cde(words, {"CDE_PRICES=" + table});
+  };
+  const Ran usual = with({}, "one.json"), measured = with({"--target", "ecp5-85"}, "one.json"),
+            assumed = with({"--target", "assumed:50MHz"}, "one.json");
+  ASSERT_EQ(usual.status + measured.status + assumed.status, 0) << measured.err;
+  const json a = json::parse(usual.out), b = json::parse(measured.out),
+             c = json::parse(assumed.out);
+  EXPECT_EQ(a["clock_hz"], 100e6);
+  EXPECT_EQ(b["clock_hz"], 40e6) << "the quotient's";
+  EXPECT_EQ(c["clock_hz"], 50e6);
+  EXPECT_NE(b["clock_is"].get<std::string>().find("ecp5-85, estimated"), std::string::npos);
+  EXPECT_NEAR(b["modelled_pass_seconds"].get<double>(),
+              2.5 * a["modelled_pass_seconds"].get<double>(), 1e-12);
+  const Ran none = with({"--target", "ecp5-85"}, "prices.json"),
+            both = with({"--target", "ecp5-85", "--clock", "50"}, "one.json");
+  EXPECT_EQ(none.status, 2);
+  EXPECT_NE(none.err.find("no row of add fp32 LAT 1 on ecp5-85; prices.json has add fp16 LAT 1"),
+            std::string::npos)
+      << none.err;
+  EXPECT_EQ(both.status, 2);
+  EXPECT_NE(both.err.find("exclude each other"), std::string::npos) << both.err;
+}
+
+}  // namespace
+}  // namespace cde::testing

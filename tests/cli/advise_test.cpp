@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde advise: what it names, what it says is in the way, and the table that it reads.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "price_rows.hpp"
+#include "run_cde.hpp"
+
+namespace cde::testing {
+namespace {
+
+using nlohmann::json;
+using Words = std::vector<std::string>;
+
+class Advise : public Cli {
+ protected:
+  void SetUp() override {
+    Cli::SetUp();
+    write("prices.json", some_prices().dump());
+    const Ran ran =
+        cde({"accuracy", "--pair", "ray-triangle,sphere-sphere", "--formats", "fp16,bf16",
+             "--cases", "400", "-q", "--json", "--short", "-o", "kept.json"});
+    ASSERT_EQ(ran.status, 0) << ran.err;
+  }
+  Ran advise(Words words) {
+    words.insert(words.begin(), {"advise", "--from", "kept.json"});
+    return cde(words, {"CDE_PRICES=prices.json"});
+  }
+  static std::string first_line(const Ran& ran) { return ran.out.substr(0, ran.out.find('\n')); }
+};
+
+TEST_F(Advise, TheCheapestThatMeetsTheDemands) {
+  const Ran ran = advise({"--no-leaks", "--max-error", "0.1", "--time", "10ms"});
+  ASSERT_EQ(ran.status, 0) << ran.out << ran.err;
+  EXPECT_TRUE(first_line(ran).starts_with("ray-triangle watertight ")) << ran.out;
+  for (const char* text : {"  leaks      0 of ", "  area       estimated: ", "  time       ",
+                           "cde accuracy --pair ray-triangle --algorithms watertight",
+                           "| cde query ray-triangle --algorithm watertight"})
+    EXPECT_NE(ran.out.find(text), std::string::npos) << text << ran.out;
+  // Without the demand on leaks there are cheaper ones, and the whole lane that was measured is
+  // one.
+  const Ran leaky = advise({"--max-error", "0.1", "--time", "10ms"});
+  EXPECT_EQ(leaky.status, 0);
+  EXPECT_NE(first_line(leaky), first_line(ran));
+  EXPECT_EQ(advise({"--max-error", "0.1", "--time", "10ms"}).out, leaky.out);
+  // More tests in the same time take more lanes.
+  const Ran slow = advise({"--pair", "sphere-sphere", "--time", "10ms"}),
+            fast = advise({"--pair", "sphere-sphere", "--time", "3ms"});
+  EXPECT_NE(slow.out.find("on 1 lane,"), std::string::npos) << slow.out;
+  EXPECT_NE(fast.out.find("on 4 lanes,"), std::string::npos) << fast.out;
+}
+
+TEST_F(Advise, WhatIsInTheWay) {
+  const Ran ran = advise({"--max-error", "1e-5", "--no-leaks", "--time", "1ms"});
+  EXPECT_EQ(ran.status, 1) << ran.out;
+  EXPECT_TRUE(
+      first_line(ran).starts_with("none of 16 configurations of ray-triangle meets the "
+                                  "demands on ecp5-85; nearest:"))
+      << ran.out;
+  EXPECT_NE(ran.out.find(" of S (p99.9), 1e-5 asked"), std::string::npos) << ran.out;
+  const Ran sure = advise({"--pair", "sphere-sphere", "--max-wrong", "10", "--sure"});
+  EXPECT_EQ(sure.status, 1) << sure.out;
+  EXPECT_NE(sure.out.find("a million, 10 asked for sure"), std::string::npos) << sure.out;
+  EXPECT_NE(sure.out.find("it takes 384,143 cases without one"), std::string::npos) << sure.out;
+  const Ran unsure = advise({"--pair", "sphere-sphere", "--max-wrong", "10"});
+  EXPECT_EQ(unsure.status, 0) << unsure.out;
+  // Nobody measured anything of this device.
+  const Ran other = advise({"--target", "hx8k", "--time", "1s"});
+  EXPECT_EQ(other.status, 1);
+  EXPECT_NE(other.out.find("time is not known: no row of "), std::string::npos) << other.out;
+  const Ran assumed = advise({"--target", "assumed:100MHz", "--time", "1ms", "--max-error", "0.1"});
+  EXPECT_EQ(assumed.status, 0) << assumed.out;
+  EXPECT_NE(assumed.out.find("on 16 lanes"), std::string::npos) << assumed.out;
+  EXPECT_NE(assumed.out.find("no area is known"), std::string::npos) << assumed.out;
+}
+
+TEST_F(Advise, DemandsThatMakeNoSense) {
+  const auto refused = [&](const Words& words, const std::string& text) {
+    const Ran ran = advise(words);
+    EXPECT_EQ(ran.status, 2) << text << ran.out;
+    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
+    EXPECT_EQ(ran.out, "");
+  };
+  refused({"--time", "1"}, "--time is '1'; it must be a number and ns, us, ms or s");
+  refused({"--time", "0ms"}, "--time is '0ms'; it must be more than 0");
+  refused({"--max-error", "-1"}, "--max-error is '-1'");
+  refused({"--pair", "obb-ob"}, "no pair 'obb-ob'; did you mean obb-obb?");
+  refused({"--pair", "obb-obb"}, "kept.json has no configuration of obb-obb");
+  refused({"--pair", "sphere-sphere", "--no-leaks"}, "--no-leaks is of ray-triangle");
+  refused({"--sure"}, "--sure is of --max-wrong");
+  refused({"--target", "xc7"}, "--target is 'xc7'; it must be ecp5-85, hx8k or assumed:");
+  write("kept.json", "{}");
+  refused({}, "kept.json: not a sweep of cde.accuracy.2");
+}
+
+/// docs/accuracy.json says what this command measures: two of its configurations again.
+TEST_F(Advise, TheKeptTableIsNotStale) {
+  std::ifstream in(std::filesystem::path(CDE_SOURCE_DIR) / "docs/accuracy.json");
+  const json kept = json::parse(in, nullptr, false);
+  ASSERT_TRUE(kept.is_object());
+  for (const auto& [pair, format, algorithm] :
+       {std::tuple{"sphere-sphere", "fp16", ""}, {"ray-triangle", "fp24", "watertight"}}) {
+    Words words = {"accuracy",
+                   "--pair",
+                   pair,
+                   "--formats",
+                   format,
+                   "--cases",
+                   fmt::to_string(kept.at("cases").get<int>()),
+                   "--seed",
+                   fmt::to_string(kept.at("seed").get<int>()),
+                   "--box",
+                   "off",
+                   "-q",
+                   "--json",
+                   "--short"};
+    if (*algorithm != '\0') words.insert(words.end(), {"--algorithms", algorithm});
+    const Ran ran = cde(words);
+    ASSERT_EQ(ran.status, 0) << ran.err;
+    const json one = json::parse(ran.out).at("configurations").at(0);
+    bool found = false;
+    for (const json& there : kept.at("configurations")) {
+      if (there.at("pair") != pair || there.at("format") != format ||
+          there.at("algorithm") != one.at("algorithm") || there.at("box") != one.at("box"))
+        continue;
+      found = true;
+      EXPECT_EQ(there.at("all_families"), one.at("all_families"));
+      for (const char* key : {"latency_levels", "initiation_interval", "operators_by_kind"})
+        EXPECT_EQ(there.at("price").at(key), one.at("price").at(key)) << key;
+    }
+    EXPECT_TRUE(found) << pair;
+  }
+}
+
+}  // namespace
+}  // namespace cde::testing

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pages.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <regex>
+#include <set>
+
+namespace cde::testing {
+
+using nlohmann::json;
+
+static std::string base64(const std::vector<unsigned>& bytes) {
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  unsigned word = 0, bits = 0;
+  for (const unsigned b : bytes) {
+    word = word << 8 | b;
+    for (bits += 8; bits >= 6; bits -= 6) text += digits[word >> (bits - 6) & 63];
+    word &= (1u << bits) - 1;
+  }
+  if (bits > 0) text += digits[word << (6 - bits) & 63];
+  return text + std::string((4 - text.size() % 4) % 4, '=');
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t n = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+  return n;
+}
+
+std::vector<std::string> between(const std::string& text, const std::string& begin,
+                                 const std::string& end) {
+  std::vector<std::string> found;
+  for (auto at = text.find(begin); at != std::string::npos; at = text.find(begin, at)) {
+    at += begin.size();
+    found.push_back(text.substr(at, text.find(end, at) - at));
+  }
+  return found;
+}
+
+std::string plain(std::string text) {
+  for (const auto& [from, to] :
+       {std::pair{"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&amp;", "&"}})
+    for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + 1))
+      text.replace(at, std::strlen(from), to);
+  return text;
+}
+
+std::string browser() {
+  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(
+      ::popen("command -v chromium || command -v chromium-browser || command -v google-chrome",
+              "r"),
+      ::pclose);
+  std::array<char, 256> line{};
+  if (std::fgets(line.data(), line.size(), pipe.get()) == nullptr) return "";
+  return std::string(line.data(), std::strcspn(line.data(), "\n"));
+}
+
+namespace {
+
+/// Clicks on every button that saves something and tells what was offered: names, texts, and of
+/// pictures how much of them is drawn when they are opened without the page.
+const char* const kClicks = R"(
+const made = [], taken = new Map(), failed = [];
+addEventListener("error", (e) => failed.push(String(e.message)));
+addEventListener("securitypolicyviolation", (e) => failed.push(e.violatedDirective));
+URL.createObjectURL = (blob) => { const url = "blob:" + taken.size; taken.set(url, blob); return url; };
+HTMLAnchorElement.prototype.click = function() { made.push([this.download, taken.get(this.href)]); };
+const drawn = async (text) => {
+  const picture = new Image();
+  picture.src = "data:image/svg+xml;charset=utf-8," + encodeURIComponent(text);
+  await picture.decode();
+  const canvas = document.createElement("canvas");
+  canvas.width = picture.naturalWidth; canvas.height = picture.naturalHeight;
+  const pen = canvas.getContext("2d");
+  pen.drawImage(picture, 0, 0);
+  const seen = new Set(), p = pen.getImageData(0, 0, canvas.width, canvas.height).data;
+  let ink = 0;
+  for (let i = 0; i < p.length; i += 4) {
+    if (p[i] !== p[0] || p[i + 1] !== p[1] || p[i + 2] !== p[2]) { ++ink; seen.add(p[i] << 16 | p[i + 1] << 8 | p[i + 2]); }
+  }
+  return { width: canvas.width, height: canvas.height, ink, colours: seen.size, ground: [p[0], p[1], p[2], p[3]] };
+};
+addEventListener("load", async () => {
+  const buttons = [...document.querySelectorAll(".save button")];
+  for (const button of buttons) button.click();
+  const marks = [...document.querySelectorAll(".mark")], shown = () =>
+    [...document.querySelectorAll("[data-choice]")].filter((section) => !section.hidden).map((section) => section.dataset.name);
+  const chosen = marks.map((mark) => {
+    mark.dispatchEvent(new MouseEvent("click", { bubbles: true }));
+    return mark.closest("[data-choice]").querySelector(".chosen").textContent;
+  });
+  const choices = [...document.querySelectorAll(".choose select")].map((select) => {
+    const before = shown();
+    select.value = select.options[select.options.length - 1].value;
+    select.dispatchEvent(new Event("change"));
+    return { id: select.id, options: [...select.options].map((option) => option.value), before, after: shown() };
+  });
+  const files = [];
+  for (const [name, blob] of made) {
+    const text = await blob.text(), file = { name, type: blob.type, text };
+    if (name.endsWith(".svg")) {
+      const xml = new DOMParser().parseFromString(text, "image/svg+xml");
+      file.root = xml.documentElement.namespaceURI + " " + xml.documentElement.localName;
+      file.label = xml.querySelector("title") ? xml.querySelector("title").textContent : "";
+      file.classes = xml.querySelectorAll("[class], style").length;
+      file.drawn = await drawn(text).catch((error) => failed.push(String(error)));
+    }
+    files.push(file);
+  }
+  document.body.replaceChildren(document.createElement("pre"));
+  document.body.firstChild.id = "told";
+  document.body.firstChild.textContent = JSON.stringify({ buttons: buttons.length, files, failed, chosen, choices });
+});
+)";
+
+}  // namespace
+
+json Pages::clicked(const std::string& program, std::string html) {
+  const std::string policy = "script-src ";
+  html.insert(html.find(policy) + policy.size(), policy_hash(kClicks) + " ");
+  html.insert(html.find("<title>"), fmt::format("<script>{}</script>", kClicks));
+  write("clicked.html", html);
+  // Pictures are decoded in a thread that virtual time does not wait for: on a busy machine it
+  // can run out before the page has told. Then it is asked again.
+  Ran ran;
+  std::string told;
+  for (int budget = 20000; told.empty() && budget <= 320000; budget *= 2) {
+    ran = shell(
+        fmt::format("HOME=$PWD timeout 120 {} --headless --no-sandbox --disable-gpu --no-first-run "
+                    "--disable-background-networking --user-data-dir=$PWD/browser "
+                    "--virtual-time-budget={} --dump-dom file://$PWD/clicked.html",
+                    program, budget));
+    for (const std::string& text : between(ran.out, "<pre id=\"told\">", "</pre>")) told = text;
+  }
+  json j = json::parse(plain(told), nullptr, false);
+  if (j.is_discarded()) ADD_FAILURE() << ran.status << ran.err << ran.out.substr(0, 2000);
+  return j;
+}
+
+void Pages::expect_saved(const json& told, std::size_t charts) {
+  EXPECT_EQ(told["failed"], json::array());
+  EXPECT_EQ(told["buttons"], 2 * charts);
+  ASSERT_EQ(told["files"].size(), 2 * charts);
+  std::set<std::string> names;
+  for (const json& file : told["files"]) {
+    const std::string name = file["name"], text = file["text"];
+    EXPECT_TRUE(names.insert(name).second) << name;
+    EXPECT_EQ(name.find_first_of("/\\<>\"?*: "), std::string::npos) << name;
+    if (name.ends_with(".csv")) {
+      EXPECT_EQ(file["type"], "text/csv;charset=utf-8");
+      EXPECT_GE(count(text, "\n"), 3u) << text;
+      continue;
+    }
+    ASSERT_TRUE(name.ends_with(".svg")) << name;
+    EXPECT_EQ(file["root"], "http://www.w3.org/2000/svg svg") << name;
+    EXPECT_EQ(file["classes"], 0) << "looks that are in the page's style sheet";
+    for (const char* needs : {"var(", "NaN", "undefined", "%\"", "href"})
+      EXPECT_EQ(text.find(needs), std::string::npos) << name << needs;
+    EXPECT_EQ(file["drawn"]["width"], 760);
+    EXPECT_EQ(file["drawn"]["ground"], json({255, 255, 255, 255})) << "as print has it";
+    EXPECT_GT(file["drawn"]["ink"], 1000) << name;
+    EXPECT_GT(file["drawn"]["colours"], 20) << name;
+  }
+}
+
+std::string Pages::policy_hash(const std::string& text) {
+  write("hashed", text);
+  const std::string command = fmt::format("sha256sum {}", (folder_ / "hashed").string());
+  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(::popen(command.c_str(), "r"), ::pclose);
+  std::vector<unsigned> bytes(32);
+  for (unsigned& b : bytes) EXPECT_EQ(std::fscanf(pipe.get(), "%2x", &b), 1);
+  return fmt::format("'sha256-{}'", base64(bytes));
+}
+
+void Pages::expect_sound(const std::string& html, std::size_t scripts) {
+  const auto policies =
+      between(html, "<meta http-equiv=\"Content-Security-Policy\" content=\"", "\">");
+  ASSERT_EQ(policies.size(), 1u);
+  const std::string& policy = policies[0];
+  EXPECT_EQ(policy.find("default-src 'none'; "), 0u) << policy;
+  EXPECT_EQ(policy.find("unsafe"), std::string::npos) << policy;
+  EXPECT_EQ(policy.find("http"), std::string::npos) << policy;
+  const auto styles = between(html, "<style>", "</style>");
+  ASSERT_EQ(styles.size(), 1u);
+  EXPECT_NE(policy.find("style-src " + policy_hash(styles[0])), std::string::npos);
+  const auto code = between(html, "<script>", "</script>");
+  ASSERT_EQ(code.size(), scripts);
+  for (const std::string& script : code)
+    EXPECT_NE(policy.find(policy_hash(script)), std::string::npos) << script.substr(0, 60);
+  std::string markup = html;
+  for (const std::string& script : code) markup.replace(markup.find(script), script.size(), "");
+  for (const char* loads : {" src=\"http", " href=", "url(", "@import", " style=", " onclick="})
+    EXPECT_EQ(markup.find(loads), std::string::npos) << loads;
+  for (const char* element : {"section", "table", "svg", "div", "figure", "main", "body", "html"}) {
+    const std::regex opens(fmt::format("<{}[ >]", element));
+    const auto opened = std::distance(std::sregex_iterator(markup.begin(), markup.end(), opens),
+                                      std::sregex_iterator());
+    EXPECT_EQ(static_cast<std::size_t>(opened), count(markup, fmt::format("</{}>", element)))
+        << element;
+  }
+  EXPECT_NE(html.find("<meta name=\"viewport\""), std::string::npos);
+}
+
+}  // namespace cde::testing

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "run_cde.hpp"
+
+/// Pages that the command writes, as text and in a browser.
+namespace cde::testing {
+
+[[nodiscard]] std::size_t count(const std::string& text, const std::string& part);
+/// What stands between `begin` and `end`, every time.
+[[nodiscard]] std::vector<std::string> between(const std::string& text, const std::string& begin,
+                                               const std::string& end);
+/// Text as it was before it was escaped for an element.
+[[nodiscard]] std::string plain(std::string text);
+/// The browser that opens pages in these tests; empty if there is none.
+[[nodiscard]] std::string browser();
+
+class Pages : public Cli {
+ protected:
+  /// The page in a browser without network, under its own content security policy, which here lets
+  /// the clicks run as well.
+  nlohmann::json clicked(const std::string& program, std::string html);
+  /// Two files a chart: a picture that opens alone, and figures.
+  void expect_saved(const nlohmann::json& told, std::size_t charts);
+  /// As a content security policy has it, from coreutils' own implementation.
+  std::string policy_hash(const std::string& text);
+  /// Nothing is loaded, nothing runs but what the policy names, and elements are closed.
+  void expect_sound(const std::string& html, std::size_t scripts);
+};
+
+}  // namespace cde::testing

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <string>
+
+#include "accuracy/kept.hpp"
+
+namespace cde::cli {
+
+/// The price list: accuracy against time, wrong decisions, errors by family and all figures of a
+/// sweep, a section a pair, with the profiles if it has any. Charts are there without scripts.
+[[nodiscard]] std::string accuracy_html(const KeptSweep& sweep, const Target& target);
+
+}  // namespace cde::cli

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "accuracy/advice.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "accuracy/accuracy_report.hpp"
+#include "page/page.hpp"
+
+namespace cde::cli {
+namespace {
+
+constexpr unsigned kMostLanes = 256;  // of a card
+constexpr std::size_t kMisses = 3;
+
+/// So many cases without a wrong decision show that there are at most so many a million.
+std::uint64_t cases_to_show(double per_million) {
+  constexpr double kZ2 = 3.841458820694124;  // wilson() with none found
+  return static_cast<std::uint64_t>(std::ceil(kZ2 * (1e6 / per_million - 1)));
+}
+
+std::string quantile_name(const Demands& d) {
+  return d.quantile == &Quantiles::largest ? "largest"
+         : d.quantile == &Quantiles::p99   ? "p99"
+                                           : "p99.9";
+}
+
+double error_of(const KeptPipe& k, const Demands& d) {
+  return k.u() * k.all.error(d.quantile);
+}
+
+void check_error(Candidate& c, const Demands& d) {
+  if (!d.max_error) return;
+  if (c.of->all.t.count == 0) {
+    c.unmet.push_back({"no T was judged", std::numeric_limits<double>::infinity()});
+    return;
+  }
+  const double error = error_of(*c.of, d);
+  if (error > *d.max_error)
+    c.unmet.push_back({fmt::format("error {} of S ({}), {} asked", compact(error), quantile_name(d),
+                                   compact(*d.max_error)),
+                       error / *d.max_error});
+}
+
+void check_decisions(Candidate& c, const Demands& d) {
+  const KeptTally& t = c.of->all;
+  if (d.no_leaks && t.leak_rays == 0)
+    c.unmet.push_back({"leaks were not measured", std::numeric_limits<double>::infinity()});
+  if (d.no_leaks && t.leaks > 0)
+    c.unmet.push_back({fmt::format("{} of {} rays leak", t.leaks, t.leak_rays),
+                       1 + static_cast<double>(t.leaks)});
+  if (!d.max_wrong) return;
+  const double wrong = d.sure ? t.wrong_interval().high : t.wrong_per_million();
+  if (t.judged > 0 && wrong <= *d.max_wrong) return;
+  const std::string may_be =
+      fmt::format("{} of {} decisions wrong, {}..{} a million", t.wrong, grouped(t.judged),
+                  compact(t.wrong_interval().low), compact(t.wrong_interval().high));
+  c.unmet.push_back(
+      {fmt::format("{}, {} asked{}", may_be, compact(*d.max_wrong), d.sure ? " for sure" : ""),
+       wrong / std::max(*d.max_wrong, 1e-3)});
+}
+
+/// The fewest lanes that take the tests in time, or as many as there may be.
+void choose_lanes(Candidate& c, const Demands& d) {
+  const Price& price = c.of->price;
+  const unsigned most = price.target.assumed_mhz ? kMostLanes
+                        : price.lane             ? std::min(kMostLanes, price.lane->fit.lanes)
+                                                 : 0;
+  if (most == 0) {
+    c.lanes = 0;
+    if (d.seconds || price.lane)
+      c.unmet.push_back(
+          {price.lane
+               ? fmt::format("a lane does not fit in {}: {:.0f} % of the {} "
+                             "that may be used",
+                             price.target.name, 100 * price.lane->fit.share, price.lane->fit.limit)
+               : "time is not known: " + price.why_not,
+           price.lane ? price.lane->fit.share : std::numeric_limits<double>::infinity()});
+    return;
+  }
+  c.seconds = price.seconds(d.tests, c.lanes);
+  if (!d.seconds) return;
+  while (c.seconds && *c.seconds > *d.seconds && 2 * c.lanes <= most)
+    c.seconds = price.seconds(d.tests, c.lanes *= 2);
+  if (!c.seconds)
+    c.unmet.push_back(
+        {"time is not known: clocks were not counted", std::numeric_limits<double>::infinity()});
+  else if (*c.seconds > *d.seconds)
+    c.unmet.push_back({fmt::format("{} on {} lane{}, {} asked", duration(*c.seconds), c.lanes,
+                                   c.lanes == 1 ? "" : "s", duration(*d.seconds)),
+                       *c.seconds / *d.seconds});
+}
+
+void set_cost(Candidate& c) {
+  const Price& price = c.of->price;
+  const unsigned lanes = std::max(1u, c.lanes);
+  c.area_known = price.lane.has_value();
+  const OperatorCounts operators = c.of->figures.operators.value_or(OperatorCounts{});
+  c.cost =
+      lanes * (c.area_known ? price.lane->fit.share
+                            : static_cast<double>(operators.total()) * c.of->pipe.format.width());
+}
+
+double distance(const Candidate& c) {
+  double sum = 0;
+  for (const Unmet& u : c.unmet) sum += std::log(u.factor);
+  return sum;
+}
+
+/// A figure of the answer.
+std::string line(const char* name, const std::string& text) {
+  return fmt::format("  {:<10} {}\n", name, text);
+}
+
+std::string price_text(const Candidate& c) {
+  const Price& p = c.of->price;
+  if (!p.lane) {
+    const unsigned width = static_cast<unsigned>(c.of->pipe.format.width());
+    return fmt::format("no area is known ({}): ranked by operators times bits, {} x {} a lane",
+                       p.why_not, c.of->figures.operators ? c.of->figures.operators->total() : 0,
+                       width);
+  }
+  const CellCounts& a = p.lane->cells;
+  return fmt::format(
+      "{}: {:.0f} LUT, {:.0f} carry, {:.0f} FF, {:.0f} DSP a lane; {} lane{} of {} that fit, "
+      "{:.1f} "
+      "% of the {} that may be used ({})",
+      p.lane->estimated ? "estimated" : "measured", a.lut, a.carry, a.ff, a.dsp, c.lanes,
+      c.lanes == 1 ? "" : "s", p.lane->fit.lanes, 100 * c.lanes * p.lane->fit.share,
+      p.lane->fit.limit, p.lane->of);
+}
+
+std::string figures_text(const KeptSweep& sweep, const Demands& d, const Candidate& c) {
+  const KeptPipe& k = *c.of;
+  const KeptTally& t = k.all;
+  const auto asked = [](const std::optional<double>& limit) {
+    return limit ? fmt::format(", {} asked", compact(*limit)) : "";
+  };
+  std::string text =
+      line("error", fmt::format("{} of S ({}{}), {} u S; largest {} of S", compact(error_of(k, d)),
+                                quantile_name(d), asked(d.max_error), compact(t.error(d.quantile)),
+                                compact(k.u() * t.error(&Quantiles::largest))));
+  const Interval95 wrong = t.wrong_interval();
+  std::string decisions =
+      fmt::format("{} of {} wrong, {}..{} a million with 95 %{}", t.wrong, grouped(t.judged),
+                  compact(wrong.low), compact(wrong.high), asked(d.max_wrong));
+  if (d.max_wrong && *d.max_wrong > 0 && wrong.high > *d.max_wrong)
+    decisions += fmt::format("; not shown: it takes {} cases without one",
+                             grouped(cases_to_show(*d.max_wrong)));
+  text += line("decisions", decisions);
+  if (t.leak_rays > 0) text += line("leaks", fmt::format("{} of {} rays", t.leaks, t.leak_rays));
+  text += line("area", price_text(c));
+  text += line("clock", k.price.clock_is());
+  if (c.seconds)
+    text +=
+        line("time", fmt::format("{} for {} tests on {} lane{}, modelled, without transfers{}",
+                                 duration(*c.seconds), grouped(static_cast<std::uint64_t>(d.tests)),
+                                 c.lanes, c.lanes == 1 ? "" : "s",
+                                 d.seconds ? ", " + duration(*d.seconds) + " asked" : ""));
+  text += fmt::format("commands\n  {}\n  cde query {} < PAIRS\n", sweep.command(k.pipe),
+                      k.pipe.options());
+  if (t.worst_t) text += fmt::format("  {}  # worst T\n", t.worst_t->command);
+  if (t.worst_decision) text += fmt::format("  {}  # worst decision\n", t.worst_decision->command);
+  return text;
+}
+
+}  // namespace
+
+std::vector<Candidate> advise(const KeptSweep& sweep, const Demands& demands) {
+  std::vector<Candidate> all;
+  for (const KeptPipe& k : sweep.pipes) {
+    if (k.pipe.pair != demands.pair) continue;
+    Candidate c{.of = &k};
+    check_error(c, demands);
+    check_decisions(c, demands);
+    choose_lanes(c, demands);
+    set_cost(c);
+    all.push_back(std::move(c));
+  }
+  std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
+    const auto key = [](const Candidate& c) {
+      return std::tuple(c.unmet.size(), distance(c), !c.area_known, c.cost,
+                        c.seconds.value_or(std::numeric_limits<double>::infinity()));
+    };
+    return key(a) < key(b);
+  });
+  return all;
+}
+
+std::string advice_text(const KeptSweep& sweep, const Demands& demands, const Target& target,
+                        const std::vector<Candidate>& all) {
+  const auto meet = static_cast<std::size_t>(
+      std::ranges::count_if(all, [](const Candidate& c) { return c.unmet.empty(); }));
+  if (meet > 0)
+    return fmt::format("{} on {}: the cheapest of {} that meet{} the demands, of {}\n{}",
+                       all.front().of->pipe.name(), target.name, meet, meet == 1 ? "s" : "",
+                       all.size(), figures_text(sweep, demands, all.front()));
+  std::string text =
+      fmt::format("none of {} configurations of {} meets the demands on {}; nearest:\n", all.size(),
+                  name(demands.pair), target.name);
+  for (std::size_t i = 0; i < std::min(kMisses, all.size()); ++i) {
+    text += fmt::format("  {}\n", all[i].of->pipe.name());
+    for (const Unmet& u : all[i].unmet) text += fmt::format("    {}\n", u.text);
+  }
+  return text + fmt::format("figures of the nearest, {}\n{}", all.front().of->pipe.name(),
+                            figures_text(sweep, demands, all.front()));
+}
+
+}  // namespace cde::cli

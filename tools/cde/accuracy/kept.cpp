@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "accuracy/kept.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+
+namespace cde::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double finite_or_infinite(const Json& value) {
+  return value.is_null() ? std::numeric_limits<double>::infinity() : value.get<double>();
+}
+
+Quantiles quantiles_of(const Json& json) {
+  Quantiles q;
+  json.at("count").get_to(q.count);
+  if (q.count == 0) return q;
+  q.median = finite_or_infinite(json.at("median")), q.p99 = finite_or_infinite(json.at("p99"));
+  q.p999 = finite_or_infinite(json.at("p999"));
+  q.largest = finite_or_infinite(json.at("largest"));
+  return q;
+}
+
+std::optional<KeptCase> case_of(const Json& json) {
+  if (json.is_null()) return std::nullopt;
+  return KeptCase{.family = json.at("family"),
+                  .command = json.at("repeat_command"),
+                  .index = json.at("case_index"),
+                  .size = finite_or_infinite(json.at("error_u"))};
+}
+
+KeptTally tally_of(const Json& json) {
+  KeptTally t;
+  t.family = json.value("family", "");
+  json.at("cases").get_to(t.cases);
+  json.at("refused").get_to(t.refused);
+  json.at("leak_rays").get_to(t.leak_rays);
+  t.judged = t.cases - std::min(t.cases, t.refused + t.leak_rays);
+  t.wrong = json.at("false_hits").at("count").get<std::uint64_t>() +
+            json.at("false_misses").at("count").get<std::uint64_t>();
+  json.at("leaks").at("count").get_to(t.leaks);
+  t.t = quantiles_of(json.at("t_error_u"));
+  t.oracle = quantiles_of(json.at("oracle_u"));
+  t.worst_t = case_of(json.at("worst_t"));
+  t.worst_decision = case_of(json.at("worst_decision"));
+  return t;
+}
+
+template <class T>
+std::optional<T> maybe(const Json& json) {
+  return json.is_null() ? std::nullopt : std::optional(json.get<T>());
+}
+
+PipeFigures figures_of(const Json& price) {
+  PipeFigures f;
+  f.latency = maybe<unsigned>(price.at("latency_levels"));
+  f.interval = maybe<unsigned>(price.at("initiation_interval"));
+  const Json& kinds = price.at("operators_by_kind");
+  if (!kinds.is_null())
+    f.operators = {.add = kinds.at("add"),
+                   .mul = kinds.at("mul"),
+                   .div = kinds.at("div"),
+                   .sqrt = kinds.at("sqrt"),
+                   .cmp = kinds.at("compare")};
+  return f;
+}
+
+AccuracyPipe pipe_of(const Json& json) {
+  AccuracyPipe pipe;
+  const auto pair = pair_named(json.at("pair").get<std::string>());
+  if (!pair) throw Error(ErrorCode::kFile, "no pair " + json.at("pair").dump());
+  pipe.pair = *pair;
+  pipe.format = FpFormat::parse(json.at("format").get<std::string>());
+  if (pipe.pair == Pair::kRayTriangle) {
+    const auto algorithm = algorithm_named(json.at("algorithm").get<std::string>());
+    if (!algorithm) throw Error(ErrorCode::kFile, "no algorithm " + json.at("algorithm").dump());
+    pipe.algorithm = *algorithm;
+    json.at("box").get_to(pipe.box);
+  }
+  if (!has_budget(pipe.pair)) return pipe;
+  const auto budget = json.at("budget").get<std::string>();
+  if (std::sscanf(budget.c_str(), "%2u,%2u,%2u", &pipe.budget.samples, &pipe.budget.circle,
+                  &pipe.budget.free) != 3)
+    throw Error(ErrorCode::kFile, "no budget " + in_quotes(budget));
+  return pipe;
+}
+
+}  // namespace
+
+double KeptTally::error(double Quantiles::*quantile, bool* bounded) const {
+  const double least = quantile == &Quantiles::largest ? oracle.p99 : oracle.*quantile;
+  if (bounded != nullptr) *bounded = t.*quantile < least;
+  return std::max(t.*quantile, least);
+}
+
+double KeptTally::wrong_per_million() const {
+  return judged == 0 ? 0 : 1e6 * static_cast<double>(wrong) / static_cast<double>(judged);
+}
+
+Interval95 KeptTally::wrong_interval() const {
+  const Interval95 share = wilson(wrong, judged);
+  return {1e6 * share.low, 1e6 * share.high};
+}
+
+double KeptPipe::u() const {
+  return std::ldexp(1, -1 - pipe.format.man_bits);
+}
+
+std::string KeptSweep::command(const AccuracyPipe& pipe) const {
+  std::string text = fmt::format("cde accuracy --pair {}", name(pipe.pair));
+  if (pipe.pair == Pair::kRayTriangle)
+    text += fmt::format(" --algorithms {} --box {}", name(pipe.algorithm), pipe.box ? "on" : "off");
+  text += fmt::format(" --formats {}", pipe.format.name());
+  if (has_budget(pipe.pair))
+    text += fmt::format(" --budgets {},{},{}", pipe.budget.samples, pipe.budget.circle,
+                        pipe.budget.free);
+  return text + fmt::format(" --cases {} --seed {} --by-family", cases, seed);
+}
+
+KeptSweep sweep_of(const Json& json, const std::string& where, const Target& target) {
+  if (!json.is_object() || !json.contains("schema") || json.at("schema") != kSweepSchema)
+    throw Error(ErrorCode::kFile,
+                fmt::format("{}: not a sweep of {}, which cde accuracy --json writes; its schema "
+                            "is {}",
+                            where, kSweepSchema,
+                            json.is_object() && json.contains("schema")
+                                ? in_quotes(json.at("schema").dump())
+                                : "not there"));
+  KeptSweep sweep{.json = json};
+  const PriceTable table = PriceTable::of_project();
+  std::size_t number = 0;
+  try {
+    json.at("seed").get_to(sweep.seed);
+    json.at("cases").get_to(sweep.cases);
+    for (const Json& one : json.at("configurations")) {
+      ++number;
+      KeptPipe kept;
+      kept.pipe = pipe_of(one);
+      kept.figures = figures_of(one.at("price"));
+      kept.price = price_of(kept.pipe, kept.figures, target, table);
+      kept.all = tally_of(one.at("all_families"));
+      for (const Json& family : one.at("families")) kept.families.push_back(tally_of(family));
+      sweep.pipes.push_back(std::move(kept));
+    }
+  } catch (const Json::exception& e) {
+    throw Error(ErrorCode::kFile, fmt::format("{}: configuration {}: {}", where, number, e.what()));
+  } catch (const Error& e) {
+    throw Error(ErrorCode::kFile, fmt::format("{}: configuration {}: {}", where, number, e.what()));
+  }
+  return sweep;
+}
+
+KeptSweep read_sweep(const std::string& file, const Target& target) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw Error(ErrorCode::kFile, fmt::format("{}: cannot be read", printable_name(file)));
+  const std::string text(std::istreambuf_iterator<char>(in), {});
+  const Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded())
+    throw Error(ErrorCode::kFile, fmt::format("{}: no JSON", printable_name(file)));
+  return sweep_of(json, printable_name(file), target);
+}
+
+}  // namespace cde::cli
