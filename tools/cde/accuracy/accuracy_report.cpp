@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "accuracy/accuracy_report.hpp"
 
+#include "accuracy/promise.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -143,12 +145,14 @@ Json worst_json(const AccuracyPipe& pipe, const std::optional<WorstCase>& worst)
   Json a = Json::array(), b = Json::array();
   for (const std::uint64_t word : worst->a) a.push_back(text.hexfloat(word));
   for (const std::uint64_t word : worst->b) b.push_back(text.hexfloat(word));
-  return {{"family", worst->family},
-          {"case_index", worst->index},
-          {"error_u", std::isfinite(worst->size) ? Json(worst->size) : Json()},
-          {"a_words", a},
-          {"b_words", b},
-          {"repeat_command", pipe.repeat_command(worst->a, worst->b)}};
+  return {
+      {"family", worst->family},
+      {"case_index", worst->index},
+      {"error_u", std::isfinite(worst->size) ? Json(worst->size) : Json()},
+      {"a_words", a},
+      {"b_words", b},
+      {"repeat_command",
+       pipe.variant == Variant::kCard ? Json(pipe.repeat_command(worst->a, worst->b)) : Json()}};
 }
 
 Json tally_json(const AccuracyPipe& pipe, const Tally& t) {
@@ -232,6 +236,23 @@ std::string accuracy_tables(const std::vector<AccuracyRow>& rows, bool by_family
   return text;
 }
 
+std::string promise_table(const std::vector<AccuracyRow>& rows) {
+  Columns table{{"pipe", "promised", "kept", "cases", "refused", "T max, u S", "wrong F",
+                 "in the band", "of them otherwise", "leaks"},
+                {}};
+  for (const AccuracyRow& row : rows) {
+    const Tally t = row.measured.all();
+    const Promise promise = promise_of(row.measured.pipe);
+    table.lines.push_back({row.measured.pipe.name(), promise.text, kept(promise, t),
+                           fmt::to_string(t.cases), fmt::to_string(t.refused),
+                           quantile(t.t, 1, t.oracle),
+                           fmt::to_string(t.false_hits + t.false_misses),
+                           fmt::to_string(t.undecided), fmt::to_string(t.undecided_differ),
+                           t.leak_rays == 0 ? "-" : fmt::format("{}/{}", t.leaks, t.leak_rays)});
+  }
+  return table.text(true);
+}
+
 std::string picture_table(const std::vector<PictureAccuracy>& rows, bool markdown) {
   Columns table{{"pixels", "rays", "hits", "wrong", "wrong/M", "hit", "miss", "other", "ties",
                  "by pipe", "depth p50", "p99", "max", "refused"},
@@ -265,7 +286,8 @@ Json accuracy_json(const std::vector<AccuracyRow>& rows) {
         {"box", triangle ? Json(pipe.box) : Json()},
         {"budget", has_budget(pipe.pair) ? Json(fmt::format("{},{},{}", pipe.budget.samples,
                                                             pipe.budget.circle, pipe.budget.free))
-                                         : Json()}};
+                                         : Json()},
+        {"variant", name(pipe.variant)}};
     json["price"] = row.price.to_json();
     json["all_families"] = tally_json(pipe, row.measured.all());
     json["families"] = Json::array();

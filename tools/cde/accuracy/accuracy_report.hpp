@@ -25,6 +25,9 @@ struct AccuracyRow {
                                           bool markdown);
 [[nodiscard]] nlohmann::ordered_json accuracy_json(const std::vector<AccuracyRow>& rows);
 
+/// In Markdown: what is promised of each pipe, whether it was kept, and what was excused.
+[[nodiscard]] std::string promise_table(const std::vector<AccuracyRow>& rows);
+
 [[nodiscard]] std::string picture_table(const std::vector<PictureAccuracy>& rows, bool markdown);
 
 /// Three digits in at most seven characters: "0.412", "12.3", "3120", "1.2e5", "inf".

@@ -173,7 +173,7 @@ std::string figures_text(const KeptSweep& sweep, const Demands& d, const Candida
 std::vector<Candidate> advise(const KeptSweep& sweep, const Demands& demands) {
   std::vector<Candidate> all;
   for (const KeptPipe& k : sweep.pipes) {
-    if (k.pipe.pair != demands.pair) continue;
+    if (k.pipe.pair != demands.pair || k.pipe.variant != Variant::kCard) continue;
     Candidate c{.of = &k};
     check_error(c, demands);
     check_decisions(c, demands);

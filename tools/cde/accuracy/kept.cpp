@@ -35,7 +35,9 @@ Quantiles quantiles_of(const Json& json) {
 std::optional<KeptCase> case_of(const Json& json) {
   if (json.is_null()) return std::nullopt;
   return KeptCase{.family = json.at("family"),
-                  .command = json.at("repeat_command"),
+                  .command = json.at("repeat_command").is_null()
+                                 ? std::string()
+                                 : json.at("repeat_command").get<std::string>(),
                   .index = json.at("case_index"),
                   .size = finite_or_infinite(json.at("error_u"))};
 }
@@ -88,6 +90,10 @@ AccuracyPipe pipe_of(const Json& json) {
     pipe.algorithm = *algorithm;
     json.at("box").get_to(pipe.box);
   }
+  const std::string variant = json.value("variant", "card");
+  const auto known = std::ranges::find(variants(), variant, [](Variant v) { return name(v); });
+  if (known == variants().end()) throw Error(ErrorCode::kFile, "no variant " + in_quotes(variant));
+  pipe.variant = *known;
   if (!has_budget(pipe.pair)) return pipe;
   const auto budget = json.at("budget").get<std::string>();
   if (std::sscanf(budget.c_str(), "%2u,%2u,%2u", &pipe.budget.samples, &pipe.budget.circle,
@@ -125,6 +131,7 @@ std::string KeptSweep::command(const AccuracyPipe& pipe) const {
   if (has_budget(pipe.pair))
     text += fmt::format(" --budgets {},{},{}", pipe.budget.samples, pipe.budget.circle,
                         pipe.budget.free);
+  if (pipe.variant != Variant::kCard) text += fmt::format(" --variants {}", name(pipe.variant));
   return text + fmt::format(" --cases {} --seed {} --by-family", cases, seed);
 }
 

@@ -124,6 +124,10 @@ std::vector<PipeFigures> figures_of(const std::vector<AccuracyPipe>& pipes, bool
   std::vector<rtl::Pipe> wanted;
   std::vector<std::size_t> which;
   for (const AccuracyPipe& p : pipes) {
+    if (p.variant != Variant::kCard) {
+      which.push_back(SIZE_MAX);  // of which there is no RTL
+      continue;
+    }
     std::size_t k = 0;
     while (k < wanted.size() && !(wanted[k].pair == p.pair && wanted[k].algorithm == p.algorithm &&
                                   wanted[k].box == p.box))
@@ -139,7 +143,8 @@ std::vector<PipeFigures> figures_of(const std::vector<AccuracyPipe>& pipes, bool
     return all;
   }
   for (std::size_t i = 0; i < pipes.size(); ++i)
-    if (wanted[which[i]].absent.empty()) all[i] = figures_of(pipes[i], wanted[which[i]]);
+    if (which[i] != SIZE_MAX && wanted[which[i]].absent.empty())
+      all[i] = figures_of(pipes[i], wanted[which[i]]);
   return all;
 }
 
@@ -148,6 +153,10 @@ Price price_of(const AccuracyPipe& pipe, const PipeFigures& figures, const Targe
   Price price{.figures = figures, .target = target};
   if (target.assumed_mhz) {
     price.why_not = "the clock is assumed";
+    return price;
+  }
+  if (pipe.variant != Variant::kCard) {
+    price.why_not = "there is no RTL of it";
     return price;
   }
   LanePriceOr found = table.lane(priced(pipe, figures), target.name);

@@ -11,7 +11,8 @@ namespace cde::cli {
 struct Promise {
   std::string text;
   std::optional<double> t;  ///< most that T may be off, in u S; none: not promised in these units
-  bool decides = false;     ///< F is right beyond 16 u S
+  bool hits = false;        ///< F = 1 is right beyond 16 u S
+  bool misses = false;      ///< F = 0 likewise
 };
 /// Constants are those beside the references (kRaySphereBand, ...).
 [[nodiscard]] Promise promise_of(const AccuracyPipe& pipe);

@@ -68,6 +68,7 @@ Judged judge_solids(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& 
   if (decide(tally, answer.f, certain_hit, certain_miss, v.gap.middle() <= 0))
     judged.decision = (certain_hit ? -v.gap.hi : v.gap.lo) / unit;
   tally.oracle.add(((v.gap.hi - v.gap.lo) / 2 + slack) / unit);
+  if (!says_distance(pipe.pair, pipe.variant)) return judged;
   if (v.failure == oracle::Failure::kNotFinite) {
     ++tally.not_numbers;
     for (ErrorCounts* counts : {&tally.t, &tally.t_ulps, &tally.cp, &tally.n})
@@ -134,6 +135,7 @@ std::string AccuracyPipe::name() const {
   text += fmt::format(" {}", format.name());
   if (has_budget(pair))
     text += fmt::format(" {},{},{}", budget.samples, budget.circle, budget.free);
+  if (variant != Variant::kCard) text += fmt::format(" {}", cde::cli::name(variant));
   return text;
 }
 
@@ -149,6 +151,7 @@ std::string AccuracyPipe::options() const {
 
 std::string AccuracyPipe::repeat_command(std::span<const std::uint64_t> a,
                                          std::span<const std::uint64_t> b) const {
+  if (variant != Variant::kCard) return {};
   const WordText text(format);
   std::string words;
   for (const std::uint64_t word : a) words += text.hexfloat(word) + ' ';
@@ -227,6 +230,11 @@ DrawnCases drawn(const AccuracyPipe& pipe, const oracle::Family& family, std::ui
 
 std::vector<PairResult> answers(const AccuracyPipe& pipe, const DrawnCases& cases) {
   std::vector<PairResult> results(cases.cases.size());
+  if (pipe.variant != Variant::kCard) {
+    test_variant(pipe.variant, pipe.pair, pipe.algorithm, pipe.format, cases.a, cases.b, results,
+                 pipe.budget, pipe.box);
+    return results;
+  }
   reference::test_pairs(pipe.pair, pipe.algorithm, pipe.format, cases.a, cases.b, results,
                         PlaneSide::kSurface, pipe.budget, pipe.box);
   return results;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "accuracy/error_counts.hpp"
+#include "accuracy/variant.hpp"
 #include "cde/fp/fp_format.hpp"
 #include "cde/geometry/pair.hpp"
 #include "cde/query/pair_result.hpp"
@@ -23,13 +24,14 @@ struct AccuracyPipe {
   bool box = false;
   FpFormat format = {};
   PairBudget budget = {};
+  Variant variant = Variant::kCard;
 
-  /// "ray-triangle moller box fp32", "obb-cylinder fp16 8,8,8".
+  /// "ray-triangle moller box fp32", "obb-cylinder fp16 8,8,8", "obb-obb fp16 textbook".
   [[nodiscard]] std::string name() const;
   /// The same for `cde query`, behind its name.
   [[nodiscard]] std::string options() const;
   /// "echo 'WORDS OF A | WORDS OF B' | cde query PAIR OPTIONS" with words as hexfloats, as
-  /// `cde explain --from-test` reads it, too.
+  /// `cde explain --from-test` reads it, too. Empty for what no card has.
   [[nodiscard]] std::string repeat_command(std::span<const std::uint64_t> a,
                                            std::span<const std::uint64_t> b) const;
 };

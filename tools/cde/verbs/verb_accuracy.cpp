@@ -38,11 +38,12 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   std::vector<std::string> pairs, formats, algorithms, budgets, families;
+  std::vector<std::string> variants = {"card"};
   std::string box = "both", shard = "1/1", resume, output, mesh, grid = "64x48", camera;
   std::string target = "ecp5-85", page, from;
   std::uint64_t cases = 2400, seed = 1, check = 0, profile_cases = 0;
   bool json = false, markdown = false, by_family = false, operators = true, quiet = false;
-  bool short_json = false;
+  bool short_json = false, promises = false;
 };
 
 bool wanted(const std::vector<std::string>& list, std::string_view word) {
@@ -59,7 +60,7 @@ void add_ray_triangle(std::vector<AccuracyPipe>& pipes, const Options& o, FpForm
 }
 
 /// Of a pair one format after the other; of each the algorithms, or the budgets.
-std::vector<AccuracyPipe> pipes_of(const Options& o) {
+std::vector<AccuracyPipe> card_pipes(const Options& o) {
   std::vector<AccuracyPipe> pipes;
   bool budget_used = o.budgets.empty();
   for (const std::string& name : pair_names()) {
@@ -87,6 +88,21 @@ std::vector<AccuracyPipe> pipes_of(const Options& o) {
                 "--budgets is of cylinder-cylinder, obb-cylinder and triangle-cylinder; none of "
                 "the pairs takes one");
   return pipes;
+}
+
+/// Behind each of them the variants that are asked for.
+std::vector<AccuracyPipe> pipes_of(const Options& o) {
+  std::vector<AccuracyPipe> all;
+  for (AccuracyPipe pipe : card_pipes(o))
+    for (const Variant variant : variants()) {
+      if (!wanted(o.variants, name(variant)) || !has_variant(pipe.pair, variant)) continue;
+      pipe.variant = variant;
+      all.push_back(pipe);
+    }
+  if (all.empty())
+    throw Error(ErrorCode::kUsage, fmt::format("none of the pairs is one of --variants {}",
+                                               fmt::join(o.variants, ",")));
+  return all;
 }
 
 std::pair<unsigned, unsigned> parse_shard(const std::string& text) {
@@ -159,7 +175,7 @@ std::vector<AccuracyRow> measured_rows(const Options& o, const SweepOptions& opt
   const PriceTable table = PriceTable::of_project();
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i].price = price_of(pipes[i], figures[i], target, table);
-    if (o.check == 0) continue;
+    if (o.check == 0 || pipes[i].variant != Variant::kCard) continue;
     for (const Arithmetic arithmetic : {Arithmetic::kHost, Arithmetic::kRtl})
       rows[i].simulated.push_back(simulated(pipes[i], arithmetic, o.seed, o.check));
   }
@@ -193,6 +209,8 @@ void run_pairs(const Options& o) {
   if (page) write_page(*page, o, all, "this sweep");
   if (o.json)
     write(o, o.short_json ? short_json(all) : json_text(all) + "\n");
+  else if (o.promises)
+    write(o, promise_table(rows));
   else if (o.page != "-")
     write(o, accuracy_tables(rows, o.by_family, o.markdown));
 }
@@ -262,6 +280,12 @@ void add_choices(CLI::App& verb, Options& o) {
                                    "colons: 4,0,0:8,8,8 (8,8,8)"),
                    ':'),
               {}, "LIST");
+  named(list(verb.add_option("--variants", o.variants,
+                             "The card's pipes, and what they are compared with: fused has "
+                             "multiply-adds that round once, textbook the usual quadratics and "
+                             "separating axes; no card has these")
+                 ->capture_default_str()),
+        {"card", "fused", "textbook"}, "LIST", "variant");
   known_words(list(verb.add_option("--families", o.families,
                                    "Families of cases (all); a wrong name lists them")),
               {}, "LIST");
@@ -327,7 +351,12 @@ void add_accuracy(CLI::App& app) {
   verb->add_flag("--short", o->short_json, "JSON without the families, a line a configuration")
       ->needs(json);
   add_page(*verb, *o);
-  verb->add_flag("--markdown", o->markdown, "Tables in Markdown")->excludes(json);
+  auto* markdown = verb->add_flag("--markdown", o->markdown, "Tables in Markdown")->excludes(json);
+  verb->add_flag("--promises", o->promises,
+                 "Instead a table in Markdown: what is promised of each pipe, whether it was kept, "
+                 "and what was excused")
+      ->excludes(json)
+      ->excludes(markdown);
   file_value(verb->add_option("-o,--output", o->output, "Where to write (stdout)"), "FILE");
   verb->add_flag("-q,--quiet", o->quiet, "No progress");
   verb->callback([o] { run(*o); });
