@@ -23,7 +23,7 @@ install(DIRECTORY verilator DESTINATION ${CMAKE_INSTALL_DATADIR}/cde USE_SOURCE_
 install(FILES ${PROJECT_BINARY_DIR}/toolchain DESTINATION ${CMAKE_INSTALL_DATADIR}/cde/verilator)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/share/ DESTINATION ${CMAKE_INSTALL_DATADIR})  # manual pages and completions
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(FILES docs/prices.json DESTINATION ${CMAKE_INSTALL_DATADIR}/cde/docs)
+install(FILES docs/prices.json docs/accuracy.json DESTINATION ${CMAKE_INSTALL_DATADIR}/cde/docs)
 get_property(default_bitstreams GLOBAL PROPERTY CDE_DEFAULT_BITSTREAM_FILES)
 install(CODE "
   set(files \"${default_bitstreams}\")

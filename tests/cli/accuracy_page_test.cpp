@@ -58,7 +58,7 @@ TEST_F(AccuracyPage, PricesAreOfTheTable) {
       EXPECT_EQ(price.at("lanes_that_fit"), small ? 3 : 0);
       EXPECT_EQ(price.at("lanes_limit"), "logic");
       kinds.insert(small ? "measured" : "too large");
-      if (!small) EXPECT_TRUE(price.at("modelled_seconds_per_million").is_null());
+      EXPECT_EQ(price.at("modelled_seconds_per_million").is_null(), !small);
       continue;
     }
     const json& n = price.at("operators_by_kind");
@@ -140,6 +140,27 @@ TEST_F(AccuracyPage, ChartsAreSavedAndMarksShowTheirFigures) {
   EXPECT_EQ(told["choices"][0]["after"], json({"sphere-sphere", "fp32"}));
 }
 
+TEST_F(AccuracyPage, WrongPixelsOfAMesh) {
+  const Ran ran =
+      priced({"--mesh", "terrain:12,12,1", "--grid", "16x16", "--box", "on", "--algorithms",
+              "badouel,moller", "--formats", "bf16,fp64", "--page", "m.html", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const std::string html = read("m.html");
+  expect_sound(html, 1);
+  EXPECT_EQ(count(html, "<img src=\"data:image/png;base64,iVBORw0KGgo"), 4u);
+  for (const json& picture : json::parse(ran.out).at("pictures"))
+    EXPECT_GE(count(html, ": " + picture.at("of_scene").at("wrong_pixels").dump() +
+                              " of 256 pixels wrong"),
+              1u);
+  EXPECT_EQ(count(html, ": 0 of 256 pixels wrong"), 2u * 2) << "fp64, in words and as alt";
+  if (const std::string program = browser(); !program.empty()) {
+    const json told = clicked(program, html);
+    EXPECT_EQ(told["failed"], json::array());
+    EXPECT_EQ(told["choices"][0]["before"], json({"bf16"}));
+    EXPECT_EQ(told["choices"][0]["after"], json({"fp64"}));
+  }
+}
+
 TEST_F(AccuracyPage, WhatCannotBeAPage) {
   const auto refused = [&](const Words& words, const std::string& text) {
     const Ran ran = priced(words);
@@ -167,7 +188,7 @@ TEST_F(AccuracyPage, WorstCases) {
   const Ran ran = priced(words);
   ASSERT_EQ(ran.status, 0) << ran.err;
   const json one = json::parse(ran.out).at("configurations").at(0), &all = one.at("all_families");
-  for (const char* key : {"worst_t", "worst_decision"}) {
+  for (const char* key : {"worst_t", "worst_decision", "worst_leak"}) {
     double most = -1;
     json of;
     for (const json& family : one.at("families")) {

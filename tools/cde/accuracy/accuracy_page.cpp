@@ -6,8 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <set>
+#include <map>
 
 #include "accuracy/accuracy_report.hpp"
 #include "accuracy/profiles.hpp"
@@ -174,13 +173,18 @@ std::string AccuracyPage::scatters(const std::string& pair, const std::vector<st
   std::string html;
   for (const bool relative : {true, false}) {
     std::vector<Mark> marks;
-    std::vector<std::string> absent;
+    std::vector<std::size_t> drawn;
+    std::map<std::string, std::vector<std::string>> absent;  // by why
     for (const std::size_t i : list) {
       const KeptPipe& k = sweep_.pipes[i];
       const double unit = relative ? k.u() : 1, p999 = k.all.error(&Quantiles::p999);
       const std::optional<double> x = x_of(k, basis);
       if (!x || !(p999 > 0) || !std::isfinite(p999) || k.all.t.count == 0) {
-        absent.push_back(short_name(k.pipe));
+        absent[x                ? "no error to show"
+               : !basis.seconds ? "operators were not counted"
+               : k.price.lane   ? "a lane does not fit"
+                                : k.price.why_not]
+            .push_back(short_name(k.pipe));
         continue;
       }
       const double most = k.all.error(&Quantiles::largest);
@@ -197,16 +201,17 @@ std::string AccuracyPage::scatters(const std::string& pair, const std::vector<st
         mark.high = unit * most;
       }
       marks.push_back(std::move(mark));
+      drawn.push_back(i);
     }
-    const char* what = relative ? "error of T over S" : "error of T in u S";
+    const std::string what = relative ? "error of T over S" : "error of T in u S";
     if (!marks.empty())
       html += log_scatter(
           fmt::format("{}: {} against {}", pair, what, basis.seconds ? "time" : "cost"),
-          {basis.axis, fmt::format("{}, p99.9", what), basis.seconds}, marks, formats_of(list));
-    if (!absent.empty() && relative)
-      html += fmt::format(
-          "<p class=\"note\">Not in the chart, for they have no price or no error: {}.</p>\n",
-          escaped(fmt::format("{}", fmt::join(absent, ", "))));
+          {basis.axis, fmt::format("{}, p99.9", what), basis.seconds}, marks, formats_of(drawn));
+    if (relative)
+      for (const auto& [why, names] : absent)
+        html += fmt::format("<p class=\"note\">Not in the chart ({}): {}.</p>\n", escaped(why),
+                            escaped(fmt::format("{}", fmt::join(names, ", "))));
     if (relative && !marks.empty())
       html +=
           "<h3>The same in u S</h3>\n<p>How well a format's bits are used: far above 1 an answer "
@@ -264,45 +269,54 @@ std::string AccuracyPage::families(const std::string& pair,
 }
 
 std::string AccuracyPage::tables(const std::vector<std::size_t>& list) const {
-  Rows rows, cases;
+  Rows errors, prices, cases;
   for (const std::size_t i : list) {
     const KeptPipe& k = sweep_.pipes[i];
+    const std::string name = short_name(k.pipe);
+    const auto figures = [&](Rows& rows, const std::vector<std::string>& texts) {
+      std::vector<Cell> row = {name};
+      for (const std::string& text : texts) row.push_back(Cell::figure(text));
+      rows.push_back(std::move(row));
+    };
+    figures(errors,
+            {error_text(k.all, &Quantiles::p999, k.u()), error_text(k.all, &Quantiles::median),
+             error_text(k.all, &Quantiles::p99), error_text(k.all, &Quantiles::p999),
+             error_text(k.all, &Quantiles::largest), wrong_text(k.all),
+             k.all.leak_rays == 0 ? std::string("-")
+                                  : fmt::format("{}/{}", k.all.leaks, k.all.leak_rays)});
     const Price& p = k.price;
     const auto lane = [&](double CellCounts::*cells) {
       return p.lane ? grouped(static_cast<std::uint64_t>(p.lane->cells.*cells)) : "-";
     };
     const std::optional<double> seconds = p.seconds(1e6);
-    std::vector<Cell> row = {short_name(k.pipe)};
-    for (const std::string& text :
-         {error_text(k.all, &Quantiles::p999, k.u()), error_text(k.all, &Quantiles::median),
-          error_text(k.all, &Quantiles::p99), error_text(k.all, &Quantiles::p999),
-          error_text(k.all, &Quantiles::largest), wrong_text(k.all),
-          k.all.leak_rays == 0 ? std::string("-")
-                               : fmt::format("{}/{}", k.all.leaks, k.all.leak_rays),
-          k.figures.operators ? grouped(k.figures.operators->total()) : "-",
-          k.figures.interval ? grouped(*k.figures.interval) : "-", lane(&CellCounts::lut),
-          lane(&CellCounts::dsp), p.mhz() ? fmt::format("{:.1f}", *p.mhz()) : "-",
-          p.mhz() ? grouped(p.lanes()) : "-", seconds ? duration(*seconds) : "-"})
-      row.push_back(Cell::figure(text));
-    row.emplace_back(price_kind(p));
-    rows.push_back(std::move(row));
-    for (const auto& [what, worst] :
-         {std::pair{"T", &k.all.worst_t}, {"decision", &k.all.worst_decision}}) {
+    figures(prices, {k.figures.operators ? grouped(k.figures.operators->total()) : "-",
+                     k.figures.interval ? grouped(*k.figures.interval) : "-",
+                     lane(&CellCounts::lut), lane(&CellCounts::ff), lane(&CellCounts::dsp),
+                     p.mhz() ? fmt::format("{:.1f}", *p.mhz()) : "-",
+                     p.mhz() ? grouped(p.lanes()) : "-", seconds ? duration(*seconds) : "-"});
+    prices.back().emplace_back(price_kind(p));
+    for (const auto& [what, worst] : {std::pair{"T", &k.all.worst_t},
+                                      {"decision", &k.all.worst_decision},
+                                      {"leak", &k.all.worst_leak}}) {
       if (!*worst) continue;
       Cell command("");
       command.html = fmt::format("<code>{}</code>", escaped((*worst)->command));
-      cases.push_back({short_name(k.pipe), what, (*worst)->family,
-                       Cell::figure(grouped((*worst)->index)),
+      cases.push_back({name, what, (*worst)->family, Cell::figure(grouped((*worst)->index)),
                        Cell::figure(compact((*worst)->size)), command});
     }
   }
   return "<h3>All figures</h3>\n" +
          table(
-             "T in u S but for the first column, which is over S; wrong decisions a million with "
-             "95 %; times are modelled",
-             {"configuration", "p99.9 over S", "T p50", "p99", "p99.9", "max", "wrong/M", "leaks",
-              "operators", "clocks a row", "LUT", "DSP", "MHz", "lanes", "million tests", "price"},
-             rows) +
+             "T in u S but for the first column, which is over S; wrong decisions a million "
+             "with 95 %",
+             {"configuration", "p99.9 over S", "T p50", "p99", "p99.9", "max", "wrong/M", "leaks"},
+             errors) +
+         table(
+             fmt::format("Prices of a lane on {}; a million tests on the lanes that fit, modelled",
+                         target_.name),
+             {"configuration", "operators", "clocks a row", "LUT", "FF", "DSP", "MHz", "lanes",
+              "million tests", "price"},
+             prices) +
          "<details><summary>Worst cases, with the commands that repeat them</summary>" +
          table("Sizes in u S", {"configuration", "of", "family", "case", "size", "command"},
                cases) +
@@ -316,7 +330,11 @@ std::string AccuracyPage::pair_section(const std::string& pair) const {
       fmt::format("<section data-choice=\"pair\" data-name=\"{0}\"><h2>{0}</h2>\n", pair);
   html += fmt::format(
       "<h3>Accuracy against {}</h3>\n<p>{} Each dot is the p99.9 of T's error, the line from its "
-      "median to its largest; nothing beats the dots on the dark line in both figures. A dot shows "
+      "median to its largest; nothing beats the dots on the dark line in both figures: solid of "
+      "those "
+      "that were measured, dashed of estimates, which are hollow and too good, as the delays "
+      "between "
+      "operators are not in them. A dot shows "
       "its figures and commands.{}</p>\n",
       basis.seconds ? "time" : "cost", escaped(basis.words),
       pair == "ray-triangle"
@@ -429,7 +447,8 @@ Json AccuracyPage::entry(const KeptPipe& k) const {
         fmt::format("{} on {} lane{}", duration(*seconds), p.lanes(), p.lanes() == 1 ? "" : "s"));
   Json commands = Json::array();
   commands.push_back({"Measure it again", sweep_.command(k.pipe)});
-  for (const auto& [what, worst] : {std::pair{"T", &t.worst_t}, {"a decision", &t.worst_decision}})
+  for (const auto& [what, worst] :
+       {std::pair{"T", &t.worst_t}, {"a decision", &t.worst_decision}, {"a leak", &t.worst_leak}})
     if (*worst)
       commands.push_back({fmt::format("Worst of {}: {} u S, {}, case {}", what,
                                       compact((*worst)->size), (*worst)->family, (*worst)->index),

@@ -172,7 +172,8 @@ Json tally_json(const AccuracyPipe& pipe, const Tally& t) {
           {"n_error_u", errors_json(t.n)},
           {"oracle_u", errors_json(t.oracle)},
           {"worst_t", worst_json(pipe, t.worst_t)},
-          {"worst_decision", worst_json(pipe, t.worst_decision)}};
+          {"worst_decision", worst_json(pipe, t.worst_decision)},
+          {"worst_leak", worst_json(pipe, t.worst_leak)}};
 }
 
 }  // namespace
@@ -212,12 +213,13 @@ std::string accuracy_tables(const std::vector<AccuracyRow>& rows, bool by_family
       decisions.lines.push_back(decisions_line(fmt::format("  {}", family), tally, nullptr));
     }
   }
-  Columns worst{{"worst cases", "T, case", "in u S", "decision, case", "in u S"}, {}};
+  Columns worst{
+      {"worst cases", "T, case", "in u S", "decision, case", "in u S", "leak, case", "in u S"}, {}};
   for (const AccuracyRow& row : rows) {
     if (!by_family) break;
     for (const auto& [family, t] : row.measured.families) {
       Cells line = {fmt::format("{} {}", row.measured.pipe.name(), family)};
-      for (const auto* w : {&t.worst_t, &t.worst_decision})
+      for (const auto* w : {&t.worst_t, &t.worst_decision, &t.worst_leak})
         line.insert(line.end(),
                     {*w ? fmt::to_string((*w)->index) : "-", *w ? compact((*w)->size) : "-"});
       worst.lines.push_back(line);

@@ -165,6 +165,7 @@ std::string figures_text(const KeptSweep& sweep, const Demands& d, const Candida
                       k.pipe.options());
   if (t.worst_t) text += fmt::format("  {}  # worst T\n", t.worst_t->command);
   if (t.worst_decision) text += fmt::format("  {}  # worst decision\n", t.worst_decision->command);
+  if (t.worst_leak) text += fmt::format("  {}  # worst leak\n", t.worst_leak->command);
   return text;
 }
 

@@ -56,6 +56,7 @@ KeptTally tally_of(const Json& json) {
   t.oracle = quantiles_of(json.at("oracle_u"));
   t.worst_t = case_of(json.at("worst_t"));
   t.worst_decision = case_of(json.at("worst_decision"));
+  t.worst_leak = case_of(json.at("worst_leak"));
   return t;
 }
 

@@ -32,7 +32,7 @@ struct KeptTally {
   std::string family;  ///< empty: all of them
   std::uint64_t cases = 0, refused = 0, judged = 0, wrong = 0, leak_rays = 0, leaks = 0;
   Quantiles t, oracle;  ///< in u S
-  std::optional<KeptCase> worst_t, worst_decision;
+  std::optional<KeptCase> worst_t, worst_decision, worst_leak;
 
   /// Of T in u S. Not less than the oracle can tell; `bounded` says that this was more.
   [[nodiscard]] double error(double Quantiles::*quantile, bool* bounded = nullptr) const;

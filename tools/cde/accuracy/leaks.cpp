@@ -143,7 +143,7 @@ Tally measured_leaks(const AccuracyPipe& pipe, const std::string& family, std::u
     if (!met) continue;
     ++tally.leaks;
     const auto* words = &b[*met * b.size() / faces.size()];
-    keep_worst(tally.worst_decision,
+    keep_worst(tally.worst_leak,
                {family, i, margin / format.u(), ray, {words, words + b.size() / faces.size()}});
   }
   return tally;

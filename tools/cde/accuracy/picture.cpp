@@ -142,21 +142,23 @@ Seen pipe_sees(const Scene& scene, const AccuracyPipe& pipe, std::size_t ray) {
 }
 
 /// `saw` has T in units of the scene's own ray.
-void compare(PixelCounts& counts, const Scene& scene, std::size_t ray, const Seen& is,
-             const Seen& saw, double u) {
+PixelKind compare(PixelCounts& counts, const Scene& scene, std::size_t ray, const Seen& is,
+                  const Seen& saw, double u) {
   if (is.hit() != saw.hit()) {
     ++(saw.hit() ? counts.false_hits : counts.false_misses);
-    return;
+    return saw.hit() ? PixelKind::kFalseHit : PixelKind::kFalseMiss;
   }
-  if (!is.hit()) return;
+  if (!is.hit()) return PixelKind::kNothing;
   counts.depth.add(std::abs(saw.t - is.t) / std::abs(is.t));
-  if (saw.index == is.index) return;
+  if (saw.index == is.index) return PixelKind::kRight;
   const oracle::RayAnswer there = oracle::cast(scene.rays[ray], scene.triangles[saw.index]),
                           here = oracle::cast(scene.rays[ray], scene.triangles[is.index]);
   const double band = 16 * u;
   const bool met = there.hit || there.margin <= band;
   const double apart = std::abs(saw.t - is.t) * scene.rays[ray].d.norm() * here.cosine;
-  ++(met && apart <= band * here.scale ? counts.ties : counts.other);
+  const bool tie = met && apart <= band * here.scale;
+  ++(tie ? counts.ties : counts.other);
+  return tie ? PixelKind::kRight : PixelKind::kOther;
 }
 
 nlohmann::ordered_json counts_json(const PixelCounts& c, std::uint64_t rays) {
@@ -204,9 +206,9 @@ std::vector<PictureAccuracy> picture_accuracy(const Mesh& mesh, std::span<const 
       progress(from + (1 + static_cast<double>(i) / static_cast<double>(rays.size())) / steps);
       Seen saw = pipe_sees(scene, pipe, i);
       row.hits += saw.hit() ? 1 : 0;
-      compare(row.of_words, scene, i, of_words[i], saw, u);
+      (void)compare(row.of_words, scene, i, of_words[i], saw, u);
       saw.t = std::ldexp(saw.t, -scene.scaled_by);
-      compare(row.of_scene, given, i, of_given[i], saw, u);
+      row.pixels.push_back(compare(row.of_scene, given, i, of_given[i], saw, u));
     }
     std::vector<PairResult> results(mesh.faces.size());
     std::vector<std::uint64_t> ray;

@@ -21,13 +21,17 @@ struct PixelCounts {
   [[nodiscard]] std::uint64_t wrong() const { return false_hits + false_misses + other; }
 };
 
+/// What a pixel of a pipe is, against the mesh as it is given.
+enum class PixelKind : std::uint8_t { kNothing, kRight, kFalseHit, kFalseMiss, kOther };
+
 struct PictureAccuracy {
   AccuracyPipe pipe;
   std::uint64_t rays = 0, hits = 0, triangles = 0;
-  std::uint64_t refused = 0;  ///< triangles that the input contract does not allow
-  int scaled_by = 0;          ///< all lengths times this power of two, to fit the format
-  PixelCounts of_scene;       ///< against the mesh and the rays as they are given
-  PixelCounts of_words;       ///< against both as they are rounded to the format
+  std::uint64_t refused = 0;      ///< triangles that the input contract does not allow
+  int scaled_by = 0;              ///< all lengths times this power of two, to fit the format
+  PixelCounts of_scene;           ///< against the mesh and the rays as they are given
+  std::vector<PixelKind> pixels;  ///< of_scene's, a ray each
+  PixelCounts of_words;           ///< against both as they are rounded to the format
 };
 
 /// Nearest hits of all rays, by each pipe's mirror reference and by exact arithmetic. Pipes are of

@@ -124,6 +124,7 @@ void each_error(Use use) {
 template <class Use>
 void each_worst(Use use) {
   use("worst_t", &Tally::worst_t), use("worst_decision", &Tally::worst_decision);
+  use("worst_leak", &Tally::worst_leak);
 }
 
 }  // namespace

@@ -64,7 +64,8 @@ struct Tally {
   ErrorCounts cp;      ///< witness points off their shapes in u (S + L/4), a ray's CP in u
   ErrorCounts n;       ///< |g(n) - s| in u S
   ErrorCounts oracle;  ///< how far the truth may be from the oracle's answer, in u S
-  std::optional<WorstCase> worst_t, worst_decision;  ///< the first of those that are as large
+  std::optional<WorstCase> worst_t, worst_decision,
+      worst_leak;  ///< the first of those that are as large
 
   void add(const Tally& other);
   /// Cases whose F was judged: all but those refused, and rays of meshes.

@@ -20,56 +20,74 @@ namespace {
 constexpr double kTall = 1.5 * kHeight;
 constexpr int kMostTicks = 8;
 
-/// Least and most of what is > 0 and finite.
-struct Range {
-  double least = std::numeric_limits<double>::infinity(), most = 0;
-
+/// A logarithmic axis from and to 1, 2 or 5 times a power of ten; from and to such a power if it
+/// has more than two decades.
+class Axis {
+ public:
+  /// Of what is > 0 and finite among the values.
   void add(double value) {
     if (!(value > 0) || !std::isfinite(value)) return;
-    least = std::min(least, value), most = std::max(most, value);
+    least_ = std::min(least_, value), most_ = std::max(most_, value);
   }
-  [[nodiscard]] Decades decades() const { return most > 0 ? Decades(least, most) : Decades(1, 10); }
+  void close() {
+    if (most_ == 0) least_ = 1, most_ = 10;
+    const int first = static_cast<int>(std::floor(std::log10(least_) + 1e-9)),
+              last = static_cast<int>(std::ceil(std::log10(most_) - 1e-9));
+    const bool fine = std::log10(most_ / least_) <= 2;
+    for (int power = first; power <= std::max(last, first + 1); ++power)
+      for (const double factor : {1.0, 2.0, 5.0})
+        if (fine || factor == 1) ticks_.push_back(factor * std::pow(10, power));
+    const auto last_below = std::upper_bound(ticks_.begin(), ticks_.end(), 1.0001 * least_);
+    if (last_below > ticks_.begin() + 1) ticks_.erase(ticks_.begin(), last_below - 1);
+    const auto first_above = std::lower_bound(ticks_.begin() + 1, ticks_.end(), 0.9999 * most_);
+    if (first_above != ticks_.end()) ticks_.erase(first_above + 1, ticks_.end());
+  }
+  [[nodiscard]] double share(double value) const {
+    const double all = std::log(ticks_.back() / ticks_.front());
+    return value > 0 ? std::clamp(std::log(value / ticks_.front()) / all, 0.0, 1.0) : 0;
+  }
+  [[nodiscard]] const std::vector<double>& ticks() const { return ticks_; }
+  /// Every how many of them there is a label.
+  [[nodiscard]] std::size_t step() const { return (ticks_.size() + kMostTicks - 1) / kMostTicks; }
+
+ private:
+  double least_ = std::numeric_limits<double>::infinity(), most_ = 0;
+  std::vector<double> ticks_;
 };
 
-/// Every how many decades there is a label.
-int step_of(const Decades& axis) {
-  return (axis.high - axis.low + kMostTicks - 1) / kMostTicks;
-}
-
-std::string power_of_ten(int power) {
-  return power >= 0 && power <= 3 ? fmt::format("{:g}", std::pow(10, power))
-                                  : fmt::format("1e{}", power);
+std::string round_number(double value) {
+  return value >= 0.99 && value < 9999 ? fmt::format("{:g}", value) : fmt::format("{:.0e}", value);
 }
 
 /// Lines up and down with labels at `y`.
-std::string columns(const Decades& axis, double top, double bottom, double y, bool seconds) {
+std::string columns(const Axis& axis, double top, double bottom, double y, bool seconds) {
   std::string svg;
-  const int step = step_of(axis);
-  for (int power = axis.low; power <= axis.high; ++power) {
-    const double x = 100.0 * (power - axis.low) / (axis.high - axis.low);
+  const auto& ticks = axis.ticks();
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    const double x = 100 * axis.share(ticks[i]);
     svg += fmt::format(
         "<line class=\"grid\" x1=\"{0:.4g}%\" x2=\"{0:.4g}%\" y1=\"{1:g}\" y2=\"{2:g}\"/>", x, top,
         bottom);
-    if ((power - axis.low) % step != 0) continue;
-    const char* anchor = power == axis.low ? "start" : power == axis.high ? "end" : "middle";
+    if (i % axis.step() != 0) continue;
+    const char* anchor = i == 0 ? "start" : i + 1 == ticks.size() ? "end" : "middle";
     svg +=
         fmt::format("<text class=\"tick\" x=\"{:.4g}%\" y=\"{:g}\" text-anchor=\"{}\">{}</text>\n",
-                    x, y, anchor, seconds ? tick(std::pow(10, power)) : power_of_ten(power));
+                    x, y, anchor, seconds ? tick(ticks[i]) : round_number(ticks[i]));
   }
   return svg;
 }
 
 /// The plot's frame: levels, columns, names of the axes.
 template <class AtY>
-std::string frame(const Decades& x, const Decades& y, const ScatterAxes& axes, AtY at_y) {
+std::string frame(const Axis& x, const Axis& y, const ScatterAxes& axes, AtY at_y) {
   std::string svg;
-  const int step = step_of(y);
-  for (int power = y.low; power <= y.high; ++power)
-    svg += level(at_y(std::pow(10, power)), (power - y.low) % step == 0 ? power_of_ten(power) : "");
+  const auto& ticks = y.ticks();
+  for (std::size_t i = 0; i < ticks.size(); ++i)
+    svg += level(at_y(ticks[i]), i % y.step() == 0 ? round_number(ticks[i]) : "");
   svg += columns(x, kTop, kTop + kTall, kTop + kTall + 16, axes.x_seconds);
-  svg += fmt::format("<text class=\"tick\" x=\"50%\" y=\"{:g}\" text-anchor=\"middle\">{}</text>\n",
+  return svg +
+         fmt::format("<text class=\"tick\" x=\"50%\" y=\"{:g}\" text-anchor=\"middle\">{}</text>\n",
                      kTop + kTall + 34, escaped(axes.x_name));
-  return svg;
 }
 
 std::string dot(const Mark& m, double x, double y, double r, const std::string& title) {
@@ -100,9 +118,10 @@ std::string keys(const std::vector<std::pair<int, std::string>>& legend) {
 }
 
 /// Those that no other is better than in one figure and as good in the other, by x.
-std::vector<const Mark*> best_of(const std::vector<Mark>& marks) {
+std::vector<const Mark*> best_of(const std::vector<Mark>& marks, bool hollow) {
   std::vector<const Mark*> sorted;
-  for (const Mark& m : marks) sorted.push_back(&m);
+  for (const Mark& m : marks)
+    if (m.hollow == hollow) sorted.push_back(&m);
   std::stable_sort(sorted.begin(), sorted.end(), [](const Mark* a, const Mark* b) {
     return a->x != b->x ? a->x < b->x : a->y < b->y;
   });
@@ -126,30 +145,34 @@ std::string csv_of(const std::string& first, const Mark& m) {
 std::string log_scatter(std::string_view label, const ScatterAxes& axes,
                         const std::vector<Mark>& marks,
                         const std::vector<std::pair<int, std::string>>& legend) {
-  Range xs, ys;
+  Axis x, y;
   for (const Mark& m : marks) {
-    xs.add(m.x / 1.25), xs.add(1.25 * m.x);
-    for (const double y : {m.y, m.low, m.high}) ys.add(y);
+    x.add(m.x / 1.15), x.add(1.15 * m.x);
+    for (const double value : {m.y, m.low, m.high}) y.add(value);
   }
-  const Decades x = xs.decades(), y = ys.decades();
+  x.close(), y.close();
   const auto at_x = [&](double value) { return 100 * x.share(value); };
   const auto at_y = [&](double value) { return kTop + kTall * (1 - y.share(value)); };
   std::string svg = start("lines", label, kTop + kTall + 42) + frame(x, y, axes, at_y);
-  const auto line = [&](const char* looks, double x1, double y1, double x2, double y2) {
+  const auto line = [&](const std::string& looks, double x1, double y1, double x2, double y2) {
     svg += fmt::format(
         "<line class=\"{}\" x1=\"{:.5g}%\" y1=\"{:.2f}\" x2=\"{:.5g}%\" y2=\"{:.2f}\"/>", looks, x1,
         y1, x2, y2);
   };
-  const std::vector<const Mark*> best = best_of(marks);
-  for (std::size_t i = 0; i < best.size(); ++i) {
-    const double next = i + 1 < best.size() ? at_x(best[i + 1]->x) : 100;
-    line("pareto", at_x(best[i]->x), at_y(best[i]->y), next, at_y(best[i]->y));
-    if (i + 1 < best.size()) line("pareto", next, at_y(best[i]->y), next, at_y(best[i + 1]->y));
+  // What is estimated is held against what is estimated.
+  for (const bool hollow : {true, false}) {
+    const std::string looks = hollow ? "pareto dashed" : "pareto";
+    const std::vector<const Mark*> best = best_of(marks, hollow);
+    for (std::size_t i = 0; i < best.size(); ++i) {
+      const Mark* next = i + 1 < best.size() ? best[i + 1] : nullptr;
+      const double here = at_y(best[i]->y), right = next != nullptr ? at_x(next->x) : 100;
+      line(looks, at_x(best[i]->x), here, right, here);
+      if (next != nullptr) line(looks, right, here, right, at_y(next->y));
+    }
   }
   for (const Mark& m : marks)
     if (m.high > 0)
-      line(fmt::format("whisker l{}", m.colour).c_str(), at_x(m.x), at_y(m.low), at_x(m.x),
-           at_y(m.high));
+      line(fmt::format("whisker l{}", m.colour), at_x(m.x), at_y(m.low), at_x(m.x), at_y(m.high));
   std::string csv = row({"configuration", axes.x_name, axes.y_name, "from", "to"});
   for (const Mark& m : marks) {
     svg += dot(m, at_x(m.x), at_y(m.y), m.letter.empty() ? 6 : 8,
@@ -163,11 +186,11 @@ std::string log_scatter(std::string_view label, const ScatterAxes& axes,
 std::string log_rows(std::string_view label, std::string_view y_name,
                      const std::vector<MarkRow>& rows,
                      const std::vector<std::pair<int, std::string>>& legend) {
-  Range range;
+  Axis axis;
   for (const MarkRow& r : rows)
     for (const Mark& m : r.marks)
-      for (const double y : {m.y, m.low, m.high}) range.add(y);
-  const Decades axis = range.decades();
+      for (const double value : {m.y, m.low, m.high}) axis.add(value);
+  axis.close();
   constexpr double kRow = 34, kAxis = 18;
   const double height = kAxis + kRow * static_cast<double>(rows.size());
   const auto at = [&](double value) { return value > 0 ? 100 * axis.share(value) : 0; };
@@ -197,12 +220,12 @@ std::string log_rows(std::string_view label, std::string_view y_name,
 
 std::string log_log_lines(std::string_view label, std::string_view x_name, std::string_view y_name,
                           const std::vector<Line>& lines) {
-  Range xs, ys;
+  Axis x, y;
   for (const Line& line : lines) {
-    for (const double value : line.x) xs.add(value);
-    for (const double value : line.y) ys.add(value);
+    for (const double value : line.x) x.add(value);
+    for (const double value : line.y) y.add(value);
   }
-  const Decades x = xs.decades(), y = ys.decades();
+  x.close(), y.close();
   const auto at_x = [&](double value) { return 100 * x.share(value); };
   const auto at_y = [&](double value) { return kTop + kTall * (1 - y.share(value)); };
   std::string svg = start("lines", label, kTop + kTall + 42) +

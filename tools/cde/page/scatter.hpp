@@ -21,8 +21,8 @@ struct Mark {
   std::optional<std::size_t> of = {};
 };
 
-/// Marks by two logarithmic axes of whole decades, and the line of those that nothing is better
-/// than in both. `x_seconds`: x is a time.
+/// Marks by two logarithmic axes, and the line of those that nothing is better than in both: hollow
+/// ones, which are estimates, have a line of their own, dashed. `x_seconds`: x is a time.
 struct ScatterAxes {
   std::string x_name, y_name;
   bool x_seconds = false;

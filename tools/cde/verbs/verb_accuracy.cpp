@@ -239,7 +239,15 @@ void run_picture(const Options& o) {
   say_what(o, all["machine"],
            fmt::format("{}, {} triangles, {} rays", printable_name(o.mesh), mesh.faces.size(),
                        rays.size()));
+  std::optional<OutputFile> page;
+  if (!o.page.empty()) page.emplace(o.page);
   const std::vector<PictureAccuracy> rows = picture_accuracy(mesh, rays, pipes, o.quiet);
+  if (page) {
+    page->write(pictures_html(rows, size, o.mesh));
+    page->commit();
+    if (!o.quiet) say("page: {}\n", printable_name(o.page));
+    if (o.page == "-") return;
+  }
   if (o.json) {
     all.update({{"mesh", o.mesh}, {"band_u", 16}, {"pictures", picture_json(rows)}});
     write(o, json_text(all) + "\n");

@@ -33,6 +33,7 @@
     const rows = entry.figures.map(([name, value]) => made("tr", {}, made("th", { scope: "row", textContent: name }), made("td", { textContent: value })));
     const commands = entry.commands.flatMap(([what, text]) => [made("p", { textContent: what }), made("pre", { textContent: text })]);
     panel.replaceChildren(made("h4", { textContent: entry.name }), made("table", {}, made("tbody", {}, ...rows)), ...commands);
+    mark.closest("figure").after(panel);
     panel.hidden = false;
   }
   for (const mark of document.querySelectorAll(".mark")) {
