@@ -330,13 +330,13 @@ std::string AccuracyPage::pair_section(const std::string& pair) const {
       fmt::format("<section data-choice=\"pair\" data-name=\"{0}\"><h2>{0}</h2>\n", pair);
   html += fmt::format(
       "<h3>Accuracy against {}</h3>\n<p>{} Each dot is the p99.9 of T's error, the line from its "
-      "median to its largest; nothing beats the dots on the dark line in both figures: solid of "
-      "those "
-      "that were measured, dashed of estimates, which are hollow and too good, as the delays "
-      "between "
-      "operators are not in them. A dot shows "
+      "median to its largest; nothing beats the dots on the dark line in both figures{}. A dot "
+      "shows "
       "its figures and commands.{}</p>\n",
       basis.seconds ? "time" : "cost", escaped(basis.words),
+      basis.seconds ? ": solid of what was measured, dashed of estimates, which are hollow and too "
+                      "good, as the delays between operators are not in them"
+                    : "",
       pair == "ray-triangle"
           ? " Letters: Möller, Badouel, Plücker, watertight; a ring is the box rule."
           : "");

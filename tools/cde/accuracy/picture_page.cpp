@@ -30,9 +30,9 @@ std::string picture(const PictureAccuracy& row, const Resolution& size) {
   const PixelCounts& c = row.of_scene;
   const Interval95 share = wilson(c.wrong(), row.rays);
   const std::string what = fmt::format(
-      "{}: {} of {} pixels wrong ({}..{} a million): {} hit nothing that is there, {} miss, {} "
-      "show "
-      "another triangle",
+      "{}: {} of {} pixels wrong ({}..{} a million): {} hit where nothing is, {} miss what is "
+      "there, "
+      "{} show another triangle",
       row.pipe.name(), c.wrong(), grouped(row.rays), compact(1e6 * share.low),
       compact(1e6 * share.high), c.false_hits, c.false_misses, c.other);
   return fmt::format(

@@ -55,8 +55,11 @@ class Axis {
   std::vector<double> ticks_;
 };
 
+/// Of 1, 2 or 5 times a power of ten.
 std::string round_number(double value) {
-  return value >= 0.99 && value < 9999 ? fmt::format("{:g}", value) : fmt::format("{:.0e}", value);
+  if (value >= 0.99 && value < 9999) return fmt::format("{:g}", value);
+  const int power = static_cast<int>(std::floor(std::log10(value) + 1e-9));
+  return fmt::format("{:.0f}e{}", value / std::pow(10, power), power);
 }
 
 /// Lines up and down with labels at `y`.
