@@ -184,7 +184,7 @@ TEST_F(AccuracyPage, WhatCannotBeAPage) {
                            "configurations": [{"pair": "obb-obb", "format": "fp32"}]})");
   refused({"--from", "broken.json", "--page", "p.html"}, "broken.json: configuration 1: ");
   write("none.txt", "{");
-  refused({"--from", "none.txt", "--page", "p.html"}, "none.txt: no JSON");
+  refused({"--from", "none.txt", "--page", "p.html"}, "none.txt: not the JSON of one sweep");
   refused({"--target", "ecp5-85f"}, "--target is 'ecp5-85f'; it must be ecp5-85, hx8k or assumed");
   refused({"--target", "assumed:0MHz"}, "--target is 'assumed:0MHz'");
 }
@@ -254,6 +254,50 @@ TEST_F(AccuracyPage, ClocksOfCards) {
       << none.err;
   EXPECT_EQ(both.status, 2);
   EXPECT_NE(both.err.find("exclude each other"), std::string::npos) << both.err;
+}
+
+/// A scene has latencies of its own, so rows of deep operators give its clock.
+TEST_F(AccuracyPage, ClocksOfScenes) {
+  json rows = some_prices();
+  rows["rows"].push_back(
+      price_row("ray-triangle", "fp32", "8/9/16/15/1", 50000, 108, 90, "moller"));
+  rows["rows"].push_back(price_row("lt", "fp32", "1", 90, 0, 150));
+  for (const auto& [what, lat] : {std::pair{"add", "8"}, {"mul", "9"}, {"div", "16"}})
+    rows["rows"].push_back(price_row(what, "fp32", lat, 500, 4, *what == 'm' ? 70 : 80));
+  write("deep.json", rows.dump());
+  const auto scene = [&](const std::string& card) {
+    return "[card]\nlatency = { add = 8, mul = 9, div = 16, sqrt = 15, compare = 1 }\n" + card +
+           "[[object]]\nname = \"t\"\nmesh = \"terrain:3,3,1\"\n[[object]]\nname = \"rays\"\n"
+           "random_rays = { count = 9 }\n[[query]]\nname = \"q\"\npair = \"ray-triangle\"\n"
+           "primaries = \"rays\"\nsecondaries = \"t\"\n";
+  };
+  write("box.toml", scene(""));
+  write("plain.toml", scene("box = false\n"));
+  write("clock.toml", scene("clock_mhz = 50\n"));
+  const auto plan = [&](const Words& words) {
+    Words all = {"plan"};
+    all.insert(all.end(), words.begin(), words.end());
+    return cde(all, {"CDE_PRICES=deep.json"});
+  };
+  const auto clock = [&](const std::string& file, double hz, const std::string& is) {
+    const Ran ran = plan({file, "--json", "--target", "ecp5-85"});
+    ASSERT_EQ(ran.status, 0) << ran.err;
+    const json j = json::parse(ran.out);
+    EXPECT_EQ(j["clock_hz"], hz) << file;
+    EXPECT_NE(j["clock_is"].get<std::string>().find(is), std::string::npos) << j["clock_is"];
+  };
+  clock("plain.toml", 90e6, "measured of the whole lane");
+  clock("box.toml", 70e6, "estimated: the least of its operators");
+  EXPECT_NE(plan({"plain.toml", "--target", "ecp5-85"}).out.find("\nclock      90 MHz, of ray-"),
+            std::string::npos);
+  const Ran both = plan({"clock.toml", "--target", "ecp5-85"}),
+            none = plan({"plain.toml", "--target", "hx8k"});
+  EXPECT_EQ(both.status, 2);
+  EXPECT_NE(both.err.find("clock.toml has clock_mhz = 50; only one of them can be"),
+            std::string::npos)
+      << both.err;
+  EXPECT_EQ(none.status, 2);
+  EXPECT_NE(none.err.find("deep.json has none of hx8k"), std::string::npos) << none.err;
 }
 
 }  // namespace

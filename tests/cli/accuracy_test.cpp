@@ -98,6 +98,17 @@ TEST_F(Accuracy, ASweepGoesOnWhereItEnded) {
   EXPECT_NE(refused.err.find("is of a sweep with seed 1, this one has 7"), std::string::npos)
       << refused.err;
   EXPECT_EQ(read("whole.jsonl"), lines);
+  // Of a version that kept no worst cases.
+  std::string old = lines;
+  old.replace(old.find("parts.2"), 7, "parts.1");
+  write("old.jsonl", old);
+  const Ran stale = with("old.jsonl");
+  EXPECT_EQ(stale.status, 2);
+  EXPECT_NE(stale.err.find("old.jsonl is of a sweep with schema \"cde.accuracy.parts.1\", this one "
+                           "has \"cde.accuracy.parts.2\""),
+            std::string::npos)
+      << stale.err;
+  EXPECT_EQ(read("old.jsonl"), old);
 }
 
 TEST_F(Accuracy, ShardsMakeUpTheWhole) {

@@ -175,7 +175,10 @@ KeptSweep read_sweep(const std::string& file, const Target& target) {
   const std::string text(std::istreambuf_iterator<char>(in), {});
   const Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded())
-    throw Error(ErrorCode::kFile, fmt::format("{}: no JSON", printable_name(file)));
+    throw Error(ErrorCode::kFile,
+                fmt::format("{}: not the JSON of one sweep (a file of --resume is read by "
+                            "--resume, and --page beside it)",
+                            printable_name(file)));
   return sweep_of(json, printable_name(file), target);
 }
 
