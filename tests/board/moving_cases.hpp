@@ -92,24 +92,26 @@ void check_pass(Board& board, Pair pair, bool swap, const std::vector<P>& primar
                 std::span<const Object> of_secondaries,
                 std::initializer_list<Mode> modes = {Mode::kNearest, Mode::kFarthest, Mode::kAny,
                                                      Mode::kAll, Mode::kHits}) {
-  const auto swept = reference::swept(secondaries, of_secondaries);
-  const std::vector<P> posed = reference::posed(std::span<const P>(primaries), of_primaries);
+  const FpFormat format = board.format();
+  const auto swept = reference::swept(secondaries, of_secondaries, format);
+  const std::vector<P> posed =
+      reference::posed(std::span<const P>(primaries), of_primaries, format);
   std::vector<PairResult> results;
   if constexpr (std::is_same_v<P, S>) {
-    results = swap ? all_pairs(pair, swept.shapes, posed, true)
-                   : all_pairs(pair, posed, swept.shapes, false);
+    results = swap ? all_pairs(pair, swept.shapes, posed, true, {}, format)
+                   : all_pairs(pair, posed, swept.shapes, false, {}, format);
   } else {
-    if (swap) results = all_pairs(pair, swept.shapes, posed, true);
-    if (!swap) results = all_pairs(pair, posed, swept.shapes, false);
+    if (swap) results = all_pairs(pair, swept.shapes, posed, true, {}, format);
+    if (!swap) results = all_pairs(pair, posed, swept.shapes, false, {}, format);
   }
   std::vector<bool> bad;
   bad.reserve(posed.size());
-  for (const P& p : posed) bad.push_back(defect(p).has_value());
+  for (const P& p : posed) bad.push_back(defect(p, format).has_value());
   for (const Mode mode : modes) {
     SCOPED_TRACE(fmt::format("{}{}, {} over {}", name(pair), swap ? " swapped" : "",
                              of_primaries.size(), of_secondaries.size()));
     compare(board.run({.mode = mode, .pair = pair, .swap = swap}),
-            expected(pair, results, swept.slots, bad, mode, false), mode);
+            expected(pair, results, swept.slots, bad, mode, false, format), mode);
   }
 }
 

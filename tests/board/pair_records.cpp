@@ -7,9 +7,12 @@ namespace cde::testing {
 namespace {
 
 Record record(Pair pair, const PairResult& r, std::uint32_t primary, std::uint32_t index,
-              bool normals) {
-  const auto number = [](std::uint64_t w) {
-    return std::bit_cast<float>(static_cast<std::uint32_t>(w));
+              bool normals, FpFormat format) {
+  const auto number = [format](std::uint64_t w) {
+    return format == FpFormat{} || format.is_nan(w)
+               ? std::bit_cast<float>(static_cast<std::uint32_t>(
+                     w == format.canonical_nan() ? FpFormat{}.canonical_nan() : w))
+               : static_cast<float>(format.decode(w));
   };
   Record out;
   out.f = r.f;
@@ -28,12 +31,13 @@ Record record(Pair pair, const PairResult& r, std::uint32_t primary, std::uint32
 
 std::vector<Record> expected(Pair pair, const std::vector<PairResult>& results,
                              const std::vector<std::uint32_t>& slots,
-                             const std::vector<bool>& bad_primary, Mode mode, bool normals) {
+                             const std::vector<bool>& bad_primary, Mode mode, bool normals,
+                             FpFormat format) {
   const std::size_t primaries = bad_primary.size(), secondaries = slots.size();
   std::vector<Record> all;
   for (std::size_t s = 0; s < secondaries; ++s)
     for (std::uint32_t p = 0; p < primaries; ++p)
-      all.push_back(record(pair, results[s * primaries + p], p, slots[s], normals));
+      all.push_back(record(pair, results[s * primaries + p], p, slots[s], normals, format));
   if (mode == Mode::kAll) return all;
   std::vector<Record> kept;
   if (mode == Mode::kHits) {

@@ -15,10 +15,11 @@ namespace cde::testing {
 /// All pairs by the reference, secondary by secondary; `swap`: A is the secondary.
 template <class A, class B>
 std::vector<PairResult> all_pairs(Pair pair, const std::vector<A>& a, const std::vector<B>& b,
-                                  bool swap, const PairBudget& budget = {}) {
+                                  bool swap, const PairBudget& budget = {}, FpFormat format = {}) {
   std::vector<std::uint64_t> wa, wb;
-  const auto push = [](std::vector<std::uint64_t>& to, const auto& shape) {
-    for (const float x : to_words(shape)) to.push_back(std::bit_cast<std::uint32_t>(x));
+  const auto push = [format](std::vector<std::uint64_t>& to, const auto& shape) {
+    for (const float x : to_words(shape))
+      to.push_back(format == FpFormat{} ? std::bit_cast<std::uint32_t>(x) : format.encode(x));
   };
   const auto one = [&](const A& x, const B& y) {
     push(wa, x);
@@ -32,7 +33,7 @@ std::vector<PairResult> all_pairs(Pair pair, const std::vector<A>& a, const std:
       for (const A& x : a) one(x, y);
   }
   std::vector<PairResult> r(a.size() * b.size());
-  reference::test_pairs(pair, Algorithm::kMoller, {8, 23}, wa, wb, r, PlaneSide::kSurface, budget);
+  reference::test_pairs(pair, Algorithm::kMoller, format, wa, wb, r, PlaneSide::kSurface, budget);
   return r;
 }
 
@@ -47,7 +48,8 @@ inline std::vector<std::uint32_t> in_order(std::size_t count) {
 /// then with that in slots[1], and so on.
 std::vector<Record> expected(Pair pair, const std::vector<PairResult>& results,
                              const std::vector<std::uint32_t>& slots,
-                             const std::vector<bool>& bad_primary, Mode mode, bool normals);
+                             const std::vector<bool>& bad_primary, Mode mode, bool normals,
+                             FpFormat format = {});
 
 /// Fails with the first records that differ in a bit.
 void compare(const std::vector<Record>& got, const std::vector<Record>& wanted, Mode mode);

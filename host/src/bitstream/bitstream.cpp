@@ -26,6 +26,7 @@
 
 #include "bitstream/build_progress.hpp"
 #include "bitstream/folders.hpp"
+#include "cde/fp/scalars.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "support/process.hpp"
@@ -253,6 +254,10 @@ void set_pairs(BoardConfig& c, unsigned set) {
 
 constexpr Field kFields[] = {
     field<&BoardConfig::lanes>("LANES"),
+    {"EXP", [](const BoardConfig& c) { return static_cast<unsigned>(c.format.exp_bits); },
+     [](BoardConfig& c, unsigned value) { c.format.exp_bits = static_cast<int>(value); }},
+    {"MAN", [](const BoardConfig& c) { return static_cast<unsigned>(c.format.man_bits); },
+     [](BoardConfig& c, unsigned value) { c.format.man_bits = static_cast<int>(value); }},
     {"PAIRS", pair_set, set_pairs},
     field<&BoardConfig::algorithm>("ALGORITHM"),
     field<&BoardConfig::box>("BOX"),
@@ -286,6 +291,20 @@ void check(Arithmetic arithmetic) {
                                                static_cast<int>(arithmetic)));
 }
 
+void check_card_format(FpFormat format) {
+  if (is_card_format(format)) return;
+  std::string known;
+  for (const FpFormat f : kPairFormats)
+    if (is_card_format(f)) known += (known.empty() ? "" : ", ") + f.name();
+  throw Error(
+      ErrorCode::kUsage,
+      format.width() > static_cast<int>(kCardWord)
+          ? fmt::format("a card has no {}: the words of its buses, memories and records are "
+                        "{} bits wide; its formats are {}",
+                        format.name(), kCardWord, known)
+          : fmt::format("a card has no {}; its formats are {}", format.name(), known));
+}
+
 std::vector<std::string> BoardConfig::parameters() const {
   const auto require = [](bool ok, const char* name, unsigned value, const char* range) {
     if (!ok)
@@ -297,6 +316,7 @@ std::vector<std::string> BoardConfig::parameters() const {
     require(value >= 1 && value <= 16, name, value, "1 to 16 clocks");
   };
   check(arithmetic);
+  check_card_format(format);
   require(transform <= Transformer::kBoth, "transform", static_cast<unsigned>(transform), "0 to 2");
   require(bus == Bus::kFunctional || bus == Bus::kCycle, "bus", static_cast<unsigned>(bus),
           "0 or 1");

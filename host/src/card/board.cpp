@@ -7,10 +7,12 @@
 #include <array>
 #include <atomic>
 #include <bit>
+#include <cmath>
 #include <cstdlib>
 #include <utility>
 
 #include "card/board_impl.hpp"
+#include "cde/contract/pairs.hpp"
 #include "cde/contract/records.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
@@ -53,11 +55,11 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
     if (value != wanted) refuse(fmt::format("{} is {}, but {} was asked for", what, value, wanted));
   };
   field("number of lanes", card.lanes, config.lanes);
-  field("exponent width", card::kCapsExp.of(caps), 8);
-  field("fraction width", card::kCapsMan.of(caps), 23);
+  field("exponent width", card::kCapsExp.of(caps), static_cast<unsigned>(config.format.exp_bits));
+  field("fraction width", card::kCapsMan.of(caps), static_cast<unsigned>(config.format.man_bits));
   field("ray-triangle algorithm", card::kCapsAlgorithm.of(caps),
         static_cast<unsigned>(config.algorithm));
-  field("container width", card::kCaps2Container.of(caps2), 32);
+  field("container width", card::kCaps2Container.of(caps2), kCardWord);
   field("DDR capacity", card.capacity, std::uint64_t{config.ddr_slots} * card::kDdrWords * 4);
   field("SRAM ring", card.sram_records, config.sram_records);
   const std::uint64_t caps3 = card.read_register(card::kRegCaps3);
@@ -194,7 +196,7 @@ Board Board::open(const BoardConfig& config, const OpenOptions& options) {
   auto impl =
       std::make_shared<Impl>(config.bus == Bus::kCycle ? pci_link(std::move(bitstream), options)
                                                        : local_link(std::move(bitstream), options),
-                             file, options);
+                             file, config.format, options);
   check_identity(*impl, wanted, expected, file);
   Board board(std::move(impl));
   if (waves) board.trace_open(*waves);
@@ -219,7 +221,7 @@ void Board::upload(const TriangleView& triangles, bool validate) {
   upload_words(
       Shape::kTriangle, triangles.size(),
       [&](std::size_t i, float* words) { to_words(triangles[i], slot<Triangle>(words)); },
-      [&](std::size_t i) { return validate ? defect(triangles[i]) : std::nullopt; });
+      [&](std::size_t i) { return validate ? defect(triangles[i], format()) : std::nullopt; });
 }
 
 void Board::upload_words(Shape shape, std::size_t count, const Words& words,
@@ -259,19 +261,38 @@ void Board::update_words(Shape shape, std::size_t first, std::size_t count, cons
   card().secondaries = there;
 }
 
+void Board::Impl::encode(Shape shape, std::size_t number, std::span<const float> numbers,
+                         std::uint32_t* slot) const {
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    const std::uint64_t word = coding.encode(numbers[k]);
+    slot[k] = static_cast<std::uint32_t>(word);
+    if (contract::word_kind(shape, k) == WordKind::kInterval && std::isfinite(numbers[k]) &&
+        !std::isfinite(coding.decode(word)))
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("{} {}: its interval has an end of {}, beyond the largest number of "
+                              "{}, {}; infinity is legal",
+                              name(shape), number, numbers[k], format.name(),
+                              coding.decode(format.infinity() - 1)));
+  }
+}
+
 void Board::Impl::write_slots(Shape shape, std::size_t first, std::size_t count,
-                              const std::function<void(std::size_t, float*)>& words) {
+                              const std::function<void(std::size_t, float*)>& numbers) {
   constexpr std::size_t kChunk = 1024;
   const std::size_t slot_words = cde::words(shape);
   const bool odd = slot_words % 2 != 0;
   // Where a chunk begins or ends within a beat, the other word of that beat goes along.
-  std::vector<float> buffer((kChunk + 1) * slot_words + 2);
+  std::vector<std::uint32_t> buffer((kChunk + 1) * slot_words + 2);
+  std::array<float, contract::kMostWords> shape_numbers{};
   for (std::size_t done = 0; done < count;) {
     const std::size_t slot = first + done;
     const std::size_t n = std::min(kChunk, count - done);
     const std::size_t before = odd ? slot % 2 : 0, after = odd ? (slot + n) % 2 : 0;
-    float* const shapes = &buffer[before];
-    for (std::size_t i = 0; i < n; ++i) words(done + i, shapes + i * slot_words);
+    std::uint32_t* const shapes = &buffer[before];
+    for (std::size_t i = 0; i < n; ++i) {
+      numbers(done + i, shape_numbers.data());
+      encode(shape, slot + i, std::span(shape_numbers).first(slot_words), shapes + i * slot_words);
+    }
     if (odd) {
       if (seams_.size() < (slot + n + 1) / 2) seams_.resize((slot + n + 1) / 2);
       for (std::size_t i = 0; i < n; ++i) {
@@ -293,7 +314,7 @@ void Board::load(std::span<const Ray> rays) {
 }
 
 void Board::Impl::load(std::uint32_t first, Shape shape, std::size_t count,
-                       const std::function<void(std::size_t, float*)>& words) {
+                       const std::function<void(std::size_t, float*)>& numbers) {
   if (first >= primaries) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("the first pair's primaries fill all {} rows of the register file",
@@ -314,7 +335,11 @@ void Board::Impl::load(std::uint32_t first, Shape shape, std::size_t count,
   Packet& packet = packets_[first == 0 ? 0 : 1];
   packet.offset = static_cast<std::uint32_t>(first * stride * 4);
   packet.words.assign(count * stride, 0);
-  for (std::size_t i = 0; i < count; ++i) words(i, &packet.words[i * stride]);
+  std::array<float, contract::kMostWords> shape_numbers{};
+  for (std::size_t i = 0; i < count; ++i) {
+    numbers(i, shape_numbers.data());
+    encode(shape, i, std::span(shape_numbers).first(cde::words(shape)), &packet.words[i * stride]);
+  }
   write_packet(packet);
 }
 
@@ -364,6 +389,9 @@ void Board::trace_close() {
   card().link->trace_close();
 }
 
+FpFormat Board::format() const {
+  return card().format;
+}
 unsigned Board::lanes() const {
   return card().lanes;
 }

@@ -8,6 +8,7 @@
 #include "card/bus_time.hpp"
 #include "card/card_link.hpp"
 #include "cde/card/board.hpp"
+#include "cde/fp/scalars.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde {
@@ -32,8 +33,11 @@ struct ObjectTable {
 /// State of a Board, and single accesses to its card. Private to the driver.
 class Board::Impl {
  public:
-  Impl(std::unique_ptr<CardLink> way, std::filesystem::path file, const OpenOptions& options)
-      : link(std::move(way)),
+  Impl(std::unique_ptr<CardLink> way, std::filesystem::path file, FpFormat numbers,
+       const OpenOptions& options)
+      : format(numbers),
+        coding(numbers),
+        link(std::move(way)),
         bitstream(std::move(file)),
         bus(options),
         period_ps(options.clock_period_ps),
@@ -75,6 +79,14 @@ class Board::Impl {
   /// Secondaries of a pass.
   [[nodiscard]] std::uint64_t swept(const Query& query) const;
 
+  /// Numbers of a slot as words of the card; what is left of `slot` stays. A shape's number is for
+  /// messages: error kBadInput for an end of an interval that is finite and beyond the format, as
+  /// the card would not flag it.
+  void encode(Shape shape, std::size_t number, std::span<const float> numbers,
+              std::uint32_t* slot) const;
+
+  FpFormat format;
+  FloatWords coding;  ///< of the format
   std::unique_ptr<CardLink> link;
   std::filesystem::path bitstream;
   BusTime bus;              ///< of either kind of link, for deadlines
@@ -103,7 +115,7 @@ class Board::Impl {
   /// Primaries as the card has them, or is to have them.
   struct Packet {
     std::uint32_t offset = 0;  ///< in kSpacePrim
-    std::vector<float> words = {};
+    std::vector<std::uint32_t> words = {};
     bool written = false;
   };
   void write_packet(Packet& packet);
@@ -116,7 +128,7 @@ class Board::Impl {
   void write_transform(ObjectTable& table, std::size_t number);
   /// Shapes of an odd number of words share beats of DDR, which is written by whole beats: the last
   /// word of an even slot and the first one of the next, for every such two slots.
-  std::vector<std::array<float, 2>> seams_;
+  std::vector<std::array<std::uint32_t, 2>> seams_;
 };
 
 /// Error kUsage unless it is a time; infinity is one. Comparisons with NaN are false, so a watchdog

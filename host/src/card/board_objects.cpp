@@ -27,8 +27,9 @@ void require_table(const ObjectTable& table) {
   }
 }
 
-void check_transform(const ObjectTable& table, std::size_t number, const Transform& transform) {
-  if (const auto why = defect(transform)) {
+void check_transform(const ObjectTable& table, std::size_t number, const Transform& transform,
+                     FpFormat format) {
+  if (const auto why = defect(transform, format)) {
     throw Error(ErrorCode::kBadInput,
                 fmt::format("object {} of {}: {}", number, table.slots, *why));
   }
@@ -59,10 +60,13 @@ void Board::Impl::check_object(const ObjectTable& table, std::size_t number,
 
 void Board::Impl::write_transform(ObjectTable& table, std::size_t number) {
   table.posed[number] = false;
-  const auto words = to_words(table.objects[number].transform);
+  std::array<std::uint32_t, Transform::kWords> slot{};
+  const auto numbers = to_words(table.objects[number].transform);
+  for (std::size_t k = 0; k < slot.size(); ++k)
+    slot[k] = static_cast<std::uint32_t>(coding.encode(numbers[k]));
   write(card::kSpaceReg,
         table.offset + static_cast<std::uint32_t>(number) * kEntryBytes + card::kObjectRotation * 4,
-        words.data(), words.size() / 2);
+        slot.data(), slot.size() / 2);
   table.posed[number] = true;
 }
 
@@ -106,7 +110,7 @@ void Board::Impl::set_objects(ObjectTable& table, std::span<const Object> all) {
                                                all.size(), table.slots, table.entries));
   }
   for (std::size_t i = 0; i < all.size(); ++i) {
-    check_transform(table, i, all[i].transform);
+    check_transform(table, i, all[i].transform, format);
     check_object(table, i, all[i]);
   }
   table.assign({all.begin(), all.end()});
@@ -124,7 +128,7 @@ void Board::Impl::move_object(ObjectTable& table, std::size_t number, const Tran
     throw Error(ErrorCode::kUsage, fmt::format("there is no object {} of {}, but {}", number,
                                                table.slots, table.objects.size()));
   }
-  check_transform(table, number, transform);
+  check_transform(table, number, transform, format);
   Object moved = table.objects[number];
   moved.transform = transform;
   check_object(table, number, moved);

@@ -23,14 +23,14 @@ bool bit(std::uint64_t status, unsigned number) {
   return (status >> number & 1) != 0;
 }
 
-Record decode(const std::uint32_t* word) {
+Record decode(const std::uint32_t* word, const FloatWords& numbers) {
   Record r;
   for (int k = 0; k < 3; ++k)
-    r.cp[k] = std::bit_cast<float>(word[card::kRecordCp + static_cast<unsigned>(k)]);
+    r.cp[k] = numbers.decode(word[card::kRecordCp + static_cast<unsigned>(k)]);
   r.f = bit(word[card::kRecordFlags], card::kFlagF);
   r.bad = bit(word[card::kRecordFlags], card::kFlagBad);
   r.index = word[card::kRecordIndex];
-  r.t = std::bit_cast<float>(word[card::kRecordT]);
+  r.t = numbers.decode(word[card::kRecordT]);
   r.primary = word[card::kRecordPrimary];
   return r;
 }
@@ -192,16 +192,17 @@ class Pass {
   }
 
   void take(const std::uint32_t* entry) {
+    check_numbers(entry);
     const bool normal = bit(entry[card::kRecordFlags], card::kFlagNormal);
     if (normal != half_.has_value())
       device_error("a record without its normal", card_.read_register(card::kRegStatus));
     if (normal) {
-      half_->n = decode(entry).cp;
+      half_->n = decode(entry, card_.coding).cp;
       records_.push_back(*half_);
       half_.reset();
       return;
     }
-    Record r = decode(entry);
+    Record r = decode(entry, card_.coding);
     if (r.index != ~0u) r.index += query_.first_secondary;  // the card counts from there
     if (query_.second && r.primary >= split_) r.primary -= split_ - card_.loaded;
     if (query_.normals) {
@@ -209,6 +210,18 @@ class Pass {
     } else {
       records_.push_back(r);
     }
+  }
+
+  /// Words of a format narrower than the card's have nothing above it.
+  void check_numbers(const std::uint32_t* entry) {
+    const auto width = static_cast<unsigned>(card_.format.width());
+    if (width == kCardWord) return;
+    for (const unsigned k :
+         {card::kRecordCp, card::kRecordCp + 1, card::kRecordCp + 2, card::kRecordT})
+      if (entry[k] >> width != 0)
+        device_error(fmt::format("a record with the word {:#010x}, which is none of {}", entry[k],
+                                 card_.format.name()),
+                     card_.read_register(card::kRegStatus));
   }
 
   Counters finish() {

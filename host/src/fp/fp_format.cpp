@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "cde/fp/fp_reference.hpp"
+#include "cde/fp/scalars.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 
@@ -32,6 +33,15 @@ uint64_t FpFormat::encode(double value) const {
   static_assert(sizeof word == sizeof value);
   __builtin_memcpy(&word, &value, sizeof word);
   return fp_convert(kDouble, *this, word).word;
+}
+
+FloatWords::FloatWords(FpFormat format) {
+  const bool known = with_scalar(format, [this]<class S>() {
+    encode = [](float x) { return to_word(static_cast<S>(x)); };
+    decode = [](std::uint64_t word) { return static_cast<float>(from_word<S>(word)); };
+  });
+  if (!known)
+    throw Error(ErrorCode::kUsage, fmt::format("pairs are not computed in {}", format.name()));
 }
 
 std::string FpFormat::name() const {

@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
+#include <type_traits>
 
+#include "cde/fp/scalars.hpp"
 #include "cde/geometry/check.hpp"
 #include "cde/geometry/transform.hpp"
 #include "cde/support/error.hpp"
@@ -15,38 +18,49 @@ namespace cde {
 namespace {
 
 using Defect = std::optional<std::string>;
-constexpr LengthRange kLengths = reference::kLengths<float>;
 
 /// "origin.x", "rotation[1][2]", "radius".
-template <typename Field>
-std::string word_name(const char* field, int k, const Field&) {
-  if constexpr (std::is_same_v<Field, float>) return field;
-  if constexpr (std::is_same_v<Field, Eigen::Vector3f>)
-    return fmt::format("{}.{}", field, "xyz"[k]);
-  if constexpr (std::is_same_v<Field, Eigen::Matrix3f>)
-    return fmt::format("{}[{}][{}]", field, k / 3, k % 3);
+std::string word_name(const char* field, int k, Eigen::Index words) {
+  if (words == 1) return field;
+  if (words == 3) return fmt::format("{}.{}", field, "xyz"[k]);
+  return fmt::format("{}[{}][{}]", field, k / 3, k % 3);
+}
+
+template <class S, class Field>
+constexpr Eigen::Index kWordsOf = [] {
+  if constexpr (std::is_same_v<Field, S>)
+    return 1;
+  else
+    return Field::SizeAtCompileTime;
+}();
+
+bool is_interval(std::string_view name) {
+  return name == "tmin" || name == "tmax";
 }
 
 /// The first word that is not finite, or a length that is too large; an interval's end may be
 /// infinite.
-template <typename P>
+template <class P>
 Defect bad_word(const P& primitive) {
+  using S = typename P::Scalar;
   Defect why;
   P::visit(primitive, [&](const char* name, const auto& field) {
-    const std::string_view interval[] = {"tmin", "tmax"};
+    using Field = std::remove_cvref_t<decltype(field)>;
     const std::string_view units[] = {"normal", "axis", "rotation"};
-    const bool may_be_infinite = name == interval[0] || name == interval[1];
+    const bool may_be_infinite = is_interval(name);
     const bool length =
         !may_be_infinite && std::find(std::begin(units), std::end(units), name) == std::end(units);
-    const auto look = [&](int k, float word) {
-      if (why || (may_be_infinite && !std::isnan(word))) return;
-      const std::string which = word_name(name, k, field);
-      if (!std::isfinite(word))
-        why = fmt::format("{} is {}", which, word);
+    const auto look = [&](int k, S word) {
+      using std::isnan;
+      if (why || (may_be_infinite && !isnan(word))) return;
+      const std::string which = word_name(name, k, kWordsOf<S, Field>);
+      const auto value = static_cast<float>(word);
+      if (!reference::finite(word))
+        why = fmt::format("{} is {}", which, value);
       else if (length)
-        why = kLengths.not_coordinate(which, word);
+        why = reference::kLengths<S>.not_coordinate(which, value);
     };
-    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(field)>, float>) {
+    if constexpr (std::is_same_v<Field, S>) {
       look(0, field);
     } else {
       for (int k = 0; k < field.size(); ++k) look(k, field(k / field.cols(), k % field.cols()));
@@ -55,32 +69,131 @@ Defect bad_word(const P& primitive) {
   return why;
 }
 
-Defect not_size(std::string_view name, float value) {
-  return kLengths.not_size(name, value);
+template <class S>
+Defect not_size(std::string_view name, S value) {
+  return reference::kLengths<S>.not_size(name, static_cast<float>(value));
 }
 
-Defect not_unit(std::string_view name, const Eigen::Vector3f& v) {
-  if (reference::dot_is<float>(v, v, 1)) return std::nullopt;
+template <class S>
+Defect not_unit(std::string_view name, const Vector3<S>& v) {
+  if (reference::dot_is<S>(v, v, 1)) return std::nullopt;
   return fmt::format("{} has squared length {}, must be 1 within {:.3g}", name,
-                     reference::dot<float>(v, v), reference::kUnitTolerance<float>);
+                     static_cast<float>(reference::dot<S>(v, v)), reference::kUnitTolerance<S>);
 }
 
-Defect not_orthonormal(const Eigen::Matrix3f& rotation) {
+template <class S>
+Defect not_orthonormal(const Matrix3<S>& rotation) {
   for (int i = 0; i < 3; ++i) {
     for (int j = i; j < 3; ++j) {
-      const Eigen::Vector3f a = rotation.col(i), b = rotation.col(j);
-      if (!reference::dot_is<float>(a, b, i == j))
+      const Vector3<S> a = rotation.col(i), b = rotation.col(j);
+      if (!reference::dot_is<S>(a, b, i == j))
         return fmt::format(
             "rotation is not orthonormal: the product of columns {} and {} is {}, must be {} "
             "within {:.3g}",
-            i, j, reference::dot<float>(a, b), i == j ? 1 : 0, reference::kUnitTolerance<float>);
+            i, j, static_cast<float>(reference::dot<S>(a, b)), i == j ? 1 : 0,
+            reference::kUnitTolerance<S>);
     }
   }
   return std::nullopt;
 }
 
-template <typename Primitive>
-void check_any(const Primitive& primitive, std::string_view what) {
+template <class S>
+Defect bad_whole(const BasicRay<S>& ray) {
+  const float largest =
+      std::max({std::abs(static_cast<float>(ray.d.x())), std::abs(static_cast<float>(ray.d.y())),
+                std::abs(static_cast<float>(ray.d.z()))});
+  if (largest == 0) return "direction is zero";
+  return not_size("largest component of direction", S(largest));
+}
+
+template <class S>
+Defect bad_whole(const BasicTriangle<S>&) {
+  return std::nullopt;
+}
+
+template <class S>
+Defect bad_whole(const BasicSphere<S>& sphere) {
+  return not_size("radius", sphere.r);
+}
+
+template <class S>
+Defect bad_whole(const BasicAabb<S>& box) {
+  for (int k = 0; k < 3; ++k) {
+    if (!(box.min[k] < box.max[k]))
+      return fmt::format("max.{0} is {1}, must be > min.{0} = {2}", "xyz"[k],
+                         static_cast<float>(box.max[k]), static_cast<float>(box.min[k]));
+  }
+  return std::nullopt;
+}
+
+template <class S>
+Defect bad_whole(const BasicPlane<S>& plane) {
+  return not_unit<S>("normal", plane.n);
+}
+
+template <class S>
+Defect bad_whole(const BasicCylinder<S>& cylinder) {
+  if (auto why = not_unit<S>("axis", cylinder.axis)) return why;
+  if (auto why = not_size("half height", cylinder.half_height)) return why;
+  return not_size("radius", cylinder.radius);
+}
+
+template <class S>
+Defect bad_whole(const BasicObb<S>& box) {
+  for (int k = 0; k < 3; ++k)
+    if (auto why = not_size(fmt::format("half extent.{}", "xyz"[k]), box.half[k])) return why;
+  return not_orthonormal<S>(box.rotation);
+}
+
+template <class S>
+Defect bad_whole(const BasicTransform<S>& transform) {
+  return not_orthonormal<S>(transform.rotation);
+}
+
+template <class P>
+Defect why_bad(const P& primitive) {
+  if (auto why = bad_word(primitive)) return why;
+  return bad_whole(primitive);
+}
+
+/// The first finite word whose nearest number of the format is infinite.
+template <class S, class P>
+Defect overflow(const P& primitive) {
+  Defect why;
+  P::visit(primitive, [&](const char* name, const auto& field) {
+    using Field = std::remove_cvref_t<decltype(field)>;
+    const auto look = [&](int k, float word) {
+      using std::isinf;
+      if (!why && std::isfinite(word) && isinf(S(word)))
+        why = fmt::format("{} is {}, beyond the largest number, {}",
+                          word_name(name, k, kWordsOf<float, Field>), word,
+                          static_cast<float>(std::numeric_limits<S>::max()));
+    };
+    if constexpr (std::is_same_v<Field, float>) {
+      look(0, field);
+    } else {
+      for (int k = 0; k < field.size(); ++k) look(k, field(k / field.cols(), k % field.cols()));
+    }
+  });
+  return why;
+}
+
+template <class P>
+Defect why_bad_in(FpFormat format, const P& primitive) {
+  if (format == FpFormat{}) return why_bad(primitive);
+  Defect why;
+  const bool known = with_scalar(format, [&]<class S>() {
+    why = overflow<S>(primitive);
+    if (!why) why = why_bad(primitive_cast<S>(primitive));
+  });
+  if (!known)
+    throw Error(ErrorCode::kUsage, fmt::format("there are no primitives in {}", format.name()));
+  if (why) *why += " in " + format.name();
+  return why;
+}
+
+template <class P>
+void check_any(const P& primitive, std::string_view what) {
   if (const auto why = defect(primitive)) {
     throw Error(ErrorCode::kBadInput, fmt::format("{}: {}", what, *why));
   }
@@ -88,54 +201,29 @@ void check_any(const Primitive& primitive, std::string_view what) {
 
 }  // namespace
 
-Defect defect(const Ray& ray) {
-  if (auto why = bad_word(ray)) return why;
-  const float largest = ray.d.cwiseAbs().maxCoeff();
-  if (largest == 0) return "direction is zero";
-  return not_size("largest component of direction", largest);
+Defect defect(const Ray& ray, FpFormat format) {
+  return why_bad_in(format, ray);
 }
-
-Defect defect(const Triangle& triangle) {
-  return bad_word(triangle);
+Defect defect(const Triangle& triangle, FpFormat format) {
+  return why_bad_in(format, triangle);
 }
-
-Defect defect(const Sphere& sphere) {
-  if (auto why = bad_word(sphere)) return why;
-  return not_size("radius", sphere.r);
+Defect defect(const Sphere& sphere, FpFormat format) {
+  return why_bad_in(format, sphere);
 }
-
-Defect defect(const Aabb& box) {
-  if (auto why = bad_word(box)) return why;
-  for (int k = 0; k < 3; ++k) {
-    if (!(box.min[k] < box.max[k]))
-      return fmt::format("max.{0} is {1}, must be > min.{0} = {2}", "xyz"[k], box.max[k],
-                         box.min[k]);
-  }
-  return std::nullopt;
+Defect defect(const Aabb& box, FpFormat format) {
+  return why_bad_in(format, box);
 }
-
-Defect defect(const Plane& plane) {
-  if (auto why = bad_word(plane)) return why;
-  return not_unit("normal", plane.n);
+Defect defect(const Plane& plane, FpFormat format) {
+  return why_bad_in(format, plane);
 }
-
-Defect defect(const Cylinder& cylinder) {
-  if (auto why = bad_word(cylinder)) return why;
-  if (auto why = not_unit("axis", cylinder.axis)) return why;
-  if (auto why = not_size("half height", cylinder.half_height)) return why;
-  return not_size("radius", cylinder.radius);
+Defect defect(const Cylinder& cylinder, FpFormat format) {
+  return why_bad_in(format, cylinder);
 }
-
-Defect defect(const Obb& box) {
-  if (auto why = bad_word(box)) return why;
-  for (int k = 0; k < 3; ++k)
-    if (auto why = not_size(fmt::format("half extent.{}", "xyz"[k]), box.half[k])) return why;
-  return not_orthonormal(box.rotation);
+Defect defect(const Obb& box, FpFormat format) {
+  return why_bad_in(format, box);
 }
-
-Defect defect(const Transform& transform) {
-  if (auto why = bad_word(transform)) return why;
-  return not_orthonormal(transform.rotation);
+Defect defect(const Transform& transform, FpFormat format) {
+  return why_bad_in(format, transform);
 }
 
 std::optional<std::string> LengthRange::not_coordinate(std::string_view word, double value) const {

@@ -131,13 +131,13 @@ void check(const Mesh& mesh, std::string_view what) {
   if (mesh.faces.empty()) throw Error(ErrorCode::kBadInput, fmt::format("{}: no triangles", what));
 }
 
-std::optional<std::string> out_of_range(const Mesh& mesh, std::string_view what) {
+std::optional<std::string> out_of_range(const Mesh& mesh, std::string_view what, FpFormat format) {
   std::size_t far = 0;
   std::optional<std::string> first;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
     const auto& f = mesh.faces[i];
     const auto why =
-        defect(Triangle{mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]});
+        defect(Triangle{mesh.vertices[f[0]], mesh.vertices[f[1]], mesh.vertices[f[2]]}, format);
     if (why && far++ == 0) first = fmt::format("triangle {}: {}", i, *why);
   }
   if (!first) return std::nullopt;

@@ -28,10 +28,11 @@ namespace cde {
 
 /// The record of a primary that no pair has answered.
 template <class P>
-[[nodiscard]] Record unanswered(const P& primary, std::uint32_t number, bool normals) {
+[[nodiscard]] Record unanswered(const P& primary, std::uint32_t number, bool normals,
+                                FpFormat format) {
   Record r;
   r.primary = number;
-  if (!defect(primary)) return r;
+  if (!defect(primary, format)) return r;
   r.bad = true;
   r.t = reference::canonical_nan<float>();
   r.cp.setConstant(r.t);

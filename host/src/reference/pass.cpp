@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "cde/contract/records.hpp"
+#include "cde/fp/scalars.hpp"
+#include "cde/reference/pairs.hpp"
 #include "cde/reference/pipes/dispatch.hpp"
 #include "cde/reference/reference.hpp"
 #include "cde/support/error.hpp"
@@ -44,36 +46,116 @@ class MollerPass : public Pass::Impl {
   std::vector<Record> records_;
 };
 
-/// Any pair: P are the primaries' shapes, test(P, S) their reference.
+/// What the pairs of a packet answer. Private to the pass.
+class Tester {
+ public:
+  virtual ~Tester() = default;
+  /// Appends the answers of a secondary with the primaries at these places.
+  virtual void test(std::size_t secondary, std::span<const std::uint32_t> places,
+                    std::vector<Outcome<float>>& answers) = 0;
+};
+
+/// P are the primaries' shapes, test(P, S) the pair's reference.
 template <class P, class S, class Test>
+class FloatTester : public Tester {
+ public:
+  FloatTester(std::vector<P> primaries, const std::vector<S>& secondaries, Test test)
+      : primaries_(std::move(primaries)), secondaries_(secondaries), test_(test) {}
+
+  void test(std::size_t secondary, std::span<const std::uint32_t> places,
+            std::vector<Outcome<float>>& answers) override {
+    for (const std::uint32_t p : places)
+      answers.push_back(test_(primaries_[p], secondaries_[secondary]));
+  }
+
+ private:
+  std::vector<P> primaries_;
+  const std::vector<S>& secondaries_;
+  Test test_;
+};
+
+/// In another number format: shapes are its words.
+class WordTester : public Tester {
+ public:
+  WordTester(const PassQuery& query, const Shapes& primaries, const Shapes& secondaries)
+      : query_(query), words_(query.format), secondaries_(secondaries) {
+    for (std::size_t p = 0; p < size(primaries); ++p) primaries_.push_back(encoded(primaries, p));
+  }
+
+  void test(std::size_t secondary, std::span<const std::uint32_t> places,
+            std::vector<Outcome<float>>& answers) override {
+    const std::vector<std::uint64_t> other = encoded(secondaries_, secondary);
+    packet_.clear(), others_.clear();
+    for (const std::uint32_t p : places) {
+      packet_.insert(packet_.end(), primaries_[p].begin(), primaries_[p].end());
+      others_.insert(others_.end(), other.begin(), other.end());
+    }
+    results_.assign(places.size(), {});
+    test_pairs(query_.pair, query_.algorithm, query_.format, query_.swap ? others_ : packet_,
+               query_.swap ? packet_ : others_, results_, PlaneSide::kSurface, query_.budget,
+               query_.box);
+    for (const PairResult& r : results_) {
+      Outcome<float>& o = answers.emplace_back();
+      o.f = r.f, o.bad = r.bad;
+      o.t = words_.decode(r.t);
+      for (int k = 0; k < 3; ++k) o.cp[k] = words_.decode(r.cp[k]), o.n[k] = words_.decode(r.n[k]);
+    }
+  }
+
+ private:
+  [[nodiscard]] std::vector<std::uint64_t> encoded(const Shapes& shapes, std::size_t i) const {
+    std::vector<std::uint64_t> words;
+    for (const float x : numbers_of(shapes, i)) words.push_back(words_.encode(x));
+    return words;
+  }
+
+  PassQuery query_;
+  FloatWords words_;
+  const Shapes& secondaries_;
+  std::vector<std::vector<std::uint64_t>> primaries_;
+  std::vector<std::uint64_t> packet_, others_;
+  std::vector<PairResult> results_;
+};
+
+/// Any pair. `best` are records of the primaries that nothing has answered yet.
 class AnyPass : public Pass::Impl {
  public:
-  AnyPass(const PassQuery& query, std::vector<P> primaries, std::vector<std::uint32_t> numbers,
-          const std::vector<S>& secondaries, Test test)
+  AnyPass(const PassQuery& query, std::unique_ptr<Tester> tester, std::vector<Record> best,
+          std::size_t secondaries)
       : query_(query),
-        primaries_(std::move(primaries)),
-        numbers_(std::move(numbers)),
-        secondaries_(secondaries),
-        test_(test) {}
+        tester_(std::move(tester)),
+        best_(std::move(best)),
+        secondaries_(secondaries) {}
 
   std::span<const Record> next() override {
     records_.clear();
     const bool streaming = query_.mode == Mode::kAll || query_.mode == Mode::kHits;
-    if (!streaming && done_ == 0) reduce();
-    while (streaming && records_.empty() && done_ < secondaries_.size()) {
-      for (std::size_t p = 0; p < primaries_.size(); ++p) {
-        if (!counts(p, done_)) continue;
-        const Record r = record(p, done_);
+    if (!streaming && done_ < secondaries_) return reduce();
+    if (!streaming && secondaries_ == 0 && done_++ == 0) return best_;
+    for (; streaming && records_.empty() && done_ < secondaries_; ++done_)
+      for (const Record& r : answers_of(done_))
         if (query_.mode == Mode::kAll || r.f) records_.push_back(r);
-      }
-      ++done_;
-    }
     return records_;
   }
 
  private:
-  [[nodiscard]] Record record(std::size_t p, std::size_t s) const {
-    const auto outcome = test_(primaries_[p], secondaries_[s]);
+  /// Of a secondary and all primaries that it counts for; of mode any those without a hit.
+  const std::vector<Record>& answers_of(std::size_t s) {
+    const auto secondary = static_cast<std::uint32_t>(s);
+    places_.clear(), outcomes_.clear(), answers_.clear();
+    for (std::size_t p = 0; p < best_.size(); ++p) {
+      if (query_.mode == Mode::kAny && best_[p].index != ~0u) continue;
+      if (!query_.counts || query_.counts(best_[p].primary, secondary))
+        places_.push_back(static_cast<std::uint32_t>(p));
+    }
+    tester_->test(s, places_, outcomes_);
+    for (std::size_t i = 0; i < places_.size(); ++i)
+      answers_.push_back(record(outcomes_[i], places_[i], secondary));
+    return answers_;
+  }
+
+  [[nodiscard]] Record record(const Outcome<float>& outcome, std::size_t p,
+                              std::uint32_t secondary) const {
     Record r;
     r.f = outcome.f;
     r.bad = outcome.bad;
@@ -83,80 +165,99 @@ class AnyPass : public Pass::Impl {
       if (query_.normals) r.n[k] = canonical(outcome.n[k]);
     }
     const bool answered = is_solid(query_.pair) && !outcome.bad;
-    r.index = outcome.f || answered ? static_cast<std::uint32_t>(s) : ~0u;
-    r.primary = numbers_[p];
+    r.index = outcome.f || answered ? secondary : ~0u;
+    r.primary = best_[p].primary;
     return r;
   }
 
-  [[nodiscard]] bool counts(std::size_t p, std::size_t s) const {
-    return !query_.counts || query_.counts(numbers_[p], static_cast<std::uint32_t>(s));
-  }
-
-  void reduce() {
-    done_ = secondaries_.size();
-    for (std::size_t p = 0; p < primaries_.size(); ++p) {
-      Record best = unanswered(primaries_[p], numbers_[p], query_.normals);
-      for (std::size_t s = 0; s < secondaries_.size(); ++s) {
-        if (!counts(p, s)) continue;
-        const Record r = record(p, s);
-        if (!better(query_.pair, query_.mode, r, best)) continue;
-        best = r;
-        if (query_.mode == Mode::kAny) break;
+  std::span<const Record> reduce() {
+    for (; done_ < secondaries_; ++done_) {
+      const std::vector<Record>& some = answers_of(done_);
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        Record& best = best_[places_[i]];
+        if (better(query_.pair, query_.mode, some[i], best)) best = some[i];
       }
-      records_.push_back(best);
     }
+    return best_;
   }
 
   PassQuery query_;
-  std::vector<P> primaries_;
-  std::vector<std::uint32_t> numbers_;
-  const std::vector<S>& secondaries_;
-  Test test_;
-  std::size_t done_ = 0;  ///< secondaries
-  std::vector<Record> records_;
+  std::unique_ptr<Tester> tester_;
+  std::vector<Record> best_;
+  std::size_t secondaries_, done_ = 0;
+  std::vector<std::uint32_t> places_;  // of the primaries in answers_
+  std::vector<Outcome<float>> outcomes_;
+  std::vector<Record> answers_, records_;
 };
 
 template <class P, class S, class Test>
-std::unique_ptr<Pass::Impl> any_pass(const PassQuery& query, Shapes&& primaries,
-                                     std::vector<std::uint32_t>&& numbers,
-                                     const Shapes& secondaries, Test test) {
-  auto* p = std::get_if<std::vector<P>>(&primaries);
-  const auto* s = std::get_if<std::vector<S>>(&secondaries);
-  if (p == nullptr || s == nullptr)
+std::unique_ptr<Tester> float_tester(Shapes&& primaries, const Shapes& secondaries, Test test) {
+  return std::make_unique<FloatTester<P, S, Test>>(std::get<std::vector<P>>(std::move(primaries)),
+                                                   std::get<std::vector<S>>(secondaries), test);
+}
+
+std::unique_ptr<Tester> tester(const PassQuery& query, Shapes&& primaries,
+                               const Shapes& secondaries) {
+  if (query.format != FpFormat{})
+    return std::make_unique<WordTester>(query, primaries, secondaries);
+  std::unique_ptr<Tester> made;
+  with_pair<float>(query.pair, query.algorithm, query.box, PlaneSide::kSurface, query.budget,
+                   [&]<class A, class B>(Kinds<A, B>, auto test) {
+                     if (query.swap) {
+                       const auto exchanged = [test](const B& b, const A& a) { return test(a, b); };
+                       made = float_tester<B, A>(std::move(primaries), secondaries, exchanged);
+                     } else {
+                       made = float_tester<A, B>(std::move(primaries), secondaries, test);
+                     }
+                   });
+  return made;
+}
+
+void check_query(const PassQuery& query, const Shapes& primaries, std::size_t numbers,
+                 const Shapes& secondaries) {
+  (void)name_of(query.mode);  // or it is none
+  if (size(primaries) > card::kMostPrimaries || size(primaries) != numbers)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("a pass of {} primaries with {} numbers", size(primaries), numbers));
+  if (!is_card_format(query.format))
+    throw Error(ErrorCode::kUsage, fmt::format("no card has the format {}", query.format.name()));
+  Shape first = primary_shape(query.pair), second = secondary_shape(query.pair);
+  if (query.swap) std::swap(first, second);
+  if (shape_of(primaries) != first || shape_of(secondaries) != second)
     throw Error(ErrorCode::kUsage,
                 fmt::format("{} {} {}s against {}s", name(query.pair),
                             query.swap ? "with swap does not test" : "does not test",
                             name(shape_of(primaries)), name(shape_of(secondaries))));
-  return std::make_unique<AnyPass<P, S, Test>>(query, std::move(*p), std::move(numbers), *s, test);
+}
+
+/// Of each primary what no pair has answered.
+std::vector<Record> all_unanswered(const PassQuery& query, const Shapes& primaries,
+                                   std::span<const std::uint32_t> numbers) {
+  std::vector<Record> records;
+  std::visit(
+      [&](const auto& list) {
+        for (std::size_t p = 0; p < list.size(); ++p)
+          records.push_back(unanswered(list[p], numbers[p], query.normals, query.format));
+      },
+      primaries);
+  return records;
 }
 
 }  // namespace
 
 Pass::Pass(const PassQuery& query, Shapes primaries, std::vector<std::uint32_t> numbers,
            const Shapes& secondaries) {
-  (void)name_of(query.mode);  // or it is none
-  if (size(primaries) > card::kMostPrimaries || size(primaries) != numbers.size())
-    throw Error(ErrorCode::kUsage, fmt::format("a pass of {} primaries with {} numbers",
-                                               size(primaries), numbers.size()));
+  check_query(query, primaries, numbers.size(), secondaries);
   if (query.pair == Pair::kRayTriangle && query.algorithm == Algorithm::kMoller && !query.swap &&
-      !query.counts && shape_of(primaries) == Shape::kRay &&
-      shape_of(secondaries) == Shape::kTriangle) {
+      !query.counts && query.format == FpFormat{}) {
     impl_ = std::make_unique<MollerPass>(
         query.mode, query.box, std::get<std::vector<Ray>>(std::move(primaries)), std::move(numbers),
         std::get<std::vector<Triangle>>(secondaries));
     return;
   }
-  with_pair<float>(query.pair, query.algorithm, query.box, PlaneSide::kSurface, query.budget,
-                   [&]<class A, class B>(Kinds<A, B>, auto test) {
-                     if (query.swap) {
-                       const auto exchanged = [test](const B& b, const A& a) { return test(a, b); };
-                       impl_ = any_pass<B, A>(query, std::move(primaries), std::move(numbers),
-                                              secondaries, exchanged);
-                     } else {
-                       impl_ = any_pass<A, B>(query, std::move(primaries), std::move(numbers),
-                                              secondaries, test);
-                     }
-                   });
+  std::vector<Record> records = all_unanswered(query, primaries, numbers);
+  impl_ = std::make_unique<AnyPass>(query, tester(query, std::move(primaries), secondaries),
+                                    std::move(records), size(secondaries));
 }
 
 Pass::~Pass() = default;
@@ -180,8 +281,8 @@ SweptPrimary sweep(const PassQuery& query, const Shapes& primaries, std::uint32_
   every.mode = Mode::kAll;
   Pass pass(every, one, {number}, secondaries);
   const bool pairs = query.mode == Mode::kAll || query.mode == Mode::kHits;
-  Record best =
-      std::visit([&](const auto& list) { return unanswered(list[0], number, query.normals); }, one);
+  const std::uint32_t numbers[] = {number};
+  Record best = all_unanswered(query, one, numbers).front();
   std::uint32_t secondary = 0;
   for (auto some = pass.next(); !some.empty(); some = pass.next())
     for (const Record& r : some) {

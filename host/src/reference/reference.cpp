@@ -7,6 +7,7 @@
 #include <bit>
 
 #include "cde/contract/records.hpp"
+#include "cde/reference/pass.hpp"
 #include "cde/reference/pipes/ray_triangle.hpp"
 #include "cde/reference/pipes/transform.hpp"
 #include "cde/support/error.hpp"
@@ -33,13 +34,14 @@ Record record_of(const Ray& ray, const Triangle& triangle, std::uint32_t primary
 class Sweep::Impl {
  public:
   Impl(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
-       unsigned packet, std::span<const Object> objects, bool box)
+       unsigned packet, std::span<const Object> objects, bool box, FpFormat format)
       : packet_(packet),
         rays_(rays),
         triangles_(triangles),
         stencil_(stencil),
         mode_(mode),
-        box_(box) {
+        box_(box),
+        format_(format) {
     (void)name_of(mode);  // or it is none
     if (packet == 0 || packet > RayBlock::kRays)
       throw Error(ErrorCode::kUsage, fmt::format("a packet of {} rays", packet));
@@ -48,15 +50,18 @@ class Sweep::Impl {
         throw Error(ErrorCode::kUsage,
                     fmt::format("an object of {} triangles from {} on reaches beyond the {}",
                                 object.count, object.first, triangles.size()));
-    if (!objects.empty()) {
-      swept_ = swept(triangles, objects);
-      triangles_ = TriangleView(swept_.shapes);
+    if (!objects.empty() || format != FpFormat{}) swept_ = swept(triangles, objects, format);
+    if (!objects.empty()) triangles_ = TriangleView(swept_.shapes);
+    if (format != FpFormat{}) {
+      words_ = std::move(swept_.shapes);
+      triangles_ = TriangleView(std::get<std::vector<Triangle>>(words_));
     }
     begin_packet();
   }
 
   std::span<const Record> next() {
     records_.clear();
+    if (format_ != FpFormat{}) return next_of_pass();
     const bool streaming = mode_ == Mode::kAll || mode_ == Mode::kHits;
     while (records_.empty() && first_ < rays_.size()) {
       if (!streaming) {
@@ -77,6 +82,7 @@ class Sweep::Impl {
     block_ = {};
     if (first_ >= rays_.size()) return;
     packet_rays_ = rays_.subview(first_, packet_).copy();
+    if (format_ != FpFormat{}) return begin_pass();
     for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
       const Ray& ray = packet_rays_[i];
       block_.ox[i] = ray.o.x(), block_.oy[i] = ray.o.y(), block_.oz[i] = ray.o.z();
@@ -84,6 +90,35 @@ class Sweep::Impl {
     }
     block_.count = static_cast<unsigned>(packet_rays_.size());
   }
+
+  // ---- Other formats: any pair's reference does a packet ----
+
+  void begin_pass() {
+    std::vector<Ray> rays;
+    std::vector<std::uint32_t> numbers;
+    for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
+      if (stencil_[i]) continue;
+      rays.push_back(packet_rays_[i]);
+      numbers.push_back(number(i));
+    }
+    pass_.emplace(PassQuery{.box = box_, .mode = mode_, .format = format_}, std::move(rays),
+                  std::move(numbers), words_);
+  }
+
+  std::span<const Record> next_of_pass() {
+    while (records_.empty() && first_ < rays_.size()) {
+      const std::span<const Record> some = pass_->next();
+      records_.assign(some.begin(), some.end());
+      if (!some.empty()) continue;
+      first_ += packet_;
+      begin_packet();
+    }
+    for (Record& r : records_)
+      if (r.index != ~0u) r.index = slot(r.index);
+    return records_;
+  }
+
+  // ---- fp32 ----
 
   [[nodiscard]] std::uint32_t number(std::size_t place) const {
     return static_cast<std::uint32_t>(first_ + place);
@@ -156,20 +191,24 @@ class Sweep::Impl {
   Swept<Triangle> swept_;  // of the objects; empty without
   Mode mode_;
   bool box_;
+  FpFormat format_;
+  Shapes words_;  // shapes of swept_, where format_ is not fp32
+  std::optional<Pass> pass_;
   std::array<std::uint8_t, RayBlock::kRays> mask_{};
 };
 
 Sweep::Sweep(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
-             unsigned packet, std::span<const Object> objects, bool box)
-    : impl_(std::make_unique<Impl>(rays, triangles, mode, stencil, packet, objects, box)) {}
+             unsigned packet, std::span<const Object> objects, bool box, FpFormat format)
+    : impl_(std::make_unique<Impl>(rays, triangles, mode, stencil, packet, objects, box, format)) {}
 Sweep::~Sweep() = default;
 std::span<const Record> Sweep::next() {
   return impl_->next();
 }
 
 std::vector<Record> cast(const RayView& rays, const TriangleView& triangles, Mode mode,
-                         const Stencil& stencil, std::span<const Object> objects, bool box) {
-  Sweep sweep(rays, triangles, mode, stencil, card::kMostPrimaries, objects, box);
+                         const Stencil& stencil, std::span<const Object> objects, bool box,
+                         FpFormat format) {
+  Sweep sweep(rays, triangles, mode, stencil, card::kMostPrimaries, objects, box, format);
   std::vector<Record> records;
   for (auto some = sweep.next(); !some.empty(); some = sweep.next())
     records.insert(records.end(), some.begin(), some.end());
@@ -196,11 +235,11 @@ std::string text(const Record& r) {
 
 Checker::Checker(const RayView& rays, const TriangleView& triangles, Mode mode,
                  const Stencil& stencil, unsigned packet, std::string command,
-                 std::span<const Object> objects, bool box)
+                 std::span<const Object> objects, bool box, FpFormat format)
     : rays_(rays),
       packet_(packet),
       triangles_(triangles),
-      sweep_(rays, triangles, mode, stencil, packet, objects, box),
+      sweep_(rays, triangles, mode, stencil, packet, objects, box, format),
       command_(std::move(command)) {}
 
 void Checker::mismatch(const Record* card, const Record* expected) {

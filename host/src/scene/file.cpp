@@ -27,6 +27,17 @@ std::vector<std::string> pair_names() {
 
 const std::vector<std::string> kModes = {"nearest", "farthest", "any", "all", "hits"};
 
+FpFormat read_format(Table& t) {
+  const std::string text = t.text("format", "fp32");
+  try {
+    const FpFormat format = FpFormat::parse(text);
+    check_card_format(format);
+    return format;
+  } catch (const Error& e) {
+    t.fail(e.code(), "format", e.what());
+  }
+}
+
 SceneCard read_card(Table t) {
   SceneCard card;
   if (t.has("lanes")) card.lanes = t.integer<unsigned>("lanes", {}, 1, 256);
@@ -42,6 +53,7 @@ SceneCard read_card(Table t) {
     }
   }
   card.arithmetic = static_cast<Arithmetic>(t.choice("arithmetic", {"host", "rtl"}, 0));
+  card.format = read_format(t);
   card.algorithm = static_cast<Algorithm>(
       t.choice("algorithm", {"moller", "badouel", "pluecker", "watertight"}, 0));
   card.box = t.flag("box", true);
@@ -114,7 +126,7 @@ void read_objects(Scene& scene, Tables tables, const std::filesystem::path& fold
   std::vector<std::string> parents;
   scene_parts::Memory memory;
   for (Table& t : tables) {
-    SceneObject object = scene_parts::read_object(t, folder, memory);
+    SceneObject object = scene_parts::read_object(t, folder, memory, scene.card.format);
     parents.push_back(t.text("parent", ""));
     t.finish();
     if (!names.numbers.emplace(object.name, scene.objects.size()).second)

@@ -334,6 +334,17 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
     t.fail(ErrorCode::kUsage, "deform", "moves the vertices of a mesh; this object has none");
 }
 
+/// Of fp32 they are checked where they are read.
+void check_shapes(const Table& t, const Shapes& shapes, FpFormat format) {
+  std::visit(
+      [&](const auto& list) {
+        for (std::size_t i = 0; i < list.size(); ++i)
+          if (const auto why = defect(list[i], format))
+            t.fail(fmt::format("{} {}: {}", name(shape_of(shapes)), i, *why));
+      },
+      shapes);
+}
+
 /// The file, what is posed, what lies on either side of the card and what the reference has of it.
 constexpr std::uint64_t kCopies = 5;
 
@@ -360,13 +371,15 @@ void Memory::add_poses(const Table& t, std::uint64_t count) {
       (2 * sizeof(Transform) + sizeof(Eigen::Vector3d)) * count);
 }
 
-SceneObject read_object(Table& t, const std::filesystem::path& folder, Memory& memory) {
+SceneObject read_object(Table& t, const std::filesystem::path& folder, Memory& memory,
+                        FpFormat format) {
   SceneObject object;
   object.name = t.text("name");
   if (object.name.empty()) t.fail("name", "is empty");
   t = t.named(fmt::format("object {}", in_quotes(object.name)));
   t.also_known({"motion", "parent", "deform", "scale"});
   read_source(t, folder, object, memory);
+  if (format != FpFormat{} && !object.rays) check_shapes(t, object.shapes, format);
   if (auto motion = t.table("motion")) object.motion = read_motion(*motion, object);
   if (has_member_poses(object)) memory.add_poses(t, size(object.shapes));
   return object;

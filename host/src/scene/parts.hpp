@@ -28,9 +28,11 @@ class Memory {
   std::uint64_t bytes_ = 0;
 };
 
-/// Reads [[object]]; its parent is resolved by the caller. Paths are relative to `folder`.
+/// Reads [[object]]; its parent is resolved by the caller. Paths are relative to `folder`. Shapes
+/// that have a defect in the card's format are errors.
 [[nodiscard]] SceneObject read_object(toml_reader::Table& table,
-                                      const std::filesystem::path& folder, Memory& memory);
+                                      const std::filesystem::path& folder, Memory& memory,
+                                      FpFormat format);
 
 /// Reads [object.motion]; `object` has its shapes.
 [[nodiscard]] Motion read_motion(toml_reader::Table& table, const SceneObject& object);

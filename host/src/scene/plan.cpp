@@ -141,6 +141,7 @@ BoardConfig board_of(const Scene& scene) {
   b.pairs = pairs_of(scene);
   b.lanes = lanes_for(scene, b.pairs);
   b.arithmetic = scene.card.arithmetic;
+  b.format = scene.card.format;
   b.algorithm = scene.card.algorithm;
   b.box = scene.card.box &&
           std::find(b.pairs.begin(), b.pairs.end(), Pair::kRayTriangle) != b.pairs.end();
@@ -241,6 +242,18 @@ Effect arithmetic(const Plan& plan) {
           simulation_text("gates")};
 }
 
+Effect number_format(const Plan& plan) {
+  const FpFormat f = plan.board.format;
+  const bool other = f != FpFormat{};
+  return {
+      "number format", other, f.name(),
+      other ? fmt::format("asked for in [card]: {} exponent and {} fraction bits, words of 32 bits "
+                          "all the same",
+                          f.exp_bits, f.man_bits)
+            : "[card] asks for no other",
+      other ? "host arithmetic rounds to it in several steps; not measured" : "none"};
+}
+
 Effect modes(const Scene& scene, const Plan& plan) {
   Effect e{"result mode", true, "", "", ""};
   for (std::size_t i = 0; i < plan.queries.size(); ++i) {
@@ -327,6 +340,7 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
       box_rule(scene, plan),
       lanes(scene, plan),
       arithmetic(plan),
+      number_format(plan),
       modes(scene, plan),
       normals(scene, plan),
       masks(plan),

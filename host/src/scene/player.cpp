@@ -47,6 +47,7 @@ std::string question(const SceneQuery& query, const SceneCard& card, const std::
   std::string options = fmt::format("cde query {}", name(query.pair));
   if (query.pair == Pair::kRayTriangle)
     options += fmt::format(" --algorithm {}{}", name(card.algorithm), card.box ? "" : " --no-box");
+  if (card.format != FpFormat{}) options += " --format " + card.format.name();
   if (card.arithmetic == Arithmetic::kRtl) options += " --arith rtl";
   if (has_budget(query.pair))
     options += fmt::format(" --budget {},{},{}", query.budget.samples, query.budget.circle,
@@ -92,6 +93,7 @@ class PassCheck {
                .mode = query.mode,
                .normals = query.normals,
                .budget = query.budget,
+               .format = card.format,
                .counts = counting(self)},
               picked(primaries, numbers_), numbers_, secondaries) {}
 
@@ -153,13 +155,13 @@ class PassCheck {
 /// One record a primary, chosen among the records of several passes.
 class Chosen {
  public:
-  Chosen(const SceneQuery& query, const Shapes& primaries,
+  Chosen(const SceneQuery& query, FpFormat format, const Shapes& primaries,
          const std::vector<std::uint32_t>& numbers)
       : query_(query) {
     std::visit(
         [&](const auto& list) {
           for (const std::uint32_t n : numbers)
-            best_.push_back(unanswered(list[n], n, query.normals));
+            best_.push_back(unanswered(list[n], n, query.normals, format));
         },
         primaries);
   }
@@ -308,7 +310,7 @@ class Player::Impl {
     if (!packet.self.any() || q.mode == Mode::kAll || q.mode == Mode::kHits) {
       for (const SelfPairs::Sweep& sweep : sweeps) pass(packet, query, sweep, deliver, result);
     } else {
-      Chosen chosen(q, primaries, active);
+      Chosen chosen(q, scene_.card.format, primaries, active);
       for (const SelfPairs::Sweep& sweep : sweeps)
         pass(
             packet, query, sweep,

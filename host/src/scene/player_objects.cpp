@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 
+#include "cde/geometry/rounded.hpp"
 #include "cde/reference/pipes/transform.hpp"
 
 namespace cde::player {
@@ -21,14 +22,15 @@ Shapes cleared(const Shapes& shapes) {
                     shapes);
 }
 
-/// Shapes of `range` from one list into the other, `base` further on.
-void copy(const Shapes& from, const Range& range, Shapes& to, std::size_t base) {
+/// Shapes of `range` from one list into the other, `base` further on, rounded to a format.
+void copy(const Shapes& from, const Range& range, Shapes& to, std::size_t base,
+          FpFormat format = {}) {
   std::visit(
       [&](const auto& own) {
         auto& all = std::get<std::decay_t<decltype(own)>>(to);
         all.resize(std::max(all.size(), base + range.first + range.count));
-        std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(range.first), range.count,
-                    all.begin() + static_cast<std::ptrdiff_t>(base + range.first));
+        for (std::size_t i = range.first; i < range.first + range.count; ++i)
+          all[base + i] = rounded(own[i], format);
       },
       from);
 }
@@ -70,7 +72,7 @@ void Row::write(const ObjectState& object, std::size_t base, Change& change) {
   std::vector<Range> changed = object.changed();
   if (change.all) changed = {{0, size(object.shapes())}};
   for (const Range& range : changed) {
-    copy(object.shapes(), range, shapes_, base);
+    copy(object.shapes(), range, shapes_, base, scene_->card.format);
     change.shapes.push_back({base + range.first, range.count});
   }
 }
@@ -81,7 +83,8 @@ void Row::enter(const ObjectState& object, std::size_t base, std::vector<Object>
   const std::size_t each = size(object.shapes()) / transforms.size();
   for (std::size_t k = 0; k < transforms.size(); ++k)
     entries.push_back({static_cast<std::uint32_t>(base + k * each),
-                       static_cast<std::uint32_t>(each), transforms[k]});
+                       static_cast<std::uint32_t>(each),
+                       rounded(transforms[k], scene_->card.format)});
 }
 
 /// What the card makes of the shapes of an entry.
@@ -90,7 +93,7 @@ void Row::place(const Object& entry) {
       [&](const auto& written) {
         auto& moved = std::get<std::decay_t<decltype(written)>>(placed_);
         for (std::size_t i = entry.first; i < std::size_t{entry.first} + entry.count; ++i)
-          moved[i] = reference::transformed(entry.transform, written[i]);
+          moved[i] = reference::transformed_in(scene_->card.format, entry.transform, written[i]);
       },
       shapes_);
 }

@@ -62,7 +62,8 @@ class Row {
   /// The next frame counts as one of other objects.
   void forget() { objects_.clear(); }
 
-  [[nodiscard]] const Shapes& shapes() const { return shapes_; }  ///< as written
+  /// As written: in numbers of the card's format.
+  [[nodiscard]] const Shapes& shapes() const { return shapes_; }
   [[nodiscard]] const std::vector<Object>& entries() const { return entries_; }
   /// As a pass meets them.
   [[nodiscard]] const Shapes& placed() const { return entries_.empty() ? shapes_ : placed_; }

@@ -105,6 +105,13 @@ std::vector<std::string> pair_formats() {
   return names;
 }
 
+std::vector<std::string> card_formats() {
+  std::vector<std::string> names;
+  for (const FpFormat format : kPairFormats)
+    if (is_card_format(format)) names.push_back(format.name());
+  return names;
+}
+
 WordText::WordText(FpFormat format) : format_(format) {
   if (with_scalar(format, [this]<class S>() { number_ = number<S>; })) return;
   throw Error(ErrorCode::kUsage, fmt::format("--format is {}; it must be one of {}", format.name(),

@@ -15,6 +15,8 @@ namespace cde::cli {
 
 /// Names of the formats that pairs are computed in.
 [[nodiscard]] std::vector<std::string> pair_formats();
+/// Of cards.
+[[nodiscard]] std::vector<std::string> card_formats();
 
 class WordText {
  public:

@@ -16,7 +16,7 @@ Json program_json() {
 Json card_json(const BoardConfig& config) {
   return {{"lanes", config.lanes},
           {"arithmetic", config.arithmetic == Arithmetic::kRtl ? "rtl" : "host"},
-          {"format", "fp32"},
+          {"format", config.format.name()},
           {"algorithm", name(config.algorithm)},
           {"box", config.box},
           {"parameters", config.parameters()}};

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <optional>
 
+#include "cde/fp/scalars.hpp"
 #include "cde/reference/pairs.hpp"
 #include "cde/support/error.hpp"
 #include "command/values.hpp"
@@ -209,7 +210,7 @@ class Tracker {
     const auto index = number_of(record, "index");
     for (const auto& [secondary, words] : f_.difference.secondaries) {
       if (secondary != index || distance.empty()) continue;
-      const float t = std::bit_cast<float>(static_cast<std::uint32_t>(expected(words).t));
+      const float t = FloatWords(pipe_.format).decode(expected(words).t);
       return differing_word(std::span(&t, 1), distance).has_value();
     }
     return false;
@@ -221,7 +222,7 @@ class Tracker {
   }
 
   [[nodiscard]] PairResult expected(std::span<const float> secondary) const {
-    const PairWords pair = pair_words(f_.difference.primary, secondary, f_.swap);
+    const PairWords pair = pair_words(pipe_.format, f_.difference.primary, secondary, f_.swap);
     std::vector<PairResult> result(1);
     reference::test_pairs(pipe_.pair, pipe_.algorithm, pipe_.format, pair.a, pair.b, result,
                           pipe_.plane, budget_, pipe_.box);
@@ -270,7 +271,7 @@ std::optional<std::uint32_t> explained(Bundle& bundle, const CardFailure& f, con
   std::string words;
   std::optional<std::uint32_t> wrong;
   for (const auto& [index, secondary] : f.difference.secondaries) {
-    const PairWords pair = pair_words(f.difference.primary, secondary, f.swap);
+    const PairWords pair = pair_words(pipe.format, f.difference.primary, secondary, f.swap);
     explain::Explanation e = explain::explain(pipe, pair.a, pair.b, budget_of(o));
     if (kept && e.same()) continue;
     words = pair.text();

@@ -23,7 +23,8 @@ struct CastOptions {
   BundleRequest bundle;
   std::vector<std::string> rays;
   std::vector<std::string> fields;  ///< more columns of the records
-  std::string mode = "nearest", arithmetic = "host", algorithm = "moller", lanes = "auto", up = "z";
+  std::string mode = "nearest", arithmetic = "host", algorithm = "moller", lanes = "auto", up = "z",
+              format = "fp32";
   unsigned boards = 1;
   ClockOptions clock;
   std::string clock_is;  ///< where the clock is from

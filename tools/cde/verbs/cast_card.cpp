@@ -34,11 +34,12 @@ class Judge {
  public:
   Judge(const CastOptions& o, const CastJob& job, const RayView& rays, const Board& board)
       : job_(job), rays_(rays), board_(board), packet_(board.primaries()) {
-    command_ = fmt::format("cde cast {} --mode {} --lanes {} --arith {}{}", shell_word(o.mesh),
-                           o.mode, job.config.lanes, o.arithmetic, o.box ? "" : " --no-box");
+    command_ = fmt::format("cde cast {} --mode {} --lanes {} --arith {}{}{}", shell_word(o.mesh),
+                           o.mode, job.config.lanes, o.arithmetic, o.box ? "" : " --no-box",
+                           job.config.format == FpFormat{} ? "" : " --format " + o.format);
     if (job.config.algorithm == Algorithm::kMoller) {
       moller_.emplace(rays, job.mesh, job.mode, Stencil(), packet_, command_,
-                      std::span<const Object>(), o.box);
+                      std::span<const Object>(), o.box, job.config.format);
       moller_->place_by([&board](std::uint32_t primary) { return place_on_card(board, primary); });
       return;
     }
@@ -82,10 +83,11 @@ class Judge {
       const std::size_t count = std::min<std::size_t>(packet_, rays_.size() - first_);
       std::vector<std::uint32_t> numbers(count);
       for (std::size_t i = 0; i < count; ++i) numbers[i] = static_cast<std::uint32_t>(first_ + i);
-      pass_.emplace(
-          reference::PassQuery{
-              .algorithm = job_.config.algorithm, .box = job_.config.box, .mode = job_.mode},
-          rays_.subview(first_, count).copy(), std::move(numbers), triangles_);
+      pass_.emplace(reference::PassQuery{.algorithm = job_.config.algorithm,
+                                         .box = job_.config.box,
+                                         .mode = job_.mode,
+                                         .format = job_.config.format},
+                    rays_.subview(first_, count).copy(), std::move(numbers), triangles_);
       first_ += count;
     }
     const Record* r = &pending_.front();
@@ -251,7 +253,8 @@ class SharedMemory {
       : boards_(boards), spare_(job.mode == Mode::kHits ? 2 : 1) {
     const std::uint64_t triangles = job.mesh.faces.size();
     cards_ = boards * triangles * 4 * words(Shape::kTriangle);
-    if (o.check && job.config.algorithm != Algorithm::kMoller)  // the Judge's copy
+    if (o.check && (job.config.algorithm != Algorithm::kMoller ||
+                    job.config.format != FpFormat{}))  // the Judge's copy
       cards_ += boards * triangles * sizeof(Triangle);
     // 2^32 rays and 2^26 triangles of 64 bytes: their product may leave 64 bits, its size does not.
     const double each = job.mode == Mode::kHits  ? 0.0
@@ -367,6 +370,7 @@ void bundle_cast(Bundle& bundle, const CastOptions& o, const CastJob& job,
   f.pipe.algorithm = job.config.algorithm;
   f.pipe.box = job.config.box;
   f.pipe.arithmetic = job.config.arithmetic;
+  f.pipe.format = job.config.format;
   f.pipe.lanes = job.config.lanes;
   f.mode = job.mode;
   f.difference = d;

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "cde/contract/records.hpp"
+#include "cde/fp/scalars.hpp"
 #include "cde/support/error.hpp"
 #include "command/words.hpp"
 #include "explain/explanation.hpp"
@@ -33,13 +34,13 @@ using Side = StoryPair::Side;
 std::uint64_t bits(float x) {
   return std::bit_cast<std::uint32_t>(x);
 }
-std::string decimal(float x) {
+std::string decimal(const RecordStory& s, float x) {
   fmt::memory_buffer b;
-  WordText(FpFormat{}).append_decimal(b, bits(x));
+  WordText(s.board.format).append_decimal(b, FloatWords(s.board.format).encode(x));
   return fmt::to_string(b);
 }
-std::string number(float x) {
-  return WordText(FpFormat{}).decimal_and_bits(bits(x));
+std::string number(const RecordStory& s, float x) {
+  return WordText(s.board.format).decimal_and_bits(FloatWords(s.board.format).encode(x));
 }
 
 /// What a candidate of the card was held against, by what the card kept before.
@@ -56,8 +57,8 @@ class Reasons {
     std::string why = against(p, wanted);
     if (c.kept != wanted) why = fmt::format("though {}", why);
     if (kept_ != nullptr && bits(p.held) != bits(kept_->card->t))
-      why += fmt::format(", and the T buffer has {}, not the {} of {}", number(p.held),
-                         decimal(kept_->card->t), kept_->secondary);
+      why += fmt::format(", and the T buffer has {}, not the {} of {}", number(s_, p.held),
+                         decimal(s_, kept_->card->t), kept_->secondary);
     if (c.kept) kept_ = &p;
     return fmt::format("{}, {}", c.kept ? "kept" : "not kept", why);
   }
@@ -77,8 +78,8 @@ class Reasons {
       return fmt::format("tie with {}: lower index {}", other, wanted ? "is kept" : "stays");
     }
     wanted = (t < held) == (mode == Mode::kNearest);
-    return fmt::format("{} {} {} of secondary {}", decimal(t), t < held ? "<" : ">", decimal(held),
-                       other);
+    return fmt::format("{} {} {} of secondary {}", decimal(s_, t), t < held ? "<" : ">",
+                       decimal(s_, held), other);
   }
 
   const RecordStory& s_;
@@ -97,9 +98,9 @@ std::string otherwise(const RecordStory& s, const StoryPair& p) {
   if (!p.reference) return "this pair does not count";
   const Side &c = *p.card, &r = *p.reference;
   if (!r.candidate) return r.bad ? "bad input" : "no candidate, F 0";
-  if (!c.candidate) return fmt::format("a candidate: F {}, T {}", r.f ? 1 : 0, number(r.t));
+  if (!c.candidate) return fmt::format("a candidate: F {}, T {}", r.f ? 1 : 0, number(s, r.t));
   if (c.f != r.f || bits(c.t) != bits(r.t))
-    return fmt::format("F {}, T {}", r.f ? 1 : 0, number(r.t));
+    return fmt::format("F {}, T {}", r.f ? 1 : 0, number(s, r.t));
   return r.kept ? "kept" : "not kept";
 }
 
@@ -171,10 +172,10 @@ class Text {
     if (all.empty()) return put("{:<9}  no record\n", side);
     const Record& r = all[0];
     if (r.bad) return put("{:<9}  bad input\n", side);
-    const auto vector = [](const Eigen::Vector3f& v) {
-      return fmt::format("{},{},{}", decimal(v.x()), decimal(v.y()), decimal(v.z()));
+    const auto vector = [this](const Eigen::Vector3f& v) {
+      return fmt::format("{},{},{}", decimal(s_, v.x()), decimal(s_, v.y()), decimal(s_, v.z()));
     };
-    put("{:<9}  F {}, T {}, CP {}{}, {}\n", side, r.f ? 1 : 0, number(r.t), vector(r.cp),
+    put("{:<9}  F {}, T {}, CP {}{}, {}\n", side, r.f ? 1 : 0, number(s_, r.t), vector(r.cp),
         s_.asked().normals ? fmt::format(", n {}", vector(r.n)) : "",
         r.index == ~0u ? "no secondary" : fmt::format("secondary {}", r.index));
   }
@@ -225,9 +226,9 @@ class Text {
     if (!s_.of_pairs()) put("{:>7}  ", p.clock);
     const std::string secondary = p.secondary == ~0u ? "none" : fmt::to_string(p.secondary);
     if (l.reason.empty())
-      put("{:>9}  {}  {}\n", secondary, p.card->f ? 1 : 0, number(p.card->t));
+      put("{:>9}  {}  {}\n", secondary, p.card->f ? 1 : 0, number(s_, p.card->t));
     else
-      put("{:>9}  {}  {:<24}  {}\n", secondary, p.card->f ? 1 : 0, number(p.card->t), l.reason);
+      put("{:>9}  {}  {:<24}  {}\n", secondary, p.card->f ? 1 : 0, number(s_, p.card->t), l.reason);
     if (!l.otherwise.empty()) put("    -->  the reference: {}\n", l.otherwise);
   }
 
@@ -235,7 +236,7 @@ class Text {
     if (all.empty() || all[0].index == ~0u)
       put("{:<9}  no secondary wins\n", side);
     else
-      put("{:<9}  secondary {} wins, T {}\n", side, all[0].index, number(all[0].t));
+      put("{:<9}  secondary {} wins, T {}\n", side, all[0].index, number(s_, all[0].t));
   }
 
   void sweep() {
@@ -286,7 +287,8 @@ std::optional<Told> told(const RecordStory& s) {
   const auto secondary = s.telling();
   if (!secondary) return std::nullopt;
   const PassPipe pipe = pipe_of(s.asked(), s.board);
-  PairWords words = pair_words(s.words, numbers_of(s.secondaries, *secondary), s.asked().swap);
+  PairWords words =
+      pair_words(s.board.format, s.words, numbers_of(s.secondaries, *secondary), s.asked().swap);
   const PairOptions options = options_of(pipe);
   auto explanation = explain::explain(pipe.config, words.a, words.b, budget_of(options));
   return Told{*secondary, std::move(words), words_of(options, pipe.config, false),

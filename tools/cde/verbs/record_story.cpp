@@ -11,6 +11,7 @@
 
 #include "cde/bitstream/bitstream.hpp"
 #include "cde/contract/records.hpp"
+#include "cde/fp/scalars.hpp"
 #include "cde/reference/pass.hpp"
 #include "cde/scene/player.hpp"
 #include "cde/support/error.hpp"
@@ -156,6 +157,7 @@ class Teller {
                                         .mode = q.mode,
                                         .normals = q.normals,
                                         .budget = q.budget,
+                                        .format = s_.board.format,
                                         .counts = made.counts};
     auto swept = reference::sweep(asked, made.primaries, s_.primary, made.secondaries);
     s_.reference = std::move(swept.records);
@@ -197,9 +199,7 @@ class Teller {
   void match_arrivals(const std::string& waves) {
     wave::Trace trace(waves);
     wave::each_tested(trace, s_.primary % card::kMostPrimaries, [&](const wave::Tested& t) {
-      const auto number = [](std::uint64_t word) {
-        return std::bit_cast<float>(static_cast<std::uint32_t>(word));
-      };
+      const auto number = FloatWords(s_.board.format).decode;
       s_.passes = t.pass + 1;
       arrived({.secondary = static_cast<std::uint32_t>(t.index),
                .card = Side{.f = t.f,

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <bit>
 #include <utility>
 
+#include "cde/fp/scalars.hpp"
 #include "command/words.hpp"
 
 namespace cde::cli {
@@ -17,6 +17,7 @@ PassPipe pipe_of(const SceneQuery& query, const BoardConfig& board) {
   c.algorithm = board.algorithm;
   c.box = query.pair == Pair::kRayTriangle && board.box;
   c.arithmetic = board.arithmetic;
+  c.format = board.format;
   c.facet_interval = has_facets(query.pair) ? board.facet_interval : 1;
   c.lanes = board.lanes;
   if (has_budget(query.pair))
@@ -32,13 +33,14 @@ PairOptions options_of(const PassPipe& pipe) {
   o.algorithm = name(c.algorithm);
   o.arithmetic = c.arithmetic == Arithmetic::kRtl ? "rtl" : "host";
   o.budget = pipe.budget;
+  o.format = c.format.name();
   o.box = c.box;
   o.facet_interval = c.facet_interval;
   return o;
 }
 
 std::string PairWords::text() const {
-  const WordText words(FpFormat{});
+  const WordText words(format);
   std::string all;
   for (const auto* side : {&a, &b}) {
     if (side == &b) all += " | ";
@@ -48,10 +50,12 @@ std::string PairWords::text() const {
   return all;
 }
 
-PairWords pair_words(std::span<const float> primary, std::span<const float> secondary, bool swap) {
-  PairWords words;
-  for (const float w : primary) words.a.push_back(std::bit_cast<std::uint32_t>(w));
-  for (const float w : secondary) words.b.push_back(std::bit_cast<std::uint32_t>(w));
+PairWords pair_words(FpFormat format, std::span<const float> primary,
+                     std::span<const float> secondary, bool swap) {
+  PairWords words{.format = format};
+  const FloatWords coding(format);
+  for (const float x : primary) words.a.push_back(coding.encode(x));
+  for (const float x : secondary) words.b.push_back(coding.encode(x));
   if (swap) std::swap(words.a, words.b);
   return words;
 }

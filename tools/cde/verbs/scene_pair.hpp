@@ -24,11 +24,12 @@ struct PassPipe {
 
 /// Words of the pair's first and second shape; with `swap` the secondary is the first one.
 struct PairWords {
-  std::vector<std::uint64_t> a, b;
+  FpFormat format = {};
+  std::vector<std::uint64_t> a = {}, b = {};
   /// As an operand of a command: "0x1p+0,... | ...".
   [[nodiscard]] std::string text() const;
 };
-[[nodiscard]] PairWords pair_words(std::span<const float> primary, std::span<const float> secondary,
-                                   bool swap);
+[[nodiscard]] PairWords pair_words(FpFormat format, std::span<const float> primary,
+                                   std::span<const float> secondary, bool swap);
 
 }  // namespace cde::cli

@@ -17,6 +17,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "command/values.hpp"
+#include "command/words.hpp"
 #include "output/busy.hpp"
 #include "output/json_keys.hpp"
 #include "output/npy.hpp"
@@ -121,6 +122,20 @@ void check_options(const CastOptions& o, Mode mode) {
   RecordFile::check(o.records, o.bits, o.fields);
 }
 
+/// Meshes and rays of fp32 files may have what the card flags; what another format makes of them is
+/// an error before anything runs.
+void check_mesh(const Mesh& mesh, const std::string& what, FpFormat format) {
+  const auto why = out_of_range(mesh, what, format);
+  if (why && format != FpFormat{}) throw Error(ErrorCode::kBadInput, *why);
+  if (why) say("cde: warning: {}\n", *why);
+}
+void check_rays(const CastJob& job) {
+  if (job.config.format == FpFormat{}) return;
+  for (std::size_t i = 0; i < job.rays.size(); ++i)
+    if (const auto why = defect(job.rays[i], job.config.format))
+      throw Error(ErrorCode::kBadInput, fmt::format("ray {}: {}", i, *why));
+}
+
 CastJob prepare(const CastOptions& o) {
   CastJob job;
   job.mode = *mode_named(o.mode);
@@ -128,15 +143,16 @@ CastJob prepare(const CastOptions& o) {
   job.config.arithmetic = o.arithmetic == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost;
   job.config.algorithm = *algorithm_named(o.algorithm);
   job.config.box = o.box;
+  job.config.format = FpFormat::parse(o.format);
   job.config.trace = o.trace.wanted();
   {
     const Busy busy("loading " + printable_name(o.mesh), o.quiet);
     job.mesh = load_mesh_or_builtin(o.mesh);
   }
   check_files(o, job.mesh.files);
-  if (const auto why = out_of_range(job.mesh, printable_name(o.mesh)))
-    say("cde: warning: {}\n", *why);
+  check_mesh(job.mesh, printable_name(o.mesh), job.config.format);
   collect_rays(o, job);
+  check_rays(job);
   job.config.lanes = lanes_of(o, job.rays.size());
   if (o.wants_picture() && !job.picture) usage("a picture needs --camera or --grid");
   if (job.mesh.faces.size() > job.config.ddr_slots) {
@@ -210,9 +226,10 @@ void print_summary(const CastOptions& o, const CastJob& job, const CastOutcome& 
   row("rays", fmt::format("{} in {} packet{}", job.rays.size(), packets_of(job),
                           packets_of(job) == 1 ? "" : "s"));
   row(o.boards == 1 ? "card" : "cards",
-      fmt::format("{}{} lanes, {} arithmetic, fp32, {}{}, mode {}",
+      fmt::format("{}{} lanes, {} arithmetic, {}, {}{}, mode {}",
                   o.boards == 1 ? "" : fmt::format("{} x ", o.boards), job.config.lanes,
-                  o.arithmetic, o.algorithm == "moller" ? "" : o.algorithm + ", ",
+                  o.arithmetic, job.config.format.name(),
+                  o.algorithm == "moller" ? "" : o.algorithm + ", ",
                   o.box ? "box rule" : "no box rule", o.mode));
   row("device cycles", fmt::format("{} and {} of write-back, {} stalls, {} bubbles", c.cycles,
                                    c.writeback, c.stalls, c.bubbles));
@@ -320,6 +337,11 @@ void add_card(CLI::App& verb, CastOptions& o) {
   one_of(verb.add_option("--algorithm", o.algorithm, "Test of a ray and a triangle")
              ->capture_default_str(),
          algorithm_names());
+  one_of(verb.add_option("--format", o.format,
+                         "Number format of the card, to which mesh and rays are rounded; a "
+                         "coordinate that it has not is an error")
+             ->capture_default_str(),
+         card_formats());
   lanes_value(verb.add_option("--lanes", o.lanes,
                               "Pairs a clock, a power of two to 256; auto is 64, but 16 with rtl "
                               "arithmetic, waves, or at most 16 rays")

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -33,6 +32,7 @@
 #include "verbs/run_bundle.hpp"
 #include "verbs/run_faults.hpp"
 #include "verbs/run_folder.hpp"
+#include "verbs/scene_frames.hpp"
 #include "verbs/trace_options.hpp"
 #include "verbs/verbs.hpp"
 
@@ -51,29 +51,6 @@ struct Options {
   std::uint64_t deadline = 0;
   bool exact = false, json = false, quiet = false;
 };
-
-struct Frames {
-  std::uint32_t first = 0, last = 0;
-};
-
-/// "A..B", both included, or "A".
-Frames frames_of(const std::string& text, const Scene& scene) {
-  if (text.empty()) return {0, scene.frames - 1};
-  const auto number = [&](std::string_view part) -> std::optional<std::uint32_t> {
-    std::uint32_t n = 0;
-    const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), n);
-    if (error != std::errc() || stop != part.data() + part.size()) return std::nullopt;
-    return n;
-  };
-  const std::size_t dots = text.find("..");
-  const auto first = number(std::string_view(text).substr(0, dots));
-  const auto last =
-      dots == std::string::npos ? first : number(std::string_view(text).substr(dots + 2));
-  if (!first || !last || *first > *last || *last >= scene.frames)
-    throw Error(ErrorCode::kUsage, fmt::format("--frames is {}; it must be A..B within 0..{}",
-                                               in_quotes(text), scene.frames - 1));
-  return {*first, *last};
-}
 
 std::string bus_name(const Scene& scene) {
   const SceneCard& c = scene.card;
@@ -534,8 +511,7 @@ void add_run(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "run", "Play a scene on the simulated card, checked against the reference; writes run.json");
   scene_option(*verb, o->scene);
-  known_words(verb->add_option("--frames", o->frames, "Frames A..B, both included (all)"), {},
-              "A..B");
+  frames_option(*verb, o->frames);
   folder_value(
       verb->add_option("--out", o->out,
                        "Folder for run.json and records: a new or empty one, or that of an earlier "

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cde/bitstream/bus.hpp"
+#include "cde/fp/fp_format.hpp"
 #include "cde/geometry/pair.hpp"
 
 namespace cde {
@@ -21,6 +22,9 @@ enum class Arithmetic {
 /// Error kUsage if it is neither.
 void check(Arithmetic arithmetic);
 
+/// Error kUsage, with the reason, if no card has the format.
+void check_card_format(FpFormat format);
+
 /// What the card's transformer moves before a pass meets it.
 enum class Transformer : unsigned { kNone, kSecondaries, kBoth };
 
@@ -28,6 +32,8 @@ enum class Transformer : unsigned { kNone, kSecondaries, kBoth };
 struct BoardConfig {
   unsigned lanes = 16;  ///< pairs a clock: a power of two, 1 to 256
   Arithmetic arithmetic = Arithmetic::kHost;
+  FpFormat format = {};  ///< of all numbers on the card: fp16, bf16, tf32, fp24 or fp32
+                         ///< (is_card_format). The driver takes and gives floats all the same
   std::vector<Pair> pairs = {Pair::kRayTriangle};  ///< the pipes of the card, at least one
   Algorithm algorithm = Algorithm::kMoller;        ///< of ray-triangle
   bool box = false;             ///< of ray-triangle: a hit must lie in the triangle's box

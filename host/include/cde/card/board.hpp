@@ -48,6 +48,12 @@ struct OpenOptions {
 /// Driver of one simulated card: the paper's Algorithm 1. Independent boards may live in different
 /// threads; one board must not be used by two threads at once.
 ///
+/// Numbers are floats, whatever the card's format (BoardConfig::format): they are rounded to it, to
+/// nearest even, where they are written to the card, and records have floats of the same value as
+/// the card's. `validate` looks at the rounded numbers, and a finite one beyond the format's
+/// largest is bad input. As an end of a ray's interval, which the card would take for an infinite
+/// one and not flag, it is kBadInput even where nothing else is checked.
+///
 /// After an exception from run() or cast() the pass has been aborted and the card is ready for
 /// another; triangles, rays and objects stay (a card that cannot be aborted is reset, and gets rays
 /// and objects again from the driver). kDevice and kTimeout say what the card was doing. After an
@@ -91,7 +97,7 @@ class Board {
     upload_words(
         kShapeOf<P>, shapes.size(),
         [&](std::size_t i, float* words) { to_words(shapes[i], slot<P>(words)); },
-        [&](std::size_t i) { return validate ? defect(shapes[i]) : std::nullopt; });
+        [&](std::size_t i) { return validate ? defect(shapes[i], format()) : std::nullopt; });
   }
 
   /// Uploads shapes again from slot `first` on, for meshes that deform; the others stay. Error
@@ -101,7 +107,7 @@ class Board {
     update_words(
         kShapeOf<P>, first, shapes.size(),
         [&](std::size_t i, float* words) { to_words(shapes[i], slot<P>(words)); },
-        [&](std::size_t i) { return validate ? defect(shapes[i]) : std::nullopt; });
+        [&](std::size_t i) { return validate ? defect(shapes[i], format()) : std::nullopt; });
   }
 
   /// Objects: from now on a pass sweeps these ranges of the uploaded secondaries, in this order,
@@ -181,6 +187,7 @@ class Board {
   /// Error kFile if not all of the waves could be written; the file is then of no use.
   void trace_close();
 
+  [[nodiscard]] FpFormat format() const;
   [[nodiscard]] unsigned lanes() const;
   [[nodiscard]] unsigned primaries() const;  ///< rays in a packet at most
   [[nodiscard]] std::uint64_t capacity(Shape shape = Shape::kTriangle) const;  ///< that DDR holds

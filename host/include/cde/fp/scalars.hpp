@@ -27,6 +27,14 @@ inline constexpr auto kPairFormats = []<std::size_t... k>(std::index_sequence<k.
 }
 (std::make_index_sequence<std::tuple_size_v<PairScalars>>());
 
+/// Those of cards: the words of a card's buses, memories and records are 32 bits wide.
+inline constexpr unsigned kCardWord = 32;
+[[nodiscard]] constexpr bool is_card_format(FpFormat format) {
+  for (const FpFormat f : kPairFormats)
+    if (f == format) return 1 + f.exp_bits + f.man_bits <= static_cast<int>(kCardWord);
+  return false;
+}
+
 template <class S>
 S from_word(std::uint64_t word) {
   if constexpr (std::is_same_v<S, float>)
@@ -58,5 +66,16 @@ bool with_scalar(FpFormat format, Use use) {
   }
   (std::make_index_sequence<std::tuple_size_v<PairScalars>>());
 }
+
+/// Floats as words of a format of kPairFormats, and back.
+struct FloatWords {
+  /// Error kUsage for a format that is none of them.
+  explicit FloatWords(FpFormat format);
+
+  std::uint64_t (*encode)(float);  ///< the nearest; of other formats than fp32 a NaN becomes the
+                                   ///< canonical one
+  float (*decode)(std::uint64_t);  ///< exact in formats no wider than fp32; a NaN keeps its sign
+                                   ///< and what a float can hold of its payload
+};
 
 }  // namespace cde

@@ -10,6 +10,8 @@
 #include <string_view>
 #include <type_traits>
 
+#include "cde/fp/fp_format.hpp"
+
 /// Geometric primitives as the card takes them: coordinates in one right-handed world frame, in
 /// whatever length unit the scene uses. Every primitive is a plain value, a template over its
 /// scalar (float, double, Fp<E, M>); the aliases without "Basic" are binary32. `defect` says
@@ -192,15 +194,18 @@ template <class T, template <class> class P, class S>
   return from_words<P<T>>(words);
 }
 
-/// Why the card would flag this primitive as bad input ("direction is zero"), or nothing if it is
-/// valid. Says the same as reference::bad (geometry/check.hpp), in words.
-[[nodiscard]] std::optional<std::string> defect(const Ray& ray);
-[[nodiscard]] std::optional<std::string> defect(const Triangle& triangle);
-[[nodiscard]] std::optional<std::string> defect(const Sphere& sphere);
-[[nodiscard]] std::optional<std::string> defect(const Aabb& box);
-[[nodiscard]] std::optional<std::string> defect(const Plane& plane);
-[[nodiscard]] std::optional<std::string> defect(const Cylinder& cylinder);
-[[nodiscard]] std::optional<std::string> defect(const Obb& box);
+/// Why a card would flag this primitive as bad input ("direction is zero"), or nothing if it is
+/// valid. Says the same as reference::bad (geometry/check.hpp), in words. Cards of another number
+/// format get the nearest numbers of it: what is looked at are those, and a finite number that the
+/// format has none for is a defect, too ("tmax is 70000, beyond the largest number, 65504 in
+/// fp16"). Error kUsage for a format that is none of kPairFormats (fp/scalars.hpp).
+[[nodiscard]] std::optional<std::string> defect(const Ray& ray, FpFormat format = {});
+[[nodiscard]] std::optional<std::string> defect(const Triangle& triangle, FpFormat format = {});
+[[nodiscard]] std::optional<std::string> defect(const Sphere& sphere, FpFormat format = {});
+[[nodiscard]] std::optional<std::string> defect(const Aabb& box, FpFormat format = {});
+[[nodiscard]] std::optional<std::string> defect(const Plane& plane, FpFormat format = {});
+[[nodiscard]] std::optional<std::string> defect(const Cylinder& cylinder, FpFormat format = {});
+[[nodiscard]] std::optional<std::string> defect(const Obb& box, FpFormat format = {});
 
 /// Throws Error(kBadInput, "WHAT: reason") if the primitive has a defect.
 void check(const Ray& ray, std::string_view what);

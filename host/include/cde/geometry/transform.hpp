@@ -29,8 +29,8 @@ template <class S>
 }
 
 /// Why the card would refuse the transform: a word that is not finite, or a rotation that is not
-/// orthonormal within the tolerance of an OBB's.
-[[nodiscard]] std::optional<std::string> defect(const Transform& transform);
+/// orthonormal within the tolerance of an OBB's; in another format as of a primitive.
+[[nodiscard]] std::optional<std::string> defect(const Transform& transform, FpFormat format = {});
 
 /// A range of slots that moves as one. Ranges may overlap.
 struct Object {

@@ -79,8 +79,9 @@ void save_mesh(const Mesh& mesh, const std::filesystem::path& path);
 void check(const Mesh& mesh, std::string_view what);
 
 /// Which triangles of a checked mesh the card will flag as bad input, as coordinates of theirs are
-/// out of range (length_range.hpp): how many, the first one, its word and the range; nothing if
-/// there are none. A line without its end.
-[[nodiscard]] std::optional<std::string> out_of_range(const Mesh& mesh, std::string_view what);
+/// out of range (length_range.hpp) in its number format: how many, the first one, its word and the
+/// range; nothing if there are none. A line without its end.
+[[nodiscard]] std::optional<std::string> out_of_range(const Mesh& mesh, std::string_view what,
+                                                      FpFormat format = {});
 
 }  // namespace cde

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "cde/fp/fp_format.hpp"
 #include "cde/geometry/shapes.hpp"
 #include "cde/query/query.hpp"
 
@@ -21,6 +22,7 @@ struct PassQuery {
   Mode mode = Mode::kNearest;
   bool normals = false;
   PairBudget budget = {};
+  FpFormat format = {};  ///< of the card, no wider than fp32: words are rounded to it first
   /// Pairs that count, by the number of the primary and that of the secondary; the others are left
   /// out as if they were not tested. Empty: all.
   std::function<bool(std::uint32_t, std::uint32_t)> counts = {};
@@ -30,8 +32,8 @@ struct PassQuery {
 class Pass {
  public:
   /// `numbers` are what records call the primaries; masked primaries are left out of both. Shapes
-  /// must outlive the pass. Error kUsage if the shapes are not those of the pair, or there are more
-  /// than 256 primaries.
+  /// must outlive the pass. Error kUsage if the shapes are not those of the pair, there are more
+  /// than 256 primaries, or no card has the format.
   Pass(const PassQuery& query, Shapes primaries, std::vector<std::uint32_t> numbers,
        const Shapes& secondaries);
   ~Pass();

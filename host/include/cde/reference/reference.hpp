@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cde/contract/records.hpp"
+#include "cde/fp/fp_format.hpp"
 #include "cde/geometry/primitives.hpp"
 #include "cde/geometry/transform.hpp"
 #include "cde/image/ray_view.hpp"
@@ -33,10 +34,11 @@ class Sweep {
  public:
   /// Up to `packet` rays meet all triangles at a time, or those of the objects (Board::set_objects;
   /// kUsage if their ranges do not lie within the triangles). Rays and triangles must outlive the
-  /// sweep.
+  /// sweep. `format`, here and below, is of the card, fp32 or a smaller one, which rounds rays,
+  /// triangles and transforms to it; only fp32 is fast. Error kUsage if no card has it.
   Sweep(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil = {},
         unsigned packet = card::kMostPrimaries, std::span<const Object> objects = {},
-        bool box = false);
+        bool box = false, FpFormat format = {});
   ~Sweep();
   Sweep(const Sweep&) = delete;
   Sweep& operator=(const Sweep&) = delete;
@@ -52,7 +54,8 @@ class Sweep {
 /// All of them at once.
 [[nodiscard]] std::vector<Record> cast(const RayView& rays, const TriangleView& triangles,
                                        Mode mode = Mode::kNearest, const Stencil& stencil = {},
-                                       std::span<const Object> objects = {}, bool box = false);
+                                       std::span<const Object> objects = {}, bool box = false,
+                                       FpFormat format = {});
 
 /// Compares records of the card with the reference as they arrive.
 class Checker {
@@ -61,7 +64,7 @@ class Checker {
   /// 16". Rays and triangles must outlive the checker.
   Checker(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
           unsigned packet, std::string command, std::span<const Object> objects = {},
-          bool box = false);
+          bool box = false, FpFormat format = {});
 
   /// What differs is also said to be where this says of a primary of a packet, as place_on_card()
   /// does.

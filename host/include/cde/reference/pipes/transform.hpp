@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "cde/geometry/rounded.hpp"
 #include "cde/geometry/transform.hpp"
 #include "cde/reference/pipes/convex/frame.hpp"
 
@@ -62,6 +63,17 @@ template <typename S>
   return {add<S>(x.min, m.translation), add<S>(x.max, m.translation)};
 }
 
+/// In a number format no wider than fp32: its nearest words are moved in its arithmetic.
+template <class P>
+[[nodiscard]] P transformed_in(FpFormat format, const Transform& m, const P& x) {
+  if (format == FpFormat{}) return transformed(m, x);
+  P moved = x;
+  with_scalar(format, [&]<class S>() {
+    moved = primitive_cast<float>(transformed<S>(primitive_cast<S>(m), primitive_cast<S>(x)));
+  });
+  return moved;
+}
+
 /// Primitives as a pass meets them, and where each of them lies.
 template <typename P>
 struct Swept {
@@ -73,16 +85,17 @@ struct Swept {
 /// objects all of them as they are. Ranges must lie within `shapes`, a span, vector or
 /// TriangleView.
 template <typename Shapes>
-[[nodiscard]] auto swept(const Shapes& shapes, std::span<const Object> objects) {
+[[nodiscard]] auto swept(const Shapes& shapes, std::span<const Object> objects,
+                         FpFormat format = {}) {
   Swept<std::remove_cvref_t<decltype(shapes[0])>> all;
   for (const Object& object : objects) {
     for (std::uint32_t i = object.first; i < object.first + object.count; ++i) {
-      all.shapes.push_back(transformed(object.transform, shapes[i]));
+      all.shapes.push_back(transformed_in(format, object.transform, shapes[i]));
       all.slots.push_back(i);
     }
   }
   for (std::uint32_t i = 0; objects.empty() && i < shapes.size(); ++i) {
-    all.shapes.push_back(shapes[i]);
+    all.shapes.push_back(rounded(shapes[i], format));
     all.slots.push_back(i);
   }
   return all;
@@ -91,11 +104,13 @@ template <typename Shapes>
 /// Primaries as they lie in the register file after posing: those in no object as they are, those
 /// in several as the last of these has them.
 template <typename P>
-[[nodiscard]] std::vector<P> posed(std::span<const P> shapes, std::span<const Object> objects) {
-  std::vector<P> all(shapes.begin(), shapes.end());
+[[nodiscard]] std::vector<P> posed(std::span<const P> shapes, std::span<const Object> objects,
+                                   FpFormat format = {}) {
+  std::vector<P> all;
+  for (const P& shape : shapes) all.push_back(rounded(shape, format));
   for (const Object& object : objects)
     for (std::uint32_t i = object.first; i < object.first + object.count; ++i)
-      all[i] = transformed(object.transform, shapes[i]);
+      all[i] = transformed_in(format, object.transform, shapes[i]);
   return all;
 }
 

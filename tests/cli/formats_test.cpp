@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde cast, cde plan and cde run on cards of other number formats than fp32.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "run_cde.hpp"
+
+namespace cde::testing {
+namespace {
+
+using Words = std::vector<std::string>;
+
+const char* const kTriangle = "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n";
+
+/// Rays from within a sphere that moves.
+std::string scene(const std::string& card, const std::string& ball) {
+  return "frames = 3\n[card]\nlanes = 4\nmover = \"host\"\n" + card +
+         "\n[[object]]\nname = \"ball\"\n" + ball + R"(
+[object.motion]
+kind = "velocity"
+linear = [1.7, 0, 0.3]
+angular = [0, 1, 0]
+[[object]]
+name = "rays"
+random_rays = { count = 70, seed = 7 }
+)" + hit_query("ball");
+}
+const std::string kBall =
+    "mesh = \"" + std::string(CDE_SOURCE_DIR) + "/meshes/icosphere.ply\"\nscale = 3\n";
+
+class FormatCli : public Cli {
+ protected:
+  void refused(const Words& words, const std::string& text) {
+    const auto before = files();
+    const Ran ran = cde(words);
+    SCOPED_TRACE(fmt::format("{}", fmt::join(words, " ")));
+    EXPECT_EQ(ran.status, 2) << ran.err;
+    EXPECT_NE(ran.err.find(text), std::string::npos) << "says: " << ran.err << "\nlacks: " << text;
+    EXPECT_EQ(ran.out, "");
+    EXPECT_EQ(files(), before);
+  }
+};
+
+TEST_F(FormatCli, CastIsOfTheFormat) {
+  write("one.obj", kTriangle);
+  const Words cast = {"cast",  "one.obj",           "--format",
+                      "fp16",  "--lanes",           "4",
+                      "--ray", "0.25,0.25,0,0,0,2", "--ray=0.3,0.3,0,0,0,3"};
+  Words csv = cast;
+  csv.insert(csv.end(), {"-o", "-"});
+  const Ran ran = cde(csv);
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(ran.out,
+            "ray,F,T,CPx,CPy,CPz,index\n0,1,0.5,0.25,0.25,1,0\n"
+            "1,1,0.33325195,0.30004883,0.30004883,1,0\n");
+  EXPECT_NE(ran.err.find("4 lanes, host arithmetic, fp16, box rule"), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("2 of 2 records match the reference"), std::string::npos) << ran.err;
+  Words json = cast;
+  json.insert(json.end(), {"--json", "--mode", "all", "-q"});
+  const Ran summary = cde(json);
+  ASSERT_EQ(summary.status, 0) << summary.err;
+  const auto j = nlohmann::json::parse(summary.out);
+  EXPECT_EQ(j["format"], "fp16");
+  EXPECT_EQ(j["records_matching"], 2);
+  EXPECT_EQ(j["hits"], 2);
+}
+
+TEST_F(FormatCli, CastRefusesWhatTheFormatHasNot) {
+  write("one.obj", kTriangle);
+  write("far.obj", "v 0 0 1\nv 200 0 1\nv 0 1 1\nf 1 2 3\n");
+  const auto cast = [](const std::string& mesh, const std::string& format, const std::string& ray) {
+    return Words{"cast", mesh, "--format", format, "--lanes", "4", "--ray", ray, "-o", "-"};
+  };
+  refused(cast("far.obj", "fp16", "0,0,0,0,0,1"),
+          "far.obj: 1 of 1 triangles are bad input, the first triangle 0: v1.x is 200, must be at "
+          "most 2^7 in size in fp16");
+  refused(cast("one.obj", "fp16", "0,0,300,0,0,1"), "ray 0: origin.z is 300, must be at most 2^7");
+  refused(cast("one.obj", "fp16", "0,0,0,0,0,1,0,70000"),
+          "ray 0: tmax is 70000, beyond the largest number, 65504 in fp16");
+  refused(cast("one.obj", "fp64", "0,0,0,0,0,1"), "fp16, bf16, tf32, fp24 or fp32");
+}
+
+TEST_F(FormatCli, SceneIsPlayedAndPlannedInTheFormat) {
+  write("ball.toml", scene("format = \"fp16\"", kBall));
+  const Ran ran = cde({"run", "ball.toml", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.err.find("210 of 210 records compared with the reference, 0 differ"),
+            std::string::npos)
+      << ran.err;
+  const auto j = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(j["format"], "fp16");
+  for (const auto& frame : j["played"]) EXPECT_EQ(frame["queries"][0]["hits"], 70);
+  const Ran plan = cde({"plan", "ball.toml"});
+  ASSERT_EQ(plan.status, 0) << plan.err;
+  EXPECT_NE(plan.out.find("EXP=5 MAN=10"), std::string::npos) << plan.out;
+  EXPECT_NE(plan.out.find("number format"), std::string::npos) << plan.out;
+}
+
+TEST_F(FormatCli, SceneRefusesWhatTheFormatHasNot) {
+  write("wide.toml", scene("format = \"fp64\"", kBall));
+  refused({"run", "wide.toml"}, "a card has no fp64: the words of its buses");
+  write("none.toml", scene("format = \"fp15\"", kBall));
+  refused({"plan", "none.toml"}, "none.toml:5");
+  write("far.toml", scene("format = \"fp16\"",
+                          "triangle = [{ v0 = [0, 0, 1], v1 = [200, 0, 1], v2 = [0, 1, 1] }]"));
+  refused({"run", "far.toml"}, "triangle 0: v1.x is 200, must be at most 2^7 in size in fp16");
+  write("large.toml", scene("format = \"fp16\"", "mesh = \"terrain\""));
+  refused({"plan", "large.toml"}, "must be at most 2^7 in size in fp16");
+}
+
+}  // namespace
+}  // namespace cde::testing
