@@ -276,6 +276,25 @@ std::string picture_table(const std::vector<PictureAccuracy>& rows, bool markdow
   return table.text(markdown);
 }
 
+std::string scene_table(const std::vector<SceneAccuracy>& rows, double clock_hz, bool markdown) {
+  Columns table{{"frame", "query", "format", "records", "hits", "wrong", "hit", "miss", "other",
+                 "ties", "T p50", "p99", "max", "refused", "rows ms"},
+                {}};
+  for (const SceneAccuracy& row : rows) {
+    const auto error = [&](double share) {
+      if (row.t.count() == 0) return std::string("-");
+      return compact(share == 1 ? row.t.largest() : row.t.quantile(share));
+    };
+    table.lines.push_back(
+        {fmt::to_string(row.frame), row.query, row.format.name(), fmt::to_string(row.records),
+         fmt::to_string(row.hits), fmt::to_string(row.wrong()), fmt::to_string(row.false_hits),
+         fmt::to_string(row.false_misses), fmt::to_string(row.other), fmt::to_string(row.ties),
+         error(0.5), error(0.99), error(1), fmt::to_string(row.refused),
+         compact(1e3 * static_cast<double>(row.rows) / clock_hz)});
+  }
+  return table.text(markdown);
+}
+
 Json accuracy_json(const std::vector<AccuracyRow>& rows) {
   Json all = Json::array();
   for (const AccuracyRow& row : rows) {

@@ -7,6 +7,7 @@
 
 #include "accuracy/picture.hpp"
 #include "accuracy/price.hpp"
+#include "accuracy/scene_accuracy.hpp"
 #include "accuracy/simulated.hpp"
 #include "accuracy/sweep.hpp"
 
@@ -29,6 +30,8 @@ struct AccuracyRow {
 [[nodiscard]] std::string promise_table(const std::vector<AccuracyRow>& rows);
 
 [[nodiscard]] std::string picture_table(const std::vector<PictureAccuracy>& rows, bool markdown);
+[[nodiscard]] std::string scene_table(const std::vector<SceneAccuracy>& rows, double clock_hz,
+                                      bool markdown);
 
 /// Three digits in at most seven characters: "0.412", "12.3", "3120", "1.2e5", "inf".
 [[nodiscard]] std::string compact(double value);

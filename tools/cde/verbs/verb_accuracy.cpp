@@ -13,6 +13,7 @@
 #include "accuracy/picture.hpp"
 #include "accuracy/price.hpp"
 #include "accuracy/profiles.hpp"
+#include "accuracy/scene_accuracy.hpp"
 #include "accuracy/simulated.hpp"
 #include "accuracy/sweep.hpp"
 #include "cde/image/camera.hpp"
@@ -29,6 +30,7 @@
 #include "output/suffix.hpp"
 #include "verbs/clock_target.hpp"
 #include "verbs/pair_options.hpp"
+#include "verbs/scene_frames.hpp"
 #include "verbs/verbs.hpp"
 
 namespace cde::cli {
@@ -42,6 +44,8 @@ struct Options {
   std::string box = "both", shard = "1/1", resume, output, mesh, grid = "64x48", camera;
   std::string target = "ecp5-85", page, from;
   std::uint64_t cases = 2400, seed = 1, check = 0, profile_cases = 0;
+  std::string scene, frames;
+  double clock_mhz = 100;
   bool json = false, markdown = false, by_family = false, operators = true, quiet = false;
   bool short_json = false, promises = false;
 };
@@ -256,6 +260,34 @@ void run_picture(const Options& o) {
   }
 }
 
+/// Every frame's queries in each format; what they would take is of the planned card.
+void run_scene(const Options& o) {
+  const cde::Scene scene = load_scene(o.scene);
+  const Plan planned = plan(scene);
+  const Frames frames = frames_of(o.frames, scene);
+  SceneAccuracyOptions options{.first = frames.first, .last = frames.last, .quiet = o.quiet};
+  for (const std::string& word : pair_formats())
+    if (wanted(o.formats, word)) options.formats.push_back(FpFormat::parse(word));
+  Json all = head_json("cde.accuracy.scene.1");
+  say_what(o, all["machine"],
+           fmt::format("{}, frames {}..{}", printable_name(o.scene), frames.first, frames.last));
+  const std::vector<SceneAccuracy> rows = scene_accuracy(scene, planned, options);
+  const double clock_hz = 1e6 * o.clock_mhz;
+  if (o.json) {
+    all.update({{"scene", o.scene},
+                {"clock_hz", clock_hz},
+                {"lanes", planned.board.lanes},
+                {"scene_rows", scene_accuracy_json(rows, clock_hz)}});
+    write(o, json_text(all) + "\n");
+  } else {
+    write(o,
+          scene_table(rows, clock_hz, o.markdown) +
+              fmt::format("rows ms: modelled time of the rows alone, {} lanes at an assumed core "
+                          "clock of {:g} MHz in every format, without start, write-back and bus\n",
+                          planned.board.lanes, o.clock_mhz));
+  }
+}
+
 void run(const Options& o) {
   check_outputs(
       std::vector<FileUse>{{"--output", o.output}, {"--resume", o.resume}, {"--page", o.page}},
@@ -263,6 +295,8 @@ void run(const Options& o) {
   check_suffix("--page", o.page, ".html");
   if (!o.from.empty())
     run_kept(o);
+  else if (!o.scene.empty())
+    run_scene(o);
   else if (o.mesh.empty())
     run_pairs(o);
   else
@@ -350,6 +384,14 @@ void add_accuracy(CLI::App& app) {
       verb->add_option("--mesh", o->mesh,
                        "A picture of this mesh instead: a file, terrain or terrain:X,Y,SEED"),
       "MESH");
+  auto* scene =
+      file_value(verb->add_option("--scene", o->scene,
+                                  "Records of this scene instead, frame by frame, beside those of "
+                                  "fp64"),
+                 "SCENE");
+  scene->excludes("--mesh");
+  frames_option(*verb, o->frames)->needs(scene);
+  clock_option(*verb, o->clock_mhz)->needs(scene);
   text_value(verb->add_option("--grid", o->grid, "Rays of the picture")->capture_default_str(),
              "WxH", [](const std::string& text) { (void)parse_resolution(text, "--grid"); });
   known_words(verb->add_option("--camera", o->camera,
