@@ -97,6 +97,37 @@ TEST_F(FormatCli, SceneIsPlayedAndPlannedInTheFormat) {
   EXPECT_NE(plan.out.find("number format"), std::string::npos) << plan.out;
 }
 
+TEST_F(FormatCli, AccuracyOfAScene) {
+  write("ball.toml", scene("", kBall));
+  const Ran ran = cde({"accuracy", "--scene", "ball.toml", "--frames", "1..2", "--formats",
+                       "bf16,fp16,fp64", "--clock", "50", "--json", "-q"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto j = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(j["schema"], "cde.accuracy.scene.1");
+  ASSERT_EQ(j["scene_rows"].size(), 6u);
+  for (const auto& row : j["scene_rows"]) {
+    EXPECT_EQ(row["records"], 70);
+    EXPECT_EQ(row["rows"], 18 * 1280);
+    EXPECT_DOUBLE_EQ(row["modelled_row_seconds"], 18 * 1280 / 50e6);
+    const double error = row["relative_t_error"]["largest"];
+    if (row["format"] == "fp64") {
+      EXPECT_EQ(error, 0);
+      EXPECT_EQ(row["false_hits"], 0);
+      EXPECT_EQ(row["other_secondaries"], 0);
+    }
+    if (row["format"] == "fp16") {
+      EXPECT_GT(error, 1e-5);
+      EXPECT_LT(error, 1e-2);
+    }
+  }
+  const Ran table = cde({"accuracy", "--scene", "ball.toml", "--frames", "0", "--formats", "tf32"});
+  EXPECT_EQ(table.status, 0) << table.err;
+  EXPECT_NE(table.out.find("4 lanes at an assumed core clock of 100 MHz"), std::string::npos);
+  refused({"accuracy", "--scene", "ball.toml", "--frames", "7"}, "--frames is '7'");
+  refused({"accuracy", "--clock", "50"}, "--scene");
+  refused({"accuracy", "--scene", "ball.toml", "--mesh", "terrain"}, "--mesh");
+}
+
 TEST_F(FormatCli, SceneRefusesWhatTheFormatHasNot) {
   write("wide.toml", scene("format = \"fp64\"", kBall));
   refused({"run", "wide.toml"}, "a card has no fp64: the words of its buses");

@@ -11,6 +11,7 @@
 #include "cde/reference/pipes/ray_triangle.hpp"
 #include "cde/reference/pipes/transform.hpp"
 #include "cde/support/error.hpp"
+#include "query/record_choice.hpp"
 #include "reference/sweep.hpp"
 
 namespace cde::reference {
@@ -62,9 +63,8 @@ class Sweep::Impl {
   std::span<const Record> next() {
     records_.clear();
     if (format_ != FpFormat{}) return next_of_pass();
-    const bool streaming = mode_ == Mode::kAll || mode_ == Mode::kHits;
     while (records_.empty() && first_ < rays_.size()) {
-      if (!streaming) {
+      if (!streaming()) {
         reduce();
       } else {
         if (triangle_ < triangles_.size()) stream(static_cast<std::uint32_t>(triangle_));
@@ -91,6 +91,8 @@ class Sweep::Impl {
     block_.count = static_cast<unsigned>(packet_rays_.size());
   }
 
+  [[nodiscard]] bool streaming() const { return mode_ == Mode::kAll || mode_ == Mode::kHits; }
+
   // ---- Other formats: any pair's reference does a packet ----
 
   void begin_pass() {
@@ -101,21 +103,42 @@ class Sweep::Impl {
       rays.push_back(packet_rays_[i]);
       numbers.push_back(number(i));
     }
-    pass_.emplace(PassQuery{.box = box_, .mode = mode_, .format = format_}, std::move(rays),
-                  std::move(numbers), words_);
+    pass_.emplace(
+        PassQuery{.box = box_, .mode = streaming() ? mode_ : Mode::kHits, .format = format_},
+        std::move(rays), std::move(numbers), words_);
   }
 
   std::span<const Record> next_of_pass() {
     while (records_.empty() && first_ < rays_.size()) {
-      const std::span<const Record> some = pass_->next();
+      const std::span<const Record> some = streaming() ? pass_->next() : reduced();
       records_.assign(some.begin(), some.end());
-      if (!some.empty()) continue;
+      if (streaming() && !some.empty()) {
+        for (Record& r : records_)
+          if (r.index != ~0u) r.index = slot(r.index);
+        continue;
+      }
       first_ += packet_;
       begin_packet();
     }
-    for (Record& r : records_)
-      if (r.index != ~0u) r.index = slot(r.index);
     return records_;
+  }
+
+  /// One record a ray, by the slots of the triangles, which objects may sweep in any order.
+  std::span<const Record> reduced() {
+    std::vector<std::size_t> places(packet_rays_.size());
+    best_.clear();
+    for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
+      places[i] = best_.size();
+      if (!stencil_[i]) best_.push_back(unanswered(packet_rays_[i], number(i), false, format_));
+    }
+    for (auto hits = pass_->next(); !hits.empty(); hits = pass_->next()) {
+      for (Record r : hits) {
+        r.index = slot(r.index);
+        Record& best = best_[places[r.primary - first_]];
+        if (better(r, best)) best = r;
+      }
+    }
+    return best_;
   }
 
   // ---- fp32 ----
@@ -194,6 +217,7 @@ class Sweep::Impl {
   FpFormat format_;
   Shapes words_;  // shapes of swept_, where format_ is not fp32
   std::optional<Pass> pass_;
+  std::vector<Record> best_;
   std::array<std::uint8_t, RayBlock::kRays> mask_{};
 };
 
