@@ -452,7 +452,23 @@ void lane_functions(Calls& call, int exp, int man) {
   call("round_top", {exp, man, 1}, man + 3);
 }
 
+/// Cuts of a lane spread over its places: the first k places have the share of k that is nearest.
+void cut_functions(Calls& call) {
+  for (const int places : {1, 8, 31})
+    for (const int cuts : {0, 1, places / 2, places}) {
+      int before = 0;
+      for (int place = 0; place < places; ++place) {
+        const int share =
+            static_cast<int>(std::floor(static_cast<double>((place + 1) * cuts) / places +
+                                        static_cast<double>(places / 2) / places));
+        call("cuts_at", {cuts, places, place}, share - before);
+        before = share;
+      }
+    }
+}
+
 void format_functions(Calls& call) {
+  cut_functions(call);
   for (std::size_t k = 0; k < kFpFormats.size(); ++k) {
     call("format_exp", {static_cast<int>(k)}, kFpFormats.at(k).format.exp_bits);
     call("format_man", {static_cast<int>(k)}, kFpFormats.at(k).format.man_bits);

@@ -65,8 +65,8 @@ TEST_P(ExplainGood, NamesNoPlace) {
   unsigned wrong = 0;
   std::string which;
   for (unsigned i = 0; i < cases; ++i) {
-    std::vector<std::string> line{"explain", std::string(name(pipe.pair)), words(pipe.pair, i),
-                                  "--arith", "host", "--json"};
+    std::vector<std::string> line{
+        "explain", std::string(name(pipe.pair)), words(pipe.pair, i), "--arith", "host", "--json"};
     if (pipe.pair == Pair::kRayTriangle)
       line.insert(line.end(), {"--algorithm", std::string(name(pipe.algorithm))});
     const Ran ran = cde(line);
@@ -74,8 +74,7 @@ TEST_P(ExplainGood, NamesNoPlace) {
     const json j = json::parse(ran.out);
     ASSERT_TRUE(j["same"].get<bool>()) << line[2];
     if (j["first_differences"].empty()) continue;
-    if (++wrong <= 3)
-      which += fmt::format("{}\n{}\n", line[2], j["first_differences"][0].dump());
+    if (++wrong <= 3) which += fmt::format("{}\n{}\n", line[2], j["first_differences"][0].dump());
   }
   EXPECT_LE(wrong, has_budget(pipe.pair) ? kFalseOfRings : 0) << which;
 }

@@ -58,7 +58,8 @@ TEST_F(TraceWindow, OfAQueryIsItsClocks) {
 
 TEST_F(TraceWindow, ThatTheRunDoesNotComeToIsSaid) {
   const Ran ran = shell(
-      "echo '0,0,0,1,3,0,0,1' | \"$CDE\" query sphere-sphere -q --trace w.fst --trace-window 9000:");
+      "echo '0,0,0,1,3,0,0,1' | \"$CDE\" query sphere-sphere -q --trace w.fst --trace-window "
+      "9000:");
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_NE(ran.err.find("w.fst has no clock of the run"), std::string::npos) << ran.err;
 }

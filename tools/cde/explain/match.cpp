@@ -12,7 +12,7 @@
 namespace cde::explain {
 namespace {
 
-constexpr unsigned kEnough = 60;         // percent of the pairs that make a seat
+constexpr unsigned kEnough = 60;   // percent of the pairs that make a seat
 constexpr std::size_t kSeeds = 3;  // pairs whose operands of an operation are looked for everywhere
 constexpr std::size_t kAlike = 200;      // operations of a pair with the same operands, at most
 constexpr std::size_t kCandidates = 96;  // seats that are tried for an operation
@@ -80,7 +80,8 @@ bool tells(const Observed& card, std::size_t operation, std::span<const PairReco
   return seen.size() * 100 >= kEnough * rows.size();
 }
 
-/// Where the operands of these operations of a pair stand, as long as there are not too many places.
+/// Where the operands of these operations of a pair stand, as long as there are not too many
+/// places.
 using Places = std::vector<std::vector<std::pair<std::int32_t, unsigned>>>;
 void find_places(const Observed& card, const PairRecording& pair, std::size_t row,
                  std::span<const std::size_t> sought, Places& places) {

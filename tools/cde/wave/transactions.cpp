@@ -17,8 +17,8 @@
 namespace cde::wave {
 namespace {
 
-/// Transactions that wait for their turn, all rows of a pass until it ends: what many of them say is
-/// kept once, the rest in one piece.
+/// Transactions that wait for their turn, all rows of a pass until it ends: what many of them say
+/// is kept once, the rest in one piece.
 class Parcels {
  public:
   using Key = std::array<std::uint64_t, 4>;  ///< begin, kind, end, number
