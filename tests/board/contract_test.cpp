@@ -458,9 +458,7 @@ void cut_functions(Calls& call) {
     for (const int cuts : {0, 1, places / 2, places}) {
       int before = 0;
       for (int place = 0; place < places; ++place) {
-        const int share =
-            static_cast<int>(std::floor(static_cast<double>((place + 1) * cuts) / places +
-                                        static_cast<double>(places / 2) / places));
+        const int share = ((place + 1) * cuts + places / 2) / places;
         call("cuts_at", {cuts, places, place}, share - before);
         before = share;
       }
