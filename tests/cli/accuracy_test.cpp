@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde accuracy: the same figures for the same seed, sweeps that go on, and what it refuses.
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -68,6 +71,51 @@ TEST_F(Accuracy, MoreBitsAreNearerTheTruth) {
 }
 
 /// A run that was ended anywhere, in the middle of a line too, goes on to the same file and table.
+/// What no card has, to be compared with: worse quadratics, separating axes that say F alone.
+TEST_F(Accuracy, VariantsStandBesideTheCard) {
+  const Json rays = pipes({"--pair", "ray-sphere", "--formats", "fp32", "--cases", "2800",
+                           "--variants", "card,fused,textbook"});
+  ASSERT_EQ(rays.size(), 3u);
+  const auto error = [](const Json& pipe, const char* what) {
+    return pipe.at("all_families").at("t_error_u").at(what).get<double>();
+  };
+  EXPECT_EQ(rays[0].at("variant"), "card");
+  EXPECT_EQ(rays[1].at("variant"), "fused");
+  EXPECT_EQ(rays[2].at("variant"), "textbook");
+  EXPECT_LT(error(rays[0], "largest"), 13);
+  EXPECT_LT(error(rays[1], "median"), error(rays[0], "median"));
+  EXPECT_GT(error(rays[2], "p99"), 30 * error(rays[0], "p99"));
+  EXPECT_TRUE(rays[2].at("all_families").at("worst_t").at("repeat_command").is_null());
+  EXPECT_FALSE(rays[0].at("all_families").at("worst_t").at("repeat_command").is_null());
+
+  const Json boxes = pipes({"--pair", "triangle-aabb,sphere-plane", "--formats", "fp32", "--cases",
+                            "28000", "--variants", "textbook"});
+  ASSERT_EQ(boxes.size(), 1u);  // no textbook has the other one
+  const Json& all = boxes[0].at("all_families");
+  EXPECT_EQ(all.at("t_error_u").at("count"), 0);
+  EXPECT_EQ(all.at("not_numbers"), 0);
+  EXPECT_GT(
+      all.at("false_hits").at("count").get<int>() + all.at("false_misses").at("count").get<int>(),
+      0);
+
+  const Ran none = accuracy({"--pair", "sphere-plane", "--variants", "textbook"});
+  EXPECT_EQ(none.status, 2);
+  EXPECT_EQ(none.err, "cde: none of the pairs is one of --variants textbook\n");
+}
+
+TEST_F(Accuracy, PromisesAreThoseOfTheDocs) {
+  std::ifstream in(std::filesystem::path(CDE_SOURCE_DIR) / "docs/stability.md");
+  const std::string docs{std::istreambuf_iterator<char>(in), {}};
+  const Ran ran = accuracy({"--promises", "--box", "on", "--cases", "10000", "--formats",
+                            "fp16,fp32", "--pair", "sphere-sphere,triangle-aabb,ray-cylinder"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  std::istringstream lines(ran.out);
+  std::size_t count = 0;
+  for (std::string line; std::getline(lines, line); ++count)
+    EXPECT_NE(docs.find(line + '\n'), std::string::npos) << line;
+  EXPECT_EQ(count, 2u + 6u);
+}
+
 TEST_F(Accuracy, ASweepGoesOnWhereItEnded) {
   const Words some = {"--pair", "sphere-plane,ray-sphere", "--formats", "bf16,fp32", "--cases",
                       "90"};

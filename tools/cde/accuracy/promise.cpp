@@ -53,7 +53,8 @@ std::string kept(const Promise& promise, const Tally& found) {
   if (wrong != 0) return fmt::format("{} wrong", wrong);
   if (promise.t && found.t.largest() > *promise.t)
     return fmt::format("T by {:.3g} u S", found.t.largest());
-  return "yes";
+  // What is promised in other units is not seen here.
+  return promise.hits || promise.misses || promise.t ? "yes" : "-";
 }
 
 }  // namespace cde::cli

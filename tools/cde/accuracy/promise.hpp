@@ -17,7 +17,7 @@ struct Promise {
 /// Constants are those beside the references (kRaySphereBand, ...).
 [[nodiscard]] Promise promise_of(const AccuracyPipe& pipe);
 
-/// "kept", "16.2 u S", "3 wrong F", of what was found.
+/// "yes", "3 wrong", "T by 16.2 u S", of what was found; "-" of what a sweep does not see.
 [[nodiscard]] std::string kept(const Promise& promise, const Tally& found);
 
 }  // namespace cde::cli
