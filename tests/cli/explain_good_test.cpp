@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <ostream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,9 @@ struct Pipe {
   Pair pair;
   Algorithm algorithm;
 };
+void PrintTo(const Pipe& p, std::ostream* out) {
+  *out << name(p.pair) << ' ' << name(p.algorithm);
+}
 
 std::vector<Pipe> pipes() {
   std::vector<Pipe> all;

@@ -12,6 +12,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -207,6 +208,10 @@ std::string label(const Parameter& p) {
   if (p.pair == Pair::kRayTriangle)
     text += fmt::format(" {}{}", name(p.algorithm), p.box ? " box" : "");
   return text + " " + p.format.name();
+}
+
+void PrintTo(const Parameter& p, std::ostream* out) {
+  *out << label(p);
 }
 
 /// What the card answers; operands are exact in the format.
