@@ -106,14 +106,15 @@ TEST_F(Accuracy, VariantsStandBesideTheCard) {
 TEST_F(Accuracy, PromisesAreThoseOfTheDocs) {
   std::ifstream in(std::filesystem::path(CDE_SOURCE_DIR) / "docs/stability.md");
   const std::string docs{std::istreambuf_iterator<char>(in), {}};
-  const Ran ran = accuracy({"--promises", "--box", "on", "--cases", "10000", "--formats",
-                            "fp16,fp32", "--pair", "sphere-sphere,triangle-aabb,ray-cylinder"});
+  const Ran ran =
+      accuracy({"--promises", "--box", "on", "--cases", "10000", "--formats", "fp16,fp32,fp64",
+                "--pair", "sphere-sphere,triangle-aabb,ray-cylinder"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   std::istringstream lines(ran.out);
   std::size_t count = 0;
   for (std::string line; std::getline(lines, line); ++count)
     EXPECT_NE(docs.find(line + '\n'), std::string::npos) << line;
-  EXPECT_EQ(count, 2u + 6u);
+  EXPECT_EQ(count, 2u + 9u);
 }
 
 TEST_F(Accuracy, ASweepGoesOnWhereItEnded) {
