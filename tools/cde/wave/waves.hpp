@@ -52,12 +52,12 @@ class Waves {
   }
 
  private:
-  /// A window that the run never came to leaves a file without a clock.
+  /// A window that the run never came to, or a run of nothing, leaves a file without a clock.
   void tell_if_empty() const {
     if (!std::filesystem::is_regular_file(path_)) return;
     const wave::Trace trace(path_);
     if (trace.start() == trace.end())
-      say("cde: {} has no clock of the run: it ended before the window of --trace-window\n",
+      say("cde: {} has no clock of the run: nothing ran while waves were written\n",
           printable_name(path_));
   }
 
