@@ -10,43 +10,12 @@
 #include <cmath>
 
 #include "command/words.hpp"
+#include "output/columns.hpp"
 
 namespace cde::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Cells = std::vector<std::string>;
-
-/// Columns of text; the first is set to the left, the others to the right.
-struct Columns {
-  Cells heads;
-  std::vector<Cells> lines;
-
-  [[nodiscard]] std::string text(bool markdown) const {
-    std::vector<std::size_t> widths;
-    for (std::size_t c = 0; c < heads.size(); ++c) {
-      widths.push_back(heads[c].size());
-      for (const Cells& line : lines) widths[c] = std::max(widths[c], line[c].size());
-    }
-    std::string out;
-    const auto add = [&](const Cells& line) {
-      std::string row = markdown ? "|" : "";
-      for (std::size_t c = 0; c < line.size(); ++c)
-        row += markdown ? fmt::format(" {} |", line[c])
-               : c == 0 ? fmt::format("{:<{}}", line[c], widths[c])
-                        : fmt::format(" {:>{}}", line[c], widths[c]);
-      out += row + "\n";
-    };
-    add(heads);
-    if (markdown) {
-      out += "| ---";
-      for (std::size_t c = 1; c < heads.size(); ++c) out += " | ---:";
-      out += " |\n";
-    }
-    for (const Cells& line : lines) add(line);
-    return out;
-  }
-};
 
 /// A quantile; what the oracle cannot tell from nothing is below what it can, and nothing if that
 /// is hardly more.
@@ -76,7 +45,7 @@ std::string or_dash(const std::optional<T>& value) {
   return value ? compact(static_cast<double>(*value)) : "-";
 }
 
-Cells errors_line(const std::string& name, const Tally& t) {
+Columns::Cells errors_line(const std::string& name, const Tally& t) {
   static const ErrorCounts kExact;  // of ulps and certificates the oracle's width is no part
   return {name,
           fmt::to_string(t.cases),
@@ -92,8 +61,8 @@ Cells errors_line(const std::string& name, const Tally& t) {
           quantile(t.n, 1, kExact)};
 }
 
-Cells decisions_line(const std::string& name, const Tally& t, const Price* price) {
-  Cells line = {name,
+Columns::Cells decisions_line(const std::string& name, const Tally& t, const Price* price) {
+  Columns::Cells line = {name,
                 fmt::to_string(t.false_hits),
                 per_million(t.false_hits, t.judged()),
                 fmt::to_string(t.false_misses),
@@ -218,7 +187,7 @@ std::string accuracy_tables(const std::vector<AccuracyRow>& rows, bool by_family
   for (const AccuracyRow& row : rows) {
     if (!by_family) break;
     for (const auto& [family, t] : row.measured.families) {
-      Cells line = {fmt::format("{} {}", row.measured.pipe.name(), family)};
+      Columns::Cells line = {fmt::format("{} {}", row.measured.pipe.name(), family)};
       for (const auto* w : {&t.worst_t, &t.worst_decision, &t.worst_leak})
         line.insert(line.end(),
                     {*w ? fmt::to_string((*w)->index) : "-", *w ? compact((*w)->size) : "-"});

@@ -16,6 +16,7 @@
 #include "accuracy/scene_accuracy.hpp"
 #include "accuracy/simulated.hpp"
 #include "accuracy/sweep.hpp"
+#include "accuracy/verdicts.hpp"
 #include "cde/image/camera.hpp"
 #include "cde/mesh/mesh.hpp"
 #include "cde/support/error.hpp"
@@ -47,7 +48,7 @@ struct Options {
   std::string scene, frames;
   double clock_mhz = 100;
   bool json = false, markdown = false, by_family = false, operators = true, quiet = false;
-  bool short_json = false, promises = false;
+  bool short_json = false, promises = false, verdicts = false;
 };
 
 bool wanted(const std::vector<std::string>& list, std::string_view word) {
@@ -288,6 +289,43 @@ void run_scene(const Options& o) {
   }
 }
 
+/// Narrow first tests of the pairs that have them, each with the least budget unless one is given.
+std::vector<VerdictRow> verdict_rows(const Options& o) {
+  Options of = o;
+  if (of.formats.empty()) of.formats = {"bf16", "fp16"};
+  if (of.budgets.empty() && std::ranges::any_of(pair_names(), [&](const std::string& pair) {
+        return wanted(o.pairs, pair) && has_budget(*pair_named(pair));
+      }))
+    of.budgets = {"4,2,2"};
+  std::vector<VerdictRow> rows;
+  for (const AccuracyPipe& pipe : card_pipes(of)) {
+    if (!has_verdicts(pipe.pair)) {
+      if (o.pairs.empty()) continue;
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--verdicts is of pairs of solids without a plane, not of {}",
+                              name(pipe.pair)));
+    }
+    rows.push_back({pipe.pair, pipe.format, pipe.budget, {}});
+  }
+  return rows;
+}
+
+void run_verdicts(const Options& o) {
+  std::vector<VerdictRow> rows = verdict_rows(o);
+  std::vector<AccuracyPipe> pipes;
+  for (const VerdictRow& row : rows) pipes.push_back({.pair = row.pair, .format = row.narrow});
+  check_families(o, pipes);
+  Json all = head_json("cde.accuracy.verdicts.1");
+  say_what(o, all["machine"], fmt::format("{} cases a line", o.cases));
+  count_verdicts(rows, {o.families, o.seed, o.cases, o.quiet});
+  if (o.json) {
+    all.update({{"seed", o.seed}, {"cases", o.cases}, {"verdicts", verdict_json(rows)}});
+    write(o, json_text(all) + "\n");
+  } else {
+    write(o, verdict_table(rows, o.by_family, o.markdown));
+  }
+}
+
 void run(const Options& o) {
   check_outputs(
       std::vector<FileUse>{{"--output", o.output}, {"--resume", o.resume}, {"--page", o.page}},
@@ -295,6 +333,8 @@ void run(const Options& o) {
   check_suffix("--page", o.page, ".html");
   if (!o.from.empty())
     run_kept(o);
+  else if (o.verdicts)
+    run_verdicts(o);
   else if (!o.scene.empty())
     run_scene(o);
   else if (o.mesh.empty())
@@ -407,6 +447,18 @@ void add_accuracy(CLI::App& app) {
                  "and what was excused")
       ->excludes(json)
       ->excludes(markdown);
+  verb->add_flag("--verdicts", o->verdicts,
+                 "Instead: what a first test in --formats (bf16, fp16) is certain of, with proof in "
+                 "fp32, of pairs of solids; budgets are 4,2,2 unless given")
+      ->excludes("--promises")
+      ->excludes("--mesh")
+      ->excludes("--scene")
+      ->excludes("--page")
+      ->excludes("--from")
+      ->excludes("--resume")
+      ->excludes("--shard")
+      ->excludes("--check")
+      ->excludes("--variants");
   file_value(verb->add_option("-o,--output", o->output, "Where to write (stdout)"), "FILE");
   verb->add_flag("-q,--quiet", o->quiet, "No progress");
   verb->callback([o] { run(*o); });

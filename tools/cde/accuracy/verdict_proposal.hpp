@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cmath>
+
+#include "accuracy/verdict.hpp"
+
+/// What a narrow pipe proposes of a pair in a wide format (verdict.hpp).
+namespace cde::cli::verdict {
+
+/// Words of a shape relative to `o` and times 2^-k, each rounded to the narrow scalar N.
+template <class N, template <class> class P, typename S>
+[[nodiscard]] P<N> narrowed(const P<S>& shape, const Vector<S>& o, int k) {
+  std::array<N, P<S>::kWords> words;
+  std::size_t i = 0;
+  visit_words(shape, [&](const char*, int axis, S x) {
+    const WordKind kind = scaling::kind<P<S>>(i);
+    if (kind == WordKind::kCoordinate) x = x - o[axis % 3];
+    if (scaling::is_length(kind)) x = times_power_of_two(x, -k);
+    words[i++] = N(x);
+  });
+  return from_words<P<N>>(words);
+}
+
+/// A point that is nearer to the inside of a shape: p, limited to the shape made smaller by `by`
+/// on all sides, but not to less than half of it.
+template <class N>
+N smaller(N size, N by) {
+  return max_num(size - by, size * convex::kHalf<N>);
+}
+/// v, no longer than `most`.
+template <class N>
+Vector<N> limited(const Vector<N>& v, N most) {
+  const N vv = dot<N>(v, v);
+  return vv <= most * most ? v : scale<N>(v, most / square_root(vv));
+}
+template <class N>
+Vector<N> pull(const BasicSphere<N>& x, const Vector<N>& p, N by) {
+  return add<N>(x.c, limited<N>(sub<N>(p, x.c), smaller(x.r, by)));
+}
+template <class N>
+Vector<N> pull(const BasicObb<N>& x, const Vector<N>& p, N by) {
+  Vector<N> q = convex::to_local<N>(x.rotation, sub<N>(p, x.c));
+  for (int i = 0; i < 3; ++i) {
+    const N end = smaller(x.half[i], by);
+    q[i] = clamp<N>(q[i], -end, end);
+  }
+  return add<N>(x.c, convex::to_world<N>(x.rotation, q));
+}
+template <class N>
+Vector<N> pull(const BasicAabb<N>& x, Vector<N> p, N by) {
+  for (int i = 0; i < 3; ++i) {
+    const N in = min_num(by, (x.max[i] - x.min[i]) * N(0.25));
+    p[i] = clamp<N>(p[i], x.min[i] + in, x.max[i] - in);
+  }
+  return p;
+}
+template <class N>
+Vector<N> pull(const BasicCylinder<N>& x, const Vector<N>& p, N by) {
+  const Vector<N> q = sub<N>(p, x.c);
+  const N along = dot<N>(x.axis, q), end = smaller(x.half_height, by);
+  const Vector<N> across = limited<N>(sub<N>(q, scale<N>(x.axis, along)), smaller(x.radius, by));
+  return add<N>(x.c, add<N>(across, scale<N>(x.axis, clamp<N>(along, -end, end))));
+}
+
+/// Weights of v1 and v2 of the point in a triangle that is about nearest to p: least squares, and
+/// limited to the triangle. 26 mul, 19 add, 2 div.
+template <class N>
+std::array<N, 2> weights(const BasicTriangle<N>& t, const Vector<N>& p) {
+  const Vector<N> e1 = sub<N>(t.v1, t.v0), e2 = sub<N>(t.v2, t.v0), w = sub<N>(p, t.v0);
+  const N d11 = dot<N>(e1, e1), d12 = dot<N>(e1, e2), d22 = dot<N>(e2, e2);
+  const N w1 = dot<N>(e1, w), w2 = dot<N>(e2, w), det = d11 * d22 - d12 * d12;
+  const N i = clamp<N>((d22 * w1 - d12 * w2) / det, N(0), N(1));
+  return {i, clamp<N>((d11 * w2 - d12 * w1) / det, N(0), N(1) - i)};
+}
+template <class N>
+Vector<N> pull(const BasicTriangle<N>& t, const Vector<N>& p, N) {
+  const auto [i, j] = weights(t, p);
+  return add<N>(t.v0, add<N>(scale<N>(sub<N>(t.v1, t.v0), i), scale<N>(sub<N>(t.v2, t.v0), j)));
+}
+
+/// test(A, B) in N of the shapes moved to A's origin and brought to the size of one. CP may lie on
+/// the edge of both bodies, where nothing is certain: it is pulled inside by a quarter of the depth.
+template <class N, template <class> class A, template <class> class B, typename S, class Test>
+[[nodiscard]] Proposal<S> propose(const A<S>& a, const B<S>& b, Test test) {
+  const Vector<S> o = origin(a);
+  const int k = stored_exponent(size_of_pair(a, b)) - scaling::kBias<S>;
+  const A<N> x = narrowed<N, A, S>(a, o, k);
+  const B<N> y = narrowed<N, B, S>(b, o, k);
+  const Outcome<N> r = test(x, y);
+  Vector<N> p = r.cp;
+  const N by = r.t * N(0.25);
+  if (r.f) p = pull(x, pull(y, p, by), by);
+  const auto wide = [](N v) { return S(static_cast<float>(v)); };
+  Proposal<S> claim;
+  for (int i = 0; i < 3; ++i) {
+    claim.n[i] = wide(r.n[i]);
+    claim.point[i] = times_power_of_two(wide(p[i]), k);
+  }
+  if constexpr (kShapeOf<A<S>> == Shape::kTriangle) {
+    const auto [i, j] = weights(x, p);
+    claim.weight[0] = wide(i), claim.weight[1] = wide(j);
+  }
+  return claim;
+}
+
+}  // namespace cde::cli::verdict
