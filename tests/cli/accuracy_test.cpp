@@ -117,6 +117,45 @@ TEST_F(Accuracy, PromisesAreThoseOfTheDocs) {
   EXPECT_EQ(count, 2u + 9u);
 }
 
+TEST_F(Accuracy, WhatIsCertainIsTrue) {
+  const Ran ran = accuracy({"--verdicts", "--pair", "obb-obb,triangle-cylinder", "--formats",
+                            "bf16", "--cases", "2901", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const Json j = Json::parse(ran.out);
+  EXPECT_EQ(j["schema"], "cde.accuracy.verdicts.1");
+  ASSERT_EQ(j["verdicts"].size(), 2U);
+  EXPECT_TRUE(j["verdicts"][1]["budget"].is_null());
+  EXPECT_EQ(j["verdicts"][0]["budget"], "4,2,2");
+  for (const Json& row : j["verdicts"]) {
+    Json sum = row["all_families"];
+    EXPECT_EQ(sum["cases"], 2901);
+    EXPECT_EQ(sum["wrong"], 0);
+    EXPECT_GT(sum["certain_misses"], 300);
+    EXPECT_GT(sum["certain_hits"], 300);
+    EXPECT_GT(sum["uncertain_in_band"],
+              100);  // exact contact: nothing of binary32 is certain there
+    for (const Json& family : row["families"])
+      for (auto& [key, value] : sum.items()) value = value.get<long>() - family.at(key).get<long>();
+    for (const auto& [key, value] : sum.items()) EXPECT_EQ(value, 0) << key;
+  }
+  const Ran table = accuracy({"--verdicts", "--pair", "sphere-sphere", "--families", "random",
+                              "--cases", "500", "--by-family"});
+  EXPECT_NE(table.out.find("sphere-sphere fp16 random"), std::string::npos) << table.out;
+}
+
+TEST_F(Accuracy, VerdictsThatThereAreNotAreRefused) {
+  const auto refused = [&](const Words& words, const std::string& why) {
+    const Ran ran = accuracy(words);
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_NE(ran.err.find(why), std::string::npos) << ran.err;
+  };
+  refused({"--verdicts", "--pair", "ray-sphere"},
+          "--verdicts is of pairs of solids without a plane, not of ray-sphere");
+  refused({"--verdicts", "--mesh", "terrain"}, "--verdicts");
+  refused({"--verdicts", "--pair", "obb-obb", "--families", "nothing"}, "no family 'nothing'");
+  refused({"--verdicts", "--pair", "obb-obb", "--budgets", "4,2,2"}, "--budgets is of");
+}
+
 TEST_F(Accuracy, ASweepGoesOnWhereItEnded) {
   const Words some = {"--pair", "sphere-plane,ray-sphere", "--formats", "bf16,fp32", "--cases",
                       "90"};

@@ -14,6 +14,9 @@
 
 #include "accuracy/verdict_pairs.hpp"
 #include "accuracy/verdict_proposal.hpp"
+#include "counted.hpp"
+#include "in_docs.hpp"
+#include "operators.hpp"
 #include "oracle/families.hpp"
 #include "oracle/oracle.hpp"
 
@@ -39,16 +42,15 @@ struct Bodies {
   using B = B_<S>;
   static constexpr Pair kPair = kPair_;
 };
-using AllBodies =
-    testing::Types<Bodies<BasicSphere, BasicSphere, Pair::kSphereSphere>,
-                   Bodies<BasicSphere, BasicObb, Pair::kSphereObb>,
-                   Bodies<BasicTriangle, BasicSphere, Pair::kTriangleSphere>,
-                   Bodies<BasicTriangle, BasicAabb, Pair::kTriangleAabb>,
-                   Bodies<BasicTriangle, BasicObb, Pair::kTriangleObb>,
-                   Bodies<BasicTriangle, BasicCylinder, Pair::kTriangleCylinder>,
-                   Bodies<BasicObb, BasicObb, Pair::kObbObb>,
-                   Bodies<BasicObb, BasicCylinder, Pair::kObbCylinder>,
-                   Bodies<BasicCylinder, BasicCylinder, Pair::kCylinderCylinder>>;
+using AllBodies = ::testing::Types<Bodies<BasicSphere, BasicSphere, Pair::kSphereSphere>,
+                                   Bodies<BasicSphere, BasicObb, Pair::kSphereObb>,
+                                   Bodies<BasicTriangle, BasicSphere, Pair::kTriangleSphere>,
+                                   Bodies<BasicTriangle, BasicAabb, Pair::kTriangleAabb>,
+                                   Bodies<BasicTriangle, BasicObb, Pair::kTriangleObb>,
+                                   Bodies<BasicTriangle, BasicCylinder, Pair::kTriangleCylinder>,
+                                   Bodies<BasicObb, BasicObb, Pair::kObbObb>,
+                                   Bodies<BasicObb, BasicCylinder, Pair::kObbCylinder>,
+                                   Bodies<BasicCylinder, BasicCylinder, Pair::kCylinderCylinder>>;
 
 /// Normals and points near the true ones by all magnitudes, from nowhere, and no numbers at all.
 class Proposals {
@@ -62,7 +64,11 @@ class Proposals {
     }
     p.weight[0] = static_cast<float>(share_(random_) * 1.1 - 0.05);
     p.weight[1] = static_cast<float>((1 - p.weight[0]) * (share_(random_) * 1.1));
-    constexpr float kOdd[] = {0, -0.0F, 1e-42F, 3e38F, std::numeric_limits<float>::infinity(),
+    constexpr float kOdd[] = {0,
+                              -0.0F,
+                              1e-42F,
+                              3e38F,
+                              std::numeric_limits<float>::infinity(),
                               std::numeric_limits<float>::quiet_NaN()};
     if (share_(random_) < 0.2) p.n[axis_(random_)] = kOdd[odd_(random_)];
     if (share_(random_) < 0.2) p.point[axis_(random_)] = kOdd[odd_(random_)];
@@ -79,7 +85,7 @@ class Proposals {
 };
 
 template <class>
-class Verdict : public testing::Test {};
+class Verdict : public ::testing::Test {};
 TYPED_TEST_SUITE(Verdict, AllBodies);
 
 TYPED_TEST(Verdict, IsTrueWhateverIsProposed) {
@@ -93,7 +99,7 @@ TYPED_TEST(Verdict, IsTrueWhateverIsProposed) {
     const B b = shape_of<B>(c.b);
     if (reference::bad(a) || reference::bad(b)) continue;
     const oracle::Gap gap = oracle::signed_gap(c.shape_a(), c.shape_b());
-    const double size = size_of_pair(a, b);
+    const double size = size_of_pair(Body(a), Body(b));
     for (int k = 0; k < 20; ++k) {
       const Certain certain = judge(a, b, proposals.next(gap, size));
       misses += certain == Certain::kMiss, hits += certain == Certain::kHit;
@@ -111,11 +117,6 @@ TYPED_TEST(Verdict, RoundingIsWithinItsBound) {
   using B = typename TypeParam::template B<float>;
   using WideA = typename TypeParam::template A<double>;
   using WideB = typename TypeParam::template B<double>;
-  const auto gap_of = []<class S>(const auto& a, const auto& b, const Vector<S>& n) {
-    const S nn = dot<S>(n, n);
-    return dot<S>(n, sub<S>(origin(b), origin(a))) -
-           (support(a, n, nn) + support(b, Vector<S>(-n), nn));
-  };
   std::mt19937_64 random(kSeed);
   std::normal_distribution<double> noise;
   double most = 0;
@@ -127,14 +128,40 @@ TYPED_TEST(Verdict, RoundingIsWithinItsBound) {
     Vector<float> n(static_cast<float>(noise(random)), static_cast<float>(noise(random)),
                     static_cast<float>(noise(random)));
     n *= 1.1F / n.norm();
-    const double narrow = gap_of.template operator()<float>(a, b, n);
-    const double wide = gap_of.template operator()<double>(
-        shape_of<WideA>(c.a), shape_of<WideB>(c.b), Vector<double>(n.cast<double>()));
-    most = std::max(most, std::abs(narrow - wide) / (kU * size_of_pair(a, b)));
+    const Vector<double> wide_n = n.cast<double>();
+    const double narrow = gap_along(Body(a), Body(b), n, dot<float>(n, n));
+    const double wide = gap_along(Body(shape_of<WideA>(c.a)), Body(shape_of<WideB>(c.b)), wide_n,
+                                  dot<double>(wide_n, wide_n));
+    most = std::max(most, std::abs(narrow - wide) / (kU * size_of_pair(Body(a), Body(b))));
   }
   std::cout << fmt::format("gap: at most {:.2f} u S off\n", most);
   EXPECT_LT(most, 9.2);
   EXPECT_GT(most, 0.1);
+}
+
+TYPED_TEST(Verdict, OperatorsAreThoseOfTheDocs) {
+  using cde::testing::Counted;
+  const oracle::Case c = oracle::generate(TypeParam::kPair, kSeed, 2);
+  const auto count = [&](auto decide) {
+    Counted::tally = {};
+    decide();
+    const cde::testing::Tally t = Counted::tally;
+    return std::pair{
+        fmt::format("{} | {} | {} | {}", t.add + t.sub, t.mul, t.sqrt, t.cmp + t.minmax),
+        t.add + t.sub + t.mul + t.sqrt + t.cmp + t.minmax};
+  };
+  const auto [text, sum] = count([&] {
+    (void)judge(shape_of<typename TypeParam::template A<Counted>>(c.a),
+                shape_of<typename TypeParam::template B<Counted>>(c.b), Proposal<Counted>{});
+  });
+  std::string pipe = "in rounds";
+  if (!has_budget(TypeParam::kPair)) {
+    const cde::testing::Tally t = cde::testing::operators(TypeParam::kPair);
+    pipe = fmt::format("{}", t.add + t.sub + t.mul + t.div + t.sqrt + t.cmp + t.minmax);
+  }
+  cde::testing::expect_in_docs(
+      "verdicts.md",
+      {fmt::format("| {} | {} | {} | {} |", name(TypeParam::kPair), text, sum, pipe)});
 }
 
 TYPED_TEST(Verdict, LeavesLittleOpenOfRandomPairs) {

@@ -63,12 +63,12 @@ Columns::Cells errors_line(const std::string& name, const Tally& t) {
 
 Columns::Cells decisions_line(const std::string& name, const Tally& t, const Price* price) {
   Columns::Cells line = {name,
-                fmt::to_string(t.false_hits),
-                per_million(t.false_hits, t.judged()),
-                fmt::to_string(t.false_misses),
-                per_million(t.false_misses, t.judged()),
-                percent(t.undecided, t.judged()),
-                t.leak_rays == 0 ? "-" : fmt::format("{}/{}", t.leaks, t.leak_rays)};
+                         fmt::to_string(t.false_hits),
+                         per_million(t.false_hits, t.judged()),
+                         fmt::to_string(t.false_misses),
+                         per_million(t.false_misses, t.judged()),
+                         percent(t.undecided, t.judged()),
+                         t.leak_rays == 0 ? "-" : fmt::format("{}/{}", t.leaks, t.leak_rays)};
   if (price == nullptr) {
     line.insert(line.end(), 8, "");
     return line;

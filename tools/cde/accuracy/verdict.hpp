@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <cstdint>
 
 #include "cde/geometry/check.hpp"
@@ -27,27 +28,27 @@ inline constexpr double kGap = 2 * kUnitTolerance<S>;
 template <typename S>
 inline constexpr double kDepth = 4 * kUnitTolerance<S>;
 
-/// The point that a shape's words are taken relative to: its centre, or a corner.
-template <typename S>
-Vector<S> origin(const BasicSphere<S>& x) {
-  return x.c;
-}
-template <typename S>
-Vector<S> origin(const BasicObb<S>& x) {
-  return x.c;
-}
-template <typename S>
-Vector<S> origin(const BasicCylinder<S>& x) {
-  return x.c;
-}
-template <typename S>
-Vector<S> origin(const BasicTriangle<S>& x) {
-  return x.v0;
-}
-template <typename S>
-Vector<S> origin(const BasicAabb<S>& x) {
-  return x.min;
-}
+/// A shape by itself: the point that the rest is relative to, its centre or a corner, and of a
+/// triangle and an AABB the corners relative to that, in their words' places.
+template <class P>
+struct Body {
+  using S = typename P::Scalar;
+  Vector<S> origin;
+  P shape;
+
+  explicit Body(const P& x) : shape(x) {
+    if constexpr (kShapeOf<P> == Shape::kTriangle) {
+      origin = x.v0;
+      shape.v1 = sub<S>(x.v1, x.v0);
+      shape.v2 = sub<S>(x.v2, x.v0);
+    } else if constexpr (kShapeOf<P> == Shape::kAabb) {
+      origin = x.min;
+      shape.max = sub<S>(x.max, x.min);
+    } else {
+      origin = x.c;
+    }
+  }
+};
 
 /// |x| + |y| + |z|
 template <typename S>
@@ -55,7 +56,7 @@ S sum_of_sizes(const Vector<S>& v) {
   return (magnitude(v.x()) + magnitude(v.y())) + magnitude(v.z());
 }
 
-/// A bound of |x - origin| over the shape: its part of S.
+/// A bound of |x - origin| over the body: its part of S. All that follow take a Body's shape.
 template <typename S>
 S reach(const BasicSphere<S>& x) {
   return x.r;
@@ -70,14 +71,14 @@ S reach(const BasicCylinder<S>& x) {
 }
 template <typename S>
 S reach(const BasicTriangle<S>& x) {
-  return sum_of_sizes<S>(sub<S>(x.v1, x.v0)) + sum_of_sizes<S>(sub<S>(x.v2, x.v0));
+  return sum_of_sizes<S>(x.v1) + sum_of_sizes<S>(x.v2);
 }
 template <typename S>
 S reach(const BasicAabb<S>& x) {
-  return sum_of_sizes<S>(sub<S>(x.max, x.min));
+  return sum_of_sizes<S>(x.max);
 }
 
-/// max n.(x - origin) over the shape; `nn` is n.n, near one, and |n| <= (1 + nn) / 2.
+/// max n.(x - origin) over the body; `nn` is n.n, and |n| <= (1 + nn) / 2.
 template <typename S>
 S support(const BasicSphere<S>& x, const Vector<S>&, S nn) {
   return x.r * ((nn + S(1)) * convex::kHalf<S>);
@@ -95,76 +96,84 @@ S support(const BasicCylinder<S>& x, const Vector<S>& n, S) {
 }
 template <typename S>
 S support(const BasicTriangle<S>& x, const Vector<S>& n, S) {
-  return max_num(max_num(dot<S>(n, sub<S>(x.v1, x.v0)), dot<S>(n, sub<S>(x.v2, x.v0))), S(0));
+  return max_num(max_num(dot<S>(n, x.v1), dot<S>(n, x.v2)), S(0));
 }
 template <typename S>
 S support(const BasicAabb<S>& x, const Vector<S>& n, S) {
-  const Vector<S> size = sub<S>(x.max, x.min);
-  return dot<S>(size, Vector<S>(max_num(n.x(), S(0)), max_num(n.y(), S(0)), max_num(n.z(), S(0))));
+  return dot<S>(x.max, Vector<S>(max_num(n.x(), S(0)), max_num(n.y(), S(0)), max_num(n.z(), S(0))));
 }
 
-/// p, relative to the origin, is inside by `margin` or more. No point is inside a triangle; those
-/// that `on_triangle` makes are on it.
+/// p, relative to the origin, is inside by `margin` or more.
 template <typename S>
-bool inside(const BasicSphere<S>& x, const Vector<S>& p, S margin) {
+Mask<S> inside(const BasicSphere<S>& x, const Vector<S>& p, S margin) {
   const S r = x.r - margin;
   return S(0) < r && dot<S>(p, p) <= r * r;
 }
 template <typename S>
-bool inside(const BasicObb<S>& x, const Vector<S>& p, S margin) {
+Mask<S> inside(const BasicObb<S>& x, const Vector<S>& p, S margin) {
   const Vector<S> q = convex::to_local<S>(x.rotation, p);
   return magnitude(q.x()) <= x.half.x() - margin && magnitude(q.y()) <= x.half.y() - margin &&
          magnitude(q.z()) <= x.half.z() - margin;
 }
 template <typename S>
-bool inside(const BasicCylinder<S>& x, const Vector<S>& p, S margin) {
+Mask<S> inside(const BasicCylinder<S>& x, const Vector<S>& p, S margin) {
   const S r = x.radius - margin;
   const Vector<S> across = cross<S>(x.axis, p);
   return magnitude(dot<S>(x.axis, p)) <= x.half_height - margin && S(0) < r &&
          dot<S>(across, across) <= r * r;
 }
 template <typename S>
-bool inside(const BasicAabb<S>& x, const Vector<S>& p, S margin) {
-  const Vector<S> size = sub<S>(x.max, x.min);
+Mask<S> inside(const BasicAabb<S>& x, const Vector<S>& p, S margin) {
   const auto within = [margin](S at, S end) { return margin <= at && at <= end - margin; };
-  return within(p.x(), size.x()) && within(p.y(), size.y()) && within(p.z(), size.z());
+  return within(p.x(), x.max.x()) && within(p.y(), x.max.y()) && within(p.z(), x.max.z());
 }
 
-/// What a narrow pipe claims of a pair, in the wide format and relative to A's origin. Of a
-/// triangle the point is v0 + weight[0] (v1 - v0) + weight[1] (v2 - v0).
+/// What a narrow pipe claims of a pair, in the wide format and relative to A's origin. A triangle
+/// has no inside; its point is v0 + weight[0] (v1 - v0) + weight[1] (v2 - v0), which is on it.
 template <typename S>
 struct Proposal {
   Vector<S> n = Vector<S>::Zero();
   Vector<S> point = Vector<S>::Zero();
-  S weight[2] = {S(0), S(0)};
+  std::array<S, 2> weight{S(0), S(0)};
 };
 
 template <class A, class B, typename S = typename A::Scalar>
-S size_of_pair(const A& a, const B& b) {
-  return (reach(a) + reach(b)) + sum_of_sizes<S>(sub<S>(origin(b), origin(a)));
+S size_of_pair(const Body<A>& a, const Body<B>& b) {
+  return (reach(a.shape) + reach(b.shape)) + sum_of_sizes<S>(sub<S>(b.origin, a.origin));
+}
+
+/// n.(oB - oA) - h_A(n) - h_B(-n)
+template <class A, class B, typename S = typename A::Scalar>
+S gap_along(const Body<A>& a, const Body<B>& b, const Vector<S>& n, S nn) {
+  return dot<S>(n, sub<S>(b.origin, a.origin)) -
+         (support(a.shape, n, nn) + support(b.shape, Vector<S>(-n), nn));
+}
+
+/// Proof that the point proposed is in both.
+template <class A, class B, typename S = typename A::Scalar>
+Mask<S> both_have(const Body<A>& a, const Body<B>& b, const Proposal<S>& claim, S margin) {
+  const Vector<S> between = sub<S>(b.origin, a.origin);
+  if constexpr (kShapeOf<A> == Shape::kTriangle) {
+    const auto [i, j] = claim.weight;
+    const Vector<S> p = add<S>(scale<S>(a.shape.v1, i), scale<S>(a.shape.v2, j));
+    return S(0) <= i && S(0) <= j && i + j <= S(1) && inside(b.shape, sub<S>(p, between), margin);
+  } else {
+    return inside(a.shape, claim.point, margin) &&
+           inside(b.shape, sub<S>(claim.point, between), margin);
+  }
 }
 
 /// What is certain of A and B whatever the proposal is.
 template <class A, class B, typename S = typename A::Scalar>
-Certain judge(const A& a, const B& b, const Proposal<S>& claim) {
-  const S size = size_of_pair(a, b);
-  const Vector<S> between = sub<S>(origin(b), origin(a)), n = claim.n;
-  const S nn = dot<S>(n, n);
-  const S gap = dot<S>(n, between) - (support(a, n, nn) + support(b, Vector<S>(-n), nn));
+Certain judge(const A& shape_a, const B& shape_b, const Proposal<S>& claim) {
+  const Body<A> a(shape_a);
+  const Body<B> b(shape_b);
+  const S size = size_of_pair(a, b), nn = dot<S>(claim.n, claim.n);
   // A normal that is far from length one would make the terms larger than S.
-  if (nn <= S(1.25) && size * S(kGap<S>) < gap) return Certain::kMiss;
-
-  const S margin = size * S(kDepth<S>);
-  bool hit = false;
-  if constexpr (kShapeOf<A> == Shape::kTriangle) {
-    const S i = claim.weight[0], j = claim.weight[1];
-    const Vector<S> p =
-        add<S>(scale<S>(sub<S>(a.v1, a.v0), i), scale<S>(sub<S>(a.v2, a.v0), j));
-    hit = S(0) <= i && S(0) <= j && i + j <= S(1) && inside(b, sub<S>(p, between), margin);
-  } else {
-    hit = inside(a, claim.point, margin) && inside(b, sub<S>(claim.point, between), margin);
-  }
-  return hit ? Certain::kHit : Certain::kNeither;
+  const Mask<S> apart =
+      nn <= S(1.25) && size * S(kGap<S>) < gap_along(a, b, Vector<S>(claim.n), nn);
+  const Mask<S> meet = both_have(a, b, claim, size * S(kDepth<S>));
+  return apart ? Certain::kMiss : meet ? Certain::kHit : Certain::kNeither;
 }
 
 }  // namespace cde::cli::verdict

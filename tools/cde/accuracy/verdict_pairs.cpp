@@ -43,12 +43,12 @@ void test_certain(Pair pair, FpFormat narrow, const PairBudget& budget, Words a,
   if (!has_verdicts(pair))
     throw Error(ErrorCode::kUsage, fmt::format("{} has no verdicts", name(pair)));
   const bool known = with_scalar(narrow, [&]<class N>() {
-    reference::with_pair<N>(pair, Algorithm::kMoller, false, PlaneSide::kSurface, budget,
-                            [&]<class A, class B>(reference::Kinds<A, B> kinds, auto test) {
-                              if constexpr (kShapeOf<A> != Shape::kRay &&
-                                            kShapeOf<B> != Shape::kPlane)
-                                sweep<N>(kinds, test, a, b, certain);
-                            });
+    reference::with_pair<N>(
+        pair, Algorithm::kMoller, false, PlaneSide::kSurface, budget,
+        [&]<class A, class B>(reference::Kinds<A, B> kinds, auto test) {
+          if constexpr (kShapeOf<A> != Shape::kRay && kShapeOf<B> != Shape::kPlane)
+            sweep<N>(kinds, test, a, b, certain);
+        });
   });
   if (!known) throw Error(ErrorCode::kUsage, fmt::format("no pair in {}", narrow.name()));
 }

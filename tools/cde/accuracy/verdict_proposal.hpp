@@ -80,11 +80,13 @@ Vector<N> pull(const BasicTriangle<N>& t, const Vector<N>& p, N) {
 }
 
 /// test(A, B) in N of the shapes moved to A's origin and brought to the size of one. CP may lie on
-/// the edge of both bodies, where nothing is certain: it is pulled inside by a quarter of the depth.
+/// the edge of both bodies, where nothing is certain: it is pulled inside by a quarter of the
+/// depth.
 template <class N, template <class> class A, template <class> class B, typename S, class Test>
 [[nodiscard]] Proposal<S> propose(const A<S>& a, const B<S>& b, Test test) {
-  const Vector<S> o = origin(a);
-  const int k = stored_exponent(size_of_pair(a, b)) - scaling::kBias<S>;
+  const Body<A<S>> body(a);
+  const Vector<S> o = body.origin;
+  const int k = stored_exponent(size_of_pair(body, Body<B<S>>(b))) - scaling::kBias<S>;
   const A<N> x = narrowed<N, A, S>(a, o, k);
   const B<N> y = narrowed<N, B, S>(b, o, k);
   const Outcome<N> r = test(x, y);
@@ -99,7 +101,7 @@ template <class N, template <class> class A, template <class> class B, typename 
   }
   if constexpr (kShapeOf<A<S>> == Shape::kTriangle) {
     const auto [i, j] = weights(x, p);
-    claim.weight[0] = wide(i), claim.weight[1] = wide(j);
+    claim.weight = {wide(i), wide(j)};
   }
   return claim;
 }

@@ -59,9 +59,9 @@ VerdictCounts counted(const VerdictRow& row, const oracle::Family& family, std::
 }
 
 std::string percent(std::uint64_t part, std::uint64_t all) {
-  return all == 0 ? "-"
-                  : fmt::format("{:.3f}",
-                                100 * static_cast<double>(part) / static_cast<double>(all));
+  return all == 0
+             ? "-"
+             : fmt::format("{:.3f}", 100 * static_cast<double>(part) / static_cast<double>(all));
 }
 
 std::string budget_text(const VerdictRow& row) {
@@ -71,7 +71,7 @@ std::string budget_text(const VerdictRow& row) {
 }
 
 Json counts_json(const VerdictCounts& c) {
-  return {{"cases", c.cases},         {"certain_misses", c.misses}, {"certain_hits", c.hits},
+  return {{"cases", c.cases},         {"certain_misses", c.misses},  {"certain_hits", c.hits},
           {"uncertain", c.uncertain}, {"uncertain_in_band", c.near}, {"wrong", c.wrong}};
 }
 
@@ -109,9 +109,9 @@ void count_verdicts(std::vector<VerdictRow>& rows, const VerdictOptions& options
 }
 
 std::string verdict_table(const std::vector<VerdictRow>& rows, bool by_family, bool markdown) {
-  Columns table{{"verdicts", "cases", "miss%", "hit%", "uncertain%", "in the band%", "beyond it%",
-                 "wrong"},
-                {}};
+  Columns table{
+      {"verdicts", "cases", "miss%", "hit%", "uncertain%", "in the band%", "beyond it%", "wrong"},
+      {}};
   const auto line = [&](const std::string& what, const VerdictCounts& c) {
     table.lines.push_back({what, fmt::to_string(c.cases), percent(c.misses, c.cases),
                            percent(c.hits, c.cases), percent(c.uncertain, c.cases),

@@ -447,9 +447,10 @@ void add_accuracy(CLI::App& app) {
                  "and what was excused")
       ->excludes(json)
       ->excludes(markdown);
-  verb->add_flag("--verdicts", o->verdicts,
-                 "Instead: what a first test in --formats (bf16, fp16) is certain of, with proof in "
-                 "fp32, of pairs of solids; budgets are 4,2,2 unless given")
+  verb->add_flag(
+          "--verdicts", o->verdicts,
+          "Instead: what a first test in --formats (bf16, fp16) is certain of, with proof in "
+          "fp32, of pairs of solids; budgets are 4,2,2 unless given")
       ->excludes("--promises")
       ->excludes("--mesh")
       ->excludes("--scene")
