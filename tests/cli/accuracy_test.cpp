@@ -124,8 +124,8 @@ TEST_F(Accuracy, WhatIsCertainIsTrue) {
   const Json j = Json::parse(ran.out);
   EXPECT_EQ(j["schema"], "cde.accuracy.verdicts.1");
   ASSERT_EQ(j["verdicts"].size(), 2U);
-  EXPECT_TRUE(j["verdicts"][1]["budget"].is_null());
-  EXPECT_EQ(j["verdicts"][0]["budget"], "4,2,2");
+  EXPECT_TRUE(j["verdicts"][0]["budget"].is_null());
+  EXPECT_EQ(j["verdicts"][1]["budget"], "4,2,2");
   for (const Json& row : j["verdicts"]) {
     Json sum = row["all_families"];
     EXPECT_EQ(sum["cases"], 2901);
