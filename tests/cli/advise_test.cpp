@@ -53,6 +53,26 @@ TEST_F(Advise, TheCheapestThatMeetsTheDemands) {
   EXPECT_NE(fast.out.find("on 4 lanes,"), std::string::npos) << fast.out;
 }
 
+TEST_F(Advise, JsonHasAllOfThemInTheSameOrder) {
+  const Words demands = {"--no-leaks", "--max-error", "0.1", "--time", "10ms"};
+  Words with = demands;
+  with.push_back("--json");
+  const Ran text = advise(demands), json = advise(with);
+  ASSERT_EQ(json.status, 0) << json.err;
+  const auto j = nlohmann::json::parse(json.out);
+  EXPECT_EQ(j["schema"], "cde.advise.1");
+  ASSERT_EQ(j["candidates"].size(), 16U);
+  EXPECT_TRUE(first_line(text).starts_with(j["candidates"][0]["pipe"].get<std::string>() + " on "));
+  bool meets = true;
+  for (const auto& c : j["candidates"]) {
+    EXPECT_EQ(c["meets"].get<bool>(), c["lacks"].empty());
+    EXPECT_TRUE(meets || !c["meets"].get<bool>()) << "one that does not meet them is before it";
+    meets = c["meets"];
+    EXPECT_TRUE(!meets || (c["leaks"] == 0 && c["error_over_size"] <= 0.1)) << c.dump(1);
+  }
+  EXPECT_FALSE(meets);
+}
+
 TEST_F(Advise, WhatIsInTheWay) {
   const Ran ran = advise({"--max-error", "1e-5", "--no-leaks", "--time", "1ms"});
   EXPECT_EQ(ran.status, 1) << ran.out;

@@ -211,4 +211,33 @@ std::string advice_text(const KeptSweep& sweep, const Demands& demands, const Ta
                             figures_text(sweep, demands, all.front()));
 }
 
+nlohmann::ordered_json advice_json(const KeptSweep& sweep, const Demands& demands,
+                                   const std::vector<Candidate>& all) {
+  using Json = nlohmann::ordered_json;
+  // An infinite figure is null: JSON has no word for it.
+  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(); };
+  Json candidates = Json::array();
+  for (const Candidate& c : all) {
+    const KeptPipe& k = *c.of;
+    const Interval95 wrong = k.all.wrong_interval();
+    Json one = {{"pipe", k.pipe.name()},
+                {"meets", c.unmet.empty()},
+                {"lacks", Json::array()},
+                {"error_over_size", number(error_of(k, demands))},
+                {"wrong_per_million", number(k.all.wrong_per_million())},
+                {"wrong_per_million_95", {number(wrong.low), number(wrong.high)}},
+                {"leak_rays", k.all.leak_rays},
+                {"leaks", k.all.leaks},
+                {"lanes", c.lanes},
+                {"modelled_seconds", c.seconds ? number(*c.seconds) : Json()},
+                {"share_of_target", c.area_known ? number(c.cost) : Json()},
+                {"estimated", c.area_known ? Json(k.price.lane->estimated) : Json()},
+                {"clock_is", k.price.clock_is()},
+                {"command", sweep.command(k.pipe)}};
+    for (const Unmet& u : c.unmet) one["lacks"].push_back(u.text);
+    candidates.push_back(std::move(one));
+  }
+  return candidates;
+}
+
 }  // namespace cde::cli

@@ -45,4 +45,8 @@ struct Candidate {
 [[nodiscard]] std::string advice_text(const KeptSweep& sweep, const Demands& demands,
                                       const Target& target, const std::vector<Candidate>& all);
 
+/// All of them in that order: what they cost and lack.
+[[nodiscard]] nlohmann::ordered_json advice_json(const KeptSweep& sweep, const Demands& demands,
+                                                 const std::vector<Candidate>& all);
+
 }  // namespace cde::cli

@@ -13,6 +13,8 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "command/values.hpp"
+#include "output/json_keys.hpp"
+#include "output/output.hpp"
 #include "output/streams.hpp"
 #include "verbs/clock_target.hpp"
 #include "verbs/verbs.hpp"
@@ -23,7 +25,7 @@ namespace {
 struct Options {
   std::string pair = "ray-triangle", at = "p999", time, target = "ecp5-85", from;
   double max_error = 0, max_wrong = 0, tests = 1e6;
-  bool has_error = false, has_wrong = false, no_leaks = false, sure = false;
+  bool has_error = false, has_wrong = false, no_leaks = false, sure = false, json = false;
 };
 
 double parse_time(const std::string& text) {
@@ -72,7 +74,17 @@ void run(const Options& o) {
   if (all.empty())
     throw Error(ErrorCode::kUsage,
                 fmt::format("{} has no configuration of {}", printable_name(file), o.pair));
-  put(advice_text(sweep, demands, target, all));
+  if (o.json) {
+    nlohmann::ordered_json report = program_json();
+    report.update({{"schema", "cde.advise.1"},
+                   {"pair", o.pair},
+                   {"target", target.name},
+                   {"tests", demands.tests},
+                   {"candidates", advice_json(sweep, demands, all)}});
+    put(json_text(report) + "\n");
+  } else {
+    put(advice_text(sweep, demands, target, all));
+  }
   if (!all.front().unmet.empty()) exit_code = 1;
 }
 
@@ -110,6 +122,7 @@ void add_advise(CLI::App& app) {
   file_value(verb->add_option("--from", o->from,
                               "Sweep, as cde accuracy --json writes it (docs/accuracy.json)"),
              "FILE");
+  verb->add_flag("--json", o->json, "All configurations of the pair as JSON, the best first");
   verb->callback([o, error, wrong] {
     o->has_error = error->count() > 0, o->has_wrong = wrong->count() > 0;
     run(*o);
