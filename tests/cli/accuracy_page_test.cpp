@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The price list of cde accuracy, and the prices in it.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -150,7 +153,7 @@ TEST_F(AccuracyPage, WrongPixelsOfAMesh) {
               "badouel,moller", "--formats", "bf16,fp64", "--page", "m.html", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const std::string html = read("m.html");
-  expect_sound(html, 1);
+  expect_sound(html, 3);
   EXPECT_EQ(count(html, "<img src=\"data:image/png;base64,iVBORw0KGgo"), 4u);
   const json all = json::parse(ran.out);
   int wrong = 0;
@@ -161,7 +164,27 @@ TEST_F(AccuracyPage, WrongPixelsOfAMesh) {
         << "in words and as alt";
   }
   EXPECT_GT(wrong, 0);
+  // The view in 3-D has each of them once, and the mesh.
+  const json space = json::parse(plain(between(html, "id=\"data\">", "</script>").at(0)));
+  const auto size_of = [](const json& base64) {
+    const std::string text = base64.get<std::string>();
+    return 3 * text.size() / 4 - static_cast<std::size_t>(std::ranges::count(text, '='));
+  };
+  EXPECT_EQ(size_of(space.at("points")), 13u * 13 * 12);
+  EXPECT_EQ(size_of(space.at("corners")), 12u * 12 * 2 * 12);
+  std::size_t points = 0;
+  for (const json& view : space.at("views")) {
+    points += size_of(view.at("kinds"));
+    EXPECT_EQ(size_of(view.at("at")), 12 * size_of(view.at("kinds")));
+  }
+  EXPECT_EQ(points, static_cast<std::size_t>(wrong));
   if (const std::string program = browser(); !program.empty()) {
+    const Ran printed = shell(
+        fmt::format("HOME=$PWD timeout 120 {} --headless --no-sandbox --disable-gpu --no-first-run "
+                    "--user-data-dir=$PWD/browser --print-to-pdf=$PWD/m.pdf file://$PWD/m.html",
+                    program));
+    ASSERT_TRUE(exists("m.pdf")) << printed.err;
+    EXPECT_TRUE(read("m.pdf").starts_with("%PDF-"));
     const json told = clicked(program, html);
     EXPECT_EQ(told["failed"], json::array());
     EXPECT_EQ(told["choices"][0]["before"], json({"bf16"}));

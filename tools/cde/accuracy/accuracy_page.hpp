@@ -12,8 +12,10 @@ namespace cde::cli {
 /// sweep, a section a pair, with the profiles if it has any. Charts are there without scripts.
 [[nodiscard]] std::string accuracy_html(const KeptSweep& sweep, const Target& target);
 
-/// Where the wrong pixels of a mesh are: a picture a pipe.
+/// Where the wrong pixels of a mesh are: a picture a pipe, and with WebGL points on the mesh in
+/// 3-D.
 [[nodiscard]] std::string pictures_html(const std::vector<PictureAccuracy>& rows,
-                                        const Resolution& size, const std::string& mesh);
+                                        const Resolution& size, const std::string& name,
+                                        const Mesh& mesh);
 
 }  // namespace cde::cli

@@ -208,7 +208,12 @@ std::vector<PictureAccuracy> picture_accuracy(const Mesh& mesh, std::span<const 
       row.hits += saw.hit() ? 1 : 0;
       (void)compare(row.of_words, scene, i, of_words[i], saw, u);
       saw.t = std::ldexp(saw.t, -scene.scaled_by);
-      row.pixels.push_back(compare(row.of_scene, given, i, of_given[i], saw, u));
+      const PixelKind kind = compare(row.of_scene, given, i, of_given[i], saw, u);
+      row.pixels.push_back(kind);
+      if (kind > PixelKind::kRight) {
+        const double t = of_given[i].hit() ? of_given[i].t : saw.t;
+        row.wrong.push_back({kind, (given.rays[i].o + t * given.rays[i].d).cast<float>()});
+      }
     }
     std::vector<PairResult> results(mesh.faces.size());
     std::vector<std::uint64_t> ray;

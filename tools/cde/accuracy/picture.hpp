@@ -24,6 +24,12 @@ struct PixelCounts {
 /// What a pixel of a pipe is, against the mesh as it is given.
 enum class PixelKind : std::uint8_t { kNothing, kRight, kFalseHit, kFalseMiss, kOther };
 
+/// Where in space a wrong pixel is: at what is there, or where the pipe sees something.
+struct WrongPoint {
+  PixelKind kind = PixelKind::kFalseHit;
+  Eigen::Vector3f at;
+};
+
 struct PictureAccuracy {
   AccuracyPipe pipe;
   std::uint64_t rays = 0, hits = 0, triangles = 0;
@@ -31,6 +37,7 @@ struct PictureAccuracy {
   int scaled_by = 0;              ///< all lengths times this power of two, to fit the format
   PixelCounts of_scene;           ///< against the mesh and the rays as they are given
   std::vector<PixelKind> pixels;  ///< of_scene's, a ray each
+  std::vector<WrongPoint> wrong;  ///< of them those that are
   PixelCounts of_words;           ///< against both as they are rounded to the format
 };
 

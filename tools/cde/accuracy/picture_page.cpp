@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 
 #include "accuracy/accuracy_page.hpp"
 #include "accuracy/accuracy_report.hpp"
@@ -16,6 +17,7 @@ namespace {
 /// In the order of PixelKind.
 constexpr std::array<std::array<std::uint8_t, 3>, 5> kColours = {
     {{236, 238, 240}, {176, 184, 192}, {208, 48, 60}, {36, 100, 200}, {226, 140, 20}}};
+constexpr std::size_t kFirstWrong = static_cast<std::size_t>(PixelKind::kFalseHit);
 
 std::string png_of(const PictureAccuracy& row, const Resolution& size) {
   Image image;
@@ -26,34 +28,75 @@ std::string png_of(const PictureAccuracy& row, const Resolution& size) {
   return base64({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
 }
 
-std::string picture(const PictureAccuracy& row, const Resolution& size) {
+/// What is wrong of a pipe's pixels, in words.
+std::string said(const PictureAccuracy& row) {
   const PixelCounts& c = row.of_scene;
   const Interval95 share = wilson(c.wrong(), row.rays);
-  const std::string what = fmt::format(
+  return fmt::format(
       "{}: {} of {} pixels wrong ({}..{} a million): {} hit where nothing is, {} miss what is "
-      "there, "
-      "{} show another triangle",
+      "there, {} show another triangle",
       row.pipe.name(), c.wrong(), grouped(row.rays), compact(1e6 * share.low),
       compact(1e6 * share.high), c.false_hits, c.false_misses, c.other);
+}
+
+std::string picture(const PictureAccuracy& row, const Resolution& size) {
+  const std::string what = said(row);
   return fmt::format(
       "<figure class=\"pixels\"><img src=\"data:image/png;base64,{}\" width=\"{}\" height=\"{}\" "
       "alt=\"{}\"><figcaption>{}</figcaption></figure>\n",
       png_of(row, size), size.width, size.height, escaped(what), escaped(what));
 }
 
+/// The mesh and the wrong points of every pipe that has any, for the view in 3-D.
+nlohmann::ordered_json in_space(const std::vector<PictureAccuracy>& rows, const Mesh& mesh) {
+  std::vector<float> points;
+  for (const Eigen::Vector3f& v : mesh.vertices) points.insert(points.end(), v.begin(), v.end());
+  std::vector<std::uint32_t> corners;
+  for (const auto& face : mesh.faces) corners.insert(corners.end(), face.begin(), face.end());
+  nlohmann::ordered_json json = {{"points", base64_of(points)},
+                                 {"corners", base64_of(corners)},
+                                 {"colours", nlohmann::ordered_json::array()},
+                                 {"views", nlohmann::ordered_json::array()}};
+  for (const char* colour : {"#ff6a4d", "#6cb2ff", "#ffb454"}) json["colours"].push_back(colour);
+  for (const PictureAccuracy& row : rows) {
+    if (row.wrong.empty()) continue;
+    std::vector<float> at;
+    std::vector<std::uint8_t> kinds;
+    for (const WrongPoint& point : row.wrong) {
+      at.insert(at.end(), point.at.begin(), point.at.end());
+      kinds.push_back(
+          static_cast<std::uint8_t>(static_cast<std::size_t>(point.kind) - kFirstWrong));
+    }
+    json["views"].push_back({{"name", row.pipe.name()},
+                             {"text", said(row) + "."},
+                             {"at", base64_of(at)},
+                             {"kinds", base64_of(kinds)}});
+  }
+  return json;
+}
+
+/// Shown by its script, if there is WebGL.
+constexpr const char* kSpace =
+    "<section id=\"in-space\" aria-label=\"In space\" hidden><h2>In space</h2>\n<figure><div "
+    "class=\"stage\" id=\"stage\"></div><div class=\"controls\"><label>Pipe <select "
+    "id=\"of-pipe\"></select></label></div><figcaption><span id=\"readout\"></span> Drag turns, "
+    "the "
+    "wheel zooms.</figcaption></figure></section>\n";
+
 }  // namespace
 
 std::string pictures_html(const std::vector<PictureAccuracy>& rows, const Resolution& size,
-                          const std::string& mesh) {
+                          const std::string& mesh_name, const Mesh& mesh) {
   std::string body = fmt::format(
       "<main>\n<header><h1>Wrong pixels of {}</h1>\n<p class=\"lead\">{} by {} rays against {} "
       "triangles, by the mirror reference of each pipe and by exact arithmetic on the mesh as it "
       "is "
       "given.</p></header>\n<p class=\"note\">Grey: right, light where nothing is hit. Red: a hit "
       "where nothing is. Blue: nothing where a hit is. Orange: another triangle than the nearest, "
-      "beyond the band.</p>\n<div class=\"controls choose\" data-of=\"format\" "
+      "beyond the band.</p>\n{}<div class=\"controls choose\" data-of=\"format\" "
       "data-label=\"Format\" hidden></div>\n",
-      escaped(mesh), size.width, size.height, rows.empty() ? "0" : grouped(rows.front().triangles));
+      escaped(mesh_name), size.width, size.height,
+      rows.empty() ? "0" : grouped(rows.front().triangles), kSpace);
   std::vector<std::string> formats;
   for (const PictureAccuracy& row : rows)
     if (std::ranges::find(formats, row.pipe.format.name()) == formats.end())
@@ -66,9 +109,12 @@ std::string pictures_html(const std::vector<PictureAccuracy>& rows, const Resolu
       if (row.pipe.format.name() == format) body += picture(row, size);
     body += "</div></section>\n";
   }
-  body += "</main>\n";
-  return page("Wrong pixels of " + mesh, body, nlohmann::ordered_json::object(),
-              {&kAccuracyScript});
+  body += fmt::format(
+      "<footer><details><summary>Software in this page</summary><pre>{}</pre></details></footer>\n"
+      "</main>\n",
+      escaped(kThreeLicence.text));
+  return page("Wrong pixels of " + mesh_name, body, in_space(rows, mesh),
+              {&kThreeScript, &kWrongScript, &kAccuracyScript});
 }
 
 }  // namespace cde::cli

@@ -248,7 +248,7 @@ void run_picture(const Options& o) {
   if (!o.page.empty()) page.emplace(o.page);
   const std::vector<PictureAccuracy> rows = picture_accuracy(mesh, rays, pipes, o.quiet);
   if (page) {
-    page->write(pictures_html(rows, size, o.mesh));
+    page->write(pictures_html(rows, size, o.mesh, mesh));
     page->commit();
     if (!o.quiet) say("page: {}\n", printable_name(o.page));
     if (o.page == "-") return;
