@@ -126,8 +126,32 @@ TEST_F(OtherKinds, IntegersHaveTheSignOfTheirKind) {
   EXPECT_EQ(count("b < 0"), "4\n");
   EXPECT_EQ(count("unsigned(b) > 127"), "4\n");
   EXPECT_EQ(count("wire < 0"), "0\n");
-  EXPECT_EQ(count("i[31:0] < 0"), "1\n") << "all its bits are the signal";
+  EXPECT_EQ(count("i[31:0] < 0"), "0\n") << "nor has a range of all of them";
   EXPECT_EQ(count("b[7:4] < 0"), "0\n") << "a part has no sign";
+}
+
+/// IEEE 1800, 11.6 and 11.8, and what Icarus Verilog makes of the same.
+TEST_F(OtherKinds, WidthsAndSignsGoDownToTheOperands) {
+  for (const char* yes :
+       {"(4'd1 - 4'd3) >> 1 == 4'd7",  // an amount of 32 bits gives the left side no width
+        "(4'd9 + 4'd9) << 2 == 4'd8", "-4'd1 >> 1 == 4'd7", "~4'd0 >> 1 == 4'd7",
+        "(4'd9 + 4'd9) + 8'd0 == 8'd18", "(4'd1 - 4'd3) >> 1 == 8'd127",
+        "(1'b1 ? -1'b1 : 12'd0) == 12'hfff", "(1'b1 ? 8'd200 + 8'd100 : 8'd0) + 16'd0 == 16'd300",
+        "!((1 ? i : 8'd0) < 0)", "(1 ? i : 0) < 0", "(0 ? 8'd1 : 12) <= -1",
+        "i + 8'd0 > 1000",  // with one that is unsigned all are, before they are made wider
+        "i * 1.0 < 0", "i < 0.0", "-5 < 0.0", "i + 0.5 == -3.5", "signed(4'b1000) >>> 1 < 0",
+        "(signed(4'sb1000) >>> 1) == -4", "!((signed(4'sb1000) >>> 1) + 4'd0 < 0)"})
+    EXPECT_EQ(count(std::string("i == -4 && (") + yes + ")"), "1\n") << yes;
+}
+
+TEST_F(OtherKinds, UnknownBitsMoveAndMerge) {
+  for (const char* yes :
+       {"(4'b101x >> 1) == 4'b0101", "(4'b101x << 3) === 4'bx000",
+        "(4'b101x << 3 | 4'b1000) == 4'b1000", "(4'bx010 >>> 1) === 4'b0x01",
+        "(signed(4'bx010) >>> 1) === 4'sbxx01", "(signed(4'bx010) >>> 1) === 4'b0x01",
+        "(4'b1010 >> 1'bx) === 4'bxxxx", "(1'bx ? 4'd3 : 4'd1) === 4'b00x1", "(1'bx ? 4'd3 : 4'd1)",
+        "(1'bx ? 4'b1100 : 4'b1010) === 4'b1xx0", "(1'bz ? i : i) == -4"})
+    EXPECT_EQ(count(std::string("i == -4 && (") + yes + ")"), "1\n") << yes;
 }
 
 TEST_F(OtherKinds, EventsAreInstants) {

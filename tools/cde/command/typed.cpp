@@ -33,9 +33,11 @@ bool takes_value(const CLI::Option& option) {
   return option.get_items_expected_max() > 0;
 }
 
-/// "-1,2" is a value.
+/// "-1,2", "-inf 0" and "-(a)" are values.
 bool looks_like_option(std::string_view word) {
-  return word.size() > 1 && word.front() == '-' && std::isdigit(word[1]) == 0 && word[1] != '.';
+  if (word.starts_with("-inf") || word.starts_with("-nan")) return false;
+  return word.size() > 1 && word.front() == '-' &&
+         (std::isalpha(static_cast<unsigned char>(word[1])) != 0 || word[1] == '-');
 }
 
 bool is_question(const CLI::App& app, const CLI::Option* option) {
@@ -158,7 +160,9 @@ class Reader {
     const auto near = nearest_word(name, all);
     usage(fmt::format("{} has no option {}; {}", called(), in_quotes(name),
                       near ? fmt::format("did you mean {}?", *near)
-                           : fmt::format("`{} --help` lists them", called())));
+                      : name.find_first_of(" <>=+*/&|?") != std::string::npos
+                          ? "a value that begins with - and a letter stands behind --"
+                          : fmt::format("`{} --help` lists them", called())));
   }
 
   void option(const CLI::Option* o, const std::string& name, std::optional<std::string> value) {

@@ -26,6 +26,8 @@ struct Node {
   std::vector<std::unique_ptr<Node>> kids;
   unsigned width = 1;
   bool is_signed = false, real = false;
+  unsigned context = 0;         ///< width and sign that its surroundings give the value, which it
+  bool context_signed = false;  ///< has none of its own operands to give to; 0: none
   Value constant;
   std::size_t view = 0;
   Value last;  ///< of what looks back
@@ -37,10 +39,10 @@ constexpr std::array<std::string_view, 12> kFunctions = {
     "isnan", "isinf", "isunknown", "changed",  "rose",      "fell",
     "prev",  "past",  "signed",    "unsigned", "countones", "abs"};
 
-/// Parts of a signal have no sign in SystemVerilog.
+/// Parts of a signal have no sign in SystemVerilog, nor has a range of all its bits.
 bool signed_view(const View& v) {
   return v.form.kind == Form::Kind::kSigned ||
-         (v.form.kind == Form::Kind::kHex && v.signal.is_signed && v.width == v.signal.width);
+         (v.form.kind == Form::Kind::kHex && v.signal.is_signed && !v.indexed);
 }
 
 bool is_comparison(std::string_view op) {
@@ -62,13 +64,22 @@ struct Expression::Parsed {
   Tree root;
   bool looks_back = false;
 
+  /// In its context.
   Value value(Node& n);
+  Value own(Node& n);
   Value unary(Node& n);
   Value binary(Node& n);
   Value call(Node& n);
 };
 
 Value Expression::Parsed::value(Node& n) {
+  Value v = own(n);
+  if (n.context == 0 || v.real) return v;
+  v.is_signed = n.context_signed;
+  return extended(std::move(v), n.context);
+}
+
+Value Expression::Parsed::own(Node& n) {
   switch (n.kind) {
     case Node::Kind::kConstant:
       return n.constant;
@@ -82,11 +93,10 @@ Value Expression::Parsed::value(Node& n) {
       return call(n);
     case Node::Kind::kChoice: {
       const Truth t = truth(value(*n.kids[0]));
-      Value a = extended(value(*n.kids[1]), n.width), b = extended(value(*n.kids[2]), n.width);
+      Value a = value(*n.kids[1]), b = value(*n.kids[2]);
       if (n.real && !a.real) a = a.unknown() ? unknown_of(1, true) : of_real(as_real(a));
       if (n.real && !b.real) b = b.unknown() ? unknown_of(1, true) : of_real(as_real(b));
-      if (t == Truth::kUnknown && !identical(a, b)) return unknown_of(n.width, n.real);
-      return t == Truth::kNo ? b : a;
+      return t == Truth::kUnknown ? merged(a, b) : t == Truth::kNo ? b : a;
     }
     case Node::Kind::kJoin: {
       std::string bits;
@@ -102,13 +112,11 @@ Value Expression::Parsed::unary(Node& n) {
   if (n.op == "!") return of_truth(inverse(truth(a)));
   if (n.op == "+" || n.op == "-") {
     if (a.real) return a.unknown() ? a : of_real(n.op == "-" ? -a.d : a.d);
-    a = extended(a, n.width);
     if (a.unknown()) return unknown_of(n.width);
     if (n.op == "-") a.v = (0 - a.v) & mask(n.width);
     return a;
   }
   if (n.op == "~") {
-    a = extended(a, n.width);
     a.v = ~a.v & mask(n.width) & ~a.x;
     return a;
   }
@@ -123,15 +131,7 @@ Value Expression::Parsed::binary(Node& n) {
     return l == Truth::kUnknown || r == Truth::kUnknown ? unknown_of(1)
                                                         : of_truth(inverse(decided));
   }
-  if (is_shift(n.op)) return shift(n.op, extended(a, n.width), b, {n.width, n.is_signed, n.real});
-  const unsigned width = is_comparison(n.op) ? std::max(a.width, b.width) : n.width;
-  const bool both = a.is_signed && b.is_signed;
-  a.is_signed = a.is_signed && both;
-  b.is_signed = b.is_signed && both;
-  if (!a.real && !b.real) {
-    a = extended(a, width);
-    b = extended(b, width);
-  }
+  if (is_shift(n.op)) return shift(n.op, a, b, {n.width, n.is_signed, n.real});
   if (n.op == "==" || n.op == "===") return equality(a, b, n.op == "===");
   if (n.op == "!=" || n.op == "!==") return of_truth(inverse(truth(equality(a, b, n.op == "!=="))));
   if (is_comparison(n.op)) return order(n.op, a, b);
@@ -187,6 +187,7 @@ class Parser {
     Tree root = choice();
     skip();
     if (at_ < text_.size()) fail(at_, "an operator or the end is expected here");
+    alone(*root);
     return root;
   }
 
@@ -242,17 +243,43 @@ class Parser {
     return all;
   }
 
-  /// A context gives operands its width before they are computed, as in SystemVerilog.
-  static void widen(Node& n, unsigned width) {
-    if (n.real || n.width >= width || width > 64) return;
-    const bool passes =
+  /// Width and sign go down to the operands before anything is computed (IEEE 1800, 11.6.1 and
+  /// 11.8.2). An expression by itself gives its own.
+  void alone(Node& n) { fit(n, n.width, n.is_signed); }
+
+  void fit(Node& n, unsigned width, bool is_signed) {
+    const bool computes =
         (n.kind == Node::Kind::kBinary && !is_comparison(n.op) && !is_logical(n.op)) ||
         (n.kind == Node::Kind::kUnary && (n.op == "-" || n.op == "+" || n.op == "~")) ||
         n.kind == Node::Kind::kChoice;
-    if (!passes) return;
-    n.width = width;
-    for (std::size_t i = n.kind == Node::Kind::kChoice ? 1 : 0; i < n.kids.size(); ++i)
-      if (i == 0 || !is_shift(n.op)) widen(*n.kids[i], width);
+    if (n.real) {
+      for (const Tree& kid : n.kids) alone(*kid);
+    } else if (computes) {
+      if (width > 64 && n.kind != Node::Kind::kChoice)
+        fail(n.at, fmt::format("this is computed with {} bits beside so many; {{}} around it keeps "
+                               "its own width, and at most 64 are computed with",
+                               width));
+      n.width = width;
+      n.is_signed = is_signed;
+      for (std::size_t i = 0; i < n.kids.size(); ++i) {
+        const bool operand = n.kind == Node::Kind::kChoice ? i > 0 : i == 0 || !is_shift(n.op);
+        if (operand)
+          fit(*n.kids[i], width, is_signed);
+        else
+          alone(*n.kids[i]);
+      }
+    } else {
+      n.context = width;
+      n.context_signed = is_signed;
+      if (n.kind == Node::Kind::kBinary && is_comparison(n.op) && !n.kids[0]->real &&
+          !n.kids[1]->real) {
+        const unsigned both = std::max(n.kids[0]->width, n.kids[1]->width);
+        const bool sign = n.kids[0]->is_signed && n.kids[1]->is_signed;
+        for (const Tree& kid : n.kids) fit(*kid, both, sign);
+      } else {
+        for (const Tree& kid : n.kids) alone(*kid);
+      }
+    }
   }
   void narrow_enough(const Node& n) {
     if (!n.real && n.width > 64)
@@ -286,10 +313,6 @@ class Parser {
       n->real = real;
       n->width = real ? 1 : is_shift(op) ? a->width : width;
       n->is_signed = is_shift(op) ? a->is_signed : a->is_signed && b->is_signed;
-    }
-    if (!is_logical(op) && !real) {
-      widen(*a, width);
-      if (!is_shift(op)) widen(*b, width);
     }
     n->kids = list(std::move(a), std::move(b));
     return n;

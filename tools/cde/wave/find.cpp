@@ -69,7 +69,7 @@ int find(const Request& r) {
     std::string shown;
     for (std::size_t i = 0; i < search.shown().size() && i < m.values.size(); ++i) {
       const View& v = search.shown()[i];
-      shown += fmt::format("  {}={}", v.label.substr(v.label.rfind('.') + 1), m.values[i]);
+      shown += fmt::format("  {}={}", v.short_label(), m.values[i]);
       values.push_back({{"name", v.label}, {"value", m.values[i]}});
     }
     if (r.json) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "wave/four_state.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -93,6 +94,15 @@ bool identical(const Value& a, const Value& b) {
   if (a.real || b.real)
     return a.x == b.x && std::bit_cast<std::uint64_t>(a.d) == std::bit_cast<std::uint64_t>(b.d);
   return a.wide == b.wide && a.v == b.v && a.x == b.x;
+}
+
+Value merged(const Value& a, const Value& b) {
+  if (a.real || b.real) return identical(a, b) ? a : unknown_of(1, true);
+  std::string bits = characters(a);
+  const std::string other = characters(b);
+  for (std::size_t i = 0; i < bits.size(); ++i)
+    if (bits[i] != other[i] || bits[i] == 'z') bits[i] = 'x';
+  return of_bits(bits, a.is_signed && b.is_signed);
 }
 
 Value equality(const Value& a, const Value& b, bool exact) {
@@ -188,19 +198,16 @@ Value arithmetic(char op, const Value& a, const Value& b, const Shape& n) {
 }
 
 Value shift(const std::string& op, const Value& a, const Value& by, const Shape& n) {
-  if (a.unknown() || by.unknown()) return unknown_of(n.width);
-  Value r = a;
-  const bool fill = op == ">>>" && n.is_signed && (a.v >> (a.width - 1) & 1) != 0;
-  const std::uint64_t all = mask(a.width);
-  if (by.v >= a.width)
-    r.v = fill ? all : 0;
-  else if (op == "<<")
-    r.v = a.v << by.v & all;
+  if (by.unknown()) return unknown_of(n.width);
+  // Unknown bits move as others do.
+  std::string bits = characters(a);
+  const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(by.v, bits.size()));
+  if (op == "<<")
+    bits = bits.substr(count) + std::string(count, '0');
   else
-    r.v = (a.v | (fill ? ~all : 0)) >> by.v;
-  if (fill && by.v < a.width && by.v > 0) r.v |= all & ~(all >> by.v);
-  r.v &= all;
-  return r;
+    bits = std::string(count, op == ">>>" && n.is_signed ? bits[0] : '0') +
+           bits.substr(0, bits.size() - count);
+  return of_bits(bits, n.is_signed);
 }
 
 Value reduction(const std::string& op, const Value& a) {

@@ -44,6 +44,9 @@ enum class Truth { kNo, kYes, kUnknown };
 /// Whether all bits are the same, unknown ones as well.
 [[nodiscard]] bool identical(const Value& a, const Value& b);
 
+/// What a choice between them is that nothing is known of: bits that are the same, others x.
+[[nodiscard]] Value merged(const Value& a, const Value& b);
+
 /// == or, exact, ===; of numbers that are no bits always ==.
 [[nodiscard]] Value equality(const Value& a, const Value& b, bool exact);
 /// <, <=, >, >= of at most 64 bits.

@@ -398,6 +398,11 @@ const Signal& find_signal(Trace& trace, std::string_view name) {
 
 std::vector<View> views(Trace& trace, const std::string& text, const Form& form) {
   Word w = split(text);
+  // A colon may be one of an escaped name.
+  if (!w.form.empty() &&
+      std::any_of(trace.signals().begin(), trace.signals().end(),
+                  [&](const Signal& s) { return s.name == text || s.name.ends_with('.' + text); }))
+    w = {text, {}, {}};
   Form wanted = form;
   if (!w.form.empty()) {
     const auto own = parse_form(w.form);
@@ -436,6 +441,7 @@ std::vector<View> views(Trace& trace, const std::string& text, const Form& form)
     v.label = s->name;
     if (!w.index.empty()) {
       narrow(v, w.index, text);
+      v.indexed = true;
       v.label += "[" + w.index + "]";
     }
     // A form for all is not one for signals that it does not fit.
@@ -451,6 +457,12 @@ std::vector<View> views(Trace& trace, const std::string& text, const Form& form)
   }
   if (all.empty()) usage(fmt::format("{}: the form fits no signal", in_quotes(text)));
   return all;
+}
+
+std::string_view View::short_label() const {
+  const std::size_t escaped = label.find('\\');
+  const std::size_t dot = label.rfind('.', escaped);
+  return std::string_view(label).substr(dot == std::string::npos ? 0 : dot + 1);
 }
 
 View view(Trace& trace, const std::string& text, const Form& form) {

@@ -47,8 +47,11 @@ struct View {
   Signal signal;
   std::string label;              ///< as it was asked for, with its whole name
   unsigned first = 0, width = 0;  ///< characters of a value that are taken
+  bool indexed = false;           ///< by bits or a lane
   Form form;
 
+  /// The label without scopes, whose last dot may be one of an escaped name.
+  [[nodiscard]] std::string_view short_label() const;
   [[nodiscard]] std::string_view bits(std::string_view value) const;
   [[nodiscard]] std::string text(std::string_view value) const;
 };
