@@ -61,10 +61,10 @@ TEST_F(Advise, JsonHasAllOfThemInTheSameOrder) {
   ASSERT_EQ(json.status, 0) << json.err;
   const auto j = nlohmann::json::parse(json.out);
   EXPECT_EQ(j["schema"], "cde.advise.1");
-  ASSERT_EQ(j["candidates"].size(), 16U);
-  EXPECT_TRUE(first_line(text).starts_with(j["candidates"][0]["pipe"].get<std::string>() + " on "));
+  ASSERT_EQ(j["advised"].size(), 16U);
+  EXPECT_TRUE(first_line(text).starts_with(j["advised"][0]["pipe"].get<std::string>() + " on "));
   bool meets = true;
-  for (const auto& c : j["candidates"]) {
+  for (const auto& c : j["advised"]) {
     EXPECT_EQ(c["meets"].get<bool>(), c["lacks"].empty());
     EXPECT_TRUE(meets || !c["meets"].get<bool>()) << "one that does not meet them is before it";
     meets = c["meets"];

@@ -227,6 +227,8 @@ TEST_F(ExplainLine, OfATestOrOfCdeQueryIsRead) {
   for (const std::string& line :
        {"  explain: cde explain sphere-sphere --format fp32 --arith host '" + words + "'",
         "  echo '" + words + "' | cde query sphere-sphere --format fp32 --arith host --lanes 8",
+        "echo '" + words +
+            "' | cde query sphere-sphere --bits -q --no-check --bundle F --arith host",
         "repeat with: yes " + std::string("0x1p+0,0,0,2,1.5,0,0,1") +
             " | head -n 3 | cde query sphere-sphere; echo $?",
         "explain it:  /x/cde explain sphere-sphere --arith host \"" + words + "\""}) {

@@ -89,6 +89,14 @@ NamedPair pair_in_line(const std::string& line) {
   if (typed[0] == "explain") found.options.arithmetic = "rtl";
   add_pair_options(*verb, found.options);
   known_words(verb->add_option("words", operands, ""), {}, "WORDS");
+  // What cde query takes beside them changes no answer.
+  bool flag = false;
+  std::string ignored;
+  if (typed[0] == "query") {
+    verb->add_flag("--bits,--json,--no-bundle,-q,--quiet,--check,--no-check", flag, "");
+    for (const char* option : {"--trace", "--trace-window", "--trace-scope", "--bundle"})
+      known_words(verb->add_option(option, ignored, ""), {}, "WORD");
+  }
   try {
     std::vector<std::string> rest = understood(app, typed);
     std::reverse(rest.begin(), rest.end());

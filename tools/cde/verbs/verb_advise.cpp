@@ -80,7 +80,7 @@ void run(const Options& o) {
                    {"pair", o.pair},
                    {"target", target.name},
                    {"tests", demands.tests},
-                   {"candidates", advice_json(sweep, demands, all)}});
+                   {"advised", advice_json(sweep, demands, all)}});
     put(json_text(report) + "\n");
   } else {
     put(advice_text(sweep, demands, target, all));

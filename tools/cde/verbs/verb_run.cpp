@@ -274,8 +274,10 @@ class Run {
           fmt::format("{:.6g} ms a frame at {:g} MHz, bus {}, memory {}",
                       played == 0 ? 0 : 1e3 * t.modelled / static_cast<double>(played),
                       scene_.card.clock_hz / 1e6, bus_name(scene_), memory_name(scene_)));
+      // A run that is stopped early has none.
+      const double rate = t.tests == 0 ? 0 : static_cast<double>(t.tests) / t.simulated / 1e6;
       row("simulation", fmt::format("{:.3g} s, {:.4g} M tests/s; reference {:.3g} s", t.simulated,
-                                    static_cast<double>(t.tests) / t.simulated / 1e6, t.checked));
+                                    rate, t.checked));
       if (t.bad != 0)
         row("bad input", fmt::format("{} primaries and secondaries, see above", t.bad));
       row("check", check_text());
