@@ -97,7 +97,9 @@ class OtherKinds : public Cli {
     const fstHandle i = w.signal("i", 32, FST_VT_VCD_INTEGER), b = w.signal("b", 8, FST_VT_SV_BYTE),
                     ev = w.signal("ev", 1, FST_VT_VCD_EVENT), odd = w.signal("\\odd+name!", 4),
                     wire = w.signal("wire", 8), twin = w.signal("twin", 4),
-                    other_twin = w.signal("twin", 4);
+                    other_twin = w.signal("twin", 4), colon = w.signal("\\we:ird", 4),
+                    dotted = w.signal("\\a.b[2]", 4), element = w.signal("\\mem[1]", 4),
+                    vector = w.signal("word", 4), other = w.signal("\\word[1]", 4);
     w.scope("u[1]");
     const fstHandle inner = w.signal("q [3:0]", 4);
     w.up();
@@ -111,6 +113,8 @@ class OtherKinds : public Cli {
       w.set(inner, t);
       w.set(twin, t);
       w.set(other_twin, 7 - t);
+      for (const fstHandle escaped : {colon, dotted, element, vector}) w.set(escaped, t);
+      w.set(other, 15 - t);
       if (t == 2 || t == 3 || t == 6) w.set(ev, 1);
     }
   }
@@ -168,6 +172,19 @@ TEST_F(OtherKinds, EventsAreInstants) {
 TEST_F(OtherKinds, ANameMayKeepItsBackslash) {
   EXPECT_EQ(count("\\odd+name! == 3"), "1\n");
   EXPECT_EQ(count("\\top.\\odd+name! == 3"), "1\n");
+}
+
+TEST_F(OtherKinds, AnEscapedNameMayHaveColonsDotsAndBrackets) {
+  EXPECT_EQ(count("\\we:ird  == 3"), "1\n");
+  EXPECT_EQ(count("\\a.b[2]  == 3"), "1\n");
+  EXPECT_EQ(cde({"wave", "find", "k.fst", "\\a.b[2]  == 3"}).out, "30ns  \\a.b[2]=3\n");
+  for (const char* name : {"top.\\we:ird", "\\we:ird", "\\we:ird:dec"})
+    EXPECT_TRUE(cde({"wave", "at", "k.fst", "30ns", name}).out.ends_with("top.\\we:ird  3\n"))
+        << name;
+  EXPECT_TRUE(cde({"wave", "at", "k.fst", "30ns", "mem[1]"}).out.ends_with("top.\\mem[1]  3\n"));
+  EXPECT_EQ(count("top.mem[1] == 3"), "1\n");
+  // A bit of a vector is nearer than a name like it.
+  EXPECT_TRUE(cde({"wave", "at", "k.fst", "30ns", "word[1]"}).out.ends_with("top.word[1]  1\n"));
 }
 
 TEST_F(OtherKinds, InstancesMayHaveIndices) {

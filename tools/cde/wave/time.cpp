@@ -107,9 +107,11 @@ std::optional<std::uint64_t> Times::cycle(std::uint64_t time) {
 std::uint64_t Times::edge(std::uint64_t number, const std::string& whole) {
   const auto& all = edges();
   if (number >= all.size())
-    usage(fmt::format("{} is outside of the file: {} rises {} times, the last is cyc:{}",
-                      in_quotes(whole), printable_name(clock().name), all.size(),
-                      all.empty() ? "-" : fmt::to_string(all.size() - 1)));
+    usage(fmt::format(
+        "{} is outside of the file: {} {}", in_quotes(whole), printable_name(clock().name),
+        all.empty()
+            ? "never rises"
+            : fmt::format("rises {} times, the last is cyc:{}", all.size(), all.size() - 1)));
   return all[number];
 }
 

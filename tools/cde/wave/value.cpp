@@ -414,9 +414,22 @@ std::vector<View> views(Trace& trace, const std::string& text, const Form& form)
   std::vector<const Signal*> found;
   // Elements of arrays have brackets in their names; else brackets are an index.
   const std::string inner = "*." + w.name;
-  const bool whole = std::any_of(
-      trace.signals().begin(), trace.signals().end(),
-      [&](const Signal& s) { return matches(w.name, s.name) || matches(inner, s.name); });
+  const auto named = [&](const std::string& name, const std::string& in_a_scope) {
+    return std::any_of(trace.signals().begin(), trace.signals().end(), [&](const Signal& s) {
+      return matches(name, s.name) || matches(in_a_scope, s.name);
+    });
+  };
+  bool whole = named(w.name, inner);
+  // An element of a memory that its writer has under an escaped name: mem[1] is \mem[1].
+  if (const std::size_t open = w.name.rfind('[');
+      !whole && open != std::string::npos &&
+      !named(w.name.substr(0, open), inner.substr(0, open + 2))) {
+    std::string escaped = w.name;
+    const std::size_t dot = escaped.rfind('.', open);
+    escaped.insert(dot == std::string::npos ? 0 : dot + 1, 1, '\\');
+    whole = named(escaped, "*." + escaped);
+    if (whole) w.name = escaped;
+  }
   const std::size_t bracket = w.name.rfind('[');
   if (!whole && bracket != std::string::npos && w.name.ends_with(']')) {
     w.index = w.name.substr(bracket + 1, w.name.size() - bracket - 2);
