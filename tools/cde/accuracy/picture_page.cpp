@@ -49,13 +49,7 @@ std::string picture(const PictureAccuracy& row, const Resolution& size) {
 
 /// The mesh and the wrong points of every pipe that has any, for the view in 3-D.
 nlohmann::ordered_json in_space(const std::vector<PictureAccuracy>& rows, const Mesh& mesh) {
-  std::vector<float> points;
-  for (const Eigen::Vector3f& v : mesh.vertices) points.insert(points.end(), v.begin(), v.end());
-  std::vector<std::uint32_t> corners;
-  for (const auto& face : mesh.faces) corners.insert(corners.end(), face.begin(), face.end());
-  nlohmann::ordered_json json = {{"points", base64_of(points)},
-                                 {"corners", base64_of(corners)},
-                                 {"colours", nlohmann::ordered_json::array()},
+  nlohmann::ordered_json json = {{"colours", nlohmann::ordered_json::array()},
                                  {"views", nlohmann::ordered_json::array()}};
   for (const char* colour : {"#ff6a4d", "#6cb2ff", "#ffb454"}) json["colours"].push_back(colour);
   for (const PictureAccuracy& row : rows) {
@@ -72,6 +66,13 @@ nlohmann::ordered_json in_space(const std::vector<PictureAccuracy>& rows, const 
                              {"at", base64_of(at)},
                              {"kinds", base64_of(kinds)}});
   }
+  if (json["views"].empty()) return json;  // nothing to show on the mesh
+  std::vector<float> points;
+  for (const Eigen::Vector3f& v : mesh.vertices) points.insert(points.end(), v.begin(), v.end());
+  std::vector<std::uint32_t> corners;
+  for (const auto& face : mesh.faces) corners.insert(corners.end(), face.begin(), face.end());
+  json["points"] = base64_of(points);
+  json["corners"] = base64_of(corners);
   return json;
 }
 

@@ -64,7 +64,7 @@ Vector<N> pull(const BasicCylinder<N>& x, const Vector<N>& p, N by) {
 }
 
 /// Weights of v1 and v2 of the point in a triangle that is about nearest to p: least squares, and
-/// limited to the triangle. 26 mul, 19 add, 2 div.
+/// limited to the triangle. 21 mul, 23 add and sub, 2 div.
 template <class N>
 std::array<N, 2> weights(const BasicTriangle<N>& t, const Vector<N>& p) {
   const Vector<N> e1 = sub<N>(t.v1, t.v0), e2 = sub<N>(t.v2, t.v0), w = sub<N>(p, t.v0);
