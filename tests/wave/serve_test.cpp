@@ -59,7 +59,7 @@ const type = async (id, text) => { $(id).value = text; $(id).dispatchEvent(new E
 const shown = () => [...$("list").children].filter((row) => !row.hidden);
 const names = () => shown().map((row) => row.children[0].textContent);
 const values = () => Object.fromEntries(shown().filter((row) => row.className.startsWith("signal")).map((row) => [row.children[0].textContent, row.children[1].title]));
-// Drawn by the processor alone (--disable-accelerated-2d-canvas): Chromium gives an accelerated canvas up at its second reading, and its edges are others.
+// Drawn by the processor alone (--disable-accelerated-2d-canvas), so that two pictures of the same are the same: Chromium may leave an accelerated canvas when it is read.
 const pixels = () => [...$("waves").getContext("2d").getImageData(0, 0, $("waves").width, $("waves").height).data];
 const drawn = () => { let hash = 7; for (const p of pixels()) hash = (hash * 31 + p) >>> 0; return hash; };
 const ink = () => { const p = pixels(), at = p.length - 4; let n = 0; for (let i = 0; i < p.length; i += 4) if (p[i] !== p[at] || p[i + 1] !== p[at + 1] || p[i + 2] !== p[at + 2]) ++n; return n; };
@@ -307,6 +307,12 @@ TEST_F(Serve, ValuesAtACursorAreThoseOfAt) {
 TEST_F(Serve, ZoomAndMovesChangeWhatIsDrawn) {
   NEEDS_BROWSER;
   const json told = ask(page({"a.fst"}), R"js(
+    const box = $("waves").getBoundingClientRect();
+    const pointer = (what, x, ctrlKey) => $("waves").dispatchEvent(new PointerEvent(what, { clientX: box.left + x, clientY: box.top + 40, button: 0, ctrlKey, bubbles: true, cancelable: true }));
+    $("waves").setPointerCapture = () => {};
+    told.about = $("about").textContent;
+    told.ends = [];
+    for (const x of [0, box.width - 1]) { pointer("pointerdown", x, false); pointer("pointerup", x, false); await settled(); told.ends.push($("cursors").textContent); }
     await key("0");
     told.drawn = [drawn()];
     for (const name of ["+", "+", "ArrowRight", "-", "0"]) { await key(name); told.drawn.push(drawn()); }
@@ -317,15 +323,16 @@ TEST_F(Serve, ZoomAndMovesChangeWhatIsDrawn) {
     await settled();
     told.drawn.push(drawn());
     told.ink = ink();
-    const box = $("waves").getBoundingClientRect();
-    const pointer = (what, x) => $("waves").dispatchEvent(new PointerEvent(what, { clientX: box.left + x, clientY: box.top + 40, button: 0, ctrlKey: true, bubbles: true, cancelable: true }));
-    $("waves").setPointerCapture = () => {};
-    pointer("pointerdown", 100); pointer("pointermove", 300); pointer("pointerup", 300);
+    pointer("pointerdown", 100, true); pointer("pointermove", 300, true); pointer("pointerup", 300, true);
     await settled();
     told.drawn.push(drawn());
   )js");
   const json& d = told["drawn"];
   ASSERT_EQ(d.size(), 9u);
+  EXPECT_TRUE(told["about"].get<std::string>().starts_with("0 to 195ns ")) << told["about"];
+  EXPECT_TRUE(told["ends"][0].get<std::string>().starts_with("A 0Shift"))
+      << "it opens with the whole window: " << told["ends"];
+  EXPECT_TRUE(told["ends"][1].get<std::string>().starts_with("A 195ns ")) << told["ends"];
   EXPECT_NE(d[0], d[1]);
   EXPECT_NE(d[1], d[2]);
   EXPECT_NE(d[2], d[3]);
