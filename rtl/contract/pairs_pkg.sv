@@ -91,9 +91,6 @@ package pairs_pkg;
   localparam int FACET_PAIRS =  // it is made of facet units, which can take turns (pair_hold.sv)
       1 << PAIR_OBB_OBB | 1 << PAIR_TRIANGLE_AABB | 1 << PAIR_TRIANGLE_OBB;
   localparam int BOX_PAIRS = 1 << PAIR_RAY_TRIANGLE;  // BOX is an option of it (ray_box.sv)
-  localparam int VERDICT_PAIRS =  // narrow lanes can prove misses of it (verdict_pair.sv)
-      1 << PAIR_SPHERE_SPHERE | 1 << PAIR_SPHERE_OBB | 1 << PAIR_TRIANGLE_SPHERE | 1 << PAIR_TRIANGLE_AABB |
-      1 << PAIR_TRIANGLE_OBB | 1 << PAIR_OBB_OBB;
   localparam int SHORT_PAIRS =  // it takes few clocks
       1 << PAIR_RAY_TRIANGLE | 1 << PAIR_RAY_CYLINDER | 1 << PAIR_RAY_SPHERE | 1 << PAIR_SPHERE_SPHERE |
       1 << PAIR_SPHERE_PLANE;

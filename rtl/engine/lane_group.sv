@@ -190,9 +190,10 @@ module lane_group #(
             .DEPTH(config_pkg::pipe_depth(CONFIG)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
             .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
         ) pipe (
-            .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .prove_i(g_verdicts.prove), .valid_i(enter), .ready_o(ring_ready_o[p]),
-            .asked_i(g_verdicts.asked_mem[row] & {LANES{!bad}}), .a_i(a), .b_i(b), .valid_o(ring_valid_o[p]), .f_o(f), .t_o(t),
-            .cp_o(cp), .n_o(n), .open_o(open[p]), .latency_o(latency_o[p]));
+            .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .prove_i(g_verdicts.prove), .valid_i(enter),
+            .ready_o(ring_ready_o[p]), .asked_i(g_verdicts.asked_mem[row] & {LANES{!bad}}), .a_i(a),
+            .b_i(b), .valid_o(ring_valid_o[p]), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .open_o(open[p]),
+            .latency_o(latency_o[p]));
       end else if (RING) begin : g_ring
         logic [31:0] latency, unused_tag;
         logic [LANES-1:0][CW-1:0] unused_bad;

@@ -37,7 +37,7 @@ module verdict_pair #(
     output logic [15:0] latency_o
 );
   /*verilator inline_module*/
-  if (!pairs_pkg::has(pairs_pkg::VERDICT_PAIRS, PAIR)) $error("verdict_pair: PAIR must be one of VERDICT_PAIRS");
+  if (!pairs_pkg::has(config_pkg::VERDICT_PAIRS, PAIR)) $error("verdict_pair: PAIR must be one of VERDICT_PAIRS");
   if (NARROW_EXP > EXP || NARROW_MAN >= MAN) $error("verdict_pair: the narrow format must be narrower");
   localparam bit GATES = ARITH == "rtl";
   localparam int AW = $clog2(DEPTH);

@@ -336,8 +336,8 @@ void check_verdicts(const BoardConfig& c) {
                 "verdicts are of sphere-sphere, sphere-obb, triangle-sphere, triangle-aabb, "
                 "triangle-obb and obb-obb, of which the card has none");
   if (c.facet_interval != 1)
-    throw Error(ErrorCode::kUsage, fmt::format("with verdicts the facet interval is 1, not {}",
-                                               c.facet_interval));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("with verdicts the facet interval is 1, not {}", c.facet_interval));
 }
 
 }  // namespace

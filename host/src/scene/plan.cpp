@@ -142,6 +142,7 @@ BoardConfig board_of(const Scene& scene) {
   b.lanes = lanes_for(scene, b.pairs);
   b.arithmetic = scene.card.arithmetic;
   b.format = scene.card.format;
+  b.verdicts = scene.card.verdicts;
   b.algorithm = scene.card.algorithm;
   b.box = scene.card.box &&
           std::find(b.pairs.begin(), b.pairs.end(), Pair::kRayTriangle) != b.pairs.end();

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <span>
 
-#include "cde/reference/verdict/proof.hpp"
 #include "cde/fp/fp_format.hpp"
 #include "cde/geometry/pair.hpp"
+#include "cde/reference/verdict/proof.hpp"
 
 namespace cde::cli {
 

@@ -22,13 +22,18 @@ struct FreePipe {
   template <class A, class B, typename S = typename A::Scalar>
   Outcome<S> operator()(const A& a, const B& b) const {
     return scaled_answer<S>(a, b, [](const auto& x, const auto& y) {
-      if constexpr (kShapeOf<A> == Shape::kObb) return convex::obb_obb(x, y);
-      else if constexpr (kShapeOf<B> == Shape::kAabb) return convex::triangle_aabb(x, y);
+      if constexpr (kShapeOf<A> == Shape::kObb)
+        return convex::obb_obb(x, y);
+      else if constexpr (kShapeOf<B> == Shape::kAabb)
+        return convex::triangle_aabb(x, y);
       else if constexpr (kShapeOf<A> == Shape::kTriangle && kShapeOf<B> == Shape::kObb)
         return convex::triangle_obb(x, y);
-      else if constexpr (kShapeOf<A> == Shape::kTriangle) return convex::triangle_sphere(x, y);
-      else if constexpr (kShapeOf<B> == Shape::kObb) return convex::sphere_obb(x, y);
-      else return convex::sphere_sphere(x, y);
+      else if constexpr (kShapeOf<A> == Shape::kTriangle)
+        return convex::triangle_sphere(x, y);
+      else if constexpr (kShapeOf<B> == Shape::kObb)
+        return convex::sphere_obb(x, y);
+      else
+        return convex::sphere_sphere(x, y);
     });
   }
 };
