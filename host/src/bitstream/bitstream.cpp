@@ -335,6 +335,10 @@ void check_verdicts(const BoardConfig& c) {
     throw Error(ErrorCode::kUsage,
                 "verdicts are of sphere-sphere, sphere-obb, triangle-sphere, triangle-aabb, "
                 "triangle-obb and obb-obb, of which the card has none");
+  constexpr unsigned kMostLanes = 32;  // all of them share the one wide lane
+  if (c.lanes > kMostLanes)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("lanes is {}; with verdicts it must be 1 to {}", c.lanes, kMostLanes));
   if (c.facet_interval != 1)
     throw Error(ErrorCode::kUsage,
                 fmt::format("with verdicts the facet interval is 1, not {}", c.facet_interval));

@@ -131,7 +131,8 @@ unsigned lanes_for(const Scene& scene, const std::vector<Pair>& pairs) {
     most = std::max(most, std::min<std::uint64_t>(kPacket, count(scene, q.primaries)));
   if (scene.card.arithmetic == Arithmetic::kRtl)
     return std::min(std::bit_ceil(static_cast<unsigned>(most)), kMostLanesOfGates);
-  if (std::any_of(pairs.begin(), pairs.end(), plan_card::is_large)) return kLanesOfLargePipes;
+  if (scene.card.verdicts || std::any_of(pairs.begin(), pairs.end(), plan_card::is_large))
+    return kLanesOfLargePipes;
   return *std::find_if(std::begin(kLaneSteps), std::end(kLaneSteps),
                        [&](unsigned step) { return step >= most || step == kMostLanes; });
 }
