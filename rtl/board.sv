@@ -69,7 +69,8 @@ module board #(
   card_pkg::streamed_t streamed;
   logic bubble, stall, sec_pop, sec_bad, record_write;
   logic [3:0] ecc_corrected, ecc_failed;
-  assign events = {ecc_failed, ecc_corrected, record_write, writeback.valid, sec_bad, sec_pop, stall, bubble,
+  logic [1:0] open;
+  assign events = {open, ecc_failed, ecc_corrected, record_write, writeback.valid, sec_bad, sec_pop, stall, bubble,
       issue.valid};
   card_registers #(.CONFIG(CONFIG)) registers (
       .clk_i, .clk_engine_i(clk_engine), .rst_i, .bus_i(bus_request), .bus_o(bus_response), .irq_o, .clk_bus_o(clk_bus),
@@ -185,7 +186,7 @@ module board #(
       .clear_row_i(clear_row), .clear_mask_i(clear_mask), .issue_i(issue),
       .index_i(sec_index), .secondary_i(secondary), .secondary_bad_i(sec_bad), .mode_i(mode), .streaming_i(streaming),
       .valid_o(retire), .row_o(row), .index_o(index), .new_hits_o(new_hits), .f_o(f), .bad_o(bad),
-      .unmasked_o(unmasked), .latency_o(latency), .push_i(fifo_keep), .write_i(fifo_write),
+      .unmasked_o(unmasked), .latency_o(latency), .open_o(open), .push_i(fifo_keep), .write_i(fifo_write),
       .head_i(fifo_head), .streamed_i(streamed), .result_i(writeback), .result_index_o(result_index),
       .result_t_o(result_t), .result_point_o(result_point));
   record_fifo #(.LANES(CONFIG.lanes), .ROW_W(ROW_W), .DEPTH(config_pkg::FIFO_DEPTH)) fifo (

@@ -24,6 +24,7 @@ package card_pkg;
 
   // What happens in a clock of a pass of the engine, to be counted.
   typedef struct packed {
+    logic [1:0] open;           // pairs go through a wide pipe behind narrow lanes
     logic [3:0] ecc_failed;     // words
     logic [3:0] ecc_corrected;
     logic record;               // is written to SRAM

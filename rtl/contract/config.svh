@@ -13,6 +13,8 @@
 //   NORMALS       a command can ask for normals
 //   PARALLEL      two pipes can work on the same secondaries at a time
 //   FACET_II      of pairs with facets: clocks from one row to the next, 1 or 3
+//   VERDICT_EXP   0, or with VERDICT_MAN the format of narrow lanes that prove misses of pairs of solids
+//                 (verdict_pair.sv); the pair has one lane of the card's format behind them
 //   TRANSFORM     objects move by a rigid transform: pairs_pkg::TRANSFORM_*
 //   OBJECTS       entries of their table, 2 to 2,048; PRIM_OBJECTS of that of primaries
 //   ECC           1: words in DDR have check bits; single wrong bits are corrected
@@ -35,6 +37,8 @@
     parameter int NORMALS = 0, \
     parameter int PARALLEL = 0, \
     parameter int FACET_II = 1, \
+    parameter int VERDICT_EXP = 0, \
+    parameter int VERDICT_MAN = 0, \
     parameter int TRANSFORM = 0, \
     parameter int OBJECTS = 1024, \
     parameter int PRIM_OBJECTS = 64, \
@@ -48,9 +52,9 @@
     parameter int DDR_SLOTS = 55555555, \
     parameter int SRAM_RECORDS = 524288
 
-`define CARD_CONFIG {EXP, MAN, LANES, PRIMARIES, PAIRS, ALGORITHM, BOX, SWAP, NORMALS, PARALLEL, FACET_II, TRANSFORM, \
-    OBJECTS, PRIM_OBJECTS, ECC, LAT_ADD, LAT_MUL, LAT_DIV, LAT_SQRT, LAT_CMP, 32'(ARITH != "rtl"), DDR_SLOTS, \
-    SRAM_RECORDS, CONFIG_HASH}
+`define CARD_CONFIG {EXP, MAN, LANES, PRIMARIES, PAIRS, ALGORITHM, BOX, SWAP, NORMALS, PARALLEL, FACET_II, \
+    VERDICT_EXP, VERDICT_MAN, TRANSFORM, OBJECTS, PRIM_OBJECTS, ECC, LAT_ADD, LAT_MUL, LAT_DIV, LAT_SQRT, LAT_CMP, \
+    32'(ARITH != "rtl"), DDR_SLOTS, SRAM_RECORDS, CONFIG_HASH}
 
 `define CARD_FIELDS \
     int exp; \
@@ -64,6 +68,8 @@
     int normals; \
     int parallel; \
     int facet_ii; \
+    int verdict_exp; \
+    int verdict_man; \
     int transform; \
     int objects; \
     int prim_objects; \

@@ -18,6 +18,10 @@ module config_check #(
   if (CONFIG.facet_ii != 1 && CONFIG.facet_ii != 3) begin : g_interval
     $error("board: FACET_II must be 1 or 3");
   end
+  if (CONFIG.verdict_exp != 0 && (config_pkg::verdict_pairs(CONFIG) == 0 || CONFIG.facet_ii != 1 ||
+      CONFIG.verdict_exp > CONFIG.exp || CONFIG.verdict_man >= CONFIG.man)) begin : g_verdicts
+    $error("board: VERDICT_EXP and VERDICT_MAN are of a narrower format, and of pairs of solids with FACET_II = 1");
+  end
   if (CONFIG.transform < pairs_pkg::TRANSFORM_NONE || CONFIG.transform > pairs_pkg::TRANSFORM_BOTH ||
       (CONFIG.transform != pairs_pkg::TRANSFORM_NONE &&
        (CONFIG.objects < 2 || CONFIG.objects > 2048 || CONFIG.prim_objects < 2 ||

@@ -16,6 +16,27 @@ package config_pkg;
   function automatic int check_latency(input int lat_add, input int lat_mul, input int lat_cmp);
     check_latency = lat_mul + 3 * lat_add + lat_cmp;
   endfunction
+  // Pairs of which narrow lanes can prove misses (verdict_pair.sv).
+  localparam int VERDICT_PAIRS = 1 << pairs_pkg::PAIR_SPHERE_SPHERE | 1 << pairs_pkg::PAIR_SPHERE_OBB |
+      1 << pairs_pkg::PAIR_TRIANGLE_SPHERE | 1 << pairs_pkg::PAIR_TRIANGLE_AABB | 1 << pairs_pkg::PAIR_TRIANGLE_OBB |
+      1 << pairs_pkg::PAIR_OBB_OBB;
+  /* verilator lint_off UNUSEDSIGNAL */  // of a configuration they read some fields
+  // Pairs whose lanes are narrow ones with one wide one behind them (verdict_pair.sv).
+  function automatic int verdict_pairs(input config_t card);
+    verdict_pairs = (card.verdict_exp != 0) ? card.pairs & VERDICT_PAIRS : 0;
+  endfunction
+  // Pairs whose pipe keeps the order of rows, but not the time.
+  function automatic int ordered_pairs(input config_t card);
+    ordered_pairs = (card.pairs & pairs_pkg::RING_PAIRS) | verdict_pairs(card);
+  endfunction
+  // Clocks of any pipe, rings apart, and more: a power of two.
+  function automatic int pipe_depth(input config_t card);
+    int slowest;
+    slowest = (card.lat_add + card.lat_mul + card.lat_div + card.lat_sqrt + card.lat_cmp + 4) / 5;
+    pipe_depth = ((card.pairs & ~pairs_pkg::SHORT_PAIRS) != 0 || verdict_pairs(card) != 0) ? 256 : 64;
+    pipe_depth = pipe_depth << $clog2(slowest);
+  endfunction
+  /* verilator lint_on UNUSEDSIGNAL */
   function automatic int index_bits(input int n);  // to tell n things apart, at least one
     index_bits = (n > 1) ? $clog2(n) : 1;
   endfunction

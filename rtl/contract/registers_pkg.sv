@@ -57,14 +57,16 @@ package registers_pkg;
   localparam logic [11:0] REG_BAD_SEC = 12'h0E8;      // secondaries refused as bad input
   localparam logic [11:0] REG_SECONDARIES = 12'h0F0;  // secondaries swept
   localparam logic [11:0] REG_WRITTEN = 12'h0F8;      // records written to SRAM
-  localparam logic [31:0] REG_END = 32'h00000100;
+  localparam logic [11:0] REG_OPEN = 12'h100;         // pairs that narrow lanes left open (verdict_pair.sv)
+  localparam logic [31:0] REG_END = 32'h00000108;
 
   // ---- Counters of a pass: their registers, 64 bits each, unit by unit. Those of the engine are in card_registers; a
   // further unit brings its own (pass_counters.sv), in this order and behind the other registers, below REG_END ----
-  localparam int COUNTERS = 8;
+  localparam int COUNTERS = 9;
   localparam logic [0:12*COUNTERS-1] COUNTER_REGISTERS = {
-    REG_CYCLES, REG_WRITEBACK, REG_ROWS, REG_STALLS, REG_BUBBLES, REG_SECONDARIES, REG_BAD_SEC, REG_WRITTEN};
-  localparam int ENGINE_COUNTERS = 8;  // the first ones
+    REG_CYCLES, REG_WRITEBACK, REG_ROWS, REG_STALLS, REG_BUBBLES, REG_SECONDARIES, REG_BAD_SEC, REG_WRITTEN,
+    REG_OPEN};
+  localparam int ENGINE_COUNTERS = 9;  // the first ones
   function automatic logic [11:0] counter_register(input int counter);
     counter_register = COUNTER_REGISTERS[12*counter+:12];
   endfunction
@@ -100,7 +102,7 @@ package registers_pkg;
     logic [15:0] prim_objects;  // entries of the object tables
     logic [15:0] objects;
     logic [7:0] prim_words;     // words of a primary slot
-    logic reserved;
+    logic verdicts;             // narrow lanes prove misses of pairs of solids
     logic box;                  // box rule of ray-triangle
     logic ecc;                  // check bits in DDR
     logic [1:0] transform;      // pairs_pkg::TRANSFORM_*

@@ -77,6 +77,7 @@ module cde #(
     output logic [LANES-1:0] bad_o,
     output logic [LANES-1:0] unmasked_o,
     output logic [15:0] latency_o,
+    output logic [1:0] open_o,  // pairs that go through the wide pipe behind narrow lanes
 
     input logic push_i,
     input logic [FIFO_W-1:0] write_i,
@@ -93,7 +94,10 @@ module cde #(
 `else
   localparam int MOST = 8;
 `endif
-  localparam int GROUP = (ARITH != "rtl" && LANES > MOST) ? MOST : LANES;
+  localparam int ORDERED = config_pkg::ordered_pairs(CONFIG);
+  // Narrow lanes share a wide one, so they are one group: those of two would not keep step.
+  localparam bit APART = ARITH != "rtl" && LANES > MOST && config_pkg::verdict_pairs(CONFIG) == 0;
+  localparam int GROUP = APART ? MOST : LANES;
   localparam int GROUPS = LANES / GROUP;
   localparam int GLANE_W = (GROUP > 1) ? $clog2(GROUP) : 1;
   localparam int HITS_W = $clog2(GROUP + 1) + PARALLEL;
@@ -116,14 +120,14 @@ module cde #(
 
   // ---- What is in flight ----
   localparam bit MANY = (PAIRS & (PAIRS - 1)) != 0;
-  localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_SQRT + LAT_CMP + 4) / 5;
-  localparam int DEEPEST = (PAIRS & ~pairs_pkg::SHORT_PAIRS) != 0 ? 256 : 64;
-  localparam int HISTORY = DEEPEST << $clog2(SLOWEST);
+  localparam int HISTORY = config_pkg::pipe_depth(CONFIG);
   localparam int PORTS = 1 + PARALLEL;  // pairs in a pass
-  localparam bit RINGS = (PAIRS & pairs_pkg::RING_PAIRS) != 0;
+  localparam bit RINGS = ORDERED != 0;
   // rows of some pairs need more than a clock
   localparam bit TURNS = FACET_II != 1 && (PAIRS & pairs_pkg::FACET_PAIRS) != 0;
   localparam bit ISSUE = RINGS || (TURNS && ARITH == "rtl");  // some pipe wants to know when
+  // Rows that can be in flight where the order alone is kept.
+  localparam int IN_ORDER = formats_pkg::larger(pairs_pkg::RING_ROWS, 4 * HISTORY);
   logic [PORTS-1:0][3:0] pair;
   for (genvar k = 0; k < PORTS; k++) begin : pair_of
     assign pair[k] = MANY ? pair_i[k] : 4'($clog2(PAIRS));
@@ -147,9 +151,9 @@ module cde #(
         .valid_o(late_valid), .q_o(late_tag));
     if (RINGS) begin : g_ring  // keeps the order, not the time
       logic [ROW_W+33:0] next_tag;
-      assign of_ring = pairs_pkg::has(pairs_pkg::RING_PAIRS, int'(pair[k]));
+      assign of_ring = pairs_pkg::has(ORDERED, int'(pair[k]));
       assign ready_o[k] = rested && (!of_ring || group[0].ring_ready[pair[k]]);
-      issue_order #(.W(ROW_W + 34), .DEPTH(pairs_pkg::RING_ROWS)) order (
+      issue_order #(.W(ROW_W + 34), .DEPTH(IN_ORDER)) order (
           .clk_i, .rst_i, .push_i(issue_i.valid[k] && of_ring), .d_i(tag),
           .pop_i(of_ring && group[0].ring_valid[pair[k]]),
           .q_o(next_tag));
@@ -184,7 +188,7 @@ module cde #(
     if (MANY && ((PAIRS >> p) & 1) != 0) begin : g_gate
       clock_gate gate (.clk_i,
           .enable_i(pair_i[0] == 4'(p) || (PARALLEL != 0 && pair_i[1] == 4'(p)) ||
-          (pairs_pkg::has(pairs_pkg::RING_PAIRS, p) && rst_i)), .clk_o(clk_pipe[p]));
+          (pairs_pkg::has(ORDERED, p) && rst_i)), .clk_o(clk_pipe[p]));
     end else begin : g_none
       assign clk_pipe[p] = 1'b0;
     end
@@ -212,6 +216,8 @@ module cde #(
     assign result[0] = result_i.valid;
   end
   logic [HITS_W-1:0] new_hits[GROUPS];
+  logic [1:0] open[GROUPS];
+  assign open_o = open[0];  // narrow lanes are one group
   logic [31:0] result_index[GROUPS];
   logic [CW-1:0] result_t[GROUPS];
   logic [POINTS-1:0][CW-1:0] result_point[GROUPS];
@@ -233,7 +239,8 @@ module cde #(
         .pair_i(pair_i[PORTS-1:0]), .gap_i(gap_o[PORTS-1:0]), .swap_i(swap_i[PORTS-1:0]), .clk_pipe_i(clk_pipe),
         .row_i(row_in), .secondary_i(secondary), .rst_i(RINGS && rst_i), .budget_i(RINGS ? budget_i : '0),
         .issue_i(ISSUE ? issue_i.valid[PORTS-1:0] : '0), .ring_row_i(RINGS ? row[PORTS-1:0] : '0),
-        .ring_secondary_i(RINGS ? secondary_i : '0), .ring_ready_o(ring_ready), .ring_valid_o(ring_valid),
+        .ring_secondary_i(RINGS ? secondary_i : '0), .ring_bad_i(RINGS && secondary_bad_i),
+        .ring_ready_o(ring_ready), .ring_valid_o(ring_valid), .open_o(open[g]),
         .latency_o(latency_pipes), .valid_i(valid_o[PORTS-1:0]), .row_out_i(row_out), .parity_i(parity),
         .index_i(index), .secondary_bad_i(secondary_bad), .mode_i, .streaming_i, .new_hits_o(new_hits[g]),
         .f_o(f_o[g*GROUP+:GROUP]), .bad_o(bad_o[g*GROUP+:GROUP]), .unmasked_o(unmasked_o[g*GROUP+:GROUP]),

@@ -56,13 +56,15 @@ module lane_group #(
     input logic [PORTS-1:0][ROW_W-1:0] row_i,  // row and secondary that enter the datapath
     input logic [PORTS-1:0][SEC_WORDS-1:0][CW-1:0] secondary_i,
     output logic [N_PAIRS-1:0][15:0] latency_o,
-    input logic [PORTS-1:0] issue_i,  // a row is issued: of pipes that are rings, and of gates with FACET_II = 3
-    input logic rst_i,  // of pipes that are rings; with both back ends they take a row when it is issued
+    input logic [PORTS-1:0] issue_i,  // a row is issued: of such pipes, and of gates with FACET_II = 3
+    input logic rst_i,  // of pipes that keep the order alone (config_pkg::ordered_pairs); they take a row when issued
     input logic [23:0] budget_i,
     input logic [PORTS-1:0][ROW_W-1:0] ring_row_i,
     input logic [SEC_WORDS-1:0][CW-1:0] ring_secondary_i,
+    input logic ring_bad_i,  // the secondary is
     output logic [N_PAIRS-1:0] ring_ready_o,
     output logic [N_PAIRS-1:0] ring_valid_o,
+    output logic [1:0] open_o,  // pairs that go through the wide pipe behind narrow lanes
 
     input logic [PORTS-1:0] valid_i,  // the row whose results leave it
     input logic [PORTS-1:0][ROW_W-1:0] row_out_i,
@@ -99,9 +101,24 @@ module lane_group #(
   // ---- Pipes; the one that is used is read. Where there are several, each has a register for its operands, so that an
   // idle one
   // does nothing ----
-  if ((PAIRS & pairs_pkg::RING_PAIRS) == 0) begin : g_no_ring
-    logic unused_ring;
-    assign unused_ring = &{1'b0, rst_i, budget_i, ring_row_i, ring_secondary_i};
+  localparam int ORDERED = config_pkg::ordered_pairs(CONFIG);
+  localparam int VERDICTS = config_pkg::verdict_pairs(CONFIG);
+  logic unused_ring;
+  assign unused_ring = &{1'b0, rst_i, budget_i, ring_row_i, ring_secondary_i, ring_bad_i};
+  logic [N_PAIRS-1:0] open;
+  if (VERDICTS != 0) begin : g_verdicts
+    logic [LANES-1:0] asked_mem[ROWS];  // lanes whose answers anybody asks for
+    always_ff @(posedge clk_i) if (clear_i) asked_mem[clear_row_i] <= ~(clear_mask_i | clear_bad_i);
+    logic prove;  // misses are not asked for
+    assign prove = mode_i == registers_pkg::MODE_ANY || mode_i == registers_pkg::MODE_HITS;
+    always_comb begin
+      open_o = '0;
+      for (int p = 0; p < N_PAIRS; p++) open_o = open_o + 2'(open[p]);
+    end
+  end else begin : g_no_verdicts
+    logic unused_open;
+    assign unused_open = &{1'b0, open};
+    assign open_o = '0;
   end
   localparam bit MANY = (PAIRS & (PAIRS - 1)) != 0;
   for (genvar p = 0; p < N_PAIRS; p++) begin : pair
@@ -118,6 +135,8 @@ module lane_group #(
       logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
       logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b;
       localparam bit RING = pairs_pkg::has(pairs_pkg::RING_PAIRS, p);
+      localparam bit VERDICT = pairs_pkg::has(VERDICTS, p);
+      localparam bit LATE = !pairs_pkg::has(ORDERED, p);  // the host's arithmetic takes the row when it is due
       localparam int INTERVAL = pairs_pkg::has(pairs_pkg::FACET_PAIRS, p) ? FACET_II : 1;
       logic of;  // which of the pass's pairs it is
       assign of = PARALLEL != 0 && pair_i[PORTS-1] == 4'(p);
@@ -126,15 +145,15 @@ module lane_group #(
       if (MANY) begin : g_register
         always_ff @(posedge clk_pipe_i[p]) enter <= issue;
         always_ff @(posedge clk_pipe_i[p]) begin
-          row <= RING ? ring_row_i[of] : row_i[of];
+          row <= LATE ? row_i[of] : ring_row_i[of];
           swap <= swap_i[of];
-          secondary <= RING ? ring_secondary_i[S_WORDS-1:0] : secondary_i[of][S_WORDS-1:0];
+          secondary <= LATE ? secondary_i[of][S_WORDS-1:0] : ring_secondary_i[S_WORDS-1:0];
         end
       end else begin : g_direct
         assign enter = issue;
-        assign row = RING ? ring_row_i[0] : row_i[0];
+        assign row = LATE ? row_i[0] : ring_row_i[0];
         assign swap = swap_i[0];
-        assign secondary = RING ? ring_secondary_i[S_WORDS-1:0] : secondary_i[0][S_WORDS-1:0];
+        assign secondary = LATE ? secondary_i[0][S_WORDS-1:0] : ring_secondary_i[S_WORDS-1:0];
         logic unused_of;
         assign unused_of = of;
       end
@@ -156,7 +175,26 @@ module lane_group #(
           assign b[k] = secondary[k];
         end
       end
-      if (RING) begin : g_ring
+      if (!VERDICT) begin : g_all_wide
+        assign open[p] = 1'b0;
+      end
+      if (VERDICT) begin : g_verdict
+        logic bad;
+        if (MANY) begin : g_bad_register
+          always_ff @(posedge clk_pipe_i[p]) bad <= ring_bad_i;
+        end else begin : g_bad_direct
+          assign bad = ring_bad_i;
+        end
+        verdict_pair #(
+            .PAIR(p), .NARROW_EXP(CONFIG.verdict_exp), .NARROW_MAN(CONFIG.verdict_man), .B_LANES(B_LANES),
+            .DEPTH(config_pkg::pipe_depth(CONFIG)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
+            .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+        ) pipe (
+            .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .prove_i(g_verdicts.prove), .valid_i(enter),
+            .ready_o(ring_ready_o[p]), .asked_i(g_verdicts.asked_mem[row] & {LANES{!bad}}), .a_i(a),
+            .b_i(b), .valid_o(ring_valid_o[p]), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .open_o(open[p]),
+            .latency_o(latency_o[p]));
+      end else if (RING) begin : g_ring
         logic [31:0] latency, unused_tag;
         logic [LANES-1:0][CW-1:0] unused_bad;
         logic [7:0][LANES-1:0][CW-1:0] b_lanes;
@@ -193,6 +231,7 @@ module lane_group #(
     end else begin : g_absent
       assign ring_ready_o[p] = 1'b1;
       assign ring_valid_o[p] = 1'b0;
+      assign open[p] = 1'b0;
       assign latency_o[p] = '0;
       logic unused_clk;
       assign unused_clk = clk_pipe_i[p];

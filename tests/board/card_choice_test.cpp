@@ -81,6 +81,7 @@ TEST_F(CardChoice, ParametersAreReadBack) {
                            .swap = true,
                            .normals = true,
                            .parallel = true,
+                           .verdicts = FpFormat::parse("fp16"),
                            .transform = Transformer::kBoth,
                            .objects = 32,
                            .primary_objects = 16,
@@ -94,7 +95,7 @@ TEST_F(CardChoice, ParametersAreReadBack) {
     ASSERT_TRUE(read);
     EXPECT_EQ(read->parameters(), card.parameters());
   }
-  EXPECT_EQ(odd.parameters().size(), 16u) << "each differs from the standard";
+  EXPECT_EQ(odd.parameters().size(), 18u) << "each differs from the standard";
   for (const std::vector<std::string>& none : {std::vector<std::string>{"ARITH=host", "LANES=3"},
                                                {"ARITH=soft"},
                                                {"LANES"},

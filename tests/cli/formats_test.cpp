@@ -97,6 +97,35 @@ TEST_F(FormatCli, SceneIsPlayedAndPlannedInTheFormat) {
   EXPECT_NE(plan.out.find("number format"), std::string::npos) << plan.out;
 }
 
+TEST_F(FormatCli, SceneWithVerdictsHasTheSameRecords) {
+  const auto spheres = [](const char* card) {
+    return std::string("frames = 2\n[card]\nlanes = 8\n") + card +
+           "\n[[object]]\nname = \"balls\"\nrandom = { shape = \"sphere\", count = 60, min = [-4, "
+           "-4, "
+           "-4], max = [4, 4, 4], size = [0.2, 0.9] }\n[[query]]\nname = \"pairs\"\npair = "
+           "\"sphere-sphere\"\nprimaries = \"balls\"\nsecondaries = \"balls\"\nmode = \"hits\"\n";
+  };
+  write("wide.toml", spheres(""));
+  write("narrow.toml", spheres("verdicts = \"fp16\""));
+  const Ran wide = cde({"run", "wide.toml", "--json"});
+  ASSERT_EQ(wide.status, 0) << wide.err;
+  const Ran narrow = cde({"run", "narrow.toml", "--json"});
+  ASSERT_EQ(narrow.status, 0) << narrow.err;
+  EXPECT_NE(narrow.err.find("fp16 lanes left "), std::string::npos) << narrow.err;
+  EXPECT_EQ(wide.err.find("verdicts"), std::string::npos) << wide.err;
+  const auto a = nlohmann::json::parse(wide.out), b = nlohmann::json::parse(narrow.out);
+  ASSERT_EQ(a["played"].size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto &all = a["played"][i]["queries"][0], &some = b["played"][i]["queries"][0];
+    EXPECT_GT(all["hits"], 0);
+    EXPECT_EQ(some["hits"], all["hits"]);
+    EXPECT_EQ(some["mismatches"], 0);
+    EXPECT_EQ(all["counters"]["open_pairs"], 0);
+    EXPECT_GE(some["counters"]["open_pairs"], some["hits"]);
+    EXPECT_LT(some["counters"]["open_pairs"].get<int>(), some["counters"]["tests"].get<int>() / 2);
+  }
+}
+
 TEST_F(FormatCli, AccuracyOfAScene) {
   write("ball.toml", scene("", kBall));
   const Ran ran = cde({"accuracy", "--scene", "ball.toml", "--frames", "1..2", "--formats",

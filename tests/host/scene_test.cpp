@@ -673,6 +673,46 @@ TEST(Plan, TakesTheBusAndTheCheckBitsThatAreAskedFor) {
   EXPECT_TRUE(effect(both, "ecc").used);
 }
 
+TEST(Plan, TakesTheVerdictsThatAreAskedFor) {
+  const auto spheres = [](const char* card, const char* mode) {
+    return fmt::format(
+        "[card]\n{}\n{}[[query]]\nname=\"q\"\npair=\"sphere-sphere\"\nprimaries=\"ball\"\n"
+        "secondaries=\"ball\"\nmode=\"{}\"\n",
+        card, kBall, mode);
+  };
+  const Plan none = plan(parse_scene(spheres("", "hits"), "s.toml"));
+  EXPECT_FALSE(none.board.verdicts);
+  EXPECT_FALSE(effect(none, "verdicts").used);
+  const Plan hits = plan(parse_scene(spheres("verdicts = \"bf16\"", "hits"), "s.toml"));
+  EXPECT_EQ(hits.board.verdicts, FpFormat::parse("bf16"));
+  EXPECT_TRUE(effect(hits, "verdicts").used);
+  EXPECT_EQ(effect(hits, "verdicts").choice, "bf16 lanes before one of fp32");
+  EXPECT_EQ(effect(hits, "verdicts").why, "asked for; misses are left out by q");
+  const Plan nearest = plan(parse_scene(spheres("verdicts = \"bf16\"", "nearest"), "s.toml"));
+  EXPECT_NE(effect(nearest, "verdicts").why.find("every pair goes through the wide lane"),
+            std::string::npos);
+  const auto refused = [&](const char* card, const char* why) {
+    try {
+      (void)plan(parse_scene(spheres(card, "hits"), "s.toml"));
+      ADD_FAILURE() << "not refused: " << card;
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find(why), std::string::npos) << e.what();
+    }
+  };
+  refused("verdicts = \"fp33\"", "card, verdicts: ");
+  refused("verdicts = 16", "card, verdicts: must be a text");
+  refused("verdicts = \"fp32\"", "need a card of a wider format than fp32");
+  refused("verdicts = \"fp24\"\nformat = \"fp16\"", "need a card of a wider format than fp24");
+  refused("verdicts = \"fp16\"\nlanes = 64", "with verdicts it must be 1 to 32");
+  refused("verdicts = \"fp16\"\nfacet_interval = 3", "the facet interval is 1, not 3");
+  try {
+    (void)plan(parse_scene("[card]\nverdicts = \"fp16\"\n" + kGood, "s.toml"));
+    ADD_FAILURE() << "rays have no verdicts";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("of which the card has none"), std::string::npos);
+  }
+}
+
 TEST(Plan, SaysWhoseTimesAreModelled) {
   const Plan bare = plan(parse_scene(kGood, "s.toml"));
   EXPECT_NE(effect(bare, "bus timing").why.find("host ideal, 64 bits, bursts of 4096 bytes"),

@@ -13,14 +13,14 @@
 #include <vector>
 
 #include "accuracy/verdict_pairs.hpp"
-#include "accuracy/verdict_proposal.hpp"
+#include "cde/reference/verdict/proposal.hpp"
 #include "counted.hpp"
 #include "in_docs.hpp"
 #include "operators.hpp"
 #include "oracle/families.hpp"
 #include "oracle/oracle.hpp"
 
-namespace cde::cli::verdict {
+namespace cde::reference::verdict {
 namespace {
 
 constexpr double kU = 0x1p-24;
@@ -183,4 +183,4 @@ TYPED_TEST(Verdict, LeavesLittleOpenOfRandomPairs) {
 }
 
 }  // namespace
-}  // namespace cde::cli::verdict
+}  // namespace cde::reference::verdict

@@ -252,6 +252,19 @@ void set_pairs(BoardConfig& c, unsigned set) {
     if ((set >> i & 1) != 0) c.pairs.push_back(static_cast<Pair>(i));
 }
 
+/// A number of the format of verdicts, 0 without them.
+template <auto Member>
+constexpr Field verdict_field(const char* name) {
+  return {name,
+          [](const BoardConfig& c) {
+            return c.verdicts ? static_cast<unsigned>((*c.verdicts).*Member) : 0u;
+          },
+          [](BoardConfig& c, unsigned value) {
+            if (!c.verdicts) c.verdicts = FpFormat{0, 0};
+            (*c.verdicts).*Member = static_cast<int>(value);
+          }};
+}
+
 constexpr Field kFields[] = {
     field<&BoardConfig::lanes>("LANES"),
     {"EXP", [](const BoardConfig& c) { return static_cast<unsigned>(c.format.exp_bits); },
@@ -265,6 +278,8 @@ constexpr Field kFields[] = {
     field<&BoardConfig::normals>("NORMALS"),
     field<&BoardConfig::parallel>("PARALLEL"),
     field<&BoardConfig::facet_interval>("FACET_II"),
+    verdict_field<&FpFormat::exp_bits>("VERDICT_EXP"),
+    verdict_field<&FpFormat::man_bits>("VERDICT_MAN"),
     field<&BoardConfig::ecc>("ECC"),
     field<&BoardConfig::transform>("TRANSFORM"),
     field<&BoardConfig::objects>("OBJECTS", Transformer::kSecondaries),
@@ -305,6 +320,32 @@ void check_card_format(FpFormat format) {
           : fmt::format("a card has no {}; its formats are {}", format.name(), known));
 }
 
+namespace {
+
+void check_verdicts(const BoardConfig& c) {
+  if (!c.verdicts) return;
+  const FpFormat narrow = *c.verdicts;
+  check_card_format(narrow);
+  if (narrow.exp_bits > c.format.exp_bits || narrow.man_bits >= c.format.man_bits)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("verdicts in {} need a card of a wider format than {}; fp16, bf16, "
+                            "tf32 and fp24 before fp32, for instance",
+                            narrow.name(), c.format.name()));
+  if (std::none_of(c.pairs.begin(), c.pairs.end(), has_verdicts))
+    throw Error(ErrorCode::kUsage,
+                "verdicts are of sphere-sphere, sphere-obb, triangle-sphere, triangle-aabb, "
+                "triangle-obb and obb-obb, of which the card has none");
+  constexpr unsigned kMostLanes = 32;  // all of them share the one wide lane
+  if (c.lanes > kMostLanes)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("lanes is {}; with verdicts it must be 1 to {}", c.lanes, kMostLanes));
+  if (c.facet_interval != 1)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("with verdicts the facet interval is 1, not {}", c.facet_interval));
+}
+
+}  // namespace
+
 std::vector<std::string> BoardConfig::parameters() const {
   const auto require = [](bool ok, const char* name, unsigned value, const char* range) {
     if (!ok)
@@ -331,6 +372,7 @@ std::vector<std::string> BoardConfig::parameters() const {
     throw Error(ErrorCode::kUsage, "two pipes at a time need a card with several pairs");
   if (pairs.empty()) throw Error(ErrorCode::kUsage, "a card has at least one pair");
   check_facet_interval(facet_interval, pairs);
+  check_verdicts(*this);
   if (box && std::find(pairs.begin(), pairs.end(), Pair::kRayTriangle) == pairs.end())
     throw Error(ErrorCode::kUsage, "the box rule is of ray-triangle, which the card has not");
   const BoardConfig standard;

@@ -71,6 +71,7 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   field("normals", card::kCaps3Normals.of(caps3), config.normals);
   field("two pairs at a time", card::kCaps3Parallel.of(caps3), config.parallel);
   field("box rule", card::kCaps3Box.of(caps3), config.box);
+  field("verdicts", card::kCaps3Verdicts.of(caps3), config.verdicts.has_value());
   field("check bits in DDR", card::kCaps3Ecc.of(caps3), config.ecc);
   field("transformer", card::kCaps3Transform.of(caps3), static_cast<unsigned>(config.transform));
   card.objects.entries = card::kCaps3Objects.of(caps3);
@@ -80,6 +81,7 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   card.has_normals = config.normals;
   card.parallel = config.parallel;
   card.facet_interval = config.facet_interval;
+  card.verdicts = config.verdicts.has_value();
   if (card.primaries == 0 || card.primaries > Stencil().size())
     refuse("number of primaries is out of range");
 }

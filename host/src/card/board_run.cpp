@@ -62,7 +62,13 @@ class Pass {
         std::max(reference::passes(*query.pair, query.budget),
                  query.second ? reference::passes(query.second->pair, query.budget) : 0u);
     const bool facets = has_facets(*query.pair) || (query.second && has_facets(query.second->pair));
-    const std::uint64_t clocks_a_row = passes != 0 ? passes : facets ? card.facet_interval : 1;
+    // Behind narrow lanes a row takes a clock a pair that they leave open.
+    const bool verdicts = card.verdicts && (has_verdicts(*query.pair) ||
+                                            (query.second && has_verdicts(query.second->pair)));
+    const std::uint64_t clocks_a_row = passes != 0 ? passes
+                                       : verdicts  ? card.lanes
+                                       : facets    ? card.facet_interval
+                                                   : 1;
     const std::uint64_t rows_total = rows * swept_ * clocks_a_row;
     streaming_ = query.mode == Mode::kAll || query.mode == Mode::kHits;
     const std::uint64_t records = streaming_ ? active_ * swept_ : active_;
@@ -231,6 +237,7 @@ class Pass {
     c.rows = card_.read_register(card::kRegRows);
     c.stalls = card_.read_register(card::kRegStalls);
     c.bubbles = card_.read_register(card::kRegBubbles);
+    if (card_.verdicts) c.open = card_.read_register(card::kRegOpen);
     c.bad_primaries = card_.read_register(card::kRegBadPrim);
     c.bad_secondaries = card_.read_register(card::kRegBadSec);
     const std::uint64_t ecc = card_.read_register(card::kRegEcc);

@@ -62,6 +62,10 @@ bool has_facets(Pair pair) {
   return contract::has(contract::kFacetPairs, pair);
 }
 
+bool has_verdicts(Pair pair) {
+  return contract::has(contract::kVerdictPairs, pair);
+}
+
 void check_facet_interval(unsigned interval, std::span<const Pair> pairs) {
   if (interval != 1 && interval != 3)
     throw Error(ErrorCode::kUsage, fmt::format("facet interval is {}, expected 1 or 3", interval));

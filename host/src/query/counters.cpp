@@ -18,6 +18,7 @@ Counters& Counters::operator+=(const Counters& other) {
   rows += other.rows;
   stalls += other.stalls;
   bubbles += other.bubbles;
+  open += other.open;
   bad_primaries += other.bad_primaries;
   bad_secondaries += other.bad_secondaries;
   corrected_words += other.corrected_words;

@@ -27,14 +27,14 @@ std::vector<std::string> pair_names() {
 
 const std::vector<std::string> kModes = {"nearest", "farthest", "any", "all", "hits"};
 
-FpFormat read_format(Table& t) {
-  const std::string text = t.text("format", "fp32");
+FpFormat read_format(Table& t, const char* key = "format") {
+  const std::string text = t.text(key, "fp32");
   try {
     const FpFormat format = FpFormat::parse(text);
     check_card_format(format);
     return format;
   } catch (const Error& e) {
-    t.fail(e.code(), "format", e.what());
+    t.fail(e.code(), key, e.what());
   }
 }
 
@@ -54,6 +54,7 @@ SceneCard read_card(Table t) {
   }
   card.arithmetic = static_cast<Arithmetic>(t.choice("arithmetic", {"host", "rtl"}, 0));
   card.format = read_format(t);
+  if (t.has("verdicts")) card.verdicts = read_format(t, "verdicts");
   card.algorithm = static_cast<Algorithm>(
       t.choice("algorithm", {"moller", "badouel", "pluecker", "watertight"}, 0));
   card.box = t.flag("box", true);

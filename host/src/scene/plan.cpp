@@ -131,7 +131,8 @@ unsigned lanes_for(const Scene& scene, const std::vector<Pair>& pairs) {
     most = std::max(most, std::min<std::uint64_t>(kPacket, count(scene, q.primaries)));
   if (scene.card.arithmetic == Arithmetic::kRtl)
     return std::min(std::bit_ceil(static_cast<unsigned>(most)), kMostLanesOfGates);
-  if (std::any_of(pairs.begin(), pairs.end(), plan_card::is_large)) return kLanesOfLargePipes;
+  if (scene.card.verdicts || std::any_of(pairs.begin(), pairs.end(), plan_card::is_large))
+    return kLanesOfLargePipes;
   return *std::find_if(std::begin(kLaneSteps), std::end(kLaneSteps),
                        [&](unsigned step) { return step >= most || step == kMostLanes; });
 }
@@ -142,6 +143,7 @@ BoardConfig board_of(const Scene& scene) {
   b.lanes = lanes_for(scene, b.pairs);
   b.arithmetic = scene.card.arithmetic;
   b.format = scene.card.format;
+  b.verdicts = scene.card.verdicts;
   b.algorithm = scene.card.algorithm;
   b.box = scene.card.box &&
           std::find(b.pairs.begin(), b.pairs.end(), Pair::kRayTriangle) != b.pairs.end();
@@ -254,6 +256,24 @@ Effect number_format(const Plan& plan) {
       other ? "host arithmetic rounds to it in several steps; not measured" : "none"};
 }
 
+Effect verdicts(const Scene& scene, const Plan& plan) {
+  if (!plan.board.verdicts)
+    return {"verdicts", false, "none", "not asked for",
+            "would take a clock a row, and one a pair that is left open"};
+  std::vector<std::string_view> spared;
+  for (const SceneQuery& q : scene.queries)
+    if (has_verdicts(q.pair) && (q.mode == Mode::kHits || q.mode == Mode::kAny))
+      spared.push_back(q.name);
+  const std::string why =
+      spared.empty() ? "asked for, but no query of these pairs leaves misses out (modes any and "
+                       "hits): every pair goes through the wide lane"
+                     : fmt::format("asked for; misses are left out by {}", fmt::join(spared, ", "));
+  return {"verdicts", true,
+          fmt::format("{} lanes before one of {}", plan.board.verdicts->name(),
+                      plan.board.format.name()),
+          why, "a clock a row, and one a pair that is left open; not measured"};
+}
+
 Effect modes(const Scene& scene, const Plan& plan) {
   Effect e{"result mode", true, "", "", ""};
   for (std::size_t i = 0; i < plan.queries.size(); ++i) {
@@ -341,6 +361,7 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
       lanes(scene, plan),
       arithmetic(plan),
       number_format(plan),
+      verdicts(scene, plan),
       modes(scene, plan),
       normals(scene, plan),
       masks(plan),
@@ -366,7 +387,7 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
   };
   if (std::any_of(plan.queries.begin(), plan.queries.end(),
                   [](const QueryWork& w) { return w.self_pairs; }))
-    effects.insert(effects.begin() + 7, self_pairs(scene, plan));
+    effects.insert(effects.begin() + 8, self_pairs(scene, plan));
   effects.insert(effects.begin() + 4, movers.begin(), movers.end());
   return effects;
 }

@@ -60,7 +60,7 @@ bool serves(const BoardConfig& card, const BoardConfig& planned, const SceneCard
   const bool rays = has(planned, Pair::kRayTriangle);
   return has_all(card, planned.pairs) && (asked.pairs.empty() || has_all(planned, card.pairs)) &&
          (!asked.lanes || card.lanes == planned.lanes) && card.arithmetic == planned.arithmetic &&
-         card.format == planned.format &&
+         card.format == planned.format && card.verdicts == planned.verdicts &&
          (!rays || (card.algorithm == planned.algorithm && card.box == planned.box)) &&
          (card.swap || !planned.swap) && (card.normals || !planned.normals) &&
          (card.trace || !planned.trace) && card.facet_interval == planned.facet_interval &&

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include "accuracy/verdict_proposal.hpp"
 #include "cde/fp/scalars.hpp"
 #include "cde/reference/pipes/dispatch.hpp"
+#include "cde/reference/verdict/proposal.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde::cli {
@@ -22,32 +22,34 @@ P shape_of(const std::uint64_t* words) {
 
 template <class N, template <class> class A, template <class> class B, class Test>
 void sweep(reference::Kinds<A<N>, B<N>>, Test test, Words a, Words b,
-           std::span<verdict::Certain> certain) {
+           std::span<reference::verdict::Certain> certain) {
   for (std::size_t i = 0; i < certain.size(); ++i) {
     const auto x = shape_of<A<float>>(&a[i * A<float>::kWords]);
     const auto y = shape_of<B<float>>(&b[i * B<float>::kWords]);
     certain[i] = reference::bad(x) || reference::bad(y)
-                     ? verdict::Certain::kNeither
-                     : verdict::judge(x, y, verdict::propose<N>(x, y, test));
+                     ? reference::verdict::Certain::kNeither
+                     : reference::verdict::judge(x, y, reference::verdict::propose<N>(x, y, test));
   }
 }
 
 }  // namespace
 
-bool has_verdicts(Pair pair) {
+bool has_proofs(Pair pair) {
   return primary_shape(pair) != Shape::kRay && secondary_shape(pair) != Shape::kPlane;
 }
 
 void test_certain(Pair pair, FpFormat narrow, const PairBudget& budget, Words a, Words b,
-                  std::span<verdict::Certain> certain) {
-  if (!has_verdicts(pair))
+                  std::span<reference::verdict::Certain> certain) {
+  if (!has_proofs(pair))
     throw Error(ErrorCode::kUsage, fmt::format("{} has no verdicts", name(pair)));
   const bool known = with_scalar(narrow, [&]<class N>() {
     reference::with_pair<N>(
         pair, Algorithm::kMoller, false, PlaneSide::kSurface, budget,
         [&]<class A, class B>(reference::Kinds<A, B> kinds, auto test) {
-          if constexpr (kShapeOf<A> != Shape::kRay && kShapeOf<B> != Shape::kPlane)
+          if constexpr (kShapeOf<A> != Shape::kRay && kShapeOf<B> == Shape::kCylinder)
             sweep<N>(kinds, test, a, b, certain);
+          else if constexpr (kShapeOf<A> != Shape::kRay && kShapeOf<B> != Shape::kPlane)
+            sweep<N>(kinds, reference::verdict::FreePipe(), a, b, certain);
         });
   });
   if (!known) throw Error(ErrorCode::kUsage, fmt::format("no pair in {}", narrow.name()));

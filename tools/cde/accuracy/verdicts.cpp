@@ -15,7 +15,7 @@ namespace cde::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using verdict::Certain;
+using reference::verdict::Certain;
 
 constexpr double kBand = 16 * 0x1p-24;  // of S
 constexpr std::uint64_t kAtOnce = 4096;

@@ -33,6 +33,7 @@ Json counters_json(const Counters& c) {
           {"stall_cycles", c.stalls},
           {"bubble_cycles", c.bubbles},
           {"writeback_cycles", c.writeback},
+          {"open_pairs", c.open},
           {"secondaries", c.secondaries},
           {"bad_primaries", c.bad_primaries},
           {"bad_secondaries", c.bad_secondaries},

@@ -19,8 +19,8 @@ namespace cde::cli {
                                                     std::uint64_t config_hash);
 
 /// What the card counted: "tests", "rows", "device_cycles" of the passes, "stall_cycles" and
-/// "bubble_cycles" in them, "writeback_cycles" behind them, "secondaries", "bad_primaries",
-/// "bad_secondaries", "corrected_words".
+/// "bubble_cycles" in them, "writeback_cycles" behind them, "open_pairs", "secondaries",
+/// "bad_primaries", "bad_secondaries", "corrected_words".
 [[nodiscard]] nlohmann::ordered_json counters_json(const Counters& counters);
 
 /// Modelled seconds, parts of a whole: "upload", "compute", "write_back", "download", "registers",

@@ -299,7 +299,7 @@ std::vector<VerdictRow> verdict_rows(const Options& o) {
     of.budgets = {"4,2,2"};
   std::vector<VerdictRow> rows;
   for (const AccuracyPipe& pipe : card_pipes(of)) {
-    if (!has_verdicts(pipe.pair)) {
+    if (!has_proofs(pipe.pair)) {
       if (o.pairs.empty()) continue;
       throw Error(ErrorCode::kUsage,
                   fmt::format("--verdicts is of pairs of solids without a plane, not of {}",

@@ -120,7 +120,8 @@ class RecordFile {
 };
 
 struct Totals {
-  std::uint64_t records = 0, compared = 0, mismatches = 0, corrected = 0, hits = 0, tests = 0;
+  std::uint64_t records = 0, compared = 0, mismatches = 0, corrected = 0, hits = 0, tests = 0,
+                open = 0;
   std::uint64_t bad = 0;  // primaries and secondaries, each as often as it was refused
   double modelled = 0, simulated = 0, checked = 0;
 
@@ -131,6 +132,7 @@ struct Totals {
     corrected += q["counters"]["corrected_words"].get<std::uint64_t>();
     hits += q["hits"].get<std::uint64_t>();
     tests += q["counters"]["tests"].get<std::uint64_t>();
+    open += q["counters"]["open_pairs"].get<std::uint64_t>();
     modelled += q["modelled_seconds"]["total"].get<double>();
     simulated += q["simulation_seconds"].get<double>();
     checked += q["reference_seconds"].get<double>();
@@ -270,6 +272,12 @@ class Run {
       row("scene", printable_name(scene_.file));
       row("frames", fmt::format("{} of {}..{}", played, frames_.first, frames_.last));
       row("tests", fmt::format("{}, {} records, {} hits", t.tests, t.records, t.hits));
+      if (scene_.card.verdicts)
+        row("verdicts", fmt::format("{} lanes left {} pairs to the wide one, {:.3g} %",
+                                    scene_.card.verdicts->name(), t.open,
+                                    t.tests == 0 ? 0
+                                                 : 100 * static_cast<double>(t.open) /
+                                                       static_cast<double>(t.tests)));
       row("modelled time",
           fmt::format("{:.6g} ms a frame at {:g} MHz, bus {}, memory {}",
                       played == 0 ? 0 : 1e3 * t.modelled / static_cast<double>(played),

@@ -43,6 +43,10 @@ struct BoardConfig {
   bool parallel = false;        ///< a pass can use two pipes at a time (Query::second)
   unsigned facet_interval = 1;  ///< clocks from row to row of pairs with facets, 1 or 3: with 3 the
                                 ///< gates of three facets are one unit's (has_facets)
+  std::optional<FpFormat> verdicts =
+      std::nullopt;  ///< narrow lanes prove misses of pairs of solids
+                     ///< (has_verdicts) in modes any and hits, and one lane of
+                     ///< `format` tests what they leave open: the same records
   Transformer transform = Transformer::kNone;  ///< objects (Board::set_objects) can move
   unsigned objects = 1024;                     ///< that the card's table holds, 2 to 2,048
   unsigned primary_objects = 64;               ///< likewise

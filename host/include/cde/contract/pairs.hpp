@@ -107,6 +107,10 @@ inline constexpr std::uint32_t kFacetPairs =
     set_of({Pair::kObbObb, Pair::kTriangleAabb, Pair::kTriangleObb});
 /// The box rule is an option of it.
 inline constexpr std::uint32_t kBoxPairs = set_of({Pair::kRayTriangle});
+/// Narrow lanes can prove misses of it (BoardConfig::verdicts).
+inline constexpr std::uint32_t kVerdictPairs =
+    set_of({Pair::kSphereSphere, Pair::kSphereObb, Pair::kTriangleSphere, Pair::kTriangleAabb,
+            Pair::kTriangleObb, Pair::kObbObb});
 /// It takes few clocks.
 inline constexpr std::uint32_t kShortPairs =
     set_of({Pair::kRayTriangle, Pair::kRayCylinder, Pair::kRaySphere, Pair::kSphereSphere,

@@ -51,16 +51,17 @@ enum Register : std::uint32_t {
   kRegBadSec = 0x0E8,       ///< secondaries refused as bad input
   kRegSecondaries = 0x0F0,  ///< secondaries swept
   kRegWritten = 0x0F8,      ///< records written to SRAM
-  kRegEnd = 0x100,
+  kRegOpen = 0x100,         ///< pairs that narrow lanes left open (BoardConfig::verdicts)
+  kRegEnd = 0x108,
 };
 
 /// Registers of the counters of a pass, unit by unit in the order in which a unit brings them.
 inline constexpr Register kCounterRegisters[] = {
-    kRegCycles,  kRegWriteback,   kRegRows,   kRegStalls,
-    kRegBubbles, kRegSecondaries, kRegBadSec, kRegWritten,
+    kRegCycles,      kRegWriteback, kRegRows,    kRegStalls, kRegBubbles,
+    kRegSecondaries, kRegBadSec,    kRegWritten, kRegOpen,
 };
 inline constexpr unsigned kCounters = std::size(kCounterRegisters);
-inline constexpr unsigned kEngineCounters = 8;  ///< the first ones
+inline constexpr unsigned kEngineCounters = 9;  ///< the first ones
 
 /// Object tables, in kSpaceReg above the registers, write only: entries of kObjectWords words
 /// (records.hpp).
@@ -102,8 +103,8 @@ inline constexpr Field kCapsLanes{0, 16}, kCapsPrimaries{16, 16}, kCapsExp{32, 8
     kCapsAlgorithm{48, 8};
 inline constexpr Field kCaps2Latency{0, 16}, kCaps2SramRecords{16, 32}, kCaps2Container{48, 8};
 inline constexpr Field kCaps3Pairs{0, 16}, kCaps3Swap{16}, kCaps3Normals{17}, kCaps3Parallel{18},
-    kCaps3Transform{19, 2}, kCaps3Ecc{21}, kCaps3Box{22}, kCaps3PrimWords{24, 8},
-    kCaps3Objects{32, 16}, kCaps3PrimObjects{48, 16};
+    kCaps3Transform{19, 2}, kCaps3Ecc{21}, kCaps3Box{22}, kCaps3Verdicts{23},
+    kCaps3PrimWords{24, 8}, kCaps3Objects{32, 16}, kCaps3PrimObjects{48, 16};
 inline constexpr Field kFaultAddr{0, 32}, kFaultSpace{32, kSpaceBits};
 inline constexpr Field kBudgetM{0, 8}, kBudgetK1{8, 8}, kBudgetK2{16, 8};
 inline constexpr std::uint32_t kBudgetReset = 0x080808;

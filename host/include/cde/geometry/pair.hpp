@@ -68,6 +68,9 @@ struct PairBudget {
 /// Whether the pair's pipe is made of facet units, which can take turns: obb-obb, triangle-aabb,
 /// triangle-obb.
 [[nodiscard]] bool has_facets(Pair pair);
+
+/// Whether narrow lanes can prove misses of a pair on a card (BoardConfig::verdicts).
+[[nodiscard]] bool has_verdicts(Pair pair);
 /// `interval`: clocks from one row of such pairs to the next, 1 or 3. Error kUsage if it is
 /// neither, or 3 where none of the pairs has facets.
 void check_facet_interval(unsigned interval, std::span<const Pair> pairs);

@@ -29,6 +29,7 @@ struct Counters {
   std::uint64_t stalls = 0;           ///< clocks the pipe waited for room for records, a cylinder
                                       ///< pipe's ring for a free slot, or facets for their turns
   std::uint64_t bubbles = 0;          ///< clocks the pipe waited for a triangle
+  std::uint64_t open = 0;             ///< BoardConfig::verdicts: pairs that narrow lanes left open
   std::uint64_t bad_primaries = 0;    ///< rays refused as bad input
   std::uint64_t corrected_words = 0;  ///< BoardConfig::ecc: words of DDR read with one wrong bit
   std::uint64_t bad_secondaries = 0;  ///< triangles refused as bad input

@@ -105,7 +105,8 @@ struct SceneCard {
   std::optional<unsigned> lanes;
   std::vector<Pair> pairs;  ///< pipes of the bitstream; empty: those of the queries
   Arithmetic arithmetic = Arithmetic::kHost;
-  FpFormat format = {};  ///< BoardConfig::format
+  FpFormat format = {};                             ///< BoardConfig::format
+  std::optional<FpFormat> verdicts = std::nullopt;  ///< BoardConfig::verdicts
   Algorithm algorithm = Algorithm::kMoller;
   bool box = true;          ///< of ray-triangle: a hit must lie in the triangle's box
   double clock_hz = 100e6;  ///< an assumption about the device

@@ -99,12 +99,11 @@ template <class P>
 
 }  // namespace scaling
 
-/// The answer of a pipe, test(a, b), to a pair of any size within the contract; that of bad input
-/// to what is not. tmin and tmax of a ray, and its T on the way out, are rounded once where they
-/// leave the format's normal range: 3 mul. A ray whose T or CP overflows misses.
+/// The answer of a pipe, test(a, b), to a pair of any size within the contract. tmin and tmax of a
+/// ray, and its T on the way out, are rounded once where they leave the format's normal range:
+/// 3 mul. A ray whose T or CP overflows misses.
 template <typename S, class A, class B, class Test>
-[[nodiscard]] Outcome<S> at_size_one(const A& a, const B& b, Test test) {
-  if (bad(a) || bad(b)) return bad_outcome<S>();
+[[nodiscard]] Outcome<S> scaled_answer(const A& a, const B& b, Test test) {
   if constexpr (!kScaled<A, B>) {
     return test(a, b);
   } else {
@@ -126,6 +125,13 @@ template <typename S, class A, class B, class Test>
       return r;
     }
   }
+}
+
+/// The same behind the check of the contract: that of bad input to what is not within it.
+template <typename S, class A, class B, class Test>
+[[nodiscard]] Outcome<S> at_size_one(const A& a, const B& b, Test test) {
+  if (bad(a) || bad(b)) return bad_outcome<S>();
+  return scaled_answer<S>(a, b, test);
 }
 
 }  // namespace cde::reference

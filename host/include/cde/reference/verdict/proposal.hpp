@@ -1,12 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "accuracy/verdict.hpp"
+#include "cde/reference/pipes/convex/obb_obb.hpp"
+#include "cde/reference/pipes/convex/sphere_obb.hpp"
+#include "cde/reference/pipes/convex/sphere_sphere.hpp"
+#include "cde/reference/pipes/convex/triangle_box.hpp"
+#include "cde/reference/pipes/convex/triangle_sphere.hpp"
+#include "cde/reference/verdict/proof.hpp"
 
-/// What a narrow pipe proposes of a pair in a wide format (verdict.hpp).
-namespace cde::cli::verdict {
+/// What a narrow pipe proposes of a pair in a wide format (proof.hpp,
+/// rtl/verdict/verdict_proposal.sv).
+namespace cde::reference::verdict {
+
+/// The pipe of a pair of solids without a ring (has_verdicts), of operands that nobody checked: a
+/// narrowed shape may be none, with a size of zero for instance, and then what comes out of the
+/// operators is proposed all the same.
+struct FreePipe {
+  template <class A, class B, typename S = typename A::Scalar>
+  Outcome<S> operator()(const A& a, const B& b) const {
+    return scaled_answer<S>(a, b, [](const auto& x, const auto& y) {
+      if constexpr (kShapeOf<A> == Shape::kObb)
+        return convex::obb_obb(x, y);
+      else if constexpr (kShapeOf<B> == Shape::kAabb)
+        return convex::triangle_aabb(x, y);
+      else if constexpr (kShapeOf<A> == Shape::kTriangle && kShapeOf<B> == Shape::kObb)
+        return convex::triangle_obb(x, y);
+      else if constexpr (kShapeOf<A> == Shape::kTriangle)
+        return convex::triangle_sphere(x, y);
+      else if constexpr (kShapeOf<B> == Shape::kObb)
+        return convex::sphere_obb(x, y);
+      else
+        return convex::sphere_sphere(x, y);
+    });
+  }
+};
 
 /// Words of a shape relative to `o` and times 2^-k, each rounded to the narrow scalar N.
 template <class N, template <class> class P, typename S>
@@ -86,7 +116,9 @@ template <class N, template <class> class A, template <class> class B, typename 
 [[nodiscard]] Proposal<S> propose(const A<S>& a, const B<S>& b, Test test) {
   const Body<A<S>> body(a);
   const Vector<S> o = body.origin;
-  const int k = stored_exponent(size_of_pair(body, Body<B<S>>(b))) - scaling::kBias<S>;
+  constexpr int kLeast = scaling::kBias<S> + kLengths<S>.low;
+  const int k =
+      std::max(stored_exponent(size_of_pair(body, Body<B<S>>(b))), kLeast) - scaling::kBias<S>;
   const A<N> x = narrowed<N, A, S>(a, o, k);
   const B<N> y = narrowed<N, B, S>(b, o, k);
   const Outcome<N> r = test(x, y);
@@ -106,4 +138,4 @@ template <class N, template <class> class A, template <class> class B, typename 
   return claim;
 }
 
-}  // namespace cde::cli::verdict
+}  // namespace cde::reference::verdict

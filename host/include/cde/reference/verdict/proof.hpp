@@ -13,10 +13,9 @@
 /// Certain hit, certain miss, uncertain (docs/verdicts.md). A pipe of a narrow format proposes a
 /// normal and a point; what decides is a short sum in the wide format, whose rounding is bounded
 /// without knowing anything of the pipe: a plane that separates the bodies is a proof of a miss, a
-/// point inside both a proof of a hit, wherever they come from. No card has it.
-namespace cde::cli::verdict {
-
-using namespace cde::reference;  // the operators
+/// point inside both a proof of a hit, wherever they come from. rtl/verdict/ has the proof of a
+/// miss (BoardConfig::verdicts).
+namespace cde::reference::verdict {
 
 enum class Certain : std::uint8_t { kNeither, kMiss, kHit };
 
@@ -163,17 +162,22 @@ Mask<S> both_have(const Body<A>& a, const Body<B>& b, const Proposal<S>& claim, 
   }
 }
 
+/// Proof that the plane with normal n separates them: rtl/verdict/verdict_proof.sv.
+template <class A, class B, typename S = typename A::Scalar>
+Mask<S> separates(const Body<A>& a, const Body<B>& b, const Vector<S>& n) {
+  const S size = size_of_pair(a, b), nn = dot<S>(n, n);
+  // A normal that is far from length one would make the terms larger than S.
+  return nn <= S(1.25) && size * S(kGap<S>) < gap_along(a, b, n, nn);
+}
+
 /// What is certain of A and B whatever the proposal is.
 template <class A, class B, typename S = typename A::Scalar>
 Certain judge(const A& shape_a, const B& shape_b, const Proposal<S>& claim) {
   const Body<A> a(shape_a);
   const Body<B> b(shape_b);
-  const S size = size_of_pair(a, b), nn = dot<S>(claim.n, claim.n);
-  // A normal that is far from length one would make the terms larger than S.
-  const Mask<S> apart =
-      nn <= S(1.25) && size * S(kGap<S>) < gap_along(a, b, Vector<S>(claim.n), nn);
-  const Mask<S> meet = both_have(a, b, claim, size * S(kDepth<S>));
+  const Mask<S> apart = separates(a, b, claim.n);
+  const Mask<S> meet = both_have(a, b, claim, size_of_pair(a, b) * S(kDepth<S>));
   return apart ? Certain::kMiss : meet ? Certain::kHit : Certain::kNeither;
 }
 
-}  // namespace cde::cli::verdict
+}  // namespace cde::reference::verdict

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage times of the parts of a verdict, and what two of them compute alike: docs/verdicts.md,
+// host/include/cde/reference/verdict/.
+`ifndef CDE_VERDICT_SVH
+`define CDE_VERDICT_SVH
+`include "convex.svh"
+
+// ---- body.sv: of what is relative to a shape's origin, and of its reach ----
+`define BODY_CORNERS(SHAPE) ((SHAPE) == pairs_pkg::SHAPE_TRIANGLE || (SHAPE) == pairs_pkg::SHAPE_AABB)
+`define LATENCY_BODY_REST(SHAPE) (`BODY_CORNERS(SHAPE) ? LAT_ADD : 0)
+`define LATENCY_BODY_REACH(SHAPE) (`LATENCY_BODY_REST(SHAPE) + (((SHAPE) == pairs_pkg::SHAPE_TRIANGLE) ? 3 * LAT_ADD : \
+  ((SHAPE) == pairs_pkg::SHAPE_SPHERE) ? 0 : 2 * LAT_ADD))
+// ---- body_support.sv: when its result is there, from when its operands are ----
+`define T_SUPPORT(SHAPE, T_REST, T_N, T_NN) (((SHAPE) == pairs_pkg::SHAPE_SPHERE) ? (T_NN) + LAT_ADD + 2 * LAT_MUL : \
+  ((SHAPE) == pairs_pkg::SHAPE_OBB) ? `DF_MAX2(T_REST, T_N) + 2 * `DF_LAT_DOT : \
+  ((SHAPE) == pairs_pkg::SHAPE_TRIANGLE) ? `DF_MAX2(T_REST, T_N) + `DF_LAT_DOT + 2 * LAT_CMP : \
+  `DF_MAX2(T_REST, (T_N) + LAT_CMP) + `DF_LAT_DOT)
+
+// Shapes relative to their origins, rest_a and rest_b, the vector between these, and S, the sum of all their sizes
+// (docs/verdicts.md). Of a_i and b_i at time 0; SHAPE_A, SHAPE_B.
+`define PAIR_SIZE \
+  localparam int T_rest_a = `LATENCY_BODY_REST(SHAPE_A); \
+  localparam int T_rest_b = `LATENCY_BODY_REST(SHAPE_B); \
+  localparam int T_reach_a = `LATENCY_BODY_REACH(SHAPE_A); \
+  localparam int T_reach_b = `LATENCY_BODY_REACH(SHAPE_B); \
+  logic [A_WORDS-4:0][LANES-1:0][CW-1:0] rest_a; \
+  logic [B_WORDS-4:0][LANES-1:0][CW-1:0] rest_b; \
+  `DF_SCALAR reach_a; \
+  `DF_SCALAR reach_b; \
+  body #(`DF_SAME, .SHAPE(SHAPE_A)) body_a (.clk_i, .words_i(a_i), .rest_o(rest_a), .reach_o(reach_a)); \
+  body #(`DF_SAME, .SHAPE(SHAPE_B)) body_b (.clk_i, .words_i(b_i), .rest_o(rest_b), .reach_o(reach_b)); \
+  `DF_VIN(origin_a, a_i[2:0], 0) \
+  `DF_VIN(origin_b, b_i[2:0], 0) \
+  `DF_VSUB(between, origin_b, origin_a) \
+  `DF_NORM1(apart, between) \
+  `DF_ADD(reach, reach_a, reach_b) \
+  `DF_ADD(size, reach, apart)
+`endif

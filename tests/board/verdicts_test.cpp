@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cards whose narrow lanes prove misses (BoardConfig::verdicts): records are those of the reference
+// in every mode, and what the wide lane took is what the mirror of the narrow lanes leaves open.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <span>
+#include <vector>
+
+#include "cde/fp/scalars.hpp"
+#include "cde/reference/verdict/proposal.hpp"
+#include "pair_records.hpp"
+
+namespace cde::testing {
+namespace {
+
+class Shapes {
+ public:
+  explicit Shapes(unsigned seed) : random_(seed) {}
+  void next(Sphere& x) { x = {point(), size_(random_)}; }
+  void next(Triangle& x) {
+    const Eigen::Vector3f at = point();
+    const auto corner = [&] { return Eigen::Vector3f(at + 0.3f * point()); };
+    x = {corner(), corner(), corner()};
+  }
+  void next(Aabb& x) {
+    const Eigen::Vector3f low = point();
+    x = {low, low + Eigen::Vector3f(size_(random_), size_(random_), size_(random_))};
+  }
+  void next(Obb& x) {
+    const Eigen::Vector3f c = point(), half(size_(random_), size_(random_), size_(random_));
+    const Eigen::Quaterniond turn(at_(random_), at_(random_), at_(random_), at_(random_));
+    x = {c, half, turn.normalized().toRotationMatrix().cast<float>()};
+  }
+
+ private:
+  Eigen::Vector3f point() { return {at_(random_), at_(random_), at_(random_)}; }
+  std::mt19937 random_;
+  std::uniform_real_distribution<float> at_{-4, 4}, size_{0.1f, 1.5f};
+};
+
+template <class A_, class B_, Pair kPair_>
+struct Bodies {
+  using A = A_;
+  using B = B_;
+  static constexpr Pair kPair = kPair_;
+};
+using All = ::testing::Types<
+    Bodies<Sphere, Sphere, Pair::kSphereSphere>, Bodies<Triangle, Sphere, Pair::kTriangleSphere>,
+    Bodies<Sphere, Obb, Pair::kSphereObb>, Bodies<Triangle, Aabb, Pair::kTriangleAabb>,
+    Bodies<Triangle, Obb, Pair::kTriangleObb>, Bodies<Obb, Obb, Pair::kObbObb>>;
+
+constexpr Pair kSpheres = Pair::kSphereSphere;
+
+/// A card whose lanes of fp16 stand before one of fp32.
+BoardConfig narrow_first(Arithmetic arithmetic, unsigned lanes, std::vector<Pair> pairs) {
+  BoardConfig c{.lanes = lanes, .arithmetic = arithmetic, .pairs = std::move(pairs)};
+  c.verdicts = FpFormat::parse("fp16");
+  c.ddr_slots = 1000;
+  c.sram_records = 64;
+  return c;
+}
+
+/// With operators of several clocks.
+BoardConfig slow(BoardConfig c) {
+  c.latency_add = c.latency_compare = 2;
+  c.latency_mul = 3;
+  c.latency_div = 9;
+  return c;
+}
+
+template <class P>
+std::vector<P> shapes(std::size_t count, unsigned seed) {
+  Shapes random(seed);
+  std::vector<P> all(count);
+  for (P& x : all) random.next(x);
+  return all;
+}
+
+/// Pairs whose operands the card takes, and of them those that the narrow lanes leave open.
+struct Pairs {
+  std::uint64_t good = 0, open = 0;
+};
+template <class A, class B>
+Pairs pairs_of(const std::vector<A>& a, const std::vector<B>& b) {
+  Pairs pairs;
+  for (const A& x : a)
+    for (const B& y : b) {
+      if (defect(x) || defect(y)) continue;
+      const auto claim = reference::verdict::propose<Fp16>(x, y, reference::verdict::FreePipe());
+      const bool miss = reference::verdict::separates(reference::verdict::Body(x),
+                                                      reference::verdict::Body(y), claim.n);
+      ++pairs.good;
+      pairs.open += miss ? 0 : 1;
+    }
+  return pairs;
+}
+
+/// Every mode, misses asked for before and after modes that do not ask for them.
+constexpr Mode kModes[] = {Mode::kHits,     Mode::kAny, Mode::kNearest,
+                           Mode::kFarthest, Mode::kAll, Mode::kHits};
+
+/// Loads the shapes, or the other way round, and holds every record and REG_OPEN to the references.
+template <class A, class B>
+void check(Board& board, Pair pair, const std::vector<A>& a, const std::vector<B>& b,
+           Query query = {}) {
+  const std::vector<PairResult> results = all_pairs(pair, a, b, query.swap);
+  const auto is_bad = [](const auto& shape) { return defect(shape).has_value(); };
+  std::vector<bool> bad;
+  if (query.swap) {
+    board.upload_shapes(std::span<const A>(a), false);
+    board.load_shapes(std::span<const B>(b));
+    std::transform(b.begin(), b.end(), std::back_inserter(bad), is_bad);
+  } else {
+    board.upload_shapes(std::span<const B>(b), false);
+    board.load_shapes(std::span<const A>(a));
+    std::transform(a.begin(), a.end(), std::back_inserter(bad), is_bad);
+  }
+  const std::vector<std::uint32_t> slots = in_order(query.swap ? a.size() : b.size());
+  const Pairs pairs = pairs_of(a, b);
+  query.pair = pair;
+  for (const Mode mode : kModes) {
+    SCOPED_TRACE(name_of(mode));
+    Counters counters;
+    query.mode = mode;
+    const auto records = board.run(query, &counters);
+    compare(records, expected(pair, results, slots, bad, mode, query.normals), mode);
+    if (mode != Mode::kAny) {  // which stops asking once it has a hit
+      EXPECT_EQ(counters.open, mode == Mode::kHits ? pairs.open : pairs.good);
+    }
+  }
+}
+
+template <class T>
+class Verdicts : public ::testing::Test {};
+TYPED_TEST_SUITE(Verdicts, All);
+
+TYPED_TEST(Verdicts, RecordsAreThoseOfWideLanes) {
+  Board board = Board::open(narrow_first(Arithmetic::kHost, 8, {TypeParam::kPair}));
+  check(board, TypeParam::kPair, shapes<typename TypeParam::A>(37, 1),
+        shapes<typename TypeParam::B>(61, 2));
+}
+
+std::vector<Sphere> spheres(std::size_t count, unsigned seed) {
+  std::vector<Sphere> all = shapes<Sphere>(count, seed);
+  all[count / 2].r = -1;
+  all[count / 3].c.x() = std::numeric_limits<float>::infinity();
+  return all;
+}
+
+TEST(VerdictCards, GatesAnswerTheSame) {
+  Board board = Board::open(narrow_first(Arithmetic::kRtl, 4, {kSpheres}));
+  check(board, kSpheres, spheres(37, 1), spheres(61, 2));
+}
+
+TEST(VerdictCards, OperatorsOfSeveralClocks) {
+  for (const Arithmetic arithmetic : {Arithmetic::kHost, Arithmetic::kRtl}) {
+    Board board = Board::open(slow(narrow_first(arithmetic, 4, {kSpheres})));
+    check(board, kSpheres, spheres(37, 1), spheres(61, 2));
+  }
+}
+
+/// Several pairs, roles exchanged, normals; a ring of records that is drained slowly. 200
+/// secondaries that all are asked for fill the slots where rows wait for the wide lane.
+TEST(VerdictCards, SeveralPairsUnderPressure) {
+  BoardConfig config = slow(narrow_first(Arithmetic::kHost, 8, {kSpheres, Pair::kSphereObb}));
+  config.pairs.push_back(Pair::kRayTriangle);
+  config.swap = config.normals = true;
+  Board board = Board::open(config);
+  const std::vector<Sphere> few = spheres(90, 1), many = spheres(200, 2);
+  const std::vector<Obb> boxes = shapes<Obb>(50, 3);
+  for (const std::uint32_t drain : {1u, 64u})
+    for (const bool swap : {false, true}) {
+      check(board, kSpheres, few, many, {.swap = swap, .normals = swap, .drain_records = drain});
+      check(board, Pair::kSphereObb, few, boxes,
+            {.swap = swap, .normals = !swap, .drain_records = drain});
+    }
+}
+
+/// Two such pairs in one pass answer as each by itself.
+TEST(VerdictCards, TwoPairsAtATime) {
+  BoardConfig config =
+      narrow_first(Arithmetic::kHost, 8, {kSpheres, Pair::kSphereObb, Pair::kTriangleSphere});
+  config.swap = config.parallel = true;
+  Board board = Board::open(config);
+  const std::vector<Sphere> primaries = spheres(40, 1), secondaries = spheres(150, 2);
+  const std::vector<Triangle> triangles = shapes<Triangle>(30, 3);
+  board.upload_shapes(std::span<const Sphere>(secondaries), false);
+  for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny}) {
+    SCOPED_TRACE(name_of(mode));
+    Counters alone, other, together;
+    board.load_shapes(std::span<const Sphere>(primaries));
+    std::vector<Record> wanted = board.run({.mode = mode, .pair = kSpheres}, &alone);
+    board.load_shapes(std::span<const Triangle>(triangles));
+    for (Record r : board.run({.mode = mode, .pair = Pair::kTriangleSphere}, &other)) {
+      r.primary += static_cast<std::uint32_t>(primaries.size());
+      wanted.push_back(r);
+    }
+    board.load_shapes(std::span<const Sphere>(primaries));
+    board.load_second_shapes(std::span<const Triangle>(triangles));
+    compare(
+        board.run(
+            {.mode = mode, .pair = kSpheres, .second = SecondPair{Pair::kTriangleSphere, false}},
+            &together),
+        wanted, mode);
+    if (mode != Mode::kAny) {
+      EXPECT_EQ(together.open, alone.open + other.open);
+    }
+  }
+}
+
+/// Slots masked out are not asked for, so they are nothing to leave open.
+TEST(VerdictCards, MaskedPrimariesAreNotOpen) {
+  Board board = Board::open(narrow_first(Arithmetic::kHost, 8, {kSpheres}));
+  const std::vector<Sphere> few = shapes<Sphere>(37, 1), many = shapes<Sphere>(61, 2);
+  board.upload_shapes(std::span<const Sphere>(many));
+  board.load_shapes(std::span<const Sphere>(few));
+  Query query{.mode = Mode::kAll, .pair = kSpheres};
+  for (std::size_t i = 1; i < few.size(); ++i) query.stencil.set(i);
+  Counters counters;
+  EXPECT_EQ(board.run(query, &counters).size(), many.size());
+  EXPECT_EQ(counters.open, many.size());
+}
+
+}  // namespace
+}  // namespace cde::testing
