@@ -17,6 +17,7 @@ using reference::cross;
 using reference::dot;
 using reference::in_interval;
 using reference::magnitude;
+using reference::Mask;
 using reference::max_num;
 using reference::Outcome;
 using reference::point_at;
@@ -30,11 +31,11 @@ using reference::Vector;
 /// The two roots of a t^2 + b t + c = 0 by (-b -+ sqrt(b^2 - 4 a c)) / 2 a.
 template <class S>
 struct Roots {
-  bool real;
+  Mask<S> real;
   S near, far;
-  Roots(S a, S b, S c) : real(false) {
+  Roots(S a, S b, S c) {
     const S discriminant = b * b - S(4) * a * c;
-    real = static_cast<bool>(S(0) <= discriminant);
+    real = S(0) <= discriminant;
     const S root = square_root(discriminant), twice = S(2) * a;
     near = (-b - root) / twice;
     far = (-b + root) / twice;
@@ -42,15 +43,15 @@ struct Roots {
 };
 
 /// Glassner (ed.), "An Introduction to Ray Tracing", 1989, chapter 2: the quadratic of |o + t d -
-/// c| = r. 17 mul, 2 div, 1 sqrt, 10 add, 6 sub, 5 cmp.
+/// c| = r. 18 mul, 2 div, 1 sqrt, 10 add, 6 sub, 5 cmp.
 template <class S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_sphere(const BasicRay<S>& ray, const BasicSphere<S>& sphere) {
   if constexpr (!AtSizeOne) return at_size_one<S>(ray, sphere, ray_sphere<S, true>);
   const Vector<S> f = sub<S>(ray.o, sphere.c);
   const Roots<S> roots(dot<S>(ray.d, ray.d), S(2) * dot<S>(f, ray.d),
                        dot<S>(f, f) - sphere.r * sphere.r);
-  const bool near_in = in_interval(ray, roots.near), far_in = in_interval(ray, roots.far);
-  const S t = near_in ? roots.near : roots.far;
+  const Mask<S> near_in = in_interval(ray, roots.near), far_in = in_interval(ray, roots.far);
+  const S t = select(near_in, roots.near, roots.far);
   return ray_outcome<S>(roots.real && (near_in || far_in), t, point_at(ray, t));
 }
 
@@ -65,12 +66,12 @@ template <class S, bool AtSizeOne = false>
                   dp = sub<S>(ray.d, scale<S>(cylinder.axis, da));
   const S rr = cylinder.radius * cylinder.radius;
   const Roots<S> roots(dot<S>(dp, dp), S(2) * dot<S>(fp, dp), dot<S>(fp, fp) - rr);
-  bool meets = false;
+  Mask<S> meets = false;
   S best(0);
-  const auto consider = [&](bool there, S t) {
-    if (!there || !in_interval(ray, t) || (meets && best <= t)) return;
-    meets = true;
-    best = t;
+  const auto consider = [&](Mask<S> there, S t) {
+    const Mask<S> nearer = there && in_interval(ray, t) && (!meets || t < best);
+    meets = meets || nearer;
+    best = select(nearer, t, best);
   };
   for (const S t : {roots.near, roots.far})
     consider(roots.real && magnitude(fa + t * da) <= cylinder.half_height, t);
