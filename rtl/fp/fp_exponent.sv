@@ -46,11 +46,6 @@ module fp_exponent #(
     localparam int EW = (CW - MAN < EXP + 2) ? CW - MAN : EXP + 2;
     localparam logic [CW-1:0] FRACTION = (CW'(1) << MAN) - 1;
     localparam logic [CW-1:0] SIGN = CW'(1) << (EXP + MAN);
-    logic [LANES-1:0][EW-1:0] ea, eb;
-    for (genvar l = 0; l < LANES; l++) begin : g_lane
-      assign ea[l] = EW'(a_i[l][MAN+:EXP]);
-      assign eb[l] = (OP == formats_pkg::EXPONENT_MOVE) ? b_i[l][MAN+:EW] : EW'(b_i[l][MAN+:EXP]);
-    end
     function automatic logic signed [EW-1:0] larger(input logic signed [EW-1:0] a, input logic signed [EW-1:0] b);
       larger = b ^ ((a ^ b) & negative(b - a));
     endfunction
@@ -60,19 +55,22 @@ module fp_exponent #(
     function automatic logic [CW-1:0] in_place(input logic signed [EW-1:0] v);  // with its sign
       in_place = CW'(v) << MAN;
     endfunction
-    logic [LANES-1:0][EW-1:0] moved;
-    always_comb begin
-      r = '0;
-      moved = '0;
-      for (int l = 0; l < LANES; l++)
-        if (OP == formats_pkg::EXPONENT_MAX) r[l] = in_place(larger(ea[l], eb[l]));
-        else if (OP == formats_pkg::EXPONENT_DOWN) r[l] = in_place(EW'(BIAS) - larger(ea[l], EW'(STORED)));
-        else if (OP == formats_pkg::EXPONENT_UP) r[l] = in_place(larger(ea[l], EW'(STORED)) - EW'(BIAS));
-        else begin
-          moved[l] = ea[l] + eb[l];
-          r[l] = (((CW'(moved[l][EXP-1:0]) << MAN) | (a_i[l] & FRACTION)) &
-                  {CW{~|(negative(ea[l] - EW'(1)) | negative(moved[l] - EW'(1)))}}) | (a_i[l] & SIGN);
-        end
+    for (genvar l = 0; l < LANES; l++) begin : g_lane
+      logic [EW-1:0] ea;
+      assign ea = EW'(a_i[l][MAN+:EXP]);
+      if (OP == formats_pkg::EXPONENT_MAX) begin : g_max
+        assign r[l] = in_place(larger(ea, EW'(b_i[l][MAN+:EXP])));
+      end else if (OP == formats_pkg::EXPONENT_DOWN) begin : g_down
+        assign r[l] = in_place(EW'(BIAS) - larger(ea, EW'(STORED)));
+      end else if (OP == formats_pkg::EXPONENT_UP) begin : g_up
+        assign r[l] = in_place(larger(ea, EW'(STORED)) - EW'(BIAS));
+      end else begin : g_move
+        logic [EW-1:0] moved;
+        logic below;  // the normal numbers, before or after
+        assign moved = ea + b_i[l][MAN+:EW];
+        assign below = &(negative(ea - EW'(1)) | negative(moved - EW'(1)));
+        assign r[l] = (((CW'(moved[EXP-1:0]) << MAN) | (a_i[l] & FRACTION)) & ~{CW{below}}) | (a_i[l] & SIGN);
+      end
     end
   end
   assign r_o = r;
