@@ -29,7 +29,7 @@ module fp_lanes #(
     logic unused_on;
     assign unused_on = on_i;
     // comparisons have nothing to cut
-    localparam int MOST = (OP <= formats_pkg::FP_SUB) ? 7 : (OP == formats_pkg::FP_MUL) ? 8 :
+    localparam int MOST = (OP <= formats_pkg::FP_SUB) ? 7 : (OP == formats_pkg::FP_MUL) ? 10 :
         (OP == formats_pkg::FP_DIV) ? MAN + 8 : (OP == formats_pkg::FP_SQRT) ? MAN + 6 : 0;
     localparam int CUTS = (LAT - 1 > MOST) ? MOST : LAT - 1;
     localparam int LW = formats_pkg::lane_word(EXP, MAN, LEAST);

@@ -3,7 +3,7 @@
 // operand of larger magnitude; only y needs normalising when two subnormals multiply to less than half of the smallest
 // subnormal (bias >= MAN + 2). Significands are multiplied as halves of H bits: so nothing is wider than the container,
 // and in gates than a multiplier block.
-// Latency: CUTS clocks, 0..8. Throughput: one a clock. Stall: none.
+// Latency: CUTS clocks, 0..10. Throughput: one a clock. Stall: none.
 module fp_mul_lane #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,
@@ -30,8 +30,9 @@ module fp_mul_lane #(
   localparam int H = (CW == 32 && !LEAST) ? 12 : (MAN + 2) / 2;
   localparam int D_SWAP = (CUTS >= 5) ? 1 : 0;
   localparam int D_LZC = (CUTS >= 8) ? 1 : 0;
-  localparam int D_NORM = (CUTS >= 2) ? 1 : 0;
-  localparam int D_PART = (CUTS == 1 || CUTS >= 3) ? 1 : 0;
+  // Blocks of multipliers lie apart: a second register for the wires to them, and for those from them.
+  localparam int D_NORM = (CUTS >= 10) ? 2 : (CUTS >= 2) ? 1 : 0;
+  localparam int D_PART = (CUTS >= 9) ? 2 : (CUTS == 1 || CUTS >= 3) ? 1 : 0;
   localparam int D_PROD = (CUTS >= 2) ? 1 : 0;
   localparam int D_COUNT = (CUTS >= 7) ? 1 : 0;
   localparam int D_SHIFT = (CUTS >= 4) ? 1 : 0;

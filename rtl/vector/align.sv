@@ -6,7 +6,12 @@ module align #(
     parameter int W = 1,     // >= 1
     parameter int FROM = 0,  // stage time of d_i
     parameter int TO = 0,    // stage time of q_o, >= FROM
-    parameter ARITH = "rtl"
+    parameter ARITH = "rtl",
+`ifdef SYNTHESIS
+    parameter int MEMORY = 5  // clocks from which the line is a memory: 4 bits take 6 LUTs then, not 4 registers a clock
+`else
+    parameter int MEMORY = 0  // never
+`endif
 ) (
     input logic clk_i,
     input logic [W-1:0] d_i,
@@ -14,6 +19,7 @@ module align #(
 );
   /*verilator inline_module*/
   localparam int DEPTH = (ARITH != "rtl") ? 0 : TO - FROM;
+  localparam int MOST = 17;  // clocks of one memory: 16 slots, and a register
   if (TO < FROM) begin : g_illegal
     $error("align: TO must not be before FROM");
   end
@@ -21,6 +27,23 @@ module align #(
     logic unused_clk;
     assign unused_clk = clk_i;
     assign q_o = d_i;
+  end else if (MEMORY != 0 && DEPTH > MOST) begin : g_memories
+    logic [W-1:0] q;
+    align #(.W(W), .TO(MOST), .MEMORY(MEMORY)) first (.clk_i, .d_i, .q_o(q));
+    align #(.W(W), .TO(DEPTH - MOST), .MEMORY(MEMORY)) others (.clk_i, .d_i(q), .q_o);
+  end else if (MEMORY != 0 && DEPTH >= MEMORY) begin : g_memory
+    // A slot is read and then written, so what it held comes out as late as there are slots, and a register is behind.
+    localparam int SLOTS = DEPTH - 1;
+    localparam int AW = $clog2(SLOTS);
+    (* ram_style = "distributed" *) logic [W-1:0] mem[SLOTS];
+    logic [W-1:0] q;
+    logic [AW-1:0] slot_q;
+    always_ff @(posedge clk_i) begin
+      q <= mem[slot_q];
+      mem[slot_q] <= d_i;
+      slot_q <= (slot_q >= AW'(SLOTS - 1)) ? '0 : slot_q + 1;
+    end
+    assign q_o = q;
   end else begin : g_delay
     for (genvar s = 0; s < DEPTH; s++) begin : stage
       logic [W-1:0] d, q;
