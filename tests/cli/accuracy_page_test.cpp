@@ -311,6 +311,11 @@ TEST_F(AccuracyPage, ClocksOfScenes) {
   };
   clock("plain.toml", 90e6, "measured of the whole lane");
   clock("box.toml", 70e6, "estimated: the least of its operators");
+  write("bf16.toml", scene("format = \"bf16\"\n"));
+  EXPECT_NE(plan({"bf16.toml", "--target", "ecp5-85"})
+                .err.find("no clock of ray-triangle moller box bf16"),
+            std::string::npos)
+      << "a card's format is what it is priced in";
   EXPECT_NE(plan({"plain.toml", "--target", "ecp5-85"}).out.find("\nclock      90 MHz, of ray-"),
             std::string::npos);
   const Ran both = plan({"clock.toml", "--target", "ecp5-85"}),

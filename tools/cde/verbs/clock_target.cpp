@@ -31,9 +31,13 @@ std::string settle_clock(ClockOptions& options, const std::vector<AccuracyPipe>&
 
 std::string settle_clock(ClockOptions& options, const BoardConfig& card) {
   std::vector<AccuracyPipe> pipes;
-  for (const Pair pair : card.pairs)
-    pipes.push_back(
-        {.pair = pair, .algorithm = card.algorithm, .box = card.box, .format = FpFormat{8, 23}});
+  const auto add = [&](Pair pair, FpFormat format) {
+    pipes.push_back({.pair = pair, .algorithm = card.algorithm, .box = card.box, .format = format});
+  };
+  for (const Pair pair : card.pairs) {
+    add(pair, card.format);
+    if (card.verdicts && has_verdicts(pair)) add(pair, *card.verdicts);
+  }
   return settle_clock(options, pipes,
                       {.add = card.latency_add,
                        .mul = card.latency_mul,
