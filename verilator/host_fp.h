@@ -386,12 +386,11 @@ inline Bits within(Bits a) {
 template <unsigned C, unsigned E, unsigned M, class Bits>
 inline Bits exponent(Bits a, Bits b) {
   using F = Format<E, M>;
-  const Bits x = a & F::kMag;
   if constexpr (is(C, Exponent::kMax)) {
-    const Bits y = b & F::kMag, more = mask<Bits>(x > y);
+    const Bits x = a & F::kInf, y = b & F::kInf, more = mask<Bits>(x > y);
     return (x & more) | (y & ~more);
   } else {
-    const Bits moved = x + b, below = (x - (1u << M)) | (moved - (1u << M));
+    const Bits x = a & F::kMag, moved = x + b, below = (x - (1u << M)) | (moved - (1u << M));
     return (moved & F::kMag & ~(Bits{} - (below >> 31))) | (a & F::kSign);
   }
 }
@@ -399,7 +398,7 @@ inline Bits exponent(Bits a, Bits b) {
 template <unsigned C, unsigned E, unsigned M, unsigned Least, class Bits>
 inline Bits shift(Bits a) {
   using F = Format<E, M>;
-  const Bits k = exponent<code(Exponent::kMax), E, M, Bits>(a & F::kInf, Bits{} + (Least << M));
+  const Bits k = exponent<code(Exponent::kMax), E, M, Bits>(a, Bits{} + (Least << M));
   const Bits one = Bits{} + (unsigned(F::kBias) << M);
   return is(C, Exponent::kDown) ? one - k : k - one;
 }

@@ -45,7 +45,7 @@ package formats_pkg;
   localparam int CLASS_NAN = 1;
   localparam int CLASS_POSITIVE = 2;  // a number above zero, +inf too
   localparam int CLASS_NONZERO = 3;
-  localparam int EXPONENT_MAX = 0;   // of fp_exponent: the larger of |a| and |b|, as bits
+  localparam int EXPONENT_MAX = 0;   // of fp_exponent: the larger exponent, in place
   localparam int EXPONENT_DOWN = 1;  // the shift by 2^-k, k the exponent of a
   localparam int EXPONENT_UP = 2;    // the shift by 2^k
   localparam int EXPONENT_MOVE = 3;  // a shifted by b

@@ -15,20 +15,21 @@ module issue_history #(
     output logic [W-1:0] q_o
 );
   localparam int AW = $clog2(DEPTH);
-  logic [AW-1:0] now_q, then_o;
+  logic [AW-1:0] now_q, then_q;  // an address that is a register: a subtraction before the memory was the longest path
   logic [DEPTH-1:0] valid_mem;
   logic [W-1:0] mem[DEPTH];
-  assign then_o = now_q - AW'(latency_i);
-  assign valid_o = valid_mem[then_o];
-  assign q_o = mem[then_o];
+  assign valid_o = valid_mem[then_q];
+  assign q_o = mem[then_q];
   always_ff @(posedge clk_i) begin
-    valid_mem[then_o] <= 0;  // read once, also when the latency grows between two passes
+    valid_mem[then_q] <= 0;  // read once, also when the latency grows between two passes
     valid_mem[now_q] <= valid_i;
     if (valid_i) mem[now_q] <= d_i;
     now_q <= now_q + 1;
+    then_q <= now_q + 1 - AW'(latency_i);
     if (rst_i) begin
       valid_mem <= '0;
       now_q <= '0;
+      then_q <= -AW'(latency_i);
     end
   end
 `ifndef SYNTHESIS

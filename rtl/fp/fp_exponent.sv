@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Work on the exponents of words, without arithmetic on their significands: how a pair is scaled by a power of two. A
 // shift is a number that is added to the bits of a word: k << MAN, negative ones in two's complement.
-//   EXPONENT_MAX  the larger of |a| and |b|, as bits
+//   EXPONENT_MAX  the larger exponent of a and b, where a word has it
 //   EXPONENT_DOWN the shift by 2^-k, k the exponent of a, at least LEAST
 //   EXPONENT_UP   the shift by 2^k
 //   EXPONENT_MOVE a shifted by b; what is below the normal numbers, before or after, becomes a zero of its sign
@@ -25,10 +25,8 @@ module fp_exponent #(
   localparam int BIAS = (1 << (EXP - 1)) - 1;
   localparam int STORED = LEAST + BIAS;
   logic [LANES-1:0][CW-1:0] r;
-  if (OP == formats_pkg::EXPONENT_DOWN || OP == formats_pkg::EXPONENT_UP) begin : g_one_operand
-    logic unused_b;
-    assign unused_b = &{1'b0, b_i};
-  end
+  logic unused;  // most bits of a word are not its exponent
+  assign unused = &{1'b0, a_i, b_i};
 `ifdef VERILATOR
   if (ARITH != "rtl" && CW == 32) begin : g_32
     always_comb begin
@@ -44,23 +42,35 @@ module fp_exponent #(
   if (1) begin : g_gates
     logic unused_on;
     assign unused_on = on_i;
+    // exponents in EW bits with their sign: a sum of two, and one less, fits, or wraps as it does in a word
+    localparam int EW = (CW - MAN < EXP + 2) ? CW - MAN : EXP + 2;
+    localparam logic [CW-1:0] FRACTION = (CW'(1) << MAN) - 1;
     localparam logic [CW-1:0] SIGN = CW'(1) << (EXP + MAN);
-    localparam logic [CW-1:0] INF = ((CW'(1) << EXP) - 1) << MAN;
-    localparam logic [CW-1:0] NORMAL = CW'(1) << MAN;
-    function automatic logic [CW-1:0] negative(input logic [CW-1:0] v);  // as a mask
-      negative = {CW{v[CW-1]}};
-    endfunction
-    function automatic logic [CW-1:0] larger(input logic [CW-1:0] a, input logic [CW-1:0] b);  // both below the top bit
+    function automatic logic signed [EW-1:0] larger(input logic signed [EW-1:0] a, input logic signed [EW-1:0] b);
       larger = b ^ ((a ^ b) & negative(b - a));
     endfunction
-    always_comb begin
-      r = '0;
-      for (int l = 0; l < LANES; l++)
-        if (OP == formats_pkg::EXPONENT_MAX) r[l] = larger(a_i[l] & ~SIGN, b_i[l] & ~SIGN);
-        else if (OP == formats_pkg::EXPONENT_DOWN) r[l] = (CW'(BIAS) << MAN) - larger(a_i[l] & INF, CW'(STORED) << MAN);
-        else if (OP == formats_pkg::EXPONENT_UP) r[l] = larger(a_i[l] & INF, CW'(STORED) << MAN) - (CW'(BIAS) << MAN);
-        else r[l] = (((a_i[l] & ~SIGN) + b_i[l]) & ~SIGN &
-                     ~negative(((a_i[l] & ~SIGN) - NORMAL) | ((a_i[l] & ~SIGN) + b_i[l] - NORMAL))) | (a_i[l] & SIGN);
+    function automatic logic signed [EW-1:0] negative(input logic signed [EW-1:0] v);  // as a mask
+      negative = {EW{v[EW-1]}};
+    endfunction
+    function automatic logic [CW-1:0] in_place(input logic signed [EW-1:0] v);  // with its sign
+      in_place = CW'(v) << MAN;
+    endfunction
+    for (genvar l = 0; l < LANES; l++) begin : g_lane
+      logic [EW-1:0] ea;
+      assign ea = EW'(a_i[l][MAN+:EXP]);
+      if (OP == formats_pkg::EXPONENT_MAX) begin : g_max
+        assign r[l] = in_place(larger(ea, EW'(b_i[l][MAN+:EXP])));
+      end else if (OP == formats_pkg::EXPONENT_DOWN) begin : g_down
+        assign r[l] = in_place(EW'(BIAS) - larger(ea, EW'(STORED)));
+      end else if (OP == formats_pkg::EXPONENT_UP) begin : g_up
+        assign r[l] = in_place(larger(ea, EW'(STORED)) - EW'(BIAS));
+      end else begin : g_move
+        logic [EW-1:0] moved;
+        logic below;  // the normal numbers, before or after
+        assign moved = ea + b_i[l][MAN+:EW];
+        assign below = &(negative(ea - EW'(1)) | negative(moved - EW'(1)));
+        assign r[l] = (((CW'(moved[EXP-1:0]) << MAN) | (a_i[l] & FRACTION)) & ~{CW{below}}) | (a_i[l] & SIGN);
+      end
     end
   end
   assign r_o = r;

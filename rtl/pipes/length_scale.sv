@@ -29,11 +29,17 @@ module length_scale #(
   localparam int LW = LANES * CW;
   localparam int LEAST = formats_pkg::length_low(EXP, MAN);
 
-  // ---- The largest, a tree: node i of 2i and 2i + 1, the words from N_LENGTHS on ----
+  // ---- The largest exponent, a tree: node i of 2i and 2i + 1, the words from N_LENGTHS on; LAT_CMP clocks, dealt out
+  // over its levels ----
   localparam int N_A = pairs_pkg::lengths(SHAPE_A);
   localparam int N_LENGTHS = N_A + pairs_pkg::lengths(SHAPE_B);
+  localparam int LEVELS = $clog2(N_LENGTHS);
   for (genvar i = 2 * N_LENGTHS - 1; i > 0; i--) begin : node
-    logic [LANES-1:0][CW-1:0] size;
+    localparam int LEVEL = $clog2(i + 1) - 1;  // 0: the root
+    localparam int FROM = (i < N_LENGTHS) ? LAT_CMP * (LEVELS - LEVEL - 1) / LEVELS : 0;
+    logic [LANES-1:0][CW-1:0] size, late;
+    align #(.W(LW), .FROM(FROM), .TO(LAT_CMP * (LEVELS - LEVEL) / LEVELS), .ARITH(ARITH)) align_size (
+        .clk_i, .d_i(size), .q_o(late));
     if (i >= N_LENGTHS + N_A) begin : g_b
       localparam int WORD = pairs_pkg::length_word(SHAPE_B, i - N_LENGTHS - N_A);  // not a call of every clock
       assign size = b_i[WORD];
@@ -42,11 +48,11 @@ module length_scale #(
       assign size = a_i[WORD];
     end else begin : g_larger
       fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MAX), .ARITH(ARITH)) larger (
-          .on_i, .a_i(node[2*i].size), .b_i(node[2*i+1].size), .r_o(size));
+          .on_i, .a_i(node[2*i].late), .b_i(node[2*i+1].late), .r_o(size));
     end
   end
   logic [LANES-1:0][CW-1:0] largest, down, back;
-  align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_largest (.clk_i, .d_i(node[1].size), .q_o(largest));
+  assign largest = node[1].late;
   fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_DOWN), .LEAST(LEAST), .ARITH(ARITH))
       shift_down (
       .on_i, .a_i(largest), .b_i('0), .r_o(down));
@@ -59,12 +65,14 @@ module length_scale #(
   logic [LANES-1:0][CW-1:0] ray_down, t_scale;  // the shift by 2^-kd, and the number 2^(kd - k)
   if (RAY) begin : g_ray
     localparam logic [CW-1:0] ONE = CW'((1 << (EXP - 1)) - 1) << MAN;
-    logic [LANES-1:0][CW-1:0] xy, xyz, steepest, t_back;
+    logic [LANES-1:0][CW-1:0] xy, xy_late, z_late, xyz, steepest, t_back;
     fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MAX), .ARITH(ARITH))
         larger_xy (.on_i, .a_i(a_i[3]), .b_i(a_i[4]), .r_o(xy));
     fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MAX), .ARITH(ARITH))
-        larger_xyz (.on_i, .a_i(xy), .b_i(a_i[5]), .r_o(xyz));
-    align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_steepest (.clk_i, .d_i(xyz), .q_o(steepest));
+        larger_xyz (.on_i, .a_i(xy_late), .b_i(z_late), .r_o(xyz));
+    align #(.W(2 * LW), .FROM(0), .TO(LAT_CMP / 2), .ARITH(ARITH)) align_xy (
+        .clk_i, .d_i({a_i[5], xy}), .q_o({z_late, xy_late}));
+    align #(.W(LW), .FROM(LAT_CMP / 2), .TO(LAT_CMP), .ARITH(ARITH)) align_steepest (.clk_i, .d_i(xyz), .q_o(steepest));
     fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_DOWN), .LEAST(LEAST), .ARITH(ARITH))
         shift_ray (
         .on_i, .a_i(steepest), .b_i('0), .r_o(ray_down));
@@ -83,7 +91,11 @@ module length_scale #(
     assign unused = &{1'b0, ray_down, t_scale};
   end
 
-  // ---- The words ----
+  // ---- The words: moved a clock after the shift is known, where there are two ----
+  localparam int MOVE = (LATENCY - LAT_CMP > 1) ? LAT_CMP + 1 : LAT_CMP;
+  logic [LANES-1:0][CW-1:0] down_late, ray_down_late;
+  align #(.W(2 * LW), .FROM(LAT_CMP), .TO(MOVE), .ARITH(ARITH)) align_down (
+      .clk_i, .d_i({ray_down, down}), .q_o({ray_down_late, down_late}));
   for (genvar k = 0; k < A_WORDS; k++) begin : word_a
     localparam int KIND = pairs_pkg::word_kind(SHAPE_A, k);
     logic [LANES-1:0][CW-1:0] late, scaled;
@@ -94,7 +106,8 @@ module length_scale #(
       assign unused_word = &{1'b0, late, scaled};
       align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_word (.clk_i, .d_i(a_i[k]), .q_o(a_o[k]));
     end else begin : g_scaled
-      align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_word (.clk_i, .d_i(a_i[k]), .q_o(late));
+      localparam int TIME = (KIND == pairs_pkg::WORD_INTERVAL) ? LAT_CMP : MOVE;
+      align #(.W(LW), .FROM(0), .TO(TIME), .ARITH(ARITH)) align_word (.clk_i, .d_i(a_i[k]), .q_o(late));
       if (KIND == pairs_pkg::WORD_INTERVAL) begin : g_interval
         fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH)) multiply (
             .clk_i, .a_i(late), .b_i(t_scale), .r_o(scaled), .flags_o());
@@ -102,18 +115,18 @@ module length_scale #(
             align_scaled (.clk_i, .d_i(scaled), .q_o(a_o[k]));
       end else begin : g_length
         fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH)) move (
-            .on_i, .a_i(late), .b_i((KIND == pairs_pkg::WORD_DIRECTION) ? ray_down : down), .r_o(scaled));
-        align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(a_o[k]));
+            .on_i, .a_i(late), .b_i((KIND == pairs_pkg::WORD_DIRECTION) ? ray_down_late : down_late), .r_o(scaled));
+        align #(.W(LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(a_o[k]));
       end
     end
   end
   for (genvar k = 0; k < B_WORDS; k++) begin : word_b
     if (pairs_pkg::is_length(SHAPE_B, k)) begin : g_length
       logic [LANES-1:0][CW-1:0] late, scaled;
-      align #(.W(LW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_word (.clk_i, .d_i(b_i[k]), .q_o(late));
+      align #(.W(LW), .FROM(0), .TO(MOVE), .ARITH(ARITH)) align_word (.clk_i, .d_i(b_i[k]), .q_o(late));
       fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH))
-          move (.on_i, .a_i(late), .b_i(down), .r_o(scaled));
-      align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(b_o[k]));
+          move (.on_i, .a_i(late), .b_i(down_late), .r_o(scaled));
+      align #(.W(LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(b_o[k]));
     end else begin : g_pure
       align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_word (.clk_i, .d_i(b_i[k]), .q_o(b_o[k]));
     end

@@ -24,15 +24,18 @@ module length_unscale #(
   /*verilator inline_module*/
   localparam int LATENCY = pairs_pkg::unscale_latency(RAY, LAT_MUL, LAT_CMP);
   localparam int LW = LANES * CW;
-  logic [LANES-1:0][CW-1:0] f, t;
-  logic [2:0][LANES-1:0][CW-1:0] cp, cp_late;
+  localparam int MOVE = (LATENCY > 1) ? 1 : 0;  // lengths are moved a clock after the shift came out of its memory
+  logic [LANES-1:0][CW-1:0] f, t, back;
+  logic [2:0][LANES-1:0][CW-1:0] cp_in, cp, cp_late;
+  align #(.W(4 * LW), .FROM(0), .TO(MOVE), .ARITH(ARITH)) align_in (
+      .clk_i, .d_i({cp_i, back_i}), .q_o({cp_in, back}));
   align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_f (.clk_i, .d_i(f_i), .q_o(f));
   align #(.W(3 * LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_n (.clk_i, .d_i(n_i), .q_o(n_o));
   for (genvar k = 0; k < 3; k++) begin : axis
     fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH))
-        move (.on_i, .a_i(cp_i[k]), .b_i(back_i), .r_o(cp[k]));
+        move (.on_i, .a_i(cp_in[k]), .b_i(back), .r_o(cp[k]));
   end
-  align #(.W(3 * LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_cp (.clk_i, .d_i(cp), .q_o(cp_late));
+  align #(.W(3 * LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) align_cp (.clk_i, .d_i(cp), .q_o(cp_late));
   if (RAY) begin : g_ray
     localparam logic [CW-1:0] INF = ((CW'(1) << EXP) - 1) << MAN;
     logic [LANES-1:0][CW-1:0] finite, t_late, near_late;
@@ -54,9 +57,11 @@ module length_unscale #(
   end else begin : g_solid
     logic unused;
     assign unused = &{1'b0, t_back_i};
+    logic [LANES-1:0][CW-1:0] t_in;
+    align #(.W(LW), .FROM(0), .TO(MOVE), .ARITH(ARITH)) align_t_in (.clk_i, .d_i(t_i), .q_o(t_in));
     fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH))
-        move_t (.on_i, .a_i(t_i), .b_i(back_i), .r_o(t));
-    align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_o));
+        move_t (.on_i, .a_i(t_in), .b_i(back), .r_o(t));
+    align #(.W(LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_o));
     assign f_o = f;
     assign cp_o = cp_late;
   end
