@@ -47,7 +47,7 @@ module board #(
 );
   localparam int ROW_W = config_pkg::index_bits(CONFIG.primaries / CONFIG.lanes);
   localparam int PRIM_W = $clog2(CONFIG.primaries);
-  localparam int FIFO_W = $clog2(config_pkg::FIFO_DEPTH);
+  localparam int FIFO_W = $clog2(config_pkg::fifo_depth(CONFIG));
   localparam int OBJECT_W = (CONFIG.transform != pairs_pkg::TRANSFORM_NONE) ? $clog2(CONFIG.objects) : 1;
   config_check #(.CONFIG(CONFIG)) check ();
 
@@ -189,7 +189,7 @@ module board #(
       .unmasked_o(unmasked), .latency_o(latency), .open_o(open), .push_i(fifo_keep), .write_i(fifo_write),
       .head_i(fifo_head), .streamed_i(streamed), .result_i(writeback), .result_index_o(result_index),
       .result_t_o(result_t), .result_point_o(result_point));
-  record_fifo #(.LANES(CONFIG.lanes), .ROW_W(ROW_W), .DEPTH(config_pkg::FIFO_DEPTH)) fifo (
+  record_fifo #(.LANES(CONFIG.lanes), .ROW_W(ROW_W), .DEPTH(config_pkg::fifo_depth(CONFIG))) fifo (
       .clk_i(clk_engine), .rst_i(rst_i | clear | flush), .hits_only_i(mode == registers_pkg::MODE_HITS),
       .push_i(retire[0] && streaming), .row_i(row), .index_i(index), .unmasked_i(unmasked), .f_i(f), .bad_i(bad),
       .keep_o(fifo_keep), .write_o(fifo_write), .credit_o(credit), .empty_o(fifo_empty),

@@ -6,7 +6,6 @@ package config_pkg;
   typedef struct packed {
     `CARD_FIELDS
   } config_t;
-  localparam int FIFO_DEPTH = 128;  // rows of the output FIFO
 
   // The parameter ARITH of units.
   function automatic logic [31:0] arith(input int host);
@@ -35,6 +34,11 @@ package config_pkg;
     slowest = (card.lat_add + card.lat_mul + card.lat_div + card.lat_sqrt + card.lat_cmp + 4) / 5;
     pipe_depth = ((card.pairs & ~pairs_pkg::SHORT_PAIRS) != 0 || verdict_pairs(card) != 0) ? 256 : 64;
     pipe_depth = pipe_depth << $clog2(slowest);
+  endfunction
+  // Rows of the output FIFO, and so rows in flight in the streaming modes: more than the clocks of a pipe, or of narrow
+  // lanes and the wide one behind them.
+  function automatic int fifo_depth(input config_t card);
+    fifo_depth = (verdict_pairs(card) != 0) ? 2 * pipe_depth(card) : 128;
   endfunction
   /* verilator lint_on UNUSEDSIGNAL */
   function automatic int index_bits(input int n);  // to tell n things apart, at least one

@@ -24,7 +24,7 @@ module cde #(
     localparam int LAT_SQRT = CONFIG.lat_sqrt,
     localparam int LAT_CMP = CONFIG.lat_cmp,
     localparam ARITH = config_pkg::arith(CONFIG.host),
-    localparam int FIFO_DEPTH = config_pkg::FIFO_DEPTH,
+    localparam int FIFO_DEPTH = config_pkg::fifo_depth(CONFIG),
     localparam int CW = formats_pkg::container(EXP, MAN),
     localparam int PRIM_WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0),
     localparam int SEC_WORDS = pairs_pkg::slot_words(PAIRS, 0, SWAP != 0),

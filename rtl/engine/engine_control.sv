@@ -8,7 +8,7 @@ module engine_control #(
     parameter config_pkg::config_t CONFIG,
     localparam int LANES = CONFIG.lanes,
     localparam int PRIMARIES = CONFIG.primaries,
-    localparam int FIFO_DEPTH = config_pkg::FIFO_DEPTH,
+    localparam int FIFO_DEPTH = config_pkg::fifo_depth(CONFIG),
     localparam int ROWS = PRIMARIES / LANES,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
     localparam int PRIM_W = $clog2(PRIMARIES)
