@@ -28,17 +28,18 @@ package config_pkg;
   function automatic int ordered_pairs(input config_t card);
     ordered_pairs = (card.pairs & pairs_pkg::RING_PAIRS) | verdict_pairs(card);
   endfunction
-  // Clocks of any pipe, rings apart, and more: a power of two.
+  // Clocks of any pipe, rings apart, and more: a power of two. Of narrow lanes with the proof behind them and the wide
+  // one behind that, too.
   function automatic int pipe_depth(input config_t card);
     int slowest;
     slowest = (card.lat_add + card.lat_mul + card.lat_div + card.lat_sqrt + card.lat_cmp + 4) / 5;
-    pipe_depth = ((card.pairs & ~pairs_pkg::SHORT_PAIRS) != 0 || verdict_pairs(card) != 0) ? 256 : 64;
+    pipe_depth = (verdict_pairs(card) != 0) ? 512 : ((card.pairs & ~pairs_pkg::SHORT_PAIRS) != 0) ? 256 : 64;
     pipe_depth = pipe_depth << $clog2(slowest);
   endfunction
   // Rows of the output FIFO, and so rows in flight in the streaming modes: more than the clocks of a pipe, or of narrow
   // lanes and the wide one behind them.
   function automatic int fifo_depth(input config_t card);
-    fifo_depth = (verdict_pairs(card) != 0) ? 2 * pipe_depth(card) : 128;
+    fifo_depth = (verdict_pairs(card) != 0) ? pipe_depth(card) : 128;
   endfunction
   /* verilator lint_on UNUSEDSIGNAL */
   function automatic int index_bits(input int n);  // to tell n things apart, at least one

@@ -143,7 +143,7 @@ module lane_group #(
       logic issue, enter;  // to this pipe, with its operands
       assign issue = issue_i[of] && (!MANY || pair_i[of] == 4'(p));
       if (MANY) begin : g_register
-        always_ff @(posedge clk_pipe_i[p]) enter <= issue;
+        always_ff @(posedge clk_pipe_i[p]) enter <= issue && !rst_i;
         always_ff @(posedge clk_pipe_i[p]) begin
           row <= LATE ? row_i[of] : ring_row_i[of];
           swap <= swap_i[of];

@@ -85,7 +85,10 @@ module obb_obb #(
   `DF_MUL(wide_tie, four, tie)
 
   // ---- Stage times of the facets ----
-  localparam int T_EDGES = T_f + `LATENCY_EDGE_NORMAL;
+  // slow adders can make what edges need besides their normals later than these
+  localparam int T_LATEST = `DF_MAX2(T_t, `DF_MAX2(T_turned_axes, T_tie));
+  localparam int T_EARLY = `DF_MAX2(T_f, T_LATEST - `LATENCY_EDGE_NORMAL);
+  localparam int T_EDGES = T_EARLY + `LATENCY_EDGE_NORMAL;
   localparam int T_FACETS = T_EDGES + `LATENCY_OBB_EDGE + `FACET_WAIT;
   // as late as they can, so that inputs wait, not facets
   localparam int T_FACES_B = T_FACETS - `DF_LAT_DOT - `LATENCY_OBB_FACE;
@@ -207,11 +210,12 @@ module obb_obb #(
   end
 
   // ---- Edges of A and edges of B, of each edge of B what the facets need ----
-  `DF_PHASE_AT(phase_f, phase, T_f)
+  `DF_PHASE_AT(phase_f, phase, T_EARLY)
+  `DF_MAT_AT(f_normals, f, T_EARLY)
   `DF_PHASE_AT(phase_edges, phase_f, T_EDGES)
-  `DF_ROW(f_row0, f, 0)
-  `DF_ROW(f_row1, f, 1)
-  `DF_ROW(f_row2, f, 2)
+  `DF_ROW(f_row0, f_normals, 0)
+  `DF_ROW(f_row1, f_normals, 1)
+  `DF_ROW(f_row2, f_normals, 2)
   `DF_ROW(f_edges0, f_edges, 0)
   `DF_ROW(f_edges1, f_edges, 1)
   `DF_ROW(f_edges2, f_edges, 2)

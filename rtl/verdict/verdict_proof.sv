@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Proof of a miss: does the plane with normal n, wherever that comes from, separate A and B? The gap along n,
-// n.(oB - oA) - h_A(n) - h_B(-n), is rounded by less than 10 u S and must be beyond 32 u S, with n.n <= 1.25
+// n.(oB - oA) - h_A(n) - h_B(-n), is rounded by less than 10 u S and must be beyond 32 u S, with n.n <= 1.25. Of an S
+// below 2^length_low nothing is proved: the wide pipe's own F need not be right there
 // (docs/verdicts.md, host/include/cde/reference/verdict/proof.hpp).
 // Latency: latency_o; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
 `include "verdict.svh"
@@ -40,7 +41,10 @@ module verdict_proof #(
   `DF_LT(separate, least, gap)
   `DF_CONST(longest, (CW'(`DF_POWER_OF_TWO(0)) | (CW'(1) << (MAN - 2))))  // 1.25
   `DF_LE(short, nn, longest)
-  `DF_AND(miss, separate, short)
+  `DF_CONST(smallest, `DF_POWER_OF_TWO(formats_pkg::length_low(EXP, MAN)))
+  `DF_LE(sizeable, smallest, size)
+  `DF_AND(fair, short, sizeable)
+  `DF_AND(miss, separate, fair)
   assign latency_o = 16'(T_miss);
   for (genvar l = 0; l < LANES; l++) begin : lane
     logic unused;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 #include <span>
 #include <vector>
@@ -89,8 +90,10 @@ Pairs pairs_of(const std::vector<A>& a, const std::vector<B>& b) {
     for (const B& y : b) {
       if (defect(x) || defect(y)) continue;
       const auto claim = reference::verdict::propose<Fp16>(x, y, reference::verdict::FreePipe());
-      const bool miss = reference::verdict::separates(reference::verdict::Body(x),
-                                                      reference::verdict::Body(y), claim.n);
+      const reference::verdict::Body body_a(x);
+      const reference::verdict::Body body_b(y);
+      const bool miss = reference::verdict::separates(
+          body_a, body_b, claim.n, reference::verdict::size_of_pair(body_a, body_b));
       ++pairs.good;
       pairs.open += miss ? 0 : 1;
     }
@@ -176,6 +179,30 @@ TEST(VerdictCards, SeveralPairsUnderPressure) {
       check(board, Pair::kSphereObb, few, boxes,
             {.swap = swap, .normals = !swap, .drain_records = drain});
     }
+}
+
+/// Below 2^length_low a pair is not brought up to the size of one, and the wide pipe takes a length
+/// for zero that is none: it finds hits where the proof would see a miss.
+TEST(VerdictCards, NothingIsProvedOfPairsTooSmallForTheWidePipe) {
+  constexpr Pair kPair = Pair::kTriangleAabb;
+  Board board = Board::open(narrow_first(Arithmetic::kHost, 8, {kPair}));
+  for (const int exponent : {-30, -34, -40, -100, -127, -135}) {
+    SCOPED_TRACE(exponent);
+    std::vector<Triangle> a = shapes<Triangle>(37, 1);
+    std::vector<Aabb> b = shapes<Aabb>(61, 2);
+    const float scale = std::ldexp(1.0f, exponent);
+    for (Triangle& x : a) x = {x.v0 * scale, x.v1 * scale, x.v2 * scale};
+    for (Aabb& x : b) x = {x.min * scale, x.max * scale};
+    check(board, kPair, a, b);
+  }
+}
+
+/// The slowest adders make narrow pipe, proof and wide pipe as deep as they get.
+TEST(VerdictCards, SlowAdders) {
+  BoardConfig config = narrow_first(Arithmetic::kHost, 2, {Pair::kTriangleObb});
+  config.latency_add = 16;
+  Board board = Board::open(config);
+  check(board, Pair::kTriangleObb, shapes<Triangle>(9, 1), shapes<Obb>(150, 2));
 }
 
 /// Two such pairs in one pass answer as each by itself.

@@ -701,10 +701,10 @@ TEST(Plan, TakesTheVerdictsThatAreAskedFor) {
   };
   refused("verdicts = \"fp33\"", "card, verdicts: ");
   refused("verdicts = 16", "card, verdicts: must be a text");
-  refused("verdicts = \"fp32\"", "need a card of a wider format than fp32");
-  refused("verdicts = \"fp24\"\nformat = \"fp16\"", "need a card of a wider format than fp24");
+  refused("verdicts = \"fp32\"",
+          "s.toml:2:12: card, verdicts: verdicts in fp32 cannot stand before fp32");
+  refused("verdicts = \"fp24\"\nformat = \"fp16\"", "verdicts in fp24 cannot stand before fp16");
   refused("verdicts = \"fp16\"\nlanes = 64", "with verdicts it must be 1 to 32");
-  refused("verdicts = \"fp16\"\nfacet_interval = 3", "the facet interval is 1, not 3");
   try {
     (void)plan(parse_scene("[card]\nverdicts = \"fp16\"\n" + kGood, "s.toml"));
     ADD_FAILURE() << "rays have no verdicts";

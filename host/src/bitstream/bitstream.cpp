@@ -320,17 +320,21 @@ void check_card_format(FpFormat format) {
           : fmt::format("a card has no {}; its formats are {}", format.name(), known));
 }
 
+void check_narrow_format(FpFormat narrow, FpFormat wide) {
+  check_card_format(narrow);
+  if (narrow.exp_bits > wide.exp_bits || narrow.man_bits >= wide.man_bits)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("verdicts in {} cannot stand before {}: they need no more exponent "
+                            "bits and fewer fraction bits, as fp16, bf16, tf32 and fp24 before "
+                            "fp32, bf16 before tf32, fp16 before fp24",
+                            narrow.name(), wide.name()));
+}
+
 namespace {
 
 void check_verdicts(const BoardConfig& c) {
   if (!c.verdicts) return;
-  const FpFormat narrow = *c.verdicts;
-  check_card_format(narrow);
-  if (narrow.exp_bits > c.format.exp_bits || narrow.man_bits >= c.format.man_bits)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("verdicts in {} need a card of a wider format than {}; fp16, bf16, "
-                            "tf32 and fp24 before fp32, for instance",
-                            narrow.name(), c.format.name()));
+  check_narrow_format(*c.verdicts, c.format);
   if (std::none_of(c.pairs.begin(), c.pairs.end(), has_verdicts))
     throw Error(ErrorCode::kUsage,
                 "verdicts are of sphere-sphere, sphere-obb, triangle-sphere, triangle-aabb, "

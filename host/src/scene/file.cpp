@@ -54,7 +54,14 @@ SceneCard read_card(Table t) {
   }
   card.arithmetic = static_cast<Arithmetic>(t.choice("arithmetic", {"host", "rtl"}, 0));
   card.format = read_format(t);
-  if (t.has("verdicts")) card.verdicts = read_format(t, "verdicts");
+  if (t.has("verdicts")) {
+    card.verdicts = read_format(t, "verdicts");
+    try {
+      check_narrow_format(*card.verdicts, card.format);
+    } catch (const Error& e) {
+      t.fail(e.code(), "verdicts", e.what());
+    }
+  }
   card.algorithm = static_cast<Algorithm>(
       t.choice("algorithm", {"moller", "badouel", "pluecker", "watertight"}, 0));
   card.box = t.flag("box", true);

@@ -25,6 +25,10 @@ void check(Arithmetic arithmetic);
 /// Error kUsage, with the reason, if no card has the format.
 void check_card_format(FpFormat format);
 
+/// Error kUsage, with the rule, if lanes of `narrow` cannot stand before one of `wide`
+/// (BoardConfig::verdicts): they have no more exponent bits and fewer fraction bits.
+void check_narrow_format(FpFormat narrow, FpFormat wide);
+
 /// What the card's transformer moves before a pass meets it.
 enum class Transformer : unsigned { kNone, kSecondaries, kBoth };
 

@@ -162,12 +162,14 @@ Mask<S> both_have(const Body<A>& a, const Body<B>& b, const Proposal<S>& claim, 
   }
 }
 
-/// Proof that the plane with normal n separates them: rtl/verdict/verdict_proof.sv.
+/// Proof that the plane with normal n separates them, `size` theirs: rtl/verdict/verdict_proof.sv.
 template <class A, class B, typename S = typename A::Scalar>
-Mask<S> separates(const Body<A>& a, const Body<B>& b, const Vector<S>& n) {
-  const S size = size_of_pair(a, b), nn = dot<S>(n, n);
-  // A normal that is far from length one would make the terms larger than S.
-  return nn <= S(1.25) && size * S(kGap<S>) < gap_along(a, b, n, nn);
+Mask<S> separates(const Body<A>& a, const Body<B>& b, const Vector<S>& n, S size) {
+  const S nn = dot<S>(n, n);
+  // A normal that is far from length one would make the terms larger than S; and of pairs that are
+  // not brought up to the size of one (kLengths) a wide pipe's own F need not be right.
+  const S smallest(power_of_two(kLengths<S>.low));
+  return smallest <= size && nn <= S(1.25) && size * S(kGap<S>) < gap_along(a, b, n, nn);
 }
 
 /// What is certain of A and B whatever the proposal is.
@@ -175,8 +177,9 @@ template <class A, class B, typename S = typename A::Scalar>
 Certain judge(const A& shape_a, const B& shape_b, const Proposal<S>& claim) {
   const Body<A> a(shape_a);
   const Body<B> b(shape_b);
-  const Mask<S> apart = separates(a, b, claim.n);
-  const Mask<S> meet = both_have(a, b, claim, size_of_pair(a, b) * S(kDepth<S>));
+  const S size = size_of_pair(a, b);
+  const Mask<S> apart = separates(a, b, claim.n, size);
+  const Mask<S> meet = both_have(a, b, claim, size * S(kDepth<S>));
   return apart ? Certain::kMiss : meet ? Certain::kHit : Certain::kNeither;
 }
 
