@@ -19,7 +19,6 @@ package config_pkg;
   localparam int VERDICT_PAIRS = 1 << pairs_pkg::PAIR_SPHERE_SPHERE | 1 << pairs_pkg::PAIR_SPHERE_OBB |
       1 << pairs_pkg::PAIR_TRIANGLE_SPHERE | 1 << pairs_pkg::PAIR_TRIANGLE_AABB | 1 << pairs_pkg::PAIR_TRIANGLE_OBB |
       1 << pairs_pkg::PAIR_OBB_OBB;
-  /* verilator lint_off UNUSEDSIGNAL */  // of a configuration they read some fields
   // Pairs whose lanes are narrow ones with one wide one behind them (verdict_pair.sv).
   function automatic int verdict_pairs(input config_t card);
     verdict_pairs = (card.verdict_exp != 0) ? card.pairs & VERDICT_PAIRS : 0;
@@ -41,7 +40,6 @@ package config_pkg;
   function automatic int fifo_depth(input config_t card);
     fifo_depth = (verdict_pairs(card) != 0) ? pipe_depth(card) : 128;
   endfunction
-  /* verilator lint_on UNUSEDSIGNAL */
   function automatic int index_bits(input int n);  // to tell n things apart, at least one
     index_bits = (n > 1) ? $clog2(n) : 1;
   endfunction

@@ -112,7 +112,7 @@ TEST_F(FormatCli, SceneWithVerdictsHasTheSameRecords) {
   const Ran narrow = cde({"run", "narrow.toml", "--json"});
   ASSERT_EQ(narrow.status, 0) << narrow.err;
   EXPECT_NE(narrow.err.find("fp16 lanes left "), std::string::npos) << narrow.err;
-  EXPECT_NE(narrow.err.find(" of 7200 pairs to the wide one, "), std::string::npos) << narrow.err;
+  EXPECT_NE(narrow.err.find(" of 7080 pairs to the wide one, "), std::string::npos) << narrow.err;
   EXPECT_EQ(wide.err.find("verdicts"), std::string::npos) << wide.err;
   const auto a = nlohmann::json::parse(wide.out), b = nlohmann::json::parse(narrow.out);
   ASSERT_EQ(a["played"].size(), 2u);
