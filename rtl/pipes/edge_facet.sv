@@ -104,18 +104,20 @@ module edge_facet #(
   `DF_VAXES(n, I, zero, n_k_out, n_l_out)
   `DF_SELECT(gap_valid, valid, gap, minus_inf)
 
-  if (T_d2 != `LATENCY_EDGE_FACET) $error("edge_facet: latency");
-  `DF_AT(gap_out, gap_valid, T_d2)
-  `DF_VAT(n_out, n, T_d2)
-  `DF_VAT(v_out, v, T_d2)
-  `DF_VAT(p_out, p, T_d2)
-  `DF_VAT(f_out, f, T_d2)
-  `DF_AT(inverse_out, inverse_here, T_d2)
+  localparam int T_OUT = `LATENCY_EDGE_FACET;
+  if (`DF_MAX2(T_d2, T_inverse_here) != T_OUT) $error("edge_facet: latency");
+  `DF_AT(gap_out, gap_valid, T_OUT)
+  `DF_VAT(n_out, n, T_OUT)
+  `DF_VAT(v_out, v, T_OUT)
+  `DF_VAT(p_out, p, T_OUT)
+  `DF_AT(d2_out, d2, T_OUT)
+  `DF_VAT(f_out, f, T_OUT)
+  `DF_AT(inverse_out, inverse_here, T_OUT)
   assign gap_o = gap_out;
   assign n_o = n_out;
   assign v_o = v_out;
   assign p_o = p_out;
-  assign d2_o = d2;
+  assign d2_o = d2_out;
   assign f_o = f_out;
   assign inverse_ff_o = inverse_out;
 endmodule

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Delay lines of memories against those of registers.
+#include <gtest/gtest.h>
+
+#include "AlignLines.h"
+#include "clocked.hpp"
+
+namespace cde::testing {
+namespace {
+
+// A line has no reset: what it starts with comes out first, and may cost the first word.
+TEST(Align, LinesOfMemoriesDelayAsLinesOfRegisters) {
+  constexpr int kLongest = 61;
+  Clocked<AlignLines> lines;
+  std::mt19937_64 engine{Clocked<AlignLines>::kSeed};
+  unsigned differed = 0;
+  for (int clock = 0; clock < 5000; ++clock) {
+    lines->d_i = engine() >> 27;  // 37 bits
+    lines.clock();
+    if (clock > kLongest)
+      ASSERT_EQ(lines->differ_o, 0) << "clock " << clock;
+    else
+      differed |= unsigned{lines->differ_o};
+  }
+  EXPECT_EQ(differed, 0x7fu);  // what they start with does
+}
+
+}  // namespace
+}  // namespace cde::testing
