@@ -2,8 +2,11 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
+#include <iterator>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "cde/card/board.hpp"
@@ -35,6 +38,22 @@ std::vector<PairResult> all_pairs(Pair pair, const std::vector<A>& a, const std:
   std::vector<PairResult> r(a.size() * b.size());
   reference::test_pairs(pair, Algorithm::kMoller, format, wa, wb, r, PlaneSide::kSurface, budget);
   return r;
+}
+
+/// Uploads the secondaries and loads the primaries, A if not `swap`. Which of these are bad input.
+template <class A, class B>
+std::vector<bool> load_shapes(Board& board, const std::vector<A>& a, const std::vector<B>& b,
+                              bool swap) {
+  const auto load = [&board]<class P, class S>(const std::vector<P>& primaries,
+                                               const std::vector<S>& secondaries) {
+    board.upload_shapes(std::span<const S>(secondaries), false);
+    board.load_shapes(std::span<const P>(primaries));
+    std::vector<bool> bad;
+    std::transform(primaries.begin(), primaries.end(), std::back_inserter(bad),
+                   [](const P& shape) { return defect(shape).has_value(); });
+    return bad;
+  };
+  return swap ? load(b, a) : load(a, b);
 }
 
 /// 0, 1, ... : the slots of secondaries swept as they lie.

@@ -3,7 +3,6 @@
 // in every mode, and what the wide lane took is what the mirror of the narrow lanes leaves open.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <random>
 #include <span>
@@ -109,17 +108,7 @@ template <class A, class B>
 void check(Board& board, Pair pair, const std::vector<A>& a, const std::vector<B>& b,
            Query query = {}) {
   const std::vector<PairResult> results = all_pairs(pair, a, b, query.swap);
-  const auto is_bad = [](const auto& shape) { return defect(shape).has_value(); };
-  std::vector<bool> bad;
-  if (query.swap) {
-    board.upload_shapes(std::span<const A>(a), false);
-    board.load_shapes(std::span<const B>(b));
-    std::transform(b.begin(), b.end(), std::back_inserter(bad), is_bad);
-  } else {
-    board.upload_shapes(std::span<const B>(b), false);
-    board.load_shapes(std::span<const A>(a));
-    std::transform(a.begin(), a.end(), std::back_inserter(bad), is_bad);
-  }
+  const std::vector<bool> bad = load_shapes(board, a, b, query.swap);
   const std::vector<std::uint32_t> slots = in_order(query.swap ? a.size() : b.size());
   const Pairs pairs = pairs_of(a, b);
   query.pair = pair;
@@ -153,13 +142,13 @@ std::vector<Sphere> spheres(std::size_t count, unsigned seed) {
 }
 
 TEST(VerdictCards, GatesAnswerTheSame) {
-  Board board = Board::open(narrow_first(Arithmetic::kRtl, 4, {kSpheres}));
+  Board board = Board::open(narrow_first(Arithmetic::kRtl, 2, {kSpheres}));
   check(board, kSpheres, spheres(37, 1), spheres(61, 2));
 }
 
 TEST(VerdictCards, OperatorsOfSeveralClocks) {
   for (const Arithmetic arithmetic : {Arithmetic::kHost, Arithmetic::kRtl}) {
-    Board board = Board::open(slow(narrow_first(arithmetic, 4, {kSpheres})));
+    Board board = Board::open(slow(narrow_first(arithmetic, 2, {kSpheres})));
     check(board, kSpheres, spheres(37, 1), spheres(61, 2));
   }
 }
