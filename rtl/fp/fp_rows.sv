@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// A product with a factor of six bits, of adders alone: pairs of rows | two of the three sums | all of them.
+// Latency: 3 clocks. Throughput: one a clock. Stall: none.
+module fp_rows #(
+    parameter int W = 18
+) (
+    input  logic         clk_i,
+    input  logic [W-1:0] a_i,
+    input  logic [5:0]   b_i,
+    output logic [W+5:0] r_o
+);
+  logic [2:0][W+1:0] pair_p, pair;
+  logic [W+3:0] two_p, two;
+  logic [W+1:0] last;
+  logic [W+5:0] all_p;
+  for (genvar i = 0; i < 3; i++) begin : g_pair
+    assign pair_p[i] = (W + 2)'(a_i & {W{b_i[2*i]}}) + ((W + 2)'(a_i & {W{b_i[2*i+1]}}) << 1);
+  end
+  fp_cut #(3 * (W + 2), 1) cut_pair (.clk_i, .d_i(pair_p), .q_o(pair));
+  assign two_p = (W + 4)'(pair[0]) + ((W + 4)'(pair[1]) << 2);
+  fp_cut #(W + 4, 1) cut_two (.clk_i, .d_i(two_p), .q_o(two));
+  fp_cut #(W + 2, 1) cut_last (.clk_i, .d_i(pair[2]), .q_o(last));
+  assign all_p = (W + 6)'(two) + ((W + 6)'(last) << 4);
+  fp_cut #(W + 6, 1) cut_all (.clk_i, .d_i(all_p), .q_o(r_o));
+endmodule
