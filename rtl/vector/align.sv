@@ -8,7 +8,7 @@ module align #(
     parameter int TO = 0,    // stage time of q_o, >= FROM
     parameter ARITH = "rtl",
 `ifdef SYNTHESIS
-    parameter int MEMORY = 5  // clocks from which the line is a memory: 4 bits take 6 LUTs then, not 4 registers a clock
+    parameter int MEMORY = 5  // clocks from which the line is a memory: 4 bits take 6 LUTs then, not 4 FFs a clock
 `else
     parameter int MEMORY = 0  // never
 `endif
