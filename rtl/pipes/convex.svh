@@ -17,8 +17,8 @@
 `define LATENCY_PERPENDICULAR (`DF_LAT_DOT + 2 * LAT_MUL + LAT_ADD)
 `define LATENCY_FACE_FACET (2 * LAT_CMP + LAT_ADD + `DF_LAT_DOT)
 `define LATENCY_EDGE_NORMAL (LAT_MUL + LAT_ADD + `DF_MAX2(LAT_CMP, LAT_SQRT + LAT_DIV) + LAT_MUL)
-// The critical path: across, t, s, rest, t for that s; then the vector of nearest points and its square, or whether that
-// t is at an end.
+// The critical path: across, t, s, rest, t for that s; then the vector of nearest points and its square, or whether
+// that t is at an end.
 `define LATENCY_EDGE_FACET ((LAT_ADD + LAT_MUL + LAT_ADD) + (LAT_MUL + 2 * LAT_CMP) + \
   (LAT_MUL + LAT_ADD + 2 * LAT_CMP) + LAT_ADD + \
   (2 * LAT_MUL + LAT_ADD + 2 * LAT_CMP) + `DF_MAX2(LAT_MUL + LAT_ADD + `DF_LAT_DOT, LAT_CMP))

@@ -24,7 +24,7 @@ module length_unscale #(
   /*verilator inline_module*/
   localparam int LATENCY = pairs_pkg::unscale_latency(RAY, LAT_MUL, LAT_CMP);
   localparam int LW = LANES * CW;
-  // Lengths are moved two clocks after the shift came out of its memory, which takes the first of two registers into itself.
+  // Lengths are moved two clocks after the shift came out of its memory, which takes one register into itself.
   localparam int MOVE = (LATENCY > 2) ? 2 : LATENCY - 1;
   logic [LANES-1:0][CW-1:0] f, t, back;
   logic [2:0][LANES-1:0][CW-1:0] cp_in, cp, cp_late;
