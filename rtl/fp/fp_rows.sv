@@ -14,7 +14,7 @@ module fp_rows #(
   logic [W+1:0] last;
   logic [W+5:0] all_p;
   for (genvar i = 0; i < 3; i++) begin : g_pair
-    assign pair_p[i] = (W + 2)'(a_i & {W{b_i[2*i]}}) + ((W + 2)'(a_i & {W{b_i[2*i+1]}}) << 1);
+    assign pair_p[i] = {2'b0, a_i & {W{b_i[2*i]}}} + {1'b0, a_i & {W{b_i[2*i+1]}}, 1'b0};
   end
   fp_cut #(3 * (W + 2), 1) cut_pair (.clk_i, .d_i(pair_p), .q_o(pair));
   assign two_p = (W + 4)'(pair[0]) + ((W + 4)'(pair[1]) << 2);
