@@ -22,7 +22,9 @@ using Json = nlohmann::ordered_json;
 std::string quantile(const ErrorCounts& errors, double share, const ErrorCounts& oracle) {
   if (errors.count() == 0) return "-";
   const double value = share == 1 ? errors.largest() : errors.quantile(share);
-  const double width = oracle.quantile(std::min(share, 0.99));
+  const double width = oracle.count() == 0 ? 0
+                       : share == 1        ? oracle.largest()
+                                           : oracle.quantile(share);
   if (value >= width) return compact(value);
   return width < 0.01 ? "0" : fmt::format("<{}", compact(width));
 }
@@ -99,15 +101,6 @@ Json errors_json(const ErrorCounts& errors) {
           {"largest", at(1)}};
 }
 
-Json share_json(std::uint64_t found, std::uint64_t all) {
-  const Interval95 share = wilson(found, all);
-  Json json = {{"count", found}, {"per_million", Json()}, {"interval_95", Json()}};
-  if (all == 0) return json;
-  json["per_million"] = 1e6 * static_cast<double>(found) / static_cast<double>(all);
-  json["interval_95"] = {1e6 * share.low, 1e6 * share.high};
-  return json;
-}
-
 Json worst_json(const AccuracyPipe& pipe, const std::optional<WorstCase>& worst) {
   if (!worst) return {};
   const WordText text(pipe.format);
@@ -146,6 +139,15 @@ Json tally_json(const AccuracyPipe& pipe, const Tally& t) {
 }
 
 }  // namespace
+
+nlohmann::ordered_json share_json(std::uint64_t found, std::uint64_t all) {
+  const Interval95 share = wilson(found, all);
+  Json json = {{"count", found}, {"per_million", Json()}, {"interval_95", Json()}};
+  if (all == 0) return json;
+  json["per_million"] = 1e6 * static_cast<double>(found) / static_cast<double>(all);
+  json["interval_95"] = {1e6 * share.low, 1e6 * share.high};
+  return json;
+}
 
 std::string compact(double value) {
   if (std::isinf(value)) return "inf";

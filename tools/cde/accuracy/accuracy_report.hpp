@@ -26,6 +26,9 @@ struct AccuracyRow {
                                           bool markdown);
 [[nodiscard]] nlohmann::ordered_json accuracy_json(const std::vector<AccuracyRow>& rows);
 
+/// `count`, and how many a million that makes, with its interval.
+[[nodiscard]] nlohmann::ordered_json share_json(std::uint64_t found, std::uint64_t all);
+
 /// In Markdown: what is promised of each pipe, whether it was kept, and what was excused.
 [[nodiscard]] std::string promise_table(const std::vector<AccuracyRow>& rows);
 

@@ -72,14 +72,13 @@ void choose_lanes(Candidate& c, const Demands& d) {
                                                  : 0;
   if (most == 0) {
     c.lanes = 0;
-    if (d.seconds || price.lane)
-      c.unmet.push_back(
-          {price.lane
-               ? fmt::format("a lane does not fit in {}: {:.0f} % of the {} "
-                             "that may be used",
-                             price.target.name, 100 * price.lane->fit.share, price.lane->fit.limit)
-               : "time is not known: " + price.why_not,
-           price.lane ? price.lane->fit.share : std::numeric_limits<double>::infinity()});
+    c.unmet.push_back(
+        {price.lane
+             ? fmt::format("a lane does not fit in {}: {:.0f} % of the {} that may be used",
+                           price.target.name, 100 * price.lane->fit.share, price.lane->fit.limit)
+             : fmt::format("whether a lane fits in {} is not known: {}", price.target.name,
+                           price.why_not),
+         price.lane ? price.lane->fit.share : std::numeric_limits<double>::infinity()});
     return;
   }
   c.seconds = price.seconds(d.tests, c.lanes);
@@ -119,19 +118,21 @@ std::string line(const char* name, const std::string& text) {
 std::string price_text(const Candidate& c) {
   const Price& p = c.of->price;
   if (!p.lane) {
-    const unsigned width = static_cast<unsigned>(c.of->pipe.format.width());
+    if (!c.of->figures.operators)
+      return fmt::format("no area is known ({}), and operators were not counted: not ranked",
+                         p.why_not);
     return fmt::format("no area is known ({}): ranked by operators times bits, {} x {} a lane",
-                       p.why_not, c.of->figures.operators ? c.of->figures.operators->total() : 0,
-                       width);
+                       p.why_not, c.of->figures.operators->total(), c.of->pipe.format.width());
   }
   const CellCounts& a = p.lane->cells;
+  const std::string lanes = c.lanes == 0 ? "one lane"
+                                         : fmt::format("{} lane{} of {} that fit", c.lanes,
+                                                       c.lanes == 1 ? "" : "s", p.lane->fit.lanes);
   return fmt::format(
-      "{}: {:.0f} LUT, {:.0f} carry, {:.0f} FF, {:.0f} DSP a lane; {} lane{} of {} that fit, "
-      "{:.1f} "
-      "% of the {} that may be used ({})",
-      p.lane->estimated ? "estimated" : "measured", a.lut, a.carry, a.ff, a.dsp, c.lanes,
-      c.lanes == 1 ? "" : "s", p.lane->fit.lanes, 100 * c.lanes * p.lane->fit.share,
-      p.lane->fit.limit, p.lane->of);
+      "{}: {:.0f} LUT, {:.0f} carry, {:.0f} FF, {:.0f} DSP a lane; {}, {:.1f} % of the {} that may "
+      "be used ({})",
+      p.lane->estimated ? "estimated" : "measured", a.lut, a.carry, a.ff, a.dsp, lanes,
+      100 * std::max(1u, c.lanes) * p.lane->fit.share, p.lane->fit.limit, p.lane->of);
 }
 
 std::string figures_text(const KeptSweep& sweep, const Demands& d, const Candidate& c) {
@@ -227,7 +228,7 @@ nlohmann::ordered_json advice_json(const KeptSweep& sweep, const Demands& demand
                 {"wrong_per_million", number(k.all.wrong_per_million())},
                 {"wrong_per_million_95", {number(wrong.low), number(wrong.high)}},
                 {"leak_rays", k.all.leak_rays},
-                {"leaks", k.all.leaks},
+                {"leaks", share_json(k.all.leaks, k.all.leak_rays)},
                 {"lanes", c.lanes},
                 {"modelled_seconds", c.seconds ? number(*c.seconds) : Json()},
                 {"share_of_target", c.area_known ? number(c.cost) : Json()},

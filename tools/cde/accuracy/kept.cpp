@@ -6,12 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <limits>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "output/input_file.hpp"
 
 namespace cde::cli {
 namespace {
@@ -106,7 +105,7 @@ AccuracyPipe pipe_of(const Json& json) {
 }  // namespace
 
 double KeptTally::error(double Quantiles::*quantile, bool* bounded) const {
-  const double least = quantile == &Quantiles::largest ? oracle.p99 : oracle.*quantile;
+  const double least = oracle.*quantile;
   if (bounded != nullptr) *bounded = t.*quantile < least;
   return std::max(t.*quantile, least);
 }
@@ -133,6 +132,8 @@ std::string KeptSweep::command(const AccuracyPipe& pipe) const {
     text += fmt::format(" --budgets {},{},{}", pipe.budget.samples, pipe.budget.circle,
                         pipe.budget.free);
   if (pipe.variant != Variant::kCard) text += fmt::format(" --variants {}", name(pipe.variant));
+  if (!families.empty()) text += fmt::format(" --families {}", fmt::join(families, ","));
+  if (target != kDefaultTarget) text += " --target " + target;
   return text + fmt::format(" --cases {} --seed {} --by-family", cases, seed);
 }
 
@@ -145,12 +146,13 @@ KeptSweep sweep_of(const Json& json, const std::string& where, const Target& tar
                             json.is_object() && json.contains("schema")
                                 ? in_quotes(json.at("schema").dump())
                                 : "not there"));
-  KeptSweep sweep{.json = json};
+  KeptSweep sweep{.json = json, .target = target.name};
   const PriceTable table = PriceTable::of_project();
   std::size_t number = 0;
   try {
     json.at("seed").get_to(sweep.seed);
     json.at("cases").get_to(sweep.cases);
+    if (json.contains("only_families")) json.at("only_families").get_to(sweep.families);
     for (const Json& one : json.at("configurations")) {
       ++number;
       KeptPipe kept;
@@ -170,10 +172,7 @@ KeptSweep sweep_of(const Json& json, const std::string& where, const Target& tar
 }
 
 KeptSweep read_sweep(const std::string& file, const Target& target) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw Error(ErrorCode::kFile, fmt::format("{}: cannot be read", printable_name(file)));
-  const std::string text(std::istreambuf_iterator<char>(in), {});
-  const Json json = Json::parse(text, nullptr, false);
+  const Json json = Json::parse(read_file(file), nullptr, false);
   if (json.is_discarded())
     throw Error(ErrorCode::kFile,
                 fmt::format("{}: not the JSON of one sweep (a file of --resume is read by "

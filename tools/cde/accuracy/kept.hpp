@@ -52,7 +52,9 @@ struct KeptPipe {
 
 struct KeptSweep {
   nlohmann::ordered_json json;  ///< as it was read
+  std::string target;           ///< that its prices are of
   std::uint64_t seed = 0, cases = 0;
+  std::vector<std::string> families = {};  ///< the only ones that were asked for; none: all
   std::vector<KeptPipe> pipes = {};
 
   /// "cde accuracy ..." that measures one of them again.

@@ -8,8 +8,6 @@
 #include <charconv>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -18,6 +16,7 @@
 #include "cde/card/board.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "output/input_file.hpp"
 
 namespace cde::cli {
 namespace {
@@ -35,10 +34,35 @@ constexpr std::array kDevices = {Device{"ecp5-85", 83640, 83640, 156, 208, true}
 constexpr double kRoutable = 0.85;
 constexpr std::string_view kAssumed = "assumed:";
 
+[[noreturn]] void wrong_field(const char* key, const Json& row, const char* must_be) {
+  const auto at = row.find(key);
+  throw Error(ErrorCode::kFile, fmt::format("{} is {}; it must be {}", key,
+                                            at == row.end() ? "not there" : at->dump(), must_be));
+}
+
+std::string word(const Json& row, const char* key) {
+  const auto at = row.find(key);
+  if (at == row.end() || !at->is_string()) wrong_field(key, row, "a word");
+  return *at;
+}
+
+double cells(const Json& row, const char* key) {
+  const auto at = row.find(key);
+  if (at == row.end() || !at->is_number() || !(at->get<double>() >= 0))
+    wrong_field(key, row, "a number, 0 or more");
+  return *at;
+}
+
 /// The middle one of a row's clock rates, one a seed.
-std::optional<double> median(const Json& all) {
+std::optional<double> median_mhz(const Json& row) {
+  constexpr const char* kMustBe = "clock rates in MHz, more than 0, one a seed";
+  const auto all = row.find("fmax");
+  if (all == row.end() || !all->is_object()) wrong_field("fmax", row, kMustBe);
   std::vector<double> rates;
-  for (const Json& rate : all) rates.push_back(rate.get<double>());
+  for (const Json& rate : *all) {
+    if (!rate.is_number() || !(rate.get<double>() > 0)) wrong_field("fmax", row, kMustBe);
+    rates.push_back(rate);
+  }
   if (rates.empty()) return std::nullopt;
   std::sort(rates.begin(), rates.end());
   return rates[(rates.size() - 1) / 2];
@@ -46,11 +70,12 @@ std::optional<double> median(const Json& all) {
 
 PriceRow row_of(const Json& json) {
   PriceRow row;
-  json.at("what").get_to(row.what);
-  json.at("algorithm").get_to(row.algorithm);
-  json.at("format").get_to(row.format);
-  json.at("lat").get_to(row.lat);
-  json.at("target").get_to(row.target);
+  for (const auto& [key, text] : {std::pair{"what", &row.what},
+                                  {"algorithm", &row.algorithm},
+                                  {"format", &row.format},
+                                  {"lat", &row.lat},
+                                  {"target", &row.target}})
+    *text = word(json, key);
   CellCounts& c = row.cells;
   for (const auto& [key, count] : {std::pair{"lut", &c.lut},
                                    {"carry", &c.carry},
@@ -58,8 +83,8 @@ PriceRow row_of(const Json& json) {
                                    {"dsp", &c.dsp},
                                    {"ram", &c.ram},
                                    {"lutram", &c.lutram}})
-    json.at(key).get_to(*count);
-  row.mhz = median(json.at("fmax"));
+    *count = cells(json, key);
+  row.mhz = median_mhz(json);
   return row;
 }
 
@@ -122,11 +147,8 @@ PriceTable PriceTable::of_project() {
   table.file_ =
       given ? std::string(named)
             : (bitstream_builder().parent_path().parent_path() / "docs" / "prices.json").string();
-  std::ifstream in(table.file_);
-  if (!in && !given) return table;
-  if (!in) throw Error(ErrorCode::kFile, fmt::format("{}: cannot be read", table.file_));
-  const std::string text(std::istreambuf_iterator<char>(in), {});
-  const Json all = Json::parse(text, nullptr, false);
+  if (!given && !std::filesystem::exists(table.file_)) return table;
+  const Json all = Json::parse(read_file(table.file_), nullptr, false);
   const auto rows = all.is_object() ? all.find("rows") : all.end();
   if (!all.is_object() || rows == all.end() || !rows->is_array())
     throw Error(ErrorCode::kFile, fmt::format("{}: no table of prices: no list \"rows\" "
@@ -135,9 +157,11 @@ PriceTable PriceTable::of_project() {
   for (std::size_t i = 0; i < rows->size(); ++i) {
     try {
       const Json& row = (*rows)[i];
+      if (!row.is_object()) throw Error(ErrorCode::kFile, "not an object");
       // Prices are of one lane in the project's own style.
-      if (row.at("style") == "cde" && row.at("lanes") == 1) table.rows_.push_back(row_of(row));
-    } catch (const Json::exception& e) {
+      if (word(row, "style") == "cde" && cells(row, "lanes") == 1)
+        table.rows_.push_back(row_of(row));
+    } catch (const Error& e) {
       throw Error(ErrorCode::kFile, fmt::format("{}: row {}: {}", table.file_, i + 1, e.what()));
     }
   }

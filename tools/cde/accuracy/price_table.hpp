@@ -30,6 +30,8 @@ struct Target {
   std::string name = "assumed:100MHz";
   std::optional<double> assumed_mhz = 100;
 };
+inline constexpr const char* kDefaultTarget = "ecp5-85";  ///< of prices
+
 /// "ecp5-85", "hx8k" or "assumed:NUMBERMHz"; error kUsage for anything else, naming these.
 [[nodiscard]] Target parse_target(const std::string& text);
 [[nodiscard]] std::vector<std::string> target_words();

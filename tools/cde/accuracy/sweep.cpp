@@ -7,13 +7,13 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <fstream>
-#include <iterator>
+#include <filesystem>
 #include <optional>
 #include <system_error>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "output/input_file.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
 #include "output/version.hpp"
@@ -56,6 +56,11 @@ class PartFile {
                        {"seed", o.seed},
                        {"cases", o.cases},
                        {"families", o.families}};
+    std::error_code unknown;
+    if (std::filesystem::exists(path_, unknown) &&
+        !std::filesystem::is_regular_file(path_, unknown))
+      throw Error(ErrorCode::kFile,
+                  fmt::format("--resume: {} is not a regular file", printable_name(path_)));
     file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (file_ < 0) fail("cannot open");
     const std::size_t whole = read(head);
@@ -96,8 +101,7 @@ class PartFile {
   }
   /// Bytes of the lines that are whole.
   std::size_t read(const Json& head) {
-    std::ifstream in(path_, std::ios::binary);
-    const std::string text(std::istreambuf_iterator<char>(in), {});
+    const std::string text = read_file(path_);
     std::size_t whole = 0, number = 0;
     for (std::size_t end = 0; (end = text.find('\n', whole)) != std::string::npos;
          whole = end + 1) {
@@ -119,7 +123,8 @@ class PartFile {
             fmt::format("{}, line {}: not a part of a sweep of cde accuracy", path_, number));
       }
     }
-    if (number == 0 && !text.empty())
+    // The first line may itself be what was not written to its end.
+    if (number == 0 && !(json_text(head, -1) + "\n").starts_with(text))
       throw Error(ErrorCode::kFile, fmt::format("{}: not a file of cde accuracy --resume", path_));
     return whole;
   }

@@ -46,13 +46,21 @@ PairBudget split(unsigned evaluations, Pair pair) {
   return budget;
 }
 
-/// M,K1,K2: directions sampled on a circle, steps on each circle, steps on each free track; or the
-/// evaluations in all.
-PairBudget budget_named(const std::string& text, Pair pair) {
+/// Lanes if nobody says how many. Words of 64 bits fill vectors sooner, and clang takes minutes to
+/// build facets of more than one such lane.
+unsigned default_lanes(Pair pair, FpFormat format) {
+  return has_facets(pair) && format.width() > 32 ? 1 : PairConfig{}.lanes;
+}
+
+}  // namespace
+
+// M,K1,K2: directions sampled on a circle, steps on each circle, steps on each free track; or the
+// evaluations in all.
+PairBudget budget_named(const std::string& text, Pair pair, std::string_view option) {
   if (!has_budget(pair))
-    throw Error(ErrorCode::kUsage, fmt::format("--budget is of cylinder-cylinder, obb-cylinder and "
+    throw Error(ErrorCode::kUsage, fmt::format("{} is of cylinder-cylinder, obb-cylinder and "
                                                "triangle-cylinder; {} always takes the same work",
-                                               name(pair)));
+                                               option, name(pair)));
   const auto is_all = [&text](int end) { return static_cast<std::size_t>(end) == text.size(); };
   PairBudget budget;
   unsigned evaluations = 0;
@@ -66,24 +74,18 @@ PairBudget budget_named(const std::string& text, Pair pair) {
       try {
         budget.check();
       } catch (const Error& e) {
-        throw Error(e.code(), fmt::format("--{}", e.what()));  // it begins with "budget"
+        constexpr std::string_view kBudget = "budget";  // it begins so
+        throw Error(e.code(),
+                    fmt::format("{}{}", option, std::string_view(e.what()).substr(kBudget.size())));
       }
       return budget;
     }
   }
   throw Error(ErrorCode::kUsage,
-              fmt::format("--budget is {}; it must be M,K1,K2 with M 4, 8 or 16, K1 and K2 0 to "
-                          "{}, or the number of evaluations",
-                          in_quotes(text), card::kBudgetMost));
+              fmt::format("{} is {}; it must be M,K1,K2 with M 4, 8 or 16, K1 and K2 0 to {}, or "
+                          "the number of evaluations",
+                          option, in_quotes(text), card::kBudgetMost));
 }
-
-/// Lanes if nobody says how many. Words of 64 bits fill vectors sooner, and clang takes minutes to
-/// build facets of more than one such lane.
-unsigned default_lanes(Pair pair, FpFormat format) {
-  return has_facets(pair) && format.width() > 32 ? 1 : PairConfig{}.lanes;
-}
-
-}  // namespace
 
 PairConfig configuration(const PairOptions& o) {
   PairConfig config{.pair = pair_named(o.pair),

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "cde/card/pair_unit.hpp"
 
@@ -26,6 +27,10 @@ void add_pair_options(CLI::App& verb, PairOptions& options, bool lanes = true);
 /// --budget, or what a pair takes without it. Error kUsage if it cannot be read, or the pair takes
 /// none.
 [[nodiscard]] PairBudget budget_of(const PairOptions& options);
+
+/// M,K1,K2, or the evaluations in all, as `option` has it.
+[[nodiscard]] PairBudget budget_named(const std::string& text, Pair pair,
+                                      std::string_view option = "--budget");
 
 /// PAIR and options as a command line has them, for another run of the same pipe.
 [[nodiscard]] std::string words_of(const PairOptions& options, const PairConfig& config,

@@ -43,7 +43,7 @@ struct Options {
   std::vector<std::string> pairs, formats, algorithms, budgets, families;
   std::vector<std::string> variants = {"card"};
   std::string box = "both", shard = "1/1", resume, output, mesh, grid = "64x48", camera;
-  std::string target = "ecp5-85", page, from;
+  std::string target = kDefaultTarget, page, from;
   std::uint64_t cases = 2400, seed = 1, check = 0, profile_cases = 0;
   std::string scene, frames;
   double clock_mhz = 100;
@@ -64,6 +64,16 @@ void add_ray_triangle(std::vector<AccuracyPipe>& pipes, const Options& o, FpForm
   }
 }
 
+/// Each once, in the order in which they are given.
+std::vector<PairBudget> budgets_of(const Options& o, Pair pair) {
+  std::vector<PairBudget> budgets;
+  for (const std::string& text : o.budgets) {
+    const PairBudget budget = budget_named(text, pair, "--budgets");
+    if (std::ranges::find(budgets, budget) == budgets.end()) budgets.push_back(budget);
+  }
+  return budgets;
+}
+
 /// Of a pair one format after the other; of each the algorithms, or the budgets.
 std::vector<AccuracyPipe> card_pipes(const Options& o) {
   std::vector<AccuracyPipe> pipes;
@@ -78,11 +88,8 @@ std::vector<AccuracyPipe> card_pipes(const Options& o) {
         add_ray_triangle(pipes, o, format);
       } else if (has_budget(pair) && !o.budgets.empty()) {
         budget_used = true;
-        for (const std::string& budget : o.budgets) {
-          PairOptions of;
-          of.pair = name, of.budget = budget;
-          pipes.push_back({.pair = pair, .format = format, .budget = budget_of(of)});
-        }
+        for (const PairBudget& budget : budgets_of(o, pair))
+          pipes.push_back({.pair = pair, .format = format, .budget = budget});
       } else {
         pipes.push_back({.pair = pair, .format = format});
       }
@@ -188,6 +195,10 @@ std::vector<AccuracyRow> measured_rows(const Options& o, const SweepOptions& opt
 }
 
 void run_pairs(const Options& o) {
+  if (!wanted(o.pairs, name(Pair::kRayTriangle)) &&
+      (!o.algorithms.empty() || o.box != "both" || o.profile_cases > 0))
+    throw Error(ErrorCode::kUsage,
+                "--algorithms, --box and --profiles are of ray-triangle, which is none of --pair");
   const auto [shard, shards] = parse_shard(o.shard);
   const SweepOptions options{.pipes = pipes_of(o),
                              .families = o.families,
@@ -205,6 +216,7 @@ void run_pairs(const Options& o) {
   const std::vector<AccuracyRow> rows = measured_rows(o, options);
   all.update({{"seed", o.seed},
               {"cases", o.cases},
+              {"only_families", o.families},
               {"band_u", 16},
               {"lanes", 1},
               {"profiles", Json::array()},
@@ -289,6 +301,12 @@ void run_scene(const Options& o) {
   }
 }
 
+/// Before fp32.
+bool can_be_narrow(FpFormat format) {
+  const FpFormat wide;
+  return format.exp_bits <= wide.exp_bits && format.man_bits < wide.man_bits;
+}
+
 /// Narrow first tests of the pairs that have them, each with the least budget unless one is given.
 std::vector<VerdictRow> verdict_rows(const Options& o) {
   Options of = o;
@@ -299,6 +317,11 @@ std::vector<VerdictRow> verdict_rows(const Options& o) {
     of.budgets = {"4,2,2"};
   std::vector<VerdictRow> rows;
   for (const AccuracyPipe& pipe : card_pipes(of)) {
+    if (!can_be_narrow(pipe.format))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--verdicts: a first test is in a format that has no more exponent "
+                              "bits than fp32 and fewer fraction bits, not in {}",
+                              pipe.format.name()));
     if (!has_proofs(pipe.pair)) {
       if (o.pairs.empty()) continue;
       throw Error(ErrorCode::kUsage,
@@ -326,10 +349,45 @@ void run_verdicts(const Options& o) {
   }
 }
 
-void run(const Options& o) {
-  check_outputs(
-      std::vector<FileUse>{{"--output", o.output}, {"--resume", o.resume}, {"--page", o.page}},
-      std::vector<FileUse>{{"--from", o.from}});
+/// What there is to do, by the option that says so, and what that takes; all else would be ignored.
+struct Work {
+  const char* option;
+  std::vector<std::string_view> takes;
+};
+const Work kWorks[] = {
+    {"--from", {"--page", "--target"}},
+    {"--verdicts",
+     {"--pair", "--formats", "--budgets", "--families", "--cases", "--seed", "--by-family",
+      "--json", "--markdown", "--output"}},
+    {"--scene", {"--formats", "--frames", "--clock", "--json", "--markdown", "--output"}},
+    {"--mesh",
+     {"--pair", "--formats", "--algorithms", "--box", "--variants", "--grid", "--camera", "--page",
+      "--json", "--markdown", "--output"}}};
+
+void check_options(const CLI::App& verb, const Options& o) {
+  for (const Work& work : kWorks) {
+    if (verb.count(work.option) == 0) continue;
+    for (const CLI::Option* given : verb.get_options()) {
+      const std::string option = given->get_name();
+      if (given->count() > 0 && option != work.option && option != "--quiet" &&
+          option != "--operators" && std::ranges::find(work.takes, option) == work.takes.end())
+        throw Error(ErrorCode::kUsage,
+                    fmt::format("{} has no meaning with {}", option, work.option));
+    }
+    const std::vector<std::string> rays = {std::string(name(Pair::kRayTriangle))};
+    if (work.option == std::string_view("--mesh") && !o.pairs.empty() && o.pairs != rays)
+      throw Error(ErrorCode::kUsage, "--mesh is of ray-triangle, not of other --pair");
+    return;
+  }
+}
+
+void run(const CLI::App& verb, const Options& o) {
+  check_options(verb, o);
+  const bool prints = o.json || o.promises;  // beside a page
+  check_outputs(std::vector<FileUse>{{"--output", prints && o.output.empty() ? "-" : o.output},
+                                     {"--resume", o.resume},
+                                     {"--page", o.page}},
+                std::vector<FileUse>{{"--from", o.from}});
   check_suffix("--page", o.page, ".html");
   if (!o.from.empty())
     run_kept(o);
@@ -420,7 +478,7 @@ void add_accuracy(CLI::App& app) {
   text_value(
       verb->add_option("--shard", o->shard, "Part I of N of the pipes")->capture_default_str(),
       "I/N", [](const std::string& text) { (void)parse_shard(text); });
-  file_value(
+  auto* mesh = file_value(
       verb->add_option("--mesh", o->mesh,
                        "A picture of this mesh instead: a file, terrain or terrain:X,Y,SEED"),
       "MESH");
@@ -433,10 +491,12 @@ void add_accuracy(CLI::App& app) {
   frames_option(*verb, o->frames)->needs(scene);
   clock_option(*verb, o->clock_mhz)->needs(scene);
   text_value(verb->add_option("--grid", o->grid, "Rays of the picture")->capture_default_str(),
-             "WxH", [](const std::string& text) { (void)parse_resolution(text, "--grid"); });
+             "WxH", [](const std::string& text) { (void)parse_resolution(text, "--grid"); })
+      ->needs(mesh);
   known_words(verb->add_option("--camera", o->camera,
                                "Rays of a camera, eye,target[,angle], instead of straight down"),
-              {"auto"}, "EX,EY,EZ,TX,TY,TZ[,FOV]|auto");
+              {"auto"}, "EX,EY,EZ,TX,TY,TZ[,FOV]|auto")
+      ->needs(mesh);
   auto* json = verb->add_flag("--json", o->json, "All figures as JSON");
   verb->add_flag("--short", o->short_json, "JSON without the families, a line a configuration")
       ->needs(json);
@@ -462,7 +522,7 @@ void add_accuracy(CLI::App& app) {
       ->excludes("--variants");
   file_value(verb->add_option("-o,--output", o->output, "Where to write (stdout)"), "FILE");
   verb->add_flag("-q,--quiet", o->quiet, "No progress");
-  verb->callback([o] { run(*o); });
+  verb->callback([o, verb] { run(*verb, *o); });
 }
 
 }  // namespace cde::cli

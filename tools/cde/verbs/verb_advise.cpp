@@ -2,7 +2,7 @@
 // cde advise: the cheapest pipe that is good enough.
 #include <fmt/format.h>
 
-#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <regex>
@@ -23,26 +23,30 @@ namespace cde::cli {
 namespace {
 
 struct Options {
-  std::string pair = "ray-triangle", at = "p999", time, target = "ecp5-85", from;
+  std::string pair = "ray-triangle", at = "p999", time, target = kDefaultTarget, from;
   double max_error = 0, max_wrong = 0, tests = 1e6;
   bool has_error = false, has_wrong = false, no_leaks = false, sure = false, json = false;
 };
 
 double parse_time(const std::string& text) {
   static const std::regex form("([0-9]+(?:\\.[0-9]*)?(?:e-?[0-9]{1,3})?)(ns|us|µs|ms|s)");
+  constexpr double kMost = 1e9;  // s
   std::smatch parts;
   if (!std::regex_match(text, parts, form))
     throw Error(ErrorCode::kUsage,
                 fmt::format("--time is {}; it must be a number and ns, us, ms or s, e.g. 1ms",
                             in_quotes(text)));
   const std::string unit = parts[2];
-  const double seconds = std::stod(parts[1]) * (unit == "ns"   ? 1e-9
-                                                : unit == "ms" ? 1e-3
-                                                : unit == "s"  ? 1
-                                                               : 1e-6);
-  if (!(seconds > 0) || !std::isfinite(seconds))
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--time is {}; it must be more than 0", in_quotes(text)));
+  const std::string number = parts[1];
+  // What is beyond the range of doubles becomes 0 or infinity.
+  const double seconds = std::strtod(number.c_str(), nullptr) * (unit == "ns"   ? 1e-9
+                                                                 : unit == "ms" ? 1e-3
+                                                                 : unit == "s"  ? 1
+                                                                                : 1e-6);
+  if (!(seconds > 0 && seconds <= kMost))
+    throw Error(ErrorCode::kUsage, fmt::format("--time is {}; it must be more than 0 and at most "
+                                               "{:g} s",
+                                               in_quotes(text), kMost));
   return seconds;
 }
 
