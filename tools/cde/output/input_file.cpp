@@ -13,8 +13,8 @@
 namespace cde::cli {
 
 std::string read_file(const std::string& file) {
-  std::error_code none;
-  const auto kind = std::filesystem::status(file, none).type();
+  std::error_code ignored;
+  const auto kind = std::filesystem::status(file, ignored).type();
   using enum std::filesystem::file_type;
   if (kind == directory || kind == character || kind == block || kind == socket)
     throw Error(ErrorCode::kFile, fmt::format("{}: is a {}, not a file", printable_name(file),
