@@ -102,7 +102,17 @@ TEST_F(AccuracyPage, TablesOfPricesThatAreNone) {
   refused(R"({"rows": [{"what": "add"}]})", "row 1: ");
   json bad = some_prices();
   bad["rows"][3]["lut"] = "many";
-  refused(bad.dump(), "row 4: ");
+  refused(bad.dump(), "row 4: lut is \"many\"; it must be a number, 0 or more");
+  bad = some_prices();
+  bad["rows"][2]["ff"] = -5;
+  refused(bad.dump(), "row 3: ff is -5; it must be a number, 0 or more");
+  for (const char* rates : {R"({"1": 0})", R"({"1": -5})", R"({"1": "fast"})", "[]"}) {
+    bad = some_prices();
+    bad["rows"][1]["fmax"] = json::parse(rates);
+    refused(bad.dump(), "row 2: fmax is ");
+  }
+  bad["rows"][1].erase("fmax");
+  refused(bad.dump(), "row 2: fmax is not there");
 }
 
 TEST_F(AccuracyPage, FromAFreshSweepAndFromAKeptOne) {

@@ -152,6 +152,9 @@ TEST_F(Accuracy, VerdictsThatThereAreNotAreRefused) {
   refused({"--verdicts", "--pair", "ray-sphere"},
           "--verdicts is of pairs of solids without a plane, not of ray-sphere");
   refused({"--verdicts", "--mesh", "terrain"}, "--verdicts");
+  for (const char* wide : {"fp32", "fp64"})
+    refused({"--verdicts", "--pair", "sphere-sphere", "--formats", wide},
+            "a first test is in a format that has no more exponent bits than fp32");
   refused({"--verdicts", "--pair", "obb-obb", "--families", "nothing"}, "no family 'nothing'");
   refused({"--verdicts", "--pair", "obb-obb", "--budgets", "4,2,2"}, "--budgets is of");
 }
@@ -170,12 +173,7 @@ TEST_F(Accuracy, ASweepGoesOnWhereItEnded) {
   for (const double share : {0.0, 0.001, 0.3, 0.77, 1.0}) {
     write("part.jsonl", lines.substr(0, static_cast<std::size_t>(share * lines.size())));
     const Ran rest = with("part.jsonl");
-    EXPECT_EQ(rest.status, share == 0.001 ? 2 : 0) << rest.err;
-    if (share == 0.001) {
-      EXPECT_NE(rest.err.find("not a file of cde accuracy --resume"), std::string::npos)
-          << rest.err;
-      continue;
-    }
+    EXPECT_EQ(rest.status, 0) << rest.err;
     EXPECT_EQ(read("part.jsonl"), lines) << share;
     EXPECT_EQ(rest.out, whole.out);
   }
@@ -230,12 +228,77 @@ TEST_F(Accuracy, WhatIsNotKnownIsNamed) {
   refused({"--algorithms", "mollar"}, "no algorithm 'mollar'; did you mean moller?");
   refused({"--pair", "obb-obb", "--families", "grazing"}, "no family 'grazing'; there are: near-");
   refused({"--pair", "obb-obb", "--budgets", "8,8,8"}, "none of the pairs takes one");
-  refused({"--budgets", "4,0"}, "--budget is '4,0'; it must be M,K1,K2");
+  refused({"--budgets", "4,0"}, "--budgets is '4,0'; it must be M,K1,K2");
+  refused({"--budgets", "4,99,0"}, "--budgets ");
   refused({"--cases", "0"}, "--cases is '0'; it must be a whole number, 1 to 100000000");
   refused({"--shard", "3/2"}, "--shard is '3/2'; it must be I/N");
   refused({"--mesh", "none.obj"}, "none.obj");
   write("other", "{\"schema\":\"something else\"}\n");
   refused({"--pair", "sphere-sphere", "--resume", "other"}, "other");
+  for (const char* device : {"/dev/zero", "/dev/null", "."})
+    refused({"--pair", "sphere-sphere", "--resume", device}, "is not a regular file");
+}
+
+/// A budget that is given twice is measured once.
+TEST_F(Accuracy, EachBudgetOnce) {
+  const Json all = pipes({"--pair", "obb-cylinder", "--formats", "fp16", "--cases", "20",
+                          "--budgets", "4,0,0:4,2,2:4,0,0"});
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].at("budget"), "4,0,0");
+  EXPECT_EQ(all[1].at("budget"), "4,2,2");
+}
+
+/// Where an option would change nothing, it is refused, and nothing is measured or written.
+TEST_F(Accuracy, OptionsWithoutAMeaningAreRefused) {
+  const auto refused = [&](const Words& words, const std::string& text) {
+    const Ran ran = accuracy(words);
+    EXPECT_EQ(ran.status, 2) << text;
+    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
+    EXPECT_EQ(ran.out, "");
+  };
+  const Words mesh = {"--mesh", "terrain:8,8,1", "--grid", "4x4"};
+  for (const Words& more : std::initializer_list<Words>{{"--check", "10"},
+                                                        {"--shard", "1/2"},
+                                                        {"--cases", "5"},
+                                                        {"--families", "anywhere"},
+                                                        {"--profiles", "3"},
+                                                        {"--resume", "m.jsonl"},
+                                                        {"--promises"},
+                                                        {"--by-family"}}) {
+    Words words = mesh;
+    words.insert(words.end(), more.begin(), more.end());
+    refused(words, more[0] + " has no meaning with --mesh");
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "m.jsonl"));
+  refused({"--mesh", "terrain:8,8,1", "--pair", "obb-obb"}, "--mesh is of ray-triangle");
+  refused({"--scene", "none.toml", "--page", "q.html"}, "--page has no meaning with --scene");
+  refused({"--scene", "none.toml", "--check", "3"}, "--check has no meaning with --scene");
+  refused({"--verdicts", "--pair", "sphere-sphere", "--algorithms", "moller"},
+          "--algorithms has no meaning with --verdicts");
+  refused({"--from", "x.json", "--page", "p.html", "--cases", "5"},
+          "--cases has no meaning with --from");
+  refused({"--grid", "3x3"}, "--grid requires --mesh");
+  refused({"--camera", "auto"}, "--camera requires --mesh");
+  refused({"--pair", "sphere-plane", "--box", "on"}, "are of ray-triangle, which is none of");
+  refused({"--pair", "sphere-plane", "--profiles", "10"}, "are of ray-triangle");
+  refused({"--pair", "sphere-plane", "--page", "-", "--json"}, "--page");
+}
+
+/// What the judge cannot tell grows with the quantile, and so do the bounds that it sets.
+TEST_F(Accuracy, BoundsOfTheJudgeGrow) {
+  const Json all = pipes({"--pair", "obb-obb", "--formats", "fp64", "--cases", "1400", "--short"});
+  const Json& oracle = all.at(0).at("all_families").at("oracle_u");
+  EXPECT_GT(oracle.at("largest"), oracle.at("p999"));
+  const Ran table =
+      accuracy({"--pair", "obb-obb", "--formats", "fp64", "--cases", "1400", "--markdown"});
+  std::istringstream line(table.out.substr(table.out.find("| obb-obb fp64 ")));
+  std::vector<double> bounds;
+  for (std::string cell; std::getline(line, cell, '|') && cell.find('\n') == std::string::npos;)
+    if (const auto at = cell.find('<'); at != std::string::npos)
+      bounds.push_back(std::stod(cell.substr(at + 1)));
+  ASSERT_GE(bounds.size(), 3u) << table.out;  // at least p99, p99.9 and the largest
+  EXPECT_TRUE(std::ranges::is_sorted(bounds)) << table.out;
+  EXPECT_GT(bounds.back(), bounds[bounds.size() - 2]);
 }
 
 /// A mesh whose picture is known: few bits see it otherwise.

@@ -145,8 +145,8 @@ const std::vector<Example>& examples(std::string_view verb) {
         {"cde accuracy --cases 100000 --resume parts.jsonl --json -o accuracy.json",
          "Everything, in a run that may be stopped and started again"}}},
       {"advise",
-       {{"cde advise --max-error 1e-3 --no-leaks --max-wrong 1000 --time 2ms",
-         "The cheapest ray-triangle pipe that is as good and takes a million tests in 2 ms"},
+       {{"cde advise --max-error 1e-3 --no-leaks --max-wrong 1000 --time 10ms",
+         "The cheapest ray-triangle pipe that is as good and takes a million tests in 10 ms"},
         {"cde advise --pair obb-obb --max-error 1e-2 --time 10ms --target hx8k --from "
          "accuracy.json",
          "Of a sweep of one's own, on another device"}}},
