@@ -30,7 +30,7 @@ struct Options {
 
 double parse_time(const std::string& text) {
   static const std::regex form("([0-9]+(?:\\.[0-9]*)?(?:e-?[0-9]{1,3})?)(ns|us|µs|ms|s)");
-  constexpr double kMost = 1e9;  // s
+  constexpr double kLeast = 1e-12, kMost = 1e9;  // s
   std::smatch parts;
   if (!std::regex_match(text, parts, form))
     throw Error(ErrorCode::kUsage,
@@ -43,10 +43,9 @@ double parse_time(const std::string& text) {
                                                                  : unit == "ms" ? 1e-3
                                                                  : unit == "s"  ? 1
                                                                                 : 1e-6);
-  if (!(seconds > 0 && seconds <= kMost))
-    throw Error(ErrorCode::kUsage, fmt::format("--time is {}; it must be more than 0 and at most "
-                                               "{:g} s",
-                                               in_quotes(text), kMost));
+  if (!(seconds >= kLeast && seconds <= kMost))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--time is {}; it must be 1 ps to 1e9 s", in_quotes(text)));
   return seconds;
 }
 
