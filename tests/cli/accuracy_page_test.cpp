@@ -102,11 +102,20 @@ TEST_F(AccuracyPage, TablesOfPricesThatAreNone) {
   refused(R"({"rows": [{"what": "add"}]})", "row 1: ");
   json bad = some_prices();
   bad["rows"][3]["lut"] = "many";
-  refused(bad.dump(), "row 4: lut is \"many\"; it must be a number, 0 or more");
+  refused(bad.dump(), "row 4: lut is \"many\"; it must be a whole number, 0 to 1e9");
   bad = some_prices();
   bad["rows"][2]["ff"] = -5;
-  refused(bad.dump(), "row 3: ff is -5; it must be a number, 0 or more");
-  for (const char* rates : {R"({"1": 0})", R"({"1": -5})", R"({"1": "fast"})", "[]"}) {
+  refused(bad.dump(), "row 3: ff is -5; it must be a whole number, 0 to 1e9");
+  for (const char* lat : {"abc", "", "-5", "0", "8/x", "8/", "99999999999"}) {
+    bad = some_prices();
+    bad["rows"][2]["lat"] = lat;
+    refused(bad.dump(), "row 3: lat is ");
+  }
+  bad = some_prices();
+  bad["rows"][0]["lanes"] = 0;
+  refused(bad.dump(), "row 1: lanes is 0; it must be 1 or more");
+  for (const char* rates :
+       {R"({"1": 0})", R"({"1": -5})", R"({"1": "fast"})", R"({"1": 1e308})", "[]"}) {
     bad = some_prices();
     bad["rows"][1]["fmax"] = json::parse(rates);
     refused(bad.dump(), "row 2: fmax is ");

@@ -148,6 +148,44 @@ TEST_F(Advise, CommandsRepeatTheFigures) {
       << ran.out;
 }
 
+/// Of several pairs each has its own families in its command, and where nothing was judged nothing
+/// is said to be good.
+TEST_F(Advise, FamiliesOfSeveralPairs) {
+  const Ran swept =
+      cde({"accuracy", "--pair", "sphere-sphere,ray-triangle", "--algorithms", "moller", "--box",
+           "off", "--formats", "fp16", "--families", "near-contact,mesh-edges", "--cases", "40",
+           "-q", "--json", "-o", "two.json"});
+  ASSERT_EQ(swept.status, 0) << swept.err;
+  const Ran solids = cde({"advise", "--from", "two.json", "--pair", "sphere-sphere", "--json"});
+  const auto solid = json::parse(solids.out).at("advised").at(0);
+  EXPECT_EQ(solid.at("command"),
+            "cde accuracy --pair sphere-sphere --formats fp16 --families near-contact --cases 40 "
+            "--seed 1 --by-family");
+  const Ran rays = cde({"advise", "--from", "two.json", "--max-wrong", "10", "--json"});
+  EXPECT_EQ(rays.status, 1) << rays.out;
+  const auto ray = json::parse(rays.out).at("advised").at(0);
+  EXPECT_TRUE(ray.at("error_over_size").is_null() && ray.at("wrong_per_million").is_null()) << ray;
+  EXPECT_NE(ray.at("lacks").dump().find("no decision was judged"), std::string::npos) << ray;
+}
+
+/// Counts that contradict each other are told, with the configuration that has them.
+TEST_F(Advise, SweepsThatContradictThemselves) {
+  const json kept = json::parse(read("kept.json"));
+  const auto refused = [&](const char* pointer, const json& value, const std::string& text) {
+    json other = kept;
+    other[json::json_pointer(pointer)] = value;
+    write("other.json", other.dump());
+    const Ran ran = cde({"advise", "--from", "other.json"});
+    EXPECT_EQ(ran.status, 2) << text;
+    EXPECT_NE(ran.err.find("other.json: " + text), std::string::npos) << ran.err;
+  };
+  refused("/configurations/1/all_families/false_hits/count", 5000,
+          "configuration 2: of 400 cases ");
+  refused("/configurations/0/all_families/cases", -5, "configuration 1: cases is -5; it must be");
+  refused("/seed", -1, "seed is -1; it must be a whole number");
+  refused("/seed", "one", "seed is \"one\"");
+}
+
 /// docs/accuracy.json says what this command measures: two of its configurations again.
 TEST_F(Advise, TheKeptTableIsNotStale) {
   std::ifstream in(std::filesystem::path(CDE_SOURCE_DIR) / "docs/accuracy.json");

@@ -48,7 +48,11 @@ std::string or_dash(const std::optional<T>& value) {
 }
 
 Columns::Cells errors_line(const std::string& name, const Tally& t) {
-  static const ErrorCounts kExact;  // of ulps and certificates the oracle's width is no part
+  static const ErrorCounts kExact;        // of certificates the oracle's width is no part
+  const auto ulps = [&t](double share) {  // what the judge cannot tell has none
+    return quantile(t.t, share, t.oracle).starts_with('<') ? "-"
+                                                           : quantile(t.t_ulps, share, kExact);
+  };
   return {name,
           fmt::to_string(t.cases),
           percent(t.refused, t.cases),
@@ -56,8 +60,8 @@ Columns::Cells errors_line(const std::string& name, const Tally& t) {
           quantile(t.t, 0.99, t.oracle),
           quantile(t.t, 0.999, t.oracle),
           quantile(t.t, 1, t.oracle),
-          quantile(t.t_ulps, 0.5, kExact),
-          quantile(t.t_ulps, 0.99, kExact),
+          ulps(0.5),
+          ulps(0.99),
           quantile(t.cp, 0.99, kExact),
           quantile(t.cp, 1, kExact),
           quantile(t.n, 1, kExact)};

@@ -20,7 +20,7 @@ constexpr std::size_t kMisses = 3;
 /// So many cases without a wrong decision show that there are at most so many a million.
 std::uint64_t cases_to_show(double per_million) {
   constexpr double kZ2 = 3.841458820694124;  // wilson() with none found
-  return static_cast<std::uint64_t>(std::ceil(kZ2 * (1e6 / per_million - 1)));
+  return static_cast<std::uint64_t>(std::ceil(std::min(kZ2 * (1e6 / per_million - 1), 1e18)));
 }
 
 std::string quantile_name(const Demands& d) {
@@ -54,8 +54,12 @@ void check_decisions(Candidate& c, const Demands& d) {
     c.unmet.push_back({fmt::format("{} of {} rays leak", t.leaks, t.leak_rays),
                        1 + static_cast<double>(t.leaks)});
   if (!d.max_wrong) return;
+  if (t.judged == 0) {
+    c.unmet.push_back({"no decision was judged", std::numeric_limits<double>::infinity()});
+    return;
+  }
   const double wrong = d.sure ? t.wrong_interval().high : t.wrong_per_million();
-  if (t.judged > 0 && wrong <= *d.max_wrong) return;
+  if (wrong <= *d.max_wrong) return;
   const std::string may_be =
       fmt::format("{} of {} decisions wrong, {}..{} a million", t.wrong, grouped(t.judged),
                   compact(t.wrong_interval().low), compact(t.wrong_interval().high));
@@ -142,9 +146,11 @@ std::string figures_text(const KeptSweep& sweep, const Demands& d, const Candida
     return limit ? fmt::format(", {} asked", compact(*limit)) : "";
   };
   std::string text =
-      line("error", fmt::format("{} of S ({}{}), {} u S; largest {} of S", compact(error_of(k, d)),
-                                quantile_name(d), asked(d.max_error), compact(t.error(d.quantile)),
-                                compact(k.u() * t.error(&Quantiles::largest))));
+      t.t.count == 0 ? line("error", "no T was judged")
+                     : line("error", fmt::format("{} of S ({}{}), {} u S; largest {} of S",
+                                                 compact(error_of(k, d)), quantile_name(d),
+                                                 asked(d.max_error), compact(t.error(d.quantile)),
+                                                 compact(k.u() * t.error(&Quantiles::largest))));
   const Interval95 wrong = t.wrong_interval();
   std::string decisions =
       fmt::format("{} of {} wrong, {}..{} a million with 95 %{}", t.wrong, grouped(t.judged),
@@ -152,7 +158,7 @@ std::string figures_text(const KeptSweep& sweep, const Demands& d, const Candida
   if (d.max_wrong && *d.max_wrong > 0 && wrong.high > *d.max_wrong)
     decisions += fmt::format("; not shown: it takes {} cases without one",
                              grouped(cases_to_show(*d.max_wrong)));
-  text += line("decisions", decisions);
+  text += line("decisions", t.judged == 0 ? "none was judged" : decisions);
   if (t.leak_rays > 0) text += line("leaks", fmt::format("{} of {} rays", t.leaks, t.leak_rays));
   text += line("area", price_text(c));
   text += line("clock", k.price.clock_is());
@@ -221,20 +227,21 @@ nlohmann::ordered_json advice_json(const KeptSweep& sweep, const Demands& demand
   for (const Candidate& c : all) {
     const KeptPipe& k = *c.of;
     const Interval95 wrong = k.all.wrong_interval();
-    Json one = {{"pipe", k.pipe.name()},
-                {"meets", c.unmet.empty()},
-                {"lacks", Json::array()},
-                {"error_over_size", number(error_of(k, demands))},
-                {"wrong_per_million", number(k.all.wrong_per_million())},
-                {"wrong_per_million_95", {number(wrong.low), number(wrong.high)}},
-                {"leak_rays", k.all.leak_rays},
-                {"leaks", share_json(k.all.leaks, k.all.leak_rays)},
-                {"lanes", c.lanes},
-                {"modelled_seconds", c.seconds ? number(*c.seconds) : Json()},
-                {"share_of_target", c.area_known ? number(c.cost) : Json()},
-                {"estimated", c.area_known ? Json(k.price.lane->estimated) : Json()},
-                {"clock_is", k.price.clock_is()},
-                {"command", sweep.command(k.pipe)}};
+    Json one = {
+        {"pipe", k.pipe.name()},
+        {"meets", c.unmet.empty()},
+        {"lacks", Json::array()},
+        {"error_over_size", k.all.t.count == 0 ? Json() : number(error_of(k, demands))},
+        {"wrong_per_million", k.all.judged == 0 ? Json() : number(k.all.wrong_per_million())},
+        {"wrong_per_million_95", {number(wrong.low), number(wrong.high)}},
+        {"leak_rays", k.all.leak_rays},
+        {"leaks", share_json(k.all.leaks, k.all.leak_rays)},
+        {"lanes", c.lanes},
+        {"modelled_seconds", c.seconds ? number(*c.seconds) : Json()},
+        {"share_of_target", c.area_known ? number(c.cost) : Json()},
+        {"estimated", c.area_known ? Json(k.price.lane->estimated) : Json()},
+        {"clock_is", k.price.clock_is()},
+        {"command", sweep.command(k.pipe)}};
     for (const Unmet& u : c.unmet) one["lacks"].push_back(u.text);
     candidates.push_back(std::move(one));
   }

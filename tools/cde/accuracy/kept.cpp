@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "accuracy/sweep.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "output/input_file.hpp"
@@ -41,16 +42,28 @@ std::optional<KeptCase> case_of(const Json& json) {
                   .size = finite_or_infinite(json.at("error_u"))};
 }
 
+std::uint64_t count_of(const Json& json, const char* key) {
+  const Json& value = json.at(key);
+  if (!value.is_number_unsigned())
+    throw Error(ErrorCode::kFile,
+                fmt::format("{} is {}; it must be a whole number, 0 or more", key, value.dump()));
+  return value.get<std::uint64_t>();
+}
+
 KeptTally tally_of(const Json& json) {
   KeptTally t;
   t.family = json.value("family", "");
-  json.at("cases").get_to(t.cases);
-  json.at("refused").get_to(t.refused);
-  json.at("leak_rays").get_to(t.leak_rays);
+  t.cases = count_of(json, "cases"), t.refused = count_of(json, "refused");
+  t.leak_rays = count_of(json, "leak_rays");
   t.judged = t.cases - std::min(t.cases, t.refused + t.leak_rays);
-  t.wrong = json.at("false_hits").at("count").get<std::uint64_t>() +
-            json.at("false_misses").at("count").get<std::uint64_t>();
-  json.at("leaks").at("count").get_to(t.leaks);
+  t.wrong = count_of(json.at("false_hits"), "count") + count_of(json.at("false_misses"), "count");
+  t.leaks = count_of(json.at("leaks"), "count");
+  if (t.refused > t.cases || t.leak_rays > t.cases - t.refused || t.wrong > t.judged ||
+      t.leaks > t.leak_rays)
+    throw Error(ErrorCode::kFile,
+                fmt::format("of {} cases {} are refused, {} are rays that may leak, {} of the rest "
+                            "decided wrong, and {} rays leaked: these do not fit together",
+                            t.cases, t.refused, t.leak_rays, t.wrong, t.leaks));
   t.t = quantiles_of(json.at("t_error_u"));
   t.oracle = quantiles_of(json.at("oracle_u"));
   t.worst_t = case_of(json.at("worst_t"));
@@ -132,7 +145,11 @@ std::string KeptSweep::command(const AccuracyPipe& pipe) const {
     text += fmt::format(" --budgets {},{},{}", pipe.budget.samples, pipe.budget.circle,
                         pipe.budget.free);
   if (pipe.variant != Variant::kCard) text += fmt::format(" --variants {}", name(pipe.variant));
-  if (!families.empty()) text += fmt::format(" --families {}", fmt::join(families, ","));
+  const std::vector<std::string> known = family_names({pipe});
+  std::string own;  // of the families those that this pair has
+  for (const std::string& family : families)
+    if (std::ranges::find(known, family) != known.end()) own += (own.empty() ? "" : ",") + family;
+  if (!own.empty()) text += " --families " + own;
   if (target != kDefaultTarget) text += " --target " + target;
   return text + fmt::format(" --cases {} --seed {} --by-family", cases, seed);
 }
@@ -150,8 +167,7 @@ KeptSweep sweep_of(const Json& json, const std::string& where, const Target& tar
   const PriceTable table = PriceTable::of_project();
   std::size_t number = 0;
   try {
-    json.at("seed").get_to(sweep.seed);
-    json.at("cases").get_to(sweep.cases);
+    sweep.seed = count_of(json, "seed"), sweep.cases = count_of(json, "cases");
     if (json.contains("only_families")) json.at("only_families").get_to(sweep.families);
     for (const Json& one : json.at("configurations")) {
       ++number;
@@ -163,10 +179,11 @@ KeptSweep sweep_of(const Json& json, const std::string& where, const Target& tar
       for (const Json& family : one.at("families")) kept.families.push_back(tally_of(family));
       sweep.pipes.push_back(std::move(kept));
     }
-  } catch (const Json::exception& e) {
-    throw Error(ErrorCode::kFile, fmt::format("{}: configuration {}: {}", where, number, e.what()));
-  } catch (const Error& e) {
-    throw Error(ErrorCode::kFile, fmt::format("{}: configuration {}: {}", where, number, e.what()));
+  } catch (const std::exception& e) {  // of JSON, or an Error
+    throw Error(
+        ErrorCode::kFile,
+        fmt::format("{}: {}{}", where, number == 0 ? "" : fmt::format("configuration {}: ", number),
+                    e.what()));
   }
   return sweep;
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
@@ -33,6 +34,9 @@ constexpr std::array kDevices = {Device{"ecp5-85", 83640, 83640, 156, 208, true}
                                  Device{"hx8k", 7680, 7680, 0, 32, false}};
 constexpr double kRoutable = 0.85;
 constexpr std::string_view kAssumed = "assumed:";
+constexpr double kMostCells = 1e9;
+constexpr const char* kCells = "a whole number, 0 to 1e9";
+constexpr unsigned kMostClocks = 999;
 
 [[noreturn]] void wrong_field(const char* key, const Json& row, const char* must_be) {
   const auto at = row.find(key);
@@ -48,19 +52,37 @@ std::string word(const Json& row, const char* key) {
 
 double cells(const Json& row, const char* key) {
   const auto at = row.find(key);
-  if (at == row.end() || !at->is_number() || !(at->get<double>() >= 0))
-    wrong_field(key, row, "a number, 0 or more");
-  return *at;
+  if (at == row.end() || !at->is_number()) wrong_field(key, row, kCells);
+  const double count = *at;
+  if (!(count >= 0 && count <= kMostCells && count == std::floor(count)))
+    wrong_field(key, row, kCells);
+  return count;
+}
+
+/// Clocks of an operator, or of the five kinds of them, between slashes.
+std::string latencies(const Json& row) {
+  const std::string text = word(row, "lat");
+  const char *at = text.data(), *const end = at + text.size();
+  while (true) {
+    unsigned clocks = 0;
+    const auto [stop, error] = std::from_chars(at, end, clocks);
+    if (error != std::errc() || clocks < 1 || clocks > kMostClocks)
+      wrong_field("lat", row, "clocks, 1 to 999, of several kinds of operator with / between them");
+    if (stop == end) return text;
+    if (*stop != '/') wrong_field("lat", row, "clocks with / between them");
+    at = stop + 1;
+  }
 }
 
 /// The middle one of a row's clock rates, one a seed.
 std::optional<double> median_mhz(const Json& row) {
-  constexpr const char* kMustBe = "clock rates in MHz, more than 0, one a seed";
+  constexpr const char* kMustBe = "clock rates in MHz, more than 0 and at most 10000, one a seed";
   const auto all = row.find("fmax");
   if (all == row.end() || !all->is_object()) wrong_field("fmax", row, kMustBe);
   std::vector<double> rates;
   for (const Json& rate : *all) {
-    if (!rate.is_number() || !(rate.get<double>() > 0)) wrong_field("fmax", row, kMustBe);
+    if (!rate.is_number() || !(rate.get<double>() > 0 && rate.get<double>() <= kMostClockMhz))
+      wrong_field("fmax", row, kMustBe);
     rates.push_back(rate);
   }
   if (rates.empty()) return std::nullopt;
@@ -73,9 +95,9 @@ PriceRow row_of(const Json& json) {
   for (const auto& [key, text] : {std::pair{"what", &row.what},
                                   {"algorithm", &row.algorithm},
                                   {"format", &row.format},
-                                  {"lat", &row.lat},
                                   {"target", &row.target}})
     *text = word(json, key);
+  row.lat = latencies(json);
   CellCounts& c = row.cells;
   for (const auto& [key, count] : {std::pair{"lut", &c.lut},
                                    {"carry", &c.carry},
@@ -84,6 +106,8 @@ PriceRow row_of(const Json& json) {
                                    {"ram", &c.ram},
                                    {"lutram", &c.lutram}})
     *count = cells(json, key);
+  if (c.lut + c.carry + c.ff + c.dsp + c.ram + c.lutram == 0)
+    wrong_field("lut", json, "more than 0, as no other cells are there");
   row.mhz = median_mhz(json);
   return row;
 }
@@ -159,6 +183,7 @@ PriceTable PriceTable::of_project() {
       const Json& row = (*rows)[i];
       if (!row.is_object()) throw Error(ErrorCode::kFile, "not an object");
       // Prices are of one lane in the project's own style.
+      if (cells(row, "lanes") < 1) wrong_field("lanes", row, "1 or more");
       if (word(row, "style") == "cde" && cells(row, "lanes") == 1)
         table.rows_.push_back(row_of(row));
     } catch (const Error& e) {

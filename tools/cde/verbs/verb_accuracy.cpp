@@ -178,13 +178,13 @@ std::string short_json(Json all) {
 }
 
 std::vector<AccuracyRow> measured_rows(const Options& o, const SweepOptions& options) {
+  const PriceTable table = PriceTable::of_project();  // before what takes long
   std::vector<AccuracyRow> rows;
   for (Measured& measured : sweep(options)) rows.push_back({std::move(measured), {}, {}});
   std::vector<AccuracyPipe> pipes;
   for (const AccuracyRow& row : rows) pipes.push_back(row.measured.pipe);
   const std::vector<PipeFigures> figures = figures_of(pipes, o.operators);
   const Target target = parse_target(o.target);
-  const PriceTable table = PriceTable::of_project();
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i].price = price_of(pipes[i], figures[i], target, table);
     if (o.check == 0 || pipes[i].variant != Variant::kCard) continue;
@@ -199,6 +199,8 @@ void run_pairs(const Options& o) {
       (!o.algorithms.empty() || o.box != "both" || o.profile_cases > 0))
     throw Error(ErrorCode::kUsage,
                 "--algorithms, --box and --profiles are of ray-triangle, which is none of --pair");
+  if (o.profile_cases > 0 && !o.json && o.page.empty())
+    throw Error(ErrorCode::kUsage, "--profiles are for --page or --json, and neither is given");
   const auto [shard, shards] = parse_shard(o.shard);
   const SweepOptions options{.pipes = pipes_of(o),
                              .families = o.families,
@@ -228,7 +230,7 @@ void run_pairs(const Options& o) {
     write(o, o.short_json ? short_json(all) : json_text(all) + "\n");
   else if (o.promises)
     write(o, promise_table(rows));
-  else if (o.page != "-")
+  else if (o.page != "-" || !o.output.empty())
     write(o, accuracy_tables(rows, o.by_family, o.markdown));
 }
 
@@ -263,7 +265,7 @@ void run_picture(const Options& o) {
     page->write(pictures_html(rows, size, o.mesh, mesh));
     page->commit();
     if (!o.quiet) say("page: {}\n", printable_name(o.page));
-    if (o.page == "-") return;
+    if (o.page == "-" && o.output.empty()) return;
   }
   if (o.json) {
     all.update({{"mesh", o.mesh}, {"band_u", 16}, {"pictures", picture_json(rows)}});
@@ -374,8 +376,9 @@ void check_options(const CLI::App& verb, const Options& o) {
         throw Error(ErrorCode::kUsage,
                     fmt::format("{} has no meaning with {}", option, work.option));
     }
-    const std::vector<std::string> rays = {std::string(name(Pair::kRayTriangle))};
-    if (work.option == std::string_view("--mesh") && !o.pairs.empty() && o.pairs != rays)
+    if (work.option == std::string_view("--mesh") &&
+        std::ranges::any_of(
+            o.pairs, [](const std::string& pair) { return pair != name(Pair::kRayTriangle); }))
       throw Error(ErrorCode::kUsage, "--mesh is of ray-triangle, not of other --pair");
     return;
   }
