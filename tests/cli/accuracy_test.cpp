@@ -28,6 +28,13 @@ class Accuracy : public Cli {
     EXPECT_EQ(ran.status, 0) << ran.err;
     return ran.status == 0 ? Json::parse(ran.out).at("configurations") : Json::array();
   }
+  /// With status 2 and a message that has `text`, and nothing on stdout.
+  void refused(const Words& words, const std::string& text) {
+    const Ran ran = accuracy(words);
+    EXPECT_EQ(ran.status, 2) << text;
+    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
+    EXPECT_EQ(ran.out, "");
+  }
 };
 
 TEST_F(Accuracy, TheSameSeedGivesTheSameFigures) {
@@ -143,11 +150,6 @@ TEST_F(Accuracy, WhatIsCertainIsTrue) {
 }
 
 TEST_F(Accuracy, VerdictsThatThereAreNotAreRefused) {
-  const auto refused = [&](const Words& words, const std::string& why) {
-    const Ran ran = accuracy(words);
-    EXPECT_EQ(ran.status, 2);
-    EXPECT_NE(ran.err.find(why), std::string::npos) << ran.err;
-  };
   refused({"--verdicts", "--pair", "ray-sphere"},
           "--verdicts is of pairs of solids without a plane, not of ray-sphere");
   refused({"--verdicts", "--mesh", "terrain"}, "--verdicts");
@@ -216,12 +218,6 @@ TEST_F(Accuracy, ShardsMakeUpTheWhole) {
 }
 
 TEST_F(Accuracy, WhatIsNotKnownIsNamed) {
-  const auto refused = [&](const Words& words, const std::string& text) {
-    const Ran ran = accuracy(words);
-    EXPECT_EQ(ran.status, 2) << text;
-    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
-    EXPECT_EQ(ran.out, "");
-  };
   refused({"--pair", "sphere-shpere"}, "no pair 'sphere-shpere'; did you mean sphere-sphere?");
   refused({"--formats", "fp32,fp8"}, "no format 'fp8'; ");
   refused({"--algorithms", "mollar"}, "no algorithm 'mollar'; did you mean moller?");
@@ -249,12 +245,6 @@ TEST_F(Accuracy, EachBudgetOnce) {
 
 /// Where an option would change nothing, it is refused, and nothing is measured or written.
 TEST_F(Accuracy, OptionsWithoutAMeaningAreRefused) {
-  const auto refused = [&](const Words& words, const std::string& text) {
-    const Ran ran = accuracy(words);
-    EXPECT_EQ(ran.status, 2) << text;
-    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
-    EXPECT_EQ(ran.out, "");
-  };
   const Words mesh = {"--mesh", "terrain:8,8,1", "--grid", "4x4"};
   for (const Words& more : std::initializer_list<Words>{{"--check", "10"},
                                                         {"--shard", "1/2"},
