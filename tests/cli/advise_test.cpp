@@ -60,7 +60,7 @@ TEST_F(Advise, JsonHasAllOfThemInTheSameOrder) {
   const Ran text = advise(demands), json = advise(with);
   ASSERT_EQ(json.status, 0) << json.err;
   const auto j = nlohmann::json::parse(json.out);
-  EXPECT_EQ(j["schema"], "cde.advise.1");
+  EXPECT_EQ(j["schema"], "cde.advise.2");
   ASSERT_EQ(j["advised"].size(), 16U);
   EXPECT_TRUE(first_line(text).starts_with(j["advised"][0]["pipe"].get<std::string>() + " on "));
   bool meets = true;

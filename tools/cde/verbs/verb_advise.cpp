@@ -79,7 +79,7 @@ void run(const Options& o) {
                 fmt::format("{} has no configuration of {}", printable_name(file), o.pair));
   if (o.json) {
     nlohmann::ordered_json report = program_json();
-    report.update({{"schema", "cde.advise.1"},
+    report.update({{"schema", "cde.advise.2"},
                    {"pair", o.pair},
                    {"target", target.name},
                    {"tests", demands.tests},
