@@ -259,7 +259,7 @@ TEST_F(Why, WhatMakesNoSenseIsSaid) {
   EXPECT_NE(error("a.fst", "count@75ns", "other.xml").find("no scope"), std::string::npos);
   EXPECT_NE(error("a.fst", "count@75ns", "top.sv").find("no structure"), std::string::npos);
   EXPECT_NE(error("a.fst", "count@75ns", "none.xml").find("none.xml"), std::string::npos);
-  EXPECT_NE(error("a.fst", "count@75ns", ".").find("cannot be read"), std::string::npos);
+  EXPECT_NE(error("a.fst", "count@75ns", ".").find("is a folder, not a file"), std::string::npos);
   EXPECT_EQ(cde({"wave", "why", "a.fst"}).status, 2);
   EXPECT_EQ(cde({"wave", "find", "a.fst", "clk", "--depth", "2"}).status, 2);
 }

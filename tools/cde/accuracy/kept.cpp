@@ -56,10 +56,11 @@ KeptTally tally_of(const Json& json) {
   t.cases = count_of(json, "cases"), t.refused = count_of(json, "refused");
   t.leak_rays = count_of(json, "leak_rays");
   t.judged = t.cases - std::min(t.cases, t.refused + t.leak_rays);
-  t.wrong = count_of(json.at("false_hits"), "count") + count_of(json.at("false_misses"), "count");
+  const std::uint64_t hits = count_of(json.at("false_hits"), "count");
+  t.wrong = hits + count_of(json.at("false_misses"), "count");
   t.leaks = count_of(json.at("leaks"), "count");
   if (t.refused > t.cases || t.leak_rays > t.cases - t.refused || t.wrong > t.judged ||
-      t.leaks > t.leak_rays)
+      t.wrong < hits || t.leaks > t.leak_rays)
     throw Error(ErrorCode::kFile,
                 fmt::format("of {} cases {} are refused, {} are rays that may leak, {} of the rest "
                             "decided wrong, and {} rays leaked: these do not fit together",

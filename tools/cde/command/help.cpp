@@ -147,9 +147,9 @@ const std::vector<Example>& examples(std::string_view verb) {
       {"advise",
        {{"cde advise --max-error 1e-3 --no-leaks --max-wrong 1000 --time 10ms",
          "The cheapest ray-triangle pipe that is as good and takes a million tests in 10 ms"},
-        {"cde advise --pair obb-obb --max-error 1e-2 --time 10ms --target hx8k --from "
+        {"cde advise --pair obb-obb --max-error 1e-2 --time 10ms --target assumed:200MHz --from "
          "accuracy.json",
-         "Of a sweep of one's own, on another device"}}},
+         "Of a sweep of one's own, at a clock that no device is asked for"}}},
       {"explain",
        {{"cde explain sphere-sphere '0 0 0 1 | 1.5 0 0 1'",
          "Every operator of the pipe beside the reference's, with its clock and line"},

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
@@ -16,6 +14,7 @@
 #include "cde/bitstream/cache_entry.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "output/input_file.hpp"
 #include "rtl/elaborate.hpp"
 #include "rtl/json_tree.hpp"
 #include "wave/elaborated.hpp"
@@ -61,20 +60,13 @@ std::optional<Origin> origin_of(Trace& trace) {
   return std::nullopt;
 }
 
-std::string text_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in || !fs::is_regular_file(file))
-    throw Error(ErrorCode::kFile, fmt::format("{}: cannot be read", printable_name(file.string())));
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 /// A structure that was named, in the form of --xml-only.
 std::string structure_text(const std::string& file) {
   constexpr std::string_view kJson = ".json";
-  if (!file.ends_with(kJson)) return text_of(file);
+  if (!file.ends_with(kJson)) return cli::read_file(file);
   const std::string meta = file.substr(0, file.size() - kJson.size()) + ".meta.json";
   try {
-    return rtl::xml_of_json(text_of(file), text_of(meta));
+    return rtl::xml_of_json(cli::read_file(file), cli::read_file(meta));
   } catch (const rtl::NetlistError& e) {
     throw Error(ErrorCode::kFile,
                 fmt::format("{}: is no structure: {}", printable_name(file), printable(e.what())));
@@ -149,7 +141,7 @@ std::optional<Design> design_of(const Origin& origin, const std::string& waves, 
     }
     Design design(kept->xml, what);
     for (const std::string& file : design.files())
-      if (fs::is_regular_file(file)) kept->sources[file] = text_of(file);
+      if (fs::is_regular_file(file)) kept->sources[file] = cli::read_file(file);
     write_cache_entry(name, kept->text());
   }
   Design design(std::move(kept->xml), what);
