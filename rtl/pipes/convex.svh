@@ -88,15 +88,25 @@
   perpendicular #(`DF_SAME, .T_V(T_``V), .T_F(T_``F), .T_INVERSE(T_``INVERSE)) \
     perpendicular_``R ( \
       .clk_i, .v_i(V), .f_i(F), .inverse_ff_i(INVERSE), .r_o(R));
-// The points x = (v, p): NEAR_V, NEAR_P and FAR_V, FAR_P give R_V, R_P.
-`define DF_POLISH(R_V, R_P, NEAR_V, NEAR_P, FAR_V, FAR_P, TIE) \
+// The points x = (v, p): NEAR_V, NEAR_P and FAR_V, FAR_P give R_V, R_P, and SLACK of NEAR.
+`define DF_POLISH(R_V, R_P, SLACK, NEAR_V, NEAR_P, FAR_V, FAR_P, TIE) \
   localparam int T_``R_V = `DF_MAX2(`DF_MAX3(T_``NEAR_V, T_``NEAR_P, T_``TIE), `DF_MAX2(T_``FAR_V, T_``FAR_P)) + \
-    `LATENCY_POLISH, T_``R_P = T_``R_V; \
-  `DF_VECTOR R_V, R_P; \
+    `LATENCY_POLISH, T_``R_P = T_``R_V, T_``SLACK = T_``R_V; \
+  `DF_VECTOR R_V, R_P; `DF_SCALAR SLACK; \
   polish #(`DF_SAME, .T_NEAR_V(T_``NEAR_V), .T_NEAR_P(T_``NEAR_P), .T_FAR_V(T_``FAR_V), .T_FAR_P(T_``FAR_P), \
       .T_TIE(T_``TIE)) polish_``R_V ( \
       .clk_i, .near_v_i(NEAR_V), .near_p_i(NEAR_P), .far_v_i(FAR_V), .far_p_i(FAR_P), .tie_i(TIE), .v_o(R_V), \
-        .p_o(R_P));
+        .p_o(R_P), .slack_o(SLACK));
+// The second step of polishing stands if it makes the slack no more than it was, FAR_V being farthest against it.
+`define DF_NEARER(V, P, SLACK, ONCE_V, ONCE_P, ONCE_SLACK, TWICE_V, TWICE_P, FAR_V) \
+  `DF_VSUB(SLACK``_e, FAR_V, TWICE_V) `DF_DOT(SLACK``_minus, TWICE_V, SLACK``_e) `DF_NEG(SLACK``_after, SLACK``_minus) \
+  `DF_LT(SLACK``_worse, ONCE_SLACK, SLACK``_after) `DF_SELECT(SLACK, SLACK``_worse, ONCE_SLACK, SLACK``_after) \
+  `DF_VSELECT(V, SLACK``_worse, ONCE_V, TWICE_V) `DF_VSELECT(P, SLACK``_worse, ONCE_P, TWICE_P)
+// What the nearest point, of length D, direction N and SLACK, says of the distance: the GAP along N, and S, halfway from D
+// down to the larger of that gap and the facets', which the distance is between.
+`define DF_POINT_GAP(GAP, S, N, D, SLACK, FACET_S) `DF_MUL(GAP``_less, SLACK, N``_inverse) `DF_SUB(GAP, D, GAP``_less) \
+  `DF_MAX(S``_low, FACET_S, GAP) `DF_ADD(S``_twice, D, S``_low) `DF_CONST(S``_half, CW'(`DF_POWER_OF_TWO(-1))) \
+  `DF_MUL(S, S``_twice, S``_half)
 
 // The facets' witness FROM: the same point of B, and the point of box A nearest to where it would be S N away. 9 add, 3
 // mul, 6 min/max.
@@ -104,14 +114,14 @@
   `DF_VSUB(V``_ideal, V``_q, V``_apart) \
   `DF_VNEG(V``_low, HALF) `DF_VCLAMP(P, V``_ideal, V``_low, HALF) `DF_VSUB(V, V``_q, P)
 
-// ---- Choice between two answers of a pair (S, N, V, P): FACET_* of the facets, and POINT_*, the polished nearest
-// point of B - A with its length D and direction. The point stands if the bodies are apart, D is FIT and the gap ALONG
+// ---- Choice between two answers of a pair (S, N, V, P): FACET_* of the facets, and POINT_*, of the polished
+// nearest point of B - A. The point stands if the bodies are apart, D is FIT and the gap ALONG
 // its direction is not less than the facets' by more than TIE; so when the distance is so small that the point has no
 // direction left, the facets decide. ----
-`define DF_DECIDE(S, N, V, P, FACET_S, FACET_N, FACET_V, FACET_P, POINT_D, POINT_N, POINT_V, POINT_P, FIT, ALONG, TIE) \
+`define DF_DECIDE(S, N, V, P, FACET_S, FACET_N, FACET_V, FACET_P, POINT_S, POINT_N, POINT_V, POINT_P, FIT, ALONG, TIE) \
   `DF_CONST(S``_zero, 0) `DF_LT(S``_apart, S``_zero, FACET_S) `DF_SUB(S``_tied, FACET_S, TIE) \
     `DF_LE(S``_confirmed, S``_tied, ALONG) \
   `DF_AND(S``_usable, S``_apart, FIT) `DF_AND(S``_point, S``_usable, S``_confirmed) \
-  `DF_SELECT(S, S``_point, POINT_D, FACET_S) `DF_VSELECT(N, S``_point, POINT_N, FACET_N) \
+  `DF_SELECT(S, S``_point, POINT_S, FACET_S) `DF_VSELECT(N, S``_point, POINT_N, FACET_N) \
   `DF_VSELECT(V, S``_point, POINT_V, FACET_V) `DF_VSELECT(P, S``_point, POINT_P, FACET_P)
 `endif

@@ -4,10 +4,10 @@
 // The difference B - A has 15 pairs of facets, whose normals are the 15 axes of the separating-axis test: 3 faces of A,
 // 3 faces of B, 9 pairs of edges. The depth is the least overlap on them, the distance the least distance to the 15
 // facets that face the origin; the nearest point is polished twice. Support features come from axes turned by 16 u, as
-// if no face or edge of one box were parallel to one of the other. F = (s <= 0), T = |s|. 627 add, 569 mul, 15 div, 10
-// sqrt, 122 compare, 90 min/max.
+// if no face or edge of one box were parallel to one of the other. F = (s <= 0), T = |s|. 638 add, 568 mul, 15 div, 10
+// sqrt, 123 compare, 91 min/max.
 // With FACET_II = 3 the edges of B take turns in a unit an edge of A, a face of A and one of B do in a unit, and the
-// facets three by three at the key of the witness: 361 add, 336 mul, 7 div, 4 sqrt, 80 compare, 42 min/max.
+// facets three by three at the key of the witness: 372 add, 335 mul, 7 div, 4 sqrt, 81 compare, 43 min/max.
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none, runs free.
 `include "convex.svh"
 module obb_obb #(
@@ -285,16 +285,16 @@ module obb_obb #(
   `DF_VIN(v_start, choice_start_v, T_START)
   `DF_VIN(p_start, choice_start_p, T_START)
 
-  // ---- The nearest point, polished twice ----
+  // ---- The nearest point, polished twice, and by how much its gap is less than its length ----
   `DF_VAT(a_start, a_facets, T_START)
   `DF_VAT(t_start, t_faces_a, T_START)
   `DF_MAT_AT(f_start, f_faces_a, T_START)
-  logic [2:0][LANES-1:0][CW-1:0] support1_v, support1_p, support2_v, support2_p;
+  logic [2:0][LANES-1:0][CW-1:0] support1_v, support1_p, support2_v, support2_p, support3_v, support3_p;
   obb_support #(`DF_SAME) support1 (
       .clk_i, .v_i(v_start), .a_i(a_start), .t_i(t_start), .f_i(f_start), .v_o(support1_v), .p_o(support1_p));
   `DF_VIN(v_far1, support1_v, T_START + `LATENCY_OBB_SUPPORT)
   `DF_VIN(p_far1, support1_p, T_START + `LATENCY_OBB_SUPPORT)
-  `DF_POLISH(v_once, p_once, v_start, p_start, v_far1, p_far1, tie_facets)
+  `DF_POLISH(v_once, p_once, slack_start, v_start, p_start, v_far1, p_far1, tie_facets)
   `DF_VAT(a_once, a_start, T_v_once)
   `DF_VAT(t_once, t_start, T_v_once)
   `DF_MAT_AT(f_once, f_start, T_v_once)
@@ -302,17 +302,21 @@ module obb_obb #(
       .clk_i, .v_i(v_once), .a_i(a_once), .t_i(t_once), .f_i(f_once), .v_o(support2_v), .p_o(support2_p));
   `DF_VIN(v_far2, support2_v, T_v_once + `LATENCY_OBB_SUPPORT)
   `DF_VIN(p_far2, support2_p, T_v_once + `LATENCY_OBB_SUPPORT)
-  `DF_POLISH(v_point, p_point, v_once, p_once, v_far2, p_far2, tie_facets)
+  `DF_POLISH(v_twice, p_twice, slack_once, v_once, p_once, v_far2, p_far2, tie_facets)
+  `DF_VAT(a_twice, a_once, T_v_twice)
+  `DF_VAT(t_twice, t_once, T_v_twice)
+  `DF_MAT_AT(f_twice, f_once, T_v_twice)
+  obb_support #(`DF_SAME) support3 (
+      .clk_i, .v_i(v_twice), .a_i(a_twice), .t_i(t_twice), .f_i(f_twice), .v_o(support3_v), .p_o(support3_p));
+  `DF_VIN(v_far3, support3_v, T_v_twice + `LATENCY_OBB_SUPPORT)
+  `DF_NEARER(v_point, p_point, slack, v_once, p_once, slack_once, v_twice, p_twice, v_far3)
+  logic unused_polished;
+  assign unused_polished = &{1'b0, slack_start, support3_p};
 
   // ---- The gap along its direction, and the choice ----
   `DF_DIRECTION(n_point, d_point, usable, v_point)
-  `DF_DOT(n_t, n_point, t_once)
-  `DF_BOX_RADIUS(radius_a, n_point, a_once)
-  `DF_APPLY(on_b, f_once, n_point)
-  `DF_NORM1(radius_b, on_b)
-  `DF_SUB(beyond_a, n_t, radius_a)
-  `DF_SUB(gap_along, beyond_a, radius_b)
-  `DF_DECIDE(s, n_local, v_local, p_local, s_facets, n_facets, v_facets, p_facets, d_point, n_point, v_point, p_point,
+  `DF_POINT_GAP(gap_along, s_between, n_point, d_point, slack, s_facets)
+  `DF_DECIDE(s, n_local, v_local, p_local, s_facets, n_facets, v_facets, p_facets, s_between, n_point, v_point, p_point,
       usable, gap_along, tie_facets)
 
   // ---- Back to the world ----

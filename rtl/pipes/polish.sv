@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // One step of polishing. `near` is about the point of B - A nearest the origin, `far` the point least in its direction:
 // if the gap along near.v, near.v.far.v / |near.v|, is less than |near.v| by more than `tie`, the point nearest the
-// origin on the segment between them, else near. v is the point of B - A, p the point of A that it comes from. 16 add,
-// 13 mul, 1 div, 1 compare, 3 min/max.
+// origin on the segment between them, else near. v is the point of B - A, p the point of A that it comes from; slack is
+// what near had: |near.v| (|near.v| - the gap). 16 add, 13 mul, 1 div, 1 compare, 3 min/max.
 // Latency: LATENCY_POLISH clocks from the latest input; 0 with ARITH = "host". Throughput: one point a lane a clock.
 // Stall: none.
 `include "convex.svh"
@@ -21,7 +21,8 @@ module polish #(
     input logic [2:0][LANES-1:0][CW-1:0] far_p_i,
     input logic [LANES-1:0][CW-1:0] tie_i,
     output logic [2:0][LANES-1:0][CW-1:0] v_o,
-    output logic [2:0][LANES-1:0][CW-1:0] p_o
+    output logic [2:0][LANES-1:0][CW-1:0] p_o,
+    output logic [LANES-1:0][CW-1:0] slack_o
 );
   /*verilator inline_module*/
   localparam logic [CW-1:0] ONE = ((CW'(1) << (EXP - 1)) - 1) << MAN;
@@ -57,6 +58,8 @@ module polish #(
   localparam int T_OUT = `DF_MAX2(`DF_MAX3(T_NEAR_V, T_NEAR_P, T_TIE), `DF_MAX2(T_FAR_V, T_FAR_P)) + `LATENCY_POLISH;
   `DF_VAT(v_out, v, T_OUT)
   `DF_VAT(p_out, p, T_OUT)
+  `DF_AT(slack, along, T_OUT)
   assign v_o = v_out;
   assign p_o = p_out;
+  assign slack_o = slack;
 endmodule

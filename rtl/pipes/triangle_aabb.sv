@@ -2,8 +2,8 @@
 // Triangle against axis-aligned box, relative to the box's lower corner first and then to its centre, so that the
 // centre is never rounded in world coordinates (triangle_box.sv). s = signed gap, n from the triangle to the box, CP
 // the midpoint of the witness points.
-// F = (s <= 0), T = |s|. 470 add, 532 mul, 16 div, 11 sqrt, 127 compare, 126 min/max.
-// With FACET_II = 3 facets take turns: 328 add, 334 mul, 10 div, 5 sqrt, 101 compare, 78 min/max.
+// F = (s <= 0), T = |s|. 477 add, 534 mul, 16 div, 11 sqrt, 128 compare, 127 min/max.
+// With FACET_II = 3 facets take turns: 335 add, 336 mul, 10 div, 5 sqrt, 102 compare, 79 min/max.
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none, runs free.
 `include "triangle.svh"
 module triangle_aabb #(

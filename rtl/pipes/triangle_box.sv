@@ -163,21 +163,27 @@ module triangle_box #(
   `DF_LOWEST(vertex1, q_start, v_start)
   `DF_VMOVE_SIGN(p_far1, v_start, a_start)
   `DF_VSUB(v_far1, vertex1, p_far1)
-  `DF_POLISH(v_once, p_once, v_start, p_start, v_far1, p_far1, tie_facets)
+  `DF_POLISH(v_once, p_once, slack_start, v_start, p_start, v_far1, p_far1, tie_facets)
   `DF_VAT(a_once, a_start, T_v_once)
   `DF_MAT_AT(q_once, q_start, T_v_once)
   `DF_LOWEST(vertex2, q_once, v_once)
   `DF_VMOVE_SIGN(p_far2, v_once, a_once)
   `DF_VSUB(v_far2, vertex2, p_far2)
-  `DF_POLISH(v_point, p_point, v_once, p_once, v_far2, p_far2, tie_facets)
+  `DF_POLISH(v_twice, p_twice, slack_once, v_once, p_once, v_far2, p_far2, tie_facets)
+  `DF_VAT(a_twice, a_once, T_v_twice)
+  `DF_MAT_AT(q_twice, q_once, T_v_twice)
+  `DF_LOWEST(vertex3, q_twice, v_twice)
+  `DF_VMOVE_SIGN(p_far3, v_twice, a_twice)
+  `DF_VSUB(v_far3, vertex3, p_far3)
+  `DF_NEARER(v_point, p_point, slack, v_once, p_once, slack_once, v_twice, p_twice, v_far3)
+  logic unused_slack;
+  assign unused_slack = &{1'b0, slack_start};
 
   // ---- The gap along its direction, and the choice ----
   `DF_DIRECTION(n_point, d_point, usable, v_point)
-  `DF_LEAST_ALONG(low, q_once, n_point)
-  `DF_BOX_RADIUS(radius, n_point, a_once)
-  `DF_SUB(gap_along, low, radius)
+  `DF_POINT_GAP(gap_along, s_between, n_point, d_point, slack, s_facets)
   if (T_gap_along != `TRIANGLE_BOX_T_ALONG) $error("triangle_box: stage time");
-  `DF_DECIDE(s, n_box, v_box, p_box_point, s_facets, n_facets, v_facets, p_facets, d_point, n_point, v_point, p_point,
+  `DF_DECIDE(s, n_box, v_box, p_box_point, s_facets, n_facets, v_facets, p_facets, s_between, n_point, v_point, p_point,
       usable, gap_along, tie_facets)
   `DF_VSCALE(half_v, v_box, half)
   `DF_VADD(middle, p_box_point, half_v)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Triangle against oriented box, in the box's frame (triangle_box.sv). s = signed gap, n from the triangle to the box,
-// CP the midpoint of the witness points. F = (s <= 0), T = |s|. 485 add, 574 mul, 16 div, 11 sqrt, 127 compare, 126
+// CP the midpoint of the witness points. F = (s <= 0), T = |s|. 492 add, 576 mul, 16 div, 11 sqrt, 128 compare, 127
 // min/max.
-// With FACET_II = 3 facets take turns: 343 add, 376 mul, 10 div, 5 sqrt, 101 compare, 78 min/max.
+// With FACET_II = 3 facets take turns: 350 add, 378 mul, 10 div, 5 sqrt, 102 compare, 79 min/max.
 // Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none, runs free.
 `include "triangle.svh"
 module triangle_obb #(

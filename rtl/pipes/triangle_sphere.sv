@@ -43,11 +43,13 @@ module triangle_sphere #(
   `DF_MAT_AT(p_start, p, T_start)
   `DF_LOWEST(far1, p_start, start)
   `DF_VNEG(far1_p, far1)
-  `DF_POLISH(once, once_p, start, start_p, far1, far1_p, tie)
+  `DF_POLISH(once, once_p, start_slack, start, start_p, far1, far1_p, tie)
   `DF_MAT_AT(p_once, p_start, T_once)
   `DF_LOWEST(far2, p_once, once)
   `DF_VNEG(far2_p, far2)
-  `DF_POLISH(x, x_p, once, once_p, far2, far2_p, tie)
+  `DF_POLISH(x, x_p, once_slack, once, once_p, far2, far2_p, tie)
+  logic unused_slack;
+  assign unused_slack = &{1'b0, start_slack, once_slack};
 
   // ---- The plane's answer, and the point's if its gap is not less than that ----
   `DF_VFLIP(plane_up, closest_h, t_m)

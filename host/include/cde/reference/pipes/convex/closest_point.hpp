@@ -197,23 +197,40 @@ struct Difference {
   Vector<S> p;  ///< point of A
 };
 
+/// How much the gap along near.v is less than |near.v|, times |near.v|; `far` is the point of B - A
+/// least in its direction, so that this gap is near.v.far.v / |near.v|. 0 of the nearest point.
+/// 5 add 3 mul.
+template <typename S>
+[[nodiscard]] S slack(const Difference<S>& near, const Difference<S>& far) {
+  return -dot<S>(near.v, sub<S>(far.v, near.v));
+}
+
+/// What a step of polishing makes of a point, and the slack that the point had.
+template <typename S>
+struct Polished {
+  Difference<S> x;
+  S slack_before;
+};
+
 /// One step of polishing. `near` is about the point of B - A nearest the origin and `far` the point
-/// least in its direction, so that the gap along near.v is near.v.far.v / |near.v|: if that is less
-/// than |near.v| by more than `tie`, the point nearest the origin on the segment between them.
+/// least in its direction: if the gap along near.v is less than |near.v| by more than `tie`, the
+/// point nearest the origin on the segment between them.
 ///
 /// Why: a distance d is right to u S whichever of two neighbouring features it was measured to, but
 /// then the direction of v may be wrong by sqrt(u S / d), and an edge of the other feature is not
 /// perpendicular to it. The step is along that edge.
 /// 16 add 13 mul 1 div.
 template <typename S>
-[[nodiscard]] Difference<S> polish(const Difference<S>& near, const Difference<S>& far, S tie) {
+[[nodiscard]] Polished<S> polish(const Difference<S>& near, const Difference<S>& far, S tie) {
   const Vector<S> e = sub<S>(far.v, near.v);
   const S along = -dot<S>(near.v, e);
   const S size =
       max_num(magnitude(near.v.x()), max_num(magnitude(near.v.y()), magnitude(near.v.z())));
   const auto moves = tie * size < along;
   const S step = select(moves, min_num(along / dot<S>(e, e), S{1}), S{0});
-  return {add<S>(near.v, scale<S>(e, step)), add<S>(near.p, scale<S>(sub<S>(far.p, near.p), step))};
+  return {
+      {add<S>(near.v, scale<S>(e, step)), add<S>(near.p, scale<S>(sub<S>(far.p, near.p), step))},
+      along};
 }
 
 /// The signed gap of a pair, in a frame common to both.
@@ -224,20 +241,36 @@ struct SignedGap {
   Difference<S> x;  ///< witness points: x.p of A and x.p + x.v of B, x.v = s n but for rounding
 };
 
+/// A length and direction of a vector.
+template <typename S>
+struct Direction {
+  Vector<S> n;
+  S d, inverse;  ///< the length, and 1 / d
+};
+
+/// What is known of the distance of two bodies by a point of their difference.
+template <typename S>
+struct PointGap {
+  S gap;  ///< along the point's direction
+  S s;    ///< what is answered
+};
+
 /// Chooses between two answers of a pair: that of its facets, and `x`, the polished nearest point
 /// of B - A, whose direction is the normal. The second one stands if the bodies are apart and its
-/// gap, `gap_along` of its unit vector, is not less than the facets' by more than `tie`; so when
-/// the distance is so small that x.v has no direction left, the facets decide. 3 add 6 mul 1 div 1
-/// sqrt and gap_along.
+/// gap, `point_gap` of its Direction, is not less than the facets' by more than `tie`; so when the
+/// distance is so small that x.v has no direction left, the facets decide. 3 add 6 mul 1 div 1 sqrt
+/// and point_gap.
 template <typename S, typename Gap>
 [[nodiscard]] SignedGap<S> decide(const SignedGap<S>& facets, const Difference<S>& x, Mask<S> apart,
-                                  S tie, const Gap& gap_along) {
+                                  S tie, const Gap& point_gap) {
   const S dd = dot<S>(x.v, x.v);
   const S d = square_root(dd);
-  const Vector<S> n = unit<S>(x.v, d);
-  const auto point = apart && usable(dd) && facets.s - tie <= gap_along(n);
-  return {select(point, d, facets.s),
-          select<S>(point, n, facets.n),
+  const S inverse = S{1} / d;
+  const Direction<S> way{scale<S>(x.v, inverse), d, inverse};
+  const PointGap<S> known = point_gap(way);
+  const auto point = apart && usable(dd) && facets.s - tie <= known.gap;
+  return {select(point, known.s, facets.s),
+          select<S>(point, way.n, facets.n),
           {select<S>(point, x.v, facets.x.v), select<S>(point, x.p, facets.x.p)}};
 }
 

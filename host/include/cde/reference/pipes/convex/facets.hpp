@@ -231,6 +231,28 @@ template <typename S>
   return {sub<S>(q, p), p};
 }
 
+/// A point near the origin and its slack.
+template <typename S>
+struct Nearest {
+  Difference<S> x;
+  S slack;
+};
+
+/// The second step stands if it makes the slack no more than it was. A step is where the origin is
+/// nearest to a segment, and can gain nothing but rounding: then it may turn v by more than what it
+/// was polished for, and the slack grows by as much as the segment is shorter than the bodies
+/// (measured: 137 u S of one T in ten million, of two plates tilted by 10 u).
+/// support(v) is the point of Q - P farthest against v. 37 add 29 mul 2 div 1 cmp, and 3 supports.
+template <typename S, typename Support>
+[[nodiscard]] Nearest<S> polish_twice(const Difference<S>& start, S tie, const Support& support) {
+  const Difference<S> once = polish<S>(start, support(start.v), tie).x;
+  const Polished<S> twice = polish<S>(once, support(once.v), tie);
+  const S after = slack<S>(twice.x, support(twice.x.v));
+  const auto worse = twice.slack_before < after;
+  return {{select<S>(worse, once.v, twice.x.v), select<S>(worse, once.p, twice.x.p)},
+          select(worse, twice.slack_before, after)};
+}
+
 /// The signed gap from all facets of a pair, `a` the half extents of P.
 ///
 /// The largest gap gives s, and its facet the normal if the bodies penetrate. Where faces are
@@ -240,11 +262,10 @@ template <typename S>
 /// largest gap. If the bodies are apart, the facet with the least distance gives the nearest
 /// points, which are polished.
 ///
-/// `support(v)` is the point of Q - P farthest against v, `gap_along(n)` the gap of the projections
-/// on a unit n.
-template <typename S, std::size_t N, typename Support, typename Gap>
+/// `support(v)` is the point of Q - P farthest against v.
+template <typename S, std::size_t N, typename Support>
 [[nodiscard]] SignedGap<S> answer(const std::array<Facet<S>, N>& facets, const Vector<S>& a, S tie,
-                                  const Support& support, const Gap& gap_along) {
+                                  const Support& support) {
   std::array<Chosen<S>, N> by_gap, by_witness, by_distance;
   for (std::size_t i = 0; i < N; ++i) {
     by_gap[i] = {-facets[i].gap, facets[i]};
@@ -266,10 +287,13 @@ template <typename S, std::size_t N, typename Support, typename Gap>
   const Facet<S> witness = least(by_witness);
   const Facet<S> near = least(by_distance);
   const Difference<S> start{perpendicular<S>(near.x.v, near.edge, near.inverse_ff), near.x.p};
-  const Difference<S> once = polish<S>(start, support(start.v), tie);
-  const Difference<S> polished = polish<S>(once, support(once.v), tie);
-  return decide<S>({s, witness.n, settle<S>(witness.x, s, witness.n, a)}, polished, S{0} < s, tie,
-                   gap_along);
+  const Nearest<S> nearest = polish_twice<S>(start, tie, support);
+  return decide<S>({s, witness.n, settle<S>(witness.x, s, witness.n, a)}, nearest.x, S{0} < s, tie,
+                   [&](const Direction<S>& way) {
+                     // The distance is between the two: halfway it is wrong by half at most.
+                     const S gap = way.d - nearest.slack * way.inverse;
+                     return PointGap<S>{gap, (way.d + max_num(s, gap)) * kHalf<S>};
+                   });
 }
 
 }  // namespace cde::reference::convex

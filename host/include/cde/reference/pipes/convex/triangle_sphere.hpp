@@ -26,17 +26,18 @@ template <typename S>
     const Vector<S> far = select3<S>(low.first, low.second, t.p[0], t.p[1], t.p[2]);
     return {far, -far};
   };
-  const Difference<S> once = polish<S>({start, -start}, support(start), tie);
-  const Difference<S> x = polish<S>(once, support(once.v), tie);
+  const Difference<S> once = polish<S>({start, -start}, support(start), tie).x;
+  const Difference<S> x = polish<S>(once, support(once.v), tie).x;
 
   // The plane's own normal, towards the centre; h is measured from the plane to the origin.
   const Vector<S> n(-move_sign(closest.h, t.m.x()), -move_sign(closest.h, t.m.y()),
                     -move_sign(closest.h, t.m.z()));
   const S plane_gap = magnitude(closest.h);
   const Vector<S> to_plane = scale<S>(n, plane_gap);
-  const SignedGap<S> centre =
-      decide<S>({plane_gap, n, {to_plane, -to_plane}}, x, Mask<S>(true), tie,
-                [&](const Vector<S>& along) { return least_along<S>(t.p, along).value; });
+  const SignedGap<S> centre = decide<S>(
+      {plane_gap, n, {to_plane, -to_plane}}, x, Mask<S>(true), tie, [&](const Direction<S>& way) {
+        return PointGap<S>{least_along<S>(t.p, way.n).value, way.d};
+      });
   const S s = centre.s - b.r;
   // CP = pA + (s / 2) n, relative to the sphere's centre.
   const Vector<S> cp = add<S>(b.c, add<S>(centre.x.p, scale<S>(centre.n, s * kHalf<S>)));
