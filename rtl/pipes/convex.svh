@@ -99,8 +99,9 @@
         .p_o(R_P), .slack_o(SLACK));
 // The second step of polishing stands if it makes the slack no more than it was, FAR_V being farthest against it.
 `define DF_NEARER(V, P, SLACK, ONCE_V, ONCE_P, ONCE_SLACK, TWICE_V, TWICE_P, FAR_V) \
-  `DF_VSUB(SLACK``_e, FAR_V, TWICE_V) `DF_DOT(SLACK``_minus, TWICE_V, SLACK``_e) `DF_NEG(SLACK``_after, SLACK``_minus) \
-  `DF_LT(SLACK``_worse, ONCE_SLACK, SLACK``_after) `DF_SELECT(SLACK, SLACK``_worse, ONCE_SLACK, SLACK``_after) \
+  `DF_VSUB(SLACK``_e, FAR_V, TWICE_V) `DF_DOT(SLACK``_minus, TWICE_V, SLACK``_e) \
+  `DF_NEG(SLACK``_after, SLACK``_minus) `DF_LT(SLACK``_worse, ONCE_SLACK, SLACK``_after) \
+  `DF_SELECT(SLACK, SLACK``_worse, ONCE_SLACK, SLACK``_after) \
   `DF_VSELECT(V, SLACK``_worse, ONCE_V, TWICE_V) `DF_VSELECT(P, SLACK``_worse, ONCE_P, TWICE_P)
 // What the nearest point, of length D, direction N and SLACK, says of the distance: the GAP along N, and S, halfway from D
 // down to the larger of that gap and the facets', which the distance is between.

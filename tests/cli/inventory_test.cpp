@@ -123,7 +123,7 @@ TEST_F(Inventory, FacetsInTurnAreFewerUnits) {
   EXPECT_EQ(j["pipes"][0]["pair"], "obb-obb");
   EXPECT_EQ(j["pipes"][0]["initiation_interval"], 3);
   EXPECT_EQ(j["pipes"][0]["operators"]["square_roots"], 4) << "of nine edge normals, three units";
-  EXPECT_EQ(j["pipes"][0]["latency_levels"], 100 + 3);
+  EXPECT_EQ(j["pipes"][0]["latency_levels"], 107 + 3);
   EXPECT_EQ(j["pipes"][1]["initiation_interval"], 1);
 }
 

@@ -537,6 +537,41 @@ TEST(ConvexPairDirected, WitnessPointsOfTiedDepthAxesLieInTheirBodies) {
   }
 }
 
+// Two thin boxes all but parallel. The second step of polishing turned v so far that its gap was of
+// no use, and of a distance of 2.27 the facets' 2.2667 was left: 137 u S too near. And two that are
+// nearly in touch: |v| alone is 8 u S too far, and halfway to the gap is not.
+TEST(ConvexPairDirected, DistancesOfBoxesTiltedByTheirRoundingHold) {
+  const oracle::Case plates{Pair::kObbObb,
+                            0,
+                            0,
+                            "",
+                            {0, 0, 0, 0x1.a9bceep+0, 0x1.1aff1ep+2, 0x1.3a04aep-30, 0x1p+0,
+                             -0x1.484d72p-21, 0x1.3ea5dep-21, 0x1.484d8p-21, 0x1p+0,
+                             -0x1.512eb4p-21, -0x1.3ea5d2p-21, 0x1.512ecp-21, 0x1p+0},
+                            {-0x1.08fd52p+2, 0, -0x1.2222f4p+1, 0x1.39b67ap+1, 0x1.09fa6ep+2,
+                             0x1.114a1ap-29, 1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  const oracle::Case near{
+      Pair::kObbObb,
+      0,
+      0,
+      "",
+      {0x0p+0, 0x0p+0, 0x0p+0, 0x1.638e2ep+0, 0x1.c3e9bp-1, 0x1.5492b8p+0, 0x1.81e4eep-3,
+       0x1.113732p-2, 0x1.e3ea9ep-1, -0x1.96f9b2p-3, -0x1.dd3f2ep-1, 0x1.36046cp-2, 0x1.ec6d7ep-1,
+       -0x1.f57b84p-3, -0x1.f63accp-4},
+      {-0x1.473386p-2, 0x1.1dc61ap+0, 0x1.2c493ep-2, 0x1.737412p+0, 0x1.427ff4p-2, 0x1.355f98p+0,
+       0x1.81e47ep-3, 0x1.1136f4p-2, 0x1.e3eaacp-1, -0x1.96fa34p-3, -0x1.dd3f32p-1, 0x1.360426p-2,
+       0x1.ec6d7cp-1, -0x1.f57bcep-3, -0x1.f639ecp-4}};
+  for (const oracle::Case& c : {plates, near}) {
+    const Outcome<float> o = run<float>(c.pair, {c.a.begin(), c.a.end()}, {c.b.begin(), c.b.end()});
+    const oracle::Gap gap = oracle::signed_gap(c.shape_a(), c.shape_b());
+    const double u_s = 0x1p-24 * oracle::scene_size(c.shape_a(), c.shape_b());
+    EXPECT_FALSE(o.f);
+    EXPECT_LE(std::abs(o.t - gap.middle()) / u_s, 5) << c.describe();
+    EXPECT_GE(oracle::gap_along(c.shape_a(), c.shape_b(), o.n.cast<double>()), gap.lo - 8 * u_s)
+        << c.describe();
+  }
+}
+
 // Exact touching counts as contact in every pair and in either order; one ulp of daylight does not.
 TEST(ConvexPairDirected, TouchingIsAHit) {
   const float above = std::nextafter(2.0f, 3.0f);
