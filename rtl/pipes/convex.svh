@@ -103,8 +103,8 @@
   `DF_NEG(SLACK``_after, SLACK``_minus) `DF_LT(SLACK``_worse, ONCE_SLACK, SLACK``_after) \
   `DF_SELECT(SLACK, SLACK``_worse, ONCE_SLACK, SLACK``_after) \
   `DF_VSELECT(V, SLACK``_worse, ONCE_V, TWICE_V) `DF_VSELECT(P, SLACK``_worse, ONCE_P, TWICE_P)
-// What the nearest point, of length D, direction N and SLACK, says of the distance: the GAP along N, and S, halfway from D
-// down to the larger of that gap and the facets', which the distance is between.
+// What the nearest point, of length D, direction N and SLACK, says of the distance: the GAP along N, and S, halfway
+// from D down to the larger of that gap and the facets', which the distance is between.
 `define DF_POINT_GAP(GAP, S, N, D, SLACK, FACET_S) `DF_MUL(GAP``_less, SLACK, N``_inverse) `DF_SUB(GAP, D, GAP``_less) \
   `DF_MAX(S``_low, FACET_S, GAP) `DF_ADD(S``_twice, D, S``_low) `DF_CONST(S``_half, CW'(`DF_POWER_OF_TWO(-1))) \
   `DF_MUL(S, S``_twice, S``_half)
