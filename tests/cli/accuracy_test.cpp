@@ -243,6 +243,23 @@ TEST_F(Accuracy, EachBudgetOnce) {
   EXPECT_EQ(all[1].at("budget"), "4,2,2");
 }
 
+TEST_F(Accuracy, EachFamilyOnce) {
+  const Ran ran = accuracy({"--pair", "sphere-sphere", "--formats", "fp16", "--cases", "20",
+                            "--families", "random,deep,random", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const Json all = Json::parse(ran.out);
+  EXPECT_EQ(all.at("only_families"), (Json{"random", "deep"}));
+}
+
+TEST_F(Accuracy, APartWithoutAConfigurationSaysSo) {
+  const Ran ran = cde({"accuracy", "--no-operators", "--pair", "sphere-sphere", "--formats", "fp16",
+                       "--shard", "2/2"});
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_NE(ran.err.find("--shard 2/2: there are 1 configurations, and this part has none"),
+            std::string::npos)
+      << ran.err;
+}
+
 /// Where an option would change nothing, it is refused, and nothing is measured or written.
 TEST_F(Accuracy, OptionsWithoutAMeaningAreRefused) {
   const Words mesh = {"--mesh", "terrain:8,8,1", "--grid", "4x4"};
@@ -266,6 +283,11 @@ TEST_F(Accuracy, OptionsWithoutAMeaningAreRefused) {
           "--algorithms has no meaning with --verdicts");
   refused({"--from", "x.json", "--page", "p.html", "--cases", "5"},
           "--cases has no meaning with --from");
+  refused({"--by-family", "--json"}, "--by-family is of tables");
+  refused({"--by-family", "--promises"}, "--by-family has no meaning with --promises");
+  refused({"--target", "hx8k", "--promises"}, "--target has no meaning with --promises");
+  refused({"--resume", "-"}, "--resume is read and written: it must be a file, not -");
+  refused({"--page", "-", "--json"}, "--json and --page");
   refused({"--grid", "3x3"}, "--grid requires --mesh");
   refused({"--camera", "auto"}, "--camera requires --mesh");
   refused({"--pair", "sphere-plane", "--box", "on"}, "are of ray-triangle, which is none of");

@@ -128,6 +128,14 @@ std::pair<unsigned, unsigned> parse_shard(const std::string& text) {
   return {shard, shards};
 }
 
+/// Each once, in the order in which they are given.
+std::vector<std::string> families_of(const Options& o) {
+  std::vector<std::string> families;
+  for (const std::string& family : o.families)
+    if (std::ranges::find(families, family) == families.end()) families.push_back(family);
+  return families;
+}
+
 /// Before anything slow: a family is one of some pair, and of one that is asked for.
 void check_families(const Options& o, const std::vector<AccuracyPipe>& pipes) {
   const std::vector<std::string> known = family_names(pipes);
@@ -203,7 +211,7 @@ void run_pairs(const Options& o) {
     throw Error(ErrorCode::kUsage, "--profiles are for --page or --json, and neither is given");
   const auto [shard, shards] = parse_shard(o.shard);
   const SweepOptions options{.pipes = pipes_of(o),
-                             .families = o.families,
+                             .families = families_of(o),
                              .seed = o.seed,
                              .cases = o.cases,
                              .shard = shard,
@@ -211,6 +219,9 @@ void run_pairs(const Options& o) {
                              .resume = o.resume,
                              .quiet = o.quiet};
   check_families(o, options.pipes);
+  if (shard > options.pipes.size() && !o.quiet)
+    say("cde: --shard {}: there are {} configurations, and this part has none of them\n", o.shard,
+        options.pipes.size());
   std::optional<OutputFile> page;
   if (!o.page.empty()) page.emplace(o.page);
   Json all = head_json(kSweepSchema);
@@ -218,7 +229,7 @@ void run_pairs(const Options& o) {
   const std::vector<AccuracyRow> rows = measured_rows(o, options);
   all.update({{"seed", o.seed},
               {"cases", o.cases},
-              {"only_families", o.families},
+              {"only_families", families_of(o)},
               {"band_u", 16},
               {"lanes", 1},
               {"profiles", Json::array()},
@@ -342,7 +353,7 @@ void run_verdicts(const Options& o) {
   check_families(o, pipes);
   Json all = head_json("cde.accuracy.verdicts.1");
   say_what(o, all["machine"], fmt::format("{} cases a line", o.cases));
-  count_verdicts(rows, {o.families, o.seed, o.cases, o.quiet});
+  count_verdicts(rows, {families_of(o), o.seed, o.cases, o.quiet});
   if (o.json) {
     all.update({{"seed", o.seed}, {"cases", o.cases}, {"verdicts", verdict_json(rows)}});
     write(o, json_text(all) + "\n");
@@ -384,13 +395,29 @@ void check_options(const CLI::App& verb, const Options& o) {
   }
 }
 
+/// Of a sweep: what would be written nowhere.
+void check_sweep_options(const CLI::App& verb, const Options& o) {
+  if (o.by_family && o.promises)
+    throw Error(ErrorCode::kUsage, "--by-family has no meaning with --promises");
+  if (o.by_family && o.json)
+    throw Error(ErrorCode::kUsage,
+                "--by-family is of tables; --json has all families unless --short");
+  if (verb.count("--target") > 0 && o.promises && o.page.empty())
+    throw Error(ErrorCode::kUsage, "--target has no meaning with --promises");
+  if (o.resume == "-")
+    throw Error(ErrorCode::kUsage, "--resume is read and written: it must be a file, not -");
+}
+
 void run(const CLI::App& verb, const Options& o) {
   check_options(verb, o);
-  const bool prints = o.json || o.promises;  // beside a page
-  check_outputs(std::vector<FileUse>{{"--output", prints && o.output.empty() ? "-" : o.output},
-                                     {"--resume", o.resume},
-                                     {"--page", o.page}},
-                std::vector<FileUse>{{"--from", o.from}});
+  check_sweep_options(verb, o);
+  const char* prints = o.json ? "--json" : o.promises ? "--promises" : nullptr;  // beside a page
+  const bool to_stdout = prints != nullptr && o.output.empty();
+  check_outputs(
+      std::vector<FileUse>{to_stdout ? FileUse{prints, "-"} : FileUse{"--output", o.output},
+                           {"--resume", o.resume},
+                           {"--page", o.page}},
+      std::vector<FileUse>{{"--from", o.from}});
   check_suffix("--page", o.page, ".html");
   if (!o.from.empty())
     run_kept(o);
