@@ -129,7 +129,7 @@ class Verdicts : public ::testing::Test {};
 TYPED_TEST_SUITE(Verdicts, All);
 
 TYPED_TEST(Verdicts, RecordsAreThoseOfWideLanes) {
-  Board board = Board::open(narrow_first(Arithmetic::kHost, 4, {TypeParam::kPair}));
+  Board board = Board::open(narrow_first(Arithmetic::kHost, 8, {TypeParam::kPair}));
   check(board, TypeParam::kPair, shapes<typename TypeParam::A>(37, 1),
         shapes<typename TypeParam::B>(61, 2));
 }
@@ -174,7 +174,7 @@ TEST(VerdictCards, SeveralPairsUnderPressure) {
 /// for zero that is none: it finds hits where the proof would see a miss.
 TEST(VerdictCards, NothingIsProvedOfPairsTooSmallForTheWidePipe) {
   constexpr Pair kPair = Pair::kTriangleAabb;
-  Board board = Board::open(narrow_first(Arithmetic::kHost, 4, {kPair}));
+  Board board = Board::open(narrow_first(Arithmetic::kHost, 8, {kPair}));
   for (const int exponent : {-30, -34, -40, -100, -127, -135}) {
     SCOPED_TRACE(exponent);
     std::vector<Triangle> a = shapes<Triangle>(37, 1);
@@ -228,7 +228,7 @@ TEST(VerdictCards, TwoPairsAtATime) {
 
 /// Slots masked out are not asked for, so they are nothing to leave open.
 TEST(VerdictCards, MaskedPrimariesAreNotOpen) {
-  Board board = Board::open(narrow_first(Arithmetic::kHost, 4, {kSpheres}));
+  Board board = Board::open(narrow_first(Arithmetic::kHost, 8, {kSpheres}));
   const std::vector<Sphere> few = shapes<Sphere>(37, 1), many = shapes<Sphere>(61, 2);
   board.upload_shapes(std::span<const Sphere>(many));
   board.load_shapes(std::span<const Sphere>(few));
