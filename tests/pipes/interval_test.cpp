@@ -120,12 +120,12 @@ std::string test_name(const ::testing::TestParamInfo<Parameter>& info) {
 // of three; of a triangle, they all wait longer for its own face.
 INSTANTIATE_TEST_SUITE_P(
     Fp32, FacetInterval,
-    ::testing::Values(Parameter{Pair::kObbObb, Arithmetic::kHost, 100 + 3},
-                      Parameter{Pair::kObbObb, Arithmetic::kRtl, 100 + 3},
-                      Parameter{Pair::kTriangleAabb, Arithmetic::kHost, 103 + 1},
-                      Parameter{Pair::kTriangleAabb, Arithmetic::kRtl, 103 + 1},
-                      Parameter{Pair::kTriangleObb, Arithmetic::kHost, 106 + 1},
-                      Parameter{Pair::kTriangleObb, Arithmetic::kRtl, 106 + 1}),
+    ::testing::Values(Parameter{Pair::kObbObb, Arithmetic::kHost, 107 + 3},
+                      Parameter{Pair::kObbObb, Arithmetic::kRtl, 107 + 3},
+                      Parameter{Pair::kTriangleAabb, Arithmetic::kHost, 109 + 1},
+                      Parameter{Pair::kTriangleAabb, Arithmetic::kRtl, 109 + 1},
+                      Parameter{Pair::kTriangleObb, Arithmetic::kHost, 112 + 1},
+                      Parameter{Pair::kTriangleObb, Arithmetic::kRtl, 112 + 1}),
     test_name);
 
 template <class Config>
