@@ -242,7 +242,7 @@ struct Nearest {
 /// nearest to a segment, and can gain nothing but rounding: then it may turn v by more than what it
 /// was polished for, and the slack grows by as much as the segment is shorter than the bodies
 /// (measured: 137 u S of one T in ten million, of two plates tilted by 10 u).
-/// support(v) is the point of Q - P farthest against v. 37 add 29 mul 2 div 1 cmp, and 3 supports.
+/// support(v) is the point of Q - P farthest against v. 37 add 29 mul 2 div 3 cmp, and 3 supports.
 template <typename S, typename Support>
 [[nodiscard]] Nearest<S> polish_twice(const Difference<S>& start, S tie, const Support& support) {
   const Difference<S> once = polish<S>(start, support(start.v), tie).x;
