@@ -51,6 +51,11 @@ install(CODE "
   endforeach()")
 
 install(EXPORT cdeTargets NAMESPACE cde:: DESTINATION ${package_dir})
+# cde::mpi is there for programs that find MPI.
+if(CDE_MPI)
+  install(TARGETS cde_mpi EXPORT cdeMpiTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(EXPORT cdeMpiTargets NAMESPACE cde:: DESTINATION ${package_dir})
+endif()
 configure_package_config_file(cmake/cdeConfig.cmake.in ${PROJECT_BINARY_DIR}/cdeConfig.cmake INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/cdeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/cdeConfig.cmake ${PROJECT_BINARY_DIR}/cdeConfigVersion.cmake DESTINATION ${package_dir})

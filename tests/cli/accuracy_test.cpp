@@ -168,53 +168,46 @@ TEST_F(Accuracy, ASweepGoesOnWhereItEnded) {
     words.insert(words.end(), {"--resume", file});
     return accuracy(words);
   };
-  const Ran whole = with("whole.jsonl");
+  const Ran whole = with("journal");
   ASSERT_EQ(whole.status, 0) << whole.err;
-  const std::string lines = read("whole.jsonl");
+  EXPECT_EQ(whole.out, accuracy(some).out);
+  const std::string lines = read("journal");
   for (const double share : {0.0, 0.001, 0.3, 0.77, 1.0}) {
-    write("part.jsonl", lines.substr(0, static_cast<std::size_t>(share * lines.size())));
-    const Ran rest = with("part.jsonl");
+    write("journal", lines.substr(0, static_cast<std::size_t>(share * lines.size())));
+    const Ran rest = with("journal");
     EXPECT_EQ(rest.status, 0) << rest.err;
-    EXPECT_EQ(read("part.jsonl"), lines) << share;
+    EXPECT_EQ(read("journal"), lines) << share;
     EXPECT_EQ(rest.out, whole.out);
   }
   Words other = some;
-  other.insert(other.end(), {"--seed", "7", "--resume", "whole.jsonl"});
+  other.insert(other.end(), {"--seed", "7", "--resume", "journal"});
   const Ran refused = accuracy(other);
   EXPECT_EQ(refused.status, 2);
-  EXPECT_NE(refused.err.find("is of a sweep with seed 1, this one has 7"), std::string::npos)
+  EXPECT_NE(refused.err.find("is of a run with seed 1, this one has 7"), std::string::npos)
       << refused.err;
-  EXPECT_EQ(read("whole.jsonl"), lines);
-  // Of a version that kept no worst cases.
+  EXPECT_EQ(read("journal"), lines);
   std::string old = lines;
-  old.replace(old.find("parts.2"), 7, "parts.1");
-  write("old.jsonl", old);
-  const Ran stale = with("old.jsonl");
+  old.replace(old.find("journal.1"), 9, "journal.0");
+  write("journal", old);
+  const Ran stale = with("journal");
   EXPECT_EQ(stale.status, 2);
-  EXPECT_NE(stale.err.find("old.jsonl is of a sweep with schema \"cde.accuracy.parts.1\", this one "
-                           "has \"cde.accuracy.parts.2\""),
-            std::string::npos)
+  EXPECT_NE(stale.err.find("journal, byte 0: not a journal of this version"), std::string::npos)
       << stale.err;
-  EXPECT_EQ(read("old.jsonl"), old);
+  EXPECT_EQ(read("journal"), old);
 }
 
 TEST_F(Accuracy, ShardsMakeUpTheWhole) {
   const Words some = {"--pair", "sphere-sphere", "--formats", "fp16,bf16,fp32", "--cases", "60"};
-  std::string parts;
   for (const char* shard : {"1/2", "2/2"}) {
     Words words = some;
-    const std::string file = std::string("shard") + shard[0];
-    words.insert(words.end(), {"--shard", shard, "--resume", file});
-    ASSERT_EQ(accuracy(words).status, 0);
-    parts += read(file);
+    words.insert(words.end(), {"--shard", shard, "--resume", std::string("shard") + shard[0]});
+    const Ran part = accuracy(words);
+    ASSERT_EQ(part.status, 0) << part.err;
+    EXPECT_EQ(part.out, "");
   }
-  write("both", parts);
-  Words words = some;
-  words.insert(words.end(), {"--resume", "both"});
-  const Ran both = accuracy(words);
+  const Ran both = cde({"merge", "shard2", "shard1"});
   EXPECT_EQ(both.status, 0) << both.err;
   EXPECT_EQ(both.out, accuracy(some).out);
-  EXPECT_EQ(read("both"), parts) << "nothing was left to measure";
 }
 
 TEST_F(Accuracy, WhatIsNotKnownIsNamed) {
@@ -251,20 +244,10 @@ TEST_F(Accuracy, EachFamilyOnce) {
   EXPECT_EQ(all.at("only_families"), (Json{"random", "deep"}));
 }
 
-TEST_F(Accuracy, APartWithoutAConfigurationSaysSo) {
-  const Ran ran = cde({"accuracy", "--no-operators", "--pair", "sphere-sphere", "--formats", "fp16",
-                       "--shard", "2/2"});
-  EXPECT_EQ(ran.status, 0);
-  EXPECT_NE(ran.err.find("--shard 2/2: there are 1 configurations, and this part has none"),
-            std::string::npos)
-      << ran.err;
-}
-
 /// Where an option would change nothing, it is refused, and nothing is measured or written.
 TEST_F(Accuracy, OptionsWithoutAMeaningAreRefused) {
   const Words mesh = {"--mesh", "terrain:8,8,1", "--grid", "4x4"};
   for (const Words& more : std::initializer_list<Words>{{"--check", "10"},
-                                                        {"--shard", "1/2"},
                                                         {"--cases", "5"},
                                                         {"--families", "anywhere"},
                                                         {"--profiles", "3"},

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "output/output.hpp"
 #include "output/streams.hpp"
 #include "output/version.hpp"
+#include "ranks/dealing.hpp"
 #include "verbs/verbs.hpp"
 
 /// "cde: message" on stderr; the message may have text of files.
@@ -24,8 +26,34 @@ static void complain(const std::string& message) {
   cde::say(message + "\n");
 }
 
+static int run(const std::vector<std::string>& words);
+
+static void add_verbs(CLI::App& app) {
+  app.formatter(cde::cli::help_formatter());
+  app.require_subcommand(1);
+  app.set_version_flag("--version", cde::cli::version_text(), "Versions of cde and its tools");
+  cde::cli::add_cast(app);
+  cde::cli::add_query(app);
+  cde::cli::add_run(app);
+  cde::cli::add_plan(app);
+  cde::cli::add_bench(app);
+  cde::cli::add_reproduce(app);
+  cde::cli::add_inventory(app);
+  cde::cli::add_accuracy(app);
+  cde::cli::add_advise(app);
+  cde::cli::add_merge(app, run);
+  cde::cli::add_explain(app);
+  cde::cli::add_wave(app);
+  cde::cli::add_doctor(app);
+  cde::cli::add_fp(app);
+  cde::cli::add_help(app);                                    // knows those before it
+  app.set_help_all_flag("--help-all", "Help of every verb");  // not one of the verbs
+}
+
 /// What the words ask for; the exit status.
-static int run(CLI::App& app, const std::vector<std::string>& words) {
+static int run(const std::vector<std::string>& words) {
+  CLI::App app{"cde: a collision detection engine in SystemVerilog on a simulated PCI card", "cde"};
+  add_verbs(app);
   if (words.empty()) {
     cde::say(app.help());
     return 2;
@@ -46,28 +74,18 @@ int main(int argc, char** argv) {
               SIG_IGN);  // a file that may not grow is an error of the write, with a message
   cde::cli::prepare_streams();
   cde::cli::remove_unfinished_on_signals();
-  CLI::App app{"cde: a collision detection engine in SystemVerilog on a simulated PCI card", "cde"};
-  app.formatter(cde::cli::help_formatter());
-  app.require_subcommand(1);
-  app.set_version_flag("--version", cde::cli::version_text(), "Versions of cde and its tools");
-  cde::cli::add_cast(app);
-  cde::cli::add_query(app);
-  cde::cli::add_run(app);
-  cde::cli::add_plan(app);
-  cde::cli::add_bench(app);
-  cde::cli::add_reproduce(app);
-  cde::cli::add_inventory(app);
-  cde::cli::add_accuracy(app);
-  cde::cli::add_advise(app);
-  cde::cli::add_explain(app);
-  cde::cli::add_wave(app);
-  cde::cli::add_doctor(app);
-  cde::cli::add_fp(app);
-  cde::cli::add_help(app);                                    // knows those before it
-  app.set_help_all_flag("--help-all", "Help of every verb");  // not one of the verbs
-  return cde::cli::exit_status_of(
+  std::optional<cde::cli::Dealing> dealing;
+  bool ended = false;
+  const int status = cde::cli::exit_status_of(
       [&] {
-        return run(app, {argv + std::min(argc, 1), argv + argc});
+        const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+        dealing.emplace().start(words);
+        const int code = run(words);
+        dealing->end();
+        ended = true;
+        return code;
       },
-      complain);
+      [&](const std::string& message) { complain((dealing ? dealing->place() : "") + message); });
+  if (dealing && !ended) dealing->fail(status);
+  return status;
 }

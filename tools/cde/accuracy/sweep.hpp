@@ -1,23 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
-#include <map>
-#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "accuracy/tally.hpp"
+#include "ranks/dealing.hpp"
 
-/// Many pipes, each with all families of cases, in a file that goes on where it ended.
+/// Many pipes, each with all families of cases.
 namespace cde::cli {
 
 struct SweepOptions {
   std::vector<AccuracyPipe> pipes;
   std::vector<std::string> families;  ///< empty: all
   std::uint64_t seed = 1, cases = 2400;
-  unsigned shard = 1, shards = 1;  ///< pipe number i, from 0, is of shard i % shards + 1
-  std::string resume;              ///< file of finished parts; empty: none
+  DealOptions deal;  ///< a chunk is a family of a pipe
   bool quiet = false;
 };
 
@@ -31,9 +30,8 @@ struct Measured {
   [[nodiscard]] Tally all() const;
 };
 
-/// Measures what the file does not have. A part, a family of a pipe, is written as it is finished,
-/// a line each. The cases of a pipe are shared out to its families evenly, the first ones getting
-/// one more. Errors: kUsage if the file is of another sweep, naming what differs; kFile.
-[[nodiscard]] std::vector<Measured> sweep(const SweepOptions& options);
+/// Measures them, dealt in chunks; nothing if the results are not all here (Dealing::deal). The
+/// cases of a pipe are shared out to its families evenly, the first ones getting one more.
+[[nodiscard]] std::optional<std::vector<Measured>> sweep(const SweepOptions& options);
 
 }  // namespace cde::cli

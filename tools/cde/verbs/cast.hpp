@@ -2,6 +2,8 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +12,7 @@
 #include "cde/image/camera.hpp"
 #include "cde/mesh/mesh.hpp"
 #include "cde/scene/plan.hpp"
+#include "ranks/dealing.hpp"
 #include "verbs/bundle.hpp"
 #include "verbs/clock_target.hpp"
 #include "verbs/trace_options.hpp"
@@ -21,11 +24,13 @@ struct CastOptions {
   std::string mesh, rays_file, camera, grid, size, records, depth, shaded, normals, indices;
   TraceRequest trace;
   BundleRequest bundle;
+  DealOptions deal;
   std::vector<std::string> rays;
   std::vector<std::string> fields;  ///< more columns of the records
   std::string mode = "nearest", arithmetic = "host", algorithm = "moller", lanes = "auto", up = "z",
               format = "fp32";
   unsigned boards = 1;
+  unsigned partition = 1;  ///< parts of the mesh, each on a card of its own
   ClockOptions clock;
   std::string clock_is;  ///< where the clock is from
   double timeout = 3600;
@@ -43,12 +48,16 @@ struct CastOptions {
 
 /// Rays, and the picture they make if they are one.
 struct CastJob {
-  Mesh mesh;
-  std::vector<Ray> listed;  ///< or a picture's, which are made packet by packet
-  RayView rays;
-  std::optional<Resolution> picture;
+  Mesh mesh = {};  ///< of a partitioned one only rank 0 has all, and only if files are made of it
+  std::uint64_t triangles = 0;   ///< of all of it
+  std::string fingerprint = {};  ///< of all of it, where the run is dealt
+  std::map<unsigned, std::shared_ptr<const CastJob>> parts =
+      {};  ///< those that this process has, each a job of its own without rays
+  std::vector<Ray> listed = {};  ///< or a picture's, which are made packet by packet
+  RayView rays = {};
+  std::optional<Resolution> picture = {};
   Mode mode = Mode::kNearest;
-  BoardConfig config;
+  BoardConfig config = {};
   std::optional<BuiltCard> stands_in_for = {};  ///< the card that `config` is used instead of
 };
 
@@ -69,6 +78,22 @@ struct CastStopped {};
 /// The job's rays on cards of its configuration, every record compared if `check`; `take` gets them
 /// in the order of one card. `what` is what the progress says.
 [[nodiscard]] CastOutcome cast_rays(const CastOptions& options, const CastJob& job,
+                                    const std::string& what, const RecordSink& take);
+
+/// The job's card, with its mesh.
+[[nodiscard]] Board card_of(const CastOptions& options, const CastJob& job);
+/// Some rays on it; numbers of records count from the first of them.
+[[nodiscard]] CastOutcome cast_on(Board& board, const CastOptions& options, const CastJob& job,
+                                  Mode mode, const RayView& rays,
+                                  const std::function<void(double)>& progress,
+                                  const RecordSink& take);
+
+/// The job for all ranks: rank 0 has all of it, the others what they need to take part.
+void share_job(const CastOptions& options, CastJob& job);
+/// Begins a run that is dealt in chunks, once there is a job.
+void begin_dealt(const CastOptions& options, const CastJob& job);
+/// cast_rays in chunks. On other ranks than 0, and in a shard, the outcome is without records.
+[[nodiscard]] CastOutcome deal_rays(const CastOptions& options, const CastJob& job,
                                     const std::string& what, const RecordSink& take);
 
 /// Packs the record that differs, from the packet that it is of, cast again.

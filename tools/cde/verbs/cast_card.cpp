@@ -32,14 +32,15 @@ double seconds_since(Clock::time_point start) {
 /// Moller card there is a fast one, which also prints what differs.
 class Judge {
  public:
-  Judge(const CastOptions& o, const CastJob& job, const RayView& rays, const Board& board)
-      : job_(job), rays_(rays), board_(board), packet_(board.primaries()) {
+  Judge(const CastOptions& o, const CastJob& job, Mode mode, const RayView& rays,
+        const Board& board)
+      : job_(job), mode_(mode), rays_(rays), board_(board), packet_(board.primaries()) {
     command_ = fmt::format("cde cast {} --mode {} --lanes {} --arith {}{}{}", shell_word(o.mesh),
-                           o.mode, job.config.lanes, o.arithmetic, o.box ? "" : " --no-box",
+                           name_of(mode), job.config.lanes, o.arithmetic, o.box ? "" : " --no-box",
                            job.config.format == FpFormat{} ? "" : " --format " + o.format);
     if (job.config.algorithm == Algorithm::kMoller) {
-      moller_.emplace(rays, job.mesh, job.mode, Stencil(), packet_, command_,
-                      std::span<const Object>(), o.box, job.config.format);
+      moller_.emplace(rays, job.mesh, mode, Stencil(), packet_, command_, std::span<const Object>(),
+                      o.box, job.config.format);
       moller_->place_by([&board](std::uint32_t primary) { return place_on_card(board, primary); });
       return;
     }
@@ -85,7 +86,7 @@ class Judge {
       for (std::size_t i = 0; i < count; ++i) numbers[i] = static_cast<std::uint32_t>(first_ + i);
       pass_.emplace(reference::PassQuery{.algorithm = job_.config.algorithm,
                                          .box = job_.config.box,
-                                         .mode = job_.mode,
+                                         .mode = mode_,
                                          .format = job_.config.format},
                     rays_.subview(first_, count).copy(), std::move(numbers), triangles_);
       first_ += count;
@@ -136,6 +137,7 @@ class Judge {
   }
 
   const CastJob& job_;
+  Mode mode_;
   RayView rays_;
   const Board& board_;
   unsigned packet_;
@@ -158,21 +160,21 @@ Board traced_board(const CastJob& job) {
   return board;
 }
 
-Query query_of(const CastOptions& o, const CastJob& job) {
-  return {.mode = job.mode,
+Query query_of(const CastOptions& o, Mode mode) {
+  return {.mode = mode,
           .pair = Pair::kRayTriangle,
           .deadline_clocks = o.deadline,
           .watchdog = std::chrono::duration<double>(o.timeout)};
 }
 
-std::string pack_hang(const CastOptions& o, const CastJob& job, const RayView& rays,
+std::string pack_hang(const CastOptions& o, const CastJob& job, Mode mode, const RayView& rays,
                       const Error& error, std::uint64_t clock) {
   HangFailure f{.message = error.what(), .repeat = "", .clock = clock};
   f.rerun = [&](const std::string& file, const TraceOptions& which) {
     Board board = traced_board(job);
     board.trace_open(file, which);
     try {
-      (void)board.cast(rays, query_of(o, job), [](std::span<const Record>) {});
+      (void)board.cast(rays, query_of(o, mode), [](std::span<const Record>) {});
     } catch (const Error& e) {
       if (!is_hang(e)) throw;
     }
@@ -181,18 +183,21 @@ std::string pack_hang(const CastOptions& o, const CastJob& job, const RayView& r
   return packed(o.bundle, o.quiet, [&](Bundle& bundle) { bundle_hang(bundle, f); });
 }
 
-/// These rays on a card of their own; `take` gets the checked records in order.
-CastOutcome cast_on_card(const CastOptions& o, const CastJob& job, const RayView& rays,
-                         const std::function<void(double)>& progress, const RecordSink& take) {
+}  // namespace
+
+Board card_of(const CastOptions& o, const CastJob& job) {
   Board board = Board::open(
       job.config,
       {.clock_period_ps = static_cast<std::uint32_t>(std::max(1.0, 1e6 / o.clock.mhz))});
-  {
-    const Busy busy("uploading triangles", o.quiet || !progress);
-    board.upload(job.mesh, false);  // load_mesh has checked it
-  }
+  board.upload(job.mesh, false);  // load_mesh has checked it
+  return board;
+}
+
+CastOutcome cast_on(Board& board, const CastOptions& o, const CastJob& job, Mode mode,
+                    const RayView& rays, const std::function<void(double)>& progress,
+                    const RecordSink& take) {
   std::optional<Judge> judge;
-  if (o.check) judge.emplace(o, job, rays, board);
+  if (o.check) judge.emplace(o, job, mode, rays, board);
 
   CastOutcome result;
   Waves waves(
@@ -210,7 +215,7 @@ CastOutcome cast_on_card(const CastOptions& o, const CastJob& job, const RayView
     before = board.clocks() - began;
     if (progress) progress(share);
   };
-  Query query = query_of(o, job);
+  Query query = query_of(o, mode);
   query.progress = noting;
   double host_seconds = 0;
   const auto start = Clock::now();
@@ -226,7 +231,7 @@ CastOutcome cast_on_card(const CastOptions& o, const CastJob& job, const RayView
   } catch (const Error& e) {
     if (!is_hang(e) || o.deadline != 0) throw;
     waves.close();
-    throw Error(e.code(), e.what() + pack_hang(o, job, rays, e, seen), e.fault());
+    throw Error(e.code(), e.what() + pack_hang(o, job, mode, rays, e, seen), e.fault());
   }
   result.simulation_seconds = seconds_since(start) - host_seconds;
   {
@@ -242,6 +247,18 @@ CastOutcome cast_on_card(const CastOptions& o, const CastJob& job, const RayView
   result.bitstream = board.bitstream().string();
   result.config_hash = board.config_hash();
   return result;
+}
+
+namespace {
+
+/// These rays on a card of their own; `take` gets the checked records in order.
+CastOutcome cast_on_card(const CastOptions& o, const CastJob& job, const RayView& rays,
+                         const std::function<void(double)>& progress, const RecordSink& take) {
+  Board board = [&] {
+    const Busy busy("uploading triangles", o.quiet || !progress);
+    return card_of(o, job);
+  }();
+  return cast_on(board, o, job, job.mode, rays, progress, take);
 }
 
 /// What several cards take: each a DDR with the mesh, and all but the first one keep their records
@@ -350,7 +367,7 @@ std::vector<Record> cast_traced(const CastOptions& o, const CastJob& job, std::s
   board.trace_open(file, which);
   const std::size_t first = packet * kPacket, count = std::min(kPacket, job.rays.size() - first);
   std::vector<Record> found;
-  (void)board.cast(job.rays.subview(first, count), query_of(o, job),
+  (void)board.cast(job.rays.subview(first, count), query_of(o, job.mode),
                    [&](std::span<const Record> records) {
                      std::copy_if(records.begin(), records.end(), std::back_inserter(found),
                                   [&](const Record& r) { return r.primary == primary; });
@@ -394,6 +411,7 @@ void bundle_cast(Bundle& bundle, const CastOptions& o, const CastJob& job,
 
 CastOutcome cast_rays(const CastOptions& o, const CastJob& job, const std::string& what,
                       const RecordSink& take) {
+  if (o.partition > 1 || Dealing::here().asked(o.deal)) return deal_rays(o, job, what, take);
   Progress bar(what, o.quiet);
   const auto progress = [&](double share) { bar(share); };
   return o.boards > 1 ? cast_on_cards(o, job, progress, take)

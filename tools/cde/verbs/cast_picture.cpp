@@ -191,7 +191,14 @@ PixelHits CastPicture::hits() const {
 
 void CastPicture::look_at_sun(const CastAgain& cast) {
   if (!o_.shadows) return;
-  CastJob job{job_.mesh, {}, {}, job_.picture, Mode::kAny, job_.config};
+  CastJob job{.mesh = job_.mesh,
+              .triangles = job_.triangles,
+              .parts = job_.parts,
+              .listed = {},
+              .rays = {},
+              .picture = job_.picture,
+              .mode = Mode::kAny,
+              .config = job_.config};
   // A shadow that starts on its own triangle would be noise of the last bit.
   const float offset = 1e-4f * bounds(job_.mesh).sizes().norm();
   const Vector3f sun = from_z_up(ShadeOptions{}.sun, up_of(o_));

@@ -42,11 +42,12 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::vector<std::string> pairs, formats, algorithms, budgets, families;
   std::vector<std::string> variants = {"card"};
-  std::string box = "both", shard = "1/1", resume, output, mesh, grid = "64x48", camera;
+  std::string box = "both", output, mesh, grid = "64x48", camera;
   std::string target = kDefaultTarget, page, from;
   std::uint64_t cases = 2400, seed = 1, check = 0, profile_cases = 0;
   std::string scene, frames;
   double clock_mhz = 100;
+  DealOptions deal;
   bool json = false, markdown = false, by_family = false, operators = true, quiet = false;
   bool short_json = false, promises = false, verdicts = false;
 };
@@ -117,17 +118,6 @@ std::vector<AccuracyPipe> pipes_of(const Options& o) {
   return all;
 }
 
-std::pair<unsigned, unsigned> parse_shard(const std::string& text) {
-  unsigned shard = 0, shards = 0;
-  int end = 0;
-  if (std::sscanf(text.c_str(), "%4u/%4u%n", &shard, &shards, &end) != 2 ||
-      static_cast<std::size_t>(end) != text.size() || shard < 1 || shard > shards)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--shard is {}; it must be I/N, part I of N, from 1/N to N/N",
-                            in_quotes(text)));
-  return {shard, shards};
-}
-
 /// Each once, in the order in which they are given.
 std::vector<std::string> families_of(const Options& o) {
   std::vector<std::string> families;
@@ -152,7 +142,7 @@ void write(const Options& o, const std::string& text) {
 }
 
 void say_what(const Options& o, const Json& machine, const std::string& what) {
-  if (o.quiet || o.json) return;
+  if (o.quiet || o.json || !Dealing::here().leads()) return;
   say("cde: {}, seed {}, {}\n", what, o.seed, machine.value("processor", std::string()));
 }
 
@@ -185,10 +175,14 @@ std::string short_json(Json all) {
   return text + "]}\n";
 }
 
-std::vector<AccuracyRow> measured_rows(const Options& o, const SweepOptions& options) {
+/// Nothing if the sweep's results are not all here.
+std::optional<std::vector<AccuracyRow>> measured_rows(const Options& o,
+                                                      const SweepOptions& options) {
   const PriceTable table = PriceTable::of_project();  // before what takes long
+  std::optional<std::vector<Measured>> all = sweep(options);
+  if (!all) return std::nullopt;
   std::vector<AccuracyRow> rows;
-  for (Measured& measured : sweep(options)) rows.push_back({std::move(measured), {}, {}});
+  for (Measured& measured : *all) rows.push_back({std::move(measured), {}, {}});
   std::vector<AccuracyPipe> pipes;
   for (const AccuracyRow& row : rows) pipes.push_back(row.measured.pipe);
   const std::vector<PipeFigures> figures = figures_of(pipes, o.operators);
@@ -209,24 +203,20 @@ void run_pairs(const Options& o) {
                 "--algorithms, --box and --profiles are of ray-triangle, which is none of --pair");
   if (o.profile_cases > 0 && !o.json && o.page.empty())
     throw Error(ErrorCode::kUsage, "--profiles are for --page or --json, and neither is given");
-  const auto [shard, shards] = parse_shard(o.shard);
   const SweepOptions options{.pipes = pipes_of(o),
                              .families = families_of(o),
                              .seed = o.seed,
                              .cases = o.cases,
-                             .shard = shard,
-                             .shards = shards,
-                             .resume = o.resume,
+                             .deal = o.deal,
                              .quiet = o.quiet};
   check_families(o, options.pipes);
-  if (shard > options.pipes.size() && !o.quiet)
-    say("cde: --shard {}: there are {} configurations, and this part has none of them\n", o.shard,
-        options.pipes.size());
   std::optional<OutputFile> page;
-  if (!o.page.empty()) page.emplace(o.page);
+  if (!o.page.empty() && Dealing::here().leads()) page.emplace(o.page);
   Json all = head_json(kSweepSchema);
   say_what(o, all["machine"], fmt::format("{} cases a line", o.cases));
-  const std::vector<AccuracyRow> rows = measured_rows(o, options);
+  const std::optional<std::vector<AccuracyRow>> measured = measured_rows(o, options);
+  if (!measured) return;
+  const std::vector<AccuracyRow>& rows = *measured;
   all.update({{"seed", o.seed},
               {"cases", o.cases},
               {"only_families", families_of(o)},
@@ -404,8 +394,6 @@ void check_sweep_options(const CLI::App& verb, const Options& o) {
                 "--by-family is of tables; --json has all families unless --short");
   if (verb.count("--target") > 0 && o.promises && o.page.empty())
     throw Error(ErrorCode::kUsage, "--target has no meaning with --promises");
-  if (o.resume == "-")
-    throw Error(ErrorCode::kUsage, "--resume is read and written: it must be a file, not -");
 }
 
 void run(const CLI::App& verb, const Options& o) {
@@ -415,7 +403,7 @@ void run(const CLI::App& verb, const Options& o) {
   const bool to_stdout = prints != nullptr && o.output.empty();
   check_outputs(
       std::vector<FileUse>{to_stdout ? FileUse{prints, "-"} : FileUse{"--output", o.output},
-                           {"--resume", o.resume},
+                           {"--resume", o.deal.resume},
                            {"--page", o.page}},
       std::vector<FileUse>{{"--from", o.from}});
   check_suffix("--page", o.page, ".html");
@@ -502,12 +490,7 @@ void add_accuracy(CLI::App& app) {
                   0, 1'000'000, "");
   verb->add_flag("--operators,!--no-operators", o->operators,
                  "Count operators and clocks in the RTL: seconds a pipe the first time (on)");
-  file_value(verb->add_option("--resume", o->resume,
-                              "Finished parts, in JSON lines: what is there is not measured again"),
-             "FILE");
-  text_value(
-      verb->add_option("--shard", o->shard, "Part I of N of the pipes")->capture_default_str(),
-      "I/N", [](const std::string& text) { (void)parse_shard(text); });
+  add_deal_options(*verb, o->deal);
   auto* mesh = file_value(
       verb->add_option("--mesh", o->mesh,
                        "A picture of this mesh instead: a file, terrain or terrain:X,Y,SEED"),

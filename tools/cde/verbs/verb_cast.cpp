@@ -2,6 +2,7 @@
 // cde cast: rays against a mesh on the simulated card, every record checked against the reference.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -81,7 +82,7 @@ unsigned lanes_of(const CastOptions& o, std::size_t rays) {
 /// building takes: at most 0.3 times a minute or so of simulation.
 void use_built_card(const CastOptions& o, CastJob& job) {
   constexpr double kMostTests = 1e10;
-  const std::uint64_t rays = job.rays.size(), triangles = job.mesh.faces.size();
+  const std::uint64_t rays = job.rays.size(), triangles = job.triangles;
   if (o.exact || static_cast<double>(rays) * static_cast<double>(triangles) > kMostTests) return;
   SceneCard asked;
   if (o.lanes != "auto") asked.lanes = job.config.lanes;
@@ -149,16 +150,21 @@ CastJob prepare(const CastOptions& o) {
     const Busy busy("loading " + printable_name(o.mesh), o.quiet);
     job.mesh = load_mesh_or_builtin(o.mesh);
   }
+  job.triangles = job.mesh.faces.size();
   check_files(o, job.mesh.files);
   check_mesh(job.mesh, printable_name(o.mesh), job.config.format);
   collect_rays(o, job);
   check_rays(job);
   job.config.lanes = lanes_of(o, job.rays.size());
   if (o.wants_picture() && !job.picture) usage("a picture needs --camera or --grid");
-  if (job.mesh.faces.size() > job.config.ddr_slots) {
+  if (o.partition > job.triangles)
+    usage(fmt::format("--partition {}: {} has {} triangles", o.partition, printable_name(o.mesh),
+                      job.triangles));
+  if (job.triangles > std::uint64_t{o.partition} * job.config.ddr_slots) {
     throw Error(ErrorCode::kCapacity,
-                fmt::format("{}: {} triangles do not fit the card's DDR, which holds {}",
-                            printable_name(o.mesh), job.mesh.faces.size(), job.config.ddr_slots));
+                fmt::format("{}: {} triangles do not fit the card's DDR, which holds {}; "
+                            "--partition shares them out to several cards",
+                            printable_name(o.mesh), job.triangles, job.config.ddr_slots));
   }
   use_built_card(o, job);
   return job;
@@ -167,7 +173,7 @@ CastJob prepare(const CastOptions& o) {
 /// Records that come of the job, where the mode says so.
 std::optional<std::uint64_t> records_of(const CastJob& job) {
   if (job.mode == Mode::kHits) return std::nullopt;
-  return job.rays.size() * (job.mode == Mode::kAll ? job.mesh.faces.size() : 1);
+  return job.rays.size() * (job.mode == Mode::kAll ? job.triangles : 1);
 }
 
 /// The second pass of a picture, to the sun. Its clocks and records are counted with the first.
@@ -183,6 +189,11 @@ void cast_shadows(const CastOptions& o, CastPicture& picture, CastOutcome& all) 
   });
 }
 
+/// Cards that share the work: of this process, of the ranks, or of the parts of the mesh.
+unsigned cards_of(const CastOptions& o) {
+  return std::max({o.boards, o.partition, Dealing::here().ranks()});
+}
+
 std::size_t packets_of(const CastJob& job) {
   return (job.rays.size() + kPacket - 1) / kPacket;
 }
@@ -190,11 +201,12 @@ std::size_t packets_of(const CastJob& job) {
 nlohmann::ordered_json as_json(const CastOptions& o, const CastJob& job, const CastOutcome& r) {
   nlohmann::ordered_json j = program_json();
   j.update({{"mesh", o.mesh},
-            {"triangles", job.mesh.faces.size()},
+            {"triangles", job.triangles},
             {"rays", job.rays.size()},
             {"packets", packets_of(job)},
             {"mode", o.mode},
-            {"boards", o.boards}});
+            {"boards", cards_of(o)},
+            {"partition", o.partition}});
   j.update(card_json(job.config));
   j.update(bitstream_json(r.bitstream, r.config_hash));
   j.update(stand_in_json(job.stands_in_for));
@@ -222,14 +234,14 @@ void print_summary(const CastOptions& o, const CastJob& job, const CastOutcome& 
   const auto row = [](const char* name, const std::string& value) {
     say("{:<16} {}\n", name, value);
   };
-  row("mesh", fmt::format("{}, {} triangles", printable_name(o.mesh), job.mesh.faces.size()));
+  row("mesh", fmt::format("{}, {} triangles", printable_name(o.mesh), job.triangles));
   row("rays", fmt::format("{} in {} packet{}", job.rays.size(), packets_of(job),
                           packets_of(job) == 1 ? "" : "s"));
-  row(o.boards == 1 ? "card" : "cards",
+  const unsigned cards = cards_of(o);
+  row(cards == 1 ? "card" : "cards",
       fmt::format("{}{} lanes, {} arithmetic, {}, {}{}, mode {}",
-                  o.boards == 1 ? "" : fmt::format("{} x ", o.boards), job.config.lanes,
-                  o.arithmetic, job.config.format.name(),
-                  o.algorithm == "moller" ? "" : o.algorithm + ", ",
+                  cards == 1 ? "" : fmt::format("{} x ", cards), job.config.lanes, o.arithmetic,
+                  job.config.format.name(), o.algorithm == "moller" ? "" : o.algorithm + ", ",
                   o.box ? "box rule" : "no box rule", o.mode));
   row("device cycles", fmt::format("{} and {} of write-back, {} stalls, {} bubbles", c.cycles,
                                    c.writeback, c.stalls, c.bubbles));
@@ -239,14 +251,24 @@ void print_summary(const CastOptions& o, const CastJob& job, const CastOutcome& 
   row("simulation", fmt::format("{:.3g} s, {:.4g} M tests/s", r.simulation_seconds,
                                 static_cast<double>(c.pairs) / r.simulation_seconds / 1e6));
   row("hits", fmt::format("{} in {} records", r.hits, c.records));
-  row("check",
-      o.check ? fmt::format("{} of {} records match the reference", r.matching, c.records) : "off");
+  row("check", o.check ? fmt::format("{} of {} records match the reference", r.matching, r.compared)
+                       : "off");
 }
 
 void run(const CastOptions& asked) {
   CastOptions o = asked;
-  const CastJob job = prepare(o);
+  CastJob job;
+  if (Dealing::here().leads())
+    job = prepare(o);
+  else
+    job.mode = *mode_named(o.mode);
+  share_job(o, job);
   o.clock_is = settle_clock(o.clock, job.config);
+  begin_dealt(o, job);
+  if (!Dealing::here().leads() || Dealing::here().is_shard()) {
+    (void)cast_rays(o, job, "casting", [](std::span<const Record>) {});
+    return;
+  }
   std::optional<CastPicture> picture;
   if (o.wants_picture() || o.shows_itself) picture.emplace(o, job);
   std::optional<RecordFile> records;
@@ -324,6 +346,7 @@ void add_outputs(CLI::App& verb, CastOptions& o) {
                              "or .npy"),
              "FILE");
   add_bundle_options(verb, o.bundle);
+  add_deal_options(verb, o.deal);
   add_trace_options(verb, o.trace,
                     "Waves of the cast, FST; kept even if the cast fails or is stopped");
   verb.add_flag("--json", o.json, "Summary as JSON on stdout");
@@ -352,6 +375,12 @@ void add_card(CLI::App& verb, CastOptions& o) {
                       "Cards that share the rays, each simulated in a thread; clocks are summed")
           ->capture_default_str(),
       1, 64, "");
+  whole_number_in(
+      verb.add_option("--partition", o.partition,
+                      "Parts of the mesh, each in the memory of a card of its own, "
+                      "simulated by the rank that has it; records are those of one card")
+          ->capture_default_str(),
+      1, 1024, "");
   one_of(verb.add_option("--arith", o.arithmetic,
                          "The processor's arithmetic, fast, or gates; same bits, same clocks")
              ->capture_default_str(),

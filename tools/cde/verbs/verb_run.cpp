@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -32,6 +31,7 @@
 #include "verbs/run_bundle.hpp"
 #include "verbs/run_faults.hpp"
 #include "verbs/run_folder.hpp"
+#include "verbs/run_frames.hpp"
 #include "verbs/scene_frames.hpp"
 #include "verbs/trace_options.hpp"
 #include "verbs/verbs.hpp"
@@ -46,6 +46,7 @@ struct Options {
   std::string scene, frames, out, check, report, target;
   TraceRequest trace;
   BundleRequest bundle;
+  DealOptions deal;
   std::vector<std::string> faults;
   double timeout = 3600;
   std::uint64_t deadline = 0;
@@ -62,61 +63,24 @@ const char* memory_name(const Scene& scene) {
   return scene.card.cycle_memory ? "cycle" : "ideal";
 }
 
-/// The card's words, as docs/scenes.md lays them out.
-void append_binary(fmt::memory_buffer& to, const Record& r, bool normals) {
-  const auto word = [&](std::uint32_t w) {
-    for (int i = 0; i < 4; ++i) to.push_back(static_cast<char>(w >> (8 * i) & 255));
-  };
-  const auto vector = [&](const Eigen::Vector3f& v) {
-    for (const float x : {v.x(), v.y(), v.z()}) word(std::bit_cast<std::uint32_t>(x));
-  };
-  vector(r.cp);
-  word((r.f ? 1u << card::kFlagF : 0u) | (r.bad ? 1u << card::kFlagBad : 0u));
-  word(r.index);
-  word(std::bit_cast<std::uint32_t>(r.t));
-  word(r.primary);
-  if (normals) vector(r.n);
-}
-
 /// Records of one query in one frame.
 class RecordFile {
  public:
   RecordFile(const fs::path& path, const Scene& scene, const SceneQuery& query)
-      : file_(path), scene_(scene), normals_(query.normals) {
-    if (scene.results != Results::kCsv) return;
-    std::string header = "primary,F,bad,T,CPx,CPy,CPz,index";
-    if (normals_) header += ",nx,ny,nz";
-    if (scene.bits) header += ",T_bits,CPx_bits,CPy_bits,CPz_bits";
-    file_.write(header + "\n");
+      : file_(path), form_(scene, query) {
+    file_.write(form_.head());
   }
-
   void add(std::span<const Record> records) {
     text_.clear();
-    for (const Record& r : records) {
-      if (scene_.only_hits && !r.f) continue;
-      if (scene_.results == Results::kBinary) {
-        append_binary(text_, r, normals_);
-        continue;
-      }
-      auto to = std::back_inserter(text_);
-      fmt::format_to(to, "{},{},{},{},{},{},{},{}", r.primary, r.f ? 1 : 0, r.bad ? 1 : 0, r.t,
-                     r.cp.x(), r.cp.y(), r.cp.z(), r.index);
-      if (normals_) fmt::format_to(to, ",{},{},{}", r.n.x(), r.n.y(), r.n.z());
-      if (scene_.bits) {
-        for (const float x : {r.t, r.cp.x(), r.cp.y(), r.cp.z()})
-          fmt::format_to(to, ",{:08x}", std::bit_cast<std::uint32_t>(x));
-      }
-      text_.push_back('\n');
-    }
-    file_.write({text_.data(), text_.size()});
+    form_.append(records, text_);
+    file_.write(text_);
   }
   void commit() { file_.commit(); }
 
  private:
   OutputFile file_;
-  const Scene& scene_;
-  bool normals_;
-  fmt::memory_buffer text_;
+  RunRecords form_;
+  std::string text_;
 };
 
 struct Totals {
@@ -141,27 +105,6 @@ struct Totals {
     checked += q["reference_seconds"].get<double>();
   }
 };
-
-Json query_json(const std::string& name, const QueryFrame& f) {
-  Json counters = counters_json(f.counters);
-  counters.update({{"card_records", f.card_records},
-                   {"secondary_words", f.secondary_words},
-                   {"primary_words", f.primary_words},
-                   {"secondary_upload_clocks", f.secondary_clocks},
-                   {"primary_upload_clocks", f.primary_clocks},
-                   {"download_clocks", f.download_clocks}});
-  return {{"query", name},
-          {"passes", f.passes},
-          {"records", f.counters.records},
-          {"hits", f.hits},
-          {"records_compared", f.compared},
-          {"records_matching", f.compared - std::min(f.compared, f.mismatches)},
-          {"mismatches", f.mismatches},
-          {"counters", counters},
-          {"modelled_seconds", time_json(f.time())},
-          {"simulation_seconds", f.pass_seconds},
-          {"reference_seconds", f.check_seconds}};
-}
 
 void check_files(const Options& o, const Scene& scene) {
   std::vector<FileUse> inputs = {{"SCENE", o.scene}};
@@ -267,6 +210,27 @@ class Run {
     if (!waves_defect_.empty()) throw Error(ErrorCode::kFile, waves_defect_);
   }
 
+  /// The frames in chunks, one each.
+  void deal(const Plan& plan) {
+    json_["config_hash"] = Dealing::here().config_hash();  // each rank has a file of its own
+    folder_.begin(json_);
+    (void)deal_frames(
+        {.scene = scene_,
+         .plan = plan,
+         .check = check_,
+         .first = frames_.first,
+         .last = frames_.last,
+         .timeout = o_.timeout,
+         .deadline = o_.deadline},
+        [&](std::uint32_t frame, const Json& j, const std::vector<std::string>& records) {
+          for (std::size_t q = 0; q < records.size(); ++q)
+            write_file(folder_.path() / j["files"][q].get<std::string>(), records[q]);
+          add_frame(frame, j);
+        });
+    std::optional<OutputFile> no_waves;
+    finish(no_waves);
+  }
+
   void report() const {
     const Totals& t = totals_;
     if (o_.json) put_json(json_);
@@ -365,14 +329,10 @@ class Run {
 
   void play_frame(Player& player, std::uint32_t frame) {
     std::vector<std::unique_ptr<RecordFile>> files;
-    Json written = Json::array();
-    if (scene_.results != Results::kNone) {
-      for (const SceneQuery& q : scene_.queries) {
-        const std::string name = RunFolder::record_name(q.name, frame, scene_.results);
-        files.push_back(std::make_unique<RecordFile>(folder_.path() / name, scene_, q));
-        written.push_back(name);
-      }
-    }
+    const std::vector<std::string> written = record_names(scene_, frame);
+    for (std::size_t q = 0; q < written.size(); ++q)
+      files.push_back(
+          std::make_unique<RecordFile>(folder_.path() / written[q], scene_, scene_.queries[q]));
     const auto start = std::chrono::steady_clock::now();
     const std::vector<QueryFrame> answers =
         player.play(frame, [&](std::size_t query, std::span<const Record> records) {
@@ -382,29 +342,25 @@ class Run {
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
     for (const auto& file : files) file->commit();
     if (report_) report_->frame(frame, answers);
-    Json j = {{"frame", frame},
-              {"scene_seconds", seconds(scene_, frame)},
-              {"wall_seconds", wall.count()},
-              {"files", written},
-              {"queries", Json::array()}};
+    const Json j = frame_json(scene_, frame, wall.count(), written, answers);
+    add_frame(frame, j);
     for (std::size_t q = 0; q < answers.size(); ++q) {
-      j["queries"].push_back(query_json(scene_.queries[q].name, answers[q]));
-      totals_.add(j["queries"].back(), scene_.queries[q]);
-      warn_of_bad(scene_.queries[q].name, frame, answers[q].counters);
       if (answers[q].mismatches == 0 || !mismatch_.empty()) continue;
-      const std::string repeat =
-          fmt::format("cde run {} --frames {}..{} --check {}{}", shell_word(scene_.file), frame,
-                      frame, name_of(check_), fault_words());
-      mismatch_ = fmt::format(
-          "frame {}, query '{}': {} of {} records differ from the reference, the first:\n{}"
-          "{}  repeat with: {}",
-          frame, scene_.queries[q].name, answers[q].mismatches, answers[q].compared,
-          answers[q].first_mismatch,
-          o_.faults.empty() ? "" : "  faults were injected; that pair by itself has none of them\n",
-          repeat);
+      const std::string repeat = repeat_of(scene_, frame, check_) + fault_words();
+      mismatch_ = mismatch_text(scene_, frame, q, answers[q], repeat, !o_.faults.empty());
       failure_ = {frame, q, answers[q].first_difference, repeat};
     }
-    json_["played"].push_back(std::move(j));
+  }
+
+  /// What was played, however it came here.
+  void add_frame(std::uint32_t frame, const Json& j) {
+    for (std::size_t q = 0; q < scene_.queries.size(); ++q) {
+      const Json& counters = j["queries"][q]["counters"];
+      totals_.add(j["queries"][q], scene_.queries[q]);
+      warn_of_bad(scene_.queries[q].name, frame, counters["bad_primaries"].get<std::uint64_t>(),
+                  counters["bad_secondaries"].get<std::uint64_t>());
+    }
+    json_["played"].push_back(j);
   }
 
   [[nodiscard]] std::string fault_words() const {
@@ -414,8 +370,9 @@ class Run {
   }
 
   /// Says once a query what the input contract refuses: a body that has left the range is no miss.
-  void warn_of_bad(const std::string& query, std::uint32_t frame, const Counters& c) {
-    const std::uint64_t bad = c.bad_primaries + c.bad_secondaries;
+  void warn_of_bad(const std::string& query, std::uint32_t frame, std::uint64_t primaries,
+                   std::uint64_t secondaries) {
+    const std::uint64_t bad = primaries + secondaries;
     totals_.bad += bad;
     if (bad == 0 || !warned_.insert(query).second) return;
     const LengthRange range = LengthRange::of(8, 23);
@@ -424,7 +381,7 @@ class Run {
         "finite, beyond 2^{} or, a size, below 2^{}, or not of unit length); their records say so "
         "and "
         "are no hits\n",
-        frame, query, c.bad_primaries, c.bad_secondaries, range.high, range.low);
+        frame, query, primaries, secondaries, range.high, range.low);
   }
 
   /// Whatever came of the run: frames played are kept, waves are wanted most when it failed.
@@ -511,10 +468,31 @@ void run(const Options& o) {
   Plan made = plan(scene);
   if (!o.exact) use_built_card(scene, made);
   const std::string clock_is = settle_clock(o.target, scene, made.board);
+  const bool dealt = Dealing::here().asked(o.deal);
+  if (dealt) {
+    made.board = Dealing::here().shared(made.board);
+    if (o.trace.wanted() || !o.report.empty() || !o.faults.empty())
+      throw Error(ErrorCode::kUsage,
+                  "--trace, --report and --fault are of one process: not with ranks, --resume or "
+                  "--shard");
+    const Frames frames = frames_of(o.frames, scene);
+    const DealtFrames all{.scene = scene,
+                          .plan = made,
+                          .check = check,
+                          .first = frames.first,
+                          .last = frames.last,
+                          .timeout = o.timeout,
+                          .deadline = o.deadline};
+    begin_frames(o.deal, all, o.quiet);
+    if (!Dealing::here().leads() || Dealing::here().is_shard()) return (void)deal_frames(all, {});
+  }
   Run run(o, scene, made, check, clock_is);
   if (made.stands_in_for && !o.quiet)
     say("cde: {}\n", stand_in_text(made.board, *made.stands_in_for));
-  run.play(made);
+  if (dealt)
+    run.deal(made);
+  else
+    run.play(made);
   run.report();
 }
 
@@ -538,6 +516,7 @@ void add_run(CLI::App& app) {
                               "Page about the run, one HTML file that loads nothing (- is stdout)"),
              "FILE.html");
   add_bundle_options(*verb, o->bundle);
+  add_deal_options(*verb, o->deal);
   add_trace_options(*verb, o->trace, "Waves of the run, FST (- is stdout); kept even if it fails");
   text_value(verb->add_option("--fault", o->faults,
                               "KIND[:COUNT[:VALUE]]@FRAME: lets something go wrong; may be given "

@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs in chunks: journals, shards, and ranks under mpirun where there is one. Outputs are byte by
+// byte those of the plain run.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "run_cde.hpp"
+
+namespace cde::testing {
+namespace {
+
+using Words = std::vector<std::string>;
+
+class Ranks : public Cli {
+ protected:
+  void SetUp() override {
+    Cli::SetUp();
+    write("square.obj", "v 0 0 0\nv 4 0 1\nv 4 3 0\nv 0 3 1\nf 1 2 3\nf 1 3 4\n");
+    const Ran plain = cde(cast("plain.csv"));
+    ASSERT_EQ(plain.status, 0) << plain.err;
+  }
+  /// Three chunks.
+  static Words cast(const std::string& records, const Words& more = {}) {
+    Words words = {"cast", "square.obj", "--grid", "420x420", "-o", records, "-q"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  /// Whether files have the same bytes; they are long.
+  [[nodiscard]] bool same(const std::string& a, const std::string& b) const {
+    return exists(a) && exists(b) && read(a) == read(b);
+  }
+  void refused(const Words& words, const std::string& text) {
+    const Ran ran = cde(words);
+    EXPECT_EQ(ran.status, 2) << text;
+    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
+  }
+  /// Where chunks end in a journal: before each line of a chunk, and the end.
+  static std::vector<std::size_t> ends(const std::string& journal) {
+    std::vector<std::size_t> at;
+    for (std::size_t i = 0; (i = journal.find("{\"part\":", i)) != std::string::npos; ++i)
+      at.push_back(i);
+    at.push_back(journal.size());
+    return at;
+  }
+};
+
+TEST_F(Ranks, ACastGoesOnFromAnyByteOfItsJournal) {
+  ASSERT_EQ(cde(cast("whole.csv", {"--resume", "journal"})).status, 0);
+  EXPECT_TRUE(same("whole.csv", "plain.csv"));
+  const std::string journal = read("journal");
+  const std::vector<std::size_t> at = ends(journal);
+  ASSERT_EQ(at.size(), 5u) << "three chunks, and their number";
+  for (const std::size_t end :
+       {std::size_t{7}, at[0], at[1] - 1, at[1] + 40, at[2] + 5000, at[3], at[3] + 3, at[4]}) {
+    write("journal", journal.substr(0, end));
+    const Ran rest = cde(cast("rest.csv", {"--resume", "journal"}));
+    EXPECT_EQ(rest.status, 0) << end << rest.err;
+    EXPECT_TRUE(same("rest.csv", "plain.csv")) << end;
+    EXPECT_EQ(ends(read("journal")).size(), at.size()) << end;
+  }
+}
+
+TEST_F(Ranks, AJournalOfSomethingElseIsRefused) {
+  ASSERT_EQ(cde(cast("whole.csv", {"--resume", "journal"})).status, 0);
+  const std::string journal = read("journal");
+  refused(cast("x.csv", {"--resume", "journal", "--mode", "any"}),
+          "--resume: journal is of a run with mode \"nearest\", this one has \"any\"");
+  refused(cast("x.csv", {"--resume", "journal", "--no-check"}), "of a run with checked true");
+  Words other = cast("x.csv", {"--resume", "journal"});
+  other[3] = "421x420";
+  refused(other, "journal is of a run with another input: chunk 0 of it differs");
+  write("square.obj", "v 0 0 0\nv 4 0 1\nv 4 3 0\nv 0 3 2\nf 1 2 3\nf 1 3 4\n");
+  refused(cast("x.csv", {"--resume", "journal"}), "journal is of a run with mesh ");
+  EXPECT_EQ(read("journal"), journal) << "what was refused is left as it was";
+  EXPECT_FALSE(exists("x.csv"));
+}
+
+TEST_F(Ranks, ADamagedJournalIsNamed) {
+  ASSERT_EQ(cde(cast("whole.csv", {"--resume", "journal"})).status, 0);
+  const std::string journal = read("journal");
+  const std::vector<std::size_t> at = ends(journal);
+  std::string bad = journal;
+  bad[at[1] + 3000] ^= 1;  // in the second chunk's records
+  write("bad", bad);
+  refused(cast("x.csv", {"--resume", "bad"}), "the chunk is not what was written");
+  refused({"merge", "bad"}, "the chunk is not what was written");
+  bad = journal;
+  bad.replace(at[2], 8, "{\"prat\":");
+  write("bad", bad);
+  refused(cast("x.csv", {"--resume", "bad"}), fmt::format("bad, byte {}: not a chunk", at[2]));
+  bad = journal.substr(0, at[2]) + journal.substr(at[1]);
+  write("bad", bad);
+  refused(cast("x.csv", {"--resume", "bad"}), "the chunk was there before");
+  bad = journal;
+  bad.replace(bad.find("\"bytes\":") + 8, 1, "9999999999999");
+  write("bad", bad);
+  const Ran cut = cde(cast("y.csv", {"--resume", "bad"}));
+  EXPECT_EQ(cut.status, 0) << "it is as if it had not been written to its end";
+  EXPECT_TRUE(same("y.csv", "plain.csv"));
+  for (const char* text : {"something else\n", "\n", "{}\n", "{\"schema\":\"other\"}\n", "[1]\n"}) {
+    write("bad", text);
+    refused(cast("x.csv", {"--resume", "bad"}), "bad, byte 0: not a journal");
+    refused({"merge", "bad"}, "bad, byte 0: not a journal");
+  }
+  for (const char* file : {"/dev/null", "."}) {
+    refused(cast("x.csv", {"--resume", file}), file);
+    refused({"merge", file}, file);
+  }
+  refused({"merge", "nowhere"}, "nowhere");
+  refused(cast("x.csv", {"--resume", "-"}), "--resume is read and written");
+  EXPECT_FALSE(exists("x.csv"));
+}
+
+TEST_F(Ranks, AJournalIsOfOneProcess) {
+  write("journal", "");
+  const int file = ::open((folder_ / "journal").c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_EQ(::flock(file, LOCK_EX), 0);
+  refused(cast("x.csv", {"--resume", "journal"}), "another process works on journal");
+  ::close(file);
+}
+
+TEST_F(Ranks, ShardsOfACastMakeUpTheWhole) {
+  for (const int i : {3, 1, 2}) {
+    const Ran ran = cde(
+        cast("merged.csv", {"--resume", fmt::format("s{}", i), fmt::format("--shard={}/3", i)}));
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    EXPECT_FALSE(exists("merged.csv")) << "a part is no result";
+  }
+  const Ran merged = cde({"merge", "s2", "s3", "s1"});
+  EXPECT_EQ(merged.status, 0) << merged.err;
+  EXPECT_TRUE(same("merged.csv", "plain.csv"));
+
+  refused({"merge", "s1", "s3"}, "chunk 1 of 3 is in none of the journals: that of shard 2/3 is");
+  refused({"merge", "s1", "s2", "s3", "s1"}, "cde merge: chunk 0 is in s1 and in s1");
+  const std::string half = read("s2");
+  write("s2", half.substr(0, half.size() - 30));
+  refused({"merge", "s1", "s2", "s3"}, "s2 (shard 2/3) is not finished");
+  ASSERT_EQ(cde(cast("o.csv", {"--mode", "any", "--resume", "any", "--shard", "2/3"})).status, 0);
+  refused({"merge", "s1", "any", "s3"}, "any is of a run with mode \"any\", this one has");
+  refused(cast("x.csv", {"--shard", "1/2"}), "--shard requires --resume");
+  refused(cast("x.csv", {"--shard", "0/2", "--resume", "x"}), "--shard is '0/2'; it must be I/N");
+  refused(cast("x.csv", {"--shard", "1/2", "--resume", "x", "--boards", "2"}),
+          "--boards is of one process");
+}
+
+TEST_F(Ranks, ShardsOfAQueryMakeUpTheWhole) {
+  std::ofstream lines(folder_ / "pairs");
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> some(-2, 2);
+  const auto number = [&] { return some(random); };
+  for (int i = 0; i < 150'000; ++i) {
+    if (i % 50'000 == 17) {
+      lines << "# a comment\n\nnot a pair\n";
+      continue;
+    }
+    lines << fmt::format("{} {} {} {} | {} {} {} {}\n", number(), number(), number(),
+                         std::abs(number()) * (i % 7'777 == 5 ? -1 : 1), number(), number(),
+                         number(), std::abs(number()));
+  }
+  lines.close();
+  const std::string query = "\"$CDE\" query sphere-sphere -q ";
+  const Ran plain = shell(query + "< pairs");
+  EXPECT_EQ(plain.status, 2) << "some lines are malformed";
+  const Ran slow = shell(
+      "for p in 1 2 3; do head -c $((p * 1000000)) pairs | tail -c +$(((p - 1) * "
+      "1000000 + 1)); sleep 0.05; done | cat - <(tail -c +3000001 pairs) | " +
+      query + "--resume journal");
+  EXPECT_EQ(slow.status, 2);
+  EXPECT_EQ(slow.out, plain.out);
+  EXPECT_EQ(slow.err, plain.err) << "messages, too, in their order";
+  for (int i = 1; i <= 2; ++i)
+    EXPECT_EQ(shell(query + fmt::format("--shard {}/2 --resume q{} < pairs", i, i)).status, 0);
+  const Ran merged = shell("\"$CDE\" merge q1 q2");
+  EXPECT_EQ(merged.status, 2);
+  EXPECT_EQ(merged.out, plain.out);
+  EXPECT_EQ(merged.err, plain.err);
+  const Ran other = shell("head -n 100000 pairs | " + query + "--resume journal");
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.err.find("journal is of a run with another input"), std::string::npos)
+      << other.err;
+}
+
+TEST_F(Ranks, ShardsOfARunMakeUpTheWhole) {
+  const Words run = {"run",          std::string(CDE_SOURCE_DIR) + "/meshes/scenes/spheres.toml",
+                     "--frames",     "3..7",
+                     "--exact-card", "-q"};
+  const auto with = [&](const Words& more) {
+    Words words = run;
+    words.insert(words.end(), more.begin(), more.end());
+    return cde(words);
+  };
+  const Ran plain = with({"--out", "plain.run"});
+  ASSERT_EQ(plain.status, 0) << plain.err;
+  for (const char* i : {"1", "2"})
+    EXPECT_EQ(with({"--out", "merged.run", "--resume", i, "--shard", std::string(i) + "/2"}).status,
+              0);
+  EXPECT_FALSE(exists("merged.run"));
+  const Ran merged = cde({"merge", "1", "2"});
+  EXPECT_EQ(merged.status, 0) << merged.err;
+  std::size_t records = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "plain.run")) {
+    const std::string name = entry.path().filename();
+    if (name == "run.json") continue;
+    ++records;
+    EXPECT_TRUE(same("merged.run/" + name, "plain.run/" + name)) << name;
+  }
+  EXPECT_EQ(records, 5u);
+  const auto counted = [&](const std::string& folder) {
+    const auto json = nlohmann::ordered_json::parse(read(folder + "/run.json"));
+    return fmt::format("{} {} {} {}", json.at("totals").at("tests").get<int>(),
+                       json.at("totals").at("hits").get<int>(), json.at("played").size(),
+                       json.at("config_hash").get<std::string>());
+  };
+  EXPECT_EQ(counted("merged.run"), counted("plain.run"));
+  const Ran other = cde({"run", run[1], "--frames", "3..8", "--exact-card", "--resume", "1"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.err.find("1 is of a run with frames [3,7], this one has [3,8]"),
+            std::string::npos)
+      << other.err;
+  for (const Words& more : std::initializer_list<Words>{
+           {"--trace", "w.fst"}, {"--report", "r.html"}, {"--fault", "parity@3"}})
+    EXPECT_NE(with({"--resume", "x", more[0], more[1]}).err.find("are of one process"),
+              std::string::npos);
+}
+
+/// Whatever the mode: ties between parts stay with the lower index.
+TEST_F(Ranks, PartsOfAMeshGiveTheRecordsOfOneCard) {
+  // Two squares in one plane, each triangle four times: every hit is a tie.
+  std::string twice = "v 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\n";
+  for (int i = 0; i < 4; ++i) twice += "f 1 2 3\nf 1 3 4\n";
+  write("tied.obj", twice);
+  for (const char* mesh : {"tied.obj", "terrain:9,9,3"}) {
+    for (const char* mode : {"nearest", "farthest", "any", "all", "hits"}) {
+      const auto cast_in = [&](const char* parts, const char* records) {
+        return cde({"cast", mesh, "--grid", "20x30", "--mode", mode, "-o", records, "--partition",
+                    parts, "-q"});
+      };
+      ASSERT_EQ(cast_in("1", "one.csv").status, 0);
+      for (const char* parts : {"3", "8"}) {
+        const Ran ran = cast_in(parts, "parts.csv");
+        EXPECT_EQ(ran.status, 0) << ran.err;
+        EXPECT_TRUE(same("parts.csv", "one.csv")) << mesh << mode << parts;
+      }
+    }
+  }
+  refused({"cast", "tied.obj", "--partition", "9", "--grid", "4x4"},
+          "--partition 9: tied.obj has 8 triangles");
+}
+
+/// As many ranks as the test asks for, on this machine.
+class MpiRanks : public Ranks {
+ protected:
+  void SetUp() override {
+    Ranks::SetUp();
+    if (shell("command -v mpirun").status != 0) GTEST_SKIP() << "mpirun is not installed";
+    const Ran built = shell(run(2) + " plan");
+    if (built.err.find("without MPI") != std::string::npos) GTEST_SKIP() << "built without MPI";
+  }
+  static std::string run(unsigned ranks) {
+    return fmt::format(
+        "export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1; mpirun --oversubscribe "
+        "-n {} \"$CDE\"",
+        ranks);
+  }
+  static std::string words(const Words& all) {
+    std::string text;
+    for (const std::string& word : all) text += " " + word;
+    return text;
+  }
+};
+
+TEST_F(MpiRanks, GiveTheOutputOfOne) {
+  for (const unsigned ranks : {1u, 2u, 3u}) {
+    const Ran ran = shell(run(ranks) + words(cast("ranks.csv")));
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    EXPECT_EQ(ran.err, "") << "nothing is said twice, or at all";
+    EXPECT_TRUE(same("ranks.csv", "plain.csv")) << ranks;
+    const Ran parts = shell(run(ranks) + words(cast("parts.csv", {"--partition", "2"})));
+    EXPECT_EQ(parts.status, 0) << parts.err;
+    EXPECT_TRUE(same("parts.csv", "plain.csv")) << ranks;
+  }
+  const std::string picture = " cast terrain:40,40,2 --size 64x48 --shadows -q --shaded ";
+  ASSERT_EQ(shell("\"$CDE\"" + picture + "one.png").status, 0);
+  EXPECT_EQ(shell(run(2) + picture + "two.png").status, 0);
+  EXPECT_TRUE(same("one.png", "two.png"));
+  const std::string some =
+      " accuracy --pair sphere-plane --formats fp16,fp32 --cases 90 -q "
+      "--no-operators";
+  EXPECT_EQ(shell(run(2) + some).out, shell("\"$CDE\"" + some).out);
+}
+
+TEST_F(MpiRanks, WhatIsWrongIsSaidOnce) {
+  const auto count = [](const std::string& text, const std::string& what) {
+    int n = 0;
+    for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; ++at) ++n;
+    return n;
+  };
+  const Ran missing = shell(run(3) + " cast nowhere.obj");
+  EXPECT_EQ(missing.status, 2) << missing.err;
+  EXPECT_EQ(count(missing.err, "cde: "), 1) << missing.err;
+  const Ran unknown = shell(run(3) + " cast square.obj --mode nereast");
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_EQ(count(unknown.err, "--mode is 'nereast'"), 1) << unknown.err;
+  const Ran verb = shell(run(2) + " plan x.toml");
+  EXPECT_EQ(verb.status, 2);
+  EXPECT_EQ(count(verb.err, "2 ranks were started, and each would do the same"), 1) << verb.err;
+  const Ran shard = shell(run(2) + words(cast("x.csv", {"--shard", "1/2", "--resume", "j"})));
+  EXPECT_EQ(shard.status, 2);
+  EXPECT_NE(shard.err.find("--shard is for processes that are not ranks"), std::string::npos);
+  // Ranks that disagree: the second is started with another option.
+  const Ran differ = shell(run(1) + words(cast("x.csv")) + " : -n 1 \"$CDE\"" +
+                           words(cast("x.csv", {"--no-check"})));
+  EXPECT_EQ(differ.status, 2) << differ.err;
+  EXPECT_NE(differ.err.find("rank 1 on "), std::string::npos) << differ.err;
+  EXPECT_NE(differ.err.find(" has checked false, rank 0 on "), std::string::npos) << differ.err;
+  EXPECT_FALSE(exists("x.csv"));
+}
+
+/// A rank, or mpirun, killed at any time: no rank is left, and the next run goes on.
+TEST_F(MpiRanks, AKilledRunGoesOn) {
+  const unsigned kills = std::getenv("CDE_FULL") != nullptr ? 100 : 6;
+  const std::string cast = " cast square.obj --grid 1300x1300 -q -o ";
+  ASSERT_EQ(shell("\"$CDE\"" + cast + "whole.csv").status, 0);
+  const std::string command = run(2) + cast + "$PWD/r.csv --resume journal";
+  std::mt19937 random(11);
+  unsigned killed = 0;
+  for (unsigned i = 0; i < 20 * kills && killed < kills; ++i) {
+    const unsigned after = std::uniform_int_distribution<unsigned>(300, 2500)(random);
+    const std::string victim =
+        i % 3 == 2 ? "$run" : fmt::format("$(pgrep -P $run | sed -n {}p)", i % 3 + 1);
+    const Ran ran = shell(fmt::format(
+        "{} >/dev/null 2>&1 & run=$!; sleep {}.{:03}; kill -9 {} 2>/dev/null; wait $run; "
+        "status=$?; "
+        "for i in {{1..50}}; do pgrep -f $PWD/r.csv >/dev/null || break; sleep 0.1; done; "
+        "exit $status",
+        command, after / 1000, after % 1000, victim));
+    if (ran.status == 0) {  // it had come to its end
+      EXPECT_TRUE(same("r.csv", "whole.csv"));
+      std::filesystem::remove(folder_ / "r.csv");
+      std::filesystem::remove(folder_ / "journal");
+      continue;
+    }
+    ++killed;
+    EXPECT_FALSE(exists("r.csv")) << "half a file";
+  }
+  EXPECT_EQ(killed, kills);
+  EXPECT_EQ(shell(command).status, 0);
+  EXPECT_TRUE(same("r.csv", "whole.csv"));
+  EXPECT_EQ(files(), (Words{"journal", "plain.csv", "r.csv", "square.obj", "whole.csv"}))
+      << "what killed runs left is swept away";
+}
+
+}  // namespace
+}  // namespace cde::testing

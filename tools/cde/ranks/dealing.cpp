@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ranks/dealing.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <thread>
+#include <tuple>
+
+#include "cde/bitstream/bitstream.hpp"
+#include "cde/mesh/mesh.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "command/values.hpp"
+#include "output/output.hpp"
+#include "output/streams.hpp"
+#include "output/version.hpp"
+#include "ranks/among.hpp"
+
+namespace cde::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Results that may wait for one before them, for each rank.
+constexpr std::uint64_t kWindow = 16;
+
+Dealing* the_one = nullptr;
+
+}  // namespace
+
+std::pair<unsigned, unsigned> parse_shard(const std::string& text) {
+  unsigned shard = 0, shards = 0;
+  int end = 0;
+  if (std::sscanf(text.c_str(), "%6u/%6u%n", &shard, &shards, &end) != 2 ||
+      static_cast<std::size_t>(end) != text.size() || shard < 1 || shard > shards)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--shard is {}; it must be I/N, part I of N, from 1/N to N/N",
+                            in_quotes(text)));
+  return {shard, shards};
+}
+
+void add_deal_options(CLI::App& verb, DealOptions& o) {
+  auto* resume = file_value(
+      verb.add_option("--resume", o.resume,
+                      "Journal: finished chunks are kept there, and what is there is not computed "
+                      "again"),
+      "FILE");
+  resume->each([](const std::string& file) {
+    if (file == "-")
+      throw Error(ErrorCode::kUsage, "--resume is read and written: it must be a file, not -");
+  });
+  text_value(verb.add_option("--shard", o.shard,
+                             "Only part I of N of the run, into --resume; cde merge makes the "
+                             "whole of the journals of all parts")
+                 ->capture_default_str(),
+             "I/N", [](const std::string& text) { (void)parse_shard(text); })
+      ->needs(resume);
+}
+
+/// The results of a part in their order: takes those that are next, keeps the others.
+class Dealing::Order {
+ public:
+  Order(const Part& part, bool quiet) : part_(part), bar_(part.what, quiet) {}
+
+  void add(std::uint64_t chunk, std::string result) {
+    waiting_.emplace(chunk, std::move(result));
+    for (auto first = waiting_.begin(); first != waiting_.end() && first->first == taken_;
+         first = waiting_.begin()) {
+      const std::string next = std::move(first->second);
+      waiting_.erase(first);
+      part_.take(taken_++, next);
+    }
+    if (part_.chunks && *part_.chunks > 0)
+      bar_(static_cast<double>(taken_) / static_cast<double>(*part_.chunks));
+  }
+  [[nodiscard]] std::uint64_t taken() const { return taken_; }
+
+ private:
+  const Part& part_;
+  Progress bar_;
+  std::uint64_t taken_ = 0;
+  std::map<std::uint64_t, std::string> waiting_;
+};
+
+Dealing::Dealing() : among_(Ranks::if_started()) {
+  the_one = this;
+  if (leads()) return;
+  // Results are rank 0's to print.
+  const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (nowhere >= 0) {
+    ::dup2(nowhere, STDOUT_FILENO);
+    ::close(nowhere);
+  }
+}
+
+Dealing::~Dealing() {
+  the_one = nullptr;
+}
+
+Dealing& Dealing::here() {
+  return *the_one;
+}
+
+unsigned Dealing::rank() const {
+  return among_ ? among_->rank() : 0;
+}
+unsigned Dealing::ranks() const {
+  return among_ ? among_->size() : 1;
+}
+std::string Dealing::shared(std::string bytes) const {
+  return among_ ? among_->broadcast(std::move(bytes)) : bytes;
+}
+void Dealing::share(Mesh& mesh) const {
+  if (among_) among_->broadcast(mesh);
+}
+
+std::string Dealing::scattered(const std::function<std::string(unsigned)>& of) const {
+  return among_ ? among_->scatter(of) : of(0);
+}
+BoardConfig Dealing::shared(const BoardConfig& config) const {
+  if (!among_) return config;
+  const Json parameters = Json::parse(shared(json_text(Json(config.parameters()), -1)));
+  return *BoardConfig::of(parameters.get<std::vector<std::string>>());
+}
+
+bool Dealing::asked(const DealOptions& options) const {
+  return ranks() > 1 || !options.resume.empty() || !merged_.empty();
+}
+
+void Dealing::begin(const DealOptions& options, Json run, bool quiet) {
+  quiet_ = quiet;
+  std::tie(shard_, shards_) = parse_shard(options.shard);
+  Json all = {{"version", kVersion}, {"commit", kCommit}};
+  all.update(run);
+  if (among_) check_ranks(all);
+  if (shards_ > 1 && ranks() > 1)
+    throw Error(ErrorCode::kUsage, "--shard is for processes that are not ranks of one run");
+  config_hash_ = run.value("config_hash", std::string());
+  if (!merged_.empty()) {
+    config_hash_ = merged_.front()->run().value("config_hash", std::string());
+    for (const auto& journal : merged_) journal->check_run(all);
+    check_merged();
+  }
+  if (options.resume.empty() || !leads()) return;
+  all["shard"] = options.shard;
+  journal_ = std::make_unique<Journal>("--resume", options.resume, Journal::Use::kGoOn, all,
+                                       Json{{"words", words_}});
+}
+
+/// Every rank has what rank 0 has.
+void Dealing::check_ranks(const Json& run) const {
+  const std::vector<std::string> all = among_->all_of(json_text(run, -1));
+  const Json first = Json::parse(all[0]);
+  for (unsigned rank = 1; rank < all.size(); ++rank) {
+    const Json other = Json::parse(all[rank]);
+    for (const auto& [key, value] : first.items()) {
+      const Json there = other.contains(key) ? other.at(key) : Json();
+      if (there == value) continue;
+      throw Error(ErrorCode::kConfiguration,
+                  fmt::format("{} has {} {}, {} has {}", among_->place(rank), key,
+                              json_text(there, -1), among_->place(0), json_text(value, -1)));
+    }
+  }
+}
+
+bool Dealing::deal(const Part& part) {
+  if (!merged_.empty()) return deal_merged(part);
+  if (shards_ > 1) return deal_shard(part);
+  deal_all(part);
+  return leads();
+}
+
+void Dealing::deal_all(const Part& part) {
+  if (!leads()) {
+    while (!among_->broadcast({}).empty())
+      among_->deal({.next = {}, .more = {}, .run = part.run, .done = {}});
+    return;
+  }
+  Order order(part, quiet_);
+  const std::uint64_t window = kWindow * ranks();
+  std::map<std::uint64_t, std::string> inputs;  // fingerprints of what is dealt
+  std::uint64_t number = 0;
+  bool ended = false;
+  const auto next = [&]() -> std::optional<DealtChunk> {
+    while (!ended && number - order.taken() < window) {
+      std::optional<std::string> input = part.input(number);
+      if (!input) {
+        ended = true;
+        if (journal_) journal_->end_part(parts_, number);
+        break;
+      }
+      const ChunkNumber key{parts_, number};
+      std::string print = journal_ ? fingerprint(*input) : std::string();
+      if (journal_ && journal_->has(key)) {
+        journal_->check_input(key, print);
+        order.add(number++, journal_->read(key));
+        continue;
+      }
+      inputs.emplace(number, std::move(print));
+      const auto owner = part.owner ? std::optional(part.owner(number)) : std::nullopt;
+      return DealtChunk{number++, std::move(*input), owner};
+    }
+    return std::nullopt;
+  };
+  const auto done = [&](std::uint64_t chunk, std::string result) {
+    const auto input = inputs.extract(chunk);
+    if (journal_) journal_->add({parts_, chunk}, input.mapped(), result);
+    order.add(chunk, std::move(result));
+  };
+  if (among_) {
+    (void)among_->broadcast("part");
+    among_->deal({.next = next, .more = [&] { return !ended; }, .run = part.run, .done = done});
+  } else {
+    while (const auto chunk = next()) done(chunk->number, part.run(chunk->number, chunk->input));
+  }
+  ++parts_;
+}
+
+/// Chunks of this shard, into the journal.
+bool Dealing::deal_shard(const Part& part) {
+  Progress bar(part.what, quiet_);
+  std::uint64_t number = 0;
+  for (; const auto input = part.input(number); ++number) {
+    if (part.chunks) bar(static_cast<double>(number) / static_cast<double>(*part.chunks));
+    if (number % shards_ + 1 != shard_) continue;
+    const ChunkNumber key{parts_, number};
+    const std::string print = fingerprint(*input);
+    if (journal_->has(key))
+      journal_->check_input(key, print);
+    else
+      journal_->add(key, print, part.run(number, *input));
+  }
+  journal_->end_part(parts_, number);
+  ++parts_;
+  return false;
+}
+
+bool Dealing::deal_merged(const Part& part) {
+  Order order(part, quiet_);
+  const auto chunks = merged_.front()->chunks_of(parts_);
+  for (std::uint64_t number = 0; number < chunks.value_or(0); ++number) {
+    const ChunkNumber key{parts_, number};
+    const auto holder =
+        std::ranges::find_if(merged_, [&](const auto& journal) { return journal->has(key); });
+    order.add(number, (*holder)->read(key));
+  }
+  ++parts_;
+  return true;
+}
+
+/// All chunks of all parts are there, once.
+void Dealing::check_merged() const {
+  const auto name = [](const Journal& journal) { return printable_name(journal.path()); };
+  std::map<ChunkNumber, const Journal*> from;
+  for (const auto& journal : merged_) {
+    for (const auto& [number, place] : journal->chunks()) {
+      const auto [there, is_new] = from.emplace(number, journal.get());
+      if (!is_new)
+        throw Error(ErrorCode::kUsage,
+                    fmt::format("cde merge: chunk {} is in {} and in {}", number.chunk,
+                                name(*there->second), name(*journal)));
+    }
+  }
+  for (unsigned p = 0;; ++p) {
+    std::optional<std::uint64_t> chunks;
+    const Journal* says = nullptr;
+    for (const auto& journal : merged_) {
+      const auto own = journal->chunks_of(p);
+      if (!own && p == 0)
+        throw Error(ErrorCode::kUsage,
+                    fmt::format("cde merge: {} (shard {}) is not finished: give its command again",
+                                name(*journal), journal->run().value("shard", "1/1")));
+      if (!own) continue;
+      if (chunks && *chunks != *own)
+        throw Error(ErrorCode::kUsage,
+                    fmt::format("cde merge: {} is of a run of {} chunks, {} of one of {}",
+                                name(*says), *chunks, name(*journal), *own));
+      chunks = own;
+      says = journal.get();
+    }
+    if (!chunks) return;
+    for (std::uint64_t number = 0; number < *chunks; ++number) {
+      if (from.contains({p, number})) continue;
+      const auto shards = parse_shard(merged_.front()->run().value("shard", "1/1")).second;
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("cde merge: chunk {} of {} is in none of the journals: that of shard "
+                              "{}/{} is missing",
+                              number, *chunks, number % shards + 1, shards));
+    }
+  }
+}
+
+void Dealing::start(const std::vector<std::string>& words) {
+  words_ = words;
+  if (ranks() == 1 || words.empty()) return;
+  const std::vector<std::string> dealt = {"accuracy", "cast", "query", "run"};
+  if (!words[0].starts_with("-") && std::ranges::find(dealt, words[0]) == dealt.end())
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} ranks were started, and each would do the same: what is dealt to "
+                            "ranks is cde {}",
+                            ranks(), fmt::join(dealt, ", ")));
+}
+
+void Dealing::end() {
+  if (journal_ && shards_ > 1 && !quiet_)
+    say("cde: shard {}/{} is whole: {} chunks in {}; cde merge puts the shards together\n", shard_,
+        shards_, journal_->size(), printable_name(journal_->path()));
+  if (among_ && leads()) (void)among_->broadcast({});
+}
+
+std::string Dealing::place() const {
+  if (leads()) return {};
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  return among_->place(rank()) + ": ";
+}
+
+void Dealing::fail(int status) {
+  if (among_ && among_->size() > 1) among_->abort(status);
+}
+
+}  // namespace cde::cli

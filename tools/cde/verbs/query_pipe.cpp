@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "verbs/query_pipe.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "cde/contract/registers.hpp"
+#include "cde/reference/pairs.hpp"
+#include "verbs/operand_defect.hpp"
+#include "verbs/operand_line.hpp"
+#include "wave/waves.hpp"
+
+namespace cde::cli {
+namespace {
+
+std::span<const std::uint64_t> operand(std::span<const std::uint64_t> all, std::size_t i,
+                                       std::size_t words) {
+  return all.subspan(i * words, words);
+}
+
+}  // namespace
+
+QueryTotals& QueryTotals::operator+=(const QueryTotals& other) {
+  pairs += other.pairs;
+  hits += other.hits;
+  bad += other.bad;
+  malformed += other.malformed;
+  clocks += other.clocks;
+  compared += other.compared;
+  simulation_seconds += other.simulation_seconds;
+  return *this;
+}
+
+QueryPipe::QueryPipe(const QueryOptions& o, const PairConfig& config)
+    : o_(o), config_(config), text_(config_.format), unit_(config_) {
+  if (!o_.budget.empty()) {
+    budget_ = budget_of(o_);
+    unit_.set_budget(budget_);
+  }
+  if (o_.check && !reference::has_pair(config_.pair, config_.algorithm))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} has no reference to compare with: use --no-check", o_.pair));
+}
+
+bool QueryPipe::read(std::uint64_t number, std::string_view line) {
+  std::string why;
+  switch (read_operands(config_.pair, text_, fmt::format("line {}", number), line, a_, b_, why)) {
+    case OperandLine::kNothing:
+      return false;
+    case OperandLine::kMalformed:
+      rows_.push_back({number, false});
+      unread_.push_back(std::move(why));
+      break;
+    case OperandLine::kPair:
+      rows_.push_back({number, true});
+  }
+  if (config_.trace && rows_.size() > kQueryTraced)
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("line {}: --trace takes at most {} pairs", number, kQueryTraced));
+  return rows_.size() == kQueryBatch;
+}
+
+QueryAnswers QueryPipe::answer() {
+  QueryAnswers answers;
+  if (rows_.empty() && !config_.trace) return answers;
+  Waves waves(
+      o_.trace.file,
+      [this](const std::string& file) { unit_.open_trace(file, o_.trace.options()); },
+      [this] { unit_.close_trace(); });
+  answers.totals.pairs = a_.size() / primary_words(config_.pair);
+  answers.totals.malformed = unread_.size();
+  results_.resize(answers.totals.pairs);
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    answers.totals.clocks = unit_.test(a_, b_, results_);
+  } catch (const Error& e) {
+    if (is_hang(e)) report(e);
+    throw;
+  }
+  answers.totals.simulation_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  waves.close();  // whole, whatever the answers are
+  if (o_.check) compare(answers);
+  std::size_t pair = 0, unread = 0;
+  for (const Row& row : rows_) {
+    if (row.valid) {
+      write(answers, row.line, pair++);
+    } else {
+      answers.messages += fmt::format("cde: {}\n", unread_[unread++]);
+      write(answers, {.t = nan(), .cp = {nan(), nan(), nan()}, .n = {nan(), nan(), nan()}},
+            "malformed");
+    }
+  }
+  rows_.clear(), unread_.clear(), a_.clear(), b_.clear();
+  return answers;
+}
+
+void QueryPipe::compare(QueryAnswers& answers) {
+  expected_.resize(results_.size());
+  reference::test_pairs(config_.pair, config_.algorithm, config_.format, a_, b_, expected_,
+                        config_.plane, budget_, config_.box);
+  answers.totals.compared += results_.size();
+  const auto [got, wanted] = std::mismatch(results_.begin(), results_.end(), expected_.begin());
+  if (got != results_.end()) report(static_cast<std::size_t>(got - results_.begin()));
+}
+
+void QueryPipe::report(std::size_t i) {
+  std::uint64_t line = 0;
+  for (std::size_t k = 0, valid = 0; valid <= i; ++k) {
+    valid += rows_[k].valid ? 1 : 0;
+    line = rows_[k].line;
+  }
+  const auto shown = [&](const PairResult& r) {
+    return fmt::format("F {}, T {}, CP {}, n {}{}", r.f ? 1 : 0, text_.hexfloat(r.t), listed(r.cp),
+                       listed(r.n), r.bad ? ", bad" : "");
+  };
+  const std::string a = listed(operand(a_, i, primary_words(config_.pair))),
+                    b = listed(operand(b_, i, secondary_words(config_.pair)));
+  // All lanes get the pair, whichever it was in.
+  const std::string options = words_of(o_, config_, false),
+                    repeat = fmt::format("yes {},{} | head -n {} | cde query {}", a, b,
+                                         config_.lanes, words_of(o_, config_)),
+                    message = fmt::format(
+                        "line {}: the card's answer differs from the reference\n"
+                        "  A         {}\n  B         {}\n  card      {}\n  reference {}\n"
+                        "  differ in {}\n  where     {}\n"
+                        "repeat with: {}\nexplain it:  cde explain {} '{} | {}'",
+                        line, a, b, shown(results_[i]), shown(expected_[i]),
+                        differing_fields(results_[i], expected_[i]),
+                        place_in_unit(unit_, a_, b_, i), repeat, options, a, b);
+  const auto fill = [&](Bundle& bundle) {
+    bundle_pair(bundle, {.config = config_,
+                         .budget = budget_,
+                         .options = options,
+                         .a = a_,
+                         .b = b_,
+                         .at = i,
+                         .card = results_[i],
+                         .reference = expected_[i],
+                         .message = message,
+                         .repeat = repeat});
+  };
+  throw Error(ErrorCode::kMismatch, message + packed(o_.bundle, o_.quiet, fill));
+}
+
+/// The unit stopped in the middle of these pairs.
+void QueryPipe::report(const Error& stuck) {
+  const std::string message =
+      fmt::format("lines {} to {}: {}", rows_.front().line, rows_.back().line, stuck.what());
+  const std::uint64_t clock = stuck.fault()->clock;
+  const auto fill = [&](Bundle& bundle) {
+    std::string pairs;
+    for (std::size_t i = 0; i < results_.size(); ++i)
+      pairs += listed(operand(a_, i, primary_words(config_.pair))) + " | " +
+               listed(operand(b_, i, secondary_words(config_.pair))) + "\n";
+    bundle.write("pairs.txt", pairs);
+    bundle.json().update({{"pair", name(config_.pair)}, {"parameters", config_.parameters()}});
+    HangFailure f{.message = message,
+                  .repeat = fmt::format("cde query {} < pairs.txt", words_of(o_, config_)),
+                  .clock = clock,
+                  .unit = true,
+                  .shown = {"pair_unit.clk_i", "pair_unit.valid_i", "pair_unit.ready_o",
+                            "pair_unit.tag_i", "pair_unit.valid_o", "pair_unit.tag_o"}};
+    f.rerun = [&](const std::string& file, const TraceOptions& which) {
+      PairConfig config = config_;
+      config.trace = true;
+      PairUnit unit(config);
+      if (has_budget(config.pair)) unit.set_budget(budget_);
+      std::vector<PairResult> results(results_.size());
+      unit.open_trace(file, which);
+      try {
+        (void)unit.test(a_, b_, results);
+      } catch (const Error& e) {
+        if (!is_hang(e)) throw;
+      }
+      unit.close_trace();
+    };
+    bundle_hang(bundle, f);
+  };
+  throw Error(stuck.code(), message + packed(o_.bundle, o_.quiet, fill), stuck.fault());
+}
+
+std::string QueryPipe::listed(std::span<const std::uint64_t> words) const {
+  std::string list;
+  for (const std::uint64_t word : words) list += (list.empty() ? "" : ",") + text_.hexfloat(word);
+  return list;
+}
+
+void QueryPipe::write(QueryAnswers& to, std::uint64_t line, std::size_t i) const {
+  const PairResult& r = results_[i];
+  to.totals.hits += r.f ? 1 : 0;
+  if (r.bad) {
+    ++to.totals.bad;
+    const std::string why =
+        operand_defect(config_.pair, config_.format, operand(a_, i, primary_words(config_.pair)),
+                       operand(b_, i, secondary_words(config_.pair)));
+    to.messages += fmt::format(
+        "cde: line {}: {}\n", line,
+        why.empty() ? "the card refuses the pair, and the reference sees no reason" : why);
+  }
+  write(to, r, r.bad ? "bad" : "");
+}
+
+void QueryPipe::write(QueryAnswers& to, const PairResult& r, std::string_view flags) const {
+  fmt::memory_buffer out;
+  out.push_back(r.f ? '1' : '0');
+  const auto put = [&](std::uint64_t word) {
+    out.push_back(',');
+    if (o_.bits)
+      text_.append_bits(out, word);
+    else
+      text_.append_decimal(out, word);
+  };
+  put(r.t);
+  for (const std::uint64_t word : r.cp) put(word);
+  if (has_ray(config_.pair)) {
+    out.append(std::string_view(",,,"));
+  } else {
+    for (const std::uint64_t word : r.n) put(word);
+  }
+  out.push_back(',');
+  out.append(flags);
+  out.push_back('\n');
+  to.rows.append(out.data(), out.size());
+}
+
+}  // namespace cde::cli

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cde/card/pair_unit.hpp"
+#include "cde/support/error.hpp"
+#include "command/words.hpp"
+#include "ranks/dealing.hpp"
+#include "verbs/bundle.hpp"
+#include "verbs/pair_options.hpp"
+#include "verbs/trace_options.hpp"
+
+/// The pairs of `cde query`: from lines of text to lines of text.
+namespace cde::cli {
+
+inline constexpr std::size_t kQueryBatch = 65536;  ///< pairs, at most, between two runs of the unit
+inline constexpr std::size_t kQueryTraced = 4096;  ///< and of all, where there are waves of them
+
+struct QueryOptions : PairOptions {
+  TraceRequest trace;
+  BundleRequest bundle;
+  DealOptions deal;
+  bool bits = false, check = true, json = false, quiet = false;
+};
+
+struct QueryTotals {
+  std::uint64_t pairs = 0, hits = 0, bad = 0, malformed = 0, clocks = 0, compared = 0;
+  double simulation_seconds = 0;
+  QueryTotals& operator+=(const QueryTotals& other);
+};
+
+/// What comes of some lines.
+struct QueryAnswers {
+  QueryTotals totals;
+  std::string messages;  ///< about lines, each with its end
+  std::string rows;      ///< CSV
+};
+
+/// One pipe and lines for it.
+class QueryPipe {
+ public:
+  /// Error kUsage if answers are to be compared with a reference that there is not. The options
+  /// must outlive it.
+  QueryPipe(const QueryOptions& options, const PairConfig& config);
+
+  /// A line of the input. True once no more must come before answer().
+  [[nodiscard]] bool read(std::uint64_t number, std::string_view line);
+  /// Runs what was read. Error kMismatch where an answer differs from the reference, with a command
+  /// that repeats it, and whatever the unit throws.
+  [[nodiscard]] QueryAnswers answer();
+
+ private:
+  void compare(QueryAnswers& answers);
+  [[noreturn]] void report(std::size_t i);
+  [[noreturn]] void report(const Error& stuck);
+  [[nodiscard]] std::string listed(std::span<const std::uint64_t> words) const;
+  void write(QueryAnswers& to, std::uint64_t line, std::size_t i) const;
+  void write(QueryAnswers& to, const PairResult& r, std::string_view flags) const;
+  [[nodiscard]] std::uint64_t nan() const { return config_.format.canonical_nan(); }
+
+  struct Row {
+    std::uint64_t line;
+    bool valid;  ///< the next pair of the batch; else a line that could not be read
+  };
+
+  const QueryOptions& o_;
+  PairConfig config_;
+  WordText text_;
+  PairUnit unit_;
+  PairBudget budget_;
+  std::vector<std::uint64_t> a_, b_;
+  std::vector<Row> rows_;
+  std::vector<std::string> unread_;  ///< messages of the lines that could not be read
+  std::vector<PairResult> results_, expected_;
+};
+
+}  // namespace cde::cli

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "verbs/run_frames.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <iterator>
+#include <optional>
+
+#include "cde/bitstream/bitstream.hpp"
+#include "cde/contract/records.hpp"
+#include "cde/support/error.hpp"
+#include "output/input_file.hpp"
+#include "output/json_keys.hpp"
+#include "output/output.hpp"
+#include "output/streams.hpp"
+#include "verbs/run_folder.hpp"
+
+namespace cde::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The card's words, as docs/scenes.md lays them out.
+void append_binary(std::string& to, const Record& r, bool normals) {
+  const auto word = [&](std::uint32_t w) {
+    for (int i = 0; i < 4; ++i) to.push_back(static_cast<char>(w >> (8 * i) & 255));
+  };
+  const auto vector = [&](const Eigen::Vector3f& v) {
+    for (const float x : {v.x(), v.y(), v.z()}) word(std::bit_cast<std::uint32_t>(x));
+  };
+  vector(r.cp);
+  word((r.f ? 1u << card::kFlagF : 0u) | (r.bad ? 1u << card::kFlagBad : 0u));
+  word(r.index);
+  word(std::bit_cast<std::uint32_t>(r.t));
+  word(r.primary);
+  if (normals) vector(r.n);
+}
+
+Json query_json(const std::string& name, const QueryFrame& f) {
+  Json counters = counters_json(f.counters);
+  counters.update({{"card_records", f.card_records},
+                   {"secondary_words", f.secondary_words},
+                   {"primary_words", f.primary_words},
+                   {"secondary_upload_clocks", f.secondary_clocks},
+                   {"primary_upload_clocks", f.primary_clocks},
+                   {"download_clocks", f.download_clocks}});
+  return {{"query", name},
+          {"passes", f.passes},
+          {"records", f.counters.records},
+          {"hits", f.hits},
+          {"records_compared", f.compared},
+          {"records_matching", f.compared - std::min(f.compared, f.mismatches)},
+          {"mismatches", f.mismatches},
+          {"counters", counters},
+          {"modelled_seconds", time_json(f.time())},
+          {"simulation_seconds", f.pass_seconds},
+          {"reference_seconds", f.check_seconds}};
+}
+
+/// A frame on a rank: a line of JSON, its own and how long the files are, and the files.
+std::string played(Player& player, const DealtFrames& f, std::uint32_t frame) {
+  const Scene& scene = f.scene;
+  const std::vector<std::string> names = record_names(scene, frame);
+  std::vector<std::string> texts;
+  for (std::size_t q = 0; q < names.size(); ++q)
+    texts.push_back(RunRecords(scene, scene.queries[q]).head());
+  const auto start = std::chrono::steady_clock::now();
+  const std::vector<QueryFrame> answers =
+      player.play(frame, [&](std::size_t q, std::span<const Record> records) {
+        if (!texts.empty()) RunRecords(scene, scene.queries[q]).append(records, texts[q]);
+      });
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+  for (std::size_t q = 0; q < answers.size(); ++q)
+    if (answers[q].mismatches != 0)
+      throw Error(ErrorCode::kMismatch, mismatch_text(scene, frame, q, answers[q],
+                                                      repeat_of(scene, frame, f.check), false));
+  Json sizes = Json::array();
+  for (const std::string& text : texts) sizes.push_back(text.size());
+  std::string all =
+      json_text(
+          Json{{"frame", frame_json(scene, frame, wall.count(), names, answers)}, {"sizes", sizes}},
+          -1) +
+      "\n";
+  for (const std::string& text : texts) all += text;
+  return all;
+}
+
+/// What a scene and the files that it names are.
+std::string contents(const Scene& scene) {
+  std::string all = fingerprint(read_file(scene.file));
+  for (const SceneObject& object : scene.objects) {
+    if (!object.file.empty()) all += fingerprint(read_file(object.file.string()));
+    for (const auto& file : object.more_files) all += fingerprint(read_file(file.string()));
+  }
+  return fingerprint(all);
+}
+
+}  // namespace
+
+RunRecords::RunRecords(const Scene& scene, const SceneQuery& query)
+    : scene_(scene), normals_(query.normals) {}
+
+std::string RunRecords::head() const {
+  if (scene_.results != Results::kCsv) return {};
+  std::string header = "primary,F,bad,T,CPx,CPy,CPz,index";
+  if (normals_) header += ",nx,ny,nz";
+  if (scene_.bits) header += ",T_bits,CPx_bits,CPy_bits,CPz_bits";
+  return header + "\n";
+}
+
+void RunRecords::append(std::span<const Record> records, std::string& text) const {
+  for (const Record& r : records) {
+    if (scene_.only_hits && !r.f) continue;
+    if (scene_.results == Results::kBinary) {
+      append_binary(text, r, normals_);
+      continue;
+    }
+    auto to = std::back_inserter(text);
+    fmt::format_to(to, "{},{},{},{},{},{},{},{}", r.primary, r.f ? 1 : 0, r.bad ? 1 : 0, r.t,
+                   r.cp.x(), r.cp.y(), r.cp.z(), r.index);
+    if (normals_) fmt::format_to(to, ",{},{},{}", r.n.x(), r.n.y(), r.n.z());
+    if (scene_.bits) {
+      for (const float x : {r.t, r.cp.x(), r.cp.y(), r.cp.z()})
+        fmt::format_to(to, ",{:08x}", std::bit_cast<std::uint32_t>(x));
+    }
+    text.push_back('\n');
+  }
+}
+
+Json frame_json(const Scene& scene, std::uint32_t frame, double wall_seconds,
+                const std::vector<std::string>& files, const std::vector<QueryFrame>& answers) {
+  Json j = {{"frame", frame},
+            {"scene_seconds", seconds(scene, frame)},
+            {"wall_seconds", wall_seconds},
+            {"files", files},
+            {"queries", Json::array()}};
+  for (std::size_t q = 0; q < answers.size(); ++q)
+    j["queries"].push_back(query_json(scene.queries[q].name, answers[q]));
+  return j;
+}
+
+std::string repeat_of(const Scene& scene, std::uint32_t frame, Check check) {
+  return fmt::format("cde run {} --frames {}..{} --check {}", shell_word(scene.file), frame, frame,
+                     name_of(check));
+}
+
+std::string mismatch_text(const Scene& scene, std::uint32_t frame, std::size_t query,
+                          const QueryFrame& answer, const std::string& repeat, bool faults) {
+  return fmt::format(
+      "frame {}, query '{}': {} of {} records differ from the reference, the first:\n{}"
+      "{}  repeat with: {}",
+      frame, scene.queries[query].name, answer.mismatches, answer.compared, answer.first_mismatch,
+      faults ? "  faults were injected; that pair by itself has none of them\n" : "", repeat);
+}
+
+std::vector<std::string> record_names(const Scene& scene, std::uint32_t frame) {
+  std::vector<std::string> names;
+  if (scene.results == Results::kNone) return names;
+  for (const SceneQuery& query : scene.queries)
+    names.push_back(RunFolder::record_name(query.name, frame, scene.results));
+  return names;
+}
+
+void begin_frames(const DealOptions& options, const DealtFrames& f, bool quiet) {
+  Dealing& dealing = Dealing::here();
+  Json run = {{"verb", "run"},
+              {"scene", fmt::format("contents {}", contents(f.scene))},
+              {"frames", {f.first, f.last}},
+              {"check", name_of(f.check)},
+              {"parameters", f.plan.board.parameters()}};
+  if (!dealing.merges())
+    run["config_hash"] =
+        fmt::format("{:016x}", bitstream_hash(f.plan.board.top(), f.plan.board.parameters()));
+  dealing.begin(options, run, quiet);
+}
+
+bool deal_frames(const DealtFrames& f, const FrameSink& take) {
+  std::optional<Player> player;
+  const std::uint64_t frames = f.last - f.first + 1;
+  return Dealing::here().deal(
+      {.what = "playing",
+       .chunks = frames,
+       .input = [&](std::uint64_t c) -> std::optional<std::string> {
+         if (c >= frames) return std::nullopt;
+         return fmt::format("frame {}", f.first + c);
+       },
+       .run =
+           [&](std::uint64_t c, const std::string&) {
+             if (!player)
+               player.emplace(f.scene, f.plan,
+                              PlayOptions{.check = f.check,
+                                          .watchdog = std::chrono::duration<double>(f.timeout),
+                                          .deadline_clocks = f.deadline});
+             return played(*player, f, f.first + static_cast<std::uint32_t>(c));
+           },
+       .take =
+           [&](std::uint64_t c, const std::string& result) {
+             const std::size_t line = result.find('\n') + 1;
+             const Json head = Json::parse(result.substr(0, line));
+             std::vector<std::string> records;
+             std::size_t at = line;
+             for (const Json& size : head.at("sizes")) {
+               records.push_back(result.substr(at, size.get<std::size_t>()));
+               at += records.back().size();
+             }
+             take(f.first + static_cast<std::uint32_t>(c), head.at("frame"), records);
+           }});
+}
+
+}  // namespace cde::cli

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cde/scene/player.hpp"
+#include "cde/scene/scene.hpp"
+#include "ranks/dealing.hpp"
+
+/// Frames of `cde run` as text: records and JSON.
+namespace cde::cli {
+
+/// How the records of a query are written, as the scene says.
+class RunRecords {
+ public:
+  RunRecords(const Scene& scene, const SceneQuery& query);
+  [[nodiscard]] std::string head() const;  ///< the first line of CSV
+  void append(std::span<const Record> records, std::string& to) const;
+
+ private:
+  const Scene& scene_;
+  bool normals_;
+};
+
+/// A frame of run.json.
+[[nodiscard]] nlohmann::ordered_json frame_json(const Scene& scene, std::uint32_t frame,
+                                                double wall_seconds,
+                                                const std::vector<std::string>& files,
+                                                const std::vector<QueryFrame>& answers);
+
+/// The command that plays a frame again.
+[[nodiscard]] std::string repeat_of(const Scene& scene, std::uint32_t frame, Check check);
+/// What is said of a query whose records differ from the reference.
+[[nodiscard]] std::string mismatch_text(const Scene& scene, std::uint32_t frame, std::size_t query,
+                                        const QueryFrame& answer, const std::string& repeat,
+                                        bool faults);
+
+/// Names of a frame's record files, by query; none if the scene writes none.
+[[nodiscard]] std::vector<std::string> record_names(const Scene& scene, std::uint32_t frame);
+
+/// Frames that are dealt.
+struct DealtFrames {
+  const Scene& scene;
+  const Plan& plan;
+  Check check = Check::kAll;
+  std::uint32_t first = 0, last = 0;
+  double timeout = 3600;
+  std::uint64_t deadline = 0;
+};
+/// Takes a frame, in their order: its JSON and the bytes of its record files.
+using FrameSink = std::function<void(std::uint32_t frame, const nlohmann::ordered_json& json,
+                                     const std::vector<std::string>& records)>;
+
+/// Begins a run that is dealt, a chunk a frame (Dealing::begin).
+void begin_frames(const DealOptions& options, const DealtFrames& frames, bool quiet);
+/// Dealing::deal of them. Error kMismatch where a record differs from the reference.
+[[nodiscard]] bool deal_frames(const DealtFrames& frames, const FrameSink& take);
+
+}  // namespace cde::cli
