@@ -23,7 +23,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kPacket = card::kMostPrimaries;
 /// Tests of a chunk, half a second of a core: long beside what dealing it takes, short beside a
 /// run.
-constexpr double kChunkTests = 1e8;
+constexpr double kChunkTests = 3e7;
 
 std::size_t rays_of_chunk(const CastOptions& o, const CastJob& job) {
   const double packets = kChunkTests / kPacket / (static_cast<double>(job.triangles) / o.partition);
@@ -98,8 +98,12 @@ CastOutcome outcome_in(const std::string& bytes, std::size_t first, std::vector<
   return r;
 }
 
+/// The network between cards and the host that has the outputs, for modelled times: results come
+/// over one link, one behind the other.
+constexpr double kBytesPerSecond = 1.25e9, kLatencySeconds = 50e-6;
+
 /// The chunks' outcomes as one. Without parts each chunk goes to the card that would be free first,
-/// with parts to the card that has its part.
+/// with parts to the card that has its part; the time is that until the last result has come.
 class Sum {
  public:
   Sum(unsigned cards, unsigned parts) : parts_(parts), free_at_(std::max(cards, parts), 0.0) {}
@@ -115,8 +119,13 @@ class Sum {
     all.upload_clocks = std::max(all.upload_clocks, one.upload_clocks);
     all.bitstream = std::move(one.bitstream);
     all.config_hash = one.config_hash;
-    (parts_ > 1 ? free_at_[part] : *std::ranges::min_element(free_at_)) += one.modelled_seconds;
-    all.modelled_seconds = *std::ranges::max_element(free_at_);
+    double& card = parts_ > 1 ? free_at_[part] : *std::ranges::min_element(free_at_);
+    card += one.modelled_seconds;
+    all.modelled_seconds = card;
+    if (free_at_.size() == 1) return;
+    link_ = std::max(link_, card) +
+            static_cast<double>(one.counters.records * sizeof(Record)) / kBytesPerSecond;
+    all.modelled_seconds = link_ + kLatencySeconds;
   }
   void add(std::span<const Record> records) {
     all.counters.records += records.size();
@@ -127,6 +136,7 @@ class Sum {
  private:
   unsigned parts_;
   std::vector<double> free_at_;
+  double link_ = 0;
 };
 
 /// The card of a part, and the job that it is of.

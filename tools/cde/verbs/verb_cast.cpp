@@ -194,6 +194,11 @@ unsigned cards_of(const CastOptions& o) {
   return std::max({o.boards, o.partition, Dealing::here().ranks()});
 }
 
+/// Whether modelled times have records of several cards come over a network.
+bool has_network(const CastOptions& o) {
+  return std::max(o.partition, Dealing::here().ranks()) > 1;
+}
+
 std::size_t packets_of(const CastJob& job) {
   return (job.rays.size() + kPacket - 1) / kPacket;
 }
@@ -206,7 +211,8 @@ nlohmann::ordered_json as_json(const CastOptions& o, const CastJob& job, const C
             {"packets", packets_of(job)},
             {"mode", o.mode},
             {"boards", cards_of(o)},
-            {"partition", o.partition}});
+            {"partition", o.partition},
+            {"network", has_network(o) ? nlohmann::ordered_json(kNetwork) : nullptr}});
   j.update(card_json(job.config));
   j.update(bitstream_json(r.bitstream, r.config_hash));
   j.update(stand_in_json(job.stands_in_for));
@@ -246,8 +252,9 @@ void print_summary(const CastOptions& o, const CastJob& job, const CastOutcome& 
   row("device cycles", fmt::format("{} and {} of write-back, {} stalls, {} bubbles", c.cycles,
                                    c.writeback, c.stalls, c.bubbles));
   row("modelled time",
-      fmt::format("{:.6g} ms at {:g} MHz{}, without bus transfers", 1e3 * r.modelled_seconds,
-                  o.clock.mhz, o.clock.target.empty() ? "" : " " + o.clock_is));
+      fmt::format("{:.6g} ms at {:g} MHz{}, without bus transfers{}", 1e3 * r.modelled_seconds,
+                  o.clock.mhz, o.clock.target.empty() ? "" : " " + o.clock_is,
+                  has_network(o) ? std::string(", ") + kNetwork : ""));
   row("simulation", fmt::format("{:.3g} s, {:.4g} M tests/s", r.simulation_seconds,
                                 static_cast<double>(c.pairs) / r.simulation_seconds / 1e6));
   row("hits", fmt::format("{} in {} records", r.hits, c.records));

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde::mpi from C++, as three ranks: GoogleTest on each of them, so what one rank finds wrong ends
+// the run with a status.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "cde/mesh/terrain.hpp"
+#include "cde/mpi/ranks.hpp"
+#include "cde/support/error.hpp"
+
+namespace cde::mpi {
+namespace {
+
+/// MPI begins and ends once in a process.
+std::unique_ptr<Ranks> ranks;
+
+struct Dealt {
+  std::vector<std::uint64_t> numbers;  ///< as they came back
+  std::map<unsigned, int> of_rank;
+  std::string error;
+};
+
+struct Request {
+  std::uint64_t chunks = 0;
+  std::size_t bytes = 10;  ///< of an input, and of a result
+  std::function<void(const Chunk&)> run = [](const Chunk&) {};
+  std::function<std::optional<unsigned>(std::uint64_t)> owner = [](std::uint64_t) {
+    return std::optional<unsigned>();
+  };
+  std::function<void(std::uint64_t)> done = [](std::uint64_t) {};
+};
+
+Dealt deal(const Request& request) {
+  Dealt dealt;
+  std::uint64_t number = 0;
+  Work work;
+  work.next = [&]() -> std::optional<Chunk> {
+    if (number == request.chunks) return std::nullopt;
+    Chunk chunk{number, std::string(request.bytes, static_cast<char>('a' + number % 26)),
+                request.owner(number)};
+    ++number;
+    return chunk;
+  };
+  work.more = [&] { return number < request.chunks; };
+  work.run = [&](const Chunk& chunk) {
+    request.run(chunk);
+    return std::string(1, static_cast<char>(ranks->rank())) + chunk.input;
+  };
+  work.done = [&](std::uint64_t chunk, const std::string& result) {
+    dealt.numbers.push_back(chunk);
+    ++dealt.of_rank[static_cast<unsigned>(result.at(0))];
+    EXPECT_EQ(result.substr(1), std::string(request.bytes, static_cast<char>('a' + chunk % 26)));
+    request.done(chunk);
+  };
+  try {
+    ranks->deal(work);
+  } catch (const Error& e) {
+    dealt.error = e.what();
+  }
+  std::sort(dealt.numbers.begin(), dealt.numbers.end());
+  return dealt;
+}
+
+std::vector<std::uint64_t> all(std::uint64_t count) {
+  std::vector<std::uint64_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), 0u);
+  return numbers;
+}
+
+TEST(Deal, EveryChunkOnce) {
+  for (const std::uint64_t chunks : {0, 1, 2, 100}) {
+    for (const std::size_t bytes : {std::size_t{0}, std::size_t{10}, std::size_t{3} << 20}) {
+      if (chunks * bytes > 100u << 20) continue;
+      const Dealt dealt = deal({.chunks = chunks, .bytes = bytes});
+      EXPECT_EQ(dealt.error, "");
+      const std::uint64_t here = ranks->rank() == 0 ? chunks : 0;
+      EXPECT_EQ(dealt.numbers, all(here)) << chunks << " of " << bytes;
+    }
+  }
+}
+
+TEST(Deal, ASlowRankGetsLess) {
+  const Dealt dealt =
+      deal({.chunks = 60, .run = [](const Chunk&) {
+              std::this_thread::sleep_for(std::chrono::milliseconds(ranks->rank() == 1 ? 100 : 10));
+            }});
+  if (ranks->rank() != 0) return;
+  EXPECT_EQ(dealt.numbers, all(60));
+  for (const unsigned quick : {0u, 2u}) EXPECT_GT(dealt.of_rank.at(quick), 15) << quick;
+  EXPECT_LT(dealt.of_rank.at(1), 12);
+}
+
+TEST(Deal, ChunksOfARankGoToIt) {
+  const Dealt dealt =
+      deal({.chunks = 41,
+            .run = [](const Chunk& c) { EXPECT_EQ(c.number % 3, ranks->rank()); },
+            .owner = [](std::uint64_t c) { return std::optional<unsigned>(c % 3); }});
+  EXPECT_EQ(dealt.numbers, all(ranks->rank() == 0 ? 41 : 0));
+}
+
+/// Wherever it happens, all ranks hear of it, and can go on with other work.
+TEST(Deal, AnErrorEndsTheWorkOnAllRanks) {
+  for (const unsigned bad : {0u, 1u, 2u}) {
+    const Dealt dealt = deal({.chunks = 1000, .bytes = 1 << 20, .run = [&](const Chunk& c) {
+                                if (c.number > 5 && ranks->rank() == bad)
+                                  throw Error(ErrorCode::kMismatch,
+                                              "chunk " + std::to_string(c.number) + " is bad");
+                                std::this_thread::sleep_for(std::chrono::milliseconds(2));
+                              }});
+    const std::string where = ranks->place(bad) + ": chunk ";
+    EXPECT_NE(dealt.error.find(where), std::string::npos) << dealt.error;
+    EXPECT_EQ(dealt.error.starts_with("the run ended on rank 0: "), ranks->rank() != 0);
+    EXPECT_LT(dealt.numbers.size(), 500u);
+  }
+  const Dealt taken = deal({.chunks = 100, .done = [](std::uint64_t c) {
+                              if (c == 7) throw Error(ErrorCode::kFile, "disk is full");
+                            }});
+  EXPECT_NE(taken.error.find("disk is full"), std::string::npos) << taken.error;
+}
+
+TEST(Collective, EverybodyHasWhatRankZeroHas) {
+  const bool first = ranks->rank() == 0;
+  const std::string bytes(5 << 20, 'x');
+  EXPECT_EQ(ranks->broadcast(first ? bytes : "other"), bytes);
+  EXPECT_EQ(ranks->broadcast(first ? "" : "other"), "");
+  Mesh mesh;
+  if (first) {
+    mesh = make_terrain({.quads_x = 5, .quads_y = 4, .seed = 2});
+    mesh.parts = {{"a", 0}, {"", 7}};
+    mesh.dropped = 3;
+  }
+  ranks->broadcast(mesh);
+  EXPECT_EQ(mesh.faces.size(), 40u);
+  EXPECT_EQ(mesh.vertices.size(), 30u);
+  ASSERT_EQ(mesh.parts.size(), 2u);
+  EXPECT_EQ(mesh.parts[0].name, "a");
+  EXPECT_EQ(mesh.parts[1].first_face, 7u);
+  EXPECT_EQ(mesh.dropped, 3u);
+  EXPECT_EQ(ranks->scatter([](unsigned rank) { return std::string(rank + 1, 'r'); }),
+            std::string(ranks->rank() + 1, 'r'));
+  const std::vector<std::string> names = ranks->all_of(std::to_string(ranks->rank()));
+  EXPECT_EQ(names, (std::vector<std::string>{"0", "1", "2"}));
+}
+
+}  // namespace
+}  // namespace cde::mpi
+
+int main(int argc, char** argv) {
+  cde::mpi::ranks = std::make_unique<cde::mpi::Ranks>();
+  ::testing::InitGoogleTest(&argc, argv);
+  const int status = RUN_ALL_TESTS();
+  cde::mpi::ranks.reset();
+  return status;
+}
