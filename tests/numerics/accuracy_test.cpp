@@ -173,7 +173,7 @@ TEST(Families, HaveNamesOfTheirOwnAndAreWhatTheyAreCalled) {
 /// Watertight does not leak, and Moeller's rays show that there was something to leak through.
 TEST(Leaks, OfAnIcosphere) {
   const auto leaks = [](Algorithm algorithm, const std::string& family) {
-    return measured_leaks({.algorithm = algorithm, .format = kFp32}, family, 1, 150);
+    return measured_leaks({.algorithm = algorithm, .format = kFp32}, family, 1, 0, 150);
   };
   std::uint64_t moller = 0;
   for (const std::string& family : leak_families()) {

@@ -101,7 +101,7 @@ const std::vector<std::string>& leak_families() {
 }
 
 Tally measured_leaks(const AccuracyPipe& pipe, const std::string& family, std::uint64_t seed,
-                     std::uint64_t count) {
+                     std::uint64_t first, std::uint64_t count) {
   const oracle::Format format{pipe.format.exp_bits, pipe.format.man_bits};
   const auto& names = leak_families();
   const auto which =
@@ -113,7 +113,7 @@ Tally measured_leaks(const AccuracyPipe& pipe, const std::string& family, std::u
     for (const double x : numbers) words.push_back(pipe.format.encode(x));
   };
   Tally tally;
-  for (std::uint64_t i = 0; i < count; ++i) {
+  for (std::uint64_t i = first; i < first + count; ++i) {
     const LeakCase c = make(which, seed, i, format);
     a.clear(), b.clear();
     std::vector<std::uint64_t> ray;

@@ -13,13 +13,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A family of a pipe, by itself.
+/// Some cases of a family of a pipe.
 struct FamilyPart {
   std::string name;
   std::optional<oracle::Family> family;  ///< none: rays of a mesh
-  std::uint64_t cases = 0;
+  std::uint64_t first = 0, cases = 0;
 };
 
+/// Cases of a chunk: a second or two of a core, and of rays against a whole mesh as much.
+constexpr std::uint64_t kChunkCases = 50'000, kChunkRays = 5'000;
+
+/// All of a pipe, in chunks.
 std::vector<FamilyPart> parts_of(const AccuracyPipe& pipe, const SweepOptions& o) {
   std::vector<FamilyPart> parts;
   const auto wanted = [&](const std::string& name) {
@@ -32,7 +36,16 @@ std::vector<FamilyPart> parts_of(const AccuracyPipe& pipe, const SweepOptions& o
       if (wanted(name)) parts.push_back({name, std::nullopt});
   for (std::size_t k = 0; k < parts.size(); ++k)
     parts[k].cases = o.cases / parts.size() + (k < o.cases % parts.size() ? 1 : 0);
-  return parts;
+  std::vector<FamilyPart> chunks;
+  for (const FamilyPart& part : parts) {
+    const std::uint64_t most = part.family ? kChunkCases : kChunkRays;
+    FamilyPart some = part;
+    for (some.first = 0; some.first == 0 || some.first < part.cases; some.first += most) {
+      some.cases = std::min(most, part.cases - some.first);
+      chunks.push_back(some);
+    }
+  }
+  return chunks;
 }
 
 }  // namespace
@@ -71,20 +84,24 @@ std::optional<std::vector<Measured>> sweep(const SweepOptions& o) {
        .input = [&](std::uint64_t c) -> std::optional<std::string> {
          if (c >= chunks.size()) return std::nullopt;
          const auto& [pipe, part] = chunks[c];
-         return fmt::format("{}, {}, {} cases", o.pipes[pipe].name(), part.name, part.cases);
+         return fmt::format("{}, {}, {} cases from {} on", o.pipes[pipe].name(), part.name,
+                            part.cases, part.first);
        },
        .run =
            [&](std::uint64_t c, const std::string&) {
              const auto& [number, part] = chunks[c];
              const AccuracyPipe& pipe = o.pipes[number];
-             const Tally tally = part.family ? measured(pipe, *part.family, o.seed, part.cases)
-                                             : measured_leaks(pipe, part.name, o.seed, part.cases);
+             const Tally tally =
+                 part.family ? measured(pipe, *part.family, o.seed, part.first, part.cases)
+                             : measured_leaks(pipe, part.name, o.seed, part.first, part.cases);
              return json_text(tally.to_json(), -1);
            },
        .take =
            [&](std::uint64_t c, const std::string& result) {
              const auto& [pipe, part] = chunks[c];
-             all[pipe].families.emplace_back(part.name, Tally::from_json(Json::parse(result)));
+             auto& families = all[pipe].families;
+             if (part.first == 0) families.emplace_back(part.name, Tally());
+             families.back().second.add(Tally::from_json(Json::parse(result)));
            }});
   return whole ? std::optional(std::move(all)) : std::nullopt;
 }

@@ -254,8 +254,10 @@ Judged judge(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& words,
 }
 
 Tally measured(const AccuracyPipe& pipe, const oracle::Family& family, std::uint64_t seed,
-               std::uint64_t count) {
-  const DrawnCases cases = drawn(pipe, family, seed, count);
+               std::uint64_t first, std::uint64_t count) {
+  oracle::Family some = family;
+  some.first += first * family.step;
+  const DrawnCases cases = drawn(pipe, some, seed, count);
   const std::vector<PairResult> results = answers(pipe, cases);
   Tally tally;
   const std::size_t a_words = primary_words(pipe.pair), b_words = secondary_words(pipe.pair);
@@ -265,7 +267,7 @@ Tally measured(const AccuracyPipe& pipe, const oracle::Family& family, std::uint
       if (!size || (kept && kept->size >= *size)) return;
       const auto a = std::span(cases.a).subspan(i * a_words, a_words),
                  b = std::span(cases.b).subspan(i * b_words, b_words);
-      keep_worst(kept, {family.name, i, *size, {a.begin(), a.end()}, {b.begin(), b.end()}});
+      keep_worst(kept, {family.name, first + i, *size, {a.begin(), a.end()}, {b.begin(), b.end()}});
     };
     keep(tally.worst_t, judged.t);
     keep(tally.worst_decision, judged.decision);

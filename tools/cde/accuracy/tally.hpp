@@ -97,16 +97,17 @@ Judged judge(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& words,
 /// The larger one is kept, of equals the one that is there.
 void keep_worst(std::optional<WorstCase>& kept, const WorstCase& found);
 
+/// Cases of a family from number `first` on.
 [[nodiscard]] Tally measured(const AccuracyPipe& pipe, const oracle::Family& family,
-                             std::uint64_t seed, std::uint64_t count);
+                             std::uint64_t seed, std::uint64_t first, std::uint64_t count);
 
 /// Names of the families of rays from inside a closed mesh, which ray-triangle has beside those of
 /// the oracles.
 [[nodiscard]] const std::vector<std::string>& leak_families();
-/// So many rays of one of them, each against all triangles of an icosphere. Rounding may leave a
-/// mesh that a ray does not start inside of: a leak is a ray that exact arithmetic finds a triangle
-/// for, and the pipe none.
+/// So many rays of one of them from number `first` on, each against all triangles of an icosphere.
+/// Rounding may leave a mesh that a ray does not start inside of: a leak is a ray that exact
+/// arithmetic finds a triangle for, and the pipe none.
 [[nodiscard]] Tally measured_leaks(const AccuracyPipe& pipe, const std::string& family,
-                                   std::uint64_t seed, std::uint64_t count);
+                                   std::uint64_t seed, std::uint64_t first, std::uint64_t count);
 
 }  // namespace cde::cli
