@@ -100,11 +100,28 @@ TEST_F(Ranks, ADamagedJournalIsNamed) {
   write("bad", bad);
   refused(cast("x.csv", {"--resume", "bad"}), "the chunk was there before");
   bad = journal;
-  bad.replace(bad.find("\"bytes\":") + 8, 1, "9999999999999");
+  bad.replace(bad.find("\"bytes\":") + 8, 1, "99");
   write("bad", bad);
   const Ran cut = cde(cast("y.csv", {"--resume", "bad"}));
   EXPECT_EQ(cut.status, 0) << "it is as if it had not been written to its end";
   EXPECT_TRUE(same("y.csv", "plain.csv"));
+  for (const char* key : {"\"bytes\":", "\"chunk\":", "\"part\":", "\"chunks\":"}) {
+    for (const char* number : {"-", "0.5e1", "99999999999999", "\"1\","}) {
+      bad = journal;
+      bad.insert(bad.find(key) + std::string(key).size(), number);
+      write("bad", bad);
+      refused(cast("x.csv", {"--resume", "bad"}), "not a chunk of a journal");
+    }
+  }
+  const std::string words = "\"words\":";
+  for (const char* other : {"5,\"o\":", "[],\"o\":", "[\"merge\",\"bad\"],\"o\":",
+                            "[\"plan\"],\"o\":", "[\"cast\",5],\"o\":"}) {
+    bad = journal;
+    bad.insert(bad.find(words) + words.size(), other);
+    write("bad", bad);
+    refused({"merge", "bad"}, "bad: \"words\" are not those of a run");
+  }
+  refused(cast("x.csv", {"--resume", "x.csv"}), "-o and --resume both write to x.csv");
   for (const char* text : {"something else\n", "\n", "{}\n", "{\"schema\":\"other\"}\n", "[1]\n"}) {
     write("bad", text);
     refused(cast("x.csv", {"--resume", "bad"}), "bad, byte 0: not a journal");
@@ -303,6 +320,15 @@ TEST_F(MpiRanks, WhatIsWrongIsSaidOnce) {
     for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; ++at) ++n;
     return n;
   };
+  for (const char* all_well : {" --version", " cast --help", " help cast"}) {
+    const Ran ran = shell(run(2) + all_well);
+    EXPECT_EQ(ran.status, 0) << all_well << ran.err;
+    EXPECT_EQ(ran.out, shell(std::string("\"$CDE\"") + all_well).out);
+  }
+  const Ran from = shell(run(2) + " accuracy --verdicts --pair sphere-sphere --cases 10");
+  EXPECT_EQ(from.status, 2) << from.err;
+  EXPECT_EQ(count(from.err, "--verdicts is of one process, and 2 ranks were started"), 1)
+      << from.err;
   const Ran missing = shell(run(3) + " cast nowhere.obj");
   EXPECT_EQ(missing.status, 2) << missing.err;
   EXPECT_EQ(count(missing.err, "cde: "), 1) << missing.err;

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "command/values.hpp"
+#include "output/output.hpp"
 
 namespace cde::cli {
 namespace {
@@ -269,7 +270,7 @@ std::string option_text(const CLI::Option& option) {
 bool may_colour(int stream) {
   const char* no_colour = std::getenv("NO_COLOR");  // NOLINT(concurrency-mt-unsafe)
   const char* terminal = std::getenv("TERM");       // NOLINT(concurrency-mt-unsafe)
-  return ::isatty(stream) != 0 && (no_colour == nullptr || *no_colour == '\0') &&
+  return on_terminal(stream) && (no_colour == nullptr || *no_colour == '\0') &&
          terminal != nullptr && std::string_view(terminal) != "dumb";
 }
 

@@ -102,6 +102,10 @@ void Progress::operator()(double share) {
   rewrite_line(line);
 }
 
+bool on_terminal(int stream) {
+  return ::isatty(stream) != 0 && std::getenv("OMPI_COMM_WORLD_SIZE") == nullptr;
+}
+
 std::string shell_word(const std::string& word) {
   const auto plain = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 ||

@@ -47,6 +47,10 @@ class Progress {
   Clock::time_point start_ = Clock::now(), last_ = start_;
 };
 
+/// Whether somebody looks at a stream: a terminal, but not the one that Open MPI puts between rank
+/// 0 and where its output goes.
+[[nodiscard]] bool on_terminal(int stream);
+
 /// A word as a shell reads it back.
 [[nodiscard]] std::string shell_word(const std::string& word);
 

@@ -31,7 +31,13 @@ using Json = nlohmann::ordered_json;
 /// Results that may wait for one before them, for each rank.
 constexpr std::uint64_t kWindow = 16;
 
+const std::vector<std::string> kDealt = {"accuracy", "cast", "query", "run"};
+
 Dealing* the_one = nullptr;
+
+std::string chunks_text(std::uint64_t count) {
+  return fmt::format("{} chunk{}", count, count == 1 ? "" : "s");
+}
 
 }  // namespace
 
@@ -40,10 +46,16 @@ std::pair<unsigned, unsigned> parse_shard(const std::string& text) {
   int end = 0;
   if (std::sscanf(text.c_str(), "%6u/%6u%n", &shard, &shards, &end) != 2 ||
       static_cast<std::size_t>(end) != text.size() || shard < 1 || shard > shards)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--shard is {}; it must be I/N, part I of N, from 1/N to N/N",
-                            in_quotes(text)));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("--shard is {}; it must be I/N, part I of N, from 1/N to N/N, N at most "
+                    "999999",
+                    in_quotes(text)));
   return {shard, shards};
+}
+
+bool is_dealt(const std::string& verb) {
+  return std::ranges::find(kDealt, verb) != kDealt.end();
 }
 
 void add_deal_options(CLI::App& verb, DealOptions& o) {
@@ -181,6 +193,7 @@ void Dealing::deal_all(const Part& part) {
   if (!leads()) {
     while (!among_->broadcast({}).empty())
       among_->deal({.next = {}, .more = {}, .run = part.run, .done = {}});
+    released_ = true;
     return;
   }
   Order order(part, quiet_);
@@ -264,8 +277,10 @@ void Dealing::check_merged() const {
       const auto [there, is_new] = from.emplace(number, journal.get());
       if (!is_new)
         throw Error(ErrorCode::kUsage,
-                    fmt::format("cde merge: chunk {} is in {} and in {}", number.chunk,
-                                name(*there->second), name(*journal)));
+                    fmt::format("cde merge: chunk {} is in {} and in {} (shards {} and {})",
+                                number.chunk, name(*there->second), name(*journal),
+                                there->second->run().value("shard", ""),
+                                journal->run().value("shard", "")));
     }
   }
   for (unsigned p = 0;; ++p) {
@@ -280,8 +295,8 @@ void Dealing::check_merged() const {
       if (!own) continue;
       if (chunks && *chunks != *own)
         throw Error(ErrorCode::kUsage,
-                    fmt::format("cde merge: {} is of a run of {} chunks, {} of one of {}",
-                                name(*says), *chunks, name(*journal), *own));
+                    fmt::format("cde merge: {} is of a run of {}, {} of one of {}", name(*says),
+                                chunks_text(*chunks), name(*journal), *own));
       chunks = own;
       says = journal.get();
     }
@@ -300,19 +315,18 @@ void Dealing::check_merged() const {
 void Dealing::start(const std::vector<std::string>& words) {
   words_ = words;
   if (ranks() == 1 || words.empty()) return;
-  const std::vector<std::string> dealt = {"accuracy", "cast", "query", "run"};
-  if (!words[0].starts_with("-") && std::ranges::find(dealt, words[0]) == dealt.end())
+  if (!words[0].starts_with("-") && words[0] != "help" && !is_dealt(words[0]))
     throw Error(ErrorCode::kUsage,
                 fmt::format("{} ranks were started, and each would do the same: what is dealt to "
                             "ranks is cde {}",
-                            ranks(), fmt::join(dealt, ", ")));
+                            ranks(), fmt::join(kDealt, ", ")));
 }
 
 void Dealing::end() {
   if (journal_ && shards_ > 1 && !quiet_)
-    say("cde: shard {}/{} is whole: {} chunks in {}; cde merge puts the shards together\n", shard_,
-        shards_, journal_->size(), printable_name(journal_->path()));
-  if (among_ && leads()) (void)among_->broadcast({});
+    say("cde: shard {}/{} is whole: {} in {}; cde merge puts the shards together\n", shard_,
+        shards_, chunks_text(journal_->size()), printable_name(journal_->path()));
+  if (among_ && !released_) (void)among_->broadcast({});  // of a verb that deals nothing, on all
 }
 
 std::string Dealing::place() const {

@@ -106,10 +106,14 @@ class Dealing {
   std::unique_ptr<Journal> journal_;
   std::vector<std::unique_ptr<Journal>> merged_;
   unsigned shard_ = 1, shards_ = 1;
-  unsigned parts_ = 0;  ///< so far
+  unsigned parts_ = 0;     ///< so far
+  bool released_ = false;  ///< another rank than 0 has heard that there are no more
   std::string config_hash_;
   bool quiet_ = false;
 };
+
+/// Whether a verb deals its work.
+[[nodiscard]] bool is_dealt(const std::string& verb);
 
 /// --shard's value. Error kUsage.
 [[nodiscard]] std::pair<unsigned, unsigned> parse_shard(const std::string& text);

@@ -21,6 +21,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "cde.journal.1";
+constexpr std::uint64_t kMostOfAnything = std::uint64_t{1} << 40;  ///< that a journal counts
 constexpr std::size_t kLongestLine = 1 << 20;  ///< of JSON; words of a command are the most of it
 
 /// Bytes from a place of a file; fewer at its end, nothing if it cannot be read.
@@ -126,7 +127,8 @@ std::uint64_t Journal::scan() {
       return at;
     }
     const Json entry = Json::parse(*line, nullptr, false);
-    if (!entry.is_object()) damaged(at, "not a journal of a run");
+    if (!entry.is_object())
+      damaged(at, at == 0 ? "not a journal of a run" : "not a chunk of a journal");
     std::uint64_t next = at + line->size() + 1;
     try {
       if (at == 0) {
@@ -145,20 +147,26 @@ std::uint64_t Journal::scan() {
 
 /// False if the file ends within it. `next` is behind its line, and then behind its bytes.
 bool Journal::scan_entry(const Json& entry, std::uint64_t at, std::uint64_t& next) {
-  const auto part = entry.at("part").get<unsigned>();
+  const auto count = [&](const char* key) {
+    const Json& number = entry.at(key);
+    if (!number.is_number_unsigned() || number.get<std::uint64_t>() >= kMostOfAnything)
+      damaged(at, "not a chunk of a journal");
+    return number.get<std::uint64_t>();
+  };
+  const auto part = static_cast<unsigned>(count("part"));
   if (entry.contains("chunks")) {
-    ends_[part] = entry.at("chunks").get<std::uint64_t>();
+    ends_[part] = count("chunks");
     return true;
   }
   const ChunkPlace place{.at = next,
-                         .bytes = entry.at("bytes").get<std::uint64_t>(),
+                         .bytes = count("bytes"),
                          .fingerprint = entry.at("fingerprint").get<std::string>(),
                          .input = entry.at("input").get<std::string>()};
   if (place.bytes >= bytes_ || next + place.bytes + 1 > bytes_) return false;
   next += place.bytes;
   if (*bytes_at(file_, next, 1) != "\n") damaged(at, "the chunk does not end where it says");
   ++next;
-  if (!chunks_.emplace(ChunkNumber{part, entry.at("chunk").get<std::uint64_t>()}, place).second)
+  if (!chunks_.emplace(ChunkNumber{part, count("chunk")}, place).second)
     damaged(at, "the chunk was there before");
   return true;
 }

@@ -314,7 +314,7 @@ void CastPicture::write() const {
   const std::string path = o_.shaded.empty() ? own_picture_name(o_.mesh) : o_.shaded;
   write_png(image, path);
   if (!o_.shows_itself || o_.quiet) return;
-  if (::isatty(STDOUT_FILENO) != 0) {
+  if (on_terminal(STDOUT_FILENO)) {
     winsize terminal{};
     (void)::ioctl(STDOUT_FILENO, TIOCGWINSZ, &terminal);
     const unsigned columns = std::clamp<unsigned>(terminal.ws_col, 40, 100);

@@ -29,6 +29,7 @@
 #include "output/output.hpp"
 #include "output/streams.hpp"
 #include "output/suffix.hpp"
+#include "ranks/dealing.hpp"
 #include "verbs/clock_target.hpp"
 #include "verbs/pair_options.hpp"
 #include "verbs/scene_frames.hpp"
@@ -370,6 +371,9 @@ const Work kWorks[] = {
 void check_options(const CLI::App& verb, const Options& o) {
   for (const Work& work : kWorks) {
     if (verb.count(work.option) == 0) continue;
+    if (Dealing::here().ranks() > 1)
+      throw Error(ErrorCode::kUsage, fmt::format("{} is of one process, and {} ranks were started",
+                                                 work.option, Dealing::here().ranks()));
     for (const CLI::Option* given : verb.get_options()) {
       const std::string option = given->get_name();
       if (given->count() > 0 && option != work.option && option != "--quiet" &&

@@ -108,6 +108,7 @@ void check_files(const CastOptions& o, const std::vector<std::filesystem::path>&
           {"--normals", o.normals},
           {"--indices", o.indices},
           {"--trace", o.trace.file},
+          {"--resume", o.deal.resume},
           {"--json", o.json ? "-" : ""}},
       inputs);
 }

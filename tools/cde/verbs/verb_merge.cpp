@@ -35,6 +35,16 @@ Words words_of_whole(const Journal& journal) {
   return whole;
 }
 
+/// They are run: a verb that is dealt, and no other.
+void check_words(const Journal& journal) {
+  const Json words = journal.run().value("words", Json());
+  const bool all_text = words.is_array() && !words.empty() &&
+                        std::ranges::all_of(words, [](const Json& w) { return w.is_string(); });
+  if (all_text && journal.run().value("verb", Json()) == words[0] && is_dealt(words[0])) return;
+  throw Error(ErrorCode::kFile, fmt::format("cde merge: {}: \"words\" are not those of a run",
+                                            printable_name(journal.path())));
+}
+
 void run(const std::vector<std::string>& files, const CommandRun& again) {
   std::vector<std::unique_ptr<Journal>> journals;
   for (const std::string& file : files)
@@ -43,9 +53,7 @@ void run(const std::vector<std::string>& files, const CommandRun& again) {
   for (const auto& [key, value] : journals.front()->run().items())
     if (key != "shard" && key != "words") of_all[key] = value;
   for (const auto& journal : journals) {
-    if (!journal->run().contains("words"))
-      throw Error(ErrorCode::kFile, fmt::format("cde merge: {}: not a journal of a run",
-                                                printable_name(journal->path())));
+    check_words(*journal);
     journal->check_run(of_all);
   }
   const Words words = words_of_whole(*journals.front());
@@ -61,7 +69,7 @@ void add_merge(CLI::App& app, const CommandRun& again) {
       "merge",
       "Finish a run whose shards (--shard) have run elsewhere: from their journals come the files "
       "and the summary that the whole command would have given. In the folder of that command: its "
-      "meshes are read again, nothing is simulated");
+      "meshes and rays are read again, rays of - from stdin; nothing is simulated");
   file_value(verb->add_option("journal", *files, "Journals (--resume) of all shards, in any order")
                  ->required(),
              "JOURNAL");

@@ -233,6 +233,9 @@ void run(const QueryOptions& o) {
   PairConfig config = configuration(o);
   config.trace = o.trace.wanted();
   const bool dealt = Dealing::here().asked(o.deal);
+  if (!o.deal.resume.empty())
+    check_outputs(std::vector<FileUse>{{"--resume", o.deal.resume}, {"the answers", "-"}},
+                  std::vector<FileUse>{{"stdin", "-"}});
   if (dealt && o.trace.wanted())
     throw Error(ErrorCode::kUsage,
                 "--trace is of one process: not with ranks, --resume or --shard");

@@ -113,10 +113,11 @@ void check_files(const Options& o, const Scene& scene) {
   for (const SceneObject& object : scene.objects)
     for (const auto& file : object.more_files)
       inputs.push_back({fmt::format("the mesh of object '{}'", printable_name(object.name)), file});
-  check_outputs(
-      std::vector<FileUse>{
-          {"--report", o.report}, {"--trace", o.trace.file}, {"--json", o.json ? "-" : ""}},
-      inputs);
+  check_outputs(std::vector<FileUse>{{"--report", o.report},
+                                     {"--trace", o.trace.file},
+                                     {"--resume", o.deal.resume},
+                                     {"--json", o.json ? "-" : ""}},
+                inputs);
   check_suffix("--report", o.report, ".html");
   o.trace.check();
 }
@@ -212,7 +213,9 @@ class Run {
 
   /// The frames in chunks, one each.
   void deal(const Plan& plan) {
-    json_["config_hash"] = Dealing::here().config_hash();  // each rank has a file of its own
+    json_["config_hash"] = Dealing::here().config_hash();
+    if (!Dealing::here().merges())  // rank 0's; each host has its own
+      json_["bitstream"] = bitstream_file(plan.board.top(), plan.board.parameters()).path.string();
     folder_.begin(json_);
     (void)deal_frames(
         {.scene = scene_,
@@ -483,6 +486,7 @@ void run(const Options& o) {
                           .last = frames.last,
                           .timeout = o.timeout,
                           .deadline = o.deadline};
+    check_files(o, scene);
     begin_frames(o.deal, all, o.quiet);
     if (!Dealing::here().leads() || Dealing::here().is_shard()) return (void)deal_frames(all, {});
   }
