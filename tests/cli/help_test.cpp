@@ -16,8 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-const Words kVerbs = {"accuracy",  "advise",    "cast", "query",  "run", "plan", "bench",
-                      "reproduce", "inventory", "wave", "doctor", "fp",  "help"};
+const Words kVerbs = {"accuracy", "advise",    "cast",      "query", "run",    "plan", "bench",
+                      "merge",    "reproduce", "inventory", "wave",  "doctor", "fp",   "help"};
 
 std::string contents(const fs::path& path) {
   std::ostringstream text;
