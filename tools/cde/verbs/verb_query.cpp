@@ -42,10 +42,11 @@ class Answers {
   /// so that nothing is written where none follow.
   void begin() { flush(); }
   void add(const QueryAnswers& answers) {
+    totals_ += answers.totals;
+    if (answers.rows.empty()) return;
     flush();  // a stdout that cannot be written is known before lines are judged
     if (!answers.messages.empty()) say(answers.messages);
     out_ += answers.rows;
-    totals_ += answers.totals;
     flush();
   }
   [[nodiscard]] const QueryTotals& end() {
