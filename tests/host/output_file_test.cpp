@@ -154,6 +154,21 @@ TEST(OutputFile, WhatWasLeftBehindIsSweptAway) {
   EXPECT_EQ(folder.files(), 5u) << "b's, too";
 }
 
+TEST(OutputFile, WhatAZombieLeftIsSweptAway) {
+  const Folder folder;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    OutputFile file(folder / "a");
+    ::kill(::getpid(), SIGKILL);
+  }
+  siginfo_t died{};
+  ASSERT_EQ(::waitid(P_PID, static_cast<id_t>(child), &died, WEXITED | WNOWAIT), 0);
+  ASSERT_EQ(folder.files(), 1u);
+  sweep_unfinished(folder / "");
+  EXPECT_EQ(folder.files(), 0u);
+  ::waitpid(child, nullptr, 0);
+}
+
 TEST(OutputFile, SignalsRemoveWhatIsUnfinished) {
   const Folder folder;
   OutputFile one(folder / "one");

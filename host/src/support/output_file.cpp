@@ -16,6 +16,8 @@
 #include <charconv>
 #include <climits>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <optional>
 #include <random>
 #include <vector>
@@ -137,10 +139,20 @@ std::optional<Unfinished> unfinished(std::string_view file) {
   return Unfinished{file.substr(0, mark), process};
 }
 
+/// Also one that nobody has waited for has ended: in a container whose first process waits for no
+/// orphans they stay until it ends itself.
+bool ended(pid_t process) {
+  if (::kill(process, 0) != 0) return errno == ESRCH;
+  std::ifstream file(fmt::format("/proc/{}/stat", process));
+  const std::string stat(std::istreambuf_iterator<char>(file), {});
+  const std::size_t name = stat.rfind(')');  // PID (NAME) STATE ...
+  return name != std::string::npos && stat.compare(name, 3, ") Z") == 0;
+}
+
 /// Removes an unfinished file if it is ours and nobody works on it: its process has ended, and so
 /// has its lock, which also one in another container holds that sees the same folder.
 void sweep(const fs::path& file, pid_t process) {
-  if (::kill(process, 0) == 0 || errno != ESRCH) return;
+  if (!ended(process)) return;
   const int fd = ::open(file.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0) return;
   const auto info = info_of(fd);
