@@ -629,6 +629,33 @@ TEST_F(Query, FaultyPipeIsFoundOut) {
   const std::string pairs = match[1].str() + "\n" + match[1].str() + "\n";
   EXPECT_EQ(query(again, pairs, environment).status, 3);
   EXPECT_EQ(query({"sphere-sphere"}, pairs).status, 0) << "the right pipe";
+  Words going = {"sphere-sphere", "--lanes", "2", "-k", "--json"};
+  const std::string wanted = "1,2,0,0,0,0,0,1,differs\n";
+  for (const bool dealt : {false, true}) {
+    if (dealt) going.insert(going.end(), {"--resume", (folder_ / "journal").string()});
+    const Ran all = query(going, input + "0,0,0,1,0,0,0,-1\n", environment);
+    EXPECT_EQ(all.status, 3) << "ahead of the status of a bad pair";
+    ASSERT_EQ(lines_of(all.out).size(), 5u) << all.out;
+    EXPECT_EQ(lines_of(all.out)[1] + "\n", wanted);
+    EXPECT_EQ(lines_of(all.out)[2], "1,0.5,-0.75,0,0,1,0,0,differs");
+    EXPECT_TRUE(lines_of(all.out)[3].ends_with(",bad")) << all.out;
+    const auto summary = nlohmann::json::parse(lines_of(all.out)[4]);
+    EXPECT_EQ(summary.at("records_compared"), 3);
+    EXPECT_EQ(summary.at("records_matching"), 1);
+    EXPECT_NE(all.err.find("cde: line 4: the card's answer differs from the reference in CPx\n"
+                           "repeat with: " +
+                           match[0].str().substr(std::string("repeat with: ").size()) + "\n"),
+              std::string::npos)
+        << all.err;
+    EXPECT_FALSE(fs::exists("cde-failure")) << "only the command that repeats one packs it";
+  }
+  std::string many;
+  for (int i = 0; i < 103; ++i) many += "0,0,0,1,1.5,0,0,1\n";
+  const Ran capped = query({"sphere-sphere", "--lanes", "2", "-k", "-q"}, many, environment);
+  EXPECT_EQ(capped.status, 3);
+  EXPECT_NE(capped.err.find("cde: line 100: the card's"), std::string::npos);
+  EXPECT_EQ(capped.err.find("cde: line 101: the card's"), std::string::npos);
+  EXPECT_NE(capped.err.find("cde: 3 more answers differ from the reference\n"), std::string::npos);
   Words unchecked = words;
   unchecked.emplace_back("--no-check");
   const Ran wrong_answers = query(unchecked, input, environment);

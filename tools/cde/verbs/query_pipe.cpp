@@ -28,6 +28,7 @@ QueryTotals& QueryTotals::operator+=(const QueryTotals& other) {
   malformed += other.malformed;
   clocks += other.clocks;
   compared += other.compared;
+  differ += other.differ;
   simulation_seconds += other.simulation_seconds;
   return *this;
 }
@@ -101,34 +102,46 @@ void QueryPipe::compare(QueryAnswers& answers) {
   reference::test_pairs(config_.pair, config_.algorithm, config_.format, a_, b_, expected_,
                         config_.plane, budget_, config_.box);
   answers.totals.compared += results_.size();
-  const auto [got, wanted] = std::mismatch(results_.begin(), results_.end(), expected_.begin());
-  if (got != results_.end()) report(static_cast<std::size_t>(got - results_.begin()));
+  for (std::size_t i = 0; i < results_.size(); ++i) {
+    if (results_[i] == expected_[i]) continue;
+    if (!o_.keep_going) report(i);
+    if (answers.totals.differ++ >= kQueryFailures) continue;
+    answers.failures.push_back(
+        fmt::format("line {}: the card's answer differs from the reference in {}\nrepeat with: {}",
+                    line_of(i), differing_fields(results_[i], expected_[i]), repeat(i)));
+  }
+}
+
+/// Of pair i.
+std::uint64_t QueryPipe::line_of(std::size_t i) const {
+  std::size_t k = 0;
+  for (std::size_t valid = 0; valid <= i; ++k) valid += rows_[k].valid ? 1 : 0;
+  return rows_[k - 1].line;
+}
+
+/// All lanes get the pair, whichever it was in.
+std::string QueryPipe::repeat(std::size_t i) const {
+  return fmt::format(
+      "yes {},{} | head -n {} | cde query {}", listed(operand(a_, i, primary_words(config_.pair))),
+      listed(operand(b_, i, secondary_words(config_.pair))), config_.lanes, words_of(o_, config_));
 }
 
 void QueryPipe::report(std::size_t i) {
-  std::uint64_t line = 0;
-  for (std::size_t k = 0, valid = 0; valid <= i; ++k) {
-    valid += rows_[k].valid ? 1 : 0;
-    line = rows_[k].line;
-  }
   const auto shown = [&](const PairResult& r) {
     return fmt::format("F {}, T {}, CP {}, n {}{}", r.f ? 1 : 0, text_.hexfloat(r.t), listed(r.cp),
                        listed(r.n), r.bad ? ", bad" : "");
   };
   const std::string a = listed(operand(a_, i, primary_words(config_.pair))),
                     b = listed(operand(b_, i, secondary_words(config_.pair)));
-  // All lanes get the pair, whichever it was in.
-  const std::string options = words_of(o_, config_, false),
-                    repeat = fmt::format("yes {},{} | head -n {} | cde query {}", a, b,
-                                         config_.lanes, words_of(o_, config_)),
+  const std::string options = words_of(o_, config_, false), again = repeat(i),
                     message = fmt::format(
                         "line {}: the card's answer differs from the reference\n"
                         "  A         {}\n  B         {}\n  card      {}\n  reference {}\n"
                         "  differ in {}\n  where     {}\n"
                         "repeat with: {}\nexplain it:  cde explain {} '{} | {}'",
-                        line, a, b, shown(results_[i]), shown(expected_[i]),
+                        line_of(i), a, b, shown(results_[i]), shown(expected_[i]),
                         differing_fields(results_[i], expected_[i]),
-                        place_in_unit(unit_, a_, b_, i), repeat, options, a, b);
+                        place_in_unit(unit_, a_, b_, i), again, options, a, b);
   const auto fill = [&](Bundle& bundle) {
     bundle_pair(bundle, {.config = config_,
                          .budget = budget_,
@@ -139,7 +152,7 @@ void QueryPipe::report(std::size_t i) {
                          .card = results_[i],
                          .reference = expected_[i],
                          .message = message,
-                         .repeat = repeat});
+                         .repeat = again});
   };
   throw Error(ErrorCode::kMismatch, message + packed(o_.bundle, o_.quiet, fill));
 }
@@ -199,7 +212,8 @@ void QueryPipe::write(QueryAnswers& to, std::uint64_t line, std::size_t i) const
         "cde: line {}: {}\n", line,
         why.empty() ? "the card refuses the pair, and the reference sees no reason" : why);
   }
-  write(to, r, r.bad ? "bad" : "");
+  const bool differs = o_.check && !(r == expected_[i]);
+  write(to, r, differs ? "differs" : r.bad ? "bad" : "");
 }
 
 void QueryPipe::write(QueryAnswers& to, const PairResult& r, std::string_view flags) const {

@@ -22,16 +22,17 @@ namespace cde::cli {
 
 inline constexpr std::size_t kQueryBatch = 65536;  ///< pairs, at most, between two runs of the unit
 inline constexpr std::size_t kQueryTraced = 4096;  ///< and of all, where there are waves of them
+inline constexpr std::size_t kQueryFailures = 100;  ///< told one by one, with --keep-going
 
 struct QueryOptions : PairOptions {
   TraceRequest trace;
   BundleRequest bundle;
   DealOptions deal;
-  bool bits = false, check = true, json = false, quiet = false;
+  bool bits = false, check = true, keep_going = false, json = false, quiet = false;
 };
 
 struct QueryTotals {
-  std::uint64_t pairs = 0, hits = 0, bad = 0, malformed = 0, clocks = 0, compared = 0;
+  std::uint64_t pairs = 0, hits = 0, bad = 0, malformed = 0, clocks = 0, compared = 0, differ = 0;
   double simulation_seconds = 0;
   QueryTotals& operator+=(const QueryTotals& other);
 };
@@ -40,7 +41,9 @@ struct QueryTotals {
 struct QueryAnswers {
   QueryTotals totals;
   std::string messages;  ///< about lines, each with its end
-  std::string rows;      ///< CSV
+  /// About the first kQueryFailures answers that differ from the reference, and how to repeat each.
+  std::vector<std::string> failures;
+  std::string rows;  ///< CSV
 };
 
 /// One pipe and lines for it.
@@ -52,12 +55,14 @@ class QueryPipe {
 
   /// A line of the input. True once no more must come before answer().
   [[nodiscard]] bool read(std::uint64_t number, std::string_view line);
-  /// Runs what was read. Error kMismatch where an answer differs from the reference, with a command
-  /// that repeats it, and whatever the unit throws.
+  /// Runs what was read. Where an answer differs from the reference: a failure if the options say
+  /// so, else error kMismatch, with a command that repeats it. And whatever the unit throws.
   [[nodiscard]] QueryAnswers answer();
 
  private:
   void compare(QueryAnswers& answers);
+  [[nodiscard]] std::uint64_t line_of(std::size_t i) const;
+  [[nodiscard]] std::string repeat(std::size_t i) const;
   [[noreturn]] void report(std::size_t i);
   [[noreturn]] void report(const Error& stuck);
   [[nodiscard]] std::string listed(std::span<const std::uint64_t> words) const;

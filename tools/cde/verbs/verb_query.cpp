@@ -46,6 +46,8 @@ class Answers {
     if (answers.rows.empty()) return;
     flush();  // a stdout that cannot be written is known before lines are judged
     if (!answers.messages.empty()) say(answers.messages);
+    for (const std::string& failure : answers.failures)
+      if (told_++ < kQueryFailures) say("cde: {}\n", failure);
     out_ += answers.rows;
     flush();
   }
@@ -62,6 +64,7 @@ class Answers {
   }
   std::string out_;
   QueryTotals totals_;
+  std::size_t told_ = 0;  ///< failures
   OutputFile stdout_{"-"};
 };
 
@@ -120,7 +123,8 @@ std::string as_text(const QueryAnswers& a) {
   const QueryTotals& t = a.totals;
   return json_text(
              nlohmann::ordered_json{
-                 {"totals", {t.pairs, t.hits, t.bad, t.malformed, t.clocks, t.compared}},
+                 {"totals", {t.pairs, t.hits, t.bad, t.malformed, t.clocks, t.compared, t.differ}},
+                 {"failures", a.failures},
                  {"simulation_seconds", t.simulation_seconds},
                  {"message_bytes", a.messages.size()}},
              -1) +
@@ -137,8 +141,10 @@ QueryAnswers answers_in(const std::string& text) {
                      .malformed = n.at(3),
                      .clocks = n.at(4),
                      .compared = n.at(5),
+                     .differ = n.at(6),
                      .simulation_seconds = head.at("simulation_seconds")},
           .messages = text.substr(line, messages),
+          .failures = head.at("failures").get<std::vector<std::string>>(),
           .rows = text.substr(line + messages)};
 }
 
@@ -155,8 +161,9 @@ QueryAnswers answers_to(QueryPipe& pipe, const std::string& chunk) {
 std::optional<QueryTotals> deal_lines(const QueryOptions& o, const PairConfig& config) {
   Dealing& dealing = Dealing::here();
   nlohmann::ordered_json run = {
-      {"verb", "query"},    {"pair", o.pair}, {"parameters", config.parameters()},
-      {"budget", o.budget}, {"bits", o.bits}, {"checked", o.check}};
+      {"verb", "query"},           {"pair", o.pair}, {"parameters", config.parameters()},
+      {"budget", o.budget},        {"bits", o.bits}, {"checked", o.check},
+      {"keep_going", o.keep_going}};
   if (!dealing.merges())
     run["config_hash"] = fmt::format("{:016x}", bitstream_hash("pair_unit", config.parameters()));
   dealing.begin(o.deal, run, o.quiet);
@@ -201,7 +208,7 @@ nlohmann::ordered_json as_json(const QueryOptions& o, const PairConfig& config,
        {"simulation_seconds", t.simulation_seconds},
        {"checked", o.check},
        {"records_compared", t.compared},
-       {"records_matching", t.compared}});
+       {"records_matching", t.compared - t.differ}});
   return j;
 }
 
@@ -223,11 +230,14 @@ void print_summary(const QueryOptions& o, const PairConfig& config, const QueryT
     row("simulation", fmt::format("{:.3g} s, {:.4g} M pairs/s", t.simulation_seconds,
                                   static_cast<double>(t.pairs) / t.simulation_seconds / 1e6));
   row("check",
-      o.check ? fmt::format("{} of {} answers match the reference", t.compared, t.pairs) : "off");
+      o.check ? fmt::format("{} of {} answers match the reference", t.compared - t.differ, t.pairs)
+              : "off");
 }
 
 void run(const QueryOptions& o) {
   o.trace.check();
+  if (o.keep_going && !o.check)
+    throw Error(ErrorCode::kUsage, "--keep-going is of comparing: not with --no-check");
   if (o.trace.wanted())
     check_outputs(std::vector<FileUse>{{"--trace", o.trace.file}, {"the answers", "-"}},
                   std::vector<FileUse>{{"stdin", "-"}});
@@ -246,7 +256,12 @@ void run(const QueryOptions& o) {
     put_json(as_json(o, config, *totals), -1);
   else if (!o.quiet)
     print_summary(o, config, *totals);
-  if (totals->bad + totals->malformed != 0) exit_code = exit_status(ErrorCode::kBadInput);
+  if (totals->differ > kQueryFailures)
+    say("cde: {} more answers differ from the reference\n", totals->differ - kQueryFailures);
+  if (totals->differ != 0)
+    exit_code = exit_status(ErrorCode::kMismatch);
+  else if (totals->bad + totals->malformed != 0)
+    exit_code = exit_status(ErrorCode::kBadInput);
 }
 
 }  // namespace
@@ -261,18 +276,25 @@ void add_query(CLI::App& app) {
       "ray o d [tmin tmax] 6 or 8, triangle 9, "
       "sphere c r 4, aabb min max 6, plane n d 4, cylinder c axis half-height radius 8, obb c "
       "half-extents rotation by rows 15. A word is decimal, hexfloat, or 0x and the bits. Prints "
-      "F,T,CP,n,flags as CSV; flags: empty, bad (the card refuses an operand) or malformed (the "
-      "line cannot be read). Blank lines and lines that start with # are skipped");
+      "F,T,CP,n,flags as CSV; flags: empty, bad (the card refuses an operand), malformed (the "
+      "line cannot be read) or differs (--keep-going). Blank lines and lines that start with # are "
+      "skipped");
   add_pair_options(*verb, *o);
   verb->add_flag("--bits", o->bits, "Print words as 0x and their bits instead of decimals");
   verb->add_flag("--check,!--no-check", o->check,
                  "Compare every answer with the reference, bit for bit (on)");
+  CLI::Option* const keep_going = verb->add_flag(
+      "-k,--keep-going", o->keep_going,
+      fmt::format("Go on where an answer differs from the reference: flags say differs, "
+                  "and the first {} are told with the command that repeats and packs each",
+                  kQueryFailures));
   add_trace_options(*verb, o->trace,
                     fmt::format("Waves of the pipe, FST, while all pairs, at most {}, go "
                                 "through: answers come when stdin has ended. Kept even if an "
                                 "answer differs",
                                 kQueryTraced));
   add_bundle_options(*verb, o->bundle);
+  keep_going->excludes(verb->get_option("--bundle"));
   add_deal_options(*verb, o->deal);
   verb->add_flag("--json", o->json, "Summary as a line of JSON, the last on stdout");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
