@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <functional>
 #include <map>
 #include <memory>
@@ -87,6 +88,17 @@ TEST(Deal, EveryChunkOnce) {
       EXPECT_EQ(dealt.numbers, all(here)) << chunks << " of " << bytes;
     }
   }
+}
+
+/// What dealing costs bounds how many ranks one can keep busy: said, not judged.
+TEST(Deal, TenThousandChunksOfNothing) {
+  constexpr std::uint64_t kChunks = 10'000;
+  const auto start = std::chrono::steady_clock::now();
+  const Dealt dealt = deal({.chunks = kChunks});
+  const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - start;
+  if (ranks->rank() != 0) return;
+  EXPECT_EQ(dealt.numbers, all(kChunks));
+  std::printf("%.1f us a chunk of nothing\n", took.count() / kChunks);
 }
 
 TEST(Deal, ASlowRankGetsLess) {
