@@ -78,7 +78,7 @@ TEST_F(Ranks, AJournalOfSomethingElseIsRefused) {
   other[3] = "421x420";
   refused(other, "journal is of a run with another input: chunk 0 of it differs");
   write("square.obj", "v 0 0 0\nv 4 0 1\nv 4 3 0\nv 0 3 2\nf 1 2 3\nf 1 3 4\n");
-  refused(cast("x.csv", {"--resume", "journal"}), "journal is of a run with mesh ");
+  refused(cast("x.csv", {"--resume", "journal"}), "journal is of a run with mesh \"square.obj ");
   EXPECT_EQ(read("journal"), journal) << "what was refused is left as it was";
   EXPECT_FALSE(exists("x.csv"));
 }

@@ -50,7 +50,7 @@ struct CastOptions {
 struct CastJob {
   Mesh mesh = {};  ///< of a partitioned one only rank 0 has all, and only if files are made of it
   std::uint64_t triangles = 0;   ///< of all of it
-  std::string fingerprint = {};  ///< of all of it, where the run is dealt
+  std::string fingerprint = {};  ///< its name, and of all of it, where the run is dealt
   std::map<unsigned, std::shared_ptr<const CastJob>> parts =
       {};  ///< those that this process has, each a job of its own without rays
   std::vector<Ray> listed = {};  ///< or a picture's, which are made packet by packet

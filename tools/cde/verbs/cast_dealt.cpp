@@ -11,6 +11,7 @@
 #include "cde/bitstream/bitstream.hpp"
 #include "cde/contract/records.hpp"
 #include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
 #include "output/streams.hpp"
 #include "verbs/cast.hpp"
 #include "verbs/cast_parts.hpp"
@@ -201,7 +202,8 @@ void share_job(const CastOptions& o, CastJob& job) {
   const Dealing& dealing = Dealing::here();
   job.config = dealing.shared(job.config);
   job.triangles = std::stoull(dealing.shared(std::to_string(job.triangles)));
-  job.fingerprint = dealing.shared(contents(job.mesh));
+  job.fingerprint =
+      dealing.shared(fmt::format("{} {}", printable_name(job.mesh.name), contents(job.mesh)));
   if (o.partition > 1 && !dealing.merges())
     share_parts(o, job);
   else
