@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "cde/hierarchy/node.hpp"
+#include "cde/mesh/triangle_view.hpp"
+
+namespace cde {
+
+struct HierarchyOptions {
+  unsigned leaf = 2;     ///< secondaries a leaf, 1 or 2
+  unsigned threads = 0;  ///< 0: as many as there are processors
+};
+
+/// A tree of boxes over secondaries, eight wide, whose nodes are those of the card. Boxes contain
+/// what is below them exactly, whatever they were rounded from: a query that leaves out boxes it
+/// cannot meet answers as one of all secondaries.
+class Hierarchy {
+ public:
+  /// Levels of nodes at most, which is what a card's stack is for.
+  static constexpr unsigned kMostDepth = 16;
+
+  /// None: of no secondaries.
+  Hierarchy();
+
+  /// By binned surface area (Wald, IRT 2007), two wide, of which each node of eight is collapsed
+  /// (Wald, Benthin, Boulos, IRT 2008); split at medians where a tree of kMostDepth would not hold
+  /// it otherwise. The same for every number of threads. Errors: kUsage (a leaf of 0 or more than
+  /// 2), kBadInput (a box that is empty, not finite or beyond 2^40, by its number), kCapacity (more
+  /// than 2^28 secondaries).
+  [[nodiscard]] static Hierarchy build(std::span<const Eigen::AlignedBox3f> boxes,
+                                       const HierarchyOptions& options = {});
+  [[nodiscard]] static Hierarchy build(const TriangleView& triangles,
+                                       const HierarchyOptions& options = {});
+
+  /// Boxes anew for secondaries that have moved; the tree stays. Error kUsage if there are more or
+  /// fewer, and as build().
+  void refit(std::span<const Eigen::AlignedBox3f> boxes);
+  void refit(const TriangleView& triangles);
+
+  /// Of the root first, level by level; one node at least.
+  [[nodiscard]] std::span<const hierarchy::Node> nodes() const { return nodes_; }
+  /// Which secondary is in each slot.
+  [[nodiscard]] std::span<const std::uint32_t> order() const { return order_; }
+  /// Of all secondaries; empty without.
+  [[nodiscard]] const Eigen::AlignedBox3f& box() const { return box_; }
+  /// Levels of nodes.
+  [[nodiscard]] unsigned depth() const { return depth_; }
+  /// What a random line that meets the root is expected to visit: nodes, and secondaries of leaves
+  /// that it enters.
+  struct Visits {
+    double nodes = 0, secondaries = 0;
+  };
+  [[nodiscard]] Visits expected_visits() const;
+
+  /// A file that load() reads on any machine. Error kFile.
+  void save(const std::filesystem::path& path) const;
+  /// Error kFile, which names the file and what is wrong with it: not a hierarchy, of another
+  /// version, cut off, damaged (a checksum), or not a tree.
+  [[nodiscard]] static Hierarchy load(const std::filesystem::path& path);
+
+ private:
+  friend class HierarchyBuilder;
+  std::vector<hierarchy::Node> nodes_;
+  std::vector<std::uint32_t> order_;
+  Eigen::AlignedBox3f box_;
+  unsigned depth_ = 1;
+};
+
+namespace hierarchy {
+
+/// Levels of the nodes. Error kBadInput, which names node and child, unless they are a tree over
+/// `slots` slots: every node behind its parent and below one parent, every slot in one leaf, no
+/// deeper than Hierarchy::kMostDepth, with exponents in range, origins finite and no lower corner
+/// above its upper one.
+unsigned check(std::span<const Node> nodes, std::size_t slots);
+
+/// Gives the node the children's boxes; those of kNone are not looked at. Boxes are within 2^40.
+void set_boxes(Node& node, std::span<const Eigen::AlignedBox3f> children);
+
+}  // namespace hierarchy
+}  // namespace cde

@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Apache-2.0
+// Building: a tree of two children a node by surface area, collapsed into one of eight.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <limits>
+#include <thread>
+
+#include "cde/hierarchy/hierarchy.hpp"
+#include "cde/support/error.hpp"
+
+namespace cde {
+namespace {
+
+using Corner = Eigen::Array4f;  // of which three count: one vector register
+constexpr unsigned kBins = 16;
+constexpr float kInfinite = std::numeric_limits<float>::infinity();
+
+struct Box {
+  Corner lo = Corner::Constant(kInfinite), hi = Corner::Constant(-kInfinite);
+  void extend(const Box& other) {
+    lo = lo.min(other.lo);
+    hi = hi.max(other.hi);
+  }
+  void extend(const Corner& point) {
+    lo = lo.min(point);
+    hi = hi.max(point);
+  }
+  /// Half of the surface.
+  [[nodiscard]] float area() const {
+    const Corner e = hi - lo;
+    return e[0] * e[1] + e[1] * e[2] + e[2] * e[0];
+  }
+};
+
+struct Reference {
+  Box box;
+  std::uint32_t index = 0;
+  [[nodiscard]] Corner centre() const { return box.lo + box.hi; }  // twice
+};
+
+/// Of the tree of two children. Without: a leaf.
+struct Pairing {
+  Box box;
+  std::uint32_t children = 0;  ///< number of the first, the other is behind it; 0: none
+  std::uint32_t first = 0, count = 0;
+  unsigned height = 0;
+};
+
+/// Levels of pairs, three of which make one of eights.
+constexpr unsigned kMostHeight = 3 * Hierarchy::kMostDepth;
+
+/// Levels below a node that so many secondaries need at least.
+unsigned least_height(std::size_t count, unsigned leaf) {
+  unsigned height = 0;
+  for (std::size_t held = leaf; held < count; held *= 2) ++height;
+  return height;
+}
+
+class Pairings {
+ public:
+  Pairings(std::vector<Reference>& references, unsigned leaf, unsigned threads)
+      : references_(references), leaf_(leaf), nodes_(2 * references.size()) {
+    for (unsigned forks = 1; forks < threads; forks *= 2) ++forks_;
+    split(0, 0, references.size(), kMostHeight, forks_);
+  }
+  [[nodiscard]] const Pairing& operator[](std::uint32_t i) const { return nodes_[i]; }
+
+ private:
+  struct Bin {
+    Box box;
+    std::uint32_t count = 0;
+  };
+  struct Split {
+    float cost = kInfinite;
+    int axis = -1;
+    unsigned bin = 0;  ///< the first one on the right
+  };
+  /// Which bin a centre is in, on each axis.
+  struct Binning {
+    Corner origin, scale;
+    [[nodiscard]] Eigen::Array4i bin(const Corner& centre) const {
+      return ((centre - origin) * scale).min(kBins - 1).cast<int>();
+    }
+  };
+
+  /// Makes node `at` of the references from `first` on, which has `height` levels left.
+  void split(std::uint32_t at, std::size_t first, std::size_t count, unsigned height,
+             unsigned forks) {
+    Pairing& node = nodes_[at];
+    node.first = static_cast<std::uint32_t>(first);
+    node.count = static_cast<std::uint32_t>(count);
+    Box centres;
+    for (std::size_t i = first; i < first + count; ++i) {
+      node.box.extend(references_[i].box);
+      centres.extend(references_[i].centre());
+    }
+    if (count <= leaf_) return;
+    const std::size_t left = divided(first, count, height, centres);
+    const std::uint32_t children = used_.fetch_add(2);
+    node.children = children;
+    if (forks > 0 && count > 4096) {
+      std::thread other([&] { split(children, first, left, height - 1, forks - 1); });
+      split(children + 1, first + left, count - left, height - 1, forks - 1);
+      other.join();
+    } else {
+      split(children, first, left, height - 1, 0);
+      split(children + 1, first + left, count - left, height - 1, 0);
+    }
+    node.height = 1 + std::max(nodes_[children].height, nodes_[children + 1].height);
+  }
+
+  /// Brings the references of the left child to the front; how many there are.
+  std::size_t divided(std::size_t first, std::size_t count, unsigned height, const Box& centres) {
+    if (least_height(count, leaf_) < height) {
+      const Corner extent = centres.hi - centres.lo;
+      // An axis without extent has one bin.
+      const Binning binning{centres.lo, (extent > 0x1p-100f).select(kBins / extent, 0.0f)};
+      const Split best = best_split(first, count, binning);
+      if (best.axis >= 0) {
+        const auto begin = references_.begin() + static_cast<std::ptrdiff_t>(first);
+        const auto middle = std::partition(
+            begin, begin + static_cast<std::ptrdiff_t>(count), [&](const Reference& r) {
+              return static_cast<unsigned>(binning.bin(r.centre())[best.axis]) < best.bin;
+            });
+        const auto left = static_cast<std::size_t>(middle - begin);
+        if (least_height(std::max(left, count - left), leaf_) <= height - 1) return left;
+      }
+    }
+    return halved(first, count, centres);
+  }
+
+  [[nodiscard]] Split best_split(std::size_t first, std::size_t count,
+                                 const Binning& binning) const {
+    std::array<std::array<Bin, kBins>, 3> bins;
+    for (std::size_t i = first; i < first + count; ++i) {
+      const Reference& r = references_[i];
+      const Eigen::Array4i at = binning.bin(r.centre());
+      for (unsigned k = 0; k < 3; ++k) {
+        Bin& bin = bins[k][static_cast<unsigned>(at[k])];
+        bin.box.extend(r.box);
+        ++bin.count;
+      }
+    }
+    Split best;
+    for (unsigned k = 0; k < 3; ++k) {
+      std::array<float, kBins> right;  // costs of all from a bin on
+      Bin sum;
+      for (unsigned b = kBins - 1; b > 0; --b) {
+        sum.box.extend(bins[k][b].box);
+        sum.count += bins[k][b].count;
+        right[b] = sum.count == 0 ? kInfinite : sum.box.area() * static_cast<float>(sum.count);
+      }
+      sum = {};
+      for (unsigned b = 1; b < kBins; ++b) {
+        sum.box.extend(bins[k][b - 1].box);
+        sum.count += bins[k][b - 1].count;
+        if (sum.count == 0) continue;
+        const float cost = sum.box.area() * static_cast<float>(sum.count) + right[b];
+        if (cost < best.cost) best = {cost, static_cast<int>(k), b};
+      }
+    }
+    return best;
+  }
+
+  /// By the median of the longest axis; ties by index, so that it does not depend on the order.
+  std::size_t halved(std::size_t first, std::size_t count, const Box& centres) {
+    int axis = 0;
+    (centres.hi - centres.lo).head<3>().maxCoeff(&axis);
+    const auto begin = references_.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto middle = begin + static_cast<std::ptrdiff_t>((count + 1) / 2);
+    std::nth_element(begin, middle, begin + static_cast<std::ptrdiff_t>(count),
+                     [axis](const Reference& a, const Reference& b) {
+                       const float x = a.centre()[axis], y = b.centre()[axis];
+                       return x != y ? x < y : a.index < b.index;
+                     });
+    return (count + 1) / 2;
+  }
+
+  std::vector<Reference>& references_;
+  unsigned leaf_, forks_ = 0;
+  std::vector<Pairing> nodes_;
+  std::atomic<std::uint32_t> used_{1};
+};
+
+Eigen::AlignedBox3f aligned(const Box& box) {
+  return {box.lo.head<3>().matrix(), box.hi.head<3>().matrix()};
+}
+
+void check_boxes(std::span<const Eigen::AlignedBox3f> boxes) {
+  constexpr float kMost = 0x1p40f;
+  if (boxes.size() > hierarchy::Node::kMostNumber)
+    throw Error(ErrorCode::kCapacity, fmt::format("a hierarchy of {} secondaries: it may have {}",
+                                                  boxes.size(), hierarchy::Node::kMostNumber));
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const auto& b = boxes[i];
+    const float most = std::max(b.min().cwiseAbs().maxCoeff(), b.max().cwiseAbs().maxCoeff());
+    // Written so that a NaN is refused.
+    if (!((b.min().array() <= b.max().array()).all() && most <= kMost))
+      throw Error(ErrorCode::kBadInput,
+                  fmt::format("secondary {}: its box is from {},{},{} to {},{},{}; it must not be "
+                              "empty, nor beyond 2^40",
+                              i, b.min().x(), b.min().y(), b.min().z(), b.max().x(), b.max().y(),
+                              b.max().z()));
+  }
+}
+
+std::vector<Eigen::AlignedBox3f> boxes_of(const TriangleView& triangles) {
+  std::vector<Eigen::AlignedBox3f> boxes(triangles.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const Triangle t = triangles[i];
+    boxes[i] = {t.v0.cwiseMin(t.v1).cwiseMin(t.v2), t.v0.cwiseMax(t.v1).cwiseMax(t.v2)};
+  }
+  return boxes;
+}
+
+}  // namespace
+
+/// Nodes of eight children, level by level.
+class HierarchyBuilder {
+ public:
+  HierarchyBuilder(Hierarchy& to, const Pairings& from, const std::vector<Reference>& references)
+      : to_(to), from_(from) {
+    to_.nodes_.clear();
+    to_.order_.reserve(references.size());
+    waiting_.push_back(0);
+    for (to_.depth_ = 0; !waiting_.empty(); ++to_.depth_) {
+      const std::vector<std::uint32_t> level = std::move(waiting_);
+      waiting_.clear();
+      next_node_ = static_cast<std::uint32_t>(to_.nodes_.size() + level.size());
+      for (const std::uint32_t node : level) add(node, references);
+    }
+  }
+
+ private:
+  /// Children of a node: those of its pair, of which the tallest that would not fit below are
+  /// opened first, then the largest.
+  [[nodiscard]] std::vector<std::uint32_t> opened(std::uint32_t node) const {
+    std::vector<std::uint32_t> list = {node};
+    const unsigned below = 3 * (Hierarchy::kMostDepth - to_.depth_ - 1);
+    while (list.size() < hierarchy::Node::kChildren) {
+      std::size_t best = list.size();
+      for (std::size_t i = 0; i < list.size(); ++i) {
+        if (from_[list[i]].children == 0) continue;
+        if (best == list.size() || precedes(from_[list[i]], from_[list[best]], below)) best = i;
+      }
+      if (best == list.size()) break;
+      const std::uint32_t children = from_[list[best]].children;
+      list[best] = children;
+      list.insert(list.begin() + static_cast<std::ptrdiff_t>(best) + 1, children + 1);
+    }
+    return list;
+  }
+  static bool precedes(const Pairing& a, const Pairing& b, unsigned below) {
+    const bool a_tall = a.height > below, b_tall = b.height > below;
+    if (a_tall || b_tall) return a_tall && (!b_tall || a.height > b.height);
+    return a.box.area() > b.box.area();
+  }
+
+  void add(std::uint32_t pairing, const std::vector<Reference>& references) {
+    using hierarchy::Child;
+    hierarchy::Node node;
+    node.set_first_node(next_node_);
+    node.set_first_slot(static_cast<std::uint32_t>(to_.order_.size()));
+    std::array<Eigen::AlignedBox3f, hierarchy::Node::kChildren> boxes;
+    unsigned i = 0;
+    for (const std::uint32_t child : opened(pairing)) {
+      const Pairing& c = from_[child];
+      boxes[i] = aligned(c.box);
+      if (c.children != 0) {
+        node.set_child(i, Child::kNode);
+        waiting_.push_back(child);
+        ++next_node_;
+      } else {
+        node.set_child(i, c.count == 1 ? Child::kLeafOfOne : Child::kLeafOfTwo);
+        for (std::uint32_t r = c.first; r < c.first + c.count; ++r)
+          to_.order_.push_back(references[r].index);
+      }
+      ++i;
+    }
+    hierarchy::set_boxes(node, {boxes.data(), i});
+    to_.nodes_.push_back(node);
+  }
+
+  Hierarchy& to_;
+  const Pairings& from_;
+  std::vector<std::uint32_t> waiting_;
+  std::uint32_t next_node_ = 0;
+};
+
+Hierarchy Hierarchy::build(std::span<const Eigen::AlignedBox3f> boxes,
+                           const HierarchyOptions& options) {
+  if (options.leaf != 1 && options.leaf != 2)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("a hierarchy with leaves of {}: 1 or 2", options.leaf));
+  check_boxes(boxes);
+  Hierarchy made;
+  if (boxes.empty()) return made;
+  std::vector<Reference> references(boxes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    references[i].box.lo << boxes[i].min(), 0;
+    references[i].box.hi << boxes[i].max(), 0;
+    references[i].index = static_cast<std::uint32_t>(i);
+  }
+  const unsigned threads =
+      options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+  const Pairings pairings(references, options.leaf, threads);
+  made.box_ = aligned(pairings[0].box);
+  const HierarchyBuilder builder(made, pairings, references);
+  return made;
+}
+
+Hierarchy Hierarchy::build(const TriangleView& triangles, const HierarchyOptions& options) {
+  return build(boxes_of(triangles), options);
+}
+
+void Hierarchy::refit(std::span<const Eigen::AlignedBox3f> boxes) {
+  if (boxes.size() != order_.size())
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} secondaries for a hierarchy of {}", boxes.size(), order_.size()));
+  check_boxes(boxes);
+  std::vector<Eigen::AlignedBox3f> of_nodes(nodes_.size());
+  for (std::size_t n = nodes_.size(); n-- > 0;) {  // children are behind their parents
+    hierarchy::Node& node = nodes_[n];
+    std::array<Eigen::AlignedBox3f, hierarchy::Node::kChildren> children;
+    for (unsigned i = 0; i < children.size(); ++i) {
+      const auto place = node.place(i);
+      if (node.child(i) == hierarchy::Child::kNode) children[i] = of_nodes[place];
+      for (unsigned s = 0; s < slots_of(node.child(i)); ++s)
+        children[i].extend(boxes[order_[place + s]]);
+      of_nodes[n].extend(children[i]);
+    }
+    hierarchy::set_boxes(node, children);
+  }
+  box_ = of_nodes[0];
+}
+
+void Hierarchy::refit(const TriangleView& triangles) {
+  refit(boxes_of(triangles));
+}
+
+}  // namespace cde

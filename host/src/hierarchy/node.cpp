@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// Boxes in bytes that contain what they are made from, and whether nodes are a tree.
+#include "cde/hierarchy/node.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+
+#include "cde/hierarchy/hierarchy.hpp"
+#include "cde/support/error.hpp"
+
+namespace cde::hierarchy {
+namespace {
+
+/// a - b of floats, as the nearest double and what is missing.
+struct Difference {
+  double nearest, rest;
+};
+Difference difference(float a, float b) {
+  const double x = a, y = -static_cast<double>(b);  // the sum of two doubles (Knuth)
+  const double sum = x + y, z = sum - x;
+  return {sum, (x - (sum - z)) + (y - z)};
+}
+
+/// Units of 2^exponent from origin up to a corner that is not below it, rounded away from the box.
+double units(bool upper, float corner, float origin, int exponent) {
+  const Difference d = difference(corner, origin);
+  const double length = std::ldexp(d.nearest, -exponent);
+  if (upper) return std::ceil(length) + (std::ceil(length) == length && d.rest > 0 ? 1 : 0);
+  return std::floor(length) - (std::floor(length) == length && d.rest < 0 ? 1 : 0);
+}
+
+}  // namespace
+
+void set_boxes(Node& node, std::span<const Eigen::AlignedBox3f> children) {
+  Eigen::AlignedBox3f all;
+  for (unsigned i = 0; i < children.size(); ++i)
+    if (node.child(i) != Child::kNone) all.extend(children[i]);
+  if (all.isEmpty()) return;
+  node.set_origin(all.min());
+  for (int k = 0; k < 3; ++k) {
+    int exponent = Node::kLeastExponent;
+    while (units(true, all.max()[k], all.min()[k], exponent) > 255) {
+      // Nearly there at once, then one by one: rounding up may take one more.
+      const double length = static_cast<double>(all.max()[k]) - all.min()[k];
+      exponent = std::max(exponent + 1, std::ilogb(length) - 7);
+    }
+    node.set_exponent(k, exponent);
+    for (unsigned i = 0; i < children.size(); ++i) {
+      if (node.child(i) == Child::kNone) continue;
+      for (const bool upper : {false, true}) {
+        const float corner = upper ? children[i].max()[k] : children[i].min()[k];
+        node.set_corner(upper, i, k,
+                        static_cast<std::uint8_t>(units(upper, corner, all.min()[k], exponent)));
+      }
+    }
+  }
+}
+
+namespace {
+
+/// Walks over all nodes, in order, and counts what it meets.
+class Check {
+ public:
+  Check(std::span<const Node> nodes, std::size_t slots)
+      : nodes_(nodes), levels_(nodes.size(), 0), filled_(slots, false) {
+    if (nodes.empty()) throw Error(ErrorCode::kBadInput, "a hierarchy without a root");
+    levels_[0] = 1;
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      if (levels_[n] == 0) fail(n, "is below no other");
+      depth_ = std::max(depth_, levels_[n]);
+      look_at(n);
+    }
+    for (std::size_t s = 0; s < slots; ++s)
+      if (!filled_[s]) throw Error(ErrorCode::kBadInput, fmt::format("slot {} is in no leaf", s));
+  }
+  [[nodiscard]] unsigned depth() const { return depth_; }
+
+ private:
+  [[noreturn]] static void fail(std::size_t node, const std::string& what) {
+    throw Error(ErrorCode::kBadInput, fmt::format("node {} {}", node, what));
+  }
+
+  void look_at(std::size_t n) {
+    const Node& node = nodes_[n];
+    if (!node.origin().allFinite()) fail(n, "has an origin that is not finite");
+    for (int k = 0; k < 3; ++k)
+      if (node.exponent(k) < Node::kLeastExponent || node.exponent(k) > Node::kMostExponent)
+        fail(n, fmt::format("has the exponent {}, must be {} to {}", node.exponent(k),
+                            Node::kLeastExponent, Node::kMostExponent));
+    for (unsigned i = 0; i < Node::kChildren; ++i) {
+      if (node.child(i) == Child::kNone) continue;
+      for (int k = 0; k < 3; ++k)
+        if (node.lower(i, k) > node.upper(i, k))
+          fail(n, fmt::format("child {}: its lower corner is above its upper one", i));
+      if (node.child(i) == Child::kNode)
+        below(n, i, node.place(i));
+      else
+        leaf(n, i, node.place(i), slots_of(node.child(i)));
+    }
+  }
+
+  void below(std::size_t n, unsigned i, std::uint32_t child) {
+    if (child >= nodes_.size()) fail(n, fmt::format("child {}: there is no node {}", i, child));
+    if (child <= n) fail(n, fmt::format("child {}: node {} is not behind it", i, child));
+    if (levels_[child] != 0) fail(n, fmt::format("child {}: node {} has a parent", i, child));
+    levels_[child] = levels_[n] + 1;
+    if (levels_[child] > Hierarchy::kMostDepth)
+      fail(n, fmt::format("child {} is deeper than {} levels", i, Hierarchy::kMostDepth));
+  }
+
+  void leaf(std::size_t n, unsigned i, std::uint32_t slot, unsigned count) {
+    for (std::uint32_t s = slot; s < slot + count; ++s) {
+      if (s >= filled_.size()) fail(n, fmt::format("child {}: there is no slot {}", i, s));
+      if (filled_[s]) fail(n, fmt::format("child {}: slot {} is in another leaf", i, s));
+      filled_[s] = true;
+    }
+  }
+
+  std::span<const Node> nodes_;
+  std::vector<unsigned> levels_;
+  std::vector<bool> filled_;
+  unsigned depth_ = 0;
+};
+
+}  // namespace
+
+unsigned check(std::span<const Node> nodes, std::size_t slots) {
+  return Check(nodes, slots).depth();
+}
+
+}  // namespace cde::hierarchy

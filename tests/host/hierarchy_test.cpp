@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+// Trees: what their boxes contain, how deep they are, files, and nodes that are no tree. What rays
+// meet in them is tests/numerics/hierarchy_test.cpp.
+#include "cde/hierarchy/hierarchy.hpp"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <random>
+
+#include "cde/mesh/terrain.hpp"
+#include "testing.hpp"
+
+namespace cde::testing {
+namespace {
+
+using Eigen::AlignedBox3f;
+using Eigen::Vector3f;
+using hierarchy::Child;
+using hierarchy::Node;
+using Boxes = std::vector<AlignedBox3f>;
+
+/// A box of a node's child, in numbers in which it is exact.
+struct Exact {
+  long double lower, upper;
+};
+Exact side(const Node& node, unsigned child, int axis) {
+  const auto at = [&](std::uint8_t q) {
+    return static_cast<long double>(node.origin()[axis]) +
+           std::ldexp(static_cast<long double>(q), node.exponent(axis));
+  };
+  return {at(node.lower(child, axis)), at(node.upper(child, axis))};
+}
+
+/// Every box is within all that lead to it, and the nodes are a tree.
+void expect_sound(const Hierarchy& h, const Boxes& boxes) {
+  ASSERT_EQ(h.order().size(), boxes.size());
+  EXPECT_EQ(hierarchy::check(h.nodes(), boxes.size()), h.depth());
+  Boxes below(h.nodes().size());
+  for (std::size_t n = h.nodes().size(); n-- > 0;) {
+    const Node& node = h.nodes()[n];
+    for (unsigned i = 0; i < Node::kChildren; ++i) {
+      AlignedBox3f box;
+      if (node.child(i) == Child::kNode) box = below[node.place(i)];
+      for (unsigned s = 0; s < slots_of(node.child(i)); ++s)
+        box.extend(boxes[h.order()[node.place(i) + s]]);
+      if (node.child(i) == Child::kNone) continue;
+      for (int k = 0; k < 3; ++k) {
+        const Exact e = side(node, i, k);
+        ASSERT_LE(e.lower, box.min()[k]) << "node " << n << " child " << i;
+        ASSERT_GE(e.upper, box.max()[k]) << "node " << n << " child " << i;
+        // And not much more: a byte is a 127th of the node at most, rounded outwards.
+        ASSERT_LE(e.upper - e.lower, static_cast<long double>(box.sizes()[k]) +
+                                         2 * std::ldexp(1.0L, node.exponent(k)));
+      }
+      below[n].extend(box);
+    }
+    for (int k = 0; k < 3 && !below[n].isEmpty(); ++k) {
+      const long double extent = static_cast<long double>(below[n].max()[k]) - below[n].min()[k];
+      if (node.exponent(k) > Node::kLeastExponent) {
+        ASSERT_GT(extent, std::ldexp(126.0L, node.exponent(k))) << "a finer unit would do";
+      }
+    }
+  }
+  EXPECT_EQ(h.box().min(), below[0].min());
+  EXPECT_EQ(h.box().max(), below[0].max());
+}
+
+Boxes random_boxes(std::size_t count, unsigned seed, int least = 0, int most = 0) {
+  std::mt19937 bits(seed);
+  const auto unit = [&] { return static_cast<float>(bits() >> 8) * 0x1p-23f - 1; };
+  Boxes boxes;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float size = std::ldexp(
+        1.0f, least + static_cast<int>(bits() % static_cast<unsigned>(most - least + 1)));
+    const Vector3f a = size * Vector3f(unit(), unit(), unit()),
+                   b = a + size * 0.05f * Vector3f(unit(), unit(), unit());
+    boxes.emplace_back(a.cwiseMin(b), a.cwiseMax(b));
+  }
+  return boxes;
+}
+
+AlignedBox3f point(float x, float y = 0, float z = 0) {
+  return {Vector3f(x, y, z), Vector3f(x, y, z)};
+}
+
+TEST(Hierarchy, BoxesContainWhatIsBelow) {
+  for (const unsigned leaf : {1u, 2u}) {
+    for (const std::size_t count : {1, 2, 3, 7, 8, 9, 16, 17, 100, 5000}) {
+      const Boxes boxes = random_boxes(count, static_cast<unsigned>(count));
+      expect_sound(Hierarchy::build(boxes, {.leaf = leaf}), boxes);
+    }
+  }
+  for (const int most : {-90, -30, 0, 39}) {  // from the least numbers to the largest lengths
+    const Boxes boxes = random_boxes(1000, 5, -140, most);
+    expect_sound(Hierarchy::build(boxes), boxes);
+  }
+}
+
+TEST(Hierarchy, NoSecondaries) {
+  const Hierarchy none = Hierarchy::build(Boxes{});
+  EXPECT_EQ(none.nodes().size(), 1u);
+  EXPECT_EQ(none.depth(), 1u);
+  EXPECT_TRUE(none.box().isEmpty());
+  expect_sound(none, {});
+}
+
+/// What a binary tree of the least surface would make a chain of.
+TEST(Hierarchy, NoTreeIsTooDeep) {
+  Boxes doubling, same(100'000, point(1, 2, 3)), nested;
+  for (int i = 0; i < 4000; ++i) doubling.push_back(point(std::ldexp(1.0f, i % 190 - 149)));
+  for (int i = 0; i < 300; ++i) {
+    const float size = std::pow(1.15f, static_cast<float>(i));
+    if (size < 0x1p38f) nested.emplace_back(Vector3f::Constant(-size), Vector3f::Constant(size));
+    nested.push_back(point(std::min(size, 0x1p39f), 1));
+  }
+  for (const Boxes& boxes : {doubling, same, nested}) {
+    for (const unsigned leaf : {1u, 2u}) {
+      const Hierarchy h = Hierarchy::build(boxes, {.leaf = leaf});
+      expect_sound(h, boxes);
+      EXPECT_LE(h.depth(), Hierarchy::kMostDepth);
+    }
+  }
+}
+
+TEST(Hierarchy, ThreadsDoNotChangeIt) {
+  const Boxes boxes = random_boxes(50'000, 3);
+  const Hierarchy one = Hierarchy::build(boxes, {.threads = 1});
+  for (const unsigned threads : {2u, 5u, 0u}) {
+    const Hierarchy many = Hierarchy::build(boxes, {.threads = threads});
+    EXPECT_TRUE(std::ranges::equal(one.nodes(), many.nodes())) << threads;
+    EXPECT_TRUE(std::ranges::equal(one.order(), many.order())) << threads;
+  }
+}
+
+TEST(Hierarchy, OfTheTerrain) {
+  const Mesh mesh = make_terrain();
+  const Hierarchy h = Hierarchy::build(mesh);
+  EXPECT_EQ(h.order().size(), mesh.faces.size());
+  EXPECT_LE(h.depth(), 8u);
+  const auto visits = h.expected_visits();
+  EXPECT_GT(visits.nodes, 1);
+  EXPECT_LT(visits.nodes, 12);
+  EXPECT_LT(visits.secondaries, 8);
+}
+
+TEST(Hierarchy, RefitFollowsWhatMoves) {
+  Boxes boxes = random_boxes(3000, 7);
+  Hierarchy h = Hierarchy::build(boxes);
+  const std::vector<Node> before(h.nodes().begin(), h.nodes().end());
+  h.refit(boxes);
+  EXPECT_TRUE(std::ranges::equal(h.nodes(), before)) << "nothing has moved";
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    boxes[i].translate(Vector3f(std::sin(static_cast<float>(i)), 2, -0.25f));
+  h.refit(boxes);
+  expect_sound(h, boxes);
+  boxes.pop_back();
+  expect_error(ErrorCode::kUsage, "2999 secondaries for a hierarchy of 3000",
+               [&] { h.refit(boxes); });
+}
+
+TEST(Hierarchy, WhatCannotBeBuiltIsSaid) {
+  expect_error(ErrorCode::kUsage, "a hierarchy with leaves of 3: 1 or 2",
+               [] { (void)Hierarchy::build(Boxes{}, {.leaf = 3}); });
+  const std::string must = "; it must not be empty, nor beyond 2^40";
+  const float nan = std::nanf(""), large = 0x1.000002p40f;
+  const std::pair<AlignedBox3f, std::string> bad[] = {
+      {{Vector3f(1, 0, 0), Vector3f(0, 0, 0)}, "1,0,0 to 0,0,0"},
+      {{Vector3f(0, nan, 0), Vector3f(0, 1, 0)}, "0,nan,0 to 0,1,0"},
+      {{Vector3f(0, 0, 0), Vector3f(0, 0, INFINITY)}, "0,0,0 to 0,0,inf"}};
+  for (const auto& [box, words] : bad)
+    expect_error(ErrorCode::kBadInput, "secondary 1: its box is from " + words + must,
+                 [&, b = box] {
+                   (void)Hierarchy::build(Boxes{point(0), b});
+                 });
+  EXPECT_THROW((void)Hierarchy::build(Boxes{point(large)}), Error);
+  (void)Hierarchy::build(Boxes{point(0x1p40f), point(-0x1p40f)});
+}
+
+// ---- Files ----
+
+TEST(Hierarchy, FilesReadBack) {
+  const Folder folder;
+  for (const std::size_t count : {0, 1, 500}) {
+    const Boxes boxes = random_boxes(count, 9);
+    const Hierarchy h = Hierarchy::build(boxes);
+    h.save(folder / "h");
+    const Hierarchy read = Hierarchy::load(folder / "h");
+    EXPECT_TRUE(std::ranges::equal(h.nodes(), read.nodes()));
+    EXPECT_TRUE(std::ranges::equal(h.order(), read.order()));
+    EXPECT_EQ(h.depth(), read.depth());
+    EXPECT_EQ(h.box().min(), read.box().min());
+    EXPECT_EQ(h.box().max(), read.box().max());
+  }
+}
+
+TEST(Hierarchy, DamagedFilesAreRefused) {
+  const Folder folder;
+  const Boxes boxes = random_boxes(20, 9);
+  Hierarchy::build(boxes).save(folder / "h");
+  const std::string whole = bytes_of(folder / "h");
+  const auto refused = [&](const std::string& bytes) {
+    folder.write("x", bytes);
+    try {
+      (void)Hierarchy::load(folder / "x");
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::kFile);
+      return std::string(e.what()).substr((folder / "x").string().size());
+    }
+    return std::string("nothing");
+  };
+  EXPECT_EQ(refused(""), ": not a hierarchy (cde.hierarchy.1)");
+  EXPECT_EQ(refused("solid"), ": not a hierarchy (cde.hierarchy.1)");
+  std::string later = whole;
+  later[14] = '2';
+  EXPECT_EQ(refused(later), ": a hierarchy of another version than cde.hierarchy.1");
+  EXPECT_EQ(refused(whole.substr(0, 60)), ": a hierarchy that is cut off in its head");
+  for (std::size_t size = 14; size < whole.size(); size += 7)
+    EXPECT_NE(refused(whole.substr(0, size)), "nothing") << size;
+  EXPECT_NE(refused(whole + "x"), "nothing");
+  for (std::size_t at = 0; at < whole.size(); ++at) {
+    std::string one = whole;
+    one[at] = static_cast<char>(one[at] ^ 4);
+    EXPECT_NE(refused(one), "nothing") << at;
+  }
+  std::string many = whole;  // as many nodes as there can be
+  for (std::size_t at = 16; at < 24; ++at) many[at] = static_cast<char>(0xff);
+  EXPECT_NE(refused(many), "nothing");
+}
+
+// ---- Nodes that are no tree ----
+
+std::string defect_in(std::vector<Node> nodes, std::size_t slots) {
+  try {
+    (void)hierarchy::check(nodes, slots);
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::kBadInput);
+    return e.what();
+  }
+  return "";
+}
+
+TEST(HierarchyNodes, AreCheckedToBeATree) {
+  const Boxes boxes = random_boxes(20, 9);
+  const Hierarchy h = Hierarchy::build(boxes);
+  const std::vector<Node> good(h.nodes().begin(), h.nodes().end());
+  ASSERT_GT(good.size(), 2u);
+  ASSERT_EQ(good[0].child(0), Child::kNode);
+  EXPECT_EQ(defect_in(good, 20), "");
+  EXPECT_EQ(defect_in({}, 0), "a hierarchy without a root");
+  EXPECT_EQ(defect_in(good, 21), "slot 20 is in no leaf");
+  EXPECT_NE(defect_in(good, 19).find("there is no slot 19"), std::string::npos);
+  const auto with = [&](const std::function<void(Node&)>& change) {
+    std::vector<Node> bad = good;
+    change(bad[0]);
+    return defect_in(bad, 20);
+  };
+  EXPECT_EQ(with([](Node& n) { n.set_first_node(0); }), "node 0 child 0: node 0 is not behind it");
+  EXPECT_EQ(with([](Node& n) { n.set_first_node(1000); }), "node 0 child 0: there is no node 1000");
+  EXPECT_NE(with([](Node& n) { n.set_child(0, Child::kNone); }), "");
+  EXPECT_EQ(with([](Node& n) { n.set_exponent(1, 41); }),
+            "node 0 has the exponent 41, must be -80 to 40");
+  EXPECT_EQ(with([](Node& n) {
+              n.set_origin({0, INFINITY, 0});
+            }),
+            "node 0 has an origin that is not finite");
+  EXPECT_EQ(with([](Node& n) {
+              n.set_corner(false, 0, 2, 200);
+              n.set_corner(true, 0, 2, 199);
+            }),
+            "node 0 child 0: its lower corner is above its upper one");
+  std::vector<Node> chain(17);
+  for (std::uint32_t n = 0; n < 16; ++n) {
+    chain[n].set_child(0, Child::kNode);
+    chain[n].set_first_node(n + 1);
+  }
+  EXPECT_EQ(defect_in(chain, 0), "node 15 child 0 is deeper than 16 levels");
+  chain.resize(16);
+  chain[15] = {};
+  EXPECT_EQ(defect_in(chain, 0), "");
+  std::mt19937 bits(1);  // words at random: an error or a tree, and an end
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<Node> random = good;
+    for (int k = 0; k < 3; ++k)
+      random[bits() % random.size()].words[3 + bits() % 3] = static_cast<std::uint32_t>(bits());
+    (void)defect_in(random, 20);
+  }
+}
+
+}  // namespace
+}  // namespace cde::testing
