@@ -47,23 +47,23 @@ template <typename S>
 struct RayFront {
   Vector<S> above, below;  ///< o + M, o - M
   Vector<S> inverse;       ///< 1 / d
-  Mask<S> negative[3];     ///< signs of d
+  Mask<S> negative[3];     ///< signs of d, also of zeros
 };
 
-/// Once a ray: 3 div, 6 sub, 7 add, 1 mul, 9 min/max.
+/// Once a ray: 1 mul, 3 div, 4 add, 9 sub, 8 min/max.
 template <typename S>
 [[nodiscard]] RayFront<S> ray_front(const Vector<S>& o, const Vector<S>& d,
                                     const RootBounds<S>& root) {
-  S reach(0);
+  Vector<S> far;
   for (int k = 0; k < 3; ++k)
-    reach =
-        max_num(reach, max_num(magnitude(root.lower[k] - o[k]), magnitude(root.upper[k] - o[k])));
+    far[k] = max_num(magnitude(root.lower[k] - o[k]), magnitude(root.upper[k] - o[k]));
+  const S reach = max_num(max_num(far.x(), far.y()), far.z());
   const S margin = reach * S(0x1p-16) + root.margin;
   RayFront<S> front;
   for (int k = 0; k < 3; ++k) {
     front.above[k] = o[k] + margin;
     front.below[k] = o[k] - margin;
-    front.negative[k] = d[k] < S(0);
+    front.negative[k] = is_negative(d[k]);
     const S size = max_num(magnitude(d[k]), S(0x1p-80));
     front.inverse[k] = S(1) / select(front.negative[k], -size, size);
   }

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// What rays and nodes of a hierarchy share: stage times, and the places of words.
+`ifndef CDE_HIERARCHY_SVH
+`define CDE_HIERARCHY_SVH
+`include "pipe.svh"
+
+// Of ray_front.sv: o +- M, and 1 / d.
+`define RAY_T_REACH (LAT_ADD + 3 * LAT_CMP)
+`define RAY_T_MARGIN (`RAY_T_REACH + LAT_MUL + LAT_ADD)
+`define RAY_T_FRONT `DF_MAX2(`RAY_T_MARGIN + LAT_ADD, LAT_CMP + LAT_DIV)
+// Of node_boxes.sv: near and far of all children.
+`define NODE_T_BOXES (LAT_ADD + 2 * LAT_MUL + LAT_ADD + 2 * LAT_CMP)
+`endif

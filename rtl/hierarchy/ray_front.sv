@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// A ray as nodes of a hierarchy see it, once a ray (reference/pipes/ray_node.hpp): o + M, o - M and 1 / d, where M =
+// 2^-16 R + 16 u W is what boxes are widened by, R the largest distance along an axis from o to the root's box, and no
+// component of d is taken as less than 2^-80.
+// 1 mul, 3 div, 4 add, 9 sub, 8 min/max.
+// Latency: RAY_T_FRONT clocks (hierarchy.svh). Throughput: LANES rays a clock. Stall: none, runs free.
+`include "hierarchy.svh"
+module ray_front #(
+    `DF_PARAMETERS
+) (
+    input logic clk_i,
+    input logic [5:0][LANES-1:0][CW-1:0] a_i,     // ray: o x y z, d x y z
+    input logic [6:0][LANES-1:0][CW-1:0] root_i,  // of the root: lower corner x y z, upper, 16 u W
+    output logic [8:0][LANES-1:0][CW-1:0] r_o     // o + M x y z, o - M, 1 / d; of d the sign of the last
+);
+  /*verilator inline_module*/
+  if (EXP != 8 || MAN != 23) $error("ray_front: margins are those of fp32");
+  `DF_VIN(o, a_i[2:0], 0)
+  `DF_VIN(d, a_i[5:3], 0)
+  `DF_VIN(lower, root_i[2:0], 0)
+  `DF_VIN(upper, root_i[5:3], 0)
+  `DF_IN(world, root_i[6], 0)
+  `DF_CONST(share, `DF_POWER_OF_TWO(-16))
+  `DF_CONST(one, `DF_POWER_OF_TWO(0))
+  `DF_VCONST(least, `DF_POWER_OF_TWO(-80), `DF_POWER_OF_TWO(-80), `DF_POWER_OF_TWO(-80))
+
+  // ---- How far the root's box reaches from here, and so how much boxes are widened ----
+  `DF_VSUB(to_lower, lower, o)
+  `DF_VSUB(to_upper, upper, o)
+  `DF_VABS(from_lower, to_lower)
+  `DF_VABS(from_upper, to_upper)
+  `DF_VMAX(far, from_lower, from_upper)
+  `DF_PICK(far_x, far, 0)
+  `DF_PICK(far_y, far, 1)
+  `DF_PICK(far_z, far, 2)
+  `DF_MAX(far_xy, far_x, far_y)
+  `DF_MAX(reach, far_xy, far_z)
+  `DF_MUL(part, reach, share)
+  `DF_ADD(margin, part, world)
+  `DF_VEC(margins, margin, margin, margin)
+  `DF_VADD(above, o, margins)
+  `DF_VSUB(below, o, margins)
+
+  // ---- 1 / d ----
+  `DF_VABS(d_size, d)
+  `DF_VMAX(d_least, d_size, least)
+  `DF_VMOVE_SIGN(divisor, d, d_least)
+  `DF_PICK(divisor_x, divisor, 0)
+  `DF_PICK(divisor_y, divisor, 1)
+  `DF_PICK(divisor_z, divisor, 2)
+  `DF_DIV(inverse_x, one, divisor_x)
+  `DF_DIV(inverse_y, one, divisor_y)
+  `DF_DIV(inverse_z, one, divisor_z)
+  `DF_VEC(inverse, inverse_x, inverse_y, inverse_z)
+
+  localparam int T_FRONT = `RAY_T_FRONT;
+  `DF_VAT(above_out, above, T_FRONT)
+  `DF_VAT(below_out, below, T_FRONT)
+  `DF_VAT(inverse_out, inverse, T_FRONT)
+  assign r_o = {inverse_out, below_out, above_out};
+endmodule
