@@ -5,3 +5,4 @@ registers_pkg.sv
 pci_pkg.sv
 config_pkg.sv
 card_pkg.sv
+hierarchy_pkg.sv

@@ -10,4 +10,6 @@
 `define RAY_T_FRONT `DF_MAX2(`RAY_T_MARGIN + LAT_ADD, LAT_CMP + LAT_DIV)
 // Of node_boxes.sv: near and far of all children.
 `define NODE_T_BOXES (LAT_ADD + 2 * LAT_MUL + LAT_ADD + 2 * LAT_CMP)
+// Of node_unit.sv: children that are met, in order.
+`define NODE_T_UNIT (`NODE_T_BOXES + 2)
 `endif

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -20,6 +22,13 @@ namespace {
 using hierarchy::Child;
 using hierarchy::Node;
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
+
+/// What a card's stack has of a number, 16 bits: one that is not above it, or not below.
+float half(float x, bool up) {
+  const auto word = std::bit_cast<std::uint32_t>(x);
+  const bool away = (word & 0xffffu) != 0 && std::signbit(x) != up;
+  return std::bit_cast<float>((word & 0xffff0000u) + (away ? 0x10000u : 0u));
+}
 
 /// Children of a node that are still to be visited, from the last to the first.
 struct Group {
@@ -71,25 +80,26 @@ class Traversal::Walk {
     const NodeFront<float> front = node_front(front_, node);
     Group& group = stack_[depth_];
     group.count = 0;
-    for (unsigned i = 0; i < Node::kChildren; ++i) {
+    const bool down = goal_ == Goal::kFarthest;
+    // The last comes first, and of two that are the same the one with the lower number.
+    for (unsigned i = Node::kChildren; i-- > 0;) {
       if (node.child(i) == Child::kNone) continue;
       const Stretch<float> s = stretch(front, front_, node, i);
-      // Written so that a NaN enters.
       if (s.near > s.far || s.far < tmin_ || s.near > tmax_) continue;
-      group.entries[group.count++] = {goal_ == Goal::kFarthest ? s.far : s.near, node.place(i),
-                                      node.child(i)};
+      group.entries[group.count++] = {down ? s.far : s.near, node.place(i), node.child(i)};
     }
     if (group.count == 0) return;
-    const bool down = goal_ == Goal::kFarthest;
     std::stable_sort(group.entries.begin(), group.entries.begin() + group.count,
                      [down](const Group::Entry& a, const Group::Entry& b) {
                        return down ? a.key < b.key : a.key > b.key;
                      });
+    for (unsigned i = 0; i < group.count; ++i)
+      group.entries[i].key = half(group.entries[i].key, down);
     of_.counts_.deepest = std::max(of_.counts_.deepest, ++depth_);
   }
 
   void test(std::uint32_t slot, unsigned count) {
-    for (std::uint32_t s = slot; s < slot + count && !over_; ++s) {
+    for (std::uint32_t s = slot; s < slot + count; ++s) {
       ++of_.counts_.triangles;
       const std::uint32_t index = of_.hierarchy_.order()[s];
       const Record record = record_of(ray_, of_.triangles_[index], number_, index, true);
@@ -105,7 +115,7 @@ class Traversal::Walk {
     }
     if (goal_ == Goal::kNearest) tmax_ = records_[0].t;
     if (goal_ == Goal::kFarthest) tmin_ = records_[0].t;
-    over_ = goal_ == Goal::kOccluded;
+    over_ = over_ || goal_ == Goal::kOccluded;
   }
 
   /// Whatever order the triangles come in: ties have the least index. The two zeros tie.

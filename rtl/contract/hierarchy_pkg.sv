@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// A hierarchy of boxes: nodes of eight children (words: host/include/cde/hierarchy/node.hpp), and what a ray keeps on
+// its way through them.
+package hierarchy_pkg;
+  localparam int CHILDREN = 8;
+  localparam int NODE_WORDS = 18;
+  localparam int PLACE = 28;  // bits of the number of a node or a slot
+  localparam int LEVELS = 16; // of nodes at most: Hierarchy::kMostDepth
+
+  // What a child is.
+  localparam logic [1:0] KIND_NONE = 0;
+  localparam logic [1:0] KIND_NODE = 1;
+  localparam logic [1:0] KIND_ONE = 2;  // a leaf of one secondary
+  localparam logic [1:0] KIND_TWO = 3;
+
+  // What a ray asks.
+  localparam logic [2:0] GOAL_NEAREST = 0;
+  localparam logic [2:0] GOAL_FARTHEST = 1;
+  localparam logic [2:0] GOAL_ANY = 2;       // the hit of the least index
+  localparam logic [2:0] GOAL_OCCLUDED = 3;  // whether there is a hit: ends at the first
+
+  // Children of a node that a ray meets, in the order in which they are visited.
+  typedef struct packed {
+    logic [PLACE-1:0] node;  // of its first child that is a node
+    logic [PLACE-1:0] slot;  // of its first child's secondary
+    logic [CHILDREN-1:0][1:0] kinds;
+    logic [3:0] count;  // how many are met
+    logic [CHILDREN-1:0][2:0] order;
+    logic [CHILDREN-1:0][15:0] keys;  // what each is left out by, rounded so that it is not too early
+  } group_t;
+
+  // A number's place in their order: words compare as numbers do. The two zeros are one.
+  function automatic logic [31:0] ordered(input logic [31:0] x);
+    if (x[30:0] == 0) return 32'h8000_0000;
+    return x[31] ? ~x : {1'b1, x[30:0]};
+  endfunction
+
+  // The upper half of a word, a number that is not above it, or not below.
+  function automatic logic [15:0] half(input logic [31:0] x, input logic up);
+    return x[31:16] + 16'(x[15:0] != 0 && x[31] != up);
+  endfunction
+
+  // How many nodes, or secondaries of leaves, the children before i have: its place behind the first one's.
+  function automatic logic [3:0] ahead(input logic [CHILDREN-1:0][1:0] kinds, input logic [2:0] i);
+    ahead = 0;
+    for (int k = 0; k < CHILDREN; k++)
+      if (k < int'(i)) begin
+        if (kinds[i] == KIND_NODE) ahead = ahead + 4'(kinds[k] == KIND_NODE);
+        else if (kinds[k] == KIND_ONE) ahead = ahead + 1;
+        else if (kinds[k] == KIND_TWO) ahead = ahead + 2;
+      end
+  endfunction
+endpackage

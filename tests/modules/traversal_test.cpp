@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rays through a hierarchy in hardware: records, nodes read and secondaries tested are those of the
+// reference, whatever rays wait for, in whatever order memory gives what is asked for.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <map>
+#include <vector>
+
+#include "TraversalGates.h"
+#include "TraversalHost.h"
+#include "cde/mesh/terrain.hpp"
+#include "cde/reference/pipes/ray_node.hpp"
+#include "cde/reference/traversal.hpp"
+#include "clocked.hpp"
+
+namespace cde::testing {
+namespace {
+
+using Eigen::Vector3f;
+
+struct Goal {
+  unsigned number;  // hierarchy_pkg::GOAL_*
+  Mode mode;
+};
+constexpr Goal kGoals[] = {{0, Mode::kNearest}, {1, Mode::kFarthest}, {2, Mode::kAny}};
+constexpr unsigned kOccluded = 3;
+
+std::uint32_t word(float x) {
+  return std::bit_cast<std::uint32_t>(x);
+}
+
+/// Answers what is asked of memory after a while, not in order.
+struct Memory {
+  struct Asked {
+    std::uint32_t slot, tag;
+    unsigned due;
+  };
+  std::vector<Asked> waiting;
+};
+
+template <class Module>
+class Bench {
+ public:
+  Bench(const std::vector<Triangle>& triangles, const Hierarchy& hierarchy)
+      : triangles_(triangles), hierarchy_(hierarchy) {
+    module_->rst_i = 1;
+    module_->ray_valid_i = module_->fetched_valid_i = module_->node_write_i = 0;
+    module_->record_ready_i = module_->fetch_ready_i = 0;
+    module_.clock();
+    module_->node_write_i = 1;
+    for (std::size_t n = 0; n < hierarchy.nodes().size(); ++n) {
+      module_->node_at_i = static_cast<SData>(n);
+      const auto& words = hierarchy.nodes()[n].words;
+      std::copy(words.begin(), words.end(), &module_->node_i[0]);
+      module_.clock();
+    }
+    module_->node_write_i = 0;
+    const auto& box = hierarchy.box();
+    const auto root = reference::root_bounds<float>(box.min(), box.max());
+    for (unsigned k = 0; k < 3; ++k) {
+      module_->root_i[k] = word(root.lower[static_cast<int>(k)]);
+      module_->root_i[3 + k] = word(root.upper[static_cast<int>(k)]);
+    }
+    module_->root_i[6] = word(root.margin);
+    module_->rst_i = 0;
+  }
+
+  /// Records by the rays' numbers. `patient`: memory and whoever takes records are always ready.
+  std::vector<Record> cast(const std::vector<Ray>& rays, unsigned goal, bool patient) {
+    std::vector<Record> records(rays.size());
+    std::size_t sent = 0, got = 0;
+    module_->goal_i = static_cast<CData>(goal);
+    for (clocks = 0; got < rays.size(); ++clocks) {
+      if (clocks > 1000 * rays.size() + 100'000) {
+        ADD_FAILURE() << "no end: " << got << " of " << rays.size();
+        break;
+      }
+      const bool ray = sent < rays.size() && (patient || !dice_.once_in(3));
+      module_->ray_valid_i = ray;
+      if (ray) {
+        const auto words = to_words(rays[sent]);
+        for (unsigned w = 0; w < 8; ++w) module_->ray_i[w] = word(words[w]);
+        module_->number_i = static_cast<IData>(sent);
+      }
+      module_->record_ready_i = patient || dice_.once_in(2);
+      module_->fetch_ready_i = patient || dice_.once_in(2);
+      answer(patient);
+      module_.settle();
+      if (ray && module_->ray_ready_o != 0) ++sent;
+      if (module_->fetch_valid_o != 0 && module_->fetch_ready_i != 0)
+        memory_.waiting.push_back({module_->fetch_slot_o, module_->fetch_tag_o,
+                                   clocks + 1 + (patient ? 0 : dice_.below(40))});
+      if (module_->record_valid_o != 0 && module_->record_ready_i != 0) {
+        Record& r = records.at(module_->number_o);
+        EXPECT_EQ(r.primary, 0u) << "a record twice";
+        r = record();
+        ++got;
+      }
+      module_.clock();
+    }
+    return records;
+  }
+
+  unsigned clocks = 0;
+  [[nodiscard]] std::uint32_t nodes() { return module_->nodes_o; }
+  [[nodiscard]] std::uint32_t secondaries() { return module_->secondaries_o; }
+
+ private:
+  Record record() {
+    Record r;
+    r.primary = ~0u;  // seen
+    r.f = module_->f_o != 0;
+    if (!r.f) return r;
+    r.t = std::bit_cast<float>(module_->t_o);
+    for (unsigned k = 0; k < 3; ++k)
+      r.cp[static_cast<int>(k)] = std::bit_cast<float>(module_->cp_o[k]);
+    r.index = module_->index_o;
+    return r;
+  }
+
+  void answer(bool patient) {
+    auto& waiting = memory_.waiting;
+    const auto ready = std::find_if(waiting.begin(), waiting.end(),
+                                    [&](const auto& asked) { return asked.due <= clocks; });
+    module_->fetched_valid_i = ready != waiting.end() && (patient || !dice_.once_in(4));
+    if (module_->fetched_valid_i == 0) return;
+    module_->fetched_tag_i = static_cast<SData>(ready->tag);
+    for (unsigned l = 0; l < 2; ++l) {
+      const std::size_t slot = ready->slot + l;
+      const bool there = slot < triangles_.size() && (l == 0 || (ready->tag & 1) != 0);
+      const std::uint32_t index = there ? hierarchy_.order()[slot] : 0;
+      const auto words = to_words(triangles_[index]);
+      for (unsigned w = 0; w < 9; ++w) module_->fetched_i[9 * l + w] = word(words[w]);
+      reinterpret_cast<IData*>(&module_->index_i)[l] = index;
+    }
+    waiting.erase(ready);
+  }
+
+  const std::vector<Triangle>& triangles_;
+  const Hierarchy& hierarchy_;
+  Clocked<Module> module_;
+  Memory memory_;
+  Dice dice_;
+};
+
+struct Scene {
+  std::vector<Triangle> triangles;
+  std::vector<Ray> rays;
+};
+
+/// A terrain with every third triangle twice, so that there are ties.
+Scene scene(std::size_t rays) {
+  const Mesh mesh = make_terrain({.quads_x = 24, .quads_y = 24});
+  Scene s;
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    s.triangles.push_back(mesh.triangle(i));
+    if (i % 3 == 0) s.triangles.push_back(mesh.triangle(i));
+  }
+  const auto box = bounds(mesh);
+  Dice dice;
+  const auto within = [&](float beyond) {
+    Vector3f p;
+    for (int k = 0; k < 3; ++k)
+      p[k] = box.min()[k] +
+             box.sizes()[k] *
+                 (static_cast<float>(dice.below(10'001)) * 1e-4f * (1 + 2 * beyond) - beyond);
+    return p;
+  };
+  for (std::size_t i = 0; i < rays; ++i) {
+    Ray ray{within(0.5f), Vector3f::Zero()};
+    ray.d = within(0.1f) - ray.o;
+    if (i % 5 == 0) ray.d = Vector3f(0, 0, i % 2 == 0 ? -1 : 1);
+    if (i % 7 == 0) ray.tmin = -3, ray.tmax = 0.7f;
+    s.rays.push_back(ray);
+  }
+  return s;
+}
+
+template <class Module>
+void expect_reference(std::size_t count) {
+  const Scene s = scene(count);
+  for (const unsigned leaf : {1u, 2u}) {
+    const Hierarchy hierarchy = Hierarchy::build(s.triangles, {.leaf = leaf});
+    for (const bool patient : {true, false}) {
+      for (const Goal& goal : kGoals) {
+        Bench<Module> bench(s.triangles, hierarchy);
+        reference::Traversal expected(s.triangles, hierarchy);
+        const std::vector<Record> records = bench.cast(s.rays, goal.number, patient);
+        std::size_t hits = 0;
+        for (std::size_t i = 0; i < s.rays.size(); ++i) {
+          Record should = expected.trace(s.rays[i], ~0u, goal.mode)[0];
+          ASSERT_EQ(records[i].f, should.f) << name_of(goal.mode) << " ray " << i;
+          if (!should.f) continue;
+          ++hits;
+          ASSERT_TRUE(same_bits(records[i], should))
+              << name_of(goal.mode) << " ray " << i << ": T " << records[i].t << " of "
+              << records[i].index << ", should be " << should.t << " of " << should.index;
+        }
+        EXPECT_GT(hits, count / 10);
+        EXPECT_LT(hits, count);
+        EXPECT_EQ(bench.nodes(), expected.counts().nodes) << name_of(goal.mode);
+        EXPECT_EQ(bench.secondaries(), expected.counts().triangles) << name_of(goal.mode);
+        if (patient && leaf == 2)
+          std::printf("%s: %.2f clocks, %.2f nodes, %.2f triangles a ray\n", name_of(goal.mode),
+                      bench.clocks / static_cast<double>(count),
+                      bench.nodes() / static_cast<double>(count),
+                      bench.secondaries() / static_cast<double>(count));
+      }
+      Bench<Module> bench(s.triangles, hierarchy);
+      reference::Traversal expected(s.triangles, hierarchy);
+      const std::vector<Record> records = bench.cast(s.rays, kOccluded, patient);
+      for (std::size_t i = 0; i < s.rays.size(); ++i)
+        ASSERT_EQ(records[i].f, expected.occluded(s.rays[i])) << "ray " << i;
+      EXPECT_EQ(bench.nodes(), expected.counts().nodes);
+      EXPECT_EQ(bench.secondaries(), expected.counts().triangles);
+    }
+  }
+}
+
+TEST(Traversal, IsThatOfTheReferenceInGates) {
+  expect_reference<TraversalGates>(400);
+}
+
+TEST(Traversal, IsThatOfTheReferenceWithHostArithmetic) {
+  expect_reference<TraversalHost>(20'000);
+}
+
+}  // namespace
+}  // namespace cde::testing
