@@ -12,4 +12,20 @@
 `define NODE_T_BOXES (LAT_ADD + 2 * LAT_MUL + LAT_ADD + 2 * LAT_CMP)
 // Of node_unit.sv: children that are met, in order.
 `define NODE_T_UNIT (`NODE_T_BOXES + 2)
+
+// A context on its way, CX bits of it: how many groups its stack has, and of which none but the first child has been
+// visited; and a node or leaf that it goes to.
+`define AT_BITS(CX) (CX + $clog2(hierarchy_pkg::LEVELS + 1) + hierarchy_pkg::LEVELS)
+`define VISIT_BITS(CX) (`AT_BITS(CX) + hierarchy_pkg::PLACE + 1)
+`define HIERARCHY_TYPES(CX) \
+  typedef struct packed { \
+    logic [CX-1:0] context_; \
+    logic [$clog2(LEVELS+1)-1:0] level; \
+    logic [LEVELS-1:0] fresh; \
+  } at_t; \
+  typedef struct packed { \
+    at_t at; \
+    logic [PLACE-1:0] place; \
+    logic two; \
+  } visit_t;
 `endif

@@ -10,6 +10,7 @@
 
 #include "TraversalGates.h"
 #include "TraversalHost.h"
+#include "TraversalOne.h"
 #include "cde/mesh/terrain.hpp"
 #include "cde/reference/pipes/ray_node.hpp"
 #include "cde/reference/traversal.hpp"
@@ -126,7 +127,7 @@ class Bench {
                                     [&](const auto& asked) { return asked.due <= clocks; });
     module_->fetched_valid_i = ready != waiting.end() && (patient || !dice_.once_in(4));
     if (module_->fetched_valid_i == 0) return;
-    module_->fetched_tag_i = static_cast<SData>(ready->tag);
+    module_->fetched_tag_i = ready->tag;
     for (unsigned l = 0; l < 2; ++l) {
       const std::size_t slot = ready->slot + l;
       const bool there = slot < triangles_.size() && (l == 0 || (ready->tag & 1) != 0);
@@ -225,6 +226,11 @@ TEST(Traversal, IsThatOfTheReferenceInGates) {
 
 TEST(Traversal, IsThatOfTheReferenceWithHostArithmetic) {
   expect_reference<TraversalHost>(20'000);
+}
+
+/// One unit and no more than two rays at a time.
+TEST(Traversal, IsThatOfTheReferenceWithTwoContexts) {
+  expect_reference<TraversalOne>(1000);
 }
 
 }  // namespace

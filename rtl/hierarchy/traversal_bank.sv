@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+// Contexts of one node unit: which node or leaf each of them visits next. A node is read and its boxes tested; the first
+// child that is met is visited at once, the others wait on the context's stack, from which the next is chosen when a
+// leaf has been tested or a node had none.
+// Latency: of a visit NODE_T_UNIT + 2 clocks (hierarchy.svh), of a choice 2. Throughput: a node and a choice a clock.
+// Stall: none but leaf_ready_i and done_ready_i; all that waits are contexts, in queues that hold all of them.
+`include "hierarchy.svh"
+module traversal_bank #(
+    parameter int CONTEXTS = 128,  // power of two
+    parameter int CX = 8,          // bits of a context's number, of which the lowest say the bank
+    parameter int NODES = 4096,
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int CB = $clog2(CONTEXTS),
+    localparam int NW = $clog2(NODES)
+) (
+    input logic clk_i,
+    input logic rst_i,
+    input logic node_write_i,
+    input logic [NW-1:0] node_at_i,
+    input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i,
+    input logic farthest_i,
+    // T that counts, from and to: of a ray that comes, and as hits are found.
+    input logic [1:0] interval_write_i,
+    input logic [CB-1:0] interval_context_i,  // without the bank's number
+    input logic [1:0][31:0] interval_i,
+    // Rays that come.
+    input logic front_valid_i,
+    input logic [CX-1:0] front_context_i,
+    input logic [8:0][31:0] front_i,
+    // Leaves to be tested, and contexts whose leaf has been.
+    output logic leaf_valid_o,
+    input logic leaf_ready_i,
+    output logic [`VISIT_BITS(CX)-1:0] leaf_o,
+    input logic tested_valid_i,
+    input logic [`AT_BITS(CX)-1:0] tested_i,
+    // Contexts that have come to their end.
+    output logic done_valid_o,
+    input logic done_ready_i,
+    output logic [CX-1:0] done_o,
+    output logic visits_o  // a node is read
+);
+  import hierarchy_pkg::*;
+  `HIERARCHY_TYPES(CX)
+  localparam int LW = $clog2(LEVELS);
+  localparam int BANK = CX - CB;  // bits of the bank's number
+
+  logic [8:0][31:0] fronts[CONTEXTS];
+  logic [1:0][31:0] intervals[CONTEXTS];
+  logic [NODE_WORDS-1:0][31:0] nodes[NODES];
+  group_t groups[CONTEXTS*LEVELS];
+  logic [3:0] nexts[CONTEXTS*LEVELS];  // how many of a group have been visited; not looked at while it is fresh: one
+  always_ff @(posedge clk_i) begin
+    if (node_write_i) nodes[node_at_i] <= node_i;
+    if (front_valid_i) fronts[front_context_i[CX-1:BANK]] <= front_i;
+    for (int k = 0; k < 2; k++) if (interval_write_i[k]) intervals[interval_context_i][k] <= interval_i[k];
+  end
+
+  `define CDE_QUEUE(NAME, TYPE) \
+    logic NAME``_write, NAME``_read, NAME``_some; TYPE NAME``_in, NAME; logic [CB:0] NAME``_count; \
+    assign NAME``_some = NAME``_count != 0; \
+    sync_fifo #(.W($bits(TYPE)), .DEPTH(CONTEXTS)) queue_``NAME ( \
+        .clk_i, .rst_i, .write_i(NAME``_write), .wdata_i(NAME``_in), .room_o(), .count_o(NAME``_count), \
+        .rdata_o(NAME), .read_i(NAME``_read));
+  `CDE_QUEUE(started, logic [CX-1:0])
+  `CDE_QUEUE(nearer, visit_t)   // nodes to be read: first children, and others
+  `CDE_QUEUE(others, visit_t)
+  `CDE_QUEUE(first_leaves, visit_t)
+  `CDE_QUEUE(other_leaves, visit_t)
+  `CDE_QUEUE(missed, at_t)      // three ways to a choice: nodes without children, leaves, groups that came too late
+  `CDE_QUEUE(tested, at_t)
+  `CDE_QUEUE(dropped, at_t)
+  `CDE_QUEUE(done, logic [CX-1:0])
+  `undef CDE_QUEUE
+  assign started_write = front_valid_i;
+  assign started_in = front_context_i;
+  assign tested_write = tested_valid_i;
+  assign tested_in = tested_i;
+
+  // ---- Nodes ----
+  localparam int T_UNIT = `NODE_T_UNIT;
+  at_t visit, visit_q, met_at;
+  logic [NW-1:0] visit_node;
+  logic visit_valid, visit_valid_q, group_valid;
+  logic [NODE_WORDS-1:0][31:0] node_q;
+  logic [8:0][31:0] front_q;
+  logic [1:0][31:0] interval_q;
+  group_t group;
+  assign visit_valid = nearer_some || others_some || started_some;
+  assign nearer_read = nearer_some;
+  assign others_read = others_some && !nearer_some;
+  assign started_read = started_some && !nearer_some && !others_some;
+  assign visit = nearer_some ? nearer.at : others_some ? others.at : '{context_: started, level: '0, fresh: '0};
+  assign visit_node = nearer_some ? nearer.place[NW-1:0] : others_some ? others.place[NW-1:0] : '0;
+  always_ff @(posedge clk_i) begin
+    node_q <= nodes[visit_node];
+    front_q <= fronts[visit.context_[CX-1:BANK]];
+    interval_q <= intervals[visit.context_[CX-1:BANK]];
+    visit_q <= visit;
+    visit_valid_q <= visit_valid && !rst_i;
+  end
+  assign visits_o = visit_valid_q;
+  node_unit #(
+      .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+  ) unit (
+      .clk_i, .ray_i(front_q), .floor_i(interval_q[0]), .limit_i(interval_q[1]), .farthest_i, .node_i(node_q),
+      .group_o(group));
+  align #(.W($bits(at_t)), .TO(T_UNIT)) align_visit (.clk_i, .d_i(visit_q), .q_o(met_at));
+  align_valid #(.TO(T_UNIT)) align_valid (.clk_i, .rst_i, .valid_i(visit_valid_q), .valid_o(group_valid));
+
+  logic group_some, group_push, first_is_node;
+  at_t group_at;
+  logic [2:0] first;
+  assign group_some = group_valid && group.count != 0;
+  assign group_push = group_valid && group.count > 1;
+  assign first = group.order[0];
+  assign first_is_node = group.kinds[first] == KIND_NODE;
+  always_comb begin
+    group_at = met_at;
+    if (group.count > 1) begin
+      group_at.level = met_at.level + 1;
+      group_at.fresh[met_at.level[LW-1:0]] = 1'b1;
+    end
+  end
+  always_ff @(posedge clk_i) if (group_push) groups[{met_at.context_[CX-1:BANK], met_at.level[LW-1:0]}] <= group;
+  assign missed_write = group_valid && group.count == 0;
+  assign missed_in = met_at;
+  assign nearer_in = '{
+      at: group_at,
+      place: (first_is_node ? group.node : group.slot) + PLACE'(ahead(group.kinds, first)),
+      two: group.kinds[first] == KIND_TWO};
+  assign first_leaves_in = nearer_in;
+  assign nearer_write = group_some && first_is_node;
+  assign first_leaves_write = group_some && !first_is_node;
+
+  // ---- The next one of the group on top ----
+  at_t choice, choice_q, choice_at;
+  logic choice_valid, choice_valid_q;
+  logic [LW-1:0] top, top_q;
+  group_t top_group_q;
+  logic [3:0] next_q, next;
+  logic [1:0][31:0] choice_interval_q;
+  assign choice_valid = missed_some || tested_some || dropped_some;
+  assign missed_read = missed_some;
+  assign tested_read = tested_some && !missed_some;
+  assign dropped_read = dropped_some && !missed_some && !tested_some;
+  assign choice = missed_some ? missed : tested_some ? tested : dropped;
+  assign top = choice.level[LW-1:0] - 1;
+  always_ff @(posedge clk_i) begin
+    top_group_q <= groups[{choice.context_[CX-1:BANK], top}];
+    next_q <= nexts[{choice.context_[CX-1:BANK], top}];
+    choice_interval_q <= intervals[choice.context_[CX-1:BANK]];
+    {choice_q, top_q} <= {choice, top};
+    choice_valid_q <= choice_valid && !rst_i;
+  end
+  assign next = choice_q.fresh[top_q] ? 4'd1 : next_q;
+
+  logic [2:0] child;
+  logic [31:0] key;
+  logic beyond, empty, chosen;
+  always_comb begin
+    child = top_group_q.order[next[2:0]];
+    key = ordered({top_group_q.keys[next[2:0]], 16'd0});
+    // In order: where one comes too late, so do those behind it.
+    beyond = farthest_i ? key < ordered(choice_interval_q[0]) : key > ordered(choice_interval_q[1]);
+    empty = choice_q.level == 0;
+    choice_at = choice_q;
+    choice_at.fresh[top_q] = 1'b0;
+    if (beyond || next + 1 == top_group_q.count) choice_at.level = choice_q.level - 1;
+  end
+  assign chosen = choice_valid_q && !empty && !beyond;
+  assign done_write = choice_valid_q && empty;
+  assign done_in = choice_q.context_;
+  assign dropped_write = choice_valid_q && !empty && beyond;
+  assign dropped_in = choice_at;
+  assign others_in = '{
+      at: choice_at,
+      place: (top_group_q.kinds[child] == KIND_NODE ? top_group_q.node : top_group_q.slot) +
+             PLACE'(ahead(top_group_q.kinds, child)),
+      two: top_group_q.kinds[child] == KIND_TWO};
+  assign other_leaves_in = others_in;
+  assign others_write = chosen && top_group_q.kinds[child] == KIND_NODE;
+  assign other_leaves_write = chosen && top_group_q.kinds[child] != KIND_NODE;
+  always_ff @(posedge clk_i) if (chosen) nexts[{choice_q.context_[CX-1:BANK], top_q}] <= next + 1;
+
+  // ---- Out ----
+  assign leaf_valid_o = first_leaves_some || other_leaves_some;
+  assign leaf_o = first_leaves_some ? first_leaves : other_leaves;
+  assign first_leaves_read = first_leaves_some && leaf_ready_i;
+  assign other_leaves_read = other_leaves_some && !first_leaves_some && leaf_ready_i;
+  assign done_valid_o = done_some;
+  assign done_o = done;
+  assign done_read = done_some && done_ready_i;
+  logic unused;
+  assign unused = &{1'b0, nearer.two, others.two};
+
+`ifndef SYNTHESIS
+  always_ff @(posedge clk_i)
+    if (!rst_i)
+      assert (!group_push || int'(met_at.level) < LEVELS) else $error("traversal_bank: a tree deeper than the stack");
+`endif
+endmodule
