@@ -9,8 +9,8 @@
 //               records <----+  +------------------------------------------------------------------------+
 //
 // A ray that comes has a free context (ray_ready_o); what is fetched comes back with the tag that was asked with.
-// Latency: that of the way. Throughput: UNITS nodes, a leaf, a ray and a record a clock. Stall: ray_ready_o, fetch_ready_i,
-// record_ready_i.
+// Latency: that of the way. Throughput: UNITS nodes, a leaf, a ray and a record a clock. Stall:
+// ray_ready_o, fetch_ready_i, record_ready_i.
 `include "hierarchy.svh"
 `include "ray_box.svh"
 module traversal #(
@@ -132,7 +132,8 @@ module traversal #(
         .ARITH(ARITH)
     ) bank (
         .clk_i, .rst_i, .node_write_i, .node_at_i, .node_i, .farthest_i(goal_i == GOAL_FARTHEST),
-        .interval_write_i(`CDE_OWN(interval_context) ? interval_write : '0), .interval_context_i(interval_context[CX-1:BANK]),
+        .interval_write_i(`CDE_OWN(interval_context) ? interval_write : '0),
+        .interval_context_i(interval_context[CX-1:BANK]),
         .interval_i(interval), .front_valid_i(front_valid && `CDE_OWN(front_context)),
         .front_context_i(front_context), .front_i(front), .leaf_valid_o(leaf_valid[u]),
         .leaf_ready_i(leaf_ready[u]), .leaf_o(leaf[u]), .tested_valid_i(keep_valid && `CDE_OWN(tested.context_)),
@@ -240,6 +241,7 @@ module traversal #(
 
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i)
-    if (!rst_i) assert (latency == 16'(T_PAIR)) else $error("traversal: the pipe takes %0d clocks, not %0d", latency, T_PAIR);
+    if (!rst_i)
+      assert (latency == 16'(T_PAIR)) else $error("traversal: the pipe takes %0d clocks, not %0d", latency, T_PAIR);
 `endif
 endmodule

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contexts of one node unit: which node or leaf each of them visits next. A node is read and its boxes tested; the first
-// child that is met is visited at once, the others wait on the context's stack, from which the next is chosen when a
-// leaf has been tested or a node had none.
+// Contexts of one node unit: which node or leaf each of them visits next. A node is read and its boxes tested; the
+// first child that is met is visited at once, the others wait on the context's stack, from which the next is chosen
+// when a leaf has been tested or a node had none.
 // Latency: of a visit NODE_T_UNIT + 2 clocks (hierarchy.svh), of a choice 2. Throughput: a node and a choice a clock.
 // Stall: none but leaf_ready_i and done_ready_i; all that waits are contexts, in queues that hold all of them.
 `include "hierarchy.svh"

@@ -228,6 +228,43 @@ TEST(Traversal, IsThatOfTheReferenceWithHostArithmetic) {
   expect_reference<TraversalHost>(20'000);
 }
 
+/// A packet, and rays in a stream, from within the terrain in any direction: docs/hierarchy.md has
+/// the clocks.
+TEST(Traversal, OfTheTerrain) {
+  const Mesh mesh = make_terrain();
+  std::vector<Triangle> triangles;
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) triangles.push_back(mesh.triangle(i));
+  const Hierarchy hierarchy = Hierarchy::build(triangles);
+  reference::Traversal expected(triangles, hierarchy);
+  const auto box = bounds(mesh);
+  Dice dice;
+  const auto share = [&] { return static_cast<float>(dice.below(1u << 24)) * 0x1p-24f; };
+  for (const std::size_t count : {256, 20'000}) {
+    std::vector<Ray> rays;
+    for (std::size_t i = 0; i < count; ++i) {
+      Ray ray;
+      for (int k = 0; k < 3; ++k) {
+        ray.o[k] = box.min()[k] + share() * box.sizes()[k];
+        ray.d[k] = 2 * share() - 1;
+      }
+      rays.push_back(ray);
+    }
+    Bench<TraversalHost> bench(triangles, hierarchy);
+    const std::vector<Record> records = bench.cast(rays, 0, true);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Record should = expected.trace(rays[i], ~0u, Mode::kNearest)[0];
+      ASSERT_EQ(records[i].f, should.f) << "ray " << i;
+      if (should.f) {
+        ASSERT_TRUE(same_bits(records[i], should)) << "ray " << i;
+      }
+    }
+    std::printf("%zu rays: %u clocks, %.2f a ray; %.2f nodes, %.2f triangles\n", count,
+                bench.clocks, bench.clocks / static_cast<double>(count),
+                bench.nodes() / static_cast<double>(count),
+                bench.secondaries() / static_cast<double>(count));
+  }
+}
+
 /// One unit and no more than two rays at a time.
 TEST(Traversal, IsThatOfTheReferenceWithTwoContexts) {
   expect_reference<TraversalOne>(1000);
