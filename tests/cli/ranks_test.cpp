@@ -162,6 +162,24 @@ TEST_F(Ranks, ShardsOfACastMakeUpTheWhole) {
   refused({"merge", "s1", "s2", "s3"}, "s2 (shard 2/3) is not finished");
   ASSERT_EQ(cde(cast("o.csv", {"--mode", "any", "--resume", "any", "--shard", "2/3"})).status, 0);
   refused({"merge", "s1", "any", "s3"}, "any is of a run with mode \"any\", this one has");
+  Words others = cast("o.csv", {"--resume", "other", "--shard", "2/3"});
+  others[3] = "420x419";
+  ASSERT_EQ(cde(others).status, 0);
+  write("s2", half);
+  refused({"merge", "s1", "other", "s3"}, "s1 and other are of runs with different inputs");
+  write("empty", "");
+  refused({"merge", "s1", "empty", "s3"}, "empty is not finished: its command has not begun it");
+  write("torn", half.substr(0, 100));
+  refused({"merge", "torn"}, "torn is not finished: its command has not begun it");
+  std::string rays;
+  for (int i = 0; i < 10; ++i) rays += fmt::format("{},1,9,0,0,-1\n", i);
+  write("rays", rays);
+  const Words of_file = {"cast", "square.obj", "--rays", "rays",    "-o", "rays.csv",
+                         "-q",   "--resume",   "whole",  "--shard", "1/1"};
+  ASSERT_EQ(cde(of_file).status, 0);
+  EXPECT_EQ(cde({"merge", "whole"}).status, 0);
+  write("rays", rays + "7,7,7,0,0,-1\n");
+  refused({"merge", "whole"}, "whole is of a run with another input: chunk 0 of it differs");
   refused(cast("x.csv", {"--shard", "1/2"}), "--shard requires --resume");
   refused(cast("x.csv", {"--shard", "0/2", "--resume", "x"}), "--shard is '0/2'; it must be I/N");
   refused(cast("x.csv", {"--shard", "1/2", "--resume", "x", "--boards", "2"}),
@@ -199,6 +217,13 @@ TEST_F(Ranks, ShardsOfAQueryMakeUpTheWhole) {
   EXPECT_EQ(merged.status, 2);
   EXPECT_EQ(merged.out, plain.out);
   EXPECT_EQ(merged.err, plain.err);
+  ASSERT_EQ(shell("tac pairs | " + query + "--shard 2/2 --resume q3").status, 0);
+  const Ran mixed = shell("\"$CDE\" merge q1 q3");
+  EXPECT_EQ(mixed.status, 2);
+  EXPECT_EQ(mixed.out, "");
+  EXPECT_NE(mixed.err.find("q1 and q3 are of runs with different inputs"), std::string::npos);
+  EXPECT_EQ(shell(query + "--resume journal -o answers < pairs").status, 2);
+  EXPECT_EQ(read("answers"), plain.out);
   const Ran other = shell("head -n 100000 pairs | " + query + "--resume journal");
   EXPECT_EQ(other.status, 2);
   EXPECT_NE(other.err.find("journal is of a run with another input"), std::string::npos)
@@ -268,6 +293,12 @@ TEST_F(Ranks, PartsOfAMeshGiveTheRecordsOfOneCard) {
       }
     }
   }
+  // Where nothing is asked for there is a picture, which takes the mesh.
+  ASSERT_EQ(cde({"cast", "tied.obj", "--size", "32x24", "-q"}).status, 0);
+  const std::string picture = read("tied.cast.png");
+  std::filesystem::remove(folder_ / "tied.cast.png");
+  EXPECT_EQ(cde({"cast", "tied.obj", "--size", "32x24", "-q", "--partition", "2"}).status, 0);
+  EXPECT_EQ(read("tied.cast.png"), picture);
   refused({"cast", "tied.obj", "--partition", "9", "--grid", "4x4"},
           "--partition 9: tied.obj has 8 triangles");
 }
@@ -346,7 +377,10 @@ TEST_F(MpiRanks, WhatIsWrongIsSaidOnce) {
                            words(cast("x.csv", {"--no-check"})));
   EXPECT_EQ(differ.status, 2) << differ.err;
   EXPECT_NE(differ.err.find("rank 1 on "), std::string::npos) << differ.err;
-  EXPECT_NE(differ.err.find(" has checked false, rank 0 on "), std::string::npos) << differ.err;
+  EXPECT_NE(differ.err.find(" '--no-check', rank 0 on "), std::string::npos) << differ.err;
+  const Ran waves = shell("export CDE_WAVES=.; " + run(2) + words(cast("x.csv")));
+  EXPECT_EQ(waves.status, 2);
+  EXPECT_EQ(count(waves.err, "CDE_WAVES is of one process"), 1) << waves.err;
   EXPECT_FALSE(exists("x.csv"));
 }
 
@@ -368,14 +402,13 @@ TEST_F(MpiRanks, AKilledRunGoesOn) {
         "for i in {{1..50}}; do pgrep -f $PWD/r.csv >/dev/null || break; sleep 0.1; done; "
         "exit $status",
         command, after / 1000, after % 1000, victim));
-    if (ran.status == 0) {  // it had come to its end
+    if (ran.status != 0) ++killed;
+    // It had come to its end, if not to that of mpirun.
+    if (ran.status == 0 || exists("r.csv")) {
       EXPECT_TRUE(same("r.csv", "whole.csv"));
       std::filesystem::remove(folder_ / "r.csv");
       std::filesystem::remove(folder_ / "journal");
-      continue;
     }
-    ++killed;
-    EXPECT_FALSE(exists("r.csv")) << "half a file";
   }
   EXPECT_EQ(killed, kills);
   EXPECT_EQ(shell(command).status, 0);

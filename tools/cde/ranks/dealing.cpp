@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <optional>
 #include <thread>
@@ -75,6 +76,21 @@ void add_deal_options(CLI::App& verb, DealOptions& o) {
              "I/N", [](const std::string& text) { (void)parse_shard(text); })
       ->needs(resume);
 }
+
+/// Fingerprints of a part's inputs, as they come, as one.
+class Inputs {
+ public:
+  /// That of one.
+  std::string add(const std::string& input) {
+    std::string print = fingerprint(input);
+    all_ = fingerprint(all_ + print);
+    return print;
+  }
+  [[nodiscard]] Journal::PartEnd end(std::uint64_t chunks) const { return {chunks, all_}; }
+
+ private:
+  std::string all_;
+};
 
 /// The results of a part in their order: takes those that are next, keeps the others.
 class Dealing::Order {
@@ -198,6 +214,7 @@ void Dealing::deal_all(const Part& part) {
   }
   Order order(part, quiet_);
   const std::uint64_t window = kWindow * ranks();
+  Inputs all;
   std::map<std::uint64_t, std::string> inputs;  // fingerprints of what is dealt
   std::uint64_t number = 0;
   bool ended = false;
@@ -206,11 +223,11 @@ void Dealing::deal_all(const Part& part) {
       std::optional<std::string> input = part.input(number);
       if (!input) {
         ended = true;
-        if (journal_) journal_->end_part(parts_, number);
+        if (journal_) journal_->end_part(parts_, all.end(number));
         break;
       }
       const ChunkNumber key{parts_, number};
-      std::string print = journal_ ? fingerprint(*input) : std::string();
+      std::string print = journal_ ? all.add(*input) : std::string();
       if (journal_ && journal_->has(key)) {
         journal_->check_input(key, print);
         order.add(number++, journal_->read(key));
@@ -239,31 +256,41 @@ void Dealing::deal_all(const Part& part) {
 /// Chunks of this shard, into the journal.
 bool Dealing::deal_shard(const Part& part) {
   Progress bar(part.what, quiet_);
+  Inputs all;
   std::uint64_t number = 0;
   for (; const auto input = part.input(number); ++number) {
+    const std::string print = all.add(*input);
     if (part.chunks) bar(static_cast<double>(number) / static_cast<double>(*part.chunks));
     if (number % shards_ + 1 != shard_) continue;
     const ChunkNumber key{parts_, number};
-    const std::string print = fingerprint(*input);
     if (journal_->has(key))
       journal_->check_input(key, print);
     else
       journal_->add(key, print, part.run(number, *input));
   }
-  journal_->end_part(parts_, number);
+  journal_->end_part(parts_, all.end(number));
   ++parts_;
   return false;
 }
 
 bool Dealing::deal_merged(const Part& part) {
   Order order(part, quiet_);
-  const auto chunks = merged_.front()->chunks_of(parts_);
-  for (std::uint64_t number = 0; number < chunks.value_or(0); ++number) {
+  const auto end = merged_.front()->end_of(parts_);
+  const std::uint64_t chunks = end ? end->chunks : 0;
+  for (std::uint64_t number = 0; number < chunks; ++number) {
     const ChunkNumber key{parts_, number};
     const auto holder =
         std::ranges::find_if(merged_, [&](const auto& journal) { return journal->has(key); });
+    if (part.inputs_again) {
+      const auto input = part.input(number);
+      (*holder)->check_input(key, input ? fingerprint(*input) : "none");
+    }
     order.add(number, (*holder)->read(key));
   }
+  if (part.inputs_again && part.input(chunks))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("cde merge: {} is of a run of {}, there are more now",
+                            printable_name(merged_.front()->path()), chunks_text(chunks)));
   ++parts_;
   return true;
 }
@@ -283,43 +310,75 @@ void Dealing::check_merged() const {
                                 journal->run().value("shard", "")));
     }
   }
-  for (unsigned p = 0;; ++p) {
-    std::optional<std::uint64_t> chunks;
-    const Journal* says = nullptr;
-    for (const auto& journal : merged_) {
-      const auto own = journal->chunks_of(p);
-      if (!own && p == 0)
-        throw Error(ErrorCode::kUsage,
-                    fmt::format("cde merge: {} (shard {}) is not finished: give its command again",
-                                name(*journal), journal->run().value("shard", "1/1")));
-      if (!own) continue;
-      if (chunks && *chunks != *own)
-        throw Error(ErrorCode::kUsage,
-                    fmt::format("cde merge: {} is of a run of {}, {} of one of {}", name(*says),
-                                chunks_text(*chunks), name(*journal), *own));
-      chunks = own;
-      says = journal.get();
-    }
-    if (!chunks) return;
-    for (std::uint64_t number = 0; number < *chunks; ++number) {
+  const auto has_part = [this](unsigned p) {
+    return std::ranges::any_of(merged_, [p](const auto& j) { return j->end_of(p).has_value(); });
+  };
+  for (unsigned p = 0; p == 0 || has_part(p); ++p) {
+    check_ends(p);
+    const std::uint64_t chunks = merged_.front()->end_of(p)->chunks;
+    for (std::uint64_t number = 0; number < chunks; ++number) {
       if (from.contains({p, number})) continue;
       const auto shards = parse_shard(merged_.front()->run().value("shard", "1/1")).second;
       throw Error(ErrorCode::kUsage,
                   fmt::format("cde merge: chunk {} of {} is in none of the journals: that of shard "
                               "{}/{} is missing",
-                              number, *chunks, number % shards + 1, shards));
+                              number, chunks, number % shards + 1, shards));
     }
+  }
+}
+
+/// All journals have come to the end of a part, and of the same.
+void Dealing::check_ends(unsigned part) const {
+  const auto name = [](const Journal& journal) { return printable_name(journal.path()); };
+  const Journal& first = *merged_.front();
+  for (const auto& journal : merged_) {
+    const auto end = journal->end_of(part);
+    if (!end)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("cde merge: {} (shard {}) is not finished: give its command again",
+                              name(*journal), journal->run().value("shard", "1/1")));
+    const auto other = first.end_of(part);
+    if (*other == *end) continue;
+    if (other->chunks != end->chunks)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("cde merge: {} is of a run of {}, {} of one of {}", name(first),
+                              chunks_text(other->chunks), name(*journal), end->chunks));
+    throw Error(ErrorCode::kUsage, fmt::format("cde merge: {} and {} are of runs with different "
+                                               "inputs",
+                                               name(first), name(*journal)));
   }
 }
 
 void Dealing::start(const std::vector<std::string>& words) {
   words_ = words;
-  if (ranks() == 1 || words.empty()) return;
+  if (ranks() == 1) return;
+  check_words();
+  if (words.empty()) return;
   if (!words[0].starts_with("-") && words[0] != "help" && !is_dealt(words[0]))
     throw Error(ErrorCode::kUsage,
                 fmt::format("{} ranks were started, and each would do the same: what is dealt to "
                             "ranks is cde {}",
                             ranks(), fmt::join(kDealt, ", ")));
+  if (std::getenv("CDE_WAVES") != nullptr)
+    throw Error(ErrorCode::kUsage, "CDE_WAVES is of one process: ranks would write the same files");
+}
+
+/// Every rank was asked the same.
+void Dealing::check_words() const {
+  const std::vector<std::string> all = among_->all_of(json_text(Json(words_), -1));
+  const auto first = Json::parse(all[0]).get<std::vector<std::string>>();
+  for (unsigned rank = 1; rank < all.size(); ++rank) {
+    if (all[rank] == all[0]) continue;
+    const auto other = Json::parse(all[rank]).get<std::vector<std::string>>();
+    const auto at =
+        static_cast<std::size_t>(std::ranges::mismatch(first, other).in1 - first.begin());
+    const auto word = [at](const std::vector<std::string>& of) {
+      return at < of.size() ? in_quotes(of[at]) : std::string("none");
+    };
+    throw Error(ErrorCode::kConfiguration,
+                fmt::format("{} has word {} {}, {} has {}", among_->place(rank), at + 1,
+                            word(other), among_->place(0), word(first)));
+  }
 }
 
 void Dealing::end() {

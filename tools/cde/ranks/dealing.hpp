@@ -34,6 +34,8 @@ struct Part {
   std::optional<std::uint64_t> chunks;  ///< how many, if that is known before
   /// What a chunk is made of; nothing behind the last one. Called once each, in order.
   std::function<std::optional<std::string>(std::uint64_t)> input;
+  /// Whether merging has the inputs, too, which are compared then with those of the shards.
+  bool inputs_again = true;
   /// Its result, which depends on the input alone. On whichever rank.
   std::function<std::string(std::uint64_t, const std::string& input)> run;
   /// The rank that a chunk is of, as only that one has what it needs; none: any.
@@ -95,8 +97,10 @@ class Dealing {
 
  private:
   class Order;
+  void check_words() const;
   void check_ranks(const nlohmann::ordered_json& run) const;
   void check_merged() const;
+  void check_ends(unsigned part) const;
   bool deal_merged(const Part& part);
   bool deal_shard(const Part& part);
   void deal_all(const Part& part);

@@ -155,7 +155,7 @@ bool Journal::scan_entry(const Json& entry, std::uint64_t at, std::uint64_t& nex
   };
   const auto part = static_cast<unsigned>(count("part"));
   if (entry.contains("chunks")) {
-    ends_[part] = count("chunks");
+    ends_[part] = {count("chunks"), entry.at("inputs").get<std::string>()};
     return true;
   }
   const ChunkPlace place{.at = next,
@@ -228,18 +228,21 @@ void Journal::add(ChunkNumber number, const std::string& input, std::string_view
   chunks_.emplace(number, std::move(place));
 }
 
-void Journal::end_part(unsigned part, std::uint64_t chunks) {
-  if (const auto known = chunks_of(part)) {
-    if (*known == chunks) return;
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{}: {} is of a run with another input: it has {} chunks, this one {}",
-                            what_, printable_name(path_), *known, chunks));
+void Journal::end_part(unsigned part, const PartEnd& end) {
+  if (const auto known = end_of(part)) {
+    if (*known == end) return;
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("{}: {} is of a run with another input: it has {} chunks, this one {}{}", what_,
+                    printable_name(path_), known->chunks, end.chunks,
+                    known->chunks == end.chunks ? ", and they differ" : ""));
   }
-  append(json_text(Json{{"part", part}, {"chunks", chunks}}, -1) + "\n");
-  ends_.emplace(part, chunks);
+  append(json_text(Json{{"part", part}, {"chunks", end.chunks}, {"inputs", end.inputs}}, -1) +
+         "\n");
+  ends_.emplace(part, end);
 }
 
-std::optional<std::uint64_t> Journal::chunks_of(unsigned part) const {
+std::optional<Journal::PartEnd> Journal::end_of(unsigned part) const {
   const auto at = ends_.find(part);
   return at == ends_.end() ? std::nullopt : std::optional(at->second);
 }

@@ -62,9 +62,15 @@ class Journal {
   /// Keeps a chunk, made of an input with this fingerprint.
   void add(ChunkNumber number, const std::string& input, std::string_view bytes);
 
-  /// How many chunks a part has, once that is known.
-  void end_part(unsigned part, std::uint64_t chunks);
-  [[nodiscard]] std::optional<std::uint64_t> chunks_of(unsigned part) const;
+  /// What is known of a part once its inputs have ended.
+  struct PartEnd {
+    std::uint64_t chunks = 0;
+    std::string inputs;  ///< a fingerprint of all of them
+    bool operator==(const PartEnd&) const = default;
+  };
+  /// Error kUsage if it was another one before.
+  void end_part(unsigned part, const PartEnd& end);
+  [[nodiscard]] std::optional<PartEnd> end_of(unsigned part) const;
 
  private:
   [[noreturn]] void fail(const char* doing) const;
@@ -80,7 +86,7 @@ class Journal {
   std::uint64_t bytes_ = 0;  ///< of the file
   nlohmann::ordered_json run_;
   std::map<ChunkNumber, ChunkPlace> chunks_;
-  std::map<unsigned, std::uint64_t> ends_;
+  std::map<unsigned, PartEnd> ends_;
 };
 
 }  // namespace cde::cli

@@ -44,6 +44,8 @@ struct CastOptions {
   [[nodiscard]] bool wants_picture() const {
     return !depth.empty() || !shaded.empty() || !normals.empty() || !indices.empty();
   }
+  /// Also the one that is made where nothing is asked for.
+  [[nodiscard]] bool makes_picture() const { return wants_picture() || shows_itself; }
 };
 
 /// Rays, and the picture they make if they are one.

@@ -107,7 +107,7 @@ constexpr double kBytesPerSecond = 1.25e9, kLatencySeconds = 50e-6;
 /// with parts to the card that has its part; the time is that until the last result has come.
 class Sum {
  public:
-  Sum(unsigned cards, unsigned parts) : parts_(parts), free_at_(std::max(cards, parts), 0.0) {}
+  Sum(unsigned cards, unsigned parts) : parts_(parts), free_at_(parts > 1 ? parts : cards, 0.0) {}
 
   void add(CastOutcome one, unsigned part) {
     const std::uint64_t records = all.counters.records, bad = all.counters.bad_primaries;
@@ -190,7 +190,7 @@ void share_parts(const CastOptions& o, CastJob& job) {
     return all;
   });
   // What is computed from records and triangles, files and pictures, needs all of it on rank 0.
-  if (o.fields.empty() && !o.wants_picture()) job.mesh = Mesh{};
+  if (o.fields.empty() && !o.makes_picture()) job.mesh = Mesh{};
   std::size_t at = 0;
   for (unsigned p = dealing.rank(); p < parts; p += ranks)
     job.parts.emplace(p, job_of_part(job, mesh_at(bytes, at)));

@@ -28,6 +28,7 @@ struct QueryOptions : PairOptions {
   TraceRequest trace;
   BundleRequest bundle;
   DealOptions deal;
+  std::string output = "-";
   bool bits = false, check = true, keep_going = false, json = false, quiet = false;
 };
 

@@ -192,7 +192,7 @@ void cast_shadows(const CastOptions& o, CastPicture& picture, CastOutcome& all) 
 
 /// Cards that share the work: of this process, of the ranks, or of the parts of the mesh.
 unsigned cards_of(const CastOptions& o) {
-  return std::max({o.boards, o.partition, Dealing::here().ranks()});
+  return o.partition > 1 ? o.partition : std::max(o.boards, Dealing::here().ranks());
 }
 
 /// Whether modelled times have records of several cards come over a network.
@@ -278,7 +278,7 @@ void run(const CastOptions& asked) {
     return;
   }
   std::optional<CastPicture> picture;
-  if (o.wants_picture() || o.shows_itself) picture.emplace(o, job);
+  if (o.makes_picture()) picture.emplace(o, job);
   std::optional<RecordFile> records;
   if (!o.records.empty())
     records.emplace(o.records, o.bits, o.fields, job.mesh, job.rays, records_of(job));

@@ -47,8 +47,14 @@ void check_words(const Journal& journal) {
 
 void run(const std::vector<std::string>& files, const CommandRun& again) {
   std::vector<std::unique_ptr<Journal>> journals;
-  for (const std::string& file : files)
-    journals.push_back(std::make_unique<Journal>("cde merge", file, Journal::Use::kRead));
+  for (const std::string& file : files) {
+    auto journal = std::make_unique<Journal>("cde merge", file, Journal::Use::kRead);
+    if (!journal->run().is_object())
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("cde merge: {} is not finished: its command has not begun it",
+                              printable_name(file)));
+    journals.push_back(std::move(journal));
+  }
   Json of_all;
   for (const auto& [key, value] : journals.front()->run().items())
     if (key != "shard" && key != "words") of_all[key] = value;

@@ -13,6 +13,7 @@
 #include "cde/bitstream/bitstream.hpp"
 #include "cde/support/error.hpp"
 #include "command/line_input.hpp"
+#include "command/values.hpp"
 #include "output/json_keys.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
@@ -34,17 +35,17 @@ double stdin_size() {
              : 0;
 }
 
-/// Answers to stdout.
+/// Answers to a file or stdout.
 class Answers {
  public:
-  explicit Answers(std::string_view first) : out_(first) {}
+  Answers(const std::string& file, std::string_view first) : out_(first), file_(file) {}
   /// The first line: ahead of its answers to who waits for it before asking, with them otherwise,
   /// so that nothing is written where none follow.
   void begin() { flush(); }
   void add(const QueryAnswers& answers) {
     totals_ += answers.totals;
     if (answers.rows.empty()) return;
-    flush();  // a stdout that cannot be written is known before lines are judged
+    flush();  // what cannot be written is known before lines are judged
     if (!answers.messages.empty()) say(answers.messages);
     for (const std::string& failure : answers.failures)
       if (told_++ < kQueryFailures) say("cde: {}\n", failure);
@@ -53,25 +54,26 @@ class Answers {
   }
   [[nodiscard]] const QueryTotals& end() {
     flush();
+    file_.commit();
     return totals_;
   }
 
  private:
   void flush() {
-    stdout_.write(out_);
-    stdout_.flush();
+    file_.write(out_);
+    file_.flush();
     out_.clear();
   }
   std::string out_;
   QueryTotals totals_;
   std::size_t told_ = 0;  ///< failures
-  OutputFile stdout_{"-"};
+  OutputFile file_;
 };
 
 /// Lines are answered as they come.
 QueryTotals answer_lines(const QueryOptions& o, const PairConfig& config) {
   QueryPipe pipe(o, config);
-  Answers answers(kHeader);
+  Answers answers(o.output, kHeader);
   LineInput input;
   if (!config.trace && LineInput::waits()) answers.begin();
   Progress progress("query", o.quiet);
@@ -170,11 +172,12 @@ std::optional<QueryTotals> deal_lines(const QueryOptions& o, const PairConfig& c
   LineChunks lines;
   std::optional<QueryPipe> pipe;
   std::optional<Answers> answers;
-  if (dealing.leads() && !dealing.is_shard()) answers.emplace(kHeader);
+  if (dealing.leads() && !dealing.is_shard()) answers.emplace(o.output, kHeader);
   const bool whole =
       dealing.deal({.what = "query",
                     .chunks = std::nullopt,
                     .input = [&](std::uint64_t) { return lines.next(); },
+                    .inputs_again = false,  // stdin is gone
                     .run =
                         [&](std::uint64_t, const std::string& chunk) {
                           if (!pipe) pipe.emplace(o, config);
@@ -236,17 +239,16 @@ void print_summary(const QueryOptions& o, const PairConfig& config, const QueryT
 
 void run(const QueryOptions& o) {
   o.trace.check();
+  std::vector<FileUse> outputs = {{o.output == "-" ? "the answers" : "--output", o.output}};
+  if (o.trace.wanted()) outputs.push_back({"--trace", o.trace.file});
+  if (!o.deal.resume.empty()) outputs.push_back({"--resume", o.deal.resume});
+  if (outputs.size() > 1 || o.output != "-")
+    check_outputs(outputs, std::vector<FileUse>{{"stdin", "-"}});
   if (o.keep_going && !o.check)
     throw Error(ErrorCode::kUsage, "--keep-going is of comparing: not with --no-check");
-  if (o.trace.wanted())
-    check_outputs(std::vector<FileUse>{{"--trace", o.trace.file}, {"the answers", "-"}},
-                  std::vector<FileUse>{{"stdin", "-"}});
   PairConfig config = configuration(o);
   config.trace = o.trace.wanted();
   const bool dealt = Dealing::here().asked(o.deal);
-  if (!o.deal.resume.empty())
-    check_outputs(std::vector<FileUse>{{"--resume", o.deal.resume}, {"the answers", "-"}},
-                  std::vector<FileUse>{{"stdin", "-"}});
   if (dealt && o.trace.wanted())
     throw Error(ErrorCode::kUsage,
                 "--trace is of one process: not with ranks, --resume or --shard");
@@ -280,6 +282,11 @@ void add_query(CLI::App& app) {
       "line cannot be read) or differs (--keep-going). Blank lines and lines that start with # are "
       "skipped");
   add_pair_options(*verb, *o);
+  file_value(verb->add_option("-o,--output", o->output,
+                              "Where the answers go: a file that appears whole or not at all, or "
+                              "- for stdout, line by line")
+                 ->capture_default_str(),
+             "FILE");
   verb->add_flag("--bits", o->bits, "Print words as 0x and their bits instead of decimals");
   verb->add_flag("--check,!--no-check", o->check,
                  "Compare every answer with the reference, bit for bit (on)");
