@@ -18,6 +18,7 @@ package hierarchy_pkg;
   localparam logic [2:0] GOAL_FARTHEST = 1;
   localparam logic [2:0] GOAL_ANY = 2;       // the hit of the least index
   localparam logic [2:0] GOAL_OCCLUDED = 3;  // whether there is a hit: ends at the first
+  localparam logic [2:0] GOAL_HITS = 4;      // all of them
 
   // Children of a node that a ray meets, in the order in which they are visited.
   typedef struct packed {

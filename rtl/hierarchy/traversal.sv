@@ -53,7 +53,14 @@ module traversal #(
     input logic [TAG-1:0] fetched_tag_i,
     input logic [LANES-1:0][8:0][31:0] fetched_i,
     input logic [LANES-1:0][31:0] index_i,
-    // Records, one a ray.
+    // Hits of goal hits, as they are found. Nobody waits for who takes them: there is room for those of all leaves that
+    // are asked for (fetch_ready_i).
+    output logic [LANES-1:0] hit_o,
+    output logic [31:0] hit_number_o,
+    output logic [LANES-1:0][31:0] hit_t_o,
+    output logic [2:0][LANES-1:0][31:0] hit_cp_o,
+    output logic [LANES-1:0][31:0] hit_index_o,
+    // Records, one a ray, behind its hits; of goal hits they say no more than that.
     output logic record_valid_o,
     input logic record_ready_i,
     output logic [31:0] number_o,
@@ -191,6 +198,7 @@ module traversal #(
 
   // ---- The better of what a ray had and what it found ----
   best_t best_q, best;
+  logic [LANES-1:0] counts;
   always_ff @(posedge clk_i) best_q <= bests[keep_at_soon.context_];
   // T is no -0, so that words are equal where numbers are.
   function automatic logic better(input logic [31:0] t_1, input logic [31:0] index_1, input logic [31:0] t_2,
@@ -202,10 +210,16 @@ module traversal #(
     best = best_q;
     for (int l = 0; l < LANES; l++) begin
       best_t one;
-      one = '{f: f[l][0], t: t[l], cp: {cp[2][l], cp[1][l], cp[0][l]}, index: index[l]};
-      if (one.f && (l == 0 || two) && (!best.f || better(one.t, one.index, best.t, best.index))) best = one;
+      one = '{f: 1'b1, t: t[l], cp: {cp[2][l], cp[1][l], cp[0][l]}, index: index[l]};
+      counts[l] = f[l][0] && (l == 0 || two);
+      if (counts[l] && goal_i != GOAL_HITS && (!best.f || better(one.t, one.index, best.t, best.index))) best = one;
     end
   end
+  always_ff @(posedge clk_i) hit_number_o <= numbers[keep_at_soon.context_];
+  assign hit_o = (keep_valid && goal_i == GOAL_HITS) ? counts : '0;
+  assign hit_t_o = t;
+  assign hit_cp_o = cp;
+  assign hit_index_o = index;
   // A hit leaves less of T that counts; the first of goal occluded ends the way.
   always_comb begin
     interval_write = {2{take}};

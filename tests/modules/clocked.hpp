@@ -16,7 +16,11 @@ class Clocked {
     context_.randSeed(kSeed);
     module_ = std::make_unique<Module>(&context_);
   }
-  ~Clocked() { module_->final(); }
+  ~Clocked() {
+    // Verilator takes a module's scopes off the context of whatever the thread ran last.
+    Verilated::threadContextp(&context_);
+    module_->final();
+  }
   Clocked(const Clocked&) = delete;
   Clocked& operator=(const Clocked&) = delete;
   Module* operator->() { return module_.get(); }

@@ -26,7 +26,7 @@ struct Goal {
   Mode mode;
 };
 constexpr Goal kGoals[] = {{0, Mode::kNearest}, {1, Mode::kFarthest}, {2, Mode::kAny}};
-constexpr unsigned kOccluded = 3;
+constexpr unsigned kOccluded = 3, kHits = 4;
 
 std::uint32_t word(float x) {
   return std::bit_cast<std::uint32_t>(x);
@@ -99,10 +99,14 @@ class Bench {
         r = record();
         ++got;
       }
+      for (unsigned l = 0; l < 2; ++l)
+        if ((module_->hit_o >> l & 1) != 0) hits.push_back(hit(l));
       module_.clock();
     }
     return records;
   }
+
+  std::vector<Record> hits;  ///< of goal hits
 
   unsigned clocks = 0;
   [[nodiscard]] std::uint32_t nodes() { return module_->nodes_o; }
@@ -118,6 +122,17 @@ class Bench {
     for (unsigned k = 0; k < 3; ++k)
       r.cp[static_cast<int>(k)] = std::bit_cast<float>(module_->cp_o[k]);
     r.index = module_->index_o;
+    return r;
+  }
+
+  Record hit(unsigned lane) {
+    Record r;
+    r.primary = module_->hit_number_o;
+    r.f = true;
+    r.t = std::bit_cast<float>(reinterpret_cast<const IData*>(&module_->hit_t_o)[lane]);
+    for (unsigned k = 0; k < 3; ++k)
+      r.cp[static_cast<int>(k)] = std::bit_cast<float>(module_->hit_cp_o[2 * k + lane]);
+    r.index = reinterpret_cast<const IData*>(&module_->hit_index_o)[lane];
     return r;
   }
 
@@ -180,6 +195,26 @@ Scene scene(std::size_t rays) {
 }
 
 template <class Module>
+void expect_hits(const Scene& s, const Hierarchy& hierarchy, bool patient) {
+  Bench<Module> bench(s.triangles, hierarchy);
+  reference::Traversal expected(s.triangles, hierarchy);
+  (void)bench.cast(s.rays, kHits, patient);
+  std::sort(bench.hits.begin(), bench.hits.end(), [](const Record& a, const Record& b) {
+    return a.primary != b.primary ? a.primary < b.primary : a.index < b.index;
+  });
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < s.rays.size(); ++i) {
+    for (const Record& should :
+         expected.trace(s.rays[i], static_cast<std::uint32_t>(i), Mode::kHits)) {
+      ASSERT_LT(at, bench.hits.size());
+      ASSERT_TRUE(same_bits(bench.hits[at++], should)) << "ray " << i << ", hit " << at;
+    }
+  }
+  EXPECT_EQ(at, bench.hits.size());
+  EXPECT_GT(at, s.rays.size() / 10);
+}
+
+template <class Module>
 void expect_reference(std::size_t count) {
   const Scene s = scene(count);
   for (const unsigned leaf : {1u, 2u}) {
@@ -216,6 +251,7 @@ void expect_reference(std::size_t count) {
         ASSERT_EQ(records[i].f, expected.occluded(s.rays[i])) << "ray " << i;
       EXPECT_EQ(bench.nodes(), expected.counts().nodes);
       EXPECT_EQ(bench.secondaries(), expected.counts().triangles);
+      expect_hits<Module>(s, hierarchy, patient);
     }
   }
 }
