@@ -239,11 +239,11 @@ void print_summary(const QueryOptions& o, const PairConfig& config, const QueryT
 
 void run(const QueryOptions& o) {
   o.trace.check();
-  std::vector<FileUse> outputs = {{o.output == "-" ? "the answers" : "--output", o.output}};
-  if (o.trace.wanted()) outputs.push_back({"--trace", o.trace.file});
-  if (!o.deal.resume.empty()) outputs.push_back({"--resume", o.deal.resume});
-  if (outputs.size() > 1 || o.output != "-")
-    check_outputs(outputs, std::vector<FileUse>{{"stdin", "-"}});
+  if (o.trace.wanted() || !o.deal.resume.empty() || o.output != "-")
+    check_outputs(std::vector<FileUse>{{"--trace", o.trace.wanted() ? o.trace.file : ""},
+                                       {"--resume", o.deal.resume},
+                                       {o.output == "-" ? "the answers" : "--output", o.output}},
+                  std::vector<FileUse>{{"stdin", "-"}});
   if (o.keep_going && !o.check)
     throw Error(ErrorCode::kUsage, "--keep-going is of comparing: not with --no-check");
   PairConfig config = configuration(o);
