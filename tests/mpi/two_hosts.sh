@@ -20,7 +20,8 @@ clean() {
 }
 trap clean EXIT
 cd "$folder"
-{ ip netns add "$a" && ip netns add "$b" && ip link add name eth0 netns "$a" type veth peer name eth0 netns "$b"; } 2>why || skip "no namespaces here: $(cat why)"
+{ ip netns add "$a" && ip netns add "$b" && ip link add name eth0 netns "$a" type veth peer name eth0 netns "$b" &&
+  ip netns exec "$a" unshare --uts true && ip netns exec "$b" unshare --uts hostname cde-b; } 2>why || skip "no namespaces here: $(cat why)"
 ip -n "$a" addr add 10.77.0.1/24 dev eth0
 ip -n "$b" addr add 10.77.0.2/24 dev eth0
 for host in "$a" "$b"; do ip -n "$host" link set dev lo up; ip -n "$host" link set dev eth0 up; done
