@@ -7,6 +7,7 @@
 
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 #include <random>
 
 #include "cde/mesh/terrain.hpp"
@@ -227,6 +228,25 @@ TEST(Hierarchy, DamagedFilesAreRefused) {
   std::string many = whole;  // as many nodes as there can be
   for (std::size_t at = 16; at < 24; ++at) many[at] = static_cast<char>(0xff);
   EXPECT_NE(refused(many), "nothing");
+  // Files that somebody made: the checksum is right, what it is of is not.
+  const auto sealed = [&](std::string bytes) {
+    bytes.resize(bytes.size() - 64);
+    folder.write("y", bytes);
+    const std::string command =
+        "sha256sum <'" + (folder / "y").string() + "' >'" + (folder / "sum").string() + "'";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    return bytes + bytes_of(folder / "sum").substr(0, 64);
+  };
+  EXPECT_EQ(refused(sealed(whole)), "nothing") << "it is taken";
+  std::string other = whole;
+  other[16 + 4 * 2 + 2] ^= 1;  // the box's first number
+  EXPECT_EQ(refused(sealed(other)), ": its box is not that of its root");
+  other = whole;
+  other[16 + 4 * 8 + 4 * 3] = 127;  // the root's first exponent
+  EXPECT_EQ(refused(sealed(other)), ": node 0 has the exponent 127, must be -80 to 40");
+  std::string none =
+      whole.substr(0, 16) + std::string(4, '\0') + "\1" + std::string(3 + 24 + 4, '\0');
+  EXPECT_EQ(refused(sealed(none + std::string(64, 'x'))), ": a hierarchy without a root");
 }
 
 // ---- Nodes that are no tree ----

@@ -53,7 +53,7 @@ echo '0,0,900,0,0,-1' >rays.csv
 cat >each <<END
 #!/bin/bash
 modes=(nearest any)
-exec $cde cast terrain:16,16,1 --rays $folder/rays.csv -o $folder/x.csv --mode "\${modes[\$OMPI_COMM_WORLD_RANK]}"
+exec "$cde" cast terrain:16,16,1 --rays "$folder/rays.csv" -o "$folder/x.csv" --mode "\${modes[\$OMPI_COMM_WORLD_RANK]}"
 END
 chmod +x each
 ! ./run "$folder/each" 2>said || fail "ranks that disagree were not refused"

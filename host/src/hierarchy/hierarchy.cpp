@@ -126,6 +126,9 @@ Hierarchy Hierarchy::load(const std::filesystem::path& path) {
   } catch (const Error& e) {
     fail(e.what());
   }
+  // What a ray's margin follows from.
+  if (slots != 0 && (!read.box_.max().allFinite() || read.box_.min() != read.nodes_[0].origin()))
+    fail("its box is not that of its root");
   return read;
 }
 

@@ -60,7 +60,8 @@ class Hierarchy {
   /// A file that load() reads on any machine. Error kFile.
   void save(const std::filesystem::path& path) const;
   /// Error kFile, which names the file and what is wrong with it: not a hierarchy, of another
-  /// version, cut off, damaged (a checksum), or not a tree.
+  /// version, cut off, damaged (a checksum), or not a tree. Whether boxes are those of some
+  /// secondaries it cannot say: refit() makes them so.
   [[nodiscard]] static Hierarchy load(const std::filesystem::path& path);
 
  private:
