@@ -70,6 +70,9 @@ module board #(
   logic bubble, stall, sec_pop, sec_bad, record_write;
   logic [3:0] ecc_corrected, ecc_failed;
   logic [1:0] open;
+  card_pkg::access_t access;
+  logic [63:0] hierarchy_rdata;
+  logic provided_good, hierarchy_good, node_error;
   assign events = {open, ecc_failed, ecc_corrected, record_write, writeback.valid, sec_bad, sec_pop, stall, bubble,
       issue.valid};
   card_registers #(.CONFIG(CONFIG)) registers (
@@ -78,7 +81,9 @@ module board #(
       .sram_pop_o(sram_pop), .sram_readable_i(sram_readable), .sram_valid_i(sram_beat_valid), .sram_beat_i(sram_beat),
       .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .pass_o(command),
       .active_o(active), .busy_i(busy), .done_i(done), .prim_bad_i(prim_bad), .events_i(events), .latency_i(latency),
-      .object_write_o(object_write), .objects_good_i(objects_good), .objects_busy_i(objects_busy), .posed_i(posed));
+      .object_write_o(object_write), .objects_good_i(objects_good), .objects_busy_i(objects_busy), .posed_i(posed),
+      .access_o(access), .others_i(hierarchy_rdata), .provided_good_i(provided_good),
+      .hierarchy_good_i(hierarchy_good), .node_error_i(node_error));
   clock_gate gate (.clk_i, .enable_i(busy | go | rst_i), .clk_o(clk_engine));
 
   // ---- Secondaries ----
@@ -86,17 +91,14 @@ module board #(
   logic ddr_valid;
   logic [BEAT-1:0][CW-1:0] ddr_data;
   logic [3:0] ddr_words;  // of the beat that belong to a slot
-  // Readers of DDR: the secondaries, and a place for a second unit.
+  // Readers of DDR: the secondaries of a sweep, and those of a hierarchy's leaves.
+  localparam logic [1:0] READERS = {CONFIG.node_units != 0, 1'b1};
   card_pkg::ddr_request_t [1:0] readers_ask;
   card_pkg::ddr_request_t ddr_request;
   logic [1:0] reader_ready, reader_valid;
   logic [1:0][3:0] reader_words;
-  assign readers_ask[1] = '0;
-  assign reader_words[1] = '0;
   assign {ddr_read_o, ddr_read_word_o} = ddr_request;
-  logic unused_reader;
-  assign unused_reader = &{1'b0, reader_ready[1], reader_valid[1]};
-  ddr_readers #(.READERS(2), .USED(2'b01)) readers (
+  ddr_readers #(.READERS(2), .USED(READERS)) readers (
       .clk_i(clk_engine), .rst_i, .readers_i(readers_ask), .ready_o(reader_ready),
       .valid_o(reader_valid), .words_i(reader_words), .request_o(ddr_request),
       .valid_i(ddr_valid), .words_o(ddr_words));
@@ -146,8 +148,9 @@ module board #(
   end
 
   // ---- Sequencer: the units that do passes ----
-  logic [card_pkg::UNITS-1:0] unit_valid, unit_ready, unit_abort, unit_busy, unit_done;
-  pass_dispatch dispatch (
+  localparam int UNITS = (CONFIG.node_units != 0) ? card_pkg::UNITS : 1;
+  logic [UNITS-1:0] unit_valid, unit_ready, unit_abort, unit_busy, unit_done;
+  pass_dispatch #(.UNITS(UNITS)) dispatch (
       .clk_i(clk_engine), .rst_i, .go_i(go), .unit_i(command.unit), .abort_i(abort), .busy_o(busy), .done_o(done),
       .valid_o(unit_valid), .ready_i(unit_ready), .abort_o(unit_abort), .busy_i(unit_busy), .done_i(unit_done));
   localparam int ENGINE = int'(card_pkg::UNIT_ENGINE);
@@ -196,14 +199,35 @@ module board #(
       .ready_i(record_ready), .head_o(fifo_head), .streamed_o(streamed));
 
   // ---- Records ----
-  logic [RECORD_WORDS-1:0][CW-1:0] record;
+  logic [RECORD_WORDS-1:0][CW-1:0] record, swept_record, walked_record;
+  logic swept_write, walked_write;
   logic clk_ring, ring_active;
   record_maker #(.CONFIG(CONFIG)) records (
       .clk_i(clk_engine), .rst_i, .flush_i(flush), .normals_i(command.normals), .streaming_i(streaming),
       .second_pair_i(pair[1]), .gap_i(gap), .split_i(command.split[PRIM_W-1:0]), .streamed_i(streamed),
       .writeback_i(writeback), .writeback_bad_i(prim_bad[writeback.primary[PRIM_W-1:0]]), .result_index_i(result_index),
       .result_t_i(result_t), .result_point_i(result_point), .ready_o(record_ready), .sram_full_i(sram_full),
-      .sram_count_i(sram_count), .write_o(record_write), .record_o(record));
+      .sram_count_i(sram_count), .write_o(swept_write), .record_o(swept_record));
+  assign record_write = swept_write | walked_write;
+  assign record = walked_write ? walked_record : swept_record;
+  if (CONFIG.node_units != 0) begin : g_hierarchy
+    localparam int HIERARCHY = int'(card_pkg::UNIT_HIERARCHY);
+    hierarchy_unit #(.CONFIG(CONFIG)) hierarchy (
+        .clk_core_i(clk_i), .clk_bus_i(clk_bus), .rst_i, .access_i(access), .rdata_o(hierarchy_rdata),
+        .wdata_i(ddr_write_data_o), .provided_good_o(provided_good), .good_o(hierarchy_good),
+        .valid_i(unit_valid[HIERARCHY]), .ready_o(unit_ready[HIERARCHY]), .abort_i(unit_abort[HIERARCHY]),
+        .pass_i(command), .busy_o(unit_busy[HIERARCHY]), .done_o(unit_done[HIERARCHY]), .fault_o(node_error),
+        .ddr_o(readers_ask[1]), .ddr_ready_i(reader_ready[1]), .ddr_valid_i(reader_valid[1]), .ddr_data_i(ddr_data),
+        .ddr_words_o(reader_words[1]), .sram_full_i(sram_full), .sram_count_i(sram_count), .write_o(walked_write),
+        .record_o(walked_record));
+  end else begin : g_sweeps_alone
+    assign {hierarchy_rdata, provided_good, hierarchy_good, node_error, walked_write} = '0;
+    assign readers_ask[1] = '0;
+    assign reader_words[1] = '0;
+    assign walked_record = '0;
+    logic unused_hierarchy;
+    assign unused_hierarchy = &{1'b0, access, reader_ready[1], reader_valid[1]};
+  end
   clock_gate gate_ring (.clk_i, .enable_i(record_write | sram_pop | ring_active | flush | rst_i), .clk_o(clk_ring));
   sram_ring #(.CW(CW), .RECORDS(CONFIG.sram_records)) ring (
       .clk_i(clk_ring), .active_o(ring_active), .rst_i(rst_i | flush), .write_i(record_write & busy),

@@ -21,6 +21,7 @@ module card_registers #(
     localparam int TRANSFORM = CONFIG.transform,
     localparam int OBJECTS = CONFIG.objects,
     localparam int PRIM_OBJECTS = CONFIG.prim_objects,
+    localparam int NODE_UNITS = CONFIG.node_units,
     localparam int ECC = CONFIG.ecc,
     localparam int DDR_SLOTS = CONFIG.ddr_slots,
     localparam int SRAM_RECORDS = CONFIG.sram_records,
@@ -59,15 +60,24 @@ module card_registers #(
     output logic object_write_o,  // into the object tables
     input logic objects_good_i,
     input logic objects_busy_i,
-    input logic posed_i  // wants a clock of the bus
+    input logic posed_i,  // wants a clock of the bus
+
+    // Of a hierarchy.
+    output card_pkg::access_t access_o,
+    input logic [63:0] others_i,  // what is read there
+    input logic provided_good_i,  // the value of REG_RAYS
+    input logic hierarchy_good_i,
+    input logic node_error_i
 );
   logic ready, rvalid_q;
   logic [63:0] rdata_q;
-  assign bus_o = {ready, rvalid_q, rdata_q};
+  assign bus_o = {ready, rvalid_q, rdata_q | others_i};
   localparam logic [63:0] DDR_BYTES = 64'(DDR_SLOTS) * 64'(records_pkg::DDR_WORDS * CW / 8);
   localparam logic [63:0] CW_BYTES = 64'(CW) / 64'd8;
   localparam int PRIM_WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0);
   localparam logic [31:0] PRIM_BYTES = 32'(PRIMARIES * ((PRIM_WORDS * CW + 63) / 64) * 8);
+  localparam logic [31:0] NODE_BYTES = 32'(CONFIG.nodes) * 32'(4 * hierarchy_pkg::NODE_WORDS);
+  localparam logic [31:0] SLOT_BYTES = 32'(CONFIG.nodes) * 32'(4 * hierarchy_pkg::SLOTS_A_NODE);
   localparam int STENCILS = (PRIMARIES + 63) / 64;
 
   registers_pkg::command_t command_q;
@@ -111,7 +121,8 @@ module card_registers #(
 
   localparam logic [31:0] OBJECT_BYTES = 32'(OBJECTS * records_pkg::OBJECT_WORDS * CW / 8),
       PRIM_OBJECT_BYTES = 32'(PRIM_OBJECTS * records_pkg::OBJECT_WORDS * CW / 8);
-  logic in_objects;
+  logic in_objects, in_hierarchy;
+  assign in_hierarchy = NODE_UNITS != 0 && addr_q >= 32'(registers_pkg::REG_ROOT) && addr_q < registers_pkg::REG_END;
   assign in_objects = (TRANSFORM != pairs_pkg::TRANSFORM_NONE && addr_q >= registers_pkg::OBJECT_TABLE &&
       addr_q < registers_pkg::OBJECT_TABLE + OBJECT_BYTES) ||
       (TRANSFORM == pairs_pkg::TRANSFORM_BOTH && addr_q >= registers_pkg::PRIM_OBJECT_TABLE &&
@@ -130,12 +141,19 @@ module card_registers #(
                 32'(registers_pkg::REG_BUDGET), 32'(registers_pkg::REG_SEC_FIRST),
                     32'(registers_pkg::REG_SEC_COUNT): allowed = !busy_i;
             32'(registers_pkg::REG_OBJECT_COUNT): allowed = TRANSFORM != pairs_pkg::TRANSFORM_NONE && !busy_i;
+            32'(registers_pkg::REG_NODE_COUNT), 32'(registers_pkg::REG_RAY_COUNT), 32'(registers_pkg::REG_ROOT),
+                32'(registers_pkg::REG_ROOT) + 8, 32'(registers_pkg::REG_ROOT) + 16,
+                32'(registers_pkg::REG_ROOT) + 24: allowed = NODE_UNITS != 0 && !busy_i;
+            32'(registers_pkg::REG_RAYS): allowed = NODE_UNITS != 0 && provided_good_i;
             32'(registers_pkg::REG_PRIM_OBJECT_COUNT): allowed = TRANSFORM == pairs_pkg::TRANSFORM_BOTH && !busy_i;
             default: allowed = (in_stencil || in_objects) && !busy_i;
           endcase
       registers_pkg::SPACE_PRIM: allowed = write_q && !busy_i && addr_q < PRIM_BYTES;
       registers_pkg::SPACE_DDR: allowed = write_q && !busy_i && {32'b0, addr_q} < DDR_BYTES;
       registers_pkg::SPACE_SRAM: allowed = !write_q && sram_readable_i;
+      registers_pkg::SPACE_NODES: allowed = NODE_UNITS != 0 && write_q && !busy_i && addr_q < NODE_BYTES;
+      registers_pkg::SPACE_SLOTS: allowed = NODE_UNITS != 0 && write_q && !busy_i && addr_q < SLOT_BYTES;
+      registers_pkg::SPACE_RAYS: allowed = NODE_UNITS != 0 && write_q && addr_q < 32'(32 * hierarchy_pkg::RAYS);
       default: allowed = 0;
     endcase
     allowed = allowed && aligned;
@@ -145,6 +163,13 @@ module card_registers #(
       (objects_busy_i && space_q == registers_pkg::SPACE_REG && write_q && addr_q == 32'(registers_pkg::REG_CONTROL))));
   assign read = valid_q && ready && !write_q;
   assign write_reg = valid_q && ready && write_q && allowed && space_q == registers_pkg::SPACE_REG;
+  assign access_o = '{
+      write: valid_q && ready && write_q && allowed,
+      read: read,
+      there: allowed,
+      space: space_q,
+      addr: addr_q,
+      data: wdata_q};
   assign object_write_o = write_reg && in_objects;
   assign prim_write_o = valid_q && write_q && allowed && space_q == registers_pkg::SPACE_PRIM;
   assign ddr_write_o = valid_q && write_q && allowed && space_q == registers_pkg::SPACE_DDR;
@@ -172,9 +197,16 @@ module card_registers #(
   assign budget_ok = (PAIRS & pairs_pkg::RING_PAIRS) == 0 || ((budget_q.m == 8'd4 || budget_q.m == 8'd8 ||
       budget_q.m == 8'd16) &&
       budget_q.k1 <= registers_pkg::BUDGET_MOST && budget_q.k2 <= registers_pkg::BUDGET_MOST);
-  assign command_ok = command_q.mode <= registers_pkg::MODE_HITS && pair_there && second_ok && budget_ok &&
+  // Through the hierarchy go rays alone, and all secondaries are in it.
+  logic sweep_ok, walk_ok;
+  assign walk_ok = NODE_UNITS != 0 && (command_q.mode <= registers_pkg::MODE_ANY ||
+      command_q.mode == registers_pkg::MODE_HITS || command_q.mode == registers_pkg::MODE_OCCLUDED) &&
+      command_q.pair == pairs_pkg::PAIR_RAY_TRIANGLE && !command_q.second && !command_q.swap && !command_q.normals &&
+      object_count_q == 0 && sec_first_q == 0 && sec_count_q != 0 && sec_end <= DDR_BYTES && hierarchy_good_i;
+  assign command_ok = (command_q.hierarchy ? walk_ok : sweep_ok) && !busy_i;
+  assign sweep_ok = command_q.mode <= registers_pkg::MODE_HITS && pair_there && second_ok && budget_ok &&
       (SWAP != 0 || !command_q.swap) && (NORMALS != 0 || !command_q.normals) && prim_count_q != 0 &&
-      prim_count_q <= 32'(PRIMARIES) && secondaries_ok && !busy_i;
+      prim_count_q <= 32'(PRIMARIES) && secondaries_ok;
   // Objects in use, of primaries too, are in contract or go is refused; their ranges take the place of the one in the
   // registers.
   assign secondaries_ok = (TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i) && (object_count_q != 0 ||
@@ -182,7 +214,7 @@ module card_registers #(
   assign go_o = write_reg && addr_q == 32'(registers_pkg::REG_CONTROL) && control.go && command_ok;
   assign abort_o = write_reg && addr_q == 32'(registers_pkg::REG_CONTROL) && control.stop;
   always_comb begin
-    pass_o.unit = card_pkg::UNIT_ENGINE;
+    pass_o.unit = (NODE_UNITS != 0 && command_q.hierarchy) ? card_pkg::UNIT_HIERARCHY : card_pkg::UNIT_ENGINE;
     pass_o.mode = command_q.mode;
     pass_o.pair = {(PARALLEL != 0 && command_q.second) ? command_q.second_pair : pairs_pkg::NO_PAIR, command_q.pair};
     pass_o.swap = {SWAP != 0 && command_q.second_swap, SWAP != 0 && command_q.swap};
@@ -228,12 +260,14 @@ module card_registers #(
   // What changes is put together where it is read: simulation would do it in every clock.
   function automatic registers_pkg::caps2_t caps2_of(input logic [15:0] latency);
     caps2_of = '0;
+    caps2_of.node_units = 8'(NODE_UNITS);
     caps2_of.container = 8'(CW);
     caps2_of.sram_records = 32'(SRAM_RECORDS);
     caps2_of.latency = latency;
   endfunction
   function automatic registers_pkg::status_t status_of(input logic busy, input logic done, input logic command_error,
-      input logic bus_error, input logic sram_wait, input logic irq, input logic ecc_error);
+      input logic bus_error, input logic sram_wait, input logic irq, input logic ecc_error,
+      input logic node_error);
     status_of = '0;
     status_of.busy = busy;
     status_of.done = done;
@@ -242,6 +276,7 @@ module card_registers #(
     status_of.sram_wait = sram_wait;
     status_of.irq = irq;
     status_of.ecc_error = ecc_error;
+    status_of.node_error = node_error;
   endfunction
   always_ff @(posedge clk_bus_o) begin
     rvalid_q <= read && !rst_i;
@@ -256,7 +291,8 @@ module card_registers #(
         registers_pkg::REG_CAPACITY: rdata_q <= DDR_BYTES;
         registers_pkg::REG_CAPS3: rdata_q <= caps3;
         registers_pkg::REG_STATUS:
-          rdata_q <= status_of(busy_i, done_q, command_error_q, bus_error_q, sram_full_i, irq_o, ecc_q.failed != 0);
+          rdata_q <= status_of(busy_i, done_q, command_error_q, bus_error_q, sram_full_i, irq_o, ecc_q.failed != 0,
+              node_error_i);
         registers_pkg::REG_COMMAND: rdata_q <= command_q;
         registers_pkg::REG_PRIM_COUNT: rdata_q <= 64'(prim_count_q);
         registers_pkg::REG_PRIM_SPLIT: rdata_q <= 64'(split_q);
@@ -282,7 +318,7 @@ module card_registers #(
       endcase
     end
 
-    if (write_reg && !in_objects) begin
+    if (write_reg && !in_objects && !in_hierarchy) begin
       case (offset)
         registers_pkg::REG_COMMAND: command_q <= wdata_q & registers_pkg::COMMAND_BITS;
         registers_pkg::REG_PRIM_SPLIT: split_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What goes between the modules of a card; software sees none of it.
 package card_pkg;
-  // Who does a pass. A command has no field for it yet: every pass is the engine's.
+  // Who does a pass.
   localparam int UNIT_BITS = 2;
   localparam logic [1:0] UNIT_ENGINE = 2'd0;  // engine_control and what it leads
-  localparam int UNITS = 1;
+  localparam logic [1:0] UNIT_HIERARCHY = 2'd1;  // hierarchy_unit, where the card has one
+  localparam int UNITS = 2;
 
   // What the registers ask of a pass. Mode, pairs and swaps are kept by the sequencer from go on.
   typedef struct packed {
@@ -37,7 +38,18 @@ package card_pkg;
   } events_t;
   // What another unit counts of its passes: an array of as many events of a clock as it has counters in
   // registers_pkg::COUNTER_REGISTERS, each so many bits (pass_counters.sv).
-  localparam int COUNT_BITS = 2;
+  localparam int COUNT_BITS = 4;
+
+  // An access of the bus that may be, for modules with registers or memories beside card_registers. Of reads, all:
+  // where another is read, or none, one's own answer is 0.
+  typedef struct packed {
+    logic write;
+    logic read;
+    logic there;  // what is read may be
+    logic [2:0] space;
+    logic [31:0] addr;
+    logic [63:0] data;
+  } access_t;
 
   // A reader of DDR asks for a beat, until that is taken or the reader takes it back.
   typedef struct packed {

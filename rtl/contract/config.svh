@@ -17,6 +17,7 @@
 //                 (verdict_pair.sv); the pair has one lane of the card's format behind them
 //   TRANSFORM     objects move by a rigid transform: pairs_pkg::TRANSFORM_*
 //   OBJECTS       entries of their table, 2 to 2,048; PRIM_OBJECTS of that of primaries
+//   NODE_UNITS    of a hierarchy over triangles: 0, none, or 1, 2 or 4; NODES, words of their memory, a power of two
 //   ECC           1: words in DDR have check bits; single wrong bits are corrected
 //   LAT_*         clocks of the operators
 //   ARITH         "rtl", gates, or "host", the simulating processor's own arithmetic; in the structure `host`, 0 or 1
@@ -42,6 +43,8 @@
     parameter int TRANSFORM = 0, \
     parameter int OBJECTS = 1024, \
     parameter int PRIM_OBJECTS = 64, \
+    parameter int NODE_UNITS = 0, \
+    parameter int NODES = 65536, \
     parameter int ECC = 0, \
     parameter int LAT_ADD = 1, \
     parameter int LAT_MUL = 1, \
@@ -53,8 +56,8 @@
     parameter int SRAM_RECORDS = 524288
 
 `define CARD_CONFIG {EXP, MAN, LANES, PRIMARIES, PAIRS, ALGORITHM, BOX, SWAP, NORMALS, PARALLEL, FACET_II, \
-    VERDICT_EXP, VERDICT_MAN, TRANSFORM, OBJECTS, PRIM_OBJECTS, ECC, LAT_ADD, LAT_MUL, LAT_DIV, LAT_SQRT, LAT_CMP, \
-    32'(ARITH != "rtl"), DDR_SLOTS, SRAM_RECORDS, CONFIG_HASH}
+    VERDICT_EXP, VERDICT_MAN, TRANSFORM, OBJECTS, PRIM_OBJECTS, NODE_UNITS, NODES, ECC, LAT_ADD, LAT_MUL, LAT_DIV, \
+    LAT_SQRT, LAT_CMP, 32'(ARITH != "rtl"), DDR_SLOTS, SRAM_RECORDS, CONFIG_HASH}
 
 `define CARD_FIELDS \
     int exp; \
@@ -73,6 +76,8 @@
     int transform; \
     int objects; \
     int prim_objects; \
+    int node_units; \
+    int nodes; \
     int ecc; \
     int lat_add; \
     int lat_mul; \

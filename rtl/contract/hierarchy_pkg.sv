@@ -5,7 +5,11 @@ package hierarchy_pkg;
   localparam int CHILDREN = 8;
   localparam int NODE_WORDS = 18;
   localparam int PLACE = 28;  // bits of the number of a node or a slot
-  localparam int LEVELS = 16; // of nodes at most: Hierarchy::kMostDepth
+  localparam int LEVELS = 16;  // of nodes at most: Hierarchy::kMostDepth
+  localparam int MOST_NODES = 1 << 22;  // of a card's memory
+  localparam int SLOTS_A_NODE = 8;  // places of the memory that says what is in each slot, a node
+  localparam int RAYS = 4096;  // places for rays on their way into a pass
+  localparam int CONTEXTS = 256;  // rays in a card's hierarchy at a time
 
   // What a child is.
   localparam logic [1:0] KIND_NONE = 0;
@@ -19,6 +23,13 @@ package hierarchy_pkg;
   localparam logic [2:0] GOAL_ANY = 2;       // the hit of the least index
   localparam logic [2:0] GOAL_OCCLUDED = 3;  // whether there is a hit: ends at the first
   localparam logic [2:0] GOAL_HITS = 4;      // all of them
+
+  // What happens in a clock, to be counted.
+  typedef struct packed {
+    logic [3:0] nodes;        // read
+    logic [3:0] leaves;       // asked for
+    logic [3:0] secondaries;  // tested
+  } events_t;
 
   // Children of a node that a ray meets, in the order in which they are visited.
   typedef struct packed {

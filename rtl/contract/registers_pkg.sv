@@ -10,7 +10,13 @@ package registers_pkg;
   localparam logic [2:0] SPACE_PRIM = 3'd1;  // primary register file, whole beats a slot, write only
   localparam logic [2:0] SPACE_DDR = 3'd2;   // secondary memory, packed slots, write only
   localparam logic [2:0] SPACE_SRAM = 3'd3;  // record stream: every beat read takes the next words of the ring
-  localparam int SPACES = 4;
+  // Of a hierarchy, written between passes (but rays): nodes, words 0 to 15 of node n at byte 64 n, 16 and 17 at 64
+  // NODES + 8 n; what is in the slots of its leaves, a word a slot; and rays on their way into a pass, 32 bytes each in
+  // a ring.
+  localparam logic [2:0] SPACE_NODES = 3'd4;
+  localparam logic [2:0] SPACE_SLOTS = 3'd5;
+  localparam logic [2:0] SPACE_RAYS = 3'd6;
+  localparam int SPACES = 7;
   typedef struct packed {
     logic valid;
     logic write;
@@ -58,14 +64,27 @@ package registers_pkg;
   localparam logic [11:0] REG_SECONDARIES = 12'h0F0;  // secondaries swept
   localparam logic [11:0] REG_WRITTEN = 12'h0F8;      // records written to SRAM
   localparam logic [11:0] REG_OPEN = 12'h100;         // pairs that narrow lanes left open (verdict_pair.sv)
-  localparam logic [31:0] REG_END = 32'h00000108;
+  // Of a hierarchy; without, they read 0 and are not written.
+  localparam logic [11:0] REG_NODES = 12'h108;        // nodes read
+  localparam logic [11:0] REG_LEAVES = 12'h110;       // leaves visited
+  localparam logic [11:0] REG_TESTED = 12'h118;       // secondaries of leaves that were tested
+  // 4 registers: of the root's box the lower corner x y z, the upper one, 16 u W (ray_front.sv), 0; a word each
+  localparam logic [11:0] REG_ROOT = 12'h120;
+  localparam logic [11:0] REG_NODE_CAPS = 12'h140;    // node_caps_t
+  localparam logic [11:0] REG_NODE_COUNT = 12'h148;   // nodes of the tree
+  localparam logic [11:0] REG_RAY_COUNT = 12'h150;    // rays of the pass; none of them is there yet
+  // rays_t; written, as far as they are there, also while the pass runs
+  localparam logic [11:0] REG_RAYS = 12'h158;
+  localparam logic [11:0] REG_DEEPEST = 12'h160;      // groups on a stack at a time, at most
+  localparam logic [11:0] REG_NODE_FAULT = 12'h168;   // node_fault_t
+  localparam logic [31:0] REG_END = 32'h00000170;
 
   // ---- Counters of a pass: their registers, 64 bits each, unit by unit. Those of the engine are in card_registers; a
   // further unit brings its own (pass_counters.sv), in this order and behind the other registers, below REG_END ----
-  localparam int COUNTERS = 9;
+  localparam int COUNTERS = 12;
   localparam logic [0:12*COUNTERS-1] COUNTER_REGISTERS = {
     REG_CYCLES, REG_WRITEBACK, REG_ROWS, REG_STALLS, REG_BUBBLES, REG_SECONDARIES, REG_BAD_SEC, REG_WRITTEN,
-    REG_OPEN};
+    REG_OPEN, REG_NODES, REG_LEAVES, REG_TESTED};
   localparam int ENGINE_COUNTERS = 9;  // the first ones
   function automatic logic [11:0] counter_register(input int counter);
     counter_register = COUNTER_REGISTERS[12*counter+:12];
@@ -77,7 +96,7 @@ package registers_pkg;
   localparam logic [31:0] PRIM_OBJECT_TABLE = 32'h00080000;
 
   localparam logic [31:0] ID_MAGIC = 32'h43444531;  // "CDE1"
-  localparam logic [31:0] INTERFACE_VERSION = 32'd4;
+  localparam logic [31:0] INTERFACE_VERSION = 32'd5;
 
   // ---- Fields, from bit 63 down ----
   typedef struct packed {
@@ -93,7 +112,7 @@ package registers_pkg;
     logic [15:0] lanes;
   } caps_t;
   typedef struct packed {
-    logic [7:0] reserved;
+    logic [7:0] node_units;     // of a hierarchy; 0: none
     logic [7:0] container;      // bits
     logic [31:0] sram_records;
     logic [15:0] latency;       // of the pipe
@@ -118,7 +137,8 @@ package registers_pkg;
     logic go;
   } control_t;
   typedef struct packed {
-    logic [56:0] reserved;
+    logic [55:0] reserved;
+    logic node_error;     // the pass met nodes that are no tree's: REG_NODE_FAULT
     logic ecc_error;      // words of DDR with errors that cannot be corrected were read in this pass
     logic irq;            // done, an error, or a full ring wants the host
     logic sram_wait;      // the SRAM ring is full and the engine waits for the host
@@ -134,13 +154,29 @@ package registers_pkg;
     logic second_swap;
     logic second;             // there is a second pair
     logic [3:0] pair;         // pairs_pkg::PAIR_*
-    logic [1:0] reserved1;
+    logic reserved1;
+    logic hierarchy;          // rays of SPACE_RAYS through the hierarchy
     logic normals;
     logic swap;               // of roles
     logic reserved0;
     logic [2:0] mode;         // MODE_*
   } command_t;
-  localparam logic [63:0] COMMAND_BITS = 64'h00000000000F3F37;  // those of its fields
+  localparam logic [63:0] COMMAND_BITS = 64'h00000000000F3F77;  // those of its fields
+  typedef struct packed {
+    logic [7:0] reserved;
+    logic [7:0] slots_a_node;  // that the memory of slots has places for
+    logic [15:0] rays;         // places of the ring of rays
+    logic [31:0] nodes;        // that there is memory for
+  } node_caps_t;
+  typedef struct packed {
+    logic [31:0] taken;     // rays that the pass has taken: their places are free
+    logic [31:0] provided;  // rays that are there, from the first of the pass on
+  } rays_t;
+  typedef struct packed {
+    logic [28:0] reserved;
+    logic [2:0] kind;    // NODE_FAULT_*; 0: none
+    logic [31:0] place;  // of a node or a slot
+  } node_fault_t;
   typedef struct packed {
     logic [39:0] reserved;
     logic [7:0] k2;  // work for a cylinder pair: steps on each free track,
@@ -159,10 +195,18 @@ package registers_pkg;
     logic [31:0] corrected;  // words with one
   } ecc_t;
 
+  // ---- What is wrong with nodes in memory: node_fault_t.kind ----
+  localparam logic [2:0] NODE_FAULT_NODE = 1;  // a node beyond the last one: its number
+  localparam logic [2:0] NODE_FAULT_SLOT = 2;  // a slot beyond the last one: its number
+  localparam logic [2:0] NODE_FAULT_INDEX = 3;  // a slot with a secondary beyond the last one: the slot
+  localparam logic [2:0] NODE_FAULT_DEPTH = 4;  // more levels than the stack has: the first node of the level below
+  localparam logic [2:0] NODE_FAULT_ENDLESS = 5;  // rays that come to no end: the node read last
+
   // ---- Result modes ----
   localparam logic [2:0] MODE_NEAREST = 3'd0;   // smallest (T, index) a primary
   localparam logic [2:0] MODE_FARTHEST = 3'd1;  // largest T, then smallest index
   localparam logic [2:0] MODE_ANY = 3'd2;       // first hit in stream order; stops when every primary has one
   localparam logic [2:0] MODE_ALL = 3'd3;       // every pair's record
   localparam logic [2:0] MODE_HITS = 3'd4;      // records with F = 1 only
+  localparam logic [2:0] MODE_OCCLUDED = 3'd5;  // of a hierarchy: F of a primary and no more; ends at the first hit
 endpackage

@@ -16,7 +16,6 @@
 module traversal #(
     parameter int CONTEXTS = 256,  // powers of two
     parameter int UNITS = 2,       // of nodes, each with its share of the contexts
-    parameter int NODES = 4096,    // that there is memory for
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -27,15 +26,14 @@ module traversal #(
     localparam int LANES = 2,  // secondaries of a leaf
     localparam int LAT_SQRT = 1,
     localparam int CX = $clog2(CONTEXTS),
-    localparam int NW = $clog2(NODES),
     localparam int TAG = `AT_BITS(CX) + 1
 ) (
     input logic clk_i,
     input logic rst_i,
-    // Node memory, written between passes.
-    input logic node_write_i,
-    input logic [NW-1:0] node_at_i,
-    input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i,
+    // Node memory, a port a unit, whose answer is there the clock after.
+    input logic [31:0] nodes_i,  // that it has
+    output logic [UNITS-1:0][hierarchy_pkg::PLACE-1:0] node_at_o,
+    input logic [UNITS-1:0][hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i,
     // What holds for all rays.
     input logic [6:0][31:0] root_i,  // of its box: lower corner x y z, upper, 16 u W (ray_front.sv)
     input logic [2:0] goal_i,        // hierarchy_pkg::GOAL_*
@@ -55,6 +53,7 @@ module traversal #(
     input logic [LANES-1:0][31:0] index_i,
     // Hits of goal hits, as they are found. Nobody waits for who takes them: there is room for those of all leaves that
     // are asked for (fetch_ready_i).
+    output logic tested_o,  // a leaf has been, and its hits are
     output logic [LANES-1:0] hit_o,
     output logic [31:0] hit_number_o,
     output logic [LANES-1:0][31:0] hit_t_o,
@@ -68,14 +67,14 @@ module traversal #(
     output logic [31:0] t_o,
     output logic [2:0][31:0] cp_o,
     output logic [31:0] index_o,
-    // Since reset.
-    output logic [31:0] nodes_o,
-    output logic [31:0] secondaries_o
+    output hierarchy_pkg::events_t events_o,
+    output logic [4:0] deepest_o,  // stack since reset: groups
+    output logic [2:0] fault_o,    // registers_pkg::NODE_FAULT_*; who sees one ends the pass
+    output logic [hierarchy_pkg::PLACE-1:0] fault_place_o
 );
   import hierarchy_pkg::*;
   if (CONTEXTS < 2 * UNITS || (CONTEXTS & (CONTEXTS - 1)) != 0) $error("traversal: CONTEXTS must be a power of two");
   if ((UNITS & (UNITS - 1)) != 0) $error("traversal: UNITS must be a power of two");
-  if (NW > PLACE) $error("traversal: more nodes than a node can name");
   `HIERARCHY_TYPES(CX)
   localparam int BANK = $clog2(UNITS);
   // The bank of a context.
@@ -129,23 +128,26 @@ module traversal #(
   logic [UNITS-1:0] leaf_valid, leaf_ready, done_valid, done_ready, reads;
   visit_t [UNITS-1:0] leaf;
   logic [UNITS-1:0][CX-1:0] dones;
+  logic [UNITS-1:0][4:0] levels;
+  logic [UNITS-1:0][2:0] faults;
+  logic [UNITS-1:0][PLACE-1:0] fault_places;
   at_t keep_at, tested;
   logic [1:0] interval_write;
   logic [1:0][31:0] interval;
   logic [CX-1:0] interval_context;
   for (genvar u = 0; u < UNITS; u++) begin : unit
     traversal_bank #(
-        .CONTEXTS(CONTEXTS / UNITS), .CX(CX), .NODES(NODES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
+        .CONTEXTS(CONTEXTS / UNITS), .CX(CX), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
         .ARITH(ARITH)
     ) bank (
-        .clk_i, .rst_i, .node_write_i, .node_at_i, .node_i, .farthest_i(goal_i == GOAL_FARTHEST),
+        .clk_i, .rst_i, .nodes_i, .node_at_o(node_at_o[u]), .node_i(node_i[u]), .farthest_i(goal_i == GOAL_FARTHEST),
         .interval_write_i(`CDE_OWN(interval_context) ? interval_write : '0),
         .interval_context_i(interval_context[CX-1:BANK]),
         .interval_i(interval), .front_valid_i(front_valid && `CDE_OWN(front_context)),
         .front_context_i(front_context), .front_i(front), .leaf_valid_o(leaf_valid[u]),
         .leaf_ready_i(leaf_ready[u]), .leaf_o(leaf[u]), .tested_valid_i(keep_valid && `CDE_OWN(tested.context_)),
         .tested_i(tested), .done_valid_o(done_valid[u]), .done_ready_i(done_ready[u]), .done_o(dones[u]),
-        .visits_o(reads[u]));
+        .visits_o(reads[u]), .level_o(levels[u]), .fault_o(faults[u]), .fault_place_o(fault_places[u]));
   end
   // Banks take turns: the one whose turn it is, else the next that has something.
   logic [UNITS-1:0] leaf_from, done_from;
@@ -216,6 +218,7 @@ module traversal #(
     end
   end
   always_ff @(posedge clk_i) hit_number_o <= numbers[keep_at_soon.context_];
+  assign tested_o = keep_valid;
   assign hit_o = (keep_valid && goal_i == GOAL_HITS) ? counts : '0;
   assign hit_t_o = t;
   assign hit_cp_o = cp;
@@ -247,11 +250,20 @@ module traversal #(
   assign {f_o, t_o, cp_o, index_o} = bests[done];
   `undef CDE_OWN
 
-  always_ff @(posedge clk_i) begin
-    nodes_o <= nodes_o + 32'($countones(reads));
-    if (fetched_q) secondaries_o <= secondaries_o + 1 + 32'(two_q);
-    if (rst_i) {nodes_o, secondaries_o} <= '0;
+  // ---- What is counted, and what is wrong ----
+  assign events_o.nodes = 4'($countones(reads));
+  assign events_o.leaves = 4'(fetch_valid_o && fetch_ready_i);
+  assign events_o.secondaries = fetched_q ? 4'd1 + 4'(two_q) : '0;
+  logic [4:0] deepest;
+  always_comb begin
+    deepest = deepest_o;
+    {fault_o, fault_place_o} = '0;
+    for (int u = 0; u < UNITS; u++) begin
+      if (levels[u] > deepest) deepest = levels[u];
+      if (fault_o == 0) {fault_o, fault_place_o} = {faults[u], fault_places[u]};
+    end
   end
+  always_ff @(posedge clk_i) deepest_o <= rst_i ? '0 : deepest;
 
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i)

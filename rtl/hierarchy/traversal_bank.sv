@@ -8,18 +8,17 @@
 module traversal_bank #(
     parameter int CONTEXTS = 128,  // power of two
     parameter int CX = 8,          // bits of a context's number, of which the lowest say the bank
-    parameter int NODES = 4096,
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
-    localparam int CB = $clog2(CONTEXTS),
-    localparam int NW = $clog2(NODES)
+    localparam int CB = $clog2(CONTEXTS)
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic node_write_i,
-    input logic [NW-1:0] node_at_i,
+    // Node memory, whose answer is there the clock after.
+    input logic [31:0] nodes_i,  // that it has
+    output logic [hierarchy_pkg::PLACE-1:0] node_at_o,
     input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i,
     input logic farthest_i,
     // T that counts, from and to: of a ray that comes, and as hits are found.
@@ -40,7 +39,10 @@ module traversal_bank #(
     output logic done_valid_o,
     input logic done_ready_i,
     output logic [CX-1:0] done_o,
-    output logic visits_o  // a node is read
+    output logic visits_o,  // a node is read
+    output logic [4:0] level_o,  // of a group that is put on a stack, from 1; else 0
+    output logic [2:0] fault_o,  // registers_pkg::NODE_FAULT_*; 0: none
+    output logic [hierarchy_pkg::PLACE-1:0] fault_place_o
 );
   import hierarchy_pkg::*;
   `HIERARCHY_TYPES(CX)
@@ -49,11 +51,9 @@ module traversal_bank #(
 
   logic [8:0][31:0] fronts[CONTEXTS];
   logic [1:0][31:0] intervals[CONTEXTS];
-  logic [NODE_WORDS-1:0][31:0] nodes[NODES];
   group_t groups[CONTEXTS*LEVELS];
   logic [3:0] nexts[CONTEXTS*LEVELS];  // how many of a group have been visited; not looked at while it is fresh: one
   always_ff @(posedge clk_i) begin
-    if (node_write_i) nodes[node_at_i] <= node_i;
     if (front_valid_i) fronts[front_context_i[CX-1:BANK]] <= front_i;
     for (int k = 0; k < 2; k++) if (interval_write_i[k]) intervals[interval_context_i][k] <= interval_i[k];
   end
@@ -82,9 +82,8 @@ module traversal_bank #(
   // ---- Nodes ----
   localparam int T_UNIT = `NODE_T_UNIT;
   at_t visit, visit_q, met_at;
-  logic [NW-1:0] visit_node;
+  logic [PLACE-1:0] visit_node_q;
   logic visit_valid, visit_valid_q, group_valid;
-  logic [NODE_WORDS-1:0][31:0] node_q;
   logic [8:0][31:0] front_q;
   logic [1:0][31:0] interval_q;
   group_t group;
@@ -93,9 +92,9 @@ module traversal_bank #(
   assign others_read = others_some && !nearer_some;
   assign started_read = started_some && !nearer_some && !others_some;
   assign visit = nearer_some ? nearer.at : others_some ? others.at : '{context_: started, level: '0, fresh: '0};
-  assign visit_node = nearer_some ? nearer.place[NW-1:0] : others_some ? others.place[NW-1:0] : '0;
+  assign node_at_o = nearer_some ? nearer.place : others_some ? others.place : '0;
   always_ff @(posedge clk_i) begin
-    node_q <= nodes[visit_node];
+    visit_node_q <= node_at_o;
     front_q <= fronts[visit.context_[CX-1:BANK]];
     interval_q <= intervals[visit.context_[CX-1:BANK]];
     visit_q <= visit;
@@ -105,7 +104,7 @@ module traversal_bank #(
   node_unit #(
       .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) unit (
-      .clk_i, .ray_i(front_q), .floor_i(interval_q[0]), .limit_i(interval_q[1]), .farthest_i, .node_i(node_q),
+      .clk_i, .ray_i(front_q), .floor_i(interval_q[0]), .limit_i(interval_q[1]), .farthest_i, .node_i,
       .group_o(group));
   align #(.W($bits(at_t)), .TO(T_UNIT)) align_visit (.clk_i, .d_i(visit_q), .q_o(met_at));
   align_valid #(.TO(T_UNIT)) align_valid (.clk_i, .rst_i, .valid_i(visit_valid_q), .valid_o(group_valid));
@@ -196,9 +195,14 @@ module traversal_bank #(
   logic unused;
   assign unused = &{1'b0, nearer.two, others.two};
 
-`ifndef SYNTHESIS
-  always_ff @(posedge clk_i)
-    if (!rst_i)
-      assert (!group_push || int'(met_at.level) < LEVELS) else $error("traversal_bank: a tree deeper than the stack");
-`endif
+  // ---- What no tree has ----
+  logic too_deep;
+  assign too_deep = group_push && int'(met_at.level) >= LEVELS;
+  assign level_o = group_push ? 5'(met_at.level) + 1 : '0;
+  always_comb begin
+    fault_o = '0;
+    fault_place_o = too_deep ? group.node : visit_node_q;
+    if (too_deep) fault_o = registers_pkg::NODE_FAULT_DEPTH;
+    else if (visit_valid_q && 32'(visit_node_q) >= nodes_i) fault_o = registers_pkg::NODE_FAULT_NODE;
+  end
 endmodule

@@ -59,9 +59,11 @@ class Registers : public ::testing::Test {
 
 TEST_F(Registers, ReadOnlyAndUnmapped) {
   for (const std::uint32_t r :
-       {kRegId, kRegCaps, kRegConfigHash, kRegCaps2, kRegCapacity, kRegStatus, kRegRecords,
-        kRegFaultAddr, kRegCycles, kRegRows, kRegStalls, kRegBubbles, kRegBadPrim, kRegBadSec,
-        kRegSecondaries, kRegWritten, kRegWriteback, kRegCaps3}) {
+       {kRegId,        kRegCaps,      kRegConfigHash,  kRegCaps2,   kRegCapacity,  kRegStatus,
+        kRegRecords,   kRegFaultAddr, kRegCycles,      kRegRows,    kRegStalls,    kRegBubbles,
+        kRegBadPrim,   kRegBadSec,    kRegSecondaries, kRegWritten, kRegWriteback, kRegCaps3,
+        kRegOpen,      kRegNodes,     kRegLeaves,      kRegTested,  kRegRoot,      kRegNodeCaps,
+        kRegNodeCount, kRegRayCount,  kRegRays,        kRegDeepest, kRegNodeFault}) {
     const std::uint64_t before = board_.read_register(r);
     expect_write_refused(kSpaceReg, r);
     if (r != kRegFaultAddr) {

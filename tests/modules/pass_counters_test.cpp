@@ -16,6 +16,7 @@ namespace {
 using namespace card;
 
 constexpr unsigned kFirst = 2, kHere = 5;  // of the table, as CMakeLists.txt has
+constexpr unsigned kBits = 4;              // card_pkg::COUNT_BITS
 
 TEST(PassCounters, EveryCounterIsAtItsRegister) {
   const std::span<const Register> ours(kCounterRegisters + kFirst, kHere);
@@ -30,7 +31,7 @@ TEST(PassCounters, EveryCounterIsAtItsRegister) {
     counters.clear_i = dice.once_in(1000);
     passes += counters.clear_i;
     resets += counters.rst_i;
-    counters.counts_i = static_cast<SData>(dice.below(1u << 2 * kHere));
+    counters.counts_i = static_cast<IData>(dice.below(1u << kBits * kHere));
     counters.read_i = dice.once_in(2);
     counters.there_i = !dice.once_in(8);
     counters.offset_i = static_cast<SData>(8 * dice.below(kRegEnd / 8 + 8));
@@ -51,7 +52,7 @@ TEST(PassCounters, EveryCounterIsAtItsRegister) {
     for (unsigned c = 0; c < kHere; ++c)
       counts.at(c) = counters.clear_i != 0 || counters.rst_i != 0
                          ? 0
-                         : counts.at(c) + (unsigned{counters.counts_i} >> 2 * c & 3);
+                         : counts.at(c) + (unsigned{counters.counts_i} >> kBits * c & ((1u << kBits) - 1));
   }
   counters.final();
   for (unsigned c = 0; c < kHere; ++c) {

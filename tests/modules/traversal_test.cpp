@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <map>
 #include <vector>
@@ -47,17 +48,10 @@ class Bench {
   Bench(const std::vector<Triangle>& triangles, const Hierarchy& hierarchy)
       : triangles_(triangles), hierarchy_(hierarchy) {
     module_->rst_i = 1;
-    module_->ray_valid_i = module_->fetched_valid_i = module_->node_write_i = 0;
+    module_->ray_valid_i = module_->fetched_valid_i = 0;
     module_->record_ready_i = module_->fetch_ready_i = 0;
     module_.clock();
-    module_->node_write_i = 1;
-    for (std::size_t n = 0; n < hierarchy.nodes().size(); ++n) {
-      module_->node_at_i = static_cast<SData>(n);
-      const auto& words = hierarchy.nodes()[n].words;
-      std::copy(words.begin(), words.end(), &module_->node_i[0]);
-      module_.clock();
-    }
-    module_->node_write_i = 0;
+    module_->nodes_i = static_cast<IData>(hierarchy.nodes().size());
     const auto& box = hierarchy.box();
     const auto root = reference::root_bounds<float>(box.min(), box.max());
     for (unsigned k = 0; k < 3; ++k) {
@@ -101,7 +95,17 @@ class Bench {
       }
       for (unsigned l = 0; l < 2; ++l)
         if ((module_->hit_o >> l & 1) != 0) hits.push_back(hit(l));
+      nodes_ += module_->events_o >> 8 & 15u;
+      secondaries_ += module_->events_o & 15u;
+      EXPECT_EQ(module_->fault_o, 0);
+      std::array<std::uint32_t, kUnits> at;
+      for (unsigned u = 0; u < kUnits; ++u) at.at(u) = place(u);
       module_.clock();
+      for (unsigned u = 0; u < kUnits; ++u) {
+        if (at.at(u) >= hierarchy_.nodes().size()) continue;
+        const auto& words = hierarchy_.nodes()[at.at(u)].words;
+        std::copy(words.begin(), words.end(), &module_->node_i[words.size() * u]);
+      }
     }
     return records;
   }
@@ -109,10 +113,24 @@ class Bench {
   std::vector<Record> hits;  ///< of goal hits
 
   unsigned clocks = 0;
-  [[nodiscard]] std::uint32_t nodes() { return module_->nodes_o; }
-  [[nodiscard]] std::uint32_t secondaries() { return module_->secondaries_o; }
+  [[nodiscard]] std::uint64_t nodes() const { return nodes_; }
+  [[nodiscard]] std::uint64_t secondaries() const { return secondaries_; }
 
  private:
+  static constexpr unsigned kUnits =
+      sizeof(Module::node_i) / sizeof(std::array<std::uint32_t, hierarchy::Node::kWords>);
+
+  /// Of the node that a unit asks for, 28 bits each.
+  std::uint32_t place(unsigned unit) {
+    const auto* words = reinterpret_cast<const IData*>(&module_->node_at_o);
+    std::uint32_t place = 0;
+    for (unsigned bit = 0; bit < 28; ++bit) {
+      const unsigned at = 28 * unit + bit;
+      place |= (words[at / 32] >> (at % 32) & 1u) << bit;
+    }
+    return place;
+  }
+
   Record record() {
     Record r;
     r.primary = ~0u;  // seen
@@ -158,6 +176,7 @@ class Bench {
   const Hierarchy& hierarchy_;
   Clocked<Module> module_;
   Memory memory_;
+  std::uint64_t nodes_ = 0, secondaries_ = 0;
   Dice dice_;
 };
 

@@ -280,6 +280,8 @@ constexpr Field kFields[] = {
     field<&BoardConfig::facet_interval>("FACET_II"),
     verdict_field<&FpFormat::exp_bits>("VERDICT_EXP"),
     verdict_field<&FpFormat::man_bits>("VERDICT_MAN"),
+    field<&BoardConfig::node_units>("NODE_UNITS"),
+    field<&BoardConfig::nodes>("NODES"),
     field<&BoardConfig::ecc>("ECC"),
     field<&BoardConfig::transform>("TRANSFORM"),
     field<&BoardConfig::objects>("OBJECTS", Transformer::kSecondaries),
@@ -350,6 +352,34 @@ void check_verdicts(const BoardConfig& c) {
 
 }  // namespace
 
+namespace {
+
+void check_hierarchy(const BoardConfig& c) {
+  const auto require = [](bool ok, const std::string& why) {
+    if (!ok) throw Error(ErrorCode::kUsage, why);
+  };
+  if (c.node_units == 0) {
+    require(c.nodes == BoardConfig().nodes, "a card without node units has no memory of nodes");
+    return;
+  }
+  constexpr unsigned kMostUnits = 4, kLeastNodes = 16, kMostNodes = 1u << 22;
+  require(std::has_single_bit(c.node_units) && c.node_units <= kMostUnits,
+          fmt::format("node_units is {}; it must be 0, 1, 2 or 4", c.node_units));
+  require(std::has_single_bit(c.nodes) && c.nodes >= kLeastNodes && c.nodes <= kMostNodes,
+          fmt::format("nodes is {}; it must be a power of two from {} to {}", c.nodes, kLeastNodes,
+                      kMostNodes));
+  require(c.format == FpFormat(),
+          fmt::format("a hierarchy is of fp32, not of {}: its boxes are widened by 2^-16 of the "
+                      "scene, which in a coarser format were percents of it",
+                      c.format.name()));
+  require(c.algorithm == Algorithm::kMoller && c.box &&
+              std::find(c.pairs.begin(), c.pairs.end(), Pair::kRayTriangle) != c.pairs.end(),
+          "a hierarchy is of ray-triangle by moller with the box rule, without which no tree "
+          "answers as all triangles do");
+}
+
+}  // namespace
+
 std::vector<std::string> BoardConfig::parameters() const {
   const auto require = [](bool ok, const char* name, unsigned value, const char* range) {
     if (!ok)
@@ -380,6 +410,7 @@ std::vector<std::string> BoardConfig::parameters() const {
   if (box && std::find(pairs.begin(), pairs.end(), Pair::kRayTriangle) == pairs.end())
     throw Error(ErrorCode::kUsage, "the box rule is of ray-triangle, which the card has not");
   const BoardConfig standard;
+  check_hierarchy(*this);
   const bool moves = transform != Transformer::kNone, poses = transform == Transformer::kBoth;
   const auto table = [&](unsigned value, const char* name) {
     require(value >= 2 && value <= 2048, name, value, "2 to 2048");

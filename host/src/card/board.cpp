@@ -51,6 +51,7 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   card.pipe_latency = card::kCaps2Latency.of(caps2);
   card.sram_records = card::kCaps2SramRecords.of(caps2);
   card.capacity = card.read_register(card::kRegCapacity);
+  card.node_units = card::kCaps2NodeUnits.of(caps2);
   const auto field = [&](const char* what, std::uint64_t value, std::uint64_t wanted) {
     if (value != wanted) refuse(fmt::format("{} is {}, but {} was asked for", what, value, wanted));
   };
@@ -72,6 +73,15 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   field("two pairs at a time", card::kCaps3Parallel.of(caps3), config.parallel);
   field("box rule", card::kCaps3Box.of(caps3), config.box);
   field("verdicts", card::kCaps3Verdicts.of(caps3), config.verdicts.has_value());
+  field("number of node units", card.node_units, config.node_units);
+  if (card.node_units != 0) {
+    const std::uint64_t node_caps = card.read_register(card::kRegNodeCaps);
+    card.node_capacity = card::kNodeCapsNodes.of(node_caps);
+    card.ray_places = card::kNodeCapsRays.of(node_caps);
+    card.slot_capacity =
+        std::uint64_t{card.node_capacity} * card::kNodeCapsSlotsANode.of(node_caps);
+    field("memory of nodes", card.node_capacity, config.nodes);
+  }
   field("check bits in DDR", card::kCaps3Ecc.of(caps3), config.ecc);
   field("transformer", card::kCaps3Transform.of(caps3), static_cast<unsigned>(config.transform));
   card.objects.entries = card::kCaps3Objects.of(caps3);
@@ -238,6 +248,7 @@ void Board::upload_words(Shape shape, std::size_t count, const Words& words,
   check_shapes(shape, count, defect);
   const std::uint64_t start = clocks();
   card().secondaries = 0;
+  card().hierarchy = {};
   card().write_slots(shape, 0, count, words);
   card().upload_clocks = clocks() - start;
   card().secondaries = static_cast<std::uint32_t>(count);
@@ -258,6 +269,7 @@ void Board::update_words(Shape shape, std::size_t first, std::size_t count, cons
   check_shapes(shape, count, defect);
   const std::uint64_t start = clocks();
   const std::uint32_t there = std::exchange(card().secondaries, 0);  // none if this fails
+  card().hierarchy.stale = true;
   card().write_slots(shape, first, count, words);
   card().upload_clocks = clocks() - start;
   card().secondaries = there;

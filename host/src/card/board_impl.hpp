@@ -30,6 +30,13 @@ struct ObjectTable {
   }
 };
 
+/// The hierarchy in a card's memory.
+struct LoadedHierarchy {
+  std::uint32_t nodes = 0;              ///< 0: none
+  std::array<std::uint32_t, 8> root{};  ///< as kRegRoot has it
+  bool stale = false;                   ///< secondaries have changed since
+};
+
 /// State of a Board, and single accesses to its card. Private to the driver.
 class Board::Impl {
  public:
@@ -76,6 +83,14 @@ class Board::Impl {
   /// correct, found by passes over half of what is left at a time; `command` as the pass that met
   /// it had. Nothing if it is not met again.
   [[nodiscard]] std::optional<std::uint64_t> find_uncorrectable(std::uint64_t command);
+  /// Nodes and slots into their memories.
+  void write_hierarchy(const Hierarchy& hierarchy);
+  /// Why the pass cannot go through a hierarchy; nothing if it can.
+  [[nodiscard]] std::optional<std::string> no_way_through(const Query& query) const;
+  /// The words of a loaded primary.
+  [[nodiscard]] const std::uint32_t* loaded_words(std::uint32_t primary) const {
+    return &packets_[0].words[primary * ((slot_words + 1) / 2 * 2)];
+  }
   /// Secondaries of a pass.
   [[nodiscard]] std::uint64_t swept(const Query& query) const;
 
@@ -109,6 +124,9 @@ class Board::Impl {
   std::uint64_t register_ps = 0;  ///< spent in read_register() and write_register()
   std::uint64_t load_ps = 0;      ///< spent in the last load of primaries
   std::uint64_t upload_clocks = 0, load_clocks = 0, words_uploaded = 0;
+  unsigned node_units = 0, node_capacity = 0, ray_places = 0;
+  std::uint64_t slot_capacity = 0;  ///< of leaves
+  LoadedHierarchy hierarchy;
   ObjectTable objects{"secondaries", card::kObjectTable};
   ObjectTable primary_objects{"primaries", card::kPrimObjectTable};
 

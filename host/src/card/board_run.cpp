@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
+#include <array>
+#include <iterator>
 
-#include "card/board_impl.hpp"
+#include "card/card_pass.hpp"
+#include "card/hierarchy_pass.hpp"
 #include "cde/contract/pairs.hpp"
 #include "cde/contract/records.hpp"
 #include "cde/reference/pairs.hpp"
@@ -14,38 +16,11 @@
 namespace cde {
 namespace {
 
-/// Of so many ring entries: two share their middle beat.
-constexpr std::uint64_t beats_of(std::uint64_t entries) {
-  return (card::kRecordWords * entries + 1) / 2;
-}
-
-bool bit(std::uint64_t status, unsigned number) {
-  return (status >> number & 1) != 0;
-}
-
-Record decode(const std::uint32_t* word, const FloatWords& numbers) {
-  Record r;
-  for (int k = 0; k < 3; ++k)
-    r.cp[k] = numbers.decode(word[card::kRecordCp + static_cast<unsigned>(k)]);
-  r.f = bit(word[card::kRecordFlags], card::kFlagF);
-  r.bad = bit(word[card::kRecordFlags], card::kFlagBad);
-  r.index = word[card::kRecordIndex];
-  r.t = numbers.decode(word[card::kRecordT]);
-  r.primary = word[card::kRecordPrimary];
-  return r;
-}
-
 /// One pass from go to the last record.
-class Pass {
+class Pass : private CardPass {
  public:
   Pass(Board::Impl& card, const Query& query, const RecordSink& sink)
-      : card_(card),
-        query_(query),
-        sink_(sink),
-        swept_(card.swept(query)),
-        started_(card.clocks()),
-        registers_before_(card.register_ps),
-        wall_start_(std::chrono::steady_clock::now()) {
+      : CardPass(card, query), sink_(sink), swept_(card.swept(query)) {
     split_ = card.split();
     const unsigned second = query.second ? card.second_loaded : 0;
     slots_ = second != 0 ? split_ + second : card.loaded;
@@ -153,17 +128,10 @@ class Pass {
     for (;;) {
       const std::uint64_t spent = card_.clocks() - started_;
       if (spent >= deadline_) timeout(fmt::format("deadline of {} clocks", deadline_));
-      const std::uint64_t asleep = card_.link->time_ps();
-      card_.link->run(std::min(streaming_ ? kStreamSlice : kSlice, deadline_ - spent));
-      waited_ps_ += card_.link->time_ps() - asleep;
-      bool full = false;
-      if (card_.link->interrupt()) {
-        const std::uint64_t status = card_.read_register(card::kRegStatus);
-        if (bit(status, card::kStatusCommandError)) device_error("command refused", status);
-        if (bit(status, card::kStatusBusError)) card_.check_bus("a pass");
-        if (bit(status, card::kStatusDone)) return;
-        full = bit(status, card::kStatusSramWait);
-      }
+      const std::uint64_t status =
+          work(std::min(streaming_ ? kStreamSlice : kSlice, deadline_ - spent));
+      if (bit(status, card::kStatusDone)) return;
+      const bool full = bit(status, card::kStatusSramWait);
       if (full || streaming_) {
         const std::uint64_t waiting = card_.read_register(card::kRegRecords);
         if (full)
@@ -171,8 +139,7 @@ class Pass {
         else if (waiting >= kEnough)
           drain(waiting - waiting % 2);
       }
-      const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_start_;
-      if (wall > query_.watchdog) timeout(fmt::format("watchdog of {} s", query_.watchdog.count()));
+      check_watchdog();
       if (query_.progress) {
         query_.progress(std::min(1.0, static_cast<double>(card_.clocks() - started_) /
                                           static_cast<double>(expected_clocks_)));
@@ -185,10 +152,7 @@ class Pass {
     constexpr std::uint64_t kChunk = 8192;
     while (wanted != 0) {
       const std::uint64_t n = std::min(wanted, kChunk);
-      const std::uint64_t before = card_.link->time_ps();
-      words_.resize(2 * beats_of(n));
-      card_.link->read(card::kSpaceSram, 0, words_.data(), beats_of(n));
-      download_ps_ += card_.link->time_ps() - before;
+      fetch(n);
       records_.clear();
       for (std::uint64_t i = 0; i < n; ++i) take(&words_[card::kRecordWords * i]);
       received_ += n;
@@ -240,16 +204,10 @@ class Pass {
     if (card_.verdicts) c.open = card_.read_register(card::kRegOpen);
     c.bad_primaries = card_.read_register(card::kRegBadPrim);
     c.bad_secondaries = card_.read_register(card::kRegBadSec);
-    const std::uint64_t ecc = card_.read_register(card::kRegEcc);
-    c.corrected_words = card::kEccCorrected.of(ecc);
     c.secondaries = card_.read_register(card::kRegSecondaries);
     c.pairs = c.secondaries * active_;
     c.records = card_.read_register(card::kRegWritten);
-    const std::uint64_t status = card_.read_register(card::kRegStatus);
-    if (bit(status, card::kStatusBusError)) card_.check_bus("the download of records");
-    card_.write_register(card::kRegControl, card::kControlClear);
-    if (const std::uint64_t failed = card::kEccFailed.of(ecc); failed != 0)
-      uncorrectable(failed, status);
+    const std::uint64_t status = check_end(c);
     const auto promise = [&](const char* what, std::uint64_t value, std::uint64_t wanted) {
       if (value != wanted)
         device_error(fmt::format("{} {}, but it must be {}", value, what, wanted), status);
@@ -262,88 +220,27 @@ class Pass {
     c.records = received_ / each;
     c.upload_clocks = card_.load_clocks;
     c.total_clocks = card_.clocks() - started_ + card_.load_clocks;
-    c.time = {.load = card_.load_ps,
-              .engine = waited_ps_,
-              .write_back = std::min(waited_ps_, c.writeback * card_.period_ps),
-              .download = download_ps_,
-              .registers = card_.register_ps - registers_before_};
+    c.time = times();
+    c.time.write_back = std::min(c.time.engine, c.writeback * card_.period_ps);
     c.time.engine -= c.time.write_back;
     return c;
   }
 
-  [[nodiscard]] std::string state() {
+  [[nodiscard]] std::string state() override {
     return fmt::format(
         "status {:#x}, {} of {} secondaries swept, {} rows issued, {} records waiting, clock {}",
         card_.read_register(card::kRegStatus), card_.read_register(card::kRegSecondaries), swept_,
         card_.read_register(card::kRegRows), card_.read_register(card::kRegRecords),
         card_.clocks());
   }
-  [[noreturn]] void timeout(const std::string& what) {
-    throw Error(ErrorCode::kTimeout,
-                fmt::format("the card did not finish within its {}: {}", what, state()),
-                fault_at(0));
-  }
-  [[noreturn]] void device_error(const std::string& what, std::uint64_t status,
-                                 std::uint64_t address = 0) {
-    throw Error(
-        ErrorCode::kDevice,
-        fmt::format("{} (mode {}, status {:#x}): {}", what, name_of(query_.mode), status, state()),
-        fault_at(address));
-  }
-  [[nodiscard]] DeviceFault fault_at(std::uint64_t address) {
-    DeviceFault fault = card_.link->fault();
-    fault.address = static_cast<std::uint32_t>(address);
-    return fault;
-  }
-  [[noreturn]] void uncorrectable(std::uint64_t words, std::uint64_t status) {
-    const auto byte = card_.find_uncorrectable((query_.swap ? card::kCommandSwap : 0) |
-                                               card::kCommandPair(*query_.pair));
-    device_error(
-        fmt::format("{} words of DDR have errors that cannot be corrected, {}", words,
-                    byte ? fmt::format("in secondary {} at byte {:#x}",
-                                       *byte / (4 * cde::words(card_.secondary_shape)), *byte)
-                         : "but were read without them afterwards"),
-        status, byte.value_or(0));
-  }
 
-  /// Leaves the card idle and its ring empty. A card that does not come to an end is reset, and the
-  /// next pass writes again what that takes; one that is lost stays so.
-  void abort() noexcept {
-    try {
-      if (!card_.link->lost() && !stopped()) card_.recover();
-    } catch (const Error&) {
-      // Lost, and every later call says so.
-    }
-  }
-  [[nodiscard]] bool stopped() {
-    constexpr unsigned kAsks = 1000;
-    constexpr std::uint64_t kStop = card::kControlAbort | card::kControlClear;
-    try {
-      card_.write_register(card::kRegControl, kStop);
-      for (unsigned i = 0; i < kAsks; ++i) {
-        if (bit(card_.read_register(card::kRegStatus), card::kStatusBusy)) continue;
-        card_.write_register(card::kRegControl, kStop);
-        return true;
-      }
-    } catch (const Error&) {
-      if (card_.link->lost()) throw;
-    }
-    return false;
-  }
-
-  Board::Impl& card_;
-  const Query& query_;
   const RecordSink& sink_;
   std::uint64_t swept_;  // secondaries
-  std::uint64_t started_;
-  std::uint64_t registers_before_, waited_ps_ = 0, download_ps_ = 0;
-  std::chrono::steady_clock::time_point wall_start_;
   std::uint64_t deadline_ = 0, expected_clocks_ = 0, received_ = 0;
   unsigned active_ = 0, slots_ = 0, split_ = 0;  // of primaries
   Stencil stencil_;
   std::uint64_t ring_entries_ = 1;  // of a record
   bool streaming_ = false;
-  std::vector<std::uint32_t> words_;
   std::vector<Record> records_;
   std::optional<Record> half_;  // waits for its normal
 };
@@ -379,11 +276,11 @@ void check_second(const Board::Impl& card, const Query& q) {
   check_shapes(card, pair, q.second->swap, card.second_shape);
 }
 
-/// The query with its pair, which must be one of the card's and fit what was loaded and uploaded.
-Query complete(const Board::Impl& card, const Query& query) {
+/// The query with its pair, which must be one of the card's and fit what was uploaded and what is
+/// loaded.
+Query complete(const Board::Impl& card, const Query& query, Shape loaded) {
   if (card.secondaries == 0)
     throw Error(ErrorCode::kUsage, "no secondaries were uploaded to the board");
-  if (card.loaded == 0) throw Error(ErrorCode::kUsage, "no primaries were loaded into the board");
   Query q = query;
   (void)name_of(q.mode);  // or it is none
   check_watchdog(q.watchdog);
@@ -409,7 +306,7 @@ Query complete(const Board::Impl& card, const Query& query) {
   if (q.normals && (!card.has_normals || !is_solid(*q.pair)))
     throw Error(ErrorCode::kUsage,
                 is_solid(*q.pair) ? "this card has no normals" : "rays have no normals");
-  check_shapes(card, *q.pair, q.swap, card.primary_shape);
+  check_shapes(card, *q.pair, q.swap, loaded);
   if (q.second) check_second(card, q);
   q.budget.check();
   return q;
@@ -431,6 +328,85 @@ class Passing {
   bool& flag_;
 };
 
+/// Whether the query takes the hierarchy. Error kUsage if it has to and cannot.
+bool through_hierarchy(const Board::Impl& card, const Query& query) {
+  if (query.through == Through::kSweep) return false;
+  const auto why = card.no_way_through(query);
+  if (why && query.through == Through::kHierarchy)
+    throw Error(ErrorCode::kUsage, "this query cannot go through a hierarchy: " + *why);
+  return !why;
+}
+
+/// A pass gives the same records every time: if some are lost on the bus it is run again.
+template <class Attempt>
+Counters with_retries(Board::Impl& card, const Attempt& attempt) {
+  for (unsigned failures = 0;;) {
+    try {
+      return attempt();
+    } catch (const Error& error) {
+      if (!error.fault() || !error.fault()->repeatable || ++failures > card.pass_retry_limit) throw;
+      ++card.pass_retries;
+    }
+  }
+}
+
+Counters walk(Board::Impl& card, const Query& query, std::span<const std::uint32_t> numbers,
+              const HierarchyPass::Rays& rays, std::vector<Record>& records) {
+  records.clear();
+  if (numbers.empty()) return {};
+  return with_retries(card,
+                      [&] { return HierarchyPass(card, query, numbers, rays).execute(records); });
+}
+
+/// What mode occluded leaves of a record of mode any.
+Record f_alone(const Record& any) {
+  Record r;
+  r.f = any.f;
+  r.primary = any.primary;
+  if (!any.bad) return r;
+  r.bad = true;
+  r.t = any.t;
+  r.cp = any.cp;
+  return r;
+}
+
+/// The pass over all secondaries. `present` throws if the board is gone.
+Counters sweep(Board::Impl& card, const Query& query, const RecordSink& sink,
+               const std::function<void()>& present) {
+  Query asked = query;
+  std::vector<Record> blank;
+  RecordSink out = sink;
+  if (query.mode == Mode::kOccluded) {
+    asked.mode = Mode::kAny;
+    out = [&](std::span<const Record> some) {
+      blank.clear();
+      std::transform(some.begin(), some.end(), std::back_inserter(blank), f_alone);
+      sink(blank);
+    };
+  }
+  // If the pass is run again those that `sink` has are left out.
+  std::uint64_t delivered = 0;
+  return with_retries(card, [&] {
+    std::uint64_t known = delivered;
+    const RecordSink rest = [&](std::span<const Record> some) {
+      const std::uint64_t skipped = std::min<std::uint64_t>(known, some.size());
+      known -= skipped;
+      delivered += some.size() - skipped;
+      if (skipped == some.size()) return;
+      out(some.subspan(skipped));
+      present();
+    };
+    card.prepare();
+    return Pass(card, asked, rest).execute();
+  });
+}
+
+/// Rays of a pass through the hierarchy, at most: the more, the less the last ones matter. Records
+/// of a pass are kept until it is over, and in mode hits a ray may have many.
+std::size_t rays_of_a_pass(Mode mode) {
+  return mode == Mode::kHits ? 4096 : 65'536;
+}
+
 }  // namespace
 
 Counters Board::run(const Query& query, const RecordSink& sink) {
@@ -442,35 +418,32 @@ Counters Board::run(const Query& query, const RecordSink& sink) {
     if (kept.use_count() == 1)
       throw Error(ErrorCode::kUsage, "the board was destroyed by the sink or progress of its pass");
   };
-  Query whole = complete(it, query);
+  if (it.secondaries != 0 && it.loaded == 0)
+    throw Error(ErrorCode::kUsage, "no primaries were loaded into the board");
+  Query whole = complete(it, query, it.primary_shape);
   if (query.progress) {
     whole.progress = [&](double share) {
       query.progress(share);
       present();
     };
   }
+  const bool through = through_hierarchy(it, whole);
   const Passing passing(it.passing);
-  // A pass gives the same records every time: if some are lost on the bus it is run again, and
-  // those that `sink` has are left out.
-  std::uint64_t delivered = 0;
-  for (unsigned failures = 0;;) {
-    std::uint64_t known = delivered;
-    const RecordSink rest = [&](std::span<const Record> some) {
-      const std::uint64_t skipped = std::min<std::uint64_t>(known, some.size());
-      known -= skipped;
-      delivered += some.size() - skipped;
-      if (skipped == some.size()) return;
-      sink(some.subspan(skipped));
-      present();
-    };
-    try {
-      it.prepare();
-      return Pass(it, whole, rest).execute();
-    } catch (const Error& error) {
-      if (!error.fault() || !error.fault()->repeatable || ++failures > it.pass_retry_limit) throw;
-      ++it.pass_retries;
-    }
-  }
+  if (!through) return sweep(it, whole, sink, present);
+  std::vector<std::uint32_t> numbers;
+  for (std::uint32_t p = 0; p < it.loaded; ++p)
+    if (!query.stencil[p]) numbers.push_back(p);
+  std::vector<Record> records;
+  const auto ray = [&](std::uint32_t i, std::uint32_t* words) {
+    std::copy_n(it.loaded_words(numbers[i]), cde::words(Shape::kRay), words);
+  };
+  Counters c = walk(it, whole, numbers, ray, records);
+  c.upload_clocks += it.load_clocks;
+  c.total_clocks += it.load_clocks;
+  c.time.load += it.load_ps;
+  if (!records.empty()) sink(records);
+  present();
+  return c;
 }
 
 std::vector<Record> Board::run(const Query& query, Counters* counters) {
@@ -488,6 +461,7 @@ Counters Board::cast(const RayView& rays, const Query& query, const RecordSink& 
   idle_card().link->alive();
   require_sink(sink);
   (void)name_of(query.mode);
+  if (!rays.empty() && through_hierarchy(card(), query)) return cast_through(rays, query, sink);
   const std::size_t packet = primaries();
   Counters total;
   Query each = query;
@@ -506,6 +480,44 @@ Counters Board::cast(const RayView& rays, const Query& query, const RecordSink& 
       for (Record& r : renumbered) r.primary += static_cast<std::uint32_t>(first);
       sink(renumbered);
     });
+  }
+  return total;
+}
+
+Counters Board::cast_through(const RayView& rays, const Query& query, const RecordSink& sink) {
+  const std::shared_ptr<Impl> kept = impl_;
+  Impl& it = *kept;
+  const Query whole = complete(it, query, Shape::kRay);
+  const std::size_t batch = rays_of_a_pass(query.mode);
+  Counters total;
+  std::vector<std::uint32_t> numbers;
+  std::vector<Record> records;
+  for (std::size_t first = 0; first < rays.size(); first += batch) {
+    const std::size_t end = std::min(rays.size(), first + batch);
+    numbers.clear();
+    for (std::size_t i = first; i < end; ++i)
+      if (!query.stencil[i % it.primaries]) numbers.push_back(static_cast<std::uint32_t>(i));
+    Query each = whole;
+    if (query.progress) {
+      each.progress = [&](double share) {
+        query.progress((static_cast<double>(first) + share * static_cast<double>(end - first)) /
+                       static_cast<double>(rays.size()));
+      };
+    }
+    const Passing passing(it.passing);
+    total += walk(
+        it, each, numbers,
+        [&](std::uint32_t i, std::uint32_t* words) {
+          std::array<float, contract::kMostWords> floats{};
+          to_words(rays[numbers[i]], slot<Ray>(floats.data()));
+          it.encode(Shape::kRay, numbers[i], std::span(floats).first(cde::words(Shape::kRay)),
+                    words);
+        },
+        records);
+    if (records.empty()) continue;
+    sink(records);
+    if (kept.use_count() == 1)
+      throw Error(ErrorCode::kUsage, "the board was destroyed by the sink or progress of its pass");
   }
   return total;
 }

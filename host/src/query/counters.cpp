@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cde/query/counters.hpp"
 
+#include <algorithm>
+
 namespace cde {
 
 ModelledTime& ModelledTime::operator+=(const ModelledTime& other) {
@@ -24,6 +26,9 @@ Counters& Counters::operator+=(const Counters& other) {
   corrected_words += other.corrected_words;
   secondaries += other.secondaries;
   pairs += other.pairs;
+  nodes += other.nodes;
+  leaves += other.leaves;
+  deepest = std::max(deepest, other.deepest);
   records += other.records;
   upload_clocks += other.upload_clocks;
   total_clocks += other.total_clocks;

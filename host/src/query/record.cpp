@@ -10,7 +10,8 @@
 namespace cde {
 
 namespace {
-constexpr std::array<const char*, 5> kModeNames = {"nearest", "farthest", "any", "all", "hits"};
+constexpr std::array<const char*, 6> kModeNames = {"nearest", "farthest", "any",
+                                                   "all",     "hits",     "occluded"};
 }
 
 const char* name_of(Mode mode) {

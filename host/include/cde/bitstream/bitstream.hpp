@@ -48,9 +48,13 @@ struct BoardConfig {
   unsigned facet_interval = 1;  ///< clocks from row to row of pairs with facets, 1 or 3: with 3 the
                                 ///< gates of three facets are one unit's (has_facets)
   std::optional<FpFormat> verdicts =
-      std::nullopt;  ///< narrow lanes prove misses of pairs of solids
-                     ///< (has_verdicts) in modes any and hits, and one lane of
-                     ///< `format` tests what they leave open: the same records
+      std::nullopt;         ///< narrow lanes prove misses of pairs of solids
+                            ///< (has_verdicts) in modes any and hits, and one lane of
+                            ///< `format` tests what they leave open: the same records
+  unsigned node_units = 0;  ///< of a hierarchy over triangles: 0 (none), 1, 2 or 4; of fp32 cards
+                            ///< with ray-triangle by Moeller and the box rule
+  unsigned nodes = 65'536;  ///< that its memory holds, a power of two, up to 2^22; and eight slots
+                            ///< of leaves each
   Transformer transform = Transformer::kNone;  ///< objects (Board::set_objects) can move
   unsigned objects = 1024;                     ///< that the card's table holds, 2 to 2,048
   unsigned primary_objects = 64;               ///< likewise

@@ -18,6 +18,7 @@
 #include "cde/geometry/pair.hpp"
 #include "cde/geometry/primitives.hpp"
 #include "cde/geometry/transform.hpp"
+#include "cde/hierarchy/hierarchy.hpp"
 #include "cde/image/ray_view.hpp"
 #include "cde/mesh/triangle_view.hpp"
 #include "cde/query/counters.hpp"
@@ -91,6 +92,15 @@ class Board {
   /// the first triangle that is not finite, before anything is uploaded, unless `validate` is off
   /// (the card then flags its records).
   void upload(const TriangleView& triangles, bool validate = true);
+  /// The same, and a hierarchy over them, which must be of these triangles: rays then go through it
+  /// where a query allows (Query::through), with the same records. It stays over passes and
+  /// reset(), until other secondaries are uploaded. Errors beside those above, before anything is
+  /// uploaded: kUsage if the card has no node units, or the hierarchy is of another number of
+  /// triangles; kCapacity, with the sizes, if its memory of nodes or slots is smaller.
+  void upload(const TriangleView& triangles, const Hierarchy& hierarchy, bool validate = true);
+  /// A hierarchy over what is uploaded, as it is now: after update_shapes(), which leaves the one
+  /// before unused, with its refit(). Errors as above.
+  void upload(const Hierarchy& hierarchy);
   /// The same for other shapes (Sphere, Aabb, Obb, Plane, Cylinder, Ray; Triangle too).
   template <class P>
   void upload_shapes(std::span<const P> shapes, bool validate = true) {
@@ -157,9 +167,13 @@ class Board {
   Counters run(const Query& query, const RecordSink& sink);
   [[nodiscard]] std::vector<Record> run(const Query& query, Counters* counters = nullptr);
 
+  /// Why run() or cast() would not take the hierarchy for a query; nothing if they would.
+  [[nodiscard]] std::optional<std::string> no_way_through(const Query& query) const;
+
   /// load() and run() for any number of rays, in packets of primaries(), each made when its turn
   /// comes. The stencil, if any, masks
   /// places in every packet. `primary` of the records counts through all rays. Counters are sums.
+  /// Through a hierarchy rays are streamed, and nothing is loaded; records come in the same order.
   Counters cast(const RayView& rays, const Query& query, const RecordSink& sink);
   [[nodiscard]] std::vector<Record> cast(const RayView& rays, const Query& query = {});
 
@@ -229,6 +243,7 @@ class Board {
                     const std::function<std::optional<std::string>(std::size_t)>& defect);
   void load_words(Shape shape, std::size_t count, const Words& words);
   void load_second_words(Shape shape, std::size_t count, const Words& words);
+  Counters cast_through(const RayView& rays, const Query& query, const RecordSink& sink);
   std::shared_ptr<Impl> impl_;  ///< this board's; a pass keeps it over a sink that drops the board
 };
 

@@ -11,12 +11,16 @@ namespace cde::card {
 
 /// Spaces of the local bus; a beat is 64 bits.
 enum Space : std::uint32_t {
-  kSpaceReg = 0,   ///< registers, 64 bits at 8-byte offsets
-  kSpacePrim = 1,  ///< primary register file, kPrimWords words a slot, write only
-  kSpaceDdr = 2,   ///< secondary memory, packed slots, write only
-  kSpaceSram = 3,  ///< record stream: every beat read takes the next words of the ring
+  kSpaceReg = 0,    ///< registers, 64 bits at 8-byte offsets
+  kSpacePrim = 1,   ///< primary register file, kPrimWords words a slot, write only
+  kSpaceDdr = 2,    ///< secondary memory, packed slots, write only
+  kSpaceSram = 3,   ///< record stream: every beat read takes the next words of the ring
+  kSpaceNodes = 4,  ///< nodes of a hierarchy: words 0 to 15 of node n at byte 64 n, 16 and 17 at 64
+                    ///< NODES + 8 n
+  kSpaceSlots = 5,  ///< which secondary is in each slot of its leaves, a word each
+  kSpaceRays = 6,   ///< rays on their way into a pass through it: a ring of kRays places
 };
-inline constexpr unsigned kSpaces = 4;     ///< the card refuses numbers from here on
+inline constexpr unsigned kSpaces = 7;     ///< the card refuses numbers from here on
 inline constexpr unsigned kSpaceBits = 3;  ///< of a number
 
 /// Register offsets in bytes.
@@ -52,13 +56,23 @@ enum Register : std::uint32_t {
   kRegSecondaries = 0x0F0,  ///< secondaries swept
   kRegWritten = 0x0F8,      ///< records written to SRAM
   kRegOpen = 0x100,         ///< pairs that narrow lanes left open (BoardConfig::verdicts)
-  kRegEnd = 0x108,
+  kRegNodes = 0x108,        ///< of a hierarchy: nodes read,
+  kRegLeaves = 0x110,       ///< leaves visited,
+  kRegTested = 0x118,       ///< secondaries of leaves that were tested
+  kRegRoot = 0x120,         ///< 4 registers: lower corner of the root's box, upper one, 16 u W, 0
+  kRegNodeCaps = 0x140,     ///< kNodeCaps* fields
+  kRegNodeCount = 0x148,    ///< nodes of the tree
+  kRegRayCount = 0x150,     ///< rays of the pass; none of them is there yet
+  kRegRays = 0x158,         ///< kRays* fields; the number of those that are there is written
+  kRegDeepest = 0x160,      ///< groups on a stack at a time, at most
+  kRegNodeFault = 0x168,    ///< kNodeFault* fields
+  kRegEnd = 0x170,
 };
 
 /// Registers of the counters of a pass, unit by unit in the order in which a unit brings them.
 inline constexpr Register kCounterRegisters[] = {
-    kRegCycles,      kRegWriteback, kRegRows,    kRegStalls, kRegBubbles,
-    kRegSecondaries, kRegBadSec,    kRegWritten, kRegOpen,
+    kRegCycles, kRegWriteback, kRegRows, kRegStalls, kRegBubbles, kRegSecondaries,
+    kRegBadSec, kRegWritten,   kRegOpen, kRegNodes,  kRegLeaves,  kRegTested,
 };
 inline constexpr unsigned kCounters = std::size(kCounterRegisters);
 inline constexpr unsigned kEngineCounters = 9;  ///< the first ones
@@ -69,7 +83,7 @@ inline constexpr std::uint32_t kObjectTable = 0x40000;      ///< of secondaries
 inline constexpr std::uint32_t kPrimObjectTable = 0x80000;  ///< of primaries
 
 inline constexpr std::uint32_t kIdMagic = 0x43444531;
-inline constexpr std::uint32_t kInterfaceVersion = 4;
+inline constexpr std::uint32_t kInterfaceVersion = 5;
 
 /// Bits of kRegControl.
 inline constexpr std::uint64_t kControlGo = 1;
@@ -86,6 +100,16 @@ enum Status : unsigned {
   kStatusIrq = 5,           ///< done, an error, or a full ring wants the host
   kStatusEccError = 6,      ///< words of DDR with errors that cannot be corrected were read in this
                             ///< pass
+  kStatusNodeError = 7,     ///< the pass met nodes that are no tree's: kRegNodeFault
+};
+
+/// What is wrong with nodes: kNodeFaultKind.
+enum NodeFault : unsigned {
+  kNodeFaultNode = 1,     ///< a node beyond the last one: its number
+  kNodeFaultSlot = 2,     ///< a slot beyond the last one: its number
+  kNodeFaultIndex = 3,    ///< a slot with a secondary beyond the last one: the slot
+  kNodeFaultDepth = 4,    ///< more levels than the stack has: the first node of the level below
+  kNodeFaultEndless = 5,  ///< rays that come to no end: the node read last
 };
 
 /// Result modes, kRegCommand[2:0].
@@ -95,16 +119,21 @@ enum ModeCode : std::uint32_t {
   kModeAny = 2,
   kModeAll = 3,
   kModeHits = 4,
+  kModeOccluded = 5,  ///< of a hierarchy
 };
 
 /// Fields of registers.
 inline constexpr Field kIdVersion{0, 32}, kIdMagicField{32, 32};
 inline constexpr Field kCapsLanes{0, 16}, kCapsPrimaries{16, 16}, kCapsExp{32, 8}, kCapsMan{40, 8},
     kCapsAlgorithm{48, 8};
-inline constexpr Field kCaps2Latency{0, 16}, kCaps2SramRecords{16, 32}, kCaps2Container{48, 8};
+inline constexpr Field kCaps2Latency{0, 16}, kCaps2SramRecords{16, 32}, kCaps2Container{48, 8},
+    kCaps2NodeUnits{56, 8};
 inline constexpr Field kCaps3Pairs{0, 16}, kCaps3Swap{16}, kCaps3Normals{17}, kCaps3Parallel{18},
     kCaps3Transform{19, 2}, kCaps3Ecc{21}, kCaps3Box{22}, kCaps3Verdicts{23},
     kCaps3PrimWords{24, 8}, kCaps3Objects{32, 16}, kCaps3PrimObjects{48, 16};
+inline constexpr Field kNodeCapsNodes{0, 32}, kNodeCapsRays{32, 16}, kNodeCapsSlotsANode{48, 8};
+inline constexpr Field kRaysProvided{0, 32}, kRaysTaken{32, 32};
+inline constexpr Field kNodeFaultPlace{0, 32}, kNodeFaultKind{32, 3};
 inline constexpr Field kFaultAddr{0, 32}, kFaultSpace{32, kSpaceBits};
 inline constexpr Field kBudgetM{0, 8}, kBudgetK1{8, 8}, kBudgetK2{16, 8};
 inline constexpr std::uint32_t kBudgetReset = 0x080808;
@@ -114,8 +143,9 @@ inline constexpr Field kCommandMode{0, 3}, kCommandPair{8, 4}, kCommandSecondPai
 /// Bits of kRegCommand beside mode and pair codes.
 inline constexpr std::uint64_t kCommandSwap = 1 << 4;
 inline constexpr std::uint64_t kCommandNormals = 1 << 5;
+inline constexpr std::uint64_t kCommandHierarchy = 1 << 6;
 inline constexpr std::uint64_t kCommandSecond = 1 << 12;
 inline constexpr std::uint64_t kCommandSecondSwap = 1 << 13;
-inline constexpr std::uint64_t kCommandBits = 0xF3F37;  ///< those of its fields
+inline constexpr std::uint64_t kCommandBits = 0xF3F77;  ///< those of its fields
 
 }  // namespace cde::card

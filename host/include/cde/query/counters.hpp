@@ -35,10 +35,14 @@ struct Counters {
   std::uint64_t bad_secondaries = 0;  ///< triangles refused as bad input
   std::uint64_t secondaries = 0;      ///< triangles swept (mode any may end early)
   std::uint64_t pairs = 0;            ///< ray-triangle tests: triangles swept times unmasked rays
-  std::uint64_t records = 0;          ///< records written, all of which were downloaded
-  std::uint64_t upload_clocks = 0;    ///< core clocks of loading the rays
-  std::uint64_t total_clocks = 0;     ///< everything: loading, pass, download, register accesses
-  ModelledTime time;                  ///< the same, and where it went
+  // Of passes through a hierarchy, whose `pairs` are those of the leaves that rays met:
+  std::uint64_t nodes = 0;          ///< read
+  std::uint64_t leaves = 0;         ///< visited
+  std::uint64_t deepest = 0;        ///< groups on a ray's stack at a time, at most
+  std::uint64_t records = 0;        ///< records written, all of which were downloaded
+  std::uint64_t upload_clocks = 0;  ///< core clocks of loading the rays
+  std::uint64_t total_clocks = 0;   ///< everything: loading, pass, download, register accesses
+  ModelledTime time;                ///< the same, and where it went
 
   Counters& operator+=(const Counters& other);
   /// Time of the passes (cycles and writeback) at a core clock.

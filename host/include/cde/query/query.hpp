@@ -22,6 +22,13 @@ struct SecondPair {
   bool swap = false;
 };
 
+/// Whether rays go through the hierarchy of what was uploaded, or meet all of it.
+enum class Through : std::uint8_t {
+  kAuto,       ///< the hierarchy, where there is one that can answer the query
+  kHierarchy,  ///< error kUsage, with the reason, where it cannot
+  kSweep,
+};
+
 /// What a pass does.
 struct Query {
   Mode mode = Mode::kNearest;
@@ -35,8 +42,10 @@ struct Query {
       0;  ///< the pass sweeps the uploaded secondaries from this one on,
   std::uint32_t secondary_count = 0;  ///< so many of them (0: all behind it); not with objects.
                                       ///< Records have their numbers in upload order all the same
+  Through through = Through::kAuto;
   std::uint64_t deadline_clocks =
-      0;  ///< for one pass; 0: several times what the pass can take at worst
+      0;  ///< for one pass; 0: several times what the pass can take at worst, or in a hierarchy a
+          ///< million in which nothing is read
   std::chrono::duration<double> watchdog = std::chrono::hours(1);  ///< wall clock, for one pass
   std::uint32_t drain_records =
       65536;  ///< taken off a full ring at a time, rounded up to an even number

@@ -21,9 +21,11 @@ enum class Mode : std::uint8_t {
   kAny = card::kModeAny,            ///< one a primary: the first hit in stream order; ends early
   kAll = card::kModeAll,            ///< one a pair, secondary by secondary, primaries ascending
   kHits = card::kModeHits,          ///< those of kAll that hit
+  kOccluded = card::kModeOccluded,  ///< one a primary: F alone, that of kAny; no index, point or T.
+                                    ///< Ends at the first hit, whichever that is
 };
 
-/// "nearest", "farthest", "any", "all", "hits".
+/// "nearest", "farthest", "any", "all", "hits", "occluded".
 [[nodiscard]] const char* name_of(Mode mode);
 [[nodiscard]] std::optional<Mode> mode_named(std::string_view name);
 

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "card/hierarchy_pass.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "cde/contract/records.hpp"
+#include "cde/support/error.hpp"
+
+namespace cde {
+namespace {
+
+constexpr unsigned kRayWords = 8;
+/// Rays that are written at a time behind go, enough for long transfers; before it as many as there
+/// are places for, so that what the card counts of few rays is its own time.
+constexpr std::uint32_t kMoreRays = 1024;
+
+}  // namespace
+
+HierarchyPass::HierarchyPass(Board::Impl& card, const Query& query,
+                             std::span<const std::uint32_t> numbers, const Rays& rays)
+    : CardPass(card, query), numbers_(numbers), rays_(rays), last_progress_(started_) {}
+
+Counters HierarchyPass::execute(std::vector<Record>& records) {
+  configure();
+  try {
+    provide(card_.ray_places);
+    card_.write_register(card::kRegControl, card::kControlGo);
+    wait_until_done();
+    drain(card_.read_register(card::kRegRecords));
+    const Counters counters = finish();
+    put_in_order(records);
+    return counters;
+  } catch (...) {
+    abort();
+    throw;
+  }
+}
+
+void HierarchyPass::configure() {
+  card_.write_register(card::kRegControl, card::kControlClear);
+  card_.write_register(card::kRegCommand, card::kCommandMode(query_.mode) |
+                                              card::kCommandHierarchy |
+                                              card::kCommandPair(Pair::kRayTriangle));
+  if (card_.objects.entries != 0) card_.write_register(card::kRegObjectCount, 0);
+  card_.write_register(card::kRegSecFirst, 0);
+  card_.write_register(card::kRegSecCount, card_.secondaries);
+  card_.write_register(card::kRegNodeCount, card_.hierarchy.nodes);
+  for (unsigned k = 0; k < 4; ++k)
+    card_.write_register(
+        card::kRegRoot + 8 * k,
+        card_.hierarchy.root[2 * k] | std::uint64_t{card_.hierarchy.root[2 * k + 1]} << 32);
+  card_.write_register(card::kRegRayCount, numbers_.size());
+}
+
+bool HierarchyPass::provide(std::uint32_t most) {
+  const auto all = static_cast<std::uint32_t>(numbers_.size());
+  const std::uint32_t wanted = std::min(most, all - provided_);
+  if (wanted == 0) return true;
+  if (provided_ + wanted - taken_ > card_.ray_places)
+    taken_ = static_cast<std::uint32_t>(card::kRaysTaken.of(card_.read_register(card::kRegRays)));
+  if (provided_ + wanted - taken_ > card_.ray_places) return false;
+  write_rays(wanted);
+  card_.write_register(card::kRegRays, provided_);
+  return provided_ == all;
+}
+
+void HierarchyPass::write_rays(std::uint32_t count) {
+  const std::uint64_t before = card_.link->time_ps();
+  while (count != 0) {
+    const std::uint32_t place = provided_ % card_.ray_places;
+    const std::uint32_t n = std::min(count, card_.ray_places - place);
+    ray_words_.resize(std::size_t{n} * kRayWords);
+    for (std::uint32_t i = 0; i < n; ++i) rays_(provided_ + i, &ray_words_[i * kRayWords]);
+    card_.write(card::kSpaceRays, place * kRayWords * 4, ray_words_.data(), n * kRayWords / 2);
+    provided_ += n;
+    count -= n;
+  }
+  ray_ps_ += card_.link->time_ps() - before;
+}
+
+void HierarchyPass::wait_until_done() {
+  constexpr std::uint64_t kSlice = 16384, kRaySlice = 512, kStreamSlice = 4096, kEnough = 1024;
+  const bool hits = query_.mode == Mode::kHits;
+  for (bool all = false;;) {
+    bool wrote = false;
+    if (!all) {
+      const std::uint32_t before = provided_;
+      all = provide(kMoreRays);
+      wrote = provided_ != before;
+    }
+    // Rays that are written leave the card no less time; what it wants is looked at in between.
+    const std::uint64_t status = work(wrote ? 1 : !all ? kRaySlice : hits ? kStreamSlice : kSlice);
+    if (bit(status, card::kStatusDone)) {
+      if (bit(status, card::kStatusNodeError)) malformed(status);
+      return;
+    }
+    const bool full = bit(status, card::kStatusSramWait);
+    if (full || hits) {
+      const std::uint64_t waiting = card_.read_register(card::kRegRecords);
+      if (full)
+        drain(std::min(std::max<std::uint64_t>(2, query_.drain_records + query_.drain_records % 2),
+                       waiting));
+      else if (waiting >= kEnough)
+        drain(waiting - waiting % 2);
+    }
+    if (!wrote) check_progress();
+    check_watchdog();
+    if (query_.progress)
+      query_.progress(static_cast<double>(taken_) / static_cast<double>(numbers_.size()));
+  }
+}
+
+void HierarchyPass::check_progress() {
+  const std::uint64_t now = card_.clocks();
+  if (query_.deadline_clocks != 0) {
+    if (now - started_ >= query_.deadline_clocks)
+      timeout(fmt::format("deadline of {} clocks", query_.deadline_clocks));
+    return;
+  }
+  // The card itself ends what comes to no end; it is memory that may never answer.
+  const std::uint64_t still = 1'000'000 + 1'000 * std::uint64_t{card_.ddr_latency};
+  if (now - last_progress_ < still / 2) return;
+  const std::uint64_t nodes = card_.read_register(card::kRegNodes) +
+                              card_.read_register(card::kRegTested) +
+                              card_.read_register(card::kRegWritten);
+  if (nodes == last_nodes_ && now - last_progress_ >= still)
+    timeout(fmt::format("{} clocks, in which nothing was read", still));
+  if (nodes != last_nodes_) last_progress_ = now;
+  last_nodes_ = nodes;
+}
+
+void HierarchyPass::malformed(std::uint64_t status) {
+  const std::uint64_t fault = card_.read_register(card::kRegNodeFault);
+  const std::uint64_t place = card::kNodeFaultPlace.of(fault);
+  const std::string what = [&] {
+    switch (card::kNodeFaultKind.of(fault)) {
+      case card::kNodeFaultNode:
+        return fmt::format("node {} is asked for, of {}", place, card_.hierarchy.nodes);
+      case card::kNodeFaultSlot:
+        return fmt::format("slot {} is asked for, of {}", place, card_.secondaries);
+      case card::kNodeFaultIndex:
+        return fmt::format("slot {} has a secondary beyond the {} uploaded", place,
+                           card_.secondaries);
+      case card::kNodeFaultDepth:
+        return fmt::format("the levels above node {} are more than {}", place,
+                           Hierarchy::kMostDepth);
+      default:
+        return fmt::format("rays come to no end, at last in node {}", place);
+    }
+  }();
+  device_error("the hierarchy in the card's memory is none: " + what, status, place);
+}
+
+void HierarchyPass::drain(std::uint64_t wanted) {
+  constexpr std::uint64_t kChunk = 8192;
+  while (wanted != 0) {
+    const std::uint64_t n = std::min(wanted, kChunk);
+    fetch(n);
+    for (std::uint64_t i = 0; i < n; ++i)
+      records_.push_back(decode(&words_[card::kRecordWords * i], card_.coding));
+    wanted -= n;
+  }
+}
+
+Counters HierarchyPass::finish() {
+  Counters c;
+  c.cycles = card_.read_register(card::kRegCycles);
+  c.nodes = card_.read_register(card::kRegNodes);
+  c.leaves = card_.read_register(card::kRegLeaves);
+  c.pairs = card_.read_register(card::kRegTested);
+  c.deepest = card_.read_register(card::kRegDeepest);
+  c.records = card_.read_register(card::kRegWritten);
+  const std::uint64_t status = check_end(c);
+  if (records_.size() != c.records)
+    device_error(fmt::format("{} records downloaded of {}", records_.size(), c.records), status);
+  for (const Record& r : records_) {
+    if (r.primary >= numbers_.size())
+      device_error(fmt::format("a record of ray {} of {}", r.primary, numbers_.size()), status);
+    if (r.bad) ++c.bad_primaries;
+  }
+  c.total_clocks = card_.clocks() - started_;
+  c.time = times();
+  c.time.load = ray_ps_;
+  return c;
+}
+
+void HierarchyPass::put_in_order(std::vector<Record>& records) {
+  if (query_.mode == Mode::kHits) {
+    for (Record& r : records_) r.primary = numbers_[r.primary];
+    std::sort(records_.begin(), records_.end(), [&](const Record& a, const Record& b) {
+      const auto key = [&](const Record& r) {
+        return std::tuple(r.primary / card_.primaries, r.index, r.primary);
+      };
+      return key(a) < key(b);
+    });
+    records.swap(records_);
+    return;
+  }
+  std::vector<bool> there(numbers_.size());
+  records.resize(numbers_.size());
+  if (records_.size() != numbers_.size())
+    device_error(fmt::format("{} records of {} rays", records_.size(), numbers_.size()), 0);
+  for (const Record& r : records_) {
+    if (there[r.primary]) device_error(fmt::format("ray {} has two records", r.primary), 0);
+    there[r.primary] = true;
+    records[r.primary] = r;
+    records[r.primary].primary = numbers_[r.primary];
+  }
+}
+
+std::string HierarchyPass::state() {
+  return fmt::format(
+      "status {:#x}, {} of {} rays provided, {} nodes read, {} secondaries tested, {} records "
+      "written, {} waiting, clock {}",
+      card_.read_register(card::kRegStatus), provided_, numbers_.size(),
+      card_.read_register(card::kRegNodes), card_.read_register(card::kRegTested),
+      card_.read_register(card::kRegWritten), card_.read_register(card::kRegRecords),
+      card_.clocks());
+}
+
+}  // namespace cde

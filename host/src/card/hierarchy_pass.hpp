@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "card/card_pass.hpp"
+
+namespace cde {
+
+/// A pass of rays through the hierarchy in the card: they are written into a ring while it works,
+/// and its records, which come as they are found, are put in order. Private to the driver.
+class HierarchyPass : private CardPass {
+ public:
+  /// The words of a ray of the pass, 8 of them.
+  using Rays = std::function<void(std::uint32_t, std::uint32_t*)>;
+
+  /// `numbers` are those of the rays in records, ascending, one a ray of the pass; all outlives it.
+  HierarchyPass(Board::Impl& card, const Query& query, std::span<const std::uint32_t> numbers,
+                const Rays& rays);
+
+  /// From go to the last record. Those of modes that keep one a ray come by ascending number, those
+  /// of hits packet by packet (primaries of the card), in it by index, then number: the orders of
+  /// sweeps.
+  Counters execute(std::vector<Record>& records);
+
+ private:
+  [[nodiscard]] std::string state() override;
+  void configure();
+  /// Writes rays as far as there are places, at most so many; whether all are written.
+  bool provide(std::uint32_t most);
+  void write_rays(std::uint32_t count);
+  void wait_until_done();
+  void check_progress();
+  /// What the card says of nodes that are no tree's.
+  [[noreturn]] void malformed(std::uint64_t status);
+  void drain(std::uint64_t entries);
+  Counters finish();
+  void put_in_order(std::vector<Record>& records);
+
+  std::span<const std::uint32_t> numbers_;
+  const Rays& rays_;
+  std::uint32_t provided_ = 0, taken_ = 0;
+  std::uint64_t ray_ps_ = 0;                      ///< spent in writing rays
+  std::uint64_t last_nodes_ = 0, last_progress_;  ///< clock at which something had been read
+  std::vector<std::uint32_t> ray_words_;
+  std::vector<Record> records_;
+};
+
+}  // namespace cde

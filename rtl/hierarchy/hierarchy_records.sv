@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// Records of a pass through a hierarchy, one a clock, as they come: hits of mode hits, rays that came to their end, and
+// bad rays. The words are those that record_maker.sv makes.
+// Latency: 1 clock; hits wait in queues. Throughput: one record a clock. Stall: ready_o, bad_ready_o while the ring is
+// full or another comes first; hits have the room that leaf_room_o promises.
+module hierarchy_records #(
+    parameter config_pkg::config_t CONFIG,
+    parameter int DEPTH = 128,  // hits that wait, a lane; power of two
+    localparam int WORDS = records_pkg::RECORD_WORDS
+) (
+    input logic clk_i,
+    input logic rst_i,
+    input logic [2:0] mode_i,  // registers_pkg::MODE_*
+
+    // A leaf on its way to the pairs: there is room for its hits.
+    output logic leaf_room_o,
+    input logic leaf_i,
+    input logic leaf_tested_i,
+    input logic [1:0] hit_i,
+    input logic [31:0] hit_number_i,
+    input logic [1:0][31:0] hit_t_i,
+    input logic [2:0][1:0][31:0] hit_cp_i,
+    input logic [1:0][31:0] hit_index_i,
+
+    input logic valid_i,  // a ray's end
+    output logic ready_o,
+    input logic [31:0] number_i,
+    input logic f_i,
+    input logic [31:0] t_i,
+    input logic [2:0][31:0] cp_i,
+    input logic [31:0] index_i,
+
+    input logic bad_valid_i,  // a bad ray
+    output logic bad_ready_o,
+    input logic [31:0] bad_number_i,
+
+    input logic sram_full_i,
+    input logic [31:0] sram_count_i,
+    output logic write_o,
+    output logic [WORDS-1:0][31:0] record_o,
+    output logic finished_o,  // a ray has all its records
+    output logic empty_o      // nothing waits
+);
+  localparam logic [31:0] QNAN = 32'(formats_pkg::quiet_nan(CONFIG.exp, CONFIG.man));
+  localparam logic [31:0] INFINITE = 32'h7f80_0000;
+  localparam int DW = $clog2(DEPTH);
+  logic hits, occluded;
+  assign hits = mode_i == registers_pkg::MODE_HITS;
+  assign occluded = mode_i == registers_pkg::MODE_OCCLUDED;
+
+  // ---- Hits, a queue a lane ----
+  typedef struct packed {
+    logic [31:0] number;
+    logic [31:0] t;
+    logic [2:0][31:0] cp;
+    logic [31:0] index;
+  } hit_t;
+  hit_t [1:0] waiting;
+  logic [1:0] some, read;
+  logic [DW:0] under_way_q;  // leaves
+  logic [1:0][DW:0] room;
+  for (genvar l = 0; l < 2; l++) begin : lane
+    hit_t hit;
+    logic [DW:0] count;
+    assign hit = '{hit_number_i, hit_t_i[l], {hit_cp_i[2][l], hit_cp_i[1][l], hit_cp_i[0][l]}, hit_index_i[l]};
+    sync_fifo #(.W($bits(hit_t)), .DEPTH(DEPTH)) queue (
+        .clk_i, .rst_i, .write_i(hit_i[l]), .wdata_i(hit), .room_o(room[l]), .count_o(count), .rdata_o(waiting[l]),
+        .read_i(read[l]));
+    assign some[l] = count != 0;
+  end
+  assign leaf_room_o = !hits || (under_way_q < room[0] && under_way_q < room[1]);
+  always_ff @(posedge clk_i)
+    if (rst_i) under_way_q <= '0;
+    else if (hits) under_way_q <= under_way_q + (DW + 1)'(leaf_i) - (DW + 1)'(leaf_tested_i);
+
+  // ---- One a clock. A ray's end stands behind its hits, which are in the queues before it comes ----
+  logic room_there, take_hit, lane_1, take_bad, take;
+  hit_t hit;
+  assign room_there = !sram_full_i && !(write_o && sram_count_i + 1 == 32'(CONFIG.sram_records));
+  assign take_hit = room_there && some != 0;
+  assign lane_1 = !some[0];
+  assign hit = waiting[lane_1];
+  assign read = take_hit ? {lane_1, !lane_1} : '0;
+  assign ready_o = room_there && some == 0;
+  assign bad_ready_o = ready_o && !valid_i;
+  assign take = valid_i && ready_o;
+  assign take_bad = bad_valid_i && bad_ready_o;
+  assign finished_o = take || take_bad;
+  assign empty_o = some == 0 && !write_o;
+
+  records_pkg::record_flags_t flags;
+  logic found;
+  assign found = take_hit || (f_i && !occluded && !take_bad);
+  assign flags = '{normal: 1'b0, bad: take_bad, f: take_hit || (f_i && !take_bad)};
+  logic [WORDS-1:0][31:0] record;
+  always_comb begin
+    record[records_pkg::RECORD_FLAGS] = 32'(flags);
+    record[records_pkg::RECORD_PRIMARY] = take_hit ? hit.number : take_bad ? bad_number_i : number_i;
+    record[records_pkg::RECORD_CP+:3] = take_bad ? {3{QNAN}} : !found ? '0 : take_hit ? hit.cp : cp_i;
+    record[records_pkg::RECORD_INDEX] = !found ? '1 : take_hit ? hit.index : index_i;
+    record[records_pkg::RECORD_T] = take_bad ? QNAN : !found ? INFINITE : take_hit ? hit.t : t_i;
+  end
+  always_ff @(posedge clk_i) begin
+    write_o <= !rst_i && (take_hit || (finished_o && !hits));
+    record_o <= record;
+  end
+endmodule

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Registers of the hierarchy: its settings, how far the host has come with rays, and what a pass counted. Accesses come
+// from card_registers.sv, which has looked whether they may be, and which ORs what is read here to its own: what is
+// read elsewhere shows 0.
+// Latency: a read 1 clock of the bus. Throughput: an access a clock. Stall: none.
+module hierarchy_registers #(
+    parameter int NODES = 4096
+) (
+    input logic clk_bus_i,
+    input logic clk_i,
+    input logic rst_i,
+    input card_pkg::access_t access_i,
+    output logic [63:0] rdata_o,
+    input logic [63:0] wdata_i,    // of the access; by itself, as what may be follows from it
+    output logic provided_good_o,  // for REG_RAYS
+    output logic good_o,           // settings are those of a pass
+    input logic busy_i,
+    input logic clear_i,  // a pass begins
+
+    input logic [31:0] taken_i,
+    output logic [31:0] provided_o,
+    output logic [31:0] ray_count_o,
+    output logic [31:0] nodes_o,
+    output logic [6:0][31:0] root_o,
+    input hierarchy_pkg::events_t events_i,
+    input logic [4:0] deepest_i,
+    input logic [34:0] fault_i  // registers_pkg::NODE_FAULT_*, place
+);
+  import registers_pkg::*;
+  logic [3:0][63:0] root_q;
+  logic [31:0] nodes_q, ray_count_q, provided_q;
+  assign root_o = {root_q[3][31:0], root_q[2:0]};
+  assign nodes_o = nodes_q;
+  assign ray_count_o = ray_count_q;
+  assign provided_o = provided_q;
+  // Counts of rays go up within a pass; as many as there are places for can be there and not taken.
+  logic [31:0] value, taken;
+  assign value = wdata_i[31:0];
+  assign taken = busy_i ? taken_i : '0;
+  assign provided_good_o = wdata_i[63:32] == 0 && value <= ray_count_q && (!busy_i || value >= provided_q) &&
+      value >= taken && value - taken <= hierarchy_pkg::RAYS;
+  assign good_o = nodes_q != 0 && nodes_q <= NODES && ray_count_q != 0;
+
+  function automatic logic [31:0] saturated(input logic [63:0] x);
+    saturated = (x[63:32] != 0) ? '1 : x[31:0];
+  endfunction
+  logic write, at_root;
+  logic unused;
+  assign unused = &{1'b0, access_i.addr[31:12]};
+  assign write = access_i.write && access_i.space == SPACE_REG;
+  assign at_root = access_i.addr[11:0] >= REG_ROOT && access_i.addr[11:0] < REG_ROOT + 12'd32;
+  logic [63:0] answer_q;
+  node_caps_t caps;
+  always_comb begin
+    caps = '0;
+    caps.nodes = 32'(NODES);
+    caps.rays = 16'(hierarchy_pkg::RAYS);
+    caps.slots_a_node = 8'(hierarchy_pkg::SLOTS_A_NODE);
+  end
+  always_ff @(posedge clk_bus_i) begin
+    if (write) begin
+      if (at_root) root_q[access_i.addr[4:3]] <= access_i.data;
+      case (access_i.addr[11:0])
+        REG_NODE_COUNT: nodes_q <= saturated(access_i.data);
+        REG_RAY_COUNT: begin
+          ray_count_q <= saturated(access_i.data);
+          provided_q <= '0;
+        end
+        REG_RAYS: provided_q <= value;
+        default: ;
+      endcase
+    end
+    if (access_i.read) begin
+      answer_q <= '0;
+      if (access_i.there && access_i.space == SPACE_REG) begin
+        if (at_root) answer_q <= root_q[access_i.addr[4:3]];
+        case (access_i.addr[11:0])
+          REG_NODE_CAPS: answer_q <= caps;
+          REG_NODE_COUNT: answer_q <= 64'(nodes_q);
+          REG_RAY_COUNT: answer_q <= 64'(ray_count_q);
+          REG_RAYS: answer_q <= {busy_i ? taken_i : '0, provided_q};
+          REG_DEEPEST: answer_q <= 64'(deepest_i);
+          REG_NODE_FAULT: answer_q <= 64'(fault_i);
+          default: ;
+        endcase
+      end
+    end
+    if (rst_i) {root_q, nodes_q, ray_count_q, provided_q, answer_q} <= '0;
+  end
+
+  // ---- Counters ----
+  logic [63:0] counts;
+  logic [registers_pkg::COUNTERS-registers_pkg::ENGINE_COUNTERS-1:0][card_pkg::COUNT_BITS-1:0] events;
+  assign events = {events_i.secondaries, events_i.leaves, events_i.nodes};
+  pass_counters #(.FIRST(registers_pkg::ENGINE_COUNTERS)) counters (
+      .clk_i, .rst_i, .clear_i, .counts_i(events), .clk_bus_i, .read_i(access_i.read),
+      .there_i(access_i.there && access_i.space == SPACE_REG), .offset_i(access_i.addr[11:0]), .rdata_o(counts));
+  assign rdata_o = answer_q | counts;
+endmodule

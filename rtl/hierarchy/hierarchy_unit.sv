@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// Passes of rays through a hierarchy: rays as the host provides them, nodes and what is in the slots of leaves in
+// memories of their own, triangles from DDR, records with the rays' numbers in the order in which they are found. A
+// pass ends when all its rays have their records, or with a fault, where what is in memory is no tree.
+// Latency: that of the way. Throughput: see traversal.sv; a ray takes four beats of the bus. Stall: the records' ring.
+`include "hierarchy.svh"
+module hierarchy_unit #(
+    parameter config_pkg::config_t CONFIG,
+    localparam int UNITS = CONFIG.node_units,
+    localparam int WORDS = records_pkg::RECORD_WORDS,
+    localparam int BEAT = records_pkg::DDR_WORDS
+) (
+    input logic clk_core_i,
+    input logic clk_bus_i,
+    input logic rst_i,
+    // The bus: memories, written between passes, and registers.
+    input card_pkg::access_t access_i,
+    output logic [63:0] rdata_o,
+    input logic [63:0] wdata_i,
+    output logic provided_good_o,  // for REG_RAYS
+    output logic good_o,           // the settings are those of a pass
+
+    input logic valid_i,
+    output logic ready_o,
+    input logic abort_i,
+    input card_pkg::pass_t pass_i,
+    output logic busy_o,
+    output logic done_o,
+    output logic fault_o,  // the pass that is done has come to nothing
+
+    output card_pkg::ddr_request_t ddr_o,
+    input logic ddr_ready_i,
+    input logic ddr_valid_i,
+    input logic [BEAT-1:0][31:0] ddr_data_i,
+    output logic [3:0] ddr_words_o,
+
+    input logic sram_full_i,
+    input logic [31:0] sram_count_i,
+    output logic write_o,
+    output logic [WORDS-1:0][31:0] record_o
+);
+  import hierarchy_pkg::*;
+  localparam int NODES = CONFIG.nodes;
+  localparam int NW = $clog2(NODES);
+  localparam int CX = $clog2(CONTEXTS);
+  localparam int TAG = `AT_BITS(CX) + 1;
+
+  typedef enum logic [1:0] {IDLE, RUN, FLUSH} state_t;
+  state_t state_q;
+  logic clk, rst, running, wrong;
+  logic [2:0] mode_q;
+  logic [31:0] slots_q, finished_q;
+  assign running = state_q == RUN;
+  assign rst = rst_i || !running;  // of the way: it begins anew with every pass
+  assign busy_o = state_q != IDLE;
+  assign ready_o = state_q == IDLE;
+  clock_gate gate (.clk_i(clk_core_i), .enable_i(valid_i | busy_o | rst_i), .clk_o(clk));
+
+  // ---- Registers ----
+  logic [31:0] taken, provided, ray_count, nodes;
+  logic [6:0][31:0] root;
+  events_t events;
+  logic [4:0] deepest, deepest_q;
+  logic [34:0] fault_q;
+  hierarchy_registers #(.NODES(NODES)) registers (
+      .clk_bus_i, .clk_i(clk), .rst_i, .access_i, .rdata_o, .wdata_i, .provided_good_o, .good_o, .busy_i(busy_o),
+      .clear_i(valid_i && ready_o), .taken_i(taken), .provided_o(provided), .ray_count_o(ray_count),
+      .nodes_o(nodes), .root_o(root), .events_i(running ? events : '0), .deepest_i(deepest_q), .fault_i(fault_q));
+
+  // ---- Memories ----
+  logic [UNITS-1:0][PLACE-1:0] node_at;
+  logic [UNITS-1:0][NW-1:0] node_row;
+  logic [UNITS-1:0][NODE_WORDS-1:0][31:0] node;
+  for (genvar u = 0; u < UNITS; u++) begin : unit assign node_row[u] = node_at[u][NW-1:0]; end
+  node_memory #(.NODES(NODES), .READERS(UNITS)) node_chips (
+      .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_NODES), .addr_i(access_i.addr),
+      .data_i(access_i.data), .clk_i(clk), .at_i(node_row), .node_o(node));
+
+  // ---- Rays ----
+  logic ray_valid, ray_bad, ray_pop, ray_ready, bad_ready;
+  logic [7:0][31:0] ray;
+  logic [31:0] ray_number;
+  ray_queue #(.CONFIG(CONFIG)) rays (
+      .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_RAYS), .addr_i(access_i.addr),
+      .data_i(access_i.data), .clk_i(clk), .rst_i(rst), .provided_i(provided), .taken_o(taken), .valid_o(ray_valid),
+      .ray_o(ray), .number_o(ray_number), .bad_o(ray_bad), .pop_i(ray_pop));
+  assign ray_pop = ray_valid && (ray_bad ? bad_ready : ray_ready);
+
+  // ---- Their way ----
+  logic fetch_valid, fetch_ready, fetched_valid, leaf_ready, leaf_room;
+  logic [PLACE-1:0] fetch_slot;
+  logic [TAG-1:0] fetch_tag, fetched_tag;
+  logic [1:0][BEAT-1:0][31:0] fetched;
+  logic [1:0][31:0] index, hit_t, hit_index;
+  logic [1:0] hit;
+  logic [2:0][1:0][31:0] hit_cp;
+  logic [31:0] hit_number, number, t, best_index;
+  logic [2:0][31:0] cp;
+  logic tested, record_valid, record_ready, f;
+  logic [2:0] way_fault;
+  logic [PLACE-1:0] way_place;
+  logic [2:0] goal;
+  assign goal = (mode_q == registers_pkg::MODE_OCCLUDED) ? GOAL_OCCLUDED : (mode_q == registers_pkg::MODE_HITS) ?
+      GOAL_HITS : mode_q;
+  traversal #(
+      .CONTEXTS(CONTEXTS), .UNITS(UNITS), .LAT_ADD(CONFIG.lat_add), .LAT_MUL(CONFIG.lat_mul),
+      .LAT_DIV(CONFIG.lat_div), .LAT_CMP(CONFIG.lat_cmp), .ARITH(config_pkg::arith(CONFIG.host))
+  ) way (
+      .clk_i(clk), .rst_i(rst), .nodes_i(nodes), .node_at_o(node_at), .node_i(node), .root_i(root), .goal_i(goal),
+      .ray_valid_i(ray_valid && !ray_bad), .ray_ready_o(ray_ready), .ray_i(ray), .number_i(ray_number),
+      .fetch_valid_o(fetch_valid), .fetch_ready_i(fetch_ready), .fetch_slot_o(fetch_slot), .fetch_tag_o(fetch_tag),
+      .fetched_valid_i(fetched_valid), .fetched_tag_i(fetched_tag), .fetched_i(fetched), .index_i(index),
+      .tested_o(tested), .hit_o(hit), .hit_number_o(hit_number), .hit_t_o(hit_t), .hit_cp_o(hit_cp),
+      .hit_index_o(hit_index), .record_valid_o(record_valid), .record_ready_i(record_ready), .number_o(number),
+      .f_o(f), .t_o(t), .cp_o(cp), .index_o(best_index), .events_o(events), .deepest_o(deepest),
+      .fault_o(way_fault), .fault_place_o(way_place));
+
+  // ---- Secondaries ----
+  logic leaf_fault, owed;
+  logic [2:0] leaf_fault_kind;
+  logic [31:0] leaf_place;
+  assign fetch_ready = leaf_ready && leaf_room;
+  assign ddr_words_o = 4'(BEAT);
+  leaf_reader #(.SLOTS(SLOTS_A_NODE * NODES), .TAG(TAG)) leaves (
+      .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_SLOTS), .addr_i(access_i.addr),
+      .data_i(access_i.data), .clk_i(clk), .rst_i, .clear_i(rst), .slots_i(slots_q),
+      .valid_i(fetch_valid && leaf_room), .ready_o(leaf_ready), .slot_i(fetch_slot), .tag_i(fetch_tag),
+      .ddr_o, .ddr_ready_i, .ddr_valid_i, .ddr_data_i, .owed_o(owed), .valid_o(fetched_valid), .tag_o(fetched_tag),
+      .words_o(fetched), .index_o(index), .fault_o(leaf_fault), .fault_kind_o(leaf_fault_kind),
+      .fault_place_o(leaf_place));
+
+  // ---- Records ----
+  logic finished, records_empty;
+  hierarchy_records #(.CONFIG(CONFIG)) records (
+      .clk_i(clk), .rst_i(rst || abort_i), .mode_i(mode_q), .leaf_room_o(leaf_room),
+      .leaf_i(fetch_valid && fetch_ready), .leaf_tested_i(tested), .hit_i(hit), .hit_number_i(hit_number),
+      .hit_t_i(hit_t), .hit_cp_i(hit_cp), .hit_index_i(hit_index), .valid_i(record_valid), .ready_o(record_ready), .number_i(number), .f_i(f), .t_i(t),
+      .cp_i(cp), .index_i(best_index), .bad_valid_i(ray_valid && ray_bad), .bad_ready_o(bad_ready),
+      .bad_number_i(ray_number), .sram_full_i, .sram_count_i, .write_o, .record_o, .finished_o(finished),
+      .empty_o(records_empty));
+
+  // ---- What no tree does. One of the rays on their way comes to its end before each has read every node ----
+  logic [31+CX:0] idle_reads_q;
+  logic endless;
+  assign endless = idle_reads_q > {nodes, CX'(0)};
+  assign wrong = way_fault != 0 || leaf_fault || endless;
+  assign done_o = (running && finished_q == ray_count && records_empty) ||
+      (state_q == FLUSH && !owed && fault_q != 0);
+  assign fault_o = fault_q != 0;
+  always_ff @(posedge clk) begin
+    idle_reads_q <= (finished || rst) ? '0 : idle_reads_q + (32 + CX)'(events.nodes);
+    finished_q <= rst ? '0 : finished_q + 32'(finished);
+    if (running) deepest_q <= deepest;
+    case (state_q)
+      IDLE:
+        if (valid_i) begin
+          state_q <= RUN;
+          mode_q <= pass_i.mode;
+          slots_q <= pass_i.count;
+          fault_q <= '0;
+        end
+      RUN:
+        if (wrong) begin
+          state_q <= FLUSH;
+          fault_q <= (way_fault != 0) ? {way_fault, 32'(way_place)} :
+              leaf_fault ? {leaf_fault_kind, leaf_place} : {registers_pkg::NODE_FAULT_ENDLESS, 32'(node_at[0])};
+        end else if (done_o) state_q <= IDLE;
+      default: if (!owed) state_q <= IDLE;
+    endcase
+    if (abort_i && busy_o) begin
+      state_q <= FLUSH;
+      fault_q <= '0;
+    end
+    if (rst_i) begin
+      state_q <= IDLE;
+      {fault_q, deepest_q} <= '0;
+    end
+  end
+endmodule
