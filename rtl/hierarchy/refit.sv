@@ -108,12 +108,18 @@ module refit #(
       .box_i(new_node), .flags_i(1'b0), .read_at_i(box_at), .box_o(node_box), .flags_o(unused_flag),
       .some_o(node_some), .all_o(node_all), .any_o(unused_any));
 
+  logic [CHILDREN-1:0] opened;  // children of the node that opens
+  for (genvar i = 0; i < CHILDREN; i++) begin : kid assign opened[i] = header[2*i+:2] != KIND_NONE; end
+  for (genvar c = 0; c < CONTEXTS; c++) begin : arrivals
+    logic [CHILDREN-1:0] leaf_here, node_here;
+    assign leaf_here = CHILDREN'(leaf_valid && leaf_at[CX+2:3] == CX'(c)) << leaf_at[2:0];
+    assign node_here = CHILDREN'(node_valid && node_at[CX+2:3] == CX'(c)) << node_at[2:0];
+    always_ff @(posedge clk_i)
+      missing_q[c] <= (open && tail_q[CX-1:0] == CX'(c)) ? opened : missing_q[c] & ~(leaf_here | node_here);
+  end
   always_ff @(posedge clk_i) begin
-    if (leaf_valid) missing_q[leaf_at[CX+2:3]][leaf_at[2:0]] <= 1'b0;
-    if (node_valid) missing_q[node_at[CX+2:3]][node_at[2:0]] <= 1'b0;
     if (open) begin
       headers[tail_q[CX-1:0]] <= header;
-      for (int i = 0; i < CHILDREN; i++) missing_q[tail_q[CX-1:0]][i] <= header[2*i+:2] != KIND_NONE;
       tail_q <= tail_q + 1;
     end
     if (leave) head_q <= head_q + 1;
@@ -135,7 +141,7 @@ module refit #(
     child = '0;
     for (int i = CHILDREN - 1; i >= 0; i--) if (rest_q[i]) child = 3'(i);
   end
-  for (genvar i = 0; i < CHILDREN; i++) begin : kid assign kids[i] = kinds[i] != KIND_NONE; end
+  for (genvar i = 0; i < CHILDREN; i++) begin : mask assign kids[i] = kinds[i] != KIND_NONE; end
   always_comb begin
     all = leaf_some ? leaf_all : node_all;
     for (int k = 0; k < 3; k++)

@@ -48,7 +48,9 @@ module refit_axis (
     first_1 <= first_i;
     origin_1 <= x[0];
     if (first_i) most_q <= (exponent[1] > exponent[0]) ? exponent[1] : exponent[0];
-    for (int c = 0; c < 2; c++) begin
+  end
+  for (genvar c = 0; c < 2; c++) begin : number
+    always_ff @(posedge clk_i) begin
       sign_1[c] <= x[c][31];
       exponent_1[c] <= exponent[c];
       mantissa_1[c] <= {x[c][30:23] != 0, x[c][22:0], 1'b0};
@@ -61,15 +63,15 @@ module refit_axis (
   logic [31:0] origin_2;
   logic [1:0] sign_2, lost_2;
   logic [1:0][MW-1:0] mantissa_2;
-  always_ff @(posedge clk_i) begin
-    {first_2, origin_2, most_2, sign_2} <= {first_1, origin_1, most_q, sign_1};
-    for (int c = 0; c < 2; c++) begin
-      logic [7:0] shift;
-      logic [MW-1:0] kept;
-      shift = most_q - exponent_1[c];
-      kept = mantissa_1[c] >> shift;
+  always_ff @(posedge clk_i) {first_2, origin_2, most_2, sign_2} <= {first_1, origin_1, most_q, sign_1};
+  for (genvar c = 0; c < 2; c++) begin : moved
+    logic [7:0] by;
+    logic [MW-1:0] kept;
+    assign by = most_q - exponent_1[c];
+    assign kept = mantissa_1[c] >> by;
+    always_ff @(posedge clk_i) begin
       mantissa_2[c] <= kept;
-      lost_2[c] <= (kept << shift) != mantissa_1[c];
+      lost_2[c] <= (kept << by) != mantissa_1[c];
     end
   end
 

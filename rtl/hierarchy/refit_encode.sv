@@ -44,16 +44,17 @@ module refit_encode (
   logic [2:0][CHILDREN-1:0][7:0] lower_q, upper_q;
   logic [5:0][31:0] head_q;
   always_ff @(posedge clk_i) begin
-    if (valid && first) begin
-      head_q <= {kinds[15:12], slot, kinds[11:8], node, kinds[7:0], exponent, origin};
-      {lower_q, upper_q} <= '0;
-    end else if (valid) begin
-      for (int k = 0; k < 3; k++) begin
-        lower_q[k][child] <= lower[k];
-        upper_q[k][child] <= upper[k];
-      end
-    end
+    if (valid && first) head_q <= {kinds[15:12], slot, kinds[11:8], node, kinds[7:0], exponent, origin};
     valid_o <= valid && last && !rst_i;
+  end
+  for (genvar k = 0; k < 3; k++) begin : put
+    for (genvar i = 0; i < CHILDREN; i++) begin : place
+      always_ff @(posedge clk_i)
+        if (valid && (first || child == 3'(i))) begin
+          lower_q[k][i] <= first ? '0 : lower[k];
+          upper_q[k][i] <= first ? '0 : upper[k];
+        end
+    end
   end
   assign node_o = {upper_q, lower_q, head_q};
 endmodule

@@ -25,28 +25,30 @@ module refit_leaf (
   logic [1:0][8:0][31:0] keys_1;
   always_ff @(posedge clk_i) begin
     {two_1, two_2} <= {two_i, two_1};
-    for (int t = 0; t < 2; t++) begin
-      logic bad;
-      bad = 1'b0;
-      for (int w = 0; w < 9; w++) begin
-        bad = bad || {1'b0, triangles_i[t][w][30:0]} > MOST;
-        keys_1[t][w] <= ordered(triangles_i[t][w]);
-      end
-      bad_1[t] <= bad;
-    end
     bad_2 <= bad_1 & {two_1, 1'b1};
     bad_o <= bad_2;
+  end
+  for (genvar t = 0; t < 2; t++) begin : triangle
+    logic [8:0] bad;
+    for (genvar w = 0; w < 9; w++) begin : coordinate
+      assign bad[w] = {1'b0, triangles_i[t][w][30:0]} > MOST;
+      always_ff @(posedge clk_i) keys_1[t][w] <= ordered(triangles_i[t][w]);
+    end
+    always_ff @(posedge clk_i) bad_1[t] <= bad != '0;
   end
 
   // ---- Of each triangle, and of both ----
   logic [1:0][5:0][31:0] boxes_2;
-  always_ff @(posedge clk_i)
-    for (int k = 0; k < 3; k++) begin
-      for (int t = 0; t < 2; t++) begin
+  for (genvar k = 0; k < 3; k++) begin : axis
+    for (genvar t = 0; t < 2; t++) begin : each
+      always_ff @(posedge clk_i) begin
         boxes_2[t][k] <= least(least(keys_1[t][k], keys_1[t][3+k]), keys_1[t][6+k]);
         boxes_2[t][3+k] <= most(most(keys_1[t][k], keys_1[t][3+k]), keys_1[t][6+k]);
       end
+    end
+    always_ff @(posedge clk_i) begin
       box_o[k] <= two_2 ? least(boxes_2[0][k], boxes_2[1][k]) : boxes_2[0][k];
       box_o[3+k] <= two_2 ? most(boxes_2[0][3+k], boxes_2[1][3+k]) : boxes_2[0][3+k];
     end
+  end
 endmodule

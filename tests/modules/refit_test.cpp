@@ -113,8 +113,9 @@ class Bench {
   bool ready() {
     if (asked_ >= held_from && clocks < held_to) return false;
     if (way_ != Way::kLate) return way_ == Way::kAtOnce || free_ < clocks + 4;
-    if (dice_.once_in(50)) free_ = clocks + 60 + dice_.below(200);
-    return free_ < clocks && dice_.once_in(2);
+    if (clocks < free_) return false;
+    if (dice_.once_in(100)) free_ = clocks + 60 + dice_.below(200);
+    return dice_.once_in(2);
   }
   void ask(std::uint32_t slot, std::uint32_t tag) {
     ++asked_;

@@ -34,7 +34,7 @@ struct Refitted {
 ///   Then the node is longer than M / 2, a byte is 2^16 integers at least, and what is lost takes
 ///   no more than one byte more.
 /// - Bytes are the finest that fit and are no finer than the integers, nor than 2^-80. The exponent
-///   is 37 at most, also with what boxes grow on the way to the root, a byte of it a level.
+///   is 37 at most, also with what boxes grow by on the way to the root, two bytes a level at most.
 /// - The box of a child that is a node is what its words say: box_of().
 ///
 /// The two zeros are +0. Bytes of places without a child are 0. A node without children, which only
