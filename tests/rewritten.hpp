@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <unistd.h>
+
+#include <bit>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "cde/hierarchy/hierarchy.hpp"
+
+namespace cde::testing {
+
+/// A hierarchy of other nodes and of another box: by its file, whose checksum is made anew.
+inline Hierarchy rewritten(const Hierarchy& hierarchy, const std::vector<hierarchy::Node>& nodes,
+                           const Eigen::AlignedBox3f& box) {
+  namespace fs = std::filesystem;
+  std::string name = (fs::temp_directory_path() / "cde-rewritten-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder " + name);
+  const fs::path folder = name, file = folder / "hierarchy", sum = folder / "sum";
+  const auto bytes_of = [](const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  hierarchy.save(file);
+  std::string bytes = bytes_of(file);
+  bytes.resize(bytes.size() - 64);
+  std::size_t at = 16 + 2 * 4;  // behind the first line and two numbers
+  const auto put = [&](std::uint32_t word) {
+    for (unsigned b = 0; b < 4; ++b) bytes[at++] = static_cast<char>(word >> (8 * b) & 0xff);
+  };
+  for (const Eigen::Vector3f& corner : {box.min(), box.max()})
+    for (const float x : corner) put(std::bit_cast<std::uint32_t>(x));
+  for (const hierarchy::Node& node : nodes)
+    for (const std::uint32_t word : node.words) put(word);
+  std::ofstream(file, std::ios::binary) << bytes;
+  const std::string command = "sha256sum <'" + file.string() + "' >'" + sum.string() + "'";
+  if (std::system(command.c_str()) != 0) throw std::runtime_error("no sha256sum");
+  std::ofstream(file, std::ios::binary | std::ios::app) << bytes_of(sum).substr(0, 64);
+  Hierarchy read = Hierarchy::load(file);
+  fs::remove_all(folder);
+  return read;
+}
+
+}  // namespace cde::testing
