@@ -72,7 +72,8 @@ module board #(
   logic [1:0] open;
   card_pkg::access_t access;
   logic [63:0] hierarchy_rdata;
-  logic provided_good, hierarchy_good, node_error;
+  logic provided_good, node_error;
+  logic [1:0] hierarchy_good;
   assign events = {open, ecc_failed, ecc_corrected, record_write, writeback.valid, sec_bad, sec_pop, stall, bubble,
       issue.valid};
   card_registers #(.CONFIG(CONFIG)) registers (

@@ -66,7 +66,7 @@ module card_registers #(
     output card_pkg::access_t access_o,
     input logic [63:0] others_i,  // what is read there
     input logic provided_good_i,  // the value of REG_RAYS
-    input logic hierarchy_good_i,
+    input logic [1:0] hierarchy_good_i,  // settings: of rays, of nodes
     input logic node_error_i
 );
   logic ready, rvalid_q;
@@ -199,10 +199,11 @@ module card_registers #(
       budget_q.k1 <= registers_pkg::BUDGET_MOST && budget_q.k2 <= registers_pkg::BUDGET_MOST);
   // Through the hierarchy go rays alone, and all secondaries are in it.
   logic sweep_ok, walk_ok;
-  assign walk_ok = NODE_UNITS != 0 && (command_q.mode <= registers_pkg::MODE_ANY ||
-      command_q.mode == registers_pkg::MODE_HITS || command_q.mode == registers_pkg::MODE_OCCLUDED) &&
+  assign walk_ok = NODE_UNITS != 0 && command_q.mode <= registers_pkg::MODE_REFIT &&
+      command_q.mode != registers_pkg::MODE_ALL && hierarchy_good_i[0] &&
+      (hierarchy_good_i[1] || command_q.mode == registers_pkg::MODE_REFIT) &&
       command_q.pair == pairs_pkg::PAIR_RAY_TRIANGLE && !command_q.second && !command_q.swap && !command_q.normals &&
-      object_count_q == 0 && sec_first_q == 0 && sec_count_q != 0 && sec_end <= DDR_BYTES && hierarchy_good_i;
+      object_count_q == 0 && sec_first_q == 0 && sec_count_q != 0 && sec_end <= DDR_BYTES;
   assign command_ok = (command_q.hierarchy ? walk_ok : sweep_ok) && !busy_i;
   assign sweep_ok = command_q.mode <= registers_pkg::MODE_HITS && pair_there && second_ok && budget_ok &&
       (SWAP != 0 || !command_q.swap) && (NORMALS != 0 || !command_q.normals) && prim_count_q != 0 &&

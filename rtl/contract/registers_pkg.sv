@@ -77,7 +77,8 @@ package registers_pkg;
   localparam logic [11:0] REG_RAYS = 12'h158;
   localparam logic [11:0] REG_DEEPEST = 12'h160;      // groups on a stack at a time, at most
   localparam logic [11:0] REG_NODE_FAULT = 12'h168;   // node_fault_t
-  localparam logic [31:0] REG_END = 32'h00000170;
+  localparam logic [11:0] REG_NEW_ROOT = 12'h180;     // 9 registers: the words of the root, as a refit made it
+  localparam logic [31:0] REG_END = 32'h000001C8;
 
   // ---- Counters of a pass: their registers, 64 bits each, unit by unit. Those of the engine are in card_registers; a
   // further unit brings its own (pass_counters.sv), in this order and behind the other registers, below REG_END ----
@@ -200,7 +201,8 @@ package registers_pkg;
   localparam logic [2:0] NODE_FAULT_SLOT = 2;  // a slot beyond the last one: its number
   localparam logic [2:0] NODE_FAULT_INDEX = 3;  // a slot with a secondary beyond the last one: the slot
   localparam logic [2:0] NODE_FAULT_DEPTH = 4;  // more levels than the stack has: the first node of the level below
-  localparam logic [2:0] NODE_FAULT_ENDLESS = 5;  // rays that come to no end: the node read last
+  localparam logic [2:0] NODE_FAULT_ENDLESS = 5;  // rays that come to no end, or a refit: the node read last
+  localparam logic [2:0] NODE_FAULT_SECONDARY = 6;  // of a refit, a secondary beyond 2^40 or no number: its slot
 
   // ---- Result modes ----
   localparam logic [2:0] MODE_NEAREST = 3'd0;   // smallest (T, index) a primary
@@ -208,5 +210,7 @@ package registers_pkg;
   localparam logic [2:0] MODE_ANY = 3'd2;       // first hit in stream order; stops when every primary has one
   localparam logic [2:0] MODE_ALL = 3'd3;       // every pair's record
   localparam logic [2:0] MODE_HITS = 3'd4;      // records with F = 1 only
-  localparam logic [2:0] MODE_OCCLUDED = 3'd5;  // of a hierarchy: F of a primary and no more; ends at the first hit
+  // Of a hierarchy.
+  localparam logic [2:0] MODE_OCCLUDED = 3'd5;  // F of a primary and no more; ends at the first hit
+  localparam logic [2:0] MODE_REFIT = 3'd6;     // no rays: boxes of all nodes anew, from the secondaries as they are
 endpackage

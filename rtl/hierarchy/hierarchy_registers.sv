@@ -13,7 +13,7 @@ module hierarchy_registers #(
     output logic [63:0] rdata_o,
     input logic [63:0] wdata_i,    // of the access; by itself, as what may be follows from it
     output logic provided_good_o,  // for REG_RAYS
-    output logic good_o,           // settings are those of a pass
+    output logic [1:0] good_o,     // settings are those of a pass: of rays, of nodes
     input logic busy_i,
     input logic clear_i,  // a pass begins
 
@@ -24,7 +24,9 @@ module hierarchy_registers #(
     output logic [6:0][31:0] root_o,
     input hierarchy_pkg::events_t events_i,
     input logic [4:0] deepest_i,
-    input logic [34:0] fault_i  // registers_pkg::NODE_FAULT_*, place
+    input logic [34:0] fault_i,  // registers_pkg::NODE_FAULT_*, place
+    input logic new_root_i,      // a refit writes this
+    input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i
 );
   import registers_pkg::*;
   logic [3:0][63:0] root_q;
@@ -39,7 +41,7 @@ module hierarchy_registers #(
   assign taken = busy_i ? taken_i : '0;
   assign provided_good_o = wdata_i[63:32] == 0 && value <= ray_count_q && (!busy_i || value >= provided_q) &&
       value >= taken && value - taken <= hierarchy_pkg::RAYS;
-  assign good_o = nodes_q != 0 && nodes_q <= NODES && ray_count_q != 0;
+  assign good_o = {ray_count_q != 0, nodes_q != 0 && nodes_q <= NODES};
 
   function automatic logic [31:0] saturated(input logic [63:0] x);
     saturated = (x[63:32] != 0) ? '1 : x[31:0];
@@ -49,6 +51,10 @@ module hierarchy_registers #(
   assign unused = &{1'b0, access_i.addr[31:12]};
   assign write = access_i.write && access_i.space == SPACE_REG;
   assign at_root = access_i.addr[11:0] >= REG_ROOT && access_i.addr[11:0] < REG_ROOT + 12'd32;
+  logic at_new_root;
+  logic [8:0][63:0] new_root_q;
+  assign at_new_root = access_i.addr[11:0] >= REG_NEW_ROOT && access_i.addr[11:0] < REG_NEW_ROOT + 12'd72;
+  always_ff @(posedge clk_i) if (new_root_i) new_root_q <= node_i;
   logic [63:0] answer_q;
   node_caps_t caps;
   always_comb begin
@@ -74,6 +80,7 @@ module hierarchy_registers #(
       answer_q <= '0;
       if (access_i.there && access_i.space == SPACE_REG) begin
         if (at_root) answer_q <= root_q[access_i.addr[4:3]];
+        if (at_new_root) answer_q <= new_root_q[access_i.addr[6:3]];
         case (access_i.addr[11:0])
           REG_NODE_CAPS: answer_q <= caps;
           REG_NODE_COUNT: answer_q <= 64'(nodes_q);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Passes of rays through a hierarchy: rays as the host provides them, nodes and what is in the slots of leaves in
 // memories of their own, triangles from DDR, records with the rays' numbers in the order in which they are found. A
-// pass ends when all its rays have their records, or with a fault, where what is in memory is no tree.
+// pass ends when all its rays have their records, or with a fault, where what is in memory is no tree. And passes
+// without rays, which give the nodes boxes anew (refit.sv).
 // Latency: that of the way. Throughput: see traversal.sv; a ray takes four beats of the bus. Stall: the records' ring.
 `include "hierarchy.svh"
 module hierarchy_unit #(
@@ -18,7 +19,7 @@ module hierarchy_unit #(
     output logic [63:0] rdata_o,
     input logic [63:0] wdata_i,
     output logic provided_good_o,  // for REG_RAYS
-    output logic good_o,           // the settings are those of a pass
+    output logic [1:0] good_o,     // settings are those of a pass: of rays, of nodes
 
     input logic valid_i,
     output logic ready_o,
@@ -44,14 +45,17 @@ module hierarchy_unit #(
   localparam int NW = $clog2(NODES);
   localparam int CX = $clog2(CONTEXTS);
   localparam int TAG = `AT_BITS(CX) + 1;
+  localparam int REFIT_CONTEXTS = 8;
+  localparam int REFIT_TAG = $clog2(REFIT_CONTEXTS) + 4;
 
   typedef enum logic [1:0] {IDLE, RUN, FLUSH} state_t;
   state_t state_q;
-  logic clk, rst, running, wrong;
+  logic clk, rst, running, refitting, wrong;
   logic [2:0] mode_q;
   logic [31:0] slots_q, finished_q;
   assign running = state_q == RUN;
-  assign rst = rst_i || !running;  // of the way: it begins anew with every pass
+  assign refitting = running && mode_q == registers_pkg::MODE_REFIT;
+  assign rst = rst_i || !running || refitting;  // of the way: it begins anew with every pass
   assign busy_o = state_q != IDLE;
   assign ready_o = state_q == IDLE;
   clock_gate gate (.clk_i(clk_core_i), .enable_i(valid_i | busy_o | rst_i), .clk_o(clk));
@@ -65,16 +69,25 @@ module hierarchy_unit #(
   hierarchy_registers #(.NODES(NODES)) registers (
       .clk_bus_i, .clk_i(clk), .rst_i, .access_i, .rdata_o, .wdata_i, .provided_good_o, .good_o, .busy_i(busy_o),
       .clear_i(valid_i && ready_o), .taken_i(taken), .provided_o(provided), .ray_count_o(ray_count),
-      .nodes_o(nodes), .root_o(root), .events_i(running ? events : '0), .deepest_i(deepest_q), .fault_i(fault_q));
+      .nodes_o(nodes), .root_o(root), .events_i(running ? events : '0), .deepest_i(deepest_q), .fault_i(fault_q),
+      .new_root_i(refit_write && refit_write_at == '0), .node_i(refitted));
 
   // ---- Memories ----
   logic [UNITS-1:0][PLACE-1:0] node_at;
   logic [UNITS-1:0][NW-1:0] node_row;
   logic [UNITS-1:0][NODE_WORDS-1:0][31:0] node;
-  for (genvar u = 0; u < UNITS; u++) begin : unit assign node_row[u] = node_at[u][NW-1:0]; end
+  logic node_access, clk_nodes, refit_write;
+  logic [PLACE-1:0] refit_read_at, refit_write_at;
+  logic [NODE_WORDS-1:0][31:0] refitted;
+  for (genvar u = 0; u < UNITS; u++) begin : unit
+    assign node_row[u] = (refitting && u == 0) ? refit_read_at[NW-1:0] : node_at[u][NW-1:0];
+  end
+  assign node_access = access_i.write && access_i.space == registers_pkg::SPACE_NODES;
+  clock_gate gate_nodes (.clk_i(clk_core_i), .enable_i(node_access | refitting | rst_i), .clk_o(clk_nodes));
   node_memory #(.NODES(NODES), .READERS(UNITS)) node_chips (
-      .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_NODES), .addr_i(access_i.addr),
-      .data_i(access_i.data), .clk_i(clk), .at_i(node_row), .node_o(node));
+      .clk_write_i(clk_nodes), .write_i(node_access), .addr_i(access_i.addr), .data_i(access_i.data),
+      .refit_i(refit_write), .refit_at_i(refit_write_at[NW-1:0]), .refit_node_i(refitted), .clk_i(clk),
+      .at_i(node_row), .node_o(node));
 
   // ---- Rays ----
   logic ray_valid, ray_bad, ray_pop, ray_ready, bad_ready;
@@ -109,7 +122,7 @@ module hierarchy_unit #(
       .clk_i(clk), .rst_i(rst), .nodes_i(nodes), .node_at_o(node_at), .node_i(node), .root_i(root), .goal_i(goal),
       .ray_valid_i(ray_valid && !ray_bad), .ray_ready_o(ray_ready), .ray_i(ray), .number_i(ray_number),
       .fetch_valid_o(fetch_valid), .fetch_ready_i(fetch_ready), .fetch_slot_o(fetch_slot), .fetch_tag_o(fetch_tag),
-      .fetched_valid_i(fetched_valid), .fetched_tag_i(fetched_tag), .fetched_i(fetched), .index_i(index),
+      .fetched_valid_i(fetched_valid && !refitting), .fetched_tag_i(fetched_tag), .fetched_i(fetched), .index_i(index),
       .tested_o(tested), .hit_o(hit), .hit_number_o(hit_number), .hit_t_o(hit_t), .hit_cp_o(hit_cp),
       .hit_index_o(hit_index), .record_valid_o(record_valid), .record_ready_i(record_ready), .number_o(number),
       .f_o(f), .t_o(t), .cp_o(cp), .index_o(best_index), .events_o(events), .deepest_o(deepest),
@@ -119,38 +132,65 @@ module hierarchy_unit #(
   logic leaf_fault, owed;
   logic [2:0] leaf_fault_kind;
   logic [31:0] leaf_place;
-  assign fetch_ready = leaf_ready && leaf_room;
+  logic leaf_valid, refit_fetch;
+  logic [PLACE-1:0] leaf_slot, refit_slot;
+  logic [TAG-1:0] leaf_tag;
+  logic [REFIT_TAG-1:0] refit_tag;
+  assign fetch_ready = leaf_ready && leaf_room && !refitting;
+  assign leaf_valid = refitting ? refit_fetch : fetch_valid && leaf_room;
+  assign leaf_slot = refitting ? refit_slot : fetch_slot;
+  assign leaf_tag = refitting ? TAG'(refit_tag) : fetch_tag;
   assign ddr_words_o = 4'(BEAT);
   leaf_reader #(.SLOTS(SLOTS_A_NODE * NODES), .TAG(TAG)) leaves (
       .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_SLOTS), .addr_i(access_i.addr),
-      .data_i(access_i.data), .clk_i(clk), .rst_i, .clear_i(rst), .slots_i(slots_q),
-      .valid_i(fetch_valid && leaf_room), .ready_o(leaf_ready), .slot_i(fetch_slot), .tag_i(fetch_tag),
+      .data_i(access_i.data), .clk_i(clk), .rst_i, .clear_i(rst && !refitting), .slots_i(slots_q),
+      .valid_i(leaf_valid), .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag),
       .ddr_o, .ddr_ready_i, .ddr_valid_i, .ddr_data_i, .owed_o(owed), .valid_o(fetched_valid), .tag_o(fetched_tag),
       .words_o(fetched), .index_o(index), .fault_o(leaf_fault), .fault_kind_o(leaf_fault_kind),
       .fault_place_o(leaf_place));
+
+  // ---- Boxes anew ----
+  logic refit_start_q, refit_rst, refit_busy, refit_read, refit_done, refit_bad;
+  logic [PLACE-1:0] refit_bad_slot;
+  assign refit_rst = rst_i || !refitting;
+  refit #(.CONTEXTS(REFIT_CONTEXTS)) boxes (
+      .clk_i(clk), .rst_i(refit_rst), .start_i(refit_start_q), .node_count_i(nodes[PLACE-1:0]), .busy_o(refit_busy),
+      .done_o(refit_done), .bad_o(refit_bad), .bad_slot_o(refit_bad_slot), .read_o(refit_read),
+      .read_at_o(refit_read_at), .node_i(node[0]), .write_o(refit_write), .write_at_o(refit_write_at),
+      .node_o(refitted), .fetch_valid_o(refit_fetch), .fetch_ready_i(leaf_ready && refitting),
+      .fetch_slot_o(refit_slot), .fetch_tag_o(refit_tag), .fetched_valid_i(fetched_valid && refitting),
+      .fetched_tag_i(fetched_tag[REFIT_TAG-1:0]), .fetched_i(fetched));
+  logic unused;
+  assign unused = &{1'b0, refit_busy, refit_read, refit_read_at};
 
   // ---- Records ----
   logic finished, records_empty;
   hierarchy_records #(.CONFIG(CONFIG)) records (
       .clk_i(clk), .rst_i(rst || abort_i), .mode_i(mode_q), .leaf_room_o(leaf_room),
       .leaf_i(fetch_valid && fetch_ready), .leaf_tested_i(tested), .hit_i(hit), .hit_number_i(hit_number),
-      .hit_t_i(hit_t), .hit_cp_i(hit_cp), .hit_index_i(hit_index), .valid_i(record_valid), .ready_o(record_ready), .number_i(number), .f_i(f), .t_i(t),
-      .cp_i(cp), .index_i(best_index), .bad_valid_i(ray_valid && ray_bad), .bad_ready_o(bad_ready),
-      .bad_number_i(ray_number), .sram_full_i, .sram_count_i, .write_o, .record_o, .finished_o(finished),
+      .hit_t_i(hit_t), .hit_cp_i(hit_cp), .hit_index_i(hit_index), .valid_i(record_valid), .ready_o(record_ready),
+      .number_i(number), .f_i(f), .t_i(t), .cp_i(cp), .index_i(best_index), .bad_valid_i(ray_valid && ray_bad),
+      .bad_ready_o(bad_ready), .bad_number_i(ray_number), .sram_full_i, .sram_count_i, .write_o, .record_o, .finished_o(finished),
       .empty_o(records_empty));
 
-  // ---- What no tree does. One of the rays on their way comes to its end before each has read every node ----
+  // ---- What no tree does. One of the rays on their way comes to its end before each has read every node; and a refit
+  // writes a node in less than a million clocks ----
+  localparam int PATIENCE = 20;
   logic [31+CX:0] idle_reads_q;
-  logic endless;
-  assign endless = idle_reads_q > {nodes, CX'(0)};
-  assign wrong = way_fault != 0 || leaf_fault || endless;
-  assign done_o = (running && finished_q == ray_count && records_empty) ||
+  logic [PATIENCE:0] idle_clocks_q;
+  logic endless, finished_all;
+  assign endless = refitting ? idle_clocks_q[PATIENCE] : idle_reads_q > {nodes, CX'(0)};
+  assign wrong = (way_fault != 0 && !refitting) || leaf_fault || endless;
+  assign finished_all = refitting ? refit_done : running && finished_q == ray_count && records_empty;
+  assign done_o = finished_all ||
       (state_q == FLUSH && !owed && fault_q != 0);
   assign fault_o = fault_q != 0;
   always_ff @(posedge clk) begin
     idle_reads_q <= (finished || rst) ? '0 : idle_reads_q + (32 + CX)'(events.nodes);
     finished_q <= rst ? '0 : finished_q + 32'(finished);
-    if (running) deepest_q <= deepest;
+    if (running && !refitting) deepest_q <= deepest;
+    idle_clocks_q <= (refit_write || refit_rst) ? '0 : idle_clocks_q + 1;
+    refit_start_q <= state_q == IDLE && valid_i && pass_i.mode == registers_pkg::MODE_REFIT && !rst_i;
     case (state_q)
       IDLE:
         if (valid_i) begin
@@ -163,8 +203,11 @@ module hierarchy_unit #(
         if (wrong) begin
           state_q <= FLUSH;
           fault_q <= (way_fault != 0) ? {way_fault, 32'(way_place)} :
-              leaf_fault ? {leaf_fault_kind, leaf_place} : {registers_pkg::NODE_FAULT_ENDLESS, 32'(node_at[0])};
-        end else if (done_o) state_q <= IDLE;
+              leaf_fault ? {leaf_fault_kind, leaf_place} : {registers_pkg::NODE_FAULT_ENDLESS, 32'(node_row[0])};
+        end else if (finished_all) begin
+          state_q <= IDLE;
+          if (refitting && refit_bad) fault_q <= {registers_pkg::NODE_FAULT_SECONDARY, 32'(refit_bad_slot)};
+        end
       default: if (!owed) state_q <= IDLE;
     endcase
     if (abort_i && busy_o) begin

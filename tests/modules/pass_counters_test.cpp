@@ -50,9 +50,10 @@ TEST(PassCounters, EveryCounterIsAtItsRegister) {
       elsewhere += c == kHere;
     }
     for (unsigned c = 0; c < kHere; ++c)
-      counts.at(c) = counters.clear_i != 0 || counters.rst_i != 0
-                         ? 0
-                         : counts.at(c) + (unsigned{counters.counts_i} >> kBits * c & ((1u << kBits) - 1));
+      counts.at(c) =
+          counters.clear_i != 0 || counters.rst_i != 0
+              ? 0
+              : counts.at(c) + (unsigned{counters.counts_i} >> kBits * c & ((1u << kBits) - 1));
   }
   counters.final();
   for (unsigned c = 0; c < kHere; ++c) {

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <bit>
 
-#include "card/board_impl.hpp"
+#include "card/hierarchy_pass.hpp"
 #include "cde/reference/pipes/ray_node.hpp"
+#include "cde/reference/refit.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde {
@@ -24,6 +25,17 @@ void check_fits(const Board::Impl& card, const Hierarchy& hierarchy, std::uint64
         fmt::format("a hierarchy of {} nodes and {} slots does not fit this card, which "
                     "has memory for {} and {}",
                     hierarchy.nodes().size(), triangles, card.node_capacity, card.slot_capacity));
+}
+
+std::array<std::uint32_t, 8> root_words(const Eigen::AlignedBox3f& box) {
+  const auto root = reference::root_bounds<float>(box.min(), box.max());
+  std::array<std::uint32_t, 8> words{};
+  for (int k = 0; k < 3; ++k) {
+    words.at(static_cast<unsigned>(k)) = std::bit_cast<std::uint32_t>(root.lower[k]);
+    words.at(static_cast<unsigned>(3 + k)) = std::bit_cast<std::uint32_t>(root.upper[k]);
+  }
+  words[6] = std::bit_cast<std::uint32_t>(root.margin);
+  return words;
 }
 
 }  // namespace
@@ -73,13 +85,38 @@ void Board::Impl::write_hierarchy(const Hierarchy& tree) {
     write(card::kSpaceSlots, static_cast<std::uint32_t>(4 * first), front.data(), front.size() / 2);
   }
   check_bus("the upload of a hierarchy");
-  const auto root = reference::root_bounds<float>(tree.box().min(), tree.box().max());
-  for (int k = 0; k < 3; ++k) {
-    hierarchy.root[static_cast<unsigned>(k)] = std::bit_cast<std::uint32_t>(root.lower[k]);
-    hierarchy.root[static_cast<unsigned>(3 + k)] = std::bit_cast<std::uint32_t>(root.upper[k]);
-  }
-  hierarchy.root[6] = std::bit_cast<std::uint32_t>(root.margin);
+  hierarchy.root = root_words(tree.box());
   hierarchy.nodes = static_cast<std::uint32_t>(nodes.size());
+}
+
+void Board::Impl::configure_hierarchy() {
+  if (objects.entries != 0) write_register(card::kRegObjectCount, 0);
+  write_register(card::kRegSecFirst, 0);
+  write_register(card::kRegSecCount, secondaries);
+  write_register(card::kRegNodeCount, hierarchy.nodes);
+  for (unsigned k = 0; k < 4; ++k)
+    write_register(card::kRegRoot + 8 * k,
+                   hierarchy.root[2 * k] | std::uint64_t{hierarchy.root[2 * k + 1]} << 32);
+}
+
+Counters Board::refit() {
+  Impl& it = idle_card();
+  it.link->alive();
+  if (it.hierarchy.nodes == 0)
+    throw Error(ErrorCode::kUsage, "no hierarchy was uploaded to the board");
+  Query query;
+  query.pair = Pair::kRayTriangle;
+  it.hierarchy.stale = true;
+  const Counters counters = RefitPass(it, query).execute();
+  hierarchy::Node root;
+  for (unsigned k = 0; k < hierarchy::Node::kWords / 2; ++k) {
+    const std::uint64_t words = it.read_register(card::kRegNewRoot + 8 * k);
+    root.words[2 * k] = static_cast<std::uint32_t>(words);
+    root.words[2 * k + 1] = static_cast<std::uint32_t>(words >> 32);
+  }
+  it.hierarchy.root = root_words(reference::box_of(root));
+  it.hierarchy.stale = false;
+  return counters;
 }
 
 std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {

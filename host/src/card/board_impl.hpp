@@ -85,6 +85,8 @@ class Board::Impl {
   [[nodiscard]] std::optional<std::uint64_t> find_uncorrectable(std::uint64_t command);
   /// Nodes and slots into their memories.
   void write_hierarchy(const Hierarchy& hierarchy);
+  /// The registers that passes through it and refits share.
+  void configure_hierarchy();
   /// Why the pass cannot go through a hierarchy; nothing if it can.
   [[nodiscard]] std::optional<std::string> no_way_through(const Query& query) const;
   /// The words of a loaded primary.

@@ -19,6 +19,27 @@ constexpr std::uint32_t kMoreRays = 1024;
 
 }  // namespace
 
+std::string node_fault(Board::Impl& card, std::uint64_t fault) {
+  const std::uint64_t place = card::kNodeFaultPlace.of(fault);
+  const auto what = [&] {
+    switch (card::kNodeFaultKind.of(fault)) {
+      case card::kNodeFaultNode:
+        return fmt::format("node {} is asked for, of {}", place, card.hierarchy.nodes);
+      case card::kNodeFaultSlot:
+        return fmt::format("slot {} is asked for, of {}", place, card.secondaries);
+      case card::kNodeFaultIndex:
+        return fmt::format("slot {} has a secondary beyond the {} uploaded", place,
+                           card.secondaries);
+      case card::kNodeFaultDepth:
+        return fmt::format("the levels above node {} are more than {}", place,
+                           Hierarchy::kMostDepth);
+      default:
+        return fmt::format("there is no end to it, at last in node {}", place);
+    }
+  };
+  return "the hierarchy in the card's memory is none: " + what();
+}
+
 HierarchyPass::HierarchyPass(Board::Impl& card, const Query& query,
                              std::span<const std::uint32_t> numbers, const Rays& rays)
     : CardPass(card, query), numbers_(numbers), rays_(rays), last_progress_(started_) {}
@@ -44,14 +65,7 @@ void HierarchyPass::configure() {
   card_.write_register(card::kRegCommand, card::kCommandMode(query_.mode) |
                                               card::kCommandHierarchy |
                                               card::kCommandPair(Pair::kRayTriangle));
-  if (card_.objects.entries != 0) card_.write_register(card::kRegObjectCount, 0);
-  card_.write_register(card::kRegSecFirst, 0);
-  card_.write_register(card::kRegSecCount, card_.secondaries);
-  card_.write_register(card::kRegNodeCount, card_.hierarchy.nodes);
-  for (unsigned k = 0; k < 4; ++k)
-    card_.write_register(
-        card::kRegRoot + 8 * k,
-        card_.hierarchy.root[2 * k] | std::uint64_t{card_.hierarchy.root[2 * k + 1]} << 32);
+  card_.configure_hierarchy();
   card_.write_register(card::kRegRayCount, numbers_.size());
 }
 
@@ -94,7 +108,10 @@ void HierarchyPass::wait_until_done() {
     // Rays that are written leave the card no less time; what it wants is looked at in between.
     const std::uint64_t status = work(wrote ? 1 : !all ? kRaySlice : hits ? kStreamSlice : kSlice);
     if (bit(status, card::kStatusDone)) {
-      if (bit(status, card::kStatusNodeError)) malformed(status);
+      if (bit(status, card::kStatusNodeError)) {
+        const std::uint64_t fault = card_.read_register(card::kRegNodeFault);
+        device_error(node_fault(card_, fault), status, card::kNodeFaultPlace.of(fault));
+      }
       return;
     }
     const bool full = bit(status, card::kStatusSramWait);
@@ -130,28 +147,6 @@ void HierarchyPass::check_progress() {
     timeout(fmt::format("{} clocks, in which nothing was read", still));
   if (nodes != last_nodes_) last_progress_ = now;
   last_nodes_ = nodes;
-}
-
-void HierarchyPass::malformed(std::uint64_t status) {
-  const std::uint64_t fault = card_.read_register(card::kRegNodeFault);
-  const std::uint64_t place = card::kNodeFaultPlace.of(fault);
-  const std::string what = [&] {
-    switch (card::kNodeFaultKind.of(fault)) {
-      case card::kNodeFaultNode:
-        return fmt::format("node {} is asked for, of {}", place, card_.hierarchy.nodes);
-      case card::kNodeFaultSlot:
-        return fmt::format("slot {} is asked for, of {}", place, card_.secondaries);
-      case card::kNodeFaultIndex:
-        return fmt::format("slot {} has a secondary beyond the {} uploaded", place,
-                           card_.secondaries);
-      case card::kNodeFaultDepth:
-        return fmt::format("the levels above node {} are more than {}", place,
-                           Hierarchy::kMostDepth);
-      default:
-        return fmt::format("rays come to no end, at last in node {}", place);
-    }
-  }();
-  device_error("the hierarchy in the card's memory is none: " + what, status, place);
 }
 
 void HierarchyPass::drain(std::uint64_t wanted) {
@@ -219,6 +214,48 @@ std::string HierarchyPass::state() {
       card_.read_register(card::kRegNodes), card_.read_register(card::kRegTested),
       card_.read_register(card::kRegWritten), card_.read_register(card::kRegRecords),
       card_.clocks());
+}
+
+Counters RefitPass::execute() {
+  card_.write_register(card::kRegControl, card::kControlClear);
+  card_.write_register(card::kRegCommand, card::kCommandHierarchy |
+                                              card::kCommandPair(Pair::kRayTriangle) |
+                                              std::uint64_t{card::kModeRefit});
+  card_.configure_hierarchy();
+  try {
+    card_.write_register(card::kRegControl, card::kControlGo);
+    std::uint64_t status = 0;
+    // The card ends by itself, but for a memory that never answers.
+    const std::uint64_t most =
+        1'000'000 + (64 + card_.ddr_latency) * std::uint64_t{card_.secondaries};
+    while (!bit(status, card::kStatusDone)) {
+      if (card_.clocks() - started_ > most) timeout(fmt::format("deadline of {} clocks", most));
+      status = work(16384);
+      check_watchdog();
+    }
+    Counters c;
+    c.cycles = card_.read_register(card::kRegCycles);
+    check_end(c);
+    c.total_clocks = card_.clocks() - started_;
+    c.time = times();
+    if (!bit(status, card::kStatusNodeError)) return c;
+    const std::uint64_t fault = card_.read_register(card::kRegNodeFault);
+    const std::uint64_t place = card::kNodeFaultPlace.of(fault);
+    if (card::kNodeFaultKind.of(fault) != card::kNodeFaultSecondary)
+      device_error(node_fault(card_, fault), status, place);
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("the triangle in slot {} of the hierarchy is not finite, or beyond "
+                            "2^40: no box holds it",
+                            place));
+  } catch (...) {
+    abort();
+    throw;
+  }
+}
+
+std::string RefitPass::state() {
+  return fmt::format("status {:#x}, refitting {} nodes, clock {}",
+                     card_.read_register(card::kRegStatus), card_.hierarchy.nodes, card_.clocks());
 }
 
 }  // namespace cde

@@ -3,11 +3,25 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "card/card_pass.hpp"
 
 namespace cde {
+
+/// What the card says of nodes that are no tree's. Private to the driver.
+[[nodiscard]] std::string node_fault(Board::Impl& card, std::uint64_t fault);
+
+/// Boxes anew. Private to the driver.
+class RefitPass : private CardPass {
+ public:
+  explicit RefitPass(Board::Impl& card, const Query& query) : CardPass(card, query) {}
+  Counters execute();
+
+ private:
+  [[nodiscard]] std::string state() override;
+};
 
 /// A pass of rays through the hierarchy in the card: they are written into a ring while it works,
 /// and its records, which come as they are found, are put in order. Private to the driver.
@@ -33,8 +47,6 @@ class HierarchyPass : private CardPass {
   void write_rays(std::uint32_t count);
   void wait_until_done();
   void check_progress();
-  /// What the card says of nodes that are no tree's.
-  [[noreturn]] void malformed(std::uint64_t status);
   void drain(std::uint64_t entries);
   Counters finish();
   void put_in_order(std::vector<Record>& records);

@@ -101,6 +101,11 @@ class Board {
   /// A hierarchy over what is uploaded, as it is now: after update_shapes(), which leaves the one
   /// before unused, with its refit(). Errors as above.
   void upload(const Hierarchy& hierarchy);
+  /// Boxes of the card's hierarchy anew, by the card, for secondaries as update_shapes() left them;
+  /// the tree stays as it is. Returns what the card counted. Errors: kUsage if there is no
+  /// hierarchy; kBadInput naming a slot of the tree whose triangle is not finite or beyond 2^40,
+  /// and kDevice, as run(): the hierarchy is then unused.
+  Counters refit();
   /// The same for other shapes (Sphere, Aabb, Obb, Plane, Cylinder, Ray; Triangle too).
   template <class P>
   void upload_shapes(std::span<const P> shapes, bool validate = true) {

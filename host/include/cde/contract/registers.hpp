@@ -66,7 +66,8 @@ enum Register : std::uint32_t {
   kRegRays = 0x158,         ///< kRays* fields; the number of those that are there is written
   kRegDeepest = 0x160,      ///< groups on a stack at a time, at most
   kRegNodeFault = 0x168,    ///< kNodeFault* fields
-  kRegEnd = 0x170,
+  kRegNewRoot = 0x180,      ///< 9 registers: the words of the root, as a refit made it
+  kRegEnd = 0x1c8,
 };
 
 /// Registers of the counters of a pass, unit by unit in the order in which a unit brings them.
@@ -105,11 +106,12 @@ enum Status : unsigned {
 
 /// What is wrong with nodes: kNodeFaultKind.
 enum NodeFault : unsigned {
-  kNodeFaultNode = 1,     ///< a node beyond the last one: its number
-  kNodeFaultSlot = 2,     ///< a slot beyond the last one: its number
-  kNodeFaultIndex = 3,    ///< a slot with a secondary beyond the last one: the slot
-  kNodeFaultDepth = 4,    ///< more levels than the stack has: the first node of the level below
-  kNodeFaultEndless = 5,  ///< rays that come to no end: the node read last
+  kNodeFaultNode = 1,       ///< a node beyond the last one: its number
+  kNodeFaultSlot = 2,       ///< a slot beyond the last one: its number
+  kNodeFaultIndex = 3,      ///< a slot with a secondary beyond the last one: the slot
+  kNodeFaultDepth = 4,      ///< more levels than the stack has: the first node of the level below
+  kNodeFaultEndless = 5,    ///< rays that come to no end, or a refit: the node read last
+  kNodeFaultSecondary = 6,  ///< of a refit, a secondary beyond 2^40 or no number: its slot
 };
 
 /// Result modes, kRegCommand[2:0].
@@ -120,6 +122,7 @@ enum ModeCode : std::uint32_t {
   kModeAll = 3,
   kModeHits = 4,
   kModeOccluded = 5,  ///< of a hierarchy
+  kModeRefit = 6,     ///< of a hierarchy, without rays: boxes of all nodes anew
 };
 
 /// Fields of registers.
