@@ -458,6 +458,13 @@ inline Bits in_box(Bits met, Bits td0, Bits td1, Bits td2, Bits p0, Bits p1, Bit
                             {v0, v1, v2, v3, v4, v5, v6, v7, v8});
 }
 
+/// What will be read soon, from memories that the processor's caches may not hold.
+template <class T>
+inline void expect(const T& object) {
+  const char* const at = reinterpret_cast<const char*>(&object);
+  __builtin_prefetch(at);
+  if (sizeof object > 64) __builtin_prefetch(at + sizeof object - 1);
+}
 /// rtl/hierarchy/node_unit.sv: children that are met, in order.
 struct NodeVisit {
   uint32_t order;      ///< three bits each, and above them how many are met
