@@ -44,7 +44,8 @@ module traversal #(
     output logic ray_ready_o,
     input logic [7:0][31:0] ray_i,
     input logic [31:0] number_i,
-    // Secondaries of leaves, one or two from a slot on, and their indices.
+    // Secondaries of leaves, one or two from a slot on, and their indices. fetched_valid_i, which is a clock gate's
+    // enable, comes from a register.
     output logic fetch_valid_o,
     input logic fetch_ready_i,
     output logic [hierarchy_pkg::PLACE-1:0] fetch_slot_o,
