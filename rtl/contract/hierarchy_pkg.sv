@@ -43,23 +43,21 @@ package hierarchy_pkg;
 
   // A number's place in their order: words compare as numbers do. The two zeros are one.
   function automatic logic [31:0] ordered(input logic [31:0] x);
-    if (x[30:0] == 0) return 32'h8000_0000;
-    return x[31] ? ~x : {1'b1, x[30:0]};
+    ordered = (x[30:0] == 0) ? 32'h8000_0000 : x ^ {1'b1, {31{x[31]}}};
   endfunction
 
   // The upper half of a word, a number that is not above it, or not below.
   function automatic logic [15:0] half(input logic [31:0] x, input logic up);
-    return x[31:16] + 16'(x[15:0] != 0 && x[31] != up);
+    half = x[31:16] + 16'(x[15:0] != 0 && x[31] != up);
   endfunction
 
-  // How many nodes, or secondaries of leaves, the children before i have: its place behind the first one's.
+  // How many nodes, or secondaries of leaves, the children before i have: its place behind the first one's. Without
+  // those of nodes kinds have as many bits as there are secondaries.
   function automatic logic [3:0] ahead(input logic [CHILDREN-1:0][1:0] kinds, input logic [2:0] i);
-    ahead = 0;
-    for (int k = 0; k < CHILDREN; k++)
-      if (k < int'(i)) begin
-        if (kinds[i] == KIND_NODE) ahead = ahead + 4'(kinds[k] == KIND_NODE);
-        else if (kinds[k] == KIND_ONE) ahead = ahead + 1;
-        else if (kinds[k] == KIND_TWO) ahead = ahead + 2;
-      end
+    logic [2*CHILDREN-1:0] low, high, counted;
+    low = kinds & {CHILDREN{2'b01}};
+    high = (kinds >> 1) & {CHILDREN{2'b01}};
+    counted = (kinds[i] == KIND_NODE) ? low & ~high : kinds & {high[2*CHILDREN-2:0], 1'b0} | low & high;
+    ahead = 4'($countones(counted & ~('1 << {i, 1'b0})));
   endfunction
 endpackage

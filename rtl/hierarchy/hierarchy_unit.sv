@@ -170,8 +170,8 @@ module hierarchy_unit #(
       .leaf_i(fetch_valid && fetch_ready), .leaf_tested_i(tested), .hit_i(hit), .hit_number_i(hit_number),
       .hit_t_i(hit_t), .hit_cp_i(hit_cp), .hit_index_i(hit_index), .valid_i(record_valid), .ready_o(record_ready),
       .number_i(number), .f_i(f), .t_i(t), .cp_i(cp), .index_i(best_index), .bad_valid_i(ray_valid && ray_bad),
-      .bad_ready_o(bad_ready), .bad_number_i(ray_number), .sram_full_i, .sram_count_i, .write_o, .record_o, .finished_o(finished),
-      .empty_o(records_empty));
+      .bad_ready_o(bad_ready), .bad_number_i(ray_number), .sram_full_i, .sram_count_i, .write_o, .record_o,
+      .finished_o(finished), .empty_o(records_empty));
 
   // ---- What no tree does. One of the rays on their way comes to its end before each has read every node; and a refit
   // writes a node in less than a million clocks ----

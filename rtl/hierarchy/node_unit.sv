@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which children of a node a ray meets, and in what order they are visited: by near, or by far downwards; ties by
-// number. Comparisons are of whole numbers, as words in order.
+// Which children of a node a ray meets, and in what order they are visited (node_boxes.sv, node_order.sv).
 // Latency: NODE_T_UNIT clocks (hierarchy.svh). Throughput: a node a clock. Stall: none, runs free.
 `include "hierarchy.svh"
 module node_unit #(
@@ -26,58 +25,66 @@ module node_unit #(
   localparam int T_MET = T_BOXES + 1;
   if (`NODE_T_UNIT != T_MET + 1) $error("node_unit: NODE_T_UNIT is another");
 
-  // ---- Boxes. Datapaths of the host back end have no stages, so what comes out of them is delayed here ----
-  logic [CHILDREN-1:0][31:0] near_now, far_now, near, far;
-  node_boxes #(
-      .EXP(EXP), .MAN(MAN), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-  ) boxes (
-      .clk_i, .ray_i, .node_i, .near_o(near_now), .far_o(far_now));
-  align #(.W(2 * CHILDREN * 32), .FROM(ARITH == "rtl" ? T_BOXES : 0), .TO(T_BOXES)) align_boxes (
-      .clk_i, .d_i({far_now, near_now}), .q_o({far, near}));
-  logic [2*PLACE+15:0] places, places_met;  // and kinds
-  logic [31:0] from, to;
-  logic down;
-  assign places = {node_i[4][PLACE-1:0], node_i[5][PLACE-1:0], node_i[5][31:28], node_i[4][31:28], node_i[3][31:24]};
-  align #(.W(2 * PLACE + 16), .TO(T_MET)) align_places (.clk_i, .d_i(places), .q_o(places_met));
-  align #(.W(65), .TO(T_BOXES)) align_interval (
-      .clk_i, .d_i({farthest_i, ordered(limit_i), ordered(floor_i)}), .q_o({down, to, from}));
-
-  // ---- Met: the ray is in the box somewhere, and where it counts ----
-  logic [CHILDREN-1:0] meets, met_q;
-  logic [CHILDREN-1:0][31:0] key, key_q;
-  logic [CHILDREN-1:0][15:0] half_key, half_q;
-  logic [CHILDREN-1:0][1:0] kinds;
-  align #(.W(2 * CHILDREN), .TO(T_BOXES)) align_kinds (
-      .clk_i, .d_i({node_i[5][31:28], node_i[4][31:28], node_i[3][31:24]}), .q_o(kinds));
-  for (genvar i = 0; i < CHILDREN; i++) begin : child
-    logic [31:0] n, f;
-    assign n = ordered(near[i]);
-    assign f = ordered(far[i]);
-    assign meets[i] = kinds[i] != KIND_NONE && n <= f && f >= from && n <= to;
-    // The one that comes first is the least.
-    assign key[i] = down ? ~f : n;
-    assign half_key[i] = half(down ? far[i] : near[i], down);
-  end
-  always_ff @(posedge clk_i) {met_q, key_q, half_q} <= {meets, key, half_key};
-
-  // ---- Order: how many come before each ----
-  group_t group;
-  always_comb begin
-    group = '0;
-    group.node = places_met[16+PLACE+:PLACE];
-    group.slot = places_met[16+:PLACE];
-    group.kinds = places_met[15:0];
-    for (int i = 0; i < CHILDREN; i++) begin
-      logic [2:0] rank;
-      rank = 0;
-      for (int k = 0; k < CHILDREN; k++)
-        if (k != i && met_q[k] && (k < i ? key_q[k] <= key_q[i] : key_q[k] < key_q[i])) rank = rank + 1;
-      group.count = group.count + 4'(met_q[i]);
-      if (met_q[i]) begin
-        group.order[rank] = 3'(i);
-        group.keys[rank] = half_q[i];
-      end
+  // A group is what the node says, places and kinds, and what is found: how many children are met, order and keys.
+  localparam int SAID = 2 * PLACE + 2 * CHILDREN;
+  localparam int FOUND = $bits(group_t) - SAID;
+  logic [SAID-1:0] said;
+  logic [FOUND-1:0] found;
+  assign said = {node_i[4][PLACE-1:0], node_i[5][PLACE-1:0], node_i[5][31:28], node_i[4][31:28], node_i[3][31:24]};
+`ifdef VERILATOR
+  if (ARITH != "rtl") begin : g_host
+    // One function, which the compiler sees three times and computes once: its operands are in variables that are local
+    // in the model, because they are short and written as a whole first. The result is late, not the operands.
+    logic [7:0][31:0] w, x, y;
+    logic [5:0][31:0] z;
+    always_comb begin
+      w = '0;
+      x = '0;
+      y = '0;
+      z = '0;
+      for (int k = 0; k < 8; k++) w[k] = node_i[k];
+      for (int k = 0; k < 8; k++) x[k] = node_i[8+k];
+      for (int k = 0; k < 8; k++) y[k] = ray_i[k];
+      z[0] = node_i[16];
+      z[1] = node_i[17];
+      z[2] = ray_i[8];
+      z[3] = floor_i;
+      z[4] = limit_i;
+      z[5] = {31'd0, farthest_i};
     end
+    `define CDE_EIGHT(X) X[0], ",", X[1], ",", X[2], ",", X[3], ",", X[4], ",", X[5], ",", X[6], ",", X[7]
+    `define CDE_VISIT(C, WHAT) C("host_fp::node_visit({", `CDE_EIGHT(w), ",", `CDE_EIGHT(x), ",", z[0], ",", z[1], \
+        "},{", `CDE_EIGHT(y), ",", z[2], "},", z[3], ",", z[4], ",", z[5], ").", WHAT)
+    logic [31:0] order;
+    logic [63:0] low, high;
+    logic [3:0] unused;
+    assign order = `CDE_VISIT($c32, "order");
+    assign low = `CDE_VISIT($c64, "low");
+    assign high = `CDE_VISIT($c64, "high");
+    assign {unused, found} = {order, high, low};
+    align #(.W($bits(group_t)), .TO(`NODE_T_UNIT), .MEMORY(5)) align_group (.clk_i, .d_i({said, found}), .q_o(group_o));
+    `undef CDE_EIGHT
+    `undef CDE_VISIT
   end
-  always_ff @(posedge clk_i) group_o <= group;
+`endif
+  if (ARITH == "rtl") begin : g_gates
+    logic [CHILDREN-1:0][31:0] near, far;
+    node_boxes #(
+        .EXP(EXP), .MAN(MAN), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+    ) boxes (
+        .clk_i, .ray_i, .node_i, .near_o(near), .far_o(far));
+    logic [SAID-1:0] said_boxes, said_late;
+    logic [FOUND-1:0] found_q;
+    logic [31:0] from, to;
+    logic down;
+    align #(.W(SAID), .TO(T_BOXES)) align_said (.clk_i, .d_i(said), .q_o(said_boxes));
+    align #(.W(SAID), .FROM(T_BOXES), .TO(`NODE_T_UNIT)) align_late (.clk_i, .d_i(said_boxes), .q_o(said_late));
+    align #(.W(65), .TO(T_BOXES)) align_interval (
+        .clk_i, .d_i({farthest_i, limit_i, floor_i}), .q_o({down, to, from}));
+    node_order ordering (
+        .clk_i, .near_i(near), .far_i(far), .kinds_i(said_boxes[2*CHILDREN-1:0]), .floor_i(from), .limit_i(to),
+        .farthest_i(down), .found_o(found));
+    always_ff @(posedge clk_i) found_q <= found;
+    assign group_o = {said_late, found_q};
+  end
 endmodule

@@ -42,7 +42,8 @@ module traversal #(
     output logic ray_ready_o,
     input logic [7:0][31:0] ray_i,
     input logic [31:0] number_i,
-    // Secondaries of leaves, one or two from a slot on, and their indices.
+    // Secondaries of leaves, one or two from a slot on, and their indices. fetched_valid_i, which is a clock gate's
+    // enable, comes from a register.
     output logic fetch_valid_o,
     input logic fetch_ready_i,
     output logic [hierarchy_pkg::PLACE-1:0] fetch_slot_o,
@@ -115,12 +116,21 @@ module traversal #(
   logic [8:0][31:0] front_now, front;
   logic front_valid;
   logic [CX-1:0] front_context;
+  // The host back end computes in the second clock, with a clock of its own: where no ray comes, nothing is computed.
+  localparam int T_NOW = (ARITH == "rtl") ? T_FRONT : 1;
+  logic [12:0][31:0] front_of;  // the ray, and the root's box
+  if (ARITH == "rtl") begin : g_at_once
+    assign front_of = {root_i, ray_i[5:0]};
+  end else begin : g_next_clock
+    logic clk;
+    clock_gate gate (.clk_i, .enable_i(take), .clk_o(clk));
+    always_ff @(posedge clk) front_of <= {root_i, ray_i[5:0]};
+  end
   ray_front #(
       .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) of_ray (
-      .clk_i, .a_i(ray_i[5:0]), .root_i, .r_o(front_now));
-  align #(.W(9 * 32), .FROM(ARITH == "rtl" ? T_FRONT : 0), .TO(T_FRONT)) align_front (
-      .clk_i, .d_i(front_now), .q_o(front));
+      .clk_i, .a_i(front_of[5:0]), .root_i(front_of[12:6]), .r_o(front_now));
+  align #(.W(9 * 32), .FROM(T_NOW), .TO(T_FRONT), .MEMORY(5)) align_front (.clk_i, .d_i(front_now), .q_o(front));
   align #(.W(CX), .TO(T_FRONT)) align_taken (.clk_i, .d_i(taken), .q_o(front_context));
   align_valid #(.TO(T_FRONT)) align_take (.clk_i, .rst_i, .valid_i(take), .valid_o(front_valid));
 
@@ -135,12 +145,14 @@ module traversal #(
   logic [1:0] interval_write;
   logic [1:0][31:0] interval;
   logic [CX-1:0] interval_context;
+  logic farthest_q;
+  always_ff @(posedge clk_i) farthest_q <= goal_i == GOAL_FARTHEST;
   for (genvar u = 0; u < UNITS; u++) begin : unit
     traversal_bank #(
         .CONTEXTS(CONTEXTS / UNITS), .CX(CX), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
         .ARITH(ARITH)
     ) bank (
-        .clk_i, .rst_i, .nodes_i, .node_at_o(node_at_o[u]), .node_i(node_i[u]), .farthest_i(goal_i == GOAL_FARTHEST),
+        .clk_i, .rst_i, .nodes_i, .node_at_o(node_at_o[u]), .node_i(node_i[u]), .farthest_i(farthest_q),
         .interval_write_i(`CDE_OWN(interval_context) ? interval_write : '0),
         .interval_context_i(interval_context[CX-1:BANK]),
         .interval_i(interval), .front_valid_i(front_valid && `CDE_OWN(front_context)),
@@ -171,11 +183,17 @@ module traversal #(
   logic [7:0][31:0] fetched_ray_q;
   logic [LANES-1:0][8:0][31:0] words_q;
   logic [LANES-1:0][31:0] index_q;
+  // What the pipe computes with has a clock of its own: where nothing is fetched, nothing is computed.
+  logic fetched_clk;
+  clock_gate gate_fetched (.clk_i, .enable_i(fetched_valid_i), .clk_o(fetched_clk));
   always_ff @(posedge clk_i) begin
     fetched_q <= fetched_valid_i && !rst_i;
     {fetched_at_q, two_q} <= fetched_tag_i;
+    index_q <= index_i;
+  end
+  always_ff @(posedge fetched_clk) begin
     fetched_ray_q <= rays[fetched_tag_i[TAG-1-:CX]];
-    {words_q, index_q} <= {fetched_i, index_i};
+    words_q <= fetched_i;
   end
   for (genvar l = 0; l < LANES; l++) begin : lane
     for (genvar w = 0; w < 8; w++) begin : a assign pipe_a[w][l] = fetched_ray_q[w]; end
@@ -189,13 +207,13 @@ module traversal #(
   logic [15:0] latency;
   ray_triangle_moller #(`DF_SAME, .B_LANES(LANES), .BOX(1)) pipe (
       .clk_i, .a_i(pipe_a), .b_i(pipe_b), .f_o(f_now), .t_o(t_now), .cp_o(cp_now), .latency_o(latency));
-  align #(.W(5 * LANES * 32), .FROM(ARITH == "rtl" ? T_PAIR : 0), .TO(T_PAIR)) align_pair (
+  align #(.W(5 * LANES * 32), .FROM(ARITH == "rtl" ? T_PAIR : 0), .TO(T_PAIR), .MEMORY(5)) align_pair (
       .clk_i, .d_i({f_now, t_now, cp_now}), .q_o({f, t, cp}));
   logic two;
   at_t keep_at_soon;
   align #(.W($bits(at_t)), .TO(T_PAIR - 1)) align_soon (.clk_i, .d_i(fetched_at_q), .q_o(keep_at_soon));
   align #(.W($bits(at_t)), .TO(1)) align_at (.clk_i, .d_i(keep_at_soon), .q_o(keep_at));
-  align #(.W(1 + LANES * 32), .TO(T_PAIR)) align_index (.clk_i, .d_i({two_q, index_q}), .q_o({two, index}));
+  align #(.W(1 + LANES * 32), .TO(T_PAIR), .MEMORY(5)) align_index (.clk_i, .d_i({two_q, index_q}), .q_o({two, index}));
   align_valid #(.TO(T_PAIR)) align_fetched (.clk_i, .rst_i, .valid_i(fetched_q), .valid_o(keep_valid));
 
   // ---- The better of what a ray had and what it found ----

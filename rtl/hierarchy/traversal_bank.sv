@@ -50,12 +50,13 @@ module traversal_bank #(
   localparam int BANK = CX - CB;  // bits of the bank's number
 
   logic [8:0][31:0] fronts[CONTEXTS];
-  logic [1:0][31:0] intervals[CONTEXTS];
+  logic [31:0] floors[CONTEXTS], limits[CONTEXTS];
   group_t groups[CONTEXTS*LEVELS];
   logic [3:0] nexts[CONTEXTS*LEVELS];  // how many of a group have been visited; not looked at while it is fresh: one
   always_ff @(posedge clk_i) begin
     if (front_valid_i) fronts[front_context_i[CX-1:BANK]] <= front_i;
-    for (int k = 0; k < 2; k++) if (interval_write_i[k]) intervals[interval_context_i][k] <= interval_i[k];
+    if (interval_write_i[0]) floors[interval_context_i] <= interval_i[0];
+    if (interval_write_i[1]) limits[interval_context_i] <= interval_i[1];
   end
 
   `define CDE_QUEUE(NAME, TYPE) \
@@ -96,7 +97,7 @@ module traversal_bank #(
   always_ff @(posedge clk_i) begin
     visit_node_q <= node_at_o;
     front_q <= fronts[visit.context_[CX-1:BANK]];
-    interval_q <= intervals[visit.context_[CX-1:BANK]];
+    interval_q <= {limits[visit.context_[CX-1:BANK]], floors[visit.context_[CX-1:BANK]]};
     visit_q <= visit;
     visit_valid_q <= visit_valid && !rst_i;
   end
@@ -112,10 +113,13 @@ module traversal_bank #(
   logic group_some, group_push, first_is_node;
   at_t group_at;
   logic [2:0] first;
+  logic [1:0] first_kind;
+  logic [2*CHILDREN-3:0] behind_first;
   assign group_some = group_valid && group.count != 0;
   assign group_push = group_valid && group.count > 1;
   assign first = group.order[0];
-  assign first_is_node = group.kinds[first] == KIND_NODE;
+  assign {behind_first, first_kind} = group.kinds >> {first, 1'b0};
+  assign first_is_node = first_kind == KIND_NODE;
   always_comb begin
     group_at = met_at;
     if (group.count > 1) begin
@@ -129,7 +133,7 @@ module traversal_bank #(
   assign nearer_in = '{
       at: group_at,
       place: (first_is_node ? group.node : group.slot) + PLACE'(ahead(group.kinds, first)),
-      two: group.kinds[first] == KIND_TWO};
+      two: first_kind == KIND_TWO};
   assign first_leaves_in = nearer_in;
   assign nearer_write = group_some && first_is_node;
   assign first_leaves_write = group_some && !first_is_node;
@@ -150,17 +154,21 @@ module traversal_bank #(
   always_ff @(posedge clk_i) begin
     top_group_q <= groups[{choice.context_[CX-1:BANK], top}];
     next_q <= nexts[{choice.context_[CX-1:BANK], top}];
-    choice_interval_q <= intervals[choice.context_[CX-1:BANK]];
+    choice_interval_q <= {limits[choice.context_[CX-1:BANK]], floors[choice.context_[CX-1:BANK]]};
     {choice_q, top_q} <= {choice, top};
     choice_valid_q <= choice_valid && !rst_i;
   end
   assign next = choice_q.fresh[top_q] ? 4'd1 : next_q;
 
   logic [2:0] child;
+  logic [1:0] child_kind;
+  logic [2*CHILDREN-3:0] behind_child;
+  logic [3*CHILDREN-4:0] later;
   logic [31:0] key;
   logic beyond, empty, chosen;
   always_comb begin
-    child = top_group_q.order[next[2:0]];
+    {later, child} = top_group_q.order >> (5'd3 * 5'(next[2:0]));
+    {behind_child, child_kind} = top_group_q.kinds >> {child, 1'b0};
     key = ordered({top_group_q.keys[next[2:0]], 16'd0});
     // In order: where one comes too late, so do those behind it.
     beyond = farthest_i ? key < ordered(choice_interval_q[0]) : key > ordered(choice_interval_q[1]);
@@ -176,12 +184,12 @@ module traversal_bank #(
   assign dropped_in = choice_at;
   assign others_in = '{
       at: choice_at,
-      place: (top_group_q.kinds[child] == KIND_NODE ? top_group_q.node : top_group_q.slot) +
+      place: (child_kind == KIND_NODE ? top_group_q.node : top_group_q.slot) +
              PLACE'(ahead(top_group_q.kinds, child)),
-      two: top_group_q.kinds[child] == KIND_TWO};
+      two: child_kind == KIND_TWO};
   assign other_leaves_in = others_in;
-  assign others_write = chosen && top_group_q.kinds[child] == KIND_NODE;
-  assign other_leaves_write = chosen && top_group_q.kinds[child] != KIND_NODE;
+  assign others_write = chosen && child_kind == KIND_NODE;
+  assign other_leaves_write = chosen && child_kind != KIND_NODE;
   always_ff @(posedge clk_i) if (chosen) nexts[{choice_q.context_[CX-1:BANK], top_q}] <= next + 1;
 
   // ---- Out ----
@@ -193,7 +201,7 @@ module traversal_bank #(
   assign done_o = done;
   assign done_read = done_some && done_ready_i;
   logic unused;
-  assign unused = &{1'b0, nearer.two, others.two};
+  assign unused = &{1'b0, nearer.two, others.two, behind_first, behind_child, later};
 
   // ---- What no tree has ----
   logic too_deep;

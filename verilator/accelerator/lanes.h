@@ -5,6 +5,9 @@
 #include "host_fp.h"
 #include "triggers.h"
 
+/// One instruction, where Verilator has a dozen.
+#define VL_COUNTONES_I(word) IData(__builtin_popcount(word))
+
 namespace lanes {
 
 constexpr unsigned kLanes = CDE_LANE_WORDS;
