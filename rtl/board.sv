@@ -86,6 +86,15 @@ module board #(
       .access_o(access), .others_i(hierarchy_rdata), .provided_good_i(provided_good),
       .hierarchy_good_i(hierarchy_good), .node_error_i(node_error));
   clock_gate gate (.clk_i, .enable_i(busy | go | rst_i), .clk_o(clk_engine));
+  // Of what sweeps: still while rays go through the hierarchy.
+  logic clk_sweep, walking;
+  if (CONFIG.node_units != 0) begin : g_sweep
+    clock_gate gate_sweep (.clk_i, .enable_i((busy & !walking) | go | rst_i), .clk_o(clk_sweep));
+  end else begin : g_all
+    assign clk_sweep = clk_engine;
+    logic unused_walking;
+    assign unused_walking = walking;
+  end
 
   // ---- Secondaries ----
   localparam int BEAT = records_pkg::DDR_WORDS;
@@ -115,7 +124,7 @@ module board #(
   logic [OBJECT_W-1:0] range_entry, transform_entry;
   logic [1:0][31:0] range;
   secondary_regfile #(.CONFIG(CONFIG)) secondaries (
-      .clk_i(clk_engine), .rst_i, .pair_i(pair[0]), .swap_i(swap[0]), .start_i(fetch_start), .stop_i(fetch_stop),
+      .clk_i(clk_sweep), .rst_i, .pair_i(pair[0]), .swap_i(swap[0]), .start_i(fetch_start), .stop_i(fetch_stop),
       .pass_i(command), .range_entry_o(range_entry), .range_i(range), .transform_entry_o(transform_entry),
       .moving_o(moving), .clk_moving_i(clk_moving), .unmoved_o(unmoved), .moved_i(moved), .ddr_o(readers_ask[0]),
       .ddr_ready_i(reader_ready[0]), .ddr_valid_i(reader_valid[0]), .ddr_data_i(ddr_data),
@@ -129,7 +138,7 @@ module board #(
   logic [PRIM_WORDS-1:0][CW-1:0] prim_written, pose_slot;
   if (CONFIG.transform != pairs_pkg::TRANSFORM_NONE) begin : g_objects
     objects #(.CONFIG(CONFIG)) tables (
-        .clk_i(clk_engine), .clk_bus_i(clk_bus), .clk_core_i(clk_i), .rst_i, .write_i(object_write),
+        .clk_i(clk_sweep), .clk_bus_i(clk_bus), .clk_core_i(clk_i), .rst_i, .write_i(object_write),
         .addr_i(ddr_write_addr_o), .data_i(ddr_write_data_o), .primary_write_i(prim_write), .command_i(command),
         .good_o(objects_good), .busy_o(objects_busy), .pair_i(pair[0]), .swap_i(swap[0]), .range_entry_i(range_entry),
         .range_o(range), .transform_entry_i(transform_entry), .moving_i(moving), .clk_moving_o(clk_moving),
@@ -162,7 +171,7 @@ module board #(
   logic [1:0] retire, ready, credit, gap;
   logic [PRIM_W:0] new_hits;
   engine_control #(.CONFIG(CONFIG)) control (
-      .clk_i(clk_engine), .rst_i, .go_i(unit_valid[ENGINE]), .ready_o(unit_ready[ENGINE]), .abort_i(unit_abort[ENGINE]),
+      .clk_i(clk_sweep), .rst_i, .go_i(unit_valid[ENGINE]), .ready_o(unit_ready[ENGINE]), .abort_i(unit_abort[ENGINE]),
       .command_i(command), .mode_o(mode), .pair_o(pair), .swap_o(swap), .primaries_busy_i(prim_busy),
       .active_i(active), .busy_o(unit_busy[ENGINE]), .done_o(unit_done[ENGINE]), .flush_o(flush),
       .streaming_mode_o(streaming), .pose_wanted_i(pose_wanted), .pose_o(pose), .posed_i(posed), .clear_o(clear),
@@ -182,7 +191,7 @@ module board #(
   logic [CW-1:0] result_t;
   logic [POINTS-1:0][CW-1:0] result_point;
   cde #(.CONFIG(CONFIG)) engine (
-      .clk_i(clk_engine), .rst_i, .clk_bus_i(clk_bus), .clk_core_i(clk_i), .prim_write_i(prim_write),
+      .clk_i(clk_sweep), .rst_i, .clk_bus_i(clk_bus), .clk_core_i(clk_i), .prim_write_i(prim_write),
       .prim_addr_i(ddr_write_addr_o), .prim_data_i(ddr_write_data_o), .prim_bad_o(prim_bad), .prim_busy_o(prim_busy),
       .clk_moving_i(clk_moving), .prim_read_i(prim_read), .prim_written_o(prim_written), .pose_i(pose_commit),
       .pose_number_i(pose_number), .pose_slot_i(pose_slot), .pair_i(pair), .swap_i(swap),
@@ -194,7 +203,7 @@ module board #(
       .head_i(fifo_head), .streamed_i(streamed), .result_i(writeback), .result_index_o(result_index),
       .result_t_o(result_t), .result_point_o(result_point));
   record_fifo #(.LANES(CONFIG.lanes), .ROW_W(ROW_W), .DEPTH(config_pkg::fifo_depth(CONFIG))) fifo (
-      .clk_i(clk_engine), .rst_i(rst_i | clear | flush), .hits_only_i(mode == registers_pkg::MODE_HITS),
+      .clk_i(clk_sweep), .rst_i(rst_i | clear | flush), .hits_only_i(mode == registers_pkg::MODE_HITS),
       .push_i(retire[0] && streaming), .row_i(row), .index_i(index), .unmasked_i(unmasked), .f_i(f), .bad_i(bad),
       .keep_o(fifo_keep), .write_o(fifo_write), .credit_o(credit), .empty_o(fifo_empty),
       .ready_i(record_ready), .head_o(fifo_head), .streamed_o(streamed));
@@ -204,7 +213,7 @@ module board #(
   logic swept_write, walked_write;
   logic clk_ring, ring_active;
   record_maker #(.CONFIG(CONFIG)) records (
-      .clk_i(clk_engine), .rst_i, .flush_i(flush), .normals_i(command.normals), .streaming_i(streaming),
+      .clk_i(clk_sweep), .rst_i, .flush_i(flush), .normals_i(command.normals), .streaming_i(streaming),
       .second_pair_i(pair[1]), .gap_i(gap), .split_i(command.split[PRIM_W-1:0]), .streamed_i(streamed),
       .writeback_i(writeback), .writeback_bad_i(prim_bad[writeback.primary[PRIM_W-1:0]]), .result_index_i(result_index),
       .result_t_i(result_t), .result_point_i(result_point), .ready_o(record_ready), .sram_full_i(sram_full),
@@ -213,6 +222,7 @@ module board #(
   assign record = walked_write ? walked_record : swept_record;
   if (CONFIG.node_units != 0) begin : g_hierarchy
     localparam int HIERARCHY = int'(card_pkg::UNIT_HIERARCHY);
+    assign walking = unit_busy[HIERARCHY];
     hierarchy_unit #(.CONFIG(CONFIG)) hierarchy (
         .clk_core_i(clk_i), .clk_bus_i(clk_bus), .rst_i, .access_i(access), .rdata_o(hierarchy_rdata),
         .wdata_i(ddr_write_data_o), .provided_good_o(provided_good), .good_o(hierarchy_good),
@@ -222,7 +232,7 @@ module board #(
         .ddr_words_o(reader_words[1]), .sram_full_i(sram_full), .sram_count_i(sram_count), .write_o(walked_write),
         .record_o(walked_record));
   end else begin : g_sweeps_alone
-    assign {hierarchy_rdata, provided_good, hierarchy_good, node_error, walked_write} = '0;
+    assign {hierarchy_rdata, provided_good, hierarchy_good, node_error, walked_write, walking} = '0;
     assign readers_ask[1] = '0;
     assign reader_words[1] = '0;
     assign walked_record = '0;

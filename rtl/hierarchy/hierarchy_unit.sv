@@ -53,15 +53,19 @@ module hierarchy_unit #(
   logic clk, rst, running, refitting, wrong;
   logic [2:0] mode_q;
   logic [31:0] slots_q, finished_q;
+  logic [31:0] taken, provided, ray_count, nodes;
+  logic finished, records_empty;
   assign running = state_q == RUN;
   assign refitting = running && mode_q == registers_pkg::MODE_REFIT;
   assign rst = rst_i || !running || refitting;  // of the way: it begins anew with every pass
   assign busy_o = state_q != IDLE;
   assign ready_o = state_q == IDLE;
-  clock_gate gate (.clk_i(clk_core_i), .enable_i(valid_i | busy_o | rst_i), .clk_o(clk));
+  // Still while it waits for the host: no ray that is there is without its record.
+  logic waits;
+  assign waits = running && !refitting && finished_q == provided && finished_q != ray_count && records_empty;
+  clock_gate gate (.clk_i(clk_core_i), .enable_i(valid_i | abort_i | (busy_o & !waits) | rst_i), .clk_o(clk));
 
   // ---- Registers ----
-  logic [31:0] taken, provided, ray_count, nodes;
   logic [6:0][31:0] root;
   events_t events;
   logic [4:0] deepest, deepest_q;
@@ -150,11 +154,13 @@ module hierarchy_unit #(
       .fault_place_o(leaf_place));
 
   // ---- Boxes anew ----
-  logic refit_start_q, refit_rst, refit_busy, refit_read, refit_done, refit_bad;
+  logic clk_refit, refit_comes, refit_start_q, refit_rst, refit_busy, refit_read, refit_done, refit_bad;
   logic [PLACE-1:0] refit_bad_slot;
   assign refit_rst = rst_i || !refitting;
+  assign refit_comes = state_q == IDLE && valid_i && pass_i.mode == registers_pkg::MODE_REFIT;
+  clock_gate gate_refit (.clk_i(clk_core_i), .enable_i(refit_comes | refitting | rst_i), .clk_o(clk_refit));
   refit #(.CONTEXTS(REFIT_CONTEXTS)) boxes (
-      .clk_i(clk), .rst_i(refit_rst), .start_i(refit_start_q), .node_count_i(nodes[PLACE-1:0]), .busy_o(refit_busy),
+      .clk_i(clk_refit), .rst_i(refit_rst), .start_i(refit_start_q), .node_count_i(nodes[PLACE-1:0]), .busy_o(refit_busy),
       .done_o(refit_done), .bad_o(refit_bad), .bad_slot_o(refit_bad_slot), .read_o(refit_read),
       .read_at_o(refit_read_at), .node_i(node[0]), .write_o(refit_write), .write_at_o(refit_write_at),
       .node_o(refitted), .fetch_valid_o(refit_fetch), .fetch_ready_i(leaf_ready && refitting),
@@ -164,7 +170,6 @@ module hierarchy_unit #(
   assign unused = &{1'b0, refit_busy, refit_read, refit_read_at};
 
   // ---- Records ----
-  logic finished, records_empty;
   hierarchy_records #(.CONFIG(CONFIG)) records (
       .clk_i(clk), .rst_i(rst || abort_i), .mode_i(mode_q), .leaf_room_o(leaf_room),
       .leaf_i(fetch_valid && fetch_ready), .leaf_tested_i(tested), .hit_i(hit), .hit_number_i(hit_number),
@@ -190,7 +195,7 @@ module hierarchy_unit #(
     finished_q <= rst ? '0 : finished_q + 32'(finished);
     if (running && !refitting) deepest_q <= deepest;
     idle_clocks_q <= (refit_write || refit_rst) ? '0 : idle_clocks_q + 1;
-    refit_start_q <= state_q == IDLE && valid_i && pass_i.mode == registers_pkg::MODE_REFIT && !rst_i;
+    refit_start_q <= refit_comes && !rst_i;
     case (state_q)
       IDLE:
         if (valid_i) begin
