@@ -154,15 +154,16 @@ module hierarchy_unit #(
       .fault_place_o(leaf_place));
 
   // ---- Boxes anew ----
-  logic clk_refit, refit_comes, refit_start_q, refit_rst, refit_busy, refit_read, refit_done, refit_bad;
+  logic clk_refit, refit_comes, refit_start_q, refit_rst, refit_busy, refit_read, refit_writes, refit_done, refit_bad;
   logic [PLACE-1:0] refit_bad_slot;
   assign refit_rst = rst_i || !refitting;
+  assign refit_write = refit_writes && refitting;  // one that was left stands still, whatever it was at
   assign refit_comes = state_q == IDLE && valid_i && pass_i.mode == registers_pkg::MODE_REFIT;
   clock_gate gate_refit (.clk_i(clk_core_i), .enable_i(refit_comes | refitting | rst_i), .clk_o(clk_refit));
   refit #(.CONTEXTS(REFIT_CONTEXTS)) boxes (
       .clk_i(clk_refit), .rst_i(refit_rst), .start_i(refit_start_q), .node_count_i(nodes[PLACE-1:0]), .busy_o(refit_busy),
       .done_o(refit_done), .bad_o(refit_bad), .bad_slot_o(refit_bad_slot), .read_o(refit_read),
-      .read_at_o(refit_read_at), .node_i(node[0]), .write_o(refit_write), .write_at_o(refit_write_at),
+      .read_at_o(refit_read_at), .node_i(node[0]), .write_o(refit_writes), .write_at_o(refit_write_at),
       .node_o(refitted), .fetch_valid_o(refit_fetch), .fetch_ready_i(leaf_ready && refitting),
       .fetch_slot_o(refit_slot), .fetch_tag_o(refit_tag), .fetched_valid_i(fetched_valid && refitting),
       .fetched_tag_i(fetched_tag[REFIT_TAG-1:0]), .fetched_i(fetched));

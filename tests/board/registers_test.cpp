@@ -106,7 +106,7 @@ TEST_F(Registers, SpacesThatTheCardDoesNotHave) {
   ASSERT_EQ(board_.read_register(kRegRecords), 8u);
   clear();
   unsigned spaces = 0;
-  for (std::uint32_t space = kSpaces; space < 1u << kSpaceBits; ++space, ++spaces)
+  for (std::uint32_t space = kSpaceNodes; space < 1u << kSpaceBits; ++space, ++spaces)
     for (const std::uint32_t offset : {std::uint32_t{0}, std::uint32_t{kRegCommand}, 0xfffffff8u}) {
       expect_write_refused(static_cast<Space>(space), offset);
       expect_read_refused(static_cast<Space>(space), offset);

@@ -1,207 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rays through a hierarchy against all triangles one by one: no record may differ, whatever the
 // scene and however the ray lies.
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
-#include <functional>
 #include <string>
 #include <vector>
 
-#include "cde/mesh/mesh.hpp"
-#include "cde/mesh/terrain.hpp"
 #include "cde/reference/reference.hpp"
 #include "cde/reference/refit.hpp"
 #include "cde/reference/traversal.hpp"
-#include "random.hpp"
+#include "hard_rays.hpp"
 #include "rewritten.hpp"
 
 namespace cde::testing {
 namespace {
 
-using Eigen::Vector3f;
-
-// ---- Scenes ----
-
-struct Draw : Random {
-  using Random::Random;
-  float operator()(float low, float high) { return static_cast<float>(between(low, high)); }
-  Vector3f point() { return vector().cast<float>(); }
-  float power(int low, int high) { return std::ldexp(1.0f, integer(low, high)); }
-};
-
-using Scene = std::vector<Triangle>;
-
-Scene triangles_of(const Mesh& mesh) {
-  Scene all;
-  for (std::size_t i = 0; i < mesh.faces.size(); ++i) all.push_back(mesh.triangle(i));
-  return all;
-}
-
-Scene icosphere(const Vector3f& centre) {
-  Scene all = triangles_of(load_mesh(std::string(CDE_SOURCE_DIR) + "/meshes/icosphere.ply"));
-  for (Triangle& t : all)
-    for (Vector3f* v : {&t.v0, &t.v1, &t.v2}) *v += centre;
-  return all;
-}
-
-/// Axis-aligned squares on a grid of halves, some of them twice, some without area.
-Scene flat() {
-  Draw draw(2);
-  Scene all;
-  for (int i = 0; i < 200; ++i) {
-    const auto half = [&] { return std::floor(draw(-4, 5)) * 0.5f; };
-    const int axis = static_cast<int>(draw.below(3));
-    const Vector3f corner(half(), half(), half());
-    Vector3f a = Vector3f::Zero(), b = Vector3f::Zero();
-    a[(axis + 1) % 3] = 0.5f, b[(axis + 2) % 3] = i % 10 == 0 ? 0.0f : 0.5f;
-    all.push_back({corner, corner + a, corner + b});
-    if (i % 4 == 0) all.push_back(all[draw.below(all.size())]);
-  }
-  return all;
-}
-
-/// As thin as 2^-14 of their length.
-Scene needles() {
-  Draw draw(3);
-  Scene all;
-  for (int i = 0; i < 300; ++i) {
-    const Vector3f from = draw.point(), along = draw.point();
-    all.push_back({from, from + along, from + along * 0.5f + draw.point() * draw.power(-14, -2)});
-  }
-  return all;
-}
-
-Scene tilted_plane() {
-  Scene all;
-  const Vector3f x(0.9f, 0.3f, 0.1f), y(-0.2f, 0.8f, 0.4f);
-  const auto at = [&](int i, int j) -> Vector3f {
-    return x * static_cast<float>(i) * 0.1f + y * static_cast<float>(j) * 0.1f;
-  };
-  for (int i = -8; i < 8; ++i) {
-    for (int j = -8; j < 8; ++j) {
-      all.push_back({at(i, j), at(i + 1, j), at(i, j + 1)});
-      all.push_back({at(i + 1, j + 1), at(i, j + 1), at(i + 1, j)});
-    }
-  }
-  return all;
-}
-
-/// From 2^-20 to 2^20 away, and as large as that.
-Scene sizes() {
-  Draw draw(4);
-  Scene all;
-  for (int i = 0; i < 300; ++i) {
-    const float size = draw.power(-20, 20);
-    const Vector3f from = draw.point() * size;
-    all.push_back({from, from + draw.point() * size, from + draw.point() * size});
-  }
-  return all;
-}
-
-struct Case {
-  const char* name;
-  std::function<Scene()> make;
-};
-std::ostream& operator<<(std::ostream& out, const Case& c) {
-  return out << c.name;
-}
-const Case kScenes[] = {
-    {"icosphere", [] { return icosphere(Vector3f::Zero()); }},
-    {"icosphere_far_away",
-     [] {
-       return icosphere({148376, 1234, -223423});
-     }},
-    {"flat", flat},
-    {"needles", needles},
-    {"tilted_plane", tilted_plane},
-    {"sizes", sizes},
-    {"terrain", [] { return triangles_of(make_terrain({.quads_x = 16, .quads_y = 16})); }},
-    {"one_triangle", [] {
-       return Scene{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0.5f}}};
-     }}};
-
-// ---- Rays ----
-
-/// Rays that are hard on a hierarchy, ten kinds in turn.
-class Rays {
- public:
-  explicit Rays(const Scene& scene, unsigned seed) : scene_(scene), draw_(seed) {
-    for (const Triangle& t : scene)
-      for (const Vector3f& v : {t.v0, t.v1, t.v2}) box_.extend(v);
-  }
-  static constexpr unsigned kKinds = 10;
-
-  Ray operator()(unsigned kind) {
-    const Triangle& t = scene_[draw_.below(scene_.size())];
-    const float size = box_.sizes().maxCoeff();
-    const Vector3f outside = box_.center() + draw_.point() * size;
-    const float a = draw_(0, 1), b = draw_(0, 1 - a);
-    const Vector3f within = t.v0 + (t.v1 - t.v0) * a + (t.v2 - t.v0) * b;
-    switch (kind) {
-      case 0:  // anywhere
-        return to(outside, box_.center() + draw_.point() * size);
-      case 1:  // at an edge
-        return to(outside, t.v0 + (t.v1 - t.v0) * a);
-      case 2:  // at a vertex
-        return to(outside, t.v1);
-      case 3:  // from vertex to vertex
-        return to(t.v0, scene_[draw_.below(scene_.size())].v2);
-      case 4:  // in the plane of a triangle
-        return to(t.v0 + (t.v1 - t.v0) * draw_(-3, 3) + (t.v2 - t.v0) * draw_(-3, 3), within);
-      case 5: {  // along an axis, from a plane of a box, zeros of either sign
-        Ray ray = to(outside, within);
-        const int axis = static_cast<int>(draw_.below(3));
-        for (int k = 0; k < 3; ++k)
-          if (k != axis) ray.d[k] = draw_.below(2) == 0 ? 0.0f : -0.0f, ray.o[k] = t.v0[k];
-        if (ray.d[axis] == 0) ray.d[axis] = 1;
-        return ray;
-      }
-      case 6: {  // one component zero, in a plane of a box
-        Ray ray = to(outside, within);
-        const int axis = static_cast<int>(draw_.below(3));
-        ray.d[axis] = draw_.below(2) == 0 ? 0.0f : -0.0f;
-        ray.o[axis] = draw_.below(2) == 0 ? t.v0[axis] : box_.max()[axis];
-        if (ray.d.isZero()) ray.d[(axis + 1) % 3] = -1;
-        return ray;
-      }
-      case 7:  // from far away
-        return to(box_.center() + draw_.point() * size * 0x1p14f, within);
-      case 8: {  // any length, with an interval
-        Ray ray = to(outside, within);
-        const float length = draw_.power(-12, 12) / std::max(1.0f, ray.d.cwiseAbs().maxCoeff());
-        ray.d *= length;
-        ray.tmin = draw_(-1, 2) / length, ray.tmax = draw_(-1, 4) / length;
-        return ray;
-      }
-      default: {  // grazing
-        const Vector3f start = t.v0 + (t.v1 - t.v0) * draw_(-3, 3);
-        Ray ray = to(start, within);
-        ray.d += draw_.point() * draw_.power(-26, -3) * size;
-        return ray;
-      }
-    }
-  }
-
- private:
-  static Ray to(const Vector3f& from, const Vector3f& at) {
-    Ray ray{from, at - from};
-    if (ray.d.isZero()) ray.d = Vector3f::UnitX();
-    return ray;
-  }
-  const Scene& scene_;
-  Draw draw_;
-  Eigen::AlignedBox3f box_;
-};
-
-std::string text(const Ray& ray) {
-  std::string words;
-  for (const float x : to_words(ray)) words += fmt::format("{}{:a}", words.empty() ? "" : ",", x);
-  return words;
-}
+using namespace hard;
 
 // ---- Tests ----
 

@@ -1,0 +1,541 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rays through the hierarchy of a card: records are those of the reference and of a sweep, whatever
+// the rays, the memory and the bus; what is no tree is an error with its address, and no hang.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+#include <tuple>
+#include <vector>
+
+#include "cde/card/board.hpp"
+#include "cde/mesh/terrain.hpp"
+#include "cde/reference/traversal.hpp"
+#include "expect_error.hpp"
+#include "hard_rays.hpp"
+
+namespace cde::testing {
+namespace {
+
+using namespace hard;
+
+// Configurations of CMakeLists.txt.
+BoardConfig fast_config() {
+  return {.lanes = 4, .box = true, .node_units = 2, .nodes = 1024};
+}
+BoardConfig gates_config() {
+  return {.lanes = 1,
+          .arithmetic = Arithmetic::kRtl,
+          .box = true,
+          .node_units = 1,
+          .nodes = 1024,
+          .ddr_slots = 2000,
+          .sram_records = 64};
+}
+/// Slow operators, four units, check bits in DDR, other pairs, a small ring.
+BoardConfig slow_config() {
+  return {.lanes = 4,
+          .pairs = {Pair::kRayTriangle, Pair::kTriangleSphere},
+          .box = true,
+          .swap = true,
+          .node_units = 4,
+          .nodes = 1024,
+          .transform = Transformer::kBoth,
+          .latency_add = 2,
+          .latency_mul = 3,
+          .latency_div = 9,
+          .latency_compare = 2,
+          .ddr_slots = 2000,
+          .sram_records = 64,
+          .ecc = true};
+}
+BoardConfig pci_config() {
+  BoardConfig c = fast_config();
+  c.sram_records = 64;
+  c.bus = Bus::kCycle;
+  return c;
+}
+struct Card {
+  const char* name;
+  BoardConfig (*config)();
+  OpenOptions options = {};
+  friend std::ostream& operator<<(std::ostream& out, const Card& c) { return out << c.name; }
+};
+const Card kFast{"fast", fast_config}, kGates{"gates", gates_config}, kSlow{"slow", slow_config},
+    kPci{"pci", pci_config}, kDdr{"ddr", fast_config, {.memory = Memory::kCycle}},
+    kLate{"late", slow_config, {.ddr_latency = 300}};
+
+constexpr Mode kModes[] = {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kHits,
+                           Mode::kOccluded};
+
+Record f_alone(const Record& any) {
+  Record r;
+  r.f = any.f;
+  r.primary = any.primary;
+  if (any.bad) r.bad = true, r.t = any.t, r.cp = any.cp;
+  return r;
+}
+
+/// What the reference's way through the hierarchy gives, in the order of the card.
+std::vector<Record> expected(const Scene& scene, const Hierarchy& tree,
+                             const std::vector<Ray>& rays, Mode mode) {
+  reference::Traversal walk(scene, tree);
+  std::vector<Record> all;
+  for (std::uint32_t i = 0; i < rays.size(); ++i) {
+    for (const Record& r : walk.trace(rays[i], i, mode == Mode::kOccluded ? Mode::kAny : mode))
+      all.push_back(mode == Mode::kOccluded ? f_alone(r) : r);
+  }
+  if (mode == Mode::kHits)
+    std::sort(all.begin(), all.end(), [](const Record& a, const Record& b) {
+      return std::tuple(a.primary / 256, a.index, a.primary) <
+             std::tuple(b.primary / 256, b.index, b.primary);
+    });
+  return all;
+}
+
+std::size_t expect_same(const std::vector<Record>& records, const std::vector<Record>& should) {
+  EXPECT_EQ(records.size(), should.size());
+  std::size_t different = 0, hits = 0;
+  for (std::size_t i = 0; i < std::min(records.size(), should.size()); ++i) {
+    hits += records[i].f;
+    if (same_bits(records[i], should[i])) continue;
+    if (different++ < 3)
+      ADD_FAILURE() << "record " << i << " of ray " << records[i].primary << ": T " << records[i].t
+                    << " of " << records[i].index << ", should be ray " << should[i].primary
+                    << ", T " << should[i].t << " of " << should[i].index;
+  }
+  EXPECT_EQ(different, 0u);
+  return hits;
+}
+
+std::vector<Ray> hard_rays(const Scene& scene, std::size_t count) {
+  Rays draw(scene, 5);
+  std::vector<Ray> rays;
+  for (std::size_t i = 0; i < count; ++i) {
+    rays.push_back(draw(static_cast<unsigned>(i % Rays::kKinds)));
+    if (i % 61 == 7) rays.back().d.setZero();  // bad
+    if (i % 127 == 9) rays.back().o.x() = std::numeric_limits<float>::quiet_NaN();
+  }
+  return rays;
+}
+
+// ---- Records ----
+
+class HierarchyCard : public ::testing::TestWithParam<Card> {};
+INSTANTIATE_TEST_SUITE_P(Cards, HierarchyCard,
+                         ::testing::Values(kFast, kGates, kSlow, kPci, kDdr, kLate),
+                         [](const auto& card) { return std::string(card.param.name); });
+
+/// CDE_FULL=1: more than a million rays with host arithmetic, 100,000 in gates.
+TEST_P(HierarchyCard, RecordsAreThoseOfTheReference) {
+  const BoardConfig config = GetParam().config();
+  Board board = Board::open(config, GetParam().options);
+  const bool gates = config.arithmetic == Arithmetic::kRtl,
+             full = std::getenv("CDE_FULL") != nullptr;
+  const std::size_t count = full ? (gates ? 3'000 : 30'000) : gates ? 150 : 1500;
+  for (const Case& one : kScenes) {
+    SCOPED_TRACE(one.name);
+    const Scene scene = one.make();
+    const std::vector<Ray> rays = hard_rays(scene, count);
+    for (const unsigned leaf : {1u, 2u}) {
+      const Hierarchy tree = Hierarchy::build(scene, {.leaf = leaf});
+      board.upload(scene, tree);
+      for (const Mode mode : kModes) {
+        SCOPED_TRACE(name_of(mode));
+        reference::Traversal walk(scene, tree);
+        std::vector<Record> records;
+        const Counters c = board.cast(
+            rays, {.mode = mode, .pair = Pair::kRayTriangle, .through = Through::kHierarchy},
+            [&](std::span<const Record> some) {
+              records.insert(records.end(), some.begin(), some.end());
+            });
+        const std::size_t hits = expect_same(records, expected(scene, tree, rays, mode));
+        EXPECT_GT(hits, count / 20);
+        EXPECT_EQ(c.records, records.size());
+        EXPECT_GE(c.nodes, count * 9 / 10 * (scene.size() > 1 ? 1 : 0));
+        if (mode == Mode::kNearest || mode == Mode::kFarthest) {
+          for (std::uint32_t i = 0; i < rays.size(); ++i) (void)walk.trace(rays[i], i, mode);
+          EXPECT_EQ(c.nodes, walk.counts().nodes);
+          EXPECT_EQ(c.pairs, walk.counts().triangles);
+          EXPECT_LE(c.deepest, walk.counts().deepest);
+        }
+      }
+    }
+  }
+}
+
+/// The same card's sweep, packet by packet and mode by mode, with a stencil; and run() like cast().
+TEST_P(HierarchyCard, RecordsAreThoseOfASweep) {
+  Board board = Board::open(GetParam().config(), GetParam().options);
+  const bool gates = GetParam().config().arithmetic == Arithmetic::kRtl;
+  const Scene scene = kScenes[2].make();  // flat, with duplicates
+  const std::vector<Ray> rays = hard_rays(scene, gates ? 40 : 600);
+  board.upload(scene, Hierarchy::build(scene));
+  Stencil stencil;
+  for (std::size_t i = 0; i < stencil.size(); i += 3) stencil[i] = true;
+  for (const Mode mode : kModes) {
+    SCOPED_TRACE(name_of(mode));
+    Query query{.mode = mode, .pair = Pair::kRayTriangle, .stencil = stencil};
+    query.through = Through::kSweep;
+    const std::vector<Record> swept = board.cast(rays, query);
+    query.through = Through::kAuto;
+    EXPECT_FALSE(board.no_way_through(query));
+    EXPECT_GT(expect_same(board.cast(rays, query), swept), 10u);
+    board.load(std::span(rays).first(30));
+    query.through = Through::kSweep;
+    const std::vector<Record> packet = board.run(query);
+    query.through = Through::kHierarchy;
+    Counters c;
+    expect_same(board.run(query, &c), packet);
+    EXPECT_EQ(c.secondaries, 0u);
+    EXPECT_GT(c.nodes, 0u);
+  }
+}
+
+// ---- A tree that stays, goes and moves ----
+
+TEST(HierarchyDriver, SaysWhyThereIsNoWayThrough) {
+  const Scene scene = kScenes[0].make();
+  const Hierarchy tree = Hierarchy::build(scene);
+  Board plain = Board::open({.lanes = 4, .arithmetic = Arithmetic::kHost});
+  expect_error(ErrorCode::kUsage, "no node units", [&] { plain.upload(scene, tree); });
+  EXPECT_EQ(*plain.no_way_through({}), "the card has no node units");
+
+  Board board = Board::open(slow_config());
+  const std::vector<Ray> rays = hard_rays(scene, 20);
+  const Query on{.pair = Pair::kRayTriangle, .through = Through::kHierarchy};
+  expect_error(ErrorCode::kUsage, "triangles that were uploaded", [&] { board.upload(tree); });
+  board.upload(scene);
+  board.load(rays);
+  expect_error(ErrorCode::kUsage, "no hierarchy was uploaded", [&] { (void)board.run(on); });
+  expect_error(ErrorCode::kUsage, "of 1280 secondaries over 1279 triangles",
+               [&] { board.upload(std::span(scene).first(1'279), tree); });
+  board.upload(tree);
+  EXPECT_EQ(board.no_way_through(on), std::nullopt);
+  const auto refused = [&](const char* why, Query query) {
+    SCOPED_TRACE(why);
+    EXPECT_NE(board.no_way_through(query).value_or("").find(why), std::string::npos);
+    query.through = Through::kHierarchy;
+    expect_error(ErrorCode::kUsage, why, [&] { (void)board.cast(rays, query); });
+  };
+  refused("mode all", {.mode = Mode::kAll, .pair = Pair::kRayTriangle});
+  refused("a range of secondaries", {.pair = Pair::kRayTriangle, .first_secondary = 3});
+  refused("a range of secondaries", {.pair = Pair::kRayTriangle, .secondary_count = 3});
+  board.set_objects(std::vector<Object>{{.first = 0, .count = 10}});
+  refused("objects are swept", {.pair = Pair::kRayTriangle});
+  board.set_objects({});
+  EXPECT_GT(expect_same(board.run(on), expected(scene, tree, rays, Mode::kNearest)), 0u);
+  board.upload(scene);
+  refused("no hierarchy was uploaded", {.pair = Pair::kRayTriangle});
+}
+
+TEST(HierarchyDriver, WhatDoesNotFitIsRefusedWithTheSizes) {
+  Board board = Board::open(fast_config());
+  const Mesh mesh = make_terrain({.quads_x = 100, .quads_y = 100});
+  const Hierarchy tree = Hierarchy::build(mesh);
+  ASSERT_GT(tree.nodes().size(), 1'024u);
+  expect_error(
+      ErrorCode::kCapacity,
+      std::to_string(tree.nodes().size()) +
+          " nodes and 20000 slots does not fit this card, which has memory for 1024 and 8192",
+      [&] { board.upload(mesh, tree); });
+}
+
+TEST(HierarchyDriver, ConfigurationsThatNoCardHas) {
+  const auto refused = [](const char* why, BoardConfig config) {
+    expect_error(ErrorCode::kUsage, why, [&] { (void)config.parameters(); });
+  };
+  BoardConfig c = fast_config();
+  c.node_units = 3;
+  refused("0, 1, 2 or 4", c);
+  c = fast_config();
+  c.nodes = 1000;
+  refused("a power of two", c);
+  c = fast_config();
+  c.box = false;
+  refused("box rule", c);
+  c = fast_config();
+  c.algorithm = Algorithm::kBadouel;
+  refused("by moller", c);
+  c = fast_config();
+  c.format = FpFormat{5, 10};
+  refused("percents of it", c);
+  c = fast_config();
+  c.node_units = 0;
+  refused("no memory of nodes", c);
+}
+
+TEST(HierarchyDriver, StaysOverResetAndPassesThatFail) {
+  Board board = Board::open(fast_config());
+  const Scene scene = kScenes[6].make();
+  const Hierarchy tree = Hierarchy::build(scene);
+  const std::vector<Ray> rays = hard_rays(scene, 700);
+  const std::vector<Record> should = expected(scene, tree, rays, Mode::kNearest);
+  board.upload(scene, tree);
+  const Query on{.through = Through::kHierarchy};
+  expect_same(board.cast(rays, on), should);
+  board.reset();
+  expect_same(board.cast(rays, on), should);
+  Query soon = on;
+  soon.deadline_clocks = 200;
+  expect_error(ErrorCode::kTimeout, "deadline of 200 clocks",
+               [&] { (void)board.cast(rays, soon); });
+  expect_same(board.cast(rays, on), should);
+  expect_error(ErrorCode::kUsage, "from the sink", [&] {
+    board.cast(rays, on,
+               [](std::span<const Record>) { throw Error(ErrorCode::kUsage, "from the sink"); });
+  });
+  expect_same(board.cast(rays, on), should);
+  auto owned = std::make_unique<Board>(std::move(board));
+  expect_error(ErrorCode::kUsage, "destroyed by the sink", [&] {
+    Board* const it = owned.get();
+    it->cast(rays, on, [&](std::span<const Record>) { owned.reset(); });
+  });
+}
+
+/// update_shapes() leaves a tree that is not used; the card refits it, bit by bit as the reference,
+/// or the host does.
+TEST(HierarchyDriver, RefitsWhatHasMoved) {
+  for (const Card& card : {kFast, kSlow, kGates, kDdr}) {
+    SCOPED_TRACE(card.name);
+    Board board = Board::open(card.config(), card.options);
+    Scene scene = kScenes[6].make();
+    const Hierarchy built = Hierarchy::build(scene);
+    const std::vector<Ray> rays = hard_rays(scene, card.config == gates_config ? 60 : 600);
+    board.upload(scene, built);
+    const Query query{.pair = Pair::kRayTriangle};
+    for (int frame = 0; frame < 3; ++frame) {
+      for (std::size_t i = 0; i < scene.size(); ++i)
+        for (Vector3f* v : {&scene[i].v0, &scene[i].v1, &scene[i].v2})
+          v->z() += 0.1f * std::sin(static_cast<float>(i + frame));
+      board.update_shapes<Triangle>(0, scene);
+      EXPECT_NE(board.no_way_through(query).value_or("").find("uploaded anew"), std::string::npos);
+      const std::vector<Record> swept = board.cast(rays, query);
+      Hierarchy own = built;
+      own.refit(scene);
+      if (frame == 1) {
+        board.upload(own);
+      } else {
+        const Counters c = board.refit();
+        EXPECT_GT(c.cycles, scene.size() / 2);
+        EXPECT_LT(c.cycles, 200'000u);
+      }
+      EXPECT_FALSE(board.no_way_through(query));
+      Counters c;
+      std::vector<Record> records;
+      c = board.cast(rays, query, [&](std::span<const Record> some) {
+        records.insert(records.end(), some.begin(), some.end());
+      });
+      EXPECT_GT(c.nodes, 0u);
+      EXPECT_GT(expect_same(records, swept), 5u);
+    }
+    // A triangle that no box holds.
+    std::vector<Triangle> bad{scene[7]};
+    bad[0].v1.y() = std::numeric_limits<float>::infinity();
+    board.update_shapes<Triangle>(7, bad, false);
+    expect_error(ErrorCode::kBadInput, "no box holds it", [&] { (void)board.refit(); });
+    EXPECT_TRUE(board.no_way_through(query));
+    board.update_shapes<Triangle>(7, std::span(scene).subspan(7, 1));
+    (void)board.refit();
+    EXPECT_FALSE(board.no_way_through(query));
+  }
+}
+
+/// Of 256 rays, and of streams: clocks from the first ray to the last record, without the bus.
+TEST(HierarchyDriver, ClocksOfTheTerrain) {
+  BoardConfig config = fast_config();
+  const Mesh mesh = make_terrain({.quads_x = 60, .quads_y = 60});
+  const Hierarchy tree = Hierarchy::build(mesh);
+  Board board = Board::open(config);
+  board.upload(mesh, tree);
+  const auto box = bounds(mesh);
+  Draw draw(3);
+  std::vector<Ray> rays;
+  for (int i = 0; i < 4096; ++i) {
+    const Vector3f at = box.center() + 0.5f * draw.point().cwiseProduct(box.sizes());
+    rays.push_back({at, draw.point()});
+  }
+  Counters few, many;
+  board.load(std::span(rays).first(256));
+  (void)board.run({.through = Through::kHierarchy}, &few);
+  many = board.cast(rays, {.through = Through::kHierarchy}, [](std::span<const Record>) {});
+  std::printf("256 rays: %lu clocks; 4,096: %.2f a ray\n", few.cycles,
+              static_cast<double>(many.cycles) / 4096);
+  // Contexts hide each other's latency: two nodes a clock, or a leaf.
+  const double nodes = static_cast<double>(many.nodes) / 2,
+               leaves = static_cast<double>(many.pairs);
+  EXPECT_LT(static_cast<double>(many.cycles), 1.25 * std::max(nodes, leaves) + 1000);
+}
+
+// ---- What is no tree ----
+
+class Malformed : public ::testing::Test {
+ protected:
+  Malformed() : board_(Board::open(fast_config())) {}
+  void upload(const Hierarchy& tree) {
+    tree_ = tree;
+    board_.upload(scene_, tree_);
+  }
+  /// Words of a node as the card has them.
+  void write_node(std::uint32_t number, const hierarchy::Node& node) {
+    std::array<std::uint64_t, 9> beats{};
+    for (unsigned k = 0; k < 9; ++k)
+      beats.at(k) = node.words.at(2 * k) | std::uint64_t{node.words.at(2 * k + 1)} << 32;
+    board_.bus_write(card::kSpaceNodes, 64 * number, std::span(beats).first(8));
+    board_.bus_write(card::kSpaceNodes, 64 * 1024 + 8 * number, std::span(beats).last(1));
+  }
+  void expect_fault(const std::string& what) {
+    expect_error(ErrorCode::kDevice, what, [&] {
+      (void)board_.cast(rays_, {.mode = Mode::kHits, .through = Through::kHierarchy});
+    });
+    // And the card goes on.
+    board_.upload(tree_);
+    expect_same(board_.cast(rays_, {.through = Through::kHierarchy}),
+                expected(scene_, tree_, rays_, Mode::kNearest));
+  }
+  Scene scene_ = kScenes[0].make();
+  Hierarchy tree_;
+  std::vector<Ray> rays_ = hard_rays(scene_, 300);
+  Board board_;
+};
+
+TEST_F(Malformed, EndsWithItsAddress) {
+  upload(Hierarchy::build(scene_));
+  hierarchy::Node root = tree_.nodes()[0];
+  root.set_first_node(5'000);
+  write_node(0, root);
+  expect_fault("of " + std::to_string(tree_.nodes().size()));
+
+  root = tree_.nodes()[0];
+  root.set_first_node(0);  // a cycle: the root is among its own children
+  write_node(0, root);
+  expect_fault("the hierarchy in the card's memory is none");
+
+  for (std::uint32_t n = 0; n < tree_.nodes().size(); ++n) {
+    hierarchy::Node node = tree_.nodes()[n];
+    node.set_first_slot(1'280);
+    write_node(n, node);
+  }
+  expect_fault("is asked for, of 1280");
+
+  const std::vector<std::uint64_t> far(scene_.size() / 2, std::uint64_t{5'000} << 32 | 5'000);
+  board_.bus_write(card::kSpaceSlots, 0, far);
+  expect_fault("has a secondary beyond the 1280 uploaded");
+}
+
+/// One child each, the same node again: no level is put on a stack, and there is no end.
+TEST_F(Malformed, WithoutEnd) {
+  upload(Hierarchy::build(scene_));
+  hierarchy::Node node = tree_.nodes()[0];
+  for (unsigned i = 0; i < 8; ++i) node.set_child(i, hierarchy::Child::kNone);
+  node.set_child(0, hierarchy::Child::kNode);
+  node.set_first_node(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    node.set_corner(false, 0, axis, 0);
+    node.set_corner(true, 0, axis, 255);
+  }
+  write_node(0, node);
+  expect_fault("there is no end to it");
+}
+
+/// Random words, random bits, in all memories: an error or records, within bounded clocks.
+TEST_F(Malformed, RandomWords) {
+  upload(Hierarchy::build(scene_));
+  Draw draw(9);
+  const auto word = [&] { return static_cast<std::uint32_t>(draw.below(1ull << 32)); };
+  unsigned faults = 0;
+  for (int round = 0; round < 60; ++round) {
+    board_.upload(tree_);
+    for (std::uint32_t n = 0; n < tree_.nodes().size(); ++n) {
+      hierarchy::Node node = tree_.nodes()[n];
+      if (round % 3 == 0)
+        for (std::uint32_t& w : node.words) w = word();
+      else if (round % 3 == 1 && draw.below(4) == 0)
+        node.words.at(draw.below(18)) ^= 1u << draw.below(32);
+      else if (round % 3 == 2)
+        node.words.at(3 + draw.below(3)) = word();
+      write_node(n, node);
+    }
+    const std::uint64_t before = board_.clocks();
+    try {
+      (void)board_.cast(rays_, {.mode = round % 2 == 0 ? Mode::kNearest : Mode::kAny,
+                                .through = Through::kHierarchy});
+    } catch (const Error& e) {
+      ++faults;
+      EXPECT_EQ(e.code(), ErrorCode::kDevice) << e.what();
+      EXPECT_NE(std::string(e.what()).find("is none: "), std::string::npos) << e.what();
+    }
+    EXPECT_LT(board_.clocks() - before, 300'000u);
+    try {
+      (void)board_.refit();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::kDevice) << e.what();
+    }
+  }
+  EXPECT_GT(faults, 20u);
+  board_.upload(tree_);
+  expect_same(board_.cast(rays_, {.through = Through::kHierarchy}),
+              expected(scene_, tree_, rays_, Mode::kNearest));
+}
+
+/// Registers and memories of the hierarchy, attacked.
+TEST_F(Malformed, AccessesThatMayNotBe) {
+  upload(Hierarchy::build(scene_));
+  const auto refused = [&](auto access) {
+    access();
+    EXPECT_NE(board_.read_register(card::kRegStatus) >> card::kStatusBusError & 1, 0u);
+    board_.write_register(card::kRegControl, card::kControlClear);
+  };
+  const std::uint64_t beat = 0;
+  const auto write = [&](card::Space space, std::uint32_t at) {
+    refused([&] { board_.bus_write(space, at, {&beat, 1}); });
+  };
+  write(card::kSpaceNodes, 1024 * 72);
+  write(card::kSpaceNodes, 0xfffffff8u);
+  write(card::kSpaceSlots, 1024 * 32);
+  write(card::kSpaceRays, 4096 * 32);
+  std::array<std::uint64_t, 1> read{};
+  for (const card::Space space : {card::kSpaceNodes, card::kSpaceSlots, card::kSpaceRays})
+    refused([&] { board_.bus_read(space, 0, read); });
+  // More rays than there are, or than there are places for.
+  board_.write_register(card::kRegRayCount, 100);
+  for (const std::uint64_t rays : {std::uint64_t{101}, std::uint64_t{1} << 40})
+    refused([&] { board_.write_register(card::kRegRays, rays); });
+  board_.write_register(card::kRegRayCount, 10'000);
+  refused([&] { board_.write_register(card::kRegRays, 4'097); });
+  for (const card::Register r : {card::kRegNodes, card::kRegDeepest, card::kRegNodeFault,
+                                 card::kRegNodeCaps, card::kRegNewRoot})
+    refused([&] { board_.write_register(r, 1); });
+  // Commands: no nodes, too many, no rays, a mode that is none.
+  const auto go_refused = [&] {
+    board_.write_register(card::kRegControl, card::kControlGo);
+    EXPECT_NE(board_.read_register(card::kRegStatus) >> card::kStatusCommandError & 1, 0u);
+    board_.write_register(card::kRegControl, card::kControlClear);
+  };
+  board_.write_register(card::kRegSecFirst, 0);
+  board_.write_register(card::kRegSecCount, scene_.size());
+  board_.write_register(card::kRegCommand, card::kCommandHierarchy);
+  board_.write_register(card::kRegNodeCount, 0), go_refused();
+  board_.write_register(card::kRegNodeCount, 1025), go_refused();
+  board_.write_register(card::kRegNodeCount, std::uint64_t{1} << 33), go_refused();
+  board_.write_register(card::kRegNodeCount, tree_.nodes().size());
+  board_.write_register(card::kRegRayCount, 0), go_refused();
+  board_.write_register(card::kRegRayCount, 1);
+  for (const std::uint64_t mode : {3, 7}) {
+    board_.write_register(card::kRegCommand, card::kCommandHierarchy | mode);
+    go_refused();
+  }
+  board_.write_register(card::kRegCommand, std::uint64_t{card::kModeOccluded});
+  go_refused();  // without the hierarchy
+  expect_same(board_.cast(rays_, {.through = Through::kHierarchy}),
+              expected(scene_, tree_, rays_, Mode::kNearest));
+}
+
+}  // namespace
+}  // namespace cde::testing
