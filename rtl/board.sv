@@ -74,7 +74,9 @@ module board #(
   logic [63:0] hierarchy_rdata;
   logic provided_good, node_error;
   logic [1:0] hierarchy_good;
-  assign events = {open, ecc_failed, ecc_corrected, record_write, writeback.valid, sec_bad, sec_pop, stall, bubble,
+  logic [7:0] node_corrected;
+  assign events = {open, ecc_failed, 8'(ecc_corrected) + node_corrected, record_write, writeback.valid, sec_bad,
+      sec_pop, stall, bubble,
       issue.valid};
   card_registers #(.CONFIG(CONFIG)) registers (
       .clk_i, .clk_engine_i(clk_engine), .rst_i, .bus_i(bus_request), .bus_o(bus_response), .irq_o, .clk_bus_o(clk_bus),
@@ -228,11 +230,12 @@ module board #(
         .wdata_i(ddr_write_data_o), .provided_good_o(provided_good), .good_o(hierarchy_good),
         .valid_i(unit_valid[HIERARCHY]), .ready_o(unit_ready[HIERARCHY]), .abort_i(unit_abort[HIERARCHY]),
         .pass_i(command), .busy_o(unit_busy[HIERARCHY]), .done_o(unit_done[HIERARCHY]), .fault_o(node_error),
+        .corrected_o(node_corrected),
         .ddr_o(readers_ask[1]), .ddr_ready_i(reader_ready[1]), .ddr_valid_i(reader_valid[1]), .ddr_data_i(ddr_data),
         .ddr_words_o(reader_words[1]), .sram_full_i(sram_full), .sram_count_i(sram_count), .write_o(walked_write),
         .record_o(walked_record));
   end else begin : g_sweeps_alone
-    assign {hierarchy_rdata, provided_good, hierarchy_good, node_error, walked_write, walking} = '0;
+    assign {node_corrected, hierarchy_rdata, provided_good, hierarchy_good, node_error, walked_write, walking} = '0;
     assign readers_ask[1] = '0;
     assign reader_words[1] = '0;
     assign walked_record = '0;

@@ -144,6 +144,7 @@ module card_registers #(
             32'(registers_pkg::REG_NODE_COUNT), 32'(registers_pkg::REG_RAY_COUNT), 32'(registers_pkg::REG_ROOT),
                 32'(registers_pkg::REG_ROOT) + 8, 32'(registers_pkg::REG_ROOT) + 16,
                 32'(registers_pkg::REG_ROOT) + 24: allowed = NODE_UNITS != 0 && !busy_i;
+            32'(registers_pkg::REG_NODE_FLIP): allowed = NODE_UNITS != 0 && ECC != 0 && !busy_i;
             32'(registers_pkg::REG_RAYS): allowed = NODE_UNITS != 0 && provided_good_i;
             32'(registers_pkg::REG_PRIM_OBJECT_COUNT): allowed = TRANSFORM == pairs_pkg::TRANSFORM_BOTH && !busy_i;
             default: allowed = (in_stencil || in_objects) && !busy_i;

@@ -27,7 +27,7 @@ package card_pkg;
   typedef struct packed {
     logic [1:0] open;           // pairs go through a wide pipe behind narrow lanes
     logic [3:0] ecc_failed;     // words
-    logic [3:0] ecc_corrected;
+    logic [7:0] ecc_corrected;
     logic record;               // is written to SRAM
     logic writeback;            // the clock is one of the write-back
     logic secondary_bad;

@@ -78,7 +78,8 @@ package registers_pkg;
   localparam logic [11:0] REG_DEEPEST = 12'h160;      // groups on a stack at a time, at most
   localparam logic [11:0] REG_NODE_FAULT = 12'h168;   // node_fault_t
   localparam logic [11:0] REG_NEW_ROOT = 12'h180;     // 9 registers: the words of the root, as a refit made it
-  localparam logic [31:0] REG_END = 32'h000001C8;
+  localparam logic [11:0] REG_NODE_FLIP = 12'h1C8;    // node_flip_t: with check bits, wrong ones, to test them
+  localparam logic [31:0] REG_END = 32'h000001D0;
 
   // ---- Counters of a pass: their registers, 64 bits each, unit by unit. Those of the engine are in card_registers; a
   // further unit brings its own (pass_counters.sv), in this order and behind the other registers, below REG_END ----
@@ -170,12 +171,17 @@ package registers_pkg;
     logic [31:0] nodes;        // that there is memory for
   } node_caps_t;
   typedef struct packed {
+    logic [26:0] reserved;
+    logic [4:0] word;   // of nodes that are written, from 18 on of beats of slots,
+    logic [31:0] bits;  // these are flipped behind the making of check bits
+  } node_flip_t;
+  typedef struct packed {
     logic [31:0] taken;     // rays that the pass has taken: their places are free
     logic [31:0] provided;  // rays that are there, from the first of the pass on
   } rays_t;
   typedef struct packed {
-    logic [28:0] reserved;
-    logic [2:0] kind;    // NODE_FAULT_*; 0: none
+    logic [27:0] reserved;
+    logic [3:0] kind;    // NODE_FAULT_*; 0: none
     logic [31:0] place;  // of a node or a slot
   } node_fault_t;
   typedef struct packed {
@@ -197,12 +203,14 @@ package registers_pkg;
   } ecc_t;
 
   // ---- What is wrong with nodes in memory: node_fault_t.kind ----
-  localparam logic [2:0] NODE_FAULT_NODE = 1;  // a node beyond the last one: its number
-  localparam logic [2:0] NODE_FAULT_SLOT = 2;  // a slot beyond the last one: its number
-  localparam logic [2:0] NODE_FAULT_INDEX = 3;  // a slot with a secondary beyond the last one: the slot
-  localparam logic [2:0] NODE_FAULT_DEPTH = 4;  // more levels than the stack has: the first node of the level below
-  localparam logic [2:0] NODE_FAULT_ENDLESS = 5;  // rays that come to no end, or a refit: the node read last
-  localparam logic [2:0] NODE_FAULT_SECONDARY = 6;  // of a refit, a secondary beyond 2^40 or no number: its slot
+  localparam logic [3:0] NODE_FAULT_NODE = 1;  // a node beyond the last one: its number
+  localparam logic [3:0] NODE_FAULT_SLOT = 2;  // a slot beyond the last one: its number
+  localparam logic [3:0] NODE_FAULT_INDEX = 3;  // a slot with a secondary beyond the last one: the slot
+  localparam logic [3:0] NODE_FAULT_DEPTH = 4;  // more levels than the stack has: the first node of the level below
+  localparam logic [3:0] NODE_FAULT_ENDLESS = 5;  // rays that come to no end, or a refit: the node read last
+  localparam logic [3:0] NODE_FAULT_SECONDARY = 6;  // of a refit, a secondary beyond 2^40 or no number: its slot
+  localparam logic [3:0] NODE_FAULT_NODE_BITS = 7;  // with check bits, more wrong bits of a word than can be corrected
+  localparam logic [3:0] NODE_FAULT_SLOT_BITS = 8;  // the same of what is in a slot
 
   // ---- Result modes ----
   localparam logic [2:0] MODE_NEAREST = 3'd0;   // smallest (T, index) a primary

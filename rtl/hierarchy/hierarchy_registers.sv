@@ -24,13 +24,16 @@ module hierarchy_registers #(
     output logic [6:0][31:0] root_o,
     input hierarchy_pkg::events_t events_i,
     input logic [4:0] deepest_i,
-    input logic [34:0] fault_i,  // registers_pkg::NODE_FAULT_*, place
+    output registers_pkg::node_flip_t flip_o,
+    input logic [35:0] fault_i,  // registers_pkg::NODE_FAULT_*, place
     input logic new_root_i,      // a refit writes this
     input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i
 );
   import registers_pkg::*;
   logic [3:0][63:0] root_q;
   logic [31:0] nodes_q, ray_count_q, provided_q;
+  node_flip_t flip_q;
+  assign flip_o = flip_q;
   assign root_o = {root_q[3][31:0], root_q[2:0]};
   assign nodes_o = nodes_q;
   assign ray_count_o = ray_count_q;
@@ -73,6 +76,7 @@ module hierarchy_registers #(
           provided_q <= '0;
         end
         REG_RAYS: provided_q <= value;
+        REG_NODE_FLIP: flip_q <= access_i.data;
         default: ;
       endcase
     end
@@ -88,11 +92,12 @@ module hierarchy_registers #(
           REG_RAYS: answer_q <= {busy_i ? taken_i : '0, provided_q};
           REG_DEEPEST: answer_q <= 64'(deepest_i);
           REG_NODE_FAULT: answer_q <= 64'(fault_i);
+          REG_NODE_FLIP: answer_q <= flip_q;
           default: ;
         endcase
       end
     end
-    if (rst_i) {root_q, nodes_q, ray_count_q, provided_q, answer_q} <= '0;
+    if (rst_i) {root_q, nodes_q, ray_count_q, provided_q, flip_q, answer_q} <= '0;
   end
 
   // ---- Counters ----

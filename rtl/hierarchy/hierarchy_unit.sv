@@ -28,6 +28,7 @@ module hierarchy_unit #(
     output logic busy_o,
     output logic done_o,
     output logic fault_o,  // the pass that is done has come to nothing
+    output logic [7:0] corrected_o,  // words of the memories of nodes and slots, this clock
 
     output card_pkg::ddr_request_t ddr_o,
     input logic ddr_ready_i,
@@ -69,11 +70,20 @@ module hierarchy_unit #(
   logic [6:0][31:0] root;
   events_t events;
   logic [4:0] deepest, deepest_q;
-  logic [34:0] fault_q;
+  logic [35:0] fault_q;
+  registers_pkg::node_flip_t flip;
+  logic [19:0][31:0] flips;  // of the words of a node, and of a beat of slots
+  always_comb begin
+    flips = '0;
+    for (int w = 0; w < 20; w++) if (int'(flip.word) == w) flips[w] = flip.bits;
+  end
+  logic unused_flip;
+  assign unused_flip = &{1'b0, flip.reserved};
   hierarchy_registers #(.NODES(NODES)) registers (
       .clk_bus_i, .clk_i(clk), .rst_i, .access_i, .rdata_o, .wdata_i, .provided_good_o, .good_o, .busy_i(busy_o),
       .clear_i(valid_i && ready_o), .taken_i(taken), .provided_o(provided), .ray_count_o(ray_count),
       .nodes_o(nodes), .root_o(root), .events_i(running ? events : '0), .deepest_i(deepest_q), .fault_i(fault_q),
+      .flip_o(flip),
       .new_root_i(refit_write && refit_write_at == '0), .node_i(refitted));
 
   // ---- Memories ----
@@ -88,10 +98,14 @@ module hierarchy_unit #(
   end
   assign node_access = access_i.write && access_i.space == registers_pkg::SPACE_NODES;
   clock_gate gate_nodes (.clk_i(clk_core_i), .enable_i(node_access | refitting | rst_i), .clk_o(clk_nodes));
-  node_memory #(.NODES(NODES), .READERS(UNITS)) node_chips (
+  logic [UNITS-1:0][4:0] node_corrected;
+  logic [UNITS-1:0] node_failed, node_read, node_read_q;
+  logic [UNITS-1:0][NW-1:0] node_row_q;
+  node_memory #(.NODES(NODES), .READERS(UNITS), .ECC(CONFIG.ecc)) node_chips (
       .clk_write_i(clk_nodes), .write_i(node_access), .addr_i(access_i.addr), .data_i(access_i.data),
+      .flip_i(flips[17:0]),
       .refit_i(refit_write), .refit_at_i(refit_write_at[NW-1:0]), .refit_node_i(refitted), .clk_i(clk),
-      .at_i(node_row), .node_o(node));
+      .at_i(node_row), .node_o(node), .corrected_o(node_corrected), .failed_o(node_failed));
 
   // ---- Rays ----
   logic ray_valid, ray_bad, ray_pop, ray_ready, bad_ready;
@@ -114,7 +128,7 @@ module hierarchy_unit #(
   logic [31:0] hit_number, number, t, best_index;
   logic [2:0][31:0] cp;
   logic tested, record_valid, record_ready, f;
-  logic [2:0] way_fault;
+  logic [3:0] way_fault;
   logic [PLACE-1:0] way_place;
   logic [2:0] goal;
   assign goal = (mode_q == registers_pkg::MODE_OCCLUDED) ? GOAL_OCCLUDED : (mode_q == registers_pkg::MODE_HITS) ?
@@ -123,7 +137,8 @@ module hierarchy_unit #(
       .CONTEXTS(CONTEXTS), .UNITS(UNITS), .LAT_ADD(CONFIG.lat_add), .LAT_MUL(CONFIG.lat_mul),
       .LAT_DIV(CONFIG.lat_div), .LAT_CMP(CONFIG.lat_cmp), .ARITH(config_pkg::arith(CONFIG.host))
   ) way (
-      .clk_i(clk), .rst_i(rst), .nodes_i(nodes), .node_at_o(node_at), .node_i(node), .root_i(root), .goal_i(goal),
+      .clk_i(clk), .rst_i(rst), .nodes_i(nodes), .node_read_o(node_read), .node_at_o(node_at), .node_i(node),
+      .root_i(root), .goal_i(goal),
       .ray_valid_i(ray_valid && !ray_bad), .ray_ready_o(ray_ready), .ray_i(ray), .number_i(ray_number),
       .fetch_valid_o(fetch_valid), .fetch_ready_i(fetch_ready), .fetch_slot_o(fetch_slot), .fetch_tag_o(fetch_tag),
       .fetched_valid_i(fetched_valid && !refitting), .fetched_tag_i(fetched_tag), .fetched_i(fetched), .index_i(index),
@@ -134,7 +149,8 @@ module hierarchy_unit #(
 
   // ---- Secondaries ----
   logic leaf_fault, owed;
-  logic [2:0] leaf_fault_kind;
+  logic [3:0] leaf_fault_kind;
+  logic slot_corrected;
   logic [31:0] leaf_place;
   logic leaf_valid, refit_fetch;
   logic [PLACE-1:0] leaf_slot, refit_slot;
@@ -145,12 +161,14 @@ module hierarchy_unit #(
   assign leaf_slot = refitting ? refit_slot : fetch_slot;
   assign leaf_tag = refitting ? TAG'(refit_tag) : fetch_tag;
   assign ddr_words_o = 4'(BEAT);
-  leaf_reader #(.SLOTS(SLOTS_A_NODE * NODES), .TAG(TAG)) leaves (
+  leaf_reader #(.SLOTS(SLOTS_A_NODE * NODES), .TAG(TAG), .ECC(CONFIG.ecc)) leaves (
       .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_SLOTS), .addr_i(access_i.addr),
-      .data_i(access_i.data), .clk_i(clk), .rst_i, .clear_i(rst && !refitting), .slots_i(slots_q),
+      .data_i(access_i.data), .flip_i(flips[19:18]), .clk_i(clk), .rst_i, .clear_i(rst && !refitting),
+      .slots_i(slots_q),
       .valid_i(leaf_valid), .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag),
       .ddr_o, .ddr_ready_i, .ddr_valid_i, .ddr_data_i, .owed_o(owed), .valid_o(fetched_valid), .tag_o(fetched_tag),
       .words_o(fetched), .index_o(index), .fault_o(leaf_fault), .fault_kind_o(leaf_fault_kind),
+      .corrected_o(slot_corrected),
       .fault_place_o(leaf_place));
 
   // ---- Boxes anew ----
@@ -161,14 +179,15 @@ module hierarchy_unit #(
   assign refit_comes = state_q == IDLE && valid_i && pass_i.mode == registers_pkg::MODE_REFIT;
   clock_gate gate_refit (.clk_i(clk_core_i), .enable_i(refit_comes | refitting | rst_i), .clk_o(clk_refit));
   refit #(.CONTEXTS(REFIT_CONTEXTS)) boxes (
-      .clk_i(clk_refit), .rst_i(refit_rst), .start_i(refit_start_q), .node_count_i(nodes[PLACE-1:0]), .busy_o(refit_busy),
+      .clk_i(clk_refit), .rst_i(refit_rst), .start_i(refit_start_q), .node_count_i(nodes[PLACE-1:0]),
+      .busy_o(refit_busy),
       .done_o(refit_done), .bad_o(refit_bad), .bad_slot_o(refit_bad_slot), .read_o(refit_read),
       .read_at_o(refit_read_at), .node_i(node[0]), .write_o(refit_writes), .write_at_o(refit_write_at),
       .node_o(refitted), .fetch_valid_o(refit_fetch), .fetch_ready_i(leaf_ready && refitting),
       .fetch_slot_o(refit_slot), .fetch_tag_o(refit_tag), .fetched_valid_i(fetched_valid && refitting),
       .fetched_tag_i(fetched_tag[REFIT_TAG-1:0]), .fetched_i(fetched));
   logic unused;
-  assign unused = &{1'b0, refit_busy, refit_read, refit_read_at};
+  assign unused = &{1'b0, refit_busy, refit_read_at};
 
   // ---- Records ----
   hierarchy_records #(.CONFIG(CONFIG)) records (
@@ -186,7 +205,24 @@ module hierarchy_unit #(
   logic [PATIENCE:0] idle_clocks_q;
   logic endless, finished_all;
   assign endless = refitting ? idle_clocks_q[PATIENCE] : idle_reads_q > {nodes, CX'(0)};
-  assign wrong = (way_fault != 0 && !refitting) || leaf_fault || endless;
+  // Wrong bits of nodes that are read.
+  logic bits_failed;
+  logic [NW-1:0] failed_row;
+  always_comb begin
+    corrected_o = 8'(slot_corrected);
+    bits_failed = 1'b0;
+    failed_row = '0;
+    for (int u = 0; u < UNITS; u++)
+      if (node_read_q[u]) begin
+        corrected_o = corrected_o + 8'(node_corrected[u]);
+        if (node_failed[u]) {bits_failed, failed_row} = {1'b1, node_row_q[u]};
+      end
+  end
+  always_ff @(posedge clk) begin
+    node_read_q <= !running ? '0 : refitting ? UNITS'(refit_read) : node_read;
+    node_row_q <= node_row;
+  end
+  assign wrong = bits_failed || (way_fault != 0 && !refitting) || leaf_fault || endless;
   assign finished_all = refitting ? refit_done : running && finished_q == ray_count && records_empty;
   assign done_o = finished_all ||
       (state_q == FLUSH && !owed && fault_q != 0);
@@ -208,7 +244,8 @@ module hierarchy_unit #(
       RUN:
         if (wrong) begin
           state_q <= FLUSH;
-          fault_q <= (way_fault != 0) ? {way_fault, 32'(way_place)} :
+          fault_q <= bits_failed ? {registers_pkg::NODE_FAULT_NODE_BITS, 32'(failed_row)} :
+              (way_fault != 0 && !refitting) ? {way_fault, 32'(way_place)} :
               leaf_fault ? {leaf_fault_kind, leaf_place} : {registers_pkg::NODE_FAULT_ENDLESS, 32'(node_row[0])};
         end else if (finished_all) begin
           state_q <= IDLE;

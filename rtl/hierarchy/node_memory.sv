@@ -4,22 +4,27 @@
 // Node n on the bus: its words 0 to 15 at byte 64 n, words 16 and 17 at 64 NODES + 8 n, so that no address is divided.
 // Latency: 1 clock; what is read in the clock of a write is as it was. Throughput: a beat or a node written, and a node
 // a reader, a clock. Stall: none.
+`include "secded.svh"
 module node_memory #(
     parameter int NODES = 4096,  // power of two
     parameter int READERS = 2,
+    parameter int ECC = 0,       // 1: words have check bits
     localparam int NW = $clog2(NODES)
 ) (
     input logic clk_write_i,  // runs for writes, and while nodes are refitted
     input logic write_i,
     input logic [31:0] addr_i,
     input logic [63:0] data_i,
+    input logic [17:0][31:0] flip_i,  // bits that are written wrong, of each word
     input logic refit_i,  // a whole node; not at the time of the other
     input logic [NW-1:0] refit_at_i,
     input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] refit_node_i,
 
     input logic clk_i,
     input logic [READERS-1:0][NW-1:0] at_i,
-    output logic [READERS-1:0][hierarchy_pkg::NODE_WORDS-1:0][31:0] node_o
+    output logic [READERS-1:0][hierarchy_pkg::NODE_WORDS-1:0][31:0] node_o,
+    output logic [READERS-1:0][4:0] corrected_o,  // words, of what node_o shows
+    output logic [READERS-1:0] failed_o
 );
   localparam int WORDS = hierarchy_pkg::NODE_WORDS;
   if ((NODES & (NODES - 1)) != 0 || NODES > hierarchy_pkg::MOST_NODES) begin : g_nodes
@@ -29,18 +34,53 @@ module node_memory #(
   logic last;
   assign last = addr_i[6+NW];
   logic unused;
-  assign unused = &{1'b0, addr_i};
+  assign unused = &{1'b0, addr_i, flip_i};
+  logic [3:0] beat;
+  logic [NW-1:0] row;
+  logic [1:0][31:0] written;
+  assign beat = last ? 4'd8 : {1'b0, addr_i[5:3]};
+  assign row = last ? addr_i[3+:NW] : addr_i[6+:NW];
+  if (ECC != 0) begin : g_flipped
+    assign written = data_i ^ flip_i[{beat, 1'b0}+:2];
+  end else begin : g_whole
+    assign written = data_i;
+  end
   always_ff @(posedge clk_write_i)
     if (refit_i) nodes[refit_at_i] <= refit_node_i;
-    else if (write_i) begin
-      if (last) nodes[addr_i[3+:NW]][WORDS-1:WORDS-2] <= data_i;
-      else nodes[addr_i[6+:NW]][{addr_i[5:3], 1'b0}+:2] <= data_i;
-    end
+    else if (write_i) nodes[row][{beat, 1'b0}+:2] <= written;
   for (genvar r = 0; r < READERS; r++) begin : reader
-    always_ff @(posedge clk_i) node_o[r] <= nodes[at_i[r]];
+    logic [WORDS-1:0][31:0] node_q;
+    always_ff @(posedge clk_i) node_q <= nodes[at_i[r]];
 `ifdef VERILATOR
     // The simulator has the node on its way before the clock that reads it.
     always_comb $c("host_fp::expect(", nodes, "[", at_i[r], "]);");
 `endif
+    if (ECC == 0) begin : g_plain
+      assign node_o[r] = node_q;
+      assign {corrected_o[r], failed_o[r]} = '0;
+    end
+  end
+
+  // ---- Check bits ----
+  if (ECC != 0) begin : g_ecc
+    localparam int R = `SECDED_BITS(32);
+    logic [WORDS-1:0][R-1:0] checks[NODES];
+    logic [1:0][R-1:0] written_check;
+    logic [WORDS-1:0][R-1:0] refit_check;
+    for (genvar w = 0; w < 2; w++) begin : of_beat
+      secded_encode #(.W(32)) encode (.data_i(data_i[32*w+:32]), .check_o(written_check[w]));
+    end
+    for (genvar w = 0; w < WORDS; w++) begin : of_node
+      secded_encode #(.W(32)) encode (.data_i(refit_node_i[w]), .check_o(refit_check[w]));
+    end
+    always_ff @(posedge clk_write_i)
+      if (refit_i) checks[refit_at_i] <= refit_check;
+      else if (write_i) checks[row][{beat, 1'b0}+:2] <= written_check;
+    for (genvar r = 0; r < READERS; r++) begin : checked
+      logic [WORDS-1:0][R-1:0] check_q;
+      always_ff @(posedge clk_i) check_q <= checks[at_i[r]];
+      words_ecc #(.WORDS(WORDS)) correct (.data_i(reader[r].node_q), .check_i(check_q), .data_o(node_o[r]),
+          .corrected_o(corrected_o[r]), .failed_o(failed_o[r]));
+    end
   end
 endmodule

@@ -32,6 +32,7 @@ module traversal #(
     input logic rst_i,
     // Node memory, a port a unit, whose answer is there the clock after.
     input logic [31:0] nodes_i,  // that it has
+    output logic [UNITS-1:0] node_read_o,
     output logic [UNITS-1:0][hierarchy_pkg::PLACE-1:0] node_at_o,
     input logic [UNITS-1:0][hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i,
     // What holds for all rays.
@@ -70,7 +71,7 @@ module traversal #(
     output logic [31:0] index_o,
     output hierarchy_pkg::events_t events_o,
     output logic [4:0] deepest_o,  // stack since reset: groups
-    output logic [2:0] fault_o,    // registers_pkg::NODE_FAULT_*; who sees one ends the pass
+    output logic [3:0] fault_o,    // registers_pkg::NODE_FAULT_*; who sees one ends the pass
     output logic [hierarchy_pkg::PLACE-1:0] fault_place_o
 );
   import hierarchy_pkg::*;
@@ -139,7 +140,7 @@ module traversal #(
   visit_t [UNITS-1:0] leaf;
   logic [UNITS-1:0][CX-1:0] dones;
   logic [UNITS-1:0][4:0] levels;
-  logic [UNITS-1:0][2:0] faults;
+  logic [UNITS-1:0][3:0] faults;
   logic [UNITS-1:0][PLACE-1:0] fault_places;
   at_t keep_at, tested;
   logic [1:0] interval_write;
@@ -152,7 +153,8 @@ module traversal #(
         .CONTEXTS(CONTEXTS / UNITS), .CX(CX), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
         .ARITH(ARITH)
     ) bank (
-        .clk_i, .rst_i, .nodes_i, .node_at_o(node_at_o[u]), .node_i(node_i[u]), .farthest_i(farthest_q),
+        .clk_i, .rst_i, .nodes_i, .node_read_o(node_read_o[u]), .node_at_o(node_at_o[u]), .node_i(node_i[u]),
+        .farthest_i(farthest_q),
         .interval_write_i(`CDE_OWN(interval_context) ? interval_write : '0),
         .interval_context_i(interval_context[CX-1:BANK]),
         .interval_i(interval), .front_valid_i(front_valid && `CDE_OWN(front_context)),

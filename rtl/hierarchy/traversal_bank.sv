@@ -18,6 +18,7 @@ module traversal_bank #(
     input logic rst_i,
     // Node memory, whose answer is there the clock after.
     input logic [31:0] nodes_i,  // that it has
+    output logic node_read_o,
     output logic [hierarchy_pkg::PLACE-1:0] node_at_o,
     input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i,
     input logic farthest_i,
@@ -41,7 +42,7 @@ module traversal_bank #(
     output logic [CX-1:0] done_o,
     output logic visits_o,  // a node is read
     output logic [4:0] level_o,  // of a group that is put on a stack, from 1; else 0
-    output logic [2:0] fault_o,  // registers_pkg::NODE_FAULT_*; 0: none
+    output logic [3:0] fault_o,  // registers_pkg::NODE_FAULT_*; 0: none
     output logic [hierarchy_pkg::PLACE-1:0] fault_place_o
 );
   import hierarchy_pkg::*;
@@ -89,6 +90,7 @@ module traversal_bank #(
   logic [1:0][31:0] interval_q;
   group_t group;
   assign visit_valid = nearer_some || others_some || started_some;
+  assign node_read_o = visit_valid;
   assign nearer_read = nearer_some;
   assign others_read = others_some && !nearer_some;
   assign started_read = started_some && !nearer_some && !others_some;

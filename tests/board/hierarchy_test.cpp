@@ -373,6 +373,56 @@ TEST(HierarchyDriver, ClocksOfTheTerrain) {
   EXPECT_LT(static_cast<double>(many.cycles), 1.25 * std::max(nodes, leaves) + 1000);
 }
 
+// ---- Check bits ----
+
+/// Every bit of a node's words and of what is in slots: one that is wrong is corrected and counted,
+/// of two the first that is read ends the pass with its address.
+TEST(HierarchyDriver, CheckBitsOfNodesAndSlots) {
+  Board board = Board::open(slow_config());
+  const Scene scene = kScenes[6].make();
+  const Hierarchy tree = Hierarchy::build(scene);
+  const std::vector<Ray> rays = hard_rays(scene, 100);
+  const std::vector<Record> should = expected(scene, tree, rays, Mode::kHits);
+  const Query query{.mode = Mode::kHits, .pair = Pair::kRayTriangle};
+  board.upload(scene);
+  Draw draw(4);
+  const auto upload_with = [&](unsigned word, std::uint32_t bits) {
+    board.write_register(card::kRegNodeFlip, std::uint64_t{word} << 32 | bits);
+    board.upload(tree);
+    board.write_register(card::kRegNodeFlip, 0);
+  };
+  for (unsigned word = 0; word < 20; ++word) {
+    SCOPED_TRACE(word);
+    const std::uint32_t bit = 1u << draw.below(32);
+    upload_with(word, bit);
+    Counters c;
+    std::vector<Record> records;
+    c = board.cast(rays, query, [&](std::span<const Record> some) {
+      records.insert(records.end(), some.begin(), some.end());
+    });
+    expect_same(records, should);
+    if (word < 18) {
+      EXPECT_EQ(c.corrected_words, c.nodes);
+    } else {
+      EXPECT_GT(c.corrected_words, c.pairs / 4);
+      EXPECT_LT(c.corrected_words, c.pairs);
+    }
+    upload_with(word, bit | std::rotl(bit, 7));
+    expect_error(
+        ErrorCode::kDevice,
+        word < 18 ? "node 0 has more wrong bits" : "has more wrong bits than can be corrected",
+        [&] { (void)board.cast(rays, query); });
+    expect_error(ErrorCode::kDevice, "has more wrong bits than can be corrected",
+                 [&] { (void)board.refit(); });
+  }
+  board.upload(tree);
+  (void)board.refit();  // makes check bits of its own
+  Counters c;
+  board.load(rays);
+  expect_same(board.run(query, &c), should);
+  EXPECT_EQ(c.corrected_words, 0u);
+}
+
 // ---- What is no tree ----
 
 class Malformed : public ::testing::Test {

@@ -63,7 +63,8 @@ TEST_F(Registers, ReadOnlyAndUnmapped) {
         kRegRecords,   kRegFaultAddr, kRegCycles,      kRegRows,    kRegStalls,    kRegBubbles,
         kRegBadPrim,   kRegBadSec,    kRegSecondaries, kRegWritten, kRegWriteback, kRegCaps3,
         kRegOpen,      kRegNodes,     kRegLeaves,      kRegTested,  kRegRoot,      kRegNodeCaps,
-        kRegNodeCount, kRegRayCount,  kRegRays,        kRegDeepest, kRegNodeFault, kRegNewRoot}) {
+        kRegNodeCount, kRegRayCount,  kRegRays,        kRegDeepest, kRegNodeFault, kRegNewRoot,
+        kRegNodeFlip}) {
     const std::uint64_t before = board_.read_register(r);
     expect_write_refused(kSpaceReg, r);
     if (r != kRegFaultAddr) {

@@ -33,6 +33,10 @@ std::string node_fault(Board::Impl& card, std::uint64_t fault) {
       case card::kNodeFaultDepth:
         return fmt::format("the levels above node {} are more than {}", place,
                            Hierarchy::kMostDepth);
+      case card::kNodeFaultNodeBits:
+        return fmt::format("node {} has more wrong bits than can be corrected", place);
+      case card::kNodeFaultSlotBits:
+        return fmt::format("slot {} has more wrong bits than can be corrected", place);
       default:
         return fmt::format("there is no end to it, at last in node {}", place);
     }

@@ -67,7 +67,8 @@ enum Register : std::uint32_t {
   kRegDeepest = 0x160,      ///< groups on a stack at a time, at most
   kRegNodeFault = 0x168,    ///< kNodeFault* fields
   kRegNewRoot = 0x180,      ///< 9 registers: the words of the root, as a refit made it
-  kRegEnd = 0x1c8,
+  kRegNodeFlip = 0x1c8,     ///< kNodeFlip* fields: with check bits, wrong ones, to test them
+  kRegEnd = 0x1d0,
 };
 
 /// Registers of the counters of a pass, unit by unit in the order in which a unit brings them.
@@ -112,6 +113,8 @@ enum NodeFault : unsigned {
   kNodeFaultDepth = 4,      ///< more levels than the stack has: the first node of the level below
   kNodeFaultEndless = 5,    ///< rays that come to no end, or a refit: the node read last
   kNodeFaultSecondary = 6,  ///< of a refit, a secondary beyond 2^40 or no number: its slot
+  kNodeFaultNodeBits = 7,   ///< with check bits, more wrong ones of a word than can be corrected
+  kNodeFaultSlotBits = 8,   ///< the same of what is in a slot
 };
 
 /// Result modes, kRegCommand[2:0].
@@ -136,7 +139,8 @@ inline constexpr Field kCaps3Pairs{0, 16}, kCaps3Swap{16}, kCaps3Normals{17}, kC
     kCaps3PrimWords{24, 8}, kCaps3Objects{32, 16}, kCaps3PrimObjects{48, 16};
 inline constexpr Field kNodeCapsNodes{0, 32}, kNodeCapsRays{32, 16}, kNodeCapsSlotsANode{48, 8};
 inline constexpr Field kRaysProvided{0, 32}, kRaysTaken{32, 32};
-inline constexpr Field kNodeFaultPlace{0, 32}, kNodeFaultKind{32, 3};
+inline constexpr Field kNodeFaultPlace{0, 32}, kNodeFaultKind{32, 4};
+inline constexpr Field kNodeFlipBits{0, 32}, kNodeFlipWord{32, 5};
 inline constexpr Field kFaultAddr{0, 32}, kFaultSpace{32, kSpaceBits};
 inline constexpr Field kBudgetM{0, 8}, kBudgetK1{8, 8}, kBudgetK2{16, 8};
 inline constexpr std::uint32_t kBudgetReset = 0x080808;
