@@ -73,6 +73,24 @@ TEST_F(Bench, QuickPairs) {
   EXPECT_GE(fcl["hits_agreeing"], j["cases"].get<int>() - 2) << "fp32 against binary64";
 }
 
+TEST_F(Bench, QuickHierarchy) {
+  const Ran ran = cde({"bench", "hierarchy", "--quick", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto j = nlohmann::json::parse(ran.out)["hierarchy"];
+  ASSERT_EQ(j.size(), 1u);
+  EXPECT_EQ(j[0]["triangles"], 12'800);
+  ASSERT_EQ(j[0]["card"].size(), 2u);
+  for (const auto& card : j[0]["card"]) {
+    // Ahead of a sweep of 16 lanes by far: 16 rows of 12,800 triangles.
+    EXPECT_LT(card["packet_cycles"], 16 * 12'800 / 20);
+    EXPECT_GT(card["rays_per_second_device"], 1e7);
+    EXPECT_GT(card["rays_per_second_with_bus"], 5e6);
+    EXPECT_LT(card["rays_per_second_with_bus"], card["rays_per_second_device"]);
+    EXPECT_LT(card["refit_cycles"], 4 * 12'800);
+    EXPECT_GT(card["rays_per_second_simulated"], 1e3);
+  }
+}
+
 TEST_F(Bench, QuickBus) {
   const Ran ran = cde({"bench", "bus", "--quick", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bench/bench.hpp"
+#include "bench/flight_rays.hpp"
 #include "bench/reproduce.hpp"
 #include "bench/rivals.hpp"
 #include "cde/contract/records.hpp"
@@ -156,19 +157,6 @@ void compare_hits(const std::vector<Record>& card, const std::vector<float>& t, 
   }
   if (wrong > card.size() / 50)
     differs(fmt::format("hits of {} and of the card", name), wrong, card.size());
-}
-
-/// Rays from the middle of a flight over the terrain in random directions below the horizon;
-/// another `first`, other rays.
-std::vector<Ray> flight_rays(const Mesh& mesh, std::size_t count, std::size_t first = 0) {
-  const Eigen::AlignedBox3f box = bounds(mesh);
-  std::vector<Ray> rays(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::Vector3d d = random_direction(2007, 5, first + i);
-    rays[i].o = box.min() + box.sizes().cwiseProduct(Eigen::Vector3f(0.5f, 0.45f, 1.2f));
-    rays[i].d = Eigen::Vector3d(d.x(), d.y(), -std::abs(d.z())).cast<float>();
-  }
-  return rays;
 }
 
 void add_paper5(Experiment& e) {

@@ -37,7 +37,10 @@ Json counters_json(const Counters& c) {
           {"secondaries", c.secondaries},
           {"bad_primaries", c.bad_primaries},
           {"bad_secondaries", c.bad_secondaries},
-          {"corrected_words", c.corrected_words}};
+          {"corrected_words", c.corrected_words},
+          {"nodes", c.nodes},
+          {"leaves", c.leaves},
+          {"deepest", c.deepest}};
 }
 
 Json time_json(const ModelledTime& t, std::uint64_t before) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cde/card/board.hpp"
+#include "cde/hierarchy/hierarchy.hpp"
 #include "cde/image/camera.hpp"
 #include "cde/mesh/mesh.hpp"
 #include "cde/scene/plan.hpp"
@@ -36,7 +37,10 @@ struct CastOptions {
   double timeout = 3600;
   std::uint64_t deadline = 0;
   bool box = true, json = false, check = true, bits = false, quiet = false, shadows = false;
-  bool exact = false;  ///< no built card stands in
+  bool exact = false;             ///< no built card stands in
+  int bvh = 0;                    ///< through a hierarchy: 1 yes, -1 no, 0 where it is worth it
+  std::string checks = "true";    ///< as it was asked for: true, false, rays:N
+  std::uint64_t swept_rays = 64;  ///< that are held against all triangles where a hierarchy is
 
   /// Nothing but the mesh is said: a picture is what the help promises.
   bool shows_itself = false;
@@ -59,14 +63,16 @@ struct CastJob {
   RayView rays = {};
   std::optional<Resolution> picture = {};
   Mode mode = Mode::kNearest;
-  BoardConfig config = {};
-  std::optional<BuiltCard> stands_in_for = {};  ///< the card that `config` is used instead of
+  BoardConfig config = {};  ///< with node units if rays go through a hierarchy
+  std::shared_ptr<const Hierarchy> hierarchy = {};  ///< of the mesh, as far as it has been built
+  std::optional<BuiltCard> stands_in_for = {};      ///< the card that `config` is used instead of
 };
 
 struct CastOutcome {
   Counters counters;
   std::uint64_t hits = 0, compared = 0, matching = 0, upload_clocks = 0;
-  std::string difference;                      ///< of the first record that does not match
+  std::uint64_t swept_rays = 0;  ///< whose records in the hierarchy were held against all triangles
+  std::string difference;        ///< of the first record that does not match
   std::optional<Difference> first_difference;  ///< the same as data
   double modelled_seconds = 0;                 ///< of the passes, on the card that takes longest
   double simulation_seconds = 0;

@@ -11,6 +11,7 @@
 #include "cde/contract/records.hpp"
 #include "cde/reference/pass.hpp"
 #include "cde/reference/reference.hpp"
+#include "cde/reference/traversal.hpp"
 #include "cde/support/error.hpp"
 #include "output/busy.hpp"
 #include "output/machine.hpp"
@@ -38,6 +39,13 @@ class Judge {
     command_ = fmt::format("cde cast {} --mode {} --lanes {} --arith {}{}{}", shell_word(o.mesh),
                            name_of(mode), job.config.lanes, o.arithmetic, o.box ? "" : " --no-box",
                            job.config.format == FpFormat{} ? "" : " --format " + o.format);
+    swept_rays_ = std::min<std::uint64_t>(o.swept_rays, rays.size());
+    if (job.hierarchy) {
+      command_ += " --bvh";
+      walk_.emplace(job.mesh, *job.hierarchy);
+      return;
+    }
+    if (o.bvh < 0) command_ += " --no-bvh";
     if (job.config.algorithm == Algorithm::kMoller) {
       moller_.emplace(rays, job.mesh, mode, Stencil(), packet_, command_, std::span<const Object>(),
                       o.box, job.config.format);
@@ -66,8 +74,10 @@ class Judge {
   void end() {
     if (moller_) return moller_->compare_end();
     if (const Record* expected = next()) differ(nullptr, expected);
+    if (walk_) sweep_some();
   }
   void report(CastOutcome& to) const {
+    to.swept_rays = swept_;
     to.compared = moller_ ? moller_->compared() : compared_;
     to.matching = moller_ ? moller_->matching() : matching_;
     to.difference = moller_ ? moller_->difference() : difference_;
@@ -82,6 +92,11 @@ class Judge {
       if (!pending_.empty()) break;
       if (first_ >= rays_.size()) return nullptr;
       const std::size_t count = std::min<std::size_t>(packet_, rays_.size() - first_);
+      if (walk_) {
+        walk_packet(first_, count);
+        first_ += count;
+        continue;
+      }
       std::vector<std::uint32_t> numbers(count);
       for (std::size_t i = 0; i < count; ++i) numbers[i] = static_cast<std::uint32_t>(first_ + i);
       pass_.emplace(reference::PassQuery{.algorithm = job_.config.algorithm,
@@ -94,6 +109,51 @@ class Judge {
     const Record* r = &pending_.front();
     pending_ = pending_.subspan(1);
     return r;
+  }
+
+  [[nodiscard]] std::vector<Record> walked(std::size_t ray) {
+    const auto number = static_cast<std::uint32_t>(ray);
+    const bool f_alone = mode_ == Mode::kOccluded;
+    std::vector<Record> some = walk_->trace(rays_[ray], number, f_alone ? Mode::kAny : mode_);
+    if (f_alone)
+      for (Record& r : some) {
+        Record plain;
+        plain.f = r.f, plain.bad = r.bad, plain.primary = r.primary;
+        if (r.bad) plain.t = r.t, plain.cp = r.cp;
+        r = plain;
+      }
+    return some;
+  }
+
+  /// The reference's way through the hierarchy, in the order of the card.
+  void walk_packet(std::size_t first, std::size_t count) {
+    walked_.clear();
+    for (std::size_t i = first; i < first + count; ++i)
+      for (const Record& r : walked(i)) walked_.push_back(r);
+    if (mode_ == Mode::kHits)
+      std::sort(walked_.begin(), walked_.end(), [](const Record& a, const Record& b) {
+        return a.index != b.index ? a.index < b.index : a.primary < b.primary;
+      });
+    pending_ = walked_;
+  }
+
+  /// Some rays, evenly spread: what the hierarchy answers against all triangles.
+  void sweep_some() {
+    const bool f_alone = mode_ == Mode::kOccluded;
+    for (std::uint64_t k = 0; k < swept_rays_ && difference_.empty(); ++k, ++swept_) {
+      const std::size_t i = static_cast<std::size_t>(k * rays_.size() / swept_rays_);
+      const Ray ray = rays_[i];
+      std::vector<Record> all = reference::cast(std::span(&ray, 1), job_.mesh,
+                                                f_alone ? Mode::kAny : mode_, {}, {}, true);
+      const std::vector<Record> some = walked(i);
+      for (Record& r : all) r.primary = static_cast<std::uint32_t>(i);
+      const auto same = [&](const Record& a, const Record& b) {
+        return f_alone ? a.f == b.f : same_bits(a, b);
+      };
+      for (std::size_t r = 0; r < std::max(all.size(), some.size()); ++r)
+        if (r >= all.size() || r >= some.size() || !same(some[r], all[r]))
+          return differ(r < some.size() ? &some[r] : nullptr, r < all.size() ? &all[r] : nullptr);
+    }
   }
 
   static std::string text(const Record* r) {
@@ -133,7 +193,9 @@ class Judge {
         "  differ in {}\n  where     {}\nrepeat with: {}",
         any.primary, text(card), text(expected),
         card != nullptr && expected != nullptr ? differing_fields(*card, *expected) : "all",
-        place_on_card(board_, any.primary % packet_), again);
+        walk_ ? fmt::format("clock {} (record read)", board_.clocks())
+              : place_on_card(board_, any.primary % packet_),
+        again);
   }
 
   const CastJob& job_;
@@ -144,6 +206,9 @@ class Judge {
   std::string command_, difference_;
   std::optional<Difference> first_difference_;
   std::optional<reference::Checker> moller_;
+  std::optional<reference::Traversal> walk_;
+  std::vector<Record> walked_;
+  std::uint64_t swept_rays_ = 0, swept_ = 0;
   Shapes triangles_;
   std::optional<reference::Pass> pass_;
   std::span<const Record> pending_;
@@ -151,12 +216,20 @@ class Judge {
   std::uint64_t compared_ = 0, matching_ = 0;
 };
 
+/// load_mesh has checked it.
+void upload(Board& board, const CastJob& job) {
+  if (job.hierarchy)
+    board.upload(job.mesh, *job.hierarchy, false);
+  else
+    board.upload(job.mesh, false);
+}
+
 /// A card with waves, which has the mesh.
 Board traced_board(const CastJob& job) {
   BoardConfig config = job.config;
   config.trace = true;
   Board board = Board::open(config);
-  board.upload(job.mesh, false);
+  upload(board, job);
   return board;
 }
 
@@ -189,7 +262,7 @@ Board card_of(const CastOptions& o, const CastJob& job) {
   Board board = Board::open(
       job.config,
       {.clock_period_ps = static_cast<std::uint32_t>(std::max(1.0, 1e6 / o.clock.mhz))});
-  board.upload(job.mesh, false);  // load_mesh has checked it
+  upload(board, job);
   return board;
 }
 
@@ -344,6 +417,7 @@ CastOutcome cast_on_cards(const CastOptions& o, const CastJob& job,
     all.hits += one.hits;
     all.compared += one.compared;
     all.matching += one.matching;
+    all.swept_rays += one.swept_rays;
     if (all.difference.empty() && !one.difference.empty()) {
       all.difference = one.difference;
       all.first_difference = one.first_difference;

@@ -26,7 +26,8 @@ struct Section {
 };
 constexpr Section kSections[] = {{"rays", bench_rays},       {"fp", bench_fp},
                                  {"pairs", bench_pairs},     {"bus", bench_bus},
-                                 {"effects", bench_effects}, {"waves", bench_waves}};
+                                 {"effects", bench_effects}, {"hierarchy", bench_hierarchy},
+                                 {"waves", bench_waves}};
 
 std::string field_of(const char* file, const std::string& field) {
   std::ifstream in(file);
@@ -95,8 +96,8 @@ void add_bench(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "bench", "Measure simulation speed and device clocks beside software on the same machine");
   named(verb->add_option("section", a->sections,
-                         "Sections to run (all): rays, fp, pairs, bus, effects, waves"),
-        {"rays", "fp", "pairs", "bus", "effects", "waves"}, "SECTION", "section");
+                         "Sections to run (all): rays, fp, pairs, bus, effects, hierarchy, waves"),
+        {"rays", "fp", "pairs", "bus", "effects", "hierarchy", "waves"}, "SECTION", "section");
   verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   verb->add_flag("--markdown", a->options.markdown,
                  "Of effects alone: the table as docs/scenes.md has it");

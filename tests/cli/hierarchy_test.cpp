@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde cast through a hierarchy: the same records, said what it is, and refused where it cannot be.
+#include <nlohmann/json.hpp>
+
+#include "run_cde.hpp"
+
+namespace cde::testing {
+namespace {
+
+class CastHierarchy : public Cli {
+ protected:
+  std::string records(std::vector<std::string> words, const std::string& more) {
+    words.insert(words.end(), {more, "-o", "-", "-q", "--bits"});
+    const Ran ran = cde(words);
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    return ran.out;
+  }
+  void refused(std::vector<std::string> words, const std::string& text) {
+    words.insert(words.begin(), {"cast", "terrain:10,10,1", "--grid", "8x8"});
+    const Ran ran = cde(words);
+    EXPECT_EQ(ran.status, 2) << ran.err;
+    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err << "\nlacks: " << text;
+    EXPECT_EQ(ran.out, "");
+  }
+};
+
+TEST_F(CastHierarchy, SameBytesAsASweep) {
+  for (const std::string mode : {"nearest", "farthest", "any", "hits"}) {
+    SCOPED_TRACE(mode);
+    const std::vector<std::string> words = {
+        "cast",   "terrain:40,40,3", "--camera", "200,-300,250,200,200,50",
+        "--size", "40x32",           "--mode",   mode};
+    const std::string through = records(words, "--bvh");
+    EXPECT_EQ(through, records(words, "--no-bvh"));
+    EXPECT_GT(through.size(), 10'000u);
+  }
+}
+
+TEST_F(CastHierarchy, IsTakenWhereItIsWorthIt) {
+  Ran ran = cde({"cast", "terrain:40,40,3", "--grid", "16x16", "--json", "--check=rays:9"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  auto j = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(j["through"], "hierarchy");
+  EXPECT_EQ(j["swept_rays"], 9);
+  EXPECT_EQ(j["records_matching"], 256);
+  EXPECT_GT(j["nodes"], 256);
+  EXPECT_LT(j["tests"], 256 * 20);
+  EXPECT_NE(ran.err.find("; 9 of the rays met all triangles, too"), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("2 node units"), std::string::npos) << ran.err;
+  ran = cde({"cast", "terrain:20,20,3", "--grid", "16x16", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  j = nlohmann::json::parse(ran.out);
+  EXPECT_EQ(j["through"], "sweep");
+  EXPECT_EQ(j["nodes"], 0);
+  ran = cde(
+      {"cast", "terrain:40,40,3", "--grid", "16x16", "--json", "--no-check", "--mode", "occluded"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(nlohmann::json::parse(ran.out)["through"], "hierarchy");
+}
+
+TEST_F(CastHierarchy, SaysWhyNot) {
+  refused({"--bvh", "--mode", "all"}, "mode all has records of all triangles");
+  refused({"--bvh", "--no-box"}, "the box rule");
+  refused({"--bvh", "--algorithm", "badouel"}, "the box rule");
+  refused({"--bvh", "--format", "fp16"}, "percents of it in fp16");
+  refused({"--bvh", "--partition", "2"}, "are swept");
+  refused({"--no-bvh", "--mode", "occluded"}, "mode occluded is of a hierarchy");
+  for (const std::string checks : {"rays", "rays:", "rays:x", "rays:-1", "some"})
+    refused({"--check=" + checks}, "--check is '" + checks + "'");
+}
+
+/// A triangle that no box holds is swept with all others, and said; asked for, it is an error.
+TEST_F(CastHierarchy, WhatNoBoxHolds) {
+  std::string text = "v 0 0 1\nv 1e20 0 1\nv 0 1 1\n";
+  for (int i = 0; i < 3000; ++i) text += "f 1 2 3\n";
+  write("far.obj", text);
+  const std::vector<std::string> words = {"cast", "far.obj", "--ray", "0.1,0.1,0,0,0,1", "--json"};
+  Ran ran = cde(words);
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.err.find("all triangles are swept"), std::string::npos) << ran.err;
+  EXPECT_EQ(nlohmann::json::parse(ran.out)["through"], "sweep");
+  ran = cde({"cast", "far.obj", "--ray", "0.1,0.1,0,0,0,1", "--bvh"});
+  EXPECT_NE(ran.status, 0);
+  EXPECT_NE(ran.err.find("2^40"), std::string::npos) << ran.err;
+}
+
+}  // namespace
+}  // namespace cde::testing
