@@ -37,17 +37,21 @@ TEST_F(CastHierarchy, SameBytesAsASweep) {
 }
 
 TEST_F(CastHierarchy, IsTakenWhereItIsWorthIt) {
-  Ran ran = cde({"cast", "terrain:40,40,3", "--grid", "16x16", "--json", "--check=rays:9"});
+  Ran ran = cde({"cast", "terrain:40,40,3", "--grid", "32x32", "--json", "--check=rays:9"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   auto j = nlohmann::json::parse(ran.out);
   EXPECT_EQ(j["through"], "hierarchy");
   EXPECT_EQ(j["swept_rays"], 9);
-  EXPECT_EQ(j["records_matching"], 256);
-  EXPECT_GT(j["nodes"], 256);
-  EXPECT_LT(j["tests"], 256 * 20);
+  EXPECT_EQ(j["records_matching"], 1024);
+  EXPECT_GT(j["nodes"], 1024);
+  EXPECT_LT(j["tests"], 1024 * 20);
   EXPECT_NE(ran.err.find("; 9 of the rays met all triangles, too"), std::string::npos) << ran.err;
   EXPECT_NE(ran.err.find("2 node units"), std::string::npos) << ran.err;
-  ran = cde({"cast", "terrain:20,20,3", "--grid", "16x16", "--json"});
+  // Too few triangles, too few rays.
+  ran = cde({"cast", "terrain:40,40,3", "--grid", "8x8", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(nlohmann::json::parse(ran.out)["through"], "sweep");
+  ran = cde({"cast", "terrain:20,20,3", "--grid", "64x64", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   j = nlohmann::json::parse(ran.out);
   EXPECT_EQ(j["through"], "sweep");
@@ -74,7 +78,7 @@ TEST_F(CastHierarchy, WhatNoBoxHolds) {
   std::string text = "v 0 0 1\nv 1e20 0 1\nv 0 1 1\n";
   for (int i = 0; i < 3000; ++i) text += "f 1 2 3\n";
   write("far.obj", text);
-  const std::vector<std::string> words = {"cast", "far.obj", "--ray", "0.1,0.1,0,0,0,1", "--json"};
+  const std::vector<std::string> words = {"cast", "far.obj", "--grid", "32x32", "--json"};
   Ran ran = cde(words);
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_NE(ran.err.find("all triangles are swept"), std::string::npos) << ran.err;

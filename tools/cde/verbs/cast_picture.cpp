@@ -113,7 +113,9 @@ void aim(const CastOptions& o, CastJob& job) {
     if (up != 'z') job.rays = job.rays.turned([up](const Vector3f& v) { return from_z_up(v, up); });
     return;
   }
-  job.picture = o.size.empty() ? size_for(job.mesh.faces.size()) : parse_resolution(o.size);
+  // Through a hierarchy triangles cost next to nothing.
+  const std::size_t met = job.config.node_units != 0 ? 1 : job.mesh.faces.size();
+  job.picture = o.size.empty() ? size_for(met) : parse_resolution(o.size);
   Camera camera;
   if (o.camera.empty()) {
     std::vector<Vector3f> turned;

@@ -166,31 +166,41 @@ std::optional<std::string> no_way_through(const CastOptions& o, const CastJob& j
   return std::nullopt;
 }
 
-/// From so many triangles on the hierarchy wins on this machine, with 64 lanes against it: a ray
-/// takes 4 us to simulate, and a triangle 4.6 ns (docs/hierarchy.md).
+/// From so many triangles on a hierarchy wins, of many rays.
 constexpr std::uint64_t kWorthATree = 2048;
 
-/// A card with node units and memory for the tree, where rays go through one.
-void grow_hierarchy(const CastOptions& o, CastJob& job) {
+/// Whether building it, a microsecond a triangle, and simulating 4 a ray takes less than a sweep of
+/// 64 lanes, 4.6 ns a test (cde bench).
+bool pays(std::uint64_t triangles, std::uint64_t rays) {
+  const auto t = static_cast<double>(triangles), r = static_cast<double>(rays);
+  return t + 4 * r < 4.6e-3 * t * r;
+}
+
+/// Whether rays go through a hierarchy, as far as that can be said without one.
+bool takes_hierarchy(const CastOptions& o, CastJob& job) {
   const auto why_not = no_way_through(o, job);
   if (job.mode == Mode::kOccluded && (why_not || o.bvh < 0))
     usage("mode occluded is of a hierarchy: " + why_not.value_or("not with --no-bvh"));
   if (o.bvh > 0 && why_not) usage("--bvh: " + *why_not);
   const bool wanted =
       o.bvh > 0 || job.mode == Mode::kOccluded || (o.bvh == 0 && job.triangles >= kWorthATree);
-  if (!wanted || why_not) return;
+  return wanted && !why_not;
+}
+
+/// The tree, and a card with memory for it.
+void grow_hierarchy(const CastOptions& o, CastJob& job) {
   try {
     const Busy busy("building a hierarchy", o.quiet);
     job.hierarchy = std::make_shared<const Hierarchy>(Hierarchy::build(job.mesh));
   } catch (const Error& e) {
     if (o.bvh > 0) throw;
     say("cde: warning: {}; all triangles are swept\n", e.what());
+    job.config.node_units = 0;
     return;
   }
   const auto needed =
       std::max<std::uint64_t>({job.config.nodes, std::bit_ceil(job.hierarchy->nodes().size()),
                                std::bit_ceil((job.triangles + 7) / 8)});
-  job.config.node_units = 2;
   job.config.nodes = static_cast<unsigned>(needed);
   // What sweeps has nothing to do.
   if (o.lanes == "auto") job.config.lanes = 4;
@@ -212,8 +222,11 @@ CastJob prepare(const CastOptions& o) {
   job.triangles = job.mesh.faces.size();
   check_files(o, job.mesh.files);
   check_mesh(job.mesh, printable_name(o.mesh), job.config.format);
+  job.config.node_units = takes_hierarchy(o, job) ? 2 : 0;
   collect_rays(o, job);
   check_rays(job);
+  if (o.bvh == 0 && job.mode != Mode::kOccluded && !pays(job.triangles, job.rays.size()))
+    job.config.node_units = 0;
   job.config.lanes = lanes_of(o, job.rays.size());
   if (o.wants_picture() && !job.picture) usage("a picture needs --camera or --grid");
   if (o.partition > job.triangles)
@@ -225,7 +238,7 @@ CastJob prepare(const CastOptions& o) {
                             "--partition shares them out to several cards",
                             printable_name(o.mesh), job.triangles, job.config.ddr_slots));
   }
-  grow_hierarchy(o, job);
+  if (job.config.node_units != 0) grow_hierarchy(o, job);
   if (!job.hierarchy) use_built_card(o, job);
   return job;
 }
@@ -315,10 +328,12 @@ void print_summary(const CastOptions& o, const CastJob& job, const CastOutcome& 
     const auto a_ray = [&](std::uint64_t n) {
       return static_cast<double>(n) / static_cast<double>(job.rays.size());
     };
-    row("hierarchy", fmt::format("{} nodes, {} levels, {} node units; a ray reads {:.1f} and meets "
-                                 "{:.1f} triangles",
-                                 job.hierarchy->nodes().size(), job.hierarchy->depth(),
-                                 job.config.node_units, a_ray(c.nodes), a_ray(c.pairs)));
+    row("hierarchy",
+        fmt::format("{} node{}, {} level{}, {} node units; a ray reads {:.1f} and meets "
+                    "{:.1f} triangles",
+                    job.hierarchy->nodes().size(), job.hierarchy->nodes().size() == 1 ? "" : "s",
+                    job.hierarchy->depth(), job.hierarchy->depth() == 1 ? "" : "s",
+                    job.config.node_units, a_ray(c.nodes), a_ray(c.pairs)));
   }
   row("device cycles", fmt::format("{} and {} of write-back, {} stalls, {} bubbles", c.cycles,
                                    c.writeback, c.stalls, c.bubbles));
@@ -397,8 +412,8 @@ void add_sources(CLI::App& verb, CastOptions& o) {
   text_value(verb.add_option("--grid", o.grid, "Picture straight down, of square pixels"), "WxH",
              [](const std::string& text) { (void)parse_resolution(text, "--grid"); });
   text_value(verb.add_option("--size", o.size,
-                             "Size of a picture; 128x96 to 640x480 if not given, the fewer "
-                             "triangles the larger"),
+                             "Size of a picture; 640x480 if not given, or without a hierarchy "
+                             "the smaller the more triangles, down to 128x96"),
              "WxH", [](const std::string& text) { (void)parse_resolution(text, "--size"); });
   one_of(verb.add_option("--up", o.up, "Axis that is up in pictures; many formats have y")
              ->capture_default_str(),
@@ -477,7 +492,7 @@ void add_card(CLI::App& verb, CastOptions& o) {
                 "A hit must lie in the triangle's box, so that none is far from its triangle (on)");
   verb.add_flag("--bvh,!--no-bvh", o.bvh,
                 "Rays go through a hierarchy of boxes, or meet all triangles: the same records; "
-                "through one from 2,048 triangles on, where modes and formats allow");
+                "by itself through one where that is sooner, of 2,048 triangles at least");
   verb.add_flag("--check,!--no-check", o.checks,
                 "Compare every record with the reference (on); --check=rays:N: of rays through a "
                 "hierarchy N meet all triangles in the reference, too (64)");
