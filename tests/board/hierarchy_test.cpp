@@ -423,6 +423,30 @@ TEST(HierarchyDriver, CheckBitsOfNodesAndSlots) {
   EXPECT_EQ(c.corrected_words, 0u);
 }
 
+/// The same of triangles in DDR, as in a sweep.
+TEST(HierarchyDriver, WrongBitsOfTriangles) {
+  Board board = Board::open(slow_config());
+  const Scene scene = kScenes[6].make();
+  const Hierarchy tree = Hierarchy::build(scene);
+  const std::vector<Ray> rays = hard_rays(scene, 100);
+  const std::vector<Record> should = expected(scene, tree, rays, Mode::kNearest);
+  const auto hit = std::find_if(should.begin(), should.end(), [](const Record& r) { return r.f; });
+  ASSERT_NE(hit, should.end());
+  board.upload(scene, tree);
+  board.load(rays);
+  const Query query{.pair = Pair::kRayTriangle, .through = Through::kHierarchy};
+  const std::uint64_t byte = 36ull * hit->index + 6;
+  board.flip_ddr(byte, 4);
+  Counters c;
+  expect_same(board.run(query, &c), should);
+  EXPECT_GT(c.corrected_words, 0u);
+  board.flip_ddr(byte, 8);
+  expect_error(ErrorCode::kDevice, "in secondary " + std::to_string(hit->index) + " at byte",
+               [&] { (void)board.run(query); });
+  board.flip_ddr(byte, 12);
+  expect_same(board.run(query), should);
+}
+
 // ---- What is no tree ----
 
 class Malformed : public ::testing::Test {
