@@ -14,6 +14,7 @@
 #include <tuple>
 #include <vector>
 
+#include "board_configs.hpp"
 #include "cde/card/board.hpp"
 #include "cde/mesh/terrain.hpp"
 #include "cde/reference/traversal.hpp"
@@ -55,7 +56,7 @@ BoardConfig slow_config() {
           .sram_records = 64,
           .ecc = true};
 }
-BoardConfig pci_config() {
+BoardConfig on_pci_config() {
   BoardConfig c = fast_config();
   c.sram_records = 64;
   c.bus = Bus::kCycle;
@@ -68,7 +69,7 @@ struct Card {
   friend std::ostream& operator<<(std::ostream& out, const Card& c) { return out << c.name; }
 };
 const Card kFast{"fast", fast_config}, kGates{"gates", gates_config}, kSlow{"slow", slow_config},
-    kPci{"pci", pci_config}, kDdr{"ddr", fast_config, {.memory = Memory::kCycle}},
+    kPci{"pci", on_pci_config}, kDdr{"ddr", fast_config, {.memory = Memory::kCycle}},
     kLate{"late", slow_config, {.ddr_latency = 300}};
 
 constexpr Mode kModes[] = {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kHits,
@@ -203,7 +204,7 @@ TEST_P(HierarchyCard, RecordsAreThoseOfASweep) {
 TEST(HierarchyDriver, SaysWhyThereIsNoWayThrough) {
   const Scene scene = kScenes[0].make();
   const Hierarchy tree = Hierarchy::build(scene);
-  Board plain = Board::open({.lanes = 4, .arithmetic = Arithmetic::kHost});
+  Board plain = Board::open(small_config());
   expect_error(ErrorCode::kUsage, "no node units", [&] { plain.upload(scene, tree); });
   EXPECT_EQ(*plain.no_way_through({}), "the card has no node units");
 

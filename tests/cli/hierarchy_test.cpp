@@ -66,7 +66,7 @@ TEST_F(CastHierarchy, SaysWhyNot) {
   refused({"--bvh", "--mode", "all"}, "mode all has records of all triangles");
   refused({"--bvh", "--no-box"}, "the box rule");
   refused({"--bvh", "--algorithm", "badouel"}, "the box rule");
-  refused({"--bvh", "--format", "fp16"}, "percents of it in fp16");
+  refused({"--bvh", "--format", "bf16"}, "percents of it in bf16");
   refused({"--bvh", "--partition", "2"}, "are swept");
   refused({"--no-bvh", "--mode", "occluded"}, "mode occluded is of a hierarchy");
   for (const std::string checks : {"rays", "rays:", "rays:x", "rays:-1", "some"})

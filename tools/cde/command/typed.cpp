@@ -176,8 +176,12 @@ class Reader {
       if (seen_.contains(other))
         usage(fmt::format("{} and {} exclude each other", names(*other).back(), name));
     if (!takes_value(*o)) {
-      if (value) usage(fmt::format("{} takes no value; it is '{}'", name, printable_name(*value)));
-      options_.push_back(name);
+      // One that may have a value has it behind = alone.
+      const bool may_have = value && takes(*o).check;
+      if (value && !may_have)
+        usage(fmt::format("{} takes no value; it is '{}'", name, printable_name(*value)));
+      if (may_have) check(*o, name, *value);
+      options_.push_back(may_have ? name + "=" + *value : name);
       return;
     }
     if (!first && o->get_items_expected_max() == 1) usage(fmt::format("{} is given twice", name));

@@ -106,6 +106,10 @@ CLI::Option* text_value(CLI::Option* option, const std::string& name,
   return label(option, {Takes::Kind::kAnything, {}, name, std::move(check)});
 }
 
+CLI::Option* flag_value(CLI::Option* flag, std::function<void(const std::string&)> check) {
+  return label(flag, {Takes::Kind::kNothing, {}, "", std::move(check)});
+}
+
 CLI::Option* number_in(CLI::Option* option, double least, double most, const std::string& unit) {
   const std::string range = in_unit(fmt::format("{:g} to {:g}", least, most), unit);
   option->description(fmt::format("{} ({})", option->get_description(), range));
@@ -194,9 +198,9 @@ void deadline_options(CLI::App& verb, std::uint64_t& clocks, double& seconds,
 }
 
 Takes takes(const CLI::Option& option) {
-  if (option.get_items_expected_max() == 0) return {Takes::Kind::kNothing, {}, "", {}};
   if (const auto found = registered().find(&option); found != registered().end())
     return found->second;
+  if (option.get_items_expected_max() == 0) return {Takes::Kind::kNothing, {}, "", {}};
   const std::string type = option.get_type_name();
   return {Takes::Kind::kAnything, {}, type.empty() || type == "TEXT" ? "VALUE" : type, {}};
 }

@@ -31,6 +31,9 @@ void must_be_known(std::string_view word, const std::vector<std::string>& words,
 CLI::Option* text_value(CLI::Option* option, const std::string& name,
                         std::function<void(const std::string&)> check);
 
+/// A flag that may have a value, behind = alone.
+CLI::Option* flag_value(CLI::Option* flag, std::function<void(const std::string&)> check);
+
 /// A number between two ends that are both allowed; `unit` may be empty.
 CLI::Option* number_in(CLI::Option* option, double least, double most, const std::string& unit);
 /// The same for whole numbers.

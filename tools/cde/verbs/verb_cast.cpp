@@ -115,18 +115,23 @@ void check_files(const CastOptions& o, const std::vector<std::filesystem::path>&
       inputs);
 }
 
+/// N of --check=rays:N.
+std::uint64_t swept_rays(const std::string& text) {
+  constexpr std::string_view kRays = "rays:";
+  const char* const end = text.data() + text.size();
+  std::uint64_t rays = 0;
+  if (text.starts_with(kRays)) {
+    const auto [stop, error] = std::from_chars(text.data() + kRays.size(), end, rays);
+    if (error == std::errc() && stop == end) return rays;
+  }
+  usage(fmt::format("--check is '{}'; it must be rays:N, a number of rays, or nothing",
+                    printable_name(text)));
+}
+
 /// What --check says.
 void settle_checks(CastOptions& o) {
   o.check = o.checks != "false";
-  if (o.checks == "true" || o.checks == "false") return;
-  constexpr std::string_view kRays = "rays:";
-  const char* const end = o.checks.data() + o.checks.size();
-  if (o.checks.starts_with(kRays) && o.checks.size() > kRays.size()) {
-    const auto [stop, error] = std::from_chars(o.checks.data() + kRays.size(), end, o.swept_rays);
-    if (error == std::errc() && stop == end) return;
-  }
-  usage(fmt::format("--check is '{}'; it must be rays:N, a number of rays, or nothing",
-                    printable_name(o.checks)));
+  if (o.check && o.checks != "true") o.swept_rays = swept_rays(o.checks);
 }
 
 /// All that can be said to be wrong without a mesh.
@@ -182,8 +187,8 @@ bool takes_hierarchy(const CastOptions& o, CastJob& job) {
   if (job.mode == Mode::kOccluded && (why_not || o.bvh < 0))
     usage("mode occluded is of a hierarchy: " + why_not.value_or("not with --no-bvh"));
   if (o.bvh > 0 && why_not) usage("--bvh: " + *why_not);
-  const bool wanted =
-      o.bvh > 0 || job.mode == Mode::kOccluded || (o.bvh == 0 && job.triangles >= kWorthATree);
+  const bool wanted = o.bvh > 0 || job.mode == Mode::kOccluded ||
+                      (o.bvh == 0 && o.lanes == "auto" && job.triangles >= kWorthATree);
   return wanted && !why_not;
 }
 
@@ -468,11 +473,12 @@ void add_card(CLI::App& verb, CastOptions& o) {
                          "coordinate that it has not is an error")
              ->capture_default_str(),
          card_formats());
-  lanes_value(verb.add_option("--lanes", o.lanes,
-                              "Pairs a clock, a power of two to 256; auto is 64, but 16 with rtl "
-                              "arithmetic, waves, or at most 16 rays")
-                  ->capture_default_str(),
-              {"auto"});
+  lanes_value(
+      verb.add_option("--lanes", o.lanes,
+                      "Pairs a clock of a sweep, a power of two to 256; auto is 64, but 16 with "
+                      "rtl arithmetic, waves, or at most 16 rays")
+          ->capture_default_str(),
+      {"auto"});
   whole_number_in(
       verb.add_option("--boards", o.boards,
                       "Cards that share the rays, each simulated in a thread; clocks are summed")
@@ -493,9 +499,10 @@ void add_card(CLI::App& verb, CastOptions& o) {
   verb.add_flag("--bvh,!--no-bvh", o.bvh,
                 "Rays go through a hierarchy of boxes, or meet all triangles: the same records; "
                 "by itself through one where that is sooner, of 2,048 triangles at least");
-  verb.add_flag("--check,!--no-check", o.checks,
-                "Compare every record with the reference (on); --check=rays:N: of rays through a "
-                "hierarchy N meet all triangles in the reference, too (64)");
+  flag_value(verb.add_flag("--check,!--no-check", o.checks,
+                           "Compare every record with the reference (on); --check=rays:N: of rays "
+                           "through a hierarchy N meet all triangles in the reference, too (64)"),
+             [](const std::string& text) { (void)swept_rays(text); });
   exact_card_option(verb, o.exact);
   clock_options(verb, o.clock);
   deadline_options(verb, o.deadline, o.timeout, "packet");
