@@ -200,7 +200,7 @@ TEST(ReferenceEdges, ObjectsLieWithinTheTriangles) {
 /// Nothing reaches the card: no register is touched.
 TEST_F(Edges, WhatNoEnumerationHasIsRefusedFirst) {
   const std::uint64_t before = board->bus_counters().register_accesses;
-  for (const unsigned mode : {5u, 9u, 255u}) {
+  for (const unsigned mode : {6u, 9u, 255u}) {
     Query q = query;
     q.mode = static_cast<Mode>(mode);
     expect_in("mode", refused([&] { (void)board->run(q); }));

@@ -85,7 +85,45 @@ TEST_F(CastHierarchy, WhatNoBoxHolds) {
   EXPECT_EQ(nlohmann::json::parse(ran.out)["through"], "sweep");
   ran = cde({"cast", "far.obj", "--ray", "0.1,0.1,0,0,0,1", "--bvh"});
   EXPECT_NE(ran.status, 0);
-  EXPECT_NE(ran.err.find("2^40"), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("far.obj: no hierarchy: "), std::string::npos) << ran.err;
+  ran = cde({"cast", "far.obj", "--ray", "0.1,0.1,0,0,0,1", "--mode", "occluded"});
+  EXPECT_NE(ran.err.find("far.obj: no hierarchy: "), std::string::npos) << ran.err;
+}
+
+/// Shadows go the same way as what casts them, and draw the same.
+TEST_F(CastHierarchy, ShadowsGoThroughIt) {
+  for (const std::string way : {"bvh", "no-bvh"}) {
+    const Ran ran = cde({"cast", "terrain:40,40,3", "--size", "64x48", "--shaded", way + ".png",
+                         "--shadows", "--" + way, "--json", "-q"});
+    ASSERT_EQ(ran.status, 0) << ran.err;
+    const auto j = nlohmann::json::parse(ran.out);
+    EXPECT_EQ(j["records_matching"], j["records_compared"]);
+    if (way == "bvh") {
+      EXPECT_EQ(j["secondaries"], 0);
+    }
+  }
+  EXPECT_EQ(read("bvh.png"), read("no-bvh.png"));
+}
+
+TEST_F(CastHierarchy, OccludedSaysNoTriangle) {
+  write("one.obj", "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n");
+  std::vector<std::string> words = {"cast",   "one.obj",  "--ray", "0.2,0.2,0,0,0,1",
+                                    "--mode", "occluded", "-o",    "r.jsonl"};
+  EXPECT_EQ(cde(words).status, 0);
+  EXPECT_NE(read("r.jsonl").find("\"F\":1"), std::string::npos);
+  EXPECT_NE(read("r.jsonl").find("\"index\":null"), std::string::npos);
+  words.insert(words.end(), {"--fields", "u"});
+  EXPECT_EQ(cde(words).status, 2);
+}
+
+/// Boxes that all overlap leave nothing out: what is sooner is a sweep.
+TEST_F(CastHierarchy, OneHeapIsSwept) {
+  std::string text = "v 0 0 1\nv 1 0 1\nv 0 1 1\n";
+  for (int i = 0; i < 3000; ++i) text += "f 1 2 3\n";
+  write("heap.obj", text);
+  const Ran ran = cde({"cast", "heap.obj", "--grid", "32x32", "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(nlohmann::json::parse(ran.out)["through"], "sweep");
 }
 
 }  // namespace

@@ -176,6 +176,15 @@ TEST(Hierarchy, WhatCannotBeBuiltIsSaid) {
                    (void)Hierarchy::build(Boxes{point(0), b});
                  });
   EXPECT_THROW((void)Hierarchy::build(Boxes{point(large)}), Error);
+  // A NaN in any word of a triangle, which the least of two may leave out.
+  for (unsigned word = 0; word < 9; ++word) {
+    std::vector<Triangle> two(2, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+    Hierarchy tree = Hierarchy::build(two);
+    Eigen::Vector3f* const corners[] = {&two[1].v0, &two[1].v1, &two[1].v2};
+    (*corners[word / 3])[word % 3] = nan;
+    EXPECT_THROW((void)Hierarchy::build(two), Error) << word;
+    EXPECT_THROW(tree.refit(two), Error) << word;
+  }
   (void)Hierarchy::build(Boxes{point(0x1p40f), point(-0x1p40f)});
 }
 

@@ -26,7 +26,7 @@ TEST(PassCounters, EveryCounterIsAtItsRegister) {
   std::array<std::uint64_t, kHere> counts = {};
   std::array<unsigned, kHere> reads = {};
   unsigned elsewhere = 0, refused = 0, passes = 0, resets = 0;
-  for (int clock = 0; clock < 20'000; ++clock) {
+  for (int clock = 0; clock < 60'000; ++clock) {
     counters.rst_i = clock == 0 || dice.once_in(2000);
     counters.clear_i = dice.once_in(1000);
     passes += counters.clear_i;

@@ -120,6 +120,7 @@ Counters Board::refit() {
 }
 
 std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
+  (void)name_of(q.mode);  // or it is none
   if (node_units == 0) return "the card has no node units";
   if (hierarchy.nodes == 0) return "no hierarchy was uploaded";
   if (hierarchy.stale) return "secondaries were uploaded anew, and no hierarchy of them";

@@ -330,6 +330,9 @@ class Passing {
 
 /// Whether the query takes the hierarchy. Error kUsage if it has to and cannot.
 bool through_hierarchy(const Board::Impl& card, const Query& query) {
+  if (query.through > Through::kSweep)
+    throw Error(ErrorCode::kUsage, fmt::format("there is no way {} through secondaries",
+                                               static_cast<unsigned>(query.through)));
   if (query.through == Through::kSweep) return false;
   const auto why = card.no_way_through(query);
   if (why && query.through == Through::kHierarchy)

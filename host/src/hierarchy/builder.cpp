@@ -212,6 +212,9 @@ std::vector<Eigen::AlignedBox3f> boxes_of(const TriangleView& triangles) {
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const Triangle t = triangles[i];
     boxes[i] = {t.v0.cwiseMin(t.v1).cwiseMin(t.v2), t.v0.cwiseMax(t.v1).cwiseMax(t.v2)};
+    // Of a NaN the other number may be what is left.
+    for (const Eigen::Vector3f* v : {&t.v0, &t.v1, &t.v2})
+      if (v->hasNaN()) boxes[i].min() = *v;
   }
   return boxes;
 }

@@ -390,6 +390,8 @@ CastOutcome cast_on_cards(const CastOptions& o, const CastJob& job,
         std::min(job.rays.size(), packets * (i + 1) / shares.size() * kPacket) - shares[i].first;
   }
   SharedMemory memory(o, job, shares.size(), job.rays.size() - shares.front().size);
+  CastOptions of_share = o;
+  of_share.swept_rays = (o.swept_rays + shares.size() - 1) / shares.size();
   (void)Bitstream::open(job.config.top(),
                         job.config.parameters());  // built once, before all want it
   for (std::size_t i = 0; i < shares.size(); ++i) {
@@ -403,7 +405,7 @@ CastOutcome cast_on_cards(const CastOptions& o, const CastJob& job,
     // It is the first card's turn from the beginning, and nobody else's before it has ended.
     const RecordSink sink = i == 0 ? take : RecordSink(keep);
     share.outcome = std::async(std::launch::async, [&, i, sink] {
-      return cast_on_card(o, job, job.rays.subview(share.first, share.size),
+      return cast_on_card(of_share, job, job.rays.subview(share.first, share.size),
                           i == 0 ? progress : std::function<void(double)>(), sink);
     });
   }

@@ -199,8 +199,9 @@ void CastPicture::look_at_sun(const CastAgain& cast) {
               .listed = {},
               .rays = {},
               .picture = job_.picture,
-              .mode = Mode::kAny,
-              .config = job_.config};
+              .mode = job_.hierarchy ? Mode::kOccluded : Mode::kAny,
+              .config = job_.config,
+              .hierarchy = job_.hierarchy};
   // A shadow that starts on its own triangle would be noise of the last bit.
   const float offset = 1e-4f * bounds(job_.mesh).sizes().norm();
   const Vector3f sun = from_z_up(ShadeOptions{}.sun, up_of(o_));

@@ -190,7 +190,7 @@ void RecordFile::json_line(const Record& r) {
   const auto out = std::back_inserter(text_);
   fmt::format_to(out, R"({{"ray":{},"F":{},"T":{},"CP":[{},{},{}],"index":{})", r.primary,
                  r.f ? 1 : 0, json_number(r.t), json_number(r.cp.x()), json_number(r.cp.y()),
-                 json_number(r.cp.z()), r.f ? fmt::to_string(r.index) : "null");
+                 json_number(r.cp.z()), r.f && r.index != ~0u ? fmt::to_string(r.index) : "null");
   if (!fields_.empty()) {
     const Details d = details(r);
     const auto number = [](double x) { return json_number(static_cast<float>(x)); };
