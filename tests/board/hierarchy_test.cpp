@@ -139,7 +139,8 @@ TEST_P(HierarchyCard, RecordsAreThoseOfTheReference) {
   Board board = Board::open(config, GetParam().options);
   const bool gates = config.arithmetic == Arithmetic::kRtl,
              full = std::getenv("CDE_FULL") != nullptr;
-  const std::size_t count = full ? (gates ? 3'000 : 30'000) : gates ? 150 : 1500;
+  const bool slow = config.latency_add > 1;
+  const std::size_t count = full ? (gates ? 3'000 : 30'000) : gates ? 100 : slow ? 300 : 1500;
   for (const Case& one : kScenes) {
     SCOPED_TRACE(one.name);
     const Scene scene = one.make();
