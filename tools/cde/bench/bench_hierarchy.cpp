@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <span>
 
@@ -37,8 +38,9 @@ double seconds_of(const Work& work) {
 /// The median of some rounds.
 template <class Work>
 double median_of(const Work& work) {
-  std::vector<double> seconds;
-  for (int i = 0; i < kRounds; ++i) seconds.push_back(seconds_of([&] { work(i); }));
+  std::array<double, kRounds> seconds{};
+  for (int i = 0; i < kRounds; ++i)
+    seconds.at(static_cast<std::size_t>(i)) = seconds_of([&] { work(i); });
   std::sort(seconds.begin(), seconds.end());
   return seconds[kRounds / 2];
 }
