@@ -335,6 +335,8 @@ nlohmann::ordered_json as_json(const CastOptions& o, const CastJob& job, const C
 
 void print_summary(const CastOptions& o, const CastJob& job, const CastOutcome& r) {
   const Counters& c = r.counters;
+  // With those of shadows.
+  const std::uint64_t rays = job.mode == Mode::kHits ? job.rays.size() : c.records;
   const auto row = [](const char* name, const std::string& value) {
     say("{:<16} {}\n", name, value);
   };
@@ -349,7 +351,7 @@ void print_summary(const CastOptions& o, const CastJob& job, const CastOutcome& 
                   o.box ? "box rule" : "no box rule", o.mode));
   if (job.hierarchy) {
     const auto a_ray = [&](std::uint64_t n) {
-      return static_cast<double>(n) / static_cast<double>(job.rays.size());
+      return static_cast<double>(n) / static_cast<double>(rays);
     };
     row("hierarchy",
         fmt::format("{} node{}, {} level{}, {} node units; a ray reads {:.1f} and meets "
@@ -364,11 +366,11 @@ void print_summary(const CastOptions& o, const CastJob& job, const CastOutcome& 
       fmt::format("{:.6g} ms at {:g} MHz{}, without bus transfers{}", 1e3 * r.modelled_seconds,
                   o.clock.mhz, o.clock.target.empty() ? "" : " " + o.clock_is,
                   has_network(o) ? std::string(", ") + kNetwork : ""));
-  row("simulation",
-      job.hierarchy ? fmt::format("{:.3g} s, {:.4g} M rays/s", r.simulation_seconds,
-                                  static_cast<double>(job.rays.size()) / r.simulation_seconds / 1e6)
-                    : fmt::format("{:.3g} s, {:.4g} M tests/s", r.simulation_seconds,
-                                  static_cast<double>(c.pairs) / r.simulation_seconds / 1e6));
+  row("simulation", job.hierarchy
+                        ? fmt::format("{:.3g} s, {:.4g} M rays/s", r.simulation_seconds,
+                                      static_cast<double>(rays) / r.simulation_seconds / 1e6)
+                        : fmt::format("{:.3g} s, {:.4g} M tests/s", r.simulation_seconds,
+                                      static_cast<double>(c.pairs) / r.simulation_seconds / 1e6));
   row("hits", fmt::format("{} in {} records", r.hits, c.records));
   row("check",
       o.check ? fmt::format("{} of {} records match the reference{}", r.matching, r.compared,
