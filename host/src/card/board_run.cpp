@@ -58,12 +58,6 @@ class Pass : private CardPass {
     deadline_ = query.deadline_clocks != 0 ? query.deadline_clocks : 2 * worst;
   }
 
-  /// Query::drain_records, an even number of them: the beat that two records share is there when
-  /// both are.
-  [[nodiscard]] std::uint64_t off_full_ring() const {
-    return std::max<std::uint64_t>(2, query_.drain_records + query_.drain_records % 2ull);
-  }
-
   /// Core clocks that a record takes over the bus, in transfers as short as they may be.
   [[nodiscard]] std::uint64_t record_clocks() const {
     const std::uint64_t together =

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -36,6 +37,11 @@ class CardPass {
   /// Lets the card work for so many clocks or until its interrupt; its status then, else 0. Throws
   /// if it refused the command or an access.
   [[nodiscard]] std::uint64_t work(std::uint64_t clocks);
+  /// Query::drain_records, an even number of them: the beat that two records share is there when
+  /// both are.
+  [[nodiscard]] std::uint64_t off_full_ring() const {
+    return std::max<std::uint64_t>(2, query_.drain_records + query_.drain_records % 2ull);
+  }
   /// So many entries of the ring, which are there, into words_.
   void fetch(std::uint64_t entries);
   /// Errors of the bus or of DDR behind a pass that is done; clears its state, and returns what it

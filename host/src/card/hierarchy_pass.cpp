@@ -122,8 +122,7 @@ void HierarchyPass::wait_until_done() {
     if (full || hits) {
       const std::uint64_t waiting = card_.read_register(card::kRegRecords);
       if (full)
-        drain(std::min(std::max<std::uint64_t>(2, query_.drain_records + query_.drain_records % 2),
-                       waiting));
+        drain(std::min(off_full_ring(), waiting));
       else if (waiting >= kEnough)
         drain(waiting - waiting % 2);
     }
