@@ -202,6 +202,16 @@ TEST_P(HierarchyCard, RecordsAreThoseOfASweep) {
 
 // ---- A tree that stays, goes and moves ----
 
+/// A small terrain, rays at it, and what they find.
+struct Found {
+  Found(std::size_t count, Mode mode)
+      : rays(hard_rays(scene, count)), should(expected(scene, tree, rays, mode)) {}
+  Scene scene = kScenes[6].make();
+  Hierarchy tree = Hierarchy::build(scene);
+  std::vector<Ray> rays;
+  std::vector<Record> should;
+};
+
 TEST(HierarchyDriver, SaysWhyThereIsNoWayThrough) {
   const Scene scene = kScenes[0].make();
   const Hierarchy tree = Hierarchy::build(scene);
@@ -275,29 +285,26 @@ TEST(HierarchyDriver, ConfigurationsThatNoCardHas) {
 
 TEST(HierarchyDriver, StaysOverResetAndPassesThatFail) {
   Board board = Board::open(fast_config());
-  const Scene scene = kScenes[6].make();
-  const Hierarchy tree = Hierarchy::build(scene);
-  const std::vector<Ray> rays = hard_rays(scene, 700);
-  const std::vector<Record> should = expected(scene, tree, rays, Mode::kNearest);
-  board.upload(scene, tree);
+  const Found its(700, Mode::kNearest);
+  board.upload(its.scene, its.tree);
   const Query on{.through = Through::kHierarchy};
-  expect_same(board.cast(rays, on), should);
+  expect_same(board.cast(its.rays, on), its.should);
   board.reset();
-  expect_same(board.cast(rays, on), should);
+  expect_same(board.cast(its.rays, on), its.should);
   Query soon = on;
   soon.deadline_clocks = 200;
   expect_error(ErrorCode::kTimeout, "deadline of 200 clocks",
-               [&] { (void)board.cast(rays, soon); });
-  expect_same(board.cast(rays, on), should);
+               [&] { (void)board.cast(its.rays, soon); });
+  expect_same(board.cast(its.rays, on), its.should);
   expect_error(ErrorCode::kUsage, "from the sink", [&] {
-    board.cast(rays, on,
+    board.cast(its.rays, on,
                [](std::span<const Record>) { throw Error(ErrorCode::kUsage, "from the sink"); });
   });
-  expect_same(board.cast(rays, on), should);
+  expect_same(board.cast(its.rays, on), its.should);
   auto owned = std::make_unique<Board>(std::move(board));
   expect_error(ErrorCode::kUsage, "destroyed by the sink", [&] {
     Board* const it = owned.get();
-    it->cast(rays, on, [&](std::span<const Record>) { owned.reset(); });
+    it->cast(its.rays, on, [&](std::span<const Record>) { owned.reset(); });
   });
 }
 
@@ -381,16 +388,13 @@ TEST(HierarchyDriver, ClocksOfTheTerrain) {
 /// of two the first that is read ends the pass with its address.
 TEST(HierarchyDriver, CheckBitsOfNodesAndSlots) {
   Board board = Board::open(slow_config());
-  const Scene scene = kScenes[6].make();
-  const Hierarchy tree = Hierarchy::build(scene);
-  const std::vector<Ray> rays = hard_rays(scene, 100);
-  const std::vector<Record> should = expected(scene, tree, rays, Mode::kHits);
+  const Found its(100, Mode::kHits);
   const Query query{.mode = Mode::kHits, .pair = Pair::kRayTriangle};
-  board.upload(scene);
+  board.upload(its.scene);
   Draw draw(4);
   const auto upload_with = [&](unsigned word, std::uint32_t bits) {
     board.write_register(card::kRegNodeFlip, std::uint64_t{word} << 32 | bits);
-    board.upload(tree);
+    board.upload(its.tree);
     board.write_register(card::kRegNodeFlip, 0);
   };
   for (unsigned word = 0; word < 20; ++word) {
@@ -399,10 +403,10 @@ TEST(HierarchyDriver, CheckBitsOfNodesAndSlots) {
     upload_with(word, bit);
     Counters c;
     std::vector<Record> records;
-    c = board.cast(rays, query, [&](std::span<const Record> some) {
+    c = board.cast(its.rays, query, [&](std::span<const Record> some) {
       records.insert(records.end(), some.begin(), some.end());
     });
-    expect_same(records, should);
+    expect_same(records, its.should);
     if (word < 18) {
       EXPECT_EQ(c.corrected_words, c.nodes);
     } else {
@@ -413,40 +417,38 @@ TEST(HierarchyDriver, CheckBitsOfNodesAndSlots) {
     expect_error(
         ErrorCode::kDevice,
         word < 18 ? "node 0 has more wrong bits" : "has more wrong bits than can be corrected",
-        [&] { (void)board.cast(rays, query); });
+        [&] { (void)board.cast(its.rays, query); });
     expect_error(ErrorCode::kDevice, "has more wrong bits than can be corrected",
                  [&] { (void)board.refit(); });
   }
-  board.upload(tree);
+  board.upload(its.tree);
   (void)board.refit();  // makes check bits of its own
   Counters c;
-  board.load(rays);
-  expect_same(board.run(query, &c), should);
+  board.load(its.rays);
+  expect_same(board.run(query, &c), its.should);
   EXPECT_EQ(c.corrected_words, 0u);
 }
 
 /// The same of triangles in DDR, as in a sweep.
 TEST(HierarchyDriver, WrongBitsOfTriangles) {
   Board board = Board::open(slow_config());
-  const Scene scene = kScenes[6].make();
-  const Hierarchy tree = Hierarchy::build(scene);
-  const std::vector<Ray> rays = hard_rays(scene, 100);
-  const std::vector<Record> should = expected(scene, tree, rays, Mode::kNearest);
-  const auto hit = std::find_if(should.begin(), should.end(), [](const Record& r) { return r.f; });
-  ASSERT_NE(hit, should.end());
-  board.upload(scene, tree);
-  board.load(rays);
+  const Found its(100, Mode::kNearest);
+  const auto hit =
+      std::find_if(its.should.begin(), its.should.end(), [](const Record& r) { return r.f; });
+  ASSERT_NE(hit, its.should.end());
+  board.upload(its.scene, its.tree);
+  board.load(its.rays);
   const Query query{.pair = Pair::kRayTriangle, .through = Through::kHierarchy};
   const std::uint64_t byte = 36ull * hit->index + 6;
   board.flip_ddr(byte, 4);
   Counters c;
-  expect_same(board.run(query, &c), should);
+  expect_same(board.run(query, &c), its.should);
   EXPECT_GT(c.corrected_words, 0u);
   board.flip_ddr(byte, 8);
   expect_error(ErrorCode::kDevice, "in secondary " + std::to_string(hit->index) + " at byte",
                [&] { (void)board.run(query); });
   board.flip_ddr(byte, 12);
-  expect_same(board.run(query), should);
+  expect_same(board.run(query), its.should);
 }
 
 // ---- What is no tree ----
