@@ -120,15 +120,19 @@ module board #(
       .valid_o(ddr_valid), .data_o(ddr_data), .corrected_o(ecc_corrected), .failed_o(ecc_failed));
   logic [1:0][3:0] pair;  // of the pass
   logic [1:0] swap;
-  logic fetch_start, fetch_stop, sec_valid, sec_last, sec_idle, moving, clk_moving;
-  logic [SEC_WORDS-1:0][CW-1:0] secondary, unmoved, moved;
+  logic fetch_start, fetch_stop, sec_valid, sec_last, sec_idle, clk_moving;
+  logic [SEC_WORDS-1:0][CW-1:0] secondary, moved;
   logic [31:0] sec_index;
-  logic [OBJECT_W-1:0] range_entry, transform_entry;
+  logic [OBJECT_W-1:0] range_entry;
+  // What is to be moved: of sweeps, of the hierarchy's leaves.
+  logic [1:0] moving;
+  logic [1:0][OBJECT_W-1:0] transform_entry;
+  logic [1:0][SEC_WORDS-1:0][CW-1:0] unmoved;
   logic [1:0][31:0] range;
   secondary_regfile #(.CONFIG(CONFIG)) secondaries (
       .clk_i(clk_sweep), .rst_i, .pair_i(pair[0]), .swap_i(swap[0]), .start_i(fetch_start), .stop_i(fetch_stop),
-      .pass_i(command), .range_entry_o(range_entry), .range_i(range), .transform_entry_o(transform_entry),
-      .moving_o(moving), .clk_moving_i(clk_moving), .unmoved_o(unmoved), .moved_i(moved), .ddr_o(readers_ask[0]),
+      .pass_i(command), .range_entry_o(range_entry), .range_i(range), .transform_entry_o(transform_entry[0]),
+      .moving_o(moving[0]), .clk_moving_i(clk_moving), .unmoved_o(unmoved[0]), .moved_i(moved), .ddr_o(readers_ask[0]),
       .ddr_ready_i(reader_ready[0]), .ddr_valid_i(reader_valid[0]), .ddr_data_i(ddr_data),
       .ddr_words_o(reader_words[0]),
       .valid_o(sec_valid), .slot_o(secondary), .bad_o(sec_bad), .index_o(sec_index), .last_o(sec_last), .pop_i(sec_pop),
@@ -142,9 +146,10 @@ module board #(
     objects #(.CONFIG(CONFIG)) tables (
         .clk_i(clk_sweep), .clk_bus_i(clk_bus), .clk_core_i(clk_i), .rst_i, .write_i(object_write),
         .addr_i(ddr_write_addr_o), .data_i(ddr_write_data_o), .primary_write_i(prim_write), .command_i(command),
-        .good_o(objects_good), .busy_o(objects_busy), .pair_i(pair[0]), .swap_i(swap[0]), .range_entry_i(range_entry),
-        .range_o(range), .transform_entry_i(transform_entry), .moving_i(moving), .clk_moving_o(clk_moving),
-        .unmoved_i(unmoved), .moved_o(moved), .pose_wanted_o(pose_wanted), .pose_i(pose), .posed_o(posed),
+        .good_o(objects_good), .busy_o(objects_busy), .pair_i(walking ? pairs_pkg::PAIR_RAY_TRIANGLE : pair[0]),
+        .swap_i(swap[0] && !walking), .range_entry_i(range_entry), .range_o(range),
+        .transform_entry_i(transform_entry[walking]), .moving_i(moving != 0), .clk_moving_o(clk_moving),
+        .unmoved_i(unmoved[walking]), .moved_o(moved), .pose_wanted_o(pose_wanted), .pose_i(pose), .posed_o(posed),
         .read_o(prim_read), .written_i(prim_written), .pose_commit_o(pose_commit), .pose_number_o(pose_number),
         .pose_slot_o(pose_slot));
   end else begin : g_fixed
@@ -232,10 +237,15 @@ module board #(
         .pass_i(command), .busy_o(unit_busy[HIERARCHY]), .done_o(unit_done[HIERARCHY]), .fault_o(node_error),
         .corrected_o(node_corrected),
         .ddr_o(readers_ask[1]), .ddr_ready_i(reader_ready[1]), .ddr_valid_i(reader_valid[1]), .ddr_data_i(ddr_data),
-        .ddr_words_o(reader_words[1]), .sram_full_i(sram_full), .sram_count_i(sram_count), .write_o(walked_write),
-        .record_o(walked_record));
+        .ddr_words_o(reader_words[1]), .transform_entry_o(transform_entry[1]), .moving_o(moving[1]),
+        .clk_moving_i(clk_moving), .unmoved_o(unmoved[1][BEAT-1:0]), .moved_i(moved[BEAT-1:0]),
+        .sram_full_i(sram_full), .sram_count_i(sram_count), .write_o(walked_write), .record_o(walked_record));
+    if (SEC_WORDS > BEAT) begin : g_rest
+      assign unmoved[1][SEC_WORDS-1:BEAT] = '0;
+    end
   end else begin : g_sweeps_alone
     assign {node_corrected, hierarchy_rdata, provided_good, hierarchy_good, node_error, walked_write, walking} = '0;
+    assign {moving[1], transform_entry[1], unmoved[1]} = '0;
     assign readers_ask[1] = '0;
     assign reader_words[1] = '0;
     assign walked_record = '0;

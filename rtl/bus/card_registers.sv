@@ -77,7 +77,8 @@ module card_registers #(
   localparam int PRIM_WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0);
   localparam logic [31:0] PRIM_BYTES = 32'(PRIMARIES * ((PRIM_WORDS * CW + 63) / 64) * 8);
   localparam logic [31:0] NODE_BYTES = 32'(CONFIG.nodes) * 32'(4 * hierarchy_pkg::NODE_WORDS);
-  localparam logic [31:0] SLOT_BYTES = 32'(CONFIG.nodes) * 32'(4 * hierarchy_pkg::SLOTS_A_NODE);
+  localparam logic [31:0] SLOT_BYTES = 32'(CONFIG.nodes) * 32'(4 * hierarchy_pkg::SLOTS_A_NODE) *
+      ((TRANSFORM != pairs_pkg::TRANSFORM_NONE) ? 32'd2 : 32'd1);
   localparam int STENCILS = (PRIMARIES + 63) / 64;
 
   registers_pkg::command_t command_q;
@@ -141,8 +142,9 @@ module card_registers #(
                 32'(registers_pkg::REG_BUDGET), 32'(registers_pkg::REG_SEC_FIRST),
                     32'(registers_pkg::REG_SEC_COUNT): allowed = !busy_i;
             32'(registers_pkg::REG_OBJECT_COUNT): allowed = TRANSFORM != pairs_pkg::TRANSFORM_NONE && !busy_i;
-            32'(registers_pkg::REG_NODE_COUNT), 32'(registers_pkg::REG_RAY_COUNT), 32'(registers_pkg::REG_ROOT),
-                32'(registers_pkg::REG_ROOT) + 8, 32'(registers_pkg::REG_ROOT) + 16,
+            32'(registers_pkg::REG_NODE_COUNT), 32'(registers_pkg::REG_NODE_FIRST), 32'(registers_pkg::REG_SLOT_COUNT),
+                32'(registers_pkg::REG_RAY_COUNT), 32'(registers_pkg::REG_ROOT), 32'(registers_pkg::REG_ROOT) + 8,
+                32'(registers_pkg::REG_ROOT) + 16,
                 32'(registers_pkg::REG_ROOT) + 24: allowed = NODE_UNITS != 0 && !busy_i;
             32'(registers_pkg::REG_NODE_FLIP): allowed = NODE_UNITS != 0 && ECC != 0 && !busy_i;
             32'(registers_pkg::REG_RAYS): allowed = NODE_UNITS != 0 && provided_good_i;
@@ -198,13 +200,14 @@ module card_registers #(
   assign budget_ok = (PAIRS & pairs_pkg::RING_PAIRS) == 0 || ((budget_q.m == 8'd4 || budget_q.m == 8'd8 ||
       budget_q.m == 8'd16) &&
       budget_q.k1 <= registers_pkg::BUDGET_MOST && budget_q.k2 <= registers_pkg::BUDGET_MOST);
-  // Through the hierarchy go rays alone, and all secondaries are in it.
+  // Through the hierarchy go rays alone; no secondary beyond the count is in it.
   logic sweep_ok, walk_ok;
   assign walk_ok = NODE_UNITS != 0 && command_q.mode <= registers_pkg::MODE_REFIT &&
       command_q.mode != registers_pkg::MODE_ALL && hierarchy_good_i[0] &&
       (hierarchy_good_i[1] || command_q.mode == registers_pkg::MODE_REFIT) &&
       command_q.pair == pairs_pkg::PAIR_RAY_TRIANGLE && !command_q.second && !command_q.swap && !command_q.normals &&
-      object_count_q == 0 && sec_first_q == 0 && sec_count_q != 0 && sec_end <= DDR_BYTES;
+      (TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i) && sec_first_q == 0 && sec_count_q != 0 &&
+      sec_end <= DDR_BYTES;
   assign command_ok = (command_q.hierarchy ? walk_ok : sweep_ok) && !busy_i;
   assign sweep_ok = command_q.mode <= registers_pkg::MODE_HITS && pair_there && second_ok && budget_ok &&
       (SWAP != 0 || !command_q.swap) && (NORMALS != 0 || !command_q.normals) && prim_count_q != 0 &&

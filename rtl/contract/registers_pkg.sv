@@ -11,8 +11,8 @@ package registers_pkg;
   localparam logic [2:0] SPACE_DDR = 3'd2;   // secondary memory, packed slots, write only
   localparam logic [2:0] SPACE_SRAM = 3'd3;  // record stream: every beat read takes the next words of the ring
   // Of a hierarchy, written between passes (but rays): nodes, words 0 to 15 of node n at byte 64 n, 16 and 17 at 64
-  // NODES + 8 n; what is in the slots of its leaves, a word a slot; and rays on their way into a pass, 32 bytes each in
-  // a ring.
+  // NODES + 8 n; what is in the slots of its leaves, a word a slot, and with a transformer behind all of these the
+  // objects that they are of, likewise; and rays on their way into a pass, 32 bytes each in a ring.
   localparam logic [2:0] SPACE_NODES = 3'd4;
   localparam logic [2:0] SPACE_SLOTS = 3'd5;
   localparam logic [2:0] SPACE_RAYS = 3'd6;
@@ -79,7 +79,9 @@ package registers_pkg;
   localparam logic [11:0] REG_NODE_FAULT = 12'h168;   // node_fault_t
   localparam logic [11:0] REG_NEW_ROOT = 12'h180;     // 9 registers: the words of the root, as a refit made it
   localparam logic [11:0] REG_NODE_FLIP = 12'h1C8;    // node_flip_t: with check bits, wrong ones, to test them
-  localparam logic [31:0] REG_END = 32'h000001D0;
+  localparam logic [11:0] REG_SLOT_COUNT = 12'h1D0;   // slots of the tree
+  localparam logic [11:0] REG_NODE_FIRST = 12'h1D8;   // of a refit: nodes before it stay as they are
+  localparam logic [31:0] REG_END = 32'h000001E0;
 
   // ---- Counters of a pass: their registers, 64 bits each, unit by unit. Those of the engine are in card_registers; a
   // further unit brings its own (pass_counters.sv), in this order and behind the other registers, below REG_END ----
@@ -211,6 +213,7 @@ package registers_pkg;
   localparam logic [3:0] NODE_FAULT_SECONDARY = 6;  // of a refit, a secondary beyond 2^40 or no number: its slot
   localparam logic [3:0] NODE_FAULT_NODE_BITS = 7;  // with check bits, more wrong bits of a word than can be corrected
   localparam logic [3:0] NODE_FAULT_SLOT_BITS = 8;  // the same of what is in a slot
+  localparam logic [3:0] NODE_FAULT_OBJECT = 9;  // a slot of an object beyond the last one: the slot
 
   // ---- Result modes ----
   localparam logic [2:0] MODE_NEAREST = 3'd0;   // smallest (T, index) a primary

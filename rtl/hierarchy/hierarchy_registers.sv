@@ -21,6 +21,8 @@ module hierarchy_registers #(
     output logic [31:0] provided_o,
     output logic [31:0] ray_count_o,
     output logic [31:0] nodes_o,
+    output logic [31:0] first_node_o,  // of those that a refit makes anew
+    output logic [31:0] slots_o,
     output logic [6:0][31:0] root_o,
     input hierarchy_pkg::events_t events_i,
     input logic [4:0] deepest_i,
@@ -31,11 +33,13 @@ module hierarchy_registers #(
 );
   import registers_pkg::*;
   logic [3:0][63:0] root_q;
-  logic [31:0] nodes_q, ray_count_q, provided_q;
+  logic [31:0] nodes_q, first_node_q, slots_q, ray_count_q, provided_q;
   node_flip_t flip_q;
   assign flip_o = flip_q;
   assign root_o = {root_q[3][31:0], root_q[2:0]};
   assign nodes_o = nodes_q;
+  assign first_node_o = first_node_q;
+  assign slots_o = slots_q;
   assign ray_count_o = ray_count_q;
   assign provided_o = provided_q;
   // Counts of rays go up within a pass; as many as there are places for can be there and not taken.
@@ -44,7 +48,8 @@ module hierarchy_registers #(
   assign taken = busy_i ? taken_i : '0;
   assign provided_good_o = wdata_i[63:32] == 0 && value <= ray_count_q && (!busy_i || value >= provided_q) &&
       value >= taken && value - taken <= hierarchy_pkg::RAYS;
-  assign good_o = {ray_count_q != 0, nodes_q != 0 && nodes_q <= NODES};
+  assign good_o = {ray_count_q != 0, nodes_q <= NODES && first_node_q < nodes_q && slots_q != 0 &&
+      slots_q <= hierarchy_pkg::SLOTS_A_NODE * NODES};
 
   function automatic logic [31:0] saturated(input logic [63:0] x);
     saturated = (x[63:32] != 0) ? '1 : x[31:0];
@@ -77,6 +82,8 @@ module hierarchy_registers #(
         end
         REG_RAYS: provided_q <= value;
         REG_NODE_FLIP: flip_q <= access_i.data;
+        REG_SLOT_COUNT: slots_q <= saturated(access_i.data);
+        REG_NODE_FIRST: first_node_q <= saturated(access_i.data);
         default: ;
       endcase
     end
@@ -93,11 +100,13 @@ module hierarchy_registers #(
           REG_DEEPEST: answer_q <= 64'(deepest_i);
           REG_NODE_FAULT: answer_q <= 64'(fault_i);
           REG_NODE_FLIP: answer_q <= flip_q;
+          REG_SLOT_COUNT: answer_q <= 64'(slots_q);
+          REG_NODE_FIRST: answer_q <= 64'(first_node_q);
           default: ;
         endcase
       end
     end
-    if (rst_i) {root_q, nodes_q, ray_count_q, provided_q, flip_q, answer_q} <= '0;
+    if (rst_i) {root_q, nodes_q, first_node_q, slots_q, ray_count_q, provided_q, flip_q, answer_q} <= '0;
   end
 
   // ---- Counters ----

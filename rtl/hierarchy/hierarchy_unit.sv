@@ -9,7 +9,9 @@ module hierarchy_unit #(
     parameter config_pkg::config_t CONFIG,
     localparam int UNITS = CONFIG.node_units,
     localparam int WORDS = records_pkg::RECORD_WORDS,
-    localparam int BEAT = records_pkg::DDR_WORDS
+    localparam int BEAT = records_pkg::DDR_WORDS,
+    localparam int OBJECTS = (CONFIG.transform != pairs_pkg::TRANSFORM_NONE) ? CONFIG.objects : 0,
+    localparam int OBJECT_W = (OBJECTS > 1) ? $clog2(OBJECTS) : 1
 ) (
     input logic clk_core_i,
     input logic clk_bus_i,
@@ -36,6 +38,13 @@ module hierarchy_unit #(
     input logic [BEAT-1:0][31:0] ddr_data_i,
     output logic [3:0] ddr_words_o,
 
+    // To the table of objects and the transformer (leaf_reader.sv).
+    output logic [OBJECT_W-1:0] transform_entry_o,
+    output logic moving_o,
+    input logic clk_moving_i,
+    output logic [BEAT-1:0][31:0] unmoved_o,
+    input logic [BEAT-1:0][31:0] moved_i,
+
     input logic sram_full_i,
     input logic [31:0] sram_count_i,
     output logic write_o,
@@ -46,6 +55,8 @@ module hierarchy_unit #(
   localparam int NW = $clog2(NODES);
   localparam int CX = $clog2(CONTEXTS);
   localparam int TAG = `AT_BITS(CX) + 1;
+  localparam int T_TRANSFORM = pairs_pkg::transform_latency(CONFIG.pairs, CONFIG.swap != 0, CONFIG.transform,
+      CONFIG.lat_add, CONFIG.lat_mul);
   localparam int REFIT_CONTEXTS = 8;
   localparam int REFIT_TAG = $clog2(REFIT_CONTEXTS) + 4;
 
@@ -53,8 +64,8 @@ module hierarchy_unit #(
   state_t state_q;
   logic clk, rst, running, refitting, wrong;
   logic [2:0] mode_q;
-  logic [31:0] slots_q, finished_q;
-  logic [31:0] taken, provided, ray_count, nodes;
+  logic [31:0] secondaries_q, objects_q, finished_q;
+  logic [31:0] taken, provided, ray_count, nodes, first_node, slots;
   logic finished, records_empty;
   assign running = state_q == RUN;
   assign refitting = running && mode_q == registers_pkg::MODE_REFIT;
@@ -81,9 +92,9 @@ module hierarchy_unit #(
   assign unused_flip = &{1'b0, flip.reserved};
   hierarchy_registers #(.NODES(NODES)) registers (
       .clk_bus_i, .clk_i(clk), .rst_i, .access_i, .rdata_o, .wdata_i, .provided_good_o, .good_o, .busy_i(busy_o),
-      .clear_i(valid_i && ready_o), .taken_i(taken), .provided_o(provided), .ray_count_o(ray_count),
-      .nodes_o(nodes), .root_o(root), .events_i(running ? events : '0), .deepest_i(deepest_q), .fault_i(fault_q),
-      .flip_o(flip),
+      .clear_i(valid_i && ready_o), .taken_i(taken), .provided_o(provided), .ray_count_o(ray_count), .nodes_o(nodes),
+      .first_node_o(first_node), .slots_o(slots), .root_o(root), .events_i(running ? events : '0),
+      .deepest_i(deepest_q), .fault_i(fault_q), .flip_o(flip),
       .new_root_i(refit_write && refit_write_at == '0), .node_i(refitted));
 
   // ---- Memories ----
@@ -150,7 +161,7 @@ module hierarchy_unit #(
   // ---- Secondaries ----
   logic leaf_fault, owed;
   logic [3:0] leaf_fault_kind;
-  logic slot_corrected;
+  logic [1:0] slot_corrected;
   logic [31:0] leaf_place;
   logic leaf_valid, refit_fetch;
   logic [PLACE-1:0] leaf_slot, refit_slot;
@@ -161,15 +172,17 @@ module hierarchy_unit #(
   assign leaf_slot = refitting ? refit_slot : fetch_slot;
   assign leaf_tag = refitting ? TAG'(refit_tag) : fetch_tag;
   assign ddr_words_o = 4'(BEAT);
-  leaf_reader #(.SLOTS(SLOTS_A_NODE * NODES), .TAG(TAG), .ECC(CONFIG.ecc)) leaves (
+  leaf_reader #(
+      .SLOTS(SLOTS_A_NODE * NODES), .TAG(TAG), .ECC(CONFIG.ecc), .OBJECTS(OBJECTS),
+      .ARITH(config_pkg::arith(CONFIG.host)), .T_TRANSFORM(T_TRANSFORM)
+  ) leaves (
       .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_SLOTS), .addr_i(access_i.addr),
       .data_i(access_i.data), .flip_i(flips[19:18]), .clk_i(clk), .rst_i, .clear_i(rst && !refitting),
-      .slots_i(slots_q),
-      .valid_i(leaf_valid), .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag),
-      .ddr_o, .ddr_ready_i, .ddr_valid_i, .ddr_data_i, .owed_o(owed), .valid_o(fetched_valid), .tag_o(fetched_tag),
-      .words_o(fetched), .index_o(index), .fault_o(leaf_fault), .fault_kind_o(leaf_fault_kind),
-      .corrected_o(slot_corrected),
-      .fault_place_o(leaf_place));
+      .slots_i(slots), .secondaries_i(secondaries_q), .objects_i(objects_q), .valid_i(leaf_valid),
+      .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag), .ddr_o, .ddr_ready_i, .ddr_valid_i, .ddr_data_i,
+      .owed_o(owed), .transform_entry_o, .moving_o, .clk_moving_i, .unmoved_o, .moved_i, .valid_o(fetched_valid),
+      .tag_o(fetched_tag), .words_o(fetched), .index_o(index), .fault_o(leaf_fault), .fault_kind_o(leaf_fault_kind),
+      .fault_place_o(leaf_place), .corrected_o(slot_corrected));
 
   // ---- Boxes anew ----
   logic clk_refit, refit_comes, refit_start_q, refit_rst, refit_busy, refit_read, refit_writes, refit_done, refit_bad;
@@ -179,15 +192,15 @@ module hierarchy_unit #(
   assign refit_comes = state_q == IDLE && valid_i && pass_i.mode == registers_pkg::MODE_REFIT;
   clock_gate gate_refit (.clk_i(clk_core_i), .enable_i(refit_comes | refitting | rst_i), .clk_o(clk_refit));
   refit #(.CONTEXTS(REFIT_CONTEXTS)) boxes (
-      .clk_i(clk_refit), .rst_i(refit_rst), .start_i(refit_start_q), .node_count_i(nodes[PLACE-1:0]),
-      .busy_o(refit_busy),
-      .done_o(refit_done), .bad_o(refit_bad), .bad_slot_o(refit_bad_slot), .read_o(refit_read),
-      .read_at_o(refit_read_at), .node_i(node[0]), .write_o(refit_writes), .write_at_o(refit_write_at),
-      .node_o(refitted), .fetch_valid_o(refit_fetch), .fetch_ready_i(leaf_ready && refitting),
-      .fetch_slot_o(refit_slot), .fetch_tag_o(refit_tag), .fetched_valid_i(fetched_valid && refitting),
-      .fetched_tag_i(fetched_tag[REFIT_TAG-1:0]), .fetched_i(fetched));
+      .clk_i(clk_refit), .rst_i(refit_rst), .start_i(refit_start_q), .first_node_i(first_node[PLACE-1:0]),
+      .node_count_i(nodes[PLACE-1:0]), .busy_o(refit_busy), .done_o(refit_done), .bad_o(refit_bad),
+      .bad_slot_o(refit_bad_slot), .read_o(refit_read), .read_at_o(refit_read_at), .node_i(node[0]),
+      .write_o(refit_writes), .write_at_o(refit_write_at), .node_o(refitted), .fetch_valid_o(refit_fetch),
+      .fetch_ready_i(leaf_ready && refitting), .fetch_slot_o(refit_slot), .fetch_tag_o(refit_tag),
+      .fetched_valid_i(fetched_valid && refitting), .fetched_tag_i(fetched_tag[REFIT_TAG-1:0]),
+      .fetched_i(fetched));
   logic unused;
-  assign unused = &{1'b0, refit_busy, refit_read_at};
+  assign unused = &{1'b0, refit_busy, refit_read_at, first_node};
 
   // ---- Records ----
   hierarchy_records #(.CONFIG(CONFIG)) records (
@@ -209,7 +222,7 @@ module hierarchy_unit #(
   logic bits_failed;
   logic [NW-1:0] failed_row;
   always_comb begin
-    corrected_o = 8'(slot_corrected);
+    corrected_o = 8'($countones(slot_corrected));
     bits_failed = 1'b0;
     failed_row = '0;
     for (int u = 0; u < UNITS; u++)
@@ -224,8 +237,7 @@ module hierarchy_unit #(
   end
   assign wrong = bits_failed || (way_fault != 0 && !refitting) || leaf_fault || endless;
   assign finished_all = refitting ? refit_done : running && finished_q == ray_count && records_empty;
-  assign done_o = finished_all ||
-      (state_q == FLUSH && !owed && fault_q != 0);
+  assign done_o = finished_all || (state_q == FLUSH && !owed && fault_q != 0);
   assign fault_o = fault_q != 0;
   always_ff @(posedge clk) begin
     idle_reads_q <= (finished || rst) ? '0 : idle_reads_q + (32 + CX)'(events.nodes);
@@ -238,7 +250,8 @@ module hierarchy_unit #(
         if (valid_i) begin
           state_q <= RUN;
           mode_q <= pass_i.mode;
-          slots_q <= pass_i.count;
+          secondaries_q <= pass_i.count;
+          objects_q <= pass_i.objects;
           fault_q <= '0;
         end
       RUN:

@@ -21,6 +21,7 @@ module refit #(
     input logic clk_i,
     input logic rst_i,
     input logic start_i,  // not while busy
+    input logic [hierarchy_pkg::PLACE-1:0] first_node_i,  // those before it stay as they are
     input logic [hierarchy_pkg::PLACE-1:0] node_count_i,
     output logic busy_o,
     output logic done_o,  // one clock
@@ -53,7 +54,7 @@ module refit #(
   logic [PLACE-1:0] written_q;  // nodes from here on have been written
   logic [CX+3:0] asked_q;       // leaves that have not come
   logic [7:0] recent_q;         // in which of the last clocks something was under way: longer than any of the pipes
-  assign over = busy_q && (bad_q ? recent_q == '0 : written_q == '0);
+  assign over = busy_q && (bad_q ? recent_q == '0 : written_q == first_node_i);
   always_ff @(posedge clk_i) begin
     if (start_i) busy_q <= 1'b1;
     else if (over) busy_q <= 1'b0;
@@ -76,7 +77,7 @@ module refit #(
   logic [CONTEXTS-1:0][CHILDREN-1:0] missing_q;  // boxes that have not come
   assign head = head_q[CX-1:0];
   refit_walk #(.CX(CX)) walk (
-      .clk_i, .rst_i, .start_i, .stop_i(bad_q), .count_i(node_count_i), .written_i(written_q),
+      .clk_i, .rst_i, .start_i, .stop_i(bad_q), .first_i(first_node_i), .count_i(node_count_i), .written_i(written_q),
       .room_i(tail_q - head_q != (CX+1)'(CONTEXTS)), .context_i(tail_q[CX-1:0]), .open_o(open), .header_o(header),
       .read_o, .read_at_o, .node_i(node_i[5:3]), .child_o(child_read), .child_at_o(child_at), .fetch_valid_o,
       .fetch_ready_i, .fetch_slot_o, .fetch_two_o(two));

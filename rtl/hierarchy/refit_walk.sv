@@ -11,6 +11,7 @@ module refit_walk #(
     input logic rst_i,
     input logic start_i,
     input logic stop_i,  // nothing more is asked for
+    input logic [hierarchy_pkg::PLACE-1:0] first_i,  // the last one that is opened
     input logic [hierarchy_pkg::PLACE-1:0] count_i,
     input logic [hierarchy_pkg::PLACE-1:0] written_i,  // nodes from here on have been
     // Contexts.
@@ -33,7 +34,7 @@ module refit_walk #(
   import hierarchy_pkg::*;
 
   // ---- The next node's words ----
-  logic [PLACE-1:0] left_q;  // nodes that have not been read
+  logic [PLACE-1:0] left_q;  // nodes that have not been read, and those before first_i
   logic due_q, header_q, read_header;
   logic [HEADER-1:0] words_q;
   always_ff @(posedge clk_i) begin
@@ -44,7 +45,7 @@ module refit_walk #(
       header_q <= 1'b1;
       words_q <= {node_i[5][PLACE-1:0], node_i[4][PLACE-1:0], node_i[5][31:28], node_i[4][31:28], node_i[3][31:24]};
     end
-    if (rst_i || stop_i) {due_q, header_q, left_q} <= '0;
+    if (rst_i || stop_i) {due_q, header_q, left_q} <= {2'b0, first_i};
     if (start_i) left_q <= count_i;
   end
 
@@ -84,7 +85,7 @@ module refit_walk #(
   end
 
   // ---- What is read ----
-  assign read_header = !read_child && left_q != '0 && !due_q && (!header_q || open_o);
+  assign read_header = !read_child && left_q != first_i && !due_q && (!header_q || open_o);
   assign read_o = read_child || read_header;
   assign read_at_o = read_child ? node_q : left_q - 1;
   assign child_o = read_child;

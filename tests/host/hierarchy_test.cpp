@@ -10,7 +10,9 @@
 #include <cstdlib>
 #include <random>
 
+#include "cde/card/board.hpp"
 #include "cde/mesh/terrain.hpp"
+#include "cde/reference/pipes/transform.hpp"
 #include "testing.hpp"
 
 namespace cde::testing {
@@ -220,11 +222,11 @@ TEST(Hierarchy, DamagedFilesAreRefused) {
     }
     return std::string("nothing");
   };
-  EXPECT_EQ(refused(""), ": not a hierarchy (cde.hierarchy.1)");
-  EXPECT_EQ(refused("solid"), ": not a hierarchy (cde.hierarchy.1)");
+  EXPECT_EQ(refused(""), ": not a hierarchy (cde.hierarchy.2)");
+  EXPECT_EQ(refused("solid"), ": not a hierarchy (cde.hierarchy.2)");
   std::string later = whole;
-  later[14] = '2';
-  EXPECT_EQ(refused(later), ": a hierarchy of another version than cde.hierarchy.1");
+  later[14] = '1';
+  EXPECT_EQ(refused(later), ": a hierarchy of another version than cde.hierarchy.2");
   EXPECT_EQ(refused(whole.substr(0, 60)), ": a hierarchy that is cut off in its head");
   for (std::size_t size = 14; size < whole.size(); size += 7)
     EXPECT_NE(refused(whole.substr(0, size)), "nothing") << size;
@@ -248,14 +250,122 @@ TEST(Hierarchy, DamagedFilesAreRefused) {
   };
   EXPECT_EQ(refused(sealed(whole)), "nothing") << "it is taken";
   std::string other = whole;
-  other[16 + 4 * 2 + 2] ^= 1;  // the box's first number
+  other[16 + 4 * 3 + 2] ^= 1;  // the box's first number
   EXPECT_EQ(refused(sealed(other)), ": its box is not that of its root");
   other = whole;
-  other[16 + 4 * 8 + 4 * 3] = 127;  // the root's first exponent
+  other[16 + 4 * 9 + 4 * 3] = 127;  // the root's first exponent
   EXPECT_EQ(refused(sealed(other)), ": node 0 has the exponent 127, must be -80 to 40");
   std::string none =
-      whole.substr(0, 16) + std::string(4, '\0') + "\1" + std::string(3 + 24 + 4, '\0');
+      whole.substr(0, 16) + std::string(4, '\0') + "\1" + std::string(3 + 4 + 24 + 4, '\0');
   EXPECT_EQ(refused(sealed(none + std::string(64, 'x'))), ": a hierarchy without a root");
+}
+
+// ---- Objects ----
+
+std::vector<Triangle> random_triangles(std::size_t count) {
+  std::mt19937 bits(4);
+  const auto point = [&] {
+    std::uniform_real_distribution<float> at(-1, 1);
+    return Vector3f{at(bits), at(bits), at(bits)};
+  };
+  std::vector<Triangle> all(count);
+  for (Triangle& t : all) {
+    t.v0 = 10 * point();
+    t.v1 = t.v0 + point(), t.v2 = t.v0 + point();
+  }
+  return all;
+}
+
+/// Ranges one behind the other, in poses of their own.
+std::vector<Object> objects_of(std::size_t count, std::uint32_t each) {
+  std::vector<Object> all;
+  for (std::uint32_t k = 0; k < count; ++k) {
+    all.push_back({k * each, each, {}});
+    all.back().transform.rotation =
+        Eigen::AngleAxisf(static_cast<float>(k), Vector3f(1, 2, 2) / 3).toRotationMatrix();
+    all.back().transform.translation = {static_cast<float>(10 * k), 0, 0};
+  }
+  return all;
+}
+
+TEST(HierarchyOfObjects, HasATreeForEachBelowOne) {
+  for (const std::size_t count : {1, 2, 7, 9, 300, 2048}) {
+    for (const std::uint32_t each : {1u, 2u, 5u, 40u}) {
+      if (count == 2048 && each == 40) continue;
+      SCOPED_TRACE(std::to_string(count) + " of " + std::to_string(each));
+      const auto triangles = random_triangles(count * each);
+      const auto objects = objects_of(count, each);
+      const Hierarchy h = hierarchy_of(triangles, objects);
+      Boxes boxes;
+      for (const Triangle& t : reference::swept(triangles, objects).shapes)
+        boxes.emplace_back(t.v0.cwiseMin(t.v1).cwiseMin(t.v2), t.v0.cwiseMax(t.v1).cwiseMax(t.v2));
+      expect_sound(h, boxes);
+      ASSERT_EQ(h.parts().size(), count);
+      hierarchy::check(h.nodes(), h.order().size(), h.parts());
+      const Folder folder;
+      h.save(folder / "h");
+      const Hierarchy read = Hierarchy::load(folder / "h");
+      EXPECT_TRUE(std::ranges::equal(h.parts(), read.parts()));
+      EXPECT_TRUE(std::ranges::equal(h.nodes(), read.nodes()));
+    }
+  }
+}
+
+TEST(HierarchyOfObjects, WhatCannotBeBuiltIsSaid) {
+  const auto triangles = random_triangles(40);
+  const auto refused = [&](const std::vector<Object>& objects, ErrorCode code) {
+    try {
+      (void)hierarchy_of(triangles, objects);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), code);
+      return std::string(e.what());
+    }
+    return std::string("nothing");
+  };
+  EXPECT_EQ(refused({}, ErrorCode::kUsage), "a hierarchy of no objects");
+  EXPECT_EQ(refused({{0, 0, {}}}, ErrorCode::kUsage), "object 0: 0 secondaries from 0 on, of 40");
+  EXPECT_EQ(refused({{0, 40, {}}, {3, 38, {}}}, ErrorCode::kUsage),
+            "object 1: 38 secondaries from 3 on, of 40");
+  EXPECT_EQ(refused({{~0u, ~0u, {}}}, ErrorCode::kUsage),
+            "object 0: 4294967295 secondaries from 4294967295 on, of 40");
+  auto objects = objects_of(2, 20);
+  objects[1].transform.translation.x() = 0x1p41f;
+  EXPECT_EQ(refused(objects, ErrorCode::kBadInput).find("part 1: secondary 0: its box is"), 0u);
+  EXPECT_EQ(refused(std::vector<Object>(40'000, {0, 1, {}}), ErrorCode::kCapacity),
+            "a hierarchy of 40000 parts: it may have 32768");
+  for (const std::vector<std::uint32_t>& parts :
+       {std::vector<std::uint32_t>{}, {39}, {41}, {20, 0, 20}, {~0u, 41}})
+    EXPECT_THROW((void)Hierarchy::build(triangles, parts), Error);
+}
+
+TEST(HierarchyOfObjects, PartsAreCheckedToBeThoseOfTheTree) {
+  const Hierarchy h = hierarchy_of(random_triangles(200), objects_of(4, 50));
+  const auto defect = [&](const std::function<void(std::vector<Hierarchy::Part>&)>& change) {
+    std::vector<Hierarchy::Part> parts(h.parts().begin(), h.parts().end());
+    change(parts);
+    try {
+      hierarchy::check(h.nodes(), h.order().size(), parts);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::kBadInput);
+      return std::string(e.what());
+    }
+    return std::string("nothing");
+  };
+  EXPECT_EQ(defect([](auto&) {}), "nothing");
+  EXPECT_EQ(defect([](auto& p) { p[2].first_node += 1; }),
+            "part 2 is not behind the one before it");
+  EXPECT_EQ(defect([](auto& p) { p[0].first_node = 0; }), "part 0 is not behind the one before it");
+  EXPECT_EQ(defect([](auto& p) { p[3].nodes += 1; }), "part 3 reaches beyond all nodes or slots");
+  EXPECT_EQ(defect([](auto& p) { p.pop_back(); }), "the parts do not have all nodes and slots");
+  EXPECT_NE(defect([](auto& p) {
+              p[1].nodes += 1;
+              p[2].first_node += 1;
+              p[2].nodes -= 1;
+            }).find("has in node"),
+            std::string::npos);
+  EXPECT_NE(
+      defect([](auto& p) { p[1].secondaries -= 1, p[2].secondaries += 1; }).find("has in node"),
+      std::string::npos);
 }
 
 // ---- Nodes that are no tree ----

@@ -51,6 +51,7 @@ class Bench {
 
   void start() {
     module_->start_i = 1;
+    module_->first_node_i = first;
     module_->node_count_i = static_cast<IData>(nodes.size());
     step();
     module_->start_i = 0;
@@ -98,6 +99,7 @@ class Bench {
   [[nodiscard]] bool busy() { return module_->busy_o != 0; }
 
   std::vector<Node> nodes;
+  unsigned first = 0;  ///< node of those that are made anew
   unsigned clocks = 0, writes = 0;
   unsigned held_from = ~0u, held_to = 0;  ///< requests that memory takes before it is not ready,
                                           ///< and the clock from which it is again
@@ -233,6 +235,32 @@ TEST(RefitModule, IsTheReferenceInAnyTree) {
     else
       expect_reference<RefitTwo>(tree.nodes, order, triangles, i);
     if (::testing::Test::HasFatalFailure()) return;
+  }
+}
+
+/// From any node on; those before it stay, and take no time.
+TEST(RefitModule, LeavesWhatComesBefore) {
+  RefitDice dice(3);
+  for (const RefitScene& scene : kRefitScenes) {
+    SCOPED_TRACE(scene.name);
+    const Tree tree = built(scene.make(300, dice), 2);
+    const Triangles moved = scene.make(300, dice);
+    const auto all = reference::refit(tree.nodes, tree.order, moved);
+    for (const Way way : {Way::kSteady, Way::kLate, Way::kAtOnce}) {
+      Bench<Refit> bench(tree.nodes, tree.order, moved, way);
+      for (int times = 0; times < 5; ++times) {
+        const auto first = dice.below(static_cast<unsigned>(tree.nodes.size()));
+        bench.nodes = tree.nodes;
+        bench.first = first;
+        bench.writes = 0;
+        ASSERT_TRUE(bench.run()) << "no end";
+        if (all.bad) continue;
+        reference::Refitted should{tree.nodes, {}};
+        std::copy(all.nodes.begin() + first, all.nodes.end(), should.nodes.begin() + first);
+        expect_same(bench.nodes, should);
+        EXPECT_EQ(bench.writes, tree.nodes.size() - first);
+      }
+    }
   }
 }
 

@@ -269,7 +269,7 @@ void Board::update_words(Shape shape, std::size_t first, std::size_t count, cons
   check_shapes(shape, count, defect);
   const std::uint64_t start = clocks();
   const std::uint32_t there = std::exchange(card().secondaries, 0);  // none if this fails
-  if (count != 0) card().hierarchy.stale = true;
+  card().outdate_hierarchy(first, count);
   card().write_slots(shape, first, count, words);
   card().upload_clocks = clocks() - start;
   card().secondaries = there;

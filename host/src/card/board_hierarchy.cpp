@@ -7,6 +7,7 @@
 
 #include "card/hierarchy_pass.hpp"
 #include "cde/reference/pipes/ray_node.hpp"
+#include "cde/reference/pipes/transform.hpp"
 #include "cde/reference/refit.hpp"
 #include "cde/support/error.hpp"
 
@@ -16,9 +17,20 @@ namespace {
 void check_fits(const Board::Impl& card, const Hierarchy& hierarchy, std::uint64_t triangles) {
   if (card.node_units == 0)
     throw Error(ErrorCode::kUsage, "this card has no node units, and so no hierarchy");
+  const std::vector<Object>& objects = card.objects.objects;
+  if (!objects.empty()) triangles = card.swept({});
   if (hierarchy.order().size() != triangles)
-    throw Error(ErrorCode::kUsage, fmt::format("a hierarchy of {} secondaries over {} triangles",
-                                               hierarchy.order().size(), triangles));
+    throw Error(ErrorCode::kUsage, fmt::format("a hierarchy of {} secondaries over {} triangles{}",
+                                               hierarchy.order().size(), triangles,
+                                               objects.empty() ? "" : " of objects"));
+  const auto parts = hierarchy.parts();
+  if (!parts.empty() && !std::equal(parts.begin(), parts.end(), objects.begin(), objects.end(),
+                                    [](const Hierarchy::Part& part, const Object& object) {
+                                      return part.secondaries == object.count;
+                                    }))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("a hierarchy of {} objects, which are not the {} of the card",
+                            parts.size(), objects.size()));
   if (hierarchy.nodes().size() > card.node_capacity || triangles > card.slot_capacity)
     throw Error(
         ErrorCode::kCapacity,
@@ -36,6 +48,38 @@ std::array<std::uint32_t, 8> root_words(const Eigen::AlignedBox3f& box) {
   }
   words[6] = std::bit_cast<std::uint32_t>(root.margin);
   return words;
+}
+
+/// Which secondary, and of which object, is at each place of those of all objects.
+struct Place {
+  std::uint32_t index, object;
+};
+std::vector<Place> places_of(const std::vector<Object>& objects) {
+  std::vector<Place> places;
+  for (std::uint32_t k = 0; k < objects.size(); ++k)
+    for (std::uint32_t i = 0; i < objects[k].count; ++i)
+      places.push_back({objects[k].first + i, k});
+  return places;
+}
+
+/// Nodes that passing over takes less time than another pass.
+constexpr std::uint32_t kNodesOfAPass = 256;
+
+/// Ranges of nodes from the first one on up to an end, those of objects that have moved and what is
+/// above them, the last ones first.
+std::vector<std::array<std::uint32_t, 2>> outdated(const LoadedHierarchy& tree) {
+  if (tree.parts.empty() || tree.moved.size() != tree.parts.size()) return {{0, tree.nodes}};
+  std::vector<std::array<std::uint32_t, 2>> ranges = {{0, tree.parts.front().first_node}};
+  for (std::size_t k = 0; k < tree.parts.size(); ++k) {
+    const Hierarchy::Part& part = tree.parts[k];
+    if (!tree.moved[k] || part.nodes == 0) continue;
+    if (part.first_node - ranges.back()[1] <= kNodesOfAPass)
+      ranges.back()[1] = part.first_node + part.nodes;
+    else
+      ranges.push_back({part.first_node, part.first_node + part.nodes});
+  }
+  std::reverse(ranges.begin(), ranges.end());
+  return ranges;
 }
 
 }  // namespace
@@ -77,23 +121,61 @@ void Board::Impl::write_hierarchy(const Hierarchy& tree) {
           static_cast<std::uint32_t>(4 * kFront * std::uint64_t{node_capacity} + 8 * first),
           rest.data(), rest.size() / 2);
   }
-  const auto order = tree.order();
-  for (std::size_t first = 0; first < order.size(); first += 16 * kChunk) {
-    const auto some = order.subspan(first, std::min(16 * kChunk, order.size() - first));
-    front.assign(some.begin(), some.end());
-    if (front.size() % 2 != 0) front.push_back(0);
-    write(card::kSpaceSlots, static_cast<std::uint32_t>(4 * first), front.data(), front.size() / 2);
-  }
+  const std::vector<Place> places = places_of(objects.objects);
+  write_slots_of(tree.order(), 0,
+                 [&](std::uint32_t at) { return places.empty() ? at : places[at].index; });
+  if (!places.empty())
+    write_slots_of(tree.order(), 4 * slot_capacity,
+                   [&](std::uint32_t at) { return places[at].object; });
   check_bus("the upload of a hierarchy");
+  for (const Object& object : objects.objects) {
+    hierarchy.firsts.push_back(object.first);
+    hierarchy.counts.push_back(object.count);
+  }
+  hierarchy.parts.assign(tree.parts().begin(), tree.parts().end());
   hierarchy.root = root_words(tree.box());
+  hierarchy.slots = static_cast<std::uint32_t>(tree.order().size());
   hierarchy.nodes = static_cast<std::uint32_t>(nodes.size());
 }
 
-void Board::Impl::configure_hierarchy() {
-  if (objects.entries != 0) write_register(card::kRegObjectCount, 0);
+void Board::Impl::write_slots_of(std::span<const std::uint32_t> order, std::uint64_t byte,
+                                 const std::function<std::uint32_t(std::uint32_t)>& word) {
+  constexpr std::size_t kChunk = 65'536;
+  std::vector<std::uint32_t> words;
+  for (std::size_t first = 0; first < order.size(); first += kChunk) {
+    const auto some = order.subspan(first, std::min(kChunk, order.size() - first));
+    words.clear();
+    std::transform(some.begin(), some.end(), std::back_inserter(words), word);
+    if (words.size() % 2 != 0) words.push_back(0);
+    write(card::kSpaceSlots, static_cast<std::uint32_t>(byte + 4 * first), words.data(),
+          words.size() / 2);
+  }
+}
+
+void Board::Impl::outdate_hierarchy(std::uint64_t first, std::uint64_t count) {
+  if (count == 0) return;
+  hierarchy.moved.resize(hierarchy.parts.size());
+  hierarchy.stale = true;
+  for (std::size_t k = 0; k < hierarchy.parts.size(); ++k)
+    if (first < std::uint64_t{hierarchy.firsts[k]} + hierarchy.counts[k] &&
+        hierarchy.firsts[k] < first + count)
+      hierarchy.moved[k] = true;
+}
+
+void Board::Impl::outdate_hierarchy(std::size_t object) {
+  hierarchy.moved.resize(hierarchy.parts.size());
+  hierarchy.stale = true;
+  if (object < hierarchy.moved.size()) hierarchy.moved[object] = true;
+}
+
+void Board::Impl::configure_hierarchy(std::uint32_t first, std::uint32_t end) {
+  if (objects.entries != 0) write_register(card::kRegObjectCount, objects.objects.size());
+  if (primary_objects.entries != 0) write_register(card::kRegPrimObjectCount, 0);
   write_register(card::kRegSecFirst, 0);
   write_register(card::kRegSecCount, secondaries);
-  write_register(card::kRegNodeCount, hierarchy.nodes);
+  write_register(card::kRegSlotCount, hierarchy.slots);
+  write_register(card::kRegNodeFirst, first);
+  write_register(card::kRegNodeCount, end);
   for (unsigned k = 0; k < 4; ++k)
     write_register(card::kRegRoot + 8 * k,
                    hierarchy.root[2 * k] | std::uint64_t{hierarchy.root[2 * k + 1]} << 32);
@@ -104,10 +186,15 @@ Counters Board::refit() {
   it.link->alive();
   if (it.hierarchy.nodes == 0)
     throw Error(ErrorCode::kUsage, "no hierarchy was uploaded to the board");
+  if (const auto why = it.no_way_through_objects()) throw Error(ErrorCode::kUsage, *why);
   Query query;
   query.pair = Pair::kRayTriangle;
+  it.prepare_objects();
+  const auto ranges =
+      it.hierarchy.stale ? outdated(it.hierarchy) : std::vector{std::array{0u, it.hierarchy.nodes}};
   it.hierarchy.stale = true;
-  const Counters counters = RefitPass(it, query).execute();
+  Counters counters;
+  for (const auto& [first, end] : ranges) counters += RefitPass(it, query).execute(first, end);
   hierarchy::Node root;
   for (unsigned k = 0; k < hierarchy::Node::kWords / 2; ++k) {
     const std::uint64_t words = it.read_register(card::kRegNewRoot + 8 * k);
@@ -116,27 +203,61 @@ Counters Board::refit() {
   }
   it.hierarchy.root = root_words(reference::box_of(root));
   it.hierarchy.stale = false;
+  it.hierarchy.moved.clear();
   return counters;
+}
+
+/// Of objects as they lie in the card now.
+std::optional<std::string> Board::Impl::no_way_through_objects() const {
+  const auto& all = objects.objects;
+  if (hierarchy.firsts.size() != all.size()) {
+    return all.empty() ? "the hierarchy is of objects, which the card has not any more"
+                       : "the hierarchy is not one of the card's objects";
+  }
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (all[k].first != hierarchy.firsts[k] || all[k].count != hierarchy.counts[k])
+      return fmt::format("the hierarchy has another object {} than the card", k);
+    // Of equal T the one that is met first counts in a sweep, the least number in a hierarchy.
+    if (k > 0 && all[k].first < std::uint64_t{all[k - 1].first} + all[k - 1].count)
+      return fmt::format("object {} does not lie behind object {}", k, k - 1);
+  }
+  return std::nullopt;
 }
 
 std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
   (void)name_of(q.mode);  // or it is none
   if (node_units == 0) return "the card has no node units";
   if (hierarchy.nodes == 0) return "no hierarchy was uploaded";
-  if (hierarchy.stale) return "secondaries were uploaded anew, and no hierarchy of them";
+  if (const auto why = no_way_through_objects()) return why;
+  if (hierarchy.stale)
+    return objects.objects.empty() ? "secondaries were uploaded anew, and no hierarchy of them"
+                                   : "objects have moved since, and no refit()";
   if (q.mode == Mode::kAll) return "mode all has records of all secondaries, hit or not";
   if (q.pair.value_or(Pair::kRayTriangle) != Pair::kRayTriangle || q.swap)
     return "it is of rays with triangles";
   if (q.second) return "two pairs at a time sweep";
   if (q.normals) return "rays have no normals";
   if (q.first_secondary != 0 || q.secondary_count != 0) return "a range of secondaries is swept";
-  if (!objects.objects.empty()) return "objects are swept";
   if (!primary_objects.objects.empty()) return "rays that move with objects sweep";
   return std::nullopt;
 }
 
 std::optional<std::string> Board::no_way_through(const Query& query) const {
   return card().no_way_through(query);
+}
+
+Hierarchy hierarchy_of(const TriangleView& triangles, std::span<const Object> objects,
+                       const HierarchyOptions& options) {
+  if (objects.empty()) throw Error(ErrorCode::kUsage, "a hierarchy of no objects");
+  std::vector<std::uint32_t> counts;
+  for (const Object& object : objects) {
+    if (object.count == 0 || std::uint64_t{object.first} + object.count > triangles.size())
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("object {}: {} secondaries from {} on, of {}", counts.size(),
+                              object.count, object.first, triangles.size()));
+    counts.push_back(object.count);
+  }
+  return Hierarchy::build(reference::swept(triangles, objects).shapes, counts, options);
 }
 
 }  // namespace cde

@@ -32,9 +32,13 @@ struct ObjectTable {
 
 /// The hierarchy in a card's memory.
 struct LoadedHierarchy {
-  std::uint32_t nodes = 0;              ///< 0: none
+  std::uint32_t nodes = 0, slots = 0;   ///< 0: none
   std::array<std::uint32_t, 8> root{};  ///< as kRegRoot has it
-  bool stale = false;                   ///< secondaries have changed since
+  std::vector<Hierarchy::Part> parts;   ///< of objects
+  std::vector<std::uint32_t> firsts;    ///< secondaries that the objects begin with
+  std::vector<std::uint32_t> counts;
+  bool stale = false;       ///< secondaries have changed since
+  std::vector<bool> moved;  ///< of which objects; meant only while it is stale
 };
 
 /// State of a Board, and single accesses to its card. Private to the driver.
@@ -79,14 +83,23 @@ class Board::Impl {
   /// What a pass needs: primaries and objects as they were given, if a fault kept them from the
   /// card; objects that fit, ranges of primaries where these lie.
   void prepare();
+  void prepare_objects();  ///< the part of it that is of objects
   /// Byte of DDR where a secondary begins that has a word with more wrong bits than check bits
   /// correct, found by passes over half of what is left at a time; `command` as the pass that met
   /// it had. Nothing if it is not met again.
   [[nodiscard]] std::optional<std::uint64_t> find_uncorrectable(std::uint64_t command);
   /// Nodes and slots into their memories.
   void write_hierarchy(const Hierarchy& hierarchy);
-  /// The registers that passes through it and refits share.
-  void configure_hierarchy();
+  /// A word of each slot, of what its place in the order is.
+  void write_slots_of(std::span<const std::uint32_t> order, std::uint64_t byte,
+                      const std::function<std::uint32_t(std::uint32_t)>& word);
+  /// The registers that passes through it and refits share; of the nodes from the first one on up
+  /// to the end.
+  void configure_hierarchy(std::uint32_t first, std::uint32_t end);
+  /// Secondaries have changed, or objects have moved: the hierarchy's boxes are not theirs.
+  void outdate_hierarchy(std::uint64_t first, std::uint64_t count);
+  void outdate_hierarchy(std::size_t object);
+  [[nodiscard]] std::optional<std::string> no_way_through_objects() const;
   /// Why the pass cannot go through a hierarchy; nothing if it can.
   [[nodiscard]] std::optional<std::string> no_way_through(const Query& query) const;
   /// The words of a loaded primary.
@@ -140,7 +153,6 @@ class Board::Impl {
     bool written = false;
   };
   void write_packet(Packet& packet);
-  void prepare_objects();
   [[nodiscard]] bool uncorrectable(std::uint32_t first, std::uint32_t count);
   std::array<Packet, 2> packets_;  ///< of the first and of the second pair
   /// Error kUsage if the object does not fit what lies in the card, as far as something does.

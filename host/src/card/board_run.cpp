@@ -351,8 +351,10 @@ Counters walk(Board::Impl& card, const Query& query, std::span<const std::uint32
               const HierarchyPass::Rays& rays, std::vector<Record>& records) {
   records.clear();
   if (numbers.empty()) return {};
-  return with_retries(card,
-                      [&] { return HierarchyPass(card, query, numbers, rays).execute(records); });
+  return with_retries(card, [&] {
+    card.prepare_objects();
+    return HierarchyPass(card, query, numbers, rays).execute(records);
+  });
 }
 
 /// What mode occluded leaves of a record of mode any.

@@ -26,10 +26,13 @@ std::string node_fault(Board::Impl& card, std::uint64_t fault) {
       case card::kNodeFaultNode:
         return fmt::format("node {} is asked for, of {}", place, card.hierarchy.nodes);
       case card::kNodeFaultSlot:
-        return fmt::format("slot {} is asked for, of {}", place, card.secondaries);
+        return fmt::format("slot {} is asked for, of {}", place, card.hierarchy.slots);
       case card::kNodeFaultIndex:
         return fmt::format("slot {} has a secondary beyond the {} uploaded", place,
                            card.secondaries);
+      case card::kNodeFaultObject:
+        return fmt::format("slot {} has an object beyond the {} there are", place,
+                           card.objects.objects.size());
       case card::kNodeFaultDepth:
         return fmt::format("the levels above node {} are more than {}", place,
                            Hierarchy::kMostDepth);
@@ -69,7 +72,7 @@ void HierarchyPass::configure() {
   card_.write_register(card::kRegCommand, card::kCommandMode(query_.mode) |
                                               card::kCommandHierarchy |
                                               card::kCommandPair(Pair::kRayTriangle));
-  card_.configure_hierarchy();
+  card_.configure_hierarchy(0, card_.hierarchy.nodes);
   card_.write_register(card::kRegRayCount, numbers_.size());
 }
 
@@ -219,18 +222,18 @@ std::string HierarchyPass::state() {
       card_.clocks());
 }
 
-Counters RefitPass::execute() {
+Counters RefitPass::execute(std::uint32_t first, std::uint32_t end) {
   card_.write_register(card::kRegControl, card::kControlClear);
   card_.write_register(card::kRegCommand, card::kCommandHierarchy |
                                               card::kCommandPair(Pair::kRayTriangle) |
                                               std::uint64_t{card::kModeRefit});
-  card_.configure_hierarchy();
+  card_.configure_hierarchy(first, end);
   try {
     card_.write_register(card::kRegControl, card::kControlGo);
     std::uint64_t status = 0;
     // The card ends by itself, but for a memory that never answers.
     const std::uint64_t most =
-        1'000'000 + (64 + card_.ddr_latency) * std::uint64_t{card_.secondaries};
+        1'000'000 + (64 + card_.ddr_latency) * std::uint64_t{card_.hierarchy.slots};
     while (!bit(status, card::kStatusDone)) {
       if (card_.clocks() - started_ > most) timeout(fmt::format("deadline of {} clocks", most));
       status = work(16384);

@@ -13,11 +13,11 @@ namespace cde {
 /// What the card says of nodes that are no tree's. Private to the driver.
 [[nodiscard]] std::string node_fault(Board::Impl& card, std::uint64_t fault);
 
-/// Boxes anew. Private to the driver.
+/// Boxes anew, of nodes from the first one on up to the end. Private to the driver.
 class RefitPass : private CardPass {
  public:
   explicit RefitPass(Board::Impl& card, const Query& query) : CardPass(card, query) {}
-  Counters execute();
+  Counters execute(std::uint32_t first, std::uint32_t end);
 
  private:
   [[nodiscard]] std::string state() override;

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <limits>
+#include <memory>
+#include <numeric>
 #include <thread>
 
 #include "cde/hierarchy/hierarchy.hpp"
@@ -35,10 +38,22 @@ struct Box {
   }
 };
 
-struct Reference {
-  Box box;
-  std::uint32_t index = 0;
+/// A secondary: its box, and its number in the place of a fourth coordinate (32 bytes; of a tree of
+/// millions they are a quarter of what building it takes). As a float it is a normal one.
+class Reference {
+ public:
+  Reference(const Eigen::AlignedBox3f& of, std::uint32_t index) {
+    box.lo << of.min(), std::bit_cast<float>(index + kOffset);
+    box.hi << of.max(), 0;
+  }
+  [[nodiscard]] std::uint32_t index() const {
+    return std::bit_cast<std::uint32_t>(box.lo[3]) - kOffset;
+  }
   [[nodiscard]] Corner centre() const { return box.lo + box.hi; }  // twice
+  Box box;
+
+ private:
+  static constexpr std::uint32_t kOffset = 1u << 29;  // numbers have 28 bits
 };
 
 /// Of the tree of two children. Without: a leaf.
@@ -49,9 +64,6 @@ struct Pairing {
   unsigned height = 0;
 };
 
-/// Levels of pairs, three of which make one of eights.
-constexpr unsigned kMostHeight = 3 * Hierarchy::kMostDepth;
-
 /// Levels below a node that so many secondaries need at least.
 unsigned least_height(std::size_t count, unsigned leaf) {
   unsigned height = 0;
@@ -61,11 +73,16 @@ unsigned least_height(std::size_t count, unsigned leaf) {
 
 class Pairings {
  public:
-  Pairings(std::vector<Reference>& references, unsigned leaf, unsigned threads)
-      : references_(references), leaf_(leaf), nodes_(2 * references.size()) {
+  /// Of so many levels of eights at most, each of which is three of pairs.
+  Pairings(std::vector<Reference>& references, unsigned leaf, unsigned threads, unsigned depth)
+      : references_(references), leaf_(leaf), room_(2 * references.size()) {
+    nodes_ = std::allocator<Pairing>().allocate(room_);
     for (unsigned forks = 1; forks < threads; forks *= 2) ++forks_;
-    split(0, 0, references.size(), kMostHeight, forks_);
+    split(0, 0, references.size(), 3 * depth, forks_);
   }
+  ~Pairings() { std::allocator<Pairing>().deallocate(nodes_, room_); }
+  Pairings(const Pairings&) = delete;
+  Pairings& operator=(const Pairings&) = delete;
   [[nodiscard]] const Pairing& operator[](std::uint32_t i) const { return nodes_[i]; }
 
  private:
@@ -89,7 +106,7 @@ class Pairings {
   /// Makes node `at` of the references from `first` on, which has `height` levels left.
   void split(std::uint32_t at, std::size_t first, std::size_t count, unsigned height,
              unsigned forks) {
-    Pairing& node = nodes_[at];
+    Pairing& node = *std::construct_at(&nodes_[at]);
     node.first = static_cast<std::uint32_t>(first);
     node.count = static_cast<std::uint32_t>(count);
     Box centres;
@@ -174,14 +191,16 @@ class Pairings {
     std::nth_element(begin, middle, begin + static_cast<std::ptrdiff_t>(count),
                      [axis](const Reference& a, const Reference& b) {
                        const float x = a.centre()[axis], y = b.centre()[axis];
-                       return x != y ? x < y : a.index < b.index;
+                       return x != y ? x < y : a.index() < b.index();
                      });
     return (count + 1) / 2;
   }
 
   std::vector<Reference>& references_;
   unsigned leaf_, forks_ = 0;
-  std::vector<Pairing> nodes_;
+  /// Room for as many as there can be; what is not used is never touched, and so takes no memory.
+  std::size_t room_;
+  Pairing* nodes_;
   std::atomic<std::uint32_t> used_{1};
 };
 
@@ -189,34 +208,30 @@ Eigen::AlignedBox3f aligned(const Box& box) {
   return {box.lo.head<3>().matrix(), box.hi.head<3>().matrix()};
 }
 
-void check_boxes(std::span<const Eigen::AlignedBox3f> boxes) {
-  constexpr float kMost = 0x1p40f;
-  if (boxes.size() > hierarchy::Node::kMostNumber)
+void check_count(std::size_t count) {
+  if (count > hierarchy::Node::kMostNumber)
     throw Error(ErrorCode::kCapacity, fmt::format("a hierarchy of {} secondaries: it may have {}",
-                                                  boxes.size(), hierarchy::Node::kMostNumber));
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    const auto& b = boxes[i];
-    const float most = std::max(b.min().cwiseAbs().maxCoeff(), b.max().cwiseAbs().maxCoeff());
-    // Written so that a NaN is refused.
-    if (!((b.min().array() <= b.max().array()).all() && most <= kMost))
-      throw Error(ErrorCode::kBadInput,
-                  fmt::format("secondary {}: its box is from {},{},{} to {},{},{}; it must not be "
-                              "empty, nor beyond 2^40",
-                              i, b.min().x(), b.min().y(), b.min().z(), b.max().x(), b.max().y(),
-                              b.max().z()));
-  }
+                                                  count, hierarchy::Node::kMostNumber));
 }
 
-std::vector<Eigen::AlignedBox3f> boxes_of(const TriangleView& triangles) {
-  std::vector<Eigen::AlignedBox3f> boxes(triangles.size());
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    const Triangle t = triangles[i];
-    boxes[i] = {t.v0.cwiseMin(t.v1).cwiseMin(t.v2), t.v0.cwiseMax(t.v1).cwiseMax(t.v2)};
-    // Of a NaN the other number may be what is left.
-    for (const Eigen::Vector3f* v : {&t.v0, &t.v1, &t.v2})
-      if (v->hasNaN()) boxes[i].min() = *v;
-  }
-  return boxes;
+void check_box(std::size_t i, const Eigen::AlignedBox3f& b) {
+  constexpr float kMost = 0x1p40f;
+  const float most = std::max(b.min().cwiseAbs().maxCoeff(), b.max().cwiseAbs().maxCoeff());
+  // Written so that a NaN is refused.
+  if (!((b.min().array() <= b.max().array()).all() && most <= kMost))
+    throw Error(ErrorCode::kBadInput,
+                fmt::format("secondary {}: its box is from {},{},{} to {},{},{}; it must not be "
+                            "empty, nor beyond 2^40",
+                            i, b.min().x(), b.min().y(), b.min().z(), b.max().x(), b.max().y(),
+                            b.max().z()));
+}
+
+Eigen::AlignedBox3f box_of(const Triangle& t) {
+  Eigen::AlignedBox3f box(t.v0.cwiseMin(t.v1).cwiseMin(t.v2), t.v0.cwiseMax(t.v1).cwiseMax(t.v2));
+  // Of a NaN the other number may be what is left.
+  for (const Eigen::Vector3f* v : {&t.v0, &t.v1, &t.v2})
+    if (v->hasNaN()) box.min() = *v;
+  return box;
 }
 
 }  // namespace
@@ -224,8 +239,9 @@ std::vector<Eigen::AlignedBox3f> boxes_of(const TriangleView& triangles) {
 /// Nodes of eight children, level by level.
 class HierarchyBuilder {
  public:
-  HierarchyBuilder(Hierarchy& to, const Pairings& from, const std::vector<Reference>& references)
-      : to_(to), from_(from) {
+  HierarchyBuilder(Hierarchy& to, const Pairings& from, const std::vector<Reference>& references,
+                   unsigned depth)
+      : to_(to), from_(from), most_(depth) {
     to_.nodes_.clear();
     to_.order_.reserve(references.size());
     waiting_.push_back(0);
@@ -242,7 +258,7 @@ class HierarchyBuilder {
   /// opened first, then the largest.
   [[nodiscard]] std::vector<std::uint32_t> opened(std::uint32_t node) const {
     std::vector<std::uint32_t> list = {node};
-    const unsigned below = 3 * (Hierarchy::kMostDepth - to_.depth_ - 1);
+    const unsigned below = 3 * (most_ - to_.depth_ - 1);
     while (list.size() < hierarchy::Node::kChildren) {
       std::size_t best = list.size();
       for (std::size_t i = 0; i < list.size(); ++i) {
@@ -279,7 +295,7 @@ class HierarchyBuilder {
       } else {
         node.set_child(i, c.count == 1 ? Child::kLeafOfOne : Child::kLeafOfTwo);
         for (std::uint32_t r = c.first; r < c.first + c.count; ++r)
-          to_.order_.push_back(references[r].index);
+          to_.order_.push_back(references[r].index());
       }
       ++i;
     }
@@ -289,41 +305,141 @@ class HierarchyBuilder {
 
   Hierarchy& to_;
   const Pairings& from_;
+  unsigned most_;
   std::vector<std::uint32_t> waiting_;
   std::uint32_t next_node_ = 0;
 };
 
 Hierarchy Hierarchy::build(std::span<const Eigen::AlignedBox3f> boxes,
                            const HierarchyOptions& options) {
+  return build(
+      boxes.size(), [&](std::size_t i) { return boxes[i]; }, options, kMostDepth);
+}
+
+Hierarchy Hierarchy::build(std::size_t count, const BoxOf& box, const HierarchyOptions& options,
+                           unsigned depth) {
   if (options.leaf != 1 && options.leaf != 2)
     throw Error(ErrorCode::kUsage,
                 fmt::format("a hierarchy with leaves of {}: 1 or 2", options.leaf));
-  check_boxes(boxes);
+  check_count(count);
   Hierarchy made;
-  if (boxes.empty()) return made;
-  std::vector<Reference> references(boxes.size());
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    references[i].box.lo << boxes[i].min(), 0;
-    references[i].box.hi << boxes[i].max(), 0;
-    references[i].index = static_cast<std::uint32_t>(i);
+  if (count == 0) return made;
+  std::vector<Reference> references;
+  references.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::AlignedBox3f its = box(i);
+    check_box(i, its);
+    references.emplace_back(its, static_cast<std::uint32_t>(i));
   }
   const unsigned threads =
       options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
-  const Pairings pairings(references, options.leaf, threads);
+  const Pairings pairings(references, options.leaf, threads, depth);
   made.box_ = aligned(pairings[0].box);
-  const HierarchyBuilder builder(made, pairings, references);
+  const HierarchyBuilder builder(made, pairings, references, depth);
   return made;
 }
 
 Hierarchy Hierarchy::build(const TriangleView& triangles, const HierarchyOptions& options) {
-  return build(boxes_of(triangles), options);
+  return build(
+      triangles.size(), [&](std::size_t i) { return box_of(triangles[i]); }, options, kMostDepth);
+}
+
+namespace {
+
+/// Levels of the tree over the boxes of parts, and how many these can be (a card has up to 2,048
+/// objects).
+constexpr unsigned kTopDepth = 5;
+constexpr std::size_t kMostParts = std::size_t{1} << (3 * kTopDepth);
+
+}  // namespace
+
+Hierarchy Hierarchy::build(const TriangleView& triangles, std::span<const std::uint32_t> parts,
+                           const HierarchyOptions& options) {
+  if (parts.empty()) throw Error(ErrorCode::kUsage, "a hierarchy of no parts");
+  if (parts.size() > kMostParts)
+    throw Error(ErrorCode::kCapacity,
+                fmt::format("a hierarchy of {} parts: it may have {}", parts.size(), kMostParts));
+  const std::uint64_t all = std::accumulate(parts.begin(), parts.end(), std::uint64_t{0});
+  if (all != triangles.size() || std::find(parts.begin(), parts.end(), 0u) != parts.end())
+    throw Error(ErrorCode::kUsage,
+                fmt::format("parts of {} triangles in all, of {}: none may be empty or left out",
+                            all, triangles.size()));
+  std::vector<Hierarchy> trees;
+  std::size_t first = 0;
+  for (std::size_t k = 0; k < parts.size(); first += parts[k++]) {
+    try {
+      trees.push_back(build(
+          parts[k], [&](std::size_t i) { return box_of(triangles[first + i]); }, options,
+          kMostDepth - kTopDepth));
+    } catch (const Error& e) {
+      if (e.code() != ErrorCode::kBadInput) throw;
+      throw Error(ErrorCode::kBadInput, fmt::format("part {}: {}", k, e.what()));
+    }
+  }
+  return joined(trees);
+}
+
+/// The tree over the boxes and the roots of all trees first, each behind its parent; behind these
+/// what is below the roots, tree by tree.
+Hierarchy Hierarchy::joined(std::span<const Hierarchy> trees) {
+  using hierarchy::Child;
+  const Hierarchy top = build(
+      trees.size(), [&](std::size_t i) { return trees[i].box(); }, {.leaf = 1, .threads = 1},
+      kTopDepth);
+  struct Entry {
+    bool of_top;
+    std::uint32_t number;  ///< of its node, or of the tree
+  };
+  std::vector<Entry> entries = {{true, 0}};
+  std::vector<std::size_t> roots(trees.size());
+  Hierarchy all;
+  all.nodes_.clear();
+  for (std::size_t n = 0; n < entries.size(); ++n) {
+    all.nodes_.emplace_back();
+    if (!entries[n].of_top) {
+      roots[entries[n].number] = n;
+      continue;
+    }
+    hierarchy::Node node = top.nodes()[entries[n].number];
+    const hierarchy::Node from = node;
+    node.set_first_node(static_cast<std::uint32_t>(entries.size()));
+    node.set_first_slot(0);
+    for (unsigned i = 0; i < hierarchy::Node::kChildren; ++i) {
+      if (from.child(i) == Child::kNone) continue;
+      const bool of_top = from.child(i) == Child::kNode;
+      entries.push_back({of_top, of_top ? from.place(i) : top.order()[from.place(i)]});
+      node.set_child(i, Child::kNode);
+    }
+    all.nodes_[n] = node;
+  }
+  for (std::size_t k = 0; k < trees.size(); ++k) all.add_part(trees[k], roots[k]);
+  all.box_ = top.box();
+  all.depth_ = hierarchy::check(all.nodes_, all.order_.size());
+  return all;
+}
+
+void Hierarchy::add_part(const Hierarchy& tree, std::size_t root) {
+  const auto first = static_cast<std::uint32_t>(nodes_.size());
+  const auto slots = static_cast<std::uint32_t>(order_.size());
+  for (std::size_t n = 0; n < tree.nodes_.size(); ++n) {
+    hierarchy::Node node = tree.nodes_[n];
+    node.set_first_node(first + node.first_node() - 1);
+    node.set_first_slot(slots + node.first_slot());
+    if (n == 0)
+      nodes_[root] = node;
+    else
+      nodes_.push_back(node);
+  }
+  for (const std::uint32_t index : tree.order_) order_.push_back(slots + index);
+  parts_.push_back({first, static_cast<std::uint32_t>(tree.nodes_.size() - 1),
+                    static_cast<std::uint32_t>(tree.order_.size())});
 }
 
 void Hierarchy::refit(std::span<const Eigen::AlignedBox3f> boxes) {
   if (boxes.size() != order_.size())
     throw Error(ErrorCode::kUsage,
                 fmt::format("{} secondaries for a hierarchy of {}", boxes.size(), order_.size()));
-  check_boxes(boxes);
+  for (std::size_t i = 0; i < boxes.size(); ++i) check_box(i, boxes[i]);
   std::vector<Eigen::AlignedBox3f> of_nodes(nodes_.size());
   for (std::size_t n = nodes_.size(); n-- > 0;) {  // children are behind their parents
     hierarchy::Node& node = nodes_[n];
@@ -341,7 +457,9 @@ void Hierarchy::refit(std::span<const Eigen::AlignedBox3f> boxes) {
 }
 
 void Hierarchy::refit(const TriangleView& triangles) {
-  refit(boxes_of(triangles));
+  std::vector<Eigen::AlignedBox3f> boxes(triangles.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = box_of(triangles[i]);
+  refit(boxes);
 }
 
 }  // namespace cde

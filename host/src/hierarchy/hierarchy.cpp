@@ -18,11 +18,11 @@ namespace {
 
 using hierarchy::Node;
 
-/// A file: this line, then words of 32 bits, least byte first: how many nodes and how many
-/// secondaries, the box (lower corner, upper corner), nodes, order; and the sha256 of all before it
-/// in hexadecimal digits.
-constexpr std::string_view kMagic = "cde.hierarchy.1\n";
-constexpr std::size_t kHeadWords = 8, kDigits = 64;
+/// A file: this line, then words of 32 bits, least byte first: how many nodes, secondaries and
+/// parts, the box (lower corner, upper corner), nodes, order, of each part its first node, nodes
+/// and secondaries; and the sha256 of all before it in hexadecimal digits.
+constexpr std::string_view kMagic = "cde.hierarchy.2\n";
+constexpr std::size_t kHeadWords = 9, kDigits = 64, kPartWords = 3;
 
 void put(std::string& to, std::uint32_t word) {
   for (unsigned byte = 0; byte < 4; ++byte) to += static_cast<char>(word >> (8 * byte) & 0xff);
@@ -72,15 +72,21 @@ Hierarchy::Visits Hierarchy::expected_visits() const {
 
 void Hierarchy::save(const std::filesystem::path& path) const {
   std::string bytes(kMagic);
-  bytes.reserve(kMagic.size() + 4 * (kHeadWords + nodes_.size() * Node::kWords + order_.size()) +
-                kDigits);
+  bytes.reserve(
+      kMagic.size() +
+      4 * (kHeadWords + nodes_.size() * Node::kWords + order_.size() + kPartWords * parts_.size()) +
+      kDigits);
   put(bytes, static_cast<std::uint32_t>(nodes_.size()));
   put(bytes, static_cast<std::uint32_t>(order_.size()));
+  put(bytes, static_cast<std::uint32_t>(parts_.size()));
   for (const Eigen::Vector3f& corner : {box_.min(), box_.max()})
     for (const float x : corner) put(bytes, std::bit_cast<std::uint32_t>(x));
   for (const Node& node : nodes_)
     for (const std::uint32_t word : node.words) put(bytes, word);
   for (const std::uint32_t index : order_) put(bytes, index);
+  for (const Part& part : parts_)
+    for (const std::uint32_t word : {part.first_node, part.nodes, part.secondaries})
+      put(bytes, word);
   bytes += sha256(bytes);
   OutputFile file(path);
   file.write(bytes);
@@ -92,17 +98,18 @@ Hierarchy Hierarchy::load(const std::filesystem::path& path) {
   const auto fail = [&](const std::string& what) {
     throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(path.string()), what));
   };
-  if (!bytes.starts_with("cde.hierarchy.")) fail("not a hierarchy (cde.hierarchy.1)");
-  if (!bytes.starts_with(kMagic)) fail("a hierarchy of another version than cde.hierarchy.1");
+  if (!bytes.starts_with("cde.hierarchy.")) fail("not a hierarchy (cde.hierarchy.2)");
+  if (!bytes.starts_with(kMagic)) fail("a hierarchy of another version than cde.hierarchy.2");
   const std::size_t head = kMagic.size() + 4 * kHeadWords;
   if (bytes.size() < head + kDigits) fail("a hierarchy that is cut off in its head");
   Words words(
       std::string_view(bytes).substr(kMagic.size(), bytes.size() - kMagic.size() - kDigits));
-  const std::size_t nodes = words.next(), slots = words.next();
-  const std::size_t size = head + 4 * (nodes * Node::kWords + slots) + kDigits;
+  const std::size_t nodes = words.next(), slots = words.next(), parts = words.next();
+  const std::size_t size = head + 4 * (nodes * Node::kWords + slots + kPartWords * parts) + kDigits;
   if (bytes.size() != size)
-    fail(fmt::format("a hierarchy of {} nodes and {} secondaries has {} bytes, this has {}", nodes,
-                     slots, size, bytes.size()));
+    fail(fmt::format(
+        "a hierarchy of {} nodes, {} secondaries and {} parts has {} bytes, this has {}", nodes,
+        slots, parts, size, bytes.size()));
   const std::size_t end = bytes.size() - kDigits;
   if (sha256(std::string_view(bytes).substr(0, end)) != std::string_view(bytes).substr(end))
     fail("a damaged hierarchy: its checksum is another");
@@ -121,8 +128,13 @@ Hierarchy Hierarchy::load(const std::filesystem::path& path) {
     there[index] = true;
     read.order_.push_back(index);
   }
+  for (std::size_t k = 0; k < parts; ++k) {
+    const std::uint32_t first = words.next(), below = words.next();
+    read.parts_.push_back({first, below, words.next()});
+  }
   try {
     read.depth_ = hierarchy::check(read.nodes_, slots);
+    hierarchy::check(read.nodes_, slots, read.parts_);
   } catch (const Error& e) {
     fail(e.what());
   }

@@ -130,4 +130,30 @@ unsigned check(std::span<const Node> nodes, std::size_t slots) {
   return Check(nodes, slots).depth();
 }
 
+void check(std::span<const Node> nodes, std::size_t slots, std::span<const Hierarchy::Part> parts) {
+  if (parts.empty()) return;
+  std::size_t node = parts.front().first_node, slot = 0;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const auto fail = [k](const std::string& what) {
+      throw Error(ErrorCode::kBadInput, fmt::format("part {} {}", k, what));
+    };
+    const std::size_t nodes_end = node + parts[k].nodes, slots_end = slot + parts[k].secondaries;
+    if (node == 0 || parts[k].first_node != node) fail("is not behind the one before it");
+    if (nodes_end > nodes.size() || slots_end > slots) fail("reaches beyond all nodes or slots");
+    for (std::size_t n = node; n < nodes_end; ++n) {
+      for (unsigned i = 0; i < Node::kChildren; ++i) {
+        const std::size_t place = nodes[n].place(i), count = slots_of(nodes[n].child(i));
+        if (nodes[n].child(i) == Child::kNode
+                ? place < node || place >= nodes_end
+                : count != 0 && (place < slot || place + count > slots_end))
+          fail(fmt::format("has in node {} what is not its own", n));
+      }
+    }
+    node = nodes_end;
+    slot = slots_end;
+  }
+  if (node != nodes.size() || slot != slots)
+    throw Error(ErrorCode::kBadInput, "the parts do not have all nodes and slots");
+}
+
 }  // namespace cde::hierarchy

@@ -99,12 +99,16 @@ class Board {
   /// triangles; kCapacity, with the sizes, if its memory of nodes or slots is smaller.
   void upload(const TriangleView& triangles, const Hierarchy& hierarchy, bool validate = true);
   /// A hierarchy over what is uploaded, as it is now: after update_shapes(), which leaves the one
-  /// before unused, with its refit(). Errors as above.
+  /// before unused, with its refit(). With objects, those of set_objects(), one of these as they
+  /// have been moved (hierarchy_of()); they must lie one behind the other in DDR for
+  /// rays to go through it. Errors as above.
   void upload(const Hierarchy& hierarchy);
-  /// Boxes of the card's hierarchy anew, by the card, for secondaries as update_shapes() left them;
-  /// the tree stays as it is. Returns what the card counted. Errors: kUsage if there is no
-  /// hierarchy; kBadInput naming a slot of the tree whose triangle is not finite or beyond 2^40,
-  /// and kDevice, as run(): the hierarchy is then unused.
+  /// Boxes of the card's hierarchy anew, by the card, for secondaries as update_shapes() and
+  /// move_object() left them; the tree stays as it is. Of a hierarchy of objects only what is below
+  /// those that have changed, and what is above all of them. Returns what the card counted. Errors:
+  /// kUsage if there is no hierarchy, or it is of other objects; kBadInput naming a slot of the
+  /// tree whose triangle is not finite or beyond 2^40, as it was moved, and kDevice, as run(): the
+  /// hierarchy is then unused.
   Counters refit();
   /// The same for other shapes (Sphere, Aabb, Obb, Plane, Cylinder, Ray; Triangle too).
   template <class P>
@@ -134,7 +138,8 @@ class Board {
   /// range that is empty or reaches beyond the upload (run() looks again), or for a rotated object
   /// of AABBs; kBadInput naming an object whose transform has a defect.
   void set_objects(std::span<const Object> objects);
-  /// Moves one of them: 12 words over the bus. Errors as above.
+  /// Moves one of them: 12 words over the bus. A hierarchy over them is then unused until refit().
+  /// Errors as above.
   void move_object(std::size_t object, const Transform& transform);
 
   /// The same for primaries, by their number in the packet (with those of load_second_shapes()
@@ -251,6 +256,12 @@ class Board {
   Counters cast_through(const RayView& rays, const Query& query, const RecordSink& sink);
   std::shared_ptr<Impl> impl_;  ///< this board's; a pass keeps it over a sink that drops the board
 };
+
+/// A hierarchy over the triangles of objects, object after object, as a card's transformer moves
+/// them; each object is a part of it. Errors: kUsage (no object, or one that is empty or reaches
+/// beyond the triangles), and as Hierarchy::build.
+[[nodiscard]] Hierarchy hierarchy_of(const TriangleView& triangles, std::span<const Object> objects,
+                                     const HierarchyOptions& options = {});
 
 /// Where a record of a packet's primary comes from, for messages: the clock as it is now, when the
 /// record has been read, and the lane and the row of the register file that hold the primary.

@@ -17,7 +17,8 @@ enum Space : std::uint32_t {
   kSpaceSram = 3,   ///< record stream: every beat read takes the next words of the ring
   kSpaceNodes = 4,  ///< nodes of a hierarchy: words 0 to 15 of node n at byte 64 n, 16 and 17 at 64
                     ///< NODES + 8 n
-  kSpaceSlots = 5,  ///< which secondary is in each slot of its leaves, a word each
+  kSpaceSlots = 5,  ///< which secondary is in each slot of its leaves, a word each, and with a
+                    ///< transformer behind all of these the objects that they are of
   kSpaceRays = 6,   ///< rays on their way into a pass through it: a ring of kRays places
 };
 inline constexpr unsigned kSpaces = 7;     ///< the card refuses numbers from here on
@@ -68,7 +69,9 @@ enum Register : std::uint32_t {
   kRegNodeFault = 0x168,    ///< kNodeFault* fields
   kRegNewRoot = 0x180,      ///< 9 registers: the words of the root, as a refit made it
   kRegNodeFlip = 0x1c8,     ///< kNodeFlip* fields: with check bits, wrong ones, to test them
-  kRegEnd = 0x1d0,
+  kRegSlotCount = 0x1d0,    ///< slots of the tree
+  kRegNodeFirst = 0x1d8,    ///< of a refit: nodes before it stay as they are
+  kRegEnd = 0x1e0,
 };
 
 /// Registers of the counters of a pass, unit by unit in the order in which a unit brings them.
@@ -115,6 +118,7 @@ enum NodeFault : unsigned {
   kNodeFaultSecondary = 6,  ///< of a refit, a secondary beyond 2^40 or no number: its slot
   kNodeFaultNodeBits = 7,   ///< with check bits, more wrong ones of a word than can be corrected
   kNodeFaultSlotBits = 8,   ///< the same of what is in a slot
+  kNodeFaultObject = 9,     ///< a slot of an object beyond the last one: the slot
 };
 
 /// Result modes, kRegCommand[2:0].

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -37,13 +38,30 @@ class Hierarchy {
   [[nodiscard]] static Hierarchy build(const TriangleView& triangles,
                                        const HierarchyOptions& options = {});
 
+  /// One of parts, which have so many of the triangles one behind the other: a tree each (parts()),
+  /// below one over their boxes, so that it stays a good one wherever they go. hierarchy_of() in
+  /// board.hpp makes one of objects. Errors beside those above: kUsage if there is no part, one is
+  /// empty, or they are not all triangles; kCapacity for more than 32,768; what is said of a box
+  /// names its part.
+  [[nodiscard]] static Hierarchy build(const TriangleView& triangles,
+                                       std::span<const std::uint32_t> parts,
+                                       const HierarchyOptions& options = {});
+
   /// Boxes anew for secondaries that have moved; the tree stays. Error kUsage if there are more or
   /// fewer, and as build().
   void refit(std::span<const Eigen::AlignedBox3f> boxes);
   void refit(const TriangleView& triangles);
 
-  /// Of the root first, level by level; one node at least.
+  /// The root first, and each node before those below it; one node at least.
   [[nodiscard]] std::span<const hierarchy::Node> nodes() const { return nodes_; }
+  /// A part's nodes but for its root, which lie together, and how many secondaries it has. Those of
+  /// all parts fill nodes() and order() to their ends, one behind the other.
+  struct Part {
+    std::uint32_t first_node = 0, nodes = 0, secondaries = 0;
+    bool operator==(const Part&) const = default;
+  };
+  /// Those that it was built of, in their order.
+  [[nodiscard]] std::span<const Part> parts() const { return parts_; }
   /// Which secondary is in each slot.
   [[nodiscard]] std::span<const std::uint32_t> order() const { return order_; }
   /// Of all secondaries; empty without.
@@ -66,8 +84,14 @@ class Hierarchy {
 
  private:
   friend class HierarchyBuilder;
+  using BoxOf = std::function<Eigen::AlignedBox3f(std::size_t)>;
+  [[nodiscard]] static Hierarchy build(std::size_t count, const BoxOf& box,
+                                       const HierarchyOptions& options, unsigned depth);
+  [[nodiscard]] static Hierarchy joined(std::span<const Hierarchy> trees);
+  void add_part(const Hierarchy& tree, std::size_t root);
   std::vector<hierarchy::Node> nodes_;
   std::vector<std::uint32_t> order_;
+  std::vector<Part> parts_;
   Eigen::AlignedBox3f box_;
   unsigned depth_ = 1;
 };
@@ -79,6 +103,10 @@ namespace hierarchy {
 /// deeper than Hierarchy::kMostDepth, with exponents in range, origins finite and no lower corner
 /// above its upper one.
 unsigned check(std::span<const Node> nodes, std::size_t slots);
+
+/// Error kBadInput unless the parts are those of such a tree: what is below a node of a part is of
+/// the same one.
+void check(std::span<const Node> nodes, std::size_t slots, std::span<const Hierarchy::Part> parts);
 
 /// Gives the node the children's boxes; those of kNone are not looked at. Boxes are within 2^40.
 void set_boxes(Node& node, std::span<const Eigen::AlignedBox3f> children);

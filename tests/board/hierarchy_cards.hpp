@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <ostream>
+#include <tuple>
+#include <vector>
+
+#include "board_configs.hpp"
+#include "cde/card/board.hpp"
+#include "cde/reference/traversal.hpp"
+#include "hard_rays.hpp"
+
+/// Cards with a hierarchy, and what rays through it are to find, for tests of them.
+namespace cde::testing {
+
+using hard::Scene;
+
+// Configurations of CMakeLists.txt.
+inline BoardConfig fast_config() {
+  return {.lanes = 4, .box = true, .node_units = 2, .nodes = 1024};
+}
+inline BoardConfig gates_config() {
+  return {.lanes = 1,
+          .arithmetic = Arithmetic::kRtl,
+          .box = true,
+          .node_units = 1,
+          .nodes = 1024,
+          .transform = Transformer::kSecondaries,
+          .ddr_slots = 2000,
+          .sram_records = 64};
+}
+/// Slow operators, four units, check bits in DDR, other pairs, a small ring.
+inline BoardConfig slow_config() {
+  return {.lanes = 4,
+          .pairs = {Pair::kRayTriangle, Pair::kTriangleSphere},
+          .box = true,
+          .swap = true,
+          .node_units = 4,
+          .nodes = 1024,
+          .transform = Transformer::kBoth,
+          .latency_add = 2,
+          .latency_mul = 3,
+          .latency_div = 9,
+          .latency_compare = 2,
+          .ddr_slots = 2000,
+          .sram_records = 64,
+          .ecc = true};
+}
+inline BoardConfig on_pci_config() {
+  BoardConfig c = fast_config();
+  c.sram_records = 64;
+  c.bus = Bus::kCycle;
+  return c;
+}
+inline BoardConfig objects_config() {
+  BoardConfig c = fast_config();
+  c.transform = Transformer::kSecondaries;
+  return c;
+}
+struct Card {
+  const char* name;
+  BoardConfig (*config)();
+  OpenOptions options = {};
+  friend std::ostream& operator<<(std::ostream& out, const Card& c) { return out << c.name; }
+};
+inline const Card kFast{"fast", fast_config}, kGates{"gates", gates_config},
+    kSlow{"slow", slow_config}, kPci{"pci", on_pci_config},
+    kDdr{"ddr", fast_config, {.memory = Memory::kCycle}},
+    kLate{"late", slow_config, {.ddr_latency = 300}}, kObjects{"objects", objects_config};
+
+constexpr Mode kModes[] = {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kHits,
+                           Mode::kOccluded};
+
+inline Record f_alone(const Record& any) {
+  Record r;
+  r.f = any.f;
+  r.primary = any.primary;
+  if (any.bad) r.bad = true, r.t = any.t, r.cp = any.cp;
+  return r;
+}
+
+/// What the reference's way through the hierarchy gives, in the order of the card.
+inline std::vector<Record> expected(const Scene& scene, const Hierarchy& tree,
+                                    const std::vector<Ray>& rays, Mode mode) {
+  reference::Traversal walk(scene, tree);
+  std::vector<Record> all;
+  for (std::uint32_t i = 0; i < rays.size(); ++i) {
+    for (const Record& r : walk.trace(rays[i], i, mode == Mode::kOccluded ? Mode::kAny : mode))
+      all.push_back(mode == Mode::kOccluded ? f_alone(r) : r);
+  }
+  if (mode == Mode::kHits)
+    std::sort(all.begin(), all.end(), [](const Record& a, const Record& b) {
+      return std::tuple(a.primary / 256, a.index, a.primary) <
+             std::tuple(b.primary / 256, b.index, b.primary);
+    });
+  return all;
+}
+
+inline std::size_t expect_same(const std::vector<Record>& records,
+                               const std::vector<Record>& should) {
+  EXPECT_EQ(records.size(), should.size());
+  std::size_t different = 0, hits = 0;
+  for (std::size_t i = 0; i < std::min(records.size(), should.size()); ++i) {
+    hits += records[i].f;
+    if (same_bits(records[i], should[i])) continue;
+    if (different++ < 3)
+      ADD_FAILURE() << "record " << i << " of ray " << records[i].primary << ": T " << records[i].t
+                    << " of " << records[i].index << ", should be ray " << should[i].primary
+                    << ", T " << should[i].t << " of " << should[i].index;
+  }
+  EXPECT_EQ(different, 0u);
+  return hits;
+}
+
+inline std::vector<Ray> hard_rays(const Scene& scene, std::size_t count) {
+  hard::Rays draw(scene, 5);
+  std::vector<Ray> rays;
+  for (std::size_t i = 0; i < count; ++i) {
+    rays.push_back(draw(static_cast<unsigned>(i % hard::Rays::kKinds)));
+    if (i % 61 == 7) rays.back().d.setZero();  // bad
+    if (i % 127 == 9) rays.back().o.x() = std::numeric_limits<float>::quiet_NaN();
+  }
+  return rays;
+}
+
+}  // namespace cde::testing

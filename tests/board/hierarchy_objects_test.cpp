@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rays through a hierarchy of objects that move: records are those of a sweep, and of the reference
+// over the triangles as they have been moved.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <limits>
+
+#include "cde/reference/pipes/transform.hpp"
+#include "expect_error.hpp"
+#include "hierarchy_cards.hpp"
+
+namespace cde::testing {
+namespace {
+
+using Eigen::Vector3f;
+using hard::kScenes;
+
+const Card kObjectsDdr{"objects_ddr", objects_config, {.memory = Memory::kCycle}};
+
+Transform pose(hard::Draw& draw, float size, float far) {
+  Transform t;
+  t.rotation = Eigen::Quaternionf(draw(-1, 1), draw(-1, 1), draw(-1, 1), draw(-1, 1))
+                   .normalized()
+                   .toRotationMatrix();
+  t.translation = draw.point() * size + Vector3f::Constant(far);
+  return t;
+}
+
+/// Triangles in ranges, between which some are in no object, that move.
+struct Moving {
+  Moving(Scene all, std::uint32_t count, float far = 0) : scene(std::move(all)), far(far) {
+    const auto each = static_cast<std::uint32_t>(scene.size()) / count;
+    for (std::uint32_t k = 0; k < count; ++k)
+      objects.push_back({k * each + (k % 3 == 1 ? 1 : 0), each - 1, {}});
+    for (std::size_t k = 0; k < objects.size(); ++k) move(k);
+  }
+  void move(std::size_t k) { objects[k].transform = pose(draw, 1.5f, far); }
+
+  /// As a pass meets them, and which secondary each is.
+  [[nodiscard]] reference::Swept<Triangle> swept() const {
+    return reference::swept(scene, objects);
+  }
+  [[nodiscard]] Hierarchy tree() const { return hierarchy_of(scene, objects); }
+  [[nodiscard]] std::vector<Record> expected(const std::vector<Ray>& rays, Mode mode) const {
+    const auto all = swept();
+    std::vector<Record> records =
+        testing::expected(all.shapes, Hierarchy::build(all.shapes), rays, mode);
+    for (Record& r : records)
+      if (r.f && mode != Mode::kOccluded) r.index = all.slots[r.index];
+    return records;
+  }
+
+  Scene scene;
+  float far;
+  std::vector<Object> objects;
+  hard::Draw draw{11};
+};
+
+class HierarchyObjects : public ::testing::TestWithParam<Card> {};
+INSTANTIATE_TEST_SUITE_P(Cards, HierarchyObjects,
+                         ::testing::Values(kObjects, kObjectsDdr, kGates, kSlow, kLate),
+                         [](const auto& card) { return std::string(card.param.name); });
+
+/// CDE_FULL=1: a million rays with host arithmetic.
+TEST_P(HierarchyObjects, RecordsAreThoseOfASweepAndOfTheReference) {
+  const BoardConfig config = GetParam().config();
+  Board board = Board::open(config, GetParam().options);
+  const bool gates = config.arithmetic == Arithmetic::kRtl, slow = config.latency_add > 1,
+             full = std::getenv("CDE_FULL") != nullptr;
+  const std::size_t count = full ? (gates ? 300 : slow ? 3'000 : 36'000) : gates || slow ? 30 : 200;
+  std::size_t hits = 0;
+  for (const auto& one : kScenes) {
+    SCOPED_TRACE(one.name);
+    Scene triangles = one.make();
+    if (triangles.size() < 4) continue;
+    if (gates && triangles.size() > 600) triangles.resize(600);
+    for (const float far : {0.0f, 1e5f}) {
+      if (far != 0 && gates) continue;
+      Moving world(triangles, std::min<std::uint32_t>(7, triangles.size() / 2), far);
+      board.upload(world.scene);
+      board.set_objects(world.objects);
+      board.upload(world.tree());
+      for (int frame = 0; frame < 2; ++frame) {
+        const std::vector<Ray> rays = hard_rays(world.swept().shapes, count);
+        for (const Mode mode : kModes) {
+          SCOPED_TRACE(name_of(mode));
+          Query query{.mode = mode, .pair = Pair::kRayTriangle, .through = Through::kHierarchy};
+          const std::vector<Record> found = board.cast(rays, query);
+          hits += expect_same(found, world.expected(rays, mode));
+          query.through = Through::kSweep;
+          if (mode == Mode::kNearest || !(full || slow))
+            expect_same(found, board.cast(rays, query));
+        }
+        for (const std::size_t k : {1u, 4u}) {
+          if (k >= world.objects.size()) continue;
+          world.move(k);
+          board.move_object(k, world.objects[k].transform);
+        }
+        board.refit();
+      }
+    }
+  }
+  EXPECT_GT(hits, count);
+}
+
+TEST(HierarchyOfObjects, SaysWhyThereIsNoWayThrough) {
+  Board board = Board::open(objects_config());
+  Moving world(kScenes[6].make(), 4);
+  const auto why = [&] { return board.no_way_through({}).value_or(""); };
+  board.upload(world.scene);
+  board.set_objects(world.objects);
+  expect_error(ErrorCode::kUsage, "of objects",
+               [&] { board.upload(Hierarchy::build(world.scene)); });
+  board.upload(world.tree());
+  EXPECT_EQ(why(), "");
+  board.move_object(2, world.objects[1].transform);
+  EXPECT_EQ(why(), "objects have moved since, and no refit()");
+  board.refit();
+  EXPECT_EQ(why(), "");
+  board.update_shapes<Triangle>(0, std::span(world.scene).first(3));
+  EXPECT_EQ(why(), "objects have moved since, and no refit()");
+  board.refit();
+  EXPECT_EQ(why(), "");
+
+  std::vector<Object> others = world.objects;
+  others[3].count -= 2;
+  board.set_objects(others);
+  EXPECT_EQ(why(), "the hierarchy has another object 3 than the card");
+  expect_error(ErrorCode::kUsage, "another object 3", [&] { board.refit(); });
+  expect_error(ErrorCode::kUsage, "of objects", [&] { board.upload(world.tree()); });
+  others[3].count += 2;
+  std::swap(others[0].count, others[1].count);
+  others[1].count += 1;
+  others[3].count -= 1;
+  board.set_objects(others);
+  expect_error(ErrorCode::kUsage, "which are not the 4 of the card",
+               [&] { board.upload(world.tree()); });
+  board.set_objects({});
+  EXPECT_EQ(why(), "the hierarchy is of objects, which the card has not any more");
+  expect_error(ErrorCode::kUsage, "a hierarchy of 4 objects",
+               [&] { board.upload(world.swept().shapes, world.tree()); });
+  // The same ones again, after a reset that drops them.
+  board.upload(world.scene);
+  board.set_objects(world.objects);
+  board.upload(world.tree());
+  board.reset();
+  EXPECT_EQ(why(), "the hierarchy is of objects, which the card has not any more");
+  board.set_objects(world.objects);
+  board.refit();
+  EXPECT_EQ(why(), "");
+  // Two that share secondaries, or stand in another order, are met in that order by a sweep.
+  others = world.objects;
+  std::swap(others[0], others[1]);
+  board.set_objects(others);
+  board.upload(hierarchy_of(world.scene, others));
+  EXPECT_EQ(why(), "object 1 does not lie behind object 0");
+}
+
+/// A tree without parts over objects is refitted as a whole; of one with parts, what has moved.
+TEST(HierarchyOfObjects, RefitsWhatHasMoved) {
+  Board board = Board::open(objects_config());
+  Moving world(hard::triangles_of(make_terrain({.quads_x = 50, .quads_y = 50})), 8);
+  const std::vector<Ray> rays = hard_rays(world.swept().shapes, 300);
+  board.upload(world.scene);
+  board.set_objects(world.objects);
+  board.upload(Hierarchy::build(world.swept().shapes));
+  EXPECT_TRUE(Hierarchy::build(world.swept().shapes).parts().empty());
+  world.move(3);
+  board.move_object(3, world.objects[3].transform);
+  const std::uint64_t whole = board.refit().cycles;
+  const Query on{.through = Through::kHierarchy};
+  expect_same(board.cast(rays, on), world.expected(rays, Mode::kNearest));
+  board.upload(world.tree());
+  for (const std::size_t k : {0u, 5u, 7u}) {
+    world.move(k);
+    board.move_object(k, world.objects[k].transform);
+    EXPECT_LT(board.refit().cycles, whole / 3) << k;
+    expect_same(board.cast(rays, on), world.expected(rays, Mode::kNearest));
+  }
+}
+
+/// What a transform brings beyond 2^40 has no box: the refit says so, a sweep goes on.
+TEST(HierarchyOfObjects, WhatHasNoBoxIsRefused) {
+  Board board = Board::open(objects_config());
+  Scene wide = kScenes[6].make();
+  for (Triangle& t : wide)
+    for (Vector3f* v : {&t.v0, &t.v1, &t.v2}) *v = *v * 0x1p27f + Vector3f::Constant(0x1p38f);
+  Moving world(wide, 3);
+  board.upload(world.scene);
+  board.set_objects(world.objects);
+  board.upload(world.tree());
+  Transform beyond;
+  beyond.translation = {0x1p40f, 0, 0};
+  world.objects[1].transform = beyond;
+  board.move_object(1, beyond);
+  expect_error(ErrorCode::kBadInput, "beyond 2^40", [&] { board.refit(); });
+  EXPECT_EQ(*board.no_way_through({}), "objects have moved since, and no refit()");
+  expect_error(ErrorCode::kBadInput, "part 1: secondary 0", [&] { (void)world.tree(); });
+  const std::vector<Ray> rays = hard_rays(world.scene, 60);
+  EXPECT_EQ(board.cast(rays).size(), rays.size());
+  world.move(1);
+  board.move_object(1, world.objects[1].transform);
+  board.refit();
+  expect_same(board.cast(rays, {.through = Through::kHierarchy}),
+              world.expected(rays, Mode::kNearest));
+}
+
+TEST(HierarchyOfObjects, MemoryThatIsNoTrees) {
+  Board board = Board::open(objects_config());
+  Moving world(kScenes[6].make(), 3);
+  const std::vector<Ray> rays = hard_rays(world.swept().shapes, 300);
+  board.upload(world.scene);
+  board.set_objects(world.objects);
+  const Hierarchy tree = world.tree();
+  board.upload(tree);
+  const Query on{.through = Through::kHierarchy};
+  const std::uint32_t objects_at = 4 * 8 * 1024;  // behind the slots of 1,024 nodes
+  const std::vector<std::uint64_t> none(tree.order().size() / 2, 3 | std::uint64_t{3} << 32);
+  board.bus_write(card::kSpaceSlots, objects_at, none);
+  expect_error(ErrorCode::kDevice, "has an object beyond the 3 there are",
+               [&] { (void)board.cast(rays, on); });
+  expect_error(ErrorCode::kDevice, "has an object beyond the 3 there are", [&] {
+    board.move_object(0, world.objects[0].transform);
+    board.refit();
+  });
+  board.bus_write(card::kSpaceSlots, 2 * objects_at, {});
+  const std::vector<std::uint64_t> beat(1, 0);
+  board.bus_write(card::kSpaceSlots, 2 * objects_at, beat);
+  EXPECT_TRUE(board.read_register(card::kRegStatus) >> card::kStatusBusError & 1);
+  board.write_register(card::kRegControl, card::kControlClear);
+  board.upload(tree);
+  expect_same(board.cast(rays, on), world.expected(rays, Mode::kNearest));
+}
+
+}  // namespace
+}  // namespace cde::testing
