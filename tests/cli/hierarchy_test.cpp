@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde cast through a hierarchy: the same records, said what it is, and refused where it cannot be.
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "run_cde.hpp"
 
@@ -124,6 +125,92 @@ TEST_F(CastHierarchy, OneHeapIsSwept) {
   const Ran ran = cde({"cast", "heap.obj", "--grid", "32x32", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   EXPECT_EQ(nlohmann::json::parse(ran.out)["through"], "sweep");
+}
+
+// ---- Scenes ----
+
+/// A terrain, and a torus above it that turns and is a band of a deforming mesh, too.
+std::string flight(const std::string& card) {
+  return "frames = 4\n[card]\n" + card + R"(
+[[object]]
+name = "ground"
+mesh = "terrain:40,40,3"
+[[object]]
+name = "ring"
+mesh = ")" +
+         CDE_SOURCE_DIR + R"(/meshes/torus.stl"
+scale = 30
+motion = { kind = "velocity", position = [180, 180, 260], linear = [40, 20, 0], angular = [30, 0, 90] }
+[[object]]
+name = "ball"
+mesh = ")" +
+         CDE_SOURCE_DIR + R"(/meshes/icosphere.ply"
+scale = 40
+deform = { kind = "random", vertices = [3, 90], amplitude = [0, 0, 0.2], seed = 5 }
+motion = { kind = "velocity", position = [90, 200, 300], linear = [0, 10, -20] }
+[[object]]
+name = "rays"
+random_rays = { count = 700, seed = 7 }
+motion = { kind = "path", points = [[150, 150, 400], [250, 250, 350]], duration = 0.1 }
+[[query]]
+name = "near"
+pair = "ray-triangle"
+primaries = "rays"
+secondaries = ["ground", "ring", "ball"]
+mask = [3, 500]
+[[query]]
+name = "hits"
+pair = "ray-triangle"
+primaries = "rays"
+secondaries = ["ground", "ring", "ball"]
+mode = "hits"
+)";
+}
+
+class SceneHierarchy : public Cli {
+ protected:
+  /// Runs it, and gives its run.json and the bytes of its records.
+  nlohmann::json run(const std::string& name, const std::string& card, std::string& records) {
+    write(name + ".toml", flight(card));
+    const Ran ran = cde({"run", name + ".toml", "-q"});
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    const auto j = nlohmann::json::parse(read(name + ".run/run.json"));
+    for (const auto& frame : j["played"])
+      for (const auto& file : frame["files"])
+        records += read(name + ".run/" + file.get<std::string>());
+    EXPECT_EQ(j["totals"]["mismatches"], 0);
+    return j;
+  }
+};
+
+/// Whoever moves the objects: the same bytes as those of sweeps.
+TEST_F(SceneHierarchy, SameRecordsAsSweeps) {
+  std::string swept, through, posed;
+  const auto off = run("off", "hierarchy = \"off\"\nlanes = 16\nmover = \"card\"", swept);
+  const auto on = run("on", "mover = \"card\"", through);
+  const auto host = run("host", "mover = \"host\"", posed);
+  EXPECT_GT(swept.size(), 100'000u);
+  EXPECT_TRUE(swept == through);
+  EXPECT_TRUE(swept == posed);
+  EXPECT_EQ(on["plan"]["queries"][0]["through"], "hierarchy");
+  EXPECT_EQ(off["plan"]["queries"][0]["through"], "sweep");
+  EXPECT_LT(on["totals"]["tests"].get<double>(), off["totals"]["tests"].get<double>() / 100);
+}
+
+TEST_F(SceneHierarchy, PlanHasClocksOfBoth) {
+  write("s.toml", flight(""));
+  const Ran text = cde({"plan", "s.toml"});
+  ASSERT_EQ(text.status, 0) << text.err;
+  std::istringstream words(text.out);  // wherever lines end
+  std::string all, word;
+  while (words >> word) all += word + " ";
+  EXPECT_NE(all.find("through a hierarchy in about"), std::string::npos) << text.out;
+  EXPECT_NE(all.find("sweeps of 128 lanes take"), std::string::npos) << text.out;
+  write("bad.toml", flight("hierarchy = \"yes\""));
+  const Ran bad = cde({"plan", "bad.toml"});
+  EXPECT_EQ(bad.status, 2);
+  EXPECT_NE(bad.err.find("bad.toml:3:"), std::string::npos) << bad.err;
+  EXPECT_NE(bad.err.find("hierarchy"), std::string::npos) << bad.err;
 }
 
 }  // namespace

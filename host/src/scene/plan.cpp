@@ -12,6 +12,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "scene/plan_card.hpp"
+#include "scene/plan_hierarchy.hpp"
 #include "scene/plan_mover.hpp"
 #include "scene/self_pairs.hpp"
 
@@ -28,6 +29,7 @@ constexpr unsigned kLaneSteps[] = {16, 64, kMostLanes};
 /// each other in 1.7 s (40 frames).
 constexpr unsigned kLanesOfLargePipes = 8;
 constexpr unsigned kMostLanesOfGates = 16;
+constexpr unsigned kLanesBesideATree = 4;
 
 /// What effects cost a simulation: how many times as long a frame of rays and triangles takes.
 /// Medians of `cde bench effects`, which prints them beside its own.
@@ -213,6 +215,12 @@ Effect box_rule(const Scene& scene, const Plan& plan) {
 Effect lanes(const Scene& scene, const Plan& plan) {
   const unsigned n = plan.board.lanes;
   Effect e{"lanes", true, fmt::format("{}", n), "", ""};
+  if (std::all_of(plan.queries.begin(), plan.queries.end(),
+                  [](const QueryWork& w) { return w.hierarchy; })) {
+    e.why = scene.card.lanes ? "asked for in [card]" : "nothing is swept";
+    e.cost = "0 rows a frame";
+    return e;
+  }
   std::uint64_t most = 0;
   for (const QueryWork& w : plan.queries) most = std::max(most, std::min(kPacket, w.primaries));
   if (scene.card.lanes)
@@ -412,6 +420,22 @@ void add_movers(const Scene& scene, const plan_mover::Movers& movers, Plan& plan
   }
 }
 
+/// Node units where rays go through a hierarchy. Where all do, nothing sweeps: lanes have nothing
+/// to do, and rays are written on their way, as the host has moved them.
+Effect add_hierarchy(const Scene& scene, plan_mover::Movers& movers, Plan& plan) {
+  const plan_hierarchy::Choice choice = plan_hierarchy::choose(scene, plan);
+  if (choice.nodes == 0) return choice.effect;
+  plan.board.node_units = 2;
+  plan.board.nodes = choice.nodes;
+  for (std::size_t q = 0; q < plan.queries.size(); ++q)
+    plan.queries[q].hierarchy = choice.queries[q];
+  if (std::find(choice.queries.begin(), choice.queries.end(), false) != choice.queries.end())
+    return choice.effect;
+  plan_mover::leave_primaries(movers, "rays are written on their way into the hierarchy");
+  if (!scene.card.lanes) plan.board.lanes = kLanesBesideATree;
+  return choice.effect;
+}
+
 }  // namespace
 
 std::optional<double> simulation_cost(std::string_view effect) {
@@ -434,9 +458,12 @@ Plan plan(const Scene& scene) {
     plan.resident = plan.resident && q.secondaries == scene.queries.front().secondaries;
   }
   check_capacity(scene, plan);
-  const plan_mover::Movers movers = plan_mover::choose(scene, plan.resident);
+  plan_mover::Movers movers = plan_mover::choose(scene, plan.resident);
+  plan.card_moves = movers.secondaries;
+  const Effect hierarchy = add_hierarchy(scene, movers, plan);
   add_movers(scene, movers, plan);
   plan.effects = effects_of(scene, plan, movers.effects);
+  plan.effects.insert(plan.effects.begin() + 2, hierarchy);
   return plan;
 }
 

@@ -182,6 +182,13 @@ void choose_primaries(const Scene& scene, Movers& movers) {
 
 }  // namespace
 
+void leave_primaries(Movers& movers, const std::string& why) {
+  movers.primaries.assign(movers.primaries.size(), false);
+  movers.primary_words.reset();
+  movers.effects.back() = {"transformer of primaries", false, "none", why,
+                           "written in every frame"};
+}
+
 std::uint64_t words_a_frame(const Scene& scene, const SceneObject& object, bool by_card) {
   std::uint64_t deformed = 0;
   for (const Range& range : deforming(object)) deformed += range.count;

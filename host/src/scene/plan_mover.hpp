@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "cde/scene/plan.hpp"
@@ -21,6 +22,9 @@ struct Movers {
 /// `resident`: all queries have the same secondaries. Errors kUsage if the scene asks for
 /// mover = "card" and it cannot be.
 [[nodiscard]] Movers choose(const Scene& scene, bool resident);
+
+/// No primary is moved by the card, for a reason that overrides all others.
+void leave_primaries(Movers& movers, const std::string& why);
 
 /// Words written in a frame for an object among the secondaries that stay in DDR.
 [[nodiscard]] std::uint64_t words_a_frame(const Scene& scene, const SceneObject& object,

@@ -187,9 +187,11 @@ class Player::Impl {
       : scene_(scene),
         options_(std::move(options)),
         board_(Board::open(plan.board, options_of(scene))),
+        through_(plan.queries.size()),
         secondaries_(board_, scene, plan),
         primaries_(board_, scene, plan),
         faults_(board_, options_.faults) {
+    for (std::size_t q = 0; q < through_.size(); ++q) through_[q] = plan.queries[q].hierarchy;
     if (!options_.waves_of) trace_open();
   }
   void trace_close() {
@@ -306,7 +308,8 @@ class Player::Impl {
     if (here && options_.made_of)
       options_.made_of({primaries, secondaries_.placed(), counting(packet.self)});
     if (here) trace_open();
-    if (!sweeps.empty()) load(first, count, result);
+    const bool streams = through(packet, query);  // on their way, so nothing is loaded
+    if (!sweeps.empty() && !streams) load(first, count, result);
     if (!packet.self.any() || q.mode == Mode::kAll || q.mode == Mode::kHits) {
       for (const SelfPairs::Sweep& sweep : sweeps) pass(packet, query, sweep, deliver, result);
     } else {
@@ -340,10 +343,16 @@ class Player::Impl {
     result.counters.total_clocks += loading;
   }
 
-  /// One pass of the packet that is loaded; `take` gets the records of pairs that count.
+  [[nodiscard]] bool through(const Packet& packet, const Query& query) const {
+    return through_[packet.query] && !board_.no_way_through(query);
+  }
+
+  /// One pass of the packet, which is loaded unless it goes through a hierarchy; `take` gets the
+  /// records of pairs that count.
   void pass(const Packet& packet, Query query, const SelfPairs::Sweep& sweep,
             const RecordSink& take, QueryFrame& result) {
-    if (!secondaries_.moved_by_card()) {
+    const bool streams = through(packet, query);
+    if (!streams && !secondaries_.moved_by_card()) {
       query.first_secondary = static_cast<std::uint32_t>(sweep.first);
       query.secondary_count = static_cast<std::uint32_t>(sweep.count);
     }
@@ -361,7 +370,7 @@ class Player::Impl {
     double host = 0;
     std::uint64_t seen = 0;
     std::vector<Record> renumbered;
-    Counters c = board_.run(query, [&](std::span<const Record> records) {
+    const RecordSink receive = [&](std::span<const Record> records) {
       const auto received = Clock::now();
       result.card_records += records.size();
       renumbered.clear();
@@ -376,7 +385,9 @@ class Player::Impl {
       }
       if (!renumbered.empty()) take(renumbered);
       host += seconds_since(received);
-    });
+    };
+    Counters c =
+        streams ? board_.cast(rays_of(packet), query, receive) : board_.run(query, receive);
     result.pass_seconds += seconds_since(start) - host;
     // The board counts its last load in every pass, and the records that it wrote.
     c.total_clocks -= c.upload_clocks;
@@ -385,6 +396,12 @@ class Player::Impl {
     result.counters += c;
     ++result.passes;
     result.download_clocks += c.total_clocks - std::min(c.total_clocks, c.cycles + c.writeback);
+  }
+
+  [[nodiscard]] std::span<const Ray> rays_of(const Packet& packet) const {
+    const std::span<const Ray> all = std::get<std::vector<Ray>>(primaries_.placed());
+    const std::size_t first = packet.number * kPacket;
+    return all.subspan(first, std::min(kPacket, all.size() - first));
   }
 
   /// The primaries whose records are compared, ascending.
@@ -403,6 +420,7 @@ class Player::Impl {
   const Scene& scene_;
   PlayOptions options_;
   Board board_;
+  std::vector<bool> through_;  ///< queries whose rays go through a hierarchy
   player::Secondaries secondaries_;
   player::Primaries primaries_;
   player::Faults faults_;

@@ -7,6 +7,7 @@
 
 #include "cde/geometry/rounded.hpp"
 #include "cde/reference/pipes/transform.hpp"
+#include "cde/support/error.hpp"
 
 namespace cde::player {
 namespace {
@@ -141,25 +142,53 @@ void Row::place(const Change& change) {
 Secondaries::Secondaries(Board& board, const Scene& scene, const Plan& plan)
     : board_(&board),
       has_table_(plan.board.transform != Transformer::kNone),
+      has_tree_(std::any_of(plan.queries.begin(), plan.queries.end(),
+                            [](const QueryWork& w) { return w.hierarchy; })),
       row_(scene, plan.card_moves, Table::kAll) {}
 
 void Secondaries::show(const std::vector<std::size_t>& objects, std::uint32_t frame) {
   const Row::Change change = row_.show(objects, frame);
   try {
-    std::visit(
-        [&](const auto& list) {
-          const std::span all(list);
-          if (change.all) return board_->upload_shapes(all, false);
-          for (const Range& range : change.shapes)
-            board_->update_shapes(range.first, all.subspan(range.first, range.count), false);
-        },
-        row_.shapes());
-    if (change.all && has_table_) board_->set_objects(row_.entries());
-    for (const std::size_t k : change.entries) board_->move_object(k, row_.entries()[k].transform);
+    write(change);
+    if (has_tree_) fit_tree(change);
   } catch (...) {
     row_.forget();  // who knows what the card has now
     throw;
   }
+}
+
+void Secondaries::write(const Row::Change& change) {
+  std::visit(
+      [&](const auto& list) {
+        const std::span all(list);
+        if (change.all) return board_->upload_shapes(all, false);
+        for (const Range& range : change.shapes)
+          board_->update_shapes(range.first, all.subspan(range.first, range.count), false);
+      },
+      row_.shapes());
+  if (change.all && has_table_) board_->set_objects(row_.entries());
+  for (const std::size_t k : change.entries) board_->move_object(k, row_.entries()[k].transform);
+}
+
+void Secondaries::fit_tree(const Row::Change& change) {
+  if (change.all) tree_there_ = false;
+  if (!change.all && change.shapes.empty() && change.entries.empty()) return;
+  try {
+    if (tree_there_)
+      board_->refit();
+    else
+      board_->upload(tree_of(row_));
+    tree_there_ = true;
+  } catch (const Error& e) {
+    // Triangles beyond what boxes hold: they are swept.
+    if (e.code() != ErrorCode::kBadInput) throw;
+  }
+}
+
+Hierarchy tree_of(const Row& row) {
+  const auto& triangles = std::get<std::vector<Triangle>>(row.shapes());
+  return row.entries().empty() ? Hierarchy::build(triangles)
+                               : hierarchy_of(triangles, row.entries());
 }
 
 Primaries::Primaries(Board& board, const Scene& scene, const Plan& plan)

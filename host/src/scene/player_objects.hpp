@@ -83,12 +83,16 @@ class Row {
   std::vector<Object> entries_;
 };
 
+/// Over triangles that passes meet, with the objects that the card moves as its parts.
+[[nodiscard]] Hierarchy tree_of(const Row& row);
+
 /// What lies in the card's DDR.
 class Secondaries {
  public:
   Secondaries(Board& board, const Scene& scene, const Plan& plan);
 
-  /// The passes that follow sweep these objects. Writes what changed since the last call.
+  /// The passes that follow meet these objects. Writes what changed since the last call, and makes
+  /// the hierarchy one of it, where the plan has one; where it has a box of none it is not used.
   void show(const std::vector<std::size_t>& objects, std::uint32_t frame);
 
   /// All of them as a pass meets them.
@@ -97,8 +101,10 @@ class Secondaries {
   [[nodiscard]] bool moved_by_card() const { return !row_.entries().empty(); }
 
  private:
+  void write(const Row::Change& change);
+  void fit_tree(const Row::Change& change);
   Board* board_;
-  bool has_table_;
+  bool has_table_, has_tree_, tree_there_ = false;
   Row row_;
 };
 

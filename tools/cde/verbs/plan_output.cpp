@@ -30,6 +30,13 @@ std::string sentence(const Effect& e) {
   return e.cost.empty() ? e.why : fmt::format("{} [{}]", e.why, e.cost);
 }
 
+/// How the primaries of a query meet its secondaries.
+std::string way_text(const QueryWork& w) {
+  if (!w.hierarchy) return fmt::format("{} tests in {} rows", w.tests, w.rows);
+  return fmt::format("through a hierarchy in about {} clocks instead of {} tests in {} rows",
+                     *w.hierarchy_clocks, w.tests, w.rows);
+}
+
 std::string card_text(const BoardConfig& card) {
   return fmt::format("{} {}", card.top(), fmt::join(card.parameters(), " "));
 }
@@ -62,7 +69,8 @@ nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
                             {"choice", e.choice},
                             {"why", e.why},
                             {"cost", e.cost}});
-  for (const QueryWork& w : plan.queries)
+  for (const QueryWork& w : plan.queries) {
+    const auto clocks = w.hierarchy_clocks ? nlohmann::ordered_json(*w.hierarchy_clocks) : nullptr;
     j["queries"].push_back({{"name", w.name},
                             {"primaries", w.primaries},
                             {"masked", w.masked},
@@ -70,10 +78,13 @@ nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
                             {"packets", w.packets},
                             {"tests", w.tests},
                             {"rows", w.rows},
+                            {"through", w.hierarchy ? "hierarchy" : "sweep"},
+                            {"hierarchy_clocks", clocks},
                             {"most_records", w.most_records},
                             {"secondary_words", w.secondary_words},
                             {"moved_words", w.moved_words},
                             {"primary_words", w.primary_words}});
+  }
   return j;
 }
 
@@ -103,13 +114,12 @@ void print_plan(const Scene& scene, const Plan& plan) {
   put("\na frame\n");
   for (const QueryWork& w : plan.queries) {
     put("  {:<{}}", w.name, kName - 2);
-    print_wrapped(
-        fmt::format("{} primaries in {} packet{}, {} secondaries: {} tests in {} rows; {} words of "
-                    "primaries, {} of secondaries that changed, of {}",
-                    w.primaries, w.packets, w.packets == 1 ? "" : "s", w.secondaries, w.tests,
-                    w.rows, w.primary_words, plan.resident ? w.moved_words : w.secondary_words,
-                    w.secondary_words),
-        kName);
+    print_wrapped(fmt::format("{} primaries in {} packet{}, {} secondaries: {}; {} words of "
+                              "primaries, {} of secondaries that changed, of {}",
+                              w.primaries, w.packets, w.packets == 1 ? "" : "s", w.secondaries,
+                              way_text(w), w.primary_words,
+                              plan.resident ? w.moved_words : w.secondary_words, w.secondary_words),
+                  kName);
   }
   const BitstreamFile file = bitstream_file(plan.board.top(), plan.board.parameters());
   put("\nbitstream  {}\n           {} ({})\n", card_text(plan.board),

@@ -85,6 +85,7 @@ class RecordFile {
 
 struct Totals {
   std::uint64_t records = 0, compared = 0, mismatches = 0, corrected = 0, hits = 0, tests = 0;
+  std::uint64_t nodes = 0;            // of a hierarchy, read
   std::uint64_t asked = 0, open = 0;  // of queries whose misses narrow lanes can prove
   std::uint64_t bad = 0;              // primaries and secondaries, each as often as it was refused
   double modelled = 0, simulated = 0, checked = 0;
@@ -96,6 +97,7 @@ struct Totals {
     corrected += q["counters"]["corrected_words"].get<std::uint64_t>();
     hits += q["hits"].get<std::uint64_t>();
     tests += q["counters"]["tests"].get<std::uint64_t>();
+    nodes += q["counters"]["nodes"].get<std::uint64_t>();
     if (has_verdicts(query.pair) && (query.mode == Mode::kHits || query.mode == Mode::kAny)) {
       asked += q["counters"]["tests"].get<std::uint64_t>();
       open += q["counters"]["open_pairs"].get<std::uint64_t>();
@@ -241,7 +243,9 @@ class Run {
     if (!o_.quiet) {
       row("scene", printable_name(scene_.file));
       row("frames", fmt::format("{} of {}..{}", played, frames_.first, frames_.last));
-      row("tests", fmt::format("{}, {} records, {} hits", t.tests, t.records, t.hits));
+      row("tests",
+          fmt::format("{}{}, {} records, {} hits", t.tests,
+                      t.nodes == 0 ? "" : fmt::format(", {} nodes", t.nodes), t.records, t.hits));
       if (scene_.card.verdicts)
         row("verdicts",
             t.asked == 0
@@ -255,8 +259,9 @@ class Run {
                       scene_.card.clock_hz / 1e6, bus_name(scene_), memory_name(scene_)));
       // A run that is stopped early has none.
       const double rate = t.tests == 0 ? 0 : static_cast<double>(t.tests) / t.simulated / 1e6;
-      row("simulation", fmt::format("{:.3g} s, {:.4g} M tests/s; reference {:.3g} s", t.simulated,
-                                    rate, t.checked));
+      row("simulation",
+          fmt::format("{:.3g} s{}; reference {:.3g} s", t.simulated,
+                      t.nodes == 0 ? fmt::format(", {:.4g} M tests/s", rate) : "", t.checked));
       if (t.bad != 0)
         row("bad input", fmt::format("{} primaries and secondaries, see above", t.bad));
       row("check", check_text());

@@ -25,16 +25,18 @@ struct Effect {
 struct QueryWork {
   std::string name;
   std::uint64_t primaries = 0, masked = 0, secondaries = 0;
-  std::uint64_t packets = 0;          ///< of 256 primaries
-  std::uint64_t passes = 0;           ///< one a packet, others where self_pairs
-  bool self_pairs = false;            ///< pairs of a thing with itself do not count
-  std::uint64_t tests = 0;            ///< pairs that the card tests, masked primaries apart
-  std::uint64_t rows = 0;             ///< clocks that the pipe is fed
-  std::uint64_t most_records = 0;     ///< that the result mode can keep
-  std::uint64_t secondary_words = 0;  ///< of an upload of all of them
-  std::uint64_t moved_words = 0;      ///< written in every frame if they stay in DDR: shapes again,
-                                      ///< and 12 words an object that the card moves
-  std::uint64_t primary_words = 0;    ///< written in every frame after the first
+  std::uint64_t packets = 0;  ///< of 256 primaries
+  std::uint64_t passes = 0;   ///< one a packet, others where self_pairs
+  bool self_pairs = false;    ///< pairs of a thing with itself do not count
+  std::uint64_t tests = 0;    ///< pairs that the card tests, masked primaries apart
+  std::uint64_t rows = 0;     ///< clocks that the pipe is fed
+  bool hierarchy = false;     ///< rays go through one: tests and rows are what is left out
+  std::optional<std::uint64_t> hierarchy_clocks;  ///< estimated of that, if it could
+  std::uint64_t most_records = 0;                 ///< that the result mode can keep
+  std::uint64_t secondary_words = 0;              ///< of an upload of all of them
+  std::uint64_t moved_words = 0;    ///< written in every frame if they stay in DDR: shapes again,
+                                    ///< and 12 words an object that the card moves
+  std::uint64_t primary_words = 0;  ///< written in every frame after the first
 };
 
 /// A card that is built, and how long it takes.

@@ -100,6 +100,13 @@ enum class Mover {
   kCard,  ///< the card's transformer, 12 words an object
 };
 
+/// Whether rays go through a hierarchy of the triangles.
+enum class UseHierarchy {
+  kAuto,  ///< where that takes less
+  kOn,
+  kOff,
+};
+
 /// What the scene wants of the card; an empty optional leaves the choice to the planner.
 struct SceneCard {
   std::optional<unsigned> lanes;
@@ -118,6 +125,7 @@ struct SceneCard {
   bool ecc = false;
   bool trace = false;
   Mover mover = Mover::kAuto;
+  UseHierarchy hierarchy = UseHierarchy::kAuto;
   unsigned latency_add = 1, latency_mul = 1, latency_div = 1, latency_sqrt = 1, latency_compare = 1;
 };
 

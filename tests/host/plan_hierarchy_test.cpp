@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which scenes have their rays go through a hierarchy, and what the plan says of it.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "cde/scene/plan.hpp"
+#include "testing.hpp"
+
+namespace cde::testing {
+namespace {
+
+const Effect& hierarchy(const Plan& p) {
+  for (const Effect& e : p.effects)
+    if (e.name == "hierarchy") return e;
+  throw std::runtime_error("no effect of a hierarchy");
+}
+
+const std::string kRays =
+    "[[object]]\nname = \"rays\"\nrandom_rays = { count = 300, seed = 7 }\n[object.motion]\n"
+    "kind = \"velocity\"\nposition = [100, 100, 300]\nlinear = [1, 0, 0]\n";
+std::string ground(int quads) {
+  return fmt::format("[[object]]\nname = \"ground\"\nmesh = \"terrain:{0},{0},3\"\n", quads);
+}
+std::string query(const std::string& more = "", const std::string& secondaries = "\"ground\"") {
+  return "[[query]]\nname = \"hit\"\npair = \"ray-triangle\"\nprimaries = \"rays\"\nsecondaries "
+         "= " +
+         secondaries + "\n" + more;
+}
+Plan of(const std::string& text) {
+  return plan(parse_scene("frames = 3\n" + text, "s.toml"));
+}
+
+TEST(PlanHierarchy, WhereItTakesLess) {
+  const Plan p = of(ground(40) + kRays + query());
+  EXPECT_TRUE(hierarchy(p).used);
+  EXPECT_EQ(p.board.node_units, 2u);
+  EXPECT_EQ(p.board.nodes, BoardConfig{}.nodes);
+  EXPECT_EQ(p.board.lanes, 4u) << "nothing is swept";
+  EXPECT_TRUE(p.queries[0].hierarchy);
+  ASSERT_TRUE(p.queries[0].hierarchy_clocks);
+  EXPECT_LT(*p.queries[0].hierarchy_clocks, p.queries[0].rows / 2);
+  EXPECT_NE(hierarchy(p).why.find("rays of hit go through a tree of"), std::string::npos);
+  EXPECT_NE(hierarchy(p).cost.find(fmt::format("sweeps of 128 lanes take {}", p.queries[0].rows)),
+            std::string::npos)
+      << hierarchy(p).cost;
+  EXPECT_EQ(p.board.transform, Transformer::kNone) << "rays are moved by the host";
+
+  const Plan small = of(ground(20) + kRays + query());
+  EXPECT_FALSE(hierarchy(small).used);
+  EXPECT_EQ(small.board.node_units, 0u);
+  EXPECT_NE(hierarchy(small).why.find("from about 2048 triangles on, there are 800"),
+            std::string::npos);
+}
+
+TEST(PlanHierarchy, AsIsAskedFor) {
+  const std::string on = "[card]\nhierarchy = \"on\"\n", off = "[card]\nhierarchy = \"off\"\n";
+  const Plan small = of(on + ground(20) + kRays + query());
+  EXPECT_TRUE(hierarchy(small).used);
+  EXPECT_EQ(hierarchy(small).why.find("asked for: rays of hit"), 0u);
+  EXPECT_FALSE(hierarchy(of(off + ground(40) + kRays + query())).used);
+  const auto refused = [&](const std::string& text, const std::string& why) {
+    expect_error(ErrorCode::kUsage, "s.toml: card, hierarchy = \"on\": " + why,
+                 [&] { (void)of(on + text); });
+  };
+  refused(ground(40) + kRays + query("mode = \"all\"\n"), "hit: mode all has records of all");
+  const std::string other = "[[object]]\nname = \"other\"\nmesh = \"terrain:9,9,1\"\n";
+  refused(ground(40) + other + kRays + query() +
+              "[[query]]\nname = \"b\"\npair = \"ray-triangle\"\nprimaries = \"rays\"\n"
+              "secondaries = \"other\"\n",
+          "hit: queries have different secondaries");
+  const auto with = [&](const std::string& card, const std::string& why) {
+    expect_error(ErrorCode::kUsage, why,
+                 [&] { (void)of(on + card + ground(40) + kRays + query()); });
+    const Plan p = of("[card]\n" + card + ground(40) + kRays + query());
+    EXPECT_FALSE(hierarchy(p).used);
+    EXPECT_NE(hierarchy(p).why.find(why), std::string::npos) << hierarchy(p).why;
+  };
+  with("format = \"bf16\"\n", "percents of it");
+  with("box = false\n", "box rule");
+}
+
+/// Another query of the same triangles sweeps: the card has lanes for it.
+TEST(PlanHierarchy, BesideQueriesThatSweep) {
+  const Plan p = of(ground(40) + kRays + query() +
+                    "[[query]]\nname = \"b\"\npair = \"ray-triangle\"\nprimaries = \"rays\"\n"
+                    "secondaries = \"ground\"\nmode = \"all\"\n");
+  EXPECT_TRUE(p.queries[0].hierarchy);
+  EXPECT_FALSE(p.queries[1].hierarchy);
+  EXPECT_EQ(p.queries[1].hierarchy_clocks, std::nullopt);
+  EXPECT_EQ(p.board.lanes, 128u);
+}
+
+TEST(PlanHierarchy, OfObjectsThatMove) {
+  const std::string moving =
+      "[[object]]\nname = \"ball\"\nmesh = \"terrain:30,30,5\"\n"
+      "motion = { kind = \"velocity\", angular = [0, 0, 9] }\n";
+  const std::string text = ground(40) + moving + kRays + query("", R"(["ground", "ball"])");
+  const Plan p = of(text);
+  EXPECT_TRUE(hierarchy(p).used);
+  EXPECT_EQ(p.board.transform, Transformer::kSecondaries);
+  // 1,800 of 5,000 move.
+  EXPECT_NE(hierarchy(p).cost.find("of them for boxes of what moves"), std::string::npos);
+  const Plan whole = of("[card]\nmover = \"host\"\n" + text);
+  const auto refit = [](const Plan& plan) {
+    const std::string cost = hierarchy(plan).cost;
+    return std::stoul(cost.substr(cost.find("a frame, ") + 9));
+  };
+  EXPECT_LT(refit(p), refit(whole) / 2) << hierarchy(p).cost;
+}
+
+}  // namespace
+}  // namespace cde::testing
