@@ -9,6 +9,7 @@
 #include <map>
 #include <vector>
 
+#include "TraversalFour.h"
 #include "TraversalGates.h"
 #include "TraversalHost.h"
 #include "TraversalOne.h"
@@ -96,6 +97,7 @@ class Bench {
       for (unsigned l = 0; l < 2; ++l)
         if ((module_->hit_o >> l & 1) != 0) hits.push_back(hit(l));
       nodes_ += module_->events_o >> 8 & 15u;
+      leaves_ += module_->events_o >> 4 & 15u;
       secondaries_ += module_->events_o & 15u;
       EXPECT_EQ(module_->fault_o, 0);
       std::array<std::uint32_t, kUnits> at;
@@ -115,6 +117,15 @@ class Bench {
   unsigned clocks = 0;
   [[nodiscard]] std::uint64_t nodes() const { return nodes_; }
   [[nodiscard]] std::uint64_t secondaries() const { return secondaries_; }
+
+  /// Of a patient cast of so many rays that there are always others to go on with: a unit reads a
+  /// node a clock, and of rays that come and leaves that were tested there is one a clock.
+  void expect_clocks(std::size_t rays) const {
+    const double bound =
+        std::max(static_cast<double>(nodes_) / kUnits, static_cast<double>(rays + leaves_));
+    EXPECT_GE(clocks, bound);
+    EXPECT_LT(clocks, 1.03 * bound);
+  }
 
  private:
   static constexpr unsigned kUnits =
@@ -176,9 +187,11 @@ class Bench {
   const Hierarchy& hierarchy_;
   Clocked<Module> module_;
   Memory memory_;
-  std::uint64_t nodes_ = 0, secondaries_ = 0;
+  std::uint64_t nodes_ = 0, leaves_ = 0, secondaries_ = 0;
   Dice dice_;
 };
+
+constexpr std::size_t kStream = 20'000;  // rays, many times the contexts
 
 struct Scene {
   std::vector<Triangle> triangles;
@@ -231,6 +244,7 @@ void expect_hits(const Scene& s, const Hierarchy& hierarchy, bool patient) {
   }
   EXPECT_EQ(at, bench.hits.size());
   EXPECT_GT(at, s.rays.size() / 10);
+  if (patient && s.rays.size() >= kStream) bench.expect_clocks(s.rays.size());
 }
 
 template <class Module>
@@ -257,6 +271,7 @@ void expect_reference(std::size_t count) {
         EXPECT_LT(hits, count);
         EXPECT_EQ(bench.nodes(), expected.counts().nodes) << name_of(goal.mode);
         EXPECT_EQ(bench.secondaries(), expected.counts().triangles) << name_of(goal.mode);
+        if (patient && count >= kStream) bench.expect_clocks(count);
         if (patient && leaf == 2)
           std::printf("%s: %.2f clocks, %.2f nodes, %.2f triangles a ray\n", name_of(goal.mode),
                       bench.clocks / static_cast<double>(count),
@@ -270,6 +285,7 @@ void expect_reference(std::size_t count) {
         ASSERT_EQ(records[i].f, expected.occluded(s.rays[i])) << "ray " << i;
       EXPECT_EQ(bench.nodes(), expected.counts().nodes);
       EXPECT_EQ(bench.secondaries(), expected.counts().triangles);
+      if (patient && count >= kStream) bench.expect_clocks(count);
       expect_hits<Module>(s, hierarchy, patient);
     }
   }
@@ -280,7 +296,19 @@ TEST(Traversal, IsThatOfTheReferenceInGates) {
 }
 
 TEST(Traversal, IsThatOfTheReferenceWithHostArithmetic) {
-  expect_reference<TraversalHost>(20'000);
+  expect_reference<TraversalHost>(kStream);
+}
+
+TEST(Traversal, ClocksWithFourUnits) {
+  const Scene s = scene(kStream);
+  for (const unsigned leaf : {1u, 2u}) {
+    const Hierarchy hierarchy = Hierarchy::build(s.triangles, {.leaf = leaf});
+    for (const unsigned goal : {kGoals[0].number, kHits}) {
+      Bench<TraversalFour> bench(s.triangles, hierarchy);
+      (void)bench.cast(s.rays, goal, true);
+      bench.expect_clocks(s.rays.size());
+    }
+  }
 }
 
 /// A packet, and rays in a stream, from within the terrain in any direction: docs/hierarchy.md has
@@ -294,7 +322,7 @@ TEST(Traversal, OfTheTerrain) {
   const auto box = bounds(mesh);
   Dice dice;
   const auto share = [&] { return static_cast<float>(dice.below(1u << 24)) * 0x1p-24f; };
-  for (const std::size_t count : {256, 20'000}) {
+  for (const std::size_t count : {std::size_t{256}, kStream}) {
     std::vector<Ray> rays;
     for (std::size_t i = 0; i < count; ++i) {
       Ray ray;
@@ -313,6 +341,7 @@ TEST(Traversal, OfTheTerrain) {
         ASSERT_TRUE(same_bits(records[i], should)) << "ray " << i;
       }
     }
+    if (count == kStream) bench.expect_clocks(count);
     std::printf("%zu rays: %u clocks, %.2f a ray; %.2f nodes, %.2f triangles\n", count,
                 bench.clocks, bench.clocks / static_cast<double>(count),
                 bench.nodes() / static_cast<double>(count),
