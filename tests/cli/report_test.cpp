@@ -171,6 +171,46 @@ TEST_F(Pages, ReportThatCannotBeWritten) {
   EXPECT_FALSE(exists("scene.run")) << "nothing was played";
 }
 
+/// The chapter on hierarchies: a smaller terrain, and that of Figure 5.
+void expect_hierarchy(const json& j, const std::string& html) {
+  ASSERT_EQ(j["hierarchy"].size(), 2u);
+  for (const json& mesh : j["hierarchy"]) {
+    SCOPED_TRACE(mesh["triangles"].dump());
+    const json& sweep = mesh["sweep"];
+    EXPECT_LT(sweep["packet_seconds"], sweep["packet_seconds_with_bus"]);
+    EXPECT_GE(sweep["packet_seconds"],
+              mesh["triangles"].get<double>() * 16 / j["clock_hz"].get<double>());
+    ASSERT_EQ(mesh["card"].size(), 2u);
+    for (const json& card : mesh["card"]) {
+      EXPECT_LT(card["packet_seconds"], card["packet_seconds_with_bus"]);
+      EXPECT_LT(card["packet_seconds_with_bus"], sweep["packet_seconds"]);
+      EXPECT_LT(card["rays_per_second_with_bus"], card["rays_per_second_device"]);
+      EXPECT_LT(card["refit_seconds"], card["refit_seconds_with_bus"]);
+      EXPECT_GT(card["nodes_per_ray"], 1);
+    }
+    const json& embree = mesh["embree"];
+    ASSERT_EQ(embree.is_null(), j["embree"] == false);
+    if (embree.is_null()) continue;
+    EXPECT_EQ(embree["packet_seconds_fresh"], embree["spread_fresh"]["median"]);
+    EXPECT_EQ(embree["packet_seconds_warm"], embree["spread_warm"]["median"]);
+    EXPECT_EQ(embree["refit_seconds"], embree["spread_refit"]["median"]);
+    EXPECT_GT(embree["build_seconds"], 0);
+  }
+  const json& last = j["hierarchy"][1];
+  EXPECT_EQ(last["triangles"], j["triangles"]);
+  for (const json& entry : j["figure_5"][1]["entries"]) {
+    if (entry["name"] == last["sweep"]["name"]) {
+      EXPECT_EQ(entry["seconds"], last["sweep"]["packet_seconds_with_bus"]);
+    }
+  }
+  const auto chapters = between(html, "<h2>With a hierarchy</h2>", "</section>");
+  ASSERT_EQ(chapters.size(), 1u);
+  EXPECT_EQ(count(chapters[0], "<div class=\"chart lines\">"), 1u) << chapters[0].substr(0, 4000);
+  EXPECT_EQ(count(chapters[0], "<table>"), 5u);
+  EXPECT_EQ(count(chapters[0], "Embree, fresh rays (measured)") > 0, j["embree"] == true);
+  EXPECT_EQ(count(chapters[0], "Embree is not in this build of cde") > 0, j["embree"] == false);
+}
+
 TEST_F(Pages, QuickReproduction) {
   const Ran ran = cde({"reproduce", "--quick", "--json", "--out", "r.html"});
   ASSERT_EQ(ran.status, 0) << ran.err;
@@ -194,7 +234,8 @@ TEST_F(Pages, QuickReproduction) {
   const json& one = j["figure_5"][0];
   EXPECT_EQ(one["tests"], 4000);
   if (const std::string program = browser(); !program.empty())
-    expect_saved(clicked(program, html), 4);
+    expect_saved(clicked(program, html), 5);
+  expect_hierarchy(j, html);
   // The paper's times are of another terrain than a quick run has.
   EXPECT_EQ(j["paper"]["card_seconds"], 0.031);
   EXPECT_EQ(j["paper"]["software_seconds"], 2.1);

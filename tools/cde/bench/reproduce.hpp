@@ -5,10 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "bench/tree_figures.hpp"
 #include "cde/card/host_profile.hpp"
 #include "report/time_split.hpp"
 
-/// `cde reproduce`: the paper's Figures 5, 6 and 7 measured again (docs/reproduction.md).
+/// `cde reproduce`: the paper's Figures 5, 6 and 7 measured again, and what a hierarchy makes of
+/// the first (docs/reproduction.md).
 namespace cde::cli {
 
 /// Where a figure comes from.
@@ -16,12 +18,6 @@ enum class Source {
   kPaper,     ///< printed in the paper, or follows from what is
   kCard,      ///< modelled time of the simulated card
   kSoftware,  ///< processor time of one thread of this machine
-};
-
-/// How far measurements of the same thing lie apart, in seconds a frame.
-struct Spread {
-  double least = 0, tenth = 0, median = 0, ninetieth = 0, most = 0;
-  std::size_t samples = 0;
 };
 
 /// Time of one frame.
@@ -52,6 +48,12 @@ struct Setup {
   bool all_records = false;    ///< every pair's record goes to the host
 };
 
+/// A terrain with a hierarchy over it, and the best card that sweeps the same frame of rays.
+struct WithHierarchy {
+  TreeFigures tree;
+  Entry sweep;
+};
+
 struct ReproduceOptions {
   bool quick = false;   ///< a small terrain, few spheres
   unsigned lanes = 16;  ///< of the best card
@@ -70,6 +72,7 @@ struct Reproduction {
   std::vector<Experiment> figure5, figure6;
   std::vector<Experiment> figure7;  ///< one a number of spheres, ascending
   std::vector<std::size_t> spheres;
+  std::vector<WithHierarchy> hierarchy;  ///< ascending; the last is the terrain of Figure 5
 };
 
 /// Runs everything. Error kMismatch if a record of the card differs from the reference, or software

@@ -7,6 +7,7 @@
 
 #include "bench/bench.hpp"
 #include "bench/flight_rays.hpp"
+#include "bench/measured.hpp"
 #include "bench/reproduce.hpp"
 #include "bench/rivals.hpp"
 #include "cde/contract/records.hpp"
@@ -28,31 +29,6 @@ namespace {
 constexpr Bus kBus = Bus::kCycle;
 constexpr std::size_t kPacket = card::kMostPrimaries;
 constexpr std::size_t kFreshRays = std::size_t{1} << 20;
-
-/// Processor times of work(0), work(1) and so on: at least nine samples and a fifth of a second.
-/// What takes less than a tenth of a millisecond is timed several calls at once, as the clock
-/// itself takes part of a microsecond.
-Spread measured(const std::function<void(std::size_t)>& work) {
-  constexpr double kLeastSample = 1e-4, kEnough = 0.2;
-  constexpr std::size_t kFewest = 9, kMost = 500;
-  std::size_t call = 0, calls = 1;
-  const auto sample = [&] {
-    const double start = thread_seconds();
-    for (std::size_t i = 0; i < calls; ++i) work(call++);
-    return thread_seconds() - start;
-  };
-  while (sample() < kLeastSample) calls *= 2;
-  std::vector<double> times;
-  for (double sum = 0; times.size() < kFewest || (sum < kEnough && times.size() < kMost);) {
-    const double seconds = sample();
-    sum += seconds;
-    times.push_back(std::max(seconds / static_cast<double>(calls), 1e-9));
-  }
-  std::sort(times.begin(), times.end());
-  const std::size_t last = times.size() - 1;
-  return {times.front(),           times[last / 10], times[last / 2],
-          times[last - last / 10], times.back(),     times.size()};
-}
 
 Entry software(const std::string& name, const std::string& note, const Spread& spread) {
   return {.name = name,
@@ -122,7 +98,7 @@ struct Lab {
   std::optional<Busy> busy;
 
   void step(unsigned number, const std::string& what) {
-    doing = fmt::format("{} of 3: {}", number, what);
+    doing = fmt::format("{} of 4: {}", number, what);
     if (::isatty(STDERR_FILENO) == 0) say("measuring {}\n", doing);
     detail("");
   }
@@ -133,10 +109,6 @@ struct Lab {
   }
 };
 
-void differs(std::string_view what, std::uint64_t wrong, std::uint64_t of) {
-  throw Error(ErrorCode::kMismatch, fmt::format("{}: {} of {} differ", what, wrong, of));
-}
-
 void compare_records(Lab& lab, const std::vector<Record>& card, std::span<const Record> wanted,
                      const std::string& what) {
   std::uint64_t wrong = card.size() != wanted.size() ? 1 : 0;
@@ -145,18 +117,6 @@ void compare_records(Lab& lab, const std::vector<Record>& card, std::span<const 
   if (wrong != 0)
     differs(what + ": records of the card and of the reference", wrong, wanted.size());
   lab.result.records_compared += wanted.size();
-}
-
-/// Hits of software: the same but for roundings at edges, 1 ray in 50 at most.
-void compare_hits(const std::vector<Record>& card, const std::vector<float>& t, const char* name) {
-  std::uint64_t wrong = 0;
-  for (std::size_t i = 0; i < card.size(); ++i) {
-    const bool hit = std::isfinite(t[i]);
-    if (hit != card[i].f || (hit && std::abs(t[i] - card[i].t) > 1e-4f * std::abs(card[i].t)))
-      ++wrong;
-  }
-  if (wrong > card.size() / 50)
-    differs(fmt::format("hits of {} and of the card", name), wrong, card.size());
 }
 
 void add_paper5(Experiment& e) {
@@ -210,9 +170,8 @@ void add_software(Lab& lab, Experiment& e, const std::vector<Ray>& rays,
   // The rays of a frame are new: what they need of the hierarchy is in no near cache, and no branch
   // is foreseen. Warm are 256 of the same kind, again and again.
   const auto cast_of = [&](std::size_t of) {
-    const std::size_t frames = of / rays.size();
-    return measured([&](std::size_t call) {
-      t = embree->cast(std::span(lab.fresh).subspan(call % frames * rays.size(), rays.size()));
+    return measured([&, some = std::span<const Ray>(lab.fresh).first(of)](std::size_t call) {
+      t = embree->cast(turn_of(some, rays.size(), call));
     });
   };
   const Spread fresh = cast_of(kFreshRays), warm = cast_of(kPacket);
@@ -367,6 +326,46 @@ void figure7(Lab& lab, std::size_t count) {
   lab.result.figure7.push_back(std::move(e));
 }
 
+/// What Figure 5 has of the same frame: the best card's sweep, and Embree if it is there.
+std::optional<EmbreeFrames> of_figure5(const Experiment& e, Entry& sweep) {
+  EmbreeFrames frames;
+  for (const Entry& entry : e.entries) {
+    if (entry.source == Source::kCard) sweep = entry;  // the last one is the best card's
+    if (entry.spread) (entry.warm ? frames.warm : frames.fresh) = *entry.spread;
+  }
+  return EmbreeRival::available() ? std::optional(frames) : std::nullopt;
+}
+
+/// A hierarchy over terrains up to that of Figure 5, whose sweep is known.
+void with_hierarchy(Lab& lab, const Mesh& terrain) {
+  const bool quick = lab.result.options.quick;
+  std::vector<Mesh> meshes;
+  for (const unsigned quads : quick ? std::vector{20u} : std::vector{20u, 40u, 80u, 160u})
+    meshes.push_back(make_terrain({.quads_x = quads, .quads_y = quads}));
+  meshes.push_back(terrain);
+  Card& best = lab.cards.back();
+  for (const Mesh& mesh : meshes) {
+    const std::string name =
+        fmt::format("{} rays against {} triangles", kTreePacket, grouped(mesh.faces.size()));
+    lab.step(4, "with a hierarchy, " + name);
+    WithHierarchy row;
+    std::optional<EmbreeFrames> known;
+    if (&mesh == &meshes.back()) known = of_figure5(lab.result.figure5.back(), row.sweep);
+    row.tree = measure_tree(mesh, quick ? 8'192 : 65'536, lab.result.options.clock_hz, known);
+    lab.result.records_compared += row.tree.records_compared;
+    if (&mesh != &meshes.back()) {
+      lab.detail("card " + best.setup().name);
+      best.board().upload(mesh);
+      const std::vector<Ray> rays = flight_rays(mesh, kTreePacket);
+      std::vector<Record> records;
+      row.sweep = best.frame(Pair::kRayTriangle, Mode::kNearest, std::span(rays), {}, records);
+      compare_records(lab, records, reference::cast(rays, triangles_of(mesh), Mode::kNearest),
+                      name);
+    }
+    lab.result.hierarchy.push_back(std::move(row));
+  }
+}
+
 std::vector<Setup> setups_of(const ReproduceOptions& o) {
   const HostProfile old = *host_profile("p64-2001"), ideal = *host_profile("ideal");
   return {
@@ -409,6 +408,7 @@ Reproduction reproduce(const ReproduceOptions& options) {
     lab.step(3, fmt::format("Figure 7, {} moving spheres", grouped(count)));
     figure7(lab, count);
   }
+  with_hierarchy(lab, mesh);
   return std::move(lab.result);
 }
 

@@ -201,8 +201,8 @@ std::string log_lines(std::string_view label, std::string_view x_name,
     svg += level(at_y(std::pow(10, power)), tick(std::pow(10, power)));
   for (const double x : lines.front().x)
     svg += fmt::format(
-        "<text class=\"tick\" x=\"{:.4g}%\" y=\"{:g}\" text-anchor=\"middle\">{:g}</text>\n",
-        at_x(x), kTop + tall + 16, x);
+        "<text class=\"tick\" x=\"{:.4g}%\" y=\"{:g}\" text-anchor=\"middle\">{}</text>\n", at_x(x),
+        kTop + tall + 16, grouped(static_cast<std::uint64_t>(std::llround(x))));
   svg += fmt::format("<text class=\"tick\" x=\"50%\" y=\"{:g}\" text-anchor=\"middle\">{}</text>\n",
                      kTop + tall + 34, escaped(x_name));
   for (const Line& line : lines) {
@@ -215,10 +215,10 @@ std::string log_lines(std::string_view label, std::string_view x_name,
             at_y(line.y[i + 1]));
       }
       svg += fmt::format(
-          "<circle class=\"s{}\" cx=\"{:.4g}%\" cy=\"{:.2f}\" r=\"4\"><title>{}, {:g}: "
+          "<circle class=\"s{}\" cx=\"{:.4g}%\" cy=\"{:.2f}\" r=\"4\"><title>{}, {}: "
           "{}</title></circle>\n",
-          line.colour, at_x(line.x[i]), at_y(line.y[i]), escaped(line.name), line.x[i],
-          duration(line.y[i]));
+          line.colour, at_x(line.x[i]), at_y(line.y[i]), escaped(line.name),
+          grouped(static_cast<std::uint64_t>(std::llround(line.x[i]))), duration(line.y[i]));
     }
   }
   svg += "</svg></div>\n<ul class=\"legend\">\n";

@@ -40,6 +40,12 @@ void run(const Arguments& a) {
         show("  {:<46} {:>9}  {}\n", entry.name, duration(entry.seconds), entry.note);
     }
   }
+  show("With a hierarchy\n");
+  for (const WithHierarchy& row : r.hierarchy) {
+    show_tree(row.tree);
+    show("  sweep of {} lanes, ideal memory: 256 rays with all transfers over PCI 64/66 {}\n",
+         a.options.lanes, duration(row.sweep.seconds));
+  }
   say("check: {} of {} records compared with the reference, 0 differ\npage: {}\n",
       r.records_compared, r.records_compared, printable_name(a.out));
   if (a.json) put_json(reproduction_json(r, machine));
@@ -50,7 +56,8 @@ void run(const Arguments& a) {
 void add_reproduce(CLI::App& app) {
   auto a = std::make_shared<Arguments>();
   CLI::App* verb = app.add_subcommand(
-      "reproduce", "Measure the paper's Figures 5, 6 and 7 again, and write them as a page");
+      "reproduce",
+      "Measure the paper's Figures 5, 6 and 7 again, and rays through a hierarchy, as a page");
   file_value(verb->add_option("--out", a->out, "The page, one HTML file")->capture_default_str(),
              "FILE.html");
   verb->add_flag("--json", a->json, "Figures as JSON on stdout");
