@@ -441,7 +441,8 @@ template <unsigned E, unsigned M, class Bits>
     const Bits noise = mul(add(add(abs(x), Bits{1} << M), abs(y)), two_to(1 - m));
     flat &= op<code(FpOp::kLe), E, M, true, Bits>(abs(sub(x, y)), noise);
   }
-  const Bits margin = mul(add(add(abs(td[0]), abs(td[1])), abs(td[2])), two_to(5 - m));
+  const Bits scaled = mul(add(add(abs(td[0]), abs(td[1])), abs(td[2])), two_to(5 - m));
+  const Bits margin = scaled & classify<code(Class::kFinite), E, M, Bits>(scaled);
   Bits accepted = met;
   for (int k = 0; k < 3; ++k) {
     const Bits half = select<Bits>(flat != 0, F::kInf | F::kSign, add(size[k], world));

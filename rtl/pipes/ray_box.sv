@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Box rule of ray and triangle (reference/pipes/ray_box.hpp): what is met counts only if P = o + t d lies in the
 // triangle's box, (|P_k - c_k| - h_k) < 64 u |t d|_1 on every axis. A NaN or an infinite P is outside, and nothing is
-// in the box of a triangle without area. The triangle's part is computed once for all lanes if it is broadcast. Without
-// BOX: a wire.
+// in the box of a triangle without area; an infinite |t d|_1 makes no margin. The triangle's part is computed once for
+// all lanes if it is broadcast. Without BOX: a wire.
 // 1 mul, 2 add, 6 sub, 3 compare a ray, and those of triangle_bounds.sv a triangle.
 // Latency: to stage time RAY_T_IN_BOX (ray_box.svh); 0 with ARITH = "host". Throughput: LANES pairs a clock.
 // Stall: none.
@@ -69,7 +69,11 @@ module ray_box #(
     `DF_PICK(td_z, td_size, 2)
     `DF_ADD(td_xy, td_x, td_y)
     `DF_ADD(td_sum, td_xy, td_z)
-    `DF_MUL(margin, td_sum, part)
+    `DF_MUL(scaled, td_sum, part)
+    logic [LANES-1:0][CW-1:0] bounded;
+    fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::CLASS_FINITE), .ARITH(ARITH)) of_margin (
+        .a_i(scaled), .m_o(bounded));
+    `DF_IN(margin, scaled & bounded, T_scaled)
 
     // ---- How far outside the point is; the triangle's words are one or LANES, so the operators are named ----
     localparam int T_AWAY = `RAY_T_AWAY(T_P);

@@ -2,6 +2,7 @@
 #pragma once
 #include <limits>
 
+#include "cde/geometry/check.hpp"
 #include "cde/geometry/ops.hpp"
 
 /// The box rule of ray and triangle (BOX = 1): a hit must lie in the triangle's box.
@@ -15,7 +16,8 @@
 ///                                                    h widened by kBoxWorld u max(|c| + h)
 ///
 /// |.|_1 is the sum of the components' sizes; all of it is rounded as written below. A NaN fails
-/// it, and so does an infinite P.
+/// it, and so does an infinite P. Where |T d|_1 has no number, though T d has, the margin is 0,
+/// else every point were within it: such a P is beyond any box.
 ///
 /// What it promises: an accepted P, and o + T d in exact arithmetic for the T given, lie outside of
 /// the triangle's box by less than
@@ -84,8 +86,9 @@ template <typename S>
 template <typename S>
 [[nodiscard]] Mask<S> in_box(const TriangleBounds<S>& box, const Vector<S>& td,
                              const Vector<S>& p) {
-  const S margin =
-      ((magnitude(td.x()) + magnitude(td.y())) + magnitude(td.z())) * S(kBoxRay * kUnitRoundoff<S>);
+  const S sum = (magnitude(td.x()) + magnitude(td.y())) + magnitude(td.z());
+  const S scaled = sum * S(kBoxRay * kUnitRoundoff<S>);
+  const S margin = select(Mask<S>(finite(scaled)), scaled, S(0));
   const auto within = [&](int k) { return magnitude(p[k] - box.centre[k]) - box.half[k] < margin; };
   return within(0) && within(1) && within(2);
 }
