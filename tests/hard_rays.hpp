@@ -51,10 +51,10 @@ inline Scene triangles_of(const Mesh& mesh) {
   return all;
 }
 
-inline Scene icosphere(const Vector3f& centre) {
+inline Scene icosphere(const Vector3f& centre, float radius = 1) {
   Scene all = triangles_of(load_mesh(std::string(CDE_SOURCE_DIR) + "/meshes/icosphere.ply"));
   for (Triangle& t : all)
-    for (Vector3f* v : {&t.v0, &t.v1, &t.v2}) *v += centre;
+    for (Vector3f* v : {&t.v0, &t.v1, &t.v2}) *v = *v * radius + centre;
   return all;
 }
 
@@ -206,6 +206,26 @@ class Rays {
   Draw draw_;
   Eigen::AlignedBox3f box_;
 };
+
+/// From inside of an icosphere at an edge or a vertex of it.
+inline Ray from_inside(const Scene& mesh, const Vector3f& centre, float radius, Draw& draw) {
+  const Triangle& t = mesh[draw.below(mesh.size())];
+  const Vector3f o = centre + draw.point() * radius * 0.5f;
+  const float share = draw.below(3) == 0 ? 0 : draw(0, 1);
+  return {o, t.v0 + (t.v1 - t.v0) * share - o};
+}
+
+/// A triangle, and a ray that starts beside it and leaves along its plane, for which moller's
+/// roundings say 0 <= u, v and T = 1.1 2^127: where |T d|_1 has no number, nor has the box rule's
+/// margin.
+inline Scene edge_on() {
+  return {{{0, 0, 0},
+           {0x1.6337a6p18f, 0x1.6337a6p18f, 0x1.eb8818p19f},
+           {0, 0x1.f6c33p-113f, 0x1.0d159ap19f}}};
+}
+inline Ray beyond_numbers() {
+  return {{0x1.f88eecp20f, 0x1.f88eeap20f, 0}, {1, 1, 0}, 0};
+}
 
 inline std::string text(const Ray& ray) {
   std::string words;

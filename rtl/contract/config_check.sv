@@ -23,9 +23,8 @@ module config_check #(
     $error("board: VERDICT_EXP and VERDICT_MAN are of a narrower format, and of pairs of solids with FACET_II = 1");
   end
   if (CONFIG.node_units != 0 && ((CONFIG.node_units != 1 && CONFIG.node_units != 2 && CONFIG.node_units != 4) ||
-      CONFIG.exp != 8 || CONFIG.man != 23 || CONFIG.box == 0 ||
-      CONFIG.algorithm != int'(pairs_pkg::ALGORITHM_MOLLER))) begin : g_hierarchy
-    $error("board: NODE_UNITS must be 0, 1, 2 or 4, and is of fp32, with BOX = 1 and Moeller's ray-triangle");
+      CONFIG.exp != 8 || CONFIG.man != 23 || CONFIG.box == 0)) begin : g_hierarchy
+    $error("board: NODE_UNITS must be 0, 1, 2 or 4, and is of fp32, with BOX = 1");
   end
   if (CONFIG.transform < pairs_pkg::TRANSFORM_NONE || CONFIG.transform > pairs_pkg::TRANSFORM_BOTH ||
       (CONFIG.transform != pairs_pkg::TRANSFORM_NONE &&

@@ -145,8 +145,9 @@ module hierarchy_unit #(
   assign goal = (mode_q == registers_pkg::MODE_OCCLUDED) ? GOAL_OCCLUDED : (mode_q == registers_pkg::MODE_HITS) ?
       GOAL_HITS : mode_q;
   traversal #(
-      .CONTEXTS(CONTEXTS), .UNITS(UNITS), .LAT_ADD(CONFIG.lat_add), .LAT_MUL(CONFIG.lat_mul),
-      .LAT_DIV(CONFIG.lat_div), .LAT_CMP(CONFIG.lat_cmp), .ARITH(config_pkg::arith(CONFIG.host))
+      .CONTEXTS(CONTEXTS), .UNITS(UNITS), .ALGORITHM(CONFIG.algorithm), .LAT_ADD(CONFIG.lat_add),
+      .LAT_MUL(CONFIG.lat_mul), .LAT_DIV(CONFIG.lat_div), .LAT_CMP(CONFIG.lat_cmp),
+      .ARITH(config_pkg::arith(CONFIG.host))
   ) way (
       .clk_i(clk), .rst_i(rst), .nodes_i(nodes), .node_read_o(node_read), .node_at_o(node_at), .node_i(node),
       .root_i(root), .goal_i(goal),

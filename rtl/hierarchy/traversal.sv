@@ -16,6 +16,7 @@
 module traversal #(
     parameter int CONTEXTS = 256,  // powers of two
     parameter int UNITS = 2,       // of nodes, each with its share of the contexts
+    parameter int ALGORITHM = 0,   // of ray-triangle, pairs_pkg::ALGORITHM_*, all with the box rule
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -201,14 +202,23 @@ module traversal #(
     for (genvar w = 0; w < 8; w++) begin : a assign pipe_a[w][l] = fetched_ray_q[w]; end
     for (genvar w = 0; w < 9; w++) begin : b assign pipe_b[w][l] = words_q[l][w]; end
   end
+  // When the pipe has o + t d: for Badouel's t it takes an addition more, for the watertight one the shear in front.
+  localparam int T_POINT = 5 * LAT_ADD + 3 * LAT_MUL + LAT_DIV +
+      ((ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) ? LAT_ADD :
+       (ALGORITHM == int'(pairs_pkg::ALGORITHM_WATERTIGHT)) ?
+       `DF_MAX2(2 * LAT_CMP + LAT_DIV + LAT_MUL, LAT_ADD) + 2 * LAT_MUL : 0);
+  // The rule comes last, but for Badouel's inside test, which needs that point, too.
+  localparam int T_IN_BOX = `RAY_T_IN_BOX(T_POINT - LAT_ADD, T_POINT);
+  localparam int T_INSIDE = `DF_MAX2(2 * LAT_ADD + LAT_MUL + 2 * LAT_CMP, T_POINT) + 3 * LAT_ADD + LAT_MUL + LAT_CMP;
   // The pipe's latency, which it says itself: asserted below.
-  localparam int T_CP = 5 * LAT_ADD + 3 * LAT_MUL + LAT_DIV;
-  localparam int T_PAIR = `RAY_T_IN_BOX(T_CP - LAT_ADD, T_CP) + 1;
+  localparam int T_PAIR =
+      ((ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) ? `DF_MAX2(T_IN_BOX, T_INSIDE) : T_IN_BOX) + 1;
   logic [LANES-1:0][31:0] f_now, t_now, f, t, index;
-  logic [2:0][LANES-1:0][31:0] cp_now, cp;
+  logic [2:0][LANES-1:0][31:0] cp_now, cp, unused_n;
   logic [15:0] latency;
-  ray_triangle_moller #(`DF_SAME, .B_LANES(LANES), .BOX(1)) pipe (
-      .clk_i, .a_i(pipe_a), .b_i(pipe_b), .f_o(f_now), .t_o(t_now), .cp_o(cp_now), .latency_o(latency));
+  pair_pipe #(`DF_SAME, .PAIR(int'(pairs_pkg::PAIR_RAY_TRIANGLE)), .ALGORITHM(ALGORITHM), .BOX(1)) pipe (
+      .clk_i, .enter_i(fetched_q), .a_i(pipe_a), .b_i(pipe_b), .f_o(f_now), .t_o(t_now), .cp_o(cp_now),
+      .n_o(unused_n), .latency_o(latency));
   align #(.W(5 * LANES * 32), .FROM(ARITH == "rtl" ? T_PAIR : 0), .TO(T_PAIR), .MEMORY(5)) align_pair (
       .clk_i, .d_i({f_now, t_now, cp_now}), .q_o({f, t, cp}));
   logic two;

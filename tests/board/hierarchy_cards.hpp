@@ -22,6 +22,9 @@ using hard::Scene;
 inline BoardConfig fast_config() {
   return {.lanes = 4, .box = true, .node_units = 2, .nodes = 1024};
 }
+inline BoardConfig watertight_config() {  // that of `cde cast`
+  return {.lanes = 4, .algorithm = Algorithm::kWatertight, .box = true, .node_units = 2};
+}
 inline BoardConfig gates_config() {
   return {.lanes = 1,
           .arithmetic = Arithmetic::kRtl,
@@ -68,6 +71,7 @@ struct Card {
 };
 inline const Card kFast{"fast", fast_config}, kGates{"gates", gates_config},
     kSlow{"slow", slow_config}, kPci{"pci", on_pci_config},
+    kWatertight{"watertight", watertight_config},
     kDdr{"ddr", fast_config, {.memory = Memory::kCycle}},
     kLate{"late", slow_config, {.ddr_latency = 300}}, kObjects{"objects", objects_config};
 
@@ -84,8 +88,9 @@ inline Record f_alone(const Record& any) {
 
 /// What the reference's way through the hierarchy gives, in the order of the card.
 inline std::vector<Record> expected(const Scene& scene, const Hierarchy& tree,
-                                    const std::vector<Ray>& rays, Mode mode) {
-  reference::Traversal walk(scene, tree);
+                                    const std::vector<Ray>& rays, Mode mode,
+                                    Algorithm algorithm = Algorithm::kMoller) {
+  reference::Traversal walk(scene, tree, algorithm);
   std::vector<Record> all;
   for (std::uint32_t i = 0; i < rays.size(); ++i) {
     for (const Record& r : walk.trace(rays[i], i, mode == Mode::kOccluded ? Mode::kAny : mode))

@@ -63,10 +63,29 @@ TEST_F(CastHierarchy, IsTakenWhereItIsWorthIt) {
   EXPECT_EQ(nlohmann::json::parse(ran.out)["through"], "hierarchy");
 }
 
+/// Another algorithm takes it like Moller's: every record is the reference's way through the tree,
+/// and of some rays what all triangles say.
+TEST_F(CastHierarchy, OfWatertight) {
+  for (const std::string mode : {"nearest", "hits", "occluded"}) {
+    SCOPED_TRACE(mode);
+    const Ran ran = cde({"cast", "terrain:40,40,3", "--grid", "32x32", "--algorithm", "watertight",
+                         "--mode", mode, "--json", "--check=rays:40"});
+    ASSERT_EQ(ran.status, 0) << ran.err;
+    const auto j = nlohmann::json::parse(ran.out);
+    EXPECT_EQ(j["through"], "hierarchy");
+    EXPECT_EQ(j["algorithm"], "watertight");
+    EXPECT_EQ(j["swept_rays"], 40);
+    EXPECT_EQ(j["records_matching"], j["records_compared"]);
+    EXPECT_EQ(j["records_compared"], j["records"]);
+    EXPECT_GE(j["hits"], 1024);  // one of each ray at least
+    EXPECT_LT(j["tests"], 1024 * 20);
+  }
+}
+
 TEST_F(CastHierarchy, SaysWhyNot) {
   refused({"--bvh", "--mode", "all"}, "mode all has records of all triangles");
   refused({"--bvh", "--no-box"}, "the box rule");
-  refused({"--bvh", "--algorithm", "badouel"}, "the box rule");
+  refused({"--bvh", "--algorithm", "watertight", "--no-box"}, "the box rule");
   refused({"--bvh", "--format", "bf16"}, "percents of it in bf16");
   refused({"--bvh", "--partition", "2"}, "are swept");
   refused({"--no-bvh", "--mode", "occluded"}, "mode occluded is of a hierarchy");

@@ -9,10 +9,14 @@
 #include <map>
 #include <vector>
 
+#include "TraversalBadouel.h"
 #include "TraversalFour.h"
 #include "TraversalGates.h"
 #include "TraversalHost.h"
 #include "TraversalOne.h"
+#include "TraversalPluecker.h"
+#include "TraversalWatertight.h"
+#include "TraversalWatertightGates.h"
 #include "cde/mesh/terrain.hpp"
 #include "cde/reference/pipes/ray_node.hpp"
 #include "cde/reference/traversal.hpp"
@@ -227,9 +231,9 @@ Scene scene(std::size_t rays) {
 }
 
 template <class Module>
-void expect_hits(const Scene& s, const Hierarchy& hierarchy, bool patient) {
+void expect_hits(const Scene& s, const Hierarchy& hierarchy, Algorithm algorithm, bool patient) {
   Bench<Module> bench(s.triangles, hierarchy);
-  reference::Traversal expected(s.triangles, hierarchy);
+  reference::Traversal expected(s.triangles, hierarchy, algorithm);
   (void)bench.cast(s.rays, kHits, patient);
   std::sort(bench.hits.begin(), bench.hits.end(), [](const Record& a, const Record& b) {
     return a.primary != b.primary ? a.primary < b.primary : a.index < b.index;
@@ -248,14 +252,14 @@ void expect_hits(const Scene& s, const Hierarchy& hierarchy, bool patient) {
 }
 
 template <class Module>
-void expect_reference(std::size_t count) {
+void expect_reference(std::size_t count, Algorithm algorithm = Algorithm::kMoller) {
   const Scene s = scene(count);
   for (const unsigned leaf : {1u, 2u}) {
     const Hierarchy hierarchy = Hierarchy::build(s.triangles, {.leaf = leaf});
     for (const bool patient : {true, false}) {
       for (const Goal& goal : kGoals) {
         Bench<Module> bench(s.triangles, hierarchy);
-        reference::Traversal expected(s.triangles, hierarchy);
+        reference::Traversal expected(s.triangles, hierarchy, algorithm);
         const std::vector<Record> records = bench.cast(s.rays, goal.number, patient);
         std::size_t hits = 0;
         for (std::size_t i = 0; i < s.rays.size(); ++i) {
@@ -279,14 +283,14 @@ void expect_reference(std::size_t count) {
                       bench.secondaries() / static_cast<double>(count));
       }
       Bench<Module> bench(s.triangles, hierarchy);
-      reference::Traversal expected(s.triangles, hierarchy);
+      reference::Traversal expected(s.triangles, hierarchy, algorithm);
       const std::vector<Record> records = bench.cast(s.rays, kOccluded, patient);
       for (std::size_t i = 0; i < s.rays.size(); ++i)
         ASSERT_EQ(records[i].f, expected.occluded(s.rays[i])) << "ray " << i;
       EXPECT_EQ(bench.nodes(), expected.counts().nodes);
       EXPECT_EQ(bench.secondaries(), expected.counts().triangles);
       if (patient && count >= kStream) bench.expect_clocks(count);
-      expect_hits<Module>(s, hierarchy, patient);
+      expect_hits<Module>(s, hierarchy, algorithm, patient);
     }
   }
 }
@@ -352,6 +356,20 @@ TEST(Traversal, OfTheTerrain) {
 /// One unit and no more than two rays at a time.
 TEST(Traversal, IsThatOfTheReferenceWithTwoContexts) {
   expect_reference<TraversalOne>(1000);
+}
+
+/// The other algorithms, with operators of several clocks: what the pipe takes is asserted.
+TEST(Traversal, OfWatertightInGates) {
+  expect_reference<TraversalWatertightGates>(150, Algorithm::kWatertight);
+}
+TEST(Traversal, OfWatertightWithHostArithmetic) {
+  expect_reference<TraversalWatertight>(3000, Algorithm::kWatertight);
+}
+TEST(Traversal, OfBadouel) {
+  expect_reference<TraversalBadouel>(1000, Algorithm::kBadouel);
+}
+TEST(Traversal, OfPluecker) {
+  expect_reference<TraversalPluecker>(1000, Algorithm::kPluecker);
 }
 
 }  // namespace

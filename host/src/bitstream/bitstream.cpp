@@ -372,10 +372,9 @@ void check_hierarchy(const BoardConfig& c) {
           fmt::format("a hierarchy is of fp32, not of {}: its boxes are widened by 2^-16 of the "
                       "scene, which in a coarser format were percents of it",
                       c.format.name()));
-  require(c.algorithm == Algorithm::kMoller && c.box &&
-              std::find(c.pairs.begin(), c.pairs.end(), Pair::kRayTriangle) != c.pairs.end(),
-          "a hierarchy is of ray-triangle by moller with the box rule, without which no tree "
-          "answers as all triangles do");
+  require(c.box && std::find(c.pairs.begin(), c.pairs.end(), Pair::kRayTriangle) != c.pairs.end(),
+          "a hierarchy is of ray-triangle with the box rule, without which no tree answers as all "
+          "triangles do");
 }
 
 }  // namespace

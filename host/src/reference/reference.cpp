@@ -17,9 +17,9 @@
 namespace cde::reference {
 
 Record record_of(const Ray& ray, const Triangle& triangle, std::uint32_t primary,
-                 std::uint32_t index, bool box) {
-  const Outcome<float> outcome =
-      box ? ray_triangle_moller<float, true>(ray, triangle) : ray_triangle_moller(ray, triangle);
+                 std::uint32_t index, bool box, Algorithm algorithm) {
+  const Outcome<float> outcome = with_ray_triangle<float>(
+      algorithm, box, [&](const auto& test) { return test(ray, triangle); });
   Record r;
   r.f = outcome.f;
   r.bad = outcome.bad;
@@ -35,14 +35,17 @@ Record record_of(const Ray& ray, const Triangle& triangle, std::uint32_t primary
 class Sweep::Impl {
  public:
   Impl(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
-       unsigned packet, std::span<const Object> objects, bool box, FpFormat format)
+       unsigned packet, std::span<const Object> objects, bool box, FpFormat format,
+       Algorithm algorithm)
       : packet_(packet),
         rays_(rays),
         triangles_(triangles),
         stencil_(stencil),
         mode_(mode),
         box_(box),
-        format_(format) {
+        format_(format),
+        algorithm_(algorithm),
+        any_(format != FpFormat{} || algorithm != Algorithm::kMoller) {
     (void)name_of(mode);  // or it is none
     if (packet == 0 || packet > RayBlock::kRays)
       throw Error(ErrorCode::kUsage, fmt::format("a packet of {} rays", packet));
@@ -51,9 +54,9 @@ class Sweep::Impl {
         throw Error(ErrorCode::kUsage,
                     fmt::format("an object of {} triangles from {} on reaches beyond the {}",
                                 object.count, object.first, triangles.size()));
-    if (!objects.empty() || format != FpFormat{}) swept_ = swept(triangles, objects, format);
+    if (!objects.empty() || any_) swept_ = swept(triangles, objects, format);
     if (!objects.empty()) triangles_ = TriangleView(swept_.shapes);
-    if (format != FpFormat{}) {
+    if (any_) {
       words_ = std::move(swept_.shapes);
       triangles_ = TriangleView(std::get<std::vector<Triangle>>(words_));
     }
@@ -62,7 +65,7 @@ class Sweep::Impl {
 
   std::span<const Record> next() {
     records_.clear();
-    if (format_ != FpFormat{}) return next_of_pass();
+    if (any_) return next_of_pass();
     while (records_.empty() && first_ < rays_.size()) {
       if (!streaming()) {
         reduce();
@@ -82,7 +85,7 @@ class Sweep::Impl {
     block_ = {};
     if (first_ >= rays_.size()) return;
     packet_rays_ = rays_.subview(first_, packet_).copy();
-    if (format_ != FpFormat{}) return begin_pass();
+    if (any_) return begin_pass();
     for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
       const Ray& ray = packet_rays_[i];
       block_.ox[i] = ray.o.x(), block_.oy[i] = ray.o.y(), block_.oz[i] = ray.o.z();
@@ -93,7 +96,7 @@ class Sweep::Impl {
 
   [[nodiscard]] bool streaming() const { return mode_ == Mode::kAll || mode_ == Mode::kHits; }
 
-  // ---- Other formats: any pair's reference does a packet ----
+  // ---- Other formats and algorithms: any pair's reference does a packet ----
 
   void begin_pass() {
     std::vector<Ray> rays;
@@ -103,9 +106,11 @@ class Sweep::Impl {
       rays.push_back(packet_rays_[i]);
       numbers.push_back(number(i));
     }
-    pass_.emplace(
-        PassQuery{.box = box_, .mode = streaming() ? mode_ : Mode::kHits, .format = format_},
-        std::move(rays), std::move(numbers), words_);
+    pass_.emplace(PassQuery{.algorithm = algorithm_,
+                            .box = box_,
+                            .mode = streaming() ? mode_ : Mode::kHits,
+                            .format = format_},
+                  std::move(rays), std::move(numbers), words_);
   }
 
   std::span<const Record> next_of_pass() {
@@ -141,7 +146,7 @@ class Sweep::Impl {
     return best_;
   }
 
-  // ---- fp32 ----
+  // ---- Moller in fp32 ----
 
   [[nodiscard]] std::uint32_t number(std::size_t place) const {
     return static_cast<std::uint32_t>(first_ + place);
@@ -215,15 +220,19 @@ class Sweep::Impl {
   Mode mode_;
   bool box_;
   FpFormat format_;
-  Shapes words_;  // shapes of swept_, where format_ is not fp32
+  Algorithm algorithm_;
+  bool any_;      // not Moller in fp32
+  Shapes words_;  // shapes of swept_, if so
   std::optional<Pass> pass_;
   std::vector<Record> best_;
   std::array<std::uint8_t, RayBlock::kRays> mask_{};
 };
 
 Sweep::Sweep(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
-             unsigned packet, std::span<const Object> objects, bool box, FpFormat format)
-    : impl_(std::make_unique<Impl>(rays, triangles, mode, stencil, packet, objects, box, format)) {}
+             unsigned packet, std::span<const Object> objects, bool box, FpFormat format,
+             Algorithm algorithm)
+    : impl_(std::make_unique<Impl>(rays, triangles, mode, stencil, packet, objects, box, format,
+                                   algorithm)) {}
 Sweep::~Sweep() = default;
 std::span<const Record> Sweep::next() {
   return impl_->next();
@@ -231,8 +240,9 @@ std::span<const Record> Sweep::next() {
 
 std::vector<Record> cast(const RayView& rays, const TriangleView& triangles, Mode mode,
                          const Stencil& stencil, std::span<const Object> objects, bool box,
-                         FpFormat format) {
-  Sweep sweep(rays, triangles, mode, stencil, card::kMostPrimaries, objects, box, format);
+                         FpFormat format, Algorithm algorithm) {
+  Sweep sweep(rays, triangles, mode, stencil, card::kMostPrimaries, objects, box, format,
+              algorithm);
   std::vector<Record> records;
   for (auto some = sweep.next(); !some.empty(); some = sweep.next())
     records.insert(records.end(), some.begin(), some.end());

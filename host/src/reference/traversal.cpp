@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "cde/contract/records.hpp"
+#include "cde/geometry/pair.hpp"
 #include "cde/reference/pipes/ray_node.hpp"
 #include "cde/reference/reference.hpp"
 #include "cde/support/error.hpp"
@@ -102,7 +103,8 @@ class Traversal::Walk {
     for (std::uint32_t s = slot; s < slot + count; ++s) {
       ++of_.counts_.triangles;
       const std::uint32_t index = of_.hierarchy_.order()[s];
-      const Record record = record_of(ray_, of_.triangles_[index], number_, index, true);
+      const Record record =
+          record_of(ray_, of_.triangles_[index], number_, index, true, of_.algorithm_);
       if (record.f) keep(record);
     }
   }
@@ -137,8 +139,9 @@ class Traversal::Walk {
   bool over_ = false;
 };
 
-Traversal::Traversal(const TriangleView& triangles, const Hierarchy& hierarchy)
-    : triangles_(triangles), hierarchy_(hierarchy) {
+Traversal::Traversal(const TriangleView& triangles, const Hierarchy& hierarchy, Algorithm algorithm)
+    : triangles_(triangles), hierarchy_(hierarchy), algorithm_(algorithm) {
+  (void)name(algorithm);  // or it is none
   if (triangles.size() != hierarchy.order().size())
     throw Error(ErrorCode::kUsage, fmt::format("{} triangles with a hierarchy of {}",
                                                triangles.size(), hierarchy.order().size()));

@@ -40,9 +40,10 @@ class Judge {
                            name_of(mode), job.config.lanes, o.arithmetic, o.box ? "" : " --no-box",
                            job.config.format == FpFormat{} ? "" : " --format " + o.format);
     swept_rays_ = std::min<std::uint64_t>(o.swept_rays, rays.size());
+    if (job.config.algorithm != Algorithm::kMoller) command_ += " --algorithm " + o.algorithm;
     if (job.hierarchy) {
       command_ += " --bvh";
-      walk_.emplace(job.mesh, *job.hierarchy);
+      walk_.emplace(job.mesh, *job.hierarchy, job.config.algorithm);
       return;
     }
     if (o.bvh < 0) command_ += " --no-bvh";
@@ -52,7 +53,6 @@ class Judge {
       moller_->place_by([&board](std::uint32_t primary) { return place_on_card(board, primary); });
       return;
     }
-    command_ += " --algorithm " + o.algorithm;
     std::vector<Triangle> triangles;
     triangles.reserve(job.mesh.faces.size());
     for (std::size_t i = 0; i < job.mesh.faces.size(); ++i)
@@ -143,8 +143,9 @@ class Judge {
     for (std::uint64_t k = 0; k < swept_rays_ && difference_.empty(); ++k, ++swept_) {
       const std::size_t i = static_cast<std::size_t>(k * rays_.size() / swept_rays_);
       const Ray ray = rays_[i];
-      std::vector<Record> all = reference::cast(std::span(&ray, 1), job_.mesh,
-                                                f_alone ? Mode::kAny : mode_, {}, {}, true);
+      std::vector<Record> all =
+          reference::cast(std::span(&ray, 1), job_.mesh, f_alone ? Mode::kAny : mode_, {}, {}, true,
+                          {}, job_.config.algorithm);
       const std::vector<Record> some = walked(i);
       for (Record& r : all) r.primary = static_cast<std::uint32_t>(i);
       const auto same = [&](const Record& a, const Record& b) {
@@ -343,8 +344,9 @@ class SharedMemory {
       : boards_(boards), spare_(job.mode == Mode::kHits ? 2 : 1) {
     const std::uint64_t triangles = job.mesh.faces.size();
     cards_ = boards * triangles * 4 * words(Shape::kTriangle);
-    if (o.check && (job.config.algorithm != Algorithm::kMoller ||
-                    job.config.format != FpFormat{}))  // the Judge's copy
+    if (o.check && !job.hierarchy &&
+        (job.config.algorithm != Algorithm::kMoller ||
+         job.config.format != FpFormat{}))  // the Judge's copy
       cards_ += boards * triangles * sizeof(Triangle);
     // 2^32 rays and 2^26 triangles of 64 bytes: their product may leave 64 bits, its size does not.
     const double each = job.mode == Mode::kHits  ? 0.0

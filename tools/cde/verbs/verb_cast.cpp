@@ -164,8 +164,7 @@ void check_rays(const CastJob& job) {
 /// Why rays do not go through a hierarchy; nothing if they can.
 std::optional<std::string> no_way_through(const CastOptions& o, const CastJob& job) {
   if (job.mode == Mode::kAll) return "mode all has records of all triangles, hit or not";
-  if (job.config.algorithm != Algorithm::kMoller || !job.config.box)
-    return "without moller and the box rule no tree answers as all triangles do";
+  if (!job.config.box) return "without the box rule no tree answers as all triangles do";
   if (job.config.format != FpFormat{})
     return fmt::format("boxes are widened by 2^-16 of the scene, percents of it in {}", o.format);
   if (o.partition > 1 || Dealing::here().asked(o.deal))

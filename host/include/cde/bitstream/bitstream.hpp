@@ -52,7 +52,7 @@ struct BoardConfig {
                             ///< (has_verdicts) in modes any and hits, and one lane of
                             ///< `format` tests what they leave open: the same records
   unsigned node_units = 0;  ///< of a hierarchy over triangles: 0 (none), 1, 2 or 4; of fp32 cards
-                            ///< with ray-triangle by Moeller and the box rule
+                            ///< with ray-triangle, by any algorithm, and the box rule
   unsigned nodes = 65'536;  ///< that its memory holds, a power of two, up to 2^22; and eight slots
                             ///< of leaves each
   Transformer transform = Transformer::kNone;  ///< objects (Board::set_objects) can move

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "cde/contract/pairs.hpp"
 #include "cde/contract/records.hpp"
 #include "cde/fp/fp_format.hpp"
 #include "cde/geometry/primitives.hpp"
@@ -23,10 +24,11 @@
 /// hardware rounds twice. The templates are in reference/, one header a pair of primitives.
 namespace cde::reference {
 
-/// ray_triangle_moller for one pair of the card, as the record that mode all writes. `box`, here
-/// and below: the card has the box rule.
+/// One pair of the card, as the record that mode all writes. `box`, here and below: the card has
+/// the box rule; `algorithm`, too, is the card's.
 [[nodiscard]] Record record_of(const Ray& ray, const Triangle& triangle, std::uint32_t primary,
-                               std::uint32_t index, bool box = false);
+                               std::uint32_t index, bool box = false,
+                               Algorithm algorithm = Algorithm::kMoller);
 
 /// The records of a cast, computed in software; see Board::cast. Fast enough for large scenes (the
 /// misses, nearly all pairs, are sorted out by vector code), the hits go through the template.
@@ -35,10 +37,10 @@ class Sweep {
   /// Up to `packet` rays meet all triangles at a time, or those of the objects (Board::set_objects;
   /// kUsage if their ranges do not lie within the triangles). Rays and triangles must outlive the
   /// sweep. `format`, here and below, is of the card, fp32 or a smaller one, which rounds rays,
-  /// triangles and transforms to it; only fp32 is fast. Error kUsage if no card has it.
+  /// triangles and transforms to it. Error kUsage if no card has it. Only moller in fp32 is fast.
   Sweep(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil = {},
         unsigned packet = card::kMostPrimaries, std::span<const Object> objects = {},
-        bool box = false, FpFormat format = {});
+        bool box = false, FpFormat format = {}, Algorithm algorithm = Algorithm::kMoller);
   ~Sweep();
   Sweep(const Sweep&) = delete;
   Sweep& operator=(const Sweep&) = delete;
@@ -55,7 +57,8 @@ class Sweep {
 [[nodiscard]] std::vector<Record> cast(const RayView& rays, const TriangleView& triangles,
                                        Mode mode = Mode::kNearest, const Stencil& stencil = {},
                                        std::span<const Object> objects = {}, bool box = false,
-                                       FpFormat format = {});
+                                       FpFormat format = {},
+                                       Algorithm algorithm = Algorithm::kMoller);
 
 /// Compares records of the card with the reference as they arrive.
 class Checker {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "cde/contract/pairs.hpp"
 #include "cde/geometry/primitives.hpp"
 #include "cde/hierarchy/hierarchy.hpp"
 #include "cde/mesh/triangle_view.hpp"
@@ -17,12 +18,13 @@ struct TraversalCounts {
   unsigned deepest = 0;         ///< groups on the stack at a time
 };
 
-/// Rays through a hierarchy, by ray_triangle_moller with the box rule: records are those of
-/// Sweep with the rule, every bit, ties included.
+/// Rays through a hierarchy, by an algorithm with the box rule: records are those of Sweep with
+/// both, every bit, ties included.
 class Traversal {
  public:
   /// Both must outlive it. Error kUsage if the hierarchy is of another number of triangles.
-  Traversal(const TriangleView& triangles, const Hierarchy& hierarchy);
+  Traversal(const TriangleView& triangles, const Hierarchy& hierarchy,
+            Algorithm algorithm = Algorithm::kMoller);
 
   /// The record of a ray in modes nearest, farthest and any; in mode hits those of all its hits by
   /// ascending index. Error kUsage in mode all, whose records are those of all triangles.
@@ -36,6 +38,7 @@ class Traversal {
   class Walk;
   TriangleView triangles_;
   const Hierarchy& hierarchy_;
+  Algorithm algorithm_;
   TraversalCounts counts_;
 };
 

@@ -43,23 +43,10 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
 #define CDE_PLANE(A, FUNCTION)   \
   use(Kinds<A, BasicPlane<S>>(), \
       [plane](const A& x, const BasicPlane<S>& y) { return FUNCTION<S>(x, y, plane); })
-#define CDE_RAY(FUNCTION)                                                                  \
-  box ? use(Kinds<R, T>(), [](const R& x, const T& y) { return FUNCTION<S, true>(x, y); }) \
-      : use(Kinds<R, T>(), [](const R& x, const T& y) { return FUNCTION<S, false>(x, y); })
   // NOLINTEND(bugprone-macro-parentheses)
   switch (pair) {
     case Pair::kRayTriangle:
-      switch (algorithm) {
-        case Algorithm::kMoller:
-          return CDE_RAY(ray_triangle_moller);
-        case Algorithm::kBadouel:
-          return CDE_RAY(ray_triangle_badouel);
-        case Algorithm::kPluecker:
-          return CDE_RAY(ray_triangle_pluecker);
-        case Algorithm::kWatertight:
-          return CDE_RAY(ray_triangle_watertight);
-      }
-      break;
+      return with_ray_triangle<S>(algorithm, box, [&use](auto test) { use(Kinds<R, T>(), test); });
     case Pair::kObbObb:
       return CDE_TEST(Box, Box, obb_obb);
     case Pair::kTriangleAabb:
@@ -90,7 +77,6 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
 #undef CDE_PLANE
 #undef CDE_TEST
 #undef CDE_SEARCH
-#undef CDE_RAY
   throw Error(ErrorCode::kUsage, fmt::format("no reference for {}", name(pair)));
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "cde/contract/pairs.hpp"
 #include "cde/geometry/ops.hpp"
 #include "cde/reference/pipes/ray_box.hpp"
 #include "cde/reference/pipes/ray_outcome.hpp"
+#include "cde/support/error.hpp"
 
 /// Ray against triangle, two-sided, by four algorithms. The three barycentric coordinates are
 /// compared unscaled, without a division: each has the sign of the determinant moved onto it and
@@ -251,6 +253,29 @@ template <typename S, bool Box = false, bool AtSizeOne = false>
     met = met && follows_rule<Box, S>(triangle, td, add<S>(ray.o, td));
   }
   return ray_outcome<S>(met, t, add<S>(ray.o, hit));
+}
+
+/// Calls use(test), where test(ray, triangle) is the algorithm's, with the box rule or without.
+template <class S, class Use>
+decltype(auto) with_ray_triangle(Algorithm algorithm, bool box, Use use) {
+  using R = BasicRay<S>;
+  using T = BasicTriangle<S>;
+// NOLINTNEXTLINE(bugprone-macro-parentheses): a template's name
+#define CDE_RAY(FUNCTION)                                                   \
+  box ? use([](const R& x, const T& y) { return FUNCTION<S, true>(x, y); }) \
+      : use([](const R& x, const T& y) { return FUNCTION<S, false>(x, y); })
+  switch (algorithm) {
+    case Algorithm::kMoller:
+      return CDE_RAY(ray_triangle_moller);
+    case Algorithm::kBadouel:
+      return CDE_RAY(ray_triangle_badouel);
+    case Algorithm::kPluecker:
+      return CDE_RAY(ray_triangle_pluecker);
+    case Algorithm::kWatertight:
+      return CDE_RAY(ray_triangle_watertight);
+  }
+#undef CDE_RAY
+  throw Error(ErrorCode::kUsage, "there is no such algorithm of ray-triangle");
 }
 
 }  // namespace cde::reference
