@@ -34,7 +34,7 @@ module refit_walk #(
   import hierarchy_pkg::*;
 
   // ---- The next node's words ----
-  logic [PLACE-1:0] left_q;  // nodes that have not been read, and those before first_i
+  logic [PLACE-1:0] left_q;  // nodes that have not been read
   logic due_q, header_q, read_header;
   logic [HEADER-1:0] words_q;
   always_ff @(posedge clk_i) begin
@@ -45,8 +45,8 @@ module refit_walk #(
       header_q <= 1'b1;
       words_q <= {node_i[5][PLACE-1:0], node_i[4][PLACE-1:0], node_i[5][31:28], node_i[4][31:28], node_i[3][31:24]};
     end
-    if (rst_i || stop_i) {due_q, header_q, left_q} <= {2'b0, first_i};
-    if (start_i) left_q <= count_i;
+    if (rst_i || stop_i) {due_q, header_q, left_q} <= '0;
+    if (start_i) left_q <= count_i - first_i;
   end
 
   // ---- Children of the one that is open, from the first on ----
@@ -85,9 +85,9 @@ module refit_walk #(
   end
 
   // ---- What is read ----
-  assign read_header = !read_child && left_q != first_i && !due_q && (!header_q || open_o);
+  assign read_header = !read_child && left_q != '0 && !due_q && (!header_q || open_o);
   assign read_o = read_child || read_header;
-  assign read_at_o = read_child ? node_q : left_q - 1;
+  assign read_at_o = read_child ? node_q : first_i + left_q - 1;
   assign child_o = read_child;
   assign child_at_o = {context_q, child};
 endmodule
