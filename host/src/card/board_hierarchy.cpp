@@ -228,7 +228,7 @@ std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
   (void)name_of(q.mode);  // or it is none
   if (node_units == 0) return "the card has no node units";
   if (hierarchy.nodes == 0) return "no hierarchy was uploaded";
-  if (const auto why = no_way_through_objects()) return why;
+  if (auto why = no_way_through_objects()) return why;
   if (hierarchy.stale)
     return objects.objects.empty() ? "secondaries were uploaded anew, and no hierarchy of them"
                                    : "objects have moved since, and no refit()";
