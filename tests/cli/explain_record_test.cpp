@@ -161,6 +161,21 @@ TEST_F(ExplainRecord, TheManualShowsWhatTheCommandPrints) {
   EXPECT_NE(manual.find(indented), std::string::npos) << indented;
 }
 
+/// Waves of a way through a hierarchy say little of pairs; the sweep has the same record.
+TEST_F(ExplainRecord, WhatGoesThroughAHierarchyIsSwept) {
+  std::string tree = scene("nearest");
+  tree.insert(tree.find("[card]\n") + 7, "hierarchy = \"on\"\n");
+  write("tree.toml", tree);
+  const json plan = json::parse(cde({"plan", "tree.toml", "--json"}).out);
+  EXPECT_EQ(plan["queries"][0]["through"], "hierarchy");
+  const json j = told("tree.toml:q:0:0");
+  EXPECT_EQ(j["swept_instead"], true);
+  EXPECT_EQ(j["pairs_tested"], 5);
+  EXPECT_EQ(j["card_records_of_it"][0]["index"], 1);
+  EXPECT_NE(text("tree.toml:q:0:0").find("here the packet is swept"), std::string::npos);
+  EXPECT_EQ(told("nearest.toml:q:0:0")["swept_instead"], false);
+}
+
 TEST_F(ExplainRecord, ARunIsNamedByItsFolder) {
   ASSERT_EQ(cde({"run", "nearest.toml", "--out", "out", "-q", "--frames", "0..1"}).status, 0);
   EXPECT_EQ(told("out:q:1:1")["candidates"].size(), 2u);

@@ -216,6 +216,19 @@ TEST_F(SceneHierarchy, SameRecordsAsSweeps) {
   EXPECT_LT(on["totals"]["tests"].get<double>(), off["totals"]["tests"].get<double>() / 100);
 }
 
+/// What a frame reads is the same in a run that begins with it.
+TEST_F(SceneHierarchy, FramesDoNotDependOnThoseBefore) {
+  write("s.toml", flight("mover = \"card\""));
+  ASSERT_EQ(cde({"run", "s.toml", "-q", "--out", "all"}).status, 0);
+  ASSERT_EQ(cde({"run", "s.toml", "-q", "--out", "one", "--frames", "2"}).status, 0);
+  const auto all = nlohmann::json::parse(read("all/run.json"))["played"][2]["queries"];
+  const auto one = nlohmann::json::parse(read("one/run.json"))["played"][0]["queries"];
+  for (const unsigned q : {0u, 1u}) {
+    EXPECT_EQ(all[q]["counters"], one[q]["counters"]);
+    EXPECT_GT(all[q]["counters"]["nodes"], 700);
+  }
+}
+
 TEST_F(SceneHierarchy, PlanHasClocksOfBoth) {
   write("s.toml", flight(""));
   const Ran text = cde({"plan", "s.toml"});

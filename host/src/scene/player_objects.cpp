@@ -144,13 +144,15 @@ Secondaries::Secondaries(Board& board, const Scene& scene, const Plan& plan)
       has_table_(plan.board.transform != Transformer::kNone),
       has_tree_(std::any_of(plan.queries.begin(), plan.queries.end(),
                             [](const QueryWork& w) { return w.hierarchy; })),
+      scene_(&scene),
+      by_card_(plan.card_moves),
       row_(scene, plan.card_moves, Table::kAll) {}
 
 void Secondaries::show(const std::vector<std::size_t>& objects, std::uint32_t frame) {
   const Row::Change change = row_.show(objects, frame);
   try {
     write(change);
-    if (has_tree_) fit_tree(change);
+    if (has_tree_) fit_tree(change, objects);
   } catch (...) {
     row_.forget();  // who knows what the card has now
     throw;
@@ -170,15 +172,23 @@ void Secondaries::write(const Row::Change& change) {
   for (const std::size_t k : change.entries) board_->move_object(k, row_.entries()[k].transform);
 }
 
-void Secondaries::fit_tree(const Row::Change& change) {
-  if (change.all) tree_there_ = false;
-  if (!change.all && change.shapes.empty() && change.entries.empty()) return;
+/// The tree is that of the first frame, whichever is shown first, and where something moves its
+/// boxes are the card's: so what a frame reads does not depend on the frames before it.
+void Secondaries::fit_tree(const Row::Change& change, const std::vector<std::size_t>& objects) {
   try {
-    if (tree_there_)
+    if (change.all) {
+      tree_there_ = false;
+      Row first(*scene_, by_card_, Table::kAll);
+      (void)first.show(objects, 0);
+      board_->upload(tree_of(first));
+      tree_there_ = true;
+      if (std::any_of(objects.begin(), objects.end(), [&](std::size_t i) {
+            return !is_still(*scene_, scene_->objects[i]) || !deforming(scene_->objects[i]).empty();
+          }))
+        board_->refit();
+    } else if (tree_there_ && !(change.shapes.empty() && change.entries.empty())) {
       board_->refit();
-    else
-      board_->upload(tree_of(row_));
-    tree_there_ = true;
+    }
   } catch (const Error& e) {
     // Triangles beyond what boxes hold: they are swept.
     if (e.code() != ErrorCode::kBadInput) throw;

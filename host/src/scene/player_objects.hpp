@@ -102,9 +102,11 @@ class Secondaries {
 
  private:
   void write(const Row::Change& change);
-  void fit_tree(const Row::Change& change);
+  void fit_tree(const Row::Change& change, const std::vector<std::size_t>& objects);
   Board* board_;
   bool has_table_, has_tree_, tree_there_ = false;
+  const Scene* scene_;
+  std::vector<bool> by_card_;
   Row row_;
 };
 

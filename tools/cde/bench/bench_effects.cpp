@@ -31,6 +31,7 @@ using nlohmann::ordered_json;
 constexpr unsigned kLanes = 8, kQuickLanes = 16;
 constexpr const char* kScene = R"([card]
 lanes = {}
+hierarchy = "off"
 
 [[object]]
 name = "terrain"

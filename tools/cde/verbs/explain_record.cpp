@@ -149,6 +149,11 @@ class Text {
     if (s_.first_frame != s_.frame)
       put("Frame {} alone differs in no record: frames {} to {} were played before it.\n", s_.frame,
           s_.first_frame, s_.frame - 1);
+    if (s_.swept_instead)
+      put("The run's rays go through a hierarchy; here the packet is swept, which has the same "
+          "records. If they differ in the run and not here, it is the way through the tree: cde "
+          "run "
+          "--trace has waves of it.\n");
     put("\n");
     records("card", s_.card);
     records("reference", s_.reference);
@@ -318,6 +323,7 @@ Json json_of(const RecordStory& s, const RecordRequest& r, const std::optional<T
             {"first_frame", s.first_frame},
             {"same", s.same()},
             {"chosen_by_host", s.chosen_by_host},
+            {"swept_instead", s.swept_instead},
             {"card_records_of_it", Json::array()},
             {"reference_records_of_it", Json::array()},
             {"pairs_tested", s.arrived.size()},

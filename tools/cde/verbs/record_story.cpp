@@ -78,6 +78,11 @@ class Teller {
     s_.scene.card.trace = true;
     find_record();
     plan_ = plan(s_.scene);
+    s_.swept_instead = plan_.queries.at(s_.query).hierarchy;
+    if (s_.swept_instead) {
+      s_.scene.card.hierarchy = UseHierarchy::kOff;
+      plan_ = plan(s_.scene);
+    }
     if (!exact) use_built_card(s_.scene, plan_);
     s_.board = plan_.board;
     s_.stands_in_for = plan_.stands_in_for;

@@ -49,6 +49,7 @@ struct RecordStory {
   std::vector<StoryPair> missing;  ///< the reference has them as candidates, the card not at all
   std::uint64_t passes = 0;        ///< of the packet
   std::uint64_t swept = 0, candidates = 0;  ///< pairs of the primary in the reference
+  bool swept_instead = false;   ///< of a way through a hierarchy, of which pairs tell nothing
   bool chosen_by_host = false;  ///< some pairs do not count: the host chooses among records
   std::vector<float> words;     ///< of the primary
   Shapes secondaries;

@@ -279,7 +279,8 @@ void run_picture(const Options& o) {
 
 /// Every frame's queries in each format; what they would take is of the planned card.
 void run_scene(const Options& o) {
-  const cde::Scene scene = load_scene(o.scene);
+  cde::Scene scene = load_scene(o.scene);
+  scene.card.hierarchy = UseHierarchy::kOff;  // a tree is of fp32 alone, rows are those of sweeps
   const Plan planned = plan(scene);
   const Frames frames = frames_of(o.frames, scene);
   SceneAccuracyOptions options{.first = frames.first, .last = frames.last, .quiet = o.quiet};
