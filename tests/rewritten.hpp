@@ -29,7 +29,7 @@ inline Hierarchy rewritten(const Hierarchy& hierarchy, const std::vector<hierarc
   hierarchy.save(file);
   std::string bytes = bytes_of(file);
   bytes.resize(bytes.size() - 64);
-  std::size_t at = 16 + 2 * 4;  // behind the first line and two numbers
+  std::size_t at = 16 + 3 * 4;  // behind the first line and three numbers
   const auto put = [&](std::uint32_t word) {
     for (unsigned b = 0; b < 4; ++b) bytes[at++] = static_cast<char>(word >> (8 * b) & 0xff);
   };

@@ -17,6 +17,13 @@
 #include "hard_rays.hpp"
 #include "rewritten.hpp"
 
+namespace cde {
+/// In names of tests.
+inline void PrintTo(Algorithm algorithm, std::ostream* out) {
+  *out << name(algorithm);
+}
+}  // namespace cde
+
 namespace cde::testing {
 namespace {
 
