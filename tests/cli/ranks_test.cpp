@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -49,6 +50,22 @@ class Ranks : public Cli {
       at.push_back(i);
     at.push_back(journal.size());
     return at;
+  }
+  /// So many rays squared at a mesh that is worth a hierarchy.
+  static Words through(const std::string& records, unsigned side, const Words& more = {}) {
+    Words words = {"cast", "terrain:40,40,3", "--grid", fmt::format("{}x{}", side, side),
+                   "-o",   records,           "--json", "-q"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  /// What a summary counts of rays on their way, whichever chunks they are of.
+  static std::string counted(const Ran& ran) {
+    const auto json = nlohmann::json::parse(ran.out);
+    std::string text;
+    for (const char* key : {"through", "swept_rays", "nodes", "leaves", "deepest", "tests", "hits",
+                            "records", "records_compared", "records_matching"})
+      text += fmt::format("{} {}\n", key, json.at(key).dump());
+    return text;
   }
 };
 
@@ -184,6 +201,70 @@ TEST_F(Ranks, ShardsOfACastMakeUpTheWhole) {
   refused(cast("x.csv", {"--shard", "0/2", "--resume", "x"}), "--shard is '0/2'; it must be I/N");
   refused(cast("x.csv", {"--shard", "1/2", "--resume", "x", "--boards", "2"}),
           "--boards is of one process");
+}
+
+TEST_F(Ranks, ChunksGoThroughAHierarchy) {
+  constexpr unsigned kSide = 260;  // three chunks
+  const Ran one = cde(through("one.csv", kSide));
+  ASSERT_EQ(one.status, 0) << one.err;
+  ASSERT_TRUE(counted(one).starts_with("through \"hierarchy\"\nswept_rays 64\n")) << one.out;
+  ASSERT_EQ(cde(through("swept.csv", kSide, {"--no-bvh", "--no-check"})).status, 0);
+  EXPECT_TRUE(same("swept.csv", "one.csv"));
+
+  const Ran whole = cde(through("whole.csv", kSide, {"--resume", "journal"}));
+  ASSERT_EQ(whole.status, 0) << whole.err;
+  EXPECT_TRUE(same("whole.csv", "one.csv"));
+  EXPECT_EQ(counted(whole), counted(one));
+  const std::string journal = read("journal");
+  const std::vector<std::size_t> at = ends(journal);
+  ASSERT_EQ(at.size(), 5u) << "three chunks, and their number";
+  for (const std::size_t end : {at[0], at[1] + 5000, at[3]}) {
+    write("journal", journal.substr(0, end));
+    const Ran rest = cde(through("rest.csv", kSide, {"--resume", "journal"}));
+    EXPECT_EQ(rest.status, 0) << end << rest.err;
+    EXPECT_TRUE(same("rest.csv", "one.csv")) << end;
+    EXPECT_EQ(counted(rest), counted(one)) << end;
+  }
+  refused(through("x.csv", kSide, {"--resume", "journal", "--no-bvh"}),
+          "journal is of a run with through \"hierarchy\", this one has \"sweep\"");
+  refused(through("x.csv", kSide, {"--resume", "journal", "--check=rays:9"}),
+          "journal is of a run with swept_rays 64, this one has 9");
+
+  for (const char* i : {"1", "2"}) {
+    const Ran ran = cde(through("merged.csv", kSide,
+                                {"--resume", i, "--shard", std::string(i) + "/2", "--no-check"}));
+    EXPECT_EQ(ran.status, 0) << ran.err;
+  }
+  const Ran merged = cde({"merge", "2", "1"});
+  EXPECT_EQ(merged.status, 0) << merged.err;
+  EXPECT_TRUE(same("merged.csv", "one.csv"));
+  const Ran unchecked = cde(through("one.csv", kSide, {"--no-check"}));
+  EXPECT_EQ(counted(merged), counted(unchecked));
+}
+
+/// Killed as soon as a chunk is in the journal, of eight.
+TEST_F(Ranks, AKilledRunGoesOnThroughAHierarchy) {
+  const auto words = [](const char* records) {
+    return through(records, 512, {"--no-check", "--resume", "journal"});
+  };
+  std::size_t kept = 0;
+  for (int tries = 0; tries < 5 && (kept < 1 || kept > 7); ++tries) {
+    std::filesystem::remove(folder_ / "journal");
+    const pid_t run = start(words("r.csv"));
+    for (int i = 0; i < 60'000 && (!exists("journal") || ends(read("journal")).size() < 2); ++i)
+      ::usleep(1000);
+    ::kill(run, SIGKILL);
+    (void)finish(run);
+    kept = ends(read("journal")).size() - 1;
+  }
+  ASSERT_GE(kept, 1u);
+  ASSERT_LE(kept, 7u) << "it was not killed in the middle";
+  EXPECT_FALSE(exists("r.csv")) << "half an output";
+  const Ran rest = cde(words("r.csv"));
+  EXPECT_EQ(rest.status, 0) << rest.err;
+  const Ran one = cde(through("one.csv", 512, {"--no-check"}));
+  EXPECT_TRUE(same("r.csv", "one.csv"));
+  EXPECT_EQ(counted(rest), counted(one));
 }
 
 TEST_F(Ranks, ShardsOfAQueryMakeUpTheWhole) {
@@ -343,6 +424,21 @@ TEST_F(MpiRanks, GiveTheOutputOfOne) {
       " accuracy --pair sphere-plane --formats fp16,fp32 --cases 90 -q "
       "--no-operators";
   EXPECT_EQ(shell(run(2) + some).out, shell("\"$CDE\"" + some).out);
+}
+
+TEST_F(MpiRanks, GoThroughAHierarchyAsOneDoes) {
+  for (const char* mode : {"nearest", "hits", "occluded"}) {
+    const auto of = [&](const char* records) {
+      return through(records, 260, {"--mode", mode, "--check=rays:50"});
+    };
+    const Ran one = cde(of("one.csv"));
+    ASSERT_EQ(one.status, 0) << one.err;
+    ASSERT_TRUE(counted(one).starts_with("through \"hierarchy\"\nswept_rays 50\n")) << one.out;
+    const Ran two = shell(run(2) + words(of("two.csv")));
+    ASSERT_EQ(two.status, 0) << two.err;
+    EXPECT_TRUE(same("two.csv", "one.csv")) << mode;
+    EXPECT_EQ(counted(two), counted(one)) << mode;
+  }
 }
 
 TEST_F(MpiRanks, WhatIsWrongIsSaidOnce) {

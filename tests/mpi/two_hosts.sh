@@ -41,7 +41,8 @@ exec ip netns exec $a unshare --uts bash -c 'hostname cde-a; exec "\$@"' run "$m
 END
 chmod +x run
 fail() { echo "mpi: $1"; exit 1; }
-cast=("$cde" cast "terrain:100,100,1" --grid "${CDE_HOSTS_RAYS:-128x64}" -q)
+# Swept, which takes long enough to be in the middle of.
+cast=("$cde" cast "terrain:100,100,1" --no-bvh --grid "${CDE_HOSTS_RAYS:-128x64}" -q)
 
 seconds() { local start=$EPOCHREALTIME; "${@:2}" || fail "status $? of ${*:2}"; awk -v a="$start" -v b="$EPOCHREALTIME" -v of="$1" 'BEGIN { printf "%s: %.2f s\n", of, b - a }'; }
 seconds "one process" "${cast[@]}" -o one.csv
@@ -61,7 +62,7 @@ grep -q 'rank 1 on cde-b has' said || { cat said; fail "the rank that disagrees 
 [[ ! -e x.csv ]] || fail "a refused run wrote its output"
 
 # The second host vanishes in the middle.
-long=("$cde" cast "terrain:100,100,1" --grid 160x128 -q -o "$folder/long.csv" --resume "$folder/journal")
+long=("$cde" cast "terrain:100,100,1" --no-bvh --grid 160x128 -q -o "$folder/long.csv" --resume "$folder/journal")
 ./run "${long[@]}" >/dev/null 2>said & run=$!
 for ((tenths = 0; tenths < 300; ++tenths)); do
   [[ $(grep -a -c '^{"part":0,"chunk":' journal 2>/dev/null) -lt 3 ]] || break

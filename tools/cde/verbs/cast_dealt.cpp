@@ -25,37 +25,58 @@ constexpr std::size_t kPacket = card::kMostPrimaries;
 /// Tests of a chunk, half a second of a core: long beside what dealing it takes, short beside a
 /// run.
 constexpr double kChunkTests = 3e7;
+/// Of rays through a hierarchy, which take some microseconds each whatever the mesh.
+constexpr std::size_t kChunkPackets = 128;
 
 std::size_t rays_of_chunk(const CastOptions& o, const CastJob& job) {
+  if (job.config.node_units != 0) return kPacket * kChunkPackets;
   const double packets = kChunkTests / kPacket / (static_cast<double>(job.triangles) / o.partition);
   return kPacket * static_cast<std::size_t>(std::clamp(packets, 1.0, 256.0));
 }
 
-/// The mode, which a picture's shadows have another of, and rays.
-std::string bytes_of(Mode mode, const RayView& rays) {
-  std::string bytes(1, static_cast<char>(mode));
-  bytes.reserve(1 + rays.size() * sizeof(std::array<float, Ray::kWords>));
+/// What is before a chunk's rays: the mode, which a picture's shadows have another of, and how many
+/// of the rays meet all triangles in the reference, too, which follows from all rays of the run.
+struct InputHead {
+  std::uint64_t mode = 0, swept_rays = 0;
+};
+
+std::string bytes_of(Mode mode, std::uint64_t swept_rays, const RayView& rays) {
+  const InputHead head{.mode = static_cast<std::uint64_t>(mode), .swept_rays = swept_rays};
+  std::string bytes(reinterpret_cast<const char*>(&head), sizeof head);
+  bytes.reserve(sizeof head + rays.size() * sizeof(std::array<float, Ray::kWords>));
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const auto words = to_words(rays[i]);
     bytes.append(reinterpret_cast<const char*>(words.data()), sizeof words);
   }
   return bytes;
 }
-std::vector<Ray> rays_in(const std::string& bytes) {
+InputHead head_of(const std::string& input) {
+  InputHead head;
+  std::memcpy(&head, input.data(), sizeof head);
+  return head;
+}
+std::vector<Ray> rays_in(const std::string& input) {
   std::array<float, Ray::kWords> words{};
-  std::vector<Ray> rays(bytes.size() / sizeof words);
+  std::vector<Ray> rays((input.size() - sizeof(InputHead)) / sizeof words);
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    std::memcpy(words.data(), bytes.data() + 1 + i * sizeof words, sizeof words);
+    std::memcpy(words.data(), input.data() + sizeof(InputHead) + i * sizeof words, sizeof words);
     rays[i] = from_words<Ray>(std::span<const float, Ray::kWords>(words));
   }
   return rays;
+}
+
+/// Of the rays that meet all triangles in the reference, evenly spread, those before this one.
+std::uint64_t swept_before(std::size_t ray, const CastOptions& o, const CastJob& job) {
+  if (!job.hierarchy || !o.check) return 0;
+  return std::min<std::uint64_t>(o.swept_rays, job.rays.size()) * ray / job.rays.size();
 }
 
 /// The head of a chunk's result; behind it the bitstream's name and the records. Ranks and
 /// journals are of one build.
 struct Head {
   Counters counters;
-  std::uint64_t hits = 0, compared = 0, matching = 0, upload_clocks = 0, config_hash = 0;
+  std::uint64_t hits = 0, compared = 0, matching = 0, swept_rays = 0, upload_clocks = 0,
+                config_hash = 0;
   double modelled_seconds = 0, simulation_seconds = 0;
   std::uint64_t bitstream_bytes = 0, records = 0;
 };
@@ -67,6 +88,7 @@ std::string as_bytes(const CastOutcome& r, std::span<const Record> records) {
                   .hits = r.hits,
                   .compared = r.compared,
                   .matching = r.matching,
+                  .swept_rays = r.swept_rays,
                   .upload_clocks = r.upload_clocks,
                   .config_hash = r.config_hash,
                   .modelled_seconds = r.modelled_seconds,
@@ -87,6 +109,7 @@ CastOutcome outcome_in(const std::string& bytes, std::size_t first, std::vector<
   r.hits = head.hits;
   r.compared = head.compared;
   r.matching = head.matching;
+  r.swept_rays = head.swept_rays;
   r.upload_clocks = head.upload_clocks;
   r.config_hash = head.config_hash;
   r.modelled_seconds = head.modelled_seconds;
@@ -116,6 +139,7 @@ class Sum {
     if (part != 0) all.counters.bad_primaries = bad;
     all.compared += one.compared;
     all.matching += one.matching;
+    all.swept_rays += one.swept_rays;
     all.simulation_seconds += one.simulation_seconds;
     all.upload_clocks = std::max(all.upload_clocks, one.upload_clocks);
     all.bitstream = std::move(one.bitstream);
@@ -208,6 +232,9 @@ void share_job(const CastOptions& o, CastJob& job) {
     share_parts(o, job);
   else
     dealing.share(job.mesh);
+  // Sooner built than sent, and the same on all ranks.
+  if (job.config.node_units != 0 && !job.hierarchy)
+    job.hierarchy = std::make_shared<const Hierarchy>(Hierarchy::build(job.mesh));
 }
 
 void begin_dealt(const CastOptions& o, const CastJob& job) {
@@ -222,12 +249,14 @@ void begin_dealt(const CastOptions& o, const CastJob& job) {
     throw Error(ErrorCode::kUsage, "--shadows follow from all hits, which a --shard does not have");
   Json run = {{"verb", "cast"},
               {"mode", o.mode},
+              {"through", job.hierarchy ? "hierarchy" : "sweep"},
               {"parameters", job.config.parameters()},
               {"checked", o.check},
               {"clock_hz", o.clock.mhz * 1e6},
               {"partition", o.partition},
               {"triangles", job.triangles},
               {"mesh", job.fingerprint}};
+  if (job.hierarchy && o.check) run["swept_rays"] = o.swept_rays;
   if (!dealing.merges())
     run["config_hash"] =
         fmt::format("{:016x}", bitstream_hash(job.config.top(), job.config.parameters()));
@@ -247,13 +276,20 @@ CastOutcome deal_rays(const CastOptions& o, const CastJob& job, const std::strin
   Part part{.what = what, .chunks = chunks, .input = {}, .run = {}, .take = {}};
   part.input = [&](std::uint64_t c) -> std::optional<std::string> {
     if (c >= chunks) return std::nullopt;
-    return bytes_of(job.mode, job.rays.subview(c / parts * rays, rays));
+    const std::size_t first = c / parts * rays;
+    const RayView some = job.rays.subview(first, rays);
+    return bytes_of(job.mode,
+                    swept_before(first + some.size(), o, job) - swept_before(first, o, job), some);
   };
   part.run = [&](std::uint64_t c, const std::string& input) {
     const auto p = static_cast<unsigned>(c % parts);
+    const InputHead head = head_of(input);
+    CastOptions of_chunk = o;
+    of_chunk.swept_rays = head.swept_rays;
     std::vector<Record> found;
     const CastOutcome one = cast_on(
-        cards.card_of_part(p), o, cards.job_of(p), static_cast<Mode>(input[0]), rays_in(input), {},
+        cards.card_of_part(p), of_chunk, cards.job_of(p), static_cast<Mode>(head.mode),
+        rays_in(input), {},
         [&](std::span<const Record> some) { found.insert(found.end(), some.begin(), some.end()); });
     if (!one.difference.empty())
       throw Error(

@@ -167,8 +167,7 @@ std::optional<std::string> no_way_through(const CastOptions& o, const CastJob& j
   if (!job.config.box) return "without the box rule no tree answers as all triangles do";
   if (job.config.format != FpFormat{})
     return fmt::format("boxes are widened by 2^-16 of the scene, percents of it in {}", o.format);
-  if (o.partition > 1 || Dealing::here().asked(o.deal))
-    return "parts of a mesh and chunks of a run are swept";
+  if (o.partition > 1) return "parts of a mesh are swept";
   return std::nullopt;
 }
 
