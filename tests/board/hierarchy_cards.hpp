@@ -14,7 +14,7 @@
 #include "hard_rays.hpp"
 
 /// Cards with a hierarchy, and what rays through it are to find, for tests of them.
-namespace cde::testing {
+namespace cde::testing::through {
 
 using hard::Scene;
 
@@ -131,4 +131,4 @@ inline std::vector<Ray> hard_rays(const Scene& scene, std::size_t count) {
   return rays;
 }
 
-}  // namespace cde::testing
+}  // namespace cde::testing::through

@@ -13,6 +13,7 @@
 namespace cde::testing {
 namespace {
 
+using namespace through;
 using Eigen::Vector3f;
 using hard::kScenes;
 
@@ -45,7 +46,7 @@ struct Moving {
   [[nodiscard]] std::vector<Record> expected(const std::vector<Ray>& rays, Mode mode) const {
     const auto all = swept();
     std::vector<Record> records =
-        testing::expected(all.shapes, Hierarchy::build(all.shapes), rays, mode);
+        through::expected(all.shapes, Hierarchy::build(all.shapes), rays, mode);
     for (Record& r : records)
       if (r.f && mode != Mode::kOccluded) r.index = all.slots[r.index];
     return records;

@@ -23,6 +23,7 @@ namespace cde::testing {
 namespace {
 
 using namespace hard;
+using namespace through;
 
 // ---- Records ----
 

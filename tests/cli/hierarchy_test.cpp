@@ -224,7 +224,8 @@ TEST_F(SceneHierarchy, FramesDoNotDependOnThoseBefore) {
   const auto all = nlohmann::json::parse(read("all/run.json"))["played"][2]["queries"];
   const auto one = nlohmann::json::parse(read("one/run.json"))["played"][0]["queries"];
   for (const unsigned q : {0u, 1u}) {
-    EXPECT_EQ(all[q]["counters"], one[q]["counters"]);
+    for (const char* count : {"nodes", "leaves", "tests", "deepest", "device_cycles"})
+      EXPECT_EQ(all[q]["counters"][count], one[q]["counters"][count]) << count;
     EXPECT_GT(all[q]["counters"]["nodes"], 700);
   }
 }
