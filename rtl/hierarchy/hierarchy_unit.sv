@@ -78,6 +78,9 @@ module hierarchy_unit #(
   clock_gate gate (.clk_i(clk_core_i), .enable_i(valid_i | abort_i | (busy_o & !waits) | rst_i), .clk_o(clk));
 
   // ---- Registers ----
+  logic refit_write;  // a node made anew
+  logic [PLACE-1:0] refit_read_at, refit_write_at;
+  logic [NODE_WORDS-1:0][31:0] refitted;
   logic [6:0][31:0] root;
   events_t events;
   logic [4:0] deepest, deepest_q;
@@ -101,9 +104,7 @@ module hierarchy_unit #(
   logic [UNITS-1:0][PLACE-1:0] node_at;
   logic [UNITS-1:0][NW-1:0] node_row;
   logic [UNITS-1:0][NODE_WORDS-1:0][31:0] node;
-  logic node_access, clk_nodes, refit_write;
-  logic [PLACE-1:0] refit_read_at, refit_write_at;
-  logic [NODE_WORDS-1:0][31:0] refitted;
+  logic node_access, clk_nodes;
   for (genvar u = 0; u < UNITS; u++) begin : unit
     assign node_row[u] = (refitting && u == 0) ? refit_read_at[NW-1:0] : node_at[u][NW-1:0];
   end

@@ -27,12 +27,12 @@ module ray_queue #(
   localparam int DEPTH = 1 << $clog2(T_CHECK + 4);
   localparam int DW = $clog2(DEPTH);
   logic [3:0][63:0] ring[RAYS];
+  logic [DW:0] places_q, queue_count;
   logic unused;
   assign unused = &{1'b0, addr_i, queue_count};
   always_ff @(posedge clk_bus_i) if (write_i) ring[addr_i[5+:AW]][addr_i[4:3]] <= data_i;
 
   // ---- As many are under way as the queue has places ----
-  logic [DW:0] places_q, queue_count;
   logic ask, asked_q, checked;
   logic [31:0] number_q, number;
   logic [7:0][31:0] ray_q, ray;
