@@ -55,9 +55,8 @@ module hierarchy_registers #(
     saturated = (x[63:32] != 0) ? '1 : x[31:0];
   endfunction
   logic write, at_root;
-  logic unused;
-  assign unused = &{1'b0, access_i.addr[31:12]};
-  assign write = access_i.write && access_i.space == SPACE_REG;
+  // Object tables lie above the registers, in the same space.
+  assign write = access_i.write && access_i.space == SPACE_REG && access_i.addr[31:12] == '0;
   assign at_root = access_i.addr[11:0] >= REG_ROOT && access_i.addr[11:0] < REG_ROOT + 12'd32;
   logic at_new_root;
   logic [8:0][63:0] new_root_q;

@@ -216,6 +216,50 @@ TEST_F(SceneHierarchy, SameRecordsAsSweeps) {
   EXPECT_LT(on["totals"]["tests"].get<double>(), off["totals"]["tests"].get<double>() / 100);
 }
 
+/// A frame whose triangles no box holds is swept, and said to be.
+TEST_F(SceneHierarchy, FramesWithoutATreeAreSwept) {
+  const auto scene = [](const std::string& card) {
+    return "frames = 4\nrate = 1\n[card]\n" + card + R"(
+[[object]]
+name = "ball"
+mesh = ")" +
+           CDE_SOURCE_DIR + R"(/meshes/icosphere.ply"
+scale = 80
+[[object]]
+name = "ring"
+mesh = ")" +
+           CDE_SOURCE_DIR + R"(/meshes/torus.stl"
+scale = 1e11
+motion = { kind = "velocity", linear = [3.5e11, 0, 0], angular = [0, 0, 90] }
+[[object]]
+name = "rays"
+random_rays = { count = 60, seed = 7 }
+[[query]]
+name = "hit"
+pair = "ray-triangle"
+primaries = "rays"
+secondaries = ["ball", "ring"]
+)";
+  };
+  write("on.toml", scene("hierarchy = \"on\"\nmover = \"card\""));
+  write("off.toml", scene("hierarchy = \"off\"\nlanes = 16\nmover = \"card\""));
+  const Ran ran = cde({"run", "on.toml"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.err.find("frame 2, query 'hit': rays meet all triangles instead of a hierarchy: "
+                         "the triangle in slot"),
+            std::string::npos)
+      << ran.err;
+  ASSERT_EQ(cde({"run", "off.toml", "-q"}).status, 0);
+  const auto on = nlohmann::json::parse(read("on.run/run.json"))["played"];
+  const auto off = nlohmann::json::parse(read("off.run/run.json"))["played"];
+  for (const unsigned f : {0u, 1u, 2u, 3u}) {
+    EXPECT_EQ(on[f]["queries"][0]["swept_as"].is_null(), f < 2) << f;
+    EXPECT_TRUE(off[f]["queries"][0]["swept_as"].is_null());
+    EXPECT_EQ(read("on.run/" + on[f]["files"][0].get<std::string>()),
+              read("off.run/" + off[f]["files"][0].get<std::string>()));
+  }
+}
+
 /// What a frame reads is the same in a run that begins with it.
 TEST_F(SceneHierarchy, FramesDoNotDependOnThoseBefore) {
   write("s.toml", flight("mover = \"card\""));

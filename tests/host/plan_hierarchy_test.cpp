@@ -108,5 +108,21 @@ TEST(PlanHierarchy, OfObjectsThatMove) {
   EXPECT_LT(refit(p), refit(whole) / 2) << hierarchy(p).cost;
 }
 
+/// Many things that move among each other leave little of a tree that stays.
+TEST(PlanHierarchy, NotOfADustThatMoves) {
+  const auto dust = [](const char* each) {
+    return of(std::string("[[object]]\nname = \"ground\"\nrandom = { shape = \"triangle\", count = "
+                          "3000, min = [0, 0, 0], max = [1000, 1000, 1000], size = [5, 30] }\n"
+                          "motion = { kind = \"random\", speed = 100, min = [-100, -100, -100], "
+                          "max = [1100, 1100, 1100], each = ") +
+              each + " }\n" + kRays + query());
+  };
+  EXPECT_TRUE(hierarchy(dust("false")).used);
+  const Plan p = dust("true");
+  EXPECT_FALSE(hierarchy(p).used);
+  EXPECT_EQ(hierarchy(p).why, "sweeps take less");
+  EXPECT_GT(*p.queries[0].hierarchy_clocks, p.queries[0].rows);
+}
+
 }  // namespace
 }  // namespace cde::testing

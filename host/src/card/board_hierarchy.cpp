@@ -102,6 +102,8 @@ void Board::upload(const Hierarchy& hierarchy) {
 }
 
 void Board::Impl::write_hierarchy(const Hierarchy& tree) {
+  for (std::size_t i = 0; i < objects.objects.size(); ++i)
+    check_object(objects, i, objects.objects[i]);
   hierarchy = {};
   constexpr std::size_t kChunk = 4096;
   constexpr unsigned kFront = 16;  // words of a node that lie together, the others behind all
@@ -230,8 +232,9 @@ std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
   if (hierarchy.nodes == 0) return "no hierarchy was uploaded";
   if (auto why = no_way_through_objects()) return why;
   if (hierarchy.stale)
-    return objects.objects.empty() ? "secondaries were uploaded anew, and no hierarchy of them"
-                                   : "objects have moved since, and no refit()";
+    return objects.objects.empty()
+               ? "secondaries were uploaded anew, or had moved, and no hierarchy of them"
+               : "objects or their triangles have moved since, and no refit()";
   if (q.mode == Mode::kAll) return "mode all has records of all secondaries, hit or not";
   if (q.pair.value_or(Pair::kRayTriangle) != Pair::kRayTriangle || q.swap)
     return "it is of rays with triangles";

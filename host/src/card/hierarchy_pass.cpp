@@ -113,7 +113,10 @@ void HierarchyPass::wait_until_done() {
       wrote = provided_ != before;
     }
     // Rays that are written leave the card no less time; what it wants is looked at in between.
-    const std::uint64_t status = work(wrote ? 1 : !all ? kRaySlice : hits ? kStreamSlice : kSlice);
+    const std::uint64_t status = work(until_deadline(wrote  ? 1
+                                                     : !all ? kRaySlice
+                                                     : hits ? kStreamSlice
+                                                            : kSlice));
     if (bit(status, card::kStatusDone)) {
       if (bit(status, card::kStatusNodeError)) {
         const std::uint64_t fault = card_.read_register(card::kRegNodeFault);
@@ -134,6 +137,14 @@ void HierarchyPass::wait_until_done() {
     if (query_.progress)
       query_.progress(static_cast<double>(taken_) / static_cast<double>(numbers_.size()));
   }
+}
+
+/// So many clocks, or those that are left.
+std::uint64_t HierarchyPass::until_deadline(std::uint64_t clocks) const {
+  if (query_.deadline_clocks == 0) return clocks;
+  const std::uint64_t gone = card_.clocks() - started_;
+  if (gone >= query_.deadline_clocks) return 1;
+  return std::min(clocks, query_.deadline_clocks - gone);
 }
 
 void HierarchyPass::check_progress() {

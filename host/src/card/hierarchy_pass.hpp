@@ -46,6 +46,7 @@ class HierarchyPass : private CardPass {
   bool provide(std::uint32_t most);
   void write_rays(std::uint32_t count);
   void wait_until_done();
+  [[nodiscard]] std::uint64_t until_deadline(std::uint64_t clocks) const;
   void check_progress();
   void drain(std::uint64_t entries);
   Counters finish();

@@ -79,10 +79,11 @@ class PassCheck {
  public:
   PassCheck(const SceneQuery& query, const SceneCard& card, const Board& board,
             const SelfPairs& self, const Shapes& primaries, std::vector<std::uint32_t> numbers,
-            const Shapes& secondaries)
+            const Shapes& secondaries, bool streams)
       : query_(query),
         card_(card),
         board_(board),
+        streams_(streams),
         primaries_(primaries),
         secondaries_(secondaries),
         numbers_(std::move(numbers)),
@@ -125,7 +126,9 @@ class PassCheck {
     const std::uint32_t primary = (expected != nullptr ? expected : card)->primary;
     if (card != nullptr && expected != nullptr)
       message += fmt::format("  differ in: {}\n", differing_fields(*card, *expected));
-    message += fmt::format("  where:     {}\n", place_on_card(board_, primary % kPacket));
+    message += fmt::format("  where:     {}\n",
+                           streams_ ? fmt::format("clock {} (record read)", board_.clocks())
+                                    : place_on_card(board_, primary % kPacket));
     if (primary < size(primaries_)) {
       difference.primary = numbers_of(primaries_, primary);
       message += fmt::format("  primary {}: {}\n", primary, words_of(primaries_, primary));
@@ -145,6 +148,7 @@ class PassCheck {
   const SceneQuery& query_;
   const SceneCard& card_;
   const Board& board_;
+  bool streams_;  // its rays go through a hierarchy
   const Shapes& primaries_;
   const Shapes& secondaries_;
   std::vector<std::uint32_t> numbers_;
@@ -289,10 +293,13 @@ class Player::Impl {
     }
     if (active.empty()) return;  // no work for the card
     packet.active = active.size();
+    const bool streams = through(packet, query);  // on their way, so nothing is loaded
+    if (through_[packet.query] && !streams)
+      result.swept_as = secondaries_.no_tree().value_or(*board_.no_way_through(query));
     std::optional<PassCheck> check;
     if (options_.check != Check::kNone)
       check.emplace(q, scene_.card, board_, packet.self, primaries, sampled(active, packet.frame),
-                    secondaries_.placed());
+                    secondaries_.placed(), streams);
     const auto deliver = [&](std::span<const Record> records) {
       for (const Record& r : records) result.hits += r.f ? 1 : 0;
       result.counters.records += records.size();
@@ -308,7 +315,6 @@ class Player::Impl {
     if (here && options_.made_of)
       options_.made_of({primaries, secondaries_.placed(), counting(packet.self)});
     if (here) trace_open();
-    const bool streams = through(packet, query);  // on their way, so nothing is loaded
     if (!sweeps.empty() && !streams) load(first, count, result);
     if (!packet.self.any() || q.mode == Mode::kAll || q.mode == Mode::kHits) {
       for (const SelfPairs::Sweep& sweep : sweeps) pass(packet, query, sweep, deliver, result);

@@ -175,6 +175,8 @@ void Secondaries::write(const Row::Change& change) {
 /// The tree is that of the first frame, whichever is shown first, and where something moves its
 /// boxes are the card's: so what a frame reads does not depend on the frames before it.
 void Secondaries::fit_tree(const Row::Change& change, const std::vector<std::size_t>& objects) {
+  if (!change.all && change.shapes.empty() && change.entries.empty()) return;
+  no_tree_.reset();
   try {
     if (change.all) {
       tree_there_ = false;
@@ -186,12 +188,13 @@ void Secondaries::fit_tree(const Row::Change& change, const std::vector<std::siz
             return !is_still(*scene_, scene_->objects[i]) || !deforming(scene_->objects[i]).empty();
           }))
         board_->refit();
-    } else if (tree_there_ && !(change.shapes.empty() && change.entries.empty())) {
+    } else if (tree_there_) {
       board_->refit();
     }
   } catch (const Error& e) {
     // Triangles beyond what boxes hold: they are swept.
     if (e.code() != ErrorCode::kBadInput) throw;
+    no_tree_ = e.what();
   }
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "cde/card/board.hpp"
@@ -97,6 +99,8 @@ class Secondaries {
 
   /// All of them as a pass meets them.
   [[nodiscard]] const Shapes& placed() const { return row_.placed(); }
+  /// Why there is no hierarchy of them as they are now; nothing if none is missing.
+  [[nodiscard]] const std::optional<std::string>& no_tree() const { return no_tree_; }
   /// Whether passes sweep objects, and so cannot sweep ranges.
   [[nodiscard]] bool moved_by_card() const { return !row_.entries().empty(); }
 
@@ -107,6 +111,7 @@ class Secondaries {
   bool has_table_, has_tree_, tree_there_ = false;
   const Scene* scene_;
   std::vector<bool> by_card_;
+  std::optional<std::string> no_tree_;
   Row row_;
 };
 

@@ -49,6 +49,7 @@ Json query_json(const std::string& name, const QueryFrame& f) {
                    {"download_clocks", f.download_clocks}});
   return {{"query", name},
           {"passes", f.passes},
+          {"swept_as", f.swept_as.empty() ? Json() : Json(f.swept_as)},
           {"records", f.counters.records},
           {"hits", f.hits},
           {"records_compared", f.compared},

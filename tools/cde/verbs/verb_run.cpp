@@ -367,6 +367,11 @@ class Run {
       totals_.add(j["queries"][q], scene_.queries[q]);
       warn_of_bad(scene_.queries[q].name, frame, counters["bad_primaries"].get<std::uint64_t>(),
                   counters["bad_secondaries"].get<std::uint64_t>());
+      const Json why = j["queries"][q].value("swept_as", Json());
+      if (!why.is_null() && swept_.insert(scene_.queries[q].name).second)
+        say("cde: warning: frame {}, query '{}': rays meet all triangles instead of a hierarchy: "
+            "{}\n",
+            frame, scene_.queries[q].name, why.get<std::string>());
     }
     json_["played"].push_back(j);
   }
@@ -454,7 +459,7 @@ class Run {
     std::optional<Difference> difference;
     std::string repeat;
   } failure_;
-  std::set<std::string> warned_;  // names of queries
+  std::set<std::string> warned_, swept_;  // names of queries
   bool waves_whole_ = false;
   std::string waves_defect_;
 };

@@ -105,10 +105,10 @@ class Board {
   void upload(const Hierarchy& hierarchy);
   /// Boxes of the card's hierarchy anew, by the card, for secondaries as update_shapes() and
   /// move_object() left them; the tree stays as it is. Of a hierarchy of objects only what is below
-  /// those that have changed, and what is above all of them. Returns what the card counted. Errors:
-  /// kUsage if there is no hierarchy, or it is of other objects; kBadInput naming a slot of the
-  /// tree whose triangle is not finite or beyond 2^40, as it was moved, and kDevice, as run(): the
-  /// hierarchy is then unused.
+  /// those that have changed, and what is above all of them, their roots included. Returns what the
+  /// card counted. Errors: kUsage if there is no hierarchy, or it is of other objects; kBadInput
+  /// naming a slot of the tree whose triangle is not finite or beyond 2^40, as it was moved, and
+  /// kDevice, as run(): the hierarchy is then unused.
   Counters refit();
   /// The same for other shapes (Sphere, Aabb, Obb, Plane, Cylinder, Ray; Triangle too).
   template <class P>

@@ -39,7 +39,7 @@ class Hierarchy {
                                        const HierarchyOptions& options = {});
 
   /// One of parts, which have so many of the triangles one behind the other: a tree each (parts()),
-  /// below one over their boxes, so that it stays a good one wherever they go. hierarchy_of() in
+  /// below one over their boxes, so that each stays a good one wherever it goes. hierarchy_of() in
   /// board.hpp makes one of objects. Errors beside those above: kUsage if there is no part, one is
   /// empty, or they are not all triangles; kCapacity for more than 32,768; what is said of a box
   /// names its part.

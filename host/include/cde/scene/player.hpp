@@ -60,6 +60,8 @@ struct QueryFrame {
                                        ///< all and hits records are read while the pass runs, and
                                        ///< much of it counts as compute.
   std::uint64_t hits = 0;              ///< records with F = 1
+  std::string swept_as;                ///< why rays that were to go through a hierarchy met all
+                                       ///< triangles; empty if they did not
   std::uint64_t compared = 0;          ///< records compared with the reference
   std::uint64_t mismatches = 0;        ///< of them, and records missing or too many
   std::string first_mismatch;          ///< what differed first, for people; empty if nothing did
