@@ -175,6 +175,45 @@ TEST(BoxRule, HoldsWhereItsMarginOverflows) {
   }
 }
 
+/// Nodes that a ray reads, of rays from anywhere.
+double nodes_a_ray(const Scene& scene, const Hierarchy& tree) {
+  constexpr unsigned kRays = 2000;
+  Draw draw(3);
+  reference::Traversal walk(scene, tree);
+  for (unsigned i = 0; i < kRays; ++i)
+    (void)walk.trace({0.5f * draw.point(), draw.point()}, i, Mode::kNearest);
+  return static_cast<double>(walk.counts().nodes) / kRays;
+}
+
+/// Where objects have gone anywhere among each other, a tree of them that stays is as good as a new
+/// one while they are few. Prints the figures of docs/hierarchy.md.
+TEST(HierarchyOfObjects, IsGoodWithinObjects) {
+  constexpr struct { std::uint32_t objects, each; } kCases[] = {{8, 320}, {40, 64}, {200, 12}};
+  for (const auto& [objects, each] : kCases) {
+    Draw draw(objects);
+    const std::vector<std::uint32_t> parts(objects, each);
+    Scene before, after;
+    for (std::uint32_t k = 0; k < objects; ++k) {
+      const Vector3f from = draw.point(), to = draw.point();
+      for (std::uint32_t i = 0; i < each; ++i) {
+        const Vector3f v = 0.05f * draw.point(), a = 0.02f * draw.point(), b = 0.02f * draw.point();
+        before.push_back({from + v, from + v + a, from + v + b});
+        after.push_back({to + v, to + v + a, to + v + b});
+      }
+    }
+    Hierarchy stays = Hierarchy::build(before, parts);
+    stays.refit(after);
+    const double old = nodes_a_ray(after, stays),
+                 anew = nodes_a_ray(after, Hierarchy::build(after, parts));
+    fmt::print("{} objects of {} triangles: {:.1f} nodes a ray, {:.1f} in a tree built anew\n",
+               objects, each, old, anew);
+    if (objects == 8) {
+      EXPECT_LT(old, 1.2 * anew);
+    }
+    EXPECT_GT(old, 0.9 * anew);
+  }
+}
+
 /// From inside a closed mesh, at its edges and vertices, wherever it lies and however large it is:
 /// a ray that finds nothing has left through a gap. CDE_FULL=1: four million rays.
 TEST(Watertight, DoesNotLeakThroughAHierarchy) {
