@@ -173,6 +173,7 @@ TEST(HierarchyDriver, SaysWhyThereIsNoWayThrough) {
   refused("a range of secondaries", {.pair = Pair::kRayTriangle, .secondary_count = 3});
   board.set_objects(std::vector<Object>{{.first = 0, .count = 10}});
   refused("not one of the card's objects", {.pair = Pair::kRayTriangle});
+  board.move_object(0, Transform());  // which is none of the tree's
   board.set_objects({});
   EXPECT_GT(expect_same(board.run(on), expected(scene, tree, rays, Mode::kNearest)), 0u);
   board.upload(scene);

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "cde/scene/plan.hpp"
 #include "testing.hpp"
 
@@ -88,6 +90,22 @@ TEST(PlanHierarchy, BesideQueriesThatSweep) {
   EXPECT_FALSE(p.queries[1].hierarchy);
   EXPECT_EQ(p.queries[1].hierarchy_clocks, std::nullopt);
   EXPECT_EQ(p.board.lanes, 128u);
+}
+
+/// Rays that the card moves in its register file have no way through the tree.
+TEST(PlanHierarchy, RaysAreMovedByTheHostWhereAnyGoThroughIt) {
+  const std::string ray = "{ origin = [0, 0, 0], direction = [0, 0, -1] }";
+  const std::string rays = "[[object]]\nname = \"rays\"\nray = [" + ray + ", " + ray +
+                           "]\nmotion = { kind = \"velocity\", linear = [1, 0, 0] }\n";
+  const std::string all = query("mode = \"all\"\n").replace(18, 3, "all");
+  const auto card_moves = [&](const char* hierarchy) {
+    const Plan p = of(fmt::format("[card]\nhierarchy = \"{}\"\n", hierarchy) + ground(40) + rays +
+                      query() + all);
+    return std::find(p.card_moves_primaries.begin(), p.card_moves_primaries.end(), true) !=
+           p.card_moves_primaries.end();
+  };
+  EXPECT_TRUE(card_moves("off"));
+  EXPECT_FALSE(card_moves("on"));
 }
 
 TEST(PlanHierarchy, OfObjectsThatMove) {

@@ -134,7 +134,7 @@ void Board::Impl::move_object(ObjectTable& table, std::size_t number, const Tran
   moved.transform = transform;
   check_object(table, number, moved);
   table.objects[number] = moved;
-  if (&table == &objects) outdate_hierarchy(number);
+  if (&table == &objects && !hierarchy.firsts.empty()) outdate_hierarchy(number);
   write_transform(table, number);
   check_bus("the upload of a transform");
 }

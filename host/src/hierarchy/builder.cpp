@@ -76,14 +76,11 @@ class Pairings {
   /// Of so many levels of eights at most, each of which is three of pairs.
   Pairings(std::vector<Reference>& references, unsigned leaf, unsigned threads, unsigned depth)
       : references_(references), leaf_(leaf), room_(2 * references.size()) {
-    nodes_ = std::allocator<Pairing>().allocate(room_);
+    nodes_ = {std::allocator<Pairing>().allocate(room_), Free{room_}};
     for (unsigned forks = 1; forks < threads; forks *= 2) ++forks_;
     split(0, 0, references.size(), 3 * depth, forks_);
   }
-  ~Pairings() { std::allocator<Pairing>().deallocate(nodes_, room_); }
-  Pairings(const Pairings&) = delete;
-  Pairings& operator=(const Pairings&) = delete;
-  [[nodiscard]] const Pairing& operator[](std::uint32_t i) const { return nodes_[i]; }
+  [[nodiscard]] const Pairing& operator[](std::uint32_t i) const { return nodes_.get()[i]; }
 
  private:
   struct Bin {
@@ -106,7 +103,7 @@ class Pairings {
   /// Makes node `at` of the references from `first` on, which has `height` levels left.
   void split(std::uint32_t at, std::size_t first, std::size_t count, unsigned height,
              unsigned forks) {
-    Pairing& node = *std::construct_at(&nodes_[at]);
+    Pairing& node = *std::construct_at(nodes_.get() + at);
     node.first = static_cast<std::uint32_t>(first);
     node.count = static_cast<std::uint32_t>(count);
     Box centres;
@@ -126,7 +123,7 @@ class Pairings {
       split(children, first, left, height - 1, 0);
       split(children + 1, first + left, count - left, height - 1, 0);
     }
-    node.height = 1 + std::max(nodes_[children].height, nodes_[children + 1].height);
+    node.height = 1 + std::max((*this)[children].height, (*this)[children + 1].height);
   }
 
   /// Brings the references of the left child to the front; how many there are.
@@ -199,8 +196,12 @@ class Pairings {
   std::vector<Reference>& references_;
   unsigned leaf_, forks_ = 0;
   /// Room for as many as there can be; what is not used is never touched, and so takes no memory.
+  struct Free {
+    std::size_t room;
+    void operator()(Pairing* all) const { std::allocator<Pairing>().deallocate(all, room); }
+  };
   std::size_t room_;
-  Pairing* nodes_;
+  std::unique_ptr<Pairing, Free> nodes_{nullptr, Free{0}};
   std::atomic<std::uint32_t> used_{1};
 };
 

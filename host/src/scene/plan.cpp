@@ -420,19 +420,19 @@ void add_movers(const Scene& scene, const plan_mover::Movers& movers, Plan& plan
   }
 }
 
-/// Node units where rays go through a hierarchy. Where all do, nothing sweeps: lanes have nothing
-/// to do, and rays are written on their way, as the host has moved them.
+/// Node units where rays go through a hierarchy: they are written on their way, as the host has
+/// moved them. Where all do, lanes have nothing to do.
 Effect add_hierarchy(const Scene& scene, plan_mover::Movers& movers, Plan& plan) {
   const plan_hierarchy::Choice choice = plan_hierarchy::choose(scene, plan);
   if (choice.nodes == 0) return choice.effect;
-  plan.board.node_units = 2;
+  plan.board.node_units = plan_hierarchy::kNodeUnits;
   plan.board.nodes = choice.nodes;
   for (std::size_t q = 0; q < plan.queries.size(); ++q)
     plan.queries[q].hierarchy = choice.queries[q];
-  if (std::find(choice.queries.begin(), choice.queries.end(), false) != choice.queries.end())
-    return choice.effect;
   plan_mover::leave_primaries(movers, "rays are written on their way into the hierarchy");
-  if (!scene.card.lanes) plan.board.lanes = kLanesBesideATree;
+  const bool sweeps =
+      std::find(choice.queries.begin(), choice.queries.end(), false) != choice.queries.end();
+  if (!sweeps && !scene.card.lanes) plan.board.lanes = kLanesBesideATree;
   return choice.effect;
 }
 

@@ -6,10 +6,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
 #include <optional>
 
-#include "cde/contract/records.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "scene/player_objects.hpp"
@@ -17,7 +15,6 @@
 namespace cde::plan_hierarchy {
 namespace {
 
-constexpr unsigned kNodeUnits = 2;
 /// From so many triangles on a tree wins.
 constexpr std::uint64_t kWorthATree = 2048;
 /// Clocks that the last rays of a packet take for a level of the tree, when no others are left.
@@ -112,6 +109,7 @@ Choice choose(const Scene& scene, Plan& plan) {
                   fmt::format("{}: card, hierarchy = \"on\": {}", printable_name(scene.file), why));
     e.why = why;
     e.cost = "none";
+    choice.nodes = 0;
     choice.queries.assign(scene.queries.size(), false);
     return choice;
   };
