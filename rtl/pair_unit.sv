@@ -9,7 +9,7 @@
 module pair_unit #(
     parameter int PAIR = 0,       // pairs_pkg::PAIR_*
     parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
-    parameter int BOX = 0,  // of ray-triangle, 1: a hit must lie in the triangle's box
+    parameter int BOX = 0,  // as in config.svh
     parameter int HALF_SPACE = 0,  // of pairs with a plane, 1: the plane is the solid n.x <= d
     parameter int FACET_II = 1,  // of pairs with facets: clocks from one row to the next, 1 or 3
     parameter int EXP = 8,
@@ -97,8 +97,9 @@ module pair_unit #(
     row_interval #(.INTERVAL(FACET_II)) interval (.clk_i, .rst_i, .take_i(valid_i && ready_o), .ready_o);
     logic [LANES-1:0][CW-1:0] f_pipe, t_pipe;
     logic [2:0][LANES-1:0][CW-1:0] cp_pipe, n_pipe;
-    scaled_pipe #(
-        .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(BOX), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II), .EXP(EXP),
+    bounded_pipe #(
+        .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(pairs_pkg::has(config_pkg::BOUND_PAIRS, PAIR) ? 0 : BOX),
+        .BOUND(pairs_pkg::has(config_pkg::BOUND_PAIRS, PAIR) ? BOX : 0), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II), .EXP(EXP),
         .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
         .LAT_CMP(LAT_CMP), .ARITH(ARITH)
     ) pipe (.clk_i, .enter_i(taken), .a_i(a), .b_i(b), .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe),

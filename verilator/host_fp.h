@@ -509,7 +509,8 @@ inline void turn(Signed& x) {
 }
 [[gnu::always_inline]] inline NodeVisit node_visit(const uint32_t (&node)[18],
                                                    const uint32_t (&ray)[9], uint32_t floor,
-                                                   uint32_t limit, uint32_t farthest) {
+                                                   uint32_t limit, uint32_t asked) {
+  const bool solid = (asked & 2) != 0;  // and bit 0: farthest
   constexpr int32_t kLeast = INT32_MIN, kMost = INT32_MAX, kNan = Format<8, 23>::kNan;
   const Children number = {0, 1, 2, 3, 4, 5, 6, 7};
   const auto real = [](uint32_t x) { return std::bit_cast<float>(x); };
@@ -542,13 +543,15 @@ inline void turn(Signed& x) {
   const Children kinds =
       Children{} + int32_t(node[3] >> 24 | node[4] >> 28 << 8 | node[5] >> 28 << 12);
   const Children n = near - (Children)(near == -1), f = far - (Children)(far == -1);
-  const Children met = (Children)((kinds >> (2 * number) & 3) != 0) & (Children)(n <= f) &
+  const Children met = (Children)((kinds >> (2 * number) & 3) != 0) & ((Children)(n <= f) | -int32_t(solid)) &
                        (Children)(f >= in_order(floor)) & (Children)(n <= in_order(limit));
-  const Children down = Children{} - int32_t(farthest);
-  const Children key = met ? (down & ~f) | (~down & n) : Children{} + kMost;
+  const Children down = Children{} - int32_t(asked & 1);
+  const Children comes = solid ? (near > ~far ? near : ~far) : near;  // ~: less than zero by as much
+  const Children first = comes - (Children)(comes == -1);
+  const Children key = met ? (down & ~f) | (~down & first) : Children{} + kMost;
   Children rank = {};
   for (int k = 0; k < 8; ++k) rank -= (Children)(key > key[k] + (Children)(number > k));
-  Children x = (down & far) | (~down & near);
+  Children x = (down & far) | (~down & comes);
   turn<Children, ChildrenBits>(x);
   const Children inexact = (Children)((x & 0xffff) != 0) & ((x >> 31) ^ down);
   const Children half = ((x >> 16) - inexact) & 0xffff;

@@ -200,12 +200,20 @@ module card_registers #(
   assign budget_ok = (PAIRS & pairs_pkg::RING_PAIRS) == 0 || ((budget_q.m == 8'd4 || budget_q.m == 8'd8 ||
       budget_q.m == 8'd16) &&
       budget_q.k1 <= registers_pkg::BUDGET_MOST && budget_q.k2 <= registers_pkg::BUDGET_MOST);
-  // Through the hierarchy go rays alone; no secondary beyond the count is in it.
-  logic sweep_ok, walk_ok;
+  // Through the hierarchy go rays, and solids but for the farthest, of triangles; no secondary beyond the count is in it.
+  localparam int WALKED = (NODE_UNITS != 0) ? hierarchy_pkg::walked_pairs(CONFIG) : 0;
+  logic sweep_ok, walk_ok, walk_pair_ok;
+  always_comb begin
+    walk_pair_ok = ((16'(WALKED) >> command_q.pair) & 16'd1) != 0 &&
+        command_q.swap == hierarchy_pkg::solid(int'(command_q.pair)) &&
+        (!command_q.swap || command_q.mode != registers_pkg::MODE_FARTHEST);
+    if (command_q.mode == registers_pkg::MODE_REFIT)
+      walk_pair_ok = command_q.pair == pairs_pkg::PAIR_RAY_TRIANGLE && !command_q.swap;
+  end
   assign walk_ok = NODE_UNITS != 0 && command_q.mode <= registers_pkg::MODE_REFIT &&
       command_q.mode != registers_pkg::MODE_ALL && hierarchy_good_i[0] &&
       (hierarchy_good_i[1] || command_q.mode == registers_pkg::MODE_REFIT) &&
-      command_q.pair == pairs_pkg::PAIR_RAY_TRIANGLE && !command_q.second && !command_q.swap && !command_q.normals &&
+      walk_pair_ok && !command_q.second && !command_q.normals &&
       (TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i) && sec_first_q == 0 && sec_count_q != 0 &&
       sec_end <= DDR_BYTES;
   assign command_ok = (command_q.hierarchy ? walk_ok : sweep_ok) && !busy_i;

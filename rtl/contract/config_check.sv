@@ -12,8 +12,9 @@ module config_check #(
   if (CONFIG.pairs <= 0 || CONFIG.pairs >= (1 << pairs_pkg::PAIRS)) begin : g_pairs
     $error("board: PAIRS must be a set of pairs, 1 to %0d", (1 << pairs_pkg::PAIRS) - 1);
   end
-  if (CONFIG.box != 0 && (CONFIG.box != 1 || (CONFIG.pairs & pairs_pkg::BOX_PAIRS) == 0)) begin : g_box
-    $error("board: BOX must be 0 or 1, and is of ray-triangle");
+  if (CONFIG.box != 0 && (CONFIG.box != 1 || (CONFIG.pairs & (pairs_pkg::BOX_PAIRS |
+      config_pkg::BOUND_PAIRS)) == 0)) begin : g_box
+    $error("board: BOX must be 0 or 1, and is of ray-triangle, triangle-sphere and triangle-obb");
   end
   if (CONFIG.facet_ii != 1 && CONFIG.facet_ii != 3) begin : g_interval
     $error("board: FACET_II must be 1 or 3");
@@ -23,8 +24,9 @@ module config_check #(
     $error("board: VERDICT_EXP and VERDICT_MAN are of a narrower format, and of pairs of solids with FACET_II = 1");
   end
   if (CONFIG.node_units != 0 && ((CONFIG.node_units != 1 && CONFIG.node_units != 2 && CONFIG.node_units != 4) ||
-      CONFIG.exp != 8 || CONFIG.man != 23 || CONFIG.box == 0)) begin : g_hierarchy
-    $error("board: NODE_UNITS must be 0, 1, 2 or 4, and is of fp32, with BOX = 1");
+      CONFIG.exp != 8 || CONFIG.man != 23 || CONFIG.box == 0 || hierarchy_pkg::walked_pairs(CONFIG) == 0)) begin :
+      g_hierarchy
+    $error("board: NODE_UNITS must be 0, 1, 2 or 4, and is of fp32, with BOX = 1, for rays, or with SWAP for solids");
   end
   if (CONFIG.transform < pairs_pkg::TRANSFORM_NONE || CONFIG.transform > pairs_pkg::TRANSFORM_BOTH ||
       (CONFIG.transform != pairs_pkg::TRANSFORM_NONE &&

@@ -19,9 +19,15 @@ package config_pkg;
   localparam int VERDICT_PAIRS = 1 << pairs_pkg::PAIR_SPHERE_SPHERE | 1 << pairs_pkg::PAIR_SPHERE_OBB |
       1 << pairs_pkg::PAIR_TRIANGLE_SPHERE | 1 << pairs_pkg::PAIR_TRIANGLE_AABB | 1 << pairs_pkg::PAIR_TRIANGLE_OBB |
       1 << pairs_pkg::PAIR_OBB_OBB;
+  // Pairs of triangles and solids whose gap, with BOX, is at least that of their boxes (bounded_pipe.sv).
+  localparam int BOUND_PAIRS = 1 << pairs_pkg::PAIR_TRIANGLE_SPHERE | 1 << pairs_pkg::PAIR_TRIANGLE_OBB;
   // Pairs whose lanes are narrow ones with one wide one behind them (verdict_pair.sv).
   function automatic int verdict_pairs(input config_t card);
     verdict_pairs = (card.verdict_exp != 0) ? card.pairs & VERDICT_PAIRS : 0;
+  endfunction
+  // Pairs of a card that have that rule: not those whose misses narrow lanes prove.
+  function automatic int bound_pairs(input config_t card);
+    bound_pairs = (card.box != 0) ? card.pairs & BOUND_PAIRS & ~verdict_pairs(card) : 0;
   endfunction
   // Pairs whose pipe keeps the order of rows, but not the time.
   function automatic int ordered_pairs(input config_t card);

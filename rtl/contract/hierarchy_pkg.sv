@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A hierarchy of boxes: nodes of eight children (words: host/include/cde/hierarchy/node.hpp), and what a ray keeps on
-// its way through them.
+// A hierarchy of boxes: nodes of eight children (words: host/include/cde/hierarchy/node.hpp), and what a ray, or a solid,
+// keeps on its way through them.
 package hierarchy_pkg;
   localparam int CHILDREN = 8;
   localparam int NODE_WORDS = 18;
@@ -8,7 +8,8 @@ package hierarchy_pkg;
   localparam int LEVELS = 16;  // of nodes at most: Hierarchy::kMostDepth
   localparam int MOST_NODES = 1 << 22;  // of a card's memory
   localparam int SLOTS_A_NODE = 8;  // places of the memory that says what is in each slot, a node
-  localparam int RAYS = 4096;  // places for rays on their way into a pass
+  localparam int RAYS = 4096;  // places for rays on their way into a pass; an OBB takes two
+  localparam int PLACE_WORDS = 8;
   localparam int CONTEXTS = 256;  // rays in a card's hierarchy at a time
 
   // What a child is.
@@ -23,6 +24,28 @@ package hierarchy_pkg;
   localparam logic [2:0] GOAL_ANY = 2;       // the hit of the least index
   localparam logic [2:0] GOAL_OCCLUDED = 3;  // whether there is a hit: ends at the first
   localparam logic [2:0] GOAL_HITS = 4;      // all of them
+
+  // Pairs of a card whose primaries go through one: rays, and solids where they can be primaries of triangles.
+  function automatic int walked_pairs(input config_pkg::config_t card);
+    walked_pairs = (card.pairs & (1 << pairs_pkg::PAIR_RAY_TRIANGLE)) |
+        ((card.swap != 0) ? config_pkg::bound_pairs(card) : 0);
+  endfunction
+  function automatic bit solid(input int pair);
+    solid = pairs_pkg::has(config_pkg::BOUND_PAIRS, pair);
+  endfunction
+  // The primary's shape: what meets triangles.
+  function automatic int walked_shape(input int pair);
+    walked_shape = solid(pair) ? pairs_pkg::secondary_shape(pair) : pairs_pkg::primary_shape(pair);
+  endfunction
+  function automatic bit wide(input int pair);  // the primary takes two places
+    wide = pairs_pkg::shape_words(walked_shape(pair)) > PLACE_WORDS;
+  endfunction
+  // Words that are kept of a primary of any of these pairs.
+  function automatic int walked_words(input int pairs);
+    walked_words = PLACE_WORDS;
+    for (int p = 0; p < pairs_pkg::PAIRS; p++)
+      if (pairs_pkg::has(pairs, p) && wide(p)) walked_words = pairs_pkg::shape_words(walked_shape(p));
+  endfunction
 
   // What happens in a clock, to be counted.
   typedef struct packed {
@@ -41,9 +64,13 @@ package hierarchy_pkg;
     logic [CHILDREN-1:0][15:0] keys;  // what each is left out by, rounded so that it is not too early
   } group_t;
 
-  // A number's place in their order: words compare as numbers do. The two zeros are one.
+  // A number's place in their order: words compare as numbers do.
+  function automatic logic [31:0] placed(input logic [31:0] x);
+    placed = x ^ {1'b1, {31{x[31]}}};
+  endfunction
+  // The same, but the two zeros are one.
   function automatic logic [31:0] ordered(input logic [31:0] x);
-    ordered = (x[30:0] == 0) ? 32'h8000_0000 : x ^ {1'b1, {31{x[31]}}};
+    ordered = (x[30:0] == 0) ? 32'h8000_0000 : placed(x);
   endfunction
 
   // The upper half of a word, a number that is not above it, or not below.

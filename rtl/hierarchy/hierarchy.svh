@@ -2,12 +2,14 @@
 // What rays and nodes of a hierarchy share: stage times, and the places of words.
 `ifndef CDE_HIERARCHY_SVH
 `define CDE_HIERARCHY_SVH
-`include "pipe.svh"
+`include "gap_bound.svh"
 
 // Of ray_front.sv: o +- M, and 1 / d.
 `define RAY_T_REACH (LAT_ADD + 3 * LAT_CMP)
 `define RAY_T_MARGIN (`RAY_T_REACH + LAT_MUL + LAT_ADD)
 `define RAY_T_FRONT `DF_MAX2(`RAY_T_MARGIN + LAT_ADD, LAT_CMP + LAT_DIV)
+// Of solid_front.sv: the corners of its box, widened.
+`define SOLID_T_FRONT(SHAPE) (`DF_MAX2(`RAY_T_REACH, `SOLID_T_HALF(SHAPE) + 2 * LAT_CMP) + 3 * LAT_ADD + LAT_MUL)
 // Of node_boxes.sv: near and far of all children.
 `define NODE_T_BOXES (LAT_ADD + 2 * LAT_MUL + LAT_ADD + 2 * LAT_CMP)
 // Of node_unit.sv: children that are met, in order.

@@ -25,6 +25,7 @@ module hierarchy_records #(
     input logic valid_i,  // a ray's end
     output logic ready_o,
     input logic [31:0] number_i,
+    input logic found_i,  // a pair is the answer; f_i: it meets
     input logic f_i,
     input logic [31:0] t_i,
     input logic [2:0][31:0] cp_i,
@@ -90,7 +91,7 @@ module hierarchy_records #(
 
   records_pkg::record_flags_t flags;
   logic found;
-  assign found = take_hit || (f_i && !occluded && !take_bad);
+  assign found = take_hit || (found_i && !occluded && !take_bad);
   assign flags = '{normal: 1'b0, bad: take_bad, f: take_hit || (f_i && !take_bad)};
   logic [WORDS-1:0][31:0] record;
   always_comb begin

@@ -15,6 +15,7 @@ module hierarchy_registers #(
     output logic provided_good_o,  // for REG_RAYS
     output logic [1:0] good_o,     // settings are those of a pass: of rays, of nodes
     input logic busy_i,
+    input logic wide_i,   // primaries of the pass take two places
     input logic clear_i,  // a pass begins
 
     input logic [31:0] taken_i,
@@ -47,7 +48,7 @@ module hierarchy_registers #(
   assign value = wdata_i[31:0];
   assign taken = busy_i ? taken_i : '0;
   assign provided_good_o = wdata_i[63:32] == 0 && value <= ray_count_q && (!busy_i || value >= provided_q) &&
-      value >= taken && value - taken <= hierarchy_pkg::RAYS;
+      value >= taken && value - taken <= (wide_i ? hierarchy_pkg::RAYS / 2 : hierarchy_pkg::RAYS);
   assign good_o = {ray_count_q != 0, nodes_q <= NODES && first_node_q < nodes_q && slots_q != 0 &&
       slots_q <= hierarchy_pkg::SLOTS_A_NODE * NODES};
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Passes of rays through a hierarchy: rays as the host provides them, nodes and what is in the slots of leaves in
+// Passes of rays, or of solids, through a hierarchy: rays as the host provides them, nodes and what is in the slots of leaves in
 // memories of their own, triangles from DDR, records with the rays' numbers in the order in which they are found. A
 // pass ends when all its rays have their records, or with a fault, where what is in memory is no tree. And passes
 // without rays, which give the nodes boxes anew (refit.sv).
@@ -8,6 +8,8 @@
 module hierarchy_unit #(
     parameter config_pkg::config_t CONFIG,
     localparam int UNITS = CONFIG.node_units,
+    localparam int PAIRS = hierarchy_pkg::walked_pairs(CONFIG),
+    localparam int PRIMARY = hierarchy_pkg::walked_words(PAIRS),
     localparam int WORDS = records_pkg::RECORD_WORDS,
     localparam int BEAT = records_pkg::DDR_WORDS,
     localparam int OBJECTS = (CONFIG.transform != pairs_pkg::TRANSFORM_NONE) ? CONFIG.objects : 0,
@@ -64,6 +66,8 @@ module hierarchy_unit #(
   state_t state_q;
   logic clk, rst, running, refitting, wrong;
   logic [2:0] mode_q;
+  logic [3:0] pair_q, pair;  // of the pass, also of the next one
+  assign pair = busy_o ? pair_q : pass_i.pair[3:0];
   logic [31:0] secondaries_q, objects_q, finished_q;
   logic [31:0] taken, provided, ray_count, nodes, first_node, slots;
   logic finished, records_empty;
@@ -95,6 +99,7 @@ module hierarchy_unit #(
   assign unused_flip = &{1'b0, flip.reserved};
   hierarchy_registers #(.NODES(NODES)) registers (
       .clk_bus_i, .clk_i(clk), .rst_i, .access_i, .rdata_o, .wdata_i, .provided_good_o, .good_o, .busy_i(busy_o),
+      .wide_i(wide(int'(pair))),
       .clear_i(valid_i && ready_o), .taken_i(taken), .provided_o(provided), .ray_count_o(ray_count), .nodes_o(nodes),
       .first_node_o(first_node), .slots_o(slots), .root_o(root), .events_i(running ? events : '0),
       .deepest_i(deepest_q), .fault_i(fault_q), .flip_o(flip),
@@ -121,11 +126,11 @@ module hierarchy_unit #(
 
   // ---- Rays ----
   logic ray_valid, ray_bad, ray_pop, ray_ready, bad_ready;
-  logic [7:0][31:0] ray;
+  logic [PRIMARY-1:0][31:0] ray;
   logic [31:0] ray_number;
   ray_queue #(.CONFIG(CONFIG)) rays (
       .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_RAYS), .addr_i(access_i.addr),
-      .data_i(access_i.data), .clk_i(clk), .rst_i(rst), .provided_i(provided), .taken_o(taken), .valid_o(ray_valid),
+      .data_i(access_i.data), .clk_i(clk), .rst_i(rst), .pair_i(pair_q), .provided_i(provided), .taken_o(taken), .valid_o(ray_valid),
       .ray_o(ray), .number_o(ray_number), .bad_o(ray_bad), .pop_i(ray_pop));
   assign ray_pop = ray_valid && (ray_bad ? bad_ready : ray_ready);
 
@@ -139,25 +144,25 @@ module hierarchy_unit #(
   logic [2:0][1:0][31:0] hit_cp;
   logic [31:0] hit_number, number, t, best_index;
   logic [2:0][31:0] cp;
-  logic tested, record_valid, record_ready, f;
+  logic tested, record_valid, record_ready, found, f;
   logic [3:0] way_fault;
   logic [PLACE-1:0] way_place;
   logic [2:0] goal;
   assign goal = (mode_q == registers_pkg::MODE_OCCLUDED) ? GOAL_OCCLUDED : (mode_q == registers_pkg::MODE_HITS) ?
       GOAL_HITS : mode_q;
   traversal #(
-      .CONTEXTS(CONTEXTS), .UNITS(UNITS), .ALGORITHM(CONFIG.algorithm), .LAT_ADD(CONFIG.lat_add),
-      .LAT_MUL(CONFIG.lat_mul), .LAT_DIV(CONFIG.lat_div), .LAT_CMP(CONFIG.lat_cmp),
+      .CONTEXTS(CONTEXTS), .UNITS(UNITS), .PAIRS(PAIRS), .ALGORITHM(CONFIG.algorithm), .LAT_ADD(CONFIG.lat_add),
+      .LAT_MUL(CONFIG.lat_mul), .LAT_DIV(CONFIG.lat_div), .LAT_SQRT(CONFIG.lat_sqrt), .LAT_CMP(CONFIG.lat_cmp),
       .ARITH(config_pkg::arith(CONFIG.host))
   ) way (
       .clk_i(clk), .rst_i(rst), .nodes_i(nodes), .node_read_o(node_read), .node_at_o(node_at), .node_i(node),
-      .root_i(root), .goal_i(goal),
+      .root_i(root), .goal_i(goal), .pair_i(pair_q),
       .ray_valid_i(ray_valid && !ray_bad), .ray_ready_o(ray_ready), .ray_i(ray), .number_i(ray_number),
       .fetch_valid_o(fetch_valid), .fetch_ready_i(fetch_ready), .fetch_slot_o(fetch_slot), .fetch_tag_o(fetch_tag),
       .fetched_valid_i(fetched_valid && !refitting), .fetched_tag_i(fetched_tag), .fetched_i(fetched), .index_i(index),
       .tested_o(tested), .hit_o(hit), .hit_number_o(hit_number), .hit_t_o(hit_t), .hit_cp_o(hit_cp),
       .hit_index_o(hit_index), .record_valid_o(record_valid), .record_ready_i(record_ready), .number_o(number),
-      .f_o(f), .t_o(t), .cp_o(cp), .index_o(best_index), .events_o(events), .deepest_o(deepest),
+      .found_o(found), .f_o(f), .t_o(t), .cp_o(cp), .index_o(best_index), .events_o(events), .deepest_o(deepest),
       .fault_o(way_fault), .fault_place_o(way_place));
 
   // ---- Secondaries ----
@@ -209,7 +214,7 @@ module hierarchy_unit #(
       .clk_i(clk), .rst_i(rst || abort_i), .mode_i(mode_q), .leaf_room_o(leaf_room),
       .leaf_i(fetch_valid && fetch_ready), .leaf_tested_i(tested), .hit_i(hit), .hit_number_i(hit_number),
       .hit_t_i(hit_t), .hit_cp_i(hit_cp), .hit_index_i(hit_index), .valid_i(record_valid), .ready_o(record_ready),
-      .number_i(number), .f_i(f), .t_i(t), .cp_i(cp), .index_i(best_index), .bad_valid_i(ray_valid && ray_bad),
+      .number_i(number), .found_i(found), .f_i(f), .t_i(t), .cp_i(cp), .index_i(best_index), .bad_valid_i(ray_valid && ray_bad),
       .bad_ready_o(bad_ready), .bad_number_i(ray_number), .sram_full_i, .sram_count_i, .write_o, .record_o,
       .finished_o(finished), .empty_o(records_empty));
 
@@ -252,6 +257,7 @@ module hierarchy_unit #(
         if (valid_i) begin
           state_q <= RUN;
           mode_q <= pass_i.mode;
+          pair_q <= pass_i.pair[3:0];
           secondaries_q <= pass_i.count;
           objects_q <= pass_i.objects;
           fault_q <= '0;

@@ -12,10 +12,11 @@ module node_unit #(
     localparam int CHILDREN = hierarchy_pkg::CHILDREN
 ) (
     input logic clk_i,
-    input logic [8:0][31:0] ray_i,    // of ray_front.sv
+    input logic [8:0][31:0] ray_i,    // of ray_front.sv, or solid_front.sv
     input logic [31:0] floor_i,       // T that counts: from here
     input logic [31:0] limit_i,       // to here
     input logic farthest_i,
+    input logic solid_i,
     input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i,
     output hierarchy_pkg::group_t group_o
 );
@@ -50,7 +51,7 @@ module node_unit #(
       z[2] = ray_i[8];
       z[3] = floor_i;
       z[4] = limit_i;
-      z[5] = {31'd0, farthest_i};
+      z[5] = {30'd0, solid_i, farthest_i};
     end
     `define CDE_EIGHT(X) X[0], ",", X[1], ",", X[2], ",", X[3], ",", X[4], ",", X[5], ",", X[6], ",", X[7]
     `define CDE_VISIT(C, WHAT) C("host_fp::node_visit({", `CDE_EIGHT(w), ",", `CDE_EIGHT(x), ",", z[0], ",", z[1], \
@@ -76,14 +77,14 @@ module node_unit #(
     logic [SAID-1:0] said_boxes, said_late;
     logic [FOUND-1:0] found_q;
     logic [31:0] from, to;
-    logic down;
+    logic down, is_solid;
     align #(.W(SAID), .TO(T_BOXES)) align_said (.clk_i, .d_i(said), .q_o(said_boxes));
     align #(.W(SAID), .FROM(T_BOXES), .TO(`NODE_T_UNIT)) align_late (.clk_i, .d_i(said_boxes), .q_o(said_late));
-    align #(.W(65), .TO(T_BOXES)) align_interval (
-        .clk_i, .d_i({farthest_i, limit_i, floor_i}), .q_o({down, to, from}));
+    align #(.W(66), .TO(T_BOXES)) align_interval (
+        .clk_i, .d_i({solid_i, farthest_i, limit_i, floor_i}), .q_o({is_solid, down, to, from}));
     node_order ordering (
         .clk_i, .near_i(near), .far_i(far), .kinds_i(said_boxes[2*CHILDREN-1:0]), .floor_i(from), .limit_i(to),
-        .farthest_i(down), .found_o(found));
+        .farthest_i(down), .solid_i(is_solid), .found_o(found));
     always_ff @(posedge clk_i) found_q <= found;
     assign group_o = {said_late, found_q};
   end

@@ -17,24 +17,15 @@ module ray_front #(
   if (EXP != 8 || MAN != 23) $error("ray_front: margins are those of fp32");
   `DF_VIN(o, a_i[2:0], 0)
   `DF_VIN(d, a_i[5:3], 0)
-  `DF_VIN(lower, root_i[2:0], 0)
-  `DF_VIN(upper, root_i[5:3], 0)
   `DF_IN(world, root_i[6], 0)
   `DF_CONST(share, `DF_POWER_OF_TWO(-16))
   `DF_CONST(one, `DF_POWER_OF_TWO(0))
   `DF_VCONST(least, `DF_POWER_OF_TWO(-80), `DF_POWER_OF_TWO(-80), `DF_POWER_OF_TWO(-80))
 
   // ---- How far the root's box reaches from here, and so how much boxes are widened ----
-  `DF_VSUB(to_lower, lower, o)
-  `DF_VSUB(to_upper, upper, o)
-  `DF_VABS(from_lower, to_lower)
-  `DF_VABS(from_upper, to_upper)
-  `DF_VMAX(far, from_lower, from_upper)
-  `DF_PICK(far_x, far, 0)
-  `DF_PICK(far_y, far, 1)
-  `DF_PICK(far_z, far, 2)
-  `DF_MAX(far_xy, far_x, far_y)
-  `DF_MAX(reach, far_xy, far_z)
+  logic [LANES-1:0][CW-1:0] reach_of_root;
+  root_reach #(`DF_SAME) of_root (.clk_i, .o_i(a_i[2:0]), .root_i(root_i[5:0]), .reach_o(reach_of_root));
+  `DF_IN(reach, reach_of_root, `RAY_T_REACH)
   `DF_MUL(part, reach, share)
   `DF_ADD(margin, part, world)
   `DF_VEC(margins, margin, margin, margin)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays through a hierarchy. A ray has a context, and of each context one operation is under way: a node is read and
-// its boxes tested, the secondaries of a leaf are fetched and tested, or the next of these is chosen from its stack. No
-// unit ever waits, but for leaves that memory does not give yet; what waits are contexts, in queues that hold all of
-// them, so none can overflow and nothing can lock.
+// Rays, and solids, through a hierarchy. A ray has a context, and of each context one operation is under way: a node is
+// read and its boxes tested, the secondaries of a leaf are fetched and tested, or the next of these is chosen from its
+// stack. No unit ever waits, but for leaves that memory does not give yet; what waits are contexts, in queues that hold
+// all of them, so none can overflow and nothing can lock.
 //
 //   rays -> ray_front -> UNITS x traversal_bank -> leaves -> fetch -> pair pipe -> better of (T, index) -+
 //                            |  ^                                                                        |
@@ -12,20 +12,19 @@
 // Latency: that of the way. Throughput: UNITS nodes, a leaf, a ray and a record a clock. Stall:
 // ray_ready_o, fetch_ready_i, record_ready_i.
 `include "hierarchy.svh"
-`include "ray_box.svh"
 module traversal #(
     parameter int CONTEXTS = 256,  // powers of two
     parameter int UNITS = 2,       // of nodes, each with its share of the contexts
-    parameter int ALGORITHM = 0,   // of ray-triangle, pairs_pkg::ALGORITHM_*, all with the box rule
+    parameter int PAIRS = 1,       // hierarchy_pkg::walked_pairs, all with the box rule
+    parameter int ALGORITHM = 0,   // of ray-triangle, pairs_pkg::ALGORITHM_*
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
+    parameter int LAT_SQRT = 1,
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
-    localparam int EXP = 8,
-    localparam int MAN = 23,
     localparam int LANES = 2,  // secondaries of a leaf
-    localparam int LAT_SQRT = 1,
+    localparam int WORDS = hierarchy_pkg::walked_words(PAIRS),
     localparam int CX = $clog2(CONTEXTS),
     localparam int TAG = `AT_BITS(CX) + 1
 ) (
@@ -39,10 +38,11 @@ module traversal #(
     // What holds for all rays.
     input logic [6:0][31:0] root_i,  // of its box: lower corner x y z, upper, 16 u W (ray_front.sv)
     input logic [2:0] goal_i,        // hierarchy_pkg::GOAL_*
-    // Rays: o x y z, d x y z, tmin, tmax, and their numbers.
+    input logic [3:0] pair_i,
+    // Rays: o x y z, d x y z, tmin, tmax, or solids, and their numbers.
     input logic ray_valid_i,
     output logic ray_ready_o,
-    input logic [7:0][31:0] ray_i,
+    input logic [WORDS-1:0][31:0] ray_i,
     input logic [31:0] number_i,
     // Secondaries of leaves, one or two from a slot on, and their indices. fetched_valid_i, which is a clock gate's
     // enable, comes from a register.
@@ -66,6 +66,7 @@ module traversal #(
     output logic record_valid_o,
     input logic record_ready_i,
     output logic [31:0] number_o,
+    output logic found_o,  // a pair is the answer; f_o: it meets
     output logic f_o,
     output logic [31:0] t_o,
     output logic [2:0][31:0] cp_o,
@@ -79,6 +80,10 @@ module traversal #(
   if (CONTEXTS < 2 * UNITS || (CONTEXTS & (CONTEXTS - 1)) != 0) $error("traversal: CONTEXTS must be a power of two");
   if ((UNITS & (UNITS - 1)) != 0) $error("traversal: UNITS must be a power of two");
   `HIERARCHY_TYPES(CX)
+  localparam int SOLIDS = PAIRS & config_pkg::BOUND_PAIRS;
+  localparam logic [31:0] SIGN = 32'h8000_0000, INFINITE = 32'h7f80_0000;
+  logic is_solid;  // the pass's primaries are: T is a signed gap on its way
+  assign is_solid = SOLIDS != 0 && solid(int'(pair_i));
   localparam int BANK = $clog2(UNITS);
   // The bank of a context.
   `define CDE_OWN(CONTEXT) (CONTEXT % CX'(UNITS) == CX'(u))
@@ -90,7 +95,7 @@ module traversal #(
     logic [2:0][31:0] cp;
     logic [31:0] index;
   } best_t;
-  logic [7:0][31:0] rays[CONTEXTS];
+  logic [WORDS-1:0][31:0] rays[CONTEXTS];
   logic [31:0] numbers[CONTEXTS];
   best_t bests[CONTEXTS];
 
@@ -114,25 +119,49 @@ module traversal #(
       numbers[taken] <= number_i;
     end
   end
-  localparam int T_FRONT = `RAY_T_FRONT;
-  logic [8:0][31:0] front_now, front;
+  localparam int T_RAY = pairs_pkg::has(PAIRS, int'(pairs_pkg::PAIR_RAY_TRIANGLE)) ? `RAY_T_FRONT : 0;
+  localparam int T_SPHERE = pairs_pkg::has(PAIRS, int'(pairs_pkg::PAIR_TRIANGLE_SPHERE)) ?
+      `SOLID_T_FRONT(pairs_pkg::SHAPE_SPHERE) : 0;
+  localparam int T_OBB = pairs_pkg::has(PAIRS, int'(pairs_pkg::PAIR_TRIANGLE_OBB)) ?
+      `SOLID_T_FRONT(pairs_pkg::SHAPE_OBB) : 0;
+  localparam int T_FRONT = `DF_MAX3(T_RAY, T_SPHERE, T_OBB);
+  logic [pairs_pkg::PAIRS-1:0][8:0][31:0] fronts;
+  logic [8:0][31:0] front;
   logic front_valid;
   logic [CX-1:0] front_context;
-  // The host back end computes in the second clock, with a clock of its own: where no ray comes, nothing is computed.
-  localparam int T_NOW = (ARITH == "rtl") ? T_FRONT : 1;
-  logic [12:0][31:0] front_of;  // the ray, and the root's box
-  if (ARITH == "rtl") begin : g_at_once
-    assign front_of = {root_i, ray_i[5:0]};
-  end else begin : g_next_clock
-    logic clk;
-    clock_gate gate (.clk_i, .enable_i(take), .clk_o(clk));
-    always_ff @(posedge clk) front_of <= {root_i, ray_i[5:0]};
+  for (genvar p = 0; p < pairs_pkg::PAIRS; p++) begin : front_of
+    if (pairs_pkg::has(PAIRS, p)) begin : g_there
+      localparam int SHAPE = walked_shape(p);
+      localparam int F_WORDS = (SHAPE == pairs_pkg::SHAPE_RAY) ? 6 : pairs_pkg::shape_words(SHAPE);
+      localparam int T_OWN = (SHAPE == pairs_pkg::SHAPE_RAY) ? `RAY_T_FRONT : `SOLID_T_FRONT(SHAPE);
+      // The host back end computes in the second clock, with a clock of its own: where none comes, nothing is computed.
+      localparam int T_NOW = (ARITH == "rtl") ? T_OWN : 1;
+      logic [F_WORDS+6:0][31:0] words;  // the primary's, and the root's box
+      logic [8:0][31:0] now;
+      if (ARITH == "rtl") begin : g_at_once
+        assign words = {root_i, ray_i[F_WORDS-1:0]};
+      end else begin : g_next_clock
+        logic clk;
+        clock_gate gate (.clk_i, .enable_i(take && (SOLIDS == 0 || pair_i == 4'(p))), .clk_o(clk));
+        always_ff @(posedge clk) words <= {root_i, ray_i[F_WORDS-1:0]};
+      end
+      if (SHAPE == pairs_pkg::SHAPE_RAY) begin : g_ray
+        ray_front #(
+            .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+        ) of_ray (
+            .clk_i, .a_i(words[5:0]), .root_i(words[12:6]), .r_o(now));
+      end else begin : g_solid
+        solid_front #(
+            .SHAPE(SHAPE), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+        ) of_solid (
+            .clk_i, .a_i(words[F_WORDS-1:0]), .root_i(words[F_WORDS+:7]), .r_o(now));
+      end
+      align #(.W(9 * 32), .FROM(T_NOW), .TO(T_FRONT), .MEMORY(5)) align_front (.clk_i, .d_i(now), .q_o(fronts[p]));
+    end else begin : g_absent
+      assign fronts[p] = '0;
+    end
   end
-  ray_front #(
-      .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
-  ) of_ray (
-      .clk_i, .a_i(front_of[5:0]), .root_i(front_of[12:6]), .r_o(front_now));
-  align #(.W(9 * 32), .FROM(T_NOW), .TO(T_FRONT), .MEMORY(5)) align_front (.clk_i, .d_i(front_now), .q_o(front));
+  assign front = (SOLIDS == 0) ? fronts[pairs_pkg::PAIR_RAY_TRIANGLE] : fronts[pair_i];
   align #(.W(CX), .TO(T_FRONT)) align_taken (.clk_i, .d_i(taken), .q_o(front_context));
   align_valid #(.TO(T_FRONT)) align_take (.clk_i, .rst_i, .valid_i(take), .valid_o(front_valid));
 
@@ -155,7 +184,7 @@ module traversal #(
         .ARITH(ARITH)
     ) bank (
         .clk_i, .rst_i, .nodes_i, .node_read_o(node_read_o[u]), .node_at_o(node_at_o[u]), .node_i(node_i[u]),
-        .farthest_i(farthest_q),
+        .farthest_i(farthest_q), .solid_i(is_solid),
         .interval_write_i(`CDE_OWN(interval_context) ? interval_write : '0),
         .interval_context_i(interval_context[CX-1:BANK]),
         .interval_i(interval), .front_valid_i(front_valid && `CDE_OWN(front_context)),
@@ -179,90 +208,65 @@ module traversal #(
   assign fetch_slot_o = leaves.place;
   assign fetch_tag_o = {leaves.at, leaves.two};
   assign leaf_ready = leaf_from & {UNITS{fetch_ready_i}};
-  logic fetched_q, two_q;
-  at_t fetched_at_q;
-  logic [7:0][LANES-1:0][31:0] pipe_a;
-  logic [8:0][LANES-1:0][31:0] pipe_b;
-  logic [7:0][31:0] fetched_ray_q;
-  logic [LANES-1:0][8:0][31:0] words_q;
-  logic [LANES-1:0][31:0] index_q;
-  // What the pipe computes with has a clock of its own: where nothing is fetched, nothing is computed.
-  logic fetched_clk;
-  clock_gate gate_fetched (.clk_i, .enable_i(fetched_valid_i), .clk_o(fetched_clk));
-  always_ff @(posedge clk_i) begin
-    fetched_q <= fetched_valid_i && !rst_i;
-    {fetched_at_q, two_q} <= fetched_tag_i;
-    index_q <= index_i;
-  end
-  always_ff @(posedge fetched_clk) begin
-    fetched_ray_q <= rays[fetched_tag_i[TAG-1-:CX]];
-    words_q <= fetched_i;
-  end
-  for (genvar l = 0; l < LANES; l++) begin : lane
-    for (genvar w = 0; w < 8; w++) begin : a assign pipe_a[w][l] = fetched_ray_q[w]; end
-    for (genvar w = 0; w < 9; w++) begin : b assign pipe_b[w][l] = words_q[l][w]; end
-  end
-  // When the pipe has o + t d: for Badouel's t it takes an addition more, for the watertight one the shear in front.
-  localparam int T_POINT = 5 * LAT_ADD + 3 * LAT_MUL + LAT_DIV +
-      ((ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) ? LAT_ADD :
-       (ALGORITHM == int'(pairs_pkg::ALGORITHM_WATERTIGHT)) ?
-       `DF_MAX2(2 * LAT_CMP + LAT_DIV + LAT_MUL, LAT_ADD) + 2 * LAT_MUL : 0);
-  // The rule comes last, but for Badouel's inside test, which needs that point, too.
-  localparam int T_IN_BOX = `RAY_T_IN_BOX(T_POINT - LAT_ADD, T_POINT);
-  localparam int T_INSIDE = `DF_MAX2(2 * LAT_ADD + LAT_MUL + 2 * LAT_CMP, T_POINT) + 3 * LAT_ADD + LAT_MUL + LAT_CMP;
-  // The pipe's latency, which it says itself: asserted below.
-  localparam int T_PAIR =
-      ((ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) ? `DF_MAX2(T_IN_BOX, T_INSIDE) : T_IN_BOX) + 1;
-  logic [LANES-1:0][31:0] f_now, t_now, f, t, index;
-  logic [2:0][LANES-1:0][31:0] cp_now, cp, unused_n;
-  logic [15:0] latency;
-  pair_pipe #(`DF_SAME, .PAIR(int'(pairs_pkg::PAIR_RAY_TRIANGLE)), .ALGORITHM(ALGORITHM), .BOX(1)) pipe (
-      .clk_i, .enter_i(fetched_q), .a_i(pipe_a), .b_i(pipe_b), .f_o(f_now), .t_o(t_now), .cp_o(cp_now),
-      .n_o(unused_n), .latency_o(latency));
-  align #(.W(5 * LANES * 32), .FROM(ARITH == "rtl" ? T_PAIR : 0), .TO(T_PAIR), .MEMORY(5)) align_pair (
-      .clk_i, .d_i({f_now, t_now, cp_now}), .q_o({f, t, cp}));
-  logic two;
+  logic [1:0] tested_now;
+  logic [LANES-1:0] f, there;
+  logic [LANES-1:0][31:0] t, index;
+  logic [2:0][LANES-1:0][31:0] cp;
   at_t keep_at_soon;
-  align #(.W($bits(at_t)), .TO(T_PAIR - 1)) align_soon (.clk_i, .d_i(fetched_at_q), .q_o(keep_at_soon));
-  align #(.W($bits(at_t)), .TO(1)) align_at (.clk_i, .d_i(keep_at_soon), .q_o(keep_at));
-  align #(.W(1 + LANES * 32), .TO(T_PAIR), .MEMORY(5)) align_index (.clk_i, .d_i({two_q, index_q}), .q_o({two, index}));
-  align_valid #(.TO(T_PAIR)) align_fetched (.clk_i, .rst_i, .valid_i(fetched_q), .valid_o(keep_valid));
+  logic unused_soon;
+  assign unused_soon = &{1'b0, keep_at_soon.level, keep_at_soon.fresh};
+  leaf_pairs #(
+      .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .AT($bits(at_t)), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+      .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+  ) pairs (
+      .clk_i, .rst_i, .pair_i, .valid_i(fetched_valid_i), .at_i(fetched_tag_i[TAG-1:1]), .two_i(fetched_tag_i[0]),
+      .primary_i(rays[fetched_tag_i[TAG-1-:CX]]), .triangles_i(fetched_i), .index_i, .tested_o(tested_now),
+      .soon_o(keep_at_soon), .valid_o(keep_valid), .at_o(keep_at), .f_o(f), .there_o(there), .t_o(t), .cp_o(cp),
+      .index_o(index));
 
   // ---- The better of what a ray had and what it found ----
   best_t best_q, best;
-  logic [LANES-1:0] counts;
-  always_ff @(posedge clk_i) best_q <= bests[keep_at_soon.context_];
-  // T is no -0, so that words are equal where numbers are.
+  // Two zeros are equal: a solid's gap may be either.
   function automatic logic better(input logic [31:0] t_1, input logic [31:0] index_1, input logic [31:0] t_2,
                                   input logic [31:0] index_2);
-    if (goal_i == GOAL_ANY || goal_i == GOAL_OCCLUDED || t_1 == t_2) return index_1 < index_2;
-    return (goal_i == GOAL_FARTHEST) == (ordered(t_1) > ordered(t_2));
+    logic [31:0] first, second;
+    first = ordered(t_1);
+    second = ordered(t_2);
+    if (goal_i == GOAL_ANY || goal_i == GOAL_OCCLUDED || first == second) return index_1 < index_2;
+    return (goal_i == GOAL_FARTHEST) == (first > second);
   endfunction
+  // Of the gaps of solids the least one counts, whether they meet or not.
+  logic [LANES-1:0] counts;
+  assign counts = (is_solid && goal_i == GOAL_NEAREST) ? there : f;
   always_comb begin
     best = best_q;
     for (int l = 0; l < LANES; l++) begin
       best_t one;
       one = '{f: 1'b1, t: t[l], cp: {cp[2][l], cp[1][l], cp[0][l]}, index: index[l]};
-      counts[l] = f[l][0] && (l == 0 || two);
       if (counts[l] && goal_i != GOAL_HITS && (!best.f || better(one.t, one.index, best.t, best.index))) best = one;
     end
   end
+  always_ff @(posedge clk_i) best_q <= bests[keep_at_soon.context_];
   always_ff @(posedge clk_i) hit_number_o <= numbers[keep_at_soon.context_];
   assign tested_o = keep_valid;
   assign hit_o = (keep_valid && goal_i == GOAL_HITS) ? counts : '0;
-  assign hit_t_o = t;
+  for (genvar l = 0; l < LANES; l++) begin : hit
+    assign hit_t_o[l] = is_solid ? t[l] & ~SIGN : t[l];
+  end
   assign hit_cp_o = cp;
   assign hit_index_o = index;
-  // A hit leaves less of T that counts; the first of goal occluded ends the way.
+  // A hit leaves less of T that counts; the first of goal occluded ends the way. Of solids gaps up to a limit do, and
+  // what is kept from where is less than zero by as much (node_order.sv).
   always_comb begin
     interval_write = {2{take}};
     interval_context = taken;
-    interval = ray_i[7:6];
+    interval = !is_solid ? ray_i[7:6] : (goal_i == GOAL_NEAREST) ? {INFINITE, INFINITE | SIGN} : {32'd0, SIGN};
     tested = keep_at;
     if (keep_valid) begin
-      interval_write = {best.f && goal_i == GOAL_NEAREST, best.f && goal_i == GOAL_FARTHEST};
+      interval_write = {best.f && goal_i == GOAL_NEAREST, best.f && (is_solid ? goal_i == GOAL_NEAREST :
+          goal_i == GOAL_FARTHEST)};
       interval_context = keep_at.context_;
-      interval = {2{best.t}};
+      interval = {best.t, is_solid ? best.t ^ SIGN : best.t};
       if (best.f && goal_i == GOAL_OCCLUDED) tested.level = '0;
     end
   end
@@ -277,13 +281,18 @@ module traversal #(
   assign done_ready = done_from & {UNITS{record_ready_i}};
   assign record_read = record_valid_o && record_ready_i;
   assign number_o = numbers[done];
-  assign {f_o, t_o, cp_o, index_o} = bests[done];
+  best_t answer;
+  assign answer = bests[done];
+  assign found_o = answer.f;
+  assign f_o = answer.f && (!is_solid || goal_i != GOAL_NEAREST || answer.t[31]);
+  assign t_o = is_solid ? answer.t & ~SIGN : answer.t;
+  assign {cp_o, index_o} = {answer.cp, answer.index};
   `undef CDE_OWN
 
   // ---- What is counted, and what is wrong ----
   assign events_o.nodes = 4'($countones(reads));
   assign events_o.leaves = 4'(fetch_valid_o && fetch_ready_i);
-  assign events_o.secondaries = fetched_q ? 4'd1 + 4'(two_q) : '0;
+  assign events_o.secondaries = 4'(tested_now);
   logic [4:0] deepest;
   always_comb begin
     deepest = deepest_o;
@@ -294,10 +303,4 @@ module traversal #(
     end
   end
   always_ff @(posedge clk_i) deepest_o <= rst_i ? '0 : deepest;
-
-`ifndef SYNTHESIS
-  always_ff @(posedge clk_i)
-    if (!rst_i)
-      assert (latency == 16'(T_PAIR)) else $error("traversal: the pipe takes %0d clocks, not %0d", latency, T_PAIR);
-`endif
 endmodule

@@ -22,6 +22,7 @@ module traversal_bank #(
     output logic [hierarchy_pkg::PLACE-1:0] node_at_o,
     input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i,
     input logic farthest_i,
+    input logic solid_i,
     // T that counts, from and to: of a ray that comes, and as hits are found.
     input logic [1:0] interval_write_i,
     input logic [CB-1:0] interval_context_i,  // without the bank's number
@@ -107,8 +108,8 @@ module traversal_bank #(
   node_unit #(
       .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) unit (
-      .clk_i, .ray_i(front_q), .floor_i(interval_q[0]), .limit_i(interval_q[1]), .farthest_i, .node_i,
-      .group_o(group));
+      .clk_i, .ray_i(front_q), .floor_i(interval_q[0]), .limit_i(interval_q[1]), .farthest_i, .solid_i,
+      .node_i, .group_o(group));
   align #(.W($bits(at_t)), .TO(T_UNIT)) align_visit (.clk_i, .d_i(visit_q), .q_o(met_at));
   align_valid #(.TO(T_UNIT)) align_valid (.clk_i, .rst_i, .valid_i(visit_valid_q), .valid_o(group_valid));
 

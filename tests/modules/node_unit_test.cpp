@@ -20,7 +20,7 @@ struct Visit {
   std::array<std::uint32_t, 9> ray;
   std::array<std::uint32_t, 18> node;
   std::uint32_t floor, limit;
-  bool farthest;
+  bool farthest, solid;
 };
 
 /// Places, kinds, how many are met, and of these numbers and keys (hierarchy_pkg::group_t).
@@ -31,6 +31,7 @@ std::vector<std::uint32_t> group_of(Clocked<Module>& module, const Visit& visit)
   module->floor_i = visit.floor;
   module->limit_i = visit.limit;
   module->farthest_i = visit.farthest;
+  module->solid_i = visit.solid;
   for (unsigned clock = 0; clock < 8; ++clock) module.clock();
   const auto bits = [&](unsigned from, unsigned count) {
     const unsigned word = from / 32;
@@ -79,6 +80,9 @@ TEST(NodeUnit, IsTheSameInGatesAndByTheHost) {
     visit.floor = number(-200, 100);
     visit.limit = number(0, 1000);
     visit.farthest = dice.once_in(2);
+    visit.solid = dice.once_in(3);
+    if (visit.solid && dice.once_in(2))  // as those of solids are: gaps
+      for (unsigned k = 0; k < 3; ++k) visit.ray[6 + k] = std::bit_cast<std::uint32_t>(1.0f);
     const auto anything = [&](std::uint32_t& word) {
       if (dice.once_in(8)) word = dice.once_in(2) ? kSpecial[dice.below(8)] : engine();
     };

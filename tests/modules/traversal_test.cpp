@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays through a hierarchy in hardware: records, nodes read and secondaries tested are those of the
+// Rays, and solids, through a hierarchy in hardware: records, nodes read and secondaries tested are those of the
 // reference, whatever rays wait for, in whatever order memory gives what is asked for.
 #include <gtest/gtest.h>
 
@@ -15,12 +15,15 @@
 #include "TraversalHost.h"
 #include "TraversalOne.h"
 #include "TraversalPluecker.h"
+#include "TraversalSolids.h"
+#include "TraversalSpheresGates.h"
 #include "TraversalWatertight.h"
 #include "TraversalWatertightGates.h"
 #include "cde/mesh/terrain.hpp"
 #include "cde/reference/pipes/ray_node.hpp"
 #include "cde/reference/traversal.hpp"
 #include "clocked.hpp"
+#include "hard_solids.hpp"
 
 namespace cde::testing {
 namespace {
@@ -68,10 +71,12 @@ class Bench {
   }
 
   /// Records by the rays' numbers. `patient`: memory and whoever takes records are always ready.
-  std::vector<Record> cast(const std::vector<Ray>& rays, unsigned goal, bool patient) {
+  template <class P>
+  std::vector<Record> cast(const std::vector<P>& rays, unsigned goal, bool patient) {
     std::vector<Record> records(rays.size());
     std::size_t sent = 0, got = 0;
     module_->goal_i = static_cast<CData>(goal);
+    module_->pair_i = std::is_same_v<P, Ray> ? 0 : std::is_same_v<P, Sphere> ? 5 : 3;
     for (clocks = 0; got < rays.size(); ++clocks) {
       if (clocks > 1000 * rays.size() + 100'000) {
         ADD_FAILURE() << "no end: " << got << " of " << rays.size();
@@ -81,7 +86,7 @@ class Bench {
       module_->ray_valid_i = ray;
       if (ray) {
         const auto words = to_words(rays[sent]);
-        for (unsigned w = 0; w < 8; ++w) module_->ray_i[w] = word(words[w]);
+        for (unsigned w = 0; w < words.size(); ++w) module_->ray_i[w] = word(words[w]);
         module_->number_i = static_cast<IData>(sent);
       }
       module_->record_ready_i = patient || dice_.once_in(2);
@@ -150,7 +155,7 @@ class Bench {
     Record r;
     r.primary = ~0u;  // seen
     r.f = module_->f_o != 0;
-    if (!r.f) return r;
+    if (module_->found_o == 0) return r;
     r.t = std::bit_cast<float>(module_->t_o);
     for (unsigned k = 0; k < 3; ++k)
       r.cp[static_cast<int>(k)] = std::bit_cast<float>(module_->cp_o[k]);
@@ -370,6 +375,81 @@ TEST(Traversal, OfBadouel) {
 }
 TEST(Traversal, OfPluecker) {
   expect_reference<TraversalPluecker>(1000, Algorithm::kPluecker);
+}
+
+/// Spheres or OBBs: records, and what is read for them.
+template <class Module, class Solid>
+void expect_solids(const hard::Scene& triangles, std::size_t count) {
+  hard::Solids draws(triangles, 3);
+  std::vector<Solid> solids;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto kind = static_cast<unsigned>(i % hard::Solids::kKinds);
+    if constexpr (std::is_same_v<Solid, Sphere>)
+      solids.push_back(draws.sphere(kind));
+    else
+      solids.push_back(draws.obb(kind));
+  }
+  const Hierarchy tree = Hierarchy::build(triangles, {.leaf = 2});
+  for (const bool patient : {true, false}) {
+    for (const Goal& goal : {kGoals[0], kGoals[2]}) {
+      Bench<Module> bench(triangles, tree);
+      reference::Traversal walk(triangles, tree);
+      const std::vector<Record> records = bench.cast(solids, goal.number, patient);
+      std::size_t touching = 0;
+      for (std::size_t i = 0; i < count; ++i) {
+        const Record should = walk.trace(solids[i], ~0u, goal.mode)[0];
+        touching += should.f;
+        ASSERT_EQ(records[i].f, should.f) << name_of(goal.mode) << ' ' << hard::text(solids[i]);
+        if (should.index == ~0u) continue;
+        ASSERT_TRUE(same_bits(records[i], should))
+            << name_of(goal.mode) << ' ' << hard::text(solids[i]) << ": T " << records[i].t
+            << " of " << records[i].index << ", should be " << should.t << " of " << should.index;
+      }
+      EXPECT_GT(touching, count / 10);
+      EXPECT_LT(touching, count);
+      EXPECT_EQ(bench.nodes(), walk.counts().nodes) << name_of(goal.mode);
+      EXPECT_EQ(bench.secondaries(), walk.counts().triangles) << name_of(goal.mode);
+      if (patient)
+        std::printf("%s: %.2f clocks, %.2f nodes, %.2f triangles a solid\n", name_of(goal.mode),
+                    bench.clocks / static_cast<double>(count),
+                    static_cast<double>(bench.nodes()) / static_cast<double>(count),
+                    static_cast<double>(bench.secondaries()) / static_cast<double>(count));
+    }
+    Bench<Module> bench(triangles, tree);
+    reference::Traversal walk(triangles, tree);
+    const std::vector<Record> records = bench.cast(solids, kOccluded, patient);
+    for (std::size_t i = 0; i < count; ++i)
+      ASSERT_EQ(records[i].f, walk.occluded(solids[i])) << hard::text(solids[i]);
+    EXPECT_EQ(bench.nodes(), walk.counts().nodes);
+    Bench<Module> all(triangles, tree);
+    (void)all.cast(solids, kHits, patient);
+    std::sort(all.hits.begin(), all.hits.end(), [](const Record& a, const Record& b) {
+      return a.primary != b.primary ? a.primary < b.primary : a.index < b.index;
+    });
+    std::vector<Record> hits;
+    for (std::uint32_t i = 0; i < count; ++i)
+      for (const Record& hit : walk.trace(solids[i], i, Mode::kHits)) hits.push_back(hit);
+    EXPECT_TRUE(std::ranges::equal(all.hits, hits, same_bits));
+    EXPECT_GT(hits.size(), count / 5);
+  }
+}
+
+TEST(Traversal, OfSolidsIsThatOfTheReference) {
+  for (const hard::Case& c : hard::kScenes) {
+    SCOPED_TRACE(c.name);
+    expect_solids<TraversalSolids, Sphere>(c.make(), 60);
+    expect_solids<TraversalSolids, Obb>(c.make(), 30);
+  }
+}
+
+TEST(Traversal, OfSpheresInGates) {
+  expect_solids<TraversalSpheresGates, Sphere>(hard::needles(), 60);
+  expect_solids<TraversalSpheresGates, Sphere>(hard::flat(), 60);
+}
+
+/// The same module, of other pairs.
+TEST(Traversal, OfRaysBesideSolids) {
+  expect_reference<TraversalSolids>(500);
 }
 
 }  // namespace

@@ -372,9 +372,12 @@ void check_hierarchy(const BoardConfig& c) {
           fmt::format("a hierarchy is of fp32, not of {}: its boxes are widened by 2^-16 of the "
                       "scene, which in a coarser format were percents of it",
                       c.format.name()));
-  require(c.box && std::find(c.pairs.begin(), c.pairs.end(), Pair::kRayTriangle) != c.pairs.end(),
-          "a hierarchy is of ray-triangle with the box rule, without which no tree answers as all "
-          "triangles do");
+  const bool walked = std::any_of(c.pairs.begin(), c.pairs.end(), [&c](Pair pair) {
+    return has_box_rule(pair) && (pair == Pair::kRayTriangle || (c.swap && !c.verdicts));
+  });
+  require(c.box && walked,
+          "a hierarchy is of ray-triangle, or with swap and without verdicts of triangle-sphere and "
+          "triangle-obb, with the box rule, without which no tree answers as all triangles do");
 }
 
 }  // namespace
@@ -406,8 +409,10 @@ std::vector<std::string> BoardConfig::parameters() const {
   if (pairs.empty()) throw Error(ErrorCode::kUsage, "a card has at least one pair");
   check_facet_interval(facet_interval, pairs);
   check_verdicts(*this);
-  if (box && std::find(pairs.begin(), pairs.end(), Pair::kRayTriangle) == pairs.end())
-    throw Error(ErrorCode::kUsage, "the box rule is of ray-triangle, which the card has not");
+  if (box && std::none_of(pairs.begin(), pairs.end(), has_box_rule))
+    throw Error(ErrorCode::kUsage,
+                "the box rule is of ray-triangle, triangle-sphere and triangle-obb, of which the card "
+                "has none");
   const BoardConfig standard;
   check_hierarchy(*this);
   const bool moves = transform != Transformer::kNone, poses = transform == Transformer::kBoth;

@@ -236,12 +236,17 @@ std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
                ? "secondaries were uploaded anew, or had moved, and no hierarchy of them"
                : "objects or their triangles have moved since, and no refit()";
   if (q.mode == Mode::kAll) return "mode all has records of all secondaries, hit or not";
-  if (q.pair.value_or(Pair::kRayTriangle) != Pair::kRayTriangle || q.swap)
-    return "it is of rays with triangles";
+  const Pair pair = q.pair.value_or(pairs.front());
+  if (!has_box_rule(pair) || q.swap == (pair == Pair::kRayTriangle))
+    return "it is of rays, and with swap of spheres and OBBs, that meet triangles";
+  if (pair != Pair::kRayTriangle && verdicts) return "narrow lanes that prove misses sweep";
+  if (pair != Pair::kRayTriangle && q.mode == Mode::kFarthest)
+    return "the triangle farthest from a solid is in no box that could be left out";
   if (q.second) return "two pairs at a time sweep";
-  if (q.normals) return "rays have no normals";
+  if (q.normals)
+    return pair == Pair::kRayTriangle ? "rays have no normals" : "normals come of sweeps alone";
   if (q.first_secondary != 0 || q.secondary_count != 0) return "a range of secondaries is swept";
-  if (!primary_objects.objects.empty()) return "rays that move with objects sweep";
+  if (!primary_objects.objects.empty()) return "primaries that move with objects sweep";
   return std::nullopt;
 }
 

@@ -434,7 +434,7 @@ Counters Board::run(const Query& query, const RecordSink& sink) {
     if (!query.stencil[p]) numbers.push_back(p);
   std::vector<Record> records;
   const auto ray = [&](std::uint32_t i, std::uint32_t* words) {
-    std::copy_n(it.loaded_words(numbers[i]), cde::words(Shape::kRay), words);
+    std::copy_n(it.loaded_words(numbers[i]), cde::words(it.primary_shape), words);
   };
   Counters c = walk(it, whole, numbers, ray, records);
   c.upload_clocks += it.load_clocks;
@@ -455,25 +455,33 @@ std::vector<Record> Board::run(const Query& query, Counters* counters) {
 }
 
 Counters Board::cast(const RayView& rays, const Query& query, const RecordSink& sink) {
-  if (rays.size() > 0xffffffff)
-    throw Error(ErrorCode::kCapacity, fmt::format("{} rays are more than 2^32 - 1", rays.size()));
+  return cast_words(
+      Shape::kRay, rays.size(),
+      [&](std::size_t i, float* words) { to_words(rays[i], slot<Ray>(words)); }, query, sink);
+}
+
+Counters Board::cast_words(Shape shape, std::size_t count, const Words& words, const Query& query,
+                           const RecordSink& sink) {
+  if (count > 0xffffffff)
+    throw Error(ErrorCode::kCapacity, fmt::format("{} {}s are more than 2^32 - 1", count, name(shape)));
   idle_card().link->alive();
   require_sink(sink);
   (void)name_of(query.mode);
-  if (!rays.empty() && through_hierarchy(card(), query)) return cast_through(rays, query, sink);
+  if (count != 0 && through_hierarchy(card(), query))
+    return cast_through(shape, count, words, query, sink);
   const std::size_t packet = primaries();
   Counters total;
   Query each = query;
   std::vector<Record> renumbered;
-  for (std::size_t first = 0; first < rays.size(); first += packet) {
-    const std::vector<Ray> some = rays.subview(first, packet).copy();
+  for (std::size_t first = 0; first < count; first += packet) {
+    const std::size_t some = std::min(packet, count - first);
     if (query.progress) {
       each.progress = [&](double share) {
-        query.progress((static_cast<double>(first) + share * static_cast<double>(some.size())) /
-                       static_cast<double>(rays.size()));
+        query.progress((static_cast<double>(first) + share * static_cast<double>(some)) /
+                       static_cast<double>(count));
       };
     }
-    load(some);
+    load_words(shape, some, [&](std::size_t i, float* at) { words(first + i, at); });
     total += run(each, [&](std::span<const Record> records) {
       renumbered.assign(records.begin(), records.end());
       for (Record& r : renumbered) r.primary += static_cast<std::uint32_t>(first);
@@ -483,16 +491,17 @@ Counters Board::cast(const RayView& rays, const Query& query, const RecordSink& 
   return total;
 }
 
-Counters Board::cast_through(const RayView& rays, const Query& query, const RecordSink& sink) {
+Counters Board::cast_through(Shape shape, std::size_t count, const Words& shapes,
+                             const Query& query, const RecordSink& sink) {
   const std::shared_ptr<Impl> kept = impl_;
   Impl& it = *kept;
-  const Query whole = complete(it, query, Shape::kRay);
+  const Query whole = complete(it, query, shape);
   const std::size_t batch = rays_of_a_pass(query.mode);
   Counters total;
   std::vector<std::uint32_t> numbers;
   std::vector<Record> records;
-  for (std::size_t first = 0; first < rays.size(); first += batch) {
-    const std::size_t end = std::min(rays.size(), first + batch);
+  for (std::size_t first = 0; first < count; first += batch) {
+    const std::size_t end = std::min(count, first + batch);
     numbers.clear();
     for (std::size_t i = first; i < end; ++i)
       if (!query.stencil[i % it.primaries]) numbers.push_back(static_cast<std::uint32_t>(i));
@@ -500,7 +509,7 @@ Counters Board::cast_through(const RayView& rays, const Query& query, const Reco
     if (query.progress) {
       each.progress = [&](double share) {
         query.progress((static_cast<double>(first) + share * static_cast<double>(end - first)) /
-                       static_cast<double>(rays.size()));
+                       static_cast<double>(count));
       };
     }
     const Passing passing(it.passing);
@@ -508,9 +517,8 @@ Counters Board::cast_through(const RayView& rays, const Query& query, const Reco
         it, each, numbers,
         [&](std::uint32_t i, std::uint32_t* words) {
           std::array<float, contract::kMostWords> floats{};
-          to_words(rays[numbers[i]], slot<Ray>(floats.data()));
-          it.encode(Shape::kRay, numbers[i], std::span(floats).first(cde::words(Shape::kRay)),
-                    words);
+          shapes(numbers[i], floats.data());
+          it.encode(shape, numbers[i], std::span(floats).first(cde::words(shape)), words);
         },
         records);
     if (records.empty()) continue;

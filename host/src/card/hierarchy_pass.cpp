@@ -12,7 +12,10 @@
 namespace cde {
 namespace {
 
-constexpr unsigned kRayWords = 8;
+constexpr unsigned kPlaceWords = 8;
+unsigned words_of(const Query& query) {
+  return words(query.swap ? secondary_shape(*query.pair) : primary_shape(*query.pair));
+}
 /// Rays that are written at a time behind go, enough for long transfers; before it as many as there
 /// are places for, so that what the card counts of few rays is its own time.
 constexpr std::uint32_t kMoreRays = 1024;
@@ -49,12 +52,17 @@ std::string node_fault(Board::Impl& card, std::uint64_t fault) {
 
 HierarchyPass::HierarchyPass(Board::Impl& card, const Query& query,
                              std::span<const std::uint32_t> numbers, const Rays& rays)
-    : CardPass(card, query), numbers_(numbers), rays_(rays), last_progress_(started_) {}
+    : CardPass(card, query),
+      numbers_(numbers),
+      place_words_(words_of(query) > kPlaceWords ? 2 * kPlaceWords : kPlaceWords),
+      places_(card.ray_places * kPlaceWords / place_words_),
+      rays_(rays),
+      last_progress_(started_) {}
 
 Counters HierarchyPass::execute(std::vector<Record>& records) {
   configure();
   try {
-    provide(card_.ray_places);
+    provide(places_);
     card_.write_register(card::kRegControl, card::kControlGo);
     wait_until_done();
     drain(card_.read_register(card::kRegRecords));
@@ -71,7 +79,8 @@ void HierarchyPass::configure() {
   card_.write_register(card::kRegControl, card::kControlClear);
   card_.write_register(card::kRegCommand, card::kCommandMode(query_.mode) |
                                               card::kCommandHierarchy |
-                                              card::kCommandPair(Pair::kRayTriangle));
+                                              (query_.swap ? card::kCommandSwap : 0) |
+                                              card::kCommandPair(*query_.pair));
   card_.configure_hierarchy(0, card_.hierarchy.nodes);
   card_.write_register(card::kRegRayCount, numbers_.size());
 }
@@ -80,9 +89,9 @@ bool HierarchyPass::provide(std::uint32_t most) {
   const auto all = static_cast<std::uint32_t>(numbers_.size());
   const std::uint32_t wanted = std::min(most, all - provided_);
   if (wanted == 0) return true;
-  if (provided_ + wanted - taken_ > card_.ray_places)
+  if (provided_ + wanted - taken_ > places_)
     taken_ = static_cast<std::uint32_t>(card::kRaysTaken.of(card_.read_register(card::kRegRays)));
-  if (provided_ + wanted - taken_ > card_.ray_places) return false;
+  if (provided_ + wanted - taken_ > places_) return false;
   write_rays(wanted);
   card_.write_register(card::kRegRays, provided_);
   return provided_ == all;
@@ -91,11 +100,13 @@ bool HierarchyPass::provide(std::uint32_t most) {
 void HierarchyPass::write_rays(std::uint32_t count) {
   const std::uint64_t before = card_.link->time_ps();
   while (count != 0) {
-    const std::uint32_t place = provided_ % card_.ray_places;
-    const std::uint32_t n = std::min(count, card_.ray_places - place);
-    ray_words_.resize(std::size_t{n} * kRayWords);
-    for (std::uint32_t i = 0; i < n; ++i) rays_(provided_ + i, &ray_words_[i * kRayWords]);
-    card_.write(card::kSpaceRays, place * kRayWords * 4, ray_words_.data(), n * kRayWords / 2);
+    const std::uint32_t place = provided_ % places_;
+    const std::uint32_t n = std::min(count, places_ - place);
+    ray_words_.assign(std::size_t{n} * place_words_, 0);
+    for (std::uint32_t i = 0; i < n; ++i)
+      rays_(provided_ + i, &ray_words_[std::size_t{i} * place_words_]);
+    card_.write(card::kSpaceRays, place * place_words_ * 4, ray_words_.data(),
+                std::uint64_t{n} * place_words_ / 2);
     provided_ += n;
     count -= n;
   }

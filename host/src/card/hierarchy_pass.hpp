@@ -23,11 +23,11 @@ class RefitPass : private CardPass {
   [[nodiscard]] std::string state() override;
 };
 
-/// A pass of rays through the hierarchy in the card: they are written into a ring while it works,
+/// A pass of rays, or of solids, through the hierarchy in the card: they are written into a ring while it works,
 /// and its records, which come as they are found, are put in order. Private to the driver.
 class HierarchyPass : private CardPass {
  public:
-  /// The words of a ray of the pass, 8 of them.
+  /// The words of a ray of the pass, as many as its shape has.
   using Rays = std::function<void(std::uint32_t, std::uint32_t*)>;
 
   /// `numbers` are those of the rays in records, ascending, one a ray of the pass; all outlives it.
@@ -53,6 +53,8 @@ class HierarchyPass : private CardPass {
   void put_in_order(std::vector<Record>& records);
 
   std::span<const std::uint32_t> numbers_;
+  unsigned place_words_;  ///< of a ray in the ring
+  std::uint32_t places_;
   const Rays& rays_;
   std::uint32_t provided_ = 0, taken_ = 0;
   std::uint64_t ray_ps_ = 0;                      ///< spent in writing rays

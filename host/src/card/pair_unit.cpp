@@ -32,7 +32,7 @@ std::vector<std::string> PairConfig::parameters() const {
     in_range("latency of an operator", latency, 1, 64);
   if (algorithm != Algorithm::kMoller && pair != Pair::kRayTriangle)
     throw Error(ErrorCode::kUsage, fmt::format("{} has no choice of algorithm", name(pair)));
-  if (box && pair != Pair::kRayTriangle)
+  if (box && !has_box_rule(pair))
     throw Error(ErrorCode::kUsage, fmt::format("{} has no box rule", name(pair)));
   if (plane != PlaneSide::kSurface && secondary_shape(pair) != Shape::kPlane)
     throw Error(ErrorCode::kUsage, fmt::format("{} has no half-space", name(pair)));

@@ -62,6 +62,10 @@ bool has_facets(Pair pair) {
   return contract::has(contract::kFacetPairs, pair);
 }
 
+bool has_box_rule(Pair pair) {
+  return contract::has(contract::kBoxPairs | contract::kBoundPairs, pair);
+}
+
 bool has_verdicts(Pair pair) {
   return contract::has(contract::kVerdictPairs, pair);
 }

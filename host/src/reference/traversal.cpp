@@ -9,9 +9,12 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <type_traits>
 
 #include "cde/contract/records.hpp"
 #include "cde/geometry/pair.hpp"
+#include "cde/reference/pipes/convex/triangle_box.hpp"
+#include "cde/reference/pipes/convex/triangle_sphere.hpp"
 #include "cde/reference/pipes/ray_node.hpp"
 #include "cde/reference/reference.hpp"
 #include "cde/support/error.hpp"
@@ -42,17 +45,64 @@ struct Group {
   unsigned count = 0;
 };
 
+// ---- What depends on the primary's shape ----
+
+RayFront<float> front_of(const Ray& ray, const RootBounds<float>& root) {
+  return ray_front<float>(ray.o, ray.d, root);
+}
+template <class Solid>
+RayFront<float> front_of(const Solid& solid, const RootBounds<float>& root) {
+  return solid_front<float>(solid, root);
+}
+
+template <class Solid>
+Record solid_record(const Outcome<float>& pipe, const Triangle& triangle, const Solid& solid,
+                    std::uint32_t number, std::uint32_t index) {
+  const Outcome<float> o = bounded<float>(pipe, triangle, solid);
+  Record r;
+  r.f = o.f;
+  r.bad = o.bad;
+  r.t = canonical(o.t);
+  for (int k = 0; k < 3; ++k) r.cp[k] = canonical(o.cp[k]);
+  r.index = o.bad ? ~0u : index;
+  r.primary = number;
+  return r;
+}
+Record answer(const Ray& ray, const Triangle& triangle, std::uint32_t number, std::uint32_t index,
+              Algorithm algorithm) {
+  return record_of(ray, triangle, number, index, true, algorithm);
+}
+Record answer(const Sphere& sphere, const Triangle& triangle, std::uint32_t number,
+              std::uint32_t index, Algorithm) {
+  return solid_record(triangle_sphere<float>(triangle, sphere), triangle, sphere, number, index);
+}
+Record answer(const Obb& box, const Triangle& triangle, std::uint32_t number, std::uint32_t index,
+              Algorithm) {
+  return solid_record(triangle_obb<float>(triangle, box), triangle, box, number, index);
+}
+
+/// What mode nearest and the others compare: T, or of solids the signed gap.
+template <class P>
+float gap(const Record& r) {
+  return !std::is_same_v<P, Ray> && r.f ? -r.t : r.t;
+}
+
 }  // namespace
 
-/// One ray's way.
+/// One primary's way.
+template <class P>
 class Traversal::Walk {
  public:
-  enum class Goal { kNearest, kFarthest, kHits, kAny, kOccluded };
-
-  Walk(Traversal& of, const Ray& ray, std::uint32_t number, Goal goal)
-      : of_(of), ray_(ray), number_(number), goal_(goal), tmax_(ray.tmax), tmin_(ray.tmin) {
+  Walk(Traversal& of, const P& primary, std::uint32_t number, Goal goal)
+      : of_(of), primary_(primary), number_(number), goal_(goal) {
+    if constexpr (kSolid) {
+      limit(goal == Goal::kNearest ? kInfinite : 0.0f);
+    } else {
+      tmin_ = primary.tmin;
+      tmax_ = primary.tmax;
+    }
     const auto& box = of.hierarchy_.box();
-    front_ = ray_front<float>(ray.o, ray.d, root_bounds<float>(box.min(), box.max()));
+    front_ = front_of(primary, root_bounds<float>(box.min(), box.max()));
     visit(of.hierarchy_.nodes()[0]);
     while (!over_ && depth_ != 0) {
       Group& top = stack_[depth_ - 1];
@@ -71,6 +121,14 @@ class Traversal::Walk {
   [[nodiscard]] std::vector<Record>& records() { return records_; }
 
  private:
+  static constexpr bool kSolid = !std::is_same_v<P, Ray>;
+
+  /// Of solids: the largest gap that still counts, and less than zero by as much, as the card has it.
+  void limit(float gap) {
+    tmax_ = gap;
+    tmin_ = -gap;
+  }
+
   /// Whether nothing behind a child with this key counts any more.
   [[nodiscard]] bool excluded(float key) const {
     return goal_ == Goal::kFarthest ? key < tmin_ : key > tmax_;
@@ -86,8 +144,9 @@ class Traversal::Walk {
     for (unsigned i = Node::kChildren; i-- > 0;) {
       if (node.child(i) == Child::kNone) continue;
       const Stretch<float> s = stretch(front, front_, node, i);
-      if (s.near > s.far || s.far < tmin_ || s.near > tmax_) continue;
-      group.entries[group.count++] = {down ? s.far : s.near, node.place(i), node.child(i)};
+      if ((!kSolid && s.near > s.far) || s.far < tmin_ || s.near > tmax_) continue;
+      const float comes = kSolid ? max_num(s.near, -s.far) : s.near;
+      group.entries[group.count++] = {down ? s.far : comes, node.place(i), node.child(i)};
     }
     if (group.count == 0) return;
     std::stable_sort(group.entries.begin(), group.entries.begin() + group.count,
@@ -104,8 +163,8 @@ class Traversal::Walk {
       ++of_.counts_.triangles;
       const std::uint32_t index = of_.hierarchy_.order()[s];
       const Record record =
-          record_of(ray_, of_.triangles_[index], number_, index, true, of_.algorithm_);
-      if (record.f) keep(record);
+          answer(primary_, of_.triangles_[index], number_, index, of_.algorithm_);
+      if (record.f || (kSolid && goal_ == Goal::kNearest)) keep(record);
     }
   }
 
@@ -115,22 +174,24 @@ class Traversal::Walk {
     } else if (better(record, records_[0])) {
       records_[0] = record;
     }
-    if (goal_ == Goal::kNearest) tmax_ = records_[0].t;
+    if (goal_ == Goal::kNearest && kSolid) limit(gap<P>(records_[0]));
+    if (goal_ == Goal::kNearest && !kSolid) tmax_ = records_[0].t;
     if (goal_ == Goal::kFarthest) tmin_ = records_[0].t;
     over_ = over_ || goal_ == Goal::kOccluded;
   }
 
   /// Whatever order the triangles come in: ties have the least index. The two zeros tie.
   [[nodiscard]] bool better(const Record& a, const Record& b) const {
-    if (goal_ == Goal::kAny || a.t == b.t) return a.index < b.index;
-    return goal_ == Goal::kNearest ? a.t < b.t : a.t > b.t;
+    const float x = gap<P>(a), y = gap<P>(b);
+    if (goal_ == Goal::kAny || x == y) return a.index < b.index;
+    return goal_ == Goal::kNearest ? x < y : x > y;
   }
 
   Traversal& of_;
-  const Ray& ray_;
+  const P& primary_;
   std::uint32_t number_;
   Goal goal_;
-  float tmax_, tmin_;  // of what still counts
+  float tmax_ = 0, tmin_ = 0;  // of what still counts
   RayFront<float> front_;
   /// A node's group is gone before the last of its children is visited, or lies below it.
   std::array<Group, Hierarchy::kMostDepth> stack_;
@@ -147,18 +208,20 @@ Traversal::Traversal(const TriangleView& triangles, const Hierarchy& hierarchy, 
                                                triangles.size(), hierarchy.order().size()));
 }
 
-std::vector<Record> Traversal::trace(const Ray& ray, std::uint32_t number, Mode mode) {
+template <class P>
+std::vector<Record> Traversal::trace_any(const P& primary, std::uint32_t number, Mode mode) {
   if (mode == Mode::kAll)
     throw Error(ErrorCode::kUsage, "mode all has records of all triangles: not by a hierarchy");
+  if (mode == Mode::kFarthest && !std::is_same_v<P, Ray>)
+    throw Error(ErrorCode::kUsage, "the triangle farthest from a solid is not found by a hierarchy");
   std::vector<Record> records;
-  const Record none = unanswered(ray, number, false, {});
+  const Record none = unanswered(primary, number, false, {});
   if (!none.bad && triangles_.size() != 0) {
-    using Goal = Walk::Goal;
     const Goal goal = mode == Mode::kNearest    ? Goal::kNearest
                       : mode == Mode::kFarthest ? Goal::kFarthest
                       : mode == Mode::kHits     ? Goal::kHits
                                                 : Goal::kAny;
-    records = std::move(Walk(*this, ray, number, goal).records());
+    records = std::move(Walk<P>(*this, primary, number, goal).records());
   }
   if (mode == Mode::kHits)
     std::sort(records.begin(), records.end(),
@@ -168,9 +231,30 @@ std::vector<Record> Traversal::trace(const Ray& ray, std::uint32_t number, Mode 
   return records;
 }
 
+std::vector<Record> Traversal::trace(const Ray& ray, std::uint32_t number, Mode mode) {
+  return trace_any(ray, number, mode);
+}
+std::vector<Record> Traversal::trace(const Sphere& sphere, std::uint32_t number, Mode mode) {
+  return trace_any(sphere, number, mode);
+}
+std::vector<Record> Traversal::trace(const Obb& box, std::uint32_t number, Mode mode) {
+  return trace_any(box, number, mode);
+}
+
+template <class P>
+bool Traversal::meets_any(const P& primary) {
+  if (defect(primary) || triangles_.size() == 0) return false;
+  return !Walk<P>(*this, primary, 0, Goal::kOccluded).records().empty();
+}
+
 bool Traversal::occluded(const Ray& ray) {
-  if (defect(ray) || triangles_.size() == 0) return false;
-  return !Walk(*this, ray, 0, Walk::Goal::kOccluded).records().empty();
+  return meets_any(ray);
+}
+bool Traversal::occluded(const Sphere& sphere) {
+  return meets_any(sphere);
+}
+bool Traversal::occluded(const Obb& box) {
+  return meets_any(box);
 }
 
 }  // namespace cde::reference

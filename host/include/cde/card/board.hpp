@@ -186,6 +186,14 @@ class Board {
   /// Through a hierarchy rays are streamed, and nothing is loaded; records come in the same order.
   Counters cast(const RayView& rays, const Query& query, const RecordSink& sink);
   [[nodiscard]] std::vector<Record> cast(const RayView& rays, const Query& query = {});
+  /// The same of any number of shapes, as load_shapes() and run(). Spheres and OBBs with swap go
+  /// through a hierarchy over triangles.
+  template <class P>
+  Counters cast_shapes(std::span<const P> shapes, const Query& query, const RecordSink& sink) {
+    return cast_words(
+        kShapeOf<P>, shapes.size(),
+        [&](std::size_t i, float* words) { to_words(shapes[i], slot<P>(words)); }, query, sink);
+  }
 
   /// Hardware reset: registers, rays and objects are lost, triangles in DDR stay; faults that were
   /// ordered until reset end. The only way on when the device is lost; throws if it still does not
@@ -253,7 +261,10 @@ class Board {
                     const std::function<std::optional<std::string>(std::size_t)>& defect);
   void load_words(Shape shape, std::size_t count, const Words& words);
   void load_second_words(Shape shape, std::size_t count, const Words& words);
-  Counters cast_through(const RayView& rays, const Query& query, const RecordSink& sink);
+  Counters cast_words(Shape shape, std::size_t count, const Words& words, const Query& query,
+                      const RecordSink& sink);
+  Counters cast_through(Shape shape, std::size_t count, const Words& words, const Query& query,
+                        const RecordSink& sink);
   std::shared_ptr<Impl> impl_;  ///< this board's; a pass keeps it over a sink that drops the board
 };
 

@@ -69,6 +69,9 @@ struct PairBudget {
 /// triangle-obb.
 [[nodiscard]] bool has_facets(Pair pair);
 
+/// Whether the box rule is of the pair: ray-triangle, triangle-sphere, triangle-obb.
+[[nodiscard]] bool has_box_rule(Pair pair);
+
 /// Whether narrow lanes can prove misses of a pair on a card (BoardConfig::verdicts).
 [[nodiscard]] bool has_verdicts(Pair pair);
 /// `interval`: clocks from one row of such pairs to the next, 1 or 3. Error kUsage if it is

@@ -11,31 +11,43 @@
 
 namespace cde::reference {
 
-/// What rays met on their way.
+/// What rays, or solids, met on their way.
 struct TraversalCounts {
   std::uint64_t nodes = 0;      ///< read
   std::uint64_t triangles = 0;  ///< tested
   unsigned deepest = 0;         ///< groups on the stack at a time
 };
 
-/// Rays through a hierarchy, by an algorithm with the box rule: records are those of Sweep with
-/// both, every bit, ties included.
+/// Rays, spheres and OBBs through a hierarchy, by pairs with the box rule: records are those of Sweep
+/// or Pass with it, every bit, ties included.
 class Traversal {
  public:
-  /// Both must outlive it. Error kUsage if the hierarchy is of another number of triangles.
+  /// Both must outlive it; the algorithm is that of rays. Error kUsage if the hierarchy is of another number of triangles.
   Traversal(const TriangleView& triangles, const Hierarchy& hierarchy,
             Algorithm algorithm = Algorithm::kMoller);
 
   /// The record of a ray in modes nearest, farthest and any; in mode hits those of all its hits by
   /// ascending index. Error kUsage in mode all, whose records are those of all triangles.
   [[nodiscard]] std::vector<Record> trace(const Ray& ray, std::uint32_t number, Mode mode);
-  /// Whether the ray meets any triangle: ends at the first.
+  /// Of solids mode nearest has the triangle of the least signed gap, whether they meet or not, and
+  /// any and hits those that they meet. Error kUsage in mode farthest as well.
+  [[nodiscard]] std::vector<Record> trace(const Sphere& sphere, std::uint32_t number, Mode mode);
+  [[nodiscard]] std::vector<Record> trace(const Obb& box, std::uint32_t number, Mode mode);
+  /// Whether it meets any triangle: ends at the first.
   [[nodiscard]] bool occluded(const Ray& ray);
+  [[nodiscard]] bool occluded(const Sphere& sphere);
+  [[nodiscard]] bool occluded(const Obb& box);
 
   [[nodiscard]] const TraversalCounts& counts() const { return counts_; }
 
  private:
+  enum class Goal { kNearest, kFarthest, kHits, kAny, kOccluded };
+  template <class P>
   class Walk;
+  template <class P>
+  std::vector<Record> trace_any(const P& primary, std::uint32_t number, Mode mode);
+  template <class P>
+  bool meets_any(const P& primary);
   TriangleView triangles_;
   const Hierarchy& hierarchy_;
   Algorithm algorithm_;

@@ -11,6 +11,7 @@
 #include "cde/reference/pipes/convex/triangle_box.hpp"
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
 #include "cde/reference/pipes/cylinder/pairs.hpp"
+#include "cde/reference/pipes/gap_bound.hpp"
 #include "cde/reference/pipes/ray_cylinder.hpp"
 #include "cde/reference/pipes/ray_sphere.hpp"
 #include "cde/reference/pipes/ray_triangle.hpp"
@@ -40,6 +41,10 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
   use(Kinds<A, Can>(), [budget](const A& x, const Can& y) { return FUNCTION<S>(x, y, budget); })
 #define CDE_TEST(A, B, FUNCTION) \
   use(Kinds<A, B>(), [](const A& x, const B& y) { return FUNCTION<S>(x, y); })
+#define CDE_BOUND(B, FUNCTION)                                                               \
+  box ? use(Kinds<T, B>(),                                                                   \
+            [](const T& x, const B& y) { return bounded<S>(FUNCTION<S>(x, y), x, y); })      \
+      : CDE_TEST(T, B, FUNCTION)
 #define CDE_PLANE(A, FUNCTION)   \
   use(Kinds<A, BasicPlane<S>>(), \
       [plane](const A& x, const BasicPlane<S>& y) { return FUNCTION<S>(x, y, plane); })
@@ -52,11 +57,11 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
     case Pair::kTriangleAabb:
       return CDE_TEST(T, BasicAabb<S>, triangle_aabb);
     case Pair::kTriangleObb:
-      return CDE_TEST(T, Box, triangle_obb);
+      return CDE_BOUND(Box, triangle_obb);
     case Pair::kSphereSphere:
       return CDE_TEST(Ball, Ball, sphere_sphere);
     case Pair::kTriangleSphere:
-      return CDE_TEST(T, Ball, triangle_sphere);
+      return CDE_BOUND(Ball, triangle_sphere);
     case Pair::kRayCylinder:
       return CDE_TEST(R, Can, ray_cylinder);
     case Pair::kObbPlane:
@@ -75,6 +80,7 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
       return CDE_SEARCH(Box, obb_cylinder);
   }
 #undef CDE_PLANE
+#undef CDE_BOUND
 #undef CDE_TEST
 #undef CDE_SEARCH
   throw Error(ErrorCode::kUsage, fmt::format("no reference for {}", name(pair)));

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "cde/geometry/ops.hpp"
+#include "cde/geometry/primitives.hpp"
+
+/// The box rule of a triangle and a solid (BOX = 1): their signed gap is not below that of their
+/// boxes.
+///
+/// Two boxes are apart by the largest gap of an axis at least, and where that is below zero, moving
+/// one of them by so much along that axis parts them: so the largest gap of an axis is a lower
+/// bound of the signed gap, of distance and penetration alike. A pipe's s is off by roundings, or
+/// by more where a triangle has no area; the rule gives
+///
+///     s' = max(s, g - m)    g = max over axes of max(b - c, c - B) - e
+///                           m = 128 u max over axes of max(|b - c|, |c - B|) + e
+///
+/// with [b, B] the triangle's box, c the solid's centre and e half the size of its box. m is far
+/// above what the pipes' roundings are: s' is s unless s is wrong. It is the pair's own, so that it
+/// is the same in a sweep and through a hierarchy.
+///
+/// A hierarchy may leave out a box whose bound is above the best gap: g as its nodes compute it
+/// (ray_node.hpp, with 1 / d = 1 and o +- M the corners of the solid's box, widened by M) is off by
+/// less than 10 u (R + e) + 2 u W, R the largest distance along an axis from c to the root's box, W
+/// the largest |coordinate| of that; here roundings take less than 4 u (R + e), and m is 128 u
+/// (R + e) at most. M = 256 u (R + e) + 16 u W is more than all of it together: near of a node is
+/// below s' of every triangle in it, as computed.
+namespace cde::reference {
+
+/// Margin over u.
+inline constexpr int kBoundMargin = 128;
+
+/// Half the size of a solid's own box. Wires.
+template <typename S>
+[[nodiscard]] Vector<S> half_size(const BasicSphere<S>& sphere) {
+  return Vector<S>::Constant(sphere.r);
+}
+/// |R| h: 9 mul, 6 add.
+template <typename S>
+[[nodiscard]] Vector<S> half_size(const BasicObb<S>& box) {
+  Vector<S> size;
+  for (int k = 0; k < 3; ++k) {
+    const Vector<S> row(magnitude(box.rotation(k, 0)), magnitude(box.rotation(k, 1)),
+                        magnitude(box.rotation(k, 2)));
+    size[k] = dot<S>(box.half, row);
+  }
+  return size;
+}
+
+/// g - m: 1 mul, 3 add, 10 sub, 22 min/max, and what half_size() takes.
+template <typename S, class Solid>
+[[nodiscard]] S gap_bound(const BasicTriangle<S>& triangle, const Solid& solid) {
+  const Vector<S> half = half_size(solid);
+  Vector<S> gap, size;
+  for (int k = 0; k < 3; ++k) {
+    const S low = min_num(min_num(triangle.v0[k], triangle.v1[k]), triangle.v2[k]);
+    const S high = max_num(max_num(triangle.v0[k], triangle.v1[k]), triangle.v2[k]);
+    const S below = low - solid.c[k], above = solid.c[k] - high;
+    gap[k] = max_num(below, above) - half[k];
+    size[k] = max_num(magnitude(below), magnitude(above)) + half[k];
+  }
+  const S margin =
+      max_num(max_num(size[0], size[1]), size[2]) * S(kBoundMargin * kUnitRoundoff<S>);
+  return max_num(max_num(gap[0], gap[1]), gap[2]) - margin;
+}
+
+/// What a pipe answers of a triangle and a solid, by the rule: 1 cmp, 1 min/max, and gap_bound().
+template <typename S, class Solid>
+[[nodiscard]] Outcome<S> bounded(const Outcome<S>& pipe, const BasicTriangle<S>& triangle,
+                                 const Solid& solid) {
+  if (pipe.bad) return pipe;
+  const S bound = gap_bound<S>(triangle, solid);
+  Outcome<S> o = pipe;
+  o.f = static_cast<bool>(Mask<S>(pipe.f) && bound <= S(0));
+  o.t = magnitude(max_num(pipe.f ? -pipe.t : pipe.t, bound));
+  return o;
+}
+
+}  // namespace cde::reference

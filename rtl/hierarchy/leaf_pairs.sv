@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pairs of leaves: a primary that comes with the one or two secondaries of a leaf goes through the pipe of its pair.
+// Pipes of several pairs stand beside each other, of which the pass uses one.
+// Latency: that of the pass's pipe and a register, whatever ARITH is. Throughput: a leaf a clock. Stall: none.
+`include "hierarchy.svh"
+`include "ray_box.svh"
+module leaf_pairs #(
+    parameter int PAIRS = 1,      // hierarchy_pkg::walked_pairs
+    parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
+    parameter int AT = 1,         // bits of what a leaf comes and goes with
+    parameter int LAT_ADD = 1,
+    parameter int LAT_MUL = 1,
+    parameter int LAT_DIV = 1,
+    parameter int LAT_SQRT = 1,
+    parameter int LAT_CMP = 1,
+    parameter ARITH = "rtl",
+    localparam int EXP = 8,
+    localparam int MAN = 23,
+    localparam int LANES = 2,  // secondaries of a leaf
+    localparam int WORDS = hierarchy_pkg::walked_words(PAIRS)
+) (
+    input logic clk_i,
+    input logic rst_i,
+    input logic [3:0] pair_i,  // of the pass
+    input logic valid_i,       // from a register: it is a clock gate's enable
+    input logic [AT-1:0] at_i,
+    input logic two_i,
+    input logic [WORDS-1:0][31:0] primary_i,
+    input logic [LANES-1:0][8:0][31:0] triangles_i,
+    input logic [LANES-1:0][31:0] index_i,
+    output logic [1:0] tested_o,  // this clock: secondaries
+    output logic [AT-1:0] soon_o,  // at_o of the next clock
+    output logic valid_o,
+    output logic [AT-1:0] at_o,
+    output logic [LANES-1:0] f_o,  // of those that are there
+    output logic [LANES-1:0] there_o,
+    output logic [LANES-1:0][31:0] t_o,  // of solids the signed gap
+    output logic [2:0][LANES-1:0][31:0] cp_o,
+    output logic [LANES-1:0][31:0] index_o
+);
+  /*verilator inline_module*/
+  localparam int SOLIDS = PAIRS & config_pkg::BOUND_PAIRS;
+  logic unused_primary;  // a sphere has few words
+  assign unused_primary = &{1'b0, primary_i};
+  logic taken_q, two_q, two;
+  logic [AT-1:0] at_q;
+  logic [LANES-1:0][31:0] index_q, f, t;
+  always_ff @(posedge clk_i) begin
+    taken_q <= valid_i && !rst_i;
+    {at_q, two_q, index_q} <= {at_i, two_i, index_i};
+  end
+  assign tested_o = !taken_q ? 2'd0 : two_q ? 2'd2 : 2'd1;
+
+  // ---- Pipes. What each computes with has a clock of its own: where nothing comes, nothing is computed ----
+  logic [pairs_pkg::PAIRS-1:0][LANES-1:0][31:0] f_of, t_of;
+  logic [pairs_pkg::PAIRS-1:0][2:0][LANES-1:0][31:0] cp_of;
+  logic [pairs_pkg::PAIRS-1:0][15:0] latency_of;
+  for (genvar p = 0; p < pairs_pkg::PAIRS; p++) begin : pair
+    if (pairs_pkg::has(PAIRS, p)) begin : g_there
+      localparam int P_WORDS = pairs_pkg::shape_words(hierarchy_pkg::walked_shape(p));
+      localparam bit SOLID = hierarchy_pkg::solid(p);
+      logic clk, mine;
+      logic [P_WORDS-1:0][31:0] primary_q;
+      logic [LANES-1:0][8:0][31:0] triangles_q;
+      logic [P_WORDS-1:0][LANES-1:0][31:0] primary;
+      logic [8:0][LANES-1:0][31:0] triangles;
+      logic [LANES-1:0][31:0] t_pipe;
+      logic [2:0][LANES-1:0][31:0] unused_n;
+      assign mine = valid_i && (SOLIDS == 0 || pair_i == 4'(p));
+      clock_gate gate (.clk_i, .enable_i(mine), .clk_o(clk));
+      always_ff @(posedge clk) begin
+        primary_q <= primary_i[P_WORDS-1:0];
+        triangles_q <= triangles_i;
+      end
+      for (genvar w = 0; w < P_WORDS; w++) begin : primary_word
+        assign primary[w] = {LANES{primary_q[w]}};
+      end
+      for (genvar w = 0; w < 9; w++) begin : word
+        for (genvar l = 0; l < LANES; l++) begin : lane assign triangles[w][l] = triangles_q[l][w]; end
+      end
+      if (SOLID) begin : g_solid
+        localparam logic [31:0] SIGN = 32'h8000_0000;
+        bounded_pipe #(`DF_SAME, .PAIR(p), .BOUND(1)) pipe (
+            .clk_i, .enter_i(taken_q), .a_i(triangles), .b_i(primary), .f_o(f_of[p]), .t_o(t_pipe), .cp_o(cp_of[p]),
+            .n_o(unused_n), .latency_o(latency_of[p]));
+        assign t_of[p] = t_pipe | (f_of[p] & {LANES{SIGN}});
+      end else begin : g_ray
+        pair_pipe #(`DF_SAME, .PAIR(p), .ALGORITHM(ALGORITHM), .BOX(1)) pipe (
+            .clk_i, .enter_i(taken_q), .a_i(primary), .b_i(triangles), .f_o(f_of[p]), .t_o(t_pipe), .cp_o(cp_of[p]),
+            .n_o(unused_n), .latency_o(latency_of[p]));
+        assign t_of[p] = t_pipe;
+      end
+    end else begin : g_absent
+      assign {f_of[p], t_of[p], cp_of[p], latency_of[p]} = '0;
+    end
+  end
+
+  if (SOLIDS == 0) begin : g_rays
+    // When the pipe has o + t d: for Badouel's t it takes an addition more, for the watertight one the shear in front.
+    localparam int RAY = int'(pairs_pkg::PAIR_RAY_TRIANGLE);
+    localparam int T_POINT = 5 * LAT_ADD + 3 * LAT_MUL + LAT_DIV +
+        ((ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) ? LAT_ADD :
+         (ALGORITHM == int'(pairs_pkg::ALGORITHM_WATERTIGHT)) ?
+         `DF_MAX2(2 * LAT_CMP + LAT_DIV + LAT_MUL, LAT_ADD) + 2 * LAT_MUL : 0);
+    // The rule comes last, but for Badouel's inside test, which needs that point, too.
+    localparam int T_IN_BOX = `RAY_T_IN_BOX(T_POINT - LAT_ADD, T_POINT);
+    localparam int T_INSIDE = `DF_MAX2(2 * LAT_ADD + LAT_MUL + 2 * LAT_CMP, T_POINT) + 3 * LAT_ADD + LAT_MUL + LAT_CMP;
+    // The pipe's latency, which it says itself: asserted below.
+    localparam int T_PAIR =
+        ((ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) ? `DF_MAX2(T_IN_BOX, T_INSIDE) : T_IN_BOX) + 1;
+    align #(.W(5 * LANES * 32), .FROM(ARITH == "rtl" ? T_PAIR : 0), .TO(T_PAIR), .MEMORY(5)) align_pair (
+        .clk_i, .d_i({f_of[RAY], t_of[RAY], cp_of[RAY]}), .q_o({f, t, cp_o}));
+    align #(.W(AT), .TO(T_PAIR - 1)) align_soon (.clk_i, .d_i(at_q), .q_o(soon_o));
+    align #(.W(AT), .TO(1)) align_at (.clk_i, .d_i(soon_o), .q_o(at_o));
+    align #(.W(1 + LANES * 32), .TO(T_PAIR), .MEMORY(5)) align_index (
+        .clk_i, .d_i({two_q, index_q}), .q_o({two, index_o}));
+    align_valid #(.TO(T_PAIR)) align_valid (.clk_i, .rst_i, .valid_i(taken_q), .valid_o(valid_o));
+    logic unused_pair;
+    assign unused_pair = &{1'b0, pair_i};
+`ifndef SYNTHESIS
+    always_ff @(posedge clk_i)
+      if (!rst_i)
+        assert (latency_of[RAY] == 16'(T_PAIR)) else
+          $error("leaf_pairs: the pipe takes %0d clocks, not %0d", latency_of[RAY], T_PAIR);
+`endif
+  end else begin : g_several
+    // The time of the pass's pipe is a number of its port. Gates answer then, the host at once.
+    localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_SQRT + LAT_CMP + 4) / 5;
+    localparam int DEPTH = 256 << $clog2(SLOWEST);
+    localparam int RESULT = 5 * LANES * 32;
+    logic [RESULT-1:0] result;
+    assign result = {f_of[pair_i], t_of[pair_i], cp_of[pair_i]};
+    logic [15:0] rest;  // until the clock before the answer
+    logic soon;
+    logic [AT+32*LANES:0] soon_with;
+    assign rest = latency_of[pair_i] - 1;
+    issue_history #(.W(1 + AT + LANES * 32), .DEPTH(DEPTH)) history (
+        .clk_i, .rst_i, .latency_i(rest), .valid_i(taken_q), .d_i({at_q, two_q, index_q}), .valid_o(soon),
+        .q_o(soon_with));
+    assign soon_o = soon_with[AT+32*LANES-:AT];
+    always_ff @(posedge clk_i) begin
+      valid_o <= soon && !rst_i;
+      {at_o, two, index_o} <= soon_with;
+    end
+    if (ARITH == "rtl") begin : g_late
+      assign {f, t, cp_o} = result;
+    end else begin : g_early
+      logic [RESULT-1:0] soon_result;
+      logic unused_valid;
+      issue_history #(.W(RESULT), .DEPTH(DEPTH)) results (
+          .clk_i, .rst_i, .latency_i(rest), .valid_i(taken_q), .d_i(result), .valid_o(unused_valid),
+          .q_o(soon_result));
+      always_ff @(posedge clk_i) {f, t, cp_o} <= soon_result;
+    end
+  end
+  assign t_o = t;
+  for (genvar l = 0; l < LANES; l++) begin : there
+    assign there_o[l] = l == 0 || two;
+    assign f_o[l] = f[l][0] && there_o[l];
+  end
+endmodule

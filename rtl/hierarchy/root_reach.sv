@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far the box of a hierarchy's root reaches from here: the largest distance along an axis.
+// 6 sub, 5 max.
+// Latency: RAY_T_REACH clocks (hierarchy.svh). Throughput: LANES points a clock. Stall: none, runs free.
+`include "hierarchy.svh"
+module root_reach #(
+    `DF_PARAMETERS
+) (
+    input logic clk_i,
+    input logic [2:0][LANES-1:0][CW-1:0] o_i,
+    input logic [5:0][LANES-1:0][CW-1:0] root_i,  // lower corner x y z, upper
+    output logic [LANES-1:0][CW-1:0] reach_o
+);
+  /*verilator inline_module*/
+  `DF_VIN(o, o_i, 0)
+  `DF_VIN(lower, root_i[2:0], 0)
+  `DF_VIN(upper, root_i[5:3], 0)
+  `DF_VSUB(to_lower, lower, o)
+  `DF_VSUB(to_upper, upper, o)
+  `DF_VABS(from_lower, to_lower)
+  `DF_VABS(from_upper, to_upper)
+  `DF_VMAX(far, from_lower, from_upper)
+  `DF_PICK(far_x, far, 0)
+  `DF_PICK(far_y, far, 1)
+  `DF_PICK(far_z, far, 2)
+  `DF_MAX(far_xy, far_x, far_y)
+  `DF_MAX(reach, far_xy, far_z)
+  if (T_reach != `RAY_T_REACH) $error("root_reach: RAY_T_REACH is another");
+  assign reach_o = reach;
+endmodule

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pipe of a pair (scaled_pipe.sv), behind which with BOUND the signed gap of a triangle and a solid is at least
+// that of their boxes (gap_bound.sv); without it the pipe alone. The bound is of the pair as it comes: it needs no
+// scaling.
+// 1 compare, 1 min/max, and the bound's.
+// Latency: that of the pipe, and with BOUND LAT_CMP, latency_o; 0 with ARITH = "host". Throughput: LANES pairs in
+// FACET_II clocks. Stall: none, runs free.
+`include "gap_bound.svh"
+module bounded_pipe #(
+    `DF_PARAMETERS,
+    parameter int PAIR = 0,
+    parameter int ALGORITHM = 0,  // these are those of pair_pipe.sv
+    parameter int BOX = 0,
+    parameter int HALF_SPACE = 0,
+    parameter int FACET_II = 1,
+    parameter int B_LANES = LANES,
+    parameter int BOUND = 0,  // 1: of config_pkg::BOUND_PAIRS
+    localparam int A_WORDS = pairs_pkg::shape_words(pairs_pkg::primary_shape(PAIR)),
+    localparam int B_WORDS = pairs_pkg::shape_words(pairs_pkg::secondary_shape(PAIR))
+) (
+    input logic clk_i,
+    input logic enter_i,
+    input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
+    input logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b_i,
+    `GAP_OUTPUTS
+);
+  /*verilator inline_module*/
+  localparam int LW = LANES * CW;
+  logic [LANES-1:0][CW-1:0] f, t;
+  logic [2:0][LANES-1:0][CW-1:0] cp, n;
+  logic [15:0] latency;
+  scaled_pipe #(`DF_SAME, .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(BOX), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II),
+      .B_LANES(B_LANES)) pipe (
+      .clk_i, .enter_i, .a_i, .b_i, .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
+  if (BOUND != 0) begin : g_bound
+    if (!pairs_pkg::has(config_pkg::BOUND_PAIRS, PAIR)) $error("bounded_pipe: BOUND is of triangles and solids");
+    localparam int SHAPE = pairs_pkg::secondary_shape(PAIR);
+    localparam logic [CW-1:0] SIGN = CW'(formats_pkg::sign_bit(EXP, MAN));
+    logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_own;  // a solid a lane
+    for (genvar k = 0; k < B_WORDS; k++) begin : word
+      if (B_LANES == LANES) begin : g_own
+        assign b_own[k] = b_i[k];
+      end else begin : g_broadcast
+        assign b_own[k] = {LANES{b_i[k][0]}};
+      end
+    end
+    logic [LANES-1:0][CW-1:0] bound_now, bound_late;
+    gap_bound #(`DF_SAME, .SHAPE(SHAPE)) of_boxes (.clk_i, .a_i, .b_i(b_own), .bound_o(bound_now));
+    if (ARITH == "rtl") begin : g_late  // the pipe's own time is a number of its port, not a parameter
+      localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_SQRT + LAT_CMP + 4) / 5;
+      logic unused_valid;
+      issue_history #(.W(LW), .DEPTH(256 << $clog2(SLOWEST))) history (
+          .clk_i, .rst_i(1'b0), .latency_i(latency - 16'(`GAP_T_BOUND(SHAPE))), .valid_i(1'b1), .d_i(bound_now),
+          .valid_o(unused_valid), .q_o(bound_late));
+    end else begin : g_now
+      assign bound_late = bound_now;
+    end
+    // Stage times count from the pipe's answer on.
+    `DF_IN(bound, bound_late, 0)
+    `DF_IN(s, t | (f & {LANES{SIGN}}), 0)
+    `DF_IN(f_pipe, f, 0)
+    `DF_VIN(cp_pipe, cp, 0)
+    `DF_VIN(n_pipe, n, 0)
+    `DF_CONST(zero, 0)
+    `DF_MAX(gap, s, bound)
+    `DF_LE(touches, bound, zero)
+    `DF_AND(meets, f_pipe, touches)
+    `DF_ABS(size, gap)
+    `DF_VAT(cp_late, cp_pipe, LAT_CMP)
+    `DF_VAT(n_late, n_pipe, LAT_CMP)
+    assign {n_o, cp_o, t_o, f_o} = {n_late, cp_late, size, meets};
+    assign latency_o = latency + 16'(LAT_CMP);
+  end else begin : g_pipe_alone
+    assign {n_o, cp_o, t_o, f_o} = {n, cp, t, f};
+    assign latency_o = latency;
+  end
+endmodule

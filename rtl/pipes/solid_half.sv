@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Half the size of a solid's own box, an axis each (reference/pipes/gap_bound.hpp): of a sphere r, of an OBB |R| h.
+// Of an OBB 9 mul, 6 add.
+// Latency: SOLID_T_HALF clocks (gap_bound.svh); 0 with ARITH = "host". Throughput: LANES solids a clock. Stall: none.
+`include "gap_bound.svh"
+module solid_half #(
+    `DF_PARAMETERS,
+    parameter int SHAPE = pairs_pkg::SHAPE_SPHERE,  // sphere or OBB
+    localparam int WORDS = pairs_pkg::shape_words(SHAPE)
+) (
+    input logic clk_i,
+    input logic [WORDS-1:0][LANES-1:0][CW-1:0] a_i,
+    output logic [2:0][LANES-1:0][CW-1:0] half_o
+);
+  /*verilator inline_module*/
+  if (SHAPE == pairs_pkg::SHAPE_OBB) begin : g_obb
+    `DF_VIN(extents, a_i[5:3], 0)
+    `DF_VIN(row_0, a_i[8:6], 0)
+    `DF_VIN(row_1, a_i[11:9], 0)
+    `DF_VIN(row_2, a_i[14:12], 0)
+    `DF_BOX_RADIUS(radius_0, row_0, extents)
+    `DF_BOX_RADIUS(radius_1, row_1, extents)
+    `DF_BOX_RADIUS(radius_2, row_2, extents)
+    if (T_radius_0 != `SOLID_T_HALF(SHAPE)) $error("solid_half: SOLID_T_HALF is another");
+    assign half_o = {radius_2, radius_1, radius_0};
+    logic unused_c;
+    assign unused_c = &{1'b0, a_i[2:0]};
+  end else if (SHAPE == pairs_pkg::SHAPE_SPHERE) begin : g_sphere
+    assign half_o = {3{a_i[3]}};
+    logic unused_c;
+    assign unused_c = &{1'b0, a_i[2:0], clk_i};
+  end else begin : g_illegal
+    $error("solid_half: of spheres and OBBs");
+  end
+endmodule

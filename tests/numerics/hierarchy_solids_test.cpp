@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// Spheres and OBBs through a hierarchy against all triangles one by one, and what the box rule
+// changes of their gaps.
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "cde/reference/pass.hpp"
+#include "cde/reference/pipes/convex/triangle_box.hpp"
+#include "cde/reference/pipes/convex/triangle_sphere.hpp"
+#include "cde/reference/pipes/gap_bound.hpp"
+#include "cde/reference/traversal.hpp"
+#include "cde/support/error.hpp"
+#include "hard_solids.hpp"
+
+namespace cde::testing {
+namespace {
+
+using namespace hard;
+
+template <class Solid>
+Solid draw(Solids& solids, unsigned kind) {
+  if constexpr (std::is_same_v<Solid, Sphere>)
+    return solids.sphere(kind);
+  else
+    return solids.obb(kind);
+}
+template <class Solid>
+constexpr Pair kPairOf = std::is_same_v<Solid, Sphere> ? Pair::kTriangleSphere : Pair::kTriangleObb;
+constexpr Mode kModes[] = {Mode::kNearest, Mode::kAny, Mode::kHits};
+
+bool full() {
+  return std::getenv("CDE_FULL") != nullptr;
+}
+
+/// What all triangles give, by ascending primary, then index.
+template <class Solid>
+std::vector<Record> swept(const Scene& scene, const std::vector<Solid>& solids, Mode mode) {
+  std::vector<Record> all;
+  const Shapes secondaries = scene;
+  for (std::size_t first = 0; first < solids.size(); first += 256) {
+    const std::size_t n = std::min<std::size_t>(256, solids.size() - first);
+    std::vector<std::uint32_t> numbers;
+    for (std::size_t i = 0; i < n; ++i) numbers.push_back(static_cast<std::uint32_t>(first + i));
+    reference::Pass pass({.pair = kPairOf<Solid>, .box = true, .swap = true, .mode = mode},
+                         std::vector<Solid>(solids.begin() + static_cast<long>(first),
+                                            solids.begin() + static_cast<long>(first + n)),
+                         numbers, secondaries);
+    std::vector<Record> some;
+    for (auto next = pass.next(); !next.empty(); next = pass.next()) {
+      some.insert(some.end(), next.begin(), next.end());
+      if (mode != Mode::kHits) break;  // one a primary, of all secondaries
+    }
+    std::stable_sort(some.begin(), some.end(), [](const Record& a, const Record& b) {
+      return a.primary != b.primary ? a.primary < b.primary : a.index < b.index;
+    });
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  return all;
+}
+
+template <class Solid>
+void expect_all_records(const Scene& scene, std::size_t count) {
+  Solids draws(scene, 5);
+  std::vector<Solid> solids;
+  for (std::size_t i = 0; i < count; ++i)
+    solids.push_back(draw<Solid>(draws, static_cast<unsigned>(i % Solids::kKinds)));
+  std::size_t touching = 0;
+  for (const Mode mode : kModes) {
+    const std::vector<Record> all = swept(scene, solids, mode);
+    for (const unsigned leaf : {1u, 2u}) {
+      const Hierarchy tree = Hierarchy::build(scene, {.leaf = leaf});
+      reference::Traversal walk(scene, tree);
+      std::vector<Record> own;
+      for (std::uint32_t i = 0; i < count; ++i) {
+        const std::vector<Record> some = walk.trace(solids[i], i, mode);
+        own.insert(own.end(), some.begin(), some.end());
+        if (mode == Mode::kAny) {
+          EXPECT_EQ(walk.occluded(solids[i]), some[0].f);
+        }
+      }
+      ASSERT_EQ(own.size(), all.size()) << name_of(mode);
+      std::size_t different = 0;
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        touching += own[i].f;
+        if (same_bits(own[i], all[i])) continue;
+        if (different++ < 3)
+          ADD_FAILURE() << name_of(mode) << ", " << text(solids[all[i].primary]) << " of kind "
+                        << all[i].primary % Solids::kKinds << ": T " << own[i].t << " of "
+                        << own[i].index << ", should be " << all[i].t << " of " << all[i].index;
+      }
+      EXPECT_EQ(different, 0u);
+    }
+  }
+  EXPECT_GT(touching, count);
+}
+
+class EverySolid : public ::testing::TestWithParam<Case> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, EverySolid, ::testing::ValuesIn(kScenes),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+/// CDE_FULL=1: 20,000 of each in all.
+TEST_P(EverySolid, SphereIsThatOfAllTriangles) {
+  expect_all_records<Sphere>(GetParam().make(), full() ? 2500 : 300);
+}
+TEST_P(EverySolid, ObbIsThatOfAllTriangles) {
+  expect_all_records<Obb>(GetParam().make(), full() ? 2500 : 60);
+}
+
+/// How many gaps the rule changes, and by how much of its margin at most.
+template <class Solid, class Pipe>
+void expect_rule_is_quiet(const Scene& scene, Pipe pipe, unsigned kinds, std::size_t count) {
+  Solids draws(scene, 6);
+  std::size_t pairs = 0, changed = 0, verdicts = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Solid solid = draw<Solid>(draws, static_cast<unsigned>(i % kinds));
+    if (defect(solid)) continue;  // a rotation that is not one to 2^-20
+    for (const Triangle& t : scene) {
+      const reference::Outcome<float> plain = pipe(t, solid);
+      const reference::Outcome<float> boxed = reference::bounded<float>(plain, t, solid);
+      ++pairs;
+      changed += plain.t != boxed.t;
+      verdicts += plain.f != boxed.f;
+      const float gap = boxed.f ? -boxed.t : boxed.t;
+      ASSERT_GE(gap, reference::gap_bound<float>(t, solid));
+      ASSERT_GE(gap, plain.f ? -plain.t : plain.t);
+    }
+  }
+  fmt::print("{} pairs: the rule changes {} gaps and {} F\n", pairs, changed, verdicts);
+  EXPECT_EQ(changed, 0u);
+  EXPECT_EQ(verdicts, 0u);
+}
+
+TEST_P(EverySolid, TheRuleChangesNoGap) {
+  const Scene scene = GetParam().make();
+  const std::size_t count = std::max<std::size_t>(10, (full() ? 2'000'000 : 40'000) / scene.size());
+  expect_rule_is_quiet<Sphere>(scene, reference::triangle_sphere<float>, Solids::kKinds, count);
+  expect_rule_is_quiet<Obb>(scene, reference::triangle_obb<float>, Solids::kKinds, count / 8 + 10);
+}
+
+/// A pipe that answers too little is held to the boxes' gap, and so is F.
+TEST(GapBound, HoldsWhatIsTooLittle) {
+  const Triangle t{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const Sphere sphere{{0.25f, 0.25f, 3}, 1};
+  EXPECT_EQ(reference::gap_bound<float>(t, sphere), 2 - 4 * 0x1p-17f);
+  reference::Outcome<float> wrong;
+  wrong.f = true, wrong.t = 0.5f;
+  const auto held = reference::bounded<float>(wrong, t, sphere);
+  EXPECT_FALSE(held.f);
+  EXPECT_EQ(held.t, 2 - 4 * 0x1p-17f);
+  wrong.bad = true;
+  EXPECT_TRUE(reference::bounded<float>(wrong, t, sphere).f);
+}
+
+TEST(HierarchyOfSolids, HasNoFarthest) {
+  const Scene scene = flat();
+  const Hierarchy tree = Hierarchy::build(scene);
+  reference::Traversal walk(scene, tree);
+  EXPECT_THROW((void)walk.trace(Sphere{{0, 0, 0}, 1}, 0, Mode::kFarthest), Error);
+  EXPECT_THROW((void)walk.trace(Sphere{{0, 0, 0}, 1}, 0, Mode::kAll), Error);
+  const auto bad = walk.trace(Sphere{{0, 0, 0}, -1}, 0, Mode::kNearest);
+  ASSERT_EQ(bad.size(), 1u);
+  EXPECT_TRUE(bad[0].bad);
+}
+
+}  // namespace
+}  // namespace cde::testing
