@@ -2,7 +2,7 @@
 // The pipe of a pair (scaled_pipe.sv), behind which with BOUND the signed gap of a triangle and a solid is at least
 // that of their boxes (gap_bound.sv); without it the pipe alone. The bound is of the pair as it comes: it needs no
 // scaling.
-// 1 compare, 1 min/max, and the bound's.
+// With BOUND its operators, 1 compare and 1 max.
 // Latency: that of the pipe, and with BOUND LAT_CMP, latency_o; 0 with ARITH = "host". Throughput: LANES pairs in
 // FACET_II clocks. Stall: none, runs free.
 `include "gap_bound.svh"
@@ -35,7 +35,6 @@ module bounded_pipe #(
   if (BOUND != 0) begin : g_bound
     if (!pairs_pkg::has(config_pkg::BOUND_PAIRS, PAIR)) $error("bounded_pipe: BOUND is of triangles and solids");
     localparam int SHAPE = pairs_pkg::secondary_shape(PAIR);
-    localparam logic [CW-1:0] SIGN = CW'(formats_pkg::sign_bit(EXP, MAN));
     logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_own;  // a solid a lane
     for (genvar k = 0; k < B_WORDS; k++) begin : word
       if (B_LANES == LANES) begin : g_own
@@ -55,20 +54,8 @@ module bounded_pipe #(
     end else begin : g_now
       assign bound_late = bound_now;
     end
-    // Stage times count from the pipe's answer on.
-    `DF_IN(bound, bound_late, 0)
-    `DF_IN(s, t | (f & {LANES{SIGN}}), 0)
-    `DF_IN(f_pipe, f, 0)
-    `DF_VIN(cp_pipe, cp, 0)
-    `DF_VIN(n_pipe, n, 0)
-    `DF_CONST(zero, 0)
-    `DF_MAX(gap, s, bound)
-    `DF_LE(touches, bound, zero)
-    `DF_AND(meets, f_pipe, touches)
-    `DF_ABS(size, gap)
-    `DF_VAT(cp_late, cp_pipe, LAT_CMP)
-    `DF_VAT(n_late, n_pipe, LAT_CMP)
-    assign {n_o, cp_o, t_o, f_o} = {n_late, cp_late, size, meets};
+    gap_at_least #(`DF_SAME) at_least (
+        .clk_i, .bound_i(bound_late), .f_i(f), .t_i(t), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
     assign latency_o = latency + 16'(LAT_CMP);
   end else begin : g_pipe_alone
     assign {n_o, cp_o, t_o, f_o} = {n, cp, t, f};

@@ -52,6 +52,17 @@ inline BoardConfig slow_config() {
           .sram_records = 64,
           .ecc = true};
 }
+/// Rays, spheres and OBBs, and objects that move.
+inline BoardConfig solids_config() {
+  return {.lanes = 8,
+          .pairs = {Pair::kRayTriangle, Pair::kTriangleObb, Pair::kTriangleSphere},
+          .box = true,
+          .swap = true,
+          .node_units = 2,
+          .nodes = 1024,
+          .transform = Transformer::kSecondaries,
+          .sram_records = 64};
+}
 inline BoardConfig on_pci_config() {
   BoardConfig c = fast_config();
   c.sram_records = 64;
@@ -87,9 +98,9 @@ inline Record f_alone(const Record& any) {
 }
 
 /// What the reference's way through the hierarchy gives, in the order of the card.
-inline std::vector<Record> expected(const Scene& scene, const Hierarchy& tree,
-                                    const std::vector<Ray>& rays, Mode mode,
-                                    Algorithm algorithm = Algorithm::kMoller) {
+template <class P>
+std::vector<Record> expected(const Scene& scene, const Hierarchy& tree, const std::vector<P>& rays,
+                             Mode mode, Algorithm algorithm = Algorithm::kMoller) {
   reference::Traversal walk(scene, tree, algorithm);
   std::vector<Record> all;
   for (std::uint32_t i = 0; i < rays.size(); ++i) {

@@ -63,16 +63,20 @@ template <typename S, class Solid>
   return max_num(max_num(gap[0], gap[1]), gap[2]) - margin;
 }
 
-/// What a pipe answers of a triangle and a solid, by the rule: 1 cmp, 1 min/max, and gap_bound().
-template <typename S, class Solid>
-[[nodiscard]] Outcome<S> bounded(const Outcome<S>& pipe, const BasicTriangle<S>& triangle,
-                                 const Solid& solid) {
-  if (pipe.bad) return pipe;
-  const S bound = gap_bound<S>(triangle, solid);
+/// A pipe's answer with a gap that is the bound where it is less: 1 cmp, 1 max.
+template <typename S>
+[[nodiscard]] Outcome<S> at_least(const Outcome<S>& pipe, S bound) {
   Outcome<S> o = pipe;
   o.f = static_cast<bool>(Mask<S>(pipe.f) && bound <= S(0));
   o.t = magnitude(max_num(pipe.f ? -pipe.t : pipe.t, bound));
   return o;
+}
+
+/// What a pipe answers of a triangle and a solid, by the rule.
+template <typename S, class Solid>
+[[nodiscard]] Outcome<S> bounded(const Outcome<S>& pipe, const BasicTriangle<S>& triangle,
+                                 const Solid& solid) {
+  return pipe.bad ? pipe : at_least<S>(pipe, gap_bound<S>(triangle, solid));
 }
 
 }  // namespace cde::reference

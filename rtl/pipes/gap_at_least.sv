@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// A signed gap, as a pipe answers it, is made the bound where it is less (reference/pipes/gap_bound.hpp).
+// 1 compare, 1 max.
+// Latency: LAT_CMP clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
+`include "gap_bound.svh"
+module gap_at_least #(
+    `DF_PARAMETERS
+) (
+    input logic clk_i,
+    input logic [LANES-1:0][CW-1:0] bound_i,
+    input logic [LANES-1:0][CW-1:0] f_i,  // lane mask
+    input logic [LANES-1:0][CW-1:0] t_i,  // the gap's size
+    input logic [2:0][LANES-1:0][CW-1:0] cp_i,
+    input logic [2:0][LANES-1:0][CW-1:0] n_i,
+    output logic [LANES-1:0][CW-1:0] f_o,
+    output logic [LANES-1:0][CW-1:0] t_o,
+    output logic [2:0][LANES-1:0][CW-1:0] cp_o,
+    output logic [2:0][LANES-1:0][CW-1:0] n_o
+);
+  /*verilator inline_module*/
+  localparam logic [CW-1:0] SIGN = CW'(formats_pkg::sign_bit(EXP, MAN));
+  `DF_IN(bound, bound_i, 0)
+  `DF_IN(s, t_i | (f_i & {LANES{SIGN}}), 0)
+  `DF_IN(met, f_i, 0)
+  `DF_VIN(cp, cp_i, 0)
+  `DF_VIN(n, n_i, 0)
+  `DF_CONST(zero, 0)
+  `DF_MAX(gap, s, bound)
+  `DF_LE(touches, bound, zero)
+  `DF_AND(meets, met, touches)
+  `DF_ABS(size, gap)
+  `DF_VAT(cp_late, cp, LAT_CMP)
+  `DF_VAT(n_late, n, LAT_CMP)
+  assign {n_o, cp_o, t_o, f_o} = {n_late, cp_late, size, meets};
+endmodule

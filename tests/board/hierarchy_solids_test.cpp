@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+// Spheres and OBBs through a card's hierarchy: records are those of a sweep of the same card, and of
+// the reference.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <limits>
+
+#include "cde/reference/pipes/transform.hpp"
+#include "expect_error.hpp"
+#include "hard_solids.hpp"
+#include "hierarchy_cards.hpp"
+
+namespace cde::testing {
+namespace {
+
+using namespace through;
+using hard::kScenes;
+
+constexpr Mode kSolidModes[] = {Mode::kNearest, Mode::kAny, Mode::kHits, Mode::kOccluded};
+
+template <class Solid>
+constexpr Pair kPairOf = std::is_same_v<Solid, Sphere> ? Pair::kTriangleSphere : Pair::kTriangleObb;
+
+/// Hard ones, of which some are bad.
+template <class Solid>
+std::vector<Solid> hard_solids(const Scene& scene, std::size_t count) {
+  hard::Solids draw(scene, 7);
+  std::vector<Solid> solids;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto kind = static_cast<unsigned>(i % hard::Solids::kKinds);
+    if constexpr (std::is_same_v<Solid, Sphere>) {
+      solids.push_back(draw.sphere(kind));
+      if (i % 61 == 7) solids.back().r = -1;
+    } else {
+      solids.push_back(draw.obb(kind));
+      if (i % 61 == 7) solids.back().rotation(1, 2) += 0.25f;
+    }
+    if (i % 127 == 9) solids.back().c.x() = std::numeric_limits<float>::quiet_NaN();
+  }
+  return solids;
+}
+
+template <class Solid>
+std::vector<Record> cast(Board& board, const std::vector<Solid>& solids, const Query& query,
+                         Counters* counters = nullptr) {
+  std::vector<Record> records;
+  const Counters c =
+      board.cast_shapes<Solid>(solids, query, [&](std::span<const Record> some) {
+        records.insert(records.end(), some.begin(), some.end());
+      });
+  if (counters != nullptr) *counters = c;
+  return records;
+}
+
+Query query_of(Pair pair, Mode mode, Through through) {
+  Query query{.mode = mode, .pair = pair};
+  query.swap = true;
+  query.through = through;
+  return query;
+}
+
+/// All scenes and modes, against the reference's way and the card's own sweep.
+template <class Solid>
+void expect_all(Board& board, std::size_t count) {
+  std::size_t found = 0;
+  for (const auto& one : kScenes) {
+    SCOPED_TRACE(one.name);
+    const Scene scene = one.make();
+    if (scene.size() > 2000) continue;
+    const Hierarchy tree = Hierarchy::build(scene, {.leaf = scene.size() % 2 + 1u});
+    board.upload(scene, tree);
+    const std::vector<Solid> solids = hard_solids<Solid>(scene, count);
+    for (const Mode mode : kSolidModes) {
+      SCOPED_TRACE(name_of(mode));
+      Counters c;
+      const std::vector<Record> records =
+          cast(board, solids, query_of(kPairOf<Solid>, mode, Through::kHierarchy), &c);
+      found += expect_same(records, expected(scene, tree, solids, mode));
+      EXPECT_EQ(c.secondaries, 0u);
+      if (mode == Mode::kNearest) {
+        reference::Traversal walk(scene, tree);
+        for (std::uint32_t i = 0; i < solids.size(); ++i) (void)walk.trace(solids[i], i, mode);
+        EXPECT_EQ(c.nodes, walk.counts().nodes);
+        EXPECT_EQ(c.pairs, walk.counts().triangles);
+      }
+      expect_same(records, cast(board, solids, query_of(kPairOf<Solid>, mode, Through::kSweep)));
+    }
+  }
+  EXPECT_GT(found, 2 * count);
+}
+
+const Card kSolids{"solids", solids_config};
+const Card kSolidsDdr{"solids_ddr", solids_config, {.memory = Memory::kCycle}};
+
+class HierarchySolids : public ::testing::TestWithParam<Card> {
+ protected:
+  /// So many, or more where all is tested.
+  static std::size_t some(std::size_t quick, std::size_t thorough) {
+    return std::getenv("CDE_FULL") != nullptr ? thorough : quick;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Cards, HierarchySolids, ::testing::Values(kSolids, kSolidsDdr, kSlow, kLate),
+                         [](const auto& card) { return std::string(card.param.name); });
+
+/// CDE_FULL=1: 20,000 of each on the first card.
+TEST_P(HierarchySolids, RecordsAreThoseOfASweepAndOfTheReference) {
+  Board board = Board::open(GetParam().config(), GetParam().options);
+  const bool fast = GetParam().name == kSolids.name;
+  const bool late = GetParam().name == kLate.name;
+  expect_all<Sphere>(board, fast ? some(300, 2500) : late ? 10 : 60);
+  if (GetParam().config == solids_config) expect_all<Obb>(board, fast ? some(130, 2500) : 30);
+}
+
+/// One card, pass by pass: rays, and solids that take one place of the ring or two.
+TEST(HierarchyOfSolids, ShapesTakeTurns) {
+  Board board = Board::open(solids_config());
+  const Scene scene = kScenes[6].make();
+  const Hierarchy tree = Hierarchy::build(scene);
+  board.upload(scene, tree);
+  const std::vector<Ray> rays = hard_rays(scene, 5000);
+  const std::vector<Sphere> spheres = hard_solids<Sphere>(scene, 5000);
+  const std::vector<Obb> boxes = hard_solids<Obb>(scene, 2500);
+  for (const Mode mode : {Mode::kNearest, Mode::kOccluded}) {
+    const Query query{.mode = mode, .pair = Pair::kRayTriangle, .through = Through::kHierarchy};
+    expect_same(cast(board, boxes, query_of(Pair::kTriangleObb, mode, Through::kHierarchy)),
+                expected(scene, tree, boxes, mode));
+    expect_same(board.cast(rays, query), expected(scene, tree, rays, mode));
+    expect_same(cast(board, spheres, query_of(Pair::kTriangleSphere, mode, Through::kHierarchy)),
+                expected(scene, tree, spheres, mode));
+  }
+  Stencil stencil;
+  for (std::size_t i = 0; i < stencil.size(); i += 3) stencil[i] = true;
+  board.load_shapes<Obb>(std::span(boxes).first(100));
+  for (const Mode mode : kSolidModes) {
+    Query query = query_of(Pair::kTriangleObb, mode, Through::kSweep);
+    query.stencil = stencil;
+    const std::vector<Record> swept = board.run(query);
+    query.through = Through::kHierarchy;
+    expect_same(board.run(query), swept);
+  }
+}
+
+TEST(HierarchyOfSolids, ObjectsMove) {
+  Board board = Board::open(solids_config());
+  const Scene scene = kScenes[0].make();
+  std::vector<Object> objects = {{.first = 0, .count = 640}, {.first = 640, .count = 640}};
+  board.upload(scene);
+  board.set_objects(objects);
+  board.upload(hierarchy_of(scene, objects));
+  hard::Draw draw(3);
+  for (int frame = 0; frame < 3; ++frame) {
+    const std::vector<Triangle> moved = reference::swept(scene, objects).shapes;
+    const std::vector<Sphere> spheres = hard_solids<Sphere>(moved, 300);
+    const std::vector<Obb> boxes = hard_solids<Obb>(moved, 60);
+    const Hierarchy tree = Hierarchy::build(moved);
+    for (const Mode mode : kSolidModes) {
+      SCOPED_TRACE(name_of(mode));
+      expect_same(cast(board, spheres, query_of(Pair::kTriangleSphere, mode, Through::kHierarchy)),
+                  expected(moved, tree, spheres, mode));
+      expect_same(cast(board, boxes, query_of(Pair::kTriangleObb, mode, Through::kHierarchy)),
+                  cast(board, boxes, query_of(Pair::kTriangleObb, mode, Through::kSweep)));
+    }
+    Transform& pose = objects[1].transform;
+    pose.rotation = Eigen::Quaternionf(draw(-1, 1), draw(-1, 1), draw(-1, 1), draw(-1, 1))
+                        .normalized()
+                        .toRotationMatrix();
+    pose.translation = draw.point() * 3 + Eigen::Vector3f::Constant(frame == 1 ? 1e5f : 0);
+    board.move_object(1, pose);
+    board.refit();
+  }
+}
+
+TEST(HierarchyOfSolids, SaysWhyThereIsNoWayThrough) {
+  Board board = Board::open(solids_config());
+  const Scene scene = kScenes[2].make();
+  board.upload(scene, Hierarchy::build(scene));
+  const auto why = [&](Query query) { return board.no_way_through(query).value_or(""); };
+  Query query = query_of(Pair::kTriangleSphere, Mode::kNearest, Through::kAuto);
+  EXPECT_EQ(why(query), "");
+  query.swap = false;
+  EXPECT_EQ(why(query), "it is of rays, and with swap of spheres and OBBs, that meet triangles");
+  query = {.pair = Pair::kRayTriangle};
+  query.swap = true;
+  EXPECT_EQ(why(query), "it is of rays, and with swap of spheres and OBBs, that meet triangles");
+  query = query_of(Pair::kTriangleObb, Mode::kFarthest, Through::kAuto);
+  EXPECT_NE(why(query).find("farthest"), std::string::npos);
+  query.mode = Mode::kAll;
+  EXPECT_NE(why(query).find("mode all"), std::string::npos);
+  query.mode = Mode::kNearest;
+  query.normals = true;
+  EXPECT_NE(why(query).find("normals"), std::string::npos);
+  const std::vector<Sphere> one = {{{0, 0, 0}, 1}};
+  query = query_of(Pair::kTriangleSphere, Mode::kFarthest, Through::kHierarchy);
+  expect_error(ErrorCode::kUsage, "farthest", [&] { (void)cast(board, one, query); });
+  query.through = Through::kAuto;  // swept
+  EXPECT_EQ(cast(board, one, query).size(), 1u);
+  expect_error(ErrorCode::kUsage, "sphere", [&] {
+    (void)cast(board, one, query_of(Pair::kTriangleObb, Mode::kNearest, Through::kAuto));
+  });
+}
+
+TEST(HierarchyOfSolids, ConfigurationsThatNoCardHas) {
+  BoardConfig config = solids_config();
+  config.pairs = {Pair::kTriangleSphere};
+  EXPECT_NO_THROW((void)config.parameters());
+  config.swap = false;
+  expect_error(ErrorCode::kUsage, "with swap", [&] { (void)config.parameters(); });
+  config = solids_config();
+  config.pairs = {Pair::kTriangleSphere};
+  config.verdicts = FpFormat{5, 10};
+  expect_error(ErrorCode::kUsage, "without verdicts", [&] { (void)config.parameters(); });
+  config = {.pairs = {Pair::kSphereSphere}, .box = true};
+  expect_error(ErrorCode::kUsage, "the box rule", [&] { (void)config.parameters(); });
+}
+
+}  // namespace
+}  // namespace cde::testing

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// The box rule of triangles and solids in hardware, part by part: pipes are so seldom below the
+// bound that pairs alone do not try it.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <random>
+
+#include "GapAtLeastGates.h"
+#include "GapAtLeastHost.h"
+#include "GapBoundObb.h"
+#include "GapBoundObbGates.h"
+#include "GapBoundSphere.h"
+#include "GapBoundSphereGates.h"
+#include "SolidFrontObb.h"
+#include "SolidFrontObbGates.h"
+#include "SolidFrontSphere.h"
+#include "cde/reference/pipes/ray_node.hpp"
+#include "clocked.hpp"
+#include "hard_solids.hpp"
+
+namespace cde::testing {
+namespace {
+
+using namespace hard;
+
+constexpr unsigned kClocks = 60;  // more than any of them takes
+std::uint32_t word(float x) {
+  return std::bit_cast<std::uint32_t>(x);
+}
+
+template <class Solid>
+Solid draw(Solids& solids, std::size_t i) {
+  const auto kind = static_cast<unsigned>(i % Solids::kKinds);
+  if constexpr (std::is_same_v<Solid, Sphere>)
+    return solids.sphere(kind);
+  else
+    return solids.obb(kind);
+}
+
+template <class Module, class Solid>
+void expect_bounds(std::size_t count) {
+  Clocked<Module> module;
+  for (const Case& c : kScenes) {
+    SCOPED_TRACE(c.name);
+    const Scene scene = c.make();
+    Solids draws(scene, 9);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Solid solid = draw<Solid>(draws, i);
+      const Triangle& t = scene[i * 31 % scene.size()];
+      const auto a = to_words(t);
+      const auto b = to_words(solid);
+      for (unsigned w = 0; w < a.size(); ++w) module->a_i[w] = word(a[w]);
+      for (unsigned w = 0; w < b.size(); ++w) module->b_i[w] = word(b[w]);
+      for (unsigned clock = 0; clock < kClocks; ++clock) module.clock();
+      ASSERT_EQ(module->bound_o, word(reference::gap_bound<float>(t, solid))) << text(solid);
+    }
+  }
+}
+
+TEST(GapBound, IsThatOfTheReference) {
+  expect_bounds<GapBoundSphere, Sphere>(200);
+  expect_bounds<GapBoundObb, Obb>(200);
+  expect_bounds<GapBoundSphereGates, Sphere>(50);
+  expect_bounds<GapBoundObbGates, Obb>(50);
+}
+
+template <class Module>
+void expect_at_least() {
+  Clocked<Module> module;
+  std::mt19937 bits(7);
+  constexpr std::uint32_t kSpecial[] = {0, 0x8000'0000, 1, 0x3f80'0000, 0xbf80'0000, 0x7f80'0000};
+  const auto any = [&] {
+    return std::bit_cast<float>(
+        bits() % 3 == 0 ? kSpecial[bits() % 6]
+                        : static_cast<std::uint32_t>(bits() & 0x8fff'ffffu) | 0x3000'0000u);
+  };
+  unsigned held = 0;
+  for (unsigned i = 0; i < 5000; ++i) {
+    reference::Outcome<float> pipe;
+    pipe.t = std::abs(any());
+    pipe.f = pipe.t == 0 || bits() % 2 == 0;
+    const float bound = any();
+    for (int k = 0; k < 3; ++k) pipe.cp[k] = any(), pipe.n[k] = any();
+    module->bound_i = word(bound);
+    module->f_i = pipe.f ? ~0u : 0;
+    module->t_i = word(pipe.t);
+    for (int k = 0; k < 3; ++k) module->cp_i[k] = word(pipe.cp[k]), module->n_i[k] = word(pipe.n[k]);
+    for (unsigned clock = 0; clock < kClocks; ++clock) module.clock();
+    const auto should = reference::at_least<float>(pipe, bound);
+    ASSERT_EQ(module->f_o, should.f ? ~0u : 0u) << pipe.f << ' ' << pipe.t << ' ' << bound;
+    ASSERT_EQ(module->t_o, word(should.t)) << pipe.f << ' ' << pipe.t << ' ' << bound;
+    for (int k = 0; k < 3; ++k) {
+      ASSERT_EQ(module->cp_o[k], word(pipe.cp[k]));
+      ASSERT_EQ(module->n_o[k], word(pipe.n[k]));
+    }
+    held += word(should.t) != word(pipe.t) || should.f != pipe.f;
+  }
+  EXPECT_GT(held, 500u);
+  EXPECT_LT(held, 4500u);
+}
+
+TEST(GapBound, HoldsAPipesAnswer) {
+  expect_at_least<GapAtLeastHost>();
+  expect_at_least<GapAtLeastGates>();
+}
+
+template <class Module, class Solid>
+void expect_fronts() {
+  Clocked<Module> module;
+  for (const Case& c : kScenes) {
+    SCOPED_TRACE(c.name);
+    const Scene scene = c.make();
+    Eigen::AlignedBox3f box;
+    for (const Triangle& t : scene)
+      for (const Vector3f& v : {t.v0, t.v1, t.v2}) box.extend(v);
+    const auto root = reference::root_bounds<float>(box.min(), box.max());
+    Solids draws(scene, 10);
+    for (std::size_t i = 0; i < 100; ++i) {
+      const Solid solid = draw<Solid>(draws, i);
+      const auto words = to_words(solid);
+      for (unsigned w = 0; w < words.size(); ++w) module->a_i[w] = word(words[w]);
+      for (int k = 0; k < 3; ++k) {
+        module->root_i[k] = word(root.lower[k]);
+        module->root_i[3 + k] = word(root.upper[k]);
+      }
+      module->root_i[6] = word(root.margin);
+      for (unsigned clock = 0; clock < kClocks; ++clock) module.clock();
+      const auto front = reference::solid_front<float>(solid, root);
+      for (int k = 0; k < 3; ++k) {
+        ASSERT_EQ(module->r_o[k], word(front.above[k])) << text(solid);
+        ASSERT_EQ(module->r_o[3 + k], word(front.below[k])) << text(solid);
+        ASSERT_EQ(module->r_o[6 + k], word(1.0f));
+      }
+    }
+  }
+}
+
+TEST(SolidFront, IsThatOfTheReference) {
+  expect_fronts<SolidFrontSphere, Sphere>();
+  expect_fronts<SolidFrontObb, Obb>();
+  expect_fronts<SolidFrontObbGates, Obb>();
+}
+
+}  // namespace
+}  // namespace cde::testing
