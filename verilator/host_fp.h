@@ -543,10 +543,12 @@ inline void turn(Signed& x) {
   const Children kinds =
       Children{} + int32_t(node[3] >> 24 | node[4] >> 28 << 8 | node[5] >> 28 << 12);
   const Children n = near - (Children)(near == -1), f = far - (Children)(far == -1);
-  const Children met = (Children)((kinds >> (2 * number) & 3) != 0) & ((Children)(n <= f) | -int32_t(solid)) &
-                       (Children)(f >= in_order(floor)) & (Children)(n <= in_order(limit));
+  const Children met = (Children)((kinds >> (2 * number) & 3) != 0) &
+                       ((Children)(n <= f) | -int32_t(solid)) & (Children)(f >= in_order(floor)) &
+                       (Children)(n <= in_order(limit));
   const Children down = Children{} - int32_t(asked & 1);
-  const Children comes = solid ? (near > ~far ? near : ~far) : near;  // ~: less than zero by as much
+  const Children comes =
+      solid ? (near > ~far ? near : ~far) : near;  // ~: less than zero by as much
   const Children first = comes - (Children)(comes == -1);
   const Children key = met ? (down & ~f) | (~down & first) : Children{} + kMost;
   Children rank = {};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spheres and OBBs through a card's hierarchy: records are those of a sweep of the same card, and of
-// the reference.
+// Spheres and OBBs through a card's hierarchy: records are those of a sweep of the same card, and
+// of the reference.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -45,10 +45,9 @@ template <class Solid>
 std::vector<Record> cast(Board& board, const std::vector<Solid>& solids, const Query& query,
                          Counters* counters = nullptr) {
   std::vector<Record> records;
-  const Counters c =
-      board.cast_shapes<Solid>(solids, query, [&](std::span<const Record> some) {
-        records.insert(records.end(), some.begin(), some.end());
-      });
+  const Counters c = board.cast_shapes<Solid>(solids, query, [&](std::span<const Record> some) {
+    records.insert(records.end(), some.begin(), some.end());
+  });
   if (counters != nullptr) *counters = c;
   return records;
 }
@@ -100,7 +99,8 @@ class HierarchySolids : public ::testing::TestWithParam<Card> {
     return std::getenv("CDE_FULL") != nullptr ? thorough : quick;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Cards, HierarchySolids, ::testing::Values(kSolids, kSolidsDdr, kSlow, kLate),
+INSTANTIATE_TEST_SUITE_P(Cards, HierarchySolids,
+                         ::testing::Values(kSolids, kSolidsDdr, kSlow, kLate),
                          [](const auto& card) { return std::string(card.param.name); });
 
 /// CDE_FULL=1: 20,000 of each on the first card.

@@ -85,7 +85,8 @@ void expect_at_least() {
     module->bound_i = word(bound);
     module->f_i = pipe.f ? ~0u : 0;
     module->t_i = word(pipe.t);
-    for (int k = 0; k < 3; ++k) module->cp_i[k] = word(pipe.cp[k]), module->n_i[k] = word(pipe.n[k]);
+    for (int k = 0; k < 3; ++k)
+      module->cp_i[k] = word(pipe.cp[k]), module->n_i[k] = word(pipe.n[k]);
     for (unsigned clock = 0; clock < kClocks; ++clock) module.clock();
     const auto should = reference::at_least<float>(pipe, bound);
     ASSERT_EQ(module->f_o, should.f ? ~0u : 0u) << pipe.f << ' ' << pipe.t << ' ' << bound;

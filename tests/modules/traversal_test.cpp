@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays, and solids, through a hierarchy in hardware: records, nodes read and secondaries tested are those of the
-// reference, whatever rays wait for, in whatever order memory gives what is asked for.
+// Rays, and solids, through a hierarchy in hardware: records, nodes read and secondaries tested are
+// those of the reference, whatever rays wait for, in whatever order memory gives what is asked for.
 #include <gtest/gtest.h>
 
 #include <algorithm>

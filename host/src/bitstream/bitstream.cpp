@@ -373,14 +373,19 @@ void check_hierarchy(const BoardConfig& c) {
                       "scene, which in a coarser format were percents of it",
                       c.format.name()));
   const bool walked = std::any_of(c.pairs.begin(), c.pairs.end(), [&c](Pair pair) {
-    return has_box_rule(pair) && (pair == Pair::kRayTriangle || (c.swap && !c.verdicts));
+    return c.box_rule(pair) && (pair == Pair::kRayTriangle || c.swap);
   });
-  require(c.box && walked,
-          "a hierarchy is of ray-triangle, or with swap and without verdicts of triangle-sphere and "
-          "triangle-obb, with the box rule, without which no tree answers as all triangles do");
+  require(
+      walked,
+      "a hierarchy is of ray-triangle, or with swap and without verdicts of triangle-sphere and "
+      "triangle-obb, with the box rule, without which no tree answers as all triangles do");
 }
 
 }  // namespace
+
+bool BoardConfig::box_rule(Pair pair) const {
+  return box && has_box_rule(pair) && !(verdicts && has_verdicts(pair));
+}
 
 std::vector<std::string> BoardConfig::parameters() const {
   const auto require = [](bool ok, const char* name, unsigned value, const char* range) {
@@ -410,9 +415,10 @@ std::vector<std::string> BoardConfig::parameters() const {
   check_facet_interval(facet_interval, pairs);
   check_verdicts(*this);
   if (box && std::none_of(pairs.begin(), pairs.end(), has_box_rule))
-    throw Error(ErrorCode::kUsage,
-                "the box rule is of ray-triangle, triangle-sphere and triangle-obb, of which the card "
-                "has none");
+    throw Error(
+        ErrorCode::kUsage,
+        "the box rule is of ray-triangle, triangle-sphere and triangle-obb, of which the card "
+        "has none");
   const BoardConfig standard;
   check_hierarchy(*this);
   const bool moves = transform != Transformer::kNone, poses = transform == Transformer::kBoth;

@@ -463,7 +463,8 @@ Counters Board::cast(const RayView& rays, const Query& query, const RecordSink& 
 Counters Board::cast_words(Shape shape, std::size_t count, const Words& words, const Query& query,
                            const RecordSink& sink) {
   if (count > 0xffffffff)
-    throw Error(ErrorCode::kCapacity, fmt::format("{} {}s are more than 2^32 - 1", count, name(shape)));
+    throw Error(ErrorCode::kCapacity,
+                fmt::format("{} {}s are more than 2^32 - 1", count, name(shape)));
   idle_card().link->alive();
   require_sink(sink);
   (void)name_of(query.mode);

@@ -23,8 +23,9 @@ class RefitPass : private CardPass {
   [[nodiscard]] std::string state() override;
 };
 
-/// A pass of rays, or of solids, through the hierarchy in the card: they are written into a ring while it works,
-/// and its records, which come as they are found, are put in order. Private to the driver.
+/// A pass of rays, or of solids, through the hierarchy in the card: they are written into a ring
+/// while it works, and its records, which come as they are found, are put in order. Private to the
+/// driver.
 class HierarchyPass : private CardPass {
  public:
   /// The words of a ray of the pass, as many as its shape has.

@@ -123,7 +123,8 @@ class Traversal::Walk {
  private:
   static constexpr bool kSolid = !std::is_same_v<P, Ray>;
 
-  /// Of solids: the largest gap that still counts, and less than zero by as much, as the card has it.
+  /// Of solids: the largest gap that still counts, and less than zero by as much, as the card has
+  /// it.
   void limit(float gap) {
     tmax_ = gap;
     tmin_ = -gap;
@@ -162,8 +163,7 @@ class Traversal::Walk {
     for (std::uint32_t s = slot; s < slot + count; ++s) {
       ++of_.counts_.triangles;
       const std::uint32_t index = of_.hierarchy_.order()[s];
-      const Record record =
-          answer(primary_, of_.triangles_[index], number_, index, of_.algorithm_);
+      const Record record = answer(primary_, of_.triangles_[index], number_, index, of_.algorithm_);
       if (record.f || (kSolid && goal_ == Goal::kNearest)) keep(record);
     }
   }
@@ -213,7 +213,8 @@ std::vector<Record> Traversal::trace_any(const P& primary, std::uint32_t number,
   if (mode == Mode::kAll)
     throw Error(ErrorCode::kUsage, "mode all has records of all triangles: not by a hierarchy");
   if (mode == Mode::kFarthest && !std::is_same_v<P, Ray>)
-    throw Error(ErrorCode::kUsage, "the triangle farthest from a solid is not found by a hierarchy");
+    throw Error(ErrorCode::kUsage,
+                "the triangle farthest from a solid is not found by a hierarchy");
   std::vector<Record> records;
   const Record none = unanswered(primary, number, false, {});
   if (!none.bad && triangles_.size() != 0) {

@@ -205,7 +205,8 @@ Effect box_rule(const Scene& scene, const Plan& plan) {
   const bool rays = std::find(plan.board.pairs.begin(), plan.board.pairs.end(),
                               Pair::kRayTriangle) != plan.board.pairs.end();
   return {"box rule", plan.board.box, plan.board.box ? "built in" : "none",
-          !rays ? "no rays meet triangles"
+          !rays ? plan.board.box ? "solids go through a hierarchy: gaps are at least those of boxes"
+                                 : "no rays meet triangles"
           : scene.card.box
               ? "a ray's hit must lie in the triangle's box"
               : "the plain pipe is asked for: a hit may be far from an edge-on triangle",
@@ -427,6 +428,7 @@ Effect add_hierarchy(const Scene& scene, plan_mover::Movers& movers, Plan& plan)
   if (choice.nodes == 0) return choice.effect;
   plan.board.node_units = plan_hierarchy::kNodeUnits;
   plan.board.nodes = choice.nodes;
+  plan.board.box = true;  // without it there is none
   for (std::size_t q = 0; q < plan.queries.size(); ++q)
     plan.queries[q].hierarchy = choice.queries[q];
   plan_mover::leave_primaries(movers, "rays are written on their way into the hierarchy");

@@ -61,7 +61,9 @@ bool serves(const BoardConfig& card, const BoardConfig& planned, const SceneCard
   return has_all(card, planned.pairs) && (asked.pairs.empty() || has_all(planned, card.pairs)) &&
          (!asked.lanes || card.lanes == planned.lanes) && card.arithmetic == planned.arithmetic &&
          card.format == planned.format && card.verdicts == planned.verdicts &&
-         (!rays || (card.algorithm == planned.algorithm && card.box == planned.box)) &&
+         (!rays || card.algorithm == planned.algorithm) &&
+         std::all_of(planned.pairs.begin(), planned.pairs.end(),
+                     [&](Pair p) { return card.box_rule(p) == planned.box_rule(p); }) &&
          (card.swap || !planned.swap) && (card.normals || !planned.normals) &&
          (card.trace || !planned.trace) && card.facet_interval == planned.facet_interval &&
          card.transform == planned.transform && card.objects >= planned.objects &&

@@ -7,7 +7,9 @@
 #include <bit>
 #include <cmath>
 #include <optional>
+#include <type_traits>
 
+#include "cde/reference/traversal.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "scene/player_objects.hpp"
@@ -19,23 +21,36 @@ namespace {
 constexpr std::uint64_t kWorthATree = 2048;
 /// Clocks that the last rays of a packet take for a level of the tree, when no others are left.
 constexpr double kClocksALevel = 30;
+/// Those of a solid for a node, and for a triangle that it is tested with, two of them at a time
+/// (the pipe of triangle-obb takes 165 clocks with operators of one, memory 20).
+constexpr double kClocksANode = 15, kClocksASolid = 100;
+/// Of a query, whose ways are counted.
+constexpr std::size_t kSampledSolids = 32;
 /// Visits that a ray makes in vain for each thing that has moved anywhere among the others (8, 40
 /// and 200 of them: 0, 5.6 and 34 nodes more than in a tree that is built anew, which
 /// cde_numerics_tests prints: HierarchyOfObjects).
 constexpr double kVisitsAMovingPart = 1.0 / 6;
 
+bool is_ray(const SceneQuery& q) {
+  return q.pair == Pair::kRayTriangle;
+}
+
 /// Why the query meets all secondaries; nothing if it need not.
 std::optional<std::string> against(const SceneQuery& q, const Plan& plan) {
-  if (q.pair != Pair::kRayTriangle) return "it is of rays with triangles";
-  if (q.swap) return "its primaries are triangles";
+  if (!has_box_rule(q.pair)) return "it is of rays, spheres and OBBs that meet triangles";
+  if (q.swap == is_ray(q)) return "its primaries are triangles";
   if (q.mode == Mode::kAll) return "mode all has records of all secondaries, hit or not";
-  if (q.normals) return "rays have no normals";
+  if (q.normals) return is_ray(q) ? "rays have no normals" : "normals come of sweeps alone";
+  if (!is_ray(q) && q.mode == Mode::kFarthest)
+    return "the triangle farthest from a solid is in no box that could be left out";
+  if (!is_ray(q) && plan.board.verdicts) return "narrow lanes that prove misses sweep";
   if (!plan.resident) return "queries have different secondaries, and each would need another tree";
   return std::nullopt;
 }
 
 /// Why the card cannot have one; nothing if it can.
-std::optional<std::string> against(BoardConfig board, unsigned nodes) {
+std::optional<std::string> against(const Scene& scene, BoardConfig board, unsigned nodes) {
+  board.box = scene.card.box;
   board.node_units = kNodeUnits;
   board.nodes = nodes;
   try {
@@ -68,15 +83,59 @@ std::uint64_t moving_parts(const Scene& scene) {
   return sum;
 }
 
+/// Visits of a primary, and clocks that the last ones of a packet take when no others are left.
+struct Way {
+  double nodes = 0, secondaries = 0, last = 0;
+};
+
+/// Of rays as the tree's boxes let expect.
+Way way_of_rays(const Hierarchy& tree) {
+  const Hierarchy::Visits visits = tree.expected_visits();
+  return {visits.nodes, visits.secondaries, kClocksALevel * tree.depth()};
+}
+
+/// Of solids as some of the first frame's take it.
+Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene,
+                  const Hierarchy& tree) {
+  player::Row triangles(scene, plan.card_moves, player::Table::kAll),
+      solids(scene, std::vector<bool>(scene.objects.size(), false), player::Table::kMoved);
+  (void)triangles.show(q.secondaries, 0);
+  (void)solids.show(q.primaries, 0);
+  const auto& all = std::get<std::vector<Triangle>>(triangles.placed());
+  Way way;
+  std::visit(
+      [&](const auto& list) {
+        using P = typename std::decay_t<decltype(list)>::value_type;
+        if constexpr (std::is_same_v<P, Sphere> || std::is_same_v<P, Obb>) {
+          const std::size_t step = (list.size() + kSampledSolids - 1) / kSampledSolids;
+          std::size_t sampled = 0;
+          for (std::size_t i = 0; i < list.size(); i += std::max<std::size_t>(step, 1), ++sampled) {
+            reference::Traversal walk(all, tree);
+            (void)walk.trace(list[i], 0, q.mode);
+            const auto nodes = static_cast<double>(walk.counts().nodes),
+                       tested = static_cast<double>(walk.counts().triangles);
+            way.nodes += nodes;
+            way.secondaries += tested;
+            way.last = std::max(way.last, kClocksANode * nodes + kClocksASolid * tested);
+          }
+          sampled = std::max<std::size_t>(sampled, 1);
+          way.nodes /= static_cast<double>(sampled);
+          way.secondaries /= static_cast<double>(sampled);
+        }
+      },
+      solids.placed());
+  return way;
+}
+
 /// Clocks of a frame of packets: what is read and tested by as many as there are, and the way of
 /// the last ones. The tree stays as it was in the first frame.
-std::uint64_t clocks(const QueryWork& w, const Scene& scene, const Hierarchy& tree) {
-  const Hierarchy::Visits visits = tree.expected_visits();
+std::uint64_t clocks(const SceneQuery& q, const QueryWork& w, const Plan& plan, const Scene& scene,
+                     const Hierarchy& tree) {
+  const Way way = is_ray(q) ? way_of_rays(tree) : way_of_solids(q, plan, scene, tree);
   const double more = kVisitsAMovingPart * static_cast<double>(moving_parts(scene));
-  const double a_ray = std::max((visits.nodes + more) / kNodeUnits, visits.secondaries + more);
-  return static_cast<std::uint64_t>(
-      std::ceil(a_ray * static_cast<double>(w.primaries - w.masked) +
-                kClocksALevel * tree.depth() * static_cast<double>(w.packets)));
+  const double each = std::max((way.nodes + more) / kNodeUnits, way.secondaries + more);
+  return static_cast<std::uint64_t>(std::ceil(each * static_cast<double>(w.primaries - w.masked) +
+                                              way.last * static_cast<double>(w.packets)));
 }
 
 /// Clocks of boxes anew in a frame: one a secondary that moves, and 1.2 a node above it.
@@ -126,7 +185,7 @@ Choice choose(const Scene& scene, Plan& plan) {
   if (!asked && work.secondaries < kWorthATree)
     return none(fmt::format("a tree wins from about {} triangles on, there are {}", kWorthATree,
                             work.secondaries));
-  if (const auto why = against(plan.board, BoardConfig{}.nodes)) return none(*why);
+  if (const auto why = against(scene, plan.board, BoardConfig{}.nodes)) return none(*why);
   std::string why;
   const auto tree = tree_of(scene, plan, why);
   if (!tree) return none("there is no tree: " + why);
@@ -134,13 +193,14 @@ Choice choose(const Scene& scene, Plan& plan) {
   choice.nodes = static_cast<unsigned>(
       std::max<std::uint64_t>({BoardConfig{}.nodes, std::bit_ceil(tree->nodes().size()),
                                std::bit_ceil((work.secondaries + 7) / 8)}));
-  if (const auto reason = against(plan.board, choice.nodes)) return none(*reason);
+  if (const auto reason = against(scene, plan.board, choice.nodes)) return none(*reason);
 
   const std::uint64_t refit = refit_clocks(work, scene, plan, *tree);
   std::uint64_t rows = 0, through = refit;
   for (std::size_t q = 0; q < scene.queries.size(); ++q) {
     if (!choice.queries[q]) continue;
-    plan.queries[q].hierarchy_clocks = clocks(plan.queries[q], scene, *tree);
+    plan.queries[q].hierarchy_clocks =
+        clocks(scene.queries[q], plan.queries[q], plan, scene, *tree);
     rows += plan.queries[q].rows;
     through += *plan.queries[q].hierarchy_clocks;
   }
@@ -159,11 +219,15 @@ Choice choose(const Scene& scene, Plan& plan) {
     return choice;
   }
   std::vector<std::string_view> names;
-  for (std::size_t q = 0; q < scene.queries.size(); ++q)
-    if (choice.queries[q]) names.push_back(scene.queries[q].name);
+  bool rays = true;
+  for (std::size_t q = 0; q < scene.queries.size(); ++q) {
+    if (!choice.queries[q]) continue;
+    names.push_back(scene.queries[q].name);
+    rays = rays && is_ray(scene.queries[q]);
+  }
   e = {"hierarchy", true, fmt::format("{} node units", kNodeUnits),
-       fmt::format("{}rays of {} go through a tree of {} nodes", asked ? "asked for: " : "",
-                   fmt::join(names, ", "), tree->nodes().size()),
+       fmt::format("{}{} of {} go through a tree of {} nodes", asked ? "asked for: " : "",
+                   rays ? "rays" : "primaries", fmt::join(names, ", "), tree->nodes().size()),
        both};
   return choice;
 }

@@ -5,7 +5,8 @@
 #include "cde/scene/plan.hpp"
 #include "cde/scene/scene.hpp"
 
-/// Whether rays of a scene go through a hierarchy of its triangles. Private to the planner.
+/// Whether rays and solids of a scene go through a hierarchy of its triangles. Private to the
+/// planner.
 namespace cde::plan_hierarchy {
 
 constexpr unsigned kNodeUnits = 2;

@@ -42,11 +42,13 @@ std::string words_of(const Shapes& shapes, std::size_t i) {
 }
 
 /// A command that asks a pair of the same pipe alone.
-std::string question(const SceneQuery& query, const SceneCard& card, const std::string& primary,
+std::string question(const SceneQuery& query, const BoardConfig& card, const std::string& primary,
                      const std::string& secondary) {
   std::string options = fmt::format("cde query {}", name(query.pair));
   if (query.pair == Pair::kRayTriangle)
     options += fmt::format(" --algorithm {}{}", name(card.algorithm), card.box ? "" : " --no-box");
+  else if (card.box_rule(query.pair))
+    options += " --box";
   if (card.format != FpFormat{}) options += " --format " + card.format.name();
   if (card.arithmetic == Arithmetic::kRtl) options += " --arith rtl";
   if (has_budget(query.pair))
@@ -77,7 +79,7 @@ std::function<bool(std::uint32_t, std::uint32_t)> counting(const SelfPairs& self
 /// are not in the sample go by.
 class PassCheck {
  public:
-  PassCheck(const SceneQuery& query, const SceneCard& card, const Board& board,
+  PassCheck(const SceneQuery& query, const BoardConfig& card, const Board& board,
             const SelfPairs& self, const Shapes& primaries, std::vector<std::uint32_t> numbers,
             const Shapes& secondaries, bool streams)
       : query_(query),
@@ -89,7 +91,7 @@ class PassCheck {
         numbers_(std::move(numbers)),
         pass_({.pair = query.pair,
                .algorithm = card.algorithm,
-               .box = card.box,
+               .box = card.box_rule(query.pair),
                .swap = query.swap,
                .mode = query.mode,
                .normals = query.normals,
@@ -146,7 +148,7 @@ class PassCheck {
   }
 
   const SceneQuery& query_;
-  const SceneCard& card_;
+  const BoardConfig& card_;
   const Board& board_;
   bool streams_;  // its rays go through a hierarchy
   const Shapes& primaries_;
@@ -190,6 +192,7 @@ class Player::Impl {
   Impl(const Scene& scene, const Plan& plan, PlayOptions options)
       : scene_(scene),
         options_(std::move(options)),
+        card_(plan.board),
         board_(Board::open(plan.board, options_of(scene))),
         through_(plan.queries.size()),
         secondaries_(board_, scene, plan),
@@ -298,7 +301,7 @@ class Player::Impl {
       result.swept_as = secondaries_.no_tree().value_or(*board_.no_way_through(query));
     std::optional<PassCheck> check;
     if (options_.check != Check::kNone)
-      check.emplace(q, scene_.card, board_, packet.self, primaries, sampled(active, packet.frame),
+      check.emplace(q, card_, board_, packet.self, primaries, sampled(active, packet.frame),
                     secondaries_.placed(), streams);
     const auto deliver = [&](std::span<const Record> records) {
       for (const Record& r : records) result.hits += r.f ? 1 : 0;
@@ -392,8 +395,7 @@ class Player::Impl {
       if (!renumbered.empty()) take(renumbered);
       host += seconds_since(received);
     };
-    Counters c =
-        streams ? board_.cast(rays_of(packet), query, receive) : board_.run(query, receive);
+    Counters c = streams ? stream(packet, query, receive) : board_.run(query, receive);
     result.pass_seconds += seconds_since(start) - host;
     // The board counts its last load in every pass, and the records that it wrote.
     c.total_clocks -= c.upload_clocks;
@@ -404,10 +406,16 @@ class Player::Impl {
     result.download_clocks += c.total_clocks - std::min(c.total_clocks, c.cycles + c.writeback);
   }
 
-  [[nodiscard]] std::span<const Ray> rays_of(const Packet& packet) const {
-    const std::span<const Ray> all = std::get<std::vector<Ray>>(primaries_.placed());
-    const std::size_t first = packet.number * kPacket;
-    return all.subspan(first, std::min(kPacket, all.size() - first));
+  /// Through the hierarchy.
+  Counters stream(const Packet& packet, const Query& query, const RecordSink& receive) {
+    return std::visit(
+        [&](const auto& list) {
+          const std::size_t first = packet.number * kPacket;
+          const std::span all(list);
+          return board_.cast_shapes(all.subspan(first, std::min(kPacket, all.size() - first)),
+                                    query, receive);
+        },
+        primaries_.placed());
   }
 
   /// The primaries whose records are compared, ascending.
@@ -425,6 +433,7 @@ class Player::Impl {
 
   const Scene& scene_;
   PlayOptions options_;
+  BoardConfig card_;
   Board board_;
   std::vector<bool> through_;  ///< queries whose rays go through a hierarchy
   player::Secondaries secondaries_;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde bench hierarchy: rays through the hierarchy of a card, its own clocks and with the bus, what
-// simulating it takes, its refit, and Embree on the same rays.
+// simulating it takes, its refit, and Embree on the same rays; spheres and OBBs, and FCL on these.
 #include <fmt/format.h>
 
 #include "bench/bench.hpp"
+#include "bench/solid_figures.hpp"
 #include "bench/tree_figures.hpp"
 #include "cde/mesh/terrain.hpp"
 #include "output/busy.hpp"
@@ -26,6 +27,12 @@ nlohmann::ordered_json bench_hierarchy(const BenchOptions& o) {
     }();
     show_tree(figures);
     all.push_back(tree_json(figures));
+    const std::vector<SolidFigures> solids = [&] {
+      const Busy busy(fmt::format("solids at {} triangles", mesh.faces.size()), false);
+      return measure_solids(mesh, o.clock_hz);
+    }();
+    show_solids(solids, o.clock_hz);
+    all.back()["solids"] = solids_json(solids, o.clock_hz);
   }
   return all;
 }

@@ -32,7 +32,10 @@ std::string settle_clock(ClockOptions& options, const std::vector<AccuracyPipe>&
 std::string settle_clock(ClockOptions& options, const BoardConfig& card) {
   std::vector<AccuracyPipe> pipes;
   const auto add = [&](Pair pair, FpFormat format) {
-    pipes.push_back({.pair = pair, .algorithm = card.algorithm, .box = card.box, .format = format});
+    pipes.push_back({.pair = pair,
+                     .algorithm = card.algorithm,
+                     .box = card.box && pair == Pair::kRayTriangle,
+                     .format = format});
   };
   for (const Pair pair : card.pairs) {
     add(pair, card.format);

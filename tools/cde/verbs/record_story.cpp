@@ -157,7 +157,7 @@ class Teller {
     s_.chosen_by_host = made.counts != nullptr;
     const reference::PassQuery asked = {.pair = q.pair,
                                         .algorithm = s_.scene.card.algorithm,
-                                        .box = s_.scene.card.box,
+                                        .box = s_.board.box_rule(q.pair),
                                         .swap = q.swap,
                                         .mode = q.mode,
                                         .normals = q.normals,

@@ -15,7 +15,7 @@ PassPipe pipe_of(const SceneQuery& query, const BoardConfig& board) {
   PairConfig& c = pipe.config;
   c.pair = query.pair;
   c.algorithm = board.algorithm;
-  c.box = query.pair == Pair::kRayTriangle && board.box;
+  c.box = board.box_rule(query.pair);
   c.arithmetic = board.arithmetic;
   c.format = board.format;
   c.facet_interval = has_facets(query.pair) ? board.facet_interval : 1;

@@ -41,7 +41,9 @@ struct BoardConfig {
   std::vector<Pair> pairs = {Pair::kRayTriangle};  ///< the pipes of the card, at least one
   Algorithm algorithm = Algorithm::kMoller;        ///< of ray-triangle
   bool box = false;             ///< of ray-triangle: a hit must lie in the triangle's box
-                                ///< (reference/pipes/ray_box.hpp)
+                                ///< (reference/pipes/ray_box.hpp); of triangle-sphere and
+                                ///< triangle-obb: a gap is at least that of the boxes
+                                ///< (reference/pipes/gap_bound.hpp)
   bool swap = false;            ///< passes can exchange the roles of primary and secondary
   bool normals = false;         ///< passes can give normals
   bool parallel = false;        ///< a pass can use two pipes at a time (Query::second)
@@ -70,6 +72,8 @@ struct BoardConfig {
   bool ecc = false;  ///< check bits in DDR: one wrong bit of a word is corrected, more are an error
   bool trace = false;  ///< waves can be written (and everything runs slower)
 
+  /// Whether the card has the box rule of a pair: not where narrow lanes prove misses.
+  [[nodiscard]] bool box_rule(Pair pair) const;
   /// NAME=VALUE for the builder, without what the RTL has as default. Error kUsage if a value is
   /// out of range, naming it.
   [[nodiscard]] std::vector<std::string> parameters() const;

@@ -22,8 +22,7 @@ namespace cde {
 struct PairConfig {
   Pair pair = Pair::kRayTriangle;
   Algorithm algorithm = Algorithm::kMoller;  ///< of ray-triangle only
-  bool box = false;  ///< of ray-triangle only: a hit must lie in the triangle's box
-                     ///< (reference/pipes/ray_box.hpp)
+  bool box = false;                       ///< of pairs that has_box_rule() says, as in BoardConfig
   PlaneSide plane = PlaneSide::kSurface;  ///< of pairs with a plane
   FpFormat format = {8, 23};
   unsigned lanes = 8;  ///< pairs a clock, 1 to 256

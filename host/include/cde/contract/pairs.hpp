@@ -108,8 +108,7 @@ inline constexpr std::uint32_t kFacetPairs =
 /// The box rule is an option of it.
 inline constexpr std::uint32_t kBoxPairs = set_of({Pair::kRayTriangle});
 /// With the box rule its gap is at least that of the boxes.
-inline constexpr std::uint32_t kBoundPairs =
-    set_of({Pair::kTriangleSphere, Pair::kTriangleObb});
+inline constexpr std::uint32_t kBoundPairs = set_of({Pair::kTriangleSphere, Pair::kTriangleObb});
 /// Narrow lanes can prove misses of it (BoardConfig::verdicts).
 inline constexpr std::uint32_t kVerdictPairs =
     set_of({Pair::kSphereSphere, Pair::kSphereObb, Pair::kTriangleSphere, Pair::kTriangleAabb,

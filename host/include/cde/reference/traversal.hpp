@@ -18,11 +18,12 @@ struct TraversalCounts {
   unsigned deepest = 0;         ///< groups on the stack at a time
 };
 
-/// Rays, spheres and OBBs through a hierarchy, by pairs with the box rule: records are those of Sweep
-/// or Pass with it, every bit, ties included.
+/// Rays, spheres and OBBs through a hierarchy, by pairs with the box rule: records are those of
+/// Sweep or Pass with it, every bit, ties included.
 class Traversal {
  public:
-  /// Both must outlive it; the algorithm is that of rays. Error kUsage if the hierarchy is of another number of triangles.
+  /// Both must outlive it; the algorithm is that of rays. Error kUsage if the hierarchy is of
+  /// another number of triangles.
   Traversal(const TriangleView& triangles, const Hierarchy& hierarchy,
             Algorithm algorithm = Algorithm::kMoller);
 

@@ -115,7 +115,7 @@ struct SceneCard {
   FpFormat format = {};                             ///< BoardConfig::format
   std::optional<FpFormat> verdicts = std::nullopt;  ///< BoardConfig::verdicts
   Algorithm algorithm = Algorithm::kMoller;
-  bool box = true;          ///< of ray-triangle: a hit must lie in the triangle's box
+  bool box = true;          ///< the box rule, of rays, and of solids that go through a hierarchy
   double clock_hz = 100e6;  ///< an assumption about the device
   bool cycle_bus = false;   ///< PCI signals clock by clock; otherwise its time is computed
   HostProfile host = kHostProfiles[0];  ///< that the card is plugged into

@@ -41,9 +41,9 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
   use(Kinds<A, Can>(), [budget](const A& x, const Can& y) { return FUNCTION<S>(x, y, budget); })
 #define CDE_TEST(A, B, FUNCTION) \
   use(Kinds<A, B>(), [](const A& x, const B& y) { return FUNCTION<S>(x, y); })
-#define CDE_BOUND(B, FUNCTION)                                                               \
-  box ? use(Kinds<T, B>(),                                                                   \
-            [](const T& x, const B& y) { return bounded<S>(FUNCTION<S>(x, y), x, y); })      \
+#define CDE_BOUND(B, FUNCTION)                                                          \
+  box ? use(Kinds<T, B>(),                                                              \
+            [](const T& x, const B& y) { return bounded<S>(FUNCTION<S>(x, y), x, y); }) \
       : CDE_TEST(T, B, FUNCTION)
 #define CDE_PLANE(A, FUNCTION)   \
   use(Kinds<A, BasicPlane<S>>(), \

@@ -58,8 +58,7 @@ template <typename S, class Solid>
     gap[k] = max_num(below, above) - half[k];
     size[k] = max_num(magnitude(below), magnitude(above)) + half[k];
   }
-  const S margin =
-      max_num(max_num(size[0], size[1]), size[2]) * S(kBoundMargin * kUnitRoundoff<S>);
+  const S margin = max_num(max_num(size[0], size[1]), size[2]) * S(kBoundMargin * kUnitRoundoff<S>);
   return max_num(max_num(gap[0], gap[1]), gap[2]) - margin;
 }
 
