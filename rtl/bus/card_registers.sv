@@ -213,7 +213,7 @@ module card_registers #(
   assign walk_ok = NODE_UNITS != 0 && command_q.mode <= registers_pkg::MODE_REFIT &&
       command_q.mode != registers_pkg::MODE_ALL && hierarchy_good_i[0] &&
       (hierarchy_good_i[1] || command_q.mode == registers_pkg::MODE_REFIT) &&
-      walk_pair_ok && !command_q.second && !command_q.normals &&
+      walk_pair_ok && !command_q.second && (!command_q.normals || (NORMALS != 0 && command_q.swap)) &&
       (TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i) && sec_first_q == 0 && sec_count_q != 0 &&
       sec_end <= DDR_BYTES;
   assign command_ok = (command_q.hierarchy ? walk_ok : sweep_ok) && !busy_i;

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // Records of a pass through a hierarchy, one a clock, as they come: hits of mode hits, rays that came to their end, and
-// bad rays. The words are those that record_maker.sv makes.
+// bad rays. The words are those that record_maker.sv makes; with normals a second record follows each, which has n in
+// the words of CP and the signed gap in T.
 // Latency: 1 clock; hits wait in queues. Throughput: one record a clock. Stall: ready_o, bad_ready_o while the ring is
 // full or another comes first; hits have the room that leaf_room_o promises.
 module hierarchy_records #(
     parameter config_pkg::config_t CONFIG,
     parameter int DEPTH = 128,  // hits that wait, a lane; power of two
-    localparam int WORDS = records_pkg::RECORD_WORDS
+    localparam int WORDS = records_pkg::RECORD_WORDS,
+    localparam int POINTS = (CONFIG.normals != 0) ? 6 : 3
 ) (
     input logic clk_i,
     input logic rst_i,
     input logic [2:0] mode_i,  // registers_pkg::MODE_*
+    input logic normals_i,
 
     // A leaf on its way to the pairs: there is room for its hits.
     output logic leaf_room_o,
@@ -19,7 +22,7 @@ module hierarchy_records #(
     input logic [1:0] hit_i,
     input logic [31:0] hit_number_i,
     input logic [1:0][31:0] hit_t_i,
-    input logic [2:0][1:0][31:0] hit_cp_i,
+    input logic [POINTS-1:0][1:0][31:0] hit_point_i,
     input logic [1:0][31:0] hit_index_i,
 
     input logic valid_i,  // a ray's end
@@ -28,7 +31,7 @@ module hierarchy_records #(
     input logic found_i,  // a pair is the answer; f_i: it meets
     input logic f_i,
     input logic [31:0] t_i,
-    input logic [2:0][31:0] cp_i,
+    input logic [POINTS-1:0][31:0] point_i,
     input logic [31:0] index_i,
 
     input logic bad_valid_i,  // a bad ray
@@ -53,7 +56,7 @@ module hierarchy_records #(
   typedef struct packed {
     logic [31:0] number;
     logic [31:0] t;
-    logic [2:0][31:0] cp;
+    logic [POINTS-1:0][31:0] point;
     logic [31:0] index;
   } hit_t;
   hit_t [1:0] waiting;
@@ -63,7 +66,10 @@ module hierarchy_records #(
   for (genvar l = 0; l < 2; l++) begin : lane
     hit_t hit;
     logic [DW:0] count;
-    assign hit = '{hit_number_i, hit_t_i[l], {hit_cp_i[2][l], hit_cp_i[1][l], hit_cp_i[0][l]}, hit_index_i[l]};
+    always_comb begin
+      hit = '{hit_number_i, hit_t_i[l], '0, hit_index_i[l]};
+      for (int k = 0; k < POINTS; k++) hit.point[k] = hit_point_i[k][l];
+    end
     sync_fifo #(.W($bits(hit_t)), .DEPTH(DEPTH)) queue (
         .clk_i, .rst_i, .write_i(hit_i[l]), .wdata_i(hit), .room_o(room[l]), .count_o(count), .rdata_o(waiting[l]),
         .read_i(read[l]));
@@ -75,9 +81,10 @@ module hierarchy_records #(
     else if (hits) under_way_q <= under_way_q + (DW + 1)'(leaf_i) - (DW + 1)'(leaf_tested_i);
 
   // ---- One a clock. A ray's end stands behind its hits, which are in the queues before it comes ----
-  logic room_there, take_hit, lane_1, take_bad, take;
+  logic ring_room, room_there, take_hit, lane_1, take_bad, take, second_q;
   hit_t hit;
-  assign room_there = !sram_full_i && !(write_o && sram_count_i + 1 == 32'(CONFIG.sram_records));
+  assign ring_room = !sram_full_i && !(write_o && sram_count_i + 1 == 32'(CONFIG.sram_records));
+  assign room_there = ring_room && !second_q;  // a record's second one comes next
   assign take_hit = room_there && some != 0;
   assign lane_1 = !some[0];
   assign hit = waiting[lane_1];
@@ -87,22 +94,48 @@ module hierarchy_records #(
   assign take = valid_i && ready_o;
   assign take_bad = bad_valid_i && bad_ready_o;
   assign finished_o = take || take_bad;
-  assign empty_o = some == 0 && !write_o;
+  assign empty_o = some == 0 && !write_o && !second_q;
 
   records_pkg::record_flags_t flags;
   logic found;
   assign found = take_hit || (found_i && !occluded && !take_bad);
   assign flags = '{normal: 1'b0, bad: take_bad, f: take_hit || (f_i && !take_bad)};
   logic [WORDS-1:0][31:0] record;
+  logic [POINTS-1:0][31:0] point;
+  assign point = take_bad ? {POINTS{QNAN}} : !found ? '0 : take_hit ? hit.point : point_i;
   always_comb begin
     record[records_pkg::RECORD_FLAGS] = 32'(flags);
     record[records_pkg::RECORD_PRIMARY] = take_hit ? hit.number : take_bad ? bad_number_i : number_i;
-    record[records_pkg::RECORD_CP+:3] = take_bad ? {3{QNAN}} : !found ? '0 : take_hit ? hit.cp : cp_i;
+    record[records_pkg::RECORD_CP+:3] = point[2:0];
     record[records_pkg::RECORD_INDEX] = !found ? '1 : take_hit ? hit.index : index_i;
     record[records_pkg::RECORD_T] = take_bad ? QNAN : !found ? INFINITE : take_hit ? hit.t : t_i;
   end
-  always_ff @(posedge clk_i) begin
-    write_o <= !rst_i && (take_hit || (finished_o && !hits));
-    record_o <= record;
+  logic written;  // a record is, this clock
+  assign written = take_hit || (finished_o && !hits);
+  if (CONFIG.normals != 0) begin : g_normals
+    logic [2:0][31:0] n_q;
+    logic [WORDS-1:0][31:0] second;
+    logic f_q, bad_q;
+    always_comb begin
+      second = record_o;
+      second[records_pkg::RECORD_FLAGS] = 32'({1'b1, bad_q, f_q});
+      second[records_pkg::RECORD_CP+:3] = n_q;
+      if (f_q) second[records_pkg::RECORD_T][31] = 1'b1;
+    end
+    always_ff @(posedge clk_i) begin
+      write_o <= !rst_i && (written || (second_q && ring_room));
+      if (second_q && ring_room) record_o <= second;
+      if (written) record_o <= record;
+      if (written) {n_q, bad_q, f_q} <= {point[POINTS-1:POINTS-3], flags.bad, flags.f};
+      second_q <= !rst_i && (written ? normals_i : second_q && !ring_room);
+    end
+  end else begin : g_alone
+    assign second_q = 1'b0;
+    logic unused;
+    assign unused = normals_i;
+    always_ff @(posedge clk_i) begin
+      write_o <= !rst_i && written;
+      record_o <= record;
+    end
   end
 endmodule

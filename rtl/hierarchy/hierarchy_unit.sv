@@ -10,6 +10,7 @@ module hierarchy_unit #(
     localparam int UNITS = CONFIG.node_units,
     localparam int PAIRS = hierarchy_pkg::walked_pairs(CONFIG),
     localparam int PRIMARY = hierarchy_pkg::walked_words(PAIRS),
+    localparam int POINTS = (CONFIG.normals != 0) ? 6 : 3,
     localparam int WORDS = records_pkg::RECORD_WORDS,
     localparam int BEAT = records_pkg::DDR_WORDS,
     localparam int OBJECTS = (CONFIG.transform != pairs_pkg::TRANSFORM_NONE) ? CONFIG.objects : 0,
@@ -66,6 +67,7 @@ module hierarchy_unit #(
   state_t state_q;
   logic clk, rst, running, refitting, wrong;
   logic [2:0] mode_q;
+  logic normals_q;
   logic [3:0] pair_q, pair;  // of the pass, also of the next one
   assign pair = busy_o ? pair_q : pass_i.pair[3:0];
   logic [31:0] secondaries_q, objects_q, finished_q;
@@ -141,9 +143,9 @@ module hierarchy_unit #(
   logic [1:0][BEAT-1:0][31:0] fetched;
   logic [1:0][31:0] index, hit_t, hit_index;
   logic [1:0] hit;
-  logic [2:0][1:0][31:0] hit_cp;
+  logic [POINTS-1:0][1:0][31:0] hit_point;
   logic [31:0] hit_number, number, t, best_index;
-  logic [2:0][31:0] cp;
+  logic [POINTS-1:0][31:0] point;
   logic tested, record_valid, record_ready, found, f;
   logic [3:0] way_fault;
   logic [PLACE-1:0] way_place;
@@ -151,7 +153,8 @@ module hierarchy_unit #(
   assign goal = (mode_q == registers_pkg::MODE_OCCLUDED) ? GOAL_OCCLUDED : (mode_q == registers_pkg::MODE_HITS) ?
       GOAL_HITS : mode_q;
   traversal #(
-      .CONTEXTS(CONTEXTS), .UNITS(UNITS), .PAIRS(PAIRS), .ALGORITHM(CONFIG.algorithm), .LAT_ADD(CONFIG.lat_add),
+      .CONTEXTS(CONTEXTS), .UNITS(UNITS), .PAIRS(PAIRS), .ALGORITHM(CONFIG.algorithm), .NORMALS(CONFIG.normals),
+      .LAT_ADD(CONFIG.lat_add),
       .LAT_MUL(CONFIG.lat_mul), .LAT_DIV(CONFIG.lat_div), .LAT_SQRT(CONFIG.lat_sqrt), .LAT_CMP(CONFIG.lat_cmp),
       .ARITH(config_pkg::arith(CONFIG.host))
   ) way (
@@ -160,9 +163,9 @@ module hierarchy_unit #(
       .ray_valid_i(ray_valid && !ray_bad), .ray_ready_o(ray_ready), .ray_i(ray), .number_i(ray_number),
       .fetch_valid_o(fetch_valid), .fetch_ready_i(fetch_ready), .fetch_slot_o(fetch_slot), .fetch_tag_o(fetch_tag),
       .fetched_valid_i(fetched_valid && !refitting), .fetched_tag_i(fetched_tag), .fetched_i(fetched), .index_i(index),
-      .tested_o(tested), .hit_o(hit), .hit_number_o(hit_number), .hit_t_o(hit_t), .hit_cp_o(hit_cp),
+      .tested_o(tested), .hit_o(hit), .hit_number_o(hit_number), .hit_t_o(hit_t), .hit_point_o(hit_point),
       .hit_index_o(hit_index), .record_valid_o(record_valid), .record_ready_i(record_ready), .number_o(number),
-      .found_o(found), .f_o(f), .t_o(t), .cp_o(cp), .index_o(best_index), .events_o(events), .deepest_o(deepest),
+      .found_o(found), .f_o(f), .t_o(t), .point_o(point), .index_o(best_index), .events_o(events), .deepest_o(deepest),
       .fault_o(way_fault), .fault_place_o(way_place));
 
   // ---- Secondaries ----
@@ -211,10 +214,10 @@ module hierarchy_unit #(
 
   // ---- Records ----
   hierarchy_records #(.CONFIG(CONFIG)) records (
-      .clk_i(clk), .rst_i(rst || abort_i), .mode_i(mode_q), .leaf_room_o(leaf_room),
+      .clk_i(clk), .rst_i(rst || abort_i), .mode_i(mode_q), .normals_i(normals_q), .leaf_room_o(leaf_room),
       .leaf_i(fetch_valid && fetch_ready), .leaf_tested_i(tested), .hit_i(hit), .hit_number_i(hit_number),
-      .hit_t_i(hit_t), .hit_cp_i(hit_cp), .hit_index_i(hit_index), .valid_i(record_valid), .ready_o(record_ready),
-      .number_i(number), .found_i(found), .f_i(f), .t_i(t), .cp_i(cp), .index_i(best_index), .bad_valid_i(ray_valid && ray_bad),
+      .hit_t_i(hit_t), .hit_point_i(hit_point), .hit_index_i(hit_index), .valid_i(record_valid), .ready_o(record_ready),
+      .number_i(number), .found_i(found), .f_i(f), .t_i(t), .point_i(point), .index_i(best_index), .bad_valid_i(ray_valid && ray_bad),
       .bad_ready_o(bad_ready), .bad_number_i(ray_number), .sram_full_i, .sram_count_i, .write_o, .record_o,
       .finished_o(finished), .empty_o(records_empty));
 
@@ -258,6 +261,7 @@ module hierarchy_unit #(
           state_q <= RUN;
           mode_q <= pass_i.mode;
           pair_q <= pass_i.pair[3:0];
+          normals_q <= pass_i.normals;
           secondaries_q <= pass_i.count;
           objects_q <= pass_i.objects;
           fault_q <= '0;

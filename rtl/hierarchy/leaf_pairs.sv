@@ -7,6 +7,7 @@
 module leaf_pairs #(
     parameter int PAIRS = 1,      // hierarchy_pkg::walked_pairs
     parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
+    parameter int NORMALS = 0,    // 1: of solids
     parameter int AT = 1,         // bits of what a leaf comes and goes with
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
@@ -17,7 +18,8 @@ module leaf_pairs #(
     localparam int EXP = 8,
     localparam int MAN = 23,
     localparam int LANES = 2,  // secondaries of a leaf
-    localparam int WORDS = hierarchy_pkg::walked_words(PAIRS)
+    localparam int WORDS = hierarchy_pkg::walked_words(PAIRS),
+    localparam int POINTS = (NORMALS != 0) ? 6 : 3
 ) (
     input logic clk_i,
     input logic rst_i,
@@ -35,13 +37,13 @@ module leaf_pairs #(
     output logic [LANES-1:0] f_o,  // of those that are there
     output logic [LANES-1:0] there_o,
     output logic [LANES-1:0][31:0] t_o,  // of solids the signed gap
-    output logic [2:0][LANES-1:0][31:0] cp_o,
+    output logic [POINTS-1:0][LANES-1:0][31:0] point_o,  // CP and, with normals, n
     output logic [LANES-1:0][31:0] index_o
 );
   /*verilator inline_module*/
   localparam int SOLIDS = PAIRS & config_pkg::BOUND_PAIRS;
-  logic unused_primary;  // a sphere has few words
-  assign unused_primary = &{1'b0, primary_i};
+  logic unused;  // a sphere has few words
+  assign unused = &{1'b0, primary_i, point_of};
   logic taken_q, two_q, two;
   logic [AT-1:0] at_q;
   logic [LANES-1:0][31:0] index_q, f, t;
@@ -53,7 +55,7 @@ module leaf_pairs #(
 
   // ---- Pipes. What each computes with has a clock of its own: where nothing comes, nothing is computed ----
   logic [pairs_pkg::PAIRS-1:0][LANES-1:0][31:0] f_of, t_of;
-  logic [pairs_pkg::PAIRS-1:0][2:0][LANES-1:0][31:0] cp_of;
+  logic [pairs_pkg::PAIRS-1:0][5:0][LANES-1:0][31:0] point_of;
   logic [pairs_pkg::PAIRS-1:0][15:0] latency_of;
   for (genvar p = 0; p < pairs_pkg::PAIRS; p++) begin : pair
     if (pairs_pkg::has(PAIRS, p)) begin : g_there
@@ -65,7 +67,6 @@ module leaf_pairs #(
       logic [P_WORDS-1:0][LANES-1:0][31:0] primary;
       logic [8:0][LANES-1:0][31:0] triangles;
       logic [LANES-1:0][31:0] t_pipe;
-      logic [2:0][LANES-1:0][31:0] unused_n;
       assign mine = valid_i && (SOLIDS == 0 || pair_i == 4'(p));
       clock_gate gate (.clk_i, .enable_i(mine), .clk_o(clk));
       always_ff @(posedge clk) begin
@@ -81,17 +82,17 @@ module leaf_pairs #(
       if (SOLID) begin : g_solid
         localparam logic [31:0] SIGN = 32'h8000_0000;
         bounded_pipe #(`DF_SAME, .PAIR(p), .BOUND(1)) pipe (
-            .clk_i, .enter_i(taken_q), .a_i(triangles), .b_i(primary), .f_o(f_of[p]), .t_o(t_pipe), .cp_o(cp_of[p]),
-            .n_o(unused_n), .latency_o(latency_of[p]));
+            .clk_i, .enter_i(taken_q), .a_i(triangles), .b_i(primary), .f_o(f_of[p]), .t_o(t_pipe),
+            .cp_o(point_of[p][2:0]), .n_o(point_of[p][5:3]), .latency_o(latency_of[p]));
         assign t_of[p] = t_pipe | (f_of[p] & {LANES{SIGN}});
       end else begin : g_ray
         pair_pipe #(`DF_SAME, .PAIR(p), .ALGORITHM(ALGORITHM), .BOX(1)) pipe (
-            .clk_i, .enter_i(taken_q), .a_i(primary), .b_i(triangles), .f_o(f_of[p]), .t_o(t_pipe), .cp_o(cp_of[p]),
-            .n_o(unused_n), .latency_o(latency_of[p]));
+            .clk_i, .enter_i(taken_q), .a_i(primary), .b_i(triangles), .f_o(f_of[p]), .t_o(t_pipe),
+            .cp_o(point_of[p][2:0]), .n_o(point_of[p][5:3]), .latency_o(latency_of[p]));
         assign t_of[p] = t_pipe;
       end
     end else begin : g_absent
-      assign {f_of[p], t_of[p], cp_of[p], latency_of[p]} = '0;
+      assign {f_of[p], t_of[p], point_of[p], latency_of[p]} = '0;
     end
   end
 
@@ -109,7 +110,10 @@ module leaf_pairs #(
     localparam int T_PAIR =
         ((ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) ? `DF_MAX2(T_IN_BOX, T_INSIDE) : T_IN_BOX) + 1;
     align #(.W(5 * LANES * 32), .FROM(ARITH == "rtl" ? T_PAIR : 0), .TO(T_PAIR), .MEMORY(5)) align_pair (
-        .clk_i, .d_i({f_of[RAY], t_of[RAY], cp_of[RAY]}), .q_o({f, t, cp_o}));
+        .clk_i, .d_i({f_of[RAY], t_of[RAY], point_of[RAY][2:0]}), .q_o({f, t, point_o[2:0]}));
+    if (NORMALS != 0) begin : g_no_normals
+      assign point_o[POINTS-1:POINTS-3] = '0;
+    end
     align #(.W(AT), .TO(T_PAIR - 1)) align_soon (.clk_i, .d_i(at_q), .q_o(soon_o));
     align #(.W(AT), .TO(1)) align_at (.clk_i, .d_i(soon_o), .q_o(at_o));
     align #(.W(1 + LANES * 32), .TO(T_PAIR), .MEMORY(5)) align_index (
@@ -127,9 +131,9 @@ module leaf_pairs #(
     // The time of the pass's pipe is a number of its port. Gates answer then, the host at once.
     localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_SQRT + LAT_CMP + 4) / 5;
     localparam int DEPTH = 256 << $clog2(SLOWEST);
-    localparam int RESULT = 5 * LANES * 32;
+    localparam int RESULT = (2 + POINTS) * LANES * 32;
     logic [RESULT-1:0] result;
-    assign result = {f_of[pair_i], t_of[pair_i], cp_of[pair_i]};
+    assign result = {f_of[pair_i], t_of[pair_i], point_of[pair_i][POINTS-1:0]};
     logic [15:0] rest;  // until the clock before the answer
     logic soon;
     logic [AT+32*LANES:0] soon_with;
@@ -143,14 +147,14 @@ module leaf_pairs #(
       {at_o, two, index_o} <= soon_with;
     end
     if (ARITH == "rtl") begin : g_late
-      assign {f, t, cp_o} = result;
+      assign {f, t, point_o} = result;
     end else begin : g_early
       logic [RESULT-1:0] soon_result;
       logic unused_valid;
       issue_history #(.W(RESULT), .DEPTH(DEPTH)) results (
           .clk_i, .rst_i, .latency_i(rest), .valid_i(taken_q), .d_i(result), .valid_o(unused_valid),
           .q_o(soon_result));
-      always_ff @(posedge clk_i) {f, t, cp_o} <= soon_result;
+      always_ff @(posedge clk_i) {f, t, point_o} <= soon_result;
     end
   end
   assign t_o = t;

@@ -17,6 +17,7 @@ module traversal #(
     parameter int UNITS = 2,       // of nodes, each with its share of the contexts
     parameter int PAIRS = 1,       // hierarchy_pkg::walked_pairs, all with the box rule
     parameter int ALGORITHM = 0,   // of ray-triangle, pairs_pkg::ALGORITHM_*
+    parameter int NORMALS = 0,     // 1: solids have them
     parameter int LAT_ADD = 1,
     parameter int LAT_MUL = 1,
     parameter int LAT_DIV = 1,
@@ -25,6 +26,7 @@ module traversal #(
     parameter ARITH = "rtl",
     localparam int LANES = 2,  // secondaries of a leaf
     localparam int WORDS = hierarchy_pkg::walked_words(PAIRS),
+    localparam int POINTS = (NORMALS != 0) ? 6 : 3,  // words of CP and n
     localparam int CX = $clog2(CONTEXTS),
     localparam int TAG = `AT_BITS(CX) + 1
 ) (
@@ -60,7 +62,7 @@ module traversal #(
     output logic [LANES-1:0] hit_o,
     output logic [31:0] hit_number_o,
     output logic [LANES-1:0][31:0] hit_t_o,
-    output logic [2:0][LANES-1:0][31:0] hit_cp_o,
+    output logic [POINTS-1:0][LANES-1:0][31:0] hit_point_o,
     output logic [LANES-1:0][31:0] hit_index_o,
     // Records, one a ray, behind its hits; of goal hits they say no more than that.
     output logic record_valid_o,
@@ -69,7 +71,7 @@ module traversal #(
     output logic found_o,  // a pair is the answer; f_o: it meets
     output logic f_o,
     output logic [31:0] t_o,
-    output logic [2:0][31:0] cp_o,
+    output logic [POINTS-1:0][31:0] point_o,
     output logic [31:0] index_o,
     output hierarchy_pkg::events_t events_o,
     output logic [4:0] deepest_o,  // stack since reset: groups
@@ -92,7 +94,7 @@ module traversal #(
   typedef struct packed {
     logic f;
     logic [31:0] t;
-    logic [2:0][31:0] cp;
+    logic [POINTS-1:0][31:0] point;
     logic [31:0] index;
   } best_t;
   logic [WORDS-1:0][31:0] rays[CONTEXTS];
@@ -211,18 +213,18 @@ module traversal #(
   logic [1:0] tested_now;
   logic [LANES-1:0] f, there;
   logic [LANES-1:0][31:0] t, index;
-  logic [2:0][LANES-1:0][31:0] cp;
+  logic [POINTS-1:0][LANES-1:0][31:0] point;
   at_t keep_at_soon;
   logic unused_soon;
   assign unused_soon = &{1'b0, keep_at_soon.level, keep_at_soon.fresh};
   leaf_pairs #(
-      .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .AT($bits(at_t)), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+      .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .NORMALS(NORMALS), .AT($bits(at_t)), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
       .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) pairs (
       .clk_i, .rst_i, .pair_i, .valid_i(fetched_valid_i), .at_i(fetched_tag_i[TAG-1:1]), .two_i(fetched_tag_i[0]),
       .primary_i(rays[fetched_tag_i[TAG-1-:CX]]), .triangles_i(fetched_i), .index_i, .tested_o(tested_now),
-      .soon_o(keep_at_soon), .valid_o(keep_valid), .at_o(keep_at), .f_o(f), .there_o(there), .t_o(t), .cp_o(cp),
-      .index_o(index));
+      .soon_o(keep_at_soon), .valid_o(keep_valid), .at_o(keep_at), .f_o(f), .there_o(there), .t_o(t),
+      .point_o(point), .index_o(index));
 
   // ---- The better of what a ray had and what it found ----
   best_t best_q, best;
@@ -242,7 +244,8 @@ module traversal #(
     best = best_q;
     for (int l = 0; l < LANES; l++) begin
       best_t one;
-      one = '{f: 1'b1, t: t[l], cp: {cp[2][l], cp[1][l], cp[0][l]}, index: index[l]};
+      one = '{f: 1'b1, t: t[l], point: '0, index: index[l]};
+      for (int k = 0; k < POINTS; k++) one.point[k] = point[k][l];
       if (counts[l] && goal_i != GOAL_HITS && (!best.f || better(one.t, one.index, best.t, best.index))) best = one;
     end
   end
@@ -253,7 +256,7 @@ module traversal #(
   for (genvar l = 0; l < LANES; l++) begin : hit
     assign hit_t_o[l] = is_solid ? t[l] & ~SIGN : t[l];
   end
-  assign hit_cp_o = cp;
+  assign hit_point_o = point;
   assign hit_index_o = index;
   // A hit leaves less of T that counts; the first of goal occluded ends the way. Of solids gaps up to a limit do, and
   // what is kept from where is less than zero by as much (node_order.sv).
@@ -286,7 +289,7 @@ module traversal #(
   assign found_o = answer.f;
   assign f_o = answer.f && (!is_solid || goal_i != GOAL_NEAREST || answer.t[31]);
   assign t_o = is_solid ? answer.t & ~SIGN : answer.t;
-  assign {cp_o, index_o} = {answer.cp, answer.index};
+  assign {point_o, index_o} = {answer.point, answer.index};
   `undef CDE_OWN
 
   // ---- What is counted, and what is wrong ----

@@ -58,6 +58,7 @@ inline BoardConfig solids_config() {
           .pairs = {Pair::kRayTriangle, Pair::kTriangleObb, Pair::kTriangleSphere},
           .box = true,
           .swap = true,
+          .normals = true,
           .node_units = 2,
           .nodes = 1024,
           .transform = Transformer::kSecondaries,

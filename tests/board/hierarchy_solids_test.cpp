@@ -141,6 +141,33 @@ TEST(HierarchyOfSolids, ShapesTakeTurns) {
   }
 }
 
+/// A second record follows each; a small ring fills up between the two.
+TEST(HierarchyOfSolids, WithNormals) {
+  for (const Card& card : {kSolids, kSolidsDdr}) {
+    Board board = Board::open(card.config(), card.options);
+    const Scene scene = kScenes[5].make();
+    board.upload(scene, Hierarchy::build(scene));
+    const auto compare = [&]<class Solid>(const std::vector<Solid>& solids) {
+      std::size_t with = 0;
+      for (const Mode mode : kSolidModes) {
+        SCOPED_TRACE(name_of(mode));
+        Query query = query_of(kPairOf<Solid>, mode, Through::kSweep);
+        query.normals = true;
+        const std::vector<Record> swept = cast(board, solids, query);
+        query.through = Through::kHierarchy;
+        Counters c;
+        const std::vector<Record> records = cast(board, solids, query, &c);
+        expect_same(records, swept);
+        EXPECT_EQ(c.records, records.size());
+        for (const Record& r : records) with += r.n.norm() > 0.9f;
+      }
+      EXPECT_GT(with, solids.size());
+    };
+    compare(hard_solids<Sphere>(scene, 500));
+    compare(hard_solids<Obb>(scene, 200));
+  }
+}
+
 TEST(HierarchyOfSolids, ObjectsMove) {
   Board board = Board::open(solids_config());
   const Scene scene = kScenes[0].make();
@@ -187,9 +214,6 @@ TEST(HierarchyOfSolids, SaysWhyThereIsNoWayThrough) {
   EXPECT_NE(why(query).find("farthest"), std::string::npos);
   query.mode = Mode::kAll;
   EXPECT_NE(why(query).find("mode all"), std::string::npos);
-  query.mode = Mode::kNearest;
-  query.normals = true;
-  EXPECT_NE(why(query).find("normals"), std::string::npos);
   const std::vector<Sphere> one = {{{0, 0, 0}, 1}};
   query = query_of(Pair::kTriangleSphere, Mode::kFarthest, Through::kHierarchy);
   expect_error(ErrorCode::kUsage, "farthest", [&] { (void)cast(board, one, query); });

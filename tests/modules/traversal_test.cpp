@@ -159,7 +159,7 @@ class Bench {
     if (module_->found_o == 0) return r;
     r.t = std::bit_cast<float>(module_->t_o);
     for (unsigned k = 0; k < 3; ++k)
-      r.cp[static_cast<int>(k)] = std::bit_cast<float>(module_->cp_o[k]);
+      r.cp[static_cast<int>(k)] = std::bit_cast<float>(module_->point_o[k]);
     r.index = module_->index_o;
     return r;
   }
@@ -170,7 +170,7 @@ class Bench {
     r.f = true;
     r.t = std::bit_cast<float>(reinterpret_cast<const IData*>(&module_->hit_t_o)[lane]);
     for (unsigned k = 0; k < 3; ++k)
-      r.cp[static_cast<int>(k)] = std::bit_cast<float>(module_->hit_cp_o[2 * k + lane]);
+      r.cp[static_cast<int>(k)] = std::bit_cast<float>(module_->hit_point_o[2 * k + lane]);
     r.index = reinterpret_cast<const IData*>(&module_->hit_index_o)[lane];
     return r;
   }

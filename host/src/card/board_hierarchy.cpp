@@ -243,8 +243,7 @@ std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
   if (pair != Pair::kRayTriangle && q.mode == Mode::kFarthest)
     return "the triangle farthest from a solid is in no box that could be left out";
   if (q.second) return "two pairs at a time sweep";
-  if (q.normals)
-    return pair == Pair::kRayTriangle ? "rays have no normals" : "normals come of sweeps alone";
+  if (q.normals && pair == Pair::kRayTriangle) return "rays have no normals";
   if (q.first_secondary != 0 || q.secondary_count != 0) return "a range of secondaries is swept";
   if (!primary_objects.objects.empty()) return "primaries that move with objects sweep";
   return std::nullopt;

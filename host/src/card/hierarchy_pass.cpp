@@ -54,6 +54,7 @@ HierarchyPass::HierarchyPass(Board::Impl& card, const Query& query,
                              std::span<const std::uint32_t> numbers, const Rays& rays)
     : CardPass(card, query),
       numbers_(numbers),
+      normals_(query.normals && query.mode != Mode::kOccluded),
       place_words_(words_of(query) > kPlaceWords ? 2 * kPlaceWords : kPlaceWords),
       places_(card.ray_places * kPlaceWords / place_words_),
       rays_(rays),
@@ -80,6 +81,7 @@ void HierarchyPass::configure() {
   card_.write_register(card::kRegCommand, card::kCommandMode(query_.mode) |
                                               card::kCommandHierarchy |
                                               (query_.swap ? card::kCommandSwap : 0) |
+                                              (normals_ ? card::kCommandNormals : 0) |
                                               card::kCommandPair(*query_.pair));
   card_.configure_hierarchy(0, card_.hierarchy.nodes);
   card_.write_register(card::kRegRayCount, numbers_.size());
@@ -182,10 +184,22 @@ void HierarchyPass::drain(std::uint64_t wanted) {
   while (wanted != 0) {
     const std::uint64_t n = std::min(wanted, kChunk);
     fetch(n);
-    for (std::uint64_t i = 0; i < n; ++i)
-      records_.push_back(decode(&words_[card::kRecordWords * i], card_.coding));
+    for (std::uint64_t i = 0; i < n; ++i) take(&words_[card::kRecordWords * i]);
+    received_ += n;
     wanted -= n;
   }
+}
+
+void HierarchyPass::take(const std::uint32_t* entry) {
+  const bool normal = bit(entry[card::kRecordFlags], card::kFlagNormal);
+  if (normal != has_half_)
+    device_error("a record without its normal", card_.read_register(card::kRegStatus));
+  const Record r = decode(entry, card_.coding);
+  if (normal)
+    records_.back().n = r.cp;
+  else
+    records_.push_back(r);
+  has_half_ = normals_ && !normal;
 }
 
 Counters HierarchyPass::finish() {
@@ -197,8 +211,9 @@ Counters HierarchyPass::finish() {
   c.deepest = card_.read_register(card::kRegDeepest);
   c.records = card_.read_register(card::kRegWritten);
   const std::uint64_t status = check_end(c);
-  if (records_.size() != c.records)
-    device_error(fmt::format("{} records downloaded of {}", records_.size(), c.records), status);
+  if (received_ != c.records || has_half_)
+    device_error(fmt::format("{} records downloaded of {}", received_, c.records), status);
+  c.records = records_.size();
   for (const Record& r : records_) {
     if (r.primary >= numbers_.size())
       device_error(fmt::format("a record of ray {} of {}", r.primary, numbers_.size()), status);

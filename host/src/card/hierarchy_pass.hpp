@@ -50,11 +50,15 @@ class HierarchyPass : private CardPass {
   [[nodiscard]] std::uint64_t until_deadline(std::uint64_t clocks) const;
   void check_progress();
   void drain(std::uint64_t entries);
+  /// A record, or the normal of the one before.
+  void take(const std::uint32_t* entry);
   Counters finish();
   void put_in_order(std::vector<Record>& records);
 
   std::span<const std::uint32_t> numbers_;
-  unsigned place_words_;  ///< of a ray in the ring
+  bool normals_, has_half_ = false;
+  std::uint64_t received_ = 0;  ///< entries of the ring
+  unsigned place_words_;        ///< of a ray in the ring
   std::uint32_t places_;
   const Rays& rays_;
   std::uint32_t provided_ = 0, taken_ = 0;

@@ -40,7 +40,7 @@ std::optional<std::string> against(const SceneQuery& q, const Plan& plan) {
   if (!has_box_rule(q.pair)) return "it is of rays, spheres and OBBs that meet triangles";
   if (q.swap == is_ray(q)) return "its primaries are triangles";
   if (q.mode == Mode::kAll) return "mode all has records of all secondaries, hit or not";
-  if (q.normals) return is_ray(q) ? "rays have no normals" : "normals come of sweeps alone";
+  if (q.normals && is_ray(q)) return "rays have no normals";
   if (!is_ray(q) && q.mode == Mode::kFarthest)
     return "the triangle farthest from a solid is in no box that could be left out";
   if (!is_ray(q) && plan.board.verdicts) return "narrow lanes that prove misses sweep";
