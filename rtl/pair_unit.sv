@@ -99,9 +99,9 @@ module pair_unit #(
     logic [2:0][LANES-1:0][CW-1:0] cp_pipe, n_pipe;
     bounded_pipe #(
         .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(pairs_pkg::has(config_pkg::BOUND_PAIRS, PAIR) ? 0 : BOX),
-        .BOUND(pairs_pkg::has(config_pkg::BOUND_PAIRS, PAIR) ? BOX : 0), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II), .EXP(EXP),
-        .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
-        .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+        .BOUND(pairs_pkg::has(config_pkg::BOUND_PAIRS, PAIR) ? BOX : 0), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II),
+        .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+        .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
     ) pipe (.clk_i, .enter_i(taken), .a_i(a), .b_i(b), .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe),
         .latency_o(latency));
     issue_history #(.W(32), .DEPTH(HISTORY)) history_tag (

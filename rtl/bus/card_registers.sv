@@ -200,7 +200,7 @@ module card_registers #(
   assign budget_ok = (PAIRS & pairs_pkg::RING_PAIRS) == 0 || ((budget_q.m == 8'd4 || budget_q.m == 8'd8 ||
       budget_q.m == 8'd16) &&
       budget_q.k1 <= registers_pkg::BUDGET_MOST && budget_q.k2 <= registers_pkg::BUDGET_MOST);
-  // Through the hierarchy go rays, and solids but for the farthest, of triangles; no secondary beyond the count is in it.
+  // Through the hierarchy go rays, and solids but for their farthest; no secondary beyond the count is in it.
   localparam int WALKED = (NODE_UNITS != 0) ? hierarchy_pkg::walked_pairs(CONFIG) : 0;
   logic sweep_ok, walk_ok, walk_pair_ok;
   always_comb begin

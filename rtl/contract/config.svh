@@ -8,8 +8,8 @@
 //   PRIMARIES     64, 128, 192 or 256
 //   PAIRS         bit p: the card has the pipe of pair p (pairs_pkg::PAIR_*)
 //   ALGORITHM     of ray-triangle (pairs_pkg::ALGORITHM_*)
-//   BOX           1: of ray-triangle, a hit must lie in the triangle's box; of triangle-sphere and triangle-obb, a gap is
-//                 at least that of the boxes
+//   BOX           1: of ray-triangle, a hit must lie in the triangle's box; of triangle-sphere and triangle-obb, a gap
+//                 is at least that of the boxes
 //   SWAP          a command can exchange the roles of primary and secondary
 //   NORMALS       a command can ask for normals
 //   PARALLEL      two pipes can work on the same secondaries at a time

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A hierarchy of boxes: nodes of eight children (words: host/include/cde/hierarchy/node.hpp), and what a ray, or a solid,
-// keeps on its way through them.
+// A hierarchy of boxes: nodes of eight children (words: host/include/cde/hierarchy/node.hpp), and what a ray, or a
+// solid, keeps on its way through them.
 package hierarchy_pkg;
   localparam int CHILDREN = 8;
   localparam int NODE_WORDS = 18;

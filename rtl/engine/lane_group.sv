@@ -222,8 +222,9 @@ module lane_group #(
         assign ring_valid_o[p] = 1'b0;
         bounded_pipe #(
             .PAIR(p), .ALGORITHM(ALGORITHM), .BOX(pairs_pkg::has(pairs_pkg::BOX_PAIRS, p) ? BOX : 0),
-            .BOUND(32'(pairs_pkg::has(config_pkg::bound_pairs(CONFIG), p))), .FACET_II(INTERVAL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD),
-            .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+            .BOUND(32'(pairs_pkg::has(config_pkg::bound_pairs(CONFIG), p))), .FACET_II(INTERVAL), .EXP(EXP),
+            .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+            .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .enter_i(enter), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp),
             .n_o(n), .latency_o(latency_o[p]));
