@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Passes of rays, or of solids, through a hierarchy: rays as the host provides them, nodes and what is in the slots of
-// leaves in memories of their own, triangles from DDR, records with the rays' numbers in the order in which they are found. A
-// pass ends when all its rays have their records, or with a fault, where what is in memory is no tree. And passes
-// without rays, which give the nodes boxes anew (refit.sv).
+// leaves in memories of their own, triangles from DDR, records with the rays' numbers in the order in which they are
+// found. A pass ends when all its rays have their records, or with a fault, where what is in memory is no tree. And
+// passes without rays, which give the nodes boxes anew (refit.sv).
 // Latency: that of the way. Throughput: see traversal.sv; a ray takes four beats of the bus. Stall: the records' ring.
 `include "hierarchy.svh"
 module hierarchy_unit #(
@@ -218,8 +218,8 @@ module hierarchy_unit #(
       .leaf_i(fetch_valid && fetch_ready), .leaf_tested_i(tested), .hit_i(hit), .hit_number_i(hit_number),
       .hit_t_i(hit_t), .hit_point_i(hit_point), .hit_index_i(hit_index), .valid_i(record_valid), .ready_o(record_ready),
       .number_i(number), .found_i(found), .f_i(f), .t_i(t), .point_i(point), .index_i(best_index),
-      .bad_valid_i(ray_valid && ray_bad), .bad_ready_o(bad_ready), .bad_number_i(ray_number), .sram_full_i, .sram_count_i, .write_o, .record_o,
-      .finished_o(finished), .empty_o(records_empty));
+      .bad_valid_i(ray_valid && ray_bad), .bad_ready_o(bad_ready), .bad_number_i(ray_number), .sram_full_i,
+      .sram_count_i, .write_o, .record_o, .finished_o(finished), .empty_o(records_empty));
 
   // ---- What no tree does. One of the rays on their way comes to its end before each has read every node; and a refit
   // writes a node in less than a million clocks ----
