@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde cast through a hierarchy: the same records, said what it is, and refused where it cannot be.
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -288,6 +289,57 @@ TEST_F(SceneHierarchy, PlanHasClocksOfBoth) {
   EXPECT_EQ(bad.status, 2);
   EXPECT_NE(bad.err.find("bad.toml:3:"), std::string::npos) << bad.err;
   EXPECT_NE(bad.err.find("hierarchy"), std::string::npos) << bad.err;
+}
+
+/// Spheres that fall onto a terrain: the same bytes as swept, normals too.
+TEST_F(SceneHierarchy, OfSpheres) {
+  const auto scene = [](const std::string& card) {
+    return "frames = 3\n[card]\n" + card + R"(
+[[object]]
+name = "ground"
+mesh = "terrain:40,40,3"
+[[object]]
+name = "balls"
+random = { shape = "sphere", count = 300, min = [0, 0, 20], max = [400, 400, 260], size = [2, 20], seed = 9 }
+motion = { kind = "velocity", linear = [0, 0, -400] }
+[[query]]
+name = "near"
+pair = "triangle-sphere"
+primaries = "balls"
+secondaries = "ground"
+swap = true
+normals = true
+mask = [4]
+[[query]]
+name = "hits"
+pair = "triangle-sphere"
+primaries = "balls"
+secondaries = "ground"
+swap = true
+normals = true
+mode = "hits"
+)";
+  };
+  std::map<std::string, std::string> records;
+  for (const std::string card : {"", "hierarchy = \"off\"\nlanes = 16"}) {
+    const std::string name = card.empty() ? "auto" : "off";
+    write(name + ".toml", scene(card));
+    const Ran ran = cde({"run", name + ".toml", "-q"});
+    ASSERT_EQ(ran.status, 0) << ran.err;
+    const auto j = nlohmann::json::parse(read(name + ".run/run.json"));
+    EXPECT_EQ(j["totals"]["mismatches"], 0);
+    for (const auto& frame : j["played"]) {
+      for (const auto& file : frame["files"])
+        records[name] += read(name + ".run/" + file.get<std::string>());
+      for (const auto& query : frame["queries"]) {
+        EXPECT_EQ(query["nodes"] > 0, card.empty());
+        EXPECT_EQ(query["swept_as"], nullptr);
+        EXPECT_GT(query["compared"], 0);
+      }
+    }
+  }
+  EXPECT_EQ(records["auto"], records["off"]);
+  EXPECT_GT(records["auto"].size(), 10'000u);
 }
 
 }  // namespace

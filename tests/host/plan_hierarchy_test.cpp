@@ -126,6 +126,38 @@ TEST(PlanHierarchy, OfObjectsThatMove) {
   EXPECT_LT(refit(p), refit(whole) / 2) << hierarchy(p).cost;
 }
 
+std::string solids(const std::string& shape, const std::string& more = "") {
+  return "[[object]]\nname = \"things\"\nrandom = { shape = \"" + shape +
+         "\", count = 200, min = [0, 0, 0], max = [400, 400, 300], size = [2, 9], seed = 3 }\n"
+         "[[query]]\nname = \"touch\"\npair = \"triangle-" +
+         shape + "\"\nprimaries = \"things\"\nsecondaries = \"ground\"\nswap = true\n" + more;
+}
+
+TEST(PlanHierarchy, OfSolids) {
+  for (const char* shape : {"sphere", "obb"}) {
+    SCOPED_TRACE(shape);
+    const Plan p = of(ground(60) + solids(shape, "normals = true\n"));
+    EXPECT_TRUE(hierarchy(p).used) << hierarchy(p).why;
+    EXPECT_EQ(hierarchy(p).why.find("primaries of touch go through a tree"), 0u);
+    EXPECT_TRUE(p.board.box) << "the tree needs the rule";
+    EXPECT_EQ(p.board.lanes, shape == std::string("sphere") ? 4u : 8u) << "nothing is swept";
+    EXPECT_LT(*p.queries[0].hierarchy_clocks, p.queries[0].rows / 2);
+    EXPECT_NO_THROW((void)p.board.parameters());
+    const Plan off = of("[card]\nhierarchy = \"off\"\n" + ground(60) + solids(shape));
+    EXPECT_FALSE(off.board.box);
+    EXPECT_EQ(off.board.node_units, 0u);
+    const auto swept = [&](const std::string& card, const std::string& more, const char* why) {
+      const Plan none = of(card + ground(60) + solids(shape, more));
+      EXPECT_FALSE(hierarchy(none).used);
+      EXPECT_NE(hierarchy(none).why.find(why), std::string::npos) << hierarchy(none).why;
+      EXPECT_FALSE(none.board.box);
+    };
+    swept("", "mode = \"farthest\"\n", "farthest from a solid");
+    swept("[card]\nbox = false\n", "", "the box rule");
+    swept("[card]\nverdicts = \"fp16\"\n", "", "narrow lanes");
+  }
+}
+
 /// Many things that move among each other leave little of a tree that stays.
 TEST(PlanHierarchy, NotOfADustThatMoves) {
   const auto dust = [](const char* each) {

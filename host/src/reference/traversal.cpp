@@ -235,13 +235,6 @@ std::vector<Record> Traversal::trace_any(const P& primary, std::uint32_t number,
 std::vector<Record> Traversal::trace(const Ray& ray, std::uint32_t number, Mode mode) {
   return trace_any(ray, number, mode);
 }
-std::vector<Record> Traversal::trace(const Sphere& sphere, std::uint32_t number, Mode mode) {
-  return trace_any(sphere, number, mode);
-}
-std::vector<Record> Traversal::trace(const Obb& box, std::uint32_t number, Mode mode) {
-  return trace_any(box, number, mode);
-}
-
 template <class P>
 bool Traversal::meets_any(const P& primary) {
   if (defect(primary) || triangles_.size() == 0) return false;
@@ -251,11 +244,9 @@ bool Traversal::meets_any(const P& primary) {
 bool Traversal::occluded(const Ray& ray) {
   return meets_any(ray);
 }
-bool Traversal::occluded(const Sphere& sphere) {
-  return meets_any(sphere);
-}
-bool Traversal::occluded(const Obb& box) {
-  return meets_any(box);
-}
+template std::vector<Record> Traversal::trace_any(const Sphere&, std::uint32_t, Mode);
+template std::vector<Record> Traversal::trace_any(const Obb&, std::uint32_t, Mode);
+template bool Traversal::meets_any(const Sphere&);
+template bool Traversal::meets_any(const Obb&);
 
 }  // namespace cde::reference

@@ -434,7 +434,11 @@ Effect add_hierarchy(const Scene& scene, plan_mover::Movers& movers, Plan& plan)
   plan_mover::leave_primaries(movers, "rays are written on their way into the hierarchy");
   const bool sweeps =
       std::find(choice.queries.begin(), choice.queries.end(), false) != choice.queries.end();
-  if (!sweeps && !scene.card.lanes) plan.board.lanes = kLanesBesideATree;
+  const std::vector<Pair>& pairs = plan.board.pairs;
+  if (!sweeps && !scene.card.lanes)
+    plan.board.lanes = std::any_of(pairs.begin(), pairs.end(), plan_card::is_large)
+                           ? kLanesOfLargePipes
+                           : kLanesBesideATree;
   return choice.effect;
 }
 

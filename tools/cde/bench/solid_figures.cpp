@@ -158,9 +158,9 @@ ordered_json solids_json(const std::vector<SolidFigures>& figures, double clock_
     ordered_json j{{"shape", name(f.shape)},
                    {"quads", f.quads},
                    {"touching_share", f.touching},
-                   {"questions", ordered_json::array()}};
+                   {"by_question", ordered_json::array()}};
     for (const SolidCard& c : f.cards)
-      j["questions"].push_back(
+      j["by_question"].push_back(
           {{"question", c.question},
            {"seconds_alone", each(c.one, kAlone) / clock_hz},
            {"packet_cycles", c.packet.cycles},

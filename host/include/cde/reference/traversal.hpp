@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <concepts>
 #include <cstdint>
 #include <vector>
 
@@ -32,12 +33,16 @@ class Traversal {
   [[nodiscard]] std::vector<Record> trace(const Ray& ray, std::uint32_t number, Mode mode);
   /// Of solids mode nearest has the triangle of the least signed gap, whether they meet or not, and
   /// any and hits those that they meet. Error kUsage in mode farthest as well.
-  [[nodiscard]] std::vector<Record> trace(const Sphere& sphere, std::uint32_t number, Mode mode);
-  [[nodiscard]] std::vector<Record> trace(const Obb& box, std::uint32_t number, Mode mode);
+  template <class Solid>
+  requires std::same_as<Solid, Sphere> || std::same_as<Solid, Obb>
+  [[nodiscard]] std::vector<Record> trace(const Solid& solid, std::uint32_t number, Mode mode) {
+    return trace_any(solid, number, mode);
+  }
   /// Whether it meets any triangle: ends at the first.
   [[nodiscard]] bool occluded(const Ray& ray);
-  [[nodiscard]] bool occluded(const Sphere& sphere);
-  [[nodiscard]] bool occluded(const Obb& box);
+  template <class Solid>
+  requires std::same_as<Solid, Sphere> || std::same_as<Solid, Obb>
+  [[nodiscard]] bool occluded(const Solid& solid) { return meets_any(solid); }
 
   [[nodiscard]] const TraversalCounts& counts() const { return counts_; }
 
@@ -45,7 +50,7 @@ class Traversal {
   enum class Goal { kNearest, kFarthest, kHits, kAny, kOccluded };
   template <class P>
   class Walk;
-  template <class P>
+  template <class P>  // of these three
   std::vector<Record> trace_any(const P& primary, std::uint32_t number, Mode mode);
   template <class P>
   bool meets_any(const P& primary);
