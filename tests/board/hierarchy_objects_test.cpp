@@ -108,6 +108,12 @@ TEST_P(HierarchyObjects, RecordsAreThoseOfASweepAndOfTheReference) {
   EXPECT_GT(hits, count);
 }
 
+TEST(HierarchyOfObjects, NoTreeOfATransformThatNoCardTakes) {
+  Moving world(kScenes[6].make(), 4);
+  world.objects[2].transform.rotation(0, 1) += 0.25f;
+  expect_error(ErrorCode::kBadInput, "object 2: ", [&] { (void)world.tree(); });
+}
+
 TEST(HierarchyOfObjects, SaysWhyThereIsNoWayThrough) {
   Board board = Board::open(objects_config());
   Moving world(kScenes[6].make(), 4);

@@ -180,6 +180,20 @@ TEST(HierarchyDriver, SaysWhyThereIsNoWayThrough) {
   refused("no hierarchy was uploaded", {.pair = Pair::kRayTriangle});
 }
 
+TEST(HierarchyDriver, ProgressGoesUpToOne) {
+  Board board = Board::open(fast_config());
+  const Scene scene = kScenes[6].make();
+  board.upload(scene, Hierarchy::build(scene));
+  std::vector<double> shares;
+  Query query{.pair = Pair::kRayTriangle, .through = Through::kHierarchy};
+  query.progress = [&](double share) { shares.push_back(share); };
+  (void)board.cast(hard_rays(scene, 20'000), query);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  ASSERT_GT(shares.size(), 3u);
+  EXPECT_GT(shares[shares.size() / 2], 0.1);
+  EXPECT_EQ(shares.back(), 1);
+}
+
 TEST(HierarchyDriver, WhatDoesNotFitIsRefusedWithTheSizes) {
   Board board = Board::open(fast_config());
   const Mesh mesh = make_terrain({.quads_x = 100, .quads_y = 100});

@@ -262,6 +262,8 @@ Hierarchy hierarchy_of(const TriangleView& triangles, std::span<const Object> ob
       throw Error(ErrorCode::kUsage,
                   fmt::format("object {}: {} secondaries from {} on, of {}", counts.size(),
                               object.count, object.first, triangles.size()));
+    if (const auto why = defect(object.transform))
+      throw Error(ErrorCode::kBadInput, fmt::format("object {}: {}", counts.size(), *why));
     counts.push_back(object.count);
   }
   return Hierarchy::build(reference::swept(triangles, objects).shapes, counts, options);

@@ -69,6 +69,7 @@ Counters HierarchyPass::execute(std::vector<Record>& records) {
     drain(card_.read_register(card::kRegRecords));
     const Counters counters = finish();
     put_in_order(records);
+    if (query_.progress) query_.progress(1);
     return counters;
   } catch (...) {
     abort();
@@ -92,11 +93,15 @@ bool HierarchyPass::provide(std::uint32_t most) {
   const std::uint32_t wanted = std::min(most, all - provided_);
   if (wanted == 0) return true;
   if (provided_ + wanted - taken_ > places_)
-    taken_ = static_cast<std::uint32_t>(card::kRaysTaken.of(card_.read_register(card::kRegRays)));
+    taken_ = taken();
   if (provided_ + wanted - taken_ > places_) return false;
   write_rays(wanted);
   card_.write_register(card::kRegRays, provided_);
   return provided_ == all;
+}
+
+std::uint32_t HierarchyPass::taken() const {
+  return static_cast<std::uint32_t>(card::kRaysTaken.of(card_.read_register(card::kRegRays)));
 }
 
 void HierarchyPass::write_rays(std::uint32_t count) {
@@ -147,8 +152,10 @@ void HierarchyPass::wait_until_done() {
     }
     if (!wrote) check_progress();
     check_watchdog();
-    if (query_.progress)
+    if (query_.progress) {
+      taken_ = taken();
       query_.progress(static_cast<double>(taken_) / static_cast<double>(numbers_.size()));
+    }
   }
 }
 

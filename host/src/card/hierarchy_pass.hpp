@@ -46,6 +46,7 @@ class HierarchyPass : private CardPass {
   /// Writes rays as far as there are places, at most so many; whether all are written.
   bool provide(std::uint32_t most);
   void write_rays(std::uint32_t count);
+  [[nodiscard]] std::uint32_t taken() const;  ///< whose places are free again
   void wait_until_done();
   [[nodiscard]] std::uint64_t until_deadline(std::uint64_t clocks) const;
   void check_progress();
