@@ -400,10 +400,12 @@ Counters sweep(Board::Impl& card, const Query& query, const RecordSink& sink,
   });
 }
 
-/// Rays of a pass through the hierarchy, at most: the more, the less the last ones matter. Records
-/// of a pass are kept until it is over, and in mode hits a ray may have many.
-std::size_t rays_of_a_pass(Mode mode) {
-  return mode == Mode::kHits ? 4096 : 65'536;
+/// Primaries of a pass through the hierarchy, at most: the more, the less the last ones matter.
+/// Records of a pass are kept until it is over, and in mode hits a ray may have many, a solid as
+/// many as there are triangles.
+std::size_t most_of_a_pass(const Board::Impl& card, Shape shape, Mode mode) {
+  if (mode != Mode::kHits) return 65'536;
+  return shape == Shape::kRay ? 4096 : card.primaries;
 }
 
 }  // namespace
@@ -497,7 +499,7 @@ Counters Board::cast_through(Shape shape, std::size_t count, const Words& shapes
   const std::shared_ptr<Impl> kept = impl_;
   Impl& it = *kept;
   const Query whole = complete(it, query, shape);
-  const std::size_t batch = rays_of_a_pass(query.mode);
+  const std::size_t batch = most_of_a_pass(it, shape, query.mode);
   Counters total;
   std::vector<std::uint32_t> numbers;
   std::vector<Record> records;
