@@ -67,7 +67,7 @@ void expect_all(Board& board, std::size_t count) {
     SCOPED_TRACE(one.name);
     const Scene scene = one.make();
     if (scene.size() > 2000) continue;
-    const Hierarchy tree = Hierarchy::build(scene, {.leaf = scene.size() % 2 + 1u});
+    const Hierarchy tree = Hierarchy::build(scene, {.leaf = scene.size() % 2 == 0 ? 1u : 2u});
     board.upload(scene, tree);
     const std::vector<Solid> solids = hard_solids<Solid>(scene, count);
     for (const Mode mode : kSolidModes) {
