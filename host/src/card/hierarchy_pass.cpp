@@ -92,8 +92,7 @@ bool HierarchyPass::provide(std::uint32_t most) {
   const auto all = static_cast<std::uint32_t>(numbers_.size());
   const std::uint32_t wanted = std::min(most, all - provided_);
   if (wanted == 0) return true;
-  if (provided_ + wanted - taken_ > places_)
-    taken_ = taken();
+  if (provided_ + wanted - taken_ > places_) taken_ = taken();
   if (provided_ + wanted - taken_ > places_) return false;
   write_rays(wanted);
   card_.write_register(card::kRegRays, provided_);

@@ -182,7 +182,8 @@ void show_solids(const std::vector<SolidFigures>& figures, double clock_hz) {
   for (const SolidFigures& f : figures)
     for (const SolidCard& c : f.cards)
       show("  {:<7} {} quad{}, {}: {}, {}, {} ({:.1f} nodes, {:.1f} triangles); FCL {}\n",
-           name(f.shape), f.quads, f.quads == 1 ? "" : "s", c.question, duration(each(c.one, kAlone) / clock_hz),
+           name(f.shape), f.quads, f.quads == 1 ? "" : "s", c.question,
+           duration(each(c.one, kAlone) / clock_hz),
            duration(each(c.packet, kTreePacket) / clock_hz),
            duration(each(c.stream, kTreeRing) / clock_hz),
            static_cast<double>(c.stream.nodes) / kTreeRing,

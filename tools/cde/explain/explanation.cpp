@@ -64,7 +64,8 @@ Source source_of(const rtl::Elaboration& design, std::string path) {
   path.resize(path.size() - std::string_view(".tap").size());
   Source source{design.places(path)};
   std::erase_if(source.places, [](const rtl::Place& p) {
-    return p.file == "pair_unit.sv" || p.file == "scaled_pipe.sv" || p.file == "pair_pipe.sv" ||
+    return p.file == "pair_unit.sv" || p.file == "scaled_pipe.sv" || p.file == "bounded_pipe.sv" ||
+           p.file == "pair_pipe.sv" ||
            (p.module == "fp_lanes" && (p.instance == "cell_u" || p.instance == "lanes"));
   });
   return source;

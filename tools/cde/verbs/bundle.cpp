@@ -78,9 +78,10 @@ std::string lines_of(const explain::Explanation& e) {
 
 /// What a line of dataflow is made of, and what is around a pipe.
 bool is_wiring(const std::string& file) {
-  static const std::set<std::string> kAround = {
-      "align.sv",    "lane_select.sv", "fp_lanes.sv",  "fp_host.sv",   "fp_delay.sv",
-      "fp_gates.sv", "fp_sign.sv",     "pair_pipe.sv", "pair_unit.sv", "scaled_pipe.sv"};
+  static const std::set<std::string> kAround = {"align.sv",       "lane_select.sv", "fp_lanes.sv",
+                                                "fp_host.sv",     "fp_delay.sv",    "fp_gates.sv",
+                                                "fp_sign.sv",     "pair_pipe.sv",   "pair_unit.sv",
+                                                "scaled_pipe.sv", "bounded_pipe.sv"};
   return file.starts_with("df_") || file.starts_with("vec_") || kAround.contains(file);
 }
 
