@@ -330,7 +330,15 @@ TEST(HierarchyOfObjects, WhatCannotBeBuiltIsSaid) {
             "object 0: 4294967295 secondaries from 4294967295 on, of 40");
   auto objects = objects_of(2, 20);
   objects[1].transform.translation.x() = 0x1p41f;
-  EXPECT_EQ(refused(objects, ErrorCode::kBadInput).find("part 1: secondary 0: its box is"), 0u);
+  EXPECT_EQ(refused(objects, ErrorCode::kBadInput).find("object 1: "), 0u);
+  auto beyond = triangles;
+  beyond[25].v0.x() = 0x1p41f;
+  try {
+    (void)Hierarchy::build(beyond, std::vector<std::uint32_t>{20, 20});
+    ADD_FAILURE() << "built";
+  } catch (const Error& e) {
+    EXPECT_EQ(std::string(e.what()).find("part 1: secondary 5: its box is"), 0u) << e.what();
+  }
   EXPECT_EQ(refused(std::vector<Object>(40'000, {0, 1, {}}), ErrorCode::kCapacity),
             "a hierarchy of 40000 parts: it may have 32768");
   for (const std::vector<std::uint32_t>& parts :
