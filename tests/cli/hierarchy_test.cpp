@@ -307,7 +307,6 @@ name = "near"
 pair = "triangle-sphere"
 primaries = "balls"
 secondaries = "ground"
-swap = true
 normals = true
 mask = [4]
 [[query]]
@@ -315,7 +314,6 @@ name = "hits"
 pair = "triangle-sphere"
 primaries = "balls"
 secondaries = "ground"
-swap = true
 normals = true
 mode = "hits"
 )";

@@ -470,7 +470,7 @@ Counters Board::cast_words(Shape shape, std::size_t count, const Words& words, c
   idle_card().link->alive();
   require_sink(sink);
   (void)name_of(query.mode);
-  if (count != 0 && through_hierarchy(card(), query))
+  if (count != 0 && through_hierarchy(card(), complete(card(), query, shape)))
     return cast_through(shape, count, words, query, sink);
   const std::size_t packet = primaries();
   Counters total;

@@ -100,7 +100,9 @@ bool HierarchyPass::provide(std::uint32_t most) {
 }
 
 std::uint32_t HierarchyPass::taken() const {
-  return static_cast<std::uint32_t>(card::kRaysTaken.of(card_.read_register(card::kRegRays)));
+  const auto now =
+      static_cast<std::uint32_t>(card::kRaysTaken.of(card_.read_register(card::kRegRays)));
+  return std::max(now, taken_);  // a pass that has ended since says 0
 }
 
 void HierarchyPass::write_rays(std::uint32_t count) {

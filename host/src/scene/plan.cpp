@@ -147,8 +147,8 @@ BoardConfig board_of(const Scene& scene) {
   b.format = scene.card.format;
   b.verdicts = scene.card.verdicts;
   b.algorithm = scene.card.algorithm;
-  b.box = scene.card.box &&
-          std::find(b.pairs.begin(), b.pairs.end(), Pair::kRayTriangle) != b.pairs.end();
+  b.box = scene.card.box;
+  b.box = std::any_of(b.pairs.begin(), b.pairs.end(), [&b](Pair p) { return b.box_rule(p); });
   b.trace = scene.card.trace;
   b.bus = scene.card.cycle_bus ? Bus::kCycle : Bus::kFunctional;
   b.ecc = scene.card.ecc;
@@ -202,14 +202,24 @@ Effect pipes(const Scene& scene, const Plan& plan) {
 }
 
 Effect box_rule(const Scene& scene, const Plan& plan) {
-  const bool rays = std::find(plan.board.pairs.begin(), plan.board.pairs.end(),
-                              Pair::kRayTriangle) != plan.board.pairs.end();
-  return {"box rule", plan.board.box, plan.board.box ? "built in" : "none",
-          !rays ? plan.board.box ? "solids go through a hierarchy: gaps are at least those of boxes"
-                                 : "no rays meet triangles"
-          : scene.card.box
-              ? "a ray's hit must lie in the triangle's box"
-              : "the plain pipe is asked for: a hit may be far from an edge-on triangle",
+  const std::vector<Pair>& pairs = plan.board.pairs;
+  const bool rays = std::find(pairs.begin(), pairs.end(), Pair::kRayTriangle) != pairs.end();
+  const bool solids = std::any_of(pairs.begin(), pairs.end(), [&](Pair pair) {
+    return pair != Pair::kRayTriangle &&
+           (plan.board.box ? plan.board.box_rule(pair) : has_box_rule(pair));
+  });
+  std::string why = "no rays, spheres or OBBs meet triangles";
+  if (plan.board.box) {
+    why = rays ? "a ray's hit must lie in the triangle's box" : "";
+    if (solids)
+      why += fmt::format("{}the gap of a solid and a triangle is at least that of their boxes",
+                         rays ? "; " : "");
+  } else if (rays) {
+    why = "the plain pipe is asked for: a hit may be far from an edge-on triangle";
+  } else if (solids) {
+    why = "the plain pipes are asked for: nothing of triangles goes through a hierarchy";
+  }
+  return {"box rule", plan.board.box, plan.board.box ? "built in" : "none", why,
           simulation_text("box rule")};
 }
 
@@ -428,7 +438,6 @@ Effect add_hierarchy(const Scene& scene, plan_mover::Movers& movers, Plan& plan)
   if (choice.nodes == 0) return choice.effect;
   plan.board.node_units = plan_hierarchy::kNodeUnits;
   plan.board.nodes = choice.nodes;
-  plan.board.box = true;  // without it there is none
   for (std::size_t q = 0; q < plan.queries.size(); ++q)
     plan.queries[q].hierarchy = choice.queries[q];
   plan_mover::leave_primaries(movers, "rays are written on their way into the hierarchy");

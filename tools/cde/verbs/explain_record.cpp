@@ -150,7 +150,8 @@ class Text {
       put("Frame {} alone differs in no record: frames {} to {} were played before it.\n", s_.frame,
           s_.first_frame, s_.frame - 1);
     if (s_.swept_instead)
-      put("The run's rays go through a hierarchy; here the packet is swept, which has the same "
+      put("The run's primaries go through a hierarchy; here the packet is swept, which has the "
+          "same "
           "records. If they differ in the run and not here, it is the way through the tree: cde "
           "run "
           "--trace has waves of it.\n");
