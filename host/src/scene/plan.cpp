@@ -201,7 +201,7 @@ Effect pipes(const Scene& scene, const Plan& plan) {
   return e;
 }
 
-Effect box_rule(const Scene& scene, const Plan& plan) {
+Effect box_rule(const Plan& plan) {
   const std::vector<Pair>& pairs = plan.board.pairs;
   const bool rays = std::find(pairs.begin(), pairs.end(), Pair::kRayTriangle) != pairs.end();
   const bool solids = std::any_of(pairs.begin(), pairs.end(), [&](Pair pair) {
@@ -376,7 +376,7 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
   const bool banks = scene.card.cycle_memory;
   std::vector<Effect> effects = {
       pipes(scene, plan),
-      box_rule(scene, plan),
+      box_rule(plan),
       lanes(scene, plan),
       arithmetic(plan),
       number_format(plan),
