@@ -136,7 +136,7 @@ std::string solids(const std::string& shape, const std::string& more = "") {
 TEST(PlanHierarchy, OfSolids) {
   for (const char* shape : {"sphere", "obb"}) {
     SCOPED_TRACE(shape);
-    const Plan p = of(ground(60) + solids(shape, "normals = true\n"));
+    const Plan p = of(ground(60) + solids(shape, "normals = true\nmode = \"hits\"\n"));
     EXPECT_TRUE(hierarchy(p).used) << hierarchy(p).why;
     EXPECT_EQ(hierarchy(p).why.find("primaries of touch go through a tree"), 0u);
     EXPECT_TRUE(p.board.box) << "the tree needs the rule";
@@ -146,6 +146,11 @@ TEST(PlanHierarchy, OfSolids) {
     const Plan off = of("[card]\nhierarchy = \"off\"\n" + ground(60) + solids(shape));
     EXPECT_TRUE(off.board.box) << "the same records, whichever way";
     EXPECT_EQ(off.board.node_units, 0u);
+    // Nearest of what is far from all: a bound of axes leaves out little.
+    const Plan far = of(ground(60) + solids(shape));
+    EXPECT_FALSE(hierarchy(far).used);
+    EXPECT_EQ(hierarchy(far).why, "sweeps take less");
+    EXPECT_GT(*far.queries[0].hierarchy_clocks, far.queries[0].rows);
     const auto swept = [&](const std::string& card, const std::string& more, const char* why) {
       const Plan none = of(card + ground(60) + solids(shape, more));
       EXPECT_FALSE(hierarchy(none).used);

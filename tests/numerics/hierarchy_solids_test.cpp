@@ -155,6 +155,27 @@ TEST(GapBound, HoldsWhatIsTooLittle) {
   EXPECT_TRUE(reference::bounded<float>(wrong, t, sphere).f);
 }
 
+/// What a sphere reads that is far from all: docs/hierarchy.md has it.
+TEST(HierarchyOfSolids, FarFromAll) {
+  const Scene scene = triangles_of(make_terrain({.quads_x = 200, .quads_y = 200}));
+  const Hierarchy tree = Hierarchy::build(scene);
+  double before = 0;
+  for (const float quads : {1.0f, 4.0f, 16.0f, 64.0f}) {
+    reference::Traversal walk(scene, tree);
+    Draw draw(4);
+    for (std::uint32_t i = 0; i < 50; ++i) {
+      const Triangle& under = scene[draw.below(scene.size())];
+      (void)walk.trace(Sphere{under.v0 + 10 * quads * Vector3f::UnitZ(), 5}, i, Mode::kNearest);
+    }
+    const double each = static_cast<double>(walk.counts().triangles) / 50;
+    fmt::print("a sphere {:g} quads above: {:.1f} nodes, {:.1f} triangles\n", quads,
+               static_cast<double>(walk.counts().nodes) / 50, each);
+    EXPECT_GT(each, before);
+    before = each;
+  }
+  EXPECT_LT(before, static_cast<double>(scene.size()) / 2);
+}
+
 TEST(HierarchyOfSolids, HasNoFarthest) {
   const Scene scene = flat();
   const Hierarchy tree = Hierarchy::build(scene);
