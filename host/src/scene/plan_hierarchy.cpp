@@ -196,10 +196,19 @@ Choice choose(const Scene& scene, Plan& plan) {
 
   const std::uint64_t refit = refit_clocks(work, scene, plan, *tree);
   std::uint64_t rows = 0, through = refit;
+  std::string least;  // of the first query that a sweep is sooner for
   for (std::size_t q = 0; q < scene.queries.size(); ++q) {
     if (!choice.queries[q]) continue;
     plan.queries[q].hierarchy_clocks =
         clocks(scene.queries[q], plan.queries[q], plan, scene, *tree);
+    if (!asked && *plan.queries[q].hierarchy_clocks >= plan.queries[q].rows) {
+      choice.queries[q] = false;  // by itself a sweep is sooner
+      least = least.empty() ? fmt::format("about {} clocks a frame; sweeps of {} lanes take {}",
+                                          *plan.queries[q].hierarchy_clocks, plan.board.lanes,
+                                          plan.queries[q].rows)
+                            : least;
+      continue;
+    }
     rows += plan.queries[q].rows;
     through += *plan.queries[q].hierarchy_clocks;
   }
@@ -212,7 +221,7 @@ Choice choose(const Scene& scene, Plan& plan) {
                   plan.board.lanes, rows);
   if (!asked && through >= rows) {
     choice.nodes = 0;
-    e.cost = both;
+    e.cost = rows == 0 ? least : both;
     e.why = "sweeps take less";
     choice.queries.assign(scene.queries.size(), false);
     return choice;
