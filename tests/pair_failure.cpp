@@ -48,6 +48,8 @@ std::string options_of(const FailedPair& p, bool lanes) {
   if (lanes) text += " --lanes " + std::to_string(c.lanes);
   if (c.pair == Pair::kRayTriangle)
     text += " --algorithm " + std::string(name(c.algorithm)) + (c.box ? " --box" : " --no-box");
+  else if (c.box)
+    text += " --box";
   if (c.plane == PlaneSide::kHalfSpace) text += " --half-space";
   if (c.facet_interval != 1) text += " --facet-interval " + std::to_string(c.facet_interval);
   if (has_budget(c.pair) && p.budget != PairBudget{})

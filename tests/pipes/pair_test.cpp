@@ -152,10 +152,12 @@ unsigned pipe_latency(const PairConfig& config) {
   if (!one_clock) return 0;
   if (has_budget(config.pair)) return 0;
   const bool meets = config.pair == Pair::kTriangleObb || config.pair == Pair::kTriangleAabb;
-  const bool box = config.pair == Pair::kRayTriangle && config.box;
+  const bool ray = config.pair == Pair::kRayTriangle;
+  const unsigned rule = !config.box ? 0
+                        : ray       ? kBoxRule[static_cast<unsigned>(config.algorithm)]
+                                    : 1;  // of solids a comparison behind the pipe
   return static_cast<unsigned>(cde::testing::operators(config.pair, config.algorithm).depth) +
-         kOutput + (meets ? kMeet : 0) +
-         (box ? kBoxRule[static_cast<unsigned>(config.algorithm)] : 0);
+         kOutput + (meets ? kMeet : 0) + rule;
 }
 
 /// That and, where the pair is scaled, three clocks for the largest exponent and the two shifts.
@@ -318,6 +320,7 @@ TEST(PairFailure, SaysWhatAndWhereAndHowToAskAgain) {
       {{.pair = Pair::kSphereSphere}, {}},
       {{.pair = Pair::kSphereSphere, .format = {5, 10}, .lanes = 1}, {}},
       {{.box = true}, {}},
+      {{.pair = Pair::kTriangleSphere, .box = true}, {}},
       {{.algorithm = Algorithm::kPluecker}, {}},
       {{.pair = Pair::kObbPlane, .plane = cde::PlaneSide::kHalfSpace}, {}},
       {{.pair = Pair::kCylinderCylinder}, {4, 0, 0}},
@@ -523,8 +526,8 @@ std::vector<Parameter> slow_operators() {
   return all;
 }
 
-/// The box rule in each of the four algorithms: both back ends, words wider than a vector's lane,
-/// and operators of several clocks.
+/// The box rule in each of the four algorithms, and of triangles and solids: both back ends, words
+/// wider than a vector's lane, and operators of several clocks.
 std::vector<Parameter> box_rule() {
   std::vector<Parameter> all;
   for (unsigned a = 0; a < 4; ++a) {
@@ -543,6 +546,16 @@ std::vector<Parameter> box_rule() {
     slow.lanes = 1;
     slow.latency_add = 2, slow.latency_mul = 3, slow.latency_div = 7, slow.latency_compare = 4;
     all.push_back(slow);
+  }
+  for (const Pair pair : {Pair::kTriangleSphere, Pair::kTriangleObb}) {
+    const PairConfig pipe{.pair = pair, .box = true};
+    all.push_back({pipe});
+    Parameter gates{pipe, 500, 20000};
+    gates.arithmetic = cde::Arithmetic::kRtl;
+    gates.lanes = 1;
+    gates.latency_add = 2, gates.latency_compare = 3;
+    if (pair == Pair::kTriangleObb) gates.left_out = "gates of triangle-obb with the box rule";
+    all.push_back(gates);
   }
   return all;
 }

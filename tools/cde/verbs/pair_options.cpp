@@ -112,6 +112,7 @@ std::string words_of(const PairOptions& o, const PairConfig& config, bool lanes)
   if (lanes) words += fmt::format(" --lanes {}", config.lanes);
   if (o.half_space) words += " --half-space";
   if (config.pair == Pair::kRayTriangle && !config.box) words += " --no-box";
+  if (config.pair != Pair::kRayTriangle && config.box) words += " --box";
   if (o.facet_interval != 1) words += fmt::format(" --facet-interval {}", o.facet_interval);
   if (!o.budget.empty()) words += " --budget " + o.budget;
   return words;
