@@ -42,8 +42,6 @@ module leaf_pairs #(
 );
   /*verilator inline_module*/
   localparam int SOLIDS = PAIRS & config_pkg::BOUND_PAIRS;
-  logic unused;  // a sphere has few words
-  assign unused = &{1'b0, primary_i, point_of};
   logic taken_q, two_q, two;
   logic [AT-1:0] at_q;
   logic [LANES-1:0][31:0] index_q, f, t;
@@ -57,6 +55,8 @@ module leaf_pairs #(
   logic [pairs_pkg::PAIRS-1:0][LANES-1:0][31:0] f_of, t_of;
   logic [pairs_pkg::PAIRS-1:0][5:0][LANES-1:0][31:0] point_of;
   logic [pairs_pkg::PAIRS-1:0][15:0] latency_of;
+  logic unused;  // a sphere has few words
+  assign unused = &{1'b0, primary_i, point_of};
   for (genvar p = 0; p < pairs_pkg::PAIRS; p++) begin : pair
     if (pairs_pkg::has(PAIRS, p)) begin : g_there
       localparam int P_WORDS = pairs_pkg::shape_words(hierarchy_pkg::walked_shape(p));

@@ -32,6 +32,8 @@ template <class Solid>
 constexpr Pair kPairOf = std::is_same_v<Solid, Sphere> ? Pair::kTriangleSphere : Pair::kTriangleObb;
 constexpr Mode kModes[] = {Mode::kNearest, Mode::kAny, Mode::kHits};
 
+constexpr unsigned kSeed = 5;
+
 bool full() {
   return std::getenv("CDE_FULL") != nullptr;
 }
@@ -64,7 +66,7 @@ std::vector<Record> swept(const Scene& scene, const std::vector<Solid>& solids, 
 
 template <class Solid>
 void expect_all_records(const Scene& scene, std::size_t count) {
-  Solids draws(scene, 5);
+  Solids draws(scene, kSeed);
   std::vector<Solid> solids;
   for (std::size_t i = 0; i < count; ++i)
     solids.push_back(draw<Solid>(draws, static_cast<unsigned>(i % Solids::kKinds)));
@@ -95,6 +97,7 @@ void expect_all_records(const Scene& scene, std::size_t count) {
       EXPECT_EQ(different, 0u);
     }
   }
+  fmt::print("seed {}, {} solids, {} records that touch\n", kSeed, count, touching);
   EXPECT_GT(touching, count);
 }
 
@@ -113,7 +116,7 @@ TEST_P(EverySolid, ObbIsThatOfAllTriangles) {
 /// How many gaps the rule changes, and by how much of its margin at most.
 template <class Solid, class Pipe>
 void expect_rule_is_quiet(const Scene& scene, Pipe pipe, unsigned kinds, std::size_t count) {
-  Solids draws(scene, 6);
+  Solids draws(scene, kSeed + 1);
   std::size_t pairs = 0, changed = 0, verdicts = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const Solid solid = draw<Solid>(draws, static_cast<unsigned>(i % kinds));
@@ -129,7 +132,8 @@ void expect_rule_is_quiet(const Scene& scene, Pipe pipe, unsigned kinds, std::si
       ASSERT_GE(gap, plain.f ? -plain.t : plain.t);
     }
   }
-  fmt::print("{} pairs: the rule changes {} gaps and {} F\n", pairs, changed, verdicts);
+  fmt::print("seed {}, {} pairs: the rule changes {} gaps and {} F\n", kSeed + 1, pairs, changed,
+             verdicts);
   EXPECT_EQ(changed, 0u);
   EXPECT_EQ(verdicts, 0u);
 }

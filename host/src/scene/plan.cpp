@@ -217,7 +217,9 @@ Effect box_rule(const Plan& plan) {
   } else if (rays) {
     why = "the plain pipe is asked for: a hit may be far from an edge-on triangle";
   } else if (solids) {
-    why = "the plain pipes are asked for: nothing of triangles goes through a hierarchy";
+    why = plan.board.verdicts
+              ? "narrow lanes prove misses of solids"
+              : "the plain pipes are asked for: nothing of triangles goes through a hierarchy";
   }
   return {"box rule", plan.board.box, plan.board.box ? "built in" : "none", why,
           simulation_text("box rule")};

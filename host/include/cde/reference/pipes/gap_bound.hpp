@@ -12,7 +12,7 @@
 /// by more where a triangle has no area; the rule gives
 ///
 ///     s' = max(s, g - m)    g = max over axes of max(b - c, c - B) - e
-///                           m = 128 u max over axes of max(|b - c|, |c - B|) + e
+///                           m = 128 u max over axes of (max(|b - c|, |c - B|) + e)
 ///
 /// with [b, B] the triangle's box, c the solid's centre and e half the size of its box. m is far
 /// above what the pipes' roundings are: s' is s unless s is wrong. It is the pair's own, so that it
