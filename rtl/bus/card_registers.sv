@@ -202,18 +202,19 @@ module card_registers #(
       budget_q.k1 <= registers_pkg::BUDGET_MOST && budget_q.k2 <= registers_pkg::BUDGET_MOST);
   // Through the hierarchy go rays, and solids but for their farthest; no secondary beyond the count is in it.
   localparam int WALKED = (NODE_UNITS != 0) ? hierarchy_pkg::walked_pairs(CONFIG) : 0;
-  logic sweep_ok, walk_ok, walk_pair_ok;
+  logic sweep_ok, walk_ok, walk_pair_ok, walks_solid;
+  assign walks_solid = hierarchy_pkg::solid(int'(command_q.pair));
   always_comb begin
     walk_pair_ok = ((16'(WALKED) >> command_q.pair) & 16'd1) != 0 &&
-        command_q.swap == hierarchy_pkg::solid(int'(command_q.pair)) &&
-        (!command_q.swap || command_q.mode != registers_pkg::MODE_FARTHEST);
+        command_q.swap == hierarchy_pkg::swapped(int'(command_q.pair)) &&
+        (!walks_solid || command_q.mode != registers_pkg::MODE_FARTHEST);
     if (command_q.mode == registers_pkg::MODE_REFIT)
       walk_pair_ok = command_q.pair == pairs_pkg::PAIR_RAY_TRIANGLE && !command_q.swap;
   end
   assign walk_ok = NODE_UNITS != 0 && command_q.mode <= registers_pkg::MODE_REFIT &&
       command_q.mode != registers_pkg::MODE_ALL && hierarchy_good_i[0] &&
       (hierarchy_good_i[1] || command_q.mode == registers_pkg::MODE_REFIT) &&
-      walk_pair_ok && !command_q.second && (!command_q.normals || (NORMALS != 0 && command_q.swap)) &&
+      walk_pair_ok && !command_q.second && (!command_q.normals || (NORMALS != 0 && walks_solid)) &&
       (TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i) && sec_first_q == 0 && sec_count_q != 0 &&
       sec_end <= DDR_BYTES;
   assign command_ok = (command_q.hierarchy ? walk_ok : sweep_ok) && !busy_i;

@@ -24,9 +24,9 @@ module config_check #(
     $error("board: VERDICT_EXP and VERDICT_MAN are of a narrower format, and of pairs of solids with FACET_II = 1");
   end
   if (CONFIG.node_units != 0 && ((CONFIG.node_units != 1 && CONFIG.node_units != 2 && CONFIG.node_units != 4) ||
-      CONFIG.exp != 8 || CONFIG.man != 23 || CONFIG.box == 0 || hierarchy_pkg::walked_pairs(CONFIG) == 0)) begin :
+      CONFIG.exp != 8 || CONFIG.man != 23 || hierarchy_pkg::walked_pairs(CONFIG) == 0)) begin :
       g_hierarchy
-    $error("board: NODE_UNITS must be 0, 1, 2 or 4, and is of fp32, with BOX = 1, for rays, or with SWAP for solids");
+    $error("board: NODE_UNITS must be 0, 1, 2 or 4, and is of fp32, for pairs that have a way through");
   end
   if (CONFIG.transform < pairs_pkg::TRANSFORM_NONE || CONFIG.transform > pairs_pkg::TRANSFORM_BOTH ||
       (CONFIG.transform != pairs_pkg::TRANSFORM_NONE &&

@@ -25,26 +25,54 @@ package hierarchy_pkg;
   localparam logic [2:0] GOAL_OCCLUDED = 3;  // whether there is a hit: ends at the first
   localparam logic [2:0] GOAL_HITS = 4;      // all of them
 
-  // Pairs of a card whose primaries go through one: rays, and solids where they can be primaries of triangles.
+  // Pairs that meet spheres as they are: their own roundings are small enough (docs/hierarchy.md). The others need the
+  // box rule.
+  localparam int PLAIN_PAIRS = 1 << pairs_pkg::PAIR_RAY_SPHERE | 1 << pairs_pkg::PAIR_SPHERE_SPHERE;
+  // The primary is shape B, so that shape A, a triangle, is in the tree.
+  localparam int SWAPPED_PAIRS = 1 << pairs_pkg::PAIR_TRIANGLE_SPHERE | 1 << pairs_pkg::PAIR_TRIANGLE_OBB;
+  // Pairs of a card whose primaries go through one.
   function automatic int walked_pairs(input config_pkg::config_t card);
-    walked_pairs = (card.pairs & (1 << pairs_pkg::PAIR_RAY_TRIANGLE)) |
-        ((card.swap != 0) ? config_pkg::bound_pairs(card) : 0);
+    walked_pairs = ((card.box != 0) ? card.pairs & (1 << pairs_pkg::PAIR_RAY_TRIANGLE) : 0) |
+        config_pkg::bound_pairs(card) | (card.pairs & PLAIN_PAIRS & ~config_pkg::verdict_pairs(card));
+    if (card.swap == 0) walked_pairs = walked_pairs & ~SWAPPED_PAIRS;
   endfunction
-  function automatic bit solid(input int pair);
-    solid = pairs_pkg::has(config_pkg::BOUND_PAIRS, pair);
+  function automatic bit swapped(input int pair);
+    swapped = pairs_pkg::has(SWAPPED_PAIRS, pair);
   endfunction
-  // The primary's shape: what meets triangles.
+  // What is in the tree, and the primary's shape.
+  function automatic int leaf_shape(input int pair);
+    leaf_shape = swapped(pair) ? pairs_pkg::primary_shape(pair) : pairs_pkg::secondary_shape(pair);
+  endfunction
   function automatic int walked_shape(input int pair);
-    walked_shape = solid(pair) ? pairs_pkg::secondary_shape(pair) : pairs_pkg::primary_shape(pair);
+    walked_shape = swapped(pair) ? pairs_pkg::secondary_shape(pair) : pairs_pkg::primary_shape(pair);
+  endfunction
+  function automatic bit solid(input int pair);  // T is a signed gap on its way
+    solid = walked_shape(pair) != pairs_pkg::SHAPE_RAY;
   endfunction
   function automatic bit wide(input int pair);  // the primary takes two places
     wide = pairs_pkg::shape_words(walked_shape(pair)) > PLACE_WORDS;
+  endfunction
+  // Of these pairs, those whose primary is one; those in whose tree it is.
+  function automatic int walked_by(input int pairs, input int shape);
+    walked_by = 0;
+    for (int p = 0; p < pairs_pkg::PAIRS; p++)
+      if (pairs_pkg::has(pairs, p) && walked_shape(p) == shape) walked_by = walked_by | (1 << p);
+  endfunction
+  function automatic int walked_to(input int pairs, input int shape);
+    walked_to = 0;
+    for (int p = 0; p < pairs_pkg::PAIRS; p++)
+      if (pairs_pkg::has(pairs, p) && leaf_shape(p) == shape) walked_to = walked_to | (1 << p);
+  endfunction
+  // Those that have signed gaps.
+  function automatic int walked_solids(input int pairs);
+    walked_solids = pairs & ~walked_by(pairs, pairs_pkg::SHAPE_RAY);
   endfunction
   // Words that are kept of a primary of any of these pairs.
   function automatic int walked_words(input int pairs);
     walked_words = PLACE_WORDS;
     for (int p = 0; p < pairs_pkg::PAIRS; p++)
-      if (pairs_pkg::has(pairs, p) && wide(p)) walked_words = pairs_pkg::shape_words(walked_shape(p));
+      if (pairs_pkg::has(pairs, p) && pairs_pkg::shape_words(walked_shape(p)) > walked_words)
+        walked_words = pairs_pkg::shape_words(walked_shape(p));
   endfunction
 
   // What happens in a clock, to be counted.

@@ -6,10 +6,13 @@
 
 // Of ray_front.sv: o +- M, and 1 / d.
 `define RAY_T_REACH (LAT_ADD + 3 * LAT_CMP)
-`define RAY_T_MARGIN (`RAY_T_REACH + LAT_MUL + LAT_ADD)
-`define RAY_T_FRONT `DF_MAX2(`RAY_T_MARGIN + LAT_ADD, LAT_CMP + LAT_DIV)
+`define RAY_T_IN_RANGE(LEAF) \
+  ((LEAF == pairs_pkg::SHAPE_SPHERE) ? `DF_MAX2(`RAY_T_REACH, 2 * LAT_CMP + LAT_MUL) + LAT_CMP : 0)
+`define RAY_T_MARGIN(LEAF) `DF_MAX2(`RAY_T_REACH + LAT_MUL + LAT_ADD, `RAY_T_IN_RANGE(LEAF))
+`define RAY_T_FRONT(LEAF) `DF_MAX2(`RAY_T_MARGIN(LEAF) + LAT_ADD, LAT_CMP + LAT_DIV)
 // Of solid_front.sv: the corners of its box, widened.
-`define SOLID_T_FRONT(SHAPE) (`DF_MAX2(`RAY_T_REACH, `SOLID_T_HALF(SHAPE) + 2 * LAT_CMP) + 3 * LAT_ADD + LAT_MUL)
+`define SOLID_T_FRONT(SHAPE) \
+  (`DF_MAX2(`SHAPE_T_HULL(SHAPE) + `RAY_T_REACH, `SOLID_T_HALF(SHAPE) + 2 * LAT_CMP) + 3 * LAT_ADD + LAT_MUL)
 // Of node_boxes.sv: near and far of all children.
 `define NODE_T_BOXES (LAT_ADD + 2 * LAT_MUL + LAT_ADD + 2 * LAT_CMP)
 // Of node_unit.sv: children that are met, in order.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Passes of rays, or of solids, through a hierarchy: rays as the host provides them, nodes and what is in the slots of
-// leaves in memories of their own, triangles from DDR, records with the rays' numbers in the order in which they are
+// leaves in memories of their own, secondaries from DDR, records with the rays' numbers in the order in which they are
 // found. A pass ends when all its rays have their records, or with a fault, where what is in memory is no tree. And
 // passes without rays, which give the nodes boxes anew (refit.sv).
 // Latency: that of the way. Throughput: see traversal.sv; a ray takes four beats of the bus. Stall: the records' ring.
@@ -31,6 +31,7 @@ module hierarchy_unit #(
     input logic abort_i,
     input card_pkg::pass_t pass_i,
     output logic busy_o,
+    output logic [3:0] pair_o,  // of the pass
     output logic done_o,
     output logic fault_o,  // the pass that is done has come to nothing
     output logic [7:0] corrected_o,  // words of the memories of nodes and slots, this clock
@@ -70,6 +71,7 @@ module hierarchy_unit #(
   logic normals_q;
   logic [3:0] pair_q, pair;  // of the pass, also of the next one
   assign pair = busy_o ? pair_q : pass_i.pair[3:0];
+  assign pair_o = pair_q;
   logic [31:0] secondaries_q, objects_q, finished_q;
   logic [31:0] taken, provided, ray_count, nodes, first_node, slots;
   logic finished, records_empty;
@@ -181,15 +183,15 @@ module hierarchy_unit #(
   assign leaf_valid = refitting ? refit_fetch : fetch_valid && leaf_room;
   assign leaf_slot = refitting ? refit_slot : fetch_slot;
   assign leaf_tag = refitting ? TAG'(refit_tag) : fetch_tag;
-  assign ddr_words_o = 4'(BEAT);
+  assign ddr_words_o = 4'(pairs_pkg::shape_words(leaf_shape(int'(pair_q))));
   leaf_reader #(
       .SLOTS(SLOTS_A_NODE * NODES), .TAG(TAG), .ECC(CONFIG.ecc), .OBJECTS(OBJECTS),
       .ARITH(config_pkg::arith(CONFIG.host)), .T_TRANSFORM(T_TRANSFORM)
   ) leaves (
       .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_SLOTS), .addr_i(access_i.addr),
       .data_i(access_i.data), .flip_i(flips[19:18]), .clk_i(clk), .rst_i, .clear_i(rst && !refitting),
-      .slots_i(slots), .secondaries_i(secondaries_q), .objects_i(objects_q), .valid_i(leaf_valid),
-      .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag), .ddr_o, .ddr_ready_i, .ddr_valid_i, .ddr_data_i,
+      .slots_i(slots), .secondaries_i(secondaries_q), .words_i(ddr_words_o), .objects_i(objects_q),
+      .valid_i(leaf_valid), .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag), .ddr_o, .ddr_ready_i, .ddr_valid_i, .ddr_data_i,
       .owed_o(owed), .transform_entry_o, .moving_o, .clk_moving_i, .unmoved_o, .moved_i, .valid_o(fetched_valid),
       .tag_o(fetched_tag), .words_o(fetched), .index_o(index), .fault_o(leaf_fault), .fault_kind_o(leaf_fault_kind),
       .fault_place_o(leaf_place), .corrected_o(slot_corrected));

@@ -28,7 +28,7 @@ module leaf_pairs #(
     input logic [AT-1:0] at_i,
     input logic two_i,
     input logic [WORDS-1:0][31:0] primary_i,
-    input logic [LANES-1:0][8:0][31:0] triangles_i,
+    input logic [LANES-1:0][8:0][31:0] secondaries_i,
     input logic [LANES-1:0][31:0] index_i,
     output logic [1:0] tested_o,  // this clock: secondaries
     output logic [AT-1:0] soon_o,  // at_o of the next clock
@@ -41,7 +41,7 @@ module leaf_pairs #(
     output logic [LANES-1:0][31:0] index_o
 );
   /*verilator inline_module*/
-  localparam int SOLIDS = PAIRS & config_pkg::BOUND_PAIRS;
+  localparam bit ONE = (PAIRS & (PAIRS - 1)) == 0;
   logic taken_q, two_q, two;
   logic [AT-1:0] at_q;
   logic [LANES-1:0][31:0] index_q, f, t;
@@ -56,38 +56,48 @@ module leaf_pairs #(
   logic [pairs_pkg::PAIRS-1:0][5:0][LANES-1:0][31:0] point_of;
   logic [pairs_pkg::PAIRS-1:0][15:0] latency_of;
   logic unused;  // a sphere has few words
-  assign unused = &{1'b0, primary_i, point_of};
+  assign unused = &{1'b0, primary_i, secondaries_i, point_of};
   for (genvar p = 0; p < pairs_pkg::PAIRS; p++) begin : pair
     if (pairs_pkg::has(PAIRS, p)) begin : g_there
       localparam int P_WORDS = pairs_pkg::shape_words(hierarchy_pkg::walked_shape(p));
-      localparam bit SOLID = hierarchy_pkg::solid(p);
+      localparam int L_WORDS = pairs_pkg::shape_words(hierarchy_pkg::leaf_shape(p));
+      localparam bit SWAPPED = hierarchy_pkg::swapped(p);
+      localparam int A_WORDS = SWAPPED ? L_WORDS : P_WORDS;
+      localparam int B_WORDS = SWAPPED ? P_WORDS : L_WORDS;
       logic clk, mine;
       logic [P_WORDS-1:0][31:0] primary_q;
-      logic [LANES-1:0][8:0][31:0] triangles_q;
+      logic [LANES-1:0][L_WORDS-1:0][31:0] secondaries_q;
       logic [P_WORDS-1:0][LANES-1:0][31:0] primary;
-      logic [8:0][LANES-1:0][31:0] triangles;
+      logic [L_WORDS-1:0][LANES-1:0][31:0] secondaries;
+      logic [A_WORDS-1:0][LANES-1:0][31:0] a;
+      logic [B_WORDS-1:0][LANES-1:0][31:0] b;
       logic [LANES-1:0][31:0] t_pipe;
-      assign mine = valid_i && (SOLIDS == 0 || pair_i == 4'(p));
+      assign mine = valid_i && (ONE || pair_i == 4'(p));
       clock_gate gate (.clk_i, .enable_i(mine), .clk_o(clk));
       always_ff @(posedge clk) begin
         primary_q <= primary_i[P_WORDS-1:0];
-        triangles_q <= triangles_i;
+        for (int l = 0; l < LANES; l++) secondaries_q[l] <= secondaries_i[l][L_WORDS-1:0];
       end
       for (genvar w = 0; w < P_WORDS; w++) begin : primary_word
         assign primary[w] = {LANES{primary_q[w]}};
       end
-      for (genvar w = 0; w < 9; w++) begin : word
-        for (genvar l = 0; l < LANES; l++) begin : lane assign triangles[w][l] = triangles_q[l][w]; end
+      for (genvar w = 0; w < L_WORDS; w++) begin : word
+        for (genvar l = 0; l < LANES; l++) begin : lane assign secondaries[w][l] = secondaries_q[l][w]; end
       end
-      if (SOLID) begin : g_solid
+      if (SWAPPED) begin : g_swapped
+        assign {a, b} = {secondaries, primary};
+      end else begin : g_in_order
+        assign {a, b} = {primary, secondaries};
+      end
+      if (hierarchy_pkg::solid(p)) begin : g_solid
         localparam logic [31:0] SIGN = 32'h8000_0000;
-        bounded_pipe #(`DF_SAME, .PAIR(p), .BOUND(1)) pipe (
-            .clk_i, .enter_i(taken_q), .a_i(triangles), .b_i(primary), .f_o(f_of[p]), .t_o(t_pipe),
+        bounded_pipe #(`DF_SAME, .PAIR(p), .BOUND(int'(pairs_pkg::has(config_pkg::BOUND_PAIRS, p)))) pipe (
+            .clk_i, .enter_i(taken_q), .a_i(a), .b_i(b), .f_o(f_of[p]), .t_o(t_pipe),
             .cp_o(point_of[p][2:0]), .n_o(point_of[p][5:3]), .latency_o(latency_of[p]));
         assign t_of[p] = t_pipe | (f_of[p] & {LANES{SIGN}});
       end else begin : g_ray
-        pair_pipe #(`DF_SAME, .PAIR(p), .ALGORITHM(ALGORITHM), .BOX(1)) pipe (
-            .clk_i, .enter_i(taken_q), .a_i(primary), .b_i(triangles), .f_o(f_of[p]), .t_o(t_pipe),
+        pair_pipe #(`DF_SAME, .PAIR(p), .ALGORITHM(ALGORITHM), .BOX(int'(pairs_pkg::has(pairs_pkg::BOX_PAIRS, p)))) pipe (
+            .clk_i, .enter_i(taken_q), .a_i(a), .b_i(b), .f_o(f_of[p]), .t_o(t_pipe),
             .cp_o(point_of[p][2:0]), .n_o(point_of[p][5:3]), .latency_o(latency_of[p]));
         assign t_of[p] = t_pipe;
       end
@@ -96,7 +106,7 @@ module leaf_pairs #(
     end
   end
 
-  if (SOLIDS == 0) begin : g_rays
+  if (PAIRS == 1 << pairs_pkg::PAIR_RAY_TRIANGLE) begin : g_rays
     // When the pipe has o + t d: for Badouel's t it takes an addition more, for the watertight one the shear in front.
     localparam int RAY = int'(pairs_pkg::PAIR_RAY_TRIANGLE);
     localparam int T_POINT = 5 * LAT_ADD + 3 * LAT_MUL + LAT_DIV +

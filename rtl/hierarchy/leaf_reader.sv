@@ -27,6 +27,7 @@ module leaf_reader #(
     input logic clear_i,  // between passes; what is owed then is dropped
     input logic [31:0] slots_i,  // of the tree
     input logic [31:0] secondaries_i,  // from the first in DDR on
+    input logic [3:0] words_i,  // of each: at most a beat
     input logic [31:0] objects_i,  // 0: secondaries as they are
     input logic valid_i,
     output logic ready_o,
@@ -110,7 +111,7 @@ module leaf_reader #(
   logic [OBJECT_W-1:0] unused_object;
   logic [TAG_W-1:0] tags[DEPTH];
   assign ddr_o.valid = asked_q && !fault_o && owed != (DW + 1)'(DEPTH);
-  assign ddr_o.word = {index[28:0], 3'b0} + index;  // nine words each
+  assign ddr_o.word = index * 32'(words_i);
   assign owed = write_q - read_q;
   assign owed_o = owed != 0;
   always_ff @(posedge clk_i) begin

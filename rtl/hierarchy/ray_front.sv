@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // A ray as nodes of a hierarchy see it, once a ray (reference/pipes/ray_node.hpp): o + M, o - M and 1 / d, where M =
 // 2^-16 R + 16 u W is what boxes are widened by, R the largest distance along an axis from o to the root's box, and no
-// component of d is taken as less than 2^-80.
-// 1 mul, 3 div, 4 add, 9 sub, 8 min/max.
+// component of d is taken as less than 2^-80. Of rays that meet spheres M is infinite, so that they meet all boxes, where
+// R and d are not of sizes for which the pipe's own roundings are known.
+// 1 mul, 3 div, 4 add, 9 sub, 8 min/max; with spheres 2 mul, 2 compare, 2 max more.
 // Latency: RAY_T_FRONT clocks (hierarchy.svh). Throughput: LANES rays a clock. Stall: none, runs free.
 `include "hierarchy.svh"
 module ray_front #(
-    `DF_PARAMETERS
+    `DF_PARAMETERS,
+    parameter int LEAF = pairs_pkg::SHAPE_TRIANGLE  // what rays are to meet: triangles or spheres
 ) (
     input logic clk_i,
     input logic [5:0][LANES-1:0][CW-1:0] a_i,     // ray: o x y z, d x y z
@@ -22,18 +24,39 @@ module ray_front #(
   `DF_CONST(one, `DF_POWER_OF_TWO(0))
   `DF_VCONST(least, `DF_POWER_OF_TWO(-80), `DF_POWER_OF_TWO(-80), `DF_POWER_OF_TWO(-80))
 
+  `DF_VABS(d_size, d)
+
   // ---- How far the root's box reaches from here, and so how much boxes are widened ----
   logic [LANES-1:0][CW-1:0] reach_of_root;
-  root_reach #(`DF_SAME) of_root (.clk_i, .o_i(a_i[2:0]), .root_i(root_i[5:0]), .reach_o(reach_of_root));
+  root_reach #(`DF_SAME) of_root (.clk_i, .low_i(a_i[2:0]), .high_i(a_i[2:0]), .root_i(root_i[5:0]), .reach_o(reach_of_root));
   `DF_IN(reach, reach_of_root, `RAY_T_REACH)
   `DF_MUL(part, reach, share)
-  `DF_ADD(margin, part, world)
+  `DF_ADD(margin_known, part, world)
+  logic [LANES-1:0][CW-1:0] known;  // lane mask
+  if (LEAF == pairs_pkg::SHAPE_SPHERE) begin : g_spheres
+    `DF_CONST(least_share, `DF_POWER_OF_TWO(-42))
+    `DF_CONST(most_share, `DF_POWER_OF_TWO(37))
+    `DF_PICK(d_x, d_size, 0)
+    `DF_PICK(d_y, d_size, 1)
+    `DF_PICK(d_z, d_size, 2)
+    `DF_MAX(d_xy, d_x, d_y)
+    `DF_MAX(d_most, d_xy, d_z)
+    `DF_MUL(least_reach, d_most, least_share)
+    `DF_MUL(most_reach, d_most, most_share)
+    `DF_BETWEEN(in_range, least_reach, reach, most_reach)
+    if (T_in_range != `RAY_T_IN_RANGE(LEAF)) $error("ray_front: RAY_T_IN_RANGE is another");
+    assign known = in_range;
+  end else begin : g_triangles
+    assign known = '1;
+  end
+  `DF_IN(is_known, known, `RAY_T_IN_RANGE(LEAF))
+  `DF_CONST(infinite, formats_pkg::infinity(EXP, MAN))
+  `DF_SELECT(margin, is_known, margin_known, infinite)
   `DF_VEC(margins, margin, margin, margin)
   `DF_VADD(above, o, margins)
   `DF_VSUB(below, o, margins)
 
   // ---- 1 / d ----
-  `DF_VABS(d_size, d)
   `DF_VMAX(d_least, d_size, least)
   `DF_VMOVE_SIGN(divisor, d, d_least)
   `DF_PICK(divisor_x, divisor, 0)
@@ -44,7 +67,7 @@ module ray_front #(
   `DF_DIV(inverse_z, one, divisor_z)
   `DF_VEC(inverse, inverse_x, inverse_y, inverse_z)
 
-  localparam int T_FRONT = `RAY_T_FRONT;
+  localparam int T_FRONT = `RAY_T_FRONT(LEAF);
   `DF_VAT(above_out, above, T_FRONT)
   `DF_VAT(below_out, below, T_FRONT)
   `DF_VAT(inverse_out, inverse, T_FRONT)

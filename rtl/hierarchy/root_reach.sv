@@ -1,22 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far the box of a hierarchy's root reaches from here: the largest distance along an axis.
+// How far the box of a hierarchy's root reaches from here, a point or a box: the largest distance along an axis, from
+// end to end of both.
 // 6 sub, 5 max.
-// Latency: RAY_T_REACH clocks (hierarchy.svh). Throughput: LANES points a clock. Stall: none, runs free.
+// Latency: RAY_T_REACH clocks (hierarchy.svh). Throughput: LANES of them a clock. Stall: none, runs free.
 `include "hierarchy.svh"
 module root_reach #(
     `DF_PARAMETERS
 ) (
     input logic clk_i,
-    input logic [2:0][LANES-1:0][CW-1:0] o_i,
+    input logic [2:0][LANES-1:0][CW-1:0] low_i,  // both corners; of a point they are one
+    input logic [2:0][LANES-1:0][CW-1:0] high_i,
     input logic [5:0][LANES-1:0][CW-1:0] root_i,  // lower corner x y z, upper
     output logic [LANES-1:0][CW-1:0] reach_o
 );
   /*verilator inline_module*/
-  `DF_VIN(o, o_i, 0)
+  `DF_VIN(low, low_i, 0)
+  `DF_VIN(high, high_i, 0)
   `DF_VIN(lower, root_i[2:0], 0)
   `DF_VIN(upper, root_i[5:3], 0)
-  `DF_VSUB(to_lower, lower, o)
-  `DF_VSUB(to_upper, upper, o)
+  `DF_VSUB(to_lower, lower, high)
+  `DF_VSUB(to_upper, upper, low)
   `DF_VABS(from_lower, to_lower)
   `DF_VABS(from_upper, to_upper)
   `DF_VMAX(far, from_lower, from_upper)

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A solid as nodes of a hierarchy see it, once a solid (reference/pipes/ray_node.hpp): the upper corner of its box plus
-// M, the lower one less M, and 1 where a ray has 1 / d, so that node_boxes.sv gives gaps of axes; M = 2^-16 (R + e) +
-// 16 u W is what boxes are widened by, R the largest distance along an axis from the centre to the root's box, e half
-// the size of the solid's own.
-// 1 mul, 8 add, 12 sub, 7 max; of an OBB 9 mul, 6 add more.
+// A solid, or a triangle, as nodes of a hierarchy see it, once each (reference/pipes/ray_node.hpp): the upper corner of
+// its box plus M, the lower one less M, and 1 where a ray has 1 / d, so that node_boxes.sv gives gaps of axes; M = 2^-16
+// (R + e) + 16 u W is what boxes are widened by, R the largest distance along an axis from the centre to the root's box,
+// e half the size of the solid's own. Of a triangle R is that from end to end of its box and the root's, and e is 0.
+// 1 mul, 8 add, 12 sub, 7 max; of an OBB 9 mul, 6 add more, of a triangle 12 min/max.
 // Latency: SOLID_T_FRONT clocks (hierarchy.svh). Throughput: LANES solids a clock. Stall: none, runs free.
 `include "hierarchy.svh"
 module solid_front #(
@@ -18,15 +18,20 @@ module solid_front #(
 );
   /*verilator inline_module*/
   if (EXP != 8 || MAN != 23) $error("solid_front: margins are those of fp32");
-  `DF_VIN(c, a_i[2:0], 0)
   `DF_IN(world, root_i[6], 0)
   `DF_CONST(share, `DF_POWER_OF_TWO(-16))
   `DF_VCONST(one, `DF_POWER_OF_TWO(0), `DF_POWER_OF_TWO(0), `DF_POWER_OF_TWO(0))
   `SOLID_HALF(half, SHAPE, a_i)
+  `SHAPE_HULL(low, high, SHAPE, a_i)
 
+  `DF_VIN(root_lower, root_i[2:0], 0)
+  `DF_VIN(root_upper, root_i[5:3], 0)
+  `DF_VAT(root_lower_then, root_lower, T_low)
+  `DF_VAT(root_upper_then, root_upper, T_low)
   logic [LANES-1:0][CW-1:0] reach_of_root;
-  root_reach #(`DF_SAME) of_root (.clk_i, .o_i(a_i[2:0]), .root_i(root_i[5:0]), .reach_o(reach_of_root));
-  `DF_IN(reach, reach_of_root, `RAY_T_REACH)
+  root_reach #(`DF_SAME) of_root (
+      .clk_i, .low_i(low), .high_i(high), .root_i({root_upper_then, root_lower_then}), .reach_o(reach_of_root));
+  `DF_IN(reach, reach_of_root, T_low + `RAY_T_REACH)
   `DF_PICK(half_x, half, 0)
   `DF_PICK(half_y, half, 1)
   `DF_PICK(half_z, half, 2)
@@ -37,8 +42,8 @@ module solid_front #(
   `DF_ADD(margin, part, world)
   `DF_VEC(margins, margin, margin, margin)
 
-  `DF_VADD(upper, c, half)
-  `DF_VSUB(lower, c, half)
+  `DF_VADD(upper, high, half)
+  `DF_VSUB(lower, low, half)
   `DF_VADD(above, upper, margins)
   `DF_VSUB(below, lower, margins)
   if (T_above != `SOLID_T_FRONT(SHAPE)) $error("solid_front: SOLID_T_FRONT is another");

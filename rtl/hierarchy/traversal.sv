@@ -82,7 +82,8 @@ module traversal #(
   if (CONTEXTS < 2 * UNITS || (CONTEXTS & (CONTEXTS - 1)) != 0) $error("traversal: CONTEXTS must be a power of two");
   if ((UNITS & (UNITS - 1)) != 0) $error("traversal: UNITS must be a power of two");
   `HIERARCHY_TYPES(CX)
-  localparam int SOLIDS = PAIRS & config_pkg::BOUND_PAIRS;
+  localparam int SOLIDS = walked_solids(PAIRS);
+  localparam bit ONE = (PAIRS & (PAIRS - 1)) == 0;  // pair: nothing is to be chosen by it
   localparam logic [31:0] SIGN = 32'h8000_0000, INFINITE = 32'h7f80_0000;
   logic is_solid;  // the pass's primaries are: T is a signed gap on its way
   assign is_solid = SOLIDS != 0 && solid(int'(pair_i));
@@ -121,12 +122,15 @@ module traversal #(
       numbers[taken] <= number_i;
     end
   end
-  localparam int T_RAY = pairs_pkg::has(PAIRS, int'(pairs_pkg::PAIR_RAY_TRIANGLE)) ? `RAY_T_FRONT : 0;
-  localparam int T_SPHERE = pairs_pkg::has(PAIRS, int'(pairs_pkg::PAIR_TRIANGLE_SPHERE)) ?
-      `SOLID_T_FRONT(pairs_pkg::SHAPE_SPHERE) : 0;
-  localparam int T_OBB = pairs_pkg::has(PAIRS, int'(pairs_pkg::PAIR_TRIANGLE_OBB)) ?
-      `SOLID_T_FRONT(pairs_pkg::SHAPE_OBB) : 0;
-  localparam int T_FRONT = `DF_MAX3(T_RAY, T_SPHERE, T_OBB);
+  function automatic int t_front_of(input int pair);
+    t_front_of = solid(pair) ? `SOLID_T_FRONT(walked_shape(pair)) : `RAY_T_FRONT(leaf_shape(pair));
+  endfunction
+  function automatic int slowest_front();
+    slowest_front = 0;
+    for (int p = 0; p < pairs_pkg::PAIRS; p++)
+      if (pairs_pkg::has(PAIRS, p) && t_front_of(p) > slowest_front) slowest_front = t_front_of(p);
+  endfunction
+  localparam int T_FRONT = slowest_front();
   logic [pairs_pkg::PAIRS-1:0][8:0][31:0] fronts;
   logic [8:0][31:0] front;
   logic front_valid;
@@ -135,7 +139,7 @@ module traversal #(
     if (pairs_pkg::has(PAIRS, p)) begin : g_there
       localparam int SHAPE = walked_shape(p);
       localparam int F_WORDS = (SHAPE == pairs_pkg::SHAPE_RAY) ? 6 : pairs_pkg::shape_words(SHAPE);
-      localparam int T_OWN = (SHAPE == pairs_pkg::SHAPE_RAY) ? `RAY_T_FRONT : `SOLID_T_FRONT(SHAPE);
+      localparam int T_OWN = t_front_of(p);
       // The host back end computes in the second clock, with a clock of its own: where none comes, nothing is computed.
       localparam int T_NOW = (ARITH == "rtl") ? T_OWN : 1;
       logic [F_WORDS+6:0][31:0] words;  // the primary's, and the root's box
@@ -144,12 +148,13 @@ module traversal #(
         assign words = {root_i, ray_i[F_WORDS-1:0]};
       end else begin : g_next_clock
         logic clk;
-        clock_gate gate (.clk_i, .enable_i(take && (SOLIDS == 0 || pair_i == 4'(p))), .clk_o(clk));
+        clock_gate gate (.clk_i, .enable_i(take && (ONE || pair_i == 4'(p))), .clk_o(clk));
         always_ff @(posedge clk) words <= {root_i, ray_i[F_WORDS-1:0]};
       end
       if (SHAPE == pairs_pkg::SHAPE_RAY) begin : g_ray
         ray_front #(
-            .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+            .LEAF(leaf_shape(p)), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+            .LAT_CMP(LAT_CMP), .ARITH(ARITH)
         ) of_ray (
             .clk_i, .a_i(words[5:0]), .root_i(words[12:6]), .r_o(now));
       end else begin : g_solid
@@ -163,7 +168,7 @@ module traversal #(
       assign fronts[p] = '0;
     end
   end
-  assign front = (SOLIDS == 0) ? fronts[pairs_pkg::PAIR_RAY_TRIANGLE] : fronts[pair_i];
+  assign front = ONE ? fronts[$clog2(PAIRS)] : fronts[pair_i];
   align #(.W(CX), .TO(T_FRONT)) align_taken (.clk_i, .d_i(taken), .q_o(front_context));
   align_valid #(.TO(T_FRONT)) align_take (.clk_i, .rst_i, .valid_i(take), .valid_o(front_valid));
 
@@ -222,7 +227,7 @@ module traversal #(
       .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) pairs (
       .clk_i, .rst_i, .pair_i, .valid_i(fetched_valid_i), .at_i(fetched_tag_i[TAG-1:1]), .two_i(fetched_tag_i[0]),
-      .primary_i(rays[fetched_tag_i[TAG-1-:CX]]), .triangles_i(fetched_i), .index_i, .tested_o(tested_now),
+      .primary_i(rays[fetched_tag_i[TAG-1-:CX]]), .secondaries_i(fetched_i), .index_i, .tested_o(tested_now),
       .soon_o(keep_at_soon), .valid_o(keep_valid), .at_o(keep_at), .f_o(f), .there_o(there), .t_o(t),
       .point_o(point), .index_o(index));
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the signed gap of a triangle and a sphere or OBB is not below, as their boxes say: the largest gap of an axis,
-// less 128 u of how far the triangle's box reaches from the solid's centre and the solid from there
-// (reference/pipes/gap_bound.hpp).
-// 1 mul, 3 add, 10 sub, 22 min/max; of an OBB 9 mul, 6 add more.
+// What the signed gap of a triangle and a sphere, an OBB or a triangle is not below, as their boxes say: the largest
+// gap of an axis, less 128 u of how far the triangle's box reaches from the solid's centre and the solid from there,
+// or from end to end of both triangles (reference/pipes/gap_bound.hpp).
+// 1 mul, 3 add, 10 sub, 22 min/max; of an OBB 9 mul, 6 add more, of a triangle 12 min/max.
 // Latency: GAP_T_BOUND clocks (gap_bound.svh); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
 `include "gap_bound.svh"
 module gap_bound #(
     `DF_PARAMETERS,
-    parameter int SHAPE = pairs_pkg::SHAPE_SPHERE,  // of the solid: sphere or OBB
+    parameter int SHAPE = pairs_pkg::SHAPE_SPHERE,  // of the other one: sphere, OBB or triangle
     localparam int B_WORDS = pairs_pkg::shape_words(SHAPE)
 ) (
     input logic clk_i,
@@ -16,19 +16,12 @@ module gap_bound #(
     output logic [LANES-1:0][CW-1:0] bound_o
 );
   /*verilator inline_module*/
-  `DF_VIN(v0, a_i[2:0], 0)
-  `DF_VIN(v1, a_i[5:3], 0)
-  `DF_VIN(v2, a_i[8:6], 0)
-  `DF_VIN(c, b_i[2:0], 0)
   `DF_CONST(share, `DF_POWER_OF_TWO(6 - MAN))
   `SOLID_HALF(half, SHAPE, b_i)
-
-  `DF_VMIN(low_01, v0, v1)
-  `DF_VMIN(low, low_01, v2)
-  `DF_VMAX(high_01, v0, v1)
-  `DF_VMAX(high, high_01, v2)
-  `DF_VSUB(below, low, c)
-  `DF_VSUB(above, c, high)
+  `SHAPE_HULL(low, high, pairs_pkg::SHAPE_TRIANGLE, a_i)
+  `SHAPE_HULL(b_low, b_high, SHAPE, b_i)
+  `DF_VSUB(below, low, b_high)
+  `DF_VSUB(above, b_low, high)
   `DF_VMAX(away, below, above)
   `DF_VSUB(gap, away, half)
   `DF_VABS(below_size, below)

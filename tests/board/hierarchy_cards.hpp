@@ -64,6 +64,28 @@ inline BoardConfig solids_config() {
           .transform = Transformer::kSecondaries,
           .sram_records = 64};
 }
+/// Rays and spheres that meet spheres.
+inline BoardConfig spheres_config() {
+  return {.lanes = 4,
+          .pairs = {Pair::kRaySphere, Pair::kSphereSphere},
+          .normals = true,
+          .node_units = 2,
+          .nodes = 1024,
+          .transform = Transformer::kSecondaries,
+          .sram_records = 64};
+}
+inline BoardConfig spheres_gates_config() {
+  return {.lanes = 1,
+          .arithmetic = Arithmetic::kRtl,
+          .pairs = {Pair::kRaySphere, Pair::kSphereSphere},
+          .node_units = 1,
+          .nodes = 1024,
+          .latency_add = 2,
+          .latency_compare = 2,
+          .ddr_slots = 2000,
+          .sram_records = 64,
+          .ecc = true};
+}
 inline BoardConfig on_pci_config() {
   BoardConfig c = fast_config();
   c.sram_records = 64;
@@ -100,9 +122,7 @@ inline Record f_alone(const Record& any) {
 
 /// What the reference's way through the hierarchy gives, in the order of the card.
 template <class P>
-std::vector<Record> expected(const Scene& scene, const Hierarchy& tree, const std::vector<P>& rays,
-                             Mode mode, Algorithm algorithm = Algorithm::kMoller) {
-  reference::Traversal walk(scene, tree, algorithm);
+std::vector<Record> expected(reference::Traversal walk, const std::vector<P>& rays, Mode mode) {
   std::vector<Record> all;
   for (std::uint32_t i = 0; i < rays.size(); ++i) {
     for (const Record& r : walk.trace(rays[i], i, mode == Mode::kOccluded ? Mode::kAny : mode))
@@ -114,6 +134,12 @@ std::vector<Record> expected(const Scene& scene, const Hierarchy& tree, const st
              std::tuple(b.primary / 256, b.index, b.primary);
     });
   return all;
+}
+
+template <class P>
+std::vector<Record> expected(const Scene& scene, const Hierarchy& tree, const std::vector<P>& rays,
+                             Mode mode, Algorithm algorithm = Algorithm::kMoller) {
+  return expected(reference::Traversal(scene, tree, algorithm), rays, mode);
 }
 
 inline std::size_t expect_same(const std::vector<Record>& records,

@@ -81,7 +81,7 @@ void expect_all(Board& board, std::size_t count) {
         reference::Traversal walk(scene, tree);
         for (std::uint32_t i = 0; i < solids.size(); ++i) (void)walk.trace(solids[i], i, mode);
         EXPECT_EQ(c.nodes, walk.counts().nodes);
-        EXPECT_EQ(c.pairs, walk.counts().triangles);
+        EXPECT_EQ(c.pairs, walk.counts().secondaries);
       }
       expect_same(records, cast(board, solids, query_of(kPairOf<Solid>, mode, Through::kSweep)));
     }
@@ -206,10 +206,10 @@ TEST(HierarchyOfSolids, SaysWhyThereIsNoWayThrough) {
   Query query = query_of(Pair::kTriangleSphere, Mode::kNearest, Through::kAuto);
   EXPECT_EQ(why(query), "");
   query.swap = false;
-  EXPECT_EQ(why(query), "it is of rays, and with swap of spheres and OBBs, that meet triangles");
+  EXPECT_NE(why(query).find("with swap of spheres and OBBs"), std::string::npos);
   query = {.pair = Pair::kRayTriangle};
   query.swap = true;
-  EXPECT_EQ(why(query), "it is of rays, and with swap of spheres and OBBs, that meet triangles");
+  EXPECT_NE(why(query).find("with swap of spheres and OBBs"), std::string::npos);
   query = query_of(Pair::kTriangleObb, Mode::kFarthest, Through::kAuto);
   EXPECT_NE(why(query).find("farthest"), std::string::npos);
   query.mode = Mode::kAll;
@@ -233,7 +233,8 @@ TEST(HierarchyOfSolids, ConfigurationsThatNoCardHas) {
   config = solids_config();
   config.pairs = {Pair::kTriangleSphere};
   config.verdicts = FpFormat{5, 10};
-  expect_error(ErrorCode::kUsage, "without verdicts", [&] { (void)config.parameters(); });
+  expect_error(ErrorCode::kUsage, "narrow lanes that prove misses have none",
+               [&] { (void)config.parameters(); });
   config = {.pairs = {Pair::kSphereSphere}, .box = true};
   expect_error(ErrorCode::kUsage, "the box rule", [&] { (void)config.parameters(); });
 }

@@ -64,7 +64,7 @@ TEST_P(HierarchyCard, RecordsAreThoseOfTheReference) {
         if (mode == Mode::kNearest || mode == Mode::kFarthest) {
           for (std::uint32_t i = 0; i < rays.size(); ++i) (void)walk.trace(rays[i], i, mode);
           EXPECT_EQ(c.nodes, walk.counts().nodes);
-          EXPECT_EQ(c.pairs, walk.counts().triangles);
+          EXPECT_EQ(c.pairs, walk.counts().secondaries);
           EXPECT_LE(c.deepest, walk.counts().deepest);
         }
       }

@@ -280,7 +280,7 @@ void expect_reference(std::size_t count, Algorithm algorithm = Algorithm::kMolle
         EXPECT_GT(hits, count / 10);
         EXPECT_LT(hits, count);
         EXPECT_EQ(bench.nodes(), expected.counts().nodes) << name_of(goal.mode);
-        EXPECT_EQ(bench.secondaries(), expected.counts().triangles) << name_of(goal.mode);
+        EXPECT_EQ(bench.secondaries(), expected.counts().secondaries) << name_of(goal.mode);
         if (patient && count >= kStream) bench.expect_clocks(count);
         if (patient && leaf == 2)
           std::printf("%s: %.2f clocks, %.2f nodes, %.2f triangles a ray\n", name_of(goal.mode),
@@ -294,7 +294,7 @@ void expect_reference(std::size_t count, Algorithm algorithm = Algorithm::kMolle
       for (std::size_t i = 0; i < s.rays.size(); ++i)
         ASSERT_EQ(records[i].f, expected.occluded(s.rays[i])) << "ray " << i;
       EXPECT_EQ(bench.nodes(), expected.counts().nodes);
-      EXPECT_EQ(bench.secondaries(), expected.counts().triangles);
+      EXPECT_EQ(bench.secondaries(), expected.counts().secondaries);
       if (patient && count >= kStream) bench.expect_clocks(count);
       expect_hits<Module>(s, hierarchy, algorithm, patient);
     }
@@ -409,7 +409,7 @@ void expect_solids(const hard::Scene& triangles, std::size_t count) {
       EXPECT_GT(touching, count / 10);
       EXPECT_LT(touching, count);
       EXPECT_EQ(bench.nodes(), walk.counts().nodes) << name_of(goal.mode);
-      EXPECT_EQ(bench.secondaries(), walk.counts().triangles) << name_of(goal.mode);
+      EXPECT_EQ(bench.secondaries(), walk.counts().secondaries) << name_of(goal.mode);
       if (patient)
         std::printf("%s: %.2f clocks, %.2f nodes, %.2f triangles a solid\n", name_of(goal.mode),
                     bench.clocks / static_cast<double>(count),

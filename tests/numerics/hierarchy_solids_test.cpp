@@ -171,7 +171,7 @@ TEST(HierarchyOfSolids, FarFromAll) {
       const Triangle& under = scene[draw.below(scene.size())];
       (void)walk.trace(Sphere{under.v0 + 10 * quads * Vector3f::UnitZ(), 5}, i, Mode::kNearest);
     }
-    const double each = static_cast<double>(walk.counts().triangles) / 50;
+    const double each = static_cast<double>(walk.counts().secondaries) / 50;
     fmt::print("a sphere {:g} quads above: {:.1f} nodes, {:.1f} triangles\n", quads,
                static_cast<double>(walk.counts().nodes) / 50, each);
     EXPECT_GT(each, before);

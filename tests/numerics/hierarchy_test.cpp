@@ -116,7 +116,7 @@ TEST_P(EveryRecord, IsThatOfAllTriangles) {
         "triangles {:.1f} of {}\n",
         leaf, count, should[Mode::kHits].size(),
         static_cast<double>(c.nodes) / static_cast<double>(5 * count),
-        static_cast<double>(c.triangles) / static_cast<double>(5 * count), scene.size());
+        static_cast<double>(c.secondaries) / static_cast<double>(5 * count), scene.size());
   }
 }
 

@@ -372,19 +372,25 @@ void check_hierarchy(const BoardConfig& c) {
           fmt::format("a hierarchy is of fp32, not of {}: its boxes are widened by 2^-16 of the "
                       "scene, which in a coarser format were percents of it",
                       c.format.name()));
-  const bool walked = std::any_of(c.pairs.begin(), c.pairs.end(), [&c](Pair pair) {
-    return c.box_rule(pair) && (pair == Pair::kRayTriangle || c.swap);
-  });
-  require(
-      walked,
-      "a hierarchy is of ray-triangle, or with swap and without verdicts of triangle-sphere and "
-      "triangle-obb, with the box rule, without which no tree answers as all triangles do");
+  const bool walked = std::any_of(c.pairs.begin(), c.pairs.end(),
+                                  [&c](Pair pair) { return c.way_through(pair).has_value(); });
+  require(walked,
+          "a hierarchy is of ray-triangle, and with swap of triangle-sphere and triangle-obb, with "
+          "the box rule, without which no tree answers as all triangles do, or of ray-sphere and "
+          "sphere-sphere; narrow lanes that prove misses have none");
 }
 
 }  // namespace
 
 bool BoardConfig::box_rule(Pair pair) const {
   return box && has_box_rule(pair) && !(verdicts && has_verdicts(pair));
+}
+
+std::optional<WayThrough> BoardConfig::way_through(Pair pair) const {
+  const auto way = cde::way_through(pair);
+  const bool there = way && (way->swap ? swap : true) && (box || !has_box_rule(pair)) &&
+                     !(verdicts && has_verdicts(pair));
+  return there ? way : std::nullopt;
 }
 
 std::vector<std::string> BoardConfig::parameters() const {

@@ -92,6 +92,7 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   card.parallel = config.parallel;
   card.facet_interval = config.facet_interval;
   card.verdicts = config.verdicts.has_value();
+  card.box = config.box;
   if (card.primaries == 0 || card.primaries > Stencil().size())
     refuse("number of primaries is out of range");
 }

@@ -14,15 +14,16 @@
 namespace cde {
 namespace {
 
-void check_fits(const Board::Impl& card, const Hierarchy& hierarchy, std::uint64_t triangles) {
+void check_fits(const Board::Impl& card, const Hierarchy& hierarchy, std::uint64_t secondaries,
+                Shape shape) {
   if (card.node_units == 0)
     throw Error(ErrorCode::kUsage, "this card has no node units, and so no hierarchy");
   const std::vector<Object>& objects = card.objects.objects;
-  if (!objects.empty()) triangles = card.swept({});
-  if (hierarchy.order().size() != triangles)
-    throw Error(ErrorCode::kUsage, fmt::format("a hierarchy of {} secondaries over {} triangles{}",
-                                               hierarchy.order().size(), triangles,
-                                               objects.empty() ? "" : " of objects"));
+  if (!objects.empty()) secondaries = card.swept({});
+  if (hierarchy.order().size() != secondaries)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("a hierarchy of {} secondaries over {} {}s{}", hierarchy.order().size(),
+                            secondaries, name(shape), objects.empty() ? "" : " of objects"));
   const auto parts = hierarchy.parts();
   if (!parts.empty() && !std::equal(parts.begin(), parts.end(), objects.begin(), objects.end(),
                                     [](const Hierarchy::Part& part, const Object& object) {
@@ -31,12 +32,12 @@ void check_fits(const Board::Impl& card, const Hierarchy& hierarchy, std::uint64
     throw Error(ErrorCode::kUsage,
                 fmt::format("a hierarchy of {} objects, which are not the {} of the card",
                             parts.size(), objects.size()));
-  if (hierarchy.nodes().size() > card.node_capacity || triangles > card.slot_capacity)
+  if (hierarchy.nodes().size() > card.node_capacity || secondaries > card.slot_capacity)
     throw Error(
         ErrorCode::kCapacity,
         fmt::format("a hierarchy of {} nodes and {} slots does not fit this card, which "
                     "has memory for {} and {}",
-                    hierarchy.nodes().size(), triangles, card.node_capacity, card.slot_capacity));
+                    hierarchy.nodes().size(), secondaries, card.node_capacity, card.slot_capacity));
 }
 
 std::array<std::uint32_t, 8> root_words(const Eigen::AlignedBox3f& box) {
@@ -85,17 +86,24 @@ std::vector<std::array<std::uint32_t, 2>> outdated(const LoadedHierarchy& tree) 
 }  // namespace
 
 void Board::upload(const TriangleView& triangles, const Hierarchy& hierarchy, bool validate) {
-  check_fits(idle_card(), hierarchy, triangles.size());
+  check_fits(idle_card(), hierarchy, triangles.size(), Shape::kTriangle);
   upload(triangles, validate);
+  upload(hierarchy);
+}
+
+void Board::upload(std::span<const Sphere> spheres, const Hierarchy& hierarchy, bool validate) {
+  check_fits(idle_card(), hierarchy, spheres.size(), Shape::kSphere);
+  upload_shapes(spheres, validate);
   upload(hierarchy);
 }
 
 void Board::upload(const Hierarchy& hierarchy) {
   Impl& it = idle_card();
   it.link->alive();
-  if (it.secondaries == 0 || it.secondary_shape != Shape::kTriangle)
-    throw Error(ErrorCode::kUsage, "a hierarchy is of triangles that were uploaded");
-  check_fits(it, hierarchy, it.secondaries);
+  if (it.secondaries == 0 ||
+      (it.secondary_shape != Shape::kTriangle && it.secondary_shape != Shape::kSphere))
+    throw Error(ErrorCode::kUsage, "a hierarchy is of triangles or spheres that were uploaded");
+  check_fits(it, hierarchy, it.secondaries, it.secondary_shape);
   const std::uint64_t start = clocks();
   it.write_hierarchy(hierarchy);
   it.upload_clocks += clocks() - start;
@@ -188,6 +196,10 @@ Counters Board::refit() {
   it.link->alive();
   if (it.hierarchy.nodes == 0)
     throw Error(ErrorCode::kUsage, "no hierarchy was uploaded to the board");
+  if (it.secondary_shape != Shape::kTriangle)
+    throw Error(ErrorCode::kUsage,
+                "the card makes boxes of triangles anew; of spheres Hierarchy::refit() does, and "
+                "upload() of that");
   if (const auto why = it.no_way_through_objects()) throw Error(ErrorCode::kUsage, *why);
   Query query;
   query.pair = Pair::kRayTriangle;
@@ -237,13 +249,16 @@ std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
                : "objects or their triangles have moved since, and no refit()";
   if (q.mode == Mode::kAll) return "mode all has records of all secondaries, hit or not";
   const Pair pair = q.pair.value_or(pairs.front());
-  if (!has_box_rule(pair) || q.swap == (pair == Pair::kRayTriangle))
-    return "it is of rays, and with swap of spheres and OBBs, that meet triangles";
-  if (pair != Pair::kRayTriangle && verdicts) return "narrow lanes that prove misses sweep";
-  if (pair != Pair::kRayTriangle && q.mode == Mode::kFarthest)
-    return "the triangle farthest from a solid is in no box that could be left out";
+  const auto way = way_through(pair);
+  if (!way || q.swap != way->swap)
+    return "it is of rays, and with swap of spheres and OBBs, that meet triangles, and of rays and "
+           "spheres that meet spheres";
+  if (has_verdicts(pair) && verdicts) return "narrow lanes that prove misses sweep";
+  if (has_box_rule(pair) && !box) return "the card has no box rule";
+  if (is_solid(pair) && q.mode == Mode::kFarthest)
+    return "what is farthest from a solid is in no box that could be left out";
   if (q.second) return "two pairs at a time sweep";
-  if (q.normals && pair == Pair::kRayTriangle) return "rays have no normals";
+  if (q.normals && !is_solid(pair)) return "rays have no normals";
   if (q.first_secondary != 0 || q.secondary_count != 0) return "a range of secondaries is swept";
   if (!primary_objects.objects.empty()) return "primaries that move with objects sweep";
   return std::nullopt;
@@ -253,20 +268,36 @@ std::optional<std::string> Board::no_way_through(const Query& query) const {
   return card().no_way_through(query);
 }
 
-Hierarchy hierarchy_of(const TriangleView& triangles, std::span<const Object> objects,
-                       const HierarchyOptions& options) {
+namespace {
+
+template <class Shapes>
+Hierarchy hierarchy_of_any(const Shapes& shapes, std::span<const Object> objects,
+                           const HierarchyOptions& options) {
   if (objects.empty()) throw Error(ErrorCode::kUsage, "a hierarchy of no objects");
   std::vector<std::uint32_t> counts;
   for (const Object& object : objects) {
-    if (object.count == 0 || std::uint64_t{object.first} + object.count > triangles.size())
+    if (object.count == 0 || std::uint64_t{object.first} + object.count > shapes.size())
       throw Error(ErrorCode::kUsage,
                   fmt::format("object {}: {} secondaries from {} on, of {}", counts.size(),
-                              object.count, object.first, triangles.size()));
+                              object.count, object.first, shapes.size()));
     if (const auto why = defect(object.transform))
       throw Error(ErrorCode::kBadInput, fmt::format("object {}: {}", counts.size(), *why));
     counts.push_back(object.count);
   }
-  return Hierarchy::build(reference::swept(triangles, objects).shapes, counts, options);
+  const auto moved = reference::swept(shapes, objects).shapes;
+  return Hierarchy::build(std::span(moved), counts, options);
+}
+
+}  // namespace
+
+Hierarchy hierarchy_of(const TriangleView& triangles, std::span<const Object> objects,
+                       const HierarchyOptions& options) {
+  return hierarchy_of_any(triangles, objects, options);
+}
+
+Hierarchy hierarchy_of(std::span<const Sphere> spheres, std::span<const Object> objects,
+                       const HierarchyOptions& options) {
+  return hierarchy_of_any(spheres, objects, options);
 }
 
 }  // namespace cde

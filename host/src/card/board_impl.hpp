@@ -134,6 +134,7 @@ class Board::Impl {
   unsigned slot_words = 0;      ///< of a primary
   unsigned facet_interval = 1;  ///< clocks from row to row of pairs with facets
   bool verdicts = false;        ///< BoardConfig::verdicts
+  bool box = false;             ///< BoardConfig::box
   bool passing = false;         ///< in Board::run, which its sink and progress may not ask for more
   std::uint64_t pass_retries = 0;
   std::uint64_t register_ps = 0;  ///< spent in read_register() and write_register()

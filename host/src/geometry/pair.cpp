@@ -66,6 +66,13 @@ bool has_box_rule(Pair pair) {
   return contract::has(contract::kBoxPairs | contract::kBoundPairs, pair);
 }
 
+std::optional<WayThrough> way_through(Pair pair) {
+  if (!has_box_rule(pair) && !contract::has(contract::kPlainPairs, pair)) return std::nullopt;
+  const bool swap = contract::has(contract::kSwappedPairs, pair);
+  const Shape a = primary_shape(pair), b = secondary_shape(pair);
+  return WayThrough{swap ? b : a, swap ? a : b, swap};
+}
+
 bool has_verdicts(Pair pair) {
   return contract::has(contract::kVerdictPairs, pair);
 }

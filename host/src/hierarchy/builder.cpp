@@ -227,6 +227,23 @@ void check_box(std::size_t i, const Eigen::AlignedBox3f& b) {
                             b.max().z()));
 }
 
+/// The largest number that c - r, exactly, is not below; with -r the least one that c + r is not
+/// above, turned round.
+float below(float c, float r) {
+  const float rounded = c - r, part = rounded - c;
+  const float error = (c - (rounded - part)) + (-r - part);  // exact: Knuth's sum
+  return error < 0 ? std::nextafter(rounded, -kInfinite) : rounded;
+}
+
+Eigen::AlignedBox3f box_of(const Sphere& s) {
+  Eigen::AlignedBox3f box;
+  for (int k = 0; k < 3; ++k) {
+    box.min()[k] = below(s.c[k], s.r);
+    box.max()[k] = -below(-s.c[k], s.r);
+  }
+  return box;
+}
+
 Eigen::AlignedBox3f box_of(const Triangle& t) {
   Eigen::AlignedBox3f box(t.v0.cwiseMin(t.v1).cwiseMin(t.v2), t.v0.cwiseMax(t.v1).cwiseMax(t.v2));
   // Of a NaN the other number may be what is left.
@@ -345,6 +362,11 @@ Hierarchy Hierarchy::build(const TriangleView& triangles, const HierarchyOptions
       triangles.size(), [&](std::size_t i) { return box_of(triangles[i]); }, options, kMostDepth);
 }
 
+Hierarchy Hierarchy::build(std::span<const Sphere> spheres, const HierarchyOptions& options) {
+  return build(
+      spheres.size(), [&](std::size_t i) { return box_of(spheres[i]); }, options, kMostDepth);
+}
+
 namespace {
 
 /// Levels of the tree over the boxes of parts, and how many these can be (a card has up to 2,048
@@ -356,21 +378,33 @@ constexpr std::size_t kMostParts = std::size_t{1} << (3 * kTopDepth);
 
 Hierarchy Hierarchy::build(const TriangleView& triangles, std::span<const std::uint32_t> parts,
                            const HierarchyOptions& options) {
+  return build(
+      triangles.size(), [&](std::size_t i) { return box_of(triangles[i]); }, parts, options);
+}
+
+Hierarchy Hierarchy::build(std::span<const Sphere> spheres, std::span<const std::uint32_t> parts,
+                           const HierarchyOptions& options) {
+  return build(
+      spheres.size(), [&](std::size_t i) { return box_of(spheres[i]); }, parts, options);
+}
+
+Hierarchy Hierarchy::build(std::size_t count, const BoxOf& box,
+                           std::span<const std::uint32_t> parts, const HierarchyOptions& options) {
   if (parts.empty()) throw Error(ErrorCode::kUsage, "a hierarchy of no parts");
   if (parts.size() > kMostParts)
     throw Error(ErrorCode::kCapacity,
                 fmt::format("a hierarchy of {} parts: it may have {}", parts.size(), kMostParts));
   const std::uint64_t all = std::accumulate(parts.begin(), parts.end(), std::uint64_t{0});
-  if (all != triangles.size() || std::find(parts.begin(), parts.end(), 0u) != parts.end())
+  if (all != count || std::find(parts.begin(), parts.end(), 0u) != parts.end())
     throw Error(ErrorCode::kUsage,
-                fmt::format("parts of {} triangles in all, of {}: none may be empty or left out",
-                            all, triangles.size()));
+                fmt::format("parts of {} secondaries in all, of {}: none may be empty or left out",
+                            all, count));
   std::vector<Hierarchy> trees;
   std::size_t first = 0;
   for (std::size_t k = 0; k < parts.size(); first += parts[k++]) {
     try {
       trees.push_back(build(
-          parts[k], [&](std::size_t i) { return box_of(triangles[first + i]); }, options,
+          parts[k], [&](std::size_t i) { return box(first + i); }, options,
           kMostDepth - kTopDepth));
     } catch (const Error& e) {
       if (e.code() != ErrorCode::kBadInput) throw;
@@ -460,6 +494,12 @@ void Hierarchy::refit(std::span<const Eigen::AlignedBox3f> boxes) {
 void Hierarchy::refit(const TriangleView& triangles) {
   std::vector<Eigen::AlignedBox3f> boxes(triangles.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = box_of(triangles[i]);
+  refit(boxes);
+}
+
+void Hierarchy::refit(std::span<const Sphere> spheres) {
+  std::vector<Eigen::AlignedBox3f> boxes(spheres.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = box_of(spheres[i]);
   refit(boxes);
 }
 

@@ -13,9 +13,11 @@
 
 #include "cde/contract/records.hpp"
 #include "cde/geometry/pair.hpp"
+#include "cde/reference/pipes/convex/sphere_sphere.hpp"
 #include "cde/reference/pipes/convex/triangle_box.hpp"
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
 #include "cde/reference/pipes/ray_node.hpp"
+#include "cde/reference/pipes/ray_sphere.hpp"
 #include "cde/reference/reference.hpp"
 #include "cde/support/error.hpp"
 #include "query/record_choice.hpp"
@@ -47,18 +49,15 @@ struct Group {
 
 // ---- What depends on the primary's shape ----
 
-RayFront<float> front_of(const Ray& ray, const RootBounds<float>& root) {
-  return ray_front<float>(ray.o, ray.d, root);
+RayFront<float> front_of(const Ray& ray, const RootBounds<float>& root, Shape leaf) {
+  return ray_front<float>(ray.o, ray.d, root, leaf);
 }
 template <class Solid>
-RayFront<float> front_of(const Solid& solid, const RootBounds<float>& root) {
+RayFront<float> front_of(const Solid& solid, const RootBounds<float>& root, Shape) {
   return solid_front<float>(solid, root);
 }
 
-template <class Solid>
-Record solid_record(const Outcome<float>& pipe, const Triangle& triangle, const Solid& solid,
-                    std::uint32_t number, std::uint32_t index) {
-  const Outcome<float> o = bounded<float>(pipe, triangle, solid);
+Record record_from(const Outcome<float>& o, std::uint32_t number, std::uint32_t index) {
   Record r;
   r.f = o.f;
   r.bad = o.bad;
@@ -74,11 +73,23 @@ Record answer(const Ray& ray, const Triangle& triangle, std::uint32_t number, st
 }
 Record answer(const Sphere& sphere, const Triangle& triangle, std::uint32_t number,
               std::uint32_t index, Algorithm) {
-  return solid_record(triangle_sphere<float>(triangle, sphere), triangle, sphere, number, index);
+  return record_from(bounded<float>(triangle_sphere<float>(triangle, sphere), triangle, sphere),
+                     number, index);
 }
 Record answer(const Obb& box, const Triangle& triangle, std::uint32_t number, std::uint32_t index,
               Algorithm) {
-  return solid_record(triangle_obb<float>(triangle, box), triangle, box, number, index);
+  return record_from(bounded<float>(triangle_obb<float>(triangle, box), triangle, box), number,
+                     index);
+}
+Record answer(const Ray& ray, const Sphere& sphere, std::uint32_t number, std::uint32_t index) {
+  return record_from(ray_sphere<float>(ray, sphere), number, index);
+}
+Record answer(const Sphere& primary, const Sphere& sphere, std::uint32_t number,
+              std::uint32_t index) {
+  return record_from(sphere_sphere<float>(primary, sphere), number, index);
+}
+Record answer(const Obb&, const Sphere&, std::uint32_t, std::uint32_t) {
+  throw Error(ErrorCode::kUsage, "OBBs have no way through a hierarchy over spheres");
 }
 
 /// What mode nearest and the others compare: T, or of solids the signed gap.
@@ -102,7 +113,7 @@ class Traversal::Walk {
       tmax_ = primary.tmax;
     }
     const auto& box = of.hierarchy_.box();
-    front_ = front_of(primary, root_bounds<float>(box.min(), box.max()));
+    front_ = front_of(primary, root_bounds<float>(box.min(), box.max()), of.leaf());
     visit(of.hierarchy_.nodes()[0]);
     while (!over_ && depth_ != 0) {
       Group& top = stack_[depth_ - 1];
@@ -161,9 +172,12 @@ class Traversal::Walk {
 
   void test(std::uint32_t slot, unsigned count) {
     for (std::uint32_t s = slot; s < slot + count; ++s) {
-      ++of_.counts_.triangles;
+      ++of_.counts_.secondaries;
       const std::uint32_t index = of_.hierarchy_.order()[s];
-      const Record record = answer(primary_, of_.triangles_[index], number_, index, of_.algorithm_);
+      const Record record =
+          of_.leaf() == Shape::kSphere
+              ? answer(primary_, of_.spheres_[index], number_, index)
+              : answer(primary_, of_.triangles_[index], number_, index, of_.algorithm_);
       if (record.f || (kSolid && goal_ == Goal::kNearest)) keep(record);
     }
   }
@@ -208,16 +222,25 @@ Traversal::Traversal(const TriangleView& triangles, const Hierarchy& hierarchy, 
                                                triangles.size(), hierarchy.order().size()));
 }
 
+Traversal::Traversal(std::span<const Sphere> spheres, const Hierarchy& hierarchy)
+    : triangles_(std::span<const Triangle>()),
+      spheres_(spheres),
+      hierarchy_(hierarchy),
+      algorithm_(Algorithm::kMoller) {
+  if (spheres.size() != hierarchy.order().size())
+    throw Error(ErrorCode::kUsage, fmt::format("{} spheres with a hierarchy of {}", spheres.size(),
+                                               hierarchy.order().size()));
+}
+
 template <class P>
 std::vector<Record> Traversal::trace_any(const P& primary, std::uint32_t number, Mode mode) {
   if (mode == Mode::kAll)
-    throw Error(ErrorCode::kUsage, "mode all has records of all triangles: not by a hierarchy");
+    throw Error(ErrorCode::kUsage, "mode all has records of all secondaries: not by a hierarchy");
   if (mode == Mode::kFarthest && !std::is_same_v<P, Ray>)
-    throw Error(ErrorCode::kUsage,
-                "the triangle farthest from a solid is not found by a hierarchy");
+    throw Error(ErrorCode::kUsage, "what is farthest from a solid is not found by a hierarchy");
   std::vector<Record> records;
   const Record none = unanswered(primary, number, false, {});
-  if (!none.bad && triangles_.size() != 0) {
+  if (!none.bad && !hierarchy_.order().empty()) {
     const Goal goal = mode == Mode::kNearest    ? Goal::kNearest
                       : mode == Mode::kFarthest ? Goal::kFarthest
                       : mode == Mode::kHits     ? Goal::kHits
@@ -237,7 +260,7 @@ std::vector<Record> Traversal::trace(const Ray& ray, std::uint32_t number, Mode 
 }
 template <class P>
 bool Traversal::meets_any(const P& primary) {
-  if (defect(primary) || triangles_.size() == 0) return false;
+  if (defect(primary) || hierarchy_.order().empty()) return false;
   return !Walk<P>(*this, primary, 0, Goal::kOccluded).records().empty();
 }
 

@@ -112,7 +112,7 @@ Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene,
           for (std::size_t i = 0; i < list.size(); i += std::max<std::size_t>(step, 1), ++sampled) {
             reference::Traversal walk(all, tree);
             (void)walk.trace(list[i], 0, q.mode);
-            const auto tested = static_cast<double>(walk.counts().triangles);
+            const auto tested = static_cast<double>(walk.counts().secondaries);
             way.nodes += static_cast<double>(walk.counts().nodes);
             way.secondaries += tested;
             way.last = std::max(way.last, kClocksASolid * tested);

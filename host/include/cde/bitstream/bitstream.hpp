@@ -74,6 +74,8 @@ struct BoardConfig {
 
   /// Whether the card has the box rule of a pair: not where narrow lanes prove misses.
   [[nodiscard]] bool box_rule(Pair pair) const;
+  /// How its primaries go through a hierarchy, with node units; nothing where they sweep.
+  [[nodiscard]] std::optional<WayThrough> way_through(Pair pair) const;
   /// NAME=VALUE for the builder, without what the RTL has as default. Error kUsage if a value is
   /// out of range, naming it.
   [[nodiscard]] std::vector<std::string> parameters() const;

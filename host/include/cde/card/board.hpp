@@ -98,6 +98,8 @@ class Board {
   /// uploaded: kUsage if the card has no node units, or the hierarchy is of another number of
   /// triangles; kCapacity, with the sizes, if its memory of nodes or slots is smaller.
   void upload(const TriangleView& triangles, const Hierarchy& hierarchy, bool validate = true);
+  /// The same of spheres, which rays and spheres meet.
+  void upload(std::span<const Sphere> spheres, const Hierarchy& hierarchy, bool validate = true);
   /// A hierarchy over what is uploaded, as it is now: after update_shapes(), which leaves the one
   /// before unused, with its refit(). With objects, those of set_objects(), one of these as they
   /// have been moved (hierarchy_of()); they must lie one behind the other in DDR for
@@ -106,9 +108,10 @@ class Board {
   /// Boxes of the card's hierarchy anew, by the card, for secondaries as update_shapes() and
   /// move_object() left them; the tree stays as it is. Of a hierarchy of objects only what is below
   /// those that have changed, and what is above all of them, their roots included. Returns what the
-  /// card counted. Errors: kUsage if there is no hierarchy, or it is of other objects; kBadInput
-  /// naming a slot of the tree whose triangle is not finite or beyond 2^40, as it was moved, and
-  /// kDevice, as run(): the hierarchy is then unused.
+  /// card counted. Errors: kUsage if there is no hierarchy, or it is of other objects, or of
+  /// spheres (Hierarchy::refit() is the way for these); kBadInput naming a slot of the tree whose
+  /// triangle is not finite or beyond 2^40, as it was moved, and kDevice, as run(): the hierarchy
+  /// is then unused.
   Counters refit();
   /// The same for other shapes (Sphere, Aabb, Obb, Plane, Cylinder, Ray; Triangle too).
   template <class P>
@@ -268,10 +271,13 @@ class Board {
   std::shared_ptr<Impl> impl_;  ///< this board's; a pass keeps it over a sink that drops the board
 };
 
-/// A hierarchy over the triangles of objects, object after object, as a card's transformer moves
-/// them; each object is a part of it. Errors: kUsage (no object, or one that is empty or reaches
-/// beyond the triangles), and as Hierarchy::build.
+/// A hierarchy over the triangles or spheres of objects, object after object, as a card's
+/// transformer moves them; each object is a part of it. Errors: kUsage (no object, or one that is
+/// empty or reaches beyond the triangles), and as Hierarchy::build.
 [[nodiscard]] Hierarchy hierarchy_of(const TriangleView& triangles, std::span<const Object> objects,
+                                     const HierarchyOptions& options = {});
+[[nodiscard]] Hierarchy hierarchy_of(std::span<const Sphere> spheres,
+                                     std::span<const Object> objects,
                                      const HierarchyOptions& options = {});
 
 /// Where a record of a packet's primary comes from, for messages: the clock as it is now, when the

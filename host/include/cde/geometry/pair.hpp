@@ -72,6 +72,14 @@ struct PairBudget {
 /// Whether the box rule is of the pair: ray-triangle, triangle-sphere, triangle-obb.
 [[nodiscard]] bool has_box_rule(Pair pair);
 
+/// How primaries of a pair meet secondaries in a hierarchy.
+struct WayThrough {
+  Shape primary, secondary;
+  bool swap;  ///< Query::swap
+};
+/// Nothing of pairs that sweep. Those that have the box rule need it.
+[[nodiscard]] std::optional<WayThrough> way_through(Pair pair);
+
 /// Whether narrow lanes can prove misses of a pair on a card (BoardConfig::verdicts).
 [[nodiscard]] bool has_verdicts(Pair pair);
 /// `interval`: clocks from one row of such pairs to the next, 1 or 3. Error kUsage if it is

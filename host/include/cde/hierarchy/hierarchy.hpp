@@ -37,13 +37,18 @@ class Hierarchy {
                                        const HierarchyOptions& options = {});
   [[nodiscard]] static Hierarchy build(const TriangleView& triangles,
                                        const HierarchyOptions& options = {});
+  [[nodiscard]] static Hierarchy build(std::span<const Sphere> spheres,
+                                       const HierarchyOptions& options = {});
 
-  /// One of parts, which have so many of the triangles one behind the other: a tree each (parts()),
-  /// below one over their boxes, so that each stays a good one wherever it goes. hierarchy_of() in
-  /// board.hpp makes one of objects. Errors beside those above: kUsage if there is no part, one is
-  /// empty, or they are not all triangles; kCapacity for more than 32,768; what is said of a box
-  /// names its part.
+  /// One of parts, which have so many of the secondaries one behind the other: a tree each
+  /// (parts()), below one over their boxes, so that each stays a good one wherever it goes.
+  /// hierarchy_of() in board.hpp makes one of objects. Errors beside those above: kUsage if there
+  /// is no part, one is empty, or they are not all secondaries; kCapacity for more than 32,768;
+  /// what is said of a box names its part.
   [[nodiscard]] static Hierarchy build(const TriangleView& triangles,
+                                       std::span<const std::uint32_t> parts,
+                                       const HierarchyOptions& options = {});
+  [[nodiscard]] static Hierarchy build(std::span<const Sphere> spheres,
                                        std::span<const std::uint32_t> parts,
                                        const HierarchyOptions& options = {});
 
@@ -51,6 +56,7 @@ class Hierarchy {
   /// fewer, and as build().
   void refit(std::span<const Eigen::AlignedBox3f> boxes);
   void refit(const TriangleView& triangles);
+  void refit(std::span<const Sphere> spheres);
 
   /// The root first, and each node before those below it; one node at least.
   [[nodiscard]] std::span<const hierarchy::Node> nodes() const { return nodes_; }
@@ -87,6 +93,9 @@ class Hierarchy {
   using BoxOf = std::function<Eigen::AlignedBox3f(std::size_t)>;
   [[nodiscard]] static Hierarchy build(std::size_t count, const BoxOf& box,
                                        const HierarchyOptions& options, unsigned depth);
+  [[nodiscard]] static Hierarchy build(std::size_t count, const BoxOf& box,
+                                       std::span<const std::uint32_t> parts,
+                                       const HierarchyOptions& options);
   [[nodiscard]] static Hierarchy joined(std::span<const Hierarchy> trees);
   void add_part(const Hierarchy& tree, std::size_t root);
   std::vector<hierarchy::Node> nodes_;

@@ -3,8 +3,8 @@
 #include "cde/geometry/ops.hpp"
 #include "cde/geometry/primitives.hpp"
 
-/// The box rule of a triangle and a solid (BOX = 1): their signed gap is not below that of their
-/// boxes.
+/// The box rule of a triangle and a solid, or two triangles (BOX = 1): their signed gap is not
+/// below that of their boxes.
 ///
 /// Two boxes are apart by the largest gap of an axis at least, and where that is below zero, moving
 /// one of them by so much along that axis parts them: so the largest gap of an axis is a lower
@@ -16,14 +16,16 @@
 ///
 /// with [b, B] the triangle's box, c the solid's centre and e half the size of its box. m is far
 /// above what the pipes' roundings are: s' is s unless s is wrong. It is the pair's own, so that it
-/// is the same in a sweep and through a hierarchy.
+/// is the same in a sweep and through a hierarchy. A second triangle has a box [a, A] in place of
+/// c, so that g = max(b - A, a - B) and m counts |b - A| and |a - B|, and e is 0.
 ///
 /// A hierarchy may leave out a box whose bound is above the best gap: g as its nodes compute it
 /// (ray_node.hpp, with 1 / d = 1 and o +- M the corners of the solid's box, widened by M) is off by
 /// less than 10 u (R + e) + 2 u W, R the largest distance along an axis from c to the root's box, W
 /// the largest |coordinate| of that; here roundings take less than 4 u (R + e), and m is 128 u
 /// (R + e) at most. M = 256 u (R + e) + 16 u W is more than all of it together: near of a node is
-/// below s' of every triangle in it, as computed.
+/// below s' of every triangle in it, as computed. Of a triangle R is the largest distance along an
+/// axis from an end of its box to the other end of the root's.
 namespace cde::reference {
 
 /// Margin over u.
@@ -46,15 +48,44 @@ template <typename S>
   return size;
 }
 
-/// g - m: 1 mul, 3 add, 10 sub, 22 min/max, and what half_size() takes.
+/// A triangle has no centre: its hull is its box.
+template <typename S>
+[[nodiscard]] Vector<S> half_size(const BasicTriangle<S>&) {
+  return Vector<S>::Zero();
+}
+
+/// Between which points a shape lies, from where half_size() goes on.
+template <typename S>
+struct Hull {
+  Vector<S> low, high;
+};
+template <typename S>
+[[nodiscard]] Hull<S> hull_of(const BasicSphere<S>& sphere) {
+  return {sphere.c, sphere.c};
+}
+template <typename S>
+[[nodiscard]] Hull<S> hull_of(const BasicObb<S>& box) {
+  return {box.c, box.c};
+}
+/// 12 min/max.
+template <typename S>
+[[nodiscard]] Hull<S> hull_of(const BasicTriangle<S>& t) {
+  Hull<S> hull;
+  for (int k = 0; k < 3; ++k) {
+    hull.low[k] = min_num(min_num(t.v0[k], t.v1[k]), t.v2[k]);
+    hull.high[k] = max_num(max_num(t.v0[k], t.v1[k]), t.v2[k]);
+  }
+  return hull;
+}
+
+/// g - m: 1 mul, 3 add, 10 sub, 10 max, and what half_size() and hull_of() take.
 template <typename S, class Solid>
 [[nodiscard]] S gap_bound(const BasicTriangle<S>& triangle, const Solid& solid) {
   const Vector<S> half = half_size(solid);
+  const Hull<S> of = hull_of(triangle), other = hull_of(solid);
   Vector<S> gap, size;
   for (int k = 0; k < 3; ++k) {
-    const S low = min_num(min_num(triangle.v0[k], triangle.v1[k]), triangle.v2[k]);
-    const S high = max_num(max_num(triangle.v0[k], triangle.v1[k]), triangle.v2[k]);
-    const S below = low - solid.c[k], above = solid.c[k] - high;
+    const S below = of.low[k] - other.high[k], above = other.low[k] - of.high[k];
     gap[k] = max_num(below, above) - half[k];
     size[k] = max_num(magnitude(below), magnitude(above)) + half[k];
   }

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cmath>
+#include <limits>
+
+#include "cde/contract/pairs.hpp"
 #include "cde/geometry/ops.hpp"
 #include "cde/hierarchy/node.hpp"
 #include "cde/reference/pipes/gap_bound.hpp"
@@ -25,6 +29,14 @@
 /// So near <= T <= far holds as computed, for every hit in a box, and boxes that are left out as
 /// near is above the best T, or far below tmin, have none that counts. With lengths up to 2^40 all
 /// is finite and normal.
+///
+/// Of rays that meet spheres T is that of exact arithmetic for a sphere larger or smaller by 13 u
+/// (|o - c| + r) (ray_sphere.hpp), which is 36 u R at most: o + T d is that near the sphere, and so
+/// in its box. That is known where no square of T is beyond the normal numbers: rays with R not
+/// from 2^-42 to 2^37 times the largest component of d have an infinite M, and meet all boxes.
+///
+/// Two spheres have a gap of four roundings, 12 u (R + e) in all, without a rule: M has room for
+/// that, and for underflows, since no radius is below 2^-34.
 ///
 /// A solid takes the same way with 1 / d = 1 and the corners of its own box as o +- M, widened by M
 /// too: near and far are gaps of axes, and the larger one of near and -far is a bound of the signed
@@ -55,20 +67,27 @@ struct RayFront {
   Mask<S> negative[3];     ///< signs of d, also of zeros
 };
 
-/// How far the root's box reaches from a point, along an axis: 6 sub, 5 max.
+/// How far the root's box reaches from a point or a box, along an axis: 6 sub, 5 max.
 template <typename S>
-[[nodiscard]] S reach(const Vector<S>& o, const RootBounds<S>& root) {
+[[nodiscard]] S reach(const Hull<S>& of, const RootBounds<S>& root) {
   Vector<S> far;
   for (int k = 0; k < 3; ++k)
-    far[k] = max_num(magnitude(root.lower[k] - o[k]), magnitude(root.upper[k] - o[k]));
+    far[k] = max_num(magnitude(root.lower[k] - of.high[k]), magnitude(root.upper[k] - of.low[k]));
   return max_num(max_num(far.x(), far.y()), far.z());
 }
 
-/// Once a ray: 1 mul, 3 div, 4 add, 9 sub, 8 min/max.
+/// Once a ray: 1 mul, 3 div, 4 add, 9 sub, 8 min/max; where it is to meet spheres 2 mul, 2 cmp, 2
+/// max more.
 template <typename S>
 [[nodiscard]] RayFront<S> ray_front(const Vector<S>& o, const Vector<S>& d,
-                                    const RootBounds<S>& root) {
-  const S margin = reach<S>(o, root) * S(0x1p-16) + root.margin;
+                                    const RootBounds<S>& root, Shape leaf = Shape::kTriangle) {
+  const S reach_of_root = reach<S>({o, o}, root);
+  S margin = reach_of_root * S(0x1p-16) + root.margin;
+  if (leaf == Shape::kSphere) {
+    const S most = max_num(max_num(magnitude(d[0]), magnitude(d[1])), magnitude(d[2]));
+    const auto known = most * S(0x1p-42) <= reach_of_root && reach_of_root <= most * S(0x1p37);
+    margin = select(known, margin, S(std::numeric_limits<float>::infinity()));
+  }
   RayFront<S> front;
   for (int k = 0; k < 3; ++k) {
     front.above[k] = o[k] + margin;
@@ -80,16 +99,17 @@ template <typename S>
   return front;
 }
 
-/// Once a solid: 1 mul, 8 add, 12 sub, 7 max, and half_size().
+/// Once a solid, or a triangle: 1 mul, 8 add, 12 sub, 7 max, half_size() and hull_of().
 template <typename S, class Solid>
 [[nodiscard]] RayFront<S> solid_front(const Solid& solid, const RootBounds<S>& root) {
   const Vector<S> half = half_size(solid);
   const S most = max_num(max_num(half[0], half[1]), half[2]);
-  const S margin = (reach<S>(solid.c, root) + most) * S(0x1p-16) + root.margin;
+  const Hull<S> hull = hull_of(solid);
+  const S margin = (reach<S>(hull, root) + most) * S(0x1p-16) + root.margin;
   RayFront<S> front;
   for (int k = 0; k < 3; ++k) {
-    front.above[k] = (solid.c[k] + half[k]) + margin;
-    front.below[k] = (solid.c[k] - half[k]) - margin;
+    front.above[k] = (hull.high[k] + half[k]) + margin;
+    front.below[k] = (hull.low[k] - half[k]) - margin;
     front.negative[k] = Mask<S>(false);
     front.inverse[k] = S(1);
   }

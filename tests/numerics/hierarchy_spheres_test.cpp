@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rays and spheres through a hierarchy over spheres against all of these one by one.
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "cde/reference/pass.hpp"
+#include "cde/reference/pipes/ray_node.hpp"
+#include "cde/reference/traversal.hpp"
+#include "cde/support/error.hpp"
+#include "hard_spheres.hpp"
+
+namespace cde::testing {
+namespace {
+
+using namespace hard;
+
+constexpr unsigned kSeed = 7;
+
+bool full() {
+  return std::getenv("CDE_FULL") != nullptr;
+}
+
+/// What all spheres give, by ascending primary, then index.
+template <class P>
+std::vector<Record> swept(const Cloud& cloud, const std::vector<P>& primaries, Mode mode) {
+  constexpr Pair kPair = std::is_same_v<P, Ray> ? Pair::kRaySphere : Pair::kSphereSphere;
+  std::vector<Record> all;
+  const Shapes secondaries = cloud;
+  for (std::size_t first = 0; first < primaries.size(); first += 256) {
+    const std::size_t n = std::min<std::size_t>(256, primaries.size() - first);
+    std::vector<std::uint32_t> numbers;
+    for (std::size_t i = 0; i < n; ++i) numbers.push_back(static_cast<std::uint32_t>(first + i));
+    reference::Pass pass({.pair = kPair, .mode = mode},
+                         std::vector<P>(primaries.begin() + static_cast<long>(first),
+                                        primaries.begin() + static_cast<long>(first + n)),
+                         numbers, secondaries);
+    std::vector<Record> some;
+    for (auto next = pass.next(); !next.empty(); next = pass.next()) {
+      some.insert(some.end(), next.begin(), next.end());
+      if (mode != Mode::kHits) break;  // one a primary, of all secondaries
+    }
+    std::stable_sort(some.begin(), some.end(), [](const Record& a, const Record& b) {
+      return a.primary != b.primary ? a.primary < b.primary : a.index < b.index;
+    });
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  return all;
+}
+
+template <class P>
+void expect_all_records(const Cloud& cloud, const std::vector<P>& primaries,
+                        std::initializer_list<Mode> modes, std::size_t least_hits) {
+  std::size_t hits = 0;
+  for (const Mode mode : modes) {
+    const std::vector<Record> all = swept(cloud, primaries, mode);
+    for (const unsigned leaf : {1u, 2u}) {
+      const Hierarchy tree = Hierarchy::build(cloud, {.leaf = leaf});
+      reference::Traversal walk(cloud, tree);
+      std::vector<Record> own;
+      for (std::uint32_t i = 0; i < primaries.size(); ++i) {
+        const std::vector<Record> some = walk.trace(primaries[i], i, mode);
+        own.insert(own.end(), some.begin(), some.end());
+        if (mode == Mode::kAny) {
+          EXPECT_EQ(walk.occluded(primaries[i]), some[0].f);
+        }
+      }
+      ASSERT_EQ(own.size(), all.size()) << name_of(mode);
+      std::size_t different = 0;
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        hits += own[i].f;
+        if (same_bits(own[i], all[i])) continue;
+        if (different++ < 3)
+          ADD_FAILURE() << name_of(mode) << ", " << text(primaries[all[i].primary]) << ", number "
+                        << all[i].primary << ": T " << own[i].t << " of " << own[i].index
+                        << ", should be " << all[i].t << " of " << all[i].index;
+      }
+      EXPECT_EQ(different, 0u);
+    }
+  }
+  fmt::print("seed {}, {} primaries, {} records that meet\n", kSeed, primaries.size(), hits);
+  EXPECT_GT(hits, least_hits);
+}
+
+class EveryCloud : public ::testing::TestWithParam<Case> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, EveryCloud, ::testing::ValuesIn(kScenes),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+/// CDE_FULL=1: a million of rays and 200,000 spheres in all.
+TEST_P(EveryCloud, RayIsThatOfAllSpheres) {
+  const Cloud cloud = cloud_of(GetParam().make());
+  CloudRays draw(cloud, kSeed);
+  std::vector<Ray> rays;
+  for (unsigned i = 0; i < (full() ? 125'000u : 3000u); ++i)
+    rays.push_back(draw(i % CloudRays::kKinds));
+  expect_all_records(cloud, rays, {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kHits},
+                     rays.size());
+}
+TEST_P(EveryCloud, SphereIsThatOfAllSpheres) {
+  const Cloud cloud = cloud_of(GetParam().make());
+  CloudSpheres draw(cloud, kSeed);
+  std::vector<Sphere> spheres;
+  for (unsigned i = 0; i < (full() ? 25'000u : 2000u); ++i)
+    spheres.push_back(draw(i % CloudSpheres::kKinds));
+  expect_all_records(cloud, spheres, {Mode::kNearest, Mode::kAny, Mode::kHits}, spheres.size());
+}
+
+/// Where squares of T are no normal numbers a hit can be anywhere: such rays meet all boxes.
+TEST(HierarchyOfSpheres, RaysOfAnyLength) {
+  for (const float size : {0x1p-33f, 0x1p-26f, 0x1p38f}) {
+    Cloud cloud = cloud_of(kScenes[0].make());
+    for (Sphere& s : cloud) s.c *= size, s.r = std::max(s.r * size, 0x1p-34f);
+    CloudRays draw(cloud, kSeed);
+    std::vector<Ray> rays;
+    for (unsigned i = 0; i < 1000; ++i) rays.push_back(draw(7));
+    expect_all_records(cloud, rays, {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kHits}, 0);
+  }
+}
+
+/// Of a box that is rounded the wrong way the nodes would not contain the sphere.
+TEST(HierarchyOfSpheres, BoxesContainThem) {
+  Draw draw(kSeed);
+  for (int i = 0; i < 100'000; ++i) {
+    const Sphere s{draw.point() * draw.power(-30, 30), draw.power(-34, 30) * draw(1, 1.999f)};
+    const Hierarchy tree = Hierarchy::build(std::vector{s});
+    for (int k = 0; k < 3; ++k) {
+      const long double c = s.c[k], r = s.r;  // sums of these are exact in 64 bits where they count
+      if (std::fabs(std::log2(std::fabs(s.c[k]) / s.r)) > 36) continue;
+      ASSERT_LE(tree.box().min()[k], c - r) << text(s);
+      ASSERT_GE(tree.box().max()[k], c + r) << text(s);
+      const float least = static_cast<float>(c - r);
+      ASSERT_GE(tree.box().min()[k], std::nextafter(least, -INFINITY))
+          << "no wider than it must be";
+    }
+  }
+}
+
+/// Spheres that have moved keep their tree, with other boxes.
+TEST(HierarchyOfSpheres, Refits) {
+  Cloud cloud = cloud_of(kScenes[0].make());
+  Hierarchy tree = Hierarchy::build(cloud);
+  Draw draw(kSeed);
+  for (Sphere& s : cloud) s.c += draw.point() * 0.3f;
+  tree.refit(cloud);
+  CloudSpheres draws(cloud, kSeed);
+  std::vector<Sphere> spheres;
+  for (unsigned i = 0; i < 500; ++i) spheres.push_back(draws(i % CloudSpheres::kKinds));
+  const std::vector<Record> all = swept(cloud, spheres, Mode::kNearest);
+  reference::Traversal walk(cloud, tree);
+  for (std::uint32_t i = 0; i < spheres.size(); ++i)
+    ASSERT_TRUE(same_bits(walk.trace(spheres[i], i, Mode::kNearest)[0], all[i]))
+        << text(spheres[i]);
+  EXPECT_LT(walk.counts().secondaries, spheres.size() * cloud.size() / 4);
+}
+
+TEST(HierarchyOfSpheres, WhatIsRefused) {
+  const Cloud cloud = {{{0, 0, 0}, 1}, {{3, 0, 0}, 1}};
+  const Hierarchy tree = Hierarchy::build(cloud);
+  EXPECT_THROW(reference::Traversal(std::span(cloud).first(1), tree), Error);
+  reference::Traversal walk(cloud, tree);
+  EXPECT_THROW((void)walk.trace(cloud[0], 0, Mode::kFarthest), Error);
+  const Obb box{{0, 0, 0}, {1, 1, 1}, Eigen::Matrix3f::Identity()};
+  EXPECT_THROW((void)walk.trace(box, 0, Mode::kNearest), Error);
+  EXPECT_THROW((void)Hierarchy::build(Cloud{{{0x1p40f, 0, 0}, 1}}), Error) << "beyond 2^40";
+  EXPECT_THROW((void)Hierarchy::build(Cloud{{{0, NAN, 0}, 1}}), Error);
+}
+
+}  // namespace
+}  // namespace cde::testing
