@@ -340,5 +340,46 @@ mode = "hits"
   EXPECT_GT(records["on"].size(), 10'000u);
 }
 
+/// Rays and spheres that meet spheres which fly about, each by itself: the tree is built anew for
+/// each frame. Records are compared with those of all spheres.
+TEST_F(SceneHierarchy, OverSpheres) {
+  write("cloud.toml", R"(
+frames = 3
+[[object]]
+name = "cloud"
+random = { shape = "sphere", count = 3000, seed = 3, min = [-10, -10, -10], max = [10, 10, 10], size = [0.1, 0.3] }
+motion = { kind = "random", each = true, seed = 3, min = [-10, -10, -10], max = [10, 10, 10], speed = 4 }
+[[object]]
+name = "probes"
+random = { shape = "sphere", count = 300, seed = 5, min = [-10, -10, -10], max = [10, 10, 10], size = [0.1, 0.6] }
+[[object]]
+name = "rays"
+random_rays = { count = 500, seed = 6 }
+[[query]]
+name = "near"
+pair = "sphere-sphere"
+primaries = "probes"
+secondaries = "cloud"
+normals = true
+[[query]]
+name = "seen"
+pair = "ray-sphere"
+primaries = "rays"
+secondaries = "cloud"
+mask = [4]
+)");
+  const Ran ran = cde({"run", "cloud.toml", "-q", "--check", "all"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto j = nlohmann::json::parse(read("cloud.run/run.json"));
+  EXPECT_EQ(j["totals"]["mismatches"], 0);
+  for (const auto& query : j["plan"]["queries"]) EXPECT_EQ(query["through"], "hierarchy");
+  for (const auto& frame : j["played"])
+    for (const auto& query : frame["queries"]) {
+      EXPECT_GT(query["counters"]["nodes"], 0);
+      EXPECT_LT(query["counters"]["tests"], 5000);
+      EXPECT_GT(query["records_compared"], 290);
+    }
+}
+
 }  // namespace
 }  // namespace cde::testing

@@ -17,13 +17,15 @@
 namespace cde::plan_hierarchy {
 namespace {
 
-/// From so many triangles on a tree wins.
-constexpr std::uint64_t kWorthATree = 2048;
+/// From so many secondaries on a tree is tried.
+constexpr std::uint64_t kWorthATree = 2048, kWorthATreeOfSpheres = 256;
 /// Clocks that the last rays of a packet take for a level of the tree, when no others are left.
 constexpr double kClocksALevel = 30;
 /// Those of a solid for a triangle that it is tested with, nodes above it included: of spheres 63,
-/// of OBBs 78 where they are alone (cde bench hierarchy).
-constexpr double kClocksASolid = 75;
+/// of OBBs 78 where they are alone (cde bench hierarchy); of two spheres 25.
+constexpr double kClocksASolid = 75, kClocksTwoSpheres = 25;
+/// A node of a tree over spheres over the bus, with its share of slots.
+constexpr std::uint64_t kClocksANode = 18;
 /// Of a query, whose ways are counted.
 constexpr std::size_t kSampledSolids = 32;
 /// Visits that a ray makes in vain for each thing that has moved anywhere among the others (8, 40
@@ -32,25 +34,32 @@ constexpr std::size_t kSampledSolids = 32;
 constexpr double kVisitsAMovingPart = 1.0 / 6;
 
 bool is_ray(const SceneQuery& q) {
-  return q.pair == Pair::kRayTriangle;
+  return !is_solid(q.pair);
+}
+bool meets_spheres(const SceneQuery& q) {
+  return (q.swap ? primary_shape(q.pair) : secondary_shape(q.pair)) == Shape::kSphere;
 }
 
 /// Why the query meets all secondaries; nothing if it need not.
-std::optional<std::string> against(const SceneQuery& q, const Plan& plan) {
-  if (!has_box_rule(q.pair)) return "it is of rays, spheres and OBBs that meet triangles";
-  if (q.swap == is_ray(q)) return "its primaries are triangles";
+std::optional<std::string> against(const SceneQuery& q, const QueryWork& work, const Plan& plan) {
+  const auto way = way_through(q.pair);
+  if (!way)
+    return "it is of rays, spheres and OBBs that meet triangles, or rays and spheres that meet "
+           "spheres";
+  if (q.swap != way->swap) return fmt::format("its primaries are {}s", name(way->secondary));
   if (q.mode == Mode::kAll) return "mode all has records of all secondaries, hit or not";
   if (q.normals && is_ray(q)) return "rays have no normals";
   if (!is_ray(q) && q.mode == Mode::kFarthest)
-    return "the triangle farthest from a solid is in no box that could be left out";
-  if (!is_ray(q) && plan.board.verdicts) return "narrow lanes that prove misses sweep";
+    return "what is farthest from a solid is in no box that could be left out";
+  if (has_verdicts(q.pair) && plan.board.verdicts) return "narrow lanes that prove misses sweep";
+  if (work.self_pairs) return "no shape meets itself, which sweeps of ranges see to";
   if (!plan.resident) return "queries have different secondaries, and each would need another tree";
   return std::nullopt;
 }
 
 /// Why the card cannot have one; nothing if it can.
 std::optional<std::string> against(const Scene& scene, BoardConfig board, unsigned nodes) {
-  board.box = scene.card.box;
+  board.box = scene.card.box && std::any_of(board.pairs.begin(), board.pairs.end(), has_box_rule);
   board.node_units = kNodeUnits;
   board.nodes = nodes;
   try {
@@ -97,11 +106,16 @@ Way way_of_rays(const Hierarchy& tree) {
 /// Of solids as some of the first frame's take it.
 Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene,
                   const Hierarchy& tree) {
-  player::Row triangles(scene, plan.card_moves, player::Table::kAll),
+  player::Row met(scene, plan.card_moves, player::Table::kAll),
       solids(scene, std::vector<bool>(scene.objects.size(), false), player::Table::kMoved);
-  (void)triangles.show(q.secondaries, 0);
+  (void)met.show(q.secondaries, 0);
   (void)solids.show(q.primaries, 0);
-  const auto& all = std::get<std::vector<Triangle>>(triangles.placed());
+  const auto walk_of = [&] {
+    if (const auto* spheres = std::get_if<std::vector<Sphere>>(&met.placed()))
+      return reference::Traversal(*spheres, tree);
+    return reference::Traversal(std::get<std::vector<Triangle>>(met.placed()), tree);
+  };
+  const double each = meets_spheres(q) ? kClocksTwoSpheres : kClocksASolid;
   Way way;
   std::visit(
       [&](const auto& list) {
@@ -110,12 +124,12 @@ Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene,
           const std::size_t step = (list.size() + kSampledSolids - 1) / kSampledSolids;
           std::size_t sampled = 0;
           for (std::size_t i = 0; i < list.size(); i += std::max<std::size_t>(step, 1), ++sampled) {
-            reference::Traversal walk(all, tree);
+            reference::Traversal walk = walk_of();
             (void)walk.trace(list[i], 0, q.mode);
             const auto tested = static_cast<double>(walk.counts().secondaries);
             way.nodes += static_cast<double>(walk.counts().nodes);
             way.secondaries += tested;
-            way.last = std::max(way.last, kClocksASolid * tested);
+            way.last = std::max(way.last, each * tested);
           }
           sampled = std::max<std::size_t>(sampled, 1);
           way.nodes /= static_cast<double>(sampled);
@@ -127,17 +141,19 @@ Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene,
 }
 
 /// Clocks of a frame of packets: what is read and tested by as many as there are, and the way of
-/// the last ones. The tree stays as it was in the first frame.
+/// the last ones. A tree over triangles stays as it was in the first frame.
 std::uint64_t clocks(const SceneQuery& q, const QueryWork& w, const Plan& plan, const Scene& scene,
                      const Hierarchy& tree) {
   const Way way = is_ray(q) ? way_of_rays(tree) : way_of_solids(q, plan, scene, tree);
-  const double more = kVisitsAMovingPart * static_cast<double>(moving_parts(scene));
+  const double more =
+      meets_spheres(q) ? 0 : kVisitsAMovingPart * static_cast<double>(moving_parts(scene));
   const double each = std::max((way.nodes + more) / kNodeUnits, way.secondaries + more);
   return static_cast<std::uint64_t>(std::ceil(each * static_cast<double>(w.primaries - w.masked) +
                                               way.last * static_cast<double>(w.packets)));
 }
 
-/// Clocks of boxes anew in a frame: one a secondary that moves, and 1.2 a node above it.
+/// Clocks of boxes anew in a frame: of triangles one each that moves, and 1.2 a node above it; a
+/// tree over spheres goes over the bus.
 std::uint64_t refit_clocks(const QueryWork& w, const Scene& scene, const Plan& plan,
                            const Hierarchy& tree) {
   std::uint64_t moving = 0;
@@ -145,6 +161,7 @@ std::uint64_t refit_clocks(const QueryWork& w, const Scene& scene, const Plan& p
     if (!is_still(scene, scene.objects[i]) || !deforming(scene.objects[i]).empty())
       moving += size(scene.objects[i].shapes);
   if (moving == 0) return 0;
+  if (meets_spheres(scene.queries.front())) return kClocksANode * tree.nodes().size();
   const bool parts =
       std::find(plan.card_moves.begin(), plan.card_moves.end(), true) != plan.card_moves.end();
   const double share =
@@ -174,16 +191,18 @@ Choice choose(const Scene& scene, Plan& plan) {
   if (scene.card.hierarchy == UseHierarchy::kOff) return none("hierarchy = \"off\"");
   std::string first_why;
   for (std::size_t q = 0; q < scene.queries.size(); ++q) {
-    const auto why = against(scene.queries[q], plan);
+    const auto why = against(scene.queries[q], plan.queries[q], plan);
     choice.queries[q] = !why;
     if (why && first_why.empty()) first_why = fmt::format("{}: {}", scene.queries[q].name, *why);
   }
   if (std::find(choice.queries.begin(), choice.queries.end(), true) == choice.queries.end())
     return none(first_why);
   const QueryWork& work = plan.queries.front();
-  if (!asked && work.secondaries < kWorthATree)
-    return none(fmt::format("a tree wins from about {} triangles on, there are {}", kWorthATree,
-                            work.secondaries));
+  const bool spheres = meets_spheres(scene.queries.front());
+  const std::uint64_t worth = spheres ? kWorthATreeOfSpheres : kWorthATree;
+  if (!asked && work.secondaries < worth)
+    return none(fmt::format("a tree wins from about {} {}s on, there are {}", worth,
+                            spheres ? "sphere" : "triangle", work.secondaries));
   if (const auto why = against(scene, plan.board, BoardConfig{}.nodes)) return none(*why);
   std::string why;
   const auto tree = tree_of(scene, plan, why);

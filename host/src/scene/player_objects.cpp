@@ -172,13 +172,16 @@ void Secondaries::write(const Row::Change& change) {
   for (const std::size_t k : change.entries) board_->move_object(k, row_.entries()[k].transform);
 }
 
-/// The tree is that of the first frame, whichever is shown first, and where something moves its
-/// boxes are the card's: so what a frame reads does not depend on the frames before it.
+/// A tree over triangles is that of the first frame, whichever is shown first, and where something
+/// moves its boxes are the card's; one over spheres is built for each frame. So what a frame reads
+/// does not depend on the frames before it.
 void Secondaries::fit_tree(const Row::Change& change, const std::vector<std::size_t>& objects) {
   if (!change.all && change.shapes.empty() && change.entries.empty()) return;
   no_tree_.reset();
   try {
-    if (change.all) {
+    if (std::holds_alternative<std::vector<Sphere>>(row_.placed())) {
+      board_->upload(tree_of(row_));
+    } else if (change.all) {
       tree_there_ = false;
       Row first(*scene_, by_card_, Table::kAll);
       (void)first.show(objects, 0);
@@ -192,13 +195,15 @@ void Secondaries::fit_tree(const Row::Change& change, const std::vector<std::siz
       board_->refit();
     }
   } catch (const Error& e) {
-    // Triangles beyond what boxes hold: they are swept.
+    // Secondaries beyond what boxes hold: they are swept.
     if (e.code() != ErrorCode::kBadInput) throw;
     no_tree_ = e.what();
   }
 }
 
 Hierarchy tree_of(const Row& row) {
+  if (const auto* spheres = std::get_if<std::vector<Sphere>>(&row.placed()))
+    return Hierarchy::build(*spheres);
   const auto& triangles = std::get<std::vector<Triangle>>(row.shapes());
   return row.entries().empty() ? Hierarchy::build(triangles)
                                : hierarchy_of(triangles, row.entries());

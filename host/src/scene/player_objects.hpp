@@ -85,7 +85,8 @@ class Row {
   std::vector<Object> entries_;
 };
 
-/// Over triangles that passes meet, with the objects that the card moves as its parts.
+/// Over triangles that passes meet, with the objects that the card moves as its parts, or over
+/// spheres.
 [[nodiscard]] Hierarchy tree_of(const Row& row);
 
 /// What lies in the card's DDR.

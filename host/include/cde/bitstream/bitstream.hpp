@@ -53,8 +53,8 @@ struct BoardConfig {
       std::nullopt;         ///< narrow lanes prove misses of pairs of solids
                             ///< (has_verdicts) in modes any and hits, and one lane of
                             ///< `format` tests what they leave open: the same records
-  unsigned node_units = 0;  ///< of a hierarchy over triangles: 0 (none), 1, 2 or 4; of fp32 cards
-                            ///< with ray-triangle, by any algorithm, and the box rule
+  unsigned node_units = 0;  ///< of a hierarchy: 0 (none), 1, 2 or 4; of fp32 cards with a pair
+                            ///< that has a way through one (way_through())
   unsigned nodes = 65'536;  ///< that its memory holds, a power of two, up to 2^22; and eight slots
                             ///< of leaves each
   Transformer transform = Transformer::kNone;  ///< objects (Board::set_objects) can move
