@@ -47,7 +47,8 @@ package pairs_pkg;
   localparam logic [3:0] PAIR_RAY_SPHERE = 4'd11;
   localparam logic [3:0] PAIR_SPHERE_OBB = 4'd12;
   localparam logic [3:0] PAIR_SPHERE_PLANE = 4'd13;
-  localparam int PAIRS = 14;
+  localparam logic [3:0] PAIR_TRIANGLE_TRIANGLE = 4'd14;
+  localparam int PAIRS = 15;
   localparam logic [3:0] NO_PAIR = 4'd15;
   localparam int PAIR_CODES = 16;
 
@@ -67,6 +68,7 @@ package pairs_pkg;
     3'(SHAPE_RAY),       // ray-sphere
     3'(SHAPE_SPHERE),    // sphere-obb
     3'(SHAPE_SPHERE),    // sphere-plane
+    3'(SHAPE_TRIANGLE),  // triangle-triangle
     {PAIR_CODES-PAIRS{3'(SHAPE_TRIANGLE)}}};
   localparam logic [0:3*PAIR_CODES-1] SECONDARY_SHAPES = {
     3'(SHAPE_TRIANGLE),  // ray-triangle
@@ -83,6 +85,7 @@ package pairs_pkg;
     3'(SHAPE_SPHERE),    // ray-sphere
     3'(SHAPE_OBB),       // sphere-obb
     3'(SHAPE_PLANE),     // sphere-plane
+    3'(SHAPE_TRIANGLE),  // triangle-triangle
     {PAIR_CODES-PAIRS{3'(SHAPE_CYLINDER)}}};
   // Sets of pairs (bit p: pair p), as the parameter PAIRS of a card is one.
   localparam int RING_ROWS = 1024;  // more than a ring can have in flight
@@ -97,7 +100,7 @@ package pairs_pkg;
   // It is brought to the size of one in front of its pipe in every format (length_scale.sv): it multiplies four
   // lengths.
   localparam int SCALED_PAIRS = 1 << PAIR_OBB_OBB | 1 << PAIR_TRIANGLE_AABB | 1 << PAIR_TRIANGLE_OBB |
-      1 << PAIR_TRIANGLE_SPHERE |
+      1 << PAIR_TRIANGLE_SPHERE | 1 << PAIR_TRIANGLE_TRIANGLE |
       1 << PAIR_TRIANGLE_CYLINDER | 1 << PAIR_CYLINDER_CYLINDER | 1 << PAIR_OBB_CYLINDER;
 
   // ---- Ray-triangle algorithms ----

@@ -25,6 +25,7 @@
 #include "cde/reference/pipes/convex/sphere_sphere.hpp"
 #include "cde/reference/pipes/convex/triangle_box.hpp"
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
+#include "cde/reference/pipes/convex/triangle_triangle.hpp"
 #include "convex_cases.hpp"
 #include "in_docs.hpp"
 #include "operators.hpp"
@@ -45,7 +46,8 @@ constexpr int kDirected = 4000;
 
 constexpr std::array kConvexPairs = {Pair::kSphereSphere, Pair::kTriangleSphere, Pair::kSphereObb,
                                      Pair::kObbPlane,     Pair::kSpherePlane,    Pair::kObbObb,
-                                     Pair::kTriangleObb,  Pair::kTriangleAabb};
+                                     Pair::kTriangleObb,  Pair::kTriangleAabb,
+                                     Pair::kTriangleTriangle};
 
 using Words = std::vector<double>;
 
@@ -76,6 +78,8 @@ Outcome<S> run(Pair pair, const Words& a, const Words& b) {
       return r::triangle_obb(primitive<BasicTriangle, S>(a), primitive<BasicObb, S>(b));
     case Pair::kTriangleAabb:
       return r::triangle_aabb(primitive<BasicTriangle, S>(a), primitive<BasicAabb, S>(b));
+    case Pair::kTriangleTriangle:
+      return r::triangle_triangle(primitive<BasicTriangle, S>(a), primitive<BasicTriangle, S>(b));
     default:
       throw std::logic_error("not a convex pair with a closed form");
   }

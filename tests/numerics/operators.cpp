@@ -10,6 +10,7 @@
 #include "cde/reference/pipes/convex/sphere_sphere.hpp"
 #include "cde/reference/pipes/convex/triangle_box.hpp"
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
+#include "cde/reference/pipes/convex/triangle_triangle.hpp"
 #include "cde/reference/pipes/ray_cylinder.hpp"
 #include "cde/reference/pipes/ray_sphere.hpp"
 #include "cde/reference/pipes/ray_triangle.hpp"
@@ -82,6 +83,8 @@ Tally operators(Pair pair, Algorithm algorithm) {
       return count<BasicTriangle, BasicObb>(convex::triangle_obb<Counted>);
     case Pair::kTriangleAabb:
       return count<BasicTriangle, BasicAabb>(convex::triangle_aabb<Counted>);
+    case Pair::kTriangleTriangle:
+      return count<BasicTriangle, BasicTriangle>(convex::triangle_triangle<Counted>);
     default:
       throw std::logic_error("a pair with a budget has no closed form");
   }

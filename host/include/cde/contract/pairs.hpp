@@ -38,8 +38,9 @@ enum class Pair : unsigned {
   kRaySphere,
   kSphereObb,
   kSpherePlane,
+  kTriangleTriangle,
 };
-inline constexpr unsigned kPairs = 14;
+inline constexpr unsigned kPairs = 15;
 inline constexpr unsigned kPairCodes = 16;
 inline constexpr unsigned kNoPair = 15;  ///< no pair's code
 
@@ -85,7 +86,8 @@ inline constexpr std::array<PairRow, kPairs> kPairTable{
      {"obb-plane", Shape::kObb, Shape::kPlane},
      {"ray-sphere", Shape::kRay, Shape::kSphere},
      {"sphere-obb", Shape::kSphere, Shape::kObb},
-     {"sphere-plane", Shape::kSphere, Shape::kPlane}}};
+     {"sphere-plane", Shape::kSphere, Shape::kPlane},
+     {"triangle-triangle", Shape::kTriangle, Shape::kTriangle}}};
 inline constexpr std::array<std::string_view, kAlgorithms> kAlgorithmNames{
     "moller", "badouel", "pluecker", "watertight"};
 
@@ -122,7 +124,7 @@ inline constexpr std::uint32_t kShortPairs =
             Pair::kSpherePlane});
 /// It multiplies four lengths, and so is brought to the size of one in every format.
 inline constexpr std::uint32_t kScaledPairs =
-    kRingPairs | kFacetPairs | set_of({Pair::kTriangleSphere});
+    kRingPairs | kFacetPairs | set_of({Pair::kTriangleSphere, Pair::kTriangleTriangle});
 
 constexpr WordKind word_kind(Shape shape, std::size_t word) {
   const std::string_view kinds = kShapeTable[static_cast<std::size_t>(shape)].kinds;

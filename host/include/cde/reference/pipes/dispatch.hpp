@@ -10,6 +10,7 @@
 #include "cde/reference/pipes/convex/sphere_sphere.hpp"
 #include "cde/reference/pipes/convex/triangle_box.hpp"
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
+#include "cde/reference/pipes/convex/triangle_triangle.hpp"
 #include "cde/reference/pipes/cylinder/pairs.hpp"
 #include "cde/reference/pipes/gap_bound.hpp"
 #include "cde/reference/pipes/ray_cylinder.hpp"
@@ -62,6 +63,8 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
       return CDE_TEST(Ball, Ball, sphere_sphere);
     case Pair::kTriangleSphere:
       return CDE_BOUND(Ball, triangle_sphere);
+    case Pair::kTriangleTriangle:
+      return CDE_TEST(T, T, triangle_triangle);
     case Pair::kRayCylinder:
       return CDE_TEST(R, Can, ray_cylinder);
     case Pair::kObbPlane:

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "cde/reference/pipes/convex/facets.hpp"
+#include "cde/reference/pipes/scale.hpp"
+
+namespace cde::reference {
+namespace convex {
+
+/// Two triangles relative to the first vertex of A, which is therefore 0. Body P is A, body Q is B.
+template <typename S>
+struct TrianglePair {
+  TriangleParts<S> a, b;
+  std::array<Vector<S>, 3> i;  ///< edges of A over their squared lengths
+  S tie;                       ///< gaps closer than this are equal
+};
+
+template <typename S>
+[[nodiscard]] TrianglePair<S> triangle_pair(const BasicTriangle<S>& a, const BasicTriangle<S>& b) {
+  const Vector<S> zero = Vector<S>::Zero();
+  TrianglePair<S> pair;
+  pair.a = triangle_parts<S>(zero, sub<S>(a.v1, a.v0), sub<S>(a.v2, a.v0));
+  pair.b = triangle_parts<S>(sub<S>(b.v0, a.v0), sub<S>(b.v1, a.v0), sub<S>(b.v2, a.v0));
+  for (int i = 0; i < 3; ++i) pair.i[i] = scale<S>(pair.a.f[i], pair.a.inverse_ff[i]);
+  const S reach_a = max_num(norm1<S>(pair.a.p[1]), norm1<S>(pair.a.p[2]));
+  pair.tie = tie_width(max_num(reach_a, reach<S>(pair.b)));
+  return pair;
+}
+
+/// Projections of a triangle on a normal, and the least and the largest of them.
+template <typename S>
+struct Span {
+  std::array<S, 3> at;
+  S low, high;
+};
+
+template <typename S>
+[[nodiscard]] Span<S> span(const std::array<S, 3>& at) {
+  return {at, min_num(at[0], min_num(at[1], at[2])), max_num(at[0], max_num(at[1], at[2]))};
+}
+
+/// 6 add 9 mul, 4 min/max.
+template <typename S>
+[[nodiscard]] Span<S> span_of(const std::array<Vector<S>, 3>& p, const Vector<S>& n) {
+  return span<S>({dot<S>(p[0], n), dot<S>(p[1], n), dot<S>(p[2], n)});
+}
+
+/// Of A, whose first vertex is 0. 4 add 6 mul, 4 min/max.
+template <typename S>
+[[nodiscard]] Span<S> span_of_a(const TrianglePair<S>& pair, const Vector<S>& n) {
+  return span<S>({S{0}, dot<S>(pair.a.p[1], n), dot<S>(pair.a.p[2], n)});
+}
+
+/// Of n and -n the one with the larger gap from P to Q, ties the one whose leading component is
+/// positive: its sign, and the gap.
+template <typename S>
+struct Side {
+  S side, gap;
+};
+
+/// 5 add, 3 cmp, 1 min/max.
+template <typename S>
+[[nodiscard]] Side<S> side_of_spans(const Span<S>& p, const Span<S>& q, const Vector<S>& n, S tie) {
+  const S above = q.low - p.high, below = p.low - q.high;
+  const S h = (q.low + q.high) - (p.low + p.high);
+  return {side_of(h, tie, orientation<S>(n)), max_num(above, below)};
+}
+
+template <typename S>
+[[nodiscard]] Vector<S> flipped(S side, const Vector<S>& n) {
+  return {move_sign(side, n.x()), move_sign(side, n.y()), move_sign(side, n.z())};
+}
+
+/// The face of triangle t and the vertex of the other one, r, that is nearest to it: v from t to r.
+template <typename S>
+struct FaceAndVertex {
+  Side<S> side;
+  Vector<S> n;  ///< from t to r
+  Vector<S> vertex, v;
+  S d2;
+};
+
+template <typename S>
+[[nodiscard]] FaceAndVertex<S> face_and_vertex(const TriangleParts<S>& t, const Span<S>& on_t,
+                                               const TriangleParts<S>& r, const Span<S>& on_r,
+                                               S tie) {
+  FaceAndVertex<S> face;
+  face.side = side_of_spans<S>(on_t, on_r, t.m, tie);
+  const S side = face.side.side;
+  face.n = flipped<S>(side, t.m);
+  const auto lowest =
+      least3(move_sign(side, on_r.at[0]), move_sign(side, on_r.at[1]), move_sign(side, on_r.at[2]));
+  face.vertex = select3<S>(lowest.first, lowest.second, r.p[0], r.p[1], r.p[2]);
+  const PointTriangle<S> closest = point_triangle<S>(
+      {sub<S>(face.vertex, t.p[0]), sub<S>(face.vertex, t.p[1]), sub<S>(face.vertex, t.p[2])}, t);
+  face.v = closest.v;
+  face.d2 = closest.d2;
+  return face;
+}
+
+template <typename S>
+[[nodiscard]] Facet<S> face_of_first(const TrianglePair<S>& pair) {
+  const auto face = face_and_vertex<S>(pair.a, span_of_a<S>(pair, pair.a.m), pair.b,
+                                       span_of<S>(pair.b.p, pair.a.m), pair.tie);
+  return {face.side.gap,       face.n, {face.v, sub<S>(face.vertex, face.v)}, face.d2,
+          Vector<S>::Zero(), S{0}};
+}
+
+template <typename S>
+[[nodiscard]] Facet<S> face_of_second(const TrianglePair<S>& pair) {
+  const auto face = face_and_vertex<S>(pair.b, span_of<S>(pair.b.p, pair.b.m), pair.a,
+                                       span_of_a<S>(pair, pair.b.m), pair.tie);
+  return {face.side.gap, -face.n, {-face.v, face.vertex}, face.d2, Vector<S>::Zero(), S{0}};
+}
+
+/// Edge i of A, from p along e, and edge j of B, from q along f.
+///
+/// f is taken apart into a part along e and one across, f1: i x f1 is perpendicular to both edges
+/// to within u, whatever their angle, as in triangle_normal. The nearest points are found as in
+/// segment_segment, t across e, then s, then t again. Where neither is at an end v is along the
+/// normal, and is the part of it that is there; else it is made perpendicular to the edge that it
+/// ends on (facets.hpp). Whether the two edges make a facet of the difference does not matter: the
+/// gap is a lower bound on either side, and v a vector between the bodies.
+template <typename S>
+[[nodiscard]] Facet<S> edge_pair(const TrianglePair<S>& pair, int i, int j) {
+  const Vector<S>&e = pair.a.f[i], &f = pair.b.f[j];
+  const Vector<S>&p = pair.a.p[i], &q = pair.b.p[j];
+  const S inverse_ee = pair.a.inverse_ff[i], inverse_ff = pair.b.inverse_ff[j];
+  // ---- The normal and its gap ----
+  const S ef = dot<S>(e, f);
+  const Vector<S> f1 = sub<S>(f, scale<S>(pair.i[i], ef));
+  const Vector<S> m = cross<S>(pair.i[i], f1);
+  const S mm = dot<S>(m, m);
+  const auto valid = usable(mm);
+  const S inverse = reciprocal_or_zero<S>(valid, square_root(mm));
+  const Vector<S> n = scale<S>(m, inverse);
+  const Span<S> on_a = span_of_a<S>(pair, n), on_b = span_of<S>(pair.b.p, n);
+  const Side<S> side = side_of_spans<S>(on_a, on_b, n, pair.tie);
+
+  // ---- The nearest points ----
+  const Vector<S> w = i == 0 ? q : sub<S>(q, p);
+  const S we = dot<S>(w, e) * inverse_ee;
+  const Vector<S> w1 = sub<S>(w, scale<S>(e, we));
+  const S t1_free = -((dot<S>(w1, f1) * (inverse * inverse)) * inverse_ee);
+  const S t1 = clamp(t1_free, S{0}, S{1});
+  const S s_free = we + t1 * (ef * inverse_ee);
+  const S s = clamp(s_free, S{0}, S{1});
+  const Vector<S> r = sub<S>(w, scale<S>(e, s));
+  const S t_free = -(dot<S>(r, f) * inverse_ff);
+  const S t = clamp(t_free, S{0}, S{1});
+  const Vector<S> v_ends = add<S>(r, scale<S>(f, t));
+  const auto s_inside = s == s_free;
+  const auto inside = valid && s_inside && t1 == t1_free;
+  const S h = on_b.at[j] - on_a.at[i];
+
+  Facet<S> facet;
+  facet.gap = select(valid, side.gap, -std::numeric_limits<S>::infinity());
+  facet.n = flipped<S>(side.side, n);
+  const Vector<S> along = scale<S>(e, s);
+  facet.x.p = i == 0 ? along : add<S>(p, along);
+  facet.x.v = select<S>(inside, scale<S>(n, h), v_ends);
+  facet.d2 = dot<S>(facet.x.v, facet.x.v);
+  facet.edge = select<S>(s_inside, e, f);
+  facet.inverse_ff = select(inside, S{0},
+                            select(s_inside, inverse_ee, select(t == t_free, inverse_ff, S{0})));
+  return facet;
+}
+
+/// All eleven: face of A, face of B, edges (0,0), (0,1), ... (2,2).
+template <typename S>
+[[nodiscard]] std::array<Facet<S>, 11> triangle_facets(const TrianglePair<S>& pair) {
+  std::array<Facet<S>, 11> facets;
+  facets[0] = face_of_first<S>(pair);
+  facets[1] = face_of_second<S>(pair);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) facets[2 + 3 * i + j] = edge_pair<S>(pair, i, j);
+  return facets;
+}
+
+/// The vertex of B less the vertex of A that is farthest against v.
+template <typename S>
+[[nodiscard]] Difference<S> triangle_support(const TrianglePair<S>& pair, const Vector<S>& v) {
+  const auto& p = pair.a.p;
+  const auto& q = pair.b.p;
+  const auto low = least_along<S>(q, v);
+  const auto high = least3(S{0}, -dot<S>(p[1], v), -dot<S>(p[2], v));
+  const Vector<S> on_a = select3<S>(high.first, high.second, p[0], p[1], p[2]);
+  return {sub<S>(select3<S>(low.first, low.second, q[0], q[1], q[2]), on_a), on_a};
+}
+
+/// Triangle against triangle, both flat and two-sided, relative to the first vertex of A. The
+/// difference of triangles in one plane is flat, and no facet tells whether the origin is in it or
+/// beside it; so a gap along the nearest vector is proof enough that they are apart.
+template <typename S>
+[[nodiscard]] Outcome<S> triangle_triangle(const BasicTriangle<S>& a, const BasicTriangle<S>& b) {
+  const TrianglePair<S> pair = triangle_pair(a, b);
+  const Choice<S> facets = choose<S>(triangle_facets<S>(pair), pair.tie);
+  const Nearest<S> nearest =
+      polish_twice<S>(facets.start, pair.tie,
+                      [&](const Vector<S>& v) { return triangle_support<S>(pair, v); });
+  const Vector<S>& v = nearest.x.v;
+  const S dd = dot<S>(v, v);
+  const S d = square_root(dd);
+  const S inverse = S{1} / d;
+  const S gap = d - nearest.slack * inverse;
+  const S least = max_num(facets.s - pair.tie, pair.tie);
+  const auto point = usable(dd) && least <= gap;
+  const S s = select(point, (d + max_num(facets.s, gap)) * kHalf<S>, facets.s);
+  const Vector<S> n = select<S>(point, scale<S>(v, inverse), facets.witness.n);
+  const Difference<S> x{select<S>(point, v, facets.witness.x.v),
+                        select<S>(point, nearest.x.p, facets.witness.x.p)};
+  return outcome<S>(s, add<S>(a.v0, midpoint(x)), n);
+}
+
+}  // namespace convex
+
+/// Triangle A against triangle B; see convex::triangle_triangle.
+template <typename S>
+[[nodiscard]] Outcome<S> triangle_triangle(const BasicTriangle<S>& a, const BasicTriangle<S>& b) {
+  return at_size_one<S>(a, b, [](const auto& x, const auto& y) {
+    return convex::triangle_triangle(x, y);
+  });
+}
+
+}  // namespace cde::reference
