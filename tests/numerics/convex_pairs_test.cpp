@@ -44,10 +44,10 @@ constexpr std::uint64_t kSeed = 20030;
 constexpr int kCases = 24000;
 constexpr int kDirected = 4000;
 
-constexpr std::array kConvexPairs = {Pair::kSphereSphere, Pair::kTriangleSphere, Pair::kSphereObb,
-                                     Pair::kObbPlane,     Pair::kSpherePlane,    Pair::kObbObb,
-                                     Pair::kTriangleObb,  Pair::kTriangleAabb,
-                                     Pair::kTriangleTriangle};
+constexpr std::array kConvexPairs = {
+    Pair::kSphereSphere, Pair::kTriangleSphere, Pair::kSphereObb,
+    Pair::kObbPlane,     Pair::kSpherePlane,    Pair::kObbObb,
+    Pair::kTriangleObb,  Pair::kTriangleAabb,   Pair::kTriangleTriangle};
 
 using Words = std::vector<double>;
 

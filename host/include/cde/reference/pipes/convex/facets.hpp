@@ -266,9 +266,9 @@ struct Choice {
 /// is where the origin projects to. So the witness points are those of the facet whose vector v is
 /// nearest to s n: n its own normal if its gap ties with the largest, else the normal of the
 /// largest gap. If the bodies are apart, the facet with the least distance gives the nearest
-/// points, which are polished. 5 N + 7 add 6 N + 7 mul, 4 N - 1 cmp.
+/// points, which are polished. `wide` is the tie of normals that face away from each other.
 template <typename S, std::size_t N>
-[[nodiscard]] Choice<S> choose(const std::array<Facet<S>, N>& facets, S tie) {
+[[nodiscard]] Choice<S> choose(const std::array<Facet<S>, N>& facets, S tie, S wide) {
   std::array<Chosen<S>, N> by_gap, by_witness, by_distance;
   for (std::size_t i = 0; i < N; ++i) {
     by_gap[i] = {-facets[i].gap, facets[i]};
@@ -279,7 +279,7 @@ template <typename S, std::size_t N>
   const S tied = s - tie;
   const Leading<S> leading = leading_component(largest.n);
   const S lead = leading.of(largest.n);
-  const S nearly = s - S{4} * tie;
+  const S nearly = s - wide;
   for (std::size_t i = 0; i < N; ++i) {
     Facet<S> f = facets[i];
     const auto opposite = is_negative(move_sign(lead, leading.of(f.n)));
@@ -288,8 +288,7 @@ template <typename S, std::size_t N>
     by_witness[i] = {dot<S>(off, off), f};
   }
   const Facet<S> near = least(by_distance);
-  return {s, least(by_witness),
-          {perpendicular<S>(near.x.v, near.edge, near.inverse_ff), near.x.p}};
+  return {s, least(by_witness), {perpendicular<S>(near.x.v, near.edge, near.inverse_ff), near.x.p}};
 }
 
 /// The signed gap from all facets of a pair, `a` the half extents of P.
@@ -297,7 +296,7 @@ template <typename S, std::size_t N>
 template <typename S, std::size_t N, typename Support>
 [[nodiscard]] SignedGap<S> answer(const std::array<Facet<S>, N>& facets, const Vector<S>& a, S tie,
                                   const Support& support) {
-  const Choice<S> of_facets = choose<S>(facets, tie);
+  const Choice<S> of_facets = choose<S>(facets, tie, S{4} * tie);
   const S s = of_facets.s;
   const Facet<S>& witness = of_facets.witness;
   const Nearest<S> nearest = polish_twice<S>(of_facets.start, tie, support);

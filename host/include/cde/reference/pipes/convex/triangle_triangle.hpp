@@ -7,11 +7,13 @@ namespace cde::reference {
 namespace convex {
 
 /// Two triangles relative to the first vertex of A, which is therefore 0. Body P is A, body Q is B.
+/// They reach up to 2 S from there, so that a tie is at most 4 u S.
 template <typename S>
 struct TrianglePair {
   TriangleParts<S> a, b;
-  std::array<Vector<S>, 3> i;  ///< edges of A over their squared lengths
-  S tie;                       ///< gaps closer than this are equal
+  std::array<S, 3> inverse_e;      ///< 1 / length of A's edges, or 0
+  std::array<Vector<S>, 3> along;  ///< A's edges of unit length, or 0
+  S tie;  ///< gaps closer than this are equal: 2 u of how far the two reach
 };
 
 template <typename S>
@@ -20,9 +22,12 @@ template <typename S>
   TrianglePair<S> pair;
   pair.a = triangle_parts<S>(zero, sub<S>(a.v1, a.v0), sub<S>(a.v2, a.v0));
   pair.b = triangle_parts<S>(sub<S>(b.v0, a.v0), sub<S>(b.v1, a.v0), sub<S>(b.v2, a.v0));
-  for (int i = 0; i < 3; ++i) pair.i[i] = scale<S>(pair.a.f[i], pair.a.inverse_ff[i]);
+  for (int i = 0; i < 3; ++i) {
+    pair.inverse_e[i] = square_root(pair.a.inverse_ff[i]);
+    pair.along[i] = scale<S>(pair.a.f[i], pair.inverse_e[i]);
+  }
   const S reach_a = max_num(norm1<S>(pair.a.p[1]), norm1<S>(pair.a.p[2]));
-  pair.tie = tie_width(max_num(reach_a, reach<S>(pair.b)));
+  pair.tie = static_cast<S>(2 * kUnitRoundoff<S>) * max_num(reach_a, reach<S>(pair.b));
   return pair;
 }
 
@@ -50,20 +55,18 @@ template <typename S>
   return span<S>({S{0}, dot<S>(pair.a.p[1], n), dot<S>(pair.a.p[2], n)});
 }
 
-/// Of n and -n the one with the larger gap from P to Q, ties the one whose leading component is
-/// positive: its sign, and the gap.
+/// The gaps from P to Q on n and on -n, and the sign of the larger one, ties the side where the
+/// leading component is positive. 5 add, 3 cmp.
 template <typename S>
-struct Side {
-  S side, gap;
-};
+struct Gaps {
+  S above, below, side;
 
-/// 5 add, 3 cmp, 1 min/max.
-template <typename S>
-[[nodiscard]] Side<S> side_of_spans(const Span<S>& p, const Span<S>& q, const Vector<S>& n, S tie) {
-  const S above = q.low - p.high, below = p.low - q.high;
-  const S h = (q.low + q.high) - (p.low + p.high);
-  return {side_of(h, tie, orientation<S>(n)), max_num(above, below)};
-}
+  Gaps(const Span<S>& p, const Span<S>& q, const Vector<S>& n, S tie)
+      : above(q.low - p.high),
+        below(p.low - q.high),
+        side(side_of((q.low + q.high) - (p.low + p.high), tie, orientation<S>(n))) {}
+  [[nodiscard]] S larger() const { return max_num(above, below); }
+};
 
 template <typename S>
 [[nodiscard]] Vector<S> flipped(S side, const Vector<S>& n) {
@@ -73,7 +76,7 @@ template <typename S>
 /// The face of triangle t and the vertex of the other one, r, that is nearest to it: v from t to r.
 template <typename S>
 struct FaceAndVertex {
-  Side<S> side;
+  S gap;
   Vector<S> n;  ///< from t to r
   Vector<S> vertex, v;
   S d2;
@@ -84,8 +87,9 @@ template <typename S>
                                                const TriangleParts<S>& r, const Span<S>& on_r,
                                                S tie) {
   FaceAndVertex<S> face;
-  face.side = side_of_spans<S>(on_t, on_r, t.m, tie);
-  const S side = face.side.side;
+  const Gaps<S> gaps(on_t, on_r, t.m, tie);
+  const S side = gaps.side;
+  face.gap = gaps.larger();
   face.n = flipped<S>(side, t.m);
   const auto lowest =
       least3(move_sign(side, on_r.at[0]), move_sign(side, on_r.at[1]), move_sign(side, on_r.at[2]));
@@ -101,7 +105,7 @@ template <typename S>
 [[nodiscard]] Facet<S> face_of_first(const TrianglePair<S>& pair) {
   const auto face = face_and_vertex<S>(pair.a, span_of_a<S>(pair, pair.a.m), pair.b,
                                        span_of<S>(pair.b.p, pair.a.m), pair.tie);
-  return {face.side.gap,       face.n, {face.v, sub<S>(face.vertex, face.v)}, face.d2,
+  return {face.gap,          face.n, {face.v, sub<S>(face.vertex, face.v)}, face.d2,
           Vector<S>::Zero(), S{0}};
 }
 
@@ -109,59 +113,64 @@ template <typename S>
 [[nodiscard]] Facet<S> face_of_second(const TrianglePair<S>& pair) {
   const auto face = face_and_vertex<S>(pair.b, span_of<S>(pair.b.p, pair.b.m), pair.a,
                                        span_of_a<S>(pair, pair.b.m), pair.tie);
-  return {face.side.gap, -face.n, {-face.v, face.vertex}, face.d2, Vector<S>::Zero(), S{0}};
+  return {face.gap, -face.n, {-face.v, face.vertex}, face.d2, Vector<S>::Zero(), S{0}};
 }
 
 /// Edge i of A, from p along e, and edge j of B, from q along f.
 ///
-/// f is taken apart into a part along e and one across, f1: i x f1 is perpendicular to both edges
-/// to within u, whatever their angle, as in triangle_normal. The nearest points are found as in
-/// segment_segment, t across e, then s, then t again. Where neither is at an end v is along the
-/// normal, and is the part of it that is there; else it is made perpendicular to the edge that it
-/// ends on (facets.hpp). Whether the two edges make a facet of the difference does not matter: the
-/// gap is a lower bound on either side, and v a vector between the bodies.
+/// The normal is e x f without f's part along e, perpendicular to both edges to within u whatever
+/// their angle, as in triangle_normal; with e of unit length, since an edge may be as short as the
+/// format allows. The facet is on the side where A is behind its edge and B
+/// before its own, by the third vertices; where both are in one plane, on that with the larger gap.
+/// If the sides differ the two edges make no facet of the difference; then the gap is still a lower
+/// bound, and v a vector between the bodies.
+///
+/// The nearest points are found as in segment_segment, t across e, then s, then t again. Where
+/// neither is at an end v is along the normal, as far as that goes; else it ends on an edge that it
+/// will be made perpendicular to. 84 add 99 mul 1 div 1 sqrt.
 template <typename S>
 [[nodiscard]] Facet<S> edge_pair(const TrianglePair<S>& pair, int i, int j) {
-  const Vector<S>&e = pair.a.f[i], &f = pair.b.f[j];
+  const Vector<S>&e = pair.a.f[i], &unit_e = pair.along[i], &f = pair.b.f[j];
   const Vector<S>&p = pair.a.p[i], &q = pair.b.p[j];
-  const S inverse_ee = pair.a.inverse_ff[i], inverse_ff = pair.b.inverse_ff[j];
+  const S inverse_e = pair.inverse_e[i], inverse_ff = pair.b.inverse_ff[j];
   // ---- The normal and its gap ----
-  const S ef = dot<S>(e, f);
-  const Vector<S> f1 = sub<S>(f, scale<S>(pair.i[i], ef));
-  const Vector<S> m = cross<S>(pair.i[i], f1);
+  const S ef = dot<S>(unit_e, f);
+  const Vector<S> m = cross<S>(unit_e, sub<S>(f, scale<S>(unit_e, ef)));
   const S mm = dot<S>(m, m);
   const auto valid = usable(mm);
   const S inverse = reciprocal_or_zero<S>(valid, square_root(mm));
   const Vector<S> n = scale<S>(m, inverse);
   const Span<S> on_a = span_of_a<S>(pair, n), on_b = span_of<S>(pair.b.p, n);
-  const Side<S> side = side_of_spans<S>(on_a, on_b, n, pair.tie);
+  const Gaps<S> gaps(on_a, on_b, n, pair.tie);
+  const int k = (i + 2) % 3, l = (j + 2) % 3;
+  const S apart = (on_b.at[l] - on_b.at[j]) - (on_a.at[k] - on_a.at[i]);
+  const S side = select(magnitude(apart) <= pair.tie, gaps.side, apart);
 
   // ---- The nearest points ----
   const Vector<S> w = i == 0 ? q : sub<S>(q, p);
-  const S we = dot<S>(w, e) * inverse_ee;
-  const Vector<S> w1 = sub<S>(w, scale<S>(e, we));
-  const S t1_free = -((dot<S>(w1, f1) * (inverse * inverse)) * inverse_ee);
+  const S t1_free = -(dot<S>(w, cross<S>(n, unit_e)) * inverse);
   const S t1 = clamp(t1_free, S{0}, S{1});
-  const S s_free = we + t1 * (ef * inverse_ee);
+  const S s_free = (dot<S>(w, unit_e) + t1 * ef) * inverse_e;
   const S s = clamp(s_free, S{0}, S{1});
   const Vector<S> r = sub<S>(w, scale<S>(e, s));
   const S t_free = -(dot<S>(r, f) * inverse_ff);
   const S t = clamp(t_free, S{0}, S{1});
   const Vector<S> v_ends = add<S>(r, scale<S>(f, t));
-  const auto s_inside = s == s_free;
+  const auto s_inside = s == s_free && S{0} < inverse_e;
   const auto inside = valid && s_inside && t1 == t1_free;
   const S h = on_b.at[j] - on_a.at[i];
 
   Facet<S> facet;
-  facet.gap = select(valid, side.gap, -std::numeric_limits<S>::infinity());
-  facet.n = flipped<S>(side.side, n);
+  facet.gap = select(valid, select(is_negative(side), gaps.below, gaps.above),
+                     -std::numeric_limits<S>::infinity());
+  facet.n = flipped<S>(side, n);
   const Vector<S> along = scale<S>(e, s);
   facet.x.p = i == 0 ? along : add<S>(p, along);
   facet.x.v = select<S>(inside, scale<S>(n, h), v_ends);
   facet.d2 = dot<S>(facet.x.v, facet.x.v);
   facet.edge = select<S>(s_inside, e, f);
-  facet.inverse_ff = select(inside, S{0},
-                            select(s_inside, inverse_ee, select(t == t_free, inverse_ff, S{0})));
+  facet.inverse_ff = select(
+      inside, S{0}, select(s_inside, pair.a.inverse_ff[i], select(t == t_free, inverse_ff, S{0})));
   return facet;
 }
 
@@ -193,10 +202,9 @@ template <typename S>
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_triangle(const BasicTriangle<S>& a, const BasicTriangle<S>& b) {
   const TrianglePair<S> pair = triangle_pair(a, b);
-  const Choice<S> facets = choose<S>(triangle_facets<S>(pair), pair.tie);
-  const Nearest<S> nearest =
-      polish_twice<S>(facets.start, pair.tie,
-                      [&](const Vector<S>& v) { return triangle_support<S>(pair, v); });
+  const Choice<S> facets = choose<S>(triangle_facets<S>(pair), pair.tie, S{2} * pair.tie);
+  const Nearest<S> nearest = polish_twice<S>(
+      facets.start, pair.tie, [&](const Vector<S>& v) { return triangle_support<S>(pair, v); });
   const Vector<S>& v = nearest.x.v;
   const S dd = dot<S>(v, v);
   const S d = square_root(dd);
@@ -216,9 +224,8 @@ template <typename S>
 /// Triangle A against triangle B; see convex::triangle_triangle.
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_triangle(const BasicTriangle<S>& a, const BasicTriangle<S>& b) {
-  return at_size_one<S>(a, b, [](const auto& x, const auto& y) {
-    return convex::triangle_triangle(x, y);
-  });
+  return at_size_one<S>(
+      a, b, [](const auto& x, const auto& y) { return convex::triangle_triangle(x, y); });
 }
 
 }  // namespace cde::reference
