@@ -80,6 +80,8 @@ module pair_pipe #(
     sphere_obb #(`DF_SAME) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_TRIANGLE_SPHERE)) begin : g_pipe
     triangle_sphere #(`DF_SAME) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
+  end else if (PAIR == int'(pairs_pkg::PAIR_TRIANGLE_TRIANGLE)) begin : g_pipe
+    triangle_triangle #(`DF_SAME) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_TRIANGLE_OBB)) begin : g_pipe
     triangle_obb #(`DF_SAME, .FACET_II(FACET_II)) pipe (
         .clk_i, .enter_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
