@@ -7,7 +7,7 @@
 #include "cde/geometry/primitives.hpp"
 #include "hard_rays.hpp"
 
-/// Spheres and OBBs that are hard on a hierarchy over triangles.
+/// Spheres, OBBs and triangles that are hard on a hierarchy over triangles.
 namespace cde::testing::hard {
 
 /// Ten kinds in turn.
@@ -35,6 +35,47 @@ class Solids {
     const Eigen::Quaternionf turn(draw_(-1, 1), draw_(-1, 1), draw_(-1, 1), draw_(-1, 1));
     if (turn.norm() > 0.1f) box.rotation = turn.normalized().toRotationMatrix();
     return box;
+  }
+
+  Triangle triangle(unsigned kind) {
+    const Triangle& t = scene_[draw_.below(scene_.size())];
+    const float a = draw_(0, 1), b = draw_(0, 1 - a);
+    const Vector3f within = t.v0 + (t.v1 - t.v0) * a + (t.v2 - t.v0) * b;
+    const float edge = std::max((t.v1 - t.v0).norm(), 0x1p-20f * box_.sizes().maxCoeff());
+    switch (kind) {
+      case 1:  // one that is there
+        return t;
+      case 2:  // beside one, with an edge of it
+        return {t.v1, t.v0, t.v0 + draw_.point() * edge};
+      case 3: {  // that touches a vertex along an axis, so that gaps of boxes are all there is
+        Vector3f x = Vector3f::Zero(), y = x;
+        const int axis = static_cast<int>(draw_.below(3));
+        x[axis] = y[axis] = draw_.below(2) == 0 ? edge : -edge;
+        y[(axis + 1) % 3] = edge;
+        return {t.v2, t.v2 + x, t.v2 + y};
+      }
+      case 4: {  // in the plane of one
+        const auto on = [&]() -> Vector3f {
+          return t.v0 + (t.v1 - t.v0) * draw_(-2, 2) + (t.v2 - t.v0) * draw_(-2, 2);
+        };
+        const Vector3f v0 = on(), v1 = on();
+        return {v0, v1, on()};
+      }
+      case 8: {  // without area
+        const Vector3f along = draw_.point() * edge;
+        return {within, within + along, within + along * draw_(-1, 2)};
+      }
+      case 9: {  // through one
+        const Vector3f along = draw_.point() * edge;
+        return {within + along, within - along * draw_(0, 1), within + draw_.point() * edge};
+      }
+      default: {
+        const Place p = place(kind);
+        const Vector3f v0 = p.centre + draw_.point() * p.size;
+        const Vector3f v1 = p.centre + draw_.point() * p.size;
+        return {v0, v1, p.centre + draw_.point() * p.size};
+      }
+    }
   }
 
  private:
@@ -96,6 +137,12 @@ inline std::string text(const Sphere& s) {
 inline std::string text(const Obb& b) {
   return fmt::format("obb {:a} {:a} {:a}, {:a} {:a} {:a}", b.c.x(), b.c.y(), b.c.z(), b.half.x(),
                      b.half.y(), b.half.z());
+}
+
+inline std::string text(const Triangle& t) {
+  std::string words = "triangle";
+  for (const float x : to_words(t)) words += fmt::format(" {:a}", x);
+  return words;
 }
 
 }  // namespace cde::testing::hard

@@ -14,7 +14,7 @@ module config_check #(
   end
   if (CONFIG.box != 0 && (CONFIG.box != 1 || (CONFIG.pairs & (pairs_pkg::BOX_PAIRS |
       config_pkg::BOUND_PAIRS)) == 0)) begin : g_box
-    $error("board: BOX must be 0 or 1, and is of ray-triangle, triangle-sphere and triangle-obb");
+    $error("board: BOX must be 0 or 1, and is of ray-triangle, triangle-sphere, triangle-obb and triangle-triangle");
   end
   if (CONFIG.facet_ii != 1 && CONFIG.facet_ii != 3) begin : g_interval
     $error("board: FACET_II must be 1 or 3");

@@ -64,6 +64,16 @@ inline BoardConfig solids_config() {
           .transform = Transformer::kSecondaries,
           .sram_records = 64};
 }
+/// Triangles that meet triangles.
+inline BoardConfig meshes_config() {
+  return {.lanes = 8,
+          .pairs = {Pair::kTriangleTriangle},
+          .box = true,
+          .normals = true,
+          .node_units = 2,
+          .nodes = 1024,
+          .sram_records = 64};
+}
 /// Rays and spheres that meet spheres.
 inline BoardConfig spheres_config() {
   return {.lanes = 4,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spheres and OBBs through a card's hierarchy: records are those of a sweep of the same card, and
-// of the reference.
+// Spheres, OBBs and triangles through a card's hierarchy: records are those of a sweep of the same
+// card, and of the reference.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -20,7 +20,9 @@ using hard::kScenes;
 constexpr Mode kSolidModes[] = {Mode::kNearest, Mode::kAny, Mode::kHits, Mode::kOccluded};
 
 template <class Solid>
-constexpr Pair kPairOf = std::is_same_v<Solid, Sphere> ? Pair::kTriangleSphere : Pair::kTriangleObb;
+constexpr Pair kPairOf = std::is_same_v<Solid, Sphere> ? Pair::kTriangleSphere
+                         : std::is_same_v<Solid, Obb>  ? Pair::kTriangleObb
+                                                       : Pair::kTriangleTriangle;
 
 /// Hard ones, of which some are bad.
 template <class Solid>
@@ -32,11 +34,15 @@ std::vector<Solid> hard_solids(const Scene& scene, std::size_t count) {
     if constexpr (std::is_same_v<Solid, Sphere>) {
       solids.push_back(draw.sphere(kind));
       if (i % 61 == 7) solids.back().r = -1;
+    } else if constexpr (std::is_same_v<Solid, Triangle>) {
+      solids.push_back(draw.triangle(kind));
+      if (i % 127 == 9) solids.back().v1.x() = std::numeric_limits<float>::quiet_NaN();
     } else {
       solids.push_back(draw.obb(kind));
       if (i % 61 == 7) solids.back().rotation(1, 2) += 0.25f;
     }
-    if (i % 127 == 9) solids.back().c.x() = std::numeric_limits<float>::quiet_NaN();
+    if constexpr (!std::is_same_v<Solid, Triangle>)
+      if (i % 127 == 9) solids.back().c.x() = std::numeric_limits<float>::quiet_NaN();
   }
   return solids;
 }
@@ -54,7 +60,7 @@ std::vector<Record> cast(Board& board, const std::vector<Solid>& solids, const Q
 
 Query query_of(Pair pair, Mode mode, Through through) {
   Query query{.mode = mode, .pair = pair};
-  query.swap = true;
+  query.swap = pair != Pair::kTriangleTriangle;
   query.through = through;
   return query;
 }
@@ -91,6 +97,7 @@ void expect_all(Board& board, std::size_t count) {
 
 const Card kSolids{"solids", solids_config};
 const Card kSolidsDdr{"solids_ddr", solids_config, {.memory = Memory::kCycle}};
+const Card kMeshes{"meshes", meshes_config};
 
 class HierarchySolids : public ::testing::TestWithParam<Card> {
  protected:
@@ -100,14 +107,15 @@ class HierarchySolids : public ::testing::TestWithParam<Card> {
   }
 };
 INSTANTIATE_TEST_SUITE_P(Cards, HierarchySolids,
-                         ::testing::Values(kSolids, kSolidsDdr, kSlow, kLate),
+                         ::testing::Values(kSolids, kSolidsDdr, kSlow, kLate, kMeshes),
                          [](const auto& card) { return std::string(card.param.name); });
 
-/// CDE_FULL=1: 20,000 of each on the first card.
+/// CDE_FULL=1: 20,000 of each on the first card, and of triangles on the last.
 TEST_P(HierarchySolids, RecordsAreThoseOfASweepAndOfTheReference) {
   Board board = Board::open(GetParam().config(), GetParam().options);
   const bool fast = GetParam().name == kSolids.name;
   const bool late = GetParam().name == kLate.name;
+  if (GetParam().config == meshes_config) return expect_all<Triangle>(board, some(130, 2500));
   expect_all<Sphere>(board, fast ? some(300, 2500) : late ? 10 : 60);
   if (GetParam().config == solids_config) expect_all<Obb>(board, fast ? some(130, 2500) : 30);
 }
@@ -165,6 +173,23 @@ TEST(HierarchyOfSolids, WithNormals) {
     };
     compare(hard_solids<Sphere>(scene, 500));
     compare(hard_solids<Obb>(scene, 200));
+  }
+}
+
+/// The triangles of a mesh among those of another: one record each, which normals follow.
+TEST(HierarchyOfSolids, AMeshAgainstAMesh) {
+  Board board = Board::open(meshes_config());
+  const Scene ground = kScenes[6].make(), ball = hard::icosphere({1, 1, 0.4f}, 0.7f);
+  const Hierarchy tree = Hierarchy::build(ground);
+  board.upload(ground, tree);
+  for (const Mode mode : kSolidModes) {
+    Query query = query_of(Pair::kTriangleTriangle, mode, Through::kHierarchy);
+    const std::vector<Record> records = cast(board, ball, query);
+    expect_same(records, expected(ground, tree, ball, mode));
+    query.normals = true;
+    const std::vector<Record> with = cast(board, ball, query);
+    query.through = Through::kSweep;
+    expect_same(with, cast(board, ball, query));
   }
 }
 

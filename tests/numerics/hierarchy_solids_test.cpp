@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spheres and OBBs through a hierarchy against all triangles one by one, and what the box rule
-// changes of their gaps.
+// Spheres, OBBs and triangles through a hierarchy against all triangles one by one, and what the
+// box rule changes of their gaps.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
@@ -11,6 +11,7 @@
 #include "cde/reference/pass.hpp"
 #include "cde/reference/pipes/convex/triangle_box.hpp"
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
+#include "cde/reference/pipes/convex/triangle_triangle.hpp"
 #include "cde/reference/pipes/gap_bound.hpp"
 #include "cde/reference/traversal.hpp"
 #include "cde/support/error.hpp"
@@ -25,11 +26,15 @@ template <class Solid>
 Solid draw(Solids& solids, unsigned kind) {
   if constexpr (std::is_same_v<Solid, Sphere>)
     return solids.sphere(kind);
-  else
+  else if constexpr (std::is_same_v<Solid, Obb>)
     return solids.obb(kind);
+  else
+    return solids.triangle(kind);
 }
 template <class Solid>
-constexpr Pair kPairOf = std::is_same_v<Solid, Sphere> ? Pair::kTriangleSphere : Pair::kTriangleObb;
+constexpr Pair kPairOf = std::is_same_v<Solid, Sphere> ? Pair::kTriangleSphere
+                         : std::is_same_v<Solid, Obb>  ? Pair::kTriangleObb
+                                                       : Pair::kTriangleTriangle;
 constexpr Mode kModes[] = {Mode::kNearest, Mode::kAny, Mode::kHits};
 
 constexpr unsigned kSeed = 5;
@@ -47,7 +52,10 @@ std::vector<Record> swept(const Scene& scene, const std::vector<Solid>& solids, 
     const std::size_t n = std::min<std::size_t>(256, solids.size() - first);
     std::vector<std::uint32_t> numbers;
     for (std::size_t i = 0; i < n; ++i) numbers.push_back(static_cast<std::uint32_t>(first + i));
-    reference::Pass pass({.pair = kPairOf<Solid>, .box = true, .swap = true, .mode = mode},
+    reference::Pass pass({.pair = kPairOf<Solid>,
+                          .box = true,
+                          .swap = kPairOf<Solid> != Pair::kTriangleTriangle,
+                          .mode = mode},
                          std::vector<Solid>(solids.begin() + static_cast<long>(first),
                                             solids.begin() + static_cast<long>(first + n)),
                          numbers, secondaries);
@@ -112,6 +120,9 @@ TEST_P(EverySolid, SphereIsThatOfAllTriangles) {
 TEST_P(EverySolid, ObbIsThatOfAllTriangles) {
   expect_all_records<Obb>(GetParam().make(), full() ? 2500 : 60);
 }
+TEST_P(EverySolid, TriangleIsThatOfAllTriangles) {
+  expect_all_records<Triangle>(GetParam().make(), full() ? 2500 : 60);
+}
 
 /// How many gaps the rule changes, and by how much of its margin at most.
 template <class Solid, class Pipe>
@@ -143,6 +154,8 @@ TEST_P(EverySolid, TheRuleChangesNoGap) {
   const std::size_t count = std::max<std::size_t>(10, (full() ? 2'000'000 : 40'000) / scene.size());
   expect_rule_is_quiet<Sphere>(scene, reference::triangle_sphere<float>, Solids::kKinds, count);
   expect_rule_is_quiet<Obb>(scene, reference::triangle_obb<float>, Solids::kKinds, count / 8 + 10);
+  expect_rule_is_quiet<Triangle>(scene, reference::triangle_triangle<float>, Solids::kKinds,
+                                 count / 8 + 10);
 }
 
 /// A pipe that answers too little is held to the boxes' gap, and so is F.

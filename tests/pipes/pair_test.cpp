@@ -547,14 +547,15 @@ std::vector<Parameter> box_rule() {
     slow.latency_add = 2, slow.latency_mul = 3, slow.latency_div = 7, slow.latency_compare = 4;
     all.push_back(slow);
   }
-  for (const Pair pair : {Pair::kTriangleSphere, Pair::kTriangleObb}) {
+  for (const Pair pair : {Pair::kTriangleSphere, Pair::kTriangleObb, Pair::kTriangleTriangle}) {
     const PairConfig pipe{.pair = pair, .box = true};
     all.push_back({pipe});
     Parameter gates{pipe, 500, 20000};
     gates.arithmetic = cde::Arithmetic::kRtl;
     gates.lanes = 1;
     gates.latency_add = 2, gates.latency_compare = 3;
-    if (pair == Pair::kTriangleObb) gates.left_out = "gates of triangle-obb with the box rule";
+    if (pair != Pair::kTriangleSphere)
+      gates.left_out = "gates of triangle-obb and triangle-triangle with the box rule";
     all.push_back(gates);
   }
   return all;

@@ -375,9 +375,9 @@ void check_hierarchy(const BoardConfig& c) {
   const bool walked = std::any_of(c.pairs.begin(), c.pairs.end(),
                                   [&c](Pair pair) { return c.way_through(pair).has_value(); });
   require(walked,
-          "a hierarchy is of ray-triangle, and with swap of triangle-sphere and triangle-obb, with "
-          "the box rule, without which no tree answers as all triangles do, or of ray-sphere and "
-          "sphere-sphere; narrow lanes that prove misses have none");
+          "a hierarchy is of ray-triangle, triangle-triangle, and with swap of triangle-sphere and "
+          "triangle-obb, with the box rule, without which no tree answers as all triangles do, or "
+          "of ray-sphere and sphere-sphere; narrow lanes that prove misses have none");
 }
 
 }  // namespace
@@ -423,8 +423,8 @@ std::vector<std::string> BoardConfig::parameters() const {
   if (box && std::none_of(pairs.begin(), pairs.end(), has_box_rule))
     throw Error(
         ErrorCode::kUsage,
-        "the box rule is of ray-triangle, triangle-sphere and triangle-obb, of which the card "
-        "has none");
+        "the box rule is of ray-triangle, triangle-sphere, triangle-obb and triangle-triangle, of "
+        "which the card has none");
   const BoardConfig standard;
   check_hierarchy(*this);
   const bool moves = transform != Transformer::kNone, poses = transform == Transformer::kBoth;

@@ -251,8 +251,9 @@ std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
   const Pair pair = q.pair.value_or(pairs.front());
   const auto way = way_through(pair);
   if (!way || q.swap != way->swap)
-    return "it is of rays, and with swap of spheres and OBBs, that meet triangles, and of rays and "
-           "spheres that meet spheres";
+    return "it is of rays, triangles, and with swap of spheres and OBBs, that meet triangles, and "
+           "of "
+           "rays and spheres that meet spheres";
   if (has_verdicts(pair) && verdicts) return "narrow lanes that prove misses sweep";
   if (has_box_rule(pair) && !box) return "the card has no box rule";
   if (is_solid(pair) && q.mode == Mode::kFarthest)

@@ -16,6 +16,7 @@
 #include "cde/reference/pipes/convex/sphere_sphere.hpp"
 #include "cde/reference/pipes/convex/triangle_box.hpp"
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
+#include "cde/reference/pipes/convex/triangle_triangle.hpp"
 #include "cde/reference/pipes/ray_node.hpp"
 #include "cde/reference/pipes/ray_sphere.hpp"
 #include "cde/reference/reference.hpp"
@@ -81,6 +82,11 @@ Record answer(const Obb& box, const Triangle& triangle, std::uint32_t number, st
   return record_from(bounded<float>(triangle_obb<float>(triangle, box), triangle, box), number,
                      index);
 }
+Record answer(const Triangle& primary, const Triangle& triangle, std::uint32_t number,
+              std::uint32_t index, Algorithm) {
+  return record_from(bounded<float>(triangle_triangle<float>(primary, triangle), primary, triangle),
+                     number, index);
+}
 Record answer(const Ray& ray, const Sphere& sphere, std::uint32_t number, std::uint32_t index) {
   return record_from(ray_sphere<float>(ray, sphere), number, index);
 }
@@ -88,8 +94,9 @@ Record answer(const Sphere& primary, const Sphere& sphere, std::uint32_t number,
               std::uint32_t index) {
   return record_from(sphere_sphere<float>(primary, sphere), number, index);
 }
-Record answer(const Obb&, const Sphere&, std::uint32_t, std::uint32_t) {
-  throw Error(ErrorCode::kUsage, "OBBs have no way through a hierarchy over spheres");
+template <class P>
+Record answer(const P&, const Sphere&, std::uint32_t, std::uint32_t) {
+  throw Error(ErrorCode::kUsage, "OBBs and triangles have no way through a hierarchy over spheres");
 }
 
 /// What mode nearest and the others compare: T, or of solids the signed gap.
@@ -271,5 +278,7 @@ template std::vector<Record> Traversal::trace_any(const Sphere&, std::uint32_t, 
 template std::vector<Record> Traversal::trace_any(const Obb&, std::uint32_t, Mode);
 template bool Traversal::meets_any(const Sphere&);
 template bool Traversal::meets_any(const Obb&);
+template std::vector<Record> Traversal::trace_any(const Triangle&, std::uint32_t, Mode);
+template bool Traversal::meets_any(const Triangle&);
 
 }  // namespace cde::reference

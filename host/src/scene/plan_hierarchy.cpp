@@ -44,8 +44,9 @@ bool meets_spheres(const SceneQuery& q) {
 std::optional<std::string> against(const SceneQuery& q, const QueryWork& work, const Plan& plan) {
   const auto way = way_through(q.pair);
   if (!way)
-    return "it is of rays, spheres and OBBs that meet triangles, or rays and spheres that meet "
-           "spheres";
+    return "it is of rays, spheres, OBBs and triangles that meet triangles, or rays and spheres "
+           "that "
+           "meet spheres";
   if (q.swap != way->swap) return fmt::format("its primaries are {}s", name(way->secondary));
   if (q.mode == Mode::kAll) return "mode all has records of all secondaries, hit or not";
   if (q.normals && is_ray(q)) return "rays have no normals";
@@ -120,7 +121,8 @@ Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene,
   std::visit(
       [&](const auto& list) {
         using P = typename std::decay_t<decltype(list)>::value_type;
-        if constexpr (std::is_same_v<P, Sphere> || std::is_same_v<P, Obb>) {
+        if constexpr (std::is_same_v<P, Sphere> || std::is_same_v<P, Obb> ||
+                      std::is_same_v<P, Triangle>) {
           const std::size_t step = (list.size() + kSampledSolids - 1) / kSampledSolids;
           std::size_t sampled = 0;
           for (std::size_t i = 0; i < list.size(); i += std::max<std::size_t>(step, 1), ++sampled) {

@@ -41,8 +41,9 @@ struct BoardConfig {
   std::vector<Pair> pairs = {Pair::kRayTriangle};  ///< the pipes of the card, at least one
   Algorithm algorithm = Algorithm::kMoller;        ///< of ray-triangle
   bool box = false;             ///< of ray-triangle: a hit must lie in the triangle's box
-                                ///< (reference/pipes/ray_box.hpp); of triangle-sphere and
-                                ///< triangle-obb: a gap is at least that of the boxes
+                                ///< (reference/pipes/ray_box.hpp); of triangle-sphere,
+                                ///< triangle-obb and triangle-triangle: a gap is at least
+                                ///< that of the boxes
                                 ///< (reference/pipes/gap_bound.hpp)
   bool swap = false;            ///< passes can exchange the roles of primary and secondary
   bool normals = false;         ///< passes can give normals

@@ -110,7 +110,8 @@ inline constexpr std::uint32_t kFacetPairs =
 /// The box rule is an option of it.
 inline constexpr std::uint32_t kBoxPairs = set_of({Pair::kRayTriangle});
 /// With the box rule its gap is at least that of the boxes.
-inline constexpr std::uint32_t kBoundPairs = set_of({Pair::kTriangleSphere, Pair::kTriangleObb});
+inline constexpr std::uint32_t kBoundPairs =
+    set_of({Pair::kTriangleSphere, Pair::kTriangleObb, Pair::kTriangleTriangle});
 /// Pairs that meet a hierarchy as they are, and those whose shape A is in it (hierarchy_pkg.sv).
 inline constexpr std::uint32_t kPlainPairs = set_of({Pair::kRaySphere, Pair::kSphereSphere});
 inline constexpr std::uint32_t kSwappedPairs = set_of({Pair::kTriangleSphere, Pair::kTriangleObb});

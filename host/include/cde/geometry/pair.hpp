@@ -69,7 +69,8 @@ struct PairBudget {
 /// triangle-obb.
 [[nodiscard]] bool has_facets(Pair pair);
 
-/// Whether the box rule is of the pair: ray-triangle, triangle-sphere, triangle-obb.
+/// Whether the box rule is of the pair: ray-triangle, triangle-sphere, triangle-obb,
+/// triangle-triangle.
 [[nodiscard]] bool has_box_rule(Pair pair);
 
 /// How primaries of a pair meet secondaries in a hierarchy.

@@ -64,7 +64,7 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
     case Pair::kTriangleSphere:
       return CDE_BOUND(Ball, triangle_sphere);
     case Pair::kTriangleTriangle:
-      return CDE_TEST(T, T, triangle_triangle);
+      return CDE_BOUND(T, triangle_triangle);
     case Pair::kRayCylinder:
       return CDE_TEST(R, Can, ray_cylinder);
     case Pair::kObbPlane:
