@@ -14,7 +14,7 @@ module triangle_pair_edge #(
     parameter int J = 0  // edge of B, 0..2
 ) (
     input logic clk_i,
-    input logic [2:0][2:0][LANES-1:0][CW-1:0] p_i,  // vertices of A
+    input logic [2:1][2:0][LANES-1:0][CW-1:0] p_i,  // vertices of A but the first
     input logic [2:0][2:0][LANES-1:0][CW-1:0] q_i,  // and of B
     input logic [2:0][LANES-1:0][CW-1:0] e_i,
     input logic [2:0][LANES-1:0][CW-1:0] unit_e_i,  // e of unit length
@@ -35,7 +35,9 @@ module triangle_pair_edge #(
   localparam int K = (I + 2) % 3, L = (J + 2) % 3;  // the third vertices
   localparam logic [CW-1:0] ONE = ((CW'(1) << (EXP - 1)) - 1) << MAN;
   localparam logic [CW-1:0] MINUS_INF = (CW'(1) << (EXP + MAN)) | (((CW'(1) << EXP) - 1) << MAN);
-  `DF_MATRIX_IN(p, p_i[0], p_i[1], p_i[2], 0)
+  localparam int T_p = 0;
+  logic [2:1][2:0][LANES-1:0][CW-1:0] p;
+  assign p = p_i;
   `DF_MATRIX_IN(q, q_i[0], q_i[1], q_i[2], 0)
   `DF_VIN(e, e_i, 0)
   `DF_VIN(unit_e, unit_e_i, 0)

@@ -67,7 +67,7 @@ module triangle_triangle #(
     for (genvar j = 0; j < 3; j++) begin : g_edge_of_b
       localparam int FACET = 2 + 3 * i + j;
       triangle_pair_edge #(`DF_SAME, .I(i), .J(j)) edges (
-          .clk_i, .p_i(p_edges), .q_i(q_edges), .e_i(e_edges[i]), .unit_e_i(along_edges[i]),
+          .clk_i, .p_i(p_edges[2:1]), .q_i(q_edges), .e_i(e_edges[i]), .unit_e_i(along_edges[i]),
           .inverse_e_i(inverse_e_edges[i]), .inverse_ee_i(inverse_ee_edges[i]), .f_i(f_edges[j]),
           .inverse_ff_i(inverse_ff_edges[j]), .tie_i(tie_edges), .gap_o(gap[FACET]), .n_o(n[FACET]), .v_o(v[FACET]),
           .p_o(p_of_a[FACET]), .d2_o(d2[FACET]), .f_o(ends_on[FACET]), .inverse_ff_o(inverse_ff[FACET]));

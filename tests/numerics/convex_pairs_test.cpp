@@ -207,7 +207,8 @@ TEST_P(ConvexPair, CertificateHoldsWhereFeaturesChange) {
   }
   const Worst& all = report.finish();
   apart = all.cases - all.hits;
-  EXPECT_GT(all.hits, all.cases / 10);
+  // Two triangles that approach by a vertex or an edge slip past each other.
+  EXPECT_GT(all.hits, all.cases / (GetParam() == Pair::kTriangleTriangle ? 20 : 10));
   EXPECT_GT(apart, all.cases / 10);
 }
 
@@ -691,6 +692,8 @@ TEST(ConvexPairDirected, BadInputIsFlagged) {
   expect_bad(reference::triangle_obb(sheet, flat));
   expect_bad(reference::triangle_aabb(broken, room));
   expect_bad(reference::triangle_aabb(sheet, inverted));
+  expect_bad(reference::triangle_triangle(broken, sheet));
+  expect_bad(reference::triangle_triangle(sheet, broken));
 }
 
 // ---- The tables of docs/pairs_convex.md ----

@@ -207,7 +207,8 @@ INSTANTIATE_TEST_SUITE_P(All, EveryConvexPair,
                          testing::Values(Pair::kObbObb, Pair::kTriangleAabb, Pair::kTriangleObb,
                                          Pair::kSphereSphere, Pair::kTriangleSphere,
                                          Pair::kTriangleCylinder, Pair::kCylinderCylinder,
-                                         Pair::kObbCylinder, Pair::kObbPlane, Pair::kSphereObb),
+                                         Pair::kObbCylinder, Pair::kObbPlane, Pair::kSphereObb,
+                                         Pair::kTriangleTriangle),
                          [](const auto& info) {
                            std::string name = to_string(info.param);
                            std::ranges::replace(name, '-', '_');

@@ -144,14 +144,15 @@ std::string failure(cde::PairUnit& unit, const Operands& o, std::size_t i, const
 unsigned pipe_latency(const PairConfig& config) {
   constexpr unsigned kBoxRule[] = {3, 0, 0, 2};  // clocks that it adds, by Algorithm
   // Beside the depth in operators: the output register, and what parts of a facet wait for each
-  // other where a triangle meets a box.
+  // other where a triangle meets a box or a triangle.
   constexpr unsigned kOutput = 1, kMeet = 4;
   const bool one_clock = config.latency_add == 1 && config.latency_mul == 1 &&
                          config.latency_div == 1 && config.latency_sqrt == 1 &&
                          config.latency_compare == 1;
   if (!one_clock) return 0;
   if (has_budget(config.pair)) return 0;
-  const bool meets = config.pair == Pair::kTriangleObb || config.pair == Pair::kTriangleAabb;
+  const bool meets = config.pair == Pair::kTriangleObb || config.pair == Pair::kTriangleAabb ||
+                     config.pair == Pair::kTriangleTriangle;
   const bool ray = config.pair == Pair::kRayTriangle;
   const unsigned rule = !config.box ? 0
                         : ray       ? kBoxRule[static_cast<unsigned>(config.algorithm)]
@@ -452,7 +453,7 @@ std::vector<PairConfig> pipes() {
 /// Box and cylinder pairs: several times the operators of the others.
 bool is_large(Pair pair) {
   return cde::has_budget(pair) || pair == Pair::kObbObb || pair == Pair::kTriangleAabb ||
-         pair == Pair::kTriangleObb;
+         pair == Pair::kTriangleObb || pair == Pair::kTriangleTriangle;
 }
 
 /// fp32, both back ends.

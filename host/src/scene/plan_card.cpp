@@ -47,6 +47,7 @@ bool is_large(Pair pair) {
     case Pair::kObbObb:
     case Pair::kTriangleAabb:
     case Pair::kTriangleObb:
+    case Pair::kTriangleTriangle:
     case Pair::kTriangleCylinder:
     case Pair::kCylinderCylinder:
     case Pair::kObbCylinder:

@@ -35,7 +35,8 @@ void sweep(reference::Kinds<A<N>, B<N>>, Test test, Words a, Words b,
 }  // namespace
 
 bool has_proofs(Pair pair) {
-  return primary_shape(pair) != Shape::kRay && secondary_shape(pair) != Shape::kPlane;
+  return primary_shape(pair) != Shape::kRay && secondary_shape(pair) != Shape::kPlane &&
+         secondary_shape(pair) != Shape::kTriangle;
 }
 
 void test_certain(Pair pair, FpFormat narrow, const PairBudget& budget, Words a, Words b,
@@ -48,7 +49,8 @@ void test_certain(Pair pair, FpFormat narrow, const PairBudget& budget, Words a,
         [&]<class A, class B>(reference::Kinds<A, B> kinds, auto test) {
           if constexpr (kShapeOf<A> != Shape::kRay && kShapeOf<B> == Shape::kCylinder)
             sweep<N>(kinds, test, a, b, certain);
-          else if constexpr (kShapeOf<A> != Shape::kRay && kShapeOf<B> != Shape::kPlane)
+          else if constexpr (kShapeOf<A> != Shape::kRay && kShapeOf<B> != Shape::kPlane &&
+                             kShapeOf<B> != Shape::kTriangle)
             sweep<N>(kinds, reference::verdict::FreePipe(), a, b, certain);
         });
   });

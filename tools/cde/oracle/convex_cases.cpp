@@ -7,7 +7,7 @@
 #include "oracle/cases.hpp"
 #include "oracle/gap.hpp"
 
-// Operands of the ten convex pairs: build both shapes about the origin in frames that the family
+// Operands of the convex pairs: build both shapes about the origin in frames that the family
 // chooses, round them, then place B, again by the family's rule.
 namespace cde::oracle {
 namespace {
@@ -62,8 +62,29 @@ struct Draft {
   [[nodiscard]] double size() const { return size_of(a) + size_of(b); }
   double small_gap() { return small_offset(random, format) * size(); }
   void near_contact() {
+    if (both_flat() && random.chance(0.5)) {
+      cross();
+      return;
+    }
     const Vec direction = random.direction();
     b = approach(a, b, direction, small_gap());
+  }
+  [[nodiscard]] bool both_flat() const {
+    return kind_a == ShapeKind::kTriangle && kind_b == ShapeKind::kTriangle;
+  }
+  /// Two triangles that approach by a vertex slip past each other more often than they meet: a
+  /// point of A a little inside of an edge, and a point of an edge of B there.
+  void cross() {
+    const auto on_edge = [this](const Triangle& t, double inwards) {
+      const std::array<Vec, 3> v = {t.v0, t.v1, t.v2};
+      const int k = random.below(3);
+      const Vec& third = v[(k + 2) % 3];
+      const Vec at = v[k] + random.unit() * (v[(k + 1) % 3] - v[k]);
+      return Vec(at + inwards * (third - at));
+    };
+    const double inwards = std::abs(small_offset(random, format));
+    const Vec on_a = on_edge(std::get<Triangle>(a), inwards);
+    b = moved(b, on_a - on_edge(std::get<Triangle>(b), 0));
   }
   void beside(double least, double most) {
     const double length = random.uniform(least, most) * size();

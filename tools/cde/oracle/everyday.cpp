@@ -132,8 +132,8 @@ struct Pieces {
     }
     if (!whole || random.chance(0.8)) a = moved(a, -middle(a));
     // A ball fills half of the box about it, and a triangle none.
-    const bool round = kind_b == ShapeKind::kSphere;
-    const Vec reach = (round ? 0.75 : 1) * apart * (half_width(a) + half_width(b));
+    const bool round = kind_b == ShapeKind::kSphere, flat = kind_b == ShapeKind::kTriangle;
+    const Vec reach = (flat ? 0.4 : round ? 0.75 : 1) * apart * (half_width(a) + half_width(b));
     Vec to;
     for (int k = 0; k < 3; ++k) to[k] = coordinate(reach[k]);
     const int free = random.below(3);
