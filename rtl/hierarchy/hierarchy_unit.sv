@@ -191,7 +191,8 @@ module hierarchy_unit #(
       .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_SLOTS), .addr_i(access_i.addr),
       .data_i(access_i.data), .flip_i(flips[19:18]), .clk_i(clk), .rst_i, .clear_i(rst && !refitting),
       .slots_i(slots), .secondaries_i(secondaries_q), .words_i(ddr_words_o), .objects_i(objects_q),
-      .valid_i(leaf_valid), .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag), .ddr_o, .ddr_ready_i, .ddr_valid_i, .ddr_data_i,
+      .valid_i(leaf_valid), .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag), .ddr_o, .ddr_ready_i,
+      .ddr_valid_i, .ddr_data_i,
       .owed_o(owed), .transform_entry_o, .moving_o, .clk_moving_i, .unmoved_o, .moved_i, .valid_o(fetched_valid),
       .tag_o(fetched_tag), .words_o(fetched), .index_o(index), .fault_o(leaf_fault), .fault_kind_o(leaf_fault_kind),
       .fault_place_o(leaf_place), .corrected_o(slot_corrected));

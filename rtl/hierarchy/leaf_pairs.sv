@@ -96,7 +96,8 @@ module leaf_pairs #(
             .cp_o(point_of[p][2:0]), .n_o(point_of[p][5:3]), .latency_o(latency_of[p]));
         assign t_of[p] = t_pipe | (f_of[p] & {LANES{SIGN}});
       end else begin : g_ray
-        pair_pipe #(`DF_SAME, .PAIR(p), .ALGORITHM(ALGORITHM), .BOX(int'(pairs_pkg::has(pairs_pkg::BOX_PAIRS, p)))) pipe (
+        localparam int BOX = int'(pairs_pkg::has(pairs_pkg::BOX_PAIRS, p));
+        pair_pipe #(`DF_SAME, .PAIR(p), .ALGORITHM(ALGORITHM), .BOX(BOX)) pipe (
             .clk_i, .enter_i(taken_q), .a_i(a), .b_i(b), .f_o(f_of[p]), .t_o(t_pipe),
             .cp_o(point_of[p][2:0]), .n_o(point_of[p][5:3]), .latency_o(latency_of[p]));
         assign t_of[p] = t_pipe;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A ray as nodes of a hierarchy see it, once a ray (reference/pipes/ray_node.hpp): o + M, o - M and 1 / d, where M =
 // 2^-16 R + 16 u W is what boxes are widened by, R the largest distance along an axis from o to the root's box, and no
-// component of d is taken as less than 2^-80. Of rays that meet spheres M is infinite, so that they meet all boxes, where
-// R and d are not of sizes for which the pipe's own roundings are known.
+// component of d is taken as less than 2^-80. Of rays that meet spheres M is infinite, so that they meet all boxes,
+// where R and d are not of sizes for which the pipe's own roundings are known.
 // 1 mul, 3 div, 4 add, 9 sub, 8 min/max; with spheres 2 mul, 2 compare, 2 max more.
 // Latency: RAY_T_FRONT clocks (hierarchy.svh). Throughput: LANES rays a clock. Stall: none, runs free.
 `include "hierarchy.svh"
@@ -28,7 +28,8 @@ module ray_front #(
 
   // ---- How far the root's box reaches from here, and so how much boxes are widened ----
   logic [LANES-1:0][CW-1:0] reach_of_root;
-  root_reach #(`DF_SAME) of_root (.clk_i, .low_i(a_i[2:0]), .high_i(a_i[2:0]), .root_i(root_i[5:0]), .reach_o(reach_of_root));
+  root_reach #(`DF_SAME) of_root (
+      .clk_i, .low_i(a_i[2:0]), .high_i(a_i[2:0]), .root_i(root_i[5:0]), .reach_o(reach_of_root));
   `DF_IN(reach, reach_of_root, `RAY_T_REACH)
   `DF_MUL(part, reach, share)
   `DF_ADD(margin_known, part, world)

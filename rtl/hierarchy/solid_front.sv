@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A solid, or a triangle, as nodes of a hierarchy see it, once each (reference/pipes/ray_node.hpp): the upper corner of
-// its box plus M, the lower one less M, and 1 where a ray has 1 / d, so that node_boxes.sv gives gaps of axes; M = 2^-16
-// (R + e) + 16 u W is what boxes are widened by, R the largest distance along an axis from the centre to the root's box,
-// e half the size of the solid's own. Of a triangle R is that from end to end of its box and the root's, and e is 0.
+// its box plus M, the lower one less M, and 1 where a ray has 1 / d, so that node_boxes.sv gives gaps of axes; M =
+// 2^-16 (R + e) + 16 u W is what boxes are widened by, R the largest distance along an axis from the centre to the
+// root's box, e half the size of the solid's own. Of a triangle R is that from end to end of its box and the root's,
+// and e is 0.
 // 1 mul, 8 add, 12 sub, 7 max; of an OBB 9 mul, 6 add more, of a triangle 12 min/max.
 // Latency: SOLID_T_FRONT clocks (hierarchy.svh). Throughput: LANES solids a clock. Stall: none, runs free.
 `include "hierarchy.svh"

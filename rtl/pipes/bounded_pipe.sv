@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pipe of a pair (scaled_pipe.sv), behind which with BOUND the signed gap of a triangle and a solid, or a triangle, is at least
-// that of their boxes (gap_bound.sv); without it the pipe alone. The bound is of the pair as it comes: it needs no
-// scaling.
+// The pipe of a pair (scaled_pipe.sv), behind which with BOUND the signed gap of a triangle and a solid, or another
+// triangle, is at least that of their boxes (gap_bound.sv); without it the pipe alone. The bound is of the pair as it
+// comes: it needs no scaling.
 // With BOUND its operators, 1 compare and 1 max.
 // Latency: that of the pipe, and with BOUND LAT_CMP, latency_o; 0 with ARITH = "host". Throughput: LANES pairs in
 // FACET_II clocks. Stall: none, runs free.

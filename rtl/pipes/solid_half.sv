@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Half the size of a solid's own box, an axis each (reference/pipes/gap_bound.hpp): of a sphere r, of an OBB |R| h, of a
-// triangle, which has no centre, 0.
+// Half the size of a solid's own box, an axis each (reference/pipes/gap_bound.hpp): of a sphere r, of an OBB |R| h,
+// of a triangle, which has no centre, 0.
 // Of an OBB 9 mul, 6 add.
 // Latency: SOLID_T_HALF clocks (gap_bound.svh); 0 with ARITH = "host". Throughput: LANES solids a clock. Stall: none.
 `include "gap_bound.svh"

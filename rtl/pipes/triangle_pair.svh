@@ -11,7 +11,7 @@
 `define TRIANGLE_PAIR_FACE_T_W (`TRIANGLE_T_M + `DF_LAT_DOT + 4 * LAT_CMP + 3 * LAT_ADD)
 `define TRIANGLE_PAIR_FACE_T (`POINT_TRIANGLE_T_V(`TRIANGLE_PAIR_FACE_T_W, `TRIANGLE_T_F, `TRIANGLE_T_INVERSE, \
   `TRIANGLE_T_M) + LAT_ADD)
-// Of a pair of edges, from its inputs: the normal; t, s, t for that s; then v and its square, or whether t is at an end.
+// Of a pair of edges, from its inputs: the normal; t, s, t for that s; v and its square, or whether t is at an end.
 `define LATENCY_TRIANGLE_PAIR_NORMAL (`DF_LAT_DOT + LAT_MUL + LAT_ADD + `DF_LAT_CROSS + `DF_LAT_DOT + \
   `DF_MAX2(LAT_CMP, LAT_SQRT + LAT_DIV) + LAT_MUL)
 `define LATENCY_TRIANGLE_PAIR_EDGE (`LATENCY_TRIANGLE_PAIR_NORMAL + \

@@ -77,7 +77,7 @@ class Bench {
     std::vector<Record> records(rays.size());
     std::size_t sent = 0, got = 0;
     module_->goal_i = static_cast<CData>(goal);
-    module_->pair_i = std::is_same_v<P, Ray> ? 0 : std::is_same_v<P, Sphere> ? 5 : 3;
+    module_->pair_i = std::is_same_v<P, Ray> ? 0 : 5;
     for (clocks = 0; got < rays.size(); ++clocks) {
       if (clocks > 1000 * rays.size() + 1'000'000) {
         ADD_FAILURE() << "no end: " << got << " of " << rays.size();
@@ -378,18 +378,13 @@ TEST(Traversal, OfPluecker) {
   expect_reference<TraversalPluecker>(1000, Algorithm::kPluecker);
 }
 
-/// Spheres or OBBs: records, and what is read for them.
-template <class Module, class Solid>
-void expect_solids(const hard::Scene& triangles, std::size_t count) {
+/// Spheres: records, and what is read for them.
+template <class Module>
+void expect_spheres(const hard::Scene& triangles, std::size_t count) {
   hard::Solids draws(triangles, 3);
-  std::vector<Solid> solids;
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto kind = static_cast<unsigned>(i % hard::Solids::kKinds);
-    if constexpr (std::is_same_v<Solid, Sphere>)
-      solids.push_back(draws.sphere(kind));
-    else
-      solids.push_back(draws.obb(kind));
-  }
+  std::vector<Sphere> solids;
+  for (std::size_t i = 0; i < count; ++i)
+    solids.push_back(draws.sphere(static_cast<unsigned>(i % hard::Solids::kKinds)));
   const Hierarchy tree = Hierarchy::build(triangles, {.leaf = 2});
   for (const bool patient : {true, false}) {
     for (const Goal& goal : {kGoals[0], kGoals[2]}) {
@@ -435,17 +430,16 @@ void expect_solids(const hard::Scene& triangles, std::size_t count) {
   }
 }
 
-TEST(Traversal, OfSolidsIsThatOfTheReference) {
+TEST(Traversal, OfSpheresIsThatOfTheReference) {
   for (const hard::Case& c : std::span(hard::kScenes).subspan(2)) {  // the first two are large
     SCOPED_TRACE(c.name);
-    expect_solids<TraversalSolids, Sphere>(c.make(), 60);
-    expect_solids<TraversalSolids, Obb>(c.make(), 30);
+    expect_spheres<TraversalSolids>(c.make(), 60);
   }
 }
 
 TEST(Traversal, OfSpheresInGates) {
-  expect_solids<TraversalSpheresGates, Sphere>(hard::needles(), 60);
-  expect_solids<TraversalSpheresGates, Sphere>(hard::flat(), 60);
+  expect_spheres<TraversalSpheresGates>(hard::needles(), 60);
+  expect_spheres<TraversalSpheresGates>(hard::flat(), 60);
 }
 
 /// The same module, of other pairs.
