@@ -26,9 +26,14 @@ std::shared_ptr<Model> model_of(const Mesh& mesh) {
   return model;
 }
 
-bool touches(const CollisionObjectd& mesh, const CollisionObjectd& solid) {
+constexpr std::size_t kAllContacts = 1u << 20;
+std::size_t contacts(const CollisionObjectd& mesh, const CollisionObjectd& other,
+                     std::size_t most) {
   fcl::CollisionResultd result;
-  return fcl::collide(&solid, &mesh, fcl::CollisionRequestd(1, false), result) > 0;
+  return fcl::collide(&other, &mesh, fcl::CollisionRequestd(most, false), result);
+}
+bool touches(const CollisionObjectd& mesh, const CollisionObjectd& solid) {
+  return contacts(mesh, solid, 1) > 0;
 }
 double distance(const CollisionObjectd& mesh, const CollisionObjectd& solid) {
   fcl::DistanceResultd result;
@@ -69,6 +74,36 @@ std::optional<FclOnMesh> measure_fcl_mesh(const Mesh& mesh, Shape shape,
   return on_mesh;
 }
 
+std::optional<FclMeshes> measure_fcl_meshes(const Mesh& mesh, std::span<const Mesh> others) {
+  const std::size_t count = others.size();
+  const auto all = fcl_objects::in_child<double>([&](const auto& put) {
+    const CollisionObjectd on(model_of(mesh));
+    std::vector<CollisionObjectd> objects;
+    for (const Mesh& other : others) objects.emplace_back(model_of(other));
+    for (const auto& other : objects) put(static_cast<double>(contacts(on, other, kAllContacts)));
+    for (const auto& other : objects) put(distance(on, other));
+    volatile double kept = 0;
+    const auto time = [&](const auto& ask) {
+      const Spread spread = measured([&](std::size_t) {
+        for (const auto& other : objects) kept = static_cast<double>(ask(on, other));
+      });
+      put(spread.median / static_cast<double>(count));
+    };
+    time(touches);
+    time([](const auto& a, const auto& b) { return contacts(a, b, kAllContacts); });
+    time(distance);
+    (void)kept;
+  });
+  if (all.size() != 2 * count + 3) return std::nullopt;
+  FclMeshes meshes;
+  meshes.contacts.assign(all.begin(), all.begin() + static_cast<long>(count));
+  meshes.distances.assign(all.begin() + static_cast<long>(count), all.end() - 3);
+  meshes.touch_seconds = all[2 * count];
+  meshes.contacts_seconds = all[2 * count + 1];
+  meshes.distance_seconds = all[2 * count + 2];
+  return meshes;
+}
+
 }  // namespace cde::cli
 
 #else
@@ -76,6 +111,9 @@ std::optional<FclOnMesh> measure_fcl_mesh(const Mesh& mesh, Shape shape,
 namespace cde::cli {
 
 std::optional<FclOnMesh> measure_fcl_mesh(const Mesh&, Shape, std::span<const float>) {
+  return std::nullopt;
+}
+std::optional<FclMeshes> measure_fcl_meshes(const Mesh&, std::span<const Mesh>) {
   return std::nullopt;
 }
 

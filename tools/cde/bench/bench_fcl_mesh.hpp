@@ -23,4 +23,14 @@ struct FclOnMesh {
 [[nodiscard]] std::optional<FclOnMesh> measure_fcl_mesh(const Mesh& mesh, Shape shape,
                                                         std::span<const float> words);
 
+/// Meshes against one, each with a model of its own. `contacts`: pairs of triangles that meet.
+struct FclMeshes {
+  std::vector<double> contacts, distances;
+  double touch_seconds = 0;  ///< of one, as above: collide() with one contact, with all of them
+  double contacts_seconds = 0;
+  double distance_seconds = 0;
+};
+[[nodiscard]] std::optional<FclMeshes> measure_fcl_meshes(const Mesh& mesh,
+                                                          std::span<const Mesh> others);
+
 }  // namespace cde::cli

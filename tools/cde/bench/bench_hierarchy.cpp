@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde bench hierarchy: rays through the hierarchy of a card, its own clocks and with the bus, what
-// simulating it takes, its refit, and Embree on the same rays; spheres and OBBs, and FCL on these.
+// simulating it takes, its refit, and Embree on the same rays; spheres, OBBs and meshes, and FCL on
+// these.
 #include <fmt/format.h>
 
 #include "bench/bench.hpp"
+#include "bench/mesh_figures.hpp"
 #include "bench/solid_figures.hpp"
 #include "bench/tree_figures.hpp"
 #include "cde/mesh/terrain.hpp"
@@ -33,6 +35,13 @@ nlohmann::ordered_json bench_hierarchy(const BenchOptions& o) {
     }();
     show_solids(solids, o.clock_hz);
     all.back()["solids"] = solids_json(solids, o.clock_hz);
+    if (o.quick) continue;  // another card
+    const MeshFigures through = [&] {
+      const Busy busy(fmt::format("a mesh at {} triangles", mesh.faces.size()), false);
+      return measure_meshes(mesh, o.clock_hz);
+    }();
+    show_meshes(through, o.clock_hz);
+    all.back()["meshes"] = meshes_json(through, o.clock_hz);
   }
   return all;
 }
