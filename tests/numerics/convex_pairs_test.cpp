@@ -397,7 +397,8 @@ Sized judge_sizes(Pair pair, double size_a, double size_b, int count) {
 
 template <class S>
 void small_triangles(const char* name) {
-  for (const Pair pair : {Pair::kTriangleSphere, Pair::kTriangleObb, Pair::kTriangleAabb}) {
+  for (const Pair pair :
+       {Pair::kTriangleSphere, Pair::kTriangleObb, Pair::kTriangleAabb, Pair::kTriangleTriangle}) {
     for (int k = 1; k <= 5; ++k) {
       const Sized r = judge_sizes<S>(pair, std::ldexp(0.5, -k), 0.5, 500);
       EXPECT_EQ(r.judged, 500);
@@ -459,9 +460,9 @@ TEST(ConvexPairFormat, Fp64) {
   }
 }
 
-// The two pairs of like shapes: exchanging them turns the normal round, and s and F stay.
+// The three pairs of like shapes: exchanging them turns the normal round, and s and F stay.
 TEST(ConvexPairSwapped, LikeShapesAgree) {
-  for (const Pair pair : {Pair::kSphereSphere, Pair::kObbObb}) {
+  for (const Pair pair : {Pair::kSphereSphere, Pair::kObbObb, Pair::kTriangleTriangle}) {
     Report report(std::string(oracle::to_string(pair)) + ", exchanged");
     for (int i = 0; i < kDirected; ++i) {
       oracle::Case c = oracle::generate(pair, kSeed + 1, i);
