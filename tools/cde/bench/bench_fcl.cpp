@@ -4,6 +4,8 @@
 #ifdef CDE_FCL
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/detail/gjk_solver_libccd.h>
+#include <fcl/narrowphase/detail/primitive_shape_algorithm/triangle_distance.h>
+#include <fcl/narrowphase/detail/traversal/collision/intersect.h>
 #include <fcl/narrowphase/distance.h>
 
 #include <algorithm>
@@ -26,7 +28,8 @@ constexpr std::size_t kMostStops = 50;  // more, and FCL counts as having no suc
 
 enum class Call { kCollide, kDistance };
 
-/// FCL has triangles as parts of meshes: one by itself goes to the function that its meshes use.
+/// FCL has triangles as parts of meshes: one by itself goes to the function that its meshes use,
+/// and so do two.
 class Pairs {
  public:
   Pairs(Pair pair, std::span<const float> a, std::span<const float> b) {
@@ -40,7 +43,11 @@ class Pairs {
         triangles_.push_back(primitive<BasicTriangle>(words));
       else
         a_.push_back(object(shape_a, words));
-      b_.push_back(object(shape_b, b.subspan(i * b_words, b_words)));
+      const auto words_b = b.subspan(i * b_words, b_words);
+      if (shape_b == "triangle")
+        others_.push_back(primitive<BasicTriangle>(words_b));
+      else
+        b_.push_back(object(shape_b, words_b));
     }
     plane_ = shape_b == "plane";
     // Signed distances of spheres end in a failed assertion of FCL as soon as they overlap.
@@ -48,13 +55,14 @@ class Pairs {
         triangles_.empty() && shape_a != "sphere" && shape_b != "sphere";
     request_.enable_nearest_points = true;
   }
-  [[nodiscard]] std::size_t size() const { return b_.size(); }
+  [[nodiscard]] std::size_t size() const { return b_.size() + others_.size(); }
   [[nodiscard]] bool has(Call call) const { return call == Call::kCollide || !plane_; }
   [[nodiscard]] bool has_signed_distance() const { return request_.enable_signed_distance; }
 
   /// Whether they touch, 1 or 0; -1 if FCL's solver gives up.
   [[nodiscard]] signed char ask(Call call, std::size_t i) const {
     try {
+      if (!others_.empty()) return ask_triangles(call, i) ? 1 : 0;
       if (!triangles_.empty()) return ask_triangle(call, i) ? 1 : 0;
       if (call == Call::kCollide) {
         fcl::CollisionResultd result;
@@ -69,6 +77,14 @@ class Pairs {
   }
 
  private:
+  [[nodiscard]] bool ask_triangles(Call call, std::size_t i) const {
+    const BasicTriangle<double>&s = triangles_[i], &t = others_[i];
+    if (call == Call::kCollide)
+      return fcl::detail::Intersectd::intersect_Triangle(s.v0, s.v1, s.v2, t.v0, t.v1, t.v2);
+    fcl::Vector3d p, q;
+    return fcl::detail::TriangleDistanced::triDistance(s.v0, s.v1, s.v2, t.v0, t.v1, t.v2, p, q) <=
+           0;
+  }
   [[nodiscard]] bool ask_triangle(Call call, std::size_t i) const {
     const fcl::CollisionGeometryd* geometry = b_[i].collisionGeometry().get();
     switch (geometry->getNodeType()) {
@@ -92,7 +108,7 @@ class Pairs {
                                           &q);
   }
 
-  std::vector<BasicTriangle<double>> triangles_;
+  std::vector<BasicTriangle<double>> triangles_, others_;
   std::vector<Object> a_, b_;
   bool plane_ = false;
   fcl::DistanceRequestd request_;

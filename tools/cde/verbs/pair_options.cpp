@@ -49,7 +49,8 @@ PairBudget split(unsigned evaluations, Pair pair) {
 /// Lanes if nobody says how many. Words of 64 bits fill vectors sooner, and clang takes minutes to
 /// build facets of more than one such lane.
 unsigned default_lanes(Pair pair, FpFormat format) {
-  return has_facets(pair) && format.width() > 32 ? 1 : PairConfig{}.lanes;
+  const bool large = has_facets(pair) || pair == Pair::kTriangleTriangle;
+  return large && format.width() > 32 ? 1 : PairConfig{}.lanes;
 }
 
 }  // namespace
@@ -141,8 +142,8 @@ void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
     whole_number_in(
         verb.add_option("--lanes", o.lanes,
                         "Pairs a clock; 8 if not given, or 1 in fp64 for obb-obb, "
-                        "triangle-aabb and triangle-obb, whose bitstreams of more lanes "
-                        "take minutes to build"),
+                        "triangle-aabb, triangle-obb and triangle-triangle, whose bitstreams "
+                        "of more lanes take minutes to build"),
         1, 256, "");
   one_of(verb.add_option("--facet-interval", o.facet_interval,
                          "Of obb-obb, triangle-aabb and triangle-obb: clocks from one row of "

@@ -127,7 +127,7 @@ template <typename S>
 ///
 /// The nearest points are found as in segment_segment, t across e, then s, then t again. Where
 /// neither is at an end v is along the normal, as far as that goes; else it ends on an edge that it
-/// will be made perpendicular to. 84 add 99 mul 1 div 1 sqrt.
+/// will be made perpendicular to. 53 add 67 mul 1 div 1 sqrt, 9 cmp, 14 min/max.
 template <typename S>
 [[nodiscard]] Facet<S> edge_pair(const TrianglePair<S>& pair, int i, int j) {
   const Vector<S>&e = pair.a.f[i], &unit_e = pair.along[i], &f = pair.b.f[j];
@@ -199,6 +199,7 @@ template <typename S>
 /// Triangle against triangle, both flat and two-sided, relative to the first vertex of A. The
 /// difference of triangles in one plane is flat, and no facet tells whether the origin is in it or
 /// beside it; so a gap along the nearest vector is proof enough that they are apart.
+/// 824 add 1010 mul 20 div 15 sqrt.
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_triangle(const BasicTriangle<S>& a, const BasicTriangle<S>& b) {
   const TrianglePair<S> pair = triangle_pair(a, b);
