@@ -512,12 +512,14 @@ inline void turn(Signed& x) {
                                                    uint32_t limit, uint32_t asked) {
   const bool solid = (asked & 2) != 0;  // and bit 0: farthest
   constexpr int32_t kLeast = INT32_MIN, kMost = INT32_MAX, kNan = Format<8, 23>::kNan;
+  constexpr int32_t kInfinite = Format<8, 23>::kInf;
   const Children number = {0, 1, 2, 3, 4, 5, 6, 7};
   const auto real = [](uint32_t x) { return std::bit_cast<float>(x); };
   const auto eight = [&](unsigned word) { return node[word] | uint64_t{node[word + 1]} << 32; };
 
   // node_planes.sv, node_boxes.sv
-  Children near = Children{} + kLeast, far = Children{} + kMost;
+  Children near = Children{} + kLeast, far = Children{} + kMost, widest = near;
+  ChildrenFloat square = {};
   for (unsigned k = 0; k < 3; ++k) {
     const uint32_t inverse = ray[6 + k], exponent = uint32_t(int8_t(node[3] >> (8 * k)));
     const float unit = real(inverse + (exponent << 23));
@@ -530,9 +532,18 @@ inline void turn(Signed& x) {
     along(f, down ? lower : upper, unit, down ? above : below, kMost);
     near = near > n ? near : n;
     far = far < f ? far : f;
+    if (!solid) continue;
+    const Children gap = n > ~f ? n : ~f;  // ~: less than zero by as much
+    const ChildrenFloat way = (ChildrenFloat)(gap > 0 ? gap : 0);
+    widest = widest > gap ? widest : gap;
+    square += way * way;
   }
   near = near == kLeast ? Children{} + kNan : near;
   far = far == kMost ? Children{} + kNan : far;
+  if (solid) {  // node_gaps.sv
+    near = widest > 0 ? (Children)square : widest == kLeast ? Children{} + kNan : widest;
+    far = Children{} + kInfinite;
+  }
 
   // node_order.sv
   const auto in_order = [](uint32_t word) {  // hierarchy_pkg::ordered
@@ -543,17 +554,13 @@ inline void turn(Signed& x) {
   const Children kinds =
       Children{} + int32_t(node[3] >> 24 | node[4] >> 28 << 8 | node[5] >> 28 << 12);
   const Children n = near - (Children)(near == -1), f = far - (Children)(far == -1);
-  const Children met = (Children)((kinds >> (2 * number) & 3) != 0) &
-                       ((Children)(n <= f) | -int32_t(solid)) & (Children)(f >= in_order(floor)) &
-                       (Children)(n <= in_order(limit));
+  const Children met = (Children)((kinds >> (2 * number) & 3) != 0) & (Children)(n <= f) &
+                       (Children)(f >= in_order(floor)) & (Children)(n <= in_order(limit));
   const Children down = Children{} - int32_t(asked & 1);
-  const Children comes =
-      solid ? (near > ~far ? near : ~far) : near;  // ~: less than zero by as much
-  const Children first = comes - (Children)(comes == -1);
-  const Children key = met ? (down & ~f) | (~down & first) : Children{} + kMost;
+  const Children key = met ? (down & ~f) | (~down & n) : Children{} + kMost;
   Children rank = {};
   for (int k = 0; k < 8; ++k) rank -= (Children)(key > key[k] + (Children)(number > k));
-  Children x = (down & far) | (~down & comes);
+  Children x = (down & far) | (~down & near);
   turn<Children, ChildrenBits>(x);
   const Children inexact = (Children)((x & 0xffff) != 0) & ((x >> 31) ^ down);
   const Children half = ((x >> 16) - inexact) & 0xffff;

@@ -13,10 +13,12 @@
 // Of solid_front.sv: the corners of its box, widened.
 `define SOLID_T_FRONT(SHAPE) \
   (`DF_MAX2(`SHAPE_T_HULL(SHAPE) + `RAY_T_REACH, `SOLID_T_HALF(SHAPE) + 2 * LAT_CMP) + 3 * LAT_ADD + LAT_MUL)
-// Of node_boxes.sv: near and far of all children.
-`define NODE_T_BOXES (LAT_ADD + 2 * LAT_MUL + LAT_ADD + 2 * LAT_CMP)
+// Of node_boxes.sv: near and far of all children, by axis and all in all; of node_gaps.sv behind it: of solids.
+`define NODE_T_AXES (LAT_ADD + 2 * LAT_MUL + LAT_ADD)
+`define NODE_T_BOXES (`NODE_T_AXES + 2 * LAT_CMP)
+`define NODE_T_GAPS (`NODE_T_AXES + 2 * LAT_CMP + `DF_MAX2(2 * LAT_CMP, `DF_LAT_DOT))
 // Of node_unit.sv: children that are met, in order.
-`define NODE_T_UNIT (`NODE_T_BOXES + 2)
+`define NODE_T_UNIT(SOLIDS) (((SOLIDS != 0) ? `NODE_T_GAPS : `NODE_T_BOXES) + 2)
 
 // A context on its way, CX bits of it: how many groups its stack has, and of which none but the first child has been
 // visited; and a node or leaf that it goes to.

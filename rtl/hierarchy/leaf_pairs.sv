@@ -17,6 +17,7 @@ module leaf_pairs #(
     parameter ARITH = "rtl",
     localparam int EXP = 8,
     localparam int MAN = 23,
+    localparam int CW = 32,
     localparam int LANES = 2,  // secondaries of a leaf
     localparam int WORDS = hierarchy_pkg::walked_words(PAIRS),
     localparam int POINTS = (NORMALS != 0) ? 6 : 3
@@ -36,7 +37,8 @@ module leaf_pairs #(
     output logic [AT-1:0] at_o,
     output logic [LANES-1:0] f_o,  // of those that are there
     output logic [LANES-1:0] there_o,
-    output logic [LANES-1:0][31:0] t_o,  // of solids the signed gap
+    output logic [LANES-1:0][31:0] t_o,  // of solids the signed gap, and what nodes compare it by (node_gaps.sv)
+    output logic [LANES-1:0][31:0] key_o,
     output logic [POINTS-1:0][LANES-1:0][31:0] point_o,  // CP and, with normals, n
     output logic [LANES-1:0][31:0] index_o
 );
@@ -52,11 +54,11 @@ module leaf_pairs #(
   assign tested_o = !taken_q ? 2'd0 : two_q ? 2'd2 : 2'd1;
 
   // ---- Pipes. What each computes with has a clock of its own: where nothing comes, nothing is computed ----
-  logic [pairs_pkg::PAIRS-1:0][LANES-1:0][31:0] f_of, t_of;
+  logic [pairs_pkg::PAIRS-1:0][LANES-1:0][31:0] f_of, t_of, key_of;
   logic [pairs_pkg::PAIRS-1:0][5:0][LANES-1:0][31:0] point_of;
   logic [pairs_pkg::PAIRS-1:0][15:0] latency_of;
   logic unused;  // a sphere has few words
-  assign unused = &{1'b0, primary_i, secondaries_i, point_of};
+  assign unused = &{1'b0, primary_i, secondaries_i, point_of, key_of};
   for (genvar p = 0; p < pairs_pkg::PAIRS; p++) begin : pair
     if (pairs_pkg::has(PAIRS, p)) begin : g_there
       localparam int P_WORDS = pairs_pkg::shape_words(hierarchy_pkg::walked_shape(p));
@@ -91,19 +93,37 @@ module leaf_pairs #(
       end
       if (hierarchy_pkg::solid(p)) begin : g_solid
         localparam logic [31:0] SIGN = 32'h8000_0000;
+        logic [LANES-1:0][31:0] f_pipe;
+        logic [5:0][LANES-1:0][31:0] point_pipe;
+        logic [15:0] latency;
         bounded_pipe #(`DF_SAME, .PAIR(p), .BOUND(int'(pairs_pkg::has(config_pkg::BOUND_PAIRS, p)))) pipe (
-            .clk_i, .enter_i(taken_q), .a_i(a), .b_i(b), .f_o(f_of[p]), .t_o(t_pipe),
-            .cp_o(point_of[p][2:0]), .n_o(point_of[p][5:3]), .latency_o(latency_of[p]));
-        assign t_of[p] = t_pipe | (f_of[p] & {LANES{SIGN}});
+            .clk_i, .enter_i(taken_q), .a_i(a), .b_i(b), .f_o(f_pipe), .t_o(t_pipe), .cp_o(point_pipe[2:0]),
+            .n_o(point_pipe[5:3]), .latency_o(latency));
+        `DF_IN(meets, f_pipe, 0)
+        `DF_IN(gap, t_pipe | (f_pipe & {LANES{SIGN}}), 0)
+        `DF_VIN(cp, point_pipe[2:0], 0)
+        `DF_VIN(n, point_pipe[5:3], 0)
+        `DF_MUL(square, gap, gap)
+        `DF_AT(meets_late, meets, LAT_MUL)
+        `DF_AT(gap_late, gap, LAT_MUL)
+        `DF_VAT(cp_late, cp, LAT_MUL)
+        `DF_VAT(n_late, n, LAT_MUL)
+        `DF_SELECT(key, meets_late, gap_late, square)
+        assign f_of[p] = meets_late;
+        assign t_of[p] = gap_late;
+        assign key_of[p] = key;
+        assign point_of[p] = {n_late, cp_late};
+        assign latency_of[p] = latency + 16'(LAT_MUL);
       end else begin : g_ray
         localparam int BOX = int'(pairs_pkg::has(pairs_pkg::BOX_PAIRS, p));
         pair_pipe #(`DF_SAME, .PAIR(p), .ALGORITHM(ALGORITHM), .BOX(BOX)) pipe (
             .clk_i, .enter_i(taken_q), .a_i(a), .b_i(b), .f_o(f_of[p]), .t_o(t_pipe),
             .cp_o(point_of[p][2:0]), .n_o(point_of[p][5:3]), .latency_o(latency_of[p]));
         assign t_of[p] = t_pipe;
+        assign key_of[p] = '0;
       end
     end else begin : g_absent
-      assign {f_of[p], t_of[p], point_of[p], latency_of[p]} = '0;
+      assign {f_of[p], t_of[p], key_of[p], point_of[p], latency_of[p]} = '0;
     end
   end
 
@@ -125,6 +145,7 @@ module leaf_pairs #(
     if (NORMALS != 0) begin : g_no_normals
       assign point_o[POINTS-1:POINTS-3] = '0;
     end
+    assign key_o = '0;
     align #(.W(AT), .TO(T_PAIR - 1)) align_soon (.clk_i, .d_i(at_q), .q_o(soon_o));
     align #(.W(AT), .TO(1)) align_at (.clk_i, .d_i(soon_o), .q_o(at_o));
     align #(.W(1 + LANES * 32), .TO(T_PAIR), .MEMORY(5)) align_index (
@@ -142,9 +163,9 @@ module leaf_pairs #(
     // The time of the pass's pipe is a number of its port. Gates answer then, the host at once.
     localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_SQRT + LAT_CMP + 4) / 5;
     localparam int DEPTH = 256 << $clog2(SLOWEST);
-    localparam int RESULT = (2 + POINTS) * LANES * 32;
+    localparam int RESULT = (3 + POINTS) * LANES * 32;
     logic [RESULT-1:0] result;
-    assign result = {f_of[pair_i], t_of[pair_i], point_of[pair_i][POINTS-1:0]};
+    assign result = {f_of[pair_i], t_of[pair_i], key_of[pair_i], point_of[pair_i][POINTS-1:0]};
     logic [15:0] rest;  // until the clock before the answer
     logic soon;
     logic [AT+32*LANES:0] soon_with;
@@ -158,14 +179,14 @@ module leaf_pairs #(
       {at_o, two, index_o} <= soon_with;
     end
     if (ARITH == "rtl") begin : g_late
-      assign {f, t, point_o} = result;
+      assign {f, t, key_o, point_o} = result;
     end else begin : g_early
       logic [RESULT-1:0] soon_result;
       logic unused_valid;
       issue_history #(.W(RESULT), .DEPTH(DEPTH)) results (
           .clk_i, .rst_i, .latency_i(rest), .valid_i(taken_q), .d_i(result), .valid_o(unused_valid),
           .q_o(soon_result));
-      always_ff @(posedge clk_i) {f, t, point_o} <= soon_result;
+      always_ff @(posedge clk_i) {f, t, key_o, point_o} <= soon_result;
     end
   end
   assign t_o = t;

@@ -17,6 +17,8 @@ module node_boxes #(
     input logic clk_i,
     input logic [8:0][CW-1:0] ray_i,    // of ray_front.sv
     input logic [17:0][31:0] node_i,
+    output logic [2:0][CHILDREN-1:0][CW-1:0] near_axis_o,  // at NODE_T_AXES, by axis
+    output logic [2:0][CHILDREN-1:0][CW-1:0] far_axis_o,
     output logic [CHILDREN-1:0][CW-1:0] near_o,
     output logic [CHILDREN-1:0][CW-1:0] far_o
 );
@@ -80,6 +82,8 @@ module node_boxes #(
   `DF_MAX(nearest, near_xy, near_z)
   `DF_MIN(far_xy, far_x, far_y)
   `DF_MIN(farthest, far_xy, far_z)
+  if (T_near != `NODE_T_AXES || T_far != `NODE_T_AXES) $error("node_boxes: NODE_T_AXES is another");
+  assign {far_axis_o, near_axis_o} = {far, near};
   if (T_nearest != `NODE_T_BOXES || T_farthest != `NODE_T_BOXES) $error("node_boxes: NODE_T_BOXES is another");
   assign near_o = nearest;
   assign far_o = farthest;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of a node's boxes a ray meets, and in what order they are visited: by near, or by far downwards; of a solid by
-// the larger one of near and -far, the gap of the boxes. Ties by number. Comparisons are of whole numbers, as words in
-// order: 28 of keys, 3 a child, of solids 4.
+// Which of a node's boxes a ray meets, and in what order they are visited: by near, or by far downwards. Ties by number.
+// Comparisons are of whole numbers, as words in order: 28 of keys, 3 a child.
 // Latency: 1 clock. Throughput: a node a clock. Stall: none, runs free.
 module node_order #(
     localparam int CHILDREN = hierarchy_pkg::CHILDREN
@@ -13,7 +12,6 @@ module node_order #(
     input logic [31:0] floor_i,  // T that counts: from here
     input logic [31:0] limit_i,  // to here
     input logic farthest_i,
-    input logic solid_i,  // near and far are gaps, limit_i the largest that counts, floor_i the same below zero
     // How many are met; their numbers in order; in that order halves of near or far. What is behind those that are met
     // is not looked at.
     output logic [4+CHILDREN*(3+16)-1:0] found_o
@@ -26,14 +24,12 @@ module node_order #(
   logic [CHILDREN-1:0][31:0] key, key_q;
   logic [CHILDREN-1:0][15:0] half_key, half_q;
   for (genvar i = 0; i < CHILDREN; i++) begin : child
-    logic [31:0] n, f, gap, comes;
+    logic [31:0] n, f;
     assign n = ordered(near_i[i]);
     assign f = ordered(far_i[i]);
-    assign meets[i] = kinds_i[i] != KIND_NONE && (n <= f || solid_i) && f >= ordered(floor_i) && n <= ordered(limit_i);
-    assign gap = far_i[i] ^ 32'h8000_0000;
-    assign comes = (solid_i && placed(near_i[i]) < placed(gap)) ? gap : near_i[i];
-    assign key[i] = (farthest_i ? ~f : ordered(comes)) | {32{!meets[i]}};
-    assign half_key[i] = half(farthest_i ? far_i[i] : comes, farthest_i);
+    assign meets[i] = kinds_i[i] != KIND_NONE && n <= f && f >= ordered(floor_i) && n <= ordered(limit_i);
+    assign key[i] = (farthest_i ? ~f : n) | {32{!meets[i]}};
+    assign half_key[i] = half(farthest_i ? far_i[i] : near_i[i], farthest_i);
   end
   always_ff @(posedge clk_i) {met_q, key_q, half_q} <= {meets, key, half_key};
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which children of a node a ray meets, and in what order they are visited (node_boxes.sv, node_order.sv).
+// Which children of a node a ray meets, and in what order they are visited (node_boxes.sv, node_order.sv). Of a solid
+// what node_gaps.sv says takes the place of near, and nothing is behind it.
 // Latency: NODE_T_UNIT clocks (hierarchy.svh). Throughput: a node a clock. Stall: none, runs free.
 `include "hierarchy.svh"
 module node_unit #(
@@ -9,6 +10,7 @@ module node_unit #(
     parameter int LAT_MUL = 1,
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
+    parameter int SOLIDS = 1,  // 0: there are rays alone
     localparam int CHILDREN = hierarchy_pkg::CHILDREN
 ) (
     input logic clk_i,
@@ -16,15 +18,14 @@ module node_unit #(
     input logic [31:0] floor_i,       // T that counts: from here
     input logic [31:0] limit_i,       // to here
     input logic farthest_i,
-    input logic solid_i,
+    input logic solid_i,  // limit_i is of keys that node_gaps.sv makes
     input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i,
     output hierarchy_pkg::group_t group_o
 );
   /*verilator inline_module*/
   import hierarchy_pkg::*;
-  localparam int T_BOXES = `NODE_T_BOXES;
-  localparam int T_MET = T_BOXES + 1;
-  if (`NODE_T_UNIT != T_MET + 1) $error("node_unit: NODE_T_UNIT is another");
+  localparam int T_UNIT = `NODE_T_UNIT(SOLIDS);
+  localparam int T_BOXES = T_UNIT - 2;
 
   // A group is what the node says, places and kinds, and what is found: how many children are met, order and keys.
   localparam int SAID = 2 * PLACE + 2 * CHILDREN;
@@ -63,28 +64,47 @@ module node_unit #(
     assign low = `CDE_VISIT($c64, "low");
     assign high = `CDE_VISIT($c64, "high");
     assign {unused, found} = {order, high, low};
-    align #(.W($bits(group_t)), .TO(`NODE_T_UNIT), .MEMORY(5)) align_group (.clk_i, .d_i({said, found}), .q_o(group_o));
+    align #(.W($bits(group_t)), .TO(T_UNIT), .MEMORY(5)) align_group (.clk_i, .d_i({said, found}), .q_o(group_o));
     `undef CDE_EIGHT
     `undef CDE_VISIT
   end
 `endif
   if (ARITH == "rtl") begin : g_gates
-    logic [CHILDREN-1:0][31:0] near, far;
+    logic [CHILDREN-1:0][31:0] near, far, near_late, far_late;
+    logic [2:0][CHILDREN-1:0][31:0] near_axis, far_axis;
+    logic is_solid;
     node_boxes #(
         .EXP(EXP), .MAN(MAN), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
     ) boxes (
-        .clk_i, .ray_i, .node_i, .near_o(near), .far_o(far));
+        .clk_i, .ray_i, .node_i, .near_axis_o(near_axis), .far_axis_o(far_axis), .near_o(near), .far_o(far));
+    if (SOLIDS != 0) begin : g_solids
+      localparam logic [31:0] INFINITE = 32'h7f80_0000;
+      logic [CHILDREN-1:0][31:0] key, near_then, far_then;
+      node_gaps #(
+          .EXP(EXP), .MAN(MAN), .LANES(CHILDREN), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
+          .ARITH(ARITH)
+      ) gaps (
+          .clk_i, .near_i(near_axis), .far_i(far_axis), .key_o(key));
+      align #(.W(2 * CHILDREN * 32), .FROM(`NODE_T_BOXES), .TO(T_BOXES)) align_near (
+          .clk_i, .d_i({near, far}), .q_o({near_then, far_then}));
+      assign near_late = is_solid ? key : near_then;
+      assign far_late = is_solid ? {CHILDREN{INFINITE}} : far_then;
+    end else begin : g_rays
+      assign {near_late, far_late} = {near, far};
+      logic unused_axes;
+      assign unused_axes = &{1'b0, near_axis, far_axis, is_solid};
+    end
     logic [SAID-1:0] said_boxes, said_late;
     logic [FOUND-1:0] found_q;
     logic [31:0] from, to;
-    logic down, is_solid;
+    logic down;
     align #(.W(SAID), .TO(T_BOXES)) align_said (.clk_i, .d_i(said), .q_o(said_boxes));
-    align #(.W(SAID), .FROM(T_BOXES), .TO(`NODE_T_UNIT)) align_late (.clk_i, .d_i(said_boxes), .q_o(said_late));
+    align #(.W(SAID), .FROM(T_BOXES), .TO(T_UNIT)) align_late (.clk_i, .d_i(said_boxes), .q_o(said_late));
     align #(.W(66), .TO(T_BOXES)) align_interval (
         .clk_i, .d_i({solid_i, farthest_i, limit_i, floor_i}), .q_o({is_solid, down, to, from}));
     node_order ordering (
-        .clk_i, .near_i(near), .far_i(far), .kinds_i(said_boxes[2*CHILDREN-1:0]), .floor_i(from), .limit_i(to),
-        .farthest_i(down), .solid_i(is_solid), .found_o(found));
+        .clk_i, .near_i(near_late), .far_i(far_late), .kinds_i(said_boxes[2*CHILDREN-1:0]), .floor_i(from),
+        .limit_i(to), .farthest_i(down), .found_o(found));
     always_ff @(posedge clk_i) found_q <= found;
     assign group_o = {said_late, found_q};
   end

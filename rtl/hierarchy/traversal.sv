@@ -188,7 +188,7 @@ module traversal #(
   for (genvar u = 0; u < UNITS; u++) begin : unit
     traversal_bank #(
         .CONTEXTS(CONTEXTS / UNITS), .CX(CX), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
-        .ARITH(ARITH)
+        .ARITH(ARITH), .SOLIDS(32'(SOLIDS != 0))
     ) bank (
         .clk_i, .rst_i, .nodes_i, .node_read_o(node_read_o[u]), .node_at_o(node_at_o[u]), .node_i(node_i[u]),
         .farthest_i(farthest_q), .solid_i(is_solid),
@@ -217,7 +217,7 @@ module traversal #(
   assign leaf_ready = leaf_from & {UNITS{fetch_ready_i}};
   logic [1:0] tested_now;
   logic [LANES-1:0] f, there;
-  logic [LANES-1:0][31:0] t, index;
+  logic [LANES-1:0][31:0] t, key, index;
   logic [POINTS-1:0][LANES-1:0][31:0] point;
   at_t keep_at_soon;
   logic unused_soon;
@@ -228,7 +228,7 @@ module traversal #(
   ) pairs (
       .clk_i, .rst_i, .pair_i, .valid_i(fetched_valid_i), .at_i(fetched_tag_i[TAG-1:1]), .two_i(fetched_tag_i[0]),
       .primary_i(rays[fetched_tag_i[TAG-1-:CX]]), .secondaries_i(fetched_i), .index_i, .tested_o(tested_now),
-      .soon_o(keep_at_soon), .valid_o(keep_valid), .at_o(keep_at), .f_o(f), .there_o(there), .t_o(t),
+      .soon_o(keep_at_soon), .valid_o(keep_valid), .at_o(keep_at), .f_o(f), .there_o(there), .t_o(t), .key_o(key),
       .point_o(point), .index_o(index));
 
   // ---- The better of what a ray had and what it found ----
@@ -245,13 +245,21 @@ module traversal #(
   // Of the gaps of solids the least one counts, whether they meet or not.
   logic [LANES-1:0] counts;
   assign counts = (is_solid && goal_i == GOAL_NEAREST) ? there : f;
+  logic improved;
+  logic [31:0] best_key;
   always_comb begin
     best = best_q;
+    improved = 1'b0;
+    best_key = '0;
     for (int l = 0; l < LANES; l++) begin
       best_t one;
       one = '{f: 1'b1, t: t[l], point: '0, index: index[l]};
       for (int k = 0; k < POINTS; k++) one.point[k] = point[k][l];
-      if (counts[l] && goal_i != GOAL_HITS && (!best.f || better(one.t, one.index, best.t, best.index))) best = one;
+      if (counts[l] && goal_i != GOAL_HITS && (!best.f || better(one.t, one.index, best.t, best.index))) begin
+        best = one;
+        improved = 1'b1;
+        best_key = key[l];
+      end
     end
   end
   always_ff @(posedge clk_i) best_q <= bests[keep_at_soon.context_];
@@ -263,18 +271,17 @@ module traversal #(
   end
   assign hit_point_o = point;
   assign hit_index_o = index;
-  // A hit leaves less of T that counts; the first of goal occluded ends the way. Of solids gaps up to a limit do, and
-  // what is kept from where is less than zero by as much (node_order.sv).
+  // A hit leaves less of T that counts; the first of goal occluded ends the way. Of solids keys up to that of the best
+  // gap do (node_gaps.sv), from anywhere.
   always_comb begin
     interval_write = {2{take}};
     interval_context = taken;
-    interval = !is_solid ? ray_i[7:6] : (goal_i == GOAL_NEAREST) ? {INFINITE, INFINITE | SIGN} : {32'd0, SIGN};
+    interval = !is_solid ? ray_i[7:6] : {(goal_i == GOAL_NEAREST) ? INFINITE : 32'd0, INFINITE | SIGN};
     tested = keep_at;
     if (keep_valid) begin
-      interval_write = {best.f && goal_i == GOAL_NEAREST, best.f && (is_solid ? goal_i == GOAL_NEAREST :
-          goal_i == GOAL_FARTHEST)};
+      interval_write = {improved && goal_i == GOAL_NEAREST, improved && goal_i == GOAL_FARTHEST};
       interval_context = keep_at.context_;
-      interval = {best.t, is_solid ? best.t ^ SIGN : best.t};
+      interval = {is_solid ? best_key : best.t, best.t};
       if (best.f && goal_i == GOAL_OCCLUDED) tested.level = '0;
     end
   end

@@ -12,6 +12,7 @@ module traversal_bank #(
     parameter int LAT_MUL = 1,
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
+    parameter int SOLIDS = 1,      // 0: there are rays alone
     localparam int CB = $clog2(CONTEXTS)
 ) (
     input logic clk_i,
@@ -83,7 +84,7 @@ module traversal_bank #(
   assign tested_in = tested_i;
 
   // ---- Nodes ----
-  localparam int T_UNIT = `NODE_T_UNIT;
+  localparam int T_UNIT = `NODE_T_UNIT(SOLIDS);
   at_t visit, visit_q, met_at;
   logic [PLACE-1:0] visit_node_q;
   logic visit_valid, visit_valid_q, group_valid;
@@ -106,7 +107,7 @@ module traversal_bank #(
   end
   assign visits_o = visit_valid_q;
   node_unit #(
-      .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+      .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH), .SOLIDS(SOLIDS)
   ) unit (
       .clk_i, .ray_i(front_q), .floor_i(interval_q[0]), .limit_i(interval_q[1]), .farthest_i, .solid_i,
       .node_i, .group_o(group));

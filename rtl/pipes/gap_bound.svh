@@ -17,5 +17,6 @@
   `DF_VECTOR LOW, HIGH; \
   shape_hull #(`DF_SAME, .SHAPE(OF)) hull_``LOW (.clk_i, .a_i(WORDS), .low_o(LOW), .high_o(HIGH));
 // Of gap_bound.sv.
-`define GAP_T_BOUND(SHAPE) (`DF_MAX2(3 * LAT_CMP + LAT_ADD, `SOLID_T_HALF(SHAPE)) + 2 * LAT_CMP + LAT_MUL + 2 * LAT_ADD)
+`define GAP_T_BOUND(SHAPE) (`DF_MAX2(3 * LAT_CMP + LAT_ADD, `SOLID_T_HALF(SHAPE)) + LAT_CMP + LAT_MUL + 2 * LAT_ADD + \
+  `DF_MAX3(LAT_CMP, 2 * LAT_ADD + LAT_SQRT, 2 * LAT_CMP - LAT_MUL))
 `endif

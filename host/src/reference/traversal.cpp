@@ -141,11 +141,10 @@ class Traversal::Walk {
  private:
   static constexpr bool kSolid = !std::is_same_v<P, Ray>;
 
-  /// Of solids: the largest gap that still counts, and less than zero by as much, as the card has
-  /// it.
-  void limit(float gap) {
-    tmax_ = gap;
-    tmin_ = -gap;
+  /// Of solids: the largest key that still counts (gap_key()), from anywhere.
+  void limit(float key) {
+    tmax_ = key;
+    tmin_ = -kInfinite;
   }
 
   /// Whether nothing behind a child with this key counts any more.
@@ -162,10 +161,10 @@ class Traversal::Walk {
     // The last comes first, and of two that are the same the one with the lower number.
     for (unsigned i = Node::kChildren; i-- > 0;) {
       if (node.child(i) == Child::kNone) continue;
-      const Stretch<float> s = stretch(front, front_, node, i);
-      if ((!kSolid && s.near > s.far) || s.far < tmin_ || s.near > tmax_) continue;
-      const float comes = kSolid ? max_num(s.near, -s.far) : s.near;
-      group.entries[group.count++] = {down ? s.far : comes, node.place(i), node.child(i)};
+      const AxisStretch<float> axes = axis_stretch(front, front_, node, i);
+      const Stretch<float> s = kSolid ? Stretch<float>{gap_key(axes), kInfinite} : stretch(axes);
+      if (s.near > s.far || s.far < tmin_ || s.near > tmax_) continue;
+      group.entries[group.count++] = {down ? s.far : s.near, node.place(i), node.child(i)};
     }
     if (group.count == 0) return;
     std::stable_sort(group.entries.begin(), group.entries.begin() + group.count,
@@ -195,7 +194,8 @@ class Traversal::Walk {
     } else if (better(record, records_[0])) {
       records_[0] = record;
     }
-    if (goal_ == Goal::kNearest && kSolid) limit(gap<P>(records_[0]));
+    if (goal_ == Goal::kNearest && kSolid)
+      limit(gap_key<float>(records_[0].f, gap<P>(records_[0])));
     if (goal_ == Goal::kNearest && !kSolid) tmax_ = records_[0].t;
     if (goal_ == Goal::kFarthest) tmin_ = records_[0].t;
     over_ = over_ || goal_ == Goal::kOccluded;

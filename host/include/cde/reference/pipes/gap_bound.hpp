@@ -6,26 +6,29 @@
 /// The box rule of a triangle and a solid, or two triangles (BOX = 1): their signed gap is not
 /// below that of their boxes.
 ///
-/// Two boxes are apart by the largest gap of an axis at least, and where that is below zero, moving
-/// one of them by so much along that axis parts them: so the largest gap of an axis is a lower
-/// bound of the signed gap, of distance and penetration alike. A pipe's s is off by roundings, or
-/// by more where a triangle has no area; the rule gives
+/// Two boxes that are apart have a distance, the norm of their gaps of axes where these are above
+/// zero; and where none is, moving one of them by the largest gap along its axis parts them. So
+/// that is a lower bound of the signed gap, of distance and penetration alike. A pipe's s is off by
+/// roundings, or by more where a triangle has no area; the rule gives
 ///
-///     s' = max(s, g - m)    g = max over axes of max(b - c, c - B) - e
+///     s' = max(s, g - m)    g_k = max(b - c, c - B) - e, by axis
+///                           g = |max(g_k, 0)| if any is above zero, else the largest g_k
 ///                           m = 128 u max over axes of (max(|b - c|, |c - B|) + e)
 ///
 /// with [b, B] the triangle's box, c the solid's centre and e half the size of its box. m is far
 /// above what the pipes' roundings are: s' is s unless s is wrong. It is the pair's own, so that it
 /// is the same in a sweep and through a hierarchy. A second triangle has a box [a, A] in place of
-/// c, so that g = max(b - A, a - B) and m counts |b - A| and |a - B|, and e is 0.
+/// c, so that g_k = max(b - A, a - B) and m counts |b - A| and |a - B|, and e is 0.
 ///
-/// A hierarchy may leave out a box whose bound is above the best gap: g as its nodes compute it
-/// (ray_node.hpp, with 1 / d = 1 and o +- M the corners of the solid's box, widened by M) is off by
-/// less than 10 u (R + e) + 2 u W, R the largest distance along an axis from c to the root's box, W
-/// the largest |coordinate| of that; here roundings take less than 4 u (R + e), and m is 128 u
-/// (R + e) at most. M = 256 u (R + e) + 16 u W is more than all of it together: near of a node is
-/// below s' of every triangle in it, as computed. Of a triangle R is the largest distance along an
-/// axis from an end of its box to the other end of the root's.
+/// A hierarchy may leave out a box whose bound is above the best gap: g_k as its nodes compute them
+/// (ray_node.hpp, with 1 / d = 1 and o +- M the corners of the solid's box, widened by M) are off
+/// by less than 10 u (R + e) + 2 u W, R the largest distance along an axis from c to the root's
+/// box, W the largest |coordinate| of that; here roundings take less than 14 u (R + e), and m is
+/// 128 u (R + e) at most. M = 256 u (R + e) + 16 u W is taken off each g_k, and what is taken off
+/// all of them is taken off their norm: nodes are below g - m by 100 u (R + e) and more. They
+/// compare squares (gap_key()), whose roundings are 5 u of a square, 3 u of a gap of 2 (R + e) at
+/// most. Of a triangle R is the largest distance along an axis from an end of its box to the other
+/// end of the root's.
 namespace cde::reference {
 
 /// Margin over u.
@@ -78,7 +81,22 @@ template <typename S>
   return hull;
 }
 
-/// g - m: 1 mul, 3 add, 10 sub, 10 max, and what half_size() and hull_of() take.
+/// What gaps of axes say of the gap: its square where it is above zero, else itself. 3 mul, 2 add,
+/// 1 cmp, 5 max.
+template <typename S>
+struct AxisGaps {
+  Mask<S> apart;
+  S square, widest;
+};
+template <typename S>
+[[nodiscard]] AxisGaps<S> axis_gaps(const Vector<S>& gap) {
+  const S zero(0);
+  const Vector<S> way(max_num(gap[0], zero), max_num(gap[1], zero), max_num(gap[2], zero));
+  const S widest = max_num(max_num(gap[0], gap[1]), gap[2]);
+  return {zero < widest, dot<S>(way, way), widest};
+}
+
+/// g - m: 4 mul, 5 add, 10 sub, 1 sqrt, 1 cmp, 13 max, and what half_size() and hull_of() take.
 template <typename S, class Solid>
 [[nodiscard]] S gap_bound(const BasicTriangle<S>& triangle, const Solid& solid) {
   const Vector<S> half = half_size(solid);
@@ -90,7 +108,8 @@ template <typename S, class Solid>
     size[k] = max_num(magnitude(below), magnitude(above)) + half[k];
   }
   const S margin = max_num(max_num(size[0], size[1]), size[2]) * S(kBoundMargin * kUnitRoundoff<S>);
-  return max_num(max_num(gap[0], gap[1]), gap[2]) - margin;
+  const AxisGaps<S> all = axis_gaps<S>(gap);
+  return select(all.apart, square_root(all.square), all.widest) - margin;
 }
 
 /// A pipe's answer with a gap that is the bound where it is less: 1 cmp, 1 max.

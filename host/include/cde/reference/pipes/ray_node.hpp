@@ -39,8 +39,8 @@
 /// that, and for underflows, since no radius is below 2^-34.
 ///
 /// A solid takes the same way with 1 / d = 1 and the corners of its own box as o +- M, widened by M
-/// too: near and far are gaps of axes, and the larger one of near and -far is a bound of the signed
-/// gap of all in the box (gap_bound.hpp).
+/// too: near and -far of an axis are gaps, and gap_key() of the larger ones is what the signed gap
+/// of all in the box is compared with (gap_bound.hpp).
 namespace cde::reference {
 
 /// What a card knows of its hierarchy's root.
@@ -142,18 +142,44 @@ struct Stretch {
   S near, far;
 };
 
-/// Of one child: 6 mul, 6 add, 4 min/max.
+/// The same, by axis.
 template <typename S>
-[[nodiscard]] Stretch<S> stretch(const NodeFront<S>& front, const RayFront<S>& ray,
-                                 const hierarchy::Node& node, unsigned child) {
-  S near[3], far[3];
+struct AxisStretch {
+  Vector<S> near, far;
+};
+/// Of one child: 6 mul, 6 add.
+template <typename S>
+[[nodiscard]] AxisStretch<S> axis_stretch(const NodeFront<S>& front, const RayFront<S>& ray,
+                                          const hierarchy::Node& node, unsigned child) {
+  AxisStretch<S> axes;
   for (int k = 0; k < 3; ++k) {
     const S lower(static_cast<float>(node.lower(child, k))),
         upper(static_cast<float>(node.upper(child, k)));
-    near[k] = front.near[k] + select(ray.negative[k], upper, lower) * front.unit[k];
-    far[k] = front.far[k] + select(ray.negative[k], lower, upper) * front.unit[k];
+    axes.near[k] = front.near[k] + select(ray.negative[k], upper, lower) * front.unit[k];
+    axes.far[k] = front.far[k] + select(ray.negative[k], lower, upper) * front.unit[k];
   }
-  return {max_num(max_num(near[0], near[1]), near[2]), min_num(min_num(far[0], far[1]), far[2])};
+  return axes;
+}
+
+/// 4 min/max.
+template <typename S>
+[[nodiscard]] Stretch<S> stretch(const AxisStretch<S>& axes) {
+  return {max_num(max_num(axes.near[0], axes.near[1]), axes.near[2]),
+          min_num(min_num(axes.far[0], axes.far[1]), axes.far[2])};
+}
+
+/// What a box is left out by, of a solid: 3 mul, 2 add, 1 cmp, 8 max.
+template <typename S>
+[[nodiscard]] S gap_key(const AxisStretch<S>& axes) {
+  Vector<S> gap;
+  for (int k = 0; k < 3; ++k) gap[k] = max_num(axes.near[k], -axes.far[k]);
+  const AxisGaps<S> all = axis_gaps<S>(gap);
+  return select(all.apart, all.square, all.widest);
+}
+/// The same of a gap that was found, whether the two meet or not. 1 mul.
+template <typename S>
+[[nodiscard]] S gap_key(const Mask<S>& meets, S gap) {
+  return select(meets, gap, gap * gap);
 }
 
 }  // namespace cde::reference
