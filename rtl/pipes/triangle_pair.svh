@@ -29,8 +29,8 @@
   `DF_DOT(R``_on1, R``_p1, N) `DF_DOT(R``_on2, R``_p2, N) `DF_NEG(R``_minus1, R``_on1) `DF_NEG(R``_minus2, R``_on2) \
   `DF_WHICH3(R``_of, R``_zero, R``_minus1, R``_minus2) `DF_LEAST_ROW(R, R``_of, P)
 // Of projections P_low .. P_high and Q_low .. Q_high: the gaps from P to Q, above, and from Q to P, below; and the sign
-// of the larger one, where it is noise that of the leading component of the normal N.
-`define DF_GAPS(R, P, Q, N, TIE) `DF_SUB(R``_above, Q``_low, P``_high) `DF_SUB(R``_below, P``_low, Q``_high) \
+// of the larger one, where that is noise ONE's.
+`define DF_GAPS(R, P, Q, ONE, TIE) `DF_SUB(R``_above, Q``_low, P``_high) `DF_SUB(R``_below, P``_low, Q``_high) \
   `DF_ADD(R``_q, Q``_low, Q``_high) `DF_ADD(R``_p, P``_low, P``_high) `DF_SUB(R``_h, R``_q, R``_p) \
-  `DF_LEADING(R``_leading, N) `DF_LEAD(R``_lead, R``_leading, N) `DF_SIDE_OF(R``_side, R``_h, TIE, R``_lead)
+  `DF_SIDE_OF(R``_side, R``_h, TIE, ONE)
 `endif

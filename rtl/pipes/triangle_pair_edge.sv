@@ -2,10 +2,10 @@
 // Facet of edge I of triangle A, from p along e, and edge J of triangle B, from q along f. A's first vertex is 0.
 // The normal is e x f without f's part along e, perpendicular to both edges whatever their angle. It is on the side
 // where A is behind its edge and B before its own, by the third vertices; where both are in one plane, on that with the
-// larger gap, ties the side where the leading component is positive. gap = -inf where there is no normal. Nearest
+// larger gap, ties the one that e x f is on. gap = -inf where there is no normal. Nearest
 // points: solve t across e, then s on A's edge, then t again for that s. Where neither is at an end v is along the
 // normal; else v ends on the edge f_o, and inverse_ff_o is 1 / f.f of it, or 0 if on none.
-// 53 add, 67 mul, 1 div, 1 sqrt, 9 compare, 14 min/max; 47 add with I = 0.
+// 53 add, 67 mul, 1 div, 1 sqrt, 7 compare, 14 min/max; 47 add with I = 0.
 // Latency: LATENCY_TRIANGLE_PAIR_EDGE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
 `include "triangle_pair.svh"
 module triangle_pair_edge #(
@@ -67,7 +67,7 @@ module triangle_pair_edge #(
   `DF_APPLY(on_b, q, n)
   `DF_SPAN(a_low, a_high, on_a)
   `DF_SPAN(b_low, b_high, on_b)
-  `DF_GAPS(gaps, a, b, n, tie)
+  `DF_GAPS(gaps, a, b, one, tie)
   `DF_PICK(on_a_edge, on_a, I)
   `DF_PICK(on_a_third, on_a, K)
   `DF_PICK(on_b_edge, on_b, J)
