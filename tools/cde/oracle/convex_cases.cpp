@@ -72,19 +72,30 @@ struct Draft {
   [[nodiscard]] bool both_flat() const {
     return kind_a == ShapeKind::kTriangle && kind_b == ShapeKind::kTriangle;
   }
-  /// Two triangles that approach by a vertex slip past each other more often than they meet: a
-  /// point of A a little inside of an edge, and a point of an edge of B there.
+  /// Two triangles that approach by a vertex slip past each other more often than they meet: an
+  /// edge of B goes through A a little inside of an edge, and the rest of B beyond that edge.
   void cross() {
-    const auto on_edge = [this](const Triangle& t, double inwards) {
+    struct OnEdge {
+      Vec at, edge, inwards;
+    };
+    const auto on_edge = [this](const Triangle& t) {
       const std::array<Vec, 3> v = {t.v0, t.v1, t.v2};
       const int k = random.below(3);
-      const Vec& third = v[(k + 2) % 3];
-      const Vec at = v[k] + random.unit() * (v[(k + 1) % 3] - v[k]);
-      return Vec(at + inwards * (third - at));
+      const Vec edge = v[(k + 1) % 3] - v[k], at = v[k] + random.unit() * edge;
+      return OnEdge{at, edge, v[(k + 2) % 3] - at};
     };
-    const double inwards = std::abs(small_offset(random, format));
-    const Vec on_a = on_edge(std::get<Triangle>(a), inwards);
-    b = moved(b, on_a - on_edge(std::get<Triangle>(b), 0));
+    const OnEdge of_a = on_edge(std::get<Triangle>(a));
+    OnEdge of_b = on_edge(std::get<Triangle>(b));
+    const double depth = std::abs(small_offset(random, format));
+    // The part of B in the plane of A goes this way from its edge.
+    const Vec up = of_a.edge.cross(of_a.inwards);
+    const Vec along = up.dot(of_b.edge) * of_b.inwards - up.dot(of_b.inwards) * of_b.edge;
+    if (up.cross(of_a.edge).dot(along) * up.dot(of_b.edge) > 0) {
+      const auto t = std::get<Triangle>(b);
+      b = Triangle{-t.v0, -t.v1, -t.v2};
+      of_b.at = -of_b.at;
+    }
+    b = moved(b, of_a.at + depth * of_a.inwards - of_b.at);
   }
   void beside(double least, double most) {
     const double length = random.uniform(least, most) * size();
