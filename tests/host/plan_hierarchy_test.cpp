@@ -146,19 +146,22 @@ TEST(PlanHierarchy, OfSolids) {
     const Plan off = of("[card]\nhierarchy = \"off\"\n" + ground(60) + solids(shape));
     EXPECT_TRUE(off.board.box) << "the same records, whichever way";
     EXPECT_EQ(off.board.node_units, 0u);
-    // Nearest of what is far from all: a bound of axes leaves out little.
+    // What meets most of the ground is swept, and nearest of what is far from it is not.
     if (shape == std::string("sphere")) {
-      const Plan far = of(ground(60) + solids(shape));
-      EXPECT_FALSE(hierarchy(far).used);
-      EXPECT_EQ(hierarchy(far).why, "sweeps take less");
-      EXPECT_GT(*far.queries[0].hierarchy_clocks, far.queries[0].rows);
-      // Beside it what touches is quickly found.
-      const Plan both = of(ground(60) + solids(shape) +
-                           "[[query]]\nname = \"hits\"\npair = \"triangle-sphere\"\nprimaries = "
-                           "\"things\"\nsecondaries = \"ground\"\nmode = \"hits\"\n");
+      const std::string giants =
+          "[[object]]\nname = \"giants\"\nrandom = { shape = \"sphere\", count = 200, min = [0, 0, "
+          "0], "
+          "max = [400, 400, 300], size = [900, 1000], seed = 3 }\n"
+          "[[query]]\nname = \"hits\"\npair = \"triangle-sphere\"\nprimaries = \"giants\"\n"
+          "secondaries = \"ground\"\nmode = \"hits\"\n";
+      const Plan large = of(ground(60) + giants);
+      EXPECT_FALSE(hierarchy(large).used);
+      EXPECT_EQ(hierarchy(large).why, "sweeps take less");
+      EXPECT_GT(*large.queries[0].hierarchy_clocks, large.queries[0].rows);
+      const Plan both = of(ground(60) + giants + solids(shape));
       EXPECT_FALSE(both.queries[0].hierarchy);
       EXPECT_TRUE(both.queries[1].hierarchy);
-      EXPECT_EQ(hierarchy(both).why.find("primaries of hits go through"), 0u);
+      EXPECT_EQ(hierarchy(both).why.find("primaries of touch go through"), 0u);
     }
     const auto swept = [&](const std::string& card, const std::string& more, const char* why) {
       const Plan none = of(card + ground(60) + solids(shape, more));
@@ -169,6 +172,34 @@ TEST(PlanHierarchy, OfSolids) {
     swept("[card]\nbox = false\n", "", "the box rule");
     swept("[card]\nverdicts = \"fp16\"\n", "", "narrow lanes");
   }
+}
+
+/// A mesh against a mesh, and spheres that fly about among each other, whose tree is built anew.
+TEST(PlanHierarchy, OfMeshesAndOfSpheres) {
+  const Plan meshes =
+      of(ground(60) +
+         "[[object]]\nname = \"other\"\nmesh = \"terrain:10,10,5\"\n"
+         "[[query]]\nname = \"meet\"\npair = \"triangle-triangle\"\nprimaries = \"other\"\n"
+         "secondaries = \"ground\"\nmode = \"hits\"\n");
+  EXPECT_TRUE(hierarchy(meshes).used) << hierarchy(meshes).why;
+  EXPECT_TRUE(meshes.board.box);
+  const auto cloud = [](const char* count, const char* primaries) {
+    return of(
+        std::string("[[object]]\nname = \"cloud\"\nrandom = { shape = \"sphere\", count = ") +
+        count + ", min = [0, 0, 0], max = [9, 9, 9], size = [0.1, 0.2], seed = 3 }\n" +
+        "motion = { kind = \"random\", speed = 1, min = [0, 0, 0], max = [9, 9, 9], each = true }\n"
+        "[[object]]\nname = \"probes\"\nrandom = { shape = \"sphere\", count = 900, min = [0, "
+        "0, 0], max = [9, 9, 9], size = [0.1, 0.2], seed = 4 }\n"
+        "[[query]]\nname = \"near\"\npair = \"sphere-sphere\"\nprimaries = \"" +
+        primaries + "\"\nsecondaries = \"cloud\"\n");
+  };
+  const Plan spheres = cloud("4000", "probes");
+  EXPECT_TRUE(hierarchy(spheres).used) << hierarchy(spheres).why << hierarchy(spheres).cost;
+  EXPECT_FALSE(spheres.board.box) << "no pair has it";
+  EXPECT_NE(hierarchy(spheres).cost.find("of them for boxes of what moves"), std::string::npos);
+  EXPECT_EQ(hierarchy(cloud("200", "probes")).why,
+            "a tree wins from about 256 spheres on, there are 200");
+  EXPECT_NE(hierarchy(cloud("4000", "cloud")).why.find("no shape meets itself"), std::string::npos);
 }
 
 /// Many things that move among each other leave little of a tree that stays.
