@@ -12,9 +12,11 @@
 #include "GapBoundObbGates.h"
 #include "GapBoundSphere.h"
 #include "GapBoundSphereGates.h"
+#include "GapBoundTriangle.h"
 #include "SolidFrontObb.h"
 #include "SolidFrontObbGates.h"
 #include "SolidFrontSphere.h"
+#include "SolidFrontTriangle.h"
 #include "cde/reference/pipes/ray_node.hpp"
 #include "clocked.hpp"
 #include "hard_solids.hpp"
@@ -34,8 +36,10 @@ Solid draw(Solids& solids, std::size_t i) {
   const auto kind = static_cast<unsigned>(i % Solids::kKinds);
   if constexpr (std::is_same_v<Solid, Sphere>)
     return solids.sphere(kind);
-  else
+  else if constexpr (std::is_same_v<Solid, Obb>)
     return solids.obb(kind);
+  else
+    return solids.triangle(kind);
 }
 
 template <class Module, class Solid>
@@ -63,6 +67,7 @@ TEST(GapBound, IsThatOfTheReference) {
   expect_bounds<GapBoundObb, Obb>(200);
   expect_bounds<GapBoundSphereGates, Sphere>(50);
   expect_bounds<GapBoundObbGates, Obb>(50);
+  expect_bounds<GapBoundTriangle, Triangle>(50);
 }
 
 template <class Module>
@@ -141,6 +146,7 @@ TEST(SolidFront, IsThatOfTheReference) {
   expect_fronts<SolidFrontSphere, Sphere>();
   expect_fronts<SolidFrontObb, Obb>();
   expect_fronts<SolidFrontObbGates, Obb>();
+  expect_fronts<SolidFrontTriangle, Triangle>();
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "NodeBoxes.h"
 #include "RayFrontLong.h"
 #include "RayFrontShort.h"
+#include "RayFrontSpheres.h"
 #include "cde/hierarchy/hierarchy.hpp"
 #include "cde/reference/pipes/ray_node.hpp"
 #include "clocked.hpp"
@@ -76,10 +77,11 @@ std::array<std::uint32_t, 9> words(const RayFront<float>& front) {
 }
 
 template <class Module>
-void test_rays(unsigned latency) {
+void test_rays(unsigned latency, Shape leaf = Shape::kTriangle) {
   Clocked<Module> module;
   Draw draw;
   std::deque<std::array<std::uint32_t, 9>> expected;
+  unsigned infinite = 0;
   for (int clock = 0; clock < 20'000; ++clock) {
     const RootBounds<float> root = draw.root();
     const Vector3f o = draw.vector(-10, 38), d = draw.direction();
@@ -91,18 +93,23 @@ void test_rays(unsigned latency) {
       module->root_i[3 + k] = word(root.upper[axis]);
     }
     module->root_i[6] = word(root.margin);
-    expected.push_back(words(reference::ray_front<float>(o, d, root)));
+    expected.push_back(words(reference::ray_front<float>(o, d, root, leaf)));
+    infinite += std::isinf(std::bit_cast<float>(expected.back()[0]));
     module.clock();
     if (expected.size() < latency) continue;
     for (unsigned i = 0; i < 9; ++i)
       ASSERT_EQ(module->r_o[i], expected.front()[i]) << clock << ", word " << i;
     expected.pop_front();
   }
+  // Of rays that meet spheres some are of sizes that are not known.
+  EXPECT_EQ(infinite > 100, leaf == Shape::kSphere);
+  EXPECT_LT(infinite, 10'000u);
 }
 
 TEST(RayFront, IsThatOfTheReference) {
   test_rays<RayFrontShort>(7);                     // all operators one clock
   test_rays<RayFrontLong>(4 + 3 * 2 + 3 + 4 + 4);  // 4 add, 3 mul, 2 compare, 12 div
+  test_rays<RayFrontSpheres>(9, Shape::kSphere);   // 3 mul
 }
 
 TEST(NodeBoxes, AreThoseOfTheReference) {

@@ -32,7 +32,7 @@ std::vector<std::uint32_t> group_of(Clocked<Module>& module, const Visit& visit)
   module->limit_i = visit.limit;
   module->farthest_i = visit.farthest;
   module->solid_i = visit.solid;
-  for (unsigned clock = 0; clock < 8; ++clock) module.clock();
+  for (unsigned clock = 0; clock < 12; ++clock) module.clock();
   const auto bits = [&](unsigned from, unsigned count) {
     const unsigned word = from / 32;
     const std::uint64_t two =
