@@ -4,15 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
-#include "cde/reference/pass.hpp"
-#include "cde/reference/pipes/ray_node.hpp"
 #include "cde/reference/traversal.hpp"
 #include "cde/support/error.hpp"
 #include "hard_spheres.hpp"
+#include "through_and_swept.hpp"
 
 namespace cde::testing {
 namespace {
@@ -21,69 +19,15 @@ using namespace hard;
 
 constexpr unsigned kSeed = 7;
 
-bool full() {
-  return std::getenv("CDE_FULL") != nullptr;
-}
-
-/// What all spheres give, by ascending primary, then index.
-template <class P>
-std::vector<Record> swept(const Cloud& cloud, const std::vector<P>& primaries, Mode mode) {
-  constexpr Pair kPair = std::is_same_v<P, Ray> ? Pair::kRaySphere : Pair::kSphereSphere;
-  std::vector<Record> all;
-  const Shapes secondaries = cloud;
-  for (std::size_t first = 0; first < primaries.size(); first += 256) {
-    const std::size_t n = std::min<std::size_t>(256, primaries.size() - first);
-    std::vector<std::uint32_t> numbers;
-    for (std::size_t i = 0; i < n; ++i) numbers.push_back(static_cast<std::uint32_t>(first + i));
-    reference::Pass pass({.pair = kPair, .mode = mode},
-                         std::vector<P>(primaries.begin() + static_cast<long>(first),
-                                        primaries.begin() + static_cast<long>(first + n)),
-                         numbers, secondaries);
-    std::vector<Record> some;
-    for (auto next = pass.next(); !next.empty(); next = pass.next()) {
-      some.insert(some.end(), next.begin(), next.end());
-      if (mode != Mode::kHits) break;  // one a primary, of all secondaries
-    }
-    std::stable_sort(some.begin(), some.end(), [](const Record& a, const Record& b) {
-      return a.primary != b.primary ? a.primary < b.primary : a.index < b.index;
-    });
-    all.insert(all.end(), some.begin(), some.end());
-  }
-  return all;
-}
+constexpr Mode kRayModes[] = {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kHits};
+constexpr Mode kModes[] = {Mode::kNearest, Mode::kAny, Mode::kHits};
 
 template <class P>
-void expect_all_records(const Cloud& cloud, const std::vector<P>& primaries,
-                        std::initializer_list<Mode> modes, std::size_t least_hits) {
-  std::size_t hits = 0;
-  for (const Mode mode : modes) {
-    const std::vector<Record> all = swept(cloud, primaries, mode);
-    for (const unsigned leaf : {1u, 2u}) {
-      const Hierarchy tree = Hierarchy::build(cloud, {.leaf = leaf});
-      reference::Traversal walk(cloud, tree);
-      std::vector<Record> own;
-      for (std::uint32_t i = 0; i < primaries.size(); ++i) {
-        const std::vector<Record> some = walk.trace(primaries[i], i, mode);
-        own.insert(own.end(), some.begin(), some.end());
-        if (mode == Mode::kAny) {
-          EXPECT_EQ(walk.occluded(primaries[i]), some[0].f);
-        }
-      }
-      ASSERT_EQ(own.size(), all.size()) << name_of(mode);
-      std::size_t different = 0;
-      for (std::size_t i = 0; i < own.size(); ++i) {
-        hits += own[i].f;
-        if (same_bits(own[i], all[i])) continue;
-        if (different++ < 3)
-          ADD_FAILURE() << name_of(mode) << ", " << text(primaries[all[i].primary]) << ", number "
-                        << all[i].primary << ": T " << own[i].t << " of " << own[i].index
-                        << ", should be " << all[i].t << " of " << all[i].index;
-      }
-      EXPECT_EQ(different, 0u);
-    }
-  }
-  fmt::print("seed {}, {} primaries, {} records that meet\n", kSeed, primaries.size(), hits);
-  EXPECT_GT(hits, least_hits);
+void expect_all(const Cloud& cloud, const std::vector<P>& primaries, std::size_t least) {
+  fmt::print("seed {}: ", kSeed);
+  const std::span<const Mode> modes =
+      std::is_same_v<P, Ray> ? std::span<const Mode>(kRayModes) : std::span<const Mode>(kModes);
+  expect_all_records(cloud, primaries, modes, least, [](const P& p) { return text(p); });
 }
 
 class EveryCloud : public ::testing::TestWithParam<Case> {};
@@ -97,8 +41,7 @@ TEST_P(EveryCloud, RayIsThatOfAllSpheres) {
   std::vector<Ray> rays;
   for (unsigned i = 0; i < (full() ? 125'000u : 3000u); ++i)
     rays.push_back(draw(i % CloudRays::kKinds));
-  expect_all_records(cloud, rays, {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kHits},
-                     rays.size());
+  expect_all(cloud, rays, rays.size());
 }
 TEST_P(EveryCloud, SphereIsThatOfAllSpheres) {
   const Cloud cloud = cloud_of(GetParam().make());
@@ -106,7 +49,7 @@ TEST_P(EveryCloud, SphereIsThatOfAllSpheres) {
   std::vector<Sphere> spheres;
   for (unsigned i = 0; i < (full() ? 25'000u : 2000u); ++i)
     spheres.push_back(draw(i % CloudSpheres::kKinds));
-  expect_all_records(cloud, spheres, {Mode::kNearest, Mode::kAny, Mode::kHits}, spheres.size());
+  expect_all(cloud, spheres, spheres.size());
 }
 
 /// Where squares of T are no normal numbers a hit can be anywhere: such rays meet all boxes.
@@ -117,7 +60,7 @@ TEST(HierarchyOfSpheres, RaysOfAnyLength) {
     CloudRays draw(cloud, kSeed);
     std::vector<Ray> rays;
     for (unsigned i = 0; i < 1000; ++i) rays.push_back(draw(7));
-    expect_all_records(cloud, rays, {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kHits}, 0);
+    expect_all(cloud, rays, 0);
   }
 }
 
