@@ -130,7 +130,7 @@ TEST(NodeBoxes, AreThoseOfTheReference) {
     std::copy(e.node.words.begin(), e.node.words.end(), &module->node_i[0]);
     const auto front = reference::node_front(ray, e.node);
     for (unsigned i = 0; i < 8; ++i) {
-      const auto s = reference::stretch(front, ray, e.node, i);
+      const auto s = reference::stretch(reference::axis_stretch(front, ray, e.node, i));
       e.near[i] = word(s.near), e.far[i] = word(s.far);
     }
     expected.push_back(e);
