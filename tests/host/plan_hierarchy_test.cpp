@@ -146,7 +146,7 @@ TEST(PlanHierarchy, OfSolids) {
     const Plan off = of("[card]\nhierarchy = \"off\"\n" + ground(60) + solids(shape));
     EXPECT_TRUE(off.board.box) << "the same records, whichever way";
     EXPECT_EQ(off.board.node_units, 0u);
-    // What meets most of the ground is swept, and nearest of what is far from it is not.
+    // What meets most of the ground is swept, and beside it what meets little is not.
     if (shape == std::string("sphere")) {
       const std::string giants =
           "[[object]]\nname = \"giants\"\nrandom = { shape = \"sphere\", count = 200, min = [0, 0, "
@@ -158,7 +158,7 @@ TEST(PlanHierarchy, OfSolids) {
       EXPECT_FALSE(hierarchy(large).used);
       EXPECT_EQ(hierarchy(large).why, "sweeps take less");
       EXPECT_GT(*large.queries[0].hierarchy_clocks, large.queries[0].rows);
-      const Plan both = of(ground(60) + giants + solids(shape));
+      const Plan both = of(ground(60) + giants + solids(shape, "mode = \"hits\"\n"));
       EXPECT_FALSE(both.queries[0].hierarchy);
       EXPECT_TRUE(both.queries[1].hierarchy);
       EXPECT_EQ(hierarchy(both).why.find("primaries of touch go through"), 0u);
