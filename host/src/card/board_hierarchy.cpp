@@ -254,6 +254,8 @@ std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
     return "it is of rays, triangles, and with swap of spheres and OBBs, that meet triangles, and "
            "of "
            "rays and spheres that meet spheres";
+  if (way->secondary != secondary_shape)
+    return fmt::format("the hierarchy is over {}s", name(secondary_shape));
   if (has_verdicts(pair) && verdicts) return "narrow lanes that prove misses sweep";
   if (has_box_rule(pair) && !box) return "the card has no box rule";
   if (is_solid(pair) && q.mode == Mode::kFarthest)
