@@ -87,7 +87,9 @@ inline BoardConfig spheres_config() {
 inline BoardConfig spheres_gates_config() {
   return {.lanes = 1,
           .arithmetic = Arithmetic::kRtl,
-          .pairs = {Pair::kRaySphere, Pair::kSphereSphere},
+          .pairs = {Pair::kRaySphere, Pair::kSphereSphere, Pair::kTriangleSphere},
+          .box = true,
+          .swap = true,
           .node_units = 1,
           .nodes = 1024,
           .latency_add = 2,

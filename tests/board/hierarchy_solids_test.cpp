@@ -97,7 +97,7 @@ void expect_all(Board& board, std::size_t count) {
 
 const Card kSolids{"solids", solids_config};
 const Card kSolidsDdr{"solids_ddr", solids_config, {.memory = Memory::kCycle}};
-const Card kMeshes{"meshes", meshes_config};
+const Card kMeshes{"meshes", meshes_config}, kSpheresGates{"gates", spheres_gates_config};
 
 class HierarchySolids : public ::testing::TestWithParam<Card> {
  protected:
@@ -107,14 +107,15 @@ class HierarchySolids : public ::testing::TestWithParam<Card> {
   }
 };
 INSTANTIATE_TEST_SUITE_P(Cards, HierarchySolids,
-                         ::testing::Values(kSolids, kSolidsDdr, kSlow, kLate, kMeshes),
+                         ::testing::Values(kSolids, kSolidsDdr, kSlow, kLate, kMeshes,
+                                           kSpheresGates),
                          [](const auto& card) { return std::string(card.param.name); });
 
 /// CDE_FULL=1: 20,000 of each on the first card, and of triangles on the last.
 TEST_P(HierarchySolids, RecordsAreThoseOfASweepAndOfTheReference) {
   Board board = Board::open(GetParam().config(), GetParam().options);
   const bool fast = GetParam().name == kSolids.name;
-  const bool late = GetParam().name == kLate.name;
+  const bool late = GetParam().name == kLate.name || GetParam().name == kSpheresGates.name;
   if (GetParam().config == meshes_config) return expect_all<Triangle>(board, some(130, 2500));
   expect_all<Sphere>(board, fast ? some(300, 2500) : late ? 10 : 60);
   if (GetParam().config == solids_config) expect_all<Obb>(board, fast ? some(130, 2500) : 30);

@@ -17,7 +17,6 @@
 #include "TraversalOne.h"
 #include "TraversalPluecker.h"
 #include "TraversalSolids.h"
-#include "TraversalSpheresGates.h"
 #include "TraversalWatertight.h"
 #include "TraversalWatertightGates.h"
 #include "cde/mesh/terrain.hpp"
@@ -435,11 +434,6 @@ TEST(Traversal, OfSpheresIsThatOfTheReference) {
     SCOPED_TRACE(c.name);
     expect_spheres<TraversalSolids>(c.make(), 60);
   }
-}
-
-TEST(Traversal, OfSpheresInGates) {
-  expect_spheres<TraversalSpheresGates>(hard::needles(), 60);
-  expect_spheres<TraversalSpheresGates>(hard::flat(), 60);
 }
 
 /// The same module, of other pairs.

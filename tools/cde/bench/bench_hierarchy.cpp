@@ -31,7 +31,7 @@ nlohmann::ordered_json bench_hierarchy(const BenchOptions& o) {
     all.push_back(tree_json(figures));
     const std::vector<SolidFigures> solids = [&] {
       const Busy busy(fmt::format("solids at {} triangles", mesh.faces.size()), false);
-      return measure_solids(mesh, o.clock_hz);
+      return measure_solids(mesh, o.clock_hz, o.quick);
     }();
     show_solids(solids, o.clock_hz);
     all.back()["solids"] = solids_json(solids, o.clock_hz);

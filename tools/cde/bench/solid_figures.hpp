@@ -31,8 +31,10 @@ struct SolidFigures {
   std::vector<SolidCard> cards;
 };
 
-/// Error kMismatch if a record differs from the reference's way, or FCL finds something else.
-[[nodiscard]] std::vector<SolidFigures> measure_solids(const Mesh& terrain, double clock_hz);
+/// `quick`: spheres alone, whose card is sooner built. Error kMismatch if a record differs from the
+/// reference's way, or FCL finds something else.
+[[nodiscard]] std::vector<SolidFigures> measure_solids(const Mesh& terrain, double clock_hz,
+                                                       bool quick);
 [[nodiscard]] nlohmann::ordered_json solids_json(const std::vector<SolidFigures>& figures,
                                                  double clock_hz);
 /// On stdout, for people.
