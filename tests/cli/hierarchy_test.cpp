@@ -246,7 +246,7 @@ secondaries = ["ball", "ring"]
   write("off.toml", scene("hierarchy = \"off\"\nlanes = 16\nmover = \"card\""));
   const Ran ran = cde({"run", "on.toml"});
   ASSERT_EQ(ran.status, 0) << ran.err;
-  EXPECT_NE(ran.err.find("frame 2, query 'hit': rays meet all triangles instead of a hierarchy: "
+  EXPECT_NE(ran.err.find("frame 2, query 'hit': it meets all secondaries instead of a hierarchy: "
                          "the triangle in slot"),
             std::string::npos)
       << ran.err;

@@ -110,6 +110,8 @@ TEST(HierarchyOfSpheres, WhatIsRefused) {
   EXPECT_THROW((void)walk.trace(box, 0, Mode::kNearest), Error);
   EXPECT_THROW((void)Hierarchy::build(Cloud{{{0x1p40f, 0, 0}, 1}}), Error) << "beyond 2^40";
   EXPECT_THROW((void)Hierarchy::build(Cloud{{{0, NAN, 0}, 1}}), Error);
+  for (const float r : {0.0f, -1.0f, 0x1p-35f, NAN})
+    EXPECT_THROW((void)Hierarchy::build(Cloud{{{0, 0, 0}, r}}), Error) << r;
 }
 
 }  // namespace

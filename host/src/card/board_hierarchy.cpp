@@ -262,6 +262,7 @@ std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
     return "what is farthest from a solid is in no box that could be left out";
   if (q.second) return "two pairs at a time sweep";
   if (q.normals && !is_solid(pair)) return "rays have no normals";
+  if (q.normals && !has_normals) return "the card has no normals";
   if (q.first_secondary != 0 || q.secondary_count != 0) return "a range of secondaries is swept";
   if (!primary_objects.objects.empty()) return "primaries that move with objects sweep";
   return std::nullopt;

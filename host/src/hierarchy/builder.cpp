@@ -244,6 +244,13 @@ Eigen::AlignedBox3f box_of(const Sphere& s) {
   return box;
 }
 
+/// Error kBadInput for a sphere that no pipe would take: a sweep leaves it out.
+Eigen::AlignedBox3f box_of_sphere(std::span<const Sphere> spheres, std::size_t i) {
+  if (const auto why = defect(spheres[i]))
+    throw Error(ErrorCode::kBadInput, fmt::format("sphere {}: {}", i, *why));
+  return box_of(spheres[i]);
+}
+
 Eigen::AlignedBox3f box_of(const Triangle& t) {
   Eigen::AlignedBox3f box(t.v0.cwiseMin(t.v1).cwiseMin(t.v2), t.v0.cwiseMax(t.v1).cwiseMax(t.v2));
   // Of a NaN the other number may be what is left.
@@ -364,7 +371,8 @@ Hierarchy Hierarchy::build(const TriangleView& triangles, const HierarchyOptions
 
 Hierarchy Hierarchy::build(std::span<const Sphere> spheres, const HierarchyOptions& options) {
   return build(
-      spheres.size(), [&](std::size_t i) { return box_of(spheres[i]); }, options, kMostDepth);
+      spheres.size(), [&](std::size_t i) { return box_of_sphere(spheres, i); }, options,
+      kMostDepth);
 }
 
 namespace {
@@ -385,7 +393,7 @@ Hierarchy Hierarchy::build(const TriangleView& triangles, std::span<const std::u
 Hierarchy Hierarchy::build(std::span<const Sphere> spheres, std::span<const std::uint32_t> parts,
                            const HierarchyOptions& options) {
   return build(
-      spheres.size(), [&](std::size_t i) { return box_of(spheres[i]); }, parts, options);
+      spheres.size(), [&](std::size_t i) { return box_of_sphere(spheres, i); }, parts, options);
 }
 
 Hierarchy Hierarchy::build(std::size_t count, const BoxOf& box,
@@ -499,7 +507,7 @@ void Hierarchy::refit(const TriangleView& triangles) {
 
 void Hierarchy::refit(std::span<const Sphere> spheres) {
   std::vector<Eigen::AlignedBox3f> boxes(spheres.size());
-  for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = box_of(spheres[i]);
+  for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = box_of_sphere(spheres, i);
   refit(boxes);
 }
 

@@ -442,7 +442,7 @@ Effect add_hierarchy(const Scene& scene, plan_mover::Movers& movers, Plan& plan)
   plan.board.nodes = choice.nodes;
   for (std::size_t q = 0; q < plan.queries.size(); ++q)
     plan.queries[q].hierarchy = choice.queries[q];
-  plan_mover::leave_primaries(movers, "rays are written on their way into the hierarchy");
+  plan_mover::leave_primaries(movers, "they are written on their way into the hierarchy");
   const bool sweeps =
       std::find(choice.queries.begin(), choice.queries.end(), false) != choice.queries.end();
   const std::vector<Pair>& pairs = plan.board.pairs;

@@ -126,8 +126,8 @@ void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
          algorithm_names());
   verb.add_flag_callback(
       "--box", [&o] { o.box = true; },
-      "Of ray-triangle: a hit must lie in the triangle's box (on); of triangle-sphere and "
-      "triangle-obb: a gap is at least that of "
+      "Of ray-triangle: a hit must lie in the triangle's box (on); of triangle-sphere, "
+      "triangle-obb and triangle-triangle: a gap is at least that of "
       "the boxes (off)");
   verb.add_flag_callback(
       "--no-box", [&o] { o.box = false; }, "The plain pipe");

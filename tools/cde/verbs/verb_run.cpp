@@ -369,7 +369,7 @@ class Run {
                   counters["bad_secondaries"].get<std::uint64_t>());
       const Json why = j["queries"][q].value("swept_as", Json());
       if (!why.is_null() && swept_.insert(scene_.queries[q].name).second)
-        say("cde: warning: frame {}, query '{}': rays meet all triangles instead of a hierarchy: "
+        say("cde: warning: frame {}, query '{}': it meets all secondaries instead of a hierarchy: "
             "{}\n",
             frame, scene_.queries[q].name, why.get<std::string>());
     }

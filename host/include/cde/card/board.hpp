@@ -98,7 +98,9 @@ class Board {
   /// uploaded: kUsage if the card has no node units, or the hierarchy is of another number of
   /// triangles; kCapacity, with the sizes, if its memory of nodes or slots is smaller.
   void upload(const TriangleView& triangles, const Hierarchy& hierarchy, bool validate = true);
-  /// The same of spheres, which rays and spheres meet.
+  /// The same of spheres, which rays and spheres meet. Whether the hierarchy is of these
+  /// secondaries is not looked at but for their number, nor is a bad one flagged that is in it:
+  /// `validate` off is for what is known to be good.
   void upload(std::span<const Sphere> spheres, const Hierarchy& hierarchy, bool validate = true);
   /// A hierarchy over what is uploaded, as it is now: after update_shapes(), which leaves the one
   /// before unused, with its refit(). With objects, those of set_objects(), one of these as they

@@ -31,8 +31,8 @@ class Hierarchy {
   /// By binned surface area (Wald, IRT 2007), two wide, of which each node of eight is collapsed
   /// (Wald, Benthin, Boulos, IRT 2008); split at medians where a tree of kMostDepth would not hold
   /// it otherwise. The same for every number of threads. Errors: kUsage (a leaf of 0 or more than
-  /// 2), kBadInput (a box that is empty, not finite or beyond 2^40, by its number), kCapacity (more
-  /// than 2^28 secondaries).
+  /// 2), kBadInput (a box that is empty, not finite or beyond 2^40, or a sphere with a defect, by
+  /// its number), kCapacity (more than 2^28 secondaries).
   [[nodiscard]] static Hierarchy build(std::span<const Eigen::AlignedBox3f> boxes,
                                        const HierarchyOptions& options = {});
   [[nodiscard]] static Hierarchy build(const TriangleView& triangles,

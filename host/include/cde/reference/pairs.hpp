@@ -11,7 +11,7 @@ namespace cde::reference {
 
 /// What the pipe of a pair answers, in the words of a format: the mirror references behind one
 /// call. a and b are operand words in slot order, `primary_words` and `secondary_words` a pair;
-/// `algorithm` and `box` are of ray-triangle, `plane` is of pairs with one.
+/// `algorithm` is of ray-triangle, `box` of pairs with the box rule, `plane` of pairs with one.
 /// Error kUsage if sizes do not fit together, or for a format that is none of kPairFormats
 /// (fp/scalars.hpp), or for a budget out of range. Pairs that take no budget ignore it.
 void test_pairs(Pair pair, Algorithm algorithm, FpFormat format, std::span<const std::uint64_t> a,

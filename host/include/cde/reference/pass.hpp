@@ -13,7 +13,7 @@
 namespace cde::reference {
 
 /// What one pass of the card asks. `pair`'s first shape is the primaries', with `swap` the
-/// secondaries'; `algorithm` and `box` are of ray-triangle.
+/// secondaries'; `algorithm` is of ray-triangle, `box` of pairs with the box rule.
 struct PassQuery {
   Pair pair = Pair::kRayTriangle;
   Algorithm algorithm = Algorithm::kMoller;

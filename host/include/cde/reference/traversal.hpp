@@ -29,6 +29,7 @@ class Traversal {
   /// another number of triangles.
   Traversal(const TriangleView& triangles, const Hierarchy& hierarchy,
             Algorithm algorithm = Algorithm::kMoller);
+  /// The same over spheres.
   Traversal(std::span<const Sphere> spheres, const Hierarchy& hierarchy);
 
   /// The record of a ray in modes nearest, farthest and any; in mode hits those of all its hits by
