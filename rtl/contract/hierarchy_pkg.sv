@@ -52,16 +52,11 @@ package hierarchy_pkg;
   function automatic bit wide(input int pair);  // the primary takes two places
     wide = pairs_pkg::shape_words(walked_shape(pair)) > PLACE_WORDS;
   endfunction
-  // Of these pairs, those whose primary is one; those in whose tree it is.
+  // Of these pairs, those whose primary is one.
   function automatic int walked_by(input int pairs, input int shape);
     walked_by = 0;
     for (int p = 0; p < pairs_pkg::PAIRS; p++)
       if (pairs_pkg::has(pairs, p) && walked_shape(p) == shape) walked_by = walked_by | (1 << p);
-  endfunction
-  function automatic int walked_to(input int pairs, input int shape);
-    walked_to = 0;
-    for (int p = 0; p < pairs_pkg::PAIRS; p++)
-      if (pairs_pkg::has(pairs, p) && leaf_shape(p) == shape) walked_to = walked_to | (1 << p);
   endfunction
   // Those that have signed gaps.
   function automatic int walked_solids(input int pairs);

@@ -252,8 +252,7 @@ std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
   const auto way = way_through(pair);
   if (!way || q.swap != way->swap)
     return "it is of rays, triangles, and with swap of spheres and OBBs, that meet triangles, and "
-           "of "
-           "rays and spheres that meet spheres";
+           "of rays and spheres that meet spheres";
   if (way->secondary != secondary_shape)
     return fmt::format("the hierarchy is over {}s", name(secondary_shape));
   if (has_verdicts(pair) && verdicts) return "narrow lanes that prove misses sweep";

@@ -45,8 +45,7 @@ std::optional<std::string> against(const SceneQuery& q, const QueryWork& work, c
   const auto way = way_through(q.pair);
   if (!way)
     return "it is of rays, spheres, OBBs and triangles that meet triangles, or rays and spheres "
-           "that "
-           "meet spheres";
+           "that meet spheres";
   if (q.swap != way->swap) return fmt::format("its primaries are {}s", name(way->secondary));
   if (q.mode == Mode::kAll) return "mode all has records of all secondaries, hit or not";
   if (q.normals && is_ray(q)) return "rays have no normals";
