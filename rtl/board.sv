@@ -90,13 +90,13 @@ module board #(
   clock_gate gate (.clk_i, .enable_i(busy | go | rst_i), .clk_o(clk_engine));
   // Of what sweeps: still while rays go through the hierarchy.
   logic clk_sweep, walking;
-  logic [3:0] walked_pair;
+  logic [hierarchy_pkg::WAY_BITS-1:0] walked_way;
   if (CONFIG.node_units != 0) begin : g_sweep
     clock_gate gate_sweep (.clk_i, .enable_i((busy & !walking) | go | rst_i), .clk_o(clk_sweep));
   end else begin : g_all
     assign clk_sweep = clk_engine;
     logic unused_walking;
-    assign unused_walking = &{1'b0, walking, walked_pair};
+    assign unused_walking = &{1'b0, walking, walked_way};
   end
 
   // ---- Secondaries ----
@@ -147,8 +147,8 @@ module board #(
     objects #(.CONFIG(CONFIG)) tables (
         .clk_i(clk_sweep), .clk_bus_i(clk_bus), .clk_core_i(clk_i), .rst_i, .write_i(object_write),
         .addr_i(ddr_write_addr_o), .data_i(ddr_write_data_o), .primary_write_i(prim_write), .command_i(command),
-        .good_o(objects_good), .busy_o(objects_busy), .pair_i(walking ? walked_pair : pair[0]),
-        .swap_i(walking ? hierarchy_pkg::swapped(int'(walked_pair)) : swap[0]), .range_entry_i(range_entry),
+        .good_o(objects_good), .busy_o(objects_busy), .pair_i(walking ? walked_way[4:1] : pair[0]),
+        .swap_i(walking ? walked_way[0] : swap[0]), .range_entry_i(range_entry),
         .range_o(range), .transform_entry_i(transform_entry[walking]), .moving_i(moving != 0),
         .clk_moving_o(clk_moving),
         .unmoved_i(unmoved[walking]), .moved_o(moved), .pose_wanted_o(pose_wanted), .pose_i(pose), .posed_o(posed),
@@ -232,27 +232,28 @@ module board #(
   if (CONFIG.node_units != 0) begin : g_hierarchy
     localparam int HIERARCHY = int'(card_pkg::UNIT_HIERARCHY);
     assign walking = unit_busy[HIERARCHY];
-    logic [BEAT-1:0][CW-1:0] leaf_unmoved;
+    localparam int LEAF = hierarchy_pkg::leaf_words(hierarchy_pkg::card_ways(CONFIG));
+    logic [LEAF-1:0][CW-1:0] leaf_unmoved;
     hierarchy_unit #(.CONFIG(CONFIG)) hierarchy (
         .clk_core_i(clk_i), .clk_bus_i(clk_bus), .rst_i, .access_i(access), .rdata_o(hierarchy_rdata),
         .wdata_i(ddr_write_data_o), .provided_good_o(provided_good), .good_o(hierarchy_good),
         .valid_i(unit_valid[HIERARCHY]), .ready_o(unit_ready[HIERARCHY]), .abort_i(unit_abort[HIERARCHY]),
-        .pass_i(command), .busy_o(unit_busy[HIERARCHY]), .pair_o(walked_pair),
+        .pass_i(command), .busy_o(unit_busy[HIERARCHY]), .way_o(walked_way),
         .done_o(unit_done[HIERARCHY]), .fault_o(node_error), .corrected_o(node_corrected),
         .ddr_o(readers_ask[1]), .ddr_ready_i(reader_ready[1]), .ddr_valid_i(reader_valid[1]), .ddr_data_i(ddr_data),
         .ddr_words_o(reader_words[1]), .transform_entry_o(transform_entry[1]), .moving_o(moving[1]),
-        .clk_moving_i(clk_moving), .unmoved_o(leaf_unmoved), .moved_i((BEAT * CW)'(moved)),
+        .clk_moving_i(clk_moving), .unmoved_o(leaf_unmoved), .moved_i((LEAF * CW)'(moved)),
         .sram_full_i(sram_full), .sram_count_i(sram_count), .write_o(walked_write), .record_o(walked_record));
     assign unmoved[1] = (SEC_WORDS * CW)'(leaf_unmoved);
-    logic unused_rest;  // slots may be shorter than a beat, and longer
-    assign unused_rest = &{1'b0, leaf_unmoved, walked_pair};
+    logic unused_rest;  // slots may be shorter, and longer
+    assign unused_rest = &{1'b0, leaf_unmoved, walked_way};
   end else begin : g_sweeps_alone
     assign {node_corrected, hierarchy_rdata, provided_good, hierarchy_good, node_error, walked_write, walking} = '0;
     assign {moving[1], transform_entry[1], unmoved[1]} = '0;
     assign readers_ask[1] = '0;
     assign reader_words[1] = '0;
     assign walked_record = '0;
-    assign walked_pair = '0;
+    assign walked_way = '0;
     logic unused_hierarchy;
     assign unused_hierarchy = &{1'b0, access, reader_ready[1], reader_valid[1]};
   end

@@ -2,12 +2,14 @@
 #pragma once
 #include <Eigen/Geometry>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "cde/geometry/primitives.hpp"
 #include "hard_rays.hpp"
 
-/// Spheres, OBBs and triangles that are hard on a hierarchy over triangles.
+/// Spheres, AABBs, OBBs and triangles that are hard on a hierarchy over triangles, and boxes in
+/// one.
 namespace cde::testing::hard {
 
 /// Ten kinds in turn.
@@ -19,9 +21,35 @@ class Solids {
   }
   static constexpr unsigned kKinds = 10;
 
+  template <class Solid>
+  Solid draw(std::size_t i) {
+    const auto kind = static_cast<unsigned>(i % kKinds);
+    if constexpr (std::is_same_v<Solid, Sphere>)
+      return sphere(kind);
+    else if constexpr (std::is_same_v<Solid, Obb>)
+      return obb(kind);
+    else if constexpr (std::is_same_v<Solid, Aabb>)
+      return aabb(kind);
+    else
+      return triangle(kind);
+  }
+
   Sphere sphere(unsigned kind) {
     const Place p = place(kind);
     return {p.centre, p.size};
+  }
+
+  Aabb aabb(unsigned kind) {
+    const Place p = place(kind);
+    Vector3f half;
+    for (int k = 0; k < 3; ++k) half[k] = p.size * (draw_.below(3) == 0 ? 1 : draw_(0.05f, 1));
+    return around(p.centre, half);
+  }
+  /// One at least as large as the numbers there tell apart.
+  static Aabb around(const Vector3f& centre, const Vector3f& half) {
+    const Vector3f least = centre.cwiseAbs() * 0x1p-22f + Vector3f::Constant(0x1p-33f);
+    const Vector3f size = half.cwiseMax(least);
+    return {centre - size, centre + size};
   }
 
   /// Some along the axes, the others turned anyhow.
@@ -131,6 +159,69 @@ class Solids {
   Eigen::AlignedBox3f box_;
 };
 
+/// A box a triangle of a scene: as large as its edge, a part of that, or flat; some of them twice,
+/// about one centre, or touching the one before along an axis.
+inline std::vector<Obb> obbs_of(const Scene& scene, unsigned seed = 13) {
+  Draw draw(seed);
+  std::vector<Obb> all;
+  for (const Triangle& t : scene) {
+    const float edge = std::max((t.v1 - t.v0).norm(), 0x1p-30f);
+    Obb box{t.v0, Vector3f::Constant(edge * draw.power(-4, 0)), Eigen::Matrix3f::Identity()};
+    box.half[static_cast<int>(draw.below(3))] *= draw.power(-8, 0);
+    box.half = box.half.cwiseMax(Vector3f::Constant(0x1p-33f));
+    const Eigen::Quaternionf turn(draw(-1, 1), draw(-1, 1), draw(-1, 1), draw(-1, 1));
+    if (draw.below(3) != 0 && turn.norm() > 0.1f)
+      box.rotation = turn.normalized().toRotationMatrix();
+    if (!all.empty()) {
+      const Obb& other = all[draw.below(all.size())];
+      const auto axis = static_cast<int>(draw.below(3));
+      const auto which = draw.below(8);
+      if (which == 0) box = other;
+      if (which == 1) box.c = other.c;
+      if (which == 2)
+        box.c = other.c + other.rotation.col(axis) * (other.half[axis] + box.half[axis]);
+    }
+    if (!defect(box)) all.push_back(box);
+  }
+  return all;
+}
+inline std::vector<Aabb> aabbs_of(const Scene& scene, unsigned seed = 13) {
+  std::vector<Aabb> all;
+  for (const Obb& box : obbs_of(scene, seed)) all.push_back(Solids::around(box.c, box.half));
+  return all;
+}
+/// Three corners of each, so that what is drawn by them is at these.
+inline Scene corners_of(const std::vector<Aabb>& boxes) {
+  Scene corners;
+  for (const Aabb& b : boxes)
+    corners.push_back(
+        {b.min, {b.max.x(), b.min.y(), b.max.z()}, {b.min.x(), b.max.y(), b.max.z()}});
+  return corners;
+}
+inline Scene corners_of(const std::vector<Obb>& boxes) {
+  Scene corners;
+  for (const Obb& b : boxes) {
+    const auto corner = [&b](float x, float y, float z) -> Vector3f {
+      return b.c + b.rotation * b.half.cwiseProduct(Vector3f(x, y, z));
+    };
+    corners.push_back({corner(-1, -1, -1), corner(1, -1, 1), corner(-1, 1, 1)});
+  }
+  return corners;
+}
+inline Scene corners_of(const std::vector<Sphere>& spheres) {
+  Scene points;
+  for (const Sphere& s : spheres)
+    points.push_back({s.c, s.c + s.r * Vector3f::UnitX(), s.c + s.r * Vector3f::UnitY()});
+  return points;
+}
+inline const Scene& corners_of(const Scene& scene) {
+  return scene;
+}
+
+inline std::string text(const Aabb& b) {
+  return fmt::format("aabb {:a} {:a} {:a}, {:a} {:a} {:a}", b.min.x(), b.min.y(), b.min.z(),
+                     b.max.x(), b.max.y(), b.max.z());
+}
 inline std::string text(const Sphere& s) {
   return fmt::format("sphere {:a} {:a} {:a}, {:a}", s.c.x(), s.c.y(), s.c.z(), s.r);
 }

@@ -201,13 +201,13 @@ module card_registers #(
       budget_q.m == 8'd16) &&
       budget_q.k1 <= registers_pkg::BUDGET_MOST && budget_q.k2 <= registers_pkg::BUDGET_MOST);
   // Through the hierarchy go rays, and solids but for their farthest; no secondary beyond the count is in it.
-  localparam int WALKED = (NODE_UNITS != 0) ? hierarchy_pkg::walked_pairs(CONFIG) : 0;
+  localparam int WAYS = (NODE_UNITS != 0) ? hierarchy_pkg::card_ways(CONFIG) : 0;
   logic sweep_ok, walk_ok, walk_pair_ok, walks_solid;
-  assign walks_solid = hierarchy_pkg::solid(int'(command_q.pair));
+  logic [hierarchy_pkg::WAY_BITS-1:0] way;
+  assign way = {command_q.pair, command_q.swap};
+  assign walks_solid = hierarchy_pkg::solid(int'(way));
   always_comb begin
-    walk_pair_ok = ((16'(WALKED) >> command_q.pair) & 16'd1) != 0 &&
-        command_q.swap == hierarchy_pkg::swapped(int'(command_q.pair)) &&
-        (!walks_solid || command_q.mode != registers_pkg::MODE_FARTHEST);
+    walk_pair_ok = ((WAYS >> way) & 1) != 0 && (!walks_solid || command_q.mode != registers_pkg::MODE_FARTHEST);
     if (command_q.mode == registers_pkg::MODE_REFIT)
       walk_pair_ok = command_q.pair == pairs_pkg::PAIR_RAY_TRIANGLE && !command_q.swap;
   end

@@ -14,7 +14,7 @@ module config_check #(
   end
   if (CONFIG.box != 0 && (CONFIG.box != 1 || (CONFIG.pairs & (pairs_pkg::BOX_PAIRS |
       config_pkg::BOUND_PAIRS)) == 0)) begin : g_box
-    $error("board: BOX must be 0 or 1, and is of ray-triangle, triangle-sphere, triangle-obb and triangle-triangle");
+    $error("board: BOX must be 0 or 1, and is of triangles, and of OBBs with spheres and OBBs");
   end
   if (CONFIG.facet_ii != 1 && CONFIG.facet_ii != 3) begin : g_interval
     $error("board: FACET_II must be 1 or 3");
@@ -24,7 +24,7 @@ module config_check #(
     $error("board: VERDICT_EXP and VERDICT_MAN are of a narrower format, and of pairs of solids with FACET_II = 1");
   end
   if (CONFIG.node_units != 0 && ((CONFIG.node_units != 1 && CONFIG.node_units != 2 && CONFIG.node_units != 4) ||
-      CONFIG.exp != 8 || CONFIG.man != 23 || hierarchy_pkg::walked_pairs(CONFIG) == 0)) begin :
+      CONFIG.exp != 8 || CONFIG.man != 23 || hierarchy_pkg::card_ways(CONFIG) == 0)) begin :
       g_hierarchy
     $error("board: NODE_UNITS must be 0, 1, 2 or 4, and is of fp32, for pairs that have a way through");
   end

@@ -19,10 +19,10 @@ package config_pkg;
   localparam int VERDICT_PAIRS = 1 << pairs_pkg::PAIR_SPHERE_SPHERE | 1 << pairs_pkg::PAIR_SPHERE_OBB |
       1 << pairs_pkg::PAIR_TRIANGLE_SPHERE | 1 << pairs_pkg::PAIR_TRIANGLE_AABB | 1 << pairs_pkg::PAIR_TRIANGLE_OBB |
       1 << pairs_pkg::PAIR_OBB_OBB;
-  // Pairs of triangles and solids, and of two triangles, whose gap, with BOX, is at least that of their boxes
-  // (bounded_pipe.sv).
-  localparam int BOUND_PAIRS = 1 << pairs_pkg::PAIR_TRIANGLE_SPHERE | 1 << pairs_pkg::PAIR_TRIANGLE_OBB |
-      1 << pairs_pkg::PAIR_TRIANGLE_TRIANGLE;
+  // Pairs whose gap, with BOX, is at least that of their boxes (bounded_pipe.sv).
+  localparam int BOUND_PAIRS = 1 << pairs_pkg::PAIR_TRIANGLE_SPHERE | 1 << pairs_pkg::PAIR_TRIANGLE_AABB |
+      1 << pairs_pkg::PAIR_TRIANGLE_OBB | 1 << pairs_pkg::PAIR_TRIANGLE_TRIANGLE | 1 << pairs_pkg::PAIR_SPHERE_OBB |
+      1 << pairs_pkg::PAIR_OBB_OBB;
   // Pairs whose lanes are narrow ones with one wide one behind them (verdict_pair.sv).
   function automatic int verdict_pairs(input config_t card);
     verdict_pairs = (card.verdict_exp != 0) ? card.pairs & VERDICT_PAIRS : 0;

@@ -25,49 +25,76 @@ package hierarchy_pkg;
   localparam logic [2:0] GOAL_OCCLUDED = 3;  // whether there is a hit: ends at the first
   localparam logic [2:0] GOAL_HITS = 4;      // all of them
 
+  // A way through: pair p is way 2 p, and with its roles swapped, so that shape A is in the tree, 2 p + 1. A set of
+  // ways has a bit for each.
+  localparam int WAYS = 2 * pairs_pkg::PAIRS;
+  localparam int WAY_BITS = 5;
   // Pairs that meet spheres as they are: their own roundings are small enough (docs/hierarchy.md). The others need the
   // box rule.
   localparam int PLAIN_PAIRS = 1 << pairs_pkg::PAIR_RAY_SPHERE | 1 << pairs_pkg::PAIR_SPHERE_SPHERE;
-  // The primary is shape B, so that shape A, a triangle, is in the tree.
-  localparam int SWAPPED_PAIRS = 1 << pairs_pkg::PAIR_TRIANGLE_SPHERE | 1 << pairs_pkg::PAIR_TRIANGLE_OBB;
-  // Pairs of a card whose primaries go through one.
-  function automatic int walked_pairs(input config_pkg::config_t card);
-    walked_pairs = ((card.box != 0) ? card.pairs & (1 << pairs_pkg::PAIR_RAY_TRIANGLE) : 0) |
+  // Those of a card.
+  function automatic int card_ways(input config_pkg::config_t card);
+    int walked;
+    walked = ((card.box != 0) ? card.pairs & (1 << pairs_pkg::PAIR_RAY_TRIANGLE) : 0) |
         config_pkg::bound_pairs(card) | (card.pairs & PLAIN_PAIRS & ~config_pkg::verdict_pairs(card));
-    if (card.swap == 0) walked_pairs = walked_pairs & ~SWAPPED_PAIRS;
+    card_ways = 0;
+    for (int p = 0; p < pairs_pkg::PAIRS; p++)
+      if (pairs_pkg::has(walked, p)) begin
+        card_ways = card_ways | (1 << (2 * p));
+        if (card.swap != 0 && pairs_pkg::has(config_pkg::BOUND_PAIRS, p) &&
+            pairs_pkg::primary_shape(p) != pairs_pkg::secondary_shape(p))
+          card_ways = card_ways | (1 << (2 * p + 1));
+      end
   endfunction
-  function automatic bit swapped(input int pair);
-    swapped = pairs_pkg::has(SWAPPED_PAIRS, pair);
+  function automatic bit has_way(input int ways, input int way);
+    has_way = ((ways >> way) & 1) != 0;
   endfunction
   // What is in the tree, and the primary's shape.
-  function automatic int leaf_shape(input int pair);
-    leaf_shape = swapped(pair) ? pairs_pkg::primary_shape(pair) : pairs_pkg::secondary_shape(pair);
+  function automatic int leaf_shape(input int way);
+    leaf_shape = ((way & 1) != 0) ? pairs_pkg::primary_shape(way >> 1) : pairs_pkg::secondary_shape(way >> 1);
   endfunction
-  function automatic int walked_shape(input int pair);
-    walked_shape = swapped(pair) ? pairs_pkg::secondary_shape(pair) : pairs_pkg::primary_shape(pair);
+  function automatic int walked_shape(input int way);
+    walked_shape = ((way & 1) != 0) ? pairs_pkg::secondary_shape(way >> 1) : pairs_pkg::primary_shape(way >> 1);
   endfunction
-  function automatic bit solid(input int pair);  // T is a signed gap on its way
-    solid = walked_shape(pair) != pairs_pkg::SHAPE_RAY;
+  function automatic bit solid(input int way);  // T is a signed gap on its way
+    solid = walked_shape(way) != pairs_pkg::SHAPE_RAY;
   endfunction
-  function automatic bit wide(input int pair);  // the primary takes two places
-    wide = pairs_pkg::shape_words(walked_shape(pair)) > PLACE_WORDS;
+  function automatic bit wide(input int way);  // the primary takes two places
+    wide = pairs_pkg::shape_words(walked_shape(way)) > PLACE_WORDS;
   endfunction
-  // Of these pairs, those whose primary is one.
-  function automatic int walked_by(input int pairs, input int shape);
-    walked_by = 0;
-    for (int p = 0; p < pairs_pkg::PAIRS; p++)
-      if (pairs_pkg::has(pairs, p) && walked_shape(p) == shape) walked_by = walked_by | (1 << p);
+  // Whether some way of a set is one of primaries of this shape, or has signed gaps.
+  function automatic bit walks(input int ways, input int shape);
+    walks = 0;
+    for (int w = 0; w < WAYS; w++) if (has_way(ways, w) && walked_shape(w) == shape) walks = 1;
   endfunction
-  // Those that have signed gaps.
-  function automatic int walked_solids(input int pairs);
-    walked_solids = pairs & ~walked_by(pairs, pairs_pkg::SHAPE_RAY);
+  function automatic bit has_solids(input int ways);
+    has_solids = 0;
+    for (int w = 0; w < WAYS; w++) if (has_way(ways, w) && solid(w)) has_solids = 1;
   endfunction
-  // Words that are kept of a primary of any of these pairs.
-  function automatic int walked_words(input int pairs);
+  // Words that are kept of a primary of any of these ways, and of a secondary.
+  function automatic int walked_words(input int ways);
     walked_words = PLACE_WORDS;
-    for (int p = 0; p < pairs_pkg::PAIRS; p++)
-      if (pairs_pkg::has(pairs, p) && pairs_pkg::shape_words(walked_shape(p)) > walked_words)
-        walked_words = pairs_pkg::shape_words(walked_shape(p));
+    for (int w = 0; w < WAYS; w++)
+      if (has_way(ways, w) && pairs_pkg::shape_words(walked_shape(w)) > walked_words)
+        walked_words = pairs_pkg::shape_words(walked_shape(w));
+  endfunction
+  function automatic int leaf_words(input int ways);
+    leaf_words = pairs_pkg::shape_words(pairs_pkg::SHAPE_TRIANGLE);  // of which the card refits its tree
+    for (int w = 0; w < WAYS; w++)
+      if (has_way(ways, w) && pairs_pkg::shape_words(leaf_shape(w)) > leaf_words)
+        leaf_words = pairs_pkg::shape_words(leaf_shape(w));
+  endfunction
+
+  // What a primary is for nodes (ray_front.sv, solid_front.sv): its shape, but that rays which meet spheres are a kind
+  // of their own.
+  localparam int FRONT_RAY_SPHERE = pairs_pkg::SHAPES;
+  localparam int FRONTS = pairs_pkg::SHAPES + 1;
+  function automatic int front_kind(input int way);
+    front_kind = (!solid(way) && leaf_shape(way) == pairs_pkg::SHAPE_SPHERE) ? FRONT_RAY_SPHERE : walked_shape(way);
+  endfunction
+  function automatic bit has_front(input int ways, input int kind);
+    has_front = 0;
+    for (int w = 0; w < WAYS; w++) if (has_way(ways, w) && front_kind(w) == kind) has_front = 1;
   endfunction
 
   // What happens in a clock, to be counted.

@@ -8,8 +8,9 @@
 module hierarchy_unit #(
     parameter config_pkg::config_t CONFIG,
     localparam int UNITS = CONFIG.node_units,
-    localparam int PAIRS = hierarchy_pkg::walked_pairs(CONFIG),
-    localparam int PRIMARY = hierarchy_pkg::walked_words(PAIRS),
+    localparam int WAYS = hierarchy_pkg::card_ways(CONFIG),
+    localparam int PRIMARY = hierarchy_pkg::walked_words(WAYS),
+    localparam int LEAF = hierarchy_pkg::leaf_words(WAYS),
     localparam int POINTS = (CONFIG.normals != 0) ? 6 : 3,
     localparam int WORDS = records_pkg::RECORD_WORDS,
     localparam int BEAT = records_pkg::DDR_WORDS,
@@ -31,7 +32,7 @@ module hierarchy_unit #(
     input logic abort_i,
     input card_pkg::pass_t pass_i,
     output logic busy_o,
-    output logic [3:0] pair_o,  // of the pass
+    output logic [hierarchy_pkg::WAY_BITS-1:0] way_o,  // of the pass
     output logic done_o,
     output logic fault_o,  // the pass that is done has come to nothing
     output logic [7:0] corrected_o,  // words of the memories of nodes and slots, this clock
@@ -46,8 +47,8 @@ module hierarchy_unit #(
     output logic [OBJECT_W-1:0] transform_entry_o,
     output logic moving_o,
     input logic clk_moving_i,
-    output logic [BEAT-1:0][31:0] unmoved_o,
-    input logic [BEAT-1:0][31:0] moved_i,
+    output logic [LEAF-1:0][31:0] unmoved_o,
+    input logic [LEAF-1:0][31:0] moved_i,
 
     input logic sram_full_i,
     input logic [31:0] sram_count_i,
@@ -69,9 +70,9 @@ module hierarchy_unit #(
   logic clk, rst, running, refitting, wrong;
   logic [2:0] mode_q;
   logic normals_q;
-  logic [3:0] pair_q, pair;  // of the pass, also of the next one
-  assign pair = busy_o ? pair_q : pass_i.pair[3:0];
-  assign pair_o = pair_q;
+  logic [WAY_BITS-1:0] way_q, way;  // of the pass, also of the next one
+  assign way = busy_o ? way_q : {pass_i.pair[3:0], pass_i.swap[0]};
+  assign way_o = way_q;
   logic [31:0] secondaries_q, objects_q, finished_q;
   logic [31:0] taken, provided, ray_count, nodes, first_node, slots;
   logic finished, records_empty;
@@ -103,7 +104,7 @@ module hierarchy_unit #(
   assign unused_flip = &{1'b0, flip.reserved};
   hierarchy_registers #(.NODES(NODES)) registers (
       .clk_bus_i, .clk_i(clk), .rst_i, .access_i, .rdata_o, .wdata_i, .provided_good_o, .good_o, .busy_i(busy_o),
-      .wide_i(wide(int'(pair))),
+      .wide_i(wide(int'(way))),
       .clear_i(valid_i && ready_o), .taken_i(taken), .provided_o(provided), .ray_count_o(ray_count), .nodes_o(nodes),
       .first_node_o(first_node), .slots_o(slots), .root_o(root), .events_i(running ? events : '0),
       .deepest_i(deepest_q), .fault_i(fault_q), .flip_o(flip),
@@ -134,7 +135,7 @@ module hierarchy_unit #(
   logic [31:0] ray_number;
   ray_queue #(.CONFIG(CONFIG)) rays (
       .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_RAYS), .addr_i(access_i.addr),
-      .data_i(access_i.data), .clk_i(clk), .rst_i(rst), .pair_i(pair_q), .provided_i(provided), .taken_o(taken),
+      .data_i(access_i.data), .clk_i(clk), .rst_i(rst), .way_i(way_q), .provided_i(provided), .taken_o(taken),
       .valid_o(ray_valid), .ray_o(ray), .number_o(ray_number), .bad_o(ray_bad), .pop_i(ray_pop));
   assign ray_pop = ray_valid && (ray_bad ? bad_ready : ray_ready);
 
@@ -142,7 +143,8 @@ module hierarchy_unit #(
   logic fetch_valid, fetch_ready, fetched_valid, leaf_ready, leaf_room;
   logic [PLACE-1:0] fetch_slot;
   logic [TAG-1:0] fetch_tag, fetched_tag;
-  logic [1:0][BEAT-1:0][31:0] fetched;
+  logic [1:0][LEAF-1:0][31:0] fetched;
+  logic [1:0][BEAT-1:0][31:0] triangles;
   logic [1:0][31:0] index, hit_t, hit_index;
   logic [1:0] hit;
   logic [POINTS-1:0][1:0][31:0] hit_point;
@@ -155,13 +157,13 @@ module hierarchy_unit #(
   assign goal = (mode_q == registers_pkg::MODE_OCCLUDED) ? GOAL_OCCLUDED : (mode_q == registers_pkg::MODE_HITS) ?
       GOAL_HITS : mode_q;
   traversal #(
-      .CONTEXTS(CONTEXTS), .UNITS(UNITS), .PAIRS(PAIRS), .ALGORITHM(CONFIG.algorithm), .NORMALS(CONFIG.normals),
+      .CONTEXTS(CONTEXTS), .UNITS(UNITS), .WAYS(WAYS), .ALGORITHM(CONFIG.algorithm), .NORMALS(CONFIG.normals),
       .LAT_ADD(CONFIG.lat_add),
       .LAT_MUL(CONFIG.lat_mul), .LAT_DIV(CONFIG.lat_div), .LAT_SQRT(CONFIG.lat_sqrt), .LAT_CMP(CONFIG.lat_cmp),
       .ARITH(config_pkg::arith(CONFIG.host))
-  ) way (
+  ) walk (
       .clk_i(clk), .rst_i(rst), .nodes_i(nodes), .node_read_o(node_read), .node_at_o(node_at), .node_i(node),
-      .root_i(root), .goal_i(goal), .pair_i(pair_q),
+      .root_i(root), .goal_i(goal), .way_i(way_q),
       .ray_valid_i(ray_valid && !ray_bad), .ray_ready_o(ray_ready), .ray_i(ray), .number_i(ray_number),
       .fetch_valid_o(fetch_valid), .fetch_ready_i(fetch_ready), .fetch_slot_o(fetch_slot), .fetch_tag_o(fetch_tag),
       .fetched_valid_i(fetched_valid && !refitting), .fetched_tag_i(fetched_tag), .fetched_i(fetched), .index_i(index),
@@ -183,18 +185,16 @@ module hierarchy_unit #(
   assign leaf_valid = refitting ? refit_fetch : fetch_valid && leaf_room;
   assign leaf_slot = refitting ? refit_slot : fetch_slot;
   assign leaf_tag = refitting ? TAG'(refit_tag) : fetch_tag;
-  assign ddr_words_o = 4'(pairs_pkg::shape_words(leaf_shape(int'(pair_q))));
   leaf_reader #(
-      .SLOTS(SLOTS_A_NODE * NODES), .TAG(TAG), .ECC(CONFIG.ecc), .OBJECTS(OBJECTS),
+      .SLOTS(SLOTS_A_NODE * NODES), .WORDS(LEAF), .TAG(TAG), .ECC(CONFIG.ecc), .OBJECTS(OBJECTS),
       .ARITH(config_pkg::arith(CONFIG.host)), .T_TRANSFORM(T_TRANSFORM)
   ) leaves (
       .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_SLOTS), .addr_i(access_i.addr),
       .data_i(access_i.data), .flip_i(flips[19:18]), .clk_i(clk), .rst_i, .clear_i(rst && !refitting),
-      .slots_i(slots), .secondaries_i(secondaries_q), .words_i(ddr_words_o), .objects_i(objects_q),
-      .valid_i(leaf_valid), .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag), .ddr_o, .ddr_ready_i,
-      .ddr_valid_i, .ddr_data_i,
-      .owed_o(owed), .transform_entry_o, .moving_o, .clk_moving_i, .unmoved_o, .moved_i, .valid_o(fetched_valid),
-      .tag_o(fetched_tag), .words_o(fetched), .index_o(index), .fault_o(leaf_fault), .fault_kind_o(leaf_fault_kind),
+      .slots_i(slots), .secondaries_i(secondaries_q), .words_i(4'(pairs_pkg::shape_words(leaf_shape(int'(way_q))))),
+      .objects_i(objects_q), .valid_i(leaf_valid), .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag), .ddr_o,
+      .ddr_ready_i, .ddr_valid_i, .ddr_data_i, .ddr_words_o, .owed_o(owed), .transform_entry_o, .moving_o,
+      .clk_moving_i, .unmoved_o, .moved_i, .valid_o(fetched_valid), .tag_o(fetched_tag), .words_o(fetched), .index_o(index), .fault_o(leaf_fault), .fault_kind_o(leaf_fault_kind),
       .fault_place_o(leaf_place), .corrected_o(slot_corrected));
 
   // ---- Boxes anew ----
@@ -211,7 +211,8 @@ module hierarchy_unit #(
       .write_o(refit_writes), .write_at_o(refit_write_at), .node_o(refitted), .fetch_valid_o(refit_fetch),
       .fetch_ready_i(leaf_ready && refitting), .fetch_slot_o(refit_slot), .fetch_tag_o(refit_tag),
       .fetched_valid_i(fetched_valid && refitting), .fetched_tag_i(fetched_tag[REFIT_TAG-1:0]),
-      .fetched_i(fetched));
+      .fetched_i(triangles));
+  assign triangles = {fetched[1][BEAT-1:0], fetched[0][BEAT-1:0]};
   logic unused;
   assign unused = &{1'b0, refit_busy, refit_read_at, first_node};
 
@@ -263,7 +264,7 @@ module hierarchy_unit #(
         if (valid_i) begin
           state_q <= RUN;
           mode_q <= pass_i.mode;
-          pair_q <= pass_i.pair[3:0];
+          way_q <= way;
           normals_q <= pass_i.normals;
           secondaries_q <= pass_i.count;
           objects_q <= pass_i.objects;

@@ -5,7 +5,7 @@
 `include "hierarchy.svh"
 `include "ray_box.svh"
 module leaf_pairs #(
-    parameter int PAIRS = 1,      // hierarchy_pkg::walked_pairs
+    parameter int WAYS = 1,       // hierarchy_pkg::card_ways
     parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
     parameter int NORMALS = 0,    // 1: of solids
     parameter int AT = 1,         // bits of what a leaf comes and goes with
@@ -19,17 +19,18 @@ module leaf_pairs #(
     localparam int MAN = 23,
     localparam int CW = 32,
     localparam int LANES = 2,  // secondaries of a leaf
-    localparam int WORDS = hierarchy_pkg::walked_words(PAIRS),
+    localparam int WORDS = hierarchy_pkg::walked_words(WAYS),
+    localparam int LEAF = hierarchy_pkg::leaf_words(WAYS),
     localparam int POINTS = (NORMALS != 0) ? 6 : 3
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic [3:0] pair_i,  // of the pass
+    input logic [hierarchy_pkg::WAY_BITS-1:0] way_i,  // of the pass
     input logic valid_i,       // from a register: it is a clock gate's enable
     input logic [AT-1:0] at_i,
     input logic two_i,
     input logic [WORDS-1:0][31:0] primary_i,
-    input logic [LANES-1:0][8:0][31:0] secondaries_i,
+    input logic [LANES-1:0][LEAF-1:0][31:0] secondaries_i,
     input logic [LANES-1:0][31:0] index_i,
     output logic [1:0] tested_o,  // this clock: secondaries
     output logic [AT-1:0] soon_o,  // at_o of the next clock
@@ -43,7 +44,11 @@ module leaf_pairs #(
     output logic [LANES-1:0][31:0] index_o
 );
   /*verilator inline_module*/
-  localparam bit ONE = (PAIRS & (PAIRS - 1)) == 0;
+  localparam bit ONE = (WAYS & (WAYS - 1)) == 0;
+  logic [3:0] pass_pair;
+  assign pass_pair = way_i[hierarchy_pkg::WAY_BITS-1:1];
+  logic unused_role;  // some cards have one role of each pair
+  assign unused_role = way_i[0];
   logic taken_q, two_q, two;
   logic [AT-1:0] at_q;
   logic [LANES-1:0][31:0] index_q, f, t;
@@ -60,38 +65,40 @@ module leaf_pairs #(
   logic unused;  // a sphere has few words
   assign unused = &{1'b0, primary_i, secondaries_i, point_of, key_of};
   for (genvar p = 0; p < pairs_pkg::PAIRS; p++) begin : pair
-    if (pairs_pkg::has(PAIRS, p)) begin : g_there
-      localparam int P_WORDS = pairs_pkg::shape_words(hierarchy_pkg::walked_shape(p));
-      localparam int L_WORDS = pairs_pkg::shape_words(hierarchy_pkg::leaf_shape(p));
-      localparam bit SWAPPED = hierarchy_pkg::swapped(p);
-      localparam int A_WORDS = SWAPPED ? L_WORDS : P_WORDS;
-      localparam int B_WORDS = SWAPPED ? P_WORDS : L_WORDS;
+    // The roles of the card's ways: one, or both.
+    localparam bit AS_IS = hierarchy_pkg::has_way(WAYS, 2 * p);
+    localparam bit SWAPPED = hierarchy_pkg::has_way(WAYS, 2 * p + 1);
+    if (AS_IS || SWAPPED) begin : g_there
+      localparam int A_WORDS = pairs_pkg::primary_words(p);
+      localparam int B_WORDS = pairs_pkg::secondary_words(p);
       logic clk, mine;
-      logic [P_WORDS-1:0][31:0] primary_q;
-      logic [LANES-1:0][L_WORDS-1:0][31:0] secondaries_q;
-      logic [P_WORDS-1:0][LANES-1:0][31:0] primary;
-      logic [L_WORDS-1:0][LANES-1:0][31:0] secondaries;
-      logic [A_WORDS-1:0][LANES-1:0][31:0] a;
-      logic [B_WORDS-1:0][LANES-1:0][31:0] b;
+      logic [A_WORDS-1:0][LANES-1:0][31:0] a_now, a;
+      logic [B_WORDS-1:0][LANES-1:0][31:0] b_now, b;
       logic [LANES-1:0][31:0] t_pipe;
-      assign mine = valid_i && (ONE || pair_i == 4'(p));
+      assign mine = valid_i && (ONE || pass_pair == 4'(p));
       clock_gate gate (.clk_i, .enable_i(mine), .clk_o(clk));
-      always_ff @(posedge clk) begin
-        primary_q <= primary_i[P_WORDS-1:0];
-        for (int l = 0; l < LANES; l++) secondaries_q[l] <= secondaries_i[l][L_WORDS-1:0];
+      always_ff @(posedge clk) {a, b} <= {a_now, b_now};
+      for (genvar l = 0; l < LANES; l++) begin : lane
+        for (genvar w = 0; w < A_WORDS; w++) begin : a_word
+          if (!SWAPPED) begin : g_primary
+            assign a_now[w][l] = primary_i[w];
+          end else if (!AS_IS) begin : g_secondary
+            assign a_now[w][l] = secondaries_i[l][w];
+          end else begin : g_either
+            assign a_now[w][l] = way_i[0] ? secondaries_i[l][w] : primary_i[w];
+          end
+        end
+        for (genvar w = 0; w < B_WORDS; w++) begin : b_word
+          if (!SWAPPED) begin : g_secondary
+            assign b_now[w][l] = secondaries_i[l][w];
+          end else if (!AS_IS) begin : g_primary
+            assign b_now[w][l] = primary_i[w];
+          end else begin : g_either
+            assign b_now[w][l] = way_i[0] ? primary_i[w] : secondaries_i[l][w];
+          end
+        end
       end
-      for (genvar w = 0; w < P_WORDS; w++) begin : primary_word
-        assign primary[w] = {LANES{primary_q[w]}};
-      end
-      for (genvar w = 0; w < L_WORDS; w++) begin : word
-        for (genvar l = 0; l < LANES; l++) begin : lane assign secondaries[w][l] = secondaries_q[l][w]; end
-      end
-      if (SWAPPED) begin : g_swapped
-        assign {a, b} = {secondaries, primary};
-      end else begin : g_in_order
-        assign {a, b} = {primary, secondaries};
-      end
-      if (hierarchy_pkg::solid(p)) begin : g_solid
+      if (pairs_pkg::primary_shape(p) != pairs_pkg::SHAPE_RAY) begin : g_solid
         localparam logic [31:0] SIGN = 32'h8000_0000;
         logic [LANES-1:0][31:0] f_pipe;
         logic [5:0][LANES-1:0][31:0] point_pipe;
@@ -127,7 +134,7 @@ module leaf_pairs #(
     end
   end
 
-  if (PAIRS == 1 << pairs_pkg::PAIR_RAY_TRIANGLE) begin : g_rays
+  if (WAYS == 1) begin : g_rays  // that meet triangles, and nothing else
     // When the pipe has o + t d: for Badouel's t it takes an addition more, for the watertight one the shear in front.
     localparam int RAY = int'(pairs_pkg::PAIR_RAY_TRIANGLE);
     localparam int T_POINT = 5 * LAT_ADD + 3 * LAT_MUL + LAT_DIV +
@@ -152,7 +159,7 @@ module leaf_pairs #(
         .clk_i, .d_i({two_q, index_q}), .q_o({two, index_o}));
     align_valid #(.TO(T_PAIR)) align_valid (.clk_i, .rst_i, .valid_i(taken_q), .valid_o(valid_o));
     logic unused_pair;
-    assign unused_pair = &{1'b0, pair_i};
+    assign unused_pair = &{1'b0, way_i, pass_pair};
 `ifndef SYNTHESIS
     always_ff @(posedge clk_i)
       if (!rst_i)
@@ -165,11 +172,11 @@ module leaf_pairs #(
     localparam int DEPTH = 256 << $clog2(SLOWEST);
     localparam int RESULT = (3 + POINTS) * LANES * 32;
     logic [RESULT-1:0] result;
-    assign result = {f_of[pair_i], t_of[pair_i], key_of[pair_i], point_of[pair_i][POINTS-1:0]};
+    assign result = {f_of[pass_pair], t_of[pass_pair], key_of[pass_pair], point_of[pass_pair][POINTS-1:0]};
     logic [15:0] rest;  // until the clock before the answer
     logic soon;
     logic [AT+32*LANES:0] soon_with;
-    assign rest = latency_of[pair_i] - 1;
+    assign rest = latency_of[pass_pair] - 1;
     issue_history #(.W(1 + AT + LANES * 32), .DEPTH(DEPTH)) history (
         .clk_i, .rst_i, .latency_i(rest), .valid_i(taken_q), .d_i({at_q, two_q, index_q}), .valid_o(soon),
         .q_o(soon_with));

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Secondaries of leaves, from DDR, where they lie in the order of their upload. Which one is in a slot of the tree
-// says a memory beside the nodes, so that a secondary is there once, and its number comes with it. A leaf of two takes
-// two beats. With OBJECTS a second memory says whose it is, and beats go through the transformer, which is outside.
+// says a memory beside the nodes, so that a secondary is there once, and its number comes with it. Each takes a beat,
+// one of more than 9 words two. With OBJECTS a second memory says whose it is, and secondaries go through the transformer,
+// which is outside.
 // Latency: 2 clocks, the memory's and T_MOVED. Throughput: a beat a clock. Stall: ready_o, ddr_ready_i.
 module leaf_reader #(
     parameter int SLOTS = 32768,  // power of two
+    parameter int WORDS = 9,      // of the largest secondary, at least a beat
     parameter int TAG = 32,       // bits; the lowest: two
-    parameter int DEPTH = 256,    // beats that DDR owes or that are being moved, power of two
+    parameter int DEPTH = 256,    // secondaries that DDR owes or that are being moved, power of two
     parameter int ECC = 0,        // 1: what is in slots has check bits
     parameter int OBJECTS = 0,    // that a pass can have at most; 0: nothing moves
     parameter int T_TRANSFORM = 0,
@@ -27,7 +29,7 @@ module leaf_reader #(
     input logic clear_i,  // between passes; what is owed then is dropped
     input logic [31:0] slots_i,  // of the tree
     input logic [31:0] secondaries_i,  // from the first in DDR on
-    input logic [3:0] words_i,  // of each: at most a beat
+    input logic [3:0] words_i,  // of each
     input logic [31:0] objects_i,  // 0: secondaries as they are
     input logic valid_i,
     output logic ready_o,
@@ -38,18 +40,19 @@ module leaf_reader #(
     input logic ddr_ready_i,
     input logic ddr_valid_i,
     input logic [BEAT-1:0][31:0] ddr_data_i,
-    output logic owed_o,  // answers are
+    output logic [3:0] ddr_words_o,  // of the beat that belong to a secondary
+    output logic owed_o,  // answers are, or the other half of a question
 
     // To the table of objects and the transformer, as in secondary_regfile.sv.
-    output logic [OBJECT_W-1:0] transform_entry_o,  // of the beat that arrives
+    output logic [OBJECT_W-1:0] transform_entry_o,  // of the secondary that arrives
     output logic moving_o,
     input logic clk_moving_i,
-    output logic [BEAT-1:0][31:0] unmoved_o,
-    input logic [BEAT-1:0][31:0] moved_i,
+    output logic [WORDS-1:0][31:0] unmoved_o,
+    input logic [WORDS-1:0][31:0] moved_i,
 
     output logic valid_o,
     output logic [TAG-1:0] tag_o,
-    output logic [1:0][BEAT-1:0][31:0] words_o,
+    output logic [1:0][WORDS-1:0][31:0] words_o,
     output logic [1:0][31:0] index_o,
     output logic fault_o,  // a slot, or the secondary or the object in it, that is not there
     output logic [3:0] fault_kind_o,  // registers_pkg::NODE_FAULT_*
@@ -61,11 +64,23 @@ module leaf_reader #(
 
   // ---- Slots, one a clock: which secondaries they have ----
   logic second_q, move, asked_q, last_q, beyond_q;  // second_q: that of a leaf of two is next
+  logic wide, half, half_q, taken, whole_asked;  // half: a secondary's second beat is next
+  if (WORDS > BEAT) begin : g_two_beats
+    assign wide = 32'(words_i) > BEAT;
+    assign half = wide && half_q != taken;
+    always_ff @(posedge clk_i) half_q <= half && !rst_i;
+  end else begin : g_a_beat
+    assign {wide, half, half_q} = '0;
+    logic unused_wide;
+    assign unused_wide = wide;
+  end
+  assign taken = ddr_o.valid && ddr_ready_i;
+  assign whole_asked = taken && !half;
   logic [31:0] slot, index, slot_q;
   logic [1:0] corrected, failed;
   logic [TAG-1:0] tag_q;
   assign slot = second_q ? slot_q + 1 : 32'(slot_i);
-  assign move = !asked_q || (ddr_o.valid && ddr_ready_i);
+  assign move = !asked_q || whole_asked;
   assign ready_o = move && !second_q;
   always_ff @(posedge clk_i) begin
     if (move) begin
@@ -76,7 +91,8 @@ module leaf_reader #(
       slot_q <= slot;
       beyond_q <= slot >= slots_i;
     end
-    if (rst_i || clear_i) {asked_q, second_q} <= '0;
+    if (rst_i || clear_i) second_q <= 1'b0;
+    if (rst_i || (clear_i && !half)) asked_q <= 1'b0;  // never after half a secondary
   end
   logic write_objects;
   assign write_objects = OBJECTS != 0 && addr_i[2+SW];
@@ -96,7 +112,7 @@ module leaf_reader #(
     logic unused;
     assign unused = &{1'b0, objects_i, addr_i, object};
   end
-  assign corrected_o = corrected & {2{ddr_o.valid && ddr_ready_i}};
+  assign corrected_o = corrected & {2{whole_asked}};
   assign fault_o = asked_q && (beyond_q || failed != 0 || index >= secondaries_i || no_object);
   assign fault_kind_o = beyond_q ? registers_pkg::NODE_FAULT_SLOT :
       (failed != 0) ? registers_pkg::NODE_FAULT_SLOT_BITS :
@@ -110,12 +126,12 @@ module leaf_reader #(
   logic [TAG-1:0] tag;
   logic [OBJECT_W-1:0] unused_object;
   logic [TAG_W-1:0] tags[DEPTH];
-  assign ddr_o.valid = asked_q && !fault_o && owed != (DW + 1)'(DEPTH);
-  assign ddr_o.word = index * 32'(words_i);
+  assign ddr_o.valid = asked_q && !fault_o && (half_q || owed != (DW + 1)'(DEPTH));
+  assign ddr_o.word = index * 32'(words_i) + (half_q ? BEAT : 0);
   assign owed = write_q - read_q;
   assign owed_o = owed != 0;
   always_ff @(posedge clk_i) begin
-    if (ddr_o.valid && ddr_ready_i) begin
+    if (taken && !half_q) begin
       tags[write_q[DW-1:0]] <= {last_q, object[OBJECT_W-1:0], index, tag_q};
       write_q <= write_q + 1;
     end
@@ -124,30 +140,49 @@ module leaf_reader #(
   end
   assign {last, unused_object, index_now, tag} = tags[read_q[DW-1:0]];
 
+  // ---- Beats to secondaries ----
+  logic whole;
+  logic [WORDS-1:0][31:0] arrived;
+  if (WORDS > BEAT) begin : g_two
+    logic [BEAT-1:0][31:0] low_q;
+    logic low_there_q;
+    always_ff @(posedge clk_i) begin
+      if (ddr_valid_i) low_q <= ddr_data_i;
+      low_there_q <= !rst_i && wide && (low_there_q != ddr_valid_i);
+    end
+    assign whole = ddr_valid_i && wide == low_there_q;
+    assign arrived = wide ? {ddr_data_i[WORDS-BEAT-1:0], low_q} : (WORDS * 32)'(ddr_data_i);
+    assign ddr_words_o = !wide ? words_i : low_there_q ? 4'(32'(words_i) - BEAT) : 4'(BEAT);
+  end else begin : g_one
+    assign whole = ddr_valid_i;
+    assign arrived = ddr_data_i;
+    assign ddr_words_o = words_i;
+  end
+
   // ---- Each by its object's transform ----
-  logic [BEAT-1:0][31:0] beat;
+  logic [WORDS-1:0][31:0] moved;
   if (OBJECTS != 0) begin : g_moved
     logic [DW:0] arrived_q;
-    logic [BEAT-1:0][31:0] unmoved_q;
+    logic [WORDS-1:0][31:0] unmoved_q;
     logic [T_MOVED:0] on_its_way;
     logic [T_MOVED-1:0] on_its_way_q;
     always_ff @(posedge clk_i) begin
-      if (ddr_valid_i) arrived_q <= arrived_q + 1;
+      if (whole) arrived_q <= arrived_q + 1;
       if (rst_i) arrived_q <= '0;
       on_its_way_q <= rst_i ? '0 : on_its_way[T_MOVED-1:0];
     end
-    always_ff @(posedge clk_moving_i) unmoved_q <= ddr_data_i;
-    assign on_its_way = {on_its_way_q, ddr_valid_i};
+    always_ff @(posedge clk_moving_i) unmoved_q <= arrived;
+    assign on_its_way = {on_its_way_q, whole};
     assign valid = on_its_way[T_MOVED];
     assign transform_entry_o = tags[arrived_q[DW-1:0]][TAG+32+:OBJECT_W];
     assign unmoved_o = unmoved_q;
     // The host back end computes in the clock behind the register.
-    assign moving_o = (ARITH == "rtl") ? on_its_way[T_MOVED-1:0] != '0 : ddr_valid_i;
-    align #(.W(BEAT * 32), .FROM((ARITH == "rtl") ? T_MOVED : 1), .TO(T_MOVED)) align_moved (
-        .clk_i, .d_i(moved_i), .q_o(beat));
+    assign moving_o = (ARITH == "rtl") ? on_its_way[T_MOVED-1:0] != '0 : whole;
+    align #(.W(WORDS * 32), .FROM((ARITH == "rtl") ? T_MOVED : 1), .TO(T_MOVED)) align_moved (
+        .clk_i, .d_i(moved_i), .q_o(moved));
   end else begin : g_as_they_are
-    assign valid = ddr_valid_i;
-    assign beat = ddr_data_i;
+    assign valid = whole;
+    assign moved = arrived;
     assign transform_entry_o = '0;
     assign moving_o = 1'b0;
     assign unmoved_o = '0;
@@ -155,18 +190,18 @@ module leaf_reader #(
     assign unused = &{1'b0, clk_moving_i, moved_i};
   end
 
-  // ---- Beats to leaves ----
+  // ---- Secondaries to leaves ----
   logic first_q;
-  logic [BEAT-1:0][31:0] words_q;
+  logic [WORDS-1:0][31:0] words_q;
   logic [31:0] first_index_q;
   always_ff @(posedge clk_i) begin
-    if (valid && !last) {words_q, first_index_q} <= {beat, index_now};
+    if (valid && !last) {words_q, first_index_q} <= {moved, index_now};
     if (valid) first_q <= !last;
     if (rst_i || clear_i) first_q <= 0;
   end
   assign valid_o = valid && last && !clear_i;
   assign tag_o = tag;
-  assign words_o = first_q ? {beat, words_q} : {2{beat}};
+  assign words_o = first_q ? {moved, words_q} : {2{moved}};
   assign index_o = first_q ? {index_now, first_index_q} : {2{index_now}};
 
 `ifndef SYNTHESIS

@@ -7,8 +7,8 @@ module ray_queue #(
     parameter config_pkg::config_t CONFIG,
     parameter int RAYS = hierarchy_pkg::RAYS,
     localparam ARITH = config_pkg::arith(CONFIG.host),
-    localparam int PAIRS = hierarchy_pkg::walked_pairs(CONFIG),
-    localparam int WORDS = hierarchy_pkg::walked_words(PAIRS),
+    localparam int WAYS = hierarchy_pkg::card_ways(CONFIG),
+    localparam int WORDS = hierarchy_pkg::walked_words(WAYS),
     localparam int AW = $clog2(RAYS)
 ) (
     input logic clk_bus_i,
@@ -18,7 +18,7 @@ module ray_queue #(
 
     input logic clk_i,
     input logic rst_i,  // between passes: the next ray is number 0
-    input logic [3:0] pair_i,  // of the pass
+    input logic [hierarchy_pkg::WAY_BITS-1:0] way_i,  // of the pass
     input logic [31:0] provided_i,  // rays that are there
     output logic [31:0] taken_o,  // whose place is free again
     output logic valid_o,
@@ -32,7 +32,7 @@ module ray_queue #(
   localparam int DW = $clog2(DEPTH);
   logic [DW:0] places_q, queue_count;
   logic unused;
-  assign unused = &{1'b0, addr_i, queue_count, pair_i};
+  assign unused = &{1'b0, addr_i, queue_count, way_i};
   logic [31:0] next_q;  // to be taken
   logic [WORDS-1:0][31:0] place;
   if (WORDS > hierarchy_pkg::PLACE_WORDS) begin : g_wide
@@ -45,7 +45,7 @@ module ray_queue #(
     logic both;
     logic [16*32-WORDS*32-1:0] unused_word;
     logic [AW-2:0] row;
-    assign both = hierarchy_pkg::wide(int'(pair_i));
+    assign both = hierarchy_pkg::wide(int'(way_i));
     assign row = both ? next_q[AW-2:0] : next_q[AW-1:1];
     logic [3:0][63:0] first;
     assign first = (both || !next_q[0]) ? even[row] : odd[row];
@@ -75,29 +75,28 @@ module ray_queue #(
   end
 
   // ---- The check, of the shape that the pass has ----
-  logic [pairs_pkg::PAIRS-1:0] bad_of;
+  logic [pairs_pkg::SHAPES-1:0] bad_of;
   logic bad;
-  for (genvar p = 0; p < pairs_pkg::PAIRS; p++) begin : pair
-    if (pairs_pkg::has(PAIRS, p)) begin : g_there
-      localparam int SHAPE = hierarchy_pkg::walked_shape(p);
-      localparam int P_WORDS = pairs_pkg::shape_words(SHAPE);
+  for (genvar s = 0; s < pairs_pkg::SHAPES; s++) begin : shape
+    if (hierarchy_pkg::walks(WAYS, s)) begin : g_there
+      localparam int P_WORDS = pairs_pkg::shape_words(s);
       logic [P_WORDS-1:0][0:0][31:0] words;
       logic [0:0][31:0] bad_now;
       assign words = ray_q[P_WORDS-1:0];
       shape_check #(
-          .SHAPE(SHAPE), .EXP(CONFIG.exp), .MAN(CONFIG.man), .LAT_ADD(CONFIG.lat_add), .LAT_MUL(CONFIG.lat_mul),
+          .SHAPE(s), .EXP(CONFIG.exp), .MAN(CONFIG.man), .LAT_ADD(CONFIG.lat_add), .LAT_MUL(CONFIG.lat_mul),
           .LAT_CMP(CONFIG.lat_cmp), .ARITH(ARITH)
       ) contract (
           .clk_i, .on_i(1'b1), .words_i(words), .bad_o(bad_now));
       align #(.W(1), .FROM(ARITH == "rtl" ? T_CHECK : 0), .TO(T_CHECK)) align_bad (
-          .clk_i, .d_i(bad_now[0][0]), .q_o(bad_of[p]));
+          .clk_i, .d_i(bad_now[0][0]), .q_o(bad_of[s]));
       logic unused_mask;
       assign unused_mask = &{1'b0, bad_now};
     end else begin : g_absent
-      assign bad_of[p] = 1'b0;
+      assign bad_of[s] = 1'b0;
     end
   end
-  assign bad = ((PAIRS & (PAIRS - 1)) == 0) ? bad_of != '0 : bad_of[pair_i];
+  assign bad = ((WAYS & (WAYS - 1)) == 0) ? bad_of != '0 : bad_of[hierarchy_pkg::walked_shape(int'(way_i))];
   align #(.W((1 + WORDS) * 32), .TO(T_CHECK)) align_ray (.clk_i, .d_i({number_q, ray_q}), .q_o({number, ray}));
   align_valid #(.TO(T_CHECK)) align_asked (.clk_i, .rst_i, .valid_i(asked_q), .valid_o(checked));
   sync_fifo #(.W(1 + (1 + WORDS) * 32), .DEPTH(DEPTH)) queue (

@@ -15,7 +15,7 @@
 module traversal #(
     parameter int CONTEXTS = 256,  // powers of two
     parameter int UNITS = 2,       // of nodes, each with its share of the contexts
-    parameter int PAIRS = 1,       // hierarchy_pkg::walked_pairs, all with the box rule
+    parameter int WAYS = 1,        // hierarchy_pkg::card_ways
     parameter int ALGORITHM = 0,   // of ray-triangle, pairs_pkg::ALGORITHM_*
     parameter int NORMALS = 0,     // 1: solids have them
     parameter int LAT_ADD = 1,
@@ -25,7 +25,8 @@ module traversal #(
     parameter int LAT_CMP = 1,
     parameter ARITH = "rtl",
     localparam int LANES = 2,  // secondaries of a leaf
-    localparam int WORDS = hierarchy_pkg::walked_words(PAIRS),
+    localparam int WORDS = hierarchy_pkg::walked_words(WAYS),
+    localparam int LEAF = hierarchy_pkg::leaf_words(WAYS),
     localparam int POINTS = (NORMALS != 0) ? 6 : 3,  // words of CP and n
     localparam int CX = $clog2(CONTEXTS),
     localparam int TAG = `AT_BITS(CX) + 1
@@ -40,7 +41,7 @@ module traversal #(
     // What holds for all rays.
     input logic [6:0][31:0] root_i,  // of its box: lower corner x y z, upper, 16 u W (ray_front.sv)
     input logic [2:0] goal_i,        // hierarchy_pkg::GOAL_*
-    input logic [3:0] pair_i,
+    input logic [hierarchy_pkg::WAY_BITS-1:0] way_i,
     // Rays: o x y z, d x y z, tmin, tmax, or solids, and their numbers.
     input logic ray_valid_i,
     output logic ray_ready_o,
@@ -54,7 +55,7 @@ module traversal #(
     output logic [TAG-1:0] fetch_tag_o,  // and its lowest bit: two
     input logic fetched_valid_i,
     input logic [TAG-1:0] fetched_tag_i,
-    input logic [LANES-1:0][8:0][31:0] fetched_i,
+    input logic [LANES-1:0][LEAF-1:0][31:0] fetched_i,
     input logic [LANES-1:0][31:0] index_i,
     // Hits of goal hits, as they are found. Nobody waits for who takes them: there is room for those of all leaves that
     // are asked for (fetch_ready_i).
@@ -82,11 +83,11 @@ module traversal #(
   if (CONTEXTS < 2 * UNITS || (CONTEXTS & (CONTEXTS - 1)) != 0) $error("traversal: CONTEXTS must be a power of two");
   if ((UNITS & (UNITS - 1)) != 0) $error("traversal: UNITS must be a power of two");
   `HIERARCHY_TYPES(CX)
-  localparam int SOLIDS = walked_solids(PAIRS);
-  localparam bit ONE = (PAIRS & (PAIRS - 1)) == 0;  // pair: nothing is to be chosen by it
+  localparam bit SOLIDS = has_solids(WAYS);
+  localparam bit ONE = (WAYS & (WAYS - 1)) == 0;  // nothing is to be chosen by it
   localparam logic [31:0] SIGN = 32'h8000_0000, INFINITE = 32'h7f80_0000;
   logic is_solid;  // the pass's primaries are: T is a signed gap on its way
-  assign is_solid = SOLIDS != 0 && solid(int'(pair_i));
+  assign is_solid = SOLIDS && solid(int'(way_i));
   localparam int BANK = $clog2(UNITS);
   // The bank of a context.
   `define CDE_OWN(CONTEXT) (CONTEXT % CX'(UNITS) == CX'(u))
@@ -122,24 +123,32 @@ module traversal #(
       numbers[taken] <= number_i;
     end
   end
-  function automatic int t_front_of(input int pair);
-    t_front_of = solid(pair) ? `SOLID_T_FRONT(walked_shape(pair)) : `RAY_T_FRONT(leaf_shape(pair));
+  // What rays of a kind of fronts meet.
+  function automatic int front_leaf(input int kind);
+    front_leaf = (kind == FRONT_RAY_SPHERE) ? pairs_pkg::SHAPE_SPHERE : pairs_pkg::SHAPE_TRIANGLE;
+  endfunction
+  function automatic bit ray_front_kind(input int kind);
+    ray_front_kind = kind == FRONT_RAY_SPHERE || kind == pairs_pkg::SHAPE_RAY;
+  endfunction
+  function automatic int t_front_of(input int kind);
+    t_front_of = ray_front_kind(kind) ? `RAY_T_FRONT(front_leaf(kind)) : `SOLID_T_FRONT(kind);
   endfunction
   function automatic int slowest_front();
     slowest_front = 0;
-    for (int p = 0; p < pairs_pkg::PAIRS; p++)
-      if (pairs_pkg::has(PAIRS, p) && t_front_of(p) > slowest_front) slowest_front = t_front_of(p);
+    for (int k = 0; k < FRONTS; k++)
+      if (has_front(WAYS, k) && t_front_of(k) > slowest_front) slowest_front = t_front_of(k);
   endfunction
   localparam int T_FRONT = slowest_front();
-  logic [pairs_pkg::PAIRS-1:0][8:0][31:0] fronts;
+  logic [FRONTS-1:0][8:0][31:0] fronts;
   logic [8:0][31:0] front;
   logic front_valid;
   logic [CX-1:0] front_context;
-  for (genvar p = 0; p < pairs_pkg::PAIRS; p++) begin : front_of
-    if (pairs_pkg::has(PAIRS, p)) begin : g_there
-      localparam int SHAPE = walked_shape(p);
-      localparam int F_WORDS = (SHAPE == pairs_pkg::SHAPE_RAY) ? 6 : pairs_pkg::shape_words(SHAPE);
-      localparam int T_OWN = t_front_of(p);
+  logic [$clog2(FRONTS)-1:0] kind;
+  assign kind = ($clog2(FRONTS))'(front_kind(int'(way_i)));
+  for (genvar k = 0; k < FRONTS; k++) begin : front_of
+    if (has_front(WAYS, k)) begin : g_there
+      localparam int F_WORDS = ray_front_kind(k) ? 6 : pairs_pkg::shape_words(k);
+      localparam int T_OWN = t_front_of(k);
       // The host back end computes in the second clock, with a clock of its own: where none comes, nothing is computed.
       localparam int T_NOW = (ARITH == "rtl") ? T_OWN : 1;
       logic [F_WORDS+6:0][31:0] words;  // the primary's, and the root's box
@@ -148,27 +157,27 @@ module traversal #(
         assign words = {root_i, ray_i[F_WORDS-1:0]};
       end else begin : g_next_clock
         logic clk;
-        clock_gate gate (.clk_i, .enable_i(take && (ONE || pair_i == 4'(p))), .clk_o(clk));
+        clock_gate gate (.clk_i, .enable_i(take && (ONE || int'(kind) == k)), .clk_o(clk));
         always_ff @(posedge clk) words <= {root_i, ray_i[F_WORDS-1:0]};
       end
-      if (SHAPE == pairs_pkg::SHAPE_RAY) begin : g_ray
+      if (ray_front_kind(k)) begin : g_ray
         ray_front #(
-            .LEAF(leaf_shape(p)), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
+            .LEAF(front_leaf(k)), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
             .LAT_CMP(LAT_CMP), .ARITH(ARITH)
         ) of_ray (
             .clk_i, .a_i(words[5:0]), .root_i(words[12:6]), .r_o(now));
       end else begin : g_solid
         solid_front #(
-            .SHAPE(SHAPE), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+            .SHAPE(k), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
         ) of_solid (
             .clk_i, .a_i(words[F_WORDS-1:0]), .root_i(words[F_WORDS+:7]), .r_o(now));
       end
-      align #(.W(9 * 32), .FROM(T_NOW), .TO(T_FRONT), .MEMORY(5)) align_front (.clk_i, .d_i(now), .q_o(fronts[p]));
+      align #(.W(9 * 32), .FROM(T_NOW), .TO(T_FRONT), .MEMORY(5)) align_front (.clk_i, .d_i(now), .q_o(fronts[k]));
     end else begin : g_absent
-      assign fronts[p] = '0;
+      assign fronts[k] = '0;
     end
   end
-  assign front = ONE ? fronts[$clog2(PAIRS)] : fronts[pair_i];
+  assign front = ONE ? fronts[front_kind($clog2(WAYS))] : fronts[kind];
   align #(.W(CX), .TO(T_FRONT)) align_taken (.clk_i, .d_i(taken), .q_o(front_context));
   align_valid #(.TO(T_FRONT)) align_take (.clk_i, .rst_i, .valid_i(take), .valid_o(front_valid));
 
@@ -188,7 +197,7 @@ module traversal #(
   for (genvar u = 0; u < UNITS; u++) begin : unit
     traversal_bank #(
         .CONTEXTS(CONTEXTS / UNITS), .CX(CX), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
-        .ARITH(ARITH), .SOLIDS(32'(SOLIDS != 0))
+        .ARITH(ARITH), .SOLIDS(32'(SOLIDS))
     ) bank (
         .clk_i, .rst_i, .nodes_i, .node_read_o(node_read_o[u]), .node_at_o(node_at_o[u]), .node_i(node_i[u]),
         .farthest_i(farthest_q), .solid_i(is_solid),
@@ -223,10 +232,10 @@ module traversal #(
   logic unused_soon;
   assign unused_soon = &{1'b0, keep_at_soon.level, keep_at_soon.fresh};
   leaf_pairs #(
-      .PAIRS(PAIRS), .ALGORITHM(ALGORITHM), .NORMALS(NORMALS), .AT($bits(at_t)), .LAT_ADD(LAT_ADD),
+      .WAYS(WAYS), .ALGORITHM(ALGORITHM), .NORMALS(NORMALS), .AT($bits(at_t)), .LAT_ADD(LAT_ADD),
       .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
   ) pairs (
-      .clk_i, .rst_i, .pair_i, .valid_i(fetched_valid_i), .at_i(fetched_tag_i[TAG-1:1]), .two_i(fetched_tag_i[0]),
+      .clk_i, .rst_i, .way_i, .valid_i(fetched_valid_i), .at_i(fetched_tag_i[TAG-1:1]), .two_i(fetched_tag_i[0]),
       .primary_i(rays[fetched_tag_i[TAG-1-:CX]]), .secondaries_i(fetched_i), .index_i, .tested_o(tested_now),
       .soon_o(keep_at_soon), .valid_o(keep_valid), .at_o(keep_at), .f_o(f), .there_o(there), .t_o(t), .key_o(key),
       .point_o(point), .index_o(index));

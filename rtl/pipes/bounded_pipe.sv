@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pipe of a pair (scaled_pipe.sv), behind which with BOUND the signed gap of a triangle and a solid, or another
-// triangle, is at least that of their boxes (gap_bound.sv); without it the pipe alone. The bound is of the pair as it
-// comes: it needs no scaling.
+// The pipe of a pair (scaled_pipe.sv), behind which with BOUND the signed gap is at least that of the boxes
+// (gap_bound.sv); without it the pipe alone. The bound is of the pair as it comes: it needs no scaling.
 // With BOUND its operators, 1 compare and 1 max.
 // Latency: that of the pipe, and with BOUND LAT_CMP, latency_o; 0 with ARITH = "host". Throughput: LANES pairs in
 // FACET_II clocks. Stall: none, runs free.
@@ -33,9 +32,10 @@ module bounded_pipe #(
       .B_LANES(B_LANES)) pipe (
       .clk_i, .enter_i, .a_i, .b_i, .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
   if (BOUND != 0) begin : g_bound
-    if (!pairs_pkg::has(config_pkg::BOUND_PAIRS, PAIR)) $error("bounded_pipe: BOUND is of triangles and solids");
-    localparam int SHAPE = pairs_pkg::secondary_shape(PAIR);
-    logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_own;  // a solid a lane
+    if (!pairs_pkg::has(config_pkg::BOUND_PAIRS, PAIR)) $error("bounded_pipe: PAIR has no BOUND");
+    localparam int A_SHAPE = pairs_pkg::primary_shape(PAIR);
+    localparam int B_SHAPE = pairs_pkg::secondary_shape(PAIR);
+    logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_own;  // one a lane
     for (genvar k = 0; k < B_WORDS; k++) begin : word
       if (B_LANES == LANES) begin : g_own
         assign b_own[k] = b_i[k];
@@ -44,13 +44,14 @@ module bounded_pipe #(
       end
     end
     logic [LANES-1:0][CW-1:0] bound_now, bound_late;
-    gap_bound #(`DF_SAME, .SHAPE(SHAPE)) of_boxes (.clk_i, .a_i, .b_i(b_own), .bound_o(bound_now));
+    gap_bound #(`DF_SAME, .A_SHAPE(A_SHAPE), .B_SHAPE(B_SHAPE)) of_boxes (
+        .clk_i, .a_i, .b_i(b_own), .bound_o(bound_now));
     if (ARITH == "rtl") begin : g_late  // the pipe's own time is a number of its port, not a parameter
       localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_SQRT + LAT_CMP + 4) / 5;
       logic unused_valid;
       issue_history #(.W(LW), .DEPTH(256 << $clog2(SLOWEST))) history (
-          .clk_i, .rst_i(1'b0), .latency_i(latency - 16'(`GAP_T_BOUND(SHAPE))), .valid_i(1'b1), .d_i(bound_now),
-          .valid_o(unused_valid), .q_o(bound_late));
+          .clk_i, .rst_i(1'b0), .latency_i(latency - 16'(`GAP_T_BOUND(A_SHAPE, B_SHAPE))), .valid_i(1'b1),
+          .d_i(bound_now), .valid_o(unused_valid), .q_o(bound_late));
     end else begin : g_now
       assign bound_late = bound_now;
     end

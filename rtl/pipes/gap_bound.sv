@@ -1,25 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the signed gap of a triangle and a sphere, an OBB or a triangle is not below, as their boxes say: the distance
-// of boxes that are apart, else the largest gap of an axis, less 128 u of how far the triangle's box reaches from the
-// solid's centre and the solid from there, or from end to end of both triangles (reference/pipes/gap_bound.hpp).
-// 4 mul, 5 add, 10 sub, 1 sqrt, 1 compare, 25 min/max; of an OBB 9 mul, 6 add more, of a triangle 12 min/max.
+// What the signed gap of two shapes is not below, as their boxes say: the distance of boxes that are apart, else the
+// largest gap of an axis, less 128 u of how far it is from end to end of both boxes along an axis; a solid's box counts
+// as its centre and half its size (reference/pipes/gap_bound.hpp).
+// 4 mul, 5 add, 10 sub, 1 sqrt, 1 compare, 13 min/max; of each OBB 9 mul, 6 add more, of each triangle 12 min/max, of
+// two solids 3 add.
 // Latency: GAP_T_BOUND clocks (gap_bound.svh); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
 `include "gap_bound.svh"
 module gap_bound #(
     `DF_PARAMETERS,
-    parameter int SHAPE = pairs_pkg::SHAPE_SPHERE,  // of the other one: sphere, OBB or triangle
-    localparam int B_WORDS = pairs_pkg::shape_words(SHAPE)
+    parameter int A_SHAPE = pairs_pkg::SHAPE_TRIANGLE,  // sphere, OBB, triangle or AABB
+    parameter int B_SHAPE = pairs_pkg::SHAPE_SPHERE,
+    localparam int A_WORDS = pairs_pkg::shape_words(A_SHAPE),
+    localparam int B_WORDS = pairs_pkg::shape_words(B_SHAPE)
 ) (
     input logic clk_i,
-    input logic [8:0][LANES-1:0][CW-1:0] a_i,  // triangle: v0 x y z, v1, v2
+    input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] bound_o
 );
   /*verilator inline_module*/
   `DF_CONST(share, `DF_POWER_OF_TWO(6 - MAN))
-  `SOLID_HALF(half, SHAPE, b_i)
-  `SHAPE_HULL(low, high, pairs_pkg::SHAPE_TRIANGLE, a_i)
-  `SHAPE_HULL(b_low, b_high, SHAPE, b_i)
+  `SOLID_HALF(a_half, A_SHAPE, a_i)
+  `SOLID_HALF(b_half, B_SHAPE, b_i)
+  localparam int T_half = `GAP_T_HALF(A_SHAPE, B_SHAPE);
+  `DF_VECTOR half;
+  if (`SHAPE_IS_SOLID(A_SHAPE) && `SHAPE_IS_SOLID(B_SHAPE)) begin : g_solids
+    `DF_VADD(both, a_half, b_half)
+    assign half = both;
+  end else begin : g_one
+    assign half = `SHAPE_IS_SOLID(A_SHAPE) ? a_half : b_half;
+    logic unused_half;
+    assign unused_half = &{1'b0, a_half, b_half};
+  end
+  `SHAPE_HULL(low, high, A_SHAPE, a_i)
+  `SHAPE_HULL(b_low, b_high, B_SHAPE, b_i)
   `DF_VSUB(below, low, b_high)
   `DF_VSUB(above, b_low, high)
   `DF_VMAX(away, below, above)
@@ -48,6 +62,6 @@ module gap_bound #(
   `DF_SQRT(distance, square)
   `DF_SELECT(least, apart, distance, widest)
   `DF_SUB(bound, least, margin)
-  if (T_bound != `GAP_T_BOUND(SHAPE)) $error("gap_bound: GAP_T_BOUND is another");
+  if (T_bound != `GAP_T_BOUND(A_SHAPE, B_SHAPE)) $error("gap_bound: GAP_T_BOUND is another");
   assign bound_o = bound;
 endmodule

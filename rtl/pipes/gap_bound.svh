@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage times of the box rule of triangles and solids, or triangles (reference/pipes/gap_bound.hpp).
+// Stage times of the box rule of pairs that have a signed gap (reference/pipes/gap_bound.hpp).
 `ifndef CDE_GAP_BOUND_SVH
 `define CDE_GAP_BOUND_SVH
 `include "convex.svh"
@@ -16,7 +16,11 @@
   localparam int T_``LOW = `SHAPE_T_HULL(OF), T_``HIGH = `SHAPE_T_HULL(OF); \
   `DF_VECTOR LOW, HIGH; \
   shape_hull #(`DF_SAME, .SHAPE(OF)) hull_``LOW (.clk_i, .a_i(WORDS), .low_o(LOW), .high_o(HIGH));
-// Of gap_bound.sv.
-`define GAP_T_BOUND(SHAPE) (`DF_MAX2(3 * LAT_CMP + LAT_ADD, `SOLID_T_HALF(SHAPE)) + LAT_CMP + LAT_MUL + 2 * LAT_ADD + \
+// Of gap_bound.sv: half sizes of both, the gap's and the reach's time, and the whole.
+`define SHAPE_IS_SOLID(SHAPE) (SHAPE == pairs_pkg::SHAPE_SPHERE || SHAPE == pairs_pkg::SHAPE_OBB)
+`define GAP_T_HALF(A, B) (`DF_MAX2(`SOLID_T_HALF(A), `SOLID_T_HALF(B)) + \
+  ((`SHAPE_IS_SOLID(A) && `SHAPE_IS_SOLID(B)) ? LAT_ADD : 0))
+`define GAP_T_AWAY(A, B) (`DF_MAX2(`SHAPE_T_HULL(A), `SHAPE_T_HULL(B)) + LAT_ADD + LAT_CMP)
+`define GAP_T_BOUND(A, B) (`DF_MAX2(`GAP_T_AWAY(A, B), `GAP_T_HALF(A, B)) + LAT_CMP + LAT_MUL + 2 * LAT_ADD + \
   `DF_MAX3(LAT_CMP, 2 * LAT_ADD + LAT_SQRT, 2 * LAT_CMP - LAT_MUL))
 `endif

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Between which points a shape lies, an axis each: of a triangle its least and largest coordinates, of a solid its
-// centre, from where solid_half.sv goes on (reference/pipes/gap_bound.hpp).
+// Between which points a shape lies, an axis each: of a triangle its least and largest coordinates, of an AABB its
+// corners, of a solid its centre, from where solid_half.sv goes on (reference/pipes/gap_bound.hpp).
 // Of a triangle 12 min/max, else wires.
 // Latency: SHAPE_T_HULL clocks (gap_bound.svh); 0 with ARITH = "host". Throughput: LANES shapes a clock. Stall: none.
 `include "gap_bound.svh"
 module shape_hull #(
     `DF_PARAMETERS,
-    parameter int SHAPE = pairs_pkg::SHAPE_SPHERE,  // sphere, OBB or triangle
+    parameter int SHAPE = pairs_pkg::SHAPE_SPHERE,  // sphere, OBB, triangle or AABB
     localparam int WORDS = pairs_pkg::shape_words(SHAPE)
 ) (
     input logic clk_i,
@@ -25,6 +25,10 @@ module shape_hull #(
     `DF_VMAX(high, high_01, v2)
     if (T_low != `SHAPE_T_HULL(SHAPE)) $error("shape_hull: SHAPE_T_HULL is another");
     assign {high_o, low_o} = {high, low};
+  end else if (SHAPE == pairs_pkg::SHAPE_AABB) begin : g_aabb
+    assign {high_o, low_o} = a_i;
+    logic unused;
+    assign unused = clk_i;
   end else begin : g_solid
     assign {high_o, low_o} = {2{a_i[2:0]}};
     logic unused;

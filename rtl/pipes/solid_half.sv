@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Half the size of a solid's own box, an axis each (reference/pipes/gap_bound.hpp): of a sphere r, of an OBB |R| h,
-// of a triangle, which has no centre, 0.
+// of a triangle or an AABB, which are taken from end to end, 0.
 // Of an OBB 9 mul, 6 add.
 // Latency: SOLID_T_HALF clocks (gap_bound.svh); 0 with ARITH = "host". Throughput: LANES solids a clock. Stall: none.
 `include "gap_bound.svh"
 module solid_half #(
     `DF_PARAMETERS,
-    parameter int SHAPE = pairs_pkg::SHAPE_SPHERE,  // sphere, OBB or triangle
+    parameter int SHAPE = pairs_pkg::SHAPE_SPHERE,  // sphere, OBB, triangle or AABB
     localparam int WORDS = pairs_pkg::shape_words(SHAPE)
 ) (
     input logic clk_i,
@@ -30,11 +30,11 @@ module solid_half #(
     assign half_o = {3{a_i[3]}};
     logic unused_c;
     assign unused_c = &{1'b0, a_i[2:0], clk_i};
-  end else if (SHAPE == pairs_pkg::SHAPE_TRIANGLE) begin : g_triangle
+  end else if (SHAPE == pairs_pkg::SHAPE_TRIANGLE || SHAPE == pairs_pkg::SHAPE_AABB) begin : g_hull
     assign half_o = '0;
     logic unused;
     assign unused = &{1'b0, a_i, clk_i};
   end else begin : g_illegal
-    $error("solid_half: of spheres, OBBs and triangles");
+    $error("solid_half: of spheres, OBBs, triangles and AABBs");
   end
 endmodule

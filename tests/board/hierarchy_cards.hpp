@@ -84,10 +84,22 @@ inline BoardConfig spheres_config() {
           .transform = Transformer::kSecondaries,
           .sram_records = 64};
 }
+/// Solids and triangles that meet boxes.
+inline BoardConfig boxes_config() {
+  return {.lanes = 8,
+          .pairs = {Pair::kObbObb, Pair::kTriangleAabb, Pair::kSphereObb},
+          .box = true,
+          .swap = true,
+          .normals = true,
+          .node_units = 2,
+          .nodes = 1024,
+          .transform = Transformer::kSecondaries,
+          .sram_records = 64};
+}
 inline BoardConfig spheres_gates_config() {
   return {.lanes = 1,
           .arithmetic = Arithmetic::kRtl,
-          .pairs = {Pair::kRaySphere, Pair::kSphereSphere, Pair::kTriangleSphere},
+          .pairs = {Pair::kRaySphere, Pair::kSphereSphere, Pair::kTriangleSphere, Pair::kSphereObb},
           .box = true,
           .swap = true,
           .node_units = 1,

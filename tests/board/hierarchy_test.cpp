@@ -154,7 +154,7 @@ TEST(HierarchyDriver, SaysWhyThereIsNoWayThrough) {
   Board board = Board::open(slow_config());
   const std::vector<Ray> rays = hard_rays(scene, 20);
   const Query on{.pair = Pair::kRayTriangle, .through = Through::kHierarchy};
-  expect_error(ErrorCode::kUsage, "spheres that were uploaded", [&] { board.upload(tree); });
+  expect_error(ErrorCode::kUsage, "OBBs that were uploaded", [&] { board.upload(tree); });
   board.upload(scene);
   board.load(rays);
   expect_error(ErrorCode::kUsage, "no hierarchy was uploaded", [&] { (void)board.run(on); });

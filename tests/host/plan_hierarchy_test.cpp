@@ -183,15 +183,16 @@ TEST(PlanHierarchy, OfMeshesAndOfSpheres) {
          "secondaries = \"ground\"\nmode = \"hits\"\n");
   EXPECT_TRUE(hierarchy(meshes).used) << hierarchy(meshes).why;
   EXPECT_TRUE(meshes.board.box);
-  const auto cloud = [](const char* count, const char* primaries) {
+  const auto cloud = [](const std::string& count, const std::string& primaries,
+                        const std::string& shape = "sphere") {
     return of(
-        std::string("[[object]]\nname = \"cloud\"\nrandom = { shape = \"sphere\", count = ") +
-        count + ", min = [0, 0, 0], max = [9, 9, 9], size = [0.1, 0.2], seed = 3 }\n" +
+        "[[object]]\nname = \"cloud\"\nrandom = { shape = \"" + shape + "\", count = " + count +
+        ", min = [0, 0, 0], max = [9, 9, 9], size = [0.1, 0.2], seed = 3 }\n" +
         "motion = { kind = \"random\", speed = 1, min = [0, 0, 0], max = [9, 9, 9], each = true }\n"
         "[[object]]\nname = \"probes\"\nrandom = { shape = \"sphere\", count = 900, min = [0, "
         "0, 0], max = [9, 9, 9], size = [0.1, 0.2], seed = 4 }\n"
-        "[[query]]\nname = \"near\"\npair = \"sphere-sphere\"\nprimaries = \"" +
-        primaries + "\"\nsecondaries = \"cloud\"\n");
+        "[[query]]\nname = \"near\"\npair = \"sphere-" +
+        shape + "\"\nprimaries = \"" + primaries + "\"\nsecondaries = \"cloud\"\n");
   };
   const Plan spheres = cloud("4000", "probes");
   EXPECT_TRUE(hierarchy(spheres).used) << hierarchy(spheres).why << hierarchy(spheres).cost;
@@ -200,6 +201,26 @@ TEST(PlanHierarchy, OfMeshesAndOfSpheres) {
   EXPECT_EQ(hierarchy(cloud("200", "probes")).why,
             "a tree wins from about 256 spheres on, there are 200");
   EXPECT_NE(hierarchy(cloud("4000", "cloud")).why.find("no shape meets itself"), std::string::npos);
+  const Plan boxes = cloud("4000", "probes", "obb");
+  EXPECT_TRUE(hierarchy(boxes).used) << hierarchy(boxes).why << hierarchy(boxes).cost;
+  EXPECT_TRUE(boxes.board.box) << "the pair needs the rule";
+  EXPECT_EQ(hierarchy(cloud("200", "probes", "obb")).why,
+            "a tree wins from about 256 obbs on, there are 200");
+}
+
+/// The other role of a pair: the triangles of a mesh among boxes.
+TEST(PlanHierarchy, OfAMeshAmongBoxes) {
+  for (const char* shape : {"obb", "aabb"}) {
+    SCOPED_TRACE(shape);
+    const Plan p = of(std::string("[[object]]\nname = \"boxes\"\nrandom = { shape = \"") + shape +
+                      "\", count = 3000, min = [0, 0, 0], max = [200, 200, 60], size = [0.5, 2], "
+                      "seed = 3 }\n[[object]]\nname = \"other\"\nmesh = \"terrain:10,10,5\"\n"
+                      "[[query]]\nname = \"meet\"\npair = \"triangle-" +
+                      shape +
+                      "\"\nprimaries = \"other\"\nsecondaries = \"boxes\"\nmode = "
+                      "\"hits\"\n");
+    EXPECT_TRUE(hierarchy(p).used) << hierarchy(p).why << hierarchy(p).cost;
+  }
 }
 
 /// Many things that move among each other leave little of a tree that stays.

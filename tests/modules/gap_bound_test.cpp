@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The box rule of triangles and solids in hardware, part by part: pipes are so seldom below the
-// bound that pairs alone do not try it.
+// The box rule of triangles, boxes and solids in hardware, part by part: pipes are so seldom below
+// the bound that pairs alone do not try it.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -8,11 +8,13 @@
 
 #include "GapAtLeastGates.h"
 #include "GapAtLeastHost.h"
+#include "GapBoundAabb.h"
 #include "GapBoundObb.h"
-#include "GapBoundObbGates.h"
+#include "GapBoundObbs.h"
 #include "GapBoundSphere.h"
 #include "GapBoundSphereGates.h"
 #include "GapBoundTriangle.h"
+#include "SolidFrontAabb.h"
 #include "SolidFrontObb.h"
 #include "SolidFrontObbGates.h"
 #include "SolidFrontSphere.h"
@@ -31,27 +33,23 @@ std::uint32_t word(float x) {
   return std::bit_cast<std::uint32_t>(x);
 }
 
-template <class Solid>
-Solid draw(Solids& solids, std::size_t i) {
-  const auto kind = static_cast<unsigned>(i % Solids::kKinds);
-  if constexpr (std::is_same_v<Solid, Sphere>)
-    return solids.sphere(kind);
-  else if constexpr (std::is_same_v<Solid, Obb>)
-    return solids.obb(kind);
-  else
-    return solids.triangle(kind);
-}
-
-template <class Module, class Solid>
+/// Of a triangle, or with others the box `First`, and a solid.
+template <class Module, class Solid, class First = Triangle>
 void expect_bounds(std::size_t count) {
   Clocked<Module> module;
   for (const Case& c : kScenes) {
     SCOPED_TRACE(c.name);
     const Scene scene = c.make();
     Solids draws(scene, 9);
+    const auto all = [&] {
+      if constexpr (std::is_same_v<First, Triangle>)
+        return scene;
+      else
+        return obbs_of(scene);
+    }();
     for (std::size_t i = 0; i < count; ++i) {
-      const Solid solid = draw<Solid>(draws, i);
-      const Triangle& t = scene[i * 31 % scene.size()];
+      const Solid solid = draws.draw<Solid>(i);
+      const First& t = all[i * 31 % all.size()];
       const auto a = to_words(t);
       const auto b = to_words(solid);
       for (unsigned w = 0; w < a.size(); ++w) module->a_i[w] = word(a[w]);
@@ -66,7 +64,8 @@ TEST(GapBound, IsThatOfTheReference) {
   expect_bounds<GapBoundSphere, Sphere>(200);
   expect_bounds<GapBoundObb, Obb>(200);
   expect_bounds<GapBoundSphereGates, Sphere>(50);
-  expect_bounds<GapBoundObbGates, Obb>(50);
+  expect_bounds<GapBoundObbs, Obb, Obb>(50);
+  expect_bounds<GapBoundAabb, Aabb>(50);
   expect_bounds<GapBoundTriangle, Triangle>(50);
 }
 
@@ -123,7 +122,7 @@ void expect_fronts() {
     const auto root = reference::root_bounds<float>(box.min(), box.max());
     Solids draws(scene, 10);
     for (std::size_t i = 0; i < 100; ++i) {
-      const Solid solid = draw<Solid>(draws, i);
+      const Solid solid = draws.draw<Solid>(i);
       const auto words = to_words(solid);
       for (unsigned w = 0; w < words.size(); ++w) module->a_i[w] = word(words[w]);
       for (int k = 0; k < 3; ++k) {
@@ -147,6 +146,7 @@ TEST(SolidFront, IsThatOfTheReference) {
   expect_fronts<SolidFrontObb, Obb>();
   expect_fronts<SolidFrontObbGates, Obb>();
   expect_fronts<SolidFrontTriangle, Triangle>();
+  expect_fronts<SolidFrontAabb, Aabb>();
 }
 
 }  // namespace

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spheres, OBBs and triangles through a hierarchy against all triangles one by one, and what the
-// box rule changes of their gaps.
+// Solids and triangles through hierarchies over triangles, boxes and spheres against all of these
+// one by one, and what the box rule changes of gaps.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
 
+#include "cde/reference/pipes/convex/obb_obb.hpp"
+#include "cde/reference/pipes/convex/sphere_obb.hpp"
 #include "cde/reference/pipes/convex/triangle_box.hpp"
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
 #include "cde/reference/pipes/convex/triangle_triangle.hpp"
@@ -14,6 +16,7 @@
 #include "cde/reference/traversal.hpp"
 #include "cde/support/error.hpp"
 #include "hard_solids.hpp"
+#include "hard_spheres.hpp"
 #include "through_and_swept.hpp"
 
 namespace cde::testing {
@@ -21,28 +24,25 @@ namespace {
 
 using namespace hard;
 
-template <class Solid>
-Solid draw(Solids& solids, unsigned kind) {
-  if constexpr (std::is_same_v<Solid, Sphere>)
-    return solids.sphere(kind);
-  else if constexpr (std::is_same_v<Solid, Obb>)
-    return solids.obb(kind);
-  else
-    return solids.triangle(kind);
-}
 constexpr Mode kModes[] = {Mode::kNearest, Mode::kAny, Mode::kHits};
 
 constexpr unsigned kSeed = 5;
 
-/// Hard ones in turn.
-template <class Solid>
-void expect_hard_ones(const Scene& scene, std::size_t count) {
-  Solids draws(scene, kSeed);
+/// Hard ones in turn, beside what is in the tree.
+template <class Solid, class Secondary>
+std::vector<Solid> hard_ones(const std::vector<Secondary>& all, std::size_t count, unsigned seed) {
+  const Scene corners = corners_of(all);
+  Solids draws(corners, seed);
   std::vector<Solid> solids;
-  for (std::size_t i = 0; i < count; ++i)
-    solids.push_back(draw<Solid>(draws, static_cast<unsigned>(i % Solids::kKinds)));
+  for (std::size_t i = 0; i < count; ++i) solids.push_back(draws.draw<Solid>(i));
+  return solids;
+}
+
+template <class Solid, class Secondary>
+void expect_hard_ones(const std::vector<Secondary>& all, std::size_t count) {
   fmt::print("seed {}: ", kSeed);
-  expect_all_records(scene, solids, kModes, count, [](const Solid& s) { return text(s); });
+  expect_all_records(all, hard_ones<Solid>(all, count, kSeed), kModes, count,
+                     [](const Solid& s) { return text(s); });
 }
 
 class EverySolid : public ::testing::TestWithParam<Case> {};
@@ -60,15 +60,31 @@ TEST_P(EverySolid, TriangleIsThatOfAllTriangles) {
   expect_hard_ones<Triangle>(GetParam().make(), full() ? 2500 : 60);
 }
 
-/// How many gaps the rule changes, and by how much of its margin at most.
-template <class Solid, class Pipe>
-void expect_rule_is_quiet(const Scene& scene, Pipe pipe, unsigned kinds, std::size_t count) {
-  Solids draws(scene, kSeed + 1);
+TEST_P(EverySolid, AabbIsThatOfAllTriangles) {
+  expect_hard_ones<Aabb>(GetParam().make(), full() ? 2500 : 60);
+}
+TEST_P(EverySolid, OfAnyShapeIsThatOfAllObbs) {
+  const std::vector<Obb> boxes = obbs_of(GetParam().make());
+  expect_hard_ones<Sphere>(boxes, full() ? 2500 : 150);
+  expect_hard_ones<Obb>(boxes, full() ? 2500 : 60);
+  expect_hard_ones<Triangle>(boxes, full() ? 2500 : 60);
+}
+TEST_P(EverySolid, TriangleIsThatOfAllAabbs) {
+  expect_hard_ones<Triangle>(aabbs_of(GetParam().make()), full() ? 2500 : 60);
+}
+TEST_P(EverySolid, OfAnyShapeIsThatOfAllSpheres) {
+  const Cloud cloud = cloud_of(GetParam().make());
+  expect_hard_ones<Obb>(cloud, full() ? 2500 : 150);
+  expect_hard_ones<Triangle>(cloud, full() ? 2500 : 150);
+}
+
+/// How many gaps the rule changes, of all as shape A.
+template <class Solid, class Secondary, class Pipe>
+void expect_rule_is_quiet(const std::vector<Secondary>& all, Pipe pipe, std::size_t count) {
   std::size_t pairs = 0, changed = 0, verdicts = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Solid solid = draw<Solid>(draws, static_cast<unsigned>(i % kinds));
+  for (const Solid& solid : hard_ones<Solid>(all, count, kSeed + 1)) {
     if (defect(solid)) continue;  // a rotation that is not one to 2^-20
-    for (const Triangle& t : scene) {
+    for (const Secondary& t : all) {
       const reference::Outcome<float> plain = pipe(t, solid);
       const reference::Outcome<float> boxed = reference::bounded<float>(plain, t, solid);
       ++pairs;
@@ -88,10 +104,13 @@ void expect_rule_is_quiet(const Scene& scene, Pipe pipe, unsigned kinds, std::si
 TEST_P(EverySolid, TheRuleChangesNoGap) {
   const Scene scene = GetParam().make();
   const std::size_t count = std::max<std::size_t>(10, (full() ? 2'000'000 : 40'000) / scene.size());
-  expect_rule_is_quiet<Sphere>(scene, reference::triangle_sphere<float>, Solids::kKinds, count);
-  expect_rule_is_quiet<Obb>(scene, reference::triangle_obb<float>, Solids::kKinds, count / 8 + 10);
-  expect_rule_is_quiet<Triangle>(scene, reference::triangle_triangle<float>, Solids::kKinds,
-                                 count / 8 + 10);
+  const std::size_t some = count / 8 + 10;
+  expect_rule_is_quiet<Sphere>(scene, reference::triangle_sphere<float>, count);
+  expect_rule_is_quiet<Obb>(scene, reference::triangle_obb<float>, some);
+  expect_rule_is_quiet<Aabb>(scene, reference::triangle_aabb<float>, some);
+  expect_rule_is_quiet<Triangle>(scene, reference::triangle_triangle<float>, some);
+  expect_rule_is_quiet<Obb>(cloud_of(scene), reference::sphere_obb<float>, some);
+  expect_rule_is_quiet<Obb>(obbs_of(scene), reference::obb_obb<float>, some);
 }
 
 /// A pipe that answers too little is held to the boxes' gap, and so is F.

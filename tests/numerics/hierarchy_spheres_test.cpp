@@ -106,7 +106,7 @@ TEST(HierarchyOfSpheres, WhatIsRefused) {
   EXPECT_THROW(reference::Traversal(std::span(cloud).first(1), tree), Error);
   reference::Traversal walk(cloud, tree);
   EXPECT_THROW((void)walk.trace(cloud[0], 0, Mode::kFarthest), Error);
-  const Obb box{{0, 0, 0}, {1, 1, 1}, Eigen::Matrix3f::Identity()};
+  const Aabb box{{0, 0, 0}, {1, 1, 1}};
   EXPECT_THROW((void)walk.trace(box, 0, Mode::kNearest), Error);
   EXPECT_THROW((void)Hierarchy::build(Cloud{{{0x1p40f, 0, 0}, 1}}), Error) << "beyond 2^40";
   EXPECT_THROW((void)Hierarchy::build(Cloud{{{0, NAN, 0}, 1}}), Error);

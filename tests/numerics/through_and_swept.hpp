@@ -12,6 +12,7 @@
 
 #include "cde/reference/pass.hpp"
 #include "cde/reference/traversal.hpp"
+#include "pair_through.hpp"
 
 /// Primaries through a hierarchy against all secondaries one by one.
 namespace cde::testing {
@@ -21,20 +22,11 @@ inline bool full() {
   return std::getenv("CDE_FULL") != nullptr;
 }
 
-/// The pair of a primary and what is in the tree.
-template <class P, class Secondary>
-constexpr Pair kPairThrough = std::is_same_v<Secondary, Sphere>
-                                  ? (std::is_same_v<P, Ray> ? Pair::kRaySphere
-                                                            : Pair::kSphereSphere)
-                              : std::is_same_v<P, Sphere> ? Pair::kTriangleSphere
-                              : std::is_same_v<P, Obb>    ? Pair::kTriangleObb
-                                                          : Pair::kTriangleTriangle;
-
 /// What all secondaries give, by ascending primary, then index.
 template <class P, class Secondary>
 std::vector<Record> swept(const std::vector<Secondary>& all, const std::vector<P>& primaries,
                           Mode mode) {
-  constexpr Pair kPair = kPairThrough<P, Secondary>;
+  const auto [pair, swap] = pair_through<P, Secondary>();
   std::vector<Record> records;
   const Shapes secondaries = all;
   for (std::size_t first = 0; first < primaries.size(); first += 256) {
@@ -42,10 +34,7 @@ std::vector<Record> swept(const std::vector<Secondary>& all, const std::vector<P
     const auto begin = primaries.begin() + static_cast<long>(first);
     std::vector<std::uint32_t> numbers;
     for (std::size_t i = 0; i < n; ++i) numbers.push_back(static_cast<std::uint32_t>(first + i));
-    reference::Pass pass({.pair = kPair,
-                          .box = std::is_same_v<Secondary, Triangle>,
-                          .swap = kPair == Pair::kTriangleSphere || kPair == Pair::kTriangleObb,
-                          .mode = mode},
+    reference::Pass pass({.pair = pair, .box = has_box_rule(pair), .swap = swap, .mode = mode},
                          std::vector<P>(begin, begin + static_cast<long>(n)), numbers, secondaries);
     std::vector<Record> some;
     for (auto next = pass.next(); !next.empty(); next = pass.next()) {

@@ -372,12 +372,13 @@ void check_hierarchy(const BoardConfig& c) {
           fmt::format("a hierarchy is of fp32, not of {}: its boxes are widened by 2^-16 of the "
                       "scene, which in a coarser format were percents of it",
                       c.format.name()));
-  const bool walked = std::any_of(c.pairs.begin(), c.pairs.end(),
-                                  [&c](Pair pair) { return c.way_through(pair).has_value(); });
+  const bool walked = std::any_of(c.pairs.begin(), c.pairs.end(), [&c](Pair pair) {
+    return c.way_through(pair, false).has_value();
+  });
   require(walked,
-          "a hierarchy is of ray-triangle, triangle-triangle, and with swap of triangle-sphere and "
-          "triangle-obb, with the box rule, without which no tree answers as all triangles do, or "
-          "of ray-sphere and sphere-sphere; narrow lanes that prove misses have none");
+          "a hierarchy is of rays, spheres, AABBs, OBBs and triangles, with the box rule, without "
+          "which no tree answers as all secondaries do, or of ray-sphere and sphere-sphere; narrow "
+          "lanes that prove misses have none");
 }
 
 }  // namespace
@@ -386,11 +387,10 @@ bool BoardConfig::box_rule(Pair pair) const {
   return box && has_box_rule(pair) && !(verdicts && has_verdicts(pair));
 }
 
-std::optional<WayThrough> BoardConfig::way_through(Pair pair) const {
-  const auto way = cde::way_through(pair);
-  const bool there = way && (way->swap ? swap : true) && (box || !has_box_rule(pair)) &&
-                     !(verdicts && has_verdicts(pair));
-  return there ? way : std::nullopt;
+std::optional<WayThrough> BoardConfig::way_through(Pair pair, bool swapped) const {
+  const bool there =
+      (swap || !swapped) && (box || !has_box_rule(pair)) && !(verdicts && has_verdicts(pair));
+  return there ? cde::way_through(pair, swapped) : std::nullopt;
 }
 
 std::vector<std::string> BoardConfig::parameters() const {
@@ -423,8 +423,8 @@ std::vector<std::string> BoardConfig::parameters() const {
   if (box && std::none_of(pairs.begin(), pairs.end(), has_box_rule))
     throw Error(
         ErrorCode::kUsage,
-        "the box rule is of ray-triangle, triangle-sphere, triangle-obb and triangle-triangle, of "
-        "which the card has none");
+        "the box rule is of triangles with rays, spheres, AABBs, OBBs and triangles, and of OBBs "
+        "with spheres and OBBs, of which the card has none");
   const BoardConfig standard;
   check_hierarchy(*this);
   const bool moves = transform != Transformer::kNone, poses = transform == Transformer::kBoth;

@@ -14,6 +14,16 @@
 namespace cde {
 namespace {
 
+/// Whether something has a way through a hierarchy over them.
+bool is_leaf(Shape shape) {
+  for (unsigned p = 0; p < kPairs; ++p)
+    for (const bool swap : {false, true}) {
+      const auto way = way_through(static_cast<Pair>(p), swap);
+      if (way && way->secondary == shape) return true;
+    }
+  return false;
+}
+
 void check_fits(const Board::Impl& card, const Hierarchy& hierarchy, std::uint64_t secondaries,
                 Shape shape) {
   if (card.node_units == 0)
@@ -91,18 +101,28 @@ void Board::upload(const TriangleView& triangles, const Hierarchy& hierarchy, bo
   upload(hierarchy);
 }
 
-void Board::upload(std::span<const Sphere> spheres, const Hierarchy& hierarchy, bool validate) {
-  check_fits(idle_card(), hierarchy, spheres.size(), Shape::kSphere);
-  upload_shapes(spheres, validate);
+template <class P>
+void Board::upload_with(std::span<const P> shapes, const Hierarchy& hierarchy, bool validate) {
+  check_fits(idle_card(), hierarchy, shapes.size(), kShapeOf<P>);
+  upload_shapes(shapes, validate);
   upload(hierarchy);
+}
+void Board::upload(std::span<const Sphere> spheres, const Hierarchy& hierarchy, bool validate) {
+  upload_with(spheres, hierarchy, validate);
+}
+void Board::upload(std::span<const Aabb> boxes, const Hierarchy& hierarchy, bool validate) {
+  upload_with(boxes, hierarchy, validate);
+}
+void Board::upload(std::span<const Obb> boxes, const Hierarchy& hierarchy, bool validate) {
+  upload_with(boxes, hierarchy, validate);
 }
 
 void Board::upload(const Hierarchy& hierarchy) {
   Impl& it = idle_card();
   it.link->alive();
-  if (it.secondaries == 0 ||
-      (it.secondary_shape != Shape::kTriangle && it.secondary_shape != Shape::kSphere))
-    throw Error(ErrorCode::kUsage, "a hierarchy is of triangles or spheres that were uploaded");
+  if (it.secondaries == 0 || !is_leaf(it.secondary_shape))
+    throw Error(ErrorCode::kUsage,
+                "a hierarchy is of triangles, spheres, AABBs or OBBs that were uploaded");
   check_fits(it, hierarchy, it.secondaries, it.secondary_shape);
   const std::uint64_t start = clocks();
   it.write_hierarchy(hierarchy);
@@ -197,9 +217,11 @@ Counters Board::refit() {
   if (it.hierarchy.nodes == 0)
     throw Error(ErrorCode::kUsage, "no hierarchy was uploaded to the board");
   if (it.secondary_shape != Shape::kTriangle)
-    throw Error(ErrorCode::kUsage,
-                "the card makes boxes of triangles anew; of spheres Hierarchy::refit() does, and "
-                "upload() of that");
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("the card makes boxes of triangles anew; of {}s Hierarchy::refit() does, "
+                    "and upload() of that",
+                    name(it.secondary_shape)));
   if (const auto why = it.no_way_through_objects()) throw Error(ErrorCode::kUsage, *why);
   Query query;
   query.pair = Pair::kRayTriangle;
@@ -249,10 +271,11 @@ std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
                : "objects or their triangles have moved since, and no refit()";
   if (q.mode == Mode::kAll) return "mode all has records of all secondaries, hit or not";
   const Pair pair = q.pair.value_or(pairs.front());
-  const auto way = way_through(pair);
-  if (!way || q.swap != way->swap)
-    return "it is of rays, triangles, and with swap of spheres and OBBs, that meet triangles, and "
-           "of rays and spheres that meet spheres";
+  const auto way = way_through(pair, q.swap);
+  if (!way)
+    return fmt::format("{}{} has no way through a hierarchy", name(pair),
+                       q.swap ? " with its roles swapped" : "");
+  if (q.swap && !can_swap) return "the card cannot exchange primaries and secondaries";
   if (way->secondary != secondary_shape)
     return fmt::format("the hierarchy is over {}s", name(secondary_shape));
   if (has_verdicts(pair) && verdicts) return "narrow lanes that prove misses sweep";
@@ -301,6 +324,14 @@ Hierarchy hierarchy_of(const TriangleView& triangles, std::span<const Object> ob
 Hierarchy hierarchy_of(std::span<const Sphere> spheres, std::span<const Object> objects,
                        const HierarchyOptions& options) {
   return hierarchy_of_any(spheres, objects, options);
+}
+Hierarchy hierarchy_of(std::span<const Aabb> boxes, std::span<const Object> objects,
+                       const HierarchyOptions& options) {
+  return hierarchy_of_any(boxes, objects, options);
+}
+Hierarchy hierarchy_of(std::span<const Obb> boxes, std::span<const Object> objects,
+                       const HierarchyOptions& options) {
+  return hierarchy_of_any(boxes, objects, options);
 }
 
 }  // namespace cde

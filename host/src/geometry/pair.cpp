@@ -66,11 +66,12 @@ bool has_box_rule(Pair pair) {
   return contract::has(contract::kBoxPairs | contract::kBoundPairs, pair);
 }
 
-std::optional<WayThrough> way_through(Pair pair) {
+std::optional<WayThrough> way_through(Pair pair, bool swap) {
   if (!has_box_rule(pair) && !contract::has(contract::kPlainPairs, pair)) return std::nullopt;
-  const bool swap = contract::has(contract::kSwappedPairs, pair);
   const Shape a = primary_shape(pair), b = secondary_shape(pair);
-  return WayThrough{swap ? b : a, swap ? a : b, swap};
+  if (!swap) return WayThrough{a, b};
+  if (a == b || !contract::has(contract::kBoundPairs, pair)) return std::nullopt;
+  return WayThrough{b, a};
 }
 
 bool has_verdicts(Pair pair) {

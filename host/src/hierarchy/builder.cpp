@@ -11,6 +11,7 @@
 #include <numeric>
 #include <thread>
 
+#include "cde/geometry/pair.hpp"
 #include "cde/hierarchy/hierarchy.hpp"
 #include "cde/support/error.hpp"
 
@@ -244,11 +245,28 @@ Eigen::AlignedBox3f box_of(const Sphere& s) {
   return box;
 }
 
-/// Error kBadInput for a sphere that no pipe would take: a sweep leaves it out.
-Eigen::AlignedBox3f box_of_sphere(std::span<const Sphere> spheres, std::size_t i) {
-  if (const auto why = defect(spheres[i]))
-    throw Error(ErrorCode::kBadInput, fmt::format("sphere {}: {}", i, *why));
-  return box_of(spheres[i]);
+Eigen::AlignedBox3f box_of(const Aabb& box) {
+  return {box.min, box.max};
+}
+
+/// The largest number that is not above, -x turned round the least one that is not below.
+float rounded_down(double x) {
+  const auto rounded = static_cast<float>(x);
+  return rounded > x ? std::nextafter(rounded, -kInfinite) : rounded;
+}
+
+/// Products of two numbers are exact in double, and what rounds their sums is made up for.
+Eigen::AlignedBox3f box_of(const Obb& solid) {
+  constexpr double kUp = 1 + 0x1p-48;
+  Eigen::AlignedBox3f box;
+  for (int k = 0; k < 3; ++k) {
+    const double half =
+        kUp * solid.rotation.row(k).cast<double>().cwiseAbs().dot(solid.half.cast<double>());
+    const double low = solid.c[k] - half, high = solid.c[k] + half;
+    box.min()[k] = rounded_down(low - 0x1p-50 * std::abs(low));
+    box.max()[k] = -rounded_down(-high - 0x1p-50 * std::abs(high));
+  }
+  return box;
 }
 
 Eigen::AlignedBox3f box_of(const Triangle& t) {
@@ -257,6 +275,19 @@ Eigen::AlignedBox3f box_of(const Triangle& t) {
   for (const Eigen::Vector3f* v : {&t.v0, &t.v1, &t.v2})
     if (v->hasNaN()) box.min() = *v;
   return box;
+}
+
+/// The box of each. Error kBadInput for a solid that no pipe would take: a sweep leaves it out.
+template <class P>
+auto boxes_of(std::span<const P> all) {
+  return [all](std::size_t i) {
+    if (const auto why = defect(all[i]))
+      throw Error(ErrorCode::kBadInput, fmt::format("{} {}: {}", name(kShapeOf<P>), i, *why));
+    return box_of(all[i]);
+  };
+}
+auto boxes_of(const TriangleView& triangles) {
+  return [&triangles](std::size_t i) { return box_of(triangles[i]); };
 }
 
 }  // namespace
@@ -365,14 +396,16 @@ Hierarchy Hierarchy::build(std::size_t count, const BoxOf& box, const HierarchyO
 }
 
 Hierarchy Hierarchy::build(const TriangleView& triangles, const HierarchyOptions& options) {
-  return build(
-      triangles.size(), [&](std::size_t i) { return box_of(triangles[i]); }, options, kMostDepth);
+  return build(triangles.size(), boxes_of(triangles), options, kMostDepth);
 }
-
 Hierarchy Hierarchy::build(std::span<const Sphere> spheres, const HierarchyOptions& options) {
-  return build(
-      spheres.size(), [&](std::size_t i) { return box_of_sphere(spheres, i); }, options,
-      kMostDepth);
+  return build(spheres.size(), boxes_of(spheres), options, kMostDepth);
+}
+Hierarchy Hierarchy::build(std::span<const Aabb> boxes, const HierarchyOptions& options) {
+  return build(boxes.size(), boxes_of(boxes), options, kMostDepth);
+}
+Hierarchy Hierarchy::build(std::span<const Obb> boxes, const HierarchyOptions& options) {
+  return build(boxes.size(), boxes_of(boxes), options, kMostDepth);
 }
 
 namespace {
@@ -386,14 +419,19 @@ constexpr std::size_t kMostParts = std::size_t{1} << (3 * kTopDepth);
 
 Hierarchy Hierarchy::build(const TriangleView& triangles, std::span<const std::uint32_t> parts,
                            const HierarchyOptions& options) {
-  return build(
-      triangles.size(), [&](std::size_t i) { return box_of(triangles[i]); }, parts, options);
+  return build(triangles.size(), boxes_of(triangles), parts, options);
 }
-
 Hierarchy Hierarchy::build(std::span<const Sphere> spheres, std::span<const std::uint32_t> parts,
                            const HierarchyOptions& options) {
-  return build(
-      spheres.size(), [&](std::size_t i) { return box_of_sphere(spheres, i); }, parts, options);
+  return build(spheres.size(), boxes_of(spheres), parts, options);
+}
+Hierarchy Hierarchy::build(std::span<const Aabb> boxes, std::span<const std::uint32_t> parts,
+                           const HierarchyOptions& options) {
+  return build(boxes.size(), boxes_of(boxes), parts, options);
+}
+Hierarchy Hierarchy::build(std::span<const Obb> boxes, std::span<const std::uint32_t> parts,
+                           const HierarchyOptions& options) {
+  return build(boxes.size(), boxes_of(boxes), parts, options);
 }
 
 Hierarchy Hierarchy::build(std::size_t count, const BoxOf& box,
@@ -499,16 +537,22 @@ void Hierarchy::refit(std::span<const Eigen::AlignedBox3f> boxes) {
   box_ = of_nodes[0];
 }
 
-void Hierarchy::refit(const TriangleView& triangles) {
-  std::vector<Eigen::AlignedBox3f> boxes(triangles.size());
-  for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = box_of(triangles[i]);
+void Hierarchy::refit(std::size_t count, const BoxOf& box) {
+  std::vector<Eigen::AlignedBox3f> boxes(count);
+  for (std::size_t i = 0; i < count; ++i) boxes[i] = box(i);
   refit(boxes);
 }
-
+void Hierarchy::refit(const TriangleView& triangles) {
+  refit(triangles.size(), boxes_of(triangles));
+}
 void Hierarchy::refit(std::span<const Sphere> spheres) {
-  std::vector<Eigen::AlignedBox3f> boxes(spheres.size());
-  for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = box_of_sphere(spheres, i);
-  refit(boxes);
+  refit(spheres.size(), boxes_of(spheres));
+}
+void Hierarchy::refit(std::span<const Aabb> boxes) {
+  refit(boxes.size(), boxes_of(boxes));
+}
+void Hierarchy::refit(std::span<const Obb> boxes) {
+  refit(boxes.size(), boxes_of(boxes));
 }
 
 }  // namespace cde

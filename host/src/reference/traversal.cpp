@@ -13,6 +13,8 @@
 
 #include "cde/contract/records.hpp"
 #include "cde/geometry/pair.hpp"
+#include "cde/reference/pipes/convex/obb_obb.hpp"
+#include "cde/reference/pipes/convex/sphere_obb.hpp"
 #include "cde/reference/pipes/convex/sphere_sphere.hpp"
 #include "cde/reference/pipes/convex/triangle_box.hpp"
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
@@ -68,35 +70,50 @@ Record record_from(const Outcome<float>& o, std::uint32_t number, std::uint32_t 
   r.primary = number;
   return r;
 }
+
+// The pairs, by their shapes A and B: those that go as they are, and those that need the rule.
+Outcome<float> plain(const Ray& a, const Sphere& b) {
+  return ray_sphere<float>(a, b);
+}
+Outcome<float> plain(const Sphere& a, const Sphere& b) {
+  return sphere_sphere<float>(a, b);
+}
+Outcome<float> pipe(const Triangle& a, const Sphere& b) {
+  return triangle_sphere<float>(a, b);
+}
+Outcome<float> pipe(const Triangle& a, const Aabb& b) {
+  return triangle_aabb<float>(a, b);
+}
+Outcome<float> pipe(const Triangle& a, const Obb& b) {
+  return triangle_obb<float>(a, b);
+}
+Outcome<float> pipe(const Triangle& a, const Triangle& b) {
+  return triangle_triangle<float>(a, b);
+}
+Outcome<float> pipe(const Sphere& a, const Obb& b) {
+  return sphere_obb<float>(a, b);
+}
+Outcome<float> pipe(const Obb& a, const Obb& b) {
+  return obb_obb<float>(a, b);
+}
+
 Record answer(const Ray& ray, const Triangle& triangle, std::uint32_t number, std::uint32_t index,
               Algorithm algorithm) {
   return record_of(ray, triangle, number, index, true, algorithm);
 }
-Record answer(const Sphere& sphere, const Triangle& triangle, std::uint32_t number,
-              std::uint32_t index, Algorithm) {
-  return record_from(bounded<float>(triangle_sphere<float>(triangle, sphere), triangle, sphere),
-                     number, index);
-}
-Record answer(const Obb& box, const Triangle& triangle, std::uint32_t number, std::uint32_t index,
+/// Either shape may be in the tree.
+template <class P, class L>
+Record answer(const P& primary, const L& secondary, std::uint32_t number, std::uint32_t index,
               Algorithm) {
-  return record_from(bounded<float>(triangle_obb<float>(triangle, box), triangle, box), number,
-                     index);
-}
-Record answer(const Triangle& primary, const Triangle& triangle, std::uint32_t number,
-              std::uint32_t index, Algorithm) {
-  return record_from(bounded<float>(triangle_triangle<float>(primary, triangle), primary, triangle),
-                     number, index);
-}
-Record answer(const Ray& ray, const Sphere& sphere, std::uint32_t number, std::uint32_t index) {
-  return record_from(ray_sphere<float>(ray, sphere), number, index);
-}
-Record answer(const Sphere& primary, const Sphere& sphere, std::uint32_t number,
-              std::uint32_t index) {
-  return record_from(sphere_sphere<float>(primary, sphere), number, index);
-}
-template <class P>
-Record answer(const P&, const Sphere&, std::uint32_t, std::uint32_t) {
-  throw Error(ErrorCode::kUsage, "OBBs and triangles have no way through a hierarchy over spheres");
+  if constexpr (requires { plain(primary, secondary); })
+    return record_from(plain(primary, secondary), number, index);
+  else if constexpr (requires { pipe(primary, secondary); })
+    return record_from(bounded<float>(pipe(primary, secondary), primary, secondary), number, index);
+  else if constexpr (requires { pipe(secondary, primary); })
+    return record_from(bounded<float>(pipe(secondary, primary), secondary, primary), number, index);
+  else
+    throw Error(ErrorCode::kUsage, fmt::format("{}s have no way through a hierarchy over {}s",
+                                               name(kShapeOf<P>), name(kShapeOf<L>)));
 }
 
 /// What mode nearest and the others compare: T, or of solids the signed gap.
@@ -120,7 +137,10 @@ class Traversal::Walk {
       tmax_ = primary.tmax;
     }
     const auto& box = of.hierarchy_.box();
-    front_ = front_of(primary, root_bounds<float>(box.min(), box.max()), of.leaf());
+    front_ = front_of(primary, root_bounds<float>(box.min(), box.max()),
+                      std::holds_alternative<std::span<const Sphere>>(of.secondaries_)
+                          ? Shape::kSphere
+                          : Shape::kTriangle);
     visit(of.hierarchy_.nodes()[0]);
     while (!over_ && depth_ != 0) {
       Group& top = stack_[depth_ - 1];
@@ -180,10 +200,11 @@ class Traversal::Walk {
     for (std::uint32_t s = slot; s < slot + count; ++s) {
       ++of_.counts_.secondaries;
       const std::uint32_t index = of_.hierarchy_.order()[s];
-      const Record record =
-          of_.leaf() == Shape::kSphere
-              ? answer(primary_, of_.spheres_[index], number_, index)
-              : answer(primary_, of_.triangles_[index], number_, index, of_.algorithm_);
+      const Record record = std::visit(
+          [&](const auto& all) {
+            return answer(primary_, all[index], number_, index, of_.algorithm_);
+          },
+          of_.secondaries_);
       if (record.f || (kSolid && goal_ == Goal::kNearest)) keep(record);
     }
   }
@@ -221,23 +242,22 @@ class Traversal::Walk {
   bool over_ = false;
 };
 
-Traversal::Traversal(const TriangleView& triangles, const Hierarchy& hierarchy, Algorithm algorithm)
-    : triangles_(triangles), hierarchy_(hierarchy), algorithm_(algorithm) {
+Traversal::Traversal(Secondaries secondaries, std::size_t count, std::string_view shape,
+                     const Hierarchy& hierarchy, Algorithm algorithm)
+    : secondaries_(secondaries), hierarchy_(hierarchy), algorithm_(algorithm) {
   (void)name(algorithm);  // or it is none
-  if (triangles.size() != hierarchy.order().size())
-    throw Error(ErrorCode::kUsage, fmt::format("{} triangles with a hierarchy of {}",
-                                               triangles.size(), hierarchy.order().size()));
-}
-
-Traversal::Traversal(std::span<const Sphere> spheres, const Hierarchy& hierarchy)
-    : triangles_(std::span<const Triangle>()),
-      spheres_(spheres),
-      hierarchy_(hierarchy),
-      algorithm_(Algorithm::kMoller) {
-  if (spheres.size() != hierarchy.order().size())
-    throw Error(ErrorCode::kUsage, fmt::format("{} spheres with a hierarchy of {}", spheres.size(),
+  if (count != hierarchy.order().size())
+    throw Error(ErrorCode::kUsage, fmt::format("{} {}s with a hierarchy of {}", count, shape,
                                                hierarchy.order().size()));
 }
+Traversal::Traversal(const TriangleView& triangles, const Hierarchy& hierarchy, Algorithm algorithm)
+    : Traversal(triangles, triangles.size(), name(Shape::kTriangle), hierarchy, algorithm) {}
+Traversal::Traversal(std::span<const Sphere> spheres, const Hierarchy& hierarchy)
+    : Traversal(spheres, spheres.size(), name(Shape::kSphere), hierarchy, Algorithm::kMoller) {}
+Traversal::Traversal(std::span<const Aabb> boxes, const Hierarchy& hierarchy)
+    : Traversal(boxes, boxes.size(), name(Shape::kAabb), hierarchy, Algorithm::kMoller) {}
+Traversal::Traversal(std::span<const Obb> boxes, const Hierarchy& hierarchy)
+    : Traversal(boxes, boxes.size(), name(Shape::kObb), hierarchy, Algorithm::kMoller) {}
 
 template <class P>
 std::vector<Record> Traversal::trace_any(const P& primary, std::uint32_t number, Mode mode) {
@@ -275,10 +295,12 @@ bool Traversal::occluded(const Ray& ray) {
   return meets_any(ray);
 }
 template std::vector<Record> Traversal::trace_any(const Sphere&, std::uint32_t, Mode);
+template std::vector<Record> Traversal::trace_any(const Aabb&, std::uint32_t, Mode);
 template std::vector<Record> Traversal::trace_any(const Obb&, std::uint32_t, Mode);
-template bool Traversal::meets_any(const Sphere&);
-template bool Traversal::meets_any(const Obb&);
 template std::vector<Record> Traversal::trace_any(const Triangle&, std::uint32_t, Mode);
+template bool Traversal::meets_any(const Sphere&);
+template bool Traversal::meets_any(const Aabb&);
+template bool Traversal::meets_any(const Obb&);
 template bool Traversal::meets_any(const Triangle&);
 
 }  // namespace cde::reference

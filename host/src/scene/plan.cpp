@@ -208,18 +208,17 @@ Effect box_rule(const Plan& plan) {
     return pair != Pair::kRayTriangle &&
            (plan.board.box ? plan.board.box_rule(pair) : has_box_rule(pair));
   });
-  std::string why = "no rays, spheres or OBBs meet triangles";
+  std::string why = "no pair has it";
   if (plan.board.box) {
     why = rays ? "a ray's hit must lie in the triangle's box" : "";
     if (solids)
-      why += fmt::format("{}the gap of a solid and a triangle is at least that of their boxes",
-                         rays ? "; " : "");
+      why +=
+          fmt::format("{}the gap of two shapes is at least that of their boxes", rays ? "; " : "");
   } else if (rays) {
     why = "the plain pipe is asked for: a hit may be far from an edge-on triangle";
   } else if (solids) {
-    why = plan.board.verdicts
-              ? "narrow lanes prove misses of solids"
-              : "the plain pipes are asked for: nothing of triangles goes through a hierarchy";
+    why = plan.board.verdicts ? "narrow lanes prove misses of solids"
+                              : "the plain pipes are asked for: solids go through no hierarchy";
   }
   return {"box rule", plan.board.box, plan.board.box ? "built in" : "none", why,
           simulation_text("box rule")};

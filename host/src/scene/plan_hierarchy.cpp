@@ -18,13 +18,13 @@ namespace cde::plan_hierarchy {
 namespace {
 
 /// From so many secondaries on a tree is tried.
-constexpr std::uint64_t kWorthATree = 2048, kWorthATreeOfSpheres = 256;
+constexpr std::uint64_t kWorthATree = 2048, kWorthATreeOfSolids = 256;
 /// Clocks that the last rays of a packet take for a level of the tree, when no others are left.
 constexpr double kClocksALevel = 30;
-/// Those of a solid for a triangle that it is tested with, nodes above it included: of spheres 63,
-/// of OBBs 78 where they are alone (cde bench hierarchy); of two spheres 25.
+/// Those of a solid for a secondary that it is tested with, nodes above it included: of a sphere
+/// and triangles 63, of an OBB 78 where they are alone (cde bench hierarchy); of two spheres 25.
 constexpr double kClocksASolid = 75, kClocksTwoSpheres = 25;
-/// A node of a tree over spheres over the bus, with its share of slots.
+/// A node of a tree that is not over triangles over the bus, with its share of slots.
 constexpr std::uint64_t kClocksANode = 18;
 /// Of a query, whose ways are counted.
 constexpr std::size_t kSampledSolids = 32;
@@ -36,17 +36,19 @@ constexpr double kVisitsAMovingPart = 1.0 / 6;
 bool is_ray(const SceneQuery& q) {
   return !is_solid(q.pair);
 }
-bool meets_spheres(const SceneQuery& q) {
-  return (q.swap ? primary_shape(q.pair) : secondary_shape(q.pair)) == Shape::kSphere;
+/// What the query's primaries meet.
+Shape leaf_of(const SceneQuery& q) {
+  return q.swap ? primary_shape(q.pair) : secondary_shape(q.pair);
+}
+bool meets_triangles(const SceneQuery& q) {
+  return leaf_of(q) == Shape::kTriangle;
 }
 
 /// Why the query meets all secondaries; nothing if it need not.
 std::optional<std::string> against(const SceneQuery& q, const QueryWork& work, const Plan& plan) {
-  const auto way = way_through(q.pair);
-  if (!way)
-    return "it is of rays, spheres, OBBs and triangles that meet triangles, or rays and spheres "
-           "that meet spheres";
-  if (q.swap != way->swap) return fmt::format("its primaries are {}s", name(way->secondary));
+  if (!way_through(q.pair, q.swap))
+    return fmt::format("{}{} has no way through one", name(q.pair),
+                       q.swap ? " with its roles swapped" : "");
   if (q.mode == Mode::kAll) return "mode all has records of all secondaries, hit or not";
   if (q.normals && is_ray(q)) return "rays have no normals";
   if (!is_ray(q) && q.mode == Mode::kFarthest)
@@ -111,17 +113,22 @@ Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene,
   (void)met.show(q.secondaries, 0);
   (void)solids.show(q.primaries, 0);
   const auto walk_of = [&] {
-    if (const auto* spheres = std::get_if<std::vector<Sphere>>(&met.placed()))
-      return reference::Traversal(*spheres, tree);
-    return reference::Traversal(std::get<std::vector<Triangle>>(met.placed()), tree);
+    return std::visit(
+        [&](const auto& list) -> reference::Traversal {
+          using P = typename std::decay_t<decltype(list)>::value_type;
+          if constexpr (reference::Solid<P>)
+            return reference::Traversal(list, tree);
+          else
+            throw Error(ErrorCode::kUsage, "no hierarchy is over such shapes");
+        },
+        met.placed());
   };
-  const double each = meets_spheres(q) ? kClocksTwoSpheres : kClocksASolid;
+  const double each = q.pair == Pair::kSphereSphere ? kClocksTwoSpheres : kClocksASolid;
   Way way;
   std::visit(
       [&](const auto& list) {
         using P = typename std::decay_t<decltype(list)>::value_type;
-        if constexpr (std::is_same_v<P, Sphere> || std::is_same_v<P, Obb> ||
-                      std::is_same_v<P, Triangle>) {
+        if constexpr (reference::Solid<P>) {
           const std::size_t step = (list.size() + kSampledSolids - 1) / kSampledSolids;
           std::size_t sampled = 0;
           for (std::size_t i = 0; i < list.size(); i += std::max<std::size_t>(step, 1), ++sampled) {
@@ -147,14 +154,14 @@ std::uint64_t clocks(const SceneQuery& q, const QueryWork& w, const Plan& plan, 
                      const Hierarchy& tree) {
   const Way way = is_ray(q) ? way_of_rays(tree) : way_of_solids(q, plan, scene, tree);
   const double more =
-      meets_spheres(q) ? 0 : kVisitsAMovingPart * static_cast<double>(moving_parts(scene));
+      meets_triangles(q) ? kVisitsAMovingPart * static_cast<double>(moving_parts(scene)) : 0;
   const double each = std::max((way.nodes + more) / kNodeUnits, way.secondaries + more);
   return static_cast<std::uint64_t>(std::ceil(each * static_cast<double>(w.primaries - w.masked) +
                                               way.last * static_cast<double>(w.packets)));
 }
 
 /// Clocks of boxes anew in a frame: of triangles one each that moves, and 1.2 a node above it; a
-/// tree over spheres goes over the bus.
+/// tree over others goes over the bus.
 std::uint64_t refit_clocks(const QueryWork& w, const Scene& scene, const Plan& plan,
                            const Hierarchy& tree) {
   std::uint64_t moving = 0;
@@ -162,7 +169,7 @@ std::uint64_t refit_clocks(const QueryWork& w, const Scene& scene, const Plan& p
     if (!is_still(scene, scene.objects[i]) || !deforming(scene.objects[i]).empty())
       moving += size(scene.objects[i].shapes);
   if (moving == 0) return 0;
-  if (meets_spheres(scene.queries.front())) return kClocksANode * tree.nodes().size();
+  if (!meets_triangles(scene.queries.front())) return kClocksANode * tree.nodes().size();
   const bool parts =
       std::find(plan.card_moves.begin(), plan.card_moves.end(), true) != plan.card_moves.end();
   const double share =
@@ -199,11 +206,11 @@ Choice choose(const Scene& scene, Plan& plan) {
   if (std::find(choice.queries.begin(), choice.queries.end(), true) == choice.queries.end())
     return none(first_why);
   const QueryWork& work = plan.queries.front();
-  const bool spheres = meets_spheres(scene.queries.front());
-  const std::uint64_t worth = spheres ? kWorthATreeOfSpheres : kWorthATree;
+  const std::uint64_t worth =
+      meets_triangles(scene.queries.front()) ? kWorthATree : kWorthATreeOfSolids;
   if (!asked && work.secondaries < worth)
     return none(fmt::format("a tree wins from about {} {}s on, there are {}", worth,
-                            spheres ? "sphere" : "triangle", work.secondaries));
+                            name(leaf_of(scene.queries.front())), work.secondaries));
   if (const auto why = against(scene, plan.board, BoardConfig{}.nodes)) return none(*why);
   std::string why;
   const auto tree = tree_of(scene, plan, why);

@@ -7,6 +7,7 @@
 
 #include "cde/geometry/rounded.hpp"
 #include "cde/reference/pipes/transform.hpp"
+#include "cde/reference/traversal.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde::player {
@@ -173,13 +174,13 @@ void Secondaries::write(const Row::Change& change) {
 }
 
 /// A tree over triangles is that of the first frame, whichever is shown first, and where something
-/// moves its boxes are the card's; one over spheres is built for each frame. So what a frame reads
+/// moves its boxes are the card's; one over solids is built for each frame. So what a frame reads
 /// does not depend on the frames before it.
 void Secondaries::fit_tree(const Row::Change& change, const std::vector<std::size_t>& objects) {
   if (!change.all && change.shapes.empty() && change.entries.empty()) return;
   no_tree_.reset();
   try {
-    if (std::holds_alternative<std::vector<Sphere>>(row_.placed())) {
+    if (!std::holds_alternative<std::vector<Triangle>>(row_.placed())) {
       board_->upload(tree_of(row_));
     } else if (change.all) {
       tree_there_ = false;
@@ -202,11 +203,18 @@ void Secondaries::fit_tree(const Row::Change& change, const std::vector<std::siz
 }
 
 Hierarchy tree_of(const Row& row) {
-  if (const auto* spheres = std::get_if<std::vector<Sphere>>(&row.placed()))
-    return Hierarchy::build(*spheres);
-  const auto& triangles = std::get<std::vector<Triangle>>(row.shapes());
-  return row.entries().empty() ? Hierarchy::build(triangles)
-                               : hierarchy_of(triangles, row.entries());
+  if (const auto* triangles = std::get_if<std::vector<Triangle>>(&row.shapes()))
+    return row.entries().empty() ? Hierarchy::build(*triangles)
+                                 : hierarchy_of(*triangles, row.entries());
+  return std::visit(
+      [](const auto& list) -> Hierarchy {
+        using P = typename std::decay_t<decltype(list)>::value_type;
+        if constexpr (reference::Solid<P>)
+          return Hierarchy::build(list);
+        else
+          throw Error(ErrorCode::kUsage, "no hierarchy is over such shapes");
+      },
+      row.placed());
 }
 
 Primaries::Primaries(Board& board, const Scene& scene, const Plan& plan)

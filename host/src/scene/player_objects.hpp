@@ -86,7 +86,7 @@ class Row {
 };
 
 /// Over triangles that passes meet, with the objects that the card moves as its parts, or over
-/// spheres.
+/// solids. Error kUsage for other shapes, beside those of Hierarchy::build.
 [[nodiscard]] Hierarchy tree_of(const Row& row);
 
 /// What lies in the card's DDR.

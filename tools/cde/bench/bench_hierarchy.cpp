@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde bench hierarchy: rays through the hierarchy of a card, its own clocks and with the bus, what
 // simulating it takes, its refit, and Embree on the same rays; spheres, OBBs and meshes, and FCL on
-// these.
+// these; spheres among others.
 #include <fmt/format.h>
 
 #include "bench/bench.hpp"
+#include "bench/cloud_figures.hpp"
 #include "bench/mesh_figures.hpp"
 #include "bench/solid_figures.hpp"
 #include "bench/tree_figures.hpp"
@@ -43,6 +44,13 @@ nlohmann::ordered_json bench_hierarchy(const BenchOptions& o) {
     show_meshes(through, o.clock_hz);
     all.back()["meshes"] = meshes_json(through, o.clock_hz);
   }
+  if (o.quick) return all;  // another card again
+  const std::vector<CloudFigures> clouds = [&] {
+    const Busy busy("spheres among spheres and OBBs", false);
+    return measure_clouds(o.clock_hz);
+  }();
+  show_clouds(clouds, o.clock_hz);
+  all.back()["clouds"] = clouds_json(clouds, o.clock_hz);
   return all;
 }
 

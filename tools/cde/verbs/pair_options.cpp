@@ -126,9 +126,8 @@ void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
          algorithm_names());
   verb.add_flag_callback(
       "--box", [&o] { o.box = true; },
-      "Of ray-triangle: a hit must lie in the triangle's box (on); of triangle-sphere, "
-      "triangle-obb and triangle-triangle: a gap is at least that of "
-      "the boxes (off)");
+      "Of ray-triangle: a hit must lie in the triangle's box (on); of pairs without cylinders "
+      "and planes that have a gap, but for sphere-sphere: it is at least that of the boxes (off)");
   verb.add_flag_callback(
       "--no-box", [&o] { o.box = false; }, "The plain pipe");
   verb.add_flag("--half-space", o.half_space,

@@ -41,9 +41,8 @@ struct BoardConfig {
   std::vector<Pair> pairs = {Pair::kRayTriangle};  ///< the pipes of the card, at least one
   Algorithm algorithm = Algorithm::kMoller;        ///< of ray-triangle
   bool box = false;             ///< of ray-triangle: a hit must lie in the triangle's box
-                                ///< (reference/pipes/ray_box.hpp); of triangle-sphere,
-                                ///< triangle-obb and triangle-triangle: a gap is at least
-                                ///< that of the boxes
+                                ///< (reference/pipes/ray_box.hpp); of the other pairs that
+                                ///< has_box_rule() says: a gap is at least that of the boxes
                                 ///< (reference/pipes/gap_bound.hpp)
   bool swap = false;            ///< passes can exchange the roles of primary and secondary
   bool normals = false;         ///< passes can give normals
@@ -75,8 +74,8 @@ struct BoardConfig {
 
   /// Whether the card has the box rule of a pair: not where narrow lanes prove misses.
   [[nodiscard]] bool box_rule(Pair pair) const;
-  /// How its primaries go through a hierarchy, with node units; nothing where they sweep.
-  [[nodiscard]] std::optional<WayThrough> way_through(Pair pair) const;
+  /// Which primaries go through a hierarchy over what, with node units; nothing where they sweep.
+  [[nodiscard]] std::optional<WayThrough> way_through(Pair pair, bool swap) const;
   /// NAME=VALUE for the builder, without what the RTL has as default. Error kUsage if a value is
   /// out of range, naming it.
   [[nodiscard]] std::vector<std::string> parameters() const;

@@ -98,10 +98,12 @@ class Board {
   /// uploaded: kUsage if the card has no node units, or the hierarchy is of another number of
   /// triangles; kCapacity, with the sizes, if its memory of nodes or slots is smaller.
   void upload(const TriangleView& triangles, const Hierarchy& hierarchy, bool validate = true);
-  /// The same of spheres, which rays and spheres meet. Whether the hierarchy is of these
-  /// secondaries is not looked at but for their number, nor is a bad one flagged that is in it:
-  /// `validate` off is for what is known to be good.
+  /// The same of spheres, AABBs or OBBs: way_through() says what meets them. Whether the hierarchy
+  /// is of these secondaries is not looked at but for their number, nor is a bad one flagged that
+  /// is in it: `validate` off is for what is known to be good.
   void upload(std::span<const Sphere> spheres, const Hierarchy& hierarchy, bool validate = true);
+  void upload(std::span<const Aabb> boxes, const Hierarchy& hierarchy, bool validate = true);
+  void upload(std::span<const Obb> boxes, const Hierarchy& hierarchy, bool validate = true);
   /// A hierarchy over what is uploaded, as it is now: after update_shapes(), which leaves the one
   /// before unused, with its refit(). With objects, those of set_objects(), one of these as they
   /// have been moved (hierarchy_of()); they must lie one behind the other in DDR for
@@ -110,10 +112,10 @@ class Board {
   /// Boxes of the card's hierarchy anew, by the card, for secondaries as update_shapes() and
   /// move_object() left them; the tree stays as it is. Of a hierarchy of objects only what is below
   /// those that have changed, and what is above all of them, their roots included. Returns what the
-  /// card counted. Errors: kUsage if there is no hierarchy, or it is of other objects, or of
-  /// spheres (Hierarchy::refit() is the way for these); kBadInput naming a slot of the tree whose
-  /// triangle is not finite or beyond 2^40, as it was moved, and kDevice, as run(): the hierarchy
-  /// is then unused.
+  /// card counted. Errors: kUsage if there is no hierarchy, or it is of other objects, or not
+  /// of triangles (Hierarchy::refit() is the way for others); kBadInput naming a slot of the tree
+  /// whose triangle is not finite or beyond 2^40, as it was moved, and kDevice, as run(): the
+  /// hierarchy is then unused.
   Counters refit();
   /// The same for other shapes (Sphere, Aabb, Obb, Plane, Cylinder, Ray; Triangle too).
   template <class P>
@@ -191,8 +193,8 @@ class Board {
   /// Through a hierarchy rays are streamed, and nothing is loaded; records come in the same order.
   Counters cast(const RayView& rays, const Query& query, const RecordSink& sink);
   [[nodiscard]] std::vector<Record> cast(const RayView& rays, const Query& query = {});
-  /// The same of any number of shapes, as load_shapes() and run(). Spheres and OBBs with swap go
-  /// through a hierarchy over triangles.
+  /// The same of any number of shapes, as load_shapes() and run(). They go through a hierarchy
+  /// where way_through() says so.
   template <class P>
   Counters cast_shapes(std::span<const P> shapes, const Query& query, const RecordSink& sink) {
     return cast_words(
@@ -262,6 +264,8 @@ class Board {
   using Words = std::function<void(std::size_t, float*)>;  ///< number of a shape, where to put it
   void upload_words(Shape shape, std::size_t count, const Words& words,
                     const std::function<std::optional<std::string>(std::size_t)>& defect);
+  template <class P>
+  void upload_with(std::span<const P> shapes, const Hierarchy& hierarchy, bool validate);
   void update_words(Shape shape, std::size_t first, std::size_t count, const Words& words,
                     const std::function<std::optional<std::string>(std::size_t)>& defect);
   void load_words(Shape shape, std::size_t count, const Words& words);
@@ -273,13 +277,17 @@ class Board {
   std::shared_ptr<Impl> impl_;  ///< this board's; a pass keeps it over a sink that drops the board
 };
 
-/// A hierarchy over the triangles or spheres of objects, object after object, as a card's
-/// transformer moves them; each object is a part of it. Errors: kUsage (no object, or one that is
-/// empty or reaches beyond the triangles), and as Hierarchy::build.
+/// A hierarchy over the triangles, spheres, AABBs or OBBs of objects, object after object, as a
+/// card's transformer moves them; each object is a part of it. Errors: kUsage (no object, or one
+/// that is empty or reaches beyond the triangles), and as Hierarchy::build.
 [[nodiscard]] Hierarchy hierarchy_of(const TriangleView& triangles, std::span<const Object> objects,
                                      const HierarchyOptions& options = {});
 [[nodiscard]] Hierarchy hierarchy_of(std::span<const Sphere> spheres,
                                      std::span<const Object> objects,
+                                     const HierarchyOptions& options = {});
+[[nodiscard]] Hierarchy hierarchy_of(std::span<const Aabb> boxes, std::span<const Object> objects,
+                                     const HierarchyOptions& options = {});
+[[nodiscard]] Hierarchy hierarchy_of(std::span<const Obb> boxes, std::span<const Object> objects,
                                      const HierarchyOptions& options = {});
 
 /// Where a record of a packet's primary comes from, for messages: the clock as it is now, when the

@@ -111,10 +111,10 @@ inline constexpr std::uint32_t kFacetPairs =
 inline constexpr std::uint32_t kBoxPairs = set_of({Pair::kRayTriangle});
 /// With the box rule its gap is at least that of the boxes.
 inline constexpr std::uint32_t kBoundPairs =
-    set_of({Pair::kTriangleSphere, Pair::kTriangleObb, Pair::kTriangleTriangle});
-/// Pairs that meet a hierarchy as they are, and those whose shape A is in it (hierarchy_pkg.sv).
+    set_of({Pair::kTriangleSphere, Pair::kTriangleAabb, Pair::kTriangleObb, Pair::kTriangleTriangle,
+            Pair::kSphereObb, Pair::kObbObb});
+/// Pairs that meet a hierarchy as they are (hierarchy_pkg.sv).
 inline constexpr std::uint32_t kPlainPairs = set_of({Pair::kRaySphere, Pair::kSphereSphere});
-inline constexpr std::uint32_t kSwappedPairs = set_of({Pair::kTriangleSphere, Pair::kTriangleObb});
 /// Narrow lanes can prove misses of it (BoardConfig::verdicts).
 inline constexpr std::uint32_t kVerdictPairs =
     set_of({Pair::kSphereSphere, Pair::kSphereObb, Pair::kTriangleSphere, Pair::kTriangleAabb,

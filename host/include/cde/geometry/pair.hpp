@@ -69,17 +69,17 @@ struct PairBudget {
 /// triangle-obb.
 [[nodiscard]] bool has_facets(Pair pair);
 
-/// Whether the box rule is of the pair: ray-triangle, triangle-sphere, triangle-obb,
-/// triangle-triangle.
+/// Whether the box rule is of the pair: those of triangles (not of cylinders), sphere-obb, obb-obb.
 [[nodiscard]] bool has_box_rule(Pair pair);
 
-/// How primaries of a pair meet secondaries in a hierarchy.
+/// Primaries of a pair that meet secondaries in a hierarchy.
 struct WayThrough {
   Shape primary, secondary;
-  bool swap;  ///< Query::swap
 };
-/// Nothing of pairs that sweep. Those that have the box rule need it.
-[[nodiscard]] std::optional<WayThrough> way_through(Pair pair);
+/// `swap`: Query::swap, so that shape A is in the hierarchy. Nothing where the pair sweeps: those
+/// of cylinders and planes do, and rays and shapes that are the same have no roles to swap. Pairs
+/// that have the box rule need it.
+[[nodiscard]] std::optional<WayThrough> way_through(Pair pair, bool swap);
 
 /// Whether narrow lanes can prove misses of a pair on a card (BoardConfig::verdicts).
 [[nodiscard]] bool has_verdicts(Pair pair);

@@ -31,13 +31,17 @@ class Hierarchy {
   /// By binned surface area (Wald, IRT 2007), two wide, of which each node of eight is collapsed
   /// (Wald, Benthin, Boulos, IRT 2008); split at medians where a tree of kMostDepth would not hold
   /// it otherwise. The same for every number of threads. Errors: kUsage (a leaf of 0 or more than
-  /// 2), kBadInput (a box that is empty, not finite or beyond 2^40, or a sphere with a defect, by
+  /// 2), kBadInput (a box that is empty, not finite or beyond 2^40, or a solid with a defect, by
   /// its number), kCapacity (more than 2^28 secondaries).
   [[nodiscard]] static Hierarchy build(std::span<const Eigen::AlignedBox3f> boxes,
                                        const HierarchyOptions& options = {});
   [[nodiscard]] static Hierarchy build(const TriangleView& triangles,
                                        const HierarchyOptions& options = {});
   [[nodiscard]] static Hierarchy build(std::span<const Sphere> spheres,
+                                       const HierarchyOptions& options = {});
+  [[nodiscard]] static Hierarchy build(std::span<const Aabb> boxes,
+                                       const HierarchyOptions& options = {});
+  [[nodiscard]] static Hierarchy build(std::span<const Obb> boxes,
                                        const HierarchyOptions& options = {});
 
   /// One of parts, which have so many of the secondaries one behind the other: a tree each
@@ -51,12 +55,20 @@ class Hierarchy {
   [[nodiscard]] static Hierarchy build(std::span<const Sphere> spheres,
                                        std::span<const std::uint32_t> parts,
                                        const HierarchyOptions& options = {});
+  [[nodiscard]] static Hierarchy build(std::span<const Aabb> boxes,
+                                       std::span<const std::uint32_t> parts,
+                                       const HierarchyOptions& options = {});
+  [[nodiscard]] static Hierarchy build(std::span<const Obb> boxes,
+                                       std::span<const std::uint32_t> parts,
+                                       const HierarchyOptions& options = {});
 
   /// Boxes anew for secondaries that have moved; the tree stays. Error kUsage if there are more or
   /// fewer, and as build().
   void refit(std::span<const Eigen::AlignedBox3f> boxes);
   void refit(const TriangleView& triangles);
   void refit(std::span<const Sphere> spheres);
+  void refit(std::span<const Aabb> boxes);
+  void refit(std::span<const Obb> boxes);
 
   /// The root first, and each node before those below it; one node at least.
   [[nodiscard]] std::span<const hierarchy::Node> nodes() const { return nodes_; }
@@ -96,6 +108,7 @@ class Hierarchy {
   [[nodiscard]] static Hierarchy build(std::size_t count, const BoxOf& box,
                                        std::span<const std::uint32_t> parts,
                                        const HierarchyOptions& options);
+  void refit(std::size_t count, const BoxOf& box);
   [[nodiscard]] static Hierarchy joined(std::span<const Hierarchy> trees);
   void add_part(const Hierarchy& tree, std::size_t root);
   std::vector<hierarchy::Node> nodes_;

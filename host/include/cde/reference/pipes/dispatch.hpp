@@ -42,10 +42,10 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
   use(Kinds<A, Can>(), [budget](const A& x, const Can& y) { return FUNCTION<S>(x, y, budget); })
 #define CDE_TEST(A, B, FUNCTION) \
   use(Kinds<A, B>(), [](const A& x, const B& y) { return FUNCTION<S>(x, y); })
-#define CDE_BOUND(B, FUNCTION)                                                          \
-  box ? use(Kinds<T, B>(),                                                              \
-            [](const T& x, const B& y) { return bounded<S>(FUNCTION<S>(x, y), x, y); }) \
-      : CDE_TEST(T, B, FUNCTION)
+#define CDE_BOUND(A, B, FUNCTION)                                                       \
+  box ? use(Kinds<A, B>(),                                                              \
+            [](const A& x, const B& y) { return bounded<S>(FUNCTION<S>(x, y), x, y); }) \
+      : CDE_TEST(A, B, FUNCTION)
 #define CDE_PLANE(A, FUNCTION)   \
   use(Kinds<A, BasicPlane<S>>(), \
       [plane](const A& x, const BasicPlane<S>& y) { return FUNCTION<S>(x, y, plane); })
@@ -54,17 +54,17 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
     case Pair::kRayTriangle:
       return with_ray_triangle<S>(algorithm, box, [&use](auto test) { use(Kinds<R, T>(), test); });
     case Pair::kObbObb:
-      return CDE_TEST(Box, Box, obb_obb);
+      return CDE_BOUND(Box, Box, obb_obb);
     case Pair::kTriangleAabb:
-      return CDE_TEST(T, BasicAabb<S>, triangle_aabb);
+      return CDE_BOUND(T, BasicAabb<S>, triangle_aabb);
     case Pair::kTriangleObb:
-      return CDE_BOUND(Box, triangle_obb);
+      return CDE_BOUND(T, Box, triangle_obb);
     case Pair::kSphereSphere:
       return CDE_TEST(Ball, Ball, sphere_sphere);
     case Pair::kTriangleSphere:
-      return CDE_BOUND(Ball, triangle_sphere);
+      return CDE_BOUND(T, Ball, triangle_sphere);
     case Pair::kTriangleTriangle:
-      return CDE_BOUND(T, triangle_triangle);
+      return CDE_BOUND(T, T, triangle_triangle);
     case Pair::kRayCylinder:
       return CDE_TEST(R, Can, ray_cylinder);
     case Pair::kObbPlane:
@@ -74,7 +74,7 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
     case Pair::kRaySphere:
       return CDE_TEST(R, Ball, ray_sphere);
     case Pair::kSphereObb:
-      return CDE_TEST(Ball, Box, sphere_obb);
+      return CDE_BOUND(Ball, Box, sphere_obb);
     case Pair::kTriangleCylinder:
       return CDE_SEARCH(T, triangle_cylinder);
     case Pair::kCylinderCylinder:

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+// Spheres, boxes and triangles through a card's hierarchy over boxes, and over spheres and
+// triangles with the other role of each pair: records are those of a sweep of the same card, and of
+// the reference.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdlib>
+#include <limits>
+
+#include "cde/reference/pipes/transform.hpp"
+#include "expect_error.hpp"
+#include "hard_solids.hpp"
+#include "hard_spheres.hpp"
+#include "hierarchy_cards.hpp"
+#include "pair_through.hpp"
+
+namespace cde::testing {
+namespace {
+
+using namespace through;
+using hard::aabbs_of;
+using hard::cloud_of;
+using hard::kScenes;
+using hard::obbs_of;
+
+constexpr Mode kSolidModes[] = {Mode::kNearest, Mode::kAny, Mode::kHits, Mode::kOccluded};
+
+/// So many, or more where all is tested (CDE_FULL=1).
+std::size_t some(std::size_t quick, std::size_t thorough) {
+  return std::getenv("CDE_FULL") != nullptr ? thorough : quick;
+}
+
+template <class P, class Secondary>
+Query query_of(Mode mode, Through through) {
+  const auto [pair, swap] = pair_through<P, Secondary>();
+  Query query{.mode = mode, .pair = pair, .swap = swap};
+  query.through = through;
+  return query;
+}
+
+/// Hard ones beside what is in the tree, of which some are bad.
+template <class P, class Secondary>
+std::vector<P> hard_ones(const std::vector<Secondary>& all, std::size_t count) {
+  const Scene corners = hard::corners_of(all);
+  hard::Solids draws(corners, 7);
+  std::vector<P> primaries;
+  for (std::size_t i = 0; i < count; ++i) {
+    primaries.push_back(draws.draw<P>(i));
+    if (i % 61 != 7) continue;
+    if constexpr (std::is_same_v<P, Sphere>)
+      primaries.back().r = -1;
+    else if constexpr (std::is_same_v<P, Triangle>)
+      primaries.back().v1.x() = std::numeric_limits<float>::quiet_NaN();
+    else if constexpr (std::is_same_v<P, Aabb>)
+      std::swap(primaries.back().min, primaries.back().max);
+    else
+      primaries.back().rotation(1, 2) += 0.25f;
+  }
+  return primaries;
+}
+
+template <class P>
+std::vector<Record> cast(Board& board, const std::vector<P>& primaries, const Query& query,
+                         Counters* counters = nullptr) {
+  std::vector<Record> records;
+  const Counters c = board.cast_shapes<P>(primaries, query, [&](std::span<const Record> found) {
+    records.insert(records.end(), found.begin(), found.end());
+  });
+  if (counters != nullptr) *counters = c;
+  return records;
+}
+
+/// All modes, against the reference's way, what it counts, and the card's own sweep.
+template <class P, class Secondary>
+void expect_same_as_all(Board& board, const std::vector<Secondary>& all, std::size_t count) {
+  const Hierarchy tree = Hierarchy::build(all, {.leaf = all.size() % 3 == 0 ? 1u : 2u});
+  board.upload(all, tree);
+  const std::vector<P> primaries = hard_ones<P>(all, count);
+  std::size_t found = 0;
+  for (const Mode mode : kSolidModes) {
+    SCOPED_TRACE(name_of(mode));
+    Counters c;
+    const auto records =
+        cast(board, primaries, query_of<P, Secondary>(mode, Through::kHierarchy), &c);
+    found += expect_same(records, expected(reference::Traversal(all, tree), primaries, mode));
+    EXPECT_EQ(c.secondaries, 0u);
+    if (mode == Mode::kNearest) {
+      reference::Traversal walk(all, tree);
+      for (std::uint32_t i = 0; i < primaries.size(); ++i) (void)walk.trace(primaries[i], i, mode);
+      EXPECT_EQ(c.nodes, walk.counts().nodes);
+      EXPECT_EQ(c.pairs, walk.counts().secondaries);
+    }
+    expect_same(records, cast(board, primaries, query_of<P, Secondary>(mode, Through::kSweep)));
+  }
+  EXPECT_GT(found, count / 2);
+}
+
+/// Scenes up to `most` triangles; `test` gets each.
+template <class Test>
+void in_scenes(std::size_t most, const Test& test) {
+  for (const auto& one : kScenes) {
+    const Scene scene = one.make();
+    if (scene.size() > most) continue;
+    SCOPED_TRACE(one.name);
+    test(scene);
+  }
+}
+
+/// CDE_FULL=1: 20,000 of each.
+TEST(HierarchyOverBoxes, RecordsAreThoseOfASweepAndOfTheReference) {
+  Board board = Board::open(boxes_config());
+  in_scenes(2000, [&](const Scene& scene) {
+    const auto boxes = obbs_of(scene);
+    expect_same_as_all<Sphere>(board, boxes, some(100, 2500));
+    expect_same_as_all<Obb>(board, boxes, some(60, 2500));
+    expect_same_as_all<Triangle>(board, aabbs_of(scene), some(60, 2500));
+    expect_same_as_all<Obb>(board, cloud_of(scene), some(60, 2500));
+    expect_same_as_all<Aabb>(board, scene, some(60, 2500));
+  });
+}
+
+TEST(HierarchyOverBoxes, TheOtherRoleOfAPair) {
+  Board board = Board::open(solids_config());
+  in_scenes(400, [&](const Scene& scene) {
+    expect_same_as_all<Triangle>(board, obbs_of(scene), some(60, 2500));
+    expect_same_as_all<Triangle>(board, cloud_of(scene), some(60, 2500));
+    expect_same_as_all<Sphere>(board, scene, some(60, 2500));
+  });
+}
+
+/// Boxes take two beats of memory, and spheres one; check bits, slow operators.
+TEST(HierarchyOverBoxes, InGates) {
+  Board board = Board::open(spheres_gates_config());
+  in_scenes(100, [&](const Scene& scene) {
+    const auto boxes = obbs_of(scene);
+    expect_same_as_all<Sphere>(board, boxes, some(8, 60));
+    expect_same_as_all<Obb>(board, cloud_of(scene), some(8, 60));
+  });
+}
+
+/// Memory that answers late, and DDR.
+TEST(HierarchyOverBoxes, WithMemoryOfEveryKind) {
+  for (const OpenOptions& options :
+       {OpenOptions{.ddr_latency = 300}, OpenOptions{.memory = Memory::kCycle}}) {
+    Board board = Board::open(boxes_config(), options);
+    const Scene scene = kScenes[2].make();
+    expect_same_as_all<Sphere>(board, obbs_of(scene), 60);
+    expect_same_as_all<Triangle>(board, aabbs_of(scene), 20);
+  }
+}
+
+TEST(HierarchyOverBoxes, WithNormals) {
+  Board board = Board::open(boxes_config());
+  const auto boxes = obbs_of(kScenes[5].make());
+  board.upload(boxes, Hierarchy::build(boxes));
+  const auto compare = [&]<class P>(const std::vector<P>& primaries) {
+    for (const Mode mode : kSolidModes) {
+      Query query = query_of<P, Obb>(mode, Through::kSweep);
+      query.normals = true;
+      const auto swept = cast(board, primaries, query);
+      query.through = Through::kHierarchy;
+      expect_same(cast(board, primaries, query), swept);
+    }
+  };
+  compare(hard_ones<Sphere>(boxes, 200));
+  compare(hard_ones<Obb>(boxes, 60));
+}
+
+TEST(HierarchyOverBoxes, TheyMoveAndAreRefitted) {
+  Board board = Board::open(boxes_config());
+  auto boxes = obbs_of(kScenes[0].make());
+  Hierarchy tree = Hierarchy::build(boxes);
+  board.upload(boxes, tree);
+  hard::Draw draw(3);
+  for (int frame = 0; frame < 2; ++frame) {
+    for (Obb& b : boxes) b.c += draw.point() * 0.1f;
+    board.update_shapes<Obb>(0, boxes);
+    tree.refit(boxes);
+    board.upload(tree);
+    const auto spheres = hard_ones<Sphere>(boxes, 100);
+    expect_same(cast(board, spheres, query_of<Sphere, Obb>(Mode::kNearest, Through::kHierarchy)),
+                expected(reference::Traversal(boxes, tree), spheres, Mode::kNearest));
+  }
+  expect_error(ErrorCode::kUsage, "of obbs Hierarchy::refit() does", [&] { (void)board.refit(); });
+}
+
+TEST(HierarchyOverBoxes, ObjectsMove) {
+  Board board = Board::open(boxes_config());
+  const auto boxes = obbs_of(kScenes[0].make());
+  const auto half = static_cast<std::uint32_t>(boxes.size() / 2);
+  std::vector<Object> objects = {
+      {.first = 0, .count = half},
+      {.first = half, .count = static_cast<std::uint32_t>(boxes.size()) - half}};
+  Transform& pose = objects[1].transform;
+  pose.rotation = Eigen::Quaternionf(1, 2, 3, 4).normalized().toRotationMatrix();
+  pose.translation = {1, -2, 0.5f};
+  board.upload_shapes<Obb>(boxes);
+  board.set_objects(objects);
+  board.upload(hierarchy_of(boxes, objects));
+  const auto moved = reference::swept(boxes, objects).shapes;
+  const auto spheres = hard_ones<Sphere>(moved, 200);
+  const auto turned = hard_ones<Obb>(moved, 60);
+  for (const Mode mode : kSolidModes) {
+    SCOPED_TRACE(name_of(mode));
+    expect_same(cast(board, spheres, query_of<Sphere, Obb>(mode, Through::kHierarchy)),
+                expected(reference::Traversal(moved, Hierarchy::build(moved)), spheres, mode));
+    expect_same(cast(board, turned, query_of<Obb, Obb>(mode, Through::kHierarchy)),
+                cast(board, turned, query_of<Obb, Obb>(mode, Through::kSweep)));
+  }
+}
+
+/// A fault ends a pass whatever it is at, between the two beats of a box as well: the pass behind
+/// it has its own boxes.
+TEST(HierarchyOverBoxes, APassThatIsLeftBetweenTwoBeats) {
+  Board board = Board::open(boxes_config(), {.memory = Memory::kCycle});
+  const auto boxes = obbs_of(kScenes[0].make());
+  const Hierarchy tree = Hierarchy::build(boxes);
+  board.upload(boxes, tree);
+  const auto spheres = hard_ones<Sphere>(boxes, 60);
+  const Query query = query_of<Sphere, Obb>(Mode::kHits, Through::kHierarchy);
+  const auto should = expected(reference::Traversal(boxes, tree), spheres, Mode::kHits);
+  const auto write = [&](std::uint32_t number, const hierarchy::Node& node) {
+    std::array<std::uint64_t, 8> front{};
+    for (unsigned k = 0; k < 8; ++k)
+      front.at(k) = node.words.at(2 * k) | std::uint64_t{node.words.at(2 * k + 1)} << 32;
+    board.bus_write(card::kSpaceNodes, 64 * number, front);
+  };
+  unsigned faults = 0;
+  for (std::uint32_t n = 0; n < std::min<std::size_t>(tree.nodes().size(), 20); ++n) {
+    hierarchy::Node node = tree.nodes()[n];
+    node.set_first_node(5'000);
+    write(n, node);
+    try {
+      (void)cast(board, spheres, query);  // nobody comes by, or it has no nodes below it
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::kDevice);
+      ++faults;
+    }
+    write(n, tree.nodes()[n]);
+    ASSERT_EQ(expect_same(cast(board, spheres, query), should), should.size()) << "node " << n;
+  }
+  EXPECT_GT(faults, 8u);
+}
+
+TEST(HierarchyOverBoxes, SaysWhatIsWrong) {
+  std::vector<Obb> boxes = obbs_of(kScenes[2].make());
+  boxes[1].rotation(0, 1) += 0.5f;
+  expect_error(ErrorCode::kBadInput, "obb 1: ", [&] { (void)Hierarchy::build(boxes); });
+  std::vector<Aabb> along = aabbs_of(kScenes[2].make());
+  along[2].max.x() = along[2].min.x();
+  expect_error(ErrorCode::kBadInput, "aabb 2: ", [&] { (void)Hierarchy::build(along); });
+  along[2].max.x() = 0x1p41f;
+  expect_error(ErrorCode::kBadInput, "2^40", [&] { (void)Hierarchy::build(along); });
+
+  Board board = Board::open(boxes_config());
+  boxes[1] = boxes[0];
+  board.upload(boxes, Hierarchy::build(boxes));
+  const auto why = [&](const Query& query) { return board.no_way_through(query).value_or(""); };
+  EXPECT_EQ(why(query_of<Sphere, Obb>(Mode::kNearest, Through::kAuto)), "");
+  EXPECT_EQ(why(query_of<Triangle, Aabb>(Mode::kNearest, Through::kAuto)),
+            "the hierarchy is over obbs");
+  Query query = query_of<Obb, Obb>(Mode::kNearest, Through::kAuto);
+  query.swap = true;
+  EXPECT_EQ(why(query), "obb-obb with its roles swapped has no way through a hierarchy");
+}
+
+}  // namespace
+}  // namespace cde::testing
