@@ -194,7 +194,8 @@ module hierarchy_unit #(
       .slots_i(slots), .secondaries_i(secondaries_q), .words_i(4'(pairs_pkg::shape_words(leaf_shape(int'(way_q))))),
       .objects_i(objects_q), .valid_i(leaf_valid), .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag), .ddr_o,
       .ddr_ready_i, .ddr_valid_i, .ddr_data_i, .ddr_words_o, .owed_o(owed), .transform_entry_o, .moving_o,
-      .clk_moving_i, .unmoved_o, .moved_i, .valid_o(fetched_valid), .tag_o(fetched_tag), .words_o(fetched), .index_o(index), .fault_o(leaf_fault), .fault_kind_o(leaf_fault_kind),
+      .clk_moving_i, .unmoved_o, .moved_i, .valid_o(fetched_valid), .tag_o(fetched_tag),
+      .words_o(fetched), .index_o(index), .fault_o(leaf_fault), .fault_kind_o(leaf_fault_kind),
       .fault_place_o(leaf_place), .corrected_o(slot_corrected));
 
   // ---- Boxes anew ----

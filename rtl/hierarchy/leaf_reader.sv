@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Secondaries of leaves, from DDR, where they lie in the order of their upload. Which one is in a slot of the tree
 // says a memory beside the nodes, so that a secondary is there once, and its number comes with it. Each takes a beat,
-// one of more than 9 words two. With OBJECTS a second memory says whose it is, and secondaries go through the transformer,
-// which is outside.
+// one of more than 9 words two. With OBJECTS a second memory says whose it is, and secondaries go through the
+// transformer, which is outside.
 // Latency: 2 clocks, the memory's and T_MOVED. Throughput: a beat a clock. Stall: ready_o, ddr_ready_i.
 module leaf_reader #(
     parameter int SLOTS = 32768,  // power of two
