@@ -60,17 +60,6 @@ std::vector<P> hard_ones(const std::vector<Secondary>& all, std::size_t count) {
   return primaries;
 }
 
-template <class P>
-std::vector<Record> cast(Board& board, const std::vector<P>& primaries, const Query& query,
-                         Counters* counters = nullptr) {
-  std::vector<Record> records;
-  const Counters c = board.cast_shapes<P>(primaries, query, [&](std::span<const Record> found) {
-    records.insert(records.end(), found.begin(), found.end());
-  });
-  if (counters != nullptr) *counters = c;
-  return records;
-}
-
 /// All modes, against the reference's way, what it counts, and the card's own sweep.
 template <class P, class Secondary>
 void expect_same_as_all(Board& board, const std::vector<Secondary>& all, std::size_t count) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <ostream>
+#include <span>
 #include <tuple>
 #include <vector>
 
@@ -164,6 +165,18 @@ template <class P>
 std::vector<Record> expected(const Scene& scene, const Hierarchy& tree, const std::vector<P>& rays,
                              Mode mode, Algorithm algorithm = Algorithm::kMoller) {
   return expected(reference::Traversal(scene, tree, algorithm), rays, mode);
+}
+
+/// All of them, and what the card counts.
+template <class P>
+std::vector<Record> cast(Board& board, const std::vector<P>& primaries, const Query& query,
+                         Counters* counters = nullptr) {
+  std::vector<Record> records;
+  const Counters c = board.cast_shapes<P>(primaries, query, [&](std::span<const Record> some) {
+    records.insert(records.end(), some.begin(), some.end());
+  });
+  if (counters != nullptr) *counters = c;
+  return records;
 }
 
 inline std::size_t expect_same(const std::vector<Record>& records,

@@ -47,17 +47,6 @@ std::vector<Solid> hard_solids(const Scene& scene, std::size_t count) {
   return solids;
 }
 
-template <class Solid>
-std::vector<Record> cast(Board& board, const std::vector<Solid>& solids, const Query& query,
-                         Counters* counters = nullptr) {
-  std::vector<Record> records;
-  const Counters c = board.cast_shapes<Solid>(solids, query, [&](std::span<const Record> some) {
-    records.insert(records.end(), some.begin(), some.end());
-  });
-  if (counters != nullptr) *counters = c;
-  return records;
-}
-
 Query query_of(Pair pair, Mode mode, Through through) {
   Query query{.mode = mode, .pair = pair};
   query.swap = pair != Pair::kTriangleTriangle;

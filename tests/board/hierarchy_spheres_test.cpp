@@ -44,17 +44,6 @@ Query query_of(Mode mode, Through through) {
   return query;
 }
 
-template <class P>
-std::vector<Record> cast(Board& board, const std::vector<P>& primaries, const Query& query,
-                         Counters* counters = nullptr) {
-  std::vector<Record> records;
-  const Counters c = board.cast_shapes<P>(primaries, query, [&](std::span<const Record> some) {
-    records.insert(records.end(), some.begin(), some.end());
-  });
-  if (counters != nullptr) *counters = c;
-  return records;
-}
-
 constexpr Mode kSphereModes[] = {Mode::kNearest, Mode::kAny, Mode::kHits, Mode::kOccluded};
 
 /// `sweeps`: also large ones, and against the card's own, which take long in gates.
