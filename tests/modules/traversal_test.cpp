@@ -10,12 +10,10 @@
 #include <span>
 #include <vector>
 
-#include "TraversalBadouel.h"
 #include "TraversalFour.h"
 #include "TraversalGates.h"
 #include "TraversalHost.h"
 #include "TraversalOne.h"
-#include "TraversalPluecker.h"
 #include "TraversalSolids.h"
 #include "cde/mesh/terrain.hpp"
 #include "cde/reference/pipes/ray_node.hpp"
@@ -360,14 +358,6 @@ TEST(Traversal, OfTheTerrain) {
 /// One unit and no more than two rays at a time.
 TEST(Traversal, IsThatOfTheReferenceWithTwoContexts) {
   expect_reference<TraversalOne>(1000);
-}
-
-/// The other algorithms, with operators of several clocks: what the pipe takes is asserted.
-TEST(Traversal, OfBadouel) {
-  expect_reference<TraversalBadouel>(1000, Algorithm::kBadouel);
-}
-TEST(Traversal, OfPluecker) {
-  expect_reference<TraversalPluecker>(1000, Algorithm::kPluecker);
 }
 
 /// Spheres: records, and what is read for them.
