@@ -53,12 +53,13 @@ Defect bad_word(const P& primitive) {
     const auto look = [&](int k, S word) {
       using std::isnan;
       if (why || (may_be_infinite && !isnan(word))) return;
-      const std::string which = word_name(name, k, kWordsOf<S, Field>);
       const auto value = static_cast<float>(word);
-      if (!reference::finite(word))
-        why = fmt::format("{} is {}", which, value);
-      else if (length)
-        why = reference::kLengths<S>.not_coordinate(which, value);
+      const bool finite = reference::finite(word);
+      // Names are made of words that are bad alone: every upload looks at all of them.
+      if (finite && (!length || reference::kLengths<S>.is_coordinate(value))) return;
+      const std::string which = word_name(name, k, kWordsOf<S, Field>);
+      why = finite ? reference::kLengths<S>.not_coordinate(which, value)
+                   : fmt::format("{} is {}", which, value);
     };
     if constexpr (std::is_same_v<Field, S>) {
       look(0, field);
@@ -141,7 +142,8 @@ Defect bad_whole(const BasicCylinder<S>& cylinder) {
 template <class S>
 Defect bad_whole(const BasicObb<S>& box) {
   for (int k = 0; k < 3; ++k)
-    if (auto why = not_size(fmt::format("half extent.{}", "xyz"[k]), box.half[k])) return why;
+    if (!reference::kLengths<S>.is_size(static_cast<float>(box.half[k])))
+      return not_size(fmt::format("half extent.{}", "xyz"[k]), box.half[k]);
   return not_orthonormal<S>(box.rotation);
 }
 
@@ -227,12 +229,12 @@ Defect defect(const Transform& transform, FpFormat format) {
 }
 
 std::optional<std::string> LengthRange::not_coordinate(std::string_view word, double value) const {
-  if (std::abs(value) <= std::ldexp(1, high)) return std::nullopt;
+  if (is_coordinate(value)) return std::nullopt;
   return fmt::format("{} is {:.9g}, must be at most 2^{} in size", word, value, high);
 }
 
 std::optional<std::string> LengthRange::not_size(std::string_view word, double value) const {
-  if (std::ldexp(1, low) <= value && value <= std::ldexp(1, high)) return std::nullopt;
+  if (is_size(value)) return std::nullopt;
   if (!(value > 0)) return fmt::format("{} is {:.9g}, must be > 0", word, value);
   return fmt::format("{} is {:.9g}, must be 2^{} to 2^{}", word, value, low, high);
 }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <bit>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,11 +36,23 @@ struct LengthRange {
     return {4 - root, root - fraction_bits - 3};
   }
 
+  /// Whether numbers can be coordinates and sizes: what follows says nothing then.
+  [[nodiscard]] constexpr bool is_coordinate(double value) const {
+    return -power(high) <= value && value <= power(high);
+  }
+  [[nodiscard]] constexpr bool is_size(double value) const {
+    return power(low) <= value && value <= power(high);
+  }
   /// Why a word cannot be a coordinate ("center.x is 1e+20, must be at most 2^40 in size").
   [[nodiscard]] std::optional<std::string> not_coordinate(std::string_view word,
                                                           double value) const;
   /// Why a number cannot be a size ("radius is 1e-20, must be 2^-34 to 2^40").
   [[nodiscard]] std::optional<std::string> not_size(std::string_view word, double value) const;
+
+ private:
+  [[nodiscard]] static constexpr double power(int of_two) {
+    return std::bit_cast<double>(static_cast<std::uint64_t>(1023 + of_two) << 52);
+  }
 };
 
 }  // namespace cde
