@@ -188,6 +188,10 @@ TEST(HierarchyOverBoxes, ObjectsMove) {
   board.set_objects(objects);
   board.upload(hierarchy_of(boxes, objects));
   const auto moved = reference::swept(boxes, objects).shapes;
+  board.move_object(1, pose);
+  EXPECT_EQ(board.no_way_through(query_of<Sphere, Obb>(Mode::kAny, Through::kAuto)),
+            "objects or their shapes have moved since, and no hierarchy of them");
+  board.upload(hierarchy_of(boxes, objects));
   const auto spheres = hard_ones<Sphere>(moved, 200);
   const auto turned = hard_ones<Obb>(moved, 60);
   for (const Mode mode : kSolidModes) {
@@ -233,6 +237,11 @@ TEST(HierarchyOverBoxes, APassThatIsLeftBetweenTwoBeats) {
 }
 
 TEST(HierarchyOverBoxes, SaysWhatIsWrong) {
+  const std::vector<Aabb> two = {{{0, 0, 0}, {1, 1, 1}}, {{2, 2, 2}, {3, 3, 3}}};
+  std::vector<Object> turned = {{.first = 0, .count = 2}};
+  turned[0].transform.rotation = Eigen::Quaternionf(0, 1, 0, 0).toRotationMatrix();
+  expect_error(ErrorCode::kUsage, "object 0: AABBs cannot be rotated",
+               [&] { (void)hierarchy_of(two, turned); });
   std::vector<Obb> boxes = obbs_of(kScenes[2].make());
   boxes[1].rotation(0, 1) += 0.5f;
   expect_error(ErrorCode::kBadInput, "obb 1: ", [&] { (void)Hierarchy::build(boxes); });
@@ -249,6 +258,8 @@ TEST(HierarchyOverBoxes, SaysWhatIsWrong) {
   EXPECT_EQ(why(query_of<Sphere, Obb>(Mode::kNearest, Through::kAuto)), "");
   EXPECT_EQ(why(query_of<Triangle, Aabb>(Mode::kNearest, Through::kAuto)),
             "the hierarchy is over obbs");
+  EXPECT_EQ(why(query_of<Triangle, Obb>(Mode::kNearest, Through::kAuto)),
+            "the card has no pipe for triangle-obb");
   Query query = query_of<Obb, Obb>(Mode::kNearest, Through::kAuto);
   query.swap = true;
   EXPECT_EQ(why(query), "obb-obb with its roles swapped has no way through a hierarchy");

@@ -268,9 +268,13 @@ std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
   if (hierarchy.stale)
     return objects.objects.empty()
                ? "secondaries were uploaded anew, or had moved, and no hierarchy of them"
-               : "objects or their triangles have moved since, and no refit()";
+           : secondary_shape == Shape::kTriangle
+               ? "objects or their triangles have moved since, and no refit()"
+               : "objects or their shapes have moved since, and no hierarchy of them";
   if (q.mode == Mode::kAll) return "mode all has records of all secondaries, hit or not";
   const Pair pair = q.pair.value_or(pairs.front());
+  if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end())
+    return fmt::format("the card has no pipe for {}", name(pair));
   const auto way = way_through(pair, q.swap);
   if (!way)
     return fmt::format("{}{} has no way through a hierarchy", name(pair),
@@ -308,6 +312,10 @@ Hierarchy hierarchy_of_any(const Shapes& shapes, std::span<const Object> objects
                               object.count, object.first, shapes.size()));
     if (const auto why = defect(object.transform))
       throw Error(ErrorCode::kBadInput, fmt::format("object {}: {}", counts.size(), *why));
+    if constexpr (std::is_same_v<Shapes, std::span<const Aabb>>)
+      if (object.transform.rotation != Eigen::Matrix3f::Identity())
+        throw Error(ErrorCode::kUsage,
+                    fmt::format("object {}: AABBs cannot be rotated", counts.size()));
     counts.push_back(object.count);
   }
   const auto moved = reference::swept(shapes, objects).shapes;

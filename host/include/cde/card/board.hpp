@@ -145,7 +145,8 @@ class Board {
   /// range that is empty or reaches beyond the upload (run() looks again), or for a rotated object
   /// of AABBs; kBadInput naming an object whose transform has a defect.
   void set_objects(std::span<const Object> objects);
-  /// Moves one of them: 12 words over the bus. A hierarchy over them is then unused until refit().
+  /// Moves one of them: 12 words over the bus. A hierarchy over them is then unused until
+  /// refit(), or where they are no triangles until another is uploaded.
   /// Errors as above.
   void move_object(std::size_t object, const Transform& transform);
 
@@ -279,7 +280,8 @@ class Board {
 
 /// A hierarchy over the triangles, spheres, AABBs or OBBs of objects, object after object, as a
 /// card's transformer moves them; each object is a part of it. Errors: kUsage (no object, or one
-/// that is empty or reaches beyond the triangles), and as Hierarchy::build.
+/// that is empty or reaches beyond the triangles, or AABBs that are rotated), and as
+/// Hierarchy::build.
 [[nodiscard]] Hierarchy hierarchy_of(const TriangleView& triangles, std::span<const Object> objects,
                                      const HierarchyOptions& options = {});
 [[nodiscard]] Hierarchy hierarchy_of(std::span<const Sphere> spheres,
