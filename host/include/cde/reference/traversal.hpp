@@ -22,7 +22,7 @@ struct TraversalCounts {
   unsigned deepest = 0;           ///< groups on the stack at a time
 };
 
-/// A shape with a signed gap, which a hierarchy can be over, but for triangles.
+/// A shape that has a signed gap to others, as a primary and in a hierarchy.
 template <class P>
 concept Solid = std::same_as<P, Sphere> || std::same_as<P, Aabb> || std::same_as<P, Obb> ||
     std::same_as<P, Triangle>;
