@@ -11,6 +11,7 @@ package hierarchy_pkg;
   localparam int RAYS = 4096;  // places for rays on their way into a pass; an OBB takes two
   localparam int PLACE_WORDS = 8;
   localparam int CONTEXTS = 256;  // rays in a card's hierarchy at a time
+  localparam int AHEAD = 16;  // as many in a pass at most do not wait for their leaves
 
   // What a child is.
   localparam logic [1:0] KIND_NONE = 0;

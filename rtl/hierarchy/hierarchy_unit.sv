@@ -164,6 +164,7 @@ module hierarchy_unit #(
   ) walk (
       .clk_i(clk), .rst_i(rst), .nodes_i(nodes), .node_read_o(node_read), .node_at_o(node_at), .node_i(node),
       .root_i(root), .goal_i(goal), .way_i(way_q),
+      .ahead_i(ray_count <= AHEAD),
       .ray_valid_i(ray_valid && !ray_bad), .ray_ready_o(ray_ready), .ray_i(ray), .number_i(ray_number),
       .fetch_valid_o(fetch_valid), .fetch_ready_i(fetch_ready), .fetch_slot_o(fetch_slot), .fetch_tag_o(fetch_tag),
       .fetched_valid_i(fetched_valid && !refitting), .fetched_tag_i(fetched_tag), .fetched_i(fetched), .index_i(index),

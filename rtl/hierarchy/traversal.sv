@@ -2,7 +2,8 @@
 // Rays, and solids, through a hierarchy. A ray has a context, and of each context one operation is under way: a node is
 // read and its boxes tested, the secondaries of a leaf are fetched and tested, or the next of these is chosen from its
 // stack. No unit ever waits, but for leaves that memory does not give yet; what waits are contexts, in queues that hold
-// all of them, so none can overflow and nothing can lock.
+// all of them, so none can overflow and nothing can lock. A few rays by themselves, for which pipes are mostly empty,
+// do not wait for their leaves: they go on with what they know, and end when all leaves have been tested (ahead_i).
 //
 //   rays -> ray_front -> UNITS x traversal_bank -> leaves -> fetch -> pair pipe -> better of (T, index) -+
 //                            |  ^                                                                        |
@@ -42,6 +43,7 @@ module traversal #(
     input logic [6:0][31:0] root_i,  // of its box: lower corner x y z, upper, 16 u W (ray_front.sv)
     input logic [2:0] goal_i,        // hierarchy_pkg::GOAL_*
     input logic [hierarchy_pkg::WAY_BITS-1:0] way_i,
+    input logic ahead_i,
     // Rays: o x y z, d x y z, tmin, tmax, or solids, and their numbers.
     input logic ray_valid_i,
     output logic ray_ready_o,
@@ -200,7 +202,7 @@ module traversal #(
         .ARITH(ARITH), .SOLIDS(32'(SOLIDS))
     ) bank (
         .clk_i, .rst_i, .nodes_i, .node_read_o(node_read_o[u]), .node_at_o(node_at_o[u]), .node_i(node_i[u]),
-        .farthest_i(farthest_q), .solid_i(is_solid),
+        .farthest_i(farthest_q), .solid_i(is_solid), .ahead_i,
         .interval_write_i(`CDE_OWN(interval_context) ? interval_write : '0),
         .interval_context_i(interval_context[CX-1:BANK]),
         .interval_i(interval), .front_valid_i(front_valid && `CDE_OWN(front_context)),
@@ -271,7 +273,10 @@ module traversal #(
       end
     end
   end
-  always_ff @(posedge clk_i) best_q <= bests[keep_at_soon.context_];
+  // Leaves of one context come one behind the other where it is ahead of them.
+  logic again;
+  assign again = keep_valid && keep_at.context_ == keep_at_soon.context_;
+  always_ff @(posedge clk_i) best_q <= again ? best : bests[keep_at_soon.context_];
   always_ff @(posedge clk_i) hit_number_o <= numbers[keep_at_soon.context_];
   assign tested_o = keep_valid;
   assign hit_o = (keep_valid && goal_i == GOAL_HITS) ? counts : '0;
@@ -288,10 +293,14 @@ module traversal #(
     interval = !is_solid ? ray_i[7:6] : {(goal_i == GOAL_NEAREST) ? INFINITE : 32'd0, INFINITE | SIGN};
     tested = keep_at;
     if (keep_valid) begin
-      interval_write = {improved && goal_i == GOAL_NEAREST, improved && goal_i == GOAL_FARTHEST};
+      interval_write = {improved && (goal_i == GOAL_NEAREST || goal_i == GOAL_OCCLUDED),
+                        improved && goal_i == GOAL_FARTHEST};
       interval_context = keep_at.context_;
       interval = {is_solid ? best_key : best.t, best.t};
-      if (best.f && goal_i == GOAL_OCCLUDED) tested.level = '0;
+      if (best.f && goal_i == GOAL_OCCLUDED) begin
+        tested.level = '0;
+        interval[1] = INFINITE | SIGN;
+      end
     end
   end
   always_ff @(posedge clk_i) if (keep_valid || take) bests[interval_context] <= keep_valid ? best : '0;

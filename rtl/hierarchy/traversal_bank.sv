@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Contexts of one node unit: which node or leaf each of them visits next. A node is read and its boxes tested; the
 // first child that is met is visited at once, the others wait on the context's stack, from which the next is chosen
-// when a leaf has been tested or a node had none.
+// when a leaf has been tested or a node had none; ahead of its leaves, when a leaf has been sent.
 // Latency: of a visit NODE_T_UNIT + 2 clocks (hierarchy.svh), of a choice 2. Throughput: a node and a choice a clock.
 // Stall: none but leaf_ready_i and done_ready_i; all that waits are contexts, in queues that hold all of them.
 `include "hierarchy.svh"
@@ -24,6 +24,7 @@ module traversal_bank #(
     input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i,
     input logic farthest_i,
     input logic solid_i,
+    input logic ahead_i,  // contexts go on while their leaves are tested
     // T that counts, from and to: of a ray that comes, and as hits are found.
     input logic [1:0] interval_write_i,
     input logic [CB-1:0] interval_context_i,  // without the bank's number
@@ -80,8 +81,22 @@ module traversal_bank #(
   `undef CDE_QUEUE
   assign started_write = front_valid_i;
   assign started_in = front_context_i;
-  assign tested_write = tested_valid_i;
-  assign tested_in = tested_i;
+
+  // ---- Leaves that a context is ahead of: those that were sent and have not come back ----
+  localparam int SENT = 13;  // bits; more than pipes and memory hold
+  logic [SENT-1:0] sent[CONTEXTS], back[CONTEXTS];
+  logic leaf_sent;
+  at_t sent_at;
+  assign sent_at = leaf_o[`VISIT_BITS(CX)-1-:`AT_BITS(CX)];
+  assign leaf_sent = ahead_i && leaf_valid_o && leaf_ready_i;
+  assign tested_write = ahead_i ? leaf_sent : tested_valid_i;
+  assign tested_in = ahead_i ? sent_at : tested_i;
+  always_ff @(posedge clk_i) begin
+    if (leaf_sent) sent[sent_at.context_[CX-1:BANK]] <= sent[sent_at.context_[CX-1:BANK]] + 1;
+    // A ray that comes has none; of others the interval's context is that of the leaf.
+    if (tested_valid_i && ahead_i) back[interval_context_i] <= back[interval_context_i] + 1;
+    if (interval_write_i != 0 && !tested_valid_i) back[interval_context_i] <= sent[interval_context_i];
+  end
 
   // ---- Nodes ----
   localparam int T_UNIT = `NODE_T_UNIT(SOLIDS);
@@ -149,6 +164,7 @@ module traversal_bank #(
   group_t top_group_q;
   logic [3:0] next_q, next;
   logic [1:0][31:0] choice_interval_q;
+  logic [SENT-1:0] sent_q, back_q;
   assign choice_valid = missed_some || tested_some || dropped_some;
   assign missed_read = missed_some;
   assign tested_read = tested_some && !missed_some;
@@ -159,6 +175,7 @@ module traversal_bank #(
     top_group_q <= groups[{choice.context_[CX-1:BANK], top}];
     next_q <= nexts[{choice.context_[CX-1:BANK], top}];
     choice_interval_q <= {limits[choice.context_[CX-1:BANK]], floors[choice.context_[CX-1:BANK]]};
+    {sent_q, back_q} <= {sent[choice.context_[CX-1:BANK]], back[choice.context_[CX-1:BANK]]};
     {choice_q, top_q} <= {choice, top};
     choice_valid_q <= choice_valid && !rst_i;
   end
@@ -179,12 +196,12 @@ module traversal_bank #(
     empty = choice_q.level == 0;
     choice_at = choice_q;
     choice_at.fresh[top_q] = 1'b0;
-    if (beyond || next + 1 == top_group_q.count) choice_at.level = choice_q.level - 1;
+    if (!empty && (beyond || next + 1 == top_group_q.count)) choice_at.level = choice_q.level - 1;
   end
   assign chosen = choice_valid_q && !empty && !beyond;
-  assign done_write = choice_valid_q && empty;
+  assign done_write = choice_valid_q && empty && sent_q == back_q;
   assign done_in = choice_q.context_;
-  assign dropped_write = choice_valid_q && !empty && beyond;
+  assign dropped_write = choice_valid_q && (empty ? sent_q != back_q : beyond);  // or it asks again
   assign dropped_in = choice_at;
   assign others_in = '{
       at: choice_at,

@@ -10,7 +10,6 @@
 #include <span>
 #include <vector>
 
-#include "TraversalFour.h"
 #include "TraversalGates.h"
 #include "TraversalHost.h"
 #include "TraversalOne.h"
@@ -73,6 +72,7 @@ class Bench {
     std::size_t sent = 0, got = 0;
     module_->goal_i = static_cast<CData>(goal);
     module_->way_i = std::is_same_v<P, Ray> ? 0 : 11;  // ray-triangle, triangle-sphere swapped
+    module_->ahead_i = ahead;
     for (clocks = 0; got < rays.size(); ++clocks) {
       if (clocks > 1000 * rays.size() + 1'000'000) {
         ADD_FAILURE() << "no end: " << got << " of " << rays.size();
@@ -117,6 +117,7 @@ class Bench {
     return records;
   }
 
+  bool ahead = false;        ///< rays do not wait for their leaves
   std::vector<Record> hits;  ///< of goal hits
 
   unsigned clocks = 0;
@@ -231,14 +232,19 @@ Scene scene(std::size_t rays) {
   return s;
 }
 
+std::vector<Record> by_primary_and_index(std::vector<Record> hits) {
+  std::sort(hits.begin(), hits.end(), [](const Record& a, const Record& b) {
+    return a.primary != b.primary ? a.primary < b.primary : a.index < b.index;
+  });
+  return hits;
+}
+
 template <class Module>
 void expect_hits(const Scene& s, const Hierarchy& hierarchy, Algorithm algorithm, bool patient) {
   Bench<Module> bench(s.triangles, hierarchy);
   reference::Traversal expected(s.triangles, hierarchy, algorithm);
   (void)bench.cast(s.rays, kHits, patient);
-  std::sort(bench.hits.begin(), bench.hits.end(), [](const Record& a, const Record& b) {
-    return a.primary != b.primary ? a.primary < b.primary : a.index < b.index;
-  });
+  bench.hits = by_primary_and_index(std::move(bench.hits));
   std::size_t at = 0;
   for (std::size_t i = 0; i < s.rays.size(); ++i) {
     for (const Record& should :
@@ -303,18 +309,6 @@ TEST(Traversal, IsThatOfTheReferenceInGates) {
 
 TEST(Traversal, IsThatOfTheReferenceWithHostArithmetic) {
   expect_reference<TraversalHost>(kStream);
-}
-
-TEST(Traversal, ClocksWithFourUnits) {
-  const Scene s = scene(kStream);
-  for (const unsigned leaf : {1u, 2u}) {
-    const Hierarchy hierarchy = Hierarchy::build(s.triangles, {.leaf = leaf});
-    for (const unsigned goal : {kGoals[0].number, kHits}) {
-      Bench<TraversalFour> bench(s.triangles, hierarchy);
-      (void)bench.cast(s.rays, goal, true);
-      bench.expect_clocks(s.rays.size());
-    }
-  }
 }
 
 /// A packet, and rays in a stream, from within the terrain in any direction: docs/hierarchy.md has
@@ -401,13 +395,10 @@ void expect_spheres(const hard::Scene& triangles, std::size_t count) {
     EXPECT_EQ(bench.nodes(), walk.counts().nodes);
     Bench<Module> all(triangles, tree);
     (void)all.cast(solids, kHits, patient);
-    std::sort(all.hits.begin(), all.hits.end(), [](const Record& a, const Record& b) {
-      return a.primary != b.primary ? a.primary < b.primary : a.index < b.index;
-    });
     std::vector<Record> hits;
     for (std::uint32_t i = 0; i < count; ++i)
       for (const Record& hit : walk.trace(solids[i], i, Mode::kHits)) hits.push_back(hit);
-    EXPECT_TRUE(std::ranges::equal(all.hits, hits, same_bits));
+    EXPECT_TRUE(std::ranges::equal(by_primary_and_index(all.hits), hits, same_bits));
     EXPECT_GT(hits.size(), count / 5);
   }
 }
@@ -416,6 +407,70 @@ TEST(Traversal, OfSpheresIsThatOfTheReference) {
   for (const hard::Case& c : std::span(hard::kScenes).subspan(2)) {  // the first two are large
     SCOPED_TRACE(c.name);
     expect_spheres<TraversalSolids>(c.make(), 60);
+  }
+}
+
+/// Passes of a few that do not wait for their leaves, one after the other in the same contexts: the
+/// same records, and no less is read. `clocks` are those that they take.
+template <class Module, class P>
+void expect_ahead(const std::vector<Triangle>& triangles, const std::vector<P>& primaries,
+                  bool patient, bool ahead, unsigned& clocks) {
+  const Hierarchy tree = Hierarchy::build(triangles, {.leaf = 2});
+  reference::Traversal walk(triangles, tree);
+  clocks = 0;
+  for (unsigned goal = 0; goal <= kHits; ++goal) {
+    if (goal == 1 && !std::is_same_v<P, Ray>) continue;  // no solid is farthest
+    SCOPED_TRACE(goal);
+    Bench<Module> bench(triangles, tree);
+    bench.ahead = ahead;
+    const auto before = walk.counts();
+    for (std::size_t first = 0, count = 1; first < primaries.size();
+         first += count, count = count % 16 + 1) {
+      count = std::min(count, primaries.size() - first);
+      const std::vector<P> some(primaries.begin() + static_cast<std::ptrdiff_t>(first),
+                                primaries.begin() + static_cast<std::ptrdiff_t>(first + count));
+      bench.hits.clear();
+      const std::vector<Record> records = bench.cast(some, goal, patient);
+      clocks += bench.clocks;
+      std::vector<Record> hits;
+      for (std::uint32_t i = 0; i < count; ++i) {
+        if (goal == kOccluded) {
+          ASSERT_EQ(records[i].f, walk.occluded(some[i])) << first + i;
+        } else if (goal == kHits) {
+          for (const Record& hit : walk.trace(some[i], i, Mode::kHits)) hits.push_back(hit);
+        } else {
+          const Record should = walk.trace(some[i], ~0u, kGoals[goal].mode)[0];
+          ASSERT_EQ(records[i].f, should.f) << first + i;
+          if (should.index == ~0u) continue;
+          ASSERT_TRUE(same_bits(records[i], should)) << first + i;
+        }
+      }
+      ASSERT_TRUE(std::ranges::equal(by_primary_and_index(bench.hits), hits, same_bits)) << first;
+    }
+    const std::uint64_t nodes = walk.counts().nodes - before.nodes,
+                        secondaries = walk.counts().secondaries - before.secondaries;
+    if (!ahead || goal == 2 || goal == kHits) {  // all that is met is read, whatever is known of it
+      EXPECT_EQ(bench.nodes(), nodes);
+      EXPECT_EQ(bench.secondaries(), secondaries);
+    } else {
+      EXPECT_GE(bench.nodes(), nodes);
+      EXPECT_GE(bench.secondaries(), secondaries);
+    }
+  }
+}
+
+TEST(Traversal, AheadOfItsLeaves) {
+  const Scene s = scene(300);
+  std::vector<Sphere> spheres;
+  for (std::size_t i = 0; i < s.rays.size(); ++i)
+    spheres.push_back({s.rays[i].o, 0.4f * static_cast<float>(i % 23 + 1)});
+  for (const bool patient : {true, false}) {
+    unsigned ahead = 0, waiting = 0;
+    expect_ahead<TraversalHost>(s.triangles, s.rays, patient, true, ahead);
+    expect_ahead<TraversalSolids>(s.triangles, spheres, patient, true, ahead);
+    expect_ahead<TraversalSolids>(s.triangles, spheres, patient, false, waiting);
+    std::printf("%u clocks, not %u\n", ahead, waiting);
+    EXPECT_LT(2 * ahead, waiting);
   }
 }
 

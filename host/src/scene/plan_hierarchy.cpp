@@ -21,9 +21,13 @@ namespace {
 constexpr std::uint64_t kWorthATree = 2048, kWorthATreeOfSolids = 256;
 /// Clocks that the last rays of a packet take for a level of the tree, when no others are left.
 constexpr double kClocksALevel = 30;
-/// Those of a solid for a secondary that it is tested with, nodes above it included: of a sphere
-/// and triangles 63, of an OBB 78 where they are alone (cde bench hierarchy); of two spheres 25.
+/// Those of a solid for a secondary that it is tested with, nodes above it included, where it waits
+/// for each leaf: of a sphere and triangles 63, of an OBB 78; of two spheres 25.
 constexpr double kClocksASolid = 75, kClocksTwoSpheres = 25;
+/// As many in a pass go ahead of their leaves (hierarchy_pkg::AHEAD) and take these clocks until
+/// the first one is tested, and for each (cde bench hierarchy, solids that are alone).
+constexpr std::uint64_t kAhead = 16;
+constexpr double kClocksToTheFirst = 250, kClocksAhead = 6;
 /// A node of a tree that is not over triangles over the bus, with its share of slots.
 constexpr std::uint64_t kClocksANode = 18;
 /// Of a query, whose ways are counted.
@@ -106,8 +110,8 @@ Way way_of_rays(const Hierarchy& tree) {
 }
 
 /// Of solids as some of the first frame's take it.
-Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene,
-                  const Hierarchy& tree) {
+Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene, const Hierarchy& tree,
+                  bool ahead) {
   player::Row met(scene, plan.card_moves, player::Table::kAll),
       solids(scene, std::vector<bool>(scene.objects.size(), false), player::Table::kMoved);
   (void)met.show(q.secondaries, 0);
@@ -123,7 +127,9 @@ Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene,
         },
         met.placed());
   };
-  const double each = q.pair == Pair::kSphereSphere ? kClocksTwoSpheres : kClocksASolid;
+  const double each = ahead                           ? kClocksAhead
+                      : q.pair == Pair::kSphereSphere ? kClocksTwoSpheres
+                                                      : kClocksASolid;
   Way way;
   std::visit(
       [&](const auto& list) {
@@ -137,7 +143,7 @@ Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene,
             const auto tested = static_cast<double>(walk.counts().secondaries);
             way.nodes += static_cast<double>(walk.counts().nodes);
             way.secondaries += tested;
-            way.last = std::max(way.last, each * tested);
+            way.last = std::max(way.last, (ahead ? kClocksToTheFirst : 0) + each * tested);
           }
           sampled = std::max<std::size_t>(sampled, 1);
           way.nodes /= static_cast<double>(sampled);
@@ -152,12 +158,14 @@ Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene,
 /// the last ones. A tree over triangles stays as it was in the first frame.
 std::uint64_t clocks(const SceneQuery& q, const QueryWork& w, const Plan& plan, const Scene& scene,
                      const Hierarchy& tree) {
-  const Way way = is_ray(q) ? way_of_rays(tree) : way_of_solids(q, plan, scene, tree);
+  const std::uint64_t primaries = w.primaries - w.masked;
+  const Way way =
+      is_ray(q) ? way_of_rays(tree) : way_of_solids(q, plan, scene, tree, primaries <= kAhead);
   const double more =
       meets_triangles(q) ? kVisitsAMovingPart * static_cast<double>(moving_parts(scene)) : 0;
   const double each = std::max((way.nodes + more) / kNodeUnits, way.secondaries + more);
-  return static_cast<std::uint64_t>(std::ceil(each * static_cast<double>(w.primaries - w.masked) +
-                                              way.last * static_cast<double>(w.packets)));
+  return static_cast<std::uint64_t>(
+      std::ceil(each * static_cast<double>(primaries) + way.last * static_cast<double>(w.packets)));
 }
 
 /// Clocks of boxes anew in a frame: of triangles one each that moves, and 1.2 a node above it; a

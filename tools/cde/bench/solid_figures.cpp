@@ -20,8 +20,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr float kQuad = 10;         ///< of the terrain
-constexpr std::size_t kAlone = 16;  ///< solids that go one by one
+constexpr float kQuad = 10;                  ///< of the terrain
+constexpr std::size_t kAlone = kTreePacket;  ///< solids that go one by one, as they do in FCL
 constexpr double kSizes[] = {1, 8};
 
 /// Around vertices of the terrain, as far from them as they are large at most.
