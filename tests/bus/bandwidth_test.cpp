@@ -2,6 +2,7 @@
 // What the bus gives: peak, the published figures that the profile of 2001 is fitted to, and a
 // table.
 #include <cstdio>
+#include <cstdlib>
 
 #include "bus_card.hpp"
 #include "cde/card/host_profile.hpp"
@@ -64,7 +65,8 @@ TEST(PciBandwidth, Table) {
   for (const HostProfile& p : kHostProfiles)
     links.push_back(std::make_unique<Link>(std::string(p.name), 4096));
   std::vector<double> before(links.size());
-  for (std::uint32_t bytes = 64; bytes <= 4'194'304; bytes *= 4) {
+  const std::uint32_t most = std::getenv("CDE_FULL") != nullptr ? 4'194'304 : 1'048'576;
+  for (std::uint32_t bytes = 64; bytes <= most; bytes *= 4) {
     std::printf("%10u", bytes);
     for (std::size_t i = 0; i < links.size(); ++i) {
       const double read = bytes / seconds(*links[i], bytes, false),

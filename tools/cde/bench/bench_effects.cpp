@@ -130,7 +130,7 @@ std::vector<P> placed(const Scene& scene, std::size_t object) {
 }
 
 Workload make_workload(const BenchOptions& o) {
-  const unsigned side = o.quick ? 50 : 100;
+  const unsigned side = o.quick ? 25 : 100;
   const Scene scene = parse_scene(
       fmt::format(fmt::runtime(kScene), o.quick ? kQuickLanes : kLanes, side, side), "effects");
   Workload w{plan(scene).board, placed<Ray>(scene, 1), placed<Triangle>(scene, 0), {}};

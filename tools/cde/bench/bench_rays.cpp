@@ -116,8 +116,8 @@ void run_baselines(const Scene& scene, const std::vector<Record>& card, std::vec
 }
 
 ordered_json compare_rates(const BenchOptions& o) {
-  const Scene scene = o.quick ? make_scene(100, 100) : make_scene(291, 446);
-  const Scene down = o.quick ? make_scene(100, 100, false) : make_scene(291, 446, false);
+  const Scene scene = o.quick ? make_scene(70, 70) : make_scene(291, 446);
+  const Scene down = o.quick ? make_scene(70, 70, false) : make_scene(291, 446, false);
   constexpr int kRounds = 5;
   show(
       "\n256 rays x {} triangles, single thread, processor time, best of {} rounds that "
