@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Passes of a few primaries, which go on while their leaves are tested (hierarchy_pkg::AHEAD):
+// records are those of the reference, and of the card's own sweep, however late memory is.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "cde/support/error.hpp"
+#include "hard_solids.hpp"
+#include "hard_spheres.hpp"
+#include "hierarchy_cards.hpp"
+#include "pair_through.hpp"
+
+namespace cde::testing {
+namespace {
+
+using namespace through;
+using hard::aabbs_of;
+using hard::cloud_of;
+using hard::kScenes;
+using hard::obbs_of;
+
+constexpr std::size_t kFew = 16;
+
+template <class P, class Secondary>
+Query query_of(Mode mode, Through through) {
+  const auto [pair, swap] = pair_through<P, Secondary>();
+  Query query{.mode = mode, .pair = pair, .swap = swap};
+  query.through = through;
+  return query;
+}
+
+template <class P, class Secondary>
+std::vector<P> hard_ones(const std::vector<Secondary>& all, std::size_t count) {
+  const Scene corners = hard::corners_of(all);
+  if constexpr (std::is_same_v<P, Ray>) {
+    return hard_rays(corners, count);
+  } else {
+    hard::Solids draws(corners, 7);
+    std::vector<P> primaries;
+    for (std::size_t i = 0; i < count; ++i) primaries.push_back(draws.draw<P>(i));
+    return primaries;
+  }
+}
+
+/// So many, or ten times as many where all is tested (CDE_FULL=1), in passes of 1 to 17: the last
+/// ones wait for their leaves.
+template <class P, class Secondary>
+void expect_few(Board& board, const std::vector<Secondary>& all, std::size_t count,
+                [[maybe_unused]] Algorithm algorithm = Algorithm::kMoller) {
+  if (std::getenv("CDE_FULL") != nullptr) count *= 10;
+  const Hierarchy tree = Hierarchy::build(all, {.leaf = all.size() % 3 == 0 ? 1u : 2u});
+  board.upload(all, tree);
+  const auto way = [&] {
+    if constexpr (std::is_same_v<Secondary, Triangle>)
+      return reference::Traversal(all, tree, algorithm);
+    else
+      return reference::Traversal(all, tree);
+  }();
+  const std::vector<P> primaries = hard_ones<P>(all, count);
+  std::size_t found = 0;
+  for (const Mode mode : kModes) {
+    if (mode == Mode::kFarthest && !std::is_same_v<P, Ray>) continue;  // no solid is farthest
+    SCOPED_TRACE(name_of(mode));
+    for (std::size_t first = 0, n = 1; first < count; first += n, n = n % (kFew + 1) + 1) {
+      n = std::min(n, count - first);
+      const auto begin = primaries.begin() + static_cast<std::ptrdiff_t>(first);
+      const std::vector<P> some(begin, begin + static_cast<std::ptrdiff_t>(n));
+      Counters c;
+      const auto records = cast(board, some, query_of<P, Secondary>(mode, Through::kHierarchy), &c);
+      found += expect_same(records, expected(way, some, mode));
+      if (n == 1 && mode != Mode::kOccluded)
+        expect_same(records, cast(board, some, query_of<P, Secondary>(mode, Through::kSweep)));
+      if (mode != Mode::kNearest) continue;
+      reference::Traversal walk = way;
+      for (std::uint32_t i = 0; i < n; ++i) (void)walk.trace(some[i], i, mode);
+      expect_read(c, walk.counts(), n);
+    }
+  }
+  EXPECT_GT(found, count / 4);
+}
+
+class HierarchyOfAFew : public ::testing::TestWithParam<Card> {};
+const Card kSolids{"solids", solids_config}, kMeshes{"meshes", meshes_config},
+    kSpheres{"spheres", spheres_config}, kBoxes{"boxes", boxes_config},
+    kBoxesDdr{"boxes_ddr", boxes_config, {.memory = Memory::kCycle}},
+    kSpheresGates{"spheres_gates", spheres_gates_config};
+INSTANTIATE_TEST_SUITE_P(Cards, HierarchyOfAFew,
+                         ::testing::Values(kFast, kDdr, kGates, kLate, kWatertight, kSolids,
+                                           kMeshes, kSpheres, kBoxes, kBoxesDdr, kSpheresGates),
+                         [](const auto& card) { return std::string(card.param.name); });
+
+TEST_P(HierarchyOfAFew, RecordsAreThoseOfTheReference) {
+  const BoardConfig config = GetParam().config();
+  const bool gates = config.arithmetic == Arithmetic::kRtl;
+  const std::size_t count = gates ? 8 : GetParam().name == kLate.name ? 30 : 80;
+  Board board = Board::open(config, GetParam().options);
+  const auto has = [&](Pair pair) {
+    return std::find(config.pairs.begin(), config.pairs.end(), pair) != config.pairs.end();
+  };
+  for (const auto& one : kScenes) {
+    const Scene scene = one.make();
+    if (scene.size() > (gates ? 100 : 2000)) continue;
+    SCOPED_TRACE(one.name);
+    if (has(Pair::kRayTriangle)) expect_few<Ray>(board, scene, count, config.algorithm);
+    if (has(Pair::kTriangleTriangle)) expect_few<Triangle>(board, scene, count);
+    if (has(Pair::kTriangleSphere)) expect_few<Sphere>(board, scene, count);
+    if (has(Pair::kTriangleObb)) expect_few<Obb>(board, scene, count);
+    if (has(Pair::kTriangleAabb)) expect_few<Triangle>(board, aabbs_of(scene), count);
+    if (has(Pair::kObbObb)) expect_few<Obb>(board, obbs_of(scene), count);
+    if (has(Pair::kSphereObb)) expect_few<Sphere>(board, obbs_of(scene), count);
+    if (has(Pair::kRaySphere)) expect_few<Ray>(board, cloud_of(scene), count);
+    if (has(Pair::kSphereSphere)) expect_few<Sphere>(board, cloud_of(scene), count);
+  }
+}
+
+/// A pass that is left while its leaves are on their way: the one behind it knows nothing of them.
+TEST(HierarchyOfAFewOthers, APassThatIsLeft) {
+  Board board = Board::open(boxes_config(), {.memory = Memory::kCycle});
+  const auto boxes = obbs_of(kScenes[6].make());
+  const Hierarchy tree = Hierarchy::build(boxes);
+  board.upload(boxes, tree);
+  const auto primaries = hard_ones<Obb>(boxes, 3);
+  Query query = query_of<Obb, Obb>(Mode::kHits, Through::kHierarchy);
+  const auto should = expected(reference::Traversal(boxes, tree), primaries, Mode::kHits);
+  ASSERT_FALSE(should.empty());
+  unsigned left = 0;
+  for (std::uint64_t clocks = 20; clocks < 900; clocks += 11) {
+    query.deadline_clocks = clocks;
+    try {
+      (void)cast(board, primaries, query);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::kTimeout);
+      ++left;
+    }
+    query.deadline_clocks = 0;
+    ASSERT_EQ(expect_same(cast(board, primaries, query), should), should.size()) << clocks;
+  }
+  EXPECT_GT(left, 20u);
+}
+
+}  // namespace
+}  // namespace cde::testing
