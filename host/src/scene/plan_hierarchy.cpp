@@ -27,7 +27,7 @@ constexpr double kClocksASolid = 75, kClocksTwoSpheres = 25;
 /// As many in a pass go ahead of their leaves (hierarchy_pkg::AHEAD) and take these clocks until
 /// the first one is tested, and for each (cde bench hierarchy, solids that are alone).
 constexpr std::uint64_t kAhead = 16;
-constexpr double kClocksToTheFirst = 250, kClocksAhead = 6;
+constexpr double kClocksToTheFirst = 250, kClocksAhead = 4.5;
 /// A node of a tree that is not over triangles over the bus, with its share of slots.
 constexpr std::uint64_t kClocksANode = 18;
 /// Of a query, whose ways are counted.
