@@ -41,7 +41,7 @@ module leaf_reader #(
     input logic ddr_valid_i,
     input logic [BEAT-1:0][31:0] ddr_data_i,
     output logic [3:0] ddr_words_o,  // of the beat that belong to a secondary
-    output logic owed_o,  // answers are, or the other half of a question
+    output logic owed_o,  // answers are, or will be by what is asked now
 
     // To the table of objects and the transformer, as in secondary_regfile.sv.
     output logic [OBJECT_W-1:0] transform_entry_o,  // of the secondary that arrives
@@ -129,7 +129,7 @@ module leaf_reader #(
   assign ddr_o.valid = asked_q && !fault_o && (half_q || owed != (DW + 1)'(DEPTH));
   assign ddr_o.word = index * 32'(words_i) + (half_q ? BEAT : 0);
   assign owed = write_q - read_q;
-  assign owed_o = owed != 0;
+  assign owed_o = owed != 0 || ddr_o.valid;  // also what is asked for in this clock
   always_ff @(posedge clk_i) begin
     if (taken && !half_q) begin
       tags[write_q[DW-1:0]] <= {last_q, object[OBJECT_W-1:0], index, tag_q};

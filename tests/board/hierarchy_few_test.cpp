@@ -3,6 +3,7 @@
 // records are those of the reference, and of the card's own sweep, however late memory is.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "cde/support/error.hpp"
@@ -137,6 +138,35 @@ TEST(HierarchyOfAFewOthers, APassThatIsLeft) {
     ASSERT_EQ(expect_same(cast(board, primaries, query), should), should.size()) << clocks;
   }
   EXPECT_GT(left, 20u);
+}
+
+/// Left in any clock, also in that in which a leaf is asked for: no answer of memory comes to the
+/// pass behind it, through the tree or swept.
+TEST(HierarchyOfAFewOthers, APassThatIsLeftInAnyClock) {
+  Board board = Board::open(spheres_config(), {.memory = Memory::kCycle});
+  const auto cloud = cloud_of(kScenes[6].make());
+  board.upload(cloud, Hierarchy::build(cloud));
+  Query through = query_of<Sphere, Sphere>(Mode::kNearest, Through::kHierarchy);
+  const Query sweep = query_of<Sphere, Sphere>(Mode::kNearest, Through::kSweep);
+  const std::vector<Sphere> three(cloud.begin(), cloud.begin() + 3);
+  const auto should = cast(board, three, sweep);
+  hard::Draw draw(3);
+  unsigned left = 0;
+  for (unsigned i = 0; i < 3000; ++i) {
+    through.deadline_clocks = 1 + draw.below(300);
+    const auto first = cloud.begin() + draw.below(cloud.size() - 16);
+    const std::vector<Sphere> some(first, first + 1 + draw.below(16));
+    try {
+      (void)cast(board, some, through);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::kTimeout);
+      ++left;
+    }
+    through.deadline_clocks = 100'000;
+    const auto records = cast(board, three, i % 2 == 0 ? sweep : through);
+    ASSERT_TRUE(std::ranges::equal(records, should, same_bits)) << i;
+  }
+  EXPECT_GT(left, 500u);
 }
 
 }  // namespace
