@@ -108,7 +108,7 @@ TEST_P(HierarchySolids, RecordsAreThoseOfASweepAndOfTheReference) {
   if (GetParam().config == spheres_gates_config)
     return expect_all<Sphere>(board, some(10, 60), 300);
   if (GetParam().config == meshes_config) return expect_all<Triangle>(board, some(130, 2500));
-  expect_all<Sphere>(board, fast ? some(300, 2500) : late ? 10 : 60);
+  expect_all<Sphere>(board, fast ? some(300, 2500) : late ? 10 : 30);
   if (GetParam().config == solids_config) expect_all<Obb>(board, fast ? some(130, 2500) : 30);
 }
 
