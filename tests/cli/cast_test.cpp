@@ -372,7 +372,7 @@ TEST_F(Cast, InterruptLeavesNothing) {
 
 /// Later, in the middle of the cast.
 TEST_F(Cast, InterruptWhileCastingLeavesNothing) {
-  const pid_t child = start({"cast", "terrain", "--grid", "200x200", "-o", "hits.csv"});
+  const pid_t child = start({"cast", "terrain", "--grid", "1000x1000", "-o", "hits.csv"});
   const bool began = wait_for_file(child);
   ::usleep(500'000);
   ::kill(child, SIGTERM);
