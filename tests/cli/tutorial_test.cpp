@@ -41,7 +41,7 @@ TEST_F(Tutorial, LeadsFromAWrongAnswerToItsLine) {
   // A line that no command prints stands between what two of them print.
   const std::string mark = "\x01\n";
   std::string script =
-      "source=" CDE_SOURCE_DIR "\ncde() { \"$CDE\" \"$@\"; }\nCOLUMNS=100\nexec 2>&1\n";
+      "source='" CDE_SOURCE_DIR "'\ncde() { \"$CDE\" \"$@\"; }\nCOLUMNS=100\nexec 2>&1\n";
   for (const Step& step : steps) script += step.command + "\nprintf '\\001\\n'\n";
   std::string out = shell(script).out;
   for (const Step& step : steps) {

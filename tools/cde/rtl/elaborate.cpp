@@ -99,12 +99,29 @@ bool is_within(const std::string& path, const std::string& instance) {
          (path.size() == instance.size() || path[instance.size()] == '.');
 }
 
+/// Verilator ends a file's name at a space: what has one is read through a link.
+fs::path without_space(const fs::path& path, const fs::path& link) {
+  if (path.native().find(' ') == std::string::npos) return path;
+  fs::create_symlink(fs::absolute(path), link);
+  return link;
+}
+
+/// Names of files below the link as they are.
+std::string named(std::string text, const fs::path& link, const fs::path& source) {
+  if (link == source) return text;
+  const std::string from = link.string() + "/", to = source.string() + "/";
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at))
+    text.replace(at, from.size(), to), at += to.size();
+  return text;
+}
+
 }  // namespace
 
-std::string elaborated(const fs::path& rtl, const std::string& top,
+std::string elaborated(const fs::path& source, const std::string& top,
                        const std::vector<std::string>& parameters, Gates gates,
                        const std::vector<std::string>& switches) {
   const Scratch scratch("cde-elaborate");
+  const fs::path rtl = without_space(source, scratch / "rtl");
   const fs::path xml = scratch / "design.xml", json = scratch / "design.tree.json",
                  meta = scratch / "design.tree.meta.json", log = scratch / "verilator.log";
   std::vector<std::string> command = {"-Wno-fatal", "-Werror-USERERROR", "-Werror-USERFATAL",
@@ -112,7 +129,8 @@ std::string elaborated(const fs::path& rtl, const std::string& top,
                                       top};
   command.insert(command.end(), switches.begin(), switches.end());
   for (const std::string& parameter : parameters) command.push_back(parameter_switch(parameter));
-  command.push_back(rtl.parent_path() / "verilator/waivers.vlt");
+  command.push_back(
+      without_space(source.parent_path() / "verilator/waivers.vlt", scratch / "waivers.vlt"));
   std::ifstream packages(rtl / "contract/packages.f");
   for (std::string package; std::getline(packages, package);)
     command.push_back(rtl / "contract" / package);
@@ -136,11 +154,11 @@ std::string elaborated(const fs::path& rtl, const std::string& top,
     all.insert(all.end(), command.begin(), command.end());
     return run(all, log) == 0;
   };
-  if (written({"--xml-only", "--xml-output", xml})) return text_of(xml);
+  if (written({"--xml-only", "--xml-output", xml})) return named(text_of(xml), rtl, source);
   if (text_of(log).find("Invalid option: --xml-only") != std::string::npos) {
     fs::remove(log);
     if (written({"--json-only", "--json-only-output", json, "--json-only-meta-output", meta}))
-      return xml_of_json(text_of(json), text_of(meta));
+      return xml_of_json(text_of(json), named(text_of(meta), rtl, source));
   }
   throw ElaborationError("verilator cannot elaborate " + top + ":\n" + text_of(log));
 }
