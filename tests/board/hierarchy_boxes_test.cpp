@@ -13,7 +13,6 @@
 #include "hard_solids.hpp"
 #include "hard_spheres.hpp"
 #include "hierarchy_cards.hpp"
-#include "pair_through.hpp"
 
 namespace cde::testing {
 namespace {
@@ -29,14 +28,6 @@ constexpr Mode kSolidModes[] = {Mode::kNearest, Mode::kAny, Mode::kHits, Mode::k
 /// So many, or more where all is tested (CDE_FULL=1).
 std::size_t some(std::size_t quick, std::size_t thorough) {
   return std::getenv("CDE_FULL") != nullptr ? thorough : quick;
-}
-
-template <class P, class Secondary>
-Query query_of(Mode mode, Through through) {
-  const auto [pair, swap] = pair_through<P, Secondary>();
-  Query query{.mode = mode, .pair = pair, .swap = swap};
-  query.through = through;
-  return query;
 }
 
 /// Hard ones beside what is in the tree, of which some are bad.

@@ -13,6 +13,7 @@
 #include "cde/card/board.hpp"
 #include "cde/reference/traversal.hpp"
 #include "hard_rays.hpp"
+#include "pair_through.hpp"
 
 /// Cards with a hierarchy, and what rays through it are to find, for tests of them.
 namespace cde::testing::through {
@@ -178,6 +179,15 @@ inline void expect_read(const Counters& c, const reference::TraversalCounts& ref
     EXPECT_GE(c.nodes, reference.nodes);
     EXPECT_GE(c.pairs, reference.secondaries);
   }
+}
+
+/// Of primaries and what is in the tree.
+template <class P, class Secondary>
+Query query_of(Mode mode, Through through) {
+  const auto [pair, swap] = pair_through<P, Secondary>();
+  Query query{.mode = mode, .pair = pair, .swap = swap};
+  query.through = through;
+  return query;
 }
 
 /// All of them, and what the card counts.

@@ -10,7 +10,6 @@
 #include "hard_solids.hpp"
 #include "hard_spheres.hpp"
 #include "hierarchy_cards.hpp"
-#include "pair_through.hpp"
 
 namespace cde::testing {
 namespace {
@@ -22,14 +21,6 @@ using hard::kScenes;
 using hard::obbs_of;
 
 constexpr std::size_t kFew = 16;
-
-template <class P, class Secondary>
-Query query_of(Mode mode, Through through) {
-  const auto [pair, swap] = pair_through<P, Secondary>();
-  Query query{.mode = mode, .pair = pair, .swap = swap};
-  query.through = through;
-  return query;
-}
 
 template <class P, class Secondary>
 std::vector<P> hard_ones(const std::vector<Secondary>& all, std::size_t count) {
