@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The price list as a page.
 #include "accuracy/accuracy_page.hpp"
+#include <nlohmann/json.hpp>
 
 #include <fmt/format.h>
 

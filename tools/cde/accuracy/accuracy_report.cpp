@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "accuracy/accuracy_report.hpp"
+#include <nlohmann/json.hpp>
 
 #include "accuracy/promise.hpp"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "accuracy/advice.hpp"
+#include <nlohmann/json.hpp>
 
 #include <fmt/format.h>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "accuracy/error_counts.hpp"
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The wrong pixels of a mesh as a page.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "accuracy/profiles.hpp"
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -2,6 +2,7 @@
 // cde bench bus: what the bus between host and card gives in modelled time, on PCI signals and
 // computed, and a frame of the paper on its profile.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <array>
 #include <chrono>

@@ -2,6 +2,7 @@
 // Section effects of cde bench: what each part of the card that a scene leaves out would have cost
 // its simulation.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>

@@ -2,6 +2,7 @@
 // Section fp of cde bench: the gate-level floating-point units alone, simulated operations a second
 // on one core.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <array>
 #include <string_view>

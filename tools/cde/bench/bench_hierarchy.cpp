@@ -3,6 +3,7 @@
 // simulating it takes, its refit, and Embree on the same rays; spheres, OBBs and meshes, and FCL on
 // these; spheres among others.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "bench/bench.hpp"
 #include "bench/cloud_figures.hpp"

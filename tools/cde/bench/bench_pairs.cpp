@@ -2,6 +2,7 @@
 // Section pairs of cde bench: every pipe by itself, simulated pairs a second on one core, beside
 // FCL on the same pairs in the same run.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <optional>

@@ -2,6 +2,7 @@
 // cde bench rays: the simulated card against software that does the same brute force on one thread.
 #include <fmt/format.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <fstream>

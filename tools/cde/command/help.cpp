@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command/help.hpp"
+#include <CLI/CLI.hpp>
 
 #include <fmt/format.h>
 #include <sys/ioctl.h>

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <CLI/CLI.hpp>
 #include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "command/cli_fwd.hpp"
 
 /// What `cde --help`, `cde help VERB` and the manual say beside the descriptions of options.
 namespace cde::cli {

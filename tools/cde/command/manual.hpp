@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <CLI/CLI.hpp>
 #include <string>
+
+#include "command/cli_fwd.hpp"
 
 /// Manual pages and completions of shells, as text made from the parser.
 namespace cde::cli {

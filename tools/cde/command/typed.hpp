@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
+
+#include "command/cli_fwd.hpp"
 
 /// The words of a command line, held against what the parser knows.
 namespace cde::cli {

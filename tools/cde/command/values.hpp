@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "command/cli_fwd.hpp"
 
 /// Values of options. What an option takes is said once: the help, the manual, the completions and
 /// the check all come from it. A value that does not fit is Error kUsage, in the order of the words

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output/streams.hpp"
+#include <nlohmann/json.hpp>
 
 #include <fcntl.h>
 #include <unistd.h>

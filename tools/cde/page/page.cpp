@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "page/page.hpp"
+#include <nlohmann/json.hpp>
 
 #include "cde/support/message.hpp"
 #include "output/streams.hpp"

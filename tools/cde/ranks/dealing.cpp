@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ranks/dealing.hpp"
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include <fcntl.h>
 #include <fmt/format.h>

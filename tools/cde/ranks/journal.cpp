@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ranks/journal.hpp"
+#include <nlohmann/json.hpp>
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "verbs/bundle.hpp"
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include <fmt/format.h>
 

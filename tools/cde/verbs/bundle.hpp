@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -15,6 +14,7 @@
 #include "cde/card/trace.hpp"
 #include "cde/query/difference.hpp"
 #include "cde/support/error.hpp"
+#include "command/cli_fwd.hpp"
 #include "explain/explanation.hpp"
 #include "wave/origin.hpp"
 

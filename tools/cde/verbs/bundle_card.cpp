@@ -2,6 +2,7 @@
 // A record that a card and its reference differ in: from the primary that was sent to the record
 // that came back, the first thing in the waves that is not as it should be.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <bit>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A card that did not end what it was asked: the last things that happened on it.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <deque>

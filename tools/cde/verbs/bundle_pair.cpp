@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A pair that a pipe by itself answers otherwise than its reference.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <optional>

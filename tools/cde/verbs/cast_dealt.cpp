@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde cast in chunks: among ranks, as a shard, or with a journal.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cstring>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
 #include <vector>
@@ -8,6 +7,7 @@
 #include "accuracy/price.hpp"
 #include "cde/card/board.hpp"
 #include "cde/scene/scene.hpp"
+#include "command/cli_fwd.hpp"
 
 /// The core clock that modelled times assume: --clock, or what --target was measured at.
 namespace cde::cli {

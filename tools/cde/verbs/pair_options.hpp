@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "cde/card/pair_unit.hpp"
+#include "command/cli_fwd.hpp"
 
 /// The options that say which pipe a verb runs.
 namespace cde::cli {

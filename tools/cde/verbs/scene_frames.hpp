@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
 
 #include "cde/scene/scene.hpp"
+#include "command/cli_fwd.hpp"
 
 namespace cde::cli {
 

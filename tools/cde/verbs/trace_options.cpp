@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "verbs/trace_options.hpp"
+#include <CLI/CLI.hpp>
 
 #include <fmt/format.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
 #include "cde/card/trace.hpp"
+#include "command/cli_fwd.hpp"
 
 namespace cde::cli {
 

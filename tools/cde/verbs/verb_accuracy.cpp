@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde accuracy: what formats, algorithms and budgets are worth, beside what they cost.
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cstdio>

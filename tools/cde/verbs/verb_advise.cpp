@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde advise: the cheapest pipe that is good enough.
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include <cstdlib>
 #include <filesystem>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde bench: measurements, each beside the rivals it is to be compared with, in the same run.
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include <time.h>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde cast: rays against a mesh on the simulated card, every record checked against the reference.
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <bit>

@@ -2,6 +2,7 @@
 // cde doctor: is everything here that the command needs, and does the card compute?
 #include <fmt/format.h>
 #include <unistd.h>
+#include <CLI/CLI.hpp>
 
 #include <array>
 #include <cstdio>

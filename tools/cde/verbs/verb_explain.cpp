@@ -2,6 +2,7 @@
 // cde explain: one pair through one pipe, every operator beside the mirror reference's; or what a
 // record of a scene, or a line of a failing test, is about.
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <nlohmann/json.hpp>
 #include <string>

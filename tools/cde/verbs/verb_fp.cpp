@@ -2,6 +2,7 @@
 // cde fp: operations of the simulated floating-point units on operands from stdin, in the line
 // format of Berkeley TestFloat.
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde help, and the hidden verb with which the build writes manual pages and completions.
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <filesystem>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde inventory: operators and latencies of the pipes, from the elaborated RTL, beside the paper's.
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <array>

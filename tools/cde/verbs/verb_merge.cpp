@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde merge: a run from the journals of its shards.
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <memory>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde plan: what a scene needs of the card, and what it leaves out.
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include <memory>
 #include <string>

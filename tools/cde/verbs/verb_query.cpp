@@ -3,6 +3,7 @@
 // against the reference.
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <CLI/CLI.hpp>
 
 #include <deque>
 #include <nlohmann/json.hpp>

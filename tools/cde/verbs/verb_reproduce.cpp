@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde reproduce: the paper's figures measured again, as a page.
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "bench/reproduce.hpp"
 #include "cde/support/message.hpp"

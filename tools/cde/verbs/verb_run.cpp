@@ -2,6 +2,7 @@
 // cde run: plays the frames of a scene on the simulated card and compares what it answers with the
 // reference.
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <chrono>

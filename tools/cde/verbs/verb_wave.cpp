@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde wave: asks wave files (FST).
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <filesystem>

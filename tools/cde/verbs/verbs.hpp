@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
 #include <vector>
+
+#include "command/cli_fwd.hpp"
 
 /// Each verb of the `cde` command lives in verbs/verb_NAME.cpp and registers itself here. A verb's
 /// callback throws cde::Error; main turns it into a message on stderr and an exit status. Data goes

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde wave info, ls, at; and what all commands share.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>

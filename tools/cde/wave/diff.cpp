@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde wave diff: where two files part.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <charconv>

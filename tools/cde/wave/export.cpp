@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde wave export: waves as other kinds of files.
 #include "wave/export.hpp"
+#include <nlohmann/json.hpp>
 
 #include <fmt/format.h>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde wave find: where an expression is true.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <deque>
 

@@ -2,6 +2,7 @@
 // cde wave serve: what stands above the signals and beside them.
 #include <algorithm>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "cde/support/message.hpp"

@@ -2,6 +2,7 @@
 // cde wave tui: a viewer on a terminal.
 #include <csignal>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "cde/support/error.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde wave why: what made a signal have its value.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <limits>
