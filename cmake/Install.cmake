@@ -1,29 +1,65 @@
 # SPDX-License-Identifier: Apache-2.0
-# What `cmake --install` lays down: the library and headers, the cde command, the RTL and the bitstream builder (which
-# expects rtl/ beside verilator/), those of the default bitstreams that are built, and the package for find_package(cde).
-# It works from any state of the build: the library and the command are built if they are not, the bitstreams, minutes of
-# work that an installed cde does itself where it finds Verilator and clang, are not.
+# What `cmake --install` lays down, in components:
+#
+#   cde           the program cde, the RTL, the builder of bitstreams and those default bitstreams that are built
+#   cde-wave, cde-explain, cde-accuracy, cde-bench    the other programs
+#   library       libraries, headers, and the package for find_package(cde [COMPONENTS wave oracle ...])
+#
+# It works from any state of the build: a component's targets are built first. Bitstreams take minutes and are not; an
+# installed cde builds them on first use where it finds Verilator and clang.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/cde)
-add_custom_target(cde_installed)
-add_dependencies(cde_installed cde cde_cli)
-install(CODE "
-  if(NOT EXISTS \"$<TARGET_FILE:cde>\" OR NOT EXISTS \"$<TARGET_FILE:cde_cli>\")
-    message(STATUS \"Not built yet: building the library and the command\")
-    execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${CMAKE_BINARY_DIR}\" --target cde_installed COMMAND_ERROR_IS_FATAL ANY)
-  endif()")
+get_property(libraries GLOBAL PROPERTY CDE_LIBRARIES)
+get_property(programs GLOBAL PROPERTY CDE_PROGRAMS)
 
-install(TARGETS cde EXPORT cdeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(TARGETS cde_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(DIRECTORY host/include/cde DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} PATTERN pipes EXCLUDE)  # mirror references of the pipes are for tests
-install(DIRECTORY rtl DESTINATION ${CMAKE_INSTALL_DATADIR}/cde FILES_MATCHING PATTERN *.sv PATTERN *.svh PATTERN *.f)
-install(DIRECTORY host/include/cde/contract DESTINATION ${CMAKE_INSTALL_DATADIR}/cde/host/include/cde)  # models are built with it
-install(DIRECTORY verilator DESTINATION ${CMAKE_INSTALL_DATADIR}/cde USE_SOURCE_PERMISSIONS
-  PATTERN CMakeLists.txt EXCLUDE)
-install(FILES ${PROJECT_BINARY_DIR}/toolchain DESTINATION ${CMAKE_INSTALL_DATADIR}/cde/verilator)
-install(DIRECTORY ${PROJECT_BINARY_DIR}/share/ DESTINATION ${CMAKE_INSTALL_DATADIR})  # manual pages and completions
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(FILES docs/prices.json docs/accuracy.json DESTINATION ${CMAKE_INSTALL_DATADIR}/cde/docs)
+# Before a component is installed, its targets are built.
+function(cde_build_before component)
+  add_custom_target(cde_installed_${component})
+  add_dependencies(cde_installed_${component} ${ARGN})
+  install(CODE "
+    execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${CMAKE_BINARY_DIR}\" --target cde_installed_${component}
+      COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)" COMPONENT ${component})
+endfunction()
+
+# ---- Libraries: an export of each, so that a package may lack some ----
+list(TRANSFORM libraries PREPEND cde_ OUTPUT_VARIABLE library_targets)
+cde_build_before(library ${library_targets})
+foreach(library IN LISTS libraries)
+  install(TARGETS cde_${library} EXPORT cde-${library} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
+  install(EXPORT cde-${library} NAMESPACE cde:: DESTINATION ${package_dir} COMPONENT library)
+endforeach()
+install(TARGETS cde EXPORT cde-cde)
+install(EXPORT cde-cde NAMESPACE cde:: DESTINATION ${package_dir} COMPONENT library)
+install(DIRECTORY host/include/cde DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT library)
+if(CDE_MPI)
+  set(cde_jobs_needs mpi)
+endif()
+configure_package_config_file(cmake/cdeConfig.cmake.in ${PROJECT_BINARY_DIR}/cdeConfig.cmake INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/cdeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/cdeConfig.cmake ${PROJECT_BINARY_DIR}/cdeConfigVersion.cmake DESTINATION ${package_dir} COMPONENT library)
+
+# ---- Programs, each with the manual pages of its verbs ----
+foreach(program IN LISTS programs)
+  get_target_property(name ${program} OUTPUT_NAME)
+  get_target_property(pages ${program} CDE_MANUAL_PAGES)
+  cde_build_before(${name} ${program})
+  install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${name})
+  foreach(page IN LISTS pages)
+    install(FILES ${CDE_SHARE_DIR}/man/man1/${page}.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT ${name} OPTIONAL)
+  endforeach()
+endforeach()
+foreach(shell bash-completion zsh fish)
+  install(DIRECTORY ${CDE_SHARE_DIR}/${shell} DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT cde)
+endforeach()
+
+# ---- What bitstreams are built from ----
+set(share ${CMAKE_INSTALL_DATADIR}/cde)
+install(DIRECTORY rtl DESTINATION ${share} COMPONENT cde FILES_MATCHING PATTERN *.sv PATTERN *.svh PATTERN *.f)
+install(DIRECTORY host/include/cde/contract host/include/cde/abi DESTINATION ${share}/host/include/cde COMPONENT cde)
+install(DIRECTORY verilator DESTINATION ${share} USE_SOURCE_PERMISSIONS COMPONENT cde PATTERN CMakeLists.txt EXCLUDE)
+install(FILES ${PROJECT_BINARY_DIR}/toolchain DESTINATION ${share}/verilator COMPONENT cde)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT cde)
+install(FILES docs/prices.json docs/accuracy.json DESTINATION ${share}/docs COMPONENT cde)
 get_property(default_bitstreams GLOBAL PROPERTY CDE_DEFAULT_BITSTREAM_FILES)
 install(CODE "
   set(files \"${default_bitstreams}\")
@@ -41,21 +77,11 @@ install(CODE "
     list(LENGTH left_out count)
     message(STATUS \"Not installed, because not built: \${count} of the default bitstreams. The installed cde builds what it needs \"
       \"on first use, with Verilator and clang; to install them, run `cmake --build ${PROJECT_BINARY_DIR}` first\")
-  endif()")
+  endif()" COMPONENT cde)
 # What others can write is not loaded, whatever umask the clone and this were made with.
 install(CODE "
-  foreach(folder IN ITEMS ${CMAKE_INSTALL_DATADIR}/cde ${CMAKE_INSTALL_LIBDIR}/cde)
+  foreach(folder IN ITEMS ${share} ${CMAKE_INSTALL_LIBDIR}/cde)
     if(EXISTS \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/\${folder}\")
       execute_process(COMMAND chmod -R go-w \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/\${folder}\")
     endif()
-  endforeach()")
-
-install(EXPORT cdeTargets NAMESPACE cde:: DESTINATION ${package_dir})
-# cde::mpi is there for programs that find MPI.
-if(CDE_MPI)
-  install(TARGETS cde_mpi EXPORT cdeMpiTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-  install(EXPORT cdeMpiTargets NAMESPACE cde:: DESTINATION ${package_dir})
-endif()
-configure_package_config_file(cmake/cdeConfig.cmake.in ${PROJECT_BINARY_DIR}/cdeConfig.cmake INSTALL_DESTINATION ${package_dir})
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/cdeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/cdeConfig.cmake ${PROJECT_BINARY_DIR}/cdeConfigVersion.cmake DESTINATION ${package_dir})
+  endforeach()" COMPONENT cde)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Writes version.cpp (tools/cde/output/version.hpp) in every build, and touches it only if something in it is new.
+# Writes version.cpp (host/include/cde/support/version.hpp) in every build, and touches it only if something in it is new.
 #
 #   cmake -DOUTPUT=version.cpp -DSOURCE=ROOT -DVERSION=1.2.3 -DCOMPILER="GNU 12" -DTOOLCHAIN=FILE -P Version.cmake
 set(commit "")
@@ -20,10 +20,10 @@ file(STRINGS ${TOOLCHAIN} lines)
 list(FILTER lines INCLUDE REGEX "Verilator|clang")
 list(GET lines 0 verilator)
 list(GET lines 1 clang)
-set(text "// Written by cmake/Version.cmake.\n#include \"output/version.hpp\"\n\nnamespace cde::cli {\n")
+set(text "// Written by cmake/Version.cmake.\n#include \"cde/support/version.hpp\"\n\nnamespace cde {\n")
 foreach(pair kVersion=${VERSION} kCommit=${commit} kCompiler=${COMPILER} kVerilator=${verilator} kClang=${clang})
   string(REGEX REPLACE "=.*" "" name "${pair}")
   string(REGEX REPLACE "^[^=]*=" "" value "${pair}")
   string(APPEND text "extern const char* const ${name} = R\"(${value})\";\n")
 endforeach()
-file(CONFIGURE OUTPUT ${OUTPUT} CONTENT "${text}}  // namespace cde::cli\n" @ONLY)
+file(CONFIGURE OUTPUT ${OUTPUT} CONTENT "${text}}  // namespace cde\n" @ONLY)

@@ -12,7 +12,12 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <system_error>
+#include <vector>
+
+#include "cde/explain/bundle.hpp"
+#include "cde/reference/pairs.hpp"
 
 namespace cde::testing {
 namespace {
@@ -20,7 +25,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kRowsAround = 4;
-constexpr int kMismatch = 3;  // exit status
 
 /// "0x3f800000 0x0 | ...", of pair i.
 std::string words_of(const FailedPair& p, std::size_t i) {
@@ -58,17 +62,30 @@ std::string options_of(const FailedPair& p, bool lanes) {
   return text;
 }
 
-/// Pairs [first, end) through `cde query`, from a file that is removed again.
-Ran query(const FailedPair& p, std::size_t first, std::size_t end, const fs::path& folder) {
-  const fs::path rows = folder.string() + "." + std::to_string(::getpid()) + ".rows";
-  std::ofstream to(rows);
-  for (std::size_t i = first; i < end; ++i) to << words_of(p, i) << '\n';
-  to.close();
-  Ran ran = run_shell("'" CDE_COMMAND "' query " + options_of(p, true) + " -q --bundle " +
-                      quoted(folder.string()) + " < " + quoted(rows.string()) + " 2>&1 >/dev/null");
-  std::error_code none;
-  fs::remove(rows, none);
-  return ran;
+/// Pairs [first, end) through a unit of their own; the failure of the first that differs.
+std::optional<Failure> failure_of(const FailedPair& p, std::size_t first, std::size_t end) {
+  const std::size_t aw = primary_words(p.config.pair), bw = secondary_words(p.config.pair);
+  const auto some = [&](std::span<const std::uint64_t> all, std::size_t each) {
+    const auto part = all.subspan(first * each, (end - first) * each);
+    return std::vector<std::uint64_t>(part.begin(), part.end());
+  };
+  PairFailure f{.config = p.config,
+                .budget = p.budget,
+                .options = options_of(p, false),
+                .a = some(p.a, aw),
+                .b = some(p.b, bw)};
+  std::vector<PairResult> card(end - first), expected(end - first);
+  PairUnit unit(p.config);
+  if (has_budget(p.config.pair)) unit.set_budget(p.budget);
+  unit.test(f.a, f.b, card);
+  reference::test_pairs(p.config.pair, p.config.algorithm, p.config.format, f.a, f.b, expected,
+                        p.config.plane, p.budget, p.config.box);
+  for (f.at = 0; f.at < card.size() && card[f.at] == expected[f.at];) ++f.at;
+  if (f.at == card.size()) return std::nullopt;
+  f.card = card[f.at], f.reference = expected[f.at];
+  return Failure{.kind = f,
+                 .message = "differ in " + differing_fields(f.card, f.reference) + "\n",
+                 .repeat = query_line(p)};
 }
 
 }  // namespace
@@ -120,24 +137,24 @@ std::string pack_failure(const FailedPair& p) {
   if (test == last) return "";
   last = test;
   std::error_code error;
-  if (::access(CDE_COMMAND, X_OK) != 0)
-    return "  not packed: no command " CDE_COMMAND "; " + query_line(p) + "\n";
   fs::create_directories(failures_folder(), error);
   if (error) return "  not packed: " + failures_folder().string() + ": " + error.message() + "\n";
   const std::size_t lanes = p.config.lanes, row = p.at / lanes,
                     pairs = p.a.size() / primary_words(p.config.pair);
   const std::size_t first = row > kRowsAround ? (row - kRowsAround) * lanes : 0,
                     end = std::min(pairs, (row + kRowsAround + 1) * lanes);
-  const fs::path folder = failures_folder() / test;
-  Ran ran = query(p, first, end, folder);
-  if (ran.status != kMismatch && first > 0) ran = query(p, 0, end, folder);
-  const std::size_t packed = ran.said.rfind("packed");
-  if (ran.status != kMismatch || packed == std::string::npos)
-    return "  not packed: cde query answers these pairs as the reference does, or not at all: " +
-           query_line(p) + "\n" + ran.said;
-  // "packed in:   FOLDER" or "not packed:  WHY"
-  const std::size_t line = ran.said.rfind('\n', packed) + 1;
-  return "  " + ran.said.substr(line, ran.said.find('\n', line) - line) + "\n";
+  try {
+    std::optional<Failure> failure = failure_of(p, first, end);
+    if (!failure && first > 0) failure = failure_of(p, 0, end);
+    if (!failure)
+      return "  not packed: a unit of its own answers these pairs as the reference does: " +
+             query_line(p) + "\n";
+    const Packed packed = pack((failures_folder() / test).string(), *failure);
+    return "  packed in:   " + packed.folder.string() +
+           (packed.missing.empty() ? "" : ", not all of it: " + packed.missing) + "\n";
+  } catch (const Error& e) {
+    return std::string("  not packed: ") + e.what() + "\n";
+  }
 }
 
 std::string told_and_packed(const FailedPair& p) {

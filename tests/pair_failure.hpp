@@ -24,8 +24,8 @@ struct FailedPair {
 /// "explain: cde explain PAIR ... '...'", which `cde explain --from-test` reads.
 [[nodiscard]] std::string explain_line(const FailedPair& pair);
 
-/// Packs the first failure of a running test with `cde query`, which runs the rows around the pair
-/// again, and all up to it if that is not enough: a folder build/failures/TEST, or
+/// Packs the first failure of a running test (cde/explain/bundle.hpp): runs the rows around the
+/// pair again, and all up to it if that is not enough. Makes a folder build/failures/TEST, or
 /// $CDE_FAILURES/TEST. What came of it, for the message of the failure; nothing of a test's second
 /// failure.
 [[nodiscard]] std::string pack_failure(const FailedPair& pair);

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "abi_pci.h"
+#include "cde/abi/abi_pci.h"
 #include "cde/bitstream/bitstream.hpp"
 #include "cde/contract/pci.hpp"
 #include "cde/contract/registers.hpp"

@@ -28,9 +28,15 @@ class CastFiles : public Cli {
     words.insert(words.begin(), "cast");
     return cde(words);
   }
-  void refused(const Words& words, const std::string& text) {
+  Ran render(Words words) {
+    words.insert(words.begin(), "render");
+    return cde(words);
+  }
+  void refused(const Words& words, const std::string& text, const char* verb = "cast") {
     const auto before = files();
-    const Ran ran = cast(words);
+    Words all = words;
+    all.insert(all.begin(), verb);
+    const Ran ran = cde(all);
     EXPECT_EQ(ran.status, 2) << ran.err;
     EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
     EXPECT_EQ(files(), before);
@@ -56,20 +62,20 @@ T at(const std::string& data, std::size_t byte) {
 
 TEST_F(CastFiles, AMeshAloneShowsItself) {
   write("one.obj", kTwoObjects);
-  const Ran ran = cast({"one.obj"});
+  const Ran ran = render({"one.obj"});
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_EQ(ran.out, "") << "stdout is no terminal";
-  EXPECT_EQ(files(), (Words{"one.cast.png", "one.obj"}));
-  EXPECT_EQ(read("one.cast.png").substr(1, 3), "PNG");
-  EXPECT_NE(ran.err.find("one.cast.png, 640 x 480"), std::string::npos) << ran.err;
-  EXPECT_EQ(cast({"one.obj", "--size", "8x8", "-q"}).err, "");
+  EXPECT_EQ(files(), (Words{"one.render.png", "one.obj"}));
+  EXPECT_EQ(read("one.render.png").substr(1, 3), "PNG");
+  EXPECT_NE(ran.err.find("one.render.png, 640 x 480"), std::string::npos) << ran.err;
+  EXPECT_EQ(render({"one.obj", "--size", "8x8", "-q"}).err, "");
 }
 
 /// T of the same picture as PNG, PFM and NumPy array; a hit is at the height of the triangle.
 TEST_F(CastFiles, DepthsNormalsAndIndices) {
   write("one.obj", kTwoObjects);
-  const Ran ran = cast({"one.obj", "--grid", "4x2", "--image", "d.npy", "--normals", "n.pfm",
-                        "--indices", "i.npy", "-q", "--lanes", "16"});
+  const Ran ran = render({"one.obj", "--grid", "4x2", "--image", "d.npy", "--normals", "n.pfm",
+                          "--indices", "i.npy", "-q", "--lanes", "16"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const Npy depth = npy(read("d.npy")), index = npy(read("i.npy"));
   EXPECT_NE(depth.header.find("'<f4', 'fortran_order': False, 'shape': (2, 4)"), std::string::npos);
@@ -90,7 +96,8 @@ TEST_F(CastFiles, DepthsNormalsAndIndices) {
   for (std::size_t i = 0; i < 8; ++i)
     EXPECT_EQ(at<float>(pfm, head.size() + 12 * i + 8), hit[i] ? 1.0f : 0.0f) << i;
   for (const char* option : {"--image", "--normals", "--indices"}) {
-    ASSERT_EQ(cast({"one.obj", "--grid", "4x2", option, "p.png", "-q", "--lanes", "16"}).status, 0);
+    ASSERT_EQ(render({"one.obj", "--grid", "4x2", option, "p.png", "-q", "--lanes", "16"}).status,
+              0);
     EXPECT_EQ(read("p.png").substr(1, 3), "PNG");
   }
 }
@@ -106,15 +113,18 @@ TEST_F(CastFiles, OtherSuffixesAreRefused) {
   EXPECT_EQ(cast({"one.obj", "--grid", "4x2", "-o", "x.CSV", "-q"}).status, 0);
   EXPECT_TRUE(read("x.CSV").starts_with("ray,F,T,")) << "in capitals it is the same suffix";
   std::filesystem::remove(folder_ / "x.CSV");
-  refused(with("--image", "x.jpg"), "--image is 'x.jpg'; its name must end in .png, .pfm or .npy");
-  refused(with("--shaded", "x.npy"), "--shaded is 'x.npy'; its name must end in .png");
-  refused(with("--indices", "x.pfm"), "must end in .png or .npy");
+  refused(with("--image", "x.jpg"), "--image is 'x.jpg'; its name must end in .png, .pfm or .npy",
+          "render");
+  refused(with("--shaded", "x.npy"), "--shaded is 'x.npy'; its name must end in .png", "render");
+  refused(with("--indices", "x.pfm"), "must end in .png or .npy", "render");
   refused(with("-o", "x.txt"), "must end in .csv, .npy or .jsonl");
   refused(with("--fields", "u"), "--fields is of records");
   refused(with("--up", "w"), "--up is 'w'; it must be x, y or z");
   refused({"one.obj", "--grid", "4x2", "-o", "x.csv", "--fields", "u,w"}, "no field 'w'");
   refused({"one.obj", "--grid", "4x2", "-o", "x.npy", "--bits"}, "--bits is of CSV");
-  refused({"one.obj", "--ray", "0,0,0,0,0,1", "--shadows"}, "--shadows is of --shaded");
+  refused({"one.obj", "--image", "x.png", "--shadows"}, "--shadows is of --shaded", "render");
+  refused({"one.obj", "--shaded", "x.png"}, "no option '--shaded'");
+  refused({"one.obj"}, "rays are missing");
 }
 
 /// What the host adds to a record, in all three formats.
@@ -246,7 +256,7 @@ TEST_F(CastFiles, AxisThatIsUp) {
     for (const Words& view : {Words{"--size", "32x24"}, Words{"--grid", "24x32"}}) {
       Words words = {up + ".obj", "--up", up, "--shaded", "s.png", "--indices", "i.npy", "-q"};
       words.insert(words.end(), view.begin(), view.end());
-      ASSERT_EQ(cast(words).status, 0);
+      ASSERT_EQ(render(words).status, 0);
       const std::string key = view.front();
       if (up == "z") {
         std::filesystem::rename(folder_ / "i.npy", folder_ / ("z" + key + ".npy"));
@@ -264,7 +274,7 @@ TEST_F(CastFiles, ShadowsAreASecondPass) {
   const auto shaded = [&](bool shadows) {
     Words words = {"terrain:24,24,1", "--size", "48x32", "--shaded", "s.png", "--json", "-q"};
     if (shadows) words.emplace_back("--shadows");
-    const Ran ran = cast(words);
+    const Ran ran = render(words);
     EXPECT_EQ(ran.status, 0) << ran.err;
     return nlohmann::json::parse(ran.out);
   };
@@ -282,7 +292,7 @@ TEST_F(CastFiles, ShadowsAreASecondPass) {
 /// an allocation that fails.
 TEST_F(CastFiles, APictureTooLargeForTheMemoryNamesItsSize) {
   const auto limited = [&](const std::string& words) {
-    return shell("ulimit -v 4000000 && \"$CDE\" cast terrain:3,3,1 -q " + words);
+    return shell("ulimit -v 4000000 && \"$CDE\" render terrain:3,3,1 -q " + words);
   };
   if (limited("--size 8x8 --shaded sun.png").status != 0)
     GTEST_SKIP() << "the command does not run in 4 GB of address space (a sanitizer's shadow)";

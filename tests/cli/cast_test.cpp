@@ -16,9 +16,9 @@
 #include <regex>
 #include <sstream>
 
+#include "cde/wave/wave_file.hpp"
 #include "planted.hpp"
 #include "run_cde.hpp"
-#include "wave/wave_file.hpp"
 
 namespace cde::testing {
 namespace {
@@ -235,7 +235,7 @@ TEST_F(Cast, ClockChangesTheModelledTimeOnly) {
 }
 
 TEST_F(Cast, Pictures) {
-  const Ran ran = cde({"cast", "terrain:20,20,1", "--size", "48x32", "--image", "depth.png",
+  const Ran ran = cde({"render", "terrain:20,20,1", "--size", "48x32", "--image", "depth.png",
                        "--shaded", "sun.png"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   for (const char* name : {"depth.png", "sun.png"}) {
@@ -320,9 +320,10 @@ TEST_F(Cast, BadInputIsRefusedAndNamed) {
   refused(with({"one.obj", "--grid", "0x4"}), "0 x 4 pixels");
   refused(with({"one.obj", "--size", "axb"}), "--size");
   refused(with({"one.obj", "--camera", "0,0"}), "--camera");
-  refused(with({"one.obj", "--ray", ray, "--image", "x.png"}), "needs --camera or --grid");
-  refused(with({"one.obj", "--grid", "4x4", "--mode", "all", "--image", "x.png"}),
-          "needs --mode nearest");
+  refused(with({"one.obj"}), "rays are missing");
+  refused(with({"one.obj", "--ray", ray, "--image", "x.png"}), "no option '--image'");
+  refused({"render", "one.obj", "--ray", ray}, "no option '--ray'");
+  refused({"render", "one.obj", "--mode", "all"}, "no option '--mode'");
   refused(with({"one.obj", "--ray", ray, "--mode", "best"}), "--mode is 'best'");
   refused(with({"one.obj", "--ray", ray, "--arith", "gpu"}), "--arith is 'gpu'");
   for (const char* lanes : {"0", "3", "512"})
@@ -337,7 +338,7 @@ TEST_F(Cast, BadInputIsRefusedAndNamed) {
   refused({"cast", "one.obj", "--ray", ray, "--json", "-o", "-"}, "stdout");
   refused({"cast", "one.obj", "--ray", ray, "-o", "no-folder/hits.csv"}, "no-folder/hits.csv");
   refused({"cast", "one.obj", "--ray", ray, "-o", "folder"}, "folder");
-  refused({"cast", "one.obj", "--grid", "4x4", "--image", "no-folder/x.png"}, "no-folder/x.png");
+  refused({"render", "one.obj", "--grid", "4x4", "--image", "no-folder/x.png"}, "no-folder/x.png");
   refused(with({"one.obj", "--ray", ray, "--lanes", "4", "--trace", "no-folder/x.fst"}),
           "no-folder/x.fst");
 }

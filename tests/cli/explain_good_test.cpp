@@ -10,10 +10,10 @@
 #include <string_view>
 #include <vector>
 
+#include "cde/check/random_pairs.hpp"
 #include "cde/geometry/pair.hpp"
+#include "cde/oracle/cases.hpp"
 #include "cde/reference/pairs.hpp"
-#include "oracle/cases.hpp"
-#include "pairs/random_pairs.hpp"
 #include "run_cde.hpp"
 
 namespace cde::testing {

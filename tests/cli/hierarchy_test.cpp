@@ -114,7 +114,7 @@ TEST_F(CastHierarchy, WhatNoBoxHolds) {
 /// Shadows go the same way as what casts them, and draw the same.
 TEST_F(CastHierarchy, ShadowsGoThroughIt) {
   for (const std::string way : {"bvh", "no-bvh"}) {
-    const Ran ran = cde({"cast", "terrain:40,40,3", "--size", "64x48", "--shaded", way + ".png",
+    const Ran ran = cde({"render", "terrain:40,40,3", "--size", "64x48", "--shaded", way + ".png",
                          "--shadows", "--" + way, "--json", "-q"});
     ASSERT_EQ(ran.status, 0) << ran.err;
     const auto j = nlohmann::json::parse(ran.out);

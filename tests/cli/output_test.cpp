@@ -65,7 +65,7 @@ TEST_F(Outputs, DevicesStayDevices) {
   const fs::path device = folder_ / "null";
   if (::mknod(device.c_str(), S_IFCHR | 0666, makedev(1, 3)) != 0)
     GTEST_SKIP() << "no device can be made here: " << std::strerror(errno);
-  const Words picture = {"cast", "one.obj", "--grid", "4x4", "--lanes", "4", "-q"};
+  const Words picture = {"render", "one.obj", "--grid", "4x4", "--lanes", "4", "-q"};
   std::vector<Words> all = {cast({"-o", "null"}),
                             cast({"--trace", "null"}),
                             {"run", "scene.toml", "-q", "--report", "null", "--trace", "null"}};
@@ -102,7 +102,7 @@ TEST_F(Outputs, OfALinkTheTargetIsWritten) {
 }
 
 TEST_F(Outputs, DashIsStdoutAndStdin) {
-  const std::string picture = "\"$CDE\" cast one.obj --grid 4x4 --lanes 4 -q ";
+  const std::string picture = "\"$CDE\" render one.obj --grid 4x4 --lanes 4 -q ";
   for (const char* option : {"--image", "--shaded"}) {
     ASSERT_EQ(shell(picture + option + " file.png").status, 0);
     EXPECT_EQ(shell(picture + option + " -").out, read("file.png")) << option;
@@ -131,7 +131,7 @@ TEST_F(Outputs, AnInputIsNotWrittenOver) {
   refused(cast({"-o", "./one.obj"}), "-o would write to ./one.obj, which MESH reads");
   refused(cast({"--trace", "soft"}), "--trace would write to soft, which MESH reads");
   refused(cast({"-o", "hard"}), "-o would write to hard, which --rays reads");
-  refused({"cast", "one.obj", "--grid", "4x4", "--image", "one.obj"},
+  refused({"render", "one.obj", "--grid", "4x4", "--image", "one.obj"},
           "--image would write to one.obj, which MESH reads");
   refused({"run", "scene.toml", "--report", "scene.toml"},
           "--report would write to scene.toml, which SCENE reads");
@@ -150,7 +150,7 @@ TEST_F(Outputs, AnInputIsNotWrittenOver) {
 
 TEST_F(Outputs, TwoOutputsAreNotOneFile) {
   refused(cast({"-o", "x", "--trace", "./x"}), "-o and --trace both write to ./x");
-  refused({"cast", "one.obj", "--grid", "4x4", "--image", "x", "--shaded", "x"},
+  refused({"render", "one.obj", "--grid", "4x4", "--image", "x", "--shaded", "x"},
           "--image and --shaded both write to x");
   refused(cast({"-o", "-", "--json"}), "-o and --json both write to stdout");
   refused(cast({"-o", "/dev/stdout", "--json"}), "-o and --json both write to stdout");
@@ -166,7 +166,7 @@ TEST_F(Outputs, TwoOutputsAreNotOneFile) {
 /// What can be found out before the work is.
 TEST_F(Outputs, WhatCannotBeWrittenIsFoundOutBefore) {
   fs::create_directory(folder_ / "folder");
-  const Words big = {"cast", "terrain", "--grid", "512x512", "-q"};
+  const Words big = {"render", "terrain", "--grid", "512x512", "-q"};
   for (const char* option : {"--image", "--shaded", "-o"}) {
     Words words = big;
     words.insert(words.end(), {option, "none/x.png"});

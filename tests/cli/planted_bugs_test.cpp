@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "cde/check/random_pairs.hpp"
 #include "cde/geometry/pair.hpp"
-#include "pairs/random_pairs.hpp"
 #include "planted.hpp"
 #include "run_cde.hpp"
 

@@ -16,9 +16,9 @@
 #include <regex>
 #include <sstream>
 
+#include "cde/wave/wave_file.hpp"
 #include "planted.hpp"
 #include "run_cde.hpp"
-#include "wave/wave_file.hpp"
 
 namespace cde::testing {
 namespace {

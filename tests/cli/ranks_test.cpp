@@ -375,11 +375,11 @@ TEST_F(Ranks, PartsOfAMeshGiveTheRecordsOfOneCard) {
     }
   }
   // Where nothing is asked for there is a picture, which takes the mesh.
-  ASSERT_EQ(cde({"cast", "tied.obj", "--size", "32x24", "-q"}).status, 0);
-  const std::string picture = read("tied.cast.png");
-  std::filesystem::remove(folder_ / "tied.cast.png");
-  EXPECT_EQ(cde({"cast", "tied.obj", "--size", "32x24", "-q", "--partition", "2"}).status, 0);
-  EXPECT_EQ(read("tied.cast.png"), picture);
+  ASSERT_EQ(cde({"render", "tied.obj", "--size", "32x24", "-q"}).status, 0);
+  const std::string picture = read("tied.render.png");
+  std::filesystem::remove(folder_ / "tied.render.png");
+  EXPECT_EQ(cde({"render", "tied.obj", "--size", "32x24", "-q", "--partition", "2"}).status, 0);
+  EXPECT_EQ(read("tied.render.png"), picture);
   refused({"cast", "tied.obj", "--partition", "9", "--grid", "4x4"},
           "--partition 9: tied.obj has 8 triangles");
 }
@@ -416,7 +416,7 @@ TEST_F(MpiRanks, GiveTheOutputOfOne) {
     EXPECT_EQ(parts.status, 0) << parts.err;
     EXPECT_TRUE(same("parts.csv", "plain.csv")) << ranks;
   }
-  const std::string picture = " cast terrain:40,40,2 --size 64x48 --shadows -q --shaded ";
+  const std::string picture = " render terrain:40,40,2 --size 64x48 --shadows -q --shaded ";
   ASSERT_EQ(shell("\"$CDE\"" + picture + "one.png").status, 0);
   EXPECT_EQ(shell(run(2) + picture + "two.png").status, 0);
   EXPECT_TRUE(same("one.png", "two.png"));

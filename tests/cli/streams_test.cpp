@@ -33,7 +33,7 @@ struct Command {
 /// The exact card: what else is built stands in for it, and says so.
 const Command kPrinting[] = {{"cast one.obj --ray 0,0,0,0,0,1 --lanes 4 --exact-card --json"},
                              {"cast one.obj --ray 0,0,0,0,0,1 --lanes 4 --exact-card -o -"},
-                             {"cast one.obj --grid 4x4 --lanes 4 --exact-card --image -"},
+                             {"render one.obj --grid 4x4 --lanes 4 --exact-card --image -"},
                              {"run scene.toml --exact-card --json"},
                              {"run scene.toml --exact-card --report -"},
                              {"plan scene.toml"},
@@ -113,7 +113,7 @@ TEST_F(Streams, WithoutAStderrTheCommandGoesOn) {
 /// As with any other tool, `| head` ends it in silence, by SIGPIPE, and no file is left behind.
 TEST_F(Streams, AReaderThatHasEnough) {
   const Ran ran = shell(
-      "\"$CDE\" cast terrain:60,60,1 --grid 300x300 --lanes 16 -o - --shaded x.png | head -1;"
+      "\"$CDE\" render terrain:60,60,1 --grid 300x300 --lanes 16 -o - --shaded x.png | head -1;"
       "echo ${PIPESTATUS[0]}");
   EXPECT_EQ(ran.out, fmt::format("ray,F,T,CPx,CPy,CPz,index\n{}\n", 128 + SIGPIPE));
   EXPECT_EQ(ran.err, "");

@@ -244,10 +244,10 @@ secondaries = "t"
   }
   EXPECT_EQ(files(), before);
   const Ran picture =
-      cde({"cast", "one.gltf", "--grid", "4x4", "--lanes", "4", "--shaded", "wood.png"});
+      cde({"render", "one.gltf", "--grid", "4x4", "--lanes", "4", "--shaded", "wood.png"});
   EXPECT_EQ(picture.err, "cde: --shaded would write to wood.png, which MESH reads\n");
   const Ran skin =
-      cde({"cast", "one.obj", "--grid", "4x4", "--lanes", "4", "--shaded", "skin.png"});
+      cde({"render", "one.obj", "--grid", "4x4", "--lanes", "4", "--shaded", "skin.png"});
   EXPECT_EQ(skin.err, "cde: --shaded would write to skin.png, which MESH reads\n");
   EXPECT_EQ(files(), before);
 }

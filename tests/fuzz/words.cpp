@@ -11,12 +11,12 @@
 
 #include "../wave/sample.hpp"
 #include "cde/support/error.hpp"
-#include "wave/event.hpp"
-#include "wave/expression.hpp"
-#include "wave/filter.hpp"
-#include "wave/time.hpp"
-#include "wave/trace.hpp"
-#include "wave/value.hpp"
+#include "cde/wave/event.hpp"
+#include "cde/wave/expression.hpp"
+#include "cde/wave/filter.hpp"
+#include "cde/wave/time.hpp"
+#include "cde/wave/trace.hpp"
+#include "cde/wave/value.hpp"
 
 namespace {
 

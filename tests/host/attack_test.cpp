@@ -5,7 +5,7 @@
 #include <random>
 #include <sstream>
 
-#include "cde/image/rays_csv.hpp"
+#include "cde/io/rays_csv.hpp"
 #include "cde/mesh/mesh.hpp"
 #include "testing.hpp"
 

@@ -3,10 +3,10 @@
 // and a `create` that finds no memory: what a driver meets that was built from other sources.
 #include <cstdint>
 
-#include "abi.h"
-#include "abi_fp.h"
-#include "abi_pair.h"
-#include "abi_pci.h"
+#include "cde/abi/abi.h"
+#include "cde/abi/abi_fp.h"
+#include "cde/abi/abi_pair.h"
+#include "cde/abi/abi_pci.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cde/image/rays_csv.hpp"
+#include "cde/io/rays_csv.hpp"
 
 #include <fmt/format.h>
 

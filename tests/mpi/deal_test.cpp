@@ -15,8 +15,8 @@
 #include <thread>
 #include <vector>
 
+#include "cde/jobs/mpi_ranks.hpp"
 #include "cde/mesh/terrain.hpp"
-#include "cde/mpi/ranks.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde::mpi {

@@ -9,10 +9,10 @@
 #include <set>
 #include <vector>
 
-#include "accuracy/error_counts.hpp"
-#include "accuracy/tally.hpp"
-#include "oracle/oracle.hpp"
-#include "oracle/random.hpp"
+#include "cde/accuracy/error_counts.hpp"
+#include "cde/accuracy/tally.hpp"
+#include "cde/oracle/oracle.hpp"
+#include "cde/oracle/random.hpp"
 
 namespace cde::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "oracle/random.hpp"
+#include "cde/oracle/random.hpp"
 
 namespace cde::testing {
 namespace {

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "oracle/cases.hpp"
+#include "cde/oracle/cases.hpp"
 
 /// Cases of the convex pairs beyond those of the oracle, aimed at where a normal is hard to get
 /// right although the distance is easy.

@@ -18,6 +18,9 @@
 
 #include "amount.hpp"
 #include "cde/fp/fp.hpp"
+#include "cde/oracle/build_shape.hpp"
+#include "cde/oracle/oracle.hpp"
+#include "cde/oracle/random.hpp"
 #include "cde/reference/pipes/convex/obb_obb.hpp"
 #include "cde/reference/pipes/convex/obb_plane.hpp"
 #include "cde/reference/pipes/convex/sphere_obb.hpp"
@@ -29,9 +32,6 @@
 #include "convex_cases.hpp"
 #include "in_docs.hpp"
 #include "operators.hpp"
-#include "oracle/build_shape.hpp"
-#include "oracle/oracle.hpp"
-#include "oracle/random.hpp"
 #include "printed.hpp"
 
 namespace cde::testing {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <variant>
 
-#include "oracle/random.hpp"
+#include "cde/oracle/random.hpp"
 
 namespace cde::testing {
 namespace {

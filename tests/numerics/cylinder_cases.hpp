@@ -2,7 +2,7 @@
 #pragma once
 #include <cstdint>
 
-#include "oracle/oracle.hpp"
+#include "cde/oracle/oracle.hpp"
 
 /// Operands of the cylinder pairs that oracle::generate does not make. Each is a function of the
 /// pair and the index; the seed is kCylinderSeed.

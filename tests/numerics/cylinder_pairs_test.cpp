@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
+#include "cde/oracle/oracle.hpp"
+#include "cde/oracle/random.hpp"
 #include "cde/reference/pipes/cylinder/pairs.hpp"
 #include "counted.hpp"
 #include "cylinder_cases.hpp"
-#include "oracle/oracle.hpp"
-#include "oracle/random.hpp"
 #include "printed.hpp"
 
 namespace cde::testing {

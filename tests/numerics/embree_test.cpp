@@ -14,7 +14,7 @@
 #include "cde/geometry/bounds.hpp"
 #include "cde/mesh/mesh.hpp"
 #include "cde/mesh/terrain.hpp"
-#include "oracle/exact.hpp"
+#include "cde/oracle/exact.hpp"
 
 namespace {
 

@@ -20,12 +20,12 @@
 
 #include "cde/fp/scalars.hpp"
 #include "cde/geometry/pair.hpp"
+#include "cde/oracle/cases.hpp"
+#include "cde/oracle/certificate.hpp"
+#include "cde/oracle/gap.hpp"
+#include "cde/oracle/rays.hpp"
 #include "cde/reference/pairs.hpp"
 #include "in_docs.hpp"
-#include "oracle/cases.hpp"
-#include "oracle/certificate.hpp"
-#include "oracle/gap.hpp"
-#include "oracle/rays.hpp"
 
 namespace cde::testing {
 namespace {

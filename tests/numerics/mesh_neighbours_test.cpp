@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "cde/oracle/oracle.hpp"
+#include "cde/oracle/random.hpp"
 #include "cde/reference/pipes/convex/triangle_triangle.hpp"
-#include "oracle/oracle.hpp"
-#include "oracle/random.hpp"
 
 namespace cde::testing {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "cde/card/board.hpp"
 #include "cde/geometry/bounds.hpp"
-#include "oracle/exact.hpp"
+#include "cde/oracle/exact.hpp"
 
 namespace {
 

@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "cde/geometry/bounds.hpp"
+#include "cde/oracle/exact.hpp"
 #include "cde/reference/pipes/ray_cylinder.hpp"
 #include "cde/reference/pipes/ray_sphere.hpp"
 #include "cde/reference/pipes/ray_triangle.hpp"
 #include "in_docs.hpp"
-#include "oracle/exact.hpp"
 #include "random.hpp"
 
 namespace cde::testing {

@@ -13,12 +13,12 @@
 #include <vector>
 
 #include "cde/mesh/mesh.hpp"
+#include "cde/oracle/exact.hpp"
 #include "cde/reference/pipes/ray_cylinder.hpp"
 #include "cde/reference/pipes/ray_sphere.hpp"
 #include "cde/reference/pipes/ray_triangle.hpp"
 #include "in_docs.hpp"
 #include "operators.hpp"
-#include "oracle/exact.hpp"
 #include "random.hpp"
 
 namespace cde::testing {

@@ -19,13 +19,13 @@
 #include "cde/fp/fp_format.hpp"
 #include "cde/geometry/bounds.hpp"
 #include "cde/geometry/length_range.hpp"
+#include "cde/oracle/exact.hpp"
+#include "cde/oracle/random.hpp"
 #include "cde/reference/pairs.hpp"
 #include "cde/reference/pipes/ray_cylinder.hpp"
 #include "cde/reference/pipes/ray_sphere.hpp"
 #include "cde/reference/pipes/ray_triangle.hpp"
 #include "exact_solids.hpp"
-#include "oracle/exact.hpp"
-#include "oracle/random.hpp"
 #include "scaled_cases.hpp"
 
 namespace cde::testing {

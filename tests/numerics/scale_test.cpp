@@ -15,9 +15,9 @@
 #include "cde/fp/scalars.hpp"
 #include "cde/geometry/length_range.hpp"
 #include "cde/geometry/pair.hpp"
+#include "cde/oracle/certificate.hpp"
 #include "cde/reference/pairs.hpp"
 #include "cde/reference/pipes/scale.hpp"
-#include "oracle/certificate.hpp"
 #include "printed.hpp"
 #include "scaled_cases.hpp"
 

@@ -9,7 +9,7 @@
 #include "cde/fp/fp_format.hpp"
 #include "cde/geometry/length_range.hpp"
 #include "cde/geometry/pair.hpp"
-#include "oracle/cases.hpp"
+#include "cde/oracle/cases.hpp"
 
 namespace cde::testing {
 

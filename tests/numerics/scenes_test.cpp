@@ -12,8 +12,8 @@
 #include <string>
 
 #include "amount.hpp"
+#include "cde/oracle/oracle.hpp"
 #include "cde/reference/pipes/dispatch.hpp"
-#include "oracle/oracle.hpp"
 #include "printed.hpp"
 
 namespace cde::testing {

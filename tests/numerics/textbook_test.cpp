@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pairs as textbooks have them (tools/cde/accuracy/textbook.hpp): the operators they would take,
 // beside those of the pipes, as docs/accuracy.md has them.
-#include "accuracy/textbook.hpp"
+#include "cde/accuracy/textbook.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,10 +9,10 @@
 #include <algorithm>
 #include <vector>
 
+#include "cde/oracle/families.hpp"
 #include "counted.hpp"
 #include "in_docs.hpp"
 #include "operators.hpp"
-#include "oracle/families.hpp"
 
 namespace cde::testing {
 namespace {

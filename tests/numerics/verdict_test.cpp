@@ -12,13 +12,13 @@
 #include <random>
 #include <vector>
 
-#include "accuracy/verdict_pairs.hpp"
+#include "cde/accuracy/verdict_pairs.hpp"
+#include "cde/oracle/families.hpp"
+#include "cde/oracle/oracle.hpp"
 #include "cde/reference/verdict/proposal.hpp"
 #include "counted.hpp"
 #include "in_docs.hpp"
 #include "operators.hpp"
-#include "oracle/families.hpp"
-#include "oracle/oracle.hpp"
 
 namespace cde::reference::verdict {
 namespace {

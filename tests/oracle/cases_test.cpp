@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The generated operands are valid, reproducible, and near where the decisions are.
-#include "oracle/cases.hpp"
+#include "cde/oracle/cases.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,9 @@
 #include <map>
 #include <string>
 
-#include "oracle/gap.hpp"
-#include "oracle/random.hpp"
-#include "oracle/rays.hpp"
+#include "cde/oracle/gap.hpp"
+#include "cde/oracle/random.hpp"
+#include "cde/oracle/rays.hpp"
 #include "printed.hpp"
 
 namespace cde::oracle {

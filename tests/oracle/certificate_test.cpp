@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The checker of certificates passes what is right and names what is wrong.
-#include "oracle/certificate.hpp"
+#include "cde/oracle/certificate.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "oracle/cases.hpp"
+#include "cde/oracle/cases.hpp"
 
 namespace cde::oracle {
 namespace {

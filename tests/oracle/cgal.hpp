@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "oracle/shapes.hpp"
+#include "cde/oracle/shapes.hpp"
 
 namespace cde::oracle {
 

@@ -8,15 +8,15 @@
 #include <fcl/narrowphase/collision_object.h>
 #include <fcl/narrowphase/distance.h>
 
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <exception>
 #include <limits>
 #include <memory>
-#include <system_error>
+
+#include "cde/support/process.hpp"
 
 namespace cde::oracle {
 namespace {
@@ -84,26 +84,19 @@ std::optional<double> signed_distance(const Shape& a, const Shape& b) {
 /// Answers the pairs from `first` on in a child process, until the end or its death.
 void answer_in_child(const std::vector<std::pair<Shape, Shape>>& pairs, std::size_t first,
                      std::vector<std::optional<double>>& answers) {
-  int ends[2];
-  if (pipe(ends) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
-  const pid_t child = fork();
-  if (child < 0) throw std::system_error(errno, std::generic_category(), "fork");
-  if (child == 0) {
-    close(ends[0]);
+  const process::Result ran = process::isolated([&](int out) {
     close(STDERR_FILENO);  // the assertion's message
     for (std::size_t i = first; i < pairs.size(); ++i) {
       const auto answer = signed_distance(pairs[i].first, pairs[i].second);
       const double value = answer.value_or(std::numeric_limits<double>::quiet_NaN());
-      if (write(ends[1], &value, sizeof value) != sizeof value) _exit(1);
+      if (write(out, &value, sizeof value) != sizeof value) _exit(1);
     }
-    _exit(0);
-  }
-  close(ends[1]);
-  double value;
-  while (read(ends[0], &value, sizeof value) == sizeof value)
+  });
+  for (std::size_t at = 0; at + sizeof(double) <= ran.output.size(); at += sizeof(double)) {
+    double value = 0;
+    std::memcpy(&value, ran.output.data() + at, sizeof value);
     answers.push_back(std::isnan(value) ? std::nullopt : std::optional(value));
-  close(ends[0]);
-  waitpid(child, nullptr, 0);
+  }
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "oracle/shapes.hpp"
+#include "cde/oracle/shapes.hpp"
 
 namespace cde::oracle {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The certified signed gap: known answers, invariants, and intervals that contain the truth.
-#include "oracle/gap.hpp"
+#include "cde/oracle/gap.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include <numbers>
 #include <string>
 
-#include "oracle/build_shape.hpp"
-#include "oracle/cases.hpp"
-#include "oracle/random.hpp"
+#include "cde/oracle/build_shape.hpp"
+#include "cde/oracle/cases.hpp"
+#include "cde/oracle/random.hpp"
 #include "printed.hpp"
 
 namespace cde::oracle {

@@ -7,12 +7,12 @@
 #include <cstdio>
 #include <string>
 
-#include "oracle/build_shape.hpp"
-#include "oracle/cases.hpp"
+#include "cde/oracle/build_shape.hpp"
+#include "cde/oracle/cases.hpp"
+#include "cde/oracle/gap.hpp"
+#include "cde/oracle/rays.hpp"
 #include "oracle/cgal.hpp"
 #include "oracle/fcl.hpp"
-#include "oracle/gap.hpp"
-#include "oracle/rays.hpp"
 #include "printed.hpp"
 
 namespace cde::oracle {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Exact answers of rays: known ones, and margins that mean what they say.
-#include "oracle/rays.hpp"
+#include "cde/oracle/rays.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "oracle/random.hpp"
+#include "cde/oracle/random.hpp"
 #include "printed.hpp"
 
 namespace cde::oracle {

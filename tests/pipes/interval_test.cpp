@@ -11,9 +11,9 @@
 #include <string>
 
 #include "cde/card/pair_unit.hpp"
+#include "cde/oracle/cases.hpp"
 #include "cde/reference/pairs.hpp"
 #include "cde/support/error.hpp"
-#include "oracle/cases.hpp"
 #include "pair_failure.hpp"
 #include "printed.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The operators of a pipe, counted in the elaborated design, against those of its mirror reference
 // and the paper's Table 2.
-#include "rtl/elaborate.hpp"
+#include "cde/netlist/elaborate.hpp"
 
 #include <gtest/gtest.h>
 

@@ -22,11 +22,11 @@
 
 #include "cde/card/pair_unit.hpp"
 #include "cde/fp/scalars.hpp"
+#include "cde/oracle/cases.hpp"
 #include "cde/reference/pairs.hpp"
 #include "cde/reference/pipes/cylinder/schedule.hpp"
 #include "cde/reference/pipes/scale.hpp"
 #include "numerics/operators.hpp"
-#include "oracle/cases.hpp"
 #include "pair_failure.hpp"
 #include "printed.hpp"
 

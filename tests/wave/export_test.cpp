@@ -9,10 +9,10 @@
 #include <set>
 #include <sstream>
 
+#include "cde/wave/export.hpp"
+#include "cde/wave/trace.hpp"
 #include "run_cde.hpp"
 #include "sample.hpp"
-#include "wave/export.hpp"
-#include "wave/trace.hpp"
 
 namespace cde::testing {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "wave/fst_api.hpp"
+#include "cde/wave/fst_api.hpp"
 
 namespace cde::testing {
 

@@ -11,7 +11,7 @@
 
 #include "run_cde.hpp"
 #include "sample.hpp"
-#include "wave/tui_viewer.hpp"
+#include "tui/tui_viewer.hpp"
 
 namespace cde::testing {
 namespace {

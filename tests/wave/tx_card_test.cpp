@@ -7,13 +7,13 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "cde/wave/candidates.hpp"
+#include "cde/wave/card_signals.hpp"
+#include "cde/wave/filter.hpp"
+#include "cde/wave/trace.hpp"
+#include "cde/wave/transaction.hpp"
+#include "cde/wave/value.hpp"
 #include "run_cde.hpp"
-#include "wave/candidates.hpp"
-#include "wave/card_signals.hpp"
-#include "wave/filter.hpp"
-#include "wave/trace.hpp"
-#include "wave/transaction.hpp"
-#include "wave/value.hpp"
 
 namespace cde::testing {
 namespace {

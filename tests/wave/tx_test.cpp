@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "cde/wave/trace.hpp"
+#include "cde/wave/transaction.hpp"
 #include "run_cde.hpp"
 #include "sample.hpp"
-#include "wave/trace.hpp"
-#include "wave/transaction.hpp"
 
 namespace cde::testing {
 namespace {

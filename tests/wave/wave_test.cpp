@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "cde/wave/trace.hpp"
 #include "run_cde.hpp"
 #include "sample.hpp"
-#include "wave/trace.hpp"
 
 namespace cde::testing {
 namespace {

@@ -6,7 +6,7 @@
 #include <new>
 
 #include "Vmodel.h"
-#include "abi.h"
+#include "cde/abi/abi.h"
 #include "cde/contract/records.hpp"
 #include "cde/contract/registers.hpp"
 #include "chips.h"

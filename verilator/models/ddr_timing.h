@@ -12,7 +12,7 @@
 #include <array>
 #include <cstdint>
 
-#include "abi_memory.h"
+#include "cde/abi/abi_memory.h"
 
 class DdrTiming {
  public:

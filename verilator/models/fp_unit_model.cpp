@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "Vmodel.h"
-#include "abi_fp.h"
+#include "cde/abi/abi_fp.h"
 #include "cde/contract/formats.hpp"
 #include "coverage.h"
 #include "parameters.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "Vmodel.h"
-#include "abi_pair.h"
+#include "cde/abi/abi_pair.h"
 #include "coverage.h"
 #include "parameters.h"
 #include "verilated.h"

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "Vmodel.h"
-#include "abi_pci.h"
+#include "cde/abi/abi_pci.h"
 #include "coverage.h"
 #include "pci_host.h"
 #include "pci_monitor.h"

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "abi_pci.h"
+#include "cde/abi/abi_pci.h"
 #include "pci_memory.h"
 #include "pci_wires.h"
 

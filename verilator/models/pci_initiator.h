@@ -4,7 +4,7 @@
 #pragma once
 #include <cstdint>
 
-#include "abi_pci.h"
+#include "cde/abi/abi_pci.h"
 #include "pci_wires.h"
 
 namespace pci {

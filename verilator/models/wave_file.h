@@ -7,7 +7,7 @@
 #include <string>
 
 #include "Vmodel.h"
-#include "abi_head.h"
+#include "cde/abi/abi_head.h"
 #include "cde/contract/records.hpp"
 #include "parameters.h"
 #include "verilated.h"

@@ -29,7 +29,7 @@
 #include "cde/fp/scalars.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
-#include "support/process.hpp"
+#include "cde/support/process.hpp"
 #include "support/sanitizer.hpp"
 #include "support/sha256.hpp"
 

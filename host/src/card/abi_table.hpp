@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "abi_head.h"
+#include "cde/abi/abi_head.h"
 #include "cde/bitstream/bitstream.hpp"
 #include "cde/card/board.hpp"
 #include "cde/card/trace.hpp"

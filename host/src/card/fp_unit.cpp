@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "abi_fp.h"
 #include "card/abi_table.hpp"
+#include "cde/abi/abi_fp.h"
 #include "cde/bitstream/bitstream.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cstring>
 
-#include "abi.h"
 #include "card/abi_table.hpp"
 #include "card/bus_time.hpp"
 #include "card/card_link.hpp"
 #include "card/device_loss.hpp"
+#include "cde/abi/abi.h"
 #include "cde/contract/pci.hpp"
 #include "cde/support/error.hpp"
 

@@ -9,8 +9,8 @@
 #include <exception>
 #include <utility>
 
-#include "abi_pair.h"
 #include "card/abi_table.hpp"
+#include "cde/abi/abi_pair.h"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "abi_pci.h"
 #include "card/device_loss.hpp"
+#include "cde/abi/abi_pci.h"
 #include "cde/card/board.hpp"
 #include "cde/support/error.hpp"
 

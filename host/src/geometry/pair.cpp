@@ -89,4 +89,14 @@ void check_facet_interval(unsigned interval, std::span<const Pair> pairs) {
   }
 }
 
+std::vector<std::string> pair_names() {
+  std::vector<std::string> all;
+  for (const contract::PairRow& row : contract::kPairTable) all.emplace_back(row.name);
+  return all;
+}
+
+std::vector<std::string> algorithm_names() {
+  return {contract::kAlgorithmNames.begin(), contract::kAlgorithmNames.end()};
+}
+
 }  // namespace cde

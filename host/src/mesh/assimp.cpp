@@ -17,6 +17,7 @@
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "cde/support/process.hpp"
 #include "mesh/readers.hpp"
 #include "support/sanitizer.hpp"
 #include "support/text.hpp"
@@ -241,17 +242,6 @@ void limit_child(std::chrono::seconds deadline) {
   leave(0);
 }
 
-std::string read_all(int in) {
-  std::string bytes;
-  std::vector<char> block(std::size_t{1} << 16);
-  for (;;) {
-    const ssize_t n = ::read(in, block.data(), block.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return bytes;
-    bytes.append(block.data(), static_cast<std::size_t>(n));
-  }
-}
-
 }  // namespace
 
 bool assimp_knows(const std::string& extension) {
@@ -263,25 +253,14 @@ Mesh read_by_assimp(const std::filesystem::path& path, std::chrono::seconds dead
   const auto fail = [&](const std::string& why) {
     throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(name), printable_name(why)));
   };
-  int ends[2] = {-1, -1};
-  if (::pipe2(ends, O_CLOEXEC) != 0) fail(fmt::format("no pipe: {}", std::strerror(errno)));
-  const pid_t child = ::fork();
-  if (child == 0) run_child(ends[1], name, deadline);
-  ::close(ends[1]);
-  const std::string bytes = child > 0 ? read_all(ends[0]) : std::string();
-  ::close(ends[0]);
-  if (child < 0) fail(fmt::format("no child process: {}", std::strerror(errno)));
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL)) {
+  const process::Result ran = process::isolated([&](int out) { run_child(out, name, deadline); });
+  if (ran.status == 128 + SIGXCPU || ran.status == 128 + SIGKILL) {
     fail(fmt::format(
         "not read within {} s of processor time, or out of memory; the file is probably damaged",
         deadline.count()));
   }
-  if (WIFSIGNALED(status) || WEXITSTATUS(status) != 0)
-    fail("the importer crashed; the file is probably damaged");
-  std::string_view rest = bytes;
+  if (ran.status != 0) fail("the importer crashed; the file is probably damaged");
+  std::string_view rest = ran.output;
   if (rest.empty()) fail("the importer ended without an answer");
   const char kind = rest.front();
   rest.remove_prefix(1);

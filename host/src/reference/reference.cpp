@@ -251,96 +251,37 @@ std::vector<Record> cast(const RayView& rays, const TriangleView& triangles, Mod
 
 // ---- Comparison ----
 
-namespace {
-
-std::string hex(const Eigen::Vector3f& v) {
-  return fmt::format("{:a},{:a},{:a}", v.x(), v.y(), v.z());
+RecordCheck::Told told_of_rays(const RayView& rays, const TriangleView& triangles,
+                               std::string command) {
+  const auto words_of = [](const auto& shape) {
+    const auto words = to_words(shape);
+    return std::vector<float>(words.begin(), words.end());
+  };
+  return {.noun = "ray",
+          .primary =
+              [rays, words_of](std::uint32_t i) {
+                return i < rays.size() ? words_of(rays[i]) : std::vector<float>();
+              },
+          .secondary =
+              [triangles, words_of](std::uint32_t i) {
+                return i < triangles.size() ? words_of(triangles[i]) : std::vector<float>();
+              },
+          .repeat =
+              [command = std::move(command)](const Difference& d) {
+                std::string again = command;
+                for (std::size_t k = 0; k < d.primary.size(); ++k)
+                  again += fmt::format("{}{:a}", k == 0 ? " --ray=" : ",", d.primary[k]);
+                return again;
+              }};
 }
-
-std::string text(const Record& r) {
-  return fmt::format("ray {} F={}{} T={:a} ({:08x}) CP={} ({:08x} {:08x} {:08x}) index={}",
-                     r.primary, r.f ? 1 : 0, r.bad ? " bad" : "", r.t,
-                     std::bit_cast<std::uint32_t>(r.t), hex(r.cp),
-                     std::bit_cast<std::uint32_t>(r.cp.x()), std::bit_cast<std::uint32_t>(r.cp.y()),
-                     std::bit_cast<std::uint32_t>(r.cp.z()), static_cast<std::int32_t>(r.index));
-}
-
-}  // namespace
 
 Checker::Checker(const RayView& rays, const TriangleView& triangles, Mode mode,
                  const Stencil& stencil, unsigned packet, std::string command,
                  std::span<const Object> objects, bool box, FpFormat format)
-    : rays_(rays),
-      packet_(packet),
-      triangles_(triangles),
-      sweep_(rays, triangles, mode, stencil, packet, objects, box, format),
-      command_(std::move(command)) {}
+    : Checker(std::make_shared<Sweep>(rays, triangles, mode, stencil, packet, objects, box, format),
+              told_of_rays(rays, triangles, std::move(command))) {}
 
-void Checker::mismatch(const Record* card, const Record* expected) {
-  const std::uint64_t place = compared_++;
-  if (!difference_.empty()) return;
-  std::string message = fmt::format("record {} differs from the reference\n", place);
-  message += fmt::format("  card:      {}\n", card != nullptr ? text(*card) : "no record");
-  message += fmt::format("  reference: {}\n", expected != nullptr ? text(*expected) : "no record");
-  const std::size_t number = (expected != nullptr ? expected : card)->primary;
-  first_.emplace();
-  if (card != nullptr) first_->card = *card;
-  if (expected != nullptr) first_->reference = *expected;
-  if (card != nullptr && expected != nullptr)
-    message += fmt::format("  differ in: {}\n", differing_fields(*card, *expected));
-  if (place_)
-    message +=
-        fmt::format("  where:     {}\n", place_(static_cast<std::uint32_t>(number % packet_)));
-  for (const Record* r : {card, expected}) {
-    if (r == nullptr || r->index >= triangles_.size()) continue;
-    const Triangle t = triangles_[r->index];
-    const auto words = to_words(t);
-    first_->secondaries.emplace_back(r->index, std::vector<float>(words.begin(), words.end()));
-    message += fmt::format("  triangle {}: {} {} {}\n", r->index, hex(t.v0), hex(t.v1), hex(t.v2));
-  }
-  if (number < rays_.size()) {
-    const Ray ray = rays_[number];
-    const auto words = to_words(ray);
-    first_->primary.assign(words.begin(), words.end());
-    const std::string fields =
-        fmt::format("{},{},{:a},{:a}", hex(ray.o), hex(ray.d), ray.tmin, ray.tmax);
-    message +=
-        fmt::format("  ray {}: {}\n  repeat with: {} --ray={}", number, fields, command_, fields);
-  }
-  difference_ = std::move(message);
-}
-
-void Checker::compare(std::span<const Record> records) {
-  for (const Record& record : records) {
-    if (pending_.empty()) pending_ = sweep_.next();
-    if (pending_.empty()) {
-      mismatch(&record, nullptr);
-      continue;
-    }
-    if (same_bits(record, pending_.front())) {
-      ++compared_;
-      ++matching_;
-    } else {
-      mismatch(&record, &pending_.front());
-    }
-    pending_ = pending_.subspan(1);
-  }
-}
-
-void Checker::compare_end() {
-  if (pending_.empty()) pending_ = sweep_.next();
-  if (!pending_.empty()) mismatch(nullptr, &pending_.front());
-}
-
-void Checker::check(std::span<const Record> records) {
-  for (std::size_t i = 0; i < records.size() && difference_.empty(); ++i)
-    compare(records.subspan(i, 1));
-  if (!difference_.empty()) throw Error(ErrorCode::kMismatch, difference_);
-}
-
-void Checker::finish() {
-  compare_end();
-  if (!difference_.empty()) throw Error(ErrorCode::kMismatch, difference_);
-}
+Checker::Checker(std::shared_ptr<Sweep> sweep, Told told)
+    : RecordCheck([sweep = std::move(sweep)] { return sweep->next(); }, std::move(told)) {}
 
 }  // namespace cde::reference

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "cde/image/camera.hpp"
-#include "cde/image/rays_csv.hpp"
+#include "cde/io/rays_csv.hpp"
 #include "cde/support/message.hpp"
 #include "mesh/readers.hpp"
 #include "scene/parts.hpp"

@@ -8,6 +8,7 @@
 
 #include "cde/contract/records.hpp"
 #include "cde/reference/pass.hpp"
+#include "cde/reference/record_check.hpp"
 #include "cde/support/error.hpp"
 #include "query/record_choice.hpp"
 #include "scene/player_faults.hpp"
@@ -22,16 +23,6 @@ constexpr std::size_t kPacket = card::kMostPrimaries;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-std::string text(const Record* r) {
-  if (r == nullptr) return "no record";
-  const auto hex = [](const Eigen::Vector3f& v) {
-    return fmt::format("{:a},{:a},{:a}", v.x(), v.y(), v.z());
-  };
-  return fmt::format("primary {} F={}{} T={:a} CP={} n={} index={}", r->primary, r->f ? 1 : 0,
-                     r->bad ? " bad" : "", r->t, hex(r->cp), hex(r->n),
-                     static_cast<std::int32_t>(r->index));
 }
 
 std::string words_of(const Shapes& shapes, std::size_t i) {
@@ -75,20 +66,14 @@ std::function<bool(std::uint32_t, std::uint32_t)> counting(const SelfPairs& self
   return [&self](std::uint32_t p, std::uint32_t s) { return self.counts(p, s); };
 }
 
-/// Compares the records of one packet with the reference as they arrive; those of primaries that
-/// are not in the sample go by.
+/// Compares the records of one packet with the reference as they arrive. Records of primaries
+/// outside the sample are not compared.
 class PassCheck {
  public:
   PassCheck(const SceneQuery& query, const BoardConfig& card, const Board& board,
             const SelfPairs& self, const Shapes& primaries, std::vector<std::uint32_t> numbers,
             const Shapes& secondaries, bool streams)
-      : query_(query),
-        card_(card),
-        board_(board),
-        streams_(streams),
-        primaries_(primaries),
-        secondaries_(secondaries),
-        numbers_(std::move(numbers)),
+      : numbers_(std::move(numbers)),
         pass_({.pair = query.pair,
                .algorithm = card.algorithm,
                .box = card.box_rule(query.pair),
@@ -98,64 +83,56 @@ class PassCheck {
                .budget = query.budget,
                .format = card.format,
                .counts = counting(self)},
-              picked(primaries, numbers_), numbers_, secondaries) {}
+              picked(primaries, numbers_), numbers_, secondaries),
+        check_([this] { return pass_.next(); },
+               told(query, card, board, primaries, secondaries, streams)) {}
 
-  void check(std::span<const Record> records, QueryFrame& result) {
-    for (const Record& record : records) {
-      if (!std::binary_search(numbers_.begin(), numbers_.end(), record.primary)) continue;
-      if (pending_.empty()) pending_ = pass_.next();
-      const Record* expected = pending_.empty() ? nullptr : pending_.data();
-      ++result.compared;
-      if (expected == nullptr || !same_bits(record, *expected)) differ(&record, expected, result);
-      if (expected != nullptr) pending_ = pending_.subspan(1);
-    }
+  void check(std::span<const Record> records) {
+    for (const Record& record : records)
+      if (std::binary_search(numbers_.begin(), numbers_.end(), record.primary))
+        check_.compare({&record, 1});
   }
 
   void finish(QueryFrame& result) {
-    if (pending_.empty()) pending_ = pass_.next();
-    for (; !pending_.empty(); pending_ = pass_.next())
-      for (const Record& expected : pending_) differ(nullptr, &expected, result);
+    check_.compare_end();
+    result.compared += check_.compared();
+    if (result.mismatches == 0 && check_.mismatches() != 0) {
+      result.first_difference = check_.first_difference();
+      result.first_mismatch = check_.difference();
+    }
+    result.mismatches += check_.mismatches();
   }
 
  private:
-  void differ(const Record* card, const Record* expected, QueryFrame& result) const {
-    if (++result.mismatches > 1) return;
-    Difference& difference = result.first_difference.emplace();
-    if (card != nullptr) difference.card = *card;
-    if (expected != nullptr) difference.reference = *expected;
-    std::string& message = result.first_mismatch;
-    message = fmt::format("  card:      {}\n  reference: {}\n", text(card), text(expected));
-    const std::uint32_t primary = (expected != nullptr ? expected : card)->primary;
-    if (card != nullptr && expected != nullptr)
-      message += fmt::format("  differ in: {}\n", differing_fields(*card, *expected));
-    message += fmt::format("  where:     {}\n",
-                           streams_ ? fmt::format("clock {} (record read)", board_.clocks())
-                                    : place_on_card(board_, primary % kPacket));
-    if (primary < size(primaries_)) {
-      difference.primary = numbers_of(primaries_, primary);
-      message += fmt::format("  primary {}: {}\n", primary, words_of(primaries_, primary));
-    }
-    for (const Record* r : {card, expected}) {
-      if (r == nullptr || r->index >= size(secondaries_)) continue;
-      if (r == expected && card != nullptr && card->index == r->index) continue;  // as above
-      difference.secondaries.emplace_back(r->index, numbers_of(secondaries_, r->index));
-      const std::string secondary = words_of(secondaries_, r->index);
-      message += fmt::format("  secondary {}: {}\n", r->index, secondary);
-      if (primary < size(primaries_))
-        message += fmt::format("  that pair: {}\n",
-                               question(query_, card_, words_of(primaries_, primary), secondary));
-    }
+  static reference::RecordCheck::Told told(const SceneQuery& query, const BoardConfig& card,
+                                           const Board& board, const Shapes& primaries,
+                                           const Shapes& secondaries, bool streams) {
+    const auto words = [](const Shapes& shapes, std::uint32_t i) {
+      return i < size(shapes) ? numbers_of(shapes, i) : std::vector<float>();
+    };
+    return {.noun = "primary",
+            .primary = [&, words](std::uint32_t i) { return words(primaries, i); },
+            .secondary = [&, words](std::uint32_t i) { return words(secondaries, i); },
+            .place =
+                [&board, streams](std::uint32_t primary) {
+                  return streams ? fmt::format("clock {} (record read)", board.clocks())
+                                 : place_on_card(board, primary % kPacket);
+                },
+            .repeat =
+                [&](const Difference& d) {
+                  std::string lines;
+                  for (const auto& [index, unused] : d.secondaries)
+                    if (!d.primary.empty())
+                      lines += fmt::format("{}{}", lines.empty() ? "" : "\n             ",
+                                           question(query, card, words_of(primaries, d.number()),
+                                                    words_of(secondaries, index)));
+                  return lines;
+                }};
   }
 
-  const SceneQuery& query_;
-  const BoardConfig& card_;
-  const Board& board_;
-  bool streams_;  // its rays go through a hierarchy
-  const Shapes& primaries_;
-  const Shapes& secondaries_;
   std::vector<std::uint32_t> numbers_;
   reference::Pass pass_;
-  std::span<const Record> pending_;
+  reference::RecordCheck check_;
 };
 
 /// One record a primary, chosen among the records of several passes.
@@ -307,7 +284,7 @@ class Player::Impl {
       for (const Record& r : records) result.hits += r.f ? 1 : 0;
       result.counters.records += records.size();
       const auto checking = Clock::now();
-      if (check) check->check(records, result);
+      if (check) check->check(records);
       result.check_seconds += seconds_since(checking);
       if (packet.sink) packet.sink(packet.query, records);
     };

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "support/process.hpp"
+#include "cde/support/process.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -47,8 +48,8 @@ std::array<int, 2> new_pipe() {
   return ends;
 }
 
-/// Starts a program with these as its stdin, and as its stdout and stderr.
-pid_t start(const std::vector<std::string>& command, int input, int output) {
+/// Starts a program with these as its stdin, stdout and, unless `errors` is negative, stderr.
+pid_t start(const std::vector<std::string>& command, int input, int output, int errors) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   if (input >= 0)
@@ -56,7 +57,7 @@ pid_t start(const std::vector<std::string>& command, int input, int output) {
   else
     posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
+  if (errors >= 0) posix_spawn_file_actions_adddup2(&actions, errors, STDERR_FILENO);
   std::vector<char*> argv;
   argv.reserve(command.size() + 1);
   for (const std::string& word : command) argv.push_back(const_cast<char*>(word.c_str()));
@@ -71,10 +72,12 @@ pid_t start(const std::vector<std::string>& command, int input, int output) {
 }
 
 /// The exit status, as a shell has it.
-int wait_for(pid_t child) {
+int wait_for(pid_t child, std::uint64_t* resident_kb = nullptr) {
   int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  rusage used{};
+  while (::wait4(child, &status, 0, &used) < 0 && errno == EINTR) {
   }
+  if (resident_kb != nullptr) *resident_kb = static_cast<std::uint64_t>(used.ru_maxrss);
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
@@ -137,11 +140,30 @@ Result run(const std::vector<std::string>& command) {
   const auto ends = new_pipe();
   const Descriptor from(ends[0]);
   Descriptor to(ends[1]);
-  const pid_t child = start(command, -1, to.get());
+  const pid_t child = start(command, -1, to.get(), to.get());
   to.close();
   Result result;
   result.output = read_all(from.get(), [](std::string_view) {});
-  result.status = wait_for(child);
+  result.status = wait_for(child, &result.resident_kb);
+  return result;
+}
+
+Result isolated(const std::function<void(int out)>& work) {
+  const auto ends = new_pipe();
+  const Descriptor from(ends[0]);
+  Descriptor to(ends[1]);
+  const pid_t child = ::fork();
+  if (child < 0)
+    throw Error(ErrorCode::kFile, fmt::format("no child process: {}", std::strerror(errno)));
+  if (child == 0) {
+    ::close(from.get());
+    work(to.get());
+    ::_exit(0);
+  }
+  to.close();
+  Result result;
+  result.output = read_all(from.get(), [](std::string_view) {});
+  result.status = wait_for(child, &result.resident_kb);
   return result;
 }
 
@@ -154,7 +176,7 @@ Result attend(const std::vector<std::string>& command,
     const auto ends = new_pipe(), life = new_pipe();
     const Descriptor from(ends[0]);
     Descriptor to(ends[1]), input(life[0]), alive(life[1]);
-    const pid_t child = start(command, input.get(), to.get());
+    const pid_t child = start(command, input.get(), to.get(), to.get());
     to.close();
     input.close();
     const auto began = std::chrono::steady_clock::now();
@@ -169,6 +191,53 @@ Result attend(const std::vector<std::string>& command,
     throw Error(signal, fmt::format("ended by {} while {} ran", ::strsignal(signal),  // NOLINT
                                     printable_name(command[0])));
   return result;
+}
+
+Conversation::Conversation(const std::vector<std::string>& command) {
+  const auto in = new_pipe(), out = new_pipe();
+  const Descriptor input(in[0]), output(out[1]);
+  to_ = in[1], from_ = out[0];
+  try {
+    child_ = start(command, input.get(), output.get(), -1);
+  } catch (...) {
+    ::close(to_), ::close(from_);
+    throw;
+  }
+}
+
+Conversation::~Conversation() {
+  if (child_ >= 0) (void)wait();
+}
+
+void Conversation::write(std::string_view line) {
+  std::string text(line);
+  text += '\n';
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t n = ::write(to_, text.data() + done, text.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return;
+    done += static_cast<std::size_t>(n);
+  }
+}
+
+std::optional<std::string> Conversation::read() {
+  for (;;) {
+    if (const std::size_t end = unread_.find('\n'); end != std::string::npos) {
+      std::string line = unread_.substr(0, end);
+      unread_.erase(0, end + 1);
+      return line;
+    }
+    std::array<char, 4096> buffer{};
+    const ssize_t n = ::read(from_, buffer.data(), buffer.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return std::nullopt;
+    unread_.append(buffer.data(), static_cast<std::size_t>(n));
+  }
+}
+
+int Conversation::wait() {
+  ::close(to_), ::close(from_);
+  return wait_for(std::exchange(child_, -1));
 }
 
 }  // namespace cde::process

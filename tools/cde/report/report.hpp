@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "page/time_split.hpp"
 #include "report/report_picture.hpp"
 #include "report/report_scene.hpp"
-#include "report/time_split.hpp"
 
 /// `cde run --report`: one page about a run (docs/scenes.md).
 namespace cde::cli {

@@ -5,11 +5,12 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "cde/card/trace_file.hpp"
 #include "cde/contract/registers.hpp"
+#include "cde/geometry/operand_defect.hpp"
+#include "cde/geometry/operand_line.hpp"
 #include "cde/reference/pairs.hpp"
-#include "verbs/operand_defect.hpp"
-#include "verbs/operand_line.hpp"
-#include "wave/waves.hpp"
+#include "cde/support/json_text.hpp"
 
 namespace cde::cli {
 namespace {
@@ -65,7 +66,7 @@ bool QueryPipe::read(std::uint64_t number, std::string_view line) {
 QueryAnswers QueryPipe::answer() {
   QueryAnswers answers;
   if (rows_.empty() && !config_.trace) return answers;
-  Waves waves(
+  TraceFile waves(
       o_.trace.file,
       [this](const std::string& file) { unit_.open_trace(file, o_.trace.options()); },
       [this] { unit_.close_trace(); });
@@ -142,19 +143,24 @@ void QueryPipe::report(std::size_t i) {
                         line_of(i), a, b, shown(results_[i]), shown(expected_[i]),
                         differing_fields(results_[i], expected_[i]),
                         place_in_unit(unit_, a_, b_, i), again, options, a, b);
-  const auto fill = [&](Bundle& bundle) {
-    bundle_pair(bundle, {.config = config_,
-                         .budget = budget_,
-                         .options = options,
-                         .a = a_,
-                         .b = b_,
-                         .at = i,
-                         .card = results_[i],
-                         .reference = expected_[i],
-                         .message = message,
-                         .repeat = again});
+  // Rows behind the pair's row and its neighbours play no part.
+  const std::size_t rows = i / config_.lanes + 5,
+                    pairs = std::min(results_.size(), rows * config_.lanes);
+  const auto first = [pairs](const std::vector<std::uint64_t>& words, std::size_t each) {
+    return std::vector(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(pairs * each));
   };
-  throw Error(ErrorCode::kMismatch, message + packed(o_.bundle, o_.quiet, fill));
+  throw Error(ErrorCode::kMismatch,
+              message + packed(o_.bundle, o_.quiet,
+                               {.kind = PairFailure{.config = config_,
+                                                    .budget = budget_,
+                                                    .options = options,
+                                                    .a = first(a_, primary_words(config_.pair)),
+                                                    .b = first(b_, secondary_words(config_.pair)),
+                                                    .at = i,
+                                                    .card = results_[i],
+                                                    .reference = expected_[i]},
+                                .message = message,
+                                .repeat = again}));
 }
 
 /// The unit stopped in the middle of these pairs.
@@ -162,36 +168,36 @@ void QueryPipe::report(const Error& stuck) {
   const std::string message =
       fmt::format("lines {} to {}: {}", rows_.front().line, rows_.back().line, stuck.what());
   const std::uint64_t clock = stuck.fault()->clock;
-  const auto fill = [&](Bundle& bundle) {
-    std::string pairs;
-    for (std::size_t i = 0; i < results_.size(); ++i)
-      pairs += listed(operand(a_, i, primary_words(config_.pair))) + " | " +
-               listed(operand(b_, i, secondary_words(config_.pair))) + "\n";
-    bundle.write("pairs.txt", pairs);
-    bundle.json().update({{"pair", name(config_.pair)}, {"parameters", config_.parameters()}});
-    HangFailure f{.message = message,
-                  .repeat = fmt::format("cde query {} < pairs.txt", words_of(o_, config_)),
-                  .clock = clock,
-                  .unit = true,
-                  .shown = {"pair_unit.clk_i", "pair_unit.valid_i", "pair_unit.ready_o",
-                            "pair_unit.tag_i", "pair_unit.valid_o", "pair_unit.tag_o"}};
-    f.rerun = [&](const std::string& file, const TraceOptions& which) {
-      PairConfig config = config_;
-      config.trace = true;
-      PairUnit unit(config);
-      if (has_budget(config.pair)) unit.set_budget(budget_);
-      std::vector<PairResult> results(results_.size());
-      unit.open_trace(file, which);
-      try {
-        (void)unit.test(a_, b_, results);
-      } catch (const Error& e) {
-        if (!is_hang(e)) throw;
-      }
-      unit.close_trace();
-    };
-    bundle_hang(bundle, f);
+  std::string pairs;
+  for (std::size_t i = 0; i < results_.size(); ++i)
+    pairs += listed(operand(a_, i, primary_words(config_.pair))) + " | " +
+             listed(operand(b_, i, secondary_words(config_.pair))) + "\n";
+  Failure f{
+      .kind = HangFailure{.clock = clock,
+                          .unit = true,
+                          .shown = {"pair_unit.clk_i", "pair_unit.valid_i", "pair_unit.ready_o",
+                                    "pair_unit.tag_i", "pair_unit.valid_o", "pair_unit.tag_o"}},
+      .message = message,
+      .repeat = fmt::format("cde query {} < pairs.txt", words_of(o_, config_)),
+      .details = json_text(nlohmann::ordered_json{{"pair", name(config_.pair)},
+                                                  {"parameters", config_.parameters()}}),
+      .files = {{"pairs.txt", pairs}}};
+  f.rerun = [&](const std::string& file, const TraceOptions& which) {
+    PairConfig config = config_;
+    config.trace = true;
+    PairUnit unit(config);
+    if (has_budget(config.pair)) unit.set_budget(budget_);
+    std::vector<PairResult> results(results_.size());
+    unit.open_trace(file, which);
+    try {
+      (void)unit.test(a_, b_, results);
+    } catch (const Error& e) {
+      if (!is_hang(e)) throw;
+    }
+    unit.close_trace();
+    return true;
   };
-  throw Error(stuck.code(), message + packed(o_.bundle, o_.quiet, fill), stuck.fault());
+  throw Error(stuck.code(), message + packed(o_.bundle, o_.quiet, f), stuck.fault());
 }
 
 std::string QueryPipe::listed(std::span<const std::uint64_t> words) const {

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "cde/card/pair_unit.hpp"
+#include "cde/fp/number_text.hpp"
+#include "cde/jobs/dealing.hpp"
 #include "cde/support/error.hpp"
-#include "command/words.hpp"
-#include "ranks/dealing.hpp"
-#include "verbs/bundle.hpp"
-#include "verbs/pair_options.hpp"
-#include "verbs/trace_options.hpp"
+#include "options/pair_options.hpp"
+#include "options/trace_options.hpp"
+#include "program/pack_failure.hpp"
 
 /// The pairs of `cde query`: from lines of text to lines of text.
 namespace cde::cli {

@@ -11,13 +11,13 @@
 #include <optional>
 
 #include "cde/bitstream/bitstream.hpp"
+#include "cde/card/json_keys.hpp"
 #include "cde/contract/records.hpp"
 #include "cde/support/error.hpp"
-#include "output/input_file.hpp"
-#include "output/json_keys.hpp"
+#include "cde/support/input_file.hpp"
 #include "output/output.hpp"
+#include "output/run_folder.hpp"
 #include "output/streams.hpp"
-#include "verbs/run_folder.hpp"
 
 namespace cde::cli {
 namespace {

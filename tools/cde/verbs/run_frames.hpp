@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "cde/jobs/dealing.hpp"
 #include "cde/scene/player.hpp"
 #include "cde/scene/scene.hpp"
-#include "ranks/dealing.hpp"
 
 /// Frames of `cde run` as text: records and JSON.
 namespace cde::cli {

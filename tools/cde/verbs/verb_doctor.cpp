@@ -4,8 +4,6 @@
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -16,6 +14,7 @@
 #include "cde/mesh/terrain.hpp"
 #include "cde/reference/reference.hpp"
 #include "cde/support/error.hpp"
+#include "cde/support/process.hpp"
 #include "output/streams.hpp"
 #include "verbs/verbs.hpp"
 
@@ -27,16 +26,14 @@ struct Finding {
   std::string what, advice;
 };
 
-/// First line that a fixed command prints, or nothing.
-std::string first_line(const std::string& command) {
-  std::FILE* pipe = ::popen((command + " 2>/dev/null").c_str(), "r");
-  if (pipe == nullptr) return {};
-  std::array<char, 256> line{};
-  const bool got = std::fgets(line.data(), line.size(), pipe) != nullptr;
-  const bool fine = ::pclose(pipe) == 0;
-  std::string text = got && fine ? line.data() : "";
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  return text;
+/// The first line that a program prints, or nothing.
+std::string first_line(const std::vector<std::string>& command) {
+  try {
+    const process::Result ran = process::run(command);
+    return ran.status == 0 ? ran.output.substr(0, ran.output.find('\n')) : "";
+  } catch (const Error&) {
+    return "";
+  }
 }
 
 /// How models are built: verilator/bitstream decides it by the same list.
@@ -55,7 +52,7 @@ std::string mode_of(const std::string& version) {
 }
 
 Finding verilator() {
-  const std::string version = first_line("verilator --version");
+  const std::string version = first_line({"verilator", "--version"});
   if (version.empty()) return {"verilator is missing", "apt-get install verilator"};
   const bool numbered = version.starts_with("Verilator");
   return {
@@ -66,8 +63,7 @@ Finding verilator() {
 Finding compiler() {
   const char* chosen = std::getenv("CDE_CLANG");  // NOLINT(concurrency-mt-unsafe)
   const std::string name = chosen != nullptr ? chosen : "clang++";
-  const std::string version =
-      name.find_first_of("'\n") == std::string::npos ? first_line("'" + name + "' --version") : "";
+  const std::string version = first_line({name, "--version"});
   if (version.empty())
     return {name + " is missing", "apt-get install clang, or set CDE_CLANG to the compiler's name"};
   return {version, ""};

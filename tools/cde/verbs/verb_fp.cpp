@@ -15,8 +15,8 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
-#include "command/line_input.hpp"
-#include "command/values.hpp"
+#include "options/line_input.hpp"
+#include "options/values.hpp"
 #include "verbs/verbs.hpp"
 
 namespace cde::cli {

@@ -7,13 +7,13 @@
 #include <memory>
 #include <string>
 
+#include "cde/card/json_keys.hpp"
 #include "cde/scene/plan.hpp"
-#include "command/values.hpp"
-#include "output/busy.hpp"
-#include "output/json_keys.hpp"
+#include "cde/support/progress.hpp"
+#include "options/clock_target.hpp"
+#include "options/values.hpp"
+#include "output/plan_output.hpp"
 #include "output/streams.hpp"
-#include "verbs/clock_target.hpp"
-#include "verbs/plan_output.hpp"
 #include "verbs/verbs.hpp"
 
 namespace cde::cli {

@@ -12,13 +12,14 @@
 #include <vector>
 
 #include "cde/bitstream/bitstream.hpp"
+#include "cde/card/json_keys.hpp"
+#include "cde/jobs/dealing.hpp"
 #include "cde/support/error.hpp"
-#include "command/line_input.hpp"
-#include "command/values.hpp"
-#include "output/json_keys.hpp"
+#include "options/deal_options.hpp"
+#include "options/line_input.hpp"
+#include "options/values.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
-#include "ranks/dealing.hpp"
 #include "verbs/query_pipe.hpp"
 #include "verbs/verbs.hpp"
 

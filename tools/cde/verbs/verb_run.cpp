@@ -14,27 +14,30 @@
 #include <vector>
 
 #include "cde/bitstream/bitstream.hpp"
+#include "cde/card/json_keys.hpp"
+#include "cde/card/machine.hpp"
 #include "cde/contract/records.hpp"
 #include "cde/geometry/length_range.hpp"
+#include "cde/scene/packet_again.hpp"
 #include "cde/scene/plan.hpp"
 #include "cde/scene/player.hpp"
 #include "cde/support/error.hpp"
-#include "command/values.hpp"
-#include "output/busy.hpp"
-#include "output/json_keys.hpp"
-#include "output/machine.hpp"
+#include "cde/support/progress.hpp"
+#include "cde/support/suffix.hpp"
+#include "options/clock_target.hpp"
+#include "options/deal_options.hpp"
+#include "options/scene_frames.hpp"
+#include "options/trace_options.hpp"
+#include "options/values.hpp"
 #include "output/output.hpp"
+#include "output/plan_output.hpp"
+#include "output/run_folder.hpp"
 #include "output/streams.hpp"
-#include "output/suffix.hpp"
+#include "page/page.hpp"
+#include "program/pack_failure.hpp"
 #include "report/report.hpp"
-#include "verbs/clock_target.hpp"
-#include "verbs/plan_output.hpp"
-#include "verbs/run_bundle.hpp"
 #include "verbs/run_faults.hpp"
-#include "verbs/run_folder.hpp"
 #include "verbs/run_frames.hpp"
-#include "verbs/scene_frames.hpp"
-#include "verbs/trace_options.hpp"
 #include "verbs/verbs.hpp"
 
 namespace cde::cli {
@@ -122,6 +125,7 @@ void check_files(const Options& o, const Scene& scene) {
                                      {"--json", o.json ? "-" : ""}},
                 inputs);
   check_suffix("--report", o.report, ".html");
+  if (!o.report.empty()) need_three("--report");
   o.trace.check();
 }
 
@@ -292,10 +296,10 @@ class Run {
   }
 
   std::string pack_hang(const Plan& plan, const Error& error) {
-    HangFailure f{.message = error.what(),
-                  .repeat = fmt::format("cde run {} --frames {}..{}", shell_word(scene_.file),
-                                        frames_.first, frame_),
-                  .clock = seen_};
+    cde::Failure f{.kind = HangFailure{.clock = seen_},
+                   .message = error.what(),
+                   .repeat = fmt::format("cde run {} --frames {}..{}", shell_word(scene_.file),
+                                         frames_.first, frame_)};
     f.rerun = [&](const std::string& file, const TraceOptions& which) {
       Plan traced = plan;
       traced.board.trace = true;
@@ -309,22 +313,22 @@ class Run {
         if (!is_hang(e)) throw;
       }
       player.trace_close();
+      return true;
     };
-    return packed(o_.bundle, o_.quiet, [&](Bundle& bundle) { bundle_hang(bundle, f); });
+    return packed(o_.bundle, o_.quiet, f);
   }
 
   void pack(const Plan& plan) {
-    packed_ = packed(o_.bundle, o_.quiet, [&](Bundle& bundle) {
-      bundle_run(bundle, {.scene = scene_,
-                          .plan = plan,
-                          .options = options_again(),
-                          .first = frames_.first,
-                          .frame = failure_.frame,
-                          .query = failure_.query,
-                          .difference = *failure_.difference,
-                          .message = mismatch_,
-                          .repeat = failure_.repeat});
-    });
+    packed_ = packed(o_.bundle, o_.quiet,
+                     failure_of({.scene = scene_,
+                                 .plan = plan,
+                                 .options = options_again(),
+                                 .first = frames_.first,
+                                 .frame = failure_.frame,
+                                 .query = failure_.query,
+                                 .difference = *failure_.difference,
+                                 .message = mismatch_,
+                                 .repeat = failure_.repeat}));
   }
 
   static void row(const char* name, const std::string& value) { say("{:<16} {}\n", name, value); }

@@ -2,7 +2,9 @@
 #pragma once
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "cde/contract/pairs.hpp"
 #include "cde/geometry/primitives.hpp"
@@ -86,5 +88,9 @@ struct WayThrough {
 /// `interval`: clocks from one row of such pairs to the next, 1 or 3. Error kUsage if it is
 /// neither, or 3 where none of the pairs has facets.
 void check_facet_interval(unsigned interval, std::span<const Pair> pairs);
+
+/// Names of all pairs and of the ray-triangle algorithms, in the order of their codes.
+[[nodiscard]] std::vector<std::string> pair_names();
+[[nodiscard]] std::vector<std::string> algorithm_names();
 
 }  // namespace cde

@@ -17,6 +17,7 @@
 #include "cde/mesh/triangle_view.hpp"
 #include "cde/query/difference.hpp"
 #include "cde/query/query.hpp"
+#include "cde/reference/record_check.hpp"
 
 /// Mirror reference: what the card computes, operation by operation in the same order with the same
 /// roundings, so that every bit must match. The library is compiled without contraction; whoever
@@ -60,50 +61,20 @@ class Sweep {
                                        FpFormat format = {},
                                        Algorithm algorithm = Algorithm::kMoller);
 
-/// Compares records of the card with the reference as they arrive.
-class Checker {
+/// Tells differences of rays and triangles. `command` is the start of a command that repeats the
+/// query, e.g. "cde cast terrain --lanes 16". Rays and triangles must outlive the result.
+[[nodiscard]] RecordCheck::Told told_of_rays(const RayView& rays, const TriangleView& triangles,
+                                             std::string command);
+
+/// A check against a Sweep of the same arguments, which must outlive the checker.
+class Checker : public RecordCheck {
  public:
-  /// `command` is the start of a command that repeats the query, e.g. "cde cast terrain --lanes
-  /// 16". Rays and triangles must outlive the checker.
   Checker(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
           unsigned packet, std::string command, std::span<const Object> objects = {},
           bool box = false, FpFormat format = {});
 
-  /// What differs is also said to be where this says of a primary of a packet, as place_on_card()
-  /// does.
-  using Place = std::function<std::string(std::uint32_t primary)>;
-  void place_by(Place place) { place_ = std::move(place); }
-
-  /// Counts the records that are those of the reference and keeps what the first other one differs
-  /// in.
-  void compare(std::span<const Record> records);
-  /// To be called behind the last record: one that the card left out is compared, too, and differs.
-  void compare_end();
-
-  /// The same, but these throw kMismatch at the first difference.
-  void check(std::span<const Record> records);
-  void finish();
-
-  /// Records compared so far, and those of them that match in every bit.
-  [[nodiscard]] std::uint64_t compared() const { return compared_; }
-  [[nodiscard]] std::uint64_t matching() const { return matching_; }
-  /// Of the first record that differs its inputs in hexfloat, both outputs, and the command that
-  /// repeats it; empty if all match.
-  [[nodiscard]] const std::string& difference() const { return difference_; }
-  /// The same as data; nothing if all match.
-  [[nodiscard]] const std::optional<Difference>& first_difference() const { return first_; }
-
  private:
-  void mismatch(const Record* card, const Record* expected);
-  RayView rays_;
-  unsigned packet_;
-  Place place_;
-  TriangleView triangles_;
-  Sweep sweep_;
-  std::span<const Record> pending_;
-  std::uint64_t compared_ = 0, matching_ = 0;
-  std::string command_, difference_;
-  std::optional<Difference> first_;
+  Checker(std::shared_ptr<Sweep> sweep, Told told);
 };
 
 }  // namespace cde::reference

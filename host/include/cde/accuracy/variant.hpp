@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "cde/fp/fp_format.hpp"
+#include "cde/geometry/pair.hpp"
+#include "cde/query/pair_result.hpp"
+
+namespace cde::accuracy {
+
+/// What is measured of a pair: the card's pipe, or something to compare it with that no card has.
+enum class Variant {
+  kCard,
+  kFused,     ///< the pipe with fused multiply-add (fused.hpp)
+  kTextbook,  ///< as textbooks have it (textbook.hpp): quadratics, plain separating axes
+};
+[[nodiscard]] std::string_view name(Variant variant);
+[[nodiscard]] const std::vector<Variant>& variants();
+
+/// Whether there is one of the pair. Of textbooks: rays against solids, and boxes.
+[[nodiscard]] bool has_variant(Pair pair, Variant variant);
+/// Whether it says T, CP and n, too, and not F alone.
+[[nodiscard]] bool says_distance(Pair pair, Variant variant);
+
+/// As reference::test_pairs, of one that is not the card's.
+void test_variant(Variant variant, Pair pair, Algorithm algorithm, FpFormat format,
+                  std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
+                  std::span<PairResult> results, const PairBudget& budget, bool box);
+
+}  // namespace cde::accuracy

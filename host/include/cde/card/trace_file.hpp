@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "cde/support/output_file.hpp"
+
+namespace cde {
+
+/// The wave file (FST) of a run. It is kept if it is whole, also when the run fails.
+class TraceFile {
+ public:
+  /// No file if `path` is empty. `open` and `close` are the model's, which must outlive this
+  /// object.
+  TraceFile(std::string path, const std::function<void(const std::string&)>& open,
+            std::function<void()> close);
+  ~TraceFile();
+  TraceFile(const TraceFile&) = delete;
+  TraceFile& operator=(const TraceFile&) = delete;
+
+  /// Error kFile if the file is not whole; then nothing of it is left.
+  void close();
+
+ private:
+  void warn_if_empty() const;
+
+  std::string path_;
+  std::function<void()> close_;
+  std::optional<OutputFile> file_;
+};
+
+}  // namespace cde

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "cde/card/pair_unit.hpp"
+#include "cde/card/trace.hpp"
+#include "cde/query/difference.hpp"
+#include "cde/query/query.hpp"
+#include "cde/support/error.hpp"
+
+/// A failure as data: all that `cde-explain` needs to pack it (cde/explain/bundle.hpp).
+namespace cde {
+
+/// A pair that a unit answered otherwise than its reference.
+struct PairFailure {
+  PairConfig config = {};
+  PairBudget budget = {};
+  std::string options = {};         ///< PAIR and options for another run of the same pipe
+  std::vector<std::uint64_t> a, b;  ///< words of all pairs of the run
+  std::size_t at = 0;               ///< the pair that failed
+  PairResult card = {}, reference = {};
+};
+
+/// A record that a card and its reference differ in.
+struct CardFailure {
+  PairConfig pipe = {};     ///< the pipe that tested the primary, as a unit
+  std::string budget = {};  ///< as `cde query` takes it; may be empty
+  bool swap = false;        ///< the secondary is the pair's first shape
+  Mode mode = Mode::kNearest;
+  Difference difference = {};
+  std::uint32_t place = 0;   ///< of the primary in its packet
+  std::uint64_t clocks = 0;  ///< lower bound of the cycles that the pass takes
+};
+
+/// A card or unit that stopped, or reported an error.
+struct HangFailure {
+  std::uint64_t clock = 0;  ///< last cycle with progress, counted as `rerun` counts
+  bool unit = false;        ///< a unit and not a card: `clock` is exact, there are no transactions
+  std::vector<std::string> shown = {};  ///< signals to look at first
+};
+
+struct Failure {
+  std::variant<PairFailure, CardFailure, HangFailure> kind = {};
+  std::string message = {}, repeat = {};  ///< the verb's text, and the command that repeats it
+  std::string details = "{}";             ///< further keys of fail.json, as a JSON object
+  std::vector<std::pair<std::string, std::string>> files = {};  ///< further files: name and text
+  /// Repeats the failure on a card with waves, which go to `file`. Returns whether the answer is
+  /// the same. Pairs need none.
+  std::function<bool(const std::string& file, const TraceOptions& which)> rerun = {};
+};
+
+/// Whether an error is a hang: code kTimeout or kDevice.
+[[nodiscard]] bool is_hang(const Error& error);
+
+/// Everything but `rerun`. Words are hexadecimal texts, so every bit stays.
+[[nodiscard]] nlohmann::ordered_json to_json(const Failure& failure);
+/// The inverse of to_json. Error kBadInput if a key is missing or has another type.
+[[nodiscard]] Failure failure_from_json(const nlohmann::ordered_json& json);
+[[nodiscard]] nlohmann::ordered_json to_json(const TraceOptions& which);
+[[nodiscard]] TraceOptions trace_options_from_json(const nlohmann::ordered_json& json);
+
+}  // namespace cde

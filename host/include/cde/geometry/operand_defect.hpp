@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "cde/card/pair_unit.hpp"
+#include "cde/fp/fp_format.hpp"
+
+namespace cde {
+
+/// Why the card refuses a pair: which operand, which field, what it is and what it must be, in the
+/// arithmetic of the format ("sphere B: radius is -1, must be > 0"). Empty if it does not. Operand
+/// words are in slot order. Error kUsage for one that is none of kPairFormats.
+[[nodiscard]] std::string operand_defect(Pair pair, FpFormat format,
+                                         std::span<const std::uint64_t> a,
+                                         std::span<const std::uint64_t> b);
+
+}  // namespace cde

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cde/jobs/dealing.hpp"
+
+namespace cde {
+
+struct DealtChunk {
+  std::uint64_t number = 0;
+  std::string input;
+  std::optional<unsigned> rank = {};  ///< whose it is
+};
+
+/// cde::mpi::Work without MPI.
+struct DealtWork {
+  std::function<std::optional<DealtChunk>()> next;
+  std::function<bool()> more;
+  std::function<std::string(std::uint64_t, const std::string&)> run;
+  std::function<void(std::uint64_t, std::string)> done;
+};
+
+/// cde::mpi::Ranks, or what stands for it in a command that was built without MPI: nobody.
+class Dealing::Ranks {
+ public:
+  /// Null unless a launcher started this process as one of several. Error kConfiguration if it did
+  /// and there is no MPI.
+  [[nodiscard]] static std::unique_ptr<Ranks> if_started();
+  virtual ~Ranks() = default;
+  [[nodiscard]] virtual unsigned rank() const = 0;
+  [[nodiscard]] virtual unsigned size() const = 0;
+  [[nodiscard]] virtual std::string place(unsigned rank) const = 0;
+  [[nodiscard]] virtual std::string broadcast(std::string bytes) const = 0;
+  virtual void broadcast(Mesh& mesh) const = 0;
+  [[nodiscard]] virtual std::string scatter(
+      const std::function<std::string(unsigned)>& of) const = 0;
+  [[nodiscard]] virtual std::vector<std::string> all_of(const std::string& bytes) const = 0;
+  virtual void deal(const DealtWork& work) const = 0;
+  [[noreturn]] virtual void abort(int status) const = 0;
+};
+
+}  // namespace cde

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+namespace cde::netlist {
+
+/// What is no structure of a design as Verilator writes it.
+class NetlistError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// An element of Verilator's XML. It lives as long as the netlist that it is of.
+class Element {
+ public:
+  [[nodiscard]] std::string_view tag() const { return tag_; }
+  /// As it is written, with entities; empty if there is none.
+  [[nodiscard]] std::string_view attribute(std::string_view name) const;
+  [[nodiscard]] std::string text(std::string_view name) const;  ///< without entities
+  [[nodiscard]] unsigned number(std::string_view name) const;   ///< decimal; 0 if there is none
+  [[nodiscard]] const std::vector<const Element*>& children() const { return children_; }
+  /// Child `index`; null if there are not as many.
+  [[nodiscard]] const Element* child(std::size_t index) const {
+    return index < children_.size() ? children_[index] : nullptr;
+  }
+
+ private:
+  friend class Netlist;
+  std::string_view tag_, attributes_;
+  std::vector<const Element*> children_;
+};
+
+/// A type of signals.
+struct Type {
+  enum class Kind { kBits, kPacked, kUnpacked, kStructure, kOther };
+  struct Member {
+    std::string name;
+    unsigned type = 0, low = 0;  ///< low: of its bits, the last member's being 0
+  };
+  Kind kind = Kind::kOther;
+  std::uint64_t width = 0;      ///< of all elements; 0: not known
+  unsigned element = 0;         ///< type of the elements of an array
+  int left = 0, right = 0;      ///< range of an array, as it is declared
+  std::vector<Member> members;  ///< of a structure
+};
+
+/// A line of a source.
+struct Line {
+  std::string file;  ///< as Verilator was given it
+  unsigned line = 0;
+};
+
+/// A design as Verilator elaborates it and writes it as XML: modules with their parameters set, not
+/// yet inlined. The one reader of that form.
+class Netlist {
+ public:
+  /// NetlistError if it is none.
+  explicit Netlist(std::string xml);
+
+  /// <netlist>, whose modules are its children, and <cells>, the instances.
+  [[nodiscard]] const Element& netlist() const { return *netlist_; }
+  [[nodiscard]] const Element& cells() const { return *cells_; }
+  [[nodiscard]] const std::map<std::string, std::string, std::less<>>& files() const {
+    return files_;
+  }
+  /// Where an element begins; no file if it does not say so.
+  [[nodiscard]] Line line(const Element& element) const;
+  /// One that is none is of kind kOther and of no width.
+  [[nodiscard]] const Type& type(unsigned id) const;
+  [[nodiscard]] const Type& type_of(const Element& element) const {
+    return type(element.number("dtype_id"));
+  }
+
+ private:
+  void read_types(const Element& table);
+  std::uint64_t width(unsigned id, unsigned depth);
+
+  std::unique_ptr<const std::string> text_;  // elements have views of it
+  std::deque<Element> elements_;
+  const Element* netlist_ = nullptr;
+  const Element* cells_ = nullptr;
+  std::map<std::string, std::string, std::less<>> files_;  ///< letters -> name
+  std::unordered_map<unsigned, Type> types_;
+  std::unordered_set<unsigned> measured_;           ///< types, while their widths are found
+  std::unordered_map<unsigned, unsigned> aliases_;  ///< types that are other names
+};
+
+/// Bits of a constant, 8'h1f, the most significant first, 0, 1, x or z; empty if it is none.
+[[nodiscard]] std::string constant_bits(const Element& constant);
+
+}  // namespace cde::netlist

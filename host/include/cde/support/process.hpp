@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Child processes without a shell.
+namespace cde::process {
+
+struct Result {
+  int status = 0;  ///< exit status, 128 + signal if a signal ended it
+  std::string output;
+  std::uint64_t resident_kb = 0;  ///< peak memory
+};
+
+/// Runs a program found through PATH (or given with a slash) and waits for it. `output` is what it
+/// wrote to stdout and stderr; stdin is empty. Error kBuild if it cannot be started.
+[[nodiscard]] Result run(const std::vector<std::string>& command);
+
+/// Runs code that may crash or run for ever in a child process, a copy of this one. `work` writes
+/// its answer to the descriptor; a return from it is exit status 0. Result::output is the answer.
+/// Error kFile if no process can be made.
+[[nodiscard]] Result isolated(const std::function<void(int out)>& work);
+
+using Seconds = std::chrono::duration<double>;
+
+/// The same for a program that may run long, and that ends when its stdin does: with this process,
+/// whatever ends that, and on SIGINT, SIGTERM or SIGHUP unless they are ignored. Such a signal
+/// takes its course here once the program is gone; where it does not end the process, error
+/// kInterrupted. `watch` is called about five times a second with the time and the output so far.
+[[nodiscard]] Result attend(const std::vector<std::string>& command,
+                            const std::function<void(Seconds, std::string_view)>& watch);
+
+/// A child that answers line by line on its stdin and stdout; its stderr is this process's. A child
+/// that still runs at the end of this object loses its stdin, and is waited for.
+class Conversation {
+ public:
+  /// Error kBuild if the program cannot be started.
+  explicit Conversation(const std::vector<std::string>& command);
+  ~Conversation();
+  Conversation(const Conversation&) = delete;
+  Conversation& operator=(const Conversation&) = delete;
+
+  /// Sends a line. What a child that has ended does not read is lost.
+  void write(std::string_view line);
+  /// The next line, without its end; nothing once the child has closed its stdout.
+  [[nodiscard]] std::optional<std::string> read();
+  /// Closes the child's stdin and waits for its exit status, 128 + signal if a signal ended it.
+  int wait();
+
+ private:
+  int to_ = -1, from_ = -1, child_ = -1;
+  std::string unread_;
+};
+
+}  // namespace cde::process

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <map>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "cde/netlist/netlist.hpp"
+
+/// A module of a netlist: its variables, what assigns them and what is in it.
+namespace cde::wave {
+
+struct Scope {
+  int parent = -1;
+  std::string prefix;  ///< names of generate blocks, each with a dot behind it
+  std::map<std::string, std::uint32_t, std::less<>> names;  ///< of variables
+};
+
+struct Variable {
+  std::string path;  ///< in its module, with generate blocks
+  const netlist::Element* declared = nullptr;
+  unsigned type = 0;
+  bool local = false;  ///< of a loop or a function, or a constant
+  bool input = false, output = false;
+  bool in_process = false;            ///< declared in one: no register, whatever assigns it
+  std::vector<std::uint32_t> drives;  ///< statements that assign it, in their order
+};
+
+/// Something that must hold for a statement to be executed.
+struct Guard {
+  enum class Kind { kIf, kElse, kItem, kDefault, kUnknown };
+  Kind kind = Kind::kUnknown;
+  const netlist::Element* what = nullptr;  ///< condition, or the case statement
+  const netlist::Element* item = nullptr;  ///< of the case
+};
+
+struct Drive {
+  const netlist::Element* statement = nullptr;
+  const netlist::Element* target = nullptr;
+  const netlist::Element* value = nullptr;  ///< null: all `uses` of a call
+  const netlist::Element* edges = nullptr;  ///< <sentree> of a register
+  std::uint32_t scope = 0, process = 0;
+  std::vector<Guard> guards;
+};
+
+struct Port {
+  std::string name;
+  const netlist::Element* expression = nullptr;
+  bool input = false;
+};
+
+struct Part {
+  std::string path, module;
+  const netlist::Element* declared = nullptr;
+  std::uint32_t scope = 0;
+  std::vector<Port> ports;
+};
+
+struct Function {
+  const netlist::Element* declared = nullptr;
+  std::uint32_t scope = 0;
+};
+
+struct Output {
+  std::uint32_t part = 0, port = 0;
+};
+
+struct Body {
+  std::string name, source_name;
+  std::vector<Scope> scopes;
+  std::vector<Variable> variables;
+  std::vector<Drive> drives;
+  std::vector<Part> parts;
+  std::vector<std::vector<Output>> outputs;  ///< of each variable: ports of parts that drive it
+  std::map<std::string, std::uint32_t, std::less<>> by_path, part_by_path;
+  std::map<std::string, Function, std::less<>> functions;
+
+  /// A variable as a statement in a scope names it; nothing: -1.
+  [[nodiscard]] std::int64_t variable(std::uint32_t scope, std::string_view name) const;
+};
+
+[[nodiscard]] Body read_body(const netlist::Element& module);
+
+/// Whether an element is a reference to a variable.
+[[nodiscard]] bool is_reference(const netlist::Element& e);
+/// half__BRA__1__KET__ as half[1].
+[[nodiscard]] std::string with_brackets(std::string text);
+
+}  // namespace cde::wave

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "cde/wave/trace.hpp"
+
+namespace cde::wave {
+
+/// An edge of a signal of one bit, as --on names it: 'posedge clk', 'negedge clk', 'edge clk'.
+struct Event {
+  std::uint32_t handle = 0;
+  std::string name;
+  bool rising = false, falling = false;
+
+  /// Error kUsage.
+  Event(Trace& trace, const std::string& text);
+  /// Between two values of the signal.
+  [[nodiscard]] bool happens(char before, char now) const {
+    return (rising && before == '0' && now == '1') || (falling && before == '1' && now == '0');
+  }
+};
+
+}  // namespace cde::wave

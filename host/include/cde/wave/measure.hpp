@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cde/wave/handshakes.hpp"
+#include "cde/wave/stalls.hpp"
+#include "cde/wave/value.hpp"
+
+namespace cde::wave {
+
+/// What a signal does in a window.
+struct Activity {
+  View view;
+  std::uint64_t changes = 0, toggles = 0;
+  std::uint64_t high = 0;  ///< time at 1, of one bit
+  std::uint64_t quiet = 0, quiet_from = 0;
+  std::uint64_t last = 0;  ///< time of the last change
+  std::string value;
+  bool bits = true;  ///< has bits
+
+  void begin(std::uint64_t time, std::string_view now) {
+    last = quiet_from = time;
+    value = view.bits(now);
+  }
+  void change(std::uint64_t time, std::string_view whole) {
+    const std::string_view now = view.bits(whole);
+    if (now == value && !view.signal.event) return;
+    ++changes;
+    if (bits && now.size() == value.size()) {
+      // Without branches: of large files this is most of the work.
+      unsigned flips = 0;
+      for (std::size_t i = 0; i < now.size(); ++i)
+        flips += static_cast<unsigned>(now[i] != value[i]) &
+                 static_cast<unsigned>((now[i] | 1) == '1') &
+                 static_cast<unsigned>((value[i] | 1) == '1');
+      toggles += flips;
+    }
+    stretch(time);
+    value = now;
+    last = time;
+  }
+  /// What was since the last change ends.
+  void stretch(std::uint64_t time) {
+    if (time - last > quiet) {
+      quiet = time - last;
+      quiet_from = last;
+    }
+    if (view.width == 1 && value == "1" && !view.signal.event) high += time - last;
+  }
+};
+
+/// What a handshake does.
+struct Use {
+  std::uint64_t cycles = 0, transferred = 0, stalled = 0, idle = 0, unknown = 0, address = 0;
+  std::uint64_t longest = 0, longest_time = 0;
+  std::uint64_t run = 0, run_time = 0;  ///< of the stall that goes on
+  bool framed = false;                  ///< PCI's frame in the cycle before
+};
+
+/// Cycles of a pipe whose valid stands alone.
+struct Bubbles {
+  std::uint64_t cycles = 0, valid = 0, empty = 0, longest = 0, longest_time = 0;
+  std::uint64_t gap = 0, gap_time = 0;  ///< that may still turn out to be the end
+  std::uint64_t first = 0, last = 0;    ///< times of the first and the last valid
+};
+
+/// How busy signals, handshakes and pipes are between two times. Clocks sample what is just before
+/// their rising edges, as flip-flops do; an edge at the very begin is not of the window.
+class Measure {
+ public:
+  Measure(Trace& trace, Flows flows, std::vector<View> views);
+  void run(Trace& trace, std::uint64_t from, std::uint64_t to);
+
+  std::vector<Handshake> handshakes;
+  std::vector<PipeValid> pipes;
+  std::vector<Use> uses;         ///< of the handshakes
+  std::vector<Bubbles> bubbles;  ///< of the pipes
+  std::vector<Activity> signals;
+  std::vector<Stall> stalls;
+
+ private:
+  /// A clock and what is sampled by it.
+  struct Domain {
+    std::uint32_t handle = 0;
+    std::uint64_t cycles = 0;
+    std::vector<std::size_t> handshakes, pipes;
+  };
+  void sample(std::uint32_t handle) { now_[handle] = 'x'; }
+  Domain& domain(std::uint32_t clock);
+  [[nodiscard]] char level(const HandshakeWire& w) const;
+  void step(std::uint64_t time, bool begins);
+  void cycle(Domain& d, std::uint64_t time);
+  void handshake(std::size_t i, std::uint64_t time, std::uint64_t number);
+  void pci(std::size_t i, std::uint64_t time, std::uint64_t number);
+  void stall(std::size_t i, std::uint64_t time, std::uint64_t number);
+  void end_stall(std::size_t i);
+  void pipe(std::size_t i, std::uint64_t time);
+
+  std::vector<std::vector<std::size_t>> of_;  ///< signals by handle
+  std::vector<char> now_;                     ///< what is sampled, reduced to a bit; 0: not sampled
+  std::vector<std::pair<std::uint32_t, char>> waiting_;
+  std::vector<Domain> domains_;
+  std::vector<std::size_t> open_;  ///< the stall that goes on, of each handshake
+};
+
+}  // namespace cde::wave

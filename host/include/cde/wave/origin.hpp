@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cde/wave/cone.hpp"
+#include "cde/wave/design.hpp"
+#include "cde/wave/time.hpp"
+#include "cde/wave/value.hpp"
+
+namespace cde::wave {
+
+/// Bits of the design that a name means: a signal of the waves in `form`, or one that only the
+/// design has, as `plain`. Error kUsage if it is neither.
+[[nodiscard]] Slice slice_named(Trace& trace, const Design& design, const std::string& name,
+                                const std::string& plain, const Form& form);
+
+/// The cause of a statement whose bits the statement gives its signal as they are, where those are
+/// `bits`; nothing if it is none. A signal that is not in the waves has the bits of what it is made
+/// of.
+[[nodiscard]] std::optional<std::size_t> handed_on(const std::vector<Node>& nodes,
+                                                   const std::string& bits,
+                                                   const Node::Statement& statement);
+
+/// A signal at a time.
+struct Origin {
+  std::string signal;  ///< its name in the waves
+  std::uint64_t time = 0;
+};
+
+/// Where the word that a signal has at a time was made: back through registers, memories and wires
+/// that hand it on, as long as something has the same word before. A word that says little, as one
+/// of few bits or of zeros, is taken to be made where it is.
+[[nodiscard]] Origin origin_of(Trace& trace, Times& times, const Design& design,
+                               const Slice& signal, std::uint64_t time);
+
+}  // namespace cde::wave

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cde/wave/trace.hpp"
+
+namespace cde::wave {
+
+/// Times of a file as text, both ways.
+class Times {
+ public:
+  /// `clock` is the signal whose rising edges are cycles; if it is empty, the one that looks like
+  /// it.
+  Times(Trace& trace, std::string clock) : trace_(trace), clock_(std::move(clock)) {}
+
+  /// "12.5ns"; exact.
+  [[nodiscard]] std::string text(std::uint64_t time) const;
+  /// A number, perhaps with a unit, in units of the file; nothing if it is none.
+  [[nodiscard]] std::optional<double> length(const std::string& text) const;
+  /// A number in units of the file or with fs, ps, ns, us, ms or s; cyc:N, the rising edge N of the
+  /// clock, from 0; start, end; fail, if a comment `fail TIME` is in the file. Behind it may be +N
+  /// or -N with a unit or cyc. Error kUsage, also for what is outside of the file.
+  [[nodiscard]] std::uint64_t parse(const std::string& text);
+  /// The signal that counts cycles. Error kUsage if none was named and none looks like it.
+  [[nodiscard]] const Signal& clock();
+  /// The same without an error.
+  [[nodiscard]] const Signal* clock_if_any();
+  /// Its rising edges.
+  [[nodiscard]] const std::vector<std::uint64_t>& edges();
+  /// The cycle that a time is in: the number of its last edge. Nothing before the first.
+  [[nodiscard]] std::optional<std::uint64_t> cycle(std::uint64_t time);
+
+ private:
+  [[nodiscard]] std::uint64_t base(const std::string& text, const std::string& whole);
+  [[nodiscard]] std::uint64_t edge(std::uint64_t number, const std::string& whole);
+
+  Trace& trace_;
+  std::string clock_;
+  std::optional<std::vector<std::uint64_t>> edges_;
+};
+
+}  // namespace cde::wave

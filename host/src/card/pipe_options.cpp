@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cde/card/pipe_options.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "cde/contract/registers.hpp"
+#include "cde/fp/number_text.hpp"
+#include "cde/reference/pairs.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "cde/support/suggest.hpp"
+
+namespace cde {
+namespace {
+
+Pair pair_named(const std::string& text) {
+  const std::vector<std::string> known = pair_names();
+  must_be_known(text, known, "pair");
+  return static_cast<Pair>(std::find(known.begin(), known.end(), text) - known.begin());
+}
+
+/// The largest budget of at most so many evaluations, split evenly: K1 and K2 of two cylinders as
+/// equal as they can be; M = 8 of a box or triangle once K1 can be 8 too, else 4, and 16
+/// where M = 8 and the largest K1 leave more.
+PairBudget split(unsigned evaluations, Pair pair) {
+  constexpr unsigned kMost = card::kBudgetMost;
+  const bool cylinders = pair == Pair::kCylinderCylinder;
+  const auto takes = [pair](const PairBudget& b) { return reference::evaluations(pair, b); };
+  const unsigned least = takes({.samples = 4, .circle = 0, .free = 0});
+  const unsigned most = takes({.samples = 16, .circle = kMost, .free = kMost});
+  if (evaluations < least || evaluations > most)
+    throw Error(ErrorCode::kUsage, fmt::format("--budget is {}; {} takes {} to {} evaluations",
+                                               evaluations, name(pair), least, most));
+  const unsigned rest = evaluations - takes({.samples = 0, .circle = 0, .free = 0});
+  PairBudget budget;
+  if (cylinders) {
+    budget.circle = std::min(rest / 5 + (rest % 5 == 2 ? 1 : 0), kMost);
+    budget.free = std::min(rest / 5 + (rest % 5 >= 3 ? 1 : 0), kMost);
+  } else {
+    budget.samples = rest / 3 > 8 + kMost ? 16 : rest / 3 >= 16 ? 8 : 4;
+    budget.circle = std::min(rest / 3 - budget.samples, kMost);
+  }
+  return budget;
+}
+
+/// Lanes if nobody says how many. Words of 64 bits fill vectors sooner, and clang takes minutes to
+/// build facets of more than one such lane.
+unsigned default_lanes(Pair pair, FpFormat format) {
+  const bool large = has_facets(pair) || pair == Pair::kTriangleTriangle;
+  return large && format.width() > 32 ? 1 : PairConfig{}.lanes;
+}
+
+}  // namespace
+
+// M,K1,K2: directions sampled on a circle, steps on each circle, steps on each free track; or the
+// evaluations in all.
+PairBudget budget_named(const std::string& text, Pair pair, std::string_view option) {
+  if (!has_budget(pair))
+    throw Error(ErrorCode::kUsage, fmt::format("{} is of cylinder-cylinder, obb-cylinder and "
+                                               "triangle-cylinder; {} always takes the same work",
+                                               option, name(pair)));
+  const auto is_all = [&text](int end) { return static_cast<std::size_t>(end) == text.size(); };
+  PairBudget budget;
+  unsigned evaluations = 0;
+  int end = 0;
+  if (text.find_first_not_of("0123456789,") == std::string::npos) {
+    if (std::sscanf(text.c_str(), "%9u%n", &evaluations, &end) == 1 && is_all(end))
+      return split(evaluations, pair);
+    if (std::sscanf(text.c_str(), "%3u,%3u,%3u%n", &budget.samples, &budget.circle, &budget.free,
+                    &end) == 3 &&
+        is_all(end)) {
+      try {
+        budget.check();
+      } catch (const Error& e) {
+        constexpr std::string_view kBudget = "budget";  // it begins so
+        throw Error(e.code(),
+                    fmt::format("{}{}", option, std::string_view(e.what()).substr(kBudget.size())));
+      }
+      return budget;
+    }
+  }
+  throw Error(ErrorCode::kUsage,
+              fmt::format("{} is {}; it must be M,K1,K2 with M 4, 8 or 16, K1 and K2 0 to {}, or "
+                          "the number of evaluations",
+                          option, in_quotes(text), card::kBudgetMost));
+}
+
+PairConfig configuration(const PairOptions& o) {
+  PairConfig config{.pair = pair_named(o.pair),
+                    .algorithm = *algorithm_named(o.algorithm),
+                    .box = o.box.value_or(pair_named(o.pair) == Pair::kRayTriangle),
+                    .plane = o.half_space ? PlaneSide::kHalfSpace : PlaneSide::kSurface,
+                    .format = FpFormat::parse(o.format),
+                    .facet_interval = o.facet_interval};
+  config.lanes = o.lanes.value_or(default_lanes(config.pair, config.format));
+  config.arithmetic = o.arithmetic == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost;
+  if (!o.budget.empty()) (void)budget_named(o.budget, config.pair);
+  (void)config.parameters();  // complains about values before anything slow
+  return config;
+}
+
+PairBudget budget_of(const PairOptions& o) {
+  return o.budget.empty() ? PairBudget{} : budget_named(o.budget, pair_named(o.pair));
+}
+
+std::string words_of(const PairOptions& o, const PairConfig& config, bool lanes) {
+  std::string words = o.pair;
+  if (config.pair == Pair::kRayTriangle) words += " --algorithm " + o.algorithm;
+  words += fmt::format(" --format {} --arith {}", o.format, o.arithmetic);
+  if (lanes) words += fmt::format(" --lanes {}", config.lanes);
+  if (o.half_space) words += " --half-space";
+  if (config.pair == Pair::kRayTriangle && !config.box) words += " --no-box";
+  if (config.pair != Pair::kRayTriangle && config.box) words += " --box";
+  if (o.facet_interval != 1) words += fmt::format(" --facet-interval {}", o.facet_interval);
+  if (!o.budget.empty()) words += " --budget " + o.budget;
+  return words;
+}
+
+}  // namespace cde

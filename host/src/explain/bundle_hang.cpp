@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// A card that did not end what it was asked: the last things that happened on it.
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <deque>
+
+#include "cde/explain/bundle.hpp"
+#include "cde/support/error.hpp"
+#include "cde/wave/time.hpp"
+#include "cde/wave/trace.hpp"
+#include "cde/wave/transaction.hpp"
+
+namespace cde {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The card is looked at now and then: where it stopped is within so many clocks.
+constexpr std::uint64_t kAhead = 400, kBehind = 20'000;
+constexpr std::size_t kLast = 16;  // transactions that are listed
+
+}  // namespace
+
+void bundle_hang(Bundle& bundle, const Failure& failure) {
+  const auto& f = std::get<HangFailure>(failure.kind);
+  bundle.add("What failed", failure.message);
+  bundle.json().update(
+      {{"failure", "timeout"},
+       {"repeat_command", failure.repeat.empty() ? nlohmann::ordered_json()
+                                                 : nlohmann::ordered_json(failure.repeat)}});
+  const fs::path whole = bundle.folder() / "whole.fst";
+  const std::uint64_t from = f.clock > kAhead ? f.clock - kAhead : 0;
+  (void)failure.rerun(whole.string(), {.from = from, .to = f.clock + kBehind});
+  std::deque<wave::Transaction> last, open;
+  std::uint64_t fail = 0;
+  std::string text;
+  {
+    wave::Trace trace(whole);
+    const wave::Times times(trace, "");
+    fail = trace.start();
+    wave::each_transaction(trace, {}, trace.start(), trace.end(), [&](const wave::Transaction& t) {
+      auto& list = t.outcome == "open" ? open : last;
+      if (&list == &last) fail = std::max(fail, t.end);
+      list.push_back(t);
+      if (list.size() > kLast) list.pop_front();
+      return true;
+    });
+    const auto lines = [&](const char* heading, const std::deque<wave::Transaction>& list) {
+      if (list.empty()) return;
+      text += fmt::format("{}\n", heading);
+      for (const wave::Transaction& t : list)
+        text += fmt::format("  {:>12}  {:<9}  {:<8}  {}\n", times.text(t.begin), t.kind, t.outcome,
+                            t.label);
+    };
+    lines("The last that ended:", last);
+    lines("What had not ended:", open);
+    if (f.unit) {
+      // Rising edges are at odd times; after so many an answer stands there.
+      const std::uint64_t edges = std::max<std::uint64_t>(f.clock - from, 1);
+      fail = std::min((trace.start() | 1) + 2 * (edges - 1), trace.end());
+    }
+  }
+  if (!failure.repeat.empty())
+    bundle.add("Again", fmt::format("{}\n\n    {}\n",
+                                    f.unit ? "In this folder:" : "Repeat with:", failure.repeat));
+  if (!f.unit)
+    bundle.add("On the card", text.empty() ? "Nothing happened in these clocks.\n" : text);
+  keep_waves(bundle, whole,
+             {.fail = fail,
+              .before = kAhead,
+              .behind = kAhead,
+              .shown = f.shown,
+              .first = f.shown,
+              .what = "the last that went on"});
+  std::error_code none;
+  fs::remove(whole, none);
+}
+
+}  // namespace cde

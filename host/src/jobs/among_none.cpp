@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// For a command that is built without MPI.
+#include <cstdlib>
+
+#include "cde/jobs/among.hpp"
+#include "cde/support/error.hpp"
+
+namespace cde {
+
+std::unique_ptr<Dealing::Ranks> Dealing::Ranks::if_started() {
+  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}) {
+    const char* size = std::getenv(name);
+    if (size != nullptr && std::atoi(size) > 1)
+      throw Error(ErrorCode::kConfiguration,
+                  "this cde was built without MPI (CDE_MPI), and every rank would do the whole: "
+                  "use --shard, or build it where Open MPI is");
+  }
+  return nullptr;
+}
+
+}  // namespace cde

@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cde/jobs/dealing.hpp"
+#include <nlohmann/json.hpp>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <optional>
+#include <thread>
+#include <tuple>
+
+#include "cde/bitstream/bitstream.hpp"
+#include "cde/jobs/among.hpp"
+#include "cde/mesh/mesh.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/json_text.hpp"
+#include "cde/support/message.hpp"
+#include "cde/support/progress.hpp"
+#include "cde/support/version.hpp"
+
+namespace cde {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Results that may wait for one before them, for each rank.
+constexpr std::uint64_t kWindow = 16;
+
+const std::vector<std::string> kDealt = {"accuracy", "cast", "query", "render", "run"};
+
+Dealing* the_one = nullptr;
+
+std::string chunks_text(std::uint64_t count) {
+  return fmt::format("{} chunk{}", count, count == 1 ? "" : "s");
+}
+
+}  // namespace
+
+std::pair<unsigned, unsigned> parse_shard(const std::string& text) {
+  unsigned shard = 0, shards = 0;
+  int end = 0;
+  if (std::sscanf(text.c_str(), "%6u/%6u%n", &shard, &shards, &end) != 2 ||
+      static_cast<std::size_t>(end) != text.size() || shard < 1 || shard > shards)
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("--shard is {}; it must be I/N, part I of N, from 1/N to N/N, N at most "
+                    "999999",
+                    in_quotes(text)));
+  return {shard, shards};
+}
+
+bool is_dealt(const std::string& verb) {
+  return std::ranges::find(kDealt, verb) != kDealt.end();
+}
+
+/// Fingerprints of a part's inputs, as they come, as one.
+class Inputs {
+ public:
+  /// That of one.
+  std::string add(const std::string& input) {
+    std::string print = fingerprint(input);
+    all_ = fingerprint(all_ + print);
+    return print;
+  }
+  [[nodiscard]] Journal::PartEnd end(std::uint64_t chunks) const { return {chunks, all_}; }
+
+ private:
+  std::string all_;
+};
+
+/// The results of a part in their order: takes those that are next, keeps the others.
+class Dealing::Order {
+ public:
+  Order(const Part& part, bool quiet) : part_(part), bar_(part.what, quiet) {}
+
+  void add(std::uint64_t chunk, std::string result) {
+    waiting_.emplace(chunk, std::move(result));
+    for (auto first = waiting_.begin(); first != waiting_.end() && first->first == taken_;
+         first = waiting_.begin()) {
+      const std::string next = std::move(first->second);
+      waiting_.erase(first);
+      part_.take(taken_++, next);
+    }
+    if (part_.chunks && *part_.chunks > 0)
+      bar_(static_cast<double>(taken_) / static_cast<double>(*part_.chunks));
+  }
+  [[nodiscard]] std::uint64_t taken() const { return taken_; }
+
+ private:
+  const Part& part_;
+  Progress bar_;
+  std::uint64_t taken_ = 0;
+  std::map<std::uint64_t, std::string> waiting_;
+};
+
+Dealing::Dealing() : among_(Ranks::if_started()) {
+  the_one = this;
+  if (leads()) return;
+  // Results are rank 0's to print.
+  const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (nowhere >= 0) {
+    ::dup2(nowhere, STDOUT_FILENO);
+    ::close(nowhere);
+  }
+}
+
+Dealing::~Dealing() {
+  the_one = nullptr;
+}
+
+Dealing& Dealing::here() {
+  return *the_one;
+}
+
+unsigned Dealing::rank() const {
+  return among_ ? among_->rank() : 0;
+}
+unsigned Dealing::ranks() const {
+  return among_ ? among_->size() : 1;
+}
+std::string Dealing::shared(std::string bytes) const {
+  return among_ ? among_->broadcast(std::move(bytes)) : bytes;
+}
+void Dealing::share(Mesh& mesh) const {
+  if (among_) among_->broadcast(mesh);
+}
+
+std::string Dealing::scattered(const std::function<std::string(unsigned)>& of) const {
+  return among_ ? among_->scatter(of) : of(0);
+}
+BoardConfig Dealing::shared(const BoardConfig& config) const {
+  if (!among_) return config;
+  const Json parameters = Json::parse(shared(json_text(Json(config.parameters()), -1)));
+  return *BoardConfig::of(parameters.get<std::vector<std::string>>());
+}
+
+bool Dealing::asked(const DealOptions& options) const {
+  return ranks() > 1 || !options.resume.empty() || !merged_.empty();
+}
+
+void Dealing::begin(const DealOptions& options, Json run, bool quiet) {
+  quiet_ = quiet;
+  std::tie(shard_, shards_) = parse_shard(options.shard);
+  Json all = {{"version", kVersion}, {"commit", kCommit}};
+  all.update(run);
+  if (among_) check_ranks(all);
+  if (shards_ > 1 && ranks() > 1)
+    throw Error(ErrorCode::kUsage, "--shard is for processes that are not ranks of one run");
+  config_hash_ = run.value("config_hash", std::string());
+  if (!merged_.empty()) {
+    config_hash_ = merged_.front()->run().value("config_hash", std::string());
+    for (const auto& journal : merged_) journal->check_run(all);
+    check_merged();
+  }
+  if (options.resume.empty() || !leads()) return;
+  all["shard"] = options.shard;
+  journal_ = std::make_unique<Journal>("--resume", options.resume, Journal::Use::kGoOn, all,
+                                       Json{{"words", words_}});
+}
+
+/// Every rank has what rank 0 has.
+void Dealing::check_ranks(const Json& run) const {
+  const std::vector<std::string> all = among_->all_of(json_text(run, -1));
+  const Json first = Json::parse(all[0]);
+  for (unsigned rank = 1; rank < all.size(); ++rank) {
+    const Json other = Json::parse(all[rank]);
+    for (const auto& [key, value] : first.items()) {
+      const Json there = other.contains(key) ? other.at(key) : Json();
+      if (there == value) continue;
+      throw Error(ErrorCode::kConfiguration,
+                  fmt::format("{} has {} {}, {} has {}", among_->place(rank), key,
+                              json_text(there, -1), among_->place(0), json_text(value, -1)));
+    }
+  }
+}
+
+bool Dealing::deal(const Part& part) {
+  if (!merged_.empty()) return deal_merged(part);
+  if (shards_ > 1) return deal_shard(part);
+  deal_all(part);
+  return leads();
+}
+
+void Dealing::deal_all(const Part& part) {
+  if (!leads()) {
+    while (!among_->broadcast({}).empty())
+      among_->deal({.next = {}, .more = {}, .run = part.run, .done = {}});
+    released_ = true;
+    return;
+  }
+  Order order(part, quiet_);
+  const std::uint64_t window = kWindow * ranks();
+  Inputs all;
+  std::map<std::uint64_t, std::string> inputs;  // fingerprints of what is dealt
+  std::uint64_t number = 0;
+  bool ended = false;
+  const auto next = [&]() -> std::optional<DealtChunk> {
+    while (!ended && number - order.taken() < window) {
+      std::optional<std::string> input = part.input(number);
+      if (!input) {
+        ended = true;
+        if (journal_) journal_->end_part(parts_, all.end(number));
+        break;
+      }
+      const ChunkNumber key{parts_, number};
+      std::string print = journal_ ? all.add(*input) : std::string();
+      if (journal_ && journal_->has(key)) {
+        journal_->check_input(key, print);
+        order.add(number++, journal_->read(key));
+        continue;
+      }
+      inputs.emplace(number, std::move(print));
+      const auto owner = part.owner ? std::optional(part.owner(number)) : std::nullopt;
+      return DealtChunk{number++, std::move(*input), owner};
+    }
+    return std::nullopt;
+  };
+  const auto done = [&](std::uint64_t chunk, std::string result) {
+    const auto input = inputs.extract(chunk);
+    if (journal_) journal_->add({parts_, chunk}, input.mapped(), result);
+    order.add(chunk, std::move(result));
+  };
+  if (among_) {
+    (void)among_->broadcast("part");
+    among_->deal({.next = next, .more = [&] { return !ended; }, .run = part.run, .done = done});
+  } else {
+    while (const auto chunk = next()) done(chunk->number, part.run(chunk->number, chunk->input));
+  }
+  ++parts_;
+}
+
+/// Chunks of this shard, into the journal.
+bool Dealing::deal_shard(const Part& part) {
+  Progress bar(part.what, quiet_);
+  Inputs all;
+  std::uint64_t number = 0;
+  for (; const auto input = part.input(number); ++number) {
+    const std::string print = all.add(*input);
+    if (part.chunks) bar(static_cast<double>(number) / static_cast<double>(*part.chunks));
+    if (number % shards_ + 1 != shard_) continue;
+    const ChunkNumber key{parts_, number};
+    if (journal_->has(key))
+      journal_->check_input(key, print);
+    else
+      journal_->add(key, print, part.run(number, *input));
+  }
+  journal_->end_part(parts_, all.end(number));
+  ++parts_;
+  return false;
+}
+
+bool Dealing::deal_merged(const Part& part) {
+  Order order(part, quiet_);
+  const auto end = merged_.front()->end_of(parts_);
+  const std::uint64_t chunks = end ? end->chunks : 0;
+  for (std::uint64_t number = 0; number < chunks; ++number) {
+    const ChunkNumber key{parts_, number};
+    const auto holder =
+        std::ranges::find_if(merged_, [&](const auto& journal) { return journal->has(key); });
+    if (part.inputs_again) {
+      const auto input = part.input(number);
+      (*holder)->check_input(key, input ? fingerprint(*input) : "none");
+    }
+    order.add(number, (*holder)->read(key));
+  }
+  if (part.inputs_again && part.input(chunks))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("cde merge: {} is of a run of {}, there are more now",
+                            printable_name(merged_.front()->path()), chunks_text(chunks)));
+  ++parts_;
+  return true;
+}
+
+/// All chunks of all parts are there, once.
+void Dealing::check_merged() const {
+  const auto name = [](const Journal& journal) { return printable_name(journal.path()); };
+  std::map<ChunkNumber, const Journal*> from;
+  for (const auto& journal : merged_) {
+    for (const auto& [number, place] : journal->chunks()) {
+      const auto [there, is_new] = from.emplace(number, journal.get());
+      if (!is_new)
+        throw Error(ErrorCode::kUsage,
+                    fmt::format("cde merge: chunk {} is in {} and in {} (shards {} and {})",
+                                number.chunk, name(*there->second), name(*journal),
+                                there->second->run().value("shard", ""),
+                                journal->run().value("shard", "")));
+    }
+  }
+  const auto has_part = [this](unsigned p) {
+    return std::ranges::any_of(merged_, [p](const auto& j) { return j->end_of(p).has_value(); });
+  };
+  for (unsigned p = 0; p == 0 || has_part(p); ++p) {
+    check_ends(p);
+    const std::uint64_t chunks = merged_.front()->end_of(p)->chunks;
+    for (std::uint64_t number = 0; number < chunks; ++number) {
+      if (from.contains({p, number})) continue;
+      const auto shards = parse_shard(merged_.front()->run().value("shard", "1/1")).second;
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("cde merge: chunk {} of {} is in none of the journals: that of shard "
+                              "{}/{} is missing",
+                              number, chunks, number % shards + 1, shards));
+    }
+  }
+}
+
+/// All journals have come to the end of a part, and of the same.
+void Dealing::check_ends(unsigned part) const {
+  const auto name = [](const Journal& journal) { return printable_name(journal.path()); };
+  const Journal& first = *merged_.front();
+  for (const auto& journal : merged_) {
+    const auto end = journal->end_of(part);
+    if (!end)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("cde merge: {} (shard {}) is not finished: give its command again",
+                              name(*journal), journal->run().value("shard", "1/1")));
+    const auto other = first.end_of(part);
+    if (*other == *end) continue;
+    if (other->chunks != end->chunks)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("cde merge: {} is of a run of {}, {} of one of {}", name(first),
+                              chunks_text(other->chunks), name(*journal), end->chunks));
+    throw Error(ErrorCode::kUsage, fmt::format("cde merge: {} and {} are of runs with different "
+                                               "inputs",
+                                               name(first), name(*journal)));
+  }
+}
+
+void Dealing::start(const std::vector<std::string>& words) {
+  words_ = words;
+  if (ranks() == 1) return;
+  check_words();
+  if (words.empty()) return;
+  if (!words[0].starts_with("-") && words[0] != "help" && !is_dealt(words[0]))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} ranks were started, and each would do the same: what is dealt to "
+                            "ranks is cde {}",
+                            ranks(), fmt::join(kDealt, ", ")));
+  if (std::getenv("CDE_WAVES") != nullptr)
+    throw Error(ErrorCode::kUsage, "CDE_WAVES is of one process: ranks would write the same files");
+}
+
+/// Every rank was asked the same.
+void Dealing::check_words() const {
+  const std::vector<std::string> all = among_->all_of(json_text(Json(words_), -1));
+  const auto first = Json::parse(all[0]).get<std::vector<std::string>>();
+  for (unsigned rank = 1; rank < all.size(); ++rank) {
+    if (all[rank] == all[0]) continue;
+    const auto other = Json::parse(all[rank]).get<std::vector<std::string>>();
+    const auto at =
+        static_cast<std::size_t>(std::ranges::mismatch(first, other).in1 - first.begin());
+    const auto word = [at](const std::vector<std::string>& of) {
+      return at < of.size() ? in_quotes(of[at]) : std::string("none");
+    };
+    throw Error(ErrorCode::kConfiguration,
+                fmt::format("{} has word {} {}, {} has {}", among_->place(rank), at + 1,
+                            word(other), among_->place(0), word(first)));
+  }
+}
+
+void Dealing::end() {
+  if (journal_ && shards_ > 1 && !quiet_)
+    say(fmt::format("cde: shard {}/{} is whole: {} in {}; cde merge puts the shards together\n",
+                    shard_, shards_, chunks_text(journal_->size()),
+                    printable_name(journal_->path())));
+  if (among_ && !released_) (void)among_->broadcast({});  // of a verb that deals nothing, on all
+}
+
+std::string Dealing::place() const {
+  if (leads()) return {};
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  return among_->place(rank()) + ": ";
+}
+
+void Dealing::fail(int status) {
+  if (among_ && among_->size() > 1) among_->abort(status);
+}
+
+}  // namespace cde

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cde/jobs/journal.hpp"
+#include <nlohmann/json.hpp>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+#include "cde/support/error.hpp"
+#include "cde/support/json_text.hpp"
+#include "cde/support/message.hpp"
+
+namespace cde {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kSchema = "cde.journal.1";
+constexpr std::uint64_t kMostOfAnything = std::uint64_t{1} << 40;  ///< that a journal counts
+constexpr std::size_t kLongestLine = 1 << 20;  ///< of JSON; words of a command are the most of it
+
+/// Bytes from a place of a file; fewer at its end, nothing if it cannot be read.
+std::optional<std::string> bytes_at(int file, std::uint64_t at, std::size_t count) {
+  std::string bytes(count, '\0');
+  std::size_t got = 0;
+  while (got < count) {
+    const ssize_t n = ::pread(file, bytes.data() + got, count - got, static_cast<off_t>(at + got));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return std::nullopt;
+    if (n == 0) break;
+    got += static_cast<std::size_t>(n);
+  }
+  bytes.resize(got);
+  return bytes;
+}
+
+}  // namespace
+
+std::string fingerprint(std::string_view bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  return fmt::format("{:016x}", hash);
+}
+
+Journal::Journal(std::string what, std::string path, Use use, const Json& run, const Json& beside)
+    : what_(std::move(what)), path_(std::move(path)) {
+  open(use);
+  try {
+    const std::uint64_t whole = scan();
+    if (use == Use::kRead) return;
+    if (whole != 0) check_run(run);
+    if (whole != bytes_ && ::ftruncate(file_, static_cast<off_t>(whole)) != 0) fail("cannot write");
+    bytes_ = whole;
+    if (whole != 0) return;
+    run_ = Json{{"schema", kSchema}};
+    run_.update(run);
+    run_.update(beside);
+    append(json_text(run_, -1) + "\n");
+  } catch (...) {
+    ::close(file_);
+    throw;
+  }
+}
+
+Journal::~Journal() {
+  ::close(file_);
+}
+
+void Journal::open(Use use) {
+  // Of a FIFO nobody writes to, opening would wait.
+  file_ = ::open(path_.c_str(),
+                 (use == Use::kRead ? O_RDONLY : O_RDWR | O_CREAT) | O_CLOEXEC | O_NONBLOCK, 0666);
+  if (file_ < 0) fail("cannot open");
+  struct stat status {};
+  if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
+    ::close(file_);
+    throw Error(ErrorCode::kFile,
+                fmt::format("{}: {} is not a regular file", what_, printable_name(path_)));
+  }
+  bytes_ = static_cast<std::uint64_t>(status.st_size);
+  if (use == Use::kRead || ::flock(file_, LOCK_EX | LOCK_NB) == 0) return;
+  ::close(file_);
+  throw Error(ErrorCode::kUsage,
+              fmt::format("{}: another process works on {}", what_, printable_name(path_)));
+}
+
+void Journal::fail(const char* doing) const {
+  throw Error(ErrorCode::kFile, fmt::format("{}: {}: {}: {}", what_, printable_name(path_), doing,
+                                            std::generic_category().message(errno)));
+}
+
+void Journal::damaged(std::uint64_t at, const char* why) const {
+  throw Error(ErrorCode::kFile,
+              fmt::format("{}: {}, byte {}: {}", what_, printable_name(path_), at, why));
+}
+
+/// A line without its end; nothing if the file ends within it.
+std::optional<std::string> Journal::line_at(std::uint64_t at) const {
+  std::string line;
+  while (line.size() < kLongestLine) {
+    const auto more = bytes_at(file_, at + line.size(), 4096);
+    if (!more) fail("cannot read");
+    if (more->empty()) return std::nullopt;
+    const std::size_t end = more->find('\n');
+    line.append(*more, 0, end);
+    if (end != std::string::npos) return line;
+  }
+  damaged(at, "not a journal of a run");
+}
+
+/// Bytes that are whole.
+std::uint64_t Journal::scan() {
+  std::uint64_t at = 0;
+  while (at < bytes_) {
+    const auto line = line_at(at);
+    if (!line) {
+      // The first line may itself be what was not written to its end.
+      const std::string begin = "{\"schema\":\"cde.journal.";
+      if (at == 0 &&
+          !begin.starts_with(*bytes_at(file_, 0, std::min<std::uint64_t>(begin.size(), bytes_))))
+        damaged(0, "not a journal of a run");
+      return at;
+    }
+    const Json entry = Json::parse(*line, nullptr, false);
+    if (!entry.is_object())
+      damaged(at, at == 0 ? "not a journal of a run" : "not a chunk of a journal");
+    std::uint64_t next = at + line->size() + 1;
+    try {
+      if (at == 0) {
+        if (entry.value("schema", Json()) != kSchema) damaged(0, "not a journal of this version");
+        run_ = entry;
+      } else if (!scan_entry(entry, at, next)) {
+        return at;
+      }
+    } catch (const Json::exception&) {
+      damaged(at, "not a chunk of a journal");
+    }
+    at = next;
+  }
+  return at;
+}
+
+/// False if the file ends within it. `next` is behind its line, and then behind its bytes.
+bool Journal::scan_entry(const Json& entry, std::uint64_t at, std::uint64_t& next) {
+  const auto count = [&](const char* key) {
+    const Json& number = entry.at(key);
+    if (!number.is_number_unsigned() || number.get<std::uint64_t>() >= kMostOfAnything)
+      damaged(at, "not a chunk of a journal");
+    return number.get<std::uint64_t>();
+  };
+  const auto part = static_cast<unsigned>(count("part"));
+  if (entry.contains("chunks")) {
+    ends_[part] = {count("chunks"), entry.at("inputs").get<std::string>()};
+    return true;
+  }
+  const ChunkPlace place{.at = next,
+                         .bytes = count("bytes"),
+                         .fingerprint = entry.at("fingerprint").get<std::string>(),
+                         .input = entry.at("input").get<std::string>()};
+  if (place.bytes >= bytes_ || next + place.bytes + 1 > bytes_) return false;
+  next += place.bytes;
+  if (*bytes_at(file_, next, 1) != "\n") damaged(at, "the chunk does not end where it says");
+  ++next;
+  if (!chunks_.emplace(ChunkNumber{part, count("chunk")}, place).second)
+    damaged(at, "the chunk was there before");
+  return true;
+}
+
+void Journal::check_run(const Json& run) const {
+  for (const auto& [key, value] : run.items()) {
+    const Json there = run_.contains(key) ? run_.at(key) : Json();
+    if (there == value) continue;
+    throw Error(ErrorCode::kUsage, fmt::format("{}: {} is of a run with {} {}, this one has {}",
+                                               what_, printable_name(path_), key,
+                                               json_text(there, -1), json_text(value, -1)));
+  }
+}
+
+std::string Journal::read(ChunkNumber number) const {
+  const ChunkPlace& place = chunks_.at(number);
+  const auto bytes = bytes_at(file_, place.at, place.bytes);
+  if (!bytes) fail("cannot read");
+  if (fingerprint(*bytes) != place.fingerprint)
+    damaged(place.at, "the chunk is not what was written");
+  return *bytes;
+}
+
+void Journal::check_input(ChunkNumber number, const std::string& input) const {
+  if (chunks_.at(number).input == input) return;
+  throw Error(ErrorCode::kUsage,
+              fmt::format("{}: {} is of a run with another input: chunk {} of it differs", what_,
+                          printable_name(path_), number.chunk));
+}
+
+void Journal::append(std::string_view bytes) {
+  for (std::size_t at = 0; at < bytes.size();) {
+    const ssize_t n =
+        ::pwrite(file_, bytes.data() + at, bytes.size() - at, static_cast<off_t>(bytes_ + at));
+    if (n < 0 && errno != EINTR) {
+      const int why = errno;
+      (void)!::ftruncate(file_, static_cast<off_t>(bytes_));
+      errno = why;
+      fail("cannot write");
+    }
+    if (n > 0) at += static_cast<std::size_t>(n);
+  }
+  bytes_ += bytes.size();
+}
+
+void Journal::add(ChunkNumber number, const std::string& input, std::string_view bytes) {
+  ChunkPlace place{
+      .at = 0, .bytes = bytes.size(), .fingerprint = fingerprint(bytes), .input = input};
+  std::string text = json_text(Json{{"part", number.part},
+                                    {"chunk", number.chunk},
+                                    {"bytes", place.bytes},
+                                    {"fingerprint", place.fingerprint},
+                                    {"input", place.input}},
+                               -1) +
+                     "\n";
+  place.at = bytes_ + text.size();
+  text.append(bytes).append("\n");
+  append(text);
+  chunks_.emplace(number, std::move(place));
+}
+
+void Journal::end_part(unsigned part, const PartEnd& end) {
+  if (const auto known = end_of(part)) {
+    if (*known == end) return;
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("{}: {} is of a run with another input: it has {} chunks, this one {}{}", what_,
+                    printable_name(path_), known->chunks, end.chunks,
+                    known->chunks == end.chunks ? ", and they differ" : ""));
+  }
+  append(json_text(Json{{"part", part}, {"chunks", end.chunks}, {"inputs", end.inputs}}, -1) +
+         "\n");
+  ends_.emplace(part, end);
+}
+
+std::optional<Journal::PartEnd> Journal::end_of(unsigned part) const {
+  const auto at = ends_.find(part);
+  return at == ends_.end() ? std::nullopt : std::optional(at->second);
+}
+
+}  // namespace cde

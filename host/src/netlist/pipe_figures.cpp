@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cde/netlist/pipe_figures.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <future>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
+
+#include "cde/bitstream/bitstream.hpp"
+#include "cde/bitstream/cache_entry.hpp"
+#include "cde/netlist/kept.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/progress.hpp"
+
+namespace cde::netlist {
+namespace {
+
+/// Its place in the elaborated design: a cylinder pipe, which is a ring, is in a unit of its own.
+std::string path(const Pipe& pipe) {
+  return has_budget(pipe.pair) ? "pair_unit.pipe" : "pair_pipe.pipe";
+}
+
+Elaboration elaborate(const Pipe& pipe, const Profile& p) {
+  const std::filesystem::path folder = bitstream_builder().parent_path().parent_path() / "rtl";
+  // Host arithmetic has the same operators and states the same latency, and is sooner elaborated;
+  // but only gates share facet units, and have operators of the box rule.
+  return {folder,
+          has_budget(pipe.pair) ? "pair_unit" : "pair_pipe",
+          {fmt::format("PAIR={}", static_cast<unsigned>(pipe.pair)),
+           fmt::format("ALGORITHM={}", static_cast<unsigned>(pipe.algorithm)),
+           fmt::format("ARITH={}", pipe.facet_interval == 1 && !pipe.box ? "host" : "rtl"),
+           fmt::format("FACET_II={}", pipe.facet_interval), fmt::format("BOX={}", pipe.box ? 1 : 0),
+
+           fmt::format("LAT_ADD={}", p.add), fmt::format("LAT_MUL={}", p.mul),
+           fmt::format("LAT_DIV={}", p.div), fmt::format("LAT_SQRT={}", p.sqrt),
+           fmt::format("LAT_CMP={}", p.cmp)}};
+}
+
+/// The pipe's own, or that of the module which every ray pipe of a solid ends in.
+std::optional<unsigned> latency(const Elaboration& e, const Pipe& pipe) {
+  const auto own = e.constant(path(pipe), "LATENCY");
+  return own ? own : e.constant(path(pipe) + ".crossing", "LATENCY");
+}
+
+unsigned required(const std::optional<unsigned>& value, const Pipe& pipe, const char* what) {
+  if (!value)
+    throw Error(ErrorCode::kBuild, fmt::format("{}: the pipe has no {}", pipe.name(), what));
+  return *value;
+}
+
+/// Error kBuild if the RTL cannot be elaborated for any other reason than that there is no pipe.
+/// Two elaborations, each counted in `done`.
+void examine(Pipe& pipe, const Profile& profile, std::atomic<std::size_t>& done) {
+  try {
+    const Elaboration e = elaborate(pipe, {});
+    ++done;
+    const auto words = [&](const char* port) { return e.bits(path(pipe), port).value_or(0) / 32; };
+    pipe.module = e.module_of(path(pipe));
+    pipe.operators = e.operators(path(pipe));
+    pipe.a_words = words("a_i");
+    pipe.b_words = words("b_i");
+    pipe.outputs = words("f_o") + words("t_o") + words("cp_o") + words("n_o");
+    pipe.latency = required(latency(e, pipe), pipe, "localparam LATENCY");
+    pipe.interval = e.constant(path(pipe), "INTERVAL").value_or(pipe.facet_interval);
+    if (has_budget(pipe.pair)) pipe.ring = required(e.constant(path(pipe), "RING"), pipe, "RING");
+    pipe.latency_profile = profile == Profile{} ? pipe.latency
+                                                : required(latency(elaborate(pipe, profile), pipe),
+                                                           pipe, "localparam LATENCY");
+  } catch (const ElaborationError& error) {
+    const std::string what = error.what();
+    if (what.find(kNoPipe) == std::string::npos) throw Error(ErrorCode::kBuild, what);
+    pipe.absent = kNoPipe;
+    ++done;
+  }
+  ++done;
+}
+
+// ---- Figures of earlier times ----
+
+/// Figures of pipes, kept in the cache for as long as neither the RTL nor what reads it changes.
+class Kept {
+ public:
+  Kept() {
+    if (const auto name = kept_name("pair_unit", {}, ".inventory.json")) {
+      name_ = *name;
+      if (const auto text = read_cache_entry(name_)) all_ = Json::parse(*text, nullptr, false);
+    }
+    if (!all_.is_object()) all_ = Json::object();
+  }
+
+  /// Whether the pipe's figures were there.
+  bool fill(Pipe& pipe, const Profile& profile) const {
+    const auto at = all_.find(key(pipe, profile));
+    if (at == all_.end()) return false;
+    try {
+      const Json& j = *at;
+      j.at("absent").get_to(pipe.absent);
+      j.at("module").get_to(pipe.module);
+      std::size_t i = 0;
+      for (unsigned* figure : figures(pipe)) j.at("figures").at(i++).get_to(*figure);
+    } catch (const Json::exception&) {
+      return false;
+    }
+    return true;
+  }
+  void keep(Pipe& pipe, const Profile& profile) {
+    Json list = Json::array();
+    for (const unsigned* figure : figures(pipe)) list.push_back(*figure);
+    all_[key(pipe, profile)] = {
+        {"absent", pipe.absent}, {"module", pipe.module}, {"figures", list}};
+  }
+  void write() const {
+    if (!name_.empty()) write_cache_entry(name_, all_.dump());
+  }
+
+ private:
+  using Json = nlohmann::ordered_json;
+  static std::string key(const Pipe& pipe, const Profile& profile) {
+    return fmt::format("{}{}; facet interval {}; {}", pipe.name(), pipe.box ? ", box" : "",
+                       pipe.facet_interval, profile.text());
+  }
+  static std::array<unsigned*, 15> figures(Pipe& p) {
+    Operators& o = p.operators;
+    return {&o.multipliers, &o.dividers, &o.square_roots,    &o.adders,   &o.subtractors,
+            &o.comparators, &o.min_max,  &o.mask_ands,       &p.a_words,  &p.b_words,
+            &p.outputs,     &p.latency,  &p.latency_profile, &p.interval, &p.ring};
+  }
+
+  std::string name_;
+  Json all_ = Json::object();
+};
+
+}  // namespace
+
+void examine_all(std::vector<Pipe>& wanted, const Profile& profile) {
+  Kept kept;
+  std::vector<Pipe*> pipes;
+  for (Pipe& pipe : wanted)
+    if (!kept.fill(pipe, profile)) pipes.push_back(&pipe);
+  if (pipes.empty()) return;
+  std::atomic<std::size_t> next = 0, done = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < pipes.size(); i = next++) examine(*pipes[i], profile, done);
+  };
+  std::vector<std::future<void>> workers;
+  for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i)
+    workers.push_back(std::async(std::launch::async, work));
+  {
+    Progress progress("elaborating the pipes");
+    for (auto& worker : workers)
+      while (worker.wait_for(std::chrono::milliseconds(200)) != std::future_status::ready)
+        progress(static_cast<double>(done) / (2.0 * static_cast<double>(pipes.size())));
+  }
+  for (auto& worker : workers) worker.get();
+  for (Pipe* pipe : pipes) kept.keep(*pipe, profile);
+  kept.write();
+}
+
+}  // namespace cde::netlist

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cde/support/shell_word.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+
+namespace cde {
+
+std::string shell_word(const std::string& word) {
+  const auto plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::strchr("_-./:,+=@%", c) != nullptr;
+  };
+  if (!word.empty() && std::all_of(word.begin(), word.end(), plain)) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+}  // namespace cde

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cde/support/suffix.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+
+namespace cde {
+
+namespace fs = std::filesystem;
+
+Suffix suffix_of(const std::string& path) {
+  if (path == "-" || path.starts_with("/dev/") || path.starts_with("/proc/")) return {"", true, ""};
+  std::error_code failed;
+  const auto status = fs::status(path, failed);
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
+    return {"", true, ""};
+  fs::path name(path);
+  // Links one by one: the file that the last one names need not be there yet.
+  for (int links = 0; links < 40 && fs::is_symlink(fs::symlink_status(name, failed)); ++links)
+    name = name.parent_path() / fs::read_symlink(name, failed);
+  std::string text = name.extension().string();
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return {text, false, name == fs::path(path) ? "" : name.string()};
+}
+
+void wrong_suffix(std::string_view option, const std::string& path, std::string_view may_be) {
+  const Suffix name = suffix_of(path);
+  throw Error(
+      ErrorCode::kUsage,
+      name.target.empty()
+          ? fmt::format("{} is {}; its name must end in {}", option, in_quotes(path), may_be)
+          : fmt::format("{} is {}, a link to {}, whose name must end in {}", option,
+                        in_quotes(path), in_quotes(name.target), may_be));
+}
+
+void check_suffix(std::string_view option, const std::string& path, std::string_view must_be) {
+  if (path.empty()) return;
+  const Suffix name = suffix_of(path);
+  if (!name.nameless && name.text != must_be) wrong_suffix(option, path, must_be);
+}
+
+}  // namespace cde

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cde/support/suggest.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+
+namespace cde {
+namespace {
+
+/// Damerau and Levenshtein's distance: letters replaced, left out, put in, or two exchanged.
+std::size_t distance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
+  for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      d[i][j] = std::min(
+          {d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  }
+  return d[a.size()][b.size()];
+}
+
+}  // namespace
+
+std::optional<std::string> nearest_word(std::string_view typed,
+                                        const std::vector<std::string>& known) {
+  constexpr std::size_t kLongest = 64;  // nobody mistypes more than that
+  if (typed.size() < 2 || typed.size() > kLongest) return std::nullopt;
+  std::optional<std::string> best;
+  std::size_t least = std::max<std::size_t>(1, typed.size() / 3) + 1;
+  for (const std::string& word : known) {
+    std::size_t d = distance(typed, word);
+    if (d != 0 && typed.size() >= 2 && word.starts_with(typed)) d = 1;
+    if (d >= least) continue;
+    least = d;
+    best = word;
+  }
+  return best;
+}
+
+std::string meant_or_all(std::string_view typed, const std::vector<std::string>& known) {
+  const auto near = nearest_word(typed, known);
+  return near ? fmt::format("did you mean {}?", *near)
+              : fmt::format("there are: {}", fmt::join(known, ", "));
+}
+
+void must_be_known(std::string_view word, const std::vector<std::string>& words,
+                   std::string_view what) {
+  if (std::find(words.begin(), words.end(), word) == words.end())
+    throw Error(ErrorCode::kUsage,
+                fmt::format("no {} {}; {}", what, in_quotes(word), meant_or_all(word, words)));
+}
+
+}  // namespace cde

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+// The design that waves are of: from a file that is named, or from what a card's waves say of
+// themselves, by Verilator or from the cache.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "cde/bitstream/bitstream.hpp"
+#include "cde/bitstream/cache_entry.hpp"
+#include "cde/netlist/elaborate.hpp"
+#include "cde/netlist/json_tree.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/input_file.hpp"
+#include "cde/support/message.hpp"
+#include "cde/wave/elaborated.hpp"
+
+namespace cde::wave {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kHead = "cde structure 2\n";
+
+/// What the writer of a card's waves says in a comment (verilator/models/wave_file.h).
+struct Origin {
+  std::string kind, hash;
+  std::vector<std::string> parameters;
+
+  [[nodiscard]] std::string text() const {
+    return fmt::format("{} {}", kind, fmt::join(parameters, " "));
+  }
+};
+
+std::optional<Origin> origin_of(Trace& trace) {
+  static const std::regex kKind("[a-z][a-z0-9_]*"), kParameter("[A-Z][A-Z0-9_]*=[A-Za-z0-9_]+"),
+      kHash("configuration=[0-9a-f]{16}");
+  for (const std::string& comment : trace.comments()) {
+    std::istringstream words(comment);
+    std::string word;
+    Origin origin;
+    if (!(words >> word) || word != "bitstream" || !(words >> origin.kind) ||
+        !std::regex_match(origin.kind, kKind))
+      continue;
+    bool good = true;
+    while (words >> word) {
+      if (std::regex_match(word, kHash))
+        origin.hash = word.substr(word.find('=') + 1);
+      else if (std::regex_match(word, kParameter))
+        origin.parameters.push_back(word);
+      else
+        good = false;
+    }
+    if (good && !origin.hash.empty()) return origin;
+  }
+  return std::nullopt;
+}
+
+/// A structure that was named, in the form of --xml-only.
+std::string structure_text(const std::string& file) {
+  constexpr std::string_view kJson = ".json";
+  if (!file.ends_with(kJson)) return read_file(file);
+  const std::string meta = file.substr(0, file.size() - kJson.size()) + ".meta.json";
+  try {
+    return netlist::xml_of_json(read_file(file), read_file(meta));
+  } catch (const netlist::NetlistError& e) {
+    throw Error(ErrorCode::kFile,
+                fmt::format("{}: is no structure: {}", printable_name(file), printable(e.what())));
+  }
+}
+
+/// Sources and XML in one text for the cache: the lines that are shown are those that were
+/// elaborated.
+struct Kept {
+  std::map<std::string, std::string> sources;
+  std::string xml;
+
+  [[nodiscard]] std::string text() const {
+    std::string all(kHead);
+    for (const auto& [name, source] : sources)
+      all += fmt::format("{} {}\n{}", source.size(), name, source);
+    return all + "\n" + xml;
+  }
+  [[nodiscard]] static std::optional<Kept> of(const std::string& text) {
+    if (!text.starts_with(kHead)) return std::nullopt;
+    Kept kept;
+    std::size_t at = kHead.size();
+    for (;;) {
+      const std::size_t stop = text.find('\n', at);
+      if (stop == std::string::npos) return std::nullopt;
+      if (stop == at) break;
+      std::size_t bytes = 0;
+      const auto read = std::from_chars(text.data() + at, text.data() + stop, bytes);
+      if (read.ec != std::errc() || *read.ptr != ' ' || bytes > text.size() - stop - 1)
+        return std::nullopt;
+      const auto name = static_cast<std::size_t>(read.ptr - text.data()) + 1;
+      kept.sources[text.substr(name, stop - name)] = text.substr(stop + 1, bytes);
+      at = stop + 1 + bytes;
+    }
+    kept.xml = text.substr(at + 1);
+    return kept;
+  }
+};
+
+/// The design of a bitstream, elaborated once; nothing if it is not in the cache and must not be
+/// elaborated.
+std::optional<Design> design_of(const Origin& origin, const std::string& waves, bool elaborate) {
+  const std::string name =
+      cache_key({std::string(kHead), origin.text(), origin.hash}) + ".structure";
+  const std::string what = "bitstream " + origin.text();
+  std::optional<Kept> kept;
+  if (const auto text = read_cache_entry(name)) kept = Kept::of(*text);
+  if (!kept && !elaborate) return std::nullopt;
+  if (!kept) {
+    const std::uint64_t here = bitstream_hash(origin.kind, origin.parameters);
+    if (fmt::format("{:016x}", here) != origin.hash)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} is of {} of other RTL than that here (configuration {}, here "
+                              "{:016x}): write the waves again, or name their structure with "
+                              "--structure",
+                              printable_name(waves), what, origin.hash, here));
+    const fs::path rtl = bitstream_builder().parent_path().parent_path() / "rtl";
+    std::vector<std::string> parameters = origin.parameters;
+    std::erase_if(parameters, [](const std::string& p) {
+      return p.starts_with("TRACE=") || p.starts_with("TAP=");
+    });
+    const bool host =
+        std::find(parameters.begin(), parameters.end(), "ARITH=host") != parameters.end();
+    say(fmt::format("cde: reading the structure of {} (kept for the next time)\n", what));
+    kept.emplace();
+    try {
+      kept->xml = netlist::elaborated(rtl, origin.kind, parameters,
+                                      host ? netlist::Gates::kHidden : netlist::Gates::kWhole,
+                                      {"-O0"});  // else signals are missing that are in the sources
+    } catch (const netlist::ElaborationError& e) {
+      throw Error(ErrorCode::kBuild, e.what());
+    }
+    Design design(kept->xml, what);
+    for (const std::string& file : design.files())
+      if (fs::is_regular_file(file)) kept->sources[file] = read_file(file);
+    write_cache_entry(name, kept->text());
+  }
+  Design design(std::move(kept->xml), what);
+  for (const auto& [file, source] : kept->sources) design.set_source(file, source);
+  return design;
+}
+
+/// A parameter of the top module as text; empty if it has none of that name, or it is no number
+/// and no string.
+std::string parameter_of(const Design::Elaborated& all, const std::string& name) {
+  const Body& top = all.body(0);
+  const auto v = top.by_path.find(name);
+  if (v == top.by_path.end()) return {};
+  const netlist::Element* const value = top.variables[v->second].declared->child(0);
+  if (value == nullptr) return {};
+  const std::string text = value->text("name");
+  if (text.size() >= 2 && text.front() == '"') return text.substr(1, text.size() - 2);
+  const std::string bits = netlist::constant_bits(*value);
+  if (bits.size() > 64 || bits.empty()) return {};
+  std::uint64_t number = 0;
+  for (const char c : bits) number = number << 1 | (c == '1' ? 1u : 0u);
+  return fmt::to_string(number);
+}
+
+/// A number as the text that its bytes are, which is how Verilator writes a string.
+std::string as_text(const std::string& number) {
+  std::uint64_t value = 0;
+  std::from_chars(number.data(), number.data() + number.size(), value);
+  std::string text;
+  for (; value != 0; value >>= 8) text.insert(text.begin(), static_cast<char>(value & 0xff));
+  return text;
+}
+
+/// Error kUsage if a structure that was named is of another bitstream than the waves.
+void check_origin(const Design::Elaborated& all, const Origin& origin, const std::string& waves) {
+  const auto differ = [&](const std::string& of_waves, const std::string& of_structure) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} is of bitstream {}, and {} is of another design: {} there, {} "
+                            "here",
+                            printable_name(waves), origin.text(), printable_name(all.file),
+                            of_waves, printable(of_structure)));
+  };
+  if (all.body(0).source_name != origin.kind) differ(origin.kind, all.body(0).source_name);
+  for (const std::string& p : origin.parameters) {
+    const std::size_t equals = p.find('=');
+    const std::string name = p.substr(0, equals), own = parameter_of(all, name);
+    const std::string wanted = p.substr(equals + 1);
+    if (!own.empty() && own != wanted && as_text(own) != wanted)
+      differ(p, fmt::format("{}={}", name, own));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> Design::files() const {
+  std::vector<std::string> all;
+  for (const auto& [letters, name] : all_->netlist.files()) all.push_back(name);
+  return all;
+}
+
+void Design::set_source(const std::string& file, const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  all_->sources[file] = std::move(lines);
+}
+
+/// The scope with most of the top module's variables and instances; the outermost of several.
+void Design::choose_prefix(Trace& trace) {
+  std::map<std::string_view, std::size_t> score;
+  std::vector<std::string_view> order;
+  const Body& top = all_->body(0);
+  std::set<std::string_view> scopes;
+  for (const Signal& s : trace.signals()) {
+    const std::string_view name = s.name;
+    for (std::size_t dot = name.find('.'); dot != std::string_view::npos;
+         dot = name.find('.', dot + 1)) {
+      const std::string_view scope = name.substr(0, dot);
+      std::string_view own = name.substr(dot + 1);
+      own = own.substr(0, own.find_first_of(".["));
+      const auto [at, fresh] = score.try_emplace(scope, 0);
+      if (fresh) order.push_back(scope);
+      if (name.find('.', dot + 1) == std::string_view::npos && top.by_path.contains(own))
+        ++at->second;
+      scopes.insert(scope);
+    }
+  }
+  const auto part_in = [&](std::string_view scope, const std::string& part) {
+    return scopes.contains(fmt::format("{}.{}", scope, part));
+  };
+  std::string_view best;
+  std::size_t most = 0;
+  for (const std::string_view scope : order) {
+    std::size_t points = score[scope];
+    for (const Part& p : top.parts)
+      if (part_in(scope, p.path)) points += 1000;
+    if (points > most) {
+      most = points;
+      best = scope;
+    }
+  }
+  // All simulators have the ports of a module that they trace.
+  const auto ports = static_cast<std::size_t>(
+      std::count_if(top.variables.begin(), top.variables.end(),
+                    [](const Variable& v) { return !v.declared->attribute("pinIndex").empty(); }));
+  if (most == 0 || score[best] * 2 < std::min<std::size_t>(ports, top.variables.size()))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} is no structure of {}: no scope there has the signals of {}",
+                            printable_name(all_->file), printable_name(trace.file().string()),
+                            printable_name(top.source_name)));
+  all_->prefix = best;
+}
+
+Design Design::of(Trace& trace, const std::string& structure) {
+  const std::string waves = trace.file().string();
+  const auto origin = origin_of(trace);
+  if (structure.empty()) {
+    if (!origin)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} does not say what design it is of: name its structure with "
+                              "--structure FILE, which `verilator -O0 --xml-only` or --json-only "
+                              "writes",
+                              printable_name(waves)));
+    std::optional<Design> design = design_of(*origin, waves, true);
+    design->choose_prefix(trace);
+    return std::move(*design);
+  }
+  Design design(structure_text(structure), structure);
+  if (origin) check_origin(*design.all_, *origin, waves);
+  design.choose_prefix(trace);
+  return design;
+}
+
+Design Design::of_bitstream(const std::string& kind, const std::vector<std::string>& parameters) {
+  const Origin origin{kind, fmt::format("{:016x}", bitstream_hash(kind, parameters)), parameters};
+  std::optional<Design> design = design_of(origin, "", true);
+  return std::move(*design);
+}
+
+std::optional<Design> Design::if_known(Trace& trace, const std::string& structure) {
+  if (!structure.empty()) return of(trace, structure);
+  const auto origin = origin_of(trace);
+  if (!origin) return std::nullopt;
+  std::optional<Design> design = design_of(*origin, trace.file().string(), false);
+  if (design) design->choose_prefix(trace);
+  return design;
+}
+
+}  // namespace cde::wave

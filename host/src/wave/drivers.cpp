@@ -1,0 +1,382 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which statements of a design drive some bits of a signal.
+#include <algorithm>
+#include <set>
+
+#include "cde/wave/elaborated.hpp"
+
+namespace cde::wave {
+namespace {
+
+using netlist::Element;
+
+constexpr std::uint64_t kAll = ~std::uint64_t{0};
+constexpr std::uint64_t kMostTurns = 256;  // of a loop
+
+/// 1, 0, or x if it is not known.
+char holds(const Context& c, const Element& condition) {
+  const std::string bits = evaluate(c, condition);
+  if (bits.find('1') != std::string::npos) return '1';
+  return bits.empty() || bits.find_first_not_of('0') != std::string::npos ? 'x' : '0';
+}
+
+/// Whether an item of a case statement is the one; items before it are not looked at.
+char is_item(const Context& c, const Element& choice, const Element& item) {
+  const std::string value = evaluate(c, *choice.child(0));
+  if (value.find_first_not_of("01") != std::string::npos || value.empty()) return 'x';
+  char found = '0';
+  for (const Element* e : item.children()) {
+    const std::string one = evaluate(c, *e);
+    if (one.empty()) continue;  // a statement
+    const std::size_t n = std::max(value.size(), one.size());
+    std::string a(n - value.size(), '0'), b(n - one.size(), '0');
+    a += value;
+    b += one;
+    bool same = true;
+    for (std::size_t i = 0; i < n; ++i) same = same && (a[i] == b[i] || b[i] == 'x' || b[i] == 'z');
+    if (same) found = '1';
+  }
+  return found;
+}
+
+char holds(const Context& c, const Guard& g) {
+  switch (g.kind) {
+    case Guard::Kind::kIf:
+      return holds(c, *g.what);
+    case Guard::Kind::kElse: {
+      const char h = holds(c, *g.what);
+      return h == '1' ? '0' : h == '0' ? '1' : 'x';
+    }
+    case Guard::Kind::kItem:
+    case Guard::Kind::kDefault: {
+      if (g.what->child(0) == nullptr) return 'x';
+      for (const Element* other : g.what->children()) {
+        if (other->tag() != "caseitem" || other == g.item) continue;
+        const char is = is_item(c, *g.what, *other);
+        if (is == 'x') return 'x';
+        if (is == '1' && g.kind == Guard::Kind::kDefault) return '0';
+      }
+      return g.kind == Guard::Kind::kDefault ? '1' : is_item(c, *g.what, *g.item);
+    }
+    case Guard::Kind::kUnknown:
+      break;
+  }
+  return 'x';
+}
+
+Place place_of(const Design& design, const netlist::Netlist& netlist, const Element* e) {
+  if (e == nullptr) return {};
+  const netlist::Line line = netlist.line(*e);
+  Place place{line.file, line.line, {}};
+  const auto& text = design.source(line.file);
+  if (line.line >= 1 && line.line <= text.size()) {
+    const std::string& all = text[line.line - 1];
+    const std::size_t first = std::min(all.find_first_not_of(" \t\r"), all.size());
+    place.text = all.substr(first, all.find_last_not_of(" \t\r") + 1 - first);
+  }
+  return place;
+}
+
+std::vector<ClockEdge> edges_of(const Context& c, const Element& sentree) {
+  std::vector<ClockEdge> all;
+  for (const Element* item : sentree.children()) {
+    std::vector<Slice> signal;
+    if (item->child(0) != nullptr) collect_sources(c, *item->child(0), signal);
+    const std::string_view edge = item->attribute("edgeType");
+    if (signal.size() == 1)
+      all.push_back({signal[0], edge == "POS" || edge == "BOTH", edge == "NEG" || edge == "BOTH"});
+  }
+  return all;
+}
+
+}  // namespace
+
+/// Collects the drivers of some bits.
+class Drivers {
+ public:
+  Drivers(const Design& design, const Design::Elaborated& all, const Slice& wanted,
+          const Values* values)
+      : design_(design), all_(all), wanted_(wanted), values_(values) {}
+
+  std::vector<Driver> take() {
+    statements();
+    outputs();
+    input();
+    if (found_.empty()) constant();
+    return std::move(found_);
+  }
+
+ private:
+  void statements() {
+    const Body& body = all_.body(wanted_.unit);
+    const Variable& v = all_.variable(wanted_);
+    std::uint32_t settled = 0;  // process whose later statement has the last word
+    std::vector<Driver> backwards;
+    for (auto d = v.drives.rbegin(); d != v.drives.rend(); ++d) {
+      const Drive& drive = body.drives[*d];
+      if (settled != 0 && drive.process == settled) continue;
+      const Context c{all_, wanted_.unit, drive.scope, values_, turn_of(drive)};
+      std::vector<Overlap> overlaps;
+      collect_overlaps(c, *drive.target, wanted_, overlaps);
+      if (overlaps.empty()) continue;
+      Driver driver;
+      bool never = false, covers = false;
+      for (const Guard& g : drive.guards) {
+        const char h = values_ == nullptr ? 'x' : holds(c, g);
+        never = never || h == '0';
+        driver.sure = driver.sure && h == '1';
+        if (g.kind != Guard::Kind::kUnknown)
+          collect_sources(c, g.what->tag() == "case" ? *g.what->child(0) : *g.what,
+                          driver.controls);
+      }
+      if (never) continue;
+      if (drive.edges != nullptr && !v.in_process) {
+        driver.kind = Driver::Kind::kRegister;
+        driver.edges = edges_of(c, *drive.edges);
+      }
+      const auto from = backwards.size();
+      for (const Overlap& o : overlaps) {
+        driver.sure = driver.sure && o.exact;
+        covers = covers || (o.exact && o.width == wanted_.width);
+      }
+      for (const Piece& piece : pieces(c, drive, overlaps)) {
+        if (drive.edges == nullptr && covers && is_other(c, piece)) continue;
+        Driver own = driver;
+        own.place = place_of(design_, all_.netlist, piece.at);
+        own.sure = own.sure && piece.sure;
+        for (const Element* condition : piece.conditions)
+          collect_sources(c, *condition, own.controls);
+        for (const Overlap& o : piece.overlaps)
+          collect_sources(c, *piece.value, o.low, o.width, own.sources);
+        if (is_through(drive, own, covers)) own.kind = Driver::Kind::kWire;
+        backwards.push_back(std::move(own));
+      }
+      std::reverse(backwards.begin() + static_cast<std::ptrdiff_t>(from), backwards.end());
+      if (values_ != nullptr && driver.sure && covers) settled = drive.process;
+    }
+    found_.assign(std::make_move_iterator(backwards.rbegin()),
+                  std::make_move_iterator(backwards.rend()));
+  }
+
+  /// That turn of a loop in which a statement assigns the wanted bits; nothing if it is in none.
+  [[nodiscard]] std::optional<Turn> turn_of(const Drive& drive) const {
+    if (values_ == nullptr) return std::nullopt;
+    Context c{all_, wanted_.unit, drive.scope, values_};
+    std::optional<Turn> turn;
+    std::vector<const Element*> read = {drive.target};
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      read.insert(read.end(), read[i]->children().begin(), read[i]->children().end());
+      if (!is_reference(*read[i])) continue;
+      const auto s = all_.referred(wanted_.unit, drive.scope, *read[i]);
+      if (!s || !all_.variable(*s).local) continue;
+      if (turn && turn->variable != s->variable) return std::nullopt;
+      turn = Turn{s->variable, 0};
+    }
+    for (; turn && turn->number < kMostTurns; ++turn->number) {
+      std::vector<Overlap> overlaps;
+      c.turn = turn;
+      collect_overlaps(c, *drive.target, wanted_, overlaps);
+      if (overlaps.size() == 1 && overlaps[0].exact && overlaps[0].width == wanted_.width)
+        return turn;
+    }
+    return std::nullopt;
+  }
+
+  /// Something that is assigned, and where it stands.
+  struct Piece {
+    const Element* value = nullptr;
+    const Element* at = nullptr;
+    std::vector<Overlap> overlaps;
+    std::vector<const Element*> conditions = {};  ///< under which it is the one
+    bool sure = true;                             ///< with values: it is
+  };
+  /// Whether a piece is known to have another value than the wanted bits have now.
+  [[nodiscard]] bool is_other(const Context& c, const Piece& piece) const {
+    if (values_ == nullptr || piece.overlaps.size() != 1) return false;
+    const auto known = [](const std::string& bits) {
+      return !bits.empty() && bits.find_first_not_of("01") == std::string::npos;
+    };
+    const Overlap& o = piece.overlaps[0];
+    const std::string now = (*values_)(wanted_), value = evaluate(c, *piece.value);
+    return known(now) && known(value) && now.size() == o.width && value.size() >= o.low + o.width &&
+           value.substr(value.size() - o.low - o.width, o.width) != now;
+  }
+  /// Verilator makes one assignment of several that lie side by side: what is in different lines is
+  /// taken apart again.
+  [[nodiscard]] std::vector<Piece> pieces(const Context& c, const Drive& drive,
+                                          const std::vector<Overlap>& overlaps) const {
+    const Element* const value = drive.value != nullptr ? drive.value : drive.statement;
+    std::vector<Piece> all;
+    if (value->tag() == "concat")
+      for (const Overlap& o : overlaps) take_apart(c, *value, o, all);
+    if (all.size() == 1 && overlaps.size() == 1) return all;
+    if (value->tag() == "cond") {
+      Context unknown = c;
+      unknown.values = nullptr;
+      branches(unknown, {value, drive.statement, overlaps}, all);
+    }
+    std::set<std::pair<std::string, unsigned>> lines;
+    for (const Piece& p : all) {
+      const netlist::Line line = all_.netlist.line(*p.at);
+      lines.emplace(line.file, line.line);
+    }
+    if (lines.size() <= 1) return {{value, drive.statement, overlaps}};
+    if (value->tag() == "cond") {
+      all.clear();
+      branches(c, {value, drive.statement, overlaps}, all);
+    }
+    return all;
+  }
+  /// Verilator makes one assignment of those of an if and its else, too. With values only the
+  /// branch that is taken.
+  void branches(const Context& c, const Piece& piece, std::vector<Piece>& all) const {
+    const Element& e = *piece.value;
+    if (e.tag() != "cond" || e.child(2) == nullptr) {
+      all.push_back(piece);
+      return;
+    }
+    const char h = c.values == nullptr ? 'x' : holds(c, *e.child(0));
+    for (const std::size_t branch : {1u, 2u}) {
+      if (h == (branch == 1 ? '0' : '1')) continue;
+      Piece own = piece;
+      own.value = own.at = e.child(branch);
+      own.conditions.push_back(e.child(0));
+      own.sure = piece.sure && h != 'x';
+      branches(c, own, all);
+    }
+  }
+  void take_apart(const Context& c, const Element& e, const Overlap& o,
+                  std::vector<Piece>& all) const {
+    const std::uint64_t right =
+        e.tag() == "concat" && e.child(1) != nullptr ? all_.netlist.type_of(*e.child(1)).width : 0;
+    if (right == 0 || !o.exact) {
+      all.push_back({&e, &e, {o}});
+      return;
+    }
+    const std::uint64_t end = o.low + o.width;
+    if (end > right) {
+      const std::uint64_t low = std::max(o.low, right);
+      take_apart(c, *e.child(0), {low - right, end - low, true}, all);
+    }
+    if (o.low < right) take_apart(c, *e.child(1), {o.low, std::min(end, right) - o.low, true}, all);
+  }
+
+  /// Outputs of instances that are connected to it.
+  void outputs() {
+    const Body& body = all_.body(wanted_.unit);
+    for (const Output& o : body.outputs[wanted_.variable]) {
+      const Part& part = body.parts[o.part];
+      const Port& port = part.ports[o.port];
+      const Context c{all_, wanted_.unit, part.scope, values_};
+      std::vector<Overlap> overlaps;
+      collect_overlaps(c, *port.expression, wanted_, overlaps);
+      const std::int64_t inner = all_.units[wanted_.unit].parts[o.part];
+      for (const Overlap& overlap : overlaps) {
+        Driver driver;
+        driver.place = place_of(design_, all_.netlist, port.expression);
+        driver.kind = Driver::Kind::kPort;
+        if (inner >= 0) {
+          const auto unit = static_cast<std::uint32_t>(inner);
+          const auto v = all_.body(unit).by_path.find(port.name);
+          if (v == all_.body(unit).by_path.end()) continue;
+          Slice s = all_.whole(unit, v->second);
+          if (overlap.exact && overlap.low < s.width) {
+            driver.kind =
+                overlap.width == wanted_.width ? Driver::Kind::kWire : Driver::Kind::kPort;
+            s.low = overlap.low;
+            s.width = std::min(overlap.width, s.width - overlap.low);
+          }
+          driver.sources.push_back(s);
+        } else {  // what is in there is not known: all that goes in
+          for (const Port& other : part.ports)
+            if (other.input && other.expression != nullptr)
+              collect_sources(c, *other.expression, driver.sources);
+        }
+        found_.push_back(std::move(driver));
+      }
+    }
+  }
+
+  /// What an input is connected to outside.
+  void input() {
+    const Unit& unit = all_.units[wanted_.unit];
+    const Variable& v = all_.variable(wanted_);
+    if (unit.parent < 0 || !v.input) return;
+    const auto outside = static_cast<std::uint32_t>(unit.parent);
+    const Part& part = all_.body(outside).parts[unit.part];
+    for (const Port& port : part.ports) {
+      if (!port.input || port.name != v.path || port.expression == nullptr) continue;
+      const Context c{all_, outside, part.scope, values_};
+      Driver driver;
+      driver.kind = Driver::Kind::kPort;
+      driver.place = place_of(design_, all_.netlist, port.expression);
+      collect_sources(c, *port.expression, wanted_.low, wanted_.width == 0 ? kAll : wanted_.width,
+                      driver.sources);
+      if (is_plain(*port.expression) && driver.sources.size() == 1 &&
+          driver.sources[0].width == wanted_.width)
+        driver.kind = Driver::Kind::kWire;
+      found_.push_back(std::move(driver));
+    }
+  }
+  /// An output that is an input of the same module: a delay of no clocks, say.
+  [[nodiscard]] bool is_through(const Drive& drive, const Driver& driver, bool covers) const {
+    const Variable& v = all_.variable(wanted_);
+    return covers && drive.statement->tag() == "contassign" && v.output &&
+           driver.sources.size() == 1 && driver.sources[0].width == wanted_.width &&
+           all_.variable(driver.sources[0]).input && is_plain(*drive.value);
+  }
+  /// What is assigned nothing but a constant, which Verilator makes the value it begins with.
+  void constant() {
+    const Element* const value = all_.variable(wanted_).declared->child(0);
+    if (value == nullptr || value->tag() != "const") return;
+    Driver driver;
+    driver.place = place_of(design_, all_.netlist, value);
+    found_.push_back(std::move(driver));
+  }
+  /// A signal or a part of one, or several of them side by side, and nothing computed.
+  static bool is_plain(const Element& e) {
+    if (is_reference(e)) return true;
+    if (e.tag() == "sel" || e.tag() == "arraysel")
+      return e.child(0) != nullptr && is_plain(*e.child(0));
+    return e.tag() == "concat" &&
+           std::all_of(e.children().begin(), e.children().end(),
+                       [](const Element* child) { return is_plain(*child); });
+  }
+
+  const Design& design_;
+  const Design::Elaborated& all_;
+  const Slice wanted_;
+  const Values* values_;
+  std::vector<Driver> found_;
+};
+
+std::vector<Driver> Design::drivers(const Slice& slice, const Values* values) const {
+  return Drivers(*this, *all_, slice, values).take();
+}
+
+std::optional<Design::Places> Design::places_of(std::string_view name) const {
+  const auto slice = find(name);
+  if (!slice) return std::nullopt;
+  Places places{declaration(*slice), {}};
+  std::set<std::pair<std::string, unsigned>> seen;
+  std::set<Slice> visited;
+  std::vector<Slice> waiting = {*slice};
+  while (!waiting.empty()) {
+    const Slice s = waiting.back();
+    waiting.pop_back();
+    if (!visited.insert(s).second) continue;
+    for (Driver& d : drivers(s, nullptr)) {
+      if (d.kind == Driver::Kind::kWire) {
+        waiting.insert(waiting.end(), d.sources.begin(), d.sources.end());
+      } else if (seen.emplace(d.place.file, d.place.line).second) {
+        places.drivers.push_back(std::move(d.place));
+      }
+    }
+  }
+  std::sort(places.drivers.begin(), places.drivers.end(), [](const Place& a, const Place& b) {
+    return std::tie(a.file, a.line) < std::tie(b.file, b.line);
+  });
+  return places;
+}
+
+}  // namespace cde::wave

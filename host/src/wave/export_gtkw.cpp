@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// A save file of GTKWave.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "cde/support/output_file.hpp"
+#include "cde/wave/export.hpp"
+#include "cde/wave/export_names.hpp"
+
+namespace cde::wave {
+namespace {
+
+// Bits that GTKWave's save files have in front of a signal, in hexadecimal.
+constexpr unsigned kHex = 0x2, kDec = 0x4, kBin = 0x8, kRight = 0x20, kBlank = 0x200,
+                   kSigned = 0x400, kReal = 0x40000, kClosed = 0x400000, kGroupBegin = 0x800000,
+                   kGroupEnd = 0x1000000;
+
+/// More signals than this in a file, and more lanes than this of a signal, are closed groups.
+constexpr std::size_t kOpenSignals = 60;
+constexpr unsigned kOpenLanes = 8;
+
+/// Bits of a lane, if the view has several.
+unsigned lane_of(const View& v) {
+  if (v.form.kind != Form::Kind::kFloat) return v.form.lane < v.width ? v.form.lane : 0;
+  const auto own = static_cast<unsigned>(v.form.format.width());
+  const unsigned lane = v.form.lane != 0 ? v.form.lane : own;
+  return lane < v.width && v.width % lane == 0 ? lane : 0;
+}
+
+bool is_real(const View& v, unsigned width) {
+  return v.form.kind == Form::Kind::kFloat && ((v.form.format == FpFormat{8, 23} && width == 32) ||
+                                               (v.form.format == FpFormat{11, 52} && width == 64));
+}
+
+unsigned flags(const View& v, unsigned width) {
+  if (v.signal.real || v.signal.text) return kRight;
+  if (is_real(v, width)) return kReal | kRight;
+  if (width == 1) return kBin | kRight;
+  switch (v.form.kind) {
+    case Form::Kind::kUnsigned:
+      return kDec | kRight;
+    case Form::Kind::kSigned:
+      return kDec | kSigned | kRight;
+    case Form::Kind::kBinary:
+      return kBin | kRight;
+    default:
+      return kHex | kRight;
+  }
+}
+
+/// As GTKWave calls a signal of a file.
+std::string name_of(const Signal& s) {
+  return s.ranged ? s.left == s.right ? fmt::format("{}[{}]", s.name, s.left)
+                                      : fmt::format("{}[{}:{}]", s.name, s.left, s.right)
+                  : s.name;
+}
+
+class SaveFile {
+ public:
+  explicit SaveFile(std::size_t count) : closed_(count > kOpenSignals ? kClosed : 0) {}
+
+  void add(const View& v) {
+    const std::size_t dot = v.signal.name.rfind('.');
+    const std::string scope = dot == std::string::npos ? "" : v.signal.name.substr(0, dot);
+    if (scope != scope_) {
+      end();
+      if (!scope.empty()) group(kGroupBegin | closed_, scope);
+      scope_ = scope;
+    }
+    const unsigned lane = lane_of(v);
+    if (lane == 0) {
+      part(v, v.first, v.width, v.label);
+      return;
+    }
+    // Lanes, the first of the lowest bits, below the whole.
+    const unsigned closed = v.width / lane > kOpenLanes ? kClosed : closed_;
+    group(kGroupBegin | closed, v.label);
+    View whole = v;
+    whole.form = Form{};
+    part(whole, v.first, v.width, v.label);
+    for (unsigned i = 0; i < v.width / lane; ++i)
+      part(v, v.first + v.width - lane * (i + 1), lane, fmt::format("{}[{}]", v.label, i));
+    group(kGroupEnd | closed, v.label);
+  }
+  std::string finish() {
+    end();
+    return std::move(text_);
+  }
+
+ private:
+  void end() {
+    if (!scope_.empty()) group(kGroupEnd | closed_, scope_);
+    scope_.clear();
+  }
+  void group(unsigned kind, const std::string& name) {
+    text_ += fmt::format("@{:x}\n-{}\n", kind | kBlank, name);
+  }
+  /// Some characters of a signal's value.
+  void part(const View& v, unsigned first, unsigned width, const std::string& label) {
+    text_ += fmt::format("@{:x}\n", flags(v, width));
+    const std::string whole = name_of(v.signal);
+    if (width == v.signal.width) {
+      text_ += whole + "\n";
+      return;
+    }
+    text_ += fmt::format("#{{{}}}", label);
+    for (unsigned bit = first; bit < first + width; ++bit)
+      text_ += fmt::format(" ({}){}", bit, whole);
+    text_ += "\n";
+  }
+
+  unsigned closed_;
+  std::string scope_, text_;
+};
+
+std::string whole_path(const std::filesystem::path& file) {
+  std::error_code none;
+  const std::filesystem::path whole = std::filesystem::absolute(file, none);
+  return (none ? file : whole.lexically_normal()).string();
+}
+
+}  // namespace
+
+void write_gtkw(Trace& trace, std::span<const View> views, const GtkwOptions& options,
+                const std::filesystem::path& path) {
+  std::string text = "[*] Save file of GTKWave, written by cde wave export\n";
+  text += fmt::format("[dumpfile] \"{}\"\n",
+                      whole_path(options.waves.empty() ? trace.file() : options.waves));
+  // From where the file was saved GTKWave finds its waves again if both have moved.
+  if (path != "-") text += fmt::format("[savefile] \"{}\"\n", whole_path(path));
+  const std::uint64_t from = options.from.value_or(trace.start()),
+                      to = options.to.value_or(trace.end());
+  text += fmt::format("[timestart] {}\n[size] 1400 800\n[pos] -1 -1\n", from);
+  // The zoom, as the power of two of the units of 200 pixels, of which the window has a good four;
+  // the marker; and marks A to Z.
+  const double units = std::max(1.0, static_cast<double>(to - from) / 4.2);
+  text += fmt::format("*{:.6f}", -std::log2(units));
+  for (int mark = 0; mark < 27; ++mark)
+    text += options.fail && mark < 2 ? fmt::format(" {}", *options.fail) : " -1";
+  text += "\n";
+  if (options.fail) text += "[markername] Afail\n";
+  text += "[sst_width] 220\n[signals_width] 260\n[sst_expanded] 1\n";
+  const std::vector<View> all = views_or_all(trace, views);
+  SaveFile save(all.size());
+  for (const View& v : all) save.add(v);
+  text += save.finish() + "[pattern_trace] 1\n[pattern_trace] 0\n";
+  write_file(path, text);
+}
+
+}  // namespace cde::wave

@@ -1,0 +1,487 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cde/wave/value.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <set>
+#include <sstream>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "cde/support/suggest.hpp"
+
+namespace cde::wave {
+namespace {
+
+[[noreturn]] void usage(const std::string& what) {
+  throw Error(ErrorCode::kUsage, what);
+}
+
+constexpr std::string_view kMask = "|mask";
+
+std::string hexadecimal(std::string_view bits) {
+  std::string text;
+  const std::size_t odd = bits.size() % 4;
+  for (std::size_t at = 0; at < bits.size();) {
+    const std::string_view digit = bits.substr(at, at == 0 && odd != 0 ? odd : 4);
+    at += digit.size();
+    unsigned value = 0;
+    char unknown = 0;
+    for (const char c : digit) {
+      if (c != '0' && c != '1') unknown = unknown == 0 || unknown == c ? c : 'x';
+      value = value << 1 | (c == '1' ? 1u : 0u);
+    }
+    text.push_back(unknown != 0 ? unknown : "0123456789abcdef"[value]);
+  }
+  return text;
+}
+
+/// Of any width, by long division.
+std::string decimal(std::string_view bits) {
+  std::vector<std::uint32_t> digits = {0};  // of base 10^9, the lowest first
+  for (const char c : bits) {
+    std::uint64_t carry = c == '1' ? 1 : 0;
+    for (std::uint32_t& d : digits) {
+      const std::uint64_t next = std::uint64_t{d} * 2 + carry;
+      d = static_cast<std::uint32_t>(next % 1000000000u);
+      carry = next / 1000000000u;
+    }
+    if (carry != 0) digits.push_back(static_cast<std::uint32_t>(carry));
+  }
+  std::string text = fmt::format("{}", digits.back());
+  for (std::size_t i = digits.size() - 1; i-- > 0;) text += fmt::format("{:09}", digits[i]);
+  return text;
+}
+
+/// Without zeros in front, as Names has them.
+std::string_view significant(std::string_view bits) {
+  return bits.substr(std::min(bits.find_first_not_of('0'), bits.size() - 1));
+}
+
+bool known(std::string_view bits) {
+  return bits.find_first_not_of("01") == std::string_view::npos;
+}
+
+/// The shortest decimal that is this word again.
+std::string decimal_of(std::string_view bits, const FpFormat& format) {
+  const auto w = word(bits);
+  if (!w) return "x";
+  if (format.is_nan(*w)) return "nan";
+  const double value = format.decode(*w);
+  if (format == FpFormat{11, 52}) return fmt::format("{}", value);
+  for (int digits = 1; digits < 17; ++digits) {
+    const std::string text = fmt::format("{:.{}g}", value, digits);
+    double back = 0;
+    std::from_chars(text.data(), text.data() + text.size(), back);
+    if (format.encode(back) == *w) return fmt::format("{}", back);  // 30, not 3e+01
+  }
+  return fmt::format("{}", value);
+}
+
+std::string one_text(std::string_view bits, const Form& form) {
+  switch (form.kind) {
+    case Form::Kind::kBinary:
+      return std::string(bits);
+    case Form::Kind::kUnsigned:
+      return known(bits) ? decimal(bits) : "x";
+    case Form::Kind::kSigned: {
+      if (!known(bits)) return "x";
+      if (bits.front() == '0') return decimal(bits);
+      // The magnitude is the complement and one.
+      std::string magnitude(bits);
+      std::size_t at = magnitude.rfind('1');
+      while (at-- > 0) magnitude[at] = magnitude[at] == '0' ? '1' : '0';
+      return fmt::format("-{}", decimal(magnitude));
+    }
+    case Form::Kind::kNames: {
+      const auto name = form.names->find(significant(bits));
+      return name != form.names->end() ? name->second : hexadecimal(bits);
+    }
+    case Form::Kind::kFloat:
+      if (form.mask && bits.find_first_not_of('1') == std::string_view::npos) return "true";
+      return decimal_of(bits.substr(bits.size() - static_cast<std::size_t>(form.format.width())),
+                        form.format);
+    case Form::Kind::kHex:
+    case Form::Kind::kFile:
+      break;
+  }
+  return hexadecimal(bits);
+}
+
+/// Bits of a lane of such a form in a signal, or 0.
+unsigned lane_bits(const Form& form, unsigned width) {
+  if (form.lane != 0) return form.lane;
+  if (form.kind != Form::Kind::kFloat) return 0;
+  const auto own = static_cast<unsigned>(form.format.width());
+  const auto container =
+      static_cast<unsigned>(contract::container(form.format.exp_bits, form.format.man_bits));
+  return width % own == 0 || width % container != 0 ? own : container;
+}
+
+struct Word {
+  std::string name, index, form;
+};
+
+/// NAME[INDEX]:FORM, where index and form may be missing.
+Word split(const std::string& word) {
+  Word w;
+  w.name = word;
+  const std::size_t colon = w.name.rfind(':');
+  if (colon != std::string::npos && w.name.find(']', colon) == std::string::npos) {
+    w.form = w.name.substr(colon + 1);
+    if (w.form.empty()) usage(fmt::format("{} ends in a colon", in_quotes(word)));
+    w.name.resize(colon);
+  }
+  return w;
+}
+
+unsigned character(const Signal& s, int bit, const std::string& word) {
+  const int low = std::min(s.left, s.right), high = std::max(s.left, s.right);
+  if (bit < low || bit > high)
+    usage(fmt::format("{}: {} has the bits [{}:{}]", in_quotes(word), printable_name(s.name),
+                      s.left, s.right));
+  return static_cast<unsigned>(std::abs(s.left - bit));
+}
+
+/// Takes the bits or the lane of an index.
+void narrow(View& v, const std::string& index, const std::string& word) {
+  int left = 0, right = 0;
+  const char* const stop = index.data() + index.size();
+  const auto a = std::from_chars(index.data(), stop, left);
+  bool range = false;
+  bool fits = a.ec == std::errc();
+  if (fits && a.ptr != stop) {
+    range = true;
+    const auto b = *a.ptr == ':' ? std::from_chars(a.ptr + 1, stop, right)
+                                 : std::from_chars_result{a.ptr, std::errc::invalid_argument};
+    fits = b.ec == std::errc() && b.ptr == stop;
+  }
+  if (!fits) usage(fmt::format("{}: the index must be [N] or [LEFT:RIGHT]", in_quotes(word)));
+  if (v.signal.real || v.signal.text)
+    usage(fmt::format("{}: a signal of kind {} has no bits", in_quotes(word), v.signal.kind));
+  const unsigned lane = range ? 0 : lane_bits(v.form, v.width);
+  if (lane != 0 && lane < v.width) {
+    if (v.width % lane != 0)
+      usage(fmt::format("{}: {} bits are no whole number of lanes of {}", in_quotes(word), v.width,
+                        lane));
+    const unsigned lanes = v.width / lane;
+    if (left < 0 || static_cast<unsigned>(left) >= lanes)
+      usage(fmt::format("{}: there are lanes 0 to {}", in_quotes(word), lanes - 1));
+    v.first = v.width - lane * (static_cast<unsigned>(left) + 1);
+    v.width = lane;
+    return;
+  }
+  const unsigned from = character(v.signal, left, word),
+                 to = character(v.signal, range ? right : left, word);
+  if (from > to)
+    usage(fmt::format("{}: the range runs against that of the signal, [{}:{}]", in_quotes(word),
+                      v.signal.left, v.signal.right));
+  v.first = from;
+  v.width = to - from + 1;
+}
+
+void check_form(const View& v, const std::string& word) {
+  if (v.signal.real || v.signal.text) return;
+  const unsigned lane = lane_bits(v.form, v.width);
+  if (lane == 0) return;
+  if (v.width % lane != 0)
+    usage(
+        fmt::format("{}: {} bits are no whole number of lanes of {}; NAME[LEFT:RIGHT] takes some "
+                    "of them",
+                    in_quotes(word), v.width, lane));
+  if (v.form.kind == Form::Kind::kFloat && lane < static_cast<unsigned>(v.form.format.width()))
+    usage(fmt::format("{}: {} has {} bits and not {}", in_quotes(word), v.form.format.name(),
+                      v.form.format.width(), lane));
+}
+
+std::string no_signal(Trace& trace, std::string_view name) {
+  const std::string_view last = name.substr(name.rfind('.') + 1);
+  std::set<std::string> whole, inner;
+  for (const Signal& s : trace.signals()) {
+    whole.insert(s.name);
+    inner.insert(s.name.substr(s.name.rfind('.') + 1));
+  }
+  const auto near = nearest_word(name, std::vector<std::string>(whole.begin(), whole.end()));
+  std::vector<std::string> offered;
+  if (near) offered.push_back(*near);
+  const auto near_last = nearest_word(last, std::vector<std::string>(inner.begin(), inner.end()));
+  for (const std::string& one : whole) {
+    if (offered.size() >= 3) break;
+    const std::string_view own = std::string_view(one).substr(one.rfind('.') + 1);
+    if ((own == last || (near_last && own == *near_last)) && (!near || one != *near))
+      offered.push_back(one);
+  }
+  const std::string text =
+      fmt::format("{} has no signal {}", printable_name(trace.file().string()), in_quotes(name));
+  return offered.empty()
+             ? text + "; `cde wave ls FILE` lists them"
+             : printable_name(text + fmt::format("; did you mean {}?", fmt::join(offered, " or ")));
+}
+
+/// What PATTERN=FORM or PATTERN=FORM*WORDS says of a signal.
+std::optional<Form> form_by(std::string_view rule, const Signal& signal) {
+  const std::size_t sign = rule.rfind('=');
+  if (sign == std::string_view::npos || !matches(rule.substr(0, sign), signal.name))
+    return std::nullopt;
+  rule.remove_prefix(sign + 1);
+  const std::size_t star = rule.find('*');
+  const auto form = parse_form(rule.substr(0, star));
+  if (!form || form->kind == Form::Kind::kFile) return std::nullopt;
+  const unsigned lane = lane_bits(*form, signal.width);
+  unsigned words = 0;
+  if (star != std::string_view::npos) {
+    const auto [end, error] =
+        std::from_chars(rule.data() + star + 1, rule.data() + rule.size(), words);
+    if (error != std::errc() || end != rule.data() + rule.size() || words > signal.width ||
+        std::max(lane, 1u) * words != signal.width)
+      return std::nullopt;
+  }
+  return fitting(*form, signal.width);
+}
+
+}  // namespace
+
+std::optional<std::uint64_t> word(std::string_view bits) {
+  if (bits.size() > 64) return std::nullopt;
+  std::uint64_t value = 0;
+  for (const char c : bits) {
+    if (c != '0' && c != '1') return std::nullopt;
+    value = value << 1 | (c == '1' ? 1u : 0u);
+  }
+  return value;
+}
+
+std::optional<double> number(std::string_view bits, const FpFormat& format) {
+  const auto own = static_cast<std::size_t>(format.width());
+  const auto w = word(bits.substr(bits.size() - std::min(own, bits.size())));
+  if (!w) return std::nullopt;
+  return format.decode(*w);
+}
+
+std::optional<Form> parse_form(std::string_view text) {
+  Form form;
+  const std::size_t slash = text.find('/');
+  const std::string_view name = text.substr(0, slash);
+  if (slash != std::string_view::npos) {
+    const std::string_view lane = text.substr(slash + 1);
+    const auto read = std::from_chars(lane.data(), lane.data() + lane.size(), form.lane);
+    if (read.ec != std::errc() || read.ptr != lane.data() + lane.size() || form.lane == 0)
+      return std::nullopt;
+  }
+  if (name == "hex") return form;
+  if (name == "auto")
+    form.kind = Form::Kind::kFile;
+  else if (name == "dec")
+    form.kind = Form::Kind::kUnsigned;
+  else if (name == "signed")
+    form.kind = Form::Kind::kSigned;
+  else if (name == "bin")
+    form.kind = Form::Kind::kBinary;
+  else {
+    form.mask = name.ends_with(kMask);
+    try {
+      form.format = FpFormat::parse(name.substr(0, name.size() - (form.mask ? kMask.size() : 0)));
+    } catch (const Error&) {
+      return std::nullopt;
+    }
+    form.kind = Form::Kind::kFloat;
+  }
+  return form;
+}
+
+std::vector<std::string> form_names() {
+  std::vector<std::string> all = {"auto", "hex", "dec", "signed", "bin"};
+  for (const NamedFpFormat& f : kFpFormats) all.emplace_back(f.name);
+  return all;
+}
+
+std::string form_name(const Form& form) {
+  std::string name = "hex";
+  if (form.kind == Form::Kind::kFile) name = "auto";
+  if (form.kind == Form::Kind::kNames) name = "names";
+  if (form.kind == Form::Kind::kUnsigned) name = "dec";
+  if (form.kind == Form::Kind::kSigned) name = "signed";
+  if (form.kind == Form::Kind::kBinary) name = "bin";
+  if (form.kind == Form::Kind::kFloat)
+    name = fmt::format("{}{}", form.format.name(), form.mask ? kMask : "");
+  return form.lane == 0 ? name : fmt::format("{}/{}", name, form.lane);
+}
+
+Form fitting(const Form& form, unsigned width) {
+  const unsigned lane = lane_bits(form, width);
+  return lane == 0 || (width != 0 && width % lane == 0) ? form : Form{};
+}
+
+Form default_form(Trace& trace, const Signal& signal, const Form& asked) {
+  if (asked.kind != Form::Kind::kFile) return fitting(asked, signal.width);
+  if (signal.names != nullptr) {
+    Form form;
+    form.kind = Form::Kind::kNames;
+    form.names = signal.names;
+    return form;
+  }
+  for (const std::string& comment : trace.comments()) {
+    std::istringstream words(comment);
+    std::string word;
+    if (signal.real || signal.text || !(words >> word) || word != "forms") continue;
+    while (words >> word)
+      if (const auto form = form_by(word, signal)) return *form;
+  }
+  return {};
+}
+
+std::string_view View::bits(std::string_view value) const {
+  if (signal.real || signal.text || value.size() != signal.width) return value;
+  return value.substr(first, width);
+}
+
+std::string View::text(std::string_view value) const {
+  if (signal.real || signal.text) return std::string(value);
+  const std::string_view own = bits(value);
+  const unsigned lane = lane_bits(form, width);
+  if (lane == 0 || lane >= own.size() || own.size() % lane != 0)
+    return own.size() < static_cast<std::size_t>(lane) ? std::string("x") : one_text(own, form);
+  std::string text;
+  for (std::size_t at = own.size(); at >= lane; at -= lane)
+    text +=
+        fmt::format("{}{}", text.empty() ? "{" : " ", one_text(own.substr(at - lane, lane), form));
+  return text + "}";
+}
+
+bool matches(std::string_view pattern, std::string_view name) {
+  std::size_t p = 0, n = 0, star = std::string_view::npos, resume = 0;
+  while (n < name.size()) {
+    if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n]) && pattern[p] != '*') {
+      ++p;
+      ++n;
+    } else if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      resume = n;
+    } else if (star != std::string_view::npos) {
+      p = star + 1;
+      n = ++resume;
+    } else {
+      return false;
+    }
+  }
+  while (p < pattern.size() && pattern[p] == '*') ++p;
+  return p == pattern.size();
+}
+
+const Signal& find_signal(Trace& trace, std::string_view name) {
+  const Signal* found = nullptr;
+  const Signal* other = nullptr;  // another one, as far outside
+  std::ptrdiff_t depth = 0;
+  for (const Signal& s : trace.signals()) {
+    if (s.name == name) return s;
+    const std::size_t more = s.name.size() - std::min(s.name.size(), name.size());
+    if (more < 2 || s.name[more - 1] != '.' || !s.name.ends_with(name)) continue;
+    const auto scopes = std::count(s.name.begin(), s.name.end(), '.');
+    if (found == nullptr || scopes < depth) {
+      found = &s;
+      other = nullptr;
+      depth = scopes;
+    } else if (scopes == depth && s.handle != found->handle && other == nullptr) {
+      other = &s;
+    }
+  }
+  if (found == nullptr) usage(no_signal(trace, name));
+  if (other != nullptr)
+    usage(printable_name(fmt::format("{} may be {} or {}; name more of its scopes", in_quotes(name),
+                                     found->name, other->name)));
+  return *found;
+}
+
+std::vector<View> views(Trace& trace, const std::string& text, const Form& form) {
+  Word w = split(text);
+  // A colon may be one of an escaped name.
+  if (!w.form.empty() &&
+      std::any_of(trace.signals().begin(), trace.signals().end(),
+                  [&](const Signal& s) { return s.name == text || s.name.ends_with('.' + text); }))
+    w = {text, {}, {}};
+  Form wanted = form;
+  if (!w.form.empty()) {
+    const auto own = parse_form(w.form);
+    if (!own)
+      usage(fmt::format("{}: no form {}; there are: {}, and eEmM", in_quotes(text),
+                        in_quotes(w.form), fmt::join(form_names(), ", ")));
+    wanted = *own;
+  }
+  std::vector<const Signal*> found;
+  // Elements of arrays have brackets in their names; else brackets are an index.
+  const std::string inner = "*." + w.name;
+  const auto named = [&](const std::string& name, const std::string& in_a_scope) {
+    return std::any_of(trace.signals().begin(), trace.signals().end(), [&](const Signal& s) {
+      return matches(name, s.name) || matches(in_a_scope, s.name);
+    });
+  };
+  bool whole = named(w.name, inner);
+  // An element of a memory that its writer has under an escaped name: mem[1] is \mem[1].
+  if (const std::size_t open = w.name.rfind('[');
+      !whole && open != std::string::npos &&
+      !named(w.name.substr(0, open), inner.substr(0, open + 2))) {
+    std::string escaped = w.name;
+    const std::size_t dot = escaped.rfind('.', open);
+    escaped.insert(dot == std::string::npos ? 0 : dot + 1, 1, '\\');
+    whole = named(escaped, "*." + escaped);
+    if (whole) w.name = escaped;
+  }
+  const std::size_t bracket = w.name.rfind('[');
+  if (!whole && bracket != std::string::npos && w.name.ends_with(']')) {
+    w.index = w.name.substr(bracket + 1, w.name.size() - bracket - 2);
+    w.name.resize(bracket);
+    if (w.index.empty())
+      usage(fmt::format("{}: the index must be [N] or [LEFT:RIGHT]", in_quotes(text)));
+  }
+  if (found.empty() && w.name.find_first_of("*?") != std::string::npos) {
+    const std::string inside = "*." + w.name;  // perhaps shorter than before
+    for (const Signal& s : trace.signals())
+      if (matches(w.name, s.name) || matches(inside, s.name)) found.push_back(&s);
+    if (found.empty()) usage(no_signal(trace, w.name));
+  } else if (found.empty()) {
+    found.push_back(&find_signal(trace, w.name));
+  }
+  std::vector<View> all;
+  for (const Signal* s : found) {
+    View v;
+    v.signal = *s;
+    v.width = s->width;
+    v.form = wanted.kind == Form::Kind::kFile ? default_form(trace, *s, wanted) : wanted;
+    v.label = s->name;
+    if (!w.index.empty()) {
+      narrow(v, w.index, text);
+      v.indexed = true;
+      v.label += "[" + w.index + "]";
+    }
+    // A form for all is not one for signals that it does not fit.
+    if (w.form.empty() || wanted.kind == Form::Kind::kFile) {
+      v.form = fitting(v.form, v.width);
+    } else if (found.size() > 1) {
+      if (const unsigned lane = lane_bits(v.form, v.width); lane != 0 && v.width % lane != 0)
+        continue;
+    } else {
+      check_form(v, text);
+    }
+    all.push_back(std::move(v));
+  }
+  if (all.empty()) usage(fmt::format("{}: the form fits no signal", in_quotes(text)));
+  return all;
+}
+
+std::string_view View::short_label() const {
+  const std::size_t escaped = label.find('\\');
+  const std::size_t dot = label.rfind('.', escaped);
+  return std::string_view(label).substr(dot == std::string::npos ? 0 : dot + 1);
+}
+
+View view(Trace& trace, const std::string& text, const Form& form) {
+  std::vector<View> all = views(trace, text, form);
+  if (all.size() > 1)
+    usage(fmt::format("{} names {} signals; it must name one", in_quotes(text), all.size()));
+  return std::move(all.front());
+}
+
+}  // namespace cde::wave

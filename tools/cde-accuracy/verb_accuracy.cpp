@@ -1,0 +1,553 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde accuracy: what formats, algorithms and budgets are worth, beside what they cost.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "accuracy/accuracy_page.hpp"
+#include "accuracy/accuracy_report.hpp"
+#include "cde/accuracy/kept.hpp"
+#include "cde/accuracy/picture.hpp"
+#include "cde/accuracy/price.hpp"
+#include "cde/accuracy/profiles.hpp"
+#include "cde/accuracy/scene_accuracy.hpp"
+#include "cde/accuracy/simulated.hpp"
+#include "cde/accuracy/sweep.hpp"
+#include "cde/accuracy/verdicts.hpp"
+#include "cde/card/json_keys.hpp"
+#include "cde/card/machine.hpp"
+#include "cde/fp/number_text.hpp"
+#include "cde/image/camera.hpp"
+#include "cde/jobs/dealing.hpp"
+#include "cde/mesh/mesh.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "cde/support/output_file.hpp"
+#include "cde/support/suffix.hpp"
+#include "options/clock_target.hpp"
+#include "options/deal_options.hpp"
+#include "options/pair_options.hpp"
+#include "options/scene_frames.hpp"
+#include "options/values.hpp"
+#include "output/output.hpp"
+#include "output/streams.hpp"
+#include "page/page.hpp"
+#include "verbs.hpp"
+
+namespace cde::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::vector<std::string> pairs, formats, algorithms, budgets, families;
+  std::vector<std::string> variants = {"card"};
+  std::string box = "both", output, mesh, grid = "64x48", camera;
+  std::string target = kDefaultTarget, page, from;
+  std::uint64_t cases = 2400, seed = 1, check = 0, profile_cases = 0;
+  std::string scene, frames;
+  double clock_mhz = 100;
+  DealOptions deal;
+  bool json = false, markdown = false, by_family = false, operators = true, quiet = false;
+  bool short_json = false, promises = false, verdicts = false;
+};
+
+bool wanted(const std::vector<std::string>& list, std::string_view word) {
+  return list.empty() || std::ranges::find(list, word) != list.end();
+}
+
+void add_ray_triangle(std::vector<AccuracyPipe>& pipes, const Options& o, FpFormat format) {
+  for (const std::string& algorithm : algorithm_names()) {
+    if (!wanted(o.algorithms, algorithm)) continue;
+    for (const bool box : {false, true})
+      if (o.box == "both" || (o.box == "on") == box)
+        pipes.push_back({.algorithm = *algorithm_named(algorithm), .box = box, .format = format});
+  }
+}
+
+/// Each once, in the order in which they are given.
+std::vector<PairBudget> budgets_of(const Options& o, Pair pair) {
+  std::vector<PairBudget> budgets;
+  for (const std::string& text : o.budgets) {
+    const PairBudget budget = budget_named(text, pair, "--budgets");
+    if (std::ranges::find(budgets, budget) == budgets.end()) budgets.push_back(budget);
+  }
+  return budgets;
+}
+
+/// Of a pair one format after the other; of each the algorithms, or the budgets.
+std::vector<AccuracyPipe> card_pipes(const Options& o) {
+  std::vector<AccuracyPipe> pipes;
+  bool budget_used = o.budgets.empty();
+  for (const std::string& name : pair_names()) {
+    if (!wanted(o.pairs, name)) continue;
+    const Pair pair = *pair_named(name);
+    for (const std::string& word : pair_formats()) {
+      if (!wanted(o.formats, word)) continue;
+      const FpFormat format = FpFormat::parse(word);
+      if (pair == Pair::kRayTriangle) {
+        add_ray_triangle(pipes, o, format);
+      } else if (has_budget(pair) && !o.budgets.empty()) {
+        budget_used = true;
+        for (const PairBudget& budget : budgets_of(o, pair))
+          pipes.push_back({.pair = pair, .format = format, .budget = budget});
+      } else {
+        pipes.push_back({.pair = pair, .format = format});
+      }
+    }
+  }
+  if (!budget_used)
+    throw Error(ErrorCode::kUsage,
+                "--budgets is of cylinder-cylinder, obb-cylinder and triangle-cylinder; none of "
+                "the pairs takes one");
+  return pipes;
+}
+
+/// Behind each of them the variants that are asked for.
+std::vector<AccuracyPipe> pipes_of(const Options& o) {
+  std::vector<AccuracyPipe> all;
+  for (AccuracyPipe pipe : card_pipes(o))
+    for (const Variant variant : variants()) {
+      if (!wanted(o.variants, name(variant)) || !has_variant(pipe.pair, variant)) continue;
+      pipe.variant = variant;
+      all.push_back(pipe);
+    }
+  if (all.empty())
+    throw Error(ErrorCode::kUsage, fmt::format("none of the pairs is one of --variants {}",
+                                               fmt::join(o.variants, ",")));
+  return all;
+}
+
+/// Each once, in the order in which they are given.
+std::vector<std::string> families_of(const Options& o) {
+  std::vector<std::string> families;
+  for (const std::string& family : o.families)
+    if (std::ranges::find(families, family) == families.end()) families.push_back(family);
+  return families;
+}
+
+/// Before anything slow: a family is one of some pair, and of one that is asked for.
+void check_families(const Options& o, const std::vector<AccuracyPipe>& pipes) {
+  const std::vector<std::string> known = family_names(pipes);
+  for (const std::string& family : o.families)
+    if (std::ranges::find(known, family) == known.end())
+      throw Error(ErrorCode::kUsage, fmt::format("no family {}; there are: {}", in_quotes(family),
+                                                 fmt::join(known, ", ")));
+}
+
+void write(const Options& o, const std::string& text) {
+  OutputFile file(o.output.empty() ? "-" : o.output);
+  file.write(text);
+  file.commit();
+}
+
+void say_what(const Options& o, const Json& machine, const std::string& what) {
+  if (o.quiet || o.json || !Dealing::here().leads()) return;
+  say("cde: {}, seed {}, {}\n", what, o.seed, machine.value("processor", std::string()));
+}
+
+Json head_json(const char* schema) {
+  Json all = program_json();
+  all["schema"] = schema;
+  all["machine"] = machine_json();
+  return all;
+}
+
+/// The page of a sweep, whose file is open before the work.
+void write_page(OutputFile& file, const Options& o, const Json& sweep, const std::string& where) {
+  const Target target = parse_target(o.target);
+  file.write(accuracy_html(sweep_of(sweep, where, target), target));
+  file.commit();
+  if (!o.quiet) say("page: {}\n", printable_name(o.page));
+}
+
+/// A line a configuration, and without the families: a table to keep.
+std::string short_json(Json all) {
+  const Json configurations = std::move(all["configurations"]);
+  all["configurations"] = Json::array();
+  std::string text = json_text(all, -1);
+  text.resize(text.rfind("[]") + 1);
+  for (std::size_t i = 0; i < configurations.size(); ++i) {
+    Json one = configurations[i];
+    one["families"] = Json::array();
+    text += (i == 0 ? "\n" : ",\n") + json_text(one, -1);
+  }
+  return text + "]}\n";
+}
+
+/// Nothing if the sweep's results are not all here.
+std::optional<std::vector<AccuracyRow>> measured_rows(const Options& o,
+                                                      const SweepOptions& options) {
+  const PriceTable table = PriceTable::of_project();  // before what takes long
+  std::optional<std::vector<Measured>> all = sweep(options);
+  if (!all) return std::nullopt;
+  std::vector<AccuracyRow> rows;
+  for (Measured& measured : *all) rows.push_back({std::move(measured), {}, {}});
+  std::vector<AccuracyPipe> pipes;
+  for (const AccuracyRow& row : rows) pipes.push_back(row.measured.pipe);
+  const std::vector<PipeFigures> figures = figures_of(pipes, o.operators);
+  const Target target = parse_target(o.target);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].price = price_of(pipes[i], figures[i], target, table);
+    if (o.check == 0 || pipes[i].variant != Variant::kCard) continue;
+    for (const Arithmetic arithmetic : {Arithmetic::kHost, Arithmetic::kRtl})
+      rows[i].simulated.push_back(simulated(pipes[i], arithmetic, o.seed, o.check));
+  }
+  return rows;
+}
+
+void run_pairs(const Options& o) {
+  if (!wanted(o.pairs, name(Pair::kRayTriangle)) &&
+      (!o.algorithms.empty() || o.box != "both" || o.profile_cases > 0))
+    throw Error(ErrorCode::kUsage,
+                "--algorithms, --box and --profiles are of ray-triangle, which is none of --pair");
+  if (o.profile_cases > 0 && !o.json && o.page.empty())
+    throw Error(ErrorCode::kUsage, "--profiles are for --page or --json, and neither is given");
+  const SweepOptions options{.pipes = pipes_of(o),
+                             .families = families_of(o),
+                             .seed = o.seed,
+                             .cases = o.cases,
+                             .deal = o.deal,
+                             .quiet = o.quiet};
+  check_families(o, options.pipes);
+  std::optional<OutputFile> page;
+  if (!o.page.empty() && Dealing::here().leads()) page.emplace(o.page);
+  Json all = head_json(kSweepSchema);
+  say_what(o, all["machine"], fmt::format("{} cases a line", o.cases));
+  const std::optional<std::vector<AccuracyRow>> measured = measured_rows(o, options);
+  if (!measured) return;
+  const std::vector<AccuracyRow>& rows = *measured;
+  all.update({{"seed", o.seed},
+              {"cases", o.cases},
+              {"only_families", families_of(o)},
+              {"band_u", 16},
+              {"lanes", 1},
+              {"profiles", Json::array()},
+              {"configurations", accuracy_json(rows)}});
+  if (o.profile_cases > 0)
+    all["profiles"] = profiles_json(profiles(options.pipes, o.seed, o.profile_cases, o.quiet));
+  if (page) write_page(*page, o, all, "this sweep");
+  if (o.json)
+    write(o, o.short_json ? short_json(all) : json_text(all) + "\n");
+  else if (o.promises)
+    write(o, promise_table(rows));
+  else if (o.page != "-" || !o.output.empty())
+    write(o, accuracy_tables(rows, o.by_family, o.markdown));
+}
+
+/// The page of a sweep that was kept.
+void run_kept(const Options& o) {
+  if (o.page.empty())
+    throw Error(ErrorCode::kUsage,
+                "--from makes a page of a sweep that was kept; --page FILE is "
+                "missing");
+  OutputFile page(o.page);
+  write_page(page, o, read_sweep(o.from, parse_target(o.target)).json, printable_name(o.from));
+}
+
+void run_picture(const Options& o) {
+  Options of = o;
+  of.pairs = {std::string(name(Pair::kRayTriangle))};
+  const std::vector<AccuracyPipe> pipes = pipes_of(of);
+  const Resolution size = parse_resolution(o.grid, "--grid");
+  const Mesh mesh = load_mesh_or_builtin(o.mesh);
+  const Eigen::AlignedBox3f box = bounds(mesh);
+  const std::vector<Ray> rays = o.camera.empty()     ? grid_rays(box, size)
+                                : o.camera == "auto" ? camera_for(box, size).rays(size)
+                                                     : parse_camera(o.camera).rays(size);
+  Json all = head_json("cde.accuracy.picture.1");
+  say_what(o, all["machine"],
+           fmt::format("{}, {} triangles, {} rays", printable_name(o.mesh), mesh.faces.size(),
+                       rays.size()));
+  std::optional<OutputFile> page;
+  if (!o.page.empty()) {
+    need_three("--page");
+    page.emplace(o.page);
+  }
+  const std::vector<PictureAccuracy> rows = picture_accuracy(mesh, rays, pipes, o.quiet);
+  if (page) {
+    page->write(pictures_html(rows, size, o.mesh, mesh));
+    page->commit();
+    if (!o.quiet) say("page: {}\n", printable_name(o.page));
+    if (o.page == "-" && o.output.empty()) return;
+  }
+  if (o.json) {
+    all.update({{"mesh", o.mesh}, {"band_u", 16}, {"pictures", picture_json(rows)}});
+    write(o, json_text(all) + "\n");
+  } else {
+    write(o, picture_table(rows, o.markdown));
+  }
+}
+
+/// Every frame's queries in each format; what they would take is of the planned card.
+void run_scene(const Options& o) {
+  cde::Scene scene = load_scene(o.scene);
+  scene.card.hierarchy = UseHierarchy::kOff;  // a tree is of fp32 alone, rows are those of sweeps
+  const Plan planned = plan(scene);
+  const Frames frames = frames_of(o.frames, scene);
+  SceneAccuracyOptions options{.first = frames.first, .last = frames.last, .quiet = o.quiet};
+  for (const std::string& word : pair_formats())
+    if (wanted(o.formats, word)) options.formats.push_back(FpFormat::parse(word));
+  Json all = head_json("cde.accuracy.scene.1");
+  say_what(o, all["machine"],
+           fmt::format("{}, frames {}..{}", printable_name(o.scene), frames.first, frames.last));
+  const std::vector<SceneAccuracy> rows = scene_accuracy(scene, planned, options);
+  const double clock_hz = 1e6 * o.clock_mhz;
+  if (o.json) {
+    all.update({{"scene", o.scene},
+                {"clock_hz", clock_hz},
+                {"lanes", planned.board.lanes},
+                {"scene_rows", scene_accuracy_json(rows, clock_hz)}});
+    write(o, json_text(all) + "\n");
+  } else {
+    write(o,
+          scene_table(rows, clock_hz, o.markdown) +
+              fmt::format("rows ms: modelled time of the rows alone, {} lanes at an assumed core "
+                          "clock of {:g} MHz in every format, without start, write-back and bus\n",
+                          planned.board.lanes, o.clock_mhz));
+  }
+}
+
+/// Before fp32.
+bool can_be_narrow(FpFormat format) {
+  const FpFormat wide;
+  return format.exp_bits <= wide.exp_bits && format.man_bits < wide.man_bits;
+}
+
+/// Narrow first tests of the pairs that have them, each with the least budget unless one is given.
+std::vector<VerdictRow> verdict_rows(const Options& o) {
+  Options of = o;
+  if (of.formats.empty()) of.formats = {"bf16", "fp16"};
+  if (of.budgets.empty() && std::ranges::any_of(pair_names(), [&](const std::string& pair) {
+        return wanted(o.pairs, pair) && has_budget(*pair_named(pair));
+      }))
+    of.budgets = {"4,2,2"};
+  std::vector<VerdictRow> rows;
+  for (const AccuracyPipe& pipe : card_pipes(of)) {
+    if (!can_be_narrow(pipe.format))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--verdicts: a first test is in a format that has no more exponent "
+                              "bits than fp32 and fewer fraction bits, not in {}",
+                              pipe.format.name()));
+    if (!has_proofs(pipe.pair)) {
+      if (o.pairs.empty()) continue;
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--verdicts is of pairs of solids without a plane, not of {}",
+                              name(pipe.pair)));
+    }
+    rows.push_back({pipe.pair, pipe.format, pipe.budget, {}});
+  }
+  return rows;
+}
+
+void run_verdicts(const Options& o) {
+  std::vector<VerdictRow> rows = verdict_rows(o);
+  std::vector<AccuracyPipe> pipes;
+  for (const VerdictRow& row : rows) pipes.push_back({.pair = row.pair, .format = row.narrow});
+  check_families(o, pipes);
+  Json all = head_json("cde.accuracy.verdicts.1");
+  say_what(o, all["machine"], fmt::format("{} cases a line", o.cases));
+  count_verdicts(rows, {families_of(o), o.seed, o.cases, o.quiet});
+  if (o.json) {
+    all.update({{"seed", o.seed}, {"cases", o.cases}, {"verdicts", verdict_json(rows)}});
+    write(o, json_text(all) + "\n");
+  } else {
+    write(o, verdict_table(rows, o.by_family, o.markdown));
+  }
+}
+
+/// What there is to do, by the option that says so, and what that takes; all else would be ignored.
+struct Work {
+  const char* option;
+  std::vector<std::string_view> takes;
+};
+const Work kWorks[] = {
+    {"--from", {"--page", "--target"}},
+    {"--verdicts",
+     {"--pair", "--formats", "--budgets", "--families", "--cases", "--seed", "--by-family",
+      "--json", "--markdown", "--output"}},
+    {"--scene", {"--formats", "--frames", "--clock", "--json", "--markdown", "--output"}},
+    {"--mesh",
+     {"--pair", "--formats", "--algorithms", "--box", "--variants", "--grid", "--camera", "--page",
+      "--json", "--markdown", "--output"}}};
+
+void check_options(const CLI::App& verb, const Options& o) {
+  for (const Work& work : kWorks) {
+    if (verb.count(work.option) == 0) continue;
+    if (Dealing::here().ranks() > 1)
+      throw Error(ErrorCode::kUsage, fmt::format("{} is of one process, and {} ranks were started",
+                                                 work.option, Dealing::here().ranks()));
+    for (const CLI::Option* given : verb.get_options()) {
+      const std::string option = given->get_name();
+      if (given->count() > 0 && option != work.option && option != "--quiet" &&
+          option != "--operators" && std::ranges::find(work.takes, option) == work.takes.end())
+        throw Error(ErrorCode::kUsage,
+                    fmt::format("{} has no meaning with {}", option, work.option));
+    }
+    if (work.option == std::string_view("--mesh") &&
+        std::ranges::any_of(
+            o.pairs, [](const std::string& pair) { return pair != name(Pair::kRayTriangle); }))
+      throw Error(ErrorCode::kUsage, "--mesh is of ray-triangle, not of other --pair");
+    return;
+  }
+}
+
+/// Of a sweep: what would be written nowhere.
+void check_sweep_options(const CLI::App& verb, const Options& o) {
+  if (o.by_family && o.promises)
+    throw Error(ErrorCode::kUsage, "--by-family has no meaning with --promises");
+  if (o.by_family && o.json)
+    throw Error(ErrorCode::kUsage,
+                "--by-family is of tables; --json has all families unless --short");
+  if (verb.count("--target") > 0 && o.promises && o.page.empty())
+    throw Error(ErrorCode::kUsage, "--target has no meaning with --promises");
+}
+
+void run(const CLI::App& verb, const Options& o) {
+  check_options(verb, o);
+  check_sweep_options(verb, o);
+  const char* prints = o.json ? "--json" : o.promises ? "--promises" : nullptr;  // beside a page
+  const bool to_stdout = prints != nullptr && o.output.empty();
+  check_outputs(
+      std::vector<FileUse>{to_stdout ? FileUse{prints, "-"} : FileUse{"--output", o.output},
+                           {"--resume", o.deal.resume},
+                           {"--page", o.page}},
+      std::vector<FileUse>{{"--from", o.from}});
+  check_suffix("--page", o.page, ".html");
+  if (!o.from.empty())
+    run_kept(o);
+  else if (o.verdicts)
+    run_verdicts(o);
+  else if (!o.scene.empty())
+    run_scene(o);
+  else if (o.mesh.empty())
+    run_pairs(o);
+  else
+    run_picture(o);
+}
+
+CLI::Option* list(CLI::Option* option, char between = ',') {
+  return option->delimiter(between)->allow_extra_args(false);
+}
+
+void add_choices(CLI::App& verb, Options& o) {
+  named(list(verb.add_option("--pair", o.pairs, "Pairs (all), separated by commas")), pair_names(),
+        "LIST", "pair");
+  named(list(verb.add_option("--formats", o.formats, "Formats (all)")), pair_formats(), "LIST",
+        "format");
+  named(list(verb.add_option("--algorithms", o.algorithms, "Of ray-triangle (all)")),
+        algorithm_names(), "LIST", "algorithm");
+  one_of(verb.add_option("--box", o.box, "Of ray-triangle: with the box rule, without, or both")
+             ->capture_default_str(),
+         {"both", "on", "off"});
+  known_words(list(verb.add_option("--budgets", o.budgets,
+                                   "Of cylinder pairs, as cde query has them, separated by "
+                                   "colons: 4,0,0:8,8,8 (8,8,8)"),
+                   ':'),
+              {}, "LIST");
+  named(list(verb.add_option("--variants", o.variants,
+                             "The card's pipes, and what they are compared with: fused has "
+                             "multiply-adds that round once, textbook the usual quadratics and "
+                             "separating axes; no card has these")
+                 ->capture_default_str()),
+        {"card", "fused", "textbook"}, "LIST", "variant");
+  known_words(list(verb.add_option("--families", o.families,
+                                   "Families of cases (all); a wrong name lists them")),
+              {}, "LIST");
+  whole_number_in(verb.add_option("--cases", o.cases, "Cases a pipe, shared out to its families")
+                      ->capture_default_str(),
+                  1, 100'000'000, "");
+  whole_number_in(verb.add_option("--seed", o.seed, "Of the cases")->capture_default_str(), 0,
+                  1'000'000'000'000, "");
+}
+
+void add_page(CLI::App& verb, Options& o) {
+  auto* page = file_value(verb.add_option("--page", o.page,
+                                          "All figures as a page with charts too, one HTML file "
+                                          "that loads nothing (- is stdout)"),
+                          "FILE.html");
+  file_value(
+      verb.add_option("--from", o.from, "The page of a sweep that --json kept: nothing is measured")
+          ->needs(page),
+      "FILE");
+  whole_number_in(verb.add_option("--profiles", o.profile_cases,
+                                  "Rays a point of ray-triangle's errors against grazing angle, "
+                                  "size, distance and aspect; 0: none")
+                      ->capture_default_str(),
+                  0, 1'000'000, "");
+  target_option(verb, o.target, "Device that prices are of, or a clock without one")
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_accuracy(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand(
+      "accuracy",
+      "Measure how far pipes are from the truth, and what they cost. Each case goes through the "
+      "mirror reference, which is the card bit by bit, and is judged by exact or certified "
+      "arithmetic; with --mesh the cases are the pixels of a picture");
+  add_choices(*verb, *o);
+  verb->add_flag("--by-family", o->by_family, "A line a family too");
+  whole_number_in(verb->add_option("--check", o->check,
+                                   "So many cases go through the simulated pipe too, by the "
+                                   "host's arithmetic and by gates, which are built first")
+                      ->capture_default_str(),
+                  0, 1'000'000, "");
+  verb->add_flag("--operators,!--no-operators", o->operators,
+                 "Count operators and clocks in the RTL: seconds a pipe the first time (on)");
+  add_deal_options(*verb, o->deal);
+  auto* mesh = file_value(
+      verb->add_option("--mesh", o->mesh,
+                       "A picture of this mesh instead: a file, terrain or terrain:X,Y,SEED"),
+      "MESH");
+  auto* scene =
+      file_value(verb->add_option("--scene", o->scene,
+                                  "Records of this scene instead, frame by frame, beside those of "
+                                  "fp64"),
+                 "SCENE");
+  scene->excludes("--mesh");
+  frames_option(*verb, o->frames)->needs(scene);
+  clock_option(*verb, o->clock_mhz)->needs(scene);
+  text_value(verb->add_option("--grid", o->grid, "Rays of the picture")->capture_default_str(),
+             "WxH", [](const std::string& text) { (void)parse_resolution(text, "--grid"); })
+      ->needs(mesh);
+  known_words(verb->add_option("--camera", o->camera,
+                               "Rays of a camera, eye,target[,angle], instead of straight down"),
+              {"auto"}, "EX,EY,EZ,TX,TY,TZ[,FOV]|auto")
+      ->needs(mesh);
+  auto* json = verb->add_flag("--json", o->json, "All figures as JSON");
+  verb->add_flag("--short", o->short_json, "JSON without the families, a line a configuration")
+      ->needs(json);
+  add_page(*verb, *o);
+  auto* markdown = verb->add_flag("--markdown", o->markdown, "Tables in Markdown")->excludes(json);
+  verb->add_flag("--promises", o->promises,
+                 "Instead a table in Markdown: what is promised of each pipe, whether it was kept, "
+                 "and what was excused")
+      ->excludes(json)
+      ->excludes(markdown);
+  verb->add_flag(
+          "--verdicts", o->verdicts,
+          "Instead: what a first test in --formats (bf16, fp16) is certain of, with proof in "
+          "fp32, of pairs of solids; budgets are 4,2,2 unless given")
+      ->excludes("--promises")
+      ->excludes("--mesh")
+      ->excludes("--scene")
+      ->excludes("--page")
+      ->excludes("--from")
+      ->excludes("--resume")
+      ->excludes("--shard")
+      ->excludes("--check")
+      ->excludes("--variants");
+  file_value(verb->add_option("-o,--output", o->output, "Where to write (stdout)"), "FILE");
+  verb->add_flag("-q,--quiet", o->quiet, "No progress");
+  verb->callback([o, verb] { run(*verb, *o); });
+}
+
+}  // namespace cde::cli

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde advise: the cheapest pipe that is good enough.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <regex>
+#include <string>
+
+#include "accuracy/advice.hpp"
+#include "cde/bitstream/bitstream.hpp"
+#include "cde/card/json_keys.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "options/clock_target.hpp"
+#include "options/values.hpp"
+#include "output/output.hpp"
+#include "output/streams.hpp"
+#include "verbs.hpp"
+
+namespace cde::cli {
+namespace {
+
+struct Options {
+  std::string pair = "ray-triangle", at = "p999", time, target = kDefaultTarget, from;
+  double max_error = 0, max_wrong = 0, tests = 1e6;
+  bool has_error = false, has_wrong = false, no_leaks = false, sure = false, json = false;
+};
+
+double parse_time(const std::string& text) {
+  static const std::regex form("([0-9]+(?:\\.[0-9]*)?(?:e-?[0-9]{1,3})?)(ns|us|µs|ms|s)");
+  constexpr double kLeast = 1e-12, kMost = 1e9;  // s
+  std::smatch parts;
+  if (!std::regex_match(text, parts, form))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--time is {}; it must be a number and ns, us, ms or s, e.g. 1ms",
+                            in_quotes(text)));
+  const std::string unit = parts[2];
+  const std::string number = parts[1];
+  // What is beyond the range of doubles becomes 0 or infinity.
+  const double seconds = std::strtod(number.c_str(), nullptr) * (unit == "ns"   ? 1e-9
+                                                                 : unit == "ms" ? 1e-3
+                                                                 : unit == "s"  ? 1
+                                                                                : 1e-6);
+  if (!(seconds >= kLeast && seconds <= kMost))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--time is {}; it must be 1 ps to 1e9 s", in_quotes(text)));
+  return seconds;
+}
+
+Demands demands_of(const Options& o) {
+  Demands d{.pair = *pair_named(o.pair)};
+  if (o.has_error) d.max_error = o.max_error;
+  if (o.has_wrong) d.max_wrong = o.max_wrong;
+  d.quantile = o.at == "p99"    ? &Quantiles::p99
+               : o.at == "p999" ? &Quantiles::p999
+                                : &Quantiles::largest;
+  d.no_leaks = o.no_leaks, d.sure = o.sure, d.tests = o.tests;
+  if (!o.time.empty()) d.seconds = parse_time(o.time);
+  if (d.no_leaks && d.pair != Pair::kRayTriangle)
+    throw Error(ErrorCode::kUsage, "--no-leaks is of ray-triangle; no other pair makes up meshes");
+  if (d.sure && !d.max_wrong)
+    throw Error(ErrorCode::kUsage, "--sure is of --max-wrong, which is not given");
+  return d;
+}
+
+void run(const Options& o) {
+  const Demands demands = demands_of(o);
+  const Target target = parse_target(o.target);
+  const std::string file =
+      o.from.empty()
+          ? (bitstream_builder().parent_path().parent_path() / "docs" / "accuracy.json").string()
+          : o.from;
+  const KeptSweep sweep = read_sweep(file, target);
+  const std::vector<Candidate> all = advise(sweep, demands);
+  if (all.empty())
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} has no configuration of {}", printable_name(file), o.pair));
+  if (o.json) {
+    nlohmann::ordered_json report = program_json();
+    report.update({{"schema", "cde.advise.2"},
+                   {"pair", o.pair},
+                   {"target", target.name},
+                   {"tests", demands.tests},
+                   {"advised", advice_json(sweep, demands, all)}});
+    put(json_text(report) + "\n");
+  } else {
+    put(advice_text(sweep, demands, target, all));
+  }
+  if (!all.front().unmet.empty()) exit_code = 1;
+}
+
+}  // namespace
+
+void add_advise(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand(
+      "advise",
+      "Name the cheapest pipe that meets demands, by area and then by time, with its figures and "
+      "the commands that repeat them; or what is in the way, with status 1. Figures are those of a "
+      "sweep of cde accuracy that was kept");
+  named(verb->add_option("--pair", o->pair, "Pair")->capture_default_str(), pair_names(), "PAIR",
+        "pair");
+  auto* error = number_in(verb->add_option("--max-error", o->max_error,
+                                           "Error of T at most, over the size of the pair"),
+                          0, 1e6, "");
+  one_of(verb->add_option("--at", o->at,
+                          "Which error: that 99 or 99.9 % of the cases have at most, "
+                          "or the largest")
+             ->capture_default_str(),
+         {"p99", "p999", "largest"});
+  verb->add_flag("--no-leaks", o->no_leaks, "No ray from inside a closed mesh may miss all of it");
+  auto* wrong = number_in(verb->add_option("--max-wrong", o->max_wrong,
+                                           "Wrong decisions in a million at most, beyond the band"),
+                          0, 1e6, "");
+  verb->add_flag("--sure", o->sure,
+                 "The upper end of their interval counts, not their share in the sweep");
+  text_value(verb->add_option("--time", o->time, "Modelled time of the tests at most"), "TIME",
+             [](const std::string& text) { (void)parse_time(text); });
+  number_in(
+      verb->add_option("--tests", o->tests, "Tests that the time is of")->capture_default_str(), 1,
+      1e15, "");
+  target_option(*verb, o->target, "Device, or clock without one")->capture_default_str();
+  file_value(verb->add_option("--from", o->from,
+                              "Sweep, as cde accuracy --json writes it (docs/accuracy.json)"),
+             "FILE");
+  verb->add_flag("--json", o->json, "All configurations of the pair as JSON, the best first");
+  verb->callback([o, error, wrong] {
+    o->has_error = error->count() > 0, o->has_wrong = wrong->count() > 0;
+    run(*o);
+  });
+}
+
+}  // namespace cde::cli

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "options/cli_fwd.hpp"
+#include "program/program.hpp"
+
+/// The verbs of cde-accuracy. Each adds itself to the parser; its callback throws cde::Error.
+namespace cde::cli {
+
+void add_accuracy(CLI::App& app);
+void add_advise(CLI::App& app);
+
+}  // namespace cde::cli

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde bench hierarchy: rays through the hierarchy of a card, its own clocks and with the bus, what
+// simulating it takes, its refit, and Embree on the same rays; spheres, OBBs and meshes, and FCL on
+// these; spheres among others.
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/bench.hpp"
+#include "bench/cloud_figures.hpp"
+#include "bench/mesh_figures.hpp"
+#include "bench/solid_figures.hpp"
+#include "bench/tree_figures.hpp"
+#include "cde/card/json_keys.hpp"
+#include "cde/mesh/terrain.hpp"
+#include "cde/support/progress.hpp"
+#include "output/streams.hpp"
+
+namespace cde::cli {
+
+nlohmann::ordered_json bench_hierarchy(const BenchOptions& o) {
+  show(
+      "\nHierarchy: device times are modelled clocks, the others processor time of this machine\n");
+  std::vector<TerrainOptions> meshes = {{.quads_x = 80, .quads_y = 80}};
+  if (!o.quick) meshes.emplace_back();
+  auto all = nlohmann::ordered_json::array();
+  for (const TerrainOptions& options : meshes) {
+    const Mesh mesh = make_terrain(options);
+    const TreeFigures figures = [&] {
+      const Busy busy(fmt::format("rays through {} triangles", mesh.faces.size()), false);
+      return measure_tree(mesh, o.quick ? 8'192 : 65'536, o.clock_hz);
+    }();
+    show_tree(figures);
+    all.push_back(tree_json(figures));
+    const std::vector<SolidFigures> solids = [&] {
+      const Busy busy(fmt::format("solids at {} triangles", mesh.faces.size()), false);
+      return measure_solids(mesh, o.clock_hz, o.quick);
+    }();
+    show_solids(solids, o.clock_hz);
+    all.back()["solids"] = solids_json(solids, o.clock_hz);
+    if (o.quick) continue;  // another card
+    const MeshFigures through = [&] {
+      const Busy busy(fmt::format("a mesh at {} triangles", mesh.faces.size()), false);
+      return measure_meshes(mesh, o.clock_hz);
+    }();
+    show_meshes(through, o.clock_hz);
+    all.back()["meshes"] = meshes_json(through, o.clock_hz);
+  }
+  if (o.quick) return all;  // another card again
+  const std::vector<CloudFigures> clouds = [&] {
+    const Busy busy("spheres among spheres and OBBs", false);
+    return measure_clouds(o.clock_hz);
+  }();
+  show_clouds(clouds, o.clock_hz);
+  all.back()["clouds"] = clouds_json(clouds, o.clock_hz);
+  return all;
+}
+
+}  // namespace cde::cli

@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde inventory: operators and latencies of the pipes, from the elaborated RTL, beside the paper's.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cde/card/json_keys.hpp"
+#include "cde/netlist/pipe_figures.hpp"
+#include "cde/support/error.hpp"
+#include "options/values.hpp"
+#include "output/streams.hpp"
+#include "verbs.hpp"
+
+namespace cde::cli {
+namespace {
+
+using netlist::Pipe;
+using netlist::Profile;
+
+struct Options {
+  std::vector<std::string> pairs;
+  std::string profile = "3,3,12,12,1";
+  unsigned facet_interval = 1;
+  bool json = false, markdown = false;
+};
+
+/// What the paper's Tables 1 and 2 say of an algorithm: "Hardware-Accelerated Ray-Triangle
+/// Intersection Testing for High-Performance Collision Detection", Journal of WSCG 15, 2007.
+struct Published {
+  unsigned inputs, outputs, latency, multipliers, dividers, adders, subtractors, comparators, ands;
+};
+constexpr std::array<Published, 3> kPaper = {{{9, 6, 10, 27, 1, 12, 15, 8, 2},     // Möller
+                                              {9, 6, 16, 27, 2, 13, 23, 6, 3},     // Badouel
+                                              {15, 6, 17, 54, 1, 31, 17, 3, 2}}};  // Plücker
+
+const Published* published(Algorithm algorithm) {
+  const auto i = static_cast<std::size_t>(algorithm);
+  return i < kPaper.size() ? &kPaper.at(i) : nullptr;
+}
+
+/// A line of the paper's tables, here and there.
+struct Quantity {
+  const char* name;
+  unsigned (*here)(const Pipe&);
+  unsigned Published::*there;
+};
+constexpr std::array<Quantity, 3> kTable1 = {
+    {{"inputs", [](const Pipe& p) { return p.b_words; }, &Published::inputs},
+     {"outputs", [](const Pipe& p) { return p.outputs; }, &Published::outputs},
+     {"latency", [](const Pipe& p) { return p.latency; }, &Published::latency}}};
+constexpr std::array<Quantity, 6> kTable2 = {
+    {{"multipliers", [](const Pipe& p) { return p.operators.multipliers; },
+      &Published::multipliers},
+     {"dividers", [](const Pipe& p) { return p.operators.dividers; }, &Published::dividers},
+     {"adders", [](const Pipe& p) { return p.operators.adders; }, &Published::adders},
+     {"subtractors", [](const Pipe& p) { return p.operators.subtractors; },
+      &Published::subtractors},
+     {"comparators", [](const Pipe& p) { return p.operators.comparators; },
+      &Published::comparators},
+     {"ANDs", [](const Pipe& p) { return p.operators.mask_ands; }, &Published::ands}}};
+
+struct Reason {
+  std::optional<Algorithm> algorithm;  ///< of all if empty
+  std::string_view quantity, text;
+};
+constexpr std::array<Reason, 13> kReasons = {{
+    {std::nullopt, "outputs",
+     "F, T and the three words of CP leave the pipe; the paper's sixth, the index, is the update "
+     "engine's, which counts the secondaries."},
+    {std::nullopt, "ANDs",
+     "ANDs of two lane masks, in the whole decision; the paper does not say how many inputs its "
+     "ANDs have."},
+    {Algorithm::kBadouel, "multipliers",
+     "Alpha and beta are compared with the normal's dominant component instead of being divided by "
+     "it; the paper does not say what its other products are."},
+    {Algorithm::kBadouel, "dividers",
+     "Alpha and beta stay unscaled, which leaves the division of the plane's equation alone."},
+    {Algorithm::kBadouel, "adders",
+     "Three dot products, alpha + beta and O + t D take ten; the paper does not itemise its "
+     "thirteen."},
+    {Algorithm::kBadouel, "subtractors",
+     "Two edges, the normal, w - s, and two coordinates with their determinants take fourteen; the "
+     "paper does not itemise its 23."},
+    {Algorithm::kBadouel, "comparators",
+     "Two choose the dominant axis and two hold T to tmin and tmax."},
+    {Algorithm::kBadouel, "latency",
+     "One clock an operator on the longest way; the paper does not draw its own."},
+    {Algorithm::kPluecker, "inputs",
+     "The triangle comes as its three vertices; the paper's 15 words hold edges computed before."},
+    {Algorithm::kPluecker, "latency",
+     "The three edge products run side by side, and their sum and the division follow at once."},
+    {Algorithm::kPluecker, "adders",
+     "Adders and subtractors together are to be compared: how a term's sign is written decides "
+     "between the two."},
+    {Algorithm::kPluecker, "subtractors",
+     "As the adders: counted together, the difference is in how signs are written."},
+    {Algorithm::kPluecker, "comparators",
+     "One more for a determinant of zero and two for tmin and tmax, which the paper does not "
+     "count."},
+}};
+
+std::string_view reason(Algorithm algorithm, std::string_view quantity) {
+  for (const Reason& r : kReasons)
+    if (r.algorithm.value_or(algorithm) == algorithm && r.quantity == quantity) return r.text;
+  return "The paper does not say how its figure comes about.";
+}
+
+/// Columns of text under heads.
+struct Table {
+  std::string title;
+  std::vector<std::string> heads;
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::string> notes = {};
+
+  void print(bool markdown) const {
+    std::vector<std::size_t> widths;
+    for (std::size_t c = 0; c < heads.size(); ++c) {
+      widths.push_back(heads[c].size());
+      for (const auto& row : rows) widths[c] = std::max(widths[c], row[c].size());
+    }
+    const auto line = [&](const std::vector<std::string>& cells) {
+      std::string text = markdown ? "|" : "";
+      for (std::size_t c = 0; c < cells.size(); ++c) {
+        if (markdown)
+          text += c == 0 ? fmt::format(" {:<{}} |", cells[c], widths[c])
+                         : fmt::format(" {:>{}} |", cells[c], widths[c]);
+        else
+          text += c == 0 ? fmt::format("{:<{}}", cells[c], widths[c])
+                         : fmt::format("  {:>{}}", cells[c], widths[c]);
+      }
+      put("{}\n", text);
+    };
+    put("{}{}\n\n", markdown ? "### " : "", title);
+    line(heads);
+    if (markdown) {
+      std::string rule = "|";
+      for (std::size_t c = 0; c < heads.size(); ++c) rule += c == 0 ? " --- |" : " ---: |";
+      put("{}\n", rule);
+    }
+    for (const auto& row : rows) line(row);
+    if (!notes.empty()) put("\n");
+    for (const std::string& note : notes) put("- {}\n", note);
+    put("\n");
+  }
+};
+
+/// One of the paper's tables, each figure as "here / paper".
+template <std::size_t N>
+Table comparison(const std::string& title, const std::array<Quantity, N>& quantities,
+                 const std::vector<Pipe>& pipes) {
+  Table table{title, {"here / paper"}, {}};
+  for (const Pipe& pipe : pipes) table.heads.emplace_back(cde::name(pipe.algorithm));
+  for (const Quantity& q : quantities) {
+    std::vector<std::string> row = {q.name};
+    for (const Pipe& pipe : pipes) {
+      const Published* paper = published(pipe.algorithm);
+      const std::string there = paper == nullptr ? "-" : fmt::to_string(paper->*q.there);
+      row.push_back(fmt::format(
+          "{} / {}", pipe.absent.empty() ? fmt::to_string(q.here(pipe)) : "absent", there));
+      if (pipe.absent.empty() && paper != nullptr && q.here(pipe) != paper->*q.there) {
+        std::string note = fmt::format("{}: {}", q.name, reason(pipe.algorithm, q.name));
+        const bool of_all = std::any_of(kReasons.begin(), kReasons.end(), [&](const Reason& r) {
+          return !r.algorithm && r.quantity == q.name;
+        });
+        if (!of_all) note = fmt::format("{}, {}", cde::name(pipe.algorithm), note);
+        if (std::find(table.notes.begin(), table.notes.end(), note) == table.notes.end())
+          table.notes.push_back(note);
+      }
+    }
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+Table all_pipes(const std::vector<Pipe>& pipes, const Profile& profile) {
+  Table table{"Pipes",
+              {"pipe", "mul", "div", "sqrt", "add", "sub", "cmp", "min/max", "levels", "clocks",
+               "interval"},
+              {}};
+  for (const Pipe& pipe : pipes) {
+    if (!pipe.absent.empty()) {
+      table.rows.push_back({pipe.name(), "absent", "", "", "", "", "", "", "", "", ""});
+      continue;
+    }
+    std::vector<std::string> row = {pipe.name()};
+    const netlist::Operators& o = pipe.operators;
+    for (const unsigned n :
+         {o.multipliers, o.dividers, o.square_roots, o.adders, o.subtractors, o.comparators,
+          o.min_max, pipe.latency, pipe.latency_profile, pipe.interval})
+      row.push_back(fmt::to_string(n));
+    table.rows.push_back(row);
+  }
+  table.notes = {"levels: latency in clocks when every operator takes one",
+                 fmt::format("clocks: latency when operators take {}", profile.text()),
+                 "interval: clocks from one row of pairs to the next"};
+  if (std::any_of(pipes.begin(), pipes.end(), [](const Pipe& p) { return !p.absent.empty(); }))
+    table.notes.emplace_back("absent: the RTL has no pipe for this pair and algorithm");
+  return table;
+}
+
+nlohmann::ordered_json as_json(const std::vector<Pipe>& pipes, const Profile& profile) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const Pipe& pipe : pipes) {
+    nlohmann::ordered_json j = {{"pair", cde::name(pipe.pair)}};
+    if (pipe.pair == Pair::kRayTriangle) j["algorithm"] = cde::name(pipe.algorithm);
+    j["absent"] = !pipe.absent.empty();
+    if (pipe.absent.empty()) {
+      const netlist::Operators& o = pipe.operators;
+      j["module"] = pipe.module;
+      j["operators"] = {{"multipliers", o.multipliers},   {"dividers", o.dividers},
+                        {"square_roots", o.square_roots}, {"adders", o.adders},
+                        {"subtractors", o.subtractors},   {"comparators", o.comparators},
+                        {"min_max", o.min_max},           {"mask_ands", o.mask_ands}};
+      j["input_words"] = {{"primary", pipe.a_words}, {"secondary", pipe.b_words}};
+      j["output_words"] = pipe.outputs;
+      j["latency_levels"] = pipe.latency;
+      j["latency_clocks"] = pipe.latency_profile;
+      j["initiation_interval"] = pipe.interval;
+    }
+    if (const Published* p = published(pipe.algorithm);
+        p != nullptr && pipe.pair == Pair::kRayTriangle)
+      j["paper"] = {{"inputs", p->inputs},           {"output_words", p->outputs},
+                    {"latency_levels", p->latency},  {"multipliers", p->multipliers},
+                    {"dividers", p->dividers},       {"adders", p->adders},
+                    {"subtractors", p->subtractors}, {"comparators", p->comparators},
+                    {"mask_ands", p->ands}};
+    all.push_back(j);
+  }
+  nlohmann::ordered_json j = program_json();
+  j.update({{"latency_profile",
+             {{"add", profile.add},
+              {"mul", profile.mul},
+              {"div", profile.div},
+              {"sqrt", profile.sqrt},
+              {"compare", profile.cmp}}},
+            {"pipes", all}});
+  return j;
+}
+
+Profile parse_profile(const std::string& text) {
+  Profile p;
+  int end = 0;
+  const bool whole = text.find_first_not_of("0123456789,") == std::string::npos &&
+                     std::sscanf(text.c_str(), "%3u,%3u,%3u,%3u,%3u%n", &p.add, &p.mul, &p.div,
+                                 &p.sqrt, &p.cmp, &end) == 5 &&
+                     static_cast<std::size_t>(end) == text.size();
+  for (const unsigned clocks : {p.add, p.mul, p.div, p.sqrt, p.cmp})
+    if (!whole || clocks < 1 || clocks > 64)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--latencies is {}; it must be the clocks of add, mul, div, sqrt "
+                              "and compare, 1 to 64 each: 3,3,12,12,1",
+                              in_quotes(text)));
+  return p;
+}
+
+std::vector<Pipe> wanted_pipes(const std::vector<std::string>& names) {
+  std::vector<Pipe> pipes;
+  for (unsigned p = 0; p < kPairs; ++p) {
+    const auto pair = static_cast<Pair>(p);
+    if (!names.empty() && std::find(names.begin(), names.end(), name(pair)) == names.end())
+      continue;
+    if (pair == Pair::kRayTriangle) {
+      for (const Algorithm a :
+           {Algorithm::kBadouel, Algorithm::kMoller, Algorithm::kPluecker, Algorithm::kWatertight})
+        pipes.push_back({pair, a, ""});
+    } else {
+      pipes.push_back({pair, Algorithm::kMoller, ""});
+    }
+  }
+  return pipes;
+}
+
+void run(const Options& o) {
+  const Profile profile = parse_profile(o.profile);
+  std::vector<Pipe> pipes = wanted_pipes(o.pairs);
+  check_facet_interval(o.facet_interval, std::array{Pair::kObbObb});
+  for (Pipe& pipe : pipes)
+    if (has_facets(pipe.pair)) pipe.facet_interval = o.facet_interval;
+  examine_all(pipes, profile);
+  if (o.json) {
+    put_json(as_json(pipes, profile));
+    return;
+  }
+  std::vector<Pipe> triangle;
+  for (const Pipe& pipe : pipes)
+    if (pipe.pair == Pair::kRayTriangle) triangle.push_back(pipe);
+  if (!triangle.empty()) {
+    comparison(
+        "Ray-triangle: words of a triangle, words of a result, latency in operator levels "
+        "(the paper's Table 1)",
+        kTable1, triangle)
+        .print(o.markdown);
+    comparison("Ray-triangle: operators (the paper's Table 2)", kTable2, triangle)
+        .print(o.markdown);
+  }
+  all_pipes(pipes, profile).print(o.markdown);
+}
+
+}  // namespace
+
+void add_inventory(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand(
+      "inventory",
+      "Count the operators of the pipes and read their latencies in the elaborated RTL; the four "
+      "ray-triangle algorithms beside the paper's Tables 1 and 2");
+  named(verb->add_option("pair", o->pairs,
+                         "Pairs to examine (all): ray-triangle, sphere-sphere, ..."),
+        pair_names(), "PAIR", "pair");
+  text_value(verb->add_option("--latencies", o->profile,
+                              "Clocks of add, mul, div, sqrt and compare for the column `clocks`")
+                 ->capture_default_str(),
+             "A,M,D,S,C", [](const std::string& text) { (void)parse_profile(text); });
+  one_of(verb->add_option("--facet-interval", o->facet_interval,
+                          "Clocks from one row of obb-obb, triangle-aabb or triangle-obb pairs to "
+                          "the next: 1, or 3, where gates share the units of facets")
+             ->capture_default_str(),
+         {"1", "3"});
+  auto* json = verb->add_flag("--json", o->json, "Figures as JSON");
+  verb->add_flag("--markdown", o->markdown, "Tables in Markdown")->excludes(json);
+  verb->callback([o] { run(*o); });
+}
+
+}  // namespace cde::cli

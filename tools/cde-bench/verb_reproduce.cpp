@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde reproduce: the paper's figures measured again, as a page.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "bench/reproduce.hpp"
+#include "cde/card/machine.hpp"
+#include "cde/support/message.hpp"
+#include "cde/support/suffix.hpp"
+#include "options/clock_target.hpp"
+#include "options/values.hpp"
+#include "output/output.hpp"
+#include "output/streams.hpp"
+#include "page/page.hpp"
+#include "verbs.hpp"
+
+namespace cde::cli {
+namespace {
+
+struct Arguments {
+  ReproduceOptions options;
+  std::string out = "reproduction.html";
+  ClockOptions clock;
+  bool json = false;
+};
+
+void run(const Arguments& a) {
+  if (a.json) Figures::beside_json();
+  check_outputs(std::vector<FileUse>{{"--out", a.out}, {"--json", a.json ? "-" : ""}}, {});
+  check_suffix("--out", a.out, ".html");
+  if (a.out == "-") Figures::beside_json();
+  OutputFile page(a.out);  // a folder that is not there is found out before the work
+  const Reproduction r = reproduce(a.options);
+  const nlohmann::ordered_json machine = machine_json();
+  page.write(reproduction_html(r, machine));
+  page.commit();
+  for (const auto* figure : {&r.figure5, &r.figure6, &r.figure7}) {
+    for (const Experiment& e : *figure) {
+      show("{}\n", e.title);
+      for (const Entry& entry : e.entries)
+        show("  {:<46} {:>9}  {}\n", entry.name, duration(entry.seconds), entry.note);
+    }
+  }
+  show("With a hierarchy\n");
+  for (const WithHierarchy& row : r.hierarchy) {
+    show_tree(row.tree);
+    show("  sweep of {} lanes, ideal memory: 256 rays with all transfers over PCI 64/66 {}\n",
+         a.options.lanes, duration(row.sweep.seconds));
+  }
+  say("check: {} of {} records compared with the reference, 0 differ\npage: {}\n",
+      r.records_compared, r.records_compared, printable_name(a.out));
+  if (a.json) put_json(reproduction_json(r, machine));
+}
+
+}  // namespace
+
+void add_reproduce(CLI::App& app) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* verb = app.add_subcommand(
+      "reproduce",
+      "Measure the paper's Figures 5, 6 and 7 again, and rays through a hierarchy, as a page");
+  file_value(verb->add_option("--out", a->out, "The page, one HTML file")->capture_default_str(),
+             "FILE.html");
+  verb->add_flag("--json", a->json, "Figures as JSON on stdout");
+  verb->add_flag("--quick", a->options.quick,
+                 "A small terrain and few spheres, to see that it works");
+  lanes_value(verb->add_option("--lanes", a->options.lanes, "Lanes of the best card")
+                  ->capture_default_str());
+  clock_options(*verb, a->clock);
+  verb->callback([a] {
+    // All of its cards have these two pipes.
+    a->options.clock_is =
+        settle_clock(a->clock, BoardConfig{.pairs = {Pair::kRayTriangle, Pair::kSphereSphere}});
+    a->options.clock_hz = a->clock.mhz * 1e6;
+    run(*a);
+  });
+}
+
+}  // namespace cde::cli

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde explain: one pair through one pipe, every operator beside the mirror reference's; or what a
+// record of a scene, or a line of a failing test, is about.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "cde/card/json_keys.hpp"
+#include "cde/explain/explain_text.hpp"
+#include "cde/explain/explanation.hpp"
+#include "cde/fp/number_text.hpp"
+#include "cde/geometry/operand_defect.hpp"
+#include "cde/geometry/operand_line.hpp"
+#include "cde/support/error.hpp"
+#include "explain_line.hpp"
+#include "explain_record.hpp"
+#include "options/pair_options.hpp"
+#include "options/values.hpp"
+#include "output/output.hpp"
+#include "output/streams.hpp"
+#include "record_story.hpp"
+#include "verbs.hpp"
+
+namespace cde::cli {
+namespace {
+
+struct Options : PairOptions {
+  std::vector<std::string> words;
+  std::string record, line;
+  unsigned most = 100;
+  bool json = false, exact = false;
+};
+
+void explain_pair(const Options& o, const std::string& line) {
+  const PairConfig config = configuration(o);
+  std::vector<std::uint64_t> a, b;
+  std::string why;
+  switch (read_operands(config.pair, WordText(config.format), "the pair", line, a, b, why)) {
+    case OperandLine::kNothing:
+      throw Error(ErrorCode::kUsage, "the words of a pair are missing");
+    case OperandLine::kMalformed:
+      throw Error(ErrorCode::kUsage, why);
+    case OperandLine::kPair:
+      break;
+  }
+  const explain::Explanation e = explain::explain(config, a, b, budget_of(o));
+  if (o.json) {
+    nlohmann::ordered_json j = {{"schema", "cde.explain.1"}};
+    j.update(program_json());
+    j.update({{"pair", o.pair},
+              {"same", e.same()},
+              {"operations", e.operations.size()},
+              {"operations_found", e.found},
+              {"first_differences", explanation_differences(e)}});
+    put_json(j, 2);
+  } else {
+    put(explanation_text(words_of(o, e.config, false), e, o.most));
+  }
+  if (e.reference.bad) say("cde: {}\n", operand_defect(config.pair, config.format, a, b));
+  if (!e.same()) exit_code = exit_status(ErrorCode::kMismatch);
+}
+
+/// What says which pair it is: PAIR and WORDS, or one option that says it all.
+void check_words(const CLI::App& verb, const Options& o) {
+  if (!o.record.empty() && !o.line.empty())
+    throw Error(ErrorCode::kUsage, "--from-record and --from-test exclude each other");
+  const std::string from = !o.record.empty() ? "--from-record"
+                           : !o.line.empty() ? "--from-test"
+                                             : "";
+  if (from.empty()) {
+    if (o.exact) throw Error(ErrorCode::kUsage, "--exact-card needs --from-record");
+    if (o.pair.empty() || o.words.empty())
+      throw Error(ErrorCode::kUsage,
+                  o.pair.empty() ? "PAIR and the words of a pair are missing, or --from-record or "
+                                   "--from-test"
+                                 : "the words of a pair are missing");
+    return;
+  }
+  for (const CLI::Option* option : verb.get_options()) {
+    const std::string name = option->get_name();
+    const bool meant = name == "--help" || name == "--max" || name == "--json" || name == from ||
+                       (name == "--exact-card" && !o.record.empty());
+    if (option->count() != 0 && !meant)
+      throw Error(ErrorCode::kUsage, fmt::format("{} says which pair it is, without {}", from,
+                                                 name.starts_with("--") ? name : "other words"));
+  }
+}
+
+void run(const CLI::App& verb, const Options& o) {
+  check_words(verb, o);
+  if (!o.record.empty())
+    return explain_record({.name = o.record, .most = o.most, .exact = o.exact, .json = o.json});
+  if (o.line.empty()) return explain_pair(o, fmt::format("{}", fmt::join(o.words, " ")));
+  const NamedPair named = pair_in_line(o.line);
+  Options pair = o;
+  static_cast<PairOptions&>(pair) = named.options;
+  explain_pair(pair, named.words);
+}
+
+}  // namespace
+
+void add_explain(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  o->arithmetic = "rtl";
+  CLI::App* verb = app.add_subcommand(
+      "explain",
+      "Send one pair through one pipe alone and set every operator of the card beside the same "
+      "operation of the mirror reference, with its clock and its line of RTL. Where they part "
+      "while "
+      "all before is the same is where a wrong answer begins. Which operator does what is learnt "
+      "from other pairs that go through with it. Exit status 3 if the answers differ");
+  add_pair_options(*verb, *o, false);
+  verb->get_option("pair")->required(false);
+  known_words(verb->add_option("words", o->words, "Words of A and of B, as cde query reads them"),
+              {}, "WORDS");
+  text_value(verb->add_option(
+                 "--from-record", o->record,
+                 "Instead of a pair, a record: the scene or the folder of a run, query, frame, "
+                 "primary. The frame is played again, with waves of the record's packet: what came "
+                 "to the update engine for the primary, what was kept and why, beside the "
+                 "reference's sweep; then the pair that tells most of it"),
+             "RUN:QUERY:FRAME:PRIMARY", [](const std::string& text) { (void)record_named(text); });
+  known_words(verb->add_option("--from-test", o->line,
+                               "Instead of a pair, a line that a failing test or cde query has "
+                               "printed, with the command in it"),
+              {}, "LINE");
+  exact_card_option(*verb, o->exact);
+  whole_number_in(
+      verb->add_option("--max", o->most,
+                       "Operations that are listed, by their clock, and candidates; 0 for all")
+          ->capture_default_str(),
+      0, 1000000, "");
+  verb->add_flag("--json", o->json, "The places where the sides part, as JSON");
+  verb->callback([o, verb] { run(*verb, *o); });
+}
+
+}  // namespace cde::cli

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde-explain pack: packs a failure that another program describes on stdin (pack_failure.cpp).
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "cde/explain/bundle.hpp"
+#include "cde/support/json_text.hpp"
+#include "options/values.hpp"
+#include "output/streams.hpp"
+#include "verbs.hpp"
+
+namespace cde::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json next_line() {
+  std::string line;
+  if (!std::getline(std::cin, line))
+    throw Error(ErrorCode::kBadInput, "stdin: ended; expected a line of JSON about a failure");
+  try {
+    return Json::parse(line);
+  } catch (const nlohmann::json::exception& e) {
+    throw Error(ErrorCode::kBadInput, std::string("stdin: ") + e.what());
+  }
+}
+
+void pack_failure(const std::string& folder) {
+  Failure failure = failure_from_json(next_line());
+  failure.rerun = [](const std::string& file, const TraceOptions& which) {
+    put_json({{"rerun", file}, {"which", to_json(which)}}, -1);
+    const Json answer = next_line();
+    if (answer.contains("error"))
+      throw Error(ErrorCode::kDevice, answer["error"].get<std::string>());
+    return answer.at("same").get<bool>();
+  };
+  try {
+    const Packed packed = pack(folder, failure);
+    put_json({{"folder", packed.folder.string()}, {"missing", packed.missing}}, -1);
+  } catch (const Error& e) {
+    put_json({{"error", e.what()}}, -1);
+  }
+}
+
+}  // namespace
+
+void add_pack(CLI::App& app) {
+  auto folder = std::make_shared<std::string>();
+  CLI::App* verb = app.add_subcommand("pack", "Pack a failure that stdin describes into a folder");
+  verb->group("");
+  folder_value(verb->add_option("folder", *folder, "Folder")->required(), "FOLDER");
+  verb->callback([folder] { pack_failure(*folder); });
+}
+
+}  // namespace cde::cli

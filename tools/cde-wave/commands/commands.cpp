@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde wave info, ls, at, why.
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "cde/card/json_keys.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "commands/commands.hpp"
+#include "output/streams.hpp"
+
+namespace cde::wave {
+
+using Json = nlohmann::ordered_json;
+
+int info(const Request& r) {
+  if (!r.words.empty())
+    throw Error(ErrorCode::kUsage,
+                fmt::format("cde wave info takes a file alone; {} is one word too many",
+                            in_quotes(r.words.front())));
+  Trace trace(r.file);
+  Times times(trace, r.clock);
+  const Signal* const clock = times.clock_if_any();
+  std::size_t aliases =
+      trace.signals().size() - std::min<std::size_t>(trace.signals().size(), trace.handles());
+  if (r.json) {
+    Json j = begin_json(r);
+    j.update({{"file_bytes", trace.structure().bytes},
+              {"writer", trace.writer()},
+              {"date", trace.date()},
+              {"seconds_a_unit", std::pow(10.0, trace.scale())},
+              {"from", trace.start()},
+              {"to", trace.end()},
+              {"scopes", trace.scopes()},
+              {"signals", trace.signals().size()},
+              {"aliases", aliases},
+              {"blocks", trace.structure().sections.size()},
+              {"clock", clock != nullptr ? Json(clock->name) : Json()},
+              {"cycles", clock != nullptr ? Json(times.edges().size()) : Json()},
+              {"comments", trace.comments()}});
+    cli::put_json(j);
+    return 0;
+  }
+  std::string text;
+  const auto line = [&](std::string_view key, const std::string& value) {
+    text += fmt::format("{:<10} {}\n", key, printable_name(value));
+  };
+  line("file", fmt::format("{}, {} bytes", r.file, trace.structure().bytes));
+  line("writer", fmt::format("{}, {}", trace.writer(), trace.date()));
+  line("time", fmt::format("{} to {}, in units of 1e{} s", times.text(trace.start()),
+                           times.text(trace.end()), trace.scale()));
+  line("signals", fmt::format("{} in {} scopes, {} of them other names of the same",
+                              trace.signals().size(), trace.scopes(), aliases));
+  line("blocks", fmt::to_string(trace.structure().sections.size()));
+  line("clock", clock == nullptr ? "none found; --clock SIGNAL names it"
+                                 : fmt::format("{}, {} cycles", clock->name, times.edges().size()));
+  for (const std::string& comment : trace.comments()) line("comment", comment);
+  cli::put(text);
+  return 0;
+}
+
+int list(const Request& r) {
+  if (r.words.size() > 1)
+    throw Error(ErrorCode::kUsage, "cde wave ls takes one pattern; in quotes if it has * or ?");
+  Trace trace(r.file);
+  Lines lines(r.max);
+  Json signals = Json::array();
+  fmt::memory_buffer text;
+  std::vector<const Signal*> found;
+  const std::string pattern = r.words.empty() ? "*" : r.words.front();
+  const std::array<std::string, 4> forms = {pattern, "*." + pattern, pattern + ".*",
+                                            "*." + pattern + ".*"};
+  for (const Signal& s : trace.signals())
+    if (std::any_of(forms.begin(), forms.end(),
+                    [&](const std::string& form) { return matches(form, s.name); }))
+      found.push_back(&s);
+  if (found.empty()) (void)find_signal(trace, pattern);  // says what is near
+  std::size_t longest = 4;
+  for (std::size_t i = 0; i < found.size() && (r.max == 0 || i < r.max); ++i)
+    longest = std::max(longest, found[i]->name.size());
+  for (const Signal* s : found) {
+    if (!lines.next()) continue;
+    const std::string range = s->ranged ? fmt::format("[{}:{}]", s->left, s->right) : "";
+    if (r.json)
+      signals.push_back({{"name", s->name},
+                         {"width", s->width},
+                         {"range", range},
+                         {"type", s->kind},
+                         {"direction", s->direction}});
+    else
+      fmt::format_to(std::back_inserter(text), "{:<{}}  {:>5}  {} {}{}{}\n",
+                     printable_name(s->name), longest, s->width, s->kind, s->direction,
+                     range.empty() ? "" : " ", range);
+  }
+  if (r.json) {
+    Json j = begin_json(r);
+    j.update({{"signals", signals}, {"more", lines.more()}});
+    cli::put_json(j);
+    return 0;
+  }
+  cli::put(without_spaces(fmt::to_string(text) + lines.rest()));
+  return 0;
+}
+
+int values_at(const Request& r) {
+  if (r.words.size() < 2)
+    throw Error(ErrorCode::kUsage,
+                "cde wave at needs a time and signals: cde wave at FILE TIME SIGNAL ...");
+  Trace trace(r.file);
+  Times times(trace, r.clock);
+  const std::uint64_t time = times.parse(r.words.front());
+  const std::vector<View> all = views(r, trace, 1);
+  std::vector<std::string> values(trace.handles() + std::size_t{1});
+  trace.stream(handles(all), time, time, [&](auto, std::uint32_t handle, std::string_view value) {
+    values[handle] = value;
+    return true;
+  });
+  Lines lines(r.max);
+  Json list = Json::array();
+  std::string text = fmt::format("at {}\n", times.text(time));
+  std::size_t longest = 0;
+  for (std::size_t i = 0; i < all.size() && (r.max == 0 || i < r.max); ++i)
+    longest = std::max(longest, all[i].label.size());
+  for (const View& v : all) {
+    if (!lines.next()) continue;
+    const std::string& value = values[v.signal.handle];
+    if (r.json)
+      list.push_back({{"name", v.label}, {"value", v.text(value)}, {"bits", v.bits(value)}});
+    else
+      text += fmt::format("{:<{}}  {}\n", printable_name(v.label), longest, v.text(value));
+  }
+  if (r.json) {
+    Json j = begin_json(r);
+    j.update({{"time", time}, {"at", times.text(time)}, {"values", list}, {"more", lines.more()}});
+    cli::put_json(j);
+    return 0;
+  }
+  cli::put(text + lines.rest());
+  return 0;
+}
+
+int why(const Request& r) {
+  cli::put(why_text(r));
+  return 0;
+}
+
+}  // namespace cde::wave

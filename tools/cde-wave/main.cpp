@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde-wave: asks wave files (FST). Each command is a verb with its own options.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "cde/support/output_file.hpp"
+#include "cde/wave/guarded.hpp"
+#include "commands/commands.hpp"
+#include "options/values.hpp"
+#include "program/program.hpp"
+#include "tui/tui_terminal.hpp"
+
+namespace cde::cli {
+namespace {
+
+struct Command {
+  const char *name, *text, *words;
+  int (*run)(const wave::Request&);
+  std::vector<std::string> options;  ///< beside --json
+};
+
+const std::vector<Command>& commands() {
+  static const std::vector<Command> kAll = {
+      {"info",
+       "Print what the file is: time unit, scopes, clock, comments",
+       "",
+       wave::info,
+       {"--clock"}},
+      {"ls",
+       "List signals that match a pattern",
+       "GLOB: a pattern of names",
+       wave::list,
+       {"--max"}},
+      {"at",
+       "Print values at a time",
+       "TIME SIGNAL ...",
+       wave::values_at,
+       {"--clock", "--as", "--max"}},
+      {"show",
+       "Draw waves as text",
+       "SIGNAL ...",
+       wave::show,
+       {"--from", "--to", "--around", "--window", "--columns", "--ascii", "--clock", "--as",
+        "--max"}},
+      {"find",
+       "Find where an expression is true",
+       "EXPRESSION",
+       wave::find,
+       {"--on", "--when", "--first", "--last", "--count", "--from", "--to", "--around", "--window",
+        "--clock", "--max"}},
+      {"diff",
+       "Find where signals of two files differ first",
+       "the other FILE, then SIGNAL ...",
+       wave::diff,
+       {"--align", "--as", "--ulp", "--eps", "--ignore", "--clock", "--max"}},
+      {"stat",
+       "Measure how busy signals, handshakes and pipes are",
+       "SIGNAL ...",
+       wave::statistics,
+       {"--from", "--to", "--around", "--window", "--clock", "--max"}},
+      {"export",
+       "Write other kinds of files",
+       "SIGNAL ...",
+       wave::export_waves,
+       {"--output", "--format", "--on", "--from", "--to", "--around", "--window", "--columns",
+        "--clock", "--as"}},
+      {"serve",
+       "Write a page to look at the waves",
+       "SIGNAL ...",
+       wave::serve,
+       {"--output", "--from", "--to", "--around", "--window", "--clock", "--as", "--structure",
+        "--max"}},
+      {"tui",
+       "Look at the waves on the terminal",
+       "SIGNAL ...",
+       wave::terminal_viewer,
+       {"--diff", "--from", "--to", "--around", "--window", "--ascii", "--clock", "--as"}},
+      {"tx",
+       "List transactions of a card",
+       "KIND ...",
+       wave::transaction_table,
+       {"--where", "--histogram", "--csv", "--from", "--to", "--around", "--window", "--columns",
+        "--ascii", "--clock", "--max"}},
+      {"why",
+       "Find what made a signal have its value",
+       "SIGNAL@TIME",
+       wave::why,
+       {"--depth", "--structure", "--as", "--clock", "--max"}},
+  };
+  return kAll;
+}
+
+using Adder = std::function<void(CLI::App&, wave::Request&)>;
+
+/// How each option is added; several commands share one.
+const std::map<std::string, Adder>& adders() {
+  static const std::map<std::string, Adder> kAll = {
+      {"--as",
+       [](CLI::App& verb, wave::Request& r) {
+         text_value(verb.add_option(
+                            "--as", r.form,
+                            "How values are written where no :FORM behind the signal says it: hex, "
+                            "dec, signed, bin, fp32, fp16, bf16, tf32, fp64, ... or eEmM; /32 "
+                            "behind it is the bits of a lane")
+                        ->capture_default_str(),
+                    "FORM", [](const std::string& text) {
+                      if (!wave::parse_form(text))
+                        throw Error(
+                            ErrorCode::kUsage,
+                            fmt::format("no form {}; there are: {}, and eEmM", in_quotes(text),
+                                        fmt::join(wave::form_names(), ", ")));
+                    });
+       }},
+      {"--clock",
+       [](CLI::App& verb, wave::Request& r) {
+         text_value(
+             verb.add_option("--clock", r.clock,
+                             "Signal whose rising edges are cycles (the outermost clk, clk_i, "
+                             "clock, aclk or i_clk)"),
+             "SIGNAL", {});
+       }},
+      {"--from",
+       [](CLI::App& verb, wave::Request& r) {
+         text_value(
+             verb.add_option("--from", r.from, "First time: 120ns, cyc:7, start, end-3cyc, ..."),
+             "TIME", {});
+       }},
+      {"--to",
+       [](CLI::App& verb, wave::Request& r) {
+         text_value(verb.add_option("--to", r.to, "Last time"), "TIME", {});
+       }},
+      {"--around",
+       [](CLI::App& verb, wave::Request& r) {
+         text_value(verb.add_option("--around", r.around, "Middle of a window, e.g. fail"), "TIME",
+                    {});
+       }},
+      {"--window",
+       [](CLI::App& verb, wave::Request& r) {
+         whole_number_in(
+             verb.add_option("--window", r.window,
+                             "Cycles of the clock before and behind --around; without a clock "
+                             "units of the file; 10 if it is not given"),
+             1, 1000000000, "");
+       }},
+      {"--columns",
+       [](CLI::App& verb, wave::Request& r) {
+         whole_number_in(
+             verb.add_option("--columns", r.columns, "Width of the picture (the terminal's)"), 40,
+             10000, "");
+       }},
+      {"--ascii",
+       [](CLI::App& verb, wave::Request& r) {
+         verb.add_flag("--ascii", r.ascii, "Draw with ASCII alone");
+       }},
+      {"--on",
+       [](CLI::App& verb, wave::Request& r) {
+         text_value(
+             verb.add_option("--on", r.on,
+                             "look only at these edges, 'posedge SIGNAL', negedge or edge, and "
+                             "at the values just before them, as a flip-flop sees them"),
+             "EDGE", {});
+       }},
+      {"--when",
+       [](CLI::App& verb, wave::Request& r) {
+         text_value(verb.add_option("--when", r.when, "only where this is true as well"),
+                    "EXPRESSION", {});
+       }},
+      {"--first",
+       [](CLI::App& verb, wave::Request& r) {
+         verb.add_flag("--first", r.first, "the first place alone");
+       }},
+      {"--last", [](CLI::App& verb,
+                    wave::Request& r) { verb.add_flag("--last", r.last, "the last place alone"); }},
+      {"--count",
+       [](CLI::App& verb, wave::Request& r) {
+         verb.add_flag("--count", r.count, "how many places there are");
+       }},
+      {"--align",
+       [](CLI::App& verb, wave::Request& r) {
+         one_of(
+             verb.add_option("--align", r.align,
+                             "compare what is at the same times, before the same rising edges of "
+                             "the clocks, or change by change of each signal, whenever it comes")
+                 ->capture_default_str(),
+             {"time", "cycle", "event"});
+       }},
+      {"--ulp",
+       [](CLI::App& verb, wave::Request& r) {
+         whole_number_in(verb.add_option("--ulp", r.ulp,
+                                         "numbers of the format --as that are so many words apart "
+                                         "are the same"),
+                         0, 1000000000000, "");
+       }},
+      {"--eps",
+       [](CLI::App& verb, wave::Request& r) {
+         number_in(verb.add_option("--eps", r.eps, "so are those that differ by so much"), 0, 1e300,
+                   "");
+       }},
+      {"--ignore",
+       [](CLI::App& verb, wave::Request& r) {
+         text_value(
+             verb.add_option("--ignore", r.ignore,
+                             "leave out signals of this pattern; may be given several times"),
+             "GLOB", {});
+       }},
+      {"--output",
+       [](CLI::App& verb, wave::Request& r) {
+         file_value(
+             verb.add_option("-o,--output", r.output,
+                             "the page, an HTML file; export: the file to write; its name "
+                             "ends in .vcd, .csv, .json (WaveDrom), .svg, .fst or .gtkw (GTKWave), "
+                             "or --format says what it is (stdout)"),
+             "FILE");
+       }},
+      {"--format",
+       [](CLI::App& verb, wave::Request& r) {
+         one_of(verb.add_option("--format", r.format, "what is written, whatever its name"),
+                {"vcd", "csv", "wavedrom", "svg", "fst", "gtkw"});
+       }},
+      {"--where",
+       [](CLI::App& verb, wave::Request& r) {
+         text_value(
+             verb.add_option("--where", r.where,
+                             "those alone for which this is true, e.g. 'words > 4 && outcome "
+                             "!= done' or master=card"),
+             "CONDITION", {});
+       }},
+      {"--histogram",
+       [](CLI::App& verb, wave::Request& r) {
+         text_value(verb.add_option("--histogram", r.histogram,
+                                    "how often a field has which value, e.g. latency"),
+                    "FIELD", {});
+       }},
+      {"--csv",
+       [](CLI::App& verb, wave::Request& r) { verb.add_flag("--csv", r.csv, "CSV on stdout"); }},
+      {"--depth",
+       [](CLI::App& verb, wave::Request& r) {
+         whole_number_in(verb.add_option("--depth", r.depth, "registers that are looked through")
+                             ->capture_default_str(),
+                         0, 1000, "");
+       }},
+      {"--structure",
+       [](CLI::App& verb, wave::Request& r) {
+         file_value(
+             verb.add_option(
+                 "--structure", r.structure,
+                 "the design of the waves, as `verilator -O0 --xml-only` or "
+                 "--json-only writes it (FILE.tree.json, with its .tree.meta.json beside it); "
+                 "waves of a card name theirs"),
+             "FILE");
+       }},
+      {"--max",
+       [](CLI::App& verb, wave::Request& r) {
+         whole_number_in(
+             verb.add_option("--max", r.max,
+                             "Most lines, 0 for all; serve: most megabytes of the page (32)")
+                 ->capture_default_str(),
+             0, 1000000000, "");
+       }},
+      {"--diff",
+       [](CLI::App& verb, wave::Request& r) {
+         file_value(
+             verb.add_option("--diff", r.other, "a second file beside; what differs is marked"),
+             "FILE");
+       }},
+      {"--json",
+       [](CLI::App& verb, wave::Request& r) { verb.add_flag("--json", r.json, "JSON on stdout"); }},
+  };
+  return kAll;
+}
+
+/// Removes what a crashed writer left beside an output.
+void remove_remains(const std::filesystem::path& output) {
+  if (!output.has_filename() || output == "-") return;
+  const auto folder = output.has_parent_path() ? output.parent_path() : ".";
+  sweep_unfinished(folder, output.filename().native());
+}
+
+void run(const Command& command, const wave::Request& r) {
+  try {
+    // A viewer that crashes leaves the terminal to the process that waits for it.
+    const wave::tui::Terminal terminal;
+    std::function<void()> crashed;
+    if (r.command == "tui") crashed = [&] { terminal.restore(); };
+    const int status = wave::guarded(
+        r.file, [&] { exit_code = command.run(r); }, crashed);
+    if (status >= 0) exit_code = status;
+  } catch (const Error&) {
+    remove_remains(r.output);
+    throw;
+  }
+}
+
+void add_command(CLI::App& app, const Command& command) {
+  auto r = std::make_shared<wave::Request>();
+  r->command = command.name;
+  if (r->command == "serve") r->max = 32;
+  CLI::App* verb = app.add_subcommand(command.name, command.text);
+  file_value(
+      verb->add_option("file", r->file, "Wave file, FST, of --trace or any other")->required(),
+      "FILE");
+  if (*command.words != '\0')
+    verb->add_option("words", r->words,
+                     fmt::format("{}; a signal is NAME, NAME[3], NAME[7:4], NAME:fp32, or "
+                                 "NAME[3]:fp32, which is lane 3",
+                                 command.words));
+  for (const std::string& option : command.options) adders().at(option)(*verb, *r);
+  verb->add_flag("--json", r->json, "JSON on stdout");
+  verb->callback([r, &command] { run(command, *r); });
+}
+
+const Program kProgram = {.name = "cde wave",
+                          .description = "cde wave: ask a wave file (FST) of a simulation",
+                          .add_verbs = [](CLI::App& app) {
+                            for (const Command& command : commands()) add_command(app, command);
+                          }};
+
+}  // namespace
+}  // namespace cde::cli
+
+int main(int argc, char** argv) {
+  return cde::cli::program_main(cde::cli::kProgram, argc, argv);
+}

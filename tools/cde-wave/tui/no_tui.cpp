@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stands for the viewer where ncurses is missing.
+#include "cde/support/error.hpp"
+#include "commands/commands.hpp"
+#include "tui/tui_terminal.hpp"
+
+namespace cde::wave {
+
+int terminal_viewer(const Request&) {
+  throw Error(ErrorCode::kUsage,
+              "cde wave tui: this program was built without ncurses; install libncurses-dev and "
+              "build cde-wave again");
+}
+
+}  // namespace cde::wave

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Puts a terminal back that a full-screen program left as it was.
+#define NCURSES_NOMACROS 1
+#include <curses.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <string>
+
+#include "tui/tui_terminal.hpp"
+// Its macros have everyday names: it is the last.
+#include <term.h>
+
+namespace cde::wave::tui {
+namespace {
+
+std::string collected;
+
+int collect(int c) {
+  collected.push_back(static_cast<char>(c));
+  return c;
+}
+
+}  // namespace
+
+struct Terminal::Modes {
+  termios modes{};
+  bool known = false;
+};
+
+Terminal::Terminal() : modes_(std::make_unique<Modes>()) {
+  modes_->known = ::isatty(STDOUT_FILENO) != 0 && ::tcgetattr(STDOUT_FILENO, &modes_->modes) == 0;
+}
+Terminal::~Terminal() = default;
+
+void Terminal::restore() const {
+  if (!modes_->known) return;
+  ::tcsetattr(STDOUT_FILENO, TCSADRAIN, &modes_->modes);
+  int error = 0;
+  if (::setupterm(nullptr, STDOUT_FILENO, &error) != OK) return;
+  collected.clear();
+  for (const char* const name : {"sgr0", "rmkx", "cnorm", "rmcup"}) {
+    const char* const text = ::tigetstr(name);
+    if (text != nullptr && text != reinterpret_cast<const char*>(-1)) ::tputs(text, 1, collect);
+  }
+  for (std::size_t at = 0; at < collected.size();) {
+    const ssize_t n = ::write(STDOUT_FILENO, collected.data() + at, collected.size() - at);
+    if (n <= 0) return;
+    at += static_cast<std::size_t>(n);
+  }
+}
+
+}  // namespace cde::wave::tui

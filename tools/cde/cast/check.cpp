@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cast/check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "cde/contract/records.hpp"
+#include "cde/support/shell_word.hpp"
+
+namespace cde::cli {
+namespace {
+
+/// The start of a command that repeats the cast with other rays.
+std::string command_of(const CastTask& o, const CastJob& job, Mode mode) {
+  const CastRequest& r = o.request;
+  std::string text = fmt::format("cde cast {} --mode {} --lanes {} --arith {}", shell_word(o.mesh),
+                                 cde::name_of(mode), job.config.lanes, name_of(r.arithmetic));
+  if (!r.box) text += " --no-box";
+  if (r.format != FpFormat{}) text += " --format " + r.format.name();
+  if (r.algorithm != Algorithm::kMoller) text += fmt::format(" --algorithm {}", name(r.algorithm));
+  if (job.hierarchy)
+    text += " --bvh";
+  else if (!r.hierarchy.value_or(true))
+    text += " --no-bvh";
+  return text;
+}
+
+}  // namespace
+
+CastCheck::CastCheck(const CastTask& o, const CastJob& job, Mode mode, const RayView& rays,
+                     const Board& board)
+    : job_(job),
+      mode_(mode),
+      rays_(rays),
+      packet_(board.primaries()),
+      check_([this] { return next(); },
+             reference::told_of_rays(rays, job.mesh, command_of(o, job, mode))) {
+  swept_rays_ = std::min<std::uint64_t>(o.swept_rays, rays.size());
+  check_.place_by([&board, this](std::uint32_t ray) {
+    return traversal_ ? fmt::format("clock {} (record read)", board.clocks())
+                      : place_on_card(board, ray % packet_);
+  });
+  if (job.hierarchy) {
+    traversal_.emplace(job.mesh, *job.hierarchy, job.config.algorithm);
+  } else if (job.config.algorithm == Algorithm::kMoller) {
+    sweep_.emplace(rays, job.mesh, mode, Stencil(), packet_, std::span<const Object>(),
+                   o.request.box, job.config.format);
+  } else {
+    std::vector<Triangle> triangles;
+    triangles.reserve(job.mesh.faces.size());
+    for (std::size_t i = 0; i < job.mesh.faces.size(); ++i)
+      triangles.push_back(job.mesh.triangle(i));
+    triangles_ = std::move(triangles);
+  }
+}
+
+void CastCheck::end() {
+  check_.compare_end();
+  if (!traversal_) return;
+  while (swept_ < swept_rays_ && check_.difference().empty()) sweep_packet();
+}
+
+void CastCheck::report(CastOutcome& to) const {
+  to.swept_rays = swept_;
+  to.compared = check_.compared();
+  to.matching = check_.matching();
+  to.difference = check_.difference();
+  to.first_difference = check_.first_difference();
+}
+
+/// The reference's next records; empty at the end.
+std::span<const Record> CastCheck::next() {
+  if (sweep_) return sweep_->next();
+  for (;;) {
+    if (pass_)
+      if (const auto some = pass_->next(); !some.empty()) return some;
+    if (first_ >= rays_.size()) return {};
+    const std::size_t first = first_, count = std::min<std::size_t>(packet_, rays_.size() - first);
+    first_ += count;
+    if (traversal_) {
+      traverse_packet(first, count);
+      if (!traversed_.empty()) return traversed_;
+      continue;
+    }
+    std::vector<std::uint32_t> numbers(count);
+    for (std::size_t i = 0; i < count; ++i) numbers[i] = static_cast<std::uint32_t>(first + i);
+    pass_.emplace(reference::PassQuery{.algorithm = job_.config.algorithm,
+                                       .box = job_.config.box,
+                                       .mode = mode_,
+                                       .format = job_.config.format},
+                  rays_.subview(first, count).copy(), std::move(numbers), triangles_);
+  }
+}
+
+std::vector<Record> CastCheck::traversed(std::size_t ray) {
+  const auto number = static_cast<std::uint32_t>(ray);
+  const bool f_alone = mode_ == Mode::kOccluded;
+  std::vector<Record> some = traversal_->trace(rays_[ray], number, f_alone ? Mode::kAny : mode_);
+  if (f_alone)
+    for (Record& r : some) {
+      Record plain;
+      plain.f = r.f, plain.bad = r.bad, plain.primary = r.primary;
+      if (r.bad) plain.t = r.t, plain.cp = r.cp;
+      r = plain;
+    }
+  return some;
+}
+
+/// The reference's traversal, in the order of the card.
+void CastCheck::traverse_packet(std::size_t first, std::size_t count) {
+  traversed_.clear();
+  for (std::size_t i = first; i < first + count; ++i)
+    for (const Record& r : traversed(i)) traversed_.push_back(r);
+  if (mode_ == Mode::kHits)
+    std::sort(traversed_.begin(), traversed_.end(), [](const Record& a, const Record& b) {
+      return a.index != b.index ? a.index < b.index : a.primary < b.primary;
+    });
+}
+
+/// Compares evenly spread rays with brute force, as many as meet the triangles together. (64 rays
+/// and 259,572 triangles: 22 ms; one by one 1.4 s.)
+void CastCheck::sweep_packet() {
+  const std::uint64_t count = std::min<std::uint64_t>(card::kMostPrimaries, swept_rays_ - swept_);
+  std::vector<Ray> rays;
+  std::vector<std::size_t> numbers;
+  for (std::uint64_t k = swept_; k < swept_ + count; ++k) {
+    numbers.push_back(static_cast<std::size_t>(k * rays_.size() / swept_rays_));
+    rays.push_back(rays_[numbers.back()]);
+  }
+  const Mode mode = mode_ == Mode::kOccluded ? Mode::kAny : mode_;
+  std::vector<std::vector<Record>> all(count);
+  for (Record r : reference::cast(rays, job_.mesh, mode, {}, {}, true, {}, job_.config.algorithm)) {
+    std::vector<Record>& of_ray = all[r.primary];
+    r.primary = static_cast<std::uint32_t>(numbers[r.primary]);
+    of_ray.push_back(r);
+  }
+  for (std::uint64_t k = 0; k < count; ++k, ++swept_)
+    if (!as_all_triangles(traversed(numbers[k]), all[k])) return;
+}
+
+bool CastCheck::as_all_triangles(std::span<const Record> some, std::span<const Record> all) {
+  const auto same = [&](const Record& a, const Record& b) {
+    return mode_ == Mode::kOccluded ? a.f == b.f : same_bits(a, b);
+  };
+  for (std::size_t r = 0; r < std::max(all.size(), some.size()); ++r) {
+    if (r < all.size() && r < some.size() && same(some[r], all[r])) continue;
+    check_.differ(r < some.size() ? &some[r] : nullptr, r < all.size() ? &all[r] : nullptr);
+    return false;
+  }
+  return true;
+}
+
+}  // namespace cde::cli

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "cast/job.hpp"
+#include "cde/reference/pass.hpp"
+#include "cde/reference/reference.hpp"
+#include "cde/reference/traversal.hpp"
+
+namespace cde::cli {
+
+/// Compares the records of a cast with the reference of its card: brute force, or the traversal of
+/// its hierarchy. Some rays of a traversal are also compared with brute force.
+class CastCheck {
+ public:
+  /// All must outlive the check.
+  CastCheck(const CastTask& task, const CastJob& job, Mode mode, const RayView& rays,
+            const Board& board);
+
+  void compare(std::span<const Record> records) { check_.compare(records); }
+  void end();
+  void report(CastOutcome& to) const;
+
+ private:
+  [[nodiscard]] std::span<const Record> next();
+  [[nodiscard]] std::vector<Record> traversed(std::size_t ray);
+  void traverse_packet(std::size_t first, std::size_t count);
+  void sweep_packet();
+  [[nodiscard]] bool as_all_triangles(std::span<const Record> some, std::span<const Record> all);
+
+  const CastJob& job_;
+  Mode mode_;
+  RayView rays_;
+  unsigned packet_;
+  std::optional<reference::Sweep> sweep_;  ///< moller, which is fast
+  std::optional<reference::Traversal> traversal_;
+  Shapes triangles_;  ///< of the other algorithms
+  std::optional<reference::Pass> pass_;
+  std::vector<Record> traversed_;
+  std::uint64_t swept_rays_ = 0, swept_ = 0;
+  std::size_t first_ = 0;  ///< ray of the next packet
+  reference::RecordCheck check_;
+};
+
+}  // namespace cde::cli

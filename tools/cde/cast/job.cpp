@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a task to rays, a card and a hierarchy.
+#include "cast/job.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+#include "cast/picture.hpp"
+#include "cde/io/npy.hpp"
+#include "cde/io/rays_csv.hpp"
+#include "cde/mesh/terrain.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "cde/support/progress.hpp"
+#include "output/plan_output.hpp"
+#include "output/streams.hpp"
+
+namespace cde::cli {
+namespace {
+
+std::vector<Ray> read_rays(const std::string& path) {
+  if (path == "-") {
+    // An array begins with a byte that no text does.
+    if (std::cin.peek() == kNpyFirstByte) return read_rays_npy(std::cin, "stdin");
+    return read_rays_csv(std::cin, "stdin");
+  }
+  if (std::filesystem::path(path).extension() != ".npy") return read_rays_csv(path);
+  std::ifstream in(path, std::ios::binary);
+  if (!in)
+    throw Error(ErrorCode::kFile, fmt::format("{}: cannot be opened: {}", printable_name(path),
+                                              std::strerror(errno)));
+  return read_rays_npy(in, printable_name(path));
+}
+
+void collect_rays(const RaySource& source, CastJob& job) {
+  if (!source.listed()) return aim(source, job);
+  if (!source.file.empty()) job.listed = read_rays(source.file);
+  job.listed.insert(job.listed.end(), source.given.begin(), source.given.end());
+  job.rays = job.listed;
+  if (job.rays.empty())
+    throw Error(
+        ErrorCode::kBadInput,
+        fmt::format("{}: no rays", source.file == "-" ? "stdin" : printable_name(source.file)));
+}
+
+/// Meshes and rays of fp32 files may have what the card flags; what another format makes of them is
+/// an error before anything runs.
+void check_mesh(const Mesh& mesh, const std::string& what, FpFormat format) {
+  const auto why = out_of_range(mesh, what, format);
+  if (why && format != FpFormat{}) throw Error(ErrorCode::kBadInput, *why);
+  if (why) say("cde: warning: {}\n", *why);
+}
+void check_rays(const CastJob& job) {
+  if (job.config.format == FpFormat{}) return;
+  for (std::size_t i = 0; i < job.rays.size(); ++i)
+    if (const auto why = defect(job.rays[i], job.config.format))
+      throw Error(ErrorCode::kBadInput, fmt::format("ray {}: {}", i, *why));
+}
+
+void check_size(const CastTask& t, const CastJob& job) {
+  const std::uint64_t slots = BoardConfig{}.ddr_slots;
+  if (t.partition > job.triangles)
+    throw Error(ErrorCode::kUsage, fmt::format("--partition {}: {} has {} triangles", t.partition,
+                                               printable_name(t.mesh), job.triangles));
+  if (job.triangles > std::uint64_t{t.partition} * slots)
+    throw Error(ErrorCode::kCapacity,
+                fmt::format("{}: {} triangles do not fit the card's DDR, which holds {}; "
+                            "--partition shares them out to several cards",
+                            printable_name(t.mesh), job.triangles, slots));
+}
+
+CastPlan planned(const CastTask& t, const CastRequest& request, const CastJob& job) {
+  try {
+    const Busy busy("building a hierarchy", t.quiet || job.config.node_units == 0);
+    return plan_cast(request, job.mesh, job.rays.size());
+  } catch (const Error& e) {
+    throw Error(e.code(), fmt::format("{}: no hierarchy: {}", printable_name(t.mesh), e.what()));
+  }
+}
+
+}  // namespace
+
+CastJob job_of(const CastTask& t) {
+  CastJob job;
+  job.mode = t.request.mode;
+  job.config.format = t.request.format;
+  {
+    const Busy busy("loading " + printable_name(t.mesh), t.quiet);
+    job.mesh = load_mesh_or_builtin(t.mesh);
+  }
+  job.triangles = job.mesh.faces.size();
+  std::vector<std::string> named;
+  for (const auto& file : job.mesh.files) named.push_back(file.string());
+  check_files(t, named);
+  check_mesh(job.mesh, printable_name(t.mesh), job.config.format);
+  job.config.node_units = may_traverse(t.request, job.triangles) ? 2 : 0;
+  collect_rays(t.source, job);
+  check_rays(job);
+  check_size(t, job);
+  CastPlan plan = planned(t, t.request, job);
+  if (!plan.warning.empty())
+    say("cde: warning: {}: {}; all triangles are swept\n", printable_name(t.mesh), plan.warning);
+  if (!plan.hierarchy && job.config.node_units != 0 && job.picture && !t.source.size &&
+      !t.source.grid) {
+    // Brute force takes a smaller picture.
+    job.config.node_units = 0;
+    aim(t.source, job);
+    CastRequest request = t.request;
+    request.hierarchy = false;
+    plan = planned(t, request, job);
+  }
+  job.config = plan.card, job.hierarchy = plan.hierarchy, job.stands_in_for = plan.stands_in_for;
+  if (job.stands_in_for && !t.quiet)
+    say("cde: {}\n", stand_in_text(job.config, *job.stands_in_for));
+  return job;
+}
+
+}  // namespace cde::cli

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// A cast from its task to its outputs.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "cast/job.hpp"
+#include "cast/picture.hpp"
+#include "cde/io/record_file.hpp"
+#include "cde/jobs/dealing.hpp"
+#include "cde/support/error.hpp"
+#include "output/streams.hpp"
+
+namespace cde::cli {
+namespace {
+
+/// The job's rays, in chunks where that was asked for.
+CastOutcome cast_rays(const CastTask& o, const CastJob& job, const std::string& what,
+                      const RecordSink& take) {
+  const bool dealt = o.partition > 1 || Dealing::here().asked(o.deal);
+  return dealt ? deal_rays(o, job, what, take) : cast_here(o, job, what, take);
+}
+
+/// Records that come of the job, where the mode says so.
+std::optional<std::uint64_t> records_of(const CastJob& job) {
+  if (job.mode == Mode::kHits) return std::nullopt;
+  return job.rays.size() * (job.mode == Mode::kAll ? job.triangles : 1);
+}
+
+/// The second pass of a picture, to the sun. Its clocks and records are counted with the first.
+void cast_shadows(const CastTask& o, CastPicture& picture, CastOutcome& all) {
+  picture.look_at_sun([&](const CastJob& job, const RecordSink& take) {
+    const CastOutcome sun = cast_rays(o, job, "casting shadows", take);
+    all.counters += sun.counters;
+    all.compared += sun.compared;
+    all.matching += sun.matching;
+    all.modelled_seconds += sun.modelled_seconds;
+    all.simulation_seconds += sun.simulation_seconds;
+    if (all.difference.empty()) all.difference = sun.difference;
+  });
+}
+
+}  // namespace
+
+void run_cast(const CastTask& asked) {
+  CastTask o = asked;
+  CastJob job;
+  if (Dealing::here().leads())
+    job = job_of(o);
+  else
+    job.mode = o.request.mode;
+  share_job(o, job);
+  o.clock_is = settle_clock(o.clock, job.config);
+  begin_dealt(o, job);
+  if (!Dealing::here().leads() || Dealing::here().is_shard()) {
+    (void)cast_rays(o, job, "casting", [](std::span<const Record>) {});
+    return;
+  }
+  std::optional<CastPicture> picture;
+  if (o.picture.any()) picture.emplace(o, job);
+  std::optional<RecordFile> records;
+  if (!o.records.empty())
+    records.emplace(o.records, o.bits, o.fields, job.mesh, job.rays, records_of(job));
+  CastOutcome result = cast_rays(o, job, "casting", [&](std::span<const Record> some) {
+    if (records) records->add(some);
+    if (picture) picture->add(some);
+  });
+  if (picture && result.difference.empty()) cast_shadows(o, *picture, result);
+  if (result.difference.empty()) {  // wrong records leave neither files nor pictures
+    if (picture) picture->write();
+    if (records) records->commit();
+  }
+  if (o.json) put_json(summary_json(o, job, result));
+  if (!o.quiet) print_summary(o, job, result);
+  if (result.difference.empty()) return;
+  throw Error(ErrorCode::kMismatch,
+              result.difference + packed(o.bundle, o.quiet, failure_of(o, job, result)));
+}
+
+}  // namespace cde::cli

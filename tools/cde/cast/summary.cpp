@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "cast/job.hpp"
+#include "cde/card/json_keys.hpp"
+#include "cde/contract/records.hpp"
+#include "cde/jobs/dealing.hpp"
+#include "output/plan_output.hpp"
+#include "output/streams.hpp"
+
+namespace cde::cli {
+namespace {
+
+constexpr std::uint64_t kPacket = card::kMostPrimaries;
+
+/// Cards that share the work: of this process, of the ranks, or of the parts of the mesh.
+unsigned cards_of(const CastTask& o) {
+  return o.partition > 1 ? o.partition : std::max(o.boards, Dealing::here().ranks());
+}
+
+/// Whether modelled times have records of several cards come over a network.
+bool has_network(const CastTask& o) {
+  return std::max(o.partition, Dealing::here().ranks()) > 1;
+}
+
+std::size_t packets_of(const CastJob& job) {
+  return (job.rays.size() + kPacket - 1) / kPacket;
+}
+
+}  // namespace
+
+nlohmann::ordered_json summary_json(const CastTask& o, const CastJob& job, const CastOutcome& r) {
+  nlohmann::ordered_json j = program_json();
+  j.update({{"mesh", o.mesh},
+            {"triangles", job.triangles},
+            {"rays", job.rays.size()},
+            {"packets", packets_of(job)},
+            {"mode", cde::name_of(o.request.mode)},
+            {"boards", cards_of(o)},
+            {"partition", o.partition},
+            {"network", has_network(o) ? nlohmann::ordered_json(kNetwork) : nullptr}});
+  j.update(card_json(job.config));
+  j.update(bitstream_json(r.bitstream, r.config_hash));
+  j.update(stand_in_json(job.stands_in_for));
+  j.update({{"clock_hz", o.clock.mhz * 1e6},
+            {"clock_is", o.clock_is},
+            {"modelled_pass_seconds", r.modelled_seconds}});
+  j.update(counters_json(r.counters));
+  j.update(
+      {{"secondary_upload_clocks", r.upload_clocks},
+       {"primary_upload_clocks", r.counters.upload_clocks},
+       {"total_clocks", r.counters.total_clocks},
+       {"simulation_seconds", r.simulation_seconds},
+       {"tests_per_second_simulated", static_cast<double>(r.counters.pairs) / r.simulation_seconds},
+       {"hits", r.hits},
+       {"records", r.counters.records},
+       {"records_compared", r.compared},
+       {"records_matching", r.matching},
+       {"mismatches", r.compared - r.matching},
+       {"through", job.hierarchy ? "hierarchy" : "sweep"},
+       {"swept_rays", r.swept_rays},
+       {"checked", o.check}});
+  return j;
+}
+
+void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) {
+  const Counters& c = r.counters;
+  // With those of shadows.
+  const std::uint64_t rays = job.mode == Mode::kHits ? job.rays.size() : c.records;
+  const auto row = [](const char* name, const std::string& value) {
+    say("{:<16} {}\n", name, value);
+  };
+  row("mesh", fmt::format("{}, {} triangles", printable_name(o.mesh), job.triangles));
+  row("rays", fmt::format("{} in {} packet{}", job.rays.size(), packets_of(job),
+                          packets_of(job) == 1 ? "" : "s"));
+  const unsigned cards = cards_of(o);
+  row(cards == 1 ? "card" : "cards",
+      fmt::format("{}{} lanes, {} arithmetic, {}, {}{}, mode {}",
+                  cards == 1 ? "" : fmt::format("{} x ", cards), job.config.lanes,
+                  name_of(o.request.arithmetic), job.config.format.name(),
+                  o.request.algorithm == Algorithm::kMoller
+                      ? ""
+                      : fmt::format("{}, ", name(o.request.algorithm)),
+                  o.request.box ? "box rule" : "no box rule", cde::name_of(o.request.mode)));
+  if (job.hierarchy) {
+    const auto a_ray = [&](std::uint64_t n) {
+      return static_cast<double>(n) / static_cast<double>(rays);
+    };
+    row("hierarchy",
+        fmt::format("{} node{}, {} level{}, {} node units; a ray reads {:.1f} and meets "
+                    "{:.1f} triangles",
+                    job.hierarchy->nodes().size(), job.hierarchy->nodes().size() == 1 ? "" : "s",
+                    job.hierarchy->depth(), job.hierarchy->depth() == 1 ? "" : "s",
+                    job.config.node_units, a_ray(c.nodes), a_ray(c.pairs)));
+  }
+  row("device cycles", fmt::format("{} and {} of write-back, {} stalls, {} bubbles", c.cycles,
+                                   c.writeback, c.stalls, c.bubbles));
+  row("modelled time",
+      fmt::format("{:.6g} ms at {:g} MHz{}, without bus transfers{}", 1e3 * r.modelled_seconds,
+                  o.clock.mhz, o.clock.target.empty() ? "" : " " + o.clock_is,
+                  has_network(o) ? std::string(", ") + kNetwork : ""));
+  row("simulation", job.hierarchy
+                        ? fmt::format("{:.3g} s, {:.4g} M rays/s", r.simulation_seconds,
+                                      static_cast<double>(rays) / r.simulation_seconds / 1e6)
+                        : fmt::format("{:.3g} s, {:.4g} M tests/s", r.simulation_seconds,
+                                      static_cast<double>(c.pairs) / r.simulation_seconds / 1e6));
+  row("hits", fmt::format("{} in {} records", r.hits, c.records));
+  row("check",
+      o.check ? fmt::format("{} of {} records match the reference{}", r.matching, r.compared,
+                            job.hierarchy ? fmt::format("; {} of the rays met all triangles, too",
+                                                        r.swept_rays)
+                                          : "")
+              : "off");
+}
+
+}  // namespace cde::cli

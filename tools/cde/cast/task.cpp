@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cast/task.hpp"
+
+#include <fmt/format.h>
+
+#include "cast/picture.hpp"
+#include "cde/geometry/pair.hpp"
+#include "cde/io/rays_csv.hpp"
+#include "cde/io/record_file.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "cde/support/output_file.hpp"
+
+namespace cde::cli {
+namespace {
+
+[[noreturn]] void usage(const std::string& message) {
+  throw Error(ErrorCode::kUsage, message);
+}
+
+RaySource source_of(const CastWords& w) {
+  RaySource s;
+  s.file = w.rays_file;
+  for (const std::string& text : w.rays)
+    s.given.push_back(parse_ray(text, "--ray " + printable_name(text)));
+  if (!w.camera.empty()) s.camera = parse_camera(w.camera);
+  if (!w.grid.empty()) s.grid = parse_resolution(w.grid, "--grid");
+  if (!w.size.empty()) s.size = parse_resolution(w.size);
+  s.up = w.up.front();
+  if (s.listed() + s.camera.has_value() + s.grid.has_value() > 1)
+    usage("--rays or --ray, --camera and --grid exclude each other");
+  if (s.listed() && s.size) usage("--size is of pictures; the rays are given one by one");
+  if (s.grid && s.size) usage("--grid has its own size; --size goes with --camera");
+  if (!w.renders && !s.listed() && !s.camera && !s.grid && !s.size)
+    usage(
+        fmt::format("rays are missing: --ray, --rays, --camera or --grid; `cde render {}` draws "
+                    "the mesh",
+                    printable_name(w.mesh)));
+  return s;
+}
+
+CastRequest request_of(const CastWords& w) {
+  CastRequest r;
+  r.mode = *mode_named(w.mode);
+  r.algorithm = *algorithm_named(w.algorithm);
+  r.arithmetic = w.arithmetic == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost;
+  r.format = FpFormat::parse(w.format);
+  r.box = w.box;
+  r.trace = w.trace.wanted();
+  if (w.lanes != "auto") r.lanes = static_cast<unsigned>(std::stoul(w.lanes));
+  if (w.bvh != 0) r.hierarchy = w.bvh > 0;
+  r.parts = w.partition > 1;
+  r.exact_card = w.exact;
+  return r;
+}
+
+PictureFiles picture_of(const CastWords& w) {
+  PictureFiles p{w.shaded, w.depth, w.normals, w.indices, w.shadows};
+  if (w.renders && !p.any()) {
+    p.shows_itself = true;
+    p.shaded = own_picture_name(w.mesh);
+  }
+  if (p.shadows && p.shaded.empty()) usage("--shadows is of --shaded");
+  return p;
+}
+
+}  // namespace
+
+const char* name_of(Arithmetic arithmetic) {
+  return arithmetic == Arithmetic::kRtl ? "rtl" : "host";
+}
+
+CastTask task_of(const CastWords& w) {
+  CastTask t;
+  t.verb = w.renders ? "render" : "cast";
+  t.mesh = w.mesh;
+  t.request = request_of(w);
+  t.picture = picture_of(w);
+  t.records = w.records, t.fields = w.fields, t.bits = w.bits;
+  t.trace = w.trace, t.bundle = w.bundle, t.deal = w.deal;
+  t.boards = w.boards, t.partition = w.partition;
+  t.clock = w.clock, t.timeout = w.timeout, t.deadline = w.deadline;
+  t.json = w.json, t.quiet = w.quiet;
+  t.check = w.checks != "false";
+  if (t.check && w.checks != "true") t.swept_rays = parse_check(w.checks);
+  check_files(t);
+  if (t.trace.wanted() && t.boards > 1) usage("--trace follows one card; leave out --boards");
+  if (t.request.mode == Mode::kOccluded && !t.fields.empty())
+    usage("--fields are of triangles, and mode occluded does not say which one it is");
+  t.trace.check();
+  check_picture_names(t.picture);
+  RecordFile::check(t.records, t.bits, t.fields);
+  t.source = source_of(w);
+  return t;
+}
+
+void check_files(const CastTask& t, const std::vector<std::string>& more) {
+  std::vector<FileUse> inputs = {{"MESH", t.mesh}, {"--rays", t.source.file}};
+  for (const auto& file : more) inputs.push_back({"MESH", file});
+  check_outputs(std::vector<FileUse>{{"-o", t.records},
+                                     {"--image", t.picture.depth},
+                                     {"--shaded", t.picture.shaded},
+                                     {"--normals", t.picture.normals},
+                                     {"--indices", t.picture.indices},
+                                     {"--trace", t.trace.file},
+                                     {"--resume", t.deal.resume},
+                                     {"--json", t.json ? "-" : ""}},
+                inputs);
+}
+
+}  // namespace cde::cli

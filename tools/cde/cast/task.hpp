@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cast/words.hpp"
+#include "cde/image/camera.hpp"
+#include "cde/scene/cast_plan.hpp"
+
+/// The words of `cde cast` or `cde render` as typed values, checked against each other.
+namespace cde::cli {
+
+/// Where rays come from: a file, the command line, or the pixels of a picture.
+struct RaySource {
+  std::string file;
+  std::vector<Ray> given;
+  std::optional<Camera> camera;
+  std::optional<Resolution> grid, size;
+  char up = 'z';  ///< the axis that is up in pictures
+
+  /// Rays one by one, not of a picture.
+  [[nodiscard]] bool listed() const { return !file.empty() || !given.empty(); }
+};
+
+/// Files of a picture; empty: not wanted.
+struct PictureFiles {
+  std::string shaded, depth, normals, indices;
+  bool shadows = false;
+  bool shows_itself = false;  ///< `shaded` has a name of the program's own, and a terminal shows it
+
+  [[nodiscard]] bool any() const {
+    return !depth.empty() || !shaded.empty() || !normals.empty() || !indices.empty();
+  }
+};
+
+struct CastTask {
+  std::string verb = "cast", mesh;
+  RaySource source;
+  CastRequest request;
+  std::string records;              ///< file, "-" for stdout, empty for none
+  std::vector<std::string> fields;  ///< more columns of the records
+  PictureFiles picture;
+  TraceRequest trace;
+  BundleRequest bundle;
+  DealOptions deal;
+  unsigned boards = 1;
+  unsigned partition = 1;  ///< parts of the mesh, each on a card of its own
+  ClockOptions clock;
+  std::string clock_is;  ///< where the clock is from
+  double timeout = 3600;
+  std::uint64_t deadline = 0;
+  bool bits = false, json = false, quiet = false;
+  bool check = true;              ///< every record is compared with the reference
+  std::uint64_t swept_rays = 64;  ///< through a hierarchy: also compared with brute force
+};
+
+/// Error kUsage for values that do not go together, before anything slow.
+[[nodiscard]] CastTask task_of(const CastWords& words);
+
+/// Error kUsage if an output is an input, or another output. `more` are files that the mesh names.
+void check_files(const CastTask& task, const std::vector<std::string>& more = {});
+
+/// "host" or "rtl".
+[[nodiscard]] const char* name_of(Arithmetic arithmetic);
+
+}  // namespace cde::cli

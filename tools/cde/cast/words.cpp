@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cast/words.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+
+#include "cde/fp/number_text.hpp"
+#include "cde/image/camera.hpp"
+#include "cde/io/rays_csv.hpp"
+#include "cde/io/record_file.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "options/deal_options.hpp"
+#include "options/help.hpp"
+#include "options/values.hpp"
+
+namespace cde::cli {
+namespace {
+
+void add_mesh(CLI::App& verb, CastWords& o) {
+  file_value(verb.add_option("mesh", o.mesh, "Mesh file, or terrain[:QX,QY,SEED]")->required(),
+             "MESH");
+}
+
+void add_listed_rays(CLI::App& verb, CastWords& o) {
+  file_value(verb.add_option("--rays", o.rays_file,
+                             "Rays from a file (- is stdin, either form): CSV, "
+                             "ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line or in "
+                             "the order of a header with these names; or .npy, N x 6, 7 or 8 "
+                             "numbers"),
+             "FILE");
+  text_value(
+      verb.add_option("--ray", o.rays, "One ray, same fields; repeatable")->allow_extra_args(false),
+      "RAY",
+      [](const std::string& text) { (void)parse_ray(text, "--ray " + printable_name(text)); });
+}
+
+void add_pixels(CLI::App& verb, CastWords& o) {
+  text_value(verb.add_option("--camera", o.camera,
+                             "Picture: ex,ey,ez,tx,ty,tz[,fov]: eye, target, vertical field of "
+                             "view, above 0 and below 180 degrees (40); without it one that shows "
+                             "the mesh"),
+             "VIEW", [](const std::string& text) { (void)parse_camera(text, "--camera"); });
+  text_value(verb.add_option("--grid", o.grid, "Picture straight down, of square pixels"), "WxH",
+             [](const std::string& text) { (void)parse_resolution(text, "--grid"); });
+  text_value(verb.add_option("--size", o.size,
+                             "Size of a picture; 640x480 if not given, or without a hierarchy "
+                             "the smaller the more triangles, down to 128x96"),
+             "WxH", [](const std::string& text) { (void)parse_resolution(text, "--size"); });
+}
+
+void add_up(CLI::App& verb, CastWords& o) {
+  one_of(verb.add_option("--up", o.up, "Axis that is up in pictures; many formats have y")
+             ->capture_default_str(),
+         {"x", "y", "z"});
+}
+
+void add_records(CLI::App& verb, CastWords& o) {
+  file_value(verb.add_option("-o,--output", o.records,
+                             "Records: ray,F,T,CPx,CPy,CPz,index as .csv (- is stdout, as CSV), "
+                             ".npy or .jsonl; index is 4294967295 (null in .jsonl) without a hit"),
+             "FILE");
+  verb.add_flag("--bits", o.bits, "CSV also shows T and CP as hexadecimal bits");
+  named(verb.add_option("--fields", o.fields,
+                        "More of each record, separated by commas, computed by the host and "
+                        "not by the card: u and v (barycentric), normal (of the triangle), "
+                        "side (1 front, -1 back), node (of the mesh file)")
+            ->delimiter(',')
+            ->allow_extra_args(false),
+        field_names(), "LIST", "field");
+}
+
+void add_pictures(CLI::App& verb, CastWords& o) {
+  file_value(verb.add_option("--shaded", o.shaded, "Picture in sunlight, .png"), "FILE");
+  verb.add_flag("--shadows", o.shadows,
+                "With --shaded: a second pass, from every hit to the sun, draws shadows");
+  file_value(verb.add_option("--image", o.depth,
+                             "Depths: .png (16 bits, near is bright), .pfm or .npy (T, inf is no "
+                             "hit)"),
+             "FILE");
+  file_value(verb.add_option("--normals", o.normals, "Normals towards the eye: .png, .pfm or .npy"),
+             "FILE");
+  file_value(verb.add_option("--indices", o.indices,
+                             "Numbers of triangles: .png (a colour each) "
+                             "or .npy"),
+             "FILE");
+}
+
+void add_messages(CLI::App& verb, CastWords& o) {
+  verb.add_flag("--json", o.json, "Summary as JSON on stdout");
+  verb.add_flag("-q,--quiet", o.quiet, "No summary and no progress");
+}
+
+void add_mode(CLI::App& verb, CastWords& o) {
+  one_of(verb.add_option("--mode", o.mode,
+                         "Records to keep: one a ray, or all pairs, or all hits; occluded: whether "
+                         "anything is hit, and no more, by a hierarchy")
+             ->capture_default_str(),
+         {"nearest", "farthest", "any", "all", "hits", "occluded"});
+}
+
+void add_card(CLI::App& verb, CastWords& o) {
+  one_of(verb.add_option("--algorithm", o.algorithm, "Test of a ray and a triangle")
+             ->capture_default_str(),
+         algorithm_names());
+  one_of(verb.add_option("--format", o.format,
+                         "Number format of the card, to which mesh and rays are rounded; a "
+                         "coordinate that it has not is an error")
+             ->capture_default_str(),
+         card_formats());
+  lanes_value(
+      verb.add_option("--lanes", o.lanes,
+                      "Pairs a clock of a sweep, a power of two to 256; auto is 64, but 16 with "
+                      "rtl arithmetic, waves, or at most 16 rays")
+          ->capture_default_str(),
+      {"auto"});
+  one_of(verb.add_option("--arith", o.arithmetic,
+                         "The processor's arithmetic, fast, or gates; same bits, same clocks")
+             ->capture_default_str(),
+         {"host", "rtl"});
+  verb.add_flag("--box,!--no-box", o.box,
+                "A hit must lie in the triangle's box, so that none is far from its triangle (on)");
+  verb.add_flag("--bvh,!--no-bvh", o.bvh,
+                "Rays go through a hierarchy of boxes, or meet all triangles: the same records; "
+                "by itself through one where that is sooner, of 2,048 triangles at least");
+  flag_value(verb.add_flag("--check,!--no-check", o.checks,
+                           "Compare every record with the reference (on); --check=rays:N: of rays "
+                           "through a hierarchy N meet all triangles in the reference, too (64)"),
+             [](const std::string& text) { (void)parse_check(text); });
+}
+
+/// Options that few users need stand behind the others in the help.
+void add_advanced(CLI::App& verb, CastWords& o) {
+  const auto before = verb.get_options();
+  whole_number_in(
+      verb.add_option("--boards", o.boards,
+                      "Cards that share the rays, each simulated in a thread; clocks are summed")
+          ->capture_default_str(),
+      1, 64, "");
+  whole_number_in(
+      verb.add_option("--partition", o.partition,
+                      "Parts of the mesh, each in the memory of a card of its own, "
+                      "simulated by the rank that has it; records are those of one card")
+          ->capture_default_str(),
+      1, 1024, "");
+  add_bundle_options(verb, o.bundle);
+  add_deal_options(verb, o.deal);
+  add_trace_options(verb, o.trace,
+                    "Waves of the cast, FST; kept even if the cast fails or is stopped");
+  exact_card_option(verb, o.exact);
+  clock_options(verb, o.clock);
+  deadline_options(verb, o.deadline, o.timeout, "packet");
+  for (CLI::Option* option : verb.get_options())
+    if (std::find(before.begin(), before.end(), option) == before.end())
+      option->group(kAdvancedGroup);
+}
+
+}  // namespace
+
+std::uint64_t parse_check(const std::string& text) {
+  constexpr std::string_view kRays = "rays:";
+  const char* const end = text.data() + text.size();
+  std::uint64_t rays = 0;
+  if (text.starts_with(kRays)) {
+    const auto [stop, error] = std::from_chars(text.data() + kRays.size(), end, rays);
+    if (error == std::errc() && stop == end) return rays;
+  }
+  throw Error(ErrorCode::kUsage,
+              fmt::format("--check is '{}'; it must be rays:N, a number of rays, or nothing",
+                          printable_name(text)));
+}
+
+void add_cast_options(CLI::App& verb, CastWords& words) {
+  add_mesh(verb, words);
+  add_listed_rays(verb, words);
+  add_pixels(verb, words);
+  add_up(verb, words);
+  add_records(verb, words);
+  add_messages(verb, words);
+  add_mode(verb, words);
+  add_card(verb, words);
+  add_advanced(verb, words);
+}
+
+void add_render_options(CLI::App& verb, CastWords& words) {
+  words.renders = true;
+  add_mesh(verb, words);
+  add_pixels(verb, words);
+  add_up(verb, words);
+  add_pictures(verb, words);
+  add_records(verb, words);
+  add_messages(verb, words);
+  add_card(verb, words);
+  add_advanced(verb, words);
+}
+
+}  // namespace cde::cli

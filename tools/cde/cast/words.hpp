@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cde/jobs/dealing.hpp"
+#include "options/cli_fwd.hpp"
+#include "options/clock_target.hpp"
+#include "options/trace_options.hpp"
+#include "program/pack_failure.hpp"
+
+/// What was typed behind `cde cast` and `cde render`. Only task.cpp reads it.
+namespace cde::cli {
+
+struct CastWords {
+  std::string mesh, rays_file, camera, grid, size, records, depth, shaded, normals, indices;
+  TraceRequest trace;
+  BundleRequest bundle;
+  DealOptions deal;
+  std::vector<std::string> rays, fields;
+  std::string mode = "nearest", arithmetic = "host", algorithm = "moller", lanes = "auto", up = "z",
+              format = "fp32", checks = "true";
+  unsigned boards = 1, partition = 1;
+  ClockOptions clock;
+  double timeout = 3600;
+  std::uint64_t deadline = 0;
+  bool box = true, json = false, bits = false, quiet = false, shadows = false, exact = false;
+  int bvh = 0;  ///< 1: --bvh, -1: --no-bvh
+  bool renders = false;
+};
+
+/// The options of `cde cast`, and those of `cde render`.
+void add_cast_options(CLI::App& verb, CastWords& words);
+void add_render_options(CLI::App& verb, CastWords& words);
+
+/// The number of rays of --check=rays:N. Error kUsage.
+[[nodiscard]] std::uint64_t parse_check(const std::string& text);
+
+}  // namespace cde::cli

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "options/cli_fwd.hpp"
+
+/// What `cde --help`, `cde help VERB` and the manual say beside the descriptions of options.
+namespace cde::cli {
+
+/// The group of options that few users need; the help lists it last.
+inline constexpr const char* kAdvancedGroup = "Advanced options";
+
+struct Example {
+  std::string command, what;
+};
+/// Two of each verb, and of the program if `verb` is empty.
+[[nodiscard]] const std::vector<Example>& examples(std::string_view verb);
+
+struct HelpEntry {
+  std::string name, text;
+};
+[[nodiscard]] const std::vector<HelpEntry>& exit_statuses();
+[[nodiscard]] const std::vector<HelpEntry>& environment();
+
+/// Text broken at blanks into lines of at most `width` characters; a word that is longer has a line
+/// of its own.
+[[nodiscard]] std::vector<std::string> wrapped(std::string_view text, std::size_t width);
+
+/// The options of an app that help and manual show, positional ones or the others.
+[[nodiscard]] std::vector<const CLI::Option*> shown_options(const CLI::App& app, bool positional);
+/// Verbs that are not hidden.
+[[nodiscard]] std::vector<const CLI::App*> shown_verbs(const CLI::App& app);
+/// The words that start an app: "cde", "cde cast", "cde wave info".
+[[nodiscard]] std::string command_name(const CLI::App& app);
+/// The same without "cde": "", "cast", "wave info".
+[[nodiscard]] std::string verb_name(const CLI::App& app);
+/// "cde cast MESH [OPTIONS]".
+[[nodiscard]] std::string usage_line(const CLI::App& app);
+/// "--size WxH", all names of it.
+[[nodiscard]] std::string option_head(const CLI::Option& option);
+/// The description and the default.
+[[nodiscard]] std::string option_text(const CLI::Option& option);
+
+/// Whether text on this stream (1 or 2) may be coloured: it is a terminal that is not dumb, and
+/// NO_COLOR is not set.
+[[nodiscard]] bool may_colour(int stream);
+[[nodiscard]] std::string in_bold(const std::string& text, bool colour);
+
+/// Help as wide as the terminal on stdout (80 columns if there is none), for the app and its verbs.
+[[nodiscard]] std::shared_ptr<CLI::FormatterBase> help_formatter();
+
+}  // namespace cde::cli

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "options/manual.hpp"
+#include <CLI/CLI.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "cde/support/version.hpp"
+#include "options/help.hpp"
+
+namespace cde::cli {
+namespace {
+
+/// Text as troff takes it: hyphens are those of options, and no line begins with a request.
+std::string troff(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '\\')
+      out += "\\e";
+    else if (c == '-')
+      out += "\\-";
+    else
+      out += c;
+  }
+  if (out.starts_with('.') || out.starts_with('\'')) out = "\\&" + out;
+  return out;
+}
+
+std::string tagged(const std::string& head, const std::string& text) {
+  return fmt::format(".TP\n\\fB{}\\fR\n{}\n", troff(head), troff(text));
+}
+
+std::string options_of(const CLI::App& app) {
+  std::string page;
+  for (const bool positional : {true, false}) {
+    const auto options = shown_options(app, positional);
+    if (!options.empty()) page += positional ? ".SH ARGUMENTS\n" : ".SH OPTIONS\n";
+    for (const CLI::Option* o : options) page += tagged(option_head(*o), option_text(*o));
+  }
+  return page;
+}
+
+}  // namespace
+
+std::string page_name(const CLI::App& app) {
+  std::string name = command_name(app);
+  std::replace(name.begin(), name.end(), ' ', '-');
+  return name;
+}
+
+std::string manual_page(const CLI::App& app) {
+  const bool program = app.get_parent() == nullptr;
+  const std::string name = page_name(app);
+  const std::string text = app.get_description();
+  const std::string first = text.substr(0, text.find(". "));
+  std::string page = fmt::format(".TH {} 1 \"\" \"cde {}\" \"cde manual\"\n", name, kVersion);
+  // NAME is what apropos reads, in one line.
+  page += fmt::format(".SH NAME\n{} \\- {}\n", troff(name),
+                      troff(program ? first.substr(first.find(": ") + 2) : first));
+  page += fmt::format(".SH SYNOPSIS\n\\fB{}\\fR\n", troff(usage_line(app)));
+  page += fmt::format(".SH DESCRIPTION\n{}\n", troff(text));
+  if (program) {
+    page += ".SH VERBS\n";
+    for (const CLI::App* verb : shown_verbs(app))
+      page += tagged(page_name(*verb) + "(1)", verb->get_description());
+  }
+  page += options_of(app);
+  page += ".SH EXAMPLES\n";
+  for (const Example& e : examples(verb_name(app)))
+    page += fmt::format(".PP\n{}:\n.PP\n.RS\n.nf\n{}\n.fi\n.RE\n", troff(e.what), troff(e.command));
+  page += ".SH EXIT STATUS\n";
+  for (const HelpEntry& e : exit_statuses()) page += tagged(e.name, e.text);
+  page += ".SH ENVIRONMENT\n";
+  for (const HelpEntry& e : environment()) page += tagged(e.name, e.text);
+  page += ".SH SEE ALSO\n";
+  if (!program) return page + "\\fBcde\\fR(1)\n";
+  std::string others;
+  for (const CLI::App* verb : shown_verbs(app))
+    others += fmt::format("{}\\fB{}\\fR(1)", others.empty() ? "" : ",\n", troff(page_name(*verb)));
+  return page + others + "\n";
+}
+
+}  // namespace cde::cli

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "options/pair_options.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "cde/fp/number_text.hpp"
+#include "options/values.hpp"
+
+namespace cde::cli {
+
+void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
+  named(verb.add_option("pair", o.pair, "ray-triangle, sphere-sphere, obb-obb, ...")->required(),
+        pair_names(), "PAIR", "pair");
+  one_of(verb.add_option("--algorithm", o.algorithm, "Of ray-triangle")->capture_default_str(),
+         algorithm_names());
+  verb.add_flag_callback(
+      "--box", [&o] { o.box = true; },
+      "Of ray-triangle: a hit must lie in the triangle's box (on); of pairs without cylinders "
+      "and planes that have a gap, but for sphere-sphere: it is at least that of the boxes (off)");
+  verb.add_flag_callback(
+      "--no-box", [&o] { o.box = false; }, "The plain pipe");
+  verb.add_flag("--half-space", o.half_space,
+                "Of pairs with a plane: it bounds the solid half-space n.x <= d");
+  one_of(verb.add_option("--format", o.format, "Format of the words")->capture_default_str(),
+         pair_formats());
+  one_of(verb.add_option("--arith", o.arithmetic, "host (the FPU, fast) or rtl (gates); same bits")
+             ->capture_default_str(),
+         {"host", "rtl"});
+  if (lanes)
+    whole_number_in(
+        verb.add_option("--lanes", o.lanes,
+                        "Pairs a clock; 8 if not given, or 1 in fp64 for obb-obb, "
+                        "triangle-aabb, triangle-obb and triangle-triangle, whose bitstreams "
+                        "of more lanes take minutes to build"),
+        1, 256, "");
+  one_of(verb.add_option("--facet-interval", o.facet_interval,
+                         "Of obb-obb, triangle-aabb and triangle-obb: clocks from one row of "
+                         "pairs to the next, 1, or 3 with facet units that are shared; same bits")
+             ->capture_default_str(),
+         {"1", "3"});
+  known_words(verb.add_option(
+                  "--budget", o.budget,
+                  "Work for a pair of cylinder-, obb- or triangle-cylinder: M,K1,K2 (directions "
+                  "sampled on a circle, 4, 8 or 16; steps on a circle, steps on a free track, 0 "
+                  "to 64), or a number of evaluations, which is split evenly. 8,8,8 if not given"),
+              {}, "M,K1,K2|N");
+}
+
+}  // namespace cde::cli

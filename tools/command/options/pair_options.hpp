@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "cde/card/pipe_options.hpp"
+#include "options/cli_fwd.hpp"
+
+namespace cde::cli {
+
+/// PAIR and the options that name its pipe; --lanes only where `lanes` says so.
+void add_pair_options(CLI::App& verb, PairOptions& options, bool lanes = true);
+
+}  // namespace cde::cli

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "cde/scene/scene.hpp"
+#include "options/cli_fwd.hpp"
+
+namespace cde::cli {
+
+/// Frames of a scene, both included.
+struct Frames {
+  std::uint32_t first = 0, last = 0;
+};
+/// "A..B", both included, or "A"; all if it is empty. Error kUsage for what a scene has not.
+[[nodiscard]] Frames frames_of(const std::string& text, const Scene& scene);
+
+CLI::Option* frames_option(CLI::App& verb, std::string& frames);
+
+}  // namespace cde::cli

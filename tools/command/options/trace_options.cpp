@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "options/trace_options.hpp"
+#include <CLI/CLI.hpp>
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "cde/support/suffix.hpp"
+#include "options/values.hpp"
+
+namespace cde::cli {
+namespace {
+
+TraceOptions window_of(const std::string& text) {
+  TraceOptions window;
+  const std::size_t colon = text.find(':');
+  const auto number = [&](std::size_t first, std::size_t last, std::uint64_t& to) {
+    if (first == last) return true;  // as it is
+    const auto [end, error] = std::from_chars(text.data() + first, text.data() + last, to);
+    return error == std::errc() && end == text.data() + last;
+  };
+  if (colon == std::string::npos || text.size() == 1 || !number(0, colon, window.from) ||
+      !number(colon + 1, text.size(), window.to) || window.from > window.to)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} is no window of clocks; FROM:TO, FROM: and :TO are, FROM not above "
+                            "TO, e.g. 1000:1200",
+                            in_quotes(text)));
+  return window;
+}
+
+}  // namespace
+
+void TraceRequest::check() const {
+  check_suffix("--trace", file, ".fst");
+  if (wanted()) return;
+  if (!window.empty()) throw Error(ErrorCode::kUsage, "--trace-window is of --trace");
+  if (!scopes.empty()) throw Error(ErrorCode::kUsage, "--trace-scope is of --trace");
+}
+
+TraceOptions TraceRequest::options() const {
+  TraceOptions which = window.empty() ? TraceOptions() : window_of(window);
+  which.scopes = scopes;
+  return which;
+}
+
+void add_trace_options(CLI::App& verb, TraceRequest& request, const std::string& what) {
+  file_value(verb.add_option("--trace", request.file, what), "FILE.fst");
+  text_value(verb.add_option("--trace-window", request.window,
+                             "Waves of these clocks alone, FROM:TO, counted from where waves "
+                             "without it begin; outside of them nothing is written"),
+             "FROM:TO", [](const std::string& text) { (void)window_of(text); });
+  verb.add_option("--trace-scope", request.scopes,
+                  "Waves of the scopes and signals alone that a pattern of * and ? names; may be "
+                  "given more than once")
+      ->type_name("GLOB")
+      ->allow_extra_args(false);
+}
+
+}  // namespace cde::cli

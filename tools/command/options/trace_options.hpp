@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <string>
+#include <vector>
+
+#include "cde/card/trace.hpp"
+#include "options/cli_fwd.hpp"
+
+namespace cde::cli {
+
+/// What verbs that simulate are asked about waves.
+struct TraceRequest {
+  std::string file, window;
+  std::vector<std::string> scopes;
+
+  [[nodiscard]] bool wanted() const { return !file.empty(); }
+  /// Error kUsage if something is asked of waves and no waves are.
+  void check() const;
+  [[nodiscard]] TraceOptions options() const;
+};
+
+/// --trace, --trace-window and --trace-scope; `what` is the help of --trace.
+void add_trace_options(CLI::App& verb, TraceRequest& request, const std::string& what);
+
+}  // namespace cde::cli

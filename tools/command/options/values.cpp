@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "options/values.hpp"
+#include <CLI/CLI.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <map>
+
+#include "cde/card/board.hpp"
+#include "cde/geometry/pair.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "cde/support/suggest.hpp"
+
+namespace cde::cli {
+namespace {
+
+/// What options take, where it is more than CLI11 keeps. Options live as long as the program.
+std::map<const CLI::Option*, Takes>& registered() {
+  static std::map<const CLI::Option*, Takes> all;
+  return all;
+}
+
+std::string listed(const std::vector<std::string>& words) {
+  if (words.size() == 1) return words.front();
+  return fmt::format("{} or {}", fmt::join(words.begin(), words.end() - 1, ", "), words.back());
+}
+
+CLI::Option* label(CLI::Option* option, Takes what) {
+  option->type_name(what.label);
+  registered()[option] = std::move(what);
+  return option;
+}
+
+std::string called(const CLI::Option* option) {
+  const auto& all = option->get_lnames();
+  return all.empty() ? option->get_name() : "--" + all.front();
+}
+
+/// On the text, before CLI11 makes a number of it, so that there is one message.
+template <class Fits>
+CLI::Option* check(CLI::Option* option, const std::string& must_be, Fits fits) {
+  registered()[option].check = [option, must_be, fits](const std::string& text) {
+    if (!fits(text))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} is {}; it must be {}", called(option), in_quotes(text), must_be));
+  };
+  return option;
+}
+
+template <class Number>
+bool reads_as(const std::string& text, Number least, Number most) {
+  // CLI11 would take a number that begins with 0 for an octal one.
+  if (std::is_integral_v<Number> && text.size() > 1 && text.front() == '0') return false;
+  Number value{};
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && stop == text.data() + text.size() && value >= least &&
+         value <= most;
+}
+
+std::string in_unit(const std::string& range, const std::string& unit) {
+  return unit.empty() ? range : range + " " + unit;
+}
+
+}  // namespace
+
+CLI::Option* one_of(CLI::Option* option, std::vector<std::string> words) {
+  Takes what{Takes::Kind::kWord, std::move(words), "", {}};
+  what.label = fmt::format("{}", fmt::join(what.words, "|"));
+  const auto known = what.words;
+  label(option, std::move(what));
+  return check(option, listed(known), [known](const std::string& text) {
+    return std::find(known.begin(), known.end(), text) != known.end();
+  });
+}
+
+CLI::Option* known_words(CLI::Option* option, std::vector<std::string> words,
+                         const std::string& name) {
+  return label(option, {Takes::Kind::kWord, std::move(words), name, {}});
+}
+
+CLI::Option* named(CLI::Option* option, std::vector<std::string> words, const std::string& name,
+                   const std::string& what) {
+  known_words(option, words, name);
+  registered()[option].check = [words = std::move(words), what](const std::string& text) {
+    must_be_known(text, words, what);
+  };
+  return option;
+}
+
+CLI::Option* text_value(CLI::Option* option, const std::string& name,
+                        std::function<void(const std::string&)> check) {
+  return label(option, {Takes::Kind::kAnything, {}, name, std::move(check)});
+}
+
+CLI::Option* flag_value(CLI::Option* flag, std::function<void(const std::string&)> check) {
+  return label(flag, {Takes::Kind::kNothing, {}, "", std::move(check)});
+}
+
+CLI::Option* number_in(CLI::Option* option, double least, double most, const std::string& unit) {
+  const std::string range = in_unit(fmt::format("{:g} to {:g}", least, most), unit);
+  option->description(fmt::format("{} ({})", option->get_description(), range));
+  label(option, {Takes::Kind::kAnything, {}, "NUMBER", {}});
+  return check(option, range, [least, most](const std::string& text) {
+    return reads_as<double>(text, least, most);
+  });
+}
+
+CLI::Option* whole_number_in(CLI::Option* option, std::uint64_t least, std::uint64_t most,
+                             const std::string& unit) {
+  const std::string range = in_unit(fmt::format("{} to {}", least, most), unit);
+  option->description(fmt::format("{} ({})", option->get_description(), range));
+  label(option, {Takes::Kind::kAnything, {}, "NUMBER", {}});
+  return check(option, "a whole number, " + range, [least, most](const std::string& text) {
+    return reads_as<std::uint64_t>(text, least, most);
+  });
+}
+
+CLI::Option* file_value(CLI::Option* option, const std::string& name) {
+  return label(option, {Takes::Kind::kFile, {}, name, {}});
+}
+
+CLI::Option* folder_value(CLI::Option* option, const std::string& name) {
+  return label(option, {Takes::Kind::kFolder, {}, name, {}});
+}
+
+CLI::Option* lanes_value(CLI::Option* option, const std::vector<std::string>& more) {
+  std::vector<std::string> words = more;
+  for (unsigned lanes = 1; lanes <= 256; lanes *= 2) words.push_back(fmt::to_string(lanes));
+  known_words(option, words, more.empty() ? "N" : fmt::format("N|{}", fmt::join(more, "|")));
+  return check(option,
+               fmt::format("{}a power of two from 1 to 256",
+                           more.empty() ? "" : fmt::format("{} or ", fmt::join(more, ", "))),
+               [words](const std::string& text) {
+                 return std::find(words.begin(), words.end(), text) != words.end();
+               });
+}
+
+void scene_option(CLI::App& verb, std::string& file) {
+  check(file_value(verb.add_option("scene", file, "Scene file, TOML (docs/scenes.md)")->required(),
+                   "SCENE"),
+        "a file; standard input is /dev/stdin (cde run: with --out, for the folder has no scene to "
+        "be "
+        "named after)",
+        [](const std::string& text) { return text != "-"; });
+}
+
+CLI::Option* clock_option(CLI::App& verb, double& mhz) {
+  return number_in(verb.add_option("--clock", mhz, "Core clock assumed for modelled times")
+                       ->capture_default_str(),
+                   kLeastClockMhz, kMostClockMhz, "MHz");
+}
+
+void exact_card_option(CLI::App& verb, bool& exact) {
+  verb.add_flag("--exact-card", exact,
+                "The planned card, even if it must be built and another one would do");
+}
+
+void deadline_options(CLI::App& verb, std::uint64_t& clocks, double& seconds,
+                      const std::string& pass) {
+  constexpr std::uint64_t kMost = 1'000'000'000'000'000;
+  whole_number_in(
+      verb.add_option(
+              "--deadline", clocks,
+              fmt::format("Device clocks that a {} may take; 0: several times what it should",
+                          pass))
+          ->capture_default_str(),
+      0, kMost, "clocks");
+  number_in(verb.add_option("--timeout", seconds,
+                            fmt::format("Time of simulation that a {} may take", pass))
+                ->capture_default_str(),
+            0.001, 1e6, "s");
+}
+
+Takes takes(const CLI::Option& option) {
+  if (const auto found = registered().find(&option); found != registered().end())
+    return found->second;
+  if (option.get_items_expected_max() == 0) return {Takes::Kind::kNothing, {}, "", {}};
+  const std::string type = option.get_type_name();
+  return {Takes::Kind::kAnything, {}, type.empty() || type == "TEXT" ? "VALUE" : type, {}};
+}
+
+std::vector<std::string> names(const CLI::Option& option) {
+  std::vector<std::string> all;
+  for (const std::string& name : option.get_snames()) all.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) all.push_back("--" + name);
+  return all;
+}
+
+}  // namespace cde::cli

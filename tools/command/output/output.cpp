@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output/output.hpp"
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+
+#include "cde/support/message.hpp"
+
+namespace cde::cli {
+namespace {
+
+constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
+
+bool terminal = false;
+
+extern "C" void remove_unfinished(int signal) {
+  OutputFile::remove_unfinished();
+  if (terminal) (void)!::write(STDERR_FILENO, "\n", 1);  // behind ^C and a line of progress
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+/// A signal that was ignored when the program started (nohup, a shell's `&`) stays ignored.
+void handle(int signal, void (*handler)(int)) {
+  if (std::signal(signal, handler) == SIG_IGN) std::signal(signal, SIG_IGN);
+}
+
+void install_removal() {
+  static const bool installed = [] {
+    terminal = ::isatty(STDERR_FILENO) != 0;
+    for (const int signal : kSignals) handle(signal, remove_unfinished);
+    return true;
+  }();
+  (void)installed;
+}
+
+volatile std::sig_atomic_t noted = 0;
+
+extern "C" void note(int signal) {
+  noted = signal;
+  for (const int other : kSignals) handle(other, remove_unfinished);
+}
+
+}  // namespace
+
+void rewrite_line(std::string_view text) {
+  winsize size{};
+  const std::size_t width =
+      ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 80;
+  std::string line = printable_name(text);
+  if (line.size() >= width) {
+    std::size_t end = width - 4;
+    while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xC0) == 0x80) --end;  // whole UTF-8
+    line = line.substr(0, end) + "...";
+  }
+  // Not by say(), which would show what moves the cursor.
+  std::fputs(("\r\033[K" + line).c_str(), stderr);
+  std::fflush(stderr);
+}
+
+void remove_unfinished_on_signals() {
+  install_removal();
+}
+
+Interrupts::Interrupts() {
+  install_removal();
+  for (const int signal : kSignals) handle(signal, note);
+}
+
+Interrupts::~Interrupts() {
+  for (const int signal : kSignals) handle(signal, remove_unfinished);
+}
+
+int Interrupts::signal() {
+  return noted;
+}
+
+void show_progress_on_terminal() {
+  if (::isatty(STDERR_FILENO) != 0) set_progress_display(rewrite_line);
+}
+
+bool on_terminal(int stream) {
+  return ::isatty(stream) != 0 && std::getenv("OMPI_COMM_WORLD_SIZE") == nullptr;
+}
+
+}  // namespace cde::cli

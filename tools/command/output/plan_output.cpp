@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output/plan_output.hpp"
+#include <nlohmann/json.hpp>
+
+#include <fmt/format.h>
+
+#include "output/streams.hpp"
+
+namespace cde::cli {
+namespace {
+
+/// Text in columns of at most this width, lines after the first indented.
+void print_wrapped(const std::string& text, std::size_t indent) {
+  constexpr std::size_t kWidth = 100;
+  std::size_t column = indent;
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    const std::size_t space = std::min(rest.find(' '), rest.size());
+    if (column > indent && column + 1 + space > kWidth) {
+      put("\n{:{}}", "", indent);
+      column = indent;
+    }
+    put("{}{}", column > indent ? " " : "", rest.substr(0, space));
+    column += space + (column > indent ? 1 : 0);
+    rest.remove_prefix(std::min(space + 1, rest.size()));
+  }
+  put("\n");
+}
+
+std::string sentence(const Effect& e) {
+  return e.cost.empty() ? e.why : fmt::format("{} [{}]", e.why, e.cost);
+}
+
+/// How the primaries of a query meet its secondaries.
+std::string way_text(const QueryWork& w) {
+  if (!w.hierarchy) return fmt::format("{} tests in {} rows", w.tests, w.rows);
+  return fmt::format("through a hierarchy in about {} clocks instead of {} tests in {} rows",
+                     *w.hierarchy_clocks, w.tests, w.rows);
+}
+
+std::string card_text(const BoardConfig& card) {
+  return fmt::format("{} {}", card.top(), fmt::join(card.parameters(), " "));
+}
+
+}  // namespace
+
+nlohmann::ordered_json stand_in_json(const std::optional<BuiltCard>& planned) {
+  if (!planned) return {{"stands_in_for", nullptr}};
+  return {{"stands_in_for",
+           {{"parameters", planned->board.parameters()}, {"estimated_times", planned->times}}}};
+}
+
+std::string stand_in_text(const BoardConfig& used, const BuiltCard& planned) {
+  return fmt::format(
+      "card {} is built and stands in for {}, estimated at {:.2f} times its time; --exact-card "
+      "builds that one",
+      card_text(used), card_text(planned.board), planned.times);
+}
+
+nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
+  const std::vector<std::string> parameters = plan.board.parameters();
+  const BitstreamFile file = bitstream_file(plan.board.top(), parameters);
+  nlohmann::ordered_json j = {
+      {"parameters", parameters}, {"bitstream", file.path.string()}, {"built", file.built}};
+  j.update(stand_in_json(plan.stands_in_for));
+  j["clock_hz"] = scene.card.clock_hz;
+  for (const Effect& e : plan.effects)
+    j["effects"].push_back({{"name", e.name},
+                            {"used", e.used},
+                            {"choice", e.choice},
+                            {"why", e.why},
+                            {"cost", e.cost}});
+  for (const QueryWork& w : plan.queries) {
+    const auto clocks = w.hierarchy_clocks ? nlohmann::ordered_json(*w.hierarchy_clocks) : nullptr;
+    j["queries"].push_back({{"name", w.name},
+                            {"primaries", w.primaries},
+                            {"masked", w.masked},
+                            {"secondaries", w.secondaries},
+                            {"packets", w.packets},
+                            {"tests", w.tests},
+                            {"rows", w.rows},
+                            {"through", w.hierarchy ? "hierarchy" : "sweep"},
+                            {"hierarchy_clocks", clocks},
+                            {"most_records", w.most_records},
+                            {"secondary_words", w.secondary_words},
+                            {"moved_words", w.moved_words},
+                            {"primary_words", w.primary_words}});
+  }
+  return j;
+}
+
+void print_plan(const Scene& scene, const Plan& plan) {
+  constexpr std::size_t kName = 28, kChoice = 18;
+  put("{}: {} object{}, {} quer{}, {} frame{}\n", printable_name(scene.file), scene.objects.size(),
+      scene.objects.size() == 1 ? "" : "s", scene.queries.size(),
+      scene.queries.size() == 1 ? "y" : "ies", scene.frames, scene.frames == 1 ? "" : "s");
+  for (const bool used : {true, false}) {
+    put("\n{}\n", used ? "in the simulated card" : "left out");
+    for (const Effect& e : plan.effects) {
+      if (e.used != used) continue;
+      put("  {:<{}}", e.name, kName - 2);
+      if (used) {
+        // A long choice gets a line of its own.
+        const std::size_t indent = kName + kChoice + 1;
+        if (e.choice.size() > kChoice)
+          put("{}\n{:{}}", e.choice, "", indent);
+        else
+          put("{:<{}}", e.choice, kChoice + 1);
+        print_wrapped(sentence(e), indent);
+      } else {
+        print_wrapped(sentence(e), kName);
+      }
+    }
+  }
+  put("\na frame\n");
+  for (const QueryWork& w : plan.queries) {
+    put("  {:<{}}", w.name, kName - 2);
+    print_wrapped(fmt::format("{} primaries in {} packet{}, {} secondaries: {}; {} words of "
+                              "primaries, {} of secondaries that changed, of {}",
+                              w.primaries, w.packets, w.packets == 1 ? "" : "s", w.secondaries,
+                              way_text(w), w.primary_words,
+                              plan.resident ? w.moved_words : w.secondary_words, w.secondary_words),
+                  kName);
+  }
+  const BitstreamFile file = bitstream_file(plan.board.top(), plan.board.parameters());
+  put("\nbitstream  {}\n           {} ({})\n", card_text(plan.board),
+      printable_name(file.path.string()),
+      file.built ? "built" : "not built; the first run builds it");
+  if (!plan.stands_in_for) return;
+  put("           ");
+  print_wrapped(stand_in_text(plan.board, *plan.stands_in_for), 11);
+}
+
+}  // namespace cde::cli

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output/run_folder.hpp"
+#include <nlohmann/json.hpp>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <regex>
+#include <utility>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "cde/support/output_file.hpp"
+#include "output/streams.hpp"
+
+namespace cde::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kMarker = "run.json";
+constexpr const char* kBeside = "files_beside";
+
+bool is_record_name(const std::string& name) {
+  static const std::regex form(R"([A-Za-z0-9_-]{1,64}\.[0-9]{6,7}\.(csv|bin))");
+  return std::regex_match(name, form);
+}
+
+/// Whether a file is directly in the folder; false if its own folder is not there.
+bool is_in(const fs::path& file, const fs::path& folder) {
+  std::error_code error;
+  return fs::equivalent(file.has_parent_path() ? file.parent_path() : fs::path("."), folder,
+                        error) &&
+         !error;
+}
+
+}  // namespace
+
+RunFolder::RunFolder(fs::path path, const Scene& scene, const std::vector<std::string>& beside)
+    : path_(std::move(path)) {
+  if (path_ == "-") throw Error(ErrorCode::kUsage, "--out is a folder; it cannot be stdout");
+  make_and_lock();
+  check_names(scene, beside);
+  if (!made_->made()) look();
+}
+
+void RunFolder::make_and_lock() {
+  const auto fail = [&](const std::string& why) {
+    throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(path_.string()), why));
+  };
+  for (;;) {
+    made_.emplace(path_);
+    // Not inherited, or a compiler that outlives the command would hold it.
+    lock_.folder = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (lock_.folder < 0 && errno == ENOENT) continue;  // another run has just taken it back
+    if (lock_.folder < 0) fail(std::strerror(errno));   // NOLINT(concurrency-mt-unsafe)
+    // File systems that lock no folders have no other lock to offer either.
+    if (::flock(lock_.folder, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      made_->keep();  // it is that run's
+      throw Error(ErrorCode::kUsage, fmt::format("{} is the folder of a run that goes on: wait for "
+                                                 "its end, or let --out name another folder",
+                                                 printable_name(path_.string())));
+    }
+    struct stat locked {
+    }, named{};
+    if (::fstat(lock_.folder, &locked) == 0 && ::stat(path_.c_str(), &named) == 0 &&
+        locked.st_dev == named.st_dev && locked.st_ino == named.st_ino)
+      return;
+    made_->keep();  // it was taken back and perhaps made again, by another run
+    lock_.release();
+  }
+}
+
+void RunFolder::Lock::release() {
+  if (folder >= 0) ::close(std::exchange(folder, -1));
+}
+
+void RunFolder::check_names(const Scene& scene, const std::vector<std::string>& beside) {
+  const auto inside = [&](const fs::path& file, const char* what) {
+    if (!file.empty() && is_in(file, path_))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--out is {}, where {} {} is", printable_name(path_.string()), what,
+                              printable_name(file.filename().string())));
+  };
+  inside(scene.file, "the scene");
+  for (const SceneObject& object : scene.objects) {
+    inside(object.file, "its input");
+    for (const fs::path& file : object.more_files) inside(file, "its input");
+  }
+  for (const std::string& file : beside) {
+    if (file.empty() || !is_in(file, path_)) continue;
+    const std::string name = fs::path(file).filename();
+    if (name == kMarker || is_record_name(name))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} has the name of a file that --out is for", printable_name(file)));
+    beside_.push_back(name);
+  }
+}
+
+void RunFolder::look() {
+  const Json marker = run_in(path_);
+  std::vector<std::string> beside = beside_;
+  if (marker.is_object() && marker.contains(kBeside))
+    for (const Json& name : marker[kBeside])
+      if (name.is_string()) beside.push_back(name);
+  for (const auto& entry : fs::directory_iterator(path_)) {
+    const std::string name = entry.path().filename();
+    if (is_unfinished_name(name)) continue;
+    if (marker.is_null())
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} is not empty and not the folder of a run, which has a {}: it is "
+                              "left as it is; --out names another",
+                              printable_name(path_.string()), kMarker));
+    const bool ours = name == kMarker || is_record_name(name) ||
+                      std::find(beside.begin(), beside.end(), name) != beside.end();
+    if (!ours || entry.is_directory())
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("{} is not of the run that {} holds: take it away, or let --out name "
+                      "another folder",
+                      printable_name(entry.path().string()), printable_name(path_.string())));
+    old_.push_back(entry.path());
+  }
+}
+
+void RunFolder::begin(Json json) {
+  // run.json stays until it is replaced: a folder without it is nobody's.
+  for (const fs::path& file : old_) {
+    std::error_code error;
+    if (file.filename() != kMarker && !fs::remove(file, error) && error)
+      throw Error(ErrorCode::kFile, fmt::format("{}: cannot remove: {}",
+                                                printable_name(file.string()), error.message()));
+  }
+  sweep_unfinished(path_);
+  begun_ = true;
+  made_->keep();
+  json["finished"] = false;
+  write(json);
+}
+
+void RunFolder::write(const Json& json) const {
+  write_file(path_ / kMarker, json_text(json) + "\n");
+}
+
+Json RunFolder::run_in(const fs::path& folder) {
+  std::ifstream in(folder / kMarker);
+  if (!in) return nullptr;
+  Json json = Json::parse(in, nullptr, false);
+  const bool ours = json.is_object() && json.contains("scene") && json.contains("played");
+  return ours ? json : Json();
+}
+
+std::string RunFolder::record_name(std::string_view query, std::uint32_t frame, Results results) {
+  return fmt::format("{}.{:06}.{}", query, frame, results == Results::kCsv ? "csv" : "bin");
+}
+
+}  // namespace cde::cli

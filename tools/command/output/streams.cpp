@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output/streams.hpp"
+#include <nlohmann/json.hpp>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <new>
+
+#include "cde/support/error.hpp"
+#include "cde/support/output_file.hpp"
+
+namespace cde::cli {
+namespace {
+
+bool pipe_signal_ignored = false;
+
+/// A handler and not SIG_IGN: commands that are started get the default again.
+extern "C" void note_broken_pipe(int) {}
+
+void write(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    throw StdoutError(errno);
+}
+
+void flush_stdout() {
+  if (!std::cout.fail() && std::ferror(stdout) == 0) errno = 0;  // else it says why already
+  if (!std::cout.flush() || std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    throw StdoutError(errno != 0 ? errno : EIO);
+}
+
+}  // namespace
+
+void prepare_streams() {
+  for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(fd, F_GETFD) >= 0) continue;
+    // The lowest that is free is this one. What cannot be read or written says so when it is.
+    (void)!::open("/dev/null", fd == STDOUT_FILENO ? O_RDONLY : O_WRONLY);
+  }
+  if (std::signal(SIGPIPE, note_broken_pipe) == SIG_IGN) {
+    pipe_signal_ignored = true;
+    std::signal(SIGPIPE, SIG_IGN);
+  }
+}
+
+int exit_status_of(const std::function<int()>& work,
+                   const std::function<void(const std::string&)>& complain) {
+  try {
+    const int status = work();
+    flush_stdout();
+    return status;
+  } catch (const StdoutError& e) {
+    if (e.number() == EPIPE && !pipe_signal_ignored) {
+      std::signal(SIGPIPE, SIG_DFL);
+      std::raise(SIGPIPE);
+    }
+    complain(e.what());
+    return 2;
+  } catch (const Error& e) {
+    complain(e.what());
+    return exit_status(e);
+  } catch (const std::bad_alloc&) {
+    complain("there is not enough memory for this");
+    return 2;
+  } catch (const std::exception& e) {
+    complain(fmt::format("internal error: {}", e.what()));
+    return 2;
+  }
+}
+
+void put(std::string_view text) {
+  write(printable(text));
+}
+
+void put_json(const nlohmann::ordered_json& json, int indent) {
+  write(json_text(json, indent) + "\n");
+}
+
+}  // namespace cde::cli

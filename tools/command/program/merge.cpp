@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// cde merge: a run from the journals of its shards.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "cde/jobs/dealing.hpp"
+#include "cde/jobs/journal.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "options/values.hpp"
+#include "program/program.hpp"
+#include "program/programs.hpp"
+
+namespace cde::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Words = std::vector<std::string>;
+
+/// A shard's command without what made it one.
+Words words_of_whole(const Journal& journal) {
+  Words whole;
+  const auto words = journal.run().at("words").get<Words>();
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const auto is = [&](const std::string& option) {
+      if (words[i] == option) return ++i, true;  // and its value
+      return words[i].starts_with(option + "=");
+    };
+    if (!is("--shard") && !is("--resume")) whole.push_back(words[i]);
+  }
+  return whole;
+}
+
+/// They are run: a verb that is dealt, and no other.
+void check_words(const Journal& journal) {
+  const Json words = journal.run().value("words", Json());
+  const bool all_text = words.is_array() && !words.empty() &&
+                        std::ranges::all_of(words, [](const Json& w) { return w.is_string(); });
+  if (all_text && journal.run().value("verb", Json()) == words[0] && is_dealt(words[0])) return;
+  throw Error(ErrorCode::kFile, fmt::format("cde merge: {}: \"words\" are not those of a run",
+                                            printable_name(journal.path())));
+}
+
+void run(const std::vector<std::string>& files, const CommandRun& again) {
+  std::vector<std::unique_ptr<Journal>> journals;
+  for (const std::string& file : files) {
+    auto journal = std::make_unique<Journal>("cde merge", file, Journal::Use::kRead);
+    if (!journal->run().is_object())
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("cde merge: {} is not finished: its command has not begun it",
+                              printable_name(file)));
+    journals.push_back(std::move(journal));
+  }
+  Json of_all;
+  for (const auto& [key, value] : journals.front()->run().items())
+    if (key != "shard" && key != "words") of_all[key] = value;
+  for (const auto& journal : journals) {
+    check_words(*journal);
+    journal->check_run(of_all);
+  }
+  const Words words = words_of_whole(*journals.front());
+  if (const VerbEntry* entry = verb_elsewhere(words[0])) {
+    Words merge = {"merge"};
+    merge.insert(merge.end(), files.begin(), files.end());
+    exit_code = other_program(*entry, merge);
+    return;
+  }
+  Dealing::here().merge(std::move(journals));
+  exit_code = again(words);
+}
+
+}  // namespace
+
+void add_merge(CLI::App& app, const CommandRun& again) {
+  auto files = std::make_shared<std::vector<std::string>>();
+  CLI::App* verb = app.add_subcommand(
+      "merge",
+      "Finish a run whose shards (--shard) have run elsewhere: from their journals come the files "
+      "and the summary that the whole command would have given. In the folder of that command: its "
+      "meshes and rays are read again, rays of - from stdin; nothing is simulated");
+  file_value(verb->add_option("journal", *files, "Journals (--resume) of all shards, in any order")
+                 ->required(),
+             "JOURNAL");
+  verb->callback([files, again] { run(*files, again); });
+}
+
+}  // namespace cde::cli

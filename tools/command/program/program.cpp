@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "program/program.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <optional>
+
+#include "cde/jobs/dealing.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/version.hpp"
+#include "options/help.hpp"
+#include "options/typed.hpp"
+#include "output/output.hpp"
+#include "output/streams.hpp"
+
+namespace cde::cli {
+namespace {
+
+/// "cde: message" on stderr; the message may have text of files.
+void complain(const std::string& message) {
+  std::fputs(may_colour(STDERR_FILENO) ? "\033[1;31mcde:\033[0m " : "cde: ", stderr);
+  say(message + "\n");
+}
+
+}  // namespace
+
+int run_program(const Program& program, const std::vector<std::string>& words) {
+  CLI::App app{program.description, program.name};
+  app.formatter(help_formatter());
+  app.require_subcommand(1);
+  app.set_version_flag("--version", version_text(), "Versions of cde and its tools");
+  program.add_verbs(app);
+  add_write_manual(app);
+  app.set_help_all_flag("--help-all", "Help of every verb");  // not one of the verbs
+  if (words.empty()) {
+    say(app.help());
+    return 2;
+  }
+  std::vector<std::string> args = understood(app, words);
+  std::reverse(args.begin(), args.end());  // CLI11 takes them from the back
+  try {
+    app.parse(args);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);  // help and version, on stdout
+    throw Error(ErrorCode::kUsage, e.what());
+  }
+  return exit_code;
+}
+
+int program_main(const Program& program, int argc, char** argv) {
+  // A file that may not grow is an error of the write, with a message.
+  std::signal(SIGXFSZ, SIG_IGN);
+  prepare_streams();
+  remove_unfinished_on_signals();
+  show_progress_on_terminal();
+  std::optional<Dealing> dealing;
+  bool ended = false;
+  const int status = exit_status_of(
+      [&] {
+        const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+        dealing.emplace().start(words);
+        const int code = run_program(program, words);
+        dealing->end();
+        ended = true;
+        return code;
+      },
+      [&](const std::string& message) { complain((dealing ? dealing->place() : "") + message); });
+  if (dealing && !ended) dealing->fail(status);
+  return status;
+}
+
+}  // namespace cde::cli

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "program/programs.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+
+namespace cde::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array kVerbs = {
+    VerbEntry{"cast", "cde", false, "Cast rays at a mesh; records as CSV, NumPy or JSON lines"},
+    VerbEntry{"render", "cde", false, "Draw pictures of a mesh"},
+    VerbEntry{"query", "cde", false, "Test pairs of primitives"},
+    VerbEntry{"run", "cde", false, "Run a scene, frame by frame"},
+    VerbEntry{"plan", "cde", false, "Show which card a scene needs, and why"},
+    VerbEntry{"fp", "cde", false, "Run floating-point operands through the simulated units"},
+    VerbEntry{"merge", "cde", false, "Merge the journals of shards into the whole run"},
+    VerbEntry{"doctor", "cde", false, "Check tools, caches and both arithmetic back ends"},
+    VerbEntry{"help", "cde", false, "Show the help of a verb"},
+    VerbEntry{"wave", "cde-wave", true, "Ask a wave file (FST)"},
+    VerbEntry{"explain", "cde-explain", false, "Find the operator and RTL line of a wrong answer"},
+    VerbEntry{"accuracy", "cde-accuracy", false, "Measure errors and wrong decisions, and costs"},
+    VerbEntry{"advise", "cde-accuracy", false, "Name the cheapest pipe that meets demands"},
+    VerbEntry{"bench", "cde-bench", false, "Measure simulation speed beside software"},
+    VerbEntry{"reproduce", "cde-bench", false, "Measure the paper's figures again, as a page"},
+    VerbEntry{"inventory", "cde-bench", false, "Count operators and latency of every pipe"},
+};
+
+/// The CMake target that builds a program.
+std::string target_of(std::string_view program) {
+  std::string target(program);
+  for (char& c : target)
+    if (c == '-') c = '_';
+  target += "_cli";
+  return target;
+}
+
+}  // namespace
+
+std::span<const VerbEntry> all_verbs() {
+  return kVerbs;
+}
+
+std::string this_program() {
+  std::error_code none;
+  return fs::read_symlink("/proc/self/exe", none).filename();
+}
+
+const VerbEntry* verb_elsewhere(std::string_view verb) {
+  for (const VerbEntry& entry : kVerbs)
+    if (entry.verb == verb && entry.program != this_program()) return &entry;
+  return nullptr;
+}
+
+void add_other_verbs(CLI::App& app) {
+  for (const VerbEntry& entry : kVerbs)
+    if (entry.program != this_program()) app.add_subcommand(entry.verb, entry.summary);
+}
+
+std::string program_file(std::string_view program) {
+  std::error_code none;
+  const fs::path here = fs::read_symlink("/proc/self/exe", none).parent_path();
+  for (const fs::path& folder : {here, here.parent_path() / "libexec" / "cde"})
+    if (::access((folder / program).c_str(), X_OK) == 0) return folder / program;
+  throw Error(ErrorCode::kFile,
+              fmt::format("{} is not installed beside cde or in libexec/cde; build it with: "
+                          "cmake --build build --target {}",
+                          program, target_of(program)));
+}
+
+int other_program(const VerbEntry& entry, const std::vector<std::string>& words) {
+  try {
+    std::vector<std::string> command = {program_file(entry.program)};
+    command.insert(command.end(), words.begin() + (entry.own_verbs ? 1 : 0), words.end());
+    std::vector<char*> argv;
+    for (std::string& word : command) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    ::execv(argv[0], argv.data());
+    throw Error(ErrorCode::kFile, fmt::format("{}: {}", command[0], std::strerror(errno)));
+  } catch (const Error& e) {
+    say(fmt::format("cde: {}\n", e.what()));
+    return exit_status(e);
+  }
+}
+
+}  // namespace cde::cli

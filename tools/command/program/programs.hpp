@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "options/cli_fwd.hpp"
+
+/// The programs of the command, and the verbs of each.
+namespace cde::cli {
+
+struct VerbEntry {
+  const char *verb, *program;
+  bool own_verbs;  ///< the program's verbs stand behind this one: `cde wave info`
+  const char* summary;
+};
+/// All verbs, in the order of the help.
+[[nodiscard]] std::span<const VerbEntry> all_verbs();
+
+/// The name of this program: "cde", "cde-wave".
+[[nodiscard]] std::string this_program();
+/// The entry of a verb of another program; null for verbs of this one, and for words that are none.
+[[nodiscard]] const VerbEntry* verb_elsewhere(std::string_view verb);
+
+/// The path of a program: beside this one, or in ../libexec/cde. Error kFile, with the line that
+/// builds the program, if it is in neither.
+[[nodiscard]] std::string program_file(std::string_view program);
+
+/// Adds the verbs of other programs, so that help lists them and words that are near are found.
+void add_other_verbs(CLI::App& app);
+
+/// Replaces this process by the program of a verb, whose words begin with the verb. Returns exit
+/// status 2, with a message, if the program cannot be started.
+int other_program(const VerbEntry& entry, const std::vector<std::string>& words);
+
+}  // namespace cde::cli
