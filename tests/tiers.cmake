@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+# The two tiers of tests (docs/maintainer/testing.md).
+#
+# The default tier is what the lists below say, and beside it every test that tools/mutants names. The full tier is all tests;
+# CDE_FULL_TESTS=ON (tools/test --full) builds and finds them. A program that has no list here is in the default tier whole:
+# fp, host, modules and the numerics are not, or are, as said below.
+
+# ---- What the default tier has: filters of GoogleTest, by program (cde_NAME_tests) ----
+
+# Reference and formats. Units are built by what tools/mutants names.
+set(CDE_DEFAULT_fp FpFormat.* FpReference.* ScalarOps.*)
+set(CDE_DEFAULT_board "")
+set(CDE_DEFAULT_bus "")
+set(CDE_DEFAULT_pipe Moller.*)
+set(CDE_DEFAULT_pair PairFailure.*)
+set(CDE_DEFAULT_cli *)
+set(CDE_DEFAULT_wave_card *)
+
+# Tests that are no GoogleTests are in the default tier, but for these.
+set(CDE_FULL_ONLY bitstream.concurrent bitstream.interrupted bitstream.plain lint.rtl mpi.hosts mutate.faults)
+
+# ---- How they are taken ----
+
+# Tests that tools/mutants names, `FILTER [VARIABLE=VALUE ...]` each, in variable `out`.
+function(cde_planted_tests program out)
+  set(all "")
+  file(GLOB tables CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tools/mutants/*.txt)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${tables})
+  foreach(table IN LISTS tables)
+    file(STRINGS ${table} lines REGEX "^tests +${program} ")
+    foreach(line IN LISTS lines)
+      string(REGEX REPLACE "^tests +${program} +" "" line "${line}")
+      string(REGEX REPLACE " +BUILD=[^ ]+" "" line "${line}")
+      list(APPEND all "${line}")
+    endforeach()
+  endforeach()
+  list(REMOVE_DUPLICATES all)
+  set(${out} "${all}" PARENT_SCOPE)
+endfunction()
+
+# cde_discover_tests(cde_NAME_tests [LABELLED LABEL FILTER] PROPERTIES LABELS LABEL [TIMEOUT SECONDS] [ENVIRONMENT VARIABLE=VALUE ...]):
+# those of the tier. What FILTER matches has the other LABEL, too.
+function(cde_discover_tests target)
+  cmake_parse_arguments(arg "" "" "LABELLED;PROPERTIES" ${ARGN})
+  cmake_parse_arguments(arg "" "TIMEOUT" "LABELS;ENVIRONMENT" ${arg_PROPERTIES})
+  string(REGEX REPLACE "^cde_(.*)_tests$" "\\1" program ${target})
+  set(filters *)
+  set(apart "")  # with variables of their own
+  if(DEFINED CDE_DEFAULT_${program} AND NOT CDE_FULL_TESTS)
+    set(filters ${CDE_DEFAULT_${program}})
+    cde_planted_tests(${program} planted)
+    foreach(test IN LISTS planted)
+      if(test MATCHES "^([^ ]+) +(.+)$")
+        string(REPLACE " " "_" group "${CMAKE_MATCH_2}")
+        list(APPEND apart ${group})
+        list(APPEND filters_${group} ${CMAKE_MATCH_1})
+        string(REPLACE " " ";" variables_${group} "${CMAKE_MATCH_2}")
+      else()
+        list(APPEND filters ${test})
+      endif()
+    endforeach()
+    list(REMOVE_DUPLICATES filters)
+    list(REMOVE_DUPLICATES apart)
+  endif()
+  list(JOIN filters ":" filter)
+  if(arg_LABELLED)
+    list(GET arg_LABELLED 0 label)
+    list(GET arg_LABELLED 1 labelled)
+    string(APPEND filter "-${labelled}")
+    cde_discover(${target} "${labelled}" "" "${arg_LABELS};${label}" "${arg_TIMEOUT}" "${arg_ENVIRONMENT}")
+  endif()
+  cde_discover(${target} "${filter}" "" "${arg_LABELS}" "${arg_TIMEOUT}" "${arg_ENVIRONMENT}")
+  foreach(group IN LISTS apart)
+    list(JOIN filters_${group} ":" filter)
+    cde_discover(${target} "${filter}" "/${group}" "${arg_LABELS}" "${arg_TIMEOUT}" "${arg_ENVIRONMENT};${variables_${group}}")
+  endforeach()
+  if(CDE_TEST_HEADERS)
+    target_precompile_headers(${target} REUSE_FROM ${CDE_TEST_HEADERS})
+  endif()
+endfunction()
+
+# gtest_discover_tests takes no lists for values of properties: they are set by a file that ctest reads after it.
+function(cde_discover target filter suffix labels timeout environment)
+  string(MAKE_C_IDENTIFIER "${target}${suffix}_${labels}" list)
+  gtest_discover_tests(${target} TEST_FILTER "${filter}" TEST_SUFFIX "${suffix}" TEST_LIST ${list} DISCOVERY_TIMEOUT 60)
+  set(properties "LABELS [[${labels}]]")
+  foreach(property timeout environment)
+    if(${property})
+      string(TOUPPER ${property} name)
+      string(APPEND properties " ${name} [[${${property}}]]")
+    endif()
+  endforeach()
+  set(file ${CMAKE_CURRENT_BINARY_DIR}/${list}.cmake)
+  file(CONFIGURE OUTPUT ${file} CONTENT "if(${list})\n  set_tests_properties(\${${list}} PROPERTIES ${properties})\nendif()\n" @ONLY)
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
+endfunction()
+
+# cde_needs(TARGET BITSTREAM ...): those of the tier are built before the target.
+function(cde_needs target)
+  foreach(bitstream IN LISTS ARGN)
+    get_target_property(full ${bitstream} CDE_FULL_TIER)
+    if(CDE_FULL_TESTS OR NOT full)
+      add_dependencies(${target} ${bitstream})
+    endif()
+  endforeach()
+endfunction()
+
+# cde_in_tier(TEST RESULT): whether a test that is no GoogleTest is to be added. tools/test counts those that are not.
+file(WRITE ${PROJECT_BINARY_DIR}/full_tests.txt "")
+function(cde_in_tier test result)
+  if(NOT CDE_FULL_TESTS AND test IN_LIST CDE_FULL_ONLY)
+    file(APPEND ${PROJECT_BINARY_DIR}/full_tests.txt "${test}\n")
+    set(${result} OFF PARENT_SCOPE)
+  else()
+    set(${result} ON PARENT_SCOPE)
+  endif()
+endfunction()
+
+# A bitstream that tools/mutants has built for a test is one of the default tier.
+function(cde_check_planted_bitstreams)
+  file(GLOB tables ${PROJECT_SOURCE_DIR}/tools/mutants/*.txt)
+  foreach(table IN LISTS tables)
+    file(STRINGS ${table} lines REGEX "^tests .* BUILD=")
+    foreach(line IN LISTS lines)
+      string(REGEX REPLACE "^.* BUILD=([^ ]+).*$" "\\1" name "${line}")
+      if(NOT TARGET ${name})
+        message(FATAL_ERROR "${table} names the bitstream ${name}, which no CMakeLists.txt has")
+      endif()
+      get_target_property(full ${name} CDE_FULL_TIER)
+      if(full)
+        message(FATAL_ERROR "${table} names the bitstream ${name}, which is of the full tier alone: take FULL from its cde_add_bitstream")
+      endif()
+    endforeach()
+  endforeach()
+endfunction()
