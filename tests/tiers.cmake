@@ -11,8 +11,8 @@
 set(CDE_DEFAULT_fp FpFormat.* FpReference.* ScalarOps.*)
 
 # Cards: what tools/mutants names, and what needs no other bitstreams than that.
-set(CDE_DEFAULT_board CardChoice.* Checker.* Contract.* HierarchyDriver.ConfigurationsThatNoCardHas HierarchyOfSolids.ConfigurationsThatNoCardHas NoEcc.*
-  Cases/ReferenceKnown.* FormatConfig.NamesWhatACardHasNot FormatWords.* Registers.* Ring.*)
+set(CDE_DEFAULT_board CardChoice.ParametersAreReadBack Checker.* Contract.* HierarchyDriver.ConfigurationsThatNoCardHas HierarchyOfSolids.ConfigurationsThatNoCardHas NoEcc.*
+  Cases/ReferenceKnown.* FormatConfig.NamesWhatACardHasNot FormatWords.* Registers.*)
 set(CDE_DEFAULT_bus BusFaults.NamesAreReadBack PciBar.* PciConfig.* PciCardTest.ShowsWhatItIs)
 set(CDE_DEFAULT_pipe Moller.TakesTenClocksAtOneAnOperator)
 set(CDE_DEFAULT_pair PairFailure.*)
@@ -68,7 +68,7 @@ function(cde_planted_tests program out)
 endfunction()
 
 # cde_discover_tests(cde_NAME_tests [LABELLED LABEL FILTER] PROPERTIES LABELS LABEL [TIMEOUT SECONDS] [ENVIRONMENT VARIABLE=VALUE ...]):
-# those of the tier. What FILTER matches has the other LABEL, too.
+# those of the tier. What FILTER matches has the other LABEL, too, and is of the full tier alone if the program has a list.
 function(cde_discover_tests target)
   cmake_parse_arguments(arg "" "" "LABELLED;PROPERTIES" ${ARGN})
   cmake_parse_arguments(arg "" "TIMEOUT" "LABELS;ENVIRONMENT" ${arg_PROPERTIES})
@@ -100,7 +100,9 @@ function(cde_discover_tests target)
     list(GET arg_LABELLED 0 label)
     list(GET arg_LABELLED 1 labelled)
     list(APPEND without ${labelled})
-    cde_discover(${target} "${labelled}" "" "${arg_LABELS};${label}" "${arg_TIMEOUT}" "${arg_ENVIRONMENT}")
+    if(CDE_FULL_TESTS OR NOT DEFINED CDE_DEFAULT_${program})
+      cde_discover(${target} "${labelled}" "" "${arg_LABELS};${label}" "${arg_TIMEOUT}" "${arg_ENVIRONMENT}")
+    endif()
   endif()
   if(without)
     list(JOIN without ":" without)
