@@ -15,7 +15,9 @@ namespace fs = std::filesystem;
 
 Planted::Planted(const fs::path& folder, const std::string& file, const std::string& from,
                  const std::string& to)
-    : share_(folder / "share"), environment_{"CDE_SHARE=" + share_.string(), "CDE_WERROR=0"} {
+    : share_(folder / "share"),
+      // With assertions gates are built sooner.
+      environment_{"CDE_SHARE=" + share_.string(), "CDE_WERROR=0", "CDE_ASSERT=1"} {
   copy_rtl(CDE_SOURCE_DIR, share_);
   change(file, from, to);
 }

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+# The two tiers of tests (docs/maintainer/testing.md).
+#
+# The default tier is what the lists below say, and beside it every test that tools/mutants names. The full tier is all tests;
+# CDE_FULL_TESTS=ON (tools/test --full) builds and finds them. A program without a list is in the default tier whole: those of
+# tests/numerics, tests/oracle, tests/modules, tests/synthesis, tests/wave.
+
+# ---- What the default tier has: filters of GoogleTest, by program (cde_NAME_tests), and those that it has not ----
+
+# The reference and the formats; units are those that tools/mutants names.
+set(CDE_DEFAULT_fp FpFormat.* FpReference.* ScalarOps.*)
+
+# Cards: what tools/mutants names, and what needs no other bitstreams than that.
+set(CDE_DEFAULT_board CardChoice.ParametersAreReadBack Checker.* Contract.* HierarchyDriver.ConfigurationsThatNoCardHas HierarchyOfSolids.ConfigurationsThatNoCardHas NoEcc.*
+  Cases/ReferenceKnown.* FormatConfig.NamesWhatACardHasNot FormatWords.* Registers.*)
+set(CDE_DEFAULT_bus BusFaults.NamesAreReadBack PciBar.* PciConfig.* PciCardTest.ShowsWhatItIs)
+set(CDE_DEFAULT_pipe Moller.TakesTenClocksAtOneAnOperator)
+set(CDE_DEFAULT_pair PairFailure.*)
+
+# Files, meshes, plans, messages.
+set(CDE_DEFAULT_host *)
+set(CDE_NOT_DEFAULT_host Plan.RefusesMoreThanTheMemoryHolds)  # two minutes
+
+# The command: every verb and every group of options, on the bitstreams that are installed and few others.
+set(CDE_DEFAULT_cli
+  Accuracy.* AccuracyPage.* Advise.*
+  Bench.QuickUnits Bench.UnknownSection Bundles.ADeadlineIsNotPacked
+  Cast.* CastFiles.* CastHierarchy.* Doctor.*
+  Explain.TheManualShowsWhatTheCommandPrints Explain.WhatMakesNoSenseIsRefused ExplainLine.* ExplainRecord.*
+  FormatCli.*Refuse* PlantedBugsTable.*
+  Building.SignalToTheCommandAlone Folders.* Outputs.* Streams.*
+  CommandLine.* Help.* JsonKeys.* NamedFiles.*
+  InventoryCache.* Inventory.TextMarkdownAndUsage
+  Pages.ReportSaysWhatRunJsonSays Pages.ReportThatCannotBeWritten
+  Query.* Ranks.ADamagedJournalIsNamed Ranks.AJournalOfSomethingElseIsRefused Ranks.ShardsOfACastMakeUpTheWhole MpiRanks.WhatIsWrongIsSaidOnce
+  RunScene.* SceneHierarchy.SameRecordsAsSweeps TraceWindow.OfAQueryIsItsClocks TraceWindow.ThatMakesNoSenseIsRefused Tutorial.*)
+# Long ones, and those that build bitstreams for themselves alone.
+set(CDE_NOT_DEFAULT_cli
+  Accuracy.MoreBitsAreNearerTheTruth AccuracyPage.Clocks* AccuracyPage.WorstCases
+  Cast.BothArithmetics* Cast.FaultyCard* Cast.MoreCards* CastFiles.Algorithms CastHierarchy.OfWatertight
+  ExplainRecord.WhatTheUpdateEngineKeepsWrongIsNamed ExplainRecord.WhatThePipeMissesIsLacking
+  Query.AMillionPairsInOrder Query.APlane* Query.BothArithmetics* Query.BudgetSets* Query.FacetsOfLongWords* Query.FaultyPipe* Query.TheBoxRule*
+  RunScene.FaultyCard* RunScene.FaultsOfTheBus* RunScene.MixedScene* Streams.AReaderThatHasEnough)
+
+# Transactions in the waves of a card; cde_wave_tests, which need one bitstream, are all there.
+set(CDE_DEFAULT_wave_card TxCard.TheBusOfACardBehindPciIsWhatTheCardCounts)
+
+# Tests that are no GoogleTests are in the default tier, but for these.
+set(CDE_FULL_ONLY bitstream.concurrent bitstream.interrupted bitstream.plain lint.rtl mpi.hosts mutate.faults)
+
+# ---- How they are taken ----
+
+# Tests that tools/mutants names, `FILTER [VARIABLE=VALUE ...]` each, in variable `out`.
+function(cde_planted_tests program out)
+  set(all "")
+  file(GLOB tables CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tools/mutants/*.txt)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${tables})
+  foreach(table IN LISTS tables)
+    file(STRINGS ${table} lines REGEX "^tests +${program} ")
+    foreach(line IN LISTS lines)
+      string(REGEX REPLACE "^tests +${program} +" "" line "${line}")
+      string(REGEX REPLACE " +BUILD=[^ ]+" "" line "${line}")
+      list(APPEND all "${line}")
+    endforeach()
+  endforeach()
+  list(REMOVE_DUPLICATES all)
+  set(${out} "${all}" PARENT_SCOPE)
+endfunction()
+
+# cde_discover_tests(cde_NAME_tests [LABELLED LABEL FILTER] PROPERTIES LABELS LABEL [TIMEOUT SECONDS] [ENVIRONMENT VARIABLE=VALUE ...]):
+# those of the tier. What FILTER matches has the other LABEL, too, and is of the full tier alone if the program has a list.
+function(cde_discover_tests target)
+  cmake_parse_arguments(arg "" "" "LABELLED;PROPERTIES" ${ARGN})
+  cmake_parse_arguments(arg "" "TIMEOUT" "LABELS;ENVIRONMENT" ${arg_PROPERTIES})
+  string(REGEX REPLACE "^cde_(.*)_tests$" "\\1" program ${target})
+  set(filters *)
+  set(apart "")  # with variables of their own
+  if(DEFINED CDE_DEFAULT_${program} AND NOT CDE_FULL_TESTS)
+    set(filters ${CDE_DEFAULT_${program}})
+    cde_planted_tests(${program} planted)
+    foreach(test IN LISTS planted)
+      if(test MATCHES "^([^ ]+) +(.+)$")
+        string(REPLACE " " "_" group "${CMAKE_MATCH_2}")
+        list(APPEND apart ${group})
+        list(APPEND filters_${group} ${CMAKE_MATCH_1})
+        string(REPLACE " " ";" variables_${group} "${CMAKE_MATCH_2}")
+      else()
+        list(APPEND filters ${test})
+      endif()
+    endforeach()
+    list(REMOVE_DUPLICATES filters)
+    list(REMOVE_DUPLICATES apart)
+  endif()
+  list(JOIN filters ":" filter)
+  set(without "")
+  if(NOT CDE_FULL_TESTS)
+    set(without ${CDE_NOT_DEFAULT_${program}})
+  endif()
+  if(arg_LABELLED)
+    list(GET arg_LABELLED 0 label)
+    list(GET arg_LABELLED 1 labelled)
+    list(APPEND without ${labelled})
+    if(CDE_FULL_TESTS OR NOT DEFINED CDE_DEFAULT_${program})
+      cde_discover(${target} "${labelled}" "" "${arg_LABELS};${label}" "${arg_TIMEOUT}" "${arg_ENVIRONMENT}")
+    endif()
+  endif()
+  if(without)
+    list(JOIN without ":" without)
+    string(APPEND filter "-${without}")
+  endif()
+  cde_discover(${target} "${filter}" "" "${arg_LABELS}" "${arg_TIMEOUT}" "${arg_ENVIRONMENT}")
+  foreach(group IN LISTS apart)
+    list(JOIN filters_${group} ":" filter)
+    cde_discover(${target} "${filter}" "/${group}" "${arg_LABELS}" "${arg_TIMEOUT}" "${arg_ENVIRONMENT};${variables_${group}}")
+  endforeach()
+  if(CDE_TEST_HEADERS)
+    target_precompile_headers(${target} REUSE_FROM ${CDE_TEST_HEADERS})
+  endif()
+endfunction()
+
+# gtest_discover_tests takes no lists for values of properties: they are set by a file that ctest reads after it.
+function(cde_discover target filter suffix labels timeout environment)
+  string(MAKE_C_IDENTIFIER "${target}${suffix}_${labels}" list)
+  gtest_discover_tests(${target} TEST_FILTER "${filter}" TEST_SUFFIX "${suffix}" TEST_LIST ${list} DISCOVERY_TIMEOUT 60)
+  set(properties "LABELS [[${labels}]]")
+  foreach(property timeout environment)
+    if(${property})
+      string(TOUPPER ${property} name)
+      string(APPEND properties " ${name} [[${${property}}]]")
+    endif()
+  endforeach()
+  set(file ${CMAKE_CURRENT_BINARY_DIR}/${list}.cmake)
+  file(CONFIGURE OUTPUT ${file} CONTENT "if(${list})\n  set_tests_properties(\${${list}} PROPERTIES ${properties})\nendif()\n" @ONLY)
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
+endfunction()
+
+# cde_needs(TARGET BITSTREAM ...): those of the tier are built before the target.
+function(cde_needs target)
+  foreach(bitstream IN LISTS ARGN)
+    get_target_property(full ${bitstream} CDE_FULL_TIER)
+    if(CDE_FULL_TESTS OR NOT full)
+      add_dependencies(${target} ${bitstream})
+    endif()
+  endforeach()
+endfunction()
+
+# cde_in_tier(TEST RESULT): whether a test that is no GoogleTest is to be added. tools/test counts those that are not.
+file(WRITE ${PROJECT_BINARY_DIR}/full_tests.txt "")
+function(cde_in_tier test result)
+  if(NOT CDE_FULL_TESTS AND test IN_LIST CDE_FULL_ONLY)
+    file(APPEND ${PROJECT_BINARY_DIR}/full_tests.txt "${test}\n")
+    set(${result} OFF PARENT_SCOPE)
+  else()
+    set(${result} ON PARENT_SCOPE)
+  endif()
+endfunction()
+
+# A bitstream that tools/mutants has built for a test is one of the default tier.
+function(cde_check_planted_bitstreams)
+  file(GLOB tables ${PROJECT_SOURCE_DIR}/tools/mutants/*.txt)
+  foreach(table IN LISTS tables)
+    file(STRINGS ${table} lines REGEX "^tests .* BUILD=")
+    foreach(line IN LISTS lines)
+      string(REGEX REPLACE "^.* BUILD=([^ ]+).*$" "\\1" name "${line}")
+      if(NOT TARGET ${name})
+        message(FATAL_ERROR "${table} names the bitstream ${name}, which no CMakeLists.txt has")
+      endif()
+      get_target_property(full ${name} CDE_FULL_TIER)
+      if(full)
+        message(FATAL_ERROR "${table} names the bitstream ${name}, which is of the full tier alone: take FULL from its cde_add_bitstream")
+      endif()
+    endforeach()
+  endforeach()
+endfunction()
