@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # cde_embed(OUTPUT.cpp NAME=FILE ...)
 #
-# Writes a C++ source that defines `const PageAsset NAME` (tools/cde/page/page.hpp) for every FILE: its text and the SHA-256 of
+# Writes a C++ source that defines `const PageAsset NAME` (tools/command/page/page.hpp) for every FILE: its text and the SHA-256 of
 # that text, which the content security policy of a page names. Files are read when the build is configured.
 function(cde_embed output)
   set(source "// Written by cmake/Embed.cmake.\n#include \"page/page.hpp\"\n\nnamespace cde::cli {\n")

@@ -12,13 +12,23 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/cde)
 get_property(libraries GLOBAL PROPERTY CDE_LIBRARIES)
 get_property(programs GLOBAL PROPERTY CDE_PROGRAMS)
 
-# Before a component is installed, its targets are built.
+# Before a component is installed, those of its targets that are not built are built.
 function(cde_build_before component)
   add_custom_target(cde_installed_${component})
   add_dependencies(cde_installed_${component} ${ARGN})
+  set(files "")
+  foreach(target IN LISTS ARGN)
+    list(APPEND files "$<TARGET_FILE:${target}>")
+  endforeach()
   install(CODE "
-    execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${CMAKE_BINARY_DIR}\" --target cde_installed_${component}
-      COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)" COMPONENT ${component})
+    foreach(file IN ITEMS ${files})
+      if(NOT EXISTS \"\${file}\")
+        message(STATUS \"Not built yet: building ${component}\")
+        execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${CMAKE_BINARY_DIR}\" --target cde_installed_${component}
+          COMMAND_ERROR_IS_FATAL ANY)
+        break()
+      endif()
+    endforeach()" COMPONENT ${component})
 endfunction()
 
 # ---- Libraries: an export of each, so that a package may lack some ----

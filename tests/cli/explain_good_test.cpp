@@ -47,7 +47,7 @@ std::vector<Pipe> pipes() {
 /// of everyday scenes take turns.
 std::string words(Pair pair, unsigned index) {
   if (index % 2 == 0) {
-    cli::RandomPairs random(kSeed + index);
+    RandomPairs random(kSeed + index);
     std::vector<float> a, b;
     random.pair(pair, a, b);
     return fmt::format("{:a} | {:a}", fmt::join(a, " "), fmt::join(b, " "));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether what a failure leaves leads to the line that is wrong: faults of planted_bugs.txt, one at
-// a time. Minutes each, so they wait for CDE_FULL=1; the table itself is checked every day.
+// Whether what a failure leaves leads to the line that is wrong: faults of
+// tools/mutants/explain.txt, one at a time. Minutes each, so they wait for CDE_FULL=1; the table
+// itself is checked every day.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -33,6 +34,7 @@ constexpr unsigned kDrivers = 3;    // statements behind them
 constexpr std::size_t kBugs = 24, kFiles = 22, kLines = 20;
 
 const fs::path kFolder = fs::path(CDE_SOURCE_DIR) / "tests/cli";
+const fs::path kTable = fs::path(CDE_SOURCE_DIR) / "tools/mutants/explain.txt";
 
 /// How well a bundle leads to a line, from worst to best.
 const std::array<std::string, 5> kFinds = {"nothing", "file", "cone", "three", "first"};
@@ -46,7 +48,7 @@ struct Bug {
     const auto found = fields.find(key);
     return found == fields.end() ? kNone : found->second;
   }
-  [[nodiscard]] std::string file() const { return "rtl/" + (*this)["file"]; }
+  [[nodiscard]] std::string file() const { return (*this)["file"]; }
   /// Place in kFinds of what the table says.
   [[nodiscard]] std::size_t finds() const {
     return static_cast<std::size_t>(std::find(kFinds.begin(), kFinds.end(), (*this)["finds"]) -
@@ -62,12 +64,12 @@ std::string text_of(const fs::path& path) {
 const std::vector<Bug>& bugs() {
   static const std::vector<Bug> kAll = [] {
     std::vector<Bug> all;
-    std::istringstream lines(text_of(kFolder / "planted_bugs.txt"));
+    std::istringstream lines(text_of(kTable));
     for (std::string line; std::getline(lines, line);) {
       const std::size_t end = line.find(' '), value = line.find_first_not_of(' ', end);
       if (line.empty() || line[0] == '#' || value == std::string::npos) continue;
       const std::string key = line.substr(0, end);
-      if (key == "bug") all.emplace_back();
+      if (key == "mutant") all.emplace_back();
       if (!all.empty()) all.back().fields[key] = line.substr(value);
     }
     return all;
@@ -77,7 +79,7 @@ const std::vector<Bug>& bugs() {
 
 /// Lines of the words of random pairs.
 std::string random_pairs(const std::string& pair) {
-  cli::RandomPairs random(kSeed);
+  RandomPairs random(kSeed);
   std::string text;
   for (unsigned i = 0; i < kPairs; ++i) {
     std::vector<float> a, b;
@@ -155,18 +157,18 @@ TEST_P(PlantedBugs, AreFoundFromTheBundle) {
   for (std::size_t i = 0; i < std::min(all.size(), kPlaces); ++i)
     places += fmt::format(" {}:{} ({})", all[i].file, all[i].line, all[i].how);
   const std::size_t how = found(all, file, fault.line());
-  fmt::print("{}: planted in {}:{}, named{}: {}\n", bug["bug"], file, fault.line(), places,
+  fmt::print("{}: planted in {}:{}, named{}: {}\n", bug["mutant"], file, fault.line(), places,
              kFinds[how]);
   RecordProperty("finds", kFinds[how]);
   EXPECT_GE(how, bug.finds()) << "the table says " << bug["finds"] << "\n"
                               << read("cde-failure/fail.txt");
   if (const char* keep = std::getenv("CDE_KEEP_BUNDLES"))
-    fs::copy(folder_ / "cde-failure", fs::path(keep) / bug["bug"], fs::copy_options::recursive);
+    fs::copy(folder_ / "cde-failure", fs::path(keep) / bug["mutant"], fs::copy_options::recursive);
 }
 
 INSTANTIATE_TEST_SUITE_P(Table, PlantedBugs, ::testing::Range(std::size_t{0}, bugs().size()),
                          [](const auto& info) {
-                           std::string name = bugs()[info.param]["bug"];
+                           std::string name = bugs()[info.param]["mutant"];
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });
@@ -192,7 +194,7 @@ struct Count {
 TEST(PlantedBugsTable, FindsEnough) {
   Count pipes, around, all;
   for (const Bug& bug : bugs()) {
-    SCOPED_TRACE(bug["bug"]);
+    SCOPED_TRACE(bug["mutant"]);
     ASSERT_LT(bug.finds(), kFinds.size()) << bug["finds"];
     const std::string file = bug["file"];
     (file.starts_with("pipes/") || file.starts_with("fp/") ? pipes : around).add(bug);

@@ -14,7 +14,7 @@
 #include "cde/oracle/oracle.hpp"
 #include "cde/oracle/random.hpp"
 
-namespace cde::cli {
+namespace cde::accuracy {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -186,4 +186,4 @@ TEST(Leaks, OfAnIcosphere) {
 }
 
 }  // namespace
-}  // namespace cde::cli
+}  // namespace cde::accuracy

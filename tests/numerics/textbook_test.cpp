@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pairs as textbooks have them (tools/cde/accuracy/textbook.hpp): the operators they would take,
+// Pairs as textbooks have them (cde/accuracy/textbook.hpp): the operators they would take,
 // beside those of the pipes, as docs/accuracy.md has them.
 #include "cde/accuracy/textbook.hpp"
 
@@ -48,7 +48,7 @@ std::string row(Pair pair, const char* whose, const Tally& t) {
 }
 
 TEST(Textbook, OperatorsAreThoseOfTheDocs) {
-  namespace book = cli::textbook;
+  namespace book = accuracy::textbook;
   using S = Counted;
   using Triangle = BasicTriangle<S>;
   using Obb = BasicObb<S>;

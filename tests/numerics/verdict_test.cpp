@@ -178,7 +178,7 @@ TYPED_TEST(Verdict, LeavesLittleOpenOfRandomPairs) {
   ASSERT_EQ(count, 4000U);
   std::vector<Certain> certain(count);
   const PairBudget least{4, 2, 2};
-  cde::cli::test_certain(TypeParam::kPair, FpFormat::parse("fp16"), least, a, b, certain);
+  cde::accuracy::test_certain(TypeParam::kPair, FpFormat::parse("fp16"), least, a, b, certain);
   EXPECT_LT(std::ranges::count(certain, Certain::kNeither), 4000 * 0.012);
 }
 

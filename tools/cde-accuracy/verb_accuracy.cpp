@@ -11,6 +11,7 @@
 
 #include "accuracy/accuracy_page.hpp"
 #include "accuracy/accuracy_report.hpp"
+#include "accuracy/names.hpp"
 #include "cde/accuracy/kept.hpp"
 #include "cde/accuracy/picture.hpp"
 #include "cde/accuracy/price.hpp"

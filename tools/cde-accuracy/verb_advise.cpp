@@ -11,6 +11,7 @@
 #include <string>
 
 #include "accuracy/advice.hpp"
+#include "accuracy/names.hpp"
 #include "cde/bitstream/bitstream.hpp"
 #include "cde/card/json_keys.hpp"
 #include "cde/support/error.hpp"

@@ -89,7 +89,8 @@ Interval95 wilson(std::uint64_t found, std::uint64_t all) {
 
 nlohmann::ordered_json share_json(std::uint64_t found, std::uint64_t all) {
   const Interval95 share = wilson(found, all);
-  Json json = {{"count", found}, {"per_million", Json()}, {"interval_95", Json()}};
+  nlohmann::ordered_json json = {
+      {"count", found}, {"per_million", nullptr}, {"interval_95", nullptr}};
   if (all == 0) return json;
   json["per_million"] = 1e6 * static_cast<double>(found) / static_cast<double>(all);
   json["interval_95"] = {1e6 * share.low, 1e6 * share.high};

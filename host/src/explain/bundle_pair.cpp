@@ -167,9 +167,15 @@ void bundle_pair(Bundle& bundle, const Failure& failure) {
   Json ja = Json::array(), jb = Json::array();
   for (const std::uint64_t w : a) ja.push_back(text.hexfloat(w));
   for (const std::uint64_t w : b) jb.push_back(text.hexfloat(w));
-  for (const Json& w : ja) words += (words.empty() ? "" : ",") + w.get<std::string>();
+  const auto add = [&words](const Json& list) {
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      if (i != 0) words += ',';
+      words += list[i].get<std::string>();
+    }
+  };
+  add(ja);
   words += " | ";
-  for (const Json& w : jb) words += (words.ends_with(' ') ? "" : ",") + w.get<std::string>();
+  add(jb);
   bundle.add("What failed", failure.message);
   bundle.json().update({{"failure", "mismatch"},
                         {"repeat_command", failure.repeat},

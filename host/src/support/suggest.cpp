@@ -9,10 +9,7 @@
 #include "cde/support/message.hpp"
 
 namespace cde {
-namespace {
-
-/// Damerau and Levenshtein's distance: letters replaced, left out, put in, or two exchanged.
-std::size_t distance(std::string_view a, std::string_view b) {
+std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
   for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = j;
@@ -27,8 +24,6 @@ std::size_t distance(std::string_view a, std::string_view b) {
   return d[a.size()][b.size()];
 }
 
-}  // namespace
-
 std::optional<std::string> nearest_word(std::string_view typed,
                                         const std::vector<std::string>& known) {
   constexpr std::size_t kLongest = 64;  // nobody mistypes more than that
@@ -36,7 +31,7 @@ std::optional<std::string> nearest_word(std::string_view typed,
   std::optional<std::string> best;
   std::size_t least = std::max<std::size_t>(1, typed.size() / 3) + 1;
   for (const std::string& word : known) {
-    std::size_t d = distance(typed, word);
+    std::size_t d = edit_distance(typed, word);
     if (d != 0 && typed.size() >= 2 && word.starts_with(typed)) d = 1;
     if (d >= least) continue;
     least = d;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Work dealt by a program of somebody else, as docs/ranks.md says.
-#include <cde/mpi/ranks.hpp>
+#include <cde/jobs/mpi_ranks.hpp>
 #include <cstdio>
 
 int main() {

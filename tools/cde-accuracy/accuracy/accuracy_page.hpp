@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 
+#include "accuracy/names.hpp"
 #include "cde/accuracy/kept.hpp"
 #include "cde/accuracy/picture.hpp"
 #include "cde/image/camera.hpp"

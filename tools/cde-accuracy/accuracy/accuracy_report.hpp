@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "accuracy/names.hpp"
 #include "cde/accuracy/picture.hpp"
 #include "cde/accuracy/price.hpp"
 #include "cde/accuracy/scene_accuracy.hpp"

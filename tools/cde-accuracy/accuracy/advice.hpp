@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "accuracy/names.hpp"
 #include "cde/accuracy/kept.hpp"
 
 /// The cheapest pipe that is good enough.

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 
 #include "baselines/baseline_kernel.hpp"
 #include "cde/support/error.hpp"
-#include "support/text.hpp"
 
 namespace cde::baseline {
 namespace {
@@ -22,8 +22,8 @@ constexpr Kernel kKernels[] = {scalar_kernel, nullptr, nullptr};
 }  // namespace
 
 const char* name_of(Kind kind) {
-  constexpr const char* kNames[] = {"scalar", "AVX2", "AVX-512"};
-  return text::entry(kNames, kind, "kind of vectors");
+  constexpr std::array kNames = {"scalar", "AVX2", "AVX-512"};
+  return kNames.at(static_cast<std::size_t>(kind));
 }
 
 bool available(Kind kind) {

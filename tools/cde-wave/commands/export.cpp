@@ -94,10 +94,10 @@ int export_waves(const Request& r) {
               {"from", w.from},
               {"to", w.to},
               {"signals", count}});
-    put_json(j);
+    cli::put_json(j);
   } else if (output != "-") {
-    say("{}: {}, {} signals, {} to {}\n", printable_name(output), format, count, times.text(w.from),
-        times.text(w.to));
+    cli::say("{}: {}, {} signals, {} to {}\n", printable_name(output), format, count,
+             times.text(w.from), times.text(w.to));
   }
   return 0;
 }

@@ -21,7 +21,7 @@ constexpr std::size_t kMostPlaces = 4;  ///< of a signal
 
 /// JSON among the bytes that are packed: names and labels repeat.
 Json put(const Json& json, std::string& bytes) {
-  const std::string text = cli::json_text(json, -1);
+  const std::string text = json_text(json, -1);
   Json part = {{"at", bytes.size()}, {"n", text.size()}};
   bytes += text;
   return part;

@@ -29,12 +29,12 @@ void check(const Request& r) {
   for (const std::string& w : r.words)
     if (std::find(kinds.begin(), kinds.end(), w) == kinds.end())
       throw Error(ErrorCode::kUsage, fmt::format("no kind of transactions {}; {}", in_quotes(w),
-                                                 cli::meant_or_all(w, kinds)));
+                                                 meant_or_all(w, kinds)));
   const auto names = field_names(r.words);
   if (!r.histogram.empty() && std::find(names.begin(), names.end(), r.histogram) == names.end())
     throw Error(ErrorCode::kUsage,
                 fmt::format("--histogram: no field {}; {}", in_quotes(r.histogram),
-                            cli::meant_or_all(r.histogram, names)));
+                            meant_or_all(r.histogram, names)));
 }
 
 /// Kinds that a file has, and why it does not have those that were asked for.

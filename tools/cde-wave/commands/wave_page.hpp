@@ -6,7 +6,7 @@
 
 #include "commands/commands.hpp"
 
-/// The page of cde wave serve: tools/cde/wave/pages has its scripts and its style sheet.
+/// The page of cde wave serve: tools/cde-wave/pages has its scripts and its style sheet.
 namespace cde::wave {
 
 /// Transactions of the window, if the file is of a card. `bytes` is what the page has packed.

@@ -68,9 +68,9 @@ const char* memory_name(const Scene& scene) {
 }
 
 /// Records of one query in one frame.
-class RecordFile {
+class FrameFile {
  public:
-  RecordFile(const fs::path& path, const Scene& scene, const SceneQuery& query)
+  FrameFile(const fs::path& path, const Scene& scene, const SceneQuery& query)
       : file_(path), form_(scene, query) {
     file_.write(form_.head());
   }
@@ -341,11 +341,11 @@ class Run {
   }
 
   void play_frame(Player& player, std::uint32_t frame) {
-    std::vector<std::unique_ptr<RecordFile>> files;
+    std::vector<std::unique_ptr<FrameFile>> files;
     const std::vector<std::string> written = record_names(scene_, frame);
     for (std::size_t q = 0; q < written.size(); ++q)
       files.push_back(
-          std::make_unique<RecordFile>(folder_.path() / written[q], scene_, scene_.queries[q]));
+          std::make_unique<FrameFile>(folder_.path() / written[q], scene_, scene_.queries[q]));
     const auto start = std::chrono::steady_clock::now();
     const std::vector<QueryFrame> answers =
         player.play(frame, [&](std::size_t query, std::span<const Record> records) {

@@ -109,8 +109,8 @@ class Fused {
 }  // namespace cde::accuracy
 
 template <class S>
-class std::numeric_limits<Fused<S>> : public std::numeric_limits<S> {
-  using T = Fused<S>;
+class std::numeric_limits<cde::accuracy::Fused<S>> : public std::numeric_limits<S> {
+  using T = cde::accuracy::Fused<S>;
   using Base = std::numeric_limits<S>;
 
  public:
@@ -123,10 +123,10 @@ class std::numeric_limits<Fused<S>> : public std::numeric_limits<S> {
 };
 
 template <class S>
-struct Eigen::NumTraits<Fused<S>> : Eigen::GenericNumTraits<float> {
-  using Real = Fused<S>;
-  using NonInteger = Fused<S>;
-  using Nested = Fused<S>;
+struct Eigen::NumTraits<cde::accuracy::Fused<S>> : Eigen::GenericNumTraits<float> {
+  using Real = cde::accuracy::Fused<S>;
+  using NonInteger = cde::accuracy::Fused<S>;
+  using Nested = cde::accuracy::Fused<S>;
   using Literal = double;
   static Real epsilon() { return Real(0); }
   static Real dummy_precision() { return Real(0); }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -7,6 +8,9 @@
 
 /// What somebody who mistyped probably meant.
 namespace cde {
+
+/// Damerau and Levenshtein's distance: letters replaced, left out, put in, or two exchanged.
+[[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
 
 /// The word nearest to `typed`: at most a third of its letters, and one of a short one, are wrong,
 /// missing, too many or exchanged with their neighbour; or it begins with what was typed.
