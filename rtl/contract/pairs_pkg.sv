@@ -27,8 +27,9 @@ package pairs_pkg;
   localparam int SHAPES = 7;
   localparam int SHAPE_INDEX = $clog2(SHAPES);  // bits of a code that tell the shapes there are apart
   localparam int SHAPE_MOST_WORDS = 15;  // of the largest
-  localparam logic [0:WORDS_BITS*SHAPE_CODES-1] SHAPE_WORDS = {
-    6'd8, 6'd9, 6'd4, 6'd6, 6'd4, 6'd8, 6'd15, {SHAPE_CODES-SHAPES{6'd0}}};
+  localparam int SHAPE_PLACES = 1 << SHAPE_INDEX;
+  localparam logic [0:WORDS_BITS*SHAPE_PLACES-1] SHAPE_WORDS = {
+    6'd8, 6'd9, 6'd4, 6'd6, 6'd4, 6'd8, 6'd15, {SHAPE_PLACES-SHAPES{6'd0}}};
 
   // What a word of a shape is.
   localparam int WORD_COORDINATE = 0;  // a length of either sign
@@ -66,41 +67,43 @@ package pairs_pkg;
   localparam int PAIRS = 15;
   localparam int PAIR_INDEX = $clog2(PAIRS);  // bits of a code that tell the pairs there are apart
 
-  // Their shapes, A and B; codes that no pair has, NO_PAIR among them, are filled up.
-  localparam logic [0:SHAPE_BITS*PAIR_CODES-1] PRIMARY_SHAPES = {
-    shape_t'(SHAPE_RAY),       // ray-triangle
-    shape_t'(SHAPE_OBB),       // obb-obb
-    shape_t'(SHAPE_TRIANGLE),  // triangle-aabb
-    shape_t'(SHAPE_TRIANGLE),  // triangle-obb
-    shape_t'(SHAPE_SPHERE),    // sphere-sphere
-    shape_t'(SHAPE_TRIANGLE),  // triangle-sphere
-    shape_t'(SHAPE_RAY),       // ray-cylinder
-    shape_t'(SHAPE_TRIANGLE),  // triangle-cylinder
-    shape_t'(SHAPE_CYLINDER),  // cylinder-cylinder
-    shape_t'(SHAPE_OBB),       // obb-cylinder
-    shape_t'(SHAPE_OBB),       // obb-plane
-    shape_t'(SHAPE_RAY),       // ray-sphere
-    shape_t'(SHAPE_SPHERE),    // sphere-obb
-    shape_t'(SHAPE_SPHERE),    // sphere-plane
-    shape_t'(SHAPE_TRIANGLE),  // triangle-triangle
-    {PAIR_CODES-PAIRS{shape_t'(SHAPE_TRIANGLE)}}};
-  localparam logic [0:SHAPE_BITS*PAIR_CODES-1] SECONDARY_SHAPES = {
-    shape_t'(SHAPE_TRIANGLE),  // ray-triangle
-    shape_t'(SHAPE_OBB),       // obb-obb
-    shape_t'(SHAPE_AABB),      // triangle-aabb
-    shape_t'(SHAPE_OBB),       // triangle-obb
-    shape_t'(SHAPE_SPHERE),    // sphere-sphere
-    shape_t'(SHAPE_SPHERE),    // triangle-sphere
-    shape_t'(SHAPE_CYLINDER),  // ray-cylinder
-    shape_t'(SHAPE_CYLINDER),  // triangle-cylinder
-    shape_t'(SHAPE_CYLINDER),  // cylinder-cylinder
-    shape_t'(SHAPE_CYLINDER),  // obb-cylinder
-    shape_t'(SHAPE_PLANE),     // obb-plane
-    shape_t'(SHAPE_SPHERE),    // ray-sphere
-    shape_t'(SHAPE_OBB),       // sphere-obb
-    shape_t'(SHAPE_PLANE),     // sphere-plane
-    shape_t'(SHAPE_TRIANGLE),  // triangle-triangle
-    {PAIR_CODES-PAIRS{shape_t'(SHAPE_CYLINDER)}}};
+  // Their shapes, A and B. Codes that no pair has are filled up, and the last place is NO_PAIR's. Tables are as short
+  // as that allows, because they are read while a card runs.
+  localparam int PAIR_PLACES = 1 << $clog2(PAIRS + 1);
+  localparam logic [0:SHAPE_INDEX*PAIR_PLACES-1] PRIMARY_SHAPES = {
+    SHAPE_INDEX'(SHAPE_RAY),       // ray-triangle
+    SHAPE_INDEX'(SHAPE_OBB),       // obb-obb
+    SHAPE_INDEX'(SHAPE_TRIANGLE),  // triangle-aabb
+    SHAPE_INDEX'(SHAPE_TRIANGLE),  // triangle-obb
+    SHAPE_INDEX'(SHAPE_SPHERE),    // sphere-sphere
+    SHAPE_INDEX'(SHAPE_TRIANGLE),  // triangle-sphere
+    SHAPE_INDEX'(SHAPE_RAY),       // ray-cylinder
+    SHAPE_INDEX'(SHAPE_TRIANGLE),  // triangle-cylinder
+    SHAPE_INDEX'(SHAPE_CYLINDER),  // cylinder-cylinder
+    SHAPE_INDEX'(SHAPE_OBB),       // obb-cylinder
+    SHAPE_INDEX'(SHAPE_OBB),       // obb-plane
+    SHAPE_INDEX'(SHAPE_RAY),       // ray-sphere
+    SHAPE_INDEX'(SHAPE_SPHERE),    // sphere-obb
+    SHAPE_INDEX'(SHAPE_SPHERE),    // sphere-plane
+    SHAPE_INDEX'(SHAPE_TRIANGLE),  // triangle-triangle
+    {PAIR_PLACES-PAIRS{SHAPE_INDEX'(SHAPE_TRIANGLE)}}};
+  localparam logic [0:SHAPE_INDEX*PAIR_PLACES-1] SECONDARY_SHAPES = {
+    SHAPE_INDEX'(SHAPE_TRIANGLE),  // ray-triangle
+    SHAPE_INDEX'(SHAPE_OBB),       // obb-obb
+    SHAPE_INDEX'(SHAPE_AABB),      // triangle-aabb
+    SHAPE_INDEX'(SHAPE_OBB),       // triangle-obb
+    SHAPE_INDEX'(SHAPE_SPHERE),    // sphere-sphere
+    SHAPE_INDEX'(SHAPE_SPHERE),    // triangle-sphere
+    SHAPE_INDEX'(SHAPE_CYLINDER),  // ray-cylinder
+    SHAPE_INDEX'(SHAPE_CYLINDER),  // triangle-cylinder
+    SHAPE_INDEX'(SHAPE_CYLINDER),  // cylinder-cylinder
+    SHAPE_INDEX'(SHAPE_CYLINDER),  // obb-cylinder
+    SHAPE_INDEX'(SHAPE_PLANE),     // obb-plane
+    SHAPE_INDEX'(SHAPE_SPHERE),    // ray-sphere
+    SHAPE_INDEX'(SHAPE_OBB),       // sphere-obb
+    SHAPE_INDEX'(SHAPE_PLANE),     // sphere-plane
+    SHAPE_INDEX'(SHAPE_TRIANGLE),  // triangle-triangle
+    {PAIR_PLACES-PAIRS{SHAPE_INDEX'(SHAPE_CYLINDER)}}};
   // Sets of pairs (bit p: pair p), as the parameter PAIRS of a card is one. SET_NAME are configurations by name,
   // which PAIRS=name of verilator/bitstream stands for.
   localparam int SET_EVERYTHING = (1 << PAIRS) - 1;
@@ -138,7 +141,7 @@ package pairs_pkg;
 
   // ---- Of a shape ----
   function automatic int shape_words(input int shape);
-    shape_words = int'(SHAPE_WORDS[WORDS_BITS*shape+:WORDS_BITS]);
+    shape_words = int'(SHAPE_WORDS[WORDS_BITS*(shape&(SHAPE_PLACES-1))+:WORDS_BITS]);
   endfunction
   function automatic int word_kind(input int shape, input int k);
     word_kind = int'(WORD_KINDS[3*(SHAPE_MOST_WORDS*shape+k)+:3]);
@@ -166,10 +169,10 @@ package pairs_pkg;
     has = ((pairs >> pair) & 1) != 0;
   endfunction
   function automatic int primary_shape(input int pair);  // A
-    primary_shape = int'(PRIMARY_SHAPES[SHAPE_BITS*pair+:SHAPE_BITS]);
+    primary_shape = int'(PRIMARY_SHAPES[SHAPE_INDEX*(pair&(PAIR_PLACES-1))+:SHAPE_INDEX]);
   endfunction
   function automatic int secondary_shape(input int pair);  // B
-    secondary_shape = int'(SECONDARY_SHAPES[SHAPE_BITS*pair+:SHAPE_BITS]);
+    secondary_shape = int'(SECONDARY_SHAPES[SHAPE_INDEX*(pair&(PAIR_PLACES-1))+:SHAPE_INDEX]);
   endfunction
   function automatic int primary_words(input int pair);
     primary_words = shape_words(primary_shape(pair));

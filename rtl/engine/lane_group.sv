@@ -202,7 +202,8 @@ module lane_group #(
         end
         cylinder_pair #(
             .BODY(pairs_pkg::cylinder_body(p)), .AHEAD(MANY ? 1 : 0),
-            .ENTRY(pairs_pkg::ring_entry(LAT.add, LAT.mul, LAT.cmp)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)
+            .ENTRY(pairs_pkg::ring_entry(LAT.add, LAT.mul, LAT.cmp)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT),
+            .ARITH(ARITH)
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .budget_i, .valid_i(issue),
             .ready_o(ring_ready_o[p]), .tag_i('0), .a_i(a), .b_i(b_lanes), .bad_i('0), .valid_o(ring_valid_o[p]),

@@ -105,6 +105,8 @@ Values pairs() {
               {"NO_PAIR", kNoPair},
               {"PAIR_CODES", kPairCodes},
               {"PAIR_INDEX", std::bit_width(kPairs - 1)},
+              {"PAIR_PLACES", std::bit_ceil(kPairs + 1)},
+              {"SHAPE_PLACES", std::bit_ceil(kShapes)},
               {"SHAPE_INDEX", std::bit_width(kShapes - 1)},
               {"SET_EVERYTHING", kSetEverything},
               {"SET_RAYS", kSetRays},

@@ -49,7 +49,7 @@ class Contract:
         roles = []
         for table in ("PRIMARY_SHAPES", "SECONDARY_SHAPES"):
             body = text[text.index(table + " = {"):].split("};")[0]
-            roles.append(re.findall(r"^ *shape_t'\(SHAPE_([A-Z]+)\)", body, re.M))
+            roles.append(re.findall(r"^ *SHAPE_INDEX'\(SHAPE_([A-Z]+)\)", body, re.M))
         for name, code in self._codes(text, "PAIR", "pair_t").items():
             word = name.lower().replace("_", "-")
             self.pairs[word] = code
