@@ -17,11 +17,7 @@ module lane_group #(
     localparam int NORMALS = CONFIG.normals,
     localparam int PARALLEL = CONFIG.parallel,
     localparam int FACET_II = CONFIG.facet_ii,
-    localparam int LAT_ADD = CONFIG.lat_add,
-    localparam int LAT_MUL = CONFIG.lat_mul,
-    localparam int LAT_DIV = CONFIG.lat_div,
-    localparam int LAT_SQRT = CONFIG.lat_sqrt,
-    localparam int LAT_CMP = CONFIG.lat_cmp,
+    localparam latency_pkg::latency_t LAT = CONFIG.lat,
     localparam ARITH = config_pkg::arith(CONFIG.host),
     localparam int FIFO_DEPTH = config_pkg::fifo_depth(CONFIG),
     localparam int CW = formats_pkg::container(EXP, MAN),
@@ -49,7 +45,7 @@ module lane_group #(
     input logic [LANES-1:0] clear_mask_i /*verilator public_flat_rd*/,
     input logic [LANES-1:0] clear_bad_i /*verilator public_flat_rd*/,  // primaries out of contract
 
-    input logic [PORTS-1:0][3:0] pair_i,  // of the pass
+    input pairs_pkg::pair_t [PORTS-1:0] pair_i,  // of the pass
     input logic [PORTS-1:0] gap_i,        // a pair of solids: T is the size of a signed gap
     input logic [PORTS-1:0] swap_i,
     input logic [N_PAIRS-1:0] clk_pipe_i,  // each runs while its pipe is used
@@ -139,9 +135,9 @@ module lane_group #(
       localparam bit LATE = !pairs_pkg::has(ORDERED, p);  // the host's arithmetic takes the row when it is due
       localparam int INTERVAL = pairs_pkg::has(pairs_pkg::FACET_PAIRS, p) ? FACET_II : 1;
       logic of;  // which of the pass's pairs it is
-      assign of = PARALLEL != 0 && pair_i[PORTS-1] == 4'(p);
+      assign of = PARALLEL != 0 && pair_i[PORTS-1] == pairs_pkg::PAIR_BITS'(p);
       logic issue, enter;  // to this pipe, with its operands
-      assign issue = issue_i[of] && (!MANY || pair_i[of] == 4'(p));
+      assign issue = issue_i[of] && (!MANY || pair_i[of] == pairs_pkg::PAIR_BITS'(p));
       if (MANY) begin : g_register
         always_ff @(posedge clk_pipe_i[p]) enter <= issue && !rst_i;
         always_ff @(posedge clk_pipe_i[p]) begin
@@ -187,8 +183,7 @@ module lane_group #(
         end
         verdict_pair #(
             .PAIR(p), .NARROW_EXP(CONFIG.verdict_exp), .NARROW_MAN(CONFIG.verdict_man), .B_LANES(B_LANES),
-            .DEPTH(config_pkg::pipe_depth(CONFIG)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
-            .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+            .DEPTH(config_pkg::pipe_depth(CONFIG)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .prove_i(g_verdicts.prove), .valid_i(enter),
             .ready_o(ring_ready_o[p]), .asked_i(g_verdicts.asked_mem[row] & {LANES{!bad}}), .a_i(a),
@@ -206,10 +201,9 @@ module lane_group #(
           end
         end
         cylinder_pair #(
-            .BODY(pairs_pkg::cylinder_body(p)), .AHEAD(MANY ? 1 : 0), .ENTRY(pairs_pkg::ring_entry(LAT_ADD, LAT_MUL,
-            LAT_CMP)), .EXP(EXP), .MAN(MAN),
-            .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
-            .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+            .BODY(pairs_pkg::cylinder_body(p)), .AHEAD(MANY ? 1 : 0),
+            .ENTRY(pairs_pkg::ring_entry(LAT.add, LAT.mul, LAT.cmp)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT),
+            .ARITH(ARITH)
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .budget_i, .valid_i(issue),
             .ready_o(ring_ready_o[p]), .tag_i('0), .a_i(a), .b_i(b_lanes), .bad_i('0), .valid_o(ring_valid_o[p]),
@@ -223,8 +217,7 @@ module lane_group #(
         bounded_pipe #(
             .PAIR(p), .ALGORITHM(ALGORITHM), .BOX(pairs_pkg::has(pairs_pkg::BOX_PAIRS, p) ? BOX : 0),
             .BOUND(32'(pairs_pkg::has(config_pkg::bound_pairs(CONFIG), p))), .FACET_II(INTERVAL), .EXP(EXP),
-            .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
-            .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+            .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH)
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .enter_i(enter), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp),
             .n_o(n), .latency_o(latency_o[p]));
@@ -266,10 +259,12 @@ module lane_group #(
           assign n_all[p] = '0;
         end
       end
-      assign f_pipe = f_all[pair_i[k]];
-      assign t_pipe = t_all[pair_i[k]];
-      assign cp_pipe = cp_all[pair_i[k]];
-      assign n_pipe = n_all[pair_i[k]];
+      logic [pairs_pkg::PAIR_INDEX-1:0] index;
+      assign index = pair_i[k][pairs_pkg::PAIR_INDEX-1:0];
+      assign f_pipe = f_all[index];
+      assign t_pipe = t_all[index];
+      assign cp_pipe = cp_all[index];
+      assign n_pipe = n_all[index];
     end else begin : g_only
       localparam int ONLY = $clog2(PAIRS);
       logic unused_pair;

@@ -15,9 +15,7 @@ module primary_regfile #(
     localparam int SWAP = CONFIG.swap,
     localparam int PARALLEL = CONFIG.parallel,
     localparam int TRANSFORM = CONFIG.transform,
-    localparam int LAT_ADD = CONFIG.lat_add,
-    localparam int LAT_MUL = CONFIG.lat_mul,
-    localparam int LAT_CMP = CONFIG.lat_cmp,
+    localparam latency_pkg::latency_t LAT = CONFIG.lat,
     localparam ARITH = config_pkg::arith(CONFIG.host),
     localparam int CW = formats_pkg::container(EXP, MAN),
     localparam int ROWS = PRIMARIES / LANES,
@@ -29,7 +27,7 @@ module primary_regfile #(
     input logic clk_i,       // of the bus, gated
     input logic clk_core_i,
     input logic rst_i,
-    input logic [1:0][3:0] pair_i,  // of the primaries below split_i, of the others
+    input pairs_pkg::pair_t [1:0] pair_i,  // of the primaries below split_i, of the others
     input logic [1:0] swap_i,
     input logic [PRIM_W-1:0] split_i,
     input logic write_i,
@@ -52,7 +50,7 @@ module primary_regfile #(
   localparam int BEATS = (WORDS * CW + 63) / 64;
   localparam int PADDED = BEATS * 64 / CW;
   localparam int SHAPES = pairs_pkg::SHAPES;
-  localparam int T_CHECK = config_pkg::check_latency(LAT_ADD, LAT_MUL, LAT_CMP);
+  localparam int T_CHECK = config_pkg::check_latency(LAT);
 
   logic [31:0] beat;
   logic [PADDED-1:0][CW-1:0] slot, slot_q;
@@ -112,8 +110,7 @@ module primary_regfile #(
       logic [0:0][CW-1:0] bad;
       logic bad_judged;
       assign words = slot_o[N-1:0];
-      shape_check #(.SHAPE(shape), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-          .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check_u (
+      shape_check #(.SHAPE(shape), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT(LAT), .ARITH(ARITH)) check_u (
           .clk_i(clk_check), .on_i(1'b1), .words_i(words), .bad_o(bad));
       // The host back end answers at once; the clocks are those of the gates.
       align #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i(clk_check),
@@ -128,18 +125,19 @@ module primary_regfile #(
       assign verdicts[shape] = '1;
     end
   end
-  logic [1:0][2:0] shape_now;
+  pairs_pkg::shape_t [1:0] shape_now;
   for (genvar k = 0; k < 2; k++) begin : of
-    assign shape_now[k] = 3'(swap_i[k] ? pairs_pkg::secondary_shape(int'(pair_i[k])) :
+    assign shape_now[k] = pairs_pkg::SHAPE_BITS'(swap_i[k] ? pairs_pkg::secondary_shape(int'(pair_i[k])) :
         pairs_pkg::primary_shape(int'(pair_i[k])));
   end
   if (PARALLEL != 0) begin : g_two
     logic [PRIMARIES-1:0] second;
     assign second = (pair_i[1] != pairs_pkg::NO_PAIR) ? {PRIMARIES{1'b1}} << split_i : '0;
-    assign bad_o = (verdicts[shape_now[0]] & ~second) | (verdicts[shape_now[1]] & second);
+    assign bad_o = (verdicts[shape_now[0][pairs_pkg::SHAPE_INDEX-1:0]] & ~second) |
+        (verdicts[shape_now[1][pairs_pkg::SHAPE_INDEX-1:0]] & second);
   end else begin : g_one
     logic unused_second;
     assign unused_second = &{1'b0, split_i, shape_now[1]};
-    assign bad_o = verdicts[shape_now[0]];
+    assign bad_o = verdicts[shape_now[0][pairs_pkg::SHAPE_INDEX-1:0]];
   end
 endmodule

@@ -13,21 +13,19 @@ module secondary_regfile #(
     localparam int PAIRS = CONFIG.pairs,
     localparam int SWAP = CONFIG.swap,
     localparam int TRANSFORM = CONFIG.transform,
-    localparam int LAT_ADD = CONFIG.lat_add,
-    localparam int LAT_MUL = CONFIG.lat_mul,
-    localparam int LAT_CMP = CONFIG.lat_cmp,
+    localparam latency_pkg::latency_t LAT = CONFIG.lat,
     localparam ARITH = config_pkg::arith(CONFIG.host),
     localparam int CW = formats_pkg::container(EXP, MAN),
     localparam int WORDS = pairs_pkg::slot_words(PAIRS, 0, SWAP != 0),
     localparam int BEAT = records_pkg::DDR_WORDS,
     localparam int OBJECTS = (TRANSFORM != pairs_pkg::TRANSFORM_NONE) ? CONFIG.objects : 0,  // that a pass can have
-    localparam int T_TRANSFORM = pairs_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL),
+    localparam int T_TRANSFORM = pairs_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT.add, LAT.mul),
     localparam int DEPTH = (TRANSFORM != pairs_pkg::TRANSFORM_NONE && T_TRANSFORM > 16) ? 256 : 64,  // power of two
     localparam int OBJECT_W = (OBJECTS > 1) ? $clog2(OBJECTS) : 1
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic [3:0] pair_i,  // of the pass
+    input pairs_pkg::pair_t pair_i,  // of the pass
     input logic swap_i,
     input logic start_i,
     input logic stop_i,  // ask for nothing more and drop what comes
@@ -58,7 +56,7 @@ module secondary_regfile #(
 );
   localparam int AW = $clog2(DEPTH);
   localparam int SHAPES = pairs_pkg::SHAPES;
-  localparam int T_CHECK = config_pkg::check_latency(LAT_ADD, LAT_MUL, LAT_CMP);
+  localparam int T_CHECK = config_pkg::check_latency(LAT);
   localparam int T_MOVED = (TRANSFORM != 0) ? 1 + T_TRANSFORM : 0;
   localparam int T_CHECKED = T_MOVED + T_CHECK;
   // The host back end answers at once: the slot takes its place in the FIFO early, and is counted when it would be
@@ -69,13 +67,14 @@ module secondary_regfile #(
   logic dropping_q, stopping_q, stop;
 
   // ---- Requests, a beat each ----
-  logic [3:0] words;
-  logic [2:0] shape;
+  pairs_pkg::words_t words;
+  pairs_pkg::shape_t shape;
   logic two, second_q, taken, slot_asked, asking, last_asked;
   logic [31:0] word, slot_number;
   logic [OBJECT_W-1:0] object;
-  assign shape = 3'(swap_i ? pairs_pkg::primary_shape(int'(pair_i)) : pairs_pkg::secondary_shape(int'(pair_i)));
-  assign words = 4'(pairs_pkg::shape_words(int'(shape)));
+  assign shape = pairs_pkg::SHAPE_BITS'(swap_i ? pairs_pkg::primary_shape(int'(pair_i)) :
+      pairs_pkg::secondary_shape(int'(pair_i)));
+  assign words = pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(int'(shape)));
   assign two = WORDS > BEAT && 32'(words) > BEAT;
   assign ddr_o.valid = asking && (asked_q - read_q) != (AW + 1)'(DEPTH);
   assign ddr_o.word = word + (second_q ? BEAT : 0);
@@ -111,7 +110,7 @@ module secondary_regfile #(
     assign unused_half = half_q;
   end
 
-  assign ddr_words_o = !two ? words : half_q ? 4'(32'(words) - BEAT) : 4'(BEAT);
+  assign ddr_words_o = !two ? 4'(words) : half_q ? 4'(32'(words) - BEAT) : 4'(BEAT);
 
   logic [T_CHECKED:0] on_its_way;
   assign on_its_way[0] = whole;
@@ -167,8 +166,7 @@ module secondary_regfile #(
       logic [N-1:0][0:0][CW-1:0] shape_words;
       logic [0:0][CW-1:0] verdict;
       assign shape_words = unchecked[N-1:0];
-      shape_check #(.SHAPE(k), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-          .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check_u (
+      shape_check #(.SHAPE(k), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT(LAT), .ARITH(ARITH)) check_u (
           .clk_i, .on_i(1'b1), .words_i(shape_words), .bad_o(verdict));
       assign verdicts[k] = verdict[0][0];
     end else begin : g_absent
@@ -183,7 +181,7 @@ module secondary_regfile #(
 
   always_ff @(posedge clk_i) begin
     if (on_its_way[T_PLACED]) begin
-      fifo[placed_q[AW-1:0]] <= {CW'(verdicts[shape]), checked_slot};
+      fifo[placed_q[AW-1:0]] <= {CW'(verdicts[shape[pairs_pkg::SHAPE_INDEX-1:0]]), checked_slot};
       placed_q <= placed_q + 1;
     end
     if (on_its_way[T_CHECKED]) write_q <= write_q + 1;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -97,8 +98,20 @@ Values pairs() {
   Values v = {{"SHAPES", kShapes},
               {"SHAPE_MOST_WORDS", kMostWords},
               {"PAIRS", kPairs},
+              {"SHAPE_BITS", kShapeBits},
+              {"SHAPE_CODES", kShapeCodes},
+              {"WORDS_BITS", kWordsBits},
+              {"PAIR_BITS", kPairBits},
               {"NO_PAIR", kNoPair},
               {"PAIR_CODES", kPairCodes},
+              {"PAIR_INDEX", std::bit_width(kPairs - 1)},
+              {"PAIR_PLACES", std::bit_ceil(kPairs + 1)},
+              {"SHAPE_PLACES", std::bit_ceil(kShapes)},
+              {"SHAPE_INDEX", std::bit_width(kShapes - 1)},
+              {"SET_EVERYTHING", kSetEverything},
+              {"SET_RAYS", kSetRays},
+              {"SET_SOLIDS", kSetSolids},
+              {"SET_SPHERES", kSetSpheres},
               {"RING_ROWS", kRingRows},
               {"RING_PAIRS", kRingPairs},
               {"FACET_PAIRS", kFacetPairs},
@@ -201,6 +214,7 @@ Values registers() {
       {"NODE_FAULT_OBJECT", kNodeFaultObject},
       {"REG_ECC", kRegEcc},
       {"REG_CAPS3", kRegCaps3},
+      {"REG_PAIRS", kRegPairs},
       {"REG_OBJECT_COUNT", kRegObjectCount},
       {"REG_PRIM_OBJECT_COUNT", kRegPrimObjectCount},
       {"OBJECT_TABLE", kObjectTable},
@@ -338,7 +352,6 @@ Fields fields() {
           {"caps3_t.parallel", kCaps3Parallel},
           {"caps3_t.normals", kCaps3Normals},
           {"caps3_t.swap", kCaps3Swap},
-          {"caps3_t.pairs", kCaps3Pairs},
           {"control_t.clear", bit(kControlClear)},
           {"control_t.stop", bit(kControlAbort)},
           {"control_t.go", bit(kControlGo)},
@@ -381,10 +394,15 @@ Fields fields() {
 
 // ---- The packages ----
 
+/// Types of codes, and how many bits they have.
+const std::map<std::string, unsigned> kCodes = {
+    {"shape_t", kShapeBits}, {"pair_t", kPairBits}, {"words_t", kWordsBits}};
+
 struct Package {
   std::set<std::string> constants, functions;
   Fields fields;
   std::map<std::string, unsigned> bits;  ///< of each structure
+  std::set<std::string> codes;           ///< types that are vectors
 };
 
 Package read_package(const fs::path& file) {
@@ -392,6 +410,8 @@ Package read_package(const fs::path& file) {
   static const std::regex constant(R"(^\s*localparam\s+(?:\w+\s+)+?(?:\[[^\]]*\]\s*)?(\w+)\s*=.*)");
   static const std::regex function(R"(^\s*function automatic .*?(\w+)\(.*)");
   static const std::regex field(R"(^\s*logic\s+(?:\[(\d+):0\]\s+)?(\w+);.*)");
+  static const std::regex code(R"(^\s*typedef logic \[\d+:0\] (\w+);.*)");
+  static const std::regex code_field(R"(^\s*pairs_pkg::(\w+)\s+(\w+);.*)");
   static const std::regex end(R"(^\s*\}\s*(\w+);.*)");
   Package package;
   std::vector<std::pair<std::string, unsigned>> open;  // fields, from the top
@@ -405,6 +425,10 @@ Package read_package(const fs::path& file) {
       package.functions.insert(m[1]);
     } else if (line.find("typedef struct packed") != std::string::npos) {
       open.clear();
+    } else if (std::regex_match(line, m, code)) {
+      package.codes.insert(m[1]);
+    } else if (std::regex_match(line, m, code_field)) {
+      open.emplace_back(m[2], kCodes.at(m[1]));
     } else if (std::regex_match(line, m, field)) {
       open.emplace_back(m[2], m[1].matched ? static_cast<unsigned>(std::stoul(m[1])) + 1 : 1);
     } else if (std::regex_match(line, m, end)) {
@@ -663,6 +687,8 @@ TEST(Contract, IsTheSameInBothLanguages) {
     }
     for (const auto& [constant, value] : values)
       ADD_FAILURE() << constant << " = " << value << " is not in the package";
+    for (const std::string& type : package.codes)
+      probe.expect("$bits(" + name + "::" + type + ")", kCodes.at(type));
     for (const auto& [type, bits] : package.bits)
       probe.expect("$bits(" + name + "::" + type + ")", bits);
     for (const auto& [field, place] : package.fields) {
@@ -694,12 +720,20 @@ TEST(Contract, EveryParameterOfACardIsAFieldOfItsConfiguration) {
   };
   auto parameters = names("CARD_PARAMETERS", "\n\n", R"(parameter (?:int )?(\w+) =)");
   auto values = names("CARD_CONFIG", "}", R"((?:[{ (])([A-Z][A-Z_]+)(?=[,} ]|$))");
-  auto fields = names("CARD_FIELDS", "`endif", R"((?:int|logic \[63:0\]) (\w+);)");
+  auto fields =
+      names("CARD_FIELDS", "`endif", R"((?:int|logic \[63:0\]|latency_pkg::latency_t) (\w+);)");
   ASSERT_GT(parameters.size(), 20u);
   values.erase(values.begin());  // the macro's own name
   parameters.emplace_back("CONFIG_HASH");
   EXPECT_EQ(values, parameters);
   std::replace(parameters.begin(), parameters.end(), std::string("ARITH"), std::string("HOST"));
+  // Those of operators are one field, of the type latency_t, in the same order.
+  const auto first = std::find(parameters.begin(), parameters.end(), "LAT_ADD");
+  ASSERT_GT(parameters.end() - first, 5);
+  EXPECT_EQ(std::vector<std::string>(first, first + 5),
+            (std::vector<std::string>{"LAT_ADD", "LAT_MUL", "LAT_DIV", "LAT_SQRT", "LAT_CMP"}));
+  *first = "LAT";
+  parameters.erase(first + 1, first + 5);
   EXPECT_EQ(fields, parameters);
 }
 

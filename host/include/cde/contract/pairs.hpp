@@ -11,6 +11,9 @@ namespace cde {
 /// What a primary or secondary is.
 enum class Shape : unsigned { kRay, kTriangle, kSphere, kAabb, kPlane, kCylinder, kObb };
 inline constexpr unsigned kShapes = 7;
+inline constexpr unsigned kShapeBits = 6;  ///< of a code: there is room for 64 shapes
+inline constexpr unsigned kShapeCodes = 1u << kShapeBits;
+inline constexpr unsigned kWordsBits = 6;  ///< of how many words a shape has
 
 /// What a word of a slot is.
 enum class WordKind : unsigned {
@@ -41,8 +44,10 @@ enum class Pair : unsigned {
   kTriangleTriangle,
 };
 inline constexpr unsigned kPairs = 15;
-inline constexpr unsigned kPairCodes = 16;
-inline constexpr unsigned kNoPair = 15;  ///< no pair's code
+inline constexpr unsigned kPairBits = 6;  ///< of a code: there is room for 63 pairs
+inline constexpr unsigned kPairCodes = 1u << kPairBits;
+inline constexpr unsigned kNoPair = kPairCodes - 1;  ///< no pair's code
+static_assert(kPairs <= 31, "the parameter PAIRS of a card is an int above zero");
 
 enum class Algorithm : unsigned { kMoller, kBadouel, kPluecker, kWatertight };  ///< of ray-triangle
 inline constexpr unsigned kAlgorithms = 4;
@@ -100,6 +105,17 @@ constexpr std::uint32_t set_of(std::initializer_list<Pair> pairs) {
 constexpr bool has(std::uint32_t set, Pair pair) {
   return (set >> static_cast<unsigned>(pair) & 1) != 0;
 }
+/// Configurations by name: PAIRS=everything, rays, solids, spheres of verilator/bitstream.
+constexpr std::uint32_t set_with(Shape shape) {
+  std::uint32_t set = 0;
+  for (unsigned p = 0; p < kPairs; ++p)
+    if (kPairTable[p].primary == shape || kPairTable[p].secondary == shape) set |= 1u << p;
+  return set;
+}
+inline constexpr std::uint32_t kSetEverything = (1u << kPairs) - 1;
+inline constexpr std::uint32_t kSetRays = set_with(Shape::kRay);
+inline constexpr std::uint32_t kSetSolids = kSetEverything & ~kSetRays;  ///< T is a signed gap
+inline constexpr std::uint32_t kSetSpheres = set_with(Shape::kSphere);
 /// The pipe is a ring; a budget sets its work.
 inline constexpr unsigned kRingRows = 1024;  ///< more than a ring can have in flight
 inline constexpr std::uint32_t kRingPairs =
