@@ -21,6 +21,7 @@
 #include "cde/wave/time.hpp"
 #include "cde/wave/trace.hpp"
 #include "output/streams.hpp"
+#include "program/programs.hpp"
 
 namespace cde::cli {
 namespace {
@@ -120,8 +121,7 @@ std::vector<Row> rows_of(const std::string& self, const std::string& file) {
   if (wide.empty()) wide = trace.signals().back().name;
   if (bit.empty()) bit = trace.signals().front().name;
   const auto wave = [&](std::vector<std::string> words) {
-    std::vector<std::string> all = {self, "wave"};
-    all.push_back(words.front());
+    std::vector<std::string> all = {self, words.front()};
     all.push_back(file);
     all.insert(all.end(), words.begin() + 1, words.end());
     return all;
@@ -175,8 +175,9 @@ ordered_json bench_waves(const BenchOptions& o) {
   show("{:<46} {:>9} {:>8}\n", "", "ms", "MB");
   show("{:<46} {:>9.1f} {:>8}\n", "all changes, in this process", 1e3 * streamed, "");
   ordered_json list = ordered_json::array();
-  for (const Row& row : rows_of("/proc/self/exe", file.string())) {
-    const Cost cost = measure(row.words, row.words.front() == "/proc/self/exe" ? kRounds : 2);
+  const std::string self = program_file("cde-wave");
+  for (const Row& row : rows_of(self, file.string())) {
+    const Cost cost = measure(row.words, row.words.front() == self ? kRounds : 2);
     list.push_back(
         {{"what", row.what},
          {"wall_seconds", cost.ran ? ordered_json(cost.seconds) : ordered_json()},
