@@ -74,7 +74,7 @@ std::string differing_signal(const PairFailure& f) {
 /// What of the unit is looked at first: its handshake, and the pair's lane.
 std::vector<std::string> shown_signals(const PairFailure& f) {
   const std::size_t lane = f.at % f.config.lanes;
-  const std::string form = ":" + f.config.format.name();
+  const std::string form = fmt::format(":{}", f.config.format.name());
   std::vector<std::string> words = {"pair_unit.clk_i", "pair_unit.valid_i", "pair_unit.ready_o"};
   const auto add = [&](const char* name, std::size_t elements) {
     for (std::size_t i = 0; i < elements; ++i)

@@ -4,7 +4,6 @@
 #include <span>
 #include <string>
 
-#include "cde/card/pair_unit.hpp"
 #include "cde/fp/fp_format.hpp"
 
 namespace cde {
