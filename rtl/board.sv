@@ -119,7 +119,7 @@ module board #(
       .clk_i(clk_engine), .rst_i, .write_data_i(ddr_write_data_o), .write_check_o(ddr_write_check_o),
       .read_valid_i(ddr_valid_i), .read_data_i(ddr_data_i), .read_check_i(ddr_check_i), .words_i(ddr_words),
       .valid_o(ddr_valid), .data_o(ddr_data), .corrected_o(ecc_corrected), .failed_o(ecc_failed));
-  logic [1:0][3:0] pair;  // of the pass
+  pairs_pkg::pair_t [1:0] pair;  // of the pass
   logic [1:0] swap;
   logic fetch_start, fetch_stop, sec_valid, sec_last, sec_idle, clk_moving;
   logic [SEC_WORDS-1:0][CW-1:0] secondary, moved;
@@ -147,7 +147,8 @@ module board #(
     objects #(.CONFIG(CONFIG)) tables (
         .clk_i(clk_sweep), .clk_bus_i(clk_bus), .clk_core_i(clk_i), .rst_i, .write_i(object_write),
         .addr_i(ddr_write_addr_o), .data_i(ddr_write_data_o), .primary_write_i(prim_write), .command_i(command),
-        .good_o(objects_good), .busy_o(objects_busy), .pair_i(walking ? walked_way[4:1] : pair[0]),
+        .good_o(objects_good), .busy_o(objects_busy),
+        .pair_i(walking ? walked_way[hierarchy_pkg::WAY_BITS-1:1] : pair[0]),
         .swap_i(walking ? walked_way[0] : swap[0]), .range_entry_i(range_entry),
         .range_o(range), .transform_entry_i(transform_entry[walking]), .moving_i(moving != 0),
         .clk_moving_o(clk_moving),

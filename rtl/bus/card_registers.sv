@@ -180,19 +180,21 @@ module card_registers #(
 
   // Whether the secondaries lie in DDR; a multiplication, so only while something is written.
   logic [63:0] sec_end;
-  logic [3:0] sec_words, sec_shape, sec_shape2;
+  pairs_pkg::words_t sec_words;
+  pairs_pkg::shape_t sec_shape, sec_shape2;
   logic pair_there, second_ok, budget_ok, secondaries_ok;
-  assign sec_shape = 4'(command_q.swap ? pairs_pkg::primary_shape(int'(command_q.pair)) :
+  assign sec_shape = pairs_pkg::SHAPE_BITS'(command_q.swap ? pairs_pkg::primary_shape(int'(command_q.pair)) :
       pairs_pkg::secondary_shape(int'(command_q.pair)));
-  assign sec_words = 4'(pairs_pkg::shape_words(int'(sec_shape)));
+  assign sec_words = pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(int'(sec_shape)));
   assign sec_end = ({31'b0, {1'b0, sec_first_q} + {1'b0, sec_count_q}} * 64'(sec_words)) * CW_BYTES;
-  assign pair_there = ((16'(PAIRS) >> command_q.pair) & 16'd1) != 0;
+  assign pair_there = pairs_pkg::has(PAIRS, int'(command_q.pair));
   // A second pair: another pipe that takes the same secondaries and has primaries of its own; only one of them can
   // stream.
-  assign sec_shape2 = 4'(command_q.second_swap ? pairs_pkg::primary_shape(int'(command_q.second_pair)) :
+  assign sec_shape2 = pairs_pkg::SHAPE_BITS'(command_q.second_swap ?
+      pairs_pkg::primary_shape(int'(command_q.second_pair)) :
       pairs_pkg::secondary_shape(int'(command_q.second_pair)));
   assign second_ok = !command_q.second ||
-      (PARALLEL != 0 && ((16'(PAIRS) >> command_q.second_pair) & 16'd1) != 0 &&
+      (PARALLEL != 0 && pairs_pkg::has(PAIRS, int'(command_q.second_pair)) &&
           command_q.second_pair != command_q.pair && sec_shape2 == sec_shape &&
       command_q.mode <= registers_pkg::MODE_ANY && (SWAP != 0 ||
           !command_q.second_swap) && split_q != 0 && split_q < prim_count_q && split_q % 32'(LANES) == 0);
@@ -201,13 +203,14 @@ module card_registers #(
       budget_q.m == 8'd16) &&
       budget_q.k1 <= registers_pkg::BUDGET_MOST && budget_q.k2 <= registers_pkg::BUDGET_MOST);
   // Through the hierarchy go rays, and solids but for their farthest; no secondary beyond the count is in it.
-  localparam int WAYS = (NODE_UNITS != 0) ? hierarchy_pkg::card_ways(CONFIG) : 0;
+  localparam hierarchy_pkg::ways_t WAYS = (NODE_UNITS != 0) ? hierarchy_pkg::card_ways(CONFIG) : '0;
   logic sweep_ok, walk_ok, walk_pair_ok, walks_solid;
   logic [hierarchy_pkg::WAY_BITS-1:0] way;
   assign way = {command_q.pair, command_q.swap};
   assign walks_solid = hierarchy_pkg::solid(int'(way));
   always_comb begin
-    walk_pair_ok = ((WAYS >> way) & 1) != 0 && (!walks_solid || command_q.mode != registers_pkg::MODE_FARTHEST);
+    walk_pair_ok = hierarchy_pkg::has_way(WAYS, int'(way)) &&
+        (!walks_solid || command_q.mode != registers_pkg::MODE_FARTHEST);
     if (command_q.mode == registers_pkg::MODE_REFIT)
       walk_pair_ok = command_q.pair == pairs_pkg::PAIR_RAY_TRIANGLE && !command_q.swap;
   end
@@ -269,7 +272,6 @@ module card_registers #(
     caps3.parallel = 1'(PARALLEL);
     caps3.normals = 1'(NORMALS);
     caps3.swap = 1'(SWAP);
-    caps3.pairs = 16'(PAIRS);
   end
   // What changes is put together where it is read: simulation would do it in every clock.
   function automatic registers_pkg::caps2_t caps2_of(input logic [15:0] latency);
@@ -304,6 +306,7 @@ module card_registers #(
         registers_pkg::REG_CAPS2: rdata_q <= caps2_of(latency_i);
         registers_pkg::REG_CAPACITY: rdata_q <= DDR_BYTES;
         registers_pkg::REG_CAPS3: rdata_q <= caps3;
+        registers_pkg::REG_PAIRS: rdata_q <= 64'(PAIRS);
         registers_pkg::REG_STATUS:
           rdata_q <= status_of(busy_i, done_q, command_error_q, bus_error_q, sram_full_i, irq_o, ecc_q.failed != 0,
               node_error_i);

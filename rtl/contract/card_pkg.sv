@@ -19,7 +19,7 @@ package card_pkg;
     logic [23:0] budget;        // of cylinder pairs
     logic normals;
     logic [1:0] swap;           // of roles, of each pair
-    logic [7:0] pair;           // the second one or NO_PAIR, the first
+    logic [1:0][pairs_pkg::PAIR_BITS-1:0] pair;  // the second one or NO_PAIR, the first
     logic [2:0] mode;
   } pass_t;
 

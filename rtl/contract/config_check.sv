@@ -9,6 +9,9 @@ module config_check #(
   if (CONFIG.primaries % CONFIG.lanes != 0 || (CONFIG.lanes & (CONFIG.lanes - 1)) != 0) begin : g_lanes
     $error("board: LANES must be a power of two that divides PRIMARIES");
   end
+  if (pairs_pkg::PAIRS > 31) begin : g_codes
+    $error("board: PAIRS is an int, in which there is room for pairs 0 to 30");
+  end
   if (CONFIG.pairs <= 0 || CONFIG.pairs >= (1 << pairs_pkg::PAIRS)) begin : g_pairs
     $error("board: PAIRS must be a set of pairs, 1 to %0d", (1 << pairs_pkg::PAIRS) - 1);
   end

@@ -29,25 +29,26 @@ package hierarchy_pkg;
   // A way through: pair p is way 2 p, and with its roles swapped, so that shape A is in the tree, 2 p + 1. A set of
   // ways has a bit for each.
   localparam int WAYS = 2 * pairs_pkg::PAIRS;
-  localparam int WAY_BITS = 5;
+  localparam int WAY_BITS = pairs_pkg::PAIR_BITS + 1;
+  typedef logic [WAYS-1:0] ways_t;
   // Pairs that meet spheres as they are: their own roundings are small enough (docs/hierarchy.md). The others need the
   // box rule.
   localparam int PLAIN_PAIRS = 1 << pairs_pkg::PAIR_RAY_SPHERE | 1 << pairs_pkg::PAIR_SPHERE_SPHERE;
   // Those of a card.
-  function automatic int card_ways(input config_pkg::config_t card);
+  function automatic ways_t card_ways(input config_pkg::config_t card);
     int walked;
     walked = ((card.box != 0) ? card.pairs & (1 << pairs_pkg::PAIR_RAY_TRIANGLE) : 0) |
         config_pkg::bound_pairs(card) | (card.pairs & PLAIN_PAIRS & ~config_pkg::verdict_pairs(card));
-    card_ways = 0;
+    card_ways = '0;
     for (int p = 0; p < pairs_pkg::PAIRS; p++)
       if (pairs_pkg::has(walked, p)) begin
-        card_ways = card_ways | (1 << (2 * p));
+        card_ways = card_ways | (WAYS'(1) << (2 * p));
         if (card.swap != 0 && pairs_pkg::has(config_pkg::BOUND_PAIRS, p) &&
             pairs_pkg::primary_shape(p) != pairs_pkg::secondary_shape(p))
-          card_ways = card_ways | (1 << (2 * p + 1));
+          card_ways = card_ways | (WAYS'(1) << (2 * p + 1));
       end
   endfunction
-  function automatic bit has_way(input int ways, input int way);
+  function automatic bit has_way(input ways_t ways, input int way);
     has_way = ((ways >> way) & 1) != 0;
   endfunction
   // What is in the tree, and the primary's shape.
@@ -64,22 +65,22 @@ package hierarchy_pkg;
     wide = pairs_pkg::shape_words(walked_shape(way)) > PLACE_WORDS;
   endfunction
   // Whether some way of a set is one of primaries of this shape, or has signed gaps.
-  function automatic bit walks(input int ways, input int shape);
+  function automatic bit walks(input ways_t ways, input int shape);
     walks = 0;
     for (int w = 0; w < WAYS; w++) if (has_way(ways, w) && walked_shape(w) == shape) walks = 1;
   endfunction
-  function automatic bit has_solids(input int ways);
+  function automatic bit has_solids(input ways_t ways);
     has_solids = 0;
     for (int w = 0; w < WAYS; w++) if (has_way(ways, w) && solid(w)) has_solids = 1;
   endfunction
   // Words that are kept of a primary of any of these ways, and of a secondary.
-  function automatic int walked_words(input int ways);
+  function automatic int walked_words(input ways_t ways);
     walked_words = PLACE_WORDS;
     for (int w = 0; w < WAYS; w++)
       if (has_way(ways, w) && pairs_pkg::shape_words(walked_shape(w)) > walked_words)
         walked_words = pairs_pkg::shape_words(walked_shape(w));
   endfunction
-  function automatic int leaf_words(input int ways);
+  function automatic int leaf_words(input ways_t ways);
     leaf_words = pairs_pkg::shape_words(pairs_pkg::SHAPE_TRIANGLE);  // of which the card refits its tree
     for (int w = 0; w < WAYS; w++)
       if (has_way(ways, w) && pairs_pkg::shape_words(leaf_shape(w)) > leaf_words)
@@ -93,7 +94,7 @@ package hierarchy_pkg;
   function automatic int front_kind(input int way);
     front_kind = (!solid(way) && leaf_shape(way) == pairs_pkg::SHAPE_SPHERE) ? FRONT_RAY_SPHERE : walked_shape(way);
   endfunction
-  function automatic bit has_front(input int ways, input int kind);
+  function automatic bit has_front(input ways_t ways, input int kind);
     has_front = 0;
     for (int w = 0; w < WAYS; w++) if (has_way(ways, w) && front_kind(w) == kind) has_front = 1;
   endfunction

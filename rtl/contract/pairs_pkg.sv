@@ -4,6 +4,18 @@
 // functions Yosys takes an index of a packed array for that of a bit.
 package pairs_pkg;
 
+  // ---- Codes: there is room for 64 shapes and 63 pairs. Every port and field that has a code is of one of these
+  // types ----
+  typedef logic [5:0] shape_t;
+  typedef logic [5:0] pair_t;
+  typedef logic [5:0] words_t;  // how many words a shape has
+  localparam int SHAPE_BITS = $bits(shape_t);
+  localparam int PAIR_BITS = $bits(pair_t);
+  localparam int WORDS_BITS = $bits(words_t);
+  localparam int SHAPE_CODES = 1 << SHAPE_BITS;
+  localparam int PAIR_CODES = 1 << PAIR_BITS;
+  localparam pair_t NO_PAIR = '1;
+
   // ---- Shapes ----
   localparam int SHAPE_RAY = 0;       // o x y z, d x y z, tmin, tmax
   localparam int SHAPE_TRIANGLE = 1;  // v0 x y z, v1, v2
@@ -13,8 +25,11 @@ package pairs_pkg;
   localparam int SHAPE_CYLINDER = 5;  // c x y z, axis x y z, half height, radius
   localparam int SHAPE_OBB = 6;       // c x y z, half extents, rotation by rows (columns are the axes)
   localparam int SHAPES = 7;
+  localparam int SHAPE_INDEX = $clog2(SHAPES);  // bits of a code that tell the shapes there are apart
   localparam int SHAPE_MOST_WORDS = 15;  // of the largest
-  localparam logic [0:4*SHAPES-1] SHAPE_WORDS = {4'd8, 4'd9, 4'd4, 4'd6, 4'd4, 4'd8, 4'd15};
+  localparam int SHAPE_PLACES = 1 << SHAPE_INDEX;
+  localparam logic [0:WORDS_BITS*SHAPE_PLACES-1] SHAPE_WORDS = {
+    6'd8, 6'd9, 6'd4, 6'd6, 6'd4, 6'd8, 6'd15, {SHAPE_PLACES-SHAPES{6'd0}}};
 
   // What a word of a shape is.
   localparam int WORD_COORDINATE = 0;  // a length of either sign
@@ -32,61 +47,63 @@ package pairs_pkg;
     {{3{3'(WORD_COORDINATE)}}, {3{3'(WORD_PURE)}}, {2{3'(WORD_SIZE)}}, {7{3'(WORD_NONE)}}},           // cylinder
     {{3{3'(WORD_COORDINATE)}}, {3{3'(WORD_SIZE)}}, {9{3'(WORD_PURE)}}}};                              // obb
 
-  // ---- Pairs: the number is the code of the command register and a bit of the parameter PAIRS of a card ----
-  localparam logic [3:0] PAIR_RAY_TRIANGLE = 4'd0;
-  localparam logic [3:0] PAIR_OBB_OBB = 4'd1;
-  localparam logic [3:0] PAIR_TRIANGLE_AABB = 4'd2;
-  localparam logic [3:0] PAIR_TRIANGLE_OBB = 4'd3;
-  localparam logic [3:0] PAIR_SPHERE_SPHERE = 4'd4;
-  localparam logic [3:0] PAIR_TRIANGLE_SPHERE = 4'd5;
-  localparam logic [3:0] PAIR_RAY_CYLINDER = 4'd6;
-  localparam logic [3:0] PAIR_TRIANGLE_CYLINDER = 4'd7;
-  localparam logic [3:0] PAIR_CYLINDER_CYLINDER = 4'd8;
-  localparam logic [3:0] PAIR_OBB_CYLINDER = 4'd9;
-  localparam logic [3:0] PAIR_OBB_PLANE = 4'd10;
-  localparam logic [3:0] PAIR_RAY_SPHERE = 4'd11;
-  localparam logic [3:0] PAIR_SPHERE_OBB = 4'd12;
-  localparam logic [3:0] PAIR_SPHERE_PLANE = 4'd13;
-  localparam logic [3:0] PAIR_TRIANGLE_TRIANGLE = 4'd14;
+  // ---- Pairs: the number is the code of the command register and a bit of the parameter PAIRS of a card. PAIRS is an
+  // int above zero, so that a card can have pairs 0 to 30 (config_check.sv) ----
+  localparam pair_t PAIR_RAY_TRIANGLE = 0;
+  localparam pair_t PAIR_OBB_OBB = 1;
+  localparam pair_t PAIR_TRIANGLE_AABB = 2;
+  localparam pair_t PAIR_TRIANGLE_OBB = 3;
+  localparam pair_t PAIR_SPHERE_SPHERE = 4;
+  localparam pair_t PAIR_TRIANGLE_SPHERE = 5;
+  localparam pair_t PAIR_RAY_CYLINDER = 6;
+  localparam pair_t PAIR_TRIANGLE_CYLINDER = 7;
+  localparam pair_t PAIR_CYLINDER_CYLINDER = 8;
+  localparam pair_t PAIR_OBB_CYLINDER = 9;
+  localparam pair_t PAIR_OBB_PLANE = 10;
+  localparam pair_t PAIR_RAY_SPHERE = 11;
+  localparam pair_t PAIR_SPHERE_OBB = 12;
+  localparam pair_t PAIR_SPHERE_PLANE = 13;
+  localparam pair_t PAIR_TRIANGLE_TRIANGLE = 14;
   localparam int PAIRS = 15;
-  localparam logic [3:0] NO_PAIR = 4'd15;
-  localparam int PAIR_CODES = 16;
+  localparam int PAIR_INDEX = $clog2(PAIRS);  // bits of a code that tell the pairs there are apart
 
-  // Their shapes, A and B; codes that no pair has, NO_PAIR among them, are filled up.
-  localparam logic [0:3*PAIR_CODES-1] PRIMARY_SHAPES = {
-    3'(SHAPE_RAY),       // ray-triangle
-    3'(SHAPE_OBB),       // obb-obb
-    3'(SHAPE_TRIANGLE),  // triangle-aabb
-    3'(SHAPE_TRIANGLE),  // triangle-obb
-    3'(SHAPE_SPHERE),    // sphere-sphere
-    3'(SHAPE_TRIANGLE),  // triangle-sphere
-    3'(SHAPE_RAY),       // ray-cylinder
-    3'(SHAPE_TRIANGLE),  // triangle-cylinder
-    3'(SHAPE_CYLINDER),  // cylinder-cylinder
-    3'(SHAPE_OBB),       // obb-cylinder
-    3'(SHAPE_OBB),       // obb-plane
-    3'(SHAPE_RAY),       // ray-sphere
-    3'(SHAPE_SPHERE),    // sphere-obb
-    3'(SHAPE_SPHERE),    // sphere-plane
-    3'(SHAPE_TRIANGLE),  // triangle-triangle
-    {PAIR_CODES-PAIRS{3'(SHAPE_TRIANGLE)}}};
-  localparam logic [0:3*PAIR_CODES-1] SECONDARY_SHAPES = {
-    3'(SHAPE_TRIANGLE),  // ray-triangle
-    3'(SHAPE_OBB),       // obb-obb
-    3'(SHAPE_AABB),      // triangle-aabb
-    3'(SHAPE_OBB),       // triangle-obb
-    3'(SHAPE_SPHERE),    // sphere-sphere
-    3'(SHAPE_SPHERE),    // triangle-sphere
-    3'(SHAPE_CYLINDER),  // ray-cylinder
-    3'(SHAPE_CYLINDER),  // triangle-cylinder
-    3'(SHAPE_CYLINDER),  // cylinder-cylinder
-    3'(SHAPE_CYLINDER),  // obb-cylinder
-    3'(SHAPE_PLANE),     // obb-plane
-    3'(SHAPE_SPHERE),    // ray-sphere
-    3'(SHAPE_OBB),       // sphere-obb
-    3'(SHAPE_PLANE),     // sphere-plane
-    3'(SHAPE_TRIANGLE),  // triangle-triangle
-    {PAIR_CODES-PAIRS{3'(SHAPE_CYLINDER)}}};
+  // Their shapes, A and B. Codes that no pair has are filled up, and the last place is NO_PAIR's. Tables are as short
+  // as that allows, because they are read while a card runs.
+  localparam int PAIR_PLACES = 1 << $clog2(PAIRS + 1);
+  localparam logic [0:SHAPE_INDEX*PAIR_PLACES-1] PRIMARY_SHAPES = {
+    SHAPE_INDEX'(SHAPE_RAY),       // ray-triangle
+    SHAPE_INDEX'(SHAPE_OBB),       // obb-obb
+    SHAPE_INDEX'(SHAPE_TRIANGLE),  // triangle-aabb
+    SHAPE_INDEX'(SHAPE_TRIANGLE),  // triangle-obb
+    SHAPE_INDEX'(SHAPE_SPHERE),    // sphere-sphere
+    SHAPE_INDEX'(SHAPE_TRIANGLE),  // triangle-sphere
+    SHAPE_INDEX'(SHAPE_RAY),       // ray-cylinder
+    SHAPE_INDEX'(SHAPE_TRIANGLE),  // triangle-cylinder
+    SHAPE_INDEX'(SHAPE_CYLINDER),  // cylinder-cylinder
+    SHAPE_INDEX'(SHAPE_OBB),       // obb-cylinder
+    SHAPE_INDEX'(SHAPE_OBB),       // obb-plane
+    SHAPE_INDEX'(SHAPE_RAY),       // ray-sphere
+    SHAPE_INDEX'(SHAPE_SPHERE),    // sphere-obb
+    SHAPE_INDEX'(SHAPE_SPHERE),    // sphere-plane
+    SHAPE_INDEX'(SHAPE_TRIANGLE),  // triangle-triangle
+    {PAIR_PLACES-PAIRS{SHAPE_INDEX'(SHAPE_TRIANGLE)}}};
+  localparam logic [0:SHAPE_INDEX*PAIR_PLACES-1] SECONDARY_SHAPES = {
+    SHAPE_INDEX'(SHAPE_TRIANGLE),  // ray-triangle
+    SHAPE_INDEX'(SHAPE_OBB),       // obb-obb
+    SHAPE_INDEX'(SHAPE_AABB),      // triangle-aabb
+    SHAPE_INDEX'(SHAPE_OBB),       // triangle-obb
+    SHAPE_INDEX'(SHAPE_SPHERE),    // sphere-sphere
+    SHAPE_INDEX'(SHAPE_SPHERE),    // triangle-sphere
+    SHAPE_INDEX'(SHAPE_CYLINDER),  // ray-cylinder
+    SHAPE_INDEX'(SHAPE_CYLINDER),  // triangle-cylinder
+    SHAPE_INDEX'(SHAPE_CYLINDER),  // cylinder-cylinder
+    SHAPE_INDEX'(SHAPE_CYLINDER),  // obb-cylinder
+    SHAPE_INDEX'(SHAPE_PLANE),     // obb-plane
+    SHAPE_INDEX'(SHAPE_SPHERE),    // ray-sphere
+    SHAPE_INDEX'(SHAPE_OBB),       // sphere-obb
+    SHAPE_INDEX'(SHAPE_PLANE),     // sphere-plane
+    SHAPE_INDEX'(SHAPE_TRIANGLE),  // triangle-triangle
+    {PAIR_PLACES-PAIRS{SHAPE_INDEX'(SHAPE_CYLINDER)}}};
   // Sets of pairs (bit p: pair p), as the parameter PAIRS of a card is one.
   localparam int RING_ROWS = 1024;  // more than a ring can have in flight
   localparam int RING_PAIRS =  // the pipe is a ring with a mouth (cylinder_pair.sv), a budget sets its work
@@ -117,7 +134,7 @@ package pairs_pkg;
 
   // ---- Of a shape ----
   function automatic int shape_words(input int shape);
-    shape_words = int'(SHAPE_WORDS[4*shape+:4]);
+    shape_words = int'(SHAPE_WORDS[WORDS_BITS*(shape&(SHAPE_PLACES-1))+:WORDS_BITS]);
   endfunction
   function automatic int word_kind(input int shape, input int k);
     word_kind = int'(WORD_KINDS[3*(SHAPE_MOST_WORDS*shape+k)+:3]);
@@ -145,10 +162,10 @@ package pairs_pkg;
     has = ((pairs >> pair) & 1) != 0;
   endfunction
   function automatic int primary_shape(input int pair);  // A
-    primary_shape = int'(PRIMARY_SHAPES[3*pair+:3]);
+    primary_shape = int'(PRIMARY_SHAPES[SHAPE_INDEX*(pair&(PAIR_PLACES-1))+:SHAPE_INDEX]);
   endfunction
   function automatic int secondary_shape(input int pair);  // B
-    secondary_shape = int'(SECONDARY_SHAPES[3*pair+:3]);
+    secondary_shape = int'(SECONDARY_SHAPES[SHAPE_INDEX*(pair&(PAIR_PLACES-1))+:SHAPE_INDEX]);
   endfunction
   function automatic int primary_words(input int pair);
     primary_words = shape_words(primary_shape(pair));

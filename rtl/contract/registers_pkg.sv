@@ -81,7 +81,8 @@ package registers_pkg;
   localparam logic [11:0] REG_NODE_FLIP = 12'h1C8;    // node_flip_t: with check bits, wrong ones, to test them
   localparam logic [11:0] REG_SLOT_COUNT = 12'h1D0;   // slots of the tree
   localparam logic [11:0] REG_NODE_FIRST = 12'h1D8;   // of a refit: nodes before it stay as they are
-  localparam logic [31:0] REG_END = 32'h000001E0;
+  localparam logic [11:0] REG_PAIRS = 12'h1E0;        // bit p: pair p is in the card
+  localparam logic [31:0] REG_END = 32'h000001E8;
 
   // ---- Counters of a pass: their registers, 64 bits each, unit by unit. Those of the engine are in card_registers; a
   // further unit brings its own (pass_counters.sv), in this order and behind the other registers, below REG_END ----
@@ -132,7 +133,7 @@ package registers_pkg;
     logic parallel;             // two pairs at a time
     logic normals;
     logic swap;                 // roles can be swapped
-    logic [15:0] pairs;         // in the card
+    logic [15:0] reserved;
   } caps3_t;
   typedef struct packed {
     logic [60:0] reserved;
@@ -152,12 +153,11 @@ package registers_pkg;
     logic busy;
   } status_t;
   typedef struct packed {
-    logic [43:0] reserved3;
-    logic [3:0] second_pair;  // its code
-    logic [1:0] reserved2;
+    logic [41:0] reserved2;
+    pairs_pkg::pair_t second_pair;
     logic second_swap;
     logic second;             // there is a second pair
-    logic [3:0] pair;         // pairs_pkg::PAIR_*
+    pairs_pkg::pair_t pair;
     logic reserved1;
     logic hierarchy;          // rays of SPACE_RAYS through the hierarchy
     logic normals;
@@ -165,7 +165,7 @@ package registers_pkg;
     logic reserved0;
     logic [2:0] mode;         // MODE_*
   } command_t;
-  localparam logic [63:0] COMMAND_BITS = 64'h00000000000F3F77;  // those of its fields
+  localparam logic [63:0] COMMAND_BITS = 64'h00000000003FFF77;  // those of its fields
   typedef struct packed {
     logic [7:0] reserved;
     logic [7:0] slots_a_node;  // that the memory of slots has places for

@@ -56,7 +56,7 @@ module cde #(
     input logic [ROW_W-1:0] clear_row_i,
     input logic [LANES-1:0] clear_mask_i,
 
-    input logic [1:0][3:0] pair_i,  // of the pass; the second one may be NO_PAIR
+    input pairs_pkg::pair_t [1:0] pair_i,  // of the pass; the second one may be NO_PAIR
     input logic [1:0] swap_i,
     input logic [PRIM_W-1:0] split_i,  // the first primary of the second pair
     input logic [23:0] budget_i,  // of cylinder pairs
@@ -128,9 +128,9 @@ module cde #(
   localparam bit ISSUE = RINGS || (TURNS && ARITH == "rtl");  // some pipe wants to know when
   // Rows that can be in flight where the order alone is kept.
   localparam int IN_ORDER = formats_pkg::larger(pairs_pkg::RING_ROWS, 4 * HISTORY);
-  logic [PORTS-1:0][3:0] pair;
+  pairs_pkg::pair_t [PORTS-1:0] pair;
   for (genvar k = 0; k < PORTS; k++) begin : pair_of
-    assign pair[k] = MANY ? pair_i[k] : 4'($clog2(PAIRS));
+    assign pair[k] = MANY ? pair_i[k] : pairs_pkg::PAIR_BITS'($clog2(PAIRS));
   end
   logic [PORTS-1:0] parity, secondary_bad;
   logic [PORTS-1:0][15:0] pipe_latency, latency;
@@ -151,13 +151,15 @@ module cde #(
         .valid_o(late_valid), .q_o(late_tag));
     if (RINGS) begin : g_ring  // keeps the order, not the time
       logic [ROW_W+33:0] next_tag;
+      logic [pairs_pkg::PAIR_INDEX-1:0] of_pair;
+      assign of_pair = pair[k][pairs_pkg::PAIR_INDEX-1:0];
       assign of_ring = pairs_pkg::has(ORDERED, int'(pair[k]));
-      assign ready_o[k] = rested && (!of_ring || group[0].ring_ready[pair[k]]);
+      assign ready_o[k] = rested && (!of_ring || group[0].ring_ready[of_pair]);
       issue_order #(.W(ROW_W + 34), .DEPTH(IN_ORDER)) order (
           .clk_i, .rst_i, .push_i(issue_i.valid[k] && of_ring), .d_i(tag),
-          .pop_i(of_ring && group[0].ring_valid[pair[k]]),
+          .pop_i(of_ring && group[0].ring_valid[of_pair]),
           .q_o(next_tag));
-      assign valid_o[k] = of_ring ? group[0].ring_valid[pair[k]] : late_valid;
+      assign valid_o[k] = of_ring ? group[0].ring_valid[of_pair] : late_valid;
       assign {row_out[k], parity[k], index[k], secondary_bad[k]} = of_ring ? next_tag : late_tag;
     end else begin : g_no_ring
       assign of_ring = 1'b0;
@@ -187,7 +189,7 @@ module cde #(
   for (genvar p = 0; p < N_PAIRS; p++) begin : pipe
     if (MANY && ((PAIRS >> p) & 1) != 0) begin : g_gate
       clock_gate gate (.clk_i,
-          .enable_i(pair_i[0] == 4'(p) || (PARALLEL != 0 && pair_i[1] == 4'(p)) ||
+          .enable_i(pair_i[0] == pairs_pkg::PAIR_BITS'(p) || (PARALLEL != 0 && pair_i[1] == pairs_pkg::PAIR_BITS'(p)) ||
           (pairs_pkg::has(ORDERED, p) && rst_i)), .clk_o(clk_pipe[p]));
     end else begin : g_none
       assign clk_pipe[p] = 1'b0;

@@ -20,7 +20,7 @@ module engine_control #(
     input logic abort_i,
     input card_pkg::pass_t command_i,
     output logic [2:0] mode_o,  // of the pass, from go on
-    output logic [1:0][3:0] pair_o,
+    output pairs_pkg::pair_t [1:0] pair_o,
     output logic [1:0] swap_o,
     input logic primaries_busy_i,  // primaries are being checked
     input logic [PRIMARIES-1:0] active_i,  // present and not masked
@@ -116,7 +116,7 @@ module engine_control #(
         if (go_i) begin
           mode_o <= command_i.mode;
           // What the card cannot do is a constant here, and what follows from it.
-          pair_o <= {(CONFIG.parallel != 0) ? command_i.pair[7:4] : pairs_pkg::NO_PAIR, command_i.pair[3:0]};
+          pair_o <= {(CONFIG.parallel != 0) ? command_i.pair[1] : pairs_pkg::NO_PAIR, command_i.pair[0]};
           swap_o <= {2{CONFIG.swap != 0}} & command_i.swap;
           state_q <= pose_wanted_i ? POSE : CLEAR;
           credits_q <= ($clog2(FIFO_DEPTH) + 1)'(FIFO_DEPTH);

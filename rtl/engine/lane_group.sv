@@ -49,7 +49,7 @@ module lane_group #(
     input logic [LANES-1:0] clear_mask_i /*verilator public_flat_rd*/,
     input logic [LANES-1:0] clear_bad_i /*verilator public_flat_rd*/,  // primaries out of contract
 
-    input logic [PORTS-1:0][3:0] pair_i,  // of the pass
+    input pairs_pkg::pair_t [PORTS-1:0] pair_i,  // of the pass
     input logic [PORTS-1:0] gap_i,        // a pair of solids: T is the size of a signed gap
     input logic [PORTS-1:0] swap_i,
     input logic [N_PAIRS-1:0] clk_pipe_i,  // each runs while its pipe is used
@@ -139,9 +139,9 @@ module lane_group #(
       localparam bit LATE = !pairs_pkg::has(ORDERED, p);  // the host's arithmetic takes the row when it is due
       localparam int INTERVAL = pairs_pkg::has(pairs_pkg::FACET_PAIRS, p) ? FACET_II : 1;
       logic of;  // which of the pass's pairs it is
-      assign of = PARALLEL != 0 && pair_i[PORTS-1] == 4'(p);
+      assign of = PARALLEL != 0 && pair_i[PORTS-1] == pairs_pkg::PAIR_BITS'(p);
       logic issue, enter;  // to this pipe, with its operands
-      assign issue = issue_i[of] && (!MANY || pair_i[of] == 4'(p));
+      assign issue = issue_i[of] && (!MANY || pair_i[of] == pairs_pkg::PAIR_BITS'(p));
       if (MANY) begin : g_register
         always_ff @(posedge clk_pipe_i[p]) enter <= issue && !rst_i;
         always_ff @(posedge clk_pipe_i[p]) begin
@@ -266,10 +266,12 @@ module lane_group #(
           assign n_all[p] = '0;
         end
       end
-      assign f_pipe = f_all[pair_i[k]];
-      assign t_pipe = t_all[pair_i[k]];
-      assign cp_pipe = cp_all[pair_i[k]];
-      assign n_pipe = n_all[pair_i[k]];
+      logic [pairs_pkg::PAIR_INDEX-1:0] index;
+      assign index = pair_i[k][pairs_pkg::PAIR_INDEX-1:0];
+      assign f_pipe = f_all[index];
+      assign t_pipe = t_all[index];
+      assign cp_pipe = cp_all[index];
+      assign n_pipe = n_all[index];
     end else begin : g_only
       localparam int ONLY = $clog2(PAIRS);
       logic unused_pair;

@@ -8,7 +8,7 @@
 module hierarchy_unit #(
     parameter config_pkg::config_t CONFIG,
     localparam int UNITS = CONFIG.node_units,
-    localparam int WAYS = hierarchy_pkg::card_ways(CONFIG),
+    localparam hierarchy_pkg::ways_t WAYS = hierarchy_pkg::card_ways(CONFIG),
     localparam int PRIMARY = hierarchy_pkg::walked_words(WAYS),
     localparam int LEAF = hierarchy_pkg::leaf_words(WAYS),
     localparam int POINTS = (CONFIG.normals != 0) ? 6 : 3,
@@ -71,7 +71,7 @@ module hierarchy_unit #(
   logic [2:0] mode_q;
   logic normals_q;
   logic [WAY_BITS-1:0] way_q, way;  // of the pass, also of the next one
-  assign way = busy_o ? way_q : {pass_i.pair[3:0], pass_i.swap[0]};
+  assign way = busy_o ? way_q : {pass_i.pair[0], pass_i.swap[0]};
   assign way_o = way_q;
   logic [31:0] secondaries_q, objects_q, finished_q;
   logic [31:0] taken, provided, ray_count, nodes, first_node, slots;
@@ -192,7 +192,8 @@ module hierarchy_unit #(
   ) leaves (
       .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_SLOTS), .addr_i(access_i.addr),
       .data_i(access_i.data), .flip_i(flips[19:18]), .clk_i(clk), .rst_i, .clear_i(rst && !refitting),
-      .slots_i(slots), .secondaries_i(secondaries_q), .words_i(4'(pairs_pkg::shape_words(leaf_shape(int'(way_q))))),
+      .slots_i(slots), .secondaries_i(secondaries_q),
+      .words_i(pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(leaf_shape(int'(way_q))))),
       .objects_i(objects_q), .valid_i(leaf_valid), .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag), .ddr_o,
       .ddr_ready_i, .ddr_valid_i, .ddr_data_i, .ddr_words_o, .owed_o(owed), .transform_entry_o, .moving_o,
       .clk_moving_i, .unmoved_o, .moved_i, .valid_o(fetched_valid), .tag_o(fetched_tag),

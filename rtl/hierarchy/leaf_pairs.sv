@@ -5,7 +5,7 @@
 `include "hierarchy.svh"
 `include "ray_box.svh"
 module leaf_pairs #(
-    parameter int WAYS = 1,       // hierarchy_pkg::card_ways
+    parameter hierarchy_pkg::ways_t WAYS = 1,       // hierarchy_pkg::card_ways
     parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
     parameter int NORMALS = 0,    // 1: of solids
     parameter int AT = 1,         // bits of what a leaf comes and goes with
@@ -45,7 +45,7 @@ module leaf_pairs #(
 );
   /*verilator inline_module*/
   localparam bit ONE = (WAYS & (WAYS - 1)) == 0;
-  logic [3:0] pass_pair;
+  pairs_pkg::pair_t pass_pair;
   assign pass_pair = way_i[hierarchy_pkg::WAY_BITS-1:1];
   logic unused_role;  // some cards have one role of each pair
   assign unused_role = way_i[0];
@@ -75,7 +75,7 @@ module leaf_pairs #(
       logic [A_WORDS-1:0][LANES-1:0][31:0] a_now, a;
       logic [B_WORDS-1:0][LANES-1:0][31:0] b_now, b;
       logic [LANES-1:0][31:0] t_pipe;
-      assign mine = valid_i && (ONE || pass_pair == 4'(p));
+      assign mine = valid_i && (ONE || pass_pair == pairs_pkg::PAIR_BITS'(p));
       clock_gate gate (.clk_i, .enable_i(mine), .clk_o(clk));
       always_ff @(posedge clk) {a, b} <= {a_now, b_now};
       for (genvar l = 0; l < LANES; l++) begin : lane
@@ -171,12 +171,14 @@ module leaf_pairs #(
     localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_SQRT + LAT_CMP + 4) / 5;
     localparam int DEPTH = 256 << $clog2(SLOWEST);
     localparam int RESULT = (3 + POINTS) * LANES * 32;
+    logic [pairs_pkg::PAIR_INDEX-1:0] of_pair;
+    assign of_pair = pass_pair[pairs_pkg::PAIR_INDEX-1:0];
     logic [RESULT-1:0] result;
-    assign result = {f_of[pass_pair], t_of[pass_pair], key_of[pass_pair], point_of[pass_pair][POINTS-1:0]};
+    assign result = {f_of[of_pair], t_of[of_pair], key_of[of_pair], point_of[of_pair][POINTS-1:0]};
     logic [15:0] rest;  // until the clock before the answer
     logic soon;
     logic [AT+32*LANES:0] soon_with;
-    assign rest = latency_of[pass_pair] - 1;
+    assign rest = latency_of[of_pair] - 1;
     issue_history #(.W(1 + AT + LANES * 32), .DEPTH(DEPTH)) history (
         .clk_i, .rst_i, .latency_i(rest), .valid_i(taken_q), .d_i({at_q, two_q, index_q}), .valid_o(soon),
         .q_o(soon_with));

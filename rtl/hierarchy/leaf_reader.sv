@@ -29,7 +29,7 @@ module leaf_reader #(
     input logic clear_i,  // between passes; what is owed then is dropped
     input logic [31:0] slots_i,  // of the tree
     input logic [31:0] secondaries_i,  // from the first in DDR on
-    input logic [3:0] words_i,  // of each
+    input pairs_pkg::words_t words_i,  // of each
     input logic [31:0] objects_i,  // 0: secondaries as they are
     input logic valid_i,
     output logic ready_o,
@@ -152,11 +152,11 @@ module leaf_reader #(
     end
     assign whole = ddr_valid_i && wide == low_there_q;
     assign arrived = wide ? {ddr_data_i[WORDS-BEAT-1:0], low_q} : (WORDS * 32)'(ddr_data_i);
-    assign ddr_words_o = !wide ? words_i : low_there_q ? 4'(32'(words_i) - BEAT) : 4'(BEAT);
+    assign ddr_words_o = !wide ? 4'(words_i) : low_there_q ? 4'(32'(words_i) - BEAT) : 4'(BEAT);
   end else begin : g_one
     assign whole = ddr_valid_i;
     assign arrived = ddr_data_i;
-    assign ddr_words_o = words_i;
+    assign ddr_words_o = 4'(words_i);
   end
 
   // ---- Each by its object's transform ----

@@ -7,7 +7,7 @@ module ray_queue #(
     parameter config_pkg::config_t CONFIG,
     parameter int RAYS = hierarchy_pkg::RAYS,
     localparam ARITH = config_pkg::arith(CONFIG.host),
-    localparam int WAYS = hierarchy_pkg::card_ways(CONFIG),
+    localparam hierarchy_pkg::ways_t WAYS = hierarchy_pkg::card_ways(CONFIG),
     localparam int WORDS = hierarchy_pkg::walked_words(WAYS),
     localparam int AW = $clog2(RAYS)
 ) (

@@ -16,7 +16,7 @@
 module traversal #(
     parameter int CONTEXTS = 256,  // powers of two
     parameter int UNITS = 2,       // of nodes, each with its share of the contexts
-    parameter int WAYS = 1,        // hierarchy_pkg::card_ways
+    parameter hierarchy_pkg::ways_t WAYS = 1,        // hierarchy_pkg::card_ways
     parameter int ALGORITHM = 0,   // of ray-triangle, pairs_pkg::ALGORITHM_*
     parameter int NORMALS = 0,     // 1: solids have them
     parameter int LAT_ADD = 1,

@@ -29,7 +29,7 @@ module primary_regfile #(
     input logic clk_i,       // of the bus, gated
     input logic clk_core_i,
     input logic rst_i,
-    input logic [1:0][3:0] pair_i,  // of the primaries below split_i, of the others
+    input pairs_pkg::pair_t [1:0] pair_i,  // of the primaries below split_i, of the others
     input logic [1:0] swap_i,
     input logic [PRIM_W-1:0] split_i,
     input logic write_i,
@@ -128,18 +128,19 @@ module primary_regfile #(
       assign verdicts[shape] = '1;
     end
   end
-  logic [1:0][2:0] shape_now;
+  pairs_pkg::shape_t [1:0] shape_now;
   for (genvar k = 0; k < 2; k++) begin : of
-    assign shape_now[k] = 3'(swap_i[k] ? pairs_pkg::secondary_shape(int'(pair_i[k])) :
+    assign shape_now[k] = pairs_pkg::SHAPE_BITS'(swap_i[k] ? pairs_pkg::secondary_shape(int'(pair_i[k])) :
         pairs_pkg::primary_shape(int'(pair_i[k])));
   end
   if (PARALLEL != 0) begin : g_two
     logic [PRIMARIES-1:0] second;
     assign second = (pair_i[1] != pairs_pkg::NO_PAIR) ? {PRIMARIES{1'b1}} << split_i : '0;
-    assign bad_o = (verdicts[shape_now[0]] & ~second) | (verdicts[shape_now[1]] & second);
+    assign bad_o = (verdicts[shape_now[0][pairs_pkg::SHAPE_INDEX-1:0]] & ~second) |
+        (verdicts[shape_now[1][pairs_pkg::SHAPE_INDEX-1:0]] & second);
   end else begin : g_one
     logic unused_second;
     assign unused_second = &{1'b0, split_i, shape_now[1]};
-    assign bad_o = verdicts[shape_now[0]];
+    assign bad_o = verdicts[shape_now[0][pairs_pkg::SHAPE_INDEX-1:0]];
   end
 endmodule

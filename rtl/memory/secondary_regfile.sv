@@ -27,7 +27,7 @@ module secondary_regfile #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic [3:0] pair_i,  // of the pass
+    input pairs_pkg::pair_t pair_i,  // of the pass
     input logic swap_i,
     input logic start_i,
     input logic stop_i,  // ask for nothing more and drop what comes
@@ -69,13 +69,14 @@ module secondary_regfile #(
   logic dropping_q, stopping_q, stop;
 
   // ---- Requests, a beat each ----
-  logic [3:0] words;
-  logic [2:0] shape;
+  pairs_pkg::words_t words;
+  pairs_pkg::shape_t shape;
   logic two, second_q, taken, slot_asked, asking, last_asked;
   logic [31:0] word, slot_number;
   logic [OBJECT_W-1:0] object;
-  assign shape = 3'(swap_i ? pairs_pkg::primary_shape(int'(pair_i)) : pairs_pkg::secondary_shape(int'(pair_i)));
-  assign words = 4'(pairs_pkg::shape_words(int'(shape)));
+  assign shape = pairs_pkg::SHAPE_BITS'(swap_i ? pairs_pkg::primary_shape(int'(pair_i)) :
+      pairs_pkg::secondary_shape(int'(pair_i)));
+  assign words = pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(int'(shape)));
   assign two = WORDS > BEAT && 32'(words) > BEAT;
   assign ddr_o.valid = asking && (asked_q - read_q) != (AW + 1)'(DEPTH);
   assign ddr_o.word = word + (second_q ? BEAT : 0);
@@ -111,7 +112,7 @@ module secondary_regfile #(
     assign unused_half = half_q;
   end
 
-  assign ddr_words_o = !two ? words : half_q ? 4'(32'(words) - BEAT) : 4'(BEAT);
+  assign ddr_words_o = !two ? 4'(words) : half_q ? 4'(32'(words) - BEAT) : 4'(BEAT);
 
   logic [T_CHECKED:0] on_its_way;
   assign on_its_way[0] = whole;
@@ -183,7 +184,7 @@ module secondary_regfile #(
 
   always_ff @(posedge clk_i) begin
     if (on_its_way[T_PLACED]) begin
-      fifo[placed_q[AW-1:0]] <= {CW'(verdicts[shape]), checked_slot};
+      fifo[placed_q[AW-1:0]] <= {CW'(verdicts[shape[pairs_pkg::SHAPE_INDEX-1:0]]), checked_slot};
       placed_q <= placed_q + 1;
     end
     if (on_its_way[T_CHECKED]) write_q <= write_q + 1;

@@ -33,7 +33,7 @@ module object_table #(
     output logic range_write_o,
 
     input logic [31:0] count_i,       // entries in use
-    input logic [1:0][2:0] shapes_i,  // that their slots have
+    input pairs_pkg::shape_t [1:0] shapes_i,  // that their slots have
     output logic good_o,              // all of them are in contract
     output logic busy_o,              // a verdict is on its way
 
@@ -127,5 +127,6 @@ module object_table #(
     end
   end
   assign present = ~({ENTRIES{1'b1}} << count_i);
-  assign good_o = count_i <= 32'(ENTRIES) && (present & (bad_shape[shapes_i[0]] | bad_shape[shapes_i[1]])) == '0;
+  assign good_o = count_i <= 32'(ENTRIES) && (present & (bad_shape[shapes_i[0][pairs_pkg::SHAPE_INDEX-1:0]] |
+      bad_shape[shapes_i[1][pairs_pkg::SHAPE_INDEX-1:0]])) == '0;
 endmodule

@@ -37,7 +37,7 @@ module objects #(
     output logic good_o,  // for the command: every entry in use is in contract
     output logic busy_o,  // that is not known yet
 
-    input logic [3:0] pair_i,  // of the pass
+    input pairs_pkg::pair_t pair_i,  // of the pass
     input logic swap_i,
     input logic [OBJECT_W-1:0] range_entry_i,
     output logic [1:0][31:0] range_o,
@@ -56,7 +56,7 @@ module objects #(
     output logic [PRIM_W-1:0] pose_number_o,
     output logic [PRIM_WORDS-1:0][CW-1:0] pose_slot_o
 );
-  logic [1:0][3:0] command_pair;
+  pairs_pkg::pair_t [1:0] command_pair;
   logic [1:0] command_swap;
   logic [PRIM_W-1:0] split;
   assign command_pair = command_i.pair;
@@ -66,17 +66,19 @@ module objects #(
   localparam int WORDS = (BOTH && PRIM_WORDS > SEC_WORDS) ? PRIM_WORDS : SEC_WORDS;
 
   // ---- Shapes in the roles of the command ----
-  logic [2:0] secondary, command_secondary;
-  logic [1:0][2:0] primary;
-  assign command_secondary = 3'(command_swap[0] ? pairs_pkg::primary_shape(int'(command_pair[0])) :
-      pairs_pkg::secondary_shape(int'(command_pair[0])));
-  assign secondary = 3'(swap_i ? pairs_pkg::primary_shape(int'(pair_i)) : pairs_pkg::secondary_shape(int'(pair_i)));
+  pairs_pkg::shape_t secondary, command_secondary;
+  pairs_pkg::shape_t [1:0] primary;
+  assign command_secondary = pairs_pkg::SHAPE_BITS'(command_swap[0] ?
+      pairs_pkg::primary_shape(int'(command_pair[0])) : pairs_pkg::secondary_shape(int'(command_pair[0])));
+  assign secondary = pairs_pkg::SHAPE_BITS'(swap_i ? pairs_pkg::primary_shape(int'(pair_i)) :
+      pairs_pkg::secondary_shape(int'(pair_i)));
   for (genvar k = 0; k < 2; k++) begin : of
-    logic [3:0] pair;
+    pairs_pkg::pair_t pair;
     logic swap;
     assign pair = (command_pair[k] == pairs_pkg::NO_PAIR) ? command_pair[0] : command_pair[k];
     assign swap = (command_pair[k] == pairs_pkg::NO_PAIR) ? command_swap[0] : command_swap[k];
-    assign primary[k] = 3'(swap ? pairs_pkg::secondary_shape(int'(pair)) : pairs_pkg::primary_shape(int'(pair)));
+    assign primary[k] = pairs_pkg::SHAPE_BITS'(swap ? pairs_pkg::secondary_shape(int'(pair)) :
+        pairs_pkg::primary_shape(int'(pair)));
   end
 
   // ---- Tables ----
@@ -95,7 +97,7 @@ module objects #(
 
   // ---- The transformer: it and the registers in front of it are clocked only while a slot is in them ----
   logic plain_q, posing_q, pose_plain, pose_moving;
-  logic [2:0] shape_q, pose_shape;
+  pairs_pkg::shape_t shape_q, pose_shape;
   logic [WORDS-1:0][CW-1:0] slot, moved;
   clock_gate gate (.clk_i(clk_core_i), .enable_i(moving_i | pose_moving), .clk_o(clk_moving_o));
   always_ff @(posedge clk_moving_o) begin

@@ -21,7 +21,7 @@ module primary_poser #(
     input logic transform_write_i,
     input logic range_write_i,
     input logic [31:0] objects_i,
-    input logic [1:0][2:0] shapes_i,  // of the pass
+    input logic [1:0][pairs_pkg::SHAPE_BITS-1:0] shapes_i,  // of the pass
     input logic [PRIM_W-1:0] split_i,
 
     output logic wanted_o,
@@ -32,7 +32,7 @@ module primary_poser #(
     input logic [1:0][31:0] range_i,
     output logic [ENTRY_W-1:0] transform_entry_o,
     output logic [PRIM_W-1:0] read_o,   // slot that the RAM shows the clock after, when it enters the transformer
-    output logic [2:0] shape_o,         // of that slot
+    output pairs_pkg::shape_t shape_o,  // of that slot
     output logic plain_o,
     output logic moving_o,              // a slot is read or in the transformer
     output logic commit_o,              // the slot behind the transformer goes to the lanes
@@ -42,7 +42,7 @@ module primary_poser #(
   localparam int T_MOVING = (T_COMMIT > 0) ? T_COMMIT - 1 : 0;  // age of the oldest slot in the transformer
 
   // ---- What makes it necessary ----
-  localparam int KEY_W = 32 + 6 + PRIM_W;
+  localparam int KEY_W = 32 + 2 * pairs_pkg::SHAPE_BITS + PRIM_W;
   logic dirty_q, ranges_q;
   logic [KEY_W-1:0] key, key_q;
   assign key = (objects_i == 0) ? '0 : {objects_i, shapes_i, split_i};
@@ -70,7 +70,8 @@ module primary_poser #(
   assign by_object = (state_q == REST) ? key == key_q && !ranges_q : 1'b1;  // what starts next
   assign start = pose_i && !walking && !on_its_way[0] && (state_q == REST || (state_q == RESTORE && objects_i != 0));
   range_walk #(.ENTRIES(ENTRIES)) walk (
-      .clk_i, .rst_i(rst_i || !pose_i), .start_i(start), .stop_i(1'b0), .step_i(walking), .stride_i(4'd1),
+      .clk_i, .rst_i(rst_i || !pose_i), .start_i(start), .stop_i(1'b0), .step_i(walking),
+      .stride_i(pairs_pkg::WORDS_BITS'(1)),
       .objects_i((start ? by_object : state_q == OBJECTS) ? (ENTRY_W + 1)'(objects_i) : '0), .first_i(32'd0),
       .count_i(32'(PRIMARIES)), .entry_o(range_entry_o), .range_i, .valid_o(walking), .address_o(address),
       .slot_o(slot), .object_o(object), .last_o(last));

@@ -11,7 +11,7 @@ module range_walk #(
     input logic start_i,
     input logic stop_i,
     input logic step_i,
-    input logic [3:0] stride_i,  // addresses from slot to slot
+    input pairs_pkg::words_t stride_i,  // addresses from slot to slot
     input logic [ENTRY_W:0] objects_i,  // 0: the range first_i, count_i
     input logic [31:0] first_i,
     input logic [31:0] count_i,

@@ -20,7 +20,7 @@ module transformer #(
     localparam int CW = formats_pkg::container(EXP, MAN)
 ) (
     input logic clk_i,
-    input logic [2:0] shape_i,
+    input pairs_pkg::shape_t shape_i,
     input logic plain_i,
     input logic [8:0][CW-1:0] rotation_i,  // row by row
     input logic [2:0][CW-1:0] translation_i,
@@ -48,11 +48,15 @@ module transformer #(
   `DF_VAT(t_late, t, T_ROTATED)
 
   logic plain_rotated, plain;
-  logic [2:0] rotated_shape, shape_late;
-  align #(.W(4), .FROM(0), .TO(T_ROTATED), .ARITH(ARITH)) align_rotated (
+  pairs_pkg::shape_t rotated_shape;
+  logic [pairs_pkg::SHAPE_INDEX-1:0] shape_late;
+  align #(.W(1 + pairs_pkg::SHAPE_BITS), .FROM(0), .TO(T_ROTATED), .ARITH(ARITH)) align_rotated (
       .clk_i, .d_i({plain_i, shape_i}), .q_o({plain_rotated, rotated_shape}));
-  align #(.W(4), .FROM(T_ROTATED), .TO(LATENCY), .ARITH(ARITH)) align_shape (
-      .clk_i, .d_i({plain_rotated, rotated_shape}), .q_o({plain, shape_late}));
+  align #(.W(1 + pairs_pkg::SHAPE_INDEX), .FROM(T_ROTATED), .TO(LATENCY), .ARITH(ARITH)) align_shape (
+      .clk_i, .d_i({plain_rotated, rotated_shape[pairs_pkg::SHAPE_INDEX-1:0]}), .q_o({plain, shape_late}));
+
+  logic unused_codes;  // bits that no shape of the card sets
+  assign unused_codes = &{1'b0, shape_i, rotated_shape};
 
   // ---- Vector units: what the shape puts in front of each ----
   logic [UNITS-1:0][2:0][CW-1:0] rotated;  // R x
@@ -60,7 +64,8 @@ module transformer #(
   for (genvar u = 0; u < UNITS; u++) begin : unit
     logic [2:0][CW-1:0] field;
     if (OBB && u > 0) begin : g_column
-      assign field = (shape_i == 3'(pairs_pkg::SHAPE_OBB)) ? {words[11+u], words[8+u], words[5+u]} : words[3*u+:3];
+      assign field = (shape_i == pairs_pkg::SHAPE_BITS'(pairs_pkg::SHAPE_OBB)) ?
+          {words[11+u], words[8+u], words[5+u]} : words[3*u+:3];
     end else begin : g_field
       assign field = words[3*u+:3];
     end
@@ -72,7 +77,7 @@ module transformer #(
       logic [2:0][CW-1:0] p;
       if (AABB) begin : g_box
         `DF_VAT(x_late, x, T_ROTATED)
-        assign p = (rotated_shape == 3'(pairs_pkg::SHAPE_AABB)) ? x_late : rx;
+        assign p = (rotated_shape == pairs_pkg::SHAPE_BITS'(pairs_pkg::SHAPE_AABB)) ? x_late : rx;
       end else begin : g_turned
         assign p = rx;
       end

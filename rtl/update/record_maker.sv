@@ -15,7 +15,7 @@ module record_maker #(
     input logic flush_i,  // what waits is dropped
     input logic normals_i,
     input logic streaming_i,
-    input logic [3:0] second_pair_i,    // of the pass
+    input pairs_pkg::pair_t second_pair_i,  // of the pass
     input logic [1:0] gap_i,          // the pair is one of solids: T is the size of a signed gap
     input logic [PRIM_W-1:0] split_i,
 

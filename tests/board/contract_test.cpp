@@ -97,8 +97,16 @@ Values pairs() {
   Values v = {{"SHAPES", kShapes},
               {"SHAPE_MOST_WORDS", kMostWords},
               {"PAIRS", kPairs},
+              {"SHAPE_BITS", kShapeBits},
+              {"SHAPE_CODES", kShapeCodes},
+              {"WORDS_BITS", kWordsBits},
+              {"PAIR_BITS", kPairBits},
               {"NO_PAIR", kNoPair},
               {"PAIR_CODES", kPairCodes},
+              {"PAIR_INDEX", std::bit_width(kPairs - 1)},
+              {"PAIR_PLACES", std::bit_ceil(kPairs + 1)},
+              {"SHAPE_PLACES", std::bit_ceil(kShapes)},
+              {"SHAPE_INDEX", std::bit_width(kShapes - 1)},
               {"RING_ROWS", kRingRows},
               {"RING_PAIRS", kRingPairs},
               {"FACET_PAIRS", kFacetPairs},
@@ -201,6 +209,7 @@ Values registers() {
       {"NODE_FAULT_OBJECT", kNodeFaultObject},
       {"REG_ECC", kRegEcc},
       {"REG_CAPS3", kRegCaps3},
+      {"REG_PAIRS", kRegPairs},
       {"REG_OBJECT_COUNT", kRegObjectCount},
       {"REG_PRIM_OBJECT_COUNT", kRegPrimObjectCount},
       {"OBJECT_TABLE", kObjectTable},
@@ -338,7 +347,6 @@ Fields fields() {
           {"caps3_t.parallel", kCaps3Parallel},
           {"caps3_t.normals", kCaps3Normals},
           {"caps3_t.swap", kCaps3Swap},
-          {"caps3_t.pairs", kCaps3Pairs},
           {"control_t.clear", bit(kControlClear)},
           {"control_t.stop", bit(kControlAbort)},
           {"control_t.go", bit(kControlGo)},
@@ -381,10 +389,15 @@ Fields fields() {
 
 // ---- The packages ----
 
+/// Types of codes, and how many bits they have.
+const std::map<std::string, unsigned> kCodes = {
+    {"shape_t", kShapeBits}, {"pair_t", kPairBits}, {"words_t", kWordsBits}};
+
 struct Package {
   std::set<std::string> constants, functions;
   Fields fields;
   std::map<std::string, unsigned> bits;  ///< of each structure
+  std::set<std::string> codes;           ///< types that are vectors
 };
 
 Package read_package(const fs::path& file) {
@@ -392,6 +405,8 @@ Package read_package(const fs::path& file) {
   static const std::regex constant(R"(^\s*localparam\s+(?:\w+\s+)+?(?:\[[^\]]*\]\s*)?(\w+)\s*=.*)");
   static const std::regex function(R"(^\s*function automatic .*?(\w+)\(.*)");
   static const std::regex field(R"(^\s*logic\s+(?:\[(\d+):0\]\s+)?(\w+);.*)");
+  static const std::regex code(R"(^\s*typedef logic \[\d+:0\] (\w+);.*)");
+  static const std::regex code_field(R"(^\s*pairs_pkg::(\w+)\s+(\w+);.*)");
   static const std::regex end(R"(^\s*\}\s*(\w+);.*)");
   Package package;
   std::vector<std::pair<std::string, unsigned>> open;  // fields, from the top
@@ -405,6 +420,10 @@ Package read_package(const fs::path& file) {
       package.functions.insert(m[1]);
     } else if (line.find("typedef struct packed") != std::string::npos) {
       open.clear();
+    } else if (std::regex_match(line, m, code)) {
+      package.codes.insert(m[1]);
+    } else if (std::regex_match(line, m, code_field)) {
+      open.emplace_back(m[2], kCodes.at(m[1]));
     } else if (std::regex_match(line, m, field)) {
       open.emplace_back(m[2], m[1].matched ? static_cast<unsigned>(std::stoul(m[1])) + 1 : 1);
     } else if (std::regex_match(line, m, end)) {
@@ -576,7 +595,8 @@ void set_functions(Calls& call) {
   std::vector<int> sets = {(1 << kPairs) - 1};
   for (unsigned p = 0; p < kPairs; ++p) sets.insert(sets.end(), {1 << p, 1 << p | 16});
   for (const int set : sets) {
-    for (int p = 0; p < static_cast<int>(kPairCodes); ++p) call("has", {set, p}, set >> p & 1);
+    for (int p = 0; p < static_cast<int>(kPairCodes); ++p)
+      call("has", {set, p}, std::int64_t{set} >> p & 1);
     for (const int swap : {0, 1}) {
       for (const int primary : {0, 1}) {
         const std::set<Shape> shapes = shapes_of(set, primary != 0, swap != 0);
@@ -663,6 +683,8 @@ TEST(Contract, IsTheSameInBothLanguages) {
     }
     for (const auto& [constant, value] : values)
       ADD_FAILURE() << constant << " = " << value << " is not in the package";
+    for (const std::string& type : package.codes)
+      probe.expect("$bits(" + name + "::" + type + ")", kCodes.at(type));
     for (const auto& [type, bits] : package.bits)
       probe.expect("$bits(" + name + "::" + type + ")", bits);
     for (const auto& [field, place] : package.fields) {

@@ -64,7 +64,7 @@ TEST_F(Registers, ReadOnlyAndUnmapped) {
         kRegBadPrim,   kRegBadSec,    kRegSecondaries, kRegWritten, kRegWriteback, kRegCaps3,
         kRegOpen,      kRegNodes,     kRegLeaves,      kRegTested,  kRegRoot,      kRegNodeCaps,
         kRegNodeCount, kRegRayCount,  kRegRays,        kRegDeepest, kRegNodeFault, kRegNewRoot,
-        kRegNodeFlip,  kRegSlotCount, kRegNodeFirst}) {
+        kRegNodeFlip,  kRegSlotCount, kRegNodeFirst,   kRegPairs}) {
     const std::uint64_t before = board_.read_register(r);
     expect_write_refused(kSpaceReg, r);
     if (r != kRegFaultAddr) {

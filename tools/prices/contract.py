@@ -23,14 +23,14 @@ class Contract:
         self._pairs(pairs)
 
     @staticmethod
-    def _codes(text, prefix):
-        """NAME -> number of `localparam ... PREFIX_NAME = number;`"""
-        found = re.findall(rf"^ *localparam [^=\n]*?\b{prefix}_([A-Z0-9_]+) = (?:\d+'d)?(\d+);", text, re.M)
+    def _codes(text, prefix, kind="int"):
+        """NAME -> number of `localparam KIND PREFIX_NAME = number;`"""
+        found = re.findall(rf"^ *localparam {re.escape(kind)} {prefix}_([A-Z0-9_]+) = (?:\d+'d)?(\d+);", text, re.M)
         return {name: int(code) for name, code in found}
 
     @staticmethod
     def _numbers(text, name):
-        body = re.search(rf"\b{name} = \{{([^}}]*)\}};", text)
+        body = re.search(rf"\b{name} = \{{([^}}]*)\}}+;", text)
         if not body:
             raise Bad(f"rtl/contract/ has no table {name}")
         return [int(n) for n in re.findall(r"\d+'d(\d+)", body.group(1))]
@@ -44,15 +44,13 @@ class Contract:
         shapes = self._codes(text, "SHAPE")
         words = self._numbers(text, "SHAPE_WORDS")
         self.shape_words = {name: words[code] for name, code in shapes.items() if code < len(words)}
-        self.algorithms = {name.lower(): code for name, code in self._codes(text, "ALGORITHM").items()}
+        self.algorithms = {name.lower(): code for name, code in self._codes(text, "ALGORITHM", "logic [7:0]").items()}
         self.pairs, self.pair_words = {}, {}
         roles = []
         for table in ("PRIMARY_SHAPES", "SECONDARY_SHAPES"):
             body = text[text.index(table + " = {"):].split("};")[0]
-            roles.append(re.findall(r"^ *3'\(SHAPE_([A-Z]+)\)", body, re.M))
-        for name, code in self._codes(text, "PAIR").items():
-            if code >= len(roles[0]):  # PAIR_CODES
-                continue
+            roles.append(re.findall(r"^ *SHAPE_INDEX'\(SHAPE_([A-Z]+)\)", body, re.M))
+        for name, code in self._codes(text, "PAIR", "pair_t").items():
             word = name.lower().replace("_", "-")
             self.pairs[word] = code
             self.pair_words[word] = (self.shape_words[roles[0][code]], self.shape_words[roles[1][code]])

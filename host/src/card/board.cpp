@@ -67,7 +67,7 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   card.slot_words = card::kCaps3PrimWords.of(caps3);
   std::uint64_t pairs = 0;
   for (const Pair pair : config.pairs) pairs |= std::uint64_t{1} << static_cast<unsigned>(pair);
-  field("set of pairs", card::kCaps3Pairs.of(caps3), pairs);
+  field("set of pairs", card.read_register(card::kRegPairs), pairs);
   field("role swap", card::kCaps3Swap.of(caps3), config.swap);
   field("normals", card::kCaps3Normals.of(caps3), config.normals);
   field("two pairs at a time", card::kCaps3Parallel.of(caps3), config.parallel);

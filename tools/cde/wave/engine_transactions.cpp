@@ -79,11 +79,11 @@ class PassDecoder : public EngineDecoder {
     mode_text_ =
         mode && *mode <= card::kModeHits ? name_of(static_cast<Mode>(*mode)) : mode_.decimal();
     field(t, "mode", mode_text_);
-    pairs_ = pair ? pair_text(*pair & 15) : "x";
+    pairs_ = pair ? pair_text(*pair & (kPairCodes - 1)) : "x";
     field(t, "pair", pairs_);
-    if (pair && *pair >> 4 != 15) {
-      field(t, "second_pair", pair_text(*pair >> 4));
-      pairs_ += " and " + pair_text(*pair >> 4);
+    if (pair && *pair >> kPairBits != kNoPair) {
+      field(t, "second_pair", pair_text(*pair >> kPairBits));
+      pairs_ += " and " + pair_text(*pair >> kPairBits);
     }
     field(t, "primaries", primaries_.decimal());
     if (objects_.number() == 0)

@@ -11,6 +11,9 @@ namespace cde {
 /// What a primary or secondary is.
 enum class Shape : unsigned { kRay, kTriangle, kSphere, kAabb, kPlane, kCylinder, kObb };
 inline constexpr unsigned kShapes = 7;
+inline constexpr unsigned kShapeBits = 6;  ///< of a code: there is room for 64 shapes
+inline constexpr unsigned kShapeCodes = 1u << kShapeBits;
+inline constexpr unsigned kWordsBits = 6;  ///< of how many words a shape has
 
 /// What a word of a slot is.
 enum class WordKind : unsigned {
@@ -41,8 +44,10 @@ enum class Pair : unsigned {
   kTriangleTriangle,
 };
 inline constexpr unsigned kPairs = 15;
-inline constexpr unsigned kPairCodes = 16;
-inline constexpr unsigned kNoPair = 15;  ///< no pair's code
+inline constexpr unsigned kPairBits = 6;  ///< of a code: there is room for 63 pairs
+inline constexpr unsigned kPairCodes = 1u << kPairBits;
+inline constexpr unsigned kNoPair = kPairCodes - 1;  ///< no pair's code
+static_assert(kPairs <= 31, "the parameter PAIRS of a card is an int above zero");
 
 enum class Algorithm : unsigned { kMoller, kBadouel, kPluecker, kWatertight };  ///< of ray-triangle
 inline constexpr unsigned kAlgorithms = 4;

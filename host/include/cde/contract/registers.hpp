@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "cde/contract/field.hpp"
+#include "cde/contract/pairs.hpp"
 
 /// The local bus and the card's registers: rtl/contract/registers_pkg.sv in C++, under the same
 /// names. tests/board holds every constant and field here against that file.
@@ -71,7 +72,8 @@ enum Register : std::uint32_t {
   kRegNodeFlip = 0x1c8,     ///< kNodeFlip* fields: with check bits, wrong ones, to test them
   kRegSlotCount = 0x1d0,    ///< slots of the tree
   kRegNodeFirst = 0x1d8,    ///< of a refit: nodes before it stay as they are
-  kRegEnd = 0x1e0,
+  kRegPairs = 0x1e0,        ///< bit p: pair p is in the card
+  kRegEnd = 0x1e8,
 };
 
 /// Registers of the counters of a pass, unit by unit in the order in which a unit brings them.
@@ -138,7 +140,7 @@ inline constexpr Field kCapsLanes{0, 16}, kCapsPrimaries{16, 16}, kCapsExp{32, 8
     kCapsAlgorithm{48, 8};
 inline constexpr Field kCaps2Latency{0, 16}, kCaps2SramRecords{16, 32}, kCaps2Container{48, 8},
     kCaps2NodeUnits{56, 8};
-inline constexpr Field kCaps3Pairs{0, 16}, kCaps3Swap{16}, kCaps3Normals{17}, kCaps3Parallel{18},
+inline constexpr Field kCaps3Swap{16}, kCaps3Normals{17}, kCaps3Parallel{18},
     kCaps3Transform{19, 2}, kCaps3Ecc{21}, kCaps3Box{22}, kCaps3Verdicts{23},
     kCaps3PrimWords{24, 8}, kCaps3Objects{32, 16}, kCaps3PrimObjects{48, 16};
 inline constexpr Field kNodeCapsNodes{0, 32}, kNodeCapsRays{32, 16}, kNodeCapsSlotsANode{48, 8};
@@ -150,13 +152,14 @@ inline constexpr Field kBudgetM{0, 8}, kBudgetK1{8, 8}, kBudgetK2{16, 8};
 inline constexpr std::uint32_t kBudgetReset = 0x080808;
 inline constexpr unsigned kBudgetMost = 64;                       ///< of K1 and K2
 inline constexpr Field kEccCorrected{0, 32}, kEccFailed{32, 32};  ///< words
-inline constexpr Field kCommandMode{0, 3}, kCommandPair{8, 4}, kCommandSecondPair{16, 4};
+inline constexpr Field kCommandMode{0, 3}, kCommandPair{8, kPairBits},
+    kCommandSecondPair{16, kPairBits};
 /// Bits of kRegCommand beside mode and pair codes.
 inline constexpr std::uint64_t kCommandSwap = 1 << 4;
 inline constexpr std::uint64_t kCommandNormals = 1 << 5;
 inline constexpr std::uint64_t kCommandHierarchy = 1 << 6;
-inline constexpr std::uint64_t kCommandSecond = 1 << 12;
-inline constexpr std::uint64_t kCommandSecondSwap = 1 << 13;
-inline constexpr std::uint64_t kCommandBits = 0xF3F77;  ///< those of its fields
+inline constexpr std::uint64_t kCommandSecond = 1 << 14;
+inline constexpr std::uint64_t kCommandSecondSwap = 1 << 15;
+inline constexpr std::uint64_t kCommandBits = 0x3FFF77;  ///< those of its fields
 
 }  // namespace cde::card
