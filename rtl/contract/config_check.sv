@@ -12,8 +12,8 @@ module config_check #(
   if (pairs_pkg::PAIRS > 31) begin : g_codes
     $error("board: PAIRS is an int, in which there is room for pairs 0 to 30");
   end
-  if (CONFIG.pairs <= 0 || CONFIG.pairs >= (1 << pairs_pkg::PAIRS)) begin : g_pairs
-    $error("board: PAIRS must be a set of pairs, 1 to %0d", (1 << pairs_pkg::PAIRS) - 1);
+  if (CONFIG.pairs <= 0 || CONFIG.pairs > pairs_pkg::SET_EVERYTHING) begin : g_pairs
+    $error("board: PAIRS must be a set of pairs, 1 to %0d", pairs_pkg::SET_EVERYTHING);
   end
   if (CONFIG.box != 0 && (CONFIG.box != 1 || (CONFIG.pairs & (pairs_pkg::BOX_PAIRS |
       config_pkg::BOUND_PAIRS)) == 0)) begin : g_box

@@ -104,7 +104,14 @@ package pairs_pkg;
     SHAPE_INDEX'(SHAPE_PLANE),     // sphere-plane
     SHAPE_INDEX'(SHAPE_TRIANGLE),  // triangle-triangle
     {PAIR_PLACES-PAIRS{SHAPE_INDEX'(SHAPE_CYLINDER)}}};
-  // Sets of pairs (bit p: pair p), as the parameter PAIRS of a card is one.
+  // Sets of pairs (bit p: pair p), as the parameter PAIRS of a card is one. SET_NAME are configurations by name,
+  // which PAIRS=name of verilator/bitstream stands for.
+  localparam int SET_EVERYTHING = (1 << PAIRS) - 1;
+  localparam int SET_RAYS = 1 << PAIR_RAY_TRIANGLE | 1 << PAIR_RAY_CYLINDER | 1 << PAIR_RAY_SPHERE;
+  localparam int SET_SOLIDS = SET_EVERYTHING & ~SET_RAYS;  // T is a signed gap
+  localparam int SET_SPHERES =  // a sphere meets something
+      1 << PAIR_SPHERE_SPHERE | 1 << PAIR_TRIANGLE_SPHERE | 1 << PAIR_RAY_SPHERE | 1 << PAIR_SPHERE_OBB |
+      1 << PAIR_SPHERE_PLANE;
   localparam int RING_ROWS = 1024;  // more than a ring can have in flight
   localparam int RING_PAIRS =  // the pipe is a ring with a mouth (cylinder_pair.sv), a budget sets its work
       1 << PAIR_TRIANGLE_CYLINDER | 1 << PAIR_CYLINDER_CYLINDER | 1 << PAIR_OBB_CYLINDER;
@@ -181,6 +188,7 @@ package pairs_pkg;
   function automatic bit scaled(input int pair, input int exp);
     scaled = exp < 8 || has(SCALED_PAIRS, pair);
   endfunction
+  // Latencies are numbers here: Icarus stops at functions of a structure of another package.
   function automatic int unscale_latency(input bit ray, input int lat_mul, input int lat_cmp);  // of length_unscale.sv
     unscale_latency = (ray && lat_mul > lat_cmp) ? lat_mul : lat_cmp;
   endfunction

@@ -105,6 +105,17 @@ constexpr std::uint32_t set_of(std::initializer_list<Pair> pairs) {
 constexpr bool has(std::uint32_t set, Pair pair) {
   return (set >> static_cast<unsigned>(pair) & 1) != 0;
 }
+/// Configurations by name: PAIRS=everything, rays, solids, spheres of verilator/bitstream.
+constexpr std::uint32_t set_with(Shape shape) {
+  std::uint32_t set = 0;
+  for (unsigned p = 0; p < kPairs; ++p)
+    if (kPairTable[p].primary == shape || kPairTable[p].secondary == shape) set |= 1u << p;
+  return set;
+}
+inline constexpr std::uint32_t kSetEverything = (1u << kPairs) - 1;
+inline constexpr std::uint32_t kSetRays = set_with(Shape::kRay);
+inline constexpr std::uint32_t kSetSolids = kSetEverything & ~kSetRays;  ///< T is a signed gap
+inline constexpr std::uint32_t kSetSpheres = set_with(Shape::kSphere);
 /// The pipe is a ring; a budget sets its work.
 inline constexpr unsigned kRingRows = 1024;  ///< more than a ring can have in flight
 inline constexpr std::uint32_t kRingPairs =
