@@ -67,7 +67,7 @@ module hierarchy_records #(
     hit_t hit;
     logic [DW:0] count;
     always_comb begin
-      hit = '{hit_number_i, hit_t_i[l], '0, hit_index_i[l]};
+      hit = '{number: hit_number_i, t: hit_t_i[l], point: '0, index: hit_index_i[l]};
       for (int k = 0; k < POINTS; k++) hit.point[k] = hit_point_i[k][l];
     end
     sync_fifo #(.W($bits(hit_t)), .DEPTH(DEPTH)) queue (
