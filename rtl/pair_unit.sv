@@ -45,8 +45,9 @@ module pair_unit #(
     output logic [63:0] config_hash_o
 );
   localparam logic [CW-1:0] QNAN = (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1));
-  localparam int T_CHECK = LAT_MUL + 3 * LAT_ADD + LAT_CMP;
-  localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_SQRT + LAT_CMP + 4) / 5;
+  localparam latency_pkg::latency_t LAT = latency_pkg::latencies(LAT_ADD, LAT_MUL, LAT_DIV, LAT_SQRT, LAT_CMP);
+  localparam int T_CHECK = config_pkg::check_latency(LAT);
+  localparam int SLOWEST = latency_pkg::mean(LAT);
   localparam int HISTORY = 128 << $clog2(SLOWEST);
   localparam int LW = LANES * CW;
   assign config_hash_o = CONFIG_HASH;
@@ -68,22 +69,20 @@ module pair_unit #(
     assign {tag, a, b} = {tag_i, a_i, b_i};
   end
   shape_check #(
-      .SHAPE(pairs_pkg::primary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
-      .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+      .SHAPE(pairs_pkg::primary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)
   ) check_a (.clk_i, .on_i(taken), .words_i(a), .bad_o(bad_a));
   shape_check #(
-      .SHAPE(pairs_pkg::secondary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
-      .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+      .SHAPE(pairs_pkg::secondary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)
   ) check_b (.clk_i, .on_i(taken), .words_i(b), .bad_o(bad_b));
   assign bad_check = bad_a | bad_b;
 
   if (pairs_pkg::has(pairs_pkg::RING_PAIRS, PAIR)) begin : g_ring
-    localparam int ENTRY = formats_pkg::larger(T_CHECK, 1 + pairs_pkg::ring_entry(LAT_ADD, LAT_MUL, LAT_CMP));
+    localparam int ENTRY = formats_pkg::larger(T_CHECK, 1 + pairs_pkg::ring_entry(LAT.add, LAT.mul, LAT.cmp));
     logic [LANES-1:0][CW-1:0] bad_entry;
     align #(.W(LW), .FROM(T_CHECK), .TO(ENTRY), .ARITH(ARITH)) align_bad (.clk_i, .d_i(bad_check), .q_o(bad_entry));
     cylinder_pair #(
         .BODY(pairs_pkg::cylinder_body(PAIR)), .AHEAD(32'(HELD)), .ENTRY(ENTRY - 32'(HELD)), .EXP(EXP), .MAN(MAN),
-        .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP),
+        .LANES(LANES), .LAT(LAT),
         .ARITH(ARITH)
     ) pipe (
         .clk_i, .rst_i, .budget_i, .valid_i, .ready_o, .tag_i(tag), .a_i(a), .b_i(b), .bad_i(bad_entry), .valid_o,
@@ -100,8 +99,7 @@ module pair_unit #(
     bounded_pipe #(
         .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(pairs_pkg::has(config_pkg::BOUND_PAIRS, PAIR) ? 0 : BOX),
         .BOUND(pairs_pkg::has(config_pkg::BOUND_PAIRS, PAIR) ? BOX : 0), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II),
-        .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
-        .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+        .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)
     ) pipe (.clk_i, .enter_i(taken), .a_i(a), .b_i(b), .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe),
         .latency_o(latency));
     issue_history #(.W(32), .DEPTH(HISTORY)) history_tag (

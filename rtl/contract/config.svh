@@ -20,7 +20,7 @@
 //   OBJECTS       entries of their table, 2 to 2,048; PRIM_OBJECTS of that of primaries
 //   NODE_UNITS    of a hierarchy over triangles: 0, none, or 1, 2 or 4; NODES, words of their memory, a power of two
 //   ECC           1: words in DDR have check bits; single wrong bits are corrected
-//   LAT_*         clocks of the operators
+//   LAT_*         clocks of the operators; in the structure `lat`
 //   ARITH         "rtl", gates, or "host", the simulating processor's own arithmetic; in the structure `host`, 0 or 1
 //   DDR_SLOTS     beats of DDR; as many as two 1 GB modules of 36-byte beats have
 //   SRAM_RECORDS  power of two; seven 2 MB chips, one word of a record each
@@ -80,11 +80,7 @@
     int node_units; \
     int nodes; \
     int ecc; \
-    int lat_add; \
-    int lat_mul; \
-    int lat_div; \
-    int lat_sqrt; \
-    int lat_cmp; \
+    latency_pkg::latency_t lat; \
     int host; \
     int ddr_slots; \
     int sram_records; \

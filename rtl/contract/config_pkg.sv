@@ -12,8 +12,8 @@ package config_pkg;
     arith = (host != 0) ? "host" : {8'b0, "rtl"};
   endfunction
   // Clocks of a check of the input contract (shape_check.sv).
-  function automatic int check_latency(input int lat_add, input int lat_mul, input int lat_cmp);
-    check_latency = lat_mul + 3 * lat_add + lat_cmp;
+  function automatic int check_latency(input latency_pkg::latency_t lat);
+    check_latency = lat.mul + 3 * lat.add + lat.cmp;
   endfunction
   // Pairs of which narrow lanes can prove misses (verdict_pair.sv).
   localparam int VERDICT_PAIRS = 1 << pairs_pkg::PAIR_SPHERE_SPHERE | 1 << pairs_pkg::PAIR_SPHERE_OBB |
@@ -39,7 +39,7 @@ package config_pkg;
   // one behind that, too.
   function automatic int pipe_depth(input config_t card);
     int slowest;
-    slowest = (card.lat_add + card.lat_mul + card.lat_div + card.lat_sqrt + card.lat_cmp + 4) / 5;
+    slowest = latency_pkg::mean(card.lat);
     pipe_depth = (verdict_pairs(card) != 0) ? 512 : ((card.pairs & ~pairs_pkg::SHORT_PAIRS) != 0) ? 256 : 64;
     pipe_depth = pipe_depth << $clog2(slowest);
   endfunction

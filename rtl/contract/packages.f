@@ -1,4 +1,5 @@
 formats_pkg.sv
+latency_pkg.sv
 pairs_pkg.sv
 records_pkg.sv
 registers_pkg.sv

@@ -17,11 +17,7 @@ module lane_group #(
     localparam int NORMALS = CONFIG.normals,
     localparam int PARALLEL = CONFIG.parallel,
     localparam int FACET_II = CONFIG.facet_ii,
-    localparam int LAT_ADD = CONFIG.lat_add,
-    localparam int LAT_MUL = CONFIG.lat_mul,
-    localparam int LAT_DIV = CONFIG.lat_div,
-    localparam int LAT_SQRT = CONFIG.lat_sqrt,
-    localparam int LAT_CMP = CONFIG.lat_cmp,
+    localparam latency_pkg::latency_t LAT = CONFIG.lat,
     localparam ARITH = config_pkg::arith(CONFIG.host),
     localparam int FIFO_DEPTH = config_pkg::fifo_depth(CONFIG),
     localparam int CW = formats_pkg::container(EXP, MAN),
@@ -187,8 +183,7 @@ module lane_group #(
         end
         verdict_pair #(
             .PAIR(p), .NARROW_EXP(CONFIG.verdict_exp), .NARROW_MAN(CONFIG.verdict_man), .B_LANES(B_LANES),
-            .DEPTH(config_pkg::pipe_depth(CONFIG)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD),
-            .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+            .DEPTH(config_pkg::pipe_depth(CONFIG)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .prove_i(g_verdicts.prove), .valid_i(enter),
             .ready_o(ring_ready_o[p]), .asked_i(g_verdicts.asked_mem[row] & {LANES{!bad}}), .a_i(a),
@@ -206,10 +201,9 @@ module lane_group #(
           end
         end
         cylinder_pair #(
-            .BODY(pairs_pkg::cylinder_body(p)), .AHEAD(MANY ? 1 : 0), .ENTRY(pairs_pkg::ring_entry(LAT_ADD, LAT_MUL,
-            LAT_CMP)), .EXP(EXP), .MAN(MAN),
-            .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
-            .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+            .BODY(pairs_pkg::cylinder_body(p)), .AHEAD(MANY ? 1 : 0),
+            .ENTRY(pairs_pkg::ring_entry(LAT.add, LAT.mul, LAT.cmp)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT),
+            .ARITH(ARITH)
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .budget_i, .valid_i(issue),
             .ready_o(ring_ready_o[p]), .tag_i('0), .a_i(a), .b_i(b_lanes), .bad_i('0), .valid_o(ring_valid_o[p]),
@@ -223,8 +217,7 @@ module lane_group #(
         bounded_pipe #(
             .PAIR(p), .ALGORITHM(ALGORITHM), .BOX(pairs_pkg::has(pairs_pkg::BOX_PAIRS, p) ? BOX : 0),
             .BOUND(32'(pairs_pkg::has(config_pkg::bound_pairs(CONFIG), p))), .FACET_II(INTERVAL), .EXP(EXP),
-            .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
-            .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+            .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH)
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .enter_i(enter), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp),
             .n_o(n), .latency_o(latency_o[p]));

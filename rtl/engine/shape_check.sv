@@ -2,7 +2,7 @@
 // Input contract of a shape (pairs_pkg::SHAPE_*): every word finite (tmin and tmax only no NaN), coordinates at most
 // 2^length_high, sizes and the largest component of a direction from 2^length_low to that, max above min; unit vectors
 // and rotations to |a.b - (0 or 1)| <= 2^-20, or 16 u in formats too coarse for that.
-// Latency: LAT_MUL + 3*LAT_ADD + LAT_CMP clocks whatever the shape; 0 with ARITH = "host". Throughput: LANES shapes a
+// Latency: LAT.mul + 3*LAT.add + LAT.cmp clocks whatever the shape; 0 with ARITH = "host". Throughput: LANES shapes a
 // clock. Stall: none.
 `include "dataflow.svh"
 module shape_check #(
@@ -10,9 +10,7 @@ module shape_check #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
+    parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
     localparam int WORDS = pairs_pkg::shape_words(SHAPE)
@@ -23,7 +21,7 @@ module shape_check #(
     output logic [LANES-1:0][CW-1:0] bad_o  // lane mask
 );
   /*verilator inline_module*/
-  localparam int LATENCY = LAT_MUL + 3 * LAT_ADD + LAT_CMP;
+  localparam int LATENCY = LAT.mul + 3 * LAT.add + LAT.cmp;
   localparam int LOW = formats_pkg::length_low(EXP, MAN);
   localparam int HIGH = formats_pkg::length_high(EXP);
 
@@ -69,20 +67,19 @@ module shape_check #(
   end else if (SHAPE == pairs_pkg::SHAPE_AABB) begin : g_box
     `DF_VIN(low, words_i[2:0], 0)
     `DF_VIN(high, words_i[5:3], 0)
-    `DF_BINARY3(ordered, low, high, formats_pkg::FP_LT, LAT_CMP)
+    `DF_BINARY3(ordered, low, high, formats_pkg::FP_LT, LAT.cmp)
     `DF_VAT(late, ordered, LATENCY)
     assign shape_good = late[0] & late[1] & late[2];
   end else if (SHAPE == pairs_pkg::SHAPE_PLANE || SHAPE == pairs_pkg::SHAPE_CYLINDER) begin : g_unit
     localparam int FIRST = (SHAPE == pairs_pkg::SHAPE_PLANE) ? 0 : 3;
-    unit_check #(.ONE(1), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
+    unit_check #(.ONE(1), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT),
         .ARITH(ARITH)) unit (
         .clk_i, .on_i, .a_i(words_i[FIRST+:3]), .b_i(words_i[FIRST+:3]), .good_o(shape_good));
   end else if (SHAPE == pairs_pkg::SHAPE_OBB) begin : g_rotation
     logic [5:0][LANES-1:0][CW-1:0] dot_good;  // of the upper triangle, row by row
     for (genvar i = 0; i < 3; i++) begin : row
       for (genvar j = i; j < 3; j++) begin : column
-        unit_check #(.ONE(i == j), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-            .LAT_CMP(LAT_CMP), .ARITH(ARITH)) unit (
+        unit_check #(.ONE(i == j), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)) unit (
             .clk_i, .on_i, .a_i({words_i[12+i], words_i[9+i], words_i[6+i]}), .b_i({words_i[12+j], words_i[9+j],
             words_i[6+j]}),
             .good_o(dot_good[i*(5-i)/2+j]));

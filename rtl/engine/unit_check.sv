@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // |a.b - ONE| <= tolerance, false for NaN: the test of unit vectors (ONE = 1) and of perpendicular ones. 3 mul, 2 add,
 // 1 sub, 1 compare.
-// Latency: LAT_MUL + 3*LAT_ADD + LAT_CMP clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall:
+// Latency: LAT.mul + 3*LAT.add + LAT.cmp clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall:
 // none.
 `include "dataflow.svh"
 module unit_check #(
@@ -9,9 +9,7 @@ module unit_check #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
+    parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (

@@ -5,18 +5,18 @@
 `include "gap_bound.svh"
 
 // Of ray_front.sv: o +- M, and 1 / d.
-`define RAY_T_REACH (LAT_ADD + 3 * LAT_CMP)
+`define RAY_T_REACH (LAT.add + 3 * LAT.cmp)
 `define RAY_T_IN_RANGE(LEAF) \
-  ((LEAF == pairs_pkg::SHAPE_SPHERE) ? `DF_MAX2(`RAY_T_REACH, 2 * LAT_CMP + LAT_MUL) + LAT_CMP : 0)
-`define RAY_T_MARGIN(LEAF) `DF_MAX2(`RAY_T_REACH + LAT_MUL + LAT_ADD, `RAY_T_IN_RANGE(LEAF))
-`define RAY_T_FRONT(LEAF) `DF_MAX2(`RAY_T_MARGIN(LEAF) + LAT_ADD, LAT_CMP + LAT_DIV)
+  ((LEAF == pairs_pkg::SHAPE_SPHERE) ? `DF_MAX2(`RAY_T_REACH, 2 * LAT.cmp + LAT.mul) + LAT.cmp : 0)
+`define RAY_T_MARGIN(LEAF) `DF_MAX2(`RAY_T_REACH + LAT.mul + LAT.add, `RAY_T_IN_RANGE(LEAF))
+`define RAY_T_FRONT(LEAF) `DF_MAX2(`RAY_T_MARGIN(LEAF) + LAT.add, LAT.cmp + LAT.div)
 // Of solid_front.sv: the corners of its box, widened.
 `define SOLID_T_FRONT(SHAPE) \
-  (`DF_MAX2(`SHAPE_T_HULL(SHAPE) + `RAY_T_REACH, `SOLID_T_HALF(SHAPE) + 2 * LAT_CMP) + 3 * LAT_ADD + LAT_MUL)
+  (`DF_MAX2(`SHAPE_T_HULL(SHAPE) + `RAY_T_REACH, `SOLID_T_HALF(SHAPE) + 2 * LAT.cmp) + 3 * LAT.add + LAT.mul)
 // Of node_boxes.sv: near and far of all children, by axis and all in all; of node_gaps.sv behind it: of solids.
-`define NODE_T_AXES (LAT_ADD + 2 * LAT_MUL + LAT_ADD)
-`define NODE_T_BOXES (`NODE_T_AXES + 2 * LAT_CMP)
-`define NODE_T_GAPS (`NODE_T_AXES + 2 * LAT_CMP + `DF_MAX2(2 * LAT_CMP, `DF_LAT_DOT))
+`define NODE_T_AXES (LAT.add + 2 * LAT.mul + LAT.add)
+`define NODE_T_BOXES (`NODE_T_AXES + 2 * LAT.cmp)
+`define NODE_T_GAPS (`NODE_T_AXES + 2 * LAT.cmp + `DF_MAX2(2 * LAT.cmp, `DF_LAT_DOT))
 // Of node_unit.sv: children that are met, in order.
 `define NODE_T_UNIT(SOLIDS) (((SOLIDS != 0) ? `NODE_T_GAPS : `NODE_T_BOXES) + 2)
 

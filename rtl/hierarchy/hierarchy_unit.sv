@@ -61,7 +61,7 @@ module hierarchy_unit #(
   localparam int CX = $clog2(CONTEXTS);
   localparam int TAG = `AT_BITS(CX) + 1;
   localparam int T_TRANSFORM = pairs_pkg::transform_latency(CONFIG.pairs, CONFIG.swap != 0, CONFIG.transform,
-      CONFIG.lat_add, CONFIG.lat_mul);
+      CONFIG.lat.add, CONFIG.lat.mul);
   localparam int REFIT_CONTEXTS = 8;
   localparam int REFIT_TAG = $clog2(REFIT_CONTEXTS) + 4;
 
@@ -158,8 +158,7 @@ module hierarchy_unit #(
       GOAL_HITS : mode_q;
   traversal #(
       .CONTEXTS(CONTEXTS), .UNITS(UNITS), .WAYS(WAYS), .ALGORITHM(CONFIG.algorithm), .NORMALS(CONFIG.normals),
-      .LAT_ADD(CONFIG.lat_add),
-      .LAT_MUL(CONFIG.lat_mul), .LAT_DIV(CONFIG.lat_div), .LAT_SQRT(CONFIG.lat_sqrt), .LAT_CMP(CONFIG.lat_cmp),
+      .LAT(CONFIG.lat),
       .ARITH(config_pkg::arith(CONFIG.host))
   ) walk (
       .clk_i(clk), .rst_i(rst), .nodes_i(nodes), .node_read_o(node_read), .node_at_o(node_at), .node_i(node),

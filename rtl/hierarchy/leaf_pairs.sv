@@ -9,11 +9,7 @@ module leaf_pairs #(
     parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
     parameter int NORMALS = 0,    // 1: of solids
     parameter int AT = 1,         // bits of what a leaf comes and goes with
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
+    parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
     localparam int EXP = 8,
     localparam int MAN = 23,
@@ -111,16 +107,16 @@ module leaf_pairs #(
         `DF_VIN(cp, point_pipe[2:0], 0)
         `DF_VIN(n, point_pipe[5:3], 0)
         `DF_MUL(square, gap, gap)
-        `DF_AT(meets_late, meets, LAT_MUL)
-        `DF_AT(gap_late, gap, LAT_MUL)
-        `DF_VAT(cp_late, cp, LAT_MUL)
-        `DF_VAT(n_late, n, LAT_MUL)
+        `DF_AT(meets_late, meets, LAT.mul)
+        `DF_AT(gap_late, gap, LAT.mul)
+        `DF_VAT(cp_late, cp, LAT.mul)
+        `DF_VAT(n_late, n, LAT.mul)
         `DF_SELECT(key, meets_late, gap_late, square)
         assign f_of[p] = meets_late;
         assign t_of[p] = gap_late;
         assign key_of[p] = key;
         assign point_of[p] = {n_late, cp_late};
-        assign latency_of[p] = latency + 16'(LAT_MUL);
+        assign latency_of[p] = latency + 16'(LAT.mul);
       end else begin : g_ray
         localparam int BOX = int'(pairs_pkg::has(pairs_pkg::BOX_PAIRS, p));
         pair_pipe #(`DF_SAME, .PAIR(p), .ALGORITHM(ALGORITHM), .BOX(BOX)) pipe (
@@ -137,13 +133,13 @@ module leaf_pairs #(
   if (WAYS == 1) begin : g_rays  // that meet triangles, and nothing else
     // When the pipe has o + t d: for Badouel's t it takes an addition more, for the watertight one the shear in front.
     localparam int RAY = int'(pairs_pkg::PAIR_RAY_TRIANGLE);
-    localparam int T_POINT = 5 * LAT_ADD + 3 * LAT_MUL + LAT_DIV +
-        ((ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) ? LAT_ADD :
+    localparam int T_POINT = 5 * LAT.add + 3 * LAT.mul + LAT.div +
+        ((ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) ? LAT.add :
          (ALGORITHM == int'(pairs_pkg::ALGORITHM_WATERTIGHT)) ?
-         `DF_MAX2(2 * LAT_CMP + LAT_DIV + LAT_MUL, LAT_ADD) + 2 * LAT_MUL : 0);
+         `DF_MAX2(2 * LAT.cmp + LAT.div + LAT.mul, LAT.add) + 2 * LAT.mul : 0);
     // The rule comes last, but for Badouel's inside test, which needs that point, too.
-    localparam int T_IN_BOX = `RAY_T_IN_BOX(T_POINT - LAT_ADD, T_POINT);
-    localparam int T_INSIDE = `DF_MAX2(2 * LAT_ADD + LAT_MUL + 2 * LAT_CMP, T_POINT) + 3 * LAT_ADD + LAT_MUL + LAT_CMP;
+    localparam int T_IN_BOX = `RAY_T_IN_BOX(T_POINT - LAT.add, T_POINT);
+    localparam int T_INSIDE = `DF_MAX2(2 * LAT.add + LAT.mul + 2 * LAT.cmp, T_POINT) + 3 * LAT.add + LAT.mul + LAT.cmp;
     // The pipe's latency, which it says itself: asserted below.
     localparam int T_PAIR =
         ((ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) ? `DF_MAX2(T_IN_BOX, T_INSIDE) : T_IN_BOX) + 1;
@@ -168,7 +164,7 @@ module leaf_pairs #(
 `endif
   end else begin : g_several
     // The time of the pass's pipe is a number of its port. Gates answer then, the host at once.
-    localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_SQRT + LAT_CMP + 4) / 5;
+    localparam int SLOWEST = latency_pkg::mean(LAT);
     localparam int DEPTH = 256 << $clog2(SLOWEST);
     localparam int RESULT = (3 + POINTS) * LANES * 32;
     logic [pairs_pkg::PAIR_INDEX-1:0] of_pair;

@@ -7,9 +7,7 @@
 module node_boxes #(
     parameter int EXP = 8,
     parameter int MAN = 23,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
+    parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
     localparam int CHILDREN = 8,
     localparam int CW = 32
@@ -24,7 +22,7 @@ module node_boxes #(
 );
   /*verilator inline_module*/
   localparam int LANES = CHILDREN;
-  localparam int T_PLANES = LAT_ADD + LAT_MUL;
+  localparam int T_PLANES = LAT.add + LAT.mul;
   if (EXP != 8 || MAN != 23) $error("node_boxes: nodes are of fp32");
 
   logic unused;  // kinds and places of the children
@@ -35,7 +33,7 @@ module node_boxes #(
   logic [2:0][0:0][7:0] exponent;
   assign exponent = {node_i[3][23:16], node_i[3][15:8], node_i[3][7:0]};
   node_planes #(
-      .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .ARITH(ARITH)
+      .EXP(EXP), .MAN(MAN), .LANES(1), .LAT(LAT), .ARITH(ARITH)
   ) planes (
       .clk_i, .ray_i, .origin_i(node_i[2:0]), .exponent_i(exponent), .near_o(near_0), .far_o(far_0), .unit_o(byte_t));
 

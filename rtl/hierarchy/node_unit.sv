@@ -6,9 +6,7 @@
 module node_unit #(
     parameter int EXP = 8,
     parameter int MAN = 23,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
+    parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
     parameter int SOLIDS = 1,  // 0: there are rays alone
     localparam int CHILDREN = hierarchy_pkg::CHILDREN
@@ -74,14 +72,14 @@ module node_unit #(
     logic [2:0][CHILDREN-1:0][31:0] near_axis, far_axis;
     logic is_solid;
     node_boxes #(
-        .EXP(EXP), .MAN(MAN), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+        .EXP(EXP), .MAN(MAN), .LAT(LAT), .ARITH(ARITH)
     ) boxes (
         .clk_i, .ray_i, .node_i, .near_axis_o(near_axis), .far_axis_o(far_axis), .near_o(near), .far_o(far));
     if (SOLIDS != 0) begin : g_solids
       localparam logic [31:0] INFINITE = 32'h7f80_0000;
       logic [CHILDREN-1:0][31:0] key, near_then, far_then;
       node_gaps #(
-          .EXP(EXP), .MAN(MAN), .LANES(CHILDREN), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
+          .EXP(EXP), .MAN(MAN), .LANES(CHILDREN), .LAT(LAT),
           .ARITH(ARITH)
       ) gaps (
           .clk_i, .near_i(near_axis), .far_i(far_axis), .key_o(key));

@@ -27,7 +27,7 @@ module ray_queue #(
     output logic bad_o,
     input logic pop_i
 );
-  localparam int T_CHECK = config_pkg::check_latency(CONFIG.lat_add, CONFIG.lat_mul, CONFIG.lat_cmp);
+  localparam int T_CHECK = config_pkg::check_latency(CONFIG.lat);
   localparam int DEPTH = 1 << $clog2(T_CHECK + 4);
   localparam int DW = $clog2(DEPTH);
   logic [DW:0] places_q, queue_count;
@@ -84,8 +84,7 @@ module ray_queue #(
       logic [0:0][31:0] bad_now;
       assign words = ray_q[P_WORDS-1:0];
       shape_check #(
-          .SHAPE(s), .EXP(CONFIG.exp), .MAN(CONFIG.man), .LAT_ADD(CONFIG.lat_add), .LAT_MUL(CONFIG.lat_mul),
-          .LAT_CMP(CONFIG.lat_cmp), .ARITH(ARITH)
+          .SHAPE(s), .EXP(CONFIG.exp), .MAN(CONFIG.man), .LAT(CONFIG.lat), .ARITH(ARITH)
       ) contract (
           .clk_i, .on_i(1'b1), .words_i(words), .bad_o(bad_now));
       align #(.W(1), .FROM(ARITH == "rtl" ? T_CHECK : 0), .TO(T_CHECK)) align_bad (

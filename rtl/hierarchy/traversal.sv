@@ -19,11 +19,7 @@ module traversal #(
     parameter hierarchy_pkg::ways_t WAYS = 1,        // hierarchy_pkg::card_ways
     parameter int ALGORITHM = 0,   // of ray-triangle, pairs_pkg::ALGORITHM_*
     parameter int NORMALS = 0,     // 1: solids have them
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_DIV = 1,
-    parameter int LAT_SQRT = 1,
-    parameter int LAT_CMP = 1,
+    parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
     localparam int LANES = 2,  // secondaries of a leaf
     localparam int WORDS = hierarchy_pkg::walked_words(WAYS),
@@ -164,13 +160,12 @@ module traversal #(
       end
       if (ray_front_kind(k)) begin : g_ray
         ray_front #(
-            .LEAF(front_leaf(k)), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
-            .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+            .LEAF(front_leaf(k)), .LANES(1), .LAT(LAT), .ARITH(ARITH)
         ) of_ray (
             .clk_i, .a_i(words[5:0]), .root_i(words[12:6]), .r_o(now));
       end else begin : g_solid
         solid_front #(
-            .SHAPE(k), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+            .SHAPE(k), .LANES(1), .LAT(LAT), .ARITH(ARITH)
         ) of_solid (
             .clk_i, .a_i(words[F_WORDS-1:0]), .root_i(words[F_WORDS+:7]), .r_o(now));
       end
@@ -198,7 +193,7 @@ module traversal #(
   always_ff @(posedge clk_i) farthest_q <= goal_i == GOAL_FARTHEST;
   for (genvar u = 0; u < UNITS; u++) begin : unit
     traversal_bank #(
-        .CONTEXTS(CONTEXTS / UNITS), .CX(CX), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP),
+        .CONTEXTS(CONTEXTS / UNITS), .CX(CX), .LAT(LAT),
         .ARITH(ARITH), .SOLIDS(32'(SOLIDS))
     ) bank (
         .clk_i, .rst_i, .nodes_i, .node_read_o(node_read_o[u]), .node_at_o(node_at_o[u]), .node_i(node_i[u]),
@@ -234,8 +229,7 @@ module traversal #(
   logic unused_soon;
   assign unused_soon = &{1'b0, keep_at_soon.level, keep_at_soon.fresh};
   leaf_pairs #(
-      .WAYS(WAYS), .ALGORITHM(ALGORITHM), .NORMALS(NORMALS), .AT($bits(at_t)), .LAT_ADD(LAT_ADD),
-      .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+      .WAYS(WAYS), .ALGORITHM(ALGORITHM), .NORMALS(NORMALS), .AT($bits(at_t)), .LAT(LAT), .ARITH(ARITH)
   ) pairs (
       .clk_i, .rst_i, .way_i, .valid_i(fetched_valid_i), .at_i(fetched_tag_i[TAG-1:1]), .two_i(fetched_tag_i[0]),
       .primary_i(rays[fetched_tag_i[TAG-1-:CX]]), .secondaries_i(fetched_i), .index_i, .tested_o(tested_now),
@@ -250,8 +244,8 @@ module traversal #(
     logic [31:0] first, second;
     first = ordered(t_1);
     second = ordered(t_2);
-    if (goal_i == GOAL_ANY || goal_i == GOAL_OCCLUDED || first == second) return index_1 < index_2;
-    return (goal_i == GOAL_FARTHEST) == (first > second);
+    better = (goal_i == GOAL_ANY || goal_i == GOAL_OCCLUDED || first == second) ? index_1 < index_2 :
+        (goal_i == GOAL_FARTHEST) == (first > second);
   endfunction
   // Of the gaps of solids the least one counts, whether they meet or not.
   logic [LANES-1:0] counts;

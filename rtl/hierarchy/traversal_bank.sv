@@ -8,9 +8,7 @@
 module traversal_bank #(
     parameter int CONTEXTS = 128,  // power of two
     parameter int CX = 8,          // bits of a context's number, of which the lowest say the bank
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
-    parameter int LAT_CMP = 1,
+    parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
     parameter int SOLIDS = 1,      // 0: there are rays alone
     localparam int CB = $clog2(CONTEXTS)
@@ -122,7 +120,7 @@ module traversal_bank #(
   end
   assign visits_o = visit_valid_q;
   node_unit #(
-      .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH), .SOLIDS(SOLIDS)
+      .LAT(LAT), .ARITH(ARITH), .SOLIDS(SOLIDS)
   ) unit (
       .clk_i, .ray_i(front_q), .floor_i(interval_q[0]), .limit_i(interval_q[1]), .farthest_i, .solid_i,
       .node_i, .group_o(group));

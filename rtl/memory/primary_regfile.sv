@@ -15,9 +15,7 @@ module primary_regfile #(
     localparam int SWAP = CONFIG.swap,
     localparam int PARALLEL = CONFIG.parallel,
     localparam int TRANSFORM = CONFIG.transform,
-    localparam int LAT_ADD = CONFIG.lat_add,
-    localparam int LAT_MUL = CONFIG.lat_mul,
-    localparam int LAT_CMP = CONFIG.lat_cmp,
+    localparam latency_pkg::latency_t LAT = CONFIG.lat,
     localparam ARITH = config_pkg::arith(CONFIG.host),
     localparam int CW = formats_pkg::container(EXP, MAN),
     localparam int ROWS = PRIMARIES / LANES,
@@ -52,7 +50,7 @@ module primary_regfile #(
   localparam int BEATS = (WORDS * CW + 63) / 64;
   localparam int PADDED = BEATS * 64 / CW;
   localparam int SHAPES = pairs_pkg::SHAPES;
-  localparam int T_CHECK = config_pkg::check_latency(LAT_ADD, LAT_MUL, LAT_CMP);
+  localparam int T_CHECK = config_pkg::check_latency(LAT);
 
   logic [31:0] beat;
   logic [PADDED-1:0][CW-1:0] slot, slot_q;
@@ -112,8 +110,7 @@ module primary_regfile #(
       logic [0:0][CW-1:0] bad;
       logic bad_judged;
       assign words = slot_o[N-1:0];
-      shape_check #(.SHAPE(shape), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-          .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check_u (
+      shape_check #(.SHAPE(shape), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT(LAT), .ARITH(ARITH)) check_u (
           .clk_i(clk_check), .on_i(1'b1), .words_i(words), .bad_o(bad));
       // The host back end answers at once; the clocks are those of the gates.
       align #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i(clk_check),

@@ -13,15 +13,13 @@ module secondary_regfile #(
     localparam int PAIRS = CONFIG.pairs,
     localparam int SWAP = CONFIG.swap,
     localparam int TRANSFORM = CONFIG.transform,
-    localparam int LAT_ADD = CONFIG.lat_add,
-    localparam int LAT_MUL = CONFIG.lat_mul,
-    localparam int LAT_CMP = CONFIG.lat_cmp,
+    localparam latency_pkg::latency_t LAT = CONFIG.lat,
     localparam ARITH = config_pkg::arith(CONFIG.host),
     localparam int CW = formats_pkg::container(EXP, MAN),
     localparam int WORDS = pairs_pkg::slot_words(PAIRS, 0, SWAP != 0),
     localparam int BEAT = records_pkg::DDR_WORDS,
     localparam int OBJECTS = (TRANSFORM != pairs_pkg::TRANSFORM_NONE) ? CONFIG.objects : 0,  // that a pass can have
-    localparam int T_TRANSFORM = pairs_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL),
+    localparam int T_TRANSFORM = pairs_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT.add, LAT.mul),
     localparam int DEPTH = (TRANSFORM != pairs_pkg::TRANSFORM_NONE && T_TRANSFORM > 16) ? 256 : 64,  // power of two
     localparam int OBJECT_W = (OBJECTS > 1) ? $clog2(OBJECTS) : 1
 ) (
@@ -58,7 +56,7 @@ module secondary_regfile #(
 );
   localparam int AW = $clog2(DEPTH);
   localparam int SHAPES = pairs_pkg::SHAPES;
-  localparam int T_CHECK = config_pkg::check_latency(LAT_ADD, LAT_MUL, LAT_CMP);
+  localparam int T_CHECK = config_pkg::check_latency(LAT);
   localparam int T_MOVED = (TRANSFORM != 0) ? 1 + T_TRANSFORM : 0;
   localparam int T_CHECKED = T_MOVED + T_CHECK;
   // The host back end answers at once: the slot takes its place in the FIFO early, and is counted when it would be
@@ -168,8 +166,7 @@ module secondary_regfile #(
       logic [N-1:0][0:0][CW-1:0] shape_words;
       logic [0:0][CW-1:0] verdict;
       assign shape_words = unchecked[N-1:0];
-      shape_check #(.SHAPE(k), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-          .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check_u (
+      shape_check #(.SHAPE(k), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT(LAT), .ARITH(ARITH)) check_u (
           .clk_i, .on_i(1'b1), .words_i(shape_words), .bad_o(verdict));
       assign verdicts[k] = verdict[0][0];
     end else begin : g_absent

@@ -2,7 +2,7 @@
 // The pipe of a pair (scaled_pipe.sv), behind which with BOUND the signed gap is at least that of the boxes
 // (gap_bound.sv); without it the pipe alone. The bound is of the pair as it comes: it needs no scaling.
 // With BOUND its operators, 1 compare and 1 max.
-// Latency: that of the pipe, and with BOUND LAT_CMP, latency_o; 0 with ARITH = "host". Throughput: LANES pairs in
+// Latency: that of the pipe, and with BOUND LAT.cmp, latency_o; 0 with ARITH = "host". Throughput: LANES pairs in
 // FACET_II clocks. Stall: none, runs free.
 `include "gap_bound.svh"
 module bounded_pipe #(
@@ -47,7 +47,7 @@ module bounded_pipe #(
     gap_bound #(`DF_SAME, .A_SHAPE(A_SHAPE), .B_SHAPE(B_SHAPE)) of_boxes (
         .clk_i, .a_i, .b_i(b_own), .bound_o(bound_now));
     if (ARITH == "rtl") begin : g_late  // the pipe's own time is a number of its port, not a parameter
-      localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_SQRT + LAT_CMP + 4) / 5;
+      localparam int SLOWEST = latency_pkg::mean(LAT);
       logic unused_valid;
       issue_history #(.W(LW), .DEPTH(256 << $clog2(SLOWEST))) history (
           .clk_i, .rst_i(1'b0), .latency_i(latency - 16'(`GAP_T_BOUND(A_SHAPE, B_SHAPE))), .valid_i(1'b1),
@@ -57,7 +57,7 @@ module bounded_pipe #(
     end
     gap_at_least #(`DF_SAME) at_least (
         .clk_i, .bound_i(bound_late), .f_i(f), .t_i(t), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
-    assign latency_o = latency + 16'(LAT_CMP);
+    assign latency_o = latency + 16'(LAT.cmp);
   end else begin : g_pipe_alone
     assign {n_o, cp_o, t_o, f_o} = {n, cp, t, f};
     assign latency_o = latency;

@@ -13,27 +13,27 @@
 `define FACET_WAIT (FACET_II - 1)
 
 // ---- Stage times of parts ----
-`define LATENCY_TURNED (LAT_MUL + 2 * LAT_ADD)
-`define LATENCY_PERPENDICULAR (`DF_LAT_DOT + 2 * LAT_MUL + LAT_ADD)
-`define LATENCY_FACE_FACET (2 * LAT_CMP + LAT_ADD + `DF_LAT_DOT)
-`define LATENCY_EDGE_NORMAL (LAT_MUL + LAT_ADD + `DF_MAX2(LAT_CMP, LAT_SQRT + LAT_DIV) + LAT_MUL)
+`define LATENCY_TURNED (LAT.mul + 2 * LAT.add)
+`define LATENCY_PERPENDICULAR (`DF_LAT_DOT + 2 * LAT.mul + LAT.add)
+`define LATENCY_FACE_FACET (2 * LAT.cmp + LAT.add + `DF_LAT_DOT)
+`define LATENCY_EDGE_NORMAL (LAT.mul + LAT.add + `DF_MAX2(LAT.cmp, LAT.sqrt + LAT.div) + LAT.mul)
 // The critical path: across, t, s, rest, t for that s; then the vector of nearest points and its square, or whether
 // that t is at an end.
-`define LATENCY_EDGE_FACET ((LAT_ADD + LAT_MUL + LAT_ADD) + (LAT_MUL + 2 * LAT_CMP) + \
-  (LAT_MUL + LAT_ADD + 2 * LAT_CMP) + LAT_ADD + \
-  (2 * LAT_MUL + LAT_ADD + 2 * LAT_CMP) + `DF_MAX2(LAT_MUL + LAT_ADD + `DF_LAT_DOT, LAT_CMP))
-`define LATENCY_OBB_FACE (3 * LAT_ADD + `LATENCY_FACE_FACET)
-`define LATENCY_OBB_EDGE (LAT_MUL + 3 * LAT_ADD + LAT_CMP + `LATENCY_EDGE_FACET)
-`define LATENCY_OBB_SUPPORT (`DF_LAT_DOT + 4 * LAT_ADD)
-`define LATENCY_LEAST(COUNT) ($clog2(COUNT) * LAT_CMP)
+`define LATENCY_EDGE_FACET ((LAT.add + LAT.mul + LAT.add) + (LAT.mul + 2 * LAT.cmp) + \
+  (LAT.mul + LAT.add + 2 * LAT.cmp) + LAT.add + \
+  (2 * LAT.mul + LAT.add + 2 * LAT.cmp) + `DF_MAX2(LAT.mul + LAT.add + `DF_LAT_DOT, LAT.cmp))
+`define LATENCY_OBB_FACE (3 * LAT.add + `LATENCY_FACE_FACET)
+`define LATENCY_OBB_EDGE (LAT.mul + 3 * LAT.add + LAT.cmp + `LATENCY_EDGE_FACET)
+`define LATENCY_OBB_SUPPORT (`DF_LAT_DOT + 4 * LAT.add)
+`define LATENCY_LEAST(COUNT) ($clog2(COUNT) * LAT.cmp)
 `define LATENCY_NEAREST(COUNT) (`LATENCY_LEAST(COUNT) + `LATENCY_PERPENDICULAR)
-`define LATENCY_WITNESS(COUNT) (`FACET_WAIT + 2 * `LATENCY_LEAST(COUNT) + `DF_MAX2(LAT_ADD, LAT_CMP) + LAT_CMP + \
-  LAT_MUL + LAT_ADD + \
+`define LATENCY_WITNESS(COUNT) (`FACET_WAIT + 2 * `LATENCY_LEAST(COUNT) + `DF_MAX2(LAT.add, LAT.cmp) + LAT.cmp + \
+  LAT.mul + LAT.add + \
   `DF_LAT_DOT)
-`define LATENCY_SETTLE (`DF_MAX2(LAT_ADD, LAT_MUL) + LAT_ADD + 2 * LAT_CMP + LAT_ADD)
-`define LATENCY_POLISH (`DF_MAX2(`DF_MAX2(2 * LAT_CMP + LAT_MUL, LAT_ADD + `DF_LAT_DOT) + LAT_CMP, LAT_ADD + \
-  `DF_LAT_DOT + LAT_DIV + LAT_CMP) + \
-  LAT_MUL + LAT_ADD)
+`define LATENCY_SETTLE (`DF_MAX2(LAT.add, LAT.mul) + LAT.add + 2 * LAT.cmp + LAT.add)
+`define LATENCY_POLISH (`DF_MAX2(`DF_MAX2(2 * LAT.cmp + LAT.mul, LAT.add + `DF_LAT_DOT) + LAT.cmp, LAT.add + \
+  `DF_LAT_DOT + LAT.div + LAT.cmp) + \
+  LAT.mul + LAT.add)
 
 // ---- Operators ----
 // AB + CD, the sum of two products.

@@ -42,41 +42,41 @@
 `define PASS_TRIAL(P) (`PASS_TRACK(P) == 1 && `PASS_INDEX(P) > `UNSHIFTED)
 
 // ---- Latencies of parts ----
-`define LATENCY_NORMALISE (`DF_LAT_DOT + `DF_MAX2(LAT_CMP, LAT_SQRT + LAT_DIV) + LAT_MUL)
-`define LATENCY_RIM (`DF_LAT_CROSS + `DF_LAT_DOT + LAT_SQRT + `DF_MAX2(LAT_CMP, LAT_DIV) + 2 * LAT_MUL)
-`define LATENCY_REACH (formats_pkg::larger(`LATENCY_RIM, `DF_LAT_DOT + 2 * LAT_CMP) + LAT_ADD)
-`define LATENCY_EVALUATOR (`LATENCY_REACH + 2 * LAT_ADD)
+`define LATENCY_NORMALISE (`DF_LAT_DOT + `DF_MAX2(LAT.cmp, LAT.sqrt + LAT.div) + LAT.mul)
+`define LATENCY_RIM (`DF_LAT_CROSS + `DF_LAT_DOT + LAT.sqrt + `DF_MAX2(LAT.cmp, LAT.div) + 2 * LAT.mul)
+`define LATENCY_REACH (formats_pkg::larger(`LATENCY_RIM, `DF_LAT_DOT + 2 * LAT.cmp) + LAT.add)
+`define LATENCY_EVALUATOR (`LATENCY_REACH + 2 * LAT.add)
 // The front's raw normal: cross products and the test for a usable one; of a polyhedron, from a vertex, or the test for
 // a flat triangle.
-`define LATENCY_CYLINDER_RAW (`DF_LAT_CROSS + `DF_MAX2(`DF_LAT_CROSS, `DF_LAT_DOT + LAT_CMP))
-`define LATENCY_POLYHEDRON_RAW (((BODY == `BODY_BOX) ? 3 : 1) * LAT_ADD + `DF_LAT_DOT + `DF_MAX2( \
-  `DF_LAT_CROSS + LAT_SQRT + LAT_ADD + LAT_MUL + `DF_MAX3(LAT_MUL, LAT_ADD, LAT_CMP), 2 * LAT_MUL + 2 * LAT_CMP))
+`define LATENCY_CYLINDER_RAW (`DF_LAT_CROSS + `DF_MAX2(`DF_LAT_CROSS, `DF_LAT_DOT + LAT.cmp))
+`define LATENCY_POLYHEDRON_RAW (((BODY == `BODY_BOX) ? 3 : 1) * LAT.add + `DF_LAT_DOT + `DF_MAX2( \
+  `DF_LAT_CROSS + LAT.sqrt + LAT.add + LAT.mul + `DF_MAX3(LAT.mul, LAT.add, LAT.cmp), 2 * LAT.mul + 2 * LAT.cmp))
 `define LATENCY_FRONT (((BODY == `BODY_CYLINDER) ? `LATENCY_CYLINDER_RAW : `LATENCY_POLYHEDRON_RAW) + \
   `LATENCY_NORMALISE)
 // Circle: the slope of the new normal, which may become an end of the bracket; then Newton's normal and whether it
 // stays in the bracket, or the tie.
 `define LATENCY_SLOPE (`DF_LAT_CROSS + `DF_LAT_DOT)
-`define LATENCY_TIE (LAT_ADD + `DF_LAT_DOT + LAT_ADD + 2 * LAT_MUL + 2 * LAT_CMP + LAT_ADD)
-`define LATENCY_ENDS ((BODY == `BODY_CYLINDER) ? `LATENCY_SLOPE + LAT_CMP : `DF_MAX2(`LATENCY_SLOPE, LAT_CMP) + \
-  2 * LAT_CMP)
+`define LATENCY_TIE (LAT.add + `DF_LAT_DOT + LAT.add + 2 * LAT.mul + 2 * LAT.cmp + LAT.add)
+`define LATENCY_ENDS ((BODY == `BODY_CYLINDER) ? `LATENCY_SLOPE + LAT.cmp : `DF_MAX2(`LATENCY_SLOPE, LAT.cmp) + \
+  2 * LAT.cmp)
 `define LATENCY_CIRCLE formats_pkg::larger(`LATENCY_ENDS + `LATENCY_TIE, \
-  formats_pkg::larger(`LATENCY_SLOPE + 3 * LAT_MUL + 3 * LAT_ADD + LAT_DIV, \
-  `LATENCY_ENDS + `DF_LAT_CROSS) + `DF_LAT_DOT + LAT_CMP)
-`define LATENCY_POLE (3 * `DF_LAT_DOT + 4 * LAT_MUL + 3 * LAT_ADD + LAT_CMP + `DF_LAT_DOT + LAT_ADD + LAT_MUL + \
-  `DF_MAX2(LAT_SQRT, LAT_MUL) + \
-  LAT_DIV + 2 * LAT_CMP + LAT_MUL + LAT_ADD)
-`define LATENCY_NEWTON (4 * LAT_CMP + `DF_LAT_CROSS + `DF_LAT_DOT + 7 * LAT_MUL + 9 * LAT_ADD + LAT_SQRT + LAT_DIV)
+  formats_pkg::larger(`LATENCY_SLOPE + 3 * LAT.mul + 3 * LAT.add + LAT.div, \
+  `LATENCY_ENDS + `DF_LAT_CROSS) + `DF_LAT_DOT + LAT.cmp)
+`define LATENCY_POLE (3 * `DF_LAT_DOT + 4 * LAT.mul + 3 * LAT.add + LAT.cmp + `DF_LAT_DOT + LAT.add + LAT.mul + \
+  `DF_MAX2(LAT.sqrt, LAT.mul) + \
+  LAT.div + 2 * LAT.cmp + LAT.mul + LAT.add)
+`define LATENCY_NEWTON (4 * LAT.cmp + `DF_LAT_CROSS + `DF_LAT_DOT + 7 * LAT.mul + 9 * LAT.add + LAT.sqrt + LAT.div)
 `define LATENCY_FREE `DF_MAX2(`LATENCY_POLE, `LATENCY_NEWTON)
 `define LATENCY_STEP ((BODY == `BODY_CYLINDER) ? formats_pkg::larger(`LATENCY_CIRCLE, `LATENCY_FREE) : `LATENCY_CIRCLE)
-`define LATENCY_PROJECT_CYLINDER (LAT_ADD + `DF_LAT_DOT + `DF_MAX2(2 * `DF_LAT_CROSS + LAT_SQRT + LAT_DIV, LAT_CMP) + \
-  LAT_CMP + LAT_MUL + 2 * LAT_ADD)
-`define LATENCY_PROJECT_BOX (`DF_LAT_DOT + 2 * LAT_CMP + LAT_MUL + 2 * LAT_ADD)
-`define LATENCY_PROJECT_TRIANGLE (3 * LAT_ADD + 2 * `DF_LAT_DOT + LAT_DIV + LAT_MUL + 5 * LAT_CMP)
+`define LATENCY_PROJECT_CYLINDER (LAT.add + `DF_LAT_DOT + `DF_MAX2(2 * `DF_LAT_CROSS + LAT.sqrt + LAT.div, LAT.cmp) + \
+  LAT.cmp + LAT.mul + 2 * LAT.add)
+`define LATENCY_PROJECT_BOX (`DF_LAT_DOT + 2 * LAT.cmp + LAT.mul + 2 * LAT.add)
+`define LATENCY_PROJECT_TRIANGLE (3 * LAT.add + 2 * `DF_LAT_DOT + LAT.div + LAT.mul + 5 * LAT.cmp)
 `define LATENCY_PROJECT ((BODY == `BODY_CYLINDER) ? `LATENCY_PROJECT_CYLINDER : (BODY == `BODY_BOX) ? \
   `LATENCY_PROJECT_BOX : `LATENCY_PROJECT_TRIANGLE)
-`define LATENCY_CYLINDER_WITNESS (LAT_MUL + LAT_ADD + `DF_MAX2(LAT_ADD, LAT_CMP) + `LATENCY_PROJECT_CYLINDER + \
-  `LATENCY_PROJECT + 2 * LAT_ADD + `DF_LAT_DOT + \
-  `DF_MAX2(2 * LAT_CMP, LAT_DIV + `DF_MAX2(LAT_CMP, LAT_MUL + LAT_ADD)))
+`define LATENCY_CYLINDER_WITNESS (LAT.mul + LAT.add + `DF_MAX2(LAT.add, LAT.cmp) + `LATENCY_PROJECT_CYLINDER + \
+  `LATENCY_PROJECT + 2 * LAT.add + `DF_LAT_DOT + \
+  `DF_MAX2(2 * LAT.cmp, LAT.div + `DF_MAX2(LAT.cmp, LAT.mul + LAT.add)))
 
 // ---- Operators ----
 // V of unit length; NaN where its square drowns among the subnormal numbers. 6 mul, 2 add, 1 div, 1 sqrt, 1 compare.

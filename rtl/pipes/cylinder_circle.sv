@@ -170,7 +170,7 @@ module cylinder_circle #(
   `DF_DOT(vb, b_v, t)
   `DF_MUL(vbvb, vb, vb)
   `DF_MUL(curve_b, b_kappa, vbvb)
-  localparam int T_curve_ab = T_curve_b + LAT_ADD;
+  localparam int T_curve_ab = T_curve_b + LAT.add;
   `DF_SCALAR curve_ab;
   if (BODY == `BODY_CYLINDER) begin : g_curve
     `DF_IN(a_kappa, a_kappa_i, 0)

@@ -18,7 +18,7 @@ module cylinder_pair #(
     `DF_PARAMETERS,
     parameter int BODY = `BODY_CYLINDER,
     parameter int AHEAD = 0,  // 0 or 1: clocks from valid_i and ready_o to the row's operands
-    // clocks from a row's entry to its first pass: at least scale_latency and LAT_ADD or LAT_MUL
+    // clocks from a row's entry to its first pass: at least scale_latency and LAT.add or LAT.mul
     parameter int ENTRY = 5,
     localparam int A_WORDS = (BODY == `BODY_CYLINDER) ? 8 : (BODY == `BODY_BOX) ? 15 : 9
 ) (
@@ -48,13 +48,13 @@ module cylinder_pair #(
   localparam int LW = LANES * CW;
   localparam int T_EVALUATE = `LATENCY_FRONT;
   localparam int T_EVALUATED = T_EVALUATE + `LATENCY_EVALUATOR;
-  localparam int T_BETTER = T_EVALUATED + LAT_CMP;
+  localparam int T_BETTER = T_EVALUATED + LAT.cmp;
   localparam int T_STEPPED = T_BETTER + `LATENCY_STEP;
   localparam int T_SLOPE = T_BETTER + `LATENCY_SLOPE;
   localparam int T_END = formats_pkg::larger(T_STEPPED, T_EVALUATED + `LATENCY_CYLINDER_WITNESS);
   localparam int RING = T_END + 1;
-  localparam int RESULT = formats_pkg::larger(2 * LAT_MUL + 2 * LAT_ADD, LAT_CMP);
-  localparam int FINISH = RESULT + pairs_pkg::unscale_latency(0, LAT_MUL, LAT_CMP);
+  localparam int RESULT = formats_pkg::larger(2 * LAT.mul + 2 * LAT.add, LAT.cmp);
+  localparam int FINISH = RESULT + pairs_pkg::unscale_latency(0, LAT.mul, LAT.cmp);
   // passes with M = K1 = K2 = 8
   localparam int INTERVAL = (BODY == `BODY_CYLINDER) ? 67 : (BODY == `BODY_BOX) ? 79 : 75;
   localparam int LATENCY = AHEAD + ENTRY + INTERVAL * RING + FINISH;
@@ -132,7 +132,7 @@ module cylinder_pair #(
   // ---- Operands, brought to the size of one and relative to A's origin ----
   localparam int SHAPE_A = (BODY == `BODY_CYLINDER) ? pairs_pkg::SHAPE_CYLINDER : (BODY == `BODY_BOX) ?
       pairs_pkg::SHAPE_OBB : pairs_pkg::SHAPE_TRIANGLE;
-  localparam int T_SCALED = pairs_pkg::scale_latency(0, LAT_MUL, LAT_CMP);
+  localparam int T_SCALED = pairs_pkg::scale_latency(0, LAT.mul, LAT.cmp);
   logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
   logic [7:0][LANES-1:0][CW-1:0] b;
   logic [LANES-1:0][CW-1:0] back, back_in, unused_t_back, back_mem[RING];
@@ -310,8 +310,8 @@ module cylinder_pair #(
   `DF_IN(minus_slope, minus_slope_now, T_SLOPE)
   logic [`PASS_W-1:0] pass_slope, pass_best;
   logic [3:0] phase_raised;
-  localparam int T_RAISED = T_BETTER + LAT_CMP;
-  localparam int T_BEST = CYLINDER ? T_RAISED : T_SLOPE + LAT_CMP;
+  localparam int T_RAISED = T_BETTER + LAT.cmp;
+  localparam int T_BEST = CYLINDER ? T_RAISED : T_SLOPE + LAT.cmp;
   assign phase_raised = `PASS_PHASE(pass_mem[`SLOT(T_RAISED)]);
   assign pass_slope = pass_mem[`SLOT(T_SLOPE)];
   assign pass_best = pass_mem[`SLOT(T_BEST)];

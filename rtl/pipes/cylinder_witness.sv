@@ -143,8 +143,8 @@ module cylinder_witness #(
 
   // ---- To B from pa or q, to A from B's support point or from there ----
   localparam int T_a_cap = (BODY == `BODY_CYLINDER) ? `DF_LAT_DOT : `DF_CONSTANT;
-  localparam int T_cap_a = (BODY == `BODY_CYLINDER) ? `DF_MAX2(T_b_rim, LAT_MUL + LAT_CMP) : `DF_CONSTANT;
-  localparam int T_cap_b = (BODY == `BODY_CYLINDER) ? `DF_MAX3(T_rims, T_b_flat_first, `DF_LAT_DOT + LAT_CMP) :
+  localparam int T_cap_a = (BODY == `BODY_CYLINDER) ? `DF_MAX2(T_b_rim, LAT.mul + LAT.cmp) : `DF_CONSTANT;
+  localparam int T_cap_b = (BODY == `BODY_CYLINDER) ? `DF_MAX3(T_rims, T_b_flat_first, `DF_LAT_DOT + LAT.cmp) :
       T_b_flat_first;
   `DF_SCALAR cap_a, cap_b;
   `DF_VECTOR a_cap;

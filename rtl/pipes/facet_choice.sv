@@ -43,7 +43,7 @@ module facet_choice #(
   for (genvar i = 0; i < COUNT; i++) begin : g_key
     fp_sign #(`DF_FORMAT, .OP(formats_pkg::SIGN_NEG)) sign (.a_i(gap_i[i]), .b_i(gap_i[i]), .r_o(minus_gap[i]));
   end
-  least_tree #(`DF_FORMAT, .COUNT(COUNT), .WORDS(3), .LAT_CMP(LAT_CMP)) by_gap (
+  least_tree #(`DF_FORMAT, .COUNT(COUNT), .WORDS(3), .LAT(LAT)) by_gap (
       .clk_i, .key_i(minus_gap), .payload_i(n_i), .key_o(minus_largest), .payload_o(largest_normal));
   `DF_IN(minus_s, minus_largest, T_TREE)
   `DF_VIN(largest_n, largest_normal, T_TREE)
@@ -56,7 +56,7 @@ module facet_choice #(
   `DF_LEAD(lead, leading, largest_n)
 
   // ---- The facet that it is witnessed on ----
-  localparam int T_OFF2 = T_TREE + `DF_MAX2(LAT_ADD, LAT_CMP) + LAT_CMP + LAT_MUL + LAT_ADD + `DF_LAT_DOT;
+  localparam int T_OFF2 = T_TREE + `DF_MAX2(LAT.add, LAT.cmp) + LAT.cmp + LAT.mul + LAT.add + `DF_LAT_DOT;
   logic [COUNT-1:0][LANES-1:0][CW-1:0] off2;
   logic [COUNT-1:0][8:0][LANES-1:0][CW-1:0] candidate;  // n, v, p
   `DF_PHASE_IN(phase, phase_i, 0)
@@ -117,7 +117,7 @@ module facet_choice #(
       assign candidate[i+k] = {p_keys[k], v_keys[k], n_keys[k]};
     end
   end
-  least_tree #(`DF_FORMAT, .COUNT(COUNT), .WORDS(9), .LAT_CMP(LAT_CMP)) by_witness (
+  least_tree #(`DF_FORMAT, .COUNT(COUNT), .WORDS(9), .LAT(LAT)) by_witness (
       .clk_i, .key_i(off2), .payload_i(candidate), .key_o(), .payload_o({witness_p_o, witness_v_o, witness_n_o}));
   if (T_OFF2 + `FACET_WAIT + T_TREE != `LATENCY_WITNESS(COUNT)) $error("facet_choice: latency of the witness");
   `DF_AT(s_out, s, `LATENCY_WITNESS(COUNT))
@@ -130,7 +130,7 @@ module facet_choice #(
   for (genvar i = 0; i < COUNT; i++) begin : g_nearest
     assign nearest[i] = {inverse_ff_i[i], f_i[i], p_i[i], v_i[i]};
   end
-  least_tree #(`DF_FORMAT, .COUNT(COUNT), .WORDS(10), .LAT_CMP(LAT_CMP)) by_distance (
+  least_tree #(`DF_FORMAT, .COUNT(COUNT), .WORDS(10), .LAT(LAT)) by_distance (
       .clk_i, .key_i(d2_i), .payload_i(nearest), .key_o(), .payload_o({nearest_inverse, nearest_f, nearest_p,
       nearest_v}));
   `DF_VIN(near_v, nearest_v, T_TREE)

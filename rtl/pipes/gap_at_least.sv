@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A signed gap, as a pipe answers it, is made the bound where it is less (reference/pipes/gap_bound.hpp).
 // 1 compare, 1 max.
-// Latency: LAT_CMP clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
+// Latency: LAT.cmp clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
 `include "gap_bound.svh"
 module gap_at_least #(
     `DF_PARAMETERS
@@ -29,7 +29,7 @@ module gap_at_least #(
   `DF_LE(touches, bound, zero)
   `DF_AND(meets, met, touches)
   `DF_ABS(size, gap)
-  `DF_VAT(cp_late, cp, LAT_CMP)
-  `DF_VAT(n_late, n, LAT_CMP)
+  `DF_VAT(cp_late, cp, LAT.cmp)
+  `DF_VAT(n_late, n, LAT.cmp)
   assign {n_o, cp_o, t_o, f_o} = {n_late, cp_late, size, meets};
 endmodule

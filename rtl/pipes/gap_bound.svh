@@ -11,7 +11,7 @@
   `DF_VECTOR R; \
   solid_half #(`DF_SAME, .SHAPE(OF)) half_``R (.clk_i, .a_i(WORDS), .half_o(R));
 // Of shape_hull.sv.
-`define SHAPE_T_HULL(SHAPE) ((SHAPE == pairs_pkg::SHAPE_TRIANGLE) ? 2 * LAT_CMP : 0)
+`define SHAPE_T_HULL(SHAPE) ((SHAPE == pairs_pkg::SHAPE_TRIANGLE) ? 2 * LAT.cmp : 0)
 `define SHAPE_HULL(LOW, HIGH, OF, WORDS) \
   localparam int T_``LOW = `SHAPE_T_HULL(OF), T_``HIGH = `SHAPE_T_HULL(OF); \
   `DF_VECTOR LOW, HIGH; \
@@ -19,8 +19,8 @@
 // Of gap_bound.sv: half sizes of both, the gap's and the reach's time, and the whole.
 `define SHAPE_IS_SOLID(SHAPE) (SHAPE == pairs_pkg::SHAPE_SPHERE || SHAPE == pairs_pkg::SHAPE_OBB)
 `define GAP_T_HALF(A, B) (`DF_MAX2(`SOLID_T_HALF(A), `SOLID_T_HALF(B)) + \
-  ((`SHAPE_IS_SOLID(A) && `SHAPE_IS_SOLID(B)) ? LAT_ADD : 0))
-`define GAP_T_AWAY(A, B) (`DF_MAX2(`SHAPE_T_HULL(A), `SHAPE_T_HULL(B)) + LAT_ADD + LAT_CMP)
-`define GAP_T_BOUND(A, B) (`DF_MAX2(`GAP_T_AWAY(A, B), `GAP_T_HALF(A, B)) + LAT_CMP + LAT_MUL + 2 * LAT_ADD + \
-  `DF_MAX3(LAT_CMP, 2 * LAT_ADD + LAT_SQRT, 2 * LAT_CMP - LAT_MUL))
+  ((`SHAPE_IS_SOLID(A) && `SHAPE_IS_SOLID(B)) ? LAT.add : 0))
+`define GAP_T_AWAY(A, B) (`DF_MAX2(`SHAPE_T_HULL(A), `SHAPE_T_HULL(B)) + LAT.add + LAT.cmp)
+`define GAP_T_BOUND(A, B) (`DF_MAX2(`GAP_T_AWAY(A, B), `GAP_T_HALF(A, B)) + LAT.cmp + LAT.mul + 2 * LAT.add + \
+  `DF_MAX3(LAT.cmp, 2 * LAT.add + LAT.sqrt, 2 * LAT.cmp - LAT.mul))
 `endif

@@ -8,7 +8,7 @@ module gap_result #(
     parameter int T_S = 0,  // stage times of the inputs
     parameter int T_CP = 0,
     parameter int T_N = 0,
-    parameter int LATENCY = 1  // of the outputs: at least T_S + LAT_CMP
+    parameter int LATENCY = 1  // of the outputs: at least T_S + LAT.cmp
 ) (
     input logic clk_i,
     input logic [LANES-1:0][CW-1:0] s_i,
@@ -24,7 +24,7 @@ module gap_result #(
   logic [LANES-1:0][CW-1:0] f, t, zero;
   logic [2:0][LANES-1:0][CW-1:0] n, nan;
   assign zero = '0;
-  fp_cmp #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_CMP), .OP(formats_pkg::FP_LE), .ARITH(ARITH))
+  fp_cmp #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT.cmp), .OP(formats_pkg::FP_LE), .ARITH(ARITH))
       cmp_s (.clk_i, .a_i(s_i), .b_i(zero), .m_o(f), .flags_o());
   fp_sign #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::SIGN_ABS), .ARITH(ARITH))
       abs_s (.a_i(s_i), .b_i(s_i), .r_o(t));
@@ -33,7 +33,7 @@ module gap_result #(
         class_n (.a_i(n_i[k]), .m_o(nan[k]));
     lane_select #(.CW(CW), .LANES(LANES)) select_n (.m_i(nan[k]), .a_i({LANES{QNAN}}), .b_i(n_i[k]), .r_o(n[k]));
   end
-  align #(.W(LANES * CW), .FROM(T_S + LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_f (.clk_i, .d_i(f), .q_o(f_o));
+  align #(.W(LANES * CW), .FROM(T_S + LAT.cmp), .TO(LATENCY), .ARITH(ARITH)) align_f (.clk_i, .d_i(f), .q_o(f_o));
   align #(.W(LANES * CW), .FROM(T_S), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_o));
   align #(.W(3 * LANES * CW), .FROM(T_CP), .TO(LATENCY), .ARITH(ARITH)) align_cp (.clk_i, .d_i(cp_i), .q_o(cp_o));
   align #(.W(3 * LANES * CW), .FROM(T_N), .TO(LATENCY), .ARITH(ARITH)) align_n (.clk_i, .d_i(n), .q_o(n_o));

@@ -3,7 +3,7 @@
 // underflow, whatever size its operands have: every length times 2^-k, k the largest exponent of the lengths of both. A
 // ray's direction has an exponent kd of its own, and its interval is multiplied by 2^(kd - k). length_unscale.sv brings
 // the answer back. host/include/cde/reference/pipes/scale.hpp.
-// Latency: LAT_CMP for the largest exponent and LAT_CMP for the shift, with a ray the larger of that and LAT_MUL; 0
+// Latency: LAT.cmp for the largest exponent and LAT.cmp for the shift, with a ray the larger of that and LAT.mul; 0
 // with ARITH = "host".
 // Throughput: LANES pairs a clock. Stall: none.
 `include "dataflow.svh"
@@ -25,20 +25,20 @@ module length_scale #(
 );
   /*verilator inline_module*/
   localparam bit RAY = SHAPE_A == pairs_pkg::SHAPE_RAY;
-  localparam int LATENCY = pairs_pkg::scale_latency(RAY, LAT_MUL, LAT_CMP);
+  localparam int LATENCY = pairs_pkg::scale_latency(RAY, LAT.mul, LAT.cmp);
   localparam int LW = LANES * CW;
   localparam int LEAST = formats_pkg::length_low(EXP, MAN);
 
-  // ---- The largest exponent, a tree: node i of 2i and 2i + 1, the words from N_LENGTHS on; LAT_CMP clocks, dealt out
+  // ---- The largest exponent, a tree: node i of 2i and 2i + 1, the words from N_LENGTHS on; LAT.cmp clocks, dealt out
   // over its levels ----
   localparam int N_A = pairs_pkg::lengths(SHAPE_A);
   localparam int N_LENGTHS = N_A + pairs_pkg::lengths(SHAPE_B);
   localparam int LEVELS = $clog2(N_LENGTHS);
   for (genvar i = 2 * N_LENGTHS - 1; i > 0; i--) begin : node
     localparam int LEVEL = $clog2(i + 1) - 1;  // 0: the root
-    localparam int FROM = (i < N_LENGTHS) ? LAT_CMP * (LEVELS - LEVEL - 1) / LEVELS : 0;
+    localparam int FROM = (i < N_LENGTHS) ? LAT.cmp * (LEVELS - LEVEL - 1) / LEVELS : 0;
     logic [LANES-1:0][CW-1:0] size, late;
-    align #(.W(LW), .FROM(FROM), .TO(LAT_CMP * (LEVELS - LEVEL) / LEVELS), .ARITH(ARITH)) align_size (
+    align #(.W(LW), .FROM(FROM), .TO(LAT.cmp * (LEVELS - LEVEL) / LEVELS), .ARITH(ARITH)) align_size (
         .clk_i, .d_i(size), .q_o(late));
     if (i >= N_LENGTHS + N_A) begin : g_b
       localparam int WORD = pairs_pkg::length_word(SHAPE_B, i - N_LENGTHS - N_A);  // not a call of every clock
@@ -59,7 +59,7 @@ module length_scale #(
   fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_UP), .LEAST(LEAST), .ARITH(ARITH))
       shift_back (
       .on_i, .a_i(largest), .b_i('0), .r_o(back));
-  align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_back (.clk_i, .d_i(back), .q_o(back_o));
+  align #(.W(LW), .FROM(LAT.cmp), .TO(LATENCY), .ARITH(ARITH)) align_back (.clk_i, .d_i(back), .q_o(back_o));
 
   // ---- A ray's direction ----
   logic [LANES-1:0][CW-1:0] ray_down, t_scale;  // the shift by 2^-kd, and the number 2^(kd - k)
@@ -70,9 +70,9 @@ module length_scale #(
         larger_xy (.on_i, .a_i(a_i[3]), .b_i(a_i[4]), .r_o(xy));
     fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MAX), .ARITH(ARITH))
         larger_xyz (.on_i, .a_i(xy_late), .b_i(z_late), .r_o(xyz));
-    align #(.W(2 * LW), .FROM(0), .TO(LAT_CMP / 2), .ARITH(ARITH)) align_xy (
+    align #(.W(2 * LW), .FROM(0), .TO(LAT.cmp / 2), .ARITH(ARITH)) align_xy (
         .clk_i, .d_i({a_i[5], xy}), .q_o({z_late, xy_late}));
-    align #(.W(LW), .FROM(LAT_CMP / 2), .TO(LAT_CMP), .ARITH(ARITH)) align_steepest (.clk_i, .d_i(xyz), .q_o(steepest));
+    align #(.W(LW), .FROM(LAT.cmp / 2), .TO(LAT.cmp), .ARITH(ARITH)) align_steepest (.clk_i, .d_i(xyz), .q_o(steepest));
     fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_DOWN), .LEAST(LEAST), .ARITH(ARITH))
         shift_ray (
         .on_i, .a_i(steepest), .b_i('0), .r_o(ray_down));
@@ -84,7 +84,7 @@ module length_scale #(
         t_back[l] = ONE + ray_down[l] - down[l];
       end
     end
-    align #(.W(LW), .FROM(LAT_CMP), .TO(LATENCY), .ARITH(ARITH)) align_t_back (.clk_i, .d_i(t_back), .q_o(t_back_o));
+    align #(.W(LW), .FROM(LAT.cmp), .TO(LATENCY), .ARITH(ARITH)) align_t_back (.clk_i, .d_i(t_back), .q_o(t_back_o));
   end else begin : g_solid
     assign {ray_down, t_scale, t_back_o} = '0;
     logic unused;
@@ -92,9 +92,9 @@ module length_scale #(
   end
 
   // ---- The words: moved a clock after the shift is known, where there are two ----
-  localparam int MOVE = (LATENCY - LAT_CMP > 1) ? LAT_CMP + 1 : LAT_CMP;
+  localparam int MOVE = (LATENCY - LAT.cmp > 1) ? LAT.cmp + 1 : LAT.cmp;
   logic [LANES-1:0][CW-1:0] down_late, ray_down_late;
-  align #(.W(2 * LW), .FROM(LAT_CMP), .TO(MOVE), .ARITH(ARITH)) align_down (
+  align #(.W(2 * LW), .FROM(LAT.cmp), .TO(MOVE), .ARITH(ARITH)) align_down (
       .clk_i, .d_i({ray_down, down}), .q_o({ray_down_late, down_late}));
   for (genvar k = 0; k < A_WORDS; k++) begin : word_a
     localparam int KIND = pairs_pkg::word_kind(SHAPE_A, k);
@@ -106,12 +106,12 @@ module length_scale #(
       assign unused_word = &{1'b0, late, scaled};
       align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_word (.clk_i, .d_i(a_i[k]), .q_o(a_o[k]));
     end else begin : g_scaled
-      localparam int TIME = (KIND == pairs_pkg::WORD_INTERVAL) ? LAT_CMP : MOVE;
+      localparam int TIME = (KIND == pairs_pkg::WORD_INTERVAL) ? LAT.cmp : MOVE;
       align #(.W(LW), .FROM(0), .TO(TIME), .ARITH(ARITH)) align_word (.clk_i, .d_i(a_i[k]), .q_o(late));
       if (KIND == pairs_pkg::WORD_INTERVAL) begin : g_interval
-        fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH)) multiply (
+        fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT.mul), .ARITH(ARITH)) multiply (
             .clk_i, .a_i(late), .b_i(t_scale), .r_o(scaled), .flags_o());
-        align #(.W(LW), .FROM(LAT_CMP + LAT_MUL), .TO(LATENCY), .ARITH(ARITH))
+        align #(.W(LW), .FROM(LAT.cmp + LAT.mul), .TO(LATENCY), .ARITH(ARITH))
             align_scaled (.clk_i, .d_i(scaled), .q_o(a_o[k]));
       end else begin : g_length
         fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH)) move (

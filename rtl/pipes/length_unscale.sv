@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The answer to a pair that length_scale.sv brought to the size of one, at the pair's own size: T and CP times 2^k; a
 // ray's T times 2^(k - kd), rounded once. A ray whose T or CP overflows misses.
-// Latency: LAT_CMP, with a ray the larger of LAT_CMP and LAT_MUL; 0 with ARITH = "host". Throughput: LANES pairs a
+// Latency: LAT.cmp, with a ray the larger of LAT.cmp and LAT.mul; 0 with ARITH = "host". Throughput: LANES pairs a
 // clock. Stall: none.
 `include "dataflow.svh"
 module length_unscale #(
@@ -22,7 +22,7 @@ module length_unscale #(
     output logic [2:0][LANES-1:0][CW-1:0] n_o
 );
   /*verilator inline_module*/
-  localparam int LATENCY = pairs_pkg::unscale_latency(RAY, LAT_MUL, LAT_CMP);
+  localparam int LATENCY = pairs_pkg::unscale_latency(RAY, LAT.mul, LAT.cmp);
   localparam int LW = LANES * CW;
   // Lengths are moved two clocks after the shift came out of its memory, which takes one register into itself.
   localparam int MOVE = (LATENCY > 2) ? 2 : LATENCY - 1;
@@ -41,9 +41,9 @@ module length_unscale #(
     localparam logic [CW-1:0] INF = ((CW'(1) << EXP) - 1) << MAN;
     logic [LANES-1:0][CW-1:0] finite, t_late, near_late;
     logic [2:0][LANES-1:0][CW-1:0] near;
-    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH)) multiply (
+    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT.mul), .ARITH(ARITH)) multiply (
         .clk_i, .a_i(t_i), .b_i(t_back_i), .r_o(t), .flags_o());
-    align #(.W(LW), .FROM(LAT_MUL), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_late));
+    align #(.W(LW), .FROM(LAT.mul), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_late));
     fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::CLASS_FINITE), .ARITH(ARITH))
         is_finite (.a_i(t_late), .m_o(finite));
     for (genvar k = 0; k < 3; k++) begin : axis

@@ -35,7 +35,7 @@
     output logic [15:0] latency_o
 // F and T of the signed gap S, registered with CP and N.
 `define GAP_RESULT(S, CP, N) \
-  localparam int LATENCY = `DF_MAX3(T_``CP, T_``N, T_``S + LAT_CMP) + 1; \
+  localparam int LATENCY = `DF_MAX3(T_``CP, T_``N, T_``S + LAT.cmp) + 1; \
   assign latency_o = 16'(LATENCY); \
   gap_result #(`DF_SAME, .T_S(T_``S), .T_CP(T_``CP), .T_N(T_``N), .LATENCY(LATENCY)) result ( \
       .clk_i, .s_i(S), .cp_i(CP), .n_i(N), .f_o, .t_o, .cp_o, .n_o);

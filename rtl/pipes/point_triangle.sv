@@ -5,7 +5,7 @@
 // lowest edge.
 // Over a needle the signs that say "inside" are noise when the point is in line with it, so the point must also lie
 // between the ends of the longest edge. 43 add, 71 mul, 9 compare, 6 min/max.
-// Latency: to POINT_TRIANGLE_T_V of triangle.svh, h_o LAT_MUL + 2*LAT_ADD after the later of w and m; 0 with ARITH =
+// Latency: to POINT_TRIANGLE_T_V of triangle.svh, h_o LAT.mul + 2*LAT.add after the later of w and m; 0 with ARITH =
 // "host".
 // Throughput: one point a lane a clock. Stall: none.
 `include "triangle.svh"

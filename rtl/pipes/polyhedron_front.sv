@@ -79,7 +79,7 @@ module polyhedron_front #(
   `DF_IN(rest, {LANES{eighths(3'd0 - tau_now)}}, 0)
   `DF_CONST(zero, 0)
   `DF_CONST(tiny, `DF_POWER_OF_TWO(2 * (3 - MAN)))  // (16 u)^2
-  localparam int T_u = 0, T_plain = 0, T_v = (BODY == `BODY_BOX) ? 2 * LAT_ADD : 0;
+  localparam int T_u = 0, T_plain = 0, T_v = (BODY == `BODY_BOX) ? 2 * LAT.add : 0;
   `DF_VECTOR u, plain, v;
   if (BODY == `BODY_BOX) begin : g_box
     logic unused;
@@ -185,7 +185,7 @@ module polyhedron_front #(
   // ---- Cross products that may vanish ----
   `undef DF_ON
   `define DF_ON searching
-  localparam int T_vanish = `DF_MAX2(T_xx, T_z + 2 * LAT_MUL) + LAT_CMP, T_framed = `LATENCY_POLYHEDRON_RAW;
+  localparam int T_vanish = `DF_MAX2(T_xx, T_z + 2 * LAT.mul) + LAT.cmp, T_framed = `LATENCY_POLYHEDRON_RAW;
   `DF_SCALAR vanish;
   `DF_VECTOR framed;
   `DF_VSELECT(side_n, vanish, u, x)

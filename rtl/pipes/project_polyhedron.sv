@@ -75,13 +75,13 @@ module project_polyhedron #(
     `DF_MSUB(w, xs, from)
     `DF_MDOT(we, w, edges)
     `DF_MDOT(ee, edges, edges)
-    `DF_BINARY3(ratio, we, ee, formats_pkg::FP_DIV, LAT_DIV)
+    `DF_BINARY3(ratio, we, ee, formats_pkg::FP_DIV, LAT.div)
     `DF_VCLAMP(t, ratio, v0, ones)
     `DF_MSCALE(part, edges, t)
-    localparam int T_p = T_part + LAT_ADD;
+    localparam int T_p = T_part + LAT.add;
     `DF_MATRIX p;
     for (genvar k = 0; k < 9; k++) begin : on_edge
-      df_operator #(`DF_FORMAT, .OP(formats_pkg::FP_ADD), .T_A(0), .T_B(T_part), .LAT(LAT_ADD)) op (
+      df_operator #(`DF_FORMAT, .OP(formats_pkg::FP_ADD), .T_A(0), .T_B(T_part), .LAT(LAT.add)) op (
           .clk_i, .on_i(`DF_ON), .a_i(from[k/3][k%3]), .b_i(part[k/3][k%3]), .r_o(p[k/3][k%3]));
     end
     `DF_MSUB(r, xs, p)

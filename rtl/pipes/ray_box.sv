@@ -81,23 +81,23 @@ module ray_box #(
     logic [2:0][B_LANES-1:0][CW-1:0] centre, half, centre_p, half_p;
     logic [2:0][LANES-1:0][CW-1:0] from, beyond, accepted;
     triangle_bounds #(
-        .EXP(EXP), .MAN(MAN), .LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+        .EXP(EXP), .MAN(MAN), .LANES(B_LANES), .LAT(LAT), .ARITH(ARITH)
     ) bounds (
         .clk_i, .b_i, .centre_o(centre), .half_o(half));
-    align #(.W(3 * B_LANES * CW), .FROM(`RAY_T_CENTRE), .TO(T_AWAY - LAT_ADD), .ARITH(ARITH)) align_c (
+    align #(.W(3 * B_LANES * CW), .FROM(`RAY_T_CENTRE), .TO(T_AWAY - LAT.add), .ARITH(ARITH)) align_c (
         .clk_i, .d_i(centre), .q_o(centre_p));
-    align #(.W(3 * B_LANES * CW), .FROM(`RAY_T_HALF), .TO(T_OUT - LAT_ADD), .ARITH(ARITH)) align_h (
+    align #(.W(3 * B_LANES * CW), .FROM(`RAY_T_HALF), .TO(T_OUT - LAT.add), .ARITH(ARITH)) align_h (
         .clk_i, .d_i(half), .q_o(half_p));
-    `DF_VAT(p_late, p, T_AWAY - LAT_ADD)
+    `DF_VAT(p_late, p, T_AWAY - LAT.add)
     vec_add #(
-        .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .SUB(1), .ARITH(ARITH), .CANON(0)
+        .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .SUB(1), .ARITH(ARITH), .CANON(0)
     ) sub_c (
         .clk_i, .a_i(p_late), .b_i(centre_p), .r_o(from));
     `DF_VIN(away, from, T_AWAY)
     `DF_VABS(size, away)
-    `DF_VAT(size_late, size, T_OUT - LAT_ADD)
+    `DF_VAT(size_late, size, T_OUT - LAT.add)
     vec_add #(
-        .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .SUB(1), .ARITH(ARITH), .CANON(0)
+        .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .SUB(1), .ARITH(ARITH), .CANON(0)
     ) sub_h (
         .clk_i, .a_i(size_late), .b_i(half_p), .r_o(beyond));
     for (genvar k = 0; k < 3; k++) begin : axis

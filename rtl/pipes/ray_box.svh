@@ -6,12 +6,12 @@
 `include "pipe.svh"
 
 // Of what triangle_bounds.sv says of a triangle that comes at stage time 0: centre and half size of its box.
-`define RAY_T_CENTRE (2 * LAT_CMP + LAT_ADD + LAT_MUL)
-`define RAY_T_HALF (4 * LAT_CMP + 4 * LAT_ADD + 2 * LAT_MUL)
+`define RAY_T_CENTRE (2 * LAT.cmp + LAT.add + LAT.mul)
+`define RAY_T_HALF (4 * LAT.cmp + 4 * LAT.add + 2 * LAT.mul)
 // Of the rule on a point P = o + TD: of P - c, of how far it is outside, of the decision.
-`define RAY_T_AWAY(P) (`DF_MAX2(P, `RAY_T_CENTRE) + LAT_ADD)
-`define RAY_T_OUT(P) (`DF_MAX2(`RAY_T_AWAY(P), `RAY_T_HALF) + LAT_ADD)
-`define RAY_T_IN_BOX(TD, P) (`DF_MAX2(`RAY_T_OUT(P), TD + 2 * LAT_ADD + LAT_MUL) + LAT_CMP)
+`define RAY_T_AWAY(P) (`DF_MAX2(P, `RAY_T_CENTRE) + LAT.add)
+`define RAY_T_OUT(P) (`DF_MAX2(`RAY_T_AWAY(P), `RAY_T_HALF) + LAT.add)
+`define RAY_T_IN_BOX(TD, P) (`DF_MAX2(`RAY_T_OUT(P), TD + 2 * LAT.add + LAT.mul) + LAT.cmp)
 // HIT = MET and, with BOX, P = o + TD is in the triangle's box.
 `define RAY_BOX(HIT, MET, TD, P) \
   localparam int T_``HIT = (BOX != 0) ? `DF_MAX2(T_``MET, `RAY_T_IN_BOX(T_``TD, T_``P)) : T_``MET; \

@@ -49,7 +49,7 @@ module ray_triangle_pluecker #(
   same_side #(`DF_SAME, .T_UVW(T_sides), .T_DET(T_sum))
       inside_test (
       .clk_i, .uvw_i(sides), .det_i(sum), .inside_o(side));
-  `DF_IN(in_edges, side, T_sum + LAT_CMP)
+  `DF_IN(in_edges, side, T_sum + LAT.cmp)
 
   // ---- Distance and point ----
   `DF_CROSS(n, p20, p01)

@@ -69,7 +69,7 @@ module ray_triangle_watertight #(
   same_side #(`DF_SAME, .T_UVW(T_weights), .T_DET(T_det))
       inside_test (
       .clk_i, .uvw_i(weights), .det_i(det), .inside_o(side));
-  `DF_IN(in_edges, side, T_det + LAT_CMP)
+  `DF_IN(in_edges, side, T_det + LAT.cmp)
 
   // ---- Distance and point ----
   `DF_VEC(depths, az, bz, cz)
@@ -91,7 +91,7 @@ module ray_triangle_watertight #(
 
   // ---- The rule is on o + t d ----
   logic [2:0][LANES-1:0][CW-1:0] step, point;
-  localparam int T_STEP = T_t + LAT_MUL;
+  localparam int T_STEP = T_t + LAT.mul;
   if (BOX != 0) begin : g_point
     `DF_VSCALE(t_d, d, t)
     `DF_VADD(o_t_d, o, t_d)
@@ -101,7 +101,7 @@ module ray_triangle_watertight #(
     assign {step, point} = '0;
   end
   `DF_VIN(td, step, T_STEP)
-  `DF_VIN(p, point, T_STEP + LAT_ADD)
+  `DF_VIN(p, point, T_STEP + LAT.add)
   `RAY_BOX(hit, met, td, p)
 
   `RAY_RESULT(hit, t, cp, 2)

@@ -51,10 +51,10 @@ module scaled_pipe #(
     length_unscale #(`DF_SAME, .RAY(RAY)) unscale (
         .clk_i, .on_i(1'b1), .back_i(back_late), .t_back_i(t_back_late), .f_i(f), .t_i(t), .cp_i(cp), .n_i(n), .f_o,
         .t_o, .cp_o, .n_o);
-    localparam int FRONT = pairs_pkg::scale_latency(RAY, LAT_MUL, LAT_CMP);
-    assign latency_o = latency + 16'(FRONT + pairs_pkg::unscale_latency(RAY, LAT_MUL, LAT_CMP));
+    localparam int FRONT = pairs_pkg::scale_latency(RAY, LAT.mul, LAT.cmp);
+    assign latency_o = latency + 16'(FRONT + pairs_pkg::unscale_latency(RAY, LAT.mul, LAT.cmp));
     if (ARITH == "rtl") begin : g_late  // the pipe's own time is a number of its port, not a parameter
-      localparam int SLOWEST = (LAT_ADD + LAT_MUL + LAT_DIV + LAT_SQRT + LAT_CMP + 4) / 5;
+      localparam int SLOWEST = latency_pkg::mean(LAT);
       logic unused_valid;
       align #(.W(1), .FROM(0), .TO(FRONT), .ARITH(ARITH)) align_enter (.clk_i, .d_i(enter_i), .q_o(enter));
       issue_history #(.W(2 * LW), .DEPTH(128 << $clog2(SLOWEST))) history (

@@ -8,14 +8,14 @@
 `define LARGER(A, B) formats_pkg::larger(A, B)
 
 // ---- Stage times of the outputs of triangle_parts, from the vertices: edges, 1 / f.f, which edge is longest, normal
-`define TRIANGLE_T_F (LAT_ADD)
-`define TRIANGLE_T_INVERSE (LAT_ADD + `DF_LAT_DOT + `LARGER(LAT_CMP, LAT_DIV))
-`define TRIANGLE_T_LONGEST (LAT_ADD + `DF_LAT_DOT + 3 * LAT_CMP)
-`define TRIANGLE_T_I (`LARGER(`TRIANGLE_T_LONGEST, `TRIANGLE_T_INVERSE) + LAT_MUL)
+`define TRIANGLE_T_F (LAT.add)
+`define TRIANGLE_T_INVERSE (LAT.add + `DF_LAT_DOT + `LARGER(LAT.cmp, LAT.div))
+`define TRIANGLE_T_LONGEST (LAT.add + `DF_LAT_DOT + 3 * LAT.cmp)
+`define TRIANGLE_T_I (`LARGER(`TRIANGLE_T_LONGEST, `TRIANGLE_T_INVERSE) + LAT.mul)
 // A face's normal or, of a triangle without area, a line's.
 `define TRIANGLE_T_M (`LARGER(`LARGER(`TRIANGLE_T_LONGEST + `DF_LAT_DOT, `TRIANGLE_T_I) + \
-  LAT_MUL + LAT_ADD + `DF_LAT_CROSS, `LARGER(`TRIANGLE_T_LONGEST + LAT_CMP, `TRIANGLE_T_I)) + \
-  `DF_LAT_DOT + LAT_CMP + LAT_SQRT + LAT_DIV + LAT_MUL)
+  LAT.mul + LAT.add + `DF_LAT_CROSS, `LARGER(`TRIANGLE_T_LONGEST + LAT.cmp, `TRIANGLE_T_I)) + \
+  `DF_LAT_DOT + LAT.cmp + LAT.sqrt + LAT.div + LAT.mul)
 
 // The triangle R from the matrix P of its vertices: R_f edges (rows), R_inverse_ff, R_longest0 and R_longest1, R_m and
 // R_flat.
@@ -30,11 +30,11 @@
       .flat_o(R``_flat));
 
 // ---- Stage times of the outputs of point_triangle; W, T: signals seen from the vertices and prefix of a triangle ----
-`define POINT_TRIANGLE_T_EDGE(W, F, INVERSE) (`LARGER(`LARGER(W, F) + `DF_LAT_DOT, INVERSE) + LAT_MUL + 2 * LAT_CMP + \
-  LAT_MUL + LAT_ADD + \
-  `DF_LAT_DOT + LAT_CMP + `LATENCY_PERPENDICULAR)
-`define POINT_TRIANGLE_T_INSIDE(W, F, M) `LARGER(`LARGER(`LARGER(W, F) + `DF_LAT_CROSS, M) + `DF_LAT_DOT + LAT_CMP, \
-  `LARGER(W, M) + `DF_LAT_DOT + LAT_MUL)
+`define POINT_TRIANGLE_T_EDGE(W, F, INVERSE) (`LARGER(`LARGER(W, F) + `DF_LAT_DOT, INVERSE) + LAT.mul + 2 * LAT.cmp + \
+  LAT.mul + LAT.add + \
+  `DF_LAT_DOT + LAT.cmp + `LATENCY_PERPENDICULAR)
+`define POINT_TRIANGLE_T_INSIDE(W, F, M) `LARGER(`LARGER(`LARGER(W, F) + `DF_LAT_CROSS, M) + `DF_LAT_DOT + LAT.cmp, \
+  `LARGER(W, M) + `DF_LAT_DOT + LAT.mul)
 `define POINT_TRIANGLE_T_V(W, F, INVERSE, M) `LARGER(`POINT_TRIANGLE_T_EDGE(W, F, INVERSE), \
   `POINT_TRIANGLE_T_INSIDE(W, F, M))
 
@@ -52,20 +52,20 @@
       .flat_i(T``_flat), .v_o(R``_v), .d2_o(R``_d2), .h_o(R``_h));
 
 // ---- Triangle against box, in the box's frame: stage times from the vertices ----
-`define LATENCY_TRIANGLE_BOX_FACE (4 * LAT_CMP + LAT_ADD + `LATENCY_FACE_FACET)
+`define LATENCY_TRIANGLE_BOX_FACE (4 * LAT.cmp + LAT.add + `LATENCY_FACE_FACET)
 `define LATENCY_TRIANGLE_BOX_EDGE (`LATENCY_EDGE_NORMAL + `LATENCY_EDGE_FACET)
-`define TRIANGLE_BOX_T_M1 (LAT_ADD + `LATENCY_TURNED + `DF_LAT_CROSS)
-`define TRIANGLE_FACE_T_W (`TRIANGLE_T_M + `DF_LAT_DOT + 3 * LAT_CMP + 2 * LAT_ADD)
+`define TRIANGLE_BOX_T_M1 (LAT.add + `LATENCY_TURNED + `DF_LAT_CROSS)
+`define TRIANGLE_FACE_T_W (`TRIANGLE_T_M + `DF_LAT_DOT + 3 * LAT.cmp + 2 * LAT.add)
 `define TRIANGLE_FACE_T `POINT_TRIANGLE_T_V(`TRIANGLE_FACE_T_W, `TRIANGLE_T_F, `TRIANGLE_T_INVERSE, `TRIANGLE_T_M)
 `define TRIANGLE_BOX_T_FACETS `LARGER(`TRIANGLE_FACE_T, `LARGER(`TRIANGLE_BOX_T_M1, `TRIANGLE_T_INVERSE) + \
   `LATENCY_TRIANGLE_BOX_EDGE + `FACET_WAIT)
-`define LATENCY_TRIANGLE_BOX_SUPPORT (`DF_LAT_DOT + LAT_CMP + LAT_ADD)
+`define LATENCY_TRIANGLE_BOX_SUPPORT (`DF_LAT_DOT + LAT.cmp + LAT.add)
 `define TRIANGLE_BOX_T_ALONG (`TRIANGLE_BOX_T_FACETS + `LATENCY_NEAREST(13) + \
   3 * `LATENCY_TRIANGLE_BOX_SUPPORT + 2 * `LATENCY_POLISH + \
-  (LAT_ADD + `DF_LAT_DOT + LAT_CMP) + `DF_LAT_DOT + LAT_SQRT + LAT_DIV + LAT_MUL + LAT_ADD)
+  (LAT.add + `DF_LAT_DOT + LAT.cmp) + `DF_LAT_DOT + LAT.sqrt + LAT.div + LAT.mul + LAT.add)
 `define LATENCY_TRIANGLE_BOX (`LARGER(`TRIANGLE_BOX_T_FACETS + `LATENCY_WITNESS(13) + `LATENCY_SETTLE, \
-  `TRIANGLE_BOX_T_ALONG + LAT_CMP) + \
-  LAT_MUL + LAT_ADD)
+  `TRIANGLE_BOX_T_ALONG + LAT.cmp) + \
+  LAT.mul + LAT.add)
 
 // Of the rows of a matrix P: the least P.N, and the row that has it.
 `define DF_ALONG(R, P, N) `DF_APPLY(R``_along, P, N) `DF_PICK(R``_0, R``_along, 0) `DF_PICK(R``_1, R``_along, 1) \

@@ -68,7 +68,7 @@ module triangle_bounds #(
     `DF_LE(nothing_k, n_k, noise_k)
     assign nothing[k] = nothing_k;
   end
-  `DF_IN(flat, nothing[0] & nothing[1] & nothing[2], T_noise + LAT_CMP)
+  `DF_IN(flat, nothing[0] & nothing[1] & nothing[2], T_noise + LAT.cmp)
 
   `DF_VEC(none, minus_inf, minus_inf, minus_inf)
   `DF_VSELECT(half, flat, none, wide)

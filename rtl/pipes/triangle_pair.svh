@@ -7,16 +7,16 @@
 
 // ---- Stage times ----
 // A's edges of unit length.
-`define TRIANGLE_PAIR_T_ALONG (`TRIANGLE_T_INVERSE + LAT_SQRT + LAT_MUL)
-`define TRIANGLE_PAIR_FACE_T_W (`TRIANGLE_T_M + `DF_LAT_DOT + 4 * LAT_CMP + 3 * LAT_ADD)
+`define TRIANGLE_PAIR_T_ALONG (`TRIANGLE_T_INVERSE + LAT.sqrt + LAT.mul)
+`define TRIANGLE_PAIR_FACE_T_W (`TRIANGLE_T_M + `DF_LAT_DOT + 4 * LAT.cmp + 3 * LAT.add)
 `define TRIANGLE_PAIR_FACE_T (`POINT_TRIANGLE_T_V(`TRIANGLE_PAIR_FACE_T_W, `TRIANGLE_T_F, `TRIANGLE_T_INVERSE, \
-  `TRIANGLE_T_M) + LAT_ADD)
+  `TRIANGLE_T_M) + LAT.add)
 // Of a pair of edges, from its inputs: the normal; t, s, t for that s; v and its square, or whether t is at an end.
-`define LATENCY_TRIANGLE_PAIR_NORMAL (`DF_LAT_DOT + LAT_MUL + LAT_ADD + `DF_LAT_CROSS + `DF_LAT_DOT + \
-  `DF_MAX2(LAT_CMP, LAT_SQRT + LAT_DIV) + LAT_MUL)
+`define LATENCY_TRIANGLE_PAIR_NORMAL (`DF_LAT_DOT + LAT.mul + LAT.add + `DF_LAT_CROSS + `DF_LAT_DOT + \
+  `DF_MAX2(LAT.cmp, LAT.sqrt + LAT.div) + LAT.mul)
 `define LATENCY_TRIANGLE_PAIR_EDGE (`LATENCY_TRIANGLE_PAIR_NORMAL + \
-  (`DF_LAT_CROSS + `DF_LAT_DOT + LAT_MUL + 2 * LAT_CMP) + (LAT_MUL + LAT_ADD + LAT_MUL + 2 * LAT_CMP) + \
-  (LAT_MUL + LAT_ADD + `DF_LAT_DOT + LAT_MUL + 2 * LAT_CMP) + `DF_MAX2(LAT_MUL + LAT_ADD + `DF_LAT_DOT, LAT_CMP))
+  (`DF_LAT_CROSS + `DF_LAT_DOT + LAT.mul + 2 * LAT.cmp) + (LAT.mul + LAT.add + LAT.mul + 2 * LAT.cmp) + \
+  (LAT.mul + LAT.add + `DF_LAT_DOT + LAT.mul + 2 * LAT.cmp) + `DF_MAX2(LAT.mul + LAT.add + `DF_LAT_DOT, LAT.cmp))
 `define TRIANGLE_PAIR_T_FACETS `LARGER(`TRIANGLE_PAIR_FACE_T, \
   `TRIANGLE_PAIR_T_ALONG + `LATENCY_TRIANGLE_PAIR_EDGE)
 

@@ -84,7 +84,7 @@ module triangle_pair_edge #(
   // ---- t across e ----
   `DF_ROW(q_edge, q, J)
   logic [2:0][LANES-1:0][CW-1:0] between;
-  localparam int T_BETWEEN = (I == 0) ? 0 : LAT_ADD;
+  localparam int T_BETWEEN = (I == 0) ? 0 : LAT.add;
   if (I == 0) begin : g_from_zero
     assign between = q_edge;
   end else begin : g_from_p

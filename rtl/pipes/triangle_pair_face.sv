@@ -66,7 +66,7 @@ module triangle_pair_face #(
   assign unused_h = &{1'b0, closest_h};
 
   localparam int T_OUT = `TRIANGLE_PAIR_FACE_T;
-  if (T_w != `TRIANGLE_PAIR_FACE_T_W || T_closest_v + LAT_ADD != T_OUT) $error("triangle_pair_face: latency");
+  if (T_w != `TRIANGLE_PAIR_FACE_T_W || T_closest_v + LAT.add != T_OUT) $error("triangle_pair_face: latency");
   if (OF_B) begin : g_of_b
     `DF_VNEG(n_turned, n)
     `DF_VNEG(v_turned, closest_v)

@@ -15,9 +15,7 @@ module object_table #(
     localparam int MAN = CONFIG.man,
     localparam int PAIRS = CONFIG.pairs,
     localparam int SWAP = CONFIG.swap,
-    localparam int LAT_ADD = CONFIG.lat_add,
-    localparam int LAT_MUL = CONFIG.lat_mul,
-    localparam int LAT_CMP = CONFIG.lat_cmp,
+    localparam latency_pkg::latency_t LAT = CONFIG.lat,
     localparam ARITH = config_pkg::arith(CONFIG.host),
     localparam int CW = formats_pkg::container(EXP, MAN),
     localparam int ENTRY_W = $clog2(ENTRIES)
@@ -45,7 +43,7 @@ module object_table #(
 );
   localparam int BEATS = records_pkg::OBJECT_WORDS * CW / 64;
   localparam int USED = (records_pkg::OBJECT_END * CW + 63) / 64;  // beats that hold words
-  localparam int T_CHECK = LAT_MUL + 3 * LAT_ADD + LAT_CMP;
+  localparam int T_CHECK = config_pkg::check_latency(LAT);
   localparam logic [CW-1:0] ONE = CW'((1 << (EXP - 1)) - 1) << MAN;
   localparam logic [CW-1:0] SIGN = CW'(1) << (EXP + MAN);
   if (ENTRIES < 2 || ENTRIES > 2048) begin : g_illegal
@@ -93,8 +91,7 @@ module object_table #(
       .judged_o(judged), .number_o(judged_entry));
   assign box = {words_q[records_pkg::OBJECT_TRANSLATION-1:records_pkg::OBJECT_ROTATION], {3{ONE}},
       words_q[records_pkg::OBJECT_END-1:records_pkg::OBJECT_TRANSLATION]};
-  shape_check #(.SHAPE(pairs_pkg::SHAPE_OBB), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
-      .LAT_CMP(LAT_CMP), .ARITH(ARITH)) check (
+  shape_check #(.SHAPE(pairs_pkg::SHAPE_OBB), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT(LAT), .ARITH(ARITH)) check (
       .clk_i(clk_check), .on_i(1'b1), .words_i(box), .bad_o(bad));
   align #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i(clk_check), .d_i(bad[0][0]),
       .q_o(bad_judged));

@@ -13,9 +13,7 @@ module objects #(
     localparam int TRANSFORM = CONFIG.transform,
     localparam int OBJECTS = CONFIG.objects,
     localparam int PRIM_OBJECTS = CONFIG.prim_objects,
-    localparam int LAT_ADD = CONFIG.lat_add,
-    localparam int LAT_MUL = CONFIG.lat_mul,
-    localparam int LAT_CMP = CONFIG.lat_cmp,
+    localparam latency_pkg::latency_t LAT = CONFIG.lat,
     localparam ARITH = config_pkg::arith(CONFIG.host),
     localparam int DDR_SLOTS = CONFIG.ddr_slots,
     localparam int CW = formats_pkg::container(EXP, MAN),
@@ -113,7 +111,7 @@ module objects #(
 
   // ---- Primaries ----
   if (BOTH) begin : g_primaries
-    localparam int LATENCY = pairs_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL);
+    localparam int LATENCY = pairs_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT.add, LAT.mul);
     localparam int PRIM_OBJECT_W = $clog2(PRIM_OBJECTS);
     logic range_write;
     logic [1:0][31:0] prim_range;
@@ -128,7 +126,7 @@ module objects #(
         .rotation_o(prim_rotation), .translation_o(prim_translation));
     primary_poser #(
         .PRIMARIES(PRIMARIES), .ENTRIES(PRIM_OBJECTS), .T_COMMIT((ARITH == "rtl") ? LATENCY : 0),
-        .T_JUDGED(LATENCY + LAT_MUL + 3 * LAT_ADD + LAT_CMP)
+        .T_JUDGED(LATENCY + config_pkg::check_latency(LAT))
     ) poser (
         .clk_i, .clk_bus_i, .rst_i, .primary_write_i, .transform_write_i(write_primaries), .range_write_i(range_write),
         .objects_i(command_i.prim_objects), .shapes_i(primary),

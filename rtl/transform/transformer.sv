@@ -14,8 +14,7 @@ module transformer #(
     localparam int PAIRS = CONFIG.pairs,
     localparam int SWAP = CONFIG.swap,
     localparam int TRANSFORM = CONFIG.transform,
-    localparam int LAT_ADD = CONFIG.lat_add,
-    localparam int LAT_MUL = CONFIG.lat_mul,
+    localparam latency_pkg::latency_t LAT = CONFIG.lat,
     localparam ARITH = config_pkg::arith(CONFIG.host),
     localparam int CW = formats_pkg::container(EXP, MAN)
 ) (
@@ -30,7 +29,7 @@ module transformer #(
   localparam int LANES = 1;
   localparam int SHAPES = pairs_pkg::SHAPES;
   localparam int MOST = pairs_pkg::SHAPE_MOST_WORDS;
-  localparam int LATENCY = pairs_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT_ADD, LAT_MUL);
+  localparam int LATENCY = pairs_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT.add, LAT.mul);
   localparam bit TRIANGLE = pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_TRIANGLE, SWAP != 0, TRANSFORM);
   localparam bit AABB = pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_AABB, SWAP != 0, TRANSFORM);
   localparam bit OBB = pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_OBB, SWAP != 0, TRANSFORM);
@@ -39,7 +38,7 @@ module transformer #(
       pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_CYLINDER, SWAP != 0, TRANSFORM);
   localparam int UNITS = OBB ? 4 : TRIANGLE ? 3 : (TURNED || AABB) ? 2 : 1;
   localparam int POINTS = TRIANGLE ? 3 : AABB ? 2 : 1;
-  localparam int T_ROTATED = LAT_MUL + 2 * LAT_ADD;
+  localparam int T_ROTATED = LAT.mul + 2 * LAT.add;
 
   logic [MOST-1:0][CW-1:0] words;
   assign words = (MOST * CW)'(slot_i);
@@ -88,7 +87,7 @@ module transformer #(
   end
 
   // ---- The rest of a plane ----
-  localparam int T_MOVED = T_ROTATED + LAT_ADD;
+  localparam int T_MOVED = T_ROTATED + LAT.add;
   logic [CW-1:0] distance;
   if (PLANE) begin : g_plane
     `DF_VIN(n, rotated[0], T_ROTATED)

@@ -2,32 +2,27 @@
 // Dataflow notation: one line an operator, and no delay is ever counted by hand. A signal `x` of a datapath has a stage
 // time, the localparam `T_x`; an operator line declares its result and the result's time, and delays whichever operand
 // is early. Inputs take part by DF_IN, constants fit any time. What is in scope: clk_i, EXP, MAN, LANES, CW, ARITH and
-// the LAT_* of the operators used. Scalars are `logic [LANES-1:0][CW-1:0]`, vectors have three of them in front, masks
+// LAT, clocks of the operators. Scalars are `logic [LANES-1:0][CW-1:0]`, vectors have three of them in front, masks
 // are all ones or all zeros in a lane.
 //
-//   `DF_VSUB(w, b_c, a_c)        w = b_c - a_c         T_w = max(T_b_c, T_a_c) + LAT_ADD
-//   `DF_DOT(dd, w, w)            dd = w.w              T_dd = T_w + LAT_MUL + 2 LAT_ADD
-//   `DF_SQRT(d, dd)              d = sqrt(dd)          T_d = T_dd + LAT_SQRT
+//   `DF_VSUB(w, b_c, a_c)        w = b_c - a_c         T_w = max(T_b_c, T_a_c) + LAT.add
+//   `DF_DOT(dd, w, w)            dd = w.w              T_dd = T_w + LAT.mul + 2 LAT.add
+//   `DF_SQRT(d, dd)              d = sqrt(dd)          T_d = T_dd + LAT.sqrt
 //
 `ifndef CDE_DATAFLOW_SVH
 `define CDE_DATAFLOW_SVH
 
 // What has to be in scope, as the parameters of a module: the format, the number of lanes, clocks of each kind of
-// operator, and who computes. A module that has no operator of a kind does not look at its latency.
+// operator (latency_pkg), and what computes.
 `define DF_PARAMETERS \
     parameter int EXP = 8, \
     parameter int MAN = 23, \
     parameter int LANES = 1, \
-    parameter int LAT_ADD = 1, \
-    parameter int LAT_MUL = 1, \
-    parameter int LAT_DIV = 1, \
-    parameter int LAT_SQRT = 1, \
-    parameter int LAT_CMP = 1, \
+    parameter latency_pkg::latency_t LAT = latency_pkg::ONES, \
     parameter ARITH = "rtl", \
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 // Those of a part: the ones of the module that it is in.
-`define DF_SAME .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), \
-    .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH)
+`define DF_SAME .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)
 
 // A condition under which the results of the lines that follow are looked at. Where it is 0 the host's arithmetic
 // leaves the operators out and they give zeros; gates compute all the same. A module that redefines it restores it at
@@ -46,8 +41,8 @@
 `define DF_SCALAR logic [LANES-1:0][CW-1:0]
 `define DF_VECTOR logic [2:0][LANES-1:0][CW-1:0]
 `define DF_MATRIX logic [2:0][2:0][LANES-1:0][CW-1:0]
-`define DF_LAT_DOT (LAT_MUL + 2 * LAT_ADD)
-`define DF_LAT_CROSS (LAT_MUL + LAT_ADD)
+`define DF_LAT_DOT (LAT.mul + 2 * LAT.add)
+`define DF_LAT_CROSS (LAT.mul + LAT.add)
 
 // ---- Where values come from ----
 `define DF_IN(R, EXPRESSION, TIME) localparam int T_``R = TIME; `DF_SCALAR R; assign R = EXPRESSION;
@@ -75,16 +70,16 @@
   `DF_SCALAR R; \
   df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(OPERATION), .T_A(T_``A), .T_B(T_``B), .LAT(LATENCY)) \
     op_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
-`define DF_ADD(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_ADD, LAT_ADD)
-`define DF_SUB(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_SUB, LAT_ADD)
-`define DF_MUL(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_MUL, LAT_MUL)
-`define DF_DIV(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_DIV, LAT_DIV)
-`define DF_SQRT(R, A) `DF_BINARY(R, A, A, formats_pkg::FP_SQRT, LAT_SQRT)
-`define DF_MIN(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_MIN, LAT_CMP)
-`define DF_MAX(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_MAX, LAT_CMP)
-`define DF_LT(M, A, B) `DF_BINARY(M, A, B, formats_pkg::FP_LT, LAT_CMP)
-`define DF_LE(M, A, B) `DF_BINARY(M, A, B, formats_pkg::FP_LE, LAT_CMP)
-`define DF_EQ(M, A, B) `DF_BINARY(M, A, B, formats_pkg::FP_EQ, LAT_CMP)
+`define DF_ADD(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_ADD, LAT.add)
+`define DF_SUB(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_SUB, LAT.add)
+`define DF_MUL(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_MUL, LAT.mul)
+`define DF_DIV(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_DIV, LAT.div)
+`define DF_SQRT(R, A) `DF_BINARY(R, A, A, formats_pkg::FP_SQRT, LAT.sqrt)
+`define DF_MIN(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_MIN, LAT.cmp)
+`define DF_MAX(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_MAX, LAT.cmp)
+`define DF_LT(M, A, B) `DF_BINARY(M, A, B, formats_pkg::FP_LT, LAT.cmp)
+`define DF_LE(M, A, B) `DF_BINARY(M, A, B, formats_pkg::FP_LE, LAT.cmp)
+`define DF_EQ(M, A, B) `DF_BINARY(M, A, B, formats_pkg::FP_EQ, LAT.cmp)
 // LOW <= A <= HIGH, two comparisons.
 `define DF_BETWEEN(M, LOW, A, HIGH) `DF_LE(M``_low, LOW, A) `DF_LE(M``_high, A, HIGH) `DF_AND(M, M``_low, M``_high)
 
@@ -97,62 +92,62 @@
       .LAT(LATENCY)) \
       op (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
   end
-`define DF_VADD(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_ADD, LAT_ADD)
-`define DF_VSUB(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_SUB, LAT_ADD)
-`define DF_VMIN(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_MIN, LAT_CMP)
-`define DF_VMAX(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_MAX, LAT_CMP)
-`define DF_VMUL(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_MUL, LAT_MUL)
-`define DF_VLT(M, A, B) `DF_BINARY3(M, A, B, formats_pkg::FP_LT, LAT_CMP)
-`define DF_VEQ(M, A, B) `DF_BINARY3(M, A, B, formats_pkg::FP_EQ, LAT_CMP)
+`define DF_VADD(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_ADD, LAT.add)
+`define DF_VSUB(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_SUB, LAT.add)
+`define DF_VMIN(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_MIN, LAT.cmp)
+`define DF_VMAX(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_MAX, LAT.cmp)
+`define DF_VMUL(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_MUL, LAT.mul)
+`define DF_VLT(M, A, B) `DF_BINARY3(M, A, B, formats_pkg::FP_LT, LAT.cmp)
+`define DF_VEQ(M, A, B) `DF_BINARY3(M, A, B, formats_pkg::FP_EQ, LAT.cmp)
 // Vectors that all lanes share, or, where B_LANES is LANES, do not.
 `define DF_SHARED_VECTOR logic [2:0][B_LANES-1:0][CW-1:0]
 `define DF_SHARED_VIN(R, EXPRESSION, TIME) localparam int T_``R = TIME; `DF_SHARED_VECTOR R; assign R = EXPRESSION;
-`define DF_SHARED_VSUB(R, A, B) localparam int T_``R = `DF_MAX2(T_``A, T_``B) + LAT_ADD; `DF_SHARED_VECTOR R; \
+`define DF_SHARED_VSUB(R, A, B) localparam int T_``R = `DF_MAX2(T_``A, T_``B) + LAT.add; `DF_SHARED_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : op_``R \
     df_operator #(.EXP(EXP), .MAN(MAN), .LANES(B_LANES), .ARITH(ARITH), .CANON(`DF_CANON), .OP(formats_pkg::FP_SUB), \
-      .T_A(T_``A), .T_B(T_``B), .LAT(LAT_ADD)) op (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
+      .T_A(T_``A), .T_B(T_``B), .LAT(LAT.add)) op (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
   end
 // A limited to LOW .. HIGH: max, then min; a NaN gives LOW.
 `define DF_CLAMP(R, A, LOW, HIGH) `DF_MAX(R``_not_low, A, LOW) `DF_MIN(R, R``_not_low, HIGH)
 `define DF_VCLAMP(R, A, LOW, HIGH) `DF_VMAX(R``_not_low, A, LOW) `DF_VMIN(R, R``_not_low, HIGH)
-`define DF_VSCALE(R, V, S) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``V, T_``S), 0) + LAT_MUL; `DF_VECTOR R; \
+`define DF_VSCALE(R, V, S) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``V, T_``S), 0) + LAT.mul; `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : op_``R \
-    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_MUL), .T_A(T_``V), .T_B(T_``S), .LAT(LAT_MUL)) \
+    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_MUL), .T_A(T_``V), .T_B(T_``S), .LAT(LAT.mul)) \
       op (.clk_i, .on_i(`DF_ON), .a_i(V[k]), .b_i(S), .r_o(R[k])); \
   end
-`define DF_DOT(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_MUL + 2 * LAT_ADD; \
+`define DF_DOT(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT.mul + 2 * LAT.add; \
   `DF_SCALAR R; \
-  df_dot #(`DF_FORMAT, .B_LANES(`DF_LANES(B[0])), .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), \
-    .LAT_MUL(LAT_MUL)) dot_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
-`define DF_CROSS(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_MUL + LAT_ADD; \
+  df_dot #(`DF_FORMAT, .B_LANES(`DF_LANES(B[0])), .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT(LAT)) \
+    dot_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
+`define DF_CROSS(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT.mul + LAT.add; \
   `DF_VECTOR R; \
-  df_cross #(`DF_FORMAT, .B_LANES(`DF_LANES(B[0])), .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), \
-    .LAT_MUL(LAT_MUL)) cross_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
+  df_cross #(`DF_FORMAT, .B_LANES(`DF_LANES(B[0])), .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT(LAT)) \
+    cross_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
 // M x, a dot product a row.
 `define DF_APPLY(R, M, X) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``M, T_``X), 0) + `DF_LAT_DOT; `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : row_``R \
-    df_dot #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``M), .T_B(T_``X), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) \
+    df_dot #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``M), .T_B(T_``X), .LAT(LAT)) \
       dot (.clk_i, .on_i(`DF_ON), .a_i(M[k]), .b_i(X), .r_o(R[k])); \
   end
 // Row by row: differences, cross and dot products of the rows, rows scaled by the components of a vector.
-`define DF_MSUB(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT_ADD; `DF_MATRIX R; \
+`define DF_MSUB(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT.add; `DF_MATRIX R; \
   for (genvar k = 0; k < 9; k++) begin : op_``R \
-    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_SUB), .T_A(T_``A), .T_B(T_``B), .LAT(LAT_ADD)) \
+    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_SUB), .T_A(T_``A), .T_B(T_``B), .LAT(LAT.add)) \
       op (.clk_i, .on_i(`DF_ON), .a_i(A[k/3][k%3]), .b_i(B[k/3][k%3]), .r_o(R[k/3][k%3])); \
   end
-`define DF_MSCALE(R, M, V) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``M, T_``V), 0) + LAT_MUL; `DF_MATRIX R; \
+`define DF_MSCALE(R, M, V) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``M, T_``V), 0) + LAT.mul; `DF_MATRIX R; \
   for (genvar k = 0; k < 9; k++) begin : op_``R \
-    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_MUL), .T_A(T_``M), .T_B(T_``V), .LAT(LAT_MUL)) \
+    df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_MUL), .T_A(T_``M), .T_B(T_``V), .LAT(LAT.mul)) \
       op (.clk_i, .on_i(`DF_ON), .a_i(M[k/3][k%3]), .b_i(V[k/3]), .r_o(R[k/3][k%3])); \
   end
 `define DF_MCROSS(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + `DF_LAT_CROSS; `DF_MATRIX R; \
   for (genvar k = 0; k < 3; k++) begin : row_``R \
-    df_cross #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) \
+    df_cross #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT(LAT)) \
       cross_row (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
   end
 `define DF_MDOT(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + `DF_LAT_DOT; `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : row_``R \
-    df_dot #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL)) \
+    df_dot #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT(LAT)) \
       dot (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
   end
 
@@ -203,8 +198,8 @@
   end
 
 // ---- The dominant axis of a vector: its largest component by magnitude, ties the lowest index ----
-`define DF_DOMINANT(M, V) localparam int T_``M = `DF_MAX2(T_``V, 0) + 2 * LAT_CMP; logic [1:0][LANES-1:0][CW-1:0] M; \
-  df_dominant #(`DF_FORMAT, .LAT_CMP(LAT_CMP)) dominant_``M (.clk_i, .a_i(V), .m_o(M));
+`define DF_DOMINANT(M, V) localparam int T_``M = `DF_MAX2(T_``V, 0) + 2 * LAT.cmp; logic [1:0][LANES-1:0][CW-1:0] M; \
+  df_dominant #(`DF_FORMAT, .LAT(LAT)) dominant_``M (.clk_i, .a_i(V), .m_o(M));
 // The components of V in cyclic order from the dominant axis M: R[0] on it, R[1] the next one, R[2] the one after.
 `define DF_CYCLE(R, M, V) localparam int T_``R = `DF_MAX2(T_``M, T_``V); `DF_VECTOR R; \
   df_cycle #(.CW(CW), .LANES(LANES), .ARITH(ARITH), .T_M(T_``M), .T_A(T_``V)) \

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cross product (vec_cross) of a datapath (dataflow.svh): delays the early operand, then computes.
-// Latency: LAT_MUL + LAT_ADD clocks from the later operand; 0 with ARITH = "host". Throughput: one result a lane a
+// Latency: LAT.mul + LAT.add clocks from the later operand; 0 with ARITH = "host". Throughput: one result a lane a
 // clock. Stall: none.
 module df_cross #(
     parameter int EXP = 8,
@@ -9,8 +9,7 @@ module df_cross #(
     parameter int B_LANES = LANES,  // 1: b is one for all lanes
     parameter int T_A = 0,
     parameter int T_B = 0,
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
+    parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
     parameter bit CANON = 1,  // as in fp_lanes
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
@@ -27,6 +26,6 @@ module df_cross #(
   logic [2:0][B_LANES-1:0][CW-1:0] b;
   df_align #(.W(3 * LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) align_a (.clk_i, .a_i, .r_o(a));
   df_align #(.W(3 * B_LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) align_b (.clk_i, .a_i(b_i), .r_o(b));
-  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL),
+  vec_cross #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT),
       .ARITH(ARITH), .CANON(CANON)) cell_u (.clk_i, .on_i, .a_i(a), .b_i(b), .r_o);
 endmodule

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Dominant axis of a datapath (dataflow.svh): the largest component by magnitude, ties the lowest index, as two masks:
 // m_o[1] says z, else m_o[0] says y, else x. A NaN dominates nothing. 2 compare.
-// Latency: 2*LAT_CMP clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none.
+// Latency: 2*LAT.cmp clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none.
 `include "dataflow.svh"
 module df_dominant #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
-    parameter int LAT_CMP = 1,
+    parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (

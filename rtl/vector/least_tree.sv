@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The payload with the least key: a balanced tree over neighbours, (0,1), (2,3), ..., where an odd last one goes up
 // unchanged; ties, and comparisons with a NaN key, go to the lower index. COUNT - 1 compare.
-// Latency: $clog2(COUNT) * LAT_CMP clocks; 0 with ARITH = "host". Throughput: one choice a lane a clock. Stall: none.
+// Latency: $clog2(COUNT) * LAT.cmp clocks; 0 with ARITH = "host". Throughput: one choice a lane a clock. Stall: none.
 module least_tree #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
     parameter int COUNT = 2,  // >= 2
     parameter int WORDS = 1,  // of a payload, >= 1
-    parameter int LAT_CMP = 1,
+    parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
@@ -29,14 +29,14 @@ module least_tree #(
       end else begin : g_inner
         localparam int BELOW = (COUNT + 2 ** (level - 1) - 1) >> (level - 1);
         logic [WORDS:0][LANES-1:0][CW-1:0] low;
-        align #(.W((WORDS + 1) * LANES * CW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_low (
+        align #(.W((WORDS + 1) * LANES * CW), .FROM(0), .TO(LAT.cmp), .ARITH(ARITH)) align_low (
             .clk_i, .d_i(g_level[level-1].g_node[2*k].best), .q_o(low));
         if (2 * k + 1 < BELOW) begin : g_choice
           logic [WORDS:0][LANES-1:0][CW-1:0] high;
           logic [LANES-1:0][CW-1:0] take;
-          align #(.W((WORDS + 1) * LANES * CW), .FROM(0), .TO(LAT_CMP), .ARITH(ARITH)) align_high (
+          align #(.W((WORDS + 1) * LANES * CW), .FROM(0), .TO(LAT.cmp), .ARITH(ARITH)) align_high (
               .clk_i, .d_i(g_level[level-1].g_node[2*k+1].best), .q_o(high));
-          fp_cmp #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_CMP), .OP(formats_pkg::FP_LT), .ARITH(ARITH))
+          fp_cmp #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT.cmp), .OP(formats_pkg::FP_LT), .ARITH(ARITH))
               cmp_keys (
               .clk_i, .a_i(g_level[level-1].g_node[2*k+1].best[0]), .b_i(g_level[level-1].g_node[2*k].best[0]),
               .m_o(take), .flags_o());

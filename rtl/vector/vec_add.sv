@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sum of two 3-vectors, a + b, or difference, a - b, one rounding a component (3 adders or subtractors).
-// Latency: LAT_ADD clocks; 0 with ARITH = "host". Throughput: one vector a lane a clock. Stall: none.
+// Latency: LAT.add clocks; 0 with ARITH = "host". Throughput: one vector a lane a clock. Stall: none.
 module vec_add #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
     parameter int B_LANES = LANES,  // 1: b is one vector for all lanes
-    parameter int LAT_ADD = 1,
+    parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter bit SUB = 0,  // 1: a - b
     parameter ARITH = "rtl",
     parameter bit CANON = 1,  // as in fp_lanes, for the result
@@ -19,7 +19,7 @@ module vec_add #(
 );
   /*verilator inline_module*/
   for (genvar k = 0; k < 3; k++) begin : axis
-    fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_ADD), .SUB(SUB), .ARITH(ARITH),
+    fp_add #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT.add), .SUB(SUB), .ARITH(ARITH),
         .CANON(CANON)) add (
         .clk_i, .a_i(a_i[k]), .b_i(b_i[k]), .r_o(r_o[k]), .flags_o());
   end

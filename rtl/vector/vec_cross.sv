@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cross product a x b, each component the difference of two rounded products (6 multipliers, 3 subtractors).
-// Latency: LAT_MUL + LAT_ADD clocks; 0 with ARITH = "host". Throughput: one vector a lane a clock. Stall: none.
+// Latency: LAT.mul + LAT.add clocks; 0 with ARITH = "host". Throughput: one vector a lane a clock. Stall: none.
 module vec_cross #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
     parameter int B_LANES = LANES,  // 1: b is one vector for all lanes
-    parameter int LAT_ADD = 1,
-    parameter int LAT_MUL = 1,
+    parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
     parameter bit CANON = 1,  // as in fp_lanes, for the result
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
@@ -22,13 +21,13 @@ module vec_cross #(
   for (genvar k = 0; k < 3; k++) begin : axis
     localparam int Y = (k + 1) % 3, Z = (k + 2) % 3;
     logic [LANES-1:0][CW-1:0] yz, zy;
-    fp_lanes #(.OP(formats_pkg::FP_MUL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL),
+    fp_lanes #(.OP(formats_pkg::FP_MUL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT.mul),
         .ARITH(ARITH), .CANON(0)) mul_yz (
         .clk_i, .on_i, .a_i(a_i[Y]), .b_i(b_i[Z]), .r_o(yz), .flags_o());
-    fp_lanes #(.OP(formats_pkg::FP_MUL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT_MUL),
+    fp_lanes #(.OP(formats_pkg::FP_MUL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT.mul),
         .ARITH(ARITH), .CANON(0)) mul_zy (
         .clk_i, .on_i, .a_i(a_i[Z]), .b_i(b_i[Y]), .r_o(zy), .flags_o());
-    fp_lanes #(.OP(formats_pkg::FP_SUB), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_ADD), .ARITH(ARITH),
+    fp_lanes #(.OP(formats_pkg::FP_SUB), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT.add), .ARITH(ARITH),
         .CANON(CANON)) sub (
         .clk_i, .on_i, .a_i(yz), .b_i(zy), .r_o(r_o[k]), .flags_o());
   end

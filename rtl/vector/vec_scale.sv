@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // A 3-vector times a scalar, s * a (3 multipliers).
-// Latency: LAT_MUL clocks; 0 with ARITH = "host". Throughput: one vector a lane a clock. Stall: none.
+// Latency: LAT.mul clocks; 0 with ARITH = "host". Throughput: one vector a lane a clock. Stall: none.
 module vec_scale #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,
-    parameter int LAT_MUL = 1,
+    parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
     parameter bit CANON = 1,  // as in fp_lanes, for the result
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
@@ -17,7 +17,7 @@ module vec_scale #(
 );
   /*verilator inline_module*/
   for (genvar k = 0; k < 3; k++) begin : axis
-    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT_MUL), .ARITH(ARITH), .CANON(CANON)) mul (
+    fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT.mul), .ARITH(ARITH), .CANON(CANON)) mul (
         .clk_i, .a_i(a_i[k]), .b_i(s_i), .r_o(r_o[k]), .flags_o());
   end
 endmodule

@@ -7,14 +7,14 @@
 
 // ---- body.sv: of what is relative to a shape's origin, and of its reach ----
 `define BODY_CORNERS(SHAPE) ((SHAPE) == pairs_pkg::SHAPE_TRIANGLE || (SHAPE) == pairs_pkg::SHAPE_AABB)
-`define LATENCY_BODY_REST(SHAPE) (`BODY_CORNERS(SHAPE) ? LAT_ADD : 0)
-`define LATENCY_BODY_REACH(SHAPE) (`LATENCY_BODY_REST(SHAPE) + (((SHAPE) == pairs_pkg::SHAPE_TRIANGLE) ? 3 * LAT_ADD : \
-  ((SHAPE) == pairs_pkg::SHAPE_SPHERE) ? 0 : 2 * LAT_ADD))
+`define LATENCY_BODY_REST(SHAPE) (`BODY_CORNERS(SHAPE) ? LAT.add : 0)
+`define LATENCY_BODY_REACH(SHAPE) (`LATENCY_BODY_REST(SHAPE) + (((SHAPE) == pairs_pkg::SHAPE_TRIANGLE) ? 3 * LAT.add : \
+  ((SHAPE) == pairs_pkg::SHAPE_SPHERE) ? 0 : 2 * LAT.add))
 // ---- body_support.sv: when its result is there, from when its operands are ----
-`define T_SUPPORT(SHAPE, T_REST, T_N, T_NN) (((SHAPE) == pairs_pkg::SHAPE_SPHERE) ? (T_NN) + LAT_ADD + 2 * LAT_MUL : \
+`define T_SUPPORT(SHAPE, T_REST, T_N, T_NN) (((SHAPE) == pairs_pkg::SHAPE_SPHERE) ? (T_NN) + LAT.add + 2 * LAT.mul : \
   ((SHAPE) == pairs_pkg::SHAPE_OBB) ? `DF_MAX2(T_REST, T_N) + 2 * `DF_LAT_DOT : \
-  ((SHAPE) == pairs_pkg::SHAPE_TRIANGLE) ? `DF_MAX2(T_REST, T_N) + `DF_LAT_DOT + 2 * LAT_CMP : \
-  `DF_MAX2(T_REST, (T_N) + LAT_CMP) + `DF_LAT_DOT)
+  ((SHAPE) == pairs_pkg::SHAPE_TRIANGLE) ? `DF_MAX2(T_REST, T_N) + `DF_LAT_DOT + 2 * LAT.cmp : \
+  `DF_MAX2(T_REST, (T_N) + LAT.cmp) + `DF_LAT_DOT)
 
 // Shapes relative to their origins, rest_a and rest_b, the vector between these, and S, the sum of all their sizes
 // (docs/verdicts.md). Of a_i and b_i at time 0; SHAPE_A, SHAPE_B.

@@ -138,8 +138,7 @@ module verdict_pair #(
   logic answered, of_some, of_first, of_last;
   logic [LANE_W-1:0] of_lane;
   scaled_pipe #(
-      .EXP(EXP), .MAN(MAN), .LANES(1), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV), .LAT_SQRT(LAT_SQRT),
-      .LAT_CMP(LAT_CMP), .ARITH(ARITH), .PAIR(PAIR)
+      .EXP(EXP), .MAN(MAN), .LANES(1), .LAT(LAT), .ARITH(ARITH), .PAIR(PAIR)
   ) pipe (
       .clk_i, .enter_i(some), .a_i(a_one), .b_i(b_one), .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe),
       .latency_o(wide));

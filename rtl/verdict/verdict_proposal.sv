@@ -25,8 +25,8 @@ module verdict_proposal #(
   localparam int LEAST = formats_pkg::length_low(EXP, MAN);
   localparam int LW = LANES * CW;
   `PAIR_SIZE
-  localparam int T_down = T_size + LAT_CMP;
-  localparam int T_NARROW = T_down + LAT_ADD;
+  localparam int T_down = T_size + LAT.cmp;
+  localparam int T_NARROW = T_down + LAT.add;
   `DF_SCALAR down_early;
   `DF_SCALAR down;
   fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_DOWN), .LEAST(LEAST), .ARITH(ARITH))
@@ -71,7 +71,7 @@ module verdict_proposal #(
     end else begin : g_pure
       assign scaled = moved;
     end
-    df_format #(.EXP(EXP), .MAN(MAN), .TO_EXP(NARROW_EXP), .TO_MAN(NARROW_MAN), .LANES(LANES), .LAT(LAT_ADD),
+    df_format #(.EXP(EXP), .MAN(MAN), .TO_EXP(NARROW_EXP), .TO_MAN(NARROW_MAN), .LANES(LANES), .LAT(LAT.add),
         .ARITH(ARITH)) round (.clk_i, .a_i(scaled), .r_o(narrow));
     if (OF_A) begin : g_to_a
       assign a[WORD] = narrow;
@@ -84,14 +84,13 @@ module verdict_proposal #(
   logic [2:0][LANES-1:0][NW-1:0] cp, n;
   logic [15:0] latency;
   scaled_pipe #(
-      .EXP(NARROW_EXP), .MAN(NARROW_MAN), .LANES(LANES), .LAT_ADD(LAT_ADD), .LAT_MUL(LAT_MUL), .LAT_DIV(LAT_DIV),
-      .LAT_SQRT(LAT_SQRT), .LAT_CMP(LAT_CMP), .ARITH(ARITH), .PAIR(PAIR)
+      .EXP(NARROW_EXP), .MAN(NARROW_MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .PAIR(PAIR)
   ) pipe (.clk_i, .enter_i(1'b1), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
   logic unused_pipe;
   assign unused_pipe = &{1'b0, f, t, cp};
   for (genvar k = 0; k < 3; k++) begin : axis
-    df_format #(.EXP(NARROW_EXP), .MAN(NARROW_MAN), .TO_EXP(EXP), .TO_MAN(MAN), .LANES(LANES), .LAT(LAT_ADD),
+    df_format #(.EXP(NARROW_EXP), .MAN(NARROW_MAN), .TO_EXP(EXP), .TO_MAN(MAN), .LANES(LANES), .LAT(LAT.add),
         .ARITH(ARITH)) widen (.clk_i, .a_i(n[k]), .r_o(n_o[k]));
   end
-  assign latency_o = 16'(T_NARROW + LAT_ADD) + latency;
+  assign latency_o = 16'(T_NARROW + LAT.add) + latency;
 endmodule

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -720,12 +721,20 @@ TEST(Contract, EveryParameterOfACardIsAFieldOfItsConfiguration) {
   };
   auto parameters = names("CARD_PARAMETERS", "\n\n", R"(parameter (?:int )?(\w+) =)");
   auto values = names("CARD_CONFIG", "}", R"((?:[{ (])([A-Z][A-Z_]+)(?=[,} ]|$))");
-  auto fields = names("CARD_FIELDS", "`endif", R"((?:int|logic \[63:0\]) (\w+);)");
+  auto fields =
+      names("CARD_FIELDS", "`endif", R"((?:int|logic \[63:0\]|latency_pkg::latency_t) (\w+);)");
   ASSERT_GT(parameters.size(), 20u);
   values.erase(values.begin());  // the macro's own name
   parameters.emplace_back("CONFIG_HASH");
   EXPECT_EQ(values, parameters);
   std::replace(parameters.begin(), parameters.end(), std::string("ARITH"), std::string("HOST"));
+  // Those of operators are one field, of the type latency_t, in the same order.
+  const auto first = std::find(parameters.begin(), parameters.end(), "LAT_ADD");
+  ASSERT_GT(parameters.end() - first, 5);
+  EXPECT_EQ(std::vector<std::string>(first, first + 5),
+            (std::vector<std::string>{"LAT_ADD", "LAT_MUL", "LAT_DIV", "LAT_SQRT", "LAT_CMP"}));
+  *first = "LAT";
+  parameters.erase(first + 1, first + 5);
   EXPECT_EQ(fields, parameters);
 }
 

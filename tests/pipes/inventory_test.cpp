@@ -185,7 +185,8 @@ INSTANTIATE_TEST_SUITE_P(Convex, FacetsInTurn, ::testing::ValuesIn(kTurns),
 
 TEST(Inventory, BehindThePairsMouthNothingIsAddedOrLost) {
   for (const char* arith : {"ARITH=rtl", "ARITH=host"}) {
-    const Elaboration design(kRtl, "pair_pipe", {"PAIR=0", "LAT_ADD=3", "LAT_DIV=12", arith});
+    const Elaboration design(kRtl, "pair_pipe",
+                             {"PAIR=0", latency_parameter(3, 1, 12, 1, 1), arith});
     EXPECT_EQ(design.module_of("pair_pipe.pipe"), "ray_triangle_moller");
     EXPECT_EQ(without_ands(design.operators("pair_pipe.pipe")), kPaper) << arith;
     // sub, cross (mul sub), dot (mul add add), div, scale (mul), point (add), select.
@@ -198,8 +199,8 @@ TEST(Inventory, BehindThePairsMouthNothingIsAddedOrLost) {
 TEST(Inventory, SlowComparisonsElaborate) {
   for (unsigned p = 0; p < cde::kPairs; ++p) {
     if ((cde::contract::kRingPairs >> p & 1) != 0) continue;
-    std::vector<std::string> parameters = {"PAIR=" + std::to_string(p), "ARITH=host", "LAT_CMP=64",
-                                           "LAT_SQRT=64"};
+    std::vector<std::string> parameters = {"PAIR=" + std::to_string(p), "ARITH=host",
+                                           latency_parameter(1, 1, 1, 64, 64)};
     if ((cde::contract::kFacetPairs >> p & 1) != 0) parameters.emplace_back("FACET_II=3");
     EXPECT_NO_THROW(Elaboration(kRtl, "pair_pipe", parameters)) << p;
   }

@@ -71,7 +71,7 @@ class Designs(unittest.TestCase):
         self.assertIn("output logic [0:0] q_o", designs.design("lt", "fp16").bench())
         lane = designs.design("ray-triangle", "fp16", "6/6/15/13/1").bench()
         self.assertIn(f"input logic [{17 * 16 - 1}:0] d_i, output logic [{7 * 16}:0] q_o", lane)
-        self.assertIn(".LAT_ADD(6), .LAT_MUL(6), .LAT_DIV(15), .LAT_SQRT(13), .LAT_CMP(1)", lane)
+        self.assertIn(".LAT({32'd6, 32'd6, 32'd15, 32'd13, 32'd1})", lane)
 
     def test_every_row_of_the_plan_is_a_design(self):
         rows = table.plan(table.PLAN.read_text())

@@ -147,7 +147,7 @@ endmodule
             for value in ["t"] + [f"{v}[{k}]" for v in ("cp", "n") for k in range(3)]:
                 text += f"  assign q_o[{out}+:{width}] = {value}[{lane}][{width - 1}:0];\n"
                 out += width
-        clocks = ", ".join(f".LAT_{kind.upper()}({n})" for kind, n in zip(KINDS, self.lat))
+        clocks = ".LAT({" + ", ".join(f"32'd{n}" for n in self.lat) + "})"
         text += (f"  scaled_pipe #(.EXP({exp}), .MAN({man}), .LANES({lanes}), {clocks}, .ARITH(\"rtl\"),\n"
                  f"      .PAIR({known.pairs[self.what]}), .ALGORITHM({known.algorithms.get(self.algorithm, 0)})) unit (\n"
                  "      .clk_i, .enter_i(1'b1), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n),\n"

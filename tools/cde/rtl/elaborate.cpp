@@ -2,6 +2,7 @@
 #include "rtl/elaborate.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -68,7 +69,9 @@ std::string parameter_switch(const std::string& parameter) {
   const std::size_t equals = parameter.find('=');
   const std::string value =
       equals == std::string::npos ? std::string() : parameter.substr(equals + 1);
-  const bool number = !value.empty() && value.find_first_not_of("0123456789") == std::string::npos;
+  const bool number =
+      !value.empty() && (value.find("'h") != std::string::npos ||
+                         value.find_first_not_of("0123456789") == std::string::npos);
   std::string text("-G");
   text.append(parameter, 0, equals).append(number ? "=" : "=\"").append(value);
   return number ? text : text.append("\"");
@@ -116,6 +119,11 @@ std::string named(std::string text, const fs::path& link, const fs::path& source
 }
 
 }  // namespace
+
+std::string latency_parameter(unsigned add, unsigned mul, unsigned div, unsigned sqrt,
+                              unsigned cmp) {
+  return fmt::format("LAT=160'h{:08x}{:08x}{:08x}{:08x}{:08x}", add, mul, div, sqrt, cmp);
+}
 
 std::string elaborated(const fs::path& source, const std::string& top,
                        const std::vector<std::string>& parameters, Gates gates,

@@ -39,6 +39,10 @@ class ElaborationError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The parameter LAT of modules below the tops: clocks of each kind of operator.
+[[nodiscard]] std::string latency_parameter(unsigned add, unsigned mul, unsigned div, unsigned sqrt,
+                                            unsigned cmp);
+
 /// What is below the operators of gates.
 enum class Gates { kHidden, kWhole };
 

@@ -28,16 +28,20 @@ Elaboration elaborate(const Pipe& pipe, const Profile& p) {
   const std::filesystem::path folder = bitstream_builder().parent_path().parent_path() / "rtl";
   // Host arithmetic has the same operators and states the same latency, and is sooner elaborated;
   // but only gates share facet units, and have operators of the box rule.
-  return {folder,
-          has_budget(pipe.pair) ? "pair_unit" : "pair_pipe",
-          {fmt::format("PAIR={}", static_cast<unsigned>(pipe.pair)),
-           fmt::format("ALGORITHM={}", static_cast<unsigned>(pipe.algorithm)),
-           fmt::format("ARITH={}", pipe.facet_interval == 1 && !pipe.box ? "host" : "rtl"),
-           fmt::format("FACET_II={}", pipe.facet_interval), fmt::format("BOX={}", pipe.box ? 1 : 0),
-
-           fmt::format("LAT_ADD={}", p.add), fmt::format("LAT_MUL={}", p.mul),
-           fmt::format("LAT_DIV={}", p.div), fmt::format("LAT_SQRT={}", p.sqrt),
-           fmt::format("LAT_CMP={}", p.cmp)}};
+  std::vector<std::string> parameters = {
+      fmt::format("PAIR={}", static_cast<unsigned>(pipe.pair)),
+      fmt::format("ALGORITHM={}", static_cast<unsigned>(pipe.algorithm)),
+      fmt::format("ARITH={}", pipe.facet_interval == 1 && !pipe.box ? "host" : "rtl"),
+      fmt::format("FACET_II={}", pipe.facet_interval), fmt::format("BOX={}", pipe.box ? 1 : 0)};
+  if (!has_budget(pipe.pair)) {
+    parameters.push_back(latency_parameter(p.add, p.mul, p.div, p.sqrt, p.cmp));
+    return {folder, "pair_pipe", parameters};
+  }
+  parameters.insert(parameters.end(),
+                    {fmt::format("LAT_ADD={}", p.add), fmt::format("LAT_MUL={}", p.mul),
+                     fmt::format("LAT_DIV={}", p.div), fmt::format("LAT_SQRT={}", p.sqrt),
+                     fmt::format("LAT_CMP={}", p.cmp)});
+  return {folder, "pair_unit", parameters};
 }
 
 /// The pipe's own, or that of the module which every ray pipe of a solid ends in.
