@@ -600,7 +600,8 @@ void set_functions(Calls& call) {
   std::vector<int> sets = {(1 << kPairs) - 1};
   for (unsigned p = 0; p < kPairs; ++p) sets.insert(sets.end(), {1 << p, 1 << p | 16});
   for (const int set : sets) {
-    for (int p = 0; p < static_cast<int>(kPairCodes); ++p) call("has", {set, p}, set >> p & 1);
+    for (int p = 0; p < static_cast<int>(kPairCodes); ++p)
+      call("has", {set, p}, std::int64_t{set} >> p & 1);
     for (const int swap : {0, 1}) {
       for (const int primary : {0, 1}) {
         const std::set<Shape> shapes = shapes_of(set, primary != 0, swap != 0);
