@@ -12,6 +12,7 @@
 #include <string>
 #include <system_error>
 
+#include "cde/support/error.hpp"
 #include "cde/wave/export.hpp"
 #include "pair_failure.hpp"
 
@@ -34,7 +35,7 @@ std::size_t describe_waves(const fs::path& folder) {
     try {
       wave::Trace trace(entry.path());
       wave::write_gtkw(trace, {}, {}, save);
-    } catch (const Error&) {  // the waves themselves stay
+    } catch (const cde::Error&) {  // the waves themselves stay
     }
   }
   return files;

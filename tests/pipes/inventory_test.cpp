@@ -15,7 +15,7 @@
 #include "cde/geometry/pair.hpp"
 #include "numerics/operators.hpp"
 
-namespace cde::rtl {
+namespace cde::netlist {
 
 static std::ostream& operator<<(std::ostream& out, const Operators& o) {
   return out << o.multipliers << " mul, " << o.dividers << " div, " << o.square_roots << " sqrt, "
@@ -291,4 +291,4 @@ TEST(Inventory, WhatCannotBeElaboratedSaysWhy) {
 }
 
 }  // namespace
-}  // namespace cde::rtl
+}  // namespace cde::netlist

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "cde/fp/fp_format.hpp"
+#include "cde/geometry/pair.hpp"
 
 namespace cde {
 
