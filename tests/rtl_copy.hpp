@@ -10,7 +10,7 @@ namespace cde::testing {
 inline void copy_rtl(const std::filesystem::path& source, const std::filesystem::path& share) {
   namespace fs = std::filesystem;
   fs::create_directories(share / "host/include/cde");
-  for (const char* part : {"rtl", "verilator", "host/include/cde/contract"})
+  for (const char* part : {"rtl", "verilator", "host/include/cde/abi", "host/include/cde/contract"})
     fs::copy(source / part, share / part,
              fs::copy_options::recursive | fs::copy_options::overwrite_existing);
   for (const char* part : {"verilator", "verilator/bitstream"})

@@ -40,7 +40,7 @@ set(CDE_NOT_DEFAULT_cli
   Cast.BothArithmetics* Cast.FaultyCard* Cast.MoreCards* CastFiles.Algorithms CastHierarchy.OfWatertight
   ExplainRecord.WhatTheUpdateEngineKeepsWrongIsNamed ExplainRecord.WhatThePipeMissesIsLacking
   Query.AMillionPairsInOrder Query.APlane* Query.BothArithmetics* Query.BudgetSets* Query.FacetsOfLongWords* Query.FaultyPipe* Query.TheBoxRule*
-  RunScene.FaultyCard* RunScene.FaultsOfTheBus* RunScene.MixedScene* Streams.AReaderThatHasEnough)
+  RunScene.BuiltCardStandsIn RunScene.FaultyCard* RunScene.FaultsOfTheBus* RunScene.MixedScene* Streams.AReaderThatHasEnough)
 
 # Transactions in the waves of a card; cde_wave_tests, which need one bitstream, are all there.
 set(CDE_DEFAULT_wave_card TxCard.TheBusOfACardBehindPciIsWhatTheCardCounts)

@@ -232,16 +232,16 @@ TEST(Checker, NamesTheDifferenceAndHowToRepeatIt) {
   };
   const Record good = records[4];
   records[4].cp.y() = std::nextafter(good.cp.y(), 100.0f);
-  expect_mismatch("record 4 differs");
+  expect_mismatch("ray 4: the card's record differs");
   expect_mismatch("repeat with: cde cast x.stl --ray=");
   records[4] = good;
   records.pop_back();
-  expect_mismatch("card:      no record");
+  expect_mismatch("card      no record");
   records.push_back(good);
-  expect_mismatch("record 9 differs");
+  expect_mismatch("reference ray 9 ");
   records = reference::cast(scene.rays, scene.triangles);
   records.push_back(good);
-  expect_mismatch("reference: no record");
+  expect_mismatch("reference no record");
 }
 
 /// What `cde cast` reports: every record is compared, also those behind a difference.
@@ -263,14 +263,14 @@ TEST(Checker, CountsWhatMatches) {
   expect_counts(all, 10, 10, "");
   auto records = all;
   records[4].t = std::nextafter(records[4].t, 0.0f);
-  expect_counts(records, 10, 9, "record 4 differs");
+  expect_counts(records, 10, 9, "ray 4: ");
   records[7].index ^= 1;
-  expect_counts(records, 10, 8, "record 4 differs");
+  expect_counts(records, 10, 8, "ray 4: ");
   records = all;
   records.pop_back();
-  expect_counts(records, 10, 9, "record 9 differs");
+  expect_counts(records, 10, 9, "ray 9: ");
   records.insert(records.end(), {all[9], all[9], all[9]});
-  expect_counts(records, 12, 10, "record 10 differs");
+  expect_counts(records, 12, 10, "ray 9: ");
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ TEST_F(CastFiles, AMeshAloneShowsItself) {
   const Ran ran = render({"one.obj"});
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_EQ(ran.out, "") << "stdout is no terminal";
-  EXPECT_EQ(files(), (Words{"one.render.png", "one.obj"}));
+  EXPECT_EQ(files(), (Words{"one.obj", "one.render.png"}));
   EXPECT_EQ(read("one.render.png").substr(1, 3), "PNG");
   EXPECT_NE(ran.err.find("one.render.png, 640 x 480"), std::string::npos) << ran.err;
   EXPECT_EQ(render({"one.obj", "--size", "8x8", "-q"}).err, "");

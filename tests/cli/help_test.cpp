@@ -16,8 +16,11 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-const Words kVerbs = {"accuracy", "advise",    "cast",      "query", "run",    "plan", "bench",
-                      "merge",    "reproduce", "inventory", "wave",  "doctor", "fp",   "help"};
+const Words kVerbs = {"accuracy", "advise",    "cast",      "render", "query",  "run", "plan", "bench",
+                      "merge",    "reproduce", "inventory", "wave",   "doctor", "fp",  "help"};
+/// Verbs of `cde wave`.
+const Words kWaveVerbs = {"info", "ls",     "at",    "show", "find", "diff",
+                          "stat", "export", "serve", "tui",  "tx",   "why"};
 
 std::string contents(const fs::path& path) {
   std::ostringstream text;
@@ -31,7 +34,16 @@ std::set<std::string> long_options(const std::string& text) {
   return {std::sregex_token_iterator(text.begin(), text.end(), option), {}};
 }
 
-class Help : public Cli {};
+class Help : public Cli {
+ protected:
+  /// What the build makes each program write.
+  void write_manuals() {
+    for (const char* program : {"", "-wave", "-explain", "-accuracy", "-bench"}) {
+      const Ran ran = shell(fmt::format("\"$CDE{}\" write-manual share", program));
+      ASSERT_EQ(ran.status, 0) << program << ran.err;
+    }
+  }
+};
 
 TEST_F(Help, VersionsAreThoseOfTheBuild) {
   const Ran ran = cde({"--version"});
@@ -88,6 +100,9 @@ TEST_F(Help, ExamplesHaveOptionsThatExist) {
               2);
     std::set<std::string> known = long_options(text.substr(0, start));
     if (verb == "help") known = long_options(cde({"--help"}).out.substr(0, start));
+    if (verb == "wave")
+      for (const std::string& inner : kWaveVerbs)
+        known.merge(long_options(cde({"wave", inner, "--help"}).out));
     for (const std::string& option : long_options(examples))
       EXPECT_TRUE(known.count(option) || option == "--help-all") << option;
   }
@@ -102,7 +117,7 @@ TEST_F(Help, SuggestsWhatWasMeant) {
   };
   says({"csat"}, "no verb 'csat'; did you mean cast?");
   says({"doc"}, "did you mean doctor?");
-  says({"zzz"}, "no verb 'zzz'; there are: cast, query, run");
+  says({"zzz"}, "no verb 'zzz'; there are: cast, render, query, run");
   says({"help", "qurey"}, "did you mean query?");
   says({"cast", "x.ply", "--szie", "4x4", "--grdi", "4x4"},
        "cde cast has no option '--szie'; did you mean --size?");
@@ -116,7 +131,7 @@ TEST_F(Help, SuggestsWhatWasMeant) {
 /// Every option of every verb is in its manual page and in the completions of the three shells,
 /// which are made by the command itself.
 TEST_F(Help, ManualAndCompletionsHaveEveryOption) {
-  ASSERT_EQ(cde({"write-manual", "share"}).status, 0);
+  write_manuals();
   EXPECT_EQ(cde({"--help"}).out.find("write-manual"), std::string::npos) << "is hidden";
   const fs::path share = folder_ / "share";
   const std::string bash = contents(share / "bash-completion/completions/cde"),
@@ -124,7 +139,7 @@ TEST_F(Help, ManualAndCompletionsHaveEveryOption) {
                     fish = contents(share / "fish/vendor_completions.d/cde.fish");
   for (const std::string& verb : kVerbs) {
     SCOPED_TRACE(verb);
-    const std::string text = cde({"help", verb}).out;
+    std::string text = cde({"help", verb}).out;
     std::string page = contents(share / fmt::format("man/man1/cde-{}.1", verb));
     page = std::regex_replace(page, std::regex("\\\\-"), "-");
     EXPECT_TRUE(page.starts_with(fmt::format(".TH cde-{} 1", verb)));
@@ -142,7 +157,7 @@ TEST_F(Help, ManualAndCompletionsHaveEveryOption) {
 
 /// What bash offers for words that somebody has begun to type.
 TEST_F(Help, BashCompletes) {
-  ASSERT_EQ(cde({"write-manual", "share"}).status, 0);
+  write_manuals();
   write("mesh.ply", "");
   const auto offers = [&](const std::string& typed) {
     const std::string script = fmt::format(
@@ -164,13 +179,17 @@ TEST_F(Help, BashCompletes) {
   EXPECT_EQ(offers("cde cast me"), "mesh.ply ");
   EXPECT_EQ(offers("cde query sphere-s"), "sphere-sphere ");
   EXPECT_EQ(offers("cde help inv"), "inventory ");
+  EXPECT_EQ(offers("cde wa"), "wave ");
+  EXPECT_EQ(offers("cde wave sh"), "show ");
+  EXPECT_EQ(offers("cde wave show --wi"), "--window ");
+  EXPECT_EQ(offers("cde wave diff --align c"), "cycle ");
   EXPECT_EQ(offers("cde cast mesh.ply --size ''"), " ");
 }
 
 /// groff has nothing to complain about. Skipped where it is not installed.
 TEST_F(Help, ManualPagesAreWellFormed) {
   if (std::system("command -v groff >/dev/null 2>&1") != 0) GTEST_SKIP() << "no groff here";
-  ASSERT_EQ(cde({"write-manual", "share"}).status, 0);
+  write_manuals();
   for (const auto& page : fs::directory_iterator(folder_ / "share/man/man1")) {
     const std::string log = folder_ / "log";
     const std::string command =

@@ -24,8 +24,10 @@ class JsonKeys : public Cli {};
 /// A key stands in one first column, once; and the sources still have it.
 TEST_F(JsonKeys, EachIsExplainedOnceAndUsed) {
   std::string sources;
-  for (const auto& file : fs::recursive_directory_iterator(fs::path(CDE_SOURCE_DIR) / "tools/cde"))
-    if (file.path().extension() == ".cpp") sources += text_of(file.path());
+  for (const char* folder : {"tools", "host/src"})
+    for (const auto& file :
+         fs::recursive_directory_iterator(fs::path(CDE_SOURCE_DIR) / folder))
+      if (file.path().extension() == ".cpp") sources += text_of(file.path());
   std::set<std::string> first;
   std::istringstream lines(text_of(fs::path(CDE_SOURCE_DIR) / "docs/json.md"));
   for (std::string line; std::getline(lines, line);) {

@@ -197,7 +197,7 @@ TEST(PlantedBugsTable, FindsEnough) {
     SCOPED_TRACE(bug["mutant"]);
     ASSERT_LT(bug.finds(), kFinds.size()) << bug["finds"];
     const std::string file = bug["file"];
-    (file.starts_with("pipes/") || file.starts_with("fp/") ? pipes : around).add(bug);
+    (file.starts_with("rtl/pipes/") || file.starts_with("rtl/fp/") ? pipes : around).add(bug);
     all.add(bug);
     const std::string text = text_of(fs::path(CDE_SOURCE_DIR) / bug.file());
     const std::size_t at = text.find(bug["from"]);

@@ -83,7 +83,7 @@ TEST_F(CommandLine, IsRefusedInTheOrderTyped) {
       {{"cast", "m\n\x1b[31m.obj", "--size"}, "--size needs a value: WxH"},
       {{"cast", "--\n\x1b[31m"},
        "cde cast has no option '--\\x0a\\x1b[31m'; `cde cast --help` lists them"},
-      {{"cast", "m\n\x1b.obj"}, "m\\x0a\\x1b.obj: cannot be opened: No such file or directory"},
+      {{"cast", "m\n\x1b.obj", "--grid", "4x4"}, "m\\x0a\\x1b.obj: cannot be opened: No such file or directory"},
       {{"cast", "terrain:3,3,1", "--rays", "m\n\x1b.npy"},
        "m\\x0a\\x1b.npy: cannot be opened: No such file or directory"},
       {{"plan", "m\n\x1b.toml"}, "m\\x0a\\x1b.toml: cannot be opened: No such file or directory"},

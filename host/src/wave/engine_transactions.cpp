@@ -28,7 +28,8 @@ class PassDecoder : public EngineDecoder {
         done_(wire("control.done_o")),
         abort_(wire("control.abort_i")),
         mode_(wire("control.command_i.mode")),
-        pair_(wire("control.command_i.pair")),
+        pair_(wire("control.command_i.pair[0]")),
+        second_pair_(wire("control.command_i.pair[1]")),
         primaries_(wire("control.command_i.primaries")),
         count_(wire("control.command_i.count")),
         objects_(wire("control.command_i.objects")),
@@ -74,16 +75,16 @@ class PassDecoder : public EngineDecoder {
     rows_ = swept_ = bubbles_ = stalls_ = writeback_clocks_ = records_ = 0;
     aborted_ = false;
     Transaction& t = open_->t;
-    const auto mode = mode_.number(), pair = pair_.number();
+    const auto mode = mode_.number(), pair = pair_.number(), second = second_pair_.number();
     field(t, "pass", pass());
     mode_text_ =
         mode && *mode <= card::kModeHits ? name_of(static_cast<Mode>(*mode)) : mode_.decimal();
     field(t, "mode", mode_text_);
-    pairs_ = pair ? pair_text(*pair & (kPairCodes - 1)) : "x";
+    pairs_ = pair ? pair_text(*pair) : "x";
     field(t, "pair", pairs_);
-    if (pair && *pair >> kPairBits != kNoPair) {
-      field(t, "second_pair", pair_text(*pair >> kPairBits));
-      pairs_ += " and " + pair_text(*pair >> kPairBits);
+    if (second && *second != kNoPair) {
+      field(t, "second_pair", pair_text(*second));
+      pairs_ += " and " + pair_text(*second);
     }
     field(t, "primaries", primaries_.decimal());
     if (objects_.number() == 0)
@@ -104,7 +105,7 @@ class PassDecoder : public EngineDecoder {
                     t.fields[0].second, pairs_, mode_text_, primaries_.decimal(), swept_, records_);
   }
 
-  const Wire &done_, &abort_, &mode_, &pair_, &primaries_, &count_, &objects_, &issue_, &pop_,
+  const Wire &done_, &abort_, &mode_, &pair_, &second_pair_, &primaries_, &count_, &objects_, &issue_, &pop_,
       &bubble_, &stall_, &writeback_, &record_;
   std::optional<Open> open_;
   std::string pairs_, mode_text_;

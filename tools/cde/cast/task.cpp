@@ -74,6 +74,7 @@ CastTask task_of(const CastWords& w) {
   CastTask t;
   t.verb = w.renders ? "render" : "cast";
   t.mesh = w.mesh;
+  t.source.file = w.rays_file;
   t.request = request_of(w);
   t.picture = picture_of(w);
   t.records = w.records, t.fields = w.fields, t.bits = w.bits;
