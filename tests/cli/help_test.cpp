@@ -16,8 +16,9 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-const Words kVerbs = {"accuracy", "advise",    "cast",      "render", "query",  "run", "plan", "bench",
-                      "merge",    "reproduce", "inventory", "wave",   "doctor", "fp",  "help"};
+const Words kVerbs = {"accuracy",  "advise", "cast",   "render", "query",
+                      "run",       "plan",   "bench",  "merge",  "reproduce",
+                      "inventory", "wave",   "doctor", "fp",     "help"};
 /// Verbs of `cde wave`.
 const Words kWaveVerbs = {"info", "ls",     "at",    "show", "find", "diff",
                           "stat", "export", "serve", "tui",  "tx",   "why"};

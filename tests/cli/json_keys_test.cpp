@@ -25,8 +25,7 @@ class JsonKeys : public Cli {};
 TEST_F(JsonKeys, EachIsExplainedOnceAndUsed) {
   std::string sources;
   for (const char* folder : {"tools", "host/src"})
-    for (const auto& file :
-         fs::recursive_directory_iterator(fs::path(CDE_SOURCE_DIR) / folder))
+    for (const auto& file : fs::recursive_directory_iterator(fs::path(CDE_SOURCE_DIR) / folder))
       if (file.path().extension() == ".cpp") sources += text_of(file.path());
   std::set<std::string> first;
   std::istringstream lines(text_of(fs::path(CDE_SOURCE_DIR) / "docs/json.md"));

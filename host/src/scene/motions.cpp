@@ -15,8 +15,6 @@ using toml_reader::kNotNegative;
 using toml_reader::kPositive;
 using toml_reader::Table;
 
-constexpr double kDegree = std::numbers::pi / 180;
-
 /// quaternion = [w, x, y, z], or axis and degrees; the identity without either.
 Eigen::Quaterniond read_rotation(Table& t) {
   if (t.has("quaternion")) {

@@ -19,7 +19,6 @@ using toml_reader::kPositive;
 using toml_reader::Table;
 
 constexpr std::int64_t kMostShapes = 1 << 24;
-constexpr double kDegree = std::numbers::pi / 180;
 const std::vector<std::string> kShapeNames = {"ray",   "triangle", "sphere", "aabb",
                                               "plane", "cylinder", "obb"};
 

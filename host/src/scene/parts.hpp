@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <filesystem>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,8 @@
 
 /// Parts of a scene file. Private to the library.
 namespace cde::scene_parts {
+
+inline constexpr double kDegree = std::numbers::pi / 180;  ///< in radians
 
 /// What playing a scene will take of memory, counted before its shapes are made: a few lines of a
 /// file can ask for any number of them.

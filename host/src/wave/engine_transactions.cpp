@@ -105,8 +105,8 @@ class PassDecoder : public EngineDecoder {
                     t.fields[0].second, pairs_, mode_text_, primaries_.decimal(), swept_, records_);
   }
 
-  const Wire &done_, &abort_, &mode_, &pair_, &second_pair_, &primaries_, &count_, &objects_, &issue_, &pop_,
-      &bubble_, &stall_, &writeback_, &record_;
+  const Wire &done_, &abort_, &mode_, &pair_, &second_pair_, &primaries_, &count_, &objects_,
+      &issue_, &pop_, &bubble_, &stall_, &writeback_, &record_;
   std::optional<Open> open_;
   std::string pairs_, mode_text_;
   std::uint64_t rows_ = 0, swept_ = 0, bubbles_ = 0, stalls_ = 0, writeback_clocks_ = 0,
