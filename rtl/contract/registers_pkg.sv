@@ -165,7 +165,7 @@ package registers_pkg;
     logic reserved0;
     logic [2:0] mode;         // MODE_*
   } command_t;
-  localparam logic [63:0] COMMAND_BITS = 64'h00000000003FFF77;  // those of its fields
+  localparam logic [63:0] COMMAND_BITS = 64'h00000000003FFF77;  // bits that a field uses
   typedef struct packed {
     logic [7:0] reserved;
     logic [7:0] slots_a_node;  // that the memory of slots has places for

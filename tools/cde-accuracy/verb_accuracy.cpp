@@ -495,7 +495,7 @@ void add_accuracy(CLI::App& app) {
       "mirror reference, which is the card bit by bit, and is judged by exact or certified "
       "arithmetic; with --mesh the cases are the pixels of a picture");
   add_choices(*verb, *o);
-  verb->add_flag("--by-family", o->by_family, "A line a family too");
+  verb->add_flag("--by-family", o->by_family, "Print a line per family, too");
   whole_number_in(verb->add_option("--check", o->check,
                                    "So many cases go through the simulated pipe too, by the "
                                    "host's arithmetic and by gates, which are built first")

@@ -68,7 +68,7 @@ nlohmann::ordered_json summary_json(const CastTask& o, const CastJob& job, const
 
 void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) {
   const Counters& c = r.counters;
-  // With those of shadows.
+  // Shadow rays are counted, too.
   const std::uint64_t rays = job.mode == Mode::kHits ? job.rays.size() : c.records;
   const auto row = [](const char* name, const std::string& value) {
     say("{:<16} {}\n", name, value);

@@ -141,9 +141,10 @@ void add_advanced(CLI::App& verb, CastWords& o) {
           ->capture_default_str(),
       1, 64, "");
   whole_number_in(
-      verb.add_option("--partition", o.partition,
-                      "Parts of the mesh, each in the memory of a card of its own, "
-                      "simulated by the rank that has it; records are those of one card")
+      verb.add_option(
+              "--partition", o.partition,
+              "Split the mesh into this many parts. Each part has its own card, and one rank "
+              "simulates that card. The records are the same as those of one card")
           ->capture_default_str(),
       1, 1024, "");
   add_bundle_options(verb, o.bundle);

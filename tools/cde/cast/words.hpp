@@ -30,8 +30,9 @@ struct CastWords {
   bool renders = false;
 };
 
-/// The options of `cde cast`, and those of `cde render`.
+/// Adds the options of `cde cast` to `verb`; they write into `words`, which must outlive it.
 void add_cast_options(CLI::App& verb, CastWords& words);
+/// Adds the options of `cde render`, likewise.
 void add_render_options(CLI::App& verb, CastWords& words);
 
 /// The number of rays of --check=rays:N. Error kUsage.

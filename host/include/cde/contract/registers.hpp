@@ -160,6 +160,6 @@ inline constexpr std::uint64_t kCommandNormals = 1 << 5;
 inline constexpr std::uint64_t kCommandHierarchy = 1 << 6;
 inline constexpr std::uint64_t kCommandSecond = 1 << 14;
 inline constexpr std::uint64_t kCommandSecondSwap = 1 << 15;
-inline constexpr std::uint64_t kCommandBits = 0x3FFF77;  ///< those of its fields
+inline constexpr std::uint64_t kCommandBits = 0x3FFF77;  ///< bits that a field uses
 
 }  // namespace cde::card

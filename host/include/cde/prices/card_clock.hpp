@@ -21,7 +21,8 @@ struct PipeChoice {
   [[nodiscard]] std::string name() const;
 };
 
-/// Of one lane, operators of one clock. What nobody counted is empty.
+/// Figures of a pipe with one lane, elaborated with operators that take one cycle each.
+/// A figure that was not measured is empty.
 struct PipeFigures {
   std::optional<unsigned> latency;   ///< clocks from operands to the answer
   std::optional<unsigned> interval;  ///< clocks from a row of pairs to the next

@@ -12,8 +12,8 @@
 
 namespace cde::reference {
 
-/// Compares records of the card with those of the reference as they arrive, bit by bit, and keeps
-/// the first difference: as data, and as text with the line that repeats it.
+/// Compares each record of the card with the reference's when it arrives, bit by bit.
+/// Keeps the first difference, as data and as text; the text has the command that repeats it.
 class RecordCheck {
  public:
   /// The reference's next records in the card's order; empty at the end. Valid until the next call.
