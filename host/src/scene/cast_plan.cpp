@@ -3,38 +3,38 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <bit>
-
 #include "cde/contract/records.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "scene/tree_choice.hpp"
 
 namespace cde {
 namespace {
 
 constexpr std::uint64_t kPacket = card::kMostPrimaries;
 
-/// From so many triangles on a hierarchy wins for many rays.
-constexpr std::uint64_t kWorthATree = 2048;
-
-/// Building a hierarchy takes 1 us per triangle and simulating it 4 us per ray; brute force on 64
-/// lanes takes 4.6 ns per test (cde bench).
-bool pays(std::uint64_t triangles, std::uint64_t rays) {
+/// Microseconds of simulation. Building a hierarchy takes 1 us per triangle and simulating it 4 us
+/// per ray; brute force on 64 lanes takes 4.6 ns per test (cde bench).
+tree_choice::Cost cost(std::uint64_t triangles, std::uint64_t rays) {
   const auto t = static_cast<double>(triangles), r = static_cast<double>(rays);
-  return t + 4 * r < 4.6e-3 * t * r;
+  return {t + 4 * r, 4.6e-3 * t * r};
 }
 
-/// Whether the built tree still wins: boxes that overlap cull little. Simulating a cycle takes
-/// 0.4 us, for a node in one of two units or for a triangle.
-bool pays(const Hierarchy& hierarchy, std::uint64_t triangles) {
-  const Hierarchy::Visits visits = hierarchy.expected_visits();
-  const double per_ray = 2 + 0.4 * std::max(visits.nodes / 2, visits.secondaries);
-  return per_ray < 4.6e-3 * static_cast<double>(triangles);
+/// The same per ray, with a tree that is built: boxes that overlap cull little. Simulating a cycle
+/// takes 0.4 us.
+tree_choice::Cost cost(const Hierarchy& tree, std::uint64_t triangles) {
+  const Hierarchy::Visits visits = tree.expected_visits();
+  return {2 + 0.4 * tree_choice::cycles(visits.nodes, visits.secondaries),
+          4.6e-3 * static_cast<double>(triangles)};
 }
 
 bool must_traverse(const CastRequest& r) {
   return r.hierarchy.value_or(false) || r.mode == Mode::kOccluded;
+}
+
+bool traverses(const CastRequest& r, std::uint64_t triangles,
+               const std::optional<tree_choice::Cost>& cost = {}) {
+  return tree_choice::traverses(must_traverse(r), Shape::kTriangle, triangles, cost);
 }
 
 /// Wide cards simulate nearly twice as many tests per second (217 M, not 117 M, on one core). Their
@@ -56,8 +56,8 @@ std::shared_ptr<const Hierarchy> built_tree(const CastRequest& r, const Mesh& me
     warning = e.what();
     return nullptr;
   }
-  return r.hierarchy || r.mode == Mode::kOccluded || pays(*tree, mesh.faces.size()) ? tree
-                                                                                    : nullptr;
+  const std::uint64_t triangles = mesh.faces.size();
+  return traverses(r, triangles, cost(*tree, triangles)) ? tree : nullptr;
 }
 
 /// Replaces a card that is not built by one that is, if that costs at most 0.3 times a minute or so
@@ -96,7 +96,7 @@ bool may_traverse(const CastRequest& r, std::uint64_t triangles) {
     throw Error(ErrorCode::kUsage,
                 "mode occluded is of a hierarchy: " + why_not.value_or("not with --no-bvh"));
   if (r.hierarchy.value_or(false) && why_not) throw Error(ErrorCode::kUsage, "--bvh: " + *why_not);
-  return !why_not && (must_traverse(r) || (!r.hierarchy && !r.lanes && triangles >= kWorthATree));
+  return !why_not && (must_traverse(r) || (!r.hierarchy && !r.lanes)) && traverses(r, triangles);
 }
 
 CastPlan plan_cast(const CastRequest& r, const Mesh& mesh, std::uint64_t rays) {
@@ -108,14 +108,12 @@ CastPlan plan_cast(const CastRequest& r, const Mesh& mesh, std::uint64_t rays) {
   plan.card.format = r.format;
   plan.card.trace = r.trace;
   plan.card.lanes = lanes_of(r, rays);
-  if (may_traverse(r, triangles) && (must_traverse(r) || pays(triangles, rays)))
+  if (may_traverse(r, triangles) && traverses(r, triangles, cost(triangles, rays)))
     plan.hierarchy = built_tree(r, mesh, plan.warning);
   if (plan.hierarchy) {
-    plan.card.node_units = 2;
-    plan.card.nodes = static_cast<unsigned>(
-        std::max<std::uint64_t>({plan.card.nodes, std::bit_ceil(plan.hierarchy->nodes().size()),
-                                 std::bit_ceil((triangles + 7) / 8)}));
-    if (!r.lanes) plan.card.lanes = 4;  // brute-force lanes would stand idle
+    plan.card.node_units = tree_choice::kNodeUnits;
+    plan.card.nodes = tree_choice::node_memory(*plan.hierarchy, triangles);
+    if (!r.lanes) plan.card.lanes = tree_choice::kLanes;
   }
   if (!plan.hierarchy) use_built_card(r, plan, rays, triangles);
   return plan;

@@ -15,6 +15,7 @@
 #include "scene/plan_hierarchy.hpp"
 #include "scene/plan_mover.hpp"
 #include "scene/self_pairs.hpp"
+#include "scene/tree_choice.hpp"
 
 namespace cde {
 namespace {
@@ -29,7 +30,6 @@ constexpr unsigned kLaneSteps[] = {16, 64, kMostLanes};
 /// each other in 1.7 s (40 frames).
 constexpr unsigned kLanesOfLargePipes = 8;
 constexpr unsigned kMostLanesOfGates = 16;
-constexpr unsigned kLanesBesideATree = 4;
 
 /// What effects cost a simulation: how many times as long a frame of rays and triangles takes.
 /// Medians of `cde bench effects`, which prints them beside its own.
@@ -437,7 +437,7 @@ void add_movers(const Scene& scene, const plan_mover::Movers& movers, Plan& plan
 Effect add_hierarchy(const Scene& scene, plan_mover::Movers& movers, Plan& plan) {
   const plan_hierarchy::Choice choice = plan_hierarchy::choose(scene, plan);
   if (choice.nodes == 0) return choice.effect;
-  plan.board.node_units = plan_hierarchy::kNodeUnits;
+  plan.board.node_units = tree_choice::kNodeUnits;
   plan.board.nodes = choice.nodes;
   for (std::size_t q = 0; q < plan.queries.size(); ++q)
     plan.queries[q].hierarchy = choice.queries[q];
@@ -448,7 +448,7 @@ Effect add_hierarchy(const Scene& scene, plan_mover::Movers& movers, Plan& plan)
   if (!sweeps && !scene.card.lanes)
     plan.board.lanes = std::any_of(pairs.begin(), pairs.end(), plan_card::is_large)
                            ? kLanesOfLargePipes
-                           : kLanesBesideATree;
+                           : tree_choice::kLanes;
   return choice.effect;
 }
 

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <optional>
 #include <type_traits>
@@ -13,12 +12,11 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "scene/player_objects.hpp"
+#include "scene/tree_choice.hpp"
 
 namespace cde::plan_hierarchy {
 namespace {
 
-/// From so many secondaries on a tree is tried.
-constexpr std::uint64_t kWorthATree = 2048, kWorthATreeOfSolids = 256;
 /// Clocks that the last rays of a packet take for a level of the tree, when no others are left.
 constexpr double kClocksALevel = 30;
 /// Those of a solid for a secondary that it is tested with, nodes above it included, where it waits
@@ -66,7 +64,7 @@ std::optional<std::string> against(const SceneQuery& q, const QueryWork& work, c
 /// Why the card cannot have one; nothing if it can.
 std::optional<std::string> against(const Scene& scene, BoardConfig board, unsigned nodes) {
   board.box = scene.card.box && std::any_of(board.pairs.begin(), board.pairs.end(), has_box_rule);
-  board.node_units = kNodeUnits;
+  board.node_units = tree_choice::kNodeUnits;
   board.nodes = nodes;
   try {
     (void)board.parameters();
@@ -163,7 +161,7 @@ std::uint64_t clocks(const SceneQuery& q, const QueryWork& w, const Plan& plan, 
       is_ray(q) ? way_of_rays(tree) : way_of_solids(q, plan, scene, tree, primaries <= kAhead);
   const double more =
       meets_triangles(q) ? kVisitsAMovingPart * static_cast<double>(moving_parts(scene)) : 0;
-  const double each = std::max((way.nodes + more) / kNodeUnits, way.secondaries + more);
+  const double each = tree_choice::cycles(way.nodes + more, way.secondaries + more);
   return static_cast<std::uint64_t>(
       std::ceil(each * static_cast<double>(primaries) + way.last * static_cast<double>(w.packets)));
 }
@@ -214,19 +212,21 @@ Choice choose(const Scene& scene, Plan& plan) {
   if (std::find(choice.queries.begin(), choice.queries.end(), true) == choice.queries.end())
     return none(first_why);
   const QueryWork& work = plan.queries.front();
-  const std::uint64_t worth =
-      meets_triangles(scene.queries.front()) ? kWorthATree : kWorthATreeOfSolids;
-  if (!asked && work.secondaries < worth)
-    return none(fmt::format("a tree wins from about {} {}s on, there are {}", worth,
-                            name(leaf_of(scene.queries.front())), work.secondaries));
+  const Shape leaf = leaf_of(scene.queries.front());
+  const auto traverses = [&](std::uint64_t traversal, std::uint64_t brute_force) {
+    return tree_choice::traverses(
+        asked, leaf, work.secondaries,
+        tree_choice::Cost{static_cast<double>(traversal), static_cast<double>(brute_force)});
+  };
+  if (!tree_choice::traverses(asked, leaf, work.secondaries))
+    return none(fmt::format("a tree wins from about {} {}s on, there are {}",
+                            tree_choice::fewest(leaf), name(leaf), work.secondaries));
   if (const auto why = against(scene, plan.board, BoardConfig{}.nodes)) return none(*why);
   std::string why;
   const auto tree = tree_of(scene, plan, why);
   if (!tree) return none("there is no tree: " + why);
   // Room for what other poses make of it is not needed: a tree stays as it is.
-  choice.nodes = static_cast<unsigned>(
-      std::max<std::uint64_t>({BoardConfig{}.nodes, std::bit_ceil(tree->nodes().size()),
-                               std::bit_ceil((work.secondaries + 7) / 8)}));
+  choice.nodes = tree_choice::node_memory(*tree, work.secondaries);
   if (const auto reason = against(scene, plan.board, choice.nodes)) return none(*reason);
 
   const std::uint64_t refit = refit_clocks(work, scene, plan, *tree);
@@ -236,7 +236,7 @@ Choice choose(const Scene& scene, Plan& plan) {
     if (!choice.queries[q]) continue;
     plan.queries[q].hierarchy_clocks =
         clocks(scene.queries[q], plan.queries[q], plan, scene, *tree);
-    if (!asked && *plan.queries[q].hierarchy_clocks >= plan.queries[q].rows) {
+    if (!traverses(*plan.queries[q].hierarchy_clocks, plan.queries[q].rows)) {
       choice.queries[q] = false;  // by itself a sweep is sooner
       least = least.empty() ? fmt::format("about {} clocks a frame; sweeps of {} lanes take {}",
                                           *plan.queries[q].hierarchy_clocks, plan.board.lanes,
@@ -254,7 +254,7 @@ Choice choose(const Scene& scene, Plan& plan) {
                                            "what moves",
                                            refit),
                   plan.board.lanes, rows);
-  if (!asked && through >= rows) {
+  if (!traverses(through, rows)) {
     choice.nodes = 0;
     e.cost = rows == 0 ? least : both;
     e.why = "sweeps take less";
@@ -268,7 +268,7 @@ Choice choose(const Scene& scene, Plan& plan) {
     names.push_back(scene.queries[q].name);
     rays = rays && is_ray(scene.queries[q]);
   }
-  e = {"hierarchy", true, fmt::format("{} node units", kNodeUnits),
+  e = {"hierarchy", true, fmt::format("{} node units", tree_choice::kNodeUnits),
        fmt::format("{}{} of {} go through a tree of {} nodes", asked ? "asked for: " : "",
                    rays ? "rays" : "primaries", fmt::join(names, ", "), tree->nodes().size()),
        both};

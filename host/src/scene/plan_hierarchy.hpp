@@ -9,8 +9,6 @@
 /// planner.
 namespace cde::plan_hierarchy {
 
-constexpr unsigned kNodeUnits = 2;
-
 struct Choice {
   std::vector<bool> queries;  ///< which of them
   unsigned nodes = 0;         ///< words of node memory that the card needs; 0: none do
