@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cde/io/record_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <concepts>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <utility>
+#include <type_traits>
 
+#include "cde/contract/records.hpp"
 #include "cde/io/npy.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/suffix.hpp"
@@ -19,12 +24,6 @@ namespace {
 
 constexpr std::array kNames = {"u", "v", "normal", "side", "node"};
 
-template <class T>
-void append(fmt::memory_buffer& to, const T& value) {
-  const char* bytes = reinterpret_cast<const char*>(&value);
-  to.append(bytes, bytes + sizeof(T));
-}
-
 /// A name from a file in a field of CSV.
 std::string csv_text(std::string_view name) {
   if (name.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(name);
@@ -33,26 +32,110 @@ std::string csv_text(std::string_view name) {
   return quoted + "\"";
 }
 
-/// JSON has no infinity and no NaN.
-std::string json_number(float x) {
-  return std::isfinite(x) ? fmt::format("{}", x) : "null";
-}
+/// The secondary that was hit.
+struct Index {
+  std::uint32_t value;
+  bool f;
+};
+/// The word of a number.
+struct Hex {
+  float value;
+};
 
-}  // namespace
+template <class T>
+constexpr bool kIsVector = std::is_same_v<T, Eigen::Vector3f>;
 
-std::vector<std::string> field_names() {
-  return {kNames.begin(), kNames.end()};
-}
+/// Cells are called with the name and the value of each column. Those of text end with a comma.
+struct CsvHead {
+  std::string& to;
+  template <class T>
+  void operator()(std::string_view name, const T&) const {
+    if constexpr (kIsVector<T>)
+      for (const char axis : {'x', 'y', 'z'})
+        fmt::format_to(std::back_inserter(to), "{}{},", name == "normal" ? "n" : name, axis);
+    else
+      fmt::format_to(std::back_inserter(to), "{},", name);
+  }
+};
 
-RecordFile::Kind RecordFile::kind_of(const std::string& path) {
-  const Suffix name = suffix_of(path);
-  if (name.nameless || name.text == ".csv") return Kind::kCsv;
-  if (name.text == ".npy") return Kind::kNpy;
-  if (name.text == ".jsonl") return Kind::kJsonLines;
-  wrong_suffix("--output", path, ".csv, .npy or .jsonl");
-}
+struct CsvRow {
+  std::string& to;
+  template <class T>
+  void operator()(std::string_view, const T& value) const {
+    const auto out = std::back_inserter(to);
+    if constexpr (kIsVector<T>)
+      fmt::format_to(out, "{},{},{},", value.x(), value.y(), value.z());
+    else if constexpr (std::is_same_v<T, Hex>)
+      fmt::format_to(out, "{:08x},", std::bit_cast<std::uint32_t>(value.value));
+    else if constexpr (std::is_same_v<T, Index>)
+      fmt::format_to(out, "{},", value.value);
+    else if constexpr (std::is_same_v<T, std::string_view>)
+      fmt::format_to(out, "{},", csv_text(value));
+    else
+      fmt::format_to(out, "{:d},", value);
+  }
+  void operator()(std::string_view, float value) const {
+    fmt::format_to(std::back_inserter(to), "{},", value);
+  }
+};
 
-std::vector<RecordField> RecordFile::parse(const std::vector<std::string>& fields) {
+struct JsonRow {
+  std::string& to;
+  template <class T>
+  void operator()(std::string_view name, const T& value) const {
+    fmt::format_to(std::back_inserter(to), R"("{}":{},)", name, text(value));
+  }
+  /// JSON has no infinity and no NaN.
+  static std::string text(float x) { return std::isfinite(x) ? fmt::format("{}", x) : "null"; }
+  static std::string text(const Eigen::Vector3f& v) {
+    return fmt::format("[{},{},{}]", text(v.x()), text(v.y()), text(v.z()));
+  }
+  static std::string text(Index i) {
+    return i.f && i.value != ~0u ? fmt::to_string(i.value) : "null";
+  }
+  static std::string text(std::string_view name) {
+    return nlohmann::json(name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  }
+  template <std::integral T>
+  static std::string text(T value) {
+    return fmt::format("{:d}", value);
+  }
+  static std::string text(Hex h) { return text(h.value); }
+};
+
+struct NpyType {
+  std::string& to;
+  std::size_t name_bytes;
+  template <class T>
+  void operator()(std::string_view name, const T&) const {
+    const std::string type = std::is_same_v<T, bool>          ? "'|b1'"
+                             : std::is_same_v<T, std::int8_t> ? "'|i1'"
+                             : std::is_same_v<T, float>       ? "'<f4'"
+                             : kIsVector<T>                   ? "'<f4', (3,)"
+                             : std::is_same_v<T, std::string_view>
+                                 ? fmt::format("'|S{}'", name_bytes)
+                                 : "'<u4'";
+    fmt::format_to(std::back_inserter(to), "{}('{}', {})", to.empty() ? "" : ", ", name, type);
+  }
+};
+
+struct Bytes {
+  std::string& to;
+  std::size_t name_bytes;
+  template <class T>
+  void operator()(std::string_view, const T& value) const {
+    to.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  void operator()(std::string_view, Index i) const { (*this)("", i.value); }
+  void operator()(std::string_view, const Eigen::Vector3f& v) const {
+    for (const float x : v) (*this)("", x);
+  }
+  void operator()(std::string_view, std::string_view text) const {
+    to.append(text).append(name_bytes - text.size(), '\0');
+  }
+};
+
+std::vector<RecordField> parse(const std::vector<std::string>& fields) {
   std::vector<RecordField> all;
   for (const std::string& text : fields) {
     must_be_known(text, field_names(), "field");
@@ -65,174 +148,160 @@ std::vector<RecordField> RecordFile::parse(const std::vector<std::string>& field
   return all;
 }
 
-void RecordFile::check(const std::string& path, bool bits, const std::vector<std::string>& fields) {
-  if (!parse(fields).empty() && path.empty())
+RecordFormat::Kind kind_of(const std::string& path) {
+  const Suffix name = suffix_of(path);
+  if (name.nameless || name.text == ".csv") return RecordFormat::Kind::kCsv;
+  if (name.text == ".npy") return RecordFormat::Kind::kNpy;
+  if (name.text == ".jsonl") return RecordFormat::Kind::kJsonLines;
+  wrong_suffix("--output", path, ".csv, .npy or .jsonl");
+}
+
+}  // namespace
+
+std::vector<std::string> field_names() {
+  return {kNames.begin(), kNames.end()};
+}
+
+RecordFormat RecordFormat::of_cast(const std::string& path, bool bits,
+                                   const std::vector<std::string>& fields) {
+  RecordFormat format{.bits = bits, .fields = parse(fields)};
+  if (!fields.empty() && path.empty())
     throw Error(ErrorCode::kUsage, "--fields is of records; give --output too");
-  if (path.empty()) return;
-  if (kind_of(path) != Kind::kCsv && bits)
+  if (path.empty()) return format;
+  format.kind = kind_of(path);
+  if (format.kind != Kind::kCsv && bits)
     throw Error(ErrorCode::kUsage,
                 "--bits is of CSV; .npy has every bit, .jsonl shortest decimals");
+  return format;
 }
 
-RecordFile::RecordFile(const std::string& path, bool bits, const std::vector<std::string>& fields,
-                       const Mesh& mesh, const RayView& rays, std::optional<std::uint64_t> count)
-    : kind_(kind_of(path)),
-      bits_(bits),
-      fields_(parse(fields)),
-      mesh_(mesh),
-      rays_(rays),
-      count_(count),
-      file_(path) {
-  for (const MeshPart& part : mesh_.parts) node_bytes_ = std::max(node_bytes_, part.name.size());
+RecordText::RecordText(RecordFormat format, const Mesh* mesh, RayView rays)
+    : format_(std::move(format)), mesh_(mesh), rays_(std::move(rays)) {
+  if (mesh_ == nullptr) return;
+  for (const MeshPart& part : mesh_->parts) node_bytes_ = std::max(node_bytes_, part.name.size());
 }
 
-std::string RecordFile::npy_fields() const {
-  std::string fields =
-      "[('ray', '<u4'), ('F', '|b1'), ('T', '<f4'), ('CP', '<f4', (3,)), ('index', '<u4')";
-  for (const RecordField f : fields_) {
-    switch (f) {
-      case RecordField::kU:
-        fields += ", ('u', '<f4')";
+template <class Cells>
+void RecordText::fields(const Record& r, const Cells& cells) const {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  double u = kNone, v = kNone;
+  Eigen::Vector3d normal = Eigen::Vector3d::Constant(kNone);
+  std::int8_t side = 0;
+  std::string_view node;
+  if (r.f) {
+    const Triangle t = mesh_->triangle(r.index);
+    const Eigen::Vector3d a = t.v0.cast<double>(), ab = t.v1.cast<double>() - a,
+                          ac = t.v2.cast<double>() - a, ap = r.cp.cast<double>() - a;
+    const Eigen::Vector3d n = ab.cross(ac);
+    u = ap.cross(ac).dot(n) / n.squaredNorm();
+    v = ab.cross(ap).dot(n) / n.squaredNorm();
+    normal = n.normalized();
+    const double towards = n.dot(rays_[r.primary].d.template cast<double>());
+    side = towards < 0 ? 1 : towards > 0 ? -1 : 0;
+    const auto after = std::upper_bound(
+        mesh_->parts.begin(), mesh_->parts.end(), r.index,
+        [](std::uint32_t face, const MeshPart& part) { return face < part.first_face; });
+    if (after != mesh_->parts.begin()) node = std::prev(after)->name;
+  }
+  for (const RecordField f : format_.fields) {
+    if (f == RecordField::kU) cells("u", static_cast<float>(u));
+    if (f == RecordField::kV) cells("v", static_cast<float>(v));
+    if (f == RecordField::kNormal) cells("normal", Eigen::Vector3f(normal.cast<float>()));
+    if (f == RecordField::kSide) cells("side", side);
+    if (f == RecordField::kNode) cells("node", node);
+  }
+}
+
+template <class Cells>
+void RecordText::row(const Record& r, const Cells& cells) const {
+  const auto normals = [&] {
+    if (format_.normals) cells("n", r.n);
+  };
+  if (format_.kind == RecordFormat::Kind::kWords) {
+    cells("CP", r.cp);
+    cells("flags", std::uint32_t{r.f} << card::kFlagF | std::uint32_t{r.bad} << card::kFlagBad);
+    cells("index", r.index);
+    cells("T", r.t);
+    cells("primary", r.primary);
+    return normals();
+  }
+  cells(format_.scene ? "primary" : "ray", r.primary);
+  cells("F", r.f);
+  if (format_.scene) cells("bad", r.bad);
+  cells("T", r.t);
+  cells("CP", r.cp);
+  cells("index", Index{r.index, r.f});
+  normals();
+  if (format_.bits) {
+    cells("T_bits", Hex{r.t});
+    cells("CPx_bits", Hex{r.cp.x()});
+    cells("CPy_bits", Hex{r.cp.y()});
+    cells("CPz_bits", Hex{r.cp.z()});
+  }
+  if (!format_.fields.empty()) fields(r, cells);
+}
+
+std::string RecordText::head(std::uint64_t count) const {
+  std::string text;
+  if (format_.kind == RecordFormat::Kind::kNpy) {
+    row({}, NpyType{text, node_bytes_});
+    return npy_header("[" + text + "]", {count});
+  }
+  if (format_.kind != RecordFormat::Kind::kCsv) return text;
+  row({}, CsvHead{text});
+  text.back() = '\n';
+  return text;
+}
+
+void RecordText::append(std::span<const Record> records, std::string& to) const {
+  for (const Record& r : records) {
+    if (format_.only_hits && !r.f) continue;
+    switch (format_.kind) {
+      case RecordFormat::Kind::kCsv:
+        row(r, CsvRow{to});
+        to.back() = '\n';
         break;
-      case RecordField::kV:
-        fields += ", ('v', '<f4')";
+      case RecordFormat::Kind::kJsonLines:
+        to += '{';
+        row(r, JsonRow{to});
+        to.back() = '}';
+        to += '\n';
         break;
-      case RecordField::kNormal:
-        fields += ", ('normal', '<f4', (3,))";
-        break;
-      case RecordField::kSide:
-        fields += ", ('side', '|i1')";
-        break;
-      case RecordField::kNode:
-        fields += fmt::format(", ('node', '|S{}')", node_bytes_);
+      case RecordFormat::Kind::kNpy:
+      case RecordFormat::Kind::kWords:
+        row(r, Bytes{to, node_bytes_});
         break;
     }
   }
-  return fields + "]";
 }
 
 /// Before the first records, so that a card that fails leaves nothing on stdout.
 void RecordFile::head() {
-  if (std::exchange(has_head_, true)) return;
-  if (kind_ == Kind::kNpy) file_.write(npy_header(npy_fields(), {*count_}));
-  if (kind_ != Kind::kCsv) return;
-  std::string line = "ray,F,T,CPx,CPy,CPz,index";
-  if (bits_) line += ",T_bits,CPx_bits,CPy_bits,CPz_bits";
-  for (const RecordField f : fields_)
-    line += f == RecordField::kNormal ? std::string(",nx,ny,nz")
-                                      : fmt::format(",{}", kNames[static_cast<std::size_t>(f)]);
-  file_.write(line + "\n");
-}
-
-RecordFile::Details RecordFile::details(const Record& r) const {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  Details d{kNone, kNone, Eigen::Vector3d::Constant(kNone), 0, {}};
-  if (!r.f) return d;
-  const Triangle t = mesh_.triangle(r.index);
-  const Eigen::Vector3d a = t.v0.cast<double>(), ab = t.v1.cast<double>() - a,
-                        ac = t.v2.cast<double>() - a, ap = r.cp.cast<double>() - a;
-  const Eigen::Vector3d n = ab.cross(ac);
-  d.u = ap.cross(ac).dot(n) / n.squaredNorm();
-  d.v = ab.cross(ap).dot(n) / n.squaredNorm();
-  d.normal = n.normalized();
-  const double towards = n.dot(rays_[r.primary].d.cast<double>());
-  d.side = towards < 0 ? 1 : towards > 0 ? -1 : 0;
-  const auto after = std::upper_bound(
-      mesh_.parts.begin(), mesh_.parts.end(), r.index,
-      [](std::uint32_t face, const MeshPart& part) { return face < part.first_face; });
-  if (after != mesh_.parts.begin()) d.node = std::prev(after)->name;
-  return d;
-}
-
-void RecordFile::csv(const Record& r) {
-  const auto out = std::back_inserter(text_);
-  fmt::format_to(out, "{},{},{},{},{},{},{}", r.primary, r.f ? 1 : 0, r.t, r.cp.x(), r.cp.y(),
-                 r.cp.z(), r.index);
-  if (bits_)
-    for (const float x : {r.t, r.cp.x(), r.cp.y(), r.cp.z()})
-      fmt::format_to(out, ",{:08x}", std::bit_cast<std::uint32_t>(x));
-  if (!fields_.empty()) {
-    const Details d = details(r);
-    for (const RecordField f : fields_) {
-      if (f == RecordField::kU) fmt::format_to(out, ",{}", static_cast<float>(d.u));
-      if (f == RecordField::kV) fmt::format_to(out, ",{}", static_cast<float>(d.v));
-      if (f == RecordField::kNormal)
-        for (const double x : d.normal) fmt::format_to(out, ",{}", static_cast<float>(x));
-      if (f == RecordField::kSide) fmt::format_to(out, ",{}", d.side);
-      if (f == RecordField::kNode) fmt::format_to(out, ",{}", csv_text(d.node));
-    }
-  }
-  text_.push_back('\n');
-}
-
-void RecordFile::npy(const Record& r) {
-  append(text_, r.primary);
-  append(text_, static_cast<std::uint8_t>(r.f ? 1 : 0));
-  for (const float x : {r.t, r.cp.x(), r.cp.y(), r.cp.z()}) append(text_, x);
-  append(text_, r.index);
-  if (fields_.empty()) return;
-  const Details d = details(r);
-  for (const RecordField f : fields_) {
-    if (f == RecordField::kU) append(text_, static_cast<float>(d.u));
-    if (f == RecordField::kV) append(text_, static_cast<float>(d.v));
-    if (f == RecordField::kNormal)
-      for (const double x : d.normal) append(text_, static_cast<float>(x));
-    if (f == RecordField::kSide) append(text_, static_cast<std::int8_t>(d.side));
-    if (f == RecordField::kNode) {
-      std::string name(d.node);
-      name.resize(node_bytes_, '\0');
-      text_.append(name);
-    }
-  }
-}
-
-void RecordFile::json_line(const Record& r) {
-  const auto out = std::back_inserter(text_);
-  fmt::format_to(out, R"({{"ray":{},"F":{},"T":{},"CP":[{},{},{}],"index":{})", r.primary,
-                 r.f ? 1 : 0, json_number(r.t), json_number(r.cp.x()), json_number(r.cp.y()),
-                 json_number(r.cp.z()), r.f && r.index != ~0u ? fmt::to_string(r.index) : "null");
-  if (!fields_.empty()) {
-    const Details d = details(r);
-    const auto number = [](double x) { return json_number(static_cast<float>(x)); };
-    for (const RecordField f : fields_) {
-      if (f == RecordField::kU) fmt::format_to(out, R"(,"u":{})", number(d.u));
-      if (f == RecordField::kV) fmt::format_to(out, R"(,"v":{})", number(d.v));
-      if (f == RecordField::kNormal)
-        fmt::format_to(out, R"(,"normal":[{},{},{}])", number(d.normal.x()), number(d.normal.y()),
-                       number(d.normal.z()));
-      if (f == RecordField::kSide) fmt::format_to(out, R"(,"side":{})", d.side);
-      if (f == RecordField::kNode)
-        fmt::format_to(
-            out, R"(,"node":{})",
-            nlohmann::json(d.node).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
-    }
-  }
-  text_.append(std::string_view("}\n"));
+  if (!std::exchange(has_head_, true)) file_.write(text_.head(count_.value_or(0)));
 }
 
 void RecordFile::add(std::span<const Record> records) {
-  // Without a count, an array has its header last, so its data wait in memory.
-  const bool waits = kind_ == Kind::kNpy && !count_;
-  if (!waits) text_.clear();
-  for (const Record& r : records) {
-    if (kind_ == Kind::kCsv) csv(r);
-    if (kind_ == Kind::kNpy) npy(r);
-    if (kind_ == Kind::kJsonLines) json_line(r);
-  }
   written_ += records.size();
-  if (!waits) head();
-  if (!waits) file_.write({text_.data(), text_.size()});
+  // Without a count, an array has its header last, so its data wait in memory.
+  const bool waits = text_.format().kind == RecordFormat::Kind::kNpy && !count_;
+  if (!waits) bytes_.clear();
+  text_.append(records, bytes_);
+  if (waits) return;
+  head();
+  file_.write(bytes_);
 }
 
 void RecordFile::commit() {
-  if (kind_ == Kind::kNpy && !count_) {
-    count_ = written_;
-    head();
-    file_.write({text_.data(), text_.size()});
+  if (text_.format().kind == RecordFormat::Kind::kNpy) {
+    if (!count_) {
+      count_ = written_;
+      head();
+      file_.write(bytes_);
+    }
+    if (*count_ != written_)
+      throw Error(ErrorCode::kDevice, fmt::format("{} records came of {}", written_, *count_));
   }
   head();
-  if (kind_ == Kind::kNpy && *count_ != written_)
-    throw Error(ErrorCode::kDevice, fmt::format("{} records came of {}", written_, *count_));
   file_.commit();
 }
 

@@ -61,7 +61,10 @@ void run_cast(const CastTask& asked) {
   if (o.picture.any()) picture.emplace(o, job);
   std::optional<RecordFile> records;
   if (!o.records.empty())
-    records.emplace(o.records, o.bits, o.fields, job.mesh, job.rays, records_of(job));
+    records.emplace(
+        o.records,
+        RecordText(RecordFormat::of_cast(o.records, o.bits, o.fields), &job.mesh, job.rays),
+        records_of(job));
   CastOutcome result = cast_rays(o, job, "casting", [&](std::span<const Record> some) {
     if (records) records->add(some);
     if (picture) picture->add(some);

@@ -90,7 +90,7 @@ CastTask task_of(const CastWords& w) {
     usage("--fields are of triangles, and mode occluded does not say which one it is");
   t.trace.check();
   check_picture_names(t.picture);
-  RecordFile::check(t.records, t.bits, t.fields);
+  (void)RecordFormat::of_cast(t.records, t.bits, t.fields);
   t.source = source_of(w);
   return t;
 }

@@ -5,14 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <chrono>
-#include <iterator>
 #include <optional>
 
 #include "cde/bitstream/bitstream.hpp"
 #include "cde/card/json_keys.hpp"
-#include "cde/contract/records.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/input_file.hpp"
 #include "output/output.hpp"
@@ -23,22 +20,6 @@ namespace cde::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// The card's words, as docs/scenes.md lays them out.
-void append_binary(std::string& to, const Record& r, bool normals) {
-  const auto word = [&](std::uint32_t w) {
-    for (int i = 0; i < 4; ++i) to.push_back(static_cast<char>(w >> (8 * i) & 255));
-  };
-  const auto vector = [&](const Eigen::Vector3f& v) {
-    for (const float x : {v.x(), v.y(), v.z()}) word(std::bit_cast<std::uint32_t>(x));
-  };
-  vector(r.cp);
-  word((r.f ? 1u << card::kFlagF : 0u) | (r.bad ? 1u << card::kFlagBad : 0u));
-  word(r.index);
-  word(std::bit_cast<std::uint32_t>(r.t));
-  word(r.primary);
-  if (normals) vector(r.n);
-}
 
 Json query_json(const std::string& name, const QueryFrame& f) {
   Json counters = counters_json(f.counters);
@@ -68,11 +49,11 @@ std::string played(Player& player, const DealtFrames& f, std::uint32_t frame) {
   const std::vector<std::string> names = record_names(scene, frame);
   std::vector<std::string> texts;
   for (std::size_t q = 0; q < names.size(); ++q)
-    texts.push_back(RunRecords(scene, scene.queries[q]).head());
+    texts.push_back(record_text(scene, scene.queries[q]).head());
   const auto start = std::chrono::steady_clock::now();
   const std::vector<QueryFrame> answers =
       player.play(frame, [&](std::size_t q, std::span<const Record> records) {
-        if (!texts.empty()) RunRecords(scene, scene.queries[q]).append(records, texts[q]);
+        if (!texts.empty()) record_text(scene, scene.queries[q]).append(records, texts[q]);
       });
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   for (std::size_t q = 0; q < answers.size(); ++q)
@@ -102,34 +83,13 @@ std::string contents(const Scene& scene) {
 
 }  // namespace
 
-RunRecords::RunRecords(const Scene& scene, const SceneQuery& query)
-    : scene_(scene), normals_(query.normals) {}
-
-std::string RunRecords::head() const {
-  if (scene_.results != Results::kCsv) return {};
-  std::string header = "primary,F,bad,T,CPx,CPy,CPz,index";
-  if (normals_) header += ",nx,ny,nz";
-  if (scene_.bits) header += ",T_bits,CPx_bits,CPy_bits,CPz_bits";
-  return header + "\n";
-}
-
-void RunRecords::append(std::span<const Record> records, std::string& text) const {
-  for (const Record& r : records) {
-    if (scene_.only_hits && !r.f) continue;
-    if (scene_.results == Results::kBinary) {
-      append_binary(text, r, normals_);
-      continue;
-    }
-    auto to = std::back_inserter(text);
-    fmt::format_to(to, "{},{},{},{},{},{},{},{}", r.primary, r.f ? 1 : 0, r.bad ? 1 : 0, r.t,
-                   r.cp.x(), r.cp.y(), r.cp.z(), r.index);
-    if (normals_) fmt::format_to(to, ",{},{},{}", r.n.x(), r.n.y(), r.n.z());
-    if (scene_.bits) {
-      for (const float x : {r.t, r.cp.x(), r.cp.y(), r.cp.z()})
-        fmt::format_to(to, ",{:08x}", std::bit_cast<std::uint32_t>(x));
-    }
-    text.push_back('\n');
-  }
+RecordText record_text(const Scene& scene, const SceneQuery& query) {
+  const bool csv = scene.results == Results::kCsv;
+  return RecordText({.kind = csv ? RecordFormat::Kind::kCsv : RecordFormat::Kind::kWords,
+                     .scene = true,
+                     .normals = query.normals,
+                     .bits = scene.bits,
+                     .only_hits = scene.only_hits});
 }
 
 Json frame_json(const Scene& scene, std::uint32_t frame, double wall_seconds,

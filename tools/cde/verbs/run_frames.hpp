@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
-#include <span>
 #include <string>
 #include <vector>
 
+#include "cde/io/record_file.hpp"
 #include "cde/jobs/dealing.hpp"
 #include "cde/scene/player.hpp"
 #include "cde/scene/scene.hpp"
@@ -15,16 +15,7 @@
 namespace cde::cli {
 
 /// How the records of a query are written, as the scene says.
-class RunRecords {
- public:
-  RunRecords(const Scene& scene, const SceneQuery& query);
-  [[nodiscard]] std::string head() const;  ///< the first line of CSV
-  void append(std::span<const Record> records, std::string& to) const;
-
- private:
-  const Scene& scene_;
-  bool normals_;
-};
+[[nodiscard]] RecordText record_text(const Scene& scene, const SceneQuery& query);
 
 /// A frame of run.json.
 [[nodiscard]] nlohmann::ordered_json frame_json(const Scene& scene, std::uint32_t frame,
@@ -55,7 +46,7 @@ struct DealtFrames {
 using FrameSink = std::function<void(std::uint32_t frame, const nlohmann::ordered_json& json,
                                      const std::vector<std::string>& records)>;
 
-/// Begins a run that is dealt, a chunk a frame (Dealing::begin).
+/// Begins a run that is dealt, one chunk per frame (Dealing::begin).
 void begin_frames(const DealOptions& options, const DealtFrames& frames, bool quiet);
 /// Dealing::deal of them. Error kMismatch where a record differs from the reference.
 [[nodiscard]] bool deal_frames(const DealtFrames& frames, const FrameSink& take);

@@ -67,26 +67,6 @@ const char* memory_name(const Scene& scene) {
   return scene.card.cycle_memory ? "cycle" : "ideal";
 }
 
-/// Records of one query in one frame.
-class FrameFile {
- public:
-  FrameFile(const fs::path& path, const Scene& scene, const SceneQuery& query)
-      : file_(path), form_(scene, query) {
-    file_.write(form_.head());
-  }
-  void add(std::span<const Record> records) {
-    text_.clear();
-    form_.append(records, text_);
-    file_.write(text_);
-  }
-  void commit() { file_.commit(); }
-
- private:
-  OutputFile file_;
-  RunRecords form_;
-  std::string text_;
-};
-
 struct Totals {
   std::uint64_t records = 0, compared = 0, mismatches = 0, corrected = 0, hits = 0, tests = 0;
   std::uint64_t nodes = 0;            // of a hierarchy, read
@@ -341,11 +321,11 @@ class Run {
   }
 
   void play_frame(Player& player, std::uint32_t frame) {
-    std::vector<std::unique_ptr<FrameFile>> files;
+    std::vector<std::unique_ptr<RecordFile>> files;
     const std::vector<std::string> written = record_names(scene_, frame);
     for (std::size_t q = 0; q < written.size(); ++q)
-      files.push_back(
-          std::make_unique<FrameFile>(folder_.path() / written[q], scene_, scene_.queries[q]));
+      files.push_back(std::make_unique<RecordFile>(folder_.path() / written[q],
+                                                   record_text(scene_, scene_.queries[q])));
     const auto start = std::chrono::steady_clock::now();
     const std::vector<QueryFrame> answers =
         player.play(frame, [&](std::size_t query, std::span<const Record> records) {

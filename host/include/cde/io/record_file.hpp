@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <fmt/format.h>
-
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cde/geometry/primitives.hpp"
@@ -27,49 +27,66 @@ enum class RecordField {
 /// "u", "v", "normal", "side", "node".
 [[nodiscard]] std::vector<std::string> field_names();
 
-/// Records of rays and triangles as a file: .csv (or "-"), .npy (a structured array) or .jsonl (an
-/// object a line), by its suffix.
+/// The format of a file of records, and its columns.
+struct RecordFormat {
+  enum class Kind {
+    kCsv,
+    kNpy,        ///< a structured array
+    kJsonLines,  ///< an object per line
+    kWords,      ///< the card's words (docs/scenes.md)
+  };
+  Kind kind = Kind::kCsv;
+  bool scene = false;      ///< primaries, which may be bad, instead of rays
+  bool normals = false;    ///< Record::n
+  bool bits = false;       ///< of CSV: T and CP in hex as well
+  bool only_hits = false;  ///< other records are left out
+  std::vector<RecordField> fields = {};
+
+  /// That of a cast by the suffix of its path: .csv (or "-"), .npy or .jsonl. Error kUsage for
+  /// another suffix, for bits without CSV, for an unknown field, and for fields without a path.
+  static RecordFormat of_cast(const std::string& path, bool bits,
+                              const std::vector<std::string>& fields);
+};
+
+/// Records as the bytes of a file.
+class RecordText {
+ public:
+  /// The mesh, which must outlive it, and the rays are those of fields.
+  explicit RecordText(RecordFormat format, const Mesh* mesh = nullptr, RayView rays = {});
+  /// What stands before the records, of which an array says how many there are.
+  [[nodiscard]] std::string head(std::uint64_t count = 0) const;
+  void append(std::span<const Record> records, std::string& to) const;
+  [[nodiscard]] const RecordFormat& format() const { return format_; }
+
+ private:
+  template <class Cells>
+  void row(const Record& record, const Cells& cells) const;
+  template <class Cells>
+  void fields(const Record& record, const Cells& cells) const;
+
+  RecordFormat format_;
+  const Mesh* mesh_;
+  RayView rays_;
+  std::size_t node_bytes_ = 1;  ///< of the longest name of a node
+};
+
 class RecordFile {
  public:
-  /// Error kUsage for another suffix, for --bits without CSV, and for an unknown field. Mesh and
-  /// rays must outlive it. `count`: of the records, if it is known before they come.
-  RecordFile(const std::string& path, bool bits, const std::vector<std::string>& fields,
-             const Mesh& mesh, const RayView& rays, std::optional<std::uint64_t> count);
-
-  /// The names alone: what the constructor would complain about, before anything slow.
-  static void check(const std::string& path, bool bits, const std::vector<std::string>& fields);
-
+  /// `count`: of the records, if it is known before they come.
+  RecordFile(const std::string& path, RecordText text, std::optional<std::uint64_t> count = {})
+      : text_(std::move(text)), count_(count), file_(path) {}
   void add(std::span<const Record> records);
   void commit();  ///< error kFile if anything could not be written
 
  private:
-  enum class Kind { kCsv, kNpy, kJsonLines };
-  struct Details {
-    double u, v;
-    Eigen::Vector3d normal;
-    int side;
-    std::string_view node;
-  };
-  static Kind kind_of(const std::string& path);
-  static std::vector<RecordField> parse(const std::vector<std::string>& fields);
-  [[nodiscard]] Details details(const Record& record) const;
   void head();
-  void csv(const Record& record);
-  void npy(const Record& record);
-  void json_line(const Record& record);
-  [[nodiscard]] std::string npy_fields() const;
 
-  Kind kind_;
-  bool bits_;
-  std::vector<RecordField> fields_;
-  const Mesh& mesh_;
-  RayView rays_;
-  std::optional<std::uint64_t> count_;  ///< of records, in the header of .npy
+  RecordText text_;
+  std::optional<std::uint64_t> count_;
   bool has_head_ = false;
   std::uint64_t written_ = 0;
-  std::size_t node_bytes_ = 1;  ///< of the longest name of a node
   OutputFile file_;
-  fmt::memory_buffer text_;
+  std::string bytes_;
 };
 
 }  // namespace cde
