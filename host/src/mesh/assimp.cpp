@@ -232,14 +232,7 @@ void limit_child(std::chrono::seconds deadline) {
   // The C library's last words on a broken heap would only confuse.
   const int null = ::open("/dev/null", O_WRONLY);
   ::dup2(null, 2);
-  const std::string bytes = import(path);
-  for (std::size_t sent = 0; sent < bytes.size();) {
-    const ssize_t n = ::write(out, bytes.data() + sent, bytes.size() - sent);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) leave(1);
-    sent += static_cast<std::size_t>(n);
-  }
-  leave(0);
+  leave(process::write_all(out, import(path)) ? 0 : 1);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -71,13 +72,14 @@ pid_t start(const std::vector<std::string>& command, int input, int output, int 
   return child;
 }
 
-/// The exit status, as a shell has it.
-int wait_for(pid_t child, std::uint64_t* resident_kb = nullptr) {
+/// The exit status, as a shell has it; `signal` is the one that ended it, or 0.
+int wait_for(pid_t child, std::uint64_t* resident_kb = nullptr, int* signal = nullptr) {
   int status = 0;
   rusage used{};
   while (::wait4(child, &status, 0, &used) < 0 && errno == EINTR) {
   }
   if (resident_kb != nullptr) *resident_kb = static_cast<std::uint64_t>(used.ru_maxrss);
+  if (signal != nullptr) *signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
@@ -134,7 +136,83 @@ class Signals {
   static_assert(std::atomic<int>::is_always_lock_free, "set in a signal handler");
 };
 
+volatile pid_t forward_to = 0;
+
+/// Hands signals that end a process on to a child, which has something to put back.
+class Forwarding {
+ public:
+  /// Before the child is there: no signal is lost.
+  Forwarding() {
+    sigset_t all;
+    ::sigemptyset(&all);
+    for (const int signal : kSignals) ::sigaddset(&all, signal);
+    ::sigprocmask(SIG_BLOCK, &all, &mask_);
+  }
+  ~Forwarding() {
+    if (!installed_) unblock();
+    for (std::size_t i = 0; installed_ && i < kSignals.size(); ++i)
+      ::sigaction(kSignals[i], &before_[i], nullptr);
+  }
+  Forwarding(const Forwarding&) = delete;
+  Forwarding& operator=(const Forwarding&) = delete;
+  void to(pid_t child) {
+    forward_to = child;
+    struct sigaction action {};
+    action.sa_handler = [](int signal) { ::kill(forward_to, signal); };
+    for (std::size_t i = 0; i < kSignals.size(); ++i) {
+      ::sigaction(kSignals[i], nullptr, &before_[i]);
+      if (before_[i].sa_handler != SIG_IGN) ::sigaction(kSignals[i], &action, nullptr);
+    }
+    installed_ = true;
+    unblock();
+  }
+
+ private:
+  void unblock() { ::sigprocmask(SIG_SETMASK, &mask_, nullptr); }
+
+  static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGQUIT};
+  sigset_t mask_{};
+  std::array<struct sigaction, kSignals.size()> before_{};
+  bool installed_ = false;
+};
+
+/// A byte on `done` tells the parent that `work` has not crashed.
+void work_as_child(int done, pid_t parent, const std::function<void()>& work) {
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (::getppid() != parent) std::raise(SIGTERM);
+  const rlimit no_core{0, 0};
+  ::setrlimit(RLIMIT_CORE, &no_core);
+  const auto tell = [done] {
+    write_all(done, std::string_view("", 1));
+    ::close(done);
+  };
+  try {
+    work();
+  } catch (...) {
+    tell();
+    throw;
+  }
+  tell();
+}
+
+pid_t fork_process() {
+  const pid_t child = ::fork();
+  if (child < 0)
+    throw Error(ErrorCode::kFile, fmt::format("no child process: {}", std::strerror(errno)));
+  return child;
+}
+
 }  // namespace
+
+bool write_all(int file, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t n = ::write(file, text.data(), text.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(n));
+  }
+  return true;
+}
 
 Result run(const std::vector<std::string>& command) {
   const auto ends = new_pipe();
@@ -152,9 +230,7 @@ Result isolated(const std::function<void(int out)>& work) {
   const auto ends = new_pipe();
   const Descriptor from(ends[0]);
   Descriptor to(ends[1]);
-  const pid_t child = ::fork();
-  if (child < 0)
-    throw Error(ErrorCode::kFile, fmt::format("no child process: {}", std::strerror(errno)));
+  const pid_t child = fork_process();
   if (child == 0) {
     ::close(from.get());
     work(to.get());
@@ -165,6 +241,37 @@ Result isolated(const std::function<void(int out)>& work) {
   result.output = read_all(from.get(), [](std::string_view) {});
   result.status = wait_for(child, &result.resident_kb);
   return result;
+}
+
+std::optional<Ended> continue_in_child(const std::function<void()>& work,
+                                       const std::function<void(int errors)>& relay, bool forward) {
+  const auto done = new_pipe(), errors = new_pipe();
+  Descriptor from_done(done[0]), to_done(done[1]), from(errors[0]), to(errors[1]);
+  const pid_t parent = ::getpid();
+  std::optional<Forwarding> forwarding;
+  if (forward) forwarding.emplace();
+  const pid_t child = fork_process();
+  if (child == 0) {
+    from_done.close();
+    from.close();
+    ::dup2(to.get(), STDERR_FILENO);
+    to.close();
+    forwarding.reset();
+    work_as_child(to_done.get(), parent, work);
+    return std::nullopt;
+  }
+  if (forwarding) forwarding->to(child);
+  to_done.close();
+  to.close();
+  relay(from.get());
+  char byte = 0;
+  ssize_t told = 0;
+  do {
+    told = ::read(from_done.get(), &byte, 1);
+  } while (told < 0 && errno == EINTR);
+  Ended ended{.worked = told == 1};
+  ended.status = wait_for(child, nullptr, &ended.signal);
+  return ended;
 }
 
 Result attend(const std::vector<std::string>& command,
@@ -210,14 +317,7 @@ Conversation::~Conversation() {
 }
 
 void Conversation::write(std::string_view line) {
-  std::string text(line);
-  text += '\n';
-  for (std::size_t done = 0; done < text.size();) {
-    const ssize_t n = ::write(to_, text.data() + done, text.size() - done);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return;
-    done += static_cast<std::size_t>(n);
-  }
+  write_all(to_, std::string(line) + '\n');
 }
 
 std::optional<std::string> Conversation::read() {

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <string>
 
+#include "cde/support/process.hpp"
 #include "tui/tui_terminal.hpp"
 // Its macros have everyday names: it is the last.
 #include <term.h>
@@ -44,11 +45,7 @@ void Terminal::restore() const {
     const char* const text = ::tigetstr(name);
     if (text != nullptr && text != reinterpret_cast<const char*>(-1)) ::tputs(text, 1, collect);
   }
-  for (std::size_t at = 0; at < collected.size();) {
-    const ssize_t n = ::write(STDOUT_FILENO, collected.data() + at, collected.size() - at);
-    if (n <= 0) return;
-    at += static_cast<std::size_t>(n);
-  }
+  process::write_all(STDOUT_FILENO, collected);
 }
 
 }  // namespace cde::wave::tui

@@ -26,6 +26,24 @@ struct Result {
 /// Error kFile if no process can be made.
 [[nodiscard]] Result isolated(const std::function<void(int out)>& work);
 
+/// How a child of continue_in_child ended.
+struct Ended {
+  int status = 0;       ///< exit status, 128 + signal if a signal ended it
+  int signal = 0;       ///< that ended it; 0: none
+  bool worked = false;  ///< `work` came to its end, or threw
+};
+
+/// Runs `work` in a child process, a copy of this one, which then goes on in place of it: there
+/// this returns nothing, or throws, as `work` does. Here `relay` gets the descriptor that the
+/// child's stderr is read from, and how the child ended is returned. `forward`: signals that end a
+/// process are for the child, which this process outlives. Error kFile if no process can be made.
+[[nodiscard]] std::optional<Ended> continue_in_child(const std::function<void()>& work,
+                                                     const std::function<void(int errors)>& relay,
+                                                     bool forward);
+
+/// Writes all of it; false if the reader takes no more.
+bool write_all(int file, std::string_view text);
+
 using Seconds = std::chrono::duration<double>;
 
 /// The same for a program that may run long, and that ends when its stdin does: with this process,
