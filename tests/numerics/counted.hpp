@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <string>
 
+#include "cde/fp/number_like.hpp"
 #include "cde/geometry/ops.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
@@ -49,7 +49,7 @@ class CountedMask {
   int depth_ = 0;
 };
 
-class Counted {
+class Counted : public NumberLike<Counted> {
  public:
   static inline Tally tally;
 
@@ -57,8 +57,8 @@ class Counted {
   explicit Counted(float value, int depth = 0) : value_(value), depth_(depth) {}
   explicit Counted(double value) : value_(static_cast<float>(value)) {}
   explicit Counted(int value) : value_(static_cast<float>(value)) {}
-  explicit operator double() const { return static_cast<double>(value_); }
-  explicit operator float() const { return value_; }
+  static Counted of(float value) { return Counted(value); }
+  [[nodiscard]] float value() const { return value_; }
 
   Counted operator-() const { return Counted(-value_, depth_); }
   friend Counted operator+(Counted a, Counted b) {
@@ -73,20 +73,13 @@ class Counted {
   friend Counted operator/(Counted a, Counted b) {
     return a.result(tally.div, a.value_ / b.value_, b);
   }
-  Counted& operator+=(Counted b) { return *this = *this + b; }
-  Counted& operator-=(Counted b) { return *this = *this - b; }
-  Counted& operator*=(Counted b) { return *this = *this * b; }
-  Counted& operator/=(Counted b) { return *this = *this / b; }
   friend CountedMask operator<(Counted a, Counted b) { return a.decision(a.value_ < b.value_, b); }
   friend CountedMask operator<=(Counted a, Counted b) {
     return a.decision(a.value_ <= b.value_, b);
   }
-  friend CountedMask operator>(Counted a, Counted b) { return b < a; }
-  friend CountedMask operator>=(Counted a, Counted b) { return b <= a; }
   friend CountedMask operator==(Counted a, Counted b) {
     return a.decision(a.value_ == b.value_, b);
   }
-  friend CountedMask operator!=(Counted a, Counted b) { return !(a == b); }
 
   friend Counted sqrt(Counted a) { return a.result(tally.sqrt, std::sqrt(a.value_), a); }
   friend Counted min_num(Counted a, Counted b) {
@@ -102,8 +95,6 @@ class Counted {
     return Counted(reference::no_minus_zero(a.value_), a.depth_);
   }
   friend CountedMask signbit(Counted a) { return {std::signbit(a.value_), a.depth_}; }
-  friend bool isfinite(Counted a) { return std::isfinite(a.value_); }
-  friend bool isnan(Counted a) { return std::isnan(a.value_); }
   friend Counted canonical(Counted a) { return Counted(reference::canonical(a.value_), a.depth_); }
   friend Counted move_sign(Counted a, Counted b) {
     return Counted(reference::move_sign(a.value_, b.value_), std::max(a.depth_, b.depth_));
@@ -138,24 +129,8 @@ class Counted {
 }  // namespace cde::testing
 
 template <>
-class std::numeric_limits<cde::testing::Counted> : public std::numeric_limits<float> {
-  using T = cde::testing::Counted;
-  using Base = std::numeric_limits<float>;
-
- public:
-  static T min() { return T(Base::min()); }
-  static T max() { return T(Base::max()); }
-  static T lowest() { return T(Base::lowest()); }
-  static constexpr float epsilon() { return Base::epsilon(); }
-  static T infinity() { return T(Base::infinity()); }
-  static T quiet_NaN() { return T(Base::quiet_NaN()); }
-};
+class std::numeric_limits<cde::testing::Counted>
+    : public cde::LimitsOf<cde::testing::Counted, float> {};
 
 template <>
-struct Eigen::NumTraits<cde::testing::Counted> : Eigen::GenericNumTraits<cde::testing::Counted> {
-  using Real = cde::testing::Counted;
-  using NonInteger = cde::testing::Counted;
-  using Nested = cde::testing::Counted;
-  using Literal = double;
-  enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 1 };
-};
+struct Eigen::NumTraits<cde::testing::Counted> : cde::EigenTraitsOf<cde::testing::Counted> {};

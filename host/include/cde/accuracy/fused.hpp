@@ -2,9 +2,9 @@
 #pragma once
 #include <Eigen/Core>
 #include <cmath>
-#include <limits>
 #include <type_traits>
 
+#include "cde/fp/number_like.hpp"
 #include "cde/geometry/ops.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
@@ -13,7 +13,7 @@
 namespace cde::accuracy {
 
 template <class S>
-class Fused {
+class Fused : public NumberLike<Fused<S>> {
  public:
   Fused() = default;
   explicit Fused(double value) : value_(static_cast<S>(value)) {}
@@ -24,8 +24,6 @@ class Fused {
     f.value_ = value;
     return f;
   }
-  explicit operator double() const { return static_cast<double>(value_); }
-  explicit operator float() const { return static_cast<float>(value_); }
   [[nodiscard]] S value() const { return value_; }
 
   Fused operator-() const {
@@ -49,16 +47,9 @@ class Fused {
     return of(a.value_ + b.value_);
   }
   friend Fused operator-(Fused a, Fused b) { return a + -b; }
-  Fused& operator+=(Fused b) { return *this = *this + b; }
-  Fused& operator-=(Fused b) { return *this = *this - b; }
-  Fused& operator*=(Fused b) { return *this = *this * b; }
-  Fused& operator/=(Fused b) { return *this = *this / b; }
   friend bool operator<(Fused a, Fused b) { return a.value_ < b.value_; }
   friend bool operator<=(Fused a, Fused b) { return a.value_ <= b.value_; }
-  friend bool operator>(Fused a, Fused b) { return b < a; }
-  friend bool operator>=(Fused a, Fused b) { return b <= a; }
   friend bool operator==(Fused a, Fused b) { return a.value_ == b.value_; }
-  friend bool operator!=(Fused a, Fused b) { return !(a == b); }
 
   friend Fused sqrt(Fused a) {
     using std::sqrt;
@@ -74,14 +65,6 @@ class Fused {
   friend bool signbit(Fused a) {
     using std::signbit;
     return signbit(a.value_);
-  }
-  friend bool isfinite(Fused a) {
-    using std::isfinite;
-    return isfinite(a.value_);
-  }
-  friend bool isnan(Fused a) {
-    using std::isnan;
-    return isnan(a.value_);
   }
   friend Fused canonical(Fused a) { return of(reference::canonical(a.value_)); }
   friend Fused move_sign(Fused a, Fused b) { return of(reference::move_sign(a.value_, b.value_)); }
@@ -109,26 +92,8 @@ class Fused {
 }  // namespace cde::accuracy
 
 template <class S>
-class std::numeric_limits<cde::accuracy::Fused<S>> : public std::numeric_limits<S> {
-  using T = cde::accuracy::Fused<S>;
-  using Base = std::numeric_limits<S>;
-
- public:
-  static T min() { return T::of(Base::min()); }
-  static T max() { return T::of(Base::max()); }
-  static T lowest() { return T::of(Base::lowest()); }
-  static constexpr auto epsilon() { return Base::epsilon(); }
-  static T infinity() { return T::of(Base::infinity()); }
-  static T quiet_NaN() { return T::of(Base::quiet_NaN()); }
-};
+class std::numeric_limits<cde::accuracy::Fused<S>>
+    : public cde::LimitsOf<cde::accuracy::Fused<S>, S> {};
 
 template <class S>
-struct Eigen::NumTraits<cde::accuracy::Fused<S>> : Eigen::GenericNumTraits<float> {
-  using Real = cde::accuracy::Fused<S>;
-  using NonInteger = cde::accuracy::Fused<S>;
-  using Nested = cde::accuracy::Fused<S>;
-  using Literal = double;
-  static Real epsilon() { return Real(0); }
-  static Real dummy_precision() { return Real(0); }
-  enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 1 };
-};
+struct Eigen::NumTraits<cde::accuracy::Fused<S>> : cde::EigenTraitsOf<cde::accuracy::Fused<S>> {};

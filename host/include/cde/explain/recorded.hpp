@@ -5,10 +5,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "cde/contract/formats.hpp"
+#include "cde/fp/number_like.hpp"
 #include "cde/fp/scalars.hpp"
 #include "cde/geometry/ops.hpp"
 #include "cde/reference/pipes/scale.hpp"
@@ -66,7 +66,7 @@ class RecordedMask {
 };
 
 template <class S>
-class Recorded {
+class Recorded : public NumberLike<Recorded<S>> {
  public:
   Recorded() = default;
   explicit Recorded(double value) : value_(static_cast<S>(value)) {}
@@ -78,8 +78,6 @@ class Recorded {
     r.step_ = step;
     return r;
   }
-  explicit operator double() const { return static_cast<double>(value_); }
-  explicit operator float() const { return static_cast<float>(value_); }
   [[nodiscard]] S value() const { return value_; }
   [[nodiscard]] std::int32_t step() const { return step_; }
 
@@ -96,22 +94,15 @@ class Recorded {
   friend Recorded operator/(Recorded a, Recorded b) {
     return operation(FpOp::kDiv, a, b, a.value_ / b.value_);
   }
-  Recorded& operator+=(Recorded b) { return *this = *this + b; }
-  Recorded& operator-=(Recorded b) { return *this = *this - b; }
-  Recorded& operator*=(Recorded b) { return *this = *this * b; }
-  Recorded& operator/=(Recorded b) { return *this = *this / b; }
   friend RecordedMask operator<(Recorded a, Recorded b) {
     return decision(FpOp::kLt, a, b, a.value_ < b.value_);
   }
   friend RecordedMask operator<=(Recorded a, Recorded b) {
     return decision(FpOp::kLe, a, b, a.value_ <= b.value_);
   }
-  friend RecordedMask operator>(Recorded a, Recorded b) { return b < a; }
-  friend RecordedMask operator>=(Recorded a, Recorded b) { return b <= a; }
   friend RecordedMask operator==(Recorded a, Recorded b) {
     return decision(FpOp::kEq, a, b, a.value_ == b.value_);
   }
-  friend RecordedMask operator!=(Recorded a, Recorded b) { return !(a == b); }
 
   friend Recorded sqrt(Recorded a) {
     using std::sqrt;
@@ -135,14 +126,6 @@ class Recorded {
   friend RecordedMask signbit(Recorded a) {
     using std::signbit;
     return {signbit(a.value_), a.step_};
-  }
-  friend bool isfinite(Recorded a) {
-    using std::isfinite;
-    return isfinite(a.value_);
-  }
-  friend bool isnan(Recorded a) {
-    using std::isnan;
-    return isnan(a.value_);
   }
   friend Recorded canonical(Recorded a) { return of(reference::canonical(a.value_), a.step_); }
   friend Recorded move_sign(Recorded a, Recorded b) {
@@ -176,26 +159,9 @@ class Recorded {
 }  // namespace cde::explain
 
 template <class S>
-class std::numeric_limits<cde::explain::Recorded<S>> : public std::numeric_limits<S> {
-  using T = cde::explain::Recorded<S>;
-  using Base = std::numeric_limits<S>;
-
- public:
-  static T min() { return T::of(Base::min()); }
-  static T max() { return T::of(Base::max()); }
-  static T lowest() { return T::of(Base::lowest()); }
-  static constexpr auto epsilon() { return Base::epsilon(); }
-  static T infinity() { return T::of(Base::infinity()); }
-  static T quiet_NaN() { return T::of(Base::quiet_NaN()); }
-};
+class std::numeric_limits<cde::explain::Recorded<S>>
+    : public cde::LimitsOf<cde::explain::Recorded<S>, S> {};
 
 template <class S>
-struct Eigen::NumTraits<cde::explain::Recorded<S>> : Eigen::GenericNumTraits<float> {
-  using Real = cde::explain::Recorded<S>;
-  using NonInteger = cde::explain::Recorded<S>;
-  using Nested = cde::explain::Recorded<S>;
-  using Literal = double;
-  static Real epsilon() { return Real(0); }
-  static Real dummy_precision() { return Real(0); }
-  enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 1 };
+struct Eigen::NumTraits<cde::explain::Recorded<S>> : cde::EigenTraitsOf<cde::explain::Recorded<S>> {
 };
