@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cde/wave/expression.hpp"
+#include "cde/wave/four_state.hpp"
+
+/// Expressions as trees, which the parser makes and the evaluation walks. Private to both.
+namespace cde::wave {
+namespace expression {
+
+struct Node {
+  enum class Kind { kConstant, kView, kUnary, kBinary, kChoice, kCall, kJoin };
+  Kind kind = Kind::kConstant;
+  std::string op;
+  std::size_t at = 0;
+  std::vector<std::unique_ptr<Node>> kids;
+  unsigned width = 1;
+  bool is_signed = false, real = false;
+  unsigned context = 0;         ///< width and sign that its surroundings give the value, which it
+  bool context_signed = false;  ///< has none of its own operands to give to; 0: none
+  Value constant;
+  std::size_t view = 0;
+  Value last;  ///< of what looks back
+  bool has_last = false;
+};
+using Tree = std::unique_ptr<Node>;
+
+/// Parts of a signal have no sign in SystemVerilog, nor has a range of all its bits.
+inline bool signed_view(const View& v) {
+  return v.form.kind == Form::Kind::kSigned ||
+         (v.form.kind == Form::Kind::kHex && v.signal.is_signed && !v.indexed);
+}
+
+inline bool is_comparison(std::string_view op) {
+  return op == "==" || op == "!=" || op == "===" || op == "!==" || op == "<" || op == "<=" ||
+         op == ">" || op == ">=";
+}
+inline bool is_logical(std::string_view op) {
+  return op == "&&" || op == "||";
+}
+inline bool is_shift(std::string_view op) {
+  return op == "<<" || op == ">>" || op == ">>>";
+}
+
+}  // namespace expression
+
+struct Expression::Parsed {
+  std::vector<View> views;
+  std::vector<Value> values;
+  expression::Tree root;
+  bool looks_back = false;
+
+  /// In its context.
+  Value value(expression::Node& n);
+  Value own(expression::Node& n);
+  Value unary(expression::Node& n);
+  Value binary(expression::Node& n);
+  Value call(expression::Node& n);
+};
+
+namespace expression {
+
+/// The tree of a text. Adds the signals that it names to `to`. Error kUsage, naming the option and
+/// the place.
+Tree parse(Trace& trace, const std::string& text, const std::string& option,
+           Expression::Parsed& to);
+
+}  // namespace expression
+}  // namespace cde::wave
