@@ -157,29 +157,13 @@ std::string linear_lines(std::string_view label, std::string_view x_name,
                      at_y(0));
   const double across = last > first ? step_for(last - first) : 1;
   for (double x = std::ceil(first / across - 1e-9) * across; x <= last + 1e-9 * across; x += across)
-    svg += fmt::format(
-        "<text class=\"tick\" x=\"{:.4g}%\" y=\"{:g}\" text-anchor=\"middle\">{:.4g}</text>\n",
-        at_x(x), kTop + tall + 16, std::abs(x) < 1e-9 * across ? 0.0 : x);
-  svg += fmt::format("<text class=\"tick\" x=\"50%\" y=\"{:g}\" text-anchor=\"middle\">{}</text>\n",
-                     kTop + tall + 32, escaped(x_name));
-  for (const Line& line : lines) {
-    for (std::size_t i = 0; i < line.x.size(); ++i) {
-      if (!std::isfinite(line.y[i])) continue;
-      if (i + 1 < line.x.size() && std::isfinite(line.y[i + 1])) {
-        svg += fmt::format(
-            "<line class=\"l{}\" x1=\"{:.5g}%\" y1=\"{:.2f}\" x2=\"{:.5g}%\" y2=\"{:.2f}\"/>",
-            line.colour, at_x(line.x[i]), at_y(line.y[i]), at_x(line.x[i + 1]),
-            at_y(line.y[i + 1]));
-      }
-      svg += fmt::format(
-          "<circle class=\"s{}\" cx=\"{:.5g}%\" cy=\"{:.2f}\" r=\"2.5\"><title>{}, {:g}: "
-          "{:g}</title></circle>\n",
-          line.colour, at_x(line.x[i]), at_y(line.y[i]), escaped(line.name), line.x[i], line.y[i]);
-    }
-  }
-  svg += "</svg></div>\n<ul class=\"legend\">\n";
-  for (const Line& line : lines) svg += key(line.colour, line.name);
-  return with_figures(svg + "</ul>\n", lines_csv(x_name, lines, ""));
+    svg += label_below(at_x(x), kTop + tall + 16,
+                       fmt::format("{:.4g}", std::abs(x) < 1e-9 * across ? 0.0 : x));
+  svg += label_below(50, kTop + tall + 32, x_name);
+  svg +=
+      draw(lines, {at_x, at_y, [](double y) { return std::isfinite(y); },
+                   [](double x, double y) { return fmt::format("{:g}: {:g}", x, y); }, 2.5, 2.5});
+  return with_figures(svg, lines_csv(x_name, lines, ""));
 }
 
 std::string log_lines(std::string_view label, std::string_view x_name,
@@ -199,31 +183,12 @@ std::string log_lines(std::string_view label, std::string_view x_name,
   std::string svg = start("lines", label, kTop + tall + 40);
   for (int power = axis.low; power <= axis.high; ++power)
     svg += level(at_y(std::pow(10, power)), tick(std::pow(10, power)));
-  for (const double x : lines.front().x)
-    svg += fmt::format(
-        "<text class=\"tick\" x=\"{:.4g}%\" y=\"{:g}\" text-anchor=\"middle\">{}</text>\n", at_x(x),
-        kTop + tall + 16, grouped(static_cast<std::uint64_t>(std::llround(x))));
-  svg += fmt::format("<text class=\"tick\" x=\"50%\" y=\"{:g}\" text-anchor=\"middle\">{}</text>\n",
-                     kTop + tall + 34, escaped(x_name));
-  for (const Line& line : lines) {
-    const char* dash = line.dashed ? " dashed" : "";
-    for (std::size_t i = 0; i < line.x.size(); ++i) {
-      if (i + 1 < line.x.size()) {
-        svg += fmt::format(
-            "<line class=\"l{}{}\" x1=\"{:.4g}%\" y1=\"{:.2f}\" x2=\"{:.4g}%\" y2=\"{:.2f}\"/>",
-            line.colour, dash, at_x(line.x[i]), at_y(line.y[i]), at_x(line.x[i + 1]),
-            at_y(line.y[i + 1]));
-      }
-      svg += fmt::format(
-          "<circle class=\"s{}\" cx=\"{:.4g}%\" cy=\"{:.2f}\" r=\"4\"><title>{}, {}: "
-          "{}</title></circle>\n",
-          line.colour, at_x(line.x[i]), at_y(line.y[i]), escaped(line.name),
-          grouped(static_cast<std::uint64_t>(std::llround(line.x[i]))), duration(line.y[i]));
-    }
-  }
-  svg += "</svg></div>\n<ul class=\"legend\">\n";
-  for (const Line& line : lines) svg += key(line.colour, line.name, line.dashed);
-  return with_figures(svg + "</ul>\n", lines_csv(x_name, lines, " (s)"));
+  const auto count = [](double x) { return grouped(static_cast<std::uint64_t>(std::llround(x))); };
+  for (const double x : lines.front().x) svg += label_below(at_x(x), kTop + tall + 16, count(x));
+  svg += label_below(50, kTop + tall + 34, x_name);
+  svg += draw(lines, {at_x, at_y, [](double) { return true; },
+                      [&](double x, double y) { return count(x) + ": " + duration(y); }, 4, 4});
+  return with_figures(svg, lines_csv(x_name, lines, " (s)"));
 }
 
 }  // namespace cde::cli

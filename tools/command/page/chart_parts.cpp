@@ -38,6 +38,34 @@ std::string tick(double seconds) {
   return fmt::format("{:.3g} {}", seconds * std::pow(10, 9 - 3 * unit), kUnits[unit]);
 }
 
+std::string label_below(double x, double y, std::string_view text, const char* anchor) {
+  return fmt::format("<text class=\"tick\" x=\"{:.4g}%\" y=\"{:g}\" text-anchor=\"{}\">{}</text>\n",
+                     x, y, anchor, escaped(text));
+}
+
+std::string draw(const std::vector<Line>& lines, const LinePlot& plot) {
+  std::string svg;
+  for (const Line& line : lines) {
+    for (std::size_t i = 0; i < line.x.size(); ++i) {
+      if (!plot.drawn(line.y[i])) continue;
+      const double x = plot.at_x(line.x[i]), y = plot.at_y(line.y[i]);
+      if (i + 1 < line.x.size() && plot.drawn(line.y[i + 1]))
+        svg += fmt::format(
+            "<line class=\"l{}{}\" x1=\"{:.5g}%\" y1=\"{:.2f}\" x2=\"{:.5g}%\" y2=\"{:.2f}\"/>",
+            line.colour, line.dashed ? " dashed" : "", x, y, plot.at_x(line.x[i + 1]),
+            plot.at_y(line.y[i + 1]));
+      svg += fmt::format(
+          "<circle class=\"s{}\" cx=\"{:.5g}%\" cy=\"{:.2f}\" r=\"{:g}\"><title>{}, {}</title>"
+          "</circle>\n",
+          line.colour, x, y, line.dashed ? plot.dashed_radius : plot.radius, escaped(line.name),
+          plot.title(line.x[i], line.y[i]));
+    }
+  }
+  svg += "</svg></div>\n<ul class=\"legend\">\n";
+  for (const Line& line : lines) svg += key(line.colour, line.name, line.dashed);
+  return svg + "</ul>\n";
+}
+
 std::string key(int colour, std::string_view text, bool dashed) {
   return fmt::format(
       "<li><svg width=\"14\" height=\"12\" aria-hidden=\"true\"><rect class=\"s{}{}\" y=\"{}\" "

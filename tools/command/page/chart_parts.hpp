@@ -2,9 +2,12 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "page/chart.hpp"
 
 /// What charts (chart.hpp, scatter.hpp) are made of.
 namespace cde::cli::chart {
@@ -34,6 +37,20 @@ struct Decades {
     return std::clamp((std::log10(value) - low) / (high - low), 0.0, 1.0);
   }
 };
+
+/// A label below a place of the x axis, in percent, and the axis' name below the middle.
+[[nodiscard]] std::string label_below(double x, double y, std::string_view text,
+                                      const char* anchor = "middle");
+
+/// Where points of lines stand, which of them do, and what their titles say.
+struct LinePlot {
+  std::function<double(double)> at_x, at_y;  ///< percent, pixels
+  std::function<bool(double y)> drawn;       ///< no point, and a hole in its line, where it is not
+  std::function<std::string(double x, double y)> title;
+  double radius, dashed_radius;
+};
+/// Lines with a dot per point, the end of the chart, and its legend.
+[[nodiscard]] std::string draw(const std::vector<Line>& lines, const LinePlot& plot);
 
 /// An entry of the legend.
 [[nodiscard]] std::string key(int colour, std::string_view text, bool dashed = false);

@@ -73,9 +73,7 @@ std::string columns(const Axis& axis, double top, double bottom, double y, bool 
         bottom);
     if (i % axis.step() != 0) continue;
     const char* anchor = i == 0 ? "start" : i + 1 == ticks.size() ? "end" : "middle";
-    svg +=
-        fmt::format("<text class=\"tick\" x=\"{:.4g}%\" y=\"{:g}\" text-anchor=\"{}\">{}</text>\n",
-                    x, y, anchor, seconds ? tick(ticks[i]) : round_number(ticks[i]));
+    svg += label_below(x, y, seconds ? tick(ticks[i]) : round_number(ticks[i]), anchor);
   }
   return svg;
 }
@@ -88,9 +86,7 @@ std::string frame(const Axis& x, const Axis& y, const ScatterAxes& axes, AtY at_
   for (std::size_t i = 0; i < ticks.size(); ++i)
     svg += level(at_y(ticks[i]), i % y.step() == 0 ? round_number(ticks[i]) : "");
   svg += columns(x, kTop, kTop + kTall, kTop + kTall + 16, axes.x_seconds);
-  return svg +
-         fmt::format("<text class=\"tick\" x=\"50%\" y=\"{:g}\" text-anchor=\"middle\">{}</text>\n",
-                     kTop + kTall + 34, escaped(axes.x_name));
+  return svg + label_below(50, kTop + kTall + 34, axes.x_name);
 }
 
 std::string dot(const Mark& m, double x, double y, double r, const std::string& title) {
@@ -233,27 +229,14 @@ std::string log_log_lines(std::string_view label, std::string_view x_name, std::
   const auto at_y = [&](double value) { return kTop + kTall * (1 - y.share(value)); };
   std::string svg = start("lines", label, kTop + kTall + 42) +
                     frame(x, y, {std::string(x_name), "", false}, at_y);
-  const auto drawn = [](double value) { return value > 0 && std::isfinite(value); };
   std::string csv = row({"line", std::string(x_name), std::string(y_name)});
-  for (const Line& line : lines) {
-    for (std::size_t i = 0; i < line.x.size(); ++i) {
+  for (const Line& line : lines)
+    for (std::size_t i = 0; i < line.x.size(); ++i)
       csv += row({line.name, figure(line.x[i]), figure(line.y[i])});
-      if (!drawn(line.y[i])) continue;
-      if (i + 1 < line.x.size() && drawn(line.y[i + 1]))
-        svg += fmt::format(
-            "<line class=\"l{}{}\" x1=\"{:.5g}%\" y1=\"{:.2f}\" x2=\"{:.5g}%\" y2=\"{:.2f}\"/>",
-            line.colour, line.dashed ? " dashed" : "", at_x(line.x[i]), at_y(line.y[i]),
-            at_x(line.x[i + 1]), at_y(line.y[i + 1]));
-      svg += fmt::format(
-          "<circle class=\"s{}\" cx=\"{:.5g}%\" cy=\"{:.2f}\" r=\"{}\"><title>{}, {:.3g}: {:.3g}"
-          "</title></circle>\n",
-          line.colour, at_x(line.x[i]), at_y(line.y[i]), line.dashed ? "2" : "3.5",
-          escaped(line.name), line.x[i], line.y[i]);
-    }
-  }
-  svg += "</svg></div>\n<ul class=\"legend\">\n";
-  for (const Line& line : lines) svg += key(line.colour, line.name, line.dashed);
-  return with_figures(svg + "</ul>\n", csv);
+  svg +=
+      draw(lines, {at_x, at_y, [](double y) { return y > 0 && std::isfinite(y); },
+                   [](double x, double y) { return fmt::format("{:.3g}: {:.3g}", x, y); }, 3.5, 2});
+  return with_figures(svg, csv);
 }
 
 }  // namespace cde::cli
