@@ -524,7 +524,7 @@ void add_accuracy(CLI::App& app) {
               {"auto"}, "EX,EY,EZ,TX,TY,TZ[,FOV]|auto")
       ->needs(mesh);
   auto* json = verb->add_flag("--json", o->json, "All figures as JSON");
-  verb->add_flag("--short", o->short_json, "JSON without the families, a line a configuration")
+  verb->add_flag("--short", o->short_json, "JSON without the families, one line per configuration")
       ->needs(json);
   add_page(*verb, *o);
   auto* markdown = verb->add_flag("--markdown", o->markdown, "Tables in Markdown")->excludes(json);

@@ -32,7 +32,7 @@ struct StoryPair {
     friend bool operator==(const Side&, const Side&);
   };
   std::optional<Side> card, reference;  ///< none: that side has not tested it
-  // Of the card, in modes with one record a primary:
+  // Of the card, in modes with one record per primary:
   std::uint64_t pass = 0, clock = 0;  ///< when it came to the update engine, counted from go
   float held = 0;                     ///< T that the engine had of the primary then
 };

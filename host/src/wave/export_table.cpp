@@ -178,7 +178,7 @@ std::vector<std::uint64_t> columns_of(Trace& trace, Times& times, const std::vec
   return begins;
 }
 
-/// A signal as WaveDrom writes it: a character a column, and texts of buses.
+/// A signal as WaveDrom writes it: one character per column, and texts of buses.
 struct Drawn {
   std::string wave, last;
   Json data = Json::array();

@@ -10,7 +10,7 @@
 namespace cde::cli {
 
 /// The price list: accuracy against time, wrong decisions, errors by family and all figures of a
-/// sweep, a section a pair, with the profiles if it has any. Charts are there without scripts.
+/// sweep, a section per pair, with the profiles if it has any. Charts are there without scripts.
 [[nodiscard]] std::string accuracy_html(const KeptSweep& sweep, const Target& target);
 
 /// Where the wrong pixels of a mesh are: a picture a pipe, and with WebGL points on the mesh in

@@ -19,10 +19,11 @@ namespace cde::cli {
 struct AccuracyRow {
   Measured measured;
   Price price;
-  std::vector<Simulated> simulated;  ///< one a back end; empty if it was not asked for
+  std::vector<Simulated> simulated;  ///< one per back end; empty if it was not asked for
 };
 
-/// Tables of at most 120 columns, a line a pipe, and with `by_family` a line a family below it.
+/// Tables of at most 120 columns, one line per pipe, and with `by_family` one line per family below
+/// it.
 [[nodiscard]] std::string accuracy_tables(const std::vector<AccuracyRow>& rows, bool by_family,
                                           bool markdown);
 [[nodiscard]] nlohmann::ordered_json accuracy_json(const std::vector<AccuracyRow>& rows);

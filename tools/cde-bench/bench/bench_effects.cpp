@@ -272,7 +272,7 @@ class Card {
   std::optional<double> build_seconds_;  ///< if this run had to; before board_, which sets it
   Board board_;
   Counters counters_;
-  std::vector<double> slower_, slower_wall_, seconds_, wall_, pass_;  ///< a value a round
+  std::vector<double> slower_, slower_wall_, seconds_, wall_, pass_;  ///< one value per round
 };
 
 std::vector<Card> open_cards(const BenchOptions& o, const Workload& w) {

@@ -202,7 +202,7 @@ std::string tree_lines(const Reproduction& r, const Json& machine) {
                     : "");
 }
 
-/// A table of the chapter: a row a mesh, columns of the card and, if it is there, of Embree.
+/// A table of the chapter: one row per mesh, columns of the card and, if it is there, of Embree.
 template <class CardCells, class EmbreeCells>
 std::string tree_table(const Reproduction& r, const std::string& caption,
                        std::vector<std::string> head, const std::vector<std::string>& embree_head,

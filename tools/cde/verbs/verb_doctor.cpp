@@ -96,7 +96,9 @@ Finding cache() {
     }
     std::uintmax_t files = 0, bytes = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-      if (entry.path().extension() == ".so") ++files, bytes += entry.file_size();
+      std::error_code gone;  // another process may have removed it
+      const std::uintmax_t size = entry.file_size(gone);
+      if (entry.path().extension() == ".so" && !gone) ++files, bytes += size;
     }
     return {fmt::format("bitstream cache {}: {} bitstreams, {:.1f} MB",
                         printable_name(folder.string()), files, static_cast<double>(bytes) / 1e6),

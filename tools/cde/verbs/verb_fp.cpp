@@ -248,7 +248,7 @@ void add_fp(CLI::App& app) {
   CLI::App* verb =
       app.add_subcommand("fp",
                          "Floating-point operations in simulated hardware. Reads operands in "
-                         "hexadecimal from stdin, one operation a line, and prints "
+                         "hexadecimal from stdin, one operation per line, and prints "
                          "`operands result flags` as Berkeley TestFloat does (flags: 01 inexact, "
                          "02 underflow, 04 overflow, 08 divide by zero, 10 invalid). "
                          "Fields after the operands are ignored, so that the output of "

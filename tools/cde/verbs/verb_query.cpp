@@ -274,11 +274,10 @@ void add_query(CLI::App& app) {
   auto o = std::make_shared<QueryOptions>();
   CLI::App* verb = app.add_subcommand(
       "query",
-      "Test pairs of primitives in one simulated pipe. Reads a pair a line from stdin, the words "
-      "of "
-      "A and then of B, separated by commas or blanks, with a | between A and B if that helps: "
-      "ray o d [tmin tmax] 6 or 8, triangle 9, "
-      "sphere c r 4, aabb min max 6, plane n d 4, cylinder c axis half-height radius 8, obb c "
+      "Test pairs of primitives in one simulated pipe. Reads one pair per line from stdin, the "
+      "words of A and then of B, separated by commas or blanks, with a | between A and B if that "
+      "helps: ray o d [tmin tmax] 6 or 8, triangle 9, sphere c r 4, aabb min max 6, plane n d 4, "
+      "cylinder c axis half-height radius 8, obb c "
       "half-extents rotation by rows 15. A word is decimal, hexfloat, or 0x and the bits. Prints "
       "F,T,CP,n,flags as CSV; flags: empty, bad (the card refuses an operand), malformed (the "
       "line cannot be read) or differs (--keep-going). Blank lines and lines that start with # are "

@@ -28,8 +28,8 @@ void write_vcd(Trace& trace, std::span<const View> views, std::uint64_t from, st
 void write_cut(Trace& trace, std::span<const View> views, std::uint64_t from, std::uint64_t to,
                const std::filesystem::path& file, std::span<const std::string> comments = {});
 
-/// A save file of GTKWave: a group a scope, forms as GTKWave has them (fp32 and fp64 as numbers,
-/// lanes of them as signals of their own; other formats of numbers in hexadecimal).
+/// A save file of GTKWave: one group per scope, forms as GTKWave has them (fp32 and fp64 as
+/// numbers, lanes of them as signals of their own; other formats of numbers in hexadecimal).
 struct GtkwOptions {
   std::optional<std::uint64_t> fail = std::nullopt;  ///< where the marker stands
   std::filesystem::path waves = {};  ///< that it opens; empty: the file of the trace
@@ -39,14 +39,14 @@ void write_gtkw(Trace& trace, std::span<const View> views, const GtkwOptions& op
                 const std::filesystem::path& file);
 
 /// A table with a header, fields in quotes where they must be: time, cycle if there is a clock, and
-/// a column a view. A row for each time at which one of them changes, the first for `from`; with
-/// `on` a row for each such edge, of the values just before it.
+/// one column per view. A row for each time at which one of them changes, the first for `from`;
+/// with `on` a row for each such edge, of the values just before it.
 void write_csv(Trace& trace, Times& times, std::span<const View> views,
                const std::optional<Event>& on, std::uint64_t from, std::uint64_t to,
                const std::filesystem::path& file);
 
-/// WaveDrom: a column a cycle of the clock, with the values that there are at its end; without a
-/// clock a column a time of changes. Error kUsage for more than 5000 columns.
+/// WaveDrom: one column per cycle of the clock, with the values that there are at its end; without
+/// a clock one column per time of changes. Error kUsage for more than 5000 columns.
 void write_wavedrom(Trace& trace, Times& times, std::span<const View> views, std::uint64_t from,
                     std::uint64_t to, const std::filesystem::path& file);
 
