@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <random>
 
 #include "../printed.hpp"
@@ -177,8 +176,6 @@ TEST(SolidsInterval, FacetsInTurnTakeThreeClocksARow) {
 }
 
 TEST_P(Solids, OnlyPairsWithFacetsWait) {
-  if (GetParam() == Arithmetic::kRtl && std::getenv("CDE_FULL") == nullptr)
-    GTEST_SKIP() << "gates of a box pipe on the board: left to CDE_FULL=1 (tools/test --full)";
   Board board = board_of_boxes(GetParam(), 3);
   const bool gates = GetParam() == Arithmetic::kRtl;
   const std::vector<Obb> few = boxes(gates ? 6 : 19, 1), many = boxes(gates ? 9 : 43, 2);

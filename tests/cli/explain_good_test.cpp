@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde explain on RTL that is right: no place is named, or hardly one of the rings, which it knows
-// less well. Hundreds of processes each, so most of it waits for CDE_FULL=1.
+// less well. Hundreds of processes each.
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <string>
@@ -22,7 +21,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uint64_t kSeed = 20261125;
-constexpr unsigned kCases = 200, kCasesEveryDay = 6;
+constexpr unsigned kCases = 200;
 constexpr unsigned kFalseOfRings = 3;  // of kCases
 
 struct Pipe {
@@ -61,14 +60,9 @@ class ExplainGood : public Cli, public ::testing::WithParamInterface<Pipe> {};
 
 TEST_P(ExplainGood, NamesNoPlace) {
   const Pipe pipe = GetParam();
-  const bool full = std::getenv("CDE_FULL") != nullptr;
-  // The one whose operators have been taken for others before.
-  if (!full && pipe.pair != Pair::kTriangleAabb)
-    GTEST_SKIP() << "places on good RTL of other pipes: left to CDE_FULL=1 (tools/test --full)";
-  const unsigned cases = full ? kCases : kCasesEveryDay;
   unsigned wrong = 0;
   std::string which;
-  for (unsigned i = 0; i < cases; ++i) {
+  for (unsigned i = 0; i < kCases; ++i) {
     std::vector<std::string> line{
         "explain", std::string(name(pipe.pair)), words(pipe.pair, i), "--arith", "host", "--json"};
     if (pipe.pair == Pair::kRayTriangle)

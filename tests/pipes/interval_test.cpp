@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdlib>
 #include <numeric>
 #include <random>
 #include <string>
@@ -61,8 +60,6 @@ class FacetInterval : public ::testing::TestWithParam<Parameter> {};
 
 TEST_P(FacetInterval, TakesARowInThreeClocks) {
   const Parameter p = GetParam();
-  if (p.gates() && std::getenv("CDE_FULL") == nullptr)
-    GTEST_SKIP() << "gates of a box pipe: left to CDE_FULL=1 (tools/test --full)";
   // The gates of more lanes take minutes to build.
   const PairConfig config{.pair = p.pair,
                           .lanes = p.gates() ? 1u : 8u,
