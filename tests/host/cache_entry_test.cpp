@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "../has.hpp"
+
 namespace cde {
 namespace {
 
@@ -34,7 +36,7 @@ class CacheEntry : public ::testing::Test {
     ::testing::internal::CaptureStderr();
     EXPECT_FALSE(read_cache_entry("entry"));
     const std::string said = ::testing::internal::GetCapturedStderr();
-    EXPECT_NE(said.find(why), std::string::npos) << said;
+    EXPECT_TRUE(has(said, why));
     write_cache_entry("entry", "text\n");
     EXPECT_EQ(read_cache_entry("entry"), "text\n") << why;
   }
@@ -73,8 +75,8 @@ TEST_F(CacheEntry, DamagedOrForeignIsNotRead) {
   ::chmod((folder_ / "cache").c_str(), 0777);
   ::testing::internal::CaptureStderr();
   EXPECT_FALSE(read_cache_entry("entry"));
-  EXPECT_NE(::testing::internal::GetCapturedStderr().find("cache is not used: it can be written"),
-            std::string::npos);
+  EXPECT_TRUE(
+      has(::testing::internal::GetCapturedStderr(), "cache is not used: it can be written"));
   write_cache_entry("entry", "other\n");  // no error, and nothing is kept
   ::chmod((folder_ / "cache").c_str(), 0700);
   EXPECT_EQ(read_cache_entry("entry"), "text\n");

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <random>
 
+#include "../has.hpp"
 #include "cde/card/board.hpp"
 #include "cde/mesh/terrain.hpp"
 #include "cde/reference/pipes/transform.hpp"
@@ -365,15 +366,14 @@ TEST(HierarchyOfObjects, PartsAreCheckedToBeThoseOfTheTree) {
   EXPECT_EQ(defect([](auto& p) { p[0].first_node = 0; }), "part 0 is not behind the one before it");
   EXPECT_EQ(defect([](auto& p) { p[3].nodes += 1; }), "part 3 reaches beyond all nodes or slots");
   EXPECT_EQ(defect([](auto& p) { p.pop_back(); }), "the parts do not have all nodes and slots");
-  EXPECT_NE(defect([](auto& p) {
-              p[1].nodes += 1;
-              p[2].first_node += 1;
-              p[2].nodes -= 1;
-            }).find("has in node"),
-            std::string::npos);
-  EXPECT_NE(
-      defect([](auto& p) { p[1].secondaries -= 1, p[2].secondaries += 1; }).find("has in node"),
-      std::string::npos);
+  EXPECT_TRUE(has(defect([](auto& p) {
+                    p[1].nodes += 1;
+                    p[2].first_node += 1;
+                    p[2].nodes -= 1;
+                  }),
+                  "has in node"));
+  EXPECT_TRUE(
+      has(defect([](auto& p) { p[1].secondaries -= 1, p[2].secondaries += 1; }), "has in node"));
 }
 
 // ---- Nodes that are no tree ----
@@ -397,7 +397,7 @@ TEST(HierarchyNodes, AreCheckedToBeATree) {
   EXPECT_EQ(defect_in(good, 20), "");
   EXPECT_EQ(defect_in({}, 0), "a hierarchy without a root");
   EXPECT_EQ(defect_in(good, 21), "slot 20 is in no leaf");
-  EXPECT_NE(defect_in(good, 19).find("there is no slot 19"), std::string::npos);
+  EXPECT_TRUE(has(defect_in(good, 19), "there is no slot 19"));
   const auto with = [&](const std::function<void(Node&)>& change) {
     std::vector<Node> bad = good;
     change(bad[0]);

@@ -7,6 +7,7 @@
 
 #include <cstdio>
 
+#include "../has.hpp"
 #include "cde/image/ray_view.hpp"
 #include "cde/scene/plan.hpp"
 #include "cde/scene/scene.hpp"
@@ -50,8 +51,7 @@ void expect_refused(const std::string& text, const std::vector<std::string>& par
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kCapacity) << error.what();
-    for (const std::string& part : parts)
-      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    for (const std::string& part : parts) EXPECT_TRUE(has(error.what(), part));
   }
   expect_grown(before, 700);  // what comes before may be made
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "../has.hpp"
 #include "cde/scene/plan.hpp"
 #include "testing.hpp"
 
@@ -41,17 +42,15 @@ TEST(PlanHierarchy, WhereItTakesLess) {
   EXPECT_TRUE(p.queries[0].hierarchy);
   ASSERT_TRUE(p.queries[0].hierarchy_clocks);
   EXPECT_LT(*p.queries[0].hierarchy_clocks, p.queries[0].rows / 2);
-  EXPECT_NE(hierarchy(p).why.find("rays of hit go through a tree of"), std::string::npos);
-  EXPECT_NE(hierarchy(p).cost.find(fmt::format("sweeps of 128 lanes take {}", p.queries[0].rows)),
-            std::string::npos)
-      << hierarchy(p).cost;
+  EXPECT_TRUE(has(hierarchy(p).why, "rays of hit go through a tree of"));
+  EXPECT_TRUE(
+      has(hierarchy(p).cost, fmt::format("sweeps of 128 lanes take {}", p.queries[0].rows)));
   EXPECT_EQ(p.board.transform, Transformer::kNone) << "rays are moved by the host";
 
   const Plan small = of(ground(20) + kRays + query());
   EXPECT_FALSE(hierarchy(small).used);
   EXPECT_EQ(small.board.node_units, 0u);
-  EXPECT_NE(hierarchy(small).why.find("from about 2048 triangles on, there are 800"),
-            std::string::npos);
+  EXPECT_TRUE(has(hierarchy(small).why, "from about 2048 triangles on, there are 800"));
 }
 
 TEST(PlanHierarchy, AsIsAskedFor) {
@@ -75,7 +74,7 @@ TEST(PlanHierarchy, AsIsAskedFor) {
                  [&] { (void)of(on + card + ground(40) + kRays + query()); });
     const Plan p = of("[card]\n" + card + ground(40) + kRays + query());
     EXPECT_FALSE(hierarchy(p).used);
-    EXPECT_NE(hierarchy(p).why.find(why), std::string::npos) << hierarchy(p).why;
+    EXPECT_TRUE(has(hierarchy(p).why, why));
   };
   with("format = \"bf16\"\n", "percents of it");
   with("box = false\n", "box rule");
@@ -117,7 +116,7 @@ TEST(PlanHierarchy, OfObjectsThatMove) {
   EXPECT_TRUE(hierarchy(p).used);
   EXPECT_EQ(p.board.transform, Transformer::kSecondaries);
   // 1,800 of 5,000 move.
-  EXPECT_NE(hierarchy(p).cost.find("of them for boxes of what moves"), std::string::npos);
+  EXPECT_TRUE(has(hierarchy(p).cost, "of them for boxes of what moves"));
   const Plan whole = of("[card]\nmover = \"host\"\n" + text);
   const auto refit = [](const Plan& plan) {
     const std::string cost = hierarchy(plan).cost;
@@ -166,7 +165,7 @@ TEST(PlanHierarchy, OfSolids) {
     const auto swept = [&](const std::string& card, const std::string& more, const char* why) {
       const Plan none = of(card + ground(60) + solids(shape, more));
       EXPECT_FALSE(hierarchy(none).used);
-      EXPECT_NE(hierarchy(none).why.find(why), std::string::npos) << hierarchy(none).why;
+      EXPECT_TRUE(has(hierarchy(none).why, why));
     };
     swept("", "mode = \"farthest\"\n", "farthest from a solid");
     swept("[card]\nbox = false\n", "", "the box rule");
@@ -197,10 +196,10 @@ TEST(PlanHierarchy, OfMeshesAndOfSpheres) {
   const Plan spheres = cloud("4000", "probes");
   EXPECT_TRUE(hierarchy(spheres).used) << hierarchy(spheres).why << hierarchy(spheres).cost;
   EXPECT_FALSE(spheres.board.box) << "no pair has it";
-  EXPECT_NE(hierarchy(spheres).cost.find("of them for boxes of what moves"), std::string::npos);
+  EXPECT_TRUE(has(hierarchy(spheres).cost, "of them for boxes of what moves"));
   EXPECT_EQ(hierarchy(cloud("200", "probes")).why,
             "a tree wins from about 256 spheres on, there are 200");
-  EXPECT_NE(hierarchy(cloud("4000", "cloud")).why.find("no shape meets itself"), std::string::npos);
+  EXPECT_TRUE(has(hierarchy(cloud("4000", "cloud")).why, "no shape meets itself"));
   const Plan boxes = cloud("4000", "probes", "obb");
   EXPECT_TRUE(hierarchy(boxes).used) << hierarchy(boxes).why << hierarchy(boxes).cost;
   EXPECT_TRUE(boxes.board.box) << "the pair needs the rule";

@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "../has.hpp"
 #include "cde/bitstream/bitstream.hpp"
 #include "cde/card/board.hpp"
 #include "cde/card/fp_unit.hpp"
@@ -35,8 +36,8 @@ void expect_errors(const std::string& file, const std::map<std::string, std::str
       openers().at(kind)(file);
       ADD_FAILURE() << kind << " was opened";
     } catch (const Error& e) {
-      EXPECT_EQ(e.code(), code) << kind << ": " << e.what();
-      EXPECT_NE(std::string(e.what()).find(text), std::string::npos) << kind << ": " << e.what();
+      EXPECT_EQ(e.code(), code) << kind;
+      EXPECT_TRUE(has(e.what(), text)) << kind << ": " << e.what();
     }
   }
 }

@@ -5,10 +5,15 @@
 
 namespace cde::testing {
 
-/// How many cases: the second number with CDE_FULL=1 (tools/test --full), else the first.
-inline int amount(int by_default, int full) {
+/// Whether all is tested: CDE_FULL=1 (tools/test --full).
+inline bool full() {
   const char* value = std::getenv("CDE_FULL");
-  return value != nullptr && std::string(value) != "0" ? full : by_default;
+  return value != nullptr && std::string(value) != "0";
+}
+
+/// How many cases.
+inline int amount(int by_default, int in_full) {
+  return full() ? in_full : by_default;
 }
 
 }  // namespace cde::testing

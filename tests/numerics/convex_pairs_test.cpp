@@ -11,8 +11,6 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <map>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -21,15 +19,8 @@
 #include "cde/oracle/build_shape.hpp"
 #include "cde/oracle/oracle.hpp"
 #include "cde/oracle/random.hpp"
-#include "cde/reference/pipes/convex/obb_obb.hpp"
-#include "cde/reference/pipes/convex/obb_plane.hpp"
-#include "cde/reference/pipes/convex/sphere_obb.hpp"
-#include "cde/reference/pipes/convex/sphere_plane.hpp"
-#include "cde/reference/pipes/convex/sphere_sphere.hpp"
-#include "cde/reference/pipes/convex/triangle_box.hpp"
-#include "cde/reference/pipes/convex/triangle_sphere.hpp"
-#include "cde/reference/pipes/convex/triangle_triangle.hpp"
 #include "convex_cases.hpp"
+#include "convex_judge.hpp"
 #include "in_docs.hpp"
 #include "operators.hpp"
 #include "printed.hpp"
@@ -37,148 +28,9 @@
 namespace cde::testing {
 namespace {
 
-using oracle::Pair;
-using reference::Outcome;
-
 constexpr std::uint64_t kSeed = 20030;
 constexpr int kCases = 24000;
 constexpr int kDirected = 4000;
-
-constexpr std::array kConvexPairs = {
-    Pair::kSphereSphere, Pair::kTriangleSphere, Pair::kSphereObb,
-    Pair::kObbPlane,     Pair::kSpherePlane,    Pair::kObbObb,
-    Pair::kTriangleObb,  Pair::kTriangleAabb,   Pair::kTriangleTriangle};
-
-using Words = std::vector<double>;
-
-template <template <class> class P, class S>
-P<S> primitive(const Words& words) {
-  std::array<S, P<S>::kWords> as_s;
-  for (std::size_t i = 0; i < as_s.size(); ++i) as_s[i] = static_cast<S>(words.at(i));
-  return from_words<P<S>>(as_s);
-}
-
-template <class S>
-Outcome<S> run(Pair pair, const Words& a, const Words& b) {
-  namespace r = reference;
-  switch (pair) {
-    case Pair::kSphereSphere:
-      return r::sphere_sphere(primitive<BasicSphere, S>(a), primitive<BasicSphere, S>(b));
-    case Pair::kTriangleSphere:
-      return r::triangle_sphere(primitive<BasicTriangle, S>(a), primitive<BasicSphere, S>(b));
-    case Pair::kSphereObb:
-      return r::sphere_obb(primitive<BasicSphere, S>(a), primitive<BasicObb, S>(b));
-    case Pair::kObbPlane:
-      return r::obb_plane(primitive<BasicObb, S>(a), primitive<BasicPlane, S>(b));
-    case Pair::kSpherePlane:
-      return r::sphere_plane(primitive<BasicSphere, S>(a), primitive<BasicPlane, S>(b));
-    case Pair::kObbObb:
-      return r::obb_obb(primitive<BasicObb, S>(a), primitive<BasicObb, S>(b));
-    case Pair::kTriangleObb:
-      return r::triangle_obb(primitive<BasicTriangle, S>(a), primitive<BasicObb, S>(b));
-    case Pair::kTriangleAabb:
-      return r::triangle_aabb(primitive<BasicTriangle, S>(a), primitive<BasicAabb, S>(b));
-    case Pair::kTriangleTriangle:
-      return r::triangle_triangle(primitive<BasicTriangle, S>(a), primitive<BasicTriangle, S>(b));
-    default:
-      throw std::logic_error("not a convex pair with a closed form");
-  }
-}
-
-template <class S>
-oracle::Result judged(const Outcome<S>& o) {
-  const auto vec = [](const Vector3<S>& v) {
-    return oracle::Vec(static_cast<double>(v.x()), static_cast<double>(v.y()),
-                       static_cast<double>(v.z()));
-  };
-  return {o.f, static_cast<double>(o.t), vec(o.cp), vec(o.n)};
-}
-
-/// check(), and once more with a hundredfold budget if the oracle could not tell.
-oracle::Verdict verdict(const oracle::Shape& a, const oracle::Shape& b, const oracle::Result& r,
-                        oracle::CheckOptions options) {
-  oracle::Verdict v = oracle::check(a, b, r, options);
-  if (v.failure == oracle::Failure::kOracleTooWide) {
-    options.gap.max_evaluations *= 100;
-    v = oracle::check(a, b, r, options);
-  }
-  return v;
-}
-
-/// Worst errors of a set of cases, in units of u S; the witness points' as a share of tolP / u.
-struct Worst {
-  int cases = 0, hits = 0, in_band = 0, excused = 0, failed = 0;
-  double c1 = 0, c2 = 0, witness = 0;
-
-  void add(const Worst& w) {
-    cases += w.cases, hits += w.hits, in_band += w.in_band, excused += w.excused;
-    failed += w.failed;
-    c1 = std::max(c1, w.c1), c2 = std::max(c2, w.c2), witness = std::max(witness, w.witness);
-  }
-};
-
-template <class S>
-Worst judge(const Outcome<S>& o, const oracle::Shape& a, const oracle::Shape& b, double u,
-            std::string& message) {
-  if (o.bad) {
-    message = "flagged as bad input";
-    return {.cases = 1, .failed = 1};
-  }
-  const oracle::Verdict v = verdict(a, b, judged(o), {.u = u, .gap = {}});
-  if (!v.ok()) message = v.describe();
-  const double us = u * v.scale;
-  return {1,
-          o.f,
-          v.in_band,
-          v.excused,
-          !v.ok(),
-          v.error_c1 / us,
-          v.error_c2 / us,
-          16 * std::max(v.witness_a, v.witness_b) / v.tolerance_p};
-}
-
-class Report {
- public:
-  explicit Report(const std::string& title) {
-    std::printf("%-32s %6s %6s %5s %7s %6s %6s %8s\n", title.c_str(), "cases", "hits", "band",
-                "excused", "c1/uS", "c2/uS", "c3/16");
-  }
-
-  template <class S>
-  void add(const std::string& family, const oracle::Case& c, double u) {
-    const Outcome<S> o = run<S>(c.pair, {c.a.begin(), c.a.end()}, {c.b.begin(), c.b.end()});
-    add(family, o, c.shape_a(), c.shape_b(), u, c.describe());
-  }
-
-  template <class S>
-  void add(const std::string& family, const Outcome<S>& o, const oracle::Shape& a,
-           const oracle::Shape& b, double u, const std::string& description) {
-    std::string message;
-    const Worst w = judge<S>(o, a, b, u, message);
-    if (w.failed != 0 && ++shown_ <= 5) ADD_FAILURE() << message << '\n' << description;
-    families_[family].add(w);
-    all_.add(w);
-  }
-
-  const Worst& finish() {
-    if (families_.size() > 1) {
-      for (const auto& [name, w] : families_) line("  " + name, w);
-    }
-    line("  all", all_);
-    EXPECT_EQ(all_.failed, 0) << "certificates that fail";
-    return all_;
-  }
-
- private:
-  static void line(const std::string& name, const Worst& w) {
-    std::printf("%-32s %6d %5.1f%% %5d %7d %6.2f %6.2f %8.2f\n", name.c_str(), w.cases,
-                100.0 * w.hits / w.cases, w.in_band, w.excused, w.c1, w.c2, w.witness);
-  }
-
-  std::map<std::string, Worst> families_;
-  Worst all_;
-  int shown_ = 0;
-};
 
 class ConvexPair : public ::testing::TestWithParam<Pair> {};
 
@@ -429,8 +281,8 @@ struct WordsOf {
   static Words join(std::initializer_list<oracle::Vec> vectors,
                     std::initializer_list<double> rest) {
     Words words;
-    for (const auto& v : vectors) words.insert(words.end(), {v.x(), v.y(), v.z()});
-    words.insert(words.end(), rest);
+    for (const oracle::Vec& v : vectors) words.insert(words.end(), v.begin(), v.end());
+    for (const double x : rest) words.push_back(x);
     return words;
   }
   Words operator()(const oracle::Sphere& s) const { return join({s.c}, {s.r}); }
@@ -496,205 +348,6 @@ TEST(ConvexPairSwapped, OtherWordsOfTheSameBodyHold) {
     }
     report.finish();
   }
-}
-
-Obb box(const Eigen::Vector3f& c, const Eigen::Vector3f& half) {
-  return {c, half, Matrix3<float>::Identity()};
-}
-
-// Two boxes resting on each other: a solver reported a phantom depth of the size of the boxes,
-// since edges that are all but parallel give a normal of rounding noise.
-TEST(ConvexPairDirected, BoxesFaceToFaceHaveNoPhantomDepth) {
-  const Obb lower = box({0, 0, 0}, {1, 1, 0.5f});
-  for (const float angle : {0.0f, 1e-7f, 1e-6f, 1e-4f, 0.3f, 3.14159265f}) {
-    Obb upper = box({0.25f, -0.125f, 1}, {1, 1, 0.5f});
-    upper.rotation = Eigen::AngleAxisf(angle, Eigen::Vector3f::UnitZ()).toRotationMatrix();
-    const auto o = reference::obb_obb(lower, upper);
-    EXPECT_TRUE(o.f) << angle << ": touching is a hit";
-    EXPECT_EQ(o.t, 0) << angle;
-    EXPECT_EQ(o.n, Eigen::Vector3f(0, 0, 1)) << angle;
-    EXPECT_NEAR(o.cp.z(), 0.5, 1e-6) << angle;
-  }
-}
-
-// Centres with an equal coordinate: the depth axis has two directions, and facets that lie in one
-// plane chose between them each for itself. CP was (3, -2, 0), outside B, and for the triangle 0.63
-// off its plane.
-TEST(ConvexPairDirected, WitnessPointsOfTiedDepthAxesLieInTheirBodies) {
-  const Obb a = box({0, 0, 0}, {3, 3, 1}), b = box({3, 2, 0}, {4, 3, 1});
-  const auto boxes = reference::obb_obb(a, b);
-  EXPECT_TRUE(boxes.f);
-  EXPECT_EQ(boxes.t, 2);
-  EXPECT_EQ(std::abs(boxes.n.z()), 1);
-  EXPECT_GE(boxes.cp.y(), -1) << "B begins there";
-  EXPECT_LE(boxes.cp.y(), 3) << "and A ends there";
-  const oracle::Case triangle{Pair::kTriangleAabb,  0, 0, "", {-6, -5, 0, 0, 2, 0, 5, -6, 0},
-                              {-2, -4, -4, 2, 4, 4}};
-  const oracle::Case as_case{Pair::kObbObb,
-                             0,
-                             0,
-                             "",
-                             {0, 0, 0, 3, 3, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1},
-                             {3, 2, 0, 4, 3, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  for (const oracle::Case& c : {triangle, as_case}) {
-    std::string message;
-    (void)judge<float>(run<float>(c.pair, c.a, c.b), c.shape_a(), c.shape_b(), 0x1p-24, message);
-    EXPECT_EQ(message, "") << c.describe();
-  }
-}
-
-// Two thin boxes all but parallel. The second step of polishing turned v so far that its gap was of
-// no use, and of a distance of 2.27 the facets' 2.2667 was left: 137 u S too near. And two that are
-// nearly in touch: |v| alone is 8 u S too far, and halfway to the gap is not.
-TEST(ConvexPairDirected, DistancesOfBoxesTiltedByTheirRoundingHold) {
-  const oracle::Case plates{Pair::kObbObb,
-                            0,
-                            0,
-                            "",
-                            {0, 0, 0, 0x1.a9bceep+0, 0x1.1aff1ep+2, 0x1.3a04aep-30, 0x1p+0,
-                             -0x1.484d72p-21, 0x1.3ea5dep-21, 0x1.484d8p-21, 0x1p+0,
-                             -0x1.512eb4p-21, -0x1.3ea5d2p-21, 0x1.512ecp-21, 0x1p+0},
-                            {-0x1.08fd52p+2, 0, -0x1.2222f4p+1, 0x1.39b67ap+1, 0x1.09fa6ep+2,
-                             0x1.114a1ap-29, 1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  const oracle::Case near{
-      Pair::kObbObb,
-      0,
-      0,
-      "",
-      {0x0p+0, 0x0p+0, 0x0p+0, 0x1.638e2ep+0, 0x1.c3e9bp-1, 0x1.5492b8p+0, 0x1.81e4eep-3,
-       0x1.113732p-2, 0x1.e3ea9ep-1, -0x1.96f9b2p-3, -0x1.dd3f2ep-1, 0x1.36046cp-2, 0x1.ec6d7ep-1,
-       -0x1.f57b84p-3, -0x1.f63accp-4},
-      {-0x1.473386p-2, 0x1.1dc61ap+0, 0x1.2c493ep-2, 0x1.737412p+0, 0x1.427ff4p-2, 0x1.355f98p+0,
-       0x1.81e47ep-3, 0x1.1136f4p-2, 0x1.e3eaacp-1, -0x1.96fa34p-3, -0x1.dd3f32p-1, 0x1.360426p-2,
-       0x1.ec6d7cp-1, -0x1.f57bcep-3, -0x1.f639ecp-4}};
-  for (const oracle::Case& c : {plates, near}) {
-    const Outcome<float> o = run<float>(c.pair, {c.a.begin(), c.a.end()}, {c.b.begin(), c.b.end()});
-    const oracle::Gap gap = oracle::signed_gap(c.shape_a(), c.shape_b());
-    const double u_s = 0x1p-24 * oracle::scene_size(c.shape_a(), c.shape_b());
-    EXPECT_FALSE(o.f);
-    EXPECT_LE(std::abs(o.t - gap.middle()) / u_s, 5) << c.describe();
-    EXPECT_GE(oracle::gap_along(c.shape_a(), c.shape_b(), o.n.cast<double>()), gap.lo - 8 * u_s)
-        << c.describe();
-  }
-}
-
-// Exact touching counts as contact in every pair and in either order; one ulp of daylight does not.
-TEST(ConvexPairDirected, TouchingIsAHit) {
-  const float above = std::nextafter(2.0f, 3.0f);
-  const Obb one = box({0, 0, 0}, {1, 1, 1});
-  const Plane floor{{0, 0, 1}, -1};
-  const auto hits = [&](float z) {
-    const Sphere ball{{0, 0, z}, 1};
-    const Triangle sheet{{-1, -1, z - 1}, {1, -1, z - 1}, {0, 1, z - 1}};
-    const Aabb cube{{-1, -1, -1}, {1, 1, 1}};
-    return std::array{
-        reference::sphere_sphere(Sphere{{0, 0, 0}, 1}, ball).f,
-        reference::sphere_sphere(ball, Sphere{{0, 0, 0}, 1}).f,
-        reference::sphere_obb(ball, one).f,
-        reference::obb_obb(one, box({0, 0, z}, {1, 1, 1})).f,
-        reference::obb_obb(box({0, 0, z}, {1, 1, 1}), one).f,
-        reference::triangle_aabb(sheet, cube).f,
-        reference::triangle_obb(sheet, one).f,
-        reference::triangle_sphere(sheet, Sphere{{0, 0, z - 2}, 1}).f,
-        reference::obb_plane(box({0, 0, z - 2}, {1, 1, 1}), floor).f,
-        reference::obb_plane(box({0, 0, z - 2}, {1, 1, 1}), floor, PlaneSide::kHalfSpace).f};
-  };
-  for (const bool hit : hits(2)) EXPECT_TRUE(hit);
-  const auto apart = hits(above);
-  for (std::size_t i = 0; i < apart.size(); ++i) {
-    // Relative to its sphere, and to its plane, the move is exact: no daylight for the triangle.
-    EXPECT_EQ(apart[i], i == 7) << i;
-  }
-}
-
-TEST(ConvexPairDirected, ConcentricSpheresPointUp) {
-  const auto o = reference::sphere_sphere(Sphere{{5, 6, 7}, 1}, Sphere{{5, 6, 7}, 2});
-  EXPECT_TRUE(o.f);
-  EXPECT_EQ(o.t, 3);
-  EXPECT_EQ(o.n, Eigen::Vector3f(0, 0, 1));
-  EXPECT_EQ(o.cp, Eigen::Vector3f(5, 6, 6.5f));  // pA above, at z = 8, pB below, at z = 5
-}
-
-// A sphere whose centre is inside a box was pushed out through the wrong face.
-TEST(ConvexPairDirected, SphereInsideABoxTakesTheNearestFaceAndTheLowestAxisOnTies) {
-  const Obb cube = box({0, 0, 0}, {2, 2, 2});
-  const auto near_x = reference::sphere_obb(Sphere{{1.5f, 1, -1}, 0.25f}, cube);
-  EXPECT_EQ(near_x.t, 0.75f);
-  EXPECT_EQ(near_x.n, Eigen::Vector3f(-1, 0, 0));
-  const auto near_z = reference::sphere_obb(Sphere{{0, 0.5f, -1.75f}, 0.25f}, cube);
-  EXPECT_EQ(near_z.t, 0.5f);
-  EXPECT_EQ(near_z.n, Eigen::Vector3f(0, 0, 1));
-  const auto tie = reference::sphere_obb(Sphere{{1, -1, 1}, 0.25f}, cube);
-  EXPECT_EQ(tie.n, Eigen::Vector3f(-1, 0, 0));
-}
-
-TEST(ConvexPairDirected, BoxOnAPlaneTouchesAtTheCentroidOfItsFaceOrEdge) {
-  const Plane floor{{0, 0, 1}, 0};
-  const auto face = reference::obb_plane(box({3, 4, 0.75f}, {1, 2, 0.5f}), floor);
-  EXPECT_FALSE(face.f);
-  EXPECT_EQ(face.t, 0.25f);
-  EXPECT_EQ(face.n, Eigen::Vector3f(0, 0, -1));
-  EXPECT_EQ(face.cp, Eigen::Vector3f(3, 4, 0.125f));
-  // Deep below the plane: apart from the surface, inside the half-space.
-  const Obb below = box({0, 0, -5}, {1, 1, 1});
-  EXPECT_FALSE(reference::obb_plane(below, floor).f);
-  EXPECT_EQ(reference::obb_plane(below, floor).t, 4);
-  const auto inside = reference::obb_plane(below, floor, PlaneSide::kHalfSpace);
-  EXPECT_TRUE(inside.f);
-  EXPECT_EQ(inside.t, 6);
-  EXPECT_EQ(inside.n, Eigen::Vector3f(0, 0, -1));
-}
-
-// A triangle without area is the segment or the point that it covers.
-TEST(ConvexPairDirected, TrianglesWithoutAreaAreSegmentsAndPoints) {
-  const Eigen::Vector3f p(1, 2, 3), q(-3, 2, 3), middle(-1, 2, 3);
-  for (const Triangle& t : {Triangle{p, q, middle}, Triangle{middle, p, q}, Triangle{q, q, p}}) {
-    const auto o = reference::triangle_sphere(t, Sphere{{-1, 2, 4}, 0.5f});
-    EXPECT_EQ(o.t, 0.5f);
-    EXPECT_EQ(o.n, Eigen::Vector3f(0, 0, 1));
-    const auto on_it = reference::triangle_sphere(t, Sphere{{0, 2, 3}, 0.5f});
-    EXPECT_TRUE(on_it.f);
-    EXPECT_EQ(on_it.t, 0.5f);
-    EXPECT_EQ(on_it.n.x(), 0) << "perpendicular to the segment";
-    const auto o_box = reference::triangle_obb(t, box({-1, 2, 6}, {1, 1, 1}));
-    EXPECT_EQ(o_box.t, 2);
-    EXPECT_EQ(o_box.n, Eigen::Vector3f(0, 0, 1));
-  }
-  const auto point = reference::triangle_aabb(Triangle{p, p, p}, Aabb{{4, 6, 3}, {5, 7, 4}});
-  EXPECT_EQ(point.t, 5);
-  EXPECT_FLOAT_EQ(point.n.x(), 0.6f);
-  EXPECT_FLOAT_EQ(point.n.y(), 0.8f);
-}
-
-TEST(ConvexPairDirected, BadInputIsFlagged) {
-  const float nan = std::numeric_limits<float>::quiet_NaN();
-  const auto expect_bad = [](const Outcome<float>& o) {
-    EXPECT_TRUE(o.bad);
-    EXPECT_FALSE(o.f);
-    for (const float x : {o.t, o.cp.x(), o.cp.y(), o.cp.z(), o.n.x(), o.n.y(), o.n.z()})
-      EXPECT_EQ(std::bit_cast<std::uint32_t>(x), 0x7fc00000U);
-  };
-  const Sphere ball{{0, 0, 0}, 1}, empty{{0, 0, 0}, 0};
-  const Triangle sheet{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, broken{{nan, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  const Obb cube = box({0, 0, 0}, {1, 1, 1}), flat = box({0, 0, 0}, {1, 0, 1});
-  const Plane floor{{0, 0, 1}, 0}, no_plane{{0, 0, 1.001f}, 0};
-  const Aabb room{{0, 0, 0}, {1, 1, 1}}, inverted{{0, 0, 0}, {1, -1, 1}};
-  expect_bad(reference::sphere_sphere(ball, empty));
-  expect_bad(reference::sphere_sphere(empty, ball));
-  expect_bad(reference::triangle_sphere(broken, ball));
-  expect_bad(reference::triangle_sphere(sheet, empty));
-  expect_bad(reference::sphere_obb(ball, flat));
-  expect_bad(reference::sphere_obb(empty, cube));
-  expect_bad(reference::obb_plane(flat, floor));
-  expect_bad(reference::obb_plane(cube, no_plane));
-  expect_bad(reference::obb_obb(cube, flat));
-  expect_bad(reference::obb_obb(flat, cube));
-  expect_bad(reference::triangle_obb(broken, cube));
-  expect_bad(reference::triangle_obb(sheet, flat));
-  expect_bad(reference::triangle_aabb(broken, room));
-  expect_bad(reference::triangle_aabb(sheet, inverted));
-  expect_bad(reference::triangle_triangle(broken, sheet));
-  expect_bad(reference::triangle_triangle(sheet, broken));
 }
 
 // ---- The tables of docs/pairs_convex.md ----

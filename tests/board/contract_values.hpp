@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "cde/contract/registers.hpp"
+
+/// What C++ says of the contract, by the names of the packages in rtl/contract.
+namespace cde::contract_values {
+
+using Values = std::map<std::string, std::uint64_t>;
+using Fields = std::map<std::string, Field>;
+
+/// "ray-triangle" as packages write it: RAY_TRIANGLE.
+std::string upper(std::string_view name);
+
+Values formats();
+Values pairs();
+Values records();
+Values registers();
+Values pci_side();
+/// Fields of the registers and records, by structure and name; those of ports inside the card are
+/// its own.
+Fields fields();
+
+}  // namespace cde::contract_values
