@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "../has.hpp"
 #include "pages.hpp"
 #include "price_rows.hpp"
 
@@ -51,7 +52,7 @@ TEST_F(AccuracyPage, PricesAreOfTheTable) {
     if (format == "fp32" && !whole) {
       EXPECT_TRUE(price.at("luts").is_null());
       EXPECT_TRUE(price.at("modelled_seconds_per_million").is_null());
-      EXPECT_NE(price.at("clock_is").get<std::string>().find("no row of"), std::string::npos);
+      EXPECT_TRUE(has(price.at("clock_is").get<std::string>(), "no row of"));
       kinds.insert("none");
       continue;
     }
@@ -95,7 +96,7 @@ TEST_F(AccuracyPage, TablesOfPricesThatAreNone) {
     write("prices.json", text);
     const Ran ran = priced({"--pair", "sphere-sphere", "--formats", "fp16", "--cases", "20"});
     EXPECT_EQ(ran.status, 2);
-    EXPECT_NE(ran.err.find("prices.json: " + says), std::string::npos) << ran.err;
+    EXPECT_TRUE(has(ran.err, "prices.json: " + says));
   };
   refused("no JSON", "no table of prices");
   refused("[]", "no table of prices");
@@ -141,24 +142,23 @@ TEST_F(AccuracyPage, FromAFreshSweepAndFromAKeptOne) {
   for (const char* text :
        {"measured", "estimated", "not priced", "modelled time of a million tests", "echo '",
         "| cde query ray-triangle --algorithm"})
-    EXPECT_NE(html.find(text), std::string::npos) << text;
+    EXPECT_TRUE(has(html, text));
   EXPECT_EQ(count(html, "nan%") + count(html, "inf%") + count(html, "\"nan\""), 0u);
   const json data = json::parse(between(html, "id=\"data\">", "</script>").at(0));
   EXPECT_EQ(data.at("entries").size(), json::parse(fresh.out).at("configurations").size());
 }
 
 TEST_F(AccuracyPage, ChartsAreSavedAndMarksShowTheirFigures) {
-  const std::string program = browser();
-  if (program.empty()) GTEST_SKIP() << "no Chromium: the scripts of the page were not run";
+  if (browser().empty()) GTEST_SKIP() << "no Chromium: the scripts of the page were not run";
   Words words = kSome;
   words.insert(words.end(), {"--profiles", "30", "--page", "p.html"});
   ASSERT_EQ(priced(words).status, 0);
-  const json told = clicked(program, read("p.html"));
+  const json told = clicked(read("p.html"));
   expect_saved(told, 20);
   ASSERT_GT(told["chosen"].size(), 20u);
   for (const json& text : told["chosen"]) {
-    EXPECT_NE(text.get<std::string>().find("cde accuracy --pair"), std::string::npos) << text;
-    EXPECT_NE(text.get<std::string>().find("wrong decisions"), std::string::npos) << text;
+    EXPECT_TRUE(has(text.get<std::string>(), "cde accuracy --pair")) << text;
+    EXPECT_TRUE(has(text.get<std::string>(), "wrong decisions")) << text;
   }
   ASSERT_EQ(told["choices"].size(), 2u);
   EXPECT_EQ(told["choices"][0]["options"], json({"ray-triangle", "sphere-sphere"}));
@@ -204,7 +204,7 @@ TEST_F(AccuracyPage, WrongPixelsOfAMesh) {
                     program));
     ASSERT_TRUE(exists("m.pdf")) << printed.err;
     EXPECT_TRUE(read("m.pdf").starts_with("%PDF-"));
-    const json told = clicked(program, html);
+    const json told = clicked(html);
     EXPECT_EQ(told["failed"], json::array());
     EXPECT_EQ(told["choices"][0]["before"], json({"bf16"}));
     EXPECT_EQ(told["choices"][0]["after"], json({"fp64"}));
@@ -215,7 +215,7 @@ TEST_F(AccuracyPage, WhatCannotBeAPage) {
   const auto refused = [&](const Words& words, const std::string& text) {
     const Ran ran = priced(words);
     EXPECT_EQ(ran.status, 2) << text;
-    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
+    EXPECT_TRUE(has(ran.err, text));
     EXPECT_FALSE(exists("p.html"));
   };
   refused({"--page", "p.txt"}, "--page is 'p.txt'; its name must end in .html");
@@ -258,11 +258,9 @@ TEST_F(AccuracyPage, WorstCases) {
   ASSERT_FALSE(all.at("worst_decision").is_null());
   // The words as the command has them are those of the list.
   const std::string command = worst.at("repeat_command");
-  for (const json& word : worst.at("a_words"))
-    EXPECT_NE(command.find(word.get<std::string>()), std::string::npos);
-  EXPECT_NE(command.find("' | cde query ray-triangle --algorithm badouel --no-box --format fp32"),
-            std::string::npos)
-      << command;
+  for (const json& word : worst.at("a_words")) EXPECT_TRUE(has(command, word.get<std::string>()));
+  EXPECT_TRUE(
+      has(command, "' | cde query ray-triangle --algorithm badouel --no-box --format fp32"));
 }
 
 /// A modelled clock is that of the rows of a card's operators, or it is refused.
@@ -285,17 +283,15 @@ TEST_F(AccuracyPage, ClocksOfCards) {
   EXPECT_EQ(a["clock_hz"], 100e6);
   EXPECT_EQ(b["clock_hz"], 40e6) << "the quotient's";
   EXPECT_EQ(c["clock_hz"], 50e6);
-  EXPECT_NE(b["clock_is"].get<std::string>().find("ecp5-85, estimated"), std::string::npos);
+  EXPECT_TRUE(has(b["clock_is"].get<std::string>(), "ecp5-85, estimated"));
   EXPECT_NEAR(b["modelled_pass_seconds"].get<double>(),
               2.5 * a["modelled_pass_seconds"].get<double>(), 1e-12);
   const Ran none = with({"--target", "ecp5-85"}, "prices.json"),
             both = with({"--target", "ecp5-85", "--clock", "50"}, "one.json");
   EXPECT_EQ(none.status, 2);
-  EXPECT_NE(none.err.find("no row of add fp32 LAT 1 on ecp5-85; prices.json has add fp16 LAT 1"),
-            std::string::npos)
-      << none.err;
+  EXPECT_TRUE(has(none.err, "no row of add fp32 LAT 1 on ecp5-85; prices.json has add fp16 LAT 1"));
   EXPECT_EQ(both.status, 2);
-  EXPECT_NE(both.err.find("exclude each other"), std::string::npos) << both.err;
+  EXPECT_TRUE(has(both.err, "exclude each other"));
 }
 
 /// A scene has latencies of its own, so rows of deep operators give its clock.
@@ -326,25 +322,21 @@ TEST_F(AccuracyPage, ClocksOfScenes) {
     ASSERT_EQ(ran.status, 0) << ran.err;
     const json j = json::parse(ran.out);
     EXPECT_EQ(j["clock_hz"], hz) << file;
-    EXPECT_NE(j["clock_is"].get<std::string>().find(is), std::string::npos) << j["clock_is"];
+    EXPECT_TRUE(has(j["clock_is"].get<std::string>(), is)) << j["clock_is"];
   };
   clock("plain.toml", 90e6, "measured of the whole lane");
   clock("box.toml", 70e6, "estimated: the least of its operators");
   write("bf16.toml", scene("format = \"bf16\"\n"));
-  EXPECT_NE(plan({"bf16.toml", "--target", "ecp5-85"})
-                .err.find("no clock of ray-triangle moller box bf16"),
-            std::string::npos)
+  EXPECT_TRUE(has(plan({"bf16.toml", "--target", "ecp5-85"}).err,
+                  "no clock of ray-triangle moller box bf16"))
       << "a card's format is what it is priced in";
-  EXPECT_NE(plan({"plain.toml", "--target", "ecp5-85"}).out.find("\nclock      90 MHz, of ray-"),
-            std::string::npos);
+  EXPECT_TRUE(has(plan({"plain.toml", "--target", "ecp5-85"}).out, "\nclock      90 MHz, of ray-"));
   const Ran both = plan({"clock.toml", "--target", "ecp5-85"}),
             none = plan({"plain.toml", "--target", "hx8k"});
   EXPECT_EQ(both.status, 2);
-  EXPECT_NE(both.err.find("clock.toml has clock_mhz = 50; only one of them can be"),
-            std::string::npos)
-      << both.err;
+  EXPECT_TRUE(has(both.err, "clock.toml has clock_mhz = 50; only one of them can be"));
   EXPECT_EQ(none.status, 2);
-  EXPECT_NE(none.err.find("deep.json has none of hx8k"), std::string::npos) << none.err;
+  EXPECT_TRUE(has(none.err, "deep.json has none of hx8k"));
 }
 
 }  // namespace

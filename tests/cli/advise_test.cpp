@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "../has.hpp"
 #include "price_rows.hpp"
 #include "run_cde.hpp"
 
@@ -39,7 +40,7 @@ TEST_F(Advise, TheCheapestThatMeetsTheDemands) {
   for (const char* text : {"  leaks      0 of ", "  area       estimated: ", "  time       ",
                            "cde accuracy --pair ray-triangle --algorithms watertight",
                            "| cde query ray-triangle --algorithm watertight"})
-    EXPECT_NE(ran.out.find(text), std::string::npos) << text << ran.out;
+    EXPECT_TRUE(has(ran.out, text));
   // Without the demand on leaks there are cheaper ones, and the whole lane that was measured is
   // one.
   const Ran leaky = advise({"--max-error", "0.1", "--time", "10ms"});
@@ -49,8 +50,8 @@ TEST_F(Advise, TheCheapestThatMeetsTheDemands) {
   // More tests in the same time take more lanes.
   const Ran slow = advise({"--pair", "sphere-sphere", "--time", "10ms"}),
             fast = advise({"--pair", "sphere-sphere", "--time", "3ms"});
-  EXPECT_NE(slow.out.find("on 1 lane,"), std::string::npos) << slow.out;
-  EXPECT_NE(fast.out.find("on 4 lanes,"), std::string::npos) << fast.out;
+  EXPECT_TRUE(has(slow.out, "on 1 lane,"));
+  EXPECT_TRUE(has(fast.out, "on 4 lanes,"));
 }
 
 TEST_F(Advise, JsonHasAllOfThemInTheSameOrder) {
@@ -80,31 +81,29 @@ TEST_F(Advise, WhatIsInTheWay) {
       first_line(ran).starts_with("none of 16 configurations of ray-triangle meets the "
                                   "demands on ecp5-85; nearest:"))
       << ran.out;
-  EXPECT_NE(ran.out.find(" of S (p99.9), 1e-5 asked"), std::string::npos) << ran.out;
+  EXPECT_TRUE(has(ran.out, " of S (p99.9), 1e-5 asked"));
   const Ran sure = advise({"--pair", "sphere-sphere", "--max-wrong", "10", "--sure"});
   EXPECT_EQ(sure.status, 1) << sure.out;
-  EXPECT_NE(sure.out.find("a million, 10 asked for sure"), std::string::npos) << sure.out;
-  EXPECT_NE(sure.out.find("it takes 384,143 cases without one"), std::string::npos) << sure.out;
+  EXPECT_TRUE(has(sure.out, "a million, 10 asked for sure"));
+  EXPECT_TRUE(has(sure.out, "it takes 384,143 cases without one"));
   const Ran unsure = advise({"--pair", "sphere-sphere", "--max-wrong", "10"});
   EXPECT_EQ(unsure.status, 0) << unsure.out;
   // Nobody measured anything of this device.
   const Ran other = advise({"--target", "hx8k", "--time", "1s"});
   EXPECT_EQ(other.status, 1);
-  EXPECT_NE(other.out.find("whether a lane fits in hx8k is not known: no row of "),
-            std::string::npos)
-      << other.out;
+  EXPECT_TRUE(has(other.out, "whether a lane fits in hx8k is not known: no row of "));
   EXPECT_EQ(advise({"--target", "hx8k"}).status, 1) << "whatever is asked";
   const Ran assumed = advise({"--target", "assumed:100MHz", "--time", "1ms", "--max-error", "0.1"});
   EXPECT_EQ(assumed.status, 0) << assumed.out;
-  EXPECT_NE(assumed.out.find("on 16 lanes"), std::string::npos) << assumed.out;
-  EXPECT_NE(assumed.out.find("no area is known"), std::string::npos) << assumed.out;
+  EXPECT_TRUE(has(assumed.out, "on 16 lanes"));
+  EXPECT_TRUE(has(assumed.out, "no area is known"));
 }
 
 TEST_F(Advise, DemandsThatMakeNoSense) {
   const auto refused = [&](const Words& words, const std::string& text) {
     const Ran ran = advise(words);
     EXPECT_EQ(ran.status, 2) << text << ran.out;
-    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
+    EXPECT_TRUE(has(ran.err, text));
     EXPECT_EQ(ran.out, "");
   };
   refused({"--time", "1"}, "--time is '1'; it must be a number and ns, us, ms or s");
@@ -120,7 +119,7 @@ TEST_F(Advise, DemandsThatMakeNoSense) {
                                    {"/dev/zero", "/dev/zero: is a device, not a file"}}) {
     const Ran ran = cde({"advise", "--from", from});
     EXPECT_EQ(ran.status, 2) << ran.err;
-    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
+    EXPECT_TRUE(has(ran.err, text));
   }
   write("kept.json", "{}");
   refused({}, "kept.json: not a sweep of cde.accuracy.2");
@@ -130,8 +129,8 @@ TEST_F(Advise, DemandsThatMakeNoSense) {
 TEST_F(Advise, WhatMayNotFitIsNoAdvice) {
   const Ran ran = cde({"advise", "--pair", "obb-obb", "--max-error", "1e-2"});
   EXPECT_EQ(ran.status, 1) << ran.out;
-  EXPECT_NE(ran.out.find("% of the logic that may be used"), std::string::npos) << ran.out;
-  EXPECT_NE(ran.out.find("; one lane, "), std::string::npos) << ran.out;
+  EXPECT_TRUE(has(ran.out, "% of the logic that may be used"));
+  EXPECT_TRUE(has(ran.out, "; one lane, "));
 }
 
 /// The commands measure what is said: these families alone, priced on this target.
@@ -142,10 +141,9 @@ TEST_F(Advise, CommandsRepeatTheFigures) {
   const Ran ran =
       cde({"advise", "--from", "some.json", "--pair", "ray-sphere", "--target", "assumed:50MHz"});
   ASSERT_EQ(ran.status, 0) << ran.out;
-  EXPECT_NE(ran.out.find("  cde accuracy --pair ray-sphere --formats bf16 --families anywhere "
-                         "--target assumed:50MHz --cases 300 --seed 1 --by-family\n"),
-            std::string::npos)
-      << ran.out;
+  EXPECT_TRUE(has(ran.out,
+                  "  cde accuracy --pair ray-sphere --formats bf16 --families anywhere "
+                  "--target assumed:50MHz --cases 300 --seed 1 --by-family\n"));
 }
 
 /// Of several pairs each has its own families in its command, and where nothing was judged nothing
@@ -165,7 +163,7 @@ TEST_F(Advise, FamiliesOfSeveralPairs) {
   EXPECT_EQ(rays.status, 1) << rays.out;
   const auto ray = json::parse(rays.out).at("advised").at(0);
   EXPECT_TRUE(ray.at("error_over_size").is_null() && ray.at("wrong_per_million").is_null()) << ray;
-  EXPECT_NE(ray.at("lacks").dump().find("no decision was judged"), std::string::npos) << ray;
+  EXPECT_TRUE(has(ray.at("lacks").dump(), "no decision was judged")) << ray;
 }
 
 /// Counts that contradict each other are told, with the configuration that has them.
@@ -177,7 +175,7 @@ TEST_F(Advise, SweepsThatContradictThemselves) {
     write("other.json", other.dump());
     const Ran ran = cde({"advise", "--from", "other.json"});
     EXPECT_EQ(ran.status, 2) << text;
-    EXPECT_NE(ran.err.find("other.json: " + text), std::string::npos) << ran.err;
+    EXPECT_TRUE(has(ran.err, "other.json: " + text));
   };
   refused("/configurations/1/all_families/false_hits/count", 5000,
           "configuration 2: of 400 cases ");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "../has.hpp"
 #include "run_cde.hpp"
 
 namespace cde::testing {
@@ -136,14 +137,13 @@ TEST_F(Bench, QuickEffects) {
   const Ran ran = cde({"bench", "effects", "--quick", "--json", "--markdown"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   // The figures for people are beside the JSON, on stderr.
-  EXPECT_NE(ran.err.find("| card | times the planned card | least to most | clocks of the pass |\n"
-                         "| --- | --- | --- | --- |\n| planned | 1.00 | 1.00 to 1.00 | "),
-            std::string::npos)
-      << ran.err;
+  EXPECT_TRUE(has(ran.err,
+                  "| card | times the planned card | least to most | clocks of the pass |\n"
+                  "| --- | --- | --- | --- |\n| planned | 1.00 | 1.00 to 1.00 | "));
   EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '|'), 5 * 5) << ran.err;
   const Ran other = cde({"bench", "--quick", "--markdown"});
   EXPECT_EQ(other.status, 2);
-  EXPECT_NE(other.err.find("--markdown is of section effects alone"), std::string::npos);
+  EXPECT_TRUE(has(other.err, "--markdown is of section effects alone"));
   const auto j = nlohmann::json::parse(ran.out)["effects"];
   EXPECT_EQ(j["rays"], 256);
   EXPECT_EQ(j["lanes"], 16);
@@ -172,7 +172,7 @@ TEST_F(Bench, QuickEffects) {
 TEST_F(Bench, UnknownSection) {
   const Ran ran = cde({"bench", "cars"});
   EXPECT_EQ(ran.status, 2);
-  EXPECT_NE(ran.err.find("no section 'cars'"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "no section 'cars'"));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "../has.hpp"
 #include "planted.hpp"
 #include "run_cde.hpp"
 
@@ -43,7 +44,7 @@ TEST_F(Bundles, APairThatAPipeAnswersWrong) {
   const std::string query = "< pairs \"$CDE\" query ray-triangle -q";
   const Ran ran = shell_in(fault, query);
   EXPECT_EQ(ran.status, 3) << ran.err;
-  EXPECT_NE(ran.err.find("packed in:   cde-failure\n"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "packed in:   cde-failure\n"));
   const json j = bundle();
   EXPECT_EQ(j["failure"], "mismatch");
   EXPECT_EQ(j["pair"], "ray-triangle");
@@ -53,7 +54,7 @@ TEST_F(Bundles, APairThatAPipeAnswersWrong) {
   EXPECT_EQ(place["file"], "ray_triangle_moller.sv");
   EXPECT_EQ(place["line"], fault.line());
   EXPECT_FALSE(j["near_lines"].empty());
-  EXPECT_NE(read("cde-failure/fail.txt").find("ray_triangle_moller.sv:"), std::string::npos);
+  EXPECT_TRUE(has(read("cde-failure/fail.txt"), "ray_triangle_moller.sv:"));
   // The wrong answer stands at the time that the waves call fail, and the command in it runs.
   const std::string signal = j["wrong_signal"];
   const Ran at =
@@ -70,7 +71,7 @@ TEST_F(Bundles, APairThatAPipeAnswersWrong) {
   EXPECT_FALSE(exists("cde-failure-3"));
   const Ran nowhere = shell_in(fault, query + " --bundle none/there");
   EXPECT_EQ(nowhere.status, 3);
-  EXPECT_NE(nowhere.err.find("not packed:  none/there"), std::string::npos) << nowhere.err;
+  EXPECT_TRUE(has(nowhere.err, "not packed:  none/there"));
 }
 
 const char* const kTwice =
@@ -90,9 +91,7 @@ TEST_F(Bundles, ARecordThatIsKeptWrong) {
   EXPECT_TRUE(j["wrong_signal"].get<std::string>().ends_with("update.better[0]"));
   EXPECT_EQ(j["cause_lines"][0]["file"], "update_lanes.sv");
   const std::string page = read("cde-failure/fail.txt");
-  EXPECT_NE(page.find("the pipe says that primary 0 and secondary 1 meet, as the reference"),
-            std::string::npos)
-      << page;
+  EXPECT_TRUE(has(page, "the pipe says that primary 0 and secondary 1 meet, as the reference"));
 }
 
 TEST_F(Bundles, ACardThatHangs) {
@@ -103,11 +102,11 @@ TEST_F(Bundles, ACardThatHangs) {
   const Ran ran = cde({"cast", "twice.obj", "--ray", "0.5,0.5,5,0,0,-1", "-q", "--exact-card"},
                       fault.environment());
   EXPECT_EQ(ran.status, 4) << ran.err;
-  EXPECT_NE(ran.err.find("packed in:   cde-failure\n"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "packed in:   cde-failure\n"));
   EXPECT_EQ(bundle()["failure"], "timeout");
   const std::string page = read("cde-failure/fail.txt");
-  EXPECT_NE(page.find("What had not ended:"), std::string::npos) << page;
-  EXPECT_NE(page.find("record of primary 0"), std::string::npos) << page;
+  EXPECT_TRUE(has(page, "What had not ended:"));
+  EXPECT_TRUE(has(page, "record of primary 0"));
 }
 
 /// A pipe that keeps its last row's answer for itself, and one that answers another row first.
@@ -119,11 +118,10 @@ TEST_F(Bundles, APipeThatHangs) {
   const Ran ran = shell_in(fault, query + "< rows");
   EXPECT_EQ(ran.status, 4) << ran.err;
   EXPECT_EQ(ran.out, "") << "no answer was compared, so none is written, and no header";
-  EXPECT_NE(ran.err.find("lines 1 to 4: pair_unit: 3 of 3 rows of 1 pairs were taken and 2 "
-                         "answered, the last at clock 12; nothing went on for 1000000 clocks"),
-            std::string::npos)
-      << ran.err;
-  EXPECT_NE(ran.err.find("packed in:   cde-failure\n"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err,
+                  "lines 1 to 4: pair_unit: 3 of 3 rows of 1 pairs were taken and 2 "
+                  "answered, the last at clock 12; nothing went on for 1000000 clocks"));
+  EXPECT_TRUE(has(ran.err, "packed in:   cde-failure\n"));
   const json j = bundle();
   EXPECT_EQ(j["failure"], "timeout");
   EXPECT_EQ(shell_in(fault, "cd cde-failure && " + query + "--no-bundle < pairs.txt").status, 4);
@@ -135,9 +133,7 @@ TEST_F(Bundles, APipeThatHangs) {
   const Planted other(folder_, "rtl/pair_unit.sv", ".d_i(tag)", ".d_i(tag ^ 32'd1)");
   const Ran exchanged = shell_in(other, query + "--no-bundle < rows");
   EXPECT_EQ(exchanged.status, 4) << exchanged.err;
-  EXPECT_NE(exchanged.err.find("and 0 answered, the last at clock 2; then came an answer that"),
-            std::string::npos)
-      << exchanged.err;
+  EXPECT_TRUE(has(exchanged.err, "and 0 answered, the last at clock 2; then came an answer that"));
 }
 
 /// A deadline that was asked for is no failure of the card.

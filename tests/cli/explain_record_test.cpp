@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string>
 
+#include "../has.hpp"
 #include "planted.hpp"
 #include "run_cde.hpp"
 
@@ -63,12 +64,6 @@ class ExplainRecord : public Cli {
     const Ran ran = cde(words);
     EXPECT_EQ(ran.status, 0) << ran.err;
     return ran.out;
-  }
-  void refused(const std::vector<std::string>& words, const std::string& why) {
-    const Ran ran = cde(words);
-    EXPECT_EQ(ran.status, 2) << ran.out;
-    EXPECT_NE(ran.err.find(why), std::string::npos) << ran.err;
-    EXPECT_EQ(ran.out, "");
   }
   static std::vector<int> column(const json& candidates, const char* key) {
     std::vector<int> all;
@@ -132,7 +127,7 @@ TEST_F(ExplainRecord, OtherModesKeepOthers) {
 TEST_F(ExplainRecord, AsTextItEndsWithTheWinnerAndItsPair) {
   const std::string all = text("nearest.toml:q:0:0", {"--max", "1"});
   const auto at = [&all](const char* part) {
-    EXPECT_NE(all.find(part), std::string::npos) << part << " is not in\n" << all;
+    EXPECT_TRUE(has(all, part));
     return all.find(part);
   };
   EXPECT_EQ(at("nearest.toml, frame 0, query 'q', primary 0 (row 0, lane 0)"), 0u);
@@ -143,10 +138,10 @@ TEST_F(ExplainRecord, AsTextItEndsWithTheWinnerAndItsPair) {
             at("Primary 0 and secondary 1 through the pipe alone"));
   at("The card's answer is the reference's.");
   const std::string none = text("nearest.toml:q:0:2");
-  EXPECT_NE(none.find("On the card 0 of 5 pairs are candidates."), std::string::npos) << none;
-  EXPECT_NE(none.find("no secondary wins"), std::string::npos) << none;
-  EXPECT_NE(text("hits.toml:q:0:0").find("In mode hits every hit has a record: there is no winner"),
-            std::string::npos);
+  EXPECT_TRUE(has(none, "On the card 0 of 5 pairs are candidates."));
+  EXPECT_TRUE(has(none, "no secondary wins"));
+  EXPECT_TRUE(
+      has(text("hits.toml:q:0:0"), "In mode hits every hit has a record: there is no winner"));
 }
 
 TEST_F(ExplainRecord, TheManualShowsWhatTheCommandPrints) {
@@ -158,7 +153,7 @@ TEST_F(ExplainRecord, TheManualShowsWhatTheCommandPrints) {
   std::string indented = "    $ cde explain --from-record stack.toml:q:0:0\n";
   for (std::string line; std::getline(lines, line);)
     indented += (line.empty() ? "" : "    ") + line + '\n';
-  EXPECT_NE(manual.find(indented), std::string::npos) << indented;
+  EXPECT_TRUE(has(manual, indented));
 }
 
 /// Waves of a way through a hierarchy say little of pairs; the sweep has the same record.
@@ -172,7 +167,7 @@ TEST_F(ExplainRecord, WhatGoesThroughAHierarchyIsSwept) {
   EXPECT_EQ(j["swept_instead"], true);
   EXPECT_EQ(j["pairs_tested"], 5);
   EXPECT_EQ(j["card_records_of_it"][0]["index"], 1);
-  EXPECT_NE(text("tree.toml:q:0:0").find("here the packet is swept"), std::string::npos);
+  EXPECT_TRUE(has(text("tree.toml:q:0:0"), "here the packet is swept"));
   EXPECT_EQ(told("nearest.toml:q:0:0")["swept_instead"], false);
 }
 
@@ -266,11 +261,11 @@ TEST_F(ExplainLine, ThatCannotBeReadIsRefused) {
     EXPECT_EQ(ran.status, 2) << line;
     EXPECT_EQ(ran.out, "");
     if (*line == '\0') continue;  // an empty value is none
-    EXPECT_NE(ran.err.find("the line must have \"cde explain PAIR"), std::string::npos) << ran.err;
+    EXPECT_TRUE(has(ran.err, "the line must have \"cde explain PAIR"));
   }
   const Ran words = cde({"explain", "--from-test", "cde explain sphere-sphere '0 0 0 1'"});
   EXPECT_EQ(words.status, 2);
-  EXPECT_NE(words.err.find("4 words, must be 8"), std::string::npos) << words.err;
+  EXPECT_TRUE(has(words.err, "4 words, must be 8"));
 }
 
 /// A test of a pipe that fails leaves what `cde query` does, and its line is read.
@@ -286,7 +281,7 @@ TEST_F(ExplainLine, AFailingTestOfAPipeLeavesABundle) {
   EXPECT_EQ(ran.status, 1) << ran.out << ran.err;
   const std::string folder =
       "failures/Fp32_PairPipe.EqualsItsReferenceBitForBit_sphere_sphere_fp32_host";
-  EXPECT_NE(ran.out.find("packed in:   "), std::string::npos) << ran.out;
+  EXPECT_TRUE(has(ran.out, "packed in:   "));
   EXPECT_TRUE(exists(folder + "/waves.fst"));
   EXPECT_FALSE(exists(folder + "-2")) << "one a test";
   const json j = json::parse(read(folder + "/fail.json"));

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <string>
 
+#include "../has.hpp"
 #include "planted.hpp"
 #include "run_cde.hpp"
 
@@ -36,8 +37,8 @@ class Explain : public Cli {
 TEST_F(Explain, AGoodPipeIsFoundWholeAndTheSame) {
   const Ran ran = cde({"explain", "sphere-sphere", "0 0 0 1 | 1.5 0 0 1"});
   EXPECT_EQ(ran.status, 0) << ran.err;
-  EXPECT_NE(ran.out.find("The card's answer is the reference's."), std::string::npos) << ran.out;
-  EXPECT_NE(ran.out.find("sphere_sphere.sv:"), std::string::npos) << ran.out;
+  EXPECT_TRUE(has(ran.out, "The card's answer is the reference's."));
+  EXPECT_TRUE(has(ran.out, "sphere_sphere.sv:"));
   const Ran short_form = cde({"explain", "sphere-sphere", "0,0,0,1,1.5,0,0,1", "--json"});
   const json j = json::parse(short_form.out);
   EXPECT_TRUE(j["same"].get<bool>());
@@ -64,7 +65,7 @@ TEST_F(Explain, TheManualShowsWhatTheCommandPrints) {
   std::istringstream lines(ran.out);
   for (std::string line; std::getline(lines, line);)
     indented += (line.empty() ? "" : "    ") + line + '\n';
-  EXPECT_NE(manual.find(indented), std::string::npos) << indented;
+  EXPECT_TRUE(has(manual, indented));
 }
 
 TEST_F(Explain, AnotherOperationIsFoundAtItsLine) {
@@ -79,7 +80,7 @@ TEST_F(Explain, WhatMakesNoSenseIsRefused) {
   const auto refused = [this](const std::vector<std::string>& words, const char* text) {
     const Ran ran = cde(words);
     EXPECT_EQ(ran.status, 2) << ran.out;
-    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
+    EXPECT_TRUE(has(ran.err, text));
     EXPECT_EQ(ran.out, "");
   };
   refused({"explain", "sphere-sphere", "0 0 0 1"}, "4 words, must be 8");
@@ -93,8 +94,8 @@ TEST_F(Explain, WhatMakesNoSenseIsRefused) {
 TEST_F(Explain, AnOperandOutOfContractSaysNothingOfOperators) {
   const Ran ran = cde({"explain", "sphere-sphere", "0 0 0 -1 | 1.5 0 0 1"});
   EXPECT_EQ(ran.status, 0) << ran.err;
-  EXPECT_NE(ran.out.find("Both sides refuse the pair"), std::string::npos) << ran.out;
-  EXPECT_NE(ran.err.find("radius"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.out, "Both sides refuse the pair"));
+  EXPECT_TRUE(has(ran.err, "radius"));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "../has.hpp"
 #include "run_cde.hpp"
 
 namespace cde::testing {
@@ -50,8 +51,7 @@ TEST_F(Help, VersionsAreThoseOfTheBuild) {
   const Ran ran = cde({"--version"});
   EXPECT_EQ(ran.status, 0);
   EXPECT_TRUE(std::regex_search(ran.out, std::regex("^cde [0-9]+\\.[0-9]+\\.[0-9]+")));
-  for (const char* text : {"Verilator 5", "clang version", "GNU"})
-    EXPECT_NE(ran.out.find(text), std::string::npos) << ran.out;
+  for (const char* text : {"Verilator 5", "clang version", "GNU"}) EXPECT_TRUE(has(ran.out, text));
 }
 
 TEST_F(Help, SameByVerbAndByOptionOnStdout) {
@@ -64,7 +64,7 @@ TEST_F(Help, SameByVerbAndByOptionOnStdout) {
     EXPECT_EQ(asked.out, option.out);
     EXPECT_EQ(asked.err + option.err, "");
     for (const char* part : {"\nUsage\n", "\nExamples\n", "\nExit status\n", "\nEnvironment\n"})
-      EXPECT_NE(asked.out.find(part), std::string::npos) << asked.out;
+      EXPECT_TRUE(has(asked.out, part));
   }
 }
 
@@ -114,7 +114,7 @@ TEST_F(Help, SuggestsWhatWasMeant) {
     const Ran ran = cde(words);
     EXPECT_EQ(ran.status, 2);
     EXPECT_EQ(ran.out, "");
-    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
+    EXPECT_TRUE(has(ran.err, text));
   };
   says({"csat"}, "no verb 'csat'; did you mean cast?");
   says({"doc"}, "did you mean doctor?");
@@ -133,7 +133,7 @@ TEST_F(Help, SuggestsWhatWasMeant) {
 /// which are made by the command itself.
 TEST_F(Help, ManualAndCompletionsHaveEveryOption) {
   write_manuals();
-  EXPECT_EQ(cde({"--help"}).out.find("write-manual"), std::string::npos) << "is hidden";
+  EXPECT_FALSE(has(cde({"--help"}).out, "write-manual")) << "is hidden";
   const fs::path share = folder_ / "share";
   const std::string bash = contents(share / "bash-completion/completions/cde"),
                     zsh = contents(share / "zsh/site-functions/_cde"),
@@ -148,10 +148,10 @@ TEST_F(Help, ManualAndCompletionsHaveEveryOption) {
     static const std::regex first("\n  (-[a-z], )?(--[a-z-]+)");
     for (std::sregex_iterator at(options.begin(), options.end(), first), end; at != end; ++at) {
       const std::string option = (*at)[2];
-      EXPECT_NE(page.find(option), std::string::npos) << option;
-      EXPECT_NE(bash.find(option), std::string::npos) << option;
-      EXPECT_NE(zsh.find(option), std::string::npos) << option;
-      EXPECT_NE(fish.find("-l " + option.substr(2)), std::string::npos) << option;
+      EXPECT_TRUE(has(page, option));
+      EXPECT_TRUE(has(bash, option));
+      EXPECT_TRUE(has(zsh, option));
+      EXPECT_TRUE(has(fish, "-l " + option.substr(2))) << option;
     }
   }
 }

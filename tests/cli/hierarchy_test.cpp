@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "../has.hpp"
 #include "run_cde.hpp"
 
 namespace cde::testing {
@@ -19,10 +20,7 @@ class CastHierarchy : public Cli {
   }
   void refused(std::vector<std::string> words, const std::string& text) {
     words.insert(words.begin(), {"cast", "terrain:10,10,1", "--grid", "8x8"});
-    const Ran ran = cde(words);
-    EXPECT_EQ(ran.status, 2) << ran.err;
-    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err << "\nlacks: " << text;
-    EXPECT_EQ(ran.out, "");
+    Cli::refused(words, text);
   }
 };
 
@@ -47,8 +45,8 @@ TEST_F(CastHierarchy, IsTakenWhereItIsWorthIt) {
   EXPECT_EQ(j["records_matching"], 1024);
   EXPECT_GT(j["nodes"], 1024);
   EXPECT_LT(j["tests"], 1024 * 20);
-  EXPECT_NE(ran.err.find("; 9 of the rays met all triangles, too"), std::string::npos) << ran.err;
-  EXPECT_NE(ran.err.find("2 node units"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "; 9 of the rays met all triangles, too"));
+  EXPECT_TRUE(has(ran.err, "2 node units"));
   // Too few triangles, too few rays.
   ran = cde({"cast", "terrain:40,40,3", "--grid", "8x8", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
@@ -102,13 +100,13 @@ TEST_F(CastHierarchy, WhatNoBoxHolds) {
   const std::vector<std::string> words = {"cast", "far.obj", "--grid", "32x32", "--json"};
   Ran ran = cde(words);
   EXPECT_EQ(ran.status, 0) << ran.err;
-  EXPECT_NE(ran.err.find("all triangles are swept"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "all triangles are swept"));
   EXPECT_EQ(nlohmann::json::parse(ran.out)["through"], "sweep");
   ran = cde({"cast", "far.obj", "--ray", "0.1,0.1,0,0,0,1", "--bvh"});
   EXPECT_NE(ran.status, 0);
-  EXPECT_NE(ran.err.find("far.obj: no hierarchy: "), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "far.obj: no hierarchy: "));
   ran = cde({"cast", "far.obj", "--ray", "0.1,0.1,0,0,0,1", "--mode", "occluded"});
-  EXPECT_NE(ran.err.find("far.obj: no hierarchy: "), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "far.obj: no hierarchy: "));
 }
 
 /// Shadows go the same way as what casts them, and draw the same.
@@ -131,8 +129,8 @@ TEST_F(CastHierarchy, OccludedSaysNoTriangle) {
   std::vector<std::string> words = {"cast",   "one.obj",  "--ray", "0.2,0.2,0,0,0,1",
                                     "--mode", "occluded", "-o",    "r.jsonl"};
   EXPECT_EQ(cde(words).status, 0);
-  EXPECT_NE(read("r.jsonl").find("\"F\":1"), std::string::npos);
-  EXPECT_NE(read("r.jsonl").find("\"index\":null"), std::string::npos);
+  EXPECT_TRUE(has(read("r.jsonl"), "\"F\":1"));
+  EXPECT_TRUE(has(read("r.jsonl"), "\"index\":null"));
   words.insert(words.end(), {"--fields", "u"});
   EXPECT_EQ(cde(words).status, 2);
 }
@@ -246,10 +244,9 @@ secondaries = ["ball", "ring"]
   write("off.toml", scene("hierarchy = \"off\"\nlanes = 16\nmover = \"card\""));
   const Ran ran = cde({"run", "on.toml"});
   ASSERT_EQ(ran.status, 0) << ran.err;
-  EXPECT_NE(ran.err.find("frame 2, query 'hit': it meets all secondaries instead of a hierarchy: "
-                         "the triangle in slot"),
-            std::string::npos)
-      << ran.err;
+  EXPECT_TRUE(has(ran.err,
+                  "frame 2, query 'hit': it meets all secondaries instead of a hierarchy: "
+                  "the triangle in slot"));
   ASSERT_EQ(cde({"run", "off.toml", "-q"}).status, 0);
   const auto on = nlohmann::json::parse(read("on.run/run.json"))["played"];
   const auto off = nlohmann::json::parse(read("off.run/run.json"))["played"];
@@ -282,13 +279,13 @@ TEST_F(SceneHierarchy, PlanHasClocksOfBoth) {
   std::istringstream words(text.out);  // wherever lines end
   std::string all, word;
   while (words >> word) all += word + " ";
-  EXPECT_NE(all.find("through a hierarchy in about"), std::string::npos) << text.out;
-  EXPECT_NE(all.find("sweeps of 128 lanes take"), std::string::npos) << text.out;
+  EXPECT_TRUE(has(all, "through a hierarchy in about")) << text.out;
+  EXPECT_TRUE(has(all, "sweeps of 128 lanes take")) << text.out;
   write("bad.toml", flight("hierarchy = \"yes\""));
   const Ran bad = cde({"plan", "bad.toml"});
   EXPECT_EQ(bad.status, 2);
-  EXPECT_NE(bad.err.find("bad.toml:3:"), std::string::npos) << bad.err;
-  EXPECT_NE(bad.err.find("hierarchy"), std::string::npos) << bad.err;
+  EXPECT_TRUE(has(bad.err, "bad.toml:3:"));
+  EXPECT_TRUE(has(bad.err, "hierarchy"));
 }
 
 /// Spheres that fall onto a terrain: the same bytes as swept, normals too.

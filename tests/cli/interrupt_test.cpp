@@ -9,6 +9,7 @@
 #include <sstream>
 #include <thread>
 
+#include "../has.hpp"
 #include "run_cde.hpp"
 
 namespace cde::testing {
@@ -17,12 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Empty if it cannot be read: a process may end meanwhile.
-std::string text_of(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 class Building : public Cli {
  protected:
   pid_t start_building() {
@@ -45,7 +40,7 @@ class Building : public Cli {
     std::string found;
     std::error_code gone;
     for (const auto& entry : fs::directory_iterator("/proc", gone)) {
-      const std::string line = text_of(entry.path() / "cmdline");
+      const std::string line = bytes_of(entry.path() / "cmdline");
       if (line.find((folder_ / "cache").string()) != std::string::npos)
         found += entry.path().filename().string() + ": " + line + "\n";
     }
@@ -53,8 +48,8 @@ class Building : public Cli {
   }
   /// The builder, a child of the command.
   static pid_t builder_of(pid_t command) {
-    std::istringstream children(text_of("/proc/" + std::to_string(command) + "/task/" +
-                                        std::to_string(command) + "/children"));
+    std::istringstream children(bytes_of("/proc/" + std::to_string(command) + "/task/" +
+                                         std::to_string(command) + "/children"));
     pid_t child = 0;
     children >> child;
     return child;
@@ -110,7 +105,7 @@ TEST_F(Building, SignalToTheBuilderAlone) {
     const Ran ran = finish(child);
     ASSERT_TRUE(began) << ran.err;
     EXPECT_EQ(ran.status, 128 + signal) << ran.err;
-    EXPECT_NE(ran.err.find("was ended"), std::string::npos) << ran.err;
+    EXPECT_TRUE(has(ran.err, "was ended"));
     expect_nothing_left();
   }
 }

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "../has.hpp"
 #include "planted.hpp"
 #include "run_cde.hpp"
 
@@ -70,8 +71,7 @@ TEST_F(InventoryCache, TheSameRtlIsElaboratedOnce) {
   const Ran damaged = inventory({"sphere-sphere"});
   EXPECT_EQ(damaged.status, 0) << damaged.err;
   EXPECT_EQ(damaged.out, first.out);
-  EXPECT_NE(damaged.err.find(file.string() + " is not used: it is damaged"), std::string::npos)
-      << damaged.err;
+  EXPECT_TRUE(has(damaged.err, file.string() + " is not used: it is damaged"));
   EXPECT_EQ(elaborated(), 2u);
 }
 
@@ -146,22 +146,21 @@ TEST_F(Inventory, FollowsTheRtl) {
   rtl.change("rtl/pipes/sphere_sphere.sv", "`DF_VSUB(w, b_c, a_c)", "`DF_VSUB(w, b_c, no_such)");
   const Ran broken = cde({"inventory", "sphere-sphere"}, environment);
   EXPECT_EQ(broken.status, 2);
-  EXPECT_NE(broken.err.find("no_such"), std::string::npos) << broken.err;
+  EXPECT_TRUE(has(broken.err, "no_such"));
 }
 
 TEST_F(Inventory, TextMarkdownAndUsage) {
   const Ran text = cde({"inventory", "sphere-sphere", "--latencies", "2,4,9,8,1"});
   EXPECT_EQ(text.status, 0) << text.err;
-  EXPECT_NE(text.out.find("add 2, mul 4, div 9, sqrt 8, cmp 1"), std::string::npos) << text.out;
+  EXPECT_TRUE(has(text.out, "add 2, mul 4, div 9, sqrt 8, cmp 1"));
   EXPECT_EQ(text.out.find('|'), std::string::npos);
   const Ran markdown = cde({"inventory", "sphere-sphere", "--markdown"});
-  EXPECT_NE(markdown.out.find("| sphere-sphere |  10 |   1 |    1 |   7 |   4 |   2 |       0 |"),
-            std::string::npos)
-      << markdown.out;
+  EXPECT_TRUE(
+      has(markdown.out, "| sphere-sphere |  10 |   1 |    1 |   7 |   4 |   2 |       0 |"));
   const auto refused = [this](const Words& words, const char* message) {
     const Ran ran = cde(words);
     EXPECT_EQ(ran.status, 2);
-    EXPECT_NE(ran.err.find(message), std::string::npos) << ran.err;
+    EXPECT_TRUE(has(ran.err, message));
   };
   refused({"inventory", "sphere-cube"}, "no pair 'sphere-cube'");
   refused({"inventory", "--latencies", "1,2,3"}, "--latencies is '1,2,3'; it must be");

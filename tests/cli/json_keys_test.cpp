@@ -14,11 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string text_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 class JsonKeys : public Cli {};
 
 /// A key stands in one first column, once; and the sources still have it.
@@ -26,9 +21,9 @@ TEST_F(JsonKeys, EachIsExplainedOnceAndUsed) {
   std::string sources;
   for (const char* folder : {"tools", "host/src"})
     for (const auto& file : fs::recursive_directory_iterator(fs::path(CDE_SOURCE_DIR) / folder))
-      if (file.path().extension() == ".cpp") sources += text_of(file.path());
+      if (file.path().extension() == ".cpp") sources += bytes_of(file.path());
   std::set<std::string> first;
-  std::istringstream lines(text_of(fs::path(CDE_SOURCE_DIR) / "docs/json.md"));
+  std::istringstream lines(bytes_of(fs::path(CDE_SOURCE_DIR) / "docs/json.md"));
   for (std::string line; std::getline(lines, line);) {
     static const std::regex key("`([A-Za-z_0-9]+)`");
     if (!line.starts_with('|')) continue;

@@ -44,14 +44,6 @@ class Outputs : public Cli {
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
-  void refused(const Words& words, const std::string& text) {
-    const auto before = files();
-    const Ran ran = cde(words);
-    EXPECT_EQ(ran.status, 2) << fmt::format("{}", fmt::join(words, " "));
-    EXPECT_EQ(ran.err, "cde: " + text + "\n");
-    EXPECT_EQ(ran.out, "");
-    EXPECT_EQ(files(), before);
-  }
   /// What the input files hold is what they held.
   void expect_inputs() {
     EXPECT_EQ(read("one.obj"), kTriangle);
@@ -116,7 +108,7 @@ TEST_F(Outputs, DashIsStdoutAndStdin) {
   EXPECT_EQ(page.status, 0) << page.err;
   EXPECT_TRUE(page.out.starts_with("<!DOCTYPE html>")) << page.out.substr(0, 100);
   EXPECT_TRUE(page.out.ends_with("</html>\n"));
-  refused({"run", "scene.toml", "--out", "-"}, "--out is a folder; it cannot be stdout");
+  refused_saying({"run", "scene.toml", "--out", "-"}, "--out is a folder; it cannot be stdout");
   const Ran rays = shell("\"$CDE\" cast one.obj --rays - --lanes 4 -q -o - < rays.csv");
   EXPECT_EQ(rays.out, kCsv) << rays.err;
   EXPECT_EQ(shell("echo 0,0,x | \"$CDE\" cast one.obj --rays - -q -o -").err.find("cde: stdin:1:5"),
@@ -127,18 +119,18 @@ TEST_F(Outputs, DashIsStdoutAndStdin) {
 TEST_F(Outputs, AnInputIsNotWrittenOver) {
   fs::create_symlink("one.obj", folder_ / "soft");
   fs::create_hard_link(folder_ / "rays.csv", folder_ / "hard");
-  refused(cast({"-o", "one.obj"}), "-o would write to one.obj, which MESH reads");
-  refused(cast({"-o", "./one.obj"}), "-o would write to ./one.obj, which MESH reads");
-  refused(cast({"--trace", "soft"}), "--trace would write to soft, which MESH reads");
-  refused(cast({"-o", "hard"}), "-o would write to hard, which --rays reads");
-  refused({"render", "one.obj", "--grid", "4x4", "--image", "one.obj"},
-          "--image would write to one.obj, which MESH reads");
-  refused({"run", "scene.toml", "--report", "scene.toml"},
-          "--report would write to scene.toml, which SCENE reads");
-  refused({"run", "scene.toml", "--trace", "soft"},
-          "--trace would write to soft, which object 'triangles' reads");
-  refused({"run", "scene.toml", "--report", "rays.csv"},
-          "--report would write to rays.csv, which object 'rays' reads");
+  refused_saying(cast({"-o", "one.obj"}), "-o would write to one.obj, which MESH reads");
+  refused_saying(cast({"-o", "./one.obj"}), "-o would write to ./one.obj, which MESH reads");
+  refused_saying(cast({"--trace", "soft"}), "--trace would write to soft, which MESH reads");
+  refused_saying(cast({"-o", "hard"}), "-o would write to hard, which --rays reads");
+  refused_saying({"render", "one.obj", "--grid", "4x4", "--image", "one.obj"},
+                 "--image would write to one.obj, which MESH reads");
+  refused_saying({"run", "scene.toml", "--report", "scene.toml"},
+                 "--report would write to scene.toml, which SCENE reads");
+  refused_saying({"run", "scene.toml", "--trace", "soft"},
+                 "--trace would write to soft, which object 'triangles' reads");
+  refused_saying({"run", "scene.toml", "--report", "rays.csv"},
+                 "--report would write to rays.csv, which object 'rays' reads");
   const Ran same = shell("\"$CDE\" cast one.obj --rays - -q -o rays.csv < rays.csv");
   EXPECT_EQ(same.status, 2);
   EXPECT_EQ(same.err, "cde: -o would write to rays.csv, which --rays reads\n");
@@ -149,17 +141,17 @@ TEST_F(Outputs, AnInputIsNotWrittenOver) {
 }
 
 TEST_F(Outputs, TwoOutputsAreNotOneFile) {
-  refused(cast({"-o", "x", "--trace", "./x"}), "-o and --trace both write to ./x");
-  refused({"render", "one.obj", "--grid", "4x4", "--image", "x", "--shaded", "x"},
-          "--image and --shaded both write to x");
-  refused(cast({"-o", "-", "--json"}), "-o and --json both write to stdout");
-  refused(cast({"-o", "/dev/stdout", "--json"}), "-o and --json both write to stdout");
-  refused({"run", "scene.toml", "--report", "x", "--trace", "x"},
-          "--report and --trace both write to x");
-  refused({"run", "scene.toml", "--report", "-", "--json"},
-          "--report and --json both write to stdout");
-  refused({"reproduce", "--quick", "--json", "--out", "-"},
-          "--out and --json both write to stdout");
+  refused_saying(cast({"-o", "x", "--trace", "./x"}), "-o and --trace both write to ./x");
+  refused_saying({"render", "one.obj", "--grid", "4x4", "--image", "x", "--shaded", "x"},
+                 "--image and --shaded both write to x");
+  refused_saying(cast({"-o", "-", "--json"}), "-o and --json both write to stdout");
+  refused_saying(cast({"-o", "/dev/stdout", "--json"}), "-o and --json both write to stdout");
+  refused_saying({"run", "scene.toml", "--report", "x", "--trace", "x"},
+                 "--report and --trace both write to x");
+  refused_saying({"run", "scene.toml", "--report", "-", "--json"},
+                 "--report and --json both write to stdout");
+  refused_saying({"reproduce", "--quick", "--json", "--out", "-"},
+                 "--out and --json both write to stdout");
   EXPECT_EQ(cde(cast({"-o", "/dev/null", "--trace", "/dev/null"})).status, 0);
 }
 
@@ -170,9 +162,9 @@ TEST_F(Outputs, WhatCannotBeWrittenIsFoundOutBefore) {
   for (const char* option : {"--image", "--shaded", "-o"}) {
     Words words = big;
     words.insert(words.end(), {option, "none/x.png"});
-    refused(words, "none/x.png: cannot create: No such file or directory");
+    refused_saying(words, "none/x.png: cannot create: No such file or directory");
     words.back() = "folder";
-    refused(words, "folder: cannot write: Is a directory");
+    refused_saying(words, "folder: cannot write: Is a directory");
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pages.hpp"
+#include "../has.hpp"
 
 #include <fmt/format.h>
 
@@ -14,17 +15,13 @@ namespace cde::testing {
 
 using nlohmann::json;
 
-static std::string base64(const std::vector<unsigned>& bytes) {
-  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+/// The first line that a command prints.
+static std::string output_of(const std::string& command) {
+  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(::popen(command.c_str(), "r"), ::pclose);
+  std::array<char, 4096> part{};
   std::string text;
-  unsigned word = 0, bits = 0;
-  for (const unsigned b : bytes) {
-    word = word << 8 | b;
-    for (bits += 8; bits >= 6; bits -= 6) text += digits[word >> (bits - 6) & 63];
-    word &= (1u << bits) - 1;
-  }
-  if (bits > 0) text += digits[word << (6 - bits) & 63];
-  return text + std::string((4 - text.size() % 4) % 4, '=');
+  while (std::fgets(part.data(), part.size(), pipe.get()) != nullptr) text += part.data();
+  return text.substr(0, text.find('\n'));
 }
 
 std::size_t count(const std::string& text, const std::string& part) {
@@ -52,13 +49,8 @@ std::string plain(std::string text) {
 }
 
 std::string browser() {
-  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(
-      ::popen("command -v chromium || command -v chromium-browser || command -v google-chrome",
-              "r"),
-      ::pclose);
-  std::array<char, 256> line{};
-  if (std::fgets(line.data(), line.size(), pipe.get()) == nullptr) return "";
-  return std::string(line.data(), std::strcspn(line.data(), "\n"));
+  return output_of(
+      "command -v chromium || command -v chromium-browser || command -v google-chrome");
 }
 
 namespace {
@@ -121,26 +113,30 @@ addEventListener("load", async () => {
 
 }  // namespace
 
-json Pages::clicked(const std::string& program, std::string html) {
+json Pages::in_browser(std::string html, const std::string& script, const std::string& flags,
+                       const std::function<json(const std::string&)>& answer) {
   const std::string policy = "script-src ";
-  html.insert(html.find(policy) + policy.size(), policy_hash(kClicks) + " ");
-  html.insert(html.find("<title>"), fmt::format("<script>{}</script>", kClicks));
-  write("clicked.html", html);
-  // Pictures are decoded in a thread that virtual time does not wait for: on a busy machine it
-  // can run out before the page has told. Then it is asked again.
+  html.insert(html.find(policy) + policy.size(), policy_hash(script) + " ");
+  html.insert(html.find("<title>"), fmt::format("<script>{}</script>", script));
+  write("asked.html", html);
   Ran ran;
-  std::string told;
-  for (int budget = 20000; told.empty() && budget <= 320000; budget *= 2) {
+  for (int budget = 20000; budget <= 320000; budget *= 2) {
     ran = shell(
         fmt::format("HOME=$PWD timeout 120 {} --headless --no-sandbox --disable-gpu --no-first-run "
-                    "--disable-background-networking --user-data-dir=$PWD/browser "
-                    "--virtual-time-budget={} --dump-dom file://$PWD/clicked.html",
-                    program, budget));
-    for (const std::string& text : between(ran.out, "<pre id=\"told\">", "</pre>")) told = text;
+                    "--disable-background-networking --user-data-dir=$PWD/browser {} "
+                    "--virtual-time-budget={} --dump-dom file://$PWD/asked.html",
+                    browser(), flags, budget));
+    for (const std::string& text : between(ran.out, "<pre id=\"told\">", "</pre>"))
+      if (json j = answer(text); !j.is_null()) return j;
   }
-  json j = json::parse(plain(told), nullptr, false);
-  if (j.is_discarded()) ADD_FAILURE() << ran.status << ran.err << ran.out.substr(0, 2000);
-  return j;
+  ADD_FAILURE() << "the page did not answer: " << ran.status << ran.err.substr(0, 3000)
+                << ran.out.substr(0, 2000);
+  return json::object();
+}
+
+json Pages::clicked(const std::string& html) {
+  return in_browser(html, kClicks, "",
+                    [](const std::string& text) { return json::parse(plain(text)); });
 }
 
 void Pages::expect_saved(const json& told, std::size_t charts) {
@@ -161,7 +157,7 @@ void Pages::expect_saved(const json& told, std::size_t charts) {
     EXPECT_EQ(file["root"], "http://www.w3.org/2000/svg svg") << name;
     EXPECT_EQ(file["classes"], 0) << "looks that are in the page's style sheet";
     for (const char* needs : {"var(", "NaN", "undefined", "%\"", "href"})
-      EXPECT_EQ(text.find(needs), std::string::npos) << name << needs;
+      EXPECT_FALSE(has(text, needs)) << name << needs;
     EXPECT_EQ(file["drawn"]["width"], 760);
     EXPECT_EQ(file["drawn"]["ground"], json({255, 255, 255, 255})) << "as print has it";
     EXPECT_GT(file["drawn"]["ink"], 1000) << name;
@@ -171,11 +167,11 @@ void Pages::expect_saved(const json& told, std::size_t charts) {
 
 std::string Pages::policy_hash(const std::string& text) {
   write("hashed", text);
-  const std::string command = fmt::format("sha256sum {}", (folder_ / "hashed").string());
-  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(::popen(command.c_str(), "r"), ::pclose);
-  std::vector<unsigned> bytes(32);
-  for (unsigned& b : bytes) EXPECT_EQ(std::fscanf(pipe.get(), "%2x", &b), 1);
-  return fmt::format("'sha256-{}'", base64(bytes));
+  return fmt::format(
+      "'sha256-{}'",
+      output_of(fmt::format(
+          "sha256sum {} | cut -c1-64 | tr a-f A-F | basenc -d --base16 | basenc --base64",
+          (folder_ / "hashed").string())));
 }
 
 void Pages::expect_sound(const std::string& html, std::size_t scripts) {
@@ -184,19 +180,19 @@ void Pages::expect_sound(const std::string& html, std::size_t scripts) {
   ASSERT_EQ(policies.size(), 1u);
   const std::string& policy = policies[0];
   EXPECT_EQ(policy.find("default-src 'none'; "), 0u) << policy;
-  EXPECT_EQ(policy.find("unsafe"), std::string::npos) << policy;
-  EXPECT_EQ(policy.find("http"), std::string::npos) << policy;
+  EXPECT_FALSE(has(policy, "unsafe"));
+  EXPECT_FALSE(has(policy, "http"));
   const auto styles = between(html, "<style>", "</style>");
   ASSERT_EQ(styles.size(), 1u);
-  EXPECT_NE(policy.find("style-src " + policy_hash(styles[0])), std::string::npos);
+  EXPECT_TRUE(has(policy, "style-src " + policy_hash(styles[0])));
   const auto code = between(html, "<script>", "</script>");
   ASSERT_EQ(code.size(), scripts);
   for (const std::string& script : code)
-    EXPECT_NE(policy.find(policy_hash(script)), std::string::npos) << script.substr(0, 60);
+    EXPECT_TRUE(has(policy, policy_hash(script))) << script.substr(0, 60);
   std::string markup = html;
   for (const std::string& script : code) markup.replace(markup.find(script), script.size(), "");
   for (const char* loads : {" src=\"http", " href=", "url(", "@import", " style=", " onclick="})
-    EXPECT_EQ(markup.find(loads), std::string::npos) << loads;
+    EXPECT_FALSE(has(markup, loads));
   for (const char* element : {"section", "table", "svg", "div", "figure", "main", "body", "html"}) {
     const std::regex opens(fmt::format("<{}[ >]", element));
     const auto opened = std::distance(std::sregex_iterator(markup.begin(), markup.end(), opens),
@@ -204,7 +200,7 @@ void Pages::expect_sound(const std::string& html, std::size_t scripts) {
     EXPECT_EQ(static_cast<std::size_t>(opened), count(markup, fmt::format("</{}>", element)))
         << element;
   }
-  EXPECT_NE(html.find("<meta name=\"viewport\""), std::string::npos);
+  EXPECT_TRUE(has(html, "<meta name=\"viewport\""));
 }
 
 }  // namespace cde::testing

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -20,9 +21,14 @@ namespace cde::testing {
 
 class Pages : public Cli {
  protected:
-  /// The page in a browser without network, under its own content security policy, which here lets
-  /// the clicks run as well.
-  nlohmann::json clicked(const std::string& program, std::string html);
+  /// What `answer` makes of the text that the script leaves in an element "told" of the page, in a
+  /// browser without network, under the page's own content security policy, which here lets the
+  /// script run. Virtual time does not wait for threads of the browser: while there is no such
+  /// element, or null is made of it, the page is asked again with more of it.
+  nlohmann::json in_browser(std::string html, const std::string& script, const std::string& flags,
+                            const std::function<nlohmann::json(const std::string&)>& answer);
+  /// What is told of a click on every button that saves something.
+  nlohmann::json clicked(const std::string& html);
   /// Two files a chart: a picture that opens alone, and figures.
   void expect_saved(const nlohmann::json& told, std::size_t charts);
   /// As a content security policy has it, from coreutils' own implementation.

@@ -16,62 +16,15 @@
 #include <regex>
 #include <sstream>
 
+#include "../has.hpp"
 #include "cde/wave/wave_file.hpp"
 #include "planted.hpp"
-#include "run_cde.hpp"
+#include "query.hpp"
 
 namespace cde::testing {
 namespace {
 
 namespace fs = std::filesystem;
-using Words = std::vector<std::string>;
-
-const std::string kHeader = "F,T,CPx,CPy,CPz,nx,ny,nz,flags\n";
-
-class Query : public Cli {
- protected:
-  /// Runs `cde query` with this text on stdin.
-  [[nodiscard]] Ran query(const Words& words, const std::string& text,
-                          const Words& environment = {}) {
-    Words all = {"query"};
-    all.insert(all.end(), words.begin(), words.end());
-    const int own = ::dup(STDIN_FILENO);
-    const int file = ::open((folder_ / write("stdin", text)).c_str(), O_RDONLY);
-    ::dup2(file, STDIN_FILENO);
-    ::close(file);
-    Ran ran = cde(all, environment);
-    ::dup2(own, STDIN_FILENO);
-    ::close(own);
-    return ran;
-  }
-
-  /// Refused before anything is answered.
-  void refused(const Words& words, const std::string& text) {
-    const Ran ran = query(words, "0,0,0,1,2,0,0,1\n");
-    SCOPED_TRACE(fmt::format("{}", fmt::join(words, " ")));
-    EXPECT_EQ(ran.status, 2);
-    EXPECT_NE(ran.err.find(text), std::string::npos) << "says: " << ran.err << "\nlacks: " << text;
-    EXPECT_EQ(ran.out, "");
-  }
-};
-
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream in(text);
-  for (std::string line; std::getline(in, line);) lines.push_back(line);
-  return lines;
-}
-
-std::vector<std::string> fields_of(const std::string& line) {
-  std::vector<std::string> fields(1);
-  for (const char c : line) {
-    if (c == ',')
-      fields.emplace_back();
-    else
-      fields.back() += c;
-  }
-  return fields;
-}
 
 TEST_F(Query, AnswersInOrderWhateverTheSpelling) {
   const Ran ran = query({"sphere-sphere"},
@@ -88,7 +41,7 @@ TEST_F(Query, AnswersInOrderWhateverTheSpelling) {
                          "0,2.5,2.25,0,0,1,0,0,\n"
                          "1,0,1,0,0,1,-0,0,\n"
                          "0,1,0,-1.5,0,0,-1,0,\n");
-  EXPECT_NE(ran.err.find("4 of 4 answers match the reference"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "4 of 4 answers match the reference"));
 }
 
 /// As tests and `cde run` print a pair.
@@ -131,14 +84,13 @@ exit 1
                         {"CDE_BITSTREAMS=/nowhere", "CDE_CACHE=" + (folder_ / "cache").string(),
                          "CDE_SHARE=" + (folder_ / "share").string()});
   EXPECT_EQ(ran.status, 2) << ran.err;
-  EXPECT_NE(ran.err.find("failed:\n%Error: lane.sv:12:3: no such signal\n   12 |   signul <= 0;\n"),
-            std::string::npos)
-      << ran.err;
-  EXPECT_EQ(ran.err.find("included from"), std::string::npos) << ran.err;
+  EXPECT_TRUE(
+      has(ran.err, "failed:\n%Error: lane.sv:12:3: no such signal\n   12 |   signul <= 0;\n"));
+  EXPECT_FALSE(has(ran.err, "included from"));
   const std::string log = "cache/0123456789abcdef01234567.log";
-  EXPECT_NE(ran.err.find(log), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, log));
   ASSERT_TRUE(exists(log));
-  EXPECT_NE(read(log).find("included from file 40"), std::string::npos);
+  EXPECT_TRUE(has(read(log), "included from file 40"));
 }
 
 /// A header without answers would look like a result.
@@ -185,12 +137,12 @@ TEST_F(Query, TheBoxRuleMissesTrianglesWithoutArea) {
   Ran ran = query({"ray-triangle", "--algorithm", "pluecker"}, line);
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_EQ(ran.out, kHeader + "0,inf,0,0,0,,,,\n");
-  EXPECT_NE(ran.err.find("pluecker, box rule"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "pluecker, box rule"));
   EXPECT_EQ(query({"ray-triangle", "--algorithm", "pluecker", "--box", "-q"}, line).out, ran.out);
   ran = query({"ray-triangle", "--algorithm", "pluecker", "--no-box"}, line);
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_EQ(ran.out.substr(kHeader.size(), 4), "1,0,") << ran.out;
-  EXPECT_EQ(ran.err.find("box rule"), std::string::npos) << ran.err;
+  EXPECT_FALSE(has(ran.err, "box rule"));
   refused({"sphere-sphere", "--box"}, "sphere-sphere has no box rule");
 }
 
@@ -230,13 +182,12 @@ TEST_F(Query, MalformedLinesAreNamedAndTheOthersAnswered) {
     const Ran ran = query({"sphere-sphere"}, fmt::format("{0}{1}\n{0}", good, line));
     SCOPED_TRACE(line);
     EXPECT_EQ(ran.status, 2);
-    EXPECT_NE(ran.err.find("cde: " + message), std::string::npos)
-        << "says: " << ran.err << "\nlacks: " << message;
+    EXPECT_TRUE(has(ran.err, "cde: " + message));
     EXPECT_EQ(ran.out, kHeader +
                            "1,0.5,0.75,0,0,1,0,0,\n"
                            "0,nan,nan,nan,nan,nan,nan,nan,malformed\n"
                            "1,0.5,0.75,0,0,1,0,0,\n");
-    EXPECT_NE(ran.err.find("2, 0 bad, and 1 malformed line\n"), std::string::npos) << ran.err;
+    EXPECT_TRUE(has(ran.err, "2, 0 bad, and 1 malformed line\n"));
   }
   const Ran ray = query({"ray-triangle", "--bits", "-q"}, "0,0,2,0,0,-1,0,1,1,1,1,1,1,1,1,1\n");
   EXPECT_EQ(ray.status, 2);
@@ -296,8 +247,8 @@ TEST_F(Query, NoPairsHaveNoSpeed) {
   const Ran ran = query({"sphere-sphere"}, "");
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_EQ(ran.out, "F,T,CPx,CPy,CPz,nx,ny,nz,flags\n");
-  EXPECT_EQ(ran.err.find("nan"), std::string::npos) << ran.err;
-  EXPECT_NE(ran.err.find("0 of 0 answers match"), std::string::npos) << ran.err;
+  EXPECT_FALSE(has(ran.err, "nan"));
+  EXPECT_TRUE(has(ran.err, "0 of 0 answers match"));
 }
 
 TEST_F(Query, WrongUsageIsRefused) {
@@ -351,148 +302,6 @@ TEST_F(Query, BudgetSetsTheWorkOfACylinderPair) {
   EXPECT_EQ(clocks({"--budget", "54"}), whole);
   EXPECT_EQ(clocks({"--budget", "58"}), whole + 3 * ring) << "K2 takes three evaluations of four";
 }
-
-// ---- Formats ----
-
-struct Format {
-  const char* name;
-  int exponent_bits, fraction_bits;
-};
-void PrintTo(const Format& format, std::ostream* out) {
-  *out << format.name;
-}
-
-class QueryFormat : public Query, public ::testing::WithParamInterface<Format> {};
-
-/// The exact value of a word, from its bits alone.
-long double value_of(const Format& f, std::uint64_t word) {
-  const std::uint64_t fraction = word & ((std::uint64_t{1} << f.fraction_bits) - 1);
-  const auto exponent = static_cast<int>((word >> f.fraction_bits) & ((1u << f.exponent_bits) - 1));
-  const int bias = (1 << (f.exponent_bits - 1)) - 1;
-  const long double significand =
-      static_cast<long double>(fraction) + (exponent == 0 ? 0 : std::ldexp(1.0L, f.fraction_bits));
-  return std::ldexp(significand, std::max(exponent, 1) - bias - f.fraction_bits);
-}
-
-/// A number with all its decimal digits.
-std::string exact_decimal(long double value) {
-  std::string text(2000, ' ');
-  text.resize(static_cast<std::size_t>(std::snprintf(text.data(), text.size(), "%.1200Lf", value)));
-  return text;
-}
-
-/// Decimals half-way between two words, 1e-1200 above and 1e-1200 below. Concentric spheres of one
-/// radius have CP at their centre, so that its words can be seen: up to the largest coordinate that
-/// the contract allows, and in formats that scale their pairs those that stay normal numbers.
-TEST_P(QueryFormat, DecimalsAreRoundedOnceToNearestEven) {
-  const Format f = GetParam();
-  std::mt19937_64 random(7);
-  std::string input;
-  std::vector<std::uint64_t> wanted;
-  const auto add = [&](const std::string& x, std::uint64_t word) {
-    input += x + ",0,0,1," + x + ",0,0,1\n";
-    wanted.push_back(word);
-  };
-  const int bias = (1 << (f.exponent_bits - 1)) - 1;
-  const bool scales = f.exponent_bits < 8;
-  const int high = scales ? (bias - 1) / 2 : (bias - 7) / 3;
-  const auto word_of = [&](int exponent) {
-    return static_cast<std::uint64_t>(bias + exponent) << f.fraction_bits;
-  };
-  const std::uint64_t least_normal = std::uint64_t{1} << f.fraction_bits;
-  const std::uint64_t least = scales ? word_of(-high) : 0;
-  for (int i = 0; i < 200; ++i) {
-    const std::uint64_t word = i % 4 == 0 && !scales ? random() % least_normal
-                                                     : least + random() % (word_of(high) - least);
-    const long double low = value_of(f, word), middle = (low + value_of(f, word + 1)) / 2;
-    std::string above = exact_decimal(middle), below = above;
-    above.back() = '1';
-    // One unit less in the last place: borrow through the zeros behind the last digit.
-    std::size_t at = below.size() - 1;
-    while (below[at] == '0' || below[at] == '.') {
-      if (below[at] == '0') below[at] = '9';
-      --at;
-    }
-    --below[at];
-    add(exact_decimal(middle), word + (word & 1));
-    add(above, word + 1);
-    add(below, word);
-    add(exact_decimal(low), word);
-  }
-  const Ran ran = query({"sphere-sphere", "--format", f.name, "--bits", "-q"}, input);
-  ASSERT_EQ(ran.status, 0) << ran.err;
-  const auto lines = lines_of(ran.out);
-  ASSERT_EQ(lines.size(), wanted.size() + 1);
-  for (std::size_t i = 0; i < wanted.size(); ++i)
-    EXPECT_EQ(std::stoull(fields_of(lines[i + 1])[2], nullptr, 16), wanted[i])
-        << lines_of(input)[i] << "\n"
-        << lines[i + 1];
-}
-
-/// What is printed, fed back in, is the same word; decimals, bits and --no-check alike.
-TEST_P(QueryFormat, DecimalsReadBackAsTheSameWord) {
-  const Format f = GetParam();
-  std::mt19937_64 random(11);
-  std::string input;
-  for (int i = 0; i < 500; ++i) {
-    for (int k = 0; k < 8; ++k) {
-      const double x = static_cast<double>(random() >> 11) * 0x1p-53;
-      input += fmt::format("{}{}", k == 0 ? "" : ",", k % 4 == 3 ? x + 0.1 : 4 * x - 2);
-    }
-    input += '\n';
-  }
-  const Words words = {"sphere-sphere", "--format", f.name, "-q"};
-  Words with_bits = words, unchecked = words;
-  with_bits.emplace_back("--bits");
-  unchecked.emplace_back("--no-check");
-  const Ran decimals = query(words, input), bits = query(with_bits, input);
-  ASSERT_EQ(decimals.status, 0) << decimals.err;
-  ASSERT_EQ(bits.status, 0) << bits.err;
-  EXPECT_EQ(query(unchecked, input).out, decimals.out);
-  // As centres of concentric spheres, words come back as CP (the offset along z is 0).
-  const auto concentric = [](const std::string& csv) {
-    std::string text;
-    const auto lines = lines_of(csv);
-    for (std::size_t i = 1; i < lines.size(); ++i) {
-      const auto field = fields_of(lines[i]);
-      for (const std::size_t k : {1u, 2u, 3u, 4u, 5u, 6u, 7u})
-        text += fmt::format("{0},0,0,1,{0},0,0,1\n", field[k]);
-    }
-    return text;
-  };
-  EXPECT_EQ(query(with_bits, concentric(decimals.out)).out,
-            query(with_bits, concentric(bits.out)).out);
-  const auto digits = static_cast<std::size_t>((1 + f.exponent_bits + f.fraction_bits + 3) / 4);
-  EXPECT_EQ(fields_of(lines_of(bits.out)[1])[1].size(), 2 + digits);
-}
-
-TEST_P(QueryFormat, TheLargestNumberAndBeyond) {
-  const Format f = GetParam();
-  const std::uint64_t infinity = ((std::uint64_t{1} << f.exponent_bits) - 1) << f.fraction_bits;
-  const std::uint64_t nan = infinity | (std::uint64_t{1} << (f.fraction_bits - 1));
-  const std::string largest =
-      f.fraction_bits == 52 ? "1.7976931348623157e308" : exact_decimal(value_of(f, infinity - 1));
-  const Ran ran = query({"sphere-sphere", "--format", f.name, "--bits", "-q", "--no-check"},
-                        fmt::format("0,0,0,1,{},0,0,1\n0,0,0,1,0,0,0,{:#x}\n0,0,0,1,9{},0,0,1\n",
-                                    largest, infinity, largest));
-  EXPECT_EQ(ran.status, 2);
-  const auto lines = lines_of(ran.out);
-  ASSERT_EQ(lines.size(), 4u) << ran.err;
-  EXPECT_EQ(fields_of(lines[1])[8], "bad") << "a number of the format, and no length";
-  EXPECT_NE(ran.err.find("line 1: sphere B: center.x is"), std::string::npos) << ran.err;
-  EXPECT_EQ(fields_of(lines[2])[8], "bad");
-  EXPECT_EQ(std::stoull(fields_of(lines[2])[1], nullptr, 16), nan);
-  EXPECT_EQ(fields_of(lines[3])[8], "malformed");
-  EXPECT_NE(ran.err.find("line 2: sphere B: radius is inf, must be finite"), std::string::npos);
-  EXPECT_NE(ran.err.find(fmt::format("is beyond the largest {} number", f.name)), std::string::npos)
-      << ran.err;
-}
-
-INSTANTIATE_TEST_SUITE_P(Formats, QueryFormat,
-                         ::testing::Values(Format{"fp16", 5, 10}, Format{"bf16", 8, 7},
-                                           Format{"fp24", 7, 16}, Format{"fp32", 8, 23},
-                                           Format{"fp64", 11, 52}),
-                         [](const auto& info) { return std::string(info.param.name); });
 
 // ---- The whole ----
 
@@ -605,19 +414,15 @@ TEST_F(Query, FaultyPipeIsFoundOut) {
   const Ran ran = query(words, input, environment);
   EXPECT_EQ(ran.status, 3) << ran.err;
   EXPECT_EQ(ran.out, "") << "no answer is right, so none is written, and no header";
-  EXPECT_NE(ran.err.find("line 4: the card's answer differs from the reference"), std::string::npos)
-      << ran.err;
-  EXPECT_NE(ran.err.find("CP -0x1.8p-1,0x0p+0,0x0p+0"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "line 4: the card's answer differs from the reference"));
+  EXPECT_TRUE(has(ran.err, "CP -0x1.8p-1,0x0p+0,0x0p+0"));
   // The second pair of the first row, which came out when the pipe's 11 clocks were over.
-  EXPECT_NE(ran.err.find("\n  differ in CPx\n  where     clock 11, lane 1, row 0\n"),
-            std::string::npos)
-      << ran.err;
+  EXPECT_TRUE(has(ran.err, "\n  differ in CPx\n  where     clock 11, lane 1, row 0\n"));
   std::string later = input;
   for (int i = 0; i < 4; ++i) later.insert(0, "0,0,0,1,0,0,0,1\n");
   const Ran third_row = query(words, later, environment);
-  EXPECT_NE(third_row.err.find("line 8: "), std::string::npos) << third_row.err;
-  EXPECT_NE(third_row.err.find("\n  where     clock 13, lane 1, row 2\n"), std::string::npos)
-      << third_row.err;
+  EXPECT_TRUE(has(third_row.err, "line 8: "));
+  EXPECT_TRUE(has(third_row.err, "\n  where     clock 13, lane 1, row 2\n"));
   std::smatch match;
   ASSERT_TRUE(std::regex_search(
       ran.err, match, std::regex("repeat with: yes (\\S*) \\| head -n (\\d+) \\| cde query (.*)")))
@@ -641,20 +446,19 @@ TEST_F(Query, FaultyPipeIsFoundOut) {
     const auto summary = nlohmann::json::parse(lines_of(all.out)[4]);
     EXPECT_EQ(summary.at("records_compared"), 3);
     EXPECT_EQ(summary.at("records_matching"), 2);
-    EXPECT_NE(all.err.find("cde: line 4: the card's answer differs from the reference in CPx\n"
-                           "repeat with: " +
-                           match[0].str().substr(std::string("repeat with: ").size()) + "\n"),
-              std::string::npos)
-        << all.err;
+    EXPECT_TRUE(has(all.err,
+                    "cde: line 4: the card's answer differs from the reference in CPx\n"
+                    "repeat with: " +
+                        match[0].str().substr(std::string("repeat with: ").size()) + "\n"));
     EXPECT_FALSE(fs::exists("cde-failure")) << "only the command that repeats one packs it";
   }
   std::string many;
   for (int i = 0; i < 103; ++i) many += "0,0,0,1,1.5,0,0,1\n";
   const Ran capped = query({"sphere-sphere", "--lanes", "2", "-k", "-q"}, many, environment);
   EXPECT_EQ(capped.status, 3);
-  EXPECT_NE(capped.err.find("cde: line 100: the card's"), std::string::npos);
-  EXPECT_EQ(capped.err.find("cde: line 101: the card's"), std::string::npos);
-  EXPECT_NE(capped.err.find("cde: 3 more answers differ from the reference\n"), std::string::npos);
+  EXPECT_TRUE(has(capped.err, "cde: line 100: the card's"));
+  EXPECT_FALSE(has(capped.err, "cde: line 101: the card's"));
+  EXPECT_TRUE(has(capped.err, "cde: 3 more answers differ from the reference\n"));
   Words unchecked = words;
   unchecked.emplace_back("--no-check");
   const Ran wrong_answers = query(unchecked, input, environment);

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "../has.hpp"
 #include "run_cde.hpp"
 
 namespace cde::testing {
@@ -37,11 +38,6 @@ class Ranks : public Cli {
   /// Whether files have the same bytes; they are long.
   [[nodiscard]] bool same(const std::string& a, const std::string& b) const {
     return exists(a) && exists(b) && read(a) == read(b);
-  }
-  void refused(const Words& words, const std::string& text) {
-    const Ran ran = cde(words);
-    EXPECT_EQ(ran.status, 2) << text;
-    EXPECT_NE(ran.err.find(text), std::string::npos) << ran.err;
   }
   /// Where chunks end in a journal: before each line of a chunk, and the end.
   static std::vector<std::size_t> ends(const std::string& journal) {
@@ -302,13 +298,12 @@ TEST_F(Ranks, ShardsOfAQueryMakeUpTheWhole) {
   const Ran mixed = shell("\"$CDE\" merge q1 q3");
   EXPECT_EQ(mixed.status, 2);
   EXPECT_EQ(mixed.out, "");
-  EXPECT_NE(mixed.err.find("q1 and q3 are of runs with different inputs"), std::string::npos);
+  EXPECT_TRUE(has(mixed.err, "q1 and q3 are of runs with different inputs"));
   EXPECT_EQ(shell(query + "--resume journal -o answers < pairs").status, 2);
   EXPECT_EQ(read("answers"), plain.out);
   const Ran other = shell("head -n 100000 pairs | " + query + "--resume journal");
   EXPECT_EQ(other.status, 2);
-  EXPECT_NE(other.err.find("journal is of a run with another input"), std::string::npos)
-      << other.err;
+  EXPECT_TRUE(has(other.err, "journal is of a run with another input"));
 }
 
 TEST_F(Ranks, ShardsOfARunMakeUpTheWhole) {
@@ -345,13 +340,10 @@ TEST_F(Ranks, ShardsOfARunMakeUpTheWhole) {
   EXPECT_EQ(counted("merged.run"), counted("plain.run"));
   const Ran other = cde({"run", run[1], "--frames", "3..8", "--exact-card", "--resume", "1"});
   EXPECT_EQ(other.status, 2);
-  EXPECT_NE(other.err.find("1 is of a run with frames [3,7], this one has [3,8]"),
-            std::string::npos)
-      << other.err;
+  EXPECT_TRUE(has(other.err, "1 is of a run with frames [3,7], this one has [3,8]"));
   for (const Words& more : std::initializer_list<Words>{
            {"--trace", "w.fst"}, {"--report", "r.html"}, {"--fault", "parity@3"}})
-    EXPECT_NE(with({"--resume", "x", more[0], more[1]}).err.find("are of one process"),
-              std::string::npos);
+    EXPECT_TRUE(has(with({"--resume", "x", more[0], more[1]}).err, "are of one process"));
 }
 
 /// Whatever the mode: ties between parts stay with the lower index.
@@ -467,13 +459,13 @@ TEST_F(MpiRanks, WhatIsWrongIsSaidOnce) {
   EXPECT_EQ(count(verb.err, "2 ranks were started, and each would do the same"), 1) << verb.err;
   const Ran shard = shell(run(2) + words(cast("x.csv", {"--shard", "1/2", "--resume", "j"})));
   EXPECT_EQ(shard.status, 2);
-  EXPECT_NE(shard.err.find("--shard is for processes that are not ranks"), std::string::npos);
+  EXPECT_TRUE(has(shard.err, "--shard is for processes that are not ranks"));
   // Ranks that disagree: the second is started with another option.
   const Ran differ = shell(run(1) + words(cast("x.csv")) + " : -n 1 \"$CDE\"" +
                            words(cast("x.csv", {"--no-check"})));
   EXPECT_EQ(differ.status, 2) << differ.err;
-  EXPECT_NE(differ.err.find("rank 1 on "), std::string::npos) << differ.err;
-  EXPECT_NE(differ.err.find(" '--no-check', rank 0 on "), std::string::npos) << differ.err;
+  EXPECT_TRUE(has(differ.err, "rank 1 on "));
+  EXPECT_TRUE(has(differ.err, " '--no-check', rank 0 on "));
   const Ran waves = shell("export CDE_WAVES=.; " + run(2) + words(cast("x.csv")));
   EXPECT_EQ(waves.status, 2);
   EXPECT_EQ(count(waves.err, "CDE_WAVES is of one process"), 1) << waves.err;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "../has.hpp"
 #include "pages.hpp"
 
 namespace cde::testing {
@@ -30,13 +31,13 @@ TEST_F(Pages, ReportSaysWhatRunJsonSays) {
   write("scene.toml", kScene);
   const Ran ran = cde({"run", "scene.toml", "--report", "page.html", "--frames", "1..4"});
   ASSERT_EQ(ran.status, 0) << ran.err;
-  EXPECT_NE(ran.err.find("report           page.html"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "report           page.html"));
   const std::string html = read("page.html");
   expect_sound(html, 3);
   EXPECT_LT(html.size(), 8u << 20);
-  EXPECT_NE(html.find("<h1>A &lt;/script&gt; &amp; &lt;b&gt;title&lt;/b&gt;"), std::string::npos);
-  EXPECT_NE(html.find("src=\"data:image/png;base64,iVBORw0KGgo"), std::string::npos);
-  EXPECT_NE(html.find("The above copyright notice"), std::string::npos) << "three.js's licence";
+  EXPECT_TRUE(has(html, "<h1>A &lt;/script&gt; &amp; &lt;b&gt;title&lt;/b&gt;"));
+  EXPECT_TRUE(has(html, "src=\"data:image/png;base64,iVBORw0KGgo"));
+  EXPECT_TRUE(has(html, "The above copyright notice")) << "three.js's licence";
   const auto sections = between(html, "<section id=\"split\">", "</section>");
   ASSERT_EQ(sections.size(), 1u);
   EXPECT_EQ(count(sections[0], "<g class=\"bar\">"), 4u) << "one bar a frame";
@@ -90,8 +91,7 @@ TEST_F(Pages, ChartsCarryTheirFigures) {
   EXPECT_EQ(gaps[0], "seconds,most,least");
   ASSERT_EQ(modelled.size(), 5u);
   EXPECT_EQ(modelled[0].substr(0, 6), "frame,");
-  EXPECT_NE(modelled[0].find(",\"memory (DDR waits, SRAM write-back) (s)\","), std::string::npos)
-      << modelled[0];
+  EXPECT_TRUE(has(modelled[0], ",\"memory (DDR waits, SRAM write-back) (s)\","));
   for (std::size_t i = 0; i < 4; ++i) {
     double frame = 0, sum = 0, least = 0, most = 0, at = 0;
     char comma = 0;
@@ -108,12 +108,11 @@ TEST_F(Pages, ChartsCarryTheirFigures) {
 }
 
 TEST_F(Pages, ChartsAreSaved) {
-  const std::string program = browser();
-  if (program.empty()) GTEST_SKIP() << "no Chromium: the scripts of the pages were not run";
+  if (browser().empty()) GTEST_SKIP() << "no Chromium: the scripts of the pages were not run";
   write("scene.toml", kScene);
   ASSERT_EQ(cde({"run", "scene.toml", "--report", "page.html", "--frames", "0..3"}).status, 0);
   const std::string html = read("page.html");
-  const json told = clicked(program, html);
+  const json told = clicked(html);
   expect_saved(told, 3);
   const auto figures = between(html, "<pre class=\"figures\" hidden>\n", "</pre>");
   std::size_t tables = 0;
@@ -121,8 +120,7 @@ TEST_F(Pages, ChartsAreSaved) {
     if (file["name"].get<std::string>().ends_with(".csv"))
       EXPECT_EQ(file["text"], plain(figures.at(tables++)));
     else
-      EXPECT_NE(file["text"].get<std::string>().find("A &lt;/script&gt; &amp; &lt;b&gt;title"),
-                std::string::npos);
+      EXPECT_TRUE(has(file["text"].get<std::string>(), "A &lt;/script&gt; &amp; &lt;b&gt;title"));
   }
   EXPECT_EQ(told["files"][0]["label"], "hit, gap against time");
 }
@@ -160,14 +158,14 @@ TEST_F(Pages, ReportOfTheMixedScene) {
   for (const char* part : {"ground, 38,400 × triangle", "balls, 3 × sphere", "id=\"scale\"",
                            "id=\"axes\"", "<select id=\"up\">"})
     EXPECT_EQ(count(html, part), 1u) << part;
-  EXPECT_EQ(html.find("/meshes/"), std::string::npos) << "no path of this machine";
+  EXPECT_FALSE(has(html, "/meshes/")) << "no path of this machine";
 }
 
 TEST_F(Pages, ReportThatCannotBeWritten) {
   write("scene.toml", kScene);
   const Ran ran = cde({"run", "scene.toml", "--frames", "0", "--report", "none/page.html"});
   EXPECT_EQ(ran.status, 2);
-  EXPECT_NE(ran.err.find("none/page.html: cannot create"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "none/page.html: cannot create"));
   EXPECT_FALSE(exists("scene.run")) << "nothing was played";
 }
 
@@ -216,7 +214,7 @@ TEST_F(Pages, QuickReproduction) {
   ASSERT_EQ(ran.status, 0) << ran.err;
   const std::string html = read("r.html");
   expect_sound(html, 1);
-  EXPECT_NE(html.find("A quick run"), std::string::npos);
+  EXPECT_TRUE(has(html, "A quick run"));
   const json j = json::parse(ran.out);
   EXPECT_EQ(j["quick"], true);
   for (const char* key : {"version", "commit"}) EXPECT_TRUE(j[key].is_string()) << key;
@@ -233,8 +231,7 @@ TEST_F(Pages, QuickReproduction) {
   };
   const json& one = j["figure_5"][0];
   EXPECT_EQ(one["tests"], 4000);
-  if (const std::string program = browser(); !program.empty())
-    expect_saved(clicked(program, html), 5);
+  if (!browser().empty()) expect_saved(clicked(html), 5);
   expect_hierarchy(j, html);
   // The paper's times are of another terrain than a quick run has.
   EXPECT_EQ(j["paper"]["card_seconds"], 0.031);

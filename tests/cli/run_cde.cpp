@@ -2,6 +2,7 @@
 #include "run_cde.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,6 +13,8 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
+
+#include "../has.hpp"
 
 namespace cde::testing {
 namespace {
@@ -24,12 +27,13 @@ fs::path new_folder() {
   return name;
 }
 
-std::string bytes_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 }  // namespace
+
+std::string bytes_of(const fs::path& path) {
+  std::ostringstream text;  // files of /proc may end while they are read
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
 
 std::string hit_query(const std::string& secondaries) {
   return "[[query]]\nname = \"hit\"\npair = \"ray-triangle\"\nprimaries = \"rays\"\nsecondaries = "
@@ -137,6 +141,22 @@ Ran Cli::cde(const std::vector<std::string>& words, const std::vector<std::strin
   for (const std::string& key : keys_of(ran.out))
     EXPECT_TRUE(documented_keys().contains(key)) << "docs/json.md does not have " << key;
   return ran;
+}
+
+void Cli::refused(const std::vector<std::string>& words, const std::string& text, int status) {
+  SCOPED_TRACE(fmt::format("{}", fmt::join(words, " ")));
+  const auto before = files();
+  const Ran ran = cde(words);
+  EXPECT_EQ(ran.status, status) << ran.err;
+  EXPECT_TRUE(has(ran.err, text));
+  EXPECT_EQ(ran.out, "");
+  EXPECT_EQ(files(), before);
+}
+
+void Cli::refused_saying(const std::vector<std::string>& words, const std::string& text) {
+  const std::string all = "cde: " + text + "\n";
+  refused(words, all);
+  EXPECT_EQ(bytes_of(logs_ / "err"), all);
 }
 
 std::string Cli::write(const std::string& name, const std::string& text) const {

@@ -17,6 +17,9 @@ struct Ran {
   std::string out, err;
 };
 
+/// All of a file; nothing if it cannot be read.
+[[nodiscard]] std::string bytes_of(const std::filesystem::path& path);
+
 /// The end of a scene's text: a query of an object "rays" for what another one has.
 [[nodiscard]] std::string hit_query(const std::string& secondaries);
 
@@ -47,6 +50,10 @@ class Cli : public ::testing::Test {
   /// keys that it prints must be documented.
   [[nodiscard]] Ran cde(const std::vector<std::string>& words,
                         const std::vector<std::string>& environment = {});
+  /// The command ends with this status and says this, and writes nothing else.
+  void refused(const std::vector<std::string>& words, const std::string& text, int status = 2);
+  /// The same where "cde: " and the text is all that it says.
+  void refused_saying(const std::vector<std::string>& words, const std::string& text);
   /// Runs a script of bash, in which "$CDE" is the command.
   [[nodiscard]] Ran shell(const std::string& script);
   /// Starts it and does not wait.

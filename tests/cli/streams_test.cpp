@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "../has.hpp"
 #include "run_cde.hpp"
 
 namespace cde::testing {
@@ -131,11 +132,11 @@ TEST_F(Streams, ResultsAreOnStdout) {
   EXPECT_EQ(std::count(query.out.begin(), query.out.end(), '\n'), 3) << query.out;
   EXPECT_EQ(nlohmann::json::parse(query.out.substr(query.out.find('{')))["tests"], 1);
   const Ran bench = cde({"bench", "fp", "--quick"});
-  EXPECT_NE(bench.out.find("gate-level units alone"), std::string::npos) << bench.out;
+  EXPECT_TRUE(has(bench.out, "gate-level units alone"));
   EXPECT_EQ(bench.err, "");
   const Ran json = cde({"bench", "fp", "--quick", "--json"});
   EXPECT_TRUE(nlohmann::json::parse(json.out).contains("fp"));
-  EXPECT_NE(json.err.find("gate-level units alone"), std::string::npos) << json.err;
+  EXPECT_TRUE(has(json.err, "gate-level units alone"));
 }
 
 TEST_F(Streams, NamesThatAreNoUtf8) {
@@ -145,7 +146,7 @@ TEST_F(Streams, NamesThatAreNoUtf8) {
   const Ran cast = cde({"cast", odd + ".obj", "--ray", "0,0,0,0,0,1", "--lanes", "4", "--json"});
   ASSERT_EQ(cast.status, 0) << cast.err;
   EXPECT_EQ(nlohmann::json::parse(cast.out)["mesh"], "a\xef\xbf\xbd\xef\xbf\xbd.obj");
-  EXPECT_NE(cast.err.find("a\\xff\\xc3.obj, 1 triangles"), std::string::npos) << cast.err;
+  EXPECT_TRUE(has(cast.err, "a\\xff\\xc3.obj, 1 triangles"));
   std::string scene = kScene;
   write(odd + "/" + odd + ".toml", scene.replace(scene.find("one.obj"), 7, "terrain:3,3,1"));
   const std::string file = odd + "/" + odd + ".toml";
@@ -155,7 +156,7 @@ TEST_F(Streams, NamesThatAreNoUtf8) {
   EXPECT_EQ(nlohmann::json::parse(read(odd + ".run/run.json"))["scene"],
             "a\xef\xbf\xbd\xef\xbf\xbd/a\xef\xbf\xbd\xef\xbf\xbd.toml");
   const std::string page = read("page.html");
-  EXPECT_NE(page.find("<h1>a\xef\xbf\xbd\xef\xbf\xbd.toml</h1>"), std::string::npos);
+  EXPECT_TRUE(has(page, "<h1>a\xef\xbf\xbd\xef\xbf\xbd.toml</h1>"));
   EXPECT_EQ(page.find('\xff'), std::string::npos);
   const Ran plan = cde({"plan", file, "--json"});
   EXPECT_EQ(plan.status, 0) << plan.err;

@@ -9,6 +9,7 @@
 #include <set>
 #include <sstream>
 
+#include "../has.hpp"
 #include "cde/wave/export.hpp"
 #include "cde/wave/trace.hpp"
 #include "run_cde.hpp"
@@ -174,7 +175,7 @@ TEST_F(Export, VcdSaysTheSame) {
     if (expected["top.real"].empty()) expected.erase("top.real");
     EXPECT_EQ(story_of_vcd(read("o.vcd")), expected) << file;
   }
-  EXPECT_NE(read("o.vcd").find("$timescale 10 ps $end"), std::string::npos);
+  EXPECT_TRUE(has(read("o.vcd"), "$timescale 10 ps $end"));
   // A window, to stdout, of some signals.
   const std::string text =
       out({"kinds.fst", "bits", "wide", "--from", "25", "--to", "55", "--format", "vcd"});
@@ -260,7 +261,7 @@ TEST_F(Export, WaveDromHasAColumnACycle) {
   EXPECT_EQ(window["signal"][0]["data"], Json::array({"6", "7", "8"}));
   EXPECT_EQ(window["head"]["tick"], 6);
   write_large(folder_ / "long.fst", 10, 6000, 1);
-  EXPECT_NE(error({"long.fst", "s0", "-o", "long.json"}).find("columns"), std::string::npos);
+  EXPECT_TRUE(has(error({"long.fst", "s0", "-o", "long.json"}), "columns"));
   EXPECT_FALSE(exists("long.json"));
 }
 
@@ -290,13 +291,13 @@ TEST_F(Export, SvgDrawsValuesAndTheFailure) {
   EXPECT_EQ(svg.find("http"), svg.find("http://www.w3.org/2000/svg"));  // nothing from elsewhere
   EXPECT_EQ(svg.find("http", svg.find("http") + 4), std::string::npos);
   for (const char* part : {">fail<", ">nan<", ">18<", "class=\"unknown\"", ">data[1]<", "bus odd"})
-    EXPECT_NE(svg.find(part), std::string::npos) << part;
+    EXPECT_TRUE(has(svg, part));
   // Two edges a cycle are a line of a bit; too many of them for the room are a block.
-  EXPECT_EQ(svg.find("class=\"busy\""), std::string::npos);
+  EXPECT_FALSE(has(svg, "class=\"busy\""));
   write_large(folder_ / "long.fst", 10, 6000, 1);
   const std::string busy = out({"long.fst", "clk", "s1", "--format", "svg", "--columns", "60"});
-  EXPECT_NE(busy.find("class=\"busy\""), std::string::npos);
-  EXPECT_NE(busy.find("width=\"480\""), std::string::npos);
+  EXPECT_TRUE(has(busy, "class=\"busy\""));
+  EXPECT_TRUE(has(busy, "width=\"480\""));
   EXPECT_LT(busy.size(), 60000u);  // however many changes there are
   {
     Writer w(folder_ / "odd.fst");
@@ -313,22 +314,21 @@ TEST_F(Export, GtkwHasGroupsFormsAndTheMarker) {
   (void)out(
       {"a.fst", "clk", "count:signed", "data:fp32", "data[1]:fp32", "top.core", "-o", "o.gtkw"});
   const std::string text = read("o.gtkw");
-  const auto has = [&](const std::string& part) {
-    EXPECT_NE(text.find(part), std::string::npos) << part << "\nin\n" << text;
-  };
-  has("[dumpfile] \"" + (folder_ / "a.fst").string() + "\"\n");
-  has(" 75 75 -1");
-  has("[markername] Afail\n");
-  has("@800200\n-top\n@28\ntop.clk\n@424\ntop.count[7:0]\n");
-  has("@22\ntop.data[63:0]\n@40020\n#{top.data[0]} (32)top.data[63:0] (33)top.data[63:0]");
-  has("@40020\n#{top.data[1]} (0)top.data[63:0]");
-  has("@1000200\n-top\n@800200\n-top.core\n@22\ntop.core.count[7:0]\n@1000200\n-top.core\n");
+  EXPECT_TRUE(has(text, "[dumpfile] \"" + (folder_ / "a.fst").string() + "\"\n"));
+  EXPECT_TRUE(has(text, " 75 75 -1"));
+  EXPECT_TRUE(has(text, "[markername] Afail\n"));
+  EXPECT_TRUE(has(text, "@800200\n-top\n@28\ntop.clk\n@424\ntop.count[7:0]\n"));
+  EXPECT_TRUE(has(
+      text, "@22\ntop.data[63:0]\n@40020\n#{top.data[0]} (32)top.data[63:0] (33)top.data[63:0]"));
+  EXPECT_TRUE(has(text, "@40020\n#{top.data[1]} (0)top.data[63:0]"));
+  EXPECT_TRUE(has(
+      text, "@1000200\n-top\n@800200\n-top.core\n@22\ntop.core.count[7:0]\n@1000200\n-top.core\n"));
   // As a bundle of a failure calls it: another file of waves, and no fail in this one.
   wave::Trace trace(folder_ / "a.fst");
   const std::vector<wave::View> views = {wave::view(trace, "count", {})};
   wave::write_gtkw(trace, views, {.fail = 33, .waves = folder_ / "cut.fst"}, folder_ / "p.gtkw");
-  EXPECT_NE(read("p.gtkw").find("/cut.fst\"\n"), std::string::npos);
-  EXPECT_NE(read("p.gtkw").find(" 33 33 -1"), std::string::npos);
+  EXPECT_TRUE(has(read("p.gtkw"), "/cut.fst\"\n"));
+  EXPECT_TRUE(has(read("p.gtkw"), " 33 33 -1"));
 }
 
 TEST_F(Export, FilesAreWholeOrNotThere) {
@@ -369,8 +369,7 @@ TEST_F(Export, WhatMakesNoSenseIsAMessage) {
       {{"a.fst", "--format", "vcd", "--json"}, "both go to stdout"},
       {{"a.fst", "-o", "o.vcd", "--format", "pdf"}, "pdf"},
       {{"nothing.fst", "-o", "o.vcd"}, "nothing.fst"}};
-  for (const auto& [words, part] : wrong)
-    EXPECT_NE(error(words).find(part), std::string::npos) << part << ": " << error(words);
+  for (const auto& [words, part] : wrong) EXPECT_TRUE(has(error(words), part));
   EXPECT_EQ(files(), std::vector<std::string>{"a.fst"});
   const Ran ran = cde({"wave", "export", "a.fst", "count", "-o", "o.vcd", "--json"});
   const Json j = Json::parse(ran.out);

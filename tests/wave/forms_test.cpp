@@ -5,6 +5,7 @@
 #include <bit>
 #include <nlohmann/json.hpp>
 
+#include "../has.hpp"
 #include "run_cde.hpp"
 #include "sample.hpp"
 
@@ -78,11 +79,10 @@ TEST_F(Forms, ExpressionsAreOfBits) {
 
 TEST_F(Forms, PicturesAndPagesWriteThemToo) {
   const Ran show = cde({"wave", "show", "f.fst", "state", "t[0]", "--columns", "90"});
-  EXPECT_NE(show.out.find("SWEEP"), std::string::npos) << show.out << show.err;
-  EXPECT_NE(show.out.find("1.5"), std::string::npos) << show.out;
+  EXPECT_TRUE(has(show.out, "SWEEP")) << show.err;
+  EXPECT_TRUE(has(show.out, "1.5"));
   EXPECT_EQ(cde({"wave", "serve", "f.fst", "--output", "f.html"}).status, 0);
-  EXPECT_NE(read("f.html").find(R"("names":{"0":"IDLE","100":"DONE","11":"SWEEP"})"),
-            std::string::npos);
+  EXPECT_TRUE(has(read("f.html"), R"("names":{"0":"IDLE","100":"DONE","11":"SWEEP"})"));
   const Ran diff = cde({"wave", "diff", "f.fst", "f.fst", "--ulp", "1"});
   EXPECT_EQ(diff.status, 0) << diff.err;
 }

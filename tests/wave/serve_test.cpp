@@ -4,45 +4,19 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <cstring>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <set>
 
-#include "run_cde.hpp"
+#include "../has.hpp"
+#include "pages.hpp"
 #include "sample.hpp"
 
 namespace cde::testing {
 namespace {
 
 using nlohmann::json;
-
-std::string output_of(const std::string& command) {
-  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(::popen(command.c_str(), "r"), ::pclose);
-  std::array<char, 4096> part{};
-  std::string text;
-  while (std::fgets(part.data(), part.size(), pipe.get()) != nullptr) text += part.data();
-  return text.substr(0, text.find('\n'));
-}
-
-/// The browser of these tests; empty if there is none.
-std::string browser() {
-  return output_of(
-      "command -v chromium || command -v chromium-browser || command -v google-chrome");
-}
-
-std::vector<std::string> between(const std::string& text, const std::string& begin,
-                                 const std::string& end) {
-  std::vector<std::string> found;
-  for (auto at = text.find(begin); at != std::string::npos; at = text.find(begin, at)) {
-    at += begin.size();
-    found.push_back(text.substr(at, text.find(end, at) - at));
-  }
-  return found;
-}
 
 /// What every script of these tests has: keys, clicks, what is shown and what is drawn.
 const char* const kHelpers = R"js(
@@ -72,12 +46,12 @@ addEventListener("load", async () => {
   told.failed = failed;
   const text = JSON.stringify(told);
   document.body.replaceChildren(document.createElement("pre"));
-  document.body.firstChild.id = "answer";
+  document.body.firstChild.id = "told";
   document.body.firstChild.textContent = encodeURIComponent(text);
 });
 )js";
 
-class Serve : public Cli {
+class Serve : public Pages {
  protected:
   void SetUp() override {
     Cli::SetUp();
@@ -99,43 +73,17 @@ class Serve : public Cli {
     EXPECT_EQ(ran.out, "");
     return ran.err;
   }
-  std::string policy_hash(const std::string& text) {
-    write("hashed", text);
-    return fmt::format(
-        "'sha256-{}'",
-        output_of(fmt::format(
-            "sha256sum {} | cut -c1-64 | tr a-f A-F | basenc -d --base16 | basenc --base64",
-            (folder_ / "hashed").string())));
-  }
-
-  /// What `asked`, the body of an async function of JavaScript, leaves in `told`, on a page in a
-  /// browser without network, under the page's own policy, which here lets these scripts run.
-  json ask(std::string html, const std::string& asked, const std::string& flags = "") {
-    const std::string script =
-        fmt::format("{}const asked = async () => {{{}}};\n", kHelpers, asked);
-    const std::string policy = "script-src ";
-    html.insert(html.find(policy) + policy.size(), policy_hash(script) + " ");
-    html.insert(html.find("<title>"), fmt::format("<script>{}</script>", script));
-    write("asked.html", html);
-    // The page is unpacked by a thread that virtual time does not wait for: then it is asked again.
-    Ran ran;
-    for (int budget = 20000; budget <= 320000; budget *= 2) {
-      ran = shell(fmt::format(
-          "HOME=$PWD timeout 120 {} --headless --no-sandbox --disable-gpu --no-first-run "
-          "--disable-background-networking --disable-accelerated-2d-canvas "
-          "--user-data-dir=$PWD/browser --window-size=1200,800 {} "
-          "--virtual-time-budget={} --dump-dom file://$PWD/asked.html",
-          browser(), flags, budget));
-      const auto answers = between(ran.out, "<pre id=\"answer\">", "</pre>");
-      if (answers.empty()) continue;
-      json j = json::parse(decoded(answers[0]), nullptr, false);
-      if (j.value("ready", "") == "") continue;
-      EXPECT_EQ(j["ready"], "yes");
-      EXPECT_EQ(j["failed"], json::array());
-      return j;
-    }
-    ADD_FAILURE() << "the page did not answer: " << ran.status << ran.err.substr(0, 3000);
-    return json::object();
+  /// What `asked`, the body of an async function of JavaScript, leaves in `told`.
+  json ask(const std::string& html, const std::string& asked, const std::string& flags = "") {
+    json j = in_browser(html, fmt::format("{}const asked = async () => {{{}}};\n", kHelpers, asked),
+                        "--disable-accelerated-2d-canvas --window-size=1200,800 " + flags,
+                        [](const std::string& text) {
+                          json all = json::parse(decoded(text), nullptr, false);
+                          return all.value("ready", "") == "" ? json() : all;
+                        });
+    EXPECT_EQ(j["ready"], "yes");
+    EXPECT_EQ(j["failed"], json::array());
+    return j;
   }
   static std::string decoded(const std::string& text) {
     std::string plain;
@@ -159,14 +107,13 @@ TEST_F(Serve, ThePageIsOneFileThatLoadsNothing) {
       between(html, "<meta http-equiv=\"Content-Security-Policy\" content=\"", "\">");
   ASSERT_EQ(policies.size(), 1u);
   EXPECT_EQ(policies[0].find("default-src 'none'; "), 0u);
-  for (const char* unsound : {"unsafe", "http", "blob:"})
-    EXPECT_EQ(policies[0].find(unsound), std::string::npos) << unsound;
+  for (const char* unsound : {"unsafe", "http", "blob:"}) EXPECT_FALSE(has(policies[0], unsound));
   const auto scripts = between(html, "<script>", "</script>");
   ASSERT_EQ(scripts.size(), 5u);
   for (const std::string& script : scripts)
-    EXPECT_NE(policies[0].find(policy_hash(script)), std::string::npos) << script.substr(0, 80);
+    EXPECT_TRUE(has(policies[0], policy_hash(script))) << script.substr(0, 80);
   for (const char* loads : {"http://", "https://", "src=", "href=", "@import", "url(", "onclick="})
-    EXPECT_EQ(html.find(loads), std::string::npos) << loads;
+    EXPECT_FALSE(has(html, loads));
   EXPECT_LT(html.size(), 100'000u);
 }
 
@@ -194,8 +141,7 @@ TEST_F(Serve, NamesCannotLeaveTheirPlace) {
     w.time(10);
   }
   const std::string html = page({"<title><img src=x>.fst"});
-  for (const char* raw : {"alert(1)</", "<img", "<b>&\"", "\x1b"})
-    EXPECT_EQ(html.find(raw), std::string::npos) << raw;
+  for (const char* raw : {"alert(1)</", "<img", "<b>&\"", "\x1b"}) EXPECT_FALSE(has(html, raw));
   NEEDS_BROWSER;
   const json told =
       ask(html,
@@ -222,7 +168,7 @@ TEST_F(Serve, WhatIsTooLargeIsRefusedAndToldHowToMakeItSmaller) {
   const std::vector<std::string> words = {"large.fst", "--output", "page.html", "--max", "1"};
   const std::string text = error(words);
   for (const char* part : {"--max is 1 MB", "2.2 MB", "fewer signals", "smaller window", "--max 0"})
-    EXPECT_NE(text.find(part), std::string::npos) << part << " is not in " << text;
+    EXPECT_TRUE(has(text, part));
   EXPECT_FALSE(exists("page.html"));
   EXPECT_LT(page({"large.fst", "--max", "1", "--to", "3us"}).size(), 1'000'000u);
   EXPECT_LT(page({"large.fst", "s1", "--max", "1"}).size(), 1'000'000u);
@@ -230,18 +176,15 @@ TEST_F(Serve, WhatIsTooLargeIsRefusedAndToldHowToMakeItSmaller) {
 }
 
 TEST_F(Serve, WhatMakesNoSenseIsSaid) {
-  EXPECT_NE(error({"a.fst"}).find("--output PAGE.html"), std::string::npos);
-  EXPECT_NE(error({"a.fst", "cuont", "-o", "p.html"}).find("did you mean"), std::string::npos);
-  EXPECT_NE(error({"a.fst", "-o", "p.html", "--from", "1ms"}).find("outside of the file"),
-            std::string::npos);
-  EXPECT_NE(error({"a.fst", "-o", "a.fst"}).find("a.fst"), std::string::npos);
-  EXPECT_NE(error({"a.fst", "-o", "-", "--json"}).find("--json"), std::string::npos);
-  EXPECT_NE(error({"a.fst", "-o", "no/folder/p.html"}).find("no/folder"), std::string::npos);
-  EXPECT_NE(error({"a.fst", "-o", "p.html", "--ulp", "1"}).find("has no option '--ulp'"),
-            std::string::npos);
+  EXPECT_TRUE(has(error({"a.fst"}), "--output PAGE.html"));
+  EXPECT_TRUE(has(error({"a.fst", "cuont", "-o", "p.html"}), "did you mean"));
+  EXPECT_TRUE(has(error({"a.fst", "-o", "p.html", "--from", "1ms"}), "outside of the file"));
+  EXPECT_TRUE(has(error({"a.fst", "-o", "a.fst"}), "a.fst"));
+  EXPECT_TRUE(has(error({"a.fst", "-o", "-", "--json"}), "--json"));
+  EXPECT_TRUE(has(error({"a.fst", "-o", "no/folder/p.html"}), "no/folder"));
+  EXPECT_TRUE(has(error({"a.fst", "-o", "p.html", "--ulp", "1"}), "has no option '--ulp'"));
   EXPECT_FALSE(exists("p.html"));
-  EXPECT_NE(page({"a.fst", "clk", "--from", "20ns", "--to", "20ns"}).find("</html>"),
-            std::string::npos);
+  EXPECT_TRUE(has(page({"a.fst", "clk", "--from", "20ns", "--to", "20ns"}), "</html>"));
 }
 
 /// The page computes what `cde wave at` prints, in every form, from words of all kinds.
@@ -376,7 +319,7 @@ TEST_F(Serve, CursorsTellTheirDifferenceInTimeAndCycles) {
   EXPECT_EQ(told["lanes"]["data[0]"], "3");
   EXPECT_EQ(told["lanes"]["data[1]"], "1");
   EXPECT_EQ(told["refused"], "true");
-  EXPECT_NE(told["said"].get<std::string>().find("20ns to 195ns"), std::string::npos);
+  EXPECT_TRUE(has(told["said"].get<std::string>(), "20ns to 195ns"));
 }
 
 TEST_F(Serve, SignalsAreSearchedFoldedAndWrittenInOtherForms) {
@@ -460,7 +403,7 @@ TEST_F(Serve, TransactionsStandAboveTheSignals) {
   const auto seen = told["seen"].get<std::set<std::string>>();
   for (const json& t : expected)
     EXPECT_TRUE(seen.contains(t["label"].get<std::string>())) << t["label"];
-  EXPECT_NE(told["details"].get<std::string>().find(expected.back()["label"]), std::string::npos);
+  EXPECT_TRUE(has(told["details"].get<std::string>(), expected.back()["label"].get<std::string>()));
 }
 
 }  // namespace

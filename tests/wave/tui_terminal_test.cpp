@@ -6,6 +6,7 @@
 #include <chrono>
 #include <thread>
 
+#include "../has.hpp"
 #include "run_cde.hpp"
 #include "sample.hpp"
 
@@ -56,9 +57,9 @@ class TuiTerminal : public Cli {
   /// The shell's screen is back, with its cursor and modes.
   void expect_restored(const std::string& status) {
     const std::string seen = wait_for("after");
-    EXPECT_NE(seen.find("before"), std::string::npos) << seen;
-    EXPECT_NE(seen.find(status), std::string::npos) << seen;
-    EXPECT_NE(seen.find("\nicanon\necho\n"), std::string::npos) << seen;
+    EXPECT_TRUE(has(seen, "before"));
+    EXPECT_TRUE(has(seen, status));
+    EXPECT_TRUE(has(seen, "\nicanon\necho\n"));
     EXPECT_EQ(tmux("display-message -p '#{cursor_flag} #{alternate_on}'").out, "1 0\n");
   }
   /// Sends a signal to the command, or to its child, which has the screen.
@@ -78,11 +79,11 @@ class TuiTerminal : public Cli {
 TEST_F(TuiTerminal, ShowsMovesAndQuits) {
   open("a.fst clk count:dec valid data:fp32 --around fail --window 3");
   std::string seen = wait_for("A 75ns cyc:7");
-  EXPECT_NE(seen.find("{3.5 nan}"), std::string::npos) << seen;
-  EXPECT_NE(seen.find("▁╱▔"), std::string::npos) << seen;
+  EXPECT_TRUE(has(seen, "{3.5 nan}"));
+  EXPECT_TRUE(has(seen, "▁╱▔"));
   keys("j w");
   seen = wait_for("A 85ns cyc:8");
-  EXPECT_NE(seen.find("signal 2 of 4"), std::string::npos) << seen;
+  EXPECT_TRUE(has(seen, "signal 2 of 4"));
   keys("F1");
   wait_for("zoom in and out");
   keys("Escape");
@@ -102,7 +103,7 @@ TEST_F(TuiTerminal, FollowsTheSizeOfTheTerminal) {
   wait_for("too small");
   EXPECT_EQ(tmux("resize-window -x 120 -y 40").status, 0);
   const std::string seen = wait_for(" 0 to 195ns");
-  EXPECT_EQ(seen.find("too small"), std::string::npos) << seen;
+  EXPECT_FALSE(has(seen, "too small"));
   keys("C-c");
   expect_restored("status 0");
 }
@@ -134,7 +135,7 @@ TEST_F(TuiTerminal, StopsAndGoesOn) {
       0);
   wait_for("A 75ns cyc:7");
   keys("C-z");
-  EXPECT_EQ(wait_for("stopped").find("75ns"), std::string::npos);
+  EXPECT_FALSE(has(wait_for("stopped"), "75ns"));
   keys("Enter");
   wait_for("A 75ns cyc:7");
   keys("q");
@@ -149,17 +150,17 @@ TEST_F(TuiTerminal, TerminalsOfAllKinds) {
     const bool utf8 = seen.find("▔") != std::string::npos;
     EXPECT_EQ(utf8, std::string(environment).find("UTF-8") != std::string::npos) << seen;
     if (!utf8) {
-      EXPECT_NE(seen.find("/---"), std::string::npos) << seen;
+      EXPECT_TRUE(has(seen, "/---"));
     }
     keys("q");
     seen = wait_for("after");
-    EXPECT_EQ(seen.find("75ns"), std::string::npos) << seen;
-    EXPECT_NE(seen.find("status 0\nicanon\necho\n"), std::string::npos) << seen;
+    EXPECT_FALSE(has(seen, "75ns"));
+    EXPECT_TRUE(has(seen, "status 0\nicanon\necho\n"));
     (void)tmux("kill-server");
     ++server_;
   }
   open("a.fst", 80, 24, "TERM=no-such-terminal");
-  EXPECT_NE(wait_for("status 2").find("is not known here"), std::string::npos);
+  EXPECT_TRUE(has(wait_for("status 2"), "is not known here"));
 }
 
 TEST_F(Cli, WaveTuiNeedsATerminal) {
@@ -167,13 +168,13 @@ TEST_F(Cli, WaveTuiNeedsATerminal) {
   const Ran ran = shell("\"$CDE\" wave tui a.fst < /dev/null");
   EXPECT_EQ(ran.status, 2);
   EXPECT_EQ(ran.out, "");
-  EXPECT_NE(ran.err.find("cde wave tui needs a terminal"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "cde wave tui needs a terminal"));
   const Ran json = cde({"wave", "tui", "a.fst", "--json"});
   EXPECT_EQ(json.status, 2);
-  EXPECT_NE(json.err.find("no --json"), std::string::npos) << json.err;
+  EXPECT_TRUE(has(json.err, "no --json"));
   const Ran other = cde({"wave", "show", "a.fst", "clk", "--diff", "a.fst"});
   EXPECT_EQ(other.status, 2);
-  EXPECT_NE(other.err.find("has no option '--diff'"), std::string::npos) << other.err;
+  EXPECT_TRUE(has(other.err, "has no option '--diff'"));
 }
 
 }  // namespace

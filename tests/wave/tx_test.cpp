@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "../has.hpp"
 #include "cde/wave/trace.hpp"
 #include "cde/wave/transaction.hpp"
 #include "run_cde.hpp"
@@ -150,8 +151,7 @@ TEST_F(Tx, AWrongConditionIsShownWithAMarkUnderThePlace) {
     const std::string mark = "\n  " + condition + "\n  " + std::string(column, ' ') + "^\n";
     EXPECT_TRUE(text.ends_with(mark)) << text;
   }
-  EXPECT_NE(error({"pci.fst", "--where", "wrods > 1"}).find("did you mean words?"),
-            std::string::npos);
+  EXPECT_TRUE(has(error({"pci.fst", "--where", "wrods > 1"}), "did you mean words?"));
   (void)error({"pci.fst", "--where", std::string(5000, '(')});
   (void)error({"pci.fst", "--where", std::string(5000, '!') + "words > 1"});
   // A field of another kind than the one that is asked for.
@@ -160,9 +160,8 @@ TEST_F(Tx, AWrongConditionIsShownWithAMarkUnderThePlace) {
 }
 
 TEST_F(Tx, WrongUsageIsRefused) {
-  EXPECT_NE(error({"pci.fst", "pcj"}).find("did you mean pci?"), std::string::npos);
-  EXPECT_NE(error({"pci.fst", "--histogram", "lantency"}).find("did you mean latency?"),
-            std::string::npos);
+  EXPECT_TRUE(has(error({"pci.fst", "pcj"}), "did you mean pci?"));
+  EXPECT_TRUE(has(error({"pci.fst", "--histogram", "lantency"}), "did you mean latency?"));
   (void)error({"pci.fst", "--csv", "--json"});
   (void)error({"pci.fst", "--csv", "--histogram", "words"});
   (void)error({"pci.fst", "--ulp", "3"});
@@ -173,11 +172,11 @@ TEST_F(Tx, AFileWithoutACardSaysSo) {
   Ran ran = tx({"a.fst"});
   EXPECT_EQ(ran.status, 1);
   EXPECT_EQ(ran.out, "");
-  EXPECT_NE(ran.err.find("none of the signals"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "none of the signals"));
   ran = tx({"pci.fst", "dma"});
   EXPECT_EQ(ran.status, 1);
-  EXPECT_NE(ran.err.find("the file has the kinds pci"), std::string::npos) << ran.err;
-  EXPECT_NE(ran.err.find("fetched_q"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "the file has the kinds pci"));
+  EXPECT_TRUE(has(ran.err, "fetched_q"));
   // A signal that was left out is named.
   {
     Writer w(folder_ / "half.fst");
@@ -191,14 +190,13 @@ TEST_F(Tx, AFileWithoutACardSaysSo) {
     }
   }
   ran = tx({"half.fst", "pci"});
-  EXPECT_NE(ran.err.find("clk, trdy_n, stop_n, ..."), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "clk, trdy_n, stop_n, ..."));
 }
 
 TEST_F(Tx, OutputIsBoundedAndSaysHowManyMore) {
   const Ran ran = tx({"pci.fst", "--max", "2"});
   EXPECT_EQ(ran.status, 0);
-  EXPECT_NE(ran.out.find("\n... 6 more (--max 0 prints all)\n8 pci\n"), std::string::npos)
-      << ran.out;
+  EXPECT_TRUE(has(ran.out, "\n... 6 more (--max 0 prints all)\n8 pci\n"));
   EXPECT_EQ(json({"pci.fst", "--max", "2"})["more"], 6);
   EXPECT_EQ(json({"pci.fst", "--max", "2"})["counts"][0]["count"], 8);
   const Ran csv = tx({"pci.fst", "pci", "--csv", "--max", "1"});
@@ -271,7 +269,7 @@ TEST_F(Tx, UnknownValuesAndDamagedFilesAreNoCrash) {
   }
   const Ran ran = tx({"x.fst", "--max", "0"});
   EXPECT_EQ(ran.status, 0) << ran.err;
-  EXPECT_NE(ran.out.find(" x, "), std::string::npos);
+  EXPECT_TRUE(has(ran.out, " x, "));
   const std::string whole = read("pci.fst");
   std::mt19937 random(6);
   for (unsigned i = 0; i < 40; ++i) {

@@ -13,6 +13,7 @@
 #include <set>
 #include <sstream>
 
+#include "../has.hpp"
 #include "run_cde.hpp"
 #include "sample.hpp"
 
@@ -52,7 +53,7 @@ class Why : public Cli {
     const Ran ran = cde(words);
     EXPECT_EQ(ran.status, 2) << ran.out << ran.err;
     EXPECT_EQ(ran.out, "");
-    EXPECT_EQ(ran.err.find("crashed"), std::string::npos) << ran.err;
+    EXPECT_FALSE(has(ran.err, "crashed"));
     return ran.err;
   }
   /// "name=value@time:line" of the causes of a statement.
@@ -251,15 +252,15 @@ TEST_F(Why, WhatMakesNoSenseIsSaid) {
   structure("other",
             "module other(input logic nothing, output logic of_it); assign of_it = nothing;"
             " endmodule\n");
-  EXPECT_NE(error("a.fst", "count@75ns", "").find("--structure"), std::string::npos);
-  EXPECT_NE(error("a.fst", "cuont@75ns", "top.xml").find("did you mean"), std::string::npos);
-  EXPECT_NE(error("a.fst", "count@9us", "top.xml").find("outside"), std::string::npos);
+  EXPECT_TRUE(has(error("a.fst", "count@75ns", ""), "--structure"));
+  EXPECT_TRUE(has(error("a.fst", "cuont@75ns", "top.xml"), "did you mean"));
+  EXPECT_TRUE(has(error("a.fst", "count@9us", "top.xml"), "outside"));
   for (const std::string what : {"count", "@75ns", "count@", "count@@", "count@foo", ""})
     (void)error("a.fst", what, "top.xml");
-  EXPECT_NE(error("a.fst", "count@75ns", "other.xml").find("no scope"), std::string::npos);
-  EXPECT_NE(error("a.fst", "count@75ns", "top.sv").find("no structure"), std::string::npos);
-  EXPECT_NE(error("a.fst", "count@75ns", "none.xml").find("none.xml"), std::string::npos);
-  EXPECT_NE(error("a.fst", "count@75ns", ".").find("is a folder, not a file"), std::string::npos);
+  EXPECT_TRUE(has(error("a.fst", "count@75ns", "other.xml"), "no scope"));
+  EXPECT_TRUE(has(error("a.fst", "count@75ns", "top.sv"), "no structure"));
+  EXPECT_TRUE(has(error("a.fst", "count@75ns", "none.xml"), "none.xml"));
+  EXPECT_TRUE(has(error("a.fst", "count@75ns", "."), "is a folder, not a file"));
   EXPECT_EQ(cde({"wave", "why", "a.fst"}).status, 2);
   EXPECT_EQ(cde({"wave", "find", "a.fst", "clk", "--depth", "2"}).status, 2);
 }
@@ -278,10 +279,8 @@ TEST_F(Why, WavesOfAnotherBitstreamAreRefused) {
     w.set(clk, 1);
   };
   waves("bitstream board LANES=4 TRACE=1 TAP=0 configuration=0123456789abcdef");
-  EXPECT_NE(error("card.fst", "count@5", "top.xml").find("another design: board"),
-            std::string::npos);
-  EXPECT_NE(error("card.fst", "count@5", "").find("configuration 0123456789abcdef"),
-            std::string::npos);
+  EXPECT_TRUE(has(error("card.fst", "count@5", "top.xml"), "another design: board"));
+  EXPECT_TRUE(has(error("card.fst", "count@5", ""), "configuration 0123456789abcdef"));
   waves("bitstream top TRACE=1 configuration=0123456789abcdef");
   EXPECT_EQ(why("card.fst", "count@5", "top.xml")["cone"]["value"], "00");
   // What no writer of ours writes names nothing.
@@ -289,7 +288,7 @@ TEST_F(Why, WavesOfAnotherBitstreamAreRefused) {
                                     "bitstream board LANES=4;reboot configuration=0123456789abcdef",
                                     "bitstream board configuration=zz"}) {
     waves(comment);
-    EXPECT_NE(error("card.fst", "count@5", "").find("does not say"), std::string::npos) << comment;
+    EXPECT_TRUE(has(error("card.fst", "count@5", ""), "does not say")) << comment;
   }
 }
 
@@ -298,7 +297,7 @@ TEST_F(Why, DamagedStructuresNeverCrashIt) {
   const std::string whole = read("top.xml");
   for (std::size_t n = 0; n < whole.size() - 20; n += 611) {
     write("cut.xml", whole.substr(0, n));
-    EXPECT_NE(error("a.fst", "data@75", "cut.xml").find("is no structure"), std::string::npos) << n;
+    EXPECT_TRUE(has(error("a.fst", "data@75", "cut.xml"), "is no structure")) << n;
   }
   std::mt19937 random(14);
   unsigned good = 0;
@@ -312,7 +311,7 @@ TEST_F(Why, DamagedStructuresNeverCrashIt) {
     write("bad.xml", bytes);
     const Ran ran = cde({"wave", "why", "a.fst", "data@75", "--structure", "bad.xml"});
     ASSERT_TRUE(ran.status == 0 || ran.status == 2) << i << ran.err;
-    ASSERT_EQ(ran.err.find("crashed"), std::string::npos) << i << ran.err;
+    ASSERT_FALSE(has(ran.err, "crashed")) << i;
     good += ran.status == 0 ? 1 : 0;
   }
   EXPECT_GT(good, 20u);
@@ -322,7 +321,7 @@ TEST_F(Why, DamagedStructuresNeverCrashIt) {
         for (int i = 0; i < 100000; ++i) all += "<a>";
         return all;
       }());
-  EXPECT_NE(error("a.fst", "data@75", "deep.xml").find("too deep"), std::string::npos);
+  EXPECT_TRUE(has(error("a.fst", "data@75", "deep.xml"), "too deep"));
 }
 
 TEST_P(Forms, DamagedJsonNeverCrashesIt) {
@@ -330,15 +329,13 @@ TEST_P(Forms, DamagedJsonNeverCrashesIt) {
   const std::string tree = read("top.tree.json"), meta = read("top.tree.meta.json");
   if (std::string(GetParam()) == ".xml") {
     fs::remove(folder_ / "top.tree.meta.json");
-    EXPECT_NE(error("a.fst", "data@75", "top.tree.json").find("top.tree.meta.json"),
-              std::string::npos);
+    EXPECT_TRUE(has(error("a.fst", "data@75", "top.tree.json"), "top.tree.meta.json"));
     return;
   }
   write("bad.tree.meta.json", meta);
   for (std::size_t n = 0; n < tree.size() - 20; n += 611) {
     write("bad.tree.json", tree.substr(0, n));
-    EXPECT_NE(error("a.fst", "data@75", "bad.tree.json").find("is no structure"), std::string::npos)
-        << n;
+    EXPECT_TRUE(has(error("a.fst", "data@75", "bad.tree.json"), "is no structure")) << n;
   }
   std::mt19937 random(15);
   unsigned good = 0;
@@ -349,14 +346,14 @@ TEST_P(Forms, DamagedJsonNeverCrashesIt) {
     write("bad.tree.json", bytes);
     const Ran ran = cde({"wave", "why", "a.fst", "data@75", "--structure", "bad.tree.json"});
     ASSERT_TRUE(ran.status == 0 || ran.status == 2) << i << ran.err;
-    ASSERT_EQ(ran.err.find("crashed"), std::string::npos) << i << ran.err;
+    ASSERT_FALSE(has(ran.err, "crashed")) << i;
     good += ran.status == 0 ? 1 : 0;
   }
   EXPECT_GT(good, 20u);
   write("bad.tree.json", std::string(100000, '['));
-  EXPECT_NE(error("a.fst", "data@75", "bad.tree.json").find("too deep"), std::string::npos);
+  EXPECT_TRUE(has(error("a.fst", "data@75", "bad.tree.json"), "too deep"));
   write("bad.tree.json", "{}");
-  EXPECT_NE(error("a.fst", "data@75", "bad.tree.json").find("--json-only"), std::string::npos);
+  EXPECT_TRUE(has(error("a.fst", "data@75", "bad.tree.json"), "--json-only"));
 }
 
 /// One that has no --xml-only: what it writes instead, here that of another design, is read.
@@ -382,7 +379,7 @@ TEST_F(Why, AVerilatorWithoutXmlIsAskedForJson) {
                       {"PATH=" + (folder_ / "bin").string() + ":" + std::getenv("PATH"),
                        "CDE_CACHE=" + (folder_ / "cache").string()});
   EXPECT_EQ(ran.status, 2);
-  EXPECT_NE(ran.err.find("is no structure of c.fst: no scope"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "is no structure of c.fst: no scope"));
 }
 
 /// A card's waves name their bitstream, and need no other word.
