@@ -18,8 +18,7 @@ namespace cde::reference {
 
 Record record_of(const Ray& ray, const Triangle& triangle, std::uint32_t primary,
                  std::uint32_t index, bool box, Algorithm algorithm) {
-  const Outcome<float> outcome = with_ray_triangle<float>(
-      algorithm, box, [&](const auto& test) { return test(ray, triangle); });
+  const Outcome<float> outcome = ray_triangle_test<float>(algorithm, box)(ray, triangle);
   Record r;
   r.f = outcome.f;
   r.bad = outcome.bad;

@@ -25,6 +25,28 @@ namespace cde::reference {
 template <class A, class B>
 struct Kinds {};
 
+/// What a pair's answer depends on beside its shapes.
+struct PipeSettings {
+  bool box = false;
+  PlaneSide plane = PlaneSide::kSurface;
+  cylinder::Budget budget;
+};
+
+/// The mirror reference of shapes A and B. A pointer, so that its users are compiled once per pair
+/// of shapes.
+template <class S, class A, class B>
+struct PipeMirror {
+  Outcome<S> (*answer)(const A&, const B&, const PipeSettings&);
+  PipeSettings settings;
+  Outcome<S> operator()(const A& a, const B& b) const { return answer(a, b, settings); }
+};
+
+/// A pipe's answer, by the rule of bounds if `box` is set.
+template <class S, class A, class B>
+[[nodiscard]] Outcome<S> bounded_if(bool box, const Outcome<S>& pipe, const A& a, const B& b) {
+  return box ? bounded<S>(pipe, a, b) : pipe;
+}
+
 /// Calls use(Kinds<A, B>, test), where test(A, B) is the pair's mirror reference in the scalar S.
 template <class S, class Use>
 void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const PairBudget& work,
@@ -34,25 +56,25 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
   using Ball = BasicSphere<S>;
   using Box = BasicObb<S>;
   using Can = BasicCylinder<S>;
-  const cylinder::Budget budget{static_cast<int>(work.samples), static_cast<int>(work.circle),
-                                static_cast<int>(work.free)};
+  const PipeSettings settings{
+      box,
+      plane,
+      {static_cast<int>(work.samples), static_cast<int>(work.circle), static_cast<int>(work.free)}};
 // FUNCTION is a template's name, which parentheses would spoil.
 // NOLINTBEGIN(bugprone-macro-parentheses)
-#define CDE_SEARCH(A, FUNCTION) \
-  use(Kinds<A, Can>(), [budget](const A& x, const Can& y) { return FUNCTION<S>(x, y, budget); })
-#define CDE_TEST(A, B, FUNCTION) \
-  use(Kinds<A, B>(), [](const A& x, const B& y) { return FUNCTION<S>(x, y); })
-#define CDE_BOUND(A, B, FUNCTION)                                                       \
-  box ? use(Kinds<A, B>(),                                                              \
-            [](const A& x, const B& y) { return bounded<S>(FUNCTION<S>(x, y), x, y); }) \
-      : CDE_TEST(A, B, FUNCTION)
-#define CDE_PLANE(A, FUNCTION)   \
-  use(Kinds<A, BasicPlane<S>>(), \
-      [plane](const A& x, const BasicPlane<S>& y) { return FUNCTION<S>(x, y, plane); })
+#define CDE_ANSWER(A, B, ANSWER)                                                             \
+  use(Kinds<A, B>(),                                                                         \
+      PipeMirror<S, A, B>{[](const A& x, const B& y, [[maybe_unused]] const PipeSettings& s) \
+                              -> Outcome<S> { return ANSWER; },                              \
+                          settings})
+#define CDE_TEST(A, B, FUNCTION) CDE_ANSWER(A, B, FUNCTION<S>(x, y))
+#define CDE_SEARCH(A, FUNCTION) CDE_ANSWER(A, Can, FUNCTION<S>(x, y, s.budget))
+#define CDE_PLANE(A, FUNCTION) CDE_ANSWER(A, BasicPlane<S>, FUNCTION<S>(x, y, s.plane))
+#define CDE_BOUND(A, B, FUNCTION) CDE_ANSWER(A, B, bounded_if<S>(s.box, FUNCTION<S>(x, y), x, y))
   // NOLINTEND(bugprone-macro-parentheses)
   switch (pair) {
     case Pair::kRayTriangle:
-      return with_ray_triangle<S>(algorithm, box, [&use](auto test) { use(Kinds<R, T>(), test); });
+      return use(Kinds<R, T>(), ray_triangle_test<S>(algorithm, box));
     case Pair::kObbObb:
       return CDE_BOUND(Box, Box, obb_obb);
     case Pair::kTriangleAabb:
@@ -82,10 +104,11 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
     case Pair::kObbCylinder:
       return CDE_SEARCH(Box, obb_cylinder);
   }
-#undef CDE_PLANE
 #undef CDE_BOUND
-#undef CDE_TEST
+#undef CDE_PLANE
 #undef CDE_SEARCH
+#undef CDE_TEST
+#undef CDE_ANSWER
   throw Error(ErrorCode::kUsage, fmt::format("no reference for {}", name(pair)));
 }
 

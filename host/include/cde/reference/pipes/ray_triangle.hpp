@@ -255,15 +255,15 @@ template <typename S, bool Box = false, bool AtSizeOne = false>
   return ray_outcome<S>(met, t, add<S>(ray.o, hit));
 }
 
-/// Calls use(test), where test(ray, triangle) is the algorithm's, with the box rule or without.
-template <class S, class Use>
-decltype(auto) with_ray_triangle(Algorithm algorithm, bool box, Use use) {
-  using R = BasicRay<S>;
-  using T = BasicTriangle<S>;
+template <class S>
+using RayTriangleTest = Outcome<S> (*)(const BasicRay<S>&, const BasicTriangle<S>&);
+
+/// The algorithm's test, with the box rule or without.
+template <class S>
+[[nodiscard]] RayTriangleTest<S> ray_triangle_test(Algorithm algorithm, bool box) {
 // NOLINTNEXTLINE(bugprone-macro-parentheses): a template's name
-#define CDE_RAY(FUNCTION)                                                   \
-  box ? use([](const R& x, const T& y) { return FUNCTION<S, true>(x, y); }) \
-      : use([](const R& x, const T& y) { return FUNCTION<S, false>(x, y); })
+#define CDE_RAY(FUNCTION) \
+  box ? RayTriangleTest<S>(FUNCTION<S, true>) : RayTriangleTest<S>(FUNCTION<S, false>)
   switch (algorithm) {
     case Algorithm::kMoller:
       return CDE_RAY(ray_triangle_moller);
