@@ -12,9 +12,10 @@ namespace cde {
 template <class P>
 [[nodiscard]] P rounded(const P& primitive, FpFormat format) {
   P nearest = primitive;
-  if (format != FpFormat{})
-    with_scalar(format,
-                [&]<class S>() { nearest = primitive_cast<float>(primitive_cast<S>(primitive)); });
+  if (format == FpFormat{}) return nearest;
+  const FloatWords words(format);
+  visit_words(nearest,
+              [&words](const char*, int, float& word) { word = words.decode(words.encode(word)); });
   return nearest;
 }
 
