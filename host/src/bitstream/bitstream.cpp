@@ -19,7 +19,6 @@
 #include <iterator>
 #include <mutex>
 #include <optional>
-#include <regex>
 #include <set>
 #include <sstream>
 #include <type_traits>
@@ -71,12 +70,17 @@ std::string last_lines(std::string_view text, int lines) {
 /// them, each with the line that follows; its last lines if it names none.
 std::string causes(const std::string& text) {
   constexpr int kMost = 4;
-  static const std::regex error("^%Error|(^|: )(fatal )?error: ");
+  const auto names_error = [](const std::string& line) {
+    for (const char* start : {"%Error", "error: ", "fatal error: "})
+      if (line.starts_with(start)) return true;
+    return line.find(": error: ") != std::string::npos ||
+           line.find(": fatal error: ") != std::string::npos;
+  };
   std::string found;
   int errors = 0;
   std::istringstream lines(text);
   for (std::string line, after; errors < kMost && std::getline(lines, line);) {
-    if (!std::regex_search(line, error)) continue;
+    if (!names_error(line)) continue;
     ++errors;
     found += line + '\n';
     if (std::getline(lines, after)) found += after + '\n';

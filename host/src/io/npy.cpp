@@ -3,11 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <istream>
 #include <iterator>
-#include <regex>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
@@ -45,23 +45,33 @@ Array parse(const std::string& path, std::string_view bytes) {
   if (version > 1) length |= std::size_t{at(10)} << 16 | std::size_t{at(11)} << 24;
   if (length > bytes.size() - start) fail(path, "is cut short in its header");
   const std::string header(bytes.substr(start, length));
-  const auto value = [&](const char* key, const char* pattern) {
-    std::smatch found;
-    const std::regex wanted(fmt::format("'{}': *{}", key, pattern));
-    return std::regex_search(header, found, wanted) ? found[1].str() : std::string();
+  const auto value = [&header](std::string_view key) {
+    const std::string quoted = fmt::format("'{}':", key);
+    const std::size_t at = header.find(quoted);
+    std::string_view text(header);
+    text.remove_prefix(at != std::string::npos ? at + quoted.size() : text.size());
+    text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
+    return text;
+  };
+  // With its delimiters, or nothing.
+  const auto delimited = [](std::string_view text, char first, char last) {
+    const std::size_t end = text.starts_with(first) ? text.find(last, 1) : std::string_view::npos;
+    return std::string(text.substr(0, end != std::string_view::npos ? end + 1 : 0));
   };
   Array array;
-  const std::string type = value("descr", "'([^']*)'");
-  if (const std::string fields = value("descr", "(\\[[^\\]]*\\])"); type.empty() && !fields.empty())
+  std::string type = delimited(value("descr"), '\'', '\'');
+  if (!type.empty()) type = type.substr(1, type.size() - 2);
+  if (const std::string fields = delimited(value("descr"), '[', ']');
+      type.empty() && !fields.empty())
     fail(path, fmt::format("its elements are structures, {}; rays are rows of numbers, '<f4' or "
                            "'<f8'",
                            printable(fields)));
   if (type != "<f4" && type != "<f8")
     fail(path, fmt::format("its numbers are {}; rays are '<f4' or '<f8'", in_quotes(type)));
   array.wide = type == "<f8";
-  if (value("fortran_order", "(True|False)") != "False")
+  if (!value("fortran_order").starts_with("False"))
     fail(path, "is in Fortran order; rays are rows in C order");
-  const std::string shape = value("shape", "(\\([^)]*\\))");
+  const std::string shape = delimited(value("shape"), '(', ')');
   int used = 0;
   unsigned long long rows = 0, columns = 0;
   if (shape.find('-') != std::string::npos ||

@@ -12,7 +12,6 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <regex>
 #include <utility>
 
 #include "cde/support/error.hpp"
@@ -29,9 +28,21 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kMarker = "run.json";
 constexpr const char* kBeside = "files_beside";
 
-bool is_record_name(const std::string& name) {
-  static const std::regex form(R"([A-Za-z0-9_-]{1,64}\.[0-9]{6,7}\.(csv|bin))");
-  return std::regex_match(name, form);
+/// QUERY.FRAME.csv or .bin: a query's name of 1 to 64 characters, a frame of 6 or 7 digits.
+bool is_record_name(std::string_view name) {
+  constexpr std::string_view kDigits = "0123456789",
+                             kOthers =
+                                 "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_-0123456789";
+  if (!name.ends_with(".csv") && !name.ends_with(".bin")) return false;
+  name.remove_suffix(4);
+  const std::size_t dot = name.find('.');
+  if (dot == std::string_view::npos) return false;
+  const std::string_view query = name.substr(0, dot), frame = name.substr(dot + 1);
+  const auto only = [](std::string_view text, std::string_view of) {
+    return text.find_first_not_of(of) == std::string_view::npos;
+  };
+  return dot >= 1 && dot <= 64 && only(query, kOthers) &&
+         (frame.size() == 6 || frame.size() == 7) && only(frame, kDigits);
 }
 
 /// Whether a file is directly in the folder; false if its own folder is not there.
