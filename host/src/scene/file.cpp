@@ -240,9 +240,9 @@ SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
 }  // namespace
 
 Scene parse_scene(std::string_view text, const std::string& name) {
-  const toml::table document = toml_reader::parse(text, name);
+  const auto document = toml_reader::parse(text, name);
   const std::filesystem::path folder = std::filesystem::path(name).parent_path();
-  Table t(name, document, "");
+  Table t(name, *document, "");
   Scene scene;
   scene.file = name;
   scene.title = t.text("title", "");
