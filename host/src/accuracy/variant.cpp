@@ -1,90 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cde/accuracy/variant.hpp"
 
-#include <fmt/format.h>
-
-#include "cde/accuracy/fused.hpp"
-#include "cde/accuracy/textbook.hpp"
+#include "accuracy/variant_in.hpp"
 #include "cde/fp/scalars.hpp"
-#include "cde/reference/pipes/dispatch.hpp"
-#include "cde/support/error.hpp"
 
 namespace cde::accuracy {
-namespace {
-
-template <class S>
-S value_of(S x) {
-  return x;
-}
-template <class S>
-S value_of(Fused<S> x) {
-  return x.value();
-}
-
-/// Every pair of words through a test of shapes A and B; R is the scalar it computes in, S the
-/// format's.
-template <class S, class R, class A, class B, class Test>
-void sweep(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
-           std::span<PairResult> results, Test test) {
-  const auto shape = []<class P>(P, const std::uint64_t* words) {
-    P p;
-    visit_words(p, [&words](const char*, int, auto& word) {
-      if constexpr (std::is_same_v<R, S>)
-        word = from_word<S>(*words++);
-      else
-        word = R::of(from_word<S>(*words++));
-    });
-    return p;
-  };
-  const auto word = [](R x) { return to_word(reference::canonical(value_of(x))); };
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    const reference::Outcome<R> o =
-        test(shape(A(), &a[i * A::kWords]), shape(B(), &b[i * B::kWords]));
-    PairResult& r = results[i];
-    r.f = o.f;
-    r.bad = o.bad;
-    r.t = word(o.t);
-    for (int k = 0; k < 3; ++k) {
-      r.cp[k] = word(o.cp[k]);
-      r.n[k] = word(o.n[k]);
-    }
-  }
-}
-
-template <class S>
-void textbook_pairs(Pair pair, std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
-                    std::span<PairResult> r) {
-  using T = BasicTriangle<S>;
-  using Obb = BasicObb<S>;
-  using Aabb = BasicAabb<S>;
-  switch (pair) {
-    case Pair::kRaySphere:
-      return sweep<S, S, BasicRay<S>, BasicSphere<S>>(a, b, r, textbook::ray_sphere<S>);
-    case Pair::kRayCylinder:
-      return sweep<S, S, BasicRay<S>, BasicCylinder<S>>(a, b, r, textbook::ray_cylinder<S>);
-    case Pair::kObbObb:
-      return sweep<S, S, Obb, Obb>(a, b, r, textbook::obb_obb<S>);
-    case Pair::kTriangleObb:
-      return sweep<S, S, T, Obb>(a, b, r, textbook::triangle_box<S, Obb>);
-    case Pair::kTriangleAabb:
-      return sweep<S, S, T, Aabb>(a, b, r, textbook::triangle_box<S, Aabb>);
-    default:
-      throw Error(ErrorCode::kUsage, fmt::format("no textbook has {}", name(pair)));
-  }
-}
-
-template <class S>
-void fused_pairs(Pair pair, Algorithm algorithm, bool box, const PairBudget& budget,
-                 std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
-                 std::span<PairResult> r) {
-  using R = Fused<S>;
-  reference::with_pair<R>(pair, algorithm, box, PlaneSide::kSurface, budget,
-                          [&]<class A, class B>(reference::Kinds<A, B>, auto test) {
-                            sweep<S, R, A, B>(a, b, r, test);
-                          });
-}
-
-}  // namespace
 
 std::string_view name(Variant variant) {
   return variant == Variant::kFused ? "fused" : variant == Variant::kTextbook ? "textbook" : "card";
@@ -110,9 +30,9 @@ void test_variant(Variant variant, Pair pair, Algorithm algorithm, FpFormat form
                   std::span<PairResult> results, const PairBudget& budget, bool box) {
   (void)with_scalar(format, [&]<class S>() {
     if (variant == Variant::kTextbook)
-      textbook_pairs<S>(pair, a, b, results);
+      VariantIn<S>::textbook(pair, a, b, results);
     else
-      fused_pairs<S>(pair, algorithm, box, budget, a, b, results);
+      VariantIn<S>::fused(pair, algorithm, box, budget, a, b, results);
   });
 }
 

@@ -5,47 +5,10 @@
 
 #include "cde/fp/scalars.hpp"
 #include "cde/reference/pipes/cylinder/schedule.hpp"
-#include "cde/reference/pipes/dispatch.hpp"
 #include "cde/support/error.hpp"
+#include "reference/pairs_in.hpp"
 
 namespace cde::reference {
-
-namespace {
-
-template <class P>
-P shape(const std::uint64_t* words) {
-  P p;
-  visit_words(p, [&words](const char*, int, auto& word) {
-    word = from_word<typename P::Scalar>(*words++);
-  });
-  return p;
-}
-
-template <class S, class A, class B, class Test>
-void sweep(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
-           std::span<PairResult> results, Test test) {
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    const Outcome<S> o = test(shape<A>(&a[i * A::kWords]), shape<B>(&b[i * B::kWords]));
-    PairResult& r = results[i];
-    r.f = o.f;
-    r.bad = o.bad;
-    r.t = to_word(canonical(o.t));
-    for (int k = 0; k < 3; ++k) {
-      r.cp[k] = to_word<S>(canonical<S>(o.cp[k]));
-      r.n[k] = to_word<S>(canonical<S>(o.n[k]));
-    }
-  }
-}
-
-template <class S>
-void test_pairs_in(Pair pair, Algorithm algorithm, bool box, PlaneSide plane,
-                   const PairBudget& budget, std::span<const std::uint64_t> a,
-                   std::span<const std::uint64_t> b, std::span<PairResult> r) {
-  with_pair<S>(pair, algorithm, box, plane, budget,
-               [&]<class A, class B>(Kinds<A, B>, auto test) { sweep<S, A, B>(a, b, r, test); });
-}
-
-}  // namespace
 
 namespace {
 
@@ -87,7 +50,7 @@ void test_pairs(Pair pair, Algorithm algorithm, FpFormat format, std::span<const
                             name(pair), results.size() * primary_words(pair),
                             results.size() * secondary_words(pair), a.size(), b.size()));
   const auto in_scalar = [&]<class S>() {
-    test_pairs_in<S>(pair, algorithm, box, plane, budget, a, b, results);
+    PairsIn<S>::test(pair, algorithm, box, plane, budget, a, b, results);
   };
   if (!with_scalar(format, in_scalar))
     throw Error(ErrorCode::kUsage, fmt::format("pairs have no reference in {}", format.name()));

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <span>
+
+#include "cde/accuracy/variant.hpp"
+
+namespace cde::accuracy {
+
+/// The variants in the scalar S. variant_in.cpp is compiled for a few scalars at a time.
+template <class S>
+struct VariantIn {
+  static void textbook(Pair pair, std::span<const std::uint64_t> a,
+                       std::span<const std::uint64_t> b, std::span<PairResult> r);
+  static void fused(Pair pair, Algorithm algorithm, bool box, const PairBudget& budget,
+                    std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
+                    std::span<PairResult> r);
+};
+
+}  // namespace cde::accuracy

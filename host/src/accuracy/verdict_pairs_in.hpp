@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "cde/accuracy/verdict_pairs.hpp"
+
+namespace cde::accuracy {
+
+using Words = std::span<const std::uint64_t>;
+
+/// test_certain in the scalar N. verdict_pairs_in.cpp is compiled for a few scalars at a time.
+template <class N>
+struct CertainIn {
+  static void test(Pair pair, const PairBudget& budget, Words a, Words b,
+                   std::span<reference::verdict::Certain> certain);
+};
+
+}  // namespace cde::accuracy

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "cde/explain/record.hpp"
+
+namespace cde::explain {
+
+/// record() in the scalar S. record_in.cpp is compiled for a few scalars at a time.
+template <class S>
+struct RecordIn {
+  static PairRecording record(const PairConfig& config, std::span<const std::uint64_t> a,
+                              std::span<const std::uint64_t> b, const PairBudget& budget);
+};
+
+}  // namespace cde::explain

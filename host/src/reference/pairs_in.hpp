@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <span>
+
+#include "cde/reference/pairs.hpp"
+
+namespace cde::reference {
+
+/// test_pairs in the scalar S. pairs_in.cpp is compiled for a few scalars at a time.
+template <class S>
+struct PairsIn {
+  static void test(Pair pair, Algorithm algorithm, bool box, PlaneSide plane,
+                   const PairBudget& budget, std::span<const std::uint64_t> a,
+                   std::span<const std::uint64_t> b, std::span<PairResult> results);
+};
+
+}  // namespace cde::reference
