@@ -33,31 +33,30 @@ std::string word_name(std::string_view field, int k) {
   return std::string(field);
 }
 
-/// The first word that must be another by itself.
+/// The first word that must be another by itself. `primitive` is exact in double, whatever its
+/// format, which has these lengths.
 template <class P>
-Why bad_word(const P& primitive) {
-  using S = typename P::Scalar;
+Why bad_word(const P& primitive, const LengthRange& lengths) {
   Why why;
   P::visit(primitive, [&](std::string_view name, const auto& field) {
     using Field = std::remove_cvref_t<decltype(field)>;
     const bool interval = name == "tmin" || name == "tmax";
     const bool pure = name == "normal" || name == "axis" || name == "rotation";
     const bool size = name == "radius" || name == "half height" || name == "half extent";
-    const auto look = [&](int k, S word) {
-      using std::isnan;
+    const auto look = [&](int k, double word) {
       if (why) return;
       const std::string which = word_name<Field>(name, k);
       const char* must = nullptr;
-      if (interval && isnan(word)) must = "must be a number or infinite";
-      if (!interval && !reference::finite(word)) must = "must be finite";
+      if (interval && std::isnan(word)) must = "must be a number or infinite";
+      if (!interval && !std::isfinite(word)) must = "must be finite";
       if (must != nullptr)
-        why = fmt::format("{} is {}, {}", which, double(word), must);
+        why = fmt::format("{} is {}, {}", which, word, must);
       else if (size)
-        why = reference::kLengths<S>.not_size(which, double(word));
+        why = lengths.not_size(which, word);
       else if (!interval && !pure)
-        why = reference::kLengths<S>.not_coordinate(which, double(word));
+        why = lengths.not_coordinate(which, word);
     };
-    if constexpr (std::is_same_v<Field, S>) {
+    if constexpr (std::is_same_v<Field, double>) {
       look(0, field);
     } else {
       for (int k = 0; k < static_cast<int>(field.size()); ++k)
@@ -121,7 +120,8 @@ Why defect_of(std::span<const std::uint64_t> words) {
     word = from_word<typename P::Scalar>(words[i++]);
   });
   if (!reference::bad(primitive)) return std::nullopt;
-  if (auto why = bad_word(primitive)) return why;
+  using S = typename P::Scalar;
+  if (auto why = bad_word(primitive_cast<double>(primitive), reference::kLengths<S>)) return why;
   return bad_whole(primitive);
 }
 
