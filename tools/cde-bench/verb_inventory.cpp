@@ -13,6 +13,7 @@
 
 #include "cde/card/json_keys.hpp"
 #include "cde/netlist/pipe_figures.hpp"
+#include "cde/support/columns.hpp"
 #include "cde/support/error.hpp"
 #include "options/values.hpp"
 #include "output/streams.hpp"
@@ -112,39 +113,13 @@ std::string_view reason(Algorithm algorithm, std::string_view quantity) {
   return "The paper does not say how its figure comes about.";
 }
 
-/// Columns of text under heads.
 struct Table {
   std::string title;
-  std::vector<std::string> heads;
-  std::vector<std::vector<std::string>> rows;
+  Columns columns;
   std::vector<std::string> notes = {};
 
   void print(bool markdown) const {
-    std::vector<std::size_t> widths;
-    for (std::size_t c = 0; c < heads.size(); ++c) {
-      widths.push_back(heads[c].size());
-      for (const auto& row : rows) widths[c] = std::max(widths[c], row[c].size());
-    }
-    const auto line = [&](const std::vector<std::string>& cells) {
-      std::string text = markdown ? "|" : "";
-      for (std::size_t c = 0; c < cells.size(); ++c) {
-        if (markdown)
-          text += c == 0 ? fmt::format(" {:<{}} |", cells[c], widths[c])
-                         : fmt::format(" {:>{}} |", cells[c], widths[c]);
-        else
-          text += c == 0 ? fmt::format("{:<{}}", cells[c], widths[c])
-                         : fmt::format("  {:>{}}", cells[c], widths[c]);
-      }
-      put("{}\n", text);
-    };
-    put("{}{}\n\n", markdown ? "### " : "", title);
-    line(heads);
-    if (markdown) {
-      std::string rule = "|";
-      for (std::size_t c = 0; c < heads.size(); ++c) rule += c == 0 ? " --- |" : " ---: |";
-      put("{}\n", rule);
-    }
-    for (const auto& row : rows) line(row);
+    put("{}{}\n\n{}", markdown ? "### " : "", title, columns.text(markdown));
     if (!notes.empty()) put("\n");
     for (const std::string& note : notes) put("- {}\n", note);
     put("\n");
@@ -155,8 +130,8 @@ struct Table {
 template <std::size_t N>
 Table comparison(const std::string& title, const std::array<Quantity, N>& quantities,
                  const std::vector<Pipe>& pipes) {
-  Table table{title, {"here / paper"}, {}};
-  for (const Pipe& pipe : pipes) table.heads.emplace_back(cde::name(pipe.algorithm));
+  Table table{title, {.heads = {"here / paper"}, .gap = 2, .wide_markdown = true}};
+  for (const Pipe& pipe : pipes) table.columns.heads.emplace_back(cde::name(pipe.algorithm));
   for (const Quantity& q : quantities) {
     std::vector<std::string> row = {q.name};
     for (const Pipe& pipe : pipes) {
@@ -174,19 +149,20 @@ Table comparison(const std::string& title, const std::array<Quantity, N>& quanti
           table.notes.push_back(note);
       }
     }
-    table.rows.push_back(row);
+    table.columns.lines.push_back(row);
   }
   return table;
 }
 
 Table all_pipes(const std::vector<Pipe>& pipes, const Profile& profile) {
   Table table{"Pipes",
-              {"pipe", "mul", "div", "sqrt", "add", "sub", "cmp", "min/max", "levels", "clocks",
-               "interval"},
-              {}};
+              {.heads = {"pipe", "mul", "div", "sqrt", "add", "sub", "cmp", "min/max", "levels",
+                         "clocks", "interval"},
+               .gap = 2,
+               .wide_markdown = true}};
   for (const Pipe& pipe : pipes) {
     if (!pipe.absent.empty()) {
-      table.rows.push_back({pipe.name(), "absent", "", "", "", "", "", "", "", "", ""});
+      table.columns.lines.push_back({pipe.name(), "absent", "", "", "", "", "", "", "", "", ""});
       continue;
     }
     std::vector<std::string> row = {pipe.name()};
@@ -195,7 +171,7 @@ Table all_pipes(const std::vector<Pipe>& pipes, const Profile& profile) {
          {o.multipliers, o.dividers, o.square_roots, o.adders, o.subtractors, o.comparators,
           o.min_max, pipe.latency, pipe.latency_profile, pipe.interval})
       row.push_back(fmt::to_string(n));
-    table.rows.push_back(row);
+    table.columns.lines.push_back(row);
   }
   table.notes = {"levels: latency in clocks when every operator takes one",
                  fmt::format("clocks: latency when operators take {}", profile.text()),

@@ -15,6 +15,7 @@
 
 #include "cde/contract/records.hpp"
 #include "cde/io/npy.hpp"
+#include "cde/support/columns.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/suffix.hpp"
 #include "cde/support/suggest.hpp"
@@ -23,14 +24,6 @@ namespace cde {
 namespace {
 
 constexpr std::array kNames = {"u", "v", "normal", "side", "node"};
-
-/// A name from a file in a field of CSV.
-std::string csv_text(std::string_view name) {
-  if (name.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(name);
-  std::string quoted = "\"";
-  for (const char c : name) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
 
 /// The secondary that was hit.
 struct Index {
@@ -70,7 +63,7 @@ struct CsvRow {
     else if constexpr (std::is_same_v<T, Index>)
       fmt::format_to(out, "{},", value.value);
     else if constexpr (std::is_same_v<T, std::string_view>)
-      fmt::format_to(out, "{},", csv_text(value));
+      fmt::format_to(out, "{},", csv_field(value));
     else
       fmt::format_to(out, "{:d},", value);
   }

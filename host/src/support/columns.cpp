@@ -15,12 +15,15 @@ std::string Columns::text(bool markdown) const {
   }
   std::string out;
   const auto add = [&](const Cells& line) {
-    std::string row = markdown ? "|" : "";
-    for (std::size_t c = 0; c < line.size(); ++c)
-      row += markdown ? fmt::format(" {} |", line[c])
-             : c == 0 ? fmt::format("{:<{}}", line[c], widths[c])
-                      : fmt::format(" {:>{}}", line[c], widths[c]);
-    out += row + "\n";
+    if (markdown) out += '|';
+    for (std::size_t c = 0; c < line.size(); ++c) {
+      const bool to_left = c < left.size() && left[c], last = c + 1 == line.size();
+      const bool tight = markdown ? !wide_markdown : to_left && last;
+      const std::string cell =
+          fmt::format(fmt::runtime(to_left ? "{:<{}}" : "{:>{}}"), line[c], tight ? 0 : widths[c]);
+      out += markdown ? " " + cell + " |" : std::string(c == 0 ? 0 : gap, ' ') + cell;
+    }
+    out += '\n';
   };
   add(heads);
   if (markdown) {
@@ -30,6 +33,13 @@ std::string Columns::text(bool markdown) const {
   }
   for (const Cells& line : lines) add(line);
   return out;
+}
+
+std::string csv_field(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string quoted = "\"";
+  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
+  return quoted + "\"";
 }
 
 }  // namespace cde

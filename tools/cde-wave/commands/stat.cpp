@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "cde/support/columns.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/wave/handshakes.hpp"
@@ -29,28 +30,9 @@ Json share(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? Json() : Json(static_cast<double>(part) / static_cast<double>(whole));
 }
 
-/// A table whose first column is as wide as its longest entry; the others stand at the right.
-class Table {
- public:
-  explicit Table(std::vector<std::string> head) { rows_.push_back(std::move(head)); }
-  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
-  [[nodiscard]] std::string text(const Lines& lines) const {
-    std::vector<std::size_t> widths(rows_.front().size(), 0);
-    for (const auto& row : rows_)
-      for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
-    std::string all;
-    for (const auto& row : rows_) {
-      all += fmt::format("{:<{}}", row[0], widths[0]);
-      for (std::size_t c = 1; c < row.size(); ++c)
-        all += fmt::format("  {:>{}}", row[c], widths[c]);
-      all += "\n";
-    }
-    return rows_.size() == 1 ? "" : all + lines.rest() + "\n";
-  }
-
- private:
-  std::vector<std::vector<std::string>> rows_;
-};
+std::string text_of(const Columns& table, const Lines& lines) {
+  return table.lines.empty() ? "" : table.text() + lines.rest() + "\n";
+}
 
 /// What belongs to signals that are asked for.
 void keep_wanted(Flows& flows, const std::vector<View>& views) {
@@ -142,21 +124,23 @@ class Report {
 
   void handshakes_text(std::string& all) {
     Lines lines(r_.max);
-    Table table({"handshake", "cycles", "transfers", "stalled", "idle", "unknown", "utilisation",
-                 "longest stall"});
+    Columns table{.heads = {"handshake", "cycles", "transfers", "stalled", "idle", "unknown",
+                            "utilisation", "longest stall"},
+                  .gap = 2};
     std::string notes;
     for (std::size_t i = 0; i < m_.uses.size(); ++i) {
       if (!lines.next()) continue;
       const Use& u = m_.uses[i];
-      table.add({m_.handshakes[i].name, fmt::to_string(u.cycles), fmt::to_string(u.transferred),
-                 fmt::to_string(u.stalled), fmt::to_string(u.idle), fmt::to_string(u.unknown),
-                 percent(u.transferred, u.cycles),
-                 u.longest == 0 ? "-" : fmt::format("{} at {}", u.longest, at(u.longest_time))});
+      table.lines.push_back(
+          {m_.handshakes[i].name, fmt::to_string(u.cycles), fmt::to_string(u.transferred),
+           fmt::to_string(u.stalled), fmt::to_string(u.idle), fmt::to_string(u.unknown),
+           percent(u.transferred, u.cycles),
+           u.longest == 0 ? "-" : fmt::format("{} at {}", u.longest, at(u.longest_time))});
       if (m_.handshakes[i].is_pci())
         notes += fmt::format("{}: {} address phases, which are none of these\n",
                              m_.handshakes[i].name, u.address);
     }
-    std::string text = table.text(lines);
+    std::string text = text_of(table, lines);
     if (!notes.empty()) {
       text.pop_back();
       text += notes + "\n";
@@ -183,33 +167,38 @@ class Report {
 
   void pipes_text(std::string& all) {
     Lines lines(r_.max);
-    Table table(
-        {"valid of a pipe", "cycles", "at 1", "first at", "last at", "bubbles", "longest bubble"});
+    Columns table{.heads = {"valid of a pipe", "cycles", "at 1", "first at", "last at", "bubbles",
+                            "longest bubble"},
+                  .gap = 2};
     for (std::size_t i = 0; i < m_.bubbles.size(); ++i) {
       if (!lines.next()) continue;
       const Bubbles& b = m_.bubbles[i];
-      table.add({m_.pipes[i].name, fmt::to_string(b.cycles), fmt::to_string(b.valid),
-                 b.valid == 0 ? "-" : at(b.first), b.valid == 0 ? "-" : at(b.last),
-                 fmt::to_string(b.empty),
-                 b.longest == 0 ? "-" : fmt::format("{} at {}", b.longest, at(b.longest_time))});
+      table.lines.push_back(
+          {m_.pipes[i].name, fmt::to_string(b.cycles), fmt::to_string(b.valid),
+           b.valid == 0 ? "-" : at(b.first), b.valid == 0 ? "-" : at(b.last),
+           fmt::to_string(b.empty),
+           b.longest == 0 ? "-" : fmt::format("{} at {}", b.longest, at(b.longest_time))});
     }
-    all += table.text(lines);
+    all += text_of(table, lines);
   }
 
   void signals_text(std::string& all) {
     Lines lines(r_.max);
-    Table table({"signal", "changes", "a cycle", "toggles", "time at 1", "longest quiet"});
+    Columns table{
+        .heads = {"signal", "changes", "a cycle", "toggles", "time at 1", "longest quiet"},
+        .gap = 2};
     for (const Activity& a : m_.signals) {
       if (!lines.next()) continue;
-      table.add({a.view.label, fmt::to_string(a.changes),
-                 cycles_ && *cycles_ != 0 ? fmt::format("{:.3g}", static_cast<double>(a.changes) /
-                                                                      static_cast<double>(*cycles_))
-                                          : "-",
-                 a.bits ? fmt::to_string(a.toggles) : "-",
-                 one_bit(a) ? percent(a.high, w_.to - w_.from) : "-",
-                 fmt::format("{} from {}", times_.text(a.quiet), times_.text(a.quiet_from))});
+      table.lines.push_back(
+          {a.view.label, fmt::to_string(a.changes),
+           cycles_ && *cycles_ != 0 ? fmt::format("{:.3g}", static_cast<double>(a.changes) /
+                                                                static_cast<double>(*cycles_))
+                                    : "-",
+           a.bits ? fmt::to_string(a.toggles) : "-",
+           one_bit(a) ? percent(a.high, w_.to - w_.from) : "-",
+           fmt::format("{} from {}", times_.text(a.quiet), times_.text(a.quiet_from))});
     }
-    all += table.text(lines);
+    all += text_of(table, lines);
   }
   static bool one_bit(const Activity& a) { return a.bits && a.view.width == 1; }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "cde/support/columns.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/suggest.hpp"
@@ -68,38 +69,6 @@ There there(Trace& trace, const std::vector<std::string>& asked) {
   return found;
 }
 
-/// Rows of a table whose last column is as wide as it is.
-class Table {
- public:
-  void add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
-  [[nodiscard]] std::string text(const std::vector<bool>& right) const {
-    std::vector<std::size_t> widths(right.size());
-    for (const auto& row : rows_)
-      for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
-    std::string all;
-    for (const auto& row : rows_) {
-      for (std::size_t c = 0; c < row.size(); ++c) {
-        const std::size_t width = c + 1 == row.size() ? 0 : widths[c];
-        all += c == 0 ? "" : "  ";
-        all +=
-            right[c] ? fmt::format("{:>{}}", row[c], width) : fmt::format("{:<{}}", row[c], width);
-      }
-      all += '\n';
-    }
-    return without_spaces(all);
-  }
-
- private:
-  std::vector<std::vector<std::string>> rows_;
-};
-
-std::string csv_cell(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
-
 /// A whole number as such.
 Json json_value(const std::string& text) {
   if (!text.empty() && text.size() < 19 &&
@@ -116,7 +85,7 @@ class Output {
       columns_ = field_names(r.words.empty() ? file.kinds : r.words);
       text_ = fmt::format("{}\n", fmt::join(columns_, ","));
     } else {
-      table_.add({"begin", "latency", "clocks", "stalls", "kind", "outcome", "what"});
+      table_.heads = {"begin", "latency", "clocks", "stalls", "kind", "outcome", "what"};
     }
   }
 
@@ -128,9 +97,9 @@ class Output {
     else if (r_.csv)
       csv(t);
     else
-      table_.add({times_.text(t.begin), times_.text(t.end - t.begin),
-                  field_of(t, "clocks").value_or("-"), field_of(t, "stalls").value_or("-"), t.kind,
-                  t.outcome, printable_name(t.label)});
+      table_.lines.push_back(
+          {times_.text(t.begin), times_.text(t.end - t.begin), field_of(t, "clocks").value_or("-"),
+           field_of(t, "stalls").value_or("-"), t.kind, t.outcome, printable_name(t.label)});
   }
   [[nodiscard]] std::uint64_t count() const { return lines_.seen(); }
 
@@ -156,7 +125,7 @@ class Output {
     std::vector<std::string> parts;
     for (const std::string& k : transaction_kinds())
       if (counts_.contains(k)) parts.push_back(fmt::format("{} {}", counts_[k], k));
-    cli::put(table_.text({true, true, true, true, false, false, false}) + lines_.rest() +
+    cli::put(without_spaces(table_.text()) + lines_.rest() +
              fmt::format("{}\n", fmt::join(parts, ", ")));
   }
 
@@ -179,14 +148,14 @@ class Output {
   void csv(const Transaction& t) {
     for (std::size_t c = 0; c < columns_.size(); ++c)
       text_ +=
-          fmt::format("{}{}", c == 0 ? "" : ",", csv_cell(field_of(t, columns_[c]).value_or("")));
+          fmt::format("{}{}", c == 0 ? "" : ",", csv_field(field_of(t, columns_[c]).value_or("")));
     text_ += '\n';
   }
 
   const Request& r_;
   const Times& times_;
   Lines lines_;
-  Table table_;
+  Columns table_{.heads = {}, .gap = 2, .left = {false, false, false, false, true, true, true}};
   Json list_ = Json::array();
   std::map<std::string, std::uint64_t> counts_;
   std::vector<std::string> columns_;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cde/support/columns.hpp"
 #include "page/page.hpp"
 
 namespace cde::cli::chart {
@@ -75,16 +76,7 @@ std::string key(int colour, std::string_view text, bool dashed) {
 
 std::string row(const std::vector<std::string>& fields) {
   std::string text;
-  for (const std::string& field : fields) {
-    if (!text.empty()) text += ',';
-    if (field.find_first_of(",\"\r\n") == std::string::npos) {
-      text += field;
-      continue;
-    }
-    text += '"';
-    for (const char c : field) text.append(c == '"' ? 2 : 1, c);
-    text += '"';
-  }
+  for (const std::string& field : fields) text += (text.empty() ? "" : ",") + csv_field(field);
   return text + "\n";
 }
 std::string figure(double value) {

@@ -1,18 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace cde {
 
-/// Columns of text; the first is set to the left, the others to the right.
+/// Columns of text under heads.
 struct Columns {
   using Cells = std::vector<std::string>;
   Cells heads;
-  std::vector<Cells> lines;
+  std::vector<Cells> lines = {};
+  std::size_t gap = 1;              ///< blanks between columns
+  std::vector<bool> left = {true};  ///< set to the left; the others to the right
+  bool wide_markdown = false;       ///< cells of Markdown are as wide as their column
 
   /// With blanks between the columns, or as a table in Markdown.
-  [[nodiscard]] std::string text(bool markdown) const;
+  [[nodiscard]] std::string text(bool markdown = false) const;
 };
+
+/// A field of CSV: what would end it is quoted.
+[[nodiscard]] std::string csv_field(std::string_view text);
 
 }  // namespace cde
