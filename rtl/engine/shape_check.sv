@@ -24,6 +24,9 @@ module shape_check #(
   localparam int LATENCY = LAT.mul + 3 * LAT.add + LAT.cmp;
   localparam int LOW = formats_pkg::length_low(EXP, MAN);
   localparam int HIGH = formats_pkg::length_high(EXP);
+  // First word of a unit vector, in front or behind a point; -1 if there is none.
+  localparam int UNIT = (pairs_pkg::word_kind(SHAPE, 0) == pairs_pkg::WORD_PURE) ? 0 :
+      (pairs_pkg::word_kind(SHAPE, 3) == pairs_pkg::WORD_PURE) ? 3 : -1;
 
   // ---- Words by themselves ----
   for (genvar k = 0; k < WORDS; k++) begin : word
@@ -70,11 +73,10 @@ module shape_check #(
     `DF_BINARY3(ordered, low, high, formats_pkg::FP_LT, LAT.cmp)
     `DF_VAT(late, ordered, LATENCY)
     assign shape_good = late[0] & late[1] & late[2];
-  end else if (SHAPE == pairs_pkg::SHAPE_PLANE || SHAPE == pairs_pkg::SHAPE_CYLINDER) begin : g_unit
-    localparam int FIRST = (SHAPE == pairs_pkg::SHAPE_PLANE) ? 0 : 3;
+  end else if (UNIT >= 0) begin : g_unit
     unit_check #(.ONE(1), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT),
         .ARITH(ARITH)) unit (
-        .clk_i, .on_i, .a_i(words_i[FIRST+:3]), .b_i(words_i[FIRST+:3]), .good_o(shape_good));
+        .clk_i, .on_i, .a_i(words_i[UNIT+:3]), .b_i(words_i[UNIT+:3]), .good_o(shape_good));
   end else if (SHAPE == pairs_pkg::SHAPE_OBB) begin : g_rotation
     logic [5:0][LANES-1:0][CW-1:0] dot_good;  // of the upper triangle, row by row
     for (genvar i = 0; i < 3; i++) begin : row

@@ -34,8 +34,17 @@ module transformer #(
   localparam bit AABB = pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_AABB, SWAP != 0, TRANSFORM);
   localparam bit OBB = pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_OBB, SWAP != 0, TRANSFORM);
   localparam bit PLANE = pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_PLANE, SWAP != 0, TRANSFORM);
-  localparam bit TURNED = pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_RAY, SWAP != 0, TRANSFORM) ||
-      pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_CYLINDER, SWAP != 0, TRANSFORM);
+  // Whether a shape is a point and a direction or unit vector, as rays and cylinders are.
+  function automatic bit is_turned(input int shape);
+    is_turned = pairs_pkg::word_kind(shape, 3) == pairs_pkg::WORD_DIRECTION ||
+        pairs_pkg::word_kind(shape, 3) == pairs_pkg::WORD_PURE;
+  endfunction
+  function automatic bit moves_turned(input int pairs);
+    moves_turned = 0;
+    for (int k = 0; k < SHAPES; k++)
+      if (is_turned(k) && pairs_pkg::moves_shape(pairs, k, SWAP != 0, TRANSFORM)) moves_turned = 1;
+  endfunction
+  localparam bit TURNED = moves_turned(PAIRS);
   localparam int UNITS = OBB ? 4 : TRIANGLE ? 3 : (TURNED || AABB) ? 2 : 1;
   localparam int POINTS = TRIANGLE ? 3 : AABB ? 2 : 1;
   localparam int T_ROTATED = LAT.mul + 2 * LAT.add;
@@ -133,7 +142,7 @@ module transformer #(
       assign of[k] = {direction[3][2], direction[2][2], direction[1][2], direction[3][1], direction[2][1],
           direction[1][1],
           direction[3][0], direction[2][0], direction[1][0], late[5:3], point[0]};
-    end else begin : g_turned  // ray, cylinder
+    end else begin : g_turned
       assign of[k] = {late[14:6], direction[1], point[0]};
     end
   end

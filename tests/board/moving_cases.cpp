@@ -29,42 +29,8 @@ Transform motion(Random& random) {
   return {rotation(random), random.in_box(3)};
 }
 
-namespace {
 Eigen::Vector3f direction(Random& random) {
   return random.in_box(1).cast<double>().normalized().cast<float>();
-}
-}  // namespace
-
-template <>
-Ray shape(Random& random) {
-  return {random.in_box(4), random.in_box(2), -1, random.in(1, 9)};
-}
-template <>
-Triangle shape(Random& random) {
-  return {random.in_box(4), random.in_box(4), random.in_box(4)};
-}
-template <>
-Sphere shape(Random& random) {
-  return {random.in_box(4), random.in(0.1f, 2)};
-}
-template <>
-Cylinder shape(Random& random) {
-  return {random.in_box(4), direction(random), random.in(0.2f, 3), random.in(0.2f, 2)};
-}
-template <>
-Plane shape(Random& random) {
-  return {direction(random), random.in(-4, 4)};
-}
-template <>
-Obb shape(Random& random) {
-  return {random.in_box(4),
-          {random.in(0.1f, 1), random.in(0.1f, 1), random.in(0.1f, 1)},
-          rotation(random)};
-}
-template <>
-Aabb shape(Random& random) {
-  const Eigen::Vector3f low = random.in_box(3);
-  return {low, low + Eigen::Vector3f(random.in(0.1f, 2), random.in(0.1f, 2), random.in(0.1f, 2))};
 }
 
 std::vector<Object> objects(Random& random, std::uint32_t slots, std::size_t count, bool boxes) {

@@ -42,23 +42,29 @@ inline const MovingBoard kBoxes{"Boxes", Arithmetic::kHost, {Pair::kTriangleAabb
 Eigen::Matrix3f rotation(Random& random);
 Transform motion(Random& random);
 
+Eigen::Vector3f direction(Random& random);
+
+/// What random shapes are made of.
+struct Draws {
+  Random& random;
+
+  [[nodiscard]] Eigen::Vector3f point() const { return random.in_box(4); }
+  [[nodiscard]] float size() const { return random.in(0.1f, 2); }
+  [[nodiscard]] Eigen::Vector3f around(const Eigen::Vector3f& c) const {
+    return c + random.in_box(4);
+  }
+  [[nodiscard]] Eigen::Vector3f direction() const { return testing::direction(random); }
+  [[nodiscard]] Eigen::Matrix3f rotation() const { return testing::rotation(random); }
+};
+
 /// Within their contract.
 template <class P>
-P shape(Random& random);
-template <>
-Ray shape(Random& random);
-template <>
-Triangle shape(Random& random);
-template <>
-Sphere shape(Random& random);
-template <>
-Cylinder shape(Random& random);
-template <>
-Plane shape(Random& random);
-template <>
-Obb shape(Random& random);
-template <>
-Aabb shape(Random& random);
+P shape(Random& random) {
+  Draws draws{random};
+  P made = P::random(draws);
+  if constexpr (requires { made.tmin; }) made.tmin = -1, made.tmax = random.in(1, 9);
+  return made;
+}
 
 /// Random shapes, some out of contract, some that only leave it when they move: a word so large
 /// that a translation by 2^40, the largest coordinate, takes it out of the range of lengths.

@@ -59,13 +59,8 @@ void expect_round_trip() {
 }
 
 TEST(Words, SurviveARoundTripAndACast) {
-  expect_round_trip<Ray>();
-  expect_round_trip<Triangle>();
-  expect_round_trip<Sphere>();
-  expect_round_trip<Aabb>();
-  expect_round_trip<Plane>();
-  expect_round_trip<Cylinder>();
-  expect_round_trip<Obb>();
+  for (unsigned shape = 0; shape < kShapes; ++shape)
+    with_shape<float>(static_cast<Shape>(shape), []<class P>() { expect_round_trip<P>(); });
   Ray ray = numbered<Ray>();
   ray.o.x() = 1.0f / 3;
   EXPECT_EQ(static_cast<double>(primitive_cast<Fp16>(ray).o.x()), 0x1.554p-2);

@@ -60,7 +60,7 @@ struct ToObject {
     return placed(std::make_shared<fcl::Convexd>(vertices, 2, faces), Eigen::Matrix3d::Identity(),
                   c);
   }
-  std::optional<Object> operator()(const Plane&) const { return std::nullopt; }
+  std::optional<Object> operator()(const auto&) const { return std::nullopt; }
 };
 
 std::optional<double> signed_distance(const Shape& a, const Shape& b) {

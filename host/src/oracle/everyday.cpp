@@ -17,94 +17,23 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-struct Turn {
-  const Frame& by;
-  Shape operator()(const Triangle& s) const { return Triangle{by * s.v0, by * s.v1, by * s.v2}; }
-  Shape operator()(const Sphere& s) const { return Sphere{by * s.c, s.r}; }
-  Shape operator()(const Aabb&) const { throw std::invalid_argument("an AABB does not turn"); }
-  Shape operator()(const Plane& s) const { return Plane{by * s.n, s.d, s.half_space}; }
-  Shape operator()(const Cylinder& s) const {
-    return Cylinder{by * s.c, by * s.axis, s.half_height, s.radius};
-  }
-  Shape operator()(const Obb& s) const { return Obb{by * s.c, s.half, by * s.rotation}; }
-};
-
-struct Scale {
-  double by;
-  Shape operator()(const Triangle& s) const { return Triangle{by * s.v0, by * s.v1, by * s.v2}; }
-  Shape operator()(const Sphere& s) const { return Sphere{by * s.c, by * s.r}; }
-  Shape operator()(const Aabb& s) const { return Aabb{by * s.min, by * s.max}; }
-  Shape operator()(const Plane& s) const { return Plane{s.n, by * s.d, s.half_space}; }
-  Shape operator()(const Cylinder& s) const {
-    return Cylinder{by * s.c, s.axis, by * s.half_height, by * s.radius};
-  }
-  Shape operator()(const Obb& s) const { return Obb{by * s.c, by * s.half, s.rotation}; }
-};
-
 /// Turned about its own middle.
 Shape tilted(const Shape& shape, const Frame& by) {
   if (std::holds_alternative<Aabb>(shape)) return shape;
   const Vec c = center(shape);
-  return moved(std::visit(Turn{by}, moved(shape, -c)), c);
+  return moved(turned(moved(shape, -c), by), c);
 }
 
 /// A pair under construction. Draws are in statements or braces of their own: elsewhere their order
 /// is the compiler's.
-struct Pieces {
-  Random random;
+struct Pieces : Lengths {
   Format format;
   ShapeKind kind_a, kind_b;
-  bool whole = true;  ///< lengths are whole numbers
-  double thin = 1;    ///< of one dimension of A
   Shape a, b;
   Ray ray;
 
-  /// From about `least` to `most`.
-  double length(double least, double most) {
-    const double x = random.uniform(least, most);
-    return whole ? std::max(1.0, std::round(x)) : x;
-  }
-  double coordinate(double reach) {
-    const double x = random.uniform(-reach, reach);
-    return whole ? std::round(x) : x;
-  }
-  Vec point(double reach) {
-    const double x = coordinate(reach), y = coordinate(reach), z = coordinate(reach);
-    return {x, y, z};
-  }
-
   Shape axis_parallel(ShapeKind kind) {
-    switch (kind) {
-      case ShapeKind::kTriangle: {
-        Vec v0 = point(6), v1 = point(6), v2 = point(6);
-        if (random.chance(0.6)) {
-          const int flat = random.below(3);
-          v0[flat] = v1[flat] = v2[flat];
-        }
-        if (random.chance(0.3)) v1[random.below(3)] = v0[random.below(3)];
-        return Triangle{v0, v1, v2};
-      }
-      case ShapeKind::kSphere:
-        return Sphere{Vec::Zero(), length(1, 5)};
-      case ShapeKind::kPlane:
-        return Plane{random.flipped(Vec::Unit(random.below(3))), 0};
-      case ShapeKind::kCylinder: {
-        const double h = length(1, 5), r = length(1, 5);
-        return Cylinder{Vec::Zero(), random.flipped(Vec::Unit(random.below(3))), h, r};
-      }
-      case ShapeKind::kAabb: {
-        const double x = length(1, 5), y = length(1, 5), z = length(1, 5);
-        return Aabb{Vec(-x, -y, -z), Vec(x, y, z)};
-      }
-      case ShapeKind::kObb: {
-        const double x = length(1, 5), y = length(1, 5), z = length(1, 5);
-        const Frame axes = random.chance(0.5) ? Frame(Frame::Identity()) : random.quarter_turns();
-        return Obb{Vec::Zero(), Vec(x, y, z), axes};
-      }
-      case ShapeKind::kRay:
-        break;
-    }
-    throw std::invalid_argument("a ray is not a convex operand");
+    return with_kind(kind, [&]<class S>() -> Shape { return S::whole(*this); });
   }
 
   /// The middle of what it covers along the axes, and half of that.
@@ -131,9 +60,8 @@ struct Pieces {
       return;
     }
     if (!whole || random.chance(0.8)) a = moved(a, -middle(a));
-    // A ball fills half of the box about it, and a triangle none.
-    const bool round = kind_b == ShapeKind::kSphere, flat = kind_b == ShapeKind::kTriangle;
-    const Vec reach = (flat ? 0.4 : round ? 0.75 : 1) * apart * (half_width(a) + half_width(b));
+    const double spread = with_kind(kind_b, []<class S>() { return S::kSpread; });
+    const Vec reach = spread * apart * (half_width(a) + half_width(b));
     Vec to;
     for (int k = 0; k < 3; ++k) to[k] = coordinate(reach[k]);
     const int free = random.below(3);
@@ -152,8 +80,8 @@ struct Pieces {
     const Vec by{random.below(41) - 20., random.below(41) - 20., random.below(41) - 20.};
     if (tilts) a = tilted(a, hair);
     if (turns && kind_b != ShapeKind::kAabb) {
-      a = std::visit(Turn{any}, a);
-      b = std::visit(Turn{any}, b);
+      a = turned(a, any);
+      b = turned(b, any);
     }
     if (moves) a = moved(a, by), b = moved(b, by);
   }
@@ -161,8 +89,8 @@ struct Pieces {
   /// All lengths times a power of two, exactly, as far as the format has room for squares.
   void scale(int exponent) {
     const double by = std::ldexp(1, exponent);
-    a = std::visit(Scale{by}, rounded(kind_a, a, format));
-    b = std::visit(Scale{by}, rounded(kind_b, b, format));
+    a = scaled(rounded(kind_a, a, format), by);
+    b = scaled(rounded(kind_b, b, format), by);
   }
   int any_exponent() {
     const int most = std::max(0, -format.emin() / 6 - 1);
@@ -201,17 +129,13 @@ const char* stacked(Pieces& p) {
 const char* flat(Pieces& p) {
   p.place(1.15, 0.3);
   const double thin = std::ldexp(1, -4 - p.random.below(std::max(1, p.format.man_bits - 8)));
-  const auto flatten = [&](Shape& s) {
-    if (auto* t = std::get_if<Triangle>(&s)) {
-      const double along = p.random.chance(0.7) ? p.random.below(9) / 4. - 0.5 : p.random.unit();
-      t->v2 = t->v0 + along * (t->v1 - t->v0);
-      if (p.random.chance(0.2)) t->v1 = t->v2 = t->v0;
-      if (p.random.chance(0.4)) t->v2 += 4 * p.format.u() * p.random.direction();
-    } else if (auto* box = std::get_if<Obb>(&s)) {
-      box->half[p.random.below(3)] *= thin;
-    } else if (auto* disc = std::get_if<Cylinder>(&s)) {
-      (p.random.chance(0.7) ? disc->half_height : disc->radius) *= thin;
-    }
+  const auto flatten = [&](Shape& shape) {
+    std::visit(
+        [&](auto& s) {
+          if constexpr (requires { s.flatten(p.random, thin, p.format.u()); })
+            s.flatten(p.random, thin, p.format.u());
+        },
+        shape);
   };
   flatten(p.a);
   if (p.kind_a != ShapeKind::kTriangle || p.random.chance(0.2)) flatten(p.b);
@@ -267,7 +191,7 @@ void ray_through(Pieces& p, double at_it) {
 void disturb_ray(Pieces& p) {
   if (!p.random.chance(0.4)) return;
   const Frame any = p.random.chance(0.5) ? p.random.rotation() : turn_of_15_degrees(p.random);
-  p.b = rounded(p.kind_b, std::visit(Turn{any}, p.b), p.format);
+  p.b = rounded(p.kind_b, turned(p.b, any), p.format);
   p.ray.o = any * p.ray.o, p.ray.d = any * p.ray.d;
 }
 
@@ -340,7 +264,7 @@ const char* ray_scaled(Pieces& p) {
   kFamilies[p.random.below(3)](p);
   const double by = std::ldexp(1, p.any_exponent());
   p.ray = ray_from_words(to_words(p.ray, p.format));
-  p.b = std::visit(Scale{by}, rounded(p.kind_b, p.b, p.format));
+  p.b = scaled(rounded(p.kind_b, p.b, p.format), by);
   p.ray.o *= by, p.ray.d *= by;
   return "scaled";
 }
@@ -357,13 +281,13 @@ Case everyday(Pair pair, std::uint64_t seed, std::uint64_t index, const Format& 
   static_assert(kConvex.size() == detail::kEverydayFamilies &&
                 kRays.size() == detail::kEverydayFamilies);
   // A stream of its own for every pair, apart from those of generate().
-  Pieces p{.random = Random(seed, 500 + static_cast<std::uint64_t>(pair), index),
-           .format = format,
-           .kind_a = primary(pair),
-           .kind_b = secondary(pair),
-           .a = {},
-           .b = {},
-           .ray = {}};
+  Pieces p{{Random(seed, 500 + static_cast<std::uint64_t>(pair), index)},
+           format,
+           primary(pair),
+           secondary(pair),
+           {},
+           {},
+           {}};
   if (!has_ray(pair)) {
     const char* family = kConvex[index % kConvex.size()](p);
     return {pair, seed, index, family, to_words(p.a, format), to_words(p.b, format)};

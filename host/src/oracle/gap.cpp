@@ -355,24 +355,31 @@ struct Placed {
   double radius;  // of a ball added to the core
 };
 
-Placed place(const Shape& shape) {
-  const Vec c = center(shape);
-  if (const auto* s = std::get_if<Sphere>(&shape)) return {PointCore{}, c, s->r};
-  if (const auto* s = std::get_if<Triangle>(&shape))
-    return {TriangleCore{{Vec::Zero(), s->v1 - s->v0, s->v2 - s->v0}}, s->v0, 0};
-  if (const auto* s = std::get_if<Aabb>(&shape)) {
-    const Vec half = (s->max - s->min) / 2;
-    return {BoxCore{{half.x() * Vec::UnitX(), half.y() * Vec::UnitY(), half.z() * Vec::UnitZ()}}, c,
-            0};
-  }
-  if (const auto* s = std::get_if<Obb>(&shape)) {
-    BoxCore core;
-    for (int i = 0; i < 3; ++i) core.e[i] = s->half[i] * s->rotation.col(i);
-    return {core, c, 0};
-  }
-  const auto& s = std::get<Cylinder>(shape);
+Placed place(const Sphere& s) {
+  return {PointCore{}, s.c, s.r};
+}
+Placed place(const Triangle& s) {
+  return {TriangleCore{{Vec::Zero(), s.v1 - s.v0, s.v2 - s.v0}}, s.v0, 0};
+}
+Placed place(const Aabb& s) {
+  const Vec half = (s.max - s.min) / 2;
+  return {BoxCore{{half.x() * Vec::UnitX(), half.y() * Vec::UnitY(), half.z() * Vec::UnitZ()}},
+          s.center(), 0};
+}
+Placed place(const Obb& s) {
+  BoxCore core;
+  for (int i = 0; i < 3; ++i) core.e[i] = s.half[i] * s.rotation.col(i);
+  return {core, s.c, 0};
+}
+Placed place(const Cylinder& s) {
   const double length = s.axis.norm();
-  return {CylinderCore{s.axis / length, s.half_height * length, s.radius}, c, 0};
+  return {CylinderCore{s.axis / length, s.half_height * length, s.radius}, s.c, 0};
+}
+Placed place(const Plane&) {
+  throw std::invalid_argument("a plane has no core");
+}
+Placed place(const Shape& shape) {
+  return std::visit([](const auto& s) { return place(s); }, shape);
 }
 
 /// s = |H| - R, or H - R for a half-space, which is the one direction or the two in which a plane
@@ -382,22 +389,12 @@ Gap plane_gap(const Shape& a, const Plane& b) {
   const Vec n = b.n / length;
   const Vec c = center(a);
   const double height = (b.n.dot(c) - b.d) / length;
-  const Shape moved = std::visit(
-      [&](auto s) -> Shape {
-        if constexpr (std::is_same_v<decltype(s), Plane>) {
-          throw std::invalid_argument("two planes have no signed gap");
-        } else if constexpr (std::is_same_v<decltype(s), Triangle>) {
-          return Triangle{s.v0 - c, s.v1 - c, s.v2 - c};
-        } else if constexpr (std::is_same_v<decltype(s), Aabb>) {
-          return Aabb{s.min - c, s.max - c};
-        } else {
-          s.c = Vec::Zero();
-          return s;
-        }
-      },
-      a);
-  const double above = height - support(moved, -n);  // A on the side of the normal, so A to B is -n
-  const double below = -height - support(moved, n);
+  if (std::holds_alternative<Plane>(a))
+    throw std::invalid_argument("two planes have no signed gap");
+  const Shape centred = moved(a, -c);
+  const double above =
+      height - support(centred, -n);  // A on the side of the normal, so A to B is -n
+  const double below = -height - support(centred, n);
   const bool flip = b.half_space || above >= below;
   const double s = flip ? above : below;
   return {s, s, flip ? Vec(-n) : n, true, 2};

@@ -21,11 +21,6 @@ Frame about(const Vec& axis, int steps_of_15_degrees) {
   return turn.unaryExpr(exact);
 }
 
-/// Multiples of the grid from 1/4 to 2.
-double grid_length(Random& random) {
-  return kGrid * (1 + random.below(8));
-}
-
 /// Lying on one of its sides or standing, then turned about z; leaning now and then.
 Frame posture(Random& random) {
   const Frame side = random.chance(0.5) ? Frame(Frame::Identity()) : random.quarter_turns();
@@ -37,23 +32,12 @@ Frame posture(Random& random) {
 Shape body(Random& random, ShapeKind kind) {
   const Frame frame = posture(random);
   const double x = grid_length(random), y = grid_length(random), z = grid_length(random);
-  switch (kind) {
-    case ShapeKind::kTriangle: {  // a tile, a wall or a ramp, often half of a rectangle
-      const double aside = random.chance(0.6) ? 0 : grid_length(random);
-      const Vec v0(-x, -y, 0), v1(x, -y, 0), v2(-x + aside, y, 0);
-      return Triangle{frame * v0, frame * v1, frame * v2};
-    }
-    case ShapeKind::kSphere:
-      return Sphere{Vec::Zero(), x};
-    case ShapeKind::kAabb:
-      return Aabb{-Vec(x, y, z), Vec(x, y, z)};
-    case ShapeKind::kCylinder:
-      return Cylinder{Vec::Zero(), frame.col(2), x, y};
-    case ShapeKind::kObb:
-      return Obb{Vec::Zero(), Vec(x, y, z), frame};
-    default:
+  return with_kind(kind, [&]<class S>() -> Shape {
+    if constexpr (requires { S::body(random, frame, Vec(x, y, z)); })
+      return S::body(random, frame, Vec(x, y, z));
+    else
       throw std::invalid_argument("a body of a scene is a solid or a triangle");
-  }
+  });
 }
 
 Vec grid_point(Random& random, int reach) {

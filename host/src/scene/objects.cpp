@@ -19,8 +19,11 @@ using toml_reader::kPositive;
 using toml_reader::Table;
 
 constexpr std::int64_t kMostShapes = 1 << 24;
-const std::vector<std::string> kShapeNames = {"ray",   "triangle", "sphere", "aabb",
-                                              "plane", "cylinder", "obb"};
+const std::vector<std::string> kShapeNames = [] {
+  std::vector<std::string> names;
+  for (const contract::ShapeRow& row : contract::kShapeTable) names.emplace_back(row.name);
+  return names;
+}();
 
 Eigen::Vector3f narrow(const Eigen::Vector3d& v) {
   return v.cast<float>();
@@ -34,53 +37,39 @@ Eigen::Vector3d unit(Table& t, const char* key,
   return v / v.norm();
 }
 
-float size_of(Table& t, const char* key) {
-  return static_cast<float>(t.number(key, {}, kPositive));
-}
-
 // ---- Primitives written out ----
 
-void read(Table& t, Ray& ray) {
-  ray.o = narrow(t.vector("origin"));
-  ray.d = narrow(t.vector("direction"));
-  toml_reader::Limits any;
-  any.infinite = true;
-  ray.tmin = static_cast<float>(t.number("tmin", 0.0, any));
-  ray.tmax = static_cast<float>(t.number("tmax", std::numeric_limits<double>::infinity(), any));
-}
-
-void read(Table& t, Triangle& triangle) {
-  triangle = {narrow(t.vector("v0")), narrow(t.vector("v1")), narrow(t.vector("v2"))};
-}
-
-void read(Table& t, Sphere& sphere) {
-  sphere.c = narrow(t.vector("center"));
-  sphere.r = size_of(t, "radius");
-}
-
-void read(Table& t, Aabb& box) {
-  box = {narrow(t.vector("min")), narrow(t.vector("max"))};
-}
-
-void read(Table& t, Plane& plane) {
-  plane.n = narrow(unit(t, "normal"));
-  plane.d = static_cast<float>(t.number("d"));
-}
-
-void read(Table& t, Cylinder& cylinder) {
-  cylinder.c = narrow(t.vector("center"));
-  cylinder.axis = narrow(unit(t, "axis"));
-  cylinder.half_height = size_of(t, "half_height");
-  cylinder.radius = size_of(t, "radius");
-}
-
-void read(Table& t, Obb& box) {
-  box.c = narrow(t.vector("center"));
-  box.half = narrow(t.vector("half"));
+Eigen::Matrix3f read_axes(Table& t) {
   const bool turned = t.has("axis") || t.has("degrees");
   const Eigen::Vector3d axis = unit(t, "axis", Eigen::Vector3d(0, 0, 1));
   const double degrees = t.number("degrees", turned ? std::optional<double>{} : 0.0);
-  box.rotation = Eigen::AngleAxisd(degrees * kDegree, axis).toRotationMatrix().cast<float>();
+  return Eigen::AngleAxisd(degrees * kDegree, axis).toRotationMatrix().cast<float>();
+}
+
+/// The key of a field: "half height" is half_height.
+std::string key_of(std::string field) {
+  if (field == "half extent") return "half";
+  std::replace(field.begin(), field.end(), ' ', '_');
+  return field;
+}
+
+/// The end of an interval may be missing; unit vectors may have any length.
+template <class P>
+void read(Table& t, P& shape) {
+  visit_fields(shape, [&t](const char* name, WordKind kind, auto& field) {
+    const std::string key = key_of(name);
+    using Field = std::remove_reference_t<decltype(field)>;
+    if constexpr (std::is_same_v<Field, Eigen::Matrix3f>)
+      field = read_axes(t);
+    else if constexpr (std::is_same_v<Field, Eigen::Vector3f>)
+      field = narrow(kind == WordKind::kPure ? unit(t, key.c_str()) : t.vector(key.c_str()));
+    else if (kind == WordKind::kInterval)
+      field = static_cast<float>(t.number(key.c_str(), field, {.infinite = true}));
+    else if (kind == WordKind::kSize)
+      field = static_cast<float>(t.number(key.c_str(), {}, kPositive));
+    else
+      field = static_cast<float>(t.number(key.c_str()));
+  });
 }
 
 template <class P>
@@ -94,17 +83,6 @@ Shapes read_shapes(toml_reader::Tables tables) {
     shapes.push_back(shape);
   }
   return shapes;
-}
-
-template <std::size_t I = 0>
-Shapes read_shapes_of(std::size_t shape, toml_reader::Tables tables) {
-  if constexpr (I < std::variant_size_v<Shapes>) {
-    using P = typename std::variant_alternative_t<I, Shapes>::value_type;
-    return I == shape ? read_shapes<P>(std::move(tables))
-                      : read_shapes_of<I + 1>(shape, std::move(tables));
-  } else {
-    throw Error(ErrorCode::kUsage, "no such shape");
-  }
 }
 
 // ---- Primitives drawn at random ----
@@ -122,6 +100,10 @@ struct Scatter {
     for (int k = 0; k < 3; ++k) p[k] = static_cast<float>(min[k] + (max[k] - min[k]) * unit());
     return p;
   }
+  Eigen::Vector3f around(const Eigen::Vector3f& c) {
+    const Eigen::Vector3f to = direction();
+    return c + size() * to;
+  }
   Eigen::Vector3f direction() { return random_direction(seed, 16 + stream++, i).cast<float>(); }
   Eigen::Matrix3f rotation() {
     const Eigen::Vector3d axis = random_direction(seed, 16 + stream++, i);
@@ -129,75 +111,38 @@ struct Scatter {
   }
 };
 
-void draw(Scatter& s, Ray& ray) {
-  ray = {s.point(), s.direction()};
-}
-void draw(Scatter& s, Triangle& triangle) {
-  const Eigen::Vector3f c = s.point();
-  for (Eigen::Vector3f* v : {&triangle.v0, &triangle.v1, &triangle.v2})
-    *v = c + s.size() * s.direction();
-}
-void draw(Scatter& s, Sphere& sphere) {
-  sphere.c = s.point();
-  sphere.r = s.size();
-}
-void draw(Scatter& s, Aabb& box) {
-  const Eigen::Vector3f c = s.point();
-  for (int k = 0; k < 3; ++k) {
-    const float half = s.size();
-    box.min[k] = c[k] - half, box.max[k] = c[k] + half;
+template <class P>
+Shapes scattered(Scatter s, std::uint32_t count, const Table& t) {
+  std::vector<P> list;
+  for (; s.i < count; ++s.i) {
+    s.stream = 0;
+    list.push_back(P::random(s));
+    if (const auto why = defect(list.back())) t.fail(fmt::format("shape {}: {}", s.i, *why));
   }
-}
-void draw(Scatter& s, Plane& plane) {
-  plane.n = s.direction();
-  plane.d = plane.n.dot(s.point());
-}
-void draw(Scatter& s, Cylinder& cylinder) {
-  cylinder.c = s.point();
-  cylinder.axis = s.direction();
-  cylinder.half_height = s.size();
-  cylinder.radius = s.size();
-}
-void draw(Scatter& s, Obb& box) {
-  box.c = s.point();
-  for (int k = 0; k < 3; ++k) box.half[k] = s.size();
-  box.rotation = s.rotation();
-}
-
-template <std::size_t I = 0>
-Shapes scattered(std::size_t shape, Scatter s, std::uint32_t count, const Table& t) {
-  if constexpr (I < std::variant_size_v<Shapes>) {
-    if (I != shape) return scattered<I + 1>(shape, s, count, t);
-    std::variant_alternative_t<I, Shapes> list(count);
-    for (s.i = 0; s.i < count; ++s.i) {
-      s.stream = 0;
-      draw(s, list[s.i]);
-      if (const auto why = defect(list[s.i])) t.fail(fmt::format("shape {}: {}", s.i, *why));
-    }
-    return list;
-  } else {
-    throw Error(ErrorCode::kUsage, "no such shape");
-  }
+  return list;
 }
 
 Shapes read_scatter(Table t, std::string& source, Memory& memory) {
-  const std::size_t shape = t.choice("shape", kShapeNames);
+  const auto shape = static_cast<Shape>(t.choice("shape", kShapeNames));
   const auto count = t.integer<std::uint32_t>("count", {}, 1, kMostShapes);
-  memory.add(t, "count", static_cast<Shape>(shape), count);
+  memory.add(t, "count", shape, count);
   Scatter s{t.integer<std::uint64_t>("seed", 1, 0, std::numeric_limits<std::int64_t>::max()),
             t.vector("min"), t.vector("max"), 1, 1};
   for (int k = 0; k < 3; ++k)
     if (!(s.min[k] <= s.max[k])) t.fail("max", "must be at least min on every axis");
-  const bool sized = kShapeNames[shape] != "ray" && kShapeNames[shape] != "plane";
-  if (sized) {
+  if (with_shape<float>(shape, []<class P>() {
+        return requires {
+          P::kReach;
+        };
+      })) {
     const std::vector<double> sizes = t.numbers("size", 2);
     s.smallest = sizes[0], s.largest = sizes[1];
     if (!(s.smallest > 0 && s.largest >= s.smallest))
       t.fail("size", "must be [SMALLEST, LARGEST], both > 0");
   }
   t.finish();
-  source = fmt::format("{} random {}s, seed {}", count, kShapeNames[shape], s.seed);
-  return scattered(shape, s, count, t);
+  source = fmt::format("{} random {}s, seed {}", count, name(shape), s.seed);
+  return with_shape<float>(shape, [&]<class P>() { return scattered<P>(s, count, t); });
 }
 
 // ---- Rays ----
@@ -324,9 +269,10 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
     if (size(object.shapes) == 0) t.fail(key, fmt::format("{} has no rays", file));
     object.source = fmt::format("{}, {} rays", file, size(object.shapes));
   } else {
-    const auto shape = static_cast<std::size_t>(
+    const auto shape = static_cast<Shape>(
         std::find(kShapeNames.begin(), kShapeNames.end(), source) - kShapeNames.begin());
-    object.shapes = read_shapes_of(shape, t.tables(key));
+    object.shapes =
+        with_shape<float>(shape, [&]<class P>() { return read_shapes<P>(t.tables(key)); });
     object.source = fmt::format("{} {}s", size(object.shapes), source);
   }
   if (t.has("deform") && !object.deform)

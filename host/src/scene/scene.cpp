@@ -94,28 +94,6 @@ std::vector<Ray> drawn(const RandomRays& rays, std::uint32_t frame) {
   return drawn;
 }
 
-Eigen::Vector3d centre(const Ray& ray) {
-  return ray.o.cast<double>();
-}
-Eigen::Vector3d centre(const Triangle& t) {
-  return (t.v0.cast<double>() + t.v1.cast<double>() + t.v2.cast<double>()) / 3;
-}
-Eigen::Vector3d centre(const Sphere& sphere) {
-  return sphere.c.cast<double>();
-}
-Eigen::Vector3d centre(const Aabb& box) {
-  return (box.min.cast<double>() + box.max.cast<double>()) / 2;
-}
-Eigen::Vector3d centre(const Plane& plane) {
-  return plane.n.cast<double>() * static_cast<double>(plane.d);
-}
-Eigen::Vector3d centre(const Cylinder& cylinder) {
-  return cylinder.c.cast<double>();
-}
-Eigen::Vector3d centre(const Obb& box) {
-  return box.c.cast<double>();
-}
-
 bool is_identity(const Transform& t) {
   return t.rotation == Eigen::Matrix3f::Identity() && t.translation.isZero(0);
 }
@@ -154,7 +132,7 @@ std::vector<Eigen::Vector3d> scene_parts::centres(const Shapes& shapes) {
       [](const auto& list) {
         std::vector<Eigen::Vector3d> centres;
         centres.reserve(list.size());
-        for (const auto& shape : list) centres.push_back(centre(shape));
+        for (const auto& shape : list) centres.push_back(primitive_cast<double>(shape).middle());
         return centres;
       },
       shapes);

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <exception>
-#include <string_view>
 
 #include "baselines/fcl_objects.hpp"
 #include "bench/bench.hpp"
@@ -21,7 +20,6 @@ namespace {
 using Object = fcl::CollisionObjectd;
 using fcl_objects::in_child;
 using fcl_objects::object;
-using fcl_objects::primitive;
 using Solver = fcl::detail::GJKSolver_libccdd;
 
 constexpr std::size_t kMostStops = 50;  // more, and FCL counts as having no such query
@@ -33,26 +31,24 @@ enum class Call { kCollide, kDistance };
 class Pairs {
  public:
   Pairs(Pair pair, std::span<const float> a, std::span<const float> b) {
-    const std::string_view both = name(pair);
-    const std::string_view shape_a = both.substr(0, both.find('-')),
-                           shape_b = both.substr(both.find('-') + 1);
+    const Shape shape_a = primary_shape(pair), shape_b = secondary_shape(pair);
     const std::size_t a_words = primary_words(pair), b_words = secondary_words(pair);
     for (std::size_t i = 0; i < a.size() / a_words; ++i) {
       const auto words = a.subspan(i * a_words, a_words);
-      if (shape_a == "triangle")
-        triangles_.push_back(primitive<BasicTriangle>(words));
+      if (shape_a == Shape::kTriangle)
+        triangles_.push_back(triangle(words));
       else
         a_.push_back(object(shape_a, words));
       const auto words_b = b.subspan(i * b_words, b_words);
-      if (shape_b == "triangle")
-        others_.push_back(primitive<BasicTriangle>(words_b));
+      if (shape_b == Shape::kTriangle)
+        others_.push_back(triangle(words_b));
       else
         b_.push_back(object(shape_b, words_b));
     }
-    plane_ = shape_b == "plane";
+    plane_ = shape_b == Shape::kPlane;
     // Signed distances of spheres end in a failed assertion of FCL as soon as they overlap.
     request_.enable_signed_distance =
-        triangles_.empty() && shape_a != "sphere" && shape_b != "sphere";
+        triangles_.empty() && shape_a != Shape::kSphere && shape_b != Shape::kSphere;
     request_.enable_nearest_points = true;
   }
   [[nodiscard]] std::size_t size() const { return b_.size() + others_.size(); }
@@ -77,6 +73,9 @@ class Pairs {
   }
 
  private:
+  [[nodiscard]] static BasicTriangle<double> triangle(std::span<const float> words) {
+    return primitive_cast<double>(from_words<Triangle>(words.first<Triangle::kWords>()));
+  }
   [[nodiscard]] bool ask_triangles(Call call, std::size_t i) const {
     const BasicTriangle<double>&s = triangles_[i], &t = others_[i];
     if (call == Call::kCollide)
@@ -96,8 +95,8 @@ class Pairs {
         return ask_triangle(call, static_cast<const fcl::Boxd&>(*geometry), i);
     }
   }
-  template <class Shape>
-  [[nodiscard]] bool ask_triangle(Call call, const Shape& shape, std::size_t i) const {
+  template <class Solid>
+  [[nodiscard]] bool ask_triangle(Call call, const Solid& shape, std::size_t i) const {
     const BasicTriangle<double>& t = triangles_[i];
     fcl::Vector3d p, q;
     double depth = 0;

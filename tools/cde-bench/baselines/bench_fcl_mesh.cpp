@@ -51,7 +51,7 @@ std::optional<FclOnMesh> measure_fcl_mesh(const Mesh& mesh, Shape shape,
     const CollisionObjectd on(model_of(mesh));
     std::vector<CollisionObjectd> solids;
     for (std::size_t i = 0; i < count; ++i)
-      solids.push_back(fcl_objects::object(name(shape), words.subspan(i * each, each)));
+      solids.push_back(fcl_objects::object(shape, words.subspan(i * each, each)));
     for (const auto& solid : solids) put(touches(on, solid) ? 1 : 0);
     for (const auto& solid : solids) put(distance(on, solid));
     volatile double kept = 0;

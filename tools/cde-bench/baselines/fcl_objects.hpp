@@ -5,6 +5,7 @@
 #include <fcl/geometry/shape/plane.h>
 #include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/collision_object.h>
+#include <fmt/format.h>
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,9 +15,9 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "cde/geometry/pair.hpp"
 #include "cde/geometry/primitives.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/process.hpp"
@@ -24,34 +25,33 @@
 /// Our shapes as FCL's, and a process of its own for what may end in one of its assertions.
 namespace cde::cli::fcl_objects {
 
-template <template <class> class P>
-[[nodiscard]] P<double> primitive(std::span<const float> words) {
-  return primitive_cast<double>(from_words<P<float>>(words.template first<P<float>::kWords>()));
+[[nodiscard]] inline fcl::CollisionObjectd object(const BasicSphere<double>& s) {
+  return {std::make_shared<fcl::Sphered>(s.r), Eigen::Matrix3d::Identity(), s.c};
 }
-
-[[nodiscard]] inline fcl::CollisionObjectd object(std::string_view shape,
-                                                  std::span<const float> words) {
-  const Eigen::Matrix3d upright = Eigen::Matrix3d::Identity();
-  if (shape == "sphere") {
-    const auto s = primitive<BasicSphere>(words);
-    return {std::make_shared<fcl::Sphered>(s.r), upright, s.c};
-  }
-  if (shape == "aabb") {
-    const auto s = primitive<BasicAabb>(words);
-    return {std::make_shared<fcl::Boxd>(s.max - s.min), upright, (s.min + s.max) / 2};
-  }
-  if (shape == "cylinder") {
-    const auto s = primitive<BasicCylinder>(words);
-    const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), s.axis);
-    return {std::make_shared<fcl::Cylinderd>(s.radius, 2 * s.half_height), turn.toRotationMatrix(),
-            s.c};
-  }
-  if (shape == "plane") {
-    const auto s = primitive<BasicPlane>(words);
-    return {std::make_shared<fcl::Planed>(s.n, s.d), upright, Eigen::Vector3d::Zero()};
-  }
-  const auto s = primitive<BasicObb>(words);
+[[nodiscard]] inline fcl::CollisionObjectd object(const BasicAabb<double>& s) {
+  return {std::make_shared<fcl::Boxd>(s.max - s.min), Eigen::Matrix3d::Identity(),
+          (s.min + s.max) / 2};
+}
+[[nodiscard]] inline fcl::CollisionObjectd object(const BasicCylinder<double>& s) {
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), s.axis);
+  return {std::make_shared<fcl::Cylinderd>(s.radius, 2 * s.half_height), turn.toRotationMatrix(),
+          s.c};
+}
+[[nodiscard]] inline fcl::CollisionObjectd object(const BasicPlane<double>& s) {
+  return {std::make_shared<fcl::Planed>(s.n, s.d), Eigen::Matrix3d::Identity(),
+          Eigen::Vector3d::Zero()};
+}
+[[nodiscard]] inline fcl::CollisionObjectd object(const BasicObb<double>& s) {
   return {std::make_shared<fcl::Boxd>(2 * s.half), s.rotation, s.c};
+}
+[[nodiscard]] inline fcl::CollisionObjectd object(Shape shape, std::span<const float> words) {
+  return with_shape<float>(shape, [&]<class P>() -> fcl::CollisionObjectd {
+    const auto wide = primitive_cast<double>(from_words<P>(words.template first<P::kWords>()));
+    if constexpr (requires { object(wide); })
+      return object(wide);
+    else
+      throw Error(ErrorCode::kUsage, fmt::format("FCL has no {}", name(shape)));
+  });
 }
 
 /// Runs `work` in a child process, which hands over what it finds by calling its argument. Returns

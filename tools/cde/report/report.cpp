@@ -17,27 +17,13 @@ constexpr std::size_t kMostHits = 4'096;           // of a query in a frame of t
 constexpr std::size_t kMostApart = 64;             // closest pairs that miss, likewise
 constexpr std::size_t kMostViewBytes = 4'000'000;  // of all frames of the view
 
-const char* kind_of(Shape shape) {
-  switch (shape) {
-    case Shape::kRay:
-      return "rays";
-    case Shape::kTriangle:
-      return "surface";
-    case Shape::kSphere:
-      return "sphere";
-    case Shape::kPlane:
-      return "plane";
-    case Shape::kCylinder:
-      return "cylinder";
-    default:
-      return "box";
-  }
-}
+/// Of a Drawn in pages/report.js.
+constexpr std::array kDrawnNames = {"rays", "surface", "sphere", "box", "plane", "cylinder"};
 
 /// sRGB of an object: rays, then surfaces and solids in turn.
-std::string_view colour_of(Shape shape, std::size_t number) {
+std::string_view colour_of(Drawn drawn, std::size_t number) {
   constexpr std::array<std::string_view, 4> kColours = {"#9aa9b8", "#c2a57e", "#86b39b", "#ab97bd"};
-  return shape == Shape::kRay ? "#6f9bd1" : kColours[number % kColours.size()];
+  return drawn == Drawn::kRays ? "#6f9bd1" : kColours[number % kColours.size()];
 }
 
 Colour linear(std::string_view hex) {
@@ -55,10 +41,10 @@ void append(std::vector<float>& to, const Eigen::Vector3f& v) {
 }
 
 /// Of unit shapes: the matrix row by row, then the translation; of balls centre and radius.
-std::string placements_text(const std::vector<Placement>& placements, Shape shape) {
+std::string placements_text(const std::vector<Placement>& placements, Drawn drawn) {
   std::vector<float> words;
   for (const Placement& p : placements) {
-    if (shape == Shape::kSphere) {
+    if (drawn == Drawn::kBall) {
       append(words, p.t), words.push_back(p.m(0, 0));
       continue;
     }
@@ -162,7 +148,7 @@ std::vector<std::vector<float>> Report::last_hits() const {
     const SceneQuery& query = scene_.queries[q];
     for (const bool primary : {true, false}) {
       const auto& side = primary ? query.primaries : query.secondaries;
-      if (geometry_.objects()[side.front()].shape != Shape::kRay) continue;
+      if (geometry_.objects()[side.front()].drawn != Drawn::kRays) continue;
       for (const ShownHit& h : kept_[q].hits) {
         std::size_t ray = primary ? h.primary : h.index, object = 0;
         while (object + 1 < side.size() && ray >= last[side[object]].size())
@@ -191,7 +177,7 @@ void Report::frame_scene(const std::vector<ShownObject>& shown) {
         box_.extend(s.pose->rotation * p + s.pose->translation);
     }
     for (const Placement& p : s.placements) {
-      if (object.shape == Shape::kPlane) continue;
+      if (object.drawn == Drawn::kPlane) continue;
       const Eigen::Vector3f half = p.m.cwiseAbs().rowwise().sum();
       box_.extend(p.t - half), box_.extend(p.t + half);
     }
@@ -215,7 +201,7 @@ void Report::look(std::uint32_t number, const std::vector<ShownObject>& shown) {
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const auto& object = geometry_.objects()[i];
     const bool again =
-        !views_.empty() && object.still && object.shape != Shape::kRay && !object.deforms;
+        !views_.empty() && object.still && object.drawn != Drawn::kRays && !object.deforms;
     view.json["objects"].push_back(again ? Json() : object_json(i, shown[i], last[i]));
   }
   for (std::size_t q = 0; q < kept_.size(); ++q) {
@@ -264,8 +250,8 @@ Report::Json Report::object_json(std::size_t number, const ShownObject& shown,
     for (const float w : to_words(*shown.pose)) words.push_back(w);
     return {{"pose", words}};
   }
-  if (object.shape == Shape::kTriangle) return points_json(number, shown.points);
-  if (object.shape == Shape::kRay) {
+  if (object.drawn == Drawn::kSurface) return points_json(number, shown.points);
+  if (object.drawn == Drawn::kRays) {
     std::vector<float> words;
     for (std::size_t i = 0; i < shown.rays.size(); ++i) {
       const float t = last[i * object.stride];
@@ -276,10 +262,10 @@ Report::Json Report::object_json(std::size_t number, const ShownObject& shown,
     return {{"rays", base64_of(words)}};
   }
   std::vector<Placement> placements = shown.placements;
-  if (object.shape == Shape::kPlane) {
+  if (object.drawn == Drawn::kPlane) {
     for (Placement& p : placements) p = fitted(p, box_);
   }
-  return {{"placements", placements_text(placements, object.shape)}};
+  return {{"placements", placements_text(placements, object.drawn)}};
 }
 
 void Report::draw(const std::vector<ShownObject>& shown,
@@ -288,14 +274,14 @@ void Report::draw(const std::vector<ShownObject>& shown,
   const Colour hit = linear("#ffb454"), dot = linear("#ff6a4d"), contact = linear("#5fe0b0");
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const auto& object = geometry_.objects()[i];
-    const Colour colour = linear(colour_of(object.shape, i));
+    const Colour colour = linear(colour_of(object.drawn, i));
     Surface surface = object.surface;
     if (!shown[i].points.empty()) surface.points = shown[i].points;
     if (!surface.corners.empty())
       picture.surface(surface, shown[i].pose.value_or(Transform{}), colour);
-    const Surface unit = unit_surface(object.shape);
+    const Surface unit = unit_surface(object.drawn);
     for (const Placement& p : shown[i].placements) {
-      const Placement q = object.shape == Shape::kPlane ? fitted(p, box_) : p;
+      const Placement q = object.drawn == Drawn::kPlane ? fitted(p, box_) : p;
       Surface solid = unit;
       for (Eigen::Vector3f& point : solid.points) point = q.m * point + q.t;
       picture.surface(solid, {}, colour);
@@ -345,10 +331,10 @@ Report::Json Report::data(const Json& run) const {
   for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
     const auto& object = geometry_.objects()[i];
     Json o = {{"name", object.name},
-              {"kind", kind_of(object.shape)},
+              {"kind", kDrawnNames.at(static_cast<std::size_t>(object.drawn))},
               {"count", object.count},
-              {"colour", colour_of(object.shape, i)}};
-    if (object.shape == Shape::kTriangle) {
+              {"colour", colour_of(object.drawn, i)}};
+    if (object.drawn == Drawn::kSurface) {
       const Surface& s = object.surface;
       std::vector<float> words;
       for (const Eigen::Vector3f& p : s.points) append(words, p);
@@ -378,7 +364,7 @@ std::string Report::legend_html() const {
     html += fmt::format(
         "<li><svg width=\"14\" height=\"12\" aria-hidden=\"true\"><rect width=\"14\" height=\"12\" "
         "fill=\"{}\"/></svg>{}</li>\n",
-        colour_of(object.shape, i),
+        colour_of(object.drawn, i),
         escaped(
             fmt::format("{}, {} × {}", object.name, grouped(object.count), name(object.shape))));
   }

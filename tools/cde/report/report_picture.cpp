@@ -38,8 +38,8 @@ Surface turned(const std::vector<Eigen::Vector2f>& profile, std::uint32_t around
 
 }  // namespace
 
-Surface unit_surface(Shape shape) {
-  if (shape == Shape::kSphere) {
+Surface unit_surface(Drawn drawn) {
+  if (drawn == Drawn::kBall) {
     std::vector<Eigen::Vector2f> profile;
     for (int i = 0; i <= 10; ++i) {
       const float angle = std::numbers::pi_v<float> * static_cast<float>(i) / 10;
@@ -47,8 +47,8 @@ Surface unit_surface(Shape shape) {
     }
     return turned(profile, 20);
   }
-  if (shape == Shape::kCylinder) return turned({{0, -1}, {1, -1}, {1, 1}, {0, 1}}, 32);
-  if (shape == Shape::kPlane)
+  if (drawn == Drawn::kCylinder) return turned({{0, -1}, {1, -1}, {1, 1}, {0, 1}}, 32);
+  if (drawn == Drawn::kPlane)
     return {{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {0, 1, 2, 0, 2, 3}};
   Surface cube;
   for (int i = 0; i < 8; ++i)

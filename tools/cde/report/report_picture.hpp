@@ -41,6 +41,6 @@ class Picture {
 };
 
 /// Ball of radius 1, cube from -1 to 1, cylinder, square: what a Placement makes a shape of.
-[[nodiscard]] Surface unit_surface(Shape shape);
+[[nodiscard]] Surface unit_surface(Drawn drawn);
 
 }  // namespace cde::cli

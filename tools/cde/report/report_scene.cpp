@@ -26,30 +26,20 @@ struct WordsHash {
 };
 using PointNumbers = std::unordered_map<std::array<std::uint32_t, 3>, std::uint32_t, WordsHash>;
 
-/// Columns of an orthonormal frame whose third one is `axis`.
-Eigen::Matrix3f frame_around(const Eigen::Vector3f& axis) {
-  const Eigen::Vector3f z = axis.normalized(), x = z.unitOrthogonal();
-  Eigen::Matrix3f m;
-  m << x, z.cross(x), z;
-  return m;
+Drawn drawn_as(Shape shape) {
+  return with_shape<float>(shape, []<class P>() { return P::kDrawn; });
 }
 
-Placement placement(const Sphere& s) {
-  return {s.r * Eigen::Matrix3f::Identity(), s.c};
-}
-Placement placement(const Aabb& b) {
-  return {(0.5f * (b.max - b.min)).asDiagonal(), 0.5f * (b.min + b.max)};
-}
-Placement placement(const Obb& b) {
-  return {b.rotation * b.half.asDiagonal(), b.c};
-}
-Placement placement(const Cylinder& c) {
-  const Eigen::Vector3f size(c.radius, c.radius, c.half_height);
-  return {frame_around(c.axis) * size.asDiagonal(), c.c};
-}
-/// Of unit size, about the point nearest to the origin; whoever draws it knows how far it goes.
-Placement placement(const Plane& p) {
-  return {frame_around(p.n), p.d * p.n};
+std::vector<Triangle> triangles_of(const Shapes& shapes) {
+  std::vector<Triangle> all;
+  std::visit(
+      [&all](const auto& list) {
+        for (const auto& shape : list)
+          if constexpr (requires { shape.triangles(); })
+            for (const Triangle& t : shape.triangles()) all.push_back(t);
+      },
+      shapes);
+  return all;
 }
 
 Shapes in_frame(const Scene& scene, const SceneObject& object, std::uint32_t frame) {
@@ -137,18 +127,19 @@ Surface simplified(const Surface& surface, std::size_t most) {
 }
 
 SceneGeometry::SceneGeometry(const Scene& scene) : scene_(scene) {
-  const auto surfaces =
-      std::count_if(scene.objects.begin(), scene.objects.end(),
-                    [](const SceneObject& o) { return shape_of(o.shapes) == Shape::kTriangle; });
+  const auto surfaces = std::count_if(
+      scene.objects.begin(), scene.objects.end(),
+      [](const SceneObject& o) { return drawn_as(shape_of(o.shapes)) == Drawn::kSurface; });
   most_triangles_ =
       kMostTriangles / static_cast<std::size_t>(std::max<std::ptrdiff_t>(surfaces, 2));
   for (const SceneObject& source : scene.objects) {
     Object object;
     object.name = source.name;
     object.shape = shape_of(source.shapes);
+    object.drawn = drawn_as(object.shape);
     object.count = size(source.shapes);
     object.still = is_still(scene, source);
-    if (object.shape == Shape::kTriangle) {
+    if (object.drawn == Drawn::kSurface) {
       add_surface(object, source);
     } else {
       object.still = object.still && deforming(source).empty();
@@ -162,7 +153,7 @@ SceneGeometry::SceneGeometry(const Scene& scene) : scene_(scene) {
 }
 
 void SceneGeometry::add_surface(Object& object, const SceneObject& source) {
-  const auto& triangles = std::get<std::vector<Triangle>>(source.shapes);
+  const std::vector<Triangle> triangles = triangles_of(source.shapes);
   object.deforms = has_member_poses(source) || source.deform.has_value();
   const bool fits = triangles.size() <= most_triangles_;
   if (has_member_poses(source))
@@ -171,11 +162,11 @@ void SceneGeometry::add_surface(Object& object, const SceneObject& source) {
     object.surface = source.mesh ? surface_of(*source.mesh) : welded(triangles);
   if (fits) return;
   object.surface = simplified(object.surface, most_triangles_);
-  notes_.push_back(
-      fmt::format("“{}” has {} triangles; it is drawn with {} (corners within a cell of a grid "
-                  "become one). The "
-                  "card met all of them.",
-                  object.name, grouped(object.count), grouped(object.surface.corners.size() / 3)));
+  notes_.push_back(fmt::format(
+      "“{}” has {} triangles; it is drawn with {} (corners within a cell of a grid "
+      "become one). The "
+      "card met all of them.",
+      object.name, grouped(triangles.size()), grouped(object.surface.corners.size() / 3)));
   if (object.deforms) {
     object.deforms = false;
     notes_.push_back(fmt::format("“{}” deforms; it is drawn as in its file.", object.name));
@@ -186,13 +177,13 @@ ShownObject SceneGeometry::show(std::size_t number, std::uint32_t frame) const {
   const Object& object = objects_[number];
   const SceneObject& source = scene_.objects[number];
   ShownObject shown;
-  if (object.shape == Shape::kTriangle && !object.deforms) {
+  if (object.drawn == Drawn::kSurface && !object.deforms) {
     shown.pose = pose(scene_, source, frame);
     return shown;
   }
   const Shapes shapes = in_frame(scene_, source, frame);
-  if (object.shape == Shape::kTriangle) {
-    const auto& triangles = std::get<std::vector<Triangle>>(shapes);
+  if (object.drawn == Drawn::kSurface) {
+    const std::vector<Triangle> triangles = triangles_of(shapes);
     shown.points.assign(object.surface.points.size(), Eigen::Vector3f::Zero());
     for (std::size_t i = 0; i < triangles.size(); ++i) {
       const std::uint32_t* corner = &object.surface.corners[3 * i];
@@ -204,12 +195,11 @@ ShownObject SceneGeometry::show(std::size_t number, std::uint32_t frame) const {
   }
   std::visit(
       [&](const auto& list) {
-        using P = typename std::decay_t<decltype(list)>::value_type;
         for (std::size_t i = 0; i < list.size(); i += object.stride) {
-          if constexpr (std::is_same_v<P, Ray>)
+          if constexpr (requires { list[i].placed(); })
+            shown.placements.push_back(list[i].placed());
+          else if constexpr (std::is_same_v<decltype(list), const std::vector<Ray>&>)
             shown.rays.push_back(list[i]);
-          else if constexpr (!std::is_same_v<P, Triangle>)
-            shown.placements.push_back(placement(list[i]));
         }
       },
       shapes);

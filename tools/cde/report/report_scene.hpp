@@ -25,13 +25,6 @@ struct Surface {
 /// mean, and triangles that lose a corner go. Unchanged if there are no more than `most`.
 [[nodiscard]] Surface simplified(const Surface& surface, std::size_t most);
 
-/// x -> m x + t of a unit shape (ball of radius 1, cube from -1 to 1, cylinder of radius 1 from z =
-/// -1 to 1, square from -1 to 1 in z = 0) that makes it a shape of the scene.
-struct Placement {
-  Eigen::Matrix3f m = Eigen::Matrix3f::Identity();
-  Eigen::Vector3f t = Eigen::Vector3f::Zero();
-};
-
 /// One object of a frame as the page has it.
 struct ShownObject {
   std::vector<Placement> placements;    ///< of solids and planes, one a shape
@@ -55,6 +48,7 @@ class SceneGeometry {
   struct Object {
     std::string name;
     Shape shape = Shape::kTriangle;
+    Drawn drawn = Drawn::kSurface;
     std::size_t count = 0;   ///< shapes
     std::size_t stride = 1;  ///< every stride-th shape is shown
     bool still = false;      ///< the same in every frame

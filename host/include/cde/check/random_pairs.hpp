@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <Eigen/Core>
 #include <cstdint>
 #include <random>
-#include <string_view>
 #include <vector>
 
 #include "cde/geometry/pair.hpp"
@@ -20,15 +18,6 @@ class RandomPairs {
   void pair(Pair pair, std::vector<float>& a, std::vector<float>& b);
 
  private:
-  Eigen::Vector3f shape(std::string_view kind, const Eigen::Vector3f& c, std::vector<float>& to);
-  float uniform(float low, float high);
-  Eigen::Vector3f uniform3();
-  float size();
-  Eigen::Vector3f corner(const Eigen::Vector3f& c);
-  Eigen::Vector3f size3();
-  Eigen::Vector3f direction();
-  Eigen::Matrix3f rotation();
-
   std::mt19937_64 random_;
 };
 

@@ -143,8 +143,11 @@ inline constexpr std::uint32_t kShortPairs =
 inline constexpr std::uint32_t kScaledPairs =
     kRingPairs | kFacetPairs | set_of({Pair::kTriangleSphere, Pair::kTriangleTriangle});
 
-constexpr WordKind word_kind(Shape shape, std::size_t word) {
-  const std::string_view kinds = kShapeTable[static_cast<std::size_t>(shape)].kinds;
+constexpr std::size_t words(Shape shape) {
+  return kShapeTable[static_cast<std::size_t>(shape)].words;
+}
+
+constexpr WordKind word_kind(std::string_view kinds, std::size_t word) {
   switch (word < kinds.size() ? kinds[word] : ' ') {
     case 'c':
       return WordKind::kCoordinate;
@@ -159,6 +162,9 @@ constexpr WordKind word_kind(Shape shape, std::size_t word) {
     default:
       return WordKind::kNone;
   }
+}
+constexpr WordKind word_kind(Shape shape, std::size_t word) {
+  return word_kind(kShapeTable[static_cast<std::size_t>(shape)].kinds, word);
 }
 
 }  // namespace contract

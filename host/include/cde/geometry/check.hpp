@@ -71,61 +71,44 @@ template <typename S>
   return static_cast<bool>(magnitude(dot<S>(a, b) - S(expected)) <= S(kUnitTolerance<S>));
 }
 
-/// No operators.
+/// Whether a field of one word is within the contract. No operators.
 template <typename S>
-[[nodiscard]] bool bad(const BasicRay<S>& ray) {
-  const bool moves = is_size(magnitude(ray.d.x())) || is_size(magnitude(ray.d.y())) ||
-                     is_size(magnitude(ray.d.z()));
+[[nodiscard]] bool is_legal(WordKind kind, S x) {
   using std::isnan;
-  return !is_coordinate<S>(ray.o) || !is_coordinate<S>(ray.d) || !moves || isnan(ray.tmin) ||
-         isnan(ray.tmax);
+  if (kind == WordKind::kInterval) return !isnan(x);
+  return kind == WordKind::kSize ? is_size(x) : is_coordinate(x);
 }
 
-/// No operators.
+/// A point, extents, a direction, or a unit vector: 3 mul, 3 add, 1 cmp for that.
 template <typename S>
-[[nodiscard]] bool bad(const BasicTriangle<S>& triangle) {
-  return !is_coordinate<S>(triangle.v0) || !is_coordinate<S>(triangle.v1) ||
-         !is_coordinate<S>(triangle.v2);
+[[nodiscard]] bool is_legal(WordKind kind, const Vector<S>& v) {
+  if (kind == WordKind::kPure) return finite<S>(v) && dot_is<S>(v, v, 1);
+  if (kind == WordKind::kSize) return is_size<S>(v);
+  const bool moves =
+      is_size(magnitude(v.x())) || is_size(magnitude(v.y())) || is_size(magnitude(v.z()));
+  return is_coordinate<S>(v) && (moves || kind != WordKind::kDirection);
 }
 
-/// No operators.
+/// A rotation: the upper triangle of R^T R. 18 mul, 18 add, 6 cmp.
 template <typename S>
-[[nodiscard]] bool bad(const BasicSphere<S>& sphere) {
-  return !is_coordinate<S>(sphere.c) || !is_size(sphere.r);
-}
-
-/// 3 cmp.
-template <typename S>
-[[nodiscard]] bool bad(const BasicAabb<S>& box) {
-  const bool ordered = static_cast<bool>(box.min.x() < box.max.x()) &&
-                       static_cast<bool>(box.min.y() < box.max.y()) &&
-                       static_cast<bool>(box.min.z() < box.max.z());
-  return !is_coordinate<S>(box.min) || !is_coordinate<S>(box.max) || !ordered;
-}
-
-/// 3 mul, 3 add, 1 cmp.
-template <typename S>
-[[nodiscard]] bool bad(const BasicPlane<S>& plane) {
-  return !finite<S>(plane.n) || !is_coordinate(plane.d) || !dot_is<S>(plane.n, plane.n, 1);
-}
-
-/// 3 mul, 3 add, 1 cmp.
-template <typename S>
-[[nodiscard]] bool bad(const BasicCylinder<S>& cylinder) {
-  return !is_coordinate<S>(cylinder.c) || !finite<S>(cylinder.axis) ||
-         !is_size(cylinder.half_height) || !is_size(cylinder.radius) ||
-         !dot_is<S>(cylinder.axis, cylinder.axis, 1);
-}
-
-/// 18 mul, 18 add, 6 cmp: the upper triangle of R^T R.
-template <typename S>
-[[nodiscard]] bool bad(const BasicObb<S>& box) {
-  if (!is_coordinate<S>(box.c) || !is_size<S>(box.half)) return true;
+[[nodiscard]] bool is_legal(WordKind, const Matrix3<S>& rotation) {
   for (int i = 0; i < 3; ++i) {
     for (int j = i; j < 3; ++j)
-      if (!dot_is<S>(box.rotation.col(i), box.rotation.col(j), i == j)) return true;
+      if (!dot_is<S>(rotation.col(i), rotation.col(j), i == j)) return false;
   }
-  return false;  // an entry that is not finite makes its column's product infinite or NaN
+  return true;  // an entry that is not finite makes its column's product infinite or NaN
+}
+
+/// The operators of its fields; of an AABB 3 cmp.
+template <typename P>
+[[nodiscard]] bool bad(const P& primitive) {
+  using S = typename P::Scalar;
+  bool legal = true;
+  visit_fields(primitive, [&legal](const char*, WordKind kind, const auto& field) {
+    legal = legal && is_legal<S>(kind, field);
+  });
+  if constexpr (requires { primitive.disordered(); }) legal = legal && primitive.disordered() == 3;
+  return !legal;
 }
 
 }  // namespace cde::reference

@@ -41,16 +41,7 @@ enum class PlaneSide : unsigned {
 }
 
 template <class P>
-inline constexpr Shape kShapeOf = [] {
-  using S = typename P::Scalar;
-  if constexpr (std::is_same_v<P, BasicRay<S>>) return Shape::kRay;
-  if constexpr (std::is_same_v<P, BasicTriangle<S>>) return Shape::kTriangle;
-  if constexpr (std::is_same_v<P, BasicSphere<S>>) return Shape::kSphere;
-  if constexpr (std::is_same_v<P, BasicAabb<S>>) return Shape::kAabb;
-  if constexpr (std::is_same_v<P, BasicPlane<S>>) return Shape::kPlane;
-  if constexpr (std::is_same_v<P, BasicCylinder<S>>) return Shape::kCylinder;
-  if constexpr (std::is_same_v<P, BasicObb<S>>) return Shape::kObb;
-}();
+inline constexpr Shape kShapeOf = P::kShape;
 
 /// How much work a pair of cylinder-cylinder, obb-cylinder or triangle-cylinder gets; the others
 /// always take the same. More finds more of the gap (docs/pairs_cylinder.md).

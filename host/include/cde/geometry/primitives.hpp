@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cstddef>
 #include <limits>
@@ -8,8 +8,13 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
 
+#include "cde/contract/pairs.hpp"
 #include "cde/fp/fp_format.hpp"
 
 /// Geometric primitives as the card takes them: coordinates in one right-handed world frame, in
@@ -19,7 +24,17 @@
 ///
 /// A primitive is also a sequence of kWords words, in the order in which a slot of the card and a
 /// command line hold it: `visit` names the fields in that order, vectors x y z, matrices row by
-/// row.
+/// row. The words of a field are of one kind, that of the contract's table.
+///
+/// All that is said of a single shape is said in its struct, and ShapeList has them all. Beside
+/// its fields a shape has
+///   kShape    its code
+///   middle()  the point that it turns about where it moves by itself
+///   random()  one of some size somewhere, made of what `draws` draws (point, around(c), direction,
+///             size, rotation), in the order of the calls
+///   kReach    how far such a one reaches from its middle, in the mean over directions; a shape
+///             without it has no size
+///   kDrawn    what a picture draws: then it has placed() or triangles()
 namespace cde {
 
 template <class S>
@@ -27,11 +42,33 @@ using Vector3 = Eigen::Matrix<S, 3, 1>;
 template <class S>
 using Matrix3 = Eigen::Matrix<S, 3, 3>;
 
+/// What a picture draws of a shape. Solids are a unit solid that has been placed: a ball of radius
+/// 1, a cube from -1 to 1, a square from -1 to 1 in z = 0 (it stands for all of a plane), a
+/// cylinder of radius 1 from z = -1 to 1.
+enum class Drawn : unsigned { kRays, kSurface, kBall, kBox, kPlane, kCylinder };
+
+/// x -> m x + t of a unit solid.
+struct Placement {
+  Eigen::Matrix3f m = Eigen::Matrix3f::Identity();
+  Eigen::Vector3f t = Eigen::Vector3f::Zero();
+};
+
+/// Columns of an orthonormal frame whose third one is `axis`.
+template <class S>
+[[nodiscard]] Matrix3<S> frame_around(const Vector3<S>& axis) {
+  const Vector3<S> z = axis.normalized(), x = z.unitOrthogonal();
+  Matrix3<S> frame;
+  frame << x, z.cross(x), z;
+  return frame;
+}
+
 /// P(t) = o + t d for tmin <= t <= tmax.
 template <class S>
 struct BasicRay {
   using Scalar = S;
-  static constexpr std::size_t kWords = 8;
+  static constexpr Shape kShape = Shape::kRay;
+  static constexpr std::size_t kWords = contract::words(kShape);
+  static constexpr Drawn kDrawn = Drawn::kRays;
   Vector3<S> o;   ///< origin, finite
   Vector3<S> d;   ///< direction, finite and not zero; need not be of unit length, so t counts
                   ///< in units of |d|
@@ -44,6 +81,12 @@ struct BasicRay {
     field("origin", self.o), field("direction", self.d);
     field("tmin", self.tmin), field("tmax", self.tmax);
   }
+
+  [[nodiscard]] Vector3<S> middle() const { return o; }
+  template <class Draws>
+  static BasicRay random(Draws& draws) {
+    return {draws.point(), draws.direction()};
+  }
 };
 
 /// Two-sided triangle; front and back hit alike. Any finite corners are legal: to a ray a triangle
@@ -51,7 +94,10 @@ struct BasicRay {
 template <class S>
 struct BasicTriangle {
   using Scalar = S;
-  static constexpr std::size_t kWords = 9;
+  static constexpr Shape kShape = Shape::kTriangle;
+  static constexpr std::size_t kWords = contract::words(kShape);
+  static constexpr float kReach = 0.5f;
+  static constexpr Drawn kDrawn = Drawn::kSurface;
   Vector3<S> v0;
   Vector3<S> v1;
   Vector3<S> v2;
@@ -60,13 +106,24 @@ struct BasicTriangle {
   static void visit(Self& self, Visit&& field) {
     field("v0", self.v0), field("v1", self.v1), field("v2", self.v2);
   }
+
+  [[nodiscard]] Vector3<S> middle() const { return (v0 + v1 + v2) / S{3}; }
+  template <class Draws>
+  static BasicTriangle random(Draws& draws) {
+    const Vector3<S> c = draws.point();
+    return {draws.around(c), draws.around(c), draws.around(c)};
+  }
+  [[nodiscard]] std::array<BasicTriangle, 1> triangles() const { return {*this}; }
 };
 
 /// The ball |x - c| <= r.
 template <class S>
 struct BasicSphere {
   using Scalar = S;
-  static constexpr std::size_t kWords = 4;
+  static constexpr Shape kShape = Shape::kSphere;
+  static constexpr std::size_t kWords = contract::words(kShape);
+  static constexpr float kReach = 1.0f;
+  static constexpr Drawn kDrawn = Drawn::kBall;
   Vector3<S> c;  ///< centre, finite
   S r;           ///< radius, finite and > 0
 
@@ -74,13 +131,23 @@ struct BasicSphere {
   static void visit(Self& self, Visit&& field) {
     field("center", self.c), field("radius", self.r);
   }
+
+  [[nodiscard]] Vector3<S> middle() const { return c; }
+  template <class Draws>
+  static BasicSphere random(Draws& draws) {
+    return {draws.point(), draws.size()};
+  }
+  [[nodiscard]] Placement placed() const { return {r * Matrix3<S>::Identity(), c}; }
 };
 
 /// Axis-aligned box min <= x <= max.
 template <class S>
 struct BasicAabb {
   using Scalar = S;
-  static constexpr std::size_t kWords = 6;
+  static constexpr Shape kShape = Shape::kAabb;
+  static constexpr std::size_t kWords = contract::words(kShape);
+  static constexpr float kReach = 1.3f;
+  static constexpr Drawn kDrawn = Drawn::kBox;
   Vector3<S> min;  ///< lower corner, finite
   Vector3<S> max;  ///< upper corner, finite, > min on every axis
 
@@ -88,13 +155,31 @@ struct BasicAabb {
   static void visit(Self& self, Visit&& field) {
     field("min", self.min), field("max", self.max);
   }
+
+  /// The first axis on which max is not above min, or 3.
+  [[nodiscard]] int disordered() const {
+    int k = 0;
+    while (k < 3 && static_cast<bool>(min[k] < max[k])) ++k;
+    return k;
+  }
+  [[nodiscard]] Vector3<S> middle() const { return (min + max) / S{2}; }
+  template <class Draws>
+  static BasicAabb random(Draws& draws) {
+    const Vector3<S> c = draws.point(), half{draws.size(), draws.size(), draws.size()};
+    return {c - half, c + half};
+  }
+  [[nodiscard]] Placement placed() const {
+    return {(S{0.5} * (max - min)).asDiagonal(), S{0.5} * (min + max)};
+  }
 };
 
 /// The points x with n.x = d.
 template <class S>
 struct BasicPlane {
   using Scalar = S;
-  static constexpr std::size_t kWords = 4;
+  static constexpr Shape kShape = Shape::kPlane;
+  static constexpr std::size_t kWords = contract::words(kShape);
+  static constexpr Drawn kDrawn = Drawn::kPlane;
   Vector3<S> n;  ///< unit normal
   S d;           ///< signed distance of the plane from the world's origin along n, finite
 
@@ -102,13 +187,24 @@ struct BasicPlane {
   static void visit(Self& self, Visit&& field) {
     field("normal", self.n), field("d", self.d);
   }
+
+  [[nodiscard]] Vector3<S> middle() const { return n * d; }
+  template <class Draws>
+  static BasicPlane random(Draws& draws) {
+    const Vector3<S> normal = draws.direction();
+    return {normal, normal.dot(draws.point())};
+  }
+  [[nodiscard]] Placement placed() const { return {frame_around(n), d * n}; }
 };
 
 /// Solid cylinder with flat caps: |a.(x - c)| <= half_height and within `radius` of the axis.
 template <class S>
 struct BasicCylinder {
   using Scalar = S;
-  static constexpr std::size_t kWords = 8;
+  static constexpr Shape kShape = Shape::kCylinder;
+  static constexpr std::size_t kWords = contract::words(kShape);
+  static constexpr float kReach = 1.3f;
+  static constexpr Drawn kDrawn = Drawn::kCylinder;
   Vector3<S> c;     ///< centre, finite
   Vector3<S> axis;  ///< unit vector a
   S half_height;    ///< finite and > 0
@@ -119,6 +215,15 @@ struct BasicCylinder {
     field("center", self.c), field("axis", self.axis);
     field("half height", self.half_height), field("radius", self.radius);
   }
+
+  [[nodiscard]] Vector3<S> middle() const { return c; }
+  template <class Draws>
+  static BasicCylinder random(Draws& draws) {
+    return {draws.point(), draws.direction(), draws.size(), draws.size()};
+  }
+  [[nodiscard]] Placement placed() const {
+    return {frame_around(axis) * Vector3<S>(radius, radius, half_height).asDiagonal(), c};
+  }
 };
 
 /// Oriented box: x_world = c + R x_local with |x_local| <= half on every axis. The columns of R are
@@ -126,7 +231,10 @@ struct BasicCylinder {
 template <class S>
 struct BasicObb {
   using Scalar = S;
-  static constexpr std::size_t kWords = 15;
+  static constexpr Shape kShape = Shape::kObb;
+  static constexpr std::size_t kWords = contract::words(kShape);
+  static constexpr float kReach = 1.3f;
+  static constexpr Drawn kDrawn = Drawn::kBox;
   Vector3<S> c;         ///< centre, finite
   Vector3<S> half;      ///< half extents along the box axes, finite and > 0
   Matrix3<S> rotation;  ///< orthonormal; a reflection (determinant -1) is the same box, and legal
@@ -135,7 +243,45 @@ struct BasicObb {
   static void visit(Self& self, Visit&& field) {
     field("center", self.c), field("half extent", self.half), field("rotation", self.rotation);
   }
+
+  [[nodiscard]] Vector3<S> middle() const { return c; }
+  template <class Draws>
+  static BasicObb random(Draws& draws) {
+    return {draws.point(), {draws.size(), draws.size(), draws.size()}, draws.rotation()};
+  }
+  [[nodiscard]] Placement placed() const { return {rotation * half.asDiagonal(), c}; }
 };
+
+/// Templates of shapes.
+template <template <class> class... P>
+struct ShapeTemplates {
+  static constexpr std::size_t kCount = sizeof...(P);
+  template <class S>
+  using In = std::tuple<P<S>...>;  ///< the shapes in a scalar
+  template <class S>
+  using Lists = std::variant<std::vector<P<S>>...>;
+};
+
+/// All shapes, in the order of their codes.
+using ShapeList = ShapeTemplates<BasicRay, BasicTriangle, BasicSphere, BasicAabb, BasicPlane,
+                                 BasicCylinder, BasicObb>;
+static_assert(ShapeList::kCount == kShapes, "every shape of the contract has its struct");
+static_assert(
+    []<std::size_t... k>(std::index_sequence<k...>) {
+      return ((std::tuple_element_t<k, ShapeList::In<float>>::kShape == static_cast<Shape>(k)) &&
+              ...);
+    }(std::make_index_sequence<kShapes>()),
+    "in the order of the codes");
+
+/// use.operator()<P>() with the shape of the code in the scalar S.
+template <class S, std::size_t I = 0, class Use>
+decltype(auto) with_shape(Shape shape, const Use& use) {
+  using P = std::tuple_element_t<I, ShapeList::In<S>>;
+  if constexpr (I + 1 == kShapes)
+    return use.template operator()<P>();
+  else
+    return shape == P::kShape ? use.template operator()<P>() : with_shape<S, I + 1>(shape, use);
+}
 
 using Ray = BasicRay<float>;
 using Triangle = BasicTriangle<float>;
@@ -144,6 +290,29 @@ using Aabb = BasicAabb<float>;
 using Plane = BasicPlane<float>;
 using Cylinder = BasicCylinder<float>;
 using Obb = BasicObb<float>;
+
+/// What the words of a primitive or transform are, a letter a word as in contract::kShapeTable.
+template <class P>
+inline constexpr std::string_view kKindsOf = [] {
+  if constexpr (requires { P::kKinds; })
+    return P::kKinds;
+  else
+    return contract::kShapeTable[static_cast<std::size_t>(P::kShape)].kinds;
+}();
+
+/// Calls look(name, kind, reference to the field) for every field in slot order.
+template <class P, class Look>
+void visit_fields(P& primitive, Look&& look) {
+  using Plain = std::remove_const_t<P>;
+  std::size_t first = 0;
+  Plain::visit(primitive, [&](const char* name, auto& field) {
+    look(name, contract::word_kind(kKindsOf<Plain>, first), field);
+    if constexpr (requires { field.size(); })
+      first += static_cast<std::size_t>(field.size());
+    else
+      ++first;
+  });
+}
 
 /// Calls word(field name, number of the word in its field, reference to the word) for every word in
 /// slot order.
@@ -199,21 +368,24 @@ template <class T, template <class> class P, class S>
 /// format get the nearest numbers of it: what is looked at are those, and a finite number that the
 /// format has none for is a defect, too ("tmax is 70000, beyond the largest number, 65504 in
 /// fp16"). Error kUsage for a format that is none of kPairFormats (fp/scalars.hpp).
-[[nodiscard]] std::optional<std::string> defect(const Ray& ray, FpFormat format = {});
-[[nodiscard]] std::optional<std::string> defect(const Triangle& triangle, FpFormat format = {});
-[[nodiscard]] std::optional<std::string> defect(const Sphere& sphere, FpFormat format = {});
-[[nodiscard]] std::optional<std::string> defect(const Aabb& box, FpFormat format = {});
-[[nodiscard]] std::optional<std::string> defect(const Plane& plane, FpFormat format = {});
-[[nodiscard]] std::optional<std::string> defect(const Cylinder& cylinder, FpFormat format = {});
-[[nodiscard]] std::optional<std::string> defect(const Obb& box, FpFormat format = {});
+[[nodiscard]] std::optional<std::string> defect(Shape shape, std::span<const float> words,
+                                                FpFormat format = {});
+template <class P>
+requires requires {
+  P::kShape;
+}
+[[nodiscard]] std::optional<std::string> defect(const P& primitive, FpFormat format = {}) {
+  return defect(P::kShape, to_words(primitive), format);
+}
 
 /// Throws Error(kBadInput, "WHAT: reason") if the primitive has a defect.
-void check(const Ray& ray, std::string_view what);
-void check(const Triangle& triangle, std::string_view what);
-void check(const Sphere& sphere, std::string_view what);
-void check(const Aabb& box, std::string_view what);
-void check(const Plane& plane, std::string_view what);
-void check(const Cylinder& cylinder, std::string_view what);
-void check(const Obb& box, std::string_view what);
+void check(Shape shape, std::span<const float> words, std::string_view what);
+template <class P>
+requires requires {
+  P::kShape;
+}
+void check(const P& primitive, std::string_view what) {
+  check(P::kShape, to_words(primitive), what);
+}
 
 }  // namespace cde

@@ -10,9 +10,7 @@
 namespace cde {
 
 /// Shapes of one kind in a row; the alternatives are in the order of Shape.
-using Shapes =
-    std::variant<std::vector<Ray>, std::vector<Triangle>, std::vector<Sphere>, std::vector<Aabb>,
-                 std::vector<Plane>, std::vector<Cylinder>, std::vector<Obb>>;
+using Shapes = ShapeList::Lists<float>;
 
 [[nodiscard]] inline Shape shape_of(const Shapes& shapes) {
   return static_cast<Shape>(shapes.index());

@@ -12,6 +12,7 @@ template <class S>
 struct BasicTransform {
   using Scalar = S;
   static constexpr std::size_t kWords = 12;
+  static constexpr std::string_view kKinds = "pppppppppccc";
   Matrix3<S> rotation = Matrix3<S>::Identity();  ///< R, orthonormal; a reflection is legal
   Vector3<S> translation = Vector3<S>::Zero();   ///< t, finite, in the unit of the scene
 

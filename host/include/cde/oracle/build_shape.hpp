@@ -6,8 +6,6 @@
 
 namespace cde::oracle {
 
-using Frame = Eigen::Matrix3d;  ///< columns: the axes of a shape in the world
-
 /// How the proportions of a random shape are drawn.
 struct Build {
   double scale = 1;  ///< of all dimensions, which are 0.25 to 1.5 of it
@@ -15,6 +13,26 @@ struct Build {
   bool plate = false;
   bool dyadic = false;   ///< dimensions are multiples of scale / 16
   bool no_area = false;  ///< a triangle is a segment or a point, still so after rounding
+};
+
+/// Whole numbers, or any.
+struct Lengths {
+  Random random;
+  bool whole = true;
+
+  /// From about `least` to `most`.
+  double length(double least, double most) {
+    const double x = random.uniform(least, most);
+    return whole ? std::max(1.0, std::round(x)) : x;
+  }
+  double coordinate(double reach) {
+    const double x = random.uniform(-reach, reach);
+    return whole ? std::round(x) : x;
+  }
+  Vec point(double reach) {
+    const double x = coordinate(reach), y = coordinate(reach), z = coordinate(reach);
+    return {x, y, z};
+  }
 };
 
 /// About the origin; the frame's last column is a cylinder's axis and a plane's normal, the first

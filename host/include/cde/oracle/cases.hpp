@@ -79,13 +79,6 @@ struct Case {
 [[nodiscard]] Case hard(Pair pair, std::uint64_t seed, std::uint64_t index,
                         const Format& format = {});
 
-/// The shape translated.
-[[nodiscard]] Shape moved(const Shape& shape, const Vec& by);
-
-/// The words of a slot, each rounded to the format.
-[[nodiscard]] std::vector<double> to_words(const Shape& shape, const Format& format = {});
-[[nodiscard]] std::vector<double> to_words(const Ray& ray, const Format& format = {});
-
 namespace detail {
 [[nodiscard]] Case convex_case(Pair pair, std::uint64_t seed, std::uint64_t index,
                                const Format& format);

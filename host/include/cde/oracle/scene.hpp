@@ -17,6 +17,11 @@ inline constexpr double kGrid = 0.25;
   return kGrid * (v / kGrid).array().round().matrix();
 }
 
+/// Multiples of the grid from 1/4 to 2.
+[[nodiscard]] inline double grid_length(Random& random) {
+  return kGrid * (1 + random.below(8));
+}
+
 struct Body {
   ShapeKind kind;
   Shape shape;

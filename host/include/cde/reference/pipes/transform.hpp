@@ -19,26 +19,20 @@ template <typename S>
   return add<S>(convex::to_world<S>(m.rotation, p), m.translation);
 }
 
-template <typename S>
-[[nodiscard]] BasicTriangle<S> transformed(const BasicTransform<S>& m, const BasicTriangle<S>& x) {
-  return {transformed_point<S>(m, x.v0), transformed_point<S>(m, x.v1),
-          transformed_point<S>(m, x.v2)};
-}
-
-template <typename S>
-[[nodiscard]] BasicRay<S> transformed(const BasicTransform<S>& m, const BasicRay<S>& x) {
-  return {transformed_point<S>(m, x.o), convex::to_world<S>(m.rotation, x.d), x.tmin, x.tmax};
-}
-
-template <typename S>
-[[nodiscard]] BasicSphere<S> transformed(const BasicTransform<S>& m, const BasicSphere<S>& x) {
-  return {transformed_point<S>(m, x.c), x.r};
-}
-
-template <typename S>
-[[nodiscard]] BasicCylinder<S> transformed(const BasicTransform<S>& m, const BasicCylinder<S>& x) {
-  return {transformed_point<S>(m, x.c), convex::to_world<S>(m.rotation, x.axis), x.half_height,
-          x.radius};
+/// Field by field: points, directions and unit vectors, the columns of a rotation.
+template <typename P>
+[[nodiscard]] P transformed(const BasicTransform<typename P::Scalar>& m, P x) {
+  using S = typename P::Scalar;
+  visit_fields(x, [&m](const char*, WordKind kind, auto& field) {
+    if constexpr (std::is_same_v<decltype(field), Matrix3<S>&>) {
+      for (int k = 0; k < 3; ++k) field.col(k) = convex::to_world<S>(m.rotation, field.col(k));
+    } else if constexpr (std::is_same_v<decltype(field), Vector<S>&>) {
+      if (kind == WordKind::kCoordinate) field = transformed_point<S>(m, field);
+      if (kind == WordKind::kDirection || kind == WordKind::kPure)
+        field = convex::to_world<S>(m.rotation, field);
+    }
+  });
+  return x;
 }
 
 /// n' = R n, d' = d + n'.t: 12 mul 9 add.
@@ -46,15 +40,6 @@ template <typename S>
 [[nodiscard]] BasicPlane<S> transformed(const BasicTransform<S>& m, const BasicPlane<S>& x) {
   const Vector<S> n = convex::to_world<S>(m.rotation, x.n);
   return {n, x.d + dot<S>(n, m.translation)};
-}
-
-/// R times the box's own rotation, column by column: 36 mul 27 add.
-template <typename S>
-[[nodiscard]] BasicObb<S> transformed(const BasicTransform<S>& m, const BasicObb<S>& x) {
-  BasicObb<S> moved{transformed_point<S>(m, x.c), x.half, {}};
-  for (int k = 0; k < 3; ++k)
-    moved.rotation.col(k) = convex::to_world<S>(m.rotation, x.rotation.col(k));
-  return moved;
 }
 
 /// Translation only: the card refuses an object of AABBs whose rotation is not the identity.
@@ -69,7 +54,7 @@ template <class P>
   if (format == FpFormat{}) return transformed(m, x);
   P moved = x;
   with_scalar(format, [&]<class S>() {
-    moved = primitive_cast<float>(transformed<S>(primitive_cast<S>(m), primitive_cast<S>(x)));
+    moved = primitive_cast<float>(transformed(primitive_cast<S>(m), primitive_cast<S>(x)));
   });
   return moved;
 }
