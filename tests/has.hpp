@@ -6,11 +6,11 @@
 
 namespace cde {
 
-/// Whether a text has a part, for EXPECT_TRUE and EXPECT_FALSE; both are printed on a failure.
+/// Whether a text has a part, for EXPECT_TRUE and EXPECT_FALSE. The text is printed if it lacks it.
 inline ::testing::AssertionResult has(std::string_view text, std::string_view part) {
-  const bool found = text.find(part) != std::string_view::npos;
-  return ::testing::AssertionResult(found)
-         << (found ? "has: " : "lacks: ") << part << "\nsays: " << text << "\n";
+  if (text.find(part) != std::string_view::npos)
+    return ::testing::AssertionSuccess() << "has: " << part << "\n";
+  return ::testing::AssertionFailure() << "lacks: " << part << "\nsays: " << text << "\n";
 }
 
 }  // namespace cde

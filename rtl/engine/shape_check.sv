@@ -58,7 +58,7 @@ module shape_check #(
   `DF_IN(all_words, word[WORDS-1].good, 0)
   `DF_AT(late_words, all_words, LATENCY)
   assign words_good = late_words;
-  if (SHAPE == pairs_pkg::SHAPE_RAY) begin : g_direction
+  if (pairs_pkg::word_kind(SHAPE, 3) == pairs_pkg::WORD_DIRECTION) begin : g_direction
     logic [2:0][LANES-1:0][CW-1:0] m;
     for (genvar k = 0; k < 3; k++) begin : axis
       fp_range #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LOW(LOW), .HIGH(HIGH), .ARITH(ARITH)) is_size (.on_i,

@@ -142,8 +142,10 @@ module transformer #(
       assign of[k] = {direction[3][2], direction[2][2], direction[1][2], direction[3][1], direction[2][1],
           direction[1][1],
           direction[3][0], direction[2][0], direction[1][0], late[5:3], point[0]};
-    end else begin : g_turned
+    end else if (is_turned(k)) begin : g_turned
       assign of[k] = {late[14:6], direction[1], point[0]};
+    end else begin : g_none
+      $error("transformer: no branch for shape %0d", k);
     end
   end
   logic [MOST-1:0][CW-1:0] chosen;

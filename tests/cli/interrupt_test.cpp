@@ -17,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Empty if it cannot be read: a process may end meanwhile.
 class Building : public Cli {
  protected:
   pid_t start_building() {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <type_traits>
 
 #include "cde/fp/scalars.hpp"
 #include "cde/geometry/check.hpp"
@@ -144,8 +143,8 @@ Defect why_bad(const P& primitive) {
       return std::nullopt;
   });
   if (why) return why;
-  if constexpr (requires { primitive.disordered(); }) {
-    const int k = primitive.disordered();
+  if constexpr (requires { primitive.first_disordered_axis(); }) {
+    const int k = primitive.first_disordered_axis().value();
     return fmt::format("max.{0} is {1}, must be > min.{0} = {2}", "xyz"[k],
                        static_cast<typename Wording::Number>(primitive.max[k]),
                        static_cast<typename Wording::Number>(primitive.min[k]));

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 namespace cde::oracle {
+
 Shape build_shape(Random& random, ShapeKind kind, const Frame& frame, const Build& build) {
   return with_kind(kind, [&]<class S>() -> Shape { return S::build(random, frame, build); });
 }

@@ -2,6 +2,7 @@
 // [[object]]: where its shapes come from, and how they deform.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -53,7 +54,7 @@ std::string key_of(std::string field) {
   return field;
 }
 
-/// The end of an interval may be missing; unit vectors may have any length.
+/// tmin and tmax may be missing and keep their defaults. Unit vectors may be given with any length.
 template <class P>
 void read(Table& t, P& shape) {
   visit_fields(shape, [&t](const char* name, WordKind kind, auto& field) {
@@ -114,6 +115,7 @@ struct Scatter {
 template <class P>
 Shapes scattered(Scatter s, std::uint32_t count, const Table& t) {
   std::vector<P> list;
+  list.reserve(count);
   for (; s.i < count; ++s.i) {
     s.stream = 0;
     list.push_back(P::random(s));

@@ -21,7 +21,7 @@ struct Cost {
   double traversal, brute_force;
 };
 
-/// From so many secondaries on a tree can win.
+/// Fewest secondaries for which a BVH can win.
 constexpr std::uint64_t fewest(Shape leaf) {
   return leaf == Shape::kTriangle ? 2048 : 256;
 }

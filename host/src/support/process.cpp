@@ -42,10 +42,10 @@ class Descriptor {
   int fd_;
 };
 
-std::array<int, 2> new_pipe() {
+std::array<int, 2> new_pipe(ErrorCode code = ErrorCode::kBuild) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0)
-    throw Error(ErrorCode::kBuild, fmt::format("pipe: {}", std::strerror(errno)));
+    throw Error(code, fmt::format("no pipe can be made: {}", std::strerror(errno)));
   return ends;
 }
 
@@ -182,10 +182,7 @@ void work_as_child(int done, pid_t parent, const std::function<void()>& work) {
   if (::getppid() != parent) std::raise(SIGTERM);
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
-  const auto tell = [done] {
-    write_all(done, std::string_view("", 1));
-    ::close(done);
-  };
+  const auto tell = [done] { write_all(done, std::string_view("", 1)); };
   try {
     work();
   } catch (...) {
@@ -227,7 +224,7 @@ Result run(const std::vector<std::string>& command) {
 }
 
 Result isolated(const std::function<void(int out)>& work) {
-  const auto ends = new_pipe();
+  const auto ends = new_pipe(ErrorCode::kFile);
   const Descriptor from(ends[0]);
   Descriptor to(ends[1]);
   const pid_t child = fork_process();
@@ -245,8 +242,10 @@ Result isolated(const std::function<void(int out)>& work) {
 
 std::optional<Ended> continue_in_child(const std::function<void()>& work,
                                        const std::function<void(int errors)>& relay, bool forward) {
-  const auto done = new_pipe(), errors = new_pipe();
-  Descriptor from_done(done[0]), to_done(done[1]), from(errors[0]), to(errors[1]);
+  const auto done = new_pipe(ErrorCode::kFile);
+  Descriptor from_done(done[0]), to_done(done[1]);
+  const auto errors = new_pipe(ErrorCode::kFile);
+  Descriptor from(errors[0]), to(errors[1]);
   const pid_t parent = ::getpid();
   std::optional<Forwarding> forwarding;
   if (forward) forwarding.emplace();

@@ -17,8 +17,9 @@ constexpr std::size_t kMostHits = 4'096;           // of a query in a frame of t
 constexpr std::size_t kMostApart = 64;             // closest pairs that miss, likewise
 constexpr std::size_t kMostViewBytes = 4'000'000;  // of all frames of the view
 
-/// Of a Drawn in pages/report.js.
+/// Names in pages/report.js, in the order of Drawn.
 constexpr std::array kDrawnNames = {"rays", "surface", "sphere", "box", "plane", "cylinder"};
+static_assert(kDrawnNames.size() == static_cast<std::size_t>(Drawn::kCylinder) + 1);
 
 /// sRGB of an object: rays, then surfaces and solids in turn.
 std::string_view colour_of(Drawn drawn, std::size_t number) {

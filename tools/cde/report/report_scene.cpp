@@ -32,6 +32,7 @@ Drawn drawn_as(Shape shape) {
 
 std::vector<Triangle> triangles_of(const Shapes& shapes) {
   std::vector<Triangle> all;
+  all.reserve(size(shapes));
   std::visit(
       [&all](const auto& list) {
         for (const auto& shape : list)
@@ -163,9 +164,8 @@ void SceneGeometry::add_surface(Object& object, const SceneObject& source) {
   if (fits) return;
   object.surface = simplified(object.surface, most_triangles_);
   notes_.push_back(fmt::format(
-      "“{}” has {} triangles; it is drawn with {} (corners within a cell of a grid "
-      "become one). The "
-      "card met all of them.",
+      "“{}” has {} triangles; it is drawn with {} (corners within a cell of a grid become one). "
+      "The card met all of them.",
       object.name, grouped(triangles.size()), grouped(object.surface.corners.size() / 3)));
   if (object.deforms) {
     object.deforms = false;

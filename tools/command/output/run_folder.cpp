@@ -31,7 +31,7 @@ constexpr const char* kBeside = "files_beside";
 /// QUERY.FRAME.csv or .bin: a query's name of 1 to 64 characters, a frame of 6 or 7 digits.
 bool is_record_name(std::string_view name) {
   constexpr std::string_view kDigits = "0123456789",
-                             kOthers =
+                             kNameCharacters =
                                  "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_-0123456789";
   if (!name.ends_with(".csv") && !name.ends_with(".bin")) return false;
   name.remove_suffix(4);
@@ -41,7 +41,7 @@ bool is_record_name(std::string_view name) {
   const auto only = [](std::string_view text, std::string_view of) {
     return text.find_first_not_of(of) == std::string_view::npos;
   };
-  return dot >= 1 && dot <= 64 && only(query, kOthers) &&
+  return dot >= 1 && dot <= 64 && only(query, kNameCharacters) &&
          (frame.size() == 6 || frame.size() == 7) && only(frame, kDigits);
 }
 

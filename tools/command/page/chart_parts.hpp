@@ -38,14 +38,14 @@ struct Decades {
   }
 };
 
-/// A label below a place of the x axis, in percent, and the axis' name below the middle.
+/// A text at x percent and y pixels.
 [[nodiscard]] std::string label_below(double x, double y, std::string_view text,
                                       const char* anchor = "middle");
 
 /// Where points of lines stand, which of them do, and what their titles say.
 struct LinePlot {
   std::function<double(double)> at_x, at_y;  ///< percent, pixels
-  std::function<bool(double y)> drawn;       ///< no point, and a hole in its line, where it is not
+  std::function<bool(double y)> drawn;  ///< whether a point is drawn; if not, the line has a hole
   std::function<std::string(double x, double y)> title;
   double radius, dashed_radius;
 };

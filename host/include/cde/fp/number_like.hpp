@@ -4,11 +4,10 @@
 #include <cmath>
 #include <limits>
 
-/// What scalars share that wrap one of another type and compute as it does.
+/// Common parts of scalars that wrap another scalar and compute as it does.
 namespace cde {
 
-/// Operators of N that follow from + - * / < <= ==, as a base of it. N::value() is the scalar that
-/// it wraps.
+/// Base class of N: operators that follow from + - * / < <= ==. N::value() is the wrapped scalar.
 template <class N>
 class NumberLike {
  public:

@@ -79,7 +79,7 @@ template <typename S>
   return kind == WordKind::kSize ? is_size(x) : is_coordinate(x);
 }
 
-/// A point, extents, a direction, or a unit vector: 3 mul, 3 add, 1 cmp for that.
+/// A unit vector: 3 mul, 3 add, 1 cmp. Points, extents and directions: no operators.
 template <typename S>
 [[nodiscard]] bool is_legal(WordKind kind, const Vector<S>& v) {
   if (kind == WordKind::kPure) return finite<S>(v) && dot_is<S>(v, v, 1);
@@ -107,7 +107,8 @@ template <typename P>
   visit_fields(primitive, [&legal](const char*, WordKind kind, const auto& field) {
     legal = legal && is_legal<S>(kind, field);
   });
-  if constexpr (requires { primitive.disordered(); }) legal = legal && primitive.disordered() == 3;
+  if constexpr (requires { primitive.first_disordered_axis(); })
+    legal = legal && !primitive.first_disordered_axis();
   return !legal;
 }
 

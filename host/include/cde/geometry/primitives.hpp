@@ -26,8 +26,8 @@
 /// command line hold it: `visit` names the fields in that order, vectors x y z, matrices row by
 /// row. The words of a field are of one kind, that of the contract's table.
 ///
-/// All that is said of a single shape is said in its struct, and ShapeList has them all. Beside
-/// its fields a shape has
+/// The struct of a shape holds everything about it, and ShapeList lists the structs. Beside its
+/// fields a shape has
 ///   kShape    its code
 ///   middle()  the point that it turns about where it moves by itself
 ///   random()  one of some size somewhere, made of what `draws` draws (point, around(c), direction,
@@ -156,11 +156,11 @@ struct BasicAabb {
     field("min", self.min), field("max", self.max);
   }
 
-  /// The first axis on which max is not above min, or 3.
-  [[nodiscard]] int disordered() const {
-    int k = 0;
-    while (k < 3 && static_cast<bool>(min[k] < max[k])) ++k;
-    return k;
+  /// The first axis on which max is not above min.
+  [[nodiscard]] std::optional<int> first_disordered_axis() const {
+    for (int k = 0; k < 3; ++k)
+      if (!static_cast<bool>(min[k] < max[k])) return k;
+    return std::nullopt;
   }
   [[nodiscard]] Vector3<S> middle() const { return (min + max) / S{2}; }
   template <class Draws>
@@ -291,7 +291,7 @@ using Plane = BasicPlane<float>;
 using Cylinder = BasicCylinder<float>;
 using Obb = BasicObb<float>;
 
-/// What the words of a primitive or transform are, a letter a word as in contract::kShapeTable.
+/// What the words of a primitive or transform are, one letter per word as in contract::kShapeTable.
 template <class P>
 inline constexpr std::string_view kKindsOf = [] {
   if constexpr (requires { P::kKinds; })

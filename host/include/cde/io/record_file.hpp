@@ -51,9 +51,9 @@ struct RecordFormat {
 /// Records as the bytes of a file.
 class RecordText {
  public:
-  /// The mesh, which must outlive it, and the rays are those of fields.
+  /// Fields are computed from mesh and rays, which must outlive it.
   explicit RecordText(RecordFormat format, const Mesh* mesh = nullptr, RayView rays = {});
-  /// What stands before the records, of which an array says how many there are.
+  /// The header. `count`: of the records, which .npy alone needs.
   [[nodiscard]] std::string head(std::uint64_t count = 0) const;
   void append(std::span<const Record> records, std::string& to) const;
   [[nodiscard]] const RecordFormat& format() const { return format_; }
@@ -70,6 +70,7 @@ class RecordText {
   std::size_t node_bytes_ = 1;  ///< of the longest name of a node
 };
 
+/// Records as a file, written as they come.
 class RecordFile {
  public:
   /// `count`: of the records, if it is known before they come.

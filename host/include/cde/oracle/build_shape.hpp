@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include "cde/oracle/format.hpp"
 #include "cde/oracle/random.hpp"
 #include "cde/oracle/shapes.hpp"
@@ -15,7 +17,7 @@ struct Build {
   bool no_area = false;  ///< a triangle is a segment or a point, still so after rounding
 };
 
-/// Whole numbers, or any.
+/// Draws lengths: whole numbers if `whole`, else real numbers.
 struct Lengths {
   Random random;
   bool whole = true;

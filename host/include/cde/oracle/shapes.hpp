@@ -34,12 +34,12 @@ enum class Field {
   kBound    ///< of a ray: nothing
 };
 
-/// All that is said of a single shape is said in its struct and in its part of shapes.cpp, but for
-/// the core that gap.cpp makes of it. Of each: `fields` in the order of the words of a slot;
-/// center, support, distance as below; its extent and largest coordinate in the measures S and L;
-/// and random ones about the origin: build (see build_shape), whole (lengths from about 1 to 5,
-/// along the axes) and body (of a scene, of half sizes `h`). kSpread is how far apart two of them
-/// may be for half of them to meet, of the sum of half widths.
+/// The struct of a shape and its part of shapes.cpp hold everything about it, but for the core that
+/// gap.cpp makes of it. Each has `fields` in the order of the words of a slot; center, support and
+/// distance as below; its extent and largest coordinate in the measures S and L; and random ones
+/// about the origin: build (see build_shape), whole (lengths from about 1 to 5, along the axes) and
+/// body (of a scene, of half sizes `h`). kSpread is the distance at which about half of random
+/// pairs meet, as a fraction of the sum of half widths.
 
 /// The ball |x - c| <= r.
 struct Sphere {

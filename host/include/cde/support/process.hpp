@@ -46,9 +46,9 @@ bool write_all(int file, std::string_view text);
 
 using Seconds = std::chrono::duration<double>;
 
-/// The same for a program that may run long, and that ends when its stdin does: with this process,
-/// whatever ends that, and on SIGINT, SIGTERM or SIGHUP unless they are ignored. Such a signal
-/// takes its course here once the program is gone; where it does not end the process, error
+/// Runs a program as `run` does that may run long, and that ends when its stdin does: with this
+/// process, whatever ends that, and on SIGINT, SIGTERM or SIGHUP unless they are ignored. Such a
+/// signal takes its course here once the program is gone; where it does not end the process, error
 /// kInterrupted. `watch` is called about five times a second with the time and the output so far.
 [[nodiscard]] Result attend(const std::vector<std::string>& command,
                             const std::function<void(Seconds, std::string_view)>& watch);
