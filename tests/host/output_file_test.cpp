@@ -10,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <fstream>
 #include <optional>
 #include <thread>
 
@@ -73,7 +74,7 @@ TEST(OutputFile, WhatIsNoRegularFileIsWrittenTo) {
   {
     // By name, as waves are: somebody needs a file that can be sought in.
     OutputFile file(folder / "fifo", OutputFile::Use::kByName);
-    std::ofstream(file.temporary()) << "by name";
+    std::ofstream(file.by_name()) << "by name";
     file.commit();
   }
   reader.join();
@@ -145,7 +146,6 @@ TEST(OutputFile, WhatWasLeftBehindIsSweptAway) {
   folder.write("a.abcdef", "of somebody");
   std::optional<OutputFile> used(folder / "a");  // by this process, and locked
   write_file(folder / "a", "whole");
-  EXPECT_TRUE(fs::exists(used->temporary()));
   EXPECT_EQ(folder.files(), 4u + 1 + 1 + 1) << "those, one of b, the one in use, and a";
   used->write("later");
   used->commit();
@@ -179,6 +179,72 @@ TEST(OutputFile, SignalsRemoveWhatIsUnfinished) {
   ASSERT_EQ(folder.files(), 21u);
   OutputFile::remove_unfinished();
   EXPECT_EQ(folder.files(), 1u);
+}
+
+/// Another user owns the folder and puts a link to a file of ours in the place of the unfinished
+/// one.
+class ForeignFolder : public ::testing::Test {
+ protected:
+  static constexpr uid_t kOther = 65534;
+
+  void SetUp() override {
+    mine_.write("secret", "secret");
+    ASSERT_EQ(::chmod((mine_ / "secret").c_str(), 0600), 0);
+    theirs_.write("out", "old");
+    ASSERT_EQ(::chmod((theirs_ / "out").c_str(), 0666), 0);
+    if (::geteuid() != 0) return;  // one user plays both
+    ASSERT_EQ(::chown((theirs_ / "").c_str(), kOther, kOther), 0);
+    ASSERT_EQ(::chown((theirs_ / "out").c_str(), kOther, kOther), 0);
+  }
+  void replace_unfinished() const {
+    for (const auto& entry : fs::directory_iterator(theirs_ / "")) {
+      if (!is_unfinished_name(entry.path().filename().native())) continue;
+      fs::remove(entry.path());
+      fs::create_symlink(mine_ / "secret", entry.path());
+    }
+  }
+  void expect_secret() const {
+    struct stat info {};
+    ASSERT_EQ(::lstat((mine_ / "secret").c_str(), &info), 0);
+    EXPECT_EQ(info.st_uid, ::geteuid());
+    EXPECT_EQ(info.st_mode & 07777u, 0600u);
+    EXPECT_EQ(bytes_of(mine_ / "secret"), "secret");
+  }
+
+  const Folder mine_, theirs_;
+};
+
+TEST_F(ForeignFolder, GetsNeitherOwnerNorModeOfWhatALinkLeadsTo) {
+  OutputFile file(theirs_ / "out");
+  file.write("new");
+  replace_unfinished();
+  expect_error(ErrorCode::kFile, "another user of its folder has replaced", [&] { file.commit(); });
+  expect_secret();
+  EXPECT_EQ(bytes_of(theirs_ / "out"), "old");
+}
+
+TEST_F(ForeignFolder, DoesNotChooseWhatIsWrittenByName) {
+  OutputFile file(theirs_ / "out", OutputFile::Use::kByName);
+  replace_unfinished();
+  std::ofstream(file.by_name()) << "waves";
+  expect_secret();
+  EXPECT_EQ(bytes_of(file.by_name()), "waves");
+}
+
+TEST_F(ForeignFolder, HasLinksOnlyToWhatBelongsToItsOwner) {
+  if (::geteuid() != 0) GTEST_SKIP() << "needs two users, which root alone can be";
+  fs::create_symlink(mine_ / "secret", theirs_ / "to_secret");
+  fs::create_symlink(mine_ / "new", theirs_ / "to_new");
+  fs::create_symlink("out", theirs_ / "to_out");
+  for (const char* link : {"to_secret", "to_new", "to_out"})
+    ASSERT_EQ(::lchown((theirs_ / link).c_str(), kOther, kOther), 0);
+  for (const char* link : {"to_secret", "to_new"})
+    expect_error(ErrorCode::kFile, "it is a link of user 65534 to",
+                 [&] { write_file(theirs_ / link, "overwritten"); });
+  expect_secret();
+  EXPECT_EQ(mine_.files(), 1u);
+  write_file(theirs_ / "to_out", "new");
+  EXPECT_EQ(bytes_of(theirs_ / "out"), "new");
 }
 
 TEST(CheckOutputs, TwoOutputsAreNotOneFile) {

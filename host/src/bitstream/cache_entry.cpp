@@ -40,7 +40,7 @@ std::optional<std::string> text_of(const fs::path& file) {
 /// Whatever the umask: what others may write would not be read.
 void write_private(const fs::path& file, std::string_view text) {
   OutputFile out(file);
-  ::chmod(out.temporary().c_str(), S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH);
+  out.set_mode(S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH);
   out.write(text);
   out.commit();
 }

@@ -18,7 +18,7 @@ TraceFile::TraceFile(std::string path, const std::function<void(const std::strin
     : path_(std::move(path)), close_(std::move(close)) {
   if (path_.empty()) return;
   file_.emplace(path_, OutputFile::Use::kByName);
-  open(file_->temporary());
+  open(file_->by_name());
 }
 
 TraceFile::~TraceFile() {

@@ -64,6 +64,21 @@ void forget(Slots& slots, const char* name) {
                                             doing, std::strerror(number)));
 }
 
+/// Closed when it ends; below zero: none.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  [[nodiscard]] int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
 /// Where a name leads.
 struct Target {
   fs::path path;                  ///< no link
@@ -77,11 +92,31 @@ std::optional<struct stat> info_of(int descriptor) {
   return info;
 }
 
+/// A link of another user leads only to what is that user's: otherwise its owner would choose which
+/// file of this user is replaced.
+void check_link(const fs::path& named, uid_t owner, const Target& target) {
+  struct stat info {};
+  if (target.info)
+    info = *target.info;
+  else if (::lstat(target.path.parent_path().c_str(), &info) != 0)
+    fail(named, "write", errno);
+  if (info.st_uid == owner) return;
+  throw Error(ErrorCode::kFile,
+              fmt::format("{}: cannot write: it is a link of user {} to {}, which user {} owns",
+                          printable_name(named.string()), owner,
+                          printable_name(target.path.string()), info.st_uid));
+}
+
 /// Follows the links of the last part by hand: those in /proc/self/fd are no paths, and a link to
 /// what is not there yet says where it is to be.
 Target follow(const fs::path& named) {
   constexpr int kMostLinks = 40;
   fs::path path = named;
+  std::optional<uid_t> stranger;  // who owns a link on the way
+  const auto found = [&](Target target) {
+    if (stranger) check_link(named, *stranger, target);
+    return target;
+  };
   for (int links = 0; links < kMostLinks; ++links) {
     if (!path.has_filename()) fail(named, "write", path.empty() ? ENOENT : EISDIR);
     std::error_code error;
@@ -100,13 +135,14 @@ Target follow(const fs::path& named) {
     path = folder / name;
     struct stat info {};
     if (::lstat(path.c_str(), &info) != 0) {
-      if (errno == ENOENT) return {path, std::nullopt, std::nullopt};
+      if (errno == ENOENT) return found({path, std::nullopt, std::nullopt});
       fail(named, "write", errno);
     }
     if (!S_ISLNK(info.st_mode)) {
       if (S_ISDIR(info.st_mode)) fail(named, "write", EISDIR);
-      return {path, std::nullopt, info};
+      return found({path, std::nullopt, info});
     }
+    if (info.st_uid != 0 && info.st_uid != ::geteuid()) stranger = info.st_uid;
     const fs::path link = fs::read_symlink(path, error);
     if (error) fail(named, "write", error.value());
     path = folder / link;  // an absolute one replaces the folder
@@ -219,30 +255,31 @@ OutputFile::OutputFile(const fs::path& path, Use use) : path_(path) {
   } else {
     // A rename asks for no permission of the file that it replaces.
     if (target.info && ::access(target_.c_str(), W_OK) != 0) fail("write");
-    replaces_ = true;
-    make_temporary(target_);
+    make_temporary();
     return;
   }
-  if (use == Use::kByName) make_temporary(fs::temp_directory_path() / "cde-output");
+  if (use == Use::kByName) make_spool();
 }
 
-void OutputFile::make_temporary(const fs::path& beside) {
-  const fs::path folder = beside.parent_path();
-  const std::string name(stem(beside.filename().native()));
+void OutputFile::make_temporary() {
+  const fs::path folder = target_.parent_path();
+  const std::string name(stem(target_.filename().native()));
   sweep_unfinished(folder, name);
+  folder_ = ::open(folder.c_str(), O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (folder_ < 0) fail("create");
   for (int attempts = 0; attempts < 100; ++attempts) {
-    temporary_ = folder / fmt::format("{}{}{}-{}", name, kMark, ::getpid(), random_word());
+    const std::string last = fmt::format("{}{}{}-{}", name, kMark, ::getpid(), random_word());
+    temporary_ = folder / last;
     remember(files, temporary_.c_str());  // first, so that no signal comes between
-    const int fd = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    const int fd = ::openat(folder_, last.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd >= 0) {
       // Whoever sweeps sees it locked, or has removed it before it was.
       struct stat info {};
       (void)::flock(fd, LOCK_EX);
       const bool there = ::fstat(fd, &info) == 0 && info.st_nlink != 0;
-      std::FILE*& to = replaces_ ? file_ : spool_;
-      if (there && (to = ::fdopen(fd, "w")) != nullptr) return;
+      if (there && (file_ = ::fdopen(fd, "w")) != nullptr) return;
       ::close(fd);
-      ::unlink(temporary_.c_str());
+      ::unlinkat(folder_, last.c_str(), 0);
     }
     const int number = fd >= 0 ? EEXIST : errno;
     forget(files, temporary_.c_str());
@@ -256,12 +293,30 @@ void OutputFile::make_temporary(const fs::path& beside) {
   fail("create");
 }
 
+/// A file without a name, which others open by descriptor.
+void OutputFile::make_spool() {
+  std::string name = fs::temp_directory_path() / "cde-output-XXXXXX";
+  spool_ = ::mkostemp(name.data(), O_CLOEXEC);
+  if (spool_ < 0) fail("create");
+  ::unlink(name.c_str());
+}
+
 OutputFile::~OutputFile() {
   if (file_ != nullptr && file_ != stdout) std::fclose(file_);
-  if (spool_ != nullptr) std::fclose(spool_);
-  if (temporary_.empty()) return;
-  ::unlink(temporary_.c_str());
-  forget(files, temporary_.c_str());
+  if (spool_ >= 0) ::close(spool_);
+  if (!temporary_.empty()) {
+    ::unlinkat(folder_, fs::path(temporary_).filename().c_str(), 0);
+    forget(files, temporary_.c_str());
+  }
+  if (folder_ >= 0) ::close(folder_);
+}
+
+std::string OutputFile::by_name() const {
+  return fmt::format("/proc/self/fd/{}", spool_ >= 0 ? spool_ : ::fileno(file_));
+}
+
+void OutputFile::set_mode(unsigned mode) {
+  if (!temporary_.empty() && ::fchmod(::fileno(file_), mode) != 0) fail("write");
 }
 
 void OutputFile::fail(const char* doing) const {
@@ -277,40 +332,46 @@ void OutputFile::flush() {
   if (std::fflush(file_) != 0) fail("write");
 }
 
-/// What somebody wrote under temporary_ goes to a target that is no regular file.
+/// What somebody wrote by name goes to a target that is no regular file.
 void OutputFile::spill() {
-  std::FILE* const from = std::fopen(temporary_.c_str(), "rbe");
-  if (from == nullptr) fail("write");
   std::array<char, 1 << 16> block;
-  std::size_t got = 0;
-  try {
-    while ((got = std::fread(block.data(), 1, block.size(), from)) != 0) write({block.data(), got});
-    if (std::ferror(from) != 0) fail("write");
-  } catch (...) {
-    std::fclose(from);
-    throw;
+  off_t at = 0;
+  ssize_t got = 0;
+  while ((got = ::pread(spool_, block.data(), block.size(), at)) > 0) {
+    write({block.data(), static_cast<std::size_t>(got)});
+    at += got;
   }
-  std::fclose(from);
+  if (got < 0) fail("write");
 }
 
 void OutputFile::commit() {
-  if (!replaces_ && !temporary_.empty()) spill();
+  if (spool_ >= 0) spill();
   flush();
+  // Some file systems report only when a file is closed that it could not be written.
+  const Descriptor written(temporary_.empty() ? -1 : ::fcntl(::fileno(file_), F_DUPFD_CLOEXEC, 0));
   std::FILE* const file = file_;
   file_ = nullptr;
   if (file != stdout && std::fclose(file) != 0) fail("write");
-  if (temporary_.empty()) return;
-  if (replaces_) {
-    struct stat old {};
-    if (::lstat(target_.c_str(), &old) == 0) {
-      ::chmod(temporary_.c_str(), old.st_mode & 0777);
-      // Only root can give a file away, and not on every file system.
-      if (::geteuid() == 0) (void)!::chown(temporary_.c_str(), old.st_uid, old.st_gid);
-    }
-    if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail("write");
-  } else {
-    ::unlink(temporary_.c_str());
+  if (!temporary_.empty()) put_in_place(written.number());
+}
+
+/// The new file takes mode and owner of the one that it replaces.
+void OutputFile::put_in_place(int fd) {
+  const std::string name = fs::path(temporary_).filename(), target = target_.filename();
+  struct stat old {
+  }, ours{}, named{};
+  if (::fstatat(folder_, target.c_str(), &old, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(old.st_mode)) {
+    // Only root can give a file away, and not on every file system.
+    if (::geteuid() == 0) (void)!::fchown(fd, old.st_uid, old.st_gid);
+    (void)::fchmod(fd, old.st_mode & 0777);
   }
+  if (::fstat(fd, &ours) != 0 || ::fstatat(folder_, name.c_str(), &named, AT_SYMLINK_NOFOLLOW) != 0)
+    fail("write");
+  if (named.st_dev != ours.st_dev || named.st_ino != ours.st_ino)
+    throw Error(ErrorCode::kFile,
+                fmt::format("{}: cannot write: another user of its folder has replaced {}",
+                            printable_name(path_.string()), printable_name(temporary_)));
+  if (::renameat(folder_, name.c_str(), folder_, target.c_str()) != 0) fail("write");
   forget(files, temporary_.c_str());
   temporary_.clear();
 }

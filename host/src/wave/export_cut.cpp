@@ -82,11 +82,8 @@ void write_cut(Trace& trace, std::span<const View> views, std::uint64_t from, st
   const std::vector<bool> chosen = chosen_signals(trace, views, "FST");
   OutputFile file(path, OutputFile::Use::kByName);
   try {
-    Fst fst(fstWriterCreate(file.temporary().c_str(), 1), fstWriterClose);
+    Fst fst(fstWriterCreate(file.by_name().c_str(), 1), fstWriterClose);
     if (!fst) cannot_write(path);
-    // The writer's file of names; it goes by what it has open, and nothing of it stays if we end.
-    std::error_code none;
-    std::filesystem::remove(file.temporary() + ".hier", none);
     fstWriterSetTimescale(fst.get(), trace.scale());
     fstWriterSetVersion(fst.get(), trace.writer().c_str());
     fstWriterSetDate(fst.get(), trace.date().c_str());
@@ -99,7 +96,7 @@ void write_cut(Trace& trace, std::span<const View> views, std::uint64_t from, st
   }
   // The writer does not say whether all was written.
   try {
-    Trace written(file.temporary());
+    Trace written(file.by_name());
     const auto count = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), true));
     if (written.start() != from || written.end() != to || written.signals().size() != count)
       cannot_write(path);

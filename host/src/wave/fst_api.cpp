@@ -58,6 +58,18 @@ void* reader_calloc(std::size_t count, std::size_t bytes) {
   return memory;
 }
 
+/// The writer's own file of names is NAME.hier, which is in memory instead: beside NAME it would
+/// replace what another user has put there.
+std::FILE* writer_open(const char* name, const char* mode) {
+  const std::size_t length = std::strlen(name);
+  constexpr char kNames[] = ".hier";
+  constexpr std::size_t kEnd = sizeof kNames - 1;
+  if (mode[0] != 'w' || length < kEnd || std::strcmp(name + length - kEnd, kNames) != 0)
+    return std::fopen(name, mode);
+  const int fd = ::memfd_create("waves", MFD_CLOEXEC);
+  return fd < 0 ? nullptr : ::fdopen(fd, "w+b");
+}
+
 }  // namespace
 
 #pragma GCC diagnostic push
@@ -66,6 +78,7 @@ void* reader_calloc(std::size_t count, std::size_t bytes) {
 #define FST_CONFIG_INCLUDE "fst_config.h"
 #define exit reader_exit
 #define fprintf reader_print
+#define fopen writer_open
 #undef fgetc
 #define fgetc reader_getc
 #define malloc reader_malloc

@@ -154,7 +154,7 @@ class Run {
       Player player(
           scene_, plan,
           {.check = check_,
-           .trace = waves ? waves->temporary() : "",
+           .trace = waves ? waves->by_name() : "",
            .waves = o_.trace.options(),
            .watchdog = std::chrono::duration<double>(o_.timeout),
            .deadline_clocks = o_.deadline,

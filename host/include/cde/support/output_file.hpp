@@ -22,11 +22,15 @@ namespace cde {
 ///
 /// The other name is NAME.cde-PID-RANDOM, and locked. Left uncommitted the file is removed; what a
 /// process that was killed left behind is swept away by the next one that writes the same NAME.
+///
+/// The folder may belong to another user, who can put another file in the place of either name.
+/// Mode and owner are therefore set by descriptor, commit() fails if the other name no longer leads
+/// to what was written, and a symbolic link of another user must lead to what belongs to that user.
 class OutputFile {
  public:
   enum class Use {
     kBytes,   ///< write() fills it
-    kByName,  ///< somebody else opens temporary() and fills it
+    kByName,  ///< somebody else opens by_name() and fills it
   };
 
   /// Error kFile if it cannot be written: no such folder, a folder itself, no permission.
@@ -40,24 +44,29 @@ class OutputFile {
   void flush();  ///< for those who wait at the other end of a pipe
   void commit();
 
-  /// The name of a regular file until commit(), for writers that open files themselves.
-  [[nodiscard]] const std::string& temporary() const { return temporary_; }
+  /// A name of the regular file that is written, for writers that open files themselves. It leads
+  /// to this process's descriptor, whatever becomes of the folder. Invalid from commit() on.
+  [[nodiscard]] std::string by_name() const;
+  /// Of the file that is written, whatever the umask.
+  void set_mode(unsigned mode);
 
   /// Removes whatever is uncommitted in this process. For handlers of signals that end it: calls
   /// nothing but unlink and rmdir.
   static void remove_unfinished() noexcept;
 
  private:
-  void make_temporary(const std::filesystem::path& beside);
+  void make_temporary();
+  void make_spool();
   void spill();
+  void put_in_place(int fd);
   [[noreturn]] void fail(const char* doing) const;
 
   std::filesystem::path path_, target_;  // as it was named, and with links followed
-  std::string temporary_;                // empty: what is written goes where it belongs at once
-  bool replaces_ = false;                // commit() renames temporary_ to target_
+  std::string temporary_;  // commit() renames it to target_; empty: the target is written to
+  int folder_ = -1;        // of both
   bool stdout_ = false;
-  std::FILE* file_ = nullptr;   // what write() fills
-  std::FILE* spool_ = nullptr;  // holds the lock of a temporary_ that is not renamed
+  std::FILE* file_ = nullptr;  // what write() fills
+  int spool_ = -1;             // what others fill by name for a target that is written to
 };
 
 /// A folder for outputs, made with those above it if they are not there. Those that it made and
