@@ -54,22 +54,29 @@ std::string cache_key(const std::vector<std::string>& parts) {
 }
 
 std::optional<std::string> read_cache_entry(const std::string& name) {
-  const fs::path folder = folders::cache(), file = folder / name;
+  const auto folder = folders::open(folders::cache());
+  if (!folder) return std::nullopt;
+  const fs::path file = folder->inside / name;
   std::error_code none;
+  if (folder->distrust) {
+    refuse(folder->named, *folder->distrust);
+    return std::nullopt;
+  }
   if (!fs::exists(file, none)) return std::nullopt;
-  for (const fs::path& part : {folder, file, checksum_file(file)}) {
-    if (const auto why = folders::distrust(part)) {
-      refuse(part, *why);
+  for (const fs::path& part : {file, checksum_file(file)}) {
+    const fs::path named = folder->named / part.filename();
+    if (const auto why = folders::distrust(part, named)) {
+      refuse(named, *why);
       return std::nullopt;
     }
   }
   const auto text = text_of(file), sum = text_of(checksum_file(file));
   if (!text || !sum) {
-    refuse(file, text ? "has no checksum beside it" : "cannot be read");
+    refuse(folder->named / name, text ? "has no checksum beside it" : "cannot be read");
     return std::nullopt;
   }
   if (sum->substr(0, sum->find(' ')) != sha256(*text)) {
-    refuse(file, "is damaged: its checksum is another");
+    refuse(folder->named / name, "is damaged: its checksum is another");
     return std::nullopt;
   }
   return text;

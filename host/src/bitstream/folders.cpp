@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bitstream/folders.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <linux/magic.h>
 #include <pwd.h>
@@ -12,7 +13,9 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <map>
 #include <mutex>
+#include <utility>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
@@ -85,13 +88,42 @@ bool ours(const struct stat& status) {
 
 /// Whoever configured the build ran the source tree's scripts: its owner of then is trusted with
 /// them, and its group, but nobody who made a tree of that name since.
-std::optional<std::string> distrust_source(const fs::path& path) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) != 0) return std::nullopt;
+std::optional<std::string> distrust_source(const struct stat& status, const fs::path& path) {
   if (!ours(status) && status.st_uid != CDE_SOURCE_OWNER) return owner(status);
-  if ((status.st_mode & S_IWOTH) != 0)
+  if (!S_ISLNK(status.st_mode) && (status.st_mode & S_IWOTH) != 0)
     return fmt::format("can be written by everybody (chmod o-w {})", printable_name(path.string()));
   return std::nullopt;
+}
+
+std::optional<std::string> distrust_status(const struct stat& status, const fs::path& path) {
+  if (!ours(status)) return owner(status);
+  if (!S_ISLNK(status.st_mode) && (status.st_mode & (S_IWGRP | S_IWOTH)) != 0)
+    return fmt::format("can be written by others than its owner (chmod go-w {})",
+                       printable_name(path.string()));
+  return std::nullopt;
+}
+
+/// All that the builder runs, reads or compiles, and the folders that it lies in: links, too, and
+/// what they lead to.
+void check_share(const fs::path& share) {
+  const auto check = same(share, CDE_SOURCE_FOLDER) ? distrust_source : distrust_status;
+  const auto require = [&](const fs::path& part) {
+    struct stat itself {}, target {};
+    if (::lstat(part.c_str(), &itself) != 0 || ::stat(part.c_str(), &target) != 0) return;
+    auto why = check(itself, part);
+    if (!why) why = check(target, part);
+    if (why)
+      throw Error(ErrorCode::kFile, fmt::format("the bitstream builder is refused: {} {}",
+                                                printable_name(part.string()), *why));
+  };
+  for (const fs::path& part : {share, share / "host", share / "host/include"}) require(part);
+  for (const char* folder : {"verilator", "rtl", "host/include/cde"}) {
+    require(share / folder);
+    std::error_code error;
+    for (fs::recursive_directory_iterator entry(share / folder, error), end;
+         !error && entry != end; entry.increment(error))
+      require(entry->path());
+  }
 }
 
 /// The home folder that the system knows for the user, if there is one.
@@ -147,24 +179,43 @@ void make_private(const fs::path& folder) {
 
 }  // namespace
 
-std::optional<std::string> distrust(const fs::path& path) {
+std::optional<std::string> distrust(const fs::path& path, const fs::path& named) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return std::nullopt;
-  if (!ours(status)) return owner(status);
-  if ((status.st_mode & (S_IWGRP | S_IWOTH)) != 0)
-    return fmt::format("can be written by others than its owner (chmod go-w {})",
-                       printable_name(path.string()));
-  return std::nullopt;
+  return distrust_status(status, named);
+}
+
+std::optional<Opened> open(const fs::path& folder) {
+  struct stat status {};
+  if (::lstat(folder.c_str(), &status) != 0) return std::nullopt;
+  const bool link = S_ISLNK(status.st_mode);
+  if (link && (!ours(status) || folder == last_resort()))
+    return Opened{folder, {}, fmt::format("is a link of user {}", status.st_uid)};
+  const int fd =
+      ::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC | (link ? 0 : O_NOFOLLOW));
+  if (fd < 0 || ::fstat(fd, &status) != 0) {
+    const int number = errno;
+    if (fd >= 0) ::close(fd);
+    if (number == ENOENT) return std::nullopt;
+    if (number == ENOTDIR) return Opened{folder, {}, "is not a folder"};
+    return Opened{folder, {}, fmt::format("cannot be opened: {}", std::strerror(number))};
+  }
+  // Each is open once. A descriptor is never closed: the loader takes a library of the same name
+  // for the one that it has.
+  static std::mutex mutex;
+  static std::map<std::pair<dev_t, ino_t>, int> opened;
+  const std::scoped_lock lock(mutex);
+  const auto [known, first] = opened.try_emplace({status.st_dev, status.st_ino}, fd);
+  if (!first) ::close(fd);
+  Opened found{folder, fmt::format("/proc/self/fd/{}", known->second),
+               distrust_status(status, folder)};
+  if (found.distrust) found.inside.clear();
+  return found;
 }
 
 fs::path share() {
   fs::path share = find_share();
-  const auto check = same(share, CDE_SOURCE_FOLDER) ? distrust_source : distrust;
-  for (const fs::path& part : {share / "verilator", share / "verilator/bitstream"}) {
-    if (const auto why = check(part))
-      throw Error(ErrorCode::kFile, fmt::format("the bitstream builder is refused: {} {}",
-                                                printable_name(part.string()), *why));
-  }
+  check_share(share);
   return share;
 }
 
@@ -197,11 +248,9 @@ fs::path make_cache() {
                       printable_name(own->string()), printable_name(folder.string())));
     });
   make_private(folder);
-  std::error_code none;
-  // In a folder that everybody writes, the name may be somebody's link to another of our folders.
-  if (folder == last_resort() && fs::is_symlink(folder, none)) refuse(folder, "is a link");
-  if (!fs::is_directory(folder, none)) refuse(folder, "is not a folder");
-  if (const auto why = distrust(folder)) refuse(folder, *why);
+  const auto made = open(folder);
+  if (!made) refuse(folder, "is gone");
+  if (made->distrust) refuse(folder, *made->distrust);
   return folder;
 }
 

@@ -9,12 +9,23 @@
 /// library.
 namespace cde::folders {
 
-/// Why code of this file or folder is not to run here: it belongs to somebody who is neither root
-/// nor this user, or others may write it. None if it may run, or is not there.
-[[nodiscard]] std::optional<std::string> distrust(const std::filesystem::path& path);
+/// Why code of this file is not to run here: it belongs to somebody who is neither root nor this
+/// user, or others may write it. None if it may run, or is not there. `named` is the file's name in
+/// the text.
+[[nodiscard]] std::optional<std::string> distrust(const std::filesystem::path& path,
+                                                  const std::filesystem::path& named);
+
+/// A folder that stays open to the end of the process. Its path may lead elsewhere later, `inside`
+/// (/proc/self/fd/N) does not.
+struct Opened {
+  std::filesystem::path named, inside;
+  std::optional<std::string> distrust;  ///< why nothing of it is to run; `inside` is empty then
+};
+/// Nothing if there is no such folder. A link of another user is not followed.
+[[nodiscard]] std::optional<Opened> open(const std::filesystem::path& folder);
 
 /// Holds rtl/ and verilator/: $CDE_SHARE, the installation's, or the source tree. Error kBuild if
-/// there is none, kFile if its builder is somebody else's.
+/// there is none, kFile if a file or folder that its builder runs or compiles is somebody else's.
 [[nodiscard]] std::filesystem::path share();
 
 /// Folders that may hold ready-made bitstreams, in the order in which they are asked: that of

@@ -124,7 +124,8 @@ class Bitstream {
 
  private:
   Bitstream() = default;
-  static Bitstream link(const std::filesystem::path& file, std::uint64_t config_hash);
+  static Bitstream link(const std::filesystem::path& named, const std::filesystem::path& inside,
+                        std::uint64_t config_hash);
   std::shared_ptr<void> library_;
   std::filesystem::path path_;
   std::uint64_t config_hash_ = 0;

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+// Configurations of a card: what there can be, and the parameters of the builder.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <iterator>
+#include <set>
+#include <type_traits>
+
+#include "cde/bitstream/bitstream.hpp"
+#include "cde/fp/scalars.hpp"
+#include "cde/support/error.hpp"
+
+namespace cde {
+namespace {
+
+/// A number of a configuration, and the builder's name for it.
+struct Field {
+  const char* name;
+  unsigned (*get)(const BoardConfig&);
+  void (*set)(BoardConfig&, unsigned);
+  Transformer since = Transformer::kNone;  ///< cards with less than that have none
+};
+
+template <auto Member>
+constexpr Field field(const char* name, Transformer since = Transformer::kNone) {
+  return {name, [](const BoardConfig& c) { return static_cast<unsigned>(c.*Member); },
+          [](BoardConfig& c, unsigned value) {
+            c.*Member = static_cast<std::decay_t<decltype(c.*Member)>>(value);
+          },
+          since};
+}
+
+unsigned pair_set(const BoardConfig& c) {
+  unsigned set = 0;
+  for (const Pair pair : c.pairs) set |= 1u << static_cast<unsigned>(pair);
+  return set;
+}
+void set_pairs(BoardConfig& c, unsigned set) {
+  c.pairs.clear();
+  for (unsigned i = 0; i < kPairs; ++i)
+    if ((set >> i & 1) != 0) c.pairs.push_back(static_cast<Pair>(i));
+}
+
+/// A number of the format of verdicts, 0 without them.
+template <auto Member>
+constexpr Field verdict_field(const char* name) {
+  return {name,
+          [](const BoardConfig& c) {
+            return c.verdicts ? static_cast<unsigned>((*c.verdicts).*Member) : 0u;
+          },
+          [](BoardConfig& c, unsigned value) {
+            if (!c.verdicts) c.verdicts = FpFormat{0, 0};
+            (*c.verdicts).*Member = static_cast<int>(value);
+          }};
+}
+
+constexpr Field kFields[] = {
+    field<&BoardConfig::lanes>("LANES"),
+    {"EXP", [](const BoardConfig& c) { return static_cast<unsigned>(c.format.exp_bits); },
+     [](BoardConfig& c, unsigned value) { c.format.exp_bits = static_cast<int>(value); }},
+    {"MAN", [](const BoardConfig& c) { return static_cast<unsigned>(c.format.man_bits); },
+     [](BoardConfig& c, unsigned value) { c.format.man_bits = static_cast<int>(value); }},
+    {"PAIRS", pair_set, set_pairs},
+    field<&BoardConfig::algorithm>("ALGORITHM"),
+    field<&BoardConfig::box>("BOX"),
+    field<&BoardConfig::swap>("SWAP"),
+    field<&BoardConfig::normals>("NORMALS"),
+    field<&BoardConfig::parallel>("PARALLEL"),
+    field<&BoardConfig::facet_interval>("FACET_II"),
+    verdict_field<&FpFormat::exp_bits>("VERDICT_EXP"),
+    verdict_field<&FpFormat::man_bits>("VERDICT_MAN"),
+    field<&BoardConfig::node_units>("NODE_UNITS"),
+    field<&BoardConfig::nodes>("NODES"),
+    field<&BoardConfig::ecc>("ECC"),
+    field<&BoardConfig::transform>("TRANSFORM"),
+    field<&BoardConfig::objects>("OBJECTS", Transformer::kSecondaries),
+    field<&BoardConfig::primary_objects>("PRIM_OBJECTS", Transformer::kBoth),
+    field<&BoardConfig::latency_add>("LAT_ADD"),
+    field<&BoardConfig::latency_mul>("LAT_MUL"),
+    field<&BoardConfig::latency_div>("LAT_DIV"),
+    field<&BoardConfig::latency_sqrt>("LAT_SQRT"),
+    field<&BoardConfig::latency_compare>("LAT_CMP"),
+    field<&BoardConfig::ddr_slots>("DDR_SLOTS"),
+    field<&BoardConfig::sram_records>("SRAM_RECORDS"),
+    field<&BoardConfig::trace>("TRACE"),
+};
+
+}  // namespace
+
+void check(Arithmetic arithmetic) {
+  if (arithmetic != Arithmetic::kHost && arithmetic != Arithmetic::kRtl)
+    throw Error(ErrorCode::kUsage, fmt::format("there is no arithmetic {}; they are 0 and 1",
+                                               static_cast<int>(arithmetic)));
+}
+
+void check_card_format(FpFormat format) {
+  if (is_card_format(format)) return;
+  std::string known;
+  for (const FpFormat f : kPairFormats)
+    if (is_card_format(f)) known += (known.empty() ? "" : ", ") + f.name();
+  throw Error(
+      ErrorCode::kUsage,
+      format.width() > static_cast<int>(kCardWord)
+          ? fmt::format("a card has no {}: the words of its buses, memories and records are "
+                        "{} bits wide; its formats are {}",
+                        format.name(), kCardWord, known)
+          : fmt::format("a card has no {}; its formats are {}", format.name(), known));
+}
+
+void check_narrow_format(FpFormat narrow, FpFormat wide) {
+  check_card_format(narrow);
+  if (narrow.exp_bits > wide.exp_bits || narrow.man_bits >= wide.man_bits)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("verdicts in {} cannot stand before {}: they need no more exponent "
+                            "bits and fewer fraction bits, as fp16, bf16, tf32 and fp24 before "
+                            "fp32, bf16 before tf32, fp16 before fp24",
+                            narrow.name(), wide.name()));
+}
+
+namespace {
+
+void check_verdicts(const BoardConfig& c) {
+  if (!c.verdicts) return;
+  check_narrow_format(*c.verdicts, c.format);
+  if (std::none_of(c.pairs.begin(), c.pairs.end(), has_verdicts))
+    throw Error(ErrorCode::kUsage,
+                "verdicts are of sphere-sphere, sphere-obb, triangle-sphere, triangle-aabb, "
+                "triangle-obb and obb-obb, of which the card has none");
+  constexpr unsigned kMostLanes = 32;  // all of them share the one wide lane
+  if (c.lanes > kMostLanes)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("lanes is {}; with verdicts it must be 1 to {}", c.lanes, kMostLanes));
+  if (c.facet_interval != 1)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("with verdicts the facet interval is 1, not {}", c.facet_interval));
+}
+
+}  // namespace
+
+namespace {
+
+void check_hierarchy(const BoardConfig& c) {
+  const auto require = [](bool ok, const std::string& why) {
+    if (!ok) throw Error(ErrorCode::kUsage, why);
+  };
+  if (c.node_units == 0) {
+    require(c.nodes == BoardConfig().nodes, "a card without node units has no memory of nodes");
+    return;
+  }
+  constexpr unsigned kMostUnits = 4, kLeastNodes = 16, kMostNodes = 1u << 22;
+  require(std::has_single_bit(c.node_units) && c.node_units <= kMostUnits,
+          fmt::format("node_units is {}; it must be 0, 1, 2 or 4", c.node_units));
+  require(std::has_single_bit(c.nodes) && c.nodes >= kLeastNodes && c.nodes <= kMostNodes,
+          fmt::format("nodes is {}; it must be a power of two from {} to {}", c.nodes, kLeastNodes,
+                      kMostNodes));
+  require(c.format == FpFormat(),
+          fmt::format("a hierarchy is of fp32, not of {}: its boxes are widened by 2^-16 of the "
+                      "scene, which in a coarser format were percents of it",
+                      c.format.name()));
+  const bool walked = std::any_of(c.pairs.begin(), c.pairs.end(), [&c](Pair pair) {
+    return c.way_through(pair, false).has_value();
+  });
+  require(walked,
+          "a hierarchy is of rays, spheres, AABBs, OBBs and triangles, with the box rule, without "
+          "which no tree answers as all secondaries do, or of ray-sphere and sphere-sphere; narrow "
+          "lanes that prove misses have none");
+}
+
+}  // namespace
+
+bool BoardConfig::box_rule(Pair pair) const {
+  return box && has_box_rule(pair) && !(verdicts && has_verdicts(pair));
+}
+
+std::optional<WayThrough> BoardConfig::way_through(Pair pair, bool swapped) const {
+  const bool there =
+      (swap || !swapped) && (box || !has_box_rule(pair)) && !(verdicts && has_verdicts(pair));
+  return there ? cde::way_through(pair, swapped) : std::nullopt;
+}
+
+std::vector<std::string> BoardConfig::parameters() const {
+  const auto require = [](bool ok, const char* name, unsigned value, const char* range) {
+    if (!ok)
+      throw Error(ErrorCode::kUsage, fmt::format("{} is {}; it must be {}", name, value, range));
+  };
+  require(std::has_single_bit(lanes) && lanes <= 256, "lanes", lanes,
+          "a power of two from 1 to 256");
+  const auto latency = [&](unsigned value, const char* name) {
+    require(value >= 1 && value <= 16, name, value, "1 to 16 clocks");
+  };
+  check(arithmetic);
+  check_card_format(format);
+  require(transform <= Transformer::kBoth, "transform", static_cast<unsigned>(transform), "0 to 2");
+  require(bus == Bus::kFunctional || bus == Bus::kCycle, "bus", static_cast<unsigned>(bus),
+          "0 or 1");
+  (void)name(algorithm);
+  for (const Pair pair : pairs) (void)name(pair);
+  latency(latency_add, "latency_add");
+  latency(latency_mul, "latency_mul");
+  latency(latency_div, "latency_div");
+  latency(latency_sqrt, "latency_sqrt");
+  latency(latency_compare, "latency_compare");
+  if (parallel && pairs.size() < 2)
+    throw Error(ErrorCode::kUsage, "two pipes at a time need a card with several pairs");
+  if (pairs.empty()) throw Error(ErrorCode::kUsage, "a card has at least one pair");
+  check_facet_interval(facet_interval, pairs);
+  check_verdicts(*this);
+  if (box && std::none_of(pairs.begin(), pairs.end(), has_box_rule))
+    throw Error(
+        ErrorCode::kUsage,
+        "the box rule is of triangles with rays, spheres, AABBs, OBBs and triangles, and of OBBs "
+        "with spheres and OBBs, of which the card has none");
+  const BoardConfig standard;
+  check_hierarchy(*this);
+  const bool moves = transform != Transformer::kNone, poses = transform == Transformer::kBoth;
+  const auto table = [&](unsigned value, const char* name) {
+    require(value >= 2 && value <= 2048, name, value, "2 to 2048");
+  };
+  if (moves) table(objects, "objects");
+  if (poses) table(primary_objects, "primary_objects");
+  require(ddr_slots >= 1 && ddr_slots <= standard.ddr_slots, "ddr_slots", ddr_slots,
+          "1 to 55555555");
+  require(std::has_single_bit(sram_records) && sram_records >= 2 &&
+              sram_records <= standard.sram_records,
+          "sram_records", sram_records, "a power of two from 2 to 524288");
+
+  std::vector<std::string> list = {
+      fmt::format("ARITH={}", arithmetic == Arithmetic::kHost ? "host" : "rtl")};
+  for (const Field& field : kFields)
+    if (transform >= field.since && field.get(*this) != field.get(standard))
+      list.push_back(fmt::format("{}={}", field.name, field.get(*this)));
+  return list;
+}
+
+std::optional<BoardConfig> BoardConfig::of(const std::vector<std::string>& parameters) try {
+  BoardConfig config;
+  std::set<std::string> seen;
+  for (const std::string& parameter : parameters) {
+    const std::size_t equals = std::min(parameter.find('='), parameter.size());
+    const std::string name = parameter.substr(0, equals);
+    const std::string_view value = std::string_view(parameter).substr(equals).substr(
+        std::min<std::size_t>(1, parameter.size() - equals));
+    if (!seen.insert(name).second) return std::nullopt;
+    if (name == "ARITH" && (value == "host" || value == "rtl")) {
+      config.arithmetic = value == "host" ? Arithmetic::kHost : Arithmetic::kRtl;
+      continue;
+    }
+    const auto* field = std::find_if(std::begin(kFields), std::end(kFields),
+                                     [&](const Field& f) { return name == f.name; });
+    unsigned number = 0;
+    const auto [stop, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+    if (field == std::end(kFields) || error != std::errc() || stop != value.data() + value.size())
+      return std::nullopt;
+    field->set(config, number);
+    if (field->get(config) != number) return std::nullopt;
+  }
+  (void)config.parameters();
+  return config;
+} catch (const Error&) {
+  return std::nullopt;
+}
+
+}  // namespace cde
