@@ -95,7 +95,7 @@ void Journal::fail(const char* doing) const {
                                             std::generic_category().message(errno)));
 }
 
-void Journal::damaged(std::uint64_t at, const char* why) const {
+void Journal::damaged(std::uint64_t at, std::string_view why) const {
   throw Error(ErrorCode::kFile,
               fmt::format("{}: {}, byte {}: {}", what_, printable_name(path_), at, why));
 }
@@ -146,6 +146,22 @@ std::uint64_t Journal::scan() {
   return at;
 }
 
+/// Where a line of an entry begins behind this byte.
+std::optional<std::uint64_t> Journal::entry_within(std::uint64_t from) const {
+  const auto rest = bytes_at(file_, from, bytes_ - from);
+  if (!rest) fail("cannot read");
+  constexpr std::string_view kBegin = "\n{\"part\":";
+  for (std::size_t at = rest->find(kBegin); at != std::string::npos;
+       at = rest->find(kBegin, at + 1)) {
+    const std::size_t end = rest->find('\n', at + 1);
+    if (end == std::string::npos) break;
+    const Json entry = Json::parse(rest->substr(at + 1, end - at - 1), nullptr, false);
+    if (entry.is_object() && (entry.contains("chunk") || entry.contains("chunks")))
+      return from + at + 1;
+  }
+  return std::nullopt;
+}
+
 /// False if the file ends within it. `next` is behind its line, and then behind its bytes.
 bool Journal::scan_entry(const Json& entry, std::uint64_t at, std::uint64_t& next) {
   const auto count = [&](const char* key) {
@@ -163,7 +179,14 @@ bool Journal::scan_entry(const Json& entry, std::uint64_t at, std::uint64_t& nex
                          .bytes = count("bytes"),
                          .fingerprint = entry.at("fingerprint").get<std::string>(),
                          .input = entry.at("input").get<std::string>()};
-  if (place.bytes >= bytes_ || next + place.bytes + 1 > bytes_) return false;
+  if (place.bytes >= bytes_ || next + place.bytes + 1 > bytes_) {
+    // Only the last entry can be unfinished. With another one behind it, its number is damaged.
+    if (const auto another = entry_within(next))
+      damaged(at, fmt::format("the chunk is said to have {} bytes, but another entry begins at "
+                              "byte {}",
+                              place.bytes, *another));
+    return false;
+  }
   next += place.bytes;
   if (*bytes_at(file_, next, 1) != "\n") damaged(at, "the chunk does not end where it says");
   ++next;

@@ -74,10 +74,11 @@ class Journal {
 
  private:
   [[noreturn]] void fail(const char* doing) const;
-  [[noreturn]] void damaged(std::uint64_t at, const char* why) const;
+  [[noreturn]] void damaged(std::uint64_t at, std::string_view why) const;
   void open(Use use);
   std::uint64_t scan();
   std::optional<std::string> line_at(std::uint64_t at) const;
+  std::optional<std::uint64_t> entry_within(std::uint64_t from) const;
   bool scan_entry(const nlohmann::ordered_json& entry, std::uint64_t at, std::uint64_t& next);
   void append(std::string_view bytes);
 
