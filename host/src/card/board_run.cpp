@@ -134,10 +134,8 @@ class Pass : private CardPass {
           drain(waiting - waiting % 2);
       }
       check_watchdog();
-      if (query_.progress) {
-        query_.progress(std::min(1.0, static_cast<double>(card_.clocks() - started_) /
-                                          static_cast<double>(expected_clocks_)));
-      }
+      tell_progress(std::min(1.0, static_cast<double>(card_.clocks() - started_) /
+                                      static_cast<double>(expected_clocks_)));
     }
   }
 

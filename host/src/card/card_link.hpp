@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -20,6 +23,35 @@ inline constexpr std::uint32_t kMappedBytes = 1u << 20;
 /// Of kSpaceReg, what is reached by single accesses whatever the bus; the rest by transfers.
 inline constexpr std::uint32_t kRegisterWindow = pci::kRegisters;
 
+/// Divides a simulation into steps of a tenth of a second or less of this machine's time, however
+/// slow its model is.
+class Pace {
+ public:
+  /// Calls `step(n)`, which simulates at most n units and returns those spent, until `units` are
+  /// spent or it spends fewer than n. Returns the units spent.
+  template <class Step>
+  std::uint64_t run(std::uint64_t units, const Step& step, const std::function<void()>& pause) {
+    using Clock = std::chrono::steady_clock;
+    constexpr std::chrono::milliseconds kShort{25}, kLong{100};
+    std::uint64_t spent = 0;
+    while (spent < units) {
+      const std::uint64_t wanted = std::min(size_, units - spent);
+      const auto began = Clock::now();
+      const std::uint64_t got = step(wanted);
+      const auto took = Clock::now() - began;
+      spent += got;
+      if (took < kShort && wanted == size_) size_ *= 2;
+      if (took > kLong) size_ = std::max<std::uint64_t>(1, size_ / 2);
+      if (pause) pause();
+      if (got < wanted) break;
+    }
+    return spent;
+  }
+
+ private:
+  std::uint64_t size_ = 1024;
+};
+
 /// The way from the driver to a card: accesses to its spaces over whichever bus it is plugged
 /// into, and its interrupt. Times are the card's: core clocks since power-on. Private to the
 /// driver.
@@ -35,7 +67,9 @@ class CardLink {
   virtual void read(card::Space space, std::uint32_t offset, void* data, std::uint64_t beats) = 0;
 
   /// Lets the card work until its interrupt, at most so many core clocks; returns those spent.
-  virtual std::uint64_t run(std::uint64_t max_clocks) = 0;
+  /// `pause`, if there is one, is called several times per second of this machine's time, between
+  /// clocks, and may throw.
+  virtual std::uint64_t run(std::uint64_t max_clocks, const std::function<void()>& pause = {}) = 0;
   [[nodiscard]] virtual bool interrupt() = 0;
   [[nodiscard]] virtual std::uint64_t clocks() const = 0;
   /// Modelled time since power-on, of bus and core.

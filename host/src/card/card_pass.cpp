@@ -26,17 +26,25 @@ CardPass::CardPass(Board::Impl& card, const Query& query)
       query_(query),
       started_(card.clocks()),
       registers_before_(card.register_ps),
-      wall_start_(std::chrono::steady_clock::now()) {}
+      wall_start_(std::chrono::steady_clock::now()) {
+  if (query_.progress) pause_ = [this] { query_.progress(0); };
+}
 
 std::uint64_t CardPass::work(std::uint64_t clocks) {
   const std::uint64_t asleep = card_.link->time_ps();
-  card_.link->run(clocks);
+  card_.link->run(clocks, pause_);
   waited_ps_ += card_.link->time_ps() - asleep;
   if (!card_.link->interrupt()) return 0;
   const std::uint64_t status = card_.read_register(card::kRegStatus);
   if (bit(status, card::kStatusCommandError)) device_error("command refused", status);
   if (bit(status, card::kStatusBusError)) card_.check_bus("a pass");
   return status;
+}
+
+void CardPass::tell_progress(double share) {
+  if (!query_.progress) return;
+  query_.progress(share);
+  pause_ = [this, share] { query_.progress(share); };
 }
 
 void CardPass::check_watchdog() {

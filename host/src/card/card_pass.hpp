@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,7 @@ class CardPass {
   [[nodiscard]] virtual std::string state() = 0;
 
   /// Lets the card work for so many clocks or until its interrupt; its status then, else 0. Throws
-  /// if it refused the command or an access.
+  /// if it refused the command or an access, and what Query::progress throws meanwhile.
   [[nodiscard]] std::uint64_t work(std::uint64_t clocks);
   /// Query::drain_records, an even number of them: the beat that two records share is there when
   /// both are.
@@ -48,6 +49,8 @@ class CardPass {
   /// was.
   std::uint64_t check_end(Counters& counters);
   void check_watchdog();
+  /// Calls Query::progress, and again with this share while the card works.
+  void tell_progress(double share);
 
   [[noreturn]] void timeout(const std::string& what);
   [[noreturn]] void device_error(const std::string& what, std::uint64_t status,
@@ -70,6 +73,7 @@ class CardPass {
 
   std::uint64_t registers_before_, waited_ps_ = 0, download_ps_ = 0;
   std::chrono::steady_clock::time_point wall_start_;
+  std::function<void()> pause_;  // tells the last share again
 };
 
 }  // namespace cde

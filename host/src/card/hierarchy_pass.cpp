@@ -155,7 +155,7 @@ void HierarchyPass::wait_until_done() {
     check_watchdog();
     if (query_.progress) {
       taken_ = taken();
-      query_.progress(static_cast<double>(taken_) / static_cast<double>(numbers_.size()));
+      tell_progress(static_cast<double>(taken_) / static_cast<double>(numbers_.size()));
     }
   }
 }

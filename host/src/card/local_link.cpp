@@ -83,16 +83,20 @@ class LocalLink final : public CardLink {
   }
 
   /// As the driver of a card behind PCI waits.
-  std::uint64_t run(std::uint64_t max_clocks) override {
+  std::uint64_t run(std::uint64_t max_clocks, const std::function<void()>& pause) override {
     loss_.alive();
     const std::uint64_t start = now_, end = now_ + max_clocks * period_ps_;
     std::uint64_t status = 0;  // read behind a write that may clear what is seen now
     if (posted_ && interrupt()) read(card::kSpaceReg, card::kRegStatus, &status, 1);
     for (std::uint64_t slice = kFirstAskClocks; now_ < end && !interrupt(); slice *= 2) {
       const std::uint64_t left = (end - now_ + period_ps_ - 1) / period_ps_;
-      const std::uint64_t spent = api_->run(card_, std::min(slice, left));
-      now_ += spent * period_ps_;
-      core_ = now_;
+      const auto step = [&](std::uint64_t clocks) {
+        const std::uint64_t spent = api_->run(card_, clocks);
+        now_ += spent * period_ps_;
+        core_ = now_;
+        return spent;
+      };
+      (void)pace_.run(std::min(slice, left), step, pause);
       charge(interrupt() ? BusTime::interrupt() : polled());
     }
     return (now_ - start) / period_ps_;
@@ -251,6 +255,7 @@ class LocalLink final : public CardLink {
   std::uint32_t period_ps_;
   unsigned retries_;
   BusTime bus_;
+  Pace pace_;
   std::uint64_t now_ = 0;   // modelled time
   std::uint64_t core_ = 0;  // up to which a pass has been simulated; now and then a little ahead
   bool running_ = false;    // a pass

@@ -90,13 +90,13 @@ class PciLink final : public CardLink {
 
   /// An interrupt that is lost is found by asking, at intervals that double up to kLastAskClocks:
   /// late by no more than the card worked.
-  std::uint64_t run(std::uint64_t max_clocks) override {
+  std::uint64_t run(std::uint64_t max_clocks, const std::function<void()>& pause) override {
     port_.alive();
     const std::uint64_t start = time_ps(), end = start + max_clocks * period_ps_;
     settle();
     for (std::uint64_t slice = kFirstAskClocks * period_ps_; !pending_ && time_ps() < end;
          slice = longer(slice)) {
-      pass(std::min(slice, end - time_ps()));
+      pass(std::min(slice, end - time_ps()), pause);
       if (interrupted()) break;
       if (bit(port_.load(pci::kRegIrqStatus), pci::kIrqCard) && !interrupted()) {
         pending_ = true;
@@ -169,7 +169,16 @@ class PciLink final : public CardLink {
 
  private:
   [[nodiscard]] const cde_pci_api& api() const { return port_.api(); }
-  void pass(std::uint64_t ps) { api().run(port_.host(), ps, 1); }  // until the interrupt
+  /// Until the interrupt.
+  void pass(std::uint64_t ps, const std::function<void()>& pause = {}) {
+    const std::uint64_t clocks = (ps + period_ps_ - 1) / period_ps_, end = time_ps() + ps;
+    const auto step = [&](std::uint64_t some) {
+      const std::uint64_t wanted = std::min(some * period_ps_, end - time_ps());
+      const std::uint64_t spent = api().run(port_.host(), wanted, 1);
+      return spent < wanted || interrupted() ? 0 : some;
+    };
+    (void)pace_.run(clocks, step, pause);
+  }
   [[nodiscard]] bool interrupted() const { return api().interrupt(port_.host()) != 0; }
   [[nodiscard]] std::uint64_t longer(std::uint64_t slice) const {
     return std::min(2 * slice, kLastAskClocks * period_ps_);
@@ -357,6 +366,7 @@ class PciLink final : public CardLink {
   std::uint32_t burst_;
   unsigned next_ = 0;  // descriptor
   bool lap_ = true, pending_ = false;
+  Pace pace_;
   BusCounters counters_;
 };
 
