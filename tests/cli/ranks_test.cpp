@@ -115,9 +115,9 @@ TEST_F(Ranks, ADamagedJournalIsNamed) {
   bad = journal;
   bad.replace(bad.find("\"bytes\":") + 8, 1, "99");
   write("bad", bad);
-  const Ran cut = cde(cast("y.csv", {"--resume", "bad"}));
-  EXPECT_EQ(cut.status, 0) << "it is as if it had not been written to its end";
-  EXPECT_TRUE(same("y.csv", "plain.csv"));
+  refused(cast("x.csv", {"--resume", "bad"}),
+          fmt::format("but another entry begins at byte {}", at[1]));
+  EXPECT_EQ(read("bad"), bad) << "nothing of it is cut";
   for (const char* key : {"\"bytes\":", "\"chunk\":", "\"part\":", "\"chunks\":"}) {
     for (const char* number : {"-", "0.5e1", "99999999999999", "\"1\","}) {
       bad = journal;
@@ -191,7 +191,13 @@ TEST_F(Ranks, ShardsOfACastMakeUpTheWhole) {
                          "-q",   "--resume",   "whole",  "--shard", "1/1"};
   ASSERT_EQ(cde(of_file).status, 0);
   EXPECT_EQ(cde({"merge", "whole"}).status, 0);
+  Words to_stdout = of_file;
+  to_stdout[5] = "-", to_stdout[8] = "printed";
+  ASSERT_EQ(cde(to_stdout).status, 0);
+  const Ran printed = cde({"merge", "printed"});
+  EXPECT_EQ(printed.out, read("rays.csv")) << printed.err;
   write("rays", rays + "7,7,7,0,0,-1\n");
+  EXPECT_EQ(cde({"merge", "printed"}).out, "") << "not a part of it";
   refused({"merge", "whole"}, "whole is of a run with another input: chunk 0 of it differs");
   refused(cast("x.csv", {"--shard", "1/2"}), "--shard requires --resume");
   refused(cast("x.csv", {"--shard", "0/2", "--resume", "x"}), "--shard is '0/2'; it must be I/N");

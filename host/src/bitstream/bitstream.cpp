@@ -233,8 +233,8 @@ Place build_kept(const Key& key, const std::string& kind,
   build(cache / key.file, kind, parameters);
   const auto folder = folders::open(cache);
   if (!folder || folder->distrust)
-    throw Error(ErrorCode::kFile,
-                fmt::format("bitstream cache {} is another than it was", printable_name(cache.string())));
+    throw Error(ErrorCode::kFile, fmt::format("bitstream cache {} is another than it was",
+                                              printable_name(cache.string())));
   return {cache / key.file, folder->inside / key.file};
 }
 
@@ -287,7 +287,8 @@ std::vector<std::vector<std::string>> kept_bitstreams(const std::string& kind) {
     std::error_code none;
     const auto folder = folders::open(path);
     if (!folder || folder->distrust) continue;
-    for (fs::directory_iterator entry(folder->inside, none), end; entry != end; entry.increment(none)) {
+    for (fs::directory_iterator entry(folder->inside, none), end; entry != end;
+         entry.increment(none)) {
       const fs::path& file = entry->path();
       if (!file.string().ends_with(".so.sha256") || folders::distrust(file, file)) continue;
       std::ifstream in(file);

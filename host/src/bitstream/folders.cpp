@@ -108,7 +108,8 @@ std::optional<std::string> distrust_status(const struct stat& status, const fs::
 void check_share(const fs::path& share) {
   const auto check = same(share, CDE_SOURCE_FOLDER) ? distrust_source : distrust_status;
   const auto require = [&](const fs::path& part) {
-    struct stat itself {}, target {};
+    struct stat itself {
+    }, target{};
     if (::lstat(part.c_str(), &itself) != 0 || ::stat(part.c_str(), &target) != 0) return;
     auto why = check(itself, part);
     if (!why) why = check(target, part);
@@ -120,8 +121,8 @@ void check_share(const fs::path& share) {
   for (const char* folder : {"verilator", "rtl", "host/include/cde"}) {
     require(share / folder);
     std::error_code error;
-    for (fs::recursive_directory_iterator entry(share / folder, error), end;
-         !error && entry != end; entry.increment(error))
+    for (fs::recursive_directory_iterator entry(share / folder, error), end; !error && entry != end;
+         entry.increment(error))
       require(entry->path());
   }
 }
@@ -191,8 +192,7 @@ std::optional<Opened> open(const fs::path& folder) {
   const bool link = S_ISLNK(status.st_mode);
   if (link && (!ours(status) || folder == last_resort()))
     return Opened{folder, {}, fmt::format("is a link of user {}", status.st_uid)};
-  const int fd =
-      ::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC | (link ? 0 : O_NOFOLLOW));
+  const int fd = ::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC | (link ? 0 : O_NOFOLLOW));
   if (fd < 0 || ::fstat(fd, &status) != 0) {
     const int number = errno;
     if (fd >= 0) ::close(fd);

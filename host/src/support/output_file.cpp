@@ -20,6 +20,7 @@
 #include <iterator>
 #include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "cde/support/message.hpp"
@@ -41,6 +42,8 @@ struct Slot {
 };
 using Slots = std::atomic<Slot*>;
 Slots files{nullptr}, folders{nullptr};
+
+std::atomic<bool> stdout_held = false;
 
 void remember(Slots& slots, const char* name) {
   for (Slot* slot = slots.load(); slot != nullptr; slot = slot->next) {
@@ -258,7 +261,10 @@ OutputFile::OutputFile(const fs::path& path, Use use) : path_(path) {
     make_temporary();
     return;
   }
-  if (use == Use::kByName) make_spool();
+  if (use == Use::kByName || (stdout_ && stdout_held)) make_spool();
+  if (use == Use::kByName || spool_ < 0) return;
+  const int fd = ::fcntl(spool_, F_DUPFD_CLOEXEC, 0);
+  if (fd < 0 || (held_ = ::fdopen(fd, "w")) == nullptr) fail("create");
 }
 
 void OutputFile::make_temporary() {
@@ -303,6 +309,7 @@ void OutputFile::make_spool() {
 
 OutputFile::~OutputFile() {
   if (file_ != nullptr && file_ != stdout) std::fclose(file_);
+  if (held_ != nullptr) std::fclose(held_);
   if (spool_ >= 0) ::close(spool_);
   if (!temporary_.empty()) {
     ::unlinkat(folder_, fs::path(temporary_).filename().c_str(), 0);
@@ -325,7 +332,8 @@ void OutputFile::fail(const char* doing) const {
 }
 
 void OutputFile::write(std::string_view bytes) {
-  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail("write");
+  std::FILE* const to = held_ != nullptr ? held_ : file_;
+  if (std::fwrite(bytes.data(), 1, bytes.size(), to) != bytes.size()) fail("write");
 }
 
 void OutputFile::flush() {
@@ -345,6 +353,7 @@ void OutputFile::spill() {
 }
 
 void OutputFile::commit() {
+  if (held_ != nullptr && std::fclose(std::exchange(held_, nullptr)) != 0) fail("write");
   if (spool_ >= 0) spill();
   flush();
   // Some file systems report only when a file is closed that it could not be written.
@@ -374,6 +383,10 @@ void OutputFile::put_in_place(int fd) {
   if (::renameat(folder_, name.c_str(), folder_, target.c_str()) != 0) fail("write");
   forget(files, temporary_.c_str());
   temporary_.clear();
+}
+
+void OutputFile::hold_stdout() {
+  stdout_held = true;
 }
 
 void OutputFile::remove_unfinished() noexcept {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
 #include "cde/wave/export.hpp"
 #include "cde/wave/export_names.hpp"
@@ -51,11 +52,12 @@ unsigned flags(const View& v, unsigned width) {
   }
 }
 
-/// As GTKWave calls a signal of a file.
+/// As GTKWave calls a signal of a file. A line feed in a name would begin a line of its own.
 std::string name_of(const Signal& s) {
-  return s.ranged ? s.left == s.right ? fmt::format("{}[{}]", s.name, s.left)
-                                      : fmt::format("{}[{}:{}]", s.name, s.left, s.right)
-                  : s.name;
+  const std::string name = printable_name(s.name);
+  return s.ranged ? s.left == s.right ? fmt::format("{}[{}]", name, s.left)
+                                      : fmt::format("{}[{}:{}]", name, s.left, s.right)
+                  : name;
 }
 
 class SaveFile {
@@ -96,7 +98,7 @@ class SaveFile {
     scope_.clear();
   }
   void group(unsigned kind, const std::string& name) {
-    text_ += fmt::format("@{:x}\n-{}\n", kind | kBlank, name);
+    text_ += fmt::format("@{:x}\n-{}\n", kind | kBlank, printable_name(name));
   }
   /// Some characters of a signal's value.
   void part(const View& v, unsigned first, unsigned width, const std::string& label) {
@@ -106,7 +108,7 @@ class SaveFile {
       text_ += whole + "\n";
       return;
     }
-    text_ += fmt::format("#{{{}}}", label);
+    text_ += fmt::format("#{{{}}}", printable_name(label));
     for (unsigned bit = first; bit < first + width; ++bit)
       text_ += fmt::format(" ({}){}", bit, whole);
     text_ += "\n";
@@ -119,7 +121,7 @@ class SaveFile {
 std::string whole_path(const std::filesystem::path& file) {
   std::error_code none;
   const std::filesystem::path whole = std::filesystem::absolute(file, none);
-  return (none ? file : whole.lexically_normal()).string();
+  return printable_name((none ? file : whole.lexically_normal()).string());
 }
 
 }  // namespace

@@ -52,7 +52,10 @@ class Values {
   }
   /// Texts are made when they are wanted: a signal may change often in between.
   const std::vector<std::string>& texts() {
-    for (const std::size_t i : stale_) texts_[i] = views_[i].text(whole_[i]);
+    for (const std::size_t i : stale_) {
+      texts_[i] = views_[i].text(whole_[i]);
+      if (views_[i].signal.text) texts_[i] = printable(texts_[i]);
+    }
     stale_.clear();
     return texts_;
   }
@@ -74,7 +77,7 @@ class Rows {
       : file_(file), times_(times), cycles_(times.clock_if_any() != nullptr) {}
   void head(const std::vector<View>& views) {
     std::string line = cycles_ ? "time,cycle" : "time";
-    for (const View& v : views) line += fmt::format(",{}", csv_field(v.label));
+    for (const View& v : views) line += fmt::format(",{}", csv_field(printable_name(v.label)));
     put(line);
   }
   void row(std::uint64_t time, const std::vector<std::string>& texts) {

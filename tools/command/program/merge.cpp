@@ -13,6 +13,7 @@
 #include "cde/jobs/journal.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "cde/support/output_file.hpp"
 #include "options/values.hpp"
 #include "program/program.hpp"
 #include "program/programs.hpp"
@@ -55,6 +56,7 @@ void run(const std::vector<std::string>& files, const CommandRun& again) {
       throw Error(ErrorCode::kUsage,
                   fmt::format("cde merge: {} is not finished: its command has not begun it",
                               printable_name(file)));
+    for (const auto& [number, place] : journal->chunks()) (void)journal->read(number);
     journals.push_back(std::move(journal));
   }
   Json of_all;
@@ -71,6 +73,7 @@ void run(const std::vector<std::string>& files, const CommandRun& again) {
     exit_code = other_program(*entry, merge);
     return;
   }
+  OutputFile::hold_stdout();  // what was written to it cannot be taken back
   Dealing::here().merge(std::move(journals));
   exit_code = again(words);
 }

@@ -50,6 +50,9 @@ class OutputFile {
   /// Of the file that is written, whatever the umask.
   void set_mode(unsigned mode);
 
+  /// From now on stdout gets what is written to "-" when it is committed, not as it comes.
+  static void hold_stdout();
+
   /// Removes whatever is uncommitted in this process. For handlers of signals that end it: calls
   /// nothing but unlink and rmdir.
   static void remove_unfinished() noexcept;
@@ -65,8 +68,9 @@ class OutputFile {
   std::string temporary_;  // commit() renames it to target_; empty: the target is written to
   int folder_ = -1;        // of both
   bool stdout_ = false;
-  std::FILE* file_ = nullptr;  // what write() fills
-  int spool_ = -1;             // what others fill by name for a target that is written to
+  std::FILE* file_ = nullptr;  // the target, or what becomes of it
+  std::FILE* held_ = nullptr;  // what write() fills instead
+  int spool_ = -1;             // of held_, or what others fill by name: commit() copies it
 };
 
 /// A folder for outputs, made with those above it if they are not there. Those that it made and
