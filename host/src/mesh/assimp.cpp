@@ -14,6 +14,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
@@ -33,6 +34,7 @@ namespace {
 
 constexpr char kMeshFollows = 'M';
 constexpr char kMessageFollows = 'E';
+constexpr char kTooLarge = 'B';
 
 Eigen::Matrix4d to_eigen(const aiMatrix4x4& m) {
   Eigen::Matrix4d out;
@@ -118,7 +120,8 @@ bool take_parts(std::string_view& in, std::vector<MeshPart>& parts) {
   return name == names.end();
 }
 
-/// Keeps the names of the files that an importer opens. assimp takes the URIs of glTF for names;
+/// Keeps the names of the files that an importer opens, and opens regular files alone: of a FIFO it
+/// would wait for ever. assimp takes the URIs of glTF for names;
 /// where no file is called so, the one that the URI means is opened.
 class NotingFiles : public Assimp::DefaultIOSystem {
  public:
@@ -128,8 +131,16 @@ class NotingFiles : public Assimp::DefaultIOSystem {
   }
   Assimp::IOStream* Open(const char* name, const char* mode) override {
     names_.push_back(file_of(name));
-    return DefaultIOSystem::Open(names_.back().c_str(), mode);
+    std::error_code none;
+    const auto kind = std::filesystem::status(names_.back(), none).type();
+    if (kind == std::filesystem::file_type::regular ||
+        kind == std::filesystem::file_type::not_found)
+      return DefaultIOSystem::Open(names_.back().c_str(), mode);
+    refused_ = names_.back();
+    return nullptr;
   }
+  /// What an importer wanted and is no regular file; empty if there was none.
+  [[nodiscard]] const std::string& refused() const { return refused_; }
 
  private:
   [[nodiscard]] std::string file_of(const char* name) const {
@@ -137,6 +148,7 @@ class NotingFiles : public Assimp::DefaultIOSystem {
     return !DefaultIOSystem::Exists(name) && DefaultIOSystem::Exists(meant.c_str()) ? meant : name;
   }
   std::vector<std::string>& names_;
+  std::string refused_;
 };
 
 /// Textures, which are not opened. What is in the file itself has the name "*N".
@@ -179,9 +191,16 @@ std::string import(const std::string& path) {
   try {
     std::vector<std::string> files;
     Assimp::Importer importer;
-    importer.SetIOHandler(new NotingFiles(files));  // which is the importer's from now on
+    auto* const noting = new NotingFiles(files);
+    importer.SetIOHandler(noting);  // which is the importer's from now on
     const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
-    if (scene == nullptr) return kMessageFollows + std::string(importer.GetErrorString());
+    if (!noting->refused().empty())
+      return kMessageFollows + fmt::format("names {}, which is no regular file", noting->refused());
+    if (scene == nullptr) {
+      const std::string why = importer.GetErrorString();
+      if (why.find("bad_alloc") != std::string::npos) return std::string(1, kTooLarge);
+      return kMessageFollows + why;
+    }
     // The flag is what importers say of files without meshes; some make one of the skeleton then.
     if (scene->mNumMeshes == 0 || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0)
       return kMessageFollows + std::string("has no meshes");
@@ -199,24 +218,38 @@ std::string import(const std::string& path) {
     append_names(out, files);
     return out;
   } catch (const std::bad_alloc&) {
-    return kMessageFollows + std::string("takes more memory than half of this machine's");
+    return std::string(1, kTooLarge);
   } catch (const std::exception& e) {
     return kMessageFollows + std::string(e.what());
   }
 }
 
-void limit_child(std::chrono::seconds deadline) {
+std::uint64_t memory_of(const std::filesystem::path& path, const MeshLimits& limits) {
+  constexpr std::uint64_t kLeast = 512u << 20, kPerByte = 64, kMost = std::uint64_t{2} << 30;
+  if (limits.memory != 0) return limits.memory;
+  std::error_code error;
+  const auto size = std::filesystem::file_size(path, error);
+  return error ? kLeast : std::min(kMost, kLeast + kPerByte * std::min<std::uint64_t>(size, kMost));
+}
+
+/// Bytes of data that this process has. A child begins with them.
+std::uint64_t data_bytes() {
+  std::ifstream file("/proc/self/statm");
+  std::uint64_t pages[6] = {};  // size, resident, shared, text, 0, data
+  for (std::uint64_t& count : pages) file >> count;
+  return pages[5] * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+void limit_child(std::chrono::seconds time, std::uint64_t memory) {
   const rlimit none{0, 0};
   ::setrlimit(RLIMIT_CORE, &none);
-  const auto seconds =
-      static_cast<rlim_t>(std::max<std::chrono::seconds::rep>(deadline.count(), 1));
-  const rlimit time{seconds, seconds + 1};
-  ::setrlimit(RLIMIT_CPU, &time);
+  const auto seconds = static_cast<rlim_t>(std::max<std::chrono::seconds::rep>(time.count(), 1));
+  const rlimit processor{seconds, seconds + 1};
+  ::setrlimit(RLIMIT_CPU, &processor);
   if (kSanitizer) return;  // its shadow alone takes terabytes of address space
-  const auto half = static_cast<rlim_t>(::sysconf(_SC_PHYS_PAGES)) / 2 *
-                    static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
-  const rlimit memory{half, half};
-  ::setrlimit(RLIMIT_DATA, &memory);
+  const rlim_t bytes = data_bytes() + memory;
+  const rlimit data{bytes, bytes};
+  ::setrlimit(RLIMIT_DATA, &data);
 }
 
 /// Ends the child without what the parent has registered for its own end.
@@ -227,8 +260,9 @@ void limit_child(std::chrono::seconds deadline) {
   ::_exit(status);
 }
 
-[[noreturn]] void run_child(int out, const std::string& path, std::chrono::seconds deadline) {
-  limit_child(deadline);
+[[noreturn]] void run_child(int out, const std::string& path, std::chrono::seconds time,
+                            std::uint64_t memory) {
+  limit_child(time, memory);
   // The C library's last words on a broken heap would only confuse.
   const int null = ::open("/dev/null", O_WRONLY);
   ::dup2(null, 2);
@@ -241,17 +275,24 @@ bool assimp_knows(const std::string& extension) {
   return extension.size() > 1 && Assimp::Importer().IsExtensionSupported(extension);
 }
 
-Mesh read_by_assimp(const std::filesystem::path& path, std::chrono::seconds deadline) {
+Mesh read_by_assimp(const std::filesystem::path& path, const MeshLimits& limits) {
   const std::string name = path.string();
   const auto fail = [&](const std::string& why) {
     throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(name), printable_name(why)));
   };
-  const process::Result ran = process::isolated([&](int out) { run_child(out, name, deadline); });
-  if (ran.status == 128 + SIGXCPU || ran.status == 128 + SIGKILL) {
-    fail(fmt::format(
-        "not read within {} s of processor time, or out of memory; the file is probably damaged",
-        deadline.count()));
-  }
+  const std::uint64_t memory = memory_of(path, limits);
+  const process::Result ran =
+      process::isolated([&](int out) { run_child(out, name, limits.time, memory); }, limits.time);
+  if (ran.timed_out || ran.status == 128 + SIGXCPU)
+    fail(
+        fmt::format("not read within {} s; the file is probably damaged (CDE_MESH_SECONDS sets "
+                    "another limit)",
+                    limits.time.count()));
+  if (ran.status == 128 + SIGKILL || ran.output == std::string(1, kTooLarge))
+    fail(
+        fmt::format("takes more than {} MB to read; the file is probably damaged (CDE_MESH_MEMORY "
+                    "sets another limit)",
+                    memory >> 20));
   if (ran.status != 0) fail("the importer crashed; the file is probably damaged");
   std::string_view rest = ran.output;
   if (rest.empty()) fail("the importer ended without an answer");

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -188,7 +189,24 @@ void add_materials(Mesh& mesh, const std::filesystem::path& mesh_file, const std
 
 }  // namespace
 
-Mesh load_mesh(const std::filesystem::path& path, std::chrono::seconds deadline) {
+MeshLimits MeshLimits::of_environment() {
+  MeshLimits limits;
+  const auto number = [](const char* name, std::uint64_t most) -> std::optional<std::uint64_t> {
+    const char* text = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
+    if (text == nullptr || *text == '\0') return std::nullopt;
+    std::uint32_t value = 0;
+    if (!text::parse_int(text, value) || value == 0 || value > most)
+      throw Error(ErrorCode::kUsage, fmt::format("{} is {}; it must be a whole number from 1 to {}",
+                                                 name, in_quotes(text), most));
+    return value;
+  };
+  if (const auto seconds = number("CDE_MESH_SECONDS", 86'400))
+    limits.time = std::chrono::seconds(*seconds);
+  if (const auto megabytes = number("CDE_MESH_MEMORY", 1u << 24)) limits.memory = *megabytes << 20;
+  return limits;
+}
+
+Mesh load_mesh(const std::filesystem::path& path, const MeshLimits& limits) {
   const std::string name = printable_name(path.string());
   const std::string extension = lower_extension(path);
   Mesh mesh;
@@ -209,7 +227,7 @@ Mesh load_mesh(const std::filesystem::path& path, std::chrono::seconds deadline)
           fmt::format("{}: no mesh format has the extension '{}' (.obj, .ply, .stl, .glb, ...)",
                       name, printable_name(extension)));
     }
-    mesh = mesh_readers::read_by_assimp(path, deadline);
+    mesh = mesh_readers::read_by_assimp(path, limits);
   }
   if (mesh.faces.empty() && mesh.dropped > 0) {
     throw Error(ErrorCode::kBadInput,

@@ -21,7 +21,7 @@ namespace cde::mesh_readers {
                             std::vector<std::string>& libraries);
 [[nodiscard]] Mesh read_ply(std::string_view bytes, const std::string& name);
 [[nodiscard]] Mesh read_stl(std::string_view bytes, const std::string& name);
-[[nodiscard]] Mesh read_by_assimp(const std::filesystem::path& path, std::chrono::seconds deadline);
+[[nodiscard]] Mesh read_by_assimp(const std::filesystem::path& path, const MeshLimits& limits);
 
 /// Adds a file that the mesh `mesh_file` names, if it is there and not in mesh.files yet: a path of
 /// its own, or relative to the mesh's folder, also with Windows' separators, or as a URI (%20).

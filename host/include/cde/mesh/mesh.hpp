@@ -46,6 +46,17 @@ struct Mesh {
 /// Smallest box around the vertices that a face uses; empty for a mesh without faces.
 [[nodiscard]] Eigen::AlignedBox3f bounds(const Mesh& mesh);
 
+/// What reading one mesh file through assimp may take at most.
+struct MeshLimits {
+  std::chrono::seconds time = std::chrono::seconds(30);  ///< of the clock, and of the processor
+  /// Bytes; 0: 512 MB and 64 times the file's size, at most 2 GB.
+  std::uint64_t memory = 0;
+
+  /// Those of $CDE_MESH_SECONDS and $CDE_MESH_MEMORY (MB). Error kUsage, naming the variable, if
+  /// one is no whole number above 0.
+  [[nodiscard]] static MeshLimits of_environment();
+};
+
 /// Reads OBJ, PLY (ascii, binary of either byte order) and STL (ascii, binary), and through assimp
 /// every other format that it knows (GLB, glTF, OFF, COLLADA, 3DS, ...; node transforms applied).
 /// The extension names the format.
@@ -55,15 +66,14 @@ struct Mesh {
 /// and PLY keep the file's vertices; formats without shared vertices get them where all 96 bits
 /// agree.
 ///
-/// assimp 5.2 dies or hangs on some damaged files (about one in a hundred PLYs with a few wrong
-/// bytes), so it runs in a child process, which `deadline` of processor time, rounded up to
-/// seconds, ends.
+/// assimp 5.2 dies, hangs or takes gigabytes on some damaged files, so it runs in a child process
+/// with limits. Of the files that a mesh names it reads regular ones alone.
 ///
 /// Errors: kFile, naming file and line or byte (missing, unreadable, directory, empty, malformed,
-/// truncated, corner number out of range); kBadInput (NaN or infinite vertex, by its number from 0
-/// in the mesh; no triangles).
+/// truncated, corner number out of range, over a limit); kBadInput (NaN or infinite vertex, by its
+/// number from 0 in the mesh; no triangles).
 [[nodiscard]] Mesh load_mesh(const std::filesystem::path& path,
-                             std::chrono::seconds deadline = std::chrono::seconds(120));
+                             const MeshLimits& limits = MeshLimits::of_environment());
 
 /// What the command line calls a mesh: "terrain", "terrain:QX,QY,SEED" (terrain.hpp), otherwise a
 /// path. A file that is called terrain is reached as ./terrain.
