@@ -21,12 +21,12 @@ using testing::small_mesh;
 
 constexpr const char* kMeshes[] = {"cube.obj",  "icosphere.ply",   "awkward.ply",
                                    "torus.stl", "tetrahedron.stl", "boxes.glb"};
-constexpr std::chrono::seconds kDeadline{2};
+constexpr MeshLimits kShort{.time = std::chrono::seconds(2)};
 
 /// Loads; true for a mesh that keeps its contract, false for an Error that names the file.
 bool load_survives(const std::filesystem::path& path) {
   try {
-    const Mesh mesh = load_mesh(path, kDeadline);
+    const Mesh mesh = load_mesh(path, kShort);
     check(mesh, "loaded");
     return true;
   } catch (const Error& e) {
