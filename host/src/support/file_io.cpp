@@ -12,23 +12,10 @@
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "support/descriptor.hpp"
 
 namespace cde::file_io {
 namespace {
-
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 [[noreturn]] void fail(const std::filesystem::path& path, std::string_view what) {
   throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(path.string()), what));

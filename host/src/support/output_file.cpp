@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "cde/support/message.hpp"
+#include "support/descriptor.hpp"
 
 namespace cde {
 namespace {
@@ -66,21 +67,6 @@ void forget(Slots& slots, const char* name) {
   throw Error(ErrorCode::kFile, fmt::format("{}: cannot {}: {}", printable_name(path.string()),
                                             doing, std::strerror(number)));
 }
-
-/// Closed when it ends; below zero: none.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int number() const { return number_; }
-
- private:
-  int number_;
-};
 
 /// Where a name leads.
 struct Target {
@@ -361,7 +347,7 @@ void OutputFile::commit() {
   std::FILE* const file = file_;
   file_ = nullptr;
   if (file != stdout && std::fclose(file) != 0) fail("write");
-  if (!temporary_.empty()) put_in_place(written.number());
+  if (!temporary_.empty()) put_in_place(written.get());
 }
 
 /// The new file takes mode and owner of the one that it replaces.

@@ -20,27 +20,12 @@
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "support/descriptor.hpp"
 
 extern char** environ;
 
 namespace cde::process {
 namespace {
-
-/// A file descriptor that is closed with it.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() { close(); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int get() const { return fd_; }
-  void close() {
-    if (fd_ >= 0) ::close(std::exchange(fd_, -1));
-  }
-
- private:
-  int fd_;
-};
 
 std::array<int, 2> new_pipe(ErrorCode code = ErrorCode::kBuild) {
   std::array<int, 2> ends{};
@@ -176,10 +161,15 @@ class Forwarding {
   bool installed_ = false;
 };
 
+/// This process ends by the signal when its parent does.
+void end_with(pid_t parent, int signal) {
+  ::prctl(PR_SET_PDEATHSIG, signal);
+  if (::getppid() != parent) std::raise(signal);
+}
+
 /// A byte on `done` tells the parent that `work` has not crashed.
 void work_as_child(int done, pid_t parent, const std::function<void()>& work) {
-  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (::getppid() != parent) std::raise(SIGTERM);
+  end_with(parent, SIGTERM);
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
   const auto tell = [done] { write_all(done, std::string_view("", 1)); };
@@ -223,19 +213,25 @@ Result run(const std::vector<std::string>& command) {
   return result;
 }
 
-Result isolated(const std::function<void(int out)>& work) {
+Result isolated(const std::function<void(int out)>& work, std::optional<Seconds> limit) {
   const auto ends = new_pipe(ErrorCode::kFile);
   const Descriptor from(ends[0]);
   Descriptor to(ends[1]);
-  const pid_t child = fork_process();
+  const pid_t parent = ::getpid(), child = fork_process();
   if (child == 0) {
+    end_with(parent, SIGKILL);
     ::close(from.get());
     work(to.get());
     ::_exit(0);
   }
   to.close();
   Result result;
-  result.output = read_all(from.get(), [](std::string_view) {});
+  const auto began = std::chrono::steady_clock::now();
+  result.output = read_all(from.get(), [&](std::string_view) {
+    if (!limit || result.timed_out || std::chrono::steady_clock::now() - began < *limit) return;
+    result.timed_out = true;
+    ::kill(child, SIGKILL);
+  });
   result.status = wait_for(child, &result.resident_kb);
   return result;
 }

@@ -15,16 +15,21 @@ struct Result {
   int status = 0;  ///< exit status, 128 + signal if a signal ended it
   std::string output;
   std::uint64_t resident_kb = 0;  ///< peak memory
+  bool timed_out = false;         ///< ended because its time was over
 };
 
 /// Runs a program found through PATH (or given with a slash) and waits for it. `output` is what it
 /// wrote to stdout and stderr; stdin is empty. Error kBuild if it cannot be started.
 [[nodiscard]] Result run(const std::vector<std::string>& command);
 
-/// Runs code that may crash or run for ever in a child process, a copy of this one. `work` writes
-/// its answer to the descriptor; a return from it is exit status 0. Result::output is the answer.
-/// Error kFile if no process can be made.
-[[nodiscard]] Result isolated(const std::function<void(int out)>& work);
+using Seconds = std::chrono::duration<double>;
+
+/// Runs code that may crash or run for ever in a child process, a copy of this one, which ends with
+/// this one. `work` writes its answer to the descriptor; a return from it is exit status 0.
+/// Result::output is the answer. A child that runs longer than `limit` is killed. Error kFile if no
+/// process can be made.
+[[nodiscard]] Result isolated(const std::function<void(int out)>& work,
+                              std::optional<Seconds> limit = {});
 
 /// How a child of continue_in_child ended.
 struct Ended {
@@ -43,8 +48,6 @@ struct Ended {
 
 /// Writes all of it; false if the reader takes no more.
 bool write_all(int file, std::string_view text);
-
-using Seconds = std::chrono::duration<double>;
 
 /// Runs a program as `run` does that may run long, and that ends when its stdin does: with this
 /// process, whatever ends that, and on SIGINT, SIGTERM or SIGHUP unless they are ignored. Such a
