@@ -27,15 +27,6 @@ Vec face(const oracle::Shape& a) {
   return (t.v1 - t.v0).cross(t.v2 - t.v0).normalized();
 }
 
-oracle::Shape turned(const oracle::Shape& shape, const Frame& by) {
-  if (const auto* c = std::get_if<oracle::Cylinder>(&shape))
-    return oracle::Cylinder{by * c->c, by * c->axis, c->half_height, c->radius};
-  if (const auto* b = std::get_if<oracle::Obb>(&shape))
-    return oracle::Obb{by * b->c, b->half, by * b->rotation};
-  const auto& t = std::get<oracle::Triangle>(shape);
-  return oracle::Triangle{by * t.v0, by * t.v1, by * t.v2};
-}
-
 /// Lengths and coordinates on a grid of 1, or real.
 struct Ruler {
   Random& random;
