@@ -13,9 +13,12 @@ inline void copy_rtl(const std::filesystem::path& source, const std::filesystem:
   for (const char* part : {"rtl", "verilator", "host/include/cde/abi", "host/include/cde/contract"})
     fs::copy(source / part, share / part,
              fs::copy_options::recursive | fs::copy_options::overwrite_existing);
-  for (const char* part : {"verilator", "verilator/bitstream"})
-    fs::permissions(share / part, fs::perms::group_write | fs::perms::others_write,
+  const auto close = [](const fs::path& part) {
+    fs::permissions(part, fs::perms::group_write | fs::perms::others_write,
                     fs::perm_options::remove);
+  };
+  close(share);
+  for (const auto& entry : fs::recursive_directory_iterator(share)) close(entry.path());
 }
 
 }  // namespace cde::testing

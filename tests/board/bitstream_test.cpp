@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <tuple>
 
 #include "../expect_error.hpp"
@@ -17,6 +18,8 @@
 #include "cases.hpp"
 #include "cde/card/fp_unit.hpp"
 #include "cde/card/pair_unit.hpp"
+#include "cde/support/message.hpp"
+#include "cde/support/process.hpp"
 
 namespace cde::testing {
 namespace {
@@ -270,6 +273,100 @@ TEST_F(Bitstreams, InstalledFoldersOnlyInAnInstallation) {
   expect_error(ErrorCode::kFile,
                "the bitstream builder is refused: " + (clone / "verilator/bitstream").string(),
                [] { (void)bitstream_builder(); });
+}
+
+/// The RTL, scripts and headers that the builder compiles are trusted like the builder itself.
+TEST_F(Bitstreams, TrustCoversWhatTheBuilderCompiles) {
+  const fs::path source = bitstream_builder().parent_path().parent_path(),
+                 clone = folder_ / "clone";
+  copy_rtl(source, clone);
+  set("CDE_SHARE", clone);
+  ASSERT_EQ(bitstream_builder(), clone / "verilator/bitstream");
+  for (const char* part :
+       {"rtl", "rtl/board.sv", "rtl/contract/packages.f", "verilator/accelerator/reroll",
+        "verilator/models", "verilator/models/board_model.cpp", "host/include/cde/contract",
+        "host/include/cde/abi/abi.h"}) {
+    const fs::perms before = fs::status(clone / part).permissions();
+    fs::permissions(clone / part, fs::perms::others_write, fs::perm_options::add);
+    expect_error(ErrorCode::kFile,
+                 "the bitstream builder is refused: " + (clone / part).string() + " can be written",
+                 [] { (void)bitstream_builder(); });
+    fs::permissions(clone / part, before);
+  }
+  if (::geteuid() != 0) return;
+  const fs::path link = clone / "rtl/pipes/foreign.sv";
+  fs::create_symlink(clone / "rtl/board.sv", link);
+  ASSERT_EQ(::lchown(link.c_str(), 4242, 4242), 0);
+  expect_error(ErrorCode::kFile, link.string() + " belongs to user 4242",
+               [] { (void)bitstream_builder(); });
+}
+
+/// Another user makes the folder of last resort before the victim does: a link to a folder that the
+/// victim would trust, or to one of his own.
+TEST_F(Bitstreams, TheCacheOfLastResortIsNoLink) {
+  if (::geteuid() != 0) GTEST_SKIP() << "needs two users, which root alone can be";
+  constexpr uid_t kVictim = 64'123, kAttacker = 4242;
+  const fs::path file = copy_of_host_board("ready"), last = "/tmp/cde-" + std::to_string(kVictim);
+  fs::permissions(folder_, fs::perms::others_read | fs::perms::others_exec, fs::perm_options::add);
+  for (const uid_t owner : {uid_t{0}, kAttacker}) {
+    ASSERT_EQ(::chown(file.parent_path().c_str(), owner, owner), 0);
+    fs::remove(last);
+    fs::create_directory_symlink(file.parent_path(), last);
+    ASSERT_EQ(::lchown(last.c_str(), kAttacker, kAttacker), 0);
+    const process::Result ran = process::isolated([&](int out) {
+      ::dup2(out, STDERR_FILENO);
+      if (::setgid(kVictim) != 0 || ::setuid(kVictim) != 0) ::_exit(3);
+      if (::access(builder.c_str(), R_OK | X_OK) != 0) ::_exit(77);
+      for (const char* name : {"CDE_CACHE", "CDE_BITSTREAMS", "XDG_CACHE_HOME", "HOME"})
+        ::unsetenv(name);
+      try {
+        const BitstreamFile found = bitstream_file("board", host_config().parameters());
+        ::_exit(found.built && found.path.parent_path() == last ? 1 : 0);
+      } catch (const Error& e) {
+        say(e.what());
+        ::_exit(2);
+      }
+    });
+    fs::remove(last);
+    if (ran.status == 77) GTEST_SKIP() << "other users cannot read " << builder;
+    EXPECT_EQ(ran.status, 0) << ran.output;
+    EXPECT_NE(ran.output.find(last.string() + " is refused: it is a link of user 4242"),
+              std::string::npos)
+        << ran.output;
+  }
+}
+
+/// A file of another key under a key's name, with its right checksum, is built again, once.
+TEST_F(Bitstreams, OneOfAnotherKeyIsBuiltAgain) {
+  const auto parameters = [](const char* pair) {
+    return std::vector<std::string>{std::string("PAIR=") + pair, "ARITH=host", "LANES=1"};
+  };
+  const fs::path other = bitstream_path("pair_unit", parameters("4")),
+                 file = bitstream_file("pair_unit", parameters("13")).path;
+  ASSERT_EQ(file.parent_path(), folder_ / "cache");
+  fs::copy_file(other, file);
+  std::ifstream sum(fs::path(other) += ".sha256");
+  std::string text(std::istreambuf_iterator<char>(sum), {});
+  const std::string name = other.filename();
+  text.replace(text.find(name), name.size(), file.filename());
+  std::ofstream(fs::path(file) += ".sha256") << text;
+  const auto hash = [&] {
+    const Bitstream opened = Bitstream::open("pair_unit", parameters("13"));
+    return *static_cast<const std::uint64_t*>(opened.symbol("cde_built_config_hash"));
+  };
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(hash(), bitstream_hash("pair_unit", parameters("13")));
+  const std::string said = ::testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find(file.string() + " is not used: it is of another configuration"),
+            std::string::npos)
+      << said;
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(hash(), bitstream_hash("pair_unit", parameters("13")));
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+
+  fs::remove(file);
+  fs::create_directory(file);
+  expect_error(ErrorCode::kBuild, file.string() + " is refused: it is a folder", hash);
 }
 
 TEST_F(Bitstreams, CacheIsAPrivateFolder) {
