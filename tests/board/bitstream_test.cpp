@@ -308,6 +308,7 @@ TEST_F(Bitstreams, TheCacheOfLastResortIsNoLink) {
   constexpr uid_t kVictim = 64'123, kAttacker = 4242;
   const fs::path file = copy_of_host_board("ready"), last = "/tmp/cde-" + std::to_string(kVictim);
   fs::permissions(folder_, fs::perms::others_read | fs::perms::others_exec, fs::perm_options::add);
+  const fs::path builder = bitstream_builder();
   for (const uid_t owner : {uid_t{0}, kAttacker}) {
     ASSERT_EQ(::chown(file.parent_path().c_str(), owner, owner), 0);
     fs::remove(last);

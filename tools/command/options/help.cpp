@@ -213,6 +213,8 @@ const std::vector<HelpEntry>& environment() {
       {"CDE_PRICES", "table of measured prices instead of docs/prices.json"},
       {"CDE_CLANG", "compiler of bitstreams (clang++)"},
       {"CDE_MARCH", "processor that bitstreams are compiled for, as -march has it (native)"},
+      {"CDE_MESH_MEMORY", "MB that importing a mesh may take (512 and 64 times the file, up to 2048)"},
+      {"CDE_MESH_SECONDS", "seconds that importing a mesh may take (30)"},
       {"CDE_WAVES", "folder: every card that a program opens writes waves, board-N.fst"},
       {"CDE_ASSERT", "1: bitstreams with the assertions of the RTL"},
       {"NO_COLOR", "not empty: no colours, on a terminal either"}};
