@@ -20,8 +20,9 @@ void run(const CastWords& words) {
   const CastTask task = task_of(words);
   try {
     run_cast(task);
-  } catch (const CastStopped&) {
-    say("cde: stopped; {} has the waves until then\n", printable_name(task.trace.file));
+  } catch (const CastStopped& stopped) {
+    say("cde: stopped; {} has the waves until clock {}\n", printable_name(task.trace.file),
+        stopped.clock);
     exit_code = 128 + Interrupts::signal();
   }
 }

@@ -185,6 +185,9 @@ class Run {
       count_faults(player);
       end_waves(player);
     } catch (const Stopped&) {
+      if (o_.trace.wanted())
+        say("cde: stopped; {} has the waves until clock {}\n", printable_name(o_.trace.file),
+            before_);
     } catch (const Error& e) {
       json_["error"] = e.what();
       finish(waves);
