@@ -126,9 +126,7 @@ bool take_parts(std::string_view& in, std::vector<MeshPart>& parts) {
 class NotingFiles : public Assimp::DefaultIOSystem {
  public:
   explicit NotingFiles(std::vector<std::string>& names) : names_(names) {}
-  bool Exists(const char* name) const override {
-    return DefaultIOSystem::Exists(file_of(name).c_str());
-  }
+  bool Exists(const char* name) const override { return is_there(file_of(name)); }
   Assimp::IOStream* Open(const char* name, const char* mode) override {
     names_.push_back(file_of(name));
     std::error_code none;
@@ -145,7 +143,12 @@ class NotingFiles : public Assimp::DefaultIOSystem {
  private:
   [[nodiscard]] std::string file_of(const char* name) const {
     const std::string meant = text::percent_decoded(name);
-    return !DefaultIOSystem::Exists(name) && DefaultIOSystem::Exists(meant.c_str()) ? meant : name;
+    return !is_there(name) && is_there(meant) ? meant : name;
+  }
+  /// assimp's own would open it.
+  static bool is_there(const std::string& name) {
+    std::error_code none;
+    return std::filesystem::exists(name, none);
   }
   std::vector<std::string>& names_;
   std::string refused_;

@@ -40,8 +40,9 @@ class Journal {
   /// says, `beside` is only written into a new one (kGoOn). Errors: kUsage if the file is of
   /// another run, naming what differs, or in use; kFile if it is no journal, damaged, or cannot be
   /// written.
-  Journal(std::string what, std::string path, Use use, const nlohmann::ordered_json& run = {},
-          const nlohmann::ordered_json& beside = {});
+  Journal(std::string what, std::string path, Use use,
+          const nlohmann::ordered_json& run = nlohmann::ordered_json::object(),
+          const nlohmann::ordered_json& beside = nlohmann::ordered_json::object());
   ~Journal();
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
