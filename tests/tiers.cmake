@@ -11,7 +11,7 @@
 set(CDE_DEFAULT_fp FpFormat.* FpReference.* ScalarOps.*)
 
 # Cards: what tools/mutants names, and what needs no other bitstreams than that.
-set(CDE_DEFAULT_board CardChoice.ParametersAreReadBack Checker.* Contract.* HierarchyDriver.ConfigurationsThatNoCardHas HierarchyOfSolids.ConfigurationsThatNoCardHas NoEcc.*
+set(CDE_DEFAULT_board Bitstreams.OneOf* Bitstreams.The* Bitstreams.Trust* CardChoice.ParametersAreReadBack Checker.* Contract.* HierarchyDriver.ConfigurationsThatNoCardHas HierarchyOfSolids.ConfigurationsThatNoCardHas NoEcc.*
   Cases/ReferenceKnown.* FormatConfig.NamesWhatACardHasNot FormatWords.* Registers.*)
 set(CDE_DEFAULT_bus BusFaults.NamesAreReadBack PciBar.* PciConfig.* PciCardTest.ShowsWhatItIs)
 set(CDE_DEFAULT_pipe Moller.TakesTenClocksAtOneAnOperator)

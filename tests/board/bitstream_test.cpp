@@ -306,8 +306,14 @@ TEST_F(Bitstreams, TrustCoversWhatTheBuilderCompiles) {
 TEST_F(Bitstreams, TheCacheOfLastResortIsNoLink) {
   if (::geteuid() != 0) GTEST_SKIP() << "needs two users, which root alone can be";
   constexpr uid_t kVictim = 64'123, kAttacker = 4242;
-  const fs::path file = copy_of_host_board("ready"), last = "/tmp/cde-" + std::to_string(kVictim);
+  // The build has none of this configuration; what the attacker has under its name is another one.
+  const std::vector<std::string> parameters = {"LANES=1", "SRAM_RECORDS=2"};
+  const fs::path other = copy_of_host_board("ready"),
+                 file = other.parent_path() / bitstream_file("board", parameters).path.filename(),
+                 last = "/tmp/cde-" + std::to_string(kVictim);
   fs::permissions(folder_, fs::perms::others_read | fs::perms::others_exec, fs::perm_options::add);
+  fs::rename(other, file);
+  fs::rename(fs::path(other) += ".sha256", fs::path(file) += ".sha256");
   const fs::path builder = bitstream_builder();
   for (const uid_t owner : {uid_t{0}, kAttacker}) {
     ASSERT_EQ(::chown(file.parent_path().c_str(), owner, owner), 0);
@@ -321,7 +327,7 @@ TEST_F(Bitstreams, TheCacheOfLastResortIsNoLink) {
       for (const char* name : {"CDE_CACHE", "CDE_BITSTREAMS", "XDG_CACHE_HOME", "HOME"})
         ::unsetenv(name);
       try {
-        const BitstreamFile found = bitstream_file("board", host_config().parameters());
+        const BitstreamFile found = bitstream_file("board", parameters);
         ::_exit(found.built && found.path.parent_path() == last ? 1 : 0);
       } catch (const Error& e) {
         say(e.what());
