@@ -41,7 +41,9 @@ class Pace {
       const auto took = Clock::now() - began;
       spent += got;
       if (took < kShort && wanted == size_) size_ *= 2;
-      if (took > kLong) size_ = std::max<std::uint64_t>(1, size_ / 2);
+      if (took > kLong)
+        size_ = 1 + static_cast<std::uint64_t>(static_cast<double>(wanted) *
+                                               (std::chrono::duration<double>(kShort) / took));
       if (pause) pause();
       if (got < wanted) break;
     }
@@ -49,7 +51,7 @@ class Pace {
   }
 
  private:
-  std::uint64_t size_ = 1024;
+  std::uint64_t size_ = 16;
 };
 
 /// The way from the driver to a card: accesses to its spaces over whichever bus it is plugged

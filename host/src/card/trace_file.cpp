@@ -42,17 +42,30 @@ void TraceFile::close() {
   }
 }
 
-/// A window that the run did not reach leaves a file whose start time is its end time. The header
-/// block of an FST has both: its type (1 byte), its length (8), start and end (8 each).
+/// A window that the run did not reach leaves a file whose start time is its end time.
 void TraceFile::warn_if_empty() const {
-  constexpr std::size_t kStart = 9, kEnd = 17, kTime = 8;
-  if (!std::filesystem::is_regular_file(path_)) return;
-  std::array<char, kEnd + kTime> header{};
-  std::ifstream in(path_, std::ios::binary);
-  if (!in.read(header.data(), header.size())) return;
-  if (std::equal(&header[kStart], &header[kEnd], &header[kEnd]))
+  const auto times = trace_times(path_);
+  if (times && times->first == times->second)
     say(fmt::format("cde: {} has no clock of the run: nothing ran while waves were written\n",
                     printable_name(path_)));
+}
+
+/// The header block of an FST has its type (1 byte), its length, its first and its last time (8
+/// bytes each, the highest first).
+std::optional<std::pair<std::uint64_t, std::uint64_t>> trace_times(
+    const std::filesystem::path& file) {
+  constexpr std::size_t kStart = 9, kEnd = 17, kTime = 8;
+  if (!std::filesystem::is_regular_file(file)) return std::nullopt;
+  std::array<char, kEnd + kTime> header{};
+  std::ifstream in(file, std::ios::binary);
+  if (!in.read(header.data(), header.size())) return std::nullopt;
+  const auto time = [&](std::size_t at) {
+    std::uint64_t value = 0;
+    for (std::size_t i = at; i < at + kTime; ++i)
+      value = value << 8 | static_cast<unsigned char>(header[i]);
+    return value;
+  };
+  return std::pair(time(kStart), time(kEnd));
 }
 
 }  // namespace cde

@@ -94,7 +94,7 @@ CastOutcome cast_on(Board& board, const CastTask& o, const CastJob& job, Mode mo
   std::uint64_t seen = 0, before = 0;  // since when the card was not seen to go on
   double seen_share = -1;
   const std::function<void(double)> noting = [&](double share) {
-    if (o.trace.wanted() && Interrupts::signal() != 0) throw CastStopped{board.clocks()};
+    if (o.trace.wanted() && Interrupts::signal() != 0) throw CastStopped();
     if (share != seen_share) seen = before;
     seen_share = share;
     before = board.clocks() - began;

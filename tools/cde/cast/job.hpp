@@ -46,10 +46,8 @@ struct CastOutcome {
   std::uint64_t config_hash = 0;
 };
 
-/// A cast with waves was stopped by a signal; the waves until this clock of the card are kept.
-struct CastStopped {
-  std::uint64_t clock = 0;
-};
+/// A cast with waves was stopped by a signal; the waves until then are kept.
+struct CastStopped {};
 
 /// The job's card, with its mesh.
 [[nodiscard]] Board card_of(const CastTask& task, const CastJob& job);

@@ -7,7 +7,6 @@
 
 #include "cast/job.hpp"
 #include "cde/bitstream/bitstream.hpp"
-#include "cde/support/message.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
 #include "verbs/verbs.hpp"
@@ -20,9 +19,8 @@ void run(const CastWords& words) {
   const CastTask task = task_of(words);
   try {
     run_cast(task);
-  } catch (const CastStopped& stopped) {
-    say("cde: stopped; {} has the waves until clock {}\n", printable_name(task.trace.file),
-        stopped.clock);
+  } catch (const CastStopped&) {
+    say_stopped(task.trace.file);
     exit_code = 128 + Interrupts::signal();
   }
 }

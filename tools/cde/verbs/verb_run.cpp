@@ -185,9 +185,6 @@ class Run {
       count_faults(player);
       end_waves(player);
     } catch (const Stopped&) {
-      if (o_.trace.wanted())
-        say("cde: stopped; {} has the waves until clock {}\n", printable_name(o_.trace.file),
-            before_);
     } catch (const Error& e) {
       json_["error"] = e.what();
       finish(waves);
@@ -197,6 +194,7 @@ class Run {
       throw Error(e.code(), e.what() + pack_hang(plan, e), e.fault());
     }
     finish(waves);
+    if (Interrupts::signal() != 0 && o_.trace.wanted()) say_stopped(o_.trace.file);
     if (failure_.difference && faults_.empty()) pack(plan);
     if (!waves_defect_.empty()) throw Error(ErrorCode::kFile, waves_defect_);
   }

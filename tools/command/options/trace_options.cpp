@@ -6,10 +6,12 @@
 
 #include <charconv>
 
+#include "cde/card/trace_file.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/suffix.hpp"
 #include "options/values.hpp"
+#include "output/streams.hpp"
 
 namespace cde::cli {
 namespace {
@@ -57,6 +59,12 @@ void add_trace_options(CLI::App& verb, TraceRequest& request, const std::string&
                   "given more than once")
       ->type_name("GLOB")
       ->allow_extra_args(false);
+}
+
+void say_stopped(const std::string& file) {
+  const auto times = trace_times(file);
+  say("cde: stopped; {} has the waves{}\n", printable_name(file),
+      times ? fmt::format(" until {} ps", times->second) : "");
 }
 
 }  // namespace cde::cli

@@ -19,6 +19,9 @@ struct TraceRequest {
   [[nodiscard]] TraceOptions options() const;
 };
 
+/// Says that a signal stopped the run, and until when there are waves.
+void say_stopped(const std::string& file);
+
 /// --trace, --trace-window and --trace-scope; `what` is the help of --trace.
 void add_trace_options(CLI::App& verb, TraceRequest& request, const std::string& what);
 

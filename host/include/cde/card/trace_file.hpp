@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "cde/support/output_file.hpp"
 
 namespace cde {
+
+/// First and last time of a wave file (FST) of a card, in ps; nothing if it has no header.
+[[nodiscard]] std::optional<std::pair<std::uint64_t, std::uint64_t>> trace_times(
+    const std::filesystem::path& file);
 
 /// The wave file (FST) of a run. It is kept if it is whole, also when the run fails.
 class TraceFile {
