@@ -331,6 +331,30 @@ TEST_F(Export, GtkwHasGroupsFormsAndTheMarker) {
   EXPECT_TRUE(has(read("p.gtkw"), " 33 33 -1"));
 }
 
+/// Names and texts of a file control no terminal that shows what was made of it, and begin no line.
+TEST_F(Export, NamesControlNoTerminal) {
+  {
+    Writer w(folder_ / "names.fst");
+    w.scope("t\x1b[31mp");
+    const fstHandle s = w.signal("a\x07\n@28\x1b[2J", 8);
+    w.time(0);
+    w.set(s, 3);
+    w.time(9);
+    w.set(s, 4);
+  }
+  for (const std::string name : {"names.csv", "names.gtkw", "names.vcd", "names.svg"}) {
+    SCOPED_TRACE(name);
+    const Ran ran = cde({"wave", "export", "names.fst", "-o", name});
+    ASSERT_EQ(ran.status, 0) << ran.err;
+    const std::string text = read(name);
+    for (const char c : text)
+      ASSERT_TRUE(c == '\n' || c == '\t' || static_cast<unsigned char>(c) >= ' ')
+          << static_cast<int>(c);
+  }
+  EXPECT_TRUE(has(read("names.csv"), "\\x1b[2J"));
+  EXPECT_FALSE(has(read("names.gtkw"), "\n@28\x1b"));
+}
+
 TEST_F(Export, FilesAreWholeOrNotThere) {
   write_large(folder_ / "large.fst", 200, 2000, 50);
   const std::set<std::string> before = {"a.fst", "large.fst", "old.vcd"};
