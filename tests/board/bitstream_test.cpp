@@ -371,6 +371,17 @@ TEST_F(Bitstreams, OneOfAnotherKeyIsBuiltAgain) {
   EXPECT_EQ(hash(), bitstream_hash("pair_unit", parameters("13")));
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 
+  // The same in a folder of ready-made files, which stays as it is: what was built is found.
+  set("CDE_BITSTREAMS", folder_ / "ready");
+  fs::create_directories(folder_ / "ready");
+  const fs::path ready = folder_ / "ready" / file.filename();
+  fs::copy_file(other, ready);
+  std::ofstream(fs::path(ready) += ".sha256") << text;
+  const auto built_at = fs::last_write_time(file);
+  EXPECT_EQ(hash(), bitstream_hash("pair_unit", parameters("13")));
+  EXPECT_EQ(fs::last_write_time(file), built_at);
+  unset("CDE_BITSTREAMS");
+
   fs::remove(file);
   fs::create_directory(file);
   expect_error(ErrorCode::kBuild, file.string() + " is refused: it is a folder", hash);

@@ -226,6 +226,17 @@ std::optional<Place> find_whole(const Key& key) {
   return std::nullopt;
 }
 
+/// The file of a key in the cache, if it is whole.
+std::optional<Place> kept_place(const Key& key) {
+  const fs::path cache = folders::cache();
+  const auto folder = folders::open(cache);
+  if (!folder || folder->distrust) return std::nullopt;
+  const Place place{cache / key.file, folder->inside / key.file};
+  std::error_code none;
+  if (!fs::exists(place.inside, none) || defect(place)) return std::nullopt;
+  return place;
+}
+
 /// Builds it in the cache. The caller holds the lock.
 Place build_kept(const Key& key, const std::string& kind,
                  const std::vector<std::string>& parameters) {
@@ -318,8 +329,12 @@ Bitstream Bitstream::open(const std::string& kind, const std::vector<std::string
   } catch (const Error&) {
     // Damaged in a way that only the loader sees.
   }
-  // A file in the cache is ours to replace.
+  // A file in the cache is ours to replace. One there may already stand in for a ready-made file.
   const FileLock lock = lock_of(key, kind, parameters);
+  if (const auto kept = kept_place(key); kept && kept->inside != place.inside) {
+    Bitstream found = link(kept->named, kept->inside, key.config_hash);
+    if (is_of(found, key)) return found;
+  }
   const Place built = build_kept(key, kind, parameters);
   // The loader has the old one by its name.
   return link(built.named, built.inside.parent_path() / "." / key.file, key.config_hash);

@@ -209,10 +209,10 @@ std::vector<std::string> BoardConfig::parameters() const {
   check_facet_interval(facet_interval, pairs);
   check_verdicts(*this);
   if (box && std::none_of(pairs.begin(), pairs.end(), has_box_rule))
-    throw Error(
-        ErrorCode::kUsage,
-        "the box rule is of triangles with rays, spheres, AABBs, OBBs and triangles, and of OBBs "
-        "with spheres and OBBs, of which the card has none");
+    throw Error(ErrorCode::kUsage,
+                "the box rule exists for triangles with rays, spheres, AABBs, OBBs and triangles, "
+                "and for OBBs "
+                "with spheres and OBBs, of which the card has none");
   const BoardConfig standard;
   check_hierarchy(*this);
   const bool moves = transform != Transformer::kNone, poses = transform == Transformer::kBoth;

@@ -67,7 +67,7 @@ struct MeshLimits {
 /// agree.
 ///
 /// assimp 5.2 dies, hangs or takes gigabytes on some damaged files, so it runs in a child process
-/// with limits. Of the files that a mesh names it reads regular ones alone.
+/// with limits. A mesh can name other files; only regular files among them are read.
 ///
 /// Errors: kFile, naming file and line or byte (missing, unreadable, directory, empty, malformed,
 /// truncated, corner number out of range, over a limit); kBadInput (NaN or infinite vertex, by its

@@ -47,7 +47,7 @@ class OutputFile {
   /// A name of the regular file that is written, for writers that open files themselves. It leads
   /// to this process's descriptor, whatever becomes of the folder. Invalid from commit() on.
   [[nodiscard]] std::string by_name() const;
-  /// Of the file that is written, whatever the umask.
+  /// Sets the permission bits of the file that is written. The umask does not matter.
   void set_mode(unsigned mode);
 
   /// From now on stdout gets what is written to "-" when it is committed, not as it comes.
