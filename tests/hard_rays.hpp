@@ -43,25 +43,26 @@ class Draw {
   std::mt19937_64 bits_;
 };
 
-using Scene = std::vector<Triangle>;
+using TriangleScene = std::vector<Triangle>;
 
-inline Scene triangles_of(const Mesh& mesh) {
-  Scene all;
+inline TriangleScene triangles_of(const Mesh& mesh) {
+  TriangleScene all;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) all.push_back(mesh.triangle(i));
   return all;
 }
 
-inline Scene icosphere(const Vector3f& centre, float radius = 1) {
-  Scene all = triangles_of(load_mesh(std::string(CDE_SOURCE_DIR) + "/meshes/icosphere.ply"));
+inline TriangleScene icosphere(const Vector3f& centre, float radius = 1) {
+  TriangleScene all =
+      triangles_of(load_mesh(std::string(CDE_SOURCE_DIR) + "/meshes/icosphere.ply"));
   for (Triangle& t : all)
     for (Vector3f* v : {&t.v0, &t.v1, &t.v2}) *v = *v * radius + centre;
   return all;
 }
 
 /// Axis-aligned squares on a grid of halves, some of them twice, some without area.
-inline Scene flat() {
+inline TriangleScene flat() {
   Draw draw(2);
-  Scene all;
+  TriangleScene all;
   for (int i = 0; i < 200; ++i) {
     const auto half = [&] { return std::floor(draw(-4, 5)) * 0.5f; };
     const int axis = static_cast<int>(draw.below(3));
@@ -75,9 +76,9 @@ inline Scene flat() {
 }
 
 /// As thin as 2^-14 of their length.
-inline Scene needles() {
+inline TriangleScene needles() {
   Draw draw(3);
-  Scene all;
+  TriangleScene all;
   for (int i = 0; i < 300; ++i) {
     const Vector3f from = draw.point(), along = draw.point();
     all.push_back({from, from + along, from + along * 0.5f + draw.point() * draw.power(-14, -2)});
@@ -85,8 +86,8 @@ inline Scene needles() {
   return all;
 }
 
-inline Scene tilted_plane() {
-  Scene all;
+inline TriangleScene tilted_plane() {
+  TriangleScene all;
   const Vector3f x(0.9f, 0.3f, 0.1f), y(-0.2f, 0.8f, 0.4f);
   const auto at = [&](int i, int j) -> Vector3f {
     return x * static_cast<float>(i) * 0.1f + y * static_cast<float>(j) * 0.1f;
@@ -101,9 +102,9 @@ inline Scene tilted_plane() {
 }
 
 /// From 2^-20 to 2^20 away, and as large as that.
-inline Scene sizes() {
+inline TriangleScene sizes() {
   Draw draw(4);
-  Scene all;
+  TriangleScene all;
   for (int i = 0; i < 300; ++i) {
     const float size = draw.power(-20, 20);
     const Vector3f from = draw.point() * size;
@@ -114,7 +115,7 @@ inline Scene sizes() {
 
 struct Case {
   const char* name;
-  std::function<Scene()> make;
+  std::function<TriangleScene()> make;
 };
 inline std::ostream& operator<<(std::ostream& out, const Case& c) {
   return out << c.name;
@@ -131,7 +132,7 @@ inline const Case kScenes[] = {
     {"sizes", sizes},
     {"terrain", [] { return triangles_of(make_terrain({.quads_x = 16, .quads_y = 16})); }},
     {"one_triangle", [] {
-       return Scene{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0.5f}}};
+       return TriangleScene{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0.5f}}};
      }}};
 
 // ---- Rays ----
@@ -139,7 +140,7 @@ inline const Case kScenes[] = {
 /// Rays that are hard on a hierarchy, ten kinds in turn.
 class Rays {
  public:
-  explicit Rays(const Scene& scene, unsigned seed) : scene_(scene), draw_(seed) {
+  explicit Rays(const TriangleScene& scene, unsigned seed) : scene_(scene), draw_(seed) {
     for (const Triangle& t : scene)
       for (const Vector3f& v : {t.v0, t.v1, t.v2}) box_.extend(v);
   }
@@ -202,13 +203,14 @@ class Rays {
     if (ray.d.isZero()) ray.d = Vector3f::UnitX();
     return ray;
   }
-  const Scene& scene_;
+  const TriangleScene& scene_;
   Draw draw_;
   Eigen::AlignedBox3f box_;
 };
 
 /// From inside of an icosphere at an edge or a vertex of it.
-inline Ray from_inside(const Scene& mesh, const Vector3f& centre, float radius, Draw& draw) {
+inline Ray from_inside(const TriangleScene& mesh, const Vector3f& centre, float radius,
+                       Draw& draw) {
   const Triangle& t = mesh[draw.below(mesh.size())];
   const Vector3f o = centre + draw.point() * radius * 0.5f;
   const float share = draw.below(3) == 0 ? 0 : draw(0, 1);
@@ -218,7 +220,7 @@ inline Ray from_inside(const Scene& mesh, const Vector3f& centre, float radius, 
 /// A triangle, and a ray that starts beside it and leaves along its plane, for which moller's
 /// roundings say 0 <= u, v and T = 1.1 2^127: where |T d|_1 has no number, nor has the box rule's
 /// margin.
-inline Scene edge_on() {
+inline TriangleScene edge_on() {
   return {{{0, 0, 0},
            {0x1.6337a6p18f, 0x1.6337a6p18f, 0x1.eb8818p19f},
            {0, 0x1.f6c33p-113f, 0x1.0d159ap19f}}};

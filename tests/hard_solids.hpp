@@ -15,7 +15,7 @@ namespace cde::testing::hard {
 /// Ten kinds in turn.
 class Solids {
  public:
-  explicit Solids(const Scene& scene, unsigned seed) : scene_(scene), draw_(seed) {
+  explicit Solids(const TriangleScene& scene, unsigned seed) : scene_(scene), draw_(seed) {
     for (const Triangle& t : scene)
       for (const Vector3f& v : {t.v0, t.v1, t.v2}) box_.extend(v);
   }
@@ -154,14 +154,14 @@ class Solids {
     return {within + away, away.norm() * (1 + draw_(-1, 1) * 0x1p-20f) + 0x1p-30f * edge};
   }
 
-  const Scene& scene_;
+  const TriangleScene& scene_;
   Draw draw_;
   Eigen::AlignedBox3f box_;
 };
 
 /// A box a triangle of a scene: as large as its edge, a part of that, or flat; some of them twice,
 /// about one centre, or touching the one before along an axis.
-inline std::vector<Obb> obbs_of(const Scene& scene, unsigned seed = 13) {
+inline std::vector<Obb> obbs_of(const TriangleScene& scene, unsigned seed = 13) {
   Draw draw(seed);
   std::vector<Obb> all;
   for (const Triangle& t : scene) {
@@ -185,21 +185,21 @@ inline std::vector<Obb> obbs_of(const Scene& scene, unsigned seed = 13) {
   }
   return all;
 }
-inline std::vector<Aabb> aabbs_of(const Scene& scene, unsigned seed = 13) {
+inline std::vector<Aabb> aabbs_of(const TriangleScene& scene, unsigned seed = 13) {
   std::vector<Aabb> all;
   for (const Obb& box : obbs_of(scene, seed)) all.push_back(Solids::around(box.c, box.half));
   return all;
 }
 /// Three corners of each, so that what is drawn by them is at these.
-inline Scene corners_of(const std::vector<Aabb>& boxes) {
-  Scene corners;
+inline TriangleScene corners_of(const std::vector<Aabb>& boxes) {
+  TriangleScene corners;
   for (const Aabb& b : boxes)
     corners.push_back(
         {b.min, {b.max.x(), b.min.y(), b.max.z()}, {b.min.x(), b.max.y(), b.max.z()}});
   return corners;
 }
-inline Scene corners_of(const std::vector<Obb>& boxes) {
-  Scene corners;
+inline TriangleScene corners_of(const std::vector<Obb>& boxes) {
+  TriangleScene corners;
   for (const Obb& b : boxes) {
     const auto corner = [&b](float x, float y, float z) -> Vector3f {
       return b.c + b.rotation * b.half.cwiseProduct(Vector3f(x, y, z));
@@ -208,13 +208,13 @@ inline Scene corners_of(const std::vector<Obb>& boxes) {
   }
   return corners;
 }
-inline Scene corners_of(const std::vector<Sphere>& spheres) {
-  Scene points;
+inline TriangleScene corners_of(const std::vector<Sphere>& spheres) {
+  TriangleScene points;
   for (const Sphere& s : spheres)
     points.push_back({s.c, s.c + s.r * Vector3f::UnitX(), s.c + s.r * Vector3f::UnitY()});
   return points;
 }
-inline const Scene& corners_of(const Scene& scene) {
+inline const TriangleScene& corners_of(const TriangleScene& scene) {
   return scene;
 }
 

@@ -12,7 +12,7 @@ using Cloud = std::vector<Sphere>;
 
 /// A sphere a triangle of a scene: as large as its edge, a part of that, or tiny; some of them
 /// twice, about one centre, or touching the one before.
-inline Cloud cloud_of(const Scene& scene, unsigned seed = 11) {
+inline Cloud cloud_of(const TriangleScene& scene, unsigned seed = 11) {
   Draw draw(seed);
   Cloud all;
   for (const Triangle& t : scene) {

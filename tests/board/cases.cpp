@@ -33,8 +33,8 @@ Random::Random(std::uint32_t seed) : engine_(seed) {
   std::printf("seed %u\n", seed);
 }
 
-Scene beam(Random& random, std::size_t rays, std::size_t triangles, float scale) {
-  Scene scene;
+RayScene beam(Random& random, std::size_t rays, std::size_t triangles, float scale) {
+  RayScene scene;
   for (std::size_t i = 0; i < rays; ++i) {
     Ray ray;
     ray.o = Vector3f(random.in(-1, 1), random.in(-1, 1), random.in(-6, -4)) * scale;
@@ -58,8 +58,8 @@ Scene beam(Random& random, std::size_t rays, std::size_t triangles, float scale)
   return scene;
 }
 
-Scene cloud(Random& random, std::size_t rays, std::size_t triangles) {
-  Scene scene;
+RayScene cloud(Random& random, std::size_t rays, std::size_t triangles) {
+  RayScene scene;
   for (std::size_t i = 0; i < rays; ++i) {
     const Vector3f o = random.in_box(10), target = random.in_box(4);
     scene.rays.push_back({.o = o, .d = target - o});
@@ -72,8 +72,8 @@ Scene cloud(Random& random, std::size_t rays, std::size_t triangles) {
   return scene;
 }
 
-Scene directed() {
-  Scene s;
+RayScene directed() {
+  RayScene s;
   const Triangle plain{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
   const auto down = [](float x, float y) { return Ray{.o = {x, y, 0}, .d = {0, 0, 1}}; };
 
@@ -198,7 +198,7 @@ std::string explain_lines(const reference::Checker& checker) {
   return lines;
 }
 
-std::vector<Record> cast_and_compare(Board& board, const Scene& scene, const Query& query,
+std::vector<Record> cast_and_compare(Board& board, const RayScene& scene, const Query& query,
                                      Counters* counters) {
   board.upload(scene.triangles, false);
   reference::Checker checker(scene.rays, scene.triangles, query.mode, query.stencil,

@@ -34,28 +34,28 @@ class Random {
   std::mt19937 engine_;
 };
 
-struct Scene {
+struct RayScene {
   std::vector<Ray> rays;
   std::vector<Triangle> triangles;
 };
 
 /// Rays of a beam along +z and triangles across it, such that about half of the pairs hit.
-Scene beam(Random& random, std::size_t rays, std::size_t triangles, float scale = 1.0f);
+RayScene beam(Random& random, std::size_t rays, std::size_t triangles, float scale = 1.0f);
 
 /// Small triangles scattered around the origin: a ray hits few of them.
-Scene cloud(Random& random, std::size_t rays, std::size_t triangles);
+RayScene cloud(Random& random, std::size_t rays, std::size_t triangles);
 
 /// Every directed case of the pipe: rays through corners and edges and in the plane, intervals that
 /// end on the hit and one ulp beside it, degenerate triangles, zeros of both signs, subnormal, huge
 /// and special values in every slot.
-Scene directed();
+RayScene directed();
 
 /// Pairs of the first record that differs, a line each, as `cde explain --from-test` takes them: in
 /// gates, which have the bits of both arithmetics.
 std::string explain_lines(const reference::Checker& checker);
 
 /// Runs a cast on the board and compares every record with the reference; returns the records.
-std::vector<Record> cast_and_compare(Board& board, const Scene& scene, const Query& query,
+std::vector<Record> cast_and_compare(Board& board, const RayScene& scene, const Query& query,
                                      Counters* counters = nullptr);
 
 }  // namespace cde::testing

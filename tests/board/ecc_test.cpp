@@ -28,7 +28,7 @@ class Ecc : public ::testing::Test {
   }
   Board board_;
   Random random_;
-  Scene scene_;
+  RayScene scene_;
   std::vector<Record> expected_;
 };
 
@@ -113,7 +113,7 @@ TEST(NoEcc, HasNoCheckBits) {
 TEST(NoEcc, AFlippedBitIsAnotherTriangle) {
   Board board = Board::open(small_config());
   Random random;
-  const Scene scene = beam(random, 40, 60);
+  const RayScene scene = beam(random, 40, 60);
   board.upload(scene.triangles);
   board.load(scene.rays);
   const auto expected = board.run({.mode = Mode::kNearest});

@@ -45,7 +45,7 @@ class Edges : public ::testing::Test {
   }
   Random random;
   std::optional<Board> board;
-  Scene scene;
+  RayScene scene;
   Query query{.pair = Pair::kRayTriangle};
   RecordSink nothing = [](std::span<const Record>) {};
 };
@@ -186,7 +186,7 @@ TEST_F(Edges, AWatchdogIsATime) {
 
 TEST(ReferenceEdges, ObjectsLieWithinTheTriangles) {
   Random random;
-  const Scene scene = beam(random, 4, 30);
+  const RayScene scene = beam(random, 4, 30);
   for (const auto& [first, count] : {std::pair{20u, 11u}, {31u, 1u}, {~0u, 2u}, {5u, ~0u - 3}}) {
     const std::vector<Object> objects{{.first = first, .count = count}};
     expect_in("reaches beyond the 30", refused([&] {

@@ -28,12 +28,12 @@ struct Kind {
 };
 
 /// That of `cde cast --format fp16 --lanes 4`.
-const Kind kRays{"Fp16", kFp16, {Pair::kRayTriangle}, 4, false};
+const Kind kFp16Rays{"Fp16", kFp16, {Pair::kRayTriangle}, 4, false};
 const Kind kBf16Solids{"Bf16", kBf16, {Pair::kSphereSphere, Pair::kObbPlane}, 4};
 const Kind kTf32Rays{"Tf32", kTf32, {Pair::kRayTriangle, Pair::kRayCylinder}, 4};
 const Kind kFp24Solids{"Fp24", kFp24, {Pair::kTriangleSphere, Pair::kSphereObb}, 4};
-const Kind kGates{"Fp16Gates", kFp16, {Pair::kRayTriangle, Pair::kObbPlane},
-                  2,           true,  Arithmetic::kRtl};
+const Kind kFp16Gates{"Fp16Gates", kFp16, {Pair::kRayTriangle, Pair::kObbPlane},
+                      2,           true,  Arithmetic::kRtl};
 
 BoardConfig config_of(const Kind& kind) {
   BoardConfig c;
@@ -181,15 +181,16 @@ TEST_P(Formats, EveryRecordIsTheReferences) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Boards, Formats,
-                         ::testing::Values(kRays, kBf16Solids, kTf32Rays, kFp24Solids, kGates),
+                         ::testing::Values(kFp16Rays, kBf16Solids, kTf32Rays, kFp24Solids,
+                                           kFp16Gates),
                          [](const auto& info) { return info.param.name; });
 
 /// The reference of a whole cast, with packets, a stencil and the box rule; what it answers is what
 /// the format makes of the same rays and triangles in fp32.
 TEST(FormatCast, ChecksAsTheCardCasts) {
-  Board board = Board::open(config_of(kRays));
+  Board board = Board::open(config_of(kFp16Rays));
   Random random;
-  const Scene scene = beam(random, 300, 80, 3.0f);
+  const RayScene scene = beam(random, 300, 80, 3.0f);
   Stencil stencil;
   stencil[3] = stencil[77] = true;
   std::size_t hits = 0, other = 0;
@@ -224,7 +225,7 @@ TEST(FormatCast, ChecksAsTheCardCasts) {
 TEST(FormatCast, ChecksObjects) {
   Board board = Board::open(config_of(kTf32Rays));
   Random random;
-  const Rays scene = rays(random, 100, 60);
+  const MovingRays scene = rays(random, 100, 60);
   board.upload(scene.secondaries);
   const auto moving = moving_objects(kTf32Rays, random, 60, 8);
   board.set_objects(moving);
@@ -246,7 +247,7 @@ TEST(FormatConfig, NamesWhatACardHasNot) {
   expect_error(ErrorCode::kUsage,
                "a card has no e6m9; its formats are fp16, bf16, tf32, fp24, fp32",
                [&] { (void)c.parameters(); });
-  for (const Kind& kind : {kRays, kBf16Solids, kTf32Rays, kFp24Solids, kGates}) {
+  for (const Kind& kind : {kFp16Rays, kBf16Solids, kTf32Rays, kFp24Solids, kFp16Gates}) {
     const auto back = BoardConfig::of(config_of(kind).parameters());
     ASSERT_TRUE(back) << kind.name;
     EXPECT_EQ(back->format, kind.format);
@@ -257,7 +258,7 @@ TEST(FormatConfig, NamesWhatACardHasNot) {
 
 /// A card whose words are other numbers than those asked for.
 TEST(FormatConfig, ACardOfAnotherFormatIsRefused) {
-  const BoardConfig narrow = config_of(kRays);
+  const BoardConfig narrow = config_of(kFp16Rays);
   BoardConfig wide = narrow;
   wide.format = {};
   const auto file = bitstream_path(narrow.top(), narrow.parameters());
@@ -268,7 +269,7 @@ TEST(FormatConfig, ACardOfAnotherFormatIsRefused) {
 
 /// What the format makes of a word decides, and nothing becomes infinite in silence.
 TEST(FormatInput, DefectsAreOfTheFormat) {
-  Board board = Board::open(config_of(kRays));
+  Board board = Board::open(config_of(kFp16Rays));
   const Triangle small{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
   const auto upload = [&](const Triangle& t) {
     const std::vector<Triangle> all{small, t};

@@ -33,7 +33,7 @@ std::size_t some(std::size_t quick, std::size_t thorough) {
 /// Hard ones beside what is in the tree, of which some are bad.
 template <class P, class Secondary>
 std::vector<P> hard_ones(const std::vector<Secondary>& all, std::size_t count) {
-  const Scene corners = hard::corners_of(all);
+  const TriangleScene corners = hard::corners_of(all);
   hard::Solids draws(corners, 7);
   std::vector<P> primaries;
   for (std::size_t i = 0; i < count; ++i) {
@@ -79,7 +79,7 @@ void expect_same_as_all(Board& board, const std::vector<Secondary>& all, std::si
 template <class Test>
 void in_scenes(std::size_t most, const Test& test) {
   for (const auto& one : kScenes) {
-    const Scene scene = one.make();
+    const TriangleScene scene = one.make();
     if (scene.size() > most) continue;
     SCOPED_TRACE(one.name);
     test(scene);
@@ -89,7 +89,7 @@ void in_scenes(std::size_t most, const Test& test) {
 /// CDE_FULL=1: 20,000 of each.
 TEST(HierarchyOverBoxes, RecordsAreThoseOfASweepAndOfTheReference) {
   Board board = Board::open(boxes_config());
-  in_scenes(2000, [&](const Scene& scene) {
+  in_scenes(2000, [&](const TriangleScene& scene) {
     const auto boxes = obbs_of(scene);
     expect_same_as_all<Sphere>(board, boxes, some(100, 2500));
     expect_same_as_all<Obb>(board, boxes, some(60, 2500));
@@ -101,7 +101,7 @@ TEST(HierarchyOverBoxes, RecordsAreThoseOfASweepAndOfTheReference) {
 
 TEST(HierarchyOverBoxes, TheOtherRoleOfAPair) {
   Board board = Board::open(solids_config());
-  in_scenes(400, [&](const Scene& scene) {
+  in_scenes(400, [&](const TriangleScene& scene) {
     expect_same_as_all<Triangle>(board, obbs_of(scene), some(60, 2500));
     expect_same_as_all<Triangle>(board, cloud_of(scene), some(60, 2500));
     expect_same_as_all<Sphere>(board, scene, some(60, 2500));
@@ -111,7 +111,7 @@ TEST(HierarchyOverBoxes, TheOtherRoleOfAPair) {
 /// Boxes take two beats of memory, and spheres one; check bits, slow operators.
 TEST(HierarchyOverBoxes, InGates) {
   Board board = Board::open(spheres_gates_config());
-  in_scenes(100, [&](const Scene& scene) {
+  in_scenes(100, [&](const TriangleScene& scene) {
     const auto boxes = obbs_of(scene);
     expect_same_as_all<Sphere>(board, boxes, some(8, 60));
     expect_same_as_all<Obb>(board, cloud_of(scene), some(8, 60));
@@ -123,7 +123,7 @@ TEST(HierarchyOverBoxes, WithMemoryOfEveryKind) {
   for (const OpenOptions& options :
        {OpenOptions{.ddr_latency = 300}, OpenOptions{.memory = Memory::kCycle}}) {
     Board board = Board::open(boxes_config(), options);
-    const Scene scene = kScenes[2].make();
+    const TriangleScene scene = kScenes[2].make();
     expect_same_as_all<Sphere>(board, obbs_of(scene), 60);
     expect_same_as_all<Triangle>(board, aabbs_of(scene), 20);
   }

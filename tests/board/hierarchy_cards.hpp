@@ -18,7 +18,7 @@
 /// Cards with a hierarchy, and what rays through it are to find, for tests of them.
 namespace cde::testing::through {
 
-using hard::Scene;
+using hard::TriangleScene;
 
 // Configurations of CMakeLists.txt.
 inline BoardConfig fast_config() {
@@ -163,8 +163,9 @@ std::vector<Record> expected(reference::Traversal walk, const std::vector<P>& ra
 }
 
 template <class P>
-std::vector<Record> expected(const Scene& scene, const Hierarchy& tree, const std::vector<P>& rays,
-                             Mode mode, Algorithm algorithm = Algorithm::kMoller) {
+std::vector<Record> expected(const TriangleScene& scene, const Hierarchy& tree,
+                             const std::vector<P>& rays, Mode mode,
+                             Algorithm algorithm = Algorithm::kMoller) {
   return expected(reference::Traversal(scene, tree, algorithm), rays, mode);
 }
 
@@ -218,7 +219,7 @@ inline std::size_t expect_same(const std::vector<Record>& records,
   return hits;
 }
 
-inline std::vector<Ray> hard_rays(const Scene& scene, std::size_t count) {
+inline std::vector<Ray> hard_rays(const TriangleScene& scene, std::size_t count) {
   hard::Rays draw(scene, 5);
   std::vector<Ray> rays;
   for (std::size_t i = 0; i < count; ++i) {

@@ -23,8 +23,8 @@ using hard::obbs_of;
 constexpr std::size_t kFew = 16;
 
 template <class P, class Secondary>
-std::vector<P> hard_ones(const std::vector<Secondary>& all, std::size_t count) {
-  const Scene corners = hard::corners_of(all);
+std::vector<P> hard_few(const std::vector<Secondary>& all, std::size_t count) {
+  const TriangleScene corners = hard::corners_of(all);
   if constexpr (std::is_same_v<P, Ray>) {
     return hard_rays(corners, count);
   } else {
@@ -49,7 +49,7 @@ void expect_few(Board& board, const std::vector<Secondary>& all, std::size_t cou
     else
       return reference::Traversal(all, tree);
   }();
-  const std::vector<P> primaries = hard_ones<P>(all, count);
+  const std::vector<P> primaries = hard_few<P>(all, count);
   std::size_t found = 0;
   for (const Mode mode : kModes) {
     if (mode == Mode::kFarthest && !std::is_same_v<P, Ray>) continue;  // no solid is farthest
@@ -73,13 +73,14 @@ void expect_few(Board& board, const std::vector<Secondary>& all, std::size_t cou
 }
 
 class HierarchyOfAFew : public ::testing::TestWithParam<Card> {};
-const Card kSolids{"solids", solids_config}, kMeshes{"meshes", meshes_config},
-    kSpheres{"spheres", spheres_config}, kBoxes{"boxes", boxes_config},
-    kBoxesDdr{"boxes_ddr", boxes_config, {.memory = Memory::kCycle}},
-    kSpheresGates{"spheres_gates", spheres_gates_config};
+const Card kFewSolids{"solids", solids_config}, kFewMeshes{"meshes", meshes_config},
+    kFewSpheres{"spheres", spheres_config}, kFewBoxes{"boxes", boxes_config},
+    kFewBoxesDdr{"boxes_ddr", boxes_config, {.memory = Memory::kCycle}},
+    kFewSpheresGates{"spheres_gates", spheres_gates_config};
 INSTANTIATE_TEST_SUITE_P(Cards, HierarchyOfAFew,
-                         ::testing::Values(kFast, kDdr, kGates, kLate, kWatertight, kSolids,
-                                           kMeshes, kSpheres, kBoxes, kBoxesDdr, kSpheresGates),
+                         ::testing::Values(kFast, kDdr, kGates, kLate, kWatertight, kFewSolids,
+                                           kFewMeshes, kFewSpheres, kFewBoxes, kFewBoxesDdr,
+                                           kFewSpheresGates),
                          [](const auto& card) { return std::string(card.param.name); });
 
 TEST_P(HierarchyOfAFew, RecordsAreThoseOfTheReference) {
@@ -91,7 +92,7 @@ TEST_P(HierarchyOfAFew, RecordsAreThoseOfTheReference) {
     return std::find(config.pairs.begin(), config.pairs.end(), pair) != config.pairs.end();
   };
   for (const auto& one : kScenes) {
-    const Scene scene = one.make();
+    const TriangleScene scene = one.make();
     if (scene.size() > (gates ? 100 : 2000)) continue;
     SCOPED_TRACE(one.name);
     if (has(Pair::kRayTriangle)) expect_few<Ray>(board, scene, count, config.algorithm);
@@ -112,7 +113,7 @@ TEST(HierarchyOfAFewOthers, APassThatIsLeft) {
   const auto boxes = obbs_of(kScenes[6].make());
   const Hierarchy tree = Hierarchy::build(boxes);
   board.upload(boxes, tree);
-  const auto primaries = hard_ones<Obb>(boxes, 3);
+  const auto primaries = hard_few<Obb>(boxes, 3);
   Query query = query_of<Obb, Obb>(Mode::kHits, Through::kHierarchy);
   const auto should = expected(reference::Traversal(boxes, tree), primaries, Mode::kHits);
   ASSERT_FALSE(should.empty());

@@ -31,7 +31,7 @@ Transform pose(hard::Draw& draw, float size, float far) {
 
 /// Triangles in ranges, between which some are in no object, that move.
 struct Moving {
-  Moving(Scene all, std::uint32_t count, float far = 0) : scene(std::move(all)), far(far) {
+  Moving(TriangleScene all, std::uint32_t count, float far = 0) : scene(std::move(all)), far(far) {
     const auto each = static_cast<std::uint32_t>(scene.size()) / count;
     for (std::uint32_t k = 0; k < count; ++k)
       objects.push_back({k * each + (k % 3 == 1 ? 1 : 0), each - 1, {}});
@@ -53,7 +53,7 @@ struct Moving {
     return records;
   }
 
-  Scene scene;
+  TriangleScene scene;
   float far;
   std::vector<Object> objects;
   hard::Draw draw{11};
@@ -74,7 +74,7 @@ TEST_P(HierarchyObjects, RecordsAreThoseOfASweepAndOfTheReference) {
   std::size_t hits = 0;
   for (const auto& one : kScenes) {
     SCOPED_TRACE(one.name);
-    Scene triangles = one.make();
+    TriangleScene triangles = one.make();
     if (triangles.size() < 4) continue;
     if (gates && triangles.size() > 600) triangles.resize(600);
     for (const float far : {0.0f, 1e5f}) {
@@ -193,7 +193,7 @@ TEST(HierarchyOfObjects, RefitsWhatHasMoved) {
 /// What a transform brings beyond 2^40 has no box: the refit says so, a sweep goes on.
 TEST(HierarchyOfObjects, WhatHasNoBoxIsRefused) {
   Board board = Board::open(objects_config());
-  Scene wide = kScenes[6].make();
+  TriangleScene wide = kScenes[6].make();
   for (Triangle& t : wide)
     for (Vector3f* v : {&t.v0, &t.v1, &t.v2}) *v = *v * 0x1p27f + Vector3f::Constant(0x1p38f);
   Moving world(wide, 3);

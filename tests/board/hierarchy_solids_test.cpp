@@ -26,7 +26,7 @@ constexpr Pair kPairOf = std::is_same_v<Solid, Sphere> ? Pair::kTriangleSphere
 
 /// Hard ones, of which some are bad.
 template <class Solid>
-std::vector<Solid> hard_solids(const Scene& scene, std::size_t count) {
+std::vector<Solid> hard_solids(const TriangleScene& scene, std::size_t count) {
   hard::Solids draw(scene, 7);
   std::vector<Solid> solids;
   for (std::size_t i = 0; i < count; ++i) {
@@ -61,7 +61,7 @@ void expect_all(Board& board, std::size_t count, std::size_t most = 2000) {
   std::size_t found = 0;
   for (const auto& one : kScenes) {
     SCOPED_TRACE(one.name);
-    const Scene scene = one.make();
+    const TriangleScene scene = one.make();
     if (scene.size() > most) continue;
     const Hierarchy tree = Hierarchy::build(scene, {.leaf = scene.size() % 2 == 0 ? 1u : 2u});
     board.upload(scene, tree);
@@ -86,7 +86,7 @@ void expect_all(Board& board, std::size_t count, std::size_t most = 2000) {
 
 const Card kSolids{"solids", solids_config};
 const Card kSolidsDdr{"solids_ddr", solids_config, {.memory = Memory::kCycle}};
-const Card kMeshes{"meshes", meshes_config}, kSpheresGates{"gates", spheres_gates_config};
+const Card kMeshes{"meshes", meshes_config}, kSolidsGates{"gates", spheres_gates_config};
 
 class HierarchySolids : public ::testing::TestWithParam<Card> {
  protected:
@@ -97,7 +97,7 @@ class HierarchySolids : public ::testing::TestWithParam<Card> {
 };
 INSTANTIATE_TEST_SUITE_P(Cards, HierarchySolids,
                          ::testing::Values(kSolids, kSolidsDdr, kSlow, kLate, kMeshes,
-                                           kSpheresGates),
+                                           kSolidsGates),
                          [](const auto& card) { return std::string(card.param.name); });
 
 /// CDE_FULL=1: 20,000 of each on the first card, and of triangles on the last.
@@ -115,7 +115,7 @@ TEST_P(HierarchySolids, RecordsAreThoseOfASweepAndOfTheReference) {
 /// One card, pass by pass: rays, and solids that take one place of the ring or two.
 TEST(HierarchyOfSolids, ShapesTakeTurns) {
   Board board = Board::open(solids_config());
-  const Scene scene = kScenes[6].make();
+  const TriangleScene scene = kScenes[6].make();
   const Hierarchy tree = Hierarchy::build(scene);
   board.upload(scene, tree);
   const std::vector<Ray> rays = hard_rays(scene, 5000);
@@ -145,7 +145,7 @@ TEST(HierarchyOfSolids, ShapesTakeTurns) {
 TEST(HierarchyOfSolids, WithNormals) {
   for (const Card& card : {kSolids, kSolidsDdr}) {
     Board board = Board::open(card.config(), card.options);
-    const Scene scene = kScenes[5].make();
+    const TriangleScene scene = kScenes[5].make();
     board.upload(scene, Hierarchy::build(scene));
     const auto compare = [&]<class Solid>(const std::vector<Solid>& solids) {
       std::size_t with = 0;
@@ -171,7 +171,7 @@ TEST(HierarchyOfSolids, WithNormals) {
 /// The triangles of a mesh among those of another: one record each, which normals follow.
 TEST(HierarchyOfSolids, AMeshAgainstAMesh) {
   Board board = Board::open(meshes_config());
-  const Scene ground = kScenes[6].make(), ball = hard::icosphere({1, 1, 0.4f}, 0.7f);
+  const TriangleScene ground = kScenes[6].make(), ball = hard::icosphere({1, 1, 0.4f}, 0.7f);
   const Hierarchy tree = Hierarchy::build(ground);
   board.upload(ground, tree);
   for (const Mode mode : kSolidModes) {
@@ -187,7 +187,7 @@ TEST(HierarchyOfSolids, AMeshAgainstAMesh) {
 
 TEST(HierarchyOfSolids, ObjectsMove) {
   Board board = Board::open(solids_config());
-  const Scene scene = kScenes[0].make();
+  const TriangleScene scene = kScenes[0].make();
   std::vector<Object> objects = {{.first = 0, .count = 640}, {.first = 640, .count = 640}};
   board.upload(scene);
   board.set_objects(objects);
@@ -217,7 +217,7 @@ TEST(HierarchyOfSolids, ObjectsMove) {
 
 TEST(HierarchyOfSolids, SaysWhyThereIsNoWayThrough) {
   Board board = Board::open(solids_config());
-  const Scene scene = kScenes[2].make();
+  const TriangleScene scene = kScenes[2].make();
   board.upload(scene, Hierarchy::build(scene));
   const auto why = [&](Query query) { return board.no_way_through(query).value_or(""); };
   Query query = query_of(Pair::kTriangleSphere, Mode::kNearest, Through::kAuto);

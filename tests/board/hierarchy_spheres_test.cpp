@@ -176,7 +176,7 @@ TEST(HierarchyOverSpheres, SaysWhyThereIsNoWayThrough) {
   EXPECT_NE(why(query).find("mode all"), std::string::npos);
   query = query_of<Sphere>(Mode::kFarthest, Through::kAuto);
   EXPECT_NE(why(query).find("farthest"), std::string::npos);
-  const Scene triangles = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
+  const TriangleScene triangles = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
   board.upload(triangles, Hierarchy::build(triangles));
   EXPECT_EQ(why(query_of<Ray>(Mode::kAny, Through::kAuto)), "the hierarchy is over triangles");
 }

@@ -42,7 +42,7 @@ TEST_P(HierarchyCard, RecordsAreThoseOfTheReference) {
   const std::size_t count = full ? (gates ? 3'000 : 30'000) : gates ? 100 : slow ? 300 : 1500;
   for (const Case& one : kScenes) {
     SCOPED_TRACE(one.name);
-    const Scene scene = one.make();
+    const TriangleScene scene = one.make();
     const std::vector<Ray> rays = hard_rays(scene, count);
     for (const unsigned leaf : {1u, 2u}) {
       const Hierarchy tree = Hierarchy::build(scene, {.leaf = leaf});
@@ -75,7 +75,7 @@ TEST_P(HierarchyCard, RecordsAreThoseOfTheReference) {
 TEST_P(HierarchyCard, RecordsAreThoseOfASweep) {
   Board board = Board::open(GetParam().config(), GetParam().options);
   const bool gates = GetParam().config().arithmetic == Arithmetic::kRtl;
-  const Scene scene = kScenes[2].make();  // flat, with duplicates
+  const TriangleScene scene = kScenes[2].make();  // flat, with duplicates
   const std::vector<Ray> rays = hard_rays(scene, gates ? 40 : 600);
   board.upload(scene, Hierarchy::build(scene));
   Stencil stencil;
@@ -102,7 +102,7 @@ TEST_P(HierarchyCard, RecordsAreThoseOfASweep) {
 /// A hit that is in no box, by a T d whose size overflows: neither way has it.
 TEST_P(HierarchyCard, NoHitIsBeyondItsBox) {
   Board board = Board::open(GetParam().config(), GetParam().options);
-  const Scene scene = edge_on();
+  const TriangleScene scene = edge_on();
   const Ray ray = beyond_numbers();
   board.upload(scene, Hierarchy::build(scene));
   for (const Through through : {Through::kSweep, Through::kHierarchy})
@@ -115,7 +115,7 @@ TEST(HierarchyWatertight, DoesNotLeak) {
   Board board = Board::open(watertight_config());
   Draw draw(6);
   for (const Vector3f& centre : {Vector3f(0, 0, 0), Vector3f(37, -1234, 5)}) {
-    const Scene scene = icosphere(centre);
+    const TriangleScene scene = icosphere(centre);
     std::vector<Ray> rays;
     for (int i = 0; i < 5'000; ++i) rays.push_back(from_inside(scene, centre, 1, draw));
     board.upload(scene, Hierarchy::build(scene));
@@ -137,14 +137,14 @@ TEST(HierarchyWatertight, DoesNotLeak) {
 struct Found {
   Found(std::size_t count, Mode mode)
       : rays(hard_rays(scene, count)), should(expected(scene, tree, rays, mode)) {}
-  Scene scene = kScenes[6].make();
+  TriangleScene scene = kScenes[6].make();
   Hierarchy tree = Hierarchy::build(scene);
   std::vector<Ray> rays;
   std::vector<Record> should;
 };
 
 TEST(HierarchyDriver, SaysWhyThereIsNoWayThrough) {
-  const Scene scene = kScenes[0].make();
+  const TriangleScene scene = kScenes[0].make();
   const Hierarchy tree = Hierarchy::build(scene);
   Board plain = Board::open(small_config());
   expect_error(ErrorCode::kUsage, "no node units", [&] { plain.upload(scene, tree); });
@@ -181,7 +181,7 @@ TEST(HierarchyDriver, SaysWhyThereIsNoWayThrough) {
 
 TEST(HierarchyDriver, ProgressGoesUpToOne) {
   Board board = Board::open(fast_config());
-  const Scene scene = kScenes[6].make();
+  const TriangleScene scene = kScenes[6].make();
   board.upload(scene, Hierarchy::build(scene));
   std::vector<double> shares;
   Query query{.pair = Pair::kRayTriangle, .through = Through::kHierarchy};
@@ -257,7 +257,7 @@ TEST(HierarchyDriver, RefitsWhatHasMoved) {
   for (const Card& card : {kFast, kSlow, kGates, kDdr}) {
     SCOPED_TRACE(card.name);
     Board board = Board::open(card.config(), card.options);
-    Scene scene = kScenes[6].make();
+    TriangleScene scene = kScenes[6].make();
     const Hierarchy built = Hierarchy::build(scene);
     const std::vector<Ray> rays = hard_rays(scene, card.config == gates_config ? 60 : 600);
     board.upload(scene, built);
@@ -420,7 +420,7 @@ class Malformed : public ::testing::Test {
     expect_same(board_.cast(rays_, {.through = Through::kHierarchy}),
                 expected(scene_, tree_, rays_, Mode::kNearest));
   }
-  Scene scene_ = kScenes[0].make();
+  TriangleScene scene_ = kScenes[0].make();
   Hierarchy tree_;
   std::vector<Ray> rays_ = hard_rays(scene_, 300);
   Board board_;

@@ -22,7 +22,7 @@ class Modes : public ::testing::TestWithParam<Kind> {};
 TEST_P(Modes, EveryModeMatches) {
   Board board = Board::open(GetParam().config());
   Random random;
-  const Scene scene = cloud(random, 300, 400);
+  const RayScene scene = cloud(random, 300, 400);
   for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll, Mode::kHits}) {
     SCOPED_TRACE(name_of(mode));
     Counters counters;
@@ -40,10 +40,10 @@ TEST_P(Modes, EveryModeMatches) {
 TEST_P(Modes, EveryPacketSize) {
   Board board = Board::open(GetParam().config());
   Random random;
-  const Scene all = cloud(random, 256, 20);
+  const RayScene all = cloud(random, 256, 20);
   for (std::size_t n = 1; n <= 256; n += n < 40 || n > 250 ? 1 : 13) {
     SCOPED_TRACE(n);
-    Scene scene = all;
+    RayScene scene = all;
     scene.rays.resize(n);
     EXPECT_EQ(cast_and_compare(board, scene, {}).size(), n);
     EXPECT_EQ(cast_and_compare(board, scene, {.mode = Mode::kAll}).size(), n * 20);
@@ -53,7 +53,7 @@ TEST_P(Modes, EveryPacketSize) {
 TEST_P(Modes, StencilMasksInEveryMode) {
   Board board = Board::open(GetParam().config());
   Random random;
-  const Scene scene = cloud(random, 200, 60);
+  const RayScene scene = cloud(random, 200, 60);
   Stencil scattered, halves, all;
   for (std::size_t i = 0; i < 256; ++i) scattered[i] = random.below(3) == 0, halves[i] = i < 128;
   all.set();
@@ -72,7 +72,7 @@ TEST_P(Modes, StencilMasksInEveryMode) {
 TEST_P(Modes, BadRaysAndTrianglesAreFlaggedAndCounted) {
   Board board = Board::open(GetParam().config());
   Random random;
-  Scene scene = beam(random, 100, 50);
+  RayScene scene = beam(random, 100, 50);
   scene.rays[3].o.x() = std::numeric_limits<float>::quiet_NaN();
   scene.rays[99].d.setZero();
   scene.triangles[0].v1.z() = std::numeric_limits<float>::infinity();
@@ -91,7 +91,7 @@ TEST_P(Modes, BadRaysAndTrianglesAreFlaggedAndCounted) {
 TEST_P(Modes, NoClockIsLost) {
   Board board = Board::open(GetParam().config());
   Random random;
-  const Scene scene = cloud(random, 256, 1000);
+  const RayScene scene = cloud(random, 256, 1000);
   Counters c;
   cast_and_compare(board, scene, {}, &c);
   const std::uint64_t rows = 1000 * 256 / board.lanes();
@@ -110,7 +110,7 @@ TEST_P(Modes, NoClockIsLost) {
 
 TEST_P(Modes, AnyEndsEarly) {
   Board board = Board::open(GetParam().config());
-  Scene scene;
+  RayScene scene;
   for (int i = 0; i < 10; ++i)
     scene.rays.push_back({.o = {0.1f, 0.1f, static_cast<float>(-i)}, .d = {0, 0, 1}});
   const Triangle far{{5, 5, 1}, {6, 5, 1}, {5, 6, 1}};
@@ -130,7 +130,7 @@ INSTANTIATE_TEST_SUITE_P(Boards, Modes,
 TEST(Driver, RefusesWhatMakesNoSense) {
   Board board = Board::open(small_config());
   Random random;
-  const Scene scene = beam(random, 4, 1001);
+  const RayScene scene = beam(random, 4, 1001);
   expect_error(ErrorCode::kUsage, "no secondaries", [&] { (void)board.run({}); });
   expect_error(ErrorCode::kUsage, "no triangles",
                [&] { board.upload(std::span<const Triangle>()); });
@@ -153,7 +153,7 @@ TEST(Driver, RefusesWhatMakesNoSense) {
                [] { (void)Board::open(small_config(), {.ddr_latency = 0}); });
   expect_error(ErrorCode::kUsage, "no waves", [&] { board.trace_open("/tmp/x.fst"); });
   // The board still works.
-  Scene good{scene.rays, {scene.triangles.begin(), scene.triangles.begin() + 1000}};
+  RayScene good{scene.rays, {scene.triangles.begin(), scene.triangles.begin() + 1000}};
   EXPECT_EQ(cast_and_compare(board, good, {}).size(), 4u);
   board.reset();
   expect_error(ErrorCode::kUsage, "no primaries", [&] { (void)board.run({}); });
@@ -170,7 +170,7 @@ TEST(Driver, FewerRaysAfterMore) {
 
 TEST(Driver, SlowMemoryChangesTimeOnly) {
   Random random;
-  const Scene scene = cloud(random, 256, 300);
+  const RayScene scene = cloud(random, 256, 300);
   std::uint64_t before = 0;
   for (const std::uint32_t latency : {1u, 20u, 60u, 500u}) {
     Board board = Board::open(host_config(), {.ddr_latency = latency});
@@ -184,7 +184,7 @@ TEST(Driver, SlowMemoryChangesTimeOnly) {
 TEST(Driver, MemoryFaultIsFound) {
   Board board = Board::open(host_config());
   Random random;
-  const Scene scene = beam(random, 64, 40);
+  const RayScene scene = beam(random, 64, 40);
   board.upload(scene.triangles);
   board.flip_ddr(36 * 17 + 3, 0x40);  // an exponent bit of triangle 17
   reference::Checker checker(scene.rays, scene.triangles, Mode::kAll, {}, 256, "cde cast");

@@ -46,8 +46,8 @@ std::vector<Object> objects(Random& random, std::uint32_t slots, std::size_t cou
   return all;
 }
 
-Rays rays(Random& random, std::size_t primaries, std::size_t secondaries) {
-  Rays all;
+MovingRays rays(Random& random, std::size_t primaries, std::size_t secondaries) {
+  MovingRays all;
   for (std::size_t i = 0; i < primaries; ++i) all.primaries.push_back(shape<Ray>(random));
   for (std::size_t i = 0; i < secondaries; ++i) all.secondaries.push_back(shape<Triangle>(random));
   return all;

@@ -31,7 +31,7 @@ inline const MovingBoard kMany{
     Arithmetic::kHost,
     {Pair::kRayTriangle, Pair::kSphereSphere, Pair::kRayCylinder, Pair::kObbPlane},
     8};
-inline const MovingBoard kGates{
+inline const MovingBoard kMovingGates{
     "Gates", Arithmetic::kRtl, {Pair::kRayTriangle, Pair::kObbPlane}, 2};
 inline const MovingBoard kSlowGates{"SlowGates", Arithmetic::kRtl, {Pair::kRayTriangle}, 2, 1};
 inline const MovingBoard kSlowHost{"SlowHost", Arithmetic::kHost, {Pair::kRayTriangle}, 2, 1};
@@ -85,11 +85,11 @@ std::vector<P> shapes(Random& random, std::size_t count) {
 /// Ranges anywhere in `slots`, overlapping, many of one slot.
 std::vector<Object> objects(Random& random, std::uint32_t slots, std::size_t count, bool boxes);
 
-struct Rays {
+struct MovingRays {
   std::vector<Ray> primaries;
   std::vector<Triangle> secondaries;
 };
-Rays rays(Random& random, std::size_t primaries, std::size_t secondaries);
+MovingRays rays(Random& random, std::size_t primaries, std::size_t secondaries);
 
 /// What a pass over objects answers, all modes, against the reference.
 template <class P, class S>

@@ -26,7 +26,7 @@ TEST_P(Pairs, RandomPairsMatchBitForBit) {
   std::uint64_t pairs = 0, hits = 0;
   for (std::size_t i = 0; i < GetParam().packets; ++i) {
     const int exponent = i % 2 == 0 ? 0 : static_cast<int>(random.below(61)) - 30;
-    const Scene scene = beam(random, 256, GetParam().triangles, std::ldexp(1.0f, exponent));
+    const RayScene scene = beam(random, 256, GetParam().triangles, std::ldexp(1.0f, exponent));
     for (const Record& r : cast_and_compare(board, scene, {.mode = Mode::kAll}))
       hits += r.f ? 1 : 0, ++pairs;
   }
@@ -39,7 +39,7 @@ TEST_P(Pairs, RandomPairsMatchBitForBit) {
 
 TEST_P(Pairs, DirectedPairsMatchBitForBit) {
   Board board = Board::open(GetParam().config());
-  const Scene scene = directed();
+  const RayScene scene = directed();
   std::size_t hits = 0, bad = 0;
   const auto records = cast_and_compare(board, scene, {.mode = Mode::kAll});
   for (const Record& r : records) hits += r.f ? 1 : 0, bad += r.bad ? 1 : 0;

@@ -26,7 +26,7 @@ TEST(Reduction, AnyGoesOnWhileOneRayIsMissing) {
   constexpr std::size_t kRays = 11, kBetween = 400;
   for (std::size_t last = 0; last < kRays; ++last) {
     SCOPED_TRACE(last);
-    Scene scene;
+    RayScene scene;
     for (std::size_t i = 0; i < kRays; ++i) scene.rays.push_back(ray_in(i));
     for (std::size_t i = 0; i < kRays; ++i)
       if (i != last) scene.triangles.push_back(triangle_in(i));
@@ -45,7 +45,7 @@ TEST(Reduction, AnyGoesOnWhileOneRayIsMissing) {
 /// Masked rays are not waited for, and their hits do not count for others.
 TEST(Reduction, AnyCountsOnlyActiveRays) {
   Board board = Board::open(small_config());
-  Scene scene;
+  RayScene scene;
   Stencil masked;
   for (std::size_t i = 0; i < 10; ++i) {
     scene.rays.push_back(ray_in(i));
@@ -71,7 +71,7 @@ TEST(Reduction, TiesGoToTheLowestIndex) {
     const float extreme = mode == Mode::kNearest ? 1.0f : 3.0f;
     for (const unsigned first : {0u, 1u, 5u})
       for (const unsigned apart : {1u, 2u, 7u}) {
-        Scene scene;
+        RayScene scene;
         for (std::size_t i = 0; i < 9; ++i) scene.rays.push_back(ray_in(i));
         for (std::size_t slot = 0; slot < 30; ++slot) {
           const bool tied = slot >= first && (slot - first) % apart == 0;
@@ -116,7 +116,7 @@ TEST(Reduction, TiesGoToTheLowestIndexWhateverTheOrder) {
 /// gives zeros of both signs they tie all the same.
 TEST(Reduction, ZerosTie) {
   Board board = Board::open(small_config());
-  Scene scene;
+  RayScene scene;
   for (const float dz : {1.0f, -1.0f, 0.5f})
     for (int i = 0; i < 5; ++i)
       scene.rays.push_back({.o = {0.25f, 0.25f, 1}, .d = {0.125f * static_cast<float>(i), 0, dz}});

@@ -16,7 +16,7 @@ namespace {
 const Triangle kPlain{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
 
 /// What the sweep must give, by the template alone.
-std::vector<Record> slow(const Scene& scene, Mode mode, const Stencil& stencil) {
+std::vector<Record> slow(const RayScene& scene, Mode mode, const Stencil& stencil) {
   std::vector<Record> out;
   for (std::size_t first = 0; first < scene.rays.size(); first += 256) {
     const std::size_t end = std::min(first + 256, scene.rays.size());
@@ -55,8 +55,8 @@ TEST(Reference, VectorCodeEqualsTheTemplate) {
   Random random;
   Stencil some;
   for (std::size_t i = 0; i < 256; ++i) some[i] = random.below(4) == 0;
-  for (const Scene& scene : {beam(random, 300, 200), cloud(random, 700, 300), directed(),
-                             beam(random, 1, 50, 0x1p-60f)}) {
+  for (const RayScene& scene : {beam(random, 300, 200), cloud(random, 700, 300), directed(),
+                                beam(random, 1, 50, 0x1p-60f)}) {
     for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll, Mode::kHits}) {
       for (const Stencil& stencil : {Stencil(), some}) {
         SCOPED_TRACE(name_of(mode));
@@ -70,7 +70,7 @@ TEST(Reference, VectorCodeEqualsTheTemplate) {
 /// One primary's pairs, in whatever mode: what is kept last is its record.
 TEST(Reference, TheSweepOfAPrimaryEndsWithItsRecord) {
   Random random;
-  const Scene scene = beam(random, 20, 60);
+  const RayScene scene = beam(random, 20, 60);
   for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll, Mode::kHits}) {
     SCOPED_TRACE(name_of(mode));
     const std::vector<Record> all = reference::cast(scene.rays, scene.triangles, mode, {});
@@ -166,7 +166,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& info) { return info.param.name; });
 
 TEST(Reference, TiesGoToTheLowestIndexAndBothZerosTie) {
-  Scene scene;
+  RayScene scene;
   scene.rays.push_back({.o = {0.25f, 0.25f, 1}, .d = {0, 0, 1}, .tmin = -1});
   // T is +0 on one orientation and -0 on the other.
   scene.triangles = {kPlain, {kPlain.v0, kPlain.v2, kPlain.v1}, kPlain};
@@ -194,7 +194,7 @@ TEST(Reference, DoubleAgreesWithFloatOnExactCases) {
 }
 
 TEST(Checker, HasThePairsOfADifferenceForExplain) {
-  const Scene scene{{{{0.25f, 0.25f, 0}, {0, 0, 1}}}, {kPlain}};
+  const RayScene scene{{{{0.25f, 0.25f, 0}, {0, 0, 1}}}, {kPlain}};
   auto records = reference::cast(scene.rays, scene.triangles);
   reference::Checker right(scene.rays, scene.triangles, Mode::kNearest, {}, 256, "");
   right.compare(records);
@@ -211,7 +211,7 @@ TEST(Checker, HasThePairsOfADifferenceForExplain) {
 
 TEST(Checker, NamesTheDifferenceAndHowToRepeatIt) {
   Random random;
-  const Scene scene = beam(random, 10, 20);
+  const RayScene scene = beam(random, 10, 20);
   auto records = reference::cast(scene.rays, scene.triangles);
   const auto check = [&] {
     reference::Checker checker(scene.rays, scene.triangles, Mode::kNearest, {}, 256,
@@ -247,7 +247,7 @@ TEST(Checker, NamesTheDifferenceAndHowToRepeatIt) {
 /// What `cde cast` reports: every record is compared, also those behind a difference.
 TEST(Checker, CountsWhatMatches) {
   Random random;
-  const Scene scene = beam(random, 10, 20);
+  const RayScene scene = beam(random, 10, 20);
   const auto all = reference::cast(scene.rays, scene.triangles);
   const auto expect_counts = [&](const std::vector<Record>& records, std::uint64_t compared,
                                  std::uint64_t matching, const std::string& difference) {

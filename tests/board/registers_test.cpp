@@ -54,7 +54,7 @@ class Registers : public ::testing::Test {
   }
 
   Board board_ = Board::open(small_config());
-  Scene scene_;
+  RayScene scene_;
 };
 
 TEST_F(Registers, ReadOnlyAndUnmapped) {

@@ -12,7 +12,7 @@ TEST(Ring, TinyRingLosesNothing) {
   Random random;
   for (const std::uint32_t drain : {1u, 3u, 64u, 1000u}) {
     SCOPED_TRACE(drain);
-    const Scene scene = beam(random, 100 + random.below(157), 20);
+    const RayScene scene = beam(random, 100 + random.below(157), 20);
     Counters c;
     cast_and_compare(board, scene, {.mode = Mode::kAll, .drain_records = drain}, &c);
     EXPECT_GT(c.stalls, 0u) << "the ring never filled";
@@ -26,7 +26,7 @@ TEST(Ring, MoreRecordsThanTheCardHolds) {
   Board board = Board::open(host_config());
   ASSERT_EQ(board.sram_records(), 524'288u);
   Random random;
-  const Scene scene = beam(random, 256, 3000);
+  const RayScene scene = beam(random, 256, 3000);
   board.upload(scene.triangles);
   reference::Checker checker(scene.rays, scene.triangles, Mode::kAll, {}, 256, "");
   const Counters c = board.cast(scene.rays, {.mode = Mode::kAll, .drain_records = 5000},
@@ -43,7 +43,7 @@ bool refused(Board& board) {
 
 /// A host that reads the ring whenever it likes: random numbers of beats, random pauses. The beat
 /// that two records share is there when both are, or when the pass is over.
-void read_randomly(const Scene& scene, std::size_t triangles) {
+void read_randomly(const RayScene& scene, std::size_t triangles) {
   Board board = Board::open(small_config());
   Random random;
   board.upload(scene.triangles);
@@ -106,7 +106,7 @@ TEST(Ring, BeatOfTwoRecordsIsThereWhenBothAre) {
   // A core so slow that the host can watch single records come.
   Board board = Board::open(small_config(), {.clock_period_ps = 1'000'000});
   Random random;
-  const Scene scene = beam(random, 256, 20);
+  const RayScene scene = beam(random, 256, 20);
   board.upload(scene.triangles);
   board.load(scene.rays);
   board.write_register(card::kRegCommand, card::kModeAll);
@@ -147,7 +147,7 @@ TEST(Ring, ExceptionInTheSinkLeavesTheBoardUsable) {
   Random random;
   for (const auto config : {host_config, small_config}) {
     Board board = Board::open(config());
-    const Scene scene = beam(random, 256, 40);
+    const RayScene scene = beam(random, 256, 40);
     board.upload(scene.triangles);
     for (const std::uint64_t patience : {0u, 1000u, 3000u}) {
       std::uint64_t seen = 0;
@@ -168,12 +168,12 @@ TEST(Ring, ExceptionInTheSinkLeavesTheBoardUsable) {
 TEST(Ring, DeadlineAndWatchdog) {
   Board board = Board::open(host_config());
   Random random;
-  const Scene scene = cloud(random, 256, 1000);
+  const RayScene scene = cloud(random, 256, 1000);
   board.upload(scene.triangles);
   for (const Query& query :
        {Query{.deadline_clocks = 5000}, Query{.watchdog = std::chrono::nanoseconds(1)}}) {
     const bool watchdog = query.deadline_clocks == 0;
-    Scene longer = scene;
+    RayScene longer = scene;
     if (watchdog) longer.triangles.resize(2000, scene.triangles[0]), board.upload(longer.triangles);
     try {
       (void)board.cast(scene.rays, query);
@@ -194,7 +194,7 @@ TEST(Ring, AbortAndResetInMidPass) {
   Random random;
   for (const auto config : {host_config, small_config}) {
     Board board = Board::open(config());
-    const Scene scene = beam(random, 256, 30);
+    const RayScene scene = beam(random, 256, 30);
     board.upload(scene.triangles);
     for (int i = 0; i < 60; ++i) {
       board.load(scene.rays);
@@ -216,7 +216,7 @@ TEST(Ring, AbortAndResetInMidPass) {
       ASSERT_EQ(board.read_register(card::kRegRecords), 0u);
       if (i % 6 < 2) {
         SCOPED_TRACE(i);
-        const Scene other = beam(random, 1 + random.below(256), 25);
+        const RayScene other = beam(random, 1 + random.below(256), 25);
         cast_and_compare(board, other, {.mode = static_cast<Mode>(random.below(5))});
         board.upload(scene.triangles);
       }

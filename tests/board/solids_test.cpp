@@ -31,14 +31,14 @@ void check_all_modes(Board& board, Pair pair, const std::vector<A>& a, const std
   }
 }
 
-struct Scene {
+struct SolidScene {
   std::vector<Sphere> few, many;
   std::vector<Ray> rays;
   std::vector<Triangle> triangles;
 };
 
-Scene scene() {
-  Scene s;
+SolidScene scene() {
+  SolidScene s;
   std::mt19937 random(kSeed);
   std::uniform_real_distribution<float> at(-4, 4), size(0.1f, 1.5f);
   const auto point = [&] { return Eigen::Vector3f(at(random), at(random), at(random)); };
@@ -71,7 +71,7 @@ TEST_P(Solids, SpheresWithNormalsAndRolesExchanged) {
   config.pairs = {Pair::kSphereSphere};
   config.swap = config.normals = true;
   Board board = Board::open(config);
-  const Scene s = scene();
+  const SolidScene s = scene();
   for (const bool swap : {false, true})
     for (const bool normals : {false, true})
       check_all_modes(board, Pair::kSphereSphere, s.few, s.many, swap, normals);
@@ -81,7 +81,7 @@ TEST_P(Solids, SeveralPipesOneAfterTheOther) {
   BoardConfig config = small(GetParam());
   config.pairs = {Pair::kRayTriangle, Pair::kSphereSphere};
   Board board = Board::open(config);
-  const Scene s = scene();
+  const SolidScene s = scene();
   check_all_modes(board, Pair::kRayTriangle, s.rays, s.triangles, false, false);
   check_all_modes(board, Pair::kSphereSphere, s.few, s.many, false, false);
   check_all_modes(board, Pair::kRayTriangle, s.rays, s.triangles, false, false);
@@ -179,7 +179,7 @@ TEST_P(Solids, OnlyPairsWithFacetsWait) {
   Board board = board_of_boxes(GetParam(), 3);
   const bool gates = GetParam() == Arithmetic::kRtl;
   const std::vector<Obb> few = boxes(gates ? 6 : 19, 1), many = boxes(gates ? 9 : 43, 2);
-  const Scene s = scene();
+  const SolidScene s = scene();
   for (int round = 0; round < 2; ++round) {
     Counters counters;
     check_all_modes(board, Pair::kObbObb, few, many, false, true);
@@ -220,7 +220,7 @@ TEST(SolidsRing, BesideAnotherPipe) {
   BoardConfig config = small(Arithmetic::kHost);
   config.pairs = {Pair::kSphereSphere, Pair::kCylinderCylinder};
   Board board = Board::open(config);
-  const Scene s = scene();
+  const SolidScene s = scene();
   const std::vector<Cylinder> few = cylinders(20, 1), many = cylinders(30, 2);
   for (int round = 0; round < 2; ++round) {
     check_all_modes(board, Pair::kCylinderCylinder, few, many, false, false, {4, 1, 1});
@@ -235,7 +235,7 @@ TEST_P(Solids, TwoPipesAtATime) {
   config.pairs = {Pair::kRayTriangle, Pair::kTriangleSphere};
   config.swap = config.parallel = true;
   Board board = Board::open(config);
-  const Scene s = scene();
+  const SolidScene s = scene();
   const std::span<const Ray> rays(s.rays);
   for (const std::size_t spheres : {s.few.size(), std::size_t{3}, s.many.size()}) {
     const std::vector<Sphere> balls(s.many.begin(),
@@ -284,7 +284,7 @@ TEST(SolidsDriver, RefusesWhatDoesNotFit) {
   BoardConfig config = small(Arithmetic::kHost);
   config.pairs = {Pair::kRayTriangle, Pair::kSphereSphere};
   Board board = Board::open(config);
-  const Scene s = scene();
+  const SolidScene s = scene();
   const auto message = [&](const Query& query) -> std::string {
     try {
       (void)board.run(query);
@@ -316,7 +316,7 @@ TEST(SolidsDriver, RefusesSecondPairsThatDoNotFit) {
   config.pairs = {Pair::kRayTriangle, Pair::kTriangleSphere};
   config.swap = config.parallel = true;
   Board board = Board::open(config);
-  const Scene s = scene();
+  const SolidScene s = scene();
   const std::vector<Sphere> balls(s.few.begin(), s.few.begin() + 4);
   const auto refused = [&](const Query& query, const char* why) {
     try {

@@ -15,7 +15,7 @@ namespace {
 
 TEST(Threads, BoardsInThreadsAreIndependent) {
   Random random;
-  const std::array<Scene, 2> scenes = {cloud(random, 512, 500), cloud(random, 512, 500)};
+  const std::array<RayScene, 2> scenes = {cloud(random, 512, 500), cloud(random, 512, 500)};
   std::vector<std::thread> threads;
   std::array<std::vector<Record>, 2> results;
   for (std::size_t i = 0; i < 2; ++i) {
@@ -38,7 +38,7 @@ TEST(Threads, BoardsInThreadsAreIndependent) {
 /// after another one had been closed in the same thread ended in a segmentation fault.
 TEST(Threads, BoardsCloseInAnyOrderAndThread) {
   Random random;
-  const Scene scene = cloud(random, 20, 20);
+  const RayScene scene = cloud(random, 20, 20);
   for (const bool first_goes_first : {true, false}) {
     auto first = std::make_unique<Board>(Board::open(host_config()));
     auto second = std::make_unique<Board>(Board::open(host_config()));
@@ -65,7 +65,7 @@ TEST(Threads, BoardsOfEveryKindAtATime) {
       Random random(static_cast<std::uint32_t>(100 + i));
       for (unsigned round = 0; round < 4; ++round) {
         Board board = Board::open(kinds[i]);
-        const Scene scene = beam(random, 60, 40);
+        const RayScene scene = beam(random, 60, 40);
         const Query query{.mode = round % 2 == 0 ? Mode::kAll : Mode::kNearest,
                           .pair = Pair::kRayTriangle};
         records[i] += cast_and_compare(board, scene, query).size();

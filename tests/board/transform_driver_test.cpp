@@ -15,7 +15,7 @@ using namespace card;
 TEST(ObjectDriver, WhatMovesOutOfTheRangeIsBadInput) {
   Board board = Board::open(config_of(kSlowHost));
   Random random;
-  Rays scene = rays(random, 9, 12);
+  MovingRays scene = rays(random, 9, 12);
   scene.secondaries[4].v1.x() = 0x1p40f;
   scene.primaries[2].o.x() = -0x1p40f;
   Transform there, back;
@@ -137,7 +137,7 @@ TEST(ObjectDriver, PrimariesOfBothPairsMove) {
 TEST(ObjectDriver, AMoveUploadsTwelveWords) {
   Board board = Board::open(config_of(kMany));
   Random random;
-  const Rays scene = rays(random, 40, 60);
+  const MovingRays scene = rays(random, 40, 60);
   board.upload(scene.secondaries);
   board.load(scene.primaries);
   std::vector<Object> moving = objects(random, 60, 6, false),
@@ -193,7 +193,7 @@ TEST(ObjectDriver, RefusesWhatMakesNoSense) {
   expect_error(ErrorCode::kUsage, "objects is 1", [&] { (void)config.parameters(); });
   Board board = Board::open(config_of(kMany));
   Random random;
-  const Rays scene = rays(random, 10, 20);
+  const MovingRays scene = rays(random, 10, 20);
   board.upload(scene.secondaries);
   board.load(scene.primaries);
   const auto set = [&](const Object& object) {
@@ -266,7 +266,7 @@ TEST(ObjectDriver, AabbsAreNotRotated) {
 
 TEST(ObjectDriver, CardsWithoutATransformerRefuse) {
   Random random;
-  const Rays scene = rays(random, 10, 20);
+  const MovingRays scene = rays(random, 10, 20);
   for (const Transformer transform : {Transformer::kNone, Transformer::kSecondaries}) {
     Board board =
         transform == Transformer::kNone
@@ -309,7 +309,7 @@ TEST(ObjectDriver, CardsWithoutATransformerRefuse) {
 TEST(ObjectDriver, CastsAreCheckedLikeOthers) {
   Board board = Board::open(config_of(kSlowHost));
   Random random;
-  const Rays scene = rays(random, 600, 50);
+  const MovingRays scene = rays(random, 600, 50);
   const auto moving = objects(random, 50, 12, false);
   board.upload(scene.secondaries);
   board.set_objects(moving);

@@ -45,7 +45,7 @@ class ObjectTableBus : public ::testing::Test {
   }
 
   Random random_;
-  Rays scene_ = rays(random_, 20, 30);
+  MovingRays scene_ = rays(random_, 20, 30);
   Board board_ = Board::open(config_of(kSlowHost));
 };
 

@@ -49,14 +49,14 @@ TEST_P(Objects, EveryShapeInBothRoles) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Boards, Objects,
-                         ::testing::Values(kMany, kGates, kSlowGates, kSlowHost, kBoxes),
+                         ::testing::Values(kMany, kMovingGates, kSlowGates, kSlowHost, kBoxes),
                          [](const auto& info) { return info.param.name; });
 
 TEST(ObjectClocks, AreThoseOfTheGates) {
   std::vector<Counters> counted;
   for (const MovingBoard& kind : {kSlowHost, kSlowGates}) {
     Random random;
-    const Rays scene = rays(random, 30, 200);
+    const MovingRays scene = rays(random, 30, 200);
     Board board = Board::open(config_of(kind));
     board.upload(scene.secondaries);
     board.load(scene.primaries);
@@ -108,7 +108,7 @@ TEST(ObjectClocks, NoneIsLostBetweenObjects) {
 TEST(ObjectClocks, PrimariesArePosedWhenTheyMoved) {
   Board board = Board::open(config_of(kMany));
   Random random;
-  const Rays scene = rays(random, 100, 50);
+  const MovingRays scene = rays(random, 100, 50);
   board.upload(scene.secondaries);
   board.load(scene.primaries);
   std::vector<Object> posing{{10, 20, motion(random)}, {50, 7, motion(random)}};

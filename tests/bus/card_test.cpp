@@ -32,7 +32,7 @@ struct PciCard : BusCard {
     map_range(0, 63);
     start_ring();
   }
-  void load(const Scene& scene) {
+  void load(const RayScene& scene) {
     const auto triangles = words_of(scene.triangles), rays = words_of(scene.rays);
     put(kTriangles, triangles);
     put(kRays, rays);
@@ -100,7 +100,7 @@ TEST(PciCardTest, ShowsWhatItIs) {
 
 void expect_same(Board& board, PciCard& card) {
   Random random;
-  for (const Scene& scene :
+  for (const RayScene& scene :
        {beam(random, 60, 700), cloud(random, 64, 300), beam(random, 33, 111)}) {
     board.upload(scene.triangles);
     board.load(scene.rays);

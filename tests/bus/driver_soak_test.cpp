@@ -253,7 +253,7 @@ class DriverSoak {
   Random random_;
   Tally& tally_;
   Board board_;
-  Scene scene_;
+  RayScene scene_;
   std::vector<Object> objects_;
   Query query_;
   std::array<std::uint64_t, kKinds> ordered_{};

@@ -22,7 +22,7 @@ class PciDriver : public ::testing::TestWithParam<const char*> {};
 TEST_P(PciDriver, EveryModeMatches) {
   Board board = Board::open(pci_config(), options(GetParam(), 256));
   Random random;
-  const Scene scene = cloud(random, 300, 400);
+  const RayScene scene = cloud(random, 300, 400);
   for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll, Mode::kHits}) {
     SCOPED_TRACE(name_of(mode));
     EXPECT_GT(cast_and_compare(board, scene, {.mode = mode}).size(), 50u);
@@ -56,7 +56,7 @@ TEST_P(PciFaults, EndInRightRecordsOrOneClearError) {
   Random random;
   std::uint64_t errors = 0;
   for (unsigned round = 0; round < 60; ++round) {
-    const Scene scene = cloud(random, 1 + random.below(80), 1 + random.below(300));
+    const RayScene scene = cloud(random, 1 + random.below(80), 1 + random.below(300));
     const Mode mode = random.below(2) == 0 ? Mode::kAll : Mode::kNearest;
     SCOPED_TRACE(fmt::format("round {}, mode {}", round, name_of(mode)));
     const auto hurt = [&] {
@@ -114,7 +114,7 @@ TEST(PciDriverErrors, ARepeatedPassDeliversEachRecordOnce) {
     config.bus = Bus::kCycle;
     Board board = Board::open(config, options("ideal"));
     Random random;
-    const Scene scene = beam(random, kRays, small_ring ? kTriangles / 2 : kTriangles);
+    const RayScene scene = beam(random, kRays, small_ring ? kTriangles / 2 : kTriangles);
     const auto expected = reference::cast(scene.rays, scene.triangles, Mode::kAll);
     ASSERT_GT(expected.size(), 8192u);
     board.upload(scene.triangles);
@@ -146,7 +146,7 @@ TEST(PciDriverErrors, ARepeatedPassDeliversEachRecordOnce) {
 TEST(PciDriverErrors, ATransferIsTakenUpWhereItEnded) {
   Board board = Board::open(pci_config(), options("ideal", 256));
   Random random;
-  const Scene scene = beam(random, 20, 100);
+  const RayScene scene = beam(random, 20, 100);
   const auto expected = reference::cast(scene.rays, scene.triangles, Mode::kAll);
   board.inject(BusFault::kTargetAbort, 2, 9);  // the descriptor has fewer data phases
   board.upload(scene.triangles);
@@ -162,7 +162,7 @@ TEST(PciDriverErrors, ATransferIsTakenUpWhereItEnded) {
 TEST(PciDriverErrors, AnAbortThatStaysIsOneError) {
   Board board = Board::open(pci_config(), options("ideal"));
   Random random;
-  const Scene scene = beam(random, 20, 100);
+  const RayScene scene = beam(random, 20, 100);
   board.inject(BusFault::kTargetAbort, 1000, 0);
   try {
     board.upload(scene.triangles);
@@ -211,7 +211,7 @@ class PciEcc : public ::testing::Test {
   }
 
   Random random_;
-  Scene scene_ = beam(random_, 20, 60);
+  RayScene scene_ = beam(random_, 20, 60);
   Board board_;
   Query query_{.mode = Mode::kAll, .pair = Pair::kRayTriangle};
   std::vector<Record> expected_;

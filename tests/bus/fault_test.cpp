@@ -9,18 +9,18 @@
 namespace cde::testing {
 namespace {
 
-struct Setting {
+struct FaultSetting {
   bool to_host, narrow;
 
-  friend void PrintTo(const Setting& s, std::ostream* out) {
+  friend void PrintTo(const FaultSetting& s, std::ostream* out) {
     *out << (s.to_host ? "to the host" : "to the card") << (s.narrow ? ", 32 bits" : ", 64 bits");
   }
 };
-std::string name_of(const ::testing::TestParamInfo<Setting>& info) {
+std::string name_of(const ::testing::TestParamInfo<FaultSetting>& info) {
   return std::string(info.param.to_host ? "ToHost" : "ToCard") + (info.param.narrow ? "32" : "64");
 }
 
-class PciFault : public ::testing::TestWithParam<Setting> {
+class PciFault : public ::testing::TestWithParam<FaultSetting> {
  protected:
   static constexpr std::uint32_t kData = BusCard::kFirstFree * 4096, kBytes = 10'000 / 8 * 8;
 
@@ -215,8 +215,8 @@ TEST_P(PciFault, DescriptorAndRecordCannotBeReached) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Directions, PciFault,
-                         ::testing::Values(Setting{false, false}, Setting{false, true},
-                                           Setting{true, false}, Setting{true, true}),
+                         ::testing::Values(FaultSetting{false, false}, FaultSetting{false, true},
+                                           FaultSetting{true, false}, FaultSetting{true, true}),
                          name_of);
 
 }  // namespace

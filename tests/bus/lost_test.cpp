@@ -37,7 +37,7 @@ TEST(NoAnswer, ShortOnesEndRight) {
   Board board = Board::open(pci_config());
   Random random;
   for (unsigned round = 0; round < 40; ++round) {
-    const Scene scene = beam(random, 1 + random.below(40), 1 + random.below(40));
+    const RayScene scene = beam(random, 1 + random.below(40), 1 + random.below(40));
     board.inject(BusFault::kNoAnswer, 1 + random.below(4));
     (void)cast_and_compare(board, scene, {.mode = round % 2 != 0 ? Mode::kAll : Mode::kNearest});
     (void)board.clocks();
@@ -94,7 +94,7 @@ class Lost : public ::testing::Test {
 
   Random random;
   Board board;
-  Scene scene;
+  RayScene scene;
   std::vector<Sphere> spheres{{.c = {0, 0, 1}, .r = 0.5f}};
   std::vector<Object> objects{{.first = 0, .count = 30}};
   std::vector<Object> primary_objects{{.first = 0, .count = 20}};
@@ -292,7 +292,7 @@ TEST(LinkWatchdog, EndsATransferInWallTime) {
   Board board = Board::open(pci_config(), options);
   board.inject(BusFault::kNoGrant, kUntilReset);
   Random random;
-  const Scene scene = beam(random, 20, 30);
+  const RayScene scene = beam(random, 20, 30);
   const auto met = raised([&] { board.upload(scene.triangles); });
   ASSERT_TRUE(met);
   EXPECT_EQ(met->code, ErrorCode::kTimeout);
@@ -317,7 +317,7 @@ class Hang : public ::testing::TestWithParam<Bus> {
   }
   Random random;
   Board board;
-  Scene scene;
+  RayScene scene;
   Query query{.mode = Mode::kAll, .pair = Pair::kRayTriangle};
   std::vector<Record> expected;
 };

@@ -9,16 +9,16 @@
 namespace cde::testing {
 namespace {
 
-struct Setting {
+struct MemorySetting {
   Bus bus;
   bool ecc;
 
-  friend void PrintTo(const Setting& s, std::ostream* out) {
+  friend void PrintTo(const MemorySetting& s, std::ostream* out) {
     *out << (s.bus == Bus::kCycle ? "PCI" : "functional bus") << (s.ecc ? ", check bits" : "");
   }
 };
 
-class MemoryTimes : public ::testing::TestWithParam<Setting> {
+class MemoryTimes : public ::testing::TestWithParam<MemorySetting> {
  protected:
   struct Ran {
     std::vector<Record> records;
@@ -88,15 +88,14 @@ TEST_P(MemoryTimes, AreNearlyThoseOfIdealMemory) {
       }
     }
 }
-INSTANTIATE_TEST_SUITE_P(Cards, MemoryTimes,
-                         ::testing::Values(Setting{Bus::kFunctional, false},
-                                           Setting{Bus::kFunctional, true},
-                                           Setting{Bus::kCycle, false}, Setting{Bus::kCycle, true}),
-                         [](const auto& info) {
-                           return std::string(info.param.bus == Bus::kCycle ? "Cycle"
-                                                                            : "Functional") +
-                                  (info.param.ecc ? "Ecc" : "");
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Cards, MemoryTimes,
+    ::testing::Values(MemorySetting{Bus::kFunctional, false}, MemorySetting{Bus::kFunctional, true},
+                      MemorySetting{Bus::kCycle, false}, MemorySetting{Bus::kCycle, true}),
+    [](const auto& info) {
+      return std::string(info.param.bus == Bus::kCycle ? "Cycle" : "Functional") +
+             (info.param.ecc ? "Ecc" : "");
+    });
 
 }  // namespace
 }  // namespace cde::testing

@@ -12,13 +12,13 @@ namespace {
 constexpr double kTolerance = 0.05;
 constexpr std::array kModes = {Mode::kNearest, Mode::kAny, Mode::kAll, Mode::kHits};
 
-struct Setting {
+struct TimeSetting {
   const char* host;
   std::uint32_t burst;
   bool narrow;
   std::uint32_t period_ps;
 };
-std::string text(const Setting& s) {
+std::string text(const TimeSetting& s) {
   return fmt::format("{}, bursts of {}, {} bits, {} MHz", s.host, s.burst, s.narrow ? 32 : 64,
                      1'000'000 / s.period_ps);
 }
@@ -26,7 +26,7 @@ std::string text(const Setting& s) {
 /// The same card on both kinds of bus.
 class Twins {
  public:
-  Twins(const BoardConfig& config, const Setting& s)
+  Twins(const BoardConfig& config, const TimeSetting& s)
       : functional_(open(config, Bus::kFunctional, s)), cycle_(open(config, Bus::kCycle, s)) {}
 
   /// Modelled picoseconds of what `f` does to a board: on both.
@@ -52,7 +52,7 @@ class Twins {
   Board& cycle() { return cycle_; }
 
  private:
-  static Board open(BoardConfig config, Bus bus, const Setting& s) {
+  static Board open(BoardConfig config, Bus bus, const TimeSetting& s) {
     config.bus = bus;
     OpenOptions o;
     o.host = *host_profile(s.host);
@@ -69,7 +69,7 @@ void expect_close(const Twins::Times& t, const std::string& what) {
 }
 
 /// Uploads a scene and runs it in every mode; returns the smallest and largest ratio seen.
-void compare(Twins& twins, const Scene& scene, const std::string& name) {
+void compare(Twins& twins, const RayScene& scene, const std::string& name) {
   Twins::Times total = twins.time([&](Board& b) { b.upload(scene.triangles, false); });
   expect_close(total, "upload, " + name);
   std::string line = fmt::format("{:<46} upload {:.3f}", name, total.ratio());
@@ -98,15 +98,15 @@ class BusTimes : public ::testing::TestWithParam<std::uint32_t> {};
 
 TEST_P(BusTimes, AreThoseOfTheSignals) {
   Random random;
-  const Scene scene = cloud(random, 64, 300);
+  const RayScene scene = cloud(random, 64, 300);
   for (const char* host : {"ideal", "good", "p64-2001"})
     for (const std::uint32_t burst : {256u, 4096u})
       for (const bool narrow : {false, true}) {
-        const Setting s = {host, burst, narrow, GetParam()};
+        const TimeSetting s = {host, burst, narrow, GetParam()};
         SCOPED_TRACE(text(s));
         Twins twins(host_config(), s);
         for (const std::size_t triangles : {1, 40, 5000}) {
-          const Scene part = cloud(random, 1, triangles);
+          const RayScene part = cloud(random, 1, triangles);
           const auto t = twins.time([&](Board& b) { b.upload(part.triangles, false); });
           expect_close(t, fmt::format("upload of {}, {}", triangles, text(s)));
         }
@@ -118,9 +118,9 @@ INSTANTIATE_TEST_SUITE_P(CorePeriods, BusTimes, ::testing::Values(20'000u, 10'00
 /// Whenever the ring of records is full the pass waits for the host, again and again.
 TEST(BusTimesOfAFullRing, AreThoseOfTheSignals) {
   Random random;
-  const Scene scene = cloud(random, 60, 100);
+  const RayScene scene = cloud(random, 60, 100);
   for (const char* host : {"ideal", "good", "p64-2001"}) {
-    const Setting s = {host, 256, false, 10'000};
+    const TimeSetting s = {host, 256, false, 10'000};
     SCOPED_TRACE(text(s));
     Twins twins(small_config(), s);
     compare(twins, scene, text(s));
@@ -129,7 +129,7 @@ TEST(BusTimesOfAFullRing, AreThoseOfTheSignals) {
 
 TEST(BusTimesCounters, CountWhatTheSignalsDo) {
   Random random;
-  const Scene scene = cloud(random, 100, 500);
+  const RayScene scene = cloud(random, 100, 500);
   for (const char* host : {"ideal", "p64-2001"}) {
     Twins twins(host_config(), {host, 256, false, 10'000});
     const auto counted = [&](Board& b) {

@@ -28,13 +28,12 @@ namespace fs = std::filesystem;
 using namespace std::string_literals;
 using Words = std::vector<std::string>;
 
-const char* const kTriangle = "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n";
 const char* const kTwo = "v 0 0 1\nv 1 0 1\nv 0 1 1\nv 0 0 2\nv 1 0 2\nv 0 1 2\nf 1 2 3\nf 4 5 6\n";
 
 class Cast : public Cli {};
 
 TEST_F(Cast, CsvOnStdoutIsAllThatIsThere) {
-  write("one.obj", kTriangle);
+  write("one.obj", kOneTriangle);
   const Ran ran =
       cde({"cast", "one.obj", "--ray", "0.25,0.25,0,0,0,2", "--ray=-5,0,0,0,0,1", "-o", "-"});
   EXPECT_EQ(ran.status, 0) << ran.err;
@@ -47,7 +46,7 @@ TEST_F(Cast, CsvOnStdoutIsAllThatIsThere) {
 
 /// No card of 4 lanes without waves is built, but one with them.
 TEST_F(Cast, BuiltCardStandsIn) {
-  write("one.obj", kTriangle);
+  write("one.obj", kOneTriangle);
   const Words environment = {"CDE_CACHE=" + (folder_ / "cache").string()};
   Words words = {"cast", "one.obj", "--ray", "0.25,0.25,0,0,0,2", "--lanes", "4", "--json"};
   const Ran ran = cde(words, environment);
@@ -88,7 +87,7 @@ TEST_F(Cast, BuiltCardStandsIn) {
 
 /// A ray in a sliver's plane: the plain pipe's hit is in empty space.
 TEST_F(Cast, SaysWhetherItHasTheBoxRule) {
-  write("one.obj", kTriangle);
+  write("one.obj", kOneTriangle);
   const Words ray = {"cast", "one.obj", "--ray", "0.25,0.25,0,0,0,2", "--json"};
   Ran ran = cde(ray);
   EXPECT_EQ(ran.status, 0) << ran.err;
@@ -103,7 +102,7 @@ TEST_F(Cast, SaysWhetherItHasTheBoxRule) {
 }
 
 TEST_F(Cast, BitsQuietAndFile) {
-  write("one.obj", kTriangle);
+  write("one.obj", kOneTriangle);
   const Ran ran =
       cde({"cast", "one.obj", "--ray", "0.25,0.25,0,0,0,2", "-o", "hits.csv", "--bits", "-q"});
   EXPECT_EQ(ran.status, 0);
@@ -132,7 +131,7 @@ TEST_F(Cast, EveryMode) {
 }
 
 TEST_F(Cast, RaysFromAFileInSeveralPackets) {
-  write("one.obj", kTriangle);
+  write("one.obj", kOneTriangle);
   std::string rays = "ox,oy,oz,dx,dy,dz\n";
   for (int i = 0; i < 600; ++i) rays += fmt::format("{},0.001,0,0,0,1\n", i / 400.0);
   write("rays.csv", rays);
@@ -213,7 +212,7 @@ TEST_F(Cast, TheMemoryOfManyCardsIsLimited) {
 }
 
 TEST_F(Cast, ClockChangesTheModelledTimeOnly) {
-  write("one.obj", kTriangle);
+  write("one.obj", kOneTriangle);
   const auto at = [&](const char* mhz) {
     return nlohmann::json::parse(
         cde({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--json", "-q", "--clock", mhz}).out);
@@ -240,7 +239,7 @@ TEST_F(Cast, Pictures) {
 }
 
 TEST_F(Cast, Waves) {
-  write("one.obj", kTriangle);
+  write("one.obj", kOneTriangle);
   Ran ran =
       cde({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--lanes", "4", "--trace", "waves.fst"});
   ASSERT_EQ(ran.status, 0) << ran.err;
@@ -269,7 +268,7 @@ TEST_F(Cast, Waves) {
 }
 
 TEST_F(Cast, BadInputIsRefusedAndNamed) {
-  write("one.obj", kTriangle);
+  write("one.obj", kOneTriangle);
   write("empty.obj", "");
   write("points.obj", "v 0 0 0\n");
   write("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
@@ -332,7 +331,7 @@ TEST_F(Cast, BadInputIsRefusedAndNamed) {
 }
 
 TEST_F(Cast, TimeoutIsStatus4AndKeepsTheOldFile) {
-  write("one.obj", kTriangle);
+  write("one.obj", kOneTriangle);
   write("hits.csv", "old");
   refused({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--deadline", "10", "-o", "hits.csv"},
           "deadline of 10 clocks", 4);
@@ -414,7 +413,7 @@ TEST_F(Cast, FaultyCardIsFoundOut) {
 /// file. The writer of Verilator says nothing of it, and ends with SIGBUS where a temporary file of
 /// its own does not fit.
 TEST_F(Cast, WavesThatDoNotFitAreAnError) {
-  write("one.obj", kTriangle);
+  write("one.obj", kOneTriangle);
   const Words words = {"cast", "one.obj", "--ray",     "0,0,0,0,0,1", "--lanes",
                        "4",    "--trace", "waves.fst", "--quiet"};
   ASSERT_EQ(cde(words).status, 0);
@@ -433,7 +432,7 @@ TEST_F(Cast, WavesThatDoNotFitAreAnError) {
 
 /// The same on a disk that is full: a small one in memory.
 TEST_F(Cast, WavesOnAFullDiskAreAnError) {
-  write("one.obj", kTriangle);
+  write("one.obj", kOneTriangle);
   const auto cast_to = [&](const std::string& file) {
     return cde({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--lanes", "4", "--trace", file, "-q"});
   };

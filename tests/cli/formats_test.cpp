@@ -12,8 +12,6 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-const char* const kTriangle = "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n";
-
 /// Rays from within a sphere that moves.
 std::string scene(const std::string& card, const std::string& ball) {
   return "frames = 3\n[card]\nlanes = 4\nmover = \"host\"\n" + card +
@@ -33,7 +31,7 @@ const std::string kBall =
 class FormatCli : public Cli {};
 
 TEST_F(FormatCli, CastIsOfTheFormat) {
-  write("one.obj", kTriangle);
+  write("one.obj", kOneTriangle);
   const Words cast = {"cast",  "one.obj",           "--format",
                       "fp16",  "--lanes",           "4",
                       "--ray", "0.25,0.25,0,0,0,2", "--ray=0.3,0.3,0,0,0,3"};
@@ -57,7 +55,7 @@ TEST_F(FormatCli, CastIsOfTheFormat) {
 }
 
 TEST_F(FormatCli, CastRefusesWhatTheFormatHasNot) {
-  write("one.obj", kTriangle);
+  write("one.obj", kOneTriangle);
   write("far.obj", "v 0 0 1\nv 200 0 1\nv 0 1 1\nf 1 2 3\n");
   const auto cast = [](const std::string& mesh, const std::string& format, const std::string& ray) {
     return Words{"cast", mesh, "--format", format, "--lanes", "4", "--ray", ray, "-o", "-"};

@@ -18,9 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-const char* const kTriangle = "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n";
 const char* const kCsv = "ray,F,T,CPx,CPy,CPz,index\n0,1,0.5,0.25,0.25,1,0\n";
-const std::string kScene = R"(frames = 2
+const std::string kOutputScene = R"(frames = 2
 [card]
 lanes = 4
 [[object]]
@@ -35,9 +34,9 @@ class Outputs : public Cli {
  protected:
   void SetUp() override {
     Cli::SetUp();
-    write("one.obj", kTriangle);
+    write("one.obj", kOneTriangle);
     write("rays.csv", "0.25,0.25,0,0,0,2\n");
-    write("scene.toml", kScene);
+    write("scene.toml", kOutputScene);
   }
   static Words cast(const Words& more) {
     Words words = {"cast", "one.obj", "--rays", "rays.csv", "--lanes", "4", "-q"};
@@ -46,9 +45,9 @@ class Outputs : public Cli {
   }
   /// What the input files hold is what they held.
   void expect_inputs() {
-    EXPECT_EQ(read("one.obj"), kTriangle);
+    EXPECT_EQ(read("one.obj"), kOneTriangle);
     EXPECT_EQ(read("rays.csv"), "0.25,0.25,0,0,0,2\n");
-    EXPECT_EQ(read("scene.toml"), kScene);
+    EXPECT_EQ(read("scene.toml"), kOutputScene);
   }
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-const std::string kScene = R"(title = "A </script> & <b>title</b>\u0001"
+const std::string kReportScene = R"(title = "A </script> & <b>title</b>\u0001"
 frames = 5
 [card]
 lanes = 16
@@ -28,7 +28,7 @@ motion = { kind = "still", position = [60, 45, 300] }
 )" + hit_query("terrain");
 
 TEST_F(Pages, ReportSaysWhatRunJsonSays) {
-  write("scene.toml", kScene);
+  write("scene.toml", kReportScene);
   const Ran ran = cde({"run", "scene.toml", "--report", "page.html", "--frames", "1..4"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   EXPECT_TRUE(has(ran.err, "report           page.html"));
@@ -72,7 +72,7 @@ TEST_F(Pages, ReportSaysWhatRunJsonSays) {
 
 /// What a chart offers as CSV is in the page, with or without scripts.
 TEST_F(Pages, ChartsCarryTheirFigures) {
-  write("scene.toml", kScene);
+  write("scene.toml", kReportScene);
   const Ran ran = cde({"run", "scene.toml", "--report", "page.html", "--frames", "1..4"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const std::string html = read("page.html");
@@ -109,7 +109,7 @@ TEST_F(Pages, ChartsCarryTheirFigures) {
 
 TEST_F(Pages, ChartsAreSaved) {
   if (browser().empty()) GTEST_SKIP() << "no Chromium: the scripts of the pages were not run";
-  write("scene.toml", kScene);
+  write("scene.toml", kReportScene);
   ASSERT_EQ(cde({"run", "scene.toml", "--report", "page.html", "--frames", "0..3"}).status, 0);
   const std::string html = read("page.html");
   const json told = clicked(html);
@@ -162,7 +162,7 @@ TEST_F(Pages, ReportOfTheMixedScene) {
 }
 
 TEST_F(Pages, ReportThatCannotBeWritten) {
-  write("scene.toml", kScene);
+  write("scene.toml", kReportScene);
   const Ran ran = cde({"run", "scene.toml", "--frames", "0", "--report", "none/page.html"});
   EXPECT_EQ(ran.status, 2);
   EXPECT_TRUE(has(ran.err, "none/page.html: cannot create"));

@@ -20,6 +20,9 @@ struct Ran {
 /// All of a file; nothing if it cannot be read.
 [[nodiscard]] std::string bytes_of(const std::filesystem::path& path);
 
+/// A mesh of one triangle, as OBJ.
+inline constexpr const char* kOneTriangle = "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n";
+
 /// The end of a scene's text: a query of an object "rays" for what another one has.
 [[nodiscard]] std::string hit_query(const std::string& secondaries);
 

@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-const std::string kScene = R"(frames = 4
+const std::string kFolderScene = R"(frames = 4
 [card]
 lanes = 4
 [[object]]
@@ -31,7 +31,7 @@ class Folders : public Cli {
  protected:
   void SetUp() override {
     Cli::SetUp();
-    write("scene.toml", kScene);
+    write("scene.toml", kFolderScene);
   }
   [[nodiscard]] Words in(const std::string& folder) const {
     Words names;
@@ -53,7 +53,7 @@ TEST_F(Folders, ASecondRunLeavesNothingOfTheFirst) {
                             "run.json"}));
   ASSERT_EQ(run({"--out", "d", "--frames", "1", "--report", "d/page.html"}).status, 0);
   EXPECT_EQ(in("d"), (Words{"hit.000001.csv", "page.html", "run.json"}));
-  std::string binary = kScene;
+  std::string binary = kFolderScene;
   binary += "[report]\nresults = \"binary\"\n";
   write("scene.toml", binary);
   ASSERT_EQ(run({"--out", "d", "--frames", "2"}).status, 0);
@@ -118,7 +118,7 @@ TEST_F(Folders, ARunThatDoesNotBeginChangesNothing) {
 
 /// Killed in the middle: its folder is known as a run's, and the next run takes all of it away.
 TEST_F(Folders, AfterAKill) {
-  std::string scene = kScene;
+  std::string scene = kFolderScene;
   write("long.toml", scene.replace(0, 10, "frames = 100000"));
   const pid_t child = start({"run", "long.toml", "--out", "d"});
   for (int i = 0; i < 600 && !exists("d/hit.000002.csv"); ++i) ::usleep(50'000);
@@ -133,7 +133,7 @@ TEST_F(Folders, AfterAKill) {
 /// Two runs at a time do not mix their files: the second one is refused and the first one goes on.
 /// The lock ends with the process that has it, also when that is killed.
 TEST_F(Folders, AFolderIsOneRunsAtATime) {
-  std::string scene = kScene;
+  std::string scene = kFolderScene;
   write("long.toml", scene.replace(0, 10, "frames = 100000"));
   const pid_t child = start({"run", "long.toml", "--out", "d", "-q"});
   for (int i = 0; i < 600 && !exists("d/hit.000002.csv"); ++i) ::usleep(50'000);

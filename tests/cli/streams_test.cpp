@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kScene = R"(frames = 2
+const std::string kStreamScene = R"(frames = 2
 [card]
 lanes = 4
 [[object]]
@@ -55,7 +55,7 @@ class Streams : public Cli {
   void SetUp() override {
     Cli::SetUp();
     write("one.obj", "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n");
-    write("scene.toml", kScene);
+    write("scene.toml", kStreamScene);
     write("pairs", "0,0,0,1, 1.5,0,0,1\n");
     write("bad_pairs", "0,0,0,1, 1.5,0,0,1\nx\n");
     write("operands", "3F800000 40000000\n");
@@ -147,7 +147,7 @@ TEST_F(Streams, NamesThatAreNoUtf8) {
   ASSERT_EQ(cast.status, 0) << cast.err;
   EXPECT_EQ(nlohmann::json::parse(cast.out)["mesh"], "a\xef\xbf\xbd\xef\xbf\xbd.obj");
   EXPECT_TRUE(has(cast.err, "a\\xff\\xc3.obj, 1 triangles"));
-  std::string scene = kScene;
+  std::string scene = kStreamScene;
   write(odd + "/" + odd + ".toml", scene.replace(scene.find("one.obj"), 7, "terrain:3,3,1"));
   const std::string file = odd + "/" + odd + ".toml";
   const Ran run = cde({"run", file, "--json", "--report", "page.html", "--out", odd + ".run"});
@@ -169,19 +169,19 @@ TEST_F(Streams, ControlCharactersOfFilesAreShownAsNumbers) {
                         [](char c) { return c != '\n' && static_cast<unsigned char>(c) < 0x20; }) &&
            text.find("\xc2\x9b") == std::string::npos && text.find('\x7f') == std::string::npos;
   };
-  std::string scene = kScene;
+  std::string scene = kStreamScene;
   const std::string evil = R"(\u001b]0;owned\u0007\n\u009b31mcde: all is well)";
   scene.replace(scene.find("one.obj"), 7, evil + ".obj");
   write("mesh.toml", scene);
-  scene = kScene;
+  scene = kStreamScene;
   scene.replace(scene.find("\"triangles\"\nmesh"), 11, "\"" + evil + "\"");
   write("object.toml", scene);
-  scene = kScene;
+  scene = kStreamScene;
   scene.replace(scene.find("\"hit\""), 5, "\"" + evil + "\"");
   write("query.toml", scene);
-  write("key.toml", "\"" + evil + "\" = 1\n" + kScene);
-  write("raw.toml", "title = \"\x1b[31m\"\n" + kScene);
-  write("title.toml", "title = \"" + evil + "\"\n" + kScene);
+  write("key.toml", "\"" + evil + "\" = 1\n" + kStreamScene);
+  write("raw.toml", "title = \"\x1b[31m\"\n" + kStreamScene);
+  write("title.toml", "title = \"" + evil + "\"\n" + kStreamScene);
   for (const char* file :
        {"mesh.toml", "object.toml", "query.toml", "key.toml", "raw.toml", "title.toml"}) {
     for (const char* verb : {"plan", "run"}) {

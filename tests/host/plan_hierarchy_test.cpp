@@ -18,7 +18,7 @@ const Effect& hierarchy(const Plan& p) {
   throw std::runtime_error("no effect of a hierarchy");
 }
 
-const std::string kRays =
+const std::string kManyRays =
     "[[object]]\nname = \"rays\"\nrandom_rays = { count = 300, seed = 7 }\n[object.motion]\n"
     "kind = \"velocity\"\nposition = [100, 100, 300]\nlinear = [1, 0, 0]\n";
 std::string ground(int quads) {
@@ -34,7 +34,7 @@ Plan of(const std::string& text) {
 }
 
 TEST(PlanHierarchy, WhereItTakesLess) {
-  const Plan p = of(ground(40) + kRays + query());
+  const Plan p = of(ground(40) + kManyRays + query());
   EXPECT_TRUE(hierarchy(p).used);
   EXPECT_EQ(p.board.node_units, 2u);
   EXPECT_EQ(p.board.nodes, BoardConfig{}.nodes);
@@ -47,7 +47,7 @@ TEST(PlanHierarchy, WhereItTakesLess) {
       has(hierarchy(p).cost, fmt::format("sweeps of 128 lanes take {}", p.queries[0].rows)));
   EXPECT_EQ(p.board.transform, Transformer::kNone) << "rays are moved by the host";
 
-  const Plan small = of(ground(20) + kRays + query());
+  const Plan small = of(ground(20) + kManyRays + query());
   EXPECT_FALSE(hierarchy(small).used);
   EXPECT_EQ(small.board.node_units, 0u);
   EXPECT_TRUE(has(hierarchy(small).why, "from about 2048 triangles on, there are 800"));
@@ -55,24 +55,24 @@ TEST(PlanHierarchy, WhereItTakesLess) {
 
 TEST(PlanHierarchy, AsIsAskedFor) {
   const std::string on = "[card]\nhierarchy = \"on\"\n", off = "[card]\nhierarchy = \"off\"\n";
-  const Plan small = of(on + ground(20) + kRays + query());
+  const Plan small = of(on + ground(20) + kManyRays + query());
   EXPECT_TRUE(hierarchy(small).used);
   EXPECT_EQ(hierarchy(small).why.find("asked for: rays of hit"), 0u);
-  EXPECT_FALSE(hierarchy(of(off + ground(40) + kRays + query())).used);
+  EXPECT_FALSE(hierarchy(of(off + ground(40) + kManyRays + query())).used);
   const auto refused = [&](const std::string& text, const std::string& why) {
     expect_error(ErrorCode::kUsage, "s.toml: card, hierarchy = \"on\": " + why,
                  [&] { (void)of(on + text); });
   };
-  refused(ground(40) + kRays + query("mode = \"all\"\n"), "hit: mode all has records of all");
+  refused(ground(40) + kManyRays + query("mode = \"all\"\n"), "hit: mode all has records of all");
   const std::string other = "[[object]]\nname = \"other\"\nmesh = \"terrain:9,9,1\"\n";
-  refused(ground(40) + other + kRays + query() +
+  refused(ground(40) + other + kManyRays + query() +
               "[[query]]\nname = \"b\"\npair = \"ray-triangle\"\nprimaries = \"rays\"\n"
               "secondaries = \"other\"\n",
           "hit: queries have different secondaries");
   const auto with = [&](const std::string& card, const std::string& why) {
     expect_error(ErrorCode::kUsage, why,
-                 [&] { (void)of(on + card + ground(40) + kRays + query()); });
-    const Plan p = of("[card]\n" + card + ground(40) + kRays + query());
+                 [&] { (void)of(on + card + ground(40) + kManyRays + query()); });
+    const Plan p = of("[card]\n" + card + ground(40) + kManyRays + query());
     EXPECT_FALSE(hierarchy(p).used);
     EXPECT_TRUE(has(hierarchy(p).why, why));
   };
@@ -82,7 +82,7 @@ TEST(PlanHierarchy, AsIsAskedFor) {
 
 /// Another query of the same triangles sweeps: the card has lanes for it.
 TEST(PlanHierarchy, BesideQueriesThatSweep) {
-  const Plan p = of(ground(40) + kRays + query() +
+  const Plan p = of(ground(40) + kManyRays + query() +
                     "[[query]]\nname = \"b\"\npair = \"ray-triangle\"\nprimaries = \"rays\"\n"
                     "secondaries = \"ground\"\nmode = \"all\"\n");
   EXPECT_TRUE(p.queries[0].hierarchy);
@@ -111,7 +111,7 @@ TEST(PlanHierarchy, OfObjectsThatMove) {
   const std::string moving =
       "[[object]]\nname = \"ball\"\nmesh = \"terrain:30,30,5\"\n"
       "motion = { kind = \"velocity\", angular = [0, 0, 9] }\n";
-  const std::string text = ground(40) + moving + kRays + query("", R"(["ground", "ball"])");
+  const std::string text = ground(40) + moving + kManyRays + query("", R"(["ground", "ball"])");
   const Plan p = of(text);
   EXPECT_TRUE(hierarchy(p).used);
   EXPECT_EQ(p.board.transform, Transformer::kSecondaries);
@@ -229,7 +229,7 @@ TEST(PlanHierarchy, NotOfADustThatMoves) {
                           "3000, min = [0, 0, 0], max = [1000, 1000, 1000], size = [5, 30] }\n"
                           "motion = { kind = \"random\", speed = 100, min = [-100, -100, -100], "
                           "max = [1100, 1100, 1100], each = ") +
-              each + " }\n" + kRays + query());
+              each + " }\n" + kManyRays + query());
   };
   EXPECT_TRUE(hierarchy(dust("false")).used);
   const Plan p = dust("true");

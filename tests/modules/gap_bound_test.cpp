@@ -39,7 +39,7 @@ void expect_bounds(std::size_t count) {
   Clocked<Module> module;
   for (const Case& c : kScenes) {
     SCOPED_TRACE(c.name);
-    const Scene scene = c.make();
+    const TriangleScene scene = c.make();
     Solids draws(scene, 9);
     const auto all = [&] {
       if constexpr (std::is_same_v<First, Triangle>)
@@ -115,7 +115,7 @@ void expect_fronts() {
   Clocked<Module> module;
   for (const Case& c : kScenes) {
     SCOPED_TRACE(c.name);
-    const Scene scene = c.make();
+    const TriangleScene scene = c.make();
     Eigen::AlignedBox3f box;
     for (const Triangle& t : scene)
       for (const Vector3f& v : {t.v0, t.v1, t.v2}) box.extend(v);

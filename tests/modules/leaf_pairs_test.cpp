@@ -47,7 +47,7 @@ template <class Module>
 void expect_reference(Algorithm algorithm, std::size_t count) {
   for (const hard::Case& c : hard::kScenes) {
     SCOPED_TRACE(c.name);
-    const hard::Scene scene = c.make();
+    const hard::TriangleScene scene = c.make();
     hard::Rays draw(scene, 3);
     Dice dice;
     Clocked<Module> module;

@@ -356,7 +356,7 @@ TEST(Traversal, IsThatOfTheReferenceWithTwoContexts) {
 
 /// Spheres: records, and what is read for them.
 template <class Module>
-void expect_spheres(const hard::Scene& triangles, std::size_t count) {
+void expect_spheres(const hard::TriangleScene& triangles, std::size_t count) {
   hard::Solids draws(triangles, 3);
   std::vector<Sphere> solids;
   for (std::size_t i = 0; i < count; ++i)

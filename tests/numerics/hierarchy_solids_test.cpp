@@ -31,7 +31,7 @@ constexpr unsigned kSeed = 5;
 /// Hard ones in turn, beside what is in the tree.
 template <class Solid, class Secondary>
 std::vector<Solid> hard_ones(const std::vector<Secondary>& all, std::size_t count, unsigned seed) {
-  const Scene corners = corners_of(all);
+  const TriangleScene corners = corners_of(all);
   Solids draws(corners, seed);
   std::vector<Solid> solids;
   for (std::size_t i = 0; i < count; ++i) solids.push_back(draws.draw<Solid>(i));
@@ -102,7 +102,7 @@ void expect_rule_is_quiet(const std::vector<Secondary>& all, Pipe pipe, std::siz
 }
 
 TEST_P(EverySolid, TheRuleChangesNoGap) {
-  const Scene scene = GetParam().make();
+  const TriangleScene scene = GetParam().make();
   const std::size_t count = std::max<std::size_t>(10, (full() ? 2'000'000 : 40'000) / scene.size());
   const std::size_t some = count / 8 + 10;
   expect_rule_is_quiet<Sphere>(scene, reference::triangle_sphere<float>, count);
@@ -129,7 +129,7 @@ TEST(GapBound, HoldsWhatIsTooLittle) {
 
 /// What a sphere reads that is far from all: docs/hierarchy.md has it.
 TEST(HierarchyOfSolids, FarFromAll) {
-  const Scene scene = triangles_of(make_terrain({.quads_x = 200, .quads_y = 200}));
+  const TriangleScene scene = triangles_of(make_terrain({.quads_x = 200, .quads_y = 200}));
   const Hierarchy tree = Hierarchy::build(scene);
   for (const float quads : {1.0f, 4.0f, 16.0f, 64.0f}) {
     reference::Traversal walk(scene, tree);
@@ -146,7 +146,7 @@ TEST(HierarchyOfSolids, FarFromAll) {
 }
 
 TEST(HierarchyOfSolids, HasNoFarthest) {
-  const Scene scene = flat();
+  const TriangleScene scene = flat();
   const Hierarchy tree = Hierarchy::build(scene);
   reference::Traversal walk(scene, tree);
   EXPECT_THROW((void)walk.trace(Sphere{{0, 0, 0}, 1}, 0, Mode::kFarthest), Error);

@@ -43,7 +43,7 @@ class EveryRecord : public ::testing::TestWithParam<std::tuple<Case, Algorithm>>
                                                   : by_moller / 20;
   }
   /// What all triangles give, mode by mode.
-  [[nodiscard]] std::vector<Record> swept(const Scene& scene, const std::vector<Ray>& rays,
+  [[nodiscard]] std::vector<Record> swept(const TriangleScene& scene, const std::vector<Ray>& rays,
                                           Mode mode) const {
     std::vector<Record> all = reference::cast(rays, scene, mode, {}, {}, true, {}, algorithm_);
     std::stable_sort(all.begin(), all.end(), [](const Record& a, const Record& b) {
@@ -51,7 +51,7 @@ class EveryRecord : public ::testing::TestWithParam<std::tuple<Case, Algorithm>>
     });
     return all;
   }
-  Scene scene_ = std::get<0>(GetParam()).make();
+  TriangleScene scene_ = std::get<0>(GetParam()).make();
   Algorithm algorithm_ = std::get<1>(GetParam());
 };
 INSTANTIATE_TEST_SUITE_P(Scenes, EveryRecord,
@@ -77,7 +77,7 @@ void expect_hits(reference::Traversal& traversal, const std::vector<Record>& all
 /// CDE_FULL=1: ten million rays in all by Moller, 2.5 million by watertight.
 TEST_P(EveryRecord, IsThatOfAllTriangles) {
   const std::size_t count = rays(std::getenv("CDE_FULL") != nullptr ? 1'250'000 : 6'000);
-  const Scene& scene = scene_;
+  const TriangleScene& scene = scene_;
   Rays draw(scene, 1);
   std::vector<Ray> rays;
   for (std::size_t i = 0; i < count; ++i)
@@ -123,7 +123,7 @@ TEST_P(EveryRecord, IsThatOfAllTriangles) {
 /// A tree as a card's refit leaves it, whose triangles are not where it was built for them.
 TEST_P(EveryRecord, IsThatOfAllTrianglesAfterACardsRefit) {
   const std::size_t count = rays(std::getenv("CDE_FULL") != nullptr ? 200'000 : 2'000);
-  Scene scene = scene_;
+  TriangleScene scene = scene_;
   for (const unsigned leaf : {1u, 2u}) {
     const Hierarchy built = Hierarchy::build(scene, {.leaf = leaf});
     Draw draw(7);
@@ -163,7 +163,7 @@ TEST_P(EveryRecord, IsThatOfAllTrianglesAfterACardsRefit) {
 /// hit pass that is in no box.
 TEST(BoxRule, HoldsWhereItsMarginOverflows) {
   const Ray ray = beyond_numbers();
-  const Scene scene = edge_on();
+  const TriangleScene scene = edge_on();
   const Record plain = reference::record_of(ray, scene[0], 0, 0);
   EXPECT_TRUE(plain.f);
   EXPECT_GT(plain.t, 0x1p127f);
@@ -176,7 +176,7 @@ TEST(BoxRule, HoldsWhereItsMarginOverflows) {
 }
 
 /// Nodes that a ray reads, of rays from anywhere.
-double nodes_a_ray(const Scene& scene, const Hierarchy& tree) {
+double nodes_a_ray(const TriangleScene& scene, const Hierarchy& tree) {
   constexpr unsigned kRays = 2000;
   Draw draw(3);
   reference::Traversal walk(scene, tree);
@@ -192,7 +192,7 @@ TEST(HierarchyOfObjects, IsGoodWithinObjects) {
   for (const auto& [objects, each] : kCases) {
     Draw draw(objects);
     const std::vector<std::uint32_t> parts(objects, each);
-    Scene before, after;
+    TriangleScene before, after;
     for (std::uint32_t k = 0; k < objects; ++k) {
       const Vector3f from = draw.point(), to = draw.point();
       for (std::uint32_t i = 0; i < each; ++i) {
@@ -225,7 +225,7 @@ TEST(Watertight, DoesNotLeakThroughAHierarchy) {
   std::size_t moller_leaks = 0;
   for (const Place& place : {Place{1, {0, 0, 0}}, Place{1, {37, -1234, 5}},
                              Place{0x1p-10f, {0.25f, -3, 1}}, Place{1e4f, {1e8f, 2e7f, -3e8f}}}) {
-    const Scene scene = icosphere(place.at, place.size);
+    const TriangleScene scene = icosphere(place.at, place.size);
     const Hierarchy hierarchy = Hierarchy::build(scene);
     reference::Traversal tight(scene, hierarchy, Algorithm::kWatertight),
         moller(scene, hierarchy, Algorithm::kMoller);

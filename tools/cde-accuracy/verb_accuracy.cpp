@@ -45,7 +45,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct AccuracyOptions {
   std::vector<std::string> pairs, formats, algorithms, budgets, families;
   std::vector<std::string> variants = {"card"};
   std::string box = "both", output, mesh, grid = "64x48", camera;
@@ -62,7 +62,7 @@ bool wanted(const std::vector<std::string>& list, std::string_view word) {
   return list.empty() || std::ranges::find(list, word) != list.end();
 }
 
-void add_ray_triangle(std::vector<AccuracyPipe>& pipes, const Options& o, FpFormat format) {
+void add_ray_triangle(std::vector<AccuracyPipe>& pipes, const AccuracyOptions& o, FpFormat format) {
   for (const std::string& algorithm : algorithm_names()) {
     if (!wanted(o.algorithms, algorithm)) continue;
     for (const bool box : {false, true})
@@ -72,7 +72,7 @@ void add_ray_triangle(std::vector<AccuracyPipe>& pipes, const Options& o, FpForm
 }
 
 /// Each once, in the order in which they are given.
-std::vector<PairBudget> budgets_of(const Options& o, Pair pair) {
+std::vector<PairBudget> budgets_of(const AccuracyOptions& o, Pair pair) {
   std::vector<PairBudget> budgets;
   for (const std::string& text : o.budgets) {
     const PairBudget budget = budget_named(text, pair, "--budgets");
@@ -82,7 +82,7 @@ std::vector<PairBudget> budgets_of(const Options& o, Pair pair) {
 }
 
 /// Of a pair one format after the other; of each the algorithms, or the budgets.
-std::vector<AccuracyPipe> card_pipes(const Options& o) {
+std::vector<AccuracyPipe> card_pipes(const AccuracyOptions& o) {
   std::vector<AccuracyPipe> pipes;
   bool budget_used = o.budgets.empty();
   for (const std::string& name : pair_names()) {
@@ -110,7 +110,7 @@ std::vector<AccuracyPipe> card_pipes(const Options& o) {
 }
 
 /// Behind each of them the variants that are asked for.
-std::vector<AccuracyPipe> pipes_of(const Options& o) {
+std::vector<AccuracyPipe> pipes_of(const AccuracyOptions& o) {
   std::vector<AccuracyPipe> all;
   for (AccuracyPipe pipe : card_pipes(o))
     for (const Variant variant : variants()) {
@@ -125,7 +125,7 @@ std::vector<AccuracyPipe> pipes_of(const Options& o) {
 }
 
 /// Each once, in the order in which they are given.
-std::vector<std::string> families_of(const Options& o) {
+std::vector<std::string> families_of(const AccuracyOptions& o) {
   std::vector<std::string> families;
   for (const std::string& family : o.families)
     if (std::ranges::find(families, family) == families.end()) families.push_back(family);
@@ -133,7 +133,7 @@ std::vector<std::string> families_of(const Options& o) {
 }
 
 /// Before anything slow: a family is one of some pair, and of one that is asked for.
-void check_families(const Options& o, const std::vector<AccuracyPipe>& pipes) {
+void check_families(const AccuracyOptions& o, const std::vector<AccuracyPipe>& pipes) {
   const std::vector<std::string> known = family_names(pipes);
   for (const std::string& family : o.families)
     if (std::ranges::find(known, family) == known.end())
@@ -141,13 +141,13 @@ void check_families(const Options& o, const std::vector<AccuracyPipe>& pipes) {
                                                  fmt::join(known, ", ")));
 }
 
-void write(const Options& o, const std::string& text) {
+void write(const AccuracyOptions& o, const std::string& text) {
   OutputFile file(o.output.empty() ? "-" : o.output);
   file.write(text);
   file.commit();
 }
 
-void say_what(const Options& o, const Json& machine, const std::string& what) {
+void say_what(const AccuracyOptions& o, const Json& machine, const std::string& what) {
   if (o.quiet || o.json || !Dealing::here().leads()) return;
   say("cde: {}, seed {}, {}\n", what, o.seed, machine.value("processor", std::string()));
 }
@@ -160,7 +160,8 @@ Json head_json(const char* schema) {
 }
 
 /// The page of a sweep, whose file is open before the work.
-void write_page(OutputFile& file, const Options& o, const Json& sweep, const std::string& where) {
+void write_page(OutputFile& file, const AccuracyOptions& o, const Json& sweep,
+                const std::string& where) {
   const Target target = parse_target(o.target);
   file.write(accuracy_html(sweep_of(sweep, where, target), target));
   file.commit();
@@ -182,7 +183,7 @@ std::string short_json(Json all) {
 }
 
 /// Nothing if the sweep's results are not all here.
-std::optional<std::vector<AccuracyRow>> measured_rows(const Options& o,
+std::optional<std::vector<AccuracyRow>> measured_rows(const AccuracyOptions& o,
                                                       const SweepOptions& options) {
   const PriceTable table = PriceTable::of_project();  // before what takes long
   std::optional<std::vector<Measured>> all = sweep(options);
@@ -202,7 +203,7 @@ std::optional<std::vector<AccuracyRow>> measured_rows(const Options& o,
   return rows;
 }
 
-void run_pairs(const Options& o) {
+void run_pairs(const AccuracyOptions& o) {
   if (!wanted(o.pairs, name(Pair::kRayTriangle)) &&
       (!o.algorithms.empty() || o.box != "both" || o.profile_cases > 0))
     throw Error(ErrorCode::kUsage,
@@ -242,7 +243,7 @@ void run_pairs(const Options& o) {
 }
 
 /// The page of a sweep that was kept.
-void run_kept(const Options& o) {
+void run_kept(const AccuracyOptions& o) {
   if (o.page.empty())
     throw Error(ErrorCode::kUsage,
                 "--from makes a page of a sweep that was kept; --page FILE is "
@@ -251,8 +252,8 @@ void run_kept(const Options& o) {
   write_page(page, o, read_sweep(o.from, parse_target(o.target)).json, printable_name(o.from));
 }
 
-void run_picture(const Options& o) {
-  Options of = o;
+void run_picture(const AccuracyOptions& o) {
+  AccuracyOptions of = o;
   of.pairs = {std::string(name(Pair::kRayTriangle))};
   const std::vector<AccuracyPipe> pipes = pipes_of(of);
   const Resolution size = parse_resolution(o.grid, "--grid");
@@ -286,7 +287,7 @@ void run_picture(const Options& o) {
 }
 
 /// Every frame's queries in each format; what they would take is of the planned card.
-void run_scene(const Options& o) {
+void run_scene(const AccuracyOptions& o) {
   cde::Scene scene = load_scene(o.scene);
   scene.card.hierarchy = UseHierarchy::kOff;  // a tree is of fp32 alone, rows are those of sweeps
   const Plan planned = plan(scene);
@@ -321,8 +322,8 @@ bool can_be_narrow(FpFormat format) {
 }
 
 /// Narrow first tests of the pairs that have them, each with the least budget unless one is given.
-std::vector<VerdictRow> verdict_rows(const Options& o) {
-  Options of = o;
+std::vector<VerdictRow> verdict_rows(const AccuracyOptions& o) {
+  AccuracyOptions of = o;
   if (of.formats.empty()) of.formats = {"bf16", "fp16"};
   if (of.budgets.empty() && std::ranges::any_of(pair_names(), [&](const std::string& pair) {
         return wanted(o.pairs, pair) && has_budget(*pair_named(pair));
@@ -346,7 +347,7 @@ std::vector<VerdictRow> verdict_rows(const Options& o) {
   return rows;
 }
 
-void run_verdicts(const Options& o) {
+void run_verdicts(const AccuracyOptions& o) {
   std::vector<VerdictRow> rows = verdict_rows(o);
   std::vector<AccuracyPipe> pipes;
   for (const VerdictRow& row : rows) pipes.push_back({.pair = row.pair, .format = row.narrow});
@@ -377,7 +378,7 @@ const Work kWorks[] = {
      {"--pair", "--formats", "--algorithms", "--box", "--variants", "--grid", "--camera", "--page",
       "--json", "--markdown", "--output"}}};
 
-void check_options(const CLI::App& verb, const Options& o) {
+void check_options(const CLI::App& verb, const AccuracyOptions& o) {
   for (const Work& work : kWorks) {
     if (verb.count(work.option) == 0) continue;
     if (Dealing::here().ranks() > 1)
@@ -399,7 +400,7 @@ void check_options(const CLI::App& verb, const Options& o) {
 }
 
 /// Of a sweep: what would be written nowhere.
-void check_sweep_options(const CLI::App& verb, const Options& o) {
+void check_sweep_options(const CLI::App& verb, const AccuracyOptions& o) {
   if (o.by_family && o.promises)
     throw Error(ErrorCode::kUsage, "--by-family has no meaning with --promises");
   if (o.by_family && o.json)
@@ -409,7 +410,7 @@ void check_sweep_options(const CLI::App& verb, const Options& o) {
     throw Error(ErrorCode::kUsage, "--target has no meaning with --promises");
 }
 
-void run(const CLI::App& verb, const Options& o) {
+void run(const CLI::App& verb, const AccuracyOptions& o) {
   check_options(verb, o);
   check_sweep_options(verb, o);
   const char* prints = o.json ? "--json" : o.promises ? "--promises" : nullptr;  // beside a page
@@ -436,7 +437,7 @@ CLI::Option* list(CLI::Option* option, char between = ',') {
   return option->delimiter(between)->allow_extra_args(false);
 }
 
-void add_choices(CLI::App& verb, Options& o) {
+void add_choices(CLI::App& verb, AccuracyOptions& o) {
   named(list(verb.add_option("--pair", o.pairs, "Pairs (all), separated by commas")), pair_names(),
         "LIST", "pair");
   named(list(verb.add_option("--formats", o.formats, "Formats (all)")), pair_formats(), "LIST",
@@ -467,7 +468,7 @@ void add_choices(CLI::App& verb, Options& o) {
                   1'000'000'000'000, "");
 }
 
-void add_page(CLI::App& verb, Options& o) {
+void add_page(CLI::App& verb, AccuracyOptions& o) {
   auto* page = file_value(verb.add_option("--page", o.page,
                                           "All figures as a page with charts too, one HTML file "
                                           "that loads nothing (- is stdout)"),
@@ -488,7 +489,7 @@ void add_page(CLI::App& verb, Options& o) {
 }  // namespace
 
 void add_accuracy(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<AccuracyOptions>();
   CLI::App* verb = app.add_subcommand(
       "accuracy",
       "Measure how far pipes are from the truth, and what they cost. Each case goes through the "

@@ -25,7 +25,7 @@
 namespace cde::cli {
 namespace {
 
-struct Options {
+struct AdviseOptions {
   std::string pair = "ray-triangle", at = "p999", time, target = kDefaultTarget, from;
   double max_error = 0, max_wrong = 0, tests = 1e6;
   bool has_error = false, has_wrong = false, no_leaks = false, sure = false, json = false;
@@ -52,7 +52,7 @@ double parse_time(const std::string& text) {
   return seconds;
 }
 
-Demands demands_of(const Options& o) {
+Demands demands_of(const AdviseOptions& o) {
   Demands d{.pair = *pair_named(o.pair)};
   if (o.has_error) d.max_error = o.max_error;
   if (o.has_wrong) d.max_wrong = o.max_wrong;
@@ -68,7 +68,7 @@ Demands demands_of(const Options& o) {
   return d;
 }
 
-void run(const Options& o) {
+void run(const AdviseOptions& o) {
   const Demands demands = demands_of(o);
   const Target target = parse_target(o.target);
   const std::string file =
@@ -97,7 +97,7 @@ void run(const Options& o) {
 }  // namespace
 
 void add_advise(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<AdviseOptions>();
   CLI::App* verb = app.add_subcommand(
       "advise",
       "Name the cheapest pipe that meets demands, by area and then by time, with its figures and "

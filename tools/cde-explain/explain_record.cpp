@@ -31,9 +31,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Side = StoryPair::Side;
 
-std::uint64_t bits(float x) {
-  return std::bit_cast<std::uint32_t>(x);
-}
 std::string decimal(const RecordStory& s, float x) {
   fmt::memory_buffer b;
   WordText(s.board.format).append_decimal(b, FloatWords(s.board.format).encode(x));

@@ -31,10 +31,6 @@ namespace {
 namespace fs = std::filesystem;
 using Side = StoryPair::Side;
 
-std::uint32_t bits(float x) {
-  return std::bit_cast<std::uint32_t>(x);
-}
-
 bool one_a_pair(Mode mode) {
   return mode == Mode::kAll || mode == Mode::kHits;
 }

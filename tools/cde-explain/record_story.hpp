@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <bit>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,6 +12,11 @@
 
 /// How a record of a scene came about, on the card and in the reference.
 namespace cde::cli {
+
+/// Of two T as they are compared, as -0 and +0 differ.
+[[nodiscard]] inline std::uint32_t bits(float x) {
+  return std::bit_cast<std::uint32_t>(x);
+}
 
 /// RUN:QUERY:FRAME:PRIMARY.
 struct RecordName {

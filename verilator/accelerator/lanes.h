@@ -2,7 +2,7 @@
 // CDE_LANE_WORDS lanes at a time, 8 or 16: the vector statements that `reroll` writes. Operations
 // of host_fp.h on vectors of 32-bit words, lane by lane the bits of the scalar ones.
 #pragma once
-#include "host_fp.h"
+#include "host_nodes.h"
 #include "triggers.h"
 
 /// One instruction, where Verilator has a dozen.

@@ -18,7 +18,7 @@ namespace {
 
 constexpr FpFormat kFp64{11, 52};
 constexpr std::uint32_t kNone = ~0u;
-constexpr double kBand = 16;  // in u
+constexpr double kTieBand = 16;  // in u
 
 /// Shapes as words of a format, one after the other.
 struct Words {
@@ -136,7 +136,7 @@ class Judge {
     if (is == saw) return;
     const double u = std::ldexp(1, -1 - row_.format.man_bits);
     const double apart = std::abs(truth_.gap(saw) - truth_.gap(is));
-    ++(apart <= kBand * u * std::abs(truth_.gap(is)) ? row_.ties : row_.other);
+    ++(apart <= kTieBand * u * std::abs(truth_.gap(is)) ? row_.ties : row_.other);
   }
 
  private:

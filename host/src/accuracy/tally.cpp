@@ -20,7 +20,6 @@ namespace {
 
 // Fractions of binary64; its exponents would be beyond the contract of all other formats.
 constexpr oracle::Format kDrawnIn{8, 52};
-constexpr double kBand = 16;  // in u S
 constexpr double kOracleRounding = 4 * 0x1p-53;
 
 oracle::Format oracle_format(FpFormat format) {

@@ -18,7 +18,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using reference::verdict::Certain;
 
-constexpr double kBand = 16 * 0x1p-24;  // of S
 constexpr std::uint64_t kAtOnce = 4096;
 
 /// The truth is looked for no more closely than it takes: an oracle's interval on one side of zero.
@@ -37,7 +36,7 @@ void count(VerdictCounts& counts, const oracle::Case& pair, Certain certain) {
       break;
     case Certain::kNeither:
       ++counts.uncertain;
-      const double band = kBand * oracle::scene_size(a, b);
+      const double band = kBand * 0x1p-24 * oracle::scene_size(a, b);
       counts.near += gap.lo <= band && -gap.hi <= band ? 1 : 0;
   }
 }

@@ -94,11 +94,6 @@ std::string keep_log(const fs::path& file, const std::string& output) {
   return fmt::format("\nall of what the builder said: {}", printable_name(log.string()));
 }
 
-/// Beside a bitstream, written by its builder: comments, and a line as of sha256sum.
-fs::path checksum_file(const fs::path& file) {
-  return fs::path(file) += ".sha256";
-}
-
 /// A bitstream under the name that was asked for, and under one that leads to the same file
 /// whatever becomes of the folders above.
 struct Place {
@@ -111,7 +106,7 @@ std::optional<std::string> defect(const Place& place) {
   if (auto why = folders::distrust(file, place.named)) return why;
   std::error_code none;
   if (fs::is_directory(file, none)) return "is a folder";
-  std::ifstream in(checksum_file(file));
+  std::ifstream in(folders::checksum_file(file));
   if (!in) return "has no checksum beside it";
   std::string line;
   while (std::getline(in, line) && line.starts_with('#')) {
@@ -356,7 +351,7 @@ Bitstream Bitstream::load(const fs::path& file, std::uint64_t config_hash) {
   if (folder->distrust) refuse(whole.parent_path(), *folder->distrust);
   const fs::path inside = folder->inside / whole.filename();
   if (const auto why = folders::distrust(inside, whole)) refuse(whole, *why);
-  if (fs::exists(checksum_file(inside))) {
+  if (fs::exists(folders::checksum_file(inside))) {
     if (const auto why = defect({whole, inside}))
       throw Error(ErrorCode::kConfiguration,
                   fmt::format("{} {}", printable_name(file.string()), *why));

@@ -17,7 +17,7 @@ namespace cde {
 namespace {
 
 /// A number of a configuration, and the builder's name for it.
-struct Field {
+struct Number {
   const char* name;
   unsigned (*get)(const BoardConfig&);
   void (*set)(BoardConfig&, unsigned);
@@ -25,7 +25,7 @@ struct Field {
 };
 
 template <auto Member>
-constexpr Field field(const char* name, Transformer since = Transformer::kNone) {
+constexpr Number field(const char* name, Transformer since = Transformer::kNone) {
   return {name, [](const BoardConfig& c) { return static_cast<unsigned>(c.*Member); },
           [](BoardConfig& c, unsigned value) {
             c.*Member = static_cast<std::decay_t<decltype(c.*Member)>>(value);
@@ -46,7 +46,7 @@ void set_pairs(BoardConfig& c, unsigned set) {
 
 /// A number of the format of verdicts, 0 without them.
 template <auto Member>
-constexpr Field verdict_field(const char* name) {
+constexpr Number verdict_field(const char* name) {
   return {name,
           [](const BoardConfig& c) {
             return c.verdicts ? static_cast<unsigned>((*c.verdicts).*Member) : 0u;
@@ -57,7 +57,7 @@ constexpr Field verdict_field(const char* name) {
           }};
 }
 
-constexpr Field kFields[] = {
+constexpr Number kFields[] = {
     field<&BoardConfig::lanes>("LANES"),
     {"EXP", [](const BoardConfig& c) { return static_cast<unsigned>(c.format.exp_bits); },
      [](BoardConfig& c, unsigned value) { c.format.exp_bits = static_cast<int>(value); }},
@@ -229,7 +229,7 @@ std::vector<std::string> BoardConfig::parameters() const {
 
   std::vector<std::string> list = {
       fmt::format("ARITH={}", arithmetic == Arithmetic::kHost ? "host" : "rtl")};
-  for (const Field& field : kFields)
+  for (const Number& field : kFields)
     if (transform >= field.since && field.get(*this) != field.get(standard))
       list.push_back(fmt::format("{}={}", field.name, field.get(*this)));
   return list;
@@ -249,7 +249,7 @@ std::optional<BoardConfig> BoardConfig::of(const std::vector<std::string>& param
       continue;
     }
     const auto* field = std::find_if(std::begin(kFields), std::end(kFields),
-                                     [&](const Field& f) { return name == f.name; });
+                                     [&](const Number& f) { return name == f.name; });
     unsigned number = 0;
     const auto [stop, error] = std::from_chars(value.data(), value.data() + value.size(), number);
     if (field == std::end(kFields) || error != std::errc() || stop != value.data() + value.size())

@@ -19,7 +19,7 @@ constexpr const char* kAdvice = "first use of this configuration, kept for the n
 std::atomic<bool> silent{false};
 
 /// To stderr, which may be closed or full: that is no reason to end.
-void say(const std::string& text) {
+void print(const std::string& text) {
   if (silent) return;
   std::fputs(text.c_str(), stderr);
   std::fflush(stderr);
@@ -38,7 +38,7 @@ std::string fitted(std::string text) {
 
 BuildProgress::BuildProgress(std::string what)
     : what_(std::move(what)), terminal_(::isatty(STDERR_FILENO) != 0) {
-  say(fmt::format("cde: building bitstream {} ({})\n", what_, kAdvice));
+  print(fmt::format("cde: building bitstream {} ({})\n", what_, kAdvice));
 }
 
 void BuildProgress::operator()(std::chrono::duration<double> elapsed, std::string_view printed) {
@@ -53,10 +53,10 @@ void BuildProgress::operator()(std::chrono::duration<double> elapsed, std::strin
   const bool another = std::exchange(phase_, phase) != phase;
   if (phase_.empty()) return;
   if (terminal_)
-    say(fmt::format("\r\033[K{}",
-                    fitted(fmt::format("cde: {:.0f} s, {}", elapsed.count(), phase_))));
+    print(fmt::format("\r\033[K{}",
+                      fitted(fmt::format("cde: {:.0f} s, {}", elapsed.count(), phase_))));
   else if (another)
-    say(fmt::format("cde: {:.0f} s, {}\n", elapsed.count(), phase_));
+    print(fmt::format("cde: {:.0f} s, {}\n", elapsed.count(), phase_));
 }
 
 void BuildProgress::set_quiet(bool quiet) {
@@ -68,8 +68,8 @@ bool BuildProgress::quiet() {
 }
 
 void BuildProgress::end(bool built) {
-  if (terminal_) say("\r\033[K");
-  if (built) say(fmt::format("cde: built in {:.0f} s\n", elapsed_.count()));
+  if (terminal_) print("\r\033[K");
+  if (built) print(fmt::format("cde: built in {:.0f} s\n", elapsed_.count()));
 }
 
 std::string BuildProgress::without_phases(std::string_view printed) {

@@ -26,11 +26,6 @@ void refuse(const fs::path& file, std::string_view why) {
   say(fmt::format("cde: {} is not used: it {}\n", printable_name(file.string()), why));
 }
 
-/// As beside a bitstream: a line as of sha256sum.
-fs::path checksum_file(const fs::path& file) {
-  return fs::path(file) += ".sha256";
-}
-
 std::optional<std::string> text_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in) return std::nullopt;
@@ -63,14 +58,14 @@ std::optional<std::string> read_cache_entry(const std::string& name) {
     return std::nullopt;
   }
   if (!fs::exists(file, none)) return std::nullopt;
-  for (const fs::path& part : {file, checksum_file(file)}) {
+  for (const fs::path& part : {file, folders::checksum_file(file)}) {
     const fs::path named = folder->named / part.filename();
     if (const auto why = folders::distrust(part, named)) {
       refuse(named, *why);
       return std::nullopt;
     }
   }
-  const auto text = text_of(file), sum = text_of(checksum_file(file));
+  const auto text = text_of(file), sum = text_of(folders::checksum_file(file));
   if (!text || !sum) {
     refuse(folder->named / name, text ? "has no checksum beside it" : "cannot be read");
     return std::nullopt;
@@ -87,8 +82,8 @@ void write_cache_entry(const std::string& name, std::string_view text) {
     const fs::path file = folders::make_cache() / name;
     std::error_code none;
     fs::remove(file, none);  // one that was refused keeps neither its owner nor its mode
-    fs::remove(checksum_file(file), none);
-    write_private(checksum_file(file), fmt::format("{}  {}\n", sha256(text), name));
+    fs::remove(folders::checksum_file(file), none);
+    write_private(folders::checksum_file(file), fmt::format("{}  {}\n", sha256(text), name));
     write_private(file, text);
   } catch (const Error&) {
     // As it was before: nothing is kept.

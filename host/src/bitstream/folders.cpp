@@ -231,6 +231,10 @@ std::vector<fs::path> ready_made() {
   return folders;
 }
 
+fs::path checksum_file(const fs::path& file) {
+  return fs::path(file) += ".sha256";
+}
+
 fs::path cache() {
   if (auto path = from_environment("CDE_CACHE")) return fs::absolute(*path);
   const auto own = own_cache();

@@ -35,6 +35,9 @@ struct Opened {
 /// The user's cache, whether or not it is there. Error kFile if no place for it is known.
 [[nodiscard]] std::filesystem::path cache();
 
+/// Beside what is kept in a cache: comments, and a line as of sha256sum.
+[[nodiscard]] std::filesystem::path checksum_file(const std::filesystem::path& file);
+
 /// The same, made if need be, for its owner alone. Error kFile if it cannot be, or is not trusted.
 [[nodiscard]] std::filesystem::path make_cache();
 

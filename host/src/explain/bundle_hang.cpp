@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // The card is looked at now and then: where it stopped is within so many clocks.
-constexpr std::uint64_t kAhead = 400, kBehind = 20'000;
+constexpr std::uint64_t kAheadOfHang = 400, kBehind = 20'000;
 constexpr std::size_t kLast = 16;  // transactions that are listed
 
 }  // namespace
@@ -31,7 +31,7 @@ void bundle_hang(Bundle& bundle, const Failure& failure) {
        {"repeat_command", failure.repeat.empty() ? nlohmann::ordered_json()
                                                  : nlohmann::ordered_json(failure.repeat)}});
   const fs::path whole = bundle.folder() / "whole.fst";
-  const std::uint64_t from = f.clock > kAhead ? f.clock - kAhead : 0;
+  const std::uint64_t from = f.clock > kAheadOfHang ? f.clock - kAheadOfHang : 0;
   (void)failure.rerun(whole.string(), {.from = from, .to = f.clock + kBehind});
   std::deque<wave::Transaction> last, open;
   std::uint64_t fail = 0;
@@ -69,8 +69,8 @@ void bundle_hang(Bundle& bundle, const Failure& failure) {
     bundle.add("On the card", text.empty() ? "Nothing happened in these clocks.\n" : text);
   keep_waves(bundle, whole,
              {.fail = fail,
-              .before = kAhead,
-              .behind = kAhead,
+              .before = kAheadOfHang,
+              .behind = kAheadOfHang,
               .shown = f.shown,
               .first = f.shown,
               .what = "the last that went on"});

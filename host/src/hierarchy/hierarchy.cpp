@@ -28,9 +28,9 @@ void put(std::string& to, std::uint32_t word) {
   for (unsigned byte = 0; byte < 4; ++byte) to += static_cast<char>(word >> (8 * byte) & 0xff);
 }
 
-class Words {
+class SavedWords {
  public:
-  explicit Words(std::string_view bytes) : bytes_(bytes) {}
+  explicit SavedWords(std::string_view bytes) : bytes_(bytes) {}
   [[nodiscard]] std::size_t left() const { return bytes_.size() / 4; }
   std::uint32_t next() {
     std::uint32_t word = 0;
@@ -102,7 +102,7 @@ Hierarchy Hierarchy::load(const std::filesystem::path& path) {
   if (!bytes.starts_with(kMagic)) fail("a hierarchy of another version than cde.hierarchy.2");
   const std::size_t head = kMagic.size() + 4 * kHeadWords;
   if (bytes.size() < head + kDigits) fail("a hierarchy that is cut off in its head");
-  Words words(
+  SavedWords words(
       std::string_view(bytes).substr(kMagic.size(), bytes.size() - kMagic.size() - kDigits));
   const std::size_t nodes = words.next(), slots = words.next(), parts = words.next();
   const std::size_t size = head + 4 * (nodes * Node::kWords + slots + kPartWords * parts) + kDigits;

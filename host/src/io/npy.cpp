@@ -34,7 +34,7 @@ struct Array {
   std::string_view data;
 };
 
-Array parse(const std::string& path, std::string_view bytes) {
+Array parse_array(const std::string& path, std::string_view bytes) {
   if (!bytes.starts_with(kMagic) || bytes.size() < 10) fail(path, "is not a NumPy array (.npy)");
   const auto at = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
   const unsigned version = at(6);
@@ -107,7 +107,7 @@ std::string npy_header(std::string_view type, const std::vector<std::uint64_t>& 
 
 std::vector<Ray> read_rays_npy(std::istream& in, const std::string& path) {
   const std::string bytes = bytes_of(in, path);
-  const Array array = parse(path, bytes);
+  const Array array = parse_array(path, bytes);
   std::vector<Ray> rays;
   rays.reserve(array.rows);
   for (std::uint64_t i = 0; i < array.rows; ++i) {

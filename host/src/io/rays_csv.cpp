@@ -25,14 +25,14 @@ constexpr std::string_view kExpectedNames =
     "expected ox, oy, oz, dx, dy, dz and, if wanted, tmin, tmax, in any order";
 
 /// Which of kFields stands in each column of a line.
-struct Columns {
+struct RayColumns {
   std::array<std::size_t, kFields.size()> field = {0, 1, 2, 3, 4, 5, 6, 7};
   std::size_t count = kFields.size();
   bool named = false;  // by a header
 };
 
 /// Where a message points: "rays.csv:12:7" or "--ray:7".
-struct Place {
+struct CsvPlace {
   std::string_view name;
   std::size_t line;  // 0: the text is a single line without a number
 
@@ -43,7 +43,7 @@ struct Place {
 };
 
 /// The blank-trimmed text before the next comma, and its column from 1.
-struct Field {
+struct CsvField {
   std::string_view text;
   std::size_t column;
 };
@@ -58,13 +58,13 @@ void for_each_field(std::string_view line, Each each) {
     const std::string_view field = text::trim(raw);
     const std::size_t lead =
         field.empty() ? 0 : static_cast<std::size_t>(field.data() - raw.data());
-    each(Field{field, start + lead + 1});
+    each(CsvField{field, start + lead + 1});
     if (comma == std::string_view::npos) return;
     start = comma + 1;
   }
 }
 
-float parse_number(const Field& at, std::size_t field, const Place& place) {
+float parse_number(const CsvField& at, std::size_t field, const CsvPlace& place) {
   const std::string_view name = kFields[field];
   if (at.text.empty()) place.fail(ErrorCode::kFile, at.column, fmt::format("{} is empty", name));
   float value = 0;
@@ -82,12 +82,12 @@ float parse_number(const Field& at, std::size_t field, const Place& place) {
   return value;
 }
 
-Ray parse_line(std::string_view line, const Place& place, const Columns& columns) {
+Ray parse_line(std::string_view line, const CsvPlace& place, const RayColumns& columns) {
   Ray ray;
   std::array<float, kFields.size()> values = {0, 0, 0, 0, 0, 0, ray.tmin, ray.tmax};
   std::size_t count = 0;
   std::size_t direction = 1;  // where the text has dx
-  for_each_field(line, [&](const Field& at) {
+  for_each_field(line, [&](const CsvField& at) {
     if (count == columns.count) {
       place.fail(ErrorCode::kFile, at.column,
                  columns.named ? fmt::format("too many fields: the header names {}", columns.count)
@@ -126,10 +126,10 @@ bool is_header(std::string_view line) {
 }
 
 /// The columns that a header names. Quotes around a name are those of CSV.
-Columns parse_header(std::string_view line, const Place& place) {
-  Columns columns{.count = 0, .named = true};
+RayColumns parse_header(std::string_view line, const CsvPlace& place) {
+  RayColumns columns{.count = 0, .named = true};
   std::array<bool, kFields.size()> seen = {};
-  for_each_field(line, [&](const Field& at) {
+  for_each_field(line, [&](const CsvField& at) {
     std::string_view name = at.text;
     if (name.size() >= 2 && name.front() == '"' && name.back() == '"')
       name = name.substr(1, name.size() - 2);
@@ -152,17 +152,17 @@ Columns parse_header(std::string_view line, const Place& place) {
   return columns;
 }
 
-std::vector<Ray> parse(std::string_view bytes, std::string_view name) {
+std::vector<Ray> parse_rays(std::string_view bytes, std::string_view name) {
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
   std::vector<Ray> rays;
   text::Lines lines(bytes);
-  Columns columns;
+  RayColumns columns;
   bool may_be_header = true;
   while (const auto line = lines.next()) {
     const std::string_view content = text::trim(*line);
     if (content.empty() || content.front() == '#') continue;
-    const Place place{name, lines.number()};
+    const CsvPlace place{name, lines.number()};
     if (std::exchange(may_be_header, false) && is_header(content))
       columns = parse_header(*line, place);
     else
@@ -174,13 +174,13 @@ std::vector<Ray> parse(std::string_view bytes, std::string_view name) {
 }  // namespace
 
 std::vector<Ray> read_rays_csv(const std::filesystem::path& path) {
-  return parse(file_io::read(path), printable_name(path.string()));
+  return parse_rays(file_io::read(path), printable_name(path.string()));
 }
 
 std::vector<Ray> read_rays_csv(std::istream& in, std::string_view name) {
   const std::string bytes(std::istreambuf_iterator<char>(in), {});
   if (in.bad()) throw Error(ErrorCode::kFile, fmt::format("{}: cannot be read", name));
-  return parse(bytes, name);
+  return parse_rays(bytes, name);
 }
 
 Ray parse_ray(std::string_view text, std::string_view name) {

@@ -128,7 +128,7 @@ struct Bytes {
   }
 };
 
-std::vector<RecordField> parse(const std::vector<std::string>& fields) {
+std::vector<RecordField> parse_fields(const std::vector<std::string>& fields) {
   std::vector<RecordField> all;
   for (const std::string& text : fields) {
     must_be_known(text, field_names(), "field");
@@ -157,7 +157,7 @@ std::vector<std::string> field_names() {
 
 RecordFormat RecordFormat::of_cast(const std::string& path, bool bits,
                                    const std::vector<std::string>& fields) {
-  RecordFormat format{.bits = bits, .fields = parse(fields)};
+  RecordFormat format{.bits = bits, .fields = parse_fields(fields)};
   if (!fields.empty() && path.empty())
     throw Error(ErrorCode::kUsage, "--fields is of records; give --output too");
   if (path.empty()) return format;

@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr unsigned kMostDepth = 2000;  // of nodes in each other
+constexpr unsigned kMostNodeDepth = 2000;  // of nodes in each other
 
 /// Tags that are not the name of the node in small letters.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kTags = {
@@ -75,7 +75,7 @@ class Writer {
   }
 
   void note(const Json& node, unsigned depth) {
-    if (depth > kMostDepth) throw NetlistError("nodes are too deep in each other");
+    if (depth > kMostNodeDepth) throw NetlistError("nodes are too deep in each other");
     if (!node.is_object()) throw NetlistError("a node is no object");
     if (const std::string address = text(node, "addr"); !address.empty()) {
       by_address_.emplace(address, &node);
@@ -89,7 +89,7 @@ class Writer {
   /// Instances below a module, without the generate blocks that they are in.
   void cell(const Json& module, const std::string& name, const std::string& path,
             const std::string& location, unsigned depth) {
-    if (depth > kMostDepth / 10 || out_.size() > (std::size_t{1} << 30))
+    if (depth > kMostNodeDepth / 10 || out_.size() > (std::size_t{1} << 30))
       throw NetlistError("instances are too deep in each other, or too many");
     out_ +=
         fmt::format("<cell loc=\"{}\" name=\"{}\" submodname=\"{}\" hier=\"{}\">", place(location),
@@ -248,7 +248,7 @@ void check_depth(const std::string& text) {
       continue;
     }
     quoted = c == '"';
-    if ((c == '{' || c == '[') && ++depth > 2 * kMostDepth)
+    if ((c == '{' || c == '[') && ++depth > 2 * kMostNodeDepth)
       throw NetlistError("nodes are too deep in each other");
     if ((c == '}' || c == ']') && depth > 0) --depth;
   }

@@ -10,8 +10,8 @@
 namespace cde::netlist {
 namespace {
 
-constexpr std::size_t kMostOpen = 4000;  // elements in each other
-constexpr unsigned kMostDepth = 1000;    // of types
+constexpr std::size_t kMostOpen = 4000;    // elements in each other
+constexpr unsigned kMostTypeDepth = 1000;  // of types
 constexpr std::uint64_t kMostBits = 1u << 30;
 
 struct Entity {
@@ -175,7 +175,7 @@ std::uint64_t Netlist::width(unsigned id, unsigned depth) {
   if (found == types_.end()) return 0;
   Type& type = found->second;
   // One that is met again while it is looked at is part of itself, and is not known.
-  if (type.width != 0 || depth > kMostDepth || !measured_.insert(id).second) return type.width;
+  if (type.width != 0 || depth > kMostTypeDepth || !measured_.insert(id).second) return type.width;
   if (type.kind == Type::Kind::kPacked || type.kind == Type::Kind::kUnpacked) {
     const std::uint64_t one = width(type.element, depth + 1), n = length(type.left, type.right);
     if (one <= kMostBits && n <= kMostBits && one * n <= kMostBits) type.width = one * n;

@@ -15,8 +15,6 @@
 namespace cde::oracle {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /// Turned about its own middle.
 Shape tilted(const Shape& shape, const Frame& by) {
   if (std::holds_alternative<Aabb>(shape)) return shape;

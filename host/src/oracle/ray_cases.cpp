@@ -13,8 +13,6 @@
 namespace cde::oracle {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // Draws are in statements or braces of their own: elsewhere their order is the compiler's.
 struct RayDraft {
   Random random;

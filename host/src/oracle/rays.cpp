@@ -19,8 +19,6 @@ namespace mp = boost::multiprecision;
 using Real = mp::number<mp::cpp_bin_float<512, mp::digit_base_2>, mp::et_off>;
 using Real3 = std::array<Real, 3>;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 Real3 real3(const Vec& v) {
   return {Real(v.x()), Real(v.y()), Real(v.z())};
 }

@@ -11,7 +11,7 @@ namespace cde::reference {
 
 /// A packet of rays by component, for vector code. Private to the reference.
 struct RayBlock {
-  static constexpr unsigned kRays = card::kMostPrimaries;
+  static constexpr std::size_t kRays = card::kMostPrimaries;
   alignas(64) std::array<float, kRays> ox{}, oy{}, oz{}, dx{}, dy{}, dz{};
   unsigned count = 0;  ///< rays in use, rounded up to whole vectors of the rest being zero
 };

@@ -11,8 +11,6 @@
 namespace cde {
 namespace {
 
-constexpr std::uint64_t kPacket = card::kMostPrimaries;
-
 /// Microseconds of simulation. Building a hierarchy takes 1 us per triangle and simulating it 4 us
 /// per ray; brute force on 64 lanes takes 4.6 ns per test (cde bench).
 tree_choice::Cost cost(std::uint64_t triangles, std::uint64_t rays) {
@@ -70,7 +68,8 @@ void use_built_card(const CastRequest& r, CastPlan& plan, std::uint64_t rays,
   SceneCard asked;
   if (r.lanes) asked.lanes = plan.card.lanes;
   const auto card = built_card(plan.card, asked, [&](unsigned lanes) {
-    return ((rays / kPacket) * (kPacket / lanes) + (rays % kPacket + lanes - 1) / lanes) *
+    return ((rays / card::kMostPrimaries) * (card::kMostPrimaries / lanes) +
+            (rays % card::kMostPrimaries + lanes - 1) / lanes) *
            triangles;
   });
   if (!card) return;

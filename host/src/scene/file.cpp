@@ -226,13 +226,12 @@ SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
   for (const std::size_t number : q.primaries) primaries += size(scene.objects[number].shapes);
   q.mask = t.number_ranges("mask", static_cast<std::int64_t>(primaries) - 1);
   if (count(q.mask) == primaries) t.fail(ErrorCode::kUsage, "mask", "leaves out every primary");
-  constexpr std::uint64_t kPacket = card::kMostPrimaries;
-  const std::uint64_t packets = (primaries + kPacket - 1) / kPacket;
+  const std::uint64_t packets = (primaries + card::kMostPrimaries - 1) / card::kMostPrimaries;
   const auto most = t.integer<std::uint64_t>("packets", packets, 1, 1 << 24);
   if (packets > most)
     t.fail(ErrorCode::kUsage, "packets",
            fmt::format("{} primaries overflow {} packet{} of {} and need {}: as many passes",
-                       primaries, most, most == 1 ? "" : "s", kPacket, packets));
+                       primaries, most, most == 1 ? "" : "s", card::kMostPrimaries, packets));
   t.finish();
   return q;
 }

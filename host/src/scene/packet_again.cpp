@@ -13,8 +13,6 @@
 namespace cde {
 namespace {
 
-constexpr std::size_t kPacket = card::kMostPrimaries;
-
 /// Plays the frames with waves of the packet; whether the record is the same.
 bool play(const RunFailure& f, std::uint32_t first, const std::string& file,
           const TraceOptions& which) {
@@ -42,7 +40,7 @@ QueryFrame play_packet(const PacketAgain& p, std::uint32_t first, const std::str
   PlayOptions options = p.options;
   options.trace = file;
   options.waves = which;
-  options.waves_of = {p.frame, p.query, p.primary / kPacket};
+  options.waves_of = {p.frame, p.query, p.primary / card::kMostPrimaries};
   Player player(p.scene, plan, options);
   QueryFrame last;
   for (std::uint32_t frame = first; frame <= p.frame; ++frame)
@@ -66,10 +64,11 @@ Failure failure_of(const RunFailure& r) {
   f.swap = query.swap;
   f.mode = query.mode;
   f.difference = r.difference;
-  f.place = r.difference.number() % kPacket;
+  f.place = r.difference.number() % card::kMostPrimaries;
   const auto work = std::find_if(r.plan.queries.begin(), r.plan.queries.end(),
                                  [&](const QueryWork& w) { return w.name == query.name; });
-  f.clocks = work == r.plan.queries.end() ? 0 : work->secondaries * (kPacket / board.lanes);
+  f.clocks =
+      work == r.plan.queries.end() ? 0 : work->secondaries * (card::kMostPrimaries / board.lanes);
   Failure failure{.kind = f, .message = r.message, .repeat = r.repeat};
   failure.details =
       nlohmann::ordered_json{{"scene", r.scene.file}, {"frame", r.frame}, {"query", query.name}}

@@ -20,7 +20,6 @@
 namespace cde {
 namespace {
 
-constexpr std::uint64_t kPacket = card::kMostPrimaries;
 constexpr unsigned kMostLanes = 128;
 /// Lanes of planned cards are few, so that scenes share cards: a build takes longer than what a row
 /// of 16 lanes costs a scene that fills one of them (twice the time of one lane).
@@ -60,8 +59,8 @@ std::uint64_t count(const Scene& scene, const std::vector<std::size_t>& objects)
 /// What the passes of a query test, and the rows that takes.
 void add_passes(const Scene& scene, const SceneQuery& q, unsigned lanes, QueryWork& w) {
   const SelfPairs self(scene, q);
-  for (std::uint64_t first = 0; first < w.primaries; first += kPacket) {
-    const std::uint64_t n = std::min(kPacket, w.primaries - first);
+  for (std::uint64_t first = 0; first < w.primaries; first += card::kMostPrimaries) {
+    const std::uint64_t n = std::min(card::kMostPrimaries, w.primaries - first);
     std::uint64_t masked = 0;
     for (std::uint64_t p = first; !q.mask.empty() && p < first + n; ++p)
       masked += contains(q.mask, p) ? 1 : 0;
@@ -84,7 +83,7 @@ QueryWork work_of(const Scene& scene, const SceneQuery& q, unsigned lanes) {
   w.primaries = count(scene, q.primaries);
   w.secondaries = count(scene, q.secondaries);
   w.masked = count(q.mask);
-  w.packets = (w.primaries + kPacket - 1) / kPacket;
+  w.packets = (w.primaries + card::kMostPrimaries - 1) / card::kMostPrimaries;
   add_passes(scene, q, lanes, w);
   const unsigned slot = words(shape_of(scene.objects[q.secondaries.front()].shapes));
   w.secondary_words = w.secondaries * slot;
@@ -130,7 +129,7 @@ unsigned lanes_for(const Scene& scene, const std::vector<Pair>& pairs) {
   if (scene.card.lanes) return *scene.card.lanes;
   std::uint64_t most = 1;
   for (const SceneQuery& q : scene.queries)
-    most = std::max(most, std::min<std::uint64_t>(kPacket, count(scene, q.primaries)));
+    most = std::max(most, std::min<std::uint64_t>(card::kMostPrimaries, count(scene, q.primaries)));
   if (scene.card.arithmetic == Arithmetic::kRtl)
     return std::min(std::bit_ceil(static_cast<unsigned>(most)), kMostLanesOfGates);
   if (scene.card.verdicts || std::any_of(pairs.begin(), pairs.end(), plan_card::is_large))
@@ -234,7 +233,8 @@ Effect lanes(const Scene& scene, const Plan& plan) {
     return e;
   }
   std::uint64_t most = 0;
-  for (const QueryWork& w : plan.queries) most = std::max(most, std::min(kPacket, w.primaries));
+  for (const QueryWork& w : plan.queries)
+    most = std::max(most, std::min(card::kMostPrimaries, w.primaries));
   if (scene.card.lanes)
     e.why = "asked for in [card]";
   else if (n >= most)
@@ -253,7 +253,7 @@ Effect lanes(const Scene& scene, const Plan& plan) {
   const auto rows = [&](unsigned lanes) { return rows_of(scene, lanes); };
   e.cost = fmt::format("{} rows a frame", rows(n));
   if (n > 1) e.cost += fmt::format("; {} with {} lanes", rows(n / 2), n / 2);
-  if (n < kPacket) e.cost += fmt::format("; {} with {}", rows(n * 2), n * 2);
+  if (n < card::kMostPrimaries) e.cost += fmt::format("; {} with {}", rows(n * 2), n * 2);
   return e;
 }
 
@@ -484,8 +484,9 @@ Plan plan(const Scene& scene) {
 }
 
 void use_built_card(const Scene& scene, Plan& plan) {
-  const bool small = std::all_of(plan.queries.begin(), plan.queries.end(),
-                                 [](const QueryWork& w) { return w.primaries <= kPacket; });
+  const bool small = std::all_of(plan.queries.begin(), plan.queries.end(), [](const QueryWork& w) {
+    return w.primaries <= card::kMostPrimaries;
+  });
   if (!small) return;
   const auto card =
       built_card(plan.board, scene.card, [&](unsigned lanes) { return rows_of(scene, lanes); });

@@ -14,7 +14,6 @@ namespace cde::plan_mover {
 namespace {
 
 constexpr unsigned kMostEntries = 2048;  // that an object table can have
-constexpr std::uint64_t kPacket = card::kMostPrimaries;
 
 using Group = std::vector<std::size_t>;  // numbers of objects
 using Side = Group SceneQuery::*;
@@ -142,7 +141,7 @@ std::string against_staying(const Scene& scene) {
   for (const std::size_t i : all) count += size(scene.objects[i].shapes);
   for (const SceneQuery& q : scene.queries)
     if (q.primaries != all) return "queries have different primaries, which are loaded for each";
-  if (count > kPacket) return "they are loaded packet by packet";
+  if (count > card::kMostPrimaries) return "they are loaded packet by packet";
   for (const std::size_t i : all)
     if (!deforming(scene.objects[i]).empty()) return "they are other ones in every frame";
   return "";

@@ -19,7 +19,6 @@ namespace cde {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::size_t kPacket = card::kMostPrimaries;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -116,7 +115,7 @@ class PassCheck {
             .place =
                 [&board, streams](std::uint32_t primary) {
                   return streams ? fmt::format("clock {} (record read)", board.clocks())
-                                 : place_on_card(board, primary % kPacket);
+                                 : place_on_card(board, primary % card::kMostPrimaries);
                 },
             .repeat =
                 [&](const Difference& d) {
@@ -230,7 +229,8 @@ class Player::Impl {
     const std::uint64_t shown_ps = board_.time_ps();
     primaries_.show(q.primaries, frame);
     result.primary_ps = board_.time_ps() - shown_ps;
-    const std::size_t packets = (size(primaries_.placed()) + kPacket - 1) / kPacket;
+    const std::size_t packets =
+        (size(primaries_.placed()) + card::kMostPrimaries - 1) / card::kMostPrimaries;
     for (std::size_t packet = 0; packet < packets; ++packet) {
       const auto progress = [&](double share) {
         if (options_.progress)
@@ -256,8 +256,8 @@ class Player::Impl {
   void run_packet(Packet packet, QueryFrame& result) {
     const SceneQuery& q = scene_.queries[packet.query];
     const Shapes& primaries = primaries_.placed();
-    const std::size_t first = packet.number * kPacket;
-    const std::size_t count = std::min(kPacket, size(primaries) - first);
+    const std::size_t first = packet.number * card::kMostPrimaries;
+    const std::size_t count = std::min(card::kMostPrimaries, size(primaries) - first);
     Query query{.mode = q.mode,
                 .pair = q.pair,
                 .swap = q.swap,
@@ -351,7 +351,7 @@ class Player::Impl {
       };
     }
     const bool pairwise = query.mode == Mode::kAll || query.mode == Mode::kHits;
-    const auto first = static_cast<std::uint32_t>(packet.number * kPacket);
+    const auto first = static_cast<std::uint32_t>(packet.number * card::kMostPrimaries);
     const auto start = Clock::now();
     double host = 0;
     std::uint64_t seen = 0;
@@ -387,10 +387,11 @@ class Player::Impl {
   Counters stream(const Packet& packet, const Query& query, const RecordSink& receive) {
     return std::visit(
         [&](const auto& list) {
-          const std::size_t first = packet.number * kPacket;
+          const std::size_t first = packet.number * card::kMostPrimaries;
           const std::span all(list);
-          return board_.cast_shapes(all.subspan(first, std::min(kPacket, all.size() - first)),
-                                    query, receive);
+          return board_.cast_shapes(
+              all.subspan(first, std::min(card::kMostPrimaries, all.size() - first)), query,
+              receive);
         },
         primaries_.placed());
   }

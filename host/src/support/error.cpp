@@ -3,6 +3,10 @@
 
 namespace cde {
 
+void throw_usage(const std::string& message) {
+  throw Error(ErrorCode::kUsage, message);
+}
+
 int exit_status(ErrorCode code) noexcept {
   switch (code) {
     case ErrorCode::kMismatch:

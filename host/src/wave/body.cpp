@@ -9,25 +9,23 @@
 namespace cde::wave {
 namespace {
 
-using netlist::Element;
-
 constexpr std::array<std::string_view, 14> kStatements = {
     "assign",   "assigndly", "if",        "case",      "begin",   "while", "taskref",
     "stmtexpr", "display",   "jumpblock", "jumplabel", "comment", "stop",  "finish"};
 
-bool is_statement(const Element& e) {
+bool is_statement(const netlist::Element& e) {
   return std::find(kStatements.begin(), kStatements.end(), e.tag()) != kStatements.end();
 }
 
 /// Reads one module; its variables first, as statements may stand before them.
 class Reader {
  public:
-  explicit Reader(const Element& module) {
+  explicit Reader(const netlist::Element& module) {
     body_.name = module.text("name");
     body_.source_name = module.text("origName");
     body_.scopes.emplace_back();
-    for (const Element* e : module.children()) declare(*e, 0, false);
-    for (const Element* e : module.children()) item(*e);
+    for (const netlist::Element* e : module.children()) declare(*e, 0, false);
+    for (const netlist::Element* e : module.children()) item(*e);
     body_.outputs.resize(body_.variables.size());
     for (std::uint32_t p = 0; p < body_.parts.size(); ++p)
       for (std::uint32_t i = 0; i < body_.parts[p].ports.size(); ++i) {
@@ -41,7 +39,7 @@ class Reader {
   Body take() { return std::move(body_); }
 
  private:
-  std::uint32_t open(const Element& e, std::uint32_t parent) {
+  std::uint32_t open(const netlist::Element& e, std::uint32_t parent) {
     Scope scope;
     scope.parent = static_cast<int>(parent);
     scope.prefix = body_.scopes[parent].prefix;
@@ -58,7 +56,7 @@ class Reader {
     return id;
   }
 
-  void declare(const Element& e, std::uint32_t scope, bool local) {
+  void declare(const netlist::Element& e, std::uint32_t scope, bool local) {
     if (e.tag() == "var") {
       Variable v;
       const std::string name = e.text("name");
@@ -80,44 +78,45 @@ class Reader {
     if (e.tag() == "always") in_process_ = true;
     if (e.tag() == "begin" || function) scope = open(e, scope);
     if (function) body_.functions[e.text("name")] = {&e, scope};
-    for (const Element* child : e.children()) declare(*child, scope, local || function);
+    for (const netlist::Element* child : e.children()) declare(*child, scope, local || function);
     if (e.tag() == "always") in_process_ = false;
   }
 
-  void item(const Element& e) {
+  void item(const netlist::Element& e) {
     if (e.tag() == "contassign" || e.tag() == "assignw") {
       ++process_;
       drive(e, nullptr);
     } else if (e.tag() == "always" || e.tag() == "alwayspublic") {
       ++process_;
-      const Element* edges = nullptr;
-      for (const Element* child : e.children())
+      const netlist::Element* edges = nullptr;
+      for (const netlist::Element* child : e.children())
         if (child->tag() == "sentree") edges = of_edges(*child) ? child : nullptr;
-      for (const Element* child : e.children())
+      for (const netlist::Element* child : e.children())
         if (child->tag() != "sentree") statement(*child, edges);
     } else if (e.tag() == "instance") {
       part(e);
     } else if (e.tag() == "begin") {
       const std::uint32_t outer = std::exchange(scope_, scopes_.at(&e));
-      for (const Element* child : e.children()) item(*child);
+      for (const netlist::Element* child : e.children()) item(*child);
       scope_ = outer;
     }
   }
 
-  static bool of_edges(const Element& sentree) {
-    return std::any_of(sentree.children().begin(), sentree.children().end(), [](const Element* i) {
-      const std::string_view edge = i->attribute("edgeType");
-      return edge == "POS" || edge == "NEG" || edge == "BOTH";
-    });
+  static bool of_edges(const netlist::Element& sentree) {
+    return std::any_of(sentree.children().begin(), sentree.children().end(),
+                       [](const netlist::Element* i) {
+                         const std::string_view edge = i->attribute("edgeType");
+                         return edge == "POS" || edge == "NEG" || edge == "BOTH";
+                       });
   }
 
-  void part(const Element& e) {
+  void part(const netlist::Element& e) {
     Part p;
     p.path = body_.scopes[scope_].prefix + e.text("name");
     p.module = e.text("defName");
     p.declared = &e;
     p.scope = scope_;
-    for (const Element* port : e.children())
+    for (const netlist::Element* port : e.children())
       if (port->tag() == "port")
         p.ports.push_back(
             {port->text("name"), port->child(0), port->attribute("direction") != "out"});
@@ -126,7 +125,7 @@ class Reader {
   }
 
   /// An assignment: what is assigned comes last.
-  void drive(const Element& e, const Element* edges) {
+  void drive(const netlist::Element& e, const netlist::Element* edges) {
     if (e.children().size() < 2) return;
     add({&e, e.children().back(), e.child(0), edges, scope_, process_, guards_});
   }
@@ -140,32 +139,32 @@ class Reader {
   }
 
   /// Variables that an expression on the left assigns, wholly or in part.
-  void each_target(const Element& e, std::uint32_t scope,
+  void each_target(const netlist::Element& e, std::uint32_t scope,
                    const std::function<void(std::uint32_t)>& visit) const {
     if (is_reference(e)) {
       const std::string dotted = with_brackets(e.text("dotted"));
       const auto v = body_.variable(scope, (dotted.empty() ? "" : dotted + ".") + e.text("name"));
       if (v >= 0) visit(static_cast<std::uint32_t>(v));
     } else if (e.tag() == "concat") {
-      for (const Element* child : e.children()) each_target(*child, scope, visit);
+      for (const netlist::Element* child : e.children()) each_target(*child, scope, visit);
     } else if (e.child(0) != nullptr) {
       each_target(*e.child(0), scope, visit);  // of a selection
     }
   }
 
-  void guarded(Guard guard, const Element& e, const Element* edges) {
+  void guarded(Guard guard, const netlist::Element& e, const netlist::Element* edges) {
     guards_.push_back(guard);
     statement(e, edges);
     guards_.pop_back();
   }
 
-  void statement(const Element& e, const Element* edges) {
+  void statement(const netlist::Element& e, const netlist::Element* edges) {
     const std::string_view tag = e.tag();
     if (tag == "assign" || tag == "assigndly" || tag == "contassign") {
       drive(e, edges);
     } else if (tag == "begin") {
       const std::uint32_t outer = std::exchange(scope_, scopes_.at(&e));
-      for (const Element* child : e.children()) statement(*child, edges);
+      for (const netlist::Element* child : e.children()) statement(*child, edges);
       scope_ = outer;
     } else if (tag == "if") {
       for (std::size_t i = 1; i < e.children().size(); ++i)
@@ -178,26 +177,26 @@ class Reader {
     } else if (tag == "funcref" || tag == "taskref") {
       call(e, edges);
     } else {
-      for (const Element* child : e.children())
+      for (const netlist::Element* child : e.children())
         guarded({Guard::Kind::kUnknown, nullptr, nullptr}, *child, edges);
     }
   }
 
-  void choice(const Element& e, const Element* edges) {
-    for (const Element* item : e.children()) {
+  void choice(const netlist::Element& e, const netlist::Element* edges) {
+    for (const netlist::Element* item : e.children()) {
       if (item->tag() != "caseitem") continue;
       const bool otherwise = item->child(0) == nullptr || is_statement(*item->child(0));
       const Guard guard{otherwise ? Guard::Kind::kDefault : Guard::Kind::kItem, &e, item};
-      for (const Element* child : item->children())
+      for (const netlist::Element* child : item->children())
         if (is_statement(*child)) guarded(guard, *child, edges);
     }
   }
 
   /// What precedes the condition, the condition, the body, and the step. The step's variables count
   /// rounds: they are no signals.
-  void loop(const Element& e, const Element* edges) {
-    if (const Element* step = e.child(3))
-      for (const Element* s : step->children())
+  void loop(const netlist::Element& e, const netlist::Element* edges) {
+    if (const netlist::Element* step = e.child(3))
+      for (const netlist::Element* s : step->children())
         if (s->children().size() >= 2)
           each_target(*s->children().back(), scope_,
                       [&](std::uint32_t v) { body_.variables[v].local = true; });
@@ -206,15 +205,15 @@ class Reader {
   }
 
   /// Arguments that a task writes are made of all others.
-  void call(const Element& e, const Element* edges) {
+  void call(const netlist::Element& e, const netlist::Element* edges) {
     const auto function = body_.functions.find(e.text("name"));
     if (function == body_.functions.end()) return;
     std::size_t at = 0;
-    for (const Element* v : function->second.declared->children()) {
+    for (const netlist::Element* v : function->second.declared->children()) {
       if (v->tag() != "var" || v->attribute("dir").empty() ||
           v->attribute("name") == e.attribute("name"))
         continue;
-      const Element* const argument = e.child(at++);
+      const netlist::Element* const argument = e.child(at++);
       if (argument == nullptr || argument->child(0) == nullptr) break;
       if (v->attribute("dir") != "input")
         add({&e, argument->child(0), nullptr, edges, scope_, process_, guards_});
@@ -223,7 +222,7 @@ class Reader {
 
   Body body_;
   std::map<std::uint32_t, std::string> names_;  ///< of scopes
-  std::map<const Element*, std::uint32_t> scopes_;
+  std::map<const netlist::Element*, std::uint32_t> scopes_;
   std::vector<Guard> guards_;
   std::uint32_t scope_ = 0, process_ = 0;
   bool in_process_ = false;
@@ -231,7 +230,7 @@ class Reader {
 
 }  // namespace
 
-bool is_reference(const Element& e) {
+bool is_reference(const netlist::Element& e) {
   return e.tag() == "varref" || e.tag() == "varxref";
 }
 
@@ -259,7 +258,7 @@ std::int64_t Body::variable(std::uint32_t scope, std::string_view name) const {
   return -1;
 }
 
-Body read_body(const Element& module) {
+Body read_body(const netlist::Element& module) {
   return Reader(module).take();
 }
 

@@ -17,8 +17,6 @@ namespace cde::wave {
 namespace {
 
 namespace fs = std::filesystem;
-using netlist::Element;
-using netlist::Type;
 
 constexpr std::size_t kMostUnits = 1'000'000;
 constexpr unsigned kMostDepth = 200;
@@ -66,14 +64,14 @@ std::optional<std::pair<int, int>> take_index(std::string_view& text) {
 }
 
 /// Number of an element of an array, or of a bit, from the lowest on: -1 if there is none.
-std::int64_t position(const Type& type, int index) {
+std::int64_t position(const netlist::Type& type, int index) {
   const int low = std::min(type.left, type.right), high = std::max(type.left, type.right);
   if (index < low || index > high) return -1;
-  const bool turned = type.kind != Type::Kind::kUnpacked && type.left < type.right;
+  const bool turned = type.kind != netlist::Type::Kind::kUnpacked && type.left < type.right;
   return turned ? std::int64_t{type.right} - index : std::int64_t{index} - low;
 }
-int index_at(const Type& type, std::int64_t position) {
-  const bool turned = type.kind != Type::Kind::kUnpacked && type.left < type.right;
+int index_at(const netlist::Type& type, std::int64_t position) {
+  const bool turned = type.kind != netlist::Type::Kind::kUnpacked && type.left < type.right;
   return static_cast<int>(turned ? type.right - position
                                  : std::min(type.left, type.right) + position);
 }
@@ -81,12 +79,12 @@ int index_at(const Type& type, std::int64_t position) {
 /// Follows [3], [7:4] and .member in a type.
 bool take_part(const netlist::Netlist& netlist, unsigned type_id, std::string_view rest, Slice& s) {
   while (!rest.empty()) {
-    const Type& type = netlist.type(type_id);
-    if (rest.front() == '.' && type.kind == Type::Kind::kStructure) {
+    const netlist::Type& type = netlist.type(type_id);
+    if (rest.front() == '.' && type.kind == netlist::Type::Kind::kStructure) {
       const std::size_t end = std::min(rest.find_first_of(".[", 1), rest.size());
-      const auto member =
-          std::find_if(type.members.begin(), type.members.end(),
-                       [&](const Type::Member& m) { return m.name == rest.substr(1, end - 1); });
+      const auto member = std::find_if(
+          type.members.begin(), type.members.end(),
+          [&](const netlist::Type::Member& m) { return m.name == rest.substr(1, end - 1); });
       if (member == type.members.end()) return false;
       s.low += member->low;
       type_id = member->type;
@@ -96,8 +94,9 @@ bool take_part(const netlist::Netlist& netlist, unsigned type_id, std::string_vi
     }
     const auto index = take_index(rest);
     if (!index || type.width == 0) return false;
-    const bool array = type.kind == Type::Kind::kPacked || type.kind == Type::Kind::kUnpacked;
-    if (!array && type.kind != Type::Kind::kBits) return false;
+    const bool array =
+        type.kind == netlist::Type::Kind::kPacked || type.kind == netlist::Type::Kind::kUnpacked;
+    if (!array && type.kind != netlist::Type::Kind::kBits) return false;
     const std::uint64_t one = array ? netlist.type(type.element).width : 1;
     const std::int64_t a = position(type, index->first), b = position(type, index->second);
     if (a < 0 || b < 0 || one == 0) return false;
@@ -114,9 +113,9 @@ std::string part_text(const netlist::Netlist& netlist, unsigned type_id, std::ui
                       std::uint64_t width) {
   std::string text;
   for (unsigned most = 100; most > 0; --most) {
-    const Type& type = netlist.type(type_id);
+    const netlist::Type& type = netlist.type(type_id);
     if (type.width == 0 || (low == 0 && width >= type.width)) break;
-    if (type.kind == Type::Kind::kStructure) {
+    if (type.kind == netlist::Type::Kind::kStructure) {
       const auto member =
           std::find_if(type.members.begin(), type.members.end(), [&](const auto& m) {
             return low >= m.low && low + width <= m.low + netlist.type(m.type).width;
@@ -127,7 +126,7 @@ std::string part_text(const netlist::Netlist& netlist, unsigned type_id, std::ui
       type_id = member->type;
       continue;
     }
-    const bool array = type.kind != Type::Kind::kBits;
+    const bool array = type.kind != netlist::Type::Kind::kBits;
     const std::uint64_t one = array ? netlist.type(type.element).width : 1;
     if (one == 0) break;
     const auto first = static_cast<std::int64_t>(low / one);
@@ -163,7 +162,7 @@ Design::Design(std::string xml, std::string file) try
   all_->file = std::move(file);
   std::unordered_map<std::string, std::uint32_t> bodies;
   std::int64_t top = -1;
-  for (const Element* e : all_->netlist.netlist().children()) {
+  for (const netlist::Element* e : all_->netlist.netlist().children()) {
     if (e->tag() != "module" && e->tag() != "package") continue;
     const auto id = static_cast<std::uint32_t>(all_->bodies.size());
     if (e->attribute("topModule") == "1") top = id;
@@ -251,16 +250,17 @@ std::vector<Design::Piece> Design::pieces(
     std::vector<Piece>& found;
     const std::function<bool(const std::string&)>& exists;
     void operator()(const std::string& name, unsigned type_id, std::uint64_t low, int depth) const {
-      const Type& type = netlist.type(type_id);
+      const netlist::Type& type = netlist.type(type_id);
       if (depth > 20 || type.width == 0 || low >= wanted.low + wanted.width ||
           low + type.width <= wanted.low)
         return;
       if (exists(name)) {
         found.push_back({name, {wanted.unit, wanted.variable, low, type.width}});
-      } else if (type.kind == Type::Kind::kStructure) {
-        for (const Type::Member& m : type.members)
+      } else if (type.kind == netlist::Type::Kind::kStructure) {
+        for (const netlist::Type::Member& m : type.members)
           (*this)(name + "." + m.name, m.type, low + m.low, depth + 1);
-      } else if (type.kind == Type::Kind::kPacked || type.kind == Type::Kind::kUnpacked) {
+      } else if (type.kind == netlist::Type::Kind::kPacked ||
+                 type.kind == netlist::Type::Kind::kUnpacked) {
         const std::uint64_t one = netlist.type(type.element).width;
         if (one == 0) return;
         const std::uint64_t first = wanted.low > low ? (wanted.low - low) / one : 0;
@@ -288,8 +288,7 @@ const std::vector<std::string>& Design::source(const std::string& file) const {
   return at->second;
 }
 
-/// The line that an element begins in.
-static Place place_of(const Design& design, const netlist::Netlist& netlist, const Element* e) {
+Place place_of(const Design& design, const netlist::Netlist& netlist, const netlist::Element* e) {
   if (e == nullptr) return {};
   const netlist::Line line = netlist.line(*e);
   Place place{line.file, line.line, {}};

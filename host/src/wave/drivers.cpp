@@ -8,24 +8,22 @@
 namespace cde::wave {
 namespace {
 
-using netlist::Element;
-
 constexpr std::uint64_t kAll = ~std::uint64_t{0};
 constexpr std::uint64_t kMostTurns = 256;  // of a loop
 
 /// 1, 0, or x if it is not known.
-char holds(const Context& c, const Element& condition) {
+char holds(const Context& c, const netlist::Element& condition) {
   const std::string bits = evaluate(c, condition);
   if (bits.find('1') != std::string::npos) return '1';
   return bits.empty() || bits.find_first_not_of('0') != std::string::npos ? 'x' : '0';
 }
 
 /// Whether an item of a case statement is the one; items before it are not looked at.
-char is_item(const Context& c, const Element& choice, const Element& item) {
+char is_item(const Context& c, const netlist::Element& choice, const netlist::Element& item) {
   const std::string value = evaluate(c, *choice.child(0));
   if (value.find_first_not_of("01") != std::string::npos || value.empty()) return 'x';
   char found = '0';
-  for (const Element* e : item.children()) {
+  for (const netlist::Element* e : item.children()) {
     const std::string one = evaluate(c, *e);
     if (one.empty()) continue;  // a statement
     const std::size_t n = std::max(value.size(), one.size());
@@ -50,7 +48,7 @@ char holds(const Context& c, const Guard& g) {
     case Guard::Kind::kItem:
     case Guard::Kind::kDefault: {
       if (g.what->child(0) == nullptr) return 'x';
-      for (const Element* other : g.what->children()) {
+      for (const netlist::Element* other : g.what->children()) {
         if (other->tag() != "caseitem" || other == g.item) continue;
         const char is = is_item(c, *g.what, *other);
         if (is == 'x') return 'x';
@@ -64,22 +62,9 @@ char holds(const Context& c, const Guard& g) {
   return 'x';
 }
 
-Place place_of(const Design& design, const netlist::Netlist& netlist, const Element* e) {
-  if (e == nullptr) return {};
-  const netlist::Line line = netlist.line(*e);
-  Place place{line.file, line.line, {}};
-  const auto& text = design.source(line.file);
-  if (line.line >= 1 && line.line <= text.size()) {
-    const std::string& all = text[line.line - 1];
-    const std::size_t first = std::min(all.find_first_not_of(" \t\r"), all.size());
-    place.text = all.substr(first, all.find_last_not_of(" \t\r") + 1 - first);
-  }
-  return place;
-}
-
-std::vector<ClockEdge> edges_of(const Context& c, const Element& sentree) {
+std::vector<ClockEdge> edges_of(const Context& c, const netlist::Element& sentree) {
   std::vector<ClockEdge> all;
-  for (const Element* item : sentree.children()) {
+  for (const netlist::Element* item : sentree.children()) {
     std::vector<Slice> signal;
     if (item->child(0) != nullptr) collect_sources(c, *item->child(0), signal);
     const std::string_view edge = item->attribute("edgeType");
@@ -144,7 +129,7 @@ class Drivers {
         Driver own = driver;
         own.place = place_of(design_, all_.netlist, piece.at);
         own.sure = own.sure && piece.sure;
-        for (const Element* condition : piece.conditions)
+        for (const netlist::Element* condition : piece.conditions)
           collect_sources(c, *condition, own.controls);
         for (const Overlap& o : piece.overlaps)
           collect_sources(c, *piece.value, o.low, o.width, own.sources);
@@ -163,7 +148,7 @@ class Drivers {
     if (values_ == nullptr) return std::nullopt;
     Context c{all_, wanted_.unit, drive.scope, values_};
     std::optional<Turn> turn;
-    std::vector<const Element*> read = {drive.target};
+    std::vector<const netlist::Element*> read = {drive.target};
     for (std::size_t i = 0; i < read.size(); ++i) {
       read.insert(read.end(), read[i]->children().begin(), read[i]->children().end());
       if (!is_reference(*read[i])) continue;
@@ -184,11 +169,11 @@ class Drivers {
 
   /// Something that is assigned, and where it stands.
   struct Piece {
-    const Element* value = nullptr;
-    const Element* at = nullptr;
+    const netlist::Element* value = nullptr;
+    const netlist::Element* at = nullptr;
     std::vector<Overlap> overlaps;
-    std::vector<const Element*> conditions = {};  ///< under which it is the one
-    bool sure = true;                             ///< with values: it is
+    std::vector<const netlist::Element*> conditions = {};  ///< under which it is the one
+    bool sure = true;                                      ///< with values: it is
   };
   /// Whether a piece is known to have another value than the wanted bits have now.
   [[nodiscard]] bool is_other(const Context& c, const Piece& piece) const {
@@ -205,7 +190,7 @@ class Drivers {
   /// taken apart again.
   [[nodiscard]] std::vector<Piece> pieces(const Context& c, const Drive& drive,
                                           const std::vector<Overlap>& overlaps) const {
-    const Element* const value = drive.value != nullptr ? drive.value : drive.statement;
+    const netlist::Element* const value = drive.value != nullptr ? drive.value : drive.statement;
     std::vector<Piece> all;
     if (value->tag() == "concat")
       for (const Overlap& o : overlaps) take_apart(c, *value, o, all);
@@ -230,7 +215,7 @@ class Drivers {
   /// Verilator makes one assignment of those of an if and its else, too. With values only the
   /// branch that is taken.
   void branches(const Context& c, const Piece& piece, std::vector<Piece>& all) const {
-    const Element& e = *piece.value;
+    const netlist::Element& e = *piece.value;
     if (e.tag() != "cond" || e.child(2) == nullptr) {
       all.push_back(piece);
       return;
@@ -245,7 +230,7 @@ class Drivers {
       branches(c, own, all);
     }
   }
-  void take_apart(const Context& c, const Element& e, const Overlap& o,
+  void take_apart(const Context& c, const netlist::Element& e, const Overlap& o,
                   std::vector<Piece>& all) const {
     const std::uint64_t right =
         e.tag() == "concat" && e.child(1) != nullptr ? all_.netlist.type_of(*e.child(1)).width : 0;
@@ -327,20 +312,20 @@ class Drivers {
   }
   /// What is assigned nothing but a constant, which Verilator makes the value it begins with.
   void constant() {
-    const Element* const value = all_.variable(wanted_).declared->child(0);
+    const netlist::Element* const value = all_.variable(wanted_).declared->child(0);
     if (value == nullptr || value->tag() != "const") return;
     Driver driver;
     driver.place = place_of(design_, all_.netlist, value);
     found_.push_back(std::move(driver));
   }
   /// A signal or a part of one, or several of them side by side, and nothing computed.
-  static bool is_plain(const Element& e) {
+  static bool is_plain(const netlist::Element& e) {
     if (is_reference(e)) return true;
     if (e.tag() == "sel" || e.tag() == "arraysel")
       return e.child(0) != nullptr && is_plain(*e.child(0));
     return e.tag() == "concat" &&
            std::all_of(e.children().begin(), e.children().end(),
-                       [](const Element* child) { return is_plain(*child); });
+                       [](const netlist::Element* child) { return is_plain(*child); });
   }
 
   const Design& design_;

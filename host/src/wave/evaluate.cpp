@@ -9,11 +9,9 @@
 namespace cde::wave {
 namespace {
 
-using netlist::Element;
-
 constexpr std::uint64_t kMostBits = 1u << 16;
 
-std::uint64_t width_of(const Context& c, const Element& e) {
+std::uint64_t width_of(const Context& c, const netlist::Element& e) {
   if (e.tag() == "const") return netlist::constant_bits(e).size();
   return c.all.netlist.type_of(e).width;
 }
@@ -24,7 +22,7 @@ std::optional<std::uint64_t> small(const std::string& bits) {
   const std::size_t first = std::min(bits.find_first_not_of('0'), bits.size() - 1);
   return word(std::string_view(bits).substr(first));
 }
-std::optional<std::uint64_t> index(const Context& c, const Element* e) {
+std::optional<std::uint64_t> index(const Context& c, const netlist::Element* e) {
   return e == nullptr ? std::nullopt : small(evaluate(c, *e));
 }
 
@@ -114,7 +112,7 @@ std::string computed(std::string_view tag, const std::string& a, const std::stri
   return bits;
 }
 
-std::string operation(const Context& c, const Element& e) {
+std::string operation(const Context& c, const netlist::Element& e) {
   const std::string_view tag = e.tag();
   const std::string a = evaluate(c, *e.child(0));
   const std::string b = e.child(1) != nullptr ? evaluate(c, *e.child(1)) : std::string();
@@ -144,7 +142,7 @@ std::string operation(const Context& c, const Element& e) {
 }
 
 /// Bits of a whole variable that a reference or a selection of one is.
-std::optional<Slice> selected(const Context& c, const Element& e) {
+std::optional<Slice> selected(const Context& c, const netlist::Element& e) {
   if (is_reference(e)) return c.all.referred(c.unit, c.scope, e);
   const bool bits = e.tag() == "sel";
   if ((!bits && e.tag() != "arraysel") || e.child(0) == nullptr) return std::nullopt;
@@ -170,7 +168,7 @@ std::string in_turn(const Context& c, const Slice& slice) {
 
 }  // namespace
 
-std::string evaluate(const Context& c, const Element& e) {
+std::string evaluate(const Context& c, const netlist::Element& e) {
   if (e.tag() == "const") return netlist::constant_bits(e);
   if (const auto slice = selected(c, e)) {
     if (c.values == nullptr || slice->width > kMostBits) return {};
@@ -193,7 +191,7 @@ std::string evaluate(const Context& c, const Element& e) {
 }
 
 std::optional<Slice> Design::Elaborated::referred(std::uint32_t unit, std::uint32_t scope,
-                                                  const Element& e) const {
+                                                  const netlist::Element& e) const {
   const std::string dotted = with_brackets(e.text("dotted")), own = e.text("name");
   const std::string name = dotted.empty() ? own : dotted + "." + own;
   if (const auto v = body(unit).variable(scope, name); v >= 0)
@@ -220,7 +218,7 @@ std::optional<Slice> Design::Elaborated::referred(std::uint32_t unit, std::uint3
   return std::nullopt;
 }
 
-void collect_sources(const Context& c, const Element& e, std::vector<Slice>& found) {
+void collect_sources(const Context& c, const netlist::Element& e, std::vector<Slice>& found) {
   collect_sources(c, e, 0, ~std::uint64_t{0}, found);
 }
 
@@ -237,16 +235,16 @@ void add(const Context& c, Slice s, std::uint64_t low, std::uint64_t width,
 }
 
 /// What a function's body reads beside its arguments.
-void add_globals(const Context& c, const Element& e, const Body& body, const Function& f,
+void add_globals(const Context& c, const netlist::Element& e, const Body& body, const Function& f,
                  std::vector<Slice>& found) {
   if (is_reference(e)) {
     if (const auto s = c.all.referred(c.unit, f.scope, e)) add(c, *s, 0, ~std::uint64_t{0}, found);
   }
-  for (const Element* child : e.children()) add_globals(c, *child, body, f, found);
+  for (const netlist::Element* child : e.children()) add_globals(c, *child, body, f, found);
 }
 
-void collect_chosen(const Context& c, const Element& e, std::uint64_t low, std::uint64_t width,
-                    std::vector<Slice>& found) {
+void collect_chosen(const Context& c, const netlist::Element& e, std::uint64_t low,
+                    std::uint64_t width, std::vector<Slice>& found) {
   collect_sources(c, *e.child(0), found);
   const char which = c.values == nullptr ? 'x' : truth(evaluate(c, *e.child(0)));
   if (which != '0') collect_sources(c, *e.child(1), low, width, found);
@@ -255,14 +253,14 @@ void collect_chosen(const Context& c, const Element& e, std::uint64_t low, std::
 
 }  // namespace
 
-void collect_sources(const Context& c, const Element& e, std::uint64_t low, std::uint64_t width,
-                     std::vector<Slice>& found) {
+void collect_sources(const Context& c, const netlist::Element& e, std::uint64_t low,
+                     std::uint64_t width, std::vector<Slice>& found) {
   const std::string_view tag = e.tag();
   if (tag == "const" || width == 0) return;
   if (const auto s = selected(c, e)) {
     add(c, *s, low, width, found);
     // An index that is no constant is a source as well.
-    for (const Element* at = &e; at != nullptr && !is_reference(*at); at = at->child(0))
+    for (const netlist::Element* at = &e; at != nullptr && !is_reference(*at); at = at->child(0))
       if (at->child(1) != nullptr) collect_sources(c, *at->child(1), found);
     return;
   }
@@ -294,9 +292,10 @@ void collect_sources(const Context& c, const Element& e, std::uint64_t low, std:
     if (own == 0 || low < own)
       collect_sources(c, *e.child(0), low, own == 0 ? width : std::min(width, own - low), found);
   } else if (tag == "and" || tag == "or" || tag == "xor" || tag == "xnor" || tag == "not") {
-    for (const Element* child : e.children()) collect_sources(c, *child, low, width, found);
+    for (const netlist::Element* child : e.children())
+      collect_sources(c, *child, low, width, found);
   } else {
-    for (const Element* child : e.children()) collect_sources(c, *child, found);
+    for (const netlist::Element* child : e.children()) collect_sources(c, *child, found);
     const Body& body = c.all.body(c.unit);
     if (tag == "funcref") {
       const auto f = body.functions.find(e.text("name"));
@@ -305,7 +304,7 @@ void collect_sources(const Context& c, const Element& e, std::uint64_t low, std:
   }
 }
 
-void collect_overlaps(const Context& c, const Element& target, const Slice& wanted,
+void collect_overlaps(const Context& c, const netlist::Element& target, const Slice& wanted,
                       std::vector<Overlap>& found) {
   if (target.tag() == "concat") {
     std::uint64_t low = 0;
@@ -327,7 +326,7 @@ void collect_overlaps(const Context& c, const Element& target, const Slice& want
       found.push_back({low - s->low, high - low, true});
     return;
   }
-  const Element* root = &target;
+  const netlist::Element* root = &target;
   while (!is_reference(*root) && root->child(0) != nullptr) root = root->child(0);
   if (!is_reference(*root)) return;
   const auto s = c.all.referred(c.unit, c.scope, *root);

@@ -26,9 +26,10 @@ bool is_of_name(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.' || c == '$';
 }
 
-class Parser {
+class ExpressionParser {
  public:
-  Parser(Trace& trace, const std::string& text, const std::string& option, Expression::Parsed& to)
+  ExpressionParser(Trace& trace, const std::string& text, const std::string& option,
+                   Expression::Parsed& to)
       : trace_(trace), text_(text), option_(option), to_(to) {}
 
   Tree parse() {
@@ -477,7 +478,7 @@ class Parser {
 
 Tree parse(Trace& trace, const std::string& text, const std::string& option,
            Expression::Parsed& to) {
-  return Parser(trace, text, option, to).parse();
+  return ExpressionParser(trace, text, option, to).parse();
 }
 
 }  // namespace cde::wave::expression

@@ -68,9 +68,9 @@ namespace {
 
 using Node = Filter::Node;
 
-class Parser {
+class FilterParser {
  public:
-  Parser(const std::string& text, const std::vector<std::string>& kinds, Times& times)
+  FilterParser(const std::string& text, const std::vector<std::string>& kinds, Times& times)
       : text_(text), names_(field_names(kinds)), times_(times) {}
 
   std::unique_ptr<Node> parse() {
@@ -212,7 +212,7 @@ bool holds(const Node& n, const Transaction& t) {
 }  // namespace
 
 Filter::Filter(const std::string& text, const std::vector<std::string>& kinds, Times& times)
-    : root_(Parser(text, kinds, times).parse()) {}
+    : root_(FilterParser(text, kinds, times).parse()) {}
 Filter::~Filter() = default;
 Filter::Filter(Filter&&) noexcept = default;
 

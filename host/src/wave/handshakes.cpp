@@ -81,16 +81,16 @@ std::string joined(const std::vector<std::string>& tokens, std::size_t from, std
 
 /// What a name is beside a word in it: "bus" and "" of bus_valid, and "" and "" with "t" of tvalid,
 /// as AXI has letters before it. Nothing if the word is not in it.
-struct Place {
+struct WordPlace {
   std::string prefix, key;
 };
-std::optional<Place> place(const Name& n, std::string_view word) {
+std::optional<WordPlace> place(const Name& n, std::string_view word) {
   for (std::size_t i = 0; i < n.tokens.size(); ++i) {
     const std::string& t = n.tokens[i];
     if (!t.ends_with(word) || t.size() - word.size() > 2) continue;
     const std::string prefix = joined(n.tokens, 0, i);
-    return Place{prefix, fmt::format("{}|{}|{}", prefix, t.substr(0, t.size() - word.size()),
-                                     joined(n.tokens, i + 1, n.tokens.size()))};
+    return WordPlace{prefix, fmt::format("{}|{}|{}", prefix, t.substr(0, t.size() - word.size()),
+                                         joined(n.tokens, i + 1, n.tokens.size()))};
   }
   return std::nullopt;
 }

@@ -22,10 +22,6 @@ struct Unit {
 constexpr std::array<Unit, 6> kUnits = {
     {{"s", 0}, {"ms", -3}, {"us", -6}, {"ns", -9}, {"ps", -12}, {"fs", -15}}};
 
-[[noreturn]] void usage(const std::string& what) {
-  throw Error(ErrorCode::kUsage, what);
-}
-
 }  // namespace
 
 std::string Times::text(std::uint64_t time) const {
@@ -78,9 +74,11 @@ const Signal* Times::clock_if_any() {
 
 const Signal& Times::clock() {
   const Signal* const found = clock_if_any();
-  if (found == nullptr) usage("cycles need a clock, and no signal looks like one: --clock SIGNAL");
+  if (found == nullptr)
+    throw_usage("cycles need a clock, and no signal looks like one: --clock SIGNAL");
   if (found->width != 1)
-    usage(fmt::format("{} has {} bits and is no clock", printable_name(found->name), found->width));
+    throw_usage(
+        fmt::format("{} has {} bits and is no clock", printable_name(found->name), found->width));
   return *found;
 }
 
@@ -107,7 +105,7 @@ std::optional<std::uint64_t> Times::cycle(std::uint64_t time) {
 std::uint64_t Times::edge(std::uint64_t number, const std::string& whole) {
   const auto& all = edges();
   if (number >= all.size())
-    usage(fmt::format(
+    throw_usage(fmt::format(
         "{} is outside of the file: {} {}", in_quotes(whole), printable_name(clock().name),
         all.empty()
             ? "never rises"
@@ -123,7 +121,7 @@ std::uint64_t Times::base(const std::string& text, const std::string& whole) {
       if (comment.starts_with("fail "))
         if (const auto found = length(comment.substr(5)))
           return static_cast<std::uint64_t>(std::llround(*found));
-    usage("the file does not say when something failed: it has no comment `fail TIME`");
+    throw_usage("the file does not say when something failed: it has no comment `fail TIME`");
   }
   if (text.starts_with("cyc:")) {
     std::uint64_t number = 0;
@@ -139,7 +137,7 @@ std::uint64_t Times::base(const std::string& text, const std::string& whole) {
   }
   const auto found = length(text);
   if (!found || *found > 1.8e19)
-    usage(
+    throw_usage(
         fmt::format("no time {}; it must be a number, in units of the file or with fs, ps, ns, "
                     "us, ms or s, cyc:N, start, end or fail, and perhaps +N or -N behind it",
                     in_quotes(whole)));
@@ -163,20 +161,20 @@ std::uint64_t Times::parse(const std::string& whole) {
       if (read.ec != std::errc() || read.ptr != stop) (void)base("", whole);
       const std::uint64_t now = cycle(time).value_or(0);
       if (back && number > now)
-        usage(fmt::format("{} is before the first cycle", in_quotes(whole)));
+        throw_usage(fmt::format("{} is before the first cycle", in_quotes(whole)));
       time = edge(back ? now - number : now + number, whole);
     } else {
       const auto by = length(offset);
       if (!by || *by > 1.8e19) (void)base("", whole);
       const auto steps = static_cast<std::uint64_t>(*by + 0.5);
       if (back ? steps > time : steps > UINT64_MAX - time)
-        usage(fmt::format("{} is outside of the file", in_quotes(whole)));
+        throw_usage(fmt::format("{} is outside of the file", in_quotes(whole)));
       time = back ? time - steps : time + steps;
     }
   }
   if (time < trace_.start() || time > trace_.end())
-    usage(fmt::format("{} is outside of the file, which goes from {} to {}", in_quotes(whole),
-                      text(trace_.start()), text(trace_.end())));
+    throw_usage(fmt::format("{} is outside of the file, which goes from {} to {}", in_quotes(whole),
+                            text(trace_.start()), text(trace_.end())));
   return time;
 }
 

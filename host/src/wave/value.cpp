@@ -16,10 +16,6 @@
 namespace cde::wave {
 namespace {
 
-[[noreturn]] void usage(const std::string& what) {
-  throw Error(ErrorCode::kUsage, what);
-}
-
 constexpr std::string_view kMask = "|mask";
 
 std::string hexadecimal(std::string_view bits) {
@@ -132,7 +128,7 @@ Word split(const std::string& word) {
   const std::size_t colon = w.name.rfind(':');
   if (colon != std::string::npos && w.name.find(']', colon) == std::string::npos) {
     w.form = w.name.substr(colon + 1);
-    if (w.form.empty()) usage(fmt::format("{} ends in a colon", in_quotes(word)));
+    if (w.form.empty()) throw_usage(fmt::format("{} ends in a colon", in_quotes(word)));
     w.name.resize(colon);
   }
   return w;
@@ -141,8 +137,8 @@ Word split(const std::string& word) {
 unsigned character(const Signal& s, int bit, const std::string& word) {
   const int low = std::min(s.left, s.right), high = std::max(s.left, s.right);
   if (bit < low || bit > high)
-    usage(fmt::format("{}: {} has the bits [{}:{}]", in_quotes(word), printable_name(s.name),
-                      s.left, s.right));
+    throw_usage(fmt::format("{}: {} has the bits [{}:{}]", in_quotes(word), printable_name(s.name),
+                            s.left, s.right));
   return static_cast<unsigned>(std::abs(s.left - bit));
 }
 
@@ -159,17 +155,17 @@ void narrow(View& v, const std::string& index, const std::string& word) {
                                  : std::from_chars_result{a.ptr, std::errc::invalid_argument};
     fits = b.ec == std::errc() && b.ptr == stop;
   }
-  if (!fits) usage(fmt::format("{}: the index must be [N] or [LEFT:RIGHT]", in_quotes(word)));
+  if (!fits) throw_usage(fmt::format("{}: the index must be [N] or [LEFT:RIGHT]", in_quotes(word)));
   if (v.signal.real || v.signal.text)
-    usage(fmt::format("{}: a signal of kind {} has no bits", in_quotes(word), v.signal.kind));
+    throw_usage(fmt::format("{}: a signal of kind {} has no bits", in_quotes(word), v.signal.kind));
   const unsigned lane = range ? 0 : lane_bits(v.form, v.width);
   if (lane != 0 && lane < v.width) {
     if (v.width % lane != 0)
-      usage(fmt::format("{}: {} bits are no whole number of lanes of {}", in_quotes(word), v.width,
-                        lane));
+      throw_usage(fmt::format("{}: {} bits are no whole number of lanes of {}", in_quotes(word),
+                              v.width, lane));
     const unsigned lanes = v.width / lane;
     if (left < 0 || static_cast<unsigned>(left) >= lanes)
-      usage(fmt::format("{}: there are lanes 0 to {}", in_quotes(word), lanes - 1));
+      throw_usage(fmt::format("{}: there are lanes 0 to {}", in_quotes(word), lanes - 1));
     v.first = v.width - lane * (static_cast<unsigned>(left) + 1);
     v.width = lane;
     return;
@@ -177,8 +173,8 @@ void narrow(View& v, const std::string& index, const std::string& word) {
   const unsigned from = character(v.signal, left, word),
                  to = character(v.signal, range ? right : left, word);
   if (from > to)
-    usage(fmt::format("{}: the range runs against that of the signal, [{}:{}]", in_quotes(word),
-                      v.signal.left, v.signal.right));
+    throw_usage(fmt::format("{}: the range runs against that of the signal, [{}:{}]",
+                            in_quotes(word), v.signal.left, v.signal.right));
   v.first = from;
   v.width = to - from + 1;
 }
@@ -188,13 +184,13 @@ void check_form(const View& v, const std::string& word) {
   const unsigned lane = lane_bits(v.form, v.width);
   if (lane == 0) return;
   if (v.width % lane != 0)
-    usage(
+    throw_usage(
         fmt::format("{}: {} bits are no whole number of lanes of {}; NAME[LEFT:RIGHT] takes some "
                     "of them",
                     in_quotes(word), v.width, lane));
   if (v.form.kind == Form::Kind::kFloat && lane < static_cast<unsigned>(v.form.format.width()))
-    usage(fmt::format("{}: {} has {} bits and not {}", in_quotes(word), v.form.format.name(),
-                      v.form.format.width(), lane));
+    throw_usage(fmt::format("{}: {} has {} bits and not {}", in_quotes(word), v.form.format.name(),
+                            v.form.format.width(), lane));
 }
 
 std::string no_signal(Trace& trace, std::string_view name) {
@@ -388,10 +384,10 @@ const Signal& find_signal(Trace& trace, std::string_view name) {
       other = &s;
     }
   }
-  if (found == nullptr) usage(no_signal(trace, name));
+  if (found == nullptr) throw_usage(no_signal(trace, name));
   if (other != nullptr)
-    usage(printable_name(fmt::format("{} may be {} or {}; name more of its scopes", in_quotes(name),
-                                     found->name, other->name)));
+    throw_usage(printable_name(fmt::format("{} may be {} or {}; name more of its scopes",
+                                           in_quotes(name), found->name, other->name)));
   return *found;
 }
 
@@ -406,8 +402,8 @@ std::vector<View> views(Trace& trace, const std::string& text, const Form& form)
   if (!w.form.empty()) {
     const auto own = parse_form(w.form);
     if (!own)
-      usage(fmt::format("{}: no form {}; there are: {}, and eEmM", in_quotes(text),
-                        in_quotes(w.form), fmt::join(form_names(), ", ")));
+      throw_usage(fmt::format("{}: no form {}; there are: {}, and eEmM", in_quotes(text),
+                              in_quotes(w.form), fmt::join(form_names(), ", ")));
     wanted = *own;
   }
   std::vector<const Signal*> found;
@@ -434,13 +430,13 @@ std::vector<View> views(Trace& trace, const std::string& text, const Form& form)
     w.index = w.name.substr(bracket + 1, w.name.size() - bracket - 2);
     w.name.resize(bracket);
     if (w.index.empty())
-      usage(fmt::format("{}: the index must be [N] or [LEFT:RIGHT]", in_quotes(text)));
+      throw_usage(fmt::format("{}: the index must be [N] or [LEFT:RIGHT]", in_quotes(text)));
   }
   if (found.empty() && w.name.find_first_of("*?") != std::string::npos) {
     const std::string inside = "*." + w.name;  // perhaps shorter than before
     for (const Signal& s : trace.signals())
       if (matches(w.name, s.name) || matches(inside, s.name)) found.push_back(&s);
-    if (found.empty()) usage(no_signal(trace, w.name));
+    if (found.empty()) throw_usage(no_signal(trace, w.name));
   } else if (found.empty()) {
     found.push_back(&find_signal(trace, w.name));
   }
@@ -467,7 +463,7 @@ std::vector<View> views(Trace& trace, const std::string& text, const Form& form)
     }
     all.push_back(std::move(v));
   }
-  if (all.empty()) usage(fmt::format("{}: the form fits no signal", in_quotes(text)));
+  if (all.empty()) throw_usage(fmt::format("{}: the form fits no signal", in_quotes(text)));
   return all;
 }
 
@@ -480,7 +476,7 @@ std::string_view View::short_label() const {
 View view(Trace& trace, const std::string& text, const Form& form) {
   std::vector<View> all = views(trace, text, form);
   if (all.size() > 1)
-    usage(fmt::format("{} names {} signals; it must name one", in_quotes(text), all.size()));
+    throw_usage(fmt::format("{} names {} signals; it must name one", in_quotes(text), all.size()));
   return std::move(all.front());
 }
 

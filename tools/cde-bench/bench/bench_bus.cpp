@@ -76,16 +76,16 @@ void fill_ring(Board& board, std::size_t records) {
   board.write_register(card::kRegControl, card::kControlClear);
 }
 
-struct Rate {
+struct BusRate {
   double up, down;  ///< bytes a modelled second
 };
 
 /// One transfer of each size in each direction, with all that the driver does around it.
-std::vector<Rate> sweep(Board& board) {
+std::vector<BusRate> sweep(Board& board) {
   std::size_t records = 0;
   for (const std::uint32_t bytes : kSizes) records += bytes / 32;
   fill_ring(board, records);
-  std::vector<Rate> rates;
+  std::vector<BusRate> rates;
   const auto rate = [&](std::uint32_t bytes, const auto& transfer) {
     const std::uint64_t start = board.time_ps();
     transfer();
@@ -102,7 +102,7 @@ std::vector<Rate> sweep(Board& board) {
 struct Sweep {
   const HostProfile* host;
   Bus bus;
-  std::vector<Rate> rates;
+  std::vector<BusRate> rates;
   double wall_seconds;
 };
 
@@ -114,7 +114,7 @@ std::vector<Sweep> sweeps(const BenchOptions& o, std::uint32_t burst) {
       Board board = open(bus, o.quick ? 16 : 1, host, burst, o);
       const Busy busy(fmt::format("transfers, host {}, {} bus", host.name, name_of_bus(bus)));
       const auto start = Clock::now();
-      std::vector<Rate> rates = sweep(board);
+      std::vector<BusRate> rates = sweep(board);
       all.push_back({&host, bus, std::move(rates),
                      std::chrono::duration<double>(Clock::now() - start).count()});
     }

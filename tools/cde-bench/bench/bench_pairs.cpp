@@ -26,18 +26,18 @@ namespace {
 
 constexpr std::uint64_t kSeed = 20261121;
 constexpr std::size_t kCases = 8192;
-constexpr unsigned kLanes = 8;
+constexpr unsigned kPairLanes = 8;
 
 /// One pipe and the pairs that it is measured on.
-struct Measured {
+struct MeasuredPairs {
   double pairs_per_second = 0, clocks_per_row = 0;
   unsigned latency = 0;
   std::size_t hits = 0;
   std::vector<PairResult> results;
 };
 
-Measured measure(const PairConfig& config, std::span<const float> a, std::span<const float> b,
-                 double seconds, const std::optional<PairBudget>& budget = {}) {
+MeasuredPairs measure(const PairConfig& config, std::span<const float> a, std::span<const float> b,
+                      double seconds, const std::optional<PairBudget>& budget = {}) {
   PairUnit unit(config);
   const Busy busy(fmt::format("pairs, {}", name(config.pair)));
   if (budget) unit.set_budget(*budget);
@@ -48,11 +48,11 @@ Measured measure(const PairConfig& config, std::span<const float> a, std::span<c
     return words;
   };
   const std::vector<std::uint64_t> wa = encoded(a), wb = encoded(b);
-  Measured m;
+  MeasuredPairs m;
   m.latency = unit.latency();
   m.results.resize(kCases);
   std::uint64_t clocks = unit.test(wa, wb, m.results);  // warm
-  m.clocks_per_row = static_cast<double>(clocks - unit.latency() + 1) / (kCases / kLanes);
+  m.clocks_per_row = static_cast<double>(clocks - unit.latency() + 1) / (kCases / kPairLanes);
   m.hits = static_cast<std::size_t>(
       std::count_if(m.results.begin(), m.results.end(), [](const PairResult& r) { return r.f; }));
   const double start = thread_seconds();
@@ -79,8 +79,8 @@ std::vector<Priced> measure_budgets(Pair pair, std::span<const float> a, std::sp
   std::vector<Priced> rows;
   std::vector<double> best;
   for (const PairBudget& budget : budgets) {
-    const PairConfig config{.pair = pair, .lanes = kLanes};
-    const Measured m = measure(config, a, b, seconds, budget);
+    const PairConfig config{.pair = pair, .lanes = kPairLanes};
+    const MeasuredPairs m = measure(config, a, b, seconds, budget);
     std::vector<double> shortfall;
     for (std::size_t i = 0; i < kCases; ++i) {
       const double t = config.format.decode(m.results[i].t), gap = m.results[i].f ? -t : t;
@@ -107,7 +107,7 @@ nlohmann::ordered_json budgets_json(const std::vector<Priced>& rows, double cloc
                     {"free", k2},
                     {"tests_per_second_simulated", r.pairs_per_second},
                     {"cycles_per_row", r.clocks_per_row},
-                    {"modelled_tests_per_second", kLanes * clock_hz / r.clocks_per_row},
+                    {"modelled_tests_per_second", kPairLanes * clock_hz / r.clocks_per_row},
                     {"shortfall_p99", r.p99},
                     {"shortfall_max", r.worst}});
   }
@@ -119,7 +119,7 @@ nlohmann::ordered_json optional_number(const std::optional<double>& value) {
 }
 
 /// `card` is absent if there is no pipe.
-nlohmann::ordered_json fcl_json(const FclRates& fcl, const std::optional<Measured>& card) {
+nlohmann::ordered_json fcl_json(const FclRates& fcl, const std::optional<MeasuredPairs>& card) {
   nlohmann::ordered_json j = {{"collide_per_second", optional_number(fcl.collide)},
                               {"distance_per_second", optional_number(fcl.distance)},
                               {"distance_signed", fcl.distance_signed},
@@ -143,7 +143,7 @@ nlohmann::ordered_json fcl_json(const FclRates& fcl, const std::optional<Measure
 }
 
 /// A rate in millions and how many times as fast the simulation is; "-" if there is none.
-std::string beside(const std::optional<double>& rate, const std::optional<Measured>& card,
+std::string beside(const std::optional<double>& rate, const std::optional<MeasuredPairs>& card,
                    bool depth) {
   if (!rate) return "-";
   const std::string text = fmt::format("{:.3f}{}", *rate / 1e6, depth ? "*" : "");
@@ -156,9 +156,9 @@ nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm al
   RandomPairs generator(kSeed + static_cast<unsigned>(pair));
   for (std::size_t i = 0; i < kCases; ++i) generator.pair(pair, a, b);
   const double seconds = o.quick ? 0.2 : 1.0;
-  std::optional<Measured> card;
+  std::optional<MeasuredPairs> card;
   try {
-    card = measure({.pair = pair, .algorithm = algorithm, .lanes = kLanes}, a, b, seconds);
+    card = measure({.pair = pair, .algorithm = algorithm, .lanes = kPairLanes}, a, b, seconds);
   } catch (const Error& e) {
     if (std::string_view(e.what()).find(netlist::kNoPipe) == std::string_view::npos) throw;
   }
@@ -172,9 +172,9 @@ nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm al
   show("{:<26}{:>12}{:>9}{:>8}{:>20}{:>20}\n",
        ray_triangle ? fmt::format("ray-triangle, {}", name(algorithm)) : std::string(name(pair)),
        card ? fmt::format("{:.3f}", card->pairs_per_second / 1e6) : "no pipe",
-       figure("{}", [](const Measured& m) { return m.latency; }),
+       figure("{}", [](const MeasuredPairs& m) { return m.latency; }),
        figure("{:.1f}",
-              [](const Measured& m) { return 100.0 * static_cast<double>(m.hits) / kCases; }),
+              [](const MeasuredPairs& m) { return 100.0 * static_cast<double>(m.hits) / kCases; }),
        beside(fcl.collide, card, false), beside(fcl.distance, card, fcl.distance_signed));
 
   nlohmann::ordered_json row = {{"pair", name(pair)}};
@@ -184,7 +184,7 @@ nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm al
     row["tests_per_second_simulated"] = card->pairs_per_second;
     row["latency_clocks"] = card->latency;
     row["cycles_per_row"] = card->clocks_per_row;
-    row["modelled_tests_per_second"] = kLanes * o.clock_hz / card->clocks_per_row;
+    row["modelled_tests_per_second"] = kPairLanes * o.clock_hz / card->clocks_per_row;
     row["hit_share"] = static_cast<double>(card->hits) / kCases;
   }
   if (card && has_budget(pair))
@@ -200,7 +200,7 @@ nlohmann::ordered_json bench_pairs(const BenchOptions& o) {
       "\npipes alone, shapes of size 0.5 to 1.5, host arithmetic, fp32, {} lanes, {} random "
       "pairs, one core, processor "
       "time\n{:<26}{:>12}{:>9}{:>8}{:>20}{:>20}\n",
-      kLanes, kCases, "pair", "M pairs/s", "latency", "hits %", "FCL collide M/s",
+      kPairLanes, kCases, "pair", "M pairs/s", "latency", "hits %", "FCL collide M/s",
       "FCL distance M/s");
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (unsigned p = 0; p < kPairs; ++p) {
@@ -218,7 +218,7 @@ nlohmann::ordered_json bench_pairs(const BenchOptions& o) {
            "clock; FCL in binary64 on the same pairs"},
           {"seed", kSeed},
           {"cases", kCases},
-          {"lanes", kLanes},
+          {"lanes", kPairLanes},
           {"format", "fp32"},
           {"arithmetic", "host"},
           {"fcl", has_fcl()},

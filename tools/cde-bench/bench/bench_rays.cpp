@@ -53,7 +53,7 @@ Scene make_scene(std::uint32_t quads_x, std::uint32_t quads_y, bool random = tru
   return s;
 }
 
-struct Measured {
+struct MeasuredRays {
   double seconds = 1e300;  // best processor time of this thread
   Counters counters;
   std::vector<Record> records;
@@ -73,7 +73,7 @@ struct Measured {
 struct Entry {
   BoardConfig config;
   Board board;
-  Measured measured = {};
+  MeasuredRays measured = {};
 };
 
 /// Software and card find the same triangles at the same distances, but for ties and rounding.
@@ -94,13 +94,14 @@ void require_agreement(const std::vector<Record>& card,
   }
 }
 
-struct Rate {
+struct SoftwareRate {
   std::string name;
   double tests_per_second = 0;
 };
 
 /// The software on this machine, each once more: `rates` keeps the best.
-void run_baselines(const Scene& scene, const std::vector<Record>& card, std::vector<Rate>& rates) {
+void run_baselines(const Scene& scene, const std::vector<Record>& card,
+                   std::vector<SoftwareRate>& rates) {
   std::size_t at = 0;
   for (const auto kind :
        {baseline::Kind::kScalar, baseline::Kind::kAvx2, baseline::Kind::kAvx512}) {
@@ -139,10 +140,10 @@ ordered_json compare_rates(const BenchOptions& o) {
   }
   Board board_down = Board::open({});
   board_down.upload(down.triangles);
-  Measured card_down;
+  MeasuredRays card_down;
   card_down.cast(board_down, down);
   // What else the machine does changes over minutes: everything is measured in turn, and again.
-  std::vector<Rate> rates, rates_down;
+  std::vector<SoftwareRate> rates, rates_down;
   std::optional<Progress> progress("rays, cards beside software");
   for (int round = 0; round < kRounds; ++round) {
     (*progress)(static_cast<double>(round) / kRounds);
@@ -159,7 +160,7 @@ ordered_json compare_rates(const BenchOptions& o) {
                     {"card", ordered_json::array()}};
   for (const auto* list : {&rates, &rates_down}) {
     const char* rays = list == &rates ? "random" : "straight down";
-    for (const Rate& r : *list) {
+    for (const SoftwareRate& r : *list) {
       show("software {:<8} {:8.1f} M tests/s, {} rays\n", r.name, r.tests_per_second / 1e6, rays);
       j["software"].push_back(
           {{"kind", r.name}, {"rays", rays}, {"tests_per_second", r.tests_per_second}});

@@ -27,7 +27,6 @@ namespace {
 
 /// The bus signals of PCI, clock by clock: modelled times need no model of the bus.
 constexpr Bus kBus = Bus::kCycle;
-constexpr std::size_t kPacket = card::kMostPrimaries;
 constexpr std::size_t kFreshRays = std::size_t{1} << 20;
 
 Entry software(const std::string& name, const std::string& note, const Spread& spread) {
@@ -63,8 +62,9 @@ class Card {
     if (upload) upload();
     f.secondary_ps = board_.time_ps() - before;
     records.clear();
-    for (std::size_t first = 0; first < primaries.size(); first += kPacket) {
-      board_.load_shapes(primaries.subspan(first, std::min(kPacket, primaries.size() - first)));
+    for (std::size_t first = 0; first < primaries.size(); first += card::kMostPrimaries) {
+      board_.load_shapes(
+          primaries.subspan(first, std::min(card::kMostPrimaries, primaries.size() - first)));
       const Counters c =
           board_.run({.mode = mode, .pair = pair}, [&](std::span<const Record> some) {
             records.insert(records.end(), some.begin(), some.end());
@@ -174,7 +174,7 @@ void add_software(Lab& lab, Experiment& e, const std::vector<Ray>& rays,
       t = embree->cast(turn_of(some, rays.size(), call));
     });
   };
-  const Spread fresh = cast_of(kFreshRays), warm = cast_of(kPacket);
+  const Spread fresh = cast_of(kFreshRays), warm = cast_of(card::kMostPrimaries);
   e.entries.push_back(software("Embree, fresh rays", "hierarchy built before, one thread", fresh));
   e.entries.push_back(
       software("Embree, the same 256 rays again", "its caches have what they need", warm));
@@ -206,8 +206,8 @@ std::vector<Triangle> triangles_of(const Mesh& mesh) {
 void figure5(Lab& lab, const Mesh& mesh, EmbreeRival* embree) {
   std::vector<Triangle> triangles = triangles_of(mesh);
   for (Card& card : lab.cards) card.board().upload(mesh);
-  if (embree != nullptr) lab.fresh = flight_rays(mesh, kFreshRays, kPacket);
-  for (const std::size_t count : {std::size_t{1}, kPacket}) {
+  if (embree != nullptr) lab.fresh = flight_rays(mesh, kFreshRays, card::kMostPrimaries);
+  for (const std::size_t count : {std::size_t{1}, card::kMostPrimaries}) {
     Experiment e;
     e.name = fmt::format("{}_rays", count);
     e.title = count == 1
@@ -306,10 +306,10 @@ void figure7(Lab& lab, std::size_t count) {
         [&] { card.board().upload_shapes(std::span<const Sphere>(spheres)); }, records));
     std::vector<Record> wanted;
     const Shapes all = spheres;
-    for (std::size_t first = 0; first < count; first += kPacket) {
-      std::vector<Sphere> packet(
-          spheres.begin() + static_cast<std::ptrdiff_t>(first),
-          spheres.begin() + static_cast<std::ptrdiff_t>(std::min(first + kPacket, count)));
+    for (std::size_t first = 0; first < count; first += card::kMostPrimaries) {
+      std::vector<Sphere> packet(spheres.begin() + static_cast<std::ptrdiff_t>(first),
+                                 spheres.begin() + static_cast<std::ptrdiff_t>(std::min(
+                                                       first + card::kMostPrimaries, count)));
       std::vector<std::uint32_t> numbers(packet.size());
       for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<std::uint32_t>(i);
       reference::Pass pass({.pair = Pair::kSphereSphere, .mode = mode}, Shapes(packet), numbers,

@@ -21,7 +21,6 @@ namespace cde::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::size_t kPacket = card::kMostPrimaries;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -190,7 +189,7 @@ class SharedMemory {
 /// order of one card.
 CastOutcome cast_on_cards(const CastTask& o, const CastJob& job,
                           const std::function<void(double)>& progress, const RecordSink& take) {
-  const std::size_t packets = (job.rays.size() + kPacket - 1) / kPacket;
+  const std::size_t packets = (job.rays.size() + card::kMostPrimaries - 1) / card::kMostPrimaries;
   struct Share {
     std::size_t first = 0, size = 0;
     std::vector<Record> records;
@@ -198,9 +197,10 @@ CastOutcome cast_on_cards(const CastTask& o, const CastJob& job,
   };
   std::vector<Share> shares(std::min<std::size_t>(o.boards, packets));
   for (std::size_t i = 0; i < shares.size(); ++i) {
-    shares[i].first = std::min(job.rays.size(), packets * i / shares.size() * kPacket);
+    shares[i].first = std::min(job.rays.size(), packets * i / shares.size() * card::kMostPrimaries);
     shares[i].size =
-        std::min(job.rays.size(), packets * (i + 1) / shares.size() * kPacket) - shares[i].first;
+        std::min(job.rays.size(), packets * (i + 1) / shares.size() * card::kMostPrimaries) -
+        shares[i].first;
   }
   SharedMemory memory(o, job, shares.size(), job.rays.size() - shares.front().size);
   CastTask of_share = o;
@@ -254,7 +254,8 @@ std::vector<Record> cast_traced(const CastTask& o, const CastJob& job, std::size
                                 const TraceOptions& which) {
   Board board = traced_board(job);
   board.trace_open(file, which);
-  const std::size_t first = packet * kPacket, count = std::min(kPacket, job.rays.size() - first);
+  const std::size_t first = packet * card::kMostPrimaries,
+                    count = std::min(card::kMostPrimaries, job.rays.size() - first);
   std::vector<Record> found;
   (void)board.cast(job.rays.subview(first, count), query_of(o, job.mode),
                    [&](std::span<const Record> records) {
@@ -269,8 +270,8 @@ std::vector<Record> cast_traced(const CastTask& o, const CastJob& job, std::size
 
 Failure failure_of(const CastTask& o, const CastJob& job, const CastOutcome& outcome) {
   const Difference& d = *outcome.first_difference;
-  const std::size_t packet = d.number() / kPacket;
-  const auto place = static_cast<std::uint32_t>(d.number() % kPacket);
+  const std::size_t packet = d.number() / card::kMostPrimaries;
+  const auto place = static_cast<std::uint32_t>(d.number() % card::kMostPrimaries);
   CardFailure f;
   f.pipe.algorithm = job.config.algorithm;
   f.pipe.box = job.config.box;
@@ -280,7 +281,8 @@ Failure failure_of(const CastTask& o, const CastJob& job, const CastOutcome& out
   f.mode = job.mode;
   f.difference = d;
   f.place = place;
-  const std::size_t rays = std::min(kPacket, job.rays.size() - packet * kPacket);
+  const std::size_t rays =
+      std::min(card::kMostPrimaries, job.rays.size() - packet * card::kMostPrimaries);
   f.clocks = (rays + job.config.lanes - 1) / job.config.lanes * job.mesh.faces.size();
   Failure failure{.kind = f, .message = outcome.difference};
   const std::size_t repeat = outcome.difference.find("repeat with: ");

@@ -21,7 +21,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kPacket = card::kMostPrimaries;
 /// Tests of a chunk, half a second of a core: long beside what dealing it takes, short beside a
 /// run.
 constexpr double kChunkTests = 3e7;
@@ -29,9 +28,10 @@ constexpr double kChunkTests = 3e7;
 constexpr std::size_t kChunkPackets = 128;
 
 std::size_t rays_of_chunk(const CastTask& o, const CastJob& job) {
-  if (job.config.node_units != 0) return kPacket * kChunkPackets;
-  const double packets = kChunkTests / kPacket / (static_cast<double>(job.triangles) / o.partition);
-  return kPacket * static_cast<std::size_t>(std::clamp(packets, 1.0, 256.0));
+  if (job.config.node_units != 0) return card::kMostPrimaries * kChunkPackets;
+  const double packets =
+      kChunkTests / card::kMostPrimaries / (static_cast<double>(job.triangles) / o.partition);
+  return card::kMostPrimaries * static_cast<std::size_t>(std::clamp(packets, 1.0, 256.0));
 }
 
 /// What is before a chunk's rays: the mode, which a picture's shadows have another of, and how many

@@ -91,7 +91,7 @@ std::vector<Record> reduced(Mode mode, std::vector<std::vector<Record>> parts,
   for (bool more = true; more;) {
     more = false;
     // The packet that is next is the least of those that some part still has records of.
-    std::uint32_t packet = kNone;
+    std::uint64_t packet = kNone;
     for (std::size_t p = 0; p < parts.size(); ++p)
       if (next[p] < parts[p].size())
         packet = std::min(packet, parts[p][next[p]].primary / card::kMostPrimaries);

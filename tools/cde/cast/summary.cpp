@@ -14,8 +14,6 @@
 namespace cde::cli {
 namespace {
 
-constexpr std::uint64_t kPacket = card::kMostPrimaries;
-
 /// Cards that share the work: of this process, of the ranks, or of the parts of the mesh.
 unsigned cards_of(const CastTask& o) {
   return o.partition > 1 ? o.partition : std::max(o.boards, Dealing::here().ranks());
@@ -27,7 +25,7 @@ bool has_network(const CastTask& o) {
 }
 
 std::size_t packets_of(const CastJob& job) {
-  return (job.rays.size() + kPacket - 1) / kPacket;
+  return (job.rays.size() + card::kMostPrimaries - 1) / card::kMostPrimaries;
 }
 
 }  // namespace

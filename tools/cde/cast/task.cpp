@@ -14,10 +14,6 @@
 namespace cde::cli {
 namespace {
 
-[[noreturn]] void usage(const std::string& message) {
-  throw Error(ErrorCode::kUsage, message);
-}
-
 RaySource source_of(const CastWords& w) {
   RaySource s;
   s.file = w.rays_file;
@@ -28,11 +24,11 @@ RaySource source_of(const CastWords& w) {
   if (!w.size.empty()) s.size = parse_resolution(w.size);
   s.up = w.up.front();
   if (s.listed() + s.camera.has_value() + s.grid.has_value() > 1)
-    usage("--rays or --ray, --camera and --grid exclude each other");
-  if (s.listed() && s.size) usage("--size is of pictures; the rays are given one by one");
-  if (s.grid && s.size) usage("--grid has its own size; --size goes with --camera");
+    throw_usage("--rays or --ray, --camera and --grid exclude each other");
+  if (s.listed() && s.size) throw_usage("--size is of pictures; the rays are given one by one");
+  if (s.grid && s.size) throw_usage("--grid has its own size; --size goes with --camera");
   if (!w.renders && !s.listed() && !s.camera && !s.grid && !s.size)
-    usage(
+    throw_usage(
         fmt::format("rays are missing: --ray, --rays, --camera or --grid; `cde render {}` draws "
                     "the mesh",
                     printable_name(w.mesh)));
@@ -60,7 +56,7 @@ PictureFiles picture_of(const CastWords& w) {
     p.shows_itself = true;
     p.shaded = own_picture_name(w.mesh);
   }
-  if (p.shadows && p.shaded.empty()) usage("--shadows is of --shaded");
+  if (p.shadows && p.shaded.empty()) throw_usage("--shadows is of --shaded");
   return p;
 }
 
@@ -85,9 +81,9 @@ CastTask task_of(const CastWords& w) {
   t.check = w.checks != "false";
   if (t.check && w.checks != "true") t.swept_rays = parse_check(w.checks);
   check_files(t);
-  if (t.trace.wanted() && t.boards > 1) usage("--trace follows one card; leave out --boards");
+  if (t.trace.wanted() && t.boards > 1) throw_usage("--trace follows one card; leave out --boards");
   if (t.request.mode == Mode::kOccluded && !t.fields.empty())
-    usage("--fields are of triangles, and mode occluded does not say which one it is");
+    throw_usage("--fields are of triangles, and mode occluded does not say which one it is");
   t.trace.check();
   check_picture_names(t.picture);
   (void)RecordFormat::of_cast(t.records, t.bits, t.fields);

@@ -19,10 +19,6 @@
 namespace cde::cli {
 namespace {
 
-[[noreturn]] void usage(const std::string& message) {
-  throw Error(ErrorCode::kUsage, message);
-}
-
 const CLI::Option* option_named(const CLI::App& app, std::string_view name) {
   for (const CLI::Option* o : app.get_options())
     for (const std::string& other : names(*o))
@@ -115,8 +111,8 @@ class Reader {
       positional_.push_back(word);
       return;
     }
-    usage(fmt::format("{} does not know what to do with {}; `{} --help` says what it takes",
-                      called(), in_quotes(word), called()));
+    throw_usage(fmt::format("{} does not know what to do with {}; `{} --help` says what it takes",
+                            called(), in_quotes(word), called()));
   }
 
   void long_option(const std::string& word) {
@@ -150,18 +146,18 @@ class Reader {
       for (const std::string& later : words_)
         for (const CLI::App* one : shown_verbs(app_))
           if (one->get_name() == later && option_named(*one, name) != nullptr)
-            usage(fmt::format("{} is an option of `{}`: it stands behind the verb", in_quotes(name),
-                              command_name(*one)));
+            throw_usage(fmt::format("{} is an option of `{}`: it stands behind the verb",
+                                    in_quotes(name), command_name(*one)));
     }
     std::vector<std::string> all;
     for (const CLI::Option* o : shown_options(owner(), false))
       for (const std::string& other : names(*o)) all.push_back(other);
     const auto near = nearest_word(name, all);
-    usage(fmt::format("{} has no option {}; {}", called(), in_quotes(name),
-                      near ? fmt::format("did you mean {}?", *near)
-                      : name.find_first_of(" <>=+*/&|?") != std::string::npos
-                          ? "a value that begins with - and a letter stands behind --"
-                          : fmt::format("`{} --help` lists them", called())));
+    throw_usage(fmt::format("{} has no option {}; {}", called(), in_quotes(name),
+                            near ? fmt::format("did you mean {}?", *near)
+                            : name.find_first_of(" <>=+*/&|?") != std::string::npos
+                                ? "a value that begins with - and a letter stands behind --"
+                                : fmt::format("`{} --help` lists them", called())));
   }
 
   void option(const CLI::Option* o, const std::string& name, std::optional<std::string> value) {
@@ -173,23 +169,25 @@ class Reader {
     const bool first = seen_.insert(o).second;
     for (const CLI::Option* other : o->get_excludes())
       if (seen_.contains(other))
-        usage(fmt::format("{} and {} exclude each other", names(*other).back(), name));
+        throw_usage(fmt::format("{} and {} exclude each other", names(*other).back(), name));
     if (!takes_value(*o)) {
       // One that may have a value has it behind = alone.
       const bool may_have = value && takes(*o).check;
       if (value && !may_have)
-        usage(fmt::format("{} takes no value; it is '{}'", name, printable_name(*value)));
+        throw_usage(fmt::format("{} takes no value; it is '{}'", name, printable_name(*value)));
       if (may_have) check(*o, name, *value);
       options_.push_back(may_have ? name + "=" + *value : name);
       return;
     }
-    if (!first && o->get_items_expected_max() == 1) usage(fmt::format("{} is given twice", name));
+    if (!first && o->get_items_expected_max() == 1)
+      throw_usage(fmt::format("{} is given twice", name));
     const std::string label = takes(*o).label;
     if (!value) {
-      if (at_ == words_.size()) usage(fmt::format("{} needs a value: {}", name, label));
+      if (at_ == words_.size()) throw_usage(fmt::format("{} needs a value: {}", name, label));
       const std::string& next = words_[at_];
       if (next == "--" || option_named(owner(), next.substr(0, next.find('='))) != nullptr)
-        usage(fmt::format("{} needs a value: {}; {} is an option", name, label, in_quotes(next)));
+        throw_usage(
+            fmt::format("{} needs a value: {}; {} is an option", name, label, in_quotes(next)));
       value = next;
       ++at_;
     }
@@ -200,7 +198,8 @@ class Reader {
 
   static void check(const CLI::Option& o, const std::string& name, const std::string& value) {
     const Takes what = takes(o);
-    if (value.empty()) usage(fmt::format("{} is empty; it needs a value: {}", name, what.label));
+    if (value.empty())
+      throw_usage(fmt::format("{} is empty; it needs a value: {}", name, what.label));
     if (!what.check) return;
     const char between = o.get_delimiter();
     for (std::size_t start = 0; start <= value.size();) {
@@ -214,12 +213,12 @@ class Reader {
   void end() {
     if (!question_.empty()) return;
     if (verb_ == nullptr)
-      usage(fmt::format("a verb is missing; `{} --help` lists them", command_name(app_)));
+      throw_usage(fmt::format("a verb is missing; `{} --help` lists them", command_name(app_)));
     for (const CLI::Option* o : verb_->get_options())
       if (o->get_required() && !seen_.contains(o))
-        usage(fmt::format("{} needs {}: {}", called(),
-                          o->get_positional() ? option_head(*o) : names(*o).back(),
-                          o->get_description()));
+        throw_usage(fmt::format("{} needs {}: {}", called(),
+                                o->get_positional() ? option_head(*o) : names(*o).back(),
+                                o->get_description()));
   }
 
   const CLI::App& app_;

@@ -47,6 +47,9 @@ struct WorstCase {
   [[nodiscard]] static WorstCase from_json(const nlohmann::ordered_json& json);
 };
 
+/// Answers nearer than this to the boundary are not judged, in u S.
+inline constexpr double kBand = 16;
+
 /// What was found of so many cases. u is the unit roundoff of the format, S the size of the pair
 /// (oracle::scene_size, or a ray's RayAnswer::scale); the band is |s| <= 16 u S, of a ray a
 /// displacement by as much.

@@ -8,8 +8,9 @@ namespace cde::card {
 
 /// A slot is the words of its shape, packed in DDR, and padded to whole beats in the primary
 /// register file; a card's primary slot has the words of its largest primary.
-inline constexpr unsigned kDdrWords = 9;         ///< words of a DDR beat
-inline constexpr unsigned kMostPrimaries = 256;  ///< slots of the primary register file, at most
+inline constexpr unsigned kDdrWords = 9;  ///< words of a DDR beat
+inline constexpr std::uint64_t kMostPrimaries =
+    256;  ///< slots of the primary register file, at most
 
 /// On the bus a record of words of 32 bits takes three beats and a half.
 inline constexpr unsigned kRecordWords = 7;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <Eigen/Geometry>
+#include <limits>
 #include <span>
 #include <stdexcept>
 #include <variant>
@@ -15,6 +16,7 @@
 namespace cde::oracle {
 
 using Vec = Eigen::Vector3d;
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class Random;
 struct Build;

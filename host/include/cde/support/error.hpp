@@ -45,6 +45,9 @@ class Error : public std::runtime_error {
   std::optional<DeviceFault> fault_;
 };
 
+/// Throws Error kUsage.
+[[noreturn]] void throw_usage(const std::string& message);
+
 /// Process exit status for an error: 2 usage or file or input, 3 mismatch with the reference, 4 the
 /// card failed (kTimeout, kDevice).
 [[nodiscard]] int exit_status(ErrorCode code) noexcept;

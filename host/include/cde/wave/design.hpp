@@ -133,4 +133,8 @@ class Design {
   std::unique_ptr<Elaborated> all_;
 };
 
+/// The line that an element begins in; empty of none.
+[[nodiscard]] Place place_of(const Design& design, const netlist::Netlist& netlist,
+                             const netlist::Element* e);
+
 }  // namespace cde::wave
