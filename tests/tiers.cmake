@@ -3,7 +3,7 @@
 #
 # The default tier is what the lists below say, and beside it every test that tools/mutants names. The full tier is all tests;
 # CDE_FULL_TESTS=ON (tools/test --full) builds and finds them. A program without a list is in the default tier whole: those of
-# tests/numerics, tests/oracle, tests/modules, tests/synthesis, tests/wave.
+# tests/numerics, tests/oracle, tests/modules, tests/synthesis, and cde_wave_tests.
 
 # ---- What the default tier has: filters of GoogleTest, by program (cde_NAME_tests), and those that it has not ----
 
@@ -46,7 +46,7 @@ set(CDE_NOT_DEFAULT_cli
 set(CDE_DEFAULT_wave_card TxCard.TheBusOfACardBehindPciIsWhatTheCardCounts)
 
 # Tests that are no GoogleTests are in the default tier, but for these.
-set(CDE_FULL_ONLY bitstream.concurrent bitstream.interrupted bitstream.plain lint.rtl mpi.hosts mutate.faults)
+set(CDE_FULL_ONLY bitstream.concurrent bitstream.interrupted bitstream.plain fp_cli.formats lint.rtl mpi.hosts mutate.faults)
 
 # ---- How they are taken ----
 
@@ -68,7 +68,7 @@ function(cde_planted_tests program out)
 endfunction()
 
 # cde_discover_tests(cde_NAME_tests [LABELLED LABEL FILTER] PROPERTIES LABELS LABEL [TIMEOUT SECONDS] [ENVIRONMENT VARIABLE=VALUE ...]):
-# those of the tier. What FILTER matches has the other LABEL, too, and is of the full tier alone if the program has a list.
+# those of the tier. Tests matching FILTER have LABEL as well. If the program has a list, only the full tier runs them.
 function(cde_discover_tests target)
   cmake_parse_arguments(arg "" "" "LABELLED;PROPERTIES" ${ARGN})
   cmake_parse_arguments(arg "" "TIMEOUT" "LABELS;ENVIRONMENT" ${arg_PROPERTIES})
