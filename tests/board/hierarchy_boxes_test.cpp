@@ -99,6 +99,13 @@ TEST(HierarchyOverBoxes, RecordsAreThoseOfASweepAndOfTheReference) {
   });
 }
 
+TEST(HierarchyOverBoxes, OfSpheresRecordsAreThoseOfASweepAndOfTheReference) {
+  Board board = Board::open(sphere_pairs_config());
+  in_scenes(2000, [&](const TriangleScene& scene) {
+    expect_same_as_all<Sphere>(board, obbs_of(scene), 100);
+  });
+}
+
 TEST(HierarchyOverBoxes, TheOtherRoleOfAPair) {
   Board board = Board::open(solids_config());
   in_scenes(400, [&](const TriangleScene& scene) {
@@ -196,7 +203,7 @@ TEST(HierarchyOverBoxes, ObjectsMove) {
 /// A fault ends a pass whatever it is at, between the two beats of a box as well: the pass behind
 /// it has its own boxes.
 TEST(HierarchyOverBoxes, APassThatIsLeftBetweenTwoBeats) {
-  Board board = Board::open(boxes_config(), {.memory = Memory::kCycle});
+  Board board = Board::open(sphere_pairs_config(), {.memory = Memory::kCycle});
   const auto boxes = obbs_of(kScenes[0].make());
   const Hierarchy tree = Hierarchy::build(boxes);
   board.upload(boxes, tree);

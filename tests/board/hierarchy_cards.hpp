@@ -98,6 +98,16 @@ inline BoardConfig boxes_config() {
           .transform = Transformer::kSecondaries,
           .sram_records = 64};
 }
+/// Spheres that meet triangles and boxes: of the cards with solids the one that is built soonest.
+inline BoardConfig sphere_pairs_config() {
+  return {.lanes = 8,
+          .pairs = {Pair::kTriangleSphere, Pair::kSphereObb},
+          .box = true,
+          .swap = true,
+          .node_units = 2,
+          .nodes = 1024,
+          .sram_records = 64};
+}
 inline BoardConfig spheres_gates_config() {
   return {.lanes = 1,
           .arithmetic = Arithmetic::kRtl,

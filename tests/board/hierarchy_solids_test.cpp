@@ -86,7 +86,8 @@ void expect_all(Board& board, std::size_t count, std::size_t most = 2000) {
 
 const Card kSolids{"solids", solids_config};
 const Card kSolidsDdr{"solids_ddr", solids_config, {.memory = Memory::kCycle}};
-const Card kMeshes{"meshes", meshes_config}, kSolidsGates{"gates", spheres_gates_config};
+const Card kMeshes{"meshes", meshes_config}, kSolidsGates{"gates", spheres_gates_config},
+    kSpherePairs{"spheres", sphere_pairs_config};
 
 class HierarchySolids : public ::testing::TestWithParam<Card> {
  protected:
@@ -96,14 +97,14 @@ class HierarchySolids : public ::testing::TestWithParam<Card> {
   }
 };
 INSTANTIATE_TEST_SUITE_P(Cards, HierarchySolids,
-                         ::testing::Values(kSolids, kSolidsDdr, kSlow, kLate, kMeshes,
-                                           kSolidsGates),
+                         ::testing::Values(kSolids, kSolidsDdr, kSlow, kLate, kMeshes, kSolidsGates,
+                                           kSpherePairs),
                          [](const auto& card) { return std::string(card.param.name); });
 
 /// CDE_FULL=1: 20,000 of each on the first card, and of triangles on the last.
 TEST_P(HierarchySolids, RecordsAreThoseOfASweepAndOfTheReference) {
   Board board = Board::open(GetParam().config(), GetParam().options);
-  const bool fast = GetParam().name == kSolids.name;
+  const bool fast = GetParam().name == kSolids.name || GetParam().name == kSpherePairs.name;
   const bool late = GetParam().name == kLate.name;
   if (GetParam().config == spheres_gates_config)
     return expect_all<Sphere>(board, some(10, 60), 300);

@@ -201,6 +201,12 @@ std::unique_ptr<Tester> tester(const PassQuery& query, Shapes&& primaries,
   if (query.format != FpFormat{})
     return std::make_unique<WordTester>(query, primaries, secondaries);
   std::unique_ptr<Tester> made;
+  if (query.pair == Pair::kRayTriangle && !query.swap) {
+    with_ray_triangle<float>(query.algorithm, query.box, [&](auto test) {
+      made = float_tester<Ray, Triangle>(std::move(primaries), secondaries, test);
+    });
+    return made;
+  }
   with_pair<float>(query.pair, query.algorithm, query.box, PlaneSide::kSurface, query.budget,
                    [&]<class A, class B>(Kinds<A, B>, auto test) {
                      if (query.swap) {

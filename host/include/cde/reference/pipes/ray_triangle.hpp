@@ -255,15 +255,18 @@ template <typename S, bool Box = false, bool AtSizeOne = false>
   return ray_outcome<S>(met, t, add<S>(ray.o, hit));
 }
 
-template <class S>
-using RayTriangleTest = Outcome<S> (*)(const BasicRay<S>&, const BasicTriangle<S>&);
-
-/// The algorithm's test, with the box rule or without.
-template <class S>
-[[nodiscard]] RayTriangleTest<S> ray_triangle_test(Algorithm algorithm, bool box) {
+/// Calls use(test), where test(ray, triangle) is the algorithm's reference, with the box rule or
+/// without. Every test has a type of its own, so that a loop over it can have it inlined.
+template <class S, class Use>
+auto with_ray_triangle(Algorithm algorithm, bool box, Use use) {
 // NOLINTNEXTLINE(bugprone-macro-parentheses): a template's name
-#define CDE_RAY(FUNCTION) \
-  box ? RayTriangleTest<S>(FUNCTION<S, true>) : RayTriangleTest<S>(FUNCTION<S, false>)
+#define CDE_RAY(FUNCTION)                                                       \
+  box ? use([](const BasicRay<S>& r, const BasicTriangle<S>& t) -> Outcome<S> { \
+    return FUNCTION<S, true>(r, t);                                             \
+  })                                                                            \
+      : use([](const BasicRay<S>& r, const BasicTriangle<S>& t) -> Outcome<S> { \
+          return FUNCTION<S, false>(r, t);                                      \
+        })
   switch (algorithm) {
     case Algorithm::kMoller:
       return CDE_RAY(ray_triangle_moller);
@@ -276,6 +279,15 @@ template <class S>
   }
 #undef CDE_RAY
   throw Error(ErrorCode::kUsage, "there is no such algorithm of ray-triangle");
+}
+
+template <class S>
+using RayTriangleTest = Outcome<S> (*)(const BasicRay<S>&, const BasicTriangle<S>&);
+
+/// The same as a function.
+template <class S>
+[[nodiscard]] RayTriangleTest<S> ray_triangle_test(Algorithm algorithm, bool box) {
+  return with_ray_triangle<S>(algorithm, box, [](auto test) -> RayTriangleTest<S> { return test; });
 }
 
 }  // namespace cde::reference
