@@ -70,7 +70,7 @@ struct MeasuredRays {
 };
 
 /// A card of the comparison.
-struct Entry {
+struct BaselineEntry {
   BoardConfig config;
   Board board;
   MeasuredRays measured = {};
@@ -125,7 +125,7 @@ ordered_json compare_rates(const BenchOptions& o) {
       "\n256 rays x {} triangles, single thread, processor time, best of {} rounds that "
       "each measure everything once (gate level: of 2)\n",
       scene.triangles.size(), kRounds);
-  std::vector<Entry> entries;
+  std::vector<BaselineEntry> entries;
   // Around the fastest of each; wider ones take minutes to compile and fall out of the first-level
   // cache.
   constexpr std::pair<Arithmetic, unsigned> kCards[] = {
@@ -147,7 +147,7 @@ ordered_json compare_rates(const BenchOptions& o) {
   std::optional<Progress> progress("rays, cards beside software");
   for (int round = 0; round < kRounds; ++round) {
     (*progress)(static_cast<double>(round) / kRounds);
-    for (Entry& e : entries)
+    for (BaselineEntry& e : entries)
       if (e.config.arithmetic == Arithmetic::kHost || round < 2) e.measured.cast(e.board, scene);
     run_baselines(scene, entries[0].measured.records, rates);
     run_baselines(down, card_down.records, rates_down);
@@ -166,7 +166,7 @@ ordered_json compare_rates(const BenchOptions& o) {
           {{"kind", r.name}, {"rays", rays}, {"tests_per_second", r.tests_per_second}});
     }
   }
-  for (const Entry& e : entries) {
+  for (const BaselineEntry& e : entries) {
     const Counters& c = e.measured.counters;
     const char* arithmetic = e.config.arithmetic == Arithmetic::kHost ? "host" : "rtl";
     const double rate = static_cast<double>(c.pairs) / e.measured.seconds;

@@ -6,6 +6,12 @@
 
 namespace cde::wave {
 
+// A terminal that no screen has changed.
+struct tui::Terminal::Modes {};
+tui::Terminal::Terminal() = default;
+tui::Terminal::~Terminal() = default;
+void tui::Terminal::restore() const {}
+
 int terminal_viewer(const Request&) {
   throw Error(ErrorCode::kUsage,
               "cde wave tui: this program was built without ncurses; install libncurses-dev and "

@@ -75,8 +75,9 @@ std::string program_file(std::string_view program) {
     if (::access((folder / program).c_str(), X_OK) == 0) return folder / program;
   throw Error(ErrorCode::kFile,
               fmt::format("{} is not installed beside cde or in libexec/cde; build it with: "
-                          "cmake --build build --target {}",
-                          program, target_of(program)));
+                          "cmake --build build --target {}{}",
+                          program, target_of(program),
+                          program == "cde-accuracy" ? " (needs Boost, libboost-dev)" : ""));
 }
 
 int other_program(const VerbEntry& entry, const std::vector<std::string>& words) {
