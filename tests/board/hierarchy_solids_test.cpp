@@ -101,7 +101,7 @@ INSTANTIATE_TEST_SUITE_P(Cards, HierarchySolids,
                                            kSpherePairs),
                          [](const auto& card) { return std::string(card.param.name); });
 
-/// CDE_FULL=1: 20,000 of each on the first card, and of triangles on the last.
+/// CDE_FULL=1: 20,000 of each on the first card, and of triangles on that of meshes.
 TEST_P(HierarchySolids, RecordsAreThoseOfASweepAndOfTheReference) {
   Board board = Board::open(GetParam().config(), GetParam().options);
   const bool fast = GetParam().name == kSolids.name || GetParam().name == kSpherePairs.name;
